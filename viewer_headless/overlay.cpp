@@ -61,7 +61,7 @@ void DrawDashed(cv::Mat& picture, const cv::Point2f& p, const cv::Point2f& q, co
 
 void DrawSegment(const OverlaySegment& segment, cv::Mat& picture) {
   if (!IsDrawable(segment.p_px) || !IsDrawable(segment.q_px)) return;
-  if (!segment.has_depth) {
+  if (!segment.HasDepth()) {
     DrawDashed(picture, segment.p_px, segment.q_px, kNoDepth);
     return;
   }

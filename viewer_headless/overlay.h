@@ -26,9 +26,12 @@ struct OverlayPoint {
 struct OverlaySegment {
   cv::Point2f p_px;
   cv::Point2f q_px;
-  bool has_depth = false;
+  float disparity_p_px = -1.0F;  ///< both < 0: no depth
+  float disparity_q_px = -1.0F;
   int age = 0;
   bool moving = false;
+
+  bool HasDepth() const { return disparity_p_px >= 0.0F && disparity_q_px >= 0.0F; }
 };
 
 struct OverlayFeatures {

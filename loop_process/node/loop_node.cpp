@@ -75,9 +75,15 @@ void LoopNode::Queue(Arrival arrival) {
     // Without a map nothing could be done with them, and it is the bus that brings it.
     changed_.wait_for(lock, kHold, [this] { return stopping_ || !camera_ || arrivals_.size() < kMostArrivals; });
     arrivals_.push_back(std::move(arrival));
-    process_.SetCounter("queue.arrivals", static_cast<double>(arrivals_.size()));
+    CountWaiting(arrivals_.back(), 1);
   }
   changed_.notify_all();
+}
+
+void LoopNode::CountWaiting(const Arrival& arrival, int more) {
+  if (std::holds_alternative<Keyframe>(arrival)) n_waiting_keyframes_ += more;
+  process_.SetCounter("queue.arrivals", static_cast<double>(arrivals_.size()));
+  process_.SetCounter("queue.keyframes", static_cast<double>(n_waiting_keyframes_));
 }
 
 void LoopNode::CheckUntilStopped() {
@@ -92,7 +98,7 @@ void LoopNode::CheckUntilStopped() {
         arrival = std::move(arrivals_.front());
         arrivals_.pop_front();
         if (arrivals_.size() + 1 >= kMostArrivals) changed_.notify_all();
-        process_.SetCounter("queue.arrivals", static_cast<double>(arrivals_.size()));
+        CountWaiting(*arrival, -1);
         if (!service_) Begin(*camera_);
       }
     }

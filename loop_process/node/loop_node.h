@@ -50,6 +50,8 @@ class LoopNode {
   void OnUpdate(MapUpdate update);
   void OnStatus(const status_t& message);
   void Queue(Arrival arrival);
+  /// `more` is 1 for an arrival that has come, -1 for one that is handled.
+  void CountWaiting(const Arrival& arrival, int more);
 
   // On the workers.
   void CheckUntilStopped();
@@ -73,6 +75,7 @@ class LoopNode {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Arrival> arrivals_;        ///< bounded: see `Queue`
+  int64_t n_waiting_keyframes_ = 0;     ///< of the arrivals
   std::optional<StereoCamera> camera_;  ///< of the first map
   std::optional<WholeMapProblem> adjustment_;
   bool stopping_ = false;

@@ -14,6 +14,7 @@
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/shell.h"
+#include "tests/support/text_file.h"
 #include "viewer_headless/report/report_json.h"
 #include "viewer_headless/report/report_page.h"
 #include "viewer_headless/report/report_recorder.h"
@@ -64,6 +65,13 @@ void RunScript(const std::string& script, std::vector<std::string> arguments, co
   RunNode(arguments, log);
 }
 
+/// The scripts check_NAME.mjs find nothing wrong with the report of the run.
+void CheckReport(const WholeRun& run, const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    RunScript("check_" + name + ".mjs", {(run.out() / "report.html").string()}, run.folder() / (name + ".log"));
+  }
+}
+
 int FreePort() {
   const int fd = socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in address{};
@@ -91,13 +99,21 @@ TEST(Report, IsSeenLiveAndReadFromItsFileAfterwards) {
   run.Start(
       {"run", "synthetic:room?frames=5000&size=376x240", "--pace", "realtime", "--set", "viewer.serve=" + port});
   ASSERT_TRUE(WholeRun::WaitFor([&] { return run.Logs().find("live page: ") != std::string::npos; })) << run.Logs();
-  RunScript("check_live.mjs", {"http://127.0.0.1:" + port + "/"}, run.folder() / "live.log");
+  RunScript("check_live.mjs", {"http://127.0.0.1:" + port + "/", std::to_string(run.PidOf("vo_process"))},
+            run.folder() / "live.log");
   run.process().Signal(SIGINT);
   ASSERT_NE(run.Wait(), -1) << run.Logs();
   ASSERT_TRUE(std::filesystem::exists(run.out() / "report.html")) << run.Logs();
   EXPECT_LT(std::filesystem::file_size(run.out() / "report.html"), 8'000'000U);
-  RunScript("check_report.mjs", {(run.out() / "report.html").string()}, run.folder() / "report.log");
-  RunScript("check_use.mjs", {(run.out() / "report.html").string()}, run.folder() / "use.log");
+  CheckReport(run, {"report", "picture"});
+}
+
+TEST(Report, IsUsedWithMouseAndKeys) {
+  if (const std::string why = Missing(); !why.empty()) GTEST_SKIP() << why;
+  WholeRun run;
+  // Once around, with a loop.
+  ASSERT_EQ(run.Run({"run", "synthetic:room?frames=400&size=376x240"}), 0) << run.Logs();
+  CheckReport(run, {"use", "address", "link", "alone"});
 }
 
 TEST(Report, PageThatWatchesIsToldOfTheEnd) {
@@ -130,14 +146,16 @@ TEST(Report, MapsOfTwoRunsTogether) {
   const ScratchFolder folder;
   const auto compare = [&](const std::filesystem::path& other) {
     return test::Shell(folder, "'" + (test::BinaryFolder() / "evaluate").string() + "' compare '" +
-                                   both.out().string() + "' '" + other.string() + "' --map " +
-                                   folder.Path("page.html"));
+                                   both.out().string() + "' '" + other.string() + "' --html '" +
+                                   folder.Path("all runs.html") + "' --map '" + folder.Path("page.html") + "'");
   };
   const test::ShellResult done = compare(points.out());
   ASSERT_EQ(done.exit_code, 0) << done.error;
   RunScript("check_joint.mjs", {folder.Path("page.html")}, folder.Path("joint.log"));
   const test::ShellResult alone = compare(folder.Path(""));
   EXPECT_EQ(alone.exit_code, 1);
+  const std::string html = ReadText(folder.Path("all runs.html"));
+  EXPECT_EQ(html.find("page.html"), std::string::npos) << "a link to a map that could not be made";
   EXPECT_NE(alone.error.find("no other run has played what "), std::string::npos) << alone.error;
 }
 

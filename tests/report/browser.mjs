@@ -10,8 +10,12 @@ const kFlags = ["--headless=new", "--no-sandbox", "--disable-quic", "--no-first-
   "--disable-component-update", "--disable-sync", "--disable-extensions", "--disable-dev-shm-usage", "--hide-scrollbars",
   "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--force-device-scale-factor=1"];
 
+/** Of the Shift key, in what the browser is told of a mouse. */
+export const kShift = 8;
+
 export class Browser {
-  static async open(chromedriver, chromium) {
+  /** `network`: what is asked of the network is written down, for `requests`. */
+  static async open(chromedriver, chromium, { network = false } = {}) {
     const browser = new Browser();
     browser.profile = mkdtempSync(join(tmpdir(), "report-browser-"));
     // Port 0: any free one, which it then says.
@@ -36,7 +40,7 @@ export class Browser {
     const { sessionId } = await browser.request("POST", "/session", {
       capabilities: { alwaysMatch: {
         "goog:chromeOptions": { binary: chromium, args: [...kFlags, `--user-data-dir=${browser.profile}`] },
-        "goog:loggingPrefs": { browser: "ALL" },
+        "goog:loggingPrefs": { browser: "ALL", ...(network ? { performance: "ALL" } : {}) },
       } },
     });
     browser.session = `/session/${sessionId}`;
@@ -63,24 +67,24 @@ export class Browser {
     return this.devtools("Emulation.setDeviceMetricsOverride", { width, height, deviceScaleFactor: 1, mobile: false });
   }
 
-  mouse(type, [x, y], clickCount = 0) {
+  mouse(type, [x, y], clickCount = 0, modifiers = 0) {
     const pressed = type === "mouseMoved" ? {} : { button: "left", clickCount };
-    return this.devtools("Input.dispatchMouseEvent", { type, x, y, ...pressed });
+    return this.devtools("Input.dispatchMouseEvent", { type, x, y, modifiers, ...pressed });
   }
 
-  /** The hand goes to a place, presses, goes on to another, and lets go; `clicks` times. */
-  async press(from, to = from, clicks = 1) {
-    await this.mouse("mouseMoved", from);
+  /** The hand goes to a place, presses, goes on to another, and lets go; `clicks` times, with keys held. */
+  async press(from, to = from, clicks = 1, modifiers = 0) {
+    await this.mouse("mouseMoved", from, 0, modifiers);
     for (let click = 1; click <= clicks; ++click) {
-      await this.mouse("mousePressed", from, click);
-      if (to !== from) await this.devtools("Input.dispatchMouseEvent", { type: "mouseMoved", x: to[0], y: to[1], button: "left", buttons: 1 });
-      await this.mouse("mouseReleased", to, click);
+      await this.mouse("mousePressed", from, click, modifiers);
+      if (to !== from) await this.devtools("Input.dispatchMouseEvent", { type: "mouseMoved", x: to[0], y: to[1], button: "left", buttons: 1, modifiers });
+      await this.mouse("mouseReleased", to, click, modifiers);
     }
   }
 
-  async key(key, text) {
-    await this.devtools("Input.dispatchKeyEvent", { type: "keyDown", key, text });
-    await this.devtools("Input.dispatchKeyEvent", { type: "keyUp", key });
+  async key(key, text, modifiers = 0) {
+    await this.devtools("Input.dispatchKeyEvent", { type: "keyDown", key, text, modifiers });
+    await this.devtools("Input.dispatchKeyEvent", { type: "keyUp", key, modifiers });
   }
 
   /** Value of the body of a function; promises are waited for. */
@@ -105,6 +109,13 @@ export class Browser {
   /** What the console says, since the last call. */
   log() {
     return this.request("POST", `${this.session}/se/log`, { type: "browser" });
+  }
+
+  /** Addresses of all that the pages have asked for, since the last call. */
+  async requests() {
+    const entries = await this.request("POST", `${this.session}/se/log`, { type: "performance" });
+    const messages = entries.map((entry) => JSON.parse(entry.message).message);
+    return messages.filter((m) => m.method === "Network.requestWillBeSent").map((m) => m.params.request.url);
   }
 
   /** Ends Chromium where it does not answer: a driver that is killed leaves it running. */

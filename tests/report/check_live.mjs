@@ -1,12 +1,72 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// node check_live.mjs CHROMEDRIVER CHROMIUM URL: opens the live page of a run that goes on, and watches it grow. Exit code 1
-// where something is wrong.
-import { Browser } from "./browser.mjs";
+// node check_live.mjs CHROMEDRIVER CHROMIUM URL PID: opens the live page of a run that goes on, and watches it grow. PID is that
+// of its vo_process, which is held up for a moment. Exit code 1 where something is wrong.
+import { Browser, kShift } from "./browser.mjs";
 import { Check, runChecks } from "./page.mjs";
 
-const [chromedriver, chromium, url] = process.argv.slice(2);
+const [chromedriver, chromium, url, pid] = process.argv.slice(2);
 const check = new Check();
 const browser = await Browser.open(chromedriver, chromium);
+const kProcesses = `return Object.fromEntries([...document.querySelectorAll("#process-table tbody tr")].map((row) =>
+  [row.dataset.process, Object.fromEntries([...row.children].map((cell) => [cell.dataset.name, cell.textContent]))]))`;
+
+/** A vo_process that does nothing falls behind, and then catches up. */
+async function checkLag() {
+  const behind = "return Math.max(-1, ...plslam.run.processes.filter((p) => p.name === 'vo').map((p) => p.lag_frames))";
+  const before = await browser.run(behind);
+  process.kill(Number(pid), "SIGSTOP");
+  try {
+    await browser.until(`${behind} > ${before} + 30`, "a vo_process that is behind", 20);
+    await browser.until("return /silent/.test(document.querySelector('#process-table [data-process=vo] [data-name=state]').textContent)", "that says nothing");
+    const { vo } = await browser.run(kProcesses);
+    check.that(parseInt(vo.lag) > before + 30 && /s\)/.test(vo.lag), `one that is held up is behind: ${JSON.stringify(vo)}`);
+  } finally {
+    process.kill(Number(pid), "SIGCONT");
+  }
+  await browser.until(`${behind} < ${before} + 20`, "a vo_process that has caught up", 30);
+}
+
+/** What was measured stays while the map goes on. */
+async function checkMeasured(page) {
+  // The map moves on between the look and the click.
+  const click = async (type, avoid, keys, done) => {
+    for (let i = 0; i < 8 && !(await browser.run(done)); ++i) {
+      const { row, at } = await page.findPickable(type, 0, avoid);
+      if (row >= 0) await browser.press(at, at, 1, keys);
+    }
+    await browser.until(done, "something chosen");
+  };
+  await click("keyframes", [], 0, "return !!plslam.view.parts.selection.picked");
+  const first = await browser.run("const { type, row } = plslam.view.parts.selection.picked; return [type, row]");
+  await click("keyframes", [first], kShift, "return !!plslam.view.parts.selection.other");
+  const ids = "const { selection } = plslam.view.parts; return [selection.textOf(selection.picked, selection.id), selection.textOf(selection.other, selection.otherId)].join()";
+  const before = await browser.run(ids);
+  await browser.run("window.oldMap = plslam.run.map");
+  await browser.until("return plslam.run.map !== window.oldMap", "another map", 30);
+  await page.settle();
+  const [after, seen] = [await browser.run(ids), await browser.run("return !document.getElementById('measured').hidden && document.getElementById('picked').textContent.includes('distance')")];
+  check.that(after === before && seen, `what was measured stays in another map: ${before}, then ${after}, ${seen}`);
+  await browser.key("Escape");
+}
+
+/** The address is written, and read where the run goes on. */
+async function checkAddress(page) {
+  await browser.run("document.activeElement.blur(); plslam.replay.go(7)");
+  await browser.key("ArrowRight");
+  await page.click("#view-top");
+  await page.click("[data-mode=life]");
+  const keyframe = await browser.run("return plslam.run.map.keyframes.id[0]");
+  const address = await page.address();
+  check.that(address.frame === "8" && address.view === "top", "the address tells frame and view");
+  await page.open(`${url}#frame=8&view=top&colour=life&layers=-keyframes&pick=keyframes:${keyframe}`);
+  await browser.until("return plslam.run.map && !!plslam.view.parts.selection.picked", "what the address asks for");
+  const state = await browser.run("const { view, replay } = plslam; return [replay.row, view.fromAbove, view.colourMode, view.layers.get('keyframes'), view.parts.selection.id]");
+  check.that(`${state}` === `8,true,life,false,${keyframe}`, `a live page shows what its address says: ${state}`);
+  await page.open(`${url}`);
+  const following = await page.address();
+  check.that(following.frame === undefined && following.view === "all", "and one that follows the run goes on doing so");
+}
+
 await runChecks(check, browser, async (page) => {
   await page.open(url);
   const first = await browser.run("return plslam.run.rows");
@@ -19,13 +79,17 @@ await runChecks(check, browser, async (page) => {
   await page.settle();
   const seen = await page.look("#map", ["path"]);
   check.that(seen.drawn > 500 && seen.near.path > 30, `and are drawn: ${seen.drawn} pixels, ${seen.near.path} of the path`);
-  const processes = await browser.run(`return Object.fromEntries([...document.querySelectorAll("#process-list li")].map((li) => [li.dataset.process, li.textContent]))`);
+  const processes = await browser.run(kProcesses);
   for (const name of ["player", "vo", "mapping", "loop", "viewer"]) {
-    check.that(/running|ready|finished/.test(processes[name]) && /restart/.test(processes[name]), `the state of ${name}: '${processes[name]}'`);
+    const p = processes[name];
+    check.that(/running|ready|finished/.test(p.state) && p.restarts === "0" && /^\d+ frames?( \(.* s\))?$/.test(p.lag), `how ${name} is: ${JSON.stringify(p)}`);
   }
-  check.that(/ms a frame/.test(processes.vo), "and what a frame takes");
+  check.that(/ ms$/.test(processes.vo.work) && /ms an update/.test(processes.mapping.work), "and what a frame takes");
   const ids = await browser.run("return Array.from(plslam.run.frames.id)");
   check.that(ids.every((id, i) => i === 0 || id > ids[i - 1]), "each frame once, in order");
   const columns = await browser.run("return Object.entries(plslam.run.frames).map(([name, c]) => [name, c.length / plslam.run.frameWidths[name]])");
   check.that(columns.every(([, n]) => n === columns[0][1]), `columns are equally long: ${columns}`);
+  await checkMeasured(page);
+  await checkAddress(page);
+  await checkLag();
 });

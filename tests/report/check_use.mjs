@@ -3,7 +3,7 @@
 // then knows (no pictures, which take long here). Exit code 1 where something is wrong.
 import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
-import { Browser } from "./browser.mjs";
+import { Browser, kShift } from "./browser.mjs";
 import { Check, runChecks } from "./page.mjs";
 
 const [chromedriver, chromium, file] = process.argv.slice(2);
@@ -114,22 +114,56 @@ async function checkStrength(page) {
 
 /** Clicks on the first of a table that nothing else hides; its row. */
 async function clickOn(page, type) {
-  const [row, x, y] = await browser.run(`
-    const { view, run } = plslam;
-    const box = view.canvas.getBoundingClientRect();
-    const { p } = run.map[arguments[0]];
-    for (let row = 0; row < p.length / 3; ++row) {
-      const at = view.picker.pixelOf(p.subarray(3 * row, 3 * row + 3));
-      const [x, y] = at ? [Math.round(at[0]), Math.round(at[1])] : [-1, -1];
-      if (document.elementFromPoint(box.x + x, box.y + y) !== view.canvas) continue;
-      const picked = view.picker.pick(x, y);
-      if (picked?.type === arguments[0] && picked.row === row) return [row, box.x + x, box.y + y];
-    }
-    return [-1, 0, 0];`, type);
+  const { row, at } = await page.findPickable(type);
   check.that(row >= 0, `one of ${type} can be clicked`);
-  await browser.press([x, y]);
+  await browser.mouse("mouseMoved", [at[0] - 1, at[1]]);
+  await browser.until("return document.getElementById('map').style.cursor === 'pointer'", "a pointer over it");
+  await browser.press(at);
   await browser.until("return !document.getElementById('picked').hidden", "a box");
   return row;
+}
+
+async function checkMeasuring(page, point) {
+  const other = await page.findPickable("keyframes");
+  await browser.press(other.at, other.at, 1, kShift);
+  await browser.until("return !document.getElementById('measured').hidden", "a label");
+  const wanted = await browser.run(`
+    const { run } = plslam;
+    const [a, b] = [run.map.points.p.subarray(3 * arguments[0]), run.map.keyframes.p.subarray(3 * arguments[1])];
+    return Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);`, point, other.row);
+  const measured = await page.text("#picked");
+  const id = await browser.run("return plslam.run.map.keyframes.id[arguments[0]]", other.row);
+  check.that(measured.includes("distance") && measured.includes(`to keyframe ${id}`), `with the shift key the distance (${wanted.toFixed(2)} m): '${measured}'`);
+  check.that(await browser.run("return plslam.view.parts.selection.measure.object.visible"), "and a line");
+  const label = await page.text("#measured");
+  check.that(Math.abs(parseFloat(label) * (label.includes("cm") ? 0.01 : 1) - wanted) < 0.01 * wanted + 0.005, `with its length: '${label}'`);
+  const off = await browser.run(`
+    const { view, run } = plslam;
+    const { picked, other } = view.parts.selection;
+    const ends = [picked, other].map((p) => view.picker.pixelOf(view.parts.selection.placeOf(run, p)));
+    const [map, label] = ["map", "measured"].map((id) => document.getElementById(id).getBoundingClientRect());
+    const at = [label.x + 0.0 - map.x, label.y + 0.5 * label.height - map.y];
+    const [[ax, ay], [bx, by]] = ends;
+    const t = Math.min(1, Math.max(0, ((at[0] - ax) * (bx - ax) + (at[1] - ay) * (by - ay)) / ((bx - ax) ** 2 + (by - ay) ** 2)));
+    return Math.hypot(at[0] - ax - t * (bx - ax), at[1] - ay - t * (by - ay));`);
+  check.that(off < 20, `beside the line: ${off.toFixed(1)} pixels`);
+}
+
+/** A double click turns the view around what was clicked. */
+async function checkFocus(page) {
+  const { at } = await page.findPickable("points");
+  await browser.press(at, at, 2);
+  await page.settle();
+  const off = await browser.run(`
+    const { view, run } = plslam;
+    const { selection } = view.parts;
+    const p = view.inScene(selection.placeOf(run, selection.picked));
+    const t = view.controls.target;
+    return Math.hypot(t.x - p[0], t.y - p[1], t.z - p[2]);`);
+  check.that(off < 1e-4, `a double click turns the view around what was clicked: ${off} m off`);
+  await browser.key("Escape");
+  await browser.key("1", "1");
+  await page.settle();
 }
 
 async function checkPick(page) {
@@ -140,15 +174,10 @@ async function checkPick(page) {
   check.that((await browser.run(rays)) === observations, `a ray to each of the ${observations} keyframes that observe it`);
   const text = await page.text("#picked");
   check.that(text.includes(`Point ${id}`) && text.includes(`${observations} keyframes`) && /sigma[<.\d ]+ ?[ckm]?m/.test(text), `its box: '${text}'`);
+  const life = await browser.run("return plslam.run.map.points.life[arguments[0]]", point);
+  check.that(text.includes(`seen over${life} frames`), `and that it was seen over ${life} frames`);
   check.that(await browser.run("return plslam.view.parts.selection.frusta.visible"), "whose keyframes are marked");
-  const wanted = await browser.run(`
-    const { run, view } = plslam;
-    const [a, b] = [run.map.points.p.subarray(3 * arguments[0]), run.map.keyframes.p];
-    view.parts.selection.measureTo(run, { type: "keyframes", row: 0 });
-    return Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);`, point);
-  const measured = await page.text("#picked");
-  check.that(measured.includes("distance") && measured.includes("to keyframe 0"), `with the shift key the distance (${wanted.toFixed(2)} m): '${measured}'`);
-  check.that(await browser.run("return plslam.view.parts.selection.measure.object.visible"), "and a line");
+  await checkMeasuring(page, point);
   await browser.key("Escape");
   await browser.until("return document.getElementById('picked').hidden", "no box");
   const keyframe = await clickOn(page, "keyframes");
@@ -164,19 +193,62 @@ async function checkPick(page) {
   await browser.key("Escape");
 }
 
-/** The address says what is looked at, and leads there again. */
-async function checkAddress() {
-  await browser.run("plslam.replay.go(7); document.getElementById('view-top').click()");
-  await browser.until("return location.hash.includes('frame=')", "the view in the address");
-  await browser.until("return location.hash.startsWith('#frame=' + plslam.run.frames.id[7] + '&')", "with the frame");
-  const [hash, ...eye] = await browser.run("return [location.hash, ...plslam.view.camera.position.toArray()]");
-  await browser.run("document.getElementById('view-all').click(); plslam.replay.go(2)");
-  await browser.run("history.replaceState(null, '', arguments[0]); window.dispatchEvent(new Event('hashchange'))", hash);
-  const [row, ...again] = await browser.run("return [plslam.replay.row, ...plslam.view.camera.position.toArray()]");
-  const off = Math.max(...eye.map((x, k) => Math.abs(x - again[k])));
-  check.that(row === 7 && off < 1e-3 * (1 + Math.hypot(...eye)), `the address '${hash}' leads back (row ${row}, eye ${off} m off)`);
-  await browser.run("history.replaceState(null, '', '#frame=x&eye=1,2&target='); window.dispatchEvent(new Event('hashchange'))");
-  check.that((await browser.run("return plslam.replay.row")) === 7, "nonsense in the address changes nothing");
+/** Landmarks that were seen over few frames are hidden by a slider, and colours tell them. */
+async function checkLife(page) {
+  const drawn = "const { pointData, segmentData } = plslam.view.parts.landmarks; return [pointData.seen.length, segmentData.seen.length]";
+  const lives = await browser.run("return ['points', 'segments'].map((type) => Array.from(plslam.run.map[type].life))");
+  const least = Math.round(lives[0].toSorted((a, b) => a - b)[Math.floor(0.7 * lives[0].length)]);
+  await browser.run("document.getElementById('life').focus()");
+  await page.slide("#life", least);
+  const wanted = lives.map((l) => l.filter((frames) => frames >= least).length);
+  const shown = await browser.run(drawn);
+  check.that(`${shown}` === `${wanted}` && shown[0] < lives[0].length && shown[0] > 0, `from ${least} frames on ${shown} of ${lives.map((l) => l.length)} landmarks`);
+  const observed = await browser.run(`
+    const { run } = plslam;
+    const { rows, starts } = run.observersOf("points");
+    return run.map.points.life.every((life, i) => life === run.map.keyframes.frame[rows[starts[i + 1] - 1]] - run.map.keyframes.frame[rows[starts[i]]]);`);
+  check.that(observed, "which is from the first keyframe that observes them to the last");
+  await page.slide("#life", 0);
+  check.that(`${await browser.run(drawn)}` === `${lives.map((l) => l.length)}`, "and all again");
+  await page.settle();
+  const before = await page.look("#map");
+  await page.click("[data-mode=life]");
+  await page.settle();
+  check.that((await page.look("#map")).digest !== before.digest && /seen over/.test(await page.text("#legend")), "colours tell it, too");
+  await page.click("[data-mode=height]");
+}
+
+async function checkHelp() {
+  const open = "return document.getElementById('help').open";
+  await browser.key("?", "?");
+  check.that(await browser.run(open), "the key ? opens the help");
+  const text = await browser.run("return document.getElementById('help').innerText");
+  for (const what of ["Shift and click", "R", "D", "Space", "1, 2, 3", "double click"]) check.that(text.includes(what), `which tells of '${what}'`);
+  await browser.key("Escape");
+  check.that(!(await browser.run(open)), "Escape closes it");
+  await browser.run("window.scrollTo(0, 0)");
+  const { x, y, width, height } = await browser.run("return document.getElementById('help-button').getBoundingClientRect().toJSON()");
+  await browser.press([x + width / 2, y + height / 2]);
+  check.that(await browser.run(open), "a button, too");
+  await browser.key("?", "?");
+  check.that(!(await browser.run(open)), "and the key closes it");
+}
+
+async function checkLarge(page) {
+  const width = async () => (await page.box("#frame")).width;
+  const small = await width();
+  await browser.key("f", "f");
+  await page.settle();
+  const large = await width();
+  check.that(large > 1.8 * small, `the key F makes the picture large: ${small} pixels wide, then ${large}`);
+  await browser.key("Escape");
+  check.that((await width()) === small, "Escape makes it small again");
+  await page.settle();
+  const { x, y } = await page.box("#frame");
+  await browser.press([x + 20, y + 20]);
+  check.that((await width()) > 1.8 * small, "a click, too");
+  await browser.press([400, 300]);
+  check.that((await width()) === small, "and another one");
 }
 
 async function checkKeys() {
@@ -204,8 +276,11 @@ await runChecks(check, browser, async (page) => {
   await checkLevel(page);
   await checkPanel(page);
   await checkStrength(page);
+  await checkLife(page);
+  await checkFocus(page);
   await checkPick(page);
   await checkZoom(page);
-  await checkAddress();
+  await checkHelp();
+  await checkLarge(page);
   await checkKeys();
 });

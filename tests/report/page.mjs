@@ -23,6 +23,8 @@ export class Page {
 
   async open(url) {
     await this.browser.resize(1100, 800);
+    // Else another hash of the same page would not load it anew.
+    await this.browser.go("about:blank");
     await this.browser.go(url);
     await this.browser.until("return !!window.plslam && window.plslam.run.rows > 0", "data of a run");
     await this.settle();
@@ -43,6 +45,42 @@ export class Page {
 
   text(selector) {
     return this.browser.run("return document.querySelector(arguments[0]).textContent", selector);
+  }
+
+  /** Where something is on the page that a click at its place chooses, of the type ("points", "segments", "keyframes") and run (0:
+   * the page's own), but not `avoid` ([[type, row]]): {row, at: [x, y]}; row -1 where nothing is. */
+  async findPickable(type, of = 0, avoid = []) {
+    const [row, ...at] = await this.browser.run(`
+      const [type, of, avoid] = arguments;
+      const { view, run } = plslam;
+      const box = view.canvas.getBoundingClientRect();
+      const of_run = of ? run.others[of - 1] : run;
+      const n = (of_run.map[type].seen ?? of_run.map[type].frame).length;
+      for (let row = 0; row < n; ++row) {
+        if (avoid.some(([t, r]) => t === type && r === row)) continue;
+        const at = view.picker.pixelOf(view.parts.selection.placeOf(run, { type, row, of }));
+        // Whole pixels of the window, as of a mouse.
+        const [x, y] = at ? [Math.round(box.x + at[0]), Math.round(box.y + at[1])] : [-1, -1];
+        if (document.elementFromPoint(x, y) !== view.canvas) continue;
+        const picked = view.picker.pick(Math.round(x - box.x), Math.round(y - box.y));
+        if (picked?.type === type && picked.row === row && picked.of === of) return [row, x, y];
+      }
+      return [-1, 0, 0];`, type, of, avoid);
+    return { row, at };
+  }
+
+  /** What the address says, once neither it nor the view has changed for a while. */
+  async address() {
+    let before = null;
+    for (let same = 0; same < 3; ) {
+      await new Promise((resolve) => setTimeout(resolve, 150));
+      // A slow machine draws late, and a turn goes on with each picture.
+      const now = await this.browser.run(`return new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))
+        .then(() => [location.hash, ...plslam.view.camera.position.toArray()])`);
+      same = `${now}` === `${before}` ? same + 1 : 0;
+      before = now;
+    }
+    return Object.fromEntries(new URLSearchParams(before[0].slice(1)));
   }
 
   click(selector) {

@@ -2,6 +2,7 @@
 #include "viewer_headless/node/message_values.h"
 
 #include "core/bus/messages/convert.h"
+#include "core/process/process_status.h"
 
 namespace plslam::viewer {
 
@@ -44,14 +45,21 @@ OverlayFeatures ToOverlayFeatures(const tracks_t& message) {
     features.points.push_back({{p.u_px, p.v_px}, p.disparity_px, p.age, p.body >= 0});
   for (const track_line_t& l : message.lines) {
     features.segments.push_back(
-        {{l.p_px[0], l.p_px[1]}, {l.q_px[0], l.q_px[1]}, l.has_depth != 0, l.age, l.body >= 0});
+        {{l.p_px[0], l.p_px[1]}, {l.q_px[0], l.q_px[1]}, l.disparity_p_px, l.disparity_q_px, l.age, l.body >= 0});
   }
   return features;
 }
 
 ProcessSample ToProcessSample(const status_t& message, double t_s, int64_t frame_id) {
-  ProcessSample sample{message.process, message.state,     t_s, frame_id,
-                       message.cpu_s,   message.memory_mb, {},  message.pid};
+  ProcessSample sample{.process = message.process,
+                       .state = message.state,
+                       .t_s = t_s,
+                       .frame_id = frame_id,
+                       .cpu_s = message.cpu_s,
+                       .memory_mb = message.memory_mb,
+                       .counters = {},
+                       .pid = message.pid};
+  sample.queue = bus::LongestQueueOf(message);
   for (const counter_t& counter : message.counters) sample.counters.emplace_back(counter.name, counter.value);
   return sample;
 }

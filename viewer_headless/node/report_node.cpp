@@ -10,6 +10,9 @@
 
 #include "core/bus/run_loop.h"
 #include "core/io/files/atomic_file.h"
+#include "core/process/process_status.h"
+#include "core/run/lag.h"
+#include "core/run/process_names.h"
 #include "viewer_headless/node/message_values.h"
 #include "viewer_headless/report/report_json.h"
 #include "viewer_headless/report/report_page.h"
@@ -51,8 +54,24 @@ void ReportNode::OnStream(const stream_t& message) {
 
 void ReportNode::OnStatus(const status_t& message) {
   if (!wanted_) return;
-  report_->Add(ToProcessSample(message, bus::NowS(), NewestFrame()));
+  ProcessSample sample = ToProcessSample(message, bus::NowS(), NewestFrame());
+  sample.lag_frames = Lag_frames(message);
+  sample.sent_frames = NewestFrame() + 1 + unanswered_;
+  report_->Add(sample);
   for (const counter_t& counter : message.counters) report_->Take(message.header.source, counter.name, counter.value);
+}
+
+int64_t ReportNode::Lag_frames(const status_t& message) {
+  // What the player has sent is as old as its status, so what has no pose is counted then.
+  if (process_name::SendsFrames(message.process)) {
+    unanswered_ = sources_.recorder->Tally(true).unanswered;
+    return 0;
+  }
+  const auto& frames = sources_.recorder->frames();
+  const auto waiting = static_cast<int64_t>(bus::CounterOf(message, "queue.keyframes"));
+  auto frame = frames.rbegin();
+  return FramesBehind(unanswered_, waiting, static_cast<int64_t>(frames.size()),
+                      [&frame](int64_t) { return (frame++)->second.keyframe_id >= 0; });
 }
 
 void ReportNode::OnMap(const MapUpdate& update) {
@@ -66,6 +85,7 @@ void ReportNode::SetCamera(const StereoCamera& camera) {
 
 void ReportNode::BeginAgain() {
   report_ = std::make_unique<ReportRecorder>(options_.report_pictures, ++run_);
+  unanswered_ = 0;
   if (camera_) report_->SetCamera(*camera_);
   if (live_) live_->SetFinished(false);
 }

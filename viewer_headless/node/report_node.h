@@ -45,6 +45,7 @@ class ReportNode {
 
  private:
   int64_t NewestFrame() const;
+  int64_t Lag_frames(const status_t& message);
   std::string Json(const ReportSince& since) const;
 
   ViewerOptions options_;
@@ -52,6 +53,8 @@ class ReportNode {
   std::optional<std::string> page_;
   bool wanted_;
   int64_t run_ = 0;
+  /// Frames that the player had sent at its last status and that had no pose then.
+  int64_t unanswered_ = 0;
   std::optional<StereoCamera> camera_;
   std::unique_ptr<ReportRecorder> report_;
   std::unique_ptr<bus::LoopClosureSubscriber> loops_;

@@ -14,6 +14,7 @@ const kNear = ["#3f6fe0", "#2fb6c8", "#58c24a", "#e8c832", "#e2483d"].map(parse)
 export const scales = {
   height: kHeight,
   seen: kAge,
+  life: kAge,
   observations: kAge,
   near: kNear,
 };

@@ -147,11 +147,11 @@ export function countUpTo(values, limit) {
   return low;
 }
 
-/** Maps of other runs of the same dataset that `evaluate compare --map` has put into the page: its own run's name, and
- * others.js. */
+/** Other runs of the same dataset that `evaluate compare --map` has put into the page: the name of its own run, the address of
+ * the page that compares them, if there is one, and the runs as others.js reads them. */
 export function embeddedOthers() {
   const found = JSON.parse(document.getElementById("other-runs").textContent);
-  return Array.isArray(found?.others) ? found : { name: "", others: [] };
+  return Array.isArray(found?.others) ? found : { name: "", comparison: "", others: [] };
 }
 
 /** The data that stand in the page; null in a live page. Warnings of `plslam run`, which has evaluated the run, are those. */

@@ -24,60 +24,108 @@ const kFragment = `
     if (dot(d, d) > 0.25) discard;
     gl_FragColor = vec4(vTint, 1.0);
   }`;
+const kTints = 256;
 
 /** `rows` of `width` numbers in a new order. */
 function reorder(values, width, order) {
-  const result = new values.constructor(values.length);
-  order.forEach((row, i) => result.set(values.subarray(row * width, (row + 1) * width), i * width));
+  const result = new values.constructor(order.length * width);
+  order.forEach((row, i) => {
+    for (let k = 0; k < width; ++k) result[i * width + k] = values[row * width + k];
+  });
   return result;
 }
 
-export function sortBySeen(table, name, width) {
-  const order = Array.from(table.seen.keys()).sort((a, b) => table.seen[a] - table.seen[b] || a - b);
-  return { order, positions: reorder(table[name], width, order), seen: reorder(table.seen, 1, order), observations: reorder(table.observations ?? table.seen, 1, order) };
+/** The landmarks of a table in the order they were first seen. */
+export class LandmarkRows {
+  constructor(table, name, width) {
+    const n = table.seen.length;
+    this.columns = { seen: table.seen, observations: table.observations ?? new Uint8Array(n), life: table.life ?? new Uint16Array(n) };
+    this.positions = table[name];
+    this.width = width;
+    this.sorted = Array.from(table.seen.keys()).sort((a, b) => table.seen[a] - table.seen[b] || a - b);
+  }
+
+  /** Those that have been seen over so many frames at least; `order` are their rows in the table. */
+  livingAtLeast(least) {
+    const order = this.sorted.filter((row) => this.columns.life[row] >= least);
+    const columns = Object.entries(this.columns).map(([name, values]) => [name, reorder(values, 1, order)]);
+    return { order, positions: reorder(this.positions, this.width, order), ...Object.fromEntries(columns) };
+  }
 }
 
-export class Landmarks {
-  constructor(world) {
-    this.pointMaterial = new ShaderMaterial({
-      vertexShader: kVertex,
-      fragmentShader: kFragment,
-      uniforms: { size: { value: 1 }, pixels: { value: Math.min(2, window.devicePixelRatio || 1) } },
-    });
-    this.points = new Points(new BufferGeometry(), this.pointMaterial);
-    this.segments = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.85 }));
+function fill(object, positions) {
+  object.geometry.dispose();
+  object.geometry = new BufferGeometry();
+  object.geometry.setAttribute("position", new BufferAttribute(positions, 3));
+}
+
+/** What is drawn of the landmarks of a run, with materials of the caller. */
+export class DrawnLandmarks {
+  constructor(world, pointMaterial, segmentMaterial) {
+    this.points = new Points(new BufferGeometry(), pointMaterial);
+    this.segments = new LineSegments(new BufferGeometry(), segmentMaterial);
+    this.least = 0;
     for (const object of [this.points, this.segments]) {
       object.frustumCulled = false;
       world.add(object);
     }
   }
 
+  setMap(map) {
+    this.rows = { points: new LandmarkRows(map.points, "p", 3), segments: new LandmarkRows(map.segments, "pq", 6) };
+    this.setLeast(this.least);
+  }
+
+  setLeast(least) {
+    this.least = least;
+    if (!this.rows) return;
+    this.pointData = this.rows.points.livingAtLeast(least);
+    this.segmentData = this.rows.segments.livingAtLeast(least);
+    fill(this.points, this.pointData.positions);
+    fill(this.segments, this.segmentData.positions);
+  }
+
+  show(layers, shown = true) {
+    this.points.visible = shown && layers.get("points");
+    this.segments.visible = shown && layers.get("segments");
+  }
+
+  setFrame(frame) {
+    if (!this.pointData) return;
+    this.points.geometry.setDrawRange(0, countUpTo(this.pointData.seen, frame));
+    this.segments.geometry.setDrawRange(0, 2 * countUpTo(this.segmentData.seen, frame));
+  }
+}
+
+export class Landmarks extends DrawnLandmarks {
+  constructor(world) {
+    super(world, new ShaderMaterial({
+      vertexShader: kVertex,
+      fragmentShader: kFragment,
+      uniforms: { size: { value: 1 }, pixels: { value: Math.min(2, window.devicePixelRatio || 1) } },
+    }), new LineBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.85 }));
+  }
+
   setRun(run, size) {
     if (!run.map || run.map === this.map) return;
     this.map = run.map;
-    this.pointMaterial.uniforms.size.value = size * 1.6;
-    this.pointData = sortBySeen(run.map.points, "p", 3);
-    this.segmentData = sortBySeen(run.map.segments, "pq", 6);
-    this.fill(this.points, this.pointData.positions);
-    this.fill(this.segments, this.segmentData.positions);
+    this.points.material.uniforms.size.value = size * 1.6;
+    this.setMap(run.map);
   }
 
-  fill(object, positions) {
-    object.geometry.dispose();
-    object.geometry = new BufferGeometry();
-    object.geometry.setAttribute("position", new BufferAttribute(positions, 3));
-  }
-
-  /** `mode`: "height" (along the map's vertical, from its origin), "seen" (when first), "observations" (keyframes that see it). */
+  /** `mode`: "height" (along the map's vertical, from its origin), "seen" (when first), "life" (frames from then to the last
+   * keyframe that sees it), "observations" (keyframes that see it). The range is that of all points, however few are shown. */
   colour(run, mode) {
     if (!this.pointData) return;
     this.up = run.map.vertical.up;
-    const heights = this.pointData.seen.length ? Float32Array.from(this.pointData.seen, (_, i) => this.height(this.pointData.positions, 3 * i)) : [];
+    const { positions, columns } = this.rows.points;
+    const heights = mode === "height" ? Float32Array.from(columns.seen, (_, i) => this.height(positions, 3 * i)) : [];
     this.range = {
-      height: quantiles(heights, 0.03, 0.97),
-      seen: [run.frames.id[0], run.frames.id[run.rows - 1]],
-      observations: [2, Math.max(8, quantiles(this.pointData.observations, 0, 0.95)[1])],
-    }[mode];
+      height: () => quantiles(heights, 0.03, 0.97),
+      seen: () => [run.frames.id[0], run.frames.id[run.rows - 1]],
+      life: () => [0, Math.max(8, quantiles(columns.life, 0, 0.95)[1])],
+      observations: () => [2, Math.max(8, quantiles(columns.observations, 0, 0.95)[1])],
+    }[mode]();
     this.points.geometry.setAttribute("tint", this.tints(this.pointData, 3, 1, mode));
     this.segments.geometry.setAttribute("color", this.tints(this.segmentData, 6, 2, mode));
   }
@@ -86,27 +134,22 @@ export class Landmarks {
     return this.up[0] * positions[at] + this.up[1] * positions[at + 1] + this.up[2] * positions[at + 2];
   }
 
-  tints({ positions, seen, observations }, width, vertices, mode) {
+  tints({ positions, ...columns }, width, vertices, mode) {
     const [low, high] = this.range;
-    const tints = new Uint8Array(seen.length * vertices * 3);
-    for (let i = 0; i < seen.length; ++i) {
+    const table = Array.from({ length: kTints }, (_, i) => ramp(scales[mode], i / (kTints - 1)).map((c) => 255 * c));
+    const n = columns.seen.length;
+    const tints = new Uint8Array(n * vertices * 3);
+    for (let i = 0; i < n; ++i) {
       for (let v = 0; v < vertices; ++v) {
-        const value = mode === "height" ? this.height(positions, i * width + 3 * v) : mode === "seen" ? seen[i] : observations[i];
-        const colour = ramp(scales[mode], (value - low) / (high - low || 1));
-        for (let k = 0; k < 3; ++k) tints[(i * vertices + v) * 3 + k] = 255 * colour[k];
+        const value = mode === "height" ? this.height(positions, i * width + 3 * v) : columns[mode][i];
+        const share = Math.min(1, Math.max(0, (value - low) / (high - low || 1)));
+        tints.set(table[Math.round(share * (kTints - 1))], (i * vertices + v) * 3);
       }
     }
     return new BufferAttribute(tints, 3, true);
   }
 
-  show(layers) {
-    this.points.visible = layers.get("points");
-    this.segments.visible = layers.get("segments");
-  }
-
   setTime(run, row, frame) {
-    if (!this.pointData) return;
-    this.points.geometry.setDrawRange(0, countUpTo(this.pointData.seen, frame));
-    this.segments.geometry.setDrawRange(0, 2 * countUpTo(this.segmentData.seen, frame));
+    this.setFrame(frame);
   }
 }

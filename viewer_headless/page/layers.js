@@ -28,8 +28,7 @@ const kGroups = [
 function groupsWith({ name, others }) {
   if (!others.length) return kGroups;
   const layers = others.map(({ label }, i) => ({ name: `other${i}`, label, on: true, swatch: ["thick", `other${i}`] }));
-  return [["Runs", [{ name: "path", label: name, on: true, swatch: ["thick", "path"] }, ...layers]],
-    ...kGroups.map(([title, group]) => [title, group.filter((layer) => layer.name !== "path")])];
+  return [["Runs", [{ name: "own", label: name, on: true, swatch: ["thick", "path"] }, ...layers]], ...kGroups];
 }
 
 /** A map of name to boolean; `changed(name)` is called after a switch. */
@@ -45,6 +44,23 @@ export function makeLayers(others, changed) {
   }
   return layers;
 }
+
+/** The switches that are not as usual: "odom,-points". */
+export function layersText(layers) {
+  const others = [...layers].filter(([name, on]) => on !== inputOf(name).defaultChecked);
+  return others.map(([name, on]) => (on ? name : `-${name}`)).join(",");
+}
+
+/** And back: all others become as usual. */
+export function switchLayers(layers, text) {
+  const wanted = new Map(text.split(",").map((name) => [name.replace("-", ""), !name.startsWith("-")]));
+  for (const [name, on] of layers) {
+    const input = inputOf(name);
+    if ((wanted.get(name) ?? input.defaultChecked) !== on) input.click();
+  }
+}
+
+const inputOf = (name) => document.querySelector(`#layers [name="${name}"]`);
 
 function switchOf({ name, label, on, swatch }, changed) {
   const input = element("input", { type: "checkbox", name, checked: on, onchange: () => changed(input.checked) });

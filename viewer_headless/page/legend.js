@@ -4,8 +4,8 @@ import { byId, element } from "./element.js";
 import { cssGradient, scales } from "./colours.js";
 import { fixed } from "./format.js";
 
-const kTitles = { height: "height", seen: "first seen in frame", observations: "observed by keyframes" };
-const kUnits = { height: " m", seen: "", observations: "" };
+const kTitles = { height: "height", seen: "first seen in frame", life: "seen over so many frames", observations: "observed by keyframes" };
+const kUnits = { height: " m", seen: "", life: "", observations: "" };
 
 export function showLegend(mode, range) {
   const digits = mode === "height" && range && Math.abs(range[1] - range[0]) < 10 ? 1 : 0;
@@ -19,14 +19,17 @@ export function showLegend(mode, range) {
   );
 }
 
-/** Buttons of which one is pressed; `choose(mode)`. */
+/** Buttons of which one is pressed; `choose(mode)`. Returns a function that presses one. */
 export function makeColourChoice(choose) {
-  const names = { height: "Height", seen: "Age", observations: "Observations" };
+  const names = { height: "Height", seen: "Age", life: "Life", observations: "Observations" };
+  const press = (mode) => {
+    if (!(mode in names)) return;
+    for (const button of buttons) button.setAttribute("aria-pressed", button.dataset.mode === mode);
+    choose(mode);
+  };
   const buttons = Object.entries(names).map(([mode, label]) =>
     element("button", { type: "button", "data-mode": mode, "aria-pressed": mode === "height" ? "true" : "false",
-      onclick: () => {
-        for (const button of buttons) button.setAttribute("aria-pressed", button.dataset.mode === mode);
-        choose(mode);
-      } }, label));
+      onclick: () => press(mode) }, label));
   byId("colours").append(...buttons);
+  return press;
 }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The page of a run: puts the data in, and wires the parts to each other.
-import { Address } from "./address.js";
+import { Address, choiceEntry, frameEntry, viewEntry } from "./address.js";
 import { embeddedData, embeddedOthers, Run } from "./data.js";
 import { byId, element } from "./element.js";
-import { count, metres } from "./format.js";
+import { count, metres, quantiles } from "./format.js";
+import { makeHelp } from "./help.js";
 import { makeColourChoice, showLegend } from "./legend.js";
-import { makeLayers, showAvailable } from "./layers.js";
+import { layersText, makeLayers, showAvailable, switchLayers } from "./layers.js";
 import { follow } from "./live.js";
 import { markLoop, showLoops } from "./loops.js";
 import { MapView } from "./map_view.js";
@@ -13,20 +14,41 @@ import { Picture } from "./picture.js";
 import { Plots } from "./plots.js";
 import { Replay } from "./replay.js";
 import { showProcesses } from "./processes.js";
-import { showKicker, showNotes, showSummary, showWarnings } from "./summary.js";
+import { showKicker, showNotes, showRuns, showSummary, showWarnings } from "./summary.js";
 import { makeTheme } from "./theme.js";
+
+// Until a pointer is looked after.
+const kRest_ms = 40;
 
 const run = new Run();
 const others = embeddedOthers();
-const layers = makeLayers(others, (name) => (name.endsWith("2d") ? picture.draw() : view?.applyLayers()));
-const picture = new Picture(layers);
+const layers = makeLayers(others, (name) => {
+  if (name.endsWith("2d")) picture.draw();
+  else view?.applyLayers();
+  address.write();
+});
+const picture = new Picture(layers, () => address.write());
 const plots = new Plots((t_s) => replay.go(run.rowAt(t_s)));
 let view = makeView();
 const replay = new Replay((row) => {
   view?.setRow(row);
   picture.show(run, row);
   plots.setNow(run.frames.t_s[row]);
+  address.write();
 });
+/** A selection that the address asks for, until there is such a thing or something else is chosen. */
+let wanted = null;
+const chooseColour = makeColourChoice((mode) => {
+  view?.setColourMode(mode);
+  showLegend(mode, view?.parts.landmarks.range);
+  address.write();
+});
+const address = new Address([
+  frameEntry(replay),
+  choiceEntry("picture", "left", () => picture.wanted, (name) => picture.choose(name)),
+  choiceEntry("layers", "", () => layersText(layers), (text) => switchLayers(layers, text)),
+  ...(view ? [viewEntry(view), ...mapEntries()] : []),
+]);
 
 function makeView() {
   try {
@@ -80,33 +102,109 @@ function chooseStrength() {
   view?.setRow(replay.row);
 }
 
-/** A click that is no drag shows what stands there and who observes it; with the shift key, how far that is from what was
- * clicked before. */
-function makePicking() {
-  const canvas = byId("map");
-  let down = null;
-  const choose = (picked) => {
-    view.parts.selection.choose(run, picked);
-    view.invalidate();
-  };
-  view.parts.selection.goTo = (frame) => replay.go(run.rowOf(frame));
-  view.parts.selection.changed = () => view.invalidate();
-  canvas.addEventListener("pointerdown", (event) => (down = [event.clientX, event.clientY]));
-  canvas.addEventListener("click", (event) => {
-    if (!down || Math.hypot(event.clientX - down[0], event.clientY - down[1]) > 4) return;
-    const picked = view.picker.pick(event.offsetX, event.offsetY);
-    if (!event.shiftKey || !view.parts.selection.picked) return choose(picked);
-    view.parts.selection.measureTo(run, picked);
-    view.invalidate();
-  });
-  document.addEventListener("keydown", (event) => event.key === "Escape" && choose(null));
+/** Hides landmarks that were seen over fewer frames than the slider says. */
+function chooseLife() {
+  const least = Number(byId("life").value);
+  byId("life-text").textContent = `${count(least)} frames`;
+  view?.setLeastLife(least);
+  address.write();
 }
 
-/** 1, 2 and 3 choose what the map is looked at from, R the right image. */
+/** The slider reaches as far as one in a hundred points. */
+function showLives() {
+  const lives = run.map.points.life ?? [];
+  byId("life-box").hidden = !lives.length;
+  byId("life").max = Math.max(1, Number(byId("life").value), quantiles(lives, 0, 0.99)[1]);
+  byId("life-text").textContent = `${count(Number(byId("life").value))} frames`;
+}
+
+function mapEntries() {
+  const { selection } = view.parts;
+  return [
+    choiceEntry("colour", "height", () => view.colourMode, (mode) => chooseColour(mode)),
+    choiceEntry("least", "0", () => byId("life").value, (least) => {
+      // The slider may not reach as far yet.
+      byId("life").max = Math.max(Number(byId("life").max), Number(least) || 0);
+      byId("life").value = Number(least) || 0;
+      chooseLife();
+    }),
+    {
+      read: (parameters) => {
+        wanted = { pick: parameters.get("pick"), to: parameters.get("to") };
+        chooseWanted();
+      },
+      write: (parameters) => {
+        const [pick, to] = wanted?.pick ? [wanted.pick, wanted.to]
+          : [selection.textOf(selection.picked, selection.id), selection.textOf(selection.other, selection.otherId)];
+        if (pick) parameters.set("pick", pick);
+        if (pick && to) parameters.set("to", to);
+      },
+    },
+  ];
+}
+
+/** Where the map has what the address asks for. */
+function chooseWanted() {
+  if (!wanted || !view) return;
+  const { selection } = view.parts;
+  const [picked, other] = [selection.parse(run, wanted.pick), selection.parse(run, wanted.to)];
+  const known = picked || !wanted.pick || run.facts.finished;
+  if (known) wanted = null;
+  selection.choose(run, picked);
+  if (picked && other) selection.measureTo(run, other);
+}
+
+/** A click that is no drag shows what stands there and who observes it; with the shift key, how far that is from what was
+ * clicked before. A double click turns the view around it. */
+function makePicking() {
+  const canvas = byId("map");
+  const { selection } = view.parts;
+  let down = null;
+  selection.goTo = (frame) => replay.go(run.rowOf(frame));
+  selection.changed = () => {
+    view.invalidate();
+    address.write();
+  };
+  canvas.addEventListener("pointerdown", (event) => {
+    down = [event.clientX, event.clientY];
+    canvas.style.cursor = "";
+  });
+  canvas.addEventListener("click", (event) => {
+    if (!down || Math.hypot(event.clientX - down[0], event.clientY - down[1]) > 4) return;
+    wanted = null;
+    const picked = view.picker.pick(event.offsetX, event.offsetY);
+    if (event.shiftKey && selection.picked) selection.measureTo(run, picked);
+    else selection.choose(run, picked);
+  });
+  canvas.addEventListener("dblclick", (event) => {
+    const picked = view.picker.pick(event.offsetX, event.offsetY);
+    if (!picked || view.flying) return;
+    view.focus(selection.placeOf(run, picked));
+  });
+  // Once the pointer rests, for all landmarks are looked at.
+  let rest;
+  canvas.addEventListener("pointermove", (event) => {
+    clearTimeout(rest);
+    if (event.buttons) return;
+    rest = setTimeout(() => (canvas.style.cursor = view.picker.pick(event.offsetX, event.offsetY) ? "pointer" : ""), kRest_ms);
+  });
+}
+
+/** Closes what was opened last: the help (by itself), the large picture, the box of what was picked. */
+function close() {
+  if (byId("help").open) return byId("help").close();
+  if (picture.isLarge) return picture.enlarge(false);
+  wanted = null;
+  view?.parts.selection.choose(run, null);
+}
+
+/** As help.js tells them; those of the replay are its own. */
 function makeKeys() {
-  const buttons = { 1: "view-all", 2: "view-top", 3: "fly", r: "right-image" };
+  const buttons = { 1: "view-all", 2: "view-top", 3: "fly", r: "right-image", d: "disparity", "?": "help-button" };
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("select, textarea")) return;
+    if (event.key === "Escape") return close();
+    if (event.key.toLowerCase() === "f") picture.enlarge(!picture.isLarge);
     const button = buttons[event.key.toLowerCase()];
     if (button && !byId(button).hidden) byId(button).click();
   });
@@ -116,6 +214,7 @@ function makeKeys() {
 
 function update(changed, state) {
   showSummary(run);
+  if (run.others?.length) showRuns([run, ...run.others].map((r, i) => ({ name: r.label, colour: i ? `other${i - 1}` : "path", run: r })));
   showWarnings(run);
   showKicker(run, state);
   showNotes(run);
@@ -126,6 +225,7 @@ function update(changed, state) {
     showLoops(run, chooseLoop);
     showCorrections();
     chooseStrength();
+    showLives();
   }
   replay.setRun(run);
   if (changed.has("pictures")) picture.show(run, replay.row);
@@ -133,10 +233,6 @@ function update(changed, state) {
   showLegend(view?.colourMode, view?.parts.landmarks.range);
 }
 
-makeColourChoice((mode) => {
-  view?.setColourMode(mode);
-  showLegend(mode, view?.parts.landmarks.range);
-});
 makeTheme(() => {
   view?.retheme();
   plots.redraw();
@@ -148,6 +244,7 @@ byId("strength").addEventListener("input", () => {
   if (!shown.checked) shown.click();
   chooseStrength();
 });
+byId("life").addEventListener("input", chooseLife);
 byId("view-all").addEventListener("click", () => look(false));
 byId("view-top").addEventListener("click", () => look(true));
 byId("fly").addEventListener("click", () => {
@@ -158,22 +255,32 @@ byId("fly").addEventListener("click", () => {
 });
 if (view) makePicking();
 makeKeys();
-const address = new Address(view, replay);
-view?.controls.addEventListener("end", () => address.write());
-for (const id of ["time", "play", "view-all", "view-top", "fly"]) {
-  for (const event of ["change", "click"]) byId(id).addEventListener(event, () => address.write());
-}
+makeHelp();
+// Also while a turn comes to rest.
+view?.controls.addEventListener("change", () => address.write());
 new ResizeObserver(() => picture.draw()).observe(byId("picture"));
 byId("map").addEventListener("pointerdown", () => view && (view.pristine = false));
 byId("map").addEventListener("wheel", () => view && (view.pristine = false), { passive: true });
 
+if (others.others.length && view) {
+  run.label = others.name;
+  run.others = view.parts.others.runs.map((other) => other.run);
+}
+Object.assign(byId("comparison"), { hidden: !others.comparison, href: others.comparison || "#" });
+
+/** The address is read once there is something to look at. */
+function updateAndRead(changed, state) {
+  update(changed, state);
+  if (run.rows && !address.wasRead) address.read();
+  else if (changed.has("map")) chooseWanted();
+}
+
 const data = embeddedData();
 if (data) {
-  update(run.take(data), null);
-  address.read();
+  updateAndRead(run.take(data), null);
 } else {
   let state = "live";
-  follow(run, (changed) => update(changed, state), (now) => {
+  follow(run, (changed) => updateAndRead(changed, state), (now) => {
     state = now;
     showKicker(run, now);
   });

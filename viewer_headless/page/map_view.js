@@ -34,18 +34,21 @@ export class MapView {
     this.world = new Group();
     this.world.quaternion.copy(kUpright);
     this.scene.add(this.world);
+    // What is of the page's own run, which one switch hides.
+    this.own = new Group();
+    this.world.add(this.own);
     this.camera = new PerspectiveCamera(50, 1, 0.01, 1000);
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.enableDamping = true;
     this.controls.dampingFactor = 0.12;
     this.controls.addEventListener("change", () => this.invalidate());
     this.parts = {
-      landmarks: new Landmarks(this.world),
-      keyframes: new Keyframes(this.world),
-      paths: new Paths(this.world),
+      landmarks: new Landmarks(this.own),
+      keyframes: new Keyframes(this.own),
+      paths: new Paths(this.own),
       others: new Others(this.world, others),
-      correction: new Correction(this.world),
-      mark: new CameraMark(this.world),
+      correction: new Correction(this.own),
+      mark: new CameraMark(this.own),
       selection: new Selection(this.world),
     };
     this.picker = new Picker(this);
@@ -117,7 +120,15 @@ export class MapView {
 
   applyLayers() {
     for (const part of Object.values(this.parts)) part.show?.(this.layers);
+    this.own.visible = this.layers.get("own") ?? true;
     this.invalidate();
+  }
+
+  /** Hides landmarks that were seen over fewer frames. */
+  setLeastLife(frames) {
+    for (const part of [this.parts.landmarks, this.parts.others]) part.setLeast(frames);
+    if (this.run?.map) this.parts.landmarks.colour(this.run, this.colourMode);
+    this.setRow(this.row);
   }
 
   setColourMode(mode) {
@@ -163,6 +174,14 @@ export class MapView {
     this.invalidate();
   }
 
+  /** What is looked at becomes what is turned around, from where the eye is. `p`: in the map. */
+  focus(p) {
+    this.controls.target.set(...this.inScene(p));
+    this.controls.update();
+    this.pristine = false;
+    this.invalidate();
+  }
+
   setFlying(flying) {
     this.flying = flying;
     this.controls.enabled = !flying;
@@ -192,6 +211,7 @@ export class MapView {
   render() {
     if (this.controls.enabled) this.controls.update();
     this.renderer.render(this.scene, this.camera);
+    this.parts.selection.putLabel(this.picker);
   }
 }
 

@@ -1,65 +1,56 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Paths and landmarks of other runs of the same dataset, each in one colour, in the map of the page's own run.
-import { BufferAttribute, BufferGeometry, Group, LineBasicMaterial, LineSegments, Matrix4, Points, PointsMaterial } from "three";
+import { Group, LineBasicMaterial, Matrix4, PointsMaterial } from "three";
 import { themeColour } from "./colours.js";
-import { countUpTo, decodeTable } from "./data.js";
+import { countUpTo, Run } from "./data.js";
 import { FatLine } from "./fat_line.js";
-import { sortBySeen } from "./landmarks.js";
+import { DrawnLandmarks } from "./landmarks.js";
 
 const kPoint_px = 2.2;
 
-function geometryOf(positions) {
-  return new BufferGeometry().setAttribute("position", new BufferAttribute(positions, 3));
-}
-
 class Other {
-  /** `transform`: 16 numbers, row by row, that take the map of the other run into the page's. */
-  constructor(world, name, { transform, frames, path, points, segments }) {
+  /** `transform`: 16 numbers, row by row, that take the map of the other run into the page's; `data` as the viewer writes it. */
+  constructor(world, name, { label, transform, data }) {
     this.name = name;
-    this.frames = decodeTable(frames);
-    this.path = decodeTable(path).p;
+    this.run = new Run();
+    this.run.take(data);
+    this.run.label = label;
+    this.run.transform = new Matrix4().set(...transform);
     this.group = new Group();
     this.group.matrixAutoUpdate = false;
-    this.group.matrix.copy(new Matrix4().set(...transform));
+    this.group.matrix.copy(this.run.transform);
     world.add(this.group);
     this.line = new FatLine(this.group, name, 3, { order: 3 });
-    this.pointData = sortBySeen(decodeTable(points), "p", 3);
-    this.segmentData = sortBySeen(decodeTable(segments), "pq", 6);
-    this.points = new Points(geometryOf(this.pointData.positions),
-      new PointsMaterial({ size: kPoint_px * Math.min(2, window.devicePixelRatio || 1), sizeAttenuation: false }));
-    this.segments = new LineSegments(geometryOf(this.segmentData.positions), new LineBasicMaterial({ transparent: true, opacity: 0.8 }));
-    for (const object of [this.points, this.segments]) {
-      object.frustumCulled = false;
-      this.group.add(object);
-    }
+    this.landmarks = new DrawnLandmarks(this.group,
+      new PointsMaterial({ size: kPoint_px * Math.min(2, window.devicePixelRatio || 1), sizeAttenuation: false }),
+      new LineBasicMaterial({ transparent: true, opacity: 0.8 }));
+    this.landmarks.setMap(this.run.map);
   }
 
   retheme() {
     this.line.retheme();
-    for (const object of [this.points, this.segments]) object.material.color.set(themeColour(this.name));
+    for (const object of [this.landmarks.points, this.landmarks.segments]) object.material.color.set(themeColour(this.name));
   }
 
   setSize(size) {
-    const { id, state, keyframe } = this.frames;
+    const { state, keyframe } = this.run.frames;
     const at = (row) => {
-      const p = [0, 1, 2].map((k) => this.path[3 * row + k]);
+      const p = this.run.position(row, [0, 0, 0]);
       const lost = state[row] === 3 || (state[row] === 0 && !keyframe[row]);
       return lost || !p.every(Number.isFinite) ? null : p;
     };
-    this.line.setPath(Math.min(id.length, this.path.length / 3), at, size / 3000);
+    this.line.setPath(this.run.rows, at, size / 3000);
   }
 
   show(layers) {
     const shown = layers.get(this.name);
-    this.line.visible = shown;
-    this.points.visible = shown && layers.get("points");
-    this.segments.visible = shown && layers.get("segments");
+    this.line.visible = shown && layers.get("path");
+    this.landmarks.show(layers, shown);
   }
 
   setTime(frame) {
-    this.line.showUpTo(countUpTo(this.frames.id, frame) - 1);
-    this.points.geometry.setDrawRange(0, countUpTo(this.pointData.seen, frame));
-    this.segments.geometry.setDrawRange(0, 2 * countUpTo(this.segmentData.seen, frame));
+    this.line.showUpTo(countUpTo(this.run.frames.id, frame) - 1);
+    this.landmarks.setFrame(frame);
   }
 }
 
@@ -78,6 +69,10 @@ export class Others {
 
   setRun(run, size) {
     for (const other of this.runs) other.setSize(size);
+  }
+
+  setLeast(least) {
+    for (const run of this.runs) run.landmarks.setLeast(least);
   }
 
   show(layers) {

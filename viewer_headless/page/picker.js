@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What stands under the pointer: a keyframe, a point or a segment of the map that is drawn.
+// What stands under the pointer: a keyframe, a point or a segment of the maps that are drawn.
 import { Matrix4 } from "three";
 import { countUpTo } from "./data.js";
 
@@ -7,20 +7,21 @@ const kReach_px = 9;
 // Keyframes are few and small, landmarks many: what is near both is meant to be the keyframe.
 const kKeyframeReach_px = 12;
 
-/** Takes positions of the map to pixels of the canvas: [x, y, depth], null behind the eye. */
-function projector(view) {
-  const { camera, world, canvas } = view;
+/** Takes positions of the map of an object's parent to pixels of the canvas: [x, y, depth], null behind the eye. */
+function projector(view, parent) {
+  const { camera, canvas } = view;
   camera.updateMatrixWorld();
-  world.updateMatrixWorld();
-  const m = new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse).multiply(world.matrixWorld).elements;
+  parent.updateWorldMatrix(true, false);
+  const m = new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse).multiply(parent.matrixWorld).elements;
   const [width, height] = [canvas.clientWidth, canvas.clientHeight];
-  return (p, at) => {
+  return (p, at, out = [0, 0, 0]) => {
     const [x, y, z] = [p[at], p[at + 1], p[at + 2]];
     const w = m[3] * x + m[7] * y + m[11] * z + m[15];
     if (!(w > 0)) return null;
-    const u = (m[0] * x + m[4] * y + m[8] * z + m[12]) / w;
-    const v = (m[1] * x + m[5] * y + m[9] * z + m[13]) / w;
-    return [0.5 * width * (1 + u), 0.5 * height * (1 - v), w];
+    out[0] = 0.5 * width * (1 + (m[0] * x + m[4] * y + m[8] * z + m[12]) / w);
+    out[1] = 0.5 * height * (1 - (m[1] * x + m[5] * y + m[9] * z + m[13]) / w);
+    out[2] = w;
+    return out;
   };
 }
 
@@ -35,41 +36,55 @@ export class Picker {
     this.view = view;
   }
 
-  /** Where a position of the map is on the canvas, in pixels; null behind the eye. */
+  /** Where a position of the page's own map is on the canvas, in pixels; null behind the eye. */
   pixelOf(p) {
-    return projector(this.view)(p, 0);
+    return projector(this.view, this.view.world)(p, 0);
   }
 
-  /** {type: "keyframes" | "points" | "segments", row} of the tables of the map, or null. */
+  /** {type: "keyframes" | "points" | "segments", row, of} of the tables of a map, or null; `of` is 0 for the page's own run. */
   pick(x, y) {
-    const { run, layers, parts, row } = this.view;
+    const { run, parts, row } = this.view;
     if (!run?.map) return null;
     const frame = row >= run.rows - 1 ? Infinity : run.frames.id[row];
-    const project = projector(this.view);
-    let best = null;
-    const offer = (type, row, distance, reach, depth) => {
-      // Of what is equally near the pointer, the one in front.
-      const cost = distance + 1e-3 * depth / (this.view.size || 1);
-      if (distance < reach && (!best || cost < best.cost)) best = { type, row, cost };
-    };
-    if (layers.get("keyframes")) {
-      const keyframes = run.map.keyframes;
-      for (let k = 0; k < keyframes.frame.length; ++k) {
-        const at = keyframes.frame[k] <= frame && project(keyframes.p, 3 * k);
-        if (at) offer("keyframes", k, Math.hypot(at[0] - x, at[1] - y), kKeyframeReach_px, at[2]);
-      }
+    this.best = null;
+    this.pickKeyframe(run, frame, x, y);
+    if (this.best) return this.best;
+    const drawn = [parts.landmarks, ...parts.others.runs.map((other) => other.landmarks)];
+    drawn.forEach((landmarks, of) => landmarks.pointData && this.pickLandmark(landmarks, of, frame, x, y));
+    return this.best;
+  }
+
+  /** Of what is equally near the pointer, the one in front. */
+  offer(picked, distance, reach, depth) {
+    const cost = distance + 1e-3 * depth / (this.view.size || 1);
+    if (distance < reach && (!this.best || cost < this.best.cost)) this.best = { ...picked, cost };
+  }
+
+  pickKeyframe(run, frame, x, y) {
+    const { layers, own } = this.view;
+    if (!layers.get("keyframes") || !own.visible) return;
+    const project = projector(this.view, own);
+    const { p, frame: frames } = run.map.keyframes;
+    for (let k = 0; k < (frames?.length ?? 0); ++k) {
+      const at = frames[k] <= frame && project(p, 3 * k);
+      if (at) this.offer({ type: "keyframes", row: k, of: 0 }, Math.hypot(at[0] - x, at[1] - y), kKeyframeReach_px, at[2]);
     }
-    if (best) return best;
-    const { pointData, segmentData } = parts.landmarks;
-    for (let i = 0; layers.get("points") && i < countUpTo(pointData.seen, frame); ++i) {
-      const at = project(pointData.positions, 3 * i);
-      if (at) offer("points", pointData.order[i], Math.hypot(at[0] - x, at[1] - y), kReach_px, at[2]);
+  }
+
+  pickLandmark({ points, segments, pointData, segmentData }, of, frame, x, y) {
+    const shown = points.parent.visible;
+    const project = projector(this.view, points.parent);
+    const [a, b] = [[0, 0, 0], [0, 0, 0]];
+    const nPoints = shown && points.visible ? countUpTo(pointData.seen, frame) : 0;
+    for (let i = 0; i < nPoints; ++i) {
+      if (!project(pointData.positions, 3 * i, a)) continue;
+      const distance = Math.hypot(a[0] - x, a[1] - y);
+      if (distance < kReach_px) this.offer({ type: "points", row: pointData.order[i], of }, distance, kReach_px, a[2]);
     }
-    for (let i = 0; layers.get("segments") && i < countUpTo(segmentData.seen, frame); ++i) {
-      const p = project(segmentData.positions, 6 * i);
-      const q = project(segmentData.positions, 6 * i + 3);
-      if (p && q) offer("segments", segmentData.order[i], distanceToSegment([x, y], p, q) + 1, kReach_px, Math.min(p[2], q[2]));
+    const nSegments = shown && segments.visible ? countUpTo(segmentData.seen, frame) : 0;
+    for (let i = 0; i < nSegments; ++i) {
+      if (!project(segmentData.positions, 6 * i, a) || !project(segmentData.positions, 6 * i + 3, b)) continue;
+      this.offer({ type: "segments", row: segmentData.order[i], of }, distanceToSegment([x, y], a, b) + 1, kReach_px, Math.min(a[2], b[2]));
     }
-    return best;
   }
 }

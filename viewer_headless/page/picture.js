@@ -1,36 +1,45 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The frame of the moment with what was tracked in it, drawn sharp over the small picture: the left image, or the right one when
-// asked for.
-import { byId } from "./element.js";
-import { css, ramp, scales } from "./colours.js";
+// The frame of the moment with what was tracked in it, drawn sharp over the small picture: the left image, or, when asked for,
+// the right one, or the disparities of the pair.
+import { byId, element } from "./element.js";
+import { css, cssGradient, ramp, scales } from "./colours.js";
 import { countUpTo } from "./data.js";
-import { count, states } from "./format.js";
+import { matchBlocks } from "./disparity.js";
+import { count, metres, states } from "./format.js";
 
 const kOldAge = 20;
 const kNearDisparity = 64;
 const kNoDisparity = 65535;
+const kTicks = [0.25, 0.5, 0.75, 1];
+
+/** Of a disparity in pixels of the camera, as a share of the scale from far to near. */
+const nearness = (disparity_px) => Math.log2(1 + disparity_px) / Math.log2(1 + kNearDisparity);
+/** And back. */
+const disparityAt = (share) => (1 + kNearDisparity) ** share - 1;
 
 function pointColour(disparity) {
   if (disparity === kNoDisparity) return "rgb(190 190 190 / 0.8)";
-  return css(ramp(scales.near, Math.log2(1 + disparity / 32) / Math.log2(1 + kNearDisparity)));
+  return css(ramp(scales.near, nearness(disparity / 32)));
 }
 
-function drawSegments(context, { segments, segment_ages, segment_depths }, scale, mark) {
+/** `shift`: pixels of the picture for each pixel of disparity: 0 in the left image; the right one has features with depth alone. */
+function drawSegments(context, { segments, segment_ages, segment_disparities }, scale, mark, shift, byDepth) {
   for (let i = 0; i < segment_ages.length; ++i) {
     const [u0, v0, u1, v1] = segments.subarray(4 * i, 4 * i + 4);
-    const deep = segment_depths[i];
-    context.strokeStyle = deep ? css(ramp(scales.observations, segment_ages[i] / kOldAge)) : "rgb(200 200 200 / 0.7)";
+    const [d0, d1] = segment_disparities.subarray(2 * i, 2 * i + 2);
+    const deep = d0 !== kNoDisparity;
+    if (shift && !deep) continue;
+    context.strokeStyle = !deep ? "rgb(200 200 200 / 0.7)" : byDepth ? pointColour(0.5 * (d0 + d1)) : css(ramp(scales.observations, segment_ages[i] / kOldAge));
     context.lineWidth = (deep ? 2.5 : 1) * mark;
     context.setLineDash(deep ? [] : [4, 4]);
     context.beginPath();
-    context.moveTo((u0 / 32) * scale, (v0 / 32) * scale);
-    context.lineTo((u1 / 32) * scale, (v1 / 32) * scale);
+    context.moveTo(((u0 - shift * d0) / 32) * scale, (v0 / 32) * scale);
+    context.lineTo(((u1 - shift * d1) / 32) * scale, (v1 / 32) * scale);
     context.stroke();
   }
   context.setLineDash([]);
 }
 
-/** `shift`: pixels of the picture for each pixel of disparity: 0 in the left image; the right one has points with depth alone. */
 function drawPoints(context, { points, point_ages }, scale, mark, shift) {
   context.lineWidth = 1.5 * mark;
   for (let i = 0; i < point_ages.length; ++i) {
@@ -43,28 +52,77 @@ function drawPoints(context, { points, point_ages }, scale, mark, shift) {
   }
 }
 
+async function decoded(jpeg) {
+  const image = new Image();
+  image.src = `data:image/jpeg;base64,${jpeg}`;
+  await image.decode();
+  return image;
+}
+
+function greyOf(image, width, height) {
+  const context = new OffscreenCanvas(width, height).getContext("2d");
+  context.drawImage(image, 0, 0, width, height);
+  const { data } = context.getImageData(0, 0, width, height);
+  return Uint8Array.from({ length: width * height }, (_, i) => data[4 * i]);
+}
+
+/** The pair matched at the size of the right image, which is the smaller one: {width, height, disparities}, in pixels of the
+ * camera, which is `camera_width_px` wide. */
+export function disparitiesOf(left, right, camera_width_px) {
+  const [width, height] = [right.naturalWidth, right.naturalHeight];
+  const shrink = width / camera_width_px;
+  const most = Math.min(width >> 1, Math.ceil(1.25 * kNearDisparity * shrink) + 2);
+  const disparities = matchBlocks(greyOf(left, width, height), greyOf(right, width, height), width, height, most);
+  return { width, height, disparities: disparities.map((d) => d / shrink) };
+}
+
+/** Pixels without a disparity are clear. */
+function coloured({ width, height, disparities }) {
+  const canvas = new OffscreenCanvas(width, height);
+  const pixels = new ImageData(width, height);
+  disparities.forEach((d, i) => Number.isFinite(d) && pixels.data.set([...ramp(scales.near, nearness(d)).map((c) => 255 * c), 255], 4 * i));
+  canvas.getContext("2d").putImageData(pixels, 0, 0);
+  return canvas;
+}
+
 export class Picture {
-  constructor(layers) {
+  /** `changed()` is called when another image is chosen. */
+  constructor(layers, changed) {
     this.canvas = byId("frame");
     this.layers = layers;
     this.image = new Image();
     // Settled when the picture asked for last has been drawn.
     this.loaded = Promise.resolve();
     this.shown = null;
-    this.button = byId("right-image");
-    this.button.addEventListener("click", () => {
-      this.button.setAttribute("aria-pressed", !this.wantsRight);
-      this.load();
-    });
+    this.changed = changed;
+    /** "left", "right" or "disparity". */
+    this.wanted = "left";
+    this.buttons = { right: byId("right-image"), disparity: byId("disparity") };
+    for (const [name, button] of Object.entries(this.buttons)) {
+      button.addEventListener("click", () => this.choose(this.wanted === name ? "left" : name));
+    }
+    this.canvas.addEventListener("click", () => this.enlarge(!this.isLarge));
   }
 
-  get wantsRight() {
-    return this.button.getAttribute("aria-pressed") === "true";
+  choose(name) {
+    this.wanted = name in this.buttons ? name : "left";
+    for (const [of, button] of Object.entries(this.buttons)) button.setAttribute("aria-pressed", of === this.wanted);
+    this.load();
+    this.changed();
+  }
+
+  get isLarge() {
+    return byId("picture").classList.contains("large");
+  }
+
+  enlarge(large) {
+    byId("picture").classList.toggle("large", large && !!this.shown);
+    this.draw();
   }
 
   /** Where the frame has no right image (RGB-D), the left one is shown. */
-  get isRight() {
-    return this.wantsRight && !!this.shown?.right_jpeg;
+  get kind() {
+    return this.shown?.right_jpeg ? this.wanted : "left";
   }
 
   show(run, row) {
@@ -83,6 +141,7 @@ export class Picture {
     ].filter(Boolean).join(" · ");
     if (picture && picture !== this.shown) {
       this.shown = picture;
+      this.camera = run.facts.camera;
       // Pixels of the small picture for each of the camera, in which disparities are.
       this.shrink = picture.width_px / (run.facts.camera?.width_px ?? picture.width_px);
       this.load();
@@ -91,15 +150,29 @@ export class Picture {
 
   load() {
     if (!this.shown) return;
-    this.button.hidden = !this.shown.right_jpeg;
-    const image = new Image();
-    image.src = `data:image/jpeg;base64,${this.isRight ? this.shown.right_jpeg : this.shown.jpeg}`;
-    this.asked = image;
-    this.loaded = image.decode().then(() => {
-      if (this.asked !== image) return;
+    const { shown, kind } = this;
+    for (const button of Object.values(this.buttons)) button.hidden = !shown.right_jpeg;
+    const wanted = (this.asked = {});
+    const images = { left: [shown.jpeg], right: [shown.right_jpeg], disparity: [shown.jpeg, shown.right_jpeg] }[kind];
+    this.loaded = Promise.all(images.map(decoded)).then(([image, right]) => {
+      if (this.asked !== wanted) return;
       this.image = image;
+      this.matched = right ? disparitiesOf(image, right, this.camera?.width_px ?? shown.width_px) : null;
+      this.overlay = this.matched && coloured(this.matched);
+      this.showLegend();
       this.draw();
     });
+  }
+
+  /** What the colours of disparities mean in metres. */
+  showLegend() {
+    const legend = byId("disparity-legend");
+    legend.hidden = !this.matched;
+    if (!this.matched) return;
+    const { f_px, baseline_m } = this.camera ?? {};
+    const depth = (share) => (f_px ? metres((f_px * baseline_m) / disparityAt(share)) : `${disparityAt(share).toFixed(0)} px`);
+    legend.replaceChildren(element("i", { style: `background: ${cssGradient(scales.near)}` }),
+      element("span", { class: "ends" }, element("b", {}, "far"), ...kTicks.map((share) => element("b", {}, depth(share)))));
   }
 
   find(run, frame) {
@@ -111,6 +184,7 @@ export class Picture {
   draw() {
     const picture = this.shown;
     if (!picture) return;
+    this.canvas.style.setProperty("--aspect", picture.width_px / picture.height_px);
     const width = this.canvas.clientWidth || picture.width_px;
     const density = Math.min(3, window.devicePixelRatio || 1);
     const scale = width / picture.width_px;
@@ -120,9 +194,11 @@ export class Picture {
     const context = this.canvas.getContext("2d");
     context.scale(density, density);
     context.drawImage(this.image, 0, 0, width, picture.height_px * scale);
+    if (this.overlay) context.drawImage(this.overlay, 0, 0, width, picture.height_px * scale);
     // Marks that fit the picture as it is shown.
     const mark = Math.min(1.3, Math.max(0.55, Math.sqrt(picture.height_px * scale * width) / 480));
-    if (this.layers.get("segments2d") && !this.isRight) drawSegments(context, picture.features, scale, mark);
-    if (this.layers.get("points2d")) drawPoints(context, picture.features, scale, mark, this.isRight ? this.shrink : 0);
+    const shift = this.kind === "right" ? this.shrink : 0;
+    if (this.layers.get("segments2d")) drawSegments(context, picture.features, scale, mark, shift, !!this.overlay);
+    if (this.layers.get("points2d")) drawPoints(context, picture.features, scale, mark, shift);
   }
 }

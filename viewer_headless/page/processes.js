@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How each process is: state, what a frame takes it, what waits for it, how often it was started again.
+// How each process is: how far it is behind, what a frame takes it, what waits for it, how often it was started again.
 import { byId, element } from "./element.js";
 import { count, fixed, median } from "./format.js";
 
-// A process says how it is once a second.
-const kSilent_s = 4;
 // As many of the newest frames or updates tell what one takes.
 const kNewest = 50;
 
@@ -17,40 +15,44 @@ function newestTotals(values, width, names) {
   });
 }
 
-/** What a frame (of mapping: an update of the map) takes, in words. */
-function work(run, name) {
-  if (name.startsWith("vo") && run.rows) return `${fixed(median(newestTotals(run.frames.stages_ms, run.frameWidths.stages_ms, run.stageNames)), 1)} ms a frame`;
+/** What a frame (of mapping: an update of the map) takes; of other processes their time on a processor for each frame. */
+function work(run, { name, table }) {
+  if (name.startsWith("vo") && run.rows) return `${fixed(median(newestTotals(run.frames.stages_ms, run.frameWidths.stages_ms, run.stageNames)), 1)} ms`;
   if (name.startsWith("mapping") && run.mapTimes.stages_ms?.length) {
     return `${fixed(median(newestTotals(run.mapTimes.stages_ms, run.mapStageNames.length, run.mapStageNames)), 1)} ms an update`;
   }
-  return null;
+  const first = Math.max(0, table.frame.findIndex((frame) => frame >= 0));
+  const frames = table.frame.at(-1) - table.frame[first];
+  return frames > 0 ? `${fixed((1000 * (table.cpu_s.at(-1) - table.cpu_s[first])) / frames, 1)} ms of CPU` : "–";
 }
 
-function last(values) {
-  const finite = Array.from(values ?? []).filter(Number.isFinite);
-  return finite.at(-1);
+/** Frames behind the newest one of the player, and how much of the recording that is. */
+function lag(run, frames) {
+  if (frames === null || run.facts.finished) return "–";
+  const t = run.frames.t_s;
+  const period_s = run.rows > 1 ? (t[run.rows - 1] - t[0]) / (run.frames.id[run.rows - 1] - run.frames.id[0]) : NaN;
+  return `${count(frames)} ${frames === 1 ? "frame" : "frames"}${frames && period_s > 0 ? ` (${fixed(frames * period_s, 2)} s)` : ""}`;
 }
 
-/** Messages that wait for a process, over all its queues; null where it has none. */
-function waiting(table) {
-  const queues = Object.keys(table).filter((name) => name.startsWith("queue."));
-  return queues.length ? queues.reduce((sum, name) => sum + (last(table[name]) ?? 0), 0) : null;
+/** [what is said, how it looks]. A process of a run that is over has nothing left to do, whatever it said last. */
+function stateOf(run, p) {
+  if (p.state === "failed") return ["failed", "bad"];
+  if (run.facts.finished) return ["ended", "finished"];
+  if (p.pace === "silent" || p.pace === "gone") return [p.state === "stopping" ? p.state : `silent for ${count(p.silent_s)} s`, "bad"];
+  return [p.pace === "behind" ? `${p.state}, behind` : p.state, p.pace === "behind" || p.restarts ? "restarted" : p.state];
 }
+
+const kColumns = ["process", "state", "lag", "a frame takes", "waiting", "restarts"];
 
 export function showProcesses(run) {
   byId("processes").hidden = run.processes.length === 0;
-  const now = Math.max(0, ...run.processes.map((p) => p.heard_s));
-  byId("process-list").replaceChildren(...run.processes.map((p) => {
-    const silent = !run.facts.finished && now - p.heard_s > kSilent_s;
-    const state = silent ? `silent for ${count(now - p.heard_s)} s` : p.state;
-    const bad = silent || p.state === "failed";
-    const queue = waiting(p.table);
-    const facts = [
-      work(run, p.name),
-      queue === null ? null : `queue ${count(queue)}`,
-      `${p.restarts} ${p.restarts === 1 ? "restart" : "restarts"}`,
-    ];
-    return element("li", { "data-process": p.name, class: bad ? "bad" : p.restarts ? "restarted" : p.state },
-      element("b", {}, p.name), element("span", { class: "state" }, state), element("small", {}, facts.filter(Boolean).join(" · ")));
-  }));
+  const rows = run.processes.map((p) => {
+    const [state, look] = stateOf(run, p);
+    const hasQueue = Object.keys(p.table).some((name) => name.startsWith("queue."));
+    const cells = { process: p.name, state, lag: lag(run, p.lag_frames), work: work(run, p), queue: hasQueue ? count(p.queue) : "–", restarts: `${p.restarts}` };
+    return element("tr", { "data-process": p.name, class: look },
+      ...Object.entries(cells).map(([name, text]) => element(name === "process" ? "th" : "td", { "data-name": name }, text)));
+  });
+  byId("process-table").replaceChildren(element("thead", {}, element("tr", {}, ...kColumns.map((name) => element("th", {}, name)))),
+    element("tbody", {}, ...rows));
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A keyframe or landmark that was clicked: who observes it, as rays, and the keyframes that do; and what is known of it in words.
-import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments } from "three";
+import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments, Matrix4, Vector3 } from "three";
 import { themeColour } from "./colours.js";
 import { byId, element } from "./element.js";
 import { FatLine } from "./fat_line.js";
@@ -9,8 +9,6 @@ import { frustumOf, kFrustumEdges, putFrustum } from "./keyframes.js";
 import { unpackSigma } from "./observers.js";
 
 const kNames = { keyframes: "Keyframe", points: "Point", segments: "Segment" };
-const kWidths = { points: 3, segments: 6 };
-const kColumn = { points: "p", segments: "pq" };
 // Keyframes that are named one by one.
 const kMostNamed = 12;
 
@@ -29,10 +27,26 @@ function idsOf(run, type) {
   return type === "keyframes" ? Array.from(run.map?.keyframes.id ?? []) : run.observersOf(type)?.ids ?? [];
 }
 
-/** The middle of a landmark, or the centre of a keyframe. */
+/** The run that something picked is of: the page's own, or another one in it. */
+function runOf(run, { of = 0 }) {
+  return of ? run.others[of - 1] : run;
+}
+
+/** A position of the map of a run in the map of the page's own. */
+function placed(run, p) {
+  return run.transform ? new Vector3(...p).applyMatrix4(run.transform).toArray() : Array.from(p);
+}
+
+/** Both ends of a segment. */
+function endsOf(run, row) {
+  const { pq } = run.map.segments;
+  return [...placed(run, pq.subarray(6 * row, 6 * row + 3)), ...placed(run, pq.subarray(6 * row + 3, 6 * row + 6))];
+}
+
+/** The middle of a landmark, or the centre of a keyframe, of the run. */
 function middleOf(run, { type, row }) {
-  if (type !== "segments") return Array.from((run.map[type].p).subarray(3 * row, 3 * row + 3));
-  const ends = run.map.segments.pq.subarray(6 * row, 6 * row + 6);
+  if (type !== "segments") return placed(run, run.map[type].p.subarray(3 * row, 3 * row + 3));
+  const ends = endsOf(run, row);
   return [0, 1, 2].map((k) => 0.5 * (ends[k] + ends[k + 3]));
 }
 
@@ -71,8 +85,11 @@ export class Selection {
     this.frusta.frustumCulled = false;
     this.frusta.renderOrder = 8;
     world.add(this.frusta);
+    this.frusta.matrixAutoUpdate = false;
     this.picked = null;
+    this.label = byId("measured");
     this.goTo = () => {};
+    this.changed = () => {};
     this.show();
   }
 
@@ -94,40 +111,87 @@ export class Selection {
     this.size = size;
     if (run.map === this.map) return;
     this.map = run.map;
-    if (!this.picked) return;
-    const row = idsOf(run, this.picked.type).indexOf(this.id);
-    this.choose(run, row < 0 ? null : { type: this.picked.type, row });
+    const { picked, other, id, otherId } = this;
+    if (!picked) return;
+    const now = this.find(run, picked.type, id, picked.of);
+    this.choose(run, now);
+    if (now && other) this.measureTo(run, this.find(run, other.type, otherId, other.of));
+  }
+
+  /** What has an id, as the picker gives it; null where it is not there. */
+  find(run, type, id, of = 0) {
+    const row = idsOf(runOf(run, { of }), type).indexOf(id);
+    return row < 0 ? null : { type, row, of };
+  }
+
+  idOf(run, picked) {
+    return picked && run.map ? idsOf(runOf(run, picked), picked.type)[picked.row] : undefined;
   }
 
   /** `picked` as the picker gives it; null for nothing. */
   choose(run, picked) {
     this.picked = picked;
     this.other = null;
-    this.id = picked && run.map ? idsOf(run, picked.type)[picked.row] : undefined;
-    this.found = picked && run.map ? observationsOf(run, picked) : null;
+    this.id = this.idOf(run, picked);
+    this.found = picked && run.map ? observationsOf(runOf(run, picked), picked) : null;
     if (this.found) this.draw(run);
     this.show();
     this.describe(run);
+    this.changed();
   }
 
   /** Draws a line to another thing that was picked, and says how long it is; null takes it away. */
   measureTo(run, other) {
     this.other = this.found ? other : null;
-    if (this.other) this.measure.setPairs([...middleOf(run, this.picked), ...middleOf(run, this.other)]);
+    this.otherId = this.idOf(run, this.other);
+    if (this.other) {
+      this.measured = [middleOf(runOf(run, this.picked), this.picked), middleOf(runOf(run, this.other), this.other)];
+      this.measure.setPairs(this.measured.flat());
+      this.label.textContent = metres(this.length());
+    }
     this.show();
     this.describe(run);
+    this.changed();
+  }
+
+  length() {
+    const [p, q] = this.measured;
+    return Math.hypot(q[0] - p[0], q[1] - p[1], q[2] - p[2]);
+  }
+
+  /** Where what is picked stands in the map; null without. */
+  placeOf(run, picked) {
+    return picked && middleOf(runOf(run, picked), picked);
+  }
+
+  /** Puts the length beside the middle of the measured line, where that is seen. */
+  putLabel(picker) {
+    const at = this.measure.object.visible && picker.pixelOf([0, 1, 2].map((k) => 0.5 * (this.measured[0][k] + this.measured[1][k])));
+    this.label.hidden = !at;
+    if (at) this.label.style.translate = `${at[0].toFixed(1)}px ${at[1].toFixed(1)}px`;
+  }
+
+  /** For an address: "points:812", of another run "points:812@1"; null without. */
+  textOf(picked, id) {
+    return picked && id !== undefined ? `${picked.type}:${id}${picked.of ? `@${picked.of}` : ""}` : null;
+  }
+
+  /** And back; null where there is no such thing (yet). */
+  parse(run, text) {
+    const [, type, id, of] = /^(keyframes|points|segments):(\d+)(?:@(\d+))?$/.exec(text ?? "") ?? [];
+    return type && run.map && (!of || run.others?.[of - 1]) ? this.find(run, type, Number(id), Number(of ?? 0)) : null;
   }
 
   draw(run) {
     const { type, row } = this.picked;
+    const of = runOf(run, this.picked);
     this.rays.setPairs(this.found.rays);
     // A thousand rays of a keyframe must not hide what they lead to.
     this.rays.material.opacity = Math.min(0.6, Math.max(0.06, 30 / this.rays.n));
-    this.drawFrusta(run, type === "keyframes" ? [row, ...this.found.observers] : this.found.observers);
-    const ends = type === "segments" ? [...run.map.segments.pq.subarray(6 * row, 6 * row + 6)] : null;
+    this.drawFrusta(of, type === "keyframes" ? [row, ...this.found.observers] : this.found.observers);
     // A dot is a line of no length to speak of with round ends.
-    const p = middleOf(run, this.picked);
-    this.mark.setPairs(ends ?? [...p, p[0] + 1e-4 * this.size, p[1], p[2]]);
+    const p = middleOf(of, this.picked);
+    this.mark.setPairs(type === "segments" ? endsOf(of, row) : [...p, p[0] + 1e-4 * this.size, p[1], p[2]]);
   }
 
   drawFrusta(run, rows) {
@@ -139,6 +203,8 @@ export class Selection {
     this.frusta.geometry.dispose();
     this.frusta.geometry = new BufferGeometry();
     this.frusta.geometry.setAttribute("position", new BufferAttribute(vertices, 3));
+    this.frusta.matrix.copy(run.transform ?? new Matrix4());
+    this.frusta.matrixWorldNeedsUpdate = true;
   }
 
   show() {
@@ -154,17 +220,13 @@ export class Selection {
     const box = byId("picked");
     box.hidden = !this.found;
     if (!this.found) return box.replaceChildren();
-    const rows = this.picked.type === "keyframes" ? this.ofKeyframe(run) : this.ofLandmark(run);
+    const of = runOf(run, this.picked);
+    const rows = this.picked.type === "keyframes" ? this.ofKeyframe(of) : this.ofLandmark(of, run.map.vertical.up);
     if (this.other) rows.push(this.distance(run));
     box.replaceChildren(
-      element("button", { type: "button", class: "close", "aria-label": "Close", onclick: () => this.clear(run) }, "×"),
-      element("h3", {}, `${kNames[this.picked.type]} ${this.id ?? ""}`),
+      element("button", { type: "button", class: "close", "aria-label": "Close", onclick: () => this.choose(run, null) }, "×"),
+      element("h3", {}, `${kNames[this.picked.type]} ${this.id ?? ""}`, of.label ? element("small", {}, of.label) : null),
       element("dl", {}, ...rows.flatMap(([name, ...value]) => [element("dt", {}, name), element("dd", {}, ...value)])));
-  }
-
-  clear(run) {
-    this.choose(run, null);
-    this.changed?.();
   }
 
   ofKeyframe(run) {
@@ -180,17 +242,17 @@ export class Selection {
     ];
   }
 
-  ofLandmark(run) {
+  ofLandmark(run, up) {
     const { type, row } = this.picked;
     const table = run.map[type];
     const frames = this.found.observers.map((k) => run.map.keyframes.frame[k]);
     const named = frames.slice(0, kMostNamed).map((frame) => this.link(run, frame));
     const p = middleOf(run, this.picked);
-    const up = run.map.vertical.up;
-    const ends = type === "segments" ? table[kColumn[type]].subarray(row * kWidths[type], (row + 1) * kWidths[type]) : null;
+    const ends = type === "segments" ? endsOf(run, row) : null;
     return [
       ["observed by", `${count(table.observations[row])}${table.observations[row] === 255 ? " and more" : ""} keyframes`],
       ["in frames", ...(run.packedObservers ? named : ["not stored (long run)"]), frames.length > kMostNamed ? ` and ${frames.length - kMostNamed} more` : ""],
+      table.life && ["seen over", `${count(table.life[row])} frames`],
       ["sigma", `${metres(unpackSigma(table.sigma?.[row]))}${ends ? " across" : ""}`],
       ["height", metres(up[0] * p[0] + up[1] * p[1] + up[2] * p[2])],
       ends && ["length", metres(Math.hypot(ends[3] - ends[0], ends[4] - ends[1], ends[5] - ends[2]))],
@@ -198,9 +260,9 @@ export class Selection {
   }
 
   distance(run) {
-    const [p, q] = [middleOf(run, this.picked), middleOf(run, this.other)];
-    const other = `${kNames[this.other.type].toLowerCase()} ${idsOf(run, this.other.type)[this.other.row] ?? ""}`;
-    return ["distance", `${metres(Math.hypot(q[0] - p[0], q[1] - p[1], q[2] - p[2]))} to ${other}`];
+    const label = runOf(run, this.other).label;
+    const other = `${kNames[this.other.type].toLowerCase()} ${this.otherId ?? ""}${label ? ` of ${label}` : ""}`;
+    return ["distance", `${metres(this.length())} to ${other}`];
   }
 
   link(run, frame) {

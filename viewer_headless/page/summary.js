@@ -58,6 +58,21 @@ export function showSummary(run) {
   );
 }
 
+/** The runs of a page of several side by side, a row each. */
+export function showRuns(runs) {
+  const titles = [...new Set(runs.flatMap(({ run }) => figures(run).map(([title]) => title)))];
+  const row = ({ name, colour, run }) => {
+    const cells = new Map(figures(run).map(([title, value, more]) => [title, [value, element("small", {}, more)]]));
+    return element("tr", {}, element("th", {}, element("i", { class: "swatch thick", style: `--swatch: var(--${colour})` }), name),
+      ...titles.map((title) => element("td", { "data-name": title }, ...(cells.get(title) ?? ["–"]))));
+  };
+  byId("summary").hidden = true;
+  byId("runs").hidden = false;
+  byId("run-table").replaceChildren(element("thead", {}, element("tr", {}, ...["run", ...titles].map((title) => element("th", {}, title)))),
+    element("tbody", {}, ...runs.map(row)));
+  document.documentElement.style.setProperty("--runs", `${byId("runs").offsetHeight + 16}px`);
+}
+
 /** Follows the height of the box of warnings. */
 let boxSize;
 

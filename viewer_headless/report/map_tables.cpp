@@ -66,6 +66,15 @@ int32_t FirstSeen(const Map& map, const std::vector<Observation>& observations) 
   return -1;
 }
 
+/// From there to the frame of the last keyframe that observes the landmark.
+uint16_t Life_frames(const Map& map, const std::vector<Observation>& observations, int32_t first) {
+  for (auto observation = observations.rbegin(); observation != observations.rend(); ++observation) {
+    const MapKeyframe* keyframe = map.FindKeyframe(observation->keyframe_id);
+    if (keyframe != nullptr) return static_cast<uint16_t>(std::clamp<int64_t>(keyframe->frame_id - first, 0, 65535));
+  }
+  return 0;
+}
+
 /// The landmarks that are shown, by id; those seen most often where there are too many.
 template <class Landmark>
 std::vector<const Landmark*> Choose(const IdMap<Landmark>& landmarks, size_t limit) {
@@ -99,15 +108,18 @@ Table LandmarkTable(const Map& map, const std::vector<const Landmark*>& landmark
                     int width) {
   std::vector<float> positions;
   std::vector<int32_t> seen;
+  std::vector<uint16_t> life;
   std::vector<uint8_t> observations, sigma;
   for (const Landmark* landmark : landmarks) {
     AppendPositions(*landmark, positions);
     seen.push_back(FirstSeen(map, landmark->observations));
+    life.push_back(Life_frames(map, landmark->observations, seen.back()));
     observations.push_back(static_cast<uint8_t>(std::min<size_t>(255, landmark->observations.size())));
     sigma.push_back(PackSigma(Sigma_m(*landmark)));
   }
   return {{name, width, std::move(positions)},
           {"seen", 1, std::move(seen)},
+          {"life", 1, std::move(life)},
           {"observations", 1, std::move(observations)},
           {"sigma", 1, std::move(sigma)}};
 }

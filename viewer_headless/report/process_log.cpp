@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/run/lag.h"
+
 namespace plslam::viewer {
 namespace {
 
@@ -29,6 +31,9 @@ void ProcessLog::Add(const ProcessSample& sample) {
   const bool changed = series.state != sample.state;
   series.state = sample.state;
   series.heard_s = sample.t_s - first_t_s_;
+  series.queue = std::isfinite(sample.queue) ? sample.queue : 0.0;
+  series.lag_frames = sample.lag_frames;
+  series.sent_frames = sample.sent_frames;
   if (series.heard > 0 && series.pid != sample.pid) ++series.restarts;
   series.pid = sample.pid;
   if (series.heard++ % series.every != 0 && !changed) return;
@@ -65,8 +70,26 @@ void ProcessLog::Halve(Series& series) {
 
 std::vector<ReportProcess> ProcessLog::Processes() const {
   std::vector<ReportProcess> processes;
+  double now_s = 0.0;
+  int64_t sent_frames = 0;
   for (const auto& [name, series] : processes_) {
-    ReportProcess process{name, series.state, series.heard_s, series.restarts, {}};
+    now_s = std::max(now_s, series.heard_s);
+    sent_frames = std::max(sent_frames, series.sent_frames);
+  }
+  for (const auto& [name, series] : processes_) {
+    const double silent_s = now_s - series.heard_s;
+    const Pace pace = PaceOf(series.state, silent_s, series.queue);
+    // Nothing that was sent since has been handled, as far as is known.
+    const bool is_silent = pace == Pace::kSilent || pace == Pace::kGone;
+    const int64_t more_frames = series.lag_frames >= 0 && is_silent ? sent_frames - series.sent_frames : 0;
+    ReportProcess process{.name = name,
+                          .state = series.state,
+                          .pace = std::string(PaceName(pace)),
+                          .silent_s = silent_s,
+                          .queue = series.queue,
+                          .lag_frames = series.lag_frames + more_frames,
+                          .restarts = series.restarts,
+                          .table = {}};
     process.table = {{"t_s", 1, series.t_s},
                      {"frame", 1, series.frame},
                      {"cpu_s", 1, series.cpu_s},

@@ -21,6 +21,9 @@ struct ProcessSample {
   double memory_mb = 0.0;
   std::vector<std::pair<std::string, double>> counters;
   int64_t pid = 0;
+  double queue = 0.0;       ///< longest of its queues
+  int64_t lag_frames = -1;  ///< FramesBehind; -1: unknown
+  int64_t sent_frames = 0;  ///< by the player then
 };
 
 /// Keeps queues, repairs, times and memory of each process over the run, in bounded memory: at most 16 processes, 32
@@ -37,6 +40,9 @@ class ProcessLog {
     int64_t pid = 0;
     int64_t restarts = 0;
     double heard_s = 0.0;
+    double queue = 0.0;
+    int64_t lag_frames = -1;
+    int64_t sent_frames = 0;
     std::vector<float> t_s;
     std::vector<int32_t> frame;
     std::vector<float> cpu_s;

@@ -78,8 +78,11 @@ struct ReportCorrection {
 struct ReportProcess {
   std::string name;
   std::string state;
-  double heard_s = 0.0;  ///< of the last status, on the same clock as `t_s`
-  int64_t restarts = 0;  ///< how often another process of the name took over
+  std::string pace;         ///< PaceName
+  double silent_s = 0.0;    ///< between its last status and the last one of any process
+  double queue = 0.0;       ///< longest of its queues, at its last status
+  int64_t lag_frames = -1;  ///< FramesBehind; -1: unknown
+  int64_t restarts = 0;     ///< how often another process of the name took over
   Table table;
 };
 
@@ -89,9 +92,10 @@ struct ReportObservers {
   std::string segments;
 };
 
-/// The map: points (`p`, `seen`, `observations`, `sigma`), segments (`pq`, `seen`, `observations`, `sigma`),
+/// The map: points (`p`, `seen`, `life`, `observations`, `sigma`), segments (`pq` instead of `p`),
 /// keyframes (`id`, `frame`, `p`, `q`, `parent`, `sigma_m`), edges between rows of keyframes (`ab`, `shared`), loop
-/// edges (`ab`). `seen` is the frame that saw it first, `q` is x, y, z, w, positions are in metres in w; `sigma` is
+/// edges (`ab`). `seen` is the frame that saw it first, `life`
+/// the number of frames from there to the last keyframe that observes it, `q` is x, y, z, w, positions are in metres in w; `sigma` is
 /// the standard deviation of the position (of segments: across them, at the ends), packed (PackSigma).
 struct ReportMap {
   Table points;

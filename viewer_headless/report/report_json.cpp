@@ -117,8 +117,8 @@ uint16_t FixedDisparity(float px) { return px < 0.0F ? uint16_t{65535} : Fixed(p
 bool IsFinite(const cv::Point2f& p) { return std::isfinite(p.x) && std::isfinite(p.y); }
 
 Json ToJson(const OverlayFeatures& features) {
-  std::vector<uint16_t> points, segments;
-  std::vector<uint8_t> point_ages, segment_ages, depths;
+  std::vector<uint16_t> points, segments, segment_disparities;
+  std::vector<uint8_t> point_ages, segment_ages;
   for (const OverlayPoint& p : features.points) {
     if (!IsFinite(p.px) || !std::isfinite(p.disparity_px)) continue;
     points.insert(points.end(), {Fixed(p.px.x), Fixed(p.px.y), FixedDisparity(p.disparity_px)});
@@ -128,13 +128,14 @@ Json ToJson(const OverlayFeatures& features) {
     if (!IsFinite(s.p_px) || !IsFinite(s.q_px)) continue;
     segments.insert(segments.end(), {Fixed(s.p_px.x), Fixed(s.p_px.y), Fixed(s.q_px.x), Fixed(s.q_px.y)});
     segment_ages.push_back(Age(s.age));
-    depths.push_back(s.has_depth ? 1 : 0);
+    const auto disparity = [&s](float px) { return FixedDisparity(s.HasDepth() && std::isfinite(px) ? px : -1.0F); };
+    segment_disparities.insert(segment_disparities.end(), {disparity(s.disparity_p_px), disparity(s.disparity_q_px)});
   }
   return ToJson(Table{{"points", 3, std::move(points)},
                       {"point_ages", 1, std::move(point_ages)},
                       {"segments", 4, std::move(segments)},
                       {"segment_ages", 1, std::move(segment_ages)},
-                      {"segment_depths", 1, std::move(depths)}});
+                      {"segment_disparities", 2, std::move(segment_disparities)}});
 }
 
 Json ToJson(const ReportPicture& p) {
@@ -168,11 +169,10 @@ Json ToJson(const ReportCorrection& c) {
 }
 
 Json ToJson(const ReportProcess& p) {
-  return {{"name", p.name},
-          {"state", p.state},
-          {"heard_s", p.heard_s},
-          {"restarts", p.restarts},
-          {"table", ToJson(p.table)}};
+  return {{"name", p.name},         {"state", p.state},
+          {"pace", p.pace},         {"silent_s", p.silent_s},
+          {"queue", p.queue},       {"lag_frames", p.lag_frames < 0 ? Json() : Json(p.lag_frames)},
+          {"restarts", p.restarts}, {"table", ToJson(p.table)}};
 }
 
 template <class Row>

@@ -75,7 +75,8 @@ tracks_t ToTracksMessage(const OdometryResult& result, int64_t max_bytes) {
     track_line_t& track = message.lines.emplace_back();
     CopyPixel(line.left.segment.p, track.p_px);
     CopyPixel(line.left.segment.q, track.q_px);
-    track.has_depth = line.HasDepth() ? 1 : 0;
+    track.disparity_p_px = line.HasDepth() ? static_cast<float>(line.disparity_p_px) : -1.0F;
+    track.disparity_q_px = line.HasDepth() ? static_cast<float>(line.disparity_q_px) : -1.0F;
     track.age = result.line_tracks[i].age;
     track.body = static_cast<int8_t>(result.line_tracks[i].body);
   }

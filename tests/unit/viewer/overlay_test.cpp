@@ -63,8 +63,8 @@ TEST(Overlay, NearPointsAreRedFarOnesBlueAndThoseWithoutDepthGrey) {
 }
 
 TEST(Overlay, SegmentsWithDepthAreColouredAndThickTheOthersDashedGrey) {
-  const OverlayFeatures with_depth{{}, {{{10, 30}, {210, 30}, true, 5}}};
-  const OverlayFeatures without{{}, {{{10, 30}, {210, 30}, false, 5}}};
+  const OverlayFeatures with_depth{{}, {{{10, 30}, {210, 30}, 4, 4, 5}}};
+  const OverlayFeatures without{{}, {{{10, 30}, {210, 30}, -1, -1, 5}}};
   const cv::Mat thick = DrawOverlay(Grey(), with_depth, "");
   const cv::Mat dashed = DrawOverlay(Grey(), without, "");
   EXPECT_GT(ColouredPixels(thick, {0, 0, 640, 120}), 500);
@@ -79,16 +79,16 @@ TEST(Overlay, CoordinatesThatAreNotFiniteOrFarOutsideAreHarmless) {
   OverlayFeatures features;
   for (const float bad : {nan, inf, -inf, 1e30F, -1e9F}) {
     features.points.push_back({{bad, 10}, 1.0F, 1});
-    features.segments.push_back({{10, 10}, {10, bad}, false, 1});
-    features.segments.push_back({{bad, 10}, {10, 10}, true, 1});
+    features.segments.push_back({{10, 10}, {10, bad}, -1, -1, 1});
+    features.segments.push_back({{bad, 10}, {10, 10}, 4, 4, 1});
   }
   EXPECT_EQ(ChangedPixels(DrawOverlay(Grey(), features, "")), 0);
-  const OverlayFeatures outside{{{{-100, -100}, nan, 1}}, {{{-500, -500}, {900, 900}, true, -5}}};
+  const OverlayFeatures outside{{{{-100, -100}, nan, 1}}, {{{-500, -500}, {900, 900}, 4, 4, -5}}};
   EXPECT_FALSE(DrawOverlay(Grey(), outside, "").empty());
 }
 
 TEST(Overlay, SegmentOfNoLengthIsHarmless) {
-  const OverlayFeatures features{{}, {{{10, 10}, {10, 10}, false, 0}, {{20, 20}, {20, 20}, true, 0}}};
+  const OverlayFeatures features{{}, {{{10, 10}, {10, 10}, -1, -1, 0}, {{20, 20}, {20, 20}, 4, 4, 0}}};
   EXPECT_FALSE(DrawOverlay(Grey(), features, "").empty());
 }
 

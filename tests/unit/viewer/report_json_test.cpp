@@ -60,7 +60,8 @@ TEST(ReportJson, NothingAtAllIsStillWhole) {
 TEST(ReportJson, NamesCannotEndThePage) {
   ReportData data;
   data.facts.dataset = "</script><script>alert(1)</script>\xff\xfe";
-  data.processes.push_back({"</script>", "running", 0.0, 0, {{"<b>", 1, std::vector<float>{1.0F}}}});
+  data.processes.push_back(
+      {.name = "</script>", .state = "running", .pace = "", .table = {{"<b>", 1, std::vector<float>{1.0F}}}});
   const std::string text = ReportJson(data);
   EXPECT_EQ(text.find('<'), std::string::npos);
   const auto json = nlohmann::json::parse(text);
@@ -71,7 +72,7 @@ TEST(ReportJson, NamesCannotEndThePage) {
 TEST(ReportJson, FeaturesThatAreNoneAreLeftOut) {
   ReportPicture picture;
   picture.features.points = {{{10.5F, 3.0F}, 2.0F, 300}, {{NAN, 1.0F}, 1.0F, 1}, {{5.0F, -7.0F}, -1.0F, 0}};
-  picture.features.segments = {{{1, 2}, {INFINITY, 4}, true, 1}, {{1, 2}, {3, 4}, true, 7}};
+  picture.features.segments = {{{1, 2}, {INFINITY, 4}, 4, 4, 1}, {{1, 2}, {3, 4}, 4, 5, 7}};
   ReportData data;
   data.pictures.push_back(picture);
   const auto features = nlohmann::json::parse(ReportJson(data))["pictures"][0]["features"];
@@ -79,6 +80,8 @@ TEST(ReportJson, FeaturesThatAreNoneAreLeftOut) {
   EXPECT_EQ(features["points"]["data"], Base64(LittleEndianBytes({"", 3, points})));
   EXPECT_EQ(features["point_ages"]["data"], Base64(std::string("\xff\0", 2)));
   EXPECT_EQ(features["segment_ages"]["data"], Base64("\7"));
+  const std::vector<uint16_t> disparities{128, 160};
+  EXPECT_EQ(features["segment_disparities"]["data"], Base64(LittleEndianBytes({"", 2, disparities})));
 }
 
 TEST(ReportJson, NumbersThatAreNotFiniteAreNull) {

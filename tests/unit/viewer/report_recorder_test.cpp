@@ -121,7 +121,29 @@ TEST(ProcessLog, AnotherProcessOfTheNameIsARestart) {
   }
   ASSERT_EQ(log.Processes().size(), 1U);
   EXPECT_EQ(log.Processes()[0].restarts, 2);
-  EXPECT_DOUBLE_EQ(log.Processes()[0].heard_s, 18.0);
+}
+
+TEST(ProcessLog, LagAndSilenceAreThoseOfTheLastStatus) {
+  ProcessLog log;
+  ProcessSample vo{"vo", "running", 0.0, 0, 1.0, 1.0, {}};
+  vo.lag_frames = 2;
+  vo.sent_frames = 100;
+  log.Add(vo);
+  log.Add({"recorder", "running", 3.0, 0, 1.0, 1.0, {}});
+  ProcessSample mapping{"mapping", "running", 3.0, 0, 1.0, 1.0, {}};
+  mapping.queue = 7.0;
+  mapping.lag_frames = 40;
+  mapping.sent_frames = 160;
+  log.Add(mapping);
+  const std::vector<ReportProcess> processes = log.Processes();
+  ASSERT_EQ(processes.size(), 3U);
+  EXPECT_EQ(processes[0].pace, "behind");
+  EXPECT_EQ(processes[0].lag_frames, 40);
+  EXPECT_DOUBLE_EQ(processes[0].queue, 7.0);
+  EXPECT_EQ(processes[1].lag_frames, -1);
+  EXPECT_EQ(processes[2].pace, "silent");
+  EXPECT_DOUBLE_EQ(processes[2].silent_s, 3.0);
+  EXPECT_EQ(processes[2].lag_frames, 62) << "60 frames were sent since";
 }
 
 TEST(ProcessLog, InventedProcessesAndNumbersDoNoHarm) {

@@ -146,6 +146,9 @@ TEST(MapTables, SayWhatIsInTheMap) {
   EXPECT_EQ(Rows(tables.points), 60U);
   EXPECT_THAT(Numbers<float>(tables.segments, "pq"), ElementsAre(1, 2, 3, 4, 5, 6));
   EXPECT_THAT(Numbers<int32_t>(tables.segments, "seen"), ElementsAre(10));
+  EXPECT_THAT(Numbers<uint16_t>(tables.segments, "life"), ElementsAre(10)) << "from frame 10 to 20";
+  EXPECT_THAT(Numbers<uint16_t>(tables.points, "life").at(1), 10);
+  EXPECT_THAT(Numbers<uint16_t>(tables.points, "life").at(3), 0) << "one keyframe saw it";
   EXPECT_THAT(Numbers<uint8_t>(tables.segments, "observations"), ElementsAre(2));
   EXPECT_THAT(Numbers<int32_t>(tables.keyframes, "parent"), ElementsAre(-1, 0, 1));
   // 0 and 1 share two of three points, 0 and 2 (as 1 and 2, with the line) a third.

@@ -5,10 +5,13 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
+#include <exception>
 #include <filesystem>
 #include <optional>
 #include <set>
 #include <stdexcept>
+#include <string_view>
 
 #include "core/io/files/atomic_file.h"
 #include "core/io/trajectories/trajectory.h"
@@ -130,20 +133,45 @@ std::string Formatted(const std::vector<RunGroup>& groups, const std::string& fo
   return ComparisonText(groups);
 }
 
+/// The address of the file `to` for a page at `from`: relative, so that both can move together, and escaped.
+std::string LinkTo(const std::string& to, const std::string& from) {
+  std::string link;
+  for (const char c : fs::absolute(to).lexically_relative(fs::absolute(from).parent_path()).generic_string()) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+                       std::string_view("/._-~").find(c) != std::string_view::npos;
+    link += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return link;
+}
+
+/// The page of --html links to that of --map, and back. A run without report.html costs the map alone, and then there
+/// is no link.
+void WritePages(const Arguments& a, const std::vector<RunRecord>& runs, const std::vector<RunGroup>& groups) {
+  const bool both = !a.html.empty() && !a.map.empty();
+  std::exception_ptr no_map;
+  try {
+    if (!a.map.empty()) WriteFileAtomically(a.map, JointMapPage(runs, both ? LinkTo(a.html, a.map) : ""));
+  } catch (const std::runtime_error&) {
+    no_map = std::current_exception();
+  }
+  if (!a.html.empty()) {
+    WriteFileAtomically(a.html, ComparisonPage(groups, both && !no_map ? LinkTo(a.map, a.html) : ""));
+  }
+  if (no_map) std::rethrow_exception(no_map);
+}
+
 int CompareRuns(const Arguments& a) {
   const std::vector<RunRecord> runs = RunsOf(a.runs);
   const bool converts = a.format == "tum" || a.format == "kitti";
   if (converts) ConvertTrajectories(runs, a);
   const std::vector<RunGroup> groups = Compare(runs);
-  if (!a.html.empty()) WriteFileAtomically(a.html, ComparisonPage(groups));
   const std::string text = converts ? "" : Formatted(groups, a.format);
   if (a.out.empty()) {
     fmt::print("{}", text);
   } else if (!converts) {
     WriteFileAtomically(a.out, text);
   }
-  // Last: a run without report.html costs the map alone.
-  if (!a.map.empty()) WriteFileAtomically(a.map, JointMapPage(runs));
+  WritePages(a, runs, groups);
   return 0;
 }
 
@@ -158,7 +186,7 @@ int RunEvaluateCompare(int argc, char** argv) {
   AddOptions(app, arguments);
   app.footer(
       "Examples:\n  evaluate compare out/room_points out/room_lines out/room_both --html compare.html\n"
-      "  evaluate compare out/room_points out/room_both --map both_maps.html\n"
+      "  evaluate compare out/room_points out/room_both --html compare.html --map both_maps.html\n"
       "  evaluate compare out --format markdown");
   return RunCommandLine(app, argc, argv, [&] { return CompareRuns(arguments); });
 }

@@ -130,8 +130,11 @@ std::string OptionTable(const Groups& groups) {
 
 }  // namespace
 
-std::string ComparisonPage(const std::vector<RunGroup>& groups) {
+std::string ComparisonPage(const std::vector<RunGroup>& groups, const std::string& map_link) {
   std::string html = kHead;
+  if (!map_link.empty()) {
+    html += fmt::format("<p><a href=\"{}\">Paths and landmarks in one map</a></p>\n", InHtml(map_link));
+  }
   int dataset = 0;
   for (size_t i = 0; i < groups.size(); ++dataset) {
     Groups of_dataset;

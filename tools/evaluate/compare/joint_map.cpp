@@ -33,12 +33,6 @@ RunPaths PathsOf(const RunRecord& run) {
   return *std::move(paths);
 }
 
-Json Columns(const Json& table, const std::vector<const char*>& names) {
-  Json columns = Json::object();
-  for (const char* name : names) columns[name] = table.at(name);
-  return columns;
-}
-
 std::string LastPart(const std::string& folder) {
   return std::filesystem::path(folder + "/").lexically_normal().parent_path().filename();
 }
@@ -52,21 +46,19 @@ std::string NameOf(const RunRecord& run, const std::vector<RunRecord>& runs) {
 
 /// What others.js reads.
 Json OtherRun(const RunRecord& run, const std::string& name, const SE3& T_base_w) {
-  const Json data = Json::parse(viewer::DataOfReport(ReportOf(run)));
+  Json data = Json::parse(viewer::DataOfReport(ReportOf(run)));
+  // The page shows neither of other runs, and they are most of the bytes.
+  for (const char* list : {"processes", "pictures", "loops", "corrections"}) data.at(list) = Json::array();
+  if (data.at("path").is_null() || data.at("map").is_null()) throw std::runtime_error("its report has no map");
   const Eigen::Matrix4d T = T_base_w.matrix();
   Json transform = Json::array();
   for (int i = 0; i < 16; ++i) transform.push_back(T(i / 4, i % 4));
-  return {{"label", name},
-          {"transform", transform},
-          {"frames", Columns(data.at("frames"), {"id", "state", "keyframe"})},
-          {"path", Columns(data.at("path"), {"p"})},
-          {"points", Columns(data.at("map").at("points"), {"p", "seen"})},
-          {"segments", Columns(data.at("map").at("segments"), {"pq", "seen"})}};
+  return {{"label", name}, {"transform", transform}, {"data", std::move(data)}};
 }
 
 }  // namespace
 
-std::string JointMapPage(const std::vector<RunRecord>& runs) {
+std::string JointMapPage(const std::vector<RunRecord>& runs, const std::string& comparison_link) {
   const RunRecord& base = runs.front();
   const RunPaths base_paths = PathsOf(base);
   Json others = Json::array();
@@ -88,7 +80,7 @@ std::string JointMapPage(const std::vector<RunRecord>& runs) {
     fmt::print(stderr, "the map has {} of {} runs: those of what {} has played, {} at most\n", others.size() + 1,
                runs.size(), base.folder, kMaxOthers + 1);
   }
-  const Json json = {{"name", NameOf(base, runs)}, {"others", others}};
+  const Json json = {{"name", NameOf(base, runs)}, {"comparison", comparison_link}, {"others", others}};
   try {
     return viewer::FillOtherRuns(ReportOf(base), json.dump(-1, ' ', false, Json::error_handler_t::replace));
   } catch (const std::runtime_error& error) {

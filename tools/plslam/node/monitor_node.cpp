@@ -9,6 +9,7 @@
 #include "core/bus/run_loop.h"
 #include "core/process/process_status.h"
 #include "core/process/process_usage.h"
+#include "core/run/lag.h"
 #include "core/run/process_names.h"
 #include "plslam/keyframe_t.hpp"
 #include "plslam/loop_closure_t.hpp"
@@ -21,10 +22,8 @@
 namespace plslam::launcher {
 namespace {
 
-// A queue that is worth telling; status comes every second.
-constexpr double kWorthSaying = 5.0;
-constexpr double kSilent_s = 2.5;
-constexpr double kDead_s = 10.0;
+// Its status comes every second.
+constexpr double kPlayerGone_s = 10.0;
 // More are invented.
 constexpr size_t kMaxShownProcesses = 4096;
 
@@ -106,7 +105,7 @@ void MonitorNode::OnStatus(const status_t& message) {
 }
 
 bool MonitorNode::PlayerWaitsForTime(double now_s) const {
-  const bool heard = player_heard_s_ >= 0.0 && now_s - player_heard_s_ < kDead_s;
+  const bool heard = player_heard_s_ >= 0.0 && now_s - player_heard_s_ < kPlayerGone_s;
   if (is_paused_) return heard;
   if (sent_.ended() || lockstep_) return false;
   return heard && sent_.sent() > 0 && statistics_.newest_frame().first + 1 >= sent_.sent();
@@ -153,14 +152,14 @@ bool MonitorNode::Hears(const std::string& process) const {
 
 Lag MonitorNode::LagAt(double now_s) const {
   Lag lag{"", longest_queue_};
-  double furthest = kWorthSaying;
+  double furthest = 0.0;
   for (const auto& [process, status] : processes_) {
     const double silent_s = now_s - status.heard_s;
-    // One that has died has said nothing for long; the one in its place speaks for it.
-    if (silent_s > kDead_s || status.state == process_state::kStopping) continue;
-    if (silent_s > kSilent_s)
+    // One that has died is gone; the one in its place speaks for it.
+    const Pace pace = PaceOf(status.state, silent_s, status.queue);
+    if (pace == Pace::kSilent)
       return {fmt::format("{}: silent for {:.0f} s", status.process, silent_s), longest_queue_};
-    if (status.queue < furthest) continue;
+    if (pace != Pace::kBehind || status.queue < furthest) continue;
     furthest = status.queue;
     lag.text = fmt::format("{}: {:.0f} waiting", status.process, status.queue);
   }

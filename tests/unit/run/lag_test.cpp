@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/run/lag.h"
+
+#include <gtest/gtest.h>
+
+namespace plslam {
+namespace {
+
+TEST(PaceOf, SilenceCountsBeforeTheQueue) {
+  EXPECT_EQ(PaceOf("running", 1.0, 4.0), Pace::kKeepsUp);
+  EXPECT_EQ(PaceOf("running", 1.0, 5.0), Pace::kBehind);
+  EXPECT_EQ(PaceOf("running", 3.0, 5.0), Pace::kSilent);
+  EXPECT_EQ(PaceOf("running", 11.0, 5.0), Pace::kGone);
+  EXPECT_EQ(PaceOf("stopping", 1.0, 5.0), Pace::kGone);
+}
+
+TEST(FramesBehind, CountsFromTheOldestKeyframeThatWaits) {
+  // Of the frames with a pose, the newest first, these are keyframes.
+  const auto is_keyframe = [](int64_t i) { return i == 2 || i == 7 || i == 9; };
+  EXPECT_EQ(FramesBehind(4, 0, 20, is_keyframe), 4);
+  EXPECT_EQ(FramesBehind(4, 1, 20, is_keyframe), 7);
+  EXPECT_EQ(FramesBehind(0, 2, 20, is_keyframe), 8);
+  EXPECT_EQ(FramesBehind(0, 99, 20, is_keyframe), 10) << "those before had come to nobody's queue";
+  EXPECT_EQ(FramesBehind(3, 1, 0, is_keyframe), 3);
+}
+
+}  // namespace
+}  // namespace plslam

@@ -26,10 +26,19 @@ Descriptor RandomDescriptor(std::mt19937_64& generator) {
   return {generator(), generator(), generator(), generator()};
 }
 
+/// One draw after the other: arguments of a function are evaluated in an order that each compiler chooses.
+template <class Draw>
+Eigen::Vector3d Drawn(Draw& draw) {
+  const double z = draw();
+  const double y = draw();
+  return {draw(), y, z};
+}
+
 Eigen::Vector3d RandomInShell(std::mt19937_64& generator) {
   std::normal_distribution<double> normal;
+  const auto draw = [&] { return normal(generator); };
   std::uniform_real_distribution<double> radius(2.0, 8.0);
-  const Eigen::Vector3d direction{normal(generator), normal(generator), normal(generator)};
+  const Eigen::Vector3d direction = Drawn(draw);
   return radius(generator) * direction.normalized();
 }
 
@@ -38,6 +47,7 @@ Eigen::Vector3d RandomInShell(std::mt19937_64& generator) {
 FeatureWorld::FeatureWorld(const Counts& counts, uint64_t seed) {
   std::mt19937_64 generator(seed);
   std::normal_distribution<double> normal;
+  const auto draw = [&] { return normal(generator); };
   // Only part of a shell is in view: make enough that about `counts` are.
   for (int i = 0; i < 6 * counts.points; ++i) {
     const Eigen::Vector3d p = RandomInShell(generator);
@@ -45,7 +55,7 @@ FeatureWorld::FeatureWorld(const Counts& counts, uint64_t seed) {
   }
   for (int i = 0; i < 6 * counts.lines; ++i) {
     const Eigen::Vector3d p = RandomInShell(generator);
-    const Eigen::Vector3d along{normal(generator), normal(generator), normal(generator)};
+    const Eigen::Vector3d along = Drawn(draw);
     lines_.push_back({{p, p + along.normalized()}, RandomDescriptor(generator)});
   }
 }
@@ -63,7 +73,7 @@ StereoFeatures FeatureWorld::Observe(const SE3& T_w_c, double noise_px, uint64_t
     const Eigen::Vector3d p_c = T_c_w * point.p_w;
     if (p_c.z() < kMinDepth_m || p_c.z() > max_depth_m_) continue;
     if (!camera.InImage(camera.Project(p_c), 5.0)) continue;
-    const Eigen::Vector3d uvd = camera.ProjectStereo(p_c) + Eigen::Vector3d{noise(), noise(), noise()};
+    const Eigen::Vector3d uvd = camera.ProjectStereo(p_c) + Drawn(noise);
     StereoPoint seen;
     seen.left.px = uvd.head<2>();
     seen.left.descriptor = point.descriptor;
@@ -77,8 +87,8 @@ StereoFeatures FeatureWorld::Observe(const SE3& T_w_c, double noise_px, uint64_t
     if (p_c.z() < kMinDepth_m || q_c.z() < kMinDepth_m) continue;
     if (p_c.z() > max_depth_m_ || q_c.z() > max_depth_m_) continue;
     if (!camera.InImage(camera.Project(p_c), 5.0) || !camera.InImage(camera.Project(q_c), 5.0)) continue;
-    const Eigen::Vector3d p = camera.ProjectStereo(p_c) + Eigen::Vector3d{noise(), noise(), noise()};
-    const Eigen::Vector3d q = camera.ProjectStereo(q_c) + Eigen::Vector3d{noise(), noise(), noise()};
+    const Eigen::Vector3d p = camera.ProjectStereo(p_c) + Drawn(noise);
+    const Eigen::Vector3d q = camera.ProjectStereo(q_c) + Drawn(noise);
     StereoLine seen;
     seen.left.segment = {p.head<2>(), q.head<2>()};
     if (seen.left.segment.Length() < kMinLength_px) continue;

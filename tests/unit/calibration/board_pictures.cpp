@@ -42,8 +42,11 @@ std::vector<SE3> BoardPoses(const calibration::Board& board, int n, unsigned see
   std::vector<SE3> poses;
   for (int i = 0; i < n; ++i) {
     const double depth_m = 0.55 + 0.25 * unit(random);
-    const Eigen::Vector3d at{depth_m * 0.45 * unit(random), depth_m * 0.33 * unit(random), depth_m};
-    const Eigen::Vector3d turn{0.75 * unit(random), 0.75 * unit(random), 0.5 * unit(random)};
+    const double y_m = depth_m * 0.33 * unit(random);
+    const Eigen::Vector3d at(depth_m * 0.45 * unit(random), y_m, depth_m);
+    const double about_z = 0.5 * unit(random);
+    const double about_y = 0.75 * unit(random);
+    const Eigen::Vector3d turn(0.75 * unit(random), about_y, about_z);
     const SE3 T(Eigen::Quaterniond(Eigen::AngleAxisd(turn.norm(), turn.normalized())), at);
     poses.push_back(T * SE3(Eigen::Quaterniond::Identity(), -middle));
   }
@@ -66,7 +69,8 @@ calibration::BoardView SeenBoard(const calibration::Board& board, const CameraCa
     if (pixel.x() < 3 || pixel.y() < 3 || pixel.x() > camera.width_px - 4 || pixel.y() > camera.height_px - 4)
       continue;
     view.corners.push_back(static_cast<int>(i));
-    view.pixels.push_back(pixel + Eigen::Vector2d{noise(random), noise(random)});
+    const double noise_y_px = noise(random);
+    view.pixels.emplace_back(pixel.x() + noise(random), pixel.y() + noise_y_px);
   }
   const bool whole = view.corners.size() == corners.size();
   if (board.kind == calibration::Board::Kind::kChess ? !whole : view.corners.size() < 8) return {};

@@ -180,9 +180,9 @@ TEST_F(Shell, ColoursAreForTerminalsAlone) {
   if (!Has("script")) GTEST_SKIP() << "no script here";
   const std::string program = (test::BinaryFolder() / "mapping_process").string() + " --url memq://";
   const auto said = [&](const std::string& start, const std::string& process) {
-    return Output("cd '" + folder_.string() + "' && rm -f said && unset NO_COLOR && export TERM=xterm && " + start +
-                  " & until grep -qs ready '" + folder_.string() + "/said'; do sleep 0.05; done; kill " + process +
-                  "; wait; cat '" + folder_.string() + "/said'");
+    // It handles signals once it has said that it is ready.
+    return Output("cd '" + folder_.string() + "'; rm -f said; unset NO_COLOR; export TERM=xterm\n" + start +
+                  " &\nuntil grep -qs 'ready on' said; do sleep 0.05; done; kill " + process + "; wait; cat said");
   };
   const std::string colour = "\033[32minfo";
   const std::string on_terminal = "script -qfc 'exec " + program + "' said";

@@ -129,7 +129,8 @@ FeatureWorld MakeRing(double radius_m, int points, int lines, uint64_t seed) {
   };
   const auto on_wall = [&](double angle_rad) {
     const double side_m = between(-1.0, 1.0) < 0.0 ? -kHalfWidth_m : kHalfWidth_m;
-    return OnRing(radius_m, angle_rad) * Eigen::Vector3d{side_m + between(-0.3, 0.3), between(-1.2, 1.2), 0.0};
+    const double y_m = between(-1.2, 1.2);
+    return OnRing(radius_m, angle_rad) * Eigen::Vector3d(side_m + between(-0.3, 0.3), y_m, 0.0);
   };
   std::vector<FeatureWorld::Point> of_points;
   std::vector<FeatureWorld::Line> of_lines;

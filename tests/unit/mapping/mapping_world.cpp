@@ -164,7 +164,8 @@ FeatureWorld MakeCorridor(double length_m, double points_per_m, double lines_per
   };
   const auto on_wall = [&](double z) {
     const double side = between(-1.0, 1.0) < 0.0 ? -kHalfWidth_m : kHalfWidth_m;
-    return Eigen::Vector3d{side + between(-0.3, 0.3), between(-1.2, 1.2), z};
+    const double y = between(-1.2, 1.2);
+    return Eigen::Vector3d(side + between(-0.3, 0.3), y, z);
   };
   std::vector<FeatureWorld::Point> points;
   std::vector<FeatureWorld::Line> lines;

@@ -41,7 +41,8 @@ int BundleWorldMaker::FirstPose(const BundleWorld& world) {
 
 Eigen::Vector3d BundleWorldMaker::PointInView(const SE3& T_w_c) {
   const double z = Uniform(2.0, 8.0);
-  return T_w_c * Eigen::Vector3d{Uniform(-0.4, 0.6) * z, Uniform(-0.45, 0.45) * z, z};
+  const double y = Uniform(-0.45, 0.45) * z;
+  return T_w_c * Eigen::Vector3d(Uniform(-0.4, 0.6) * z, y, z);
 }
 
 Eigen::Vector3d BundleWorldMaker::Start(const Eigen::Vector3d& p_w, const SE3& T_w_c) {

@@ -30,7 +30,8 @@ std::vector<RowMatch> Matches(int n, double offset_px, double roll_deg, double s
   std::normal_distribution<double> noise(0.0, 0.2);
   std::vector<RowMatch> matches;
   for (int i = 0; i < n; ++i) {
-    const Eigen::Vector2d left{u(random), v(random)};
+    const double y = v(random);
+    const Eigen::Vector2d left(u(random), y);
     const double error = offset_px + roll_deg * kDeg * (left.x() - 320.0) + 0.01 * scale_percent * (left.y() - 240.0);
     const double row = left.y() + (share(random) < outliers ? anywhere(random) : error + noise(random));
     matches.push_back({left, {left.x() - disparity(random), row}});

@@ -28,7 +28,9 @@ FeatureWorld Box(int points, uint64_t seed, const Eigen::Vector3d& middle = Eige
   std::uniform_real_distribution<double> unit(-0.5, 0.5);
   std::vector<FeatureWorld::Point> all;
   for (int i = 0; i < points; ++i) {
-    const Eigen::Vector3d p{1.6 * unit(generator), 1.2 * unit(generator), 0.5 * unit(generator)};
+    const double z = 0.5 * unit(generator);
+    const double y = 1.2 * unit(generator);
+    const Eigen::Vector3d p(1.6 * unit(generator), y, z);
     all.push_back({middle + p, {generator(), generator(), generator(), generator()}});
   }
   return {std::move(all), {}, 100.0};

@@ -15,7 +15,7 @@ defaults.
 
 Unknown or duplicate keys, wrong types and values out of bounds stop a process with one sentence that names file, line
 and key. What a process uses stands in its status messages and in `summary.json`; `plslam config --config FILE` prints
-it beforehand.
+it beforehand, with comments: `plslam config --config my.yaml --set vo.features.orb.max_points=800 >effective.yaml`.
 
 This file is generated from the option structs by `scripts/document`.
 )";

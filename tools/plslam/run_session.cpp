@@ -21,6 +21,8 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr seconds kStartLimit{60};
+// A recording without an index is read whole before its first frame.
+constexpr seconds kOpenLimit{3600};
 /// For the first word of the mapping_process that several robots share, which says one every second.
 constexpr seconds kSharedMapLimit{10};
 /// For the last messages of the launcher itself, once the viewer has everything.
@@ -137,11 +139,11 @@ void RunSession::TellReadiness(Clock::time_point now) {
   }
 }
 
-bool RunSession::AllReady() const {
+bool RunSession::AllReadyBut(const std::string& name) const {
   const auto reports = supervisor_.reports();
   return std::all_of(reports.begin(), reports.end(), [&](const ProcessReport& report) {
     const std::string state = monitor_.StateOf(supervisor_.pid(report.name));
-    return state == process_state::kReady || state == process_state::kRunning;
+    return state == process_state::kReady || state == process_state::kRunning || report.name == name;
   });
 }
 
@@ -177,7 +179,8 @@ void RunSession::CheckFailed(Clock::time_point now) {
 }
 
 void RunSession::CheckStarted(Clock::time_point now) {
-  const bool all_ready = AllReady();
+  const bool all_ready = AllReadyBut("");
+  const seconds limit = AllReadyBut(process_name::kPlayer) ? kOpenLimit : kStartLimit;
   if (all_ready && HearsSharedMap()) {
     phase_ = Phase::kPlaying;
     phase_began_ = playing_since_ = now;
@@ -191,8 +194,8 @@ void RunSession::CheckStarted(Clock::time_point now) {
         "no mapping_process with the prefix {0} was heard on {1}: start `mapping_process --prefix {0} --url {1}` and "
         "`loop_process --prefix {0} --url {1}` before, or leave out --map-prefix",
         options_.map_prefix, options_.url));
-  } else if (now - phase_began_ > kStartLimit) {
-    BeginStop(fmt::format("not all processes were ready after {} s; see {}", kStartLimit.count(),
+  } else if (now - phase_began_ > limit) {
+    BeginStop(fmt::format("not all processes were ready after {} s; see {}", limit.count(),
                           (options_.out / "logs").string()));
   }
 }

@@ -52,7 +52,8 @@ class RunSession {
   void StartRows(bool last);
   void Tick();
   void TellReadiness(Clock::time_point now);
-  bool AllReady() const;
+  /// All processes but that of this name.
+  bool AllReadyBut(const std::string& name) const;
   bool HearsSharedMap() const;
   void CheckAccepted();
   void CheckFailed(Clock::time_point now);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <string_view>
@@ -170,6 +171,12 @@ std::string DatasetKindHelp() {
 
 std::unique_ptr<Dataset> OpenDataset(const std::string& location, const std::string& kind) {
   return Translated([&] { return OpenerOf(location, kind).open(location); });
+}
+
+std::unique_ptr<Dataset> OpenDatasetAndWarn(const std::string& location, const std::string& kind) {
+  auto dataset = OpenDataset(location, kind);
+  for (const std::string& note : dataset->Notes()) fmt::print(stderr, "warning: {}: {}\n", dataset->name(), note);
+  return dataset;
 }
 
 std::string WithTopics(const std::string& location, const std::string& kind, const std::vector<std::string>& topics) {

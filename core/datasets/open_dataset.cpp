@@ -173,9 +173,13 @@ std::unique_ptr<Dataset> OpenDataset(const std::string& location, const std::str
   return Translated([&] { return OpenerOf(location, kind).open(location); });
 }
 
+void PrintNotes(const Dataset& dataset) {
+  for (const std::string& note : dataset.Notes()) fmt::print(stderr, "warning: {}: {}\n", dataset.name(), note);
+}
+
 std::unique_ptr<Dataset> OpenDatasetAndWarn(const std::string& location, const std::string& kind) {
   auto dataset = OpenDataset(location, kind);
-  for (const std::string& note : dataset->Notes()) fmt::print(stderr, "warning: {}: {}\n", dataset->name(), note);
+  PrintNotes(*dataset);
   return dataset;
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "core/bus/logs/log_reader.h"
@@ -176,7 +177,10 @@ viewer::LoggedRun ReadLog(const std::string& log, OngoingExport& e) {
         "{}: is there already, and the files of the run would go there: remove it, or give another --out", folder));
   }
   viewer::LoggedRun run = viewer::ReadLoggedRun(log);
-  if (run.has_frames && !e.dataset) e.dataset = bus::OpenLogDataset(log, run.prefix);
+  if (run.has_frames && !e.dataset) {
+    e.dataset = bus::OpenLogDataset(log, run.prefix);
+    PrintNotes(*e.dataset);
+  }
   if (run.map.keyframes().empty() || !run.map.camera()) return run;
   e.has_features = false;
   e.source.map_path = log;
@@ -241,7 +245,8 @@ std::vector<ExportedFile> ExportRun(const ExportRequest& request) {
       if (request.formats.empty() ? Has(e, format) : IsNamed(request.formats, format.name)) write(e);
     }
   } catch (...) {
-    if (run) std::filesystem::remove_all(e.Path("run"));
+    std::error_code ignored;
+    if (run) std::filesystem::remove_all(e.Path("run"), ignored);
     throw;
   }
   return e.files;

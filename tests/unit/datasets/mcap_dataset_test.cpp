@@ -129,6 +129,9 @@ TEST_F(McapDataset, IndicesThatLackOrAreDamagedAreReplacedByAScan) {
   MakeMcapFile(path(), {.indexed_chunks = 2});
   ExpectFrames(3, "chunk");
   EXPECT_THAT(Note(), HasSubstr("has an index of 2 chunks, and should have 3: all of its"));
+  testing::internal::CaptureStderr();
+  OpenDatasetAndWarn(path(), "");
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("warning: " + path() + ": has an index of 2 chunks"));
   MakeMcapFile(path());
   const std::string whole = test::ReadText(path());
   // The last index of messages: kind, length, channel, and the length of one entry.

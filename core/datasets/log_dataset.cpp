@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -105,9 +106,10 @@ std::optional<T> Decode(const LogReader& log, const Place& place) {
 
 class LogDataset : public Dataset {
  public:
-  explicit LogDataset(const std::string& path) : path_(path), log_(path) {
+  LogDataset(const std::string& path, const std::optional<std::string>& prefix) : path_(path), log_(path) {
     std::map<StreamKey, LogStream> streams;
     Index(streams);
+    if (prefix) std::erase_if(streams, [&](const auto& stream) { return std::get<0>(stream.first) != *prefix; });
     ChooseStream(streams);
     ReadRig();
     ReadGroundTruth();
@@ -283,9 +285,9 @@ StereoImages LogDataset::Read(int index) const {
 
 }  // namespace
 
-std::unique_ptr<Dataset> OpenLogDataset(const std::string& path) {
+std::unique_ptr<Dataset> OpenLogDataset(const std::string& path, const std::optional<std::string>& prefix) {
   try {
-    return std::make_unique<LogDataset>(path);
+    return std::make_unique<LogDataset>(path, prefix);
   } catch (const DatasetError&) {
     throw;
   } catch (const std::runtime_error& error) {

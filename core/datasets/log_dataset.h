@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "core/datasets/dataset.h"
@@ -10,13 +11,15 @@ namespace plslam::bus {
 
 /// The stereo stream of an LCM log, made by the stock lcm-logger or by `plslam record`: rig, frames of the lockstep
 /// or the live channel, ground truth. Channels may have a prefix, messages a MAC (which is not checked here), strips
-/// may be repeated or out of order. Of several publishers the one with the most strips counts.
+/// may be repeated or out of order. Of several publishers (with that `prefix`, where it is given) the one with the most
+/// strips counts.
 ///
 /// Frames that lack strips are passed over, and of frames whose times do not increase (a camera's clock was set back)
 /// as few as possible; `Notes` says how many.
 ///
 /// Throws DatasetError naming the file where it cannot be read or has no rig or no whole frames. `Read` of a frame
 /// with malformed strips throws DatasetError naming file and frame.
-std::unique_ptr<Dataset> OpenLogDataset(const std::string& path);
+std::unique_ptr<Dataset> OpenLogDataset(const std::string& path, const std::optional<std::string>& prefix);
+inline std::unique_ptr<Dataset> OpenLogDataset(const std::string& path) { return OpenLogDataset(path, std::nullopt); }
 
 }  // namespace plslam::bus

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <string_view>
@@ -136,6 +137,16 @@ const Opener& OpenerOf(const std::string& location, const std::string& kind) {
   return kind.empty() ? OpenerByLooking(location) : OpenerByName(kind);
 }
 
+/// What `f` returns, or the error of a file system as DatasetError.
+template <class F>
+auto Translated(F f) {
+  try {
+    return f();
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw DatasetError(SentenceOf(error));
+  }
+}
+
 }  // namespace
 
 const std::vector<DatasetKind>& DatasetKinds() {
@@ -159,21 +170,33 @@ std::string DatasetKindHelp() {
 }
 
 std::unique_ptr<Dataset> OpenDataset(const std::string& location, const std::string& kind) {
-  try {
-    return OpenerOf(location, kind).open(location);
-  } catch (const std::filesystem::filesystem_error& error) {
-    throw DatasetError(SentenceOf(error));
-  }
+  return Translated([&] { return OpenerOf(location, kind).open(location); });
+}
+
+void PrintNotes(const Dataset& dataset) {
+  for (const std::string& note : dataset.Notes()) fmt::print(stderr, "warning: {}: {}\n", dataset.name(), note);
+}
+
+std::unique_ptr<Dataset> OpenDatasetAndWarn(const std::string& location, const std::string& kind) {
+  auto dataset = OpenDataset(location, kind);
+  PrintNotes(*dataset);
+  return dataset;
 }
 
 std::string WithTopics(const std::string& location, const std::string& kind, const std::vector<std::string>& topics) {
   if (topics.empty()) return location;
-  const auto open = OpenerOf(location, kind).open;
-  if (open != OpenMcapDataset && open != OpenBagDataset) {
-    throw DatasetError(location + ": --topics is for recordings of ROS (FILE.mcap, FILE.bag), and this is none");
+  for (const std::string& topic : topics) {
+    if (topic.find_first_of("?&") == std::string::npos) continue;
+    throw DatasetError(fmt::format("--topics: '{}' is no topic of ROS, since it has a ? or & in it", Shown(topic)));
   }
-  const bool has_options = location.find('?') != std::string::npos && !std::filesystem::exists(location);
-  return fmt::format("{}{}left={}&right={}", location, has_options ? '&' : '?', topics.at(0), topics.at(1));
+  return Translated([&] {
+    const auto open = OpenerOf(location, kind).open;
+    if (open != OpenMcapDataset && open != OpenBagDataset) {
+      throw DatasetError(location + ": --topics is for recordings of ROS (FILE.mcap, FILE.bag), and this is none");
+    }
+    const char sign = FileOfLocation(location) == location ? '?' : '&';
+    return fmt::format("{}{}left={}&right={}", location, sign, topics.at(0), topics.at(1));
+  });
 }
 
 }  // namespace plslam

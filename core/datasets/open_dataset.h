@@ -20,6 +20,11 @@ std::unique_ptr<Dataset> ShiftRightImages(std::unique_ptr<Dataset> dataset, int 
 /// ("synthetic:room?seed=3"). `kind` is the name of one, or empty to find it by looking. Throws DatasetError.
 std::unique_ptr<Dataset> OpenDataset(const std::string& location, const std::string& kind);
 
+/// Prints what was passed over as warnings on standard error.
+void PrintNotes(const Dataset& dataset);
+/// Opens a dataset, and prints its notes.
+std::unique_ptr<Dataset> OpenDatasetAndWarn(const std::string& location, const std::string& kind);
+
 /// The location of a recording of which these two image topics are played: empty, or a left and a right one. Throws
 /// DatasetError where there are topics, and the dataset is no recording of ROS.
 std::string WithTopics(const std::string& location, const std::string& kind, const std::vector<std::string>& topics);

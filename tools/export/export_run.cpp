@@ -8,8 +8,12 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <system_error>
+#include <utility>
 
 #include "core/bus/logs/log_reader.h"
+#include "core/datasets/log_dataset.h"
+#include "core/datasets/open_dataset.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/images/png_codec.h"
 #include "core/io/maps/map_camera.h"
@@ -27,9 +31,9 @@ namespace {
 /// What is known while files are written.
 struct OngoingExport {
   RunSource source;
-  std::unique_ptr<KeyframeImages> images;
   std::string out;
-  std::string dataset;
+  std::shared_ptr<const Dataset> dataset;
+  std::unique_ptr<KeyframeImages> images;
   std::vector<ExportedFile> files;
   std::optional<ColmapModel> model;
   bool has_features = true;  ///< of the keyframes, where there is a map
@@ -123,7 +127,7 @@ void ExportPoses(TrajectoryFormat format, OngoingExport& e) {
 }
 
 void ExportAsMcap(OngoingExport& e) {
-  const McapContent content = ExportMcap(e.source, e.dataset, e.Path("run.mcap"));
+  const McapContent content = ExportMcap(e.source, e.dataset.get(), e.Path("run.mcap"));
   e.Told("run.mcap",
          fmt::format("{} frames, {} images{}", content.frames, content.images, content.has_map ? ", the map" : ""));
   WriteFileAtomically(e.Path("foxglove_layout.json"), FoxgloveLayout());
@@ -165,18 +169,46 @@ void CheckNames(const std::vector<std::string>& names) {
   }
 }
 
-/// The run of a log as a folder like that of any run, and its map.
-void ReadLog(const std::string& log, OngoingExport& e) {
-  const viewer::LoggedRun run = viewer::WriteLoggedRun(log, e.Path("run"));
-  e.source = ReadRunSource(e.Path("run"));
-  e.Told("run", "trajectories and tables of the log" + (run.lack.empty() ? "" : fmt::format(" ({})", run.lack)));
-  if (run.has_frames && e.dataset.empty()) e.dataset = log;
-  if (run.map.keyframes().empty() || !run.map.camera()) return;
+viewer::LoggedRun ReadLog(const std::string& log, OngoingExport& e) {
+  namespace fs = std::filesystem;
+  const std::string folder = e.Path("run");
+  if (fs::exists(folder) && !(fs::is_directory(folder) && fs::is_empty(folder))) {
+    throw std::runtime_error(fmt::format(
+        "{}: is there already, and the files of the run would go there: remove it, or give another --out", folder));
+  }
+  viewer::LoggedRun run = viewer::ReadLoggedRun(log);
+  if (run.has_frames && !e.dataset) {
+    e.dataset = bus::OpenLogDataset(log, run.prefix);
+    PrintNotes(*e.dataset);
+  }
+  if (run.map.keyframes().empty() || !run.map.camera()) return run;
   e.has_features = false;
   e.source.map_path = log;
   e.source.map.emplace();
   e.source.map->map = run.map;
   e.source.map->rig = CameraBytes(*run.map.camera());
+  return run;
+}
+
+/// The run of a log as a folder like that of any run.
+void WriteLog(const viewer::LoggedRun& run, OngoingExport& e) {
+  viewer::WriteLoggedRun(run, e.Path("run"));
+  e.Told("run", "trajectories and tables of the log" + (run.lack.empty() ? "" : fmt::format(" ({})", run.lack)));
+  RunSource written = ReadRunSource(e.Path("run"));
+  e.source.folder = std::move(written.folder);
+  e.source.frames = std::move(written.frames);
+}
+
+bool Has(const OngoingExport& e, const ExportFormat& format) {
+  return !format.needs_map || (e.source.map && (e.has_features || !format.needs_features));
+}
+
+void CheckContent(const ExportRequest& request, const OngoingExport& e) {
+  for (const ExportFormat& format : ExportFormats()) {
+    if (!IsNamed(request.formats, format.name) || Has(e, format)) continue;
+    throw std::runtime_error(fmt::format("{}: {} needs a {}map: plslam run --save-map FILE.plmap writes one",
+                                         request.source, format.name, format.needs_features ? "saved " : ""));
+  }
 }
 
 }  // namespace
@@ -192,27 +224,30 @@ const std::vector<ExportFormat>& ExportFormats() {
 
 std::vector<ExportedFile> ExportRun(const ExportRequest& request) {
   CheckNames(request.formats);
-  OngoingExport e{{}, nullptr, request.out, request.dataset, {}, std::nullopt};
+  OngoingExport e;
+  e.out = request.out;
+  if (!request.dataset.empty()) e.dataset = OpenDatasetAndWarn(request.dataset, "");
+  std::optional<viewer::LoggedRun> run;
   if (bus::LooksLikeLcmLog(request.source)) {
-    ReadLog(request.source, e);
+    run = ReadLog(request.source, e);
   } else {
     e.source = ReadRunSource(request.source);
   }
-  if (!e.dataset.empty() && e.source.map) {
+  CheckContent(request, e);
+  if (e.dataset && e.source.map) {
     const StereoCamera camera = MapCamera(*e.source.map, e.source.map_path);
     e.images = std::make_unique<KeyframeImages>(e.dataset, camera);
   }
   MakeFolder(request.out);
-  for (const auto& [format, write] : Writers()) {
-    const bool named = IsNamed(request.formats, format.name);
-    if (!request.formats.empty() && !named) continue;
-    const bool has_map = e.source.map && (e.has_features || !format.needs_features);
-    if (has_map || !format.needs_map) {
-      write(e);
-    } else if (named) {
-      throw std::runtime_error(fmt::format("{}: {} needs a {}map: plslam run --save-map FILE.plmap writes one",
-                                           request.source, format.name, format.needs_features ? "saved " : ""));
+  try {
+    if (run) WriteLog(*run, e);
+    for (const auto& [format, write] : Writers()) {
+      if (request.formats.empty() ? Has(e, format) : IsNamed(request.formats, format.name)) write(e);
     }
+  } catch (...) {
+    std::error_code ignored;
+    if (run) std::filesystem::remove_all(e.Path("run"), ignored);
+    throw;
   }
   return e.files;
 }

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "core/datasets/open_dataset.h"
 #include "core/io/maps/map_camera.h"
 
 namespace plslam::exports {
@@ -50,12 +50,13 @@ RunSource ReadRunSource(const std::string& path, const std::string& map) {
   return source;
 }
 
-KeyframeImages::KeyframeImages(const std::string& dataset, const StereoCamera& camera)
-    : dataset_(OpenDataset(dataset, "")) {
+KeyframeImages::KeyframeImages(std::shared_ptr<const Dataset> dataset, const StereoCamera& camera)
+    : dataset_(std::move(dataset)) {
   rectifier_ = std::make_unique<Rectifier>(dataset_->rig());
   const std::string difference = CameraDifference(camera, rectifier_->camera());
   if (!difference.empty()) {
-    throw std::runtime_error(fmt::format("{}: its rectified camera is not that of the map: {}", dataset, difference));
+    throw std::runtime_error(
+        fmt::format("{}: its rectified camera is not that of the map: {}", dataset_->name(), difference));
   }
   for (int i = 0; i < dataset_->size(); ++i) index_of_[dataset_->t_ns(i)] = i;
 }

@@ -35,8 +35,8 @@ RunSource ReadRunSource(const std::string& path, const std::string& map = "");
 /// The rectified left images that a map's keyframes were made of, from the dataset again.
 class KeyframeImages {
  public:
-  /// Throws std::runtime_error where the dataset cannot be opened, or its rectified camera is not `camera`.
-  KeyframeImages(const std::string& dataset, const StereoCamera& camera);
+  /// Throws std::runtime_error where the rectified camera of the dataset is not `camera`.
+  KeyframeImages(std::shared_ptr<const Dataset> dataset, const StereoCamera& camera);
 
   /// The image taken at that time, 8-bit grey; nullopt where the dataset has none. Throws DatasetError where it has
   /// one that cannot be read.
@@ -46,7 +46,7 @@ class KeyframeImages {
   SE3 T_l_c() const { return {rectifier_->q_l_c(), Eigen::Vector3d::Zero()}; }
 
  private:
-  std::unique_ptr<Dataset> dataset_;
+  std::shared_ptr<const Dataset> dataset_;
   std::unique_ptr<Rectifier> rectifier_;
   std::map<int64_t, int> index_of_;
 };

@@ -14,6 +14,7 @@
 
 #include "camera/options.h"
 #include "core/bus/options.h"
+#include "core/datasets/recordings/recording_dataset.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/files/shared_file.h"
 #include "core/io/maps/map_camera.h"
@@ -74,7 +75,7 @@ void CheckFilesToWrite(const RunOptions& options) {
   for (const auto& [option, file] : {File("--record", options.record), File("--save-map", options.save_map)}) {
     if (file.empty()) continue;
     CheckWritable(option, file);
-    CheckIsNot(option, file, options.dataset);
+    CheckIsNot(option, file, FileOfLocation(options.dataset));
     CheckIsNot(option, file, options.config_file);
   }
   // A map may be saved over the one that the run went on from: it is replaced when it is whole.

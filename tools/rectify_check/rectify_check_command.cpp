@@ -125,7 +125,7 @@ int Check(const CheckOptions& o) {
                     "recording (`plslam run {} --record run.lcm`, `plslam rectify-check run.lcm`)",
                     o.dataset, o.dataset, o.dataset));
   }
-  const auto dataset = OpenDataset(WithTopics(o.dataset, o.kind, o.topics), o.kind);
+  const auto dataset = OpenDatasetAndWarn(WithTopics(o.dataset, o.kind, o.topics), o.kind);
   if (dataset->rig().kind == RigCalibration::Kind::kRgbd) {
     throw std::runtime_error(o.dataset + ": a depth camera has no second image whose rows could be checked");
   }

@@ -46,7 +46,7 @@ void ForEachImageOf(const std::string& source, int stride, const FeatureOptions&
                     const std::function<void(const ImageFeatures&)>& use, const ImageProgress& progress) {
   const std::vector<std::string> images = ImagesIn(source);
   if (images.empty()) {
-    const auto dataset = OpenDataset(source, "");
+    const auto dataset = OpenDatasetAndWarn(source, "");
     return ForEachLeftImage(
         *dataset, stride, options, [&](int, const ImageFeatures& f) { use(f); }, progress);
   }

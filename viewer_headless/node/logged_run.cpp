@@ -21,11 +21,12 @@
 #include "core/map/map_update.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/ground_truth_t.hpp"
+#include "plslam/image_strip_t.hpp"
 #include "plslam/map_update_t.hpp"
 #include "plslam/pose_t.hpp"
+#include "plslam/stream_t.hpp"
 #include "viewer_headless/node/message_values.h"
 #include "viewer_headless/outputs.h"
-#include "viewer_headless/recorder.h"
 
 namespace plslam::viewer {
 namespace {
@@ -35,6 +36,14 @@ struct Place {
   int64_t offset = 0;
   int64_t bytes = 0;
 };
+
+/// nullopt where it is malformed.
+template <class Message>
+std::optional<Message> Decode(const bus::LogReader& log, const Place& place) {
+  const auto data = log.Data(place.offset, std::min<int64_t>(place.bytes, bus::kMaxMessageBytes));
+  if (!data || !bus::MessageLength(*FindMessageLayout(Message::getTypeName()), *data)) return std::nullopt;
+  return bus::Decoded<Message>(*data);
+}
 
 /// Messages of one channel without those that came twice: by publisher, in the order in which these were heard first,
 /// and by number. A repaired message stands in the log behind those that came after it.
@@ -52,11 +61,8 @@ class LoggedMessages {
   /// Those that are whole, one after the other.
   template <class Message, class Take>
   void ForEach(const bus::LogReader& log, Take take) const {
-    const MessageLayout* const layout = FindMessageLayout(Message::getTypeName());
     for (const auto& [key, place] : places_) {
-      const auto data = log.Data(place.offset, std::min<int64_t>(place.bytes, bus::kMaxMessageBytes));
-      if (!data || !bus::MessageLength(*layout, *data)) continue;
-      if (const auto message = bus::Decoded<Message>(*data)) take(*message);
+      if (const auto message = Decode<Message>(log, place)) take(*message);
     }
   }
 
@@ -65,16 +71,28 @@ class LoggedMessages {
   std::map<std::pair<size_t, int64_t>, Place> places_;
 };
 
-/// What a log has of one robot.
+/// What a log has under one prefix.
 struct LoggedRobot {
   LoggedMessages cameras, poses, truths, bodies, map_updates;
+  bool has_frames = false;
+  /// Channels with messages of another version of plslam.
+  std::set<std::string_view> of_other_versions;
+  std::set<int64_t> streams;
+
+  /// A stream that begins takes the place of the one before (ViewerNode::OnStream).
+  void Take(const stream_t& message) {
+    const int64_t stream = message.header.session != 0 ? message.header.session : message.header.source;
+    const bool begins = message.event == "begin" || message.event == "resume";
+    if (begins && streams.insert(stream).second && message.event == "begin") poses = truths = bodies = {};
+  }
 };
+using LoggedRobots = std::map<std::string, LoggedRobot>;  // by prefix
 
 /// A channel that is read, with the fingerprint of its messages in this version.
 struct ReadChannel {
   bus::Channel channel;
   int64_t fingerprint;
-  LoggedMessages LoggedRobot::*messages;
+  LoggedMessages LoggedRobot::*messages;  ///< null: they are not kept
 };
 const std::vector<ReadChannel>& ReadChannels() {
   static const std::vector<ReadChannel> kChannels{
@@ -82,82 +100,112 @@ const std::vector<ReadChannel>& ReadChannels() {
       {bus::kPose, pose_t::getHash(), &LoggedRobot::poses},
       {bus::kGroundTruth, ground_truth_t::getHash(), &LoggedRobot::truths},
       {bus::kBodies, bodies_t::getHash(), &LoggedRobot::bodies},
-      {bus::kMapUpdate, map_update_t::getHash(), &LoggedRobot::map_updates}};
+      {bus::kMapUpdate, map_update_t::getHash(), &LoggedRobot::map_updates},
+      {bus::kStream, stream_t::getHash(), nullptr},
+      {bus::kStereoFrame, image_strip_t::getHash(), nullptr},
+      {bus::kStereoFrameLive, image_strip_t::getHash(), nullptr}};
   return kChannels;
 }
 
-struct LoggedRobots {
-  std::map<std::string, LoggedRobot> by_prefix;
-  bool has_frames = false;
-  /// Channels with messages of another version of plslam.
-  std::set<std::string_view> of_other_versions;
-};
+void Take(const bus::LogReader& log, const bus::LogReader::Event& event, const ReadChannel& read,
+          LoggedRobot& robot) {
+  if (bus::ReadInt64(event.head.data()) != read.fingerprint) {
+    robot.of_other_versions.insert(read.channel.name);
+  } else if (read.messages != nullptr) {
+    (robot.*read.messages).Add(event);
+  } else if (read.channel.name != bus::kStream.name) {
+    robot.has_frames = true;
+  } else if (const auto message = Decode<stream_t>(log, {event.data_offset, event.data_bytes})) {
+    robot.Take(*message);
+  }
+}
 
 LoggedRobots ReadRobots(bus::LogReader& log) {
   LoggedRobots robots;
   while (const auto event = log.Next()) {
-    for (const bus::Channel& channel : {bus::kStereoFrame, bus::kStereoFrameLive}) {
-      robots.has_frames |= event->channel.ends_with(channel.name);
-    }
     for (const ReadChannel& read : ReadChannels()) {
       const std::string_view name = read.channel.name;
       if (!event->channel.ends_with(name) || event->head.size() < bus::kWireHeaderBytes) continue;
-      if (bus::ReadInt64(event->head.data()) != read.fingerprint) {
-        robots.of_other_versions.insert(name);
-        continue;
-      }
-      const std::string prefix = event->channel.substr(0, event->channel.size() - name.size());
-      (robots.by_prefix[prefix].*read.messages).Add(*event);
+      Take(log, *event, read, robots[event->channel.substr(0, event->channel.size() - name.size())]);
     }
   }
   return robots;
 }
 
 [[noreturn]] void FailWithoutPoses(const std::string& path, const LoggedRobots& robots) {
+  const auto any = [&](auto is_so) {
+    return std::any_of(robots.begin(), robots.end(), [&](const auto& robot) { return is_so(robot.second); });
+  };
   std::string text = "an LCM log without the poses of a run (channel POSE)";
-  if (robots.of_other_versions.contains(bus::kPose.name)) {
+  if (any([](const LoggedRobot& robot) { return robot.of_other_versions.contains(bus::kPose.name); })) {
     text = "an LCM log of another version of plslam, whose poses cannot be read";
   }
-  throw std::runtime_error(fmt::format(
-      "{}: is {}{}", path, text,
-      robots.has_frames ? fmt::format(": `plslam replay {} --out DIR` computes the run from its frames, and "
-                                      "`plslam export DIR` takes it from there",
-                                      path)
-                        : " and without frames that could be replayed"));
+  const bool has_frames = any([](const LoggedRobot& robot) { return robot.has_frames; });
+  throw std::runtime_error(
+      fmt::format("{}: is {}{}", path, text,
+                  has_frames ? fmt::format(": `plslam replay {} --out DIR` computes the run from its frames, and "
+                                           "`plslam export DIR` takes it from there",
+                                           path)
+                             : " and without frames that could be replayed"));
+}
+
+/// Of the last rig that can be used.
+Eigen::Quaterniond RectifiedFrom(const LoggedRobot& robot, const bus::LogReader& log, const std::string& path) {
+  std::vector<RigCalibration> rigs;
+  robot.cameras.ForEach<camera_t>(log, [&](const camera_t& message) {
+    if (auto rig = bus::FromMessage(message)) rigs.push_back(*std::move(rig));
+  });
+  std::string why =
+      robot.of_other_versions.contains(bus::kCamera.name)
+          ? "its rig (channel CAMERA) is of another version of plslam: export it with that one"
+          : "no rig (channel CAMERA), without which they cannot be turned into those of the left camera";
+  for (auto rig = rigs.rbegin(); rig != rigs.rend(); ++rig) {
+    try {
+      return Rectify(*rig).q_l_c;
+    } catch (const std::exception& error) {
+      why = fmt::format("its rig '{}' cannot be used: {}", rig->name, error.what());
+    }
+  }
+  throw std::runtime_error(fmt::format("{}: has poses, but {}", path, why));
 }
 
 /// The map after the last update that goes on from the one before.
-Map MapOf(const LoggedMessages& updates, const bus::LogReader& log, bool* is_last) {
+Map MapOf(const LoggedMessages& updates, const bus::LogReader& log, std::vector<std::string>* lacks) {
   bus::MapUpdateAssembler assembler;
   MapReplica replica;
+  bool is_last = true;
   updates.ForEach<map_update_t>(log, [&](const map_update_t& page) {
-    if (assembler.Add(page) != bus::PageOutcome::kComplete) return;
-    *is_last = replica.Apply(assembler.Take()) != MapVersion::Step::kGap;
+    is_last = assembler.Add(page) == bus::PageOutcome::kComplete &&
+              replica.Apply(assembler.Take()) != MapVersion::Step::kGap;
   });
+  if (!is_last) lacks->emplace_back("changes of the map are missing in the log, whose end is not in it");
   return replica.map();
 }
 
-}  // namespace
-
-LoggedRun WriteLoggedRun(const std::string& path, const std::string& folder) {
-  bus::LogReader log(path);
-  const LoggedRobots robots = ReadRobots(log);
-  const auto most =
-      std::max_element(robots.by_prefix.begin(), robots.by_prefix.end(),
-                       [](const auto& a, const auto& b) { return a.second.poses.size() < b.second.poses.size(); });
-  if (most == robots.by_prefix.end() || most->second.poses.size() == 0) FailWithoutPoses(path, robots);
-  const LoggedRobot& robot = most->second;
-
-  std::optional<Eigen::Quaterniond> q_l_c;
-  robot.cameras.ForEach<camera_t>(log, [&](const camera_t& message) {
-    if (const auto rig = bus::FromMessage(message)) q_l_c = Rectify(*rig).q_l_c;
-  });
-  if (!q_l_c) {
-    throw std::runtime_error(
-        fmt::format("{}: has poses, but no rig (channel CAMERA), without which they cannot be "
-                    "turned into those of the left camera",
-                    path));
+/// The updates of the robot's own map, or of the only one that there is: robots may share it. Null: there is none.
+const LoggedMessages* FindMap(const LoggedRobot& robot, const LoggedRobots& robots, std::vector<std::string>* lacks) {
+  if (robot.map_updates.size() > 0) return &robot.map_updates;
+  std::vector<const LoggedMessages*> maps;
+  for (const auto& [prefix, other] : robots) {
+    if (other.map_updates.size() > 0) maps.push_back(&other.map_updates);
   }
+  if (maps.size() > 1) lacks->push_back(fmt::format("none of the {} maps in the log is of its prefix", maps.size()));
+  return maps.size() == 1 ? maps.front() : nullptr;
+}
+
+/// Of the robot, and of maps, which may have another prefix.
+void AddOtherVersions(const LoggedRobot& robot, const LoggedRobots& robots, std::vector<std::string>* lacks) {
+  std::set<std::string_view> names = robot.of_other_versions;
+  for (const auto& [prefix, other] : robots) {
+    if (other.of_other_versions.contains(bus::kMapUpdate.name)) names.insert(bus::kMapUpdate.name);
+  }
+  if (names.empty()) return;
+  lacks->push_back(fmt::format("messages of another version of plslam are passed over, of {}{}",
+                               fmt::join(names, ", "),
+                               robot.has_frames ? ": `plslam replay` computes them anew" : ""));
+}
+
+Recorder RecorderOf(const LoggedRobot& robot, const bus::LogReader& log) {
   Recorder recorder;
   robot.poses.ForEach<pose_t>(log, [&](const pose_t& message) {
     if (const auto pose = ToFramePose(message)) recorder.AddPose(*pose);
@@ -170,22 +218,34 @@ LoggedRun WriteLoggedRun(const std::string& path, const std::string& folder) {
   robot.bodies.ForEach<bodies_t>(log, [&](const bodies_t& message) {
     if (const auto seen = ToBodiesOfFrame(message)) recorder.AddBodies(message.frame_id, *seen);
   });
+  return recorder;
+}
 
-  LoggedRun run;
-  run.has_frames = robots.has_frames;
-  bool is_last = true;
-  run.map = MapOf(robot.map_updates, log, &is_last);
-  if (!is_last) run.lack = "changes of the map are missing in the log, whose end is not in it";
-  if (!robots.of_other_versions.empty()) {
-    run.lack = fmt::format(
-        "messages of another version of plslam are passed over, of {}: `plslam replay` computes "
-        "them anew",
-        fmt::join(robots.of_other_versions, ", "));
+}  // namespace
+
+LoggedRun ReadLoggedRun(const std::string& path) {
+  bus::LogReader log(path);
+  const LoggedRobots robots = ReadRobots(log);
+  const auto most = std::max_element(robots.begin(), robots.end(), [](const auto& a, const auto& b) {
+    return a.second.poses.size() < b.second.poses.size();
+  });
+  if (most == robots.end() || most->second.poses.size() == 0) FailWithoutPoses(path, robots);
+  const auto& [prefix, robot] = *most;
+  LoggedRun run{prefix, RecorderOf(robot, log), RectifiedFrom(robot, log, path), {}, robot.has_frames, ""};
+  std::vector<std::string> lacks;
+  if (const LoggedMessages* updates = FindMap(robot, robots, &lacks)) run.map = MapOf(*updates, log, &lacks);
+  AddOtherVersions(robot, robots, &lacks);
+  if (log.skipped_bytes() > 0) {
+    lacks.push_back(fmt::format("{} of its bytes are cut off or damaged", log.skipped_bytes()));
   }
-  PrepareOutputFolder(folder);
-  const std::vector<std::string> failures = WriteOutputs(folder, recorder, run.map, *q_l_c);
-  if (!failures.empty()) throw std::runtime_error(failures.front());
+  run.lack = fmt::format("{}", fmt::join(lacks, "; "));
   return run;
+}
+
+void WriteLoggedRun(const LoggedRun& run, const std::string& folder) {
+  PrepareOutputFolder(folder);
+  const std::vector<std::string> failures = WriteOutputs(folder, run.recorder, run.map, run.q_l_c);
+  if (!failures.empty()) throw std::runtime_error(failures.front());
 }
 
 }  // namespace plslam::viewer

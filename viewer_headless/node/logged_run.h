@@ -3,26 +3,36 @@
 
 #include <string>
 
+#include <Eigen/Geometry>
+
 #include "core/map/map.h"
+#include "viewer_headless/recorder.h"
 
 namespace plslam::viewer {
 
-/// What an LCM log has of a run besides the files that it gives.
+/// The run that an LCM log holds.
 struct LoggedRun {
+  /// In front of the channels of the robot.
+  std::string prefix;
+  Recorder recorder;
+  Eigen::Quaterniond q_l_c;  ///< left camera as calibrated (l) from rectified left camera (c)
   /// As it was at the end of the log; without keyframes where the log has no map.
   Map map;
-  /// The log has stereo frames, so that it can be played.
+  /// The log has stereo frames of the robot, so that it can be played.
   bool has_frames = false;
-  /// What the log lacks, in a sentence; empty where nothing is missing.
+  /// What the log lacks, in sentences; empty where nothing is missing.
   std::string lack;
 };
 
-/// Writes the files that viewer_headless would have written of the run that an LCM log holds (`plslam run --record`,
-/// `plslam record`, lcm-logger): its poses, map and true poses, with the code that it has for that. Channels may have a
-/// prefix: of several robots the one with the most poses counts.
+/// Reads a log of `plslam run --record`, `plslam record` or lcm-logger. Of several robots (prefixes of channels) the
+/// one with the most poses counts, of several streams the last one that began, as for viewer_headless. The map may be
+/// one that robots share, under a prefix of its own.
 ///
 /// Throws std::runtime_error in one sentence where the log has no run in it, and names `plslam replay` where it has
 /// the frames to compute one from.
-LoggedRun WriteLoggedRun(const std::string& log, const std::string& folder);
+LoggedRun ReadLoggedRun(const std::string& log);
+
+/// Writes the files that viewer_headless would have written of it. Throws std::runtime_error.
+void WriteLoggedRun(const LoggedRun& run, const std::string& folder);
 
 }  // namespace plslam::viewer

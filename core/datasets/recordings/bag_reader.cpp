@@ -84,9 +84,11 @@ int64_t GetTime_ns(RecordFields& fields) {
 
 }  // namespace
 
-BagReader::BagReader(const std::string& path) : file_(path) {
+BagReader::BagReader(const std::string& path, const std::string& why_scan) : file_(path) {
   const Head head = ReadHead();
-  if (head.index_at == 0) {
+  if (!why_scan.empty()) {
+    Scan(head.end, why_scan);
+  } else if (head.index_at == 0) {
     Scan(head.end, "has no index, since it was not closed");
   } else if (head.index_at >= file_.size()) {
     Scan(head.end,
@@ -133,7 +135,7 @@ void BagReader::ReadIndex(uint64_t at) {
   for (RecordFields records(index); !records.empty();) {
     Record record = TakeRecord(records);
     if (record.head.op() == BagRecord::kConnection) {
-      AddConnection(record.head.Text("topic"), record.head.Get<uint32_t>("conn"), record.data.rest());
+      AddConnection(record.head.Get<uint32_t>("conn"), record.head.Text("topic"), record.data.rest());
     } else if (record.head.op() == BagRecord::kChunkInfo) {
       Chunk chunk;
       chunk.offset = record.head.Get<uint64_t>("chunk_pos");
@@ -144,21 +146,20 @@ void BagReader::ReadIndex(uint64_t at) {
       chunks_.push_back(std::move(chunk));
     }
   }
-  SortChannels();
+  ListChannels();
   const auto by_offset = [](const Chunk& a, const Chunk& b) { return a.offset < b.offset; };
   std::stable_sort(chunks_.begin(), chunks_.end(), by_offset);
 }
 
-void BagReader::AddConnection(const std::string& topic, uint32_t id, std::span<const uint8_t> data) {
-  channels_.push_back({id, topic, RosTypeName(NamedFields(data).Text("type")), "ros1"});
+size_t BagReader::AddConnection(uint32_t id, const std::string& topic, std::span<const uint8_t> data) {
+  if (connections_.contains(id)) return 0;
+  const std::string type = RosTypeName(NamedFields(data).Text("type"));
+  connections_[id] = {id, topic, type, "ros1"};
+  return sizeof(RecordedChannel) + topic.size() + type.size();
 }
 
-/// By their ids; a connection may be written several times.
-void BagReader::SortChannels() {
-  const auto by_id = [](const RecordedChannel& a, const RecordedChannel& b) { return a.id < b.id; };
-  std::stable_sort(channels_.begin(), channels_.end(), by_id);
-  const auto same_id = [](const RecordedChannel& a, const RecordedChannel& b) { return a.id == b.id; };
-  channels_.erase(std::unique(channels_.begin(), channels_.end(), same_id), channels_.end());
+void BagReader::ListChannels() {
+  for (const auto& [id, channel] : connections_) channels_.push_back(channel);
 }
 
 BagReader::Chunk BagReader::ReadChunkHead(uint64_t offset) const {
@@ -200,13 +201,23 @@ void BagReader::ReadChunkHeads(uint64_t index_at) {
 
 void BagReader::Scan(uint64_t from, const std::string& why) {
   channels_.clear();
+  connections_.clear();
   chunks_.clear();
-  const auto take = [&](uint64_t at, uint64_t end) {
+  const auto op_of = [&](uint64_t at, uint64_t end) {
     const Bytes begin = file_.ReadAt(at, std::min(end - at, kMaxHeadBytes), "a record");
     RecordFields fields(begin);
-    const BagRecord op = NamedFields(fields.Take(fields.Get<uint32_t>())).op();
+    return NamedFields(fields.Take(fields.Get<uint32_t>())).op();
+  };
+  const auto end_of = [&](uint64_t at) {
+    const uint64_t end = RecordEnd(at);
+    if (end <= file_.size()) op_of(at, end);  // zeros, as a power cut leaves them, are no record
+    return end;
+  };
+  const auto take = [&](uint64_t at, uint64_t end) {
+    const BagRecord op = op_of(at, end);
     if (op == BagRecord::kChunk) {
       const Chunk chunk = ReadChunkHead(at);
+      scanned_.SpendDecompressed(chunk.size);
       const Bytes bytes = Decompressed(chunk);
       chunks_.push_back(chunk);
       ScanRecords(bytes, static_cast<uint32_t>(chunks_.size() - 1), 0);
@@ -217,8 +228,8 @@ void BagReader::Scan(uint64_t from, const std::string& why) {
     }
     return true;
   };
-  scanned_.Scan(file_, from, {[&](uint64_t at) { return RecordEnd(at); }, take}, why, "`rosbag reindex`");
-  SortChannels();
+  scanned_.Scan(file_, from, {end_of, take}, why, "`rosbag reindex`");
+  ListChannels();
 }
 
 uint64_t BagReader::RecordEnd(uint64_t at) const {
@@ -234,7 +245,8 @@ void BagReader::ScanRecords(std::span<const uint8_t> bytes, uint32_t chunk, uint
     const uint64_t offset = from + bytes.size() - records.rest().size();
     const Record record = TakeRecord(records);
     if (record.head.op() == BagRecord::kConnection) {
-      AddConnection(record.head.Text("topic"), record.head.Get<uint32_t>("conn"), record.data.rest());
+      scanned_.SpendKept(
+          AddConnection(record.head.Get<uint32_t>("conn"), record.head.Text("topic"), record.data.rest()));
     } else if (record.head.op() == BagRecord::kMessage) {
       const std::string time = record.head.Text("time");
       RecordFields fields{std::span(reinterpret_cast<const uint8_t*>(time.data()), time.size())};
@@ -261,7 +273,11 @@ void BagReader::AppendMessages(uint32_t chunk, uint32_t connection, std::vector<
 }
 
 std::vector<RecordedMessage> BagReader::Messages(const std::string& topic) const {
-  return scanned_.is_made() ? scanned_.Messages(topic, channels_) : IndexedMessages(topic);
+  try {
+    return scanned_.is_made() ? scanned_.Messages(topic, channels_) : IndexedMessages(topic);
+  } catch (const DatasetError& error) {
+    throw DamagedIndex(fmt::format("its index cannot be used ({})", error.what()));
+  }
 }
 
 std::vector<RecordedMessage> BagReader::IndexedMessages(const std::string& topic) const {

@@ -17,7 +17,8 @@ namespace plslam {
 /// not closed, or is cut off, are found by reading the whole file.
 class BagReader : public Recording {
  public:
-  explicit BagReader(const std::string& path);
+  /// `why_scan`, where it is not empty: the index is not used, and why (`DamagedIndex`).
+  explicit BagReader(const std::string& path, const std::string& why_scan = "");
 
   const std::vector<RecordedChannel>& channels() const override { return channels_; }
   std::vector<RecordedMessage> Messages(const std::string& topic) const override;
@@ -42,8 +43,9 @@ class BagReader : public Recording {
   };
   Head ReadHead() const;
   void ReadIndex(uint64_t at);
-  void AddConnection(const std::string& topic, uint32_t id, std::span<const uint8_t> data);
-  void SortChannels();
+  /// How many bytes are kept of it: none of one that is written again.
+  size_t AddConnection(uint32_t id, const std::string& topic, std::span<const uint8_t> data);
+  void ListChannels();
   /// Without the connections.
   Chunk ReadChunkHead(uint64_t offset) const;
   void ReadChunkHeads(uint64_t index_at);
@@ -56,6 +58,7 @@ class BagReader : public Recording {
   void AppendMessages(uint32_t chunk, uint32_t connection, std::vector<RecordedMessage>& messages) const;
 
   RecordingFile file_;
+  std::map<uint32_t, RecordedChannel> connections_;  ///< by id
   std::vector<RecordedChannel> channels_;
   std::vector<Chunk> chunks_;
   ScannedIndex scanned_;

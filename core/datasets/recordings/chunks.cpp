@@ -126,6 +126,8 @@ std::vector<uint8_t> DecompressChunk(const std::string& compression, std::span<c
   if (codec == kCodecs.end()) {
     throw DatasetError(fmt::format("its chunks are compressed by '{}', not by lz4, zstd or bz2", Shown(compression)));
   }
+  constexpr uint64_t kMostOfLz4 = 255;  // bytes that one byte of it can give; the others have no such bound
+  if (compression == "lz4" && n > kMostOfLz4 * bytes.size()) FailAsDamaged("lz4", "another length");
   auto out = WithMemoryFor(fmt::format("a chunk of {} bytes", n), [&] { return std::vector<uint8_t>(n); });
   const uint64_t got = codec->decompress(bytes, out);
   if (got != n) FailAsDamaged(compression.c_str(), "another length");

@@ -48,13 +48,15 @@ void ForEachRecord(std::span<const uint8_t> bytes, Take take) {
 /// Schemas and channels as the records name them.
 class NamedChannels {
  public:
-  void Add(McapRecord kind, Fields fields) {
+  /// How many bytes are kept of it: none of one that is written again.
+  size_t Add(McapRecord kind, Fields fields) {
     const auto id = fields.Get<uint16_t>();
-    if (kind == McapRecord::kSchema) schemas_[id] = fields.Text();
-    if (kind != McapRecord::kChannel) return;
+    if (kind == McapRecord::kSchema && !schemas_.contains(id)) return (schemas_[id] = fields.Text()).size();
+    if (kind != McapRecord::kChannel || channels_.contains(id)) return 0;
     const auto schema = fields.Get<uint16_t>();
-    const std::string topic = fields.Text();
-    channels_[id] = {schema, {id, topic, "", fields.Text()}};
+    const std::string topic = fields.Text(), encoding = fields.Text();
+    channels_[id] = {schema, {id, topic, "", encoding}};
+    return topic.size() + encoding.size();
   }
 
   static bool IsOne(McapRecord kind) { return kind == McapRecord::kSchema || kind == McapRecord::kChannel; }
@@ -84,11 +86,11 @@ class NamedChannels {
 
 }  // namespace
 
-McapReader::McapReader(const std::string& path) : file_(path) {
+McapReader::McapReader(const std::string& path, const std::string& why_scan) : file_(path) {
   CheckMagic();
-  std::string why;
+  std::string why = why_scan;
   try {
-    why = ReadSummary();
+    if (why.empty()) why = ReadSummary();
   } catch (const DatasetError& error) {
     why = error.what();
   }
@@ -132,6 +134,15 @@ std::string McapReader::Parse(std::span<const uint8_t> summary) {
   NamedChannels named;
   ForEachRecord(summary, [&](McapRecord kind, Fields fields, uint64_t) {
     if (NamedChannels::IsOne(kind)) named.Add(kind, fields);
+    if (kind == McapRecord::kStatistics) {
+      fields.Take(sizeof(uint64_t) + sizeof(uint16_t) + 3 * sizeof(uint32_t));  // other numbers
+      n_chunks_ = fields.Get<uint32_t>();
+      fields.Take(2 * sizeof(uint64_t));  // first and last time
+      for (Fields counts(fields.Take(fields.Get<uint32_t>())); !counts.empty();) {
+        const auto channel = counts.Get<uint16_t>();
+        n_messages_[channel] = counts.Get<uint64_t>();
+      }
+    }
     if (kind != McapRecord::kChunkIndex) return;
     Chunk chunk;
     fields.Take(2 * sizeof(uint64_t));  // first and last time
@@ -149,6 +160,9 @@ std::string McapReader::Parse(std::span<const uint8_t> summary) {
 
 std::string McapReader::WhatIsMissing(bool all_schemas) const {
   if (chunks_.empty()) return "has no index of chunks";
+  if (n_chunks_.value_or(0) > chunks_.size()) {
+    return fmt::format("has an index of {} chunks, and should have {}", chunks_.size(), *n_chunks_);
+  }
   std::set<uint32_t> ids;
   for (const RecordedChannel& channel : channels_) ids.insert(channel.id);
   for (const Chunk& chunk : chunks_) {
@@ -171,24 +185,26 @@ void McapReader::Scan(const std::string& why) {
   };
   const auto end = [&](uint64_t at) {
     const Bytes head = file_.ReadAt(at, kRecordHeadBytes, "a record");
+    if (head.front() == 0) throw DatasetError("no record is of kind 0");  // zeros, as a power cut leaves them
     return at + kRecordHeadBytes + Fields(std::span(head).subspan(1)).Get<uint64_t>();
   };
   const auto take = [&](uint64_t at, uint64_t record_end) {
     const auto kind = static_cast<McapRecord>(file_.ReadAt(at, 1, "a record").front());
     if (kind == McapRecord::kDataEnd || kind == McapRecord::kFooter) return false;
     if (NamedChannels::IsOne(kind) && record_end - at <= kMaxChunkBytes) {
-      named.Add(kind, ContentOf(file_.ReadAt(at, record_end - at, "a channel"), kind, "a channel"));
+      const Bytes record = file_.ReadAt(at, record_end - at, "a channel");
+      scanned_.SpendKept(named.Add(kind, ContentOf(record, kind, "a channel")));
     } else if (kind == McapRecord::kMessage) {
       // Its content is read when it is played.
       const Bytes head = file_.ReadAt(at, kRecordHeadBytes + kMessageHeadBytes, "a message");
       add(Fields(std::span(head).subspan(kRecordHeadBytes)), RecordedMessage::kNoChunk, at);
     } else if (kind == McapRecord::kChunk) {
       const Chunk chunk{at, record_end - at, {}};
-      const Bytes bytes = Decompressed(chunk);
+      const Bytes bytes = Decompressed(chunk, &scanned_);
       const auto number = static_cast<uint32_t>(chunks_.size());
       chunks_.push_back(chunk);
       ForEachRecord(bytes, [&](McapRecord inner, Fields fields, uint64_t offset) {
-        if (NamedChannels::IsOne(inner)) named.Add(inner, fields);
+        if (NamedChannels::IsOne(inner)) scanned_.SpendKept(named.Add(inner, fields));
         if (inner == McapRecord::kMessage) add(fields, number, offset);
       });
     }
@@ -199,38 +215,55 @@ void McapReader::Scan(const std::string& why) {
 }
 
 std::vector<RecordedMessage> McapReader::Messages(const std::string& topic) const {
-  return scanned_.is_made() ? scanned_.Messages(topic, channels_) : IndexedMessages(topic);
+  try {
+    return scanned_.is_made() ? scanned_.Messages(topic, channels_) : IndexedMessages(topic);
+  } catch (const DatasetError& error) {
+    throw DamagedIndex(fmt::format("its index cannot be used ({})", error.what()));
+  }
 }
 
 std::vector<RecordedMessage> McapReader::IndexedMessages(const std::string& topic) const {
   std::vector<RecordedMessage> messages;
   // They stand behind each chunk, close together.
   for (const Chunk& chunk : chunks_) file_.WillRead(chunk.offset + chunk.length, kUsualIndexBytes);
+  uint64_t n_expected = 0;
+  for (const RecordedChannel& channel : channels_) {
+    const auto n = n_messages_.find(channel.id);
+    if (channel.topic == topic && n != n_messages_.end()) n_expected += n->second;
+  }
   for (uint32_t i = 0; i < chunks_.size(); ++i) {
     for (const RecordedChannel& channel : channels_) {
-      const auto at = chunks_[i].indices.find(channel.id);
-      if (channel.topic != topic || at == chunks_[i].indices.end()) continue;
-      const Bytes head = file_.ReadAt(at->second, kRecordHeadBytes, "an index of messages");
-      uint64_t length = 0;
-      std::memcpy(&length, head.data() + 1, sizeof(length));
-      if (length > file_.size()) throw DatasetError("an index of messages is longer than the file: it is damaged");
-      const Bytes record = file_.ReadAt(at->second, kRecordHeadBytes + length, "an index of messages");
-      Fields fields = ContentOf(record, McapRecord::kMessageIndex, "an index of messages");
-      fields.Get<uint16_t>();
-      for (Fields entries(fields.Take(fields.Get<uint32_t>())); !entries.empty();) {
-        const auto t_ns = entries.Get<int64_t>();
-        messages.push_back({t_ns, i, entries.Get<uint64_t>()});
-      }
-      // Of indices that many chunks name, memory is not for.
-      if (messages.size() > file_.size())
-        throw DatasetError("its index has more messages than the file has bytes: it is damaged");
+      if (channel.topic == topic) AppendMessages(i, channel, messages);
     }
+  }
+  if (messages.size() < n_expected) {
+    throw DatasetError(fmt::format("it has {} of {} messages of {}", messages.size(), n_expected, topic));
   }
   SortByTime(messages);
   return messages;
 }
 
-McapReader::Bytes McapReader::Decompressed(const Chunk& chunk) const {
+void McapReader::AppendMessages(uint32_t chunk, const RecordedChannel& channel,
+                                std::vector<RecordedMessage>& messages) const {
+  const auto at = chunks_[chunk].indices.find(channel.id);
+  if (at == chunks_[chunk].indices.end()) return;
+  const Bytes head = file_.ReadAt(at->second, kRecordHeadBytes, "an index of messages");
+  uint64_t length = 0;
+  std::memcpy(&length, head.data() + 1, sizeof(length));
+  if (length > file_.size()) throw DatasetError("an index of messages is longer than the file: it is damaged");
+  const Bytes record = file_.ReadAt(at->second, kRecordHeadBytes + length, "an index of messages");
+  Fields fields = ContentOf(record, McapRecord::kMessageIndex, "an index of messages");
+  if (fields.Get<uint16_t>() != channel.id) throw DatasetError("an index of messages is of another channel");
+  for (Fields entries(fields.Take(fields.Get<uint32_t>())); !entries.empty();) {
+    const auto t_ns = entries.Get<int64_t>();
+    messages.push_back({t_ns, chunk, entries.Get<uint64_t>()});
+  }
+  // Of indices that many chunks name, memory is not for.
+  if (messages.size() > file_.size())
+    throw DatasetError("its index has more messages than the file has bytes: it is damaged");
+}
+
+McapReader::Bytes McapReader::Decompressed(const Chunk& chunk, ScannedIndex* scan) const {
   CheckChunkSize(chunk.length);
   const Bytes record = file_.ReadAt(chunk.offset, chunk.length, "a chunk");
   Fields fields = ContentOf(record, McapRecord::kChunk, "a chunk");
@@ -238,6 +271,7 @@ McapReader::Bytes McapReader::Decompressed(const Chunk& chunk) const {
   const auto n = fields.Get<uint64_t>();
   const auto crc = fields.Get<uint32_t>();
   const std::string compression = fields.Text();
+  if (scan != nullptr) scan->SpendDecompressed(n);
   Bytes bytes = DecompressChunk(compression, fields.Take(fields.Get<uint64_t>()), n);
   if (crc != 0 && crc != Crc(bytes)) throw DatasetError("the checksum of a chunk is wrong: the file is damaged");
   return bytes;

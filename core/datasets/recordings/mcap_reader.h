@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,7 +19,8 @@ namespace plslam {
 /// write, is found by reading the whole file.
 class McapReader : public Recording {
  public:
-  explicit McapReader(const std::string& path);
+  /// `why_scan`, where it is not empty: the index is not used, and why (`DamagedIndex`).
+  explicit McapReader(const std::string& path, const std::string& why_scan = "");
 
   const std::vector<RecordedChannel>& channels() const override { return channels_; }
   std::vector<RecordedMessage> Messages(const std::string& topic) const override;
@@ -41,11 +43,16 @@ class McapReader : public Recording {
   std::string WhatIsMissing(bool all_schemas) const;
   void Scan(const std::string& why);
   std::vector<RecordedMessage> IndexedMessages(const std::string& topic) const;
-  Bytes Decompressed(const Chunk& chunk) const;
+  void AppendMessages(uint32_t chunk, const RecordedChannel& channel, std::vector<RecordedMessage>& messages) const;
+  /// `scan` is told of its size before.
+  Bytes Decompressed(const Chunk& chunk, ScannedIndex* scan = nullptr) const;
 
   RecordingFile file_;
   std::vector<RecordedChannel> channels_;
   std::vector<Chunk> chunks_;
+  /// What the summary says that there is, as far as it does.
+  std::optional<uint32_t> n_chunks_;
+  std::map<uint32_t, uint64_t> n_messages_;  ///< by channel
   ScannedIndex scanned_;
   mutable RecentChunks recent_;
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -40,7 +41,7 @@ inline void SortByTime(std::vector<RecordedMessage>& messages) {
 }
 
 /// A file of messages with an index: opening reads what the end of the file says, `Messages` the index of one topic,
-/// and `Read` the chunk of a message. The chunks read last are kept, so memory does not grow with the file. A file
+/// and `Read` the chunk of a message. The chunks read last are kept; memory grows by 24 bytes for each message. A file
 /// without a usable index (its recorder was killed, or does not write one) is read once from its begin to its end
 /// when it is opened, as far as it is whole (scanned_index.h); `Notes` tells.
 ///
@@ -48,6 +49,12 @@ inline void SortByTime(std::vector<RecordedMessage>& messages) {
 /// several threads.
 class Recording {
  public:
+  /// What `Messages` throws where the index is damaged behind what was read when the file was opened. It is opened
+  /// again, with this as the reason to read all of it in place of its index.
+  class DamagedIndex : public std::runtime_error {
+    using std::runtime_error::runtime_error;
+  };
+
   Recording() = default;
   virtual ~Recording() = default;
   Recording(const Recording&) = delete;

@@ -37,10 +37,9 @@ struct Location {
 };
 
 Location TakeApart(const std::string& location) {
-  const size_t mark = location.rfind('?');
-  if (mark == std::string::npos || std::filesystem::exists(location)) return {location, {}};
-  Location parts{location.substr(0, mark), {}};
-  for (std::string_view rest = std::string_view(location).substr(mark + 1); !rest.empty();) {
+  Location parts{FileOfLocation(location), {}};
+  if (parts.file == location) return parts;
+  for (std::string_view rest = std::string_view(location).substr(parts.file.size() + 1); !rest.empty();) {
     const std::string_view option = rest.substr(0, rest.find('&'));
     rest.remove_prefix(std::min(rest.size(), option.size() + 1));
     const std::string key(option.substr(0, option.find('=')));
@@ -329,10 +328,17 @@ template <class Reader>
 std::unique_ptr<Dataset> Open(const std::string& location, std::string_view kind) {
   const Location parts = TakeApart(location);
   std::vector<std::string> notes;
-  try {
-    auto reader = std::make_unique<Reader>(parts.file);
+  const auto open = [&](const std::string& why_scan) {
+    auto reader = std::make_unique<Reader>(parts.file, why_scan);
     notes = reader->Notes();
     return std::make_unique<RecordingDataset>(location, parts, kind, std::move(reader));
+  };
+  try {
+    try {
+      return open("");
+    } catch (const Recording::DamagedIndex& damage) {
+      return open(damage.what());
+    }
   } catch (const std::runtime_error& error) {
     const std::string note = notes.empty() ? "" : fmt::format(" ({})", notes.front());
     throw DatasetError(fmt::format("{}: {}{}", parts.file, error.what(), note));
@@ -345,8 +351,7 @@ bool IsFile(const std::string& location, bool (*looks_like)(const std::string& p
     return looks_like(path) ||
            (std::filesystem::path(path).extension() == extension && std::filesystem::is_regular_file(path));
   };
-  const size_t mark = location.rfind('?');
-  return fits(location) || (mark != std::string::npos && fits(location.substr(0, mark)));
+  return fits(FileOfLocation(location));
 }
 
 }  // namespace
@@ -358,5 +363,10 @@ std::unique_ptr<Dataset> OpenBagDataset(const std::string& location) { return Op
 bool LooksLikeMcap(const std::string& location) { return IsFile(location, LooksLikeMcapFile, ".mcap"); }
 
 bool LooksLikeBag(const std::string& location) { return IsFile(location, LooksLikeBagFile, ".bag"); }
+
+std::string FileOfLocation(const std::string& location) {
+  std::error_code no_such_file;
+  return std::filesystem::exists(location, no_such_file) ? location : location.substr(0, location.rfind('?'));
+}
 
 }  // namespace plslam

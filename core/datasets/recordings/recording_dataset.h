@@ -13,7 +13,7 @@ namespace plslam {
 ///
 /// Without topics they are found by looking: two of one name but for left and right, cam0 and cam1, infra1 and
 /// infra2, image_0 and image_1. The rig is that of their camera_info. Times are those of the index, when messages
-/// were logged. Images are read on demand through the index, so memory does not grow with the file.
+/// were logged. Images are read on demand through the index, of which memory holds 24 bytes for each message.
 ///
 /// A file without index, or cut off, is played as far as it is whole (recording.h); `Notes` tells.
 ///
@@ -26,5 +26,8 @@ std::unique_ptr<Dataset> OpenBagDataset(const std::string& location);
 /// or FILE.bag.
 bool LooksLikeMcap(const std::string& location);
 bool LooksLikeBag(const std::string& location);
+
+/// The location without the options that are given behind "?", if any: the file that is read.
+std::string FileOfLocation(const std::string& location);
 
 }  // namespace plslam

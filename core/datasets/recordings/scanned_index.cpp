@@ -8,15 +8,26 @@
 namespace plslam {
 namespace {
 
+/// Messages and bytes of names that a small file may have beyond one for each of its bytes.
+constexpr uint64_t kLeastKept = 1 << 20;
+/// A channel that has messages takes as much memory as so many bytes of names.
+constexpr uint64_t kChannelBytes = 100;
+/// How much the chunks of a file may give, all of them.
+constexpr uint64_t kMostCompression = 1000;
+
+std::string Megabytes(uint64_t bytes) { return fmt::format("{:.1f} MB", static_cast<double>(bytes) * 1e-6); }
+
+}  // namespace
+
 /// What was found on the way through a file.
-struct Findings {
+struct ScannedIndex::Findings {
   uint64_t whole_bytes = 0;    ///< up to here records are whole
   uint64_t missing_bytes = 0;  ///< of the record behind them
   int n_damaged = 0;
   std::string first_damage;
 };
 
-Findings ReadRecords(const RecordingFile& file, uint64_t from, const ScannedIndex::Records& records) {
+ScannedIndex::Findings ScannedIndex::ReadRecords(const RecordingFile& file, uint64_t from, const Records& records) {
   Findings found;
   for (found.whole_bytes = from; found.whole_bytes < file.size();) {
     const uint64_t at = found.whole_bytes;
@@ -34,20 +45,20 @@ Findings ReadRecords(const RecordingFile& file, uint64_t from, const ScannedInde
     try {
       if (!records.take(at, end)) found.whole_bytes = file.size();
     } catch (const DatasetError& error) {
-      if (found.n_damaged++ == 0) found.first_damage = error.what();
+      if (found.n_damaged++ == 0 || is_spent_) found.first_damage = error.what();
+      if (!is_spent_) continue;
+      found.whole_bytes = at;
+      return found;
     }
   }
   return found;
 }
 
-std::string Megabytes(uint64_t bytes) { return fmt::format("{:.1f} MB", static_cast<double>(bytes) * 1e-6); }
-
-}  // namespace
-
 void ScannedIndex::Scan(const RecordingFile& file, uint64_t from, const Records& records, const std::string& why,
                         const char* repair) {
   const auto begin = std::chrono::steady_clock::now();
-  messages_left_ = file.size();
+  kept_left_ = file.size() + kLeastKept;
+  decompressed_left_ = kMostCompression * file.size() + kMaxChunkBytes;
   const Findings found = ReadRecords(file, from, records);
   taken_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   is_made_ = true;
@@ -68,9 +79,14 @@ void ScannedIndex::Scan(const RecordingFile& file, uint64_t from, const Records&
 }
 
 void ScannedIndex::Add(uint32_t channel, const RecordedMessage& message) {
-  if (messages_left_ == 0) throw DatasetError("there are more messages than the file has bytes: it is damaged");
-  --messages_left_;
+  SpendKept(messages_.contains(channel) ? 1 : kChannelBytes);
   messages_[channel].push_back(message);
+}
+
+void ScannedIndex::Spend(uint64_t& left, uint64_t n, const char* what) {
+  is_spent_ = n > left;
+  if (is_spent_) throw DatasetError(fmt::format("there are more {} than the file can have: it is damaged", what));
+  left -= n;
 }
 
 std::vector<RecordedMessage> ScannedIndex::Messages(const std::string& topic,

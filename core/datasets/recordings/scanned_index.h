@@ -29,8 +29,11 @@ class ScannedIndex {
   void Scan(const RecordingFile& file, uint64_t from, const Records& records, const std::string& why,
             const char* repair);
 
-  /// Fails where there are more messages than bytes of the file, which only a damaged one has.
   void Add(uint32_t channel, const RecordedMessage& message);
+  /// Bytes that are kept of names, and those of a chunk that is about to be decompressed. They fail, as `Add` does,
+  /// where a file has more than only a damaged one can have, and the scan ends there.
+  void SpendKept(uint64_t bytes) { Spend(kept_left_, bytes, "messages and names"); }
+  void SpendDecompressed(uint64_t bytes) { Spend(decompressed_left_, bytes, "bytes in its chunks"); }
 
   bool is_made() const { return is_made_; }
   /// 0 where nothing was scanned.
@@ -41,9 +44,14 @@ class ScannedIndex {
   std::vector<std::string> Notes() const;
 
  private:
+  struct Findings;
+  Findings ReadRecords(const RecordingFile& file, uint64_t from, const Records& records);
+  void Spend(uint64_t& left, uint64_t n, const char* what);
+
   bool is_made_ = false;
   double taken_s_ = 0.0;
-  uint64_t messages_left_ = 0;
+  uint64_t kept_left_ = 0, decompressed_left_ = 0;
+  bool is_spent_ = false;
   std::map<uint32_t, std::vector<RecordedMessage>> messages_;
   std::string note_;
 };

@@ -88,6 +88,24 @@ TEST_F(BagDataset, LastChunkOfARecorderThatWasKilled) {
   EXPECT_FALSE(dataset->GroundTruth(2));
 }
 
+TEST_F(BagDataset, ZerosBehindTheLastRecordEndTheFile) {
+  MakeBagFile(path());
+  std::string unclosed = test::ReadText(path());
+  unclosed.replace(unclosed.find("index_pos=") + 10, 8, 8, '\0');
+  test::WriteText(path(), unclosed + std::string(5000, '\0'));
+  ExpectFrames(3, "zeros");
+  EXPECT_THAT(Note(), HasSubstr("its last 5000 bytes are not played, since they are of a record that is cut off or"));
+}
+
+TEST_F(BagDataset, DamagedIndexOfMessagesIsReplacedByAScan) {
+  MakeBagFile(path());
+  std::string damaged = test::ReadText(path());
+  damaged[damaged.find("conn=", damaged.find("ver=")) + 3] = 'm';
+  test::WriteText(path(), damaged);
+  ExpectFrames(3, "index");
+  EXPECT_THAT(Note(), HasSubstr("its index cannot be used (a record has no field 'conn'"));
+}
+
 TEST_F(BagDataset, OtherFilesAreTold) {
   test::WriteText(path(), "#ROSBAG V1.2\n and more");
   EXPECT_THAT(Error(), HasSubstr("begins with '#ROSBAG V1.2', not with '#ROSBAG V2.0': `rosbag fix`"));

@@ -115,6 +115,54 @@ TEST_F(McapDataset, DamagedFilesPlayWhatIsWhole) {
   EXPECT_THAT(Note(), HasSubstr("damaged chunks or records passed over: 1 (the first: the checksum of a chunk"));
 }
 
+// As a power cut leaves it.
+TEST_F(McapDataset, ZerosBehindTheLastRecordEndTheFile) {
+  MakeMcapFile(path());
+  const std::string whole = test::ReadText(path());
+  const std::string data_end = test::McapRecordBytes(0x0f, std::string(4, '\0'));
+  test::WriteText(path(), whole.substr(0, whole.rfind(data_end)) + std::string(5000, '\0'));
+  ExpectFrames(3, "zeros");
+  EXPECT_THAT(Note(), HasSubstr("its last 5000 bytes are not played, since they are of a record that is cut off or"));
+}
+
+TEST_F(McapDataset, IndicesThatLackOrAreDamagedAreReplacedByAScan) {
+  MakeMcapFile(path(), {.indexed_chunks = 2});
+  ExpectFrames(3, "chunk");
+  EXPECT_THAT(Note(), HasSubstr("has an index of 2 chunks, and should have 3: all of its"));
+  testing::internal::CaptureStderr();
+  OpenDatasetAndWarn(path(), "");
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("warning: " + path() + ": has an index of 2 chunks"));
+  MakeMcapFile(path());
+  const std::string whole = test::ReadText(path());
+  // The last index of messages: kind, length, channel, and the length of one entry.
+  const std::string index = test::RecordBytes().Add(uint8_t{7}).Add(uint64_t{22}).Add(uint16_t{0}).Add(16U).bytes();
+  for (const size_t byte : {size_t{0}, size_t{9}, size_t{11}}) {
+    std::string damaged = whole;
+    ASSERT_NE(damaged.rfind(index), std::string::npos);
+    damaged[damaged.rfind(index) + byte] ^= 16;
+    test::WriteText(path(), damaged);
+    ExpectFrames(3, "index");
+    EXPECT_THAT(Note(), HasSubstr("its index cannot be used ("));
+  }
+}
+
+TEST_F(McapDataset, FilesThatClaimMoreThanTheyCanHaveAreReadNoFurther) {
+  std::string bomb = "\x89MCAP0\r\n", names;
+  for (int i = 0; i < 10; ++i) bomb += test::McapChunk("zstd", "none", 128 << 20);
+  test::WriteText(path(), bomb);
+  EXPECT_THAT(Error(), HasSubstr("there are more bytes in its chunks than the file can have"));
+  for (uint16_t i = 0; i < 2000; ++i) {
+    test::RecordBytes channel;
+    channel.Add(i).Add(uint16_t{0}).Text(std::string(1000, 'a')).Text("cdr").Text("");
+    names += test::McapRecordBytes(4, channel.bytes());
+  }
+  const std::string packed = test::CompressedChunk(names, "zstd");
+  test::WriteText(path(), "\x89MCAP0\r\n" + test::McapChunk("zstd", packed, names.size()));
+  EXPECT_THAT(Error(), HasSubstr("there are more messages and names than the file can have"));
+  test::WriteText(path(), "\x89MCAP0\r\n" + test::McapChunk("lz4", "four", 2000));
+  EXPECT_THAT(Error(), HasSubstr("a chunk is damaged: lz4 says 'another length'"));
+}
+
 TEST_F(McapDataset, OtherFilesAreTold) {
   test::WriteText(path(), "#ROSBAG V2.0\n and more");
   EXPECT_THAT(ErrorOf([&] { OpenDataset(path(), "mcap"); }),

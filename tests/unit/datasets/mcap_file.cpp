@@ -12,10 +12,6 @@
 namespace plslam::test {
 namespace {
 
-std::string Record(uint8_t kind, const std::string& content) {
-  return RecordBytes().Add(kind).Add(static_cast<uint64_t>(content.size())).Raw(content).bytes();
-}
-
 uint32_t Crc(const std::string& bytes) {
   return static_cast<uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
@@ -27,17 +23,29 @@ std::string Channels(const RecordingOptions& o) {
   for (size_t i = 0; i < topics.size(); ++i) {
     const std::string type = topics[i].package + "/msg/" + topics[i].type;
     const auto id = static_cast<uint16_t>(i), schema = static_cast<uint16_t>(i + 1);
-    records += Record(3, RecordBytes().Add(schema).Text(type).Text("ros2msg").Text("").bytes());
-    records += Record(4, RecordBytes().Add(id).Add(schema).Text(topics[i].topic).Text("cdr").Text("").bytes());
+    records += McapRecordBytes(3, RecordBytes().Add(schema).Text(type).Text("ros2msg").Text("").bytes());
+    records +=
+        McapRecordBytes(4, RecordBytes().Add(id).Add(schema).Text(topics[i].topic).Text("cdr").Text("").bytes());
   }
   return records;
 }
 
 }  // namespace
 
+std::string McapRecordBytes(uint8_t kind, const std::string& content) {
+  return RecordBytes().Add(kind).Add(static_cast<uint64_t>(content.size())).Raw(content).bytes();
+}
+
+std::string McapChunk(const std::string& compression, const std::string& packed, uint64_t n, uint32_t crc) {
+  RecordBytes content;
+  content.Add(int64_t{0}).Add(int64_t{0}).Add(n).Add(crc);
+  content.Text(compression).Add(static_cast<uint64_t>(packed.size())).Raw(packed);
+  return McapRecordBytes(6, content.bytes());
+}
+
 void MakeMcapFile(const std::filesystem::path& path, const RecordingOptions& o) {
   const std::string magic("\x89MCAP0\r\n", 8);
-  std::string file = magic + Record(1, RecordBytes().Text("ros2").Text("test").bytes());
+  std::string file = magic + McapRecordBytes(1, RecordBytes().Text("ros2").Text("test").bytes());
   std::string chunk_indices;
   for (int i = 0; i < 3; ++i) {
     const int frame = o.unsorted ? 2 - i : i;
@@ -46,29 +54,32 @@ void MakeMcapFile(const std::filesystem::path& path, const RecordingOptions& o) 
     std::map<uint16_t, uint64_t> offsets;
     for (const auto& [channel, cdr] : TinyMessages(t_ns, frame, o, false)) {
       offsets[channel] = chunk.size();
-      chunk += Record(5, RecordBytes().Add(channel).Add(uint32_t{0}).Add(t_ns).Add(t_ns).Raw(cdr).bytes());
+      chunk += McapRecordBytes(5, RecordBytes().Add(channel).Add(uint32_t{0}).Add(t_ns).Add(t_ns).Raw(cdr).bytes());
     }
     const std::string packed = CompressedChunk(chunk, o.compression);
-    RecordBytes content;
-    content.Add(t_ns).Add(t_ns).Add(static_cast<uint64_t>(chunk.size())).Add(o.checksums ? Crc(chunk) : 0U);
-    content.Text(o.compression).Add(static_cast<uint64_t>(packed.size())).Raw(packed);
     const uint64_t chunk_at = file.size();
-    const std::string record = Record(6, content.bytes());
+    const std::string record = McapChunk(o.compression, packed, chunk.size(), o.checksums ? Crc(chunk) : 0U);
     file += record;
     RecordBytes places;
     for (const auto& [channel, offset] : offsets) {
       places.Add(channel).Add(static_cast<uint64_t>(file.size()));
-      file += Record(7, RecordBytes().Add(channel).Text(RecordBytes().Add(t_ns).Add(offset).bytes()).bytes());
+      file +=
+          McapRecordBytes(7, RecordBytes().Add(channel).Text(RecordBytes().Add(t_ns).Add(offset).bytes()).bytes());
     }
     RecordBytes index;
     index.Add(t_ns).Add(t_ns).Add(chunk_at).Add(static_cast<uint64_t>(record.size())).Text(places.bytes());
     index.Add(uint64_t{0}).Text(o.compression).Add(uint64_t{0}).Add(uint64_t{0});
-    chunk_indices += Record(8, index.bytes());
+    if (i < o.indexed_chunks) chunk_indices += McapRecordBytes(8, index.bytes());
   }
-  file += Record(0x0f, RecordBytes().Add(uint32_t{0}).bytes());
+  file += McapRecordBytes(0x0f, RecordBytes().Add(uint32_t{0}).bytes());
   const uint64_t summary_at = file.size();
-  const std::string summary = Channels(o) + chunk_indices;
-  std::string footer = Record(2, RecordBytes().Add(summary_at).Add(uint64_t{0}).Add(uint32_t{0}).bytes());
+  const auto n_channels = static_cast<uint32_t>(TinyTopics(o).size());
+  RecordBytes statistics, counts;
+  for (uint16_t id = 0; id < n_channels; ++id) counts.Add(id).Add(uint64_t{3});
+  statistics.Add(uint64_t{3} * n_channels).Add(static_cast<uint16_t>(n_channels)).Add(n_channels);
+  statistics.Add(0U).Add(0U).Add(3U).Add(int64_t{0}).Add(int64_t{0}).Text(counts.bytes());
+  const std::string summary = Channels(o) + McapRecordBytes(0x0b, statistics.bytes()) + chunk_indices;
+  std::string footer = McapRecordBytes(2, RecordBytes().Add(summary_at).Add(uint64_t{0}).Add(uint32_t{0}).bytes());
   if (o.checksums) {
     footer.resize(footer.size() - 4);
     footer += RecordBytes().Add(Crc(summary + footer)).bytes();

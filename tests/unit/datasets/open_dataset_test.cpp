@@ -65,6 +65,8 @@ TEST(OpenDataset, TopicsBelongToTheNameOfARecording) {
               }),
               HasSubstr("synthetic:room: --topics is for recordings of ROS"));
   EXPECT_THAT(ErrorOf([] { WithTopics("/nowhere", "", {"/a", "/b"}); }), HasSubstr("there is no such dataset"));
+  EXPECT_THAT(ErrorOf([&] { WithTopics(file, "", {"/a&truth=/c", "/b"}); }), HasSubstr("is no topic of ROS"));
+  EXPECT_THAT(ErrorOf([] { WithTopics(std::string(5000, 'a'), "", {"/a", "/b"}); }), HasSubstr("File name too long"));
 }
 
 TEST(OpenDataset, HelpNamesEveryKind) {

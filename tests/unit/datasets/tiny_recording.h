@@ -16,6 +16,7 @@ struct RecordingOptions {
   std::string compression{};  ///< of chunks: none, "lz4", "zstd" or "bz2"
   bool checksums = true;      ///< MCAP only
   bool unsorted = false;      ///< frames from the last to the first
+  int indexed_chunks = 3;     ///< MCAP only: those that the summary names
   std::string left = "/cam0/image_raw";
   std::string right = "/cam1/image_raw";
   std::string encoding = "mono8";

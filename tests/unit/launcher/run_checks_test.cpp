@@ -55,6 +55,9 @@ TEST(FilesToWrite, WhatIsReadIsNotWritten) {
   options.record.clear();
   options.save_map = options.map;
   EXPECT_EQ(WhyNot(options), "") << "a map may be saved over the one that the run went on from";
+  options.dataset = folder.Path("a.lcm?left=/a&right=/b");
+  options.save_map = folder.Path("a.lcm");
+  EXPECT_THAT(WhyNot(options), HasSubstr("--save-map")) << "a recording of which topics are named";
 }
 
 TEST(Configuration, OfTheFileCountsWhereTheCommandLineSaysNothing) {

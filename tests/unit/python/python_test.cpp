@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 
 #include <chrono>
@@ -9,6 +10,7 @@
 #include <thread>
 
 #include "core/bus/bus.h"
+#include "core/bus/channels.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/maps/map_camera.h"
 #include "core/io/trajectories/pose_covariance.h"
@@ -318,6 +320,24 @@ print(json.dumps({{"counts": counts, "told": [str(w.message) for w in told]}}))
   for (const json& text : read["told"])
     n += text.get<std::string>().find("MAP_UPDATE is of another version") != std::string::npos;
   EXPECT_EQ(n, 1) << read["told"];
+}
+
+TEST_F(Python, MessagesOfOtherProgramsAreNotOfAnotherVersion) {
+  std::vector<std::string_view> names;
+  for (const bus::Channel& channel : bus::Channels()) names.push_back(channel.name);
+  const json told = Answer(fmt::format(R"(
+import warnings
+from plslam.wire import warn_of_version
+def told(name, schema):
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        warn_of_version("x", name, bytes(8) + schema.to_bytes(4, "big") + bytes(32))
+    return len(told)
+names = "{}".split()
+print(json.dumps([sum(told(name, 1) for name in names), len(names), told("POSE", 395000), told("COUNTER", 1)]))
+)",
+                                       fmt::join(names, " ")));
+  EXPECT_EQ(told, json({names.size(), names.size(), 0, 0}));
 }
 
 TEST_F(Python, AListenerHearsEachMessageOnce) {

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "core/datasets/open_dataset.h"
 #include "core/io/files/shared_file.h"
 #include "core/io/maps/map_camera.h"
 #include "tools/command_line/run_command_line.h"
@@ -142,7 +143,7 @@ void DrawPair(const Material& m, const Arguments& a) {
     return PairedImage{fmt::format("keyframe {}, frame {}", id, keyframe.frame_id), *image, &stored.features.at(id)};
   };
   try {
-    const exports::KeyframeImages images(m.dataset, MapCamera(stored, m.source.map_path));
+    const exports::KeyframeImages images(OpenDatasetAndWarn(m.dataset, ""), MapCamera(stored, m.source.map_path));
     const auto a_shown = shown(images, first), b_shown = shown(images, second);
     if (!a_shown || !b_shown) return Skip("keyframe_pair", m.dataset + " has no images of these times");
     Write(PairFigure(m.title, *a_shown, *b_shown, SharedBy(stored.map, first, second)), "keyframe_pair", m);

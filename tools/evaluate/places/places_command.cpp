@@ -47,7 +47,7 @@ void AddOptions(CLI::App& app, Arguments& a) {
 }
 
 std::vector<PlaceFrame> ReadFrames(const std::string& location, int stride, const PlaceRecogniser& recogniser) {
-  const auto dataset = OpenDataset(location, "");
+  const auto dataset = OpenDatasetAndWarn(location, "");
   std::vector<PlaceFrame> frames;
   const auto use = [&](int index, const ImageFeatures& features) {
     const auto T_w_c = dataset->GroundTruth(index);

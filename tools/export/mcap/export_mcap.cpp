@@ -20,7 +20,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/datasets/open_dataset.h"
 #include "core/errors/error_text.h"
 #include "core/io/images/image_header.h"
 #include "core/io/images/jpeg_codec.h"
@@ -186,12 +185,10 @@ class ImagesAhead {
 
 class Exporter {
  public:
-  Exporter(const RunSource& source, const std::string& dataset, const std::string& path)
-      : source_(source), topics_(path) {
+  Exporter(const RunSource& source, const Dataset* dataset, const std::string& path)
+      : source_(source), dataset_(dataset), topics_(path) {
     if (!source.folder.empty()) tables_ = ReadRunTables(source.folder);
-    if (dataset.empty()) return;
-    dataset_ = OpenDataset(dataset, "");
-    images_.emplace(*dataset_);
+    if (dataset != nullptr) images_.emplace(*dataset);
   }
 
   McapContent Write() {
@@ -273,7 +270,7 @@ class Exporter {
 
   /// Those taken while the run went on.
   void AddImages() {
-    if (!dataset_ || source_.frames.empty()) return;
+    if (dataset_ == nullptr || source_.frames.empty()) return;
     const int64_t first = Begin();
     const int64_t last =
         std::max(source_.frames.back().t_ns, tables_.frames.empty() ? 0 : tables_.frames.back().t_ns);
@@ -298,8 +295,8 @@ class Exporter {
   }
 
   const RunSource& source_;
+  const Dataset* dataset_;
   RunTables tables_;
-  std::unique_ptr<Dataset> dataset_;
   std::optional<ImagesAhead> images_;
   Topics topics_;
   std::vector<MessageToWrite> messages_;
@@ -308,7 +305,7 @@ class Exporter {
 
 }  // namespace
 
-McapContent ExportMcap(const RunSource& source, const std::string& dataset, const std::string& path) {
+McapContent ExportMcap(const RunSource& source, const Dataset* dataset, const std::string& path) {
   return Exporter(source, dataset, path).Write();
 }
 

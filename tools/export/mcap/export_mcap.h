@@ -16,9 +16,9 @@ struct McapContent {
 };
 
 /// Writes what a run and its map have, as messages of ROS 2 (docs/exports.md has the table of topics). Images, as
-/// recorded, come from `dataset`, where it is named: a folder, a recording or a built-in world. Throws
-/// std::runtime_error where files of the run are damaged or the file cannot be written.
-McapContent ExportMcap(const RunSource& source, const std::string& dataset, const std::string& path);
+/// recorded, come from `dataset`, where it is not null. Throws std::runtime_error where files of the run are damaged or
+/// the file cannot be written.
+McapContent ExportMcap(const RunSource& source, const Dataset* dataset, const std::string& path);
 
 /// A layout for Foxglove and Lichtblick that shows these topics.
 std::string FoxgloveLayout();

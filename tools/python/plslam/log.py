@@ -49,11 +49,12 @@ def _read(
                 file.seek(end)
             else:
                 try:
-                    value = decode(file.read(data_bytes))
+                    data = file.read(data_bytes)
+                    value = decode(data)
                 except ValueError as error:
                     raise FileError(f"{path}: the event at byte {offset}, channel {channel}, is {error}") from error
                 if value is None:
-                    warn_of_version(path, name)
+                    warn_of_version(path, name, data)
                 else:
                     yield Message(name, time_us * 1e-6, value)
             offset = end

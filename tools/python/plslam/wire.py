@@ -45,6 +45,15 @@ def _types() -> Dict[bytes, Any]:
 
 _TYPE_OF_FINGERPRINT = _types()
 
+# Most channels are called like their types.
+_CHANNELS = {kind.__name__[: -len("_t")].upper() for kind in _TYPE_OF_FINGERPRINT.values()} | {
+    "STEREO_FRAME",
+    "STEREO_FRAME_LIVE",
+    "TRACKS_LIVE",
+    "RELOCALISATION_REQUEST",
+}
+_MAX_SCHEMA = 99
+
 
 def decode(data: bytes) -> Optional[Any]:
     """The struct that the bytes encode; None where they are of no message type of this version.
@@ -61,9 +70,10 @@ def decode(data: bytes) -> Optional[Any]:
         raise ValueError(f"no {kind.__name__}: {error}") from error
 
 
-def warn_of_version(where: str, name: str) -> None:
-    """For bytes that are of no type of this version: a warning where the channel is one of ours. Python shows it once."""
-    if hasattr(messages, name.lower() + "_t"):
+def warn_of_version(where: str, name: str, data: bytes) -> None:
+    """For bytes that are of no type of this version: a warning where the channel is called like one of ours, and a
+    small number stands where our messages have their schema (other programs have a POSE, too). Python shows it once."""
+    if name in _CHANNELS and 0 < int.from_bytes(data[8:12], "big") <= _MAX_SCHEMA:
         warnings.warn(
             f"{where}: {name} is of another version of plslam and passed over: use the package of the version that made it, "
             "or compute the run of a log anew (plslam replay)",
@@ -170,7 +180,7 @@ def _receive(
             except ValueError:
                 continue  # Anybody can send anything.
             if value is None:
-                warn_of_version("the bus", name)
+                warn_of_version("the bus", name, content)
                 continue
             if repeats.has(name, value.header.source, value.header.seq):
                 continue

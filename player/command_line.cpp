@@ -17,7 +17,8 @@ void PlayerCommandLine::AddTo(void* app) {
   cli.add_option("--topics", topics_, "LEFT RIGHT: image topics of a recording of ROS; default: found by their names")
       ->type_name("TOPIC")
       ->expected(2);
-  cli.add_option("--pace", pace_, "lockstep (default), realtime, or realtimexN (realtimex2: twice as fast)");
+  cli.add_option("--pace", pace_, "lockstep (default), realtime, or realtimexN (realtimex2: twice as fast)")
+      ->type_name("TEXT:{lockstep,realtime}");
   cli.add_option("--start", start_, "first frame (0)");
   cli.add_option("--stop", stop_, "frame before which to end (-1: the end)");
   cli.add_option("--stride", stride_, "every so many-th frame (1)");

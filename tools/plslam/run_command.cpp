@@ -140,8 +140,9 @@ void AddOptions(CLI::App* sub, RunOptions* o) {
   sub->add_option("--out", o->out, "folder for trajectories, summary, pictures and logs [out/DATASET]")
       ->type_name("DIR");
   sub->add_option(
-      "--pace", o->pace,
-      "lockstep (every frame, as fast as it goes; default of datasets), realtime (of cameras), realtimexN");
+         "--pace", o->pace,
+         "lockstep (every frame, as fast as it goes; default of datasets), realtime (of cameras), realtimexN")
+      ->type_name("TEXT:{lockstep,realtime}");
   sub->add_option("--features", o->features, "points, lines or both (default)")
       ->check(CLI::IsMember({"points", "lines", "both"}));
   sub->add_flag("--no-mapping", o->no_mapping, "odometry alone: no map is made, and none is tracked against");

@@ -105,6 +105,8 @@ class Recorder {
   /// What the player says while it plays: frames sent, and those it could not read.
   void SetSent(int64_t sent, int64_t unreadable) { sent_.OnStatus(sent, unreadable); }
 
+  const SentFrames& sent() const { return sent_; }
+
   /// Frames of the ended stream; nullopt while it runs.
   std::optional<int64_t> n_frames() const { return n_frames_; }
   /// Every frame of the ended stream has a pose or has been passed over by the tracker.

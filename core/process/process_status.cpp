@@ -34,6 +34,12 @@ void AddBusCounters(const BusCounters& c, std::map<std::string, double>* counter
   for (const auto& [name, value] : rows) (*counters)[name] = static_cast<double>(value);
 }
 
+/// A counter that fits into an integer, whatever came over the bus.
+double Counted(double value) {
+  constexpr double kMost = 9007199254740992.0;  // 2^53
+  return value > 0.0 ? std::min(value, kMost) : 0.0;
+}
+
 /// What a status may take up beside its configuration, with room for two dozen counters and a reason.
 constexpr size_t kStatusBytes = 900;
 constexpr size_t kReasonBytes = 300;
@@ -137,7 +143,7 @@ double StatusPublisher::counter(const std::string& name) const {
 double LongestQueueOf(const status_t& status) {
   double longest = 0.0;
   for (const counter_t& counter : status.counters) {
-    if (counter.name.starts_with("queue.")) longest = std::max(longest, counter.value);
+    if (counter.name.starts_with("queue.")) longest = std::max(longest, Counted(counter.value));
   }
   return longest;
 }
@@ -147,6 +153,10 @@ double CounterOf(const status_t& status, const std::string& name) {
     if (counter.name == name) return counter.value;
   }
   return 0.0;
+}
+
+int64_t CountOf(const status_t& status, const std::string& name) {
+  return static_cast<int64_t>(Counted(CounterOf(status, name)));
 }
 
 }  // namespace plslam::bus

@@ -59,7 +59,9 @@ class StatusPublisher {
 
 /// A counter of a status; 0 where it has none of this name.
 double CounterOf(const status_t& status, const std::string& name);
-/// The longest of its queues (counters that begin with `queue.`); 0 where it has none.
+/// The same of a counter that counts; 0, or 2^53 at most, where what came over the bus is no such number.
+int64_t CountOf(const status_t& status, const std::string& name);
+/// The longest of its queues (counters that begin with `queue.`), 2^53 at most; 0 where it has none.
 double LongestQueueOf(const status_t& status);
 
 }  // namespace plslam::bus

@@ -83,6 +83,11 @@ class SentFrames {
   int64_t Unanswered(const FrameTally& tally) const {
     return std::max<int64_t>(0, in_all_.value_or(sent_) - tally.answered() - tally.skipped);
   }
+  /// Frames sent since the newest one that has a pose (`newest_frame`, as they are numbered from 0; -1: none has).
+  /// Older ones without a pose do not count: nobody will answer them any more.
+  int64_t Behind(int64_t newest_frame) const {
+    return std::max<int64_t>(0, in_all_.value_or(sent_) - newest_frame - 1);
+  }
 
  private:
   int64_t sent_ = 0;

@@ -9,12 +9,11 @@ namespace {
 // A queue that is worth telling; status comes every second.
 constexpr double kWorthSaying = 5.0;
 constexpr double kSilent_s = 2.5;
-constexpr double kDead_s = 10.0;
 
 }  // namespace
 
 Pace PaceOf(std::string_view state, double silent_s, double longest_queue) {
-  if (silent_s > kDead_s || state == process_state::kStopping) return Pace::kGone;
+  if (silent_s > kGoneAfter_s || state == process_state::kStopping) return Pace::kGone;
   if (silent_s > kSilent_s) return Pace::kSilent;
   return longest_queue >= kWorthSaying ? Pace::kBehind : Pace::kKeepsUp;
 }
@@ -33,15 +32,14 @@ std::string_view PaceName(Pace pace) {
   return "";
 }
 
-int64_t FramesBehind(int64_t unanswered, int64_t waiting_keyframes, int64_t n_frames,
-                     const std::function<bool(int64_t)>& is_keyframe) {
+int64_t FramesBehind(int64_t waiting_keyframes, int64_t n_frames, const std::function<bool(int64_t)>& is_keyframe) {
   int64_t since_oldest = 0;
   for (int64_t i = 0; i < n_frames && waiting_keyframes > 0; ++i) {
     if (!is_keyframe(i)) continue;
     since_oldest = i + 1;
     --waiting_keyframes;
   }
-  return unanswered + since_oldest;
+  return since_oldest;
 }
 
 }  // namespace plslam

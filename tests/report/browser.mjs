@@ -20,13 +20,13 @@ export class Browser {
     browser.profile = mkdtempSync(join(tmpdir(), "report-browser-"));
     // Port 0: any free one, which it then says.
     browser.driver = spawn(chromedriver, ["--port=0"], { stdio: ["ignore", "pipe", "inherit"] });
-    // Whoever waits for this script does so for two minutes: nothing of it must be left then.
+    // Whoever waits for this script does so for five minutes: nothing of it must be left then.
     setTimeout(() => {
-      console.log("FAIL not done after 110 s");
+      console.log("FAIL not done after 280 s");
       browser.driver.kill();
       browser.kill();
       process.exit(1);
-    }, 110_000).unref();
+    }, 280_000).unref();
     browser.base = await new Promise((resolve, reject) => {
       let said = "";
       browser.driver.stdout.on("data", (data) => {
@@ -82,8 +82,11 @@ export class Browser {
     }
   }
 
-  async key(key, text, modifiers = 0) {
-    await this.devtools("Input.dispatchKeyEvent", { type: "keyDown", key, text, modifiers });
+  /** `repeats`: so many more times, as of a key that is held down. */
+  async key(key, text, modifiers = 0, repeats = 0) {
+    for (let i = 0; i <= repeats; ++i) {
+      await this.devtools("Input.dispatchKeyEvent", { type: "keyDown", key, text, modifiers, autoRepeat: i > 0 });
+    }
     await this.devtools("Input.dispatchKeyEvent", { type: "keyUp", key, modifiers });
   }
 

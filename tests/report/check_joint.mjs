@@ -25,19 +25,28 @@ async function checkTable() {
   check.that(facts[0].lines > 0 && facts[1].lines === 0, `of each run its own: ${facts.map((f) => f.lines)} segments`);
 }
 
-/** A run's switch hides all of it, and nothing of the other. */
-async function checkOwnSwitch(page) {
-  const both = await page.look("#map", ["other0", "path", "truth"]);
+/** A run's switch hides all of it, and nothing of the other; those of landmarks and of the path are for both. */
+async function checkSwitches(page) {
+  for (const layer of ["keyframes", "loopEdges", "truth"]) await page.click(`[name=${layer}]`);
+  await page.settle();
+  const both = await page.look("#map", ["other0", "path"]);
+  check.that(both.near.other0 > 500, `the other run is seen: ${both.near.other0} pixels of its colour`);
   await page.switch("own", false);
-  const other = await page.look("#map", ["other0", "path", "truth"]);
+  const other = await page.look("#map", ["other0", "path"]);
   check.that(other.near.other0 > 0.8 * both.near.other0, `the other stays: ${both.near.other0} pixels, then ${other.near.other0}`);
   check.that(both.near.path > 100 && other.near.path < 0.2 * both.near.path && other.colours < 0.6 * both.colours,
     `one switch hides the first run: ${other.near.path} of ${both.near.path} pixels of its path, ${other.colours} of ${both.colours} colours left`);
-  await page.switch("points", false);
+  await page.click("[name=points]");
   await page.switch("segments", false);
-  const bare = await page.look("#map", ["other0"]);
-  check.that(bare.near.other0 < other.near.other0, "points and segments have switches of their own");
-  for (const layer of ["points", "segments", "own"]) await page.switch(layer, true);
+  const path = await page.look("#map", ["other0"]);
+  check.that(path.near.other0 > 150 && path.near.other0 < other.near.other0, `landmarks and path: without landmarks ${path.near.other0} pixels`);
+  await page.switch("other0", false);
+  const none = await page.look("#map", ["other0"]);
+  check.that(none.near.other0 < 0.2 * path.near.other0, `its switch hides it: ${none.near.other0} pixels left`);
+  for (const layer of ["own", "points", "segments", "other0"]) await page.click(`[name=${layer}]`);
+  await page.settle();
+  const labels = await page.text("#layers");
+  check.that(/Runs.*out.*out/s.test(labels), `both runs have a name: '${labels}'`);
 }
 
 /** Landmarks of both runs can be clicked, and measured from one to the other. */
@@ -73,22 +82,8 @@ async function checkLinks() {
 await runChecks(check, browser, async (page) => {
   await page.open(pathToFileURL(resolve(file)).href);
   await checkTable();
-  for (const layer of ["keyframes", "loopEdges"]) await page.switch(layer, false);
-  await checkOwnSwitch(page);
-  const all = await page.look("#map", ["other0"]);
-  check.that(all.near.other0 > 500, `the other run is seen: ${all.near.other0} pixels of its colour`);
+  await checkSwitches(page);
   // The truth joins the two maps, so their paths lie on each other.
-  for (const layer of ["points", "segments", "truth"]) await page.switch(layer, false);
-  await page.switch("own", false);
-  const paths = await page.look("#map", ["other0"]);
-  check.that(paths.near.other0 > 150 && paths.near.other0 < all.near.other0,
-    `landmarks and path: without landmarks ${paths.near.other0} pixels`);
-  await page.switch("other0", false);
-  const own = await page.look("#map", ["other0"]);
-  check.that(own.near.other0 < 0.2 * paths.near.other0, `its switch hides it: ${own.near.other0} pixels left`);
-  for (const layer of ["other0", "own", "points", "segments"]) await page.switch(layer, true);
-  const labels = await page.text("#layers");
-  check.that(/Runs.*out.*out/s.test(labels), `both runs have a name: '${labels}'`);
   const apart = await browser.run(`
     const other = plslam.view.parts.others.runs[0], own = plslam.run;
     const p = [0, 0, 0];

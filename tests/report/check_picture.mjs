@@ -47,6 +47,7 @@ async function checkRightImage(page) {
   const button = "const button = document.getElementById('right-image'); return [button.hidden, button.getAttribute('aria-pressed')]";
   check.that(rights === pictures && pictures > 0, `${rights} of ${pictures} pictures have their right image`);
   const left = await page.look("#frame");
+  check.that(left.colours > 200, `the picture of the frame is not blank: ${left.colours} colours`);
   if (stem) writeFileSync(`${stem}_left.png`, await browser.screenshot());
   await page.click("#right-image");
   await page.settle();
@@ -106,15 +107,30 @@ async function checkDisparity(page) {
   check.that(share > 0.5 && known > 0.25, `and there are many: at ${known} of the pixels`);
   const legend = await page.text("#disparity-legend");
   check.that(/^far.* m.* c?m$/.test(legend), `a legend in metres: '${legend}'`);
+  // What a busy machine takes; pixels that come back from a graphics card take longer.
   const ms = await browser.run("const start = performance.now(); plslam.picture.load(); return plslam.picture.loaded.then(() => performance.now() - start)");
-  check.that(ms < 600, `after ${ms.toFixed(0)} ms`);
+  check.that(ms < 5000, `after ${ms.toFixed(0)} ms`);
   await browser.key("d", "d");
   await page.settle();
   check.that(`${await browser.run(pressed)}` === "false,false" && (await page.look("#frame")).digest === left.digest, "and the left image again");
+}
+
+/** On a live page a picture may come before the camera is known, in whose pixels disparities are. */
+async function checkLateCamera() {
+  const [before, after] = await browser.run(`
+    const { picture, replay, run } = plslam;
+    const before = picture.shrink, { camera } = run.facts;
+    for (const known of [undefined, { ...camera, width_px: 2 * camera.width_px }]) {
+      run.facts.camera = known;
+      picture.show(run, replay.row);
+    }
+    return [before, picture.shrink];`);
+  check.that(after === 0.5 * before, `of a camera twice as wide, which is told later, ${after} pixels of the picture for each: ${before}`);
 }
 
 await runChecks(check, browser, async (page) => {
   await page.open(pathToFileURL(resolve(file)).href);
   await checkRightImage(page);
   await checkDisparity(page);
+  await checkLateCamera();
 });

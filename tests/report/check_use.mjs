@@ -186,11 +186,30 @@ async function checkPick(page) {
     return n;`, keyframe);
   check.that((await browser.run(rays)) === seen && seen > 10, `a keyframe has rays to its ${seen} landmarks`);
   await browser.key("Escape");
+  await checkLongRun(page, point, id, rays);
+}
+
+/** As of a long run, where ids alone are stored: that is said, and what was chosen stays in the next map of a live page. */
+async function checkLongRun(page, point, id, rays) {
   await browser.run(`const { run, view } = plslam;
-    [run.packedObservers, run.observers] = [null, {}];
-    view.parts.selection.choose(run, { type: "points", row: arguments[0] });`, point);
-  check.that((await page.text("#picked")).includes("not stored") && (await browser.run(rays)) === 0, "what a long run leaves out is said");
-  await browser.key("Escape");
+    const packed = (ids) => {
+      let bytes = "";
+      ids.forEach((id, i) => {
+        let number = id - (i ? ids[i - 1] : -1);
+        for (; number >= 128; number = Math.floor(number / 128)) bytes += String.fromCharCode(128 + (number % 128));
+        bytes += String.fromCharCode(number, 0);
+      });
+      return btoa(bytes);
+    };
+    const [points, segments] = ["points", "segments"].map((type) => packed(run.observersOf(type).ids));
+    [run.packedObservers, run.observersKnown, run.observers] = [{ points, segments }, false, {}];
+    view.parts.selection.choose(run, { type: "points", row: arguments[0] });
+    run.map = { ...run.map };
+    view.parts.selection.setRun(run, view.size);`, point);
+  const text = await page.text("#picked");
+  check.that(text.includes("not stored") && text.includes(`Point ${id}`) && (await browser.run(rays)) === 0, `what a long run leaves out is said: '${text}'`);
+  await page.click("#picked .close");
+  check.that(await browser.run("return document.getElementById('picked').hidden"), "a button closes the box");
 }
 
 /** Landmarks that were seen over few frames are hidden by a slider, and colours tell them. */
@@ -224,6 +243,12 @@ async function checkHelp() {
   check.that(await browser.run(open), "the key ? opens the help");
   const text = await browser.run("return document.getElementById('help').innerText");
   for (const what of ["Shift and click", "R", "D", "Space", "1, 2, 3", "double click"]) check.that(text.includes(what), `which tells of '${what}'`);
+  const state = "return [plslam.view.fromAbove, plslam.replay.row, plslam.replay.playing, plslam.picture.isLarge, plslam.picture.wanted].join()";
+  const before = await browser.run(state);
+  await browser.run("document.activeElement.blur()");
+  for (const key of ["2", "f", "d", " "]) await browser.key(key, key);
+  await browser.key("ArrowLeft");
+  check.that((await browser.run(state)) === before, `while it is open, keys do nothing to the page behind it: ${before}`);
   await browser.key("Escape");
   check.that(!(await browser.run(open)), "Escape closes it");
   await browser.run("window.scrollTo(0, 0)");
@@ -243,6 +268,9 @@ async function checkLarge(page) {
   check.that(large > 1.8 * small, `the key F makes the picture large: ${small} pixels wide, then ${large}`);
   await browser.key("Escape");
   check.that((await width()) === small, "Escape makes it small again");
+  await browser.key("f", "f", 0, 1);
+  check.that((await width()) > 1.8 * small, "a key that is held down does so once");
+  await browser.key("Escape");
   await page.settle();
   const { x, y } = await page.box("#frame");
   await browser.press([x + 20, y + 20]);

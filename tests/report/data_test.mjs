@@ -6,6 +6,8 @@ import { countUpTo, Run } from "../../viewer_headless/page/data.js";
 import { fitView, worthSeeing } from "../../viewer_headless/page/framing.js";
 import { unpackObservers, unpackSigma } from "../../viewer_headless/page/observers.js";
 import { WallClock } from "../../viewer_headless/page/wall_clock.js";
+import { matchBlocks } from "../../viewer_headless/page/disparity.js";
+import { cpuTime_s } from "../../viewer_headless/page/processes.js";
 import { notTracked } from "../../viewer_headless/page/summary.js";
 
 function column(Type, name, width, values) {
@@ -111,6 +113,15 @@ test("the nearest eye that sees all points has two of them at the border", () =>
   }
 });
 
+test("landmarks of a long run have ids alone", () => {
+  const run = new Run();
+  const observers = { points: Buffer.from([4, 0, 169, 2, 0]).toString("base64"), segments: "", only_ids: true };
+  const map = { points: {}, segments: {}, keyframes: {}, edges: {}, loop_edges: {}, observers };
+  run.take(message({ whole: true, frames: rows([0], 1, [5]), path: { p: f32(3, [1, 2, 3]), q: f32(4, [0, 0, 0, 1]) }, map }));
+  assert.deepEqual(run.observersOf("points"), { ids: [3, 300], starts: [0, 0, 0], rows: [] });
+  assert.ok(!run.observersKnown);
+});
+
 test("observers are unpacked as they were packed", () => {
   // PackObservers.IdsCountsAndRows in report_tables_test.cpp writes the same.
   const bytes = [4, 3, 10, 1, 171, 2, 169, 2, 1, 0, 1, 0];
@@ -129,6 +140,24 @@ test("the clock of the host follows that of the recording", () => {
   assert.equal(clock.wallAt(1.5), 2.5);
   assert.deepEqual([clock.timeAt(0), clock.timeAt(9), clock.wallAt(-1), clock.wallAt(9)], [0, 2, 1, 3]);
   assert.equal(new WallClock(new Run()).timeAt(1), null);
+});
+
+test("a process that was started again has used the time of both", () => {
+  assert.equal(cpuTime_s(Float32Array.of(1, 4, 6, 0.5, 2.5)), 7);
+  assert.equal(cpuTime_s(Float32Array.of(3)), 0);
+});
+
+test("a pattern has its disparity, a fence, whose posts are all alike, has none", () => {
+  const [width, height, shift] = [64, 24, 5];
+  const matched = (right) => {
+    const left = right.map((_, i) => right[i - Math.min(shift, i % width)]);
+    return matchBlocks(left, right, width, height, 20).filter((_, i) => i % width > 26 && i % width < width - 8);
+  };
+  let random = 1;
+  const pattern = matched(new Uint8Array(width * height).map(() => (random = (random * 48271) % 2147483647) & 255));
+  assert.ok(pattern.every((d) => Math.abs(d - shift) < 0.3), `${pattern}`);
+  const fence = matched(new Uint8Array(width * height).map((_, i) => ((i % width) % 8 < 4 ? 200 : 50)));
+  assert.ok(fence.every(Number.isNaN), `${fence}`);
 });
 
 test("frames that are not tracked are told by what became of them", () => {

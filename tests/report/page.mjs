@@ -69,18 +69,10 @@ export class Page {
     return { row, at };
   }
 
-  /** What the address says, once neither it nor the view has changed for a while. */
+  /** What the address says, once the view has come to rest and the address is written. */
   async address() {
-    let before = null;
-    for (let same = 0; same < 3; ) {
-      await new Promise((resolve) => setTimeout(resolve, 150));
-      // A slow machine draws late, and a turn goes on with each picture.
-      const now = await this.browser.run(`return new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))
-        .then(() => [location.hash, ...plslam.view.camera.position.toArray()])`);
-      same = `${now}` === `${before}` ? same + 1 : 0;
-      before = now;
-    }
-    return Object.fromEntries(new URLSearchParams(before[0].slice(1)));
+    await this.browser.until("return !plslam.view.pending && plslam.address.timer === null", "a view at rest and its address", 60);
+    return Object.fromEntries(new URLSearchParams((await this.browser.run("return location.hash")).slice(1)));
   }
 
   click(selector) {

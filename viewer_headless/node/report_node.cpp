@@ -56,21 +56,19 @@ void ReportNode::OnStatus(const status_t& message) {
   if (!wanted_) return;
   ProcessSample sample = ToProcessSample(message, bus::NowS(), NewestFrame());
   sample.lag_frames = Lag_frames(message);
-  sample.sent_frames = NewestFrame() + 1 + unanswered_;
+  sample.sent_frames = NewestFrame() + 1 + behind_;
   report_->Add(sample);
   for (const counter_t& counter : message.counters) report_->Take(message.header.source, counter.name, counter.value);
 }
 
 int64_t ReportNode::Lag_frames(const status_t& message) {
   // What the player has sent is as old as its status, so what has no pose is counted then.
-  if (process_name::SendsFrames(message.process)) {
-    unanswered_ = sources_.recorder->Tally(true).unanswered;
-    return 0;
-  }
+  if (process_name::SendsFrames(message.process)) behind_ = sources_.recorder->sent().Behind(NewestFrame());
+  if (message.process == process_name::kVo) return behind_;
+  if (message.process != process_name::kMapping && message.process != process_name::kLoop) return -1;
   const auto& frames = sources_.recorder->frames();
-  const auto waiting = static_cast<int64_t>(bus::CounterOf(message, "queue.keyframes"));
   auto frame = frames.rbegin();
-  return FramesBehind(unanswered_, waiting, static_cast<int64_t>(frames.size()),
+  return FramesBehind(bus::CountOf(message, "queue.keyframes"), static_cast<int64_t>(frames.size()),
                       [&frame](int64_t) { return (frame++)->second.keyframe_id >= 0; });
 }
 
@@ -85,7 +83,7 @@ void ReportNode::SetCamera(const StereoCamera& camera) {
 
 void ReportNode::BeginAgain() {
   report_ = std::make_unique<ReportRecorder>(options_.report_pictures, ++run_);
-  unanswered_ = 0;
+  behind_ = 0;
   if (camera_) report_->SetCamera(*camera_);
   if (live_) live_->SetFinished(false);
 }

@@ -45,6 +45,8 @@ class ReportNode {
 
  private:
   int64_t NewestFrame() const;
+  /// Of vo_process: frames sent since its newest pose; of mapping_process and loop_process, whose lag is not that of
+  /// vo_process: FramesBehind; -1 of others.
   int64_t Lag_frames(const status_t& message);
   std::string Json(const ReportSince& since) const;
 
@@ -53,8 +55,8 @@ class ReportNode {
   std::optional<std::string> page_;
   bool wanted_;
   int64_t run_ = 0;
-  /// Frames that the player had sent at its last status and that had no pose then.
-  int64_t unanswered_ = 0;
+  /// Frames that the player had sent, at its last status, since the newest one with a pose.
+  int64_t behind_ = 0;
   std::optional<StereoCamera> camera_;
   std::unique_ptr<ReportRecorder> report_;
   std::unique_ptr<bus::LoopClosureSubscriber> loops_;

@@ -150,8 +150,7 @@ void ViewerNode::OnStatus(const status_t& message) {
   if (message.process == process_name::kVo) vo_finished_ = message.state == process_state::kFinished;
   if (message.process == process_name::kMapping) mapping_heard_ = true;
   if (process_name::SendsFrames(message.process)) {
-    recorder_.SetSent(static_cast<int64_t>(bus::CounterOf(message, "frames.sent")),
-                      static_cast<int64_t>(bus::CounterOf(message, "frames.bad")));
+    recorder_.SetSent(bus::CountOf(message, "frames.sent"), bus::CountOf(message, "frames.bad"));
   }
   report_->OnStatus(message);
 }

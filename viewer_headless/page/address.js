@@ -5,6 +5,8 @@
 import { Vector3 } from "three";
 
 const kQuiet_ms = 250;
+// No map reaches as far, and the arithmetic of the graphics card ends not far beyond.
+const kFarthest_m = 1e7;
 
 export class Address {
   /** `entries` are {read(parameters), write(parameters)}, each for a part of what is looked at. */
@@ -12,6 +14,8 @@ export class Address {
     this.entries = entries;
     // What was asked for is not written over before it was read.
     this.wasRead = false;
+    // Of what is going to be written.
+    this.timer = null;
     window.addEventListener("hashchange", () => this.read());
   }
 
@@ -19,13 +23,22 @@ export class Address {
   read() {
     this.wasRead = true;
     const wanted = new URLSearchParams(window.location.hash.slice(1));
-    if (window.location.hash.length > 1) for (const entry of this.entries) entry.read(wanted);
+    if (window.location.hash.length <= 1) return;
+    for (const entry of this.entries) {
+      try {
+        entry.read(wanted);
+      } catch (error) {
+        // One part that cannot be shown must not keep the others from being shown.
+        console.warn(`the address: ${error.message}`);
+      }
+    }
   }
 
   /** Soon, since a hand that turns the map or moves the slider does so many times a second. */
   write() {
     clearTimeout(this.timer);
     this.timer = setTimeout(() => {
+      this.timer = null;
       if (!this.wasRead) return;
       const now = new URLSearchParams();
       for (const entry of this.entries) entry.write(now);
@@ -38,7 +51,7 @@ export class Address {
 
 function triple(text) {
   const numbers = (text ?? "").split(",").map(Number);
-  return numbers.length === 3 && numbers.every(Number.isFinite) ? new Vector3(...numbers) : null;
+  return numbers.length === 3 && numbers.every((x) => Math.abs(x) <= kFarthest_m) ? new Vector3(...numbers) : null;
 }
 
 function text(vector) {

@@ -59,6 +59,7 @@ export class Run {
     this.pictures = [];
     this.notes = [];
     this.packedObservers = null;
+    this.observersKnown = false;
     this.observers = {};
   }
 
@@ -92,6 +93,7 @@ export class Run {
     this.map = Object.fromEntries(Object.entries(tables).map(([name, table]) => [name, decodeTable(table)]));
     this.map.vertical = vertical ?? { up: [0, -1, 0], lines: 0 };
     this.packedObservers = observers ?? null;
+    this.observersKnown = !!observers && !observers.only_ids;
     this.observers = {};
     this.mapStageNames = json.map_stage_names;
     this.mapTimes = decodeTable(json.map_times);
@@ -110,7 +112,8 @@ export class Run {
     this.pictures.sort((a, b) => a.frame - b.frame);
   }
 
-  /** Who observes the landmarks ("points" or "segments"), unpacked when first asked for; null where that was left out. */
+  /** Ids of the landmarks ("points" or "segments") and, where they are known (`observersKnown`), who observes them; unpacked when
+   * first asked for. null where there is neither. */
   observersOf(type) {
     if (!this.packedObservers) return null;
     return (this.observers[type] ??= unpackObservers(bytesOf(this.packedObservers[type])));

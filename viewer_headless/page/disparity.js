@@ -7,7 +7,7 @@ const kHalf_px = 3;
 const kBlock = (2 * kHalf_px + 1) ** 2;
 // Mean difference of grey values over a block, at most.
 const kMostUnlike = 16;
-// The best disparity away from the winner has to be so much worse.
+// The best disparity away from the winner has to be worse by more than this factor: where all cost nothing, none is.
 const kDistinct = 1.12;
 
 /** Sums of `values` (width x height) over blocks, with borders repeated, into `out`. */
@@ -51,7 +51,7 @@ export function matchBlocks(left, right, width, height, most) {
     const cost = costs[d][i];
     if (d < 1 || d >= most - 1 || i % width < d || cost > kMostUnlike * kBlock || Math.abs(bestRight[i - d] - d) > 1) return NaN;
     for (let other = 0; other < most; ++other) {
-      if (Math.abs(other - d) > 1 && costs[other][i] < kDistinct * cost) return NaN;
+      if (Math.abs(other - d) > 1 && costs[other][i] <= kDistinct * cost) return NaN;
     }
     const [before, after] = [costs[d - 1][i], costs[d + 1][i]];
     return d + (0.5 * (before - after)) / Math.max(1, before - 2 * cost + after);

@@ -109,6 +109,7 @@ export class Landmarks extends DrawnLandmarks {
   setRun(run, size) {
     if (!run.map || run.map === this.map) return;
     this.map = run.map;
+    this.ranges = {};
     this.points.material.uniforms.size.value = size * 1.6;
     this.setMap(run.map);
   }
@@ -118,16 +119,19 @@ export class Landmarks extends DrawnLandmarks {
   colour(run, mode) {
     if (!this.pointData) return;
     this.up = run.map.vertical.up;
+    this.range = mode === "seen" ? [run.frames.id[0], run.frames.id[run.rows - 1]] : (this.ranges[mode] ??= this.rangeOf(mode));
+    this.points.geometry.setAttribute("tint", this.tints(this.pointData, 3, 1, mode));
+    this.segments.geometry.setAttribute("color", this.tints(this.segmentData, 6, 2, mode));
+  }
+
+  /** Of all points of the map, which are sorted for it. */
+  rangeOf(mode) {
     const { positions, columns } = this.rows.points;
-    const heights = mode === "height" ? Float32Array.from(columns.seen, (_, i) => this.height(positions, 3 * i)) : [];
-    this.range = {
-      height: () => quantiles(heights, 0.03, 0.97),
-      seen: () => [run.frames.id[0], run.frames.id[run.rows - 1]],
+    return {
+      height: () => quantiles(Float32Array.from(columns.seen, (_, i) => this.height(positions, 3 * i)), 0.03, 0.97),
       life: () => [0, Math.max(8, quantiles(columns.life, 0, 0.95)[1])],
       observations: () => [2, Math.max(8, quantiles(columns.observations, 0, 0.95)[1])],
     }[mode]();
-    this.points.geometry.setAttribute("tint", this.tints(this.pointData, 3, 1, mode));
-    this.segments.geometry.setAttribute("color", this.tints(this.segmentData, 6, 2, mode));
   }
 
   height(positions, at) {

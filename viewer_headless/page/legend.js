@@ -23,7 +23,7 @@ export function showLegend(mode, range) {
 export function makeColourChoice(choose) {
   const names = { height: "Height", seen: "Age", life: "Life", observations: "Observations" };
   const press = (mode) => {
-    if (!(mode in names)) return;
+    if (!Object.hasOwn(names, mode)) return;
     for (const button of buttons) button.setAttribute("aria-pressed", button.dataset.mode === mode);
     choose(mode);
   };

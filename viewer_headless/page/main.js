@@ -17,6 +17,8 @@ import { showProcesses } from "./processes.js";
 import { showKicker, showNotes, showRuns, showSummary, showWarnings } from "./summary.js";
 import { makeTheme } from "./theme.js";
 
+// As the viewer writes it.
+const kLongestLife = 65535;
 // Until a pointer is looked after.
 const kRest_ms = 40;
 
@@ -54,8 +56,12 @@ function makeView() {
   try {
     return new MapView(layers, others.others);
   } catch (error) {
-    console.info(`no map: ${error.message}`);
-    byId("no-webgl").hidden = false;
+    // All else works without the map.
+    if (new OffscreenCanvas(1, 1).getContext("webgl2")) {
+      console.error(error);
+      byId("no-map").textContent = `The map cannot be drawn: ${error.message}. All else works.`;
+    }
+    byId("no-map").hidden = false;
     return null;
   }
 }
@@ -123,14 +129,15 @@ function mapEntries() {
   return [
     choiceEntry("colour", "height", () => view.colourMode, (mode) => chooseColour(mode)),
     choiceEntry("least", "0", () => byId("life").value, (least) => {
-      // The slider may not reach as far yet.
-      byId("life").max = Math.max(Number(byId("life").max), Number(least) || 0);
+      // The slider of a run that goes on may not reach as far yet.
+      if (!run.facts.finished) byId("life").max = Math.max(Number(byId("life").max), Math.min(kLongestLife, Number(least) || 0));
       byId("life").value = Number(least) || 0;
       chooseLife();
     }),
     {
       read: (parameters) => {
-        wanted = { pick: parameters.get("pick"), to: parameters.get("to") };
+        const pick = parameters.get("pick");
+        wanted = { pick, to: pick && parameters.get("to") };
         chooseWanted();
       },
       write: (parameters) => {
@@ -143,13 +150,13 @@ function mapEntries() {
   ];
 }
 
-/** Where the map has what the address asks for. */
+/** Where the map has what the address asks for. What it does not have yet stays wanted while the run goes on. */
 function chooseWanted() {
   if (!wanted || !view) return;
   const { selection } = view.parts;
   const [picked, other] = [selection.parse(run, wanted.pick), selection.parse(run, wanted.to)];
-  const known = picked || !wanted.pick || run.facts.finished;
-  if (known) wanted = null;
+  const hasAll = (picked || !wanted.pick) && (other || !wanted.to);
+  if (hasAll || run.facts.finished) wanted = null;
   selection.choose(run, picked);
   if (picked && other) selection.measureTo(run, other);
 }
@@ -161,6 +168,7 @@ function makePicking() {
   const { selection } = view.parts;
   let down = null;
   selection.goTo = (frame) => replay.go(run.rowOf(frame));
+  selection.close = chooseNothing;
   selection.changed = () => {
     view.invalidate();
     address.write();
@@ -194,6 +202,10 @@ function makePicking() {
 function close() {
   if (byId("help").open) return byId("help").close();
   if (picture.isLarge) return picture.enlarge(false);
+  chooseNothing();
+}
+
+function chooseNothing() {
   wanted = null;
   view?.parts.selection.choose(run, null);
 }
@@ -203,7 +215,10 @@ function makeKeys() {
   const buttons = { 1: "view-all", 2: "view-top", 3: "fly", r: "right-image", d: "disparity", "?": "help-button" };
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("select, textarea")) return;
+    // A key that is held down does what it does once.
+    if (event.repeat) return;
     if (event.key === "Escape") return close();
+    if (byId("help").open && event.key !== "?") return;
     if (event.key.toLowerCase() === "f") picture.enlarge(!picture.isLarge);
     const button = buttons[event.key.toLowerCase()];
     if (button && !byId(button).hidden) byId(button).click();
@@ -228,7 +243,7 @@ function update(changed, state) {
     showLives();
   }
   replay.setRun(run);
-  if (changed.has("pictures")) picture.show(run, replay.row);
+  picture.show(run, replay.row);
   plots.setRun(run);
   showLegend(view?.colourMode, view?.parts.landmarks.range);
 }
@@ -286,4 +301,4 @@ if (data) {
   });
 }
 // For tests and for the curious.
-window.plslam = { run, view, replay, plots, picture };
+window.plslam = { run, view, replay, plots, picture, address };

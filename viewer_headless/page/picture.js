@@ -60,7 +60,8 @@ async function decoded(jpeg) {
 }
 
 function greyOf(image, width, height) {
-  const context = new OffscreenCanvas(width, height).getContext("2d");
+  // Without the hint the pixels come back from the graphics card, which may take seconds.
+  const context = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });
   context.drawImage(image, 0, 0, width, height);
   const { data } = context.getImageData(0, 0, width, height);
   return Uint8Array.from({ length: width * height }, (_, i) => data[4 * i]);
@@ -105,7 +106,7 @@ export class Picture {
   }
 
   choose(name) {
-    this.wanted = name in this.buttons ? name : "left";
+    this.wanted = Object.hasOwn(this.buttons, name) ? name : "left";
     for (const [of, button] of Object.entries(this.buttons)) button.setAttribute("aria-pressed", of === this.wanted);
     this.load();
     this.changed();
@@ -139,11 +140,13 @@ export class Picture {
       f.keyframe[row] ? "keyframe" : null,
       picture && picture.frame !== frame ? `picture of frame ${picture.frame}` : null,
     ].filter(Boolean).join(" · ");
-    if (picture && picture !== this.shown) {
+    // On a live page a picture may come before the camera is known.
+    const { camera } = run.facts;
+    if (picture && (picture !== this.shown || camera?.width_px !== this.camera?.width_px)) {
       this.shown = picture;
-      this.camera = run.facts.camera;
+      this.camera = camera;
       // Pixels of the small picture for each of the camera, in which disparities are.
-      this.shrink = picture.width_px / (run.facts.camera?.width_px ?? picture.width_px);
+      this.shrink = picture.width_px / (camera?.width_px ?? picture.width_px);
       this.load();
     }
   }

@@ -15,6 +15,11 @@ function newestTotals(values, width, names) {
   });
 }
 
+/** Time on a processor between the first and the last row. One that was started again counts from 0. */
+export function cpuTime_s(cpu_s) {
+  return cpu_s.reduce((sum, now, i) => sum + (i ? Math.max(0, now - cpu_s[i - 1]) : 0), 0);
+}
+
 /** What a frame (of mapping: an update of the map) takes; of other processes their time on a processor for each frame. */
 function work(run, { name, table }) {
   if (name.startsWith("vo") && run.rows) return `${fixed(median(newestTotals(run.frames.stages_ms, run.frameWidths.stages_ms, run.stageNames)), 1)} ms`;
@@ -23,10 +28,10 @@ function work(run, { name, table }) {
   }
   const first = Math.max(0, table.frame.findIndex((frame) => frame >= 0));
   const frames = table.frame.at(-1) - table.frame[first];
-  return frames > 0 ? `${fixed((1000 * (table.cpu_s.at(-1) - table.cpu_s[first])) / frames, 1)} ms of CPU` : "–";
+  return frames > 0 ? `${fixed((1000 * cpuTime_s(table.cpu_s.subarray(first))) / frames, 1)} ms of CPU` : "–";
 }
 
-/** Frames behind the newest one of the player, and how much of the recording that is. */
+/** Frames that a process is behind, and how much of the recording that is. */
 function lag(run, frames) {
   if (frames === null || run.facts.finished) return "–";
   const t = run.frames.t_s;

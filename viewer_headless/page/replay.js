@@ -19,11 +19,12 @@ export class Replay {
   key(event) {
     // What has the focus of the keyboard keeps its own keys; the slider of time steps by itself.
     if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("select, textarea")) return;
+    if (byId("help").open) return;
     const control = event.target.closest("input, button, tr");
     const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
     if (event.key === " " && (!control || control === this.slider)) {
       event.preventDefault();
-      this.button.click();
+      if (!event.repeat) this.button.click();
     } else if (step && (!control || control.matches("button, [type=checkbox]"))) {
       event.preventDefault();
       this.go(this.row + (event.shiftKey ? 10 : 1) * step);

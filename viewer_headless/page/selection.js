@@ -22,7 +22,7 @@ function landmarksOf(run, type, keyframe) {
   return rows;
 }
 
-/** Ids of the rows; none of landmarks where they were left out. */
+/** Ids of the rows. */
 function idsOf(run, type) {
   return type === "keyframes" ? Array.from(run.map?.keyframes.id ?? []) : run.observersOf(type)?.ids ?? [];
 }
@@ -89,6 +89,7 @@ export class Selection {
     this.picked = null;
     this.label = byId("measured");
     this.goTo = () => {};
+    this.close = () => {};
     this.changed = () => {};
     this.show();
   }
@@ -224,7 +225,7 @@ export class Selection {
     const rows = this.picked.type === "keyframes" ? this.ofKeyframe(of) : this.ofLandmark(of, run.map.vertical.up);
     if (this.other) rows.push(this.distance(run));
     box.replaceChildren(
-      element("button", { type: "button", class: "close", "aria-label": "Close", onclick: () => this.choose(run, null) }, "×"),
+      element("button", { type: "button", class: "close", "aria-label": "Close", onclick: () => this.close() }, "×"),
       element("h3", {}, `${kNames[this.picked.type]} ${this.id ?? ""}`, of.label ? element("small", {}, of.label) : null),
       element("dl", {}, ...rows.flatMap(([name, ...value]) => [element("dt", {}, name), element("dd", {}, ...value)])));
   }
@@ -233,10 +234,9 @@ export class Selection {
     const { row } = this.picked;
     const frame = run.map.keyframes.frame[row];
     const { seen, observers } = this.found;
-    const known = run.packedObservers !== null;
     return [
       ["frame", this.link(run, frame)],
-      ["observes", known ? `${count(seen.points)} points, ${count(seen.segments)} segments` : "not stored (long run)"],
+      ["observes", run.observersKnown ? `${count(seen.points)} points, ${count(seen.segments)} segments` : "not stored (long run)"],
       ["covisible", `${count(observers.length)} keyframes`],
       ["sigma", metres(run.map.keyframes.sigma_m?.[row])],
     ];
@@ -251,7 +251,7 @@ export class Selection {
     const ends = type === "segments" ? endsOf(run, row) : null;
     return [
       ["observed by", `${count(table.observations[row])}${table.observations[row] === 255 ? " and more" : ""} keyframes`],
-      ["in frames", ...(run.packedObservers ? named : ["not stored (long run)"]), frames.length > kMostNamed ? ` and ${frames.length - kMostNamed} more` : ""],
+      ["in frames", ...(run.observersKnown ? named : ["not stored (long run)"]), frames.length > kMostNamed ? ` and ${frames.length - kMostNamed} more` : ""],
       table.life && ["seen over", `${count(table.life[row])} frames`],
       ["sigma", `${metres(unpackSigma(table.sigma?.[row]))}${ends ? " across" : ""}`],
       ["height", metres(up[0] * p[0] + up[1] * p[1] + up[2] * p[2])],

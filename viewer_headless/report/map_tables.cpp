@@ -197,13 +197,14 @@ ReportMap MapTables(const Map& map, const MapLimits& limits, std::vector<std::st
                    EdgeTable(edges),
                    LoopTable(map, rows),
                    VerticalOf(map),
-                   ReportObservers{PackObservers(points, rows), PackObservers(segments, rows)}};
-  const size_t bytes = tables.observers->points.size() + tables.observers->segments.size();
+                   {PackObservers(points, rows), PackObservers(segments, rows)}};
+  const size_t bytes = tables.observers.points.size() + tables.observers.segments.size();
   if (bytes > limits.observer_bytes) {
     notes->push_back(fmt::format("Who observes which landmark is left out: {:.1f} MB are more than {:.1f}.",
                                  1e-6 * static_cast<double>(bytes),
                                  1e-6 * static_cast<double>(limits.observer_bytes)));
-    tables.observers.reset();
+    // By its id a landmark that was chosen is found in the next map of a live page.
+    tables.observers = {PackObservers(points, {}), PackObservers(segments, {}), true};
   }
   return tables;
 }

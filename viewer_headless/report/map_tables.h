@@ -31,7 +31,7 @@ struct MapLimits {
   size_t points = 150'000;
   size_t segments = 30'000;
   size_t edges = 40'000;
-  size_t observer_bytes = 1'500'000;  ///< beyond, nothing is said of who observes which landmark
+  size_t observer_bytes = 1'500'000;  ///< beyond, nothing but the ids of landmarks
 };
 
 /// The map for the page. Where it has more than the limits allow, the landmarks that fewest keyframes see are left

@@ -22,7 +22,7 @@ struct ProcessSample {
   std::vector<std::pair<std::string, double>> counters;
   int64_t pid = 0;
   double queue = 0.0;       ///< longest of its queues
-  int64_t lag_frames = -1;  ///< FramesBehind; -1: unknown
+  int64_t lag_frames = -1;  ///< as ReportNode counts it; -1: it has none
   int64_t sent_frames = 0;  ///< by the player then
 };
 

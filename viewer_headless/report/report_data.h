@@ -81,7 +81,7 @@ struct ReportProcess {
   std::string pace;         ///< PaceName
   double silent_s = 0.0;    ///< between its last status and the last one of any process
   double queue = 0.0;       ///< longest of its queues, at its last status
-  int64_t lag_frames = -1;  ///< FramesBehind; -1: unknown
+  int64_t lag_frames = -1;  ///< as ReportNode counts it; -1: it has none
   int64_t restarts = 0;     ///< how often another process of the name took over
   Table table;
 };
@@ -90,6 +90,7 @@ struct ReportProcess {
 struct ReportObservers {
   std::string points;
   std::string segments;
+  bool only_ids = false;  ///< with who observes them it would be too large
 };
 
 /// The map: points (`p`, `seen`, `life`, `observations`, `sigma`), segments (`pq` instead of `p`),
@@ -104,8 +105,7 @@ struct ReportMap {
   Table edges;
   Table loop_edges;
   Vertical vertical;
-  /// nullopt where they would be too large.
-  std::optional<ReportObservers> observers;
+  ReportObservers observers;
 };
 
 /// A run, or what is new of it, as the page shows it. Rows of `frames` and `path` stand for the same frames, `path`

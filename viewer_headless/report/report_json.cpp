@@ -102,9 +102,10 @@ Json ToJson(const ReportMap& map) {
           {"vertical",
            {{"up", {map.vertical.up_w.x(), map.vertical.up_w.y(), map.vertical.up_w.z()}},
             {"lines", map.vertical.n_lines}}},
-          {"observers", map.observers ? Json{{"points", Base64(map.observers->points)},
-                                             {"segments", Base64(map.observers->segments)}}
-                                      : Json()}};
+          {"observers",
+           {{"points", Base64(map.observers.points)},
+            {"segments", Base64(map.observers.segments)},
+            {"only_ids", map.observers.only_ids}}}};
 }
 
 uint8_t Age(int age) { return static_cast<uint8_t>(std::clamp(age, 0, 255)); }

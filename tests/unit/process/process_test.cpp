@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/process/process.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <thread>
 
 #include "core/process/process_signals.h"
+#include "core/process/process_status.h"
 #include "plslam/status_t.hpp"
 #include "plslam_version.h"
 #include "tests/support/text_file.h"
@@ -293,6 +297,18 @@ TEST_F(ProcessTest, BadUrlIsOneLine) {
   EXPECT_EQ(Wait(), 1);
   EXPECT_THAT(Log(), HasSubstr("player: error: "));
   EXPECT_THAT(Log(), HasSubstr("nonsense://x"));
+}
+
+TEST(CountOf, NumbersThatCountNothing) {
+  status_t status;
+  for (const double value : {7.9, -3.0, 1e300, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    status.counters.push_back({fmt::format("{}", value), value});
+  }
+  const std::vector<std::string> names{"7.9", "-3", "1e+300", "nan", "inf", "none"};
+  std::vector<int64_t> counts;
+  for (const std::string& name : names) counts.push_back(bus::CountOf(status, name));
+  constexpr int64_t kMost = int64_t{1} << 53;
+  EXPECT_THAT(counts, testing::ElementsAre(7, 0, kMost, 0, kMost, 0));
 }
 
 TEST_F(ProcessTest, HelpAndVersion) {

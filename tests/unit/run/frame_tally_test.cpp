@@ -59,5 +59,17 @@ TEST(SentFrames, EndOfTheStreamTellsMoreThanTheLastStatus) {
   EXPECT_EQ(sent.unreadable(), 3);
 }
 
+TEST(SentFrames, BehindCountsFromTheNewestPose) {
+  SentFrames sent;
+  EXPECT_EQ(sent.Behind(-1), 0);
+  sent.OnStatus(100, 0);
+  EXPECT_EQ(sent.Behind(-1), 100);
+  EXPECT_EQ(sent.Behind(59), 40);
+  EXPECT_EQ(sent.Behind(99), 0) << "however many of those before have no pose";
+  EXPECT_EQ(sent.Behind(103), 0) << "poses are newer than the status";
+  sent.OnStream(true, 120, 0);
+  EXPECT_EQ(sent.Behind(99), 20);
+}
+
 }  // namespace
 }  // namespace plslam

@@ -17,11 +17,11 @@ TEST(PaceOf, SilenceCountsBeforeTheQueue) {
 TEST(FramesBehind, CountsFromTheOldestKeyframeThatWaits) {
   // Of the frames with a pose, the newest first, these are keyframes.
   const auto is_keyframe = [](int64_t i) { return i == 2 || i == 7 || i == 9; };
-  EXPECT_EQ(FramesBehind(4, 0, 20, is_keyframe), 4);
-  EXPECT_EQ(FramesBehind(4, 1, 20, is_keyframe), 7);
-  EXPECT_EQ(FramesBehind(0, 2, 20, is_keyframe), 8);
-  EXPECT_EQ(FramesBehind(0, 99, 20, is_keyframe), 10) << "those before had come to nobody's queue";
-  EXPECT_EQ(FramesBehind(3, 1, 0, is_keyframe), 3);
+  EXPECT_EQ(FramesBehind(0, 20, is_keyframe), 0);
+  EXPECT_EQ(FramesBehind(1, 20, is_keyframe), 3);
+  EXPECT_EQ(FramesBehind(2, 20, is_keyframe), 8);
+  EXPECT_EQ(FramesBehind(99, 20, is_keyframe), 10) << "those before had come to nobody's queue";
+  EXPECT_EQ(FramesBehind(1, 0, is_keyframe), 0);
 }
 
 }  // namespace

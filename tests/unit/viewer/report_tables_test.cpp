@@ -216,9 +216,13 @@ TEST(PackSigma, StepsOfFivePercent) {
 
 TEST(MapTables, ObserversThatAreTooManyAreLeftOut) {
   std::vector<std::string> notes;
-  EXPECT_TRUE(MapTables(SmallMap(60), {}, &notes).observers);
+  const ReportMap all = MapTables(SmallMap(60), {}, &notes);
+  EXPECT_FALSE(all.observers.only_ids);
   EXPECT_THAT(notes, testing::IsEmpty());
-  EXPECT_FALSE(MapTables(SmallMap(60), {.observer_bytes = 50}, &notes).observers);
+  const ReportMap few = MapTables(SmallMap(60), {.observer_bytes = 50}, &notes);
+  EXPECT_TRUE(few.observers.only_ids);
+  EXPECT_EQ(few.observers.points.size(), 2 * Rows(few.points)) << "the id of each, and that nobody is told of";
+  EXPECT_LT(few.observers.points.size(), all.observers.points.size());
   EXPECT_THAT(notes, ElementsAre(testing::HasSubstr("Who observes which landmark is left out")));
 }
 

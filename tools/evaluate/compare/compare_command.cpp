@@ -135,8 +135,9 @@ std::string Formatted(const std::vector<RunGroup>& groups, const std::string& fo
 
 /// The address of the file `to` for a page at `from`: relative, so that both can move together, and escaped.
 std::string LinkTo(const std::string& to, const std::string& from) {
+  const fs::path folder = fs::absolute(from).lexically_normal().parent_path();
   std::string link;
-  for (const char c : fs::absolute(to).lexically_relative(fs::absolute(from).parent_path()).generic_string()) {
+  for (const char c : fs::absolute(to).lexically_normal().lexically_relative(folder).generic_string()) {
     const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 ||
                        std::string_view("/._-~").find(c) != std::string_view::npos;
     link += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));

@@ -22,8 +22,6 @@
 namespace plslam::launcher {
 namespace {
 
-// Its status comes every second.
-constexpr double kPlayerGone_s = 10.0;
 // More are invented.
 constexpr size_t kMaxShownProcesses = 4096;
 
@@ -45,11 +43,11 @@ FrameReport FromMessage(const pose_t& message) {
 }
 
 ProcessStatus FromMessage(const status_t& message) {
-  ProcessStatus status{message.process, message.state, message.reason, message.configuration, {}, 0.0, 0.0,
+  ProcessStatus status{message.process, message.state, message.reason, message.configuration, {}, 0.0, 0,
                        bus::NowS()};
-  const auto count = [&](const char* name) { return static_cast<int64_t>(bus::CounterOf(message, name)); };
+  const auto count = [&](const char* name) { return bus::CountOf(message, name); };
   status.messages = {count("bus.lost"), count("bus.repaired"), count("bus.rejected")};
-  status.frames = bus::CounterOf(message, "frames");
+  status.frames = count("frames");
   status.queue = bus::LongestQueueOf(message);
   return status;
 }
@@ -91,8 +89,7 @@ void MonitorNode::OnStatus(const status_t& message) {
   if (process_name::SendsFrames(message.process)) {
     player_heard_s_ = bus::NowS();
     is_paused_ = bus::CounterOf(message, kSenderPaused) > 0.0;
-    sent_.OnStatus(static_cast<int64_t>(bus::CounterOf(message, "frames.sent")),
-                   static_cast<int64_t>(bus::CounterOf(message, "frames.bad")));
+    sent_.OnStatus(bus::CountOf(message, "frames.sent"), bus::CountOf(message, "frames.bad"));
   }
   for (const counter_t& counter : message.counters)
     counters_.Take(message.header.source, counter.name, counter.value);
@@ -105,10 +102,10 @@ void MonitorNode::OnStatus(const status_t& message) {
 }
 
 bool MonitorNode::PlayerWaitsForTime(double now_s) const {
-  const bool heard = player_heard_s_ >= 0.0 && now_s - player_heard_s_ < kPlayerGone_s;
+  const bool heard = player_heard_s_ >= 0.0 && now_s - player_heard_s_ < kGoneAfter_s;
   if (is_paused_) return heard;
   if (sent_.ended() || lockstep_) return false;
-  return heard && sent_.sent() > 0 && statistics_.newest_frame().first + 1 >= sent_.sent();
+  return heard && sent_.sent() > 0 && sent_.Behind(statistics_.newest_frame().first) == 0;
 }
 
 SignsOfLife MonitorNode::Signs(int64_t viewer, double now_s) const {
@@ -143,7 +140,7 @@ std::string MonitorNode::FailureOf(int64_t pid) const {
 
 int64_t MonitorNode::FramesOf(int64_t pid) const {
   const auto found = processes_.find({host_, pid});
-  return found == processes_.end() ? 0 : static_cast<int64_t>(found->second.frames);
+  return found == processes_.end() ? 0 : found->second.frames;
 }
 
 bool MonitorNode::Hears(const std::string& process) const {

@@ -24,8 +24,8 @@ struct ProcessStatus {
   std::string reason;
   std::string configuration;
   MessageCounts messages;
-  double queue = 0.0;   ///< longest of its queues
-  double frames = 0.0;  ///< that it has handled
+  double queue = 0.0;  ///< longest of its queues
+  int64_t frames = 0;  ///< that it has handled
   double heard_s = 0.0;
 };
 

@@ -100,7 +100,7 @@ void TopNode::OnStatus(const std::string& robot, const status_t& status) {
     spoken.cpu_s = status.cpu_s;
     load.uptime_s = status.uptime_s;
   }
-  const auto count = [&](const char* name) { return static_cast<int64_t>(bus::CounterOf(status, name)); };
+  const auto count = [&](const char* name) { return bus::CountOf(status, name); };
   load.state = status.state;
   load.reason = status.reason;
   load.memory_mb = status.memory_mb;

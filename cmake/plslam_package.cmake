@@ -4,7 +4,7 @@
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME plslam)
 set(CPACK_PACKAGE_VENDOR "plslam")
-# Nobody reads this address: who passes packages on names an own one, -D CPACK_PACKAGE_CONTACT="NAME <ADDRESS>".
+# Nobody reads this address. If you pass packages on, name your own: -D CPACK_PACKAGE_CONTACT="NAME <ADDRESS>".
 set(CPACK_PACKAGE_CONTACT "the plslam authors <plslam@example.org>" CACHE STRING "Maintainer of the Debian packages")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "stereo visual SLAM with points and lines, as LCM processes")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)

@@ -25,8 +25,8 @@ void PrintNotes(const Dataset& dataset);
 /// Opens a dataset, and prints its notes.
 std::unique_ptr<Dataset> OpenDatasetAndWarn(const std::string& location, const std::string& kind);
 
-/// The location of a recording of which these two image topics are played: empty, or a left and a right one. Throws
-/// DatasetError where there are topics, and the dataset is no recording of ROS.
+/// The location of a recording that plays these two image topics, a left and a right one; as it was where `topics` is
+/// empty. Throws DatasetError where there are topics, and the dataset is no recording of ROS.
 std::string WithTopics(const std::string& location, const std::string& kind, const std::vector<std::string>& topics);
 
 }  // namespace plslam

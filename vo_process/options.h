@@ -28,9 +28,9 @@ struct LandmarkOptions {
 /// Self-calibration of the disparities.
 struct DisparityCalibrationOptions {
   bool enabled = true;
-  /// How large an offset is expected to be.
-  double prior_sigma_px = 0.1;
-  /// Evidence (3 degrees of freedom) needed to use it.
+  /// Prior sigma of the offset: wide, or a large offset is found late. `DisparityCheck` decides.
+  double prior_sigma_px = 1.0;
+  /// Evidence (3 degrees of freedom) above which an offset is significant.
   double min_chi_square = 25.0;
 };
 
@@ -136,12 +136,12 @@ struct VoOptions {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, DisparityCalibrationOptions& o) {
-  visit("enabled", o.enabled, "whether offsets of the disparities are estimated and taken away");
+  visit("enabled", o.enabled, "estimate the offset of the disparities and correct for it");
 }
 
 template <class Visitor>
 void VisitFields(Visitor& visit, RowCalibrationOptions& o) {
-  visit("enabled", o.enabled, "whether rows by which the right image differs from the left are estimated and minded");
+  visit("enabled", o.enabled, "estimate the vertical disparity and correct for it");
 }
 
 template <class Visitor>

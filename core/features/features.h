@@ -57,6 +57,8 @@ struct StereoPoint {
   /// they do not.
   double row_offset_px = 0.0;
   double sigma_row_px = -1.0;
+  /// The row has several equally good matches, so there is no depth.
+  bool is_ambiguous = false;
 
   bool HasDepth() const { return disparity_px > 0.0; }
 };

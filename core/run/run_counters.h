@@ -12,7 +12,8 @@ namespace plslam {
 
 /// Counters of statuses that tell how good the data of a run are. By vo: points of the left image, those of them that
 /// the right image has, too, frames that are nearly black, by how many pixels rows of the right image differ in a
-/// corner, by how many disparities are off, by how much later the right images are taken than the left ones, or the
+/// corner, the offset of the disparities with its sigma and the
+/// change of lengths by it, by how much later the right images are taken than the left ones, or the
 /// left ones than the right ones, the same in frames, and by how much the times differ in which the two cameras read
 /// an image. By the player, where the dataset has a ground truth: frames with a true pose, and without. By the
 /// viewer: frames without the picture that report, film or overlays should have had. By live cameras: pairs of images,
@@ -20,9 +21,12 @@ namespace plslam {
 /// pairs that are mostly white or mostly black, and how often they gave nothing for a while.
 inline constexpr const char* kPointsSeen = "points.seen";
 inline constexpr const char* kPointsMatched = "points.matched";
+inline constexpr const char* kPointsAmbiguous = "points.ambiguous";
 inline constexpr const char* kFramesDark = "frames.dark";
 inline constexpr const char* kCornerRows = "rows.corner_px";
 inline constexpr const char* kDisparityError = "disparities.error_px";
+inline constexpr const char* kDisparitySigma = "disparities.sigma_px";
+inline constexpr const char* kLengthError = "lengths.error_percent";
 inline constexpr const char* kTruthFrames = "truth.frames";
 inline constexpr const char* kTruthMissing = "truth.missing";
 inline constexpr const char* kPicturesMissing = "pictures.missing";
@@ -43,10 +47,11 @@ inline constexpr const char* kOverexposed = "frames.overexposed";
 inline constexpr const char* kUnderexposed = "frames.underexposed";
 inline constexpr const char* kOutages = "cameras.outages";
 inline constexpr const char* kRecordingScan = "recording.scan_s";
-inline constexpr std::array<const char*, 21> kRunCounters{
-    kPointsSeen,      kPointsMatched, kFramesDark,   kCornerRows,  kDisparityError, kTruthFrames,    kTruthMissing,
-    kPicturesMissing, kRightLate,     kLeftLate,     kLateFrames,  kUnequalReadout, kFramesCaptured, kSkew,
-    kFramesMissing,   kDroppedLeft,   kDroppedRight, kOverexposed, kUnderexposed,   kOutages,        kRecordingScan};
+inline constexpr std::array<const char*, 24> kRunCounters{
+    kPointsSeen,      kPointsMatched, kFramesDark,     kCornerRows,  kDisparityError, kTruthFrames,    kTruthMissing,
+    kPicturesMissing, kRightLate,     kLeftLate,       kLateFrames,  kUnequalReadout, kFramesCaptured, kSkew,
+    kFramesMissing,   kDroppedLeft,   kDroppedRight,   kOverexposed, kUnderexposed,   kOutages,        kRecordingScan,
+    kDisparitySigma,  kLengthError,   kPointsAmbiguous};
 
 /// The newest of these counters by process, also of those that have ended since; others are passed over.
 class RunCounters {

@@ -19,6 +19,9 @@ constexpr double kEnoughTracked_percent = 90.0;
 /// %.
 constexpr double kFewMatched = 0.15;
 constexpr double kEnoughPoints = 2000.0;
+/// Share of the left points with two equally good matches from which on texture is called repetitive: 0.00 to 0.02 in
+/// ordinary scenes, 0.3 and more at fences and tiles.
+constexpr double kManyAmbiguous = 0.15;
 constexpr double kManyDark = 0.1;
 constexpr double kManySkipped = 0.01;
 /// At 1 m/s, 1 mm of the baseline.
@@ -129,6 +132,20 @@ const Row kRows[] = {
      [](const RunFindings& f) {
        return Numbers{{"points", f.points_seen}, {"matched", f.points_matched}};
      }},
+    {"repeated_texture",
+     [](const RunFindings& f) {
+       return f.points_seen >= kEnoughPoints && f.points_ambiguous > kManyAmbiguous * f.points_seen;
+     },
+     [](const RunFindings& f) {
+       return fmt::format(
+           "{:.0f} % of the points have several equally good matches in their row (fences, tiles, containers): they "
+           "have "
+           "no depth, and tracking depends on the others",
+           100.0 * f.points_ambiguous / f.points_seen);
+     },
+     [](const RunFindings& f) {
+       return Numbers{{"points", f.points_seen}, {"ambiguous", f.points_ambiguous}};
+     }},
     {"cameras_out_of_step", IsOutOfStep, OutOfStepText,
      [](const RunFindings& f) {
        return Numbers{{"right_late_ms", f.right_late_ms > 0.0 ? f.right_late_ms : -f.left_late_ms},
@@ -158,12 +175,15 @@ const Row kRows[] = {
     {"disparities_off", [](const RunFindings& f) { return f.disparity_error_px > kFarDisparities_px; },
      [](const RunFindings& f) {
        return fmt::format(
-           "disparities are off by up to {:.1f} px, and depths and the scale of the path with them: calibrate the "
-           "cameras anew. No more than 1 px of it is taken away",
-           f.disparity_error_px);
+           "disparities have an offset of up to {:.1f} px (sigma {:.2f} px), which would change lengths by {:.1f} %: "
+           "it "
+           "is corrected, but calibrate the cameras again",
+           f.disparity_error_px, f.disparity_sigma_px, f.length_error_percent);
      },
      [](const RunFindings& f) {
-       return Numbers{{"disparity_error_px", f.disparity_error_px}};
+       return Numbers{{"disparity_error_px", f.disparity_error_px},
+                      {"disparity_sigma_px", f.disparity_sigma_px},
+                      {"length_error_percent", f.length_error_percent}};
      }},
     {"dark_images",
      [](const RunFindings& f) {
@@ -325,6 +345,7 @@ void AddWarnings(std::span<const Row> rows, const RunFindings& findings, std::ve
 void RunFindings::Take(const RunCounters& counters) {
   points_seen = counters.Sum(kPointsSeen);
   points_matched = counters.Sum(kPointsMatched);
+  points_ambiguous = counters.Sum(kPointsAmbiguous);
   dark_frames = counters.Sum(kFramesDark);
   corner_rows_px = counters.Largest(kCornerRows);
   right_late_ms = counters.Largest(kRightLate);
@@ -332,6 +353,8 @@ void RunFindings::Take(const RunCounters& counters) {
   late_frames = counters.Largest(kLateFrames);
   unequal_readout_ms = counters.Largest(kUnequalReadout);
   disparity_error_px = counters.Largest(kDisparityError);
+  disparity_sigma_px = counters.Largest(kDisparitySigma);
+  length_error_percent = counters.Largest(kLengthError);
   truth_frames = counters.Sum(kTruthFrames);
   truth_missing = counters.Sum(kTruthMissing);
   pictures_missing = counters.Largest(kPicturesMissing);

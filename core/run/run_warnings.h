@@ -26,7 +26,10 @@ struct RunFindings {
   double left_late_ms = 0.0;
   double late_frames = 0.0;
   double unequal_readout_ms = 0.0;
+  double points_ambiguous = 0.0;
   double disparity_error_px = 0.0;
+  double disparity_sigma_px = 0.0;
+  double length_error_percent = 0.0;
   double truth_frames = 0.0;
   double truth_missing = 0.0;
   double pictures_missing = 0.0;

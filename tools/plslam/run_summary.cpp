@@ -91,9 +91,12 @@ json MovingToJson(const MovingTally& moving) {
 json DataToJson(const RunCounters& counters) {
   return {{"points_seen", counters.Sum(kPointsSeen)},
           {"points_matched", counters.Sum(kPointsMatched)},
+          {"points_ambiguous", counters.Sum(kPointsAmbiguous)},
           {"dark_frames", counters.Sum(kFramesDark)},
           {"corner_rows_px", Rounded(counters.Largest(kCornerRows), 1e-3)},
-          {"disparity_error_px", Rounded(counters.Largest(kDisparityError), 1e-3)}};
+          {"disparity_error_px", Rounded(counters.Largest(kDisparityError), 1e-3)},
+          {"disparity_sigma_px", Rounded(counters.Largest(kDisparitySigma), 1e-3)},
+          {"length_error_percent", Rounded(counters.Largest(kLengthError), 1e-2)}};
 }
 
 /// "1 loop", "2 loops".

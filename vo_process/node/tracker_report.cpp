@@ -46,6 +46,9 @@ void TrackerReport::LookAt(const StereoImages& images, const StereoFeatures& fea
       std::count_if(features.points.begin(), features.points.end(), [](const auto& p) { return p.HasDepth(); });
   Count(kPointsSeen, static_cast<double>(features.points.size()));
   Count(kPointsMatched, static_cast<double>(matched));
+  const auto ambiguous =
+      std::count_if(features.points.begin(), features.points.end(), [](const auto& p) { return p.is_ambiguous; });
+  Count(kPointsAmbiguous, static_cast<double>(ambiguous));
 }
 
 void TrackerReport::TellOfWarnings() {
@@ -54,12 +57,15 @@ void TrackerReport::TellOfWarnings() {
   RunFindings findings;
   findings.points_seen = counts_[kPointsSeen];
   findings.points_matched = counts_[kPointsMatched];
+  findings.points_ambiguous = counts_[kPointsAmbiguous];
   findings.corner_rows_px = counts_[kCornerRows];
   findings.right_late_ms = counts_[kRightLate];
   findings.left_late_ms = counts_[kLeftLate];
   findings.late_frames = counts_[kLateFrames];
   findings.unequal_readout_ms = counts_[kUnequalReadout];
   findings.disparity_error_px = counts_[kDisparityError];
+  findings.disparity_sigma_px = counts_[kDisparitySigma];
+  findings.length_error_percent = counts_[kLengthError];
   std::string warnings;
   for (const RunWarning& warning : WarningsOf(findings)) warnings = Joined(warnings, warning.sentence);
   if (warnings == warnings_) return;
@@ -91,7 +97,11 @@ void TrackerReport::TellOfCameras(const SyncCheck& sync, const DisparityCalibrat
   tell(kLeftLate, -1e3 * sync.late_s());
   tell(kLateFrames, std::abs(sync.late_frames()));
   tell(kUnequalReadout, 1e3 * std::abs(sync.longer_readout_s()));
-  tell(kDisparityError, calibration.Largest_px());
+  if (const auto largest = calibration.Largest()) {
+    tell(kDisparityError, std::abs(largest->offset_px));
+    tell(kDisparitySigma, largest->sigma_px);
+    tell(kLengthError, 100.0 * std::abs(largest->length_share));
+  }
 }
 
 }  // namespace plslam::vo

@@ -18,6 +18,8 @@ constexpr int kNone = 257;  // above any distance of 256 bits
 constexpr int kMaxOctavesApart = 1;
 /// Correlations that differ by less than this are equal: a repeated texture, up to rounding.
 constexpr double kTieMargin = 0.005;
+/// A correlation between two pixels from which on alignment to a fraction of a pixel may make it equal to the best.
+constexpr double kMaybeEqual = 0.5;
 constexpr double kMinGain = 0.25;
 constexpr double kMaxGain = 4.0;
 /// Points that a thread takes at once: some microseconds each.
@@ -77,16 +79,28 @@ bool Accepted(const PatchAlignment& a, double scale, double min_correlation, con
          a.disparity_px >= options.min_disparity_px && a.disparity_px <= options.max_disparity_px;
 }
 
-/// By searching the right row for the patch, where it is unmistakable.
-std::optional<PatchAlignment> FindDirectly(const PointFeature& feature, RowSearch& search,
-                                           const PatchAligner& aligner, const StereoOptions& options) {
-  const std::optional<RowMatch> place =
+/// Whether a match with the first correlation is clearly better than one with the second.
+bool IsUnique(double correlation, double second_correlation, const StereoOptions& options) {
+  return 1.0 - correlation + kTieMargin <= options.point_direct_max_ratio * (1.0 - second_correlation);
+}
+
+/// Searches the right row for the patch of the point. Sets `is_ambiguous` where two places match equally well.
+std::optional<PatchAlignment> FindInRow(StereoPoint& point, RowSearch& search, const PatchAligner& aligner,
+                                        const StereoOptions& options) {
+  const PointFeature& feature = point.left;
+  const std::optional<RowMatch> match =
       search.Find(feature.px, feature.scale, options.min_disparity_px, options.max_disparity_px);
-  if (!place) return std::nullopt;
-  const double best = 1.0 - place->correlation + kTieMargin;
-  if (best > options.point_direct_max_ratio * (1.0 - place->second_correlation)) return std::nullopt;
-  std::optional<PatchAlignment> found = aligner.Align(feature.px, feature.scale, place->disparity_px);
+  if (!match) return std::nullopt;
+  if (!IsUnique(match->correlation, match->second_correlation, options)) {
+    point.is_ambiguous = match->second_correlation >= options.point_direct_min_correlation;
+    return std::nullopt;
+  }
+  std::optional<PatchAlignment> found = aligner.Align(feature.px, feature.scale, match->disparity_px);
   if (!found || !Accepted(*found, feature.scale, options.point_direct_min_correlation, options)) return std::nullopt;
+  if (match->second_correlation < kMaybeEqual) return found;
+  const auto second = aligner.Align(feature.px, feature.scale, match->second_disparity_px);
+  point.is_ambiguous = second && !IsUnique(found->correlation, second->correlation, options);
+  if (point.is_ambiguous) return std::nullopt;
   return found;
 }
 
@@ -98,7 +112,7 @@ void MatchPoint(StereoPoint& point, const PointFeature* candidate, RowSearch& se
     found = aligner.Align(feature.px, feature.scale, feature.px.x() - candidate->px.x());
     if (found && !Accepted(*found, feature.scale, options.point_min_correlation, options)) found.reset();
   }
-  if (!found && options.point_direct) found = FindDirectly(feature, search, aligner, options);
+  if (!found && options.point_direct) found = FindInRow(point, search, aligner, options);
   if (!found) return;
   point.disparity_px = found->disparity_px;
   point.sigma_disparity_px = found->sigma_disparity_px;

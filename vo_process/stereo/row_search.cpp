@@ -97,6 +97,11 @@ float Highest(const std::vector<float>& scores, int first, int last) {
   return last > first ? Eigen::Map<const Eigen::ArrayXf>(scores.data() + first, last - first).maxCoeff() : 0.0F;
 }
 
+/// Index of the first score in [first, last) that equals `score`, which is one of them.
+int IndexOf(float score, const std::vector<float>& scores, int first, int last) {
+  return static_cast<int>(std::find(scores.begin() + first, scores.begin() + last, score) - scores.begin());
+}
+
 }  // namespace
 
 std::optional<RowMatch> RowSearch::Find(const Eigen::Vector2d& left_px, double scale, double min_disparity_px,
@@ -144,11 +149,18 @@ std::optional<RowMatch> RowSearch::Find(const Eigen::Vector2d& left_px, double s
   }
   const float highest = Highest(score_, 0, places);
   if (!(highest > 0.0F)) return std::nullopt;
-  const int best = static_cast<int>(std::find(score_.begin(), score_.end(), highest) - score_.begin());
-  const float second =
-      std::max(Highest(score_, 0, best - kPeakHalfWidth + 1), Highest(score_, best + kPeakHalfWidth, places));
-  return RowMatch{(u - first - best) * level.size_px, std::sqrt(static_cast<double>(highest)),
-                  std::sqrt(static_cast<double>(second))};
+  const int best = IndexOf(highest, score_, 0, places);
+  RowMatch match{(u - first - best) * level.size_px, std::sqrt(static_cast<double>(highest))};
+  const int left_end = std::max(best - kPeakHalfWidth + 1, 0);
+  const int right_begin = std::min(best + kPeakHalfWidth, places);
+  const float left_of = Highest(score_, 0, left_end);
+  const float right_of = Highest(score_, right_begin, places);
+  if (!(std::max(left_of, right_of) > 0.0F)) return match;
+  const int second =
+      left_of >= right_of ? IndexOf(left_of, score_, 0, left_end) : IndexOf(right_of, score_, right_begin, places);
+  match.second_disparity_px = (u - first - second) * level.size_px;
+  match.second_correlation = std::sqrt(static_cast<double>(score_[second]));
+  return match;
 }
 
 }  // namespace plslam::vo

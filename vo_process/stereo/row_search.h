@@ -12,11 +12,14 @@
 
 namespace plslam::vo {
 
-/// Where along its row the patch of a left pixel is found in the right image, to the pixel of its level.
+/// The best match of the patch of a left pixel in a row of the right image, to the pixel of its level, and its
+/// normalised correlation. Between two pixels the correlation is lower than at the true disparity, so equal matches
+/// of a repeated texture may differ by 0.5 here.
 struct RowMatch {
   double disparity_px = 0.0;
-  /// Normalised correlation there, and at the best other place that is no neighbour.
   double correlation = 0.0;
+  /// The best other match, not a neighbour; 0 and 0 where there is none.
+  double second_disparity_px = 0.0;
   double second_correlation = 0.0;
 };
 

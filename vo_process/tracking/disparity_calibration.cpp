@@ -7,27 +7,30 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/geometry/hypot.h"
+#include "core/motion/robust.h"
 #include "vo_process/stereo/row_field.h"
 
 namespace plslam::vo {
 namespace {
 
-// A comparison is made as soon as parallax fixes the disparity to this sigma.
+// A point is compared as soon as its parallax gives its disparity this sigma.
 constexpr double kMaxImpliedSigma_px = 0.7;
-// Comparisons of one frame share the errors of its pose: they count as at most so many independent ones.
+// Comparisons of one frame share the errors of its pose: they count as at most this number of independent ones.
 constexpr double kIndependentPerFrame = 30.0;
 constexpr double kMaxDeviation = 4.0;
 constexpr double kHuber = 1.5;
 constexpr int kIterations = 4;
-// Sigmas of the scale error: at first, and of its change from frame to frame.
+// Sigma of the scale error in the first frame, and of its change from frame to frame.
 constexpr double kScaleSigma = 0.02;
 constexpr double kScaleDrift = 0.003;
-// How fast an estimate that is believed is taken away.
-constexpr double kShareOfAFrame = 0.5;
-// Sigma of b0 that is added to what was learned in another run: of warmth, and of what its scenes had in common.
+// Change of b0 between runs (temperature, and errors that the scenes of one run have in common).
 constexpr double kBetweenRuns_px = 0.03;
-// More is no residue of a calibration.
-constexpr double kMostTaken_px = 1.0;
+// Sigma of the offsets of usual rigs (KITTI, EuRoC, TUM VI).
+constexpr double kUsual_px = 0.3;
+// Columns that are searched for the largest offset, and the sigmas that it must exceed zero by.
+constexpr int kColumns = 16;
+constexpr double kSureSigmas = 2.0;
 
 }  // namespace
 
@@ -43,12 +46,11 @@ void DisparityCalibration::Begin(const SelfCalibration::Disparities& learned) {
   state_.head<3>() = learned.coefficients_px;
   covariance_.topLeftCorner<3, 3>() = covariance;
   check_.Begin(learned.coefficients_px, covariance);
-  significant_ = true;
-  share_ = 1.0;
+  applied_ = true;
 }
 
 std::optional<SelfCalibration::Disparities> DisparityCalibration::learned() const {
-  if (!IsBelieved()) return std::nullopt;
+  if (!applied_) return std::nullopt;
   return SelfCalibration::Disparities{state_.head<3>(), covariance_.topLeftCorner<3, 3>()};
 }
 
@@ -58,18 +60,37 @@ Eigen::Vector4d DisparityCalibration::Row(double u_px, double disparity_px) cons
   return row;
 }
 
-double DisparityCalibration::Offset_px(double u_px) const {
-  return share_ == 0.0 ? 0.0 : share_ * std::clamp(Row(u_px, 0.0).dot(state_), -kMostTaken_px, kMostTaken_px);
+double DisparityCalibration::Offset_px(double u_px) const { return applied_ ? Estimate_px(u_px) : 0.0; }
+
+// The covariance counts noise only; half of the difference of the two estimates shows the errors that tracks share.
+double DisparityCalibration::EstimateSigma_px(double u_px) const {
+  const Eigen::Vector4d row = Row(u_px, 0.0);
+  const double half_px = applied_ ? 0.5 * (Estimate_px(u_px) - check_.Estimate_px(u_px)) : 0.0;
+  return std::sqrt(row.dot(covariance_ * row) + half_px * half_px);
 }
 
-double DisparityCalibration::Largest_px() const {
-  double largest_px = 0.0;
-  for (const double u_px : {0.0, 0.5 * camera_.width_px, 1.0 * camera_.width_px}) {
-    const bool too_large = check_.verdict() == DisparityCheck::Verdict::kTooLarge;
-    const double error_px = too_large ? check_.Estimate_px(u_px) : IsBelieved() ? Row(u_px, 0.0).dot(state_) : 0.0;
-    largest_px = std::max(largest_px, std::abs(error_px));
+// The posterior under the prior of usual rigs instead of the wide one that the filter starts with.
+DisparityCalibration::Rest DisparityCalibration::RestAt(double u_px) const {
+  const double variance = EstimateSigma_px(u_px) * EstimateSigma_px(u_px);
+  const double gain = kUsual_px * kUsual_px / (kUsual_px * kUsual_px + variance);
+  return {applied_ ? 0.0 : gain * Estimate_px(u_px), std::sqrt(gain * variance)};
+}
+
+// Columns without points have a large sigma, so an extrapolated offset is not reported.
+std::optional<DisparityCalibration::LargestOffset> DisparityCalibration::Largest() const {
+  if (!applied_) return std::nullopt;
+  LargestOffset largest{0.0, 0.0, length_share_};
+  double most_px = 0.0;
+  for (int i = 0; i < kColumns; ++i) {
+    const double u_px = (i + 0.5) / kColumns * camera_.width_px;
+    const double sigma_px = EstimateSigma_px(u_px);
+    const double sure_px = std::abs(Estimate_px(u_px)) - kSureSigmas * sigma_px;
+    if (sure_px <= most_px) continue;
+    most_px = sure_px;
+    largest.offset_px = Estimate_px(u_px);
+    largest.sigma_px = sigma_px;
   }
-  return largest_px;
+  return largest;
 }
 
 void DisparityCalibration::Correct(StereoFeatures& features) const {
@@ -82,7 +103,7 @@ bool DisparityCalibration::Compare(const Observation& before, const SE3& T_now_b
                             (before.px.y() - camera_.cy_px) / camera_.f_px, 1.0);
   const Eigen::Vector3d turned = T_now_before.rotation() * ray;
   const Eigen::Vector3d& t = T_now_before.translation();
-  // Gauss-Newton on the inverse depth alone: the pose is what it is.
+  // Gauss-Newton on the inverse depth, with a constant pose.
   double inverse_depth = before.disparity_px / camera_.FocalBaseline();
   double information = 0.0;
   for (int i = 0; i < kIterations; ++i) {
@@ -102,21 +123,21 @@ bool DisparityCalibration::Compare(const Observation& before, const SE3& T_now_b
   const double seen_variance = before.sigma_disparity_px * before.sigma_disparity_px;
   measurement.residual_px = before.disparity_px - implied_px;
   measurement.variance_px2 = implied_variance + seen_variance;
-  // The mean by weight is the one combination whose error is independent of the residual's; with any other the scale
-  // would take up noise.
+  // The error of the weighted mean is independent of that of the residual; any other mean would put noise into the
+  // scale state.
   measurement.mean_px =
       (implied_variance * before.disparity_px + seen_variance * implied_px) / measurement.variance_px2;
   return std::isfinite(measurement.residual_px);
 }
 
-void DisparityCalibration::Observe(const SE3& T_odom_c, const TrackedFrame& frame,
+bool DisparityCalibration::Observe(const SE3& T_odom_c, const TrackedFrame& frame,
                                    const std::vector<double>& raw_disparities_px) {
-  if (!options_.enabled) return;
+  if (!options_.enabled) return false;
   std::vector<Observation> now;
   check_.Observe(T_odom_c, frame, raw_disparities_px);
   for (size_t i = 0; i < frame.features.points.size(); ++i) {
     const StereoPoint& point = frame.features.points[i];
-    // What moves tells nothing of the cameras.
+    // Points of moving bodies have another motion.
     const FeatureTrack& track = frame.point_tracks[i];
     if (track.landmark_id < 0 || !track.IsOfWorld() || raw_disparities_px[i] <= 0.0) continue;
     now.push_back({frame.point_tracks[i].landmark_id, T_odom_c, point.left.px, raw_disparities_px[i], point.sigma_px,
@@ -133,11 +154,35 @@ void DisparityCalibration::Observe(const SE3& T_odom_c, const TrackedFrame& fram
     if (Compare(*before, T_c_odom * before->T_odom_c, observation.px, measurement)) {
       measurements.push_back(measurement);
     } else {
-      observation = *before;  // not enough parallax yet: the stretch goes on
+      observation = *before;  // the stretch continues until there is enough parallax
     }
   }
   observations_ = std::move(now);
   Learn(measurements);
+  const Eigen::Vector3d offset = state_.head<3>();
+  const Eigen::Matrix3d covariance = covariance_.topLeftCorner<3, 3>();
+  const bool significant = offset.dot(covariance.ldlt().solve(offset)) > options_.min_chi_square;
+  const bool applied = significant && check_.Confirms(offset, covariance);
+  const bool changed = std::exchange(applied_, applied) != applied;
+  MeasureLengths(frame, raw_disparities_px);
+  return changed;
+}
+
+void DisparityCalibration::MeasureLengths(const TrackedFrame& frame, const std::vector<double>& raw_disparities_px) {
+  std::vector<double> sigmas;
+  std::vector<double> shares;
+  for (size_t i = 0; i < frame.features.points.size(); ++i) {
+    const StereoPoint& point = frame.features.points[i];
+    const bool is_matched = raw_disparities_px[i] > 0.0 && point.sigma_row_px >= 0.0;
+    if (frame.point_tracks[i].landmark_id < 0 || !is_matched || !frame.point_tracks[i].IsOfWorld()) continue;
+    const double u_px = point.left.px.x();
+    const Rest rest = RestAt(u_px);
+    sigmas.push_back(Hypot(rest.mean_px, rest.sigma_px) / raw_disparities_px[i]);
+    shares.push_back(-Offset_px(u_px) / raw_disparities_px[i]);
+  }
+  if (sigmas.empty()) return;
+  length_sigma_ = Median(sigmas);
+  length_share_ = Median(shares);
 }
 
 void DisparityCalibration::Learn(const std::vector<Measurement>& measurements) {
@@ -154,10 +199,6 @@ void DisparityCalibration::Learn(const std::vector<Measurement>& measurements) {
     state_ += innovation / total * gain;
     covariance_ -= gain * gain.transpose() / total;
   }
-  const Eigen::Vector3d offset = state_.head<3>();
-  const Eigen::Matrix3d uncertainty = covariance_.topLeftCorner<3, 3>();
-  significant_ = offset.dot(uncertainty.ldlt().solve(offset)) > options_.min_chi_square;
-  share_ = std::clamp(share_ + (IsBelieved() ? kShareOfAFrame : -kShareOfAFrame), 0.0, 1.0);
 }
 
 }  // namespace plslam::vo

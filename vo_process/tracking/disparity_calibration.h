@@ -16,59 +16,79 @@
 
 namespace plslam::vo {
 
-/// Estimates, while driving, what is left of calibration errors in the disparities, and takes it away.
+/// Estimates the offset of the disparities while driving, and corrects for it once it is proved.
 ///
-/// A yaw of 0.02 degrees between the cameras, or some distortion that the calibration missed, shifts all disparities
-/// by a few tenths of a pixel: nothing to the eye, but at a disparity of 20 px a per cent of scale. The error is
-/// modelled as
+/// A yaw of 0.02 degrees between the cameras, or a distortion that the calibration missed, shifts all disparities by a
+/// few tenths of a pixel; at a disparity of 10 px, 1 px changes lengths by 10 %. The model is
 ///
-///   d_measured = d_true + b0 + b1 x + b2 x^2,   x = (u - cx) / f,
+///   d_measured = d_true + b0 + b1 x + b2 x^2,   x = (u - cx) / f.
 ///
-/// and seen by comparing the disparity of a tracked point with the one that its motion in the left image implies. The
-/// motion has a scale error of its own, of which the disparities are the cause; it enters as a fourth, quickly
-/// changing unknown, and is told from b0 by points at different depths. A Kalman filter with a prior around zero,
-/// believed only when significant: a camera that does not move, or a good calibration, is left alone. Tracks share
-/// errors that are not the camera's (corners that slide, grazing ground), so being significant is not enough:
-/// `DisparityCheck` must agree.
+/// A Kalman filter compares the disparity of each tracked point with the one that its motion in the left image
+/// implies. The tracked motion has a scale error, caused by the offset itself; it is a fourth, quickly changing state,
+/// and points at different depths tell it from b0.
+///
+/// Tracks have common errors that are not the camera's (sliding corners, grazing ground), so significance is not
+/// enough: the offset is applied, whatever its size, while `DisparityCheck`, which does not use the tracked poses,
+/// confirms it. Otherwise its size is part of the uncertainty of lengths (`LengthSigma`).
 class DisparityCalibration {
  public:
+  /// The applied offset in the column where it is largest beyond doubt.
+  struct LargestOffset {
+    double offset_px = 0.0;
+    double sigma_px = 0.0;
+    /// Mean change of lengths by all of the offset, as a share: 0.1 where they would come out 10 % wrong.
+    double length_share = 0.0;
+  };
+
   DisparityCalibration(const StereoCamera& camera, const DisparityCalibrationOptions& options);
 
-  /// Goes on from what was learned before, and believes it; before the first frame.
+  /// Starts with the estimate of an earlier run, and applies it; before the first frame.
   void Begin(const SelfCalibration::Disparities& learned);
+  /// The applied estimate; nullopt while none is applied.
   std::optional<SelfCalibration::Disparities> learned() const;
 
-  /// What to subtract from a disparity measured at column `u_px`, a pixel at most; 0 until it is believed.
+  bool is_applied() const { return applied_; }
+
+  /// Applied offset of a disparity measured at column `u_px`; 0 while none is applied.
   double Offset_px(double u_px) const;
 
-  /// The largest error in any column, also where it is too large to be taken away; 0 until it is known.
-  double Largest_px() const;
+  /// Offset that remains after correction, at a column.
+  struct Rest {
+    double mean_px = 0.0;
+    double sigma_px = 0.0;
+  };
+  Rest RestAt(double u_px) const;
+
+  /// nullopt while none is applied.
+  std::optional<LargestOffset> Largest() const;
+
+  /// Relative sigma of lengths due to the unknown rest, at the depths of the last tracked frame.
+  double LengthSigma() const { return length_sigma_; }
 
   const DisparityCheck& check() const { return check_; }
 
   /// Subtracts the offset from all disparities of both feature types; those that would fall to zero lose their depth.
   void Correct(StereoFeatures& features) const;
 
-  /// Learns from the points of a tracked frame; `raw_disparities_px` are those before `Correct`, in the order of the
-  /// frame's points.
-  void Observe(const SE3& T_odom_c, const TrackedFrame& frame, const std::vector<double>& raw_disparities_px);
+  /// Adds the points of a tracked frame; `raw_disparities_px` are those before `Correct`, in the order of the frame's
+  /// points. Returns whether an offset is applied now that was not before, or no longer.
+  bool Observe(const SE3& T_odom_c, const TrackedFrame& frame, const std::vector<double>& raw_disparities_px);
 
-  /// After a frame that was not tracked: views from before are not compared with later ones.
+  /// Ends all tracks after a frame that was not tracked.
   void Interrupt() {
     observations_.clear();
     check_.Interrupt();
   }
 
-  /// All that it goes on with, for `core/io/files/archive.h`.
+  /// The whole state, for `core/io/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.significant_, self.share_, self.state_, self.covariance_, self.observations_, self.check_);
+    a(self.applied_, self.length_sigma_, self.length_share_, self.state_, self.covariance_, self.observations_,
+      self.check_);
   }
 
  private:
-  bool IsBelieved() const { return significant_ && check_.verdict() == DisparityCheck::Verdict::kAgrees; }
-
-  /// A point as seen when its present stretch of tracking began.
+  /// Measurement of a point at the beginning of its present stretch.
   struct Observation {
     int64_t landmark_id = -1;
     SE3 T_odom_c;
@@ -93,12 +113,16 @@ class DisparityCalibration {
                Measurement& measurement) const;
   void Learn(const std::vector<Measurement>& measurements);
   Eigen::Vector4d Row(double u_px, double disparity_px) const;
+  double Estimate_px(double u_px) const { return Row(u_px, 0.0).dot(state_); }
+  double EstimateSigma_px(double u_px) const;
+  void MeasureLengths(const TrackedFrame& frame, const std::vector<double>& raw_disparities_px);
 
   StereoCamera camera_;
   DisparityCalibrationOptions options_;
-  bool significant_ = false;
-  /// Of the estimate that is taken away, 0 to 1: it comes and goes in a few frames, not at a stroke.
-  double share_ = 0.0;
+  bool applied_ = false;
+  double length_sigma_ = 0.0;
+  double length_share_ = 0.0;
+  /// b0, b1, b2 in pixels, and the relative scale error of the tracked motion.
   Eigen::Vector4d state_ = Eigen::Vector4d::Zero();
   Eigen::Matrix4d covariance_ = Eigen::Matrix4d::Zero();
   /// Ordered by landmark.

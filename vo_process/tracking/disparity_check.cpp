@@ -25,26 +25,26 @@ constexpr int kIterations = 3;
 // Of three residuals in their own sigmas.
 constexpr double kHuber = 2.5;
 constexpr double kMaxDeviation = 5.0;
-// How large an error is expected to be: less bound than that of the calibration, for one that is too large to show as
-// such.
-constexpr double kPriorSigma_px = 0.3;
-// Stretches before there is a verdict.
-constexpr int64_t kMinStretches = 3;
-// Halves differ where half of their difference is more than so many sigmas and more than such a share of the
-// estimate; those that have differed until both are as small as the second pair.
+// Prior sigma of b0. A narrow prior pulls the half with less evidence towards zero, and halves that agree then seem to
+// differ.
+constexpr double kPriorSigma_px = 1.0;
+// Stretches before the first verdict.
+constexpr int64_t kMinStretches = 4;
+// Halves differ if half of their difference exceeds this number of sigmas and this share of the estimate. After they
+// have differed, the second pair of limits applies.
 constexpr double kDifferSigmas = 3.0;
 constexpr double kDifferShare = 0.3;
 constexpr double kAgainSigmas = 2.0;
 constexpr double kAgainShare = 0.2;
-// What is larger for sure, over all columns, is no residue of a calibration but a wrong one, or not of the camera.
-constexpr double kTooLarge_px = 1.0;
-constexpr double kTooLargeSigmas = 3.0;
-// Columns that errors are judged by: the middles of the thirds, where points are.
+// Errors that a few frames have in common (vibration, say) average out slowly: stretches may differ by this times as
+// much as points.
+constexpr double kTimeFactor = 1.7;
+// Columns at which estimates are compared: the centres of the thirds of the image.
 constexpr double kThirds[] = {1.0 / 6.0, 0.5, 5.0 / 6.0};
 
 using Motion = Eigen::Matrix<double, 6, 1>;
 
-/// Of normal equations of three coefficients and a motion: without the motion.
+/// Eliminates the motion from normal equations of three coefficients and a motion, and adds the rest to `evidence`.
 template <class Evidence, class Normal>
 bool AddWithoutMotion(const Normal& normal, const Eigen::Vector3d& b, Evidence& evidence) {
   const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> motion(normal.template block<6, 6>(3, 3));
@@ -74,12 +74,12 @@ Eigen::Vector3d DisparityErrorSigmas(double sigma_px) {
 DisparityCheck::DisparityCheck(const StereoCamera& camera, const DisparityCalibrationOptions& options)
     : camera_(camera), options_(options) {}
 
-/// As if the stretches that a verdict needs had said so, alike for both halves.
+/// Replaces the stretches that a verdict needs by the given estimate, shared equally by both halves.
 void DisparityCheck::Begin(const Eigen::Vector3d& coefficients_px, const Eigen::Matrix3d& covariance_px2) {
   all_.information = covariance_px2.inverse();
   all_.vector = all_.information * coefficients_px;
   const Evidence half{0.5 * all_.information, 0.5 * all_.vector};
-  by_landmark_ = by_depth_ = {half, half};
+  by_landmark_ = by_depth_ = by_time_ = {half, half};
   n_stretches_ = kMinStretches;
   estimate_ = coefficients_px;
   verdict_ = Verdict::kAgrees;
@@ -96,7 +96,7 @@ void DisparityCheck::Observe(const SE3& T_odom_c, const TrackedFrame& frame,
   for (size_t i = 0; i < frame.features.points.size(); ++i) {
     const StereoPoint& point = frame.features.points[i];
     const FeatureTrack& track = frame.point_tracks[i];
-    // Those of a depth camera tell no rows, and are off otherwise; what moves tells nothing.
+    // Only matched points of the world: disparities of a depth camera have errors of another kind.
     const bool is_matched = raw_disparities_px[i] > 0.0 && point.sigma_row_px >= 0.0;
     if (track.landmark_id < 0 || track.age < kMinAge || !is_matched || !track.IsOfWorld()) continue;
     now.push_back(
@@ -116,8 +116,8 @@ void DisparityCheck::Observe(const SE3& T_odom_c, const TrackedFrame& frame,
   begin_ = std::move(now);
 }
 
-/// Adds to the equations of coefficients and motion (left perturbation of the rotation, then of the translation) what
-/// a point says, its disparity eliminated, and improves that. Columns: the matrix, and the vector.
+/// Adds a point to the normal equations of coefficients and motion (left perturbation of the rotation, then of the
+/// translation), its disparity improved and eliminated. Columns of `normal`: the matrix, and the vector.
 bool DisparityCheck::Linearise(const SE3& T_now_before, const Eigen::Vector3d& b, Seen& point, Normal& normal) const {
   const PairView& before = point.before;
   const PairView& now = point.now;
@@ -216,13 +216,14 @@ void DisparityCheck::Learn(SE3 T_now_before, std::vector<Seen> points) {
     AddWithoutMotion(second, b, division.second);
   };
   AddWithoutMotion(all, b, all_);
+  AddWithoutMotion(all, b, n_stretches_ % 4 < 2 ? by_time_.first : by_time_.second);
   add(odd, all - odd, by_landmark_);
   add(near, all - near, by_depth_);
   ++n_stretches_;
   Judge();
 }
 
-// Root of the mean square over the thirds of the image.
+// Root of the mean square at the centres of the thirds of the image.
 double DisparityCheck::Size_px(const Eigen::Vector3d& coefficients) const {
   double square = 0.0;
   for (const double part : kThirds) square += std::pow(Row(part * camera_.width_px).dot(coefficients), 2);
@@ -238,7 +239,6 @@ double DisparityCheck::Sigma_px(const Eigen::Matrix3d& covariance) const {
   return std::sqrt(variance / static_cast<double>(std::size(kThirds)));
 }
 
-// Halves that differ: by how much in their own sigmas, and as a share of the estimate.
 bool DisparityCheck::Differ(const Division& division, double sigmas, double share) const {
   const double half_px = Size_px(0.5 * (Solve(division.first) - Solve(division.second)));
   const Eigen::Matrix3d covariance =
@@ -246,19 +246,23 @@ bool DisparityCheck::Differ(const Division& division, double sigmas, double shar
   return half_px > sigmas * Sigma_px(covariance) && half_px > share * Size_px(estimate_);
 }
 
+bool DisparityCheck::Confirms(const Eigen::Vector3d& coefficients_px, const Eigen::Matrix3d& covariance_px2) const {
+  if (verdict_ != Verdict::kAgrees) return false;
+  const Eigen::Matrix3d information = Information(all_);
+  if (estimate_.dot(information * estimate_) < options_.min_chi_square) return false;
+  const double half_px = Size_px(0.5 * (estimate_ - coefficients_px));
+  const double sigma_px = Sigma_px(0.25 * (information.inverse() + covariance_px2));
+  return half_px <= std::max(kDifferSigmas * sigma_px, kDifferShare * Size_px(coefficients_px));
+}
+
 void DisparityCheck::Judge() {
   estimate_ = Solve(all_);
   if (n_stretches_ < kMinStretches) return;
-  const double least_px = Size_px(estimate_) - kTooLargeSigmas * Sigma_px(Information(all_).inverse());
-  if (least_px > kTooLarge_px) {
-    verdict_ = Verdict::kTooLarge;
-    return;
-  }
-  // What was contradicted once is believed only where the halves have come clearly nearer.
   const bool was_contradicted = verdict_ == Verdict::kContradicts;
   const double sigmas = was_contradicted ? kAgainSigmas : kDifferSigmas;
   const double share = was_contradicted ? kAgainShare : kDifferShare;
-  const bool differ = Differ(by_landmark_, sigmas, share) || Differ(by_depth_, sigmas, share);
+  const bool differ = Differ(by_landmark_, sigmas, share) || Differ(by_depth_, sigmas, share) ||
+                      Differ(by_time_, sigmas, kTimeFactor * share);
   verdict_ = differ ? Verdict::kContradicts : Verdict::kAgrees;
 }
 

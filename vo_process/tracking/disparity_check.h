@@ -13,57 +13,61 @@
 
 namespace plslam::vo {
 
-/// Of an error b0 + b1 x + b2 x^2 of the disparities, x = (u - cx) / f: what each coefficient counts at a column.
+/// Weights [1, x, x^2] of the coefficients of an offset b0 + b1 x + b2 x^2 at a column, x = (u - cx) / f.
 Eigen::Vector3d DisparityErrorTerms(const StereoCamera& camera, double u_px);
 
-/// Sigmas that are expected of the coefficients, given that of b0.
+/// Prior sigmas of the three coefficients, given that of b0.
 Eigen::Vector3d DisparityErrorSigmas(double sigma_px);
 
-/// Whether an error of the disparities, as `DisparityCalibration` estimates it, is one of the cameras.
+/// Estimates the offset of the disparities without the tracker's poses, and tests whether it is one of the cameras.
 ///
-/// Points that are seen in two pairs of images, a stretch of frames apart, tell it independently of the tracker's
-/// poses: with wrong disparities no rigid motion explains both pairs. The motion of each stretch is estimated anew
-/// with the coefficients of the error and eliminated, so that a pose that gave way to wrong disparities does not hide
-/// them.
+/// Two stereo pairs a stretch of frames apart determine the offset: with wrong disparities no rigid motion explains
+/// both. The motion of each stretch is estimated together with the coefficients and eliminated, so a tracked pose that
+/// gave way to wrong disparities does not hide them.
 ///
-/// Corners that slide, grazing ground and moving things look like such an error, too, and do not average out. So the
-/// estimate is made of halves of the points as well: odd and even landmarks, near and far ones. An error of the
-/// cameras is the same for all.
+/// Sliding corners, grazing ground and moving objects cause residuals that look like an offset and do not average
+/// out. An offset of the cameras is the same in any half of the data, so the estimate is repeated in halves: odd and
+/// even landmarks, near and far ones, odd and even stretches.
 class DisparityCheck {
  public:
   enum class Verdict : uint8_t {
-    kUnknown,      ///< too little seen
-    kAgrees,       ///< the halves do
-    kContradicts,  ///< they do not: there is something else
-    kTooLarge,     ///< no residue of a calibration
+    kUnknown,      ///< too few stretches
+    kAgrees,       ///< the halves agree
+    kContradicts,  ///< the halves differ: something else causes the residuals
   };
 
   DisparityCheck(const StereoCamera& camera, const DisparityCalibrationOptions& options);
 
-  /// Goes on from an estimate of another run that its check agreed with; before the first frame.
+  /// Starts from an estimate of another run whose halves agreed; before the first frame.
   void Begin(const Eigen::Vector3d& coefficients_px, const Eigen::Matrix3d& covariance_px2);
 
   Verdict verdict() const { return verdict_; }
 
-  /// The error of disparities measured at a column, as far as it is known.
+  /// Estimated offset of disparities measured at a column.
   double Estimate_px(double u_px) const;
 
-  /// Learns from the points of a tracked frame; `raw_disparities_px` are those before any correction, in the order of
-  /// the frame's points.
+  /// Whether the estimate is significant, the halves agree, and another estimate with this covariance agrees with it.
+  bool Confirms(const Eigen::Vector3d& coefficients_px, const Eigen::Matrix3d& covariance_px2) const;
+
+  /// The estimate and its covariance; with the weak prior only, before the first stretch.
+  const Eigen::Vector3d& coefficients_px() const { return estimate_; }
+  Eigen::Matrix3d covariance_px2() const { return Information(all_).inverse(); }
+
+  /// Adds the points of a tracked frame; `raw_disparities_px` are uncorrected, in the order of the frame's points.
   void Observe(const SE3& T_odom_c, const TrackedFrame& frame, const std::vector<double>& raw_disparities_px);
 
-  /// After a frame that was not tracked: views from before are not compared with later ones.
+  /// Ends the stretch after a frame that was not tracked.
   void Interrupt() { begin_.clear(); }
 
-  /// All that it goes on with, for `core/io/files/archive.h`.
+  /// The whole state, for `core/io/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.verdict_, self.estimate_, self.by_landmark_, self.by_depth_, self.all_, self.n_stretches_,
+    a(self.verdict_, self.estimate_, self.by_landmark_, self.by_depth_, self.by_time_, self.all_, self.n_stretches_,
       self.T_odom_begin_, self.begin_);
   }
 
  private:
-  /// A point as one pair of images shows it.
+  /// Measurement of a point in one stereo pair.
   struct PairView {
     int64_t landmark_id = -1;
     Eigen::Vector2d px = Eigen::Vector2d::Zero();
@@ -76,7 +80,7 @@ class DisparityCheck {
       a(self.landmark_id, self.px, self.disparity_px, self.sigma_px, self.sigma_disparity_px);
     }
   };
-  /// Normal equations of the coefficients alone.
+  /// Normal equations of the coefficients, motions eliminated.
   struct Evidence {
     Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
     Eigen::Vector3d vector = Eigen::Vector3d::Zero();
@@ -86,7 +90,7 @@ class DisparityCheck {
       a(self.information, self.vector);
     }
   };
-  /// The same of two halves of the points, each with its own motions.
+  /// Normal equations of two halves of the data, each with motions of its own.
   struct Division {
     Evidence first;
     Evidence second;
@@ -96,11 +100,11 @@ class DisparityCheck {
       a(self.first, self.second);
     }
   };
-  /// Both views of a point; the first is at the beginning of the stretch.
+  /// Both views of a point: at the beginning and at the end of a stretch.
   struct Seen {
     PairView before;
     PairView now;
-    /// True disparity at the beginning, as far as it is known.
+    /// Estimate of the true disparity at the beginning.
     double disparity_px = 0.0;
   };
   using Normal = Eigen::Matrix<double, 9, 10>;
@@ -121,10 +125,11 @@ class DisparityCheck {
   Eigen::Vector3d estimate_ = Eigen::Vector3d::Zero();
   Division by_landmark_;
   Division by_depth_;
+  Division by_time_;
   Evidence all_;
   int64_t n_stretches_ = 0;
   SE3 T_odom_begin_;
-  /// What was seen at the beginning of the present stretch, ordered by landmark.
+  /// Views at the beginning of the present stretch, ordered by landmark.
   std::vector<PairView> begin_;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vo_process/tracking/frame_aligner.h"
 
+#include <limits>
 #include <utility>
 
 #include "core/motion/pose_ransac.h"
@@ -18,6 +19,13 @@ constexpr double kFartherChi2 = 4.0;
 // The first estimate has only to bring the second search near.
 MotionOptions Coarse(MotionOptions options) {
   options.max_refinements = 1;
+  return options;
+}
+
+// Where nothing is expected, two motions may fill the view alike. A gate that grows with the residuals would let both
+// take part in an estimate between them, so it stays at its smallest: only a consensus has many inliers then.
+MotionOptions Consensus(MotionOptions options) {
+  options.max_scale = 1.0;
   return options;
 }
 
@@ -50,6 +58,8 @@ std::optional<Alignment> FrameAligner::FindStrongest(const LocalLandmarks& landm
   // A handful of wrong matches can agree by chance where the right ones lie outside the window: an alignment much
   // weaker than the last frame's is believed only when nothing better is found.
   const double convincing = options_.tracking.convincing_ratio * expected_weight;
+  const bool expects_nothing = expected_weight == std::numeric_limits<int>::max();
+  const MotionOptions motion = expects_nothing ? Consensus(Coarse(options_.motion)) : Coarse(options_.motion);
   std::optional<Alignment> best;
   const auto consider = [&](std::optional<Alignment> found) {
     if (found && (!best || IsBetter(*found, *best, T_odom_predicted, prediction))) best = std::move(found);
@@ -57,10 +67,10 @@ std::optional<Alignment> FrameAligner::FindStrongest(const LocalLandmarks& landm
   };
   for (const double radius_px : {options_.tracking.search_radius_px, options_.tracking.wide_radius_px}) {
     const FrameMatches matches = MatchByProjection(landmarks, frame, T_odom_predicted, {radius_px, kRecentFrames});
-    auto found = Estimate(landmarks, frame, matches, T_odom_predicted, std::nullopt, Coarse(options_.motion));
+    auto found = Estimate(landmarks, frame, matches, T_odom_predicted, std::nullopt, motion);
     if (IsStrong(found, matches.Weight()) && consider(std::move(found))) return best;
   }
-  consider(FindByDescriptor(landmarks, frame));
+  consider(FindByDescriptor(landmarks, frame, motion));
   return best;
 }
 
@@ -114,8 +124,8 @@ std::optional<Alignment> FrameAligner::Estimate(const LocalLandmarks& landmarks,
   return alignment;
 }
 
-std::optional<Alignment> FrameAligner::FindByDescriptor(const LocalLandmarks& landmarks,
-                                                        const TrackedFrame& frame) const {
+std::optional<Alignment> FrameAligner::FindByDescriptor(const LocalLandmarks& landmarks, const TrackedFrame& frame,
+                                                        const MotionOptions& motion) const {
   const FrameMatches matches{landmarks.points.MatchByDescriptor(frame, kRecentFrames, options_.point_matching),
                              landmarks.lines.MatchByDescriptor(frame, kRecentFrames, options_.line_matching)};
   const auto T_c_odom = EstimatePoseRansac(landmarks.points.Observations(matches.points, frame),
@@ -126,7 +136,7 @@ std::optional<Alignment> FrameAligner::FindByDescriptor(const LocalLandmarks& la
   const SE3 T_odom_c = T_c_odom->Inverse();
   const Search near{options_.tracking.search_radius_px, kRecentFrames};
   const FrameMatches guided = MatchByProjection(landmarks, frame, T_odom_c, near);
-  auto coarse = Estimate(landmarks, frame, guided, T_odom_c, std::nullopt, Coarse(options_.motion));
+  auto coarse = Estimate(landmarks, frame, guided, T_odom_c, std::nullopt, motion);
   if (!IsStrong(coarse, guided.Weight())) return std::nullopt;
   return coarse;
 }

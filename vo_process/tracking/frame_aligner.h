@@ -66,7 +66,8 @@ class FrameAligner {
   std::optional<Alignment> Estimate(const LocalLandmarks& landmarks, const TrackedFrame& frame,
                                     const FrameMatches& matches, const SE3& T_odom_initial,
                                     const std::optional<MotionPrior>& prior, const MotionOptions& motion) const;
-  std::optional<Alignment> FindByDescriptor(const LocalLandmarks& landmarks, const TrackedFrame& frame) const;
+  std::optional<Alignment> FindByDescriptor(const LocalLandmarks& landmarks, const TrackedFrame& frame,
+                                            const MotionOptions& motion) const;
   bool IsStrong(const std::optional<Alignment>& alignment, int matched) const;
 
   StereoCamera camera_;

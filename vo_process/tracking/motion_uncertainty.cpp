@@ -58,6 +58,14 @@ void MotionUncertainty::Learn(const Map& map, int64_t session) {
 
 double MotionUncertainty::CommonShare() const { return std::clamp(variance_scale_ - kIndependent, 0.0, 1.0); }
 
+// A filter adds up squares over `kSpan` frames, where a common error adds up itself.
+Matrix6d MotionUncertainty::OfLengths(const SE3& T_prev_c, double relative_sigma) {
+  const Eigen::Vector3d error = relative_sigma * (T_prev_c.R().transpose() * T_prev_c.translation());
+  Matrix6d covariance = Matrix6d::Zero();
+  covariance.topLeftCorner<3, 3>() = kSpan * error * error.transpose();
+  return covariance;
+}
+
 Matrix6d MotionUncertainty::Of(const SE3& T_prev_c, const Matrix6d& covariance, bool measured) const {
   const double common = kSpan * CommonShare();
   const double scale = measured ? variance_scale_ + common : 1.0;

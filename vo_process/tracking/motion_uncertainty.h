@@ -27,6 +27,9 @@ class MotionUncertainty {
   /// measured, but predicted or jumped, is as uncertain as it says at least.
   Matrix6d Of(const SE3& T_prev_c, const Matrix6d& covariance, bool measured) const;
 
+  /// Covariance to add to a motion where all lengths have a common relative error of this sigma.
+  static Matrix6d OfLengths(const SE3& T_prev_c, double relative_sigma);
+
   /// Squares of what adjustment changes over those expected, at least 0.05, at most 25.
   double variance_scale() const { return variance_scale_; }
 

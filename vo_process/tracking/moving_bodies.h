@@ -10,6 +10,7 @@
 #include "core/geometry/stereo_camera.h"
 #include "core/map/keyframe.h"
 #include "vo_process/options.h"
+#include "vo_process/tracking/disparity_calibration.h"
 #include "vo_process/tracking/frame_aligner.h"
 #include "vo_process/tracking/local_landmarks.h"
 #include "vo_process/tracking/motion_evidence.h"
@@ -130,8 +131,10 @@ class MovingBodies {
   /// or where features of a body took part in it; takes the landmarks of bodies out of `world`; names in the frame's
   /// tracks what is on a body. Where only geometry decided which motion is the world's, and it is not yet clear that it
   /// decided rightly: the other one.
+  /// Two motions that an unknown offset of the disparities explains are one.
   std::optional<RivalMotion> Separate(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s,
-                                      LocalLandmarks& world, TrackedFrame& frame, Alignment& found);
+                                      const DisparityCalibration& calibration, LocalLandmarks& world,
+                                      TrackedFrame& frame, Alignment& found);
 
   /// The same of a frame that was found elsewhere than it was thought to be: the motion since the frame before is not
   /// known, so bodies that are known go on, and no others are looked for.
@@ -176,8 +179,12 @@ class MovingBodies {
   /// Bodies that are known, among the features that are not among these matches of the world.
   Claims Follow(double dt_s, const TrackedFrame& frame, const FrameMatches& of_world);
   void JoinParts(size_t first, size_t second, const TrackedFrame& frame);
-  bool FindNew(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s, LocalLandmarks& world,
-               const TrackedFrame& frame, Claims& claims, Alignment& found);
+  bool FindNew(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s,
+               const DisparityCalibration& calibration, LocalLandmarks& world, const TrackedFrame& frame,
+               Claims& claims, Alignment& found);
+  bool IsDisparityOffset(const SE3& T_odom_prev, const LocalLandmarks& world, const TrackedFrame& frame,
+                         const Alignment& first, const FrameMatches& of_first, const Alignment& second,
+                         const DisparityCalibration& calibration) const;
   std::optional<RivalMotion> FindRival(const FrameMatches& of_world, const TrackedFrame& frame);
   /// A second motion: matches of landmarks of the world with features of the frame, all of which contradict the
   /// first.

@@ -158,7 +158,7 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
         doubt = SquareOf(T_odom_c_.Inverse() * tracked->rival->T_odom_c);
         doubt_of_motion = SquareOf(result.T_prev_c.Inverse() * tracked->rival->T_prev_c);
       }
-      calibration_.Observe(T_odom_c_, frame, raw_disparities_px);
+      CalibrateDisparities(frame, raw_disparities_px);
       CheckSync(frame, result.T_prev_c, dt_s);
     } else {
       Miss(prediction, dt_s, frame, result);
@@ -191,6 +191,17 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
   result.point_tracks = std::move(frame.point_tracks);
   result.line_tracks = std::move(frame.line_tracks);
   return result;
+}
+
+// All measurements so far contain the offset, or lack it, when it is first applied or no longer applied.
+void Odometry::CalibrateDisparities(TrackedFrame& frame, const std::vector<double>& raw_disparities_px) {
+  const DisparityCalibration before = calibration_;
+  if (!calibration_.Observe(T_odom_c_, frame, raw_disparities_px)) return;
+  const auto change_px = [&](double u_px) { return calibration_.Offset_px(u_px) - before.Offset_px(u_px); };
+  CorrectDisparities(frame.features, [&](const Eigen::Vector2d& left_px, double) { return change_px(left_px.x()); });
+  landmarks_.Initialise(T_odom_c_, frame);
+  keyframe_measurements_ = KeyframeMeasurements(camera_);
+  bodies_.Forget();
 }
 
 // What was learned of rows, disparities and landmarks from matches that are late is wrong.
@@ -260,7 +271,7 @@ void Odometry::TellBodiesApart(Tracked& tracked, const MotionPrediction& predict
   if (tracked.reference != Reference::kCurrent && tracked.reference != Reference::kLocalised) {
     return bodies_.SeparateKnown(dt_s, landmarks_, frame, tracked.alignment);
   }
-  tracked.rival = bodies_.Separate(T_odom_c_, prediction, dt_s, landmarks_, frame, tracked.alignment);
+  tracked.rival = bodies_.Separate(T_odom_c_, prediction, dt_s, calibration_, landmarks_, frame, tracked.alignment);
 }
 
 void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, OdometryResult& result) {
@@ -343,7 +354,8 @@ void Odometry::PropagateCovariance(const Tracked& tracked, OdometryResult& resul
 // done meanwhile.
 void Odometry::PublishCovariance(OdometryResult& result) {
   const bool measured = result.state != TrackingState::kLost && !result.jumped;
-  result.motion_covariance = uncertainty_.Of(result.T_prev_c, result.motion_covariance, measured);
+  result.motion_covariance = uncertainty_.Of(result.T_prev_c, result.motion_covariance, measured) +
+                             MotionUncertainty::OfLengths(result.T_prev_c, calibration_.LengthSigma());
   const SE3 T_prevkf_c = result.keyframe ? result.keyframe->T_prevkf_kf : T_odom_kf_.Inverse() * T_odom_c_;
   published_kf_c_ = result.jumped && result.keyframe
                         ? uncertainty_.Of(T_prevkf_c, result.keyframe->covariance, false)

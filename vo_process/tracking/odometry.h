@@ -137,6 +137,9 @@ class Odometry {
   /// Tracking went on after a loss, but not at the place where it was lost: where that is, nobody knows.
   bool is_unanchored() const { return is_unanchored_; }
 
+  /// Pose of the last frame.
+  const SE3& T_odom_c() const { return T_odom_c_; }
+
   /// Map from odometry, as of the last `Adopt`.
   const SE3& T_w_odom() const { return T_w_odom_; }
 
@@ -189,6 +192,7 @@ class Odometry {
   void PropagateCovariance(const Tracked& tracked, OdometryResult& result);
   void PublishCovariance(OdometryResult& result);
   void Miss(const MotionPrediction& prediction, double dt_s, TrackedFrame& frame, OdometryResult& result);
+  void CalibrateDisparities(TrackedFrame& frame, const std::vector<double>& raw_disparities_px);
   void CheckSync(TrackedFrame& frame, const SE3& T_prev_c, double dt_s);
   void Initialise(TrackedFrame& frame, OdometryResult& result);
   void ChooseKeyframe(const Tracked& tracked, const TrackedFrame& frame, OdometryResult& result);

@@ -171,6 +171,26 @@ TEST(MovingBodies, WhereNothingTellsWhichIsTheWorldAllFramesAreWeak) {
   }
 }
 
+// No draw of the points ends in a motion that is neither the world's nor the box's.
+TEST(MovingBodies, FirstPairIsNoMixture) {
+  for (uint64_t seed = 0; seed < 40; ++seed) {
+    Scene scene{Box(200, 100 + seed, AheadBy(-1.0).translation()), Box(200, 200 + seed)};
+    Odometry odometry(FeatureWorld::Camera(), VoOptions());
+    for (int i = 0; i < 2; ++i) {
+      const SE3 T_w_b = AheadBy(0.6 + 0.2 * i);
+      const OdometryResult result = odometry.Track(i * kFrame_ns, scene.See(PathAt(i), &T_w_b, i));
+      if (i == 0) continue;
+      const SE3 T_odom_c = PathAt(0).Inverse() * PathAt(i);
+      const SE3 T_odom_c_of_box = PathAt(0).Inverse() * AheadBy(0.6) * AheadBy(0.8).Inverse() * PathAt(i);
+      const double off_world = (result.T_odom_c.Inverse() * T_odom_c).Log().norm();
+      const double off_box = (result.T_odom_c.Inverse() * T_odom_c_of_box).Log().norm();
+      EXPECT_LT(std::min(off_world, off_box), 0.03) << "seed " << seed;
+      const Vector6d error = (result.T_odom_c.Inverse() * T_odom_c).Log();
+      EXPECT_LT(error.dot(result.covariance.ldlt().solve(error)), 25.0) << "seed " << seed;
+    }
+  }
+}
+
 // Of the same two one leaves: the other one is a world again, whichever was taken for it.
 TEST(MovingBodies, WhatMayBeTheWorldIsNotKeptForABodyWhileTheCameraIsLost) {
   for (const bool box_stays : {false, true}) {

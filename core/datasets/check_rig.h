@@ -16,7 +16,7 @@ bool IsImageSide(double side_px);
 /// What is wrong with a rig, in one phrase with value and bound; empty where nothing is. Sizes are 16 to 16384 px,
 /// focal lengths 1 to 100000 px, principal points within one image size of the image, distortion coefficients as many
 /// as the model has, all numbers finite, both images of one size, and the right camera 0.1 mm to 100 m to the right
-/// of the left one, looking the same way (within 45 degrees).
+/// of the left one, or above or below it, looking the same way (within 45 degrees).
 std::string RigComplaint(const RigCalibration& rig);
 
 /// Parts of it for one camera: image size, focal lengths, principal point (needs the size), model, distortion.

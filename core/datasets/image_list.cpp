@@ -47,6 +47,16 @@ std::vector<std::pair<size_t, size_t>> AssociateTimes(const std::vector<int64_t>
   return pairs;
 }
 
+int64_t MedianStep_ns(const std::vector<int64_t>& times_ns) {
+  constexpr int64_t kOneSecond_ns = 1'000'000'000;
+  if (times_ns.size() < 2) return kOneSecond_ns;
+  std::vector<int64_t> steps_ns;
+  for (size_t i = 1; i < times_ns.size(); ++i) steps_ns.push_back(times_ns[i] - times_ns[i - 1]);
+  const auto middle = steps_ns.begin() + static_cast<std::ptrdiff_t>(steps_ns.size() / 2);
+  std::nth_element(steps_ns.begin(), middle, steps_ns.end());
+  return *middle;
+}
+
 namespace {
 
 constexpr double kUsualBaseline_m = 10.0;
@@ -98,11 +108,9 @@ class ImageListDataset : public Dataset {
 
 double MedianRate_hz(const std::vector<ImageList::Entry>& entries, double fallback_hz) {
   if (entries.size() < 2) return fallback_hz;
-  std::vector<int64_t> steps_ns;
-  for (size_t i = 1; i < entries.size(); ++i) steps_ns.push_back(entries[i].t_ns - entries[i - 1].t_ns);
-  const auto middle = steps_ns.begin() + static_cast<std::ptrdiff_t>(steps_ns.size() / 2);
-  std::nth_element(steps_ns.begin(), middle, steps_ns.end());
-  return 1e9 / static_cast<double>(*middle);
+  std::vector<int64_t> times_ns;
+  for (const ImageList::Entry& entry : entries) times_ns.push_back(entry.t_ns);
+  return 1e9 / static_cast<double>(MedianStep_ns(times_ns));
 }
 
 }  // namespace

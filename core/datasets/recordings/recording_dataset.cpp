@@ -16,6 +16,7 @@
 #include "core/datasets/image_list.h"
 #include "core/datasets/recordings/bag_reader.h"
 #include "core/datasets/recordings/mcap_reader.h"
+#include "core/datasets/recordings/message_times.h"
 #include "core/datasets/recordings/ros_messages.h"
 #include "core/errors/error_text.h"
 #include "core/io/trajectories/trajectory.h"
@@ -23,8 +24,11 @@
 namespace plslam {
 namespace {
 
-/// Where images of one moment were logged further apart than half of a frame, they are of two.
+/// Images that are further apart are of two moments, however slow the camera.
 constexpr int64_t kMaxPairing_ns = 500'000'000;
+
+/// Delays of logging that differ by this share of a frame pair the same images.
+constexpr int64_t kToleranceShare = 8;
 
 constexpr auto kSides = std::to_array<std::pair<std::string_view, std::string_view>>(
     {{"left", "right"}, {"cam0", "cam1"}, {"infra1", "infra2"}, {"image_0", "image_1"}});
@@ -74,28 +78,11 @@ std::string ListOf(const std::set<std::string>& names) {
   return fmt::format("{}", fmt::join(shown, ", "));
 }
 
-/// Those whose times increase: of several of one time the first.
-std::vector<RecordedMessage> Increasing(std::vector<RecordedMessage> messages) {
-  const auto end = std::unique(messages.begin(), messages.end(),
-                               [](const RecordedMessage& a, const RecordedMessage& b) { return a.t_ns == b.t_ns; });
-  messages.erase(end, messages.end());
-  return messages;
-}
-
 std::vector<int64_t> TimesOf(const std::vector<RecordedMessage>& messages) {
   std::vector<int64_t> times_ns;
   times_ns.reserve(messages.size());
   for (const RecordedMessage& message : messages) times_ns.push_back(message.t_ns);
   return times_ns;
-}
-
-int64_t MedianStep_ns(const std::vector<int64_t>& times_ns) {
-  std::vector<int64_t> steps_ns;
-  for (size_t i = 1; i < times_ns.size(); ++i) steps_ns.push_back(times_ns[i] - times_ns[i - 1]);
-  if (steps_ns.empty()) return kMaxPairing_ns;
-  const auto middle = steps_ns.begin() + std::ssize(steps_ns) / 2;
-  std::nth_element(steps_ns.begin(), middle, steps_ns.end());
-  return *middle;
 }
 
 class RecordingDataset : public Dataset {
@@ -112,7 +99,7 @@ class RecordingDataset : public Dataset {
   std::string name() const override { return name_; }
   const RigCalibration& rig() const override { return rig_; }
   int size() const override { return static_cast<int>(pairs_.size()); }
-  int64_t t_ns(int index) const override { return Pair(index).first.t_ns; }
+  int64_t t_ns(int index) const override;
   std::vector<std::string> Notes() const override { return notes_; }
   double scan_s() const override { return reader_->scan_s(); }
   bool HasRecordedTruth() const override { return !truth_.empty(); }
@@ -120,27 +107,13 @@ class RecordingDataset : public Dataset {
   StereoImages Read(int index) const override {
     try {
       const auto& [left, right] = Pair(index);
-      return {index, left.t_ns, ReadImage(left_, left, rig_.left), ReadImage(right_, right, rig_.right)};
+      return {index, t_ns(index), ReadImage(left_, left, rig_.left), ReadImage(right_, right, rig_.right)};
     } catch (const std::runtime_error& error) {
       throw DatasetError(fmt::format("{}: frame {}: {}", name_, index, error.what()));
     }
   }
 
-  std::optional<SE3> GroundTruth(int index) const override {
-    const int64_t t = t_ns(index);
-    auto after = std::lower_bound(truth_.begin(), truth_.end(), t,
-                                  [](const RecordedMessage& message, int64_t time) { return message.t_ns < time; });
-    Trajectory neighbours;
-    for (auto at = after == truth_.begin() ? after : after - 1; at != truth_.end() && at <= after; ++at) {
-      try {
-        neighbours.push_back(
-            {at->t_ns, ParsePose(truth_channel_.type, reader_->Read(*at), EncodingOf(truth_channel_))});
-      } catch (const std::runtime_error&) {
-        return std::nullopt;  // a damaged pose is no truth
-      }
-    }
-    return neighbours.empty() ? std::nullopt : InterpolatePose(neighbours, t, kMaxTruthGap_ns);
-  }
+  std::optional<SE3> GroundTruth(int index) const override;
 
  private:
   const std::pair<RecordedMessage, RecordedMessage>& Pair(int index) const {
@@ -179,6 +152,7 @@ class RecordingDataset : public Dataset {
     if (!images.empty()) return "its image topics are " + ListOf(images);
     const std::string none = "it has no images of ROS (sensor_msgs/Image or CompressedImage)";
     if (!other_images.empty()) return none + ", but " + ListOf(other_images);
+    if (others.empty() && reader_->Notes().empty()) return "it has no messages";
     return others.empty() ? "it has no topics at all" : none + "; its topics are " + ListOf(others);
   }
 
@@ -232,21 +206,49 @@ class RecordingDataset : public Dataset {
   }
 
   void PairImages() {
-    const std::vector<RecordedMessage> all = reader_->Messages(left_.topic);
-    const std::vector<RecordedMessage> left = Increasing(all), right = Increasing(reader_->Messages(right_.topic));
-    const std::vector<int64_t> times_ns = TimesOf(left);
-    step_ns_ = MedianStep_ns(times_ns);
+    std::vector<RecordedMessage> left = reader_->Messages(left_.topic), right = reader_->Messages(right_.topic);
+    if (left.empty() && right.empty()) {
+      throw DatasetError(fmt::format("has no messages on {} and {}", left_.topic, right_.topic));
+    }
+    ReadStamps(*reader_, {&left, &right}, MedianLogStep_ns(left) / kToleranceShare);
+    stamp_offset_ns_ = MedianStampOffset_ns(left);
+    for (const auto& [channel, messages] : {std::pair(&left_, &left), std::pair(&right_, &right)}) {
+      const std::string complaint = StampComplaint(*messages);
+      if (complaint.empty() || clock_ == MessageClock::kLog) continue;
+      clock_ = MessageClock::kLog;
+      notes_.push_back(fmt::format("header stamps of {} {}: images are played by the times at which they were logged",
+                                   channel->topic, complaint));
+    }
+    if (PairBy(clock_, left, right)) return;
+    if (clock_ == MessageClock::kStamp && PairBy(MessageClock::kLog, left, right)) {
+      clock_ = MessageClock::kLog;
+      notes_.push_back(fmt::format(
+          "no header stamp of {} is near one of {} (the first are {} s and {} s), as if of two clocks: "
+          "images are played by the times at which they were logged",
+          left_.topic, right_.topic, SecondsText(left.front().stamp_ns), SecondsText(right.front().stamp_ns)));
+      return;
+    }
+    throw DatasetError(fmt::format("{} has {} images and {} has {}, but no two of one moment", left_.topic,
+                                   left.size(), right_.topic, right.size()));
+  }
+
+  /// False where there are no pairs by these times; then nothing is changed.
+  bool PairBy(MessageClock clock, const std::vector<RecordedMessage>& all_left,
+              const std::vector<RecordedMessage>& all_right) {
+    std::vector<std::string> notes;
+    const std::vector<RecordedMessage> left = InOrderOfTime(all_left, clock, left_.topic, &notes),
+                                       right = InOrderOfTime(all_right, clock, right_.topic, &notes);
+    step_ns_ = MedianStep_ns(TimesOf(left));
     const int64_t max_ns = std::min(kMaxPairing_ns, step_ns_ / 2);
-    for (const auto& [l, r] : AssociateTimes(times_ns, TimesOf(right), max_ns))
+    for (const auto& [l, r] : AssociateTimes(TimesOf(left), TimesOf(right), max_ns))
       pairs_.emplace_back(left[l], right[r]);
-    if (pairs_.empty()) {
-      throw DatasetError(fmt::format("{} has {} images and {} has {}, but no two of one moment", left_.topic,
-                                     left.size(), right_.topic, right.size()));
-    }
-    if (pairs_.size() < all.size()) {
+    if (pairs_.empty()) return false;
+    notes_.insert(notes_.end(), notes.begin(), notes.end());
+    if (pairs_.size() < left.size()) {
       notes_.push_back(fmt::format("{} images of {} have no partner in time and are passed over",
-                                   all.size() - pairs_.size(), left_.topic));
+                                   left.size() - pairs_.size(), left_.topic));
     }
+    return true;
   }
 
   /// That of the nearest namespace: "/a/left/image_raw" has "/a/left/camera_info".
@@ -309,7 +311,19 @@ class RecordingDataset : public Dataset {
     }
     if (chosen.topic.empty()) return;
     truth_channel_ = chosen;
-    truth_ = Increasing(reader_->Messages(chosen.topic));
+    std::vector<RecordedMessage> messages = reader_->Messages(chosen.topic);
+    if (clock_ == MessageClock::kStamp) ReadStamps(*reader_, {&messages}, step_ns_ / kToleranceShare);
+    const std::string complaint = clock_ == MessageClock::kStamp ? StampComplaint(messages) : "";
+    if (!complaint.empty()) {
+      notes_.push_back(
+          fmt::format("header stamps of {} {}: its poses have the times at which they were logged, plus "
+                      "the {} s by which stamps of {} differ from those",
+                      chosen.topic, complaint, SecondsText(stamp_offset_ns_), left_.topic));
+      for (RecordedMessage& message : messages) message.stamp_ns = RecordedMessage::kNotRead;
+      StampByLogTime(stamp_offset_ns_, &messages);
+    }
+    truth_ = InOrderOfTime(std::move(messages), clock_, chosen.topic, &notes_);
+    truth_is_estimated_ = std::any_of(truth_.begin(), truth_.end(), [](const auto& m) { return m.is_estimated; });
   }
 
   std::string name_;
@@ -317,12 +331,52 @@ class RecordingDataset : public Dataset {
   std::unique_ptr<Recording> reader_;
   RecordedChannel left_, right_;
   std::vector<std::pair<RecordedMessage, RecordedMessage>> pairs_;
+  MessageClock clock_ = MessageClock::kStamp;  ///< of all times of this dataset
+  int64_t stamp_offset_ns_ = 0;                ///< the median stamp minus time of logging of left images
   int64_t step_ns_ = 0;
   RigCalibration rig_;
   RecordedChannel truth_channel_;
   std::vector<RecordedMessage> truth_;
+  bool truth_is_estimated_ = false;  ///< some of its stamps
   std::vector<std::string> notes_;
 };
+
+/// Stamps that were estimated when the recording was opened are read now. They stay between those of the neighbours,
+/// so that times increase.
+int64_t RecordingDataset::t_ns(int index) const {
+  const auto estimate_ns = [&](int i) { return Pair(i).first.t_ns; };
+  const int64_t t = estimate_ns(index);
+  if (!Pair(index).first.is_estimated) return t;
+  const std::optional<int64_t> stamp_ns = ReadStamp(*reader_, Pair(index).first);
+  const bool is_after =
+      !stamp_ns || index == 0 || *stamp_ns > estimate_ns(index - 1) + (t - estimate_ns(index - 1)) / 2;
+  const bool is_before = !stamp_ns || index + 1 == size() || *stamp_ns <= t + (estimate_ns(index + 1) - t) / 2;
+  return stamp_ns && is_after && is_before ? *stamp_ns : t;
+}
+
+std::optional<SE3> RecordingDataset::GroundTruth(int index) const {
+  const int64_t t = t_ns(index), reach_ns = truth_is_estimated_ ? step_ns_ : 0;
+  const auto first_from = [&](int64_t from_ns) {
+    return std::lower_bound(truth_.begin(), truth_.end(), from_ns,
+                            [](const RecordedMessage& message, int64_t time) { return message.t_ns < time; });
+  };
+  auto at = first_from(t - reach_ns);
+  const auto last = first_from(t + reach_ns);
+  if (at != truth_.begin()) --at;
+  std::map<int64_t, SE3> poses;
+  for (; at != truth_.end() && at <= last; ++at) {
+    try {
+      const std::vector<uint8_t> message = reader_->Read(*at);
+      const int64_t pose_ns = at->is_estimated ? StampOf(message) : at->t_ns;
+      poses.emplace(pose_ns, ParsePose(truth_channel_.type, message, EncodingOf(truth_channel_)));
+    } catch (const std::runtime_error&) {
+      return std::nullopt;  // a damaged pose is no truth
+    }
+  }
+  Trajectory neighbours;
+  for (const auto& [pose_ns, pose] : poses) neighbours.push_back({pose_ns, pose});
+  return neighbours.empty() ? std::nullopt : InterpolatePose(neighbours, t, kMaxTruthGap_ns);
+}
 
 template <class Reader>
 std::unique_ptr<Dataset> Open(const std::string& location, std::string_view kind) {

@@ -94,10 +94,24 @@ TEST_F(EurocDataset, UnpairedImagesArePassedOverAndSaid) {
   ASSERT_EQ(dataset->size(), 2);
   EXPECT_EQ(dataset->t_ns(1), 1403636584963555584) << "0.1 ms apart is the same moment";
   EXPECT_EQ(dataset->Read(1).right.at<uint8_t>(5, 7), test::TinyPixel(2, 1, 7, 5));
-  EXPECT_THAT(dataset->Notes(), ElementsAre(HasSubstr("1 images of cam0"), HasSubstr("1 images of cam1")));
+  EXPECT_THAT(dataset->Notes(), ElementsAre(HasSubstr("differ by up to 0.100 ms"), HasSubstr("1 images of cam0"),
+                                            HasSubstr("1 images of cam1")));
   test::WriteText(mav_ / "cam1" / "data.csv", "1,1403636584763555584.png\n");
   EXPECT_THAT(OpenError(),
-              AllOf(HasSubstr(At("cam1/data.csv")), HasSubstr("no image is within 0.5 ms of one of cam0")));
+              AllOf(HasSubstr(At("cam1/data.csv")), HasSubstr("no image is within half a frame of one of cam0")));
+}
+
+TEST_F(EurocDataset, CamerasTwoMillisecondsApart) {
+  test::WriteText(mav_ / "cam1" / "data.csv",
+                  "1403636584765555584,1403636584763555584.png\n"
+                  "1403636584865555584,1403636584863555584.png\n"
+                  "1403636584965655584,1403636584963555584.png\n");
+  const auto dataset = OpenEurocDataset(folder_.string());
+  ASSERT_EQ(dataset->size(), 3);
+  EXPECT_EQ(dataset->t_ns(2), 1403636584963555584);
+  EXPECT_EQ(dataset->Read(2).right.at<uint8_t>(5, 7), test::TinyPixel(2, 1, 7, 5));
+  EXPECT_THAT(dataset->Notes(),
+              ElementsAre("times of cam0 and cam1 differ by up to 2.100 ms: the nearest ones are pairs"));
 }
 
 TEST_F(EurocDataset, JpegImagesOfTheList) {

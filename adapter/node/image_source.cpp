@@ -2,7 +2,9 @@
 #include "adapter/node/image_source.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <regex>
@@ -15,6 +17,7 @@
 #include "core/datasets/check_rig.h"
 #include "core/errors/error_text.h"
 #include "core/geometry/body_frame.h"
+#include "core/io/images/image_file.h"
 #include "core/run/process_names.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/intrinsics_t.hpp"
@@ -141,11 +144,23 @@ void ImageSource::OnInfo(Side side, MessageBytes bytes) {
 void ImageSource::OnPair(const Pair& pair) {
   if (!rig_) return;
   if (pair.first.t_ns == last_t_ns_) throw DatasetError("has the stamp of the one before");
+  const cv::Size size(rig_->left.width_px, rig_->left.height_px);
+  UseWhiteLevel(std::max(LargestWideValue(pair.first, size), LargestWideValue(pair.second, size)));
   StereoImages images;
   images.t_ns = pair.first.t_ns;
-  images.left = GreyOf(pair.first, {rig_->left.width_px, rig_->left.height_px});
-  images.right = GreyOf(pair.second, {rig_->right.width_px, rig_->right.height_px});
+  images.left = GreyOf(pair.first, size, white_);
+  images.right = GreyOf(pair.second, size, white_);
   Publish(std::move(images));
+}
+
+/// Both cameras have that of the first pair, until an image has larger values. `largest` is 0 for images of 8 bits.
+void ImageSource::UseWhiteLevel(int largest) {
+  if (largest == 0 || (has_white_ && largest <= white_)) return;
+  has_white_ = true;
+  white_ = WhiteLevel(largest);
+  if (white_ < kWhiteOf16Bits) {
+    spdlog::warn("the images of 16 bits have values up to {}: {} is taken as white", largest, white_);
+  }
 }
 
 void ImageSource::UseRig(RigCalibration rig) {

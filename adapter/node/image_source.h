@@ -57,6 +57,7 @@ class ImageSource {
   void OnImage(Side side, MessageBytes bytes);
   void OnInfo(Side side, MessageBytes bytes);
   void OnPair(const Pair& pair);
+  void UseWhiteLevel(int largest);
   void UseRig(RigCalibration rig);
   void PublishRig();
   void Publish(StereoImages images);
@@ -75,6 +76,8 @@ class ImageSource {
   Complaints complaints_;
   std::array<std::optional<RosCameraInfo>, 2> infos_;
   std::optional<RigCalibration> rig_;
+  bool has_white_ = false;  ///< an image of 16 bits has come
+  int white_ = kWhiteOf16Bits;
   std::vector<uint8_t> rig_bytes_;
   int64_t n_messages_ = 0;
   int64_t n_sent_ = 0;

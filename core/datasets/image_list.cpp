@@ -10,6 +10,7 @@
 
 #include "core/datasets/check_rig.h"
 #include "core/datasets/dataset_rows.h"
+#include "core/datasets/white_level.h"
 #include "core/io/trajectories/trajectory.h"
 
 namespace plslam {
@@ -63,7 +64,10 @@ constexpr double kUsualBaseline_m = 10.0;
 
 class ImageListDataset : public Dataset {
  public:
-  explicit ImageListDataset(ImageList list) : list_(std::move(list)) {}
+  explicit ImageListDataset(ImageList list) : list_(std::move(list)) {
+    white_ = WhiteLevelOf(
+        size(), [this](int index) { return LargestValues(index); }, &list_.notes);
+  }
 
   std::string name() const override { return list_.name; }
   const RigCalibration& rig() const override { return list_.rig; }
@@ -77,8 +81,8 @@ class ImageListDataset : public Dataset {
     if (!entry.missing.empty()) throw DatasetError(entry.missing);
     const ImageSize size{list_.rig.left.width_px, list_.rig.left.height_px};
     const bool rgbd = list_.rig.kind == RigCalibration::Kind::kRgbd;
-    return {index, entry.t_ns, ReadGreyImage(entry.left, size),
-            rgbd ? ReadDepthImage(entry.right, size) : ReadGreyImage(entry.right, size)};
+    return {index, entry.t_ns, ReadGreyImage(entry.left, size, white_),
+            rgbd ? ReadDepthImage(entry.right, size) : ReadGreyImage(entry.right, size, white_)};
   }
 
   std::string LeftFile(int index) const override { return Entry(index).left; }
@@ -103,7 +107,17 @@ class ImageListDataset : public Dataset {
  private:
   const ImageList::Entry& Entry(int index) const { return list_.entries.at(static_cast<size_t>(index)); }
 
+  /// The largest value of the images of a pair (without depths), where they have 16 bits, else 0.
+  int LargestValues(int index) const {
+    const ImageList::Entry& entry = Entry(index);
+    if (!entry.missing.empty()) throw DatasetError(entry.missing);
+    const int left = LargestWideValue(entry.left, list_.image_size);
+    if (left == 0 || list_.rig.kind == RigCalibration::Kind::kRgbd) return left;
+    return std::max(left, LargestWideValue(entry.right, list_.image_size));
+  }
+
   ImageList list_;
+  int white_ = kWhiteOf16Bits;
 };
 
 double MedianRate_hz(const std::vector<ImageList::Entry>& entries, double fallback_hz) {

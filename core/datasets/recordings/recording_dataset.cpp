@@ -17,7 +17,9 @@
 #include "core/datasets/recordings/bag_reader.h"
 #include "core/datasets/recordings/mcap_reader.h"
 #include "core/datasets/recordings/message_times.h"
+#include "core/datasets/recordings/pixel_encodings.h"
 #include "core/datasets/recordings/ros_messages.h"
+#include "core/datasets/white_level.h"
 #include "core/errors/error_text.h"
 #include "core/io/trajectories/trajectory.h"
 
@@ -92,8 +94,11 @@ class RecordingDataset : public Dataset {
       : name_(location), options_(parts.options), reader_(std::move(reader)), notes_(reader_->Notes()) {
     ChooseTopics();
     PairImages();
+    CheckEncodings();
     ReadRig(kind);
     ChooseTruth();
+    white_ = WhiteLevelOf(
+        size(), [this](int index) { return LargestValues(index); }, &notes_);
   }
 
   std::string name() const override { return name_; }
@@ -124,10 +129,19 @@ class RecordingDataset : public Dataset {
                     const CameraCalibration& camera) const {
     try {
       return ParseImage(channel.type, reader_->Read(message), EncodingOf(channel),
-                        {camera.width_px, camera.height_px});
+                        {camera.width_px, camera.height_px}, white_);
     } catch (const std::runtime_error& error) {
       throw DatasetError(fmt::format("{}: {}", channel.topic, error.what()));
     }
+  }
+
+  /// The largest value of the images of a pair, where they have 16 bits, else 0.
+  int LargestValues(int index) const {
+    const auto largest = [&](const RecordedChannel& channel, const RecordedMessage& message) {
+      return LargestWideValue(channel.type, reader_->Read(message), EncodingOf(channel),
+                              {rig_.left.width_px, rig_.left.height_px});
+    };
+    return std::max(largest(left_, Pair(index).first), largest(right_, Pair(index).second));
   }
 
   const RecordedChannel* Find(const std::string& topic, bool (*fits)(const RecordedChannel&)) const {
@@ -251,6 +265,21 @@ class RecordingDataset : public Dataset {
     return true;
   }
 
+  /// An encoding that is not known is told before a run begins.
+  void CheckEncodings() const {
+    for (const auto& [channel, message] :
+         {std::pair(&left_, pairs_.front().first), std::pair(&right_, pairs_.front().second)}) {
+      std::string encoding;
+      try {
+        encoding = ImageEncoding(channel->type, reader_->Read(message), EncodingOf(*channel));
+      } catch (const DatasetError&) {
+        continue;  // a damaged message is an error when it is played
+      }
+      const std::string complaint = PixelEncodingComplaint(encoding);
+      if (!complaint.empty()) throw DatasetError(fmt::format("{}: {}", channel->topic, complaint));
+    }
+  }
+
   /// That of the nearest namespace: "/a/left/image_raw" has "/a/left/camera_info".
   RosCameraInfo CameraInfoOf(const std::string& image_topic) const {
     std::string space = image_topic;
@@ -334,6 +363,7 @@ class RecordingDataset : public Dataset {
   MessageClock clock_ = MessageClock::kStamp;  ///< of all times of this dataset
   int64_t stamp_offset_ns_ = 0;                ///< the median stamp minus time of logging of left images
   int64_t step_ns_ = 0;
+  int white_ = kWhiteOf16Bits;
   RigCalibration rig_;
   RecordedChannel truth_channel_;
   std::vector<RecordedMessage> truth_;

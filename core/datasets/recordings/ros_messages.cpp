@@ -4,43 +4,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
-#include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "core/datasets/calibrations/readers.h"
+#include "core/datasets/recordings/pixel_encodings.h"
 #include "core/errors/error_text.h"
 #include "core/io/images/image_file.h"
 
 namespace plslam {
 namespace {
 
-/// An encoding of raw images, as sensor_msgs names them.
-struct Encoding {
-  std::string_view name;
-  int type;
-  bool is_rgb;
-};
-constexpr auto kEncodings = std::to_array<Encoding>({{"mono8", CV_8UC1, false},
-                                                     {"8UC1", CV_8UC1, false},
-                                                     {"mono16", CV_16UC1, false},
-                                                     {"16UC1", CV_16UC1, false},
-                                                     {"bgr8", CV_8UC3, false},
-                                                     {"8UC3", CV_8UC3, false},
-                                                     {"rgb8", CV_8UC3, true},
-                                                     {"bgra8", CV_8UC4, false},
-                                                     {"rgba8", CV_8UC4, true}});
-
-const Encoding& EncodingOf(const std::string& name) {
-  for (const Encoding& encoding : kEncodings) {
-    if (encoding.name == name) return encoding;
-  }
-  throw DatasetError(
-      fmt::format("its images are encoded as '{}', not as mono8, mono16, bgr8, rgb8, bgra8 or rgba8", Shown(name)));
-}
-
-cv::Mat RawPixels(RosReader& reader, const cv::Size& expected) {
+RosPixels PixelsOf(RosReader& reader) {
   RosPixels pixels;
   pixels.height_px = reader.Get<uint32_t>();
   pixels.width_px = reader.Get<uint32_t>();
@@ -48,7 +24,13 @@ cv::Mat RawPixels(RosReader& reader, const cv::Size& expected) {
   pixels.is_big_endian = reader.Get<uint8_t>() != 0;
   pixels.step_bytes = reader.Get<uint32_t>();
   pixels.data = reader.Bytes();
-  return GreyOfRosPixels(pixels, expected);
+  return pixels;
+}
+
+/// Of a CompressedImage behind its header: the name of its file in errors, and the file.
+std::pair<std::string, std::span<const uint8_t>> FileOf(RosReader& reader) {
+  const std::string name = fmt::format("'{}'", Shown(reader.Text()));
+  return {name, reader.Bytes()};
 }
 
 template <class Matrix>
@@ -107,32 +89,6 @@ std::optional<RosEncoding> RosEncodingOf(std::string_view name) {
   return std::nullopt;
 }
 
-cv::Mat GreyOfRosPixels(const RosPixels& image, const cv::Size& expected) {
-  const Encoding& encoding = EncodingOf(image.encoding);
-  if (image.width_px != expected.width || image.height_px != expected.height) {
-    throw DatasetError(fmt::format("has {} x {} pixels where {} x {} are expected", image.width_px, image.height_px,
-                                   expected.width, expected.height));
-  }
-  const int64_t row_bytes = int64_t{expected.width} * CV_ELEM_SIZE(encoding.type);
-  const int64_t step_bytes = image.step_bytes != 0 ? image.step_bytes : row_bytes;
-  const auto n_bytes = static_cast<int64_t>(image.data.size());
-  if (expected.empty() || step_bytes < row_bytes || n_bytes < step_bytes * (expected.height - 1) + row_bytes) {
-    throw DatasetError(fmt::format("has {} bytes in rows of {} for {} x {} pixels of {}", n_bytes, step_bytes,
-                                   image.width_px, image.height_px, encoding.name));
-  }
-  if (image.is_big_endian && CV_MAT_DEPTH(encoding.type) == CV_16U) {
-    throw DatasetError("its pixels of 16 bits are in the order of big-endian machines");
-  }
-  cv::Mat pixels(expected, encoding.type);
-  for (int y = 0; y < expected.height; ++y) {
-    std::copy_n(image.data.data() + step_bytes * y, row_bytes, pixels.ptr(y));
-  }
-  if (encoding.is_rgb) {
-    cv::cvtColor(pixels, pixels, pixels.channels() == 3 ? cv::COLOR_RGB2BGR : cv::COLOR_RGBA2BGRA);
-  }
-  return GreyPixels(pixels);
-}
-
 RosCameraInfo ParseCameraInfo(std::span<const uint8_t> message, RosEncoding encoding) {
   RosReader reader(message, encoding);
   reader.SkipHeader();
@@ -152,13 +108,29 @@ RosCameraInfo ParseCameraInfo(std::span<const uint8_t> message, RosEncoding enco
   return info;
 }
 
-cv::Mat ParseImage(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding,
-                   const cv::Size& expected) {
+std::string ImageEncoding(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding) {
+  if (type != kRosImage) return "";
   RosReader reader(message, encoding);
   reader.SkipHeader();
-  if (type == kRosImage) return RawPixels(reader, expected);
-  const std::string format = reader.Text();
-  return DecodeGreyImage(fmt::format("'{}'", Shown(format)), reader.Bytes(), {expected.width, expected.height});
+  return PixelsOf(reader).encoding;
+}
+
+cv::Mat ParseImage(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding,
+                   const cv::Size& expected, int white) {
+  RosReader reader(message, encoding);
+  reader.SkipHeader();
+  if (type == kRosImage) return GreyOfRosPixels(PixelsOf(reader), expected, white);
+  const auto [name, file] = FileOf(reader);
+  return DecodeGreyImage(name, file, {expected.width, expected.height}, white);
+}
+
+int LargestWideValue(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding,
+                     const cv::Size& expected) {
+  RosReader reader(message, encoding);
+  reader.SkipHeader();
+  if (type == kRosImage) return LargestWideValue(PixelsOf(reader), expected);
+  const auto [name, file] = FileOf(reader);
+  return LargestWideValue(name, file, {expected.width, expected.height});
 }
 
 SE3 ParsePose(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding) {

@@ -98,20 +98,16 @@ struct RosCameraInfo {
 };
 RosCameraInfo ParseCameraInfo(std::span<const uint8_t> message, RosEncoding encoding);
 
-/// What an Image says of its pixels; nothing of it has been checked.
-struct RosPixels {
-  int64_t width_px = 0, height_px = 0;
-  int64_t step_bytes = 0;  ///< from one row to the next; 0: without padding
-  std::string encoding;    ///< "mono8", "mono16", "bgr8", "rgb8", "bgra8", "rgba8"
-  bool is_big_endian = false;
-  std::span<const uint8_t> data;
-};
-/// Grey pixels of them, which must have that size.
-cv::Mat GreyOfRosPixels(const RosPixels& image, const cv::Size& expected);
+/// The encoding of the pixels of an Image; empty for a CompressedImage (`type`).
+std::string ImageEncoding(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding);
 
-/// Grey pixels of an Image or a CompressedImage (`type`).
+/// Grey pixels of an Image or a CompressedImage (`type`); `white` is the white level of 16 bits.
 cv::Mat ParseImage(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding,
-                   const cv::Size& expected);
+                   const cv::Size& expected, int white);
+
+/// The largest value of one with pixels of 16 bits, else 0.
+int LargestWideValue(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding,
+                     const cv::Size& expected);
 
 /// Pose of an Odometry or a PoseStamped (`type`).
 SE3 ParsePose(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding);

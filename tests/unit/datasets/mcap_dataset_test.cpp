@@ -56,11 +56,26 @@ TEST_F(McapDataset, TopicsAreFoundOrGiven) {
   EXPECT_THAT(Error("?side=/a/image"), HasSubstr("'side=/a/image' is none of left=TOPIC"));
 }
 
-TEST_F(McapDataset, ColourBecomesGreyAndOtherEncodingsAreNamed) {
+TEST_F(McapDataset, ColourBecomesGrey) {
   MakeMcapFile(path(), {.encoding = "rgb8"});
   EXPECT_EQ(OpenDataset(path(), "")->Read(1).left.at<uint8_t>(5, 7), test::TinyPixel(1, 0, 7, 5));
-  MakeMcapFile(path(), {.encoding = "yuv422"});
-  EXPECT_THAT(Error(), AllOf(HasSubstr("frame 0: /cam0/image_raw: "), HasSubstr("'yuv422', not as mono8")));
+}
+
+TEST_F(McapDataset, OtherEncodingsAreRefusedAtOpening) {
+  MakeMcapFile(path(), {.encoding = "yuv411"});
+  EXPECT_THAT(ErrorOf([&] { OpenDataset(path(), ""); }),
+              HasSubstr(path() + ": /cam0/image_raw: its images are encoded as 'yuv411', not as mono"));
+}
+
+TEST_F(McapDataset, TenBitsInSixteenAreStretched) {
+  MakeMcapFile(path(), {.encoding = "mono16"});
+  const auto dataset = OpenDataset(path(), "");
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(dataset->Read(i).left.at<uint8_t>(5, 7), test::TinyPixel(i, 0, 7, 5), 1);
+    EXPECT_NEAR(dataset->Read(i).right.at<uint8_t>(5, 7), test::TinyPixel(i, 1, 7, 5), 1);
+  }
+  EXPECT_THAT(Note(), AllOf(HasSubstr("images of 16 bits have values up to "),
+                            HasSubstr(", as of 10 bits: 1023 is taken as white")));
 }
 
 TEST_F(McapDataset, TopicsThatAreThereAreListed) {

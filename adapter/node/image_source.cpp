@@ -17,7 +17,6 @@
 #include "core/datasets/check_rig.h"
 #include "core/errors/error_text.h"
 #include "core/geometry/body_frame.h"
-#include "core/io/images/image_file.h"
 #include "core/run/process_names.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/intrinsics_t.hpp"

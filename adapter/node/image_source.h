@@ -18,6 +18,7 @@
 #include "adapter/stamp_pairing.h"
 #include "core/bus/messages/frame_channel.h"
 #include "core/bus/transport/stock_lcm.h"
+#include "core/io/images/image_file.h"
 #include "core/process/process.h"
 
 namespace plslam::adapter {

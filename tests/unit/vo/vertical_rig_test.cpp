@@ -71,7 +71,7 @@ void ExpectTheSame(const std::string& location, int n_frames) {
   }
 }
 
-TEST(VerticalRig, RoomSideBySideAndOneAboveTheOther) { ExpectTheSame("synthetic:room?seed=3", 40); }
+TEST(VerticalRig, RoomSideBySideAndOneAboveTheOther) { ExpectTheSame("synthetic:room?seed=3&size=320x240", 30); }
 
 TEST(VerticalRig, EurocSideBySideAndOneAboveTheOther) {
   PLSLAM_REQUIRE_DATA(folder, "euroc_MH_01_a");

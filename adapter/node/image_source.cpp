@@ -135,7 +135,7 @@ void ImageSource::OnInfo(Side side, MessageBytes bytes) {
   if (!infos_[0] || !infos_[1]) return;
   // Each only once: a new one of one camera does not go with an old one of the other.
   const auto infos = std::exchange(infos_, {});
-  UseRig(RigFromRos(*infos[0], *infos[1], NamesRectified(options_.left)));
+  UseRig(RigFromRos(InPixelsOfImages(*infos[0], {}), InPixelsOfImages(*infos[1], {}), NamesRectified(options_.left)));
 }
 
 void ImageSource::OnPair(const Pair& pair) {

@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "core/datasets/calibrations/foreign_calibration.h"
 #include "core/datasets/euroc_dataset.h"
 #include "core/datasets/images_dataset.h"
 #include "core/datasets/kitti_dataset.h"
@@ -130,7 +131,9 @@ const Opener& OpenerByLooking(const std::string& location) {
   }
   if (!std::filesystem::exists(location)) throw DatasetError(location + ": there is no such dataset");
   const auto describe = [](const DatasetKind& kind) { return fmt::format("{}: {}", kind.name, kind.sign); };
-  throw DatasetError(fmt::format("{}: is no dataset of a known kind ({})", location, Join(DatasetKinds(), describe)));
+  const std::string unread = UnreadCalibration(location);
+  throw DatasetError(fmt::format("{}: is no dataset of a known kind ({}){}", location, Join(DatasetKinds(), describe),
+                                 unread.empty() ? "" : "; " + unread));
 }
 
 const Opener& OpenerOf(const std::string& location, const std::string& kind) {

@@ -62,6 +62,10 @@ class Sections {
     return first != values_.end() && first->first.starts_with(Upper(section) + ":");
   }
 
+  bool Has(const std::string& section, const std::string& key) const {
+    return values_.contains(Upper(section + ":" + key));
+  }
+
   double Number(const std::string& section, const std::string& key) const {
     const auto found = values_.find(Upper(section + ":" + key));
     if (found == values_.end()) throw DatasetError(fmt::format("{}: {} of [{}] is missing", path_, key, section));
@@ -75,7 +79,7 @@ class Sections {
   }
 
   double NumberOr(const std::string& section, const std::string& key, double fallback) const {
-    return values_.contains(Upper(section + ":" + key)) ? Number(section, key) : fallback;
+    return Has(section, key) ? Number(section, key) : fallback;
   }
 
  private:
@@ -119,6 +123,18 @@ CameraCalibration ZedCamera(const Sections& file, const std::string& section, co
   return camera;
 }
 
+/// TY or TZ: of the resolution, or, as the first files have it, of all. They are fractions of a millimetre, and some
+/// files leave them out; those of another resolution alone are none.
+double Shift_mm(const Sections& file, const std::string& key, const std::string& resolution) {
+  const std::string own = key + "_" + resolution;
+  if (file.Has("STEREO", own)) return file.Number("STEREO", own);
+  if (file.Has("STEREO", key)) return file.Number("STEREO", key);
+  for (const Resolution& other : kResolutions) {
+    if (file.Has("STEREO", fmt::format("{}_{}", key, other.name))) return file.Number("STEREO", own);  // fails
+  }
+  return 0.0;
+}
+
 }  // namespace
 
 ForeignCalibration ReadZed(const std::string& path, const ImageSize& image_size) {
@@ -131,12 +147,13 @@ ForeignCalibration ReadZed(const std::string& path, const ImageSize& image_size)
   }
   // The manufacturer's own code gives these to OpenCV's stereoRectify as R and T, with a T.x above 0. Rectification
   // does not change with the sign of T; for the right camera to be on the right it is the other one.
-  const Eigen::Vector3d t_mm(file.Number("STEREO", "Baseline"), file.NumberOr("STEREO", "TY_" + name, 0.0),
-                             file.NumberOr("STEREO", "TZ_" + name, 0.0));
-  const Eigen::Vector3d turn(file.NumberOr("STEREO", "RX_" + name, 0.0), file.NumberOr("STEREO", "CV_" + name, 0.0),
-                             file.NumberOr("STEREO", "RZ_" + name, 0.0));
+  const Eigen::Vector3d turn(file.Number("STEREO", "RX_" + name), file.Number("STEREO", "CV_" + name),
+                             file.Number("STEREO", "RZ_" + name));
+  const Eigen::Vector3d t_mm(file.Number("STEREO", "Baseline"), Shift_mm(file, "TY", name),
+                             Shift_mm(file, "TZ", name));
   const SE3 T_right_left(ExpSO3(turn), -kMetresPerMm * t_mm);
   ForeignCalibration result;
+  result.has_own_unit = true;
   const CameraCalibration left = ZedCamera(file, "LEFT_CAM_" + name, resolution);
   const CameraCalibration right = ZedCamera(file, "RIGHT_CAM_" + name, resolution);
   result.rig = RigOf(left, right, T_right_left.Inverse());

@@ -56,13 +56,18 @@ std::string Image(bool is_ros1, int64_t t_ns, int frame, int camera, const std::
   return message.bytes();
 }
 
-std::string CameraInfo(bool is_ros1, int64_t t_ns, double p3) {
+std::string CameraInfo(bool is_ros1, int64_t t_ns, double p1, double p3, const RecordingOptions& o) {
   RosBytes message = Message(is_ros1, t_ns);
-  message.Number(uint32_t{kTinyHeight_px}).Number(uint32_t{kTinyWidth_px}).Text("plumb_bob").Number(uint32_t{5});
+  message.Number(o.info_scale * kTinyHeight_px).Number(o.info_scale * kTinyWidth_px);
+  message.Text("plumb_bob").Number(uint32_t{5});
   for (const double d : {-0.28, 0.07, 0.0002, 1.8e-5, 0.0}) message.Number(d);
-  for (const double k : {40.0, 0.0, 24.0, 0.0, 40.0, 16.0, 0.0, 0.0, 1.0}) message.Number(k);
+  const double s = o.info_scale;
+  for (const double k : {40 * s, 0.0, 24 * s, 0.0, 40 * s, 16 * s, 0.0, 0.0, 1.0}) message.Number(k);
   for (const double r : {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}) message.Number(r);
-  for (const double p : {40.0, 0.0, 24.0, p3, 0.0, 40.0, 16.0, 0.0, 0.0, 0.0, 1.0, 0.0}) message.Number(p);
+  for (const double p : {40 * s, p1, 24 * s, p3 * s, 0.0, 40 * s, 16 * s, 0.0, 0.0, 0.0, 1.0, 0.0}) message.Number(p);
+  message.Number(o.binning).Number(o.binning);
+  for (int i = 0; i < 4; ++i) message.Number(uint32_t{0});  // the whole sensor
+  message.Number(uint8_t{0});
   return message.bytes();
 }
 
@@ -77,8 +82,8 @@ std::string Pose(bool is_ros1, int64_t t_ns, int frame) {
 std::map<uint16_t, std::string> TinyMessages(int64_t t_ns, int frame, const RecordingOptions& o, bool is_ros1) {
   return {{kLeft, Image(is_ros1, t_ns, frame, 0, o.encoding)},
           {kRight, Image(is_ros1, t_ns, frame, 1, o.encoding)},
-          {kLeftInfo, CameraInfo(is_ros1, t_ns, 0.0)},
-          {kRightInfo, CameraInfo(is_ros1, t_ns, o.p_right)},
+          {kLeftInfo, CameraInfo(is_ros1, t_ns, 0.0, 0.0, o)},
+          {kRightInfo, CameraInfo(is_ros1, t_ns, o.skew_right, o.p_right, o)},
           {kTruth, Pose(is_ros1, t_ns, frame)}};
 }
 

@@ -145,17 +145,19 @@ ForeignCalibration ReadZed(const std::string& path, const ImageSize& image_size)
     throw DatasetError(fmt::format("{}: has no section [LEFT_CAM_{}] for images of {} x {} pixels", path, name,
                                    resolution.width_px, resolution.height_px));
   }
+  const CameraCalibration left = ZedCamera(file, "LEFT_CAM_" + name, resolution);
+  const CameraCalibration right = ZedCamera(file, "RIGHT_CAM_" + name, resolution);
   // The manufacturer's own code gives these to OpenCV's stereoRectify as R and T, with a T.x above 0. Rectification
   // does not change with the sign of T; for the right camera to be on the right it is the other one.
-  const Eigen::Vector3d turn(file.Number("STEREO", "RX_" + name), file.Number("STEREO", "CV_" + name),
-                             file.Number("STEREO", "RZ_" + name));
-  const Eigen::Vector3d t_mm(file.Number("STEREO", "Baseline"), Shift_mm(file, "TY", name),
-                             Shift_mm(file, "TZ", name));
+  const double x_mm = file.Number("STEREO", "Baseline");
+  // In this order, in which a file that has none of them names the first.
+  const double rx = file.Number("STEREO", "RX_" + name), cv = file.Number("STEREO", "CV_" + name),
+               rz = file.Number("STEREO", "RZ_" + name);
+  const double y_mm = Shift_mm(file, "TY", name), z_mm = Shift_mm(file, "TZ", name);
+  const Eigen::Vector3d t_mm(x_mm, y_mm, z_mm), turn(rx, cv, rz);
   const SE3 T_right_left(ExpSO3(turn), -kMetresPerMm * t_mm);
   ForeignCalibration result;
   result.has_own_unit = true;
-  const CameraCalibration left = ZedCamera(file, "LEFT_CAM_" + name, resolution);
-  const CameraCalibration right = ZedCamera(file, "RIGHT_CAM_" + name, resolution);
   result.rig = RigOf(left, right, T_right_left.Inverse());
   result.direction =
       "RX, CV, RZ and -(Baseline, TY, TZ), in millimetres, take points of the left camera to the right one: inverted";

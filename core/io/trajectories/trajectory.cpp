@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "core/errors/error_text.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/files/text_rows.h"
 
@@ -25,6 +26,8 @@ constexpr int64_t kMaxTime_ns = 4'600'000'000 * kNsPerS;
 // 25 times round the Earth. What is further away is a number in another column or of a solver that diverged, of which
 // errors would be infinite.
 constexpr double kMaxPosition_m = 1e9;
+
+constexpr size_t kTumFields = 8;
 
 void RequireFields(const TextRow& row, size_t n, const char* format) {
   if (row.fields.size() != n) {
@@ -44,7 +47,7 @@ SE3 UnitPose(const TextRow& row, const Eigen::Quaterniond& q, const Eigen::Vecto
 }
 
 TrajectoryPose ParseTum(const TextRow& row) {
-  RequireFields(row, 8, "TUM");
+  RequireFields(row, kTumFields, "TUM");
   const int64_t t_ns = row.Scaled(0, 9);
   const Eigen::Quaterniond q(row.Number(7), row.Number(4), row.Number(5), row.Number(6));
   return {t_ns, UnitPose(row, q, Position(row, 1))};
@@ -57,9 +60,25 @@ TrajectoryPose ParseVslamLab(const TextRow& row) {
   return {t_ns, UnitPose(row, q, Position(row, 1))};
 }
 
+/// How sure a time of a row with commas is one in seconds, and not in the nanoseconds of EuRoC.
+enum class InSeconds { kNo, kPerhaps, kYes };
+
+/// It has a point, or the ten digits of a second of our time. Nanoseconds of a clock that starts at 0 have ten digits
+/// for some seconds, too.
+InSeconds TimeInSeconds(const TextRow& row) {
+  constexpr double kFirstNs = 1e11;
+  const std::string_view text = row.fields[0];
+  if (text.find('.') != text.npos) return std::abs(row.Number(0)) < kFirstNs ? InSeconds::kYes : InSeconds::kNo;
+  const bool ten_digits = text.size() == 10 && text.find_first_not_of("0123456789") == text.npos;
+  return ten_digits && row.Scaled(0, 0) <= kMaxTime_ns / kNsPerS ? InSeconds::kPerhaps : InSeconds::kNo;
+}
+
 TrajectoryPose ParseEuroc(const TextRow& row) {
   if (row.fields.size() < 8) {
     row.Fail(fmt::format("{} columns, but a row of the EuRoC format has at least 8", row.fields.size()));
+  }
+  if (TimeInSeconds(row) == InSeconds::kYes) {
+    row.Fail(fmt::format("time '{}' is in seconds, but in nanoseconds in the EuRoC format", Shown(row.fields[0])));
   }
   const int64_t t_ns = row.Scaled(0, 0);
   const Eigen::Quaterniond q(row.Number(4), row.Number(5), row.Number(6), row.Number(7));
@@ -76,19 +95,6 @@ SE3 ParseKitti(const TextRow& row) {
     row.Fail(fmt::format("the matrix is no rotation (determinant {:.6g}, off by {:.3g})", R.determinant(), error));
   }
   return {R, m.col(3)};
-}
-
-/// How sure a time of a row with commas is one in seconds, and not in the nanoseconds of EuRoC.
-enum class InSeconds { kNo, kPerhaps, kYes };
-
-/// It has a point, or the ten digits of a second of our time. Nanoseconds of a clock that starts at 0 have ten digits
-/// for some seconds, too.
-InSeconds TimeInSeconds(const TextRow& row) {
-  constexpr double kFirstNs = 1e11;
-  const std::string_view text = row.fields[0];
-  if (text.find('.') != text.npos) return std::abs(row.Number(0)) < kFirstNs ? InSeconds::kYes : InSeconds::kNo;
-  const bool ten_digits = text.size() == 10 && text.find_first_not_of("0123456789") == text.npos;
-  return ten_digits && row.Scaled(0, 0) <= kMaxTime_ns / kNsPerS ? InSeconds::kPerhaps : InSeconds::kNo;
 }
 
 TrajectoryFormat Recognise(const TextRow& row) {
@@ -256,7 +262,7 @@ class RowReader {
   void Take(const TextRow& row, int64_t index, bool may_be_seconds) {
     const bool is_first = !format_ || (*format_ == TrajectoryFormat::kEuroc && rows_.empty());
     if (!format_) format_ = Recognise(row);
-    if (is_first && may_be_seconds && row.has_commas) {
+    if (is_first && may_be_seconds && row.has_commas && row.fields.size() == kTumFields) {
       in_seconds_ = TimeInSeconds(row);
       if (TookSeconds()) format_ = TrajectoryFormat::kTum;
     }

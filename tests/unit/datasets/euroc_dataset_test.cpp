@@ -215,8 +215,8 @@ TEST_F(EurocDataset, BadSensorFilesAreNamedWithTheirLine) {
   }
   test::WriteText(sensor, "");
   EXPECT_THAT(OpenError(), HasSubstr("the calibration is empty"));
-  test::WriteText(sensor, std::string(70000, ' '));
-  EXPECT_THAT(OpenError(), HasSubstr("more than 65536 bytes"));
+  test::WriteText(sensor, std::string(1'100'000, ' '));
+  EXPECT_THAT(OpenError(), HasSubstr("more than 1000000 bytes"));
   fs::remove(sensor);
   EXPECT_THAT(OpenError(), HasSubstr("the calibration cannot be read: No such file or directory"));
 }

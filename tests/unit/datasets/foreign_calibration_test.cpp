@@ -245,7 +245,9 @@ TEST_F(ForeignCalibrationTest, RgbdSettingsOfOrbSlam) {
 
   test::MakeImagesFolder(folder_ / "images");
   fs::remove(folder_ / "images" / "camera.yaml");
-  test::WriteText(folder_ / "images" / "tum1.yaml", "Camera.fps: 30\n" + camera + "DepthMapFactor: 5000.0\n");
+  test::WriteText(
+      folder_ / "images" / "tum1.yaml",
+      "Camera.fps: 30\n" + Replaced(Replaced(camera, "330", "24"), "190", "16") + "DepthMapFactor: 5000.0\n");
   EXPECT_THAT(ErrorOf([&] { OpenImagesDataset((folder_ / "images").string()); }),
               AllOf(HasSubstr("tum1.yaml: is of an RGB-D camera"), HasSubstr("images of a stereo pair")));
 }

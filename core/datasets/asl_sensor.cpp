@@ -98,6 +98,9 @@ std::pair<CameraCalibration, CameraCalibration> ReadCamchain(const std::string& 
                                                              std::vector<std::string>* notes) {
   constexpr int kMaxCameras = 16;
   const YamlMap yaml = YamlMap::FromFile(path);
+  if (yaml.Has("cam0") && !yaml.Has("cam1")) {
+    yaml.Fail("cam1", "is missing, so that this is the chain of one camera: a stereo pair is needed");
+  }
   std::vector<std::pair<std::string, YamlMap>> maps;
   for (int i = 0; i < kMaxCameras && (i < 2 || yaml.Has(fmt::format("cam{}", i))); ++i) {
     const std::string name = fmt::format("cam{}", i);

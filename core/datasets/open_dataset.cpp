@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <string_view>
 #include <utility>
 
@@ -21,6 +22,7 @@
 #include "core/datasets/tum_dataset.h"
 #include "core/datasets/vslamlab_dataset.h"
 #include "core/errors/error_text.h"
+#include "core/io/files/git_lfs.h"
 
 namespace plslam {
 namespace {
@@ -140,6 +142,15 @@ const Opener& OpenerOf(const std::string& location, const std::string& kind) {
   return kind.empty() ? OpenerByLooking(location) : OpenerByName(kind);
 }
 
+/// A recording that Git LFS has not fetched.
+bool IsPointerFile(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;
+  std::array<char, 64> start{};
+  std::ifstream(path, std::ios::binary).read(start.data(), start.size());
+  return IsGitLfsPointer({start.data(), start.size()});
+}
+
 /// What `f` returns, or the error of a file system as DatasetError.
 template <class F>
 auto Translated(F f) {
@@ -173,6 +184,7 @@ std::string DatasetKindHelp() {
 }
 
 std::unique_ptr<Dataset> OpenDataset(const std::string& location, const std::string& kind) {
+  if (IsPointerFile(FileOfLocation(location))) throw DatasetError(fmt::format("{}: {}", location, kGitLfsPointer));
   return Translated([&] { return OpenerOf(location, kind).open(location); });
 }
 

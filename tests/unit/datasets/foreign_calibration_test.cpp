@@ -375,6 +375,12 @@ TEST_F(ForeignCalibrationTest, ZedRotationOfItsResolution) {
   EXPECT_THAT(error(Replaced(text, "RX_VGA", "RX_2K")), HasSubstr("RX_VGA of [STEREO] is missing"));
   EXPECT_THAT(error(Replaced(text, "CV_VGA", "CV_2K")), HasSubstr("CV_VGA of [STEREO] is missing"));
   EXPECT_THAT(error(Replaced(text, "TY_VGA", "TY_2K")), HasSubstr("TY_VGA of [STEREO] is missing"));
+  EXPECT_THAT(error(Replaced(text, "k1=-0.28\n", "")), HasSubstr("k1 of [LEFT_CAM_VGA] is missing"));
+  const std::string left = "k1=-0.28\nk2=0.07\np1=0.0002\np2=-0.0001\nk3=0\n";
+  const std::string right = "k1=-0.27\nk2=0.06\np1=-0.0003\np2=0.0004\nk3=0\n";
+  const std::string later =
+      Replaced(Replaced(text, left, ""), right, "") + "[LEFT_DISTO]\n" + left + "[RIGHT_DISTO]\n" + right;
+  ExpectTheRig(ReadForeignCalibration({Write("SN.conf", later)}, kSize).rig, "distortion of all resolutions");
   const std::string bare = Write("SN.conf", Replaced(Replaced(text, "TY_VGA", "TY"), "TZ_VGA", "TZ"));
   ExpectTheRig(ReadForeignCalibration({bare}, kSize).rig, "TY and TZ of all resolutions");
 }

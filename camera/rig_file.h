@@ -38,6 +38,8 @@ struct LiveRig {
   std::string path;
   RigCalibration rig;
   SourceSpec source;
+  /// What the user should know of the calibration, in whole sentences.
+  std::vector<std::string> notes{};
 };
 
 /// Relative names of `files` are meant beside the rig file. Throws DatasetError that names file, line, key and value.

@@ -41,6 +41,13 @@ void CheckRig(const RigCalibration& rig) {
   AsDatasetError([&] { BodyFromCamera(rig); });
 }
 
+/// Of a CameraInfo; the notes of a camera file have been told when it was read.
+void WarnOfLongBaseline(const RigCalibration& rig) {
+  std::vector<std::string> notes;
+  NoteLongBaseline("CameraInfo", rig, "P[3] is in metres times pixels; where it is not, give adapter.camera", &notes);
+  for (const std::string& note : notes) spdlog::warn("{}", note);
+}
+
 std::string GivenOr(const std::string& given, const std::string& image_channel) {
   return given.empty() ? InfoChannelOf(image_channel) : given;
 }
@@ -73,7 +80,9 @@ ImageSource::ImageSource(bus::Process& process, bus::StockLcm& foreign, const Ad
       publisher_(process.bus(), false),
       pairing_(std::llround(options.max_skew_ms * kNsPerMs)) {
   if (!options_.camera.empty()) {
-    RigCalibration rig = ReadCalibration({options_.camera}, {});
+    std::vector<std::string> notes;
+    RigCalibration rig = ReadCalibration({options_.camera}, {}, &notes);
+    for (const std::string& note : notes) spdlog::warn("{}", note);
     if (rig.kind != RigCalibration::Kind::kStereo) {
       throw DatasetError(options_.camera + ": is of an RGB-D camera, and a stereo rig is wanted");
     }
@@ -137,7 +146,7 @@ void ImageSource::OnInfo(Side side, MessageBytes bytes) {
   if (!infos_[0] || !infos_[1]) return;
   // Each only once: a new one of one camera does not go with an old one of the other.
   const auto infos = std::exchange(infos_, {});
-  UseRig(RigFromRos(*infos[0], *infos[1], NamesRectified(options_.left)));
+  UseRig(RigFromRos(InPixelsOfImages(*infos[0], {}), InPixelsOfImages(*infos[1], {}), NamesRectified(options_.left)));
 }
 
 void ImageSource::OnPair(const Pair& pair) {
@@ -167,6 +176,7 @@ void ImageSource::UseRig(RigCalibration rig) {
   std::vector<uint8_t> bytes = bus::RigBytes(bus::ToMessage(rig));
   if (bytes == rig_bytes_) return;
   CheckRig(rig);
+  if (options_.camera.empty()) WarnOfLongBaseline(rig);
   rig_bytes_ = std::move(bytes);
   rig_ = std::move(rig);
   listener_.on_rig(*rig_);

@@ -143,4 +143,10 @@ std::string RigComplaint(const RigCalibration& rig) {
                   PlacementComplaint(rig)});
 }
 
+void NoteLongBaseline(const std::string& path, const RigCalibration& rig, const std::string& remedy,
+                      std::vector<std::string>* notes) {
+  if (rig.kind == RigCalibration::Kind::kRgbd || rig.baseline_m <= kUsualBaseline_m) return;
+  notes->push_back(fmt::format("{}: the cameras stand {:.4g} m apart: {}", path, rig.baseline_m, remedy));
+}
+
 }  // namespace plslam

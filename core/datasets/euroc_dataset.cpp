@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/datasets/asl_sensor.h"
+#include "core/datasets/check_rig.h"
 #include "core/datasets/dataset_rows.h"
 #include "core/datasets/image_list.h"
 #include "core/io/files/shared_file.h"
@@ -73,11 +74,11 @@ std::array<std::string, 2> CalibrationPaths(const fs::path& mav) {
   return {left.string(), right.string()};
 }
 
-RigCalibration ReadRig(const std::array<std::string, 2>& paths) {
+RigCalibration ReadRig(const std::array<std::string, 2>& paths, std::vector<std::string>* notes) {
   RigCalibration rig;
   rig.name = "euroc";
   if (paths[0] == paths[1]) {
-    std::tie(rig.left, rig.right) = ReadCamchain(paths[0]);
+    std::tie(rig.left, rig.right) = ReadCamchain(paths[0], notes);
   } else {
     rig.left = ReadAslCamera(paths[0]);
     rig.right = ReadAslCamera(paths[1]);
@@ -93,7 +94,8 @@ std::unique_ptr<Dataset> OpenEurocDataset(const std::string& folder) {
   ImageList list;
   list.name = folder;
   const std::array<std::string, 2> calibrations = CalibrationPaths(mav);
-  list.rig = ReadRig(calibrations);
+  list.rig = ReadRig(calibrations, &list.notes);
+  NoteLongBaseline(calibrations[1], list.rig, kLengthsAreMetres, &list.notes);
   const Shots left = CameraShots(mav / "cam0");
   const Shots right = CameraShots(mav / "cam1");
   list.entries = Pair(left, right, &list.notes);

@@ -60,8 +60,6 @@ int64_t MedianStep_ns(const std::vector<int64_t>& times_ns) {
 
 namespace {
 
-constexpr double kUsualBaseline_m = 10.0;
-
 class ImageListDataset : public Dataset {
  public:
   explicit ImageListDataset(ImageList list) : list_(std::move(list)) {
@@ -140,10 +138,6 @@ std::unique_ptr<Dataset> MakeImageListDataset(ImageList list, const std::string&
   list.rig.rate_hz = MedianRate_hz(list.entries, list.rig.rate_hz);
   const std::string complaint = RigComplaint(list.rig);
   if (!complaint.empty()) throw DatasetError(calibration_path + ": " + complaint);
-  if (list.rig.baseline_m > kUsualBaseline_m) {
-    list.notes.push_back(fmt::format("{}: the cameras stand {} m apart: is that in millimetres?", calibration_path,
-                                     list.rig.baseline_m));
-  }
   if (ImageSize{list.rig.left.width_px, list.rig.left.height_px} != list.image_size) {
     throw DatasetError(fmt::format("{}: the cameras have {} x {} pixels, but the images {} x {} ({})",
                                    calibration_path, list.rig.left.width_px, list.rig.left.height_px,
@@ -182,7 +176,8 @@ std::string SpanText(int64_t first_ns, int64_t last_ns) {
 }  // namespace
 
 std::vector<std::optional<SE3>> FrameTruth(const std::string& path, TrajectoryFormat format, ImageList* list) {
-  const Trajectory truth = ReadDatasetTrajectory(path, format);
+  const TrajectoryFile file = ReadTruth(path, format, &list->notes);
+  const Trajectory& truth = file.poses;
   std::vector<std::optional<SE3>> poses;
   poses.reserve(list->entries.size());
   for (const ImageList::Entry& entry : list->entries) {
@@ -192,7 +187,7 @@ std::vector<std::optional<SE3>> FrameTruth(const std::string& path, TrajectoryFo
   const auto n =
       static_cast<size_t>(std::count_if(poses.begin(), poses.end(), [](const auto& p) { return p.has_value(); }));
   if (truth.empty()) {
-    list->notes.push_back(name + ": has no poses");
+    if (file.n_rows == 0 && file.format) list->notes.push_back(name + ": has no poses");
   } else if (2 * n < poses.size()) {
     list->notes.push_back(fmt::format("{}: {} poses ({}), {} of {} frames ({}) have one", name, truth.size(),
                                       SpanText(truth.front().t_ns, truth.back().t_ns), n, poses.size(),

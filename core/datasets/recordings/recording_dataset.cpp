@@ -296,10 +296,26 @@ class RecordingDataset : public Dataset {
     throw DatasetError(fmt::format("has no camera_info for {}", image_topic));
   }
 
+  /// Of the left and the right images, by the first pair that can be read; 0 x 0 where none can.
+  std::pair<ImageSize, ImageSize> ImageSizes() const {
+    constexpr size_t kTried = 10;
+    for (size_t i = 0; i < std::min(kTried, pairs_.size()); ++i) {
+      try {
+        const auto& [left, right] = pairs_[i];
+        return {SizeOfImage(left_.type, reader_->Read(left), EncodingOf(left_)),
+                SizeOfImage(right_.type, reader_->Read(right), EncodingOf(right_))};
+      } catch (const std::runtime_error&) {  // told where the frame is read
+      }
+    }
+    return {};
+  }
+
   RigCalibration RecordedRig() const {
     const bool rectified = left_.topic.find("rect") != std::string::npos;
     try {
-      return RigFromRos(CameraInfoOf(left_.topic), CameraInfoOf(right_.topic), rectified);
+      const auto [left_size, right_size] = ImageSizes();
+      return RigFromRos(InPixelsOfImages(CameraInfoOf(left_.topic), left_size),
+                        InPixelsOfImages(CameraInfoOf(right_.topic), right_size), rectified);
     } catch (const DatasetError& error) {
       throw DatasetError(
           fmt::format("{}: name a camera file (docs/datasets.md), FILE?camera=camera.yaml", error.what()));
@@ -308,17 +324,19 @@ class RecordingDataset : public Dataset {
 
   void ReadRig(std::string_view kind) {
     if (const auto given = options_.find("camera"); given != options_.end()) {
-      // A camera without resolution has that of the recorded ones.
-      ImageSize size;
-      try {
-        const RosCameraInfo info = CameraInfoOf(left_.topic);
-        size = {info.width_px, info.height_px};
-      } catch (const DatasetError&) {
-        size = {0, 0};
+      const ImageSize size = ImageSizes().first;
+      rig_ = ReadCameraFile(given->second, size, &notes_);
+      if (size != ImageSize{} && size != ImageSize{rig_.left.width_px, rig_.left.height_px}) {
+        throw DatasetError(fmt::format("{} is of {} x {} pixels, but the images of {} have {} x {}", given->second,
+                                       rig_.left.width_px, rig_.left.height_px, left_.topic, size.width_px,
+                                       size.height_px));
       }
-      rig_ = ReadCameraFile(given->second, size);
     } else {
       rig_ = RecordedRig();
+      NoteLongBaseline("camera_info", rig_,
+                       "P[3] is in metres times pixels; where it is not, name a camera file (docs/datasets.md), "
+                       "FILE?camera=camera.yaml",
+                       &notes_);
     }
     rig_.name = kind;
     rig_.rate_hz = 1e9 / static_cast<double>(step_ns_);

@@ -8,10 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "core/datasets/calibrations/readers.h"
 #include "core/datasets/recordings/pixel_encodings.h"
 #include "core/errors/error_text.h"
-#include "core/io/images/image_file.h"
+#include "core/io/images/image_header.h"
 
 namespace plslam {
 namespace {
@@ -42,45 +41,6 @@ Matrix GetRows(RosReader& reader) {
   return m;
 }
 
-/// Model and coefficients in our names.
-void SetLens(const RosCameraInfo& info, CameraCalibration& camera) {
-  const std::vector<double>& d = info.distortion;
-  if (std::all_of(d.begin(), d.end(), [](double x) { return x == 0.0; })) return;  // a pinhole
-  const bool is_fisheye = info.model == "equidistant" || info.model == "fisheye";
-  const bool is_radtan = info.model == "plumb_bob" && (d.size() == 4 || d.size() == 5);
-  const bool is_rational = info.model == "rational_polynomial" && d.size() >= 5;
-  if (is_fisheye && d.size() == 4) {
-    camera.model = "equidistant";
-    camera.distortion = d;
-    return;
-  }
-  if (!is_radtan && !is_rational) {
-    throw DatasetError(fmt::format(
-        "distortion_model '{}' with {} coefficients is none of plumb_bob (4 or 5), rational_polynomial (8) "
-        "and equidistant (4), so that the images would have to be rectified",
-        Shown(info.model), d.size()));
-  }
-  const std::string complaint = SetOpenCvDistortion(d, &camera);
-  if (!complaint.empty()) throw DatasetError("D of camera_info " + complaint);
-}
-
-CameraCalibration CameraFromRos(const RosCameraInfo& info, bool rectified) {
-  CameraCalibration camera;
-  camera.width_px = info.width_px;
-  camera.height_px = info.height_px;
-  const Eigen::Matrix3d K = rectified ? Eigen::Matrix3d(info.P.leftCols<3>()) : info.K;
-  camera.fx_px = K(0, 0);
-  camera.fy_px = K(1, 1);
-  camera.cx_px = K(0, 2);
-  camera.cy_px = K(1, 2);
-  if (!rectified) SetLens(info, camera);
-  return camera;
-}
-
-bool IsRotation(const Eigen::Matrix3d& R) {
-  return R.allFinite() && (R * R.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-3 && R.determinant() > 0.0;
-}
-
 }  // namespace
 
 std::optional<RosEncoding> RosEncodingOf(std::string_view name) {
@@ -105,6 +65,13 @@ RosCameraInfo ParseCameraInfo(std::span<const uint8_t> message, RosEncoding enco
   info.K = GetRows<Eigen::Matrix3d>(reader);
   info.R = GetRows<Eigen::Matrix3d>(reader);
   info.P = GetRows<Eigen::Matrix<double, 3, 4>>(reader);
+  const auto get_px = [&reader] { return static_cast<int>(std::min<uint32_t>(reader.Get<uint32_t>(), 1U << 30)); };
+  info.binning_x = get_px();
+  info.binning_y = get_px();
+  info.roi.x_px = get_px();
+  info.roi.y_px = get_px();
+  info.roi.height_px = get_px();
+  info.roi.width_px = get_px();
   return info;
 }
 
@@ -133,6 +100,20 @@ int LargestWideValue(std::string_view type, std::span<const uint8_t> message, Ro
   return LargestWideValue(name, file, {expected.width, expected.height});
 }
 
+ImageSize SizeOfImage(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding) {
+  RosReader reader(message, encoding);
+  reader.SkipHeader();
+  if (type == kRosImage) {
+    const int64_t height_px = reader.Get<uint32_t>(), width_px = reader.Get<uint32_t>();
+    if (std::max(height_px, width_px) > kMaxImagePixels) return {};
+    return {static_cast<int>(width_px), static_cast<int>(height_px)};
+  }
+  reader.Text();  // format
+  const std::optional<ImageHeader> header = ParseImageHeader(reader.Bytes());
+  if (!header || std::max(header->width_px, header->height_px) > kMaxImagePixels) return {};
+  return {static_cast<int>(header->width_px), static_cast<int>(header->height_px)};
+}
+
 SE3 ParsePose(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding) {
   RosReader reader(message, encoding);
   reader.SkipHeader();
@@ -144,23 +125,6 @@ SE3 ParsePose(std::string_view type, std::span<const uint8_t> message, RosEncodi
   if (!pose.IsFinite() || std::abs(q.norm() - 1.0) > 1e-2)
     throw DatasetError("a pose is none: not finite, or not unit");
   return {q, pose.translation()};
-}
-
-RigCalibration RigFromRos(const RosCameraInfo& left, const RosCameraInfo& right, bool rectified) {
-  RigCalibration rig;
-  rig.left = CameraFromRos(left, rectified);
-  rig.right = CameraFromRos(right, rectified);
-  const double b = (left.P(0, 3) - right.P(0, 3)) / right.P(0, 0);
-  if (!std::isfinite(b) || b == 0.0) {
-    throw DatasetError("camera_info has no baseline (P[3] of the right camera is -fx b)");
-  }
-  if (!rectified && (!IsRotation(left.R) || !IsRotation(right.R)))
-    throw DatasetError("R of camera_info is no rotation");
-  const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
-  const SE3 T_l_r = LeftFromRight(rectified ? I : left.R, rectified ? I : right.R, b);
-  rig.right.T_b_cam = T_l_r;
-  rig.baseline_m = T_l_r.translation().norm();
-  return rig;
 }
 
 }  // namespace plslam

@@ -17,6 +17,7 @@
 
 #include "core/errors/error_text.h"
 #include "core/io/files/dataset_error.h"
+#include "core/io/files/git_lfs.h"
 #include "core/io/images/image_header.h"
 #include "core/io/images/jpeg_codec.h"
 #include "core/io/images/png_codec.h"
@@ -58,19 +59,18 @@ struct OtherFormat {
   std::string_view start;
   const char* name;
 };
-constexpr std::array<OtherFormat, 9> kOtherFormats = {
-    {{{"II*\0", 4}, "TIFF"},
-     {{"MM\0*", 4}, "TIFF"},
-     {"BM", "BMP"},
-     {"GIF8", "GIF"},
-     {"RIFF", "WebP or AVI"},
-     {"P2", "PGM of text"},
-     {"P6", "colour PPM"},
-     {"version https://git-lfs", "Git LFS pointer, not the image itself"},
-     {"<", "page of HTML or XML, perhaps of a failed download"}}};
+constexpr std::array<OtherFormat, 8> kOtherFormats = {{{{"II*\0", 4}, "TIFF"},
+                                                       {{"MM\0*", 4}, "TIFF"},
+                                                       {"BM", "BMP"},
+                                                       {"GIF8", "GIF"},
+                                                       {"RIFF", "WebP or AVI"},
+                                                       {"P2", "PGM of text"},
+                                                       {"P6", "colour PPM"},
+                                                       {"<", "page of HTML or XML, perhaps of a failed download"}}};
 
 std::string WhyNoHeader(std::span<const uint8_t> bytes) {
   const std::string_view start(reinterpret_cast<const char*>(bytes.data()), std::min<size_t>(bytes.size(), 64));
+  if (IsGitLfsPointer(start)) return kGitLfsPointer;
   for (const char* known : {"\x89PNG", "\xff\xd8", "P5"}) {
     if (start.starts_with(known)) {
       return fmt::format("begins as an image, but its header is damaged or cut off ({} bytes)", bytes.size());

@@ -22,7 +22,8 @@ using Trajectory = std::vector<TrajectoryPose>;
 enum class TrajectoryFormat {
   kTum,       ///< `t tx ty tz qx qy qz qw`, seconds
   kKitti,     ///< 12 numbers, the rows of [R t]; no times
-  kEuroc,     ///< `t_ns, px, py, pz, qw, qx, qy, qz, ...` (further columns ignored), with a header line
+  kEuroc,     ///< `t_ns, px, py, pz, qw, qx, qy, qz, ...` (further columns ignored), with a header line; rows with
+              ///< commas whose times are in seconds are of `kTum`
   kVslamLab,  ///< `t_ns, px, py, pz, qx, qy, qz, qw`, with a header line; never recognised, only named in the code
 };
 
@@ -36,6 +37,27 @@ enum class TrajectoryFormat {
 /// empty trajectory. Anything else throws std::runtime_error with file, line and value.
 Trajectory ReadTrajectory(const std::string& path, const std::string& times_path = "");
 Trajectory ReadTrajectory(const std::string& path, TrajectoryFormat format, const std::string& times_path = "");
+
+/// What to do with rows that are no pose, or whose times do not increase.
+enum class BadRows { kRefuse, kPassOver };
+
+/// A trajectory with what was found on the way.
+struct TrajectoryFile {
+  Trajectory poses;
+  /// Of the file, also where none of its rows is a pose; nullopt: it has no rows, or none of a known format.
+  std::optional<TrajectoryFormat> format;
+  /// With those that are passed over.
+  size_t n_rows = 0;
+  /// What the user should know, in whole sentences: which format rows with commas are taken for, and, once, how many
+  /// rows are passed over, with file, line and reason of the first.
+  std::vector<std::string> notes;
+};
+
+/// The same of files of others: truths with a time twice, or rows of NaN where nothing was measured. Rows that are
+/// passed over are as few as possible; KITTI's poses keep the number of their row as their time. Throws
+/// std::runtime_error as `ReadTrajectory` does; with `kPassOver` only where the file cannot be read at all.
+TrajectoryFile ReadTrajectoryFile(const std::string& path, std::optional<TrajectoryFormat> format, BadRows bad_rows,
+                                  const std::string& times_path = "");
 
 /// Writes beside the file and renames, so that a reader never sees half of it. Times of TUM files have nine decimals,
 /// positions nine, quaternions (w >= 0) twelve. Throws std::runtime_error where a pose is not finite or the file

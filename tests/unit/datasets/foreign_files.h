@@ -16,6 +16,8 @@ struct ForeignFile {
 struct ForeignRig {
   std::string format;
   std::vector<ForeignFile> files;
+  /// Files that those name.
+  std::vector<ForeignFile> beside{};
 };
 
 /// The same rig in every format that is read: 672 x 376 pixels, "radtan" lenses, the right camera at (0.12, 0.035, 0)

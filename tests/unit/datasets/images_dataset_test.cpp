@@ -209,7 +209,8 @@ TEST_F(ImagesDataset, BaselineInMillimetresOrBackwardsIsAskedFor) {
   EXPECT_THAT(OpenError(), AllOf(HasSubstr("baseline 110 m"), HasSubstr("is it in millimetres?")));
   test::ReplaceText(camera_, "baseline_m: 110", "baseline_m: 50");
   EXPECT_THAT(OpenImagesDataset(folder_.string())->Notes(),
-              testing::ElementsAre(At("camera.yaml") + ": the cameras stand 50 m apart: is that in millimetres?"));
+              testing::ElementsAre(At("camera.yaml") +
+                                   ": the cameras stand 50 m apart: lengths are in metres there; are these?"));
   test::ReplaceText(camera_, "baseline_m: 50", "baseline_m: -0.11");
   EXPECT_THAT(OpenError(), AllOf(HasSubstr("x = -0.11 m"), HasSubstr("T_b_cam"), HasSubstr("inverted"),
                                  HasSubstr("left and right exchanged?")));

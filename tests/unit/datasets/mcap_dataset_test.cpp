@@ -47,6 +47,28 @@ TEST_F(McapDataset, RigOfCameraInfo) {
   EXPECT_THAT(Error(), HasSubstr("camera_info has no baseline"));
 }
 
+TEST_F(McapDataset, CameraInfoOfBinnedImages) {
+  MakeMcapFile(path(), {.info_scale = 2, .binning = 2});
+  const RigCalibration rig = OpenDataset(path(), "")->rig();
+  EXPECT_EQ(rig.left.fx_px, 40.0);
+  EXPECT_EQ(rig.left.cy_px, 16.0);
+  EXPECT_EQ(rig.baseline_m, 0.125);
+  ExpectFrames(3, "binned");
+  MakeMcapFile(path(), {.binning = 2});
+  EXPECT_EQ(OpenDataset(path(), "")->rig().left.fx_px, 40.0) << "a driver that bins in the camera";
+  MakeMcapFile(path(), {.info_scale = 2});
+  EXPECT_THAT(ErrorOf([&] { OpenDataset(path(), ""); }), HasSubstr("but the images have")) << "when it is opened";
+}
+
+TEST_F(McapDataset, CameraInfoInDoubtIsNotedOrRefused) {
+  MakeMcapFile(path(), {.p_right = -500.0});
+  EXPECT_THAT(Note(),
+              AllOf(HasSubstr("camera_info: the cameras stand 12.5 m apart"), HasSubstr("?camera=camera.yaml")));
+  MakeMcapFile(path(), {.skew_right = -2.0});
+  EXPECT_THAT(Error(),
+              AllOf(HasSubstr("P[1] of the right camera_info = -2 is not 0"), HasSubstr("?camera=camera.yaml")));
+}
+
 TEST_F(McapDataset, TopicsAreFoundOrGiven) {
   MakeMcapFile(path(), {.left = "/a/image", .right = "/b/image"});
   EXPECT_THAT(Error(), AllOf(HasSubstr(path() + ": no two image topics"), HasSubstr("are /a/image, /b/image")));

@@ -62,13 +62,18 @@ std::string Image(bool is_ros1, int64_t t_ns, int frame, int camera, const std::
   return message.bytes();
 }
 
-std::string CameraInfo(bool is_ros1, int64_t t_ns, double p3) {
+std::string CameraInfo(bool is_ros1, int64_t t_ns, double p1, double p3, const RecordingOptions& o) {
   RosBytes message = Message(is_ros1, t_ns);
-  message.Number(uint32_t{kTinyHeight_px}).Number(uint32_t{kTinyWidth_px}).Text("plumb_bob").Number(uint32_t{5});
+  message.Number(o.info_scale * kTinyHeight_px).Number(o.info_scale * kTinyWidth_px);
+  message.Text("plumb_bob").Number(uint32_t{5});
   for (const double d : {-0.28, 0.07, 0.0002, 1.8e-5, 0.0}) message.Number(d);
-  for (const double k : {40.0, 0.0, 24.0, 0.0, 40.0, 16.0, 0.0, 0.0, 1.0}) message.Number(k);
+  const double s = o.info_scale;
+  for (const double k : {40 * s, 0.0, 24 * s, 0.0, 40 * s, 16 * s, 0.0, 0.0, 1.0}) message.Number(k);
   for (const double r : {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}) message.Number(r);
-  for (const double p : {40.0, 0.0, 24.0, p3, 0.0, 40.0, 16.0, 0.0, 0.0, 0.0, 1.0, 0.0}) message.Number(p);
+  for (const double p : {40 * s, p1, 24 * s, p3 * s, 0.0, 40 * s, 16 * s, 0.0, 0.0, 0.0, 1.0, 0.0}) message.Number(p);
+  message.Number(o.binning).Number(o.binning);
+  for (int i = 0; i < 4; ++i) message.Number(uint32_t{0});  // the whole sensor
+  message.Number(uint8_t{0});
   return message.bytes();
 }
 
@@ -93,7 +98,8 @@ std::vector<std::vector<TinyMessage>> TinyChunks(const RecordingOptions& o, bool
       } else if (channel == kTruth) {
         bytes = Pose(is_ros1, stamp_ns, frame);
       } else {
-        bytes = CameraInfo(is_ros1, stamp_ns, channel == kRightInfo ? o.p_right : 0.0);
+        const bool is_right = channel == kRightInfo;
+        bytes = CameraInfo(is_ros1, stamp_ns, is_right ? o.skew_right : 0.0, is_right ? o.p_right : 0.0, o);
       }
       all.push_back({channel, o.log_time ? o.log_time(channel, frame, t_ns) : t_ns, std::move(bytes)});
     }

@@ -25,7 +25,10 @@ struct RecordingOptions {
   std::string right = "/cam1/image_raw";
   std::string encoding = "mono8";
   std::string image_type = "Image";
-  double p_right = -5.0;  ///< P[3] of the right camera: baseline 0.125 m
+  double p_right = -5.0;    ///< P[3] of the right camera: baseline 0.125 m
+  double skew_right = 0.0;  ///< P[1] of the right camera
+  uint32_t info_scale = 1;  ///< camera_info is of a sensor so many times as wide and high
+  uint32_t binning = 0;
 };
 
 /// The channels of a tiny recording, by their ids.

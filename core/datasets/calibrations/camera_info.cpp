@@ -85,7 +85,7 @@ void RequireRectifiedPair(const RosCameraInfo& left, const RosCameraInfo& right)
   }
 }
 
-/// Where a camera stands in the frame of the rectified pair, of which P = K [I | t].
+/// Returns the position of a camera in the rectified frame of the pair, in which P = K [I | t].
 Eigen::Vector3d PlaceInRectified(const RosCameraInfo& info) {
   const Eigen::Matrix<double, 3, 4>& P = info.P;
   const double z = P(2, 3);

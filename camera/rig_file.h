@@ -38,7 +38,7 @@ struct LiveRig {
   std::string path;
   RigCalibration rig;
   SourceSpec source;
-  /// What the user should know of the calibration, in whole sentences.
+  /// Notes about the calibration for the user, in whole sentences.
   std::vector<std::string> notes{};
 };
 

@@ -41,7 +41,7 @@ void CheckRig(const RigCalibration& rig) {
   AsDatasetError([&] { BodyFromCamera(rig); });
 }
 
-/// Of a CameraInfo; the notes of a camera file have been told when it was read.
+/// Warns about the baseline of a CameraInfo. The notes of a camera file are printed when it is read.
 void WarnOfLongBaseline(const RigCalibration& rig) {
   std::vector<std::string> notes;
   NoteLongBaseline("CameraInfo", rig, "P[3] is in metres times pixels; where it is not, give adapter.camera", &notes);

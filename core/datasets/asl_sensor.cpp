@@ -83,8 +83,8 @@ CameraCalibration ReadAslCamera(const std::string& path) {
 
 namespace {
 
-/// Of the body (the IMU, or else the first camera), by whichever key the file has. `T_b_before` is that of the camera
-/// before, from which T_cn_cnm1 leads on.
+/// Returns body (the IMU, or else the first camera) from camera, by whichever key the file has. `T_b_before` is the
+/// pose of the camera before, which T_cn_cnm1 continues.
 SE3 PoseInChain(const YamlMap& camera, bool has_imu, const std::optional<SE3>& T_b_before) {
   if (camera.Has("T_imu_cam")) return camera.Transform("T_imu_cam");
   if (camera.Has("T_cam_imu")) return camera.Transform("T_cam_imu").Inverse();

@@ -183,7 +183,7 @@ void ReadRightCamera(const YamlMap& yaml, const ImageSize& image_size, RigCalibr
   rig->baseline_m = (rig->left.T_b_cam.Inverse() * rig->right.T_b_cam).translation().norm();
 }
 
-/// Of files of another program.
+/// Reads files of another program.
 RigCalibration ReadForeign(const std::vector<std::string>& paths, const ImageSize& image_size,
                            std::optional<double> metres_per_unit, std::vector<std::string>* notes) {
   const ForeignCalibration calibration = ReadForeignCalibration(paths, image_size, metres_per_unit);

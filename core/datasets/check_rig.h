@@ -24,7 +24,7 @@ std::string RigComplaint(const RigCalibration& rig);
 /// unit: "FILE: the cameras stand 6 m apart: REMEDY".
 void NoteLongBaseline(const std::string& path, const RigCalibration& rig, const std::string& remedy,
                       std::vector<std::string>* notes);
-/// What it says of files whose lengths are in metres by definition.
+/// The remedy for files whose lengths are in metres by definition.
 inline constexpr const char* kLengthsAreMetres = "lengths are in metres there; are these?";
 /// No larger one is taken for metres without a word.
 inline constexpr double kUsualBaseline_m = 1.0;

@@ -88,7 +88,9 @@ std::vector<std::optional<SE3>> GroundTruth(const fs::path& folder, ImageList* l
 std::unique_ptr<Dataset> OpenImagesDataset(const std::string& folder) {
   const std::vector<std::string> calibration = CalibrationOf(folder);
   if (calibration.empty()) {
-    throw DatasetError((fs::path(folder) / "camera.yaml").string() + ": the calibration is missing");
+    const std::string unread = UnreadCalibration(folder);
+    throw DatasetError((fs::path(folder) / "camera.yaml").string() + ": the calibration is missing" +
+                       (unread.empty() ? "" : "; " + unread));
   }
   const std::string& camera_path = calibration.front();
   const auto [left, right] = FindFolders(folder);

@@ -74,7 +74,7 @@ void PairByTime(const std::string& folder, ImageList* list) {
   NoteUnpairedShots("depth maps", depth.files.size() - list->entries.size(), &list->notes);
 }
 
-/// By the name of the folder; nullptr where it is none of TUM's.
+/// Finds a camera by the name of the folder; nullptr where the name is none of TUM's.
 const KnownCamera* CameraByName(const std::string& folder) {
   for (const fs::path& path : NamesOfFolder(folder)) {
     const std::string name = path.filename().string();

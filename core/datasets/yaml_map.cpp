@@ -25,8 +25,8 @@ constexpr double kOrthogonalityTolerance = 1e-3;
 
 bool IsPartOfKey(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.'; }
 
-/// The place behind the colon of a line `key:value`; nullopt where the line is none, or a blank follows the colon.
-/// `C:/...` and `http://...` are no keys.
+/// Returns the position after the colon of a line `key:value`; nullopt where the line is none, or where a blank follows
+/// the colon. `C:/...` and `http://...` are no keys.
 std::optional<size_t> MissingBlank(std::string_view line) {
   const size_t begin = line.find_first_not_of(' ');
   if (begin == std::string_view::npos || std::isdigit(static_cast<unsigned char>(line[begin])) != 0) return {};
@@ -39,8 +39,8 @@ std::optional<size_t> MissingBlank(std::string_view line) {
 }
 
 /// OpenCV reads `key:value`, and files that its programs ship are written so. YAML takes such lines for text, and
-/// complains of the line behind them, or not at all.
-std::string WithBlanksBehindColons(std::string_view text) {
+/// complains of the line after them, or not at all.
+std::string WithBlanksAfterColons(std::string_view text) {
   std::string result;
   result.reserve(text.size());
   while (!text.empty()) {
@@ -64,7 +64,7 @@ std::string ReadText(const std::string& path) {
   if (text.size() > kMaxBytes) throw DatasetError(fmt::format("{}: has more than {} bytes", path, kMaxBytes));
   if (IsGitLfsPointer(text)) throw DatasetError(path + ": " + kGitLfsPointer);
   if (text.starts_with("%YAML")) text.replace(0, 1, "#");
-  return WithBlanksBehindColons(text);
+  return WithBlanksAfterColons(text);
 }
 
 [[noreturn]] void FailAsDuplicate(const std::string& path, const YAML::Node& key) {

@@ -38,7 +38,7 @@ bool IsIndentedByTab(std::string_view line) {
 
 namespace {
 
-/// A line without a key is taken for the begin of the next one's key, of which the parser complains.
+/// The parser takes a line without a key for the beginning of the next line's key, and complains about that line.
 constexpr std::string_view kIllegalValue = "illegal map value";
 
 bool HasKey(std::string_view line) {

@@ -56,9 +56,8 @@ bool IsRotation(const Eigen::Matrix3d& R) {
   return R.allFinite() && (R * R.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-3 && R.determinant() > 0.0;
 }
 
-/// P = [f 0 cx Tx; 0 f cy Ty; 0 0 1 0], with the same f and cy in both (cx may differ; of cameras one above the other cx
-/// is the same, and cy may differ). Some drivers and exporters
-/// write K [R | t] of the raw right camera instead, in which the first row alone means something else.
+/// P = K [I | t] with the same focal lengths and cy in both (cx may differ; of cameras one above the other cx is the same
+/// and cy may differ). Some drivers and exporters write K [R | t] of the raw right camera instead.
 void RequireRectifiedPair(const RosCameraInfo& left, const RosCameraInfo& right) {
   constexpr const char* kRemedy =
       "so P is not that of a rectified pair (K [R | t] of the raw camera?): calibrate the pair, or give K, D, R and "
@@ -67,7 +66,7 @@ void RequireRectifiedPair(const RosCameraInfo& left, const RosCameraInfo& right)
   for (const RosCameraInfo* info : {&left, &right}) {
     const char* side = info == &left ? "left" : "right";
     const Eigen::Matrix<double, 3, 4>& P = info->P;
-    constexpr int kZeros[][2] = {{0, 1}, {1, 0}, {2, 0}, {2, 1}, {2, 3}};
+    constexpr int kZeros[][2] = {{0, 1}, {1, 0}, {2, 0}, {2, 1}};
     for (const auto& [row, column] : kZeros) {
       if (is(P(row, column), 0.0)) continue;
       throw DatasetError(fmt::format("P[{}] of the {} camera_info = {} is not 0, {}", 4 * row + column, side,
@@ -77,7 +76,8 @@ void RequireRectifiedPair(const RosCameraInfo& left, const RosCameraInfo& right)
       throw DatasetError(fmt::format("P[10] of the {} camera_info = {} is not 1, {}", side, P(2, 2), kRemedy));
     }
   }
-  const bool are_beside = std::abs(right.P(0, 3)) >= std::abs(right.P(1, 3));
+  const Eigen::Vector3d offset = right.P.col(3) - left.P.col(3);
+  const bool are_beside = std::abs(offset.x()) >= std::abs(offset.y());
   const int shared[][2] = {{0, 0}, {1, 1}, {are_beside ? 1 : 0, 2}};
   for (const auto& [row, column] : shared) {
     const double l = left.P(row, column), r = right.P(row, column);
@@ -85,6 +85,13 @@ void RequireRectifiedPair(const RosCameraInfo& left, const RosCameraInfo& right)
     throw DatasetError(fmt::format("P[{}] of camera_info is {} on the left and {} on the right, {}", 4 * row + column,
                                    l, r, kRemedy));
   }
+}
+
+/// Returns the position of a camera in the rectified frame of the pair, in which P = K [I | t].
+Eigen::Vector3d PlaceInRectified(const RosCameraInfo& info) {
+  const Eigen::Matrix<double, 3, 4>& P = info.P;
+  const double z = P(2, 3);
+  return -Eigen::Vector3d((P(0, 3) - P(0, 2) * z) / P(0, 0), (P(1, 3) - P(1, 2) * z) / P(1, 1), z);
 }
 
 }  // namespace
@@ -135,14 +142,14 @@ RigCalibration RigFromRos(const RosCameraInfo& left, const RosCameraInfo& right,
   RigCalibration rig;
   rig.left = CameraFromRos(left, rectified);
   rig.right = CameraFromRos(right, rectified);
-  const Eigen::Vector2d offset = (left.P.col(3) - right.P.col(3)).head<2>();
+  const Eigen::Vector3d offset = left.P.col(3) - right.P.col(3);
   if (!offset.allFinite() || offset.isZero(0.0)) {
     throw DatasetError(
         "camera_info has no baseline (P[3] of the right camera is -fx b): the cameras were calibrated one by one, "
         "not as a pair");
   }
   RequireRectifiedPair(left, right);
-  const Eigen::Vector3d right_m(offset.x() / right.P(0, 0), offset.y() / right.P(1, 1), 0.0);
+  const Eigen::Vector3d right_m = PlaceInRectified(right) - PlaceInRectified(left);
   if (!rectified && (!IsRotation(left.R) || !IsRotation(right.R)))
     throw DatasetError("R of camera_info is no rotation");
   const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();

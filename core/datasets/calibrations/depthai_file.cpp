@@ -34,7 +34,7 @@ int SocketOf(const YamlMap& file, const char* key, int fallback) {
   return socket >= 0.0 && socket <= 100.0 ? static_cast<int>(socket) : fallback;
 }
 
-/// To the camera of `toCameraSocket` from this one.
+/// Returns the camera of `toCameraSocket` from this one.
 SE3 ToNext(const YamlMap& file) {
   const Eigen::Vector3d t_cm(file.Number("extrinsics.translation.x"), file.Number("extrinsics.translation.y"),
                              file.Number("extrinsics.translation.z"));

@@ -179,13 +179,16 @@ ForeignCalibration ReadForeignCalibration(const std::vector<std::string>& paths,
 
 namespace {
 
-/// Files right in `folder` with these ends of names, in the order of their names.
+/// Files right in `folder` with these ends of names, in the order of their names, but for large ones: annotations and
+/// results lie beside images, too, and are not read to see that they are no calibrations.
 std::vector<std::string> FilesIn(const std::string& folder, std::initializer_list<std::string_view> extensions) {
+  constexpr uintmax_t kMostBytesInFolder = 65536;
   std::vector<std::string> paths;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string extension = entry.path().extension().string();
-    if (std::find(extensions.begin(), extensions.end(), extension) != extensions.end()) {
+    if (std::find(extensions.begin(), extensions.end(), extension) == extensions.end()) continue;
+    if (fs::file_size(entry.path(), error) <= kMostBytesInFolder && !error) {
       paths.push_back(entry.path().string());
     }
   }

@@ -18,7 +18,7 @@ struct ForeignCalibration {
   std::string format;
   /// What was made of its transforms, in one sentence: which direction they have in the file.
   std::string direction;
-  /// What the user should know, in whole sentences: which cameras of several were taken, say.
+  /// Notes for the user, in whole sentences: which cameras of several are taken, for example.
   std::vector<std::string> notes;
   /// Lengths of the format have a unit of their own and are converted: no other may be given.
   bool has_own_unit = false;
@@ -28,9 +28,9 @@ struct ForeignCalibration {
 /// Throws nothing.
 std::string ForeignFormat(const std::string& path);
 
-/// Why a file that is no calibration of a stereo rig is none, and what would be, as far as it is known: settings of
-/// one camera, XML, files of programs that are not read, YAML that is not valid. Empty for files of other subjects.
-/// A sentence that begins with the path. Throws nothing.
+/// Returns why a file is no calibration of a stereo rig, and what to give instead, as a sentence that begins with the
+/// path: settings of one camera, XML, formats that are not read, invalid YAML. Empty for files of other subjects.
+/// Throws nothing.
 std::string WhyNoCalibration(const std::string& path);
 
 /// Metres of a unit of length by its name: m, cm, mm; nullopt for others.
@@ -42,7 +42,7 @@ std::optional<double> MetresOf(std::string_view unit);
 ForeignCalibration ReadForeignCalibration(const std::vector<std::string>& paths, const ImageSize& image_size,
                                           std::optional<double> metres_per_unit = std::nullopt);
 
-/// Why the first file in `folder` that looks like a calibration is none (WhyNoCalibration); empty where there is none.
+/// Returns WhyNoCalibration of the first file in `folder` that has such a reason; empty where none has.
 std::string UnreadCalibration(const std::string& folder);
 
 /// The files right in `folder` that have a foreign format, in the order of their names. Throws DatasetError where

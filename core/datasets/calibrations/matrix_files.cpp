@@ -25,11 +25,12 @@ struct OpenCvNames {
 const OpenCvNames kOpenCvLeft{{"M1", "K1", "cameraMatrix1", "camera_matrix_1", "CM1", "cameraMatrixL",
                                "camera_matrix_left", "left_camera_matrix", "K_left"},
                               {"D1", "distCoeffs1", "dist_coeffs_1", "distCoeffL", "distCoeffsL", "dist_coeffs_left",
-                               "left_distortion_coefficients", "D_left"}};
-const OpenCvNames kOpenCvRight{{"M2", "K2", "cameraMatrix2", "camera_matrix_2", "CM2", "cameraMatrixR",
-                                "camera_matrix_right", "right_camera_matrix", "K_right"},
-                               {"D2", "distCoeffs2", "dist_coeffs_2", "distCoeffR", "distCoeffsR",
-                                "dist_coeffs_right", "right_distortion_coefficients", "D_right"}};
+                               "distortion_coeffs_left", "left_distortion_coefficients", "D_left"}};
+const OpenCvNames kOpenCvRight{
+    {"M2", "K2", "cameraMatrix2", "camera_matrix_2", "CM2", "cameraMatrixR", "camera_matrix_right",
+     "right_camera_matrix", "K_right"},
+    {"D2", "distCoeffs2", "dist_coeffs_2", "distCoeffR", "distCoeffsR", "dist_coeffs_right",
+     "distortion_coeffs_right", "right_distortion_coefficients", "D_right"}};
 
 // ROS 1 writes calibration files with long names and messages with capitals, ROS 2 messages with small letters.
 const Names kRosMatrix{"camera_matrix", "K", "k"};
@@ -53,7 +54,7 @@ const YamlMap& FileWith(const std::vector<YamlMap>& files, const Names& names) {
 }
 
 ImageSize OpenCvSize(const std::vector<YamlMap>& files, const ImageSize& image_size) {
-  const Names width{"image_width", "width"}, height{"image_height", "height"};
+  const Names width{"image_width", "width", "frame_width"}, height{"image_height", "height", "frame_height"};
   const Names both{"image_size", "imageSize", "size", "img_size"};
   const YamlMap& file = FileWith(files, both);
   if (HasAny(file, both)) {

@@ -29,7 +29,7 @@ CameraCalibration OrbSlamLens(const YamlMap& file, const std::string& camera, co
   }
   std::vector<double> distortion;
   for (const char* key : {"k1", "k2", "p1", "p2"}) distortion.push_back(file.Number(In(camera, key)));
-  // Those up to the last one that is there.
+  // Coefficients up to the last one in the file.
   std::vector<double> higher;
   for (const char* key : {"k6", "k5", "k4", "k3"}) {
     if (!higher.empty() || file.Has(In(camera, key))) higher.push_back(file.Number(In(camera, key)));
@@ -161,7 +161,7 @@ ForeignCalibration ReadOrbSlam2(const YamlMap& file, const ImageSize& image_size
   return result;
 }
 
-/// Of stella_vslam: a rectified pair.
+/// Requires that settings of stella_vslam are of a rectified pair.
 void RequireRectifiedStella(const YamlMap& file) {
   constexpr const char* kModel = "Camera.model";
   if (file.Has(kModel) && file.Text(kModel) != "perspective") {

@@ -11,7 +11,7 @@
 namespace plslam {
 namespace {
 
-/// By how the text begins.
+/// A file that is recognised by its first bytes.
 struct OtherText {
   const char* begin;
   const char* what;
@@ -25,7 +25,7 @@ constexpr std::array<OtherText, 5> kOtherTexts = {
      {"PK\x03\x04", "is an archive of numpy (.npz) or zip: write M1 D1 M2 D2 R T as YAML with OpenCV's FileStorage"},
      {"\x93NUMPY", "is an array of numpy: write M1 D1 M2 D2 R T as YAML with OpenCV's FileStorage"}}};
 
-/// By keys of which all stand in the file.
+/// A file that is recognised by its keys, all of which it has.
 struct OtherSettings {
   std::array<const char*, 3> keys;
   const char* what;

@@ -7,12 +7,12 @@
 
 namespace plslam {
 
-// Files that people give for a calibration, or have beside their images, and that are none of a stereo pair: what they
-// are, and what to give instead, as a phrase behind their name. Empty for all others.
+// Files that users give as a calibration, or have beside their images, and that are not of a stereo pair. The phrases
+// follow the name of the file and say what it is and what to give instead; they are empty for all other files.
 
-/// Of a file that is no YAML.
+/// Returns the phrase for a file that is no YAML.
 std::string WhyOtherText(const std::string& path);
-/// Of YAML and JSON.
+/// Returns the phrase for YAML and JSON.
 std::string WhyOtherSettings(const YamlMap& file);
 
 }  // namespace plslam

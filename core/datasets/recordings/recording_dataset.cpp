@@ -296,7 +296,7 @@ class RecordingDataset : public Dataset {
     throw DatasetError(fmt::format("has no camera_info for {}", image_topic));
   }
 
-  /// Of the left and the right images, by the first pair that can be read; 0 x 0 where none can.
+  /// Returns the sizes of the left and right images by the first pair that can be read; 0 x 0 where none can.
   std::pair<ImageSize, ImageSize> ImageSizes() const {
     constexpr size_t kTried = 10;
     for (size_t i = 0; i < std::min(kTried, pairs_.size()); ++i) {

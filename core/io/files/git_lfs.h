@@ -8,7 +8,7 @@ namespace plslam {
 /// Git LFS leaves a pointer of three lines in place of a file that was not fetched; `start` is the begin of a file.
 inline bool IsGitLfsPointer(std::string_view start) { return start.starts_with("version https://git-lfs"); }
 
-/// What to do about such a file, behind its name.
+/// The phrase about such a file that follows its name, with the remedy.
 inline constexpr const char* kGitLfsPointer =
     "is a pointer of Git LFS, not the file itself: fetch it with `git lfs pull`";
 

@@ -60,7 +60,7 @@ TrajectoryPose ParseVslamLab(const TextRow& row) {
   return {t_ns, UnitPose(row, q, Position(row, 1))};
 }
 
-/// How sure a time of a row with commas is one in seconds, and not in the nanoseconds of EuRoC.
+/// Whether a time of a row with commas is in seconds and not in the nanoseconds of EuRoC.
 enum class InSeconds { kNo, kPerhaps, kYes };
 
 /// It has a point, or the ten digits of a second of our time. Nanoseconds of a clock that starts at 0 have ten digits
@@ -203,7 +203,7 @@ class PassedOver {
   std::string sentence_;
 };
 
-/// Why a row is none of those whose times increase.
+/// Returns the reason why a row is not among those whose times increase.
 std::string WhyOutOfOrder(const std::vector<PoseRow>& rows, size_t i) {
   const int64_t t_ns = rows[i].pose.t_ns;
   if (i > 0 && t_ns <= rows[i - 1].pose.t_ns) return NotAfter(t_ns, rows[i - 1].pose.t_ns);

@@ -38,23 +38,23 @@ enum class TrajectoryFormat {
 Trajectory ReadTrajectory(const std::string& path, const std::string& times_path = "");
 Trajectory ReadTrajectory(const std::string& path, TrajectoryFormat format, const std::string& times_path = "");
 
-/// What to do with rows that are no pose, or whose times do not increase.
+/// Treatment of rows that are no pose, or whose times do not increase.
 enum class BadRows { kRefuse, kPassOver };
 
 /// A trajectory with what was found on the way.
 struct TrajectoryFile {
   Trajectory poses;
-  /// Of the file, also where none of its rows is a pose; nullopt: it has no rows, or none of a known format.
+  /// Format of the file, also where none of its rows is a pose; nullopt: it has no rows, or none of a known format.
   std::optional<TrajectoryFormat> format;
-  /// With those that are passed over.
+  /// Number of rows, including those that are passed over.
   size_t n_rows = 0;
-  /// What the user should know, in whole sentences: which format rows with commas are taken for, and, once, how many
-  /// rows are passed over, with file, line and reason of the first.
+  /// Notes for the user, in whole sentences: the format assumed for rows with commas, and the number of rows that are
+  /// passed over, with file, line and reason of the first.
   std::vector<std::string> notes;
 };
 
-/// The same of files of others: truths with a time twice, or rows of NaN where nothing was measured. Rows that are
-/// passed over are as few as possible; KITTI's poses keep the number of their row as their time. Throws
+/// Reads a trajectory of another program, which may have a time twice, or rows of NaN where nothing was measured. The
+/// fewest possible rows are passed over. Poses of KITTI keep the number of their row as their time. Throws
 /// std::runtime_error as `ReadTrajectory` does; with `kPassOver` only where the file cannot be read at all.
 TrajectoryFile ReadTrajectoryFile(const std::string& path, std::optional<TrajectoryFormat> format, BadRows bad_rows,
                                   const std::string& times_path = "");

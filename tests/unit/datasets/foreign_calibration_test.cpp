@@ -324,6 +324,17 @@ TEST_F(ForeignCalibrationTest, ProjectionsOfNoRectifiedPair) {
       Write("left.yaml", ros[0].text),
       Write("right.yaml", Replaced(ros[1].text, "p: [400.0, 0.0, 330.0", "p: [400.0, 0.0, 335.0"))};
   ExpectTheRig(ReadForeignCalibration(verged, kSize).rig, "cx may differ");
+
+  // A converter of KITTI's colour cameras writes this: both stand beside the first grey camera, not quite level.
+  const std::string identity = "rectification_matrix: {data: [1, 0, 0, 0, 1, 0, 0, 0, 1]}\n";
+  const std::string head = "image_width: 1242\nimage_height: 375\nK: [721.5, 0, 609.5, 0, 721.5, 172.5, 0, 0, 1]\n";
+  const std::vector<std::string> kitti{
+      Write("left.yaml", head + identity + "P: [721.5, 0, 609.5, 44.5, 0, 721.5, 172.5, 0.25, 0, 0, 1, 0.003]\n"),
+      Write("right.yaml", head + identity + "P: [721.5, 0, 609.5, -339.5, 0, 721.5, 172.5, 2, 0, 0, 1, 0.0025]\n")};
+  const SE3 T_l_r = ReadForeignCalibration(kitti, {}).rig.right.T_b_cam;
+  EXPECT_NEAR(T_l_r.translation().x(), (44.5 + 339.5 - 609.5 * 0.0005) / 721.5, 1e-12);
+  EXPECT_NEAR(T_l_r.translation().y(), (0.25 - 2 - 172.5 * 0.0005) / 721.5, 1e-12);
+  EXPECT_NEAR(T_l_r.translation().z(), 0.0005, 1e-12);
 }
 
 TEST_F(ForeignCalibrationTest, CameraInfoOfBinnedImagesAndOfAPart) {

@@ -254,7 +254,7 @@ CV_VGA=-0.1518257807532574
 RZ_VGA=0
 )";
 
-// As OpenVINS has it: the body is an IMU whose axes are those of the left camera, which stands at (0.5, 0.25, 0) in it.
+// OpenVINS: the body is an IMU whose axes are those of the left camera, which stands at (0.5, 0.25, 0) in it.
 const char* const kOpenVins = R"(%YAML:1.0
 cam0:
   T_imu_cam:
@@ -280,7 +280,7 @@ cam1:
   resolution: [672, 376]
 )";
 
-// As the files of ORB-SLAM2 are: some lines have no blank behind the colon.
+// Files of ORB-SLAM2 are shipped like this: some lines have no blank after the colon.
 const char* const kOrbSlam2WithoutBlanks = R"(%YAML:1.0
 Camera.fx: 400.0
 Camera.fy: 400.0
@@ -329,7 +329,7 @@ Viewer.PointSize:2
 Viewer.ViewpointX: 0
 )";
 
-// Of ORB-SLAM3 before version 1.0.
+// ORB-SLAM3 before version 1.0.
 const char* const kOrbSlamTlr = R"(%YAML:1.0
 Camera.type: "PinHole"
 Camera.fx: 458.5
@@ -358,7 +358,7 @@ Camera.height: 376
 Camera.bf: 57.3
 )";
 
-// Of OpenVSLAM, before the keys of stella_vslam went below others.
+// OpenVSLAM, before the keys of stella_vslam went below others.
 const char* const kOpenVslam = R"(Camera.name: "by hand"
 Camera.setup: "stereo"
 Camera.model: "perspective"
@@ -397,7 +397,7 @@ images_subfolder_l: left/
 images_subfolder_r: right/
 )";
 
-// Of its first version: rotations that rectify.
+// PL-SLAM's first version: rotations that rectify.
 const char* const kPlSlamRectifying = R"(cam0:
   Kl: [458.5, 457.25, 335.5, 188.75]
   Kr: [459.5, 458.25, 337.25, 186.5]

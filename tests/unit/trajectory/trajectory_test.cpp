@@ -115,7 +115,7 @@ TEST(Trajectory, ErrorsNameFileLineAndValue) {
   EXPECT_THAT(error("-1 0 0 0 0 1 0 0 0 0 1 0\n"), HasSubstr("determinant -1"));
 }
 
-/// What is left of a truth with bad rows, and its note.
+/// The poses that remain of a truth with bad rows, and its notes.
 struct Kept {
   std::vector<int64_t> t_s;
   std::vector<std::string> notes;

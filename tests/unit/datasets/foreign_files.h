@@ -24,5 +24,7 @@ struct ForeignRig {
 /// m in the left one and turned about y by the quaternion (w 0.99712, y 0.07584), which is a unit quaternion in these
 /// very digits.
 const std::vector<ForeignRig>& ForeignRigs();
+/// Those among them that are the settings of SLAM programs.
+std::vector<ForeignRig> SlamSettings();
 
 }  // namespace plslam::test

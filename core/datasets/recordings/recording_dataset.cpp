@@ -13,8 +13,8 @@
 
 #include "core/datasets/camera_file.h"
 #include "core/datasets/check_rig.h"
-#include "core/datasets/image_list.h"
 #include "core/datasets/recordings/bag_reader.h"
+#include "core/datasets/recordings/image_pairs.h"
 #include "core/datasets/recordings/mcap_reader.h"
 #include "core/datasets/recordings/message_times.h"
 #include "core/datasets/recordings/pixel_encodings.h"
@@ -25,12 +25,6 @@
 
 namespace plslam {
 namespace {
-
-/// Images that are further apart are of two moments, however slow the camera.
-constexpr int64_t kMaxPairing_ns = 500'000'000;
-
-/// Delays of logging that differ by this share of a frame pair the same images.
-constexpr int64_t kToleranceShare = 8;
 
 constexpr auto kSides = std::to_array<std::pair<std::string_view, std::string_view>>(
     {{"left", "right"}, {"cam0", "cam1"}, {"infra1", "infra2"}, {"image_0", "image_1"}});
@@ -80,20 +74,13 @@ std::string ListOf(const std::set<std::string>& names) {
   return fmt::format("{}", fmt::join(shown, ", "));
 }
 
-std::vector<int64_t> TimesOf(const std::vector<RecordedMessage>& messages) {
-  std::vector<int64_t> times_ns;
-  times_ns.reserve(messages.size());
-  for (const RecordedMessage& message : messages) times_ns.push_back(message.t_ns);
-  return times_ns;
-}
-
 class RecordingDataset : public Dataset {
  public:
   RecordingDataset(const std::string& location, const Location& parts, std::string_view kind,
                    std::unique_ptr<Recording> reader)
       : name_(location), options_(parts.options), reader_(std::move(reader)), notes_(reader_->Notes()) {
     ChooseTopics();
-    PairImages();
+    images_ = PairImages(*reader_, left_.topic, right_.topic, &notes_);
     CheckEncodings();
     ReadRig(kind);
     ChooseTruth();
@@ -103,8 +90,8 @@ class RecordingDataset : public Dataset {
 
   std::string name() const override { return name_; }
   const RigCalibration& rig() const override { return rig_; }
-  int size() const override { return static_cast<int>(pairs_.size()); }
-  int64_t t_ns(int index) const override;
+  int size() const override { return static_cast<int>(images_.pairs.size()); }
+  int64_t t_ns(int index) const override { return TimeOf(*reader_, images_, static_cast<size_t>(index)); }
   std::vector<std::string> Notes() const override { return notes_; }
   double scan_s() const override { return reader_->scan_s(); }
   bool HasRecordedTruth() const override { return !truth_.empty(); }
@@ -122,7 +109,7 @@ class RecordingDataset : public Dataset {
 
  private:
   const std::pair<RecordedMessage, RecordedMessage>& Pair(int index) const {
-    return pairs_.at(static_cast<size_t>(index));
+    return images_.pairs.at(static_cast<size_t>(index));
   }
 
   cv::Mat ReadImage(const RecordedChannel& channel, const RecordedMessage& message,
@@ -219,56 +206,10 @@ class RecordingDataset : public Dataset {
     }
   }
 
-  void PairImages() {
-    std::vector<RecordedMessage> left = reader_->Messages(left_.topic), right = reader_->Messages(right_.topic);
-    if (left.empty() && right.empty()) {
-      throw DatasetError(fmt::format("has no messages on {} and {}", left_.topic, right_.topic));
-    }
-    ReadStamps(*reader_, {&left, &right}, MedianLogStep_ns(left) / kToleranceShare);
-    stamp_offset_ns_ = MedianStampOffset_ns(left);
-    for (const auto& [channel, messages] : {std::pair(&left_, &left), std::pair(&right_, &right)}) {
-      const std::string complaint = StampComplaint(*messages);
-      if (complaint.empty() || clock_ == MessageClock::kLog) continue;
-      clock_ = MessageClock::kLog;
-      notes_.push_back(fmt::format("header stamps of {} {}: images are played by the times at which they were logged",
-                                   channel->topic, complaint));
-    }
-    if (PairBy(clock_, left, right)) return;
-    if (clock_ == MessageClock::kStamp && PairBy(MessageClock::kLog, left, right)) {
-      clock_ = MessageClock::kLog;
-      notes_.push_back(fmt::format(
-          "no header stamp of {} is near one of {} (the first are {} s and {} s), as if of two clocks: "
-          "images are played by the times at which they were logged",
-          left_.topic, right_.topic, SecondsText(left.front().stamp_ns), SecondsText(right.front().stamp_ns)));
-      return;
-    }
-    throw DatasetError(fmt::format("{} has {} images and {} has {}, but no two of one moment", left_.topic,
-                                   left.size(), right_.topic, right.size()));
-  }
-
-  /// False where there are no pairs by these times; then nothing is changed.
-  bool PairBy(MessageClock clock, const std::vector<RecordedMessage>& all_left,
-              const std::vector<RecordedMessage>& all_right) {
-    std::vector<std::string> notes;
-    const std::vector<RecordedMessage> left = InOrderOfTime(all_left, clock, left_.topic, &notes),
-                                       right = InOrderOfTime(all_right, clock, right_.topic, &notes);
-    step_ns_ = MedianStep_ns(TimesOf(left));
-    const int64_t max_ns = std::min(kMaxPairing_ns, step_ns_ / 2);
-    for (const auto& [l, r] : AssociateTimes(TimesOf(left), TimesOf(right), max_ns))
-      pairs_.emplace_back(left[l], right[r]);
-    if (pairs_.empty()) return false;
-    notes_.insert(notes_.end(), notes.begin(), notes.end());
-    if (pairs_.size() < left.size()) {
-      notes_.push_back(fmt::format("{} images of {} have no partner in time and are passed over",
-                                   left.size() - pairs_.size(), left_.topic));
-    }
-    return true;
-  }
-
   /// An encoding that is not known is told before a run begins.
   void CheckEncodings() const {
     for (const auto& [channel, message] :
-         {std::pair(&left_, pairs_.front().first), std::pair(&right_, pairs_.front().second)}) {
+         {std::pair(&left_, images_.pairs.front().first), std::pair(&right_, images_.pairs.front().second)}) {
       std::string encoding;
       try {
         encoding = ImageEncoding(channel->type, reader_->Read(message), EncodingOf(*channel));
@@ -299,9 +240,9 @@ class RecordingDataset : public Dataset {
   /// Returns the sizes of the left and right images by the first pair that can be read; 0 x 0 where none can.
   std::pair<ImageSize, ImageSize> ImageSizes() const {
     constexpr size_t kTried = 10;
-    for (size_t i = 0; i < std::min(kTried, pairs_.size()); ++i) {
+    for (size_t i = 0; i < std::min(kTried, images_.pairs.size()); ++i) {
       try {
-        const auto& [left, right] = pairs_[i];
+        const auto& [left, right] = images_.pairs[i];
         return {SizeOfImage(left_.type, reader_->Read(left), EncodingOf(left_)),
                 SizeOfImage(right_.type, reader_->Read(right), EncodingOf(right_))};
       } catch (const std::runtime_error&) {  // told where the frame is read
@@ -339,7 +280,7 @@ class RecordingDataset : public Dataset {
                        &notes_);
     }
     rig_.name = kind;
-    rig_.rate_hz = 1e9 / static_cast<double>(step_ns_);
+    rig_.rate_hz = 1e9 / static_cast<double>(images_.step_ns);
     const std::string complaint = RigComplaint(rig_);
     if (!complaint.empty()) throw DatasetError(fmt::format("camera of {}: {}", left_.topic, complaint));
   }
@@ -359,17 +300,18 @@ class RecordingDataset : public Dataset {
     if (chosen.topic.empty()) return;
     truth_channel_ = chosen;
     std::vector<RecordedMessage> messages = reader_->Messages(chosen.topic);
-    if (clock_ == MessageClock::kStamp) ReadStamps(*reader_, {&messages}, step_ns_ / kToleranceShare);
-    const std::string complaint = clock_ == MessageClock::kStamp ? StampComplaint(messages) : "";
+    if (images_.clock == MessageClock::kStamp)
+      ReadStamps(*reader_, {&messages}, images_.step_ns / kDelayToleranceShare);
+    const std::string complaint = images_.clock == MessageClock::kStamp ? StampComplaint(messages) : "";
     if (!complaint.empty()) {
       notes_.push_back(
           fmt::format("header stamps of {} {}: its poses have the times at which they were logged, plus "
                       "the {} s by which stamps of {} differ from those",
-                      chosen.topic, complaint, SecondsText(stamp_offset_ns_), left_.topic));
+                      chosen.topic, complaint, SecondsText(images_.stamp_offset_ns), left_.topic));
       for (RecordedMessage& message : messages) message.stamp_ns = RecordedMessage::kNotRead;
-      StampByLogTime(stamp_offset_ns_, &messages);
+      StampByLogTime(images_.stamp_offset_ns, &messages);
     }
-    truth_ = InOrderOfTime(std::move(messages), clock_, chosen.topic, &notes_);
+    truth_ = InOrderOfTime(std::move(messages), images_.clock, chosen.topic, &notes_);
     truth_is_estimated_ = std::any_of(truth_.begin(), truth_.end(), [](const auto& m) { return m.is_estimated; });
   }
 
@@ -377,10 +319,7 @@ class RecordingDataset : public Dataset {
   std::map<std::string, std::string> options_;
   std::unique_ptr<Recording> reader_;
   RecordedChannel left_, right_;
-  std::vector<std::pair<RecordedMessage, RecordedMessage>> pairs_;
-  MessageClock clock_ = MessageClock::kStamp;  ///< of all times of this dataset
-  int64_t stamp_offset_ns_ = 0;                ///< the median stamp minus time of logging of left images
-  int64_t step_ns_ = 0;
+  ImagePairs images_;
   int white_ = kWhiteOf16Bits;
   RigCalibration rig_;
   RecordedChannel truth_channel_;
@@ -389,21 +328,8 @@ class RecordingDataset : public Dataset {
   std::vector<std::string> notes_;
 };
 
-/// Stamps that were estimated when the recording was opened are read now. They stay between those of the neighbours,
-/// so that times increase.
-int64_t RecordingDataset::t_ns(int index) const {
-  const auto estimate_ns = [&](int i) { return Pair(i).first.t_ns; };
-  const int64_t t = estimate_ns(index);
-  if (!Pair(index).first.is_estimated) return t;
-  const std::optional<int64_t> stamp_ns = ReadStamp(*reader_, Pair(index).first);
-  const bool is_after =
-      !stamp_ns || index == 0 || *stamp_ns > estimate_ns(index - 1) + (t - estimate_ns(index - 1)) / 2;
-  const bool is_before = !stamp_ns || index + 1 == size() || *stamp_ns <= t + (estimate_ns(index + 1) - t) / 2;
-  return stamp_ns && is_after && is_before ? *stamp_ns : t;
-}
-
 std::optional<SE3> RecordingDataset::GroundTruth(int index) const {
-  const int64_t t = t_ns(index), reach_ns = truth_is_estimated_ ? step_ns_ : 0;
+  const int64_t t = t_ns(index), reach_ns = truth_is_estimated_ ? images_.step_ns : 0;
   const auto first_from = [&](int64_t from_ns) {
     return std::lower_bound(truth_.begin(), truth_.end(), from_ns,
                             [](const RecordedMessage& message, int64_t time) { return message.t_ns < time; });

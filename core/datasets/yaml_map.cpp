@@ -10,6 +10,7 @@
 #include <iterator>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <utility>
 
 #include "core/datasets/dataset.h"
@@ -40,16 +41,15 @@ std::optional<size_t> MissingBlank(std::string_view line) {
 
 /// OpenCV reads `key:value`, and files that its programs ship are written so. YAML takes such lines for text, and
 /// complains of the line after them, or not at all.
-std::string WithBlanksAfterColons(std::string_view text) {
+std::string WithBlanksAfterColons(const std::string& text) {
   std::string result;
-  result.reserve(text.size());
-  while (!text.empty()) {
-    const std::string_view line = text.substr(0, std::min(text.find('\n'), text.size() - 1) + 1);
-    const size_t colon = MissingBlank(line).value_or(0);
-    result.append(line.substr(0, colon));
-    if (colon != 0) result.push_back(' ');
-    result.append(line.substr(colon));
-    text.remove_prefix(line.size());
+  result.reserve(text.size() + 16);
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const std::optional<size_t> colon = MissingBlank(line);
+    if (colon) line.insert(*colon, 1, ' ');
+    result += line;
+    if (!lines.eof()) result += '\n';
   }
   return result;
 }
@@ -63,7 +63,7 @@ std::string ReadText(const std::string& path) {
   text.resize(static_cast<size_t>(file.gcount()));
   if (text.size() > kMaxBytes) throw DatasetError(fmt::format("{}: has more than {} bytes", path, kMaxBytes));
   if (IsGitLfsPointer(text)) throw DatasetError(path + ": " + kGitLfsPointer);
-  if (text.starts_with("%YAML")) text.replace(0, 1, "#");
+  if (text.starts_with("%YAML")) text.front() = '#';
   return WithBlanksAfterColons(text);
 }
 

@@ -13,9 +13,9 @@ using test::ExpectTheRig;
 using testing::AllOf;
 using testing::HasSubstr;
 
-class ForeignCalibration : public test::ForeignCalibrationTest {};
+class ForeignCalibrationFiles : public test::ForeignCalibrationTest {};
 
-TEST_F(ForeignCalibration, OneRigReadsAlikeInEveryFormat) {
+TEST_F(ForeignCalibrationFiles, OneRigReadsAlikeInEveryFormat) {
   for (const test::ForeignRig& rig : test::ForeignRigs()) {
     const std::vector<std::string> paths = WriteAll(rig);
     EXPECT_EQ(ForeignFormat(paths.front()), rig.format);
@@ -27,7 +27,7 @@ TEST_F(ForeignCalibration, OneRigReadsAlikeInEveryFormat) {
   }
 }
 
-TEST_F(ForeignCalibration, AndSurvivesTheWayThroughOurFile) {
+TEST_F(ForeignCalibrationFiles, AndSurvivesTheWayThroughOurFile) {
   for (const test::ForeignRig& rig : test::ForeignRigs()) {
     const std::string own = Write("own.yaml", CameraFileText(ReadForeignCalibration(WriteAll(rig), kSize).rig));
     EXPECT_EQ(ForeignFormat(own), "");
@@ -35,7 +35,7 @@ TEST_F(ForeignCalibration, AndSurvivesTheWayThroughOurFile) {
   }
 }
 
-TEST_F(ForeignCalibration, IsTakenInPlaceOfOurFile) {
+TEST_F(ForeignCalibrationFiles, IsTakenInPlaceOfOurFile) {
   for (const test::ForeignRig& rig : test::ForeignRigs()) {
     const fs::path dataset = folder_ / ("with " + rig.files.front().name);
     fs::create_directories(dataset);
@@ -46,7 +46,7 @@ TEST_F(ForeignCalibration, IsTakenInPlaceOfOurFile) {
   }
 }
 
-TEST_F(ForeignCalibration, OurFileMayNameOthers) {
+TEST_F(ForeignCalibrationFiles, OurFileMayNameOthers) {
   WriteAll(RigCalled("left.yaml"));
   const std::string own = Write("camera.yaml", "from: [left.yaml, right.yaml]\nname: pair\nrate_hz: 15\n");
   const RigCalibration rig = ReadCameraFile(own, kSize);
@@ -57,7 +57,7 @@ TEST_F(ForeignCalibration, OurFileMayNameOthers) {
   EXPECT_THAT(ErrorOf([&] { ReadCameraFile(own, kSize); }), HasSubstr("leaves the folder"));
 }
 
-TEST_F(ForeignCalibration, AFolderOfImagesPlays) {
+TEST_F(ForeignCalibrationFiles, AFolderOfImagesPlays) {
   test::MakeImagesFolder(folder_ / "images");
   fs::remove(folder_ / "images" / "camera.yaml");
   test::WriteText(folder_ / "images" / "slam.yaml",
@@ -68,7 +68,7 @@ TEST_F(ForeignCalibration, AFolderOfImagesPlays) {
   EXPECT_EQ(dataset->rig().left.width_px, 48) << "the size of the images, where the file tells none";
 }
 
-TEST_F(ForeignCalibration, OtherLenses) {
+TEST_F(ForeignCalibrationFiles, OtherLenses) {
   const std::string kalibr = RigCalled("camchain.yaml").files[0].text;
   std::string sphere = kalibr;
   for (int i = 0; i < 2; ++i) {
@@ -99,7 +99,7 @@ TEST_F(ForeignCalibration, OtherLenses) {
   EXPECT_THAT(rational.right.distortion, testing::ElementsAre(-0.27, 0.06, -0.0003, 0.0004, 0.01, 0.02, 0.03, 0.04));
 }
 
-TEST_F(ForeignCalibration, MistakesAreNamed) {
+TEST_F(ForeignCalibrationFiles, MistakesAreNamed) {
   const std::vector<std::string> ros = WriteAll(RigCalled("left.yaml"));
   EXPECT_THAT(ErrorOf([&] { ReadForeignCalibration({ros[0]}, kSize); }),
               AllOf(HasSubstr("left.yaml"), HasSubstr("give the files of the left and the right one")));
@@ -134,14 +134,14 @@ TEST_F(ForeignCalibration, MistakesAreNamed) {
               HasSubstr("no calibration of a known format"));
 }
 
-TEST_F(ForeignCalibration, SeveralCalibrationsInAFolderAreNotGuessed) {
+TEST_F(ForeignCalibrationFiles, SeveralCalibrationsInAFolderAreNotGuessed) {
   WriteAll(RigCalled("camchain.yaml"));
   WriteAll(RigCalled("stella.yaml"));
   EXPECT_THAT(ErrorOf([&] { CalibrationOf(folder_.string()); }),
               AllOf(HasSubstr("camchain.yaml"), HasSubstr("stella.yaml"), HasSubstr("from: FILE")));
 }
 
-TEST_F(ForeignCalibration, UnitsAreStatedOrAskedFor) {
+TEST_F(ForeignCalibrationFiles, UnitsAreStatedOrAskedFor) {
   const auto& opencv = RigCalled("intrinsics.yml").files;
   const std::string in_mm =
       Replaced(opencv[1].text, "-0.118619590656, -0.035, -0.018149179392", "-118.619590656, -35, -18.149179392");
@@ -170,7 +170,7 @@ TEST_F(ForeignCalibration, UnitsAreStatedOrAskedFor) {
   EXPECT_THAT(ErrorOf([&] { ReadForeignCalibration(zed, kSize, MetresOf("cm")); }), HasSubstr("unit of their own"));
 }
 
-TEST_F(ForeignCalibration, OurFileAboveAMetreIsNoted) {
+TEST_F(ForeignCalibrationFiles, OurFileAboveAMetreIsNoted) {
   const std::string lens = "left: {focal_length_px: [400, 400], principal_point_px: [330, 190]}\n";
   std::vector<std::string> notes;
   ReadCameraFile(Write("camera.yaml", lens + "baseline_m: 0.54\n"), kSize, &notes);

@@ -6,7 +6,7 @@
 #include <array>
 #include <string_view>
 
-#include "core/datasets/recordings/ros_messages.h"
+#include "core/datasets/recordings/pixel_encodings.h"
 #include "core/io/files/dataset_error.h"
 #include "core/io/images/image_file.h"
 
@@ -22,11 +22,36 @@ struct PixelFormat {
   std::string_view encoding;
 };
 constexpr auto kPixelFormats = std::to_array<PixelFormat>({{FourCharacters("GREY"), "mono8"},
+                                                           {FourCharacters("LG16"), "mono16"},
                                                            {FourCharacters("RGB3"), "rgb8"},
                                                            {FourCharacters("BGR3"), "bgr8"},
                                                            {FourCharacters("RGB4"), "rgba8"},
                                                            {FourCharacters("BGR4"), "bgra8"},
+                                                           {FourCharacters("RGBL"), "rgb16"},
+                                                           {FourCharacters("YUYV"), "yuyv"},
+                                                           {FourCharacters("UYVY"), "uyvy"},
+                                                           {FourCharacters("NV12"), "nv12"},
+                                                           {FourCharacters("I420"), "i420"},
+                                                           {FourCharacters("YU12"), "i420"},
+                                                           {FourCharacters("BA81"), "bayer_bggr8"},
+                                                           {FourCharacters("XXX2"), "bayer_gbrg8"},
+                                                           {FourCharacters("XXX3"), "bayer_grbg8"},
+                                                           {FourCharacters("XXX4"), "bayer_rggb8"},
+                                                           {FourCharacters("LBA1"), "bayer_bggr16"},
+                                                           {FourCharacters("LBA2"), "bayer_gbrg16"},
+                                                           {FourCharacters("LBA3"), "bayer_grbg16"},
+                                                           {FourCharacters("LBA4"), "bayer_rggb16"},
                                                            {FourCharacters("MJPG"), ""}});
+
+/// As the messages of ROS describe pixels.
+RosPixels PixelsOf(const ForeignImage& image) {
+  return {.width_px = image.width_px,
+          .height_px = image.height_px,
+          .step_bytes = image.step_bytes,
+          .encoding = image.encoding,
+          .is_big_endian = image.is_big_endian,
+          .data = image.bytes};
+}
 
 }  // namespace
 
@@ -34,20 +59,19 @@ std::string EncodingOfPixelFormat(int32_t pixelformat) {
   for (const PixelFormat& format : kPixelFormats) {
     if (format.number == pixelformat) return std::string(format.encoding);
   }
-  throw DatasetError(fmt::format("its pixelformat {} is none of grey, RGB, BGR, RGBA, BGRA and JPEG", pixelformat));
+  throw DatasetError(
+      fmt::format("its pixelformat {} is none of grey, Bayer, RGB, BGR, RGBA, BGRA, YUYV, UYVY, NV12, I420 and JPEG",
+                  pixelformat));
 }
 
-cv::Mat GreyOf(const ForeignImage& image, const cv::Size& expected) {
-  if (image.encoding.empty()) {
-    return DecodeGreyImage("the file in it", image.bytes, {expected.width, expected.height});
-  }
-  return GreyOfRosPixels({.width_px = image.width_px,
-                          .height_px = image.height_px,
-                          .step_bytes = image.step_bytes,
-                          .encoding = image.encoding,
-                          .is_big_endian = image.is_big_endian,
-                          .data = image.bytes},
-                         expected);
+cv::Mat GreyOf(const ForeignImage& image, const cv::Size& expected, int white) {
+  if (!image.encoding.empty()) return GreyOfRosPixels(PixelsOf(image), expected, white);
+  return DecodeGreyImage("the file in it", image.bytes, {expected.width, expected.height}, white);
+}
+
+int LargestWideValue(const ForeignImage& image, const cv::Size& expected) {
+  if (!image.encoding.empty()) return plslam::LargestWideValue(PixelsOf(image), expected);
+  return plslam::LargestWideValue("the file in it", image.bytes, {expected.width, expected.height});
 }
 
 }  // namespace plslam::adapter

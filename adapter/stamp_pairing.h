@@ -14,8 +14,9 @@ namespace plslam::adapter {
 
 enum class Side { kLeft = 0, kRight = 1 };
 
-/// Puts left and right images together by their stamps, whichever comes first. An image whose partner has not come
-/// when a later pair is complete, or when too many wait, stays unpaired and is counted.
+/// Puts left and right images together by their stamps, whichever comes first, up to 1.5 s later: a busy robot, or a log
+/// of one, delays messages so long. An image whose partner has not come when a later pair is complete, after that time,
+/// or when too many wait, stays unpaired and is counted.
 template <class Image>
 class StampPairing {
  public:
@@ -30,7 +31,9 @@ class StampPairing {
                                           [&](const Image& a, const Image& b) { return skew(a) < skew(b); });
     if (nearest == others.end() || skew(*nearest) > max_skew_ns_) {
       own.push_back(std::move(image));
-      if (own.size() > kMaxWaiting) Drop(own, own.begin() + 1);
+      while (own.size() > kMaxWaiting || own.back().t_ns - own.front().t_ns > kLongestDelay_ns) {
+        Drop(own, own.begin() + 1);
+      }
       return std::nullopt;
     }
     Image partner = std::move(*nearest);
@@ -44,7 +47,8 @@ class StampPairing {
   int64_t unpaired() const { return unpaired_; }
 
  private:
-  static constexpr size_t kMaxWaiting = 4;
+  static constexpr size_t kMaxWaiting = 128;
+  static constexpr int64_t kLongestDelay_ns = 1'500'000'000;
 
   void Drop(std::deque<Image>& images, typename std::deque<Image>::iterator end) {
     unpaired_ += end - images.begin();

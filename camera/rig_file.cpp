@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <utility>
 
 #include "core/datasets/camera_file.h"
 #include "core/datasets/yaml_map.h"
@@ -87,7 +88,9 @@ bool MayEnd(SourceSpec::Type type) { return RowOf(type).may_end; }
 LiveRig ReadRigFile(const std::string& path) {
   const YamlMap yaml = YamlMap::FromFile(path);
   if (!yaml.Has("source")) yaml.Fail("source", fmt::format("is missing: a map with one of {}", AllKeys()));
-  LiveRig live{path, ReadCameraFile(path, {}), ReadSource(yaml.Map("source"))};
+  std::vector<std::string> notes;
+  RigCalibration rig = ReadCameraFile(path, {}, &notes);
+  LiveRig live{path, std::move(rig), ReadSource(yaml.Map("source")), std::move(notes)};
   if (live.rig.kind != RigCalibration::Kind::kStereo) {
     yaml.Fail("kind", "= rgbd has no source: two cameras are read, left and right");
   }

@@ -38,6 +38,8 @@ struct LiveRig {
   std::string path;
   RigCalibration rig;
   SourceSpec source;
+  /// Notes about the calibration for the user, in whole sentences.
+  std::vector<std::string> notes{};
 };
 
 /// Relative names of `files` are meant beside the rig file. Throws DatasetError that names file, line, key and value.

@@ -8,7 +8,6 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "core/datasets/camera_file.h"
 #include "core/datasets/open_dataset.h"
@@ -41,10 +40,9 @@ RigCalibration WithMasks(RigCalibration rig, const PlayerOptions& options) {
 }
 
 PlayOrder Order(const Dataset& dataset, const PlayerOptions& options) {
-  std::vector<int64_t> times_ns(static_cast<size_t>(dataset.size()));
-  for (int i = 0; i < dataset.size(); ++i) times_ns[static_cast<size_t>(i)] = dataset.t_ns(i);
+  const auto time_of = [&dataset](int index) { return dataset.t_ns(index); };
   try {
-    return {times_ns, options, dataset.rig().rate_hz};
+    return {dataset.size(), time_of, options, dataset.rig().rate_hz};
   } catch (const std::runtime_error& error) {
     throw DatasetError(fmt::format("{}: {}", dataset.name(), error.what()));
   }
@@ -54,8 +52,8 @@ PlayOrder Order(const Dataset& dataset, const PlayerOptions& options) {
 void CheckFilesAreThere(const Dataset& dataset, const PlayOrder& order, bool skip_bad) {
   std::string first;
   int n = 0;
-  for (const PlayOrder::Item& item : order.pass()) {
-    const std::string missing = dataset.Missing(item.index);
+  for (const int index : order.pass()) {
+    const std::string missing = dataset.Missing(index);
     if (missing.empty()) continue;
     ++n;
     if (first.empty()) first = missing;

@@ -16,24 +16,15 @@ namespace {
 constexpr double kNsPerS = 1e9;
 constexpr double kDefaultRate_hz = 10.0;
 
-std::vector<PlayOrder::Item> Select(const std::vector<int64_t>& times_ns, const PlayerOptions& options) {
-  const auto n = static_cast<int64_t>(times_ns.size());
+std::vector<int> Select(int64_t n, const PlayerOptions& options) {
   const int64_t stop = options.stop < 0 ? n : std::min(options.stop, n);
   if (options.stride < 1 || options.start < 0 || options.start >= stop) {
     throw std::runtime_error(fmt::format("start {}, stop {} and stride {} leave none of the {} frames", options.start,
                                          options.stop, options.stride, n));
   }
-  std::vector<PlayOrder::Item> items;
-  for (int64_t i = options.start; i < stop; i += options.stride) {
-    items.push_back({static_cast<int>(i), times_ns[static_cast<size_t>(i)]});
-  }
-  return items;
-}
-
-int64_t MeanPeriod(const std::vector<PlayOrder::Item>& pass, double rate_hz) {
-  if (pass.size() > 1) return (pass.back().t_ns - pass.front().t_ns) / static_cast<int64_t>(pass.size() - 1);
-  const double rate = rate_hz > 0.0 && std::isfinite(rate_hz) ? rate_hz : kDefaultRate_hz;
-  return std::llround(kNsPerS / rate);
+  std::vector<int> frames;
+  for (int64_t i = options.start; i < stop; i += options.stride) frames.push_back(static_cast<int>(i));
+  return frames;
 }
 
 int64_t Count(int64_t n, const PlayerOptions& options) {
@@ -43,12 +34,21 @@ int64_t Count(int64_t n, const PlayerOptions& options) {
 
 }  // namespace
 
-PlayOrder::PlayOrder(const std::vector<int64_t>& times_ns, const PlayerOptions& options, double rate_hz)
-    : pass_(Select(times_ns, options)),
+PlayOrder::PlayOrder(int64_t n_frames, TimeOf time_of, const PlayerOptions& options, double rate_hz)
+    : time_of_(std::move(time_of)),
+      pass_(Select(n_frames, options)),
       bounce_(options.bounce && pass_.size() > 1),
       size_(Count(static_cast<int64_t>(pass_.size()), options)),
-      period_ns_(std::max<int64_t>(1, MeanPeriod(pass_, rate_hz))),
-      t_ns_(pass_.front().t_ns) {}
+      period_ns_(std::max<int64_t>(1, MeanPeriod(rate_hz))),
+      t_ns_(time_of_(pass_.front())) {}
+
+int64_t PlayOrder::MeanPeriod(double rate_hz) const {
+  if (pass_.size() > 1) {
+    return (time_of_(pass_.back()) - time_of_(pass_.front())) / static_cast<int64_t>(pass_.size() - 1);
+  }
+  const double rate = rate_hz > 0.0 && std::isfinite(rate_hz) ? rate_hz : kDefaultRate_hz;
+  return std::llround(kNsPerS / rate);
+}
 
 size_t PlayOrder::Position(int64_t step) const {
   const auto n = static_cast<int64_t>(pass_.size());
@@ -65,10 +65,10 @@ std::optional<PlayOrder::Item> PlayOrder::Next() {
     const bool neighbours = now == before + 1 || before == now + 1;
     // A single frame, and the jump back to the first one, have no distance of their own.
     const bool in_pass = neighbours && (bounce_ || now > before);
-    t_ns_ += in_pass ? std::abs(pass_[now].t_ns - pass_[before].t_ns) : period_ns_;
+    t_ns_ += in_pass ? std::abs(time_of_(pass_[now]) - time_of_(pass_[before])) : period_ns_;
   }
   ++step_;
-  return Item{pass_[now].index, t_ns_};
+  return Item{pass_[now], t_ns_};
 }
 
 int64_t PlayOrder::SkipTo(int64_t t_ns) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -18,14 +19,17 @@ class PlayOrder {
     int64_t t_ns = 0;
   };
 
-  /// `times_ns` are those of the whole dataset, increasing; `rate_hz` serves where only one frame is played. Throws
-  /// std::runtime_error where the options leave no frame.
-  PlayOrder(const std::vector<int64_t>& times_ns, const PlayerOptions& options, double rate_hz);
+  /// The time of a frame of the dataset: increasing, and asked for when the frame is played, since some datasets read it
+  /// from a file.
+  using TimeOf = std::function<int64_t(int index)>;
+
+  /// `rate_hz` serves where only one frame is played. Throws std::runtime_error where the options leave no frame.
+  PlayOrder(int64_t n_frames, TimeOf time_of, const PlayerOptions& options, double rate_hz);
 
   /// Number of items in all.
   int64_t size() const { return size_; }
-  /// The frames of the dataset that are played, each once, with their own times.
-  const std::vector<Item>& pass() const { return pass_; }
+  /// The frames of the dataset that are played, each once.
+  const std::vector<int>& pass() const { return pass_; }
   std::optional<Item> Next();
   /// Leaves out what is not later than `t_ns`; how many that is.
   int64_t SkipTo(int64_t t_ns);
@@ -34,8 +38,10 @@ class PlayOrder {
 
  private:
   size_t Position(int64_t step) const;
+  int64_t MeanPeriod(double rate_hz) const;
 
-  std::vector<Item> pass_;
+  TimeOf time_of_;
+  std::vector<int> pass_;
   bool bounce_;
   int64_t size_;
   int64_t period_ns_;

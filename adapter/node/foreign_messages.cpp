@@ -158,6 +158,9 @@ RosCameraInfo CameraInfoFromBytes(MessageBytes bytes) {
   info.K = Eigen::Map<const Rows3>(&message.K[0]);
   info.R = Eigen::Map<const Rows3>(&message.R[0]);
   info.P = Eigen::Map<const Rows34>(&message.P[0]);
+  info.binning_x = message.binning_x;
+  info.binning_y = message.binning_y;
+  info.roi = {message.roi.x_offset, message.roi.y_offset, message.roi.width, message.roi.height};
   return info;
 }
 

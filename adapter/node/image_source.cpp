@@ -2,7 +2,9 @@
 #include "adapter/node/image_source.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <regex>
@@ -39,6 +41,13 @@ void CheckRig(const RigCalibration& rig) {
   AsDatasetError([&] { BodyFromCamera(rig); });
 }
 
+/// Warns about the baseline of a CameraInfo. The notes of a camera file are printed when it is read.
+void WarnOfLongBaseline(const RigCalibration& rig) {
+  std::vector<std::string> notes;
+  NoteLongBaseline("CameraInfo", rig, "P[3] is in metres times pixels; where it is not, give adapter.camera", &notes);
+  for (const std::string& note : notes) spdlog::warn("{}", note);
+}
+
 std::string GivenOr(const std::string& given, const std::string& image_channel) {
   return given.empty() ? InfoChannelOf(image_channel) : given;
 }
@@ -71,7 +80,9 @@ ImageSource::ImageSource(bus::Process& process, bus::StockLcm& foreign, const Ad
       publisher_(process.bus(), false),
       pairing_(std::llround(options.max_skew_ms * kNsPerMs)) {
   if (!options_.camera.empty()) {
-    RigCalibration rig = ReadCalibration({options_.camera}, {});
+    std::vector<std::string> notes;
+    RigCalibration rig = ReadCalibration({options_.camera}, {}, &notes);
+    for (const std::string& note : notes) spdlog::warn("{}", note);
     if (rig.kind != RigCalibration::Kind::kStereo) {
       throw DatasetError(options_.camera + ": is of an RGB-D camera, and a stereo rig is wanted");
     }
@@ -135,17 +146,29 @@ void ImageSource::OnInfo(Side side, MessageBytes bytes) {
   if (!infos_[0] || !infos_[1]) return;
   // Each only once: a new one of one camera does not go with an old one of the other.
   const auto infos = std::exchange(infos_, {});
-  UseRig(RigFromRos(*infos[0], *infos[1], NamesRectified(options_.left)));
+  UseRig(RigFromRos(InPixelsOfImages(*infos[0], {}), InPixelsOfImages(*infos[1], {}), NamesRectified(options_.left)));
 }
 
 void ImageSource::OnPair(const Pair& pair) {
   if (!rig_) return;
   if (pair.first.t_ns == last_t_ns_) throw DatasetError("has the stamp of the one before");
+  const cv::Size size(rig_->left.width_px, rig_->left.height_px);
+  UseWhiteLevel(std::max(LargestWideValue(pair.first, size), LargestWideValue(pair.second, size)));
   StereoImages images;
   images.t_ns = pair.first.t_ns;
-  images.left = GreyOf(pair.first, {rig_->left.width_px, rig_->left.height_px});
-  images.right = GreyOf(pair.second, {rig_->right.width_px, rig_->right.height_px});
+  images.left = GreyOf(pair.first, size, white_);
+  images.right = GreyOf(pair.second, size, white_);
   Publish(std::move(images));
+}
+
+/// Both cameras have that of the first pair, until an image has larger values. `largest` is 0 for images of 8 bits.
+void ImageSource::UseWhiteLevel(int largest) {
+  if (largest == 0 || (has_white_ && largest <= white_)) return;
+  has_white_ = true;
+  white_ = WhiteLevel(largest);
+  if (white_ < kWhiteOf16Bits) {
+    spdlog::warn("the images of 16 bits have values up to {}: {} is taken as white", largest, white_);
+  }
 }
 
 void ImageSource::UseRig(RigCalibration rig) {
@@ -153,6 +176,7 @@ void ImageSource::UseRig(RigCalibration rig) {
   std::vector<uint8_t> bytes = bus::RigBytes(bus::ToMessage(rig));
   if (bytes == rig_bytes_) return;
   CheckRig(rig);
+  if (options_.camera.empty()) WarnOfLongBaseline(rig);
   rig_bytes_ = std::move(bytes);
   rig_ = std::move(rig);
   listener_.on_rig(*rig_);

@@ -18,6 +18,7 @@
 #include "adapter/stamp_pairing.h"
 #include "core/bus/messages/frame_channel.h"
 #include "core/bus/transport/stock_lcm.h"
+#include "core/io/images/image_file.h"
 #include "core/process/process.h"
 
 namespace plslam::adapter {
@@ -57,6 +58,7 @@ class ImageSource {
   void OnImage(Side side, MessageBytes bytes);
   void OnInfo(Side side, MessageBytes bytes);
   void OnPair(const Pair& pair);
+  void UseWhiteLevel(int largest);
   void UseRig(RigCalibration rig);
   void PublishRig();
   void Publish(StereoImages images);
@@ -75,6 +77,8 @@ class ImageSource {
   Complaints complaints_;
   std::array<std::optional<RosCameraInfo>, 2> infos_;
   std::optional<RigCalibration> rig_;
+  bool has_white_ = false;  ///< an image of 16 bits has come
+  int white_ = kWhiteOf16Bits;
   std::vector<uint8_t> rig_bytes_;
   int64_t n_messages_ = 0;
   int64_t n_sent_ = 0;

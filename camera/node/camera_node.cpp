@@ -27,7 +27,9 @@ std::unique_ptr<stream::FrameSource> Open(bus::Process& process, const CameraOpt
   CameraSource::Listener listener;
   listener.on_frame = [report](const auto& health, const auto& pairing) { report->OnFrame(health, pairing); };
   listener.on_outage = [report](const std::string& why) { report->OnOutage(why); };
-  auto source = std::make_unique<CameraSource>(ReadRigFile(options.rig), !options.resume_after.empty(), listener);
+  LiveRig rig = ReadRigFile(options.rig);
+  for (const std::string& note : rig.notes) spdlog::warn("{}", note);
+  auto source = std::make_unique<CameraSource>(std::move(rig), !options.resume_after.empty(), listener);
   if (source->is_live() && (pace.lockstep || pace.speed != 1.0)) {
     throw std::runtime_error(
         fmt::format("{}: camera.pace = {}: live cameras wait for nobody; use realtime", options.rig, options.pace));

@@ -3,11 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "core/datasets/calibrations/readers.h"
 #include "core/datasets/check_rig.h"
 #include "core/datasets/yaml_map.h"
 
@@ -78,17 +81,44 @@ CameraCalibration ReadAslCamera(const std::string& path) {
   return camera;
 }
 
-std::pair<CameraCalibration, CameraCalibration> ReadCamchain(const std::string& path) {
+namespace {
+
+/// Returns body (the IMU, or else the first camera) from camera, by whichever key the file has. `T_b_before` is the
+/// pose of the camera before, which T_cn_cnm1 continues.
+SE3 PoseInChain(const YamlMap& camera, bool has_imu, const std::optional<SE3>& T_b_before) {
+  if (camera.Has("T_imu_cam")) return camera.Transform("T_imu_cam");
+  if (camera.Has("T_cam_imu")) return camera.Transform("T_cam_imu").Inverse();
+  if (!T_b_before && !has_imu) return {};
+  return T_b_before ? *T_b_before * camera.Transform("T_cn_cnm1").Inverse() : camera.Transform("T_cam_imu");
+}
+
+}  // namespace
+
+std::pair<CameraCalibration, CameraCalibration> ReadCamchain(const std::string& path,
+                                                             std::vector<std::string>* notes) {
+  constexpr int kMaxCameras = 16;
   const YamlMap yaml = YamlMap::FromFile(path);
-  const YamlMap cam0 = yaml.Map("cam0"), cam1 = yaml.Map("cam1");
-  CameraCalibration left = ReadLens(cam0, "distortion_coeffs"), right = ReadLens(cam1, "distortion_coeffs");
-  // Without an IMU the body is the left camera.
-  const bool has_imu = cam0.Has("T_cam_imu") || cam1.Has("T_cam_imu");
-  const SE3 T_0_b = has_imu ? cam0.Transform("T_cam_imu") : SE3();
-  const bool by_chain = !has_imu || (!cam1.Has("T_cam_imu") && cam1.Has("T_cn_cnm1"));
-  left.T_b_cam = T_0_b.Inverse();
-  right.T_b_cam = (by_chain ? cam1.Transform("T_cn_cnm1") * T_0_b : cam1.Transform("T_cam_imu")).Inverse();
-  return {left, right};
+  if (yaml.Has("cam0") && !yaml.Has("cam1")) {
+    yaml.Fail("cam1", "is missing, so that this is the chain of one camera: a stereo pair is needed");
+  }
+  std::vector<std::pair<std::string, YamlMap>> maps;
+  for (int i = 0; i < kMaxCameras && (i < 2 || yaml.Has(fmt::format("cam{}", i))); ++i) {
+    const std::string name = fmt::format("cam{}", i);
+    maps.emplace_back(name, yaml.Map(name));
+  }
+  const bool has_imu = std::any_of(maps.begin(), maps.end(), [](const auto& camera) {
+    return camera.second.Has("T_cam_imu") || camera.second.Has("T_imu_cam");
+  });
+  std::vector<NamedCamera> cameras;
+  std::optional<SE3> T_b_before;
+  for (const auto& [name, map] : maps) {
+    NamedCamera camera{name, map.Has("rostopic") ? map.Text("rostopic") : "", ReadLens(map, "distortion_coeffs")};
+    T_b_before = camera.camera.T_b_cam = PoseInChain(map, has_imu, T_b_before);
+    cameras.push_back(std::move(camera));
+  }
+  const CameraPair pair = ChoosePair(cameras, path);
+  if (!pair.note.empty()) notes->push_back(pair.note);
+  return {cameras[pair.left].camera, cameras[pair.right].camera};
 }
 
 }  // namespace plslam

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/geometry/calibration.h"
 
@@ -12,9 +13,11 @@ namespace plslam {
 /// distortion_model (radial-tangential, equidistant or none), distortion_coefficients. Throws DatasetError.
 CameraCalibration ReadAslCamera(const std::string& path);
 
-/// Left and right camera of a `camchain.yaml` as Kalibr writes it: cam0 and cam1, each with T_cam_imu (the inverse of
-/// T_BS; for cam1 T_cn_cnm1, from cam0, does too; without an IMU the body is cam0), distortion_coeffs, and the rest
-/// as above. The camera model `ds` (double sphere) is read too. Throws DatasetError.
-std::pair<CameraCalibration, CameraCalibration> ReadCamchain(const std::string& path);
+/// Left and right camera of a `camchain.yaml` as Kalibr writes it: cam0, cam1 ... , each with T_cam_imu (the inverse of
+/// T_BS; T_cn_cnm1, from the camera before, does too; without an IMU the body is cam0) or OpenVINS' T_imu_cam,
+/// distortion_coeffs, and the rest as above. The camera model `ds` (double sphere) is read too. ChoosePair
+/// selects two of more cameras, and `notes` says which. Throws DatasetError.
+std::pair<CameraCalibration, CameraCalibration> ReadCamchain(const std::string& path,
+                                                             std::vector<std::string>* notes);
 
 }  // namespace plslam

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include <fmt/format.h>
@@ -182,9 +183,32 @@ void ReadRightCamera(const YamlMap& yaml, const ImageSize& image_size, RigCalibr
   rig->baseline_m = (rig->left.T_b_cam.Inverse() * rig->right.T_b_cam).translation().norm();
 }
 
+/// Reads files of another program.
+RigCalibration ReadForeign(const std::vector<std::string>& paths, const ImageSize& image_size,
+                           std::optional<double> metres_per_unit, std::vector<std::string>* notes) {
+  const ForeignCalibration calibration = ReadForeignCalibration(paths, image_size, metres_per_unit);
+  notes->insert(notes->end(), calibration.notes.begin(), calibration.notes.end());
+  if (!metres_per_unit) {
+    const std::string file = fs::path(paths.front()).filename().string();
+    NoteLongBaseline(paths.front(), calibration.rig,
+                     fmt::format("state the unit of its lengths, m, cm or mm, as `unit: cm` beside `from: {}` in a "
+                                 "camera.yaml",
+                                 paths.size() == 1 ? file : fmt::format("[{}, ...]", file)),
+                     notes);
+  }
+  return calibration.rig;
+}
+
+std::optional<double> ReadUnit(const YamlMap& yaml) {
+  if (!yaml.Has("unit")) return std::nullopt;
+  const std::optional<double> metres = MetresOf(yaml.Text("unit"));
+  if (!metres) yaml.Fail("unit", fmt::format("= '{}' is none of m, cm, mm", yaml.Text("unit")));
+  return metres;
+}
+
 /// `from: FILE` or `from: [LEFT, RIGHT]`: files of another program beside this one.
-RigCalibration ReadFrom(const YamlMap& yaml, const ImageSize& image_size) {
-  yaml.AllowOnly({"from", "name", "rate_hz", "source"});
+RigCalibration ReadFrom(const YamlMap& yaml, const ImageSize& image_size, std::vector<std::string>* notes) {
+  yaml.AllowOnly({"from", "unit", "name", "rate_hz", "source"});
   std::vector<std::string> paths;
   for (const std::string& name : yaml.Texts("from")) {
     const fs::path file(name);
@@ -194,7 +218,7 @@ RigCalibration ReadFrom(const YamlMap& yaml, const ImageSize& image_size) {
     }
     paths.push_back((fs::path(yaml.path()).parent_path() / file).string());
   }
-  RigCalibration rig = ReadForeignCalibration(paths, image_size).rig;
+  RigCalibration rig = ReadForeign(paths, image_size, ReadUnit(yaml), notes);
   if (yaml.Has("name")) rig.name = yaml.Text("name");
   rig.rate_hz = ReadRate_hz(yaml, rig.rate_hz);
   return rig;
@@ -231,14 +255,22 @@ std::vector<std::string> CalibrationOf(const std::string& folder) {
   return FindForeignCalibration(folder);
 }
 
-RigCalibration ReadCalibration(const std::vector<std::string>& paths, const ImageSize& image_size) {
-  if (paths.size() == 1) return ReadCameraFile(paths.front(), image_size);
-  return ReadForeignCalibration(paths, image_size).rig;
+RigCalibration ReadCalibration(const std::vector<std::string>& paths, const ImageSize& image_size,
+                               std::vector<std::string>* notes) {
+  if (paths.size() == 1) return ReadCameraFile(paths.front(), image_size, notes);
+  std::vector<std::string> unread;
+  return ReadForeign(paths, image_size, std::nullopt, notes == nullptr ? &unread : notes);
 }
 
 std::string CameraFileText(const RigCalibration& rig) {
   std::string text = fmt::format("name: \"{}\"\n", rig.name);
   if (rig.rate_hz > 0.0) text += fmt::format("rate_hz: {}\n", rig.rate_hz);
+  if (rig.kind == RigCalibration::Kind::kRgbd) {
+    return text +
+           fmt::format("kind: rgbd\ndepth_units_per_m: {}\nbaseline_m: {}\nleft:\n", rig.depth_units_per_m,
+                       rig.baseline_m) +
+           CameraText(rig.left);
+  }
   return text + "left:\n" + CameraText(rig.left) + "right:\n" + CameraText(rig.right);
 }
 
@@ -253,10 +285,12 @@ RigCalibration MakeRgbdRig(const CameraCalibration& camera, double baseline_m, d
   return rig;
 }
 
-RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_size) {
-  if (!ForeignFormat(path).empty()) return ReadForeignCalibration({path}, image_size).rig;
+RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_size, std::vector<std::string>* notes) {
+  std::vector<std::string> unread;
+  if (notes == nullptr) notes = &unread;
+  if (!ForeignFormat(path).empty()) return ReadForeign({path}, image_size, std::nullopt, notes);
   const YamlMap yaml = YamlMap::FromFile(path);
-  if (yaml.Has("from")) return ReadFrom(yaml, image_size);
+  if (yaml.Has("from")) return ReadFrom(yaml, image_size, notes);
   yaml.AllowOnly({"name", "kind", "rate_hz", "left", "right", "baseline_m", "depth_units_per_m", "source"});
   const std::string kind = yaml.Has("kind") ? yaml.Text("kind") : "stereo";
   if (kind != "stereo" && kind != "rgbd") yaml.Fail("kind", fmt::format("'{}' is none of stereo, rgbd", kind));
@@ -269,6 +303,7 @@ RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_si
                       PositiveNumber(yaml, "depth_units_per_m", 0.0, 1e6));
   } else {
     ReadRightCamera(yaml, image_size, &rig);
+    NoteLongBaseline(path, rig, kLengthsAreMetres, notes);
   }
   rig.name = yaml.Has("name") ? yaml.Text("name") : "images";
   rig.rate_hz = ReadRate_hz(yaml, 0.0);

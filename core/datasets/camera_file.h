@@ -26,9 +26,11 @@ double ReadRate_hz(const YamlMap& yaml, double fallback);
 
 /// Our own camera file (docs/datasets.md has the keys), `camera.yaml` of a folder of images or of a TUM RGB-D
 /// sequence. Cameras that name no `resolution` get `image_size`. The file may as well be one of another program's
-/// (calibrations/foreign_calibration.h), or name such ones by `from`, a file or a list of files beside it. Throws
+/// (calibrations/foreign_calibration.h), or name such ones by `from`, a file or a list of files beside it, with the
+/// `unit` of their lengths. `notes`, where it is given, gets what the user should know, in whole sentences. Throws
 /// DatasetError.
-RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_size);
+RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_size,
+                              std::vector<std::string>* notes = nullptr);
 
 /// `path` is a file of our own that says by `source` where live images come from: a camera file like any other
 /// elsewhere. False, too, where it cannot be read.
@@ -39,9 +41,10 @@ bool NamesSource(const std::string& path);
 std::vector<std::string> CalibrationOf(const std::string& folder);
 
 /// Reads what `CalibrationOf` found.
-RigCalibration ReadCalibration(const std::vector<std::string>& paths, const ImageSize& image_size);
+RigCalibration ReadCalibration(const std::vector<std::string>& paths, const ImageSize& image_size,
+                               std::vector<std::string>* notes = nullptr);
 
-/// The text of a camera.yaml of a stereo rig, every number to its last digit. Masks are left out.
+/// The text of a camera.yaml of a rig, every number to its last digit. Masks are left out.
 std::string CameraFileText(const RigCalibration& rig);
 
 /// An RGB-D rig from its camera: the right one is a copy of it, moved by the virtual baseline along its x axis.

@@ -110,11 +110,13 @@ std::string PlacementComplaint(const RigCalibration& rig) {
                        distance_m, kMinBaseline_m, kMaxBaseline_m,
                        distance_m > kMaxBaseline_m ? "; is it in millimetres?" : "");
   }
-  if (!(T_l_r.translation().x() > 0.5 * distance_m)) {
+  const Eigen::Vector3d& t = T_l_r.translation();
+  const bool is_above = std::abs(t.y()) > std::abs(t.x()) && std::abs(t.y()) > 0.5 * distance_m;
+  if (!is_above && !(t.x() > 0.5 * distance_m)) {
     return fmt::format(
         "the right camera must stand to the right of the left one, but is at x = {} m, y = {} m, z = {} m; is the "
         "pose of a camera (T_b_cam, T_BS, T_cam_imu) inverted, or are left and right exchanged?",
-        T_l_r.translation().x(), T_l_r.translation().y(), T_l_r.translation().z());
+        t.x(), t.y(), t.z());
   }
   const double angle_rad = T_l_r.Log().tail<3>().norm();
   if (!(angle_rad <= kMaxAngle_rad)) {
@@ -139,6 +141,12 @@ std::string KindComplaint(const RigCalibration& rig) {
 std::string RigComplaint(const RigCalibration& rig) {
   return FirstOf({CameraComplaint(rig.left, "left"), CameraComplaint(rig.right, "right"), KindComplaint(rig),
                   PlacementComplaint(rig)});
+}
+
+void NoteLongBaseline(const std::string& path, const RigCalibration& rig, const std::string& remedy,
+                      std::vector<std::string>* notes) {
+  if (rig.kind == RigCalibration::Kind::kRgbd || rig.baseline_m <= kUsualBaseline_m) return;
+  notes->push_back(fmt::format("{}: the cameras stand {:.4g} m apart: {}", path, rig.baseline_m, remedy));
 }
 
 }  // namespace plslam

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "core/geometry/calibration.h"
 
@@ -16,8 +17,17 @@ bool IsImageSide(double side_px);
 /// What is wrong with a rig, in one phrase with value and bound; empty where nothing is. Sizes are 16 to 16384 px,
 /// focal lengths 1 to 100000 px, principal points within one image size of the image, distortion coefficients as many
 /// as the model has, all numbers finite, both images of one size, and the right camera 0.1 mm to 100 m to the right
-/// of the left one, looking the same way (within 45 degrees).
+/// of the left one, or above or below it, looking the same way (within 45 degrees).
 std::string RigComplaint(const RigCalibration& rig);
+
+/// Adds a note where the cameras of a stereo rig stand more than 1 m apart, which is most often a matter of another
+/// unit: "FILE: the cameras stand 6 m apart: REMEDY".
+void NoteLongBaseline(const std::string& path, const RigCalibration& rig, const std::string& remedy,
+                      std::vector<std::string>* notes);
+/// The remedy for files whose lengths are in metres by definition.
+inline constexpr const char* kLengthsAreMetres = "lengths are in metres there; are these?";
+/// No larger one is taken for metres without a word.
+inline constexpr double kUsualBaseline_m = 1.0;
 
 /// Parts of it for one camera: image size, focal lengths, principal point (needs the size), model, distortion.
 std::string SizeComplaint(const CameraCalibration& camera);

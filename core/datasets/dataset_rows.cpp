@@ -22,8 +22,31 @@ void ForEachDatasetRow(const std::string& path, const std::function<void(const T
   AsDatasetError([&] { ForEachRow(path, use); });
 }
 
-Trajectory ReadDatasetTrajectory(const std::string& path, TrajectoryFormat format) {
-  return AsDatasetError([&] { return ReadTrajectory(path, format); });
+TrajectoryFile ReadTruth(const std::string& path, TrajectoryFormat format, std::vector<std::string>* notes) {
+  try {
+    TrajectoryFile file = ReadTrajectoryFile(path, format, BadRows::kPassOver);
+    notes->insert(notes->end(), file.notes.begin(), file.notes.end());
+    return file;
+  } catch (const std::runtime_error& error) {
+    notes->push_back(fmt::format("{}; frames have no true poses", error.what()));
+    return {};
+  }
+}
+
+std::vector<std::optional<SE3>> TruthOfEachFrame(const std::string& path, size_t n, std::vector<std::string>* notes) {
+  constexpr int64_t kRow_ns = 1'000'000'000;
+  const size_t n_notes = notes->size();
+  const TrajectoryFile file = ReadTruth(path, TrajectoryFormat::kKitti, notes);
+  if (file.n_rows != n) {
+    if (notes->size() == n_notes || file.n_rows > 0) {
+      notes->push_back(
+          fmt::format("{}: has {} poses for {} frames, which have none for that reason", path, file.n_rows, n));
+    }
+    return {};
+  }
+  std::vector<std::optional<SE3>> poses(n);
+  for (const TrajectoryPose& pose : file.poses) poses[static_cast<size_t>(pose.t_ns / kRow_ns)] = pose.T_a_b;
+  return poses;
 }
 
 void RequireColumns(const TextRow& row, size_t n, const char* what) {

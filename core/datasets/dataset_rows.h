@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,8 +15,13 @@ namespace plslam {
 /// `ForEachRow`, its errors as DatasetError.
 void ForEachDatasetRow(const std::string& path, const std::function<void(const TextRow&)>& use);
 
-/// `ReadTrajectory`, its errors as DatasetError.
-Trajectory ReadDatasetTrajectory(const std::string& path, TrajectoryFormat format);
+/// The truth at `path`, whose rows and errors never keep a dataset from opening: rows that are no poses are passed
+/// over, and a file that cannot be read is empty. `notes` says so.
+TrajectoryFile ReadTruth(const std::string& path, TrajectoryFormat format, std::vector<std::string>* notes);
+
+/// The poses of a truth of KITTI's format, a row for each of `n` frames; nullopt for rows that are none. Empty, with a
+/// note, where the number of rows is another.
+std::vector<std::optional<SE3>> TruthOfEachFrame(const std::string& path, size_t n, std::vector<std::string>* notes);
 
 /// Fails where `row` has not `n` fields; `what` says what they are ("time and file name").
 void RequireColumns(const TextRow& row, size_t n, const char* what);

@@ -3,12 +3,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <filesystem>
 #include <tuple>
 #include <utility>
 
 #include "core/datasets/asl_sensor.h"
+#include "core/datasets/check_rig.h"
 #include "core/datasets/dataset_rows.h"
 #include "core/datasets/image_list.h"
 #include "core/io/files/shared_file.h"
@@ -18,7 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int64_t kMaxStereoPairing_ns = 500'000;
+/// Images that are further apart are of two moments, however slow the camera.
+constexpr int64_t kMaxStereoPairing_ns = 500'000'000;
 // The first that is there counts. TUM-VI has but what its cameras of motion capture saw.
 constexpr std::array<const char*, 2> kTruthFolders = {"state_groundtruth_estimate0", "mocap0"};
 
@@ -29,17 +33,18 @@ Shots CameraShots(const fs::path& camera) {
                    "time in nanoseconds and file name");
 }
 
-// Both lists increase, so that one walk over the two finds all pairs.
-std::vector<ImageList::Entry> Pair(const Shots& left, const Shots& right) {
+/// The nearest images within half a frame.
+std::vector<ImageList::Entry> Pair(const Shots& left, const Shots& right, std::vector<std::string>* notes) {
   std::vector<ImageList::Entry> entries;
-  size_t r = 0;
-  for (size_t l = 0; l < left.files.size(); ++l) {
-    const int64_t t_ns = left.times_ns[l];
-    while (r < right.files.size() && right.times_ns[r] < t_ns && t_ns - right.times_ns[r] > kMaxStereoPairing_ns) ++r;
-    if (r == right.files.size()) break;
-    if (right.times_ns[r] > t_ns && right.times_ns[r] - t_ns > kMaxStereoPairing_ns) continue;
-    entries.push_back({t_ns, left.files[l], right.files[r], ""});
-    ++r;
+  int64_t largest_ns = 0;
+  const int64_t max_ns = std::min(kMaxStereoPairing_ns, MedianStep_ns(left.times_ns) / 2);
+  for (const auto& [l, r] : AssociateTimes(left.times_ns, right.times_ns, max_ns)) {
+    entries.push_back({left.times_ns[l], left.files[l], right.files[r], ""});
+    largest_ns = std::max(largest_ns, std::abs(left.times_ns[l] - right.times_ns[r]));
+  }
+  if (largest_ns > 0) {
+    notes->push_back(fmt::format("times of cam0 and cam1 differ by up to {:.3f} ms: the nearest ones are pairs",
+                                 1e-6 * static_cast<double>(largest_ns)));
   }
   return entries;
 }
@@ -69,11 +74,11 @@ std::array<std::string, 2> CalibrationPaths(const fs::path& mav) {
   return {left.string(), right.string()};
 }
 
-RigCalibration ReadRig(const std::array<std::string, 2>& paths) {
+RigCalibration ReadRig(const std::array<std::string, 2>& paths, std::vector<std::string>* notes) {
   RigCalibration rig;
   rig.name = "euroc";
   if (paths[0] == paths[1]) {
-    std::tie(rig.left, rig.right) = ReadCamchain(paths[0]);
+    std::tie(rig.left, rig.right) = ReadCamchain(paths[0], notes);
   } else {
     rig.left = ReadAslCamera(paths[0]);
     rig.right = ReadAslCamera(paths[1]);
@@ -89,14 +94,15 @@ std::unique_ptr<Dataset> OpenEurocDataset(const std::string& folder) {
   ImageList list;
   list.name = folder;
   const std::array<std::string, 2> calibrations = CalibrationPaths(mav);
-  list.rig = ReadRig(calibrations);
+  list.rig = ReadRig(calibrations, &list.notes);
+  NoteLongBaseline(calibrations[1], list.rig, kLengthsAreMetres, &list.notes);
   const Shots left = CameraShots(mav / "cam0");
   const Shots right = CameraShots(mav / "cam1");
-  list.entries = Pair(left, right);
+  list.entries = Pair(left, right, &list.notes);
   if (list.entries.empty()) {
-    throw DatasetError(
-        fmt::format("{}: no image is within 0.5 ms of one of cam0; the first times are {} ns (cam0) and {} ns (cam1)",
-                    (mav / "cam1" / "data.csv").string(), left.times_ns.front(), right.times_ns.front()));
+    throw DatasetError(fmt::format(
+        "{}: no image is within half a frame of one of cam0; the first times are {} ns (cam0) and {} ns (cam1)",
+        (mav / "cam1" / "data.csv").string(), left.times_ns.front(), right.times_ns.front()));
   }
   NoteUnpairedImages("cam0", left.files.size() - list.entries.size(), &list.notes);
   NoteUnpairedImages("cam1", right.files.size() - list.entries.size(), &list.notes);

@@ -10,6 +10,7 @@
 
 #include "core/datasets/check_rig.h"
 #include "core/datasets/dataset_rows.h"
+#include "core/datasets/white_level.h"
 #include "core/io/trajectories/trajectory.h"
 
 namespace plslam {
@@ -47,13 +48,24 @@ std::vector<std::pair<size_t, size_t>> AssociateTimes(const std::vector<int64_t>
   return pairs;
 }
 
-namespace {
+int64_t MedianStep_ns(const std::vector<int64_t>& times_ns) {
+  constexpr int64_t kOneSecond_ns = 1'000'000'000;
+  if (times_ns.size() < 2) return kOneSecond_ns;
+  std::vector<int64_t> steps_ns;
+  for (size_t i = 1; i < times_ns.size(); ++i) steps_ns.push_back(times_ns[i] - times_ns[i - 1]);
+  const auto middle = steps_ns.begin() + static_cast<std::ptrdiff_t>(steps_ns.size() / 2);
+  std::nth_element(steps_ns.begin(), middle, steps_ns.end());
+  return *middle;
+}
 
-constexpr double kUsualBaseline_m = 10.0;
+namespace {
 
 class ImageListDataset : public Dataset {
  public:
-  explicit ImageListDataset(ImageList list) : list_(std::move(list)) {}
+  explicit ImageListDataset(ImageList list) : list_(std::move(list)) {
+    white_ = WhiteLevelOf(
+        size(), [this](int index) { return LargestValues(index); }, &list_.notes);
+  }
 
   std::string name() const override { return list_.name; }
   const RigCalibration& rig() const override { return list_.rig; }
@@ -67,8 +79,8 @@ class ImageListDataset : public Dataset {
     if (!entry.missing.empty()) throw DatasetError(entry.missing);
     const ImageSize size{list_.rig.left.width_px, list_.rig.left.height_px};
     const bool rgbd = list_.rig.kind == RigCalibration::Kind::kRgbd;
-    return {index, entry.t_ns, ReadGreyImage(entry.left, size),
-            rgbd ? ReadDepthImage(entry.right, size) : ReadGreyImage(entry.right, size)};
+    return {index, entry.t_ns, ReadGreyImage(entry.left, size, white_),
+            rgbd ? ReadDepthImage(entry.right, size) : ReadGreyImage(entry.right, size, white_)};
   }
 
   std::string LeftFile(int index) const override { return Entry(index).left; }
@@ -93,16 +105,24 @@ class ImageListDataset : public Dataset {
  private:
   const ImageList::Entry& Entry(int index) const { return list_.entries.at(static_cast<size_t>(index)); }
 
+  /// The largest value of the images of a pair (without depths), where they have 16 bits, else 0.
+  int LargestValues(int index) const {
+    const ImageList::Entry& entry = Entry(index);
+    if (!entry.missing.empty()) throw DatasetError(entry.missing);
+    const int left = LargestWideValue(entry.left, list_.image_size);
+    if (left == 0 || list_.rig.kind == RigCalibration::Kind::kRgbd) return left;
+    return std::max(left, LargestWideValue(entry.right, list_.image_size));
+  }
+
   ImageList list_;
+  int white_ = kWhiteOf16Bits;
 };
 
 double MedianRate_hz(const std::vector<ImageList::Entry>& entries, double fallback_hz) {
   if (entries.size() < 2) return fallback_hz;
-  std::vector<int64_t> steps_ns;
-  for (size_t i = 1; i < entries.size(); ++i) steps_ns.push_back(entries[i].t_ns - entries[i - 1].t_ns);
-  const auto middle = steps_ns.begin() + static_cast<std::ptrdiff_t>(steps_ns.size() / 2);
-  std::nth_element(steps_ns.begin(), middle, steps_ns.end());
-  return 1e9 / static_cast<double>(*middle);
+  std::vector<int64_t> times_ns;
+  for (const ImageList::Entry& entry : entries) times_ns.push_back(entry.t_ns);
+  return 1e9 / static_cast<double>(MedianStep_ns(times_ns));
 }
 
 }  // namespace
@@ -118,10 +138,6 @@ std::unique_ptr<Dataset> MakeImageListDataset(ImageList list, const std::string&
   list.rig.rate_hz = MedianRate_hz(list.entries, list.rig.rate_hz);
   const std::string complaint = RigComplaint(list.rig);
   if (!complaint.empty()) throw DatasetError(calibration_path + ": " + complaint);
-  if (list.rig.baseline_m > kUsualBaseline_m) {
-    list.notes.push_back(fmt::format("{}: the cameras stand {} m apart: is that in millimetres?", calibration_path,
-                                     list.rig.baseline_m));
-  }
   if (ImageSize{list.rig.left.width_px, list.rig.left.height_px} != list.image_size) {
     throw DatasetError(fmt::format("{}: the cameras have {} x {} pixels, but the images {} x {} ({})",
                                    calibration_path, list.rig.left.width_px, list.rig.left.height_px,
@@ -160,7 +176,8 @@ std::string SpanText(int64_t first_ns, int64_t last_ns) {
 }  // namespace
 
 std::vector<std::optional<SE3>> FrameTruth(const std::string& path, TrajectoryFormat format, ImageList* list) {
-  const Trajectory truth = ReadDatasetTrajectory(path, format);
+  const TrajectoryFile file = ReadTruth(path, format, &list->notes);
+  const Trajectory& truth = file.poses;
   std::vector<std::optional<SE3>> poses;
   poses.reserve(list->entries.size());
   for (const ImageList::Entry& entry : list->entries) {
@@ -170,7 +187,7 @@ std::vector<std::optional<SE3>> FrameTruth(const std::string& path, TrajectoryFo
   const auto n =
       static_cast<size_t>(std::count_if(poses.begin(), poses.end(), [](const auto& p) { return p.has_value(); }));
   if (truth.empty()) {
-    list->notes.push_back(name + ": has no poses");
+    if (file.n_rows == 0 && file.format) list->notes.push_back(name + ": has no poses");
   } else if (2 * n < poses.size()) {
     list->notes.push_back(fmt::format("{}: {} poses ({}), {} of {} frames ({}) have one", name, truth.size(),
                                       SpanText(truth.front().t_ns, truth.back().t_ns), n, poses.size(),

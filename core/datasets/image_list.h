@@ -21,6 +21,9 @@ namespace plslam {
 std::vector<std::pair<size_t, size_t>> AssociateTimes(const std::vector<int64_t>& a_ns,
                                                       const std::vector<int64_t>& b_ns, int64_t max_ns);
 
+/// The median distance of times, which increase; 1 s for fewer than two.
+int64_t MedianStep_ns(const std::vector<int64_t>& times_ns);
+
 /// A stereo sequence as a list of image files: what every reader of a folder comes down to.
 struct ImageList {
   struct Entry {

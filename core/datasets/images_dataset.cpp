@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "core/datasets/calibrations/foreign_calibration.h"
 #include "core/datasets/camera_file.h"
 #include "core/datasets/dataset_rows.h"
 #include "core/datasets/image_list.h"
@@ -75,19 +76,10 @@ std::vector<int64_t> Times(const fs::path& folder, const std::string& camera_pat
   return times_ns;
 }
 
-std::vector<std::optional<SE3>> OneForEach(const std::string& path, size_t n) {
-  std::vector<std::optional<SE3>> poses;
-  for (const TrajectoryPose& pose : ReadDatasetTrajectory(path, TrajectoryFormat::kKitti)) {
-    poses.emplace_back(pose.T_a_b);
-  }
-  if (poses.size() != n) throw DatasetError(fmt::format("{}: has {} poses for {} frames", path, poses.size(), n));
-  return poses;
-}
-
 std::vector<std::optional<SE3>> GroundTruth(const fs::path& folder, ImageList* list) {
   const fs::path timed = folder / "groundtruth.txt", untimed = folder / "poses.txt";
   if (fs::exists(timed)) return FrameTruth(timed.string(), TrajectoryFormat::kTum, list);
-  if (fs::exists(untimed)) return OneForEach(untimed.string(), list->entries.size());
+  if (fs::exists(untimed)) return TruthOfEachFrame(untimed.string(), list->entries.size(), &list->notes);
   return {};
 }
 
@@ -96,7 +88,9 @@ std::vector<std::optional<SE3>> GroundTruth(const fs::path& folder, ImageList* l
 std::unique_ptr<Dataset> OpenImagesDataset(const std::string& folder) {
   const std::vector<std::string> calibration = CalibrationOf(folder);
   if (calibration.empty()) {
-    throw DatasetError((fs::path(folder) / "camera.yaml").string() + ": the calibration is missing");
+    const std::string unread = UnreadCalibration(folder);
+    throw DatasetError((fs::path(folder) / "camera.yaml").string() + ": the calibration is missing" +
+                       (unread.empty() ? "" : "; " + unread));
   }
   const std::string& camera_path = calibration.front();
   const auto [left, right] = FindFolders(folder);
@@ -104,7 +98,12 @@ std::unique_ptr<Dataset> OpenImagesDataset(const std::string& folder) {
   list.name = folder;
   list.entries = Pair(left, right);
   list.image_size = LearnImageSize(list.entries);
-  list.rig = ReadCalibration(calibration, list.image_size);
+  list.rig = ReadCalibration(calibration, list.image_size, &list.notes);
+  const bool has_depth = left.filename() == "rgb" && right.filename() == "depth";
+  if (list.rig.kind == RigCalibration::Kind::kRgbd && !has_depth && !ForeignFormat(camera_path).empty()) {
+    throw DatasetError(fmt::format("{}: is of an RGB-D camera, but {} and {} are the images of a stereo pair",
+                                   camera_path, left.string(), right.string()));
+  }
   const std::vector<int64_t> times_ns = Times(folder, camera_path, list.entries.size(), list.rig.rate_hz);
   for (size_t i = 0; i < times_ns.size(); ++i) list.entries[i].t_ns = times_ns[i];
   list.ground_truth = GroundTruth(folder, &list);

@@ -8,6 +8,7 @@
 #include <map>
 #include <utility>
 
+#include "core/datasets/check_rig.h"
 #include "core/datasets/dataset_rows.h"
 #include "core/datasets/image_list.h"
 #include "core/io/files/shared_file.h"
@@ -109,14 +110,14 @@ std::string PosesPath(const fs::path& folder) {
   return "";
 }
 
-std::vector<std::optional<SE3>> ReadPoses(const std::string& path, size_t n_frames, const SE3& T_0_left) {
-  std::vector<std::optional<SE3>> poses;
-  if (path.empty()) return poses;
-  for (const TrajectoryPose& pose : ReadDatasetTrajectory(path, TrajectoryFormat::kKitti)) {
-    poses.emplace_back(pose.T_a_b * T_0_left);
+std::vector<std::optional<SE3>> ReadPoses(const std::string& path, size_t n_frames, const SE3& T_0_left,
+                                          std::vector<std::string>* notes) {
+  if (path.empty()) return {};
+  std::vector<std::optional<SE3>> poses = TruthOfEachFrame(path, n_frames, notes);
+  for (std::optional<SE3>& pose : poses) {
+    if (pose) pose = *pose * T_0_left;
   }
-  if (poses.size() == n_frames) return poses;
-  throw DatasetError(fmt::format("{}: has {} poses for {} frames", path, poses.size(), n_frames));
+  return poses;
 }
 
 }  // namespace
@@ -127,6 +128,7 @@ std::unique_ptr<Dataset> OpenKittiDataset(const std::string& folder) {
   ImageList list;
   list.name = folder;
   list.rig = ReadRig(calibration_path, left);
+  NoteLongBaseline(calibration_path, list.rig, kLengthsAreMetres, &list.notes);
   const std::vector<int64_t> times_ns = ReadTimes((fs::path(folder) / "times.txt").string());
   const std::string pattern = NamePattern(ImageFolder(folder, left), times_ns.size());
   for (size_t i = 0; i < times_ns.size(); ++i) {
@@ -140,7 +142,7 @@ std::unique_ptr<Dataset> OpenKittiDataset(const std::string& folder) {
     camera->height_px = list.image_size.height_px;
   }
   list.rig.name = "kitti";
-  list.ground_truth = ReadPoses(PosesPath(folder), times_ns.size(), list.rig.left.T_b_cam);
+  list.ground_truth = ReadPoses(PosesPath(folder), times_ns.size(), list.rig.left.T_b_cam, &list.notes);
   return MakeImageListDataset(std::move(list), calibration_path);
 }
 

@@ -6,11 +6,13 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "core/datasets/calibrations/foreign_calibration.h"
 #include "core/datasets/euroc_dataset.h"
 #include "core/datasets/images_dataset.h"
 #include "core/datasets/kitti_dataset.h"
@@ -20,6 +22,7 @@
 #include "core/datasets/tum_dataset.h"
 #include "core/datasets/vslamlab_dataset.h"
 #include "core/errors/error_text.h"
+#include "core/io/files/git_lfs.h"
 
 namespace plslam {
 namespace {
@@ -130,11 +133,22 @@ const Opener& OpenerByLooking(const std::string& location) {
   }
   if (!std::filesystem::exists(location)) throw DatasetError(location + ": there is no such dataset");
   const auto describe = [](const DatasetKind& kind) { return fmt::format("{}: {}", kind.name, kind.sign); };
-  throw DatasetError(fmt::format("{}: is no dataset of a known kind ({})", location, Join(DatasetKinds(), describe)));
+  const std::string unread = UnreadCalibration(location);
+  throw DatasetError(fmt::format("{}: is no dataset of a known kind ({}){}", location, Join(DatasetKinds(), describe),
+                                 unread.empty() ? "" : "; " + unread));
 }
 
 const Opener& OpenerOf(const std::string& location, const std::string& kind) {
   return kind.empty() ? OpenerByLooking(location) : OpenerByName(kind);
+}
+
+/// A recording that Git LFS has not fetched.
+bool IsPointerFile(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;
+  std::array<char, 64> start{};
+  std::ifstream(path, std::ios::binary).read(start.data(), start.size());
+  return IsGitLfsPointer({start.data(), start.size()});
 }
 
 /// What `f` returns, or the error of a file system as DatasetError.
@@ -170,6 +184,7 @@ std::string DatasetKindHelp() {
 }
 
 std::unique_ptr<Dataset> OpenDataset(const std::string& location, const std::string& kind) {
+  if (IsPointerFile(FileOfLocation(location))) throw DatasetError(fmt::format("{}: {}", location, kGitLfsPointer));
   return Translated([&] { return OpenerOf(location, kind).open(location); });
 }
 

@@ -74,21 +74,19 @@ void PairByTime(const std::string& folder, ImageList* list) {
   NoteUnpairedShots("depth maps", depth.files.size() - list->entries.size(), &list->notes);
 }
 
-const KnownCamera& CameraByName(const std::string& folder) {
+/// Finds a camera by the name of the folder; nullptr where the name is none of TUM's.
+const KnownCamera* CameraByName(const std::string& folder) {
   for (const fs::path& path : NamesOfFolder(folder)) {
     const std::string name = path.filename().string();
     for (const KnownCamera& known : kKnownCameras) {
-      if (name.find(known.long_name) != std::string::npos) return known;
-      if (name.find(known.short_name) != std::string::npos) return known;
+      if (name.find(known.long_name) != std::string::npos) return &known;
+      if (name.find(known.short_name) != std::string::npos) return &known;
     }
   }
-  throw DatasetError(folder +
-                     ": has no camera.yaml, and its name holds none of freiburg1, freiburg2, freiburg3, fr1, "
-                     "fr2, fr3 whose calibration is known");
+  return nullptr;
 }
 
-RigCalibration KnownRig(const std::string& folder, const ImageSize& size) {
-  const KnownCamera& known = CameraByName(folder);
+RigCalibration KnownRig(const KnownCamera& known, const std::string& folder, const ImageSize& size) {
   if (size != kKnownSize) {
     throw DatasetError(fmt::format(
         "{}: images of {} x {} pixels do not fit the calibration of {} ({} x {}); give "
@@ -103,10 +101,25 @@ RigCalibration KnownRig(const std::string& folder, const ImageSize& size) {
   return rig;
 }
 
-RigCalibration ReadRig(const std::string& folder, const std::string& camera_path, const ImageSize& size) {
-  if (!fs::exists(camera_path)) return KnownRig(folder, size);
-  RigCalibration rig = ReadCameraFile(camera_path, size);
-  if (rig.kind != RigCalibration::Kind::kRgbd) throw DatasetError(camera_path + ": kind must be rgbd here");
+/// Its camera.yaml, or what is known of a folder of that name, or the settings of another program. `path` gets where
+/// it is from.
+RigCalibration ReadRig(const std::string& folder, const ImageSize& size, std::vector<std::string>* notes,
+                       std::string* path) {
+  *path = (fs::path(folder) / "camera.yaml").string();
+  const KnownCamera* known = CameraByName(folder);
+  if (!fs::exists(*path) && known != nullptr) return KnownRig(*known, folder, size);
+  const std::vector<std::string> paths = CalibrationOf(folder);
+  if (paths.empty()) {
+    throw DatasetError(
+        folder +
+        ": has no camera.yaml and no RGB-D settings of ORB-SLAM, and its name holds none of freiburg1, "
+        "freiburg2, freiburg3, fr1, fr2, fr3 whose calibration is known");
+  }
+  *path = paths.front();
+  RigCalibration rig = ReadCalibration(paths, size, notes);
+  if (rig.kind != RigCalibration::Kind::kRgbd) {
+    throw DatasetError(*path + ": is of a stereo pair, but the folder has depth maps: kind must be rgbd here");
+  }
   return rig;
 }
 
@@ -121,12 +134,12 @@ std::unique_ptr<Dataset> OpenTumDataset(const std::string& folder) {
   } else {
     PairByTime(folder, &list);
   }
-  const std::string camera_path = (fs::path(folder) / "camera.yaml").string();
+  std::string calibration;
   list.image_size = LearnImageSize(list.entries);
-  list.rig = ReadRig(folder, camera_path, list.image_size);
+  list.rig = ReadRig(folder, list.image_size, &list.notes, &calibration);
   const fs::path truth = fs::path(folder) / "groundtruth.txt";
   if (fs::exists(truth)) list.ground_truth = FrameTruth(truth.string(), TrajectoryFormat::kTum, &list);
-  return MakeImageListDataset(std::move(list), camera_path);
+  return MakeImageListDataset(std::move(list), calibration);
 }
 
 bool LooksLikeTum(const std::string& folder) {

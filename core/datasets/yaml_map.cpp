@@ -4,21 +4,55 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <iterator>
+#include <optional>
 #include <set>
+#include <sstream>
 #include <utility>
 
 #include "core/datasets/dataset.h"
 #include "core/errors/error_text.h"
+#include "core/io/files/git_lfs.h"
 
 namespace plslam {
 namespace {
 
-constexpr size_t kMaxBytes = 65536;
+constexpr size_t kMaxBytes = 1'000'000;
 // Calibration files give six digits and more.
 constexpr double kOrthogonalityTolerance = 1e-3;
+
+bool IsPartOfKey(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.'; }
+
+/// Returns the position after the colon of a line `key:value`; nullopt where the line is none, or where a blank follows
+/// the colon. `C:/...` and `http://...` are no keys.
+std::optional<size_t> MissingBlank(std::string_view line) {
+  const size_t begin = line.find_first_not_of(' ');
+  if (begin == std::string_view::npos || std::isdigit(static_cast<unsigned char>(line[begin])) != 0) return {};
+  size_t end = begin;
+  while (end < line.size() && IsPartOfKey(line[end])) ++end;
+  if (end == begin || end + 1 >= line.size() || line[end] != ':') return std::nullopt;
+  constexpr std::string_view kNoValue = " \t\r:/\\";
+  if (kNoValue.find(line[end + 1]) != std::string_view::npos) return std::nullopt;
+  return end + 1;
+}
+
+/// OpenCV reads `key:value`, and files that its programs ship are written so. YAML takes such lines for text, and
+/// complains of the line after them, or not at all.
+std::string WithBlanksAfterColons(const std::string& text) {
+  std::string result;
+  result.reserve(text.size() + 16);
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const std::optional<size_t> colon = MissingBlank(line);
+    if (colon) line.insert(*colon, 1, ' ');
+    result += line;
+    if (!lines.eof()) result += '\n';
+  }
+  return result;
+}
 
 std::string ReadText(const std::string& path) {
   const std::string why = WhyUnreadable(path);
@@ -28,28 +62,34 @@ std::string ReadText(const std::string& path) {
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<size_t>(file.gcount()));
   if (text.size() > kMaxBytes) throw DatasetError(fmt::format("{}: has more than {} bytes", path, kMaxBytes));
-  if (text.starts_with("%YAML:")) text.replace(0, 1, "#");
-  return text;
+  if (IsGitLfsPointer(text)) throw DatasetError(path + ": " + kGitLfsPointer);
+  if (text.starts_with("%YAML")) text.front() = '#';
+  return WithBlanksAfterColons(text);
 }
 
-void RequireDistinctKeys(const std::string& path, const YAML::Node& node) {
-  std::set<std::string> keys;
+[[noreturn]] void FailAsDuplicate(const std::string& path, const YAML::Node& key) {
+  throw DatasetError(
+      fmt::format("{}:{}: key '{}' stands here twice", path, key.Mark().line + 1, Shown(key.Scalar())));
+}
+
+void RequireWords(const std::string& path, const YAML::Node& node) {
   for (const auto& entry : node) {
-    const int line = entry.first.Mark().line + 1;
-    if (!entry.first.IsScalar()) throw DatasetError(fmt::format("{}:{}: a key must be a word", path, line));
-    if (!keys.insert(entry.first.Scalar()).second) {
-      throw DatasetError(fmt::format("{}:{}: key '{}' stands here twice", path, line, Shown(entry.first.Scalar())));
-    }
+    if (entry.first.IsScalar()) continue;
+    throw DatasetError(fmt::format("{}:{}: a key must be a word", path, entry.first.Mark().line + 1));
   }
 }
 
 }  // namespace
 
+struct YamlMap::Entry {
+  YAML::Node key, value;
+};
+
 YamlMap::YamlMap(std::string path, const YAML::Node& node) : path_(std::move(path)), node_(node) {
   if (!node_.IsMap()) {
     throw DatasetError(fmt::format("{}:{}: expected `key: value` lines", path_, node_.Mark().line + 1));
   }
-  RequireDistinctKeys(path_, node_);
+  RequireWords(path_, node_);
 }
 
 YamlMap YamlMap::FromFile(const std::string& path) {
@@ -64,16 +104,36 @@ YamlMap YamlMap::FromFile(const std::string& path) {
   return {path, node};
 }
 
-bool YamlMap::Has(std::string_view key) const {
-  return std::any_of(node_.begin(), node_.end(), [&](const auto& entry) { return entry.first.Scalar() == key; });
+// By hand, since operator[] of a missing key gives a node that throws at each touch.
+std::optional<YamlMap::Entry> YamlMap::Find(const YAML::Node& map, std::string_view key) const {
+  std::optional<Entry> found;
+  for (const auto& entry : map) {
+    if (!entry.first.IsScalar() || entry.first.Scalar() != key) continue;
+    if (found) FailAsDuplicate(path_, entry.first);
+    found = Entry{entry.first, entry.second};
+  }
+  const size_t dot = key.find('.');
+  if (found || dot == std::string_view::npos) return found;
+  const std::optional<Entry> outer = Find(map, key.substr(0, dot));
+  return outer && outer->value.IsMap() ? Find(outer->value, key.substr(dot + 1)) : std::nullopt;
 }
 
-// By hand, since operator[] of a missing key gives a node that throws at each touch.
+bool YamlMap::Has(std::string_view key) const { return Find(node_, key).has_value(); }
+
 YAML::Node YamlMap::Get(std::string_view key) const {
-  for (const auto& entry : node_) {
-    if (entry.first.Scalar() == key) return entry.second;
-  }
+  if (const std::optional<Entry> found = Find(node_, key)) return found->value;
   Fail(key, "is missing");
+}
+
+bool YamlMap::IsMap(std::string_view key) const {
+  const std::optional<Entry> found = Find(node_, key);
+  return found && found->value.IsMap();
+}
+
+bool YamlMap::IsListOfMaps(std::string_view key) const {
+  const std::optional<Entry> found = Find(node_, key);
+  if (!found || !found->value.IsSequence()) return false;
+  return std::all_of(found->value.begin(), found->value.end(), [](const YAML::Node& node) { return node.IsMap(); });
 }
 
 std::string YamlMap::Text(std::string_view key) const {
@@ -161,6 +221,21 @@ std::vector<YamlMap> YamlMap::Maps(std::string_view key) const {
   return maps;
 }
 
+std::vector<std::pair<int, YamlMap>> YamlMap::NumberedMaps(std::string_view key) const {
+  const YAML::Node node = Get(key);
+  if (!node.IsSequence()) Fail(key, "must be a list of pairs [number, map]");
+  std::vector<std::pair<int, YamlMap>> maps;
+  for (const YAML::Node& element : node) {
+    if (!element.IsSequence() || element.size() != 2) Fail(key, "must be a list of pairs [number, map]");
+    const double number = ToNumber(key, *element.begin());
+    if (!(number >= 0.0 && number <= 100.0 && number == std::floor(number))) {
+      Fail(key, fmt::format("has the number {}, which is none from 0 to 100", number));
+    }
+    maps.emplace_back(static_cast<int>(number), YamlMap(path_, *std::next(element.begin())));
+  }
+  return maps;
+}
+
 std::vector<double> YamlMap::Matrix(std::string_view key, size_t min_count, size_t max_count,
                                     size_t n_columns) const {
   const YAML::Node node = Get(key);
@@ -191,19 +266,22 @@ SE3 YamlMap::Transform(std::string_view key) const {
 }
 
 void YamlMap::AllowOnly(const std::vector<std::string>& known) const {
+  std::set<std::string> keys;
   for (const auto& entry : node_) {
     const std::string& key = entry.first.Scalar();
+    if (!keys.insert(key).second) FailAsDuplicate(path_, entry.first);
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     Fail(key, fmt::format("is not a known key ({})", fmt::join(known, ", ")));
   }
 }
 
+std::string YamlMap::Place(std::string_view key) const {
+  const std::optional<Entry> found = Find(node_, key);
+  return fmt::format("{}:{}", path_, (found ? found->key.Mark().line : node_.Mark().line) + 1);
+}
+
 void YamlMap::Fail(std::string_view key, const std::string& what) const {
-  int line = node_.Mark().line;
-  for (const auto& entry : node_) {
-    if (entry.first.Scalar() == key) line = entry.first.Mark().line;
-  }
-  throw DatasetError(fmt::format("{}:{}: {} {}", path_, line + 1, Shown(std::string(key)), what));
+  throw DatasetError(fmt::format("{}: {} {}", Place(key), Shown(std::string(key)), what));
 }
 
 void YamlMap::Require(std::string_view key, const std::string& complaint) const {

@@ -3,8 +3,10 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/se3.h"
@@ -12,8 +14,11 @@
 namespace plslam {
 
 /// A map of a YAML calibration file, read strictly. Every complaint is a DatasetError `FILE:LINE: KEY...`. Files
-/// above 64 kB, duplicate keys and numbers that are not finite are refused. A first line `%YAML:1.0`, as OpenCV
-/// writes it, is passed over.
+/// above 1 MB, keys that are read and stand there twice, and numbers that are not finite are refused. Two habits of
+/// OpenCV's reader are followed: a first line `%YAML:1.0` is passed over, and `key:value` needs no blank.
+///
+/// A key with dots finds itself as well as a map in a map: `Camera.fx` is the line `Camera.fx: 400` or the `fx` below
+/// `Camera:`.
 class YamlMap {
  public:
   static YamlMap FromFile(const std::string& path);
@@ -32,6 +37,11 @@ class YamlMap {
   YamlMap Map(std::string_view key) const;
   /// A list of maps.
   std::vector<YamlMap> Maps(std::string_view key) const;
+  /// A list of pairs [number, map], numbers from 0 to 100.
+  std::vector<std::pair<int, YamlMap>> NumberedMaps(std::string_view key) const;
+  /// The key holds a map, or a list of maps, respectively; false, too, where there is no such key.
+  bool IsMap(std::string_view key) const;
+  bool IsListOfMaps(std::string_view key) const;
   /// `min_count` to `max_count` numbers, row by row: a list of them, a list for each row (of `n_columns`, where that
   /// is not 0), or a map with the list in `data` (OpenCV, ROS).
   std::vector<double> Matrix(std::string_view key, size_t min_count, size_t max_count, size_t n_columns = 0) const;
@@ -43,6 +53,9 @@ class YamlMap {
   /// `Fail`s at a key that is not among `known`.
   void AllowOnly(const std::vector<std::string>& known) const;
 
+  /// `FILE:LINE` of the key (or of the map, where it is absent).
+  std::string Place(std::string_view key) const;
+
   /// `FILE:LINE: KEY WHAT`, at the line of the key (or of the map, where it is absent).
   [[noreturn]] void Fail(std::string_view key, const std::string& what) const;
 
@@ -53,6 +66,9 @@ class YamlMap {
 
  private:
   YamlMap(std::string path, const YAML::Node& node);
+  struct Entry;
+  /// The entry of this key; nullopt where there is none.
+  std::optional<Entry> Find(const YAML::Node& map, std::string_view key) const;
   YAML::Node Get(std::string_view key) const;
   double ToNumber(std::string_view key, const YAML::Node& node) const;
 

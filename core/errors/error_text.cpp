@@ -36,16 +36,36 @@ bool IsIndentedByTab(std::string_view line) {
 
 }  // namespace
 
+namespace {
+
+/// The parser takes a line without a key for the beginning of the next line's key, and complains about that line.
+constexpr std::string_view kIllegalValue = "illegal map value";
+
+bool HasKey(std::string_view line) {
+  return line.find(": ") != line.npos || line.find_last_not_of(" \r") == line.rfind(':');
+}
+
+}  // namespace
+
 std::string YamlComplaint(const std::string& name, std::string_view text, int line, const std::string& what) {
   if (text.find('\0') != std::string_view::npos) return name + ": is no YAML, but binary: " + Shown(text);
-  std::string_view rest = text, culprit;
+  std::string_view rest = text, culprit, before;
+  int before_line = 0;
   for (int i = 0; i <= line && !rest.empty(); ++i) {
+    const size_t first = culprit.find_first_not_of(" \t\r");
+    if (first != culprit.npos && culprit[first] != '#') {
+      before = culprit;
+      before_line = i;
+    }
     culprit = TakeLine(rest);
     if (IsIndentedByTab(culprit)) {
       return fmt::format("{}:{}: is indented by a tab; YAML wants spaces", name, i + 1);
     }
   }
   if (line < 0) return fmt::format("{}: not valid YAML: {}", name, what);
+  if (what.find(kIllegalValue) != what.npos && before_line > 0 && !HasKey(before)) {
+    return fmt::format("{}:{}: not valid YAML: no `key: value` ('{}')", name, before_line, Shown(before));
+  }
   return fmt::format("{}:{}: not valid YAML: {} ('{}')", name, line + 1, what, Shown(culprit));
 }
 

@@ -26,6 +26,25 @@ struct Window {
   double y1 = 1e3;
 };
 
+/// Where the x axis of the rectified images points in the raw ones.
+enum class RowDirection { kRight, kDown, kUp };
+
+/// The raw image turned so that rows run along the baseline, in quarter turns.
+struct TurnedImage {
+  RowDirection rows = RowDirection::kRight;
+  int raw_width_px = 0;
+  int raw_height_px = 0;
+
+  bool IsTurned() const { return rows != RowDirection::kRight; }
+  int width_px() const { return IsTurned() ? raw_height_px : raw_width_px; }
+  int height_px() const { return IsTurned() ? raw_width_px : raw_height_px; }
+  Eigen::Vector2d RawPixel(double u, double v) const {
+    if (rows == RowDirection::kDown) return {raw_width_px - 1.0 - v, u};
+    if (rows == RowDirection::kUp) return {v, raw_height_px - 1.0 - u};
+    return {u, v};
+  }
+};
+
 template <class... Parts>
 std::runtime_error Error(const RigCalibration& rig, const Parts&... parts) {
   std::ostringstream text;
@@ -47,15 +66,21 @@ void CheckCamera(const RigCalibration& rig, const CameraCalibration& c, const ch
   if (!c.T_b_cam.IsFinite()) throw Error(rig, side, " camera pose contains a value that is no number");
 }
 
+RowDirection RowsAlong(const Eigen::Vector3d& baseline) {
+  if (std::abs(baseline.x()) >= std::abs(baseline.y())) return RowDirection::kRight;
+  return baseline.y() > 0.0 ? RowDirection::kDown : RowDirection::kUp;
+}
+
 double BaselineOf(const RigCalibration& rig, const SE3& T_l_r) {
   const Eigen::Vector3d& t = T_l_r.translation();
   const double length = t.norm();
   if (!(length > 1e-6)) throw Error(rig, "left and right camera are at the same place");
-  if (std::abs(t.x()) < std::abs(t.y()) || std::abs(t.x()) < std::abs(t.z())) {
+  if (std::abs(t.z()) > std::max(std::abs(t.x()), std::abs(t.y()))) {
     throw Error(rig, "the right camera is at (", t.x(), ", ", t.y(), ", ", t.z(),
-                ") m in the left one; only cameras beside each other (along x) are supported");
+                ") m in the left one; only cameras beside each other (along x) or one above the other (along y) are "
+                "supported");
   }
-  if (t.x() < 0.0) {
+  if (t.x() < 0.0 && RowsAlong(t) == RowDirection::kRight) {
     throw Error(rig, "the right camera is at x = ", t.x(), " m in the left one, so left and right are exchanged");
   }
   return length;
@@ -86,16 +111,17 @@ bool IsIdeal(const CameraCalibration& c, const CameraCalibration& reference, con
 }
 
 // Shrinks `window` by what the border of one raw image shows. A border the lens model does not reach is no limit.
-void Shrink(const RectifiedView& view, Window& window) {
-  const double right = view.calibration().width_px - 1.0;
-  const double bottom = view.calibration().height_px - 1.0;
+void Shrink(const RectifiedView& view, const TurnedImage& image, Window& window) {
+  const double right = image.width_px() - 1.0;
+  const double bottom = image.height_px() - 1.0;
+  const auto point = [&](double u, double v) { return view.RectifiedPoint(image.RawPixel(u, v)); };
   for (int i = 0; i <= kBorderSamples; ++i) {
-    const double x = right * i / kBorderSamples;
-    const double y = bottom * i / kBorderSamples;
-    if (const auto p = view.RectifiedPoint({0.0, y})) window.x0 = std::max(window.x0, p->x());
-    if (const auto p = view.RectifiedPoint({right, y})) window.x1 = std::min(window.x1, p->x());
-    if (const auto p = view.RectifiedPoint({x, 0.0})) window.y0 = std::max(window.y0, p->y());
-    if (const auto p = view.RectifiedPoint({x, bottom})) window.y1 = std::min(window.y1, p->y());
+    const double u = right * i / kBorderSamples;
+    const double v = bottom * i / kBorderSamples;
+    if (const auto p = point(0.0, v)) window.x0 = std::max(window.x0, p->x());
+    if (const auto p = point(right, v)) window.x1 = std::min(window.x1, p->x());
+    if (const auto p = point(u, 0.0)) window.y0 = std::max(window.y0, p->y());
+    if (const auto p = point(u, bottom)) window.y1 = std::min(window.y1, p->y());
   }
 }
 
@@ -105,9 +131,10 @@ double Middle(double from, double to, double half_extent) {
                     std::max(to - half_extent, 0.5 * (from + to)));
 }
 
-StereoCamera ChooseCamera(const RigCalibration& rig, const Window& window, double baseline_m) {
-  const double width = rig.left.width_px - 1.0;
-  const double height = rig.left.height_px - 1.0;
+StereoCamera ChooseCamera(const RigCalibration& rig, const TurnedImage& image, const Window& window,
+                          double baseline_m) {
+  const double width = image.width_px() - 1.0;
+  const double height = image.height_px() - 1.0;
   // Focal lengths in the centre of the images.
   const double l = Distortion(rig.left).CentreScale();
   const double r = rig.kind == RigCalibration::Kind::kRgbd ? l : Distortion(rig.right).CentreScale();
@@ -128,8 +155,8 @@ StereoCamera ChooseCamera(const RigCalibration& rig, const Window& window, doubl
   camera.cx_px = 0.5 * width - camera.f_px * x;
   camera.cy_px = 0.5 * height - camera.f_px * y;
   camera.baseline_m = baseline_m;
-  camera.width_px = rig.left.width_px;
-  camera.height_px = rig.left.height_px;
+  camera.width_px = image.width_px();
+  camera.height_px = image.height_px();
   return camera;
 }
 
@@ -197,10 +224,11 @@ Rectification Rectify(const RigCalibration& rig) {
                      baseline_m,     rig.left.width_px, rig.left.height_px};
     return result;
   }
+  const TurnedImage image{RowsAlong(T_l_r.translation()), rig.left.width_px, rig.left.height_px};
   Window window;
-  Shrink(result.left, window);
-  Shrink(result.right, window);
-  result.camera = ChooseCamera(rig, window, baseline_m);
+  Shrink(result.left, image, window);
+  Shrink(result.right, image, window);
+  result.camera = ChooseCamera(rig, image, window, baseline_m);
   return result;
 }
 

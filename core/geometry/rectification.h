@@ -44,6 +44,9 @@ class RectifiedView {
 /// ones of the widest view without an empty border at the size of the left image, magnified at most 1.3 times unless
 /// the view would be wider than 100 degrees then (a fisheye of 190 degrees has no rectified image).
 ///
+/// Cameras one above the other are a pair, too: their rectified images are turned by 90 degrees, x pointing from the
+/// left (first) camera to the right (second) one, and as wide as the raw ones are high.
+///
 /// A pair that is rectified already (all sigmas below 0.01 px) passes through untouched: `identity`.
 struct Rectification {
   StereoCamera camera;
@@ -56,7 +59,7 @@ struct Rectification {
 };
 
 /// Throws std::runtime_error with one sentence that names the values: sizes that differ or are empty, focal lengths
-/// or baselines that are not positive, unknown lens models, cameras above one another, left and right exchanged,
+/// or baselines that are not positive, unknown lens models, cameras behind one another, left and right exchanged,
 /// cameras that look apart.
 Rectification Rectify(const RigCalibration& rig);
 

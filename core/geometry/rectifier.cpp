@@ -29,12 +29,12 @@ int Rounded(double value) {
 
 }  // namespace
 
-void CheckImage(const cv::Mat& image, int type, const StereoCamera& camera, const char* side) {
-  if (image.type() == type && image.cols == camera.width_px && image.rows == camera.height_px) return;
+void CheckImage(const cv::Mat& image, int type, const CameraCalibration& calibration, const char* side) {
+  if (image.type() == type && image.cols == calibration.width_px && image.rows == calibration.height_px) return;
   std::ostringstream text;
   text << "the " << side << " image is " << image.cols << "x" << image.rows << " of type "
-       << (image.empty() ? "nothing" : cv::typeToString(image.type())) << ", the calibration says " << camera.width_px
-       << "x" << camera.height_px << " of type " << cv::typeToString(type);
+       << (image.empty() ? "nothing" : cv::typeToString(image.type())) << ", the calibration says "
+       << calibration.width_px << "x" << calibration.height_px << " of type " << cv::typeToString(type);
   throw std::runtime_error(text.str());
 }
 
@@ -54,8 +54,10 @@ Rectifier::Rectifier(const RigCalibration& rig) : rectification_(Rectify(rig)) {
 /// `in_use` is the mask of the image as recorded, or empty.
 Rectifier::Maps Rectifier::MakeMaps(const RectifiedView& view, const cv::Mat& in_use, bool with_nearest) const {
   const StereoCamera& c = rectification_.camera;
-  Maps maps{BilinearWarp(c.width_px, c.height_px), cv::Mat(),
-            cv::Mat(c.height_px, c.width_px, CV_8UC1, cv::Scalar(0))};
+  const cv::Size size(c.width_px, c.height_px);
+  const double raw_width = view.calibration().width_px, raw_height = view.calibration().height_px;
+  Maps maps{BilinearWarp({view.calibration().width_px, view.calibration().height_px}, size), cv::Mat(),
+            cv::Mat(size, CV_8UC1, cv::Scalar(0))};
   if (with_nearest) maps.nearest = cv::Mat(c.height_px, c.width_px, CV_16SC2, cv::Scalar::all(kNowhere));
   bool everywhere = true;
   std::vector<double> xs(c.width_px);
@@ -66,11 +68,11 @@ Rectifier::Maps Rectifier::MakeMaps(const RectifiedView& view, const cv::Mat& in
     view.ToRawPixels(c, xs, ys);
     for (int u = 0; u < c.width_px; ++u) {
       // Half a pixel beyond the centres of the border pixels still belongs to the image, as a repeated pixel.
-      const bool inside = xs[u] >= -0.5 && ys[u] >= -0.5 && xs[u] <= c.width_px - 0.5 && ys[u] <= c.height_px - 0.5;
+      const bool inside = xs[u] >= -0.5 && ys[u] >= -0.5 && xs[u] <= raw_width - 0.5 && ys[u] <= raw_height - 0.5;
       everywhere = everywhere && inside;
       if (!inside) continue;
-      const double x = std::clamp(xs[u], 0.0, c.width_px - 1.0);
-      const double y = std::clamp(ys[u], 0.0, c.height_px - 1.0);
+      const double x = std::clamp(xs[u], 0.0, raw_width - 1.0);
+      const double y = std::clamp(ys[u], 0.0, raw_height - 1.0);
       maps.warp->SetSource(u, v, Rounded(x * kSubpixels), Rounded(y * kSubpixels));
       const bool left_out = !in_use.empty() && in_use.at<uint8_t>(Rounded(y), Rounded(x)) == 0;
       everywhere = everywhere && !left_out;
@@ -94,20 +96,20 @@ cv::Mat Rectifier::MaskWith(const Maps& maps, const cv::Mat& in_use) const {
 }
 
 cv::Mat Rectifier::RectifyLeft(const cv::Mat& image) const {
-  CheckImage(image, CV_8UC1, camera(), "left");
+  CheckImage(image, CV_8UC1, rectification_.left.calibration(), "left");
   if (rectification_.identity) return image;
   return left_.warp->Apply(image);
 }
 
 cv::Mat Rectifier::RectifyRight(const cv::Mat& image) const {
-  CheckImage(image, CV_8UC1, camera(), "right");
+  CheckImage(image, CV_8UC1, rectification_.right.calibration(), "right");
   if (rectification_.identity) return image;
   CV_Assert(right_.warp);
   return right_.warp->Apply(image);
 }
 
 cv::Mat Rectifier::RectifyDepth(const cv::Mat& depth) const {
-  CheckImage(depth, CV_16UC1, camera(), "depth");
+  CheckImage(depth, CV_16UC1, rectification_.left.calibration(), "depth");
   if (rectification_.identity) return depth;
   cv::Mat result;
   cv::remap(depth, result, left_.nearest, cv::Mat(), cv::INTER_NEAREST, cv::BORDER_CONSTANT, cv::Scalar(0));

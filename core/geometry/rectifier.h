@@ -12,7 +12,7 @@ namespace plslam {
 
 /// Throws std::runtime_error that names both sizes and types where the image of a `side` ("left") is not of the type
 /// and of the calibrated size.
-void CheckImage(const cv::Mat& image, int type, const StereoCamera& camera, const char* side);
+void CheckImage(const cv::Mat& image, int type, const CameraCalibration& calibration, const char* side);
 
 /// Warps the images of a rig into the rectified pair of `camera()`. Bilinear in fixed point (1/32 px), so the result
 /// is the same on every machine. Pixels without a source are 0; `Rectification` says when there are any. A pair that

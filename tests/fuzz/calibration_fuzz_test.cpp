@@ -53,12 +53,15 @@ TEST(CalibrationFuzz, MutatedFiles) {
     test::DatasetMutator mutator(seed++);
     for (size_t i = 0; i < rigs.size(); ++i) {
       std::vector<std::string> paths;
-      const auto changed = static_cast<size_t>(mutator.Below(static_cast<int>(rigs[i].files.size())));
-      for (size_t file = 0; file < rigs[i].files.size(); ++file) {
-        const auto& [name, text] = rigs[i].files[file];
+      std::vector<test::ForeignFile> files = rigs[i].files;
+      files.insert(files.end(), rigs[i].beside.begin(), rigs[i].beside.end());
+      const auto changed = static_cast<size_t>(mutator.Below(static_cast<int>(files.size())));
+      for (size_t file = 0; file < files.size(); ++file) {
+        const auto& [name, text] = files[file];
         const std::string& other = rigs[(i + 1) % rigs.size()].files.front().text;
-        paths.push_back((folder.path() / name).string());
-        test::WriteText(paths.back(), file == changed ? mutator.Mutate(text, other) : text);
+        const std::string path = (folder.path() / name).string();
+        test::WriteText(path, file == changed ? mutator.Mutate(text, other) : text);
+        if (file < rigs[i].files.size()) paths.push_back(path);
       }
       n_read[i] += Reads(paths) ? 1 : 0;
       ++n_cases;

@@ -97,7 +97,7 @@ bool Take(const ByteVector& bytes) {
   const bool image = take([&] { expect_grey(ImageFromBytes(bytes)); });
   take([&] {
     const RosCameraInfo info = CameraInfoFromBytes(bytes);
-    RigFromRos(info, info, false);
+    RigFromRos(InPixelsOfImages(info, {}), InPixelsOfImages(info, {}), false);
   });
   take([&] { ASSERT_TRUE(RobotPoseFromBytes(bytes).T_robot_b.IsFinite()); });
   return pair || image;

@@ -6,11 +6,13 @@
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/datasets/calibrations/foreign_calibration.h"
 #include "core/datasets/camera_file.h"
+#include "core/datasets/check_rig.h"
 #include "core/geometry/rectification.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/files/dataset_error.h"
@@ -22,6 +24,7 @@ struct CalibrationOptions {
   std::vector<std::string> files;
   std::string out;
   std::string size;
+  std::string unit;
 };
 
 /// "752x480"; 0 x 0 where nothing is given.
@@ -37,16 +40,35 @@ ImageSize SizeOf(const std::string& text) {
   throw DatasetError(fmt::format("--size {}: expected WIDTHxHEIGHT in pixels, like 752x480", text));
 }
 
+/// The unit that was given, or the question for it where lengths are hardly metres.
+ForeignCalibration ReadWithUnit(const CalibrationOptions& o) {
+  const std::optional<double> metres_per_unit = MetresOf(o.unit);
+  ForeignCalibration calibration = ReadForeignCalibration(o.files, SizeOf(o.size), metres_per_unit);
+  const RigCalibration& rig = calibration.rig;
+  const bool is_stereo = rig.kind == RigCalibration::Kind::kStereo;
+  if (is_stereo && !metres_per_unit && rig.baseline_m > kUsualBaseline_m) {
+    throw DatasetError(
+        fmt::format("{}: the cameras stand {:.4g} m apart: state the unit of its lengths, --unit m, cm "
+                    "or mm",
+                    fmt::join(o.files, ", "), rig.baseline_m));
+  }
+  return calibration;
+}
+
 int Convert(const CalibrationOptions& o) {
-  const ForeignCalibration calibration = ReadForeignCalibration(o.files, SizeOf(o.size));
+  const ForeignCalibration calibration = ReadWithUnit(o);
   const RigCalibration& rig = calibration.rig;
   const Rectification rectification = Rectify(rig);
   fmt::print("{}: {}; {}\n", fmt::join(o.files, ", "), calibration.format, calibration.direction);
-  fmt::print("left lens {}, right lens {}, {} x {} pixels, baseline {:.5f} m; rectified focal length {:.1f} px\n",
-             rig.left.model, rig.right.model, rig.left.width_px, rig.left.height_px, rig.baseline_m,
-             rectification.camera.f_px);
-  if (rig.baseline_m > 10.0)
-    fmt::print("the cameras stand {:.1f} m apart: is that in millimetres?\n", rig.baseline_m);
+  for (const std::string& note : calibration.notes) fmt::print("note: {}\n", note);
+  if (rig.kind == RigCalibration::Kind::kRgbd) {
+    fmt::print("lens {}, {} x {} pixels, {} depth units a metre\n", rig.left.model, rig.left.width_px,
+               rig.left.height_px, rig.depth_units_per_m);
+  } else {
+    fmt::print("left lens {}, right lens {}, {} x {} pixels, baseline {:.5f} m; rectified focal length {:.1f} px\n",
+               rig.left.model, rig.right.model, rig.left.width_px, rig.left.height_px, rig.baseline_m,
+               rectification.camera.f_px);
+  }
   if (!o.out.empty()) WriteFileAtomically(o.out, CameraFileText(rig));
   return 0;
 }
@@ -57,21 +79,24 @@ void AddCalibrationCommand(CLI::App* app, std::function<int()>* command) {
   auto options = std::make_shared<CalibrationOptions>();
   auto* sub =
       app->add_subcommand("calibration", "reads the stereo calibration of another program into a camera.yaml");
-  sub->add_option(
-         "files", options->files,
-         "Kalibr camchain, OpenCV (M1 D1 M2 D2 R T), ROS camera_info (left and right), ORB-SLAM, stella_vslam, "
-         "Basalt or ZED")
+  sub->add_option("files", options->files,
+                  "Kalibr camchain, OpenCV (M1 D1 M2 D2 R T), ROS camera_info (left and right), ORB-SLAM, PL-SLAM, "
+                  "VINS-Fusion, ZED and others (docs/datasets.md)")
       ->required()
       ->expected(1, 2);
   sub->add_option("--out", options->out, "camera.yaml to write [only what was read is told]")->type_name("FILE");
   sub->add_option("--size", options->size, "size of the images, where the file does not tell it, or has several")
       ->type_name("WIDTHxHEIGHT");
+  sub->add_option("--unit", options->unit,
+                  "unit of lengths in the file [m; asked for where the baseline is above 1 m]")
+      ->check(CLI::IsMember({"m", "cm", "mm"}));
   sub->footer(
       "The format is found by looking. What is said tells which way the file's transforms were taken.\n"
       "Examples:\n"
       "  plslam calibration camchain.yaml --out my_camera/camera.yaml\n"
       "  plslam calibration left.yaml right.yaml --out my_camera/camera.yaml\n"
-      "  plslam calibration SN1234.conf --size 1280x720 --out my_camera/camera.yaml");
+      "  plslam calibration SN1234.conf --size 1280x720 --out my_camera/camera.yaml\n"
+      "  plslam calibration stereo.yml --unit mm --out my_camera/camera.yaml");
   sub->callback([=] { *command = [options] { return Convert(*options); }; });
 }
 

@@ -440,7 +440,7 @@ RigEstimate EstimateRig(const Board& board, const std::vector<BoardPair>& pairs,
         "right picture than in the left one; were they taken at the same moment, and is the file of one missing?",
         estimate.left_out_pairs.size(), of_pair.size(), estimate.left_out_pairs.front()));
   }
-  if (right_in_left.x() < 0.0) {
+  if (right_in_left.x() < 0.0 && std::abs(right_in_left.x()) >= std::abs(right_in_left.y())) {
     throw std::runtime_error(fmt::format(
         "left and right pictures are exchanged: the right camera would stand {:.4f} m to the left of the left one",
         -right_in_left.x()));

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
 
@@ -67,36 +68,35 @@ void AddOptions(CLI::App& app, Arguments& a) {
   app.set_version_flag("--version", PLSLAM_VERSION);
 }
 
-Trajectory Read(const std::string& path, const std::string& format, const std::string& times) {
-  if (format == "auto") return ReadTrajectory(path, times);
-  return ReadTrajectory(path, TrajectoryFormatFromName(format), times);
+/// Prints what was found on the way. Rows of an estimate are all of them meant.
+TrajectoryFile Read(const std::string& path, const std::string& format, const std::string& times, BadRows bad_rows) {
+  std::optional<TrajectoryFormat> named;
+  if (format != "auto") named = TrajectoryFormatFromName(format);
+  TrajectoryFile file = ReadTrajectoryFile(path, named, bad_rows, times);
+  if (file.poses.empty() && file.n_rows > 0) throw std::runtime_error(file.notes.back());
+  for (const std::string& note : file.notes) fmt::print(stderr, "evaluate: warning: {}\n", note);
+  return file;
 }
 
-bool HasNoTimes(const std::string& path, const std::string& format, const Arguments& a) {
-  if (!a.times.empty()) return false;
-  if (format != "auto") return format == "kitti";
-  try {
-    return !ReadTrajectory(path, TrajectoryFormat::kKitti).empty();
-  } catch (const std::runtime_error&) {
-    return false;
-  }
+bool HasNoTimes(const TrajectoryFile& file, const Arguments& a) {
+  return a.times.empty() && file.format == TrajectoryFormat::kKitti;
 }
 
 /// Frames that count as seconds belong to no time of a clock: nothing, or by chance something wrong, would be
 /// associated. And where two such files differ in length, rows of one number are not of one frame: a frame without a
 /// pose has none.
-void CheckTimes(const Arguments& a, size_t n_estimate, size_t n_truth) {
-  const bool estimate_lacks = HasNoTimes(a.estimate, a.estimate_format, a);
-  if (estimate_lacks != HasNoTimes(a.truth, a.truth_format, a)) {
+void CheckTimes(const Arguments& a, const TrajectoryFile& estimate, const TrajectoryFile& truth) {
+  const bool estimate_lacks = HasNoTimes(estimate, a);
+  if (estimate_lacks != HasNoTimes(truth, a)) {
     throw std::runtime_error(fmt::format("{}: has no times, being in KITTI format, and {} has: give --times FILE",
                                          estimate_lacks ? a.estimate : a.truth,
                                          estimate_lacks ? a.truth : a.estimate));
   }
-  if (!estimate_lacks || n_estimate == n_truth) return;
+  if (!estimate_lacks || estimate.n_rows == truth.n_rows) return;
   throw std::runtime_error(fmt::format(
       "{} has {} poses and {} has {}, without times, being in KITTI format, so that nobody knows which are of "
       "one frame: give the estimate with its times (trajectory.tum of a run), and --times FILE for the truth",
-      a.estimate, n_estimate, a.truth, n_truth));
+      a.estimate, estimate.n_rows, a.truth, truth.n_rows));
 }
 
 int64_t ToNs(double seconds) { return std::llround(1e9 * seconds); }
@@ -122,10 +122,10 @@ EvaluateOptions ToOptions(const Arguments& a) {
 
 int Evaluate(const Arguments& a) {
   if (!a.plot.empty()) DrawingFormatOf(a.plot);  // throws before all work
-  const Trajectory estimate = Read(a.estimate, a.estimate_format, a.times);
-  const Trajectory truth = Read(a.truth, a.truth_format, a.times);
-  CheckTimes(a, estimate.size(), truth.size());
-  const Accuracy accuracy = EvaluateTrajectory(estimate, truth, ToOptions(a));
+  const TrajectoryFile estimate = Read(a.estimate, a.estimate_format, a.times, BadRows::kRefuse);
+  const TrajectoryFile truth = Read(a.truth, a.truth_format, a.times, BadRows::kPassOver);
+  CheckTimes(a, estimate, truth);
+  const Accuracy accuracy = EvaluateTrajectory(estimate.poses, truth.poses, ToOptions(a));
   fmt::print("{}", AccuracyTable(accuracy));
   if (!a.json.empty()) WriteFileAtomically(a.json, ToJson(accuracy).dump(2) + "\n");
   if (!a.plot.empty()) WriteDrawing(a.plot, AccuracyFigure(fs::path(a.estimate).filename(), accuracy));

@@ -46,11 +46,12 @@ cv::Mat Shrink(const cv::Mat& image, int width_px) {
 
 SmallRectifier::SmallRectifier(const Rectification& rectification, const RectifiedView& view, const char* side,
                                int width_px)
-    : camera_(rectification.camera), side_(side), width_px_(width_px) {
-  const cv::Size whole(camera_.width_px, camera_.height_px);
+    : calibration_(view.calibration()), side_(side), width_px_(width_px) {
+  const StereoCamera& camera = rectification.camera;
+  const cv::Size whole(camera.width_px, camera.height_px), raw(calibration_.width_px, calibration_.height_px);
   block_ = BlockOf(whole, width_px);
   if (rectification.identity) return;
-  const cv::Size source(whole.width / block_, whole.height / block_);
+  const cv::Size source(raw.width / block_, raw.height / block_);
   const cv::Size small = SmallSize(whole, width_px);
   warp_.emplace(source, small);
   std::vector<double> xs(small.width);
@@ -59,9 +60,9 @@ SmallRectifier::SmallRectifier(const Rectification& rectification, const Rectifi
     std::iota(xs.begin(), xs.end(), 0.0);
     for (double& x : xs) x = (x + 0.5) * whole.width / small.width - 0.5;
     std::fill(ys.begin(), ys.end(), (v + 0.5) * whole.height / small.height - 0.5);
-    view.ToRawPixels(camera_, xs, ys);
+    view.ToRawPixels(camera, xs, ys);
     for (int u = 0; u < small.width; ++u) {
-      const bool inside = xs[u] >= -0.5 && ys[u] >= -0.5 && xs[u] <= whole.width - 0.5 && ys[u] <= whole.height - 0.5;
+      const bool inside = xs[u] >= -0.5 && ys[u] >= -0.5 && xs[u] <= raw.width - 0.5 && ys[u] <= raw.height - 0.5;
       if (!inside) continue;
       warp_->SetSource(u, v, InBlocks(xs[u], block_, source.width), InBlocks(ys[u], block_, source.height));
     }
@@ -69,7 +70,7 @@ SmallRectifier::SmallRectifier(const Rectification& rectification, const Rectifi
 }
 
 cv::Mat SmallRectifier::Apply(const cv::Mat& image) const {
-  CheckImage(image, CV_8UC1, camera_, side_);
+  CheckImage(image, CV_8UC1, calibration_, side_);
   return warp_ ? warp_->Apply(MeansOfBlocks(image, block_)) : Shrink(image, width_px_);
 }
 

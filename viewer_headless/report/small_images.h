@@ -25,7 +25,7 @@ class SmallRectifier {
   cv::Mat Apply(const cv::Mat& image) const;
 
  private:
-  StereoCamera camera_;
+  CameraCalibration calibration_;
   const char* side_;
   int width_px_;
   int block_;

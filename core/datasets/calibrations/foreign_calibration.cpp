@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 
+#include "core/datasets/calibrations/other_settings.h"
 #include "core/datasets/calibrations/readers.h"
 #include "core/datasets/check_rig.h"
 #include "core/io/files/dataset_error.h"
@@ -18,42 +19,45 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool HasOneOf(const YamlMap& file, std::initializer_list<const char*> keys) {
-  return std::any_of(keys.begin(), keys.end(), [&](const char* key) { return file.Has(key); });
-}
-
-bool LooksLikeKalibr(const YamlMap& file) { return file.Has("cam0"); }
-bool LooksLikeOpenCv(const YamlMap& file) {
-  return HasOneOf(file, {"M1", "K1", "CM1", "cameraMatrix1", "camera_matrix_1"}) ||
-         (file.Has("R") && file.Has("T") && !file.Has("P"));
-}
-bool LooksLikeRos(const YamlMap& file) {
-  return file.Has("distortion_model") && HasOneOf(file, {"projection_matrix", "P", "p"});
-}
-bool LooksLikeOrbSlam(const YamlMap& file) { return HasOneOf(file, {"Camera.fx", "Camera1.fx"}); }
-bool LooksLikeStella(const YamlMap& file) { return file.Has("Camera"); }
-bool LooksLikeBasalt(const YamlMap& file) { return file.Has("value0"); }
-
-/// A format of one YAML (or JSON) file; the two of several files, and that of ZED, which is no YAML, are read by hand
-/// below.
+/// A format of YAML (or JSON) files; that of ZED, which is no YAML, is read by hand below.
 struct Format {
   const char* name;
   bool (*looks_like)(const YamlMap& file);
   ForeignCalibration (*read)(const std::vector<YamlMap>& files, const ImageSize& size);
   size_t max_files;
 };
-constexpr std::array<Format, 6> kFormats = {
-    {{"Kalibr camchain", LooksLikeKalibr,
+
+/// The first entry of a list of maps has that key.
+bool FirstHas(const YamlMap& file, const char* list, const char* key) {
+  return file.IsListOfMaps(list) && !file.Maps(list).empty() && file.Maps(list).front().Has(key);
+}
+
+// In this order: a file with the keys of two formats is taken for the first.
+constexpr std::array<Format, 13> kFormats = {
+    {{"PL-SLAM", [](const YamlMap& f) { return f.Has("cam0.Kl") || f.Has("cam0.cam_fx"); },
+      [](const std::vector<YamlMap>& files, const ImageSize&) { return ReadPlSlam(files.front()); }, 1},
+     {"AirSLAM", [](const YamlMap& f) { return f.Has("cam0.T_type") || (f.Has("LEFT.K") && !f.Has("Camera.fx")); },
+      [](const std::vector<YamlMap>& files, const ImageSize& size) { return ReadAirSlam(files.front(), size); }, 1},
+     {"Kalibr camchain", [](const YamlMap& f) { return f.Has("cam0"); },
       [](const std::vector<YamlMap>& files, const ImageSize&) { return ReadKalibr(files.front()); }, 1},
-     {"OpenCV stereo", LooksLikeOpenCv, ReadOpenCv, 2},
-     {"ROS camera_info", LooksLikeRos,
-      [](const std::vector<YamlMap>& files, const ImageSize&) { return ReadRos(files); }, 2},
-     {"ORB-SLAM", LooksLikeOrbSlam,
-      [](const std::vector<YamlMap>& files, const ImageSize& size) { return ReadOrbSlam(files.front(), size); }, 1},
-     {"stella_vslam", LooksLikeStella,
+     {"VINS-Fusion", [](const YamlMap& f) { return f.Has("cam0_calib"); },
+      [](const std::vector<YamlMap>& files, const ImageSize&) { return ReadVins(files.front()); }, 1},
+     {"stella_vslam", [](const YamlMap& f) { return f.Has("Camera.setup"); },
       [](const std::vector<YamlMap>& files, const ImageSize& size) { return ReadStella(files.front(), size); }, 1},
-     {"Basalt", LooksLikeBasalt,
-      [](const std::vector<YamlMap>& files, const ImageSize&) { return ReadBasalt(files.front()); }, 1}}};
+     {"ORB-SLAM", [](const YamlMap& f) { return f.Has("Camera.fx") || f.Has("Camera1.fx"); },
+      [](const std::vector<YamlMap>& files, const ImageSize& size) { return ReadOrbSlam(files.front(), size); }, 1},
+     {"Kimera", [](const YamlMap& f) { return f.Has("T_BS") && f.Has("intrinsics"); },
+      [](const std::vector<YamlMap>& files, const ImageSize&) { return ReadAslPair(files); }, 2},
+     {"ROS camera_info", LooksLikeRos, ReadRos, 2},
+     {"OpenCV stereo", LooksLikeOpenCv, ReadOpenCv, 2},
+     {"Basalt", [](const YamlMap& f) { return f.Has("value0.T_imu_cam"); },
+      [](const std::vector<YamlMap>& files, const ImageSize&) { return ReadBasalt(files.front()); }, 1},
+     {"OKVIS", [](const YamlMap& f) { return FirstHas(f, "cameras", "T_SC") && !FirstHas(f, "cameras", "cam_name"); },
+      [](const std::vector<YamlMap>& files, const ImageSize&) { return ReadOkvis(files.front()); }, 1},
+     {"SVO", [](const YamlMap& f) { return FirstHas(f, "cameras", "camera"); },
+      [](const std::vector<YamlMap>& files, const ImageSize&) { return ReadSvo(files.front()); }, 1},
+     {"DepthAI", [](const YamlMap& f) { return f.Has("cameraData"); },
+      [](const std::vector<YamlMap>& files, const ImageSize&) { return ReadDepthAi(files.front()); }, 1}}};
 constexpr const char* kZed = "ZED";
 
 bool IsZed(const std::string& path) { return fs::path(path).extension() == ".conf"; }
@@ -70,24 +74,47 @@ size_t MaxFiles(const std::string& name) {
   return found == kFormats.end() ? 1 : found->max_files;
 }
 
+std::string FormatNames() {
+  std::string names;
+  for (const Format& format : kFormats) names += std::string(format.name) + ", ";
+  return names + kZed;
+}
+
 ForeignCalibration ReadYaml(const std::vector<std::string>& paths, const ImageSize& image_size) {
   std::vector<YamlMap> files;
   files.reserve(paths.size());
-  for (const std::string& path : paths) files.push_back(YamlMap::FromFile(path));
+  for (const std::string& path : paths) {
+    const std::string why = WhyOtherText(path);
+    if (!why.empty()) throw DatasetError(path + ": " + why);
+    files.push_back(YamlMap::FromFile(path));
+  }
   const Format* format = FormatOf(files.front());
   if (format == nullptr) {
-    throw DatasetError(
-        paths.front() +
-        ": is no calibration of a known format (Kalibr camchain, OpenCV M1 D1 M2 D2 R T, ROS camera_info, "
-        "ORB-SLAM, stella_vslam, Basalt, ZED)");
+    const std::string why = WhyOtherSettings(files.front());
+    throw DatasetError(fmt::format("{}: {}", paths.front(),
+                                   why.empty() ? fmt::format("is no calibration of a known format ({}; what each has "
+                                                             "is in docs/datasets.md)",
+                                                             FormatNames())
+                                               : why));
   }
   if (files.size() > format->max_files) {
     throw DatasetError(fmt::format("{}: a calibration of the format {} has {} file{}, {} are given", paths.front(),
                                    format->name, format->max_files, format->max_files == 1 ? "" : "s", files.size()));
   }
-  ForeignCalibration result = format->read(files, image_size);
-  result.format = format->name;
-  return result;
+  try {
+    ForeignCalibration result = format->read(files, image_size);
+    result.format = format->name;
+    return result;
+  } catch (const DatasetError& error) {
+    throw DatasetError(fmt::format("{} (read as {})", error.what(), format->name));
+  }
+}
+
+/// Lengths are in metres from now on.
+void Scale(double metres_per_unit, RigCalibration* rig) {
+  for (CameraCalibration* camera : {&rig->left, &rig->right}) {
+    camera->T_b_cam = SE3(camera->T_b_cam.rotation(), metres_per_unit * camera->T_b_cam.translation());
+  }
 }
 
 }  // namespace
@@ -97,6 +124,7 @@ std::string ForeignFormat(const std::string& path) {
   if (!fs::is_regular_file(path, error)) return "";
   if (IsZed(path)) return kZed;
   try {
+    if (!WhyOtherText(path).empty()) return "";
     const Format* format = FormatOf(YamlMap::FromFile(path));
     return format == nullptr ? "" : format->name;
   } catch (const DatasetError&) {
@@ -104,7 +132,27 @@ std::string ForeignFormat(const std::string& path) {
   }
 }
 
-ForeignCalibration ReadForeignCalibration(const std::vector<std::string>& paths, const ImageSize& image_size) {
+std::string WhyNoCalibration(const std::string& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error) || IsZed(path)) return "";
+  try {
+    const std::string why = WhyOtherText(path);
+    const std::string reason = why.empty() ? WhyOtherSettings(YamlMap::FromFile(path)) : why;
+    return reason.empty() ? "" : path + ": " + reason;
+  } catch (const DatasetError& unreadable) {
+    return unreadable.what();
+  }
+}
+
+std::optional<double> MetresOf(std::string_view unit) {
+  if (unit == "m") return 1.0;
+  if (unit == "cm") return 1e-2;
+  if (unit == "mm") return 1e-3;
+  return std::nullopt;
+}
+
+ForeignCalibration ReadForeignCalibration(const std::vector<std::string>& paths, const ImageSize& image_size,
+                                          std::optional<double> metres_per_unit) {
   if (paths.empty()) throw DatasetError("no calibration file is given");
   ForeignCalibration result;
   if (IsZed(paths.front())) {
@@ -117,6 +165,11 @@ ForeignCalibration ReadForeignCalibration(const std::vector<std::string>& paths,
   if (rig.left.width_px == 0) {
     throw DatasetError(paths.front() + ": does not tell the size of the images; give it (--size WIDTHxHEIGHT)");
   }
+  if (metres_per_unit && result.has_own_unit) {
+    throw DatasetError(
+        fmt::format("{}: files of the format {} have a unit of their own: give none", paths.front(), result.format));
+  }
+  if (metres_per_unit) Scale(*metres_per_unit, &rig);
   rig.name = fs::path(paths.front()).stem().string();
   rig.baseline_m = (rig.left.T_b_cam.Inverse() * rig.right.T_b_cam).translation().norm();
   const std::string complaint = RigComplaint(rig);
@@ -124,19 +177,43 @@ ForeignCalibration ReadForeignCalibration(const std::vector<std::string>& paths,
   return result;
 }
 
-std::vector<std::string> FindForeignCalibration(const std::string& folder) {
-  constexpr std::array kExtensions = {".yaml", ".yml", ".json", ".conf"};
-  std::map<std::string, std::vector<std::string>> by_format;
+namespace {
+
+/// Files right in `folder` with these ends of names, in the order of their names, but for large ones: annotations and
+/// results lie beside images, too, and are not read to see that they are no calibrations.
+std::vector<std::string> FilesIn(const std::string& folder, std::initializer_list<std::string_view> extensions) {
+  constexpr uintmax_t kMostBytesInFolder = 65536;
+  std::vector<std::string> paths;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string extension = entry.path().extension().string();
-    if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end()) continue;
-    const std::string format = ForeignFormat(entry.path().string());
-    if (!format.empty()) by_format[format].push_back(entry.path().string());
+    if (std::find(extensions.begin(), extensions.end(), extension) == extensions.end()) continue;
+    if (fs::file_size(entry.path(), error) <= kMostBytesInFolder && !error) {
+      paths.push_back(entry.path().string());
+    }
+  }
+  std::sort(paths.begin(), paths.end());
+  return paths;
+}
+
+}  // namespace
+
+std::string UnreadCalibration(const std::string& folder) {
+  for (const std::string& path : FilesIn(folder, {".yaml", ".yml", ".json", ".xml", ".ini", ".npz", ".npy"})) {
+    const std::string why = WhyNoCalibration(path);
+    if (!why.empty()) return why;
+  }
+  return "";
+}
+
+std::vector<std::string> FindForeignCalibration(const std::string& folder) {
+  std::map<std::string, std::vector<std::string>> by_format;
+  for (const std::string& path : FilesIn(folder, {".yaml", ".yml", ".json", ".conf"})) {
+    const std::string format = ForeignFormat(path);
+    if (!format.empty()) by_format[format].push_back(path);
   }
   if (by_format.empty()) return {};
-  auto& [format, paths] = *by_format.begin();
-  std::sort(paths.begin(), paths.end());
+  const auto& [format, paths] = *by_format.begin();
   if (by_format.size() > 1 || paths.size() > MaxFiles(format)) {
     throw DatasetError(
         fmt::format("{}: has several calibrations ({} and {}): name one by `from: FILE` in a camera.yaml", folder,

@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <utility>
 
 #include "core/datasets/asl_sensor.h"
+#include "core/datasets/calibrations/camera_info.h"
 #include "core/datasets/calibrations/readers.h"
 #include "core/datasets/check_rig.h"
 #include "core/io/files/dataset_error.h"
@@ -14,6 +17,26 @@ namespace {
 
 /// The names under which one thing is known.
 using Names = std::vector<const char*>;
+
+/// Names that OpenCV's own examples use, and those that people's scripts around it do.
+struct OpenCvNames {
+  Names matrix, distortion;
+};
+const OpenCvNames kOpenCvLeft{{"M1", "K1", "cameraMatrix1", "camera_matrix_1", "CM1", "cameraMatrixL",
+                               "camera_matrix_left", "left_camera_matrix", "K_left"},
+                              {"D1", "distCoeffs1", "dist_coeffs_1", "distCoeffL", "distCoeffsL", "dist_coeffs_left",
+                               "distortion_coeffs_left", "left_distortion_coefficients", "D_left"}};
+const OpenCvNames kOpenCvRight{
+    {"M2", "K2", "cameraMatrix2", "camera_matrix_2", "CM2", "cameraMatrixR", "camera_matrix_right",
+     "right_camera_matrix", "K_right"},
+    {"D2", "distCoeffs2", "dist_coeffs_2", "distCoeffR", "distCoeffsR", "dist_coeffs_right",
+     "distortion_coeffs_right", "right_distortion_coefficients", "D_right"}};
+
+// ROS 1 writes calibration files with long names and messages with capitals, ROS 2 messages with small letters.
+const Names kRosMatrix{"camera_matrix", "K", "k"};
+const Names kRosDistortion{"distortion_coefficients", "D", "d"};
+const Names kRosRotation{"rectification_matrix", "R", "r"};
+const Names kRosProjection{"projection_matrix", "P", "p"};
 
 bool HasAny(const YamlMap& file, const Names& names) {
   return std::any_of(names.begin(), names.end(), [&](const char* name) { return file.Has(name); });
@@ -31,7 +54,7 @@ const YamlMap& FileWith(const std::vector<YamlMap>& files, const Names& names) {
 }
 
 ImageSize OpenCvSize(const std::vector<YamlMap>& files, const ImageSize& image_size) {
-  const Names width{"image_width", "width"}, height{"image_height", "height"};
+  const Names width{"image_width", "width", "frame_width"}, height{"image_height", "height", "frame_height"};
   const Names both{"image_size", "imageSize", "size", "img_size"};
   const YamlMap& file = FileWith(files, both);
   if (HasAny(file, both)) {
@@ -57,65 +80,97 @@ CameraCalibration OpenCvCamera(const std::vector<YamlMap>& files, const Names& m
   return camera;
 }
 
-// ROS 1 writes calibration files with long names and messages with capitals, ROS 2 messages with small letters.
-const Names kRosMatrix{"camera_matrix", "K", "k"};
-const Names kRosDistortion{"distortion_coefficients", "D", "d"};
-const Names kRosRotation{"rectification_matrix", "R", "r"};
-const Names kRosProjection{"projection_matrix", "P", "p"};
+}  // namespace
 
-struct RosCamera {
-  CameraCalibration camera;
-  Eigen::Matrix3d R_rectified_camera;
-  double fx_rectified_px = 0.0;
-  /// -fx times the x of this camera in the rectified left one.
-  double Tx = 0.0;
-};
+bool LooksLikeOpenCv(const YamlMap& file) {
+  return file.Has("K0") || HasAny(file, kOpenCvLeft.matrix) ||
+         (file.Has("R") && HasAny(file, {"T", "t"}) && !file.Has("P"));
+}
 
-RosCamera ReadRosCamera(const YamlMap& file) {
-  RosCamera ros;
-  ros.camera.width_px = PixelsOf(file, NameIn(file, {"image_width", "width"}));
-  ros.camera.height_px = PixelsOf(file, NameIn(file, {"image_height", "height"}));
-  SetCameraMatrix(file, NameIn(file, kRosMatrix), &ros.camera);
-  const std::string model = file.Text("distortion_model");
-  const char* distortion = NameIn(file, kRosDistortion);
-  if (model == "plumb_bob" || model == "rational_polynomial") {
-    SetOpenCvDistortion(file, distortion, &ros.camera);
-  } else if (model == "equidistant" || model == "fisheye") {
-    ros.camera.model = "equidistant";
-    ros.camera.distortion = file.Matrix(distortion, 4, 4);
-  } else {
-    file.Fail("distortion_model", fmt::format("'{}' is none of plumb_bob, rational_polynomial, equidistant", model));
+bool LooksLikeRos(const YamlMap& file) { return HasAny(file, kRosMatrix) && HasAny(file, kRosProjection); }
+
+namespace {
+
+int PixelsOr(const YamlMap& yaml, const char* key, int fallback) {
+  if (!yaml.Has(key)) return fallback;
+  const double value = yaml.Number(key);
+  if (!(value >= 0.0 && value <= kMaxImageSide_px && value == std::floor(value))) {
+    yaml.Fail(key, fmt::format("= {} is not a whole number from 0 to {}", value, kMaxImageSide_px));
   }
-  ros.R_rectified_camera = RotationOf(file, NameIn(file, kRosRotation));
+  return static_cast<int>(value);
+}
+
+RosCameraInfo CameraInfoFrom(const YamlMap& file) {
+  using Rows3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  using Rows34 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
+  RosCameraInfo info;
+  info.width_px = PixelsOf(file, NameIn(file, {"image_width", "width"}));
+  info.height_px = PixelsOf(file, NameIn(file, {"image_height", "height"}));
+  CameraCalibration checked;
+  const char* matrix = NameIn(file, kRosMatrix);
+  SetCameraMatrix(file, matrix, &checked);
+  info.K = Eigen::Map<const Rows3>(file.Matrix(matrix, 9, 9).data());
+  // Files of early ROS name no model: it is plumb_bob, as their own reader has it.
+  info.model = file.Has("distortion_model") ? file.Text("distortion_model") : "plumb_bob";
+  constexpr std::array kModels = {"plumb_bob", "rational_polynomial", "equidistant", "fisheye", ""};
+  if (std::find(kModels.begin(), kModels.end(), info.model) == kModels.end()) {
+    file.Fail("distortion_model",
+              fmt::format("'{}' is none of plumb_bob, rational_polynomial, equidistant", info.model));
+  }
+  if (HasAny(file, kRosDistortion)) info.distortion = file.Matrix(NameIn(file, kRosDistortion), 0, 14);
+  const char* rotation = NameIn(file, kRosRotation);
+  if (HasAny(file, kRosRotation)) info.R = RotationOf(file, rotation);
   const char* projection = NameIn(file, kRosProjection);
-  const std::vector<double> P = file.Matrix(projection, 12, 12);
-  if (!(P[0] >= 1.0)) file.Fail(projection, fmt::format("has the focal length {}, expected 1 pixel or more", P[0]));
-  ros.fx_rectified_px = P[0];
-  ros.Tx = P[3];
-  return ros;
+  info.P = Eigen::Map<const Rows34>(file.Matrix(projection, 12, 12).data());
+  if (!(info.P(0, 0) >= 1.0 && info.P(1, 1) >= 1.0)) {
+    file.Fail(projection,
+              fmt::format("has the focal lengths {} and {}, expected 1 pixel or more", info.P(0, 0), info.P(1, 1)));
+  }
+  info.binning_x = PixelsOr(file, "binning_x", 1);
+  info.binning_y = PixelsOr(file, "binning_y", 1);
+  info.roi = {PixelsOr(file, "roi.x_offset", 0), PixelsOr(file, "roi.y_offset", 0), PixelsOr(file, "roi.width", 0),
+              PixelsOr(file, "roi.height", 0)};
+  return info;
 }
 
 }  // namespace
 
 ForeignCalibration ReadKalibr(const YamlMap& file) {
-  const auto [left, right] = ReadCamchain(file.path());
   ForeignCalibration result;
+  const auto [left, right] = ReadCamchain(file.path(), &result.notes);
   result.rig.left = left;
   result.rig.right = right;
-  const YamlMap cam0 = file.Map("cam0"), cam1 = file.Map("cam1");
-  result.direction = cam1.Has("T_cam_imu") ? "T_cam_imu takes points of the IMU to each camera: inverted"
-                                           : "T_cn_cnm1 takes points of cam0 to cam1: inverted";
+  result.direction = file.Has("cam1.T_imu_cam")   ? "T_imu_cam takes points of each camera to the IMU: used as it is"
+                     : file.Has("cam1.T_cam_imu") ? "T_cam_imu takes points of the IMU to each camera: inverted"
+                                                  : "T_cn_cnm1 takes points of cam0 to cam1: inverted";
+  return result;
+}
+
+ForeignCalibration ReadAslPair(const std::vector<YamlMap>& files) {
+  if (files.size() != 2) {
+    throw DatasetError(files.front().path() +
+                       ": is of one camera: give the files of the left and the right one (LeftCameraParams.yaml "
+                       "RightCameraParams.yaml)");
+  }
+  ForeignCalibration result;
+  result.rig.left = ReadAslCamera(files[0].path());
+  result.rig.right = ReadAslCamera(files[1].path());
+  if (files[0].Has("rate_hz")) result.rig.rate_hz = files[0].Number("rate_hz");
+  result.direction = "T_BS takes points of each camera to the body: used as it is";
   return result;
 }
 
 ForeignCalibration ReadOpenCv(const std::vector<YamlMap>& files, const ImageSize& image_size) {
   const ImageSize size = OpenCvSize(files, image_size);
-  const Names rotation{"R"}, translation{"T"};
-  const CameraCalibration left = OpenCvCamera(files, {"M1", "K1", "cameraMatrix1", "camera_matrix_1", "CM1"},
-                                              {"D1", "distCoeffs1", "dist_coeffs_1"}, size);
-  const CameraCalibration right = OpenCvCamera(files, {"M2", "K2", "cameraMatrix2", "camera_matrix_2", "CM2"},
-                                               {"D2", "distCoeffs2", "dist_coeffs_2"}, size);
-  const std::vector<double> t = FileWith(files, translation).Matrix("T", 3, 3);
+  // Some count their cameras from 0.
+  const bool from_0 = HasAny(FileWith(files, {"K0"}), {"K0"});
+  const CameraCalibration left = OpenCvCamera(files, from_0 ? Names{"K0"} : kOpenCvLeft.matrix,
+                                              from_0 ? Names{"D0"} : kOpenCvLeft.distortion, size);
+  const CameraCalibration right = OpenCvCamera(files, from_0 ? Names{"K1"} : kOpenCvRight.matrix,
+                                               from_0 ? Names{"D1"} : kOpenCvRight.distortion, size);
+  const Names rotation{"R"}, translation{"T", "t"};
+  const YamlMap& with_translation = FileWith(files, translation);
+  const std::vector<double> t = with_translation.Matrix(NameIn(with_translation, translation), 3, 3);
   const SE3 T_right_left(RotationOf(FileWith(files, rotation), "R"), Eigen::Vector3d(t[0], t[1], t[2]));
   ForeignCalibration result;
   result.rig = RigOf(left, right, T_right_left.Inverse());
@@ -123,25 +178,22 @@ ForeignCalibration ReadOpenCv(const std::vector<YamlMap>& files, const ImageSize
   return result;
 }
 
-ForeignCalibration ReadRos(const std::vector<YamlMap>& files) {
+ForeignCalibration ReadRos(const std::vector<YamlMap>& files, const ImageSize& image_size) {
   if (files.size() != 2) {
     throw DatasetError(files.front().path() +
                        ": is the camera_info of one camera: give the files of the left and the right one");
   }
-  RosCamera left = ReadRosCamera(files[0]), right = ReadRosCamera(files[1]);
+  RosCameraInfo left = CameraInfoFrom(files[0]), right = CameraInfoFrom(files[1]);
   // The order of the files does not matter: only the right camera has an offset.
-  const bool exchanged = left.Tx != 0.0 && right.Tx == 0.0;
-  if (exchanged) std::swap(left, right);
-  const YamlMap& right_file = files[exchanged ? 0 : 1];
-  if (right.Tx == 0.0 || left.Tx != 0.0) {
-    right_file.Fail(
-        NameIn(right_file, kRosProjection),
-        "has no offset that tells left from right: the cameras were calibrated one by one, not as a pair");
-  }
-  const double baseline_m = -right.Tx / right.fx_rectified_px;
+  const auto has_offset = [](const RosCameraInfo& info) { return !info.P.col(3).isZero(0.0); };
+  if (has_offset(left) && !has_offset(right)) std::swap(left, right);
   ForeignCalibration result;
-  result.rig =
-      RigOf(left.camera, right.camera, LeftFromRight(left.R_rectified_camera, right.R_rectified_camera, baseline_m));
+  try {
+    result.rig = RigFromRos(InPixelsOfImages(left, image_size), InPixelsOfImages(right, image_size), false);
+  } catch (const DatasetError& error) {
+    const auto place = [](const YamlMap& file) { return file.Place(NameIn(file, kRosProjection)); };
+    throw DatasetError(fmt::format("{} and {}: {}", place(files[0]), place(files[1]), error.what()));
+  }
   result.direction =
       "the rectification matrices take points of each camera to its rectified frame, and the right "
       "projection's offset is -focal length times baseline";

@@ -12,15 +12,30 @@ namespace plslam {
 // One for each format. All throw DatasetError. They leave checks of the rig as a whole (RigComplaint) to their
 // caller, and take `image_size` where the file does not tell one.
 
+/// Reads settings of PL-SLAM, the paper's own program: `cam0` with both cameras in it.
+ForeignCalibration ReadPlSlam(const YamlMap& file);
+ForeignCalibration ReadAirSlam(const YamlMap& file, const ImageSize& image_size);
 ForeignCalibration ReadKalibr(const YamlMap& file);
+/// Reads the files of Kimera: a `sensor.yaml` of the ASL format for each camera.
+ForeignCalibration ReadAslPair(const std::vector<YamlMap>& files);
 /// Keys may stand in either of the files, as the stereo_calib example of OpenCV writes intrinsics and extrinsics
 /// apart.
 ForeignCalibration ReadOpenCv(const std::vector<YamlMap>& files, const ImageSize& image_size);
-ForeignCalibration ReadRos(const std::vector<YamlMap>& files);
+ForeignCalibration ReadRos(const std::vector<YamlMap>& files, const ImageSize& image_size);
+/// Reads settings of ORB-SLAM2 and 3, of a stereo pair or an RGB-D camera.
 ForeignCalibration ReadOrbSlam(const YamlMap& file, const ImageSize& image_size);
 ForeignCalibration ReadStella(const YamlMap& file, const ImageSize& image_size);
 ForeignCalibration ReadBasalt(const YamlMap& file);
+/// Reads settings of OKVIS and OKVIS2.
+ForeignCalibration ReadOkvis(const YamlMap& file);
+ForeignCalibration ReadSvo(const YamlMap& file);
+/// Settings of VINS-Fusion, with the files of both cameras that they name.
+ForeignCalibration ReadVins(const YamlMap& file);
+ForeignCalibration ReadDepthAi(const YamlMap& file);
 ForeignCalibration ReadZed(const std::string& path, const ImageSize& image_size);
+
+bool LooksLikeOpenCv(const YamlMap& file);
+bool LooksLikeRos(const YamlMap& file);
 
 // What several of them share.
 
@@ -32,6 +47,28 @@ void SetCameraMatrix(const YamlMap& yaml, const char* key, CameraCalibration* ca
 void SetOpenCvDistortion(const YamlMap& yaml, const char* key, CameraCalibration* camera);
 /// The same of numbers from elsewhere: a complaint, or nothing.
 std::string SetOpenCvDistortion(std::vector<double> coefficients, CameraCalibration* camera);
+
+/// A camera of a file of several: how errors call it ("cam0"), and the topic of its images, empty where unknown.
+struct NamedCamera {
+  std::string name;
+  std::string topic;
+  CameraCalibration camera;
+};
+
+/// Indices of the stereo pair of a file. Among more than two cameras, the pair is the two whose topics are called left
+/// and right (infra1 and infra2), or else the only two that stand side by side with equal lenses; `note` names them.
+/// Throws DatasetError at `place` where there is no pair, or where several could be meant.
+struct CameraPair {
+  size_t left = 0, right = 1;
+  std::string note;
+};
+CameraPair ChoosePair(const std::vector<NamedCamera>& cameras, const std::string& place);
+
+/// Reads fx, fy, cx and cy, whose keys begin with `prefix`.
+void SetFocalAndCentre(const YamlMap& file, const std::string& prefix, CameraCalibration* camera);
+
+/// Width and height of both cameras.
+void SetSize(const ImageSize& size, RigCalibration* rig);
 
 /// A rotation of 9 numbers.
 Eigen::Matrix3d RotationOf(const YamlMap& yaml, const char* key);

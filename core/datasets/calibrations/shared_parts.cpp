@@ -2,12 +2,41 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
 #include <utility>
 
 #include "core/datasets/calibrations/readers.h"
 #include "core/datasets/check_rig.h"
+#include "core/io/files/dataset_error.h"
 
 namespace plslam {
+namespace {
+
+constexpr auto kSidesOfTopics = std::to_array<std::pair<std::string_view, std::string_view>>(
+    {{"left", "right"}, {"infra1", "infra2"}, {"fisheye1", "fisheye2"}});
+
+bool AreNamedAsPair(std::string left, const std::string& right) {
+  for (const auto& [l, r] : kSidesOfTopics) {
+    const size_t at = left.find(l);
+    if (at != std::string::npos && left.replace(at, l.size(), r) == right) return true;
+  }
+  return false;
+}
+
+/// Two cameras of one make that look the same way, the one to the right of the other.
+bool StandAsPair(const NamedCamera& left, const NamedCamera& right) {
+  constexpr double kSameFocal = 0.03, kSameDirection_rad = 0.2;
+  const CameraCalibration &l = left.camera, &r = right.camera;
+  const SE3 T_l_r = l.T_b_cam.Inverse() * r.T_b_cam;
+  const Eigen::Vector3d& t = T_l_r.translation();
+  return l.width_px == r.width_px && l.height_px == r.height_px && l.model == r.model &&
+         std::abs(l.fx_px - r.fx_px) <= kSameFocal * l.fx_px && t.x() > 0.9 * t.norm() &&
+         T_l_r.Log().tail<3>().norm() <= kSameDirection_rad;
+}
+
+}  // namespace
 
 void SetCameraMatrix(const YamlMap& yaml, const char* key, CameraCalibration* camera) {
   const std::vector<double> K = yaml.Matrix(key, 9, 9);
@@ -29,7 +58,7 @@ std::string SetOpenCvDistortion(std::vector<double> d, CameraCalibration* camera
   if (d.size() > kRational && !zeros_from(kRational)) {
     return "has terms for a thin prism or a tilted sensor, which are not supported: calibrate without them";
   }
-  if (d.size() != 4 && d.size() != 5 && d.size() < kRational) {
+  if (!zeros_from(0) && d.size() != 4 && d.size() != 5 && d.size() < kRational) {
     return fmt::format("has {} numbers, not 4, 5 or 8", d.size());
   }
   d.resize(std::min(d.size(), kRational));
@@ -41,8 +70,22 @@ std::string SetOpenCvDistortion(std::vector<double> d, CameraCalibration* camera
 }
 
 void SetOpenCvDistortion(const YamlMap& yaml, const char* key, CameraCalibration* camera) {
-  const std::string complaint = SetOpenCvDistortion(yaml.Matrix(key, 4, 14), camera);
+  const std::string complaint = SetOpenCvDistortion(yaml.Matrix(key, 0, 14), camera);
   if (!complaint.empty()) yaml.Fail(key, complaint);
+}
+
+void SetFocalAndCentre(const YamlMap& file, const std::string& prefix, CameraCalibration* camera) {
+  camera->fx_px = file.Number(prefix + "fx");
+  camera->fy_px = file.Number(prefix + "fy");
+  camera->cx_px = file.Number(prefix + "cx");
+  camera->cy_px = file.Number(prefix + "cy");
+}
+
+void SetSize(const ImageSize& size, RigCalibration* rig) {
+  for (CameraCalibration* camera : {&rig->left, &rig->right}) {
+    camera->width_px = size.width_px;
+    camera->height_px = size.height_px;
+  }
 }
 
 Eigen::Matrix3d RotationOf(const YamlMap& yaml, const char* key) {
@@ -72,6 +115,38 @@ RigCalibration RigOf(const CameraCalibration& left, const CameraCalibration& rig
   rig.right = right;
   rig.right.T_b_cam = left.T_b_cam * T_left_right;
   return rig;
+}
+
+CameraPair ChoosePair(const std::vector<NamedCamera>& cameras, const std::string& place) {
+  if (cameras.size() < 2) {
+    throw DatasetError(fmt::format("{}: has {} camera, a stereo pair is needed", place, cameras.size()));
+  }
+  if (cameras.size() == 2) return {0, 1, ""};
+  std::vector<CameraPair> pairs;
+  for (const bool by_topic : {true, false}) {
+    for (size_t l = 0; l < cameras.size(); ++l) {
+      for (size_t r = 0; r < cameras.size(); ++r) {
+        if (by_topic ? AreNamedAsPair(cameras[l].topic, cameras[r].topic) : StandAsPair(cameras[l], cameras[r])) {
+          pairs.push_back({l, r, ""});
+        }
+      }
+    }
+    if (!pairs.empty()) break;
+  }
+  if (pairs.size() != 1) {
+    throw DatasetError(fmt::format(
+        "{}: has {} cameras, and {} of them: keep the two that are to be used in a file of their own", place,
+        cameras.size(), pairs.empty() ? "no two are a stereo pair" : "several pairs could be meant"));
+  }
+  CameraPair& pair = pairs.front();
+  std::string others;
+  for (size_t i = 0; i < cameras.size(); ++i) {
+    if (i != pair.left && i != pair.right) others += (others.empty() ? "" : ", ") + cameras[i].name;
+  }
+  pair.note =
+      fmt::format("{}: {} and {} are taken for the stereo pair, {} {} left out", place, cameras[pair.left].name,
+                  cameras[pair.right].name, others, cameras.size() == 3 ? "is" : "are");
+  return pair;
 }
 
 SE3 AlongX(double x_m) { return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(x_m, 0.0, 0.0)}; }

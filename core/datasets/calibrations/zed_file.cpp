@@ -21,12 +21,14 @@ struct Resolution {
   int width_px;
   int height_px;
 };
-constexpr std::array<Resolution, 6> kResolutions = {{{"2K", 2208, 1242},
-                                                     {"FHD", 1920, 1080},
-                                                     {"FHD1200", 1920, 1200},
-                                                     {"HD", 1280, 720},
-                                                     {"SVGA", 960, 600},
-                                                     {"VGA", 672, 376}}};
+constexpr auto kResolutions = std::to_array<Resolution>({{"2K", 2208, 1242},
+                                                         {"FHD", 1920, 1080},
+                                                         {"FHD1200", 1920, 1200},
+                                                         {"HD", 1280, 720},
+                                                         {"SVGA", 960, 600},
+                                                         {"VGA", 672, 376},
+                                                         {"4K", 3840, 2160},
+                                                         {"QHDPLUS", 3200, 1800}});
 constexpr double kMetresPerMm = 1e-3;
 constexpr int kMaxLines = 2000;
 
@@ -62,6 +64,10 @@ class Sections {
     return first != values_.end() && first->first.starts_with(Upper(section) + ":");
   }
 
+  bool Has(const std::string& section, const std::string& key) const {
+    return values_.contains(Upper(section + ":" + key));
+  }
+
   double Number(const std::string& section, const std::string& key) const {
     const auto found = values_.find(Upper(section + ":" + key));
     if (found == values_.end()) throw DatasetError(fmt::format("{}: {} of [{}] is missing", path_, key, section));
@@ -75,7 +81,7 @@ class Sections {
   }
 
   double NumberOr(const std::string& section, const std::string& key, double fallback) const {
-    return values_.contains(Upper(section + ":" + key)) ? Number(section, key) : fallback;
+    return Has(section, key) ? Number(section, key) : fallback;
   }
 
  private:
@@ -99,7 +105,10 @@ const Resolution& ResolutionOf(const std::string& path, const ImageSize& size) {
   throw DatasetError(fmt::format("{}: {}, a ZED has one of {} (--size)", path, given, known));
 }
 
-CameraCalibration ZedCamera(const Sections& file, const std::string& section, const Resolution& resolution) {
+/// One camera, of `side` LEFT or RIGHT. Files of later cameras have the distortion of all resolutions in a section of
+/// its own.
+CameraCalibration ZedCamera(const Sections& file, const std::string& side, const Resolution& resolution) {
+  const std::string section = fmt::format("{}_CAM_{}", side, resolution.name), shared = side + "_DISTO";
   CameraCalibration camera;
   camera.width_px = resolution.width_px;
   camera.height_px = resolution.height_px;
@@ -107,16 +116,29 @@ CameraCalibration ZedCamera(const Sections& file, const std::string& section, co
   camera.fy_px = file.Number(section, "fy");
   camera.cx_px = file.Number(section, "cx");
   camera.cy_px = file.Number(section, "cy");
+  const std::string distortion = !file.Has(section, "k1") && file.Has(shared, "k1") ? shared : section;
   camera.model = "radtan";
-  for (const char* key : {"k1", "k2", "p1", "p2", "k3"})
-    camera.distortion.push_back(file.NumberOr(section, key, 0.0));
+  camera.distortion = {file.Number(distortion, "k1"), file.Number(distortion, "k2")};
+  for (const char* key : {"p1", "p2", "k3"}) camera.distortion.push_back(file.NumberOr(distortion, key, 0.0));
   std::vector<double> divisor;
-  for (const char* key : {"k4", "k5", "k6"}) divisor.push_back(file.NumberOr(section, key, 0.0));
+  for (const char* key : {"k4", "k5", "k6"}) divisor.push_back(file.NumberOr(distortion, key, 0.0));
   if (std::any_of(divisor.begin(), divisor.end(), [](double k) { return k != 0.0; })) {
     camera.model = "rational";
     camera.distortion.insert(camera.distortion.end(), divisor.begin(), divisor.end());
   }
   return camera;
+}
+
+/// TY or TZ: of the resolution, or, as the first files have it, of all. They are fractions of a millimetre, and some
+/// files leave them out; those of another resolution alone are none.
+double Shift_mm(const Sections& file, const std::string& key, const std::string& resolution) {
+  const std::string own = key + "_" + resolution;
+  if (file.Has("STEREO", own)) return file.Number("STEREO", own);
+  if (file.Has("STEREO", key)) return file.Number("STEREO", key);
+  for (const Resolution& other : kResolutions) {
+    if (file.Has("STEREO", fmt::format("{}_{}", key, other.name))) return file.Number("STEREO", own);  // fails
+  }
+  return 0.0;
 }
 
 }  // namespace
@@ -129,16 +151,19 @@ ForeignCalibration ReadZed(const std::string& path, const ImageSize& image_size)
     throw DatasetError(fmt::format("{}: has no section [LEFT_CAM_{}] for images of {} x {} pixels", path, name,
                                    resolution.width_px, resolution.height_px));
   }
+  const CameraCalibration left = ZedCamera(file, "LEFT", resolution);
+  const CameraCalibration right = ZedCamera(file, "RIGHT", resolution);
   // The manufacturer's own code gives these to OpenCV's stereoRectify as R and T, with a T.x above 0. Rectification
   // does not change with the sign of T; for the right camera to be on the right it is the other one.
-  const Eigen::Vector3d t_mm(file.Number("STEREO", "Baseline"), file.NumberOr("STEREO", "TY_" + name, 0.0),
-                             file.NumberOr("STEREO", "TZ_" + name, 0.0));
-  const Eigen::Vector3d turn(file.NumberOr("STEREO", "RX_" + name, 0.0), file.NumberOr("STEREO", "CV_" + name, 0.0),
-                             file.NumberOr("STEREO", "RZ_" + name, 0.0));
+  const double x_mm = file.Number("STEREO", "Baseline");
+  // In this order, in which a file that has none of them names the first.
+  const double rx = file.Number("STEREO", "RX_" + name), cv = file.Number("STEREO", "CV_" + name),
+               rz = file.Number("STEREO", "RZ_" + name);
+  const double y_mm = Shift_mm(file, "TY", name), z_mm = Shift_mm(file, "TZ", name);
+  const Eigen::Vector3d t_mm(x_mm, y_mm, z_mm), turn(rx, cv, rz);
   const SE3 T_right_left(ExpSO3(turn), -kMetresPerMm * t_mm);
   ForeignCalibration result;
-  const CameraCalibration left = ZedCamera(file, "LEFT_CAM_" + name, resolution);
-  const CameraCalibration right = ZedCamera(file, "RIGHT_CAM_" + name, resolution);
+  result.has_own_unit = true;
   result.rig = RigOf(left, right, T_right_left.Inverse());
   result.direction =
       "RX, CV, RZ and -(Baseline, TY, TZ), in millimetres, take points of the left camera to the right one: inverted";

@@ -76,6 +76,17 @@ Record TakeRecord(RecordFields& bytes) {
   return {NamedFields(head), RecordFields(bytes.Take(bytes.Get<uint32_t>()))};
 }
 
+/// The content of the message whose record begins there.
+std::span<const uint8_t> ContentIn(std::span<const uint8_t> bytes, uint64_t offset) {
+  if (offset > bytes.size()) throw DatasetError("a message would lie behind its chunk: the file is damaged");
+  RecordFields records(bytes.subspan(offset));
+  const Record record = TakeRecord(records);
+  if (record.head.op() != BagRecord::kMessage) {
+    throw DatasetError("a message is not where the index says: the file is damaged");
+  }
+  return record.data.rest();
+}
+
 /// Times of the format are seconds and nanoseconds, of 32 bits each.
 int64_t GetTime_ns(RecordFields& fields) {
   const auto seconds = fields.Get<uint32_t>();
@@ -90,6 +101,8 @@ BagReader::BagReader(const std::string& path, const std::string& why_scan) : fil
     Scan(head.end, why_scan);
   } else if (head.index_at == 0) {
     Scan(head.end, "has no index, since it was not closed");
+  } else if (head.is_empty && head.index_at == file_.size()) {
+    return;
   } else if (head.index_at >= file_.size()) {
     Scan(head.end,
          fmt::format("its index would begin at byte {} of {}, since it is cut off", head.index_at, file_.size()));
@@ -125,7 +138,9 @@ BagReader::Head BagReader::ReadHead() const {
     throw DatasetError("is encrypted: `rosbag decrypt` makes a bag of it that can be read");
   }
   bytes.Take(bytes.Get<uint32_t>());  // what fills the head
-  return {begin.size() - bytes.rest().size(), head.Get<uint64_t>("index_pos")};
+  const auto has_no = [&](const char* what) { return head.Has(what) && head.Get<uint32_t>(what) == 0; };
+  const bool is_empty = has_no("conn_count") && has_no("chunk_count");
+  return {begin.size() - bytes.rest().size(), head.Get<uint64_t>("index_pos"), is_empty};
 }
 
 void BagReader::ReadIndex(uint64_t at) {
@@ -250,7 +265,8 @@ void BagReader::ScanRecords(std::span<const uint8_t> bytes, uint32_t chunk, uint
     } else if (record.head.op() == BagRecord::kMessage) {
       const std::string time = record.head.Text("time");
       RecordFields fields{std::span(reinterpret_cast<const uint8_t*>(time.data()), time.size())};
-      scanned_.Add(record.head.Get<uint32_t>("conn"), {GetTime_ns(fields), chunk, offset});
+      scanned_.Add(record.head.Get<uint32_t>("conn"),
+                   {GetTime_ns(fields), StampOf(record.data.rest()), chunk, offset});
     }
   }
 }
@@ -267,7 +283,7 @@ void BagReader::AppendMessages(uint32_t chunk, uint32_t connection, std::vector<
     if (record.head.op() != BagRecord::kMessageIndex || record.head.Get<uint32_t>("conn") != connection) continue;
     while (!record.data.empty()) {
       const int64_t t_ns = GetTime_ns(record.data);
-      messages.push_back({t_ns, chunk, record.data.Get<uint32_t>()});
+      messages.push_back({t_ns, RecordedMessage::kNotRead, chunk, record.data.Get<uint32_t>()});
     }
   }
 }
@@ -289,32 +305,54 @@ std::vector<RecordedMessage> BagReader::IndexedMessages(const std::string& topic
       AppendMessages(i, channel.id, messages);
     }
   }
-  SortByTime(messages);
+  SortByPlace(messages);
   return messages;
 }
 
+std::optional<uint64_t> BagReader::PlaceInFile(const RecordedMessage& message) const {
+  if (message.chunk == RecordedMessage::kNoChunk) return message.offset;
+  const Chunk& chunk = chunks_.at(message.chunk);
+  return chunk.compression.empty() ? std::optional(chunk.data_at + message.offset) : std::nullopt;
+}
+
+uint64_t BagReader::DecompressionCost(uint32_t chunk) const {
+  return DecompressionCostOf(chunks_.at(chunk).compression, chunks_.at(chunk).size);
+}
+
+void BagReader::WillReadBegin(const RecordedMessage& message, uint64_t n) const {
+  if (const auto at = PlaceInFile(message)) file_.WillRead(*at, kUsualHeadBytes + n);
+}
+
+std::vector<uint8_t> BagReader::ReadBegin(const RecordedMessage& message, uint64_t n) const {
+  const std::optional<uint64_t> at = PlaceInFile(message);
+  if (!at) {
+    return recent_.Copy(
+        message.chunk, [&] { return Decompressed(chunks_.at(message.chunk)); },
+        [&](const Bytes& bytes) {
+          const auto content = ContentIn(bytes, message.offset);
+          return content.first(std::min<uint64_t>(n, content.size()));
+        });
+  }
+  const uint64_t left = *at < file_.size() ? file_.size() - *at : 0;
+  const Bytes begin = file_.ReadAt(*at, std::min(kUsualHeadBytes + n, left), "a message");
+  RecordFields bytes(begin);
+  if (NamedFields(bytes.Take(bytes.Get<uint32_t>())).op() != BagRecord::kMessage) {
+    throw DatasetError("a message is not where the index says: the file is damaged");
+  }
+  const uint64_t content_bytes = bytes.Get<uint32_t>();
+  const auto content = bytes.Take(std::min({n, content_bytes, uint64_t{bytes.rest().size()}}));
+  return {content.begin(), content.end()};
+}
+
 std::vector<uint8_t> BagReader::Read(const RecordedMessage& message) const {
-  const auto content = [](std::span<const uint8_t> bytes) {
-    RecordFields records(bytes);
-    const Record record = TakeRecord(records);
-    if (record.head.op() != BagRecord::kMessage) {
-      throw DatasetError("a message is not where the index says: the file is damaged");
-    }
-    return record.data.rest();
-  };
   if (message.chunk == RecordedMessage::kNoChunk) {
     const Bytes record = file_.ReadAt(message.offset, RecordEnd(message.offset) - message.offset, "a message");
-    const auto found = content(record);
+    const auto found = ContentIn(record, 0);
     return {found.begin(), found.end()};
   }
   return recent_.Copy(
       message.chunk, [&] { return Decompressed(chunks_.at(message.chunk)); },
-      [&](const Bytes& bytes) {
-        if (message.offset > bytes.size()) {
-          throw DatasetError("a message would lie behind its chunk: the file is damaged");
-        }
-        return content(std::span(bytes).subspan(message.offset));
-      });
+      [&](const Bytes& bytes) { return ContentIn(bytes, message.offset); });
 }
 
 bool LooksLikeBagFile(const std::string& path) { return BeginsWith(path, kAnyMagic); }

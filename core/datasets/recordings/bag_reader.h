@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,6 +26,9 @@ class BagReader : public Recording {
   std::vector<std::string> Notes() const override { return scanned_.Notes(); }
   double scan_s() const override { return scanned_.taken_s(); }
   std::vector<uint8_t> Read(const RecordedMessage& message) const override;
+  std::vector<uint8_t> ReadBegin(const RecordedMessage& message, uint64_t n) const override;
+  void WillReadBegin(const RecordedMessage& message, uint64_t n) const override;
+  uint64_t DecompressionCost(uint32_t chunk) const override;
 
  private:
   using Bytes = std::vector<uint8_t>;
@@ -40,6 +44,7 @@ class BagReader : public Recording {
   struct Head {
     uint64_t end = 0;       ///< where the first record behind it begins
     uint64_t index_at = 0;  ///< where the index begins; 0 where the bag was not closed
+    bool is_empty = false;  ///< it was closed without messages
   };
   Head ReadHead() const;
   void ReadIndex(uint64_t at);
@@ -56,6 +61,9 @@ class BagReader : public Recording {
   Bytes Decompressed(const Chunk& chunk) const;
   std::vector<RecordedMessage> IndexedMessages(const std::string& topic) const;
   void AppendMessages(uint32_t chunk, uint32_t connection, std::vector<RecordedMessage>& messages) const;
+
+  /// Where a message begins in the file; nullopt where it is in a chunk that is compressed.
+  std::optional<uint64_t> PlaceInFile(const RecordedMessage& message) const;
 
   RecordingFile file_;
   std::map<uint32_t, RecordedChannel> connections_;  ///< by id

@@ -62,12 +62,13 @@ uint64_t Unbz2(std::span<const uint8_t> in, std::vector<uint8_t>& out) {
   return n;
 }
 
-/// A compression of chunks.
+/// A compression of chunks, and how many times as long as lz4 it takes.
 struct Codec {
   std::string_view name;
   uint64_t (*decompress)(std::span<const uint8_t> in, std::vector<uint8_t>& out);
+  uint64_t slowness;
 };
-constexpr auto kCodecs = std::to_array<Codec>({{"lz4", Unlz4}, {"zstd", Unzstd}, {"bz2", Unbz2}});
+constexpr auto kCodecs = std::to_array<Codec>({{"lz4", Unlz4, 1}, {"zstd", Unzstd, 2}, {"bz2", Unbz2, 50}});
 
 }  // namespace
 
@@ -132,6 +133,12 @@ std::vector<uint8_t> DecompressChunk(const std::string& compression, std::span<c
   const uint64_t got = codec->decompress(bytes, out);
   if (got != n) FailAsDamaged(compression.c_str(), "another length");
   return out;
+}
+
+uint64_t DecompressionCostOf(const std::string& compression, uint64_t n) {
+  const auto* const codec =
+      std::find_if(kCodecs.begin(), kCodecs.end(), [&](const Codec& c) { return c.name == compression; });
+  return codec == kCodecs.end() ? 0 : codec->slowness * std::min(n, kMaxChunkBytes);
 }
 
 RecentChunks::Bytes RecentChunks::Copy(uint32_t chunk, const std::function<Bytes()>& read,

@@ -76,6 +76,9 @@ class RecordFields {
 /// file says; one above `kMaxChunkBytes` is refused.
 std::vector<uint8_t> DecompressChunk(const std::string& compression, std::span<const uint8_t> bytes, uint64_t n);
 
+/// How many bytes of lz4 could be decompressed in the time that `n` bytes take which are compressed so.
+uint64_t DecompressionCostOf(const std::string& compression, uint64_t n);
+
 /// The chunks read last.
 class RecentChunks {
  public:

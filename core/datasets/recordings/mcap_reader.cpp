@@ -35,6 +35,9 @@ uint32_t Crc(std::span<const uint8_t> bytes) { return McapCrc(0, bytes.data(), b
 /// Channel, number, and the times of logging and of publishing, in front of the content of a message.
 constexpr uint64_t kMessageHeadBytes = sizeof(uint16_t) + sizeof(uint32_t) + 2 * sizeof(uint64_t);
 
+/// From the begin of a chunk that is not compressed to its messages: times, length, checksum and compression.
+constexpr uint64_t kChunkHeadBytes = kRecordHeadBytes + 4 * sizeof(uint64_t) + 2 * sizeof(uint32_t);
+
 /// Records one after the other, each with its kind and the place where it begins.
 template <class Take>
 void ForEachRecord(std::span<const uint8_t> bytes, Take take) {
@@ -43,6 +46,14 @@ void ForEachRecord(std::span<const uint8_t> bytes, Take take) {
     const auto kind = static_cast<McapRecord>(records.Get<uint8_t>());
     take(kind, Fields(records.Take(records.Get<uint64_t>())), at);
   }
+}
+
+/// The content of the message whose record begins there.
+std::span<const uint8_t> ContentIn(std::span<const uint8_t> bytes, uint64_t offset) {
+  if (offset > bytes.size()) throw DatasetError("a message would lie behind its chunk: the file is damaged");
+  Fields fields = ContentOf(bytes.subspan(offset), McapRecord::kMessage, "a message");
+  fields.Take(kMessageHeadBytes);
+  return fields.rest();
 }
 
 /// Schemas and channels as the records name them.
@@ -115,6 +126,7 @@ std::string McapReader::ReadSummary() {
   const Bytes end = file_.ReadAt(file_.size() - end_bytes, end_bytes, "the footer");
   if (std::memcmp(end.data() + kFooterBytes, kMcapMagic.data(), kMcapMagic.size()) != 0) return unclosed;
   Fields footer = ContentOf(end, McapRecord::kFooter, "the footer");
+  is_closed_ = true;
   const auto start = footer.Get<uint64_t>();
   footer.Get<uint64_t>();  // where the offsets of the summary begin
   const auto crc = footer.Get<uint32_t>();
@@ -135,7 +147,8 @@ std::string McapReader::Parse(std::span<const uint8_t> summary) {
   ForEachRecord(summary, [&](McapRecord kind, Fields fields, uint64_t) {
     if (NamedChannels::IsOne(kind)) named.Add(kind, fields);
     if (kind == McapRecord::kStatistics) {
-      fields.Take(sizeof(uint64_t) + sizeof(uint16_t) + 3 * sizeof(uint32_t));  // other numbers
+      is_empty_ = fields.Get<uint64_t>() == 0;
+      fields.Take(sizeof(uint16_t) + 3 * sizeof(uint32_t));  // other numbers
       n_chunks_ = fields.Get<uint32_t>();
       fields.Take(2 * sizeof(uint64_t));  // first and last time
       for (Fields counts(fields.Take(fields.Get<uint32_t>())); !counts.empty();) {
@@ -152,14 +165,21 @@ std::string McapReader::Parse(std::span<const uint8_t> summary) {
       const auto channel = offsets.Get<uint16_t>();
       chunk.indices[channel] = offsets.Get<uint64_t>();
     }
+    fields.Take(sizeof(uint64_t));  // the length of its indices
+    const std::string compression = fields.Text();
+    fields.Take(sizeof(uint64_t));  // its length, compressed
+    if (compression.empty()) chunk.data_at = chunk.offset + kChunkHeadBytes;
+    chunk.cost = DecompressionCostOf(compression, fields.Get<uint64_t>());
     chunks_.push_back(std::move(chunk));
   });
+  std::stable_sort(chunks_.begin(), chunks_.end(),
+                   [](const Chunk& a, const Chunk& b) { return a.offset < b.offset; });
   channels_ = named.List();
   return WhatIsMissing(named.HasAllSchemas());
 }
 
 std::string McapReader::WhatIsMissing(bool all_schemas) const {
-  if (chunks_.empty()) return "has no index of chunks";
+  if (chunks_.empty()) return is_empty_ ? "" : "has no index of chunks";
   if (n_chunks_.value_or(0) > chunks_.size()) {
     return fmt::format("has an index of {} chunks, and should have {}", chunks_.size(), *n_chunks_);
   }
@@ -181,7 +201,9 @@ void McapReader::Scan(const std::string& why) {
   const auto add = [&](Fields message, uint32_t chunk, uint64_t offset) {
     const auto channel = message.Get<uint16_t>();
     message.Get<uint32_t>();
-    scanned_.Add(channel, {message.Get<int64_t>(), chunk, offset});
+    const auto t_ns = message.Get<int64_t>();
+    message.Get<int64_t>();  // of publishing
+    scanned_.Add(channel, {t_ns, StampOf(message.rest()), chunk, offset});
   };
   const auto end = [&](uint64_t at) {
     const Bytes head = file_.ReadAt(at, kRecordHeadBytes, "a record");
@@ -196,7 +218,8 @@ void McapReader::Scan(const std::string& why) {
       scanned_.SpendKept(named.Add(kind, ContentOf(record, kind, "a channel")));
     } else if (kind == McapRecord::kMessage) {
       // Its content is read when it is played.
-      const Bytes head = file_.ReadAt(at, kRecordHeadBytes + kMessageHeadBytes, "a message");
+      const uint64_t head_bytes = kRecordHeadBytes + kMessageHeadBytes + kStampBytes;
+      const Bytes head = file_.ReadAt(at, std::min(head_bytes, record_end - at), "a message");
       add(Fields(std::span(head).subspan(kRecordHeadBytes)), RecordedMessage::kNoChunk, at);
     } else if (kind == McapRecord::kChunk) {
       const Chunk chunk{at, record_end - at, {}};
@@ -239,7 +262,7 @@ std::vector<RecordedMessage> McapReader::IndexedMessages(const std::string& topi
   if (messages.size() < n_expected) {
     throw DatasetError(fmt::format("it has {} of {} messages of {}", messages.size(), n_expected, topic));
   }
-  SortByTime(messages);
+  SortByPlace(messages);
   return messages;
 }
 
@@ -256,7 +279,7 @@ void McapReader::AppendMessages(uint32_t chunk, const RecordedChannel& channel,
   if (fields.Get<uint16_t>() != channel.id) throw DatasetError("an index of messages is of another channel");
   for (Fields entries(fields.Take(fields.Get<uint32_t>())); !entries.empty();) {
     const auto t_ns = entries.Get<int64_t>();
-    messages.push_back({t_ns, chunk, entries.Get<uint64_t>()});
+    messages.push_back({t_ns, RecordedMessage::kNotRead, chunk, entries.Get<uint64_t>()});
   }
   // Of indices that many chunks name, memory is not for.
   if (messages.size() > file_.size())
@@ -277,27 +300,52 @@ McapReader::Bytes McapReader::Decompressed(const Chunk& chunk, ScannedIndex* sca
   return bytes;
 }
 
+std::optional<uint64_t> McapReader::PlaceInFile(const RecordedMessage& message) const {
+  if (message.chunk == RecordedMessage::kNoChunk) return message.offset;
+  const uint64_t data_at = chunks_.at(message.chunk).data_at;
+  return data_at == 0 ? std::nullopt : std::optional(data_at + message.offset);
+}
+
+void McapReader::WillReadBegin(const RecordedMessage& message, uint64_t n) const {
+  if (const auto at = PlaceInFile(message)) file_.WillRead(*at, kRecordHeadBytes + kMessageHeadBytes + n);
+}
+
+std::vector<uint8_t> McapReader::ReadBegin(const RecordedMessage& message, uint64_t n) const {
+  const std::optional<uint64_t> at = PlaceInFile(message);
+  if (!at) {
+    return recent_.Copy(
+        message.chunk, [&] { return Decompressed(chunks_.at(message.chunk)); },
+        [&](const Bytes& bytes) {
+          const auto content = ContentIn(bytes, message.offset);
+          return content.first(std::min<uint64_t>(n, content.size()));
+        });
+  }
+  const uint64_t head_bytes = kRecordHeadBytes + kMessageHeadBytes;
+  const uint64_t left = *at < file_.size() ? file_.size() - *at : 0;
+  const Bytes begin = file_.ReadAt(*at, std::min(head_bytes + n, std::max(left, head_bytes)), "a message");
+  Fields fields(begin);
+  if (fields.Get<uint8_t>() != static_cast<uint8_t>(McapRecord::kMessage)) {
+    throw DatasetError("a message is not where the index says: the file is damaged");
+  }
+  const auto length = fields.Get<uint64_t>();
+  fields.Take(kMessageHeadBytes);
+  const uint64_t content_bytes = length - std::min(length, kMessageHeadBytes);
+  const auto content = fields.Take(std::min({n, content_bytes, fields.rest().size()}));
+  return {content.begin(), content.end()};
+}
+
 std::vector<uint8_t> McapReader::Read(const RecordedMessage& message) const {
-  const auto content = [](std::span<const uint8_t> record) {
-    Fields fields = ContentOf(record, McapRecord::kMessage, "a message");
-    fields.Take(kMessageHeadBytes);
-    return fields.rest();
-  };
   if (message.chunk == RecordedMessage::kNoChunk) {
     const Bytes head = file_.ReadAt(message.offset, kRecordHeadBytes, "a message");
     const auto n = Fields(std::span(head).subspan(1)).Get<uint64_t>();
     CheckChunkSize(n);
     const Bytes record = file_.ReadAt(message.offset, kRecordHeadBytes + n, "a message");
-    const auto found = content(record);
+    const auto found = ContentIn(record, 0);
     return {found.begin(), found.end()};
   }
   return recent_.Copy(
       message.chunk, [&] { return Decompressed(chunks_.at(message.chunk)); },
-      [&](const Bytes& bytes) {
-        if (message.offset > bytes.size())
-          throw DatasetError("a message would lie behind its chunk: the file is damaged");
-        return content(std::span(bytes).subspan(message.offset));
-      });
+      [&](const Bytes& bytes) { return ContentIn(bytes, message.offset); });
 }
 
 bool LooksLikeMcapFile(const std::string& path) { return BeginsWith(path, kMcapMagic); }

@@ -24,9 +24,15 @@ class McapReader : public Recording {
 
   const std::vector<RecordedChannel>& channels() const override { return channels_; }
   std::vector<RecordedMessage> Messages(const std::string& topic) const override;
-  std::vector<std::string> Notes() const override { return scanned_.Notes(); }
+  /// A file that was closed without messages is whole, and needs no index.
+  std::vector<std::string> Notes() const override {
+    return is_closed_ && !scanned_.has_messages() ? std::vector<std::string>{} : scanned_.Notes();
+  }
   double scan_s() const override { return scanned_.taken_s(); }
   std::vector<uint8_t> Read(const RecordedMessage& message) const override;
+  std::vector<uint8_t> ReadBegin(const RecordedMessage& message, uint64_t n) const override;
+  void WillReadBegin(const RecordedMessage& message, uint64_t n) const override;
+  uint64_t DecompressionCost(uint32_t chunk) const override { return chunks_.at(chunk).cost; }
 
  private:
   using Bytes = std::vector<uint8_t>;
@@ -34,6 +40,9 @@ class McapReader : public Recording {
     uint64_t offset = 0, length = 0;
     /// Where the index of each channel stands.
     std::map<uint32_t, uint64_t> indices;
+    /// Where its messages begin, if it is not compressed; 0 where that is not known.
+    uint64_t data_at = 0;
+    uint64_t cost = 0;  ///< of decompressing it
   };
 
   void CheckMagic() const;
@@ -47,10 +56,15 @@ class McapReader : public Recording {
   /// `scan` is told of its size before.
   Bytes Decompressed(const Chunk& chunk, ScannedIndex* scan = nullptr) const;
 
+  /// Where a message begins in the file; nullopt where it is in a chunk that is compressed.
+  std::optional<uint64_t> PlaceInFile(const RecordedMessage& message) const;
+
   RecordingFile file_;
+  bool is_closed_ = false;  ///< by its recorder
   std::vector<RecordedChannel> channels_;
   std::vector<Chunk> chunks_;
   /// What the summary says that there is, as far as it does.
+  bool is_empty_ = false;
   std::optional<uint32_t> n_chunks_;
   std::map<uint32_t, uint64_t> n_messages_;  ///< by channel
   ScannedIndex scanned_;

@@ -2,10 +2,14 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <cstring>
 #include <limits>
+#include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace plslam {
@@ -28,20 +32,35 @@ inline std::string RosTypeName(std::string type) {
 /// Where a message stands.
 struct RecordedMessage {
   static constexpr uint32_t kNoChunk = std::numeric_limits<uint32_t>::max();
+  static constexpr int64_t kNotRead = -1;
 
-  int64_t t_ns = 0;     ///< when it was logged
-  uint32_t chunk = 0;   ///< index of its chunk
-  uint64_t offset = 0;  ///< in the chunk, decompressed; in the file where it is in no chunk
+  int64_t t_ns = 0;             ///< when it was logged
+  int64_t stamp_ns = kNotRead;  ///< of its header; 0: none
+  uint32_t chunk = 0;           ///< index of its chunk, in the order in which they stand in the file
+  uint64_t offset = 0;          ///< in the chunk, decompressed; in the file where it is in no chunk
+  bool is_estimated = false;    ///< its stamp follows from those of others (message_times.h)
 };
 
-/// Those of one time stay in their order.
-inline void SortByTime(std::vector<RecordedMessage>& messages) {
-  std::stable_sort(messages.begin(), messages.end(),
-                   [](const RecordedMessage& a, const RecordedMessage& b) { return a.t_ns < b.t_ns; });
+/// A stamp lies within so many bytes of a message: in ROS 1 behind its number, in ROS 2 behind the name of the encoding.
+inline constexpr uint64_t kStampBytes = 12;
+
+/// The stamp of the std_msgs/Header that a message begins with; `kNotRead` where it ends before.
+inline int64_t StampOf(std::span<const uint8_t> begin) {
+  if (begin.size() < kStampBytes) return RecordedMessage::kNotRead;
+  std::array<uint32_t, 2> stamp{};  // seconds, nanoseconds
+  std::memcpy(stamp.data(), begin.data() + sizeof(uint32_t), sizeof(stamp));
+  return int64_t{stamp[0]} * 1'000'000'000 + stamp[1];
+}
+
+/// The order in which messages stand in the file: a recorder writes them as they arrive, whatever its clock says.
+inline void SortByPlace(std::vector<RecordedMessage>& messages) {
+  std::stable_sort(messages.begin(), messages.end(), [](const RecordedMessage& a, const RecordedMessage& b) {
+    return std::pair(a.chunk, a.offset) < std::pair(b.chunk, b.offset);
+  });
 }
 
 /// A file of messages with an index: opening reads what the end of the file says, `Messages` the index of one topic,
-/// and `Read` the chunk of a message. The chunks read last are kept; memory grows by 24 bytes for each message. A file
+/// and `Read` the chunk of a message. The chunks read last are kept; memory grows by 40 bytes for each message. A file
 /// without a usable index (its recorder was killed, or does not write one) is read once from its begin to its end
 /// when it is opened, as far as it is whole (scanned_index.h); `Notes` tells.
 ///
@@ -63,7 +82,7 @@ class Recording {
   /// In order of their ids.
   virtual const std::vector<RecordedChannel>& channels() const = 0;
 
-  /// All messages of the channels with this topic, in order of time.
+  /// All messages of the channels with this topic, in the order in which they stand in the file.
   virtual std::vector<RecordedMessage> Messages(const std::string& topic) const = 0;
 
   /// What is wrong with the file, in sentences for the user.
@@ -73,6 +92,13 @@ class Recording {
 
   /// The content of a message, a copy.
   virtual std::vector<uint8_t> Read(const RecordedMessage& message) const = 0;
+
+  /// The first `n` bytes of it, or all where it has fewer. Where its chunk is not compressed, only these are read.
+  virtual std::vector<uint8_t> ReadBegin(const RecordedMessage& message, uint64_t n) const = 0;
+  /// Tells the system that `ReadBegin` will come, where its chunk is not compressed.
+  virtual void WillReadBegin(const RecordedMessage& message, uint64_t n) const = 0;
+  /// How many bytes of lz4 could be decompressed in the time that this chunk takes; 0: it is not compressed.
+  virtual uint64_t DecompressionCost(uint32_t chunk) const = 0;
 };
 
 }  // namespace plslam

@@ -13,18 +13,18 @@
 
 #include "core/datasets/camera_file.h"
 #include "core/datasets/check_rig.h"
-#include "core/datasets/image_list.h"
 #include "core/datasets/recordings/bag_reader.h"
+#include "core/datasets/recordings/image_pairs.h"
 #include "core/datasets/recordings/mcap_reader.h"
+#include "core/datasets/recordings/message_times.h"
+#include "core/datasets/recordings/pixel_encodings.h"
 #include "core/datasets/recordings/ros_messages.h"
+#include "core/datasets/white_level.h"
 #include "core/errors/error_text.h"
 #include "core/io/trajectories/trajectory.h"
 
 namespace plslam {
 namespace {
-
-/// Where images of one moment were logged further apart than half of a frame, they are of two.
-constexpr int64_t kMaxPairing_ns = 500'000'000;
 
 constexpr auto kSides = std::to_array<std::pair<std::string_view, std::string_view>>(
     {{"left", "right"}, {"cam0", "cam1"}, {"infra1", "infra2"}, {"image_0", "image_1"}});
@@ -74,45 +74,24 @@ std::string ListOf(const std::set<std::string>& names) {
   return fmt::format("{}", fmt::join(shown, ", "));
 }
 
-/// Those whose times increase: of several of one time the first.
-std::vector<RecordedMessage> Increasing(std::vector<RecordedMessage> messages) {
-  const auto end = std::unique(messages.begin(), messages.end(),
-                               [](const RecordedMessage& a, const RecordedMessage& b) { return a.t_ns == b.t_ns; });
-  messages.erase(end, messages.end());
-  return messages;
-}
-
-std::vector<int64_t> TimesOf(const std::vector<RecordedMessage>& messages) {
-  std::vector<int64_t> times_ns;
-  times_ns.reserve(messages.size());
-  for (const RecordedMessage& message : messages) times_ns.push_back(message.t_ns);
-  return times_ns;
-}
-
-int64_t MedianStep_ns(const std::vector<int64_t>& times_ns) {
-  std::vector<int64_t> steps_ns;
-  for (size_t i = 1; i < times_ns.size(); ++i) steps_ns.push_back(times_ns[i] - times_ns[i - 1]);
-  if (steps_ns.empty()) return kMaxPairing_ns;
-  const auto middle = steps_ns.begin() + std::ssize(steps_ns) / 2;
-  std::nth_element(steps_ns.begin(), middle, steps_ns.end());
-  return *middle;
-}
-
 class RecordingDataset : public Dataset {
  public:
   RecordingDataset(const std::string& location, const Location& parts, std::string_view kind,
                    std::unique_ptr<Recording> reader)
       : name_(location), options_(parts.options), reader_(std::move(reader)), notes_(reader_->Notes()) {
     ChooseTopics();
-    PairImages();
+    images_ = PairImages(*reader_, left_.topic, right_.topic, &notes_);
+    CheckEncodings();
     ReadRig(kind);
     ChooseTruth();
+    white_ = WhiteLevelOf(
+        size(), [this](int index) { return LargestValues(index); }, &notes_);
   }
 
   std::string name() const override { return name_; }
   const RigCalibration& rig() const override { return rig_; }
-  int size() const override { return static_cast<int>(pairs_.size()); }
-  int64_t t_ns(int index) const override { return Pair(index).first.t_ns; }
+  int size() const override { return static_cast<int>(images_.pairs.size()); }
+  int64_t t_ns(int index) const override { return TimeOf(*reader_, images_, static_cast<size_t>(index)); }
   std::vector<std::string> Notes() const override { return notes_; }
   double scan_s() const override { return reader_->scan_s(); }
   bool HasRecordedTruth() const override { return !truth_.empty(); }
@@ -120,41 +99,36 @@ class RecordingDataset : public Dataset {
   StereoImages Read(int index) const override {
     try {
       const auto& [left, right] = Pair(index);
-      return {index, left.t_ns, ReadImage(left_, left, rig_.left), ReadImage(right_, right, rig_.right)};
+      return {index, t_ns(index), ReadImage(left_, left, rig_.left), ReadImage(right_, right, rig_.right)};
     } catch (const std::runtime_error& error) {
       throw DatasetError(fmt::format("{}: frame {}: {}", name_, index, error.what()));
     }
   }
 
-  std::optional<SE3> GroundTruth(int index) const override {
-    const int64_t t = t_ns(index);
-    auto after = std::lower_bound(truth_.begin(), truth_.end(), t,
-                                  [](const RecordedMessage& message, int64_t time) { return message.t_ns < time; });
-    Trajectory neighbours;
-    for (auto at = after == truth_.begin() ? after : after - 1; at != truth_.end() && at <= after; ++at) {
-      try {
-        neighbours.push_back(
-            {at->t_ns, ParsePose(truth_channel_.type, reader_->Read(*at), EncodingOf(truth_channel_))});
-      } catch (const std::runtime_error&) {
-        return std::nullopt;  // a damaged pose is no truth
-      }
-    }
-    return neighbours.empty() ? std::nullopt : InterpolatePose(neighbours, t, kMaxTruthGap_ns);
-  }
+  std::optional<SE3> GroundTruth(int index) const override;
 
  private:
   const std::pair<RecordedMessage, RecordedMessage>& Pair(int index) const {
-    return pairs_.at(static_cast<size_t>(index));
+    return images_.pairs.at(static_cast<size_t>(index));
   }
 
   cv::Mat ReadImage(const RecordedChannel& channel, const RecordedMessage& message,
                     const CameraCalibration& camera) const {
     try {
       return ParseImage(channel.type, reader_->Read(message), EncodingOf(channel),
-                        {camera.width_px, camera.height_px});
+                        {camera.width_px, camera.height_px}, white_);
     } catch (const std::runtime_error& error) {
       throw DatasetError(fmt::format("{}: {}", channel.topic, error.what()));
     }
+  }
+
+  /// The largest value of the images of a pair, where they have 16 bits, else 0.
+  int LargestValues(int index) const {
+    const auto largest = [&](const RecordedChannel& channel, const RecordedMessage& message) {
+      return LargestWideValue(channel.type, reader_->Read(message), EncodingOf(channel),
+                              {rig_.left.width_px, rig_.left.height_px});
+    };
+    return std::max(largest(left_, Pair(index).first), largest(right_, Pair(index).second));
   }
 
   const RecordedChannel* Find(const std::string& topic, bool (*fits)(const RecordedChannel&)) const {
@@ -179,6 +153,7 @@ class RecordingDataset : public Dataset {
     if (!images.empty()) return "its image topics are " + ListOf(images);
     const std::string none = "it has no images of ROS (sensor_msgs/Image or CompressedImage)";
     if (!other_images.empty()) return none + ", but " + ListOf(other_images);
+    if (others.empty() && reader_->Notes().empty()) return "it has no messages";
     return others.empty() ? "it has no topics at all" : none + "; its topics are " + ListOf(others);
   }
 
@@ -231,21 +206,18 @@ class RecordingDataset : public Dataset {
     }
   }
 
-  void PairImages() {
-    const std::vector<RecordedMessage> all = reader_->Messages(left_.topic);
-    const std::vector<RecordedMessage> left = Increasing(all), right = Increasing(reader_->Messages(right_.topic));
-    const std::vector<int64_t> times_ns = TimesOf(left);
-    step_ns_ = MedianStep_ns(times_ns);
-    const int64_t max_ns = std::min(kMaxPairing_ns, step_ns_ / 2);
-    for (const auto& [l, r] : AssociateTimes(times_ns, TimesOf(right), max_ns))
-      pairs_.emplace_back(left[l], right[r]);
-    if (pairs_.empty()) {
-      throw DatasetError(fmt::format("{} has {} images and {} has {}, but no two of one moment", left_.topic,
-                                     left.size(), right_.topic, right.size()));
-    }
-    if (pairs_.size() < all.size()) {
-      notes_.push_back(fmt::format("{} images of {} have no partner in time and are passed over",
-                                   all.size() - pairs_.size(), left_.topic));
+  /// An encoding that is not known is told before a run begins.
+  void CheckEncodings() const {
+    for (const auto& [channel, message] :
+         {std::pair(&left_, images_.pairs.front().first), std::pair(&right_, images_.pairs.front().second)}) {
+      std::string encoding;
+      try {
+        encoding = ImageEncoding(channel->type, reader_->Read(message), EncodingOf(*channel));
+      } catch (const DatasetError&) {
+        continue;  // a damaged message is an error when it is played
+      }
+      const std::string complaint = PixelEncodingComplaint(encoding);
+      if (!complaint.empty()) throw DatasetError(fmt::format("{}: {}", channel->topic, complaint));
     }
   }
 
@@ -265,10 +237,26 @@ class RecordingDataset : public Dataset {
     throw DatasetError(fmt::format("has no camera_info for {}", image_topic));
   }
 
+  /// Returns the sizes of the left and right images by the first pair that can be read; 0 x 0 where none can.
+  std::pair<ImageSize, ImageSize> ImageSizes() const {
+    constexpr size_t kTried = 10;
+    for (size_t i = 0; i < std::min(kTried, images_.pairs.size()); ++i) {
+      try {
+        const auto& [left, right] = images_.pairs[i];
+        return {SizeOfImage(left_.type, reader_->Read(left), EncodingOf(left_)),
+                SizeOfImage(right_.type, reader_->Read(right), EncodingOf(right_))};
+      } catch (const std::runtime_error&) {  // told where the frame is read
+      }
+    }
+    return {};
+  }
+
   RigCalibration RecordedRig() const {
     const bool rectified = left_.topic.find("rect") != std::string::npos;
     try {
-      return RigFromRos(CameraInfoOf(left_.topic), CameraInfoOf(right_.topic), rectified);
+      const auto [left_size, right_size] = ImageSizes();
+      return RigFromRos(InPixelsOfImages(CameraInfoOf(left_.topic), left_size),
+                        InPixelsOfImages(CameraInfoOf(right_.topic), right_size), rectified);
     } catch (const DatasetError& error) {
       throw DatasetError(
           fmt::format("{}: name a camera file (docs/datasets.md), FILE?camera=camera.yaml", error.what()));
@@ -277,20 +265,22 @@ class RecordingDataset : public Dataset {
 
   void ReadRig(std::string_view kind) {
     if (const auto given = options_.find("camera"); given != options_.end()) {
-      // A camera without resolution has that of the recorded ones.
-      ImageSize size;
-      try {
-        const RosCameraInfo info = CameraInfoOf(left_.topic);
-        size = {info.width_px, info.height_px};
-      } catch (const DatasetError&) {
-        size = {0, 0};
+      const ImageSize size = ImageSizes().first;
+      rig_ = ReadCameraFile(given->second, size, &notes_);
+      if (size != ImageSize{} && size != ImageSize{rig_.left.width_px, rig_.left.height_px}) {
+        throw DatasetError(fmt::format("{} is of {} x {} pixels, but the images of {} have {} x {}", given->second,
+                                       rig_.left.width_px, rig_.left.height_px, left_.topic, size.width_px,
+                                       size.height_px));
       }
-      rig_ = ReadCameraFile(given->second, size);
     } else {
       rig_ = RecordedRig();
+      NoteLongBaseline("camera_info", rig_,
+                       "P[3] is in metres times pixels; where it is not, name a camera file (docs/datasets.md), "
+                       "FILE?camera=camera.yaml",
+                       &notes_);
     }
     rig_.name = kind;
-    rig_.rate_hz = 1e9 / static_cast<double>(step_ns_);
+    rig_.rate_hz = 1e9 / static_cast<double>(images_.step_ns);
     const std::string complaint = RigComplaint(rig_);
     if (!complaint.empty()) throw DatasetError(fmt::format("camera of {}: {}", left_.topic, complaint));
   }
@@ -309,20 +299,58 @@ class RecordingDataset : public Dataset {
     }
     if (chosen.topic.empty()) return;
     truth_channel_ = chosen;
-    truth_ = Increasing(reader_->Messages(chosen.topic));
+    std::vector<RecordedMessage> messages = reader_->Messages(chosen.topic);
+    if (images_.clock == MessageClock::kStamp)
+      ReadStamps(*reader_, {&messages}, images_.step_ns / kDelayToleranceShare);
+    const std::string complaint = images_.clock == MessageClock::kStamp ? StampComplaint(messages) : "";
+    if (!complaint.empty()) {
+      notes_.push_back(
+          fmt::format("header stamps of {} {}: its poses have the times at which they were logged, plus "
+                      "the {} s by which stamps of {} differ from those",
+                      chosen.topic, complaint, SecondsText(images_.stamp_offset_ns), left_.topic));
+      for (RecordedMessage& message : messages) message.stamp_ns = RecordedMessage::kNotRead;
+      StampByLogTime(images_.stamp_offset_ns, &messages);
+    }
+    truth_ = InOrderOfTime(std::move(messages), images_.clock, chosen.topic, &notes_);
+    truth_is_estimated_ = std::any_of(truth_.begin(), truth_.end(), [](const auto& m) { return m.is_estimated; });
   }
 
   std::string name_;
   std::map<std::string, std::string> options_;
   std::unique_ptr<Recording> reader_;
   RecordedChannel left_, right_;
-  std::vector<std::pair<RecordedMessage, RecordedMessage>> pairs_;
-  int64_t step_ns_ = 0;
+  ImagePairs images_;
+  int white_ = kWhiteOf16Bits;
   RigCalibration rig_;
   RecordedChannel truth_channel_;
   std::vector<RecordedMessage> truth_;
+  bool truth_is_estimated_ = false;  ///< some of its stamps
   std::vector<std::string> notes_;
 };
+
+std::optional<SE3> RecordingDataset::GroundTruth(int index) const {
+  const int64_t t = t_ns(index), reach_ns = truth_is_estimated_ ? images_.step_ns : 0;
+  const auto first_from = [&](int64_t from_ns) {
+    return std::lower_bound(truth_.begin(), truth_.end(), from_ns,
+                            [](const RecordedMessage& message, int64_t time) { return message.t_ns < time; });
+  };
+  auto at = first_from(t - reach_ns);
+  const auto last = first_from(t + reach_ns);
+  if (at != truth_.begin()) --at;
+  std::map<int64_t, SE3> poses;
+  for (; at != truth_.end() && at <= last; ++at) {
+    try {
+      const std::vector<uint8_t> message = reader_->Read(*at);
+      const int64_t pose_ns = at->is_estimated ? StampOf(message) : at->t_ns;
+      poses.emplace(pose_ns, ParsePose(truth_channel_.type, message, EncodingOf(truth_channel_)));
+    } catch (const std::runtime_error&) {
+      return std::nullopt;  // a damaged pose is no truth
+    }
+  }
+  Trajectory neighbours;
+  for (const auto& [pose_ns, pose] : poses) neighbours.push_back({pose_ns, pose});
+  return neighbours.empty() ? std::nullopt : InterpolatePose(neighbours, t, kMaxTruthGap_ns);
+}
 
 template <class Reader>
 std::unique_ptr<Dataset> Open(const std::string& location, std::string_view kind) {

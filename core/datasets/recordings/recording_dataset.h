@@ -12,8 +12,9 @@ namespace plslam {
 /// "FILE?left=/a/image_raw&right=/b/image_raw&truth=/pose&camera=camera.yaml" (docs/datasets.md).
 ///
 /// Without topics they are found by looking: two of one name but for left and right, cam0 and cam1, infra1 and
-/// infra2, image_0 and image_1. The rig is that of their camera_info. Times are those of the index, when messages
-/// were logged. Images are read on demand through the index, of which memory holds 24 bytes for each message.
+/// infra2, image_0 and image_1. The rig is that of their camera_info. Times are header stamps (message_times.h); those of
+/// logging only where the stamps of an image topic are zero or constant, or left and right ones are of two clocks, as
+/// `Notes` tells then. Images are read on demand through the index, of which memory holds 40 bytes for each message.
 ///
 /// A file without index, or cut off, is played as far as it is whole (recording.h); `Notes` tells.
 ///

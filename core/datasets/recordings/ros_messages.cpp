@@ -4,43 +4,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
-#include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
 
-#include "core/datasets/calibrations/readers.h"
+#include "core/datasets/recordings/pixel_encodings.h"
 #include "core/errors/error_text.h"
-#include "core/io/images/image_file.h"
+#include "core/io/images/image_header.h"
 
 namespace plslam {
 namespace {
 
-/// An encoding of raw images, as sensor_msgs names them.
-struct Encoding {
-  std::string_view name;
-  int type;
-  bool is_rgb;
-};
-constexpr auto kEncodings = std::to_array<Encoding>({{"mono8", CV_8UC1, false},
-                                                     {"8UC1", CV_8UC1, false},
-                                                     {"mono16", CV_16UC1, false},
-                                                     {"16UC1", CV_16UC1, false},
-                                                     {"bgr8", CV_8UC3, false},
-                                                     {"8UC3", CV_8UC3, false},
-                                                     {"rgb8", CV_8UC3, true},
-                                                     {"bgra8", CV_8UC4, false},
-                                                     {"rgba8", CV_8UC4, true}});
-
-const Encoding& EncodingOf(const std::string& name) {
-  for (const Encoding& encoding : kEncodings) {
-    if (encoding.name == name) return encoding;
-  }
-  throw DatasetError(
-      fmt::format("its images are encoded as '{}', not as mono8, mono16, bgr8, rgb8, bgra8 or rgba8", Shown(name)));
-}
-
-cv::Mat RawPixels(RosReader& reader, const cv::Size& expected) {
+RosPixels PixelsOf(RosReader& reader) {
   RosPixels pixels;
   pixels.height_px = reader.Get<uint32_t>();
   pixels.width_px = reader.Get<uint32_t>();
@@ -48,7 +23,13 @@ cv::Mat RawPixels(RosReader& reader, const cv::Size& expected) {
   pixels.is_big_endian = reader.Get<uint8_t>() != 0;
   pixels.step_bytes = reader.Get<uint32_t>();
   pixels.data = reader.Bytes();
-  return GreyOfRosPixels(pixels, expected);
+  return pixels;
+}
+
+/// Of a CompressedImage behind its header: the name of its file in errors, and the file.
+std::pair<std::string, std::span<const uint8_t>> FileOf(RosReader& reader) {
+  const std::string name = fmt::format("'{}'", Shown(reader.Text()));
+  return {name, reader.Bytes()};
 }
 
 template <class Matrix>
@@ -60,77 +41,12 @@ Matrix GetRows(RosReader& reader) {
   return m;
 }
 
-/// Model and coefficients in our names.
-void SetLens(const RosCameraInfo& info, CameraCalibration& camera) {
-  const std::vector<double>& d = info.distortion;
-  if (std::all_of(d.begin(), d.end(), [](double x) { return x == 0.0; })) return;  // a pinhole
-  const bool is_fisheye = info.model == "equidistant" || info.model == "fisheye";
-  const bool is_radtan = info.model == "plumb_bob" && (d.size() == 4 || d.size() == 5);
-  const bool is_rational = info.model == "rational_polynomial" && d.size() >= 5;
-  if (is_fisheye && d.size() == 4) {
-    camera.model = "equidistant";
-    camera.distortion = d;
-    return;
-  }
-  if (!is_radtan && !is_rational) {
-    throw DatasetError(fmt::format(
-        "distortion_model '{}' with {} coefficients is none of plumb_bob (4 or 5), rational_polynomial (8) "
-        "and equidistant (4), so that the images would have to be rectified",
-        Shown(info.model), d.size()));
-  }
-  const std::string complaint = SetOpenCvDistortion(d, &camera);
-  if (!complaint.empty()) throw DatasetError("D of camera_info " + complaint);
-}
-
-CameraCalibration CameraFromRos(const RosCameraInfo& info, bool rectified) {
-  CameraCalibration camera;
-  camera.width_px = info.width_px;
-  camera.height_px = info.height_px;
-  const Eigen::Matrix3d K = rectified ? Eigen::Matrix3d(info.P.leftCols<3>()) : info.K;
-  camera.fx_px = K(0, 0);
-  camera.fy_px = K(1, 1);
-  camera.cx_px = K(0, 2);
-  camera.cy_px = K(1, 2);
-  if (!rectified) SetLens(info, camera);
-  return camera;
-}
-
-bool IsRotation(const Eigen::Matrix3d& R) {
-  return R.allFinite() && (R * R.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-3 && R.determinant() > 0.0;
-}
-
 }  // namespace
 
 std::optional<RosEncoding> RosEncodingOf(std::string_view name) {
   if (name == "cdr") return RosEncoding::kCdr;
   if (name == "ros1") return RosEncoding::kRos1;
   return std::nullopt;
-}
-
-cv::Mat GreyOfRosPixels(const RosPixels& image, const cv::Size& expected) {
-  const Encoding& encoding = EncodingOf(image.encoding);
-  if (image.width_px != expected.width || image.height_px != expected.height) {
-    throw DatasetError(fmt::format("has {} x {} pixels where {} x {} are expected", image.width_px, image.height_px,
-                                   expected.width, expected.height));
-  }
-  const int64_t row_bytes = int64_t{expected.width} * CV_ELEM_SIZE(encoding.type);
-  const int64_t step_bytes = image.step_bytes != 0 ? image.step_bytes : row_bytes;
-  const auto n_bytes = static_cast<int64_t>(image.data.size());
-  if (expected.empty() || step_bytes < row_bytes || n_bytes < step_bytes * (expected.height - 1) + row_bytes) {
-    throw DatasetError(fmt::format("has {} bytes in rows of {} for {} x {} pixels of {}", n_bytes, step_bytes,
-                                   image.width_px, image.height_px, encoding.name));
-  }
-  if (image.is_big_endian && CV_MAT_DEPTH(encoding.type) == CV_16U) {
-    throw DatasetError("its pixels of 16 bits are in the order of big-endian machines");
-  }
-  cv::Mat pixels(expected, encoding.type);
-  for (int y = 0; y < expected.height; ++y) {
-    std::copy_n(image.data.data() + step_bytes * y, row_bytes, pixels.ptr(y));
-  }
-  if (encoding.is_rgb) {
-    cv::cvtColor(pixels, pixels, pixels.channels() == 3 ? cv::COLOR_RGB2BGR : cv::COLOR_RGBA2BGRA);
-  }
-  return GreyPixels(pixels);
 }
 
 RosCameraInfo ParseCameraInfo(std::span<const uint8_t> message, RosEncoding encoding) {
@@ -149,16 +65,53 @@ RosCameraInfo ParseCameraInfo(std::span<const uint8_t> message, RosEncoding enco
   info.K = GetRows<Eigen::Matrix3d>(reader);
   info.R = GetRows<Eigen::Matrix3d>(reader);
   info.P = GetRows<Eigen::Matrix<double, 3, 4>>(reader);
+  const auto get_px = [&reader] { return static_cast<int>(std::min<uint32_t>(reader.Get<uint32_t>(), 1U << 30)); };
+  info.binning_x = get_px();
+  info.binning_y = get_px();
+  info.roi.x_px = get_px();
+  info.roi.y_px = get_px();
+  info.roi.height_px = get_px();
+  info.roi.width_px = get_px();
   return info;
 }
 
-cv::Mat ParseImage(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding,
-                   const cv::Size& expected) {
+std::string ImageEncoding(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding) {
+  if (type != kRosImage) return "";
   RosReader reader(message, encoding);
   reader.SkipHeader();
-  if (type == kRosImage) return RawPixels(reader, expected);
-  const std::string format = reader.Text();
-  return DecodeGreyImage(fmt::format("'{}'", Shown(format)), reader.Bytes(), {expected.width, expected.height});
+  return PixelsOf(reader).encoding;
+}
+
+cv::Mat ParseImage(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding,
+                   const cv::Size& expected, int white) {
+  RosReader reader(message, encoding);
+  reader.SkipHeader();
+  if (type == kRosImage) return GreyOfRosPixels(PixelsOf(reader), expected, white);
+  const auto [name, file] = FileOf(reader);
+  return DecodeGreyImage(name, file, {expected.width, expected.height}, white);
+}
+
+int LargestWideValue(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding,
+                     const cv::Size& expected) {
+  RosReader reader(message, encoding);
+  reader.SkipHeader();
+  if (type == kRosImage) return LargestWideValue(PixelsOf(reader), expected);
+  const auto [name, file] = FileOf(reader);
+  return LargestWideValue(name, file, {expected.width, expected.height});
+}
+
+ImageSize SizeOfImage(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding) {
+  RosReader reader(message, encoding);
+  reader.SkipHeader();
+  if (type == kRosImage) {
+    const int64_t height_px = reader.Get<uint32_t>(), width_px = reader.Get<uint32_t>();
+    if (std::max(height_px, width_px) > kMaxImagePixels) return {};
+    return {static_cast<int>(width_px), static_cast<int>(height_px)};
+  }
+  reader.Text();  // format
+  const std::optional<ImageHeader> header = ParseImageHeader(reader.Bytes());
+  if (!header || std::max(header->width_px, header->height_px) > kMaxImagePixels) return {};
+  return {static_cast<int>(header->width_px), static_cast<int>(header->height_px)};
 }
 
 SE3 ParsePose(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding) {
@@ -172,23 +125,6 @@ SE3 ParsePose(std::string_view type, std::span<const uint8_t> message, RosEncodi
   if (!pose.IsFinite() || std::abs(q.norm() - 1.0) > 1e-2)
     throw DatasetError("a pose is none: not finite, or not unit");
   return {q, pose.translation()};
-}
-
-RigCalibration RigFromRos(const RosCameraInfo& left, const RosCameraInfo& right, bool rectified) {
-  RigCalibration rig;
-  rig.left = CameraFromRos(left, rectified);
-  rig.right = CameraFromRos(right, rectified);
-  const double b = (left.P(0, 3) - right.P(0, 3)) / right.P(0, 0);
-  if (!std::isfinite(b) || b == 0.0) {
-    throw DatasetError("camera_info has no baseline (P[3] of the right camera is -fx b)");
-  }
-  if (!rectified && (!IsRotation(left.R) || !IsRotation(right.R)))
-    throw DatasetError("R of camera_info is no rotation");
-  const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
-  const SE3 T_l_r = LeftFromRight(rectified ? I : left.R, rectified ? I : right.R, b);
-  rig.right.T_b_cam = T_l_r;
-  rig.baseline_m = T_l_r.translation().norm();
-  return rig;
 }
 
 }  // namespace plslam

@@ -12,9 +12,10 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "core/geometry/calibration.h"
+#include "core/datasets/calibrations/camera_info.h"
 #include "core/geometry/se3.h"
 #include "core/io/files/dataset_error.h"
+#include "core/io/images/image_file.h"
 
 namespace plslam {
 
@@ -89,36 +90,23 @@ inline constexpr std::string_view kRosOdometry = "nav_msgs/msg/Odometry";
 inline constexpr std::string_view kRosPose = "geometry_msgs/msg/PoseStamped";
 
 /// sensor_msgs/msg/CameraInfo.
-struct RosCameraInfo {
-  int width_px = 0, height_px = 0;
-  std::string model;
-  std::vector<double> distortion;
-  Eigen::Matrix3d K, R;
-  Eigen::Matrix<double, 3, 4> P;
-};
 RosCameraInfo ParseCameraInfo(std::span<const uint8_t> message, RosEncoding encoding);
 
-/// What an Image says of its pixels; nothing of it has been checked.
-struct RosPixels {
-  int64_t width_px = 0, height_px = 0;
-  int64_t step_bytes = 0;  ///< from one row to the next; 0: without padding
-  std::string encoding;    ///< "mono8", "mono16", "bgr8", "rgb8", "bgra8", "rgba8"
-  bool is_big_endian = false;
-  std::span<const uint8_t> data;
-};
-/// Grey pixels of them, which must have that size.
-cv::Mat GreyOfRosPixels(const RosPixels& image, const cv::Size& expected);
+/// The encoding of the pixels of an Image; empty for a CompressedImage (`type`).
+std::string ImageEncoding(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding);
 
-/// Grey pixels of an Image or a CompressedImage (`type`).
+/// Grey pixels of an Image or a CompressedImage (`type`); `white` is the white level of 16 bits.
 cv::Mat ParseImage(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding,
-                   const cv::Size& expected);
+                   const cv::Size& expected, int white);
+
+/// The largest value of one with pixels of 16 bits, else 0.
+int LargestWideValue(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding,
+                     const cv::Size& expected);
+
+/// Size of an Image or a CompressedImage by its header; no pixel is decoded. 0 x 0 where it has none.
+ImageSize SizeOfImage(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding);
 
 /// Pose of an Odometry or a PoseStamped (`type`).
 SE3 ParsePose(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding);
-
-/// The rig of two cameras. Images are `rectified`: then P describes them, else K and D do, and R tells how the
-/// cameras are turned. The baseline is that of P, where ROS has it (P[3] = -fx b). Throws DatasetError for lenses
-/// that have no counterpart here, and where there is no baseline.
-RigCalibration RigFromRos(const RosCameraInfo& left, const RosCameraInfo& right, bool rectified);
 
 }  // namespace plslam

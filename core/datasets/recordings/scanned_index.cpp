@@ -97,7 +97,7 @@ std::vector<RecordedMessage> ScannedIndex::Messages(const std::string& topic,
     if (channel.topic != topic || found == messages_.end()) continue;
     messages.insert(messages.end(), found->second.begin(), found->second.end());
   }
-  SortByTime(messages);
+  SortByPlace(messages);
   return messages;
 }
 

@@ -38,7 +38,8 @@ class ScannedIndex {
   bool is_made() const { return is_made_; }
   /// 0 where nothing was scanned.
   double taken_s() const { return taken_s_; }
-  /// In order of time.
+  bool has_messages() const { return !messages_.empty(); }
+  /// In the order in which they stand in the file.
   std::vector<RecordedMessage> Messages(const std::string& topic, const std::vector<RecordedChannel>& channels) const;
   /// One sentence; none where nothing was scanned.
   std::vector<std::string> Notes() const;

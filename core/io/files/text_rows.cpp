@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "core/errors/error_text.h"
+#include "core/io/files/git_lfs.h"
 
 namespace plslam {
 namespace {
@@ -171,6 +172,7 @@ void ForEachRow(const std::string& path, const std::function<void(const TextRow&
   for (int line = 1; !file.eof(); ++line) {
     if (line > kMaxLines) throw std::runtime_error(path + ": has more than ten million lines");
     const std::string_view text = Trim(ReadLine(file, path, line, buffer));
+    if (line == 1 && IsGitLfsPointer(text)) throw std::runtime_error(fmt::format("{}: {}", path, kGitLfsPointer));
     if (text.empty() || text[0] == '#') continue;
     const bool commas = text.find(',') != std::string_view::npos;
     use({&path, line, commas ? SplitAtCommas(text) : SplitAtBlanks(text), commas, is_first});

@@ -17,6 +17,7 @@
 
 #include "core/errors/error_text.h"
 #include "core/io/files/dataset_error.h"
+#include "core/io/files/git_lfs.h"
 #include "core/io/images/image_header.h"
 #include "core/io/images/jpeg_codec.h"
 #include "core/io/images/png_codec.h"
@@ -58,19 +59,18 @@ struct OtherFormat {
   std::string_view start;
   const char* name;
 };
-constexpr std::array<OtherFormat, 9> kOtherFormats = {
-    {{{"II*\0", 4}, "TIFF"},
-     {{"MM\0*", 4}, "TIFF"},
-     {"BM", "BMP"},
-     {"GIF8", "GIF"},
-     {"RIFF", "WebP or AVI"},
-     {"P2", "PGM of text"},
-     {"P6", "colour PPM"},
-     {"version https://git-lfs", "Git LFS pointer, not the image itself"},
-     {"<", "page of HTML or XML, perhaps of a failed download"}}};
+constexpr std::array<OtherFormat, 8> kOtherFormats = {{{{"II*\0", 4}, "TIFF"},
+                                                       {{"MM\0*", 4}, "TIFF"},
+                                                       {"BM", "BMP"},
+                                                       {"GIF8", "GIF"},
+                                                       {"RIFF", "WebP or AVI"},
+                                                       {"P2", "PGM of text"},
+                                                       {"P6", "colour PPM"},
+                                                       {"<", "page of HTML or XML, perhaps of a failed download"}}};
 
 std::string WhyNoHeader(std::span<const uint8_t> bytes) {
   const std::string_view start(reinterpret_cast<const char*>(bytes.data()), std::min<size_t>(bytes.size(), 64));
+  if (IsGitLfsPointer(start)) return kGitLfsPointer;
   for (const char* known : {"\x89PNG", "\xff\xd8", "P5"}) {
     if (start.starts_with(known)) {
       return fmt::format("begins as an image, but its header is damaged or cut off ({} bytes)", bytes.size());
@@ -155,25 +155,35 @@ DecodedImage ReadImage(const std::string& path, const ImageSize& expected) {
   return DecodeWhole(path, ReadBytes(path, kMaxFileBytes), expected);
 }
 
-// round(v / 257) in integers: 65535 / 255 = 257.
-cv::Mat To8Bit(const cv::Mat& wide) {
+/// round(255 v / white) in integers, at most 255.
+cv::Mat To8Bit(const cv::Mat& wide, int white) {
+  std::vector<uint8_t> narrow_of(kWhiteOf16Bits + 1);
+  for (int v = 0; v <= kWhiteOf16Bits; ++v) {
+    narrow_of[static_cast<size_t>(v)] = static_cast<uint8_t>((std::min(v, white) * 255 + white / 2) / white);
+  }
   cv::Mat narrow(wide.size(), CV_8UC1);
   for (int y = 0; y < wide.rows; ++y) {
     const auto* in = wide.ptr<uint16_t>(y);
     auto* out = narrow.ptr<uint8_t>(y);
-    for (int x = 0; x < wide.cols; ++x) out[x] = static_cast<uint8_t>((in[x] * 255U + 32895U) >> 16);
+    for (int x = 0; x < wide.cols; ++x) out[x] = narrow_of[in[x]];
   }
   return narrow;
 }
 
-cv::Mat GreyOf(const std::string& path, const DecodedImage& decoded) {
+/// Of 8 or 16 bits, one, three or four channels.
+cv::Mat CheckedPixels(const std::string& path, const DecodedImage& decoded) {
   cv::Mat image = decoded.pixels;
   if (decoded.header.format == ImageFormat::kPgm) StretchToWhite(decoded.header.max_value, image);
   if (image.depth() != CV_8U && image.depth() != CV_16U) Fail(path, "has neither 8-bit nor 16-bit pixels");
   if (image.channels() != 1 && image.channels() != 3 && image.channels() != 4) {
     Fail(path, fmt::format("has {} channels", image.channels()));
   }
-  return GreyPixels(image);
+  return image;
+}
+
+cv::Mat GreyOf(const std::string& path, const DecodedImage& decoded, std::optional<int> white) {
+  const cv::Mat image = CheckedPixels(path, decoded);
+  return GreyPixels(image, white ? *white : WhiteLevel(LargestWideValue(image)));
 }
 
 }  // namespace
@@ -183,19 +193,43 @@ ImageSize ReadImageSize(const std::string& path) {
   return {static_cast<int>(header.width_px), static_cast<int>(header.height_px)};
 }
 
-cv::Mat GreyPixels(const cv::Mat& image) {
+int WhiteLevel(int largest) {
+  if (largest <= 1) return kWhiteOf16Bits;
+  int white = 255;
+  while (white < std::min(largest, kWhiteOf16Bits)) white = 4 * white + 3;
+  return white;
+}
+
+int LargestWideValue(const cv::Mat& image) {
+  if (image.depth() != CV_16U) return 0;
+  double largest = 0.0;
+  cv::minMaxIdx(image.reshape(1), nullptr, &largest);
+  return std::max(1, static_cast<int>(largest));
+}
+
+int LargestWideValue(const std::string& name, std::span<const uint8_t> file, const ImageSize& expected) {
+  if (CheckedHeader(name, file).bits <= 8) return 0;
+  return LargestWideValue(CheckedPixels(name, DecodeWhole(name, file, expected)));
+}
+
+int LargestWideValue(const std::string& path, const ImageSize& expected) {
+  return LargestWideValue(path, ReadBytes(path, kMaxFileBytes), expected);
+}
+
+cv::Mat GreyPixels(const cv::Mat& image, int white) {
   cv::Mat grey = image;
   if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
   if (image.channels() == 4) cv::cvtColor(image, grey, cv::COLOR_BGRA2GRAY);
-  return grey.depth() == CV_16U ? To8Bit(grey) : grey;
+  return grey.depth() == CV_16U ? To8Bit(grey, white) : grey;
 }
 
-cv::Mat ReadGreyImage(const std::string& path, const ImageSize& expected) {
-  return GreyOf(path, ReadImage(path, expected));
+cv::Mat ReadGreyImage(const std::string& path, const ImageSize& expected, std::optional<int> white) {
+  return GreyOf(path, ReadImage(path, expected), white);
 }
 
-cv::Mat DecodeGreyImage(const std::string& name, std::span<const uint8_t> file, const ImageSize& expected) {
-  return GreyOf(name, DecodeWhole(name, file, expected));
+cv::Mat DecodeGreyImage(const std::string& name, std::span<const uint8_t> file, const ImageSize& expected,
+                        std::optional<int> white) {
+  return GreyOf(name, DecodeWhole(name, file, expected), white);
 }
 
 cv::Mat ReadGreyImage(const std::string& path) { return ReadGreyImage(path, ReadImageSize(path)); }

@@ -32,7 +32,7 @@ bool IsPng(Bytes bytes) {
 
 std::optional<ImageHeader> ParsePng(Bytes bytes) {
   if (bytes.size() < 33 || !HasText(bytes, 12, "IHDR")) return std::nullopt;
-  return ImageHeader{ImageFormat::kPng, BigEndian(bytes, 16, 4), BigEndian(bytes, 20, 4), 0, 0};
+  return ImageHeader{ImageFormat::kPng, BigEndian(bytes, 16, 4), BigEndian(bytes, 20, 4), 0, 0, bytes[24]};
 }
 
 bool IsPngComplete(Bytes bytes) {
@@ -62,7 +62,7 @@ std::optional<ImageHeader> ParseJpeg(Bytes bytes) {
     }
     if (IsFrameMarker(marker)) {
       if (at + 9 > bytes.size()) return std::nullopt;
-      return ImageHeader{ImageFormat::kJpeg, BigEndian(bytes, at + 7, 2), BigEndian(bytes, at + 5, 2), 0, 0};
+      return ImageHeader{ImageFormat::kJpeg, BigEndian(bytes, at + 7, 2), BigEndian(bytes, at + 5, 2), 0, 0, 8};
     }
     at += 2 + BigEndian(bytes, at + 2, 2);
   }
@@ -104,7 +104,7 @@ std::optional<ImageHeader> ParsePgm(Bytes bytes) {
   const std::optional<int64_t> height = width ? PgmNumber(bytes, at) : std::nullopt;
   const std::optional<int64_t> max_value = height ? PgmNumber(bytes, at) : std::nullopt;
   if (!max_value || *max_value < 1 || *max_value > 65535) return std::nullopt;
-  return ImageHeader{ImageFormat::kPgm, *width, *height, static_cast<int>(*max_value), at};
+  return ImageHeader{ImageFormat::kPgm, *width, *height, static_cast<int>(*max_value), at, *max_value > 255 ? 16 : 8};
 }
 
 bool IsPgmComplete(const ImageHeader& header, Bytes bytes) {

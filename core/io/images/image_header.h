@@ -17,6 +17,8 @@ struct ImageHeader {
   /// PGM only: largest grey value, and where the pixels begin.
   int max_value = 0;
   size_t data_offset = 0;
+  /// Bits of a value: 1 to 16.
+  int bits = 8;
 };
 
 /// Header of a PNG (ISO/IEC 15948), JPEG (ITU-T T.81, any frame type) or binary PGM ("P5") file, decoded by us so

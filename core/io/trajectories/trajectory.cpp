@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "core/errors/error_text.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/files/text_rows.h"
 
@@ -24,6 +26,8 @@ constexpr int64_t kMaxTime_ns = 4'600'000'000 * kNsPerS;
 // 25 times round the Earth. What is further away is a number in another column or of a solver that diverged, of which
 // errors would be infinite.
 constexpr double kMaxPosition_m = 1e9;
+
+constexpr size_t kTumFields = 8;
 
 void RequireFields(const TextRow& row, size_t n, const char* format) {
   if (row.fields.size() != n) {
@@ -43,7 +47,7 @@ SE3 UnitPose(const TextRow& row, const Eigen::Quaterniond& q, const Eigen::Vecto
 }
 
 TrajectoryPose ParseTum(const TextRow& row) {
-  RequireFields(row, 8, "TUM");
+  RequireFields(row, kTumFields, "TUM");
   const int64_t t_ns = row.Scaled(0, 9);
   const Eigen::Quaterniond q(row.Number(7), row.Number(4), row.Number(5), row.Number(6));
   return {t_ns, UnitPose(row, q, Position(row, 1))};
@@ -56,9 +60,25 @@ TrajectoryPose ParseVslamLab(const TextRow& row) {
   return {t_ns, UnitPose(row, q, Position(row, 1))};
 }
 
+/// Whether a time of a row with commas is in seconds and not in the nanoseconds of EuRoC.
+enum class InSeconds { kNo, kPerhaps, kYes };
+
+/// It has a point, or the ten digits of a second of our time. Nanoseconds of a clock that starts at 0 have ten digits
+/// for some seconds, too.
+InSeconds TimeInSeconds(const TextRow& row) {
+  constexpr double kFirstNs = 1e11;
+  const std::string_view text = row.fields[0];
+  if (text.find('.') != text.npos) return std::abs(row.Number(0)) < kFirstNs ? InSeconds::kYes : InSeconds::kNo;
+  const bool ten_digits = text.size() == 10 && text.find_first_not_of("0123456789") == text.npos;
+  return ten_digits && row.Scaled(0, 0) <= kMaxTime_ns / kNsPerS ? InSeconds::kPerhaps : InSeconds::kNo;
+}
+
 TrajectoryPose ParseEuroc(const TextRow& row) {
   if (row.fields.size() < 8) {
     row.Fail(fmt::format("{} columns, but a row of the EuRoC format has at least 8", row.fields.size()));
+  }
+  if (TimeInSeconds(row) == InSeconds::kYes) {
+    row.Fail(fmt::format("time '{}' is in seconds, but in nanoseconds in the EuRoC format", Shown(row.fields[0])));
   }
   const int64_t t_ns = row.Scaled(0, 0);
   const Eigen::Quaterniond q(row.Number(4), row.Number(5), row.Number(6), row.Number(7));
@@ -85,57 +105,181 @@ TrajectoryFormat Recognise(const TextRow& row) {
                        row.fields.size()));
 }
 
-void RequireTimeInRange(const TextRow& row, int64_t t_ns) {
-  if (t_ns > kMaxTime_ns || t_ns < -kMaxTime_ns) row.Fail(fmt::format("time {} ns is beyond the year 2115", t_ns));
+std::string BeyondRange(int64_t t_ns) {
+  if (t_ns <= kMaxTime_ns && t_ns >= -kMaxTime_ns) return "";
+  return fmt::format("time {} ns is beyond the year 2115", t_ns);
 }
 
-void Append(const TextRow& row, const TrajectoryPose& pose, Trajectory& trajectory) {
-  RequireTimeInRange(row, pose.t_ns);
-  if (!trajectory.empty() && pose.t_ns <= trajectory.back().t_ns) {
-    row.Fail(fmt::format("time {} ns is not after the {} ns of the row before", pose.t_ns, trajectory.back().t_ns));
+std::string NotAfter(int64_t t_ns, int64_t before_ns) {
+  return fmt::format("time {} ns is not after the {} ns of the row before", t_ns, before_ns);
+}
+
+TrajectoryPose ParseRow(const TextRow& row, TrajectoryFormat format, int64_t index) {
+  TrajectoryPose pose;
+  if (format == TrajectoryFormat::kTum) {
+    pose = ParseTum(row);
+  } else if (format == TrajectoryFormat::kEuroc) {
+    pose = ParseEuroc(row);
+  } else if (format == TrajectoryFormat::kVslamLab) {
+    pose = ParseVslamLab(row);
+  } else {
+    pose = {index * kNsPerS, ParseKitti(row)};
   }
+  const std::string complaint = BeyondRange(pose.t_ns);
+  if (!complaint.empty()) row.Fail(complaint);
   const double distance_m = pose.T_a_b.translation().stableNorm();
   if (!(distance_m <= kMaxPosition_m)) {
     row.Fail(fmt::format("the position is {:.3g} m from the origin, more than {:g} m", distance_m, kMaxPosition_m));
   }
-  trajectory.push_back(pose);
+  return pose;
 }
 
-TrajectoryPose ParseRow(const TextRow& row, TrajectoryFormat format, int64_t index) {
-  if (format == TrajectoryFormat::kTum) return ParseTum(row);
-  if (format == TrajectoryFormat::kEuroc) return ParseEuroc(row);
-  if (format == TrajectoryFormat::kVslamLab) return ParseVslamLab(row);
-  return {index * kNsPerS, ParseKitti(row)};
-}
-
-void ApplyTimes(const std::string& path, const std::string& times_path, Trajectory& trajectory) {
-  size_t n = 0;
+/// Replaces the numbers of rows by the times of a file.
+void ApplyTimes(const std::string& path, const std::string& times_path, size_t n_rows, Trajectory& trajectory) {
+  std::vector<int64_t> times_ns;
   ForEachRow(times_path, [&](const TextRow& row) {
     RequireFields(row, 1, "times");
     const int64_t t_ns = row.Scaled(0, 9);
-    RequireTimeInRange(row, t_ns);
-    if (n > 0 && n <= trajectory.size() && t_ns <= trajectory[n - 1].t_ns) {
+    const std::string complaint = BeyondRange(t_ns);
+    if (!complaint.empty()) row.Fail(complaint);
+    if (!times_ns.empty() && t_ns <= times_ns.back()) {
       row.Fail(fmt::format("time {} s is not after the one before", row.fields[0]));
     }
-    if (n < trajectory.size()) trajectory[n].t_ns = t_ns;
-    ++n;
+    times_ns.push_back(t_ns);
   });
-  if (n != trajectory.size()) {
+  if (times_ns.size() != n_rows) {
     throw std::runtime_error(
-        fmt::format("{}: {} times for the {} poses of {}", times_path, n, trajectory.size(), path));
+        fmt::format("{}: {} times for the {} poses of {}", times_path, times_ns.size(), n_rows, path));
   }
+  for (TrajectoryPose& pose : trajectory) pose.t_ns = times_ns.at(static_cast<size_t>(pose.t_ns / kNsPerS));
 }
 
-Trajectory Read(const std::string& path, std::optional<TrajectoryFormat> format, const std::string& times_path) {
-  Trajectory trajectory;
-  ForEachRow(path, [&](const TextRow& row) {
-    if (row.IsCsvHeader()) return;
-    if (!format) format = Recognise(row);
-    Append(row, ParseRow(row, *format, static_cast<int64_t>(trajectory.size())), trajectory);
-  });
-  if (format == TrajectoryFormat::kKitti && !times_path.empty()) ApplyTimes(path, times_path, trajectory);
-  return trajectory;
+/// A pose with its line.
+struct PoseRow {
+  int line = 0;
+  TrajectoryPose pose;
+};
+
+/// Indices of a longest part of the rows whose times increase; of rows of one time the first.
+std::vector<size_t> LongestIncreasing(const std::vector<PoseRow>& rows) {
+  constexpr size_t kNone = std::numeric_limits<size_t>::max();
+  // The row with the smallest time that ends an increasing part of each length, and the row before each row in its.
+  std::vector<size_t> ends, before(rows.size(), kNone);
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const int64_t t_ns = rows[i].pose.t_ns;
+    const auto at = std::lower_bound(ends.begin(), ends.end(), t_ns,
+                                     [&](size_t row, int64_t t) { return rows[row].pose.t_ns < t; });
+    if (at != ends.end() && rows[*at].pose.t_ns == t_ns) continue;
+    if (at != ends.begin()) before[i] = *(at - 1);
+    if (at == ends.end()) {
+      ends.push_back(i);
+    } else {
+      *at = i;
+    }
+  }
+  std::vector<size_t> part;
+  for (size_t i = ends.empty() ? kNone : ends.back(); i != kNone; i = before[i]) part.push_back(i);
+  std::reverse(part.begin(), part.end());
+  return part;
 }
+
+/// Rows that are no poses: how many, and the first.
+class PassedOver {
+ public:
+  void Add(int line, const std::string& sentence) {
+    ++n_;
+    if (first_line_ != 0 && line >= first_line_) return;
+    first_line_ = line;
+    sentence_ = sentence;
+  }
+  std::string Note(size_t n_rows) const {
+    return n_ == 0 ? ""
+                   : fmt::format("{}; {} of {} rows {} passed over", sentence_, n_, n_rows, n_ == 1 ? "is" : "are");
+  }
+
+ private:
+  size_t n_ = 0;
+  int first_line_ = 0;
+  std::string sentence_;
+};
+
+/// Returns the reason why a row is not among those whose times increase.
+std::string WhyOutOfOrder(const std::vector<PoseRow>& rows, size_t i) {
+  const int64_t t_ns = rows[i].pose.t_ns;
+  if (i > 0 && t_ns <= rows[i - 1].pose.t_ns) return NotAfter(t_ns, rows[i - 1].pose.t_ns);
+  return fmt::format("time {} ns is out of order with those of the rows that follow", t_ns);
+}
+
+/// The poses of the rows whose times increase.
+Trajectory TakeIncreasing(const std::string& path, const std::vector<PoseRow>& rows, PassedOver* passed) {
+  Trajectory poses;
+  std::vector<size_t> kept = LongestIncreasing(rows);
+  size_t next = 0;
+  for (size_t i = 0; i < rows.size(); ++i) {
+    if (next < kept.size() && kept[next] == i) {
+      poses.push_back(rows[i].pose);
+      ++next;
+    } else {
+      passed->Add(rows[i].line, fmt::format("{}:{}: {}", path, rows[i].line, WhyOutOfOrder(rows, i)));
+    }
+  }
+  return poses;
+}
+
+/// Rows with their lines, as one format; `format` is set by the first row where it is not known.
+class RowReader {
+ public:
+  RowReader(std::optional<TrajectoryFormat> format, BadRows bad_rows) : format_(format), bad_rows_(bad_rows) {}
+
+  /// Reads all rows of a file. `may_be_seconds`: rows with commas may be of TUM.
+  void Read(const std::string& path, bool may_be_seconds) {
+    ForEachRow(path, [&](const TextRow& row) {
+      if (row.IsCsvHeader()) return;
+      const auto index = static_cast<int64_t>(n_rows_++);
+      try {
+        Take(row, index, may_be_seconds);
+      } catch (const std::runtime_error& error) {
+        if (bad_rows_ == BadRows::kRefuse) throw;
+        passed_.Add(row.line, error.what());
+      }
+    });
+  }
+
+  /// Times of ten digits are a day apart and more as seconds: they are nanoseconds.
+  bool IsMistaken() const {
+    constexpr int64_t kLongestStep_ns = 86'400 * kNsPerS;
+    return in_seconds_ == InSeconds::kPerhaps && rows_.size() >= 2 &&
+           std::abs(rows_[1].pose.t_ns - rows_[0].pose.t_ns) > kLongestStep_ns;
+  }
+
+  std::optional<TrajectoryFormat> format() const { return format_; }
+  bool TookSeconds() const { return in_seconds_ != InSeconds::kNo; }
+  size_t n_rows() const { return n_rows_; }
+  const std::vector<PoseRow>& rows() const { return rows_; }
+  PassedOver& passed() { return passed_; }
+
+ private:
+  void Take(const TextRow& row, int64_t index, bool may_be_seconds) {
+    const bool is_first = !format_ || (*format_ == TrajectoryFormat::kEuroc && rows_.empty());
+    if (!format_) format_ = Recognise(row);
+    if (is_first && may_be_seconds && row.has_commas && row.fields.size() == kTumFields) {
+      in_seconds_ = TimeInSeconds(row);
+      if (TookSeconds()) format_ = TrajectoryFormat::kTum;
+    }
+    const TrajectoryPose pose = ParseRow(row, *format_, index);
+    if (bad_rows_ == BadRows::kRefuse && !rows_.empty() && pose.t_ns <= rows_.back().pose.t_ns && !IsMistaken()) {
+      row.Fail(NotAfter(pose.t_ns, rows_.back().pose.t_ns));
+    }
+    rows_.push_back({row.line, pose});
+  }
+
+  std::optional<TrajectoryFormat> format_;
+  BadRows bad_rows_;
+  InSeconds in_seconds_ = InSeconds::kNo;
+  size_t n_rows_ = 0;
+  std::vector<PoseRow> rows_;
+  PassedOver passed_;
+};
 
 void FormatRow(TrajectoryFormat format, const TrajectoryPose& pose, std::back_insert_iterator<std::string> out) {
   const Eigen::Vector3d& t = pose.T_a_b.translation();
@@ -161,12 +305,35 @@ std::string SecondsText(int64_t t_ns) {
   return fmt::format("{}{}.{:09d}", negative ? "-" : "", magnitude / kNsPerS, magnitude % kNsPerS);
 }
 
+TrajectoryFile ReadTrajectoryFile(const std::string& path, std::optional<TrajectoryFormat> format, BadRows bad_rows,
+                                  const std::string& times_path) {
+  RowReader reader(format, bad_rows);
+  reader.Read(path, true);
+  if (reader.IsMistaken()) {
+    reader = RowReader(format, bad_rows);
+    reader.Read(path, false);
+  }
+  TrajectoryFile file;
+  file.format = reader.format();
+  file.n_rows = reader.n_rows();
+  file.poses = TakeIncreasing(path, reader.rows(), &reader.passed());
+  if (file.format == TrajectoryFormat::kKitti && !times_path.empty()) {
+    ApplyTimes(path, times_path, file.n_rows, file.poses);
+  }
+  if (reader.TookSeconds()) {
+    file.notes.push_back(path + ": times of rows with commas are in seconds: read as TUM's t,tx,ty,tz,qx,qy,qz,qw");
+  }
+  const std::string note = reader.passed().Note(file.n_rows);
+  if (!note.empty()) file.notes.push_back(note);
+  return file;
+}
+
 Trajectory ReadTrajectory(const std::string& path, const std::string& times_path) {
-  return Read(path, std::nullopt, times_path);
+  return ReadTrajectoryFile(path, std::nullopt, BadRows::kRefuse, times_path).poses;
 }
 
 Trajectory ReadTrajectory(const std::string& path, TrajectoryFormat format, const std::string& times_path) {
-  return Read(path, format, times_path);
+  return ReadTrajectoryFile(path, format, BadRows::kRefuse, times_path).poses;
 }
 
 void WriteTrajectory(const std::string& path, TrajectoryFormat format, const Trajectory& trajectory) {

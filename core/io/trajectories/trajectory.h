@@ -22,7 +22,8 @@ using Trajectory = std::vector<TrajectoryPose>;
 enum class TrajectoryFormat {
   kTum,       ///< `t tx ty tz qx qy qz qw`, seconds
   kKitti,     ///< 12 numbers, the rows of [R t]; no times
-  kEuroc,     ///< `t_ns, px, py, pz, qw, qx, qy, qz, ...` (further columns ignored), with a header line
+  kEuroc,     ///< `t_ns, px, py, pz, qw, qx, qy, qz, ...` (further columns ignored), with a header line; rows with
+              ///< commas whose times are in seconds are of `kTum`
   kVslamLab,  ///< `t_ns, px, py, pz, qx, qy, qz, qw`, with a header line; never recognised, only named in the code
 };
 
@@ -36,6 +37,27 @@ enum class TrajectoryFormat {
 /// empty trajectory. Anything else throws std::runtime_error with file, line and value.
 Trajectory ReadTrajectory(const std::string& path, const std::string& times_path = "");
 Trajectory ReadTrajectory(const std::string& path, TrajectoryFormat format, const std::string& times_path = "");
+
+/// Treatment of rows that are no pose, or whose times do not increase.
+enum class BadRows { kRefuse, kPassOver };
+
+/// A trajectory with what was found on the way.
+struct TrajectoryFile {
+  Trajectory poses;
+  /// Format of the file, also where none of its rows is a pose; nullopt: it has no rows, or none of a known format.
+  std::optional<TrajectoryFormat> format;
+  /// Number of rows, including those that are passed over.
+  size_t n_rows = 0;
+  /// Notes for the user, in whole sentences: the format assumed for rows with commas, and the number of rows that are
+  /// passed over, with file, line and reason of the first.
+  std::vector<std::string> notes;
+};
+
+/// Reads a trajectory of another program, which may have a time twice, or rows of NaN where nothing was measured. The
+/// fewest possible rows are passed over. Poses of KITTI keep the number of their row as their time. Throws
+/// std::runtime_error as `ReadTrajectory` does; with `kPassOver` only where the file cannot be read at all.
+TrajectoryFile ReadTrajectoryFile(const std::string& path, std::optional<TrajectoryFormat> format, BadRows bad_rows,
+                                  const std::string& times_path = "");
 
 /// Writes beside the file and renames, so that a reader never sees half of it. Times of TUM files have nine decimals,
 /// positions nine, quaternions (w >= 0) twelve. Throws std::runtime_error where a pose is not finite or the file

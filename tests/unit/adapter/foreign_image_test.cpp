@@ -58,9 +58,9 @@ TEST(ForeignImage, ColourPixelsBecomeTheGreyOfAFile) {
   }
   const cv::Mat grey = GreyPixels(bgr);
   for (const int padding : {0, 5}) {
-    EXPECT_TRUE(Same(GreyOf(Raw("bgr8", bgr, padding), kSize), grey));
-    EXPECT_TRUE(Same(GreyOf(Raw("rgb8", rgb, padding), kSize), grey));
-    EXPECT_TRUE(Same(GreyOf(Raw("mono8", grey, padding), kSize), grey));
+    EXPECT_TRUE(Same(GreyOf(Raw("bgr8", bgr, padding), kSize, kWhiteOf16Bits), grey));
+    EXPECT_TRUE(Same(GreyOf(Raw("rgb8", rgb, padding), kSize, kWhiteOf16Bits), grey));
+    EXPECT_TRUE(Same(GreyOf(Raw("mono8", grey, padding), kSize, kWhiteOf16Bits), grey));
   }
 }
 
@@ -71,18 +71,18 @@ TEST(ForeignImage, FilesAreJpegOrPng) {
     image.bytes.assign(content.begin(), content.end());
     return image;
   };
-  EXPECT_TRUE(Same(GreyOf(file(EncodePng(grey)), kSize), grey));
-  EXPECT_LT(cv::norm(GreyOf(file(EncodeJpeg(grey, 95)), kSize), grey, cv::NORM_INF), 12.0);
-  EXPECT_THROW(GreyOf(file(EncodeJpeg(grey, 95)), {kWidth, kHeight + 1}), DatasetError);
-  EXPECT_THROW(GreyOf(file("not a picture"), kSize), DatasetError);
-  EXPECT_THROW(GreyOf(file(EncodeJpeg(grey, 95).substr(0, 200)), kSize), DatasetError);
+  EXPECT_TRUE(Same(GreyOf(file(EncodePng(grey)), kSize, kWhiteOf16Bits), grey));
+  EXPECT_LT(cv::norm(GreyOf(file(EncodeJpeg(grey, 95)), kSize, kWhiteOf16Bits), grey, cv::NORM_INF), 12.0);
+  EXPECT_THROW(GreyOf(file(EncodeJpeg(grey, 95)), {kWidth, kHeight + 1}, kWhiteOf16Bits), DatasetError);
+  EXPECT_THROW(GreyOf(file("not a picture"), kSize, kWhiteOf16Bits), DatasetError);
+  EXPECT_THROW(GreyOf(file(EncodeJpeg(grey, 95).substr(0, 200)), kSize, kWhiteOf16Bits), DatasetError);
 }
 
 TEST(ForeignImage, SizesThatLieAreRefused) {
   const ForeignImage good = Raw("mono8", GreyPixels(Colours()), 0);
   const auto complaint = [](const ForeignImage& image) -> std::string {
     try {
-      GreyOf(image, kSize);
+      GreyOf(image, kSize, kWhiteOf16Bits);
     } catch (const DatasetError& error) {
       return error.what();
     }
@@ -101,8 +101,8 @@ TEST(ForeignImage, SizesThatLieAreRefused) {
     EXPECT_NE(complaint(image), "") << step;
   }
   image = good;
-  image.encoding = "yuv422";
-  EXPECT_THAT(complaint(image), HasSubstr("'yuv422'"));
+  image.encoding = "yuv411";
+  EXPECT_THAT(complaint(image), HasSubstr("'yuv411'"));
 }
 
 TEST(ForeignImage, PixelFormatsOfBotCore) {
@@ -112,7 +112,16 @@ TEST(ForeignImage, PixelFormatsOfBotCore) {
   EXPECT_EQ(EncodingOfPixelFormat(876758866), "rgba8");
   EXPECT_EQ(EncodingOfPixelFormat(877807426), "bgra8");
   EXPECT_EQ(EncodingOfPixelFormat(1196444237), "");
-  EXPECT_THROW(EncodingOfPixelFormat(1498831189), DatasetError);
+  EXPECT_EQ(EncodingOfPixelFormat(1498831189), "uyvy");
+  EXPECT_EQ(EncodingOfPixelFormat(1448695129), "yuyv");
+  EXPECT_EQ(EncodingOfPixelFormat(842094158), "nv12");
+  EXPECT_EQ(EncodingOfPixelFormat(808596553), "i420");
+  EXPECT_EQ(EncodingOfPixelFormat(842093913), "i420");
+  EXPECT_EQ(EncodingOfPixelFormat(909199180), "mono16");
+  EXPECT_EQ(EncodingOfPixelFormat(825770306), "bayer_bggr8");
+  EXPECT_EQ(EncodingOfPixelFormat(878205016), "bayer_rggb8");
+  EXPECT_EQ(EncodingOfPixelFormat(843137612), "bayer_gbrg16");
+  EXPECT_THROW(EncodingOfPixelFormat(827677001), DatasetError);
 }
 
 }  // namespace

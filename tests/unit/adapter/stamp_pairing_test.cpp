@@ -61,6 +61,26 @@ TEST(StampPairing, LostImagesAreCountedAndHoldNothingUp) {
   EXPECT_EQ(pairing.unpaired(), 500);
 }
 
+TEST(StampPairing, ImagesASecondLate) {
+  constexpr int64_t kFrame_ns = 50'000'000, kLate = 20;
+  Pairing pairing(5'000'000);
+  for (int64_t i = 0; i < 100; ++i) {
+    EXPECT_EQ(pairing.Add(Side::kLeft, i * kFrame_ns), kNone);
+    if (i < kLate) continue;
+    const int64_t t_ns = (i - kLate) * kFrame_ns;
+    EXPECT_EQ(pairing.Add(Side::kRight, t_ns), std::pair(t_ns, t_ns));
+  }
+  EXPECT_EQ(pairing.unpaired(), 0);
+}
+
+TEST(StampPairing, ACameraThatIsSilentHoldsFewImages) {
+  Pairing pairing(0);
+  for (int64_t i = 0; i < 1000; ++i) pairing.Add(Side::kLeft, i * 50'000'000);
+  EXPECT_EQ(pairing.unpaired(), 1000 - 31) << "1.5 s of them wait";
+  for (int64_t i = 0; i < 1000; ++i) pairing.Add(Side::kRight, i);
+  EXPECT_EQ(pairing.unpaired(), 1000 - 31 + 1000 - 128);
+}
+
 // A robot that was started again, or a log that is played again: times go back.
 TEST(StampPairing, TimesThatGoBack) {
   Pairing pairing(0);

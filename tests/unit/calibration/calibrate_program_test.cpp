@@ -26,9 +26,9 @@ class CalibrateProgram : public testing::Test {
   }
   ~CalibrateProgram() override { fs::remove_all(folder_); }
 
-  int Run(const std::string& arguments) {
+  int Run(const std::string& arguments, const std::string& command_name = "calibrate") {
     const std::string command = "cd '" + folder_.string() + "' && '" + (test::BinaryFolder() / "plslam").string() +
-                                "' calibrate " + arguments + " >out 2>error";
+                                "' " + command_name + " " + arguments + " >out 2>error";
     return WEXITSTATUS(std::system(command.c_str()));  // NOLINT: the program is what is tested
   }
   std::string Text(const std::string& name) const { return ReadText(folder_ / name); }
@@ -123,6 +123,22 @@ TEST_F(CalibrateProgram, PrintsABoard) {
   EXPECT_THAT(Text("board.pdf"), testing::StartsWith("%PDF-1.4\n"));
   EXPECT_EQ(Run("--board charuco:11x8:0.03:0.022"), 1);
   EXPECT_THAT(Text("error"), HasSubstr("--print-board"));
+}
+
+TEST_F(CalibrateProgram, CalibrationAsksForTheUnitOfLengths) {
+  std::ofstream(folder_ / "stereo.yml") << "image_width: 640\nimage_height: 480\n"
+                                           "M1: [530, 0, 320, 0, 530, 240, 0, 0, 1]\nD1: [0, 0, 0, 0]\n"
+                                           "M2: [530, 0, 320, 0, 530, 240, 0, 0, 1]\nD2: [0, 0, 0, 0]\n"
+                                           "R: [1, 0, 0, 0, 1, 0, 0, 0, 1]\nT: [-60, 0, 0]\n";
+  EXPECT_EQ(Run("stereo.yml --out camera.yaml", "calibration"), 1);
+  EXPECT_THAT(Text("error"),
+              HasSubstr("the cameras stand 60 m apart: state the unit of its lengths, --unit m, cm or mm"));
+  EXPECT_FALSE(fs::exists(folder_ / "camera.yaml"));
+  EXPECT_EQ(Run("stereo.yml --unit mm --out camera.yaml", "calibration"), 0) << Text("error");
+  EXPECT_THAT(Text("out"), HasSubstr("baseline 0.06000 m"));
+  EXPECT_DOUBLE_EQ(ReadCameraFile((folder_ / "camera.yaml").string(), {0, 0}).baseline_m, 0.06);
+  EXPECT_EQ(Run("stereo.yml --unit m --out camera.yaml", "calibration"), 0) << Text("error");
+  EXPECT_NE(Run("stereo.yml --unit inch", "calibration"), 0);
 }
 
 }  // namespace

@@ -58,25 +58,25 @@ void MakeBagFile(const std::filesystem::path& path, const RecordingOptions& o) {
   const std::string magic = "#ROSBAG V2.0\n";
   std::string file = magic + Head(0, 0, 0);
   std::string chunk_infos;
-  const std::vector<TinyTopic> topics = TinyTopics(o);
-  for (int i = 0; i < 3; ++i) {
-    const int frame = o.unsorted ? 2 - i : i;
-    const int64_t t_ns = 1'000'000'000 + 100'000'000 * int64_t{frame};
+  // A connection is recorded with its first message.
+  const std::vector<TinyTopic> topics = o.n_frames == 0 ? std::vector<TinyTopic>{} : TinyTopics(o);
+  const std::vector<std::vector<TinyMessage>> chunks = TinyChunks(o, true);
+  for (size_t i = 0; i < chunks.size(); ++i) {
     std::string chunk, indices, counts;
-    for (const auto& [channel, message] : TinyMessages(t_ns, frame, o, true)) {
+    for (uint32_t id = 0; i == 0 && id < topics.size(); ++id) chunk += Connection(id, topics[id]);
+    for (const auto& [channel, log_ns, message] : chunks[i]) {
       const uint32_t id = channel;
-      if (i == 0) chunk += Connection(id, topics[id]);
       indices += Record(4, {{"ver", Value(1U)}, {"conn", Value(id)}, {"count", Value(1U)}},
-                        Time(t_ns) + Value(static_cast<uint32_t>(chunk.size())));
-      chunk += Record(2, {{"conn", Value(id)}, {"time", Time(t_ns)}}, message);
+                        Time(log_ns) + Value(static_cast<uint32_t>(chunk.size())));
+      chunk += Record(2, {{"conn", Value(id)}, {"time", Time(log_ns)}}, message);
       counts += Value(id) + Value(1U);
     }
     chunk_infos += Record(6,
                           {{"ver", Value(1U)},
                            {"chunk_pos", Value(static_cast<uint64_t>(file.size()))},
-                           {"start_time", Time(t_ns)},
-                           {"end_time", Time(t_ns)},
-                           {"count", Value(static_cast<uint32_t>(topics.size()))}},
+                           {"start_time", Time(0)},
+                           {"end_time", Time(0)},
+                           {"count", Value(static_cast<uint32_t>(chunks[i].size()))}},
                           counts);
     file += Record(5,
                    {{"compression", o.compression.empty() ? "none" : o.compression},
@@ -84,7 +84,8 @@ void MakeBagFile(const std::filesystem::path& path, const RecordingOptions& o) {
                    CompressedChunk(chunk, o.compression));
     file += indices;
   }
-  const std::string head = Head(file.size(), static_cast<uint32_t>(topics.size()), 3);
+  const std::string head =
+      Head(file.size(), static_cast<uint32_t>(topics.size()), static_cast<uint32_t>(chunks.size()));
   file.replace(magic.size(), head.size(), head);
   for (uint32_t id = 0; id < topics.size(); ++id) file += Connection(id, topics[id]);
   WriteText(path, file + chunk_infos);

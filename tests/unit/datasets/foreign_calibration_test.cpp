@@ -1,94 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/datasets/calibrations/foreign_calibration.h"
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <filesystem>
-
 #include "core/datasets/camera_file.h"
 #include "core/datasets/images_dataset.h"
-#include "core/geometry/distortion.h"
-#include "tests/unit/datasets/dataset_folders.h"
-#include "tests/unit/datasets/dataset_matchers.h"
-#include "tests/unit/datasets/foreign_files.h"
+#include "core/datasets/open_dataset.h"
+#include "tests/unit/datasets/foreign_calibration_fixture.h"
 
 namespace plslam {
 namespace {
 
 namespace fs = std::filesystem;
 using test::ErrorOf;
+using test::ExpectTheRig;
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr ImageSize kSize{672, 376};
+class ForeignCalibrationFiles : public test::ForeignCalibrationTest {};
 
-class ForeignCalibrationTest : public testing::Test {
- protected:
-  std::string Write(const std::string& name, const std::string& text) const {
-    test::WriteText(folder_ / name, text);
-    return (folder_ / name).string();
-  }
-  std::vector<std::string> WriteAll(const test::ForeignRig& rig) const {
-    std::vector<std::string> paths;
-    for (const test::ForeignFile& file : rig.files) paths.push_back(Write(file.name, file.text));
-    return paths;
-  }
-  static const test::ForeignRig& RigCalled(const std::string& name) {
-    for (const test::ForeignRig& rig : test::ForeignRigs()) {
-      if (rig.files.front().name == name) return rig;
-    }
-    throw std::runtime_error("no file " + name);
-  }
-  static std::string Replaced(std::string text, const std::string& from, const std::string& to) {
-    const size_t at = text.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    return at == std::string::npos ? text : text.replace(at, from.size(), to);
-  }
-
-  test::TemporaryFolder temporary_;
-  const fs::path folder_ = temporary_.path();
-};
-
-void ExpectLens(const CameraCalibration& camera, const std::vector<double>& intrinsics,
-                const std::vector<double>& distortion, const std::string& what) {
-  EXPECT_EQ(camera.width_px, kSize.width_px) << what;
-  EXPECT_EQ(camera.height_px, kSize.height_px) << what;
-  EXPECT_DOUBLE_EQ(camera.fx_px, intrinsics[0]) << what;
-  EXPECT_DOUBLE_EQ(camera.fy_px, intrinsics[1]) << what;
-  EXPECT_DOUBLE_EQ(camera.cx_px, intrinsics[2]) << what;
-  EXPECT_DOUBLE_EQ(camera.cy_px, intrinsics[3]) << what;
-  CameraCalibration expected;
-  expected.model = "radtan";
-  expected.distortion = distortion;
-  for (const Eigen::Vector2d& xy : {Eigen::Vector2d(0.5, -0.3), Eigen::Vector2d(-0.1, 0.4)}) {
-    const auto seen = Distortion(camera).Distort(xy), wanted = Distortion(expected).Distort(xy);
-    ASSERT_TRUE(seen && wanted) << what;
-    EXPECT_LT((*seen - *wanted).norm(), 1e-12) << what;
-  }
-}
-
-void ExpectTheRig(const RigCalibration& rig, const std::string& what) {
-  ExpectLens(rig.left, {458.5, 457.25, 335.5, 188.75}, {-0.28, 0.07, 0.0002, -0.0001}, what);
-  ExpectLens(rig.right, {459.5, 458.25, 337.25, 186.5}, {-0.27, 0.06, -0.0003, 0.0004}, what);
-  const SE3 expected(Eigen::Quaterniond(0.99712, 0.0, 0.07584, 0.0), Eigen::Vector3d(0.12, 0.035, 0.0));
-  const SE3 T_l_r = rig.left.T_b_cam.Inverse() * rig.right.T_b_cam;
-  EXPECT_LT((T_l_r.matrix() - expected.matrix()).cwiseAbs().maxCoeff(), 1e-12) << what << "\n" << T_l_r.matrix();
-  EXPECT_NEAR(rig.baseline_m, 0.125, 1e-12) << what;
-}
-
-TEST_F(ForeignCalibrationTest, OneRigReadsAlikeInEveryFormat) {
+TEST_F(ForeignCalibrationFiles, OneRigReadsAlikeInEveryFormat) {
   for (const test::ForeignRig& rig : test::ForeignRigs()) {
     const std::vector<std::string> paths = WriteAll(rig);
     EXPECT_EQ(ForeignFormat(paths.front()), rig.format);
     const ForeignCalibration read = ReadForeignCalibration(paths, kSize);
     EXPECT_EQ(read.format, rig.format);
     EXPECT_FALSE(read.direction.empty());
+    EXPECT_TRUE(read.notes.empty()) << read.notes.front();
     ExpectTheRig(read.rig, rig.files.front().name);
   }
 }
 
-TEST_F(ForeignCalibrationTest, AndSurvivesTheWayThroughOurFile) {
+TEST_F(ForeignCalibrationFiles, AndSurvivesTheWayThroughOurFile) {
   for (const test::ForeignRig& rig : test::ForeignRigs()) {
     const std::string own = Write("own.yaml", CameraFileText(ReadForeignCalibration(WriteAll(rig), kSize).rig));
     EXPECT_EQ(ForeignFormat(own), "");
@@ -96,17 +35,18 @@ TEST_F(ForeignCalibrationTest, AndSurvivesTheWayThroughOurFile) {
   }
 }
 
-TEST_F(ForeignCalibrationTest, IsTakenInPlaceOfOurFile) {
+TEST_F(ForeignCalibrationFiles, IsTakenInPlaceOfOurFile) {
   for (const test::ForeignRig& rig : test::ForeignRigs()) {
     const fs::path dataset = folder_ / ("with " + rig.files.front().name);
     fs::create_directories(dataset);
     for (const test::ForeignFile& file : rig.files) test::WriteText(dataset / file.name, file.text);
+    for (const test::ForeignFile& file : rig.beside) test::WriteText(dataset / file.name, file.text);
     ASSERT_TRUE(LooksLikeImages(dataset.string())) << dataset;
     ExpectTheRig(ReadCalibration(CalibrationOf(dataset.string()), kSize), dataset.string());
   }
 }
 
-TEST_F(ForeignCalibrationTest, OurFileMayNameOthers) {
+TEST_F(ForeignCalibrationFiles, OurFileMayNameOthers) {
   WriteAll(RigCalled("left.yaml"));
   const std::string own = Write("camera.yaml", "from: [left.yaml, right.yaml]\nname: pair\nrate_hz: 15\n");
   const RigCalibration rig = ReadCameraFile(own, kSize);
@@ -117,7 +57,7 @@ TEST_F(ForeignCalibrationTest, OurFileMayNameOthers) {
   EXPECT_THAT(ErrorOf([&] { ReadCameraFile(own, kSize); }), HasSubstr("leaves the folder"));
 }
 
-TEST_F(ForeignCalibrationTest, AFolderOfImagesPlays) {
+TEST_F(ForeignCalibrationFiles, AFolderOfImagesPlays) {
   test::MakeImagesFolder(folder_ / "images");
   fs::remove(folder_ / "images" / "camera.yaml");
   test::WriteText(folder_ / "images" / "slam.yaml",
@@ -128,12 +68,7 @@ TEST_F(ForeignCalibrationTest, AFolderOfImagesPlays) {
   EXPECT_EQ(dataset->rig().left.width_px, 48) << "the size of the images, where the file tells none";
 }
 
-TEST_F(ForeignCalibrationTest, OrderOfRosFilesDoesNotMatter) {
-  const std::vector<std::string> paths = WriteAll(RigCalled("left.yaml"));
-  ExpectTheRig(ReadForeignCalibration({paths[1], paths[0]}, kSize).rig, "right, left");
-}
-
-TEST_F(ForeignCalibrationTest, OtherLenses) {
+TEST_F(ForeignCalibrationFiles, OtherLenses) {
   const std::string kalibr = RigCalled("camchain.yaml").files[0].text;
   std::string sphere = kalibr;
   for (int i = 0; i < 2; ++i) {
@@ -164,7 +99,7 @@ TEST_F(ForeignCalibrationTest, OtherLenses) {
   EXPECT_THAT(rational.right.distortion, testing::ElementsAre(-0.27, 0.06, -0.0003, 0.0004, 0.01, 0.02, 0.03, 0.04));
 }
 
-TEST_F(ForeignCalibrationTest, MistakesAreNamed) {
+TEST_F(ForeignCalibrationFiles, MistakesAreNamed) {
   const std::vector<std::string> ros = WriteAll(RigCalled("left.yaml"));
   EXPECT_THAT(ErrorOf([&] { ReadForeignCalibration({ros[0]}, kSize); }),
               AllOf(HasSubstr("left.yaml"), HasSubstr("give the files of the left and the right one")));
@@ -199,24 +134,50 @@ TEST_F(ForeignCalibrationTest, MistakesAreNamed) {
               HasSubstr("no calibration of a known format"));
 }
 
-TEST_F(ForeignCalibrationTest, OrbSlamFilesThatAreNoRectifiedPair) {
-  const std::string pair = "Camera.fx: 400\nCamera.fy: 400\nCamera.cx: 330\nCamera.cy: 190\nCamera.bf: 50\n";
-  const auto error = [&](const std::string& more) {
-    const std::string path = Write("orb.yaml", pair + more);
-    return ErrorOf([&] { ReadForeignCalibration({path}, kSize); });
-  };
-  EXPECT_DOUBLE_EQ(ReadForeignCalibration({Write("orb.yaml", pair + "Camera.k1: 0.0\n")}, kSize).rig.baseline_m,
-                   0.125);
-  EXPECT_THAT(error("Camera.k1: 0.2\n"), AllOf(HasSubstr("Camera.k1"), HasSubstr("LEFT.K")));
-  EXPECT_THAT(error("DepthMapFactor: 5000\n"), HasSubstr("RGB-D"));
-  EXPECT_THAT(error("Tlr: [1, 0, 0, 0.1, 0, 1, 0, 0, 0, 0, 1, 0]\n"), HasSubstr("Stereo.T_c1_c2"));
-}
-
-TEST_F(ForeignCalibrationTest, SeveralCalibrationsInAFolderAreNotGuessed) {
+TEST_F(ForeignCalibrationFiles, SeveralCalibrationsInAFolderAreNotGuessed) {
   WriteAll(RigCalled("camchain.yaml"));
   WriteAll(RigCalled("stella.yaml"));
   EXPECT_THAT(ErrorOf([&] { CalibrationOf(folder_.string()); }),
               AllOf(HasSubstr("camchain.yaml"), HasSubstr("stella.yaml"), HasSubstr("from: FILE")));
+}
+
+TEST_F(ForeignCalibrationFiles, UnitsAreStatedOrAskedFor) {
+  const auto& opencv = RigCalled("intrinsics.yml").files;
+  const std::string in_mm =
+      Replaced(opencv[1].text, "-0.118619590656, -0.035, -0.018149179392", "-118.619590656, -35, -18.149179392");
+  const std::vector<std::string> paths{Write("intrinsics.yml", opencv[0].text), Write("extrinsics.yml", in_mm)};
+  ExpectTheRig(ReadForeignCalibration(paths, kSize, MetresOf("mm")).rig, "mm");
+  EXPECT_EQ(MetresOf("inch"), std::nullopt);
+  EXPECT_THAT(ErrorOf([&] { ReadForeignCalibration(paths, kSize); }), HasSubstr("125 m"));
+
+  Write("extrinsics.yml",
+        Replaced(opencv[1].text, "-0.118619590656, -0.035, -0.018149179392", "-11.8619590656, -3.5, -1.8149179392"));
+  std::vector<std::string> notes;
+  ReadCalibration(paths, kSize, &notes);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_THAT(notes[0], AllOf(HasSubstr("intrinsics.yml: the cameras stand 12.5 m apart"), HasSubstr("`unit: cm`")));
+  const std::string own = Write("camera.yaml", "from: [intrinsics.yml, extrinsics.yml]\nunit: cm\n");
+  notes.clear();
+  ExpectTheRig(ReadCameraFile(own, kSize, &notes), "unit: cm");
+  EXPECT_TRUE(notes.empty());
+  Write("camera.yaml", "from: [intrinsics.yml, extrinsics.yml]\nunit: m\n");
+  EXPECT_DOUBLE_EQ(ReadCameraFile(own, kSize, &notes).baseline_m, 12.5);
+  EXPECT_TRUE(notes.empty()) << "the unit is stated";
+  Write("camera.yaml", "from: [intrinsics.yml, extrinsics.yml]\nunit: inch\n");
+  EXPECT_THAT(ErrorOf([&] { ReadCameraFile(own, kSize); }), HasSubstr("'inch' is none of m, cm, mm"));
+
+  const std::vector<std::string> zed = WriteAll(RigCalled("SN1234.conf"));
+  EXPECT_THAT(ErrorOf([&] { ReadForeignCalibration(zed, kSize, MetresOf("cm")); }), HasSubstr("unit of their own"));
+}
+
+TEST_F(ForeignCalibrationFiles, OurFileAboveAMetreIsNoted) {
+  const std::string lens = "left: {focal_length_px: [400, 400], principal_point_px: [330, 190]}\n";
+  std::vector<std::string> notes;
+  ReadCameraFile(Write("camera.yaml", lens + "baseline_m: 0.54\n"), kSize, &notes);
+  EXPECT_TRUE(notes.empty());
+  ReadCameraFile(Write("camera.yaml", lens + "baseline_m: 12\n"), kSize, &notes);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_THAT(notes[0], HasSubstr("stand 12 m apart: lengths are in metres there"));
 }
 
 }  // namespace

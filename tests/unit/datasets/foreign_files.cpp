@@ -257,15 +257,19 @@ RZ_VGA=0
 }  // namespace
 
 const std::vector<ForeignRig>& ForeignRigs() {
-  static const std::vector<ForeignRig> rigs{
-      {"Kalibr camchain", {{"camchain.yaml", kKalibr}}},
-      {"OpenCV stereo", {{"intrinsics.yml", kIntrinsics}, {"extrinsics.yml", kExtrinsics}}},
-      {"ROS camera_info", {{"left.yaml", kRosLeft}, {"right.yaml", kRosRight}}},
-      {"ORB-SLAM", {{"orb_slam2.yaml", kOrbSlam2}}},
-      {"ORB-SLAM", {{"orb_slam3.yaml", kOrbSlam3}}},
-      {"stella_vslam", {{"stella.yaml", kStella}}},
-      {"Basalt", {{"basalt.json", kBasalt}}},
-      {"ZED", {{"SN1234.conf", kZed}}}};
+  static const std::vector<ForeignRig> rigs = [] {
+    std::vector<ForeignRig> all{{"Kalibr camchain", {{"camchain.yaml", kKalibr}}},
+                                {"OpenCV stereo", {{"intrinsics.yml", kIntrinsics}, {"extrinsics.yml", kExtrinsics}}},
+                                {"ROS camera_info", {{"left.yaml", kRosLeft}, {"right.yaml", kRosRight}}},
+                                {"ORB-SLAM", {{"orb_slam2.yaml", kOrbSlam2}}},
+                                {"ORB-SLAM", {{"orb_slam3.yaml", kOrbSlam3}}},
+                                {"stella_vslam", {{"stella.yaml", kStella}}},
+                                {"Basalt", {{"basalt.json", kBasalt}}},
+                                {"ZED", {{"SN1234.conf", kZed}}}};
+    const std::vector<ForeignRig> settings = SlamSettings();
+    all.insert(all.end(), settings.begin(), settings.end());
+    return all;
+  }();
   return rigs;
 }
 

@@ -16,11 +16,15 @@ struct ForeignFile {
 struct ForeignRig {
   std::string format;
   std::vector<ForeignFile> files;
+  /// Files that those name.
+  std::vector<ForeignFile> beside{};
 };
 
 /// The same rig in every format that is read: 672 x 376 pixels, "radtan" lenses, the right camera at (0.12, 0.035, 0)
 /// m in the left one and turned about y by the quaternion (w 0.99712, y 0.07584), which is a unit quaternion in these
 /// very digits.
 const std::vector<ForeignRig>& ForeignRigs();
+/// Those among them that are the settings of SLAM programs.
+std::vector<ForeignRig> SlamSettings();
 
 }  // namespace plslam::test

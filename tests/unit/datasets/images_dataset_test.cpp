@@ -209,10 +209,47 @@ TEST_F(ImagesDataset, BaselineInMillimetresOrBackwardsIsAskedFor) {
   EXPECT_THAT(OpenError(), AllOf(HasSubstr("baseline 110 m"), HasSubstr("is it in millimetres?")));
   test::ReplaceText(camera_, "baseline_m: 110", "baseline_m: 50");
   EXPECT_THAT(OpenImagesDataset(folder_.string())->Notes(),
-              testing::ElementsAre(At("camera.yaml") + ": the cameras stand 50 m apart: is that in millimetres?"));
+              testing::ElementsAre(At("camera.yaml") +
+                                   ": the cameras stand 50 m apart: lengths are in metres there; are these?"));
   test::ReplaceText(camera_, "baseline_m: 50", "baseline_m: -0.11");
   EXPECT_THAT(OpenError(), AllOf(HasSubstr("x = -0.11 m"), HasSubstr("T_b_cam"), HasSubstr("inverted"),
                                  HasSubstr("left and right exchanged?")));
+}
+
+TEST_F(ImagesDataset, CamerasOneAboveTheOther) {
+  for (const char* y : {"0.06", "-0.06"}) {
+    test::WriteText(camera_,
+                    std::string("rate_hz: 10\nleft: {focal_length_px: [40, 41], principal_point_px: [24, 16]}\n"
+                                "right: {T_b_cam: [1, 0, 0, 0.001, 0, 1, 0, ") +
+                        y + ", 0, 0, 1, 0.002]}\n");
+    const auto dataset = OpenImagesDataset(folder_.string());
+    EXPECT_NEAR(dataset->rig().baseline_m, 0.06, 1e-4);
+    EXPECT_TRUE(dataset->Notes().empty());
+  }
+}
+
+TEST_F(ImagesDataset, TenBitsInSixteenAreStretched) {
+  for (int i = 0; i < 3; ++i) {
+    for (const int camera : {0, 1}) {
+      cv::Mat wide(test::kTinyHeight_px, test::kTinyWidth_px, CV_16UC1);
+      for (int y = 0; y < wide.rows; ++y) {
+        for (int x = 0; x < wide.cols; ++x) {
+          wide.at<uint16_t>(y, x) = static_cast<uint16_t>(4 * test::TinyPixel(i, camera, x, y) / (i == 0 ? 8 : 1));
+        }
+      }
+      const std::string name = "left_" + std::to_string(9 + i) + ".png";
+      WritePng((folder_ / (camera == 0 ? "left" : "right") / name).string(), wide);
+    }
+    fs::remove(folder_ / "right" / ("right_00" + std::string(i == 0 ? "0" : "") + std::to_string(9 + i) + ".pgm"));
+  }
+  const auto dataset = OpenImagesDataset(folder_.string());
+  EXPECT_THAT(dataset->Notes(),
+              testing::ElementsAre(HasSubstr("values up to 1020, as of 10 bits: 1023 is taken as")));
+  for (int i = 0; i < 3; ++i) {
+    const int part = i == 0 ? 8 : 1;
+    EXPECT_NEAR(dataset->Read(i).left.at<uint8_t>(2, 1), test::TinyPixel(i, 0, 1, 2) / part, 1) << i;
+    EXPECT_NEAR(dataset->Read(i).right.at<uint8_t>(2, 1), test::TinyPixel(i, 1, 1, 2) / part, 1) << i;
+  }
 }
 
 TEST_F(ImagesDataset, TimesInAnotherUnitAreAskedFor) {

@@ -47,6 +47,28 @@ TEST_F(McapDataset, RigOfCameraInfo) {
   EXPECT_THAT(Error(), HasSubstr("camera_info has no baseline"));
 }
 
+TEST_F(McapDataset, CameraInfoOfBinnedImages) {
+  MakeMcapFile(path(), {.info_scale = 2, .binning = 2});
+  const RigCalibration rig = OpenDataset(path(), "")->rig();
+  EXPECT_EQ(rig.left.fx_px, 40.0);
+  EXPECT_EQ(rig.left.cy_px, 16.0);
+  EXPECT_EQ(rig.baseline_m, 0.125);
+  ExpectFrames(3, "binned");
+  MakeMcapFile(path(), {.binning = 2});
+  EXPECT_EQ(OpenDataset(path(), "")->rig().left.fx_px, 40.0) << "a driver that bins in the camera";
+  MakeMcapFile(path(), {.info_scale = 2});
+  EXPECT_THAT(ErrorOf([&] { OpenDataset(path(), ""); }), HasSubstr("but the images have")) << "when it is opened";
+}
+
+TEST_F(McapDataset, CameraInfoInDoubtIsNotedOrRefused) {
+  MakeMcapFile(path(), {.p_right = -500.0});
+  EXPECT_THAT(Note(),
+              AllOf(HasSubstr("camera_info: the cameras stand 12.5 m apart"), HasSubstr("?camera=camera.yaml")));
+  MakeMcapFile(path(), {.skew_right = -2.0});
+  EXPECT_THAT(Error(),
+              AllOf(HasSubstr("P[1] of the right camera_info = -2 is not 0"), HasSubstr("?camera=camera.yaml")));
+}
+
 TEST_F(McapDataset, TopicsAreFoundOrGiven) {
   MakeMcapFile(path(), {.left = "/a/image", .right = "/b/image"});
   EXPECT_THAT(Error(), AllOf(HasSubstr(path() + ": no two image topics"), HasSubstr("are /a/image, /b/image")));
@@ -56,11 +78,26 @@ TEST_F(McapDataset, TopicsAreFoundOrGiven) {
   EXPECT_THAT(Error("?side=/a/image"), HasSubstr("'side=/a/image' is none of left=TOPIC"));
 }
 
-TEST_F(McapDataset, ColourBecomesGreyAndOtherEncodingsAreNamed) {
+TEST_F(McapDataset, ColourBecomesGrey) {
   MakeMcapFile(path(), {.encoding = "rgb8"});
   EXPECT_EQ(OpenDataset(path(), "")->Read(1).left.at<uint8_t>(5, 7), test::TinyPixel(1, 0, 7, 5));
-  MakeMcapFile(path(), {.encoding = "yuv422"});
-  EXPECT_THAT(Error(), AllOf(HasSubstr("frame 0: /cam0/image_raw: "), HasSubstr("'yuv422', not as mono8")));
+}
+
+TEST_F(McapDataset, OtherEncodingsAreRefusedAtOpening) {
+  MakeMcapFile(path(), {.encoding = "yuv411"});
+  EXPECT_THAT(ErrorOf([&] { OpenDataset(path(), ""); }),
+              HasSubstr(path() + ": /cam0/image_raw: its images are encoded as 'yuv411', not as mono"));
+}
+
+TEST_F(McapDataset, TenBitsInSixteenAreStretched) {
+  MakeMcapFile(path(), {.encoding = "mono16"});
+  const auto dataset = OpenDataset(path(), "");
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(dataset->Read(i).left.at<uint8_t>(5, 7), test::TinyPixel(i, 0, 7, 5), 1);
+    EXPECT_NEAR(dataset->Read(i).right.at<uint8_t>(5, 7), test::TinyPixel(i, 1, 7, 5), 1);
+  }
+  EXPECT_THAT(Note(), AllOf(HasSubstr("images of 16 bits have values up to "),
+                            HasSubstr(", as of 10 bits: 1023 is taken as white")));
 }
 
 TEST_F(McapDataset, TopicsThatAreThereAreListed) {

@@ -47,37 +47,48 @@ void MakeMcapFile(const std::filesystem::path& path, const RecordingOptions& o) 
   const std::string magic("\x89MCAP0\r\n", 8);
   std::string file = magic + McapRecordBytes(1, RecordBytes().Text("ros2").Text("test").bytes());
   std::string chunk_indices;
-  for (int i = 0; i < 3; ++i) {
-    const int frame = o.unsorted ? 2 - i : i;
-    const int64_t t_ns = 1'000'000'000 + 100'000'000 * int64_t{frame};
+  const std::vector<std::vector<TinyMessage>> chunks = TinyChunks(o, false);
+  for (size_t i = 0; i < chunks.size(); ++i) {
     std::string chunk = i == 0 ? Channels(o) : "";
-    std::map<uint16_t, uint64_t> offsets;
-    for (const auto& [channel, cdr] : TinyMessages(t_ns, frame, o, false)) {
-      offsets[channel] = chunk.size();
-      chunk += McapRecordBytes(5, RecordBytes().Add(channel).Add(uint32_t{0}).Add(t_ns).Add(t_ns).Raw(cdr).bytes());
+    std::map<uint16_t, RecordBytes> entries;
+    for (const auto& [channel, log_ns, cdr] : chunks[i]) {
+      entries[channel].Add(log_ns).Add(static_cast<uint64_t>(chunk.size()));
+      chunk +=
+          McapRecordBytes(5, RecordBytes().Add(channel).Add(uint32_t{0}).Add(log_ns).Add(log_ns).Raw(cdr).bytes());
     }
     const std::string packed = CompressedChunk(chunk, o.compression);
     const uint64_t chunk_at = file.size();
     const std::string record = McapChunk(o.compression, packed, chunk.size(), o.checksums ? Crc(chunk) : 0U);
     file += record;
     RecordBytes places;
-    for (const auto& [channel, offset] : offsets) {
+    for (const auto& [channel, entry] : entries) {
       places.Add(channel).Add(static_cast<uint64_t>(file.size()));
-      file +=
-          McapRecordBytes(7, RecordBytes().Add(channel).Text(RecordBytes().Add(t_ns).Add(offset).bytes()).bytes());
+      file += McapRecordBytes(7, RecordBytes().Add(channel).Text(entry.bytes()).bytes());
     }
     RecordBytes index;
-    index.Add(t_ns).Add(t_ns).Add(chunk_at).Add(static_cast<uint64_t>(record.size())).Text(places.bytes());
-    index.Add(uint64_t{0}).Text(o.compression).Add(uint64_t{0}).Add(uint64_t{0});
-    if (i < o.indexed_chunks) chunk_indices += McapRecordBytes(8, index.bytes());
+    index.Add(int64_t{0})
+        .Add(int64_t{0})
+        .Add(chunk_at)
+        .Add(static_cast<uint64_t>(record.size()))
+        .Text(places.bytes());
+    index.Add(uint64_t{0}).Text(o.compression).Add(static_cast<uint64_t>(packed.size()));
+    index.Add(static_cast<uint64_t>(chunk.size()));
+    if (static_cast<int>(i) < o.indexed_chunks) chunk_indices += McapRecordBytes(8, index.bytes());
   }
   file += McapRecordBytes(0x0f, RecordBytes().Add(uint32_t{0}).bytes());
   const uint64_t summary_at = file.size();
   const auto n_channels = static_cast<uint32_t>(TinyTopics(o).size());
   RecordBytes statistics, counts;
-  for (uint16_t id = 0; id < n_channels; ++id) counts.Add(id).Add(uint64_t{3});
-  statistics.Add(uint64_t{3} * n_channels).Add(static_cast<uint16_t>(n_channels)).Add(n_channels);
-  statistics.Add(0U).Add(0U).Add(3U).Add(int64_t{0}).Add(int64_t{0}).Text(counts.bytes());
+  for (uint16_t id = 0; id < n_channels; ++id) counts.Add(id).Add(static_cast<uint64_t>(o.n_frames));
+  statistics.Add(static_cast<uint64_t>(o.n_frames) * n_channels)
+      .Add(static_cast<uint16_t>(n_channels))
+      .Add(n_channels);
+  statistics.Add(0U)
+      .Add(0U)
+      .Add(static_cast<uint32_t>(chunks.size()))
+      .Add(int64_t{0})
+      .Add(int64_t{0})
+      .Text(counts.bytes());
   const std::string summary = Channels(o) + McapRecordBytes(0x0b, statistics.bytes()) + chunk_indices;
   std::string footer = McapRecordBytes(2, RecordBytes().Add(summary_at).Add(uint64_t{0}).Add(uint32_t{0}).bytes());
   if (o.checksums) {

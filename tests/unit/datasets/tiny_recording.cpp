@@ -5,6 +5,9 @@
 #include <lz4frame.h>
 #include <zstd.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "tests/unit/datasets/dataset_folders.h"
 
 namespace plslam::test {
@@ -46,23 +49,31 @@ RosBytes Message(bool is_ros1, int64_t t_ns) {
 std::string Image(bool is_ros1, int64_t t_ns, int frame, int camera, const std::string& encoding) {
   RosBytes message = Message(is_ros1, t_ns);
   message.Number(uint32_t{kTinyHeight_px}).Number(uint32_t{kTinyWidth_px}).Text(encoding).Number(uint8_t{0});
-  const uint32_t channels = encoding == "rgb8" ? 3 : 1;
-  message.Number(uint32_t{kTinyWidth_px} * channels).Number(uint32_t{kTinyWidth_px} * kTinyHeight_px * channels);
+  const bool is_wide = encoding == "mono16";  // of 10 bits
+  const uint32_t bytes = encoding == "rgb8" ? 3 : is_wide ? 2 : 1;
+  message.Number(uint32_t{kTinyWidth_px} * bytes).Number(uint32_t{kTinyWidth_px} * kTinyHeight_px * bytes);
   for (int y = 0; y < kTinyHeight_px; ++y) {
     for (int x = 0; x < kTinyWidth_px; ++x) {
-      for (uint32_t c = 0; c < channels; ++c) message.Number(static_cast<uint8_t>(TinyPixel(frame, camera, x, y)));
+      const int pixel = TinyPixel(frame, camera, x, y), ten_bits = 4 * pixel + 2;
+      if (is_wide) message.Number(static_cast<uint8_t>(ten_bits & 255)).Number(static_cast<uint8_t>(ten_bits >> 8));
+      for (uint32_t c = 0; !is_wide && c < bytes; ++c) message.Number(static_cast<uint8_t>(pixel));
     }
   }
   return message.bytes();
 }
 
-std::string CameraInfo(bool is_ros1, int64_t t_ns, double p3) {
+std::string CameraInfo(bool is_ros1, int64_t t_ns, double p1, double p3, const RecordingOptions& o) {
   RosBytes message = Message(is_ros1, t_ns);
-  message.Number(uint32_t{kTinyHeight_px}).Number(uint32_t{kTinyWidth_px}).Text("plumb_bob").Number(uint32_t{5});
+  message.Number(o.info_scale * kTinyHeight_px).Number(o.info_scale * kTinyWidth_px);
+  message.Text("plumb_bob").Number(uint32_t{5});
   for (const double d : {-0.28, 0.07, 0.0002, 1.8e-5, 0.0}) message.Number(d);
-  for (const double k : {40.0, 0.0, 24.0, 0.0, 40.0, 16.0, 0.0, 0.0, 1.0}) message.Number(k);
+  const double s = o.info_scale;
+  for (const double k : {40 * s, 0.0, 24 * s, 0.0, 40 * s, 16 * s, 0.0, 0.0, 1.0}) message.Number(k);
   for (const double r : {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}) message.Number(r);
-  for (const double p : {40.0, 0.0, 24.0, p3, 0.0, 40.0, 16.0, 0.0, 0.0, 0.0, 1.0, 0.0}) message.Number(p);
+  for (const double p : {40 * s, p1, 24 * s, p3 * s, 0.0, 40 * s, 16 * s, 0.0, 0.0, 0.0, 1.0, 0.0}) message.Number(p);
+  message.Number(o.binning).Number(o.binning);
+  for (int i = 0; i < 4; ++i) message.Number(uint32_t{0});  // the whole sensor
+  message.Number(uint8_t{0});
   return message.bytes();
 }
 
@@ -74,12 +85,32 @@ std::string Pose(bool is_ros1, int64_t t_ns, int frame) {
 
 }  // namespace
 
-std::map<uint16_t, std::string> TinyMessages(int64_t t_ns, int frame, const RecordingOptions& o, bool is_ros1) {
-  return {{kLeft, Image(is_ros1, t_ns, frame, 0, o.encoding)},
-          {kRight, Image(is_ros1, t_ns, frame, 1, o.encoding)},
-          {kLeftInfo, CameraInfo(is_ros1, t_ns, 0.0)},
-          {kRightInfo, CameraInfo(is_ros1, t_ns, o.p_right)},
-          {kTruth, Pose(is_ros1, t_ns, frame)}};
+std::vector<std::vector<TinyMessage>> TinyChunks(const RecordingOptions& o, bool is_ros1) {
+  std::vector<TinyMessage> all;
+  for (int i = 0; i < o.n_frames; ++i) {
+    const int frame = o.unsorted ? o.n_frames - 1 - i : i;
+    const int64_t t_ns = 1'000'000'000 + 100'000'000 * int64_t{frame};
+    for (const uint16_t channel : {kLeft, kRight, kLeftInfo, kRightInfo, kTruth}) {
+      const int64_t stamp_ns = o.stamp ? o.stamp(channel, frame, t_ns) : t_ns;
+      std::string bytes;
+      if (channel == kLeft || channel == kRight) {
+        bytes = Image(is_ros1, stamp_ns, frame, channel == kRight ? 1 : 0, o.encoding);
+      } else if (channel == kTruth) {
+        bytes = Pose(is_ros1, stamp_ns, frame);
+      } else {
+        const bool is_right = channel == kRightInfo;
+        bytes = CameraInfo(is_ros1, stamp_ns, is_right ? o.skew_right : 0.0, is_right ? o.p_right : 0.0, o);
+      }
+      all.push_back({channel, o.log_time ? o.log_time(channel, frame, t_ns) : t_ns, std::move(bytes)});
+    }
+  }
+  if (o.by_log_time) {
+    std::stable_sort(all.begin(), all.end(),
+                     [](const TinyMessage& a, const TinyMessage& b) { return a.log_ns < b.log_ns; });
+  }
+  std::vector<std::vector<TinyMessage>> chunks(static_cast<size_t>(o.n_frames));
+  for (size_t i = 0; i < all.size(); ++i) chunks[i * chunks.size() / all.size()].push_back(std::move(all[i]));
+  return chunks;
 }
 
 std::vector<TinyTopic> TinyTopics(const RecordingOptions& o) {

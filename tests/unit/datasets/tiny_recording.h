@@ -2,9 +2,8 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
+#include <functional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "core/io/files/bytes.h"
@@ -13,15 +12,23 @@ namespace plslam::test {
 
 /// How a tiny recording is written.
 struct RecordingOptions {
-  std::string compression{};  ///< of chunks: none, "lz4", "zstd" or "bz2"
-  bool checksums = true;      ///< MCAP only
-  bool unsorted = false;      ///< frames from the last to the first
-  int indexed_chunks = 3;     ///< MCAP only: those that the summary names
+  std::string compression{};     ///< of chunks: none, "lz4", "zstd" or "bz2"
+  bool checksums = true;         ///< MCAP only
+  bool unsorted = false;         ///< frames from the last to the first
+  int indexed_chunks = 1 << 30;  ///< MCAP only: those that the summary names
+  int n_frames = 3;
+  /// When a message of a frame was logged, and its header stamp: the time of the frame without them.
+  std::function<int64_t(uint16_t channel, int frame, int64_t t_ns)> log_time{};
+  std::function<int64_t(uint16_t channel, int frame, int64_t t_ns)> stamp{};
+  bool by_log_time = false;  ///< messages stand in the order of logging, not in that of frames
   std::string left = "/cam0/image_raw";
   std::string right = "/cam1/image_raw";
   std::string encoding = "mono8";
   std::string image_type = "Image";
-  double p_right = -5.0;  ///< P[3] of the right camera: baseline 0.125 m
+  double p_right = -5.0;    ///< P[3] of the right camera: baseline 0.125 m
+  double skew_right = 0.0;  ///< P[1] of the right camera
+  uint32_t info_scale = 1;  ///< camera_info is of a sensor so many times as wide and high
+  uint32_t binning = 0;
 };
 
 /// The channels of a tiny recording, by their ids.
@@ -56,8 +63,14 @@ struct TinyTopic {
 };
 std::vector<TinyTopic> TinyTopics(const RecordingOptions& options);
 
-/// The messages of a frame, in ROS 1's encoding or in CDR.
-std::map<uint16_t, std::string> TinyMessages(int64_t t_ns, int frame, const RecordingOptions& options, bool is_ros1);
+/// A message, in ROS 1's encoding or in CDR.
+struct TinyMessage {
+  uint16_t channel = 0;
+  int64_t log_ns = 0;
+  std::string bytes;
+};
+/// As many chunks as frames, and their messages in order.
+std::vector<std::vector<TinyMessage>> TinyChunks(const RecordingOptions& options, bool is_ros1);
 
 std::string CompressedChunk(const std::string& in, const std::string& compression);
 

@@ -93,6 +93,11 @@ TEST(YamlComplaint, TabIsFoundWhereTheParserComplainsElsewhere) {
             "rig.yaml:2: not valid YAML: illegal map value ('a: b: c')");
 }
 
+TEST(YamlComplaint, LineWithoutAKeyIsFoundWhereTheNextOneIsBlamed) {
+  EXPECT_EQ(YamlComplaint("rig.yaml", "a: 1\nb 2\n\n# c\nd: 3\n", 4, "illegal map value"),
+            "rig.yaml:2: not valid YAML: no `key: value` ('b 2')");
+}
+
 TEST(YamlComplaint, BinaryFileIsCalledSo) {
   EXPECT_EQ(YamlComplaint("a.png", std::string_view("\x89PNG\r\n\0\0", 8), 0, "x"),
             "a.png: is no YAML, but binary: \\x89PNG\\x0d\\x0a\\x00\\x00");

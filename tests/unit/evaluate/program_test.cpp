@@ -45,6 +45,24 @@ TEST(EvaluateProgram, ComparesDifferentFormatsAndWritesAllOutputs) {
   EXPECT_THAT(ReadText(folder.Path("a.png")).substr(1, 3), "PNG");
 }
 
+TEST(EvaluateProgram, BadRowsOfTheTruthAreNoted) {
+  const ScratchFolder folder;
+  const Trajectory truth = SomePath(50);
+  WriteTrajectory(folder.Path("estimate.tum"), TrajectoryFormat::kTum, truth);
+  WriteTrajectory(folder.Path("truth.tum"), TrajectoryFormat::kTum, truth);
+  const std::string text = ReadText(folder.Path("truth.tum"));
+  folder.Write("truth.tum", text + text.substr(text.rfind('\n', text.size() - 2) + 1));
+  const std::string arguments = folder.Path("estimate.tum") + " --truth " + folder.Path("truth.tum");
+  const ShellResult run = Evaluate(folder, arguments);
+  EXPECT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_THAT(run.error, HasSubstr("truth.tum:51: time "));
+  EXPECT_THAT(run.error, HasSubstr("1 of 51 rows is passed over"));
+  folder.Write("truth.tum", "1 nan nan nan nan nan nan nan\n2 nan nan nan nan nan nan nan\n");
+  const ShellResult none = Evaluate(folder, arguments);
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.error, HasSubstr("2 of 2 rows are passed over"));
+}
+
 TEST(EvaluateProgram, ErrorsAreOneSentenceAndExitCodeOne) {
   const ScratchFolder folder;
   const std::string good = folder.Write("good", "1 0 0 0 0 0 0 1\n");

@@ -3,11 +3,13 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/unit/geometry/test_rigs.h"
+#include "tests/unit/geometry/turned_rig.h"
 
 namespace plslam {
 namespace {
@@ -95,6 +97,24 @@ TEST(Rectify, IdealPairIsUntouched) {
   EXPECT_FALSE(Rectify(toed).identity);
 }
 
+TEST(Rectify, PairOneAboveTheOtherIsTurned) {
+  for (const RigCalibration& rig : {test::IdealRig(), test::EurocRig(), test::FisheyeRig()}) {
+    for (const int quarters : {1, 3}) {
+      SCOPED_TRACE(rig.name + " " + std::to_string(quarters));
+      const RigCalibration turned = test::TurnedClockwise(rig, quarters);
+      const Rectification expected = Rectify(rig), r = Rectify(turned);
+      EXPECT_EQ(r.camera.width_px, rig.left.width_px);
+      EXPECT_EQ(r.camera.height_px, rig.left.height_px);
+      EXPECT_NEAR(r.camera.f_px, expected.camera.f_px, 1e-6);
+      EXPECT_NEAR(r.camera.cx_px, expected.camera.cx_px, 1e-6);
+      EXPECT_NEAR(r.camera.cy_px, expected.camera.cy_px, 1e-6);
+      EXPECT_NEAR(r.camera.baseline_m, expected.camera.baseline_m, 1e-9);
+      const Eigen::Quaterniond q_l_turned((rig.left.T_b_cam.Inverse() * turned.left.T_b_cam).rotation());
+      EXPECT_NEAR((q_l_turned * r.q_l_c).angularDistance(expected.q_l_c), 0.0, 1e-6);
+    }
+  }
+}
+
 TEST(Rectify, RgbdOnlyLosesItsDistortion) {
   const Rectification r = Rectify(test::RgbdRig());
   EXPECT_FALSE(r.identity);
@@ -105,7 +125,7 @@ TEST(Rectify, RgbdOnlyLosesItsDistortion) {
 
 TEST(Rectify, UnusableRigsAreNamed) {
   RigCalibration rig = test::IdealRig();
-  rig.right.T_b_cam = SE3(Eigen::Quaterniond::Identity(), {0.0, 0.1, 0.0});
+  rig.right.T_b_cam = SE3(Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.1});
   EXPECT_THAT(MessageOf(rig), HasSubstr("beside each other"));
   rig.right.T_b_cam = SE3(Eigen::Quaterniond::Identity(), {-0.1, 0.0, 0.0});
   EXPECT_THAT(MessageOf(rig), HasSubstr("exchanged"));

@@ -11,6 +11,7 @@
 #include "core/io/images/image_file.h"
 #include "tests/support/data_folder.h"
 #include "tests/unit/geometry/test_rigs.h"
+#include "tests/unit/geometry/turned_rig.h"
 
 namespace plslam {
 namespace {
@@ -62,6 +63,21 @@ TEST(Rectifier, DepthIsNeverMixed) {
   int mixed = 0;
   for (const uint16_t d : cv::Mat_<uint16_t>(result)) mixed += d != 0 && d != 1000 && d != 5000 ? 1 : 0;
   EXPECT_EQ(mixed, 0);
+}
+
+TEST(Rectifier, IdealPairOneAboveTheOtherIsTurnedPixelByPixel) {
+  cv::Mat image(480, 640, CV_8UC1);
+  cv::RNG(3).fill(image, cv::RNG::UNIFORM, 0, 256);
+  cv::Mat turned = image;
+  for (int quarters = 1; quarters <= 3; ++quarters) {
+    cv::rotate(turned.clone(), turned, cv::ROTATE_90_CLOCKWISE);
+    if (quarters == 2) continue;
+    const Rectifier rectifier(test::TurnedClockwise(test::IdealRig(), quarters));
+    EXPECT_EQ(cv::norm(rectifier.RectifyLeft(turned), image, cv::NORM_INF), 0.0) << quarters;
+    EXPECT_EQ(cv::norm(rectifier.RectifyRight(turned), image, cv::NORM_INF), 0.0) << quarters;
+    EXPECT_TRUE(rectifier.left_mask().empty()) << quarters;
+    EXPECT_THROW(rectifier.RectifyLeft(image), std::runtime_error) << "it is not turned";
+  }
 }
 
 TEST(Rectifier, WrongImagesAreNamed) {

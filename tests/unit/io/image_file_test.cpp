@@ -164,7 +164,7 @@ TEST_F(ImageFile, OtherFormatsAreCalledByTheirName) {
   for (const Row& row :
        {Row{std::string("II*\0\x08\0\0\0", 8), "it seems to be a TIFF"}, Row{"BM6", "it seems to be a BMP"},
         Row{"GIF89a", "a GIF"}, Row{"P6 3 3 255\n", "a colour PPM"},
-        Row{"version https://git-lfs.github.com/spec/v1\noid", "a Git LFS pointer, not the image itself"},
+        Row{"version https://git-lfs.github.com/spec/v1\noid", "is a pointer of Git LFS, not the file itself"},
         Row{"<!DOCTYPE html>", "a page of HTML or XML, perhaps of a failed download"},
         Row{"\x1b[2J\xff", "it begins with '\\x1b[2J\\xff'"},
         Row{"\x89PNG", "its header is damaged or cut off (4 bytes)"}, Row{"", "the image is empty (0 bytes)"}}) {

@@ -30,7 +30,9 @@ class Frames : public Dataset {
   RigCalibration rig_;
 };
 
-PlayOrder Order() { return {{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}, {}, 10.0}; }
+PlayOrder Order() {
+  return {10, [](int index) { return int64_t{index}; }, {}, 10.0};
+}
 
 TEST(FrameLoader, OrderIsKeptAndBadFramesAreSaid) {
   const Frames frames;

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 namespace plslam::player {
 namespace {
@@ -23,9 +25,12 @@ std::vector<std::pair<int, int64_t>> All(PlayOrder order) {
 
 const std::vector<int64_t> kTimes = {100, 110, 130, 160, 200};
 
+PlayOrder Order(const PlayerOptions& options) {
+  return {std::ssize(kTimes), [](int index) { return kTimes.at(static_cast<size_t>(index)); }, options, 10.0};
+}
+
 TEST(PlayOrder, WholeDataset) {
-  EXPECT_THAT(All({kTimes, {}, 10.0}),
-              ElementsAre(Pair(0, 100), Pair(1, 110), Pair(2, 130), Pair(3, 160), Pair(4, 200)));
+  EXPECT_THAT(All(Order({})), ElementsAre(Pair(0, 100), Pair(1, 110), Pair(2, 130), Pair(3, 160), Pair(4, 200)));
 }
 
 TEST(PlayOrder, StartStopStride) {
@@ -33,16 +38,16 @@ TEST(PlayOrder, StartStopStride) {
   options.start = 1;
   options.stop = 4;
   options.stride = 2;
-  EXPECT_THAT(All({kTimes, options, 10.0}), ElementsAre(Pair(1, 110), Pair(3, 160)));
+  EXPECT_THAT(All(Order(options)), ElementsAre(Pair(1, 110), Pair(3, 160)));
 }
 
 TEST(PlayOrder, SkipToGoesOnAsIfAllBeforeHadBeenPlayed) {
   PlayerOptions options;
   options.loop = 3;
   options.bounce = true;
-  const auto all = All({kTimes, options, 10.0});
+  const auto all = All(Order(options));
   for (size_t n = 0; n <= all.size(); ++n) {
-    PlayOrder order(kTimes, options, 10.0);
+    PlayOrder order = Order(options);
     EXPECT_EQ(order.SkipTo(n == 0 ? 99 : all[n - 1].second), static_cast<int64_t>(n));
     for (size_t i = n; i < all.size(); ++i) {
       const auto item = order.Next();
@@ -57,7 +62,7 @@ TEST(PlayOrder, LoopContinuesAtTheMeanDistance) {
   PlayerOptions options;
   options.start = 2;
   options.loop = 2;
-  EXPECT_THAT(All({kTimes, options, 10.0}),
+  EXPECT_THAT(All(Order(options)),
               ElementsAre(Pair(2, 130), Pair(3, 160), Pair(4, 200), Pair(2, 235), Pair(3, 265), Pair(4, 305)));
 }
 
@@ -65,7 +70,7 @@ TEST(PlayOrder, TwoFramesInALoopAreNoWayBack) {
   PlayerOptions options;
   options.stop = 2;
   options.loop = 2;
-  EXPECT_THAT(All({kTimes, options, 10.0}), ElementsAre(Pair(0, 100), Pair(1, 110), Pair(0, 120), Pair(1, 130)));
+  EXPECT_THAT(All(Order(options)), ElementsAre(Pair(0, 100), Pair(1, 110), Pair(0, 120), Pair(1, 130)));
 }
 
 TEST(PlayOrder, BounceGoesForthAndBackWithTheSameDistances) {
@@ -73,9 +78,8 @@ TEST(PlayOrder, BounceGoesForthAndBackWithTheSameDistances) {
   options.start = 2;
   options.loop = 2;
   options.bounce = true;
-  EXPECT_THAT(All({kTimes, options, 10.0}),
-              ElementsAre(Pair(2, 130), Pair(3, 160), Pair(4, 200), Pair(3, 240), Pair(2, 270), Pair(3, 300),
-                          Pair(4, 340), Pair(3, 380), Pair(2, 410)));
+  EXPECT_THAT(All(Order(options)), ElementsAre(Pair(2, 130), Pair(3, 160), Pair(4, 200), Pair(3, 240), Pair(2, 270),
+                                               Pair(3, 300), Pair(4, 340), Pair(3, 380), Pair(2, 410)));
 }
 
 TEST(PlayOrder, OneFrameRepeatsAtTheRate) {
@@ -84,16 +88,15 @@ TEST(PlayOrder, OneFrameRepeatsAtTheRate) {
   options.loop = 3;
   for (const bool bounce : {false, true}) {
     options.bounce = bounce;
-    EXPECT_THAT(All({kTimes, options, 10.0}), ElementsAre(Pair(0, 100), Pair(0, 100'000'100), Pair(0, 200'000'100)));
+    EXPECT_THAT(All(Order(options)), ElementsAre(Pair(0, 100), Pair(0, 100'000'100), Pair(0, 200'000'100)));
   }
 }
 
 TEST(PlayOrder, NothingLeftIsAnError) {
   PlayerOptions options;
   options.start = 5;
-  EXPECT_THAT(
-      [&] { PlayOrder(kTimes, options, 10.0); },
-      ThrowsMessage<std::runtime_error>(HasSubstr("start 5, stop -1 and stride 1 leave none of the 5 frames")));
+  EXPECT_THAT([&] { Order(options); }, ThrowsMessage<std::runtime_error>(
+                                           HasSubstr("start 5, stop -1 and stride 1 leave none of the 5 frames")));
 }
 
 }  // namespace

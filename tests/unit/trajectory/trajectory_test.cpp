@@ -115,6 +115,85 @@ TEST(Trajectory, ErrorsNameFileLineAndValue) {
   EXPECT_THAT(error("-1 0 0 0 0 1 0 0 0 0 1 0\n"), HasSubstr("determinant -1"));
 }
 
+/// The poses that remain of a truth with bad rows, and its notes.
+struct Kept {
+  std::vector<int64_t> t_s;
+  std::vector<std::string> notes;
+};
+
+Kept KeptOf(const std::string& path, std::optional<TrajectoryFormat> format = std::nullopt) {
+  const TrajectoryFile file = ReadTrajectoryFile(path, format, BadRows::kPassOver);
+  Kept kept{{}, file.notes};
+  for (const TrajectoryPose& pose : file.poses) kept.t_s.push_back(pose.t_ns / 1'000'000'000);
+  return kept;
+}
+
+TEST(TruthRows, BadOnesArePassedOverWithOneNote) {
+  const ScratchFolder folder;
+  const std::string pose = " 0 0 0 0 0 0 1\n";
+  const Kept twice = KeptOf(folder.Write("t", "1" + pose + "2" + pose + "2 9 0 0 0 0 0 1\n3" + pose));
+  EXPECT_THAT(twice.t_s, testing::ElementsAre(1, 2, 3));
+  EXPECT_THAT(twice.notes,
+              testing::ElementsAre(HasSubstr("t:3: time 2000000000 ns is not after the 2000000000 ns of the "
+                                             "row before; 1 of 4 rows is passed over")));
+  EXPECT_EQ(ReadTrajectoryFile(folder.Path("t"), {}, BadRows::kPassOver).poses[1].T_a_b.translation().x(), 0.0);
+  const Kept nan = KeptOf(folder.Write("t", "1" + pose + "2 nan nan nan nan nan nan nan\n3 0 0\n4" + pose));
+  EXPECT_THAT(nan.t_s, testing::ElementsAre(1, 4));
+  EXPECT_THAT(nan.notes,
+              testing::ElementsAre(HasSubstr("t:2: 'nan' is not a finite number; 2 of 4 rows are passed")));
+  EXPECT_TRUE(KeptOf(folder.Write("t", "1" + pose)).notes.empty());
+}
+
+TEST(TruthRows, OneTimeOfTheFutureCostsOneRow) {
+  const ScratchFolder folder;
+  const std::string pose = " 0 0 0 0 0 0 1\n";
+  const Kept late = KeptOf(folder.Write("t", "1" + pose + "900" + pose + "2" + pose + "3" + pose));
+  EXPECT_THAT(late.t_s, testing::ElementsAre(1, 2, 3));
+  EXPECT_THAT(late.notes, testing::ElementsAre(HasSubstr("t:2: time 900000000000 ns is out of order")));
+  const Kept swapped = KeptOf(folder.Write("t", "1" + pose + "3" + pose + "2" + pose + "4" + pose));
+  EXPECT_EQ(swapped.t_s.size(), 3U);
+}
+
+TEST(TruthRows, PosesOfKittiKeepTheirNumbers) {
+  const ScratchFolder folder;
+  const std::string eye = "1 0 0 0 0 1 0 0 0 0 1 0\n";
+  const std::string poses = folder.Write("poses", eye + "nan 0 0 0 0 1 0 0 0 0 1 0\n" + eye);
+  EXPECT_THAT(KeptOf(poses).t_s, testing::ElementsAre(0, 2));
+  const TrajectoryFile timed =
+      ReadTrajectoryFile(poses, {}, BadRows::kPassOver, folder.Write("times", "10\n11\n12\n"));
+  ASSERT_EQ(timed.poses.size(), 2U);
+  EXPECT_EQ(timed.poses[1].t_ns, 12'000'000'000);
+  EXPECT_EQ(timed.n_rows, 3U);
+}
+
+TEST(TruthRows, CommasWithSecondsAreOfTum) {
+  const ScratchFolder folder;
+  const auto note = testing::ElementsAre(HasSubstr("in seconds: read as TUM's t,tx,ty,tz,qx,qy,qz,qw"));
+  const std::string end = ",1,2,3,0,0,0.6,0.8\n";
+  for (const std::string& rows :
+       {"1621218775.0" + end + "1621218776.0" + end, "1621218775" + end + "1621218776" + end,
+        "1305031098.6659" + end + "1305031098.6758" + end, "0.0" + end + "0.1" + end}) {
+    for (const std::optional<TrajectoryFormat> format :
+         {std::optional<TrajectoryFormat>(), std::optional(TrajectoryFormat::kEuroc)}) {
+      const TrajectoryFile file = ReadTrajectoryFile(folder.Write("t", rows), format, BadRows::kRefuse);
+      EXPECT_EQ(file.format, TrajectoryFormat::kTum) << rows;
+      EXPECT_THAT(file.notes, note) << rows;
+      ASSERT_EQ(file.poses.size(), 2U) << rows;
+      EXPECT_NEAR(file.poses[0].T_a_b.rotation().w(), 0.8, 1e-12) << rows;
+    }
+  }
+  // Nanoseconds of a clock that starts at 0, from its second second on.
+  const TrajectoryFile euroc =
+      ReadTrajectoryFile(folder.Write("t", "1450000000" + end + "1500000000" + end), {}, BadRows::kRefuse);
+  EXPECT_EQ(euroc.format, TrajectoryFormat::kEuroc);
+  EXPECT_EQ(euroc.poses[0].t_ns, 1450000000);
+  EXPECT_TRUE(euroc.notes.empty());
+  EXPECT_EQ(ReadTrajectoryFile(folder.Write("t", "1403715274312143104" + end), {}, BadRows::kRefuse).format,
+            TrajectoryFormat::kEuroc);
+  EXPECT_THAT(ErrorOf(folder.Write("t", "1621218775.5,1,2,3,0,0,0.6,0.8,0,0,0\n")),
+              HasSubstr("t:1: time '1621218775.5' is in seconds, but in nanoseconds in the EuRoC format"));
+}
+
 TEST(Trajectory, TimesFileMustMatchThePoses) {
   const ScratchFolder folder;
   const std::string eye = "1 0 0 0 0 1 0 0 0 0 1 0\n";

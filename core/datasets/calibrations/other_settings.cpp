@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/datasets/calibrations/other_settings.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <string_view>
+
+#include "core/io/files/git_lfs.h"
+
+namespace plslam {
+namespace {
+
+/// A file that is recognised by its first bytes.
+struct OtherText {
+  const char* begin;
+  const char* what;
+};
+constexpr std::array<OtherText, 5> kOtherTexts = {
+    {{"<?xml", "is XML: write the calibration as YAML (OpenCV's FileStorage does under a name that ends with .yml)"},
+     {"<opencv_storage", "is XML of OpenCV: write it as YAML (FileStorage does under a name that ends with .yml)"},
+     {"# oST",
+      "is a calibration of ROS in its INI form: `rosrun camera_calibration_parsers convert FILE left.yaml` "
+      "writes the YAML form, of which two are needed, of the left and the right camera"},
+     {"PK\x03\x04", "is an archive of numpy (.npz) or zip: write M1 D1 M2 D2 R T as YAML with OpenCV's FileStorage"},
+     {"\x93NUMPY", "is an array of numpy: write M1 D1 M2 D2 R T as YAML with OpenCV's FileStorage"}}};
+
+/// A file that is recognised by its keys, all of which it has.
+struct OtherSettings {
+  std::array<const char*, 3> keys;
+  const char* what;
+};
+constexpr std::array<OtherSettings, 10> kOtherSettings = {
+    {{{"model_type", "projection_parameters"},
+      "is of one camera (camodocal): give the settings of VINS-Fusion that name both by cam0_calib and cam1_calib"},
+     {{"rotation_matrix", "translation_matrix"},
+      "is the pose of the pair in RTAB-Map's calibration: give the files of its cameras, NAME_left.yaml and "
+      "NAME_right.yaml"},
+     {{"camera_matrix", "distortion_coefficients"},
+      "is of one camera: a stereo pair needs both cameras and R and T (OpenCV's stereo_calib, or `plslam "
+      "calibrate`)"},
+     {{"Camera_Matrix", "Distortion_Coefficients"},
+      "is of one camera: a stereo pair needs both cameras and R and T (OpenCV's stereo_calib, or `plslam "
+      "calibrate`)"},
+     {{"extrinsicRotation", "extrinsicTranslation"},
+      "is of VINS-Mono, with one camera: a stereo pair is needed (settings of VINS-Fusion with num_of_cam: 2)"},
+     {{"P0", "P1"}, "is calib.txt of KITTI: call it calib.txt, beside image_0 and image_1 (docs/datasets.md, KITTI)"},
+     {{"P_rect_00", "P_rect_01"},
+      "is calib_cam_to_cam.txt of KITTI's raw data: write the numbers of P_rect_00 and P_rect_01 into a calib.txt as "
+      "P0: and P1:, beside image_0 and image_1"},
+     {{"T_BS", "gyroscope_noise_density"}, "is of an inertial sensor: give the files of the cameras"},
+     {{"noise_gyro", "noise_acc"}, "is of an inertial sensor: give the file of the cameras"},
+     {{"cam_overlaps", "rostopic"}, "is of one camera of Kalibr: give the whole camchain, with cam0 and cam1"}}};
+
+}  // namespace
+
+std::string WhyOtherText(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, 64> bytes{};
+  file.read(bytes.data(), bytes.size());
+  const std::string_view begin(bytes.data(), static_cast<size_t>(file.gcount()));
+  if (IsGitLfsPointer(begin)) return kGitLfsPointer;
+  for (const OtherText& text : kOtherTexts) {
+    if (begin.starts_with(text.begin)) return text.what;
+  }
+  return "";
+}
+
+std::string WhyOtherSettings(const YamlMap& file) {
+  for (const OtherSettings& settings : kOtherSettings) {
+    const bool has_all = std::all_of(settings.keys.begin(), settings.keys.end(),
+                                     [&](const char* key) { return key == nullptr || file.Has(key); });
+    if (has_all) return settings.what;
+  }
+  return "";
+}
+
+}  // namespace plslam

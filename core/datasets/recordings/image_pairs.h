@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/datasets/recordings/message_times.h"
+#include "core/datasets/recordings/recording.h"
+
+namespace plslam {
+
+/// Left and right images of a recording, pair by pair in order of time.
+struct ImagePairs {
+  std::vector<std::pair<RecordedMessage, RecordedMessage>> pairs;
+  MessageClock clock = MessageClock::kStamp;  ///< of the times
+  int64_t stamp_offset_ns = 0;                ///< the median stamp minus time of logging of left images
+  int64_t step_ns = 0;                        ///< the median distance of left images
+};
+
+/// Delays of logging that differ by this part of a frame leave no doubt about the pairs.
+inline constexpr int64_t kDelayToleranceShare = 8;
+
+/// Pairs the nearest images of two topics that are less than half a frame apart, by their header stamps. Times of
+/// logging are used where the stamps of a topic are zero or constant, or those of both are of two clocks; `notes` says
+/// so, and what is passed over. Throws DatasetError where there is no pair.
+ImagePairs PairImages(const Recording& recording, const std::string& left_topic, const std::string& right_topic,
+                      std::vector<std::string>* notes);
+
+/// The time of a pair. A stamp that was estimated is read now, and stays between the neighbours, so that times increase.
+int64_t TimeOf(const Recording& recording, const ImagePairs& images, size_t index);
+
+}  // namespace plslam

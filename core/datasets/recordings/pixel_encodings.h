@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/io/files/dataset_error.h"
+
+namespace plslam {
+
+/// What a sensor_msgs/Image says of its pixels; nothing of it has been checked.
+struct RosPixels {
+  int64_t width_px = 0, height_px = 0;
+  int64_t step_bytes = 0;  ///< from one row to the next; 0: without padding
+  std::string encoding;    ///< a name of sensor_msgs/image_encodings: "mono8", "bayer_rggb8"
+  bool is_big_endian = false;
+  std::span<const uint8_t> data;
+};
+
+/// Why images of this encoding cannot be read; empty where they can.
+std::string PixelEncodingComplaint(const std::string& encoding);
+
+/// Grey pixels: the luma of YUV, Bayer patterns by OpenCV's demosaicing, all else as `GreyPixels` makes it. `white` is
+/// the white level of 16 bits. Throws DatasetError where the encoding is not known, the image is not of the size
+/// `expected`, or bytes are missing.
+cv::Mat GreyOfRosPixels(const RosPixels& image, const cv::Size& expected, int white);
+
+/// The largest value of pixels of 16 bits, at least 1; 0 for others. Throws like `GreyOfRosPixels`.
+int LargestWideValue(const RosPixels& image, const cv::Size& expected);
+
+}  // namespace plslam

@@ -88,7 +88,8 @@ bool Take(const ByteVector& bytes) {
       return false;
     }
   };
-  const auto expect_grey = [](const ForeignImage& image) { ASSERT_EQ(GreyOf(image, kSize).size(), kSize); };
+  constexpr int kWhite = 65535;
+  const auto expect_grey = [](const ForeignImage& image) { ASSERT_EQ(GreyOf(image, kSize, kWhite).size(), kSize); };
   const bool pair = take([&] {
     const auto [left, right] = PairFromBytes(bytes);
     expect_grey(left);

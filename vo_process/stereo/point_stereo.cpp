@@ -20,6 +20,10 @@ constexpr int kMaxOctavesApart = 1;
 constexpr double kTieMargin = 0.005;
 /// A correlation between two pixels from which on alignment to a fraction of a pixel may make it equal to the best.
 constexpr double kMaybeEqual = 0.5;
+/// Interpolation between pixels blurs: equal textures correlate less by up to this after alignment.
+constexpr double kInterpolationLoss = 0.02;
+/// Disparities that differ by this, in pixels of the level, are of different places.
+constexpr double kOther_px = 3.0;
 constexpr double kMinGain = 0.25;
 constexpr double kMaxGain = 4.0;
 /// Points that a thread takes at once: some microseconds each.
@@ -84,6 +88,19 @@ bool IsUnique(double correlation, double second_correlation, const StereoOptions
   return 1.0 - correlation + kTieMargin <= options.point_direct_max_ratio * (1.0 - second_correlation);
 }
 
+/// Whether one of the places of a row search, other than that of `found`, matches as well to a fraction of a pixel.
+bool MatchesElsewhere(const PointFeature& feature, const PatchAlignment& found, const RowMatch& match,
+                      const PatchAligner& aligner, const StereoOptions& options) {
+  const auto matches_at = [&](double disparity_px, double correlation) {
+    if (correlation < kMaybeEqual || std::abs(disparity_px - found.disparity_px) < kOther_px * feature.scale)
+      return false;
+    const auto other = aligner.Align(feature.px, feature.scale, disparity_px);
+    return other && !IsUnique(found.correlation, other->correlation + kInterpolationLoss, options);
+  };
+  return matches_at(match.disparity_px, match.correlation) ||
+         matches_at(match.second_disparity_px, match.second_correlation);
+}
+
 /// Searches the right row for the patch of the point. Sets `is_ambiguous` where two places match equally well.
 std::optional<PatchAlignment> FindInRow(StereoPoint& point, RowSearch& search, const PatchAligner& aligner,
                                         const StereoOptions& options) {
@@ -97,9 +114,7 @@ std::optional<PatchAlignment> FindInRow(StereoPoint& point, RowSearch& search, c
   }
   std::optional<PatchAlignment> found = aligner.Align(feature.px, feature.scale, match->disparity_px);
   if (!found || !Accepted(*found, feature.scale, options.point_direct_min_correlation, options)) return std::nullopt;
-  if (match->second_correlation < kMaybeEqual) return found;
-  const auto second = aligner.Align(feature.px, feature.scale, match->second_disparity_px);
-  point.is_ambiguous = second && !IsUnique(found->correlation, second->correlation, options);
+  point.is_ambiguous = MatchesElsewhere(feature, *found, *match, aligner, options);
   if (point.is_ambiguous) return std::nullopt;
   return found;
 }
@@ -111,6 +126,11 @@ void MatchPoint(StereoPoint& point, const PointFeature* candidate, RowSearch& se
   if (candidate != nullptr) {
     found = aligner.Align(feature.px, feature.scale, feature.px.x() - candidate->px.x());
     if (found && !Accepted(*found, feature.scale, options.point_min_correlation, options)) found.reset();
+    const auto match = found && options.point_direct ? search.Find(feature.px, feature.scale,
+                                                                   options.min_disparity_px, options.max_disparity_px)
+                                                     : std::nullopt;
+    point.is_ambiguous = match && MatchesElsewhere(feature, *found, *match, aligner, options);
+    if (point.is_ambiguous) return;
   }
   if (!found && options.point_direct) found = FindInRow(point, search, aligner, options);
   if (!found) return;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -15,13 +16,17 @@
 namespace plslam::vo {
 namespace {
 
-// A stretch ends when this share of its points is left: the longer, the more parallax. Halves of the fewest points
-// still have three times as many equations as unknowns; a vehicle that hides most of the view leaves no more.
+// A stretch ends when this share of its points is left, or when their median disparity has changed by this factor: the
+// longer, the more parallax. Halves of the fewest points still have three times as many equations as unknowns; a
+// vehicle that hides most of the view leaves no more.
 constexpr double kShareLeft = 0.5;
+constexpr double kDisparityChange = 1.25;
 constexpr size_t kMinPoints = 20;
 // Most new landmarks are not seen again: they say nothing of how long a stretch is.
 constexpr int kMinAge = 1;
-constexpr int kIterations = 3;
+constexpr int kIterations = 5;
+// Before a large offset is estimated, all points deviate: the first iterations reject none.
+constexpr int kRejectingIterations = 3;
 // Of three residuals in their own sigmas.
 constexpr double kHuber = 2.5;
 constexpr double kMaxDeviation = 5.0;
@@ -29,7 +34,7 @@ constexpr double kMaxDeviation = 5.0;
 // differ.
 constexpr double kPriorSigma_px = 1.0;
 // Stretches before the first verdict.
-constexpr int64_t kMinStretches = 4;
+constexpr int64_t kMinStretches = 3;
 // Halves differ if half of their difference exceeds this number of sigmas and this share of the estimate. After they
 // have differed, the second pair of limits applies.
 constexpr double kDifferSigmas = 3.0;
@@ -110,7 +115,8 @@ void DisparityCheck::Observe(const SE3& T_odom_c, const TrackedFrame& frame,
     if (before == begin_.end() || before->landmark_id != view.landmark_id) continue;
     both.push_back({*before, view});
   }
-  if (static_cast<double>(both.size()) > kShareLeft * static_cast<double>(begin_.size())) return;
+  const bool many_left = static_cast<double>(both.size()) > kShareLeft * static_cast<double>(begin_.size());
+  if (many_left && MedianChange(both) < kDisparityChange) return;
   if (both.size() >= kMinPoints) Learn(T_odom_c.Inverse() * T_odom_begin_, std::move(both));
   T_odom_begin_ = T_odom_c;
   begin_ = std::move(now);
@@ -118,7 +124,8 @@ void DisparityCheck::Observe(const SE3& T_odom_c, const TrackedFrame& frame,
 
 /// Adds a point to the normal equations of coefficients and motion (left perturbation of the rotation, then of the
 /// translation), its disparity improved and eliminated. Columns of `normal`: the matrix, and the vector.
-bool DisparityCheck::Linearise(const SE3& T_now_before, const Eigen::Vector3d& b, Seen& point, Normal& normal) const {
+bool DisparityCheck::Linearise(const SE3& T_now_before, const Eigen::Vector3d& b, double max_deviation, Seen& point,
+                               Normal& normal) const {
   const PairView& before = point.before;
   const PairView& now = point.now;
   const double fb = camera_.FocalBaseline();
@@ -164,7 +171,7 @@ bool DisparityCheck::Linearise(const SE3& T_now_before, const Eigen::Vector3d& b
   const double norm = by_disparity.squaredNorm();
   const double along = by_disparity.dot(residual);
   const double deviation = std::sqrt(std::max(0.0, residual.squaredNorm() - along * along / norm));
-  if (!(deviation < kMaxDeviation)) return false;
+  if (!(deviation < max_deviation)) return false;
   const double weight = 1.0 / std::max(1.0, deviation / kHuber);
   const Eigen::Matrix<double, 9, 1> cross = by_all.transpose() * by_disparity;
   normal.leftCols<9>() += weight * (by_all.transpose() * by_all - cross * cross.transpose() / norm);
@@ -192,7 +199,9 @@ void DisparityCheck::Learn(SE3 T_now_before, std::vector<Seen> points) {
   const double median_px = Median(disparities);
   for (int i = 0; i < kIterations; ++i) {
     Normal normal = Normal::Zero();
-    for (Seen& point : points) Linearise(T_now_before, b, point, normal);
+    const bool rejects = i >= kIterations - kRejectingIterations;
+    const double max_deviation = rejects ? kMaxDeviation : std::numeric_limits<double>::infinity();
+    for (Seen& point : points) Linearise(T_now_before, b, max_deviation, point, normal);
     Evidence all = all_;
     if (!AddWithoutMotion(normal, b, all)) return;
     const Eigen::Vector3d b_new = Solve(all);
@@ -206,7 +215,7 @@ void DisparityCheck::Learn(SE3 T_now_before, std::vector<Seen> points) {
   Normal near = Normal::Zero();
   for (Seen& point : points) {
     Normal one = Normal::Zero();
-    if (!Linearise(T_now_before, b, point, one)) continue;
+    if (!Linearise(T_now_before, b, kMaxDeviation, point, one)) continue;
     all += one;
     if (point.before.landmark_id % 2 != 0) odd += one;
     if (point.disparity_px > median_px) near += one;
@@ -244,6 +253,16 @@ bool DisparityCheck::Differ(const Division& division, double sigmas, double shar
   const Eigen::Matrix3d covariance =
       0.25 * (Information(division.first).inverse() + Information(division.second).inverse());
   return half_px > sigmas * Sigma_px(covariance) && half_px > share * Size_px(estimate_);
+}
+
+double DisparityCheck::MedianChange(const std::vector<Seen>& points) {
+  std::vector<double> changes;
+  changes.reserve(points.size());
+  for (const Seen& point : points) {
+    const double change = point.now.disparity_px / point.before.disparity_px;
+    changes.push_back(std::max(change, 1.0 / change));
+  }
+  return changes.empty() ? 1.0 : Median(changes);
 }
 
 bool DisparityCheck::Confirms(const Eigen::Vector3d& coefficients_px, const Eigen::Matrix3d& covariance_px2) const {

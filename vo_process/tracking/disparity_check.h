@@ -109,10 +109,13 @@ class DisparityCheck {
   };
   using Normal = Eigen::Matrix<double, 9, 10>;
 
+  /// Median factor by which disparities of points have changed, at least 1.
+  static double MedianChange(const std::vector<Seen>& points);
   Eigen::Vector3d Row(double u_px) const;
   Eigen::Matrix3d Information(const Evidence& evidence) const;
   Eigen::Vector3d Solve(const Evidence& evidence) const;
-  bool Linearise(const SE3& T_now_before, const Eigen::Vector3d& b, Seen& point, Normal& normal) const;
+  bool Linearise(const SE3& T_now_before, const Eigen::Vector3d& b, double max_deviation, Seen& point,
+                 Normal& normal) const;
   void Learn(SE3 T_now_before, std::vector<Seen> points);
   double Size_px(const Eigen::Vector3d& coefficients) const;
   double Sigma_px(const Eigen::Matrix3d& covariance) const;

@@ -64,9 +64,19 @@ TEST(RunWarnings, ConditionsOfEachRow) {
        "player.right_offset_frames=-1`"},
       {"readout_differs", [](RunFindings& f) { f.unequal_readout_ms = 12.5; }, "takes 12.5 ms longer"},
       {"rows_corrected_far", [](RunFindings& f) { f.corner_rows_px = 12.34; }, "by up to 12.3 px in the corners"},
-      {"disparities_off", [](RunFindings& f) { f.disparity_error_px = 3.44; },
-       "disparities are off by up to 3.4 px, and depths and the scale of the path with them: calibrate the cameras "
-       "anew"},
+      {"repeated_texture",
+       [](RunFindings& f) {
+         f.points_seen = 10'000;
+         f.points_ambiguous = 3'400;
+       },
+       "34 % of the points have several equally good matches in their row"},
+      {"disparities_off",
+       [](RunFindings& f) {
+         f.disparity_error_px = 3.44;
+         f.disparity_sigma_px = 0.21;
+         f.length_error_percent = 9.06;
+       },
+       "an offset of up to 3.4 px (sigma 0.21 px), which would change lengths by 9.1 %: it is corrected"},
       {"dark_images", [](RunFindings& f) { f.dark_frames = 30; }, "30 of 100 frames are nearly black"},
       {"unreadable_frames", [](RunFindings& f) { f.frames.unreadable = 2; }, "2 of 102 frames could not be read"},
       {"skipped_frames", [](RunFindings& f) { f.frames.skipped = 5; }, "5 of 105 frames were passed over"},

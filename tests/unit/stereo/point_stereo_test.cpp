@@ -66,6 +66,37 @@ TEST(MatchPointsStereo, RepeatedTextureHasNoDepth) {
   EXPECT_LE(ShareWithDepth(points), 0.02);
 }
 
+// Repeats every 47.8 px, so the true disparity lies between pixels where a wrong one lies on a pixel.
+TEST(MatchPointsStereo, RepetitionBetweenPixelsIsAmbiguous) {
+  constexpr double kPeriod_px = 47.8;
+  constexpr double kTruth_px = 7.47;
+  const auto render = [](double shift_px) {
+    cv::Mat image(240, 400, CV_8UC1);
+    for (int y = 0; y < image.rows; ++y) {
+      for (int x = 0; x < image.cols; ++x) {
+        double grey = 128.0;
+        for (int k = 1; k <= 10; ++k) {
+          const double phase = 1.7 * k * k + 2.0 * std::sin(y / (7.0 + 1.3 * k));
+          grey += 11.0 * std::cos(2.0 * M_PI * k * (x + shift_px) / kPeriod_px + phase);
+        }
+        image.at<uint8_t>(y, x) = cv::saturate_cast<uint8_t>(grey);
+      }
+    }
+    return image;
+  };
+  const std::vector<StereoPoint> points = Match(render(0.0), render(kTruth_px));
+  ASSERT_GT(points.size(), 100U);
+  size_t wrong = 0;
+  size_t ambiguous = 0;
+  for (const StereoPoint& p : points) {
+    if (p.HasDepth() && std::abs(p.disparity_px - kTruth_px) > 1.0) ++wrong;
+    if (p.is_ambiguous) ++ambiguous;
+    EXPECT_FALSE(p.is_ambiguous && p.HasDepth());
+  }
+  EXPECT_LE(wrong, points.size() / 50) << "of " << points.size();
+  EXPECT_GT(ambiguous, points.size() / 3) << "of " << points.size();
+}
+
 TEST(MatchPointsStereo, ZeroAndOneFeature) {
   const cv::Mat left = test::RenderTexture(200, 120, {});
   const cv::Mat right = test::RenderTexture(200, 120, {.shift_x_px = 9.0});

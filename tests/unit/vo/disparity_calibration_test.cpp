@@ -104,7 +104,7 @@ TEST(DisparityCalibration, SquareOffsetIsFound) {
 }
 
 TEST(DisparityCalibration, LargeOffsetIsApplied) {
-  const Odometry odometry = Drive([](double, double) { return 3.0; }, true, 120);
+  const Odometry odometry = Drive([](double, double) { return 3.0; }, true, 200);
   for (const double u_px : {100.0, 320.0, 540.0}) EXPECT_NEAR(Offset(odometry, u_px), 3.0, 0.3) << u_px;
 }
 
@@ -113,16 +113,21 @@ TEST(DisparityCalibration, SlopeIsApplied) {
   EXPECT_NEAR(Offset(odometry, 540.0), 1.4 * 540.0 / 640.0, 0.3);
 }
 
-// Estimated over true distance between the first frame and the last one.
-double LengthRatio(const Odometry& odometry, int n_frames) {
-  const SE3 T_first_last = DrivenPoseAt(0).Inverse() * DrivenPoseAt(n_frames - 1);
-  return odometry.T_odom_c().translation().norm() / T_first_last.translation().norm();
+// Estimated over true distance between two frames.
+double LengthRatio(const Error& error_px, bool enabled) {
+  constexpr int kFirst = 100;
+  constexpr int kLast = 140;
+  Odometry odometry = Drive(error_px, enabled, kFirst + 1);
+  const SE3 T_odom_first = odometry.T_odom_c();
+  DriveOn(kFirst + 1, kLast + 1, error_px, odometry);
+  const SE3 T_first_last = DrivenPoseAt(kFirst).Inverse() * DrivenPoseAt(kLast);
+  return (T_odom_first.Inverse() * odometry.T_odom_c()).translation().norm() / T_first_last.translation().norm();
 }
 
 TEST(DisparityCalibration, LengthsAreRightDespiteAnOffset) {
   const Error offset = [](double, double) { return -1.2; };
-  EXPECT_NEAR(LengthRatio(Drive(offset, true, 100), 100), 1.0, 0.03);
-  EXPECT_GT(LengthRatio(Drive(offset, false, 100), 100), 1.05) << "without the calibration";
+  EXPECT_NEAR(LengthRatio(offset, true), 1.0, 0.05);
+  EXPECT_GT(LengthRatio(offset, false), 1.07) << "without the calibration";
 }
 
 TEST(DisparityCalibration, ReportsOffsetSigmaAndLengths) {

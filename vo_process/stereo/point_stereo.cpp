@@ -20,8 +20,6 @@ constexpr int kMaxOctavesApart = 1;
 constexpr double kTieMargin = 0.005;
 /// A correlation between two pixels from which on alignment to a fraction of a pixel may make it equal to the best.
 constexpr double kMaybeEqual = 0.5;
-/// Interpolation between pixels blurs: equal textures correlate less by up to this after alignment.
-constexpr double kInterpolationLoss = 0.02;
 /// Disparities that differ by this, in pixels of the level, are of different places.
 constexpr double kOther_px = 3.0;
 constexpr double kMinGain = 0.25;
@@ -95,7 +93,10 @@ bool MatchesElsewhere(const PointFeature& feature, const PatchAlignment& found, 
     if (correlation < kMaybeEqual || std::abs(disparity_px - found.disparity_px) < kOther_px * feature.scale)
       return false;
     const auto other = aligner.Align(feature.px, feature.scale, disparity_px);
-    return other && !IsUnique(found.correlation, other->correlation + kInterpolationLoss, options);
+    if (!other) return false;
+    // Interpolation blurs fine textures: where alignment gains much, it also loses much.
+    const double loss = 2.0 * std::max(0.0, other->correlation - correlation);
+    return !IsUnique(found.correlation, other->correlation + loss, options);
   };
   return matches_at(match.disparity_px, match.correlation) ||
          matches_at(match.second_disparity_px, match.second_correlation);

@@ -76,13 +76,14 @@ DisparityCalibration::Rest DisparityCalibration::RestAt(double u_px) const {
   return {applied_ ? 0.0 : gain * Estimate_px(u_px), std::sqrt(gain * variance)};
 }
 
-// Columns without points have a large sigma, so an extrapolated offset is not reported.
+// Between the centres of the outer thirds: beyond them a quadratic extrapolates, and columns without points have a large
+// sigma.
 std::optional<DisparityCalibration::LargestOffset> DisparityCalibration::Largest() const {
   if (!applied_) return std::nullopt;
   LargestOffset largest{0.0, 0.0, length_share_};
   double most_px = 0.0;
   for (int i = 0; i < kColumns; ++i) {
-    const double u_px = (i + 0.5) / kColumns * camera_.width_px;
+    const double u_px = (1.0 / 6.0 + 2.0 / 3.0 * i / (kColumns - 1)) * camera_.width_px;
     const double sigma_px = EstimateSigma_px(u_px);
     const double sure_px = std::abs(Estimate_px(u_px)) - kSureSigmas * sigma_px;
     if (sure_px <= most_px) continue;

@@ -32,15 +32,12 @@ constexpr double kHuber = 2.5;
 constexpr double kMaxDeviation = 5.0;
 // Prior sigma of b0. A narrow prior pulls the half with less evidence towards zero, and halves that agree then seem to
 // differ.
-constexpr double kPriorSigma_px = 1.0;
+constexpr double kPriorSigma_px = 0.5;
 // Stretches before the first verdict.
 constexpr int64_t kMinStretches = 3;
-// Halves differ if half of their difference exceeds this number of sigmas and this share of the estimate. After they
-// have differed, the second pair of limits applies.
+// Halves differ if half of their difference exceeds this number of sigmas and this share of the estimate.
 constexpr double kDifferSigmas = 3.0;
 constexpr double kDifferShare = 0.3;
-constexpr double kAgainSigmas = 2.0;
-constexpr double kAgainShare = 0.2;
 // Errors that a few frames have in common (vibration, say) average out slowly: stretches may differ by this times as
 // much as points.
 constexpr double kTimeFactor = 1.7;
@@ -248,11 +245,11 @@ double DisparityCheck::Sigma_px(const Eigen::Matrix3d& covariance) const {
   return std::sqrt(variance / static_cast<double>(std::size(kThirds)));
 }
 
-bool DisparityCheck::Differ(const Division& division, double sigmas, double share) const {
+bool DisparityCheck::Differ(const Division& division, double share) const {
   const double half_px = Size_px(0.5 * (Solve(division.first) - Solve(division.second)));
   const Eigen::Matrix3d covariance =
       0.25 * (Information(division.first).inverse() + Information(division.second).inverse());
-  return half_px > sigmas * Sigma_px(covariance) && half_px > share * Size_px(estimate_);
+  return half_px > kDifferSigmas * Sigma_px(covariance) && half_px > share * Size_px(estimate_);
 }
 
 double DisparityCheck::MedianChange(const std::vector<Seen>& points) {
@@ -277,11 +274,8 @@ bool DisparityCheck::Confirms(const Eigen::Vector3d& coefficients_px, const Eige
 void DisparityCheck::Judge() {
   estimate_ = Solve(all_);
   if (n_stretches_ < kMinStretches) return;
-  const bool was_contradicted = verdict_ == Verdict::kContradicts;
-  const double sigmas = was_contradicted ? kAgainSigmas : kDifferSigmas;
-  const double share = was_contradicted ? kAgainShare : kDifferShare;
-  const bool differ = Differ(by_landmark_, sigmas, share) || Differ(by_depth_, sigmas, share) ||
-                      Differ(by_time_, sigmas, kTimeFactor * share);
+  const bool differ = Differ(by_landmark_, kDifferShare) || Differ(by_depth_, kDifferShare) ||
+                      Differ(by_time_, kTimeFactor * kDifferShare);
   verdict_ = differ ? Verdict::kContradicts : Verdict::kAgrees;
 }
 

@@ -119,7 +119,7 @@ class DisparityCheck {
   void Learn(SE3 T_now_before, std::vector<Seen> points);
   double Size_px(const Eigen::Vector3d& coefficients) const;
   double Sigma_px(const Eigen::Matrix3d& covariance) const;
-  bool Differ(const Division& division, double sigmas, double share) const;
+  bool Differ(const Division& division, double share) const;
   void Judge();
 
   StereoCamera camera_;

@@ -210,6 +210,7 @@ class RecordingDataset : public Dataset {
   void CheckEncodings() const {
     for (const auto& [channel, message] :
          {std::pair(&left_, images_.pairs.front().first), std::pair(&right_, images_.pairs.front().second)}) {
+      if (channel->type != kRosImage) continue;  // JPEG and PNG say what they are
       std::string encoding;
       try {
         encoding = ImageEncoding(channel->type, reader_->Read(message), EncodingOf(*channel));

@@ -72,7 +72,7 @@ TEST(EvaluateProgram, ErrorsAreOneSentenceAndExitCodeOne) {
   const std::string longer = folder.Write("b.kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 1\n");
   const std::string bad = folder.Write("bad", "1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 x\n");
   const std::vector<std::pair<std::string, std::string>> cases{
-      {good + " --truth " + bad, "bad:2: 'x' is not a finite number"},
+      {bad + " --truth " + good, "bad:2: 'x' is not a finite number"},
       {good + " --truth " + folder.Path("none"), "none: cannot be read: No such file or directory"},
       {far + " --truth " + good, "far:2: the position is 1e+200 m from the origin, more than 1e+09 m"},
       {good + " --truth " + late, "no pose of the estimate is within 0.02 s"},

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/motion/robust.h"
 #include "vo_process/tracking/row_calibration.h"
 
 namespace plslam::vo {
@@ -22,6 +23,19 @@ constexpr double kSurrounding_px = 50.0;
 constexpr double kSameDepthRatio = 0.1;
 constexpr double kSameDepth_px = 1.5;
 constexpr int kMinAround = 2;
+// An offset of the disparities may be this many of its sigmas from its estimate, and leave this difference.
+constexpr double kOffsetSigmas = 3.0;
+constexpr double kAlike_px = 2.0;
+
+/// Median disparity of the matched points; 0 without any.
+double MedianDisparity(const FrameMatches& matches, const TrackedFrame& frame) {
+  std::vector<double> disparities;
+  for (const LandmarkMatch& match : matches.points) {
+    const StereoPoint& point = frame.features.points[match.feature];
+    if (point.HasDepth()) disparities.push_back(point.disparity_px);
+  }
+  return disparities.empty() ? 0.0 : Median(disparities);
+}
 
 }  // namespace
 
@@ -98,6 +112,34 @@ int FeaturePlaces::Owner(const StereoLine& line, int times) const {
                                   Owner(segment.q, line.HasDepth() ? line.disparity_q_px : -1.0, times)};
   if (owners[0] == owners[1] || owners[0] == owners[2]) return owners[0];
   return owners[1] == owners[2] ? owners[1] : -1;
+}
+
+// An offset b of the disparities makes the translation that points at disparity d yield 1 - b / d times as long. Two
+// motions in the same direction determine b; it explains them where it is within the uncertainty of the calibration.
+bool IsDisparityOffset(const SE3& T_odom_prev, const LocalLandmarks& world, const TrackedFrame& frame,
+                       const Alignment& first, const FrameMatches& of_first, const Alignment& second,
+                       const DisparityCalibration& calibration, const StereoCamera& camera) {
+  const SE3 T_prev_c = T_odom_prev.Inverse() * first.T_odom_c;
+  const SE3 T_prev_c_second = T_odom_prev.Inverse() * second.T_odom_c;
+  const double length = T_prev_c.translation().norm();
+  const double d_first = MedianDisparity(of_first, frame);
+  const double d_second = MedianDisparity(second.matches, frame);
+  if (!(length > 0.0 && d_first > 0.0 && d_second > 0.0)) return false;
+  const double ratio = T_prev_c.translation().dot(T_prev_c_second.translation()) / (length * length);
+  const double offset_px = (ratio - 1.0) / (ratio / d_first - 1.0 / d_second);
+  const DisparityCalibration::Rest rest = calibration.RestAt(0.5 * camera.width_px);
+  if (!(std::abs(offset_px - rest.mean_px) < kOffsetSigmas * rest.sigma_px)) return false;
+  const SE3 T_prev_c_scaled(T_prev_c.rotation(), ratio * T_prev_c.translation());
+  std::vector<double> differences;
+  for (const LandmarkMatch& match : second.matches.points) {
+    const Eigen::Vector3d& p_odom = world.points.landmarks()[match.landmark].p_odom;
+    const Eigen::Vector3d p_prev = T_odom_prev.Inverse() * p_odom;
+    const Eigen::Vector3d p_c = T_prev_c_scaled.Inverse() * p_prev;
+    const Eigen::Vector3d p_c_second = T_prev_c_second.Inverse() * p_prev;
+    if (std::min(p_c.z(), p_c_second.z()) < camera.MinDepth()) continue;
+    differences.push_back((camera.Project(p_c) - camera.Project(p_c_second)).norm());
+  }
+  return !differences.empty() && Median(differences) < kAlike_px;
 }
 
 }  // namespace plslam::vo

@@ -6,6 +6,8 @@
 #include <Eigen/Core>
 
 #include "core/geometry/stereo_camera.h"
+#include "vo_process/tracking/disparity_calibration.h"
+#include "vo_process/tracking/frame_aligner.h"
 #include "vo_process/tracking/local_landmarks.h"
 #include "vo_process/tracking/tracked_frame.h"
 
@@ -56,5 +58,11 @@ class FeaturePlaces {
 
   std::vector<Place> places_;
 };
+
+/// Whether an unknown offset of the disparities, within its uncertainty, explains two motions: then points at different
+/// depths yield translations of the same direction and different lengths.
+bool IsDisparityOffset(const SE3& T_odom_prev, const LocalLandmarks& world, const TrackedFrame& frame,
+                       const Alignment& first, const FrameMatches& of_first, const Alignment& second,
+                       const DisparityCalibration& calibration, const StereoCamera& camera);
 
 }  // namespace plslam::vo

@@ -48,22 +48,10 @@ constexpr int kMinCells = 4;
 constexpr double kMoreSpread = 2.25;
 // What a choice by spread alone is confirmed by, and in how many frames.
 constexpr double kClearlyMoreSpread = 3.0;
-// An offset of the disparities may be this many of its sigmas from its estimate.
-constexpr double kOffsetSigmas = 3.0;
 constexpr int kDoubtfulFrames = 5;
 
 bool IsExpected(const SE3& T_odom_c, const SE3& T_odom_prev, const MotionPrediction& prediction) {
   return SquaredDeviation(prediction, T_odom_prev * prediction.T_prev_c, T_odom_c) <= kExpectedChi2;
-}
-
-/// Median disparity of the matched points; 0 without any.
-double MedianDisparity(const FrameMatches& matches, const TrackedFrame& frame) {
-  std::vector<double> disparities;
-  for (const LandmarkMatch& match : matches.points) {
-    const StereoPoint& point = frame.features.points[match.feature];
-    if (point.HasDepth()) disparities.push_back(point.disparity_px);
-  }
-  return disparities.empty() ? 0.0 : Median(disparities);
 }
 
 /// By how much two motions of the camera from the frame before, as seen from two bodies, differ in the image: the
@@ -347,34 +335,6 @@ bool MovingBodies::IsWorld(const Alignment& found, const FrameMatches& own, cons
   return second_spread.Score() <= more * first_spread.Score();
 }
 
-// An offset b of the disparities makes the translation that points at disparity d yield 1 - b / d times as long. Two
-// motions in the same direction determine b; it explains them where it is within the uncertainty of the calibration.
-bool MovingBodies::IsDisparityOffset(const SE3& T_odom_prev, const LocalLandmarks& world, const TrackedFrame& frame,
-                                     const Alignment& first, const FrameMatches& of_first, const Alignment& second,
-                                     const DisparityCalibration& calibration) const {
-  const SE3 T_prev_c = T_odom_prev.Inverse() * first.T_odom_c;
-  const SE3 T_prev_c_second = T_odom_prev.Inverse() * second.T_odom_c;
-  const double length = T_prev_c.translation().norm();
-  const double d_first = MedianDisparity(of_first, frame);
-  const double d_second = MedianDisparity(second.matches, frame);
-  if (!(length > 0.0 && d_first > 0.0 && d_second > 0.0)) return false;
-  const double ratio = T_prev_c.translation().dot(T_prev_c_second.translation()) / (length * length);
-  const double offset_px = (ratio - 1.0) / (ratio / d_first - 1.0 / d_second);
-  const DisparityCalibration::Rest rest = calibration.RestAt(0.5 * camera_.width_px);
-  if (!(std::abs(offset_px - rest.mean_px) < kOffsetSigmas * rest.sigma_px)) return false;
-  const SE3 T_prev_c_scaled(T_prev_c.rotation(), ratio * T_prev_c.translation());
-  std::vector<double> differences;
-  for (const LandmarkMatch& match : second.matches.points) {
-    const Eigen::Vector3d& p_odom = world.points.landmarks()[match.landmark].p_odom;
-    const Eigen::Vector3d p_prev = T_odom_prev.Inverse() * p_odom;
-    const Eigen::Vector3d p_c = T_prev_c_scaled.Inverse() * p_prev;
-    const Eigen::Vector3d p_c_second = T_prev_c_second.Inverse() * p_prev;
-    if (std::min(p_c.z(), p_c_second.z()) < camera_.MinDepth()) continue;
-    differences.push_back((camera_.Project(p_c) - camera_.Project(p_c_second)).norm());
-  }
-  return !differences.empty() && Median(differences) < kAlike_px;
-}
-
 bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s,
                            const DisparityCalibration& calibration, LocalLandmarks& world, const TrackedFrame& frame,
                            Claims& claims, Alignment& found) {
@@ -383,7 +343,7 @@ bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& predi
   const auto second = FindSecond(T_odom_prev, prediction, world, frame, claims, found);
   if (!second) return false;
   const FrameMatches own = Contradicting(world, frame, found.matches, second->T_odom_c);
-  if (IsDisparityOffset(T_odom_prev, world, frame, found, own, *second, calibration)) return false;
+  if (IsDisparityOffset(T_odom_prev, world, frame, found, own, *second, calibration, camera_)) return false;
   bool guessed = false;
   const bool first_is_world =
       own.Weight() < kMinWeight || IsWorld(found, own, *second, T_odom_prev, prediction, frame, guessed);

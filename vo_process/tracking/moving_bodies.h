@@ -182,9 +182,6 @@ class MovingBodies {
   bool FindNew(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s,
                const DisparityCalibration& calibration, LocalLandmarks& world, const TrackedFrame& frame,
                Claims& claims, Alignment& found);
-  bool IsDisparityOffset(const SE3& T_odom_prev, const LocalLandmarks& world, const TrackedFrame& frame,
-                         const Alignment& first, const FrameMatches& of_first, const Alignment& second,
-                         const DisparityCalibration& calibration) const;
   std::optional<RivalMotion> FindRival(const FrameMatches& of_world, const TrackedFrame& frame);
   /// A second motion: matches of landmarks of the world with features of the frame, all of which contradict the
   /// first.

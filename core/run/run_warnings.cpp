@@ -139,8 +139,7 @@ const Row kRows[] = {
      [](const RunFindings& f) {
        return fmt::format(
            "{:.0f} % of the points have several equally good matches in their row (fences, tiles, containers): they "
-           "have "
-           "no depth, and tracking depends on the others",
+           "have no depth, and tracking depends on the others",
            100.0 * f.points_ambiguous / f.points_seen);
      },
      [](const RunFindings& f) {
@@ -176,8 +175,7 @@ const Row kRows[] = {
      [](const RunFindings& f) {
        return fmt::format(
            "disparities have an offset of up to {:.1f} px (sigma {:.2f} px), which would change lengths by {:.1f} %: "
-           "it "
-           "is corrected, but calibrate the cameras again",
+           "it is corrected, but calibrate the cameras again",
            f.disparity_error_px, f.disparity_sigma_px, f.length_error_percent);
      },
      [](const RunFindings& f) {

@@ -71,7 +71,8 @@ double DisparityCalibration::EstimateSigma_px(double u_px) const {
 
 // The posterior under the prior of usual rigs instead of the wide one that the filter starts with.
 DisparityCalibration::Rest DisparityCalibration::RestAt(double u_px) const {
-  const double variance = EstimateSigma_px(u_px) * EstimateSigma_px(u_px);
+  const double sigma_px = EstimateSigma_px(u_px);
+  const double variance = sigma_px * sigma_px;
   const double gain = kUsual_px * kUsual_px / (kUsual_px * kUsual_px + variance);
   return {applied_ ? 0.0 : gain * Estimate_px(u_px), std::sqrt(gain * variance)};
 }

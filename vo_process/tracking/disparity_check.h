@@ -49,10 +49,6 @@ class DisparityCheck {
   /// Whether the estimate is significant, the halves agree, and another estimate with this covariance agrees with it.
   bool Confirms(const Eigen::Vector3d& coefficients_px, const Eigen::Matrix3d& covariance_px2) const;
 
-  /// The estimate and its covariance; with the weak prior only, before the first stretch.
-  const Eigen::Vector3d& coefficients_px() const { return estimate_; }
-  Eigen::Matrix3d covariance_px2() const { return Information(all_).inverse(); }
-
   /// Adds the points of a tracked frame; `raw_disparities_px` are uncorrected, in the order of the frame's points.
   void Observe(const SE3& T_odom_c, const TrackedFrame& frame, const std::vector<double>& raw_disparities_px);
 

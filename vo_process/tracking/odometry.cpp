@@ -195,9 +195,11 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
 
 // All measurements so far contain the offset, or lack it, when it is first applied or no longer applied.
 void Odometry::CalibrateDisparities(TrackedFrame& frame, const std::vector<double>& raw_disparities_px) {
-  const DisparityCalibration before = calibration_;
+  const auto before = calibration_.learned();
   if (!calibration_.Observe(T_odom_c_, frame, raw_disparities_px)) return;
-  const auto change_px = [&](double u_px) { return calibration_.Offset_px(u_px) - before.Offset_px(u_px); };
+  const auto change_px = [&](double u_px) {
+    return before ? -DisparityErrorTerms(camera_, u_px).dot(before->coefficients_px) : calibration_.Offset_px(u_px);
+  };
   CorrectDisparities(frame.features, [&](const Eigen::Vector2d& left_px, double) { return change_px(left_px.x()); });
   landmarks_.Initialise(T_odom_c_, frame);
   keyframe_measurements_ = KeyframeMeasurements(camera_);

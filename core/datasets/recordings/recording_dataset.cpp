@@ -206,7 +206,7 @@ class RecordingDataset : public Dataset {
     }
   }
 
-  /// An encoding that is not known is told before a run begins.
+  /// Rejects unknown encodings of raw images before a run begins.
   void CheckEncodings() const {
     for (const auto& [channel, message] :
          {std::pair(&left_, images_.pairs.front().first), std::pair(&right_, images_.pairs.front().second)}) {

@@ -143,7 +143,8 @@ bool Verification::PassesPaperGates() const {
 bool Verification::HasInliers() const {
   const FoundPlace& place = evidence_.place;
   return place.inliers >= gates_.min_inliers && place.cells >= gates_.min_cells &&
-         place.Share() >= (evidence_.connected ? gates_.min_inlier_share : gates_.min_inlier_share_unconnected) &&
+         place.landmarks.Share() >=
+             (evidence_.connected ? gates_.min_inlier_share : gates_.min_inlier_share_unconnected) &&
          LargestEigenvalue(place.pose.covariance) <= gates_.max_eigenvalue;
 }
 

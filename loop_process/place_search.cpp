@@ -47,31 +47,10 @@ Shown<typename Type::Feature> ThatShow(const Map& map, int64_t keyframe_id, cons
   return shown;
 }
 
-// Where a landmark should appear; nullopt where it is not in view.
-std::optional<Eigen::Vector2d> Projection(const Eigen::Vector3d& p_w, const SE3& T_c_w, const StereoCamera& camera) {
-  const Eigen::Vector3d p_c = T_c_w * p_w;
-  if (p_c.z() < camera.MinDepth()) return std::nullopt;
-  const Eigen::Vector2d px = camera.Project(p_c);
-  return camera.InImage(px, 0.0) ? std::optional(px) : std::nullopt;
-}
-
 Eigen::Vector3d Middle(const MapPoint& point) { return point.p_w; }
 Eigen::Vector3d Middle(const MapLine& line) { return 0.5 * (line.segment_w.p + line.segment_w.q); }
 Eigen::Vector2d Middle(const StereoPoint& point) { return point.left.px; }
 Eigen::Vector2d Middle(const StereoLine& line) { return 0.5 * (line.left.segment.p + line.left.segment.q); }
-
-// Evidence of one feature type, each landmark with this weight.
-template <class Type>
-void Count(const Map& map, int64_t keyframe_id, const SE3& T_c_w, const StereoCamera& camera,
-           const std::vector<int64_t>& association, int weight, FoundPlace& place) {
-  std::vector<int64_t> shown = association;
-  std::sort(shown.begin(), shown.end());
-  for (const int64_t id : Type::Of(map, keyframe_id)) {
-    if (id < 0 || !Projection(Middle(*Type::Find(map, id)), T_c_w, camera)) continue;
-    place.expected += weight;
-    if (std::binary_search(shown.begin(), shown.end(), id)) place.found += weight;
-  }
-}
 
 size_t CellOf(double px, int first_px, int size_px) {
   return static_cast<size_t>(std::clamp(static_cast<int>((px - first_px) * kGrid / size_px), 0, kGrid - 1));
@@ -94,8 +73,7 @@ void Weigh(const Map& map, int64_t keyframe_id, const FeaturesView& features, co
            FoundPlace& place) {
   const SE3 T_c_w = place.pose.T_w_kf.Inverse();
   place.inliers = place.association.Weight();
-  Count<PointType>(map, keyframe_id, T_c_w, camera, place.association.points, 1, place);
-  Count<LineType>(map, keyframe_id, T_c_w, camera, place.association.lines, 2, place);
+  place.landmarks = CountExpected(map, keyframe_id, place.pose.T_w_kf, camera, place.association);
   std::array<bool, kGrid * kGrid> cells{};
   std::vector<double> depths;
   Spread<PointType>(map, T_c_w, camera, features.points, place.association.points, cells, depths);

@@ -18,15 +18,12 @@ struct FoundPlace {
   /// Features that show a landmark, and matches they were chosen from.
   int inliers = 0;
   int matches = 0;
-  /// Landmarks of the old keyframe itself that should be in the image, and those of them that are found there.
-  int expected = 0;
-  int found = 0;
+  /// Landmarks of the old keyframe itself.
+  ExpectedLandmarks landmarks;
   /// Cells of a 4 x 4 grid over the image that hold inliers.
   int cells = 0;
   /// Of the inliers' distances.
   double median_depth_m = 0.0;
-
-  double Share() const { return expected > 0 ? static_cast<double>(found) / expected : 0.0; }
 };
 
 /// A keyframe and the landmarks that it and its best neighbours see.

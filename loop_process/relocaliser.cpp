@@ -22,7 +22,8 @@ struct Answer {
 bool IsGood(const FoundPlace& place, const LoopOptions& options) {
   const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(place.pose.covariance, Eigen::EigenvaluesOnly);
   return place.inliers >= options.relocalisation.min_inliers &&
-         place.Share() >= options.relocalisation.min_inlier_share && place.cells >= options.verification.min_cells &&
+         place.landmarks.Share() >= options.relocalisation.min_inlier_share &&
+         place.cells >= options.verification.min_cells &&
          solver.eigenvalues().maxCoeff() <= options.verification.max_eigenvalue;
 }
 

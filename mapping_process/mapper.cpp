@@ -375,6 +375,10 @@ namespace {
 constexpr int kMinWeight = 20;
 // Associations from which a keyframe is recognised wherever it is.
 constexpr int kRecognisedWeight = 40;
+// Parts of the image that must show what the map has there before the first keyframe of a session is joined to it: at
+// the same place 3 of 4 do and more, of repeated furniture less than half. loop_process joins the others, once several
+// keyframes agree.
+constexpr double kRecognisedParts = 0.75;
 // Squared error of the tracker's motion, in its sigmas, that no motion has.
 constexpr double kElsewhere2 = 400.0;
 
@@ -499,11 +503,18 @@ void Mapper::BringTogether(const Keyframe& keyframe, Association& association, M
 void Mapper::Recognise(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const {
   const MapKeyframe& newest = map_.keyframes().rbegin()->second;
   const LocalMap local = LocalMapOf({}, newest.id, map_, options_.insertion.local_keyframes);
+  Association found = association;
   const auto pose =
-      RecognisePose(map_, local, keyframe.features, camera_, options_.localisation, kRecognisedWeight, association);
+      RecognisePose(map_, local, keyframe.features, camera_, options_.localisation, kRecognisedWeight, found);
   if (!pose) return;
+  const MapKeyframe& seen = *map_.FindKeyframe(MostSeen(found, map_));
+  SearchByProjection(map_, local, pose->T_w_kf, keyframe.features, camera_, options_.localisation, found);
+  // Furniture of which there are several looks the same at each place; what stands around it does not.
+  const ExpectedLandmarks landmarks = CountExpected(map_, seen.id, pose->T_w_kf, camera_, found);
+  if (landmarks.cells_shown < kRecognisedParts * landmarks.cells) return;
+  association = std::move(found);
   entry.T_w_kf = pose->T_w_kf;
-  entry.covariance = ComposeCovariance(newest.covariance, newest.T_w_kf.Inverse() * pose->T_w_kf, pose->covariance);
+  entry.covariance = ComposeCovariance(seen.covariance, seen.T_w_kf.Inverse() * pose->T_w_kf, pose->covariance);
 }
 
 }  // namespace plslam::mapping

@@ -2,6 +2,7 @@
 #include "core/localisation/local_map.h"
 
 #include <algorithm>
+#include <array>
 #include <set>
 
 #include "core/localisation/projection_search.h"
@@ -37,6 +38,44 @@ std::vector<char> WithoutLandmark(const std::vector<int64_t>& association) {
 
 void Add(const std::vector<LandmarkFeature>& found, std::vector<int64_t>& association) {
   for (const LandmarkFeature& pair : found) association[static_cast<size_t>(pair.feature)] = pair.landmark_id;
+}
+
+Eigen::Vector3d Middle(const MapPoint& point) { return point.p_w; }
+Eigen::Vector3d Middle(const MapLine& line) { return 0.5 * (line.segment_w.p + line.segment_w.q); }
+
+constexpr int kGrid = 4;
+constexpr int kEnoughExpected = 10;
+constexpr double kShown = 0.1;
+
+struct Cell {
+  int expected = 0;
+  int found = 0;
+};
+using Cells = std::array<Cell, size_t{kGrid} * kGrid>;
+
+Cell& CellAt(const Eigen::Vector2d& px, const StereoCamera& camera, Cells& cells) {
+  const auto place = [](double at_px, int first_px, int size_px) {
+    return std::clamp(static_cast<int>((at_px - first_px) * kGrid / size_px), 0, kGrid - 1);
+  };
+  return cells[static_cast<size_t>(place(px.y(), camera.top_px, camera.height_px) * kGrid +
+                                   place(px.x(), camera.left_px, camera.width_px))];
+}
+
+// Adds the landmarks of one type, each with this weight.
+template <class Type>
+void Count(const Map& map, int64_t keyframe_id, const SE3& T_c_w, const StereoCamera& camera,
+           std::vector<int64_t> association, int weight, Cells& cells) {
+  std::sort(association.begin(), association.end());
+  for (const int64_t id : Type::Of(map, keyframe_id)) {
+    if (id < 0) continue;
+    const Eigen::Vector3d p_c = T_c_w * Middle(*Type::Find(map, id));
+    if (p_c.z() < camera.MinDepth()) continue;
+    const Eigen::Vector2d px = camera.Project(p_c);
+    if (!camera.InImage(px, 0.0)) continue;
+    Cell& cell = CellAt(px, camera, cells);
+    cell.expected += weight;
+    if (std::binary_search(association.begin(), association.end(), id)) cell.found += weight;
+  }
 }
 
 }  // namespace
@@ -86,6 +125,23 @@ void SearchByProjection(const Map& map, const LocalMap& local, const SE3& T_w_kf
   Add(SearchLines(map, local.lines, T_w_kf, features.lines, WithoutLandmark(association.lines), radius_px, looked,
                   options),
       association.lines);
+}
+
+ExpectedLandmarks CountExpected(const Map& map, int64_t keyframe_id, const SE3& T_w_c, const StereoCamera& camera,
+                                const Association& association) {
+  Cells cells;
+  const SE3 T_c_w = T_w_c.Inverse();
+  Count<PointType>(map, keyframe_id, T_c_w, camera, association.points, 1, cells);
+  Count<LineType>(map, keyframe_id, T_c_w, camera, association.lines, 2, cells);
+  ExpectedLandmarks landmarks;
+  for (const Cell& cell : cells) {
+    landmarks.expected += cell.expected;
+    landmarks.found += cell.found;
+    if (cell.expected < kEnoughExpected) continue;
+    ++landmarks.cells;
+    if (cell.found >= kShown * cell.expected) ++landmarks.cells_shown;
+  }
+  return landmarks;
 }
 
 }  // namespace plslam

@@ -40,4 +40,21 @@ LocalMap LocalMapOf(const Association& association, int64_t previous_id, const M
 void SearchByProjection(const Map& map, const LocalMap& local, const SE3& T_w_kf, const FeaturesView& features,
                         const StereoCamera& camera, const LocalisationOptions& options, Association& association);
 
+/// Landmarks of a keyframe that should be in the image of a camera, and those of them that its features show. Lines
+/// count twice.
+struct ExpectedLandmarks {
+  int expected = 0;
+  int found = 0;
+  /// Cells of a 4 x 4 grid over the image that should hold at least ten, and those in which a tenth of them is found.
+  int cells = 0;
+  int cells_shown = 0;
+
+  double Share() const { return expected > 0 ? static_cast<double>(found) / expected : 0.0; }
+};
+
+/// Counts what a camera at `T_w_c` should see of a keyframe (which is of the map): landmarks that project into the
+/// image, in front of the camera, and those among them that are associated.
+ExpectedLandmarks CountExpected(const Map& map, int64_t keyframe_id, const SE3& T_w_c, const StereoCamera& camera,
+                                const Association& association);
+
 }  // namespace plslam

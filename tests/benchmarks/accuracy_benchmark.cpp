@@ -137,8 +137,8 @@ void PrintLoop(const char* what, const plslam::test::LoopOfRun& loop) {
       "drift %.1f "
       "| moved %.2f m %.1f deg | off by %.3f m %.2f deg%s\n",
       what, static_cast<long>(loop.frame), static_cast<long>(loop.old_frame), loop.score,
-      plslam::loop::LoopVerdictName(e.verdict), e.place.inliers, e.place.matches, e.place.cells, e.place.Share(),
-      e.reverse_inliers, e.confirming, e.drift_chi2, e.edge.T_old_kf.translation().norm(),
+      plslam::loop::LoopVerdictName(e.verdict), e.place.inliers, e.place.matches, e.place.cells,
+      e.place.landmarks.Share(), e.reverse_inliers, e.confirming, e.drift_chi2, e.edge.T_old_kf.translation().norm(),
       e.edge.T_old_kf.Log().tail<3>().norm() * 57.3, loop.error_m, loop.error_deg, loop.IsFalse() ? " FALSE" : "");
 }
 

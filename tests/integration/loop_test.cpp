@@ -103,7 +103,7 @@ TEST(Loops, KilledLoopProcessIsStartedAgainAndTheRunGoesOn) {
 }
 
 TEST(SavedMap, IsLocalisedInWithoutChangingIt) {
-  WholeRun first, second, third;
+  WholeRun first, second;
   const std::string map = (first.folder() / "room.plmap").string();
   ASSERT_EQ(first.Run({"run", "synthetic:room?size=376x240&speed=2", "--save-map", map}), 0) << first.Logs();
   ASSERT_TRUE(std::filesystem::exists(map)) << first.Logs();
@@ -119,13 +119,17 @@ TEST(SavedMap, IsLocalisedInWithoutChangingIt) {
   EXPECT_EQ(second.Summary()["map"]["keyframes"], first.Summary()["map"]["keyframes"]);
   EXPECT_EQ(std::filesystem::file_size(again), std::filesystem::file_size(map));
 
-  // A second lap from elsewhere on goes on in the same map: it is one with what was there.
-  ASSERT_EQ(third.Run({"run", "synthetic:room?size=376x240&speed=2", "--map", map, "--start", "40"}), 0)
-      << third.Logs();
-  EXPECT_GT(third.Summary()["map"]["keyframes"], first.Summary()["map"]["keyframes"]);
-  const Agreement joined = Compare(ReadPath(first, "trajectory.tum"), ReadPath(third, "trajectory.tum"));
-  EXPECT_GT(joined.common, 0);
-  EXPECT_GE(joined.close, 95 * joined.common / 100) << "of " << joined.common << '\n' << third.Logs();
+  // A second lap from elsewhere on goes on in the same map: it is one with what was there. The bookcase that frames 40
+  // and 42 show stands a second time in the room, where the first lap ends.
+  for (const char* start : {"40", "42"}) {
+    WholeRun later;
+    ASSERT_EQ(later.Run({"run", "synthetic:room?size=376x240&speed=2", "--map", map, "--start", start}), 0)
+        << later.Logs();
+    EXPECT_GT(later.Summary()["map"]["keyframes"], first.Summary()["map"]["keyframes"]);
+    const Agreement joined = Compare(ReadPath(first, "trajectory.tum"), ReadPath(later, "trajectory.tum"));
+    EXPECT_GT(joined.common, 0);
+    EXPECT_GE(joined.close, 95 * joined.common / 100) << "of " << joined.common << '\n' << later.Logs();
+  }
 }
 
 /// A map of the first 60 frames of a lap of 150.

@@ -132,6 +132,33 @@ TEST_P(PoseRefinement, LooksAloneDoNotMakeAPlace) {
   EXPECT_FALSE(Recognise(association)) << association.Weight() << " of " << truth_.Weight();
 }
 
+TEST_P(PoseRefinement, ExpectedLandmarksAreThoseInView) {
+  MapKeyframe keyframe;
+  keyframe.id = 0;
+  map_.Put(keyframe);
+  for (const auto& [id, point] : map_.points()) {
+    MapPoint seen = point;
+    seen.observations = {{0, static_cast<int32_t>(id)}};
+    map_.Put(seen);
+  }
+  for (const auto& [id, line] : map_.lines()) {
+    MapLine seen = line;
+    seen.observations = {{0, static_cast<int32_t>(id)}};
+    map_.Put(seen);
+  }
+  const ExpectedLandmarks all = CountExpected(map_, 0, T_w_c_, FeatureWorld::Camera(), truth_);
+  EXPECT_GE(all.found, 9 * truth_.Weight() / 10) << "a line may end in the image and have its middle outside";
+  EXPECT_LE(all.found, truth_.Weight());
+  EXPECT_LT(all.expected, GetParam().points + 2 * GetParam().lines) << "some are behind the camera";
+  Association half = truth_;
+  for (size_t i = 0; i < half.points.size(); i += 2) half.points[i] = -1;
+  for (size_t i = 0; i < half.lines.size(); i += 2) half.lines[i] = -1;
+  EXPECT_NEAR(CountExpected(map_, 0, T_w_c_, FeatureWorld::Camera(), half).Share(), all.Share() / 2, 0.05);
+  EXPECT_EQ(all.cells_shown, all.cells);
+  const SE3 T_w_turned = T_w_c_ * SE3(ExpSO3(Eigen::Vector3d(0.0, 3.1, 0.0)), Eigen::Vector3d::Zero());
+  EXPECT_LT(CountExpected(map_, 0, T_w_turned, FeatureWorld::Camera(), truth_).found, all.found / 4);
+}
+
 std::string Name(const testing::TestParamInfo<FeatureWorld::Counts>& counts) {
   return std::to_string(counts.param.points) + "Points" + std::to_string(counts.param.lines) + "Lines";
 }

@@ -36,7 +36,7 @@ std::string Told(const loop::LoopSearch& search) {
   std::string text = "looked at:";
   for (const loop::LoopEvidence& e : search.evidence) {
     text += fmt::format(" {} {} inliers {} cells {} share {} back {} confirming {};", e.edge.old_keyframe_id,
-                        loop::LoopVerdictName(e.verdict), e.place.inliers, e.place.cells, e.place.Share(),
+                        loop::LoopVerdictName(e.verdict), e.place.inliers, e.place.cells, e.place.landmarks.Share(),
                         e.reverse_inliers, e.confirming);
   }
   return text;

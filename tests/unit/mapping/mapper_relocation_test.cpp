@@ -140,6 +140,26 @@ TEST_F(Relocation, FirstKeyframeOfASessionIsFoundFarFromTheNewest) {
             mapper_.map().keyframes().size());
 }
 
+// A bookcase as another that the newest keyframe sees; all around it is different.
+TEST_F(Relocation, RepeatedFurnitureDoesNotJoinASessionToTheMap) {
+  world_ = test::MakeRing(kRadius_m, 2000, 300, 3);
+  ASSERT_NO_FATAL_FAILURE(Insert(Session(7, 0, 40)));
+  const StereoFeatures bookcase = world_.Observe(path_[39], 0.4, 99);
+  StereoFeatures seen = test::MakeRing(kRadius_m, 2000, 300, 77).Observe(path_[60], 0.4, 99);
+  const double middle_px = FeatureWorld::Camera().left_px + FeatureWorld::Camera().width_px / 2.0;
+  for (const StereoPoint& point : bookcase.points) {
+    if (point.left.px.x() < middle_px) seen.points.push_back(point);
+  }
+  for (const StereoLine& line : bookcase.lines) {
+    if (line.left.segment.p.x() < middle_px) seen.lines.push_back(line);
+  }
+  Keyframe first = test::MakeKeyframe(nullptr, T_wrong_, seen);
+  first.session = 8;
+  ASSERT_NO_FATAL_FAILURE(Insert(first));
+  EXPECT_LT(Newest().parent_id, 0);
+  EXPECT_EQ(MapGraph(mapper_.map()).Component(Newest().id, MapGraph::Edges::kAll).size(), 1U);
+}
+
 // What the tracker was given is of another map, say: a wrong landmark for each feature.
 TEST_F(Relocation, ClaimsThatFitNowhereMoveNothing) {
   const Walk walk = Session(7, 0, 25);

@@ -54,6 +54,12 @@ TEST(RunWarnings, ConditionsOfEachRow) {
        "only 1.0 % of the points of the left ones: left and right may be exchanged, not taken at the same time, or "
        "badly "
        "calibrated; `plslam rectify-check '/data/kitti 03'` tells"},
+      {"repeated_texture",
+       [](RunFindings& f) {
+         f.points_seen = 10'000;
+         f.points_ambiguous = 3'400;
+       },
+       "34 % of the points have several equally good matches in their row"},
       {"cameras_out_of_step",
        [](RunFindings& f) {
          f.right_late_ms = 93.04;
@@ -64,12 +70,6 @@ TEST(RunWarnings, ConditionsOfEachRow) {
        "player.right_offset_frames=-1`"},
       {"readout_differs", [](RunFindings& f) { f.unequal_readout_ms = 12.5; }, "takes 12.5 ms longer"},
       {"rows_corrected_far", [](RunFindings& f) { f.corner_rows_px = 12.34; }, "by up to 12.3 px in the corners"},
-      {"repeated_texture",
-       [](RunFindings& f) {
-         f.points_seen = 10'000;
-         f.points_ambiguous = 3'400;
-       },
-       "34 % of the points have several equally good matches in their row"},
       {"disparities_off",
        [](RunFindings& f) {
          f.disparity_error_px = 3.44;

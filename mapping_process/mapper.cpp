@@ -322,7 +322,7 @@ void Mapper::Cull() {
 void Mapper::Forget() {
   const auto max_keyframes = static_cast<size_t>(options_.max_keyframes);
   if (map_.keyframes().size() <= max_keyframes) return;
-  const auto last_of = [this](const auto& session) { return session.second.keyframe_id; };
+  const auto last_of = [](const auto& session) { return session.second.keyframe_id; };
   std::vector<int64_t> newest;
   std::transform(sessions_.begin(), sessions_.end(), std::back_inserter(newest), last_of);
   std::sort(newest.begin(), newest.end(), std::greater<>());

@@ -16,6 +16,9 @@ namespace {
 constexpr double kCoarseStep = 0.25;
 constexpr double kFineStep = 1e-3;
 constexpr double kConvergedStep = 1e-2;
+// Gauss-Newton iterations of each step. The covariances of the residuals follow the pose, so that convergence is linear
+// where few landmarks are seen: with a factor of 0.87 on a white wall, where 10 iterations are not enough.
+constexpr int kMaxIterations = 20;
 // Covariances of the residuals follow the pose, so even a good step may raise the cost by a trifle.
 constexpr double kToleratedRise = 1e-3;
 constexpr double kMinDamping = 1e-9;
@@ -116,7 +119,7 @@ Solution Estimator::Solve(const SE3& initial, double stop_step, ActiveSet& activ
   Solution now{initial, Build(initial, active)};
   double damping = kMinDamping;
   int may_hide = std::max(1, static_cast<int>(kMayHide * active.Count()));
-  for (int i = 0; i < options_.max_iterations; ++i) {
+  for (int i = 0; i < kMaxIterations; ++i) {
     const Matrix6d H = now.equations.H();
     Matrix6d damped = H;
     damped.diagonal() *= 1.0 + damping;

@@ -7,8 +7,6 @@ namespace plslam {
 
 /// Robust motion estimation (PL-SLAM §IV.C).
 struct MotionOptions {
-  /// Gauss-Newton iterations of each of the two steps.
-  int max_iterations = 10;
   /// Where pseudo-Huber turns linear, in standard deviations.
   double huber_delta = 1.0;
   /// Floor of the robust scale of the residuals.

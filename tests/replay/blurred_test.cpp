@@ -20,5 +20,13 @@ TEST(Blurred, WhitewallIsTrackedInFastMotion) {
   EXPECT_LT(error_m, 0.2) << "over 9 m";
 }
 
+// Few landmarks on a white wall: the motion of frame 22 needs more than ten iterations to converge.
+TEST(WhiteWall, NoFrameIsLostToSlowConvergence) {
+  const auto dataset = OpenDataset("synthetic:whitewall?seed=6", "");
+  const SlamRun run = RunSlam(*dataset, {}, {}, 1);
+  EXPECT_EQ(LostFrames(run.live), 0);
+  EXPECT_LT(AbsoluteTrajectoryError(run.final), 0.01) << "over 13 m";
+}
+
 }  // namespace
 }  // namespace plslam::test

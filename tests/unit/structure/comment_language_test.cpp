@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <array>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/structure/source_tree.h"
+
+namespace plslam {
+namespace {
+
+// Sentences that begin with one of these have their subject late or not at all.
+constexpr double kMostWithoutSubject = 0.01;
+// Shorter ones are noun phrases.
+constexpr int kSentenceWords = 4;
+
+struct Sentence {
+  std::string path;
+  size_t line = 0;
+  std::string text;
+
+  std::string Where() const { return path + ":" + std::to_string(line) + ": " + text; }
+};
+
+int CountWords(const std::string& text) {
+  static const std::regex kWord(R"(\S+)");
+  return static_cast<int>(
+      std::distance(std::sregex_iterator(text.begin(), text.end(), kWord), std::sregex_iterator()));
+}
+
+// A sentence ends at a full stop, colon, question or exclamation mark before a capital letter or code.
+void Split(const std::string& comment, const std::string& path, size_t line, std::vector<Sentence>& sentences) {
+  static const std::regex kEnd(R"([.:!?]\s+(?=[A-Z`]))");
+  std::sregex_token_iterator part(comment.begin(), comment.end(), kEnd, -1);
+  for (; part != std::sregex_token_iterator(); ++part) {
+    if (CountWords(*part) >= kSentenceWords) sentences.push_back({path, line, *part});
+  }
+}
+
+// Comments of whole lines, consecutive ones joined, and those behind code.
+std::vector<Sentence> Sentences(const test::SourceFile& file) {
+  static const std::regex kWhole(R"(^\s*///?<?\s?(.*)$)");
+  static const std::regex kBehindCode(R"([;{,)]\s+///?<?\s?(.*)$)");
+  std::vector<Sentence> sentences;
+  std::string comment;
+  size_t begin = 0;
+  for (size_t i = 1; i <= file.lines.size(); ++i) {
+    const std::string line = i < file.lines.size() ? file.lines[i] : "";
+    std::smatch match;
+    if (std::regex_match(line, match, kWhole)) {
+      if (comment.empty()) begin = i + 1;
+      comment += match[1].str() + " ";
+      continue;
+    }
+    Split(comment, file.path, begin, sentences);
+    comment.clear();
+    if (std::regex_search(line, match, kBehindCode)) Split(match[1], file.path, i + 1, sentences);
+  }
+  return sentences;
+}
+
+std::string Unquoted(const std::string& text) {
+  static const std::regex kQuoted("\"[^\"]*\"|`[^`]*`");
+  return std::regex_replace(text, kQuoted, "");
+}
+
+TEST(Language, SentencesBeginWithTheirSubject) {
+  static const std::regex kWithoutSubject(R"(^(Of|What|Where|Whoever|Those|Whose|That)\b)");
+  size_t all = 0;
+  std::vector<Sentence> found;
+  for (const test::SourceFile& file : test::AllSourceFiles()) {
+    for (const Sentence& sentence : Sentences(file)) {
+      ++all;
+      if (std::regex_search(sentence.text, kWithoutSubject)) found.push_back(sentence);
+    }
+  }
+  ASSERT_GT(all, 5000U) << "the comments are found";
+  std::string list;
+  for (const Sentence& sentence : found) list += sentence.Where() + "\n";
+  EXPECT_LE(static_cast<double>(found.size()), kMostWithoutSubject * static_cast<double>(all)) << list;
+}
+
+TEST(Language, CommentsAreInTheFieldsWords) {
+  static const std::regex kDialect(
+      R"(\b([Tt]old|[Aa]new|[Ii]n the place of|[Nn]obody|[Ww]hoever|[Ss]aid of|[Gg]oes on)\b)");
+  for (const test::SourceFile& file : test::AllSourceFiles()) {
+    if (file.path.ends_with("comment_language_test.cpp")) continue;
+    for (const Sentence& sentence : Sentences(file)) {
+      EXPECT_FALSE(std::regex_search(Unquoted(sentence.text), kDialect)) << sentence.Where();
+    }
+  }
+}
+
+TEST(Language, SentencesAreRecognised) {
+  const test::SourceFile file{
+      "a.h",
+      {"// SPDX", "/// Of a frame that was lost. Returns the", "/// pose of the frame: What `Of it` is left.",
+       "int a;  // what nobody needs here", "// Short one."}};
+  std::vector<std::string> texts;
+  for (const Sentence& sentence : Sentences(file)) texts.push_back(sentence.text);
+  ASSERT_EQ(texts.size(), 4U);
+  EXPECT_EQ(texts[0], "Of a frame that was lost");
+  EXPECT_EQ(texts[1], "Returns the pose of the frame");
+  EXPECT_EQ(texts[3], "what nobody needs here");
+  EXPECT_EQ(Unquoted("the `Of it` \"told\" rest"), "the   rest");
+}
+
+}  // namespace
+}  // namespace plslam

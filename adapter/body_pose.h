@@ -8,7 +8,7 @@
 
 namespace plslam::adapter {
 
-/// What the tracker says of a frame, in the frames of docs/frames.md. Covariances are those of right perturbations.
+/// The tracker's pose of a frame, in the frames of docs/frames.md. Covariances are those of right perturbations.
 struct CameraPose {
   int64_t t_ns = 0;
   SE3 T_w_odom;
@@ -16,26 +16,26 @@ struct CameraPose {
   Matrix6d covariance = Matrix6d::Zero();
   SE3 T_prev_c;
   Matrix6d motion_covariance = Matrix6d::Zero();
-  /// Since the frame that `T_prev_c` is of; nullopt where it is not known.
+  /// Time since the frame of `T_prev_c`; nullopt if it is not known.
   std::optional<double> dt_s;
 };
 
-/// The same of the robot's body b (x forward, z up), as ROS has it (REP 103, 105). The frames map and odom are those
-/// of w and odom with the axes of the body: where the first keyframe was made, the body stands at the origin of map
-/// and looks along x.
+/// The pose of the robot's body b (x forward, z up) in the conventions of ROS (REP 103, 105). The frames map and odom
+/// are w and odom with the axes of the body: at the first keyframe, the body is at the origin of map and faces along x.
 struct BodyPose {
   int64_t t_ns = 0;
   SE3 T_map_odom;
   SE3 T_odom_b;
   SE3 T_map_b;
-  /// Of [position; rotation about the fixed axes] in odom, as in geometry_msgs/PoseWithCovariance.
+  /// Covariance of [position; rotation about the fixed axes] in odom, as in geometry_msgs/PoseWithCovariance.
   Matrix6d covariance = Matrix6d::Zero();
-  /// [linear; angular] in b, the mean since the frame before; and its covariance. nullopt where time is not known.
+  /// [linear; angular] in b, the mean since the previous frame; and its covariance. nullopt if the time step is not
+  /// known.
   std::optional<Vector6d> velocity;
   Matrix6d velocity_covariance = Matrix6d::Zero();
 };
 
-/// `T_b_c` as `BodyFromCamera` has it.
+/// `T_b_c` is that of `BodyFromCamera`.
 BodyPose ToBody(const SE3& T_b_c, const CameraPose& camera);
 
 /// A point of the map w in the robot's frame map.

@@ -9,7 +9,7 @@
 
 namespace plslam::adapter {
 
-/// The adapter's own part of its command line; what is given here wins over the configuration.
+/// The adapter's own command-line arguments, which override the configuration.
 class AdapterCommandLine {
  public:
   /// `app` is a CLI::App*.

@@ -8,26 +8,26 @@
 
 namespace plslam::adapter {
 
-/// An image as a message of another program describes it; nothing of it has been checked.
+/// An image as described by a message of another program; not checked.
 struct ForeignImage {
   int64_t t_ns = 0;
   int64_t width_px = 0, height_px = 0;
   int64_t step_bytes = 0;  ///< from one row to the next; 0: without padding
-  /// Of pixels, as ROS names it ("mono8", "bayer_rggb8"); empty: `bytes` is a JPEG or PNG file.
+  /// Encoding of the pixels in ROS ("mono8", "bayer_rggb8"); empty: `bytes` is a JPEG or PNG file.
   std::string encoding;
   bool is_big_endian = false;
   std::vector<uint8_t> bytes;
 };
 
-/// The name that ROS has for a `bot_core.image_t.pixelformat` (a number of Video4Linux: four characters), empty for
-/// JPEG. Throws DatasetError for other formats.
+/// Returns the ROS name of a `bot_core.image_t.pixelformat` (a number of Video4Linux: four characters), empty for JPEG.
+/// Throws DatasetError for other formats.
 std::string EncodingOfPixelFormat(int32_t pixelformat);
 
-/// Its pixels in grey; `white` is the white level of 16 bits. Throws DatasetError where they are not of the size
-/// `expected`, or not all there; nothing is decoded before the size is known.
+/// Returns its pixels in grey; `white` is the white level of 16 bits. Throws DatasetError if they are not of the size
+/// `expected`, or incomplete; the size is checked before decoding.
 cv::Mat GreyOf(const ForeignImage& image, const cv::Size& expected, int white);
 
-/// The largest value of pixels of 16 bits, at least 1; 0 for others. Throws like `GreyOf`.
+/// Returns the largest value of 16-bit pixels, at least 1; 0 for others. Throws like `GreyOf`.
 int LargestWideValue(const ForeignImage& image, const cv::Size& expected);
 
 }  // namespace plslam::adapter

@@ -14,9 +14,9 @@ namespace plslam::adapter {
 
 enum class Side { kLeft = 0, kRight = 1 };
 
-/// Puts left and right images together by their stamps, whichever comes first, up to 1.5 s later: a busy robot, or a log
-/// of one, delays messages so long. An image whose partner has not come when a later pair is complete, after that time,
-/// or when too many wait, stays unpaired and is counted.
+/// Pairs left and right images by their stamps, in any order of arrival, up to 1.5 s later: a busy robot, or a log of
+/// one, may delay messages for so long. An image whose partner has not arrived when a later pair is complete, after
+/// that time, or when too many wait, stays unpaired and is counted.
 template <class Image>
 class StampPairing {
  public:

@@ -14,11 +14,11 @@
 namespace plslam::camera {
 namespace {
 
-/// For files to be opened and their first images to be decoded.
+/// Limit for opening files and decoding their first images.
 constexpr GstClockTime kPrepareLimit = 10 * GST_SECOND;
-/// What has failed says why a little later, from a thread of its own.
+/// A failed element reports its reason a little later, on its own thread.
 constexpr GstClockTime kComplaintLimit = GST_SECOND / 2;
-/// Of each camera; live, the oldest is dropped where there are more.
+/// Buffers of each camera; of live cameras, the oldest is dropped when there are more.
 constexpr guint kMostBuffers = 4;
 constexpr size_t kLongestDetails = 120;
 
@@ -44,7 +44,7 @@ std::string SentenceOf(GstMessage* message) {
   gchar* debug = nullptr;
   gst_message_parse_error(message, &error, &debug);
   const std::string details = debug == nullptr ? "" : debug;
-  // The first line is the place in GStreamer's own source.
+  // The first line is the location in GStreamer's own source.
   const size_t line = details.find('\n');
   std::string more = line == std::string::npos ? "" : details.substr(line + 1);
   for (char& c : more) c = c == '\n' ? ' ' : c;

@@ -16,20 +16,20 @@ namespace plslam::camera {
 /// in GStreamer's own words.
 class CameraPipeline {
  public:
-  /// Builds it, and gets it as far as it goes without playing: devices and files are opened, and of what is not live
-  /// the first images are decoded. `wakeup`, which must live longer, is called when there is something new.
+  /// Builds the pipeline and prepares it without playing: devices and files are opened, and the first images of a
+  /// source that is not live are decoded. `wakeup`, which must outlive it, is called on each event.
   CameraPipeline(const std::string& text, Wakeup* wakeup);
   ~CameraPipeline();
   CameraPipeline(const CameraPipeline&) = delete;
   CameraPipeline& operator=(const CameraPipeline&) = delete;
 
-  /// Images come when they are taken; what is not live waits until it is asked for the next one.
+  /// Live images arrive at their own time; a source that is not live waits for the next request.
   bool is_live() const { return is_live_; }
   void Play();
-  /// The next image of a camera, where there is one. Its time is that of capture on the clock of the pipeline
-  /// (GStreamer's system clock, which is steady) where it is live, and otherwise counts from the begin of the stream.
+  /// Returns the next image of a camera, if there is one. Its time is that of capture on the clock of the pipeline
+  /// (GStreamer's system clock, which is steady) if it is live, and otherwise counts from the beginning of the stream.
   std::optional<CapturedImage> Take(Side side);
-  /// Why no more images come; empty where all is well.
+  /// Returns the reason why images have stopped; empty if they have not.
   std::string Failure();
   /// The stream of a camera has ended, and its last image has been taken.
   bool ended(Side side) const;
@@ -40,7 +40,7 @@ class CameraPipeline {
   bool is_live_ = false;
 };
 
-/// Difference of UTC from the clock of live pipelines, now.
+/// Returns the current offset of UTC from the clock of live pipelines.
 int64_t UtcOfGstClock_ns();
 
 }  // namespace plslam::camera

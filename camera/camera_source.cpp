@@ -17,14 +17,14 @@ using std::chrono::milliseconds;
 constexpr milliseconds kTick{100};
 constexpr milliseconds kFirstPause{200};
 constexpr milliseconds kLongestPause{2000};
-/// A camera that gives nothing for so long, and for so many periods, hangs. The first image takes longer.
+/// A camera without an image for this time, and for so many periods, counts as stuck. The first image takes longer.
 constexpr milliseconds kSilence{2000};
 constexpr milliseconds kFirstSilence{10000};
 constexpr int64_t kSilentPeriods = 20;
 constexpr std::chrono::seconds kStall{10};
 constexpr int64_t kClockStep_ns = 1'000'000'000;
 constexpr int64_t kUsualPeriod_ns = 50'000'000;
-/// What is not live waits meanwhile.
+/// A source that is not live waits when this many pairs are queued.
 constexpr size_t kEnoughWaiting = 2;
 
 int64_t Nanoseconds(double ms) { return static_cast<int64_t>(1e6 * ms); }
@@ -70,7 +70,8 @@ int64_t CameraSource::period_ns() const {
   return live_.rig.rate_hz > 0.0 ? static_cast<int64_t>(1e9 / live_.rig.rate_hz) : kUsualPeriod_ns;
 }
 
-/// What is not live is played anew, and passed over until there: it cannot be told where an image lies in a file.
+/// Files are played again from their beginning, and skipped up to the resume point: the position of an image in a file
+/// cannot be computed.
 int64_t CameraSource::Begin(const std::optional<stream::ResumePoint>& behind) {
   behind_t_ns_ = behind ? behind->t_ns : std::numeric_limits<int64_t>::min();
   last_frame_ = Clock::now();
@@ -153,7 +154,7 @@ void CameraSource::TakeImages() {
   wakeup_.WaitFor(kTick);
 }
 
-/// What is not live may come over a network, and cannot be built again where it was.
+/// A stream that is not live may arrive over a network, and its pipeline cannot be rebuilt at the same position.
 void CameraSource::TellOfStall() {
   if (is_live_ || !outage_.empty() || Clock::now() - waits_since_ < kStall) return;
   outage_ = fmt::format("the stream gives no images for {} s", kStall.count());
@@ -169,7 +170,7 @@ void CameraSource::OnFailure(const std::string& why) {
   pipeline_.reset();
 }
 
-/// Tries it once. Whether frames come is seen later.
+/// Tries once to rebuild the pipeline. Whether frames arrive is checked later.
 void CameraSource::BuildAgain() {
   listener_.on_outage(outage_);
   const std::chrono::duration<double> silent = Clock::now() - last_frame_;
@@ -205,7 +206,7 @@ stream::LoadedFrame CameraSource::MakeFrame(CapturedPair pair) {
   return frame;
 }
 
-/// A source without a single frame is none.
+/// A source without a single frame is an error.
 std::optional<stream::LoadedFrame> CameraSource::End() const {
   constexpr Clock::time_point kNever{};
   const bool resumed = behind_t_ns_ != std::numeric_limits<int64_t>::min();
@@ -218,8 +219,8 @@ std::optional<stream::LoadedFrame> CameraSource::End() const {
       live_.source.max_skew_ms)));
 }
 
-/// Files: what is behind the frame that was sent last. Live frames are new, whatever the clock of the process before
-/// has said; only a step back of less than a second is passed over, since the stream goes on.
+/// Files: images after the frame that was sent last are new. Live frames are new, regardless of the clock of a previous
+/// process; only frames after a clock step back of less than a second are skipped, since the stream continues.
 bool CameraSource::IsNew(int64_t t_ns) const {
   if (!is_live_) return t_ns > behind_t_ns_;
   const bool is_later = last_t_ns_ == std::numeric_limits<int64_t>::min() || t_ns > last_t_ns_;
@@ -234,7 +235,7 @@ std::optional<stream::LoadedFrame> CameraSource::Next() {
       continue;
     }
     if (pipeline_ && MayEnd(live_.source.type) && IsOver()) {
-      // One that fails ends its streams, too, after it has said so.
+      // A pipeline that fails ends its streams, too, after it has reported the failure.
       const std::string failure = pipeline_->Failure();
       if (failure.empty()) return End();
       OnFailure(failure);

@@ -22,21 +22,21 @@ namespace plslam::camera {
 
 /// Frames of two live cameras, or of two video files, through GStreamer.
 ///
-/// Times of live frames are UTC: the capture time that the driver gives, on a steady clock, and the difference of UTC
-/// from that clock at the start. Those of files count from their begin. A pipeline of live cameras that fails, ends
-/// or falls silent is built again, with pauses that grow, until frames come; `give_up_s` after the last frame it is
-/// given up, and `Next` throws. At the start there is nothing to wait for: a failure is thrown at once, unless
-/// frames go on behind those of a process that was killed.
+/// Times of live frames are UTC: the capture time from the driver, on a steady clock, plus the offset of UTC from that
+/// clock at the start. Times of files count from their beginning. A pipeline of live cameras that fails, ends or falls
+/// silent is rebuilt, with growing pauses, until frames come; `give_up_s` after the last frame it is given up, and
+/// `Next` throws. At the start a failure is thrown at once, unless the process resumes after the frames of one that was
+/// killed.
 class CameraSource : public stream::FrameSource {
  public:
   struct Listener {
-    /// After each frame: numbers for the status.
+    /// Called after each frame: numbers for the status.
     std::function<void(const CaptureHealth& health, const Pairing& pairing)> on_frame;
-    /// Frames do not come any more, and why; empty: they come again.
+    /// Called with the reason when frames stop; with an empty one when they come again.
     std::function<void(const std::string& why)> on_outage;
   };
 
-  /// Throws std::runtime_error where the pipeline cannot be built.
+  /// Throws std::runtime_error if the pipeline cannot be built.
   CameraSource(LiveRig live, bool resumes, Listener listener);
 
   std::string name() const override { return live_.path; }
@@ -88,7 +88,7 @@ class CameraSource : public stream::FrameSource {
   std::array<Clock::time_point, 2> last_images_;
   Clock::time_point built_;
   std::chrono::milliseconds pause_;
-  std::string outage_;  // why no frames come; empty: they do
+  std::string outage_;  // reason why no frames arrive; empty: they do
 };
 
 }  // namespace plslam::camera

@@ -10,21 +10,21 @@
 
 namespace plslam::camera {
 
-/// How good what two cameras give is: numbers of the last few seconds (rate, skew), and counts since the start.
+/// Quality of the frames of two cameras: values over the last few seconds (rate, skew), and counts since the start.
 class CaptureHealth {
  public:
-  /// `rate_hz` is what the cameras should give; 0: what they mostly give.
+  /// `rate_hz` is the nominal rate of the cameras; 0: their most frequent rate.
   explicit CaptureHealth(double rate_hz) : nominal_hz_(rate_hz) {}
 
   void Add(const CapturedPair& pair);
-  /// What lies between the last pair and the next one is not counted as missing frames.
+  /// The gap between the last pair and the next one is not counted as missing frames.
   void Interrupt() { last_t_ns_.reset(); }
 
   double rate_hz() const;
-  /// Median of the times between the left and the right image, without sign.
+  /// Median absolute time between the left and the right image.
   double skew_ms() const;
   int64_t pairs() const { return pairs_; }
-  /// Frames that should have come between two others.
+  /// Number of frames missing between received ones.
   int64_t missing() const { return missing_; }
   /// Pairs with an image that is mostly white, or mostly black.
   int64_t overexposed() const { return overexposed_; }

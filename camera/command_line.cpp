@@ -18,7 +18,7 @@ void CameraCommandLine::AddTo(void* app) {
   cli.add_option("--pace", pace_, "realtime (default); lockstep for files, where each frame waits for the last pose");
   cli.add_flag("--resume", resume_, "go on behind the frames that have a pose on the bus: after a crash");
   cli.add_flag("--exit", exit_, "end when all of a source that ends is sent and acknowledged");
-  // An end of its own, as --version has it: no bus is needed for it.
+  // Exits like --version: no bus is needed for it.
   cli.add_flag_callback(
       "--print-pipeline",
       [this] {

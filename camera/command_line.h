@@ -9,7 +9,7 @@
 
 namespace plslam::camera {
 
-/// The camera's own part of its command line; what is given here wins over the configuration.
+/// The camera's own command-line arguments, which override the configuration.
 class CameraCommandLine {
  public:
   /// `app` is a CLI::App*.

@@ -7,12 +7,12 @@
 
 namespace plslam::camera {
 
-/// Which cameras are read, and how; the rest stands in the rig file.
+/// The cameras to read, and the pace; all other settings are in the rig file.
 struct CameraOptions {
   std::string rig;
   std::string pace = "realtime";
   bool exit = false;
-  /// Go on behind this frame, "ID@T_NS" as its pose said, or "bus", the newest that a pose on the bus is of. Empty:
+  /// Resume after this frame, "ID@T_NS" as in its pose, or "bus", the newest frame that has a pose on the bus. Empty:
   /// from the start.
   std::string resume_after;
   bool paused = false;

@@ -8,7 +8,7 @@
 namespace plslam::camera {
 namespace {
 
-/// Of one camera while the other one gives none.
+/// Waiting images of one camera while the other one delivers none.
 constexpr size_t kMostWaiting = 32;
 
 }  // namespace
@@ -50,7 +50,7 @@ Pairing::Decision Pairing::Decide(const Camera& earlier, const Camera& later) co
   if (earlier.images.size() > 1) {
     return std::abs(earlier.images[1].t_ns - t_ns) < skew_ns ? Decision::kDropEarlier : Decision::kPair;
   }
-  // The next image of the earlier camera would have to come within this time to be nearer.
+  // The next image of the earlier camera would have to arrive within this time to be nearer.
   const bool is_nearest = skew_ns == 0 || (is_live_ && 2 * skew_ns <= earlier.shortest_step_ns);
   return is_nearest || earlier.ended ? Decision::kPair : Decision::kUnknown;
 }

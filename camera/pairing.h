@@ -23,27 +23,27 @@ struct CapturedPair {
   CapturedImage right;
 };
 
-/// Puts images of two cameras together by their times: each goes with the nearest one of the other camera, at most
-/// `max_skew_ns` apart. Images without a partner are dropped, and counted from the first pair on, since cameras do not
-/// start at once. So are those that are not later than the one before of their camera.
+/// Pairs images of two cameras by their times: each with the nearest one of the other camera, at most `max_skew_ns`
+/// apart. Images without a partner are dropped, and counted from the first pair on, since cameras do not start at once.
+/// Images that are not later than the previous one of their camera are dropped, too.
 ///
-/// A pair is given as soon as no later image can be nearer, which the next image of the camera tells whose image is the
-/// earlier one: so the result depends on the order in each camera only, not on how the two come in turns. Live it is
-/// given at once where that camera has not taken two images in so short a time.
+/// A pair is returned as soon as no later image can be nearer, which is known from the next image of the camera with
+/// the earlier image: so the result depends on the order in each camera only, not on the interleaving of the two. In
+/// live mode it is returned at once if that camera has never taken two images within so short a time.
 class Pairing {
  public:
   explicit Pairing(int64_t max_skew_ns, bool is_live = false) : max_skew_ns_(max_skew_ns), is_live_(is_live) {}
 
   void Add(Side side, CapturedImage image);
-  /// No more images of this camera will come. False where that is no news.
+  /// Marks the end of this camera's images. Returns false if it was marked before.
   bool End(Side side);
-  /// The next pair that is sure; nullopt where images are lacking.
+  /// Returns the next definite pair; nullopt if images are missing.
   std::optional<CapturedPair> Pop();
 
   /// Images that wait for a partner.
   size_t waiting(Side side) const { return Of(side).images.size(); }
   int64_t dropped(Side side) const { return Of(side).dropped; }
-  /// Forgets the images that wait, which are not counted, and times; more may come of both cameras.
+  /// Drops the waiting images, which are not counted, and times; both cameras may continue.
   void Clear();
 
  private:

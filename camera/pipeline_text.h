@@ -11,8 +11,8 @@ namespace plslam::camera {
 inline constexpr const char* kLeftSink = "left";
 inline constexpr const char* kRightSink = "right";
 
-/// What GStreamer is asked for, as gst_parse_launch takes it: a template of the type of source, with images of the
-/// rig's size in grey; the text of the file where it gives one.
+/// Returns the pipeline for gst_parse_launch: a template of the type of source, with grey images of the rig's size, or
+/// the text in the file if it has one.
 std::string PipelineText(const LiveRig& live);
 
 }  // namespace plslam::camera

@@ -17,7 +17,7 @@ namespace {
 struct Row {
   SourceSpec::Type type;
   const char* key;
-  const char* inputs;  ///< as the file says them
+  const char* inputs;  ///< as written in the file
   size_t n_inputs;
   bool may_end;
 };

@@ -9,16 +9,16 @@
 
 namespace plslam::camera {
 
-/// Where the images of two cameras come from.
+/// The source of the images of two cameras.
 struct SourceSpec {
-  /// What is behind it, by the key of the file.
+  /// Type of the source, named by its key in the file.
   enum class Type { kSideBySide, kPair, kGige, kFiles, kRtsp, kPipeline };
 
   Type type = Type::kPair;
-  /// One (an image with both side by side, or a pipeline) or two, left and right: devices, names of GigE cameras, files or
-  /// URLs.
+  /// One (an image with both side by side, or a pipeline) or two, left and right: devices, names of GigE cameras, files
+  /// or URLs.
   std::vector<std::string> inputs;
-  /// Left and right images that are taken further apart are no pair.
+  /// Left and right images with a larger time difference are not a pair.
   double max_skew_ms = 5.0;
   /// Cameras that give no frames for longer end the process.
   double give_up_s = 10.0;
@@ -30,7 +30,7 @@ std::string KeyOf(SourceSpec::Type type);
 /// The end of its stream is the end of the run: not so of a camera that is unplugged.
 bool MayEnd(SourceSpec::Type type);
 
-/// The map `source` of a rig file, names of `files` as they stand there. Throws DatasetError as `ReadRigFile`.
+/// Reads the map `source` of a rig file; names of `files` are returned unchanged. Throws DatasetError as `ReadRigFile`.
 SourceSpec ReadSource(const YamlMap& yaml);
 
 /// A rig file: the keys of camera.yaml, and a map `source`.
@@ -42,7 +42,8 @@ struct LiveRig {
   std::vector<std::string> notes{};
 };
 
-/// Relative names of `files` are meant beside the rig file. Throws DatasetError that names file, line, key and value.
+/// Reads a rig file; relative names of `files` refer to its folder. Throws DatasetError that names file, line, key and
+/// value.
 LiveRig ReadRigFile(const std::string& path);
 
 }  // namespace plslam::camera

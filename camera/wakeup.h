@@ -8,7 +8,7 @@
 
 namespace plslam::camera {
 
-/// What a thread waits at for something to happen on any other thread. A call before the wait ends it at once.
+/// Lets a thread wait for an event on any other thread. A call before the wait ends it at once.
 class Wakeup {
  public:
   void Call() {

@@ -11,7 +11,7 @@
 
 namespace plslam::player {
 
-/// The player's own part of its command line; what is given here wins over the configuration.
+/// The player's own command-line arguments, which override the configuration.
 class PlayerCommandLine {
  public:
   /// `app` is a CLI::App*.

@@ -48,7 +48,7 @@ PlayOrder Order(const Dataset& dataset, const PlayerOptions& options) {
   }
 }
 
-/// A hole in the dataset is told before the first frame, not when the run has come to it.
+/// Missing files are reported before the first frame, not when playing reaches them.
 void CheckFilesAreThere(const Dataset& dataset, const PlayOrder& order, bool skip_bad) {
   std::string first;
   int n = 0;

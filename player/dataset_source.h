@@ -16,8 +16,8 @@ namespace plslam::player {
 /// The frames of a dataset in the order of the options, read ahead.
 class DatasetSource : public stream::FrameSource {
  public:
-  /// Throws std::runtime_error where the dataset cannot be opened, lacks frames that are to be played, or the options
-  /// do not fit it.
+  /// Throws std::runtime_error if the dataset cannot be opened, lacks frames of the range to play, or the options do
+  /// not fit it.
   explicit DatasetSource(const PlayerOptions& options);
 
   std::string name() const override { return dataset_->name(); }

@@ -21,8 +21,8 @@ LoadedFrame Load(const Dataset& dataset, const PlayOrder::Item& item) {
   return frame;
 }
 
-// Frames are loaded ahead, while somebody else works on the one before: reading gives way to that work. (On Linux the
-// priority is the thread's, and any user may lower it.)
+// Frames are loaded ahead, while other processes work on the previous one: reading has a lower priority than that work.
+// (On Linux the priority is the thread's, and any user may lower it.)
 void GiveWay() {
   constexpr int kNice = 10;
   setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);

@@ -17,8 +17,8 @@ namespace plslam::player {
 
 using stream::LoadedFrame;
 
-/// Reads and decodes frames ahead, on a thread of its own, so that this overlaps with the work of those who get them.
-/// The order is that of `order`, always.
+/// Reads and decodes frames ahead, on a separate thread, so that this overlaps with the work of the readers. The order
+/// is always that of `order`.
 class FrameLoader {
  public:
   /// Keeps at most `depth` frames ready.

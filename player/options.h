@@ -11,7 +11,7 @@
 
 namespace plslam::player {
 
-/// What the player plays, and how. Frames are numbered as in the dataset.
+/// The dataset to play, the pace, and the range of frames. Frames are numbered as in the dataset.
 struct PlayerOptions {
   std::string dataset;
   std::string kind;
@@ -24,13 +24,13 @@ struct PlayerOptions {
   bool bounce = false;
   bool skip_bad = false;
   bool exit = false;
-  /// Images of what is left out of the left and the right images, in pixels as recorded: 0 (black) is left out.
+  /// Mask images for the left and the right images, in pixels as recorded: 0 (black) is masked out.
   std::string mask_left;
   std::string mask_right;
-  /// Go on behind this frame, "ID@T_NS" as its pose said, or "bus", the newest that a pose on the bus is of: those
-  /// until there have been sent. Empty: from the start.
+  /// Resume after this frame, "ID@T_NS" as in its pose, or "bus", the newest frame that has a pose on the bus: the
+  /// frames up to it have been sent. Empty: from the start.
   std::string resume_after;
-  /// Sends no new frame before an order to resume.
+  /// Send no new frame before a command to resume.
   bool paused = false;
 };
 

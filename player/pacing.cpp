@@ -63,7 +63,7 @@ std::optional<PlayOrder::Item> PlayOrder::Next() {
   if (step_ > 0) {
     const size_t before = Position(step_ - 1);
     const bool neighbours = now == before + 1 || before == now + 1;
-    // A single frame, and the jump back to the first one, have no distance of their own.
+    // A single frame, and the jump back to the first one, have no time step of their own.
     const bool in_pass = neighbours && (bounce_ || now > before);
     t_ns_ += in_pass ? std::abs(time_of_(pass_[now]) - time_of_(pass_[before])) : period_ns_;
   }

@@ -10,8 +10,8 @@
 
 namespace plslam::player {
 
-/// Frames in the order in which they are played, with continuing times: a pass over the dataset after another follows
-/// at the mean distance of frames; on the way back (`bounce`) times go on by the same distances.
+/// The frames in playing order, with continuing times: each pass over the dataset follows the previous one at the mean
+/// step between frames; on the way back (`bounce`) times continue by the same steps.
 class PlayOrder {
  public:
   struct Item {
@@ -19,11 +19,11 @@ class PlayOrder {
     int64_t t_ns = 0;
   };
 
-  /// The time of a frame of the dataset: increasing, and asked for when the frame is played, since some datasets read it
-  /// from a file.
+  /// Returns the time of a frame of the dataset: increasing, and called when the frame is played, since some datasets
+  /// read it from a file.
   using TimeOf = std::function<int64_t(int index)>;
 
-  /// `rate_hz` serves where only one frame is played. Throws std::runtime_error where the options leave no frame.
+  /// `rate_hz` is used if only one frame is played. Throws std::runtime_error if the options leave no frame.
   PlayOrder(int64_t n_frames, TimeOf time_of, const PlayerOptions& options, double rate_hz);
 
   /// Number of items in all.
@@ -31,9 +31,9 @@ class PlayOrder {
   /// The frames of the dataset that are played, each once.
   const std::vector<int>& pass() const { return pass_; }
   std::optional<Item> Next();
-  /// Leaves out what is not later than `t_ns`; how many that is.
+  /// Skips the frames that are not later than `t_ns`; returns their number.
   int64_t SkipTo(int64_t t_ns);
-  /// Mean distance in time of the frames played.
+  /// Mean time step of the played frames.
   int64_t period_ns() const { return period_ns_; }
 
  private:

@@ -75,7 +75,7 @@ TopViewScene SceneOf(const Map& map, const std::vector<Eigen::Vector3d>& path_w,
 
 void Film::Finish() {
   if (failure_) throw std::runtime_error(*failure_);
-  // What waits for a second picture.
+  // The first picture is still waiting for a second one: the film has only one picture.
   if (first_) {
     Open(PictureRate_hz(0, 0, 0), first_->picture.size());
     video_->Add(first_->picture);
@@ -124,7 +124,7 @@ void Film::Begin(const Waiting& first, double rate_hz) {
 void Film::Write(const FramePose& pose, const cv::Mat& picture) {
   if (!video_ && !first_) {
     first_ = Waiting{pose, picture};
-    // Where the camera does not say how many there are in a second, the second one tells.
+    // If the camera rate is unknown, the time of the second picture determines it.
     if (camera_rate_hz_ <= 0.0) return;
     Begin(*std::exchange(first_, std::nullopt), std::clamp(camera_rate_hz_, kSlowest_hz, kFastest_hz));
     return;
@@ -136,8 +136,8 @@ void Film::Write(const FramePose& pose, const cv::Mat& picture) {
     shown_ = 0.0;
   }
   t_ns_ = pose.t_ns;
-  // Each stands at its time, so that the film takes the time that the run took: one for those that did not come
-  // before it, and none where the next comes in the same slot.
+  // Each picture appears at its time, so that the film lasts as long as the run: it is repeated for missing ones before
+  // it, and skipped if the next one falls into the same slot.
   const double due = std::round(1e-9 * static_cast<double>(t_ns_ - began_ns_) * rate_hz_) + 1.0;
   const double pictures = std::clamp(due - shown_, 0.0, kLongestStill);
   for (int i = 0; i < static_cast<int>(pictures); ++i) video_->Add(picture);

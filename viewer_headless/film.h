@@ -19,17 +19,17 @@
 
 namespace plslam::viewer {
 
-/// The path of a film so far. What was published stays where it was when the map is corrected, so that path and
-/// landmarks would come apart: positions are kept as odometry saw them, and each moves with a keyframe.
+/// The path of a film so far. Published poses are not updated when the map is corrected, so that path and landmarks
+/// would drift apart: positions are stored in the odometry frame, and each moves with a keyframe.
 class FilmPath {
  public:
-  /// Frames without an estimated pose (HasPose) are no part of it.
+  /// Adds a frame; frames without an estimated pose (HasPose) are not part of the path.
   void Add(const FramePose& pose);
 
-  /// Positions in w, in the map as it is now, in the order they came in. A frame moves as the last keyframe of its
-  /// session up to it has been moved, or else the first one after; not across lost frames, since nobody knows what
-  /// lies between. Where that leaves none the frame stays as published. (FinalPoses, which know what comes next,
-  /// blend between two keyframes: a path in a film would creep with each new one.)
+  /// Returns the positions in w, in the current map, in the order in which they were added. A frame moves with the last
+  /// keyframe of its session up to it, or else with the first one after it; not across lost frames, since the motion in
+  /// between is unknown. A frame without such a keyframe stays as published. (FinalPoses, which have the later
+  /// keyframes too, blend between two keyframes: a path in a film would creep with each new one.)
   std::vector<Eigen::Vector3d> In(const Map& map) const;
 
  private:
@@ -47,22 +47,23 @@ class FilmPath {
   std::set<int64_t> lost_frames_;
 };
 
-/// The film of a run: what the camera sees with its features, and beside it the map from above as it was then, with
-/// the path so far in it.
+/// The film of a run: the camera image with its features, and beside it the map at that time from above, with the path
+/// so far.
 class Film {
  public:
   explicit Film(std::string path) : path_(std::move(path)), program_(StartFilm(path_)) {}
-  /// Of one that is not finished no file is left.
+  /// An unfinished film leaves no file.
   ~Film() = default;
   Film(const Film&) = delete;
   Film& operator=(const Film&) = delete;
 
-  /// Pictures a second of the camera, before the first picture; without that, or with 0, the first two pictures tell.
+  /// Sets the picture rate of the camera, before the first picture; without it, or with 0, the first two pictures
+  /// determine the rate.
   void SetRate(double camera_rate_hz) { camera_rate_hz_ = camera_rate_hz; }
-  /// `overlay` as DrawOverlay draws it. Where nothing can be written the log says so, once, and `Finish` says it
-  /// again.
+  /// Adds a picture; `overlay` is drawn by DrawOverlay. If the film cannot be written, the log reports it once, and
+  /// `Finish` throws the same sentence.
   void Add(const FramePose& pose, const cv::Mat& overlay, const Map& map);
-  /// No more pictures: puts the film in place, and says in the log what there is. Throws std::runtime_error where
+  /// Completes the film after the last picture, gives it its final name, and logs it. Throws std::runtime_error if
   /// there is no film.
   void Finish();
 
@@ -76,9 +77,9 @@ class Film {
   void Open(double rate_hz, const cv::Size& size);
 
   std::string path_;
-  /// Until the first picture comes.
+  /// Empty after the first picture.
   std::unique_ptr<FilmProcess> program_;
-  /// Why there is no film.
+  /// The reason why there is no film.
   std::optional<std::string> failure_;
   TopViewWindow window_;
   FilmPath positions_;

@@ -14,19 +14,18 @@ namespace plslam::viewer {
 /// T_w_odom by frame.
 using FrameCorrections = std::map<int64_t, SE3>;
 
-/// What the map made of what odometry saw, at its keyframes, by session: T_w_kf * T_odom_kf^-1.
+/// The map's corrections of odometry at its keyframes, by session: T_w_kf * T_odom_kf^-1.
 std::map<int64_t, FrameCorrections> CorrectionsBySession(const Map& map);
 
-/// Poses of frames in the map as it is at the end: what odometry saw, corrected as the map corrected the keyframes
-/// around.
+/// Poses of frames in the final map: odometry, corrected as the map corrected the neighbouring keyframes.
 class FinalPoses {
  public:
   FinalPoses(const Map& map, const Recorder& recorder);
 
-  /// T_w_c of a frame. Between two keyframes of the session the corrections of both are applied and the results
-  /// blended by the number of frames (translation on the straight line, rotation on the great arc), before the first
-  /// and after the last the nearest is, and so it is on either side of frames that were lost, since nobody knows what
-  /// lies between. A session that the map has nothing of keeps what was published.
+  /// Returns T_w_c of a frame. Between two keyframes of the session the corrections of both are applied and the results
+  /// blended by the number of frames (translation on the straight line, rotation on the great arc); before the first
+  /// and after the last keyframe, and on either side of lost frames, where the motion is unknown, the nearest
+  /// correction is used. A session without keyframes in the map keeps its published poses.
   SE3 operator()(int64_t frame_id, const FrameRecord& frame) const;
 
  private:

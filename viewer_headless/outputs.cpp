@@ -116,7 +116,7 @@ std::string PosesCsv(const Recorder& recorder) {
       "n_moving";
   for (const std::string& name : recorder.stage_names()) {
     text += ',';
-    // Names come over the wire; a comma or quote in one must not shift the columns.
+    // Names are received from the network; a comma or quote in one must not shift the columns.
     for (const char c : name) text += c == ',' || c == '"' || c == '\n' || c == '\r' ? '_' : c;
     text += "_ms";
   }

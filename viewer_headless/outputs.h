@@ -12,7 +12,7 @@
 
 namespace plslam::viewer {
 
-/// What the progress line shows beside the recording.
+/// Numbers of the progress line beside the recording.
 struct ProgressNumbers {
   int64_t announced_frames = -1;  ///< -1: unknown
   double frames_per_s = 0.0;
@@ -26,22 +26,22 @@ std::string ProgressLine(const Recorder& recorder, const ProgressNumbers& number
 /// "frame 120  tracking  points 312/800  lines 84/120  keyframe 9": of one frame, for its picture.
 std::string FrameCaption(const FramePose& pose);
 
-/// What the files say, as values; l is the left camera as calibrated. Frames with state lost have no pose of their
-/// own and are left out everywhere but in `poses.csv`. A frame whose time is not after the one before is left out
-/// too.
+/// The trajectories and covariances in the output files; l is the left camera as calibrated. Frames with state lost
+/// have no pose of their own and appear only in `poses.csv`. A frame whose time is not after that of the previous one
+/// is left out too.
 struct RunTrajectories {
-  Trajectory all;        ///< T_w_l of every frame in the map as it is at the end (FinalPoses)
-  Trajectory live;       ///< of the same frames as it was published with them
-  Trajectory keyframes;  ///< of the map's keyframes; where there is no map, of frames that became keyframes
+  Trajectory all;        ///< T_w_l of every frame in the final map (FinalPoses)
+  Trajectory live;       ///< of the same frames as published
+  Trajectory keyframes;  ///< of the map's keyframes; without a map, of frames that became keyframes
   Trajectory truth;      ///< true T_w_l
-  /// Of `all`, of the right perturbation in l.
+  /// Covariances of `all`, of the right perturbation in l.
   std::vector<PoseCovariance> covariances;
-  /// Of the motion between neighbours of `all` that are neighbours in the recording too, at the time of the later
-  /// one.
+  /// Covariances of the motion between neighbours of `all` that are neighbours in the recording too, at the time of the
+  /// later one.
   std::vector<PoseCovariance> motion_covariances;
 };
 
-/// `q_l_c` turns directions of the rectified left camera c into l. A `map` without keyframes is none.
+/// `q_l_c` rotates directions of the rectified left camera c into l. A `map` without keyframes counts as no map.
 RunTrajectories BuildTrajectories(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c);
 
 /// One row for each frame, lost ones included: time, state, counts, stage times.
@@ -53,8 +53,8 @@ std::string BodiesCsv(const Recorder& recorder, const Map& map);
 /// Makes the folder and proves that files can be written there. Throws std::runtime_error.
 void PrepareOutputFolder(const std::string& folder);
 
-/// Writes all files of docs/viewer.md but the pictures, each whole or not at all. Tries each: a sentence for each
-/// that could not be written comes back.
+/// Writes all files of docs/viewer.md but the pictures, each whole or not at all. Tries each, and returns a sentence
+/// for each that could not be written.
 std::vector<std::string> WriteOutputs(const std::string& folder, const Recorder& recorder, const Map& map,
                                       const Eigen::Quaterniond& q_l_c);
 

@@ -26,7 +26,7 @@ cv::Point Fixed(const cv::Point2f& p) {
   return {static_cast<int>(std::lround(p.x * (1 << kShift))), static_cast<int>(std::lround(p.y * (1 << kShift)))};
 }
 
-// Fixed-point drawing overflows far outside, and nothing is seen there.
+// Fixed-point drawing overflows far outside the image, where nothing is visible.
 bool IsDrawable(const cv::Point2f& p) { return std::abs(p.x) < 20000.0F && std::abs(p.y) < 20000.0F; }
 
 // From red (1) over yellow and green to blue (0), all bright enough on grey.
@@ -45,7 +45,7 @@ cv::Scalar AgeColour(int age) {
 }
 
 cv::Scalar DisparityColour(float disparity_px) {
-  // Logarithmic, because depth is what one wants to see.
+  // Logarithmic, to show depth.
   return Rainbow(std::log2(1.0F + std::max(0.0F, disparity_px)) / std::log2(1.0F + kNearDisparity_px));
 }
 
@@ -113,7 +113,7 @@ cv::Mat DrawOverlay(const cv::Mat& image, const OverlayFeatures& features, const
 
 namespace {
 
-// In lockstep a part comes late where its message had to be repaired, and nothing else may be dropped meanwhile.
+// In lockstep a part arrives late if its message had to be repaired, and no other part may be dropped meanwhile.
 constexpr size_t kMaxWaiting = 1024;
 constexpr size_t kMaxImageBytes = 64'000'000;
 

@@ -40,14 +40,14 @@ struct OverlayFeatures {
 };
 
 /// The image in grey with the features on it, and below it a bar with the caption and the key of the colours; 8-bit
-/// BGR. Segments are thick and coloured by age, those without depth thin, grey and dashed; points are circles
-/// coloured by disparity (red near, blue far; what is on a moving body is white), small ones with age 0, grey ones
-/// without depth. Features with coordinates that are not finite or far outside are left out. `image` is 8-bit grey.
-/// It is shaded where `mask` is 0: no features are taken there; an empty one is that of a camera that uses all.
+/// BGR. Segments are thick and coloured by age, those without depth thin, grey and dashed; points are circles coloured
+/// by disparity (red near, blue far; white on moving bodies), small ones with age 0, grey ones without depth. Features
+/// with coordinates that are not finite or far outside are left out. `image` is 8-bit grey. It is shaded where `mask`
+/// is 0, where no features are detected; an empty mask is that of a camera that uses all pixels.
 cv::Mat DrawOverlay(const cv::Mat& image, const OverlayFeatures& features, const std::string& caption,
                     const cv::Mat& mask = cv::Mat());
 
-/// Brings together the parts of a picture, which come in messages of their own, in any order, or never.
+/// Combines the parts of a picture, which arrive in separate messages, in any order, or never.
 class OverlayQueue {
  public:
   struct Ready {
@@ -62,19 +62,18 @@ class OverlayQueue {
 
   bool Wants(int64_t frame_id) const { return every_ > 0 && frame_id >= 0 && frame_id % every_ == 0; }
 
-  /// Each adds one part of a wanted frame (others are ignored). Of frames that stay incomplete the oldest are
-  /// dropped: 1024 wait at most, with 64 MB of images. The right image comes with the left one, where somebody has a
-  /// use for it.
+  /// Each adds one part of a wanted frame (others are ignored). The oldest incomplete frames are dropped: at most 1024
+  /// frames with 64 MB of images wait. The right image is given with the left one if it is needed.
   void AddImage(int64_t frame_id, const cv::Mat& image, const cv::Mat& right = {});
   void AddFeatures(int64_t frame_id, OverlayFeatures features);
-  /// Once for each frame.
+  /// Adds the pose of a frame; once for each frame.
   void AddPose(const FramePose& pose);
-  /// The oldest picture that is complete, which is not waited for any more.
+  /// Removes and returns the oldest complete picture.
   std::optional<Ready> Next();
 
-  /// Wanted frames whose pose has come, and whose picture has not been taken.
+  /// Wanted frames that have a pose, and whose picture has not been taken.
   const std::set<int64_t>& lacking() const { return lacking_; }
-  /// Oldest frame whose image has come; images of frames before it were sent before anybody listened here.
+  /// Oldest frame with an image; images of frames before it were sent before this process listened.
   std::optional<int64_t> first_image() const { return first_image_; }
 
  private:

@@ -25,7 +25,7 @@ struct FrameCounts {
   int32_t bodies = 0;
 };
 
-/// A pose as it comes from the tracker, as plain values. Frames: c rectified left camera.
+/// A pose from the tracker as plain values. Frames: c rectified left camera.
 struct FramePose {
   int64_t frame_id = 0;
   int64_t t_ns = 0;
@@ -41,7 +41,7 @@ struct FramePose {
   std::vector<std::pair<std::string, double>> stages_ms;
 };
 
-/// Lower triangle of a covariance in single precision: what a frame may cost in memory.
+/// Lower triangle of a covariance in single precision, to save memory.
 class PackedCovariance {
  public:
   PackedCovariance() = default;
@@ -64,14 +64,14 @@ struct FrameRecord {
   int64_t keyframe_id = -1;
   float entropy_ratio = 0.0F;
   FrameCounts counts;
-  /// One number for each of `Recorder::stage_names`, as far as the frame has them; NaN where it has not.
+  /// One number for each of `Recorder::stage_names`; NaN if the frame has no such stage.
   std::vector<float> stages_ms;
 };
 
 /// IsTracked.
 inline bool HasPose(const FrameRecord& frame) { return IsTracked(frame.state, frame.keyframe_id); }
 
-/// Where a moving body was in a frame.
+/// Pose of a moving body in a frame.
 struct BodyRecord {
   int64_t id = 0;
   SE3 T_c_body;
@@ -88,12 +88,12 @@ struct TruthRecord {
   SE3 T_w_l;
 };
 
-/// Everything that is worth keeping of a run, in order of frames. Messages may come in any order and more than once;
-/// of two poses of a frame the later one counts (a tracker that is started again says some again). Poses that are not
-/// finite, states that do not exist and negative frames are refused.
+/// The record of a run, in order of frames. Messages may arrive in any order and more than once; of two poses of a
+/// frame the later one counts (a restarted tracker publishes some again). Non-finite poses, invalid states and negative
+/// frame ids are rejected.
 class Recorder {
  public:
-  /// False where it is refused.
+  /// Returns false if the message is rejected.
   bool AddPose(const FramePose& pose);
   bool AddTruth(int64_t frame_id, const TruthRecord& truth);
   bool AddBodies(int64_t frame_id, BodiesOfFrame seen);
@@ -102,14 +102,14 @@ class Recorder {
     n_frames_ = n_frames;
     sent_.OnStream(true, n_frames, n_bad);
   }
-  /// What the player says while it plays: frames sent, and those it could not read.
+  /// Takes the player's counts during the run: frames sent, and frames it could not read.
   void SetSent(int64_t sent, int64_t unreadable) { sent_.OnStatus(sent, unreadable); }
 
   const SentFrames& sent() const { return sent_; }
 
-  /// Frames of the ended stream; nullopt while it runs.
+  /// Number of frames of the ended stream; nullopt while it runs.
   std::optional<int64_t> n_frames() const { return n_frames_; }
-  /// Every frame of the ended stream has a pose or has been passed over by the tracker.
+  /// Returns whether every frame of the ended stream has a pose or was skipped by the tracker.
   bool IsComplete() const;
 
   /// Session and number there of the newest keyframe.
@@ -121,8 +121,8 @@ class Recorder {
   const std::map<int64_t, BodiesOfFrame>& bodies() const { return bodies_; }
   const std::vector<std::string>& stage_names() const { return stage_names_; }
   int64_t keyframes() const { return keyframes_; }
-  /// What became of the frames so far. Those sent and not answered count once the run `is_over`: before that they are
-  /// on their way.
+  /// Returns the counts of the frames so far. Unanswered frames are counted only if the run `is_over`: before that they
+  /// are on their way.
   FrameTally Tally(bool is_over) const;
 
  private:

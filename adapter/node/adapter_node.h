@@ -15,12 +15,12 @@
 
 namespace plslam::adapter {
 
-/// Joins a robot that speaks LCM to the bus: its images (`ImageSource`) and wheel odometry (`MotionSource`) in, poses
-/// (`PoseSink`) and the map (`MapSink`) out. What it keeps can be had again from the robot and from the bus, so it may be killed and started again in the
-/// middle of a session.
+/// Connects a robot that uses LCM to the bus: its images (`ImageSource`) and wheel odometry (`MotionSource`) in, poses
+/// (`PoseSink`) and the map (`MapSink`) out. It can restore its state from the robot and the bus, so it may be killed
+/// and restarted in the middle of a session.
 class AdapterNode {
  public:
-  /// Throws where the robot's bus cannot be opened or the file of the rig cannot be used.
+  /// Throws if the robot's bus cannot be opened or the rig file cannot be used.
   AdapterNode(bus::Process& process, const AdapterOptions& options);
   ~AdapterNode();
   AdapterNode(const AdapterNode&) = delete;

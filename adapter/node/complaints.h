@@ -9,7 +9,7 @@
 
 namespace plslam::adapter {
 
-/// What is wrong with foreign messages: each sentence is told once, and not more than a few of them.
+/// Warnings about foreign messages: each sentence is logged once, and only a few in total.
 class Complaints {
  public:
   void Tell(const std::string& sentence) {

@@ -28,7 +28,8 @@ constexpr int kRightImage = 1;
 /// In `sensor_msgs.PointField.datatype`.
 constexpr uint8_t kFloat32 = 7;
 constexpr double kUnknownVariance = 1e6;
-/// Of quaternions that others have rounded; and beyond the circumference of the earth no robot drives.
+/// Tolerance for quaternions that other programs have rounded; and no robot drives farther than the circumference of
+/// the earth.
 constexpr double kUnitTolerance = 1e-2;
 constexpr double kFarthest_m = 4e7;
 

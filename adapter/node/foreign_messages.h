@@ -17,8 +17,8 @@
 
 namespace plslam::adapter {
 
-// Messages of other programs to values and back. The bytes that come are checked: types by their fingerprints, sizes,
-// stamps. What is wrong throws DatasetError with a phrase that goes on behind the name of the channel ("has no ...").
+// Conversion of other programs' messages to values and back. Received bytes are checked: types by their fingerprints,
+// sizes, stamps. Invalid bytes throw DatasetError with a phrase to follow the name of the channel ("has no ...").
 
 using MessageBytes = std::span<const uint8_t>;
 
@@ -29,7 +29,7 @@ ForeignImage ImageFromBytes(MessageBytes bytes);
 /// A `sensor_msgs.CameraInfo`.
 RosCameraInfo CameraInfoFromBytes(MessageBytes bytes);
 
-/// Where a `nav_msgs.Odometry` says that the robot's body is, in the robot's own frame.
+/// Pose of the robot's body in a `nav_msgs.Odometry`, in the robot's own frame.
 struct RobotPose {
   int64_t t_ns = 0;
   SE3 T_robot_b;
@@ -43,7 +43,7 @@ inline constexpr const char* kBodyFrame = "base_link";
 
 /// The body in map; velocities in the body's axes. The accelerations are 0.
 bot_core::pose_t ToBotPose(const BodyPose& pose);
-/// The body in odom. Where the velocity is not known, it is 0 with variances of 1e6.
+/// The body in odom. An unknown velocity is 0 with variances of 1e6.
 nav_msgs::Odometry ToOdometry(const BodyPose& pose);
 /// map to odom, and odom to base_link.
 tf2_msgs::TFMessage ToTransforms(const BodyPose& pose);

@@ -27,10 +27,10 @@ namespace {
 
 constexpr double kNsPerMs = 1e6;
 constexpr std::chrono::milliseconds kTick{1000};
-/// Messages that wait: two pairs of images. What is older is of no use to a robot that moves.
+/// Number of waiting messages: two pairs of images. Older images are of no use to a moving robot.
 constexpr size_t kRoom = 4;
 
-/// Throws DatasetError where vo_process could do nothing with it.
+/// Throws DatasetError if vo_process cannot use the rig.
 void CheckRig(const RigCalibration& rig) {
   const std::string complaint = RigComplaint(rig);
   if (!complaint.empty()) throw DatasetError("describes a rig that cannot be: " + complaint);
@@ -123,7 +123,7 @@ void ImageSource::Work() {
   }
 }
 
-/// What is wrong with one message is no reason to end.
+/// An invalid message is not a reason to exit.
 void ImageSource::Handle(const Inbox::Message& message) {
   const Channel& channel = channels_[message.channel];
   try {

@@ -23,12 +23,12 @@
 
 namespace plslam::adapter {
 
-/// Foreign images to frames of the bus: pairs them, makes them grey, numbers and publishes them as a live stream, and
-/// with them the rig, from a file or from the robot's own messages.
+/// Converts foreign images to frames of the bus: pairs them, converts them to grey, numbers and publishes them as a
+/// live stream, together with the rig, from a file or from the robot's own messages.
 ///
-/// A foreign message that cannot be used is counted (`frames.rejected`, `frames.unpaired`) and passed over, and so is
-/// one that has to wait for too long because others come (`frames.dropped`). The thread of `StockLcm::Handle` only
-/// receives; `Work` has one of its own.
+/// An invalid foreign message is counted (`frames.rejected`, `frames.unpaired`) and ignored, and so is one that has
+/// waited too long because others arrived (`frames.dropped`). The thread of `StockLcm::Handle` only receives; `Work`
+/// runs on a separate one.
 class ImageSource {
  public:
   struct Listener {
@@ -41,7 +41,7 @@ class ImageSource {
   /// Throws where the file of the rig cannot be used.
   ImageSource(bus::Process& process, bus::StockLcm& foreign, const AdapterOptions& options, Listener listener);
 
-  /// Handles what comes, until `Stop`, which any thread may call.
+  /// Handles received messages until `Stop`, which any thread may call.
   void Work();
   void Stop() { inbox_.Stop(); }
 
@@ -77,7 +77,7 @@ class ImageSource {
   Complaints complaints_;
   std::array<std::optional<RosCameraInfo>, 2> infos_;
   std::optional<RigCalibration> rig_;
-  bool has_white_ = false;  ///< an image of 16 bits has come
+  bool has_white_ = false;  ///< a 16-bit image was received
   int white_ = kWhiteOf16Bits;
   std::vector<uint8_t> rig_bytes_;
   int64_t n_messages_ = 0;
@@ -86,10 +86,10 @@ class ImageSource {
   int64_t last_t_ns_ = -1;
 };
 
-/// The channel of the CameraInfo that goes with images: "/a/left/image_raw#sensor_msgs.Image" has
+/// Returns the CameraInfo channel of an image channel: "/a/left/image_raw#sensor_msgs.Image" has
 /// "/a/left/camera_info#sensor_msgs.CameraInfo", "/left" has "/left/camera_info".
 std::string InfoChannelOf(const std::string& image_channel);
-/// Whether the images of that channel are rectified, by its name (image_rect, rect/image).
+/// Returns whether the images of that channel are rectified, by its name (image_rect, rect/image).
 bool NamesRectified(const std::string& image_channel);
 
 }  // namespace plslam::adapter

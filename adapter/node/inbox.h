@@ -14,8 +14,8 @@
 
 namespace plslam::adapter {
 
-/// Messages on their way from the thread that receives them to the one that works on them. Where more wait than there
-/// is room for, the oldest are dropped and counted. Safe from any thread.
+/// A queue of messages between the receiving thread and the working thread. If more messages wait than there is room
+/// for, the oldest are dropped and counted. Safe from any thread.
 class Inbox {
  public:
   struct Message {
@@ -36,7 +36,7 @@ class Inbox {
     changed_.notify_one();
   }
 
-  /// The oldest one; nullopt where none comes within the time, and after `Stop`.
+  /// Returns the oldest message; nullopt if none arrives within the time, and after `Stop`.
   std::optional<Message> Take(std::chrono::milliseconds limit) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, limit, [this] { return stopped_ || !waiting_.empty(); });

@@ -12,8 +12,8 @@
 
 namespace plslam::adapter {
 
-/// The robot's own odometry (`nav_msgs.Odometry` of wheels) to the bus, message by message, on a thread of its own: a
-/// reader that is behind holds up no image.
+/// Passes the robot's own odometry (`nav_msgs.Odometry` of wheels) to the bus, message by message, on a separate
+/// thread: a slow reader delays no image.
 class MotionSource {
  public:
   MotionSource(bus::Process& process, bus::StockLcm& foreign, const std::string& channel);

@@ -16,7 +16,7 @@
 namespace plslam::adapter {
 namespace {
 
-/// Frames whose poses are still believed to come, and poses that wait: seconds of a camera, and bounded.
+/// Number of frames whose poses are expected, and of waiting poses: seconds of a camera, and bounded.
 constexpr size_t kMostFrames = 256;
 constexpr std::chrono::milliseconds kTick{1000};
 
@@ -65,7 +65,7 @@ void PoseSink::Work() {
   }
 }
 
-/// Where the pose is that of a frame of ours, for the first time.
+/// Returns T_b_c if the pose is the first one of a frame that was sent from here.
 std::optional<SE3> PoseSink::BodyOf(const pose_t& message) {
   const std::scoped_lock lock(mutex_);
   const auto frame = std::find(frames_.begin(), frames_.end(), message.header.t_ns);
@@ -74,7 +74,7 @@ std::optional<SE3> PoseSink::BodyOf(const pose_t& message) {
   return T_b_c_;
 }
 
-/// The motion of a pose is that since the one before it, which must have come for its time to be known.
+/// Returns the time since the previous pose, to which the motion refers; nullopt if that pose was not received.
 std::optional<double> PoseSink::SecondsSinceLast(const pose_t& message) {
   const header_t& header = message.header;
   const bool follows = header.source == last_source_ && header.session == last_session_ &&
@@ -96,13 +96,13 @@ void PoseSink::Publish(const std::string& channel, const Message& message) {
 void PoseSink::Send(const pose_t& message) {
   const std::optional<SE3> T_b_c = BodyOf(message);
   const auto state = static_cast<TrackingState>(message.state);
-  // Before there is anything to track, motion and covariance are zero, and say nothing.
+  // Before tracking starts, motion and covariance are zero and carry no information.
   if (!T_b_c || state == TrackingState::kInitialising) return;
   std::optional<CameraPose> camera = FromMessage(message);
   if (!camera) return process_.bus().CountRejected();
   camera->dt_s = SecondsSinceLast(message);
   const BodyPose pose = ToBody(*T_b_c, *camera);
-  // It has no covariance, so its readers could not tell a guess from a pose.
+  // A bot_core pose has no covariance, so its readers could not distinguish a prediction from an estimate.
   if (state != TrackingState::kLost) Publish(options_.pose, ToBotPose(pose));
   Publish(options_.odometry, ToOdometry(pose));
   Publish(options_.tf, ToTransforms(pose));

@@ -21,9 +21,8 @@ class pose_t;
 
 namespace plslam::adapter {
 
-/// Poses of the bus to the robot: each frame's once, as soon as it comes, on a thread of its own, which neither images
-/// nor the map hold up. Only poses of frames that this process has sent count: history that others ask for once more
-/// is no news.
+/// Passes poses of the bus to the robot: each frame's once, on arrival, on a separate thread that is not delayed by
+/// images or the map. Only poses of frames that this process has sent are passed: republished history is ignored.
 class PoseSink {
  public:
   PoseSink(bus::Process& process, bus::StockLcm& foreign, const AdapterOptions& options);

@@ -14,7 +14,7 @@
 namespace plslam::camera {
 namespace {
 
-/// Looked at, from so many frames on.
+/// Number of pairs from which on the values are checked.
 constexpr int64_t kEnoughPairs = 50;
 
 stream::SenderOptions SenderOptionsOf(const CameraOptions& options) {

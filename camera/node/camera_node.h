@@ -12,8 +12,8 @@
 
 namespace plslam::camera {
 
-/// Tells the status of a process how good the frames are: its counters, and a sentence for each thing that is wrong,
-/// when it is found for the first time. Called on the thread that sends frames.
+/// Publishes the quality of the frames in the status of a process: its counters, and a sentence for each defect when it
+/// is first detected. Called on the thread that sends frames.
 class HealthReport {
  public:
   explicit HealthReport(bus::Process& process) : process_(process) {}

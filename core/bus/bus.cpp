@@ -53,7 +53,7 @@ Bus::Impl::Impl(const BusOptions& options_in, std::string process_in)
 }
 
 Bus::Impl::~Impl() {
-  // What was published last may still be asked for; afterwards nobody can answer.
+  // Readers may still request the last messages; after the end of this process they cannot.
   static constexpr std::chrono::milliseconds kFarewell{300};
   outboxes.Flush(kFarewell, false);
   stopping_ = true;
@@ -139,7 +139,7 @@ void Bus::Stop() {
   impl_->loop.Stop();
 }
 void Bus::StopWhenHandled() {
-  // By the receiving thread, so that everything it has handed over stands before the stop in the queue.
+  // Closed by the receiving thread, so that everything it has delivered precedes the stop in the queue.
   impl_->inboxes.Close([this] { impl_->loop.Post([this] { Stop(); }); });
   impl_->transport.Wake();
 }

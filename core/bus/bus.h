@@ -23,40 +23,40 @@ class header_t;
 
 namespace plslam::bus {
 
-/// Counts of what went over the bus since start; published in `status_t.counters`.
+/// Counts of the messages on the bus since start; published in `status_t.counters`.
 struct BusCounters {
   int64_t sent = 0;
   int64_t received = 0;
   int64_t lost = 0;        ///< messages of ordered channels that were missed on the wire
   int64_t repaired = 0;    ///< of those, delivered after all
-  int64_t resent = 0;      ///< our own, on request
+  int64_t resent = 0;      ///< own messages, on request
   int64_t rejected = 0;    ///< malformed, foreign schema, unauthenticated, oversized, replayed
-  int64_t unproven = 0;    ///< with a key: of processes that had not shown yet that they live
+  int64_t unproven = 0;    ///< with a key: of processes that have not proved yet that they are running
   int64_t duplicates = 0;  ///< replayed or sent twice
   int64_t skipped = 0;     ///< of kLatest channels, overtaken by newer ones
 };
 
-/// The only door to LCM. Receives on a thread of its own, checks and orders there, and delivers on the thread that
+/// The only interface to LCM. Receives on a separate thread, checks and orders there, and delivers on the thread that
 /// calls `Run`, one message at a time: handlers need no locks. No lock of the bus is held while a handler runs.
 ///
-/// Publishing is safe from any thread. An ordered message that cannot be sent at once (a reader is behind and the
-/// window is full) makes `Publish` wait, at most `BusOptions::max_wait_ms`; then it is left to repair.
+/// Publishing is safe from any thread. An ordered message that cannot be sent at once (a reader is slow and the window
+/// is full) makes `Publish` wait, at most `BusOptions::max_wait_ms`; then it is left to repair.
 class Bus {
  public:
-  /// Throws std::runtime_error with one sentence where the URL, the key file or the history folder do not work.
+  /// Throws std::runtime_error with one sentence if the URL, the key file or the history folder is not usable.
   Bus(const BusOptions& options, const std::string& process);
   ~Bus();
   Bus(const Bus&) = delete;
   Bus& operator=(const Bus&) = delete;
 
-  /// What a channel that we publish is called on the wire, prefix included.
+  /// Returns the name on the wire of a channel that this process publishes, prefix included.
   std::string WireName(const Channel& channel) const;
 
   /// Random name of this process start (`header_t.source`).
   int64_t source() const;
 
-  /// Fills in `message.header` (all but `t_ns` and `session`, which the caller sets) and sends.
-  /// T is a generated type whose name stands in `channel.type`.
+  /// Fills in `message.header` (all but `t_ns` and `session`, which the caller sets) and sends. T is the generated type
+  /// named in `channel.type`.
   template <class T>
   void Publish(const Channel& channel, T message);
 
@@ -65,11 +65,11 @@ class Bus {
   template <class T>
   void Subscribe(const Channel& channel, std::function<void(const T&)> handler);
 
-  /// The same for an ordered channel, without asking for repairs or acknowledging: what comes, comes (pictures).
+  /// Subscribes to an ordered channel without repairs and acknowledgements: messages may be missing (pictures).
   template <class T>
   void SubscribeBestEffort(const Channel& channel, std::function<void(const T&)> handler);
 
-  /// Calls `f` on the thread of `Run`, soon; from any thread.
+  /// Calls `f` on the thread of `Run`, soon; safe from any thread.
   void Post(std::function<void()> f);
 
   /// Calls `f` on the thread of `Run` every `period`.
@@ -78,37 +78,36 @@ class Bus {
   /// Delivers until `Stop` (from any thread or a handler). Returns at once if stopped before.
   void Run();
   void Stop();
-  /// The same when everything that has been taken, and so acknowledged, is handled; no more of ordered channels is.
+  /// Stops when all received, and so acknowledged, messages are handled; receives no more messages of ordered channels.
   void StopWhenHandled();
 
-  /// Ordered readers of `channel` that have acknowledged something within the last second.
+  /// Returns the number of ordered readers of `channel` that have acknowledged something within the last second.
   int ReaderCount(const Channel& channel) const;
 
   /// Blocks until every such reader has everything sent, or the time is over. True if they have.
   bool Flush(std::chrono::milliseconds limit);
-  /// The same, and those who have fallen silent, too: a cable may be out, and whoever ends now cannot tell them any
-  /// more.
+  /// Like `Flush`, but also waits for readers that have fallen silent: a cable may be out, and after its exit this
+  /// process cannot resend.
   bool FlushToSilent(std::chrono::milliseconds limit);
-  /// Grows whenever some reader has acknowledged more than before: who waits for all of them sees whether they get
-  /// on.
+  /// Grows with each new acknowledgement of any reader: a caller that waits for all readers sees whether they progress.
   int64_t acknowledged() const;
 
   BusCounters counters() const;
-  /// One line on what has been rejected within the last minute and on other prefixes heard; empty where all is well.
+  /// Returns one line on messages rejected within the last minute and on other prefixes; empty if there are none.
   std::string Complaints() const;
 
   /// Options as given.
   const BusOptions& options() const;
-  /// Bytes that pages and strips may have, fingerprint and header included: `max_message_bytes` without the MAC.
+  /// Largest size of pages and strips, fingerprint and header included: `max_message_bytes` without the MAC.
   int64_t page_bytes() const;
-  /// Bytes that any message may have, whatever the options say of pages; `Publish` throws beyond.
+  /// Largest size of any message, independent of the option for pages; `Publish` throws beyond.
   int64_t largest_message_bytes() const;
 
-  /// For assemblers of pages and strips: `take` gets the checked bytes of each message (without MAC) on the receiving
-  /// thread; it must be quick and must not publish. kOrdered: in order, repaired and acknowledged, and held back
-  /// while `ready` is false (ask again comes within milliseconds). kAsItComes: every message, in the order of
-  /// arrival, also of kLatest channels. kPaced: the same, acknowledged, so that the publisher does not outrun us by
-  /// much.
+  /// For assemblers of pages and strips: `take` receives the checked bytes of each message (without MAC) on the
+  /// receiving thread; it must be quick and must not publish. kOrdered: in order, repaired and acknowledged, and held
+  /// back while `ready` is false (it is polled within milliseconds). kAsItComes: every message, in the order of
+  /// arrival, also of kLatest channels. kPaced: the same, acknowledged, so that the publisher is not much ahead of the
+  /// reader.
   enum class Reading { kOrdered, kAsItComes, kPaced };
   void SubscribeBytes(const Channel& channel, Reading reading, std::function<bool()> ready,
                       std::function<void(std::span<const uint8_t>)> take);
@@ -117,9 +116,9 @@ class Bus {
   /// on the receiving thread, unchecked.
   void SubscribeRest(std::function<void(std::string_view wire_name, std::span<const uint8_t>)> take);
 
-  /// Counts a message whose content turned out to be nonsense.
+  /// Counts a message whose content is invalid.
   void CountRejected();
-  /// Counts messages of a kLatest channel that an assembler passed over.
+  /// Counts messages of a kLatest channel that an assembler skipped.
   void CountSkipped(int64_t n);
 
  private:

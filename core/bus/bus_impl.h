@@ -23,8 +23,8 @@
 
 namespace plslam::bus {
 
-/// The two halves of a bus and what joins them: a thread that receives datagrams, checks them, and hands messages to
-/// the inboxes and the words of readers to the outboxes.
+/// The two halves of a bus and their connection: a thread that receives datagrams, checks them, and dispatches messages
+/// to the inboxes, and acknowledgements and repair requests to the outboxes.
 struct Bus::Impl {
   Impl(const BusOptions& options, std::string process);
   ~Impl();
@@ -51,14 +51,14 @@ struct Bus::Impl {
   std::atomic<int64_t> passed_over = 0;
 
  private:
-  // What follows runs on the receiving thread.
+  // The following functions run on the receiving thread.
   void ReceiveLoop();
   void OnDatagram(std::string_view wire_name, ByteView bytes);
   bool Drop();
   void Reject(Rejection why, std::string_view wire_name, int64_t now);
   std::optional<Rejection> WhyNot(std::string_view wire_name, const MessageLayout& layout, ByteView bytes,
                                   size_t* length) const;
-  /// Checked message without its MAC; empty where it is rejected.
+  /// Checked message without its MAC; empty if it is rejected.
   ByteView Checked(std::string_view wire_name, const MessageLayout& layout, ByteView bytes, int64_t now);
   bool Lives(std::string_view wire_name, ByteView message, int64_t now);
   void NoticePrefix(std::string_view wire_name, int64_t now);

@@ -24,7 +24,7 @@ const Channel* FindChannel(std::string_view name) {
   return found == rows.end() ? nullptr : &*found;
 }
 
-/// `repair_request_t.publisher` of a checked message: behind the header and the string `channel`.
+/// Returns `repair_request_t.publisher` of a checked message, which follows the header and the string `channel`.
 int64_t PublisherOf(ByteView request) {
   const uint8_t* p = request.data() + kWireHeaderBytes;
   return ReadInt64(p + 4 + ReadInt32(p));
@@ -112,8 +112,9 @@ ByteView Bus::Impl::Checked(std::string_view wire_name, const MessageLayout& lay
   return {};
 }
 
-/// With a key: whether the message comes from a process that lives, and (requests and announcements, whose numbers
-/// nobody else looks at) for the first time. Without a key anybody can claim to live.
+/// With a key: returns whether the message comes from a running process, and (requests and announcements, whose numbers
+/// are not checked elsewhere) is no duplicate. Without a key, the source cannot be verified, and every message is
+/// accepted.
 bool Bus::Impl::Lives(std::string_view wire_name, ByteView message, int64_t now) {
   const WireHeader header = ReadHeader(message);
   if (!authenticator.has_key() || !transport.two_way() || header.source == source) return true;
@@ -184,7 +185,7 @@ void Bus::Impl::Greet(int64_t peer, bool question) {
   repair_request_t message{};
   message.publisher = peer;
   message.delivered = question ? kQuestion : kAnswer;
-  // Under the map's prefix, which all listen to who can know of each other.
+  // Sent under the map's prefix, to which all processes that can exchange messages listen.
   SendControl(kRepairRequest, Scope::kMap, message);
 }
 

@@ -9,23 +9,23 @@
 
 namespace plslam::bus {
 
-/// What channels are called on the wire. Each robot has a prefix, and robots that share a map have a second one in
-/// common (`Scope` says which channels use it).
+/// Names of the channels on the wire. Each robot has a prefix, and robots that share a map have a second one in common
+/// (`Scope` determines which channels use it).
 class ChannelNames {
  public:
-  /// Throws std::runtime_error with one sentence where a prefix is too long or has odd characters.
+  /// Throws std::runtime_error with one sentence if a prefix is too long or has invalid characters.
   explicit ChannelNames(const BusOptions& options);
 
-  /// Of where channels of that scope are published, and requests and announcements about them.
+  /// Returns the prefix under which channels of this scope are published, and requests and announcements about them.
   const std::string& PrefixOf(Scope scope) const { return scope == Scope::kMap ? map_prefix_ : prefix_; }
-  /// Where the channel is published, and (all but kFromMap) read.
+  /// Returns the name under which the channel is published and (except for kFromMap) read.
   std::string WireName(const Channel& channel) const;
-  /// The same under the map's prefix; empty where that is the same name.
+  /// Returns the name under the map's prefix; empty if it is the same name.
   std::string NameForMap(const Channel& channel) const;
-  /// Whether `wire_name` is the channel under the one or the other prefix.
+  /// Returns whether `wire_name` is the channel under either prefix.
   bool IsNamed(std::string_view wire_name, const Channel& channel) const;
-  /// Whether a request or announcement (`control`) that came as `wire_name` can speak of our `channel`. Control
-  /// messages hold names without prefix: what comes under the map's prefix may be about the same channel of another
+  /// Returns whether a request or announcement (`control`) that arrived as `wire_name` can refer to our `channel`.
+  /// Control messages hold names without prefix: under the map's prefix they may refer to the same channel of another
   /// robot, or of the map's owner.
   bool IsAbout(const Channel& channel, std::string_view wire_name, const Channel& control) const;
 

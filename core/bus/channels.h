@@ -14,22 +14,22 @@ inline constexpr int32_t kSchemaVersion = 1;
 /// kLatest: the newest wins.
 enum class Delivery { kEvery, kLatest };
 
-/// What a publisher keeps of an ordered channel. kAll: from the first message on, spilled to disk beyond a bound.
-/// kUnacknowledged: until every reader that has acknowledged something has it (a bounded window).
+/// The messages of an ordered channel that its publisher retains. kAll: from the first message on, spilled to disk
+/// beyond a bound. kUnacknowledged: until every reader that has acknowledged any message has them (a bounded window).
 enum class Retention { kNone, kUnacknowledged, kAll };
 
-/// Under which prefix a channel goes where several robots share a map (`BusOptions::map_prefix`); for one robot all
-/// prefixes are the same.
+/// The prefix of a channel if several robots share a map (`BusOptions::map_prefix`); for one robot all prefixes are the
+/// same.
 enum class Scope {
   kRobot,    ///< the robot's own
-  kMap,      ///< the map's: between trackers and those who own the map
-  kToMap,    ///< sent under both, read under one's own: what the owners of the map must know of a robot
-  kFromMap,  ///< sent under one's own, read under both: who lives
+  kMap,      ///< the map's: between trackers and the owners of the map
+  kToMap,    ///< sent under both, read under the own prefix: the messages of a robot that the owners of the map need
+  kFromMap,  ///< sent under the own prefix, read under both: the processes that are running
 };
 
-/// Whether a publisher minds how fast its readers are. kFree: only as far as the window of an ordered channel goes.
-/// kPaced: readers acknowledge big unordered messages, so that they are not outrun by much. kLockstep: readers have
-/// all the time that they need, as long as they get on.
+/// Whether a publisher waits for slow readers. kFree: only as far as the window of an ordered channel requires. kPaced:
+/// readers acknowledge big unordered messages, so that the publisher is not much ahead of them. kLockstep: the
+/// publisher waits for readers as long as they make progress.
 enum class Pace { kFree, kPaced, kLockstep };
 
 /// One row of the channel table, which lcmtypes/README.md and the tests read too.

@@ -9,13 +9,13 @@
 namespace plslam::bus {
 namespace {
 
-/// Publishers remembered for each channel; one that was heard lately is not forgotten for a new one.
+/// Number of remembered publishers for each channel; one that was heard recently is not replaced by a new one.
 constexpr size_t kMaxSources = 256;
 constexpr int64_t kHelloPeriod_ns = 300 * kMs;
-/// How soon a reader looks again whether its handlers have caught up.
+/// Interval at which a reader checks again whether its handlers have caught up.
 constexpr int64_t kStalledPeriod_ns = 2 * kMs;
 
-/// The member that has been silent for longest; end() where all were heard lately.
+/// Returns the member that has been silent for longest; end() if all were heard recently.
 template <class Map, class Heard>
 typename Map::iterator Forgettable(Map& map, int64_t now, const Heard& heard) {
   const auto oldest = std::min_element(
@@ -124,7 +124,7 @@ Inboxes::Source* Inboxes::SourceOf(Inbox& inbox, int64_t publisher, int64_t now)
   return &inbox.sources.emplace(publisher, Source{std::move(reader)}).first->second;
 }
 
-/// Adds what the reader has counted since it was asked last.
+/// Adds the reader's counts since the last call.
 void Inboxes::Count(Source& source) {
   counts_.lost += source.reader.lost() - std::exchange(source.lost, source.reader.lost());
   counts_.repaired += source.reader.repaired() - std::exchange(source.repaired, source.reader.repaired());
@@ -155,7 +155,7 @@ bool Inboxes::Ready(const Inbox& inbox) const {
                      [](const auto& s) { return s->kind != Subscription::Kind::kOrderedBytes || s->ready(); });
 }
 
-/// Delivers what is in order; false where handlers are too far behind to take it.
+/// Delivers the messages in order; returns false if handlers are too slow to take them.
 bool Inboxes::Drain(Inbox& inbox, Source& source, int64_t now) {
   while (Bytes message = source.reader.Front()) {
     if (!Ready(inbox)) return false;

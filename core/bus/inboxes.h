@@ -27,7 +27,7 @@ struct Subscription {
   std::function<bool()> ready;            ///< kOrderedBytes: whether it can take one now
 };
 
-/// What the receiving thread counts and other threads read.
+/// Counters that the receiving thread writes and other threads read.
 struct ReceiverCounts {
   std::atomic<int64_t> received{0};
   std::atomic<int64_t> rejected{0};
@@ -38,41 +38,41 @@ struct ReceiverCounts {
   std::atomic<int64_t> repaired{0};
 };
 
-/// The receiving half of a bus: orders messages for each publisher, says what to acknowledge and what to ask for
-/// again, and hands messages to subscriptions. All of it belongs to the receiving thread, so handlers of bytes run
-/// without any lock; only `Add`, `AddRest` and `Close` may be called from elsewhere.
+/// The receiving half of a bus: orders messages for each publisher, acknowledges them, requests missing ones, and
+/// passes messages to subscriptions. All members are used by the receiving thread, so handlers of bytes run without any
+/// lock; only `Add`, `AddRest` and `Close` may be called from other threads.
 class Inboxes {
  public:
-  /// Sends an acknowledgement and request about `channel` to `publisher` (0: to all, "I read this channel").
+  /// Sends an acknowledgement and request about `channel` to `publisher` (0: to all, as a new reader).
   using Ask = std::function<void(const Channel& channel, int64_t publisher, const OrderedReader::Request& request)>;
   using Rest = std::function<void(std::string_view wire_name, ByteView bytes)>;
 
-  /// All references must outlive this object. `two_way`: publishers can be asked.
+  /// All references must outlive this object. `two_way`: publishers can be reached.
   Inboxes(const BusOptions& options, bool two_way, RunLoop& loop, ReceiverCounts& counts, Ask ask);
 
-  /// Takes effect before the next datagram, or when the receiving thread polls next.
+  /// Takes effect before the next datagram, or at the next poll of the receiving thread.
   void Add(const std::string& wire_name, const Channel& channel, const MessageLayout* layout,
            std::shared_ptr<Subscription> subscription);
-  /// For the bytes that no subscription is for.
+  /// Subscribes to the bytes of messages without another subscription.
   void AddRest(Rest rest);
-  /// Takes no more messages of ordered channels from when the receiving thread polls next; `then` is called after
-  /// everything that had been taken is in the queue of the run loop.
+  /// Accepts no messages of ordered channels after the next poll of the receiving thread; `then` is called when all
+  /// accepted messages are in the queue of the run loop.
   void Close(std::function<void()> then);
 
-  // What follows belongs to the receiving thread.
+  // The following functions are called on the receiving thread.
 
-  /// The layout of messages that somebody subscribes to under this name; nullptr where nobody does.
+  /// Returns the layout of the messages with this name; nullptr without a subscriber.
   const MessageLayout* LayoutOf(std::string_view wire_name);
   void TakeRest(std::string_view wire_name, ByteView bytes) const;
   /// A checked message of a name that has a layout.
   void Dispatch(std::string_view wire_name, const WireHeader& header, ByteView message, int64_t now);
-  /// What `publisher` says that it has of the channel that is called `wire_name`.
+  /// Handles the announcement of `publisher` about the messages that it has of the channel `wire_name`.
   void OnAnnounce(std::string_view wire_name, int64_t publisher, int64_t first_seq, int64_t next_seq,
                   int64_t join_seq, int64_t now);
-  /// Sends what is due and delivers what handlers can take by now; `next` becomes the time when to poll again where
-  /// that is earlier.
+  /// Sends due requests and delivers messages as far as handlers can take them; lowers `next` to the time of the next
+  /// poll.
   void Poll(int64_t now, int64_t& next);
-  /// What a log does not have by its end never comes.
+  /// Gives up the gaps that are left at the end of a log.
   void OnEnd();
 
  private:
@@ -86,7 +86,7 @@ class Inboxes {
     int64_t heard = 0;
     std::vector<std::shared_ptr<LatestSlot>> slots;  // one for each subscription
   };
-  /// One publisher of an ordered channel, and what has been counted of its reader.
+  /// One publisher of an ordered channel, and the counts of its reader that have been added up.
   struct Source {
     OrderedReader reader;
     int64_t lost = 0;
@@ -97,11 +97,11 @@ class Inboxes {
     Channel channel;
     const MessageLayout* layout = nullptr;
     std::vector<std::shared_ptr<Subscription>> subscriptions;
-    bool ordered = false;  // somebody wants order and repair
+    bool ordered = false;  // a subscriber needs order and repair
     std::map<int64_t, Source> sources;
     std::map<int64_t, Latest> latest;
     bool paced = false;
-    std::map<int64_t, int64_t> unacknowledged;  // cost by publisher, where paced
+    std::map<int64_t, int64_t> unacknowledged;  // cost by publisher, if paced
     int64_t next_hello = 0;
   };
   struct Addition {

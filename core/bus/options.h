@@ -24,12 +24,13 @@ struct BusOptions {
   std::string history_dir;
   /// Longest time that publishing waits for a slow reader; then the reader is left to repair until it has caught up.
   int64_t max_wait_ms = 1000;
-  /// How long a publisher that has fallen silent is waited for (a link may be cut) before the gaps in what came from
-  /// it are given up. Publishers keep messages twice as long for readers that have fallen silent.
+  /// Time after which gaps in the messages of a silent publisher are given up (a link may be cut). Publishers keep
+  /// messages twice as long for readers that have fallen silent.
   double give_up_s = 30.0;
-  /// What an ordered channel keeps in memory for repair; more goes to disk (kAll) or is forgotten (kUnacknowledged).
+  /// Memory of an ordered channel's history for repair; messages beyond it go to disk (kAll) or are dropped
+  /// (kUnacknowledged).
   int64_t history_bytes = 32'000'000;
-  /// What may wait for this process's handlers; when it is full, publishers are held back.
+  /// Bytes that may wait for the handlers of this process; when they are reached, publishers are held back.
   int64_t queue_bytes = 64'000'000;
   /// Fraction of received datagrams thrown away on purpose, for tests.
   double drop_fraction = 0.0;

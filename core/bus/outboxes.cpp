@@ -100,16 +100,16 @@ Bytes Outboxes::Sealed(const std::string& wire_name, int64_t seq, header_t& head
 }
 
 int64_t Outboxes::PatienceWithReaders(const Channel& channel) const {
-  // A live frame that waits longer is late anyway.
+  // A live frame that waits longer is outdated.
   static constexpr int64_t kPacedWait_ms = 5;
   if (channel.delivery == Delivery::kLatest) return std::min(kPacedWait_ms, options_.max_wait_ms) * kMs;
-  // Who ends does not wait for readers that may be ending, too.
+  // A stopping process does not wait for readers, which may be stopping, too.
   if (channel.pace == Pace::kLockstep && !stopped_) return static_cast<int64_t>(options_.give_up_s * 1e9);
   return options_.max_wait_ms * kMs;
 }
 
 void Outboxes::WaitForWindow(Outbox& outbox, size_t bytes) {
-  // A reader that dies falls silent without telling, so look again now and then.
+  // A reader that exits falls silent without notice, so check again now and then.
   static constexpr std::chrono::milliseconds kSlice{20};
   std::unique_lock lock(mutex_);
   const bool paced = outbox.channel.delivery == Delivery::kLatest;

@@ -26,39 +26,38 @@ class header_t;
 
 namespace plslam::bus {
 
-/// The publishing half of a bus: numbers messages, seals and sends them, keeps them for readers that ask again, and
-/// waits for readers that are behind. Publishing threads and the receiving thread, which brings the words of readers,
-/// meet here; one mutex guards the bookkeeping, and nothing is encoded, sent, written to disk or read from it while
-/// that is held.
+/// The publishing half of a bus: numbers messages, seals and sends them, keeps them for repair requests, and waits for
+/// slow readers. Used by publishing threads and by the receiving thread, which handles acknowledgements; one mutex
+/// guards the bookkeeping, and no message is encoded, sent, written to disk or read from it while that is locked.
 class Outboxes {
  public:
   using Encode = std::function<int(void* buffer, int size)>;
   /// A reader that is silent for longer is forgotten, in nanoseconds.
   static constexpr int64_t kRemembered_ns = 60'000'000'000;
 
-  /// What a publisher tells of one ordered channel (`announce_t`).
+  /// Content of an announcement about one ordered channel (`announce_t`).
   struct Announcement {
     Channel channel;
     int64_t first_seq = 0;
     int64_t next_seq = 0;
     int64_t join_seq = 0;
   };
-  /// What is to be sent because of a reader's word: messages again, and then an announcement.
+  /// Messages to send in reply to a reader: resent messages, then an announcement.
   struct Answer {
     std::string wire_name;
     std::vector<Bytes> resend;
     std::optional<Announcement> announcement;
   };
 
-  /// All references must outlive this object. Throws std::runtime_error where the folder of histories does not work.
+  /// All references must outlive this object. Throws std::runtime_error if the folder of histories is not usable.
   Outboxes(const BusOptions& options, const ChannelNames& names, const Authenticator& authenticator,
            Transport& transport, int64_t source);
 
-  /// Fills in the header and sends, from any thread; waits for readers as `Bus::Publish` says. Returns when the
-  /// channel wants its announcement sent, in nanoseconds; nullopt where it sends none.
+  /// Fills in the header and sends; safe from any thread; waits for readers as `Bus::Publish` does. Returns the time of
+  /// the channel's next announcement, in nanoseconds; nullopt if it has none.
   std::optional<int64_t> Publish(const Channel& channel, header_t& header, const std::function<int()>& encoded_size,
                                  const Encode& encode);
-  /// As `Bus::Flush` and `Bus::FlushToSilent`.
+  /// See `Bus::Flush` and `Bus::FlushToSilent`.
   bool Flush(std::chrono::milliseconds limit, bool to_silent);
   /// From now on readers in lockstep are waited for no longer than others: this process ends.
   void Stop() { stopped_ = true; }
@@ -68,14 +67,14 @@ class Outboxes {
   int64_t sent() const { return sent_; }
   int64_t resent() const { return resent_; }
 
-  // What follows belongs to the receiving thread.
+  // The following functions are called on the receiving thread.
 
-  /// "I read this channel", whether we publish it (yet) or not.
+  /// Handles a new reader of this channel, even if this process does not publish it (yet).
   std::optional<Announcement> OnHello(const Channel& channel, int64_t reader, int64_t window, int64_t now);
-  /// A reader's acknowledgement and request; empty where we do not publish the channel.
+  /// Handles a reader's acknowledgement and request; empty if this process does not publish the channel.
   Answer OnRequest(const std::string& channel, int64_t reader, int64_t delivered, int64_t window,
                    const std::vector<SeqRange>& ranges, int64_t now);
-  /// What is to be announced now; `next` becomes the time of the next announcement where that is earlier.
+  /// Returns the due announcements; lowers `next` to the time of the next one.
   std::vector<Announcement> Poll(int64_t now, int64_t& next);
 
  private:
@@ -84,12 +83,12 @@ class Outboxes {
   struct Outbox {
     Channel channel;
     std::string wire_name;
-    std::string map_name;  // kToMap: where it goes too; empty: nowhere
+    std::string map_name;  // kToMap: second name under which it is sent; empty: none
     std::mutex publish_mutex;
     int64_t seq = 0;
     int64_t sent = 0;                       // one past the newest that has been handed to LCM
     std::unique_ptr<OrderedWriter> writer;  // ordered and paced channels
-    std::unique_ptr<HistoryLog> log;        // the same; the receiving thread reads what has been written
+    std::unique_ptr<HistoryLog> log;        // the same; the receiving thread reads the stored messages
   };
   struct Hello {
     int64_t heard = 0;
@@ -101,7 +100,7 @@ class Outboxes {
                const Encode& encode) const;
   void WaitForWindow(Outbox& outbox, size_t bytes);
   void MoveToLog(Outbox& outbox);
-  /// Nanoseconds without a word of theirs for which those are waited for whose window is full.
+  /// Silence, in nanoseconds, after which a reader with a full window is not waited for.
   int64_t PatienceWithReaders(const Channel& channel) const;
   Announcement AnnouncementOf(const Outbox& outbox, int64_t now) const;
 
@@ -116,7 +115,7 @@ class Outboxes {
   std::atomic<int64_t> resent_{0};
 
   mutable std::mutex mutex_;
-  std::condition_variable acknowledged_;                                  // a reader's word has come
+  std::condition_variable acknowledged_;                                  // an acknowledgement has arrived
   std::map<std::string, std::unique_ptr<Outbox>, std::less<>> outboxes_;  // by channel name
   std::map<std::string, std::map<int64_t, Hello>, std::less<>> hellos_;   // by channel name, of the whole table
 };

@@ -48,7 +48,7 @@ bool RunLoop::RunTask(std::unique_lock<std::mutex>& lock) {
   tasks_.pop_front();
   lock.unlock();
   task.run();
-  task.run = nullptr;  // what it holds goes outside the lock
+  task.run = nullptr;  // its captures are destroyed outside the lock
   lock.lock();
   queued_bytes_ -= task.bytes;
   return true;

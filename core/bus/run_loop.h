@@ -20,14 +20,14 @@ class RunLoop {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// `bytes` is what the task holds in memory, for `queued_bytes`.
+  /// `bytes` is the memory that the task holds, for `queued_bytes`.
   void Post(std::function<void()> task, int64_t bytes = 0);
   void Every(std::chrono::milliseconds period, std::function<void()> task);
 
   /// Bytes held by tasks that have not run yet.
   int64_t queued_bytes() const { return queued_bytes_; }
 
-  /// Runs tasks until `Stop`. What is queued then stays queued.
+  /// Runs tasks until `Stop`. Tasks that are queued then stay queued.
   void Run();
   void Stop();
 
@@ -54,8 +54,7 @@ class RunLoop {
   bool stopped_ = false;
 };
 
-/// For threads that work beside that of `Bus::Run`: runs `work`; what goes wrong in it ends the process where the run
-/// loop sees it.
+/// For threads beside that of `Bus::Run`: runs `work`; an exception of it ends the process through the run loop.
 template <class Work>
 void RunGuarded(Bus& bus, const Work& work) {
   std::exception_ptr failure;

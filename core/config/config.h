@@ -26,27 +26,27 @@ class ConfigError : public std::runtime_error {
 /// level of the file are sections, one for each process or shared part: `bus:`, `vo:`, `player:`, `viewer:`.
 ///
 /// Strict: duplicate keys, wrong types, values out of bounds and keys that no option struct of their section has are
-/// `ConfigError`s. Sections of other processes are not looked at, so that one file serves all processes.
+/// `ConfigError`s. Sections of other processes are not checked, so that one file serves all processes.
 class Config {
  public:
   /// Empty: every option keeps its default.
   Config() = default;
 
   static Config FromFile(const std::string& path);
-  /// `name` stands for the file in messages.
+  /// `name` is the name of the file in messages.
   static Config FromString(const std::string& yaml, const std::string& name);
 
   /// Later overrides win over the file and over earlier ones.
   void Override(const std::string& assignment);
 
-  /// Fills `options` from `section`; what the file does not name keeps its default.
+  /// Fills `options` from `section`; options that the file does not have keep their default.
   template <class Options>
   void Read(const std::string& section, Options& options) const {
     ReadFields(section, ListFields(options));
   }
   void ReadFields(const std::string& section, const std::vector<Field>& fields) const;
 
-  /// Throws where the first level has a key that is none of `known`.
+  /// Throws if the first level has a key that is not in `known`.
   void RequireSections(std::span<const std::string_view> known) const;
 
  private:
@@ -65,7 +65,7 @@ class Config {
 };
 
 /// All fields with their values as YAML (`section:` on top), for status messages and for files a user can edit. With
-/// `comments` the meaning and the bounds of each option stand above it.
+/// `comments`, the meaning and the bounds of each option precede it.
 std::string FieldsToYaml(const std::string& section, const std::vector<Field>& fields, bool comments = false);
 /// The same as a Markdown table: key, default, bounds, meaning.
 std::string FieldsToMarkdown(const std::string& section, const std::vector<Field>& fields);

@@ -46,7 +46,7 @@ Config ConfigParser::ParseFile(const std::string& yaml) {
 }
 
 void ConfigParser::AddMap(const std::string& prefix, const YAML::Node& map) {
-  // An alias may stand inside of what it stands for.
+  // An alias may refer to a node that contains it.
   if (std::count(prefix.begin(), prefix.end(), '.') > kMaxDepth) {
     throw ConfigError(fmt::format("{}: keys are nested more than {} deep", Place(map), kMaxDepth));
   }
@@ -96,7 +96,7 @@ Config::Entry ConfigParser::ParseAssignment(const std::string& assignment) {
   entry.origin = place;
   const std::string text = assignment.substr(equals + 1);
   if (text.empty() || text[0] != '[') {
-    // A word as it stands, so that URLs and paths need no quotes of YAML within those of the shell.
+    // A word is taken literally, so that URLs and paths need no quotes of YAML within those of the shell.
     entry.kind = Config::Entry::Kind::kScalar;
     entry.scalar = text;
     return entry;

@@ -13,7 +13,7 @@ namespace plslam {
 /// Flattens YAML into the entries of a Config, and refuses duplicate keys and odd structures.
 class ConfigParser {
  public:
-  /// `name` stands for the file in messages.
+  /// `name` is the name of the file in messages.
   explicit ConfigParser(const std::string& name) : name_(name) {}
 
   Config ParseFile(const std::string& yaml);

@@ -11,7 +11,7 @@
 
 namespace plslam {
 
-/// One option: where its value lives, what it may be, and what it means.
+/// One option: the address of its value, its bounds, and its meaning.
 struct Field {
   /// Dotted, without the section ("orb.max_points").
   std::string key;

@@ -13,7 +13,7 @@
 namespace plslam {
 namespace {
 
-/// Puts the whole of `text` into `value` as a number. invalid_argument: it is none; result_out_of_range: too large
+/// Parses all of `text` as a number into `value`. invalid_argument: it is not a number; result_out_of_range: too large
 /// for the type.
 template <class T>
 std::errc ParseNumber(const std::string& text, T* value) {
@@ -28,7 +28,7 @@ bool StartsWith(const std::string& text, const std::string& start) { return text
 
 }  // namespace
 
-/// Puts one entry into its field, or says what is wrong with it.
+/// Writes one entry to its field, or throws a sentence about its error.
 class FieldReader {
  public:
   using Entry = Config::Entry;

@@ -6,7 +6,7 @@
 namespace plslam {
 namespace {
 
-// In wrong letters. A part is left out more often than one is made up.
+// Costs in numbers of wrong letters. Users omit a part more often than they add one.
 constexpr int kMissingPart = 2;
 constexpr int kPartTooMany = 5;
 
@@ -22,14 +22,14 @@ Parts PartsOf(std::string_view key) {
   return parts;
 }
 
-/// Words that share less than half of their letters have nothing to do with each other: one goes and the other comes.
+/// Words that share less than half of their letters are unrelated: one is removed and the other added.
 int PartDistance(std::string_view a, std::string_view b) {
   const int distance = EditDistance(a, b);
   return 2 * distance <= static_cast<int>(std::max(a.size(), b.size())) ? distance
                                                                         : distance + kMissingPart + kPartTooMany;
 }
 
-/// Of what was written from what is known.
+/// Returns the edit distance in parts from a written key to a known one.
 int KeyDistance(const Parts& a, const Parts& b) {
   std::vector<int> previous(b.size() + 1), current(b.size() + 1);
   for (size_t j = 0; j <= b.size(); ++j) current[j] = kMissingPart * static_cast<int>(j);
@@ -44,7 +44,7 @@ int KeyDistance(const Parts& a, const Parts& b) {
   return current.back();
 }
 
-/// The first `n` parts of `key`; all of it where it has no more.
+/// Returns the first `n` parts of `key`, or all of it if it has fewer.
 std::string_view Group(std::string_view key, size_t n) {
   size_t end = 0;
   for (size_t i = 0; i < n && end != std::string_view::npos; ++i) end = key.find('.', i == 0 ? 0 : end + 1);

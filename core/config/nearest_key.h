@@ -11,9 +11,9 @@ namespace plslam {
 /// alignment distance).
 int EditDistance(std::string_view a, std::string_view b);
 
-/// The key of `known`, or the group of keys of as many parts as `key`, that a person who wrote `key` will have meant.
-/// Dotted keys are compared part by part; a part that is left out costs as much as two wrong letters, one too many as
-/// five. The first of equals; empty where `known` is.
+/// Returns the key of `known`, or the group of keys with as many parts as `key`, that the user most likely intended by
+/// `key`. Dotted keys are compared part by part; a missing part costs as much as two wrong letters, an additional one
+/// as five. The first of equal ones; empty if `known` is.
 std::string NearestKey(std::string_view key, const std::vector<std::string>& known);
 
 }  // namespace plslam

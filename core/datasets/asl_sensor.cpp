@@ -24,7 +24,7 @@ constexpr std::array<std::pair<const char*, const char*>, 6> kModels = {{{"radia
                                                                          {"equidistant", "equidistant"},
                                                                          {"none", "pinhole"},
                                                                          {"None", "pinhole"}}};
-// Kalibr's `camera_model` of the double sphere, whose two parameters stand before the focal lengths.
+// Kalibr's `camera_model` of the double sphere, whose two parameters precede the focal lengths.
 constexpr const char* kDoubleSphere = "ds";
 
 int ToPixels(const YamlMap& yaml, double value) {
@@ -42,7 +42,7 @@ std::string Model(const YamlMap& yaml) {
   yaml.Fail("distortion_model", fmt::format("'{}' is none of radial-tangential, equidistant, none", name));
 }
 
-/// All but where it stands.
+/// Reads a camera without its pose.
 CameraCalibration ReadLens(const YamlMap& yaml, const char* distortion) {
   const std::string projection = yaml.Has("camera_model") ? yaml.Text("camera_model") : "pinhole";
   if (projection != "pinhole" && projection != kDoubleSphere) {

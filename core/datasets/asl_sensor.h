@@ -15,8 +15,8 @@ CameraCalibration ReadAslCamera(const std::string& path);
 
 /// Left and right camera of a `camchain.yaml` as Kalibr writes it: cam0, cam1 ... , each with T_cam_imu (the inverse of
 /// T_BS; T_cn_cnm1, from the camera before, does too; without an IMU the body is cam0) or OpenVINS' T_imu_cam,
-/// distortion_coeffs, and the rest as above. The camera model `ds` (double sphere) is read too. ChoosePair
-/// selects two of more cameras, and `notes` says which. Throws DatasetError.
+/// distortion_coeffs, and the rest as above. The camera model `ds` (double sphere) is read too. ChoosePair selects two
+/// of several cameras, and `notes` names them. Throws DatasetError.
 std::pair<CameraCalibration, CameraCalibration> ReadCamchain(const std::string& path,
                                                              std::vector<std::string>* notes);
 

@@ -86,8 +86,8 @@ void ReadMask(const YamlMap& yaml, CameraCalibration* camera) {
 
 void AddMaskImage(const std::string& path, CameraCalibration* camera) {
   cv::Mat image = ReadGreyImage(path, {camera->width_px, camera->height_px});
-  // With what is left out already in one image: polygons that are drawn one over the other would open it where the
-  // other has holes.
+  // Combined with the previous mask in one image: polygons drawn over each other would open it at the holes of the
+  // other.
   const cv::Mat before = DrawMask(*camera);
   if (!before.empty()) image.setTo(0, before == 0);
   camera->mask = TraceMask(image);
@@ -152,7 +152,7 @@ CameraCalibration ReadCamera(const YamlMap& yaml, const ImageSize& image_size) {
   return camera;
 }
 
-/// Masks are of one camera each; a right camera about which nothing else is said has the lens of the left one.
+/// Masks belong to one camera each; a right camera without lens keys has the lens of the left one.
 CameraCalibration ReadRightLens(const YamlMap& yaml, const CameraCalibration& left, const ImageSize& image_size) {
   constexpr std::array kLensKeys = {"model", "resolution_px", "focal_length_px", "principal_point_px", "distortion"};
   CameraCalibration camera = left;

@@ -19,7 +19,7 @@ constexpr double kMinBaseline_m = 1e-4;
 constexpr double kMaxBaseline_m = 100.0;
 constexpr double kMaxAngle_rad = 0.785398163397448;
 
-// Comparisons with NaN are false, so that "inside" is asked, never "outside".
+// Comparisons with NaN are false, so the test is for "inside", never for "outside".
 bool Inside(double value, double min, double max) { return value >= min && value <= max; }
 
 std::string OneFocalComplaint(double value, const char* key) {

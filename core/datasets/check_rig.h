@@ -14,19 +14,19 @@ inline constexpr int kMaxImageSide_px = 16384;
 /// A whole number of pixels from 1 to that.
 bool IsImageSide(double side_px);
 
-/// What is wrong with a rig, in one phrase with value and bound; empty where nothing is. Sizes are 16 to 16384 px,
-/// focal lengths 1 to 100000 px, principal points within one image size of the image, distortion coefficients as many
-/// as the model has, all numbers finite, both images of one size, and the right camera 0.1 mm to 100 m to the right
-/// of the left one, or above or below it, looking the same way (within 45 degrees).
+/// Returns the reason why a rig is invalid, in one phrase with value and bound; empty if it is valid. Sizes are 16 to
+/// 16384 px, focal lengths 1 to 100000 px, principal points within one image size of the image, distortion coefficients
+/// as many as the model has, all numbers finite, both images of one size, and the right camera 0.1 mm to 100 m to the
+/// right of the left one, or above or below it, looking the same way (within 45 degrees).
 std::string RigComplaint(const RigCalibration& rig);
 
-/// Adds a note where the cameras of a stereo rig stand more than 1 m apart, which is most often a matter of another
-/// unit: "FILE: the cameras stand 6 m apart: REMEDY".
+/// Adds a note if the cameras of a stereo rig are more than 1 m apart, most often because of a wrong unit: "FILE: the
+/// cameras stand 6 m apart: REMEDY".
 void NoteLongBaseline(const std::string& path, const RigCalibration& rig, const std::string& remedy,
                       std::vector<std::string>* notes);
 /// The remedy for files whose lengths are in metres by definition.
 inline constexpr const char* kLengthsAreMetres = "lengths are in metres there; are these?";
-/// No larger one is taken for metres without a word.
+/// Larger ones get a note.
 inline constexpr double kUsualBaseline_m = 1.0;
 
 /// Parts of it for one camera: image size, focal lengths, principal point (needs the size), model, distortion.

@@ -24,23 +24,24 @@ class Dataset {
   virtual int size() const = 0;
   /// Strictly increasing.
   virtual int64_t t_ns(int index) const = 0;
-  /// Throws DatasetError where an image is missing, truncated, of the wrong size, or the two differ in size.
-  /// `frame_id` is the index.
+  /// Throws DatasetError if an image is missing, truncated, of the wrong size, or the two differ in size. `frame_id` is
+  /// the index.
   virtual StereoImages Read(int index) const = 0;
-  /// Why the pair cannot be there, as far as that is known without reading it: a file is missing, or has no partner.
-  /// Empty otherwise. Cheap.
+  /// Returns the reason why the pair is missing, as far as that is known without reading it: a file is missing, or has
+  /// no partner. Empty otherwise. Cheap.
   virtual std::string Missing(int /*index*/) const { return {}; }
-  /// The file that the left image is read from, where it is a file of its own; empty elsewhere.
+  /// Returns the file of the left image; empty if it is not a separate file.
   virtual std::string LeftFile(int /*index*/) const { return {}; }
-  /// True pose at the time of the pair; nullopt where unknown. Dense ground truth of another sensor is interpolated
-  /// and moved to the left camera here.
+  /// Returns the true pose at the time of the pair; nullopt if unknown. Dense ground truth of another sensor is
+  /// interpolated and moved to the left camera here.
   virtual std::optional<SE3> GroundTruth(int index) const = 0;
-  /// There is a recorded truth, of whatever frames: where most have none, it is of other times.
+  /// Returns whether there is recorded truth, of whatever frames: if most have none, it is of other times.
   virtual bool HasRecordedTruth() const { return false; }
-  /// What was passed over while opening, in sentences for the user ("3 images of cam0 have no partner in cam1").
+  /// Returns sentences for the user about data that were skipped while opening ("3 images of cam0 have no partner in
+  /// cam1").
   virtual std::vector<std::string> Notes() const { return {}; }
-  /// How long it took to read all of a recording that has no usable index, or is cut off, which a note tells about; 0:
-  /// it is none, or is whole.
+  /// Returns the time that it took to read a whole recording that has no usable index, or is truncated, as a note
+  /// reports; 0 for others.
   virtual double scan_s() const { return 0.0; }
 };
 

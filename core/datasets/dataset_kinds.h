@@ -14,9 +14,9 @@ struct DatasetKind {
   bool is_folder = true;
 };
 
-/// All there are, in the order in which they are looked for.
+/// Returns all kinds, in the order in which they are tried.
 const std::vector<DatasetKind>& DatasetKinds();
-/// What can be played, and the names of the kinds, as help texts have them.
+/// The playable datasets, and the names of the kinds, for help texts.
 std::string DatasetHelp();
 std::string DatasetKindHelp();
 

@@ -21,9 +21,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Images that are further apart are of two moments, however slow the camera.
+/// Images with a larger time difference are of two moments, however slow the camera.
 constexpr int64_t kMaxStereoPairing_ns = 500'000'000;
-// The first that is there counts. TUM-VI has but what its cameras of motion capture saw.
+// The first existing one is used. TUM-VI has truth only within its motion capture room.
 constexpr std::array<const char*, 2> kTruthFolders = {"state_groundtruth_estimate0", "mocap0"};
 
 fs::path Mav(const fs::path& folder) { return fs::exists(folder / "mav0") ? folder / "mav0" : folder; }
@@ -66,7 +66,7 @@ std::vector<std::optional<SE3>> GroundTruth(const fs::path& mav, const SE3& T_b_
   return {};
 }
 
-/// Of the two cameras; one file where it has both.
+/// Returns the calibration files of the two cameras; the same file twice if it has both.
 std::array<std::string, 2> CalibrationPaths(const fs::path& mav) {
   const fs::path left = mav / "cam0" / "sensor.yaml", right = mav / "cam1" / "sensor.yaml";
   const fs::path both = NamesOfFolder(mav).front().parent_path() / "dso" / "camchain.yaml";

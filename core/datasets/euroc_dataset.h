@@ -9,15 +9,15 @@
 namespace plslam {
 
 /// EuRoC in the ASL layout (Burri et al., IJRR 2016): `mav0/cam0`, `mav0/cam1`, each with `data.csv`, `data/` and
-/// `sensor.yaml` (radial-tangential or equidistant, handed on as it is); `folder` is the one that holds mav0, or
-/// mav0. Rows of the two cameras are paired by time (within half a millisecond); those without partner are passed
-/// over and counted in Notes. True poses of the body from `state_groundtruth_estimate0/data.csv` (8 or 17 columns) or
-/// else, as TUM-VI has them (Schubert et al., IROS 2018), from `mocap0/data.csv` (8), interpolated and moved to the
-/// left camera; none outside their span or in gaps longer than 0.15 s. Body: the IMU. Without both `sensor.yaml`,
-/// `dso/camchain.yaml` beside mav0 counts.
+/// `sensor.yaml` (radial-tangential or equidistant, handed on as it is); `folder` is the one that holds mav0, or mav0.
+/// Rows of the two cameras are paired by time (within half a millisecond); rows without partner are skipped and counted
+/// in Notes. True poses of the body from `state_groundtruth_estimate0/data.csv` (8 or 17 columns) or else, in TUM-VI
+/// (Schubert et al., IROS 2018), from `mocap0/data.csv` (8), interpolated and moved to the left camera; none outside
+/// their span or in gaps longer than 0.15 s. Body: the IMU. Without both `sensor.yaml`, `dso/camchain.yaml` beside mav0
+/// is used.
 std::unique_ptr<Dataset> OpenEurocDataset(const std::string& folder);
 
-/// There is a cam0/data.csv in the folder or in its mav0.
+/// Returns whether there is a cam0/data.csv in the folder or in its mav0.
 bool LooksLikeEuroc(const std::string& folder);
 
 }  // namespace plslam

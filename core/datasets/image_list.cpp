@@ -105,7 +105,7 @@ class ImageListDataset : public Dataset {
  private:
   const ImageList::Entry& Entry(int index) const { return list_.entries.at(static_cast<size_t>(index)); }
 
-  /// The largest value of the images of a pair (without depths), where they have 16 bits, else 0.
+  /// Returns the largest value of the images of a pair (without depths) if they have 16 bits, else 0.
   int LargestValues(int index) const {
     const ImageList::Entry& entry = Entry(index);
     if (!entry.missing.empty()) throw DatasetError(entry.missing);

@@ -15,16 +15,16 @@
 
 namespace plslam {
 
-/// Pairs of indices (a, b) of two increasing lists of times that are at most `max_ns` apart, each index at most once,
-/// the nearest pairs first served (as TUM's associate.py does), in order of a. Of each a the nearest b before and
-/// after it are considered.
+/// Returns pairs of indices (a, b) of two increasing lists of times that are at most `max_ns` apart, each index at most
+/// once, assigned in order of increasing distance (as in TUM's associate.py) and returned in order of a. For each a,
+/// the nearest b before and after it are considered.
 std::vector<std::pair<size_t, size_t>> AssociateTimes(const std::vector<int64_t>& a_ns,
                                                       const std::vector<int64_t>& b_ns, int64_t max_ns);
 
-/// The median distance of times, which increase; 1 s for fewer than two.
+/// Returns the median step of increasing times; 1 s for fewer than two.
 int64_t MedianStep_ns(const std::vector<int64_t>& times_ns);
 
-/// A stereo sequence as a list of image files: what every reader of a folder comes down to.
+/// A stereo sequence as a list of image files: the common form of all folder readers.
 struct ImageList {
   struct Entry {
     int64_t t_ns = 0;
@@ -47,12 +47,12 @@ struct ImageList {
 /// the images; `calibration_path` is named then.
 std::unique_ptr<Dataset> MakeImageListDataset(ImageList list, const std::string& calibration_path);
 
-/// Size of the images of the first pair whose headers can be read and agree. Throws the first pair's DatasetError
-/// where no pair has one.
+/// Returns the size of the images of the first pair whose headers can be read and agree. Throws the first pair's
+/// DatasetError if there is no such pair.
 ImageSize LearnImageSize(const std::vector<ImageList::Entry>& entries);
 
-/// True pose of each entry of `list` by InterpolatePose, as the file at `path` has them. Where fewer than half of the
-/// frames get one (clocks of two kinds, truth of another part of the sequence) `list` gets a note with both spans of
+/// Returns the true pose of each entry of `list` by InterpolatePose, from the file at `path`. If fewer than half of the
+/// frames get one (different clocks, or truth of another part of the sequence), `list` gets a note with both spans of
 /// time.
 std::vector<std::optional<SE3>> FrameTruth(const std::string& path, TrajectoryFormat format, ImageList* list);
 

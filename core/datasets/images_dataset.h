@@ -14,11 +14,11 @@ namespace plslam {
 /// `rate_hz` counts them), `groundtruth.txt` (TUM format, interpolated) or `poses.txt` (KITTI format, one for each
 /// frame).
 ///
-/// Images belong together, and are ordered, by the last number in their name ("left_012.png" and "right_012.png"; the
-/// whole name where it has none). One without partner counts as a frame that cannot be read.
+/// Images are paired and ordered by the last number in their name ("left_012.png" and "right_012.png"; by the complete
+/// name if it has none). An image without partner counts as an unreadable frame.
 std::unique_ptr<Dataset> OpenImagesDataset(const std::string& folder);
 
-/// There is a calibration (`CalibrationOf`).
+/// Returns whether there is a calibration (`CalibrationOf`).
 bool LooksLikeImages(const std::string& folder);
 
 }  // namespace plslam

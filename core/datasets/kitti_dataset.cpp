@@ -71,7 +71,7 @@ CameraCalibration ToCamera(const Projection& P) {
   camera.fy_px = P(1, 1);
   camera.cx_px = P(0, 2);
   camera.cy_px = P(1, 2);
-  // p_cam = p_0 + K^-1 p4, so this camera stands at -K^-1 p4 in camera 0.
+  // p_cam = p_0 + K^-1 p4, so this camera is at -K^-1 p4 in camera 0.
   const double z = P(2, 3);
   const Eigen::Vector3d offset((P(0, 3) - P(0, 2) * z) / P(0, 0), (P(1, 3) - P(1, 2) * z) / P(1, 1), z);
   camera.T_b_cam = SE3(Eigen::Quaterniond::Identity(), -offset);

@@ -26,7 +26,7 @@
 namespace plslam::bus {
 namespace {
 
-/// Of a strip: header, `frame_id`, `camera`, `strip` and `n_strips`.
+/// Size of the head of a strip: header, `frame_id`, `camera`, `strip` and `n_strips`.
 constexpr size_t kStripHeadBytes = kWireHeaderBytes + 8 + 1 + 4 + 4;
 
 struct Place {
@@ -34,7 +34,7 @@ struct Place {
   int64_t bytes = 0;
 };
 
-/// Prefix of `name` where it is `channel` behind a prefix.
+/// Returns the prefix of `name` if it is `channel` after a prefix.
 std::optional<std::string> PrefixOf(const std::string& name, const Channel& channel) {
   if (!name.ends_with(channel.name)) return std::nullopt;
   return name.substr(0, name.size() - channel.name.size());
@@ -44,7 +44,7 @@ struct LogStrip {
   Place place;
   int8_t camera = 0;
   int32_t number = 0;
-  int32_t n_strips = 0;  // that its image has, as it says
+  int32_t n_strips = 0;  // of its image, as stated in the strip
 };
 
 struct LogFrame {
@@ -56,7 +56,7 @@ struct LogFrame {
   bool Whole(int8_t camera) const;
 };
 
-/// As far as the heads of its strips tell. One whose count is damaged does not hide the others.
+/// Decided by the heads of its strips. A strip with a damaged count does not hide the others.
 bool LogFrame::Whole(int8_t camera) const {
   std::set<int32_t> numbers;
   int32_t least = std::numeric_limits<int32_t>::max();
@@ -68,9 +68,10 @@ bool LogFrame::Whole(int8_t camera) const {
   return !numbers.empty() && static_cast<int64_t>(numbers.size()) >= least;
 }
 
-/// Places of the most values that increase: one that is far too large does not cost all that come after it.
+/// Returns the indices of a longest increasing subsequence: a value that is far too large does not discard all later
+/// ones.
 std::vector<size_t> MostIncreasing(const std::vector<int64_t>& values) {
-  std::vector<size_t> ends;  // ends[n]: place of the last of n + 1 increasing values, the smallest there is
+  std::vector<size_t> ends;  // ends[n]: index of the last of n + 1 increasing values, the smallest possible one
   std::vector<size_t> before(values.size());
   for (size_t i = 0; i < values.size(); ++i) {
     const auto end = std::lower_bound(ends.begin(), ends.end(), values[i],
@@ -95,7 +96,7 @@ struct LogStream {
   int64_t n_strips = 0;
 };
 
-/// Decoded message at a place of the log; nullopt where it is malformed.
+/// Decodes a message at a position of the log; nullopt if it is malformed.
 template <class T>
 std::optional<T> Decode(const LogReader& log, const Place& place) {
   const auto data = log.Data(place.offset, std::min<int64_t>(place.bytes, kMaxMessageBytes));

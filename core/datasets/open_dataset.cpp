@@ -151,7 +151,7 @@ bool IsPointerFile(const std::string& path) {
   return IsGitLfsPointer({start.data(), start.size()});
 }
 
-/// What `f` returns, or the error of a file system as DatasetError.
+/// Returns the result of `f`; an error of the file system becomes a DatasetError.
 template <class F>
 auto Translated(F f) {
   try {

@@ -21,8 +21,8 @@ namespace fs = std::filesystem;
 constexpr int64_t kMaxDepthPairing_ns = 20'000'000;
 constexpr double kDepthUnitsPerM = 5000.0;
 
-// Calibration of the colour cameras as TUM's "file formats" page gives it; 640 x 480 pixels. Depth maps are
-// registered to the colour images. Those of freiburg3 are undistorted.
+// Calibration of the colour cameras from TUM's "file formats" page; 640 x 480 pixels. Depth maps are registered to the
+// colour images. Images of freiburg3 are undistorted.
 struct KnownCamera {
   std::string_view long_name;
   std::string_view short_name;
@@ -74,7 +74,7 @@ void PairByTime(const std::string& folder, ImageList* list) {
   NoteUnpairedShots("depth maps", depth.files.size() - list->entries.size(), &list->notes);
 }
 
-/// Finds a camera by the name of the folder; nullptr where the name is none of TUM's.
+/// Returns a camera by the name of the folder; nullptr if the name is none of TUM's.
 const KnownCamera* CameraByName(const std::string& folder) {
   for (const fs::path& path : NamesOfFolder(folder)) {
     const std::string name = path.filename().string();
@@ -101,8 +101,8 @@ RigCalibration KnownRig(const KnownCamera& known, const std::string& folder, con
   return rig;
 }
 
-/// Its camera.yaml, or what is known of a folder of that name, or the settings of another program. `path` gets where
-/// it is from.
+/// Reads its camera.yaml, or the known calibration for a folder of that name, or the settings of another program.
+/// `path` receives its source.
 RigCalibration ReadRig(const std::string& folder, const ImageSize& size, std::vector<std::string>* notes,
                        std::string* path) {
   *path = (fs::path(folder) / "camera.yaml").string();

@@ -26,8 +26,8 @@ constexpr double kOrthogonalityTolerance = 1e-3;
 
 bool IsPartOfKey(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.'; }
 
-/// Returns the position after the colon of a line `key:value`; nullopt where the line is none, or where a blank follows
-/// the colon. `C:/...` and `http://...` are no keys.
+/// Returns the position after the colon of a line `key:value`; nullopt for other lines, or if a blank follows the
+/// colon. `C:/...` and `http://...` are no keys.
 std::optional<size_t> MissingBlank(std::string_view line) {
   const size_t begin = line.find_first_not_of(' ');
   if (begin == std::string_view::npos || std::isdigit(static_cast<unsigned char>(line[begin])) != 0) return {};

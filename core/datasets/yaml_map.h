@@ -13,11 +13,11 @@
 
 namespace plslam {
 
-/// A map of a YAML calibration file, read strictly. Every complaint is a DatasetError `FILE:LINE: KEY...`. Files
-/// above 1 MB, keys that are read and stand there twice, and numbers that are not finite are refused. Two habits of
-/// OpenCV's reader are followed: a first line `%YAML:1.0` is passed over, and `key:value` needs no blank.
+/// A map of a YAML calibration file, read strictly. Every error is a DatasetError `FILE:LINE: KEY...`. Files above 1
+/// MB, duplicates of a key that is read, and non-finite numbers are rejected. Two habits of OpenCV's reader are
+/// supported: a first line `%YAML:1.0` is skipped, and `key:value` needs no blank.
 ///
-/// A key with dots finds itself as well as a map in a map: `Camera.fx` is the line `Camera.fx: 400` or the `fx` below
+/// A key with dots matches itself as well as a nested map: `Camera.fx` is the line `Camera.fx: 400` or the `fx` below
 /// `Camera:`.
 class YamlMap {
  public:
@@ -27,7 +27,7 @@ class YamlMap {
   std::string Text(std::string_view key) const;
   /// One word, or a list of words.
   std::vector<std::string> Texts(std::string_view key) const;
-  /// The same, to the last character: `Text` and `Texts` are made to be shown, and cut what is long.
+  /// The words without truncation: `Text` and `Texts` are made for display, and truncate long words.
   std::vector<std::string> WholeTexts(std::string_view key) const;
   double Number(std::string_view key) const;
   /// A list of `min_count` to `max_count` numbers.
@@ -39,27 +39,27 @@ class YamlMap {
   std::vector<YamlMap> Maps(std::string_view key) const;
   /// A list of pairs [number, map], numbers from 0 to 100.
   std::vector<std::pair<int, YamlMap>> NumberedMaps(std::string_view key) const;
-  /// The key holds a map, or a list of maps, respectively; false, too, where there is no such key.
+  /// Return whether the key holds a map, or a list of maps, respectively; false also without the key.
   bool IsMap(std::string_view key) const;
   bool IsListOfMaps(std::string_view key) const;
-  /// `min_count` to `max_count` numbers, row by row: a list of them, a list for each row (of `n_columns`, where that
-  /// is not 0), or a map with the list in `data` (OpenCV, ROS).
+  /// Returns `min_count` to `max_count` numbers, row by row: a list of them, a list for each row (of `n_columns`,
+  /// unless 0), or a map with the list in `data` (OpenCV, ROS).
   std::vector<double> Matrix(std::string_view key, size_t min_count, size_t max_count, size_t n_columns = 0) const;
 
-  /// A rigid transform from 12 or 16 numbers, row by row; `Fail`s where the rotation is none or the last row is not
-  /// 0 0 0 1. `key` may also hold a map with the list in `data` (ASL, OpenCV), or a list for each row (Kalibr).
+  /// Returns a rigid transform from 12 or 16 numbers, row by row; `Fail`s for an invalid rotation or if the last row is
+  /// not 0 0 0 1. `key` may also hold a map with the list in `data` (ASL, OpenCV), or a list for each row (Kalibr).
   SE3 Transform(std::string_view key) const;
 
   /// `Fail`s at a key that is not among `known`.
   void AllowOnly(const std::vector<std::string>& known) const;
 
-  /// `FILE:LINE` of the key (or of the map, where it is absent).
+  /// Returns `FILE:LINE` of the key (or of the map, if it is absent).
   std::string Place(std::string_view key) const;
 
-  /// `FILE:LINE: KEY WHAT`, at the line of the key (or of the map, where it is absent).
+  /// Throws `FILE:LINE: KEY WHAT`, at the line of the key (or of the map, if it is absent).
   [[noreturn]] void Fail(std::string_view key, const std::string& what) const;
 
-  /// `Fail`s where there is a complaint.
+  /// `Fail`s if `complaint` is not empty.
   void Require(std::string_view key, const std::string& complaint) const;
 
   const std::string& path() const { return path_; }
@@ -67,7 +67,7 @@ class YamlMap {
  private:
   YamlMap(std::string path, const YAML::Node& node);
   struct Entry;
-  /// The entry of this key; nullopt where there is none.
+  /// Returns the entry of this key; nullopt if there is none.
   std::optional<Entry> Find(const YAML::Node& map, std::string_view key) const;
   YAML::Node Get(std::string_view key) const;
   double ToNumber(std::string_view key, const YAML::Node& node) const;
@@ -76,7 +76,7 @@ class YamlMap {
   YAML::Node node_;
 };
 
-/// A rigid transform from 12 or 16 numbers, row by row; a complaint where there is none, empty otherwise.
+/// Sets a rigid transform from 12 or 16 numbers, row by row; returns an error, or an empty string.
 std::string TransformFrom(const std::vector<double>& rows, SE3* T);
 
 }  // namespace plslam

@@ -80,7 +80,7 @@ std::optional<uint64_t> Limit(__rlimit_resource resource) {
   return limit.rlim_cur;
 }
 
-/// Of /proc/self/status or /proc/meminfo, in MB.
+/// Returns a value of /proc/self/status or /proc/meminfo, in MB.
 std::optional<double> Memory_MB(const char* file, const std::string& key) {
   std::ifstream in(file);
   for (std::string word; in >> word;) {
@@ -108,7 +108,7 @@ std::string ThreadsReason() {
       std::strerror(EAGAIN), limit ? fmt::format("{}", *limit) : "any number");
 }
 
-/// An operation of std::filesystem, as its what() names it, in our words.
+/// An operation of std::filesystem as named in its what(), and our wording.
 struct Operation {
   std::string_view theirs;
   std::string_view ours;
@@ -122,7 +122,7 @@ constexpr std::array<Operation, 8> kOperations = {{{"status", "cannot be read"},
                                                    {"cannot remove", "cannot be removed"},
                                                    {"cannot rename", "cannot be renamed"}}};
 
-/// "filesystem error: OPERATION: REASON [PATH]" is what the library says.
+/// "filesystem error: OPERATION: REASON [PATH]" is the sentence of the library.
 std::string FileSentence(const std::filesystem::filesystem_error& error) {
   static constexpr std::string_view kStart = "filesystem error: ";
   std::string_view what = error.what();

@@ -17,15 +17,15 @@ namespace plslam::bus {
 struct Order {
   std::string verb;
   std::string argument;
-  /// Who gave it, and the number of the message: the answer names both.
+  /// Source and number of the command's message, which the answer repeats.
   int64_t source = 0;
   int64_t seq = 0;
 };
 
-/// nullopt where it is meant for another process.
+/// Returns the order in a command; nullopt if it is for another process.
 std::optional<Order> OrderTo(const Process& process, const command_t& message);
 
-/// Answers the order: it is done, or `failure` says in a sentence why it is not. From any thread.
+/// Answers the order: success, or the reason of its `failure` in a sentence. Safe from any thread.
 void Answer(Process& process, const Order& order, const std::string& failure = "");
 
 }  // namespace plslam::bus

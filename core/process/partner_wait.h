@@ -6,19 +6,19 @@
 
 namespace plslam::bus {
 
-/// How long a lockstep stream waits for what another process has to say: as long as that process shows signs of life,
-/// and some time more, so that one that is started again is waited for too. Times in s, of any steady clock.
+/// Waiting time of a lockstep stream for the results of another process: as long as that process publishes statuses,
+/// and some time more, so that a restart is waited for, too. Times in s, of any steady clock.
 class PartnerWait {
  public:
   explicit PartnerWait(double wait_s) : wait_s_(wait_s) {}
 
-  /// The partner lives, or says that it ends.
+  /// The partner is running, or has announced its end.
   void OnSignOfLife(double now_s) {
     last_sign_s_ = now_s;
     given_up_ = false;
   }
 
-  /// What the partner has to say about this number is needed to go on, unless it was given up before.
+  /// Begins to wait for the partner's result for this number, unless the partner was given up before.
   void Begin(int64_t number, double now_s) {
     if (given_up_) return;
     awaited_ = number;

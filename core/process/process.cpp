@@ -42,7 +42,7 @@ void ProcessTerminal::Tell(const std::string& words) {
   Print(words);
 }
 
-// A state comes with many reasons, one after the other (the frame that is waited for, say): the first tells enough.
+// A state has many reasons in succession (the awaited frame, for example): the first is enough.
 void ProcessTerminal::TellState(const std::string& state, const std::string& reason) {
   const std::scoped_lock lock(mutex_);
   const bool news = state != state_ || (reason_.empty() && !reason.empty());
@@ -56,7 +56,7 @@ void ProcessTerminal::TellState(const std::string& state, const std::string& rea
 
 void ProcessTerminal::Print(const std::string& words) const {
   if (program_.empty()) return;
-  // Over a progress line of the same process. A terminal that has gone is no error.
+  // Overwrites a progress line of the same process. A closed terminal is no error.
   const char* begin = isatty(STDERR_FILENO) == 1 ? "\r\x1b[K" : "";
   std::fputs(fmt::format("{}{}: {}\n", begin, program_, words).c_str(), stderr);
 }

@@ -16,10 +16,10 @@ class App;
 
 namespace plslam::bus {
 
-/// What a node gets to work with: the bus, and its face to the world (status).
+/// The services of a process that its node uses: the bus, and the status that it publishes.
 class Process {
  public:
-  /// Starts in state "starting". Throws what Bus throws.
+  /// Starts in state "starting". Throws the exceptions of Bus.
   Process(const std::string& name, const BusOptions& options);
   ~Process();
   Process(const Process&) = delete;
@@ -28,14 +28,14 @@ class Process {
   Bus& bus() { return *bus_; }
   const std::string& name() const { return name_; }
 
-  /// "ready", "running", "finished"...: published at once and at 1 Hz with counters, CPU time and memory, and told on
-  /// the terminal of a process that was started by hand. RunProcess sets "ready" after `make_node` where the node has
-  /// set nothing itself.
+  /// Sets the state ("ready", "running", "finished"...), which is published at once and at 1 Hz with counters, CPU time
+  /// and memory, and printed on the terminal of a process that was started by hand. RunProcess sets "ready" after
+  /// `make_node` if the node has set no state itself.
   void SetState(const std::string& state, const std::string& reason = "");
-  /// What there is to say beside the state, which stays; published at once.
+  /// Sets the reason beside the state, which does not change; published at once.
   void SetReason(const std::string& reason);
-  /// Effective configuration of the node's own sections; that of the bus is put in front. Where all of it does not
-  /// fit into a message it is cut at a line, which the last line then says.
+  /// Sets the effective configuration of the node's own sections; that of the bus is prepended. A configuration that
+  /// does not fit into a message is truncated at a line end, and its last line says so.
   void SetConfiguration(const std::string& yaml);
   /// A named number of the status ("queue.frames", "frames.skipped").
   void SetCounter(const std::string& name, double value);
@@ -56,18 +56,18 @@ struct ProcessSpec {
   std::string name;         ///< "vo"
   std::string description;  ///< for --help
   std::string examples;     ///< for --help: one a line, each beginning with two blanks
-  /// Adds options of its own to the command line; may be empty. Include <CLI/CLI.hpp> to use it.
+  /// Adds the process's own options to the command line; may be empty. Include <CLI/CLI.hpp> to use it.
   std::function<void(CLI::App* app)> add_options;
-  /// Makes the node: reads its options from the configuration, subscribes, returns what must live until the end.
+  /// Makes the node: reads its options from the configuration, subscribes, and returns the object to keep until the
+  /// end.
   std::function<std::shared_ptr<void>(Process&, const Config&)> make_node;
-  /// For the terminal: what it needs from others to begin ("a camera and frames"); may be empty.
+  /// For the terminal: the inputs it waits for ("a camera and frames"); may be empty.
   std::string waits_for;
-  /// For the terminal: counters of the status that say what it has done, each with its noun ("frames.sent", "frames
-  /// sent").
+  /// For the terminal: counters of its results in the status, each with its noun ("frames.sent", "frames sent").
   std::vector<std::pair<std::string, std::string>> results;
 };
 
-/// `make_node` of a node whose options are a section of the configuration.
+/// Returns `make_node` for a node whose options are a section of the configuration.
 template <class Node, class Options>
 std::function<std::shared_ptr<void>(Process&, const Config&)> NodeWithOptions(const std::string& section) {
   return [section](Process& process, const Config& config) {

@@ -48,7 +48,7 @@ void ProcessArguments::EndWithParent() const {
 }
 
 void SetUpLogging(const std::string& process) {
-  // Colours on a terminal alone, and on none where the user does not want any (no-color.org).
+  // Colours are for terminals, unless the user disables them (no-color.org).
   const char* const no_colour = std::getenv("NO_COLOR");
   const bool never = no_colour != nullptr && *no_colour != '\0';
   auto sink = std::make_shared<spdlog::sinks::stderr_color_sink_mt>(never ? spdlog::color_mode::never

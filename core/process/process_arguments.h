@@ -13,7 +13,7 @@ class App;
 
 namespace plslam::bus {
 
-/// What the command line of every process has.
+/// The command-line arguments that all processes have in common.
 struct ProcessArguments {
   std::string config_file;
   std::vector<std::string> overrides;
@@ -27,18 +27,18 @@ struct ProcessArguments {
   /// File, overrides, URL and prefix in one. Throws ConfigError.
   Config MakeConfig() const;
   /// Makes the kernel end this process (SIGTERM) with the one that started it (`--parent`). Throws std::runtime_error
-  /// where that one has gone already.
+  /// if the parent has already exited.
   void EndWithParent() const;
 };
 
 /// Log lines go to stderr, one each; stdout is for results.
 void SetUpLogging(const std::string& process);
 
-/// A line on standard error. Where that is a file on a full disk the line is lost, and nothing more: fmt::print would
-/// throw.
+/// Prints a line on standard error. If that is a file on a full disk, the line is lost without an exception; fmt::print
+/// would throw.
 void PrintError(const std::string& line);
 
-/// What an exception says, on one line.
+/// Returns the text of an exception on one line.
 std::string OneLine(std::string text);
 
 }  // namespace plslam::bus

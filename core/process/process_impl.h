@@ -10,14 +10,14 @@
 
 namespace plslam::bus {
 
-/// What a process that was started by hand says on its terminal, one sentence a line. Silent until `Begin`: a
-/// launcher speaks for the processes that it starts. Safe from any thread.
+/// Terminal output of a process that was started by hand, one sentence a line. Silent until `Begin`: a launcher prints
+/// for the processes that it starts. Safe from any thread.
 class ProcessTerminal {
  public:
   /// `program`: its name, in front of each line.
   void Begin(const std::string& program);
   void Tell(const std::string& words);
-  /// Tells what nobody else tells: not that it is ready or stops, and no failure.
+  /// Prints states that are not reported elsewhere: not "ready", not "stopping", and no failure.
   void TellState(const std::string& state, const std::string& reason);
 
  private:

@@ -34,7 +34,7 @@ class ProcessRunner {
       const Config config = arguments_.MakeConfig();
       BusOptions bus_options;
       config.Read("bus", bus_options);
-      // Before the bus, whose threads must inherit the blocked signals.
+      // Constructed before the bus, whose threads must inherit the blocked signals.
       const SignalWatcher signals([this](const std::string& signal) { OnSignal(signal); }, arguments_.parent);
       process.emplace(spec_.name, bus_options);
       if (arguments_.parent == 0) process->impl_->terminal.Begin(program_);
@@ -56,7 +56,7 @@ class ProcessRunner {
     if (running_ != nullptr) running_->bus().Stop();
   }
 
-  /// False where a signal came before there was anything to stop.
+  /// Returns false if a signal arrived before there was a process to stop.
   bool SetRunning(Process* process) {
     const std::scoped_lock lock(mutex_);
     running_ = process;

@@ -20,9 +20,9 @@
 namespace plslam::bus {
 namespace {
 
-/// Less than between two strokes of a key.
+/// Shorter than the time between two key strokes.
 constexpr std::chrono::milliseconds kSameMoment{50};
-/// For files that are still written when the launcher is gone; nobody else would end a process that hangs.
+/// Time to finish writing files after the launcher has exited; no other process would end one that hangs.
 constexpr unsigned kGraceWithoutLauncher_s = 60;
 
 bool IsIgnored(int signal) {

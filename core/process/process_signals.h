@@ -12,31 +12,31 @@
 
 namespace plslam::bus {
 
-/// Order of a launcher to a process that it has started (`--parent`). No user and no service manager sends this
-/// signal, so what they send to a whole group of processes is not mistaken for the order.
+/// Order of a launcher to a process that it has started (`--parent`). No user and no service manager sends this signal,
+/// so a signal to a whole group of processes is not mistaken for the order.
 inline constexpr int kStopOrder = SIGUSR1;
 
-/// "SIGKILL"; "signal 40" where it has no name.
+/// "SIGKILL"; "signal 40" for one without a name.
 std::string SignalName(int signal);
 
-/// Turns signals that stop a process into a call on a thread of its own, where everything may be done (unlike in a
+/// Turns signals that stop a process into a call on a separate thread, in which all functions are allowed (unlike in a
 /// handler).
 ///
-/// Make it before other threads: they inherit the blocked signals. The destructor restores the mask.
+/// Construct it before other threads: they inherit the blocked signals. The destructor restores the mask.
 ///
-/// A process by itself is stopped by SIGINT, SIGTERM and SIGHUP (unless that was ignored from the start, as `nohup`
-/// does). The first one calls `on_stop`, a second one ends the process at once, for a user whose process hangs. Those
-/// that come at the same moment are one order (`timeout` and shells send one to the process and one to its group),
-/// and SIGHUP is never a second one: a terminal that closes is not an impatient user.
+/// A process without a launcher is stopped by SIGINT, SIGTERM and SIGHUP (unless SIGHUP was ignored from the start, as
+/// `nohup` does). The first signal calls `on_stop`; a second one ends the process at once, for a user whose process
+/// hangs. Signals that arrive at the same moment count as one (`timeout` and shells send one to the process and one to
+/// its group), and SIGHUP never counts as the second: a terminal that closes is not an impatient user.
 ///
-/// A process that has a launcher is stopped by `kStopOrder` alone as long as the launcher lives: a signal to the
-/// launcher and all its processes is an order to the launcher, which may still need them. When the launcher is gone,
+/// A process that has a launcher is stopped by `kStopOrder` only, as long as the launcher runs: a signal to the
+/// launcher and all its processes is an order to the launcher, which may still need them. When the launcher has exited,
 /// SIGTERM (from the kernel) stops the process, which then has a minute to end.
 class SignalWatcher {
  public:
-  /// `on_stop` gets the name of the signal. `launcher` is the process that started this one; 0: none.
-  /// `before_the_end` is called before a second signal ends the process; it may be empty. Throws std::runtime_error
-  /// where the kernel refuses.
+  /// `on_stop` receives the name of the signal. `launcher` is the process that started this one; 0: none.
+  /// `before_the_end` is called before a second signal ends the process; it may be empty. Throws std::runtime_error if
+  /// the kernel refuses.
   explicit SignalWatcher(std::function<void(const std::string& signal)> on_stop, pid_t launcher = 0,
                          std::function<void()> before_the_end = {});
   ~SignalWatcher();

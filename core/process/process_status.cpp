@@ -34,13 +34,13 @@ void AddBusCounters(const BusCounters& c, std::map<std::string, double>* counter
   for (const auto& [name, value] : rows) (*counters)[name] = static_cast<double>(value);
 }
 
-/// A counter that fits into an integer, whatever came over the bus.
+/// Returns a counter that fits into an integer, whatever value was received.
 double Counted(double value) {
   constexpr double kMost = 9007199254740992.0;  // 2^53
   return value > 0.0 ? std::min(value, kMost) : 0.0;
 }
 
-/// What a status may take up beside its configuration, with room for two dozen counters and a reason.
+/// Maximum size of a status without its configuration, with room for two dozen counters and a reason.
 constexpr size_t kStatusBytes = 900;
 constexpr size_t kReasonBytes = 300;
 
@@ -56,7 +56,7 @@ StatusPublisher::StatusPublisher(const std::string& process, const BusOptions& o
   bus_.Subscribe<status_t>(kStatus, [this](const status_t& m) { OnStatus(m); });
 }
 
-// One that we replace may have said a last word; twice with time between means that it lives.
+// A replaced process may have sent one last status; a second status after a pause means that it is running.
 void StatusPublisher::OnStatus(const status_t& other) {
   static constexpr std::chrono::milliseconds kApart{1500};
   static constexpr size_t kMaxNamesakes = 64;

@@ -16,24 +16,24 @@ class status_t;
 
 namespace plslam::bus {
 
-/// The face of a process to the world: publishes `status_t` at 1 Hz and on each change of state. Safe from any
-/// thread.
+/// Publishes `status_t` at 1 Hz and on each change of state. Safe from any thread.
 ///
-/// Another process of the same name on the same bus is told, once, in the log and as the reason of the state: two
-/// that do the same work for the same readers are a mistake, but which of them is meant only their owner knows.
+/// Another process of the same name on the same bus is reported once, in the log and as the reason of the state: two
+/// processes that publish the same results to the same readers are a mistake, but only the user can decide which of
+/// them is intended.
 class StatusPublisher {
  public:
-  /// Starts in state "starting". The bus outlives it, and is not run any more once it is gone.
+  /// Starts in state "starting". The bus must outlive it, and must not run after its destruction.
   StatusPublisher(const std::string& process, const BusOptions& options, Bus& bus);
 
-  /// Publishes at once where this is news.
+  /// Publishes at once if the state or the reason has changed.
   void SetState(const std::string& state, const std::string& reason = "");
-  /// The same of what there is to say beside the state, which stays.
+  /// Sets the reason beside the state, which does not change.
   void SetReason(const std::string& reason);
   std::string state() const;
   void SetConfiguration(const std::string& yaml);
   void SetCounter(const std::string& name, double value);
-  /// 0 where there is none of this name.
+  /// Returns 0 if there is none of this name.
   double counter(const std::string& name) const;
 
  private:
@@ -46,22 +46,23 @@ class StatusPublisher {
   std::string bus_configuration_;
   size_t max_configuration_bytes_ = 0;
 
-  /// Others of our name that were heard once, and whether one has been told of. On the thread of the bus.
+  /// Other processes with our name from which one status was received, and whether one of them has been reported. On
+  /// the thread of the bus.
   std::map<int64_t, std::chrono::steady_clock::time_point> namesakes_;
   bool told_of_namesake_ = false;
 
-  mutable std::mutex mutex_;  // guards what follows, and keeps states in order on the wire
+  mutable std::mutex mutex_;  // guards the following members, and keeps states in order on the wire
   std::string state_ = process_state::kStarting;
   std::string reason_;
   std::string configuration_;
   std::map<std::string, double> counters_;
 };
 
-/// A counter of a status; 0 where it has none of this name.
+/// Returns a counter of a status; 0 if it has none of this name.
 double CounterOf(const status_t& status, const std::string& name);
-/// The same of a counter that counts; 0, or 2^53 at most, where what came over the bus is no such number.
+/// Returns it as an integer from 0 to 2^53; 0 for a received value that is not a number.
 int64_t CountOf(const status_t& status, const std::string& name);
-/// The longest of its queues (counters that begin with `queue.`), 2^53 at most; 0 where it has none.
+/// Returns the longest of its queues (counters that begin with `queue.`), at most 2^53; 0 if it has none.
 double LongestQueueOf(const status_t& status);
 
 }  // namespace plslam::bus

@@ -13,9 +13,9 @@
 namespace plslam::bus {
 namespace {
 
-constexpr int kLargestBlock = 32 << 20;  // the most that glibc takes from its heap
+constexpr int kLargestBlock = 32 << 20;  // the largest block that glibc takes from its heap
 constexpr int kKept = 4 * kLargestBlock;
-/// Freeing a block of at least 64 kB makes glibc look at what it can give back.
+/// Freeing a block of at least 64 kB makes glibc check how much it can return.
 constexpr size_t kNoticedBlock = 128 << 10;
 
 }  // namespace

@@ -5,15 +5,16 @@
 
 namespace plslam::bus {
 
-/// Frames come and go: from now on their memory stays with the process. Given back to the kernel at each, it would be
-/// cleared, page by page, for the next: of all page faults of a run that is a sixth at 752x480, a third at 1241x376.
+/// Keeps the freed memory of frames in the process from now on. If it were returned to the kernel for each frame, it
+/// would be cleared, page by page, for the next one: that is a sixth of all page faults of a run at 752x480, a third at
+/// 1241x376.
 void KeepFreedMemory();
 
-/// Gives back what this thread has freed, and of other threads what lies between blocks still in use: after work that
-/// took much memory and comes seldom.
+/// Returns to the kernel the memory that this thread has freed, and of other threads the memory between blocks in use:
+/// for calls after rare work that took much memory.
 void GiveBackFreedMemory();
 
-/// What this process has used so far.
+/// CPU time and memory of this process so far.
 struct Usage {
   double cpu_s = 0.0;      ///< user and system time of all threads
   double memory_mb = 0.0;  ///< resident now

@@ -10,22 +10,21 @@
 
 namespace plslam {
 
-/// `tracked` of `all` frames in per cent, rounded down to a tenth, so that 100 means every frame; nullopt where there
-/// are none.
+/// Returns `tracked` of `all` frames in per cent, rounded down to a tenth, so that 100 means every frame; nullopt
+/// without frames.
 inline std::optional<double> TrackedPercent(double tracked, double all) {
   if (!(all > 0.0)) return std::nullopt;
   return std::floor(1000.0 * std::clamp(tracked / all, 0.0, 1.0) + 1e-9) / 10.0;
 }
 
-/// What became of the frames of a run. None counts twice, and all of them are in `all`: whoever tells a share of
-/// tracked frames, tells it of these.
+/// Counts of a run's frames by outcome. Each frame is counted once; shares of tracked frames are relative to `all`.
 struct FrameTally {
   int64_t tracked = 0;
-  int64_t initialising = 0;  ///< there was nothing to found a map on yet
+  int64_t initialising = 0;  ///< no features yet from which a map could be initialised
   int64_t lost = 0;
-  int64_t skipped = 0;     ///< passed over by a tracker that was too slow, in real time
-  int64_t unreadable = 0;  ///< passed over by the player (--skip-bad); the tracker never hears of them
-  int64_t unanswered = 0;  ///< sent, but the tracker ended before it said anything of them
+  int64_t skipped = 0;     ///< dropped by a tracker that was too slow, in real time
+  int64_t unreadable = 0;  ///< skipped by the player (--skip-bad); the tracker never receives them
+  int64_t unanswered = 0;  ///< sent, but the tracker exited before it published a pose
 
   /// Counts a frame that has a pose message; `sign` -1 takes it back.
   void Count(TrackingState state, int64_t keyframe_id, int64_t sign = 1) {
@@ -43,11 +42,11 @@ struct FrameTally {
   bool operator==(const FrameTally&) const = default;
 };
 
-/// What was seen to move in a run, frame by frame.
+/// Moving bodies in a run, accumulated frame by frame.
 struct MovingTally {
-  int64_t bodies = 0;          ///< different ones
-  int64_t frames = 0;          ///< in which one was seen
-  double largest_share = 0.0;  ///< of a frame's features
+  int64_t bodies = 0;          ///< distinct bodies
+  int64_t frames = 0;          ///< frames with at least one moving body
+  double largest_share = 0.0;  ///< largest share of a frame's features on moving bodies
   int64_t first_frame = -1;
   int64_t last_frame = -1;
 
@@ -63,12 +62,12 @@ struct MovingTally {
   }
 };
 
-/// How many frames the player has sent, and could not read, from what its status and the end of the stream say.
+/// Counts of the frames that the player has sent and could not read, from its status and the end of the stream.
 class SentFrames {
  public:
   void OnStatus(int64_t sent, int64_t unreadable) {
     sent_ = sent;
-    // A run that is interrupted hears of no end of the stream.
+    // An interrupted run receives no end of the stream.
     unreadable_ = std::max(unreadable_, unreadable);
   }
   void OnStream(bool is_end, int64_t n_frames, int64_t n_bad) {
@@ -76,15 +75,15 @@ class SentFrames {
     unreadable_ = n_bad;
   }
   bool ended() const { return in_all_.has_value(); }
-  /// As its status says, which is up to a second old.
+  /// From the player's status, up to a second old.
   int64_t sent() const { return sent_; }
   int64_t unreadable() const { return unreadable_; }
-  /// Frames sent that are neither answered nor skipped: those behind the last pose, say.
+  /// Returns the number of sent frames that are neither answered nor skipped, for example those after the last pose.
   int64_t Unanswered(const FrameTally& tally) const {
     return std::max<int64_t>(0, in_all_.value_or(sent_) - tally.answered() - tally.skipped);
   }
-  /// Frames sent since the newest one that has a pose (`newest_frame`, as they are numbered from 0; -1: none has).
-  /// Older ones without a pose do not count: nobody will answer them any more.
+  /// Number of frames sent after `newest_frame`, the newest one that has a pose (ids count from 0; -1: none has). Older
+  /// frames without a pose are not counted: they will not be answered.
   int64_t Behind(int64_t newest_frame) const {
     return std::max<int64_t>(0, in_all_.value_or(sent_) - newest_frame - 1);
   }

@@ -6,7 +6,7 @@
 namespace plslam {
 namespace {
 
-// A queue that is worth telling; status comes every second.
+// A queue length worth reporting; a status arrives every second.
 constexpr double kWorthSaying = 5.0;
 constexpr double kSilent_s = 2.5;
 

@@ -6,10 +6,10 @@
 
 namespace plslam {
 
-/// What processes call themselves in `status_t.process` and `command_t.target`.
+/// Names of the processes in `status_t.process` and `command_t.target`.
 namespace process_name {
 inline constexpr const char* kPlayer = "player";
-inline constexpr const char* kCamera = "camera";  ///< in the place of the player
+inline constexpr const char* kCamera = "camera";  ///< replaces the player
 inline constexpr const char* kAdapter = "adapter";
 inline constexpr const char* kVo = "vo";
 inline constexpr const char* kMapping = "mapping";
@@ -19,7 +19,7 @@ inline constexpr std::array kAll = {kPlayer, kCamera, kAdapter, kVo, kMapping, k
 inline bool SendsFrames(std::string_view name) { return name == kPlayer || name == kCamera || name == kAdapter; }
 }  // namespace process_name
 
-/// `status_t.state`, in the order in which a process goes through them; failed from anywhere.
+/// Values of `status_t.state`, in their usual order; any state may be followed by failed.
 namespace process_state {
 inline constexpr const char* kStarting = "starting";
 inline constexpr const char* kReady = "ready";
@@ -30,7 +30,7 @@ inline constexpr const char* kFailed = "failed";
 inline constexpr std::array kAll = {kStarting, kReady, kRunning, kFinished, kStopping, kFailed};
 }  // namespace process_state
 
-/// `command_t.verb`; lcmtypes/command_t.lcm says what each does.
+/// Values of `command_t.verb`; documented in lcmtypes/command_t.lcm.
 namespace command_verb {
 inline constexpr const char* kFinish = "finish";
 inline constexpr const char* kGoBack = "go_back";

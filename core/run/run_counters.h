@@ -10,15 +10,14 @@
 
 namespace plslam {
 
-/// Counters of statuses that tell how good the data of a run are. By vo: points of the left image, those of them that
-/// the right image has, too, frames that are nearly black, by how many pixels rows of the right image differ in a
-/// corner, the offset of the disparities with its sigma and the
-/// change of lengths by it, by how much later the right images are taken than the left ones, or the
-/// left ones than the right ones, the same in frames, and by how much the times differ in which the two cameras read
-/// an image. By the player, where the dataset has a ground truth: frames with a true pose, and without. By the
-/// viewer: frames without the picture that report, film or overlays should have had. By live cameras: pairs of images,
-/// the median time between left and right, frames that are missing between others, images without a partner,
-/// pairs that are mostly white or mostly black, and how often they gave nothing for a while.
+/// Counters of statuses about the quality of a run's data. From vo: points of the left image, those of them with a
+/// match in the right image, nearly black frames, the vertical disparity in a corner in pixels, the offset of the
+/// disparities with its sigma and the change of lengths by it, the delay of the right images after the left ones, or of
+/// the left ones after the right ones, the same in frames, and the difference of the two cameras' readout times. From
+/// the player, if the dataset has a ground truth: frames with a true pose, and without. From the viewer: frames without
+/// the picture for report, film or overlays. From live cameras: pairs of images, the median time between left and
+/// right, missing frames, images without a partner, pairs that are mostly white or mostly black, and the number of
+/// interruptions.
 inline constexpr const char* kPointsSeen = "points.seen";
 inline constexpr const char* kPointsMatched = "points.matched";
 inline constexpr const char* kPointsAmbiguous = "points.ambiguous";
@@ -33,7 +32,7 @@ inline constexpr const char* kPicturesMissing = "pictures.missing";
 inline constexpr const char* kRightLate = "sync.right_late_ms";
 inline constexpr const char* kLeftLate = "sync.left_late_ms";
 inline constexpr const char* kLateFrames = "sync.late_frames";
-/// Of that, what is made up for; beyond, frames are at most weak.
+/// The largest part of a delay that is compensated, in frame periods; beyond it, frames are at most weak.
 inline constexpr double kMostLateMadeUpFor_frames = 0.3;
 inline constexpr const char* kUnequalReadout = "sync.unequal_readout_ms";
 /// Set by the process that sends frames, beside these: 1 while it is paused.
@@ -53,12 +52,12 @@ inline constexpr std::array<const char*, 24> kRunCounters{
     kFramesMissing,   kDroppedLeft,   kDroppedRight,   kOverexposed, kUnderexposed,   kOutages,        kRecordingScan,
     kDisparitySigma,  kLengthError,   kPointsAmbiguous};
 
-/// The newest of these counters by process, also of those that have ended since; others are passed over.
+/// The newest values of these counters by process, including exited processes; other counters are ignored.
 class RunCounters {
  public:
   /// `source` names the process.
   void Take(int64_t source, const std::string& name, double value);
-  /// Over all processes; 0 where nobody has told it.
+  /// Sum over all processes; 0 if none has published the counter.
   double Sum(std::string_view name) const;
   double Largest(std::string_view name) const;
 

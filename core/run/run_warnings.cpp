@@ -15,8 +15,8 @@ namespace {
 using Numbers = std::vector<std::pair<std::string, double>>;
 
 constexpr double kEnoughTracked_percent = 90.0;
-/// Where the calibration is good, the right image has 60 to 90 % of the points of the left one; exchanged, 0.3 to 8
-/// %.
+/// With a good calibration, the right image has 60 to 90 % of the points of the left one; with exchanged images, 0.3 to
+/// 8 %.
 constexpr double kFewMatched = 0.15;
 constexpr double kEnoughPoints = 2000.0;
 /// Share of the left points with two equally good matches from which on texture is called repetitive: 0.00 to 0.02 in
@@ -30,12 +30,12 @@ constexpr double kFarSkew_ms = 1.0;
 constexpr double kFarRows_px = 4.0;
 /// At a disparity of 25 px, 2 % of the depth.
 constexpr double kFarDisparities_px = 0.5;
-/// Two paths that have nothing to do with each other are, aligned, as far from each other as each extends.
+/// Two unrelated paths are, after alignment, as far from each other as each extends.
 constexpr double kOtherPath = 0.3;
-/// The truth of a standing camera extends over its own errors.
+/// The true path of a static camera is as long as the truth's own errors.
 constexpr double kLeastOtherPath_m = 0.05;
-/// Good runs have a NEES of 3 to 30 against recorded truth, which errs itself; at this one, errors are 13 times what
-/// is claimed.
+/// Good runs have a NEES of 3 to 30 against recorded truth, which has errors itself; at this one, errors are 13 times
+/// their standard deviation.
 constexpr double kFarNees = 1e3;
 constexpr int64_t kEnoughNees = 20;
 
@@ -74,7 +74,7 @@ bool LacksMatches(const RunFindings& f) {
 }
 
 /// "the right images are taken 93 ms after the left ones: ..." Beyond half a frame, other pairs are nearer in time;
-/// from `SyncCheck::is_far_off` on, what is made up for does not make such frames sure.
+/// from `SyncCheck::is_far_off` on, frames remain weak in spite of the compensation.
 std::string OutOfStepText(const RunFindings& f) {
   const bool right = f.right_late_ms > 0.0;
   const int offset = static_cast<int>(std::lround(right ? -f.late_frames : f.late_frames));
@@ -160,7 +160,7 @@ const Row kRows[] = {
      [](const RunFindings& f) {
        return Numbers{{"unequal_readout_ms", f.unequal_readout_ms}};
      }},
-    // Of cameras out of step, rows differ by what they move, until that is known.
+    // If the cameras are out of step, rows differ by the motion between the two exposures until the offset is known.
     {"rows_corrected_far", [](const RunFindings& f) { return f.corner_rows_px > kFarRows_px && !IsOutOfStep(f); },
      [](const RunFindings& f) {
        return fmt::format(

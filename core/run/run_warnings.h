@@ -13,7 +13,7 @@
 
 namespace plslam {
 
-/// What a run has shown of itself and of its data, as far as it is known: what is looked at for warnings.
+/// Findings about a run and its data from which the warnings are derived.
 struct RunFindings {
   std::string dataset;
   FrameTally frames;
@@ -55,23 +55,23 @@ struct RunFindings {
   void Take(const RunCounters& counters);
 };
 
-/// Something that the user of a finished run should know.
+/// A warning for the user of a completed run.
 struct RunWarning {
   std::string code;      ///< for programs: "little_tracked"
-  std::string sentence;  ///< what was found, what it may mean, what helps
+  std::string sentence;  ///< finding, possible meaning, remedy
   std::vector<std::pair<std::string, double>> numbers;
 };
 
-/// As summary.json and the report have it: `code`, `sentence`, `numbers` by name.
+/// The form in summary.json and the report: `code`, `sentence`, `numbers` by name.
 nlohmann::ordered_json ToJson(const RunWarning& warning);
 
-/// One for each row of the table whose condition holds, in its order. docs/metrics.md has the table for users.
+/// Returns the warnings whose condition holds, in the order of the table. docs/metrics.md has the table for users.
 std::vector<RunWarning> WarningsOf(const RunFindings& findings);
 
-/// Those of live cameras, which are told while a run goes on, too.
+/// Returns the warnings about live cameras, which are also published during a run.
 std::vector<RunWarning> CameraWarningsOf(const RunFindings& findings);
 
-/// All codes there are, in the order of the table.
+/// Returns all codes, in the order of the table.
 std::vector<std::string> WarningCodes();
 
 }  // namespace plslam

@@ -19,30 +19,30 @@ struct LoadedFrame {
   std::string error;
 };
 
-/// Where stereo frames come from, in order: a dataset or cameras. `Begin` and `Next` are called on one thread, `Stop`
-/// on any.
+/// A source of stereo frames in order: a dataset or cameras. `Begin` and `Next` are called on one thread, `Stop` on
+/// any.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
 
   virtual std::string name() const = 0;
   virtual const RigCalibration& rig() const = 0;
-  /// Number of frames; -1 where it is not known.
+  /// Number of frames; -1 if it is not known.
   virtual int64_t size() const = 0;
-  /// Mean distance in time of the frames, as far as it is known before the first one.
+  /// Mean step between the frames, as far as it is known before the first one.
   virtual int64_t period_ns() const = 0;
-  /// Frames come when they are taken, and cannot wait for anybody.
+  /// Frames arrive at their own time and cannot be delayed.
   virtual bool is_live() const { return false; }
-  /// There is a recorded truth, of whatever frames.
+  /// Returns whether there is recorded truth, of whatever frames.
   virtual bool HasRecordedTruth() const { return false; }
 
-  /// Begins, from the first frame or with the first one behind a frame that has been sent already; before frames are
-  /// asked for, and again whenever older frames are wanted once more. Returns how many of those passed over were
-  /// never sent, since they could not be read.
+  /// Begins from the first frame, or with the first one after a frame that was already sent; called before the first
+  /// `Next`, and again whenever older frames are requested again. Returns the number of skipped frames that were never
+  /// sent, since they were unreadable.
   virtual int64_t Begin(const std::optional<ResumePoint>& behind) = 0;
-  /// Waits for the next frame. nullopt after the last one, and after `Stop`. Throws where there will be no more.
+  /// Waits for the next frame. nullopt after the last one, and after `Stop`. Throws if there will be no further frame.
   virtual std::optional<LoadedFrame> Next() = 0;
-  /// Ends `Next` for good.
+  /// Ends `Next` permanently.
   virtual void Stop() = 0;
 };
 

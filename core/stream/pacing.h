@@ -16,7 +16,7 @@ struct Pace {
 /// From "lockstep", "realtime", "realtimex2", "realtimex0.5" (0.001 to 1000). Throws std::runtime_error.
 Pace ParsePace(const std::string& text);
 
-/// The newest frame that has been answered, where a player goes on that was started again.
+/// The newest answered frame, after which a restarted player resumes.
 struct ResumePoint {
   int64_t frame_id = -1;
   int64_t t_ns = 0;
@@ -24,11 +24,11 @@ struct ResumePoint {
   bool operator==(const ResumePoint&) const = default;
 };
 
-/// From "ID@T_NS", as `player.resume_after` says it. Throws std::runtime_error.
+/// Parses "ID@T_NS", the format of `player.resume_after`. Throws std::runtime_error.
 ResumePoint ParseResumePoint(const std::string& text);
 std::string ToText(const ResumePoint& point);
 
-/// In place of a resume point: behind the newest frame that a pose on the bus is of.
+/// Instead of a resume point: after the newest frame that has a pose on the bus.
 inline constexpr const char* kResumeFromBus = "bus";
 
 /// Maps the time of frames to that of a steady clock (both in nanoseconds): the first frame is due at once.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Accuracy and time of odometry in one process, without messages: a row for each dataset. For experiments; the
-// numbers that count come from `plslam run`.
+// Accuracy and time of odometry in one process, without messages: a row for each dataset. For experiments; the official
+// numbers come from `plslam run`.
 //
 //   accuracy_benchmark DATASET... [--set vo.tracking.reference=previous_frame] [--stride N] [--frames N]
 //   accuracy_benchmark DATASET... --pieces N
@@ -98,7 +98,7 @@ void PrintSlam(const std::string& name, const plslam::test::SlamRun& run) {
       MeanFigure(run.figures, &plslam::AdjustmentFigures::reprojection_after_px));
 }
 
-// Frame, keyframe or not, then live, final and true place.
+// Prints the frame, whether it is a keyframe, then live, final and true position.
 void PrintPlaces(size_t i, const plslam::test::SlamRun& run) {
   const Eigen::Vector3d live = run.live[i].T_odom_l.translation();
   const Eigen::Vector3d final = run.final[i].T_odom_l.translation();
@@ -113,7 +113,7 @@ void PrintBits(const plslam::SE3& pose) {
   std::printf("  %a %a %a %a %a %a %a", q[0], q[1], q[2], q[3], t[0], t[1], t[2]);
 }
 
-// All bits of the live pose, of the final one and of what the live one is uncertain of, to compare two builds.
+// Prints all bits of the live pose, of the final one and of the live covariance, to compare two builds.
 void PrintExactly(size_t i, const plslam::test::SlamRun& run) {
   std::printf("%zu", i);
   PrintBits(run.live[i].T_odom_l);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What messages cost on loopback: time from publishing to the handler of another bus, and CPU of both ends together.
+// Cost of messages on loopback: time from publishing to the handler of another bus, and CPU of both ends together.
 #include <atomic>
 #include <random>
 #include <semaphore>

@@ -9,7 +9,7 @@
 #include "mapping_process/corrections/correction.h"
 #include "tests/unit/mapping/loop_world.h"
 
-// What a correction costs mapping_process in a map of 500 keyframes and 30,000 points.
+// Cost of a loop correction in mapping_process, with a map of 500 keyframes and 30,000 points.
 
 namespace plslam {
 namespace {
@@ -79,8 +79,8 @@ void BM_Adjustment(benchmark::State& state) {
 }
 BENCHMARK(BM_Adjustment)->Unit(benchmark::kMillisecond)->Iterations(3);
 
-/// The part of both that moves keyframes and landmarks; what an adjustment would leave without placing landmarks
-/// anew.
+/// The part of both that moves keyframes and landmarks: the cost of an adjustment without triangulating landmarks
+/// again.
 void BM_Move(benchmark::State& state) {
   const LoopClosure closure = test::AdjustByTruth(MapOnce().mapper.map(), MapOnce().walk.T_w_c);
   KeyframeFeatures features;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Extraction and matching of features on real pairs where they are, else on a generated texture. One thread. EuRoC's
-// pair is not rectified: good for timing all stages, not for counting its stereo matches.
+// Extraction and matching of features on real pairs if they are available, else on a generated texture. One thread.
+// EuRoC's pair is not rectified: good for timing all stages, not for counting its stereo matches.
 #include <atomic>
 #include <random>
 #include <string>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Time of what loop_process does for a keyframe, by the size of the map, and of closing a loop. Maps are made up:
-// keyframes along a circle, landmarks seen by five in a row, descriptors at random, every word of the vocabulary as
-// likely.
+// CPU time of loop_process for a keyframe, by the size of the map, and of closing a loop. The maps are synthetic:
+// keyframes along a circle, landmarks observed by five consecutive keyframes, random descriptors, all words of the
+// vocabulary equally likely.
 //
 //   loop_benchmark --benchmark_min_time=0.5
 
@@ -38,8 +38,8 @@ SE3 OnCircle(int i, int n) {
   return {ExpSO3({0.0, a, 0.0}), {radius_m * (1.0 - std::cos(a)), 0.0, radius_m * std::sin(a)}};
 }
 
-/// A map of `n` keyframes around a circle and their features. Where it `closes`, the last one sees what the first
-/// ones saw, as landmarks of its own.
+/// A map of `n` keyframes around a circle and their features. If it `closes`, the last keyframe sees the features of
+/// the first ones, as its own landmarks.
 struct MadeUpMap {
   explicit MadeUpMap(int n, bool closes = false) : seen_in_map(closes ? n - 1 : n) {
     for (int i = 0; i < n; ++i) AddKeyframe(i, n);
@@ -64,7 +64,7 @@ struct MadeUpMap {
     keyframes.push_back(keyframe);
   }
 
-  // A fifth of what a keyframe sees is new; it is in front of it and of the next ones.
+  // A fifth of a keyframe's landmarks are new; they are in front of it and of the next ones.
   void AddLandmarks(int i, int n) {
     std::mt19937_64 generator(static_cast<uint64_t>(i) + 1);
     std::uniform_real_distribution<double> across(-1.0, 1.0);
@@ -93,7 +93,7 @@ struct MadeUpMap {
     }
   }
 
-  // As landmarks of its own: nobody knows yet that they are the same.
+  // The last keyframe has its own landmarks: the duplicates are not yet known.
   void SeeBeginning(int j) {
     std::vector<MapPoint> seen;
     for (const auto& [id, point] : map.points()) {
@@ -157,11 +157,11 @@ Shown& ShownOf(int n, bool closes) {
   return *shown;
 }
 
-// Nothing looks alike; or the circle closes, and the place is verified from both sides.
+// Either there is no similar keyframe, or the circle closes, and the loop is verified from both sides.
 void BM_Check(benchmark::State& state, bool closes) {
   Shown& shown = ShownOf(static_cast<int>(state.range(0)), closes);
   for (auto _ : state) {
-    // Comes anew each time, so that it is described each time.
+    // The keyframe is added again each time, so that it is described each time.
     shown.closer.AddKeyframe(shown.last);
     benchmark::DoNotOptimize(shown.closer.Check(shown.world.map, 1, shown.last.keyframe_id));
   }
@@ -175,7 +175,7 @@ BENCHMARK_CAPTURE(BM_Check, seen_again, true)->RangeMultiplier(10)->Range(100, 1
 void BM_CloseLoop(benchmark::State& state) {
   const int n = static_cast<int>(state.range(0));
   MadeUpMap world(n);
-  // What drift has done: every step a little wrong in the same way, once round as much in every map.
+  // Drift: each step has the same small error, which adds up to the same total over one round of any map.
   Vector6d error;
   error << 1e-1, 5e-2, -1e-1, 1e-2, 2e-2, -1e-2;
   error /= n;

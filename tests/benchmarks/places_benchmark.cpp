@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Place recognition with up to 10,000 keyframes of 1,500 points and 150 lines, and the default vocabularies. The
-// keyframes are made up: words drawn as often as the training images had them, descriptors a few bits from the words'
+// keyframes are synthetic: words with the frequencies of the training images, descriptors a few bits from the words'
 // centres. One thread.
 //
 //   places_benchmark --growth FILE.png   draws the CPU time of a query over the number of keyframes instead
@@ -26,7 +26,7 @@ constexpr int kLines = 150;
 
 Vocabulary Load(const char* name) { return Vocabulary::Load(test::SourceFolder() / "config" / name); }
 
-/// Draws descriptors whose words are as frequent as the vocabulary says.
+/// Draws descriptors whose words have the frequencies of the vocabulary.
 class DescriptorSource {
  public:
   explicit DescriptorSource(const VocabularyTree& tree) : tree_(tree) {
@@ -79,7 +79,7 @@ class KeyframeSource {
   DescriptorSource lines_;
 };
 
-/// One recogniser that grows as the benchmarks ask for more keyframes.
+/// One recogniser that grows as the benchmarks need more keyframes.
 struct World {
   PlaceRecogniser places{Load("orb.vocabulary"), Load("lbd.vocabulary"), PlaceOptions{}};
   KeyframeSource source{places};
@@ -141,7 +141,7 @@ void RemoveAndAdd(benchmark::State& state) {
   }
 }
 
-/// Of this thread: what other programs do on the machine is not in it.
+/// CPU time of this thread, without other programs on the machine.
 double CpuTime_ms() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a loop over a large map costs, stage by stage, by the number of keyframes. Maps are made up: keyframes twice
-// round a circle whose odometry has drifted, each with points and lines that the ones around it see, too, measured
-// with noise; the newest keyframe has been recognised where the first lap began.
+// Cost of a loop in a large map, stage by stage, by the number of keyframes. The maps are synthetic: keyframes twice
+// round a circle with drifted odometry, each with points and lines that neighbouring keyframes observe, too, measured
+// with noise; the newest keyframe is recognised at the beginning of the first lap.
 //
 //   scale_benchmark 1000 3000 10000
 
@@ -71,7 +71,7 @@ class MadeUpMap {
     return stored;
   }
 
-  /// The last keyframe begins the third lap; a lap before, the camera was at the same place.
+  /// The last keyframe begins the third lap; a lap before, the camera was at the same position.
   LoopEdge Loop() const {
     LoopEdge edge;
     edge.old_keyframe_id = 0;
@@ -127,7 +127,7 @@ class MadeUpMap {
   }
 
   void AddLandmarks(int i) {
-    // Behind the last one there is nobody who would see what is new.
+    // After the last keyframe no keyframe would observe new landmarks.
     const int last = std::min(n_, i + kSeenBy);
     if (last - i < 2) return;
     const auto in_view = [this](double depth_m) {

@@ -29,7 +29,7 @@ using plslam::vo::OdometryResult;
 
 constexpr double kWrong_px = 6.0;
 
-// Errors of the tracks whose flow since they were created lies in one range.
+// Errors of the tracks whose total flow lies in one range.
 struct Bin {
   int n = 0;
   int wrong = 0;

@@ -21,7 +21,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Whether the files were read. What is read must be fit for rectification, which may still refuse it in a sentence.
+/// Returns whether the files were read. A rig that was read must be valid for rectification, which may still reject it
+/// with a sentence.
 bool Reads(const std::vector<std::string>& paths) {
   try {
     const RigCalibration rig = ReadForeignCalibration(paths, {672, 376}).rig;

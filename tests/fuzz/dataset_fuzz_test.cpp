@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mutates tiny valid datasets: a reader must read what is left, or throw DatasetError, within a bound of memory.
+// Mutates tiny valid datasets: a reader must read the valid rest, or throw DatasetError, within a bound of memory.
 //
-// PLSLAM_FUZZ_SECONDS sets the duration (default 5), PLSLAM_FUZZ_SEED the first seed (default 1). Each case is made
-// from its seed alone, which a failure names.
+// PLSLAM_FUZZ_SECONDS sets the duration (default 5), PLSLAM_FUZZ_SEED the first seed (default 1). Each case depends on
+// its seed only, which a failure prints.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ using Clock = std::chrono::steady_clock;
 // The tiny datasets need a few MB; the rest is room for an image that lies about its size, and for the decoders.
 constexpr int64_t kMemoryBound_mb = 256;
 
-// What the process has mapped now, plus the bound, becomes its limit: larger allocations fail, and are seen.
+// Limits memory to the current size of the process plus the bound: larger allocations fail visibly.
 class MemoryBound {
  public:
   MemoryBound() {
@@ -62,7 +62,7 @@ class MemoryBound {
 class QuietStderr {
  public:
   QuietStderr() : saved_(dup(STDERR_FILENO)) {
-#ifndef PLSLAM_SANITIZED  // whose reports come there too
+#ifndef PLSLAM_SANITIZED  // whose reports are written there too
     const int null = open("/dev/null", O_WRONLY | O_CLOEXEC);
     dup2(null, STDERR_FILENO);
     close(null);
@@ -127,7 +127,7 @@ constexpr Reader kReaders[] = {{"mcap, zstd", MakeMcap, OpenMcap},
                                {"vslamlab", test::MakeVslamLabFolder, OpenVslamLabDataset},
                                {"images", test::MakeImagesFolder, OpenImagesDataset}};
 
-// What holds for every dataset that opens.
+// Checks the invariants of every dataset that opens.
 void ReadEverything(const Dataset& dataset, int* n_read) {
   ASSERT_GT(dataset.size(), 0);
   for (int i = 0; i < dataset.size(); ++i) {

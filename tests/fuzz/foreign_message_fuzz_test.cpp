@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mutates messages of other programs, as the adapter takes them: images, pairs of them and calibrations are refused
-// with a sentence, or are what they say, within a bound of memory.
+// Mutates messages of other programs, as received by the adapter: images, pairs of them and calibrations are rejected
+// with a sentence, or are consistent, within a bound of memory.
 #include <gtest/gtest.h>
 
 #include "adapter/foreign_image.h"
@@ -77,7 +77,7 @@ ByteVector SomeMessage(Random& random) {
   }
 }
 
-/// Whether images came of it, which then have the size that is expected.
+/// Returns whether images were decoded, which then have the expected size.
 bool Take(const ByteVector& bytes) {
   const auto take = [](const auto& f) {
     try {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mutates map files, with the checksum put right again so that the content is looked at: what is not refused must be
-// a sound map that is saved as the same bytes, and memory must stay within a bound of the file.
+// Mutates map files, with a corrected checksum so that the content is checked: a map that is accepted must be valid and
+// saved as the same bytes, and memory must stay within a bound of the file.
 #include <cstring>
 #include <random>
 
@@ -28,7 +28,7 @@ void Mutate(ByteVector& bytes, Random& random) {
                             0x7FF8000000000000,
                             1ULL << 40};
   for (uint64_t n = 1 + random() % 4; n > 0 && bytes.size() > 64; --n) {
-    // Counts and numbers stand mostly near the beginning.
+    // Counts and ids are mostly near the beginning.
     const size_t range = random() % 2 == 0 ? bytes.size() : std::min<size_t>(bytes.size(), 1000);
     const size_t at = random() % range;
     const auto place = bytes.begin() + static_cast<std::ptrdiff_t>(at);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mutates messages of all types: what the check of bytes lets through must decode within a bound of memory, and every
-// consumer (conversions, frames, keyframes, order and repair) must survive its content.
+// Mutates messages of all types: bytes that pass the check must decode within a bound of memory, and every consumer
+// (conversions, frames, keyframes, order and repair) must survive their content.
 #include <cmath>
 #include <fstream>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mutates vocabularies: bytes that are one are used, all others refused with a sentence, within a bound of memory.
-// Half of the cases get a checksum that fits, so that what lies behind it is reached.
+// Mutates vocabularies: valid bytes are used, all others rejected with a sentence, within a bound of memory. Half of
+// the cases get a valid checksum, so that the content after it is reached.
 #include <gtest/gtest.h>
 #include <sodium.h>
 
@@ -52,7 +52,7 @@ void Sign(std::string& bytes) {
                      reinterpret_cast<const unsigned char*>(bytes.data()), content, nullptr, 0);
 }
 
-/// What any vocabulary must keep to, whatever its content.
+/// Checks the invariants of any vocabulary, whatever its content.
 void Use(const Vocabulary& vocabulary, std::mt19937_64& random) {
   FeatureNodes nodes;
   const BagOfWords bag = vocabulary.Transform(test::RandomDescriptors(20, random), nodes);

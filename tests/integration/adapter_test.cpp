@@ -40,7 +40,7 @@ constexpr double kRate_hz = 2.0;
 constexpr double kRate_hz = 20.0;
 #endif
 
-/// When poses came on our own bus, by their times, and what came of the robot.
+/// Arrival times of poses on our own bus, by their stamps, and the robot's counters.
 class OwnPoses {
  public:
   explicit OwnPoses(const std::string& url) : bus_(Options(url)) {
@@ -120,7 +120,7 @@ class Adapter : public testing::Test {
     })) << run_->Logs();
   }
 
-  /// Or of one of the few before: images are not sent again where one is lost.
+  /// Returns whether the last frame has a pose, or one of the few before it: lost images are not resent.
   bool HasPoseOfLast(int n_frames) const {
     const auto poses = PosesByTime();
     for (int i = n_frames - 5; i < n_frames; ++i) {
@@ -158,8 +158,8 @@ class Adapter : public testing::Test {
     return std::sqrt(sum / static_cast<double>(std::max<size_t>(n, 1)));
   }
 
-  /// How much later a pose is heard on the robot's bus than on ours: the lower quartile, which other programs that
-  /// want the processors do not touch.
+  /// Returns the delay of poses on the robot's bus after ours: the lower quartile, which other busy programs do not
+  /// affect.
   double Delay_ms() const {
     const auto own = own_->at_s();
     std::vector<double> delays;
@@ -197,7 +197,7 @@ TEST_F(Adapter, RobotWithImagePairsIsLocalisedAcrossAKill) {
   WholeRun played;
   ASSERT_EQ(played.Run({"run", kWorld, "--pace", "realtime", "--no-loops"}), 0) << played.Logs();
   const double expected_m = played.Summary()["accuracy_live_ate_m"].get<double>();
-  // The frames while no adapter was there have no poses, nor have those that a busy machine passes over.
+  // Frames sent without an adapter have no poses, nor have those that a busy machine drops.
   constexpr size_t kLeast = kFrames / 2;
   const double rmse_m = Rmse_m(1, kFrames, kLeast), delay_ms = Delay_ms();
   std::cout << fmt::format("{:.4f} m, {:.4f} m with the player; {:.3f} ms behind our bus\n", rmse_m, expected_m,

@@ -20,7 +20,7 @@ namespace plslam::test {
 
 class StatusListener;
 
-/// Where the processes of a run are started, but for the player; nullptr: not at all.
+/// The hosts of a run's processes, except for the player; nullptr: not started.
 struct HostsOfARun {
   const NetworkHost* viewer = nullptr;
   const NetworkHost* mapping = nullptr;
@@ -37,25 +37,25 @@ class ByHand {
   ByHand(const ByHand&) = delete;
   ByHand& operator=(const ByHand&) = delete;
 
-  /// `executable ARGUMENTS... --url URL` on that host, and what each process there is to be told besides.
+  /// Starts `executable ARGUMENTS... --url URL` on that host, with the options common to all processes.
   void Start(const NetworkHost& host, const std::string& executable, std::vector<std::string> arguments = {});
   /// The same in the calling thread's network, without `--url`.
   void StartPlain(const std::string& executable, const std::vector<std::string>& arguments);
-  /// Starts all that have a host and waits until each has told `listener` that it is ready. Fails the test where one
-  /// has not.
+  /// Starts all processes that have a host and waits until each has published "ready" to `listener`. Fails the test
+  /// otherwise.
   void StartAll(const HostsOfARun& hosts, StatusListener* listener);
   /// Plays `dataset` once.
   void StartPlayer(const NetworkHost& host, const std::string& dataset);
-  /// Waits for the ends of the player and of the viewer's work. Fails the test where they do not come.
+  /// Waits until the player has exited and the viewer has finished. Fails the test otherwise.
   void WaitUntilPlayed(StatusListener* listener);
-  /// Options for all that are started from now on.
+  /// Options for all processes that are started from now on.
   void SetCommon(std::vector<std::string> arguments) { common_ = std::move(arguments); }
 
   /// Exit code; -1 (and killed) after `limit_s`.
   int Wait(const std::string& executable, int limit_s = 120);
-  /// SIGKILL, and waits until it is gone.
+  /// Sends SIGKILL, and waits for the exit.
   void Kill(const std::string& executable);
-  /// SIGINT to all that run; true if all of them end with exit code 0.
+  /// Sends SIGINT to all running processes; returns true if all of them end with exit code 0.
   bool StopAll();
 
   const std::filesystem::path& folder() const { return folder_; }
@@ -71,7 +71,7 @@ class ByHand {
   std::map<std::string, std::unique_ptr<launcher::ChildProcess>> processes_;
 };
 
-/// Hears the health of all processes and counts poses, on a host.
+/// Receives the statuses of all processes and counts poses, on a host.
 class StatusListener {
  public:
   StatusListener(const NetworkHost& host, const bus::BusOptions& options);
@@ -85,9 +85,9 @@ class StatusListener {
   bool WaitForState(const std::string& process, const std::string& state, int limit_s = 60);
   bool WaitForFrame(int64_t frame_id, int limit_s = 60);
   Statuses statuses() const;
-  /// 0 where the process or its counter is not known.
+  /// Returns 0 if the process or its counter is unknown.
   double Counter(const std::string& process, const std::string& name) const;
-  /// Largest memory that a process has told of, in MB.
+  /// Largest memory in the statuses of a process, in MB.
   double PeakMemory_mb(const std::string& process) const;
   std::string Reason(const std::string& process) const;
 

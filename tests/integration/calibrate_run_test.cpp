@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The section of docs/tutorial.md for a camera that has no calibration yet, command by command, with rendered pictures of
-// a board in the place of the camera.
+// The section of docs/tutorial.md for a camera without a calibration, command by command, with rendered pictures of a
+// board instead of the camera.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -24,7 +24,7 @@ constexpr int kPoses = 16;
 /// At 20 Hz.
 constexpr int kImagesOfPose = 20;
 
-/// A camera in front of which the board stands for a second, again and again elsewhere.
+/// A camera in front of which the board is static for a second at each of several positions.
 class CalibrateRun : public testing::Test {
  protected:
   void Render(const std::string& text, int n_poses) {

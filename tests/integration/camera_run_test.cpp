@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The whole system with frames of GStreamer in the place of a dataset.
+// The whole system with frames from GStreamer instead of a dataset.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <signal.h>
@@ -32,7 +32,7 @@ class CameraRun : public testing::Test {
     std::vector<test::ChosenFrame> chosen;
     for (int i = 0; i < frames; ++i) chosen.push_back({i, false});
     test::WriteImageFolder(*world, chosen, folder_.Path("world"));
-    // Times by the rate alone, as GStreamer has them.
+    // Times follow from the rate only, as in GStreamer.
     for (const char* file : {"times.txt", "groundtruth.txt"}) fs::remove(folder_.Path("world/") + file);
     RigCalibration rig = world->rig();
     rig.rate_hz = 20.0;
@@ -57,7 +57,7 @@ class CameraRun : public testing::Test {
     return fmt::format("  pipeline: '{} {}'\n", side("left"), side("right"));
   }
 
-  /// The first images of the world, again and again at 20 Hz: cameras that stand.
+  /// The first images of the world, repeated at 20 Hz: static cameras.
   std::string StandingCameras(const std::string& properties) const {
     const auto side = [&](const char* name) {
       return fmt::format(

@@ -32,21 +32,20 @@
 #include "tests/support/text_file.h"
 #include "tools/plslam/child_process.h"
 
-// Trouble at random moments of a run over the results of an earlier one. Whatever happens, the run ends with the
-// complete and right result, or with a non-zero exit code and a sentence, and the map that was there before is not
-// lost.
+// Faults at random moments of a run over the results of an earlier one. In all cases the run ends with the complete and
+// correct result, or with a non-zero exit code and a sentence, and the previous map is not lost.
 //
-// What is covered: each trouble of `AllTroubles` in turn, one for each run, at moments that are spread evenly from
-// the start of `plslam` to just behind its end,
-//  * in lockstep, over 120 frames: a run that is completed has the bits of an undisturbed one (11 moments, 200 in the soak);
-//  * live, over a minute (1200 frames, 20 a second): a run that is completed has all frames, and follows the truth (200
+// Coverage: each fault of `AllTroubles` in turn, one for each run, at moments that are spread evenly from the start of
+// `plslam` to just after its end,
+//  * in lockstep, over 120 frames: a completed run is bit-identical to an undisturbed one (11 moments, 200 in the
+//    soak);
+//  * live, over a minute (1200 frames, 20 a second): a completed run has all frames, and follows the truth (200
 //    moments, in the soak alone);
 //  * and a disk that gets full, in lockstep (2 moments, 50 in the soak).
-// Several runs go side by side, each in a folder and on a port of its own: those of a minute take 200 x 40 s / 6 = 22
-// minutes. Kills one after another in one run are those of kill_test.cpp.
+// Several runs are executed in parallel, each in its own folder and on its own port: those of a minute take 200 x 40 s
+// / 6 = 22 minutes. Repeated kills in one run are tested in kill_test.cpp.
 //
-// PLSLAM_CHAOS_SEED and PLSLAM_CHAOS_EVENTS choose others than the default, PLSLAM_CHAOS_ONLY=N plays the Nth of them
-// alone.
+// PLSLAM_CHAOS_SEED and PLSLAM_CHAOS_EVENTS replace the defaults, PLSLAM_CHAOS_ONLY=N plays only the Nth of them.
 
 namespace plslam::launcher {
 namespace {
@@ -67,8 +66,7 @@ int FromEnvironment(const char* name, int otherwise) {
   return text != nullptr ? std::atoi(text) : otherwise;
 }
 
-/// What is played, and how many side by side: runs in lockstep use the processors as they can, live ones a tenth of
-/// one each.
+/// The dataset, and the number of parallel runs: runs in lockstep use all processors, live ones a tenth of one each.
 struct World {
   std::string dataset;
   std::string pace;
@@ -79,7 +77,7 @@ struct World {
 World LockstepWorld() { return {"synthetic:room?size=160x120&frames=120", "lockstep", 120, 2}; }
 World MinuteWorld() { return {"synthetic:room?size=160x120&frames=1200", "realtime", 1200, 6}; }
 
-/// Sentences about what went otherwise than promised.
+/// Sentences about violated promises.
 using Wrong = std::vector<std::string>;
 
 void Expect(bool good, const std::string& what, Wrong* wrong) {
@@ -125,7 +123,7 @@ class ChaosRun {
     return std::nullopt;
   }
 
-  /// Processes of this run, the launcher left out: by what stands in their command line.
+  /// Returns the processes of this run without the launcher, found by their command lines.
   std::vector<pid_t> Children(std::string_view program = "") const {
     std::vector<pid_t> pids;
     for (const auto& entry : fs::directory_iterator("/proc")) {
@@ -149,11 +147,11 @@ class ChaosRun {
   std::unique_ptr<ChildProcess> child_;
 };
 
-/// What happens, and what the run may answer.
+/// A fault, and the permitted reactions of the run.
 struct Trouble {
   const char* name;
   std::function<void(ChaosRun&, std::mt19937&, Wrong*)> strike;
-  /// The launcher itself was killed, or ended at once by a second signal: no sentence is owed.
+  /// The launcher itself was killed, or ended at once by a second signal: no sentence is required.
   bool may_be_silent = false;
 };
 
@@ -211,7 +209,7 @@ std::vector<Trouble> AllTroubles() {
   };
 }
 
-/// Seconds that an undisturbed run takes, and what it leaves behind.
+/// Duration in seconds of an undisturbed run, and its results.
 struct Reference {
   double wall_s = 0.0;
   std::array<std::string, std::size(kResults)> results;
@@ -287,7 +285,7 @@ void ExpectNobodyLeft(const ChaosRun& run, Wrong* wrong) {
   Expect(run.Children().empty(), "processes are left", wrong);
 }
 
-/// Why it is no whole map with keyframes; empty where it is.
+/// Returns the reason why it is no complete map with keyframes; empty if it is.
 std::string LackOfMap(const fs::path& map) {
   try {
     return ReadMapFile(map.string()).map.keyframes().empty() ? "the map has no keyframes" : "";
@@ -296,7 +294,7 @@ std::string LackOfMap(const fs::path& map) {
   }
 }
 
-/// A completed run, of which live some frames may have been passed over.
+/// Checks a completed run; in a live one, some frames may have been dropped.
 void ExpectRightResult(const ChaosRun& run, const World& world, const nlohmann::json& summary,
                        const Reference& reference, Wrong* wrong) {
   if (world.pace == "lockstep") {
@@ -305,7 +303,7 @@ void ExpectRightResult(const ChaosRun& run, const World& world, const nlohmann::
   for (const std::string& result : ResultsIn(run.out())) Expect(!result.empty(), "a result is missing", wrong);
   const auto all = summary.value("all_frames", 0), frames = summary.value("frames", 0);
   Expect(all == world.frames, fmt::format("{} frames in all", all), wrong);
-  // A busy machine passes over many, and a restart over some.
+  // A busy machine drops many, and a restart some.
   Expect(2 * frames >= world.frames, fmt::format("only {} frames were handled", frames), wrong);
   const nlohmann::json ate_m = summary["accuracy"].is_object() ? summary["accuracy"]["ate_m"] : nlohmann::json();
   Expect(ate_m.is_number() && ate_m < 0.05, "an ATE of " + ate_m.dump(), wrong);
@@ -319,7 +317,7 @@ void ExpectRightEnd(ChaosRun& run, int code, const Trouble& trouble, const Befor
   if (trouble.may_be_silent && code >= 128) return;
   ExpectNothingHalfWritten(run.out(), wrong);
   const std::string summary_text = ReadText(run.out() / "summary.json");
-  // A signal that comes before the program has begun ends it as it ends any program; nothing has been touched then.
+  // A signal before the program has begun ends it like any program, without any change of files.
   if (code >= 128) {
     return Expect(run.Log().empty() && summary_text == before.summary && same_map,
                   "ended by a signal after it had begun", wrong);
@@ -338,13 +336,13 @@ void ExpectRightEnd(ChaosRun& run, int code, const Trouble& trouble, const Befor
   Expect(completed || summary["reason"] == "interrupted", "not completed: " + summary["reason"].dump(), wrong);
 }
 
-/// The sentence that a run ended with; empty where there is none.
+/// Returns the sentence with which a run ended; empty if there is none.
 std::string ErrorIn(const std::string& log) {
   const size_t at = log.rfind("plslam: error: ");
   return at == std::string::npos ? "" : log.substr(at, log.find('\n', at) - at);
 }
 
-/// Plays one run with one trouble; says what happened and what was wrong.
+/// Plays one run with one fault; returns the violated promises and describes the fault in `told`.
 Wrong PlayWithTrouble(const World& world, const Reference& reference, int seed, int event, std::string* told) {
   const std::vector<Trouble> troubles = AllTroubles();
   std::seed_seq seeds{seed, event};
@@ -355,7 +353,7 @@ Wrong PlayWithTrouble(const World& world, const Reference& reference, int seed, 
   ChaosRun run(world);
   const Before before = PutEarlierResults(run, reference.map);
   run.Start();
-  // The moment is what is random here; nothing is waited for.
+  // Only the moment is random here; the test does not wait for an event.
   std::this_thread::sleep_for(std::chrono::duration<double>(at_s));
   trouble.strike(run, random, &wrong);
   const std::optional<int> code = run.Wait();

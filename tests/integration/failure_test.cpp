@@ -27,7 +27,7 @@ using test::RunWatcher;
 using test::WholeRun;
 using testing::HasSubstr;
 
-/// The run is well under way: a dozen frames or more stand in its log.
+/// The run has progressed: its log has a dozen frames or more.
 bool HasFrames(const WholeRun& run) {
   return std::filesystem::exists(run.log()) && std::filesystem::file_size(run.log()) > 3'000'000;
 }
@@ -88,7 +88,7 @@ void SignalAll(const WholeRun& run, int signal) {
 
 bool HasLine(const WholeRun& run, const std::string& text) { return run.Logs().find(text) != std::string::npos; }
 
-/// Nothing with one of these ids runs any more, but for those that wait to be reaped.
+/// Returns whether no process with one of these ids runs any more, except for zombies.
 bool AllGone(const std::vector<pid_t>& pids) {
   return std::ranges::none_of(
       pids, [](pid_t pid) { return std::filesystem::exists("/proc/" + std::to_string(pid) + "/exe"); });
@@ -119,7 +119,7 @@ TEST(RunFailure, SignalToAllProcessesAtOnceIsOneOrder) {
 TEST(RunFailure, ClosedTerminalEndsTheRunAsAnInterruptDoes) {
   WholeRun run;
   const std::string map = (run.folder() / "room.plmap").string();
-  // The terminal: its other end is closed while the run goes on, and the session gets SIGHUP.
+  // The other end of the terminal is closed during the run, and the session gets SIGHUP.
   std::vector<std::string> arguments = {"-qefc", test::BinaryFolder() / "plslam"};
   for (const std::string& word : LongRun(run)) arguments[1] += " '" + word + "'";
   arguments[1] += " --save-map '" + map + "' --out '" + run.out().string() + "'";
@@ -385,7 +385,7 @@ TEST(RunFailure, ViewerKilledAtTheEndStillKnowsTheCameraAndTellsWhichPicturesWen
   run.Start({"run", world, "--overlay-every", "10", "--url", watcher.url(), "--set", "player.exit=true", "--set",
              "bus.give_up_s=2"});
   ASSERT_TRUE(watcher.WaitForFrame(5)) << run.Logs();
-  // Stopped, it neither hears the rest nor ends the run before the player has gone.
+  // While stopped, it neither receives the rest nor ends the run before the player has exited.
   const pid_t viewer = run.PidOf("viewer_headless");
   ASSERT_GT(viewer, 0);
   ASSERT_EQ(kill(viewer, SIGSTOP), 0);

@@ -19,7 +19,7 @@ namespace {
 
 using test::WholeRun;
 
-/// mapping_process and loop_process of several robots, and an ear for what they say.
+/// mapping_process and loop_process of several robots, and a listener to their messages.
 class SharedMap {
  public:
   SharedMap(const std::string& url, const std::filesystem::path& folder) : bus_(Options(url), "listener") {
@@ -86,7 +86,7 @@ std::vector<std::string> Robot(const std::string& url, const std::string& prefix
           "--map-prefix", "team/"};
 }
 
-/// What the robots do not have in common, and whether a tracker is killed on the way.
+/// The differences between the robots, and whether a tracker is killed during the run.
 struct FleetCase {
   const char* name;
   const std::string* second_camera;
@@ -95,7 +95,7 @@ struct FleetCase {
 void PrintTo(const FleetCase& fleet, std::ostream* stream) { *stream << fleet.name; }
 class Fleet : public testing::TestWithParam<FleetCase> {};
 
-// Each begins elsewhere, and neither knows where the other is before it comes to where that one has been.
+// Each begins at a different position, and their relative pose is unknown before one reaches an area of the other.
 TEST_P(Fleet, TwoRobotsWithTheirOwnPrefixesMakeOneMap) {
   const PrivatePort port;
   WholeRun first, second;

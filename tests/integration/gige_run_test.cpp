@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The source `gige` with two fake cameras of Aravis (Debian: aravis-tools), in a network of their own.
+// The source `gige` with two fake cameras of Aravis (Debian: aravis-tools), in a separate network.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 

@@ -45,7 +45,7 @@ bus::BusOptions ListenerOptions(const std::string& key_file, const std::string& 
   return options;
 }
 
-/// What a run gives, and what it had to bear.
+/// Results of a run, and the hostile traffic that it received.
 struct HostileOutcome {
   test::RecordedRun log;
   std::string trajectory, keyframes, map;
@@ -65,7 +65,7 @@ std::vector<std::vector<uint8_t>> PacketsOf(const std::string& log, size_t most_
   return packets;
 }
 
-/// One lockstep run of all processes on `host`, with `hostile` traffic beside it where there is a plan.
+/// Plays one lockstep run of all processes on `host`, with `hostile` traffic beside it if there is a plan.
 void Play(const NetworkHost& host, const std::string& key_file, const std::optional<HostileSender::Plan>& hostile,
           HostileOutcome* outcome) {
   ByHand run(kHostileUrl);

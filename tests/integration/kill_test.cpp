@@ -59,7 +59,7 @@ std::vector<std::string> Arguments(const std::string& url, int frames) {
           "100"};
 }
 
-/// One that was killed, and the one in its place.
+/// A killed process, and its replacement.
 struct Death {
   Victim victim;
   double at_s = 0.0;  ///< of the steady clock
@@ -67,7 +67,7 @@ struct Death {
   pid_t replacement = -1;
 };
 
-/// Waits for the one in its place.
+/// Waits for the replacement.
 bool IsReplaced(const WholeRun& run, const RunWatcher& watcher, Death& death) {
   return WholeRun::WaitFor([&] {
     death.replacement = run.PidOf(death.victim.executable);
@@ -112,8 +112,8 @@ std::vector<Death> KillAtRandom(const WholeRun& run, const RunWatcher& watcher, 
   return deaths;
 }
 
-/// How often each was killed, and the longest time until the next one listened and said so; of the mapper, how long
-/// after that the map was there again. By name.
+/// Number of kills by process, and the longest time until its replacement published "ready"; for the mapper, the time
+/// from then until its map was rebuilt. By name.
 struct Toll {
   std::map<std::string, int> killed;
   std::map<std::string, double> back_s;
@@ -140,7 +140,7 @@ Toll CountDeaths(const std::vector<Death>& deaths, const Heard& heard) {
   return toll;
 }
 
-/// Everything of which a process had said that it is a keyframe is in the map.
+/// Checks that all published keyframes are in the map.
 void ExpectAllKeyframes(const Heard& heard) {
   for (const auto& [session, keyframes] : heard.keyframes) {
     const auto mapped = heard.mapped.find(session);
@@ -151,11 +151,11 @@ void ExpectAllKeyframes(const Heard& heard) {
   }
 }
 
-/// What is promised of time: back, and in the case of the mapper rebuilt.
+/// Promised times: until a killed process is ready again, and until the mapper has rebuilt its map.
 constexpr double kBack_s = 2.0;
 constexpr double kRebuilt_s = 2.0;
 
-/// What a run leaves behind.
+/// Files that a run leaves behind.
 struct Result {
   std::string trajectory;
   std::string keyframes;

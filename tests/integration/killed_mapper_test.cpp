@@ -32,7 +32,7 @@ struct MappedRun {
   std::vector<uint8_t> map;
 };
 
-/// The bytes of a map of one session, whose name is another one at each run.
+/// Returns the bytes of a map of one session without its random name.
 std::vector<uint8_t> BytesWithoutName(const std::filesystem::path& file) {
   StoredMap stored = ReadMapFile(file.string());
   EXPECT_EQ(stored.sessions.size(), 1U);
@@ -80,7 +80,7 @@ TEST(KilledMapper, ComesBackToTheSameBits) {
   // The loop is closed at about frame 270.
   ExpectSame(Play("10", {MapperAt(30), MapperAt(150), LoopAt(180), MapperAt(240), MapperAt(270), MapperAt(285)}),
              undisturbed);
-  // Without a state, from the histories of the living and the dead.
+  // Without a state file, from the histories of running and exited processes.
   ExpectSame(Play("1000", {LoopAt(120), MapperAt(180), MapperAt(275)}), undisturbed);
 }
 

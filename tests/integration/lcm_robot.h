@@ -17,17 +17,17 @@
 
 namespace plslam::test {
 
-/// What a robot's camera driver publishes.
+/// Message types of a robot's camera driver.
 enum class RobotImages { kBotGrey, kBotJpeg, kRosColour, kRosCompressed };
 
 /// The channel of the robot's own odometry.
 inline constexpr const char* kWheelsChannel = "/wheels#nav_msgs.Odometry";
 
-/// A robot that knows nothing of this project but the types that LCM robots speak: it publishes a world's images, as a
-/// camera driver does in real time, and where its wheels say that it is, and keeps what comes back.
+/// A robot that uses only the types of LCM robots and no others of this project: it publishes a world's images in real
+/// time, as a camera driver does, and the pose of its wheel odometry, and stores the messages that it receives.
 class LcmRobot {
  public:
-  /// What has been heard, and when by the steady clock in s.
+  /// A received message, and its time of arrival by the steady clock in s.
   template <class Message>
   struct Heard {
     double at_s = 0.0;
@@ -39,12 +39,12 @@ class LcmRobot {
   LcmRobot(const LcmRobot&) = delete;
   LcmRobot& operator=(const LcmRobot&) = delete;
 
-  /// What tells the adapter of these images.
+  /// Returns the options of the adapter for these images.
   std::vector<std::string> AdapterArguments(const std::string& camera_file) const;
 
-  /// Publishes frames [begin, end) at `rate_hz`, stamped with times of day that go on from call to call.
+  /// Publishes frames [begin, end) at `rate_hz`, stamped with times of day that continue from call to call.
   void Drive(int begin, int end, double rate_hz);
-  /// The stamp of a frame that has been published.
+  /// The stamp of a published frame.
   int64_t t_ns(int frame) const { return stamps_ns_.at(static_cast<size_t>(frame)); }
 
   std::vector<Heard<bot_core::pose_t>> poses() const { return Copy(poses_); }

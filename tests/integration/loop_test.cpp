@@ -31,7 +31,7 @@ Trajectory ReadPath(const WholeRun& run, const std::string& file) {
   return ReadTrajectory((run.out() / file).string(), TrajectoryFormat::kTum);
 }
 
-/// Of frames at the same time: how many, and how many within 5 cm and a degree of each other.
+/// Numbers of frames at the same time, and of those within 5 cm and a degree of each other.
 struct Agreement {
   int common = 0;
   int close = 0;
@@ -119,8 +119,8 @@ TEST(SavedMap, IsLocalisedInWithoutChangingIt) {
   EXPECT_EQ(second.Summary()["map"]["keyframes"], first.Summary()["map"]["keyframes"]);
   EXPECT_EQ(std::filesystem::file_size(again), std::filesystem::file_size(map));
 
-  // A second lap from elsewhere on goes on in the same map: it is one with what was there. The bookcase that frames 40
-  // and 42 show stands a second time in the room, where the first lap ends.
+  // A second lap that starts elsewhere continues the same map, and is joined with its keyframes. A copy of the bookcase
+  // in frames 40 and 42 stands in the room at the end of the first lap.
   for (const char* start : {"40", "42"}) {
     WholeRun later;
     ASSERT_EQ(later.Run({"run", "synthetic:room?size=376x240&speed=2", "--map", map, "--start", start}), 0)
@@ -169,7 +169,7 @@ TEST_F(PartOfTheRoom, NoPoseIsOfAnotherPlaceWhereTheCameraIsCarriedOutOfItAndCom
 }
 
 TEST_F(PartOfTheRoom, IsUsedAgainWhenItComesBackIntoView) {
-  // Round the room, through what is not mapped, and again.
+  // Once round the room, through unmapped parts, and again.
   const int lap = OpenDataset(kRoom, "")->size();
   std::vector<ChosenFrame> frames;
   for (int i = 0; i < 2 * lap; ++i) frames.push_back({i % lap, false});
@@ -199,7 +199,7 @@ std::vector<double> LiveErrors_m(const WholeRun& run, const Dataset& dataset) {
   return errors_m;
 }
 
-// Of another lens, size and baseline, and the first camera again in what both have made.
+// The other camera has another lens, size and baseline; afterwards the first camera uses the map of both.
 TEST(SavedMap, OfAnotherCameraIsLocalisedInAndGoneOnWith) {
   const std::string room = "synthetic:room?size=376x240&speed=2&frames=90";
   const std::string other_room = "synthetic:room?size=560x380&fov=66&baseline=0.2&speed=2&frames=90";
@@ -227,7 +227,7 @@ TEST(SavedMap, OfAnotherCameraIsLocalisedInAndGoneOnWith) {
 TEST(Relocalisation, CameraCarriedWithItsLensCoveredIsFoundAgain) {
   WholeRun run;
   const auto room = OpenDataset("synthetic:room?size=376x240&speed=2", "");
-  // Most of a lap, then covered while it is carried back to where it was long before.
+  // Most of a lap, then covered while it is carried back to a much earlier position.
   std::vector<ChosenFrame> frames;
   for (int i = 0; i < 110; ++i) frames.push_back({i, false});
   for (int i = 0; i < 15; ++i) frames.push_back({110, true});

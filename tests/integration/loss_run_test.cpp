@@ -23,7 +23,7 @@ constexpr int kLossyFrames = 60;
 constexpr const char* kLossyWorld = "synthetic:room?frames=60&size=376x240";
 constexpr const char* kLossyUrl = "udpm://239.255.76.67:7667?ttl=1";
 
-/// What a run gives.
+/// Results of a run.
 struct LossyOutcome {
   test::RecordedRun log;
   std::string trajectory, keyframes, map;
@@ -45,7 +45,7 @@ void PlayHere(const std::vector<std::string>& options, LossyOutcome* outcome) {
   *outcome = OutcomeOf(run, run.Summary()["wall_s"]);
 }
 
-/// Each process on a host of its own, one packet a message.
+/// Each process on a separate host, one packet a message.
 void PlayOver(const LossyLan& lan, LossyOutcome* outcome) {
   ByHand run(kLossyUrl);
   run.SetCommon({"--set", "bus.max_message_bytes=1200", "--set", "vo.map.wait_s=60", "--set",

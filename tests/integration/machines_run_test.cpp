@@ -30,7 +30,7 @@ struct Plan {
   int tracking;  ///< player and vo_process
   int mapping;   ///< mapping_process and loop_process
   int viewer;
-  int cut;  ///< the host whose cable is pulled for 5 s; -1: none
+  int cut;  ///< the host whose cable is disconnected for 5 s; -1: none
 };
 
 bus::BusOptions ListenerOptions() {
@@ -63,7 +63,7 @@ void PlayOnSeveralMachines(const Plan& plan) {
   if (!NetworkHost::Obstacle().empty()) GTEST_SKIP() << NetworkHost::Obstacle();
   const Lan lan(plan.n_hosts);
   ByHand run(kMachinesUrl);
-  // It listens where the player is: there it hears poses whatever cable is pulled.
+  // It listens on the player's host: there it receives poses whichever cable is disconnected.
   StatusListener listener(lan.host(plan.tracking), ListenerOptions());
   ASSERT_NO_FATAL_FAILURE(run.StartAll({.viewer = &lan.host(plan.viewer),
                                         .mapping = &lan.host(plan.mapping),
@@ -84,7 +84,7 @@ void PlayOnSeveralMachines(const Plan& plan) {
 
 TEST(Machines, ThreeWithTheMappersCableOutFor5s) { PlayOnSeveralMachines({3, 0, 1, 2, 1}); }
 
-/// All frames are played before the 5 s are over; the player stays until the viewer knows how many they are.
+/// All frames are played before the 5 s are over; the player runs until the viewer has received their number.
 TEST(Machines, ThreeWithTheViewersCableOutFor5s) { PlayOnSeveralMachines({3, 0, 1, 2, 2}); }
 
 TEST(Machines, Two) {

@@ -50,8 +50,8 @@ class McapOfARun : public testing::Test {
 
   static std::string log() { return run_->log(); }
 
-  /// What the format's own libraries read in it, and `failures`: that it is not what the folder of a run has. Images
-  /// are written into the folder of the test.
+  /// Returns the content that the format's own libraries read in the file, and `failures`: differences from the folder
+  /// of the run. Images are written into the folder of the test.
   json Check(const std::string& run = out().string()) const {
     const std::string script = (SourceFolder() / "tests/mcap/check_mcap.mjs").string();
     std::filesystem::create_directories(folder_.Path("images"));

@@ -49,7 +49,7 @@ std::string ToText(const std::vector<std::pair<double, double>>& samples) {
 /// Share of the run and MB, by process.
 using Samples = std::map<std::string, std::vector<std::pair<double, double>>>;
 
-/// What the launcher uses, which says nothing of itself, until it ends or for `limit_s`.
+/// Samples the memory of the launcher, which publishes no status, until it exits or for `limit_s`.
 std::vector<std::pair<double, double>> WatchLauncher(const WholeRun& run, int limit_s) {
   using Clock = std::chrono::steady_clock;
   const auto began = Clock::now();
@@ -58,7 +58,7 @@ std::vector<std::pair<double, double>> WatchLauncher(const WholeRun& run, int li
   for (double s = 0.0; s < limit_s; s = std::chrono::duration<double>(Clock::now() - began).count()) {
     std::istringstream pages(ReadText(statm));
     double total = 0.0, resident = 0.0;
-    if (!(pages >> total >> resident) || resident == 0.0) break;  // it has ended, though nobody has looked
+    if (!(pages >> total >> resident) || resident == 0.0) break;  // it has exited but was not waited for
     samples.emplace_back(s, resident * static_cast<double>(sysconf(_SC_PAGESIZE)) * 1e-6);
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
   }
@@ -71,8 +71,8 @@ void KeepSecondHalf(std::vector<std::pair<double, double>>& samples) {
   std::erase_if(samples, [](const auto& sample) { return sample.first <= 0.5; });
 }
 
-/// While frames are sent: what is needed to write the results behind the last one is no growth. By frames and not by
-/// time, which other tests make long and short.
+/// Memory while frames are sent: writing the results after the last one is not counted as growth. By frames and not by
+/// time, which depends on other tests.
 Samples MemoryOf(const std::vector<status_t>& statuses, int frames) {
   Samples memory, unconfirmed;
   double share = 0.0;
@@ -97,7 +97,7 @@ TEST(Memory, DoesNotGrowWithTheLengthOfTheRun) {
   const int loops = is_long ? 101 : 13;
   const int frames = 1 + 2 * 99 * loops;
   WholeRun run;
-  // A small bound of the history, so that it is reached in the first half: what is older lies on disk.
+  // A small bound of the history, so that it is reached in the first half: older messages are on disk.
   run.Start({"run", "synthetic:room?frames=100&size=160x120", "--loop", std::to_string(loops), "--bounce", "--record",
              run.log(), "--set", "bus.history_bytes=1000000"});
   const int limit_s = is_long ? 3600 : 240;
@@ -107,10 +107,10 @@ TEST(Memory, DoesNotGrowWithTheLengthOfTheRun) {
   EXPECT_EQ(summary["frames"], frames);
   Samples memory = MemoryOf(test::ReadRecordedRun(run.log()).statuses, frames);
   memory["plslam"] = std::move(launcher);
-  // The viewer keeps what it knows of each frame, half a kilobyte and 0.15 of its true pose, and over the whole run
-  // pictures for the report: 240 with their features, 20 kB each, and of 2000 keyframes, 4 kB each at this size.
+  // The viewer stores each frame, half a kilobyte and 0.15 for its true pose, and over the whole run pictures for the
+  // report: 240 with their features, 20 kB each, and of 2000 keyframes, 4 kB each at this size.
   const double pictures_mb = 240 * 20e-3 + std::min(summary["keyframes"].get<double>(), 2000.0) * 4e-3;
-  // Map and places fill up slowly: one lap after the other sees the room from places in between.
+  // Map and places grow slowly: each lap views the room from new positions in between.
   const std::map<std::string, double> kept_mb{
       {"viewer", 0.5 * (frames * 650e-6 + pictures_mb)}, {"mapping", 3.0}, {"loop", 3.0}};
   for (const char* process : {"player", "vo", "mapping", "loop", "viewer", "plslam"}) {

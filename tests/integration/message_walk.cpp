@@ -60,7 +60,7 @@ class MessageWalk {
     return true;
   }
 
-  /// Of the value that is being visited: "points[3].u_px".
+  /// Path of the visited value: "points[3].u_px".
   std::string Path() const {
     std::string path;
     for (const auto& [name, index] : path_) {
@@ -132,7 +132,7 @@ std::string FirstDifference(const MessageLayout& layout, ByteView message, ByteV
   if (!bus::MessageLength(layout, message)) return fmt::format("it is no {}", layout.name);
   if (!bus::MessageLength(layout, logged)) return fmt::format("in the log it is no {}", layout.name);
   std::string difference;
-  // What came before was the same, so a value is at the same offset in both.
+  // All previous values were equal, so a value is at the same offset in both.
   MessageWalk* position = nullptr;
   MessageWalk walk(message, [&](const MessageWalk::Value& value) {
     const ByteView one = message.subspan(value.offset, value.size);

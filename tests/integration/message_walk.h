@@ -12,8 +12,8 @@
 
 namespace plslam::test {
 
-/// The first member in which an encoded message of type `layout` differs from the one in a log, with both values
-/// ("T_odom_c.position_m[1] is 0.25, in the log 0.5"); empty where they are the same. Members in `ignored`
+/// Returns the first member in which an encoded message of type `layout` differs from the one in a log, with both
+/// values ("T_odom_c.position_m[1] is 0.25, in the log 0.5"); empty if they are the same. Members in `ignored`
 /// ("stage_t.ms"; none of a string or an array's size) may differ.
 std::string FirstDifference(const MessageLayout& layout, bus::ByteView message, bus::ByteView logged,
                             const std::set<std::string>& ignored = {});

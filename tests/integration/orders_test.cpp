@@ -25,7 +25,7 @@ using test::RunWatcher;
 using test::WholeRun;
 using testing::HasSubstr;
 
-/// A run of a small world, somebody who listens, and somebody who gives orders.
+/// A run of a small world, a listener, and a source of orders.
 class Orders : public testing::Test {
  protected:
   static constexpr const char* kWorld = "synthetic:room?size=376x240&frames=120";
@@ -40,7 +40,7 @@ class Orders : public testing::Test {
             "--save-map", File("new.plmap").string()};
   }
 
-  /// Exit code of `plslam ORDER... --url URL`; what it says is in `said_`.
+  /// Returns the exit code of `plslam ORDER... --url URL`; its output is in `said_`.
   int Order(std::vector<std::string> order) {
     order.insert(order.end(), {"--url", watcher_.url()});
     const std::filesystem::path log = run_.folder() / "order.log";
@@ -51,7 +51,7 @@ class Orders : public testing::Test {
     return process.Poll().value_or(launcher::ChildExit{-1}).code;
   }
 
-  /// Kills one of the run, and waits until another is there in its place.
+  /// Kills a process of the run, and waits until its replacement runs.
   void Kill(const std::string& name, const std::string& executable) {
     const pid_t pid = run_.PidOf(executable);
     ASSERT_GT(pid, 0);
@@ -89,7 +89,7 @@ TEST_F(Orders, WhoeverIsKilledWhileThePlayerIsPausedItStaysSoAndTheBitsAreTheSam
   ASSERT_EQ(Order({"pause"}), 0) << said_;
   Kill("player", "player");
   Kill("vo", "vo_process");
-  // Those behind the last keyframe come once more, and no other.
+  // The frames after the last keyframe are sent again, and no others.
   const int64_t newest = watcher_.Get().newest_frame;
   EXPECT_LT(newest, 119);
   EXPECT_FALSE(watcher_.WaitForFrame(newest + 1, 3));

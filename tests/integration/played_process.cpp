@@ -18,7 +18,7 @@
 namespace plslam::test {
 namespace {
 
-/// More often than a process says that it lives (1 Hz), so that one that is lost is not missed.
+/// More often than a process publishes its status (1 Hz), so that one lost message is not missed.
 constexpr std::chrono::milliseconds kRepeat(400);
 
 template <class Message>
@@ -109,7 +109,7 @@ Doubler::~Doubler() {
 void Doubler::Double(std::string_view channel, bus::ByteView bytes) {
   if (bytes.size() < bus::kWireHeaderBytes) return;
   const bus::WireHeader header = bus::ReadHeader(bytes);
-  // What it sends comes back to it.
+  // The process receives its own messages back.
   if (!sources_.contains(header.source) || !doubled_.emplace(channel, header.source, header.seq).second) return;
   transport_.Send(std::string(channel), bytes);
 }

@@ -21,7 +21,7 @@
 
 namespace plslam::test {
 
-/// Of bytes of a recording; throws std::runtime_error where they are damaged.
+/// Decodes bytes of a recording; throws std::runtime_error if they are damaged.
 template <class Message>
 Message MessageOf(bus::ByteView bytes) {
   const std::optional<Message> message = bus::Decoded<Message>(bytes);
@@ -32,10 +32,10 @@ Message MessageOf(bus::ByteView bytes) {
 /// All but the URL by default.
 bus::BusOptions BusOptionsFor(const std::string& url);
 
-/// A process that a test plays: says what the process said in a log, on a bus of its own.
+/// A process that a test plays: publishes the messages of that process in a log, on its own bus.
 ///
-/// What it said last of a channel whose newest message wins (CAMERA, STATUS) is repeated until there is news. Its map
-/// is published as mapping_process does: whole, too, for listeners that lack it.
+/// The last message on a channel whose newest message wins (CAMERA, STATUS) is repeated until there is a newer one. Its
+/// map is published as by mapping_process: also as a complete map for listeners that lack it.
 class PlayedProcess {
  public:
   PlayedProcess(const bus::BusOptions& options, const std::string& name);
@@ -47,7 +47,7 @@ class PlayedProcess {
 
   /// `message` is encoded, of the type of `channel`.
   void Say(const bus::Channel& channel, bus::ByteView message);
-  /// Publishes the whole map where it was asked for. Belongs to the thread that calls `Say`.
+  /// Publishes the complete map if it was requested. Called on the thread that calls `Say`.
   void AnswerMapRequests();
 
  private:

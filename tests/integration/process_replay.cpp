@@ -30,11 +30,11 @@ using bus::Channel;
 
 constexpr std::chrono::seconds kLimit(20);
 const std::set<std::string> kPlayed = {"player", "vo", "mapping", "loop"};
-/// What the processes say to each other of the run itself. (Repairs and requests are of the bus of the day.)
+/// The channels between the processes of a run. (Repairs and requests depend on the bus.)
 const std::set<std::string_view> kOfTheRun = {"CAMERA",       "STREAM", "STEREO_FRAME",   "GROUND_TRUTH",
                                               "POSE",         "TRACKS", "KEYFRAME",       "MAP_UPDATE",
                                               "LOOP_CLOSURE", "STATUS", "RELOCALISATION", "RELOCALISATION_REQUEST"};
-/// What differs between two runs of the same.
+/// Fields that differ between two runs of the same data.
 const std::set<std::string> kNotCompared = {"header_t.source", "header_t.seq", "stage_t.ms",
                                             "loop_closure_t.detect_ms", "loop_closure_t.correct_ms"};
 
@@ -188,18 +188,20 @@ void ProcessReplay::RenameLog() {
     message.key = KeyOf(channel, message.bytes);
     if (message.key.empty()) continue;
     const std::string name(channel.name);
-    // Who asks for the map before its second version is told the first once more: only the first time has its place.
+    // The first version is repeated for a reader that requests the map before the second one: only its first copy is in
+    // order.
     const bool is_new = expected_.try_emplace({name, message.key}, &message).second;
     if (is_new || !IsFirstVersion(channel, message.bytes)) order_[name].push_back(message.key);
   }
 }
 
-/// Of the map, which is told once more to who asks before there is a second one.
+/// Returns whether it is the first version of the map, which is repeated for readers that request it before there is a
+/// second one.
 bool ProcessReplay::IsFirstVersion(const Channel& channel, ByteView message) {
   return channel.name == bus::kMapUpdate.name && MessageOf<map_update_t>(message).version == 1;
 }
 
-/// Which message of its channel it is, in words; empty for one that is not compared.
+/// Returns the identity of a message on its channel, in words; empty for one that is not compared.
 std::string ProcessReplay::KeyOf(const Channel& channel, ByteView message) const {
   if (channel.name == bus::kPose.name) return fmt::format("of frame {}", MessageOf<pose_t>(message).frame_id);
   if (channel.name == bus::kBodies.name) return fmt::format("of frame {}", MessageOf<bodies_t>(message).frame_id);
@@ -221,7 +223,7 @@ std::string ProcessReplay::KeyOf(const Channel& channel, ByteView message) const
       return fmt::format("of keyframe {}, {}", page.session_keyframe_id,
                          page.committed ? "committed" : "not yet committed");
     }
-    // The whole map, once more for somebody who asked.
+    // The complete map, repeated for a reader.
     if (page.base_version == 0 && page.version > 1) return "";
     return fmt::format("of version {}, page {}", page.version, page.page);
   }
@@ -229,7 +231,7 @@ std::string ProcessReplay::KeyOf(const Channel& channel, ByteView message) const
 }
 
 void ProcessReplay::Go() {
-  // Whoever waits for another process begins when that lives.
+  // A process that waits for another one begins when that is running.
   for (const auto& [name, played] : played_) {
     const auto first = std::ranges::find_if(messages_, [&name](const LoggedMessage& message) {
       return message.channel->name == bus::kStatus.name && message.publisher == name;
@@ -270,14 +272,14 @@ void ProcessReplay::Restart(size_t* next) {
   if (frame_id) GoBack(*frame_id, next);
 }
 
-/// As the player does: to the frame behind this one.
+/// Goes back to the frame after this one, as the player does.
 void ProcessReplay::GoBack(int64_t frame_id, size_t* next) {
   again_until_ = *next;
   for (*next = 0; *next < again_until_; ++*next) {
     const LoggedMessage& message = messages_[*next];
     if (message.channel->name == bus::kStereoFrame.name && FrameOf(message.bytes) > frame_id) break;
   }
-  // The next frame follows when the process has said this again.
+  // The next frame follows when the process has repeated these messages.
   for (size_t i = *next; i < again_until_; ++i) {
     if (messages_[i].channel->name == bus::kPose.name) said_keys_.erase({"POSE", messages_[i].key});
   }
@@ -319,7 +321,7 @@ void ProcessReplay::Await(const std::string& what, const std::function<bool()>& 
   }
 }
 
-/// And answers who lacks the map.
+/// Also answers requests for the map.
 void ProcessReplay::LookAtSaid() {
   std::deque<Said> news;
   {

@@ -30,11 +30,11 @@ namespace plslam::test {
 struct LoggedMessage {
   const bus::Channel* channel = nullptr;
   std::string publisher;  ///< "vo"
-  std::string key;        ///< which of its channel, in words ("of frame 17"); empty where that is not asked
+  std::string key;        ///< identity on its channel, in words ("of frame 17"); empty if that is not needed
   std::vector<uint8_t> bytes;
 };
 
-/// What player, vo, mapping and loop said in a recorded run, in the order of the log.
+/// The messages of player, vo, mapping and loop in a recorded run, in the order of the log.
 struct MessageLog {
   explicit MessageLog(const std::string& file);
 
@@ -56,22 +56,21 @@ inline void PrintTo(const ReplayedProcess& process, std::ostream* out) { *out <<
 /// vo, mapping, loop and viewer.
 const std::vector<ReplayedProcess>& ReplayedProcesses();
 
-/// What happens to a process while a log is played to it.
+/// Faults of a process while a log is played to it.
 struct ReplayFaults {
-  double drop_fraction = 0.0;  ///< of the datagrams it receives
-  bool doubled = false;        ///< each datagram that is sent to it comes twice
-  /// It is killed and started again behind this message of the log.
+  double drop_fraction = 0.0;  ///< of the received datagrams
+  bool doubled = false;        ///< each datagram is sent to it twice
+  /// It is killed and restarted after this message of the log.
   std::optional<size_t> killed_behind = std::nullopt;
-  /// Few updates of the map are kept for it: it has to ask for the whole map when it is started again.
+  /// Only few updates of the map are retained for it: it has to request the complete map after its restart.
   bool few_updates = false;
 };
 
-/// Plays a log to a single process, in the place of all the others, and compares what it says with what it said in the
-/// log.
+/// Plays a log to a single process, replacing all the others, and compares its messages with those in the log.
 ///
-/// The messages are gone through in the order of the log: an input is published, and an output is waited for. In
-/// lockstep what a process says depends on the inputs alone, each of which takes effect at a fixed place, and so it is
-/// the same, bit for bit; but for times that were measured, and the random names of the processes.
+/// The messages are processed in the order of the log: an input is published, and an output is awaited. In lockstep the
+/// outputs of a process depend on its inputs only, each of which takes effect at a fixed position, so that they are the
+/// same, bit for bit, except for measured times and the random names of the processes.
 class ProcessReplay {
  public:
   /// `folder` gets the files and the log of the process.
@@ -81,12 +80,11 @@ class ProcessReplay {
   ProcessReplay(const ProcessReplay&) = delete;
   ProcessReplay& operator=(const ProcessReplay&) = delete;
 
-  /// The first difference, in one sentence; empty where there is none. After a restart what holds in the end is
-  /// compared: of a message that was said again any one, and of mapping_process, which numbers the versions of its map
-  /// anew, the map.
+  /// Returns the first difference, in one sentence; empty if there is none. After a restart the final state is
+  /// compared: any copy of a repeated message, and of mapping_process, whose map versions start again, the map.
   std::string Play();
 
-  /// A counter of the last status of the process.
+  /// Returns a counter of the last status of the process.
   double Counter(const std::string& name) const;
   std::string Read(const std::string& file_of_out) const;
   std::string Log() const;
@@ -103,14 +101,14 @@ class ProcessReplay {
   void RenameLog();
   void Go();
   void Handle(const LoggedMessage& message, bool again);
-  /// Where the tracker goes back, `next` does.
+  /// If the tracker goes back to earlier frames, so does `next`.
   void Restart(size_t* next);
   void GoBack(int64_t frame_id, size_t* next);
   void AwaitEnd();
   void Stop();
 
-  /// Waits until `done`, and looks at what the process says meanwhile. Where it does not come to that, the difference
-  /// is that `what` has not come.
+  /// Waits until `done`, and checks the outputs of the process meanwhile. At the time limit, the difference is that
+  /// `what` has not arrived.
   void Await(const std::string& what, const std::function<bool()>& done);
   void LookAtSaid();
   void Compare(const Said& said);
@@ -128,10 +126,10 @@ class ProcessReplay {
   launcher::PrivatePort port_;
   std::string difference_;
   bool restarted_ = false;
-  /// The tracker has gone back: up to this message of the log frames alone are said again.
+  /// The tracker has gone back: up to this message of the log only frames are repeated.
   size_t again_until_ = 0;
 
-  std::vector<LoggedMessage> messages_;  ///< of the log, in the names of those who play them
+  std::vector<LoggedMessage> messages_;  ///< of the log, with the sources of the played processes
   std::map<std::pair<std::string, std::string>, const LoggedMessage*> expected_;  ///< by channel and key
   std::map<std::string, std::vector<std::string>> order_;                         ///< keys by channel
   std::map<std::string, size_t> n_said_;

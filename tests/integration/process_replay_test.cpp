@@ -31,8 +31,8 @@ using test::WholeRun;
 /// A run in lockstep, and its log.
 class Recording {
  public:
-  /// A lap and the begin of another, which close loops; then the lens is covered while the camera is carried back to
-  /// where it was before, and found again.
+  /// A lap and the beginning of another, which close loops; then the lens is covered while the camera is carried back
+  /// to an earlier position, and relocalised.
   void RecordLapAndRelocalisation() {
     constexpr int kSeen = 82, kCovered = 8, kSeenAgain = 8;
     const auto room = OpenDataset("synthetic:room?size=376x240&loops=2&speed=4", "");
@@ -57,8 +57,8 @@ class Recording {
                                            run_.folder() / ("replay " + std::to_string(n_replays_++)));
   }
 
-  /// The process says what it says in the log, and a viewer writes the same files. Returns the value of a counter of
-  /// the process.
+  /// The process publishes the messages in the log, and a viewer writes the same files. Returns the value of a counter
+  /// of the process.
   double ExpectSame(const ReplayedProcess& process, const ReplayFaults& faults = {},
                     const std::string& counter = "") {
     const auto replay = Replay(process, faults);
@@ -73,8 +73,8 @@ class Recording {
     return replay->Counter(counter);
   }
 
-  /// Behind which messages of the log the process is killed: the one in the middle of what it says (or gets, where it
-  /// says nothing). In long tests, all along the log.
+  /// Returns the messages of the log after which the process is killed: the middle one of its outputs (or of its
+  /// inputs, if it has no outputs). In long tests, messages all along the log.
   std::vector<size_t> KillPlaces(const ReplayedProcess& process) const {
     constexpr size_t kStride = 23;
     std::vector<size_t> places;
@@ -170,7 +170,7 @@ TEST(ProcessReplay, SaysInWordsWhatDiffers) {
   MessageLog& log = recording.log();
   const std::vector<LoggedMessage> unchanged = log.messages;
 
-  // Of the second version, which is told once; the first is told again to a reader that comes late.
+  // A page of the second version, which is published once; the first is repeated for a late reader.
   const std::vector<LoggedMessage*> updates = Of(log, bus::kMapUpdate);
   const auto second = std::ranges::find_if(
       updates, [](const LoggedMessage* message) { return bus::Decoded<map_update_t>(message->bytes)->version == 2; });

@@ -29,7 +29,7 @@ using test::Heard;
 using test::RunWatcher;
 using test::WholeRun;
 
-/// What the project promises is said of 1,000 keyframes.
+/// The project's promise is about 1,000 keyframes.
 int Keyframes() { return test::LongTests() ? 1000 : 150; }
 
 RigCalibration RigOf(const StereoCamera& camera) {
@@ -92,7 +92,7 @@ class Rebuild : public testing::Test {
   }
   std::string StateFile() const { return (run_.folder() / "state.plmap").string(); }
 
-  /// Seconds until this process says that its map has so many keyframes; negative where it does not.
+  /// Returns the seconds until this process publishes that its map has so many keyframes; negative at the time limit.
   double Until(const std::string& process, const launcher::ChildProcess& child, const std::string& counter,
                int count) const {
     const double began_s = bus::NowS();

@@ -30,7 +30,7 @@ void SetMap(const MapFollower& follower, RecordedRun* run) {
   }
 }
 
-/// Adds one message; false where it cannot be decoded.
+/// Adds one message; returns false if it cannot be decoded.
 bool Add(const std::string& channel, const std::vector<uint8_t>& bytes, RecordedRun* run, MapFollower* map) {
   const auto number = [&](const header_t& header) {
     run->sequence_numbers[{channel, header.source}].push_back(header.seq);

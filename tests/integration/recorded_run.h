@@ -32,14 +32,14 @@ class MapFollower {
   MapReplica replica_;
 };
 
-/// What the LCM log of a run says of it.
+/// Content of the LCM log of a run.
 struct RecordedRun {
   /// Messages by channel.
   std::map<std::string, int> counts;
   /// Sequence numbers by channel and publisher, in the order of the log.
   std::map<std::pair<std::string, int64_t>, std::vector<int64_t>> sequence_numbers;
-  /// POSE and KEYFRAME messages without what differs between runs of the same: the publisher's random names, and in
-  /// poses the stage times.
+  /// POSE and KEYFRAME messages without the parts that differ between runs of the same data: the publisher's random
+  /// names, and in poses the stage times.
   std::vector<std::vector<uint8_t>> poses;
   std::vector<std::vector<uint8_t>> keyframes;
   /// The map at the end of the log, as a listener that follows MAP_UPDATE has it; `map_bytes` are its messages
@@ -55,7 +55,7 @@ struct RecordedRun {
   int Gaps(const std::string& channel) const;
 };
 
-/// Throws std::runtime_error where there is no such log.
+/// Throws std::runtime_error if there is no such log.
 RecordedRun ReadRecordedRun(const std::string& log);
 
 }  // namespace plslam::test

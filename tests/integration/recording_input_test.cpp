@@ -104,7 +104,7 @@ TEST_F(McapInput, OtherMessagesAndCompressions) {
   }
 }
 
-// What a writer may leave out of the index, and a recorder that was killed has not written.
+// Parts of the index that a writer may omit, or that a killed recorder has not written.
 TEST_F(McapInput, WithoutIndex) {
   for (
       const std::string options :

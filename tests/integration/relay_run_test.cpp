@@ -28,7 +28,7 @@ using test::WholeRun;
 constexpr int kRelayedFrames = 60;
 const std::string kRelayedWorld = fmt::format("synthetic:room?frames={}&size=376x240", kRelayedFrames);
 
-/// Where LCM's Java package (Debian: liblcm-java) puts it.
+/// Path in LCM's Java package (Debian: liblcm-java).
 constexpr const char* kJar = "/usr/share/java/lcm.jar";
 
 std::filesystem::path FindJava() {
@@ -97,7 +97,7 @@ TEST(Relay, OfLcmsJavaPackageCarriesARun) {
   ExpectSameRun(direct, relayed);
 }
 
-/// Our own, on one of three machines, where no multicast goes from one to another.
+/// Our own relay, on one of three machines without multicast between them.
 TEST(Relay, JoinsMachinesWithoutMulticast) {
   PLSLAM_REQUIRE_LONG_TESTS();
   if (!NetworkHost::Obstacle().empty()) GTEST_SKIP() << NetworkHost::Obstacle();

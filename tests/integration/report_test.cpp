@@ -24,7 +24,7 @@ namespace {
 
 using test::WholeRun;
 
-/// A program in PATH; empty where there is none.
+/// Returns a program in PATH; empty if there is none.
 std::string Find(const std::string& program) {
   std::istringstream path(getenv("PATH") != nullptr ? getenv("PATH") : "");
   for (std::string folder; std::getline(path, folder, ':');) {
@@ -33,7 +33,7 @@ std::string Find(const std::string& program) {
   return "";
 }
 
-/// Why the pages cannot be tested here; empty where they can.
+/// Returns the reason why the pages cannot be tested here; empty if they can.
 std::string Missing() {
   for (const char* program : {"node", "chromium", "chromedriver"}) {
     if (Find(program).empty()) return std::string("no ") + program + " here: the page of reports is not tested";
@@ -46,17 +46,17 @@ std::string Missing() {
 
 std::string Script(const std::string& name) { return (test::SourceFolder() / "tests/report" / name).string(); }
 
-/// A script of node, whose output is written to `log`.
+/// A script run by node, whose output is written to `log`.
 class NodeScript {
  public:
   NodeScript(const std::vector<std::string>& arguments, std::filesystem::path log)
       : log_(std::move(log)), process_(Find("node"), arguments, log_) {}
 
-  /// It says so, or has ended.
+  /// Waits until it prints `text`, or has exited.
   void WaitUntilItSays(const std::string& text) {
     WaitFor([&] { return process_.Poll().has_value() || Text().find(text) != std::string::npos; });
   }
-  /// It ends well; what it prints is printed.
+  /// Waits for its regular exit, and prints its output.
   void Finish() {
     WaitFor([&] { return process_.Poll().has_value(); });
     ASSERT_TRUE(process_.Poll().has_value()) << "not ended after five minutes\n" << Text();
@@ -80,7 +80,7 @@ class NodeScript {
   launcher::ChildProcess process_;
 };
 
-/// Of a script that drives a browser.
+/// Returns the arguments of a script that drives a browser.
 std::vector<std::string> BrowserArguments(const std::string& script, std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), {Script(script), Find("chromedriver"), Find("chromium")});
   return arguments;
@@ -91,7 +91,7 @@ void RunScript(const std::string& script, const std::vector<std::string>& argume
   NodeScript(BrowserArguments(script, arguments), log).Finish();
 }
 
-/// The scripts check_NAME.mjs find nothing wrong with the report of the run.
+/// Checks that the scripts check_NAME.mjs find no fault in the report of the run.
 void CheckReport(const WholeRun& run, const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     RunScript("check_" + name + ".mjs", {(run.out() / "report.html").string()}, run.folder() / (name + ".log"));
@@ -121,7 +121,7 @@ TEST(Report, IsSeenLiveToldOfTheEndAndReadFromItsFileAfterwards) {
   if (const std::string why = Missing(); !why.empty()) GTEST_SKIP() << why;
   WholeRun run;
   const std::string port = std::to_string(FreePort());
-  // Longer than anybody watches.
+  // Longer than the page is watched.
   run.Start(
       {"run", "synthetic:room?frames=5000&size=376x240", "--pace", "realtime", "--set", "viewer.serve=" + port});
   ASSERT_TRUE(WholeRun::WaitFor([&] { return run.Logs().find("live page: ") != std::string::npos; })) << run.Logs();
@@ -169,8 +169,8 @@ TEST(Report, MapsOfTwoRunsTogether) {
   EXPECT_NE(alone.error.find("no other run has played what "), std::string::npos) << alone.error;
 }
 
-/// A drive of half a kilometre along a wavy road that comes back to its start, with as many landmarks as are asked
-/// for, and a loop at the end.
+/// A drive of half a kilometre along a wavy road that returns to its start, with a given number of landmarks, and a
+/// loop at the end.
 class BigRun {
  public:
   BigRun(int64_t n_points, int64_t n_segments) : random_(7) {

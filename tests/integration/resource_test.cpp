@@ -36,7 +36,7 @@ std::vector<std::string> HalfWritten(const fs::path& folder) {
   return names;
 }
 
-/// How many lines say that something went wrong.
+/// Returns the number of lines that report an error.
 int Sentences(const std::string& log, const std::string& of) {
   int count = 0;
   for (size_t at = log.find(of); at != std::string::npos; at = log.find(of, at + 1)) ++count;
@@ -53,7 +53,7 @@ std::string ReadFile(const fs::path& path) {
 TEST(Resources, FullDiskUnderTheOutputsIsOneSentenceAndNothingHalfWritten) {
   const WholeRun run;
   const fs::path disk = run.folder() / "disk", found = run.folder() / "found";
-  // What is on the disk at the end is copied out of the name space.
+  // The final content of the disk is copied out of the mount namespace.
   const auto code = OnASmallDisk(
       disk, 96,
       fmt::format(
@@ -67,8 +67,7 @@ TEST(Resources, FullDiskUnderTheOutputsIsOneSentenceAndNothingHalfWritten) {
   EXPECT_THAT(HalfWritten(found), testing::IsEmpty());
 }
 
-/// A run whose film, and nothing else, is for a disk of so many KiB: on the first `filled_kib` something stands
-/// already.
+/// A run that writes only its film to a disk of so many KiB, of which the first `filled_kib` are occupied.
 void ExpectNoFilm(int kib, int filled_kib) {
   const WholeRun run;
   const fs::path disk = run.folder() / "disk", found = run.folder() / "found";
@@ -90,7 +89,7 @@ void ExpectNoFilm(int kib, int filled_kib) {
 TEST(Resources, FilmOnAFullDiskIsToldAndAllElseIsWritten) { ExpectNoFilm(64, 64); }
 
 TEST(Resources, FilmThatFillsTheDiskIsToldAndNotHalfThere) { ExpectNoFilm(64, 8); }
-// The outputs lie on another disk: what cannot be written is told by the sentence itself.
+// The outputs are on another disk: the sentence itself names the file that cannot be written.
 TEST(Resources, FullDiskUnderTheMapIsTheReasonThatIsTold) {
   const WholeRun run;
   const fs::path disk = run.folder() / "disk", found = run.folder() / "found";
@@ -173,7 +172,7 @@ void ExpectCleanInterrupt(WholeRun& run) {
 TEST(Resources, InterruptBeforeAllAreReady) {
   WholeRun run;
   run.Start({"run", kLongWorld});
-  // The first process has been started; none has said a word.
+  // The first process has been started; none has published a status.
   ASSERT_TRUE(WholeRun::WaitFor([&] { return fs::exists(run.out() / "logs" / "viewer.log"); }));
   ExpectCleanInterrupt(run);
   EXPECT_EQ(run.Summary()["frames"], 0);

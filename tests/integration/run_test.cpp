@@ -36,7 +36,7 @@ void ExpectAllExitedCleanly(const nlohmann::json& summary) {
   }
 }
 
-/// Every frame has gone out and come back, once and in order.
+/// Checks that every frame was sent and answered, once and in order.
 void ExpectWholeLog(const RecordedRun& log, int frames) {
   EXPECT_EQ(log.Count("POSE"), frames);
   EXPECT_EQ(log.Count("GROUND_TRUTH"), frames);
@@ -51,7 +51,7 @@ void ExpectWholeLog(const RecordedRun& log, int frames) {
   EXPECT_EQ(log.undecodable, 0);
 }
 
-/// The summary, the files and the log tell of the same map.
+/// The summary, the files and the log describe the same map.
 void ExpectMap(const WholeRun& run, const RecordedRun& log, const nlohmann::json& summary) {
   EXPECT_GE(log.map_totals.keyframes, 2);
   EXPECT_EQ(summary["map"]["keyframes"], log.map_totals.keyframes);
@@ -226,7 +226,7 @@ std::vector<std::string> WarningsOf(const nlohmann::json& summary) {
   return codes;
 }
 
-/// Those that the page shows, whatever the viewer knew.
+/// Returns the warnings in the page, whatever the viewer has written.
 nlohmann::json WarningsOfReport(const WholeRun& run) {
   const std::string page = run.Read("report.html"), begin = R"(<script id="run-warnings" type="application/json">)";
   const size_t at = page.find(begin) + begin.size();

@@ -23,13 +23,13 @@
 
 namespace plslam::test {
 
-/// What a listener hears of a run.
+/// State of a run as heard by a listener.
 struct Heard {
-  /// What was first said of each frame, by session: encoded poses without header and stages.
+  /// The first pose of each frame, by session: encoded, without header and stages.
   std::map<int64_t, std::map<int64_t, std::vector<uint8_t>>> poses;
   std::map<int64_t, double> pose_at_s;  ///< by frame: when, of the steady clock
-  int64_t poses_said_again = 0;         ///< by a tracker that goes on for another, or in place of the dead
-  int64_t poses_said_otherwise = 0;     ///< of these, those that were not the same, to the last bit
+  int64_t poses_said_again = 0;         ///< by a restarted tracker, or by the history keeper
+  int64_t poses_said_otherwise = 0;     ///< of these, the ones that differ in any bit
   std::set<int64_t> frames;
   int64_t newest_frame = -1;
   int64_t lost_frames = 0;
@@ -39,16 +39,16 @@ struct Heard {
   std::map<int64_t, std::set<int64_t>> mapped;
   /// Newest status by process name.
   std::map<std::string, status_t> status;
-  /// Names and ids of processes that have said that they are ready, or run.
+  /// Names and ids of processes that have published "ready" or "running".
   std::set<std::pair<std::string, int64_t>> ready;
-  /// When each process first said a word, and when it first said that it runs: by name and id, of the steady clock.
+  /// Times of each process's first message, and of its first status "running": by name and id, of the steady clock.
   std::map<std::pair<std::string, int64_t>, double> alive_at_s, running_at_s;
 
-  /// Of the newest status of a process; 0 where it has none of this name.
+  /// Counter in the newest status of a process; 0 if it has none of this name.
   double Counter(const std::string& process, const std::string& name) const;
 };
 
-/// Listens to a run on a bus of its own, on a thread of its own, and lets a test wait for what it hears.
+/// Listens to a run on its own bus and thread, and lets a test wait for messages.
 class RunWatcher {
  public:
   /// On a private port of this machine.
@@ -62,7 +62,7 @@ class RunWatcher {
   /// False where `done` does not become true within `limit_s`.
   bool WaitFor(const std::function<bool(const Heard&)>& done, int limit_s = 60) const;
   bool WaitForFrame(int64_t frame_id, int limit_s = 60) const;
-  /// A process of this name with this id has said that it is ready, or runs.
+  /// Waits until a process of this name with this id has published "ready" or "running".
   bool WaitUntilReady(const std::string& process, pid_t pid, int limit_s = 60) const;
   Heard Get() const;
 

@@ -133,8 +133,8 @@ TEST(SlowTracker, SkipsFramesAndSaysSoWhileNothingGrows) {
   EXPECT_EQ(summary["frames"].get<int>() + summary["skipped_frames"].get<int>(), frames);
 }
 
-/// The tracker does not wait for those that are gone: poses of every frame come while a process that makes nothing
-/// that they need is missing.
+/// The tracker does not wait for exited processes: poses of every frame arrive while a process whose results they do
+/// not need is missing.
 class Missing : public testing::TestWithParam<std::pair<const char*, const char*>> {};
 
 TEST_P(Missing, OneThatIsKilledAndNotRestartedLeavesThePosesGoing) {

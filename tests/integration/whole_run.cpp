@@ -99,7 +99,7 @@ std::optional<int> OnASmallDisk(const std::filesystem::path& folder, int kib, co
   std::filesystem::create_directories(folder);
   const std::string mount = fmt::format("mount -t tmpfs -o size={}k none '{}'", kib, folder.string());
   const auto with = [&](const std::string& line) {
-    // In a name space of its own: nobody else sees it, and it goes with its last process.
+    // The mount is in a separate namespace: invisible to other processes, and removed with its last process.
     const std::string quoted = fmt::format("unshare --mount --map-root-user sh -c \"{} && {}\" >> '{}.sh.log' 2>&1",
                                            mount, line, folder.string());
     const int status = std::system(quoted.c_str());

@@ -13,8 +13,8 @@
 
 namespace plslam::test {
 
-/// Runs the real `plslam` with the other real executables, in a folder of its own, on a private port of this machine.
-/// Under a sanitizer all limits are longer (Patience), and what it finds in a process fails the test.
+/// Runs the real `plslam` with the other real executables, in a separate folder, on a private port of this machine.
+/// Under a sanitizer all limits are longer (Patience), and a report of a sanitizer in any process fails the test.
 class WholeRun {
  public:
   WholeRun();
@@ -22,9 +22,9 @@ class WholeRun {
   WholeRun(const WholeRun&) = delete;
   WholeRun& operator=(const WholeRun&) = delete;
 
-  /// `plslam ARGUMENTS...`, and `--out OUT` where that makes sense.
+  /// Starts `plslam ARGUMENTS...`, with `--out OUT` if the command has outputs.
   void Start(std::vector<std::string> arguments);
-  /// Exit code; -1 (and killed) where it has not ended within `limit_s`.
+  /// Returns the exit code; -1 (and killed) if it has not exited within `limit_s`.
   int Wait(int limit_s = 240);
   int Run(std::vector<std::string> arguments);
 
@@ -33,7 +33,7 @@ class WholeRun {
 
   const std::filesystem::path& folder() const { return folder_; }
   std::filesystem::path out() const { return folder_ / "out"; }
-  /// Where to record to.
+  /// File of the recording.
   std::string log() const { return (folder_ / "run.lcm").string(); }
   nlohmann::json Summary() const;
   std::string Read(const std::string& file_of_out) const;
@@ -41,9 +41,9 @@ class WholeRun {
   std::string Logs() const;
   const launcher::ChildProcess& process() const { return *process_; }
   bool ended() const { return process_->Poll().has_value(); }
-  /// Process id of a running executable that this run started; -1 where there is none.
+  /// Returns the process id of a running executable that this run started; -1 if there is none.
   pid_t PidOf(const std::string& executable) const;
-  /// Of `plslam` itself and all processes that it has started and that run.
+  /// Ids of `plslam` itself and of its running child processes.
   std::vector<pid_t> Pids() const;
 
  private:
@@ -51,9 +51,9 @@ class WholeRun {
   std::unique_ptr<launcher::ChildProcess> process_;
 };
 
-/// Runs `command` on a file system of its own of so many KiB; `command` is a line for sh, and `folder` is where the
-/// file system is mounted. What is on it is gone afterwards: the command copies out what is looked at. Output goes to
-/// `folder`.sh.log. Exit code; nullopt where this machine does not allow it.
+/// Runs `command` on a separate file system of so many KiB; `command` is a line for sh, and `folder` is the mount
+/// point. Its content is lost afterwards: the command must copy the files to check. Output goes to `folder`.sh.log.
+/// Returns the exit code; nullopt if this machine does not allow it.
 std::optional<int> OnASmallDisk(const std::filesystem::path& folder, int kib, const std::string& command);
 
 }  // namespace plslam::test

@@ -12,8 +12,8 @@ namespace {
 using testing::HasSubstr;
 using CleanRoot = InstalledTree;
 
-/// Everything that the programs need comes with the package, or because it asks for it: nothing of a developer's
-/// machine is there.
+/// Everything that the programs need is in the package or its dependencies: the root has no files of a developer's
+/// machine.
 TEST_F(CleanRoot, HasAllThatIsNeededOnceAptHasInstalledThePackage) {
   if (geteuid() != 0) GTEST_SKIP() << "a root of its own can be made by root only";
   for (const char* program : {"mmdebstrap", "unshare", "chroot", "dpkg-shlibdeps", "strip"}) {

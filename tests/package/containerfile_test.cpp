@@ -26,7 +26,7 @@ TEST_F(Containerfile, IsUnderstood) {
   EXPECT_THAT(output(), HasSubstr("containerfile: 2 stages"));
 }
 
-/// Builds everything anew in one Debian and installs the package in another one: some tens of minutes.
+/// Builds everything from scratch in one Debian and installs the package in another one: takes some tens of minutes.
 TEST_F(Containerfile, BuildsAndRuns) {
   PLSLAM_REQUIRE_LONG_TESTS();
   if (geteuid() != 0) GTEST_SKIP() << "a root of its own can be made by root only";

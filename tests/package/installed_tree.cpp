@@ -28,7 +28,7 @@ void InstalledTree::Install(const std::string& component) {
 int InstalledTree::Shell(const std::string& script) {
   std::ofstream(folder_ / "script") << "cd '" << folder_.string() << "'\n" << script << "\n";
   const std::string line = fmt::format("sh '{0}/script' >'{0}/output' 2>&1", folder_.string());
-  return WEXITSTATUS(std::system(line.c_str()));  // NOLINT: programs are what is tested
+  return WEXITSTATUS(std::system(line.c_str()));  // NOLINT: the test runs programs
 }
 
 std::string InstalledTree::Text(const std::string& file) const {

@@ -51,7 +51,7 @@ std::set<std::string> LibrariesOfCameraOnly() {
 /// "libfmt.so.9" -> "libfmt.so", and "libopencv_core.so.406" -> "libopencv_core.so".
 std::string WithoutVersion(const std::string& soname) { return soname.substr(0, soname.find(".so") + 3); }
 
-/// All that stands in the lines of `text`, one word a line.
+/// Returns all words in the lines of `text`.
 std::set<std::string> Words(const std::string& text) {
   std::istringstream stream(text);
   return {std::istream_iterator<std::string>(stream), {}};
@@ -83,7 +83,7 @@ TEST_F(Notice, StatesTheLicencesThatDebianStates) {
   if (!Has("dpkg-query") || !Has("ldconfig")) GTEST_SKIP() << "no Debian here";
   int compared = 0;
   for (const auto& [library, licence] : LicencesOfNotice()) {
-    // The file of the library, its package (which may know the file without /usr), and that package's copyright.
+    // Finds the file of the library, its package (which may list the file without /usr), and that package's copyright.
     const std::string find = fmt::format(
         "file=$(ldconfig -p | sed -n 's|^\\s*{0}\\.[0-9a-z]* .*=> ||p' | head -n 1)\n"
         "file=$(readlink -f \"$file\")\n"
@@ -96,7 +96,7 @@ TEST_F(Notice, StatesTheLicencesThatDebianStates) {
     std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
     std::string wanted = licence;
     std::transform(wanted.begin(), wanted.end(), wanted.begin(), [](unsigned char c) { return std::tolower(c); });
-    // Copyright files of before the common format tell the names in full.
+    // Copyright files that predate the common format have the full names.
     static const std::map<std::string, std::string> kInFull{{"lgpl-2.1+", "lesser general public license"},
                                                             {"lgpl-2.1", "common-licenses/lgpl-2.1"},
                                                             {"gpl-3+", "general public license"}};
@@ -131,7 +131,7 @@ TEST_F(Notice, NamesTheVersionsOfTheLicenceOfThePage) {
   const std::map<std::string, std::string> names{{"three", "three.js"}, {"uplot", "uPlot"}};
   std::smatch match;
   for (std::string line; std::getline(lines, line);) {
-    // esbuild makes the page, and leaves nothing of itself in it.
+    // esbuild bundles the page, and leaves none of its own code in it.
     if (!std::regex_match(line, match, kPackage) || match[1] == "esbuild") continue;
     ASSERT_TRUE(names.contains(match[1])) << match[1] << " is bundled into the page: name it in NOTICE and here";
     EXPECT_THAT(notice, HasSubstr("\n  " + names.at(match[1]) + " "));

@@ -9,8 +9,8 @@
 namespace plslam::test {
 namespace {
 
-// Up to 200 degrees a second, with the shutter open for most of the time: hardly a sharp edge is left of a world that
-// has nothing but edges.
+// Up to 200 degrees a second, with the shutter open for most of the time: hardly a sharp edge remains of a world that
+// consists of edges.
 TEST(Blurred, WhitewallIsTrackedInFastMotion) {
   const auto dataset = OpenDataset("synthetic:whitewall?size=376x240&frames=60&blur=0.8&speed=3&seed=4", "");
   const SlamRun run = RunSlam(*dataset, {}, {}, 1);

@@ -9,7 +9,7 @@
 namespace plslam::test {
 namespace {
 
-// A flight through one room with up to 7 s between frames, which sees most places several times.
+// A flight through one room with up to 7 s between frames, which passes most places several times.
 TEST(Revisits, OfARealRoomAreClosed) {
   PLSLAM_REQUIRE_DATA(folder, "euroc_V1_01_sparse");
   const auto dataset = OpenDataset(folder.string(), "");

@@ -47,7 +47,7 @@ TEST_P(Replay, StaysOnItsWay) {
   EXPECT_LT(nees, 30.0);
 }
 
-// Bounds a fifth to a half above what was measured (docs/results.md, docs/lab/tracking.md).
+// Bounds a fifth to a half above the measured errors (docs/results.md, docs/lab/tracking.md).
 INSTANTIATE_TEST_SUITE_P(Sequences, Replay,
                          testing::Values(Sequence{"Kitti", "kitti_03", 1, {}, 0.075, 0, true},
                                          Sequence{"Euroc", "euroc_MH_01_a", 1, {}, 0.0048, 0, true},
@@ -57,7 +57,7 @@ INSTANTIATE_TEST_SUITE_P(Sequences, Replay,
                                          Sequence{"Tsukuba", "tsukuba_lamps_a", 1, {}}),
                          [](const auto& test) { return test.param.name; });
 
-// Cameras that start at speed, several times the near search window a frame, and light that comes and goes.
+// Cameras with initial speed, several times the near search window a frame, and changing light.
 INSTANTIATE_TEST_SUITE_P(Hard, Replay,
                          testing::Values(Sequence{"KittiEveryThird", "kitti_03", 3, {}, 0.15},
                                          Sequence{"KittiEveryEighth", "kitti_03", 8, {}, 0.30},

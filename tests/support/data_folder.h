@@ -7,7 +7,8 @@
 
 namespace plslam::test {
 
-/// Folder of a real sequence under PLSLAM_DATA (or the default beside the checkout); nullopt where it is absent.
+/// Returns the folder of a real sequence under PLSLAM_DATA (or the default beside the checkout); nullopt if it is
+/// absent.
 std::optional<std::filesystem::path> DataFolder(const std::string& sequence);
 
 /// Root of the source tree, and folder of the built executables.

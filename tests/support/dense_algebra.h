@@ -7,7 +7,8 @@ namespace plslam::test {
 
 // Compiled once: Eigen's factorisations take seconds in every source that has one.
 
-/// error^T covariance^-1 error: distributed as chi-square of the error's size where the covariance says what is true.
+/// Returns error^T covariance^-1 error: chi-square distributed, with the degrees of freedom of the error's size, if the
+/// covariance is correct.
 double ChiSquare(const Eigen::VectorXd& error, const Eigen::MatrixXd& covariance);
 
 /// The x at which |J x - r| is smallest, by the normal equations.

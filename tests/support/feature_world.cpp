@@ -94,7 +94,7 @@ StereoFeatures FeatureWorld::Observe(const SE3& T_w_c, double noise_px, uint64_t
     if (seen.left.segment.Length() < kMinLength_px) continue;
     seen.left.descriptor = line.descriptor;
     seen.sigma_px = seen.sigma_disparity_p_px = seen.sigma_disparity_q_px = sigma;
-    // As a front end must: no depth for what runs along the baseline.
+    // As in a front end: no depth for lines along the baseline.
     const Eigen::Vector2d along = seen.left.segment.q - seen.left.segment.p;
     if (std::abs(along.y()) > 0.2 * along.norm()) {
       seen.disparity_p_px = p.z();

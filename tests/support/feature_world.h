@@ -22,8 +22,8 @@ void ChangeFeatures(KeyframeFeatures& features, int64_t keyframe_id, const Chang
   features.at(keyframe_id) = std::move(changed);
 }
 
-/// A world of points and segments with descriptors of their own, seen without images: stereo features as a perfect
-/// front end would find them, with Gaussian noise of the stated sigmas.
+/// A world of points and segments with unique descriptors, observed without images: stereo features of a perfect front
+/// end, with Gaussian noise of the given sigmas.
 class FeatureWorld {
  public:
   struct Counts {
@@ -48,7 +48,8 @@ class FeatureWorld {
   const std::vector<Point>& points() const { return points_; }
   const std::vector<Line>& lines() const { return lines_; }
 
-  /// What the camera at `T_w_c` sees. `noise_px` is the sigma of each coordinate; 0 gives the exact projections.
+  /// Returns the observations of a camera at `T_w_c`. `noise_px` is the sigma of each coordinate; 0 gives the exact
+  /// projections.
   StereoFeatures Observe(const SE3& T_w_c, double noise_px, uint64_t seed) const;
 
   static StereoCamera Camera() { return {400.0, 320.0, 240.0, 0.12, 640, 480}; }

@@ -24,9 +24,9 @@ struct FuzzCounts {
   uint64_t accepted = 0;
 };
 
-/// Calls `one_case` with fresh generators until the time is over (PLSLAM_FUZZ_SECONDS, default 2) or a test fails.
-/// Each case is made from its seed alone, which a failure names; PLSLAM_FUZZ_SEED is the first one (default 1). It
-/// returns whether what it made was accepted, or nothing.
+/// Calls `one_case` with fresh generators until the time is over (PLSLAM_FUZZ_SECONDS, default 2) or a test fails. Each
+/// case depends on its seed only, which a failure prints; PLSLAM_FUZZ_SEED is the first one (default 1). It returns
+/// whether its input was accepted, or nothing.
 template <class Case>
 FuzzCounts Fuzz(const Case& one_case) {
   using Clock = std::chrono::steady_clock;

@@ -102,7 +102,7 @@ Bytes HostileSender::Fragment() {
 }
 
 Bytes HostileSender::Altered(Bytes packet) {
-  // Behind LCM's head and the channel name (which ends with the first zero after it), where our message begins.
+  // Our message begins after LCM's head and the channel name (which ends with the first zero after it).
   size_t begin = 8;
   while (begin < packet.size() && packet[begin] != 0) ++begin;
   if (++begin >= packet.size()) return packet;
@@ -127,7 +127,7 @@ Bytes HostileSender::Next() {
   return plan_.recording[next_recorded_++ % plan_.recording.size()];
 }
 
-/// Takes what is there, and keeps the smaller packets: large ones would make it a test of bandwidth.
+/// Receives available packets, and keeps the smaller ones: large ones would make it a test of bandwidth.
 void HostileSender::Listen() {
   static constexpr size_t kSmall = 4000;
   Bytes buffer(kLargestDatagram);
@@ -137,7 +137,7 @@ void HostileSender::Listen() {
     const ssize_t n =
         recvfrom(fd_, buffer.data(), buffer.size(), MSG_DONTWAIT, reinterpret_cast<sockaddr*>(&from), &length);
     if (n < 0) return;
-    // We send from the port that we listen at, and LCM from one of its own: our own junk is not worth repeating.
+    // We send from the port at which we listen, and LCM from a different one: our own junk is not repeated.
     const bool ours = ntohs(from.sin_port) == plan_.port;
     if (ours || static_cast<size_t>(n) > kSmall || n < 12) continue;
     Bytes packet(buffer.begin(), buffer.begin() + n);

@@ -10,25 +10,24 @@
 
 namespace plslam::test {
 
-/// A member of an LCM multicast group that wishes us ill: it sends junk of several kinds, by turns, at a fixed rate.
-/// It listens to what the others send, and repeats and alters that too. Seeded; what it hears depends on the others.
+/// A hostile member of an LCM multicast group: it sends junk of several types, in turn, at a fixed rate. It listens to
+/// the other members, and repeats and alters their packets, too. Seeded; received packets depend on the others.
 class HostileSender {
  public:
   struct Plan {
     std::string group;
     uint16_t port = 0;
     int per_second = 10'000;
-    /// Names on the wire to aim at.
+    /// Targeted names on the wire.
     std::vector<std::string> channels;
-    /// Also what only a key protects from: datagrams of others with bits flipped, and `recording`.
+    /// Also send packets against which only a key protects: datagrams of others with bits flipped, and `recording`.
     bool forge = false;
-    /// Packets of an earlier run, genuine then.
+    /// Packets of an earlier run, which were genuine then.
     std::vector<std::vector<uint8_t>> recording;
     uint64_t seed = 1;
   };
 
-  /// Begins at once, in the network namespace of the calling thread. Throws std::runtime_error where there is no
-  /// socket.
+  /// Starts at once, in the network namespace of the calling thread. Throws std::runtime_error if it gets no socket.
   explicit HostileSender(Plan plan);
   ~HostileSender();
   HostileSender(const HostileSender&) = delete;

@@ -5,7 +5,7 @@
 
 namespace plslam::test {
 
-/// Whether what takes long is to be tested too: scripts/soak sets PLSLAM_LONG_TESTS.
+/// Returns whether slow tests are to be run, too: scripts/soak sets PLSLAM_LONG_TESTS.
 inline bool LongTests() { return std::getenv("PLSLAM_LONG_TESTS") != nullptr; }
 
 }  // namespace plslam::test

@@ -15,13 +15,13 @@ namespace plslam::test {
 namespace {
 
 constexpr int64_t kSession = 1;
-// A place is seen again within this of an older keyframe that is as many metres of way behind.
+// A revisit is within this of an older keyframe that is at least as many metres of path earlier.
 constexpr double kNear_m = 1.0;
 constexpr double kNear_rad = 20.0 * std::numbers::pi / 180.0;
 constexpr double kBehind_m = 6.0;
 constexpr int kShared = 15;
 
-// Of this thread's work: other processes do not count.
+// CPU time of this thread, without other processes.
 double NowMs() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -33,7 +33,7 @@ struct Moment {
   int64_t t_ns;
 };
 
-// The frames of a run and when they come.
+// Returns the frames of a run and their times.
 std::vector<Moment> Schedule(const Dataset& dataset, const LoopRunOptions& options) {
   std::vector<Moment> moments;
   for (int i = 0; i < dataset.size() && static_cast<int>(moments.size()) < options.max_frames; i += options.stride) {
@@ -209,7 +209,7 @@ void Run::Note(const LoopClosure& closure) {
 
 std::vector<OdometryFrame> Run::AsTheMapHasIt() const { return CarriedByKeyframes(in_odom_, mapper_.map()); }
 
-// Both by what the map ended with.
+// Counts both in the final map.
 void Run::CountRevisits() {
   const Map& map = mapper_.map();
   std::map<int64_t, double> path_m;

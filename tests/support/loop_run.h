@@ -10,14 +10,14 @@
 
 namespace plslam::test {
 
-/// Two keyframes whose relation loop_process measured, and how wrong it was.
+/// Two keyframes whose relative pose loop_process measured, and its error.
 struct LoopOfRun {
   int64_t session_keyframe_id = -1;
   int64_t frame = -1;
   int64_t old_frame = -1;
   loop::LoopEvidence evidence;
   double score = 0.0;
-  /// Against the truth; negative where there is none.
+  /// Against the truth; negative if there is none.
   double error_m = -1.0;
   double error_deg = -1.0;
 
@@ -25,8 +25,8 @@ struct LoopOfRun {
   bool IsFalse() const { return error_m > 0.5 || error_deg > 5.0; }
 };
 
-/// Ways through places that were seen before, by the truth: runs of keyframes with another one near them, looking the
-/// same way, that is older and not just behind.
+/// Revisits by the truth: runs of keyframes with an older keyframe near them that looks in the same direction and is
+/// not just before them.
 struct Revisits {
   int total = 0;
   /// With landmarks shared across, or a loop.
@@ -37,18 +37,19 @@ struct Revisits {
 
 struct LoopRun {
   SlamRun slam;
-  /// In order: those closed, and everything that was looked at.
+  /// In order: the closed ones, and all verified candidates.
   std::vector<LoopOfRun> loops;
   std::vector<LoopOfRun> looked_at;
   /// Error of the trajectory before and after the correction and after the adjustment that followed, for each loop.
   std::vector<double> ate_before_m, ate_corrected_m, ate_adjusted_m;
-  /// ms of this thread's work: for each keyframe; for each loop (pose graph and the rest of `Check` where there is
-  /// one), the mapper's part, and the adjustments.
+  /// ms of this thread's work: for each keyframe; for each loop (pose graph and the rest of `Check` in that case), the
+  /// mapper's part, and the adjustments.
   std::vector<double> check_ms, loop_ms, correct_ms, adjust_ms;
-  /// Corrections that the mapper refused, with its words.
+  /// Corrections that the mapper rejected, with its reasons.
   std::vector<std::string> refused;
   Revisits revisits;
-  /// Frames that were asked for as if nothing were known, those found, and found elsewhere than they are; ms each.
+  /// Frames for which relocalisation was requested, those relocalised, and those relocalised at a wrong position; ms
+  /// each.
   int asked = 0;
   int found = 0;
   int found_elsewhere = 0;
@@ -61,14 +62,14 @@ struct LoopRunOptions {
   loop::LoopOptions loops;
   int stride = 1;
   int max_frames = 1 << 30;
-  /// After the last frame all of them once more, in reverse order.
+  /// After the last frame repeat all frames in reverse order.
   bool forth_and_back = false;
-  /// Every so many frames one is asked for; 0: none.
+  /// Request relocalisation of every n-th frame; 0: none.
   int ask_every = 0;
 };
 
-/// Front end, odometry, mapping and loop closing over a dataset in this process, as in lockstep: what a keyframe's
-/// loop does to the map takes effect with the map of that keyframe.
+/// Runs front end, odometry, mapping and loop closing over a dataset in this process, as in lockstep: a keyframe's loop
+/// closure takes effect with the map of that keyframe.
 LoopRun RunLoops(const Dataset& dataset, const PlaceRecogniser& places, const LoopRunOptions& options);
 
 }  // namespace plslam::test

@@ -89,7 +89,7 @@ void LossyLan::Land() {
   const auto now = Clock::now();
   while (!flights_.empty() && flights_.top().due <= now) {
     const Flight& flight = flights_.top();
-    // Where a host's own queue is full the packet is lost, as anywhere.
+    // A packet is lost if the queue of the host is full, as in any network.
     const bool taken = write(ports_[flight.to].fd, flight.packet->data(), flight.packet->size()) > 0;
     ++(taken ? delivered_ : lost_);
     flights_.pop();

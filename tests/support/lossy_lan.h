@@ -16,22 +16,22 @@
 
 namespace plslam::test {
 
-/// Hosts joined by a bad network: a switch of our own hands on what their kernels send (TAP interfaces eth0, MTU
-/// 1500, addresses 10.77.0.1, .2, ..., multicast routed over them), packet by packet, and loses, doubles, delays and
-/// reorders on the way to each receiver. Needs no netem of the kernel. Traffic within a host is not touched.
+/// Hosts connected by a bad network: our own switch forwards the packets of their kernels (TAP interfaces eth0, MTU
+/// 1500, addresses 10.77.0.1, .2, ..., multicast routed over them), and drops, doubles, delays and reorders them on the
+/// way to each receiver. Needs no netem of the kernel. Traffic within a host is not affected.
 class LossyLan {
  public:
-  /// Of each packet on its way to each receiver, by chance.
+  /// Probabilities of faults of each packet on its way to each receiver.
   struct Faults {
     double lost = 0.0;
     double doubled = 0.0;
-    /// Does not wait for its delay, and so overtakes those before it.
+    /// The packet skips its delay, and so overtakes earlier ones.
     double overtaking = 0.0;
     std::chrono::microseconds delay{0};
     uint64_t seed = 1;
   };
 
-  /// Why it cannot be had here; empty where it can. First call: see NetworkHost::Obstacle.
+  /// Returns the reason why it is not available here; empty if it is. First call: see NetworkHost::Obstacle.
   static std::string Obstacle();
 
   LossyLan(int n_hosts, const Faults& faults);

@@ -20,7 +20,7 @@ constexpr const char* kOwnNamespace = "/proc/thread-self/ns/net";
 
 int OpenNamespace() { return open(kOwnNamespace, O_RDONLY | O_CLOEXEC); }
 
-/// Without root: root of a user namespace of its own may make network namespaces.
+/// Without root privileges: root of a user namespace may create network namespaces.
 bool EnterUserNamespace() {
   const uid_t user = geteuid();
   const gid_t group = getegid();

@@ -8,23 +8,23 @@
 
 namespace plslam::test {
 
-/// A host with addresses of its own, within this machine: a Linux network namespace. It goes when the last process in
-/// it has ended, and nothing of it is seen from outside. Its loopback carries multicast, as on any host.
+/// A host with its own addresses, within this machine: a Linux network namespace. It is removed when the last process
+/// in it has exited, and is invisible from outside. Its loopback carries multicast, as on any host.
 class NetworkHost {
  public:
-  /// Why this kernel grants this user no such host; empty where it does. The first call may put this process into a
-  /// user namespace (where it is not root), so it comes before any thread.
+  /// Returns the reason why this kernel does not grant this user such a host; empty if it does. The first call may move
+  /// this process into a user namespace (unless it is root), so it precedes any thread.
   static const std::string& Obstacle();
 
-  /// Throws std::runtime_error where there is an obstacle.
+  /// Throws std::runtime_error if there is an obstacle.
   NetworkHost();
   ~NetworkHost();
   NetworkHost(const NetworkHost&) = delete;
   NetworkHost& operator=(const NetworkHost&) = delete;
 
-  /// Calls `f` with the calling thread in this host: sockets, threads and processes made then belong there.
+  /// Calls `f` with the calling thread in this host: sockets, threads and processes created by it belong there.
   void Do(const std::function<void()>& f) const;
-  /// A shell command in this host; throws std::runtime_error with what it says where it fails.
+  /// Runs a shell command in this host; throws std::runtime_error with its output if it fails.
   void Shell(const std::string& command) const;
   /// For `ip link ... netns PATH`.
   std::string path() const;

@@ -12,7 +12,7 @@
 
 namespace plslam::test {
 
-/// What is kept of a frame, with the truth where the dataset has it.
+/// Stored result of a frame, with the truth if the dataset has it.
 struct OdometryFrame {
   int64_t t_ns = 0;
   TrackingState state = TrackingState::kInitialising;
@@ -28,29 +28,29 @@ struct OdometryFrame {
   int n_lines = 0;
   int n_tracked_points = 0;
   int n_tracked_lines = 0;
-  /// By how much the right images are believed to be taken later than the left ones.
+  /// Estimated delay of the right images after the left ones.
   double late_s = 0.0;
-  /// What is taken from disparities at the centres of the thirds of the image.
+  /// Correction subtracted from disparities at the centres of the thirds of the image.
   Eigen::Vector3d disparity_offset_px = Eigen::Vector3d::Zero();
   std::vector<vo::StageTime> stages;
 };
 
-/// Front end and odometry over a dataset in this process: what vo_process does, without messages. `visit`, if given,
-/// sees each frame's whole result with its images. `first` is the frame to begin with.
+/// Runs the front end and odometry over a dataset in this process, like vo_process without messages. `visit`, if given,
+/// receives each frame's complete result with its images. `first` is the first frame.
 std::vector<OdometryFrame> RunOdometry(
     const Dataset& dataset, const vo::VoOptions& options, int stride = 1, int max_frames = 1 << 30,
     const std::function<void(const StereoImages&, const vo::OdometryResult&)>& visit = nullptr, int first = 0);
 
 /// Root mean square of the position error after the best rigid alignment, over frames that are not lost and have a
-/// truth. Negative where there are fewer than 3.
+/// truth. Negative for fewer than 3.
 double AbsoluteTrajectoryError(const std::vector<OdometryFrame>& frames);
 
-/// Scale of the path of these frames against that of the same frames in `whole`, after the best similarity; 0 where
-/// there are fewer than 3.
+/// Returns the scale of the path of these frames relative to that of the same frames in `whole`, after the best
+/// similarity; 0 for fewer than 3.
 double ScaleAgainst(const std::vector<OdometryFrame>& piece, const std::vector<OdometryFrame>& whole);
 
-/// Mean of e^T cov^-1 e over the motions between successive tracked frames (6 where the covariance is honest),
-/// leaving out the largest hundredth, which are outliers of any Gaussian.
+/// Mean of e^T cov^-1 e over the motions between successive tracked frames (6 if the covariance is correct), without
+/// the largest hundredth, which are outliers of any Gaussian.
 double MotionNees(const std::vector<OdometryFrame>& frames);
 
 /// Mean of e^T cov^-1 e over the motions of `span` tracked frames, their covariances composed as a filter does:

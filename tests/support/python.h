@@ -6,7 +6,7 @@
 
 namespace plslam::test {
 
-/// A Python that has numpy: Debian's, where the first one of the path has none. Empty where there is none.
+/// Returns a Python that has numpy: Debian's, if the first one in the path has none. Empty if there is none.
 inline std::string PythonWithNumpy() {
   for (const std::string program : {"python3", "/usr/bin/python3"}) {
     if (std::system((program + " -c 'import numpy' >/dev/null 2>&1").c_str()) == 0) return program;  // NOLINT

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int64_t kMapSession = 1;
 
-/// What the three processes hold after the dataset.
+/// State of the three processes after the dataset.
 struct Mapped {
   vo::Odometry odometry;
   Map map;
@@ -59,8 +59,8 @@ Mapped MakeMap(const Dataset& dataset, const PlaceRecogniser& places, vo::Stereo
   return {std::move(odometry), mapper.map(), std::move(closer), dataset.t_ns(last)};
 }
 
-/// Where a frame lies in the map: as to the keyframe nearest in time, so that what the map has drifted elsewhere does
-/// not count.
+/// Returns the true pose of a frame in the map, relative to the keyframe nearest in time, so that drift elsewhere in
+/// the map does not count.
 SE3 PlaceInMap(const Dataset& dataset, const Map& map, int frame) {
   const MapKeyframe* nearest = nullptr;
   for (const auto& [id, keyframe] : map.keyframes()) {

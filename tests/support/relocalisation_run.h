@@ -31,13 +31,13 @@ struct RelocalisationTrials {
   int covered_frames = 40;
   int seen_frames = 20;
   double min_carried_m = 5.0;
-  /// What counts as right, against the truth laid onto the map at the nearest keyframe.
+  /// Error limits of a correct relocalisation, against the truth aligned with the map at the nearest keyframe.
   double max_error_m = 0.1;
   double max_error_deg = 1.0;
 };
 
-/// Makes a map of the dataset, and then, from its end, trials drawn by `seed`: nothing is seen for a while, then the
-/// frames from elsewhere on. Loop_process is asked as vo_process asks it. In this process, as in lockstep.
+/// Makes a map of the dataset, and then, from its end, runs trials drawn by `seed`: no features for a while, then the
+/// frames from elsewhere on. The requests to loop_process are those of vo_process. In this process, as in lockstep.
 std::vector<RelocalisationTrial> RunRelocalisationTrials(const Dataset& dataset, const PlaceRecogniser& places,
                                                          const vo::VoOptions& vo,
                                                          const mapping::MappingOptions& mapping,

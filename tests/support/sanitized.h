@@ -9,8 +9,8 @@
 
 namespace plslam::test {
 
-/// How long a test waits for what must come in the end; `limit` is meant for a build as users have it. Sanitized
-/// programs are five to fifteen times slower. Nothing that is promised in seconds may be judged by this.
+/// Returns how long a test waits for an event; `limit` is for a build without sanitizers. Sanitized programs are five
+/// to fifteen times slower. Promised times must not be tested with this limit.
 inline std::chrono::milliseconds Patience(std::chrono::milliseconds limit) {
 #ifdef PLSLAM_SANITIZED
   constexpr int kSlower = 10;
@@ -20,7 +20,7 @@ inline std::chrono::milliseconds Patience(std::chrono::milliseconds limit) {
   return kSlower * limit;
 }
 
-/// The first lines of what sanitizers have found, out of the logs of processes; empty where they found nothing.
+/// Returns the first lines of sanitizer reports in the logs of processes; empty if there are none.
 inline std::string SanitizerReports(const std::string& logs) {
   std::istringstream lines(logs);
   std::string reports;
@@ -37,8 +37,8 @@ inline std::string SanitizerReports(const std::string& logs) {
   return reports;
 }
 
-/// Fails the test where a sanitizer has found something in a process. Such a process ends, but a run starts it again,
-/// or is over already: by exit codes alone it would go unnoticed.
+/// Fails the test if a sanitizer has reported an error in a process. Such a process exits, but a run restarts it, or is
+/// over already: exit codes alone would not show it.
 inline void ExpectNoSanitizerReports(const std::string& logs) { EXPECT_EQ(SanitizerReports(logs), ""); }
 
 }  // namespace plslam::test

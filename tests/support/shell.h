@@ -19,7 +19,7 @@ struct ShellResult {
 /// Runs a line of shell with its outputs in files of the folder.
 inline ShellResult Shell(const ScratchFolder& folder, const std::string& line) {
   const std::string command = "(" + line + ") >" + folder.Path("out") + " 2>" + folder.Path("error");
-  const int status = std::system(command.c_str());  // NOLINT: other programs are what is wanted
+  const int status = std::system(command.c_str());  // NOLINT: the test runs other programs
   return {WEXITSTATUS(status), ReadText(folder.Path("out")), ReadText(folder.Path("error"))};
 }
 

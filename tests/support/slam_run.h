@@ -9,11 +9,11 @@
 
 namespace plslam::test {
 
-/// What tracking and mapping make of a dataset.
+/// Result of tracking and mapping over a dataset.
 struct SlamRun {
   /// As published at the time: T_odom_l holds T_w_l(estimated).
   std::vector<OdometryFrame> live;
-  /// Frames carried by the final places of the keyframes.
+  /// Frames moved with the final poses of the keyframes.
   std::vector<OdometryFrame> final;
   int keyframes = 0;
   size_t points = 0;

@@ -37,7 +37,7 @@ class ScratchFolder {
   std::filesystem::path folder_;
 };
 
-/// All bytes of a file; empty where it cannot be read, as one of /proc whose process goes meanwhile (an
+/// Returns all bytes of a file; empty if it cannot be read, as a file of /proc whose process exits meanwhile (an
 /// istreambuf_iterator would throw there).
 inline std::string ReadText(const std::filesystem::path& path) {
   std::ostringstream text;

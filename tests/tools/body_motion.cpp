@@ -14,7 +14,7 @@ using synthetic::Random;
 using synthetic::Smoothstep;
 
 constexpr double kLeadDisparity = 0.045;  // of the width of the image
-constexpr double kLeadDepth_m = 7.0;      // the depth that sizes in metres are meant for; other depths scale them
+constexpr double kLeadDepth_m = 7.0;      // the depth for which sizes in metres are given; other depths scale them
 constexpr int kSmoothing = 7;             // frames to both sides
 
 SE3 Smoothed(const std::vector<SE3>& path, int i) {

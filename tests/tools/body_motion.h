@@ -11,7 +11,7 @@
 
 namespace plslam::test {
 
-/// What is pasted, and how it moves: names of `BodyKindNames`.
+/// The pasted body and its motion: names of `BodyKindNames`.
 struct BodyRequest {
   std::string kind;
   double share =
@@ -33,8 +33,8 @@ struct MovingBox {
 /// - `bus`: passes from right to left at one depth.
 const std::vector<std::string>& BodyKindNames();
 
-/// The body for a camera on the path `T_w_c`. Its motion follows the smoothed path, so that what shakes the camera
-/// does not shake it.
+/// Returns the body for a camera on the path `T_w_c`. Its motion follows the smoothed path, so that shaking of the
+/// camera does not shake it.
 MovingBox MoveBody(const BodyRequest& request, const StereoCamera& camera, const std::vector<SE3>& T_w_c);
 
 }  // namespace plslam::test

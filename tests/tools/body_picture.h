@@ -27,19 +27,19 @@ struct Body {
   std::vector<synthetic::Texture> textures;
 };
 
-/// A box about the origin of b with the sides of `size_m` along x (right), y (down) and z (forward). The rear
-/// (towards -z), left, right and front faces have the first texture, or each the next one where there are several;
-/// the roof has the last one.
+/// A box about the origin of b with the sides of `size_m` along x (right), y (down) and z (forward). The rear (towards
+/// -z), left, right and front faces have the first texture, or each the next one if there are several; the roof has the
+/// last one.
 Body MakeBox(const Eigen::Vector3d& size_m, std::vector<synthetic::Texture> textures);
 
-/// What a camera sees of a body: grey values where `coverage` (0 to 1, CV_32F) is not 0.
+/// View of a body in a camera: grey values where `coverage` (0 to 1, CV_32F) is not 0.
 struct BodyPicture {
   cv::Mat value;
   cv::Mat coverage;
 };
 
-/// The body as the left camera of a rectified rig sees it from `T_b_cam`, the pose of that camera in the body; for
-/// the right one give the pose of the right. Faces are filtered in the texture and anti-aliased at their borders.
+/// Renders the body in the left camera of a rectified rig at `T_b_cam`, the pose of that camera in the body; for the
+/// right camera, give its pose. Faces are filtered in the texture and anti-aliased at their borders.
 BodyPicture PictureOfBody(const Body& body, const StereoCamera& camera, const SE3& T_b_cam);
 
 /// Puts the picture in front of an image, with noise of `sigma` grey values on it, seeded.

@@ -7,9 +7,8 @@
 //   paste_bodies data/kitti_03 out/k03_hood --hood 0.28
 //   paste_bodies data/kitti_03 out/k03_stand --stand --from 40 --frames 80     (the same without a body)
 //
-// Beside images, calibration, times and truth (of the camera) the folder holds mask_0 (255 where the left image shows
-// a body or the bonnet) and bodies.txt: of each frame the share of the left image that is pasted, the outline's
-// bounds there, and T_c_b.
+// Beside images, calibration, times and truth (of the camera) the folder has mask_0 (255 at a body or the bonnet in the
+// left image) and bodies.txt: for each frame the pasted share of the left image, the outline's bounds there, and T_c_b.
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -97,8 +96,7 @@ std::vector<Frame> ChooseFrames(const Request& request, const Dataset& dataset, 
   return frames;
 }
 
-// The camera's path, or the camera as its own world where it is not known everywhere: bodies then move relative to
-// it.
+// Returns the camera's path, or identities if it is not known everywhere: bodies then move relative to the camera.
 std::vector<SE3> PathOf(const std::vector<Frame>& frames, bool* known) {
   std::vector<SE3> path;
   *known = true;

@@ -22,7 +22,7 @@ std::vector<SE3> Straight(int frames) {
   return path;
 }
 
-// The rear of a body stands at one depth: the right picture is the left one, shifted by its disparity.
+// The rear of a body has one depth: the right picture is the left one, shifted by its disparity.
 TEST(PasteBodies, RightPictureIsShiftedByTheDisparity) {
   const Body body = MakeBox({3.0, 2.0, 1.0}, {PaintVehicle(1)});
   for (const int disparity : {15, 25, 37}) {

@@ -10,16 +10,16 @@
 /// OpenCV's ArUco, of which version 4.7 changed most names, in one interface.
 namespace plslam::calibration::aruco {
 
-/// Of the markers of a Charuco board, of the tags of an Aprilgrid.
+/// The dictionary of a Charuco board's markers, and that of an Aprilgrid's tags.
 enum class Dictionary { kMarkers, kTags };
 
-/// Corners of markers in an image, clockwise from each marker's first one, with their numbers.
+/// Corners of markers in an image, clockwise from each marker's first one, with their ids.
 struct FoundMarkers {
   std::vector<std::vector<cv::Point2f>> corners;
   std::vector<int> ids;
 };
 
-/// How dark cells are told from bright ones: windows that grow by `step_px`, darker than their mean by `constant`.
+/// Adaptive threshold: windows that grow by `step_px`; a pixel is dark if it is below their mean by `constant`.
 struct Threshold {
   int step_px;
   double constant;

@@ -17,9 +17,9 @@ struct Board {
   int rows = 0;
   /// Side of a square; of an Aprilgrid, from tag to tag.
   double square_m = 0.0;
-  /// Side of a Charuco board's markers, or of tags.
+  /// Side of a Charuco board's markers, or of an Aprilgrid's tags.
   double marker_m = 0.0;
-  /// Of an Aprilgrid: from a tag to the next one, in sides of a tag.
+  /// Aprilgrid only: distance between neighbouring tags, in sides of a tag.
   double spacing = 0.0;
 
   int SquareColumns() const { return kind == Kind::kChess ? columns + 1 : columns; }
@@ -40,7 +40,7 @@ Board ParseBoard(const std::string& text);
 /// The text that `ParseBoard` reads.
 std::string BoardText(const Board& board);
 
-/// Where the inner corners of squares, or the corners of tags, are, row by row from the upper left one.
+/// Returns the inner corners of squares, or the corners of tags, row by row from the upper left one.
 std::vector<Eigen::Vector2d> BoardCorners(const Board& board);
 
 /// A black area of the board.

@@ -10,7 +10,7 @@
 
 namespace plslam::calibration {
 
-/// Counts what images say about a wrong board: markers that lie otherwise than it says.
+/// Counts images that contradict the given board: their markers lie at other positions.
 class BoardFaults {
  public:
   void Count(const BoardView& view) {
@@ -26,8 +26,8 @@ class BoardFaults {
   int contradictions_ = 0;
 };
 
-/// For the sentence about a chess board that is not seen in `image`: "; chess:9x6:0.025 is seen in one: ..." where a
-/// board of another size is seen there, which people write in its place. Empty otherwise.
+/// For the sentence about a chess board that is not detected in `image`: "; chess:9x6:0.025 is seen in one: ..." if a
+/// board of another size, a common mistake, is detected there. Empty otherwise.
 std::string OtherSizeSeen(const Board& board, const cv::Mat& image);
 
 }  // namespace plslam::calibration

@@ -141,7 +141,7 @@ void PrintCoverage(const RigEstimate& e, const Seen& seen) {
   if (complete) fmt::print("no view is missing\n");
 }
 
-/// What `plslam rectify-check` measures, of the corners that both cameras see.
+/// Prints the measurements of `plslam rectify-check` on the corners that both cameras see.
 void PrintRows(const RigEstimate& e, const Board& board, const Seen& seen) {
   const Rectification rectification = Rectify(e.rig);
   const StereoCamera& camera = rectification.camera;
@@ -197,7 +197,7 @@ int CalibrateLive(const CalibrateOptions& o, const Board& board) {
   return CalibrateFolder(of_folder, board, &live);
 }
 
-/// A folder of pictures, which may be one of live pictures.
+/// Calibrates from a folder of pictures, possibly of live pictures.
 int CalibratePictures(const CalibrateOptions& o, const Board& board) {
   if (o.seconds > 0.0) throw std::runtime_error(o.folder + " is a folder: --seconds is for a rig file only");
   const fs::path rig = fs::path(o.folder) / kRigOfPictures;

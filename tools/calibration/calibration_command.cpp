@@ -27,7 +27,7 @@ struct CalibrationOptions {
   std::string unit;
 };
 
-/// "752x480"; 0 x 0 where nothing is given.
+/// Parses "752x480"; 0 x 0 for an empty text.
 ImageSize SizeOf(const std::string& text) {
   if (text.empty()) return {0, 0};
   ImageSize size{0, 0};

@@ -23,8 +23,8 @@ inline constexpr int kCoverageColumns = 32;
 inline constexpr int kCoverageRows = 12;
 std::vector<std::string> CoveragePicture(const std::vector<Eigen::Vector2d>& pixels, const ImageSize& size);
 
-/// The ninths of the image that have hardly any corners: "upper left corner", "left edge", "centre". Where they are
-/// counts, not how many: less than a fifth of its area is covered.
+/// Returns the ninths of the image that have hardly any corners: "upper left corner", "left edge", "centre". Not the
+/// number of corners decides, but their spread: corners lie in less than a fifth of the area.
 std::vector<std::string> EmptyRegions(const std::vector<Eigen::Vector2d>& pixels, const ImageSize& size);
 
 }  // namespace plslam::calibration

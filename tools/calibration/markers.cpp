@@ -122,12 +122,12 @@ struct TagPass {
   int scale;
   aruco::Threshold threshold;
 };
-/// The squares at the corners of the tags touch them, and depending on the threshold become one blob with them: what
-/// one pass misses, another one sees.
+/// The squares at the corners touch the tags, and depending on the threshold merge with them: a tag that one pass
+/// misses is found by another.
 constexpr std::array kTagPasses = {TagPass{1, {10, 7.0}}, TagPass{2, {4, 7.0}}, TagPass{1, {10, 15.0}}};
 constexpr int kLargestScaledSide_px = 1300;
 
-/// Tags that `read` has already are passed over.
+/// Tags that `read` already has are skipped.
 void ReadTags(const cv::Mat& image, const TagPass& pass, FoundMarkers* read) {
   cv::Mat scaled = image;
   if (pass.scale != 1) cv::resize(image, scaled, {}, pass.scale, pass.scale, cv::INTER_LINEAR);
@@ -141,8 +141,8 @@ void ReadTags(const cv::Mat& image, const TagPass& pass, FoundMarkers* read) {
   }
 }
 
-/// Which corner of a tag is its first one is a matter of opinion: OpenCV's tags stand upside down. The other tags
-/// decide. False where they fit with none.
+/// The first corner of a tag is a matter of convention: OpenCV's tags are rotated by 180 degrees. The other tags
+/// decide. Returns false if no rotation fits.
 bool TurnTags(const std::vector<std::vector<cv::Point3f>>& board, double bound_m, FoundMarkers* read) {
   for (const int turn : {2, 0, 1, 3}) {
     FoundMarkers turned = *read;
@@ -154,8 +154,8 @@ bool TurnTags(const std::vector<std::vector<cv::Point3f>>& board, double bound_m
   return false;
 }
 
-/// Moves the corners of a tag onto the saddle points between its border and the squares at its corners. False where
-/// they are not near.
+/// Moves the corners of a tag onto the saddle points between its border and the squares at its corners. Returns false
+/// if they are not near.
 bool RefineTag(const Board& board, const cv::Mat& image, std::vector<cv::Point2f>* tag) {
   double side_px = 1e9;
   for (size_t k = 0; k < 4; ++k) side_px = std::min(side_px, cv::norm((*tag)[k] - (*tag)[(k + 1) % 4]));
@@ -178,7 +178,7 @@ BoardView FindAprilgrid(const Board& board, const cv::Mat& image) {
     if (static_cast<int>(read.ids.size()) >= board.columns * board.rows) break;
     if (pass.scale == 1 || std::max(image.cols, image.rows) <= kLargestScaledSide_px) ReadTags(image, pass, &read);
   }
-  // Of fewer it cannot be told how they stand.
+  // The orientation of fewer markers is ambiguous.
   if (read.ids.size() < 4) return view;
   const auto n_known = std::ranges::count_if(read.ids, [&](int id) { return id < board.columns * board.rows; });
   if (n_known < 4) {

@@ -10,7 +10,7 @@
 
 namespace plslam::calibration {
 
-/// Of the dictionaries of a Charuco board and of an Aprilgrid.
+/// Sizes of the dictionaries of a Charuco board and of an Aprilgrid.
 inline constexpr int kMaxMarkers = 250;
 inline constexpr int kMaxTags = 587;
 
@@ -28,7 +28,7 @@ std::vector<Marker> MarkersOf(const Board& board);
 struct BoardView {
   std::vector<int> corners;
   std::vector<Eigen::Vector2d> pixels;
-  /// The markers that were read lie otherwise than the board says: it has other columns or rows.
+  /// The detected markers contradict the board: it has other columns or rows.
   bool contradicts = false;
 };
 

@@ -26,10 +26,10 @@ constexpr double kHuber_px = 1.0;
 constexpr double kOutlierSigmas = 5.0;
 /// A detector is never much better than this.
 constexpr double kLeastNoise_px = 0.02;
-/// Of a corner, before it is known.
+/// Assumed noise of a corner before it is estimated.
 constexpr double kUsualNoise_px = 0.1;
 
-/// What is known of a coefficient before any picture; `index` counts from fx.
+/// Prior of a coefficient; `index` counts from fx.
 struct Prior {
   std::string_view model;
   int index;
@@ -123,7 +123,7 @@ class Problem {
   Problem(std::string model, std::vector<Corner> corners) : model_(std::move(model)), corners_(std::move(corners)) {}
   std::vector<Corner>& corners() { return corners_; }
 
-  /// Standard deviation of a coordinate of a corner, which says how much priors weigh.
+  /// Sets the standard deviation of a coordinate of a corner, which determines the weight of priors.
   void set_noise_px(double noise_px) { noise_px_ = noise_px; }
 
   /// Minimises; both lenses, the rig and the poses move.
@@ -228,7 +228,8 @@ std::vector<Corner> CornersOf(const Board& board, const BoardView& view, size_t 
   return corners;
 }
 
-/// Pose of the board, from corners and a lens that is known roughly; none where too few rays are known.
+/// Returns the pose of the board, from corners and an approximately known lens; nullopt if too few rays can be
+/// computed.
 std::optional<SE3> BoardPose(const std::vector<Corner>& corners, const CameraCalibration& camera) {
   const Distortion distortion(camera);
   std::vector<cv::Point3d> on_board;
@@ -271,7 +272,7 @@ Lens StartLens(const std::vector<std::vector<Corner>>& views, const std::string&
   for (const Prior& prior : kPriors) {
     if (prior.model == model) lens[static_cast<size_t>(prior.index)] = prior.mean;
   }
-  // The homographies say what the centre of the image has.
+  // The homographies determine the scale in the centre of the image.
   const double scale = FocalInCentre_px(ToCamera(lens, model, size)) / f;
   lens[0] /= scale;
   lens[1] /= scale;
@@ -314,7 +315,7 @@ SingleCamera CalibrateAlone(const std::vector<std::vector<Corner>>& views, const
   return camera;
 }
 
-/// The pose of the right camera, each coordinate the median of what the pairs say.
+/// Returns the pose of the right camera, each coordinate the median over the pairs.
 SE3 MedianRig(const std::vector<SE3>& T_right_left) {
   Vector6d middle = Vector6d::Zero();
   for (int i = 0; i < 6; ++i) {
@@ -326,7 +327,7 @@ SE3 MedianRig(const std::vector<SE3>& T_right_left) {
   return ToSE3({middle[0], middle[1], middle[2], middle[3], middle[4], middle[5]});
 }
 
-/// Error in pixels of a pair's right view where the board stands as the left view says.
+/// Returns the error in pixels of a pair's right view, with the pose of the board from the left view.
 double PairError_px(const std::vector<Corner>& right_view, const Lens& lens, const std::string& model,
                     const SE3& T_right_board) {
   std::vector<double> errors;
@@ -424,7 +425,7 @@ RigEstimate EstimateRig(const Board& board, const std::vector<BoardPair>& pairs,
   }
   const SE3 T_right_left = MedianRig(relative);
   const Eigen::Vector3d right_in_left = T_right_left.Inverse().translation();
-  // Pairs that contradict the others: 5 px and ten times what a camera by itself leaves are no noise.
+  // Rejects pairs that contradict the others: 5 px and ten times the error of a camera alone are no noise.
   const double bound_px = std::max(5.0, 10.0 * std::max(left.median_error_px, right.median_error_px));
   RigEstimate estimate;
   std::vector<bool> apart(pairs.size(), false);

@@ -55,33 +55,34 @@ bool ProjectLens(std::string_view model, const T* parameters, const T* p, T* pix
   return true;
 }
 
-/// One picture pair: what was seen of the board in each (nothing: empty), and how the pair is called.
+/// One picture pair: the view of the board in each (not seen: empty), and the pair's name.
 struct BoardPair {
   std::string name;
   BoardView left;
   BoardView right;
 };
 
-/// Where a chess board looks alike from both sides of it, left and right picture may number its corners from
-/// different ends; the cameras of a rig see it nearly alike: `right`, numbered as `left` is.
+/// If a chess board looks the same from both of its ends, the left and the right picture may number its corners from
+/// different ends, although the cameras of a rig see it nearly alike: returns `right` numbered as `left`.
 BoardView NumberedLike(const Board& board, const BoardView& left, BoardView right);
 
 /// A stereo rig, estimated from pictures of a board.
 struct RigEstimate {
   RigCalibration rig;
-  /// Of fx fy cx cy and the coefficients, in their units.
+  /// Covariances of fx fy cx cy and the coefficients, in their units.
   Eigen::MatrixXd left_covariance;
   Eigen::MatrixXd right_covariance;
-  /// Of `T_left_right`: translation [m] and rotation [rad], perturbed on the right; and of its length.
+  /// Standard deviations of `T_left_right`: translation [m] and rotation [rad], perturbed on the right; and of the
+  /// baseline.
   Eigen::Matrix<double, 6, 1> T_left_right_sigma = Eigen::Matrix<double, 6, 1>::Zero();
   double baseline_sigma_m = 0.0;
-  /// Of the translation alone, along the axes of the left camera as `T_left_right` has it.
+  /// Standard deviations of the translation of `T_left_right` alone, along the axes of the left camera.
   Eigen::Vector3d right_in_left_sigma_m = Eigen::Vector3d::Zero();
-  /// Of one coordinate of a corner that was used, root mean square over degrees of freedom.
+  /// Noise of one coordinate of a used corner, root mean square over degrees of freedom.
   double noise_px = 0.0;
   int used_corners = 0;
   int left_out_corners = 0;
-  /// Pictures that took part, and those whose left and right views do not belong together.
+  /// Used pictures, and pairs that were rejected because their left and right views do not belong together.
   std::vector<int> used_pairs;
   std::vector<std::string> left_out_pairs;
   /// Largest angles between the board and the image plane.
@@ -95,13 +96,13 @@ std::vector<int> ChoosePairs(const std::vector<BoardPair>& pairs, const ImageSiz
 /// Zhang, "A flexible new technique for camera calibration" (TPAMI 2000); corners and pairs far outside are left out,
 /// and standard deviations are those of the remaining noise. `model` is a lens model with coefficients.
 ///
-/// The denominator of "rational" and the two spheres of "double_sphere" can take each other's part over the field of
-/// a usual lens: without more knowledge the pictures leave them open by any amount, along a curved valley where
-/// standard deviations mean nothing. These coefficients have a wide normal prior, that of lenses as published, which
-/// moves pixels by far less than the noise does. Their standard deviations are then mostly those of the prior, and
-/// what is known well is `FocalInCentre` and `PixelSigma_px`.
-/// Throws std::runtime_error with one sentence where there are too few views, left and right are
-/// exchanged, pairs were not taken at the same moment, or the pictures do not determine the lens.
+/// The denominator of "rational" and the two spheres of "double_sphere" can compensate each other over the field of
+/// view of a usual lens: without a prior the pictures do not determine them, along a curved valley in which standard
+/// deviations are meaningless. These coefficients have a wide normal prior, that of lenses as published, which moves
+/// pixels by far less than the noise does. Their standard deviations are then mostly those of the prior; well
+/// determined are `FocalInCentre` and `PixelSigma_px`. Throws std::runtime_error with one sentence if there are too few
+/// views, left and right are exchanged, pairs were not taken at the same moment, or the pictures do not determine the
+/// lens.
 RigEstimate EstimateRig(const Board& board, const std::vector<BoardPair>& pairs, const ImageSize& size,
                         const std::string& model);
 
@@ -117,7 +118,8 @@ double FocalInCentreSigma_px(const CameraCalibration& camera, const Eigen::Matri
 /// lens model does not hold there.
 std::optional<Eigen::MatrixXd> PixelJacobian(const CameraCalibration& camera, const Eigen::Vector2d& xy);
 
-/// The largest standard deviation of a pixel where a ray meets the image: how well the lens is known as a whole.
+/// Returns the largest standard deviation of the pixel at which a ray meets the image: the uncertainty of the lens as a
+/// whole.
 double PixelSigma_px(const CameraCalibration& camera, const Eigen::MatrixXd& covariance);
 
 }  // namespace plslam::calibration

@@ -9,7 +9,7 @@ class App;
 
 namespace plslam::doctor {
 
-/// Adds the subcommand `doctor`, which, when chosen, sets `*command` to what returns the exit code.
+/// Adds the subcommand `doctor`, which, when chosen, sets `*command` to the function that returns the exit code.
 void AddDoctorCommand(CLI::App* app, std::function<int()>* command);
 
 }  // namespace plslam::doctor

@@ -41,7 +41,7 @@ std::string FindingsToText(const Findings& findings, bool only_bad) {
   std::string text;
   for (const Finding& f : findings) {
     if (only_bad && f.verdict == Verdict::kGood) continue;
-    // What keeps the system from working must be seen among the rest.
+    // A problem that prevents operation must stand out.
     const char* verdict = f.verdict == Verdict::kProblem ? "PROBLEM" : VerdictName(f.verdict);
     text += fmt::format("{:<11} {:<8} {}\n", f.check, verdict, f.what);
     if (!f.mend.empty()) text += fmt::format("{:<20} mend: {}\n", "", f.mend);

@@ -12,12 +12,12 @@ enum class Verdict { kGood, kAdvice, kProblem };
 /// "good", "advice", "problem".
 const char* VerdictName(Verdict verdict);
 
-/// What one look at this host has shown.
+/// Result of one check of this host.
 struct Finding {
   std::string check;  ///< "multicast", "buffer", "port", "clock", "process", "disk", "vocabulary"
   Verdict verdict = Verdict::kGood;
   std::string what;  ///< one sentence
-  std::string mend;  ///< the command that mends it; empty where all is good
+  std::string mend;  ///< command that mends it; empty if there is no problem
 };
 
 using Findings = std::vector<Finding>;
@@ -26,12 +26,12 @@ Finding Good(const std::string& check, const std::string& what);
 Finding Advice(const std::string& check, const std::string& what, const std::string& mend);
 Finding Problem(const std::string& check, const std::string& what, const std::string& mend);
 
-/// `command` as a user who is not root gives it.
+/// Returns `command` as a user who is not root enters it.
 std::string AsRoot(const std::string& command);
 
 bool HasProblem(const Findings& findings);
 
-/// One line for each finding and one below it for its command; `only_bad` leaves out what is good.
+/// Returns one line for each finding and one below it for its command; `only_bad` leaves out good findings.
 std::string FindingsToText(const Findings& findings, bool only_bad);
 
 }  // namespace plslam::doctor

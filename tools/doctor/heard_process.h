@@ -19,7 +19,7 @@ enum class Signature {
   kWrong,      ///< with another key than ours
 };
 
-/// A process that has told its status.
+/// A process whose status was received.
 struct HeardProcess {
   std::string prefix;
   std::string process;
@@ -32,20 +32,20 @@ struct HeardProcess {
   int schema = 0;
   Signature signature = Signature::kNone;
   std::map<std::string, double> counters;
-  /// Its wall clock less ours, where it tells its time (the counter `clock.utc_s`).
+  /// Its wall clock minus ours, if it publishes its time (the counter `clock.utc_s`).
   std::optional<double> clock_ahead_s;
 };
 
-/// What a few seconds of listening to everything have brought.
+/// Messages received during a few seconds of listening to all channels.
 struct Heard {
   std::vector<HeardProcess> processes;
-  /// Messages on channels of ours whose type is not the one that this build knows, by channel with prefix.
+  /// Messages on plslam channels whose type differs from that of this build, by channel with prefix.
   std::map<std::string, int64_t> foreign_types;
-  /// Messages on channels that plslam does not have (other users of the bus).
+  /// Messages on other channels (other users of the bus).
   int64_t other_channels = 0;
 };
 
-/// What the host that asks has.
+/// Bus, version and name of the checking host.
 struct OwnSide {
   std::string url;
   std::string prefix;
@@ -55,7 +55,7 @@ struct OwnSide {
   bool has_key = false;
 };
 
-/// What keeps the processes heard from working with each other and with this host.
+/// Returns the reasons why the received processes cannot work with each other or with this host.
 Findings CheckProcesses(const Heard& heard, const OwnSide& own);
 
 }  // namespace plslam::doctor

@@ -11,27 +11,27 @@ namespace plslam::doctor {
 
 /// The clocks of this host at one moment.
 struct ClockSample {
-  int64_t wall_ns = 0;    ///< what people and other hosts call the time
-  int64_t steady_ns = 0;  ///< never set, disciplined by nobody
+  int64_t wall_ns = 0;    ///< time of day, comparable between hosts
+  int64_t steady_ns = 0;  ///< never set or disciplined
 };
 
 ClockSample SampleClocks();
 
-/// Whether the kernel says that something (NTP, PTP) keeps the wall clock right.
+/// Returns whether the kernel reports that the wall clock is synchronised (NTP, PTP).
 bool ClockIsSynchronised();
 
-/// The clock between two samples: kept by somebody, and at one pace with the steady clock.
+/// Checks the clock between two samples: synchronised, and at the rate of the steady clock.
 Findings CheckClock(const ClockSample& begin, const ClockSample& end, bool synchronised);
 
-/// Whether files can be written to `folder` (or to where it will be made), and how much of them. `use` says what for
-/// ("histories", "outputs"), `mend` how to choose another folder.
+/// Checks whether files can be written to `folder` (or to its future parent), and how much of them. `use` is their
+/// purpose ("histories", "outputs"), `mend` how to choose another folder.
 Findings CheckFolder(const std::filesystem::path& folder, const std::string& use, const std::string& mend);
 
-/// Whether the vocabulary `name` (of `kind`, "points" or "lines") is where loop_process looks for it, and whole.
-/// `key`: the option that names it.
+/// Checks whether loop_process finds the vocabulary `name` (of `kind`, "points" or "lines"), and it is complete. `key`:
+/// the option that names it.
 Findings CheckVocabulary(const std::string& name, const std::string& kind, const std::string& key);
 
-/// Whether the programs of the system stand beside this one.
+/// Checks whether the programs of the system are beside this one.
 Findings CheckPrograms();
 
 }  // namespace plslam::doctor

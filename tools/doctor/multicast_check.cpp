@@ -26,7 +26,7 @@ const NetworkDevice* Find(const std::vector<NetworkDevice>& devices, const std::
   return it == devices.end() ? nullptr : &*it;
 }
 
-/// A device by which other machines can be reached, or else nothing.
+/// Returns a device that reaches other hosts, or else nullptr.
 const NetworkDevice* Outward(const std::vector<NetworkDevice>& devices) {
   const auto it =
       std::find_if(devices.begin(), devices.end(), [](const auto& d) { return d.up && d.multicast && !d.loopback; });
@@ -111,7 +111,7 @@ Findings CheckRoute(const BusAddress& address, const std::string& route_device,
         kCheck,
         fmt::format("the device {}, over which the route to {} leads, has multicast off", route_device, address.host),
         AsRoot("ip link set " + route_device + " multicast on"));
-    // The loopback device carries multicast without saying so; some programs look at the flag.
+    // The loopback device carries multicast without the flag; some programs check the flag.
     if (!device->loopback) return {finding};
   }
   return {};

@@ -17,16 +17,16 @@ struct NetworkDevice {
   bool multicast = false;
 };
 
-/// Device of the route to an IPv4 address by a table as /proc/net/route has it (the longest prefix that is up, then
-/// the lowest metric); empty where there is none.
+/// Returns the device of the route to an IPv4 address from a table in the format of /proc/net/route (the longest prefix
+/// that is up, then the lowest metric); empty if there is none.
 std::string RouteDevice(const std::string& table, const std::string& address);
 
-/// What of route, devices and ttl keeps datagrams of `address` from their readers; empty where nothing does.
-/// Precondition: kMulticast.
+/// Returns the problems of route, devices and ttl that keep datagrams of `address` from their readers; empty if there
+/// are none. Precondition: kMulticast.
 Findings CheckRoute(const BusAddress& address, const std::string& route_device,
                     const std::vector<NetworkDevice>& devices);
 
-/// The same on this host as it is, and whether a datagram to the group comes back to it.
+/// Checks this host in the same way, and whether a datagram to the group returns to it.
 Findings CheckMulticast(const BusAddress& address);
 
 }  // namespace plslam::doctor

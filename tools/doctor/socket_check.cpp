@@ -35,7 +35,7 @@ int Number(const std::string& url, std::string_view text, int min, int max) {
   return value;
 }
 
-/// Value of `key` among the parameters behind '?', which '&' parts; empty where it is not there.
+/// Returns the value of `key` among the parameters after '?', separated by '&'; empty if it is absent.
 std::string_view Parameter(std::string_view parameters, std::string_view key) {
   while (!parameters.empty()) {
     const std::string_view one = parameters.substr(0, parameters.find('&'));
@@ -93,7 +93,8 @@ std::vector<UdpSocket> UdpSockets() {
   return ParseUdpSockets({std::istreambuf_iterator<char>(file), {}});
 }
 
-/// What the kernel really gives: it doubles the number for its own overhead, and cuts it at net.core.rmem_max.
+/// Returns the size that the kernel grants: it doubles the number for its own overhead, and limits it to
+/// net.core.rmem_max.
 int GrantedBytes(int wanted) {
   const Socket socket(AF_INET, SOCK_DGRAM);
   int bytes = 0;
@@ -113,7 +114,7 @@ bool HoldsSocket(const std::filesystem::path& process, const std::string& wanted
   return false;
 }
 
-/// "name (process 123)" of whoever holds the UDP port, as far as this user may know.
+/// Returns "name (process 123)" of the process that holds the UDP port, as far as this user may see it.
 std::string HolderOf(int port, int* pid) {
   const auto sockets = UdpSockets();
   const auto it = std::find_if(sockets.begin(), sockets.end(), [&](const UdpSocket& s) { return s.port == port; });
@@ -154,7 +155,8 @@ Findings CheckUdpPort(const BusAddress& address) {
                   pid > 0 ? fmt::format("kill {}   # or, everywhere: {}", pid, other_port) : other_port)};
 }
 
-/// The greeting of LCM's tcpq protocol; false where the other side is no LCM relay, or says nothing for a second.
+/// Exchanges the greeting of LCM's tcpq protocol; returns false if the other side is no LCM relay, or is silent for a
+/// second.
 bool Greets(int fd) {
   static constexpr std::array<uint8_t, 8> kHello = {0x28, 0x76, 0x17, 0xfb, 0, 0, 0x01, 0};
   static constexpr std::array<uint8_t, 4> kAnswer = {0x28, 0x76, 0x17, 0xfa};
@@ -166,7 +168,7 @@ bool Greets(int fd) {
   return std::equal(kAnswer.begin(), kAnswer.end(), answer.begin());
 }
 
-/// Why there is no connection to `host`; empty where there is one and an LCM relay speaks.
+/// Returns the reason why there is no connection to `host`; empty if an LCM relay answers.
 std::string WhyNoRelay(const BusAddress& address) {
   addrinfo hints{};
   hints.ai_family = AF_INET;

@@ -9,7 +9,7 @@
 
 namespace plslam::doctor {
 
-/// What an LCM URL says, as far as a check of the network needs it.
+/// The parts of an LCM URL that the network checks need.
 struct BusAddress {
   enum class Kind { kMulticast, kRelay, kOther };
   std::string url;
@@ -17,7 +17,7 @@ struct BusAddress {
   std::string host = "239.255.76.67";  ///< multicast group, or host of the relay
   int port = 7667;
   int ttl = 0;
-  /// Value of `recv_buf_size`; 0: not said.
+  /// Value of `recv_buf_size`; 0: not given.
   int receive_buffer = 0;
 };
 
@@ -34,11 +34,11 @@ struct UdpSocket {
 
 std::vector<UdpSocket> ParseUdpSockets(const std::string& table);
 
-/// Whether the kernel grants the receive buffer that the bus asks for, and whether sockets of the bus have lost
+/// Checks whether the kernel grants the receive buffer that the bus requests, and whether sockets of the bus have lost
 /// datagrams.
 Findings CheckReceiveBuffer(const BusAddress& address);
 
-/// kMulticast: whether the port can be shared with LCM. kRelay: whether an LCM relay answers there.
+/// kMulticast: checks whether the port can be shared with LCM. kRelay: checks whether an LCM relay answers there.
 Findings CheckPort(const BusAddress& address);
 
 }  // namespace plslam::doctor

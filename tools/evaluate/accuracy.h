@@ -15,12 +15,13 @@
 
 namespace plslam::evaluate {
 
-/// What to compare and how. docs/metrics.md defines every number.
+/// Options of the comparison. docs/metrics.md defines every number.
 struct EvaluateOptions {
   Alignment alignment = Alignment::kSe3;
-  /// Poses belong together when their times differ by no more than this.
+  /// Largest time difference of associated poses.
   int64_t max_difference_ns = 20'000'000;
-  /// Instead of the nearest true pose, the truth interpolated at the time of the estimate, across gaps up to this.
+  /// Compare with the truth interpolated at the time of the estimate, across gaps up to this, instead of the nearest
+  /// true pose.
   bool interpolate_truth = false;
   int64_t max_gap_ns = 500'000'000;
   /// Intervals of the relative pose error.
@@ -45,13 +46,13 @@ struct RelativeErrorSummary {
   Statistics rotation_deg;
 };
 
-/// Everything that can be said about an estimate with the truth at hand. Never NaN: what has no samples is zero, and
-/// its count says so. What is too large for a number is infinite, and the note says so.
+/// All measures of an estimate against the truth. Never NaN: a measure without samples is zero, and its count says so.
+/// Overflow is infinite, and the note says so.
 struct Accuracy {
   int estimated_poses = 0;
   int true_poses = 0;
   PosePairs pairs;
-  /// Poses found in the estimate, of `n_frames` or of the true poses.
+  /// Share of poses in the estimate, of `n_frames` or of the true poses.
   double coverage_percent = 0.0;
   double true_path_m = 0.0;
   /// Root mean square of the distances of the true positions, of the pairs, from their mean.
@@ -69,19 +70,19 @@ struct Accuracy {
   std::optional<Consistency> pose_consistency;
   std::optional<Consistency> motion_consistency;
   std::optional<Consistency> span_consistency;  ///< over `kConsistencySpan` frames
-  /// All else is without it.
+  /// All other values are without it.
   std::optional<ClockOffset> clock;
-  /// A sentence where something stands in the way ("no pose of the estimate is within 0.02 s of a true one").
+  /// A sentence about an obstacle ("no pose of the estimate is within 0.02 s of a true one").
   std::string note;
 };
 
 Accuracy EvaluateTrajectory(const Trajectory& estimate, const Trajectory& truth, const EvaluateOptions& options);
 
-/// `ate_m` (rmse) first, null where nothing is associated or it is no finite number (so are all others then); the
+/// Returns `ate_m` (rmse) first, null if no poses are associated or it is not finite (so are all others then); the
 /// counts, errors and tables by name. Leaves the pairs out.
 nlohmann::ordered_json ToJson(const Accuracy& accuracy);
 
-/// The numbers of an evaluation as aligned lines for a terminal; "-" where there was nothing to measure.
+/// Returns the numbers of an evaluation as aligned lines for a terminal; "-" for missing measurements.
 std::string AccuracyTable(const Accuracy& accuracy);
 
 }  // namespace plslam::evaluate

@@ -62,7 +62,7 @@ Json AlignmentJson(const Accuracy& a) {
           {"q_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
 }
 
-/// A JSON file would have null for them anyway; who reads the object is to see the same.
+/// A JSON file would have null for them anyway; the object in memory must be equal to it.
 void NullWhatIsNotFinite(Json& json) {
   if (json.is_number_float() && !std::isfinite(json.get<double>())) json = nullptr;
   if (json.is_structured()) {

@@ -29,7 +29,7 @@ Trajectory Shifted(Trajectory trajectory, int64_t offset_ns) {
   return trajectory;
 }
 
-/// Those that have a truth at both ends of the search and without an offset.
+/// Returns the poses that have a truth at both ends of the search and without an offset.
 Trajectory AlwaysPaired(const Trajectory& estimate, const Trajectory& truth, int64_t max_gap_ns, int64_t max_ns) {
   std::vector<int> ends(estimate.size(), 0);
   for (const int64_t offset_ns : {-max_ns, int64_t{0}, max_ns}) {
@@ -44,7 +44,7 @@ Trajectory AlwaysPaired(const Trajectory& estimate, const Trajectory& truth, int
   return paired;
 }
 
-/// The place of the least value among `center` and `n` steps to each side; `center` where none is less.
+/// Returns the position of the least value among `center` and `n` steps to each side; `center` if none is less.
 int64_t LeastAround(int64_t center, int64_t step, int n, const std::function<double(int64_t)>& value) {
   int64_t best = center;
   double least = value(center);

@@ -20,17 +20,17 @@ enum class Alignment {
   kSim3,   ///< the same with a scale
 };
 
-/// Takes the estimate (b of the similarity) to the truth (a), by `AlignPaths` where it is of least squares. No pairs:
-/// identity.
+/// Returns the transform from the estimate (b of the similarity) to the truth (a), by `AlignPaths` for least squares.
+/// No pairs: identity.
 Similarity Align(const PosePairs& pairs, Alignment alignment);
 
 /// "none", "first", "se3", "sim3"; the reverse throws std::runtime_error for any other name.
 std::string AlignmentName(Alignment alignment);
 Alignment AlignmentFromName(std::string_view name);
 
-/// How the clocks of an estimate and of the truth stand to each other, as far as the paths tell. Truth from another
-/// sensor than the images often comes some milliseconds early or late, which in a moving camera passes for an error
-/// of position.
+/// Offset between the clocks of an estimate and of the truth, as far as the paths determine it. Truth from another
+/// sensor than the images is often some milliseconds early or late, which appears as an error of position when the
+/// camera moves.
 struct ClockOffset {
   double offset_s = 0.0;   ///< to add to the times of the estimate
   double ate_m = 0.0;      ///< root mean square there

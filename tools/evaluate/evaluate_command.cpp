@@ -68,7 +68,7 @@ void AddOptions(CLI::App& app, Arguments& a) {
   app.set_version_flag("--version", PLSLAM_VERSION);
 }
 
-/// Prints what was found on the way. Rows of an estimate are all of them meant.
+/// Reads a file and prints its notes. All rows of an estimate must be valid.
 TrajectoryFile Read(const std::string& path, const std::string& format, const std::string& times, BadRows bad_rows) {
   std::optional<TrajectoryFormat> named;
   if (format != "auto") named = TrajectoryFormatFromName(format);
@@ -82,9 +82,8 @@ bool HasNoTimes(const TrajectoryFile& file, const Arguments& a) {
   return a.times.empty() && file.format == TrajectoryFormat::kKitti;
 }
 
-/// Frames that count as seconds belong to no time of a clock: nothing, or by chance something wrong, would be
-/// associated. And where two such files differ in length, rows of one number are not of one frame: a frame without a
-/// pose has none.
+/// Frame numbers used as seconds are no clock times: no poses, or by chance wrong ones, would be associated. And if two
+/// such files differ in length, rows of the same number are not of the same frame: a frame without a pose has none.
 void CheckTimes(const Arguments& a, const TrajectoryFile& estimate, const TrajectoryFile& truth) {
   const bool estimate_lacks = HasNoTimes(estimate, a);
   if (estimate_lacks != HasNoTimes(truth, a)) {

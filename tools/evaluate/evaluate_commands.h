@@ -11,7 +11,7 @@ int RunEvaluate(int argc, char** argv);
 /// `evaluate compare RUN...`: runs side by side.
 int RunEvaluateCompare(int argc, char** argv);
 
-/// `evaluate figures RUN`: draws what the folder of a run gives, as SVG, PDF and PNG.
+/// `evaluate figures RUN`: draws the figures of a run's folder, as SVG, PDF and PNG.
 int RunEvaluateFigures(int argc, char** argv);
 
 /// `evaluate places DATASET...`: reads sequences with true poses, prints how well places are recognised by points,

@@ -18,14 +18,15 @@ namespace {
 using nlohmann::json;
 using Value = std::optional<double>;
 
-/// The number at a path of names ("accuracy/ate_m"); nullopt where there is none.
+/// Returns the number at a path of names ("accuracy/ate_m"); nullopt if there is none.
 Value At(const json& summary, const std::string& path) {
   const json::json_pointer pointer("/" + path);
   if (!summary.contains(pointer) || !summary[pointer].is_number()) return std::nullopt;
   return summary[pointer].get<double>();
 }
 
-/// Of the benchmark's lengths; of short ones where the path has none of those.
+/// Returns the relative translation error over the benchmark's lengths, or over short ones if the path is shorter than
+/// those.
 Value TRel(const json& s) {
   for (const char* part : {"accuracy/kitti/", "accuracy/kitti_short/"}) {
     if (At(s, std::string(part) + "segments").value_or(0.0) > 0.0) return At(s, std::string(part) + "t_rel_percent");
@@ -36,7 +37,7 @@ Value TRel(const json& s) {
 /// There is a truth, and not one pose to compare with it.
 bool IsUntracked(const json& s) { return At(s, "accuracy/poses/associated").value_or(1.0) <= 0.0; }
 
-// Zero in summaries of older versions where nothing was tracked.
+// Summaries of older versions have zero if nothing was tracked.
 Value Ate(const json& s) { return IsUntracked(s) ? std::nullopt : At(s, "accuracy/ate_m"); }
 Value LiveAte(const json& s) { return IsUntracked(s) ? std::nullopt : At(s, "accuracy_live_ate_m"); }
 
@@ -48,7 +49,7 @@ Value KeyframeRmse(const json& s) {
 Value TrackedShare(const json& s) {
   const Value frames = At(s, "frames"), tracked = At(s, "tracked_frames");
   if (!frames || !tracked) return std::nullopt;
-  // `frames` are those with a pose message. Older runs do not tell how many there were in all.
+  // `frames` are those with a pose message. Older runs do not have the total number.
   const double all =
       At(s, "all_frames")
           .value_or(*frames + At(s, "skipped_frames").value_or(0.0) + At(s, "bad_frames").value_or(0.0));
@@ -88,7 +89,7 @@ const std::vector<MetricRow>& Rows() {
   return kRows;
 }
 
-/// Says where and what, not how: the last part of an option's name that is left out.
+/// Names of inputs and outputs that do not influence the result, by the last part of an option's name.
 bool IsIncidental(const std::string& name) {
   static const std::array<const char*, 12> kEnds{".dataset",       ".out",         ".seed",       ".drop_seed",
                                                  ".file",          ".load",        ".save",       ".map_file",
@@ -110,7 +111,7 @@ std::map<std::string, std::string> OptionsOf(const json& summary) {
   std::string processes;
   const json configuration = summary.value("configuration", json::object());
   for (const auto& [process, sections] : configuration.items()) {
-    // What is shown and how it is sent does not make the result.
+    // The viewer and the bus options do not influence the result.
     if (process == process_name::kViewer || !sections.is_object()) continue;
     if (!process_name::SendsFrames(process)) processes += (processes.empty() ? "" : "+") + process;
     for (const auto& [section, values] : sections.items()) {

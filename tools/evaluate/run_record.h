@@ -9,8 +9,7 @@
 
 namespace plslam::evaluate {
 
-/// The object in `FOLDER/summary.json` of a run. Throws std::runtime_error, which names the file, where there is
-/// none.
+/// The object in `FOLDER/summary.json` of a run. Throws std::runtime_error, which names the file, if there is none.
 nlohmann::json ReadRunSummary(const std::string& folder);
 
 /// A number that runs are compared by.
@@ -18,35 +17,35 @@ struct Metric {
   std::string key;   ///< in JSON and CSV: "ate_m"
   std::string name;  ///< in tables: "ATE"
   std::string unit;
-  /// Digits behind the point.
+  /// Digits after the decimal point.
   int digits = 3;
   bool larger_is_better = false;
-  /// Some just tell how a run went.
+  /// Some metrics only describe a run.
   bool has_best = true;
 };
 
 /// "ATE [m]".
 std::string NameWithUnit(const Metric& metric);
 
-/// All there are, in the order of the columns. docs/metrics.md says what they are.
+/// Returns all metrics, in the order of the columns; docs/metrics.md defines them.
 const std::vector<Metric>& Metrics();
 
-/// What is compared of a run.
+/// The compared values of a run.
 struct RunRecord {
   std::string folder;
-  /// What was played, and that without the seed of built-in worlds, which is no difference that matters.
+  /// The dataset of the run, with and without the seed of a built-in world; seeds do not distinguish groups.
   std::string played;
   std::string dataset;
   bool completed = false;
-  /// There is a truth, and not one pose to compare with it: no errors are told, which must not be taken for a good
-  /// run.
+  /// There is a truth but no pose to compare with it: the run has no errors, which must not be mistaken for a good
+  /// result.
   bool untracked = false;
-  /// Why it is not completed.
+  /// The reason why it is not completed.
   std::string reason;
-  /// Options by their full name ("vo.features.features"), and under `processes` and `version` what ran. Left out is
-  /// what differs between runs that mean the same: bus, folders, map files, seeds.
+  /// Options by full name ("vo.features.features"), and the processes and version under `processes` and `version`.
+  /// Options that differ between equivalent runs are left out: bus, folders, map files, seeds.
   std::map<std::string, std::string> options;
-  /// As Metrics() has them; nullopt: the run does not tell.
+  /// In the order of Metrics(); nullopt: the run does not have the value.
   std::vector<std::optional<double>> values;
 };
 

@@ -14,7 +14,7 @@
 namespace plslam::evaluate {
 namespace {
 
-// Where each pair stands on the scale that the delta is measured on.
+// Returns the position of each pair along the unit in which the delta is measured.
 std::vector<double> Positions(const PosePairs& pairs, Delta::Unit unit) {
   if (unit == Delta::Unit::kMetres) return TruePath_m(pairs);
   std::vector<double> positions(pairs.size());
@@ -33,7 +33,7 @@ size_t NearestIndex(const std::vector<double>& values, size_t begin, double targ
   return static_cast<size_t>(found - values.begin());
 }
 
-// Below this a relative error says more about the standing still than about the estimate.
+// Below this motion a relative error is dominated by the standstill.
 constexpr double kMinMotion_m = 0.01;
 constexpr double kDegPerRad = 180.0 / M_PI;
 

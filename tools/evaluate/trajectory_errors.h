@@ -29,7 +29,8 @@ struct Delta {
   Unit unit = Unit::kFrames;
 };
 
-/// "5f", "1s", "2.5m"; throws std::runtime_error for anything else, or where it is not positive (frames: whole).
+/// Parses "5f", "1s", "2.5m"; throws std::runtime_error for other text, or a value that is not positive (frames: an
+/// integer).
 Delta DeltaFromText(std::string_view text);
 std::string DeltaText(const Delta& delta);
 
@@ -47,8 +48,8 @@ RelativeErrors ComputeRelativeErrors(const PosePairs& pairs, const Delta& delta)
 /// Length of the true path up to each pair.
 std::vector<double> TruePath_m(const PosePairs& pairs);
 
-/// Errors of the motion between consecutive keyframes, the measure of PL-SLAM's tables (§VII: "relative errors
-/// between the KFs positions"). The paper prints no formula; docs/metrics.md says how it is read here.
+/// Errors of the motion between consecutive keyframes, the measure of PL-SLAM's tables (§VII: "relative errors between
+/// the KFs positions"). The paper prints no formula; docs/metrics.md has our interpretation.
 struct KeyframeErrors {
   int motions = 0;
   double rmse_m = 0.0;              ///< translation error of a motion
@@ -60,7 +61,7 @@ struct KeyframeErrors {
 };
 
 /// `keyframe_t_ns` are the times of the keyframes in the estimated trajectory, increasing. Keyframes without an
-/// associated true pose are passed over.
+/// associated true pose are skipped.
 KeyframeErrors ComputeKeyframeErrors(const PosePairs& pairs, const std::vector<int64_t>& keyframe_t_ns);
 
 /// Mean errors over the segments of one length.

@@ -21,7 +21,7 @@ constexpr double kLeastDepth_m = 1e-6;
 /// Pixels of the image plane that images of this camera begin at.
 Eigen::Vector2d Begin(const StereoCamera& camera) { return Eigen::Vector2d(camera.left_px, camera.top_px); }
 
-/// Index of the camera with this image, which is added where it is new.
+/// Returns the index of the camera with this image; a new one is added.
 size_t CameraWith(const StereoCamera& camera, std::vector<StereoCamera>& cameras) {
   const auto found = std::find(cameras.begin(), cameras.end(), camera);
   if (found != cameras.end()) return static_cast<size_t>(found - cameras.begin());

@@ -9,7 +9,7 @@ class App;
 
 namespace plslam::exports {
 
-/// Adds the subcommand `export`, which, when chosen, sets `*command` to what returns the exit code.
+/// Adds the subcommand `export`, which, when chosen, sets `*command` to the function that returns the exit code.
 void AddExportCommand(CLI::App* app, std::function<int()>* command);
 
 }  // namespace plslam::exports

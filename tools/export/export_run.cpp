@@ -28,7 +28,7 @@
 namespace plslam::exports {
 namespace {
 
-/// What is known while files are written.
+/// State of an export while files are written.
 struct OngoingExport {
   RunSource source;
   std::string out;
@@ -36,7 +36,7 @@ struct OngoingExport {
   std::unique_ptr<KeyframeImages> images;
   std::vector<ExportedFile> files;
   std::optional<ColmapModel> model;
-  bool has_features = true;  ///< of the keyframes, where there is a map
+  bool has_features = true;  ///< of the keyframes, if there is a map
 
   const Map& map() const { return source.map->map; }
   std::string Path(const std::string& name) const { return out + "/" + name; }

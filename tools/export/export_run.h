@@ -11,11 +11,11 @@ struct ExportFormat {
   std::string name;
   std::string what;
   bool needs_map = true;
-  /// Of the keyframes, which only a saved map has.
+  /// Needs the features of keyframes, which only a saved map has.
   bool needs_features = false;
 };
 
-/// All there are, in the order in which they are written.
+/// Returns all formats, in the order in which they are written.
 const std::vector<ExportFormat>& ExportFormats();
 
 struct ExportRequest {
@@ -24,9 +24,9 @@ struct ExportRequest {
   std::string source;
   /// Folder to write to; it is made.
   std::string out;
-  /// Names of formats; empty: all that the source has the content for.
+  /// Names of formats; empty: all for which the source has the content.
   std::vector<std::string> formats;
-  /// Where the images come from; empty: the log, where the source is one with frames; else none are written, and poses
+  /// Source of the images; empty: the log, if the source is one with frames; otherwise no images are written, and poses
   /// are those of the rectified camera.
   std::string dataset;
 };
@@ -36,8 +36,8 @@ struct ExportedFile {
   std::string what;
 };
 
-/// Writes the files of docs/exports.md. Throws std::runtime_error where the source does not have what a named format
-/// needs.
+/// Writes the files of docs/exports.md. Throws std::runtime_error if the source does not have the content that a named
+/// format needs.
 std::vector<ExportedFile> ExportRun(const ExportRequest& request);
 
 }  // namespace plslam::exports

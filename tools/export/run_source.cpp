@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The map of the folder; empty where there is none.
+/// Returns the map of the folder; empty if there is none.
 std::string FindMap(const std::string& folder) {
   std::vector<std::string> maps;
   for (const auto& entry : fs::directory_iterator(folder)) {

@@ -16,11 +16,11 @@
 
 namespace plslam::exports {
 
-/// What a map file, or the folder of a run, has in it.
+/// Content of a map file, or of the folder of a run.
 struct RunSource {
-  /// Empty where the source is a map file.
+  /// Empty if the source is a map file.
   std::string folder;
-  /// Empty where there is no map.
+  /// Empty if there is no map.
   std::string map_path;
   std::optional<StoredMap> map;
   /// T_w_l of all frames (`trajectory.tum` of the folder).
@@ -28,18 +28,18 @@ struct RunSource {
 };
 
 /// `path` is a map file (.plmap), or a folder with one of them or a `trajectory.tum`, or both. Throws
-/// std::runtime_error where there is neither, or more than one map. `map` is taken instead of the map in the folder,
-/// where it is not empty.
+/// std::runtime_error if there is neither, or more than one map. `map`, unless empty, is used instead of the map in the
+/// folder.
 RunSource ReadRunSource(const std::string& path, const std::string& map = "");
 
-/// The rectified left images that a map's keyframes were made of, from the dataset again.
+/// Computes the rectified left images of a map's keyframes again from the dataset.
 class KeyframeImages {
  public:
   /// Throws std::runtime_error where the rectified camera of the dataset is not `camera`.
   KeyframeImages(std::shared_ptr<const Dataset> dataset, const StereoCamera& camera);
 
-  /// The image taken at that time, 8-bit grey; nullopt where the dataset has none. Throws DatasetError where it has
-  /// one that cannot be read.
+  /// Returns the image taken at that time, 8-bit grey; nullopt if the dataset has none. Throws DatasetError if the
+  /// image cannot be read.
   std::optional<cv::Mat> At(int64_t t_ns) const;
 
   /// Left camera as calibrated (l) from rectified left camera (c).

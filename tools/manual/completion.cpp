@@ -11,13 +11,13 @@ std::string Joined(const std::vector<std::string>& words, const char* separator)
   return fmt::format("{}", fmt::join(words, separator));
 }
 
-/// What stands behind an option: words of a list, folders, or files.
+/// Returns the values of an option: words of a list, folders, or files.
 std::string BashValues(const HelpEntry& option) {
   if (!option.choices.empty()) return fmt::format("words='{}' files=", Joined(option.choices, " "));
   return option.value.starts_with("DIR") ? "words= files=d" : "words= files=f";
 }
 
-/// The branch of one command: its options, and the values behind those that take one.
+/// Returns the branch of one command: its options, and the values of options that take one.
 std::string Branch(const HelpPage& page, const std::string& pattern) {
   std::vector<std::string> names;
   std::string values;
@@ -74,7 +74,7 @@ std::string Quoted(const std::string& text) {
   return out + "'";
 }
 
-/// What completes the value of an option: required, and words of a list, folders or files.
+/// Returns the completion of an option's value: required, and words of a list, folders or files.
 std::string FishValues(const HelpEntry& option) {
   if (!option.TakesValue()) return "";
   if (!option.choices.empty())
@@ -82,7 +82,7 @@ std::string FishValues(const HelpEntry& option) {
   return option.value.starts_with("DIR") ? " -x -a '(__fish_complete_directories)'" : " -r -F";
 }
 
-/// A line for each option of a page; `condition` says when it is one.
+/// Returns a line for each option of a page; `condition` decides when it applies.
 std::string OptionLines(const std::string& program, const std::string& condition, const HelpPage& page) {
   std::string text;
   for (const HelpEntry& option : page.options) {
@@ -129,7 +129,7 @@ std::string Escaped(const std::string& text) {
   return out;
 }
 
-/// What completes the value of an option.
+/// Returns the completion of an option's value.
 std::string ActionOf(const HelpEntry& option) {
   if (!option.choices.empty()) return fmt::format("({})", fmt::join(option.choices, " "));
   return option.value.starts_with("DIR") ? "_files -/" : "_files";

@@ -11,7 +11,7 @@
 namespace plslam::manual {
 namespace {
 
-/// CLI11 puts meanings at this column, or on a line of their own where the name is longer.
+/// CLI11 prints descriptions at this column, or on a separate line if the name is longer.
 constexpr size_t kColumn = 30;
 
 std::string Trim(const std::string& text) {

@@ -9,8 +9,8 @@ namespace plslam::manual {
 /// An option, argument or command as `--help` shows it.
 struct HelpEntry {
   std::vector<std::string> names;    ///< "-h", "--help"; of an argument or command: its name
-  std::string value;                 ///< what follows the names ("TEXT:{a,b} REQUIRED"); empty for flags
-  std::vector<std::string> choices;  ///< the only values, where there is such a list
+  std::string value;                 ///< text after the names ("TEXT:{a,b} REQUIRED"); empty for flags
+  std::vector<std::string> choices;  ///< the only values, if there is such a list
   std::string meaning;
 
   bool TakesValue() const { return !value.empty(); }
@@ -20,7 +20,7 @@ struct HelpEntry {
 struct HelpPage {
   std::string command;  ///< "plslam run"
   std::string purpose;
-  std::string usage;  ///< behind the name of the command
+  std::string usage;  ///< text after the name of the command
   std::vector<HelpEntry> arguments;
   std::vector<HelpEntry> options;
   std::vector<HelpEntry> commands;
@@ -33,8 +33,8 @@ struct HelpPage {
   std::vector<std::string> CommandNames() const;
 };
 
-/// Reads what `command --help` printed. Throws std::runtime_error with the line that is not understood: then the
-/// manual would lack something.
+/// Parses the output of `command --help`. Throws std::runtime_error with the line that cannot be parsed: the manual
+/// would otherwise be incomplete.
 HelpPage ParseHelp(const std::string& command, const std::string& text);
 
 }  // namespace plslam::manual

@@ -47,7 +47,7 @@ void Write(const fs::path& path, const std::string& text) {
   if (!(file << text).flush()) throw std::runtime_error(path.string() + " cannot be written");
 }
 
-/// As Debian wants manual pages.
+/// Compressed as required by Debian for manual pages.
 void WriteCompressed(const fs::path& path, const std::string& text) {
   fs::create_directories(path.parent_path());
   gzFile file = gzopen(path.c_str(), "wb9");

@@ -20,7 +20,7 @@ namespace {
 
 double Seconds(const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); }
 
-/// Of a process that runs; nothing where it has just ended.
+/// Returns the peak memory of a running process; nullopt if it has just exited.
 std::optional<double> PeakMemory_mb(pid_t pid) {
   std::ifstream status(fmt::format("/proc/{}/status", pid));
   for (std::string word; status >> word;) {
@@ -62,7 +62,7 @@ struct SpawnWishes {
   SpawnWishes& operator=(const SpawnWishes&) = delete;
 };
 
-/// The error may be of the program or of the log that it writes: posix_spawn does not tell which.
+/// The error may concern the program or its log file: posix_spawn does not distinguish them.
 std::string WhyNotStarted(const std::filesystem::path& program, const std::filesystem::path& log, int error) {
   const int fd = open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (fd < 0) {
@@ -89,7 +89,8 @@ ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vect
     pid_ = -1;
     throw std::runtime_error(WhyNotStarted(program, log, error));
   }
-  // Before it has threads, which would not follow. Where it is refused the process runs as we do.
+  // Set before the process has threads, which would not inherit it later. If it is refused, the process has our
+  // priority.
   if (niceness != 0) setpriority(PRIO_PROCESS, static_cast<id_t>(pid_), getpriority(PRIO_PROCESS, 0) + niceness);
 }
 
@@ -108,7 +109,7 @@ std::optional<ChildExit> ChildProcess::Wait(int options) {
     if (const auto peak_mb = PeakMemory_mb(pid_)) peak_memory_mb_ = peak_mb;
     return std::nullopt;
   }
-  // Its ru_maxrss counts what we had when we started it.
+  // Its ru_maxrss includes our own memory at its start.
   const double peak_mb = peak_memory_mb_.value_or(static_cast<double>(used.ru_maxrss) * 1024e-6);
   const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   exit_ = ChildExit{signal == 0 ? WEXITSTATUS(status) : 128 + signal, signal,

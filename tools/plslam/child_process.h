@@ -10,36 +10,36 @@
 
 namespace plslam::launcher {
 
-/// Who ends a process, beside itself.
+/// The sender of signals that end a process.
 enum class EndedBy {
-  kAnybody,  ///< whoever sends it a signal
-  kLauncher,  ///< us alone: SIGINT, SIGTERM and SIGHUP wait, blocked, until the process deals with them (bus::SignalWatcher)
+  kAnybody,   ///< any sender of a signal
+  kLauncher,  ///< this launcher only: SIGINT, SIGTERM and SIGHUP are blocked until the process handles them
+              ///< (bus::SignalWatcher)
 };
 
-/// How a process ended, and what it used.
+/// Exit status and resource usage of a process.
 struct ChildExit {
-  int code = 0;    ///< exit code, or 128 + signal as shells count
+  int code = 0;    ///< exit code, or 128 + signal as in shells
   int signal = 0;  ///< that ended it; 0: it ended by itself
   double cpu_s = 0.0;
   double peak_memory_mb = 0.0;  ///< as of the last `Poll` while it ran
 };
 
-/// A running program in a process group of its own (a Ctrl-C on the terminal reaches only the launcher, which then
-/// stops its children in order). Standard output and errors are appended to a file; nothing else of ours is
-/// inherited.
+/// A running program in a separate process group (a Ctrl-C on the terminal reaches only the launcher, which then stops
+/// its children in order). Standard output and errors are appended to a file; no other descriptor of ours is inherited.
 class ChildProcess {
  public:
-  /// `niceness` is added to our own: 0 is as important as we are, 19 runs when nobody else wants to. Throws
-  /// std::runtime_error that names the program where it cannot be started.
+  /// `niceness` is added to our own: 0 is our own priority, 19 runs only on an idle CPU. Throws std::runtime_error that
+  /// names the program if it cannot be started.
   ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                const std::filesystem::path& log, int niceness = 0, EndedBy ended_by = EndedBy::kAnybody);
-  /// Kills it where it still runs.
+  /// Kills the process if it still runs.
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
   pid_t pid() const { return pid_; }
-  /// Nothing while it runs.
+  /// Returns nullopt while it runs.
   std::optional<ChildExit> Poll();
   void Signal(int signal) const;
 

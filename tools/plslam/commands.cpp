@@ -30,7 +30,7 @@
 namespace plslam::launcher {
 namespace {
 
-/// What the processes would take of the file and the overrides, checked as they check it.
+/// Prints the options of all processes after the file and the overrides, checked as the processes check them.
 int PrintConfiguration(const bus::ProcessArguments& arguments) {
   const Config config = arguments.MakeConfig();
   AllOptions all;
@@ -94,10 +94,10 @@ struct OrderOptions {
   std::string argument;
 };
 
-/// What is to be ordered of whom, and what is printed when it is done.
+/// A command to a process, and the text to print when it is done.
 struct OrderRow {
   const char* verb;
-  std::vector<std::string> processes;  ///< names, of which one is there
+  std::vector<std::string> processes;  ///< candidates, of which one is running
   const char* done;
 };
 
@@ -241,7 +241,7 @@ struct TopOptions {
   bool json = false;
 };
 
-// Two statuses of every process, which come each second.
+// Time for two statuses of every process, which are published each second.
 constexpr std::chrono::milliseconds kListenOnce(2500);
 constexpr std::chrono::milliseconds kShowEvery(1000);
 

@@ -9,10 +9,10 @@ class App;
 
 namespace plslam::launcher {
 
-/// What the command line chose to do; its result is the exit code.
+/// The command chosen on the command line; its result is the exit code.
 using Command = std::function<int()>;
 
-// Each adds a subcommand with its options, which, when chosen, sets `*command`. All that `*command` refers to lives
+// Each adds a subcommand with its options, which, when chosen, sets `*command`. All data that `*command` refers to live
 // as long as it does.
 void AddRunCommand(CLI::App* app, Command* command);
 void AddReplayCommand(CLI::App* app, Command* command);

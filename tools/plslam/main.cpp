@@ -35,7 +35,7 @@ int main(int argc, char** argv) {
         plslam::calibration::AddCalibrationCommand, plslam::calibration::AddCalibrateCommand}) {
     add(&app, &command);
   }
-  // What is logged does not mix with what a command prints.
+  // Log lines are kept apart from the output of a command.
   plslam::bus::SetUpLogging("plslam");
   try {
     app.parse(argc, argv);

@@ -77,9 +77,9 @@ Arguments MappingArguments(const RunOptions& options) {
   return settings.Take();
 }
 
-// Where processors are few, who the others wait for comes first. In lockstep that is the map: each keyframe waits for
-// the adjustment of the one before, and behind it the tracker and whoever has pictures to draw of each frame. Live it
-// is the tracker, beside the map; the others are waited for by nobody.
+// With few processors, the process that the others wait for comes first. In lockstep that is mapping_process: each
+// keyframe waits for the adjustment after the previous one; the tracker and the viewer, which draws pictures of each
+// frame, come next. Live it is the tracker, together with mapping_process; no process waits for the others.
 constexpr Niceness kFirst{0, 0};
 constexpr Niceness kFirstWhenLive{5, 0};
 constexpr Niceness kSourceOfFrames{8, 0};

@@ -14,7 +14,7 @@
 
 namespace plslam::launcher {
 
-/// How far a process stands back where processors are few (`ChildProcess`).
+/// Niceness of a process, relevant with few processors (`ChildProcess`).
 struct Niceness {
   int lockstep = 0;
   int live = 0;
@@ -34,27 +34,27 @@ struct ProcessRow {
   std::vector<std::string> (*arguments)(const RunOptions&);
 };
 
-/// Where "vo" or "mapping" keeps what it needs after a crash; of this run only.
+/// File in which "vo" or "mapping" keeps the state to restore after a crash, of this run only.
 std::filesystem::path StateFileOf(const RunOptions& options, const std::string& process);
 
-/// Its name in sentences: "mapping_process", but not "plslam" for the recorder.
+/// Returns its name for sentences: "mapping_process", but not "plslam" for the recorder.
 std::string_view TitleOf(const ProcessRow& row);
 
-/// The name of the process that sends frames.
+/// Returns the name of the process that sends frames.
 const char* SourceOfFrames(const RunOptions& options);
 
-/// Of the pace that `plslam run` was asked for.
+/// Returns the niceness for the pace of this run.
 int NicenessOf(const ProcessRow& row, const RunOptions& options);
 
-/// In the order of starting.
+/// The processes in starting order.
 std::span<const ProcessRow> ProcessTable();
 
-/// Where the recorder writes: FILE, and FILE.2, FILE.3, ... where it had to be started again, since a log that is
-/// opened anew is empty.
+/// Returns the file of the recorder: FILE, and FILE.2, FILE.3, ... after restarts, since a log that is opened again is
+/// emptied.
 std::filesystem::path RecordingOf(const RunOptions& options, int restart);
 
-/// Configuration, bus and parent, as RunProcess (core/process/process.h) takes them; then its own, so that an option
-/// of `plslam run` wins over `--set`.
+/// Returns configuration, bus and parent as RunProcess (core/process/process.h) takes them, then the process's own
+/// arguments, so that an option of `plslam run` overrides `--set`.
 std::vector<std::string> ArgumentsOf(const ProcessRow& row, const RunOptions& options);
 
 struct Restart {
@@ -65,7 +65,8 @@ struct Restart {
   bool paused = false;  ///< the player was
 };
 
-/// From those of its first start: who sends frames is told where to go on, the recorder another file.
+/// Returns the arguments of a restart, from those of the first start: the sender of frames gets the resume point, the
+/// recorder another file.
 std::vector<std::string> ArgumentsOfRestart(const RunOptions& options, const Restart& restart,
                                             std::vector<std::string> arguments);
 

@@ -12,7 +12,7 @@ namespace plslam::launcher {
 
 namespace {
 
-/// Before, the rate tells little.
+/// With fewer frames, the rate is not meaningful.
 constexpr int64_t kEnoughFrames = 20;
 
 /// "45 s", "12 min", "3 h 20 min".

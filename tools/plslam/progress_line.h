@@ -6,7 +6,7 @@
 
 namespace plslam::launcher {
 
-/// What a run shows while it goes.
+/// The values of the progress line.
 struct Progress {
   int64_t frames = 0;
   int64_t total_frames = -1;  ///< -1: unknown
@@ -18,15 +18,14 @@ struct Progress {
   int64_t lost_messages = 0;
   int64_t skipped_frames = 0;
   int restarts = 0;
-  /// Who does not keep up, if anybody.
+  /// The process that does not keep up, if any.
   std::string lag;
 };
 
 /// One line of text, without a line end, at most `width` characters long.
 std::string FormatProgress(const Progress& progress, int width);
 
-/// Draws the line over itself on stderr where that is a terminal; otherwise is silent. A terminal that has gone is no
-/// error.
+/// Redraws the line on stderr if that is a terminal; otherwise prints nothing. A closed terminal is no error.
 class ProgressLine {
  public:
   explicit ProgressLine(bool enabled);
@@ -37,7 +36,7 @@ class ProgressLine {
 
   void Show(const Progress& progress);
   void Clear();
-  /// "plslam: SENTENCE" on a line of its own, which stays; on a terminal or not.
+  /// "plslam: SENTENCE" on a separate line, which remains; on a terminal or not.
   void Say(const std::string& sentence);
 
  private:

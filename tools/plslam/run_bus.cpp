@@ -30,8 +30,8 @@ PrivatePort::PrivatePort() : socket_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 
     throw std::runtime_error("no free UDP port");
   }
   port_ = ntohs(address.sin_port);
-  // Set only now: the port was drawn as ours alone, and from here on LCM may share it. Its traffic does not pile up
-  // here, since this socket wants no multicast.
+  // Set only now: the port was assigned exclusively, and from here on LCM may share it. Its traffic does not accumulate
+  // here, since this socket receives no multicast.
   const int yes = 1, no = 0;
   setsockopt(socket_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   setsockopt(socket_, IPPROTO_IP, IP_MULTICAST_ALL, &no, sizeof no);
@@ -61,7 +61,7 @@ bus::BusOptions RunBus::OptionsFor(const RunOptions& options) const {
   result.url = url_;
   if (!options.prefix.empty()) result.prefix = options.prefix;
   if (!options.map_prefix.empty()) result.map_prefix = options.map_prefix;
-  // The loss that is asked for is that of the processes under test.
+  // The configured loss applies to the processes under test.
   result.drop_fraction = 0.0;
   return result;
 }

@@ -11,11 +11,12 @@
 
 namespace plslam::launcher {
 
-/// A UDP port that nothing else on this machine uses; it stays ours until the end of the scope, so that two launchers
-/// never pick the same one. Others may share it (LCM does) but the kernel gives it to nobody who asks for any port.
+/// A UDP port that no other program on this machine uses; it is reserved until the end of the scope, so that two
+/// launchers never pick the same one. Others may share it by number (LCM does), but the kernel assigns it to no program
+/// that requests any free port.
 class PrivatePort {
  public:
-  /// Throws std::runtime_error where there is none.
+  /// Throws std::runtime_error if there is none.
   PrivatePort();
   ~PrivatePort();
   PrivatePort(const PrivatePort&) = delete;
@@ -30,7 +31,7 @@ class PrivatePort {
   int port_ = 0;
 };
 
-/// A relay on a free port of this machine and a thread of its own, until the end of the scope.
+/// A relay on a free port of this host and on a separate thread, until the end of the scope.
 class BackgroundRelay {
  public:
   BackgroundRelay() : relay_(0), thread_([this] { relay_.Run(); }) {}
@@ -48,11 +49,11 @@ class BackgroundRelay {
   std::thread thread_;
 };
 
-/// The bus of one run: the one named, or a private one on this machine, over multicast where that works and through a
-/// relay of our own (tcpq) where it does not.
+/// The bus of one run: the given one, or a private one on this host, over multicast if that works and otherwise through
+/// our own relay (tcpq).
 class RunBus {
  public:
-  /// `url` empty: a private one. Throws std::runtime_error where neither works.
+  /// An empty `url` selects a private one. Throws std::runtime_error if neither works.
   explicit RunBus(const std::string& url);
 
   const std::string& url() const { return url_; }

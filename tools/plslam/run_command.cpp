@@ -49,10 +49,10 @@ class SessionDoor {
 
 constexpr int kWarned = 2;
 
-/// The terminal may have gone, or who read the other end of a pipe: the run and its files are as good without.
+/// The terminal, or the reader of a pipe, may have been closed: the run and its files do not need them.
 void Print(std::FILE* to, const std::string& text) { std::fputs(text.c_str(), to); }
 
-/// Where to look at what the run left behind, one line each.
+/// Returns the paths of the results, one line each.
 std::string WhereToLook(const RunOptions& options, const RunSession& session) {
   const std::filesystem::path report = options.out / "report.html";
   std::string text = std::filesystem::exists(report) ? fmt::format("  {:<10} {}\n", "report", report.string())
@@ -63,8 +63,8 @@ std::string WhereToLook(const RunOptions& options, const RunSession& session) {
   return text;
 }
 
-/// Where nothing was played, what the folder holds of an earlier run stays, and its summary with it. Otherwise the
-/// folder is this run's from here on; of a start that failed nothing is left but logs that its sentence points at.
+/// If no frame was played, the results of an earlier run are kept in the folder, with their summary. Otherwise the
+/// folder belongs to this run; a failed start leaves only the logs that its sentence points to.
 void TakeFolder(const RunOptions& options, const RunSession& session, const RunSummary& summary,
                 OutputFolder* folder) {
   const bool points_at_logs = summary.reason.find((options.out / "logs").string()) != std::string::npos;
@@ -88,7 +88,7 @@ int Report(const RunOptions& options, const RunSession& session, OutputFolder* f
     if (!keeps_old && folder->is_kept()) WriteSummary(options.out, json);
     if (session.accepted()) PutWarningsIntoReport(options.out, json["warnings"]);
   } catch (const std::exception& error) {
-    // The same full disk may be what the run ended by.
+    // The run may have ended because of the same full disk.
     written = false;
     reason = Joined(reason, error.what());
   }

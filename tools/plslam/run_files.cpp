@@ -21,7 +21,7 @@ namespace {
 
 using std::filesystem::path;
 
-/// The outermost folder on the way to this one that there is not; empty where there is this one.
+/// Returns the outermost missing folder on the path to this one; empty if this one exists.
 path FirstMissing(const path& folder) {
   path missing;
   std::error_code ignored;
@@ -61,7 +61,7 @@ void OutputFolder::Remove() const {
     std::filesystem::remove(folder_ / "logs" / (std::string(row.name) + ".log"), ignored);
   }
   if (first_made_.empty()) return;
-  // Only what is empty goes.
+  // Only empty folders are removed.
   for (path each = folder_ / "logs"; each != first_made_.parent_path(); each = each.parent_path()) {
     std::filesystem::remove(each, ignored);
   }
@@ -69,7 +69,7 @@ void OutputFolder::Remove() const {
 
 namespace {
 
-/// Nothing where there are not both.
+/// Returns nullopt unless both exist.
 std::optional<std::pair<Trajectory, Trajectory>> EstimateAndTruth(const std::filesystem::path& out,
                                                                   const char* estimate) {
   const auto estimate_path = out / estimate, truth_path = out / "groundtruth.tum";

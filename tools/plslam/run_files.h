@@ -11,13 +11,13 @@
 
 namespace plslam::launcher {
 
-/// The folder of a run's outputs, which for the life of this object no other run writes into. Unless it is kept, what
-/// was made here goes again at the end: folders, and logs of processes that came to nothing. What earlier runs have
-/// left stays.
+/// The folder of a run's outputs; no other run can write into it during the life of this object. Unless it is kept,
+/// everything that was created here is removed at the end: folders, and logs of failed processes. Results of earlier
+/// runs are kept.
 class OutputFolder {
  public:
-  /// Makes `folder` and its `logs`. Throws std::runtime_error, and leaves everything as it was, where they cannot be
-  /// made, or another run has the folder.
+  /// Creates `folder` and its `logs`. Throws std::runtime_error, without any change, if they cannot be created, or
+  /// another run has the folder.
   explicit OutputFolder(const std::filesystem::path& folder);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
@@ -25,7 +25,7 @@ class OutputFolder {
 
   void Keep() { kept_ = true; }
   bool is_kept() const { return kept_; }
-  /// Of an earlier run.
+  /// Returns whether it has results of an earlier run.
   bool has_results() const;
 
  private:
@@ -37,30 +37,29 @@ class OutputFolder {
   bool kept_ = false;
 };
 
-/// A folder for the runs of a dataset that name none, within out/. It is called as the end of the location, and where
-/// that leaves out what another location might differ in, by a hash of all of it besides: two datasets share no
-/// folder.
+/// Returns a folder within out/ for the runs of a dataset without `--out`. It is named after the end of the location,
+/// and by a hash of all of it if the name omits possible differences: two datasets share no folder.
 std::filesystem::path DefaultOut(const std::string& dataset);
 
-/// Compares `trajectory.tum` with `groundtruth.tum` in a folder of outputs: errors by name, as `evaluate` gives them.
-/// Nothing where there is no ground truth.
+/// Compares `trajectory.tum` with `groundtruth.tum` in a folder of outputs: errors by name, as in `evaluate`. nullopt
+/// without ground truth.
 std::optional<nlohmann::json> EvaluateRunFiles(const std::filesystem::path& out, int64_t n_frames);
 
-/// Absolute error of `trajectory_live.tum`, in metres. Nothing where there is no such file, no ground truth
-/// or no pose that has a true one, or the error is no finite number.
+/// Returns the absolute error of `trajectory_live.tum`, in metres. nullopt without such a file, without ground truth or
+/// associated poses, or if the error is not finite.
 std::optional<double> LiveError_m(const std::filesystem::path& out);
 
-/// Length of `trajectory.tum`, in metres. Nothing where there is no such file, no pose in it, or no finite length.
+/// Returns the length of `trajectory.tum`, in metres. nullopt without such a file or without poses, or if the length is
+/// not finite.
 std::optional<double> PathLength_m(const std::filesystem::path& out);
 
-/// For people; bytes that are not UTF-8 (names, sentences of others) are replaced.
+/// Returns JSON for users; bytes that are not UTF-8 (names, sentences of others) are replaced.
 std::string JsonText(const nlohmann::json& json);
 
-/// Puts the warnings of the summary into `report.html`, where there is one. Throws std::runtime_error where that
-/// fails.
+/// Puts the warnings of the summary into `report.html`, if there is one. Throws std::runtime_error if that fails.
 void PutWarningsIntoReport(const std::filesystem::path& out, const nlohmann::json& warnings);
 
-/// Writes `summary.json` (beside it first, then renamed). Throws std::runtime_error where that fails.
+/// Writes `summary.json` (beside it first, then renamed). Throws std::runtime_error if that fails.
 void WriteSummary(const std::filesystem::path& out, const nlohmann::json& summary);
 
 }  // namespace plslam::launcher

@@ -8,10 +8,10 @@
 
 namespace plslam::launcher {
 
-/// What `plslam run` was asked for.
+/// Options of `plslam run`.
 struct RunOptions {
   std::string dataset;
-  /// `dataset` is a rig file: frames come from live cameras, or what stands for them.
+  /// `dataset` is a rig file: frames come from live cameras, or a substitute for them.
   bool from_cameras = false;
   std::string kind;
   std::vector<std::string> topics;  ///< left and right, of a recording; empty: found by their names
@@ -20,13 +20,14 @@ struct RunOptions {
   std::string features;
   bool no_mapping = false;
   bool no_loops = false;
-  /// A saved map to go on from, and whether it stays as it is; and where to save the map at the end. Empty: none.
+  /// A saved map to continue, and whether it remains unchanged; and the file in which to save the map at the end.
+  /// Empty: none.
   std::filesystem::path map;
   bool localise_only = false;
   std::filesystem::path save_map;
   std::string config_file;
   std::vector<std::string> overrides;
-  int64_t start = -1;  ///< -1: not said, as with the next three
+  int64_t start = -1;  ///< -1: not given, as with the next three
   int64_t stop = -1;
   int64_t stride = -1;
   int64_t loop = -1;

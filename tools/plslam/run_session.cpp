@@ -21,14 +21,14 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr seconds kStartLimit{60};
-// A recording without an index is read whole before its first frame.
+// A recording without an index is read completely before its first frame.
 constexpr seconds kOpenLimit{3600};
-/// For the first word of the mapping_process that several robots share, which says one every second.
+/// For the first status of the mapping_process that several robots share, which publishes one every second.
 constexpr seconds kSharedMapLimit{10};
-/// For the last messages of the launcher itself, once the viewer has everything.
+/// For the last messages of the launcher itself, after the viewer has everything.
 constexpr milliseconds kDrainLimit{2000};
 constexpr seconds kRunSaveLimit{60};
-/// For a viewer that has not heard all yet when the run is interrupted: one that was started again, say.
+/// For a viewer that has not received all messages yet when the run is interrupted, for example after a restart.
 constexpr seconds kCatchUpLimit{20};
 
 double SecondsSince(std::chrono::steady_clock::time_point from) {
@@ -80,7 +80,7 @@ void RunSession::RemoveStates() const {
   for (const std::string process : {process_name::kVo, process_name::kMapping}) {
     const std::filesystem::path file = StateFileOf(options_, process);
     std::filesystem::remove(file);
-    // Of one that was killed while it wrote.
+    // A partial file of a process that was killed while it wrote.
     std::filesystem::remove(file.string() + ".part");
   }
 }
@@ -163,17 +163,17 @@ void RunSession::CheckAccepted() {
   RemoveOldOutputs(options_, files_began_);
 }
 
-/// Before anything was played there is nothing to save.
+/// There is nothing to save before the first frame.
 void RunSession::CheckFailed(Clock::time_point now) {
   if (!failed_at_) failed_at_ = now;
   if (!accepted_ || phase_ == Phase::kStarting) return BeginStop("");
-  // A player that cannot read an image says that the stream ends there: what came before is handled as always.
+  // A player that cannot read an image ends the stream there: earlier frames are handled as always.
   const bool goes_on = monitor_.stream_ended() || now - *failed_at_ < kDrainLimit;
   if (supervisor_.failed() == SourceOfFrames(options_) && monitor_.statistics().frames().answered() > 0 && goes_on)
     return;
   if (!lacks_map_ || supervisor_.failed() == process_name::kMapping) return BeginStop("");
   if (phase_ == Phase::kSaving) return;
-  // What there is, before the end of the stream.
+  // Save the current map, before the end of the stream.
   supervisor_.Interrupt(SourceOfFrames(options_));
   EndPlaying(Phase::kSaving, now);
 }
@@ -185,7 +185,7 @@ void RunSession::CheckStarted(Clock::time_point now) {
     phase_ = Phase::kPlaying;
     phase_began_ = playing_since_ = now;
     stall_watch_.Begin(now);
-    // The viewer is ready: somebody answers there.
+    // The viewer is ready, so the page is served.
     const bool tells = options_.serve > 0 && !options_.quiet;
     if (tells) fmt::print(stderr, "live: http://127.0.0.1:{}/\n", options_.serve);
     StartRows(true);
@@ -207,20 +207,20 @@ void RunSession::CheckPlayed(Clock::time_point now) {
   if (!stall.empty()) BeginStop(fmt::format("{}; see {}", stall, (options_.out / "logs").string()));
 }
 
-/// It has written what it could. One that could not deliver everything says so, with its exit code, when it is
-/// stopped.
+/// Returns whether it has written its outputs as far as possible. If some could not be written, its exit code reports
+/// that when it is stopped.
 bool RunSession::ViewerIsDone() const {
   const std::string state = monitor_.StateOf(supervisor_.pid(process_name::kViewer));
   return state == process_state::kFinished || state == process_state::kFailed;
 }
 
-/// It must not write less than was answered. One that has been started again hears once more what was said before;
-/// any other may be behind on a busy machine.
+/// The outputs must contain all answered frames. A restarted viewer receives earlier messages again; any other may be
+/// slow on a busy machine.
 bool RunSession::ViewerHasCaughtUp() const {
   return monitor_.FramesOf(supervisor_.pid(process_name::kViewer)) >= monitor_.statistics().frames().answered();
 }
 
-/// One that has been started again has none before it has heard the first keyframe once more.
+/// A restarted mapper has no map before it has received the first keyframe again.
 bool RunSession::MapperHasMap() const {
   return monitor_.statistics().keyframes() == 0 ||
          monitor_.StateOf(supervisor_.pid(process_name::kMapping)) == process_state::kRunning;
@@ -230,11 +230,11 @@ void RunSession::CheckDrained(Clock::time_point now) {
   const bool drained = interrupted_ ? ViewerHasCaughtUp() : monitor_.has_all();
   if (!drained && now - phase_began_ < (interrupted_ ? kCatchUpLimit : kDrainLimit)) return;
   if (interrupted_ && !drained) {
-    interrupted_ = false;  // what the run is for is not there
+    interrupted_ = false;  // the results of the run are incomplete
     return BeginStop(fmt::format("interrupted, and the viewer did not get all poses within {} s; see {}",
                                  kCatchUpLimit.count(), (options_.out / "logs").string()));
   }
-  // A keyframe may have come since the order.
+  // A keyframe may have arrived since the order.
   if (interrupted_ && lacks_map_ && !HasMap()) return BeginStop(LackOfMap());
   phase_ = Phase::kSaving;
   phase_began_ = now;
@@ -282,8 +282,8 @@ void RunSession::BeginStop(const std::string& reason) {
   supervisor_.Stop(Clock::now());
 }
 
-/// What went wrong while the processes stopped spoils a run that had gone well; otherwise why it stopped says more.
-/// All have had the time to say why they failed.
+/// An error while the processes stopped fails a run that had completed; otherwise the reason why it stopped is more
+/// informative. All processes have had time to publish their failures.
 void RunSession::EndStop() {
   if (failed_at_) {
     reason_ = Joined(supervisor_.failure(), reason_);
@@ -298,7 +298,7 @@ void RunSession::ShowProgress(Clock::time_point now) {
   if (phase_ != Phase::kPlaying) return;
   const RunStatistics& s = monitor_.statistics();
   const double played_s = std::max(std::chrono::duration<double>(now - playing_since_).count(), 1e-3);
-  // Those passed over are done with, too.
+  // Skipped frames are done, too.
   const int64_t frames = s.frames().answered() + s.frames().skipped;
   progress_line_.Show({frames, monitor_.total_frames(), static_cast<double>(frames) / played_s,
                        s.last().tracked_points, s.last().tracked_lines, s.keyframes(),

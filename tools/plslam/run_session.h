@@ -18,29 +18,30 @@
 namespace plslam::launcher {
 
 /// One run of the whole system: starts the processes of the table, the player when the others are ready, waits until
-/// the viewer has handled the end of the stream, has the map saved where that is asked for, and stops everything. A
-/// process that fails ends the run early: what the player has sent before an image that it cannot read is handled to
-/// its end, and the map is saved.
+/// the viewer has handled the end of the stream, has the map saved if requested, and stops all processes. A process
+/// that fails ends the run early: frames that the player has sent before an unreadable image are handled to the end,
+/// and the map is saved.
 class RunSession {
  public:
   /// `options.url` and `options.out` are set.
   RunSession(const RunOptions& options, bus::Bus& bus);
 
-  /// Returns when all processes have ended. Throws std::runtime_error where a program cannot be started.
+  /// Returns when all processes have ended. Throws std::runtime_error if a program cannot be started.
   void Run();
-  /// Ends the run early and cleanly, once the map is saved where that is asked for; from any thread.
+  /// Ends the run early and cleanly, after saving the map if requested; safe from any thread.
   void Interrupt();
-  /// Ends all processes at once, with what they were doing; from any thread.
+  /// Kills all processes at once; safe from any thread.
   void KillAll() { supervisor_.KillAll(); }
 
-  /// All but the accuracy.
+  /// Returns all values except for the accuracy.
   RunSummary Summary() const;
-  /// Dataset and configuration were taken by all processes, and the outputs of earlier runs are gone.
+  /// Returns whether all processes have accepted dataset and configuration, and the outputs of earlier runs have been
+  /// removed.
   bool accepted() const { return accepted_; }
-  /// To the end of the stream, or interrupted; the map is saved where that was asked for, and all processes ended
-  /// well.
+  /// Returns whether the run reached the end of the stream, or was interrupted; with the map saved if requested, and
+  /// all processes without failure.
   bool ended_well() const { return HasResult() && supervisor_.failed().empty(); }
-  /// The map that was to be saved is, by this run.
+  /// Returns whether the requested map was saved by this run.
   bool saved_map() const { return !options_.save_map.empty() && !lacks_map_; }
 
  private:
@@ -65,7 +66,7 @@ class RunSession {
   bool ViewerIsDone() const;
   bool ViewerHasCaughtUp() const;
   bool HasMap() const;
-  /// Why there is none to save, of an interrupted run.
+  /// Returns the reason why an interrupted run has no map to save.
   std::string LackOfMap() const;
   bool MapperHasMap() const;
   bool HasResult() const { return completed_ || (interrupted_ && !lacks_map_); }

@@ -24,7 +24,7 @@ class IdCounter {
   /// Negative ones do not count.
   void Add(int64_t session, int64_t id);
   int64_t count() const { return count_; }
-  /// Memory of what has been counted, in bytes; never more than 40 MB: strangers may invent numbers.
+  /// Memory of the counted ids, in bytes; at most 40 MB: other programs may forge ids.
   int64_t bytes() const;
 
  private:
@@ -35,7 +35,7 @@ class IdCounter {
   int64_t count_ = 0;
 };
 
-/// Median and other quantiles of positive numbers in fixed memory, however many there are: a histogram whose bins
+/// Median and other quantiles of positive numbers in fixed memory, regardless of their number: a histogram whose bins
 /// grow by 1 %, so that a quantile is within 0.5 % of the exact one (for values of 1e-4 to 1e6; others are clamped).
 class QuantileSketch {
  public:
@@ -53,8 +53,7 @@ class QuantileSketch {
   double max_ = 0.0;
 };
 
-/// Times in ms by stage. Names come over the wire, where anybody may invent them: those beyond `kMaxStages` do not
-/// count.
+/// Times in ms by stage. Names are received from the network and may be forged: those beyond `kMaxStages` are ignored.
 class StageTimes {
  public:
   static constexpr size_t kMaxStages = 64;
@@ -68,7 +67,8 @@ class StageTimes {
   std::map<std::string, QuantileSketch> times_;
 };
 
-/// Counts what loop_process says in a run; how many loops the map has, with those it came with, is in `MapTotals`.
+/// Counts the messages of loop_process in a run; the number of loops in the map, with those of a loaded map, is in
+/// `MapTotals`.
 class LoopStatistics {
  public:
   void Add(LoopClosure::Kind kind, double detect_ms, double correct_ms);
@@ -78,7 +78,8 @@ class LoopStatistics {
   int64_t loops() const { return correct_ms_.count(); }
   int64_t asked() const { return asked_; }
   int64_t found() const { return found_; }
-  /// Of keyframes that closed no loop; of those that did, with the correction; of the adjustments of the whole map.
+  /// Times of keyframes without a loop closure; of those with one, including the correction; and of global bundle
+  /// adjustments.
   const QuantileSketch& detect_ms() const { return detect_ms_; }
   const QuantileSketch& correct_ms() const { return correct_ms_; }
   const QuantileSketch& adjust_ms() const { return adjust_ms_; }
@@ -91,25 +92,25 @@ class LoopStatistics {
   int64_t found_ = 0;
 };
 
-/// Counts the updates of the map by their heads; content is not looked at.
+/// Counts the updates of the map by their heads; content is ignored.
 class MapStatistics {
  public:
-  /// A version that has been counted changes nothing: the whole map may come again.
+  /// A version that was counted before is ignored: the complete map may be republished.
   void Add(const MapUpdate& head);
 
   /// 0: there is no map.
   int64_t version() const { return version_; }
-  /// Of the newest version.
+  /// Totals of the newest version.
   const MapTotals& totals() const { return totals_; }
   const CommittedKeyframes& committed() const { return committed_; }
 
-  /// Keyframes that see a landmark, on average; 0 without landmarks.
+  /// Mean number of keyframes that observe a landmark; 0 without landmarks.
   double ObservationsPerPoint() const;
   double ObservationsPerLine() const;
 
-  /// By stage, ms; of all updates, also those of a process that was killed.
+  /// By stage, ms; of all updates, including those of a process that was killed.
   const std::map<std::string, QuantileSketch>& stage_ms() const { return stage_ms_.by_name(); }
-  /// Means over the adjustments that had points, of their root mean squares; nothing where there was none.
+  /// Means over the adjustments that had points, of their root mean squares; nullopt without any.
   std::optional<double> ReprojectionBefore_px() const { return Mean(before_px_); }
   std::optional<double> ReprojectionAfter_px() const { return Mean(after_px_); }
 
@@ -128,7 +129,7 @@ class MapStatistics {
   double after_px_ = 0.0;
 };
 
-/// What one frame's pose message tells of the run.
+/// Content of a frame's pose message.
 struct FrameReport {
   int64_t session = 0;
   int64_t frame_id = 0;
@@ -150,8 +151,8 @@ class RunStatistics {
   void AddFrame(const FrameReport& frame);
   void AddLandmark(int64_t session, int64_t landmark_id, bool is_line);
 
-  /// Frames with a pose message, and those that these say were skipped; one that a restarted tracker does again
-  /// counts once.
+  /// Frames with a pose message, and the skipped frames in those messages; a frame that a restarted tracker repeats is
+  /// counted once.
   const FrameTally& frames() const { return frames_; }
   const MovingTally& moving() const { return moving_; }
   int64_t keyframes() const { return keyframes_; }

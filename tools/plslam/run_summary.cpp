@@ -15,14 +15,14 @@ namespace {
 
 using nlohmann::json;
 
-/// Fewer digits than a double has: for people who open the file.
+/// Fewer digits than a double has, for readability.
 double Rounded(double value, double step) { return std::round(value / step) * step; }
 
 json RoundedOrNull(const std::optional<double>& value, double step) {
   return value && std::isfinite(*value) ? json(Rounded(*value, step)) : json(nullptr);
 }
 
-/// A dash where nothing was measured.
+/// Returns the number, or a dash for a missing measurement.
 std::string NumberText(const json& value, int digits) {
   const bool known = value.is_number() && std::isfinite(value.get<double>());
   return known ? fmt::format("{:.{}f}", value.get<double>(), digits) : "-";
@@ -154,7 +154,7 @@ std::string MapToText(const json& s, bool verbose) {
                             NumberText(map["reprojection_after_px"], 3));
 }
 
-/// `lost` of the summary had to be asked for again; this tells what did not come all the same.
+/// `lost` of the summary counts messages that were requested again; this text counts those that never arrived.
 std::string MessagesToText(const json& messages) {
   const auto repaired = messages["repaired"].get<int64_t>();
   return fmt::format("{} lost, {} sent again, {} rejected",
@@ -162,7 +162,7 @@ std::string MessagesToText(const json& messages) {
                      messages["rejected"].get<int64_t>());
 }
 
-/// "vo 2, viewer 1"; empty where there was none.
+/// Returns "vo 2, viewer 1"; empty without restarts.
 std::string RestartsToText(const json& processes) {
   std::string text;
   for (const auto& [name, process] : processes.items()) {
@@ -199,7 +199,7 @@ json ProcessesToJson(const RunSummary& summary, int64_t frames) {
   return processes;
 }
 
-/// "ATE 0.012 m, live 0.015 m, ...", of what `evaluate` gives by name.
+/// Returns "ATE 0.012 m, live 0.015 m, ..." from the named results of `evaluate`.
 std::string AccuracyToText(const json& s, bool verbose) {
   if (!s["accuracy"].is_object()) return "no ground truth";
   const json& accuracy = s["accuracy"];

@@ -21,40 +21,40 @@ struct MessageCounts {
   int64_t rejected = 0;
 };
 
-/// Everything a run leaves behind in `summary.json`, but the trajectories.
+/// The content of `summary.json`.
 struct RunSummary {
   std::string dataset;
   std::string version;
-  /// False where the run was stopped or failed; then `reason` says why.
+  /// False if the run was stopped or failed; `reason` is then set.
   bool completed = false;
   std::string reason;
   double wall_s = 0.0;
   FrameTally frames;
-  /// What the processes have said of the data.
+  /// Counters of the processes about the data.
   RunCounters counters;
   const RunStatistics* statistics = nullptr;
   const MapStatistics* map = nullptr;
   const LoopStatistics* loops = nullptr;
-  /// Of the final trajectory; and the error of the poses as they were published.
+  /// Accuracy of the final trajectory; and the error of the poses as published.
   std::optional<nlohmann::json> accuracy;
   std::optional<double> live_ate_m;
   /// Length of the final trajectory.
   std::optional<double> path_m;
   MessageCounts messages;
-  /// Files of the recording: more than one where the recorder was started again. Empty: none was asked for.
+  /// Files of the recording: more than one if the recorder was restarted. Empty: no recording was requested.
   std::vector<std::string> recordings;
   std::vector<ProcessReport> processes;
   /// Effective configuration (YAML) by process.
   std::map<std::string, std::string> configurations;
 };
 
-/// What of the summary is looked at for warnings.
+/// Returns the part of the summary from which warnings are derived.
 RunFindings FindingsOf(const RunSummary& summary);
 
 nlohmann::json SummaryToJson(const RunSummary& summary);
 
-/// For people: a dozen lines at most. `verbose`: also what the map is made of, all errors, and tables of times and
-/// processes.
+/// Text for users: a dozen lines at most. `verbose`: also the composition of the map, all errors, and tables of times
+/// and processes.
 std::string SummaryToText(const nlohmann::json& summary, bool verbose = false);
 
 }  // namespace plslam::launcher

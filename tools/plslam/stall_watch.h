@@ -7,22 +7,22 @@
 
 namespace plslam::launcher {
 
-/// What a run that is being played shows of itself.
+/// Progress of a run.
 struct SignsOfLife {
-  int64_t poses = 0;  ///< heard so far, also those that were said again
+  int64_t poses = 0;  ///< received so far, including republished ones
   int64_t map_version = 0;
-  /// The player is there and waits for the time of its next frame.
+  /// The player is running and waits for the time of its next frame.
   bool waits_for_time = false;
   bool stream_ended = false;
-  double viewer_heard_s = -1.0;  ///< when it last said a word; any clock
+  double viewer_heard_s = -1.0;  ///< time of its last status, by any clock
 };
 
-/// Judges whether a run still gets on. Time is told by the caller.
+/// Detects a run that does not progress. The caller passes the time.
 ///
-/// While frames come there must be poses, unless the player waits for the next frame's time: that is no stall,
-/// however long the gap in the data. Behind the end of the stream only the viewer has work left. It may wait a minute
-/// for the map, and says nothing while it writes; who is silent for longer, or has not finished long after the last
-/// news, never will.
+/// While frames are sent there must be poses, unless the player waits for the next frame's time: that is no stall,
+/// however long the gap in the data. After the end of the stream only the viewer has work left. It may wait a minute
+/// for the map, and publishes no status while it writes; a viewer that is silent for longer, or has not finished long
+/// after the last progress, is considered stuck.
 class StallWatch {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
@@ -30,9 +30,9 @@ class StallWatch {
   static constexpr std::chrono::seconds kLimit{120};
   static constexpr std::chrono::seconds kFinishLimit{300};
 
-  /// From here on it is watched.
+  /// Starts the watch.
   void Begin(TimePoint now);
-  /// Why the run is to be given up; empty where it is not.
+  /// Returns the reason to abort the run; empty if there is none.
   std::string Look(const SignsOfLife& signs, TimePoint now);
 
  private:

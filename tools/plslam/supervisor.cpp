@@ -85,17 +85,18 @@ void Supervisor::HurryUp(Child* child, TimePoint now) const {
   child->signal = SIGKILL;
 }
 
-/// A player that says what is wrong with its dataset would say so again, and a recorder that its disk is full.
+/// A player would report the same error of its dataset again, and a recorder its full disk.
 bool Supervisor::MayRestart(const Child& child, const ChildExit& end) const {
   const bool crashed = end.signal != 0 || (child.ending == Ending::kRestart && child.ready);
   return !stopping_since_ && crashed && child.report.restarts < options_.max_restarts;
 }
 
-/// It ended as it should, or by what we did to it.
+/// Returns whether it ended as intended, or by our own signal.
 bool Supervisor::IsWell(const Child& child, const ChildExit& end) const {
   if (child.interrupted) return true;
   if (!stopping_since_) return child.ending == Ending::kMayEnd && end.code == 0;
-  // One that is killed has not written what it should, unless it had not even begun. Others have nothing left to do.
+  // A killed process has not written its results, unless it had not even begun. Other processes have nothing left to
+  // write.
   const bool lacks_files = child.ending == Ending::kWritesAtTheEnd && child.ready;
   const bool killed = end.signal == SIGKILL || (end.signal != 0 && end.signal == child.signal);
   return end.code == 0 || (killed && !lacks_files);
@@ -125,7 +126,7 @@ void Supervisor::HandleExit(Child* child, const ChildExit& end, TimePoint now) {
   Fail(*child, pid);
 }
 
-/// The first failure is told: others often follow from it.
+/// Only the first failure is reported: others often follow from it.
 void Supervisor::Fail(const Child& child, pid_t pid) {
   if (!failure_.empty()) return;
   const int signal = child.report.exit_signal;
@@ -137,7 +138,7 @@ void Supervisor::Fail(const Child& child, pid_t pid) {
   failed_pid_ = pid;
 }
 
-/// Its log says why; where that has no error, since the disk is full, what it said to others, which comes a little
+/// The reason is in its log; if that has no error, because the disk is full, in its last status, which arrives a little
 /// later.
 std::string Supervisor::failure() const {
   if (failure_.empty()) return failure_;
@@ -162,7 +163,7 @@ void Supervisor::Stop(TimePoint now) {
   if (stopping_since_) return;
   stopping_since_ = now;
   for (Child& child : children_) {
-    // One that has crashed and would be back in a moment does not write anything any more.
+    // A crashed process that waits for its restart will not write its results.
     if (child.start_at && child.ending == Ending::kWritesAtTheEnd) Fail(child, -1);
     Order(&child);
   }

@@ -14,25 +14,25 @@
 
 namespace plslam::launcher {
 
-/// What a supervised process did, over all its starts.
+/// Report of a supervised process, over all its starts.
 struct ProcessReport {
   std::string name;
   double cpu_s = 0.0;
   double peak_memory_mb = 0.0;
   int restarts = 0;
-  /// Of the last start; nothing while it runs.
+  /// Exit code of the last start; nullopt while it runs.
   std::optional<int> exit_code;
-  /// Longest time from the end of a process until the one in its place was ready.
+  /// Longest time from the exit of a process until its replacement was ready.
   double slowest_restart_s = 0.0;
-  /// What waited in its queues at most, as its status told; the supervisor does not know.
+  /// Longest queue according to its status; not set by the supervisor.
   double longest_queue = 0.0;
-  /// That ended it; 0: none.
+  /// Signal that ended it; 0: none.
   int exit_signal = 0;
 };
 
-/// Starts processes, starts those that crash again (a bounded number of times, with pauses that grow as long as none
-/// gets ready), and stops all of them: `bus::kStopOrder`, and SIGKILL where that is of no avail. What goes wrong
-/// while they stop is a failure, too. Knows nothing of messages; time is told by the caller.
+/// Starts processes, restarts those that crash (a bounded number of times, with pauses that grow until one gets ready),
+/// and stops all of them: `bus::kStopOrder`, then SIGKILL if that has no effect. An error during the stop is a failure,
+/// too. Independent of messages; the caller passes the time.
 class Supervisor {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
@@ -47,23 +47,22 @@ class Supervisor {
     /// empty: they stay.
     std::function<std::vector<std::string>(const std::string& name, int restart, std::vector<std::string> arguments)>
         arguments_of_restart;
-    /// A process with this id has ended. May be empty.
+    /// Called when the process with this id has exited. May be empty.
     std::function<void(pid_t pid)> on_exit;
-    /// What a process with this id said of its own failure: its log may be on a full disk. May be empty.
+    /// Returns the failure that the process with this id has published: its log may be on a full disk. May be empty.
     std::function<std::string(pid_t pid)> last_word{};
-    std::chrono::milliseconds patience_with_writers{60000};  ///< in place of `patience`
-    /// A process has ended ("was ended by SIGKILL") and will be started again for the `restart`-th time. May be
+    std::chrono::milliseconds patience_with_writers{60000};  ///< replaces `patience` for these
+    /// Called when a process has ended ("was ended by SIGKILL") and will be restarted for the `restart`-th time. May be
     /// empty.
     std::function<void(const std::string& name, const std::string& how, int restart)> on_restart = nullptr;
   };
 
-  /// What a process may do by itself.
+  /// Allowed ways for a process to exit by itself.
   enum class Ending {
-    kRestart,  ///< it must run until stopped; where it ends it is started again
-    kMayEnd,   ///< it may end with exit code 0; ended by a signal it is started again, any other code fails the run
-    /// It must run until stopped, and then still writes what the run is for, which may take long. Ended by a signal
-    /// it is started again; ended by an error of its own (a full disk) it fails the run, since it would end by it
-    /// again.
+    kRestart,  ///< must run until stopped; restarted if it exits
+    kMayEnd,   ///< may exit with code 0; restarted if a signal ended it; any other code fails the run
+    /// Must run until stopped, and then still writes the results of the run, which may take long. If a signal ended it,
+    /// it is restarted; an error of its own (a full disk) fails the run, since it would recur.
     kWritesAtTheEnd,
   };
 
@@ -72,25 +71,25 @@ class Supervisor {
   /// `niceness` as in `ChildProcess`. Throws std::runtime_error where the program cannot be started.
   void Start(const std::string& name, const std::string& executable, const std::vector<std::string>& arguments,
              Ending ending, int niceness = 0);
-  /// From here on an exit code of this process leads to a restart; before (while it reads its options) to a failure.
-  /// One that is ended by a signal is started again at any time.
+  /// From here on an exit code of this process causes a restart; before (while it reads its options) a failure. A
+  /// process that is ended by a signal is restarted at any time.
   void SetReady(const std::string& name, TimePoint now);
-  /// -1 where it does not run.
+  /// Returns -1 if it does not run.
   pid_t pid(const std::string& name) const;
 
-  /// Looks after all of them; call it often.
+  /// Monitors all processes; call it often.
   void Tick(TimePoint now);
-  /// Why the run cannot go on, or what went wrong while it was stopped; empty where all is well.
+  /// Reason why the run cannot continue, or error during the stop; empty if there is none.
   std::string failure() const;
-  /// The process that this is about.
+  /// Name of the process that failed.
   const std::string& failed() const { return failed_; }
 
-  /// Orders one process to end, and does not start it again.
+  /// Commands one process to stop, and does not restart it.
   void Interrupt(const std::string& name);
   void Stop(TimePoint now);
-  /// Kills all that run, and starts nothing any more; from any thread.
+  /// Kills all running processes, and starts no others; safe from any thread.
   void KillAll();
-  /// True when nothing runs any more.
+  /// Returns true when no process runs.
   bool stopped() const;
 
   std::vector<ProcessReport> reports() const;
@@ -105,8 +104,8 @@ class Supervisor {
     int niceness = 0;
     bool ready = false;        ///< was, once
     bool ready_again = false;  ///< since the last start
-    bool interrupted = false;  ///< it alone: however it ends is well
-    int signal = 0;            ///< the last one we sent to stop it; 0: none
+    bool interrupted = false;  ///< only this one: any exit is regular
+    int signal = 0;            ///< the last one sent to stop it; 0: none
     int failed_starts = 0;     ///< in a row, that did not get ready
     std::unique_ptr<ChildProcess> process;
     std::optional<TimePoint> start_at;
@@ -136,7 +135,7 @@ class Supervisor {
 /// "was ended by SIGKILL" or "ended with exit code 1".
 std::string HowItEnded(const ChildExit& end);
 
-/// The last line of a text file that is not empty; empty where there is none.
+/// Returns the last line of a text file that is not empty; an empty string if there is none.
 std::string LastLine(const std::filesystem::path& file);
 
 }  // namespace plslam::launcher

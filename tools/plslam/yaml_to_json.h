@@ -6,8 +6,8 @@
 
 namespace plslam::launcher {
 
-/// The same content; unquoted true, false and numbers become such, everything else text. YAML that cannot be read
-/// (one that was cut, say) becomes a text as it is.
+/// Converts YAML; unquoted true, false and numbers become such values, all others text. Invalid YAML (for example
+/// truncated) becomes a text.
 nlohmann::json YamlToJson(const std::string& yaml);
 
 }  // namespace plslam::launcher

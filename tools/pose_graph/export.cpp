@@ -24,7 +24,7 @@ template <class Pose>
 Trajectory Convert(const G2oGraph<Pose>& graph) {
   Trajectory trajectory;
   for (size_t i = 0; i < graph.ids.size(); ++i) {
-    // Numbers too large for seconds count as nanoseconds: their order is what matters.
+    // Numbers too large for seconds are used as nanoseconds: only their order matters.
     const bool fits = graph.ids.back() < std::numeric_limits<int64_t>::max() / kSecond_ns;
     trajectory.push_back({graph.ids[i] * (fits ? kSecond_ns : 1), InSpace(graph.graph.poses[i].T_w_kf)});
   }

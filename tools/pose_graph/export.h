@@ -10,19 +10,19 @@
 
 namespace plslam::pose_graph {
 
-/// Poses of a graph; the number of the vertex stands for the time, in seconds.
+/// Returns the poses of a graph; the number of the vertex is used as the time, in seconds.
 Trajectory TrajectoryOf(const G2oGraph<SE3>& graph);
 Trajectory TrajectoryOf(const G2oGraph<SE2>& graph);
 
 /// A session of a map and its keyframes by time, T_w_kf.
 struct SessionTrajectory {
-  /// What the file's name gets: nothing for the session of the first keyframe, "_sN" for session N, as images of
-  /// COLMAP's.
+  /// Suffix of the file's name: empty for the session of the first keyframe, "_sN" for session N, as in COLMAP's image
+  /// names.
   std::string suffix;
   Trajectory keyframes;
 };
 
-/// Each session on its own, in the order of their first keyframes: their times may be the same, or of different
+/// Returns each session separately, in the order of their first keyframes: their times may overlap or be of different
 /// clocks.
 std::vector<SessionTrajectory> TrajectoriesOf(const Map& map);
 

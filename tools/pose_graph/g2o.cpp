@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kMaxNormError = 0.01;
 
-/// Diagonal of what turns the optimiser's error into the file's.
+/// Diagonal of the transform from the optimiser's error to the file's.
 template <class Pose>
 Eigen::Matrix<double, kPoseFreedom<Pose>, 1> FileScale() {
   Eigen::Matrix<double, kPoseFreedom<Pose>, 1> scale;
@@ -38,7 +38,7 @@ SE3 G2oRows<SE3>::Read(const TextRow& row, size_t first) {
   if (!(std::abs(norm - 1.0) <= kMaxNormError)) {
     row.Fail(fmt::format("the quaternion's norm is {:.4g}, and must be within 1 % of 1", norm));
   }
-  // What is unit to rounding is not changed by reading it again.
+  // A quaternion that is unit up to rounding stays unchanged when it is read again.
   const bool unit = std::abs(norm - 1.0) < 4.0 * std::numeric_limits<double>::epsilon();
   return unit ? SE3::FromUnit(q, t) : SE3(q, t);
 }
@@ -104,7 +104,7 @@ void ExpectFields(const TextRow& row, size_t n) {
   row.Fail(fmt::format("{} has {} fields after it, and must have {}", row.fields[0], row.fields.size() - 1, n - 1));
 }
 
-/// What a file says of poses of one kind.
+/// Reads the rows of poses of one dimension (2D or 3D).
 template <class Pose>
 class Reader {
  public:

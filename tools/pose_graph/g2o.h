@@ -23,7 +23,7 @@ struct G2oRows<SE3> {
   static constexpr int kDimension = 3;
   /// x y z qx qy qz qw
   static constexpr int kNumbers = 7;
-  /// What the file's error of the rotation is of the optimiser's.
+  /// Ratio of the file's rotation error to the optimiser's.
   static constexpr double kRotationScale = 0.5;
   static SE3 Read(const TextRow& row, size_t first);
   static std::string Text(const SE3& pose);
@@ -44,7 +44,7 @@ struct G2oRows<SE2> {
 /// A non-negative integer, or `Fail`.
 int64_t ReadG2oId(const TextRow& row, size_t field);
 
-/// The upper triangle, row by row, from `first` on; `Fail`s where it is not positive definite.
+/// Reads the upper triangle, row by row, from `first` on; `Fail`s if it is not positive definite.
 template <class Pose>
 PoseMatrix<Pose> ReadG2oInformation(const TextRow& row, size_t first);
 
@@ -57,10 +57,10 @@ template <class Pose>
 struct G2oGraph {
   /// Ascending; as long as `graph.poses`.
   std::vector<int64_t> ids;
-  /// Information is that of the optimiser's error; files have it for the vector part of the quaternion, which is half
-  /// of it.
+  /// Information is that of the optimiser's error; in files it refers to the vector part of the quaternion, which is
+  /// half of it.
   PoseGraph<Pose> graph;
-  /// Whether the file has a VERTEX for the pose; identity where it has not (see ChainedPoses).
+  /// Whether the file has a VERTEX for the pose; identity if not (see ChainedPoses).
   std::vector<bool> given;
 };
 
@@ -76,7 +76,8 @@ struct G2oFile {
 /// numbers too few, too many or not finite; and for files without an edge.
 G2oFile ReadG2o(const std::string& path);
 
-/// Beside the file and renamed. What is read back is equal to the last bit. Poses that are not `given` are left out.
+/// Writes a file beside it and renames that. Reading it again gives equal values to the last bit. Poses that are not
+/// `given` are left out.
 void WriteG2o(const std::string& path, const G2oGraph<SE3>& graph);
 void WriteG2o(const std::string& path, const G2oGraph<SE2>& graph);
 

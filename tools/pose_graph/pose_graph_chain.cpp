@@ -29,7 +29,7 @@ class Chain {
  public:
   explicit Chain(const PoseGraph<Pose>& graph) : graph_(graph), edges_of_(SpanningForest(graph)) {}
 
-  /// Along the tree from `root`, as far as poses are not known.
+  /// Chains poses along the tree from `root`, as far as they are unknown.
   void Spread(int root, std::vector<bool>& known, std::vector<Pose>& poses) const {
     std::vector<int> front = {root};
     while (!front.empty()) {

@@ -7,9 +7,9 @@
 
 namespace plslam::pose_graph {
 
-/// Poses chained along the edges from the `known` ones, which stay; in a part of the graph without a known pose its
-/// first one is where it is given. Edges between poses that follow each other (odometry) come first, the others in
-/// their order, and none that closes a circle. An empty `known` means: the fixed ones.
+/// Returns poses chained along the edges from the `known` ones, which are unchanged; in a part of the graph without a
+/// known pose, its first one is the given one. Edges between consecutive poses (odometry) come first, then the others
+/// in their order, except those that close a cycle. An empty `known` means: the fixed ones.
 template <class Pose>
 std::vector<Pose> ChainedPoses(const PoseGraph<Pose>& graph, std::vector<bool> known = {});
 

@@ -9,7 +9,7 @@
 namespace plslam::pose_graph {
 
 struct SolveOptions {
-  /// Poses to begin with: the file's (chained where it has none), chained along the edges, or by chordal relaxation.
+  /// Initial poses: the file's (chained if it has none), chained along the edges, or by chordal relaxation.
   std::string initial = "file";
   /// Standard deviation, m and rad, of noise on these poses.
   double perturb = 0.0;

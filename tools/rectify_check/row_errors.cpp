@@ -14,20 +14,20 @@ namespace plslam::rectify_check {
 namespace {
 
 constexpr int kMinMatches = 30;
-/// What stereo matching allows (core/features/options.h, StereoOptions): a standard deviation of 0.3 px, 2 px at
-/// most.
+/// Limits derived from stereo matching (core/features/options.h, StereoOptions): a standard deviation of 0.3 px, 2 px
+/// at most.
 constexpr double kGood_px = 0.5;
 constexpr double kUsable_px = 1.0;
 
-/// The value with this share of the others below. Precondition: not empty.
+/// Returns the quantile: the value above the given share of the others. Precondition: not empty.
 double Quantile(std::vector<double> values, double share) {
   const auto at = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
 
-/// Least squares of offset, roll and scale, in which what is far from the rest hardly counts (Cauchy weights with the
-/// scale of the median deviation, not below a fifth of a pixel).
+/// Least squares of offset, roll and scale, with little weight for outliers (Cauchy weights with the scale of the
+/// median deviation, not below a fifth of a pixel).
 Eigen::Vector3d FitRows(const std::vector<RowMatch>& matches, const StereoCamera& camera) {
   Eigen::Vector3d fit = Eigen::Vector3d::Zero();
   std::vector<double> errors;

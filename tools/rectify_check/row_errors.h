@@ -14,18 +14,18 @@ struct RowMatch {
   Eigen::Vector2d left_px = Eigen::Vector2d::Zero();
   Eigen::Vector2d right_px = Eigen::Vector2d::Zero();
 
-  /// What rectification should make zero: how much lower the point is in the right image.
+  /// Vertical disparity, which rectification should make zero: how much lower the point is in the right image.
   double RowError() const { return right_px.y() - left_px.y(); }
   double Disparity() const { return left_px.x() - right_px.x(); }
 };
 
-/// Points that look alike in both images, wherever they lie: unlike the matching of the tracker, nothing is presumed
-/// about rows. Mutual best, with a ratio to the second best, and at most a tenth of the height apart in rows, which
-/// keeps most chance matches out.
+/// Points that look alike in both images at any position: unlike the tracker's matching, this one does not assume equal
+/// rows. Mutual best, with a ratio to the second best, and at most a tenth of the height apart in rows, which keeps
+/// most chance matches out.
 std::vector<RowMatch> MatchAcrossRows(const ImageFeatures& left, const ImageFeatures& right, int height_px);
 
-/// How well rows agree. Row errors are fitted, robustly, by offset + roll * x + scale * y with x, y from the
-/// principal point, in focal lengths: what a wrong pitch, a wrong roll, and focal lengths that differ leave behind.
+/// Agreement of the rows. Row errors are fitted, robustly, by offset + roll * x + scale * y with x, y from the
+/// principal point, in focal lengths: the effects of a wrong pitch, a wrong roll, and different focal lengths.
 struct RowErrors {
   int matches = 0;
   double median_px = 0.0;  ///< with its sign
@@ -35,14 +35,14 @@ struct RowErrors {
   double roll_deg = 0.0;
   double scale_percent = 0.0;
   double f_px = 0.0;
-  /// Share of the matches that would lie behind the camera (left and right exchanged, where it is most of them).
+  /// Share of the matches that would be behind the camera (left and right are exchanged if it is most of them).
   double behind = 0.0;
 };
 
-/// All zero where there are fewer than 3 matches.
+/// All zero for fewer than 3 matches.
 RowErrors MeasureRows(const std::vector<RowMatch>& matches, const StereoCamera& camera);
 
-/// What they say about the calibration.
+/// Verdict on the calibration.
 struct RowVerdict {
   bool usable = false;
   std::string sentence;

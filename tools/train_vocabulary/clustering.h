@@ -10,8 +10,8 @@
 
 namespace plslam::train_vocabulary {
 
-/// The descriptor that has each bit set which more than half of the added ones have: the centre of a cluster whose
-/// distance is the Hamming distance.
+/// The descriptor in which each bit is set that more than half of the added ones have: the centre of a cluster for the
+/// Hamming distance.
 ///
 /// Counts all 256 bits at once in eight bit planes (plane i holds bit i of the counts), emptied before they overflow.
 class MajorityVote {
@@ -37,9 +37,9 @@ struct DescriptorCluster {
   std::vector<int32_t> members;
 };
 
-/// k-majority: Lloyd's algorithm for the Hamming distance, with the majority of the bits as centre. Of all the
-/// descriptors those that `members` names (ascending); seeds are drawn as in k-means++. At most `k` clusters, none
-/// empty; equal distances: the first centre. Equal input and state of `random` give equal clusters on every machine.
+/// k-majority: Lloyd's algorithm for the Hamming distance, with the majority of the bits as centre. Clusters those of
+/// `all` that `members` lists (ascending); seeds are drawn as in k-means++. At most `k` clusters, none empty; equal
+/// distances: the first centre. Equal input and state of `random` give equal clusters on every machine.
 std::vector<DescriptorCluster> ClusterDescriptors(const std::vector<Descriptor>& all,
                                                   const std::vector<int32_t>& members, int k, int max_iterations,
                                                   std::mt19937_64& random);

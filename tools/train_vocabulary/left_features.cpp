@@ -14,7 +14,7 @@
 namespace plslam::train_vocabulary {
 namespace {
 
-/// Full names of the images in the folder itself; none where it is no such folder.
+/// Returns the full names of the images in the folder itself; empty if there is no such folder.
 std::vector<std::string> ImagesIn(const std::string& folder) {
   std::vector<std::string> images;
   if (!std::filesystem::is_directory(folder)) return images;

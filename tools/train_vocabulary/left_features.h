@@ -14,8 +14,8 @@ namespace plslam::train_vocabulary {
 /// Number of images so far, and of all.
 using ImageProgress = std::function<void(int, int)>;
 
-/// Calls `use(index, features)` with the features of the rectified left image of every `stride`-th frame, in order:
-/// what vo_process finds in it. Throws DatasetError, or std::runtime_error where the rig cannot be rectified.
+/// Calls `use(index, features)` with the features of the rectified left image of every `stride`-th frame, in order, as
+/// vo_process extracts them. Throws DatasetError, or std::runtime_error if the rig cannot be rectified.
 void ForEachLeftImage(const Dataset& dataset, int stride, const FeatureOptions& options,
                       const std::function<void(int, const ImageFeatures&)>& use, const ImageProgress& progress);
 

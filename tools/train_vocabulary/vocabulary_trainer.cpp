@@ -14,7 +14,7 @@
 namespace plslam::train_vocabulary {
 namespace {
 
-/// A node whose children are still to be made.
+/// A node whose children have not been created yet.
 struct OpenNode {
   std::vector<int32_t> members;
   int level = 0;

@@ -22,8 +22,8 @@ struct TrainingOptions {
 };
 
 /// Trains a vocabulary by hierarchical k-majority on the descriptors of each image. Equal input gives equal
-/// vocabularies. `progress` is told the share of the work done, 0 to 1; it may be empty. Without any descriptor: one
-/// word of weight 0. Throws std::invalid_argument where the options are beyond VocabularyLimits.
+/// vocabularies. `progress` receives the share of the work done, 0 to 1; it may be empty. Without any descriptor: one
+/// word of weight 0. Throws std::invalid_argument if the options exceed VocabularyLimits.
 Vocabulary TrainVocabulary(const std::vector<std::vector<Descriptor>>& images, FeatureType type,
                            const TrainingOptions& options, const std::function<void(double)>& progress = {});
 

@@ -27,7 +27,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr unsigned kConnections = 256;
-// Without a byte. Whoever sends one now and then is cut by the deadlines.
+// Limit for a connection without any byte. A client that sends single bytes now and then is cut off by the deadlines.
 constexpr unsigned kTimeout_s = 15;
 constexpr std::chrono::seconds kHeadLimit(5);
 constexpr std::chrono::seconds kAnswerLimit(60);
@@ -79,7 +79,7 @@ HttpResponse Answer(MHD_Connection* connection, const char* url, const char* met
   }
 }
 
-/// Cuts connections that take too long, which libmicrohttpd lets live as long as a byte comes now and then.
+/// Closes connections that take too long, which libmicrohttpd keeps open as long as a byte arrives now and then.
 class DeadlineWatch {
  public:
   DeadlineWatch() : thread_([this] { Watch(); }) {}
@@ -140,7 +140,7 @@ struct HttpServer::Impl {
   DeadlineWatch watch;
   MHD_Daemon* daemon = nullptr;
 
-  /// What is known of a request between its head and its end.
+  /// State of a request between its head and its end.
   struct Request {
     std::function<void()> sent;
   };
@@ -157,7 +157,8 @@ struct HttpServer::Impl {
     auto* impl = static_cast<Impl*>(self);
     const bool has_begun = *state != nullptr;
     if (!has_begun) *state = new Request;
-    // Called once with the head; an answer before the body of a GET is asked for a second time would be dropped.
+    // Called once with the head only; an answer would be dropped if it came before the second call for a GET with a
+    // body.
     const bool may_have_body = OrEmpty(method) != "GET" && OrEmpty(method) != "HEAD";
     if (!has_begun && !may_have_body) return MHD_YES;
     impl->watch.SetLimit(connection, kAnswerLimit);
@@ -175,8 +176,8 @@ struct HttpServer::Impl {
 
 namespace {
 
-/// A socket that listens at the port (0: any that is free) of this machine alone. libmicrohttpd would make one, too, but
-/// from version 1 on it does not say why it could not.
+/// Returns a socket that listens at the port (0: any free one) of this host only. libmicrohttpd could create one, too,
+/// but from version 1 on it does not report why that failed.
 int ListenAt(int port) {
   sockaddr_in address{};
   address.sin_family = AF_INET;

@@ -7,10 +7,10 @@
 
 namespace plslam::viewer {
 
-/// A question that reached the server: only GET (and HEAD) to this machine by one of its own names does.
+/// A request that the server accepted: only GET (and HEAD) to one of this host's names.
 struct HttpRequest {
   std::string path;   ///< "/data.json"
-  std::string since;  ///< argument of that name; empty where there is none
+  std::string since;  ///< argument of that name; empty if there is none
 };
 
 struct HttpResponse {
@@ -21,17 +21,18 @@ struct HttpResponse {
   std::function<void()> sent = nullptr;
 };
 
-/// Serves GET on 127.0.0.1 and nowhere else, to 256 connections at a time (more are cut), each on a thread of its
-/// own, so that nobody waits for another. A connection may be idle for 15 s, take 5 s for the head of a request, and
-/// 60 s for the answer; then it is cut. Other methods are refused, and so are requests that name another host, so
-/// that a page of the network cannot read it through a browser here.
+/// Serves GET on 127.0.0.1 only, to 256 connections at a time (more are cut), each on its own thread, so that no client
+/// waits for another. A connection may be idle for 15 s, take 5 s for the head of a request, and 60 s for the answer;
+/// then it is cut. Other methods are refused, and so are requests that name another host, so that a page of the network
+/// cannot read it through a browser here.
 class HttpServer {
  public:
   using Handler = std::function<HttpResponse(const HttpRequest&)>;
 
-  /// `port` 0: any free one. `handler` is called on many threads. Throws std::runtime_error where the port is taken.
+  /// `port` 0 selects any free one. `handler` is called on many threads. Throws std::runtime_error if the port is
+  /// taken.
   HttpServer(int port, Handler handler);
-  /// Returns when no handler runs any more.
+  /// Returns after the last running handler.
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;

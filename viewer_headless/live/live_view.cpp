@@ -81,7 +81,7 @@ void LiveView::Answer(const std::function<std::string(const ReportSince&)>& json
     std::string text = json(since);
     {
       const std::scoped_lock lock(mutex_);
-      // Who asked may have gone meanwhile.
+      // The client may have disconnected meanwhile.
       const auto found = questions_.find(number);
       if (found != questions_.end()) found->second.answer = std::move(text);
     }
@@ -101,7 +101,7 @@ void LiveView::SetFinished(bool finished) {
 void LiveView::AnswerTheLast(const std::function<std::string(const ReportSince&)>& json) {
   const auto until = std::chrono::steady_clock::now() + kLastAnswers;
   std::unique_lock lock(mutex_);
-  // Pages that wait for the end are told within a moment.
+  // The pages that wait for the end are notified within a moment.
   while (finished_ && std::chrono::steady_clock::now() < until && (n_waiting_ > 0 || n_last_data_ < n_told_)) {
     lock.unlock();
     Answer(json);

@@ -14,27 +14,27 @@
 
 namespace plslam::viewer {
 
-/// The report's page while the run goes on: `/` is the page, `/data.json?since=...` what is new since (ReportSince),
-/// which waits until the owner of the data, on its own thread, calls `Answer`. `/end` waits for the end of the run
-/// and then says "finished", or "live" after 25 s: a page asks it beside the data, so that it hears of the end
-/// however seldom it asks for those.
+/// The live page of the report during a run: `/` is the page, `/data.json?since=...` the data that are new since then
+/// (ReportSince); that request waits until the owner of the data calls `Answer` on its own thread. `/end` waits for the
+/// end of the run and then returns "finished", or "live" after 25 s: a page requests it beside the data, so that it
+/// learns of the end however seldom it requests data.
 class LiveView {
  public:
-  /// `page` is the template, filled without data. Throws std::runtime_error where the port cannot be had.
+  /// `page` is the template, filled without data. Throws std::runtime_error if the port is not available.
   LiveView(int port, std::string page);
-  /// Turns away who waits.
+  /// Rejects the waiting requests.
   ~LiveView();
   LiveView(const LiveView&) = delete;
   LiveView& operator=(const LiveView&) = delete;
 
   int port() const { return server_->port(); }
 
-  /// Answers what waits, if anything, by `json` for it. At once, where nothing waits.
+  /// Answers the waiting requests, if any, with the result of `json` for each. Returns at once if none are waiting.
   void Answer(const std::function<std::string(const ReportSince&)>& json);
 
-  /// The run is over, or another has begun.
+  /// Sets whether the run has ended, or another one has begun.
   void SetFinished(bool finished);
-  /// Goes on answering until each page that was told of the end has got what was new then, 2 s at most.
+  /// Continues to answer until each page that was notified of the end has received its last data, for 2 s at most.
   void AnswerTheLast(const std::function<std::string(const ReportSince&)>& json);
 
  private:
@@ -56,10 +56,10 @@ class LiveView {
   bool finished_ = false;
   bool closing_ = false;
   int64_t n_waiting_ = 0;  ///< pages that wait for the end
-  /// Since the run is over: pages that were told so, and data that were sent.
+  /// Counts since the end of the run: pages that were notified of it, and data that were sent.
   int64_t n_told_ = 0;
   int64_t n_last_data_ = 0;
-  // Last made, first gone: its threads use all of the above.
+  // Declared last, so destroyed first: its threads use all of the above.
   std::optional<HttpServer> server_;
 };
 

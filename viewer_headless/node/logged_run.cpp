@@ -31,13 +31,13 @@
 namespace plslam::viewer {
 namespace {
 
-/// Where a message stands in the log.
+/// Position of a message in the log.
 struct Place {
   int64_t offset = 0;
   int64_t bytes = 0;
 };
 
-/// nullopt where it is malformed.
+/// Returns nullopt if the message is malformed.
 template <class Message>
 std::optional<Message> Decode(const bus::LogReader& log, const Place& place) {
   const auto data = log.Data(place.offset, std::min<int64_t>(place.bytes, bus::kMaxMessageBytes));
@@ -45,8 +45,8 @@ std::optional<Message> Decode(const bus::LogReader& log, const Place& place) {
   return bus::Decoded<Message>(*data);
 }
 
-/// Messages of one channel without those that came twice: by publisher, in the order in which these were heard first,
-/// and by number. A repaired message stands in the log behind those that came after it.
+/// Messages of one channel without duplicates: by publisher, in the order of their first messages, and by number. In
+/// the log, a repaired message comes after later ones.
 class LoggedMessages {
  public:
   void Add(const bus::LogReader::Event& event) {
@@ -58,7 +58,7 @@ class LoggedMessages {
   }
   size_t size() const { return places_.size(); }
 
-  /// Those that are whole, one after the other.
+  /// Calls `take` for the well-formed messages, in order.
   template <class Message, class Take>
   void ForEach(const bus::LogReader& log, Take take) const {
     for (const auto& [key, place] : places_) {
@@ -71,7 +71,7 @@ class LoggedMessages {
   std::map<std::pair<size_t, int64_t>, Place> places_;
 };
 
-/// What a log has under one prefix.
+/// The messages of a log under one prefix.
 struct LoggedRobot {
   LoggedMessages cameras, poses, truths, bodies, map_updates;
   bool has_frames = false;
@@ -79,7 +79,7 @@ struct LoggedRobot {
   std::set<std::string_view> of_other_versions;
   std::set<int64_t> streams;
 
-  /// A stream that begins takes the place of the one before (ViewerNode::OnStream).
+  /// A stream that begins replaces the previous one (ViewerNode::OnStream).
   void Take(const stream_t& message) {
     const int64_t stream = message.header.session != 0 ? message.header.session : message.header.source;
     const bool begins = message.event == "begin" || message.event == "resume";
@@ -149,7 +149,7 @@ LoggedRobots ReadRobots(bus::LogReader& log) {
                              : " and without frames that could be replayed"));
 }
 
-/// Of the last rig that can be used.
+/// Returns the rectifying rotation of the last valid rig.
 Eigen::Quaterniond RectifiedFrom(const LoggedRobot& robot, const bus::LogReader& log, const std::string& path) {
   std::vector<RigCalibration> rigs;
   robot.cameras.ForEach<camera_t>(log, [&](const camera_t& message) {
@@ -169,7 +169,7 @@ Eigen::Quaterniond RectifiedFrom(const LoggedRobot& robot, const bus::LogReader&
   throw std::runtime_error(fmt::format("{}: has poses, but {}", path, why));
 }
 
-/// The map after the last update that goes on from the one before.
+/// Returns the map after the last update that continues the previous one.
 Map MapOf(const LoggedMessages& updates, const bus::LogReader& log, std::vector<std::string>* lacks) {
   bus::MapUpdateAssembler assembler;
   MapReplica replica;
@@ -182,7 +182,7 @@ Map MapOf(const LoggedMessages& updates, const bus::LogReader& log, std::vector<
   return replica.map();
 }
 
-/// The updates of the robot's own map, or of the only one that there is: robots may share it. Null: there is none.
+/// Returns the updates of the robot's own map, or of the only map: robots may share it. Null if there is none.
 const LoggedMessages* FindMap(const LoggedRobot& robot, const LoggedRobots& robots, std::vector<std::string>* lacks) {
   if (robot.map_updates.size() > 0) return &robot.map_updates;
   std::vector<const LoggedMessages*> maps;
@@ -193,7 +193,7 @@ const LoggedMessages* FindMap(const LoggedRobot& robot, const LoggedRobots& robo
   return maps.size() == 1 ? maps.front() : nullptr;
 }
 
-/// Of the robot, and of maps, which may have another prefix.
+/// Adds a sentence about messages of other versions, of the robot and of maps, which may have another prefix.
 void AddOtherVersions(const LoggedRobot& robot, const LoggedRobots& robots, std::vector<std::string>* lacks) {
   std::set<std::string_view> names = robot.of_other_versions;
   for (const auto& [prefix, other] : robots) {

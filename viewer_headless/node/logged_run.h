@@ -20,19 +20,19 @@ struct LoggedRun {
   Map map;
   /// The log has stereo frames of the robot, so that it can be played.
   bool has_frames = false;
-  /// What the log lacks, in sentences; empty where nothing is missing.
+  /// Sentences about missing messages; empty if none are missing.
   std::string lack;
 };
 
-/// Reads a log of `plslam run --record`, `plslam record` or lcm-logger. Of several robots (prefixes of channels) the
-/// one with the most poses counts, of several streams the last one that began, as for viewer_headless. The map may be
-/// one that robots share, under a prefix of its own.
+/// Reads a log of `plslam run --record`, `plslam record` or lcm-logger. If there are several robots (prefixes of
+/// channels), the one with the most poses is read; of several streams the last one that began, as in viewer_headless.
+/// The map may be shared by several robots, under its own prefix.
 ///
-/// Throws std::runtime_error in one sentence where the log has no run in it, and names `plslam replay` where it has
-/// the frames to compute one from.
+/// Throws std::runtime_error in one sentence if the log has no run, and names `plslam replay` if it has the frames to
+/// compute one from.
 LoggedRun ReadLoggedRun(const std::string& log);
 
-/// Writes the files that viewer_headless would have written of it. Throws std::runtime_error.
+/// Writes the files that viewer_headless would have written for it. Throws std::runtime_error.
 void WriteLoggedRun(const LoggedRun& run, const std::string& folder);
 
 }  // namespace plslam::viewer

@@ -17,7 +17,7 @@ namespace plslam::viewer {
 std::optional<FramePose> ToFramePose(const pose_t& message);
 std::optional<BodiesOfFrame> ToBodiesOfFrame(const bodies_t& message);
 OverlayFeatures ToOverlayFeatures(const tracks_t& message);
-/// Heard at `t_s` by the listener's clock, when `frame_id` was the newest frame.
+/// `t_s` is the time of reception by the listener's clock, when `frame_id` was the newest frame.
 ProcessSample ToProcessSample(const status_t& message, double t_s, int64_t frame_id);
 
 }  // namespace plslam::viewer

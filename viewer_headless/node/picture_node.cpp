@@ -21,7 +21,7 @@ namespace {
 constexpr int kOverlayCompression = 3;
 constexpr const char* kNotHeard = "their images or features did not reach this viewer_headless";
 
-/// A picture of every so many-th frame is wanted by somebody; keyframes, which the report wants, can be any.
+/// Returns n if pictures of every n-th frame are needed; the keyframes for the report can be any frames.
 int64_t Every(const ViewerOptions& options, const PictureStore* store) {
   const bool all = !options.video.empty() || (store != nullptr && options.report_pictures > 0);
   return all ? 1 : options.overlay_every;
@@ -47,7 +47,7 @@ PictureNode::PictureNode(bus::Bus& bus, const ViewerOptions& options, Sources so
   bus.Subscribe<tracks_t>(bus::kTracksLive, on_tracks);
   frames_ = std::make_unique<bus::FrameSubscriber>(
       bus, bus::FrameSubscriber::Mode::kPictures, [this](const auto& frame) { OnFrame(frame); },
-      // Called on the receiving thread: looks at nothing that changes.
+      // Called on the receiving thread: must not access mutable state.
       [every](int64_t frame_id) { return OverlayQueue(every).Wants(frame_id); });
 }
 
@@ -113,7 +113,7 @@ void PictureNode::Use(const OverlayQueue::Ready& ready) {
   }
 }
 
-/// What the report wants of it.
+/// Stores the pictures of a frame that the report needs.
 void PictureNode::Store(const OverlayQueue::Ready& ready) {
   PictureStore* const store = sources_.store;
   const int64_t frame_id = ready.pose.frame_id;
@@ -190,7 +190,7 @@ std::string PictureNode::LackOfOverlays(const Recorder& recorder, bool lockstep,
   return fmt::format("{} of {} pictures are not in {}/overlays: {}", missing, asked, options_.out, Why());
 }
 
-/// Half a film is none.
+/// An incomplete film counts as none.
 std::string PictureNode::LackOfFilm(bool lockstep, int64_t missing) {
   if (!film_) return film_problem_.value_or("");
   film_problem_.emplace();

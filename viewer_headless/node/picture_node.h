@@ -20,50 +20,50 @@
 
 namespace plslam::viewer {
 
-/// Brings image, features and pose of frames together and hands the pictures to whom they are for: files in
-/// `overlays/`, the report, the film of the run. In lockstep every frame has its picture, but for those from before
-/// this process listened; in real time what does not come is missing.
+/// Combines image, features and pose of frames and passes the pictures to their users: files in `overlays/`, the
+/// report, the film of the run. In lockstep every frame has its picture, except for frames before this process
+/// listened; in real time, pictures may be missing.
 class PictureNode {
  public:
-  /// What the pictures are for beside the options. Both stay.
+  /// The users of the pictures beside the options. Both outlive this object.
   struct Sources {
-    const Map* map = nullptr;       ///< what the film shows; nullptr: no film
-    PictureStore* store = nullptr;  ///< gets what the report wants; nullptr: no report
+    const Map* map = nullptr;       ///< the map in the film; nullptr: no film
+    PictureStore* store = nullptr;  ///< receives the pictures of the report; nullptr: no report
   };
 
-  /// `rejected` is called for images that are none, `came` for each picture. Whoever is not wanted costs nothing.
+  /// `rejected` is called for invalid images, `came` for each picture. An unused output costs nothing.
   PictureNode(bus::Bus& bus, const ViewerOptions& options, Sources sources, std::function<void()> rejected,
               std::function<void()> came);
 
-  /// From now on images are of that rig, which `rectification` is for.
+  /// Sets the rig of the following images; `rectification` belongs to it.
   void SetCamera(const RigCalibration& rig, const Rectification& rectification);
-  /// Once for each frame.
+  /// Adds the pose of a frame; once for each frame.
   void AddPose(const FramePose& pose);
-  /// A new stream begins: its film replaces the one before, and its report has a store of its own.
+  /// Begins a new stream: its film replaces the previous one, and its report has its own store.
   void BeginAgain(PictureStore* store);
 
-  /// Pictures of frames that this process can have heard of have not all come yet.
+  /// Returns whether pictures of frames since this process listens are still missing.
   bool MayCome() const;
 
-  /// What became of the pictures of a run.
+  /// Result of the pictures of a run.
   struct Result {
-    int64_t missing = 0;  ///< pictures that somebody wanted, and that are nowhere
-    /// A sentence for each thing that was asked for by name (overlays, the film) and is not there.
+    int64_t missing = 0;  ///< requested pictures that do not exist
+    /// One sentence for each explicitly requested output (overlays, the film) that is missing.
     std::vector<std::string> failures;
   };
-  /// No more pictures of this run: the film gets its name, if it is whole. `lockstep`: every picture was promised.
-  /// `ended`: the stream has come to its end; else frames behind the newest picture are not missed. May be called
-  /// again.
+  /// Ends the pictures of this run: the film gets its final name if it is complete. `lockstep`: every picture was
+  /// promised. `ended`: the end of the stream has arrived; otherwise frames after the newest picture do not count as
+  /// missing. May be called again.
   Result Finish(const Recorder& recorder, bool lockstep, bool ended);
 
  private:
-  /// What images of a rig go through.
+  /// The calibration and the rectifiers of the images.
   struct Camera {
     RigCalibration rig;
     int width_px = 0;
     SmallRectifier left;
     SmallRectifier right;
-    /// For pictures as large as the images; made when the first one is wanted.
+    /// Rectifier at full image size; created when first needed.
     std::optional<Rectifier> whole;
   };
 
@@ -74,10 +74,10 @@ class PictureNode {
   cv::Mat Draw(const OverlayQueue::Ready& ready);
   void WriteOverlay(int64_t frame_id, const cv::Mat& picture);
   bool IsOverlay(int64_t frame_id) const;
-  /// The report wants it.
+  /// Returns whether the report needs it.
   bool IsStored(int64_t frame_id) const;
   std::string OverlayFile(int64_t frame_id) const;
-  /// Why there are no overlays, or no film, of some frames; empty where all is there.
+  /// Return the reason why some frames have no overlays, or no film; empty if all exist.
   std::string LackOfOverlays(const Recorder& recorder, bool lockstep, int64_t last) const;
   std::string LackOfFilm(bool lockstep, int64_t missing);
   std::string Why() const;
@@ -91,9 +91,9 @@ class PictureNode {
   std::unique_ptr<Film> film_;
   int64_t n_pictures_ = 0;
   int64_t newest_ = -1;  ///< frame that has a picture
-  /// Why a picture that had come could not be used or written; of the first.
+  /// The reason why a received picture could not be used or written, for the first such picture.
   std::string problem_;
-  /// Once the film is over: why it is not there, or nothing.
+  /// After the end of the film: the reason why it does not exist, or empty.
   std::optional<std::string> film_problem_;
   std::unique_ptr<bus::FrameSubscriber> frames_;
 };

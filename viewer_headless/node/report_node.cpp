@@ -46,7 +46,7 @@ ReportNode::~ReportNode() {
 }
 
 void ReportNode::OnStream(const stream_t& message) {
-  // That of an earlier run must not be taken for one of this.
+  // A report of an earlier run must not be mistaken for one of this run.
   std::error_code ignored;
   std::filesystem::remove(options_.out + "/report.html", ignored);
   report_->Begin({message.dataset, message.pace, message.n_frames});
@@ -62,7 +62,7 @@ void ReportNode::OnStatus(const status_t& message) {
 }
 
 int64_t ReportNode::Lag_frames(const status_t& message) {
-  // What the player has sent is as old as its status, so what has no pose is counted then.
+  // The player's count of sent frames is as old as its status, so the frames without a pose are counted on its arrival.
   if (process_name::SendsFrames(message.process)) behind_ = sources_.recorder->sent().Behind(NewestFrame());
   if (message.process == process_name::kVo) return behind_;
   if (message.process != process_name::kMapping && message.process != process_name::kLoop) return -1;

@@ -16,19 +16,19 @@
 
 namespace plslam::viewer {
 
-/// Collects what the report needs beside poses and map, writes `report.html`, and serves the live page.
+/// Collects the data of the report beside poses and map, writes `report.html`, and serves the live page.
 class ReportNode {
  public:
-  /// The state of the run that a report is made of; it stays and changes as the run goes on.
+  /// The state of the run from which the report is made; it outlives this object and changes during the run.
   struct Sources {
     const Recorder* recorder = nullptr;
     const Map* map = nullptr;
     std::function<Eigen::Quaterniond()> q_l_c;
   };
 
-  /// Throws std::runtime_error where the live page is asked for and cannot be served.
+  /// Throws std::runtime_error if the live page is requested and cannot be served.
   ReportNode(bus::Bus& bus, const ViewerOptions& options, Sources sources);
-  /// Once pages that watch the run know that it is over, if it is.
+  /// Returns after the watching pages have been notified of the end of the run, if it has ended.
   ~ReportNode();
 
   void OnStream(const stream_t& message);
@@ -45,8 +45,8 @@ class ReportNode {
 
  private:
   int64_t NewestFrame() const;
-  /// Of vo_process: frames sent since its newest pose; of mapping_process and loop_process, whose lag is not that of
-  /// vo_process: FramesBehind; -1 of others.
+  /// The lag of a process in frames: for vo_process the frames sent after its newest pose; for mapping_process and
+  /// loop_process, whose lag is independent, FramesBehind; -1 for others.
   int64_t Lag_frames(const status_t& message);
   std::string Json(const ReportSince& since) const;
 

@@ -24,14 +24,14 @@ namespace plslam::viewer {
 namespace {
 
 constexpr std::chrono::milliseconds kTick(250);
-// After the end of a stream: until it counts as over when the tracker says that it has finished, and when it says
-// nothing: it may wait 15 s for the map.
+// Ticks after the end of a stream until the run counts as over: after the tracker has finished, and at most, if the
+// tracker is silent: it may wait 15 s for the map.
 constexpr int kQuietTicksAfterFinish = 4;
 constexpr int kQuietTicksAtMost = 80;
-// Until the map is taken as it is, from the last thing that came: a killed mapping_process is back sooner, and a
-// whole map is adjusted in less.
+// Ticks since the last message until the map is accepted as it is: a killed mapping_process restarts sooner, and global
+// bundle adjustment takes less.
 constexpr int kQuietTicksForTheMap = 240;
-// Pictures whose messages have to be sent again come sooner.
+// Pictures whose messages have to be resent arrive sooner.
 constexpr int kQuietTicksForPictures = 20;
 constexpr size_t kRateTicks = 12;
 
@@ -112,10 +112,11 @@ void ViewerNode::OnStream(const stream_t& message) {
     recorder_.SetEnd(message.n_frames, message.n_bad);
     quiet_ticks_ = 0;
   } else if (message.event == "begin" || message.event == "resume") {
-    // Who speaks for a player that has ended says again what that had said, even after another has gone on.
+    // The history keeper may republish STREAM messages of a player that has exited, even after another one has resumed.
     const int64_t stream = message.header.session != 0 ? message.header.session : message.header.source;
     if (!streams_.insert(stream).second) return;
-    // What has been written stays: of the stream that goes on nothing may be left, and else all is written again.
+    // Written files are kept: after "resume" no earlier part of the stream may be available, and after "begin" all
+    // files are written again.
     if (written_ && message.event == "resume") return;
     if (written_) BeginAgain();
     lockstep_ = message.pace == "lockstep";
@@ -172,7 +173,7 @@ void ViewerNode::OnCommand(const command_t& message) {
 
 void ViewerNode::OnTick() {
   ShowProgress(false);
-  // One quiet tick: the true poses of the last frames may come after their estimates.
+  // Wait for one quiet tick: the true poses of the last frames may arrive after their estimates.
   if (dirty_ && ++quiet_ticks_ > 1 && RunIsOver()) {
     Write(true);
     if (failure_.empty()) process_.SetState(process_state::kFinished, "files in " + options_.out);
@@ -190,7 +191,7 @@ bool ViewerNode::RunIsOver() const {
   return quiet_ticks_ > (vo_finished_ ? kQuietTicksAfterFinish : kQuietTicksAtMost);
 }
 
-/// It has the last keyframe and all that is said about that, or nobody makes one.
+/// Returns whether the map has the last keyframe and all updates about it, or no mapping_process was heard.
 bool ViewerNode::MapIsComplete() const {
   if (!mapping_heard_) return true;
   const auto last = recorder_.LastKeyframe();
@@ -202,7 +203,7 @@ bool ViewerNode::PicturesMayCome() const { return lockstep_ && pictures_->MayCom
 void ViewerNode::Write(bool ended) {
   written_ = true;
   dirty_ = false;
-  // First: the report says which pictures it lacks.
+  // Finished first, because the report lists its missing pictures.
   const PictureNode::Result pictures = pictures_->Finish(recorder_, lockstep_, ended);
   process_.SetCounter(kPicturesMissing, static_cast<double>(pictures.missing));
   std::vector<std::string> failures = WriteFiles();
@@ -249,13 +250,13 @@ double ViewerNode::FramesPerSecond() {
 void ViewerNode::ShowProgress(bool last) {
   const bus::BusCounters counters = process_.bus().counters();
   const double rate = FramesPerSecond();
-  // Without a camera none of them can be written: whoever stops this process waits until they can.
+  // Without a camera no frame can be written: a launcher that stops this process waits until the count is positive.
   process_.SetCounter("frames", q_l_c_ ? static_cast<double>(recorder_.frames().size()) : 0.0);
   process_.SetCounter("keyframes", static_cast<double>(recorder_.keyframes()));
   process_.SetCounter("frames.lost", static_cast<double>(recorder_.Tally(false).lost));
   if (!on_terminal_) return;
   const std::string line = ProgressLine(recorder_, {announced_frames_, rate, counters.lost, counters.repaired});
-  // Over the line before, and clear what is left of it.
+  // Overwrite the previous line and clear its rest.
   std::fputs(fmt::format("\r{}\x1b[K{}", line, last ? "\n" : "").c_str(), stdout);
   std::fflush(stdout);
 }

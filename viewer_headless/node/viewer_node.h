@@ -27,15 +27,15 @@
 namespace plslam::viewer {
 
 /// Listens to a run, shows a progress line on a terminal, and writes the files of docs/viewer.md when the stream has
-/// ended, camera and every pose are there, in lockstep every picture, and the map has taken in the last keyframe
-/// (state "finished"), and again when it is told to stop and something came after. What was asked for and cannot be
-/// delivered makes the state "failed", with the reason, and exit code 1 at the end. Never needed by the others: it
-/// only reads ordered channels from their histories.
+/// ended, the camera and every pose have arrived, in lockstep every picture, and the map contains the last keyframe
+/// (state "finished"); it writes them again when it is stopped and something arrived after that. A requested output
+/// that cannot be delivered makes the state "failed", with the reason, and exit code 1 at the end. No other process
+/// depends on it: it only reads ordered channels from their histories.
 class ViewerNode {
  public:
-  /// Throws std::runtime_error where the output folder cannot be written, or another process has it (FolderLock).
+  /// Throws std::runtime_error if the output folder cannot be written, or another process has it (FolderLock).
   ViewerNode(bus::Process& process, const ViewerOptions& options);
-  /// Writes what is there and not yet written. What could not be delivered is said once more, as the last word.
+  /// Writes the results that are not yet written. Reports undelivered outputs once more at the end.
   ~ViewerNode();
   ViewerNode(const ViewerNode&) = delete;
   ViewerNode& operator=(const ViewerNode&) = delete;
@@ -69,23 +69,24 @@ class ViewerNode {
   std::optional<FolderLock> lock_;
   Recorder recorder_;
   std::unique_ptr<bus::MapSubscriber> map_;
-  /// Once the camera is known: its left image as calibrated (l) from the rectified one (c).
+  /// Rotation from the rectified left image (c) to the calibrated one (l), when the camera is known.
   std::optional<Eigen::Quaterniond> q_l_c_;
   std::unique_ptr<ReportNode> report_;
   std::unique_ptr<PictureNode> pictures_;
   std::optional<bus::CameraSubscriber> camera_;
   int64_t announced_frames_ = -1;
-  /// Players that have begun or gone on with a stream, and whether every frame of the newest is waited for.
+  /// Players that have begun or resumed a stream, and whether every frame of the newest stream is awaited.
   std::set<int64_t> streams_;
   bool lockstep_ = false;
   bool vo_finished_ = false;
   bool mapping_heard_ = false;
   CommittedKeyframes committed_;
-  /// Something has come since the files were written, and ticks since the last thing came.
+  /// Whether a message has arrived since the files were written, and ticks since the last message.
   bool dirty_ = false;
   int quiet_ticks_ = 0;
   bool written_ = false;
-  /// What could not be delivered, in one sentence: of this stream, and of one before it. Empty: all is well.
+  /// One sentence about the outputs that could not be delivered, of this stream and of an earlier one. Empty if there
+  /// are none.
   std::string failure_, failure_before_;
   int64_t rejected_ = 0;
   bool on_terminal_;

@@ -19,16 +19,16 @@ inline constexpr size_t kMaxReportFrames = 20'000;
 /// Every so many-th frame (of `frames().begin()`, counted one by one) a report of this run has.
 int64_t FrameStride(const Recorder& recorder);
 
-/// What was published with each frame, from row `first_row` on (a row is a frame of the stride): `id`, `t_s` since
-/// the first frame, `session` (0, 1, ... in order of appearance), `state`, `keyframe` (1: became one), counts,
-/// `entropy_ratio`, `live` position in w as published, `odom` position by odometry alone (in the w of the first frame
-/// of the session), and `stages_ms`, as wide as `stage_names`.
+/// Returns the values that were published with each frame, from row `first_row` on (a row is a frame of the stride):
+/// `id`, `t_s` since the first frame, `session` (0, 1, ... in order of appearance), `state`, `keyframe` (1: became
+/// one), counts, `entropy_ratio`, `live` position in w as published, `odom` position by odometry alone (in the w of the
+/// first frame of the session), and `stages_ms`, as wide as `stage_names`.
 Table FrameTable(const Recorder& recorder, int64_t stride, int64_t first_row);
 
-/// What the map makes of the frames at last.
+/// The path of the frames in the current map.
 struct PathOfRun {
-  /// `p` and `q` (x, y, z, w) of T_w_c in the final map; where there is truth `truth` (position of the true camera,
-  /// aligned with the path by a rigid motion), `error_m`, `error_deg`, `live_error_m`; NaN where a frame has none.
+  /// `p` and `q` (x, y, z, w) of T_w_c in the final map; if there is truth, `truth` (position of the true camera,
+  /// aligned with the path by a rigid motion), `error_m`, `error_deg`, `live_error_m`; NaN if a frame has none.
   Table table;
   std::optional<double> ate_m;
   std::optional<double> live_ate_m;

@@ -12,7 +12,7 @@ constexpr size_t kMaxCorrections = 40;
 }  // namespace
 
 void CorrectionLog::Add(const MapUpdate& update, const Map& map, int64_t frame_id) {
-  // A whole map brings all loops there ever were: what was before, nobody saw.
+  // A complete map contains all past loops; their corrections were not observed.
   const bool corrected = update.base_version != 0 && !update.loops.empty() && !positions_.empty();
   if (corrected) {
     Compare(map, frame_id);

@@ -23,7 +23,7 @@ class CorrectionLog {
   void Add(const MapUpdate& update, const Map& map, int64_t frame_id);
 
   const std::vector<ReportCorrection>& corrections() const { return corrections_; }
-  /// The move of the correction that came with this loop edge; 0 where nobody saw it.
+  /// Returns the largest move of the correction that came with this loop edge; 0 if it was not observed.
   double Moved_m(const LoopEdge& edge) const;
   int64_t dropped() const { return dropped_; }
 
@@ -39,12 +39,12 @@ class CorrectionLog {
   int64_t dropped_ = 0;
 };
 
-/// What loop_process said about loops.
+/// The loops that loop_process has published.
 class LoopLog {
  public:
   void Add(const LoopClosure& closure);
 
-  /// Loops of this run; those that the map came with are none. One that is said again counts once.
+  /// Returns the number of loops of this run, without those of a loaded map. A republished loop is counted once.
   int64_t closed() const { return static_cast<int64_t>(closed_.size()); }
 
   /// One row for each loop of the map, in that order; the newest 2000, and pictures of the newest 80.
@@ -61,7 +61,7 @@ class LoopLog {
   std::set<std::pair<int64_t, int64_t>> closed_;            // session, and keyframe there
 };
 
-/// Loops whose pictures are shown at most.
+/// Largest number of loops with pictures.
 inline constexpr size_t kMaxLoopPictures = 80;
 
 }  // namespace plslam::viewer

@@ -75,7 +75,7 @@ uint16_t Life_frames(const Map& map, const std::vector<Observation>& observation
   return 0;
 }
 
-/// The landmarks that are shown, by id; those seen most often where there are too many.
+/// Returns the displayed landmarks, by id; those with most observations if there are too many.
 template <class Landmark>
 std::vector<const Landmark*> Choose(const IdMap<Landmark>& landmarks, size_t limit) {
   std::vector<const Landmark*> chosen;
@@ -96,7 +96,7 @@ void AppendPositions(const MapLine& line, std::vector<float>& values) {
 }
 
 double Sigma_m(const MapPoint& point) { return std::sqrt(point.covariance.matrix().trace()); }
-/// Along the line nothing is measured.
+/// The position along the line is not measured.
 double Sigma_m(const MapLine& line) {
   const Eigen::Vector3d d = (line.segment_w.q - line.segment_w.p).normalized();
   const Eigen::Matrix3d mean = 0.5 * (line.covariance_p.matrix() + line.covariance_q.matrix());
@@ -203,7 +203,7 @@ ReportMap MapTables(const Map& map, const MapLimits& limits, std::vector<std::st
     notes->push_back(fmt::format("Who observes which landmark is left out: {:.1f} MB are more than {:.1f}.",
                                  1e-6 * static_cast<double>(bytes),
                                  1e-6 * static_cast<double>(limits.observer_bytes)));
-    // By its id a landmark that was chosen is found in the next map of a live page.
+    // The id identifies the landmark in the next map of a live page.
     tables.observers = {PackObservers(points, {}), PackObservers(segments, {}), true};
   }
   return tables;

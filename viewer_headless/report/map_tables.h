@@ -26,16 +26,16 @@ std::string PackObservers(const std::vector<const Landmark*>& landmarks, const R
 /// A standard deviation in one byte, in steps of 5 %: 0 is unknown, 1 is 0.1 mm and less, 255 is 24 m and more.
 uint8_t PackSigma(double sigma_m);
 
-/// What a page can show of a map at most.
+/// Limits of the map in a page.
 struct MapLimits {
   size_t points = 150'000;
   size_t segments = 30'000;
   size_t edges = 40'000;
-  size_t observer_bytes = 1'500'000;  ///< beyond, nothing but the ids of landmarks
+  size_t observer_bytes = 1'500'000;  ///< beyond it, only the ids of the landmarks
 };
 
-/// The map for the page. Where it has more than the limits allow, the landmarks that fewest keyframes see are left
-/// out, and the covisibility edges with fewest shared landmarks, or who observes the landmarks; `notes` then says so.
+/// Returns the map for the page. If it exceeds the limits, the landmarks with the fewest observing keyframes are left
+/// out, and the covisibility edges with the fewest shared landmarks, or the lists of observers; `notes` then says so.
 ReportMap MapTables(const Map& map, const MapLimits& limits, std::vector<std::string>* notes);
 
 }  // namespace plslam::viewer

@@ -13,7 +13,7 @@ constexpr size_t kMaxStages = 32;
 }  // namespace
 
 void MapTimes::Add(const MapUpdate& update, int64_t frame_id) {
-  // A whole map that came again has the times of whatever was last, once more.
+  // A republished complete map repeats the times of the last update.
   if (update.base_version == 0 && update.version != 1) return;
   if (update.stage_ms.empty() || heard_++ % every_ != 0) return;
   Row row;

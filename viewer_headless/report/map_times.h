@@ -10,14 +10,15 @@
 
 namespace plslam::viewer {
 
-/// Stage times of mapping_process by update of the map, in bounded memory: beyond 4000 rows every second one goes.
+/// Stage times of mapping_process by update of the map, in bounded memory: beyond 4000 rows every second one is
+/// dropped.
 class MapTimes {
  public:
   void Add(const MapUpdate& update, int64_t frame_id);
 
   const std::vector<std::string>& stage_names() const { return stage_names_; }
-  /// `frame`: newest frame then; `stages_ms`, as wide as there are names, NaN where there was none;
-  /// `before_px`, `after_px`: reprojection error of the adjustment.
+  /// `frame`: newest frame at that time; `stages_ms`, as wide as there are names, NaN for missing ones; `before_px`,
+  /// `after_px`: reprojection error of the adjustment.
   Table Times() const;
 
  private:

@@ -14,7 +14,7 @@ namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
-/// A frame of the run, with its truth where that is known. Poses of the left camera as calibrated.
+/// A frame of the run, with its truth if that is known. Poses of the left camera as calibrated.
 struct PathFrame {
   SE3 T_w_c;
   SE3 T_w_l;

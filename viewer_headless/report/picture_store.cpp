@@ -14,7 +14,7 @@ constexpr int kKeyframeWidth_px = 320;
 constexpr int kQuality = 68;
 
 OverlayFeatures Scale(const OverlayFeatures& features, float scale) {
-  // Disparities stay: they stand for depth.
+  // Disparities are not scaled: they represent depth.
   OverlayFeatures scaled = features;
   for (OverlayPoint& point : scaled.points) point.px *= scale;
   for (OverlaySegment& segment : scaled.segments) {

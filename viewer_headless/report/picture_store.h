@@ -10,13 +10,13 @@
 
 namespace plslam::viewer {
 
-/// The pictures of a run that a report has room for. Of every `stride`-th frame the left image with its features, and
-/// the right image, smaller; the stride doubles whenever there are more than `max_pictures`. Of every keyframe a
-/// smaller image, for the pairs of loops; beyond `max_keyframes` every second one goes.
+/// The pictures of a run, as many as fit into a report. They contain the left image of every `stride`-th frame with its
+/// features, and its right image, smaller; the stride doubles whenever there are more than `max_pictures`. A smaller
+/// image of every keyframe is stored for the pairs of loops; beyond `max_keyframes` every second one is dropped.
 class PictureStore {
  public:
   static constexpr int kPictureWidth_px = 512;
-  /// Looked at now and then: at half the width it makes the report a third larger.
+  /// Rarely viewed: at half the width, right images make the report a third larger.
   static constexpr int kRightWidth_px = kPictureWidth_px / 2;
 
   explicit PictureStore(int64_t max_pictures) : max_pictures_(max_pictures) {}
@@ -26,18 +26,18 @@ class PictureStore {
   bool Wants(int64_t frame_id) const { return max_pictures_ > 0 && frame_id >= 0 && frame_id % stride_ == 0; }
   int64_t stride() const { return stride_; }
 
-  /// Rectified images, 8-bit grey, which may be smaller than the `width_px` of the image that has the features;
-  /// `right` is empty where there is none.
+  /// Adds rectified images, 8-bit grey, which may be smaller than the `width_px` of the image that has the features;
+  /// `right` may be empty.
   void Add(int64_t frame_id, const cv::Mat& left, const cv::Mat& right, const OverlayFeatures& features,
            int width_px);
   void AddKeyframe(int64_t frame_id, const cv::Mat& image);
 
-  /// So many pictures of frames that were wanted have not come.
+  /// Sets the number of wanted pictures that are missing.
   void SetMissing(int64_t n) { missing_ = n; }
   int64_t missing() const { return missing_; }
 
   const std::map<int64_t, ReportPicture>& pictures() const { return pictures_; }
-  /// JPEG of the keyframe at that frame; empty where there is none.
+  /// Returns the JPEG of the keyframe at that frame; empty if there is none.
   std::string Keyframe(int64_t frame_id) const;
 
  private:

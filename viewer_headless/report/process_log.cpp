@@ -79,7 +79,7 @@ std::vector<ReportProcess> ProcessLog::Processes() const {
   for (const auto& [name, series] : processes_) {
     const double silent_s = now_s - series.heard_s;
     const Pace pace = PaceOf(series.state, silent_s, series.queue);
-    // Nothing that was sent since has been handled, as far as is known.
+    // Frames sent during the silence count as unprocessed.
     const bool is_silent = pace == Pace::kSilent || pace == Pace::kGone;
     const int64_t more_frames = series.lag_frames >= 0 && is_silent ? sent_frames - series.sent_frames : 0;
     ReportProcess process{.name = name,

@@ -11,24 +11,24 @@
 
 namespace plslam::viewer {
 
-/// What one status of a process says.
+/// One status of a process.
 struct ProcessSample {
   std::string process;
   std::string state;
-  double t_s = 0.0;       ///< by the clock of whoever listens
-  int64_t frame_id = -1;  ///< newest frame then
+  double t_s = 0.0;       ///< by the listener's clock
+  int64_t frame_id = -1;  ///< newest frame at that time
   double cpu_s = 0.0;
   double memory_mb = 0.0;
   std::vector<std::pair<std::string, double>> counters;
   int64_t pid = 0;
-  double queue = 0.0;       ///< longest of its queues
+  double queue = 0.0;       ///< length of its longest queue
   int64_t lag_frames = -1;  ///< as ReportNode counts it; -1: it has none
   int64_t sent_frames = 0;  ///< by the player then
 };
 
-/// Keeps queues, repairs, times and memory of each process over the run, in bounded memory: at most 16 processes, 32
-/// counters each (queues, and what the bus lost, repaired, sent again, rejected, skipped), and 600 samples, of which
-/// every second one goes when there are more. Numbers that are not finite are refused.
+/// Stores queues, repairs, times and memory of each process over the run, in bounded memory: at most 16 processes, 32
+/// counters each (queues, and the bus's lost, repaired, resent, rejected and skipped messages), and 600 samples, of
+/// which every second one is dropped when there are more. Non-finite numbers are rejected.
 class ProcessLog {
  public:
   void Add(const ProcessSample& sample);

@@ -14,7 +14,7 @@
 
 namespace plslam::viewer {
 
-/// What the head of the report says.
+/// Facts in the head of the report.
 struct RunFacts {
   std::string dataset;
   std::string pace;
@@ -33,12 +33,12 @@ struct RunFacts {
   /// Root mean square of the errors of position after rigid alignment, of the final and of the published path.
   std::optional<double> ate_m;
   std::optional<double> live_ate_m;
-  /// What the run has shown so far; of a part of a run that comes without its path none.
+  /// Warnings about the run so far; empty in a partial update without the path.
   std::vector<RunWarning> warnings;
 };
 
-/// A picture of the run: the rectified left image, made smaller, and what was tracked in it, in pixels of the small
-/// one (disparities: of the camera).
+/// A picture of the run: the rectified left image, reduced, and its tracked features, in pixels of the reduced image
+/// (disparities: of the camera).
 struct ReportPicture {
   int64_t frame_id = 0;
   int width_px = 0;
@@ -48,7 +48,7 @@ struct ReportPicture {
   OverlayFeatures features;
 };
 
-/// Two keyframes that see the same place; frames are -1 where the map does not have the keyframe any more.
+/// Two keyframes at the same place; frames are -1 if the keyframe is not in the map any more.
 struct ReportLoop {
   int64_t old_keyframe_id = -1;
   int64_t keyframe_id = -1;
@@ -61,43 +61,43 @@ struct ReportLoop {
   double score = 0.0;
   double detect_ms = 0.0;
   double correct_ms = 0.0;
-  double moved_m = 0.0;  ///< how far the correction that it caused moved a keyframe at most; 0 where nobody saw it
+  double moved_m = 0.0;  ///< largest move of a keyframe by the correction that it caused; 0 if it was not observed
   std::string old_jpeg;  ///< empty: no picture
   std::string jpeg;
 };
 
 /// Keyframes before and after a correction of the map by loops: columns `keyframe`, `before`, `after`.
 struct ReportCorrection {
-  int64_t frame_id = -1;  ///< newest frame then
+  int64_t frame_id = -1;  ///< newest frame at that time
   double moved_m = 0.0;   ///< furthest move of a keyframe
   Table table;
 };
 
-/// What a process said of itself over time: columns `t_s` (since the first status of any), `frame`, `cpu_s`,
-/// `memory_mb`, and one for each counter that is shown.
+/// Statistics of a process over time: columns `t_s` (since the first status of any process), `frame`, `cpu_s`,
+/// `memory_mb`, and one for each displayed counter.
 struct ReportProcess {
   std::string name;
   std::string state;
   std::string pace;         ///< PaceName
   double silent_s = 0.0;    ///< between its last status and the last one of any process
-  double queue = 0.0;       ///< longest of its queues, at its last status
+  double queue = 0.0;       ///< length of its longest queue, at its last status
   int64_t lag_frames = -1;  ///< as ReportNode counts it; -1: it has none
   int64_t restarts = 0;     ///< how often another process of the name took over
   Table table;
 };
 
-/// Who observes the landmarks, and their ids, in the order of their tables (PackObservers).
+/// The observing keyframes of landmarks, and the landmarks' ids, in the order of their tables (PackObservers).
 struct ReportObservers {
   std::string points;
   std::string segments;
-  bool only_ids = false;  ///< with who observes them it would be too large
+  bool only_ids = false;  ///< with the observing keyframes it would be too large
 };
 
-/// The map: points (`p`, `seen`, `life`, `observations`, `sigma`), segments (`pq` instead of `p`),
-/// keyframes (`id`, `frame`, `p`, `q`, `parent`, `sigma_m`), edges between rows of keyframes (`ab`, `shared`), loop
-/// edges (`ab`). `seen` is the frame that saw it first, `life`
-/// the number of frames from there to the last keyframe that observes it, `q` is x, y, z, w, positions are in metres in w; `sigma` is
-/// the standard deviation of the position (of segments: across them, at the ends), packed (PackSigma).
+/// The map: points (`p`, `seen`, `life`, `observations`, `sigma`), segments (`pq` instead of `p`), keyframes (`id`,
+/// `frame`, `p`, `q`, `parent`, `sigma_m`), edges between rows of keyframes (`ab`, `shared`), loop edges (`ab`). `seen`
+/// is the frame that saw it first, `life` the number of frames from there to the last keyframe that observes it, `q` is
+/// x, y, z, w, positions are in metres in w; `sigma` is the standard deviation of the position (of segments: across
+/// them, at the ends), packed (PackSigma).
 struct ReportMap {
   Table points;
   Table segments;
@@ -108,13 +108,13 @@ struct ReportMap {
   ReportObservers observers;
 };
 
-/// A run, or what is new of it, as the page shows it. Rows of `frames` and `path` stand for the same frames, `path`
-/// for all of them: `frames` begins at row `first_row`.
+/// A run, or the new data of it, for the page. Rows of `frames` and `path` refer to the same frames, `path` to all of
+/// them: `frames` begins at row `first_row`.
 struct ReportData {
   RunFacts facts;
-  /// For the next question of a live page (ReportSince).
+  /// For the next request of a live page (ReportSince).
   std::string next;
-  /// Everything is here: a live page forgets what it had.
+  /// All data are included: a live page drops its previous data.
   bool whole = true;
   std::vector<std::string> stage_names;
   std::vector<std::string> map_stage_names;
@@ -127,7 +127,7 @@ struct ReportData {
   std::vector<ReportCorrection> corrections;
   std::vector<ReportProcess> processes;
   std::vector<ReportPicture> pictures;
-  /// What was left out, one sentence each.
+  /// One sentence for each omission.
   std::vector<std::string> notes;
 };
 

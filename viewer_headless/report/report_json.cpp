@@ -110,7 +110,7 @@ Json ToJson(const ReportMap& map) {
 
 uint8_t Age(int age) { return static_cast<uint8_t>(std::clamp(age, 0, 255)); }
 
-/// Pixels in 32nds; what is outside is at the border, as the page clips there anyway.
+/// Pixels in 32nds; outside coordinates are moved to the border, since the page clips there anyway.
 uint16_t Fixed(float px) { return static_cast<uint16_t>(std::lround(std::clamp(px, 0.0F, 2047.0F) * 32.0F)); }
 
 uint16_t FixedDisparity(float px) { return px < 0.0F ? uint16_t{65535} : Fixed(px); }

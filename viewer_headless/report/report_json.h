@@ -10,23 +10,23 @@
 
 namespace plslam::viewer {
 
-/// What a live page has already, so that it is sent only what is new. Travels as text, "3.1.250.17.96".
+/// The data that a live page already has, so that only new data are sent. Encoded as text, "3.1.250.17.96".
 struct ReportSince {
-  int64_t run = -1;          ///< which stream; another one: everything is new
-  int64_t stride = 1;        ///< of the frames it has
+  int64_t run = -1;          ///< id of the stream; another one: everything is new
+  int64_t stride = 1;        ///< of the frames that it has
   int64_t rows = 0;          ///< rows of frames
   int64_t map_version = -1;  ///< of the map and of the path
   int64_t picture = -1;      ///< frame of the newest picture
 
   std::string Text() const;
-  /// Empty text is nothing yet; nullopt where it is no such text.
+  /// Empty text means no data yet; nullopt if the text is invalid.
   static std::optional<ReportSince> Parse(std::string_view text);
   bool operator==(const ReportSince&) const = default;
 };
 
-/// The data as the page reads it: JSON in UTF-8 without '<', so that it can stand inside a page. A column is
-/// `{"type": "f32", "width": 3, "data": BASE64}`, little endian. Names that are not UTF-8 are repaired, numbers that
-/// are not finite are null. Features of pictures stand in 32nds of a pixel, disparity 65535 for none.
+/// Returns the data for the page: JSON in UTF-8 without '<', so that it can be embedded in a page. A column is
+/// `{"type": "f32", "width": 3, "data": BASE64}`, little endian. Names that are not UTF-8 are repaired, non-finite
+/// numbers are null. Features of pictures are in 32nds of a pixel, disparity 65535 for none.
 std::string ReportJson(const ReportData& data);
 
 }  // namespace plslam::viewer

@@ -8,18 +8,18 @@
 
 namespace plslam::viewer {
 
-/// The page that shows a report, as the build has bundled it: `report_template.html` in `share/plslam` beside the
-/// folder of this program. nullopt where it was built without (docs/viewer.md).
+/// Reads the page that shows a report, as bundled by the build: `report_template.html` in `share/plslam` beside the
+/// folder of this program. nullopt if it was built without (docs/viewer.md).
 std::optional<std::string> ReadReportTemplate();
 
 /// A page, template or report, from its file.
 std::string ReadPage(std::istream& stream);
 
-/// JSON as the page can hold it: no text in it ends the element that it stands in.
+/// Returns JSON that can be embedded in the page: no text in it ends its element.
 std::string SafeInPage(std::string json);
 
-/// The template before and behind the data of a run, which with them inside needs nothing else. Throws
-/// std::runtime_error where it is none.
+/// The template before and after the data of a run; with the data in between, the page is self-contained. Throws
+/// std::runtime_error if the page is no template.
 struct PageAroundData {
   std::string_view before, behind;
 };
@@ -28,15 +28,15 @@ PageAroundData AroundData(std::string_view page);
 /// The page with the data inside.
 std::string FillTemplate(const std::string& page, std::string_view json);
 
-/// A report with these warnings (a list as in summary.json) in the place of those that the viewer told: `plslam run`
-/// alone knows the whole run, its files evaluated. Throws std::runtime_error where the page has no place for them.
+/// Returns a report whose warnings are replaced by these (a list as in summary.json): only `plslam run` has the whole
+/// run with its evaluated files. Throws std::runtime_error if the page has no slot for them.
 std::string FillWarnings(const std::string& page, std::string_view json);
 
-/// The data in a report. Throws std::runtime_error where it has none: it is no report of a run that has ended.
+/// Returns the data of a report. Throws std::runtime_error if it has none: it is no report of a completed run.
 std::string DataOfReport(const std::string& page);
 
-/// A report with the maps of other runs (others.js) beside its own. Throws std::runtime_error where the page has no
-/// place for them.
+/// Returns a report with the maps of other runs (others.js) beside its own. Throws std::runtime_error if the page has
+/// no slot for them.
 std::string FillOtherRuns(const std::string& page, std::string_view json);
 
 }  // namespace plslam::viewer

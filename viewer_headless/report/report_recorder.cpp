@@ -11,7 +11,7 @@
 namespace plslam::viewer {
 namespace {
 
-/// Of a power of two: "2nd", "4th".
+/// Returns the ordinal of a power of two: "2nd", "4th".
 std::string Ordinal(int64_t n) { return fmt::format("{}{}", n, n % 10 == 2 && n % 100 != 12 ? "nd" : "th"); }
 
 }  // namespace
@@ -29,7 +29,7 @@ void ReportRecorder::Add(const MapUpdate& update, const Map& map, int64_t frame_
 
 void ReportRecorder::Finish() {
   finished_ = true;
-  // So that a live page gets the last state of everything.
+  // Makes a live page request the final state of everything.
   ++n_map_updates_;
 }
 
@@ -111,7 +111,7 @@ ReportData ReportRecorder::Build(const Recorder& recorder, const Map& map, const
   data.next = ReportSince{run_, stride, rows, n_map_updates_, picture}.Text();
   AddNotes(recorder, map, stride, &data);
   data.processes = processes_.Processes();
-  // Without a map nothing tells when the path changes.
+  // Without a map there is no event when the path changes.
   if (n_map_updates_ > 0 && from.map_version == n_map_updates_) return data;
   PathOfRun path = PathTable(recorder, map, q_l_c, stride);
   data.facts.ate_m = path.ate_m;

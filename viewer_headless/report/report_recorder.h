@@ -17,17 +17,17 @@
 
 namespace plslam::viewer {
 
-/// What the run is and how its head stands, beside poses and map.
+/// Description of the run: dataset, pace, number of frames.
 struct RunHead {
   std::string dataset;
   std::string pace;
   int64_t announced_frames = -1;
 };
 
-/// Collects during a run what a report needs beside the poses and the map, in bounded memory.
+/// Collects the data of a report beside the poses and the map, in bounded memory, during a run.
 class ReportRecorder {
  public:
-  /// At most so many pictures of frames; `run` counts the streams.
+  /// Stores at most `max_pictures` pictures of frames; `run` counts the streams.
   explicit ReportRecorder(int64_t max_pictures, int64_t run = 0) : pictures_(max_pictures), run_(run) {}
 
   void Begin(const RunHead& head);
@@ -36,14 +36,14 @@ class ReportRecorder {
   /// A counter of the status of a process.
   void Take(int64_t source, const std::string& name, double value) { counters_.Take(source, name, value); }
   void Add(const LoopClosure& closure) { loops_.Add(closure); }
-  /// After `update` has come into `map`; `frame_id` is the newest frame.
+  /// Called after `update` was applied to `map`; `frame_id` is the newest frame.
   void Add(const MapUpdate& update, const Map& map, int64_t frame_id);
-  /// The run is over.
+  /// Marks the run as ended.
   void Finish();
   PictureStore& pictures() { return pictures_; }
   const PictureStore& pictures() const { return pictures_; }
 
-  /// What of the run a page has not yet that has `since`.
+  /// Returns the data that a page with `since` does not have yet.
   ReportData Build(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c,
                    const ReportSince& since) const;
 

@@ -28,7 +28,7 @@ cv::Mat MeansOfBlocks(const cv::Mat& image, int block) {
   return means;
 }
 
-/// Where a coordinate lies in an image whose pixels are `block` times as large, within its `size` pixels.
+/// Returns a coordinate in the image whose pixels are `block` times as large, in subpixels, clamped to its `size`.
 int InBlocks(double raw_px, int block, int size) {
   const double px = std::clamp((raw_px + 0.5) / block - 0.5, 0.0, size - 1.0);
   return static_cast<int>(std::lround(px * BilinearWarp::kSubpixels));

@@ -14,14 +14,14 @@ namespace plslam::viewer {
 /// off), and the rest between pixels: a tenth of the time that means over parts of pixels take.
 cv::Mat Shrink(const cv::Mat& image, int width_px);
 
-/// Rectifies images of one camera as `Rectifier` does, and makes them small, for people to look at. It warps at the
-/// small size: a third of the time and of the memory that a whole rectified image takes.
+/// Rectifies images of one camera as `Rectifier` does, and reduces them for display. It warps at the reduced size: a
+/// third of the time and memory of a full rectified image.
 class SmallRectifier {
  public:
-  /// `view` is the one of `rectification` whose images come, `side` its name in errors.
+  /// `view` is the view of `rectification` for these images, `side` its name in errors.
   SmallRectifier(const Rectification& rectification, const RectifiedView& view, const char* side, int width_px);
 
-  /// `image` as recorded, 8-bit grey, becomes one at most `width_px` wide. Throws as `CheckImage`.
+  /// `image` as recorded, 8-bit grey, becomes one at most `width_px` wide. Throws the exceptions of `CheckImage`.
   cv::Mat Apply(const cv::Mat& image) const;
 
  private:

@@ -24,20 +24,20 @@ using Table = std::vector<Column>;
 /// Rows of the first column; 0 without columns.
 size_t Rows(const Table& table);
 
-/// The column of that name; nullptr where there is none.
+/// Returns the column of that name; nullptr if there is none.
 const Column* FindColumn(const Table& table, const std::string& name);
 
-/// The numbers as little endian bytes, and what they are called in a page: "f32", "i32", "u16", "u8".
+/// Returns the numbers as little endian bytes, and their type name in a page: "f32", "i32", "u16", "u8".
 std::string LittleEndianBytes(const Column& column);
 std::string TypeName(const Column& column);
 
-/// A number of a frame or keyframe as a column has it; -1: none.
+/// Returns a frame or keyframe id as a column stores it; -1: none.
 int32_t Clamp32(int64_t value);
 
-/// The numbers of a vector behind what is there.
+/// Appends the numbers of a vector.
 void Append(const Eigen::Ref<const Eigen::VectorXd>& vector, std::vector<float>& values);
 
-/// A row of `width` numbers behind what is there: NaN for those that `row` has not.
+/// Appends a row of `width` numbers: NaN for numbers that `row` does not have.
 void AppendRow(const std::vector<float>& row, size_t width, std::vector<float>& values);
 
 /// Drops the second, the fourth, the sixth, ... value.

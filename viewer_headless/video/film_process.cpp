@@ -20,7 +20,7 @@
 namespace plslam::viewer {
 namespace {
 
-// An encoder that takes longer for a picture does nothing any more.
+// An encoder that takes longer for a picture counts as stuck.
 constexpr timeval kFilmPatience = {60, 0};
 
 /// Our end of a connection, and the program's.
@@ -38,7 +38,7 @@ struct FilmSockets {
   }
 };
 
-/// Both of its standard streams are the connection; its errors go where ours go. Returns 0, or what errno would be.
+/// Both of its standard streams are the connection; its errors go where ours go. Returns 0 or an error number.
 int SpawnFilmProgram(pid_t& pid, std::string program, std::string file, int connection) {
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);

@@ -19,24 +19,25 @@ class NoFilmsHere : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A film that plslam_film writes: a program of its own, so that nobody who wants no film loads the 250 libraries of
-/// OpenCV's videoio. It starts at once, and has loaded them when the first picture comes. Where it dies or says no,
-/// `Begin`, `Add` and `Finish` throw std::runtime_error with one sentence, and it is over.
+/// A film that is written by plslam_film, a separate program, so that a run without a film does not load the 250
+/// libraries of OpenCV's videoio. It is started in the constructor, so that its libraries are loaded when the first
+/// picture arrives. If it exits or reports an error, `Begin`, `Add` and `Finish` throw std::runtime_error with one
+/// sentence, and the film is aborted.
 class FilmProcess {
  public:
-  /// `file` ends in ".mp4". What cannot be started is told by `Begin`.
+  /// `file` ends in ".mp4". A failure to start is reported by `Begin`.
   explicit FilmProcess(const std::string& file, const std::filesystem::path& program = FilmProgram());
-  /// Of a film that is not finished nothing is left.
+  /// An unfinished film leaves no file.
   ~FilmProcess();
   FilmProcess(const FilmProcess&) = delete;
   FilmProcess& operator=(const FilmProcess&) = delete;
 
   pid_t pid() const { return pid_; }
-  /// Once, before the first picture. Sides are even. Throws NoFilmsHere, too.
+  /// Called once, before the first picture. Both sides are even. Also throws NoFilmsHere.
   void Begin(double rate_hz, cv::Size size);
   /// 8-bit BGR, of that size.
   void Add(const cv::Mat& picture);
-  /// No more pictures: the file is there, whole, when this returns.
+  /// Completes the film: the file exists and is complete on return.
   void Finish();
 
  private:

@@ -3,7 +3,7 @@
 
 #include <string>
 
-/// What viewer_headless and plslam_film say to each other, on the standard input and output of the latter:
+/// Protocol between viewer_headless and plslam_film, on the standard input and output of the latter:
 ///
 ///   "WIDTH HEIGHT RATE\n"                what the film is; even numbers of pixels, pictures a second
 ///       "ready\n", or "error WHY\n", or "unable WHY\n" where there is no encoder
@@ -11,7 +11,7 @@
 ///   byte 0                               the film is whole
 ///       "done\n" or "error WHY\n"
 ///
-/// Where the input ends before byte 0 nothing is left of the film.
+/// If the input ends before byte 0, no film is left.
 namespace plslam::film_stream {
 
 inline constexpr char kPicture = 1;

@@ -43,7 +43,7 @@ int Refuse(std::FILE* out, const std::string& why) {
   return 1;
 }
 
-/// Why nothing more can be written to the file, by trying: OpenCV does not tell. Empty where it can.
+/// Returns the reason why the file cannot be written, by trying: OpenCV does not report it. Empty if it can be written.
 std::string WhyNotWritable(const std::string& part) {
   const std::vector<char> some(64 * 1024);
   errno = 0;
@@ -60,8 +60,8 @@ int RefuseToWrite(std::FILE* out, const std::string& file) {
   return Refuse(out, fmt::format("{}: cannot be written: {}", file, why.empty() ? "it was cut off" : why));
 }
 
-/// The boxes of an MP4 file, one behind the other, reach to its end, and the one with the index, which is written
-/// last, is among them. OpenCV and FFmpeg go on without a word when a disk is full.
+/// The boxes of an MP4 file follow each other up to its end, and include the index, which is written last. OpenCV and
+/// FFmpeg continue without an error when a disk is full.
 bool IsWholeMp4(const std::string& path) {
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   const auto end = static_cast<uint64_t>(file.tellg());
@@ -92,7 +92,7 @@ bool OpenFilm(cv::VideoWriter& writer, const std::string& part, const FilmFormat
   return false;
 }
 
-/// Whether the end of the film came, and not that of the input.
+/// Returns whether the film was completed before the input ended.
 bool CopyPictures(std::FILE* in, cv::VideoWriter& writer, const cv::Size& size) {
   cv::Mat picture(size, CV_8UC3);
   const size_t n_bytes = picture.total() * picture.elemSize();

@@ -15,23 +15,24 @@ namespace plslam::viewer {
 /// picture decides the size (made even).
 class RunVideo {
  public:
-  /// `film` has been started for `path`, where that is a file. `rate_hz` pictures a second. Throws std::runtime_error
-  /// where the one that is meant cannot be written.
+  /// `film` has been started for `path` if that is a file. `rate_hz` is in pictures a second. Throws std::runtime_error
+  /// if the chosen output cannot be written.
   RunVideo(const std::string& path, std::unique_ptr<FilmProcess> film, double rate_hz, const cv::Size& size);
-  /// Of a file that is not closed nothing is left.
+  /// A file that is not closed is removed.
   ~RunVideo() = default;
   RunVideo(const RunVideo&) = delete;
   RunVideo& operator=(const RunVideo&) = delete;
 
-  /// 8-bit BGR; of another size it is scaled. Throws std::runtime_error where it cannot be written; it is over then.
+  /// 8-bit BGR; a picture of another size is scaled. Throws std::runtime_error if it cannot be written, which ends the
+  /// video.
   void Add(const cv::Mat& picture);
-  /// No more pictures: the file has its name from here on; while it is written it ends in ".part.mp4". Throws
-  /// std::runtime_error where it cannot be finished and named so.
+  /// Completes the video: the file has its final name from here on; until then it ends in ".part.mp4". Throws
+  /// std::runtime_error if it cannot be completed or renamed.
   void Close();
   /// The file, or the folder.
   const std::string& path() const { return path_; }
   bool is_folder() const { return film_ == nullptr; }
-  /// Why it is a folder where a file was asked for.
+  /// The reason why it is a folder although a file was requested.
   const std::string& why_folder() const { return why_folder_; }
   int64_t pictures() const { return n_pictures_; }
 
@@ -47,11 +48,11 @@ class RunVideo {
 /// The program that is to write `path`, started; nullptr where that is to be a folder of pictures.
 std::unique_ptr<FilmProcess> StartFilm(const std::string& path);
 
-/// Pictures a second of the recording, by the times of two frames and how many lie between; 20 where they say
-/// nothing.
+/// Returns the frame rate of the recording, in pictures a second, from the times of two frames and the number of frames
+/// in between; 20 if the times are not usable.
 double PictureRate_hz(int64_t t0_ns, int64_t t1_ns, int64_t n_frames);
 
-/// Two pictures in one: beside each other, or the second below the first where that is wide.
+/// Joins two pictures: side by side, or the second below the first if that is wide.
 cv::Mat Join(const cv::Mat& picture, const cv::Mat& map);
 /// The size of a map that `Join` puts beside a picture of this size.
 cv::Size MapSizeBeside(const cv::Size& picture);

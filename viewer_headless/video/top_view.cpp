@@ -59,7 +59,7 @@ void DrawPath(cv::Mat& picture, const Projection& project, const std::vector<Eig
   cv::Point2d last = project(path.front());
   for (size_t i = 1; i < path.size(); ++i) {
     const cv::Point2d px = project(path[i]);
-    // Lines of less than a pixel are most of the work, and nobody sees them.
+    // Lines shorter than a pixel are most of the work and invisible.
     if (i + 1 < path.size() && cv::norm(px - last) < 1.0) continue;
     DrawLine(picture, last, px, colour, width);
     last = px;

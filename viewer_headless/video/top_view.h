@@ -7,11 +7,11 @@
 
 namespace plslam::viewer {
 
-/// What is seen from above: positions in metres, in the levelled frame (LevelRotation): y is down, and left out.
+/// The scene of a top view: positions in metres, in the levelled frame (LevelRotation): y is down and ignored.
 struct TopViewScene {
   std::vector<Eigen::Vector3d> points;
   std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> segments;
-  std::vector<Eigen::Vector3d> path;  ///< of the camera, in the order of time
+  std::vector<Eigen::Vector3d> path;  ///< of the camera, in order of time
 };
 
 /// The part of the ground that is drawn: it grows with path and landmarks and never shrinks, in steps, so that a film
@@ -30,7 +30,7 @@ class TopViewWindow {
   void Grow(const Eigen::Vector2d& low, const Eigen::Vector2d& high);
 
   bool empty_ = true;
-  /// Of the path alone, and of all.
+  /// Bounds of the path alone, and of the whole scene.
   Eigen::Vector2d path_low_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d path_high_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d low_ = Eigen::Vector2d::Zero();

@@ -95,17 +95,17 @@ std::optional<int64_t> HistoryLog::Write(const Bytes& message) {
   event.channel = channel_.data();
   event.datalen = static_cast<int32_t>(message->size());
   event.data = const_cast<uint8_t*>(message->data());  // LCM's C interface is not const-correct
-  // Flushed at once: the reader has a handle of its own.
+  // Flushed at once: the reader has a separate handle.
   const bool written = offset >= 0 && files_->reader != nullptr && lcm_eventlog_write_event(writer, &event) == 0 &&
                        fflush(writer->f) == 0;
   return written ? std::optional(offset) : std::nullopt;
 }
 
-/// What is open stays readable without its name, and goes with the process however that ends.
+/// An open file stays readable without its name, and is removed with the process however that ends.
 void HistoryLog::RemoveFile() const {
   std::error_code ignored;
   std::filesystem::remove(path_, ignored);
-  std::filesystem::remove(std::filesystem::path(path_).parent_path(), ignored);  // where nothing else is in it
+  std::filesystem::remove(std::filesystem::path(path_).parent_path(), ignored);  // only if it is empty
 }
 
 Bytes HistoryLog::Read(int64_t offset) {

@@ -13,12 +13,12 @@
 
 namespace plslam::bus {
 
-/// Where the history of a process lies that names no folder for it.
+/// Returns the folder for the history of a process that configures none.
 std::string TemporaryFolder(int64_t source);
 
-/// The sent messages of one ordered channel, by number, for those that ask again. Memory is bounded: beyond
-/// `memory_bytes` a kAll history wants its oldest messages moved to a `HistoryLog`, a kUnacknowledged one forgets
-/// them. It never touches the disk itself, so that whoever guards it with a mutex holds that for bookkeeping alone:
+/// The sent messages of one ordered channel, by number, for repair requests. Memory is bounded: beyond `memory_bytes` a
+/// kAll history requests that its oldest messages be moved to a `HistoryLog`, and a kUnacknowledged one drops them. It
+/// does not access the disk itself, so that its owner holds the mutex that guards it for bookkeeping only:
 ///
 ///   Append  ->  while (message = ToMove()) { offset = log.Write(message); Moved(offset); }
 ///   Find    ->  the message, or the offset for log.Read
@@ -35,13 +35,13 @@ class History {
 
   /// The next message: its number is `next_seq()`.
   void Append(Bytes message);
-  /// The oldest message in memory where it is to go to the log; nullptr where memory is within its bound.
+  /// Returns the oldest message in memory if it is to be moved to the log; nullptr if memory is within its bound.
   Bytes ToMove() const;
-  /// That message stands at `offset` of the log, or could not be written (nullopt). Without a log the history begins
-  /// later from then on, which announcements say.
+  /// Records that this message is stored at `offset` of the log, or could not be written (nullopt). Without a log the
+  /// history begins later from then on, as announcements then state.
   void Moved(std::optional<int64_t> offset);
 
-  /// nullopt where it is not kept any more, or was never sent.
+  /// Returns nullopt if the message was dropped or never sent.
   std::optional<Kept> Find(int64_t seq) const;
   /// kUnacknowledged: everything below `seq` is no longer needed. kAll ignores it.
   void Forget(int64_t seq);
@@ -71,20 +71,19 @@ class History {
   bool log_failed_ = false;
 };
 
-/// The LCM log that a history moves its oldest messages to. One thread may write while another reads what has been
-/// written.
+/// The LCM log that a history moves its oldest messages to. One thread may write while another reads earlier messages.
 class HistoryLog {
  public:
-  /// The file is made when it is first needed. Unless `keep_file` it loses its name at once, and its folder too, so
-  /// that nothing is left even of a process that is killed.
+  /// The file is created when it is first needed. Unless `keep_file`, its name is removed at once, and its folder too,
+  /// so that no file is left even by a process that is killed.
   HistoryLog(std::string channel, std::string path, bool keep_file);
   ~HistoryLog();
   HistoryLog(const HistoryLog&) = delete;
   HistoryLog& operator=(const HistoryLog&) = delete;
 
-  /// The offset of the message in the file; nullopt where the disk does not take it (full, gone).
+  /// Returns the offset of the message in the file; nullopt if the disk rejects it (full, removed).
   std::optional<int64_t> Write(const Bytes& message);
-  /// nullptr where it cannot be read.
+  /// Returns nullptr if it cannot be read.
   Bytes Read(int64_t offset);
 
  private:

@@ -7,14 +7,14 @@
 namespace plslam::bus {
 namespace {
 
-/// Missing messages asked for at a time, and ranges named in one request.
+/// Largest number of missing messages requested at a time, and of ranges in one request.
 constexpr int64_t kMaxAsked = 64;
 constexpr size_t kMaxRanges = 32;
-/// A jump of the numbers by more is a lie or a mistake.
+/// A larger jump of the numbers is forged or a fault.
 constexpr int64_t kMaxJump = 50'000'000;
 /// Large messages are acknowledged one by one, since the window holds few of them.
 constexpr int64_t kPromptAckCost = 28'000;
-/// Without repair: what may come after a gap before it is given up.
+/// Without repair: number of messages after a gap until it is given up.
 constexpr size_t kOneWayPatience = 256;
 
 }  // namespace
@@ -40,7 +40,7 @@ OrderedReader::Arrival OrderedReader::OnMessage(int64_t seq, ByteView bytes, int
   }
   if ((started_ && seq < expected_) || buffer_.contains(seq)) return Arrival::kDuplicate;
   if (buffered_bytes_ + static_cast<int64_t>(bytes.size()) > buffer_limit_ && seq != expected_) {
-    return Arrival::kRefused;  // asked for again when there is room
+    return Arrival::kRefused;  // requested again when there is room
   }
   if (seq < known_end_) {
     if (seq >= join_end_ && seq < counted_end_) ++repaired_;
@@ -63,7 +63,7 @@ void OrderedReader::OnAnnounce(int64_t first_seq, int64_t next_seq, int64_t now,
   Heard(now);
   if (!started_) {
     if (known_end_ == 0) join_end_ = next_seq;
-    // What is here may be older: the publisher has forgotten what everybody else has.
+    // Buffered messages may be older: the publisher has dropped the messages that all other readers have.
     const int64_t begin = std::clamp(join_seq.value_or(first_seq), first_seq, next_seq);
     Start(buffer_.empty() ? begin : std::min(begin, buffer_.begin()->first), now);
   }
@@ -78,7 +78,7 @@ void OrderedReader::OnAnnounce(int64_t first_seq, int64_t next_seq, int64_t now,
     kept_ = now;
   }
   if (expected_ >= next_seq) ack_at_ = std::min(ack_at_, last_ack_ + times_.ack_pause_ns);
-  // An announcement also ends a batch of messages sent again: the rest may be asked for.
+  // An announcement also ends a batch of resent messages: the rest may be requested.
   if (progressed_) ask_now_ = true;
   Schedule();
 }
@@ -98,11 +98,13 @@ void OrderedReader::CountAsked(const std::vector<SeqRange>& ranges) {
   }
 }
 
-/// What lies before `seq` and is not here is lost for good; what is here is still delivered in order. Of what was
-/// sent before we listened, only this tells that it is lost.
+/// Gives up the missing messages before `seq`; buffered ones are still delivered in order. Messages sent before this
+/// reader joined count as lost only up to `join_end_`.
 void OrderedReader::SkipTo(int64_t seq) {
   while (expected_ < seq) {
-    if (!buffer_.empty() && buffer_.begin()->first == expected_) return;  // deliver it first; asked again later
+    if (!buffer_.empty() && buffer_.begin()->first == expected_)
+      return;  // deliver it first; SkipTo is called again
+               // later
     const int64_t next = buffer_.empty() ? seq : std::min(seq, buffer_.begin()->first);
     lost_ +=
         std::max<int64_t>(0, two_way_ ? std::min({next, join_end_, counted_end_}) - expected_ : next - expected_);
@@ -154,15 +156,15 @@ int64_t Count(const std::vector<SeqRange>& ranges) {
 
 }  // namespace
 
-/// What to ask for: everything missing, when the last question has been answered or has waited long enough; else only
-/// gaps not asked for yet.
+/// Returns the ranges to request: everything missing, if the last request has been answered or has timed out; otherwise
+/// only gaps that were not requested yet.
 std::optional<std::vector<SeqRange>> OrderedReader::Asking(int64_t now) {
   if (!two_way_ || !HasGap()) {
     retry_at_ = kFar;
     retry_pause_ = times_.retry_first_ns;
     return std::nullopt;
   }
-  if (!started_) {  // where it begins is not known: the publisher answers an empty question with an announcement
+  if (!started_) {  // the first number is unknown: the publisher answers an empty request with an announcement
     if (retry_at_ != kFar && now < retry_at_) return std::nullopt;
     retry_at_ = now + retry_pause_;
     retry_pause_ = std::min(2 * retry_pause_, times_.retry_max_ns);
@@ -210,7 +212,7 @@ std::optional<OrderedReader::Request> OrderedReader::Poll(int64_t now) {
 }
 
 void OrderedReader::GiveUp(int64_t now) {
-  if (Front() != nullptr) return;  // the reader's own queue is full: nothing is missing here
+  if (Front() != nullptr) return;  // the reader's own queue is full: no message is missing
   const bool dead = now - heard_ > times_.silent_ns && now - progress_ > times_.silent_ns;
   const bool hopeless = now - heard_ <= times_.absent_ns && now - progress_ > Patience(now);
   if (!dead && !hopeless && !IsOneWayGap()) return;
@@ -221,11 +223,11 @@ void OrderedReader::GiveUp(int64_t now) {
     return;
   }
   SkipTo(buffer_.empty() ? known_end_ : buffer_.begin()->first);
-  if (!dead) progress_ = now;  // the other gaps of a dead publisher need no wait of their own
+  if (!dead) progress_ = now;  // the other gaps of an exited publisher need no separate wait
 }
 
-/// How long a gap of a publisher that is heard is waited for. Where large messages hardly get through, trying on
-/// helps as long as they are there.
+/// Returns how long to wait for a gap of a publisher whose messages arrive. If large messages hardly get through, more
+/// requests help as long as the publisher has the messages.
 int64_t OrderedReader::Patience(int64_t now) const {
   return now - kept_ < times_.absent_ns ? times_.kept_ns : times_.hopeless_ns;
 }
@@ -237,7 +239,7 @@ void OrderedReader::OnEnd() {
   Schedule();
 }
 
-/// When `GiveUp` says yes if nothing is heard until then.
+/// Returns the time when `GiveUp` becomes due if no message arrives until then.
 int64_t OrderedReader::GiveUpTime() const {
   const int64_t dead = std::max(heard_, progress_) + times_.silent_ns + 1;
   // The earliest time that exceeds its `Patience`.

@@ -79,7 +79,7 @@ void OrderedWriter::OnHello(int64_t reader, int64_t window, int64_t now) {
 OrderedWriter::Answer OrderedWriter::OnRequest(int64_t id, int64_t delivered, int64_t window,
                                                const std::vector<SeqRange>& ranges, int64_t now) {
   Reader& reader = Heard(id, window, now);
-  // Nobody can have what was not sent; an older word that arrives late changes nothing.
+  // An acknowledgement of unsent messages is ignored, and so is an older one that arrives late.
   if (delivered < history_.next_seq() && delivered > reader.delivered) {
     reader.delivered = delivered;
     ++acknowledged_;
@@ -111,8 +111,8 @@ OrderedWriter::Answer OrderedWriter::OnRequest(int64_t id, int64_t delivered, in
   return answer;
 }
 
-/// Forgets what every reader has, and readers long gone. Without any reader, and while readers may not have been
-/// heard yet, the bound of the history alone counts.
+/// Drops the messages that every reader has, and readers that have been silent for long. Without any reader, and as
+/// long as readers may not have been heard yet, only the bound of the history applies.
 void OrderedWriter::Trim(int64_t now) {
   std::erase_if(readers_, [&](const auto& entry) { return now - entry.second.heard > times_.reader_kept_ns; });
   if (readers_.empty() || now < greeted_at_) return;
@@ -121,10 +121,10 @@ void OrderedWriter::Trim(int64_t now) {
   history_.Forget(least + 1);
 }
 
-/// Readers that are cut off, or dead, are kept messages for; a newcomer need not go through those.
+/// Messages are kept for readers that are cut off or have exited; a new reader need not receive those.
 int64_t OrderedWriter::join_seq(int64_t now) const {
   if (history_.retention() == Retention::kAll || now < greeted_at_) return history_.first_seq();
-  // Those who have said no more than that they read are newcomers themselves.
+  // Readers that have not acknowledged any message are new themselves.
   int64_t since = now - times_.join_heard_ns;
   int64_t newest_word = std::numeric_limits<int64_t>::min();
   for (const auto& [id, reader] : readers_) {
@@ -160,7 +160,7 @@ int OrderedWriter::AliveReaders(int64_t now) const {
 bool OrderedWriter::AllDelivered(int64_t now) const { return AllDelivered(times_.reader_alive_ns, now); }
 bool OrderedWriter::AllDeliveredToSilent(int64_t now) const { return AllDelivered(times_.reader_kept_ns, now); }
 
-/// To those who spoke within `silence_ns`.
+/// Returns whether all readers that were heard within `silence_ns` have everything.
 bool OrderedWriter::AllDelivered(int64_t silence_ns, int64_t now) const {
   return std::all_of(readers_.begin(), readers_.end(), [&](const auto& entry) {
     const Reader& reader = entry.second;

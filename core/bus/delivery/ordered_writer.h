@@ -14,7 +14,8 @@ namespace plslam::bus {
 /// Readers of one channel that its publisher remembers.
 inline constexpr size_t kMaxReaders = 256;
 
-/// What a datagram of `bytes` takes of a receive buffer, by the kernel's way of counting (payload plus buffer heads).
+/// Returns the bytes that a datagram of `bytes` takes in a receive buffer, as the kernel counts (payload plus buffer
+/// heads).
 constexpr int64_t WireCost(size_t bytes) { return static_cast<int64_t>(bytes + bytes / 16 + 2304); }
 
 /// Numbers first..last, both included.
@@ -28,16 +29,17 @@ struct SeqRange {
 class OrderedWriter {
  public:
   struct Times {
-    int64_t reader_alive_ns = 1'500'000'000;  ///< without a word for longer, a reader is not waited for
-    int64_t reader_kept_ns = 60'000'000'000;  ///< nor kept messages for, after this
-    /// After its first message a publisher forgets nothing for so long: those who read before it began may not have
-    /// been heard yet, as their first words can be lost (ten of them are said in this time).
+    int64_t reader_alive_ns = 1'500'000'000;  ///< a reader that is silent for longer is not waited for
+    int64_t reader_kept_ns = 60'000'000'000;  ///< and messages are not kept for it after this
+    /// After its first message a publisher drops no messages for this time: earlier readers may not have been heard
+    /// yet, as their first messages can be lost (ten of them are sent in this time).
     int64_t greeting_ns = 3'000'000'000;
-    /// A newcomer begins where the slowest reader heard within this time stands: it may be that one, started again.
+    /// A new reader begins at the position of the slowest reader that was heard within this time, which may be its
+    /// predecessor.
     int64_t join_heard_ns = 3'000'000'000;
-    int64_t announce_first_ns = 3'000'000;  ///< after sending, unless everybody has acknowledged by then
+    int64_t announce_first_ns = 3'000'000;  ///< after sending, unless all readers have acknowledged by then
     int64_t announce_period_ns = 1'000'000'000;
-    int64_t resend_pause_ns = 2'000'000;  ///< the same message is not sent again sooner (several readers ask)
+    int64_t resend_pause_ns = 2'000'000;  ///< a message is not resent sooner (several readers request it)
   };
 
   OrderedWriter(Retention retention, int64_t memory_bytes) : history_(retention, memory_bytes) {}
@@ -48,22 +50,22 @@ class OrderedWriter {
   /// Number of the next message.
   int64_t next_seq() const { return history_.next_seq(); }
   const History& history() const { return history_; }
-  /// Where a reader begins that has nothing yet.
+  /// First message for a reader that has none yet.
   int64_t join_seq(int64_t now) const;
 
-  /// Whether a message of that size may go now without filling some reader's buffer.
+  /// Returns whether a message of that size may be sent now without overflowing the buffer of any reader.
   bool WindowOpen(size_t bytes, int64_t now) const;
-  /// Stops waiting for those readers that keep the window shut, until they have caught up.
+  /// Stops waiting for the readers that keep the window shut, until they have caught up.
   void LeaveBehind(size_t bytes, int64_t now);
 
   /// The message `next_seq()` has been sent.
   void Sent(Bytes message, int64_t now);
-  /// The oldest messages that memory has no room for, as `History` says.
+  /// Returns the oldest messages beyond the bound of memory, as `History::ToMove`.
   Bytes ToMove() const { return history_.ToMove(); }
   void Moved(std::optional<int64_t> offset) { history_.Moved(offset); }
 
-  /// A reader's acknowledgement and request; returns the numbers to send again now, at most a window full. The
-  /// reader wants an announcement after them (or alone) when `announce` comes back true.
+  /// Handles a reader's acknowledgement and request; returns the messages to resend now, at most a window full. If
+  /// `announce` is true, an announcement follows them (or is sent alone).
   struct Answer {
     std::vector<History::Kept> resend;
     bool announce = false;
@@ -73,17 +75,17 @@ class OrderedWriter {
   /// "I read this channel".
   void OnHello(int64_t reader, int64_t window, int64_t now);
 
-  /// When `AnnounceDue` wants to be asked.
+  /// The next time to call `AnnounceDue`.
   int64_t announce_time() const { return next_announce_; }
-  /// True when an announcement is to be sent now; schedules the next.
+  /// Returns true when an announcement is to be sent now, and schedules the next.
   bool AnnounceDue(int64_t now);
 
   /// Readers that spoke lately.
   int AliveReaders(int64_t now) const;
   bool AllDelivered(int64_t now) const;
-  /// The same of those who have fallen silent, too, for as long as messages are kept for them.
+  /// Like `AllDelivered`, but includes readers that have fallen silent, as long as messages are kept for them.
   bool AllDeliveredToSilent(int64_t now) const;
-  /// Grows with each word of a reader that tells of more than the one before.
+  /// Number of acknowledgements that confirmed more messages than the one before.
   int64_t acknowledged() const { return acknowledged_; }
 
  private:
@@ -96,7 +98,7 @@ class OrderedWriter {
 
   bool Alive(const Reader& reader, int64_t now) const { return now - reader.heard <= times_.reader_alive_ns; }
   Reader& Heard(int64_t id, int64_t window, int64_t now);
-  /// Cost of what was sent after `delivered`; nullopt where that is so long ago that it is not known.
+  /// Returns the cost of the messages after `delivered`; nullopt if they are too old to be known.
   std::optional<int64_t> InFlight(int64_t delivered) const;
   bool Blocks(const Reader& reader, int64_t cost, int64_t now) const;
   bool AllDelivered(int64_t silence_ns, int64_t now) const;
@@ -109,7 +111,7 @@ class OrderedWriter {
   int64_t total_cost_ = 0;
   int64_t acknowledged_ = 0;
   std::map<int64_t, int64_t> resent_at_;
-  int64_t greeted_at_ = 0;  // nothing is forgotten before
+  int64_t greeted_at_ = 0;  // no messages are dropped before
   int64_t next_announce_ = 0;
   int announce_stage_ = 0;
 };

@@ -8,8 +8,8 @@
 
 namespace plslam::bus {
 
-/// Reads LCM event logs (of lcm-logger, of `plslam record`) without trusting what they say: sizes are checked against
-/// the file, damaged stretches are passed over, a cut-off end is an end. Data is read on demand.
+/// Reads LCM event logs (of lcm-logger, of `plslam record`) without trusting their content: sizes are checked against
+/// the file, damaged stretches are skipped, and a truncated end is the end. Data are read on demand.
 class LogReader {
  public:
   struct Event {
@@ -31,10 +31,11 @@ class LogReader {
   /// The next event, from the begin of the file on; nullopt at the end.
   std::optional<Event> Next();
 
-  /// Data at a place that an event named; nullopt where the file does not have it (any more). Safe from any thread.
+  /// Returns the data at the offset of an event; nullopt if the file does not have them (any more). Safe from any
+  /// thread.
   std::optional<std::vector<uint8_t>> Data(int64_t offset, int64_t bytes) const;
 
-  /// Bytes passed over because they are no event.
+  /// Bytes that were skipped because they are no event.
   int64_t skipped_bytes() const { return skipped_bytes_; }
 
  private:

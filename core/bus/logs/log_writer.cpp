@@ -17,7 +17,7 @@
 namespace plslam::bus {
 namespace {
 
-/// What may wait to be written; more holds publishers back.
+/// Limit of the bytes that wait to be written; beyond it publishers block.
 constexpr int64_t kMaxWaitingBytes = 64'000'000;
 
 }  // namespace
@@ -65,7 +65,7 @@ LogRecorder::LogRecorder(const BusOptions& options, const std::string& path)
     : writer_(path), bus_(options, "record") {
   bus_.SubscribeRest([this](std::string_view channel, ByteView data) { Record(channel, data); });
   for (const Channel& channel : Channels()) {
-    // Requests and announcements of the others come with the rest.
+    // Requests and announcements of other processes are among the rest.
     if (channel.name == kRepairRequest.name || channel.name == kAnnounce.name) continue;
     const bool ordered = channel.delivery == Delivery::kEvery;
     bus_.SubscribeBytes(

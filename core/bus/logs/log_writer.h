@@ -12,8 +12,8 @@
 
 namespace plslam::bus {
 
-/// Writes LCM event logs that lcm-logplayer reads. Throws std::runtime_error with one sentence where the file cannot
-/// be written; what could be written stays, but no empty file.
+/// Writes LCM event logs that lcm-logplayer reads. Throws std::runtime_error with one sentence if the file cannot be
+/// written; the written part is kept, but no empty file.
 class LogWriter {
  public:
   explicit LogWriter(const std::string& path);
@@ -36,13 +36,13 @@ class LogWriter {
 };
 
 /// Records everything on the bus into an LCM log (`plslam record`). Unlike lcm-logger it is a full reader of the
-/// ordered channels: what it misses is sent again, and publishers do not outrun it, so that the log has no gaps. MACs
-/// are checked, and not recorded. Messages of channels that are not in the table are recorded as they come.
+/// ordered channels: missing messages are resent, and publishers wait for it, so that the log has no gaps. MACs are
+/// checked, and not recorded. Messages of channels that are not in the table are recorded unchecked.
 class LogRecorder {
  public:
   LogRecorder(const BusOptions& options, const std::string& path);
 
-  /// Records until `Stop` (from any thread), and then what it has acknowledged.
+  /// Records until `Stop` (from any thread), and then the messages that it has acknowledged.
   void Run();
   void Stop();
 

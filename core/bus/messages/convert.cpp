@@ -45,7 +45,7 @@ polygon_t ToPolygon(const MaskPolygon& polygon) {
   return message;
 }
 
-/// nullopt where there are more corners than a camera may have, or one is far outside any image.
+/// Returns nullopt if there are more corners than a camera may have, or one is far outside any image.
 std::optional<std::vector<MaskPolygon>> FromPolygons(const std::vector<polygon_t>& messages) {
   std::vector<MaskPolygon> polygons;
   size_t n_corners = 0;

@@ -22,20 +22,20 @@ class rectified_camera_t;
 
 namespace plslam::bus {
 
-/// Of features in messages.
+/// Largest octave of a feature in a message.
 inline constexpr int kMaxOctave = 31;
 
-// Values to messages and back. Everything that comes from the wire is checked: numbers that are not finite, rotations
-// that are none, sizes that cannot be, unknown names. Such content gives nullopt (false), never a guess.
+// Conversion of values to messages and back. All content from the wire is checked: non-finite numbers, invalid
+// rotations, impossible sizes and unknown names. Invalid content gives nullopt (false), never a guess.
 
 /// w >= 0.
 pose3_t ToMessage(const SE3& T_a_b);
-/// Unit quaternion (to 1e-6) and finite position. What is unit to rounding comes through with all its bits, but for
-/// the sign of the quaternion.
+/// Unit quaternion (to 1e-6) and finite position. A quaternion that is unit up to rounding keeps all its bits, except
+/// for its sign.
 std::optional<SE3> FromMessage(const pose3_t& message);
 
 rectified_camera_t ToMessage(const StereoCamera& camera);
-/// Focal length and size of a pixel at least, positive baseline.
+/// Focal length and image size of at least one pixel, positive baseline.
 std::optional<StereoCamera> FromMessage(const rectified_camera_t& message);
 
 /// Row major.
@@ -56,7 +56,7 @@ std::optional<FrameMask> FromMessage(const mask_t& message);
 /// The encoded rig without its header, which differs from message to message: equal for equal rigs.
 std::vector<uint8_t> RigBytes(camera_t message);
 
-/// `landmark_id` of vo_process and `map_id` of the map; -1: none. They do not come back with the feature.
+/// `landmark_id` of vo_process and `map_id` of the map; -1: none. They are not part of the decoded feature.
 point_feature_t ToMessage(const StereoPoint& point, int64_t landmark_id, int64_t map_id);
 std::optional<StereoPoint> FromMessage(const point_feature_t& message);
 line_feature_t ToMessage(const StereoLine& line, int64_t landmark_id, int64_t map_id);

@@ -14,7 +14,7 @@ namespace {
 /// millions.
 constexpr int64_t kMinStripBytes = 256;
 
-/// OpenCV type of an encoding for that camera; -1 where there is none.
+/// Returns the OpenCV type of an encoding for that camera; -1 if it is invalid.
 int PixelType(const image_strip_t& strip) {
   if (strip.encoding == "mono8") return CV_8UC1;
   return strip.encoding == "depth16" && strip.camera == 1 ? CV_16UC1 : -1;
@@ -36,7 +36,7 @@ bool FrameAssembler::CanHold(int32_t width_px, int32_t height_px, int64_t pixel_
          pixel_bytes * width_px * height_px <= kMaxImageBytes;
 }
 
-/// Fills in what the first strip of an image says about it, if that can be true.
+/// Fills in the image's properties from its first strip, if they are valid.
 bool FrameAssembler::Describe(const image_strip_t& strip, Image& image) {
   const int type = PixelType(strip);
   const int64_t pixel_bytes = type == CV_16UC1 ? 2 : 1;

@@ -59,7 +59,7 @@ const char* EncodingOf(const cv::Mat& image, bool is_right) {
                               std::to_string(image.type()) + " is neither");
 }
 
-/// Bytes of image in each strip: whole rows where one fits, else what fits.
+/// Returns the image bytes in each strip: complete rows if one fits, otherwise as many bytes as fit.
 int64_t StripBytes(const image_strip_t& empty, int64_t row_bytes, int64_t page_bytes) {
   const int64_t room = page_bytes - empty.getEncodedSize();
   if (room < 256) throw std::invalid_argument("bus.max_message_bytes leaves no room for images");
@@ -110,12 +110,12 @@ void FramePublisher::PublishImage(const StereoImages& frame, const cv::Mat& imag
 
 namespace {
 
-/// Whole frames that may wait for the handler; then lockstep publishers wait, and pictures are passed over.
+/// Complete frames that may wait for the handler; then lockstep publishers wait, and pictures are skipped.
 constexpr int kMaxWaiting = 3;
 
 }  // namespace
 
-/// Strips come on the receiving thread; frames go to the handler on the thread of Run. Kept alive by the
+/// Strips arrive on the receiving thread; frames go to the handler on the thread of Run. Kept alive by the
 /// subscriptions of the bus through weak pointers only.
 struct FrameSubscriber::Impl : std::enable_shared_from_this<FrameSubscriber::Impl> {
   Impl(Bus& bus_in, Mode mode_in, std::function<void(const Frame&)> handler_in,
@@ -172,7 +172,8 @@ void FrameSubscriber::Impl::OnStrip(Lane& lane, ByteView bytes) {
   const int64_t source = ReadHeader(bytes).source;
   const int64_t frame_id = ReadInt64(bytes.data() + kWireHeaderBytes);
   const auto known = lane.completed.find(source);
-  // In order each strip comes once: a frame that comes again was sent again, as by a player that has gone back.
+  // On the ordered channel each strip arrives once: a repeated frame was sent again, for example by a player that has
+  // gone back.
   if (!lane.lockstep && known != lane.completed.end() && frame_id <= known->second) return;
   if (wanted && !wanted(frame_id)) return;
   if (lane.strip.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return;
@@ -193,7 +194,7 @@ void FrameSubscriber::Impl::OnFrame(Lane& lane, AssembledFrame frame) {
   static constexpr size_t kMaxSources = 256;
   if (lane.completed.size() >= kMaxSources) lane.completed.clear();
   lane.completed[frame.source] = frame.images.frame_id;
-  // What is older and still unfinished will stay so: its strips are lost, or in lockstep, given up.
+  // Older unfinished frames will not be completed: their strips are lost or, in lockstep, given up.
   lane.assembler.Forget(frame.source, frame.images.frame_id);
   if (lane.lockstep) return Queue(std::move(frame), true);
   if (mode == Mode::kReliable) return OfferNewest(std::move(frame));
@@ -225,8 +226,8 @@ void FrameSubscriber::Impl::OfferNewest(AssembledFrame frame) {
   });
 }
 
-/// Frames between two, by the numbers of their strips, since ids may have a stride; but no more than there are ids
-/// between them: the number of a strip may be forged.
+/// Returns the number of frames between two, from the numbers of their strips, since ids may have a stride; but at most
+/// the number of ids between them: the number of a strip may be forged.
 int FrameSubscriber::Impl::Skipped(const AssembledFrame& last, const AssembledFrame& frame) {
   const int64_t strips = frame.first_seq - last.first_seq;
   if (strips <= 0 || last.n_strips <= 0) return 0;

@@ -12,10 +12,10 @@
 
 namespace plslam::bus {
 
-/// Hears which camera is in use, on the thread of `Bus::Run`.
+/// Receives the camera in use, on the thread of `Bus::Run`.
 ///
-/// A player repeats its camera every second; `handler` gets a rig only when it differs from the one before. A camera
-/// with values that cannot be is refused with one line in the log, and `on_rejected` is called; the camera before
+/// A player repeats its camera every second; `handler` receives a rig only if it differs from the previous one. A
+/// camera with invalid values is rejected with one line in the log, and `on_rejected` is called; the previous camera
 /// stays in use.
 class CameraSubscriber {
  public:
@@ -23,10 +23,10 @@ class CameraSubscriber {
 
   CameraSubscriber(Bus& bus, Handler handler, std::function<void()> on_rejected = nullptr);
 
-  /// The camera heard last, for `Restore` in a process that is started in this one's place; empty before one was
-  /// heard.
+  /// Returns the last received camera, for `Restore` in a process that replaces this one; empty before the first
+  /// camera.
   const std::vector<uint8_t>& bytes() const;
-  /// Hands on a camera that another process has kept. Throws std::runtime_error where the bytes are damaged.
+  /// Hands on a camera that a previous process has stored. Throws std::runtime_error if the bytes are damaged.
   void Restore(const std::vector<uint8_t>& bytes);
 
  private:
@@ -49,9 +49,9 @@ class FramePublisher {
   bool lockstep_;
 };
 
-/// Puts strips together again, of both the lockstep and the live channel, and delivers whole frames on the thread of
-/// `Bus::Run`. In lockstep every frame in order, repaired and acknowledged, and again where it was sent again; live
-/// the newest whole one, with the number passed over before it.
+/// Reassembles strips of both the lockstep and the live channel, and delivers complete frames on the thread of
+/// `Bus::Run`. In lockstep: every frame in order, repaired and acknowledged, and repeated if it was sent again; live:
+/// the newest complete one, with the number of frames skipped before it.
 class FrameSubscriber {
  public:
   struct Frame {
@@ -61,11 +61,12 @@ class FrameSubscriber {
     int skipped = 0;  ///< frames of this publisher since the last one handled that were not
   };
   enum class Mode {
-    kReliable,  ///< for who needs the newest frame in real time, and keeps the publisher's pace (vo_process)
-    kPictures,  ///< in real time takes whole frames when it gets them; `wanted` says which frame ids are worth it
+    kReliable,  ///< for readers that need the newest frame in real time, and determine the publisher's pace
+                ///< (vo_process)
+    kPictures,  ///< in real time receives complete frames as available; `wanted` selects frame ids
   };
 
-  /// `wanted` is asked on the receiving thread: it must be quick, and safe there.
+  /// `wanted` is called on the receiving thread: it must be quick, and safe there.
   FrameSubscriber(Bus& bus, Mode mode, std::function<void(const Frame&)> handler,
                   std::function<bool(int64_t frame_id)> wanted = nullptr);
   ~FrameSubscriber();

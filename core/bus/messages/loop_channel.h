@@ -26,7 +26,7 @@ class LoopClosureAssembler : public PageAssembler<loop_closure_t, LoopClosure> {
   LoopClosureAssembler();
 };
 
-/// Sends what loop_process says. Safe from any thread.
+/// Publishes the results of loop_process. Safe from any thread.
 class LoopClosurePublisher {
  public:
   explicit LoopClosurePublisher(Bus& bus) : bus_(bus) {}

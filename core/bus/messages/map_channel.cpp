@@ -14,7 +14,7 @@ namespace plslam::bus {
 namespace {
 
 constexpr std::chrono::milliseconds kAskAgain(500);
-/// Publishers remembered, to tell old ones from new ones.
+/// Number of remembered publishers, to distinguish old ones from new ones.
 constexpr size_t kMaxMapPublishers = 64;
 
 }  // namespace
@@ -58,10 +58,10 @@ struct MapUpdateSubscriber::State {
   std::function<void(MapUpdate)> handler;
   MapUpdateAssembler assembler;
   MapVersion known;
-  /// In the order in which they were heard first.
+  /// In the order of their first messages.
   std::vector<int64_t> publishers;
   bool lacking = true;
-  /// Pages of a whole map have come since the last tick.
+  /// Pages of a complete map have arrived since the last tick.
   bool being_served = false;
 };
 

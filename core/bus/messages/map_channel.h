@@ -10,15 +10,15 @@
 
 namespace plslam::bus {
 
-/// Sends the map: whoever owns it publishes every version once, in order, beginning with 1, the first on base version
-/// 0.
+/// Publishes the map: its owner publishes every version once, in order, beginning with 1, the first on base version 0.
 class MapUpdatePublisher {
  public:
-  /// `asked`: a listener lacks what has been published. Called on the thread of `Bus::Run`; the owner of the map then
-  /// publishes `WholeMap` under the version it has, in order with its updates. It answers all requests until then.
+  /// `asked`: a listener lacks published versions. Called on the thread of `Bus::Run`; the owner of the map then
+  /// publishes `WholeMap` under its current version, in order with its updates. One complete map answers all requests
+  /// until then.
   MapUpdatePublisher(Bus& bus, std::function<void()> asked);
 
-  /// Safe from any thread. Throws what CutIntoPages throws.
+  /// Safe from any thread. Throws the exceptions of CutIntoPages.
   void Publish(const MapUpdate& update);
 
  private:
@@ -28,10 +28,10 @@ class MapUpdatePublisher {
   std::shared_ptr<State> state_;
 };
 
-/// Hears every update of the map in order, on the thread of `Bus::Run`: asks for the whole map where one is missing,
-/// at the start too, and again every 500 ms until it comes. When mapping_process has been started again its new map
-/// takes the place of the old one; of two publishers the one that was heard first is the old one. Pages that cannot
-/// be are counted in `BusCounters::rejected`.
+/// Receives every update of the map in order, on the thread of `Bus::Run`: requests the complete map if one is missing,
+/// at the start too, and again every 500 ms until it arrives. When mapping_process has restarted, its new map replaces
+/// the old one; of two publishers the one that was heard first is the old one. Invalid pages are counted in
+/// `BusCounters::rejected`.
 class MapUpdateSubscriber {
  public:
   MapUpdateSubscriber(Bus& bus, std::function<void(MapUpdate)> handler);

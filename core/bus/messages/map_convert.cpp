@@ -115,7 +115,7 @@ std::optional<MapKeyframe> FromMessage(const map_keyframe_t& message) {
   const auto T_prevkf_kf = FromMessage(message.T_prevkf_kf);
   const auto relative_covariance = TriangleFromArray<6>(message.relative_covariance);
   const bool values_ok = T_w_kf && covariance && T_odom_kf && T_prevkf_kf && relative_covariance;
-  // Parents and predecessors are older: what the map builds of them is a tree.
+  // Parents and predecessors are older, so that the map can build a tree of them.
   const bool ids_ok = message.id >= 0 && message.session_keyframe_id >= 0 && message.frame_id >= 0 &&
                       message.previous_id >= -1 && message.previous_id < message.id && message.parent_id >= -1 &&
                       message.parent_id < message.id;

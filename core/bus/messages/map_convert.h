@@ -19,9 +19,9 @@ class moved_keyframe_t;
 
 namespace plslam::bus {
 
-// The parts of a map to messages and back, checked as in convert.h. Positions and poses keep all their bits,
-// covariances of landmarks are rounded to single precision; what has been through once comes through again as it is,
-// so a copy of a map and the map have the same messages, byte for byte.
+// Conversion of the parts of a map to messages and back, checked as in convert.h. Positions and poses keep all their
+// bits, covariances of landmarks are rounded to single precision; a second conversion changes no bit, so that a copy of
+// a map and the map have the same messages, byte for byte.
 
 map_keyframe_t ToMessage(const MapKeyframe& keyframe);
 std::optional<MapKeyframe> FromMessage(const map_keyframe_t& message);

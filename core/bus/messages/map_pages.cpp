@@ -18,8 +18,8 @@ namespace plslam::bus {
 namespace {
 
 constexpr int32_t kMaxMapPages = 1'000'000;
-/// Of each list of an update. What a reader holds of an update under way is bounded by what has been sent to it, so
-/// this only keeps counts from overflowing: no map comes near.
+/// Limit of each list of an update. A reader's memory for an incomplete update is bounded by the bytes that were sent
+/// to it, so this limit only keeps counts from overflowing: no map comes near it.
 constexpr size_t kMaxMapEntries = 2'000'000'000;
 constexpr size_t kMaxMapWriters = 8;
 constexpr size_t kMaxStages = 64;
@@ -76,7 +76,7 @@ bool AppendOne(const moved_keyframe_t& message, std::vector<MovedKeyframe>& to) 
 }
 bool AppendOne(const map_keyframe_t& message, std::vector<MapKeyframe>& to) { return AppendKeyframe(message, to); }
 
-/// Of a landmark; one with the id of the one before goes on with its observations.
+/// Appends a landmark; one with the id of the previous landmark continues its observations.
 template <class Message, class Landmark>
 bool AppendOne(const Message& message, std::vector<Landmark>& to) {
   auto landmark = FromMessage(message);
@@ -183,12 +183,12 @@ void CutLandmarks(const char* kind, const std::vector<Landmark>& landmarks, int3
   AcceptedMessages<Landmark> messages(kind);
   for (const Landmark& landmark : landmarks) {
     Message rest = messages.Of(landmark);
-    // More observations than a page holds go into entries of their own before the last.
+    // If a page cannot hold all observations, they are divided among several entries.
     while (rest._getEncodedSizeNoHash() > pager.room()) {
       Message part = rest;
       const int64_t excess = rest._getEncodedSizeNoHash() - pager.room();
       const int64_t n = rest.n_observations - (excess + kObservationBytes - 1) / kObservationBytes;
-      if (n <= 0) break;  // the pager says what is wrong
+      if (n <= 0) break;  // the pager throws the error
       part.n_observations = static_cast<int32_t>(n);
       part.observations.resize(static_cast<size_t>(n));
       rest.observations.erase(rest.observations.begin(), rest.observations.begin() + n);

@@ -11,14 +11,14 @@
 
 namespace plslam::bus {
 
-/// `update` as pages of at most `page_bytes`. Throws std::invalid_argument that names what no reader would take:
-/// numbers that are not finite, ids or observations that do not ascend, keyframes older than their parents.
+/// Divides `update` into pages of at most `page_bytes`. Throws std::invalid_argument that names content that readers
+/// reject: non-finite numbers, ids or observations that do not ascend, keyframes older than their parents.
 std::vector<map_update_t> CutIntoPages(const MapUpdate& update, int64_t page_bytes);
 
-/// What the head of a page says, without content (stages only from page 0); nullopt where it cannot be.
+/// Returns the head of a page without content (stages only from page 0); nullopt if it is invalid.
 std::optional<MapUpdate> HeadOf(const map_update_t& page);
 
-/// Puts updates together again.
+/// Reassembles updates.
 class MapUpdateAssembler : public PageAssembler<map_update_t, MapUpdate> {
  public:
   MapUpdateAssembler();

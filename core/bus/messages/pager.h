@@ -28,10 +28,10 @@ class Pager {
         what_(std::move(what)),
         pages_({std::move(first)}) {}
 
-  /// What fits into an empty page.
+  /// Bytes that fit into an empty page.
   int64_t room() const { return room_; }
 
-  /// A page with room for `bytes` more. Throws std::invalid_argument where no page has.
+  /// Returns a page with room for `bytes` more. Throws std::invalid_argument if no page is large enough.
   Page& PageFor(int64_t bytes) {
     if (bytes > room_) throw std::invalid_argument("bus.max_message_bytes leaves no room for " + what_);
     if (bytes > left_) {
@@ -58,26 +58,26 @@ class Pager {
   std::vector<Page> pages_;
 };
 
-/// What became of a page. kComplete: `PageAssembler::Take` has the whole. kPassedOver: it goes on with something
-/// whose beginning or middle never came. kNonsense: a page that cannot be (values, counts). What had come is dropped
-/// with either.
+/// Outcome of adding a page. kComplete: `PageAssembler::Take` returns the value. kPassedOver: the page continues a
+/// value whose first or middle pages are missing. kNonsense: an invalid page (values, counts). Both drop the pages
+/// received so far.
 enum class PageOutcome { kTaken, kComplete, kPassedOver, kNonsense };
 
-/// How pages make a value.
+/// Rules by which pages form a value.
 template <class Page, class Value>
 struct PageRules {
-  /// What the head of a page says, without content; nullopt where it cannot be.
+  /// Returns the head of a page without content; nullopt if it is invalid.
   std::optional<Value> (*head)(const Page& page);
-  /// The page is of the same value, by its head.
+  /// Returns whether the page belongs to the same value, by its head.
   bool (*same_head)(const Page& page, const Value& value);
-  /// Adds the content; false where it cannot be.
+  /// Adds the content; false if it is invalid.
   bool (*append)(const Page& page, Value& value);
   int32_t max_pages = 4096;
-  /// Values under way at a time; beyond, all are dropped.
+  /// Incomplete values at a time; beyond, all are dropped.
   size_t max_publishers = 64;
 };
 
-/// Puts pages (messages with `page` and `n_pages`) together again; they come in order for each publisher.
+/// Reassembles pages (messages with `page` and `n_pages`), which arrive in order for each publisher.
 template <class Page, class Value>
 class PageAssembler {
  public:
@@ -130,8 +130,8 @@ class PageAssembler {
   std::optional<Value> complete_;
 };
 
-/// Hands every value that comes over `channel` by pages to `handler`, on the thread of `Bus::Run`, until what is
-/// returned goes away. Pages that cannot be, or that go on with what never began, are counted in
+/// Hands every value that arrives in pages on `channel` to `handler`, on the thread of `Bus::Run`, until the returned
+/// object is destroyed. Invalid pages, and pages that continue an unknown value, are counted in
 /// `BusCounters::rejected`.
 template <class Page, class Assembler, class Value>
 std::shared_ptr<void> SubscribePaged(Bus& bus, const Channel& channel, std::function<void(const Value&)> handler) {

@@ -13,7 +13,7 @@
 namespace plslam::bus {
 namespace {
 
-/// Who can read the key can speak as any of us.
+/// A user who can read the key can forge messages.
 void WarnOfReaders(const std::string& path) {
   struct stat status {};
   if (stat(path.c_str(), &status) != 0 || (status.st_mode & (S_IRWXG | S_IRWXO)) == 0) return;

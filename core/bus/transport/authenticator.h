@@ -12,18 +12,17 @@
 
 namespace plslam::bus {
 
-/// Puts a keyed MAC behind messages and checks it: BLAKE2b-256 (libsodium's crypto_generichash) over the channel
-/// name, a zero byte and the message. Without a key it adds nothing, and accepts messages with or without a MAC
-/// behind them.
+/// Appends a keyed MAC to messages and checks it: BLAKE2b-256 (libsodium's crypto_generichash) over the channel name, a
+/// zero byte and the message. Without a key it appends nothing, and accepts messages with or without a MAC.
 ///
-/// The MAC proves that the message was written by a holder of the key for this channel. It does not hide it, and old
-/// messages stay valid: the numbers in the header are what tells a replayed message from a new one.
+/// The MAC proves that the message was written by a holder of the key for this channel. It does not encrypt the
+/// message, and old messages stay valid: the numbers in the header distinguish a replayed message from a new one.
 class Authenticator {
  public:
   static constexpr size_t kMacBytes = 32;
 
-  /// `key_file` holds 64 hex digits; empty: no key. Throws std::runtime_error where it cannot be read or is no key;
-  /// warns where its mode lets others than its owner have it.
+  /// `key_file` holds 64 hex digits; empty: no key. Throws std::runtime_error if it cannot be read or is no key; warns
+  /// if its mode lets other users than its owner read it.
   explicit Authenticator(const std::string& key_file);
 
   bool has_key() const { return key_.has_value(); }

@@ -33,7 +33,7 @@ LivePeers::Peer& LivePeers::PeerOf(int64_t source, int64_t now) {
   auto found = peers_.find(source);
   if (found == peers_.end()) {
     if (peers_.size() >= kMaxPeers) {
-      // Recordings of many dead processes must not push out the living.
+      // Recordings of many exited processes must not displace running ones.
       peers_.erase(std::min_element(peers_.begin(), peers_.end(), [](const auto& a, const auto& b) {
         return std::tie(a.second.lives, a.second.heard) < std::tie(b.second.lives, b.second.heard);
       }));

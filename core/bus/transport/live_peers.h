@@ -7,11 +7,11 @@
 
 namespace plslam::bus {
 
-/// Tells numbers that have been taken before from new ones. They may come out of order among the newest 64; older
-/// ones count as taken.
+/// Distinguishes message numbers that have been received before from new ones. The newest 64 may arrive out of order;
+/// older ones count as received.
 class ReplayWindow {
  public:
-  /// True the first time. Precondition: seq >= 0.
+  /// Returns true the first time. Precondition: seq >= 0.
   bool Take(int64_t seq);
 
  private:
@@ -19,10 +19,10 @@ class ReplayWindow {
   uint64_t taken_ = 0;  // bit i: newest_ - i
 };
 
-/// Which other processes are known to live. A MAC proves who wrote a message, but not when: what was recorded from a
-/// process that is gone stays genuine. Each process draws its name (`source`) at random when it starts, so a genuine
-/// message that names ours was written after we started; its writer lives, and from then on the numbers of its
-/// messages tell new from old. Time in nanoseconds of any steady clock; not thread-safe.
+/// The other processes that are known to be running. A MAC proves the author of a message, but not its time: a
+/// recording of an exited process stays genuine. Each process draws its name (`source`) at random when it starts, so a
+/// genuine message that names ours was written after our start; its author is running, and from then on the numbers of
+/// its messages distinguish new from old. Time in nanoseconds of any steady clock; not thread-safe.
 class LivePeers {
  public:
   static constexpr size_t kMaxPeers = 256;
@@ -31,9 +31,9 @@ class LivePeers {
   void Prove(int64_t source, int64_t now);
   bool Lives(int64_t source) const;
 
-  /// A genuine message of a source that has not named us yet.
+  /// A genuine message of a source that has not named this process yet.
   struct Doubt {
-    bool ask = false;      ///< ask it now for a word that names us (at most 100 such questions in a second, in all)
+    bool ask = false;      ///< request now a message that names us (at most 100 such requests in a second, in all)
     bool forlorn = false;  ///< it has had ample time to answer
   };
   Doubt Hear(int64_t source, int64_t now);
@@ -57,7 +57,7 @@ class LivePeers {
   Peer& PeerOf(int64_t source, int64_t now);
 
   std::map<int64_t, Peer> peers_;
-  int64_t second_began_ = 0;  // in which `asked_` were asked
+  int64_t second_began_ = 0;  // in which `asked_` requests were sent
   int asked_ = 0;
 };
 

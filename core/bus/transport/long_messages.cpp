@@ -12,7 +12,7 @@ constexpr uint32_t kPartMagic = 0x4c433033;
 /// Magic, number, length of the message, offset (32 bits each), part, parts (16 bits each).
 constexpr size_t kPartHeadBytes = 20;
 constexpr size_t kMostSenders = 64;
-/// Of all messages that are not complete: two pairs of images of the largest kind.
+/// Limit for all incomplete messages together: two pairs of images of the largest size.
 constexpr size_t kMostBytes = 2 * LongMessages::kMaxBytes;
 
 uint32_t ReadWord(const uint8_t* p) { return static_cast<uint32_t>(ReadInt32(p)); }

@@ -14,10 +14,10 @@
 
 namespace plslam::bus {
 
-/// Of LCM, without the zero at its end.
+/// Longest channel name of LCM, without its terminating zero.
 inline constexpr size_t kMaxChannelBytes = 63;
 
-/// A part of a message that LCM has cut because it is longer than a datagram. The first one carries the channel.
+/// A part of a message that LCM has split because it is longer than a datagram. The first one carries the channel.
 struct MessagePart {
   uint32_t number = 0;  ///< of the message, by its sender
   uint32_t message_bytes = 0;
@@ -27,11 +27,11 @@ struct MessagePart {
   ByteView bytes;
 };
 
-/// The part in a packet; nullopt where there is none, or one that cannot be.
+/// Returns the part in a packet; nullopt if it has none, or an invalid one.
 std::optional<MessagePart> ParsePart(ByteView packet);
 
-/// Puts parts together again. They must come in order, as they do unless one is lost, so that a message takes no more
-/// memory than has come of it: who receives from a network cannot trust the size that a first part tells.
+/// Reassembles parts. They must arrive in order, as they do unless one is lost, so that a message takes no more memory
+/// than the parts received: the size in a first part from the network is not trusted.
 class LongMessages {
  public:
   struct Message {
@@ -41,15 +41,15 @@ class LongMessages {
   /// The largest message that is taken: two images of 16 million pixels in colour.
   static constexpr size_t kMaxBytes = 100'000'000;
 
-  /// Messages of channels that are not wanted are passed over.
+  /// Messages of channels that are not wanted are ignored.
   explicit LongMessages(std::function<bool(std::string_view channel)> wanted) : wanted_(std::move(wanted)) {}
 
-  /// `sender` tells the sockets apart that send. The message that this part completes.
+  /// `sender` identifies the sending socket. Returns the message that this part completes.
   std::optional<Message> Add(uint64_t sender, const MessagePart& part);
 
   /// Messages that were begun and not completed.
   int64_t lost() const { return lost_; }
-  /// Of all messages that are not complete.
+  /// Size of all incomplete messages.
   size_t bytes() const { return n_bytes_; }
 
  private:
@@ -65,7 +65,7 @@ class LongMessages {
   void Lose(Place open);
 
   std::function<bool(std::string_view)> wanted_;
-  std::list<Open> open_;  // each sender once, the one heard last behind
+  std::list<Open> open_;  // each sender once, the most recent one last
   size_t n_bytes_ = 0;
   int64_t lost_ = 0;
 };

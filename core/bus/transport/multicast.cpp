@@ -19,7 +19,7 @@
 namespace plslam::bus {
 namespace {
 
-/// Group of a udpm URL, LCM's default for an empty one; empty where it is none.
+/// Returns the group of a udpm URL, LCM's default for an empty one; empty for other URLs.
 std::string GroupOf(const std::string& url) {
   try {
     return url.empty() ? UdpGroup().address : ParseUdpGroup(url).address;
@@ -40,7 +40,7 @@ class Socket {
   int fd_;
 };
 
-/// Joins the group on a port of its own, so that nobody else's LCM traffic sees the probe.
+/// Joins the group on a separate port, so that the probe does not reach other LCM traffic.
 bool Join(const Socket& socket, in_addr group, sockaddr_in& name) {
   name = {};
   name.sin_family = AF_INET;

@@ -11,30 +11,30 @@ namespace plslam::bus {
 
 /// Why a message is not taken.
 enum class Rejection {
-  kMalformed,     ///< sizes, strings or header that cannot be
-  kOversized,     ///< larger than any of ours
+  kMalformed,     ///< invalid sizes, strings or header
+  kOversized,     ///< larger than any message of plslam
   kOtherVersion,  ///< LCM's fingerprint is not that of our version of the type
   kOtherSchema,   ///< `header_t.schema` is not ours
   kNoKey,         ///< we have a key; it has no MAC
   kOtherKey,      ///< we have a key; its MAC is not of that key, or the message has been altered
-  kReplayed,      ///< genuine once, but its sender does not answer: it is gone
+  kReplayed,      ///< genuine, but its sender does not answer: it has exited
   kNumber         // of the above
 };
 
-/// What this process has had to reject, by reason, and what foreign traffic it hears: counted, told once in the log,
-/// and shown as one line in the status. Time in nanoseconds of any steady clock; not thread-safe.
+/// Rejected messages by reason, and foreign traffic: counted, logged once, and shown as one line in the status. Time in
+/// nanoseconds of any steady clock; not thread-safe.
 class Rejections {
  public:
-  /// True for the first of its kind, which is worth a line in the log.
+  /// Returns true for the first of its kind, which is worth a line in the log.
   bool Count(Rejection why, std::string_view channel, int64_t now);
-  /// A process with another prefix is heard; true for the first word with that prefix.
+  /// Notes a process with another prefix; true for the first message with that prefix.
   bool OtherPrefix(std::string_view prefix, int64_t now);
 
-  /// "messages rejected: 1204 altered or with another bus.key_file (POSE), 3 malformed (STATUS)" of what happened
-  /// within the last minute; empty where nothing did.
+  /// Returns "messages rejected: 1204 altered or with another bus.key_file (POSE), 3 malformed (STATUS)" about the last
+  /// minute; empty if none were.
   std::string Line(int64_t now) const;
 
-  /// What is the matter with a message: "it is ...".
+  /// Description of a rejected message: "it is ...".
   static std::string_view Text(Rejection why);
   static std::string PrefixText(std::string_view prefix);
 

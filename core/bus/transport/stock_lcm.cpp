@@ -19,15 +19,15 @@
 namespace plslam::bus {
 namespace {
 
-/// Where LCM keeps messages: so few that what is handled is not old, and so many that two of a pair fit in.
+/// Length of LCM's queue: short enough that handled messages are recent, and long enough for both images of a pair.
 constexpr int kWaitingMessages = 4;
 constexpr std::string_view kMulticast = "udpm://";
 constexpr int kBatch = 64;
-/// LCM says a few words of each failure to connect.
+/// LCM prints a few words on each failure to connect.
 constexpr std::chrono::seconds kReconnect{5};
 constexpr std::string_view kBusOption = "bus.url";
 
-/// What `f` says of the URL of the bus is about that of another option.
+/// Calls `f` and renames the option of the bus URL in its errors to `option`.
 template <class F>
 auto Named(const std::string& option, const F& f) {
   try {

@@ -19,27 +19,28 @@ struct _lcm_t;
 
 namespace plslam::bus {
 
-/// LCM as other programs speak it: bytes as they come, messages of any length, in parts where they are longer than a
-/// datagram. Nothing is repaired, and nothing that is received has been checked (`CheckedMessage`).
+/// LCM as used by other programs: messages as bytes of any length, in parts if they are longer than a datagram.
+/// Messages are not repaired, and received ones are not checked (`CheckedMessage`).
 ///
-/// Over udpm:// our own receiver takes what comes (`UdpReceiver` says why); sending, and all other URLs, are LCM's.
+/// Over udpm:// our own receiver is used (see `UdpReceiver` for the reason); sending, and all other URLs, use LCM.
 class StockLcm {
  public:
   /// Empty: LCM_DEFAULT_URL, or LCM's default. Throws std::runtime_error with one sentence that begins with `option`,
-  /// which the URL is of.
+  /// the option of the URL.
   StockLcm(const std::string& url, const std::string& option);
   ~StockLcm();
   StockLcm(const StockLcm&) = delete;
   StockLcm& operator=(const StockLcm&) = delete;
 
-  /// Throws as the constructor does. `take` is called by `Handle`. Of a slow reader the few messages wait that the socket has room for.
+  /// Throws the exceptions of the constructor. `take` is called by `Handle`. For a slow reader only the few messages
+  /// wait that fit into the socket's buffer.
   void Subscribe(const std::string& channel, std::function<void(ByteView)> take);
 
-  /// Delivers what comes within this time, behind the first `Subscribe`. False where nothing more will come: a log is at its end. What `take`
-  /// throws leaves here.
+  /// Delivers the messages that arrive within this time, after the first `Subscribe`. Returns false at the end of a
+  /// log. Exceptions of `take` are passed on.
   bool Handle(int timeout_ms);
 
-  /// Safe from any thread. False where LCM cannot send, as to a relay that is gone.
+  /// Safe from any thread. Returns false if LCM cannot send, as to a relay that has exited.
   bool Publish(const std::string& channel, ByteView bytes);
 
   /// Messages that lost a part.

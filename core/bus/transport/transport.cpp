@@ -45,7 +45,7 @@ Transport::Kind KindOf(const std::string& url) {
 }
 
 /// The share of the socket's buffer that flow control may fill; the rest is for other senders. The kernel counts its
-/// own overhead too, and doubles what it is asked for to make room for that.
+/// own overhead too, and doubles the requested size to make room for that.
 int64_t UdpWindow(const std::string& url) {
   const int64_t requested = ParseUdpGroup(url).buffer_bytes;
   const int64_t buffer =
@@ -173,7 +173,7 @@ void Transport::Subscribe(const std::string& pattern) {
   if (kind_ == Kind::kFileWrite || listens_to_all_) return;
   lcm_subscription_t* subscription = lcm_subscribe(lcm_, pattern.c_str(), &OnLcmMessage, &receiver_);
   if (subscription == nullptr) throw std::runtime_error("bus.url: LCM cannot receive on " + url_);
-  // LCM's own queue drops the newest of 30. Ours is behind it, and it is drained at once.
+  // LCM's own queue drops the newest of 30. Our queue follows it, and it is drained at once.
   lcm_subscription_set_queue_capacity(subscription, 0);
   subscriptions_.push_back(subscription);
 }

@@ -23,14 +23,14 @@ namespace plslam::bus {
 /// The URL that counts where `url` may be empty: then LCM_DEFAULT_URL, or LCM's default.
 std::string EffectiveUrl(const std::string& url);
 
-/// A URL of the kind udpm, which asks for a larger receive buffer where the system grants one and the user did not
-/// say.
+/// Returns a udpm URL that requests a larger receive buffer, if the system grants one and the user has not specified
+/// any.
 std::string WithReceiveBuffer(const std::string& url);
 
 /// A channel name as a pattern for LCM that matches only itself.
 std::string Quoted(const std::string& channel);
 
-/// What a receive buffer is asked for where the system allows more than its default.
+/// Requested size of the receive buffer if the system allows more than its default.
 inline constexpr int64_t kWantedReceiveBuffer = 2'000'000;
 
 /// One LCM instance: URL, raw publishing and raw reception (of udpm by a receiver of our own, see UdpReceiver).
@@ -54,16 +54,16 @@ class Transport {
   /// Bytes of large datagrams that the receiving socket holds.
   int64_t receive_window() const { return window_; }
 
-  /// False where it could not be sent (a closed connection, a log that is only read).
+  /// Returns false if it could not be sent (a closed connection, a log opened for reading).
   bool Send(const std::string& channel, ByteView bytes);
 
-  /// All messages of `channel` (a name, no pattern) from now on go to the receiver.
+  /// Passes all messages of `channel` (a name, no pattern) to the receiver from now on.
   void Listen(const std::string& channel);
-  /// Messages of these channels that are for this process or for all; of some transports others, too. Once.
+  /// Passes messages of these channels to this process or to all; some transports pass others, too. Called once.
   void Listen(const AddressedChannels& channels);
-  /// All messages of channels whose name ends like this; of multicast, small ones (FilterDatagrams).
+  /// Passes all messages of channels whose name has this ending; over multicast, only small ones (FilterDatagrams).
   void ListenToEnding(std::string_view ending);
-  /// All messages of all channels; `Listen` is then not needed any more.
+  /// Passes all messages of all channels; `Listen` is then not needed.
   void ListenToAll();
 
   /// Datagrams that held no message of one packet.
@@ -71,8 +71,8 @@ class Transport {
 
   void SetReceiver(Receiver receiver) { receiver_ = std::move(receiver); }
 
-  /// Waits at most until `timeout_ms` for messages or `Wake`, and hands at least one message that is there to the
-  /// receiver. False when there will be no more (end of a log that is read); from then on it waits for `Wake` alone.
+  /// Waits at most until `timeout_ms` for messages or `Wake`, and passes at least one available message to the
+  /// receiver. Returns false at the end of a log; from then on it waits for `Wake` only.
   bool Receive(int timeout_ms);
   /// Makes `Receive` return soon; from any thread.
   void Wake();
@@ -90,12 +90,12 @@ class Transport {
   int64_t window_ = 0;
   lcm_t* lcm_ = nullptr;
   int wake_fd_ = -1;
-  std::mutex send_mutex_;  // LCM's tcpq writes a message in pieces, without a lock of its own
+  std::mutex send_mutex_;  // LCM's tcpq writes a message in pieces, without its own lock
   std::vector<lcm_subscription_t*> subscriptions_;
   bool listens_to_all_ = false;
   bool ended_ = false;  // a log that is read
   std::unique_ptr<UdpReceiver> udp_;
-  std::mutex listen_mutex_;  // what follows, and `listens_to_all_`
+  std::mutex listen_mutex_;  // guards the following members, and `listens_to_all_`
   std::set<std::string, std::less<>> names_;
   AddressedChannels addressed_;
   std::vector<std::string> endings_;
@@ -103,17 +103,17 @@ class Transport {
   Receiver receiver_;
 };
 
-/// What every program says of a multicast group that this host has no way to: `error_number` is the system's, 0 where
-/// it was not asked. Its remedy: `kMulticastOverLoopback`, as root, for processes of one host.
+/// The sentence of all programs about a multicast group to which this host has no route: `error_number` is the
+/// system's, 0 if unknown. Its remedy: `kMulticastOverLoopback`, as root, for processes of one host.
 std::string NoRouteToGroup(const std::string& group, int error_number = 0);
 inline constexpr std::array<const char*, 2> kMulticastOverLoopback = {"ip link set lo up multicast on",
                                                                       "ip route replace 224.0.0.0/4 dev lo"};
 
-/// "ADDRESS is no multicast group (...)"; empty where it is one.
+/// "ADDRESS is no multicast group (...)"; empty if it is one.
 std::string WhyNoGroup(const std::string& address);
 
-/// Whether datagrams to the multicast group of `url` (udpm; empty: the default) come back to this machine. `reason`,
-/// if given, gets one sentence where they do not.
+/// Returns whether datagrams to the multicast group of `url` (udpm; empty: the default) return to this host. `reason`,
+/// if given, receives one sentence if they do not.
 bool MulticastWorks(const std::string& url, std::string* reason = nullptr);
 
 }  // namespace plslam::bus

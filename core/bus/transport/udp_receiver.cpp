@@ -37,15 +37,15 @@ void Load(Program& program, uint16_t size, uint32_t at) {
 
 void Return(Program& program, uint32_t answer) { program.push_back({BPF_RET | BPF_K, 0, 0, answer}); }
 
-// Where what was loaded is not `value`, `skipped` instructions are left out.
+// Skips `skipped` instructions if the loaded value is not `value`.
 void Expect(Program& program, uint32_t value, size_t skipped) {
   program.push_back({BPF_JMP | BPF_JEQ | BPF_K, 0, static_cast<uint8_t>(skipped), value});
 }
 
-// Goes on with `rest` for a datagram whose channel is this one, and behind that for others. At most 64 bytes are
-// compared by words, then by single bytes, two instructions each.
+// Runs `rest` for a datagram on this channel, and continues after it for other channels. At most 64 bytes are compared
+// by words, then by single bytes, two instructions each.
 void IfChannel(Program& program, const std::string& name, const Program& rest) {
-  const size_t size = name.size() + 1;  // with the zero that ends it
+  const size_t size = name.size() + 1;  // with the terminating zero
   const size_t words = size / 4;
   const size_t comparisons = words + size % 4;
   const auto byte = [&name](size_t i) { return static_cast<uint32_t>(static_cast<unsigned char>(name.c_str()[i])); };
@@ -65,7 +65,7 @@ Program DropForOthers(const AddressedChannels& addressed, uint32_t message_at, u
   const auto high = [](int64_t value) { return static_cast<uint32_t>(static_cast<uint64_t>(value) >> 32); };
   const auto low = [](int64_t value) { return static_cast<uint32_t>(value); };
   Program program;
-  // The program goes on where what was loaded is (equal to, or at least) the value; else the datagram comes.
+  // The program continues if the loaded value is (equal to, or at least) `value`; otherwise it accepts the datagram.
   const auto keep_unless = [&program](uint16_t jump, uint32_t value) {
     program.push_back({static_cast<uint16_t>(BPF_JMP | jump | BPF_K), 1, 0, value});
     Return(program, kAll);
@@ -96,7 +96,8 @@ Program DropForOthers(const AddressedChannels& addressed, uint32_t message_at, u
   return program;
 }
 
-// Of an addressed channel. What is too short comes: a program that reads beyond the end drops the datagram.
+// Appends the filter of an addressed channel. Short datagrams are accepted: a program that reads beyond the end would
+// drop them.
 void AppendAddressed(Program& program, const AddressedChannels& addressed, const std::string& name) {
   const uint32_t message_at = kNameAt + static_cast<uint32_t>(name.size()) + 1;
   const uint32_t string_at = message_at + static_cast<uint32_t>(kWireHeaderBytes) + 4;

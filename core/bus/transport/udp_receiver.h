@@ -18,23 +18,23 @@ namespace plslam::bus {
 /// keyframes and maps.
 inline constexpr size_t kUnfilteredBytes = 16'384;
 
-/// Channels whose messages name the process that they are for: after the header a string, then that process.
+/// Channels whose messages name their destination: after the header a string, then the process.
 struct AddressedChannels {
   std::set<std::string, std::less<>> names;
   int64_t fingerprint = 0;
-  int64_t own = 0;  ///< messages for this process come, and those for 0, which stands for all
+  int64_t own = 0;  ///< messages for this process are received, and those for 0, which means all
 };
 
 /// Has the kernel drop LCM packets before they take room in the buffer of the UDP socket `fd` and wake its reader
 /// (classic BPF, which needs no privileges: socket(7), SO_ATTACH_FILTER): large ones of channels other than `names`,
 /// and those of `addressed` channels that are for another process. Images that only the tracker reads then cost the
-/// other processes nothing, and an acknowledgement costs the publisher alone. Parts of longer messages, what is no
-/// LCM packet, and addressed messages that are malformed or of another version come as before. Takes the place of
-/// the filter before; where the kernel refuses, everything comes.
+/// other processes no time, and an acknowledgement only the publisher. Parts of longer messages, packets that are not
+/// LCM's, and addressed messages that are malformed or of another version are received as before. Replaces the previous
+/// filter; if the kernel rejects it, everything is received.
 void FilterDatagrams(int fd, const std::set<std::string, std::less<>>& names,
                      const AddressedChannels& addressed = {});
 
-/// Everything comes again.
+/// Removes the filter.
 void RemoveDatagramFilter(int fd);
 
 /// A packet of LCM: magic and number (both 32 bits), name of the channel, 0, message.
@@ -45,16 +45,16 @@ inline constexpr size_t kLcmHeadBytes = 8;
 struct UdpGroup {
   std::string address = "239.255.76.67";
   uint16_t port = 7667;
-  /// Receive buffer to ask for; 0: the system's.
+  /// Requested size of the receive buffer; 0: the system's default.
   int64_t buffer_bytes = 0;
 };
 
-/// Group of a `udpm://[ADDRESS][:PORT][?ttl=N&recv_buf_size=N]`; throws std::runtime_error where it is none.
+/// Parses `udpm://[ADDRESS][:PORT][?ttl=N&recv_buf_size=N]`; throws std::runtime_error if it is invalid.
 UdpGroup ParseUdpGroup(const std::string& url);
 
-/// Receives LCM messages of one packet each, which all of ours are. LCM 1.3.1 itself crashes on forged parts of
-/// longer messages (a first part without a channel name wraps its length) and remembers every channel name that it
-/// has ever seen, so what comes from a network does not go through it. For one thread.
+/// Receives LCM messages of one packet each, as all messages of plslam are. LCM 1.3.1 itself crashes on forged parts of
+/// longer messages (a first part without a channel name wraps its length) and stores every channel name that it has
+/// ever received, so received packets do not pass through it. To be used by one thread.
 class UdpReceiver {
  public:
   using Receiver = std::function<void(std::string_view channel, ByteView bytes)>;
@@ -68,7 +68,7 @@ class UdpReceiver {
   /// Readable when there is something.
   int fd() const { return fd_; }
 
-  /// A datagram as it came, until the next one; `sender` tells the sockets apart that send. nullopt: there is none.
+  /// A datagram, valid until the next one; `sender` identifies the sending socket. nullopt: there is none.
   struct Datagram {
     uint64_t sender = 0;
     ByteView bytes;
@@ -85,7 +85,7 @@ class UdpReceiver {
   std::vector<uint8_t> buffer_;
 };
 
-/// The message in a packet: channel and bytes within it. False where there is none.
+/// Parses the message in a packet: channel and bytes within it. Returns false if there is none.
 bool ParsePacket(ByteView packet, std::string_view* channel, ByteView* bytes);
 
 }  // namespace plslam::bus

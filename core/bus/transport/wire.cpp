@@ -28,7 +28,7 @@ size_t FixedSize(WireType type) {
   return 0;
 }
 
-/// Walks over bytes by a layout; every step checks that what it passes is there.
+/// Walks over bytes by a layout; every step is checked against the remaining bytes.
 class Walker {
  public:
   explicit Walker(ByteView bytes) : bytes_(bytes) {}
@@ -60,7 +60,7 @@ class Walker {
     size_t count = 1;
     for (const LayoutDimension& dimension : member.dimensions) {
       const int32_t extent = dimension.size_member < 0 ? dimension.constant : sizes[dimension.size_member];
-      // Each element takes at least a byte, so a count above what is left cannot be true; nor can it overflow.
+      // Each element takes at least a byte, so a count above the remaining bytes is invalid; nor can it overflow.
       if (extent < 0 || static_cast<size_t>(extent) > bytes_.size()) return false;
       count *= static_cast<size_t>(extent);
       if (count > bytes_.size()) return false;

@@ -20,10 +20,10 @@ std::vector<uint8_t> Encoded(const Message& message) {
   return bytes;
 }
 
-/// The message that `Encoded` made these bytes of; nullopt where they are damaged.
+/// Decodes the bytes of `Encoded`; nullopt if they are damaged.
 template <class Message>
 std::optional<Message> Decoded(std::span<const uint8_t> bytes) {
-  // A new one each time: LCM's decoders leave what was in an array of numbers where it now has none.
+  // A new object each time: LCM's decoders keep the old elements of a number array that is now empty.
   std::optional<Message> message(std::in_place);
   if (message->decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) message.reset();
   return message;
@@ -33,14 +33,13 @@ std::optional<Message> Decoded(std::span<const uint8_t> bytes) {
 using Bytes = std::shared_ptr<const std::vector<uint8_t>>;
 using ByteView = std::span<const uint8_t>;
 
-/// Largest message that fits one datagram whatever the options say.
+/// Largest message that always fits into one datagram.
 inline constexpr size_t kMaxMessageBytes = 60000;
 
-/// Largest number of a message that is believed: far from what a publisher can reach, and sums with it do not
-/// overflow.
+/// Largest accepted message number: far from any number that a publisher can reach, and sums with it do not overflow.
 inline constexpr int64_t kMaxNumber = int64_t{1} << 62;
 
-/// `header_t` as it stands at the begin of every message.
+/// `header_t` as encoded at the beginning of every message.
 struct WireHeader {
   int32_t schema = 0;
   int64_t source = 0;
@@ -59,8 +58,8 @@ int32_t ReadInt32(const uint8_t* p);
 /// Header of a message of at least kWireHeaderBytes.
 WireHeader ReadHeader(ByteView message);
 
-/// Length of the message of type `layout` at the begin of `bytes`; nullopt where its fingerprint, sizes, array
-/// lengths or strings are not what the type allows or do not fit in `bytes`. LCM's generated decoders allocate
+/// Returns the length of the message of type `layout` at the beginning of `bytes`; nullopt if its fingerprint, sizes,
+/// array lengths or strings are not allowed by the type or do not fit in `bytes`. LCM's generated decoders allocate
 /// whatever size they read; after this check they allocate at most a small multiple of `bytes`.
 std::optional<size_t> MessageLength(const MessageLayout& layout, ByteView bytes);
 

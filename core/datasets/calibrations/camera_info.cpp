@@ -13,10 +13,10 @@
 namespace plslam {
 namespace {
 
-/// Focal lengths and rows of a rectified pair differ by the digits of the file alone.
+/// Focal lengths and rows of a rectified pair differ at most by the rounding in the file.
 constexpr double kSameProjection_px = 0.1;
 
-/// Model and coefficients in our names.
+/// Model and coefficients in plslam's convention.
 void SetLens(const RosCameraInfo& info, CameraCalibration& camera) {
   const std::vector<double>& d = info.distortion;
   if (std::all_of(d.begin(), d.end(), [](double x) { return x == 0.0; })) return;  // a pinhole
@@ -56,8 +56,8 @@ bool IsRotation(const Eigen::Matrix3d& R) {
   return R.allFinite() && (R * R.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-3 && R.determinant() > 0.0;
 }
 
-/// P = K [I | t] with the same focal lengths and cy in both (cx may differ; of cameras one above the other cx is the same
-/// and cy may differ). Some drivers and exporters write K [R | t] of the raw right camera instead.
+/// P = K [I | t] with the same focal lengths and cy in both (cx may differ; of cameras one above the other cx is the
+/// same and cy may differ). Some drivers and exporters write K [R | t] of the raw right camera instead.
 void RequireRectifiedPair(const RosCameraInfo& left, const RosCameraInfo& right) {
   constexpr const char* kRemedy =
       "so P is not that of a rectified pair (K [R | t] of the raw camera?): calibrate the pair, or give K, D, R and "

@@ -31,15 +31,15 @@ struct RosCameraInfo {
 ImageSize DeliveredSize(const RosCameraInfo& info);
 
 /// K, P and size of the images as delivered, with neither binning nor region, as image_geometry of ROS derives them.
-/// Drivers that bin in the camera announce binning, and calibrate what they deliver: where `images` have the size of
-/// the whole sensor, K and P are theirs. `images` of 0 x 0 are not known. Throws DatasetError where the region is
-/// none, or where `images` have another size than both.
+/// Drivers that bin in the camera announce binning, and calibrate the delivered images: if `images` have the size of
+/// the complete sensor, K and P refer to it. `images` of 0 x 0: unknown size. Throws DatasetError if the region is
+/// invalid, or `images` have neither size.
 RosCameraInfo InPixelsOfImages(RosCameraInfo info, const ImageSize& images);
 
-/// The rig of two cameras with K and P of their images. Images are `rectified`: then P describes them, else K and D
-/// do, and R tells how the cameras are turned. The baseline is that of P, where ROS has it (P[3] = -fx b, P[7] of
-/// cameras one above the other). Throws DatasetError for lenses that have no counterpart here, where there is no
-/// baseline, and where P is not that of a rectified pair.
+/// Returns the rig of two cameras with K and P of their images. Images are `rectified`: then P describes them;
+/// otherwise K and D do, and R is the rotation of the cameras. The baseline is that of P, as in ROS (P[3] = -fx b, P[7]
+/// of cameras one above the other). Throws DatasetError for lenses without an equivalent model here, without a
+/// baseline, and if P is not that of a rectified pair.
 RigCalibration RigFromRos(const RosCameraInfo& left, const RosCameraInfo& right, bool rectified);
 
 }  // namespace plslam

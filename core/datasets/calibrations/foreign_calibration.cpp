@@ -68,7 +68,7 @@ const Format* FormatOf(const YamlMap& file) {
   return found == kFormats.end() ? nullptr : found;
 }
 
-/// Of a format by its name.
+/// Returns the largest number of files of the format with this name.
 size_t MaxFiles(const std::string& name) {
   const auto* found = std::find_if(kFormats.begin(), kFormats.end(), [&](const Format& f) { return f.name == name; });
   return found == kFormats.end() ? 1 : found->max_files;

@@ -15,10 +15,10 @@
 namespace plslam {
 namespace {
 
-/// The names under which one thing is known.
+/// Alternative names of one key.
 using Names = std::vector<const char*>;
 
-/// Names that OpenCV's own examples use, and those that people's scripts around it do.
+/// Names in OpenCV's own examples, and in common scripts around it.
 struct OpenCvNames {
   Names matrix, distortion;
 };

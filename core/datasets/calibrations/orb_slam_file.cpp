@@ -12,7 +12,7 @@
 namespace plslam {
 namespace {
 
-/// Focal lengths of one camera that stand in two places agree to so much.
+/// Tolerance for focal lengths of one camera that are given twice.
 constexpr double kSameFocal = 1e-3;
 
 std::string In(const std::string& camera, const char* key) { return camera + "." + key; }
@@ -51,7 +51,7 @@ double Quotient(const YamlMap& file, const char* numerator, double denominator) 
   return value / denominator;
 }
 
-/// An RGB-D camera; the projector of its settings stands `baseline_m` beside it.
+/// Returns an RGB-D camera; the projector in its settings is `baseline_m` beside it.
 ForeignCalibration RgbdCamera(const YamlMap& file, const CameraCalibration& camera, const char* factor,
                               double baseline_m) {
   const double units_per_m = file.Number(factor);
@@ -90,7 +90,7 @@ ForeignCalibration ReadOrbSlam3(const YamlMap& file, const ImageSize& image_size
   return result;
 }
 
-/// Refuses what looks like the settings of a rectified pair and is something else. `keys` are distortions.
+/// Rejects files that look like the settings of a rectified pair and are not. `keys` are distortions.
 template <size_t n>
 void RequireRectified(const YamlMap& file, const std::array<const char*, n>& keys, const char* rectifier) {
   for (const char* key : keys) {
@@ -195,7 +195,7 @@ ForeignCalibration ReadOrbSlam(const YamlMap& file, const ImageSize& image_size)
   return result;
 }
 
-// Keys of later versions stand below `Camera:`, those of earlier ones are `Camera.fx:`.
+// Keys of later versions are below `Camera:`, those of earlier ones are `Camera.fx:`.
 ForeignCalibration ReadStella(const YamlMap& file, const ImageSize& image_size) {
   const std::string setup = file.Text("Camera.setup");
   if (setup != "stereo") {

@@ -7,8 +7,8 @@
 
 namespace plslam {
 
-// Files that users give as a calibration, or have beside their images, and that are not of a stereo pair. The phrases
-// follow the name of the file and say what it is and what to give instead; they are empty for all other files.
+// Files that users mistake for a calibration of a stereo pair, or have beside their images. The phrases follow the name
+// of the file and give its type and the remedy; they are empty for all other files.
 
 /// Returns the phrase for a file that is no YAML.
 std::string WhyOtherText(const std::string& path);

@@ -9,8 +9,8 @@
 
 namespace plslam {
 
-// One for each format. All throw DatasetError. They leave checks of the rig as a whole (RigComplaint) to their
-// caller, and take `image_size` where the file does not tell one.
+// One for each format. All throw DatasetError. Their caller checks the rig as a whole (RigComplaint); they use
+// `image_size` if the file has no size.
 
 /// Reads settings of PL-SLAM, the paper's own program: `cam0` with both cameras in it.
 ForeignCalibration ReadPlSlam(const YamlMap& file);
@@ -18,8 +18,8 @@ ForeignCalibration ReadAirSlam(const YamlMap& file, const ImageSize& image_size)
 ForeignCalibration ReadKalibr(const YamlMap& file);
 /// Reads the files of Kimera: a `sensor.yaml` of the ASL format for each camera.
 ForeignCalibration ReadAslPair(const std::vector<YamlMap>& files);
-/// Keys may stand in either of the files, as the stereo_calib example of OpenCV writes intrinsics and extrinsics
-/// apart.
+/// Keys may be in either of the files, as OpenCV's stereo_calib example writes separate files of intrinsics and
+/// extrinsics.
 ForeignCalibration ReadOpenCv(const std::vector<YamlMap>& files, const ImageSize& image_size);
 ForeignCalibration ReadRos(const std::vector<YamlMap>& files, const ImageSize& image_size);
 /// Reads settings of ORB-SLAM2 and 3, of a stereo pair or an RGB-D camera.
@@ -37,18 +37,18 @@ ForeignCalibration ReadZed(const std::string& path, const ImageSize& image_size)
 bool LooksLikeOpenCv(const YamlMap& file);
 bool LooksLikeRos(const YamlMap& file);
 
-// What several of them share.
+// Helpers that several readers share.
 
-/// A camera matrix of 9 numbers, whose skew must be 0.
+/// Reads a camera matrix of 9 numbers, whose skew must be 0.
 void SetCameraMatrix(const YamlMap& yaml, const char* key, CameraCalibration* camera);
 
-/// Distortion in OpenCV's order: 4 or 5 numbers are "radtan", 8 "rational" ("radtan" where the divisor's are 0), 12
-/// and 14 the same where the rest is 0, and zeros "pinhole".
+/// Reads distortion in OpenCV's order: 4 or 5 numbers are "radtan", 8 "rational" ("radtan" if the divisor's are 0), 12
+/// and 14 the same if the rest is 0, and zeros "pinhole".
 void SetOpenCvDistortion(const YamlMap& yaml, const char* key, CameraCalibration* camera);
-/// The same of numbers from elsewhere: a complaint, or nothing.
+/// Sets coefficients from another source; returns an error, or an empty string.
 std::string SetOpenCvDistortion(std::vector<double> coefficients, CameraCalibration* camera);
 
-/// A camera of a file of several: how errors call it ("cam0"), and the topic of its images, empty where unknown.
+/// A camera of a file of several: its name in errors ("cam0"), and the topic of its images, empty if unknown.
 struct NamedCamera {
   std::string name;
   std::string topic;
@@ -56,8 +56,8 @@ struct NamedCamera {
 };
 
 /// Indices of the stereo pair of a file. Among more than two cameras, the pair is the two whose topics are called left
-/// and right (infra1 and infra2), or else the only two that stand side by side with equal lenses; `note` names them.
-/// Throws DatasetError at `place` where there is no pair, or where several could be meant.
+/// and right (infra1 and infra2), or else the only two that are side by side with equal lenses; `note` names them.
+/// Throws DatasetError at `place` if there is no pair, or several possible ones.
 struct CameraPair {
   size_t left = 0, right = 1;
   std::string note;

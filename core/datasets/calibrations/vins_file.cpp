@@ -43,7 +43,7 @@ CameraCalibration CamodocalLens(const YamlMap& file) {
   file.Fail("model_type", fmt::format("'{}' is not read: calibrate with PINHOLE or KANNALA_BRANDT", type));
 }
 
-/// A camera: its file stands beside the settings, or below.
+/// Reads a camera, whose file is in the folder of the settings, or below.
 CameraCalibration VinsCamera(const YamlMap& file, const char* calibration, const char* pose) {
   const fs::path name(file.WholeTexts(calibration).front());
   const bool climbs = std::any_of(name.begin(), name.end(), [](const auto& part) { return part == ".."; });

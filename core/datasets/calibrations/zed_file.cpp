@@ -105,8 +105,8 @@ const Resolution& ResolutionOf(const std::string& path, const ImageSize& size) {
   throw DatasetError(fmt::format("{}: {}, a ZED has one of {} (--size)", path, given, known));
 }
 
-/// One camera, of `side` LEFT or RIGHT. Files of later cameras have the distortion of all resolutions in a section of
-/// its own.
+/// One camera, of `side` LEFT or RIGHT. Files of later cameras have the distortion of all resolutions in a separate
+/// section.
 CameraCalibration ZedCamera(const Sections& file, const std::string& side, const Resolution& resolution) {
   const std::string section = fmt::format("{}_CAM_{}", side, resolution.name), shared = side + "_DISTO";
   CameraCalibration camera;
@@ -129,8 +129,8 @@ CameraCalibration ZedCamera(const Sections& file, const std::string& side, const
   return camera;
 }
 
-/// TY or TZ: of the resolution, or, as the first files have it, of all. They are fractions of a millimetre, and some
-/// files leave them out; those of another resolution alone are none.
+/// Returns TY or TZ: of the resolution, or, in the oldest files, of all. They are fractions of a millimetre, and some
+/// files omit them; values of other resolutions are ignored.
 double Shift_mm(const Sections& file, const std::string& key, const std::string& resolution) {
   const std::string own = key + "_" + resolution;
   if (file.Has("STEREO", own)) return file.Number("STEREO", own);

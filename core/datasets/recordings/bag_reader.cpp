@@ -15,7 +15,7 @@ namespace {
 constexpr std::string_view kAnyMagic = "#ROSBAG V";
 constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
 constexpr uint64_t kMaxIndexBytes = 128 << 20;
-/// Those of chunks have about 60 bytes, those of the bag itself fill 4096.
+/// Heads of chunks have about 60 bytes, and the head of the bag itself fills 4096.
 constexpr uint64_t kMaxHeadBytes = 8192;
 constexpr uint64_t kUsualHeadBytes = 128;
 
@@ -76,7 +76,7 @@ Record TakeRecord(RecordFields& bytes) {
   return {NamedFields(head), RecordFields(bytes.Take(bytes.Get<uint32_t>()))};
 }
 
-/// The content of the message whose record begins there.
+/// Returns the content of the message whose record begins at `offset`.
 std::span<const uint8_t> ContentIn(std::span<const uint8_t> bytes, uint64_t offset) {
   if (offset > bytes.size()) throw DatasetError("a message would lie behind its chunk: the file is damaged");
   RecordFields records(bytes.subspan(offset));
@@ -137,7 +137,7 @@ BagReader::Head BagReader::ReadHead() const {
   if (head.Has("encryptor") && !head.Text("encryptor").empty()) {
     throw DatasetError("is encrypted: `rosbag decrypt` makes a bag of it that can be read");
   }
-  bytes.Take(bytes.Get<uint32_t>());  // what fills the head
+  bytes.Take(bytes.Get<uint32_t>());  // padding of the head
   const auto has_no = [&](const char* what) { return head.Has(what) && head.Get<uint32_t>(what) == 0; };
   const bool is_empty = has_no("conn_count") && has_no("chunk_count");
   return {begin.size() - bytes.rest().size(), head.Get<uint64_t>("index_pos"), is_empty};
@@ -196,7 +196,7 @@ BagReader::Chunk BagReader::ReadChunkHead(uint64_t offset) const {
 }
 
 void BagReader::ReadChunkHeads(uint64_t index_at) {
-  // In front of each chunk stands the index of the one before.
+  // Each chunk is preceded by the index of the previous one.
   constexpr uint64_t kUsualIndexBytes = 1024;
   for (const Chunk& chunk : chunks_) {
     const uint64_t before = std::min(chunk.offset, kUsualIndexBytes);

@@ -18,7 +18,7 @@ namespace plslam {
 /// not closed, or is cut off, are found by reading the whole file.
 class BagReader : public Recording {
  public:
-  /// `why_scan`, where it is not empty: the index is not used, and why (`DamagedIndex`).
+  /// A non-empty `why_scan` is the reason not to use the index (`DamagedIndex`).
   explicit BagReader(const std::string& path, const std::string& why_scan = "");
 
   const std::vector<RecordedChannel>& channels() const override { return channels_; }
@@ -36,14 +36,14 @@ class BagReader : public Recording {
     uint64_t offset = 0, data_at = 0, data_bytes = 0;
     std::string compression;
     uint32_t size = 0;  ///< decompressed
-    /// The indices of its messages stand from the end of the chunk until here.
+    /// The indices of its messages extend from the end of the chunk to this offset.
     uint64_t indices_end = 0;
-    std::vector<uint32_t> connections;  ///< that have messages in it
+    std::vector<uint32_t> connections;  ///< with messages in it
   };
 
   struct Head {
-    uint64_t end = 0;       ///< where the first record behind it begins
-    uint64_t index_at = 0;  ///< where the index begins; 0 where the bag was not closed
+    uint64_t end = 0;       ///< offset of the first record after it
+    uint64_t index_at = 0;  ///< offset of the index; 0 if the bag was not closed
     bool is_empty = false;  ///< it was closed without messages
   };
   Head ReadHead() const;
@@ -62,7 +62,7 @@ class BagReader : public Recording {
   std::vector<RecordedMessage> IndexedMessages(const std::string& topic) const;
   void AppendMessages(uint32_t chunk, uint32_t connection, std::vector<RecordedMessage>& messages) const;
 
-  /// Where a message begins in the file; nullopt where it is in a chunk that is compressed.
+  /// Returns the offset of a message in the file; nullopt if it is in a compressed chunk.
   std::optional<uint64_t> PlaceInFile(const RecordedMessage& message) const;
 
   RecordingFile file_;

@@ -20,7 +20,7 @@
 namespace plslam {
 namespace {
 
-/// Left and right image, their truth, and the neighbours of all: each may stand in another chunk.
+/// Left and right image, their truth, and the neighbours of all: each may be in another chunk.
 constexpr size_t kChunksKept = 4;
 
 [[noreturn]] void FailAsDamaged(const char* compression, const char* why) {

@@ -16,7 +16,8 @@
 
 namespace plslam {
 
-// What readers of recordings share: bytes of the file, fields of its records, and its chunks. All throw DatasetError.
+// Helpers that the readers of recordings share: bytes of the file, fields of its records, and its chunks. All throw
+// DatasetError.
 
 /// A file that is read in pieces, by several threads.
 class RecordingFile {
@@ -27,9 +28,10 @@ class RecordingFile {
   RecordingFile& operator=(const RecordingFile&) = delete;
 
   uint64_t size() const { return size_; }
-  /// Fails where the piece, called `what`, does not lie within the file.
+  /// Fails if the piece, called `what`, is not within the file.
   std::vector<uint8_t> ReadAt(uint64_t offset, uint64_t n, const char* what) const;
-  /// A piece that will be read soon: the system may fetch many of them at once, where one after the other takes long.
+  /// Announces a piece that will be read soon: the system may fetch many of them at once, while reading them one by one
+  /// takes long.
   void WillRead(uint64_t offset, uint64_t n) const;
 
  private:
@@ -72,8 +74,8 @@ class RecordFields {
   std::span<const uint8_t> rest_;
 };
 
-/// A chunk as it was before `compression`: "" (none), "lz4" (frames), "zstd" or "bz2". `n` is its length then, as the
-/// file says; one above `kMaxChunkBytes` is refused.
+/// Decompresses a chunk; `compression`: "" (none), "lz4" (frames), "zstd" or "bz2". `n` is its decompressed length
+/// according to the file; one above `kMaxChunkBytes` is rejected.
 std::vector<uint8_t> DecompressChunk(const std::string& compression, std::span<const uint8_t> bytes, uint64_t n);
 
 /// How many bytes of lz4 could be decompressed in the time that `n` bytes take which are compressed so.
@@ -84,13 +86,13 @@ class RecentChunks {
  public:
   using Bytes = std::vector<uint8_t>;
 
-  /// What `find` makes of the chunk of that index, which is read by `read` where it is not among the recent ones.
+  /// Returns the result of `find` on the chunk with this index, which `read` reads unless it is among the recent ones.
   Bytes Copy(uint32_t chunk, const std::function<Bytes()>& read,
              const std::function<std::span<const uint8_t>(const Bytes&)>& find);
 
  private:
   std::mutex mutex_;
-  /// The one read last in front.
+  /// The most recently used one is first.
   std::list<std::pair<uint32_t, Bytes>> recent_;
 };
 

@@ -29,7 +29,7 @@ std::vector<int64_t> TimesOf(const std::vector<RecordedMessage>& messages) {
   return times_ns;
 }
 
-/// False where there are no pairs by these times; then nothing is changed.
+/// Returns false, without any change, if there are no pairs by these times.
 bool PairBy(MessageClock clock, const Topic& left_topic, const Topic& right_topic, ImagePairs* images,
             std::vector<std::string>* notes) {
   std::vector<std::string> found;

@@ -23,13 +23,14 @@ struct ImagePairs {
 /// Delays of logging that differ by this part of a frame leave no doubt about the pairs.
 inline constexpr int64_t kDelayToleranceShare = 8;
 
-/// Pairs the nearest images of two topics that are less than half a frame apart, by their header stamps. Times of
-/// logging are used where the stamps of a topic are zero or constant, or those of both are of two clocks; `notes` says
-/// so, and what is passed over. Throws DatasetError where there is no pair.
+/// Pairs the nearest images of two topics that are less than half a frame apart, by their header stamps. Logging times
+/// are used if the stamps of a topic are zero or constant, or those of both are of different clocks; `notes` reports
+/// this, and skipped messages. Throws DatasetError if there is no pair.
 ImagePairs PairImages(const Recording& recording, const std::string& left_topic, const std::string& right_topic,
                       std::vector<std::string>* notes);
 
-/// The time of a pair. A stamp that was estimated is read now, and stays between the neighbours, so that times increase.
+/// The time of a pair. A stamp that was estimated is read now, and stays between the neighbours, so that times
+/// increase.
 int64_t TimeOf(const Recording& recording, const ImagePairs& images, size_t index);
 
 }  // namespace plslam

@@ -28,7 +28,7 @@ enum class McapRecord : uint8_t {
   kDataEnd = 0x0f,
 };
 
-/// The checksum of what `crc` is of (0: nothing), and `n` bytes more.
+/// Continues the checksum `crc` (0: of no bytes) by `n` bytes.
 inline uint32_t McapCrc(uint32_t crc, const void* bytes, size_t n) { return libdeflate_crc32(crc, bytes, n); }
 
 }  // namespace plslam

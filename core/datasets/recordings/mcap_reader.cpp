@@ -38,7 +38,7 @@ constexpr uint64_t kMessageHeadBytes = sizeof(uint16_t) + sizeof(uint32_t) + 2 *
 /// From the begin of a chunk that is not compressed to its messages: times, length, checksum and compression.
 constexpr uint64_t kChunkHeadBytes = kRecordHeadBytes + 4 * sizeof(uint64_t) + 2 * sizeof(uint32_t);
 
-/// Records one after the other, each with its kind and the place where it begins.
+/// Calls `take` for each record, with its kind and the offset at which it begins.
 template <class Take>
 void ForEachRecord(std::span<const uint8_t> bytes, Take take) {
   for (Fields records(bytes); !records.empty();) {
@@ -48,7 +48,7 @@ void ForEachRecord(std::span<const uint8_t> bytes, Take take) {
   }
 }
 
-/// The content of the message whose record begins there.
+/// Returns the content of the message whose record begins at `offset`.
 std::span<const uint8_t> ContentIn(std::span<const uint8_t> bytes, uint64_t offset) {
   if (offset > bytes.size()) throw DatasetError("a message would lie behind its chunk: the file is damaged");
   Fields fields = ContentOf(bytes.subspan(offset), McapRecord::kMessage, "a message");
@@ -247,7 +247,7 @@ std::vector<RecordedMessage> McapReader::Messages(const std::string& topic) cons
 
 std::vector<RecordedMessage> McapReader::IndexedMessages(const std::string& topic) const {
   std::vector<RecordedMessage> messages;
-  // They stand behind each chunk, close together.
+  // The indices follow each chunk, close together.
   for (const Chunk& chunk : chunks_) file_.WillRead(chunk.offset + chunk.length, kUsualIndexBytes);
   uint64_t n_expected = 0;
   for (const RecordedChannel& channel : channels_) {
@@ -281,7 +281,7 @@ void McapReader::AppendMessages(uint32_t chunk, const RecordedChannel& channel,
     const auto t_ns = entries.Get<int64_t>();
     messages.push_back({t_ns, RecordedMessage::kNotRead, chunk, entries.Get<uint64_t>()});
   }
-  // Of indices that many chunks name, memory is not for.
+  // Many chunks of a damaged file may point to the same index, so the number of messages is bounded by the file's size.
   if (messages.size() > file_.size())
     throw DatasetError("its index has more messages than the file has bytes: it is damaged");
 }

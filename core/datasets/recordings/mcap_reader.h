@@ -14,12 +14,12 @@
 
 namespace plslam {
 
-/// An MCAP file (mcap.dev, version 0). Messages may stand in chunks or alone, and chunks may be as they are, or
-/// compressed by lz4 or zstd; their checksums are compared. What its writer left out of the index, or did not come to
-/// write, is found by reading the whole file.
+/// An MCAP file (mcap.dev, version 0). Messages may be in chunks or outside, and chunks may be uncompressed, or
+/// compressed by lz4 or zstd; their checksums are verified. If the index is incomplete or missing, the whole file is
+/// read.
 class McapReader : public Recording {
  public:
-  /// `why_scan`, where it is not empty: the index is not used, and why (`DamagedIndex`).
+  /// A non-empty `why_scan` is the reason not to use the index (`DamagedIndex`).
   explicit McapReader(const std::string& path, const std::string& why_scan = "");
 
   const std::vector<RecordedChannel>& channels() const override { return channels_; }
@@ -38,32 +38,32 @@ class McapReader : public Recording {
   using Bytes = std::vector<uint8_t>;
   struct Chunk {
     uint64_t offset = 0, length = 0;
-    /// Where the index of each channel stands.
+    /// Offset of the message index of each channel.
     std::map<uint32_t, uint64_t> indices;
-    /// Where its messages begin, if it is not compressed; 0 where that is not known.
+    /// Offset of its messages if it is not compressed; 0 if that is not known.
     uint64_t data_at = 0;
     uint64_t cost = 0;  ///< of decompressing it
   };
 
   void CheckMagic() const;
-  /// All three return why the index cannot be used; empty where it can.
+  /// All three return the reason why the index cannot be used; empty if it can.
   std::string ReadSummary();
   std::string Parse(std::span<const uint8_t> summary);
   std::string WhatIsMissing(bool all_schemas) const;
   void Scan(const std::string& why);
   std::vector<RecordedMessage> IndexedMessages(const std::string& topic) const;
   void AppendMessages(uint32_t chunk, const RecordedChannel& channel, std::vector<RecordedMessage>& messages) const;
-  /// `scan` is told of its size before.
+  /// `scan` receives its size first.
   Bytes Decompressed(const Chunk& chunk, ScannedIndex* scan = nullptr) const;
 
-  /// Where a message begins in the file; nullopt where it is in a chunk that is compressed.
+  /// Returns the offset of a message in the file; nullopt if it is in a compressed chunk.
   std::optional<uint64_t> PlaceInFile(const RecordedMessage& message) const;
 
   RecordingFile file_;
   bool is_closed_ = false;  ///< by its recorder
   std::vector<RecordedChannel> channels_;
   std::vector<Chunk> chunks_;
-  /// What the summary says that there is, as far as it does.
+  /// Content of the file according to its summary, as far as that has it.
   bool is_empty_ = false;
   std::optional<uint32_t> n_chunks_;
   std::map<uint32_t, uint64_t> n_messages_;  ///< by channel

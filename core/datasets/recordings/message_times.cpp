@@ -27,7 +27,7 @@ constexpr size_t kMostStretchesShare = 8;
 constexpr int64_t kLatest_ns = 4'000'000'000'000'000'000;
 /// A camera has more stamps than this share of its images, if its driver sets them.
 constexpr size_t kLeastStampShare = 4;
-/// Recorders delay messages by up to a second; a clock that goes back further was set.
+/// Recorders delay messages by up to a second; a clock that goes back further was reset.
 constexpr int64_t kLongestDelay_ns = 2'000'000'000;
 
 int64_t LogTime_ns(const RecordedMessage& message) { return std::clamp<int64_t>(message.t_ns, 0, kLatest_ns); }
@@ -68,13 +68,13 @@ void ReadStampsOf(const Recording& recording, const std::vector<RecordedMessage*
   }
 }
 
-/// Messages of one topic from `first` to `last`, whose stamps are read at both ends.
+/// Messages of one topic from `first` to `last`, whose stamps have been read at both ends.
 struct Stretch {
   Messages* topic = nullptr;
   size_t first = 0, last = 0;
 };
 
-/// Sets the stamps within, or returns false where it is not known that these follow from the ends.
+/// Interpolates the stamps in between, or returns false if the ends do not determine them.
 bool Estimate(const Stretch& stretch, int64_t tolerance_ns) {
   Messages& messages = *stretch.topic;
   const RecordedMessage &a = messages[stretch.first], &b = messages[stretch.last];
@@ -121,7 +121,7 @@ std::vector<Stretch> Halves(const std::vector<Stretch>& stretches, int64_t toler
   return halves;
 }
 
-/// What it costs to read all these stamps, in bytes of lz4 that could be decompressed.
+/// Returns the cost of reading all these stamps, in bytes of lz4 that could be decompressed in the same time.
 uint64_t Cost(const Recording& recording, const std::vector<RecordedMessage*>& messages) {
   uint64_t cost = 0;
   std::set<uint32_t> chunks;
@@ -137,7 +137,7 @@ uint64_t Cost(const Recording& recording, const std::vector<RecordedMessage*>& m
   return cost;
 }
 
-/// Those without a stamp, in order of the file.
+/// Returns the messages without a stamp, in the order of the file.
 std::vector<RecordedMessage*> NotRead(const std::vector<Messages*>& topics) {
   std::vector<RecordedMessage*> messages;
   for (Messages* topic : topics) {
@@ -165,7 +165,7 @@ void ReadStamps(const Recording& recording, const std::vector<Messages*>& topics
   std::vector<Stretch> stretches;
   if (Cost(recording, all) > kMostAtOnce) stretches = Stretches(topics);
   const size_t n_begin = stretches.size();
-  // Where most messages would be read one by one, it is quicker to read all in the order of the file.
+  // If most messages would be read one by one, it is faster to read all in the order of the file.
   while (!stretches.empty() && stretches.size() <= n_begin + all.size() / kMostStretchesShare) {
     std::vector<RecordedMessage*> ends;
     for (const Stretch& stretch : stretches) {
@@ -232,7 +232,7 @@ SetBack FindSetBack(const Times& times_ns) {
   for (size_t i = 1; i < times_ns.size(); ++i) {
     const int64_t back_ns = times_ns[i - 1] - times_ns[i];
     if (back_ns / 2 < step_ns) continue;
-    // Messages that come late leave a hole where they are missing. A clock that was set back leaves none.
+    // Messages that were logged late leave a gap at their stamps. A clock that was set back leaves none.
     const auto first = std::lower_bound(sorted_ns.begin(), sorted_ns.end(), times_ns[i]);
     const auto end = std::upper_bound(sorted_ns.begin(), sorted_ns.end(), times_ns[i - 1]);
     const auto n = static_cast<double>(end - first);

@@ -10,41 +10,43 @@
 
 namespace plslam {
 
-// Messages of a recording in order of their header stamps, as ROS compares them. When a message was logged depends on
-// the network, on the disk and on the clock of the recorder: two images of one moment are logged up to a second apart.
+// Messages of a recording in order of their header stamps, as ROS compares them. The time of logging depends on the
+// network, on the disk and on the recorder's clock: two images of one moment are logged up to a second apart.
 
-/// Reads the stamps of the messages of several topics. A message whose stamp cannot be read keeps `kNotRead`.
+/// Reads the stamps of the messages of several topics. The stamp of an unreadable message remains `kNotRead`.
 ///
-/// All are read where that takes a fraction of a second: of 8,000 messages, or of chunks that hold 512 MB of lz4. In
-/// larger recordings 16 stretches of each topic are taken. Where its ends were logged after their stamps by one delay,
-/// within `tolerance_ns`, and its messages at equal distances within that, the stamps between follow (`is_estimated`);
-/// other stretches are halved. So every stamp is read where messages were logged late or at another rate.
+/// All stamps are read if that takes a fraction of a second: of 8,000 messages, or of chunks that hold 512 MB of lz4.
+/// In larger recordings each topic is divided into 16 stretches. If both ends of a stretch were logged after their
+/// stamps by the same delay, within `tolerance_ns`, and its messages are equally spaced within that, the stamps in
+/// between are interpolated (`is_estimated`); other stretches are halved. So every stamp is read in parts where
+/// messages were logged late or at another rate.
 void ReadStamps(const Recording& recording, const std::vector<std::vector<RecordedMessage>*>& topics,
                 int64_t tolerance_ns);
 
-/// The stamp as the file has it; nullopt where it is zero or cannot be read.
+/// Returns the stamp in the file; nullopt if it is zero or cannot be read.
 std::optional<int64_t> ReadStamp(const Recording& recording, const RecordedMessage& message);
 
-/// The median distance of the times of logging.
+/// Returns the median step of the logging times.
 int64_t MedianLogStep_ns(const std::vector<RecordedMessage>& messages);
 
-/// Why the stamps of these messages are no times ("are all zero"); empty where they are, or where there is no message.
+/// Returns the reason why the stamps of these messages are no times ("are all zero"); empty if they are, or without
+/// messages.
 std::string StampComplaint(const std::vector<RecordedMessage>& messages);
 
-/// The median of stamp minus time of logging, of messages with both; 0 where there are none.
+/// Returns the median of stamp minus time of logging, of messages with both; 0 if there are none.
 int64_t MedianStampOffset_ns(const std::vector<RecordedMessage>& messages);
 
-/// Gives messages without a stamp the time at which they were logged plus `offset_ns`.
+/// Sets missing stamps to the time of logging plus `offset_ns`.
 void StampByLogTime(int64_t offset_ns, std::vector<RecordedMessage>* messages);
 
 enum class MessageClock { kStamp, kLog };
 
-/// The messages in order of the times of that clock, which are their `t_ns` then and increase. `messages` are in the
-/// order in which they stand in the file.
+/// Returns the messages in order of the times of that clock, which become their `t_ns` and increase. `messages` are in
+/// the order of the file.
 ///
-/// By stamps, a message that could not be read has the time at which it was logged plus `MedianStampOffset_ns`; one
-/// with a stamp of zero is passed over. So are those of a time that another one has, and where a clock was set back,
-/// those not later than one before. `notes` says so, naming the `topic`.
+/// By stamps, an unreadable message has the time of logging plus `MedianStampOffset_ns`; one with a stamp of zero is
+/// skipped. Also skipped are messages with an equal time and, if a clock was set back, those not later than an earlier
+/// one. `notes` reports this, naming the `topic`.
 std::vector<RecordedMessage> InOrderOfTime(std::vector<RecordedMessage> messages, MessageClock clock,
                                            const std::string& topic, std::vector<std::string>* notes);
 

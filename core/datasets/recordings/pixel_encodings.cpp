@@ -24,7 +24,7 @@ struct Encoding {
   std::string_view name;
   int type;
   Conversion conversion = Conversion::kNone;
-  /// Rows of the data for two of the image: colours of planar YUV stand below the luma.
+  /// Rows of the data for two rows of the image: colours of planar YUV are below the luma.
   int rows_for_two = 2;
 };
 constexpr auto kEncodings = std::to_array<Encoding>({{"mono8", CV_8UC1},
@@ -108,7 +108,7 @@ cv::Mat PixelsOf(const RosPixels& image, const Encoding& encoding, const cv::Siz
 }
 
 cv::Mat Converted(const cv::Mat& pixels, Conversion conversion) {
-  cv::Mat converted;  // of its own: demosaicing cannot work in place
+  cv::Mat converted;  // a separate image: demosaicing cannot work in place
   const auto convert = [&](int code) { cv::cvtColor(pixels, converted, code); };
   switch (conversion) {
     case Conversion::kNone:

@@ -11,7 +11,7 @@
 
 namespace plslam {
 
-/// What a sensor_msgs/Image says of its pixels; nothing of it has been checked.
+/// Layout of the pixels of a sensor_msgs/Image; not checked.
 struct RosPixels {
   int64_t width_px = 0, height_px = 0;
   int64_t step_bytes = 0;  ///< from one row to the next; 0: without padding
@@ -20,15 +20,15 @@ struct RosPixels {
   std::span<const uint8_t> data;
 };
 
-/// Why images of this encoding cannot be read; empty where they can.
+/// Returns the reason why images of this encoding cannot be read; empty if they can.
 std::string PixelEncodingComplaint(const std::string& encoding);
 
-/// Grey pixels: the luma of YUV, Bayer patterns by OpenCV's demosaicing, all else as `GreyPixels` makes it. `white` is
-/// the white level of 16 bits. Throws DatasetError where the encoding is not known, the image is not of the size
+/// Returns grey pixels: the luma of YUV, Bayer patterns by OpenCV's demosaicing, all others as in `GreyPixels`. `white`
+/// is the white level of 16 bits. Throws DatasetError if the encoding is unknown, the image is not of the size
 /// `expected`, or bytes are missing.
 cv::Mat GreyOfRosPixels(const RosPixels& image, const cv::Size& expected, int white);
 
-/// The largest value of pixels of 16 bits, at least 1; 0 for others. Throws like `GreyOfRosPixels`.
+/// Returns the largest value of 16-bit pixels, at least 1; 0 for others. Throws like `GreyOfRosPixels`.
 int LargestWideValue(const RosPixels& image, const cv::Size& expected);
 
 }  // namespace plslam

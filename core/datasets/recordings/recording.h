@@ -29,22 +29,23 @@ inline std::string RosTypeName(std::string type) {
   return type;
 }
 
-/// Where a message stands.
+/// Position of a message in a recording.
 struct RecordedMessage {
   static constexpr uint32_t kNoChunk = std::numeric_limits<uint32_t>::max();
   static constexpr int64_t kNotRead = -1;
 
   int64_t t_ns = 0;             ///< when it was logged
   int64_t stamp_ns = kNotRead;  ///< of its header; 0: none
-  uint32_t chunk = 0;           ///< index of its chunk, in the order in which they stand in the file
-  uint64_t offset = 0;          ///< in the chunk, decompressed; in the file where it is in no chunk
-  bool is_estimated = false;    ///< its stamp follows from those of others (message_times.h)
+  uint32_t chunk = 0;           ///< index of its chunk, in the order of the file
+  uint64_t offset = 0;          ///< in the decompressed chunk; in the file if it is in no chunk
+  bool is_estimated = false;    ///< its stamp was interpolated between others (message_times.h)
 };
 
-/// A stamp lies within so many bytes of a message: in ROS 1 behind its number, in ROS 2 behind the name of the encoding.
+/// A stamp lies within this many bytes from the beginning of a message: in ROS 1 after its number, in ROS 2 after the
+/// name of the encoding.
 inline constexpr uint64_t kStampBytes = 12;
 
-/// The stamp of the std_msgs/Header that a message begins with; `kNotRead` where it ends before.
+/// Returns the stamp of the std_msgs/Header at the beginning of a message; `kNotRead` if the bytes end before.
 inline int64_t StampOf(std::span<const uint8_t> begin) {
   if (begin.size() < kStampBytes) return RecordedMessage::kNotRead;
   std::array<uint32_t, 2> stamp{};  // seconds, nanoseconds
@@ -52,24 +53,24 @@ inline int64_t StampOf(std::span<const uint8_t> begin) {
   return int64_t{stamp[0]} * 1'000'000'000 + stamp[1];
 }
 
-/// The order in which messages stand in the file: a recorder writes them as they arrive, whatever its clock says.
+/// Sorts messages in the order of the file: a recorder writes them in the order of arrival, whatever its clock shows.
 inline void SortByPlace(std::vector<RecordedMessage>& messages) {
   std::stable_sort(messages.begin(), messages.end(), [](const RecordedMessage& a, const RecordedMessage& b) {
     return std::pair(a.chunk, a.offset) < std::pair(b.chunk, b.offset);
   });
 }
 
-/// A file of messages with an index: opening reads what the end of the file says, `Messages` the index of one topic,
-/// and `Read` the chunk of a message. The chunks read last are kept; memory grows by 40 bytes for each message. A file
-/// without a usable index (its recorder was killed, or does not write one) is read once from its begin to its end
-/// when it is opened, as far as it is whole (scanned_index.h); `Notes` tells.
+/// A file of messages with an index: opening reads the summary at the end of the file, `Messages` the index of one
+/// topic, and `Read` the chunk of a message. The most recently read chunks are kept; memory grows by 40 bytes for each
+/// message. A file without a usable index (its recorder was killed, or does not write one) is read once from beginning
+/// to end when it is opened, as far as it is complete (scanned_index.h); `Notes` reports this.
 ///
-/// All throw DatasetError, without the name of the file: where it is another file, or is damaged. May be used by
-/// several threads.
+/// All throw DatasetError, without the name of the file, if it has another format or is damaged. May be used by several
+/// threads.
 class Recording {
  public:
-  /// What `Messages` throws where the index is damaged behind what was read when the file was opened. It is opened
-  /// again, with this as the reason to read all of it in place of its index.
+  /// Thrown by `Messages` if the index is damaged beyond the part that was read when the file was opened. The caller
+  /// opens the file again, with this as the reason to read the whole file instead of its index.
   class DamagedIndex : public std::runtime_error {
     using std::runtime_error::runtime_error;
   };
@@ -82,22 +83,22 @@ class Recording {
   /// In order of their ids.
   virtual const std::vector<RecordedChannel>& channels() const = 0;
 
-  /// All messages of the channels with this topic, in the order in which they stand in the file.
+  /// Returns all messages of the channels with this topic, in the order of the file.
   virtual std::vector<RecordedMessage> Messages(const std::string& topic) const = 0;
 
-  /// What is wrong with the file, in sentences for the user.
+  /// Returns sentences for the user about defects of the file.
   virtual std::vector<std::string> Notes() const = 0;
-  /// How long it took to read all of the file in place of its index; 0: its index is used.
+  /// Returns the time that it took to read the whole file instead of its index; 0: its index is used.
   virtual double scan_s() const = 0;
 
-  /// The content of a message, a copy.
+  /// Returns a copy of the content of a message.
   virtual std::vector<uint8_t> Read(const RecordedMessage& message) const = 0;
 
-  /// The first `n` bytes of it, or all where it has fewer. Where its chunk is not compressed, only these are read.
+  /// Returns its first `n` bytes, or all if it has fewer. In an uncompressed chunk, only these are read.
   virtual std::vector<uint8_t> ReadBegin(const RecordedMessage& message, uint64_t n) const = 0;
-  /// Tells the system that `ReadBegin` will come, where its chunk is not compressed.
+  /// Announces a call of `ReadBegin` to the operating system if the chunk is not compressed.
   virtual void WillReadBegin(const RecordedMessage& message, uint64_t n) const = 0;
-  /// How many bytes of lz4 could be decompressed in the time that this chunk takes; 0: it is not compressed.
+  /// Returns the bytes of lz4 that could be decompressed in the time that this chunk takes; 0: it is not compressed.
   virtual uint64_t DecompressionCost(uint32_t chunk) const = 0;
 };
 

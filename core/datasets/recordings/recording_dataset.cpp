@@ -57,7 +57,7 @@ bool IsImage(const RecordedChannel& channel) {
   return RosEncodingOf(channel.encoding) && (channel.type == kRosImage || channel.type == kRosCompressedImage);
 }
 
-/// Of a channel that fits.
+/// Returns the encoding of a channel that has one.
 RosEncoding EncodingOf(const RecordedChannel& channel) { return RosEncodingOf(channel.encoding).value(); }
 
 bool IsPose(const RecordedChannel& channel) {
@@ -122,7 +122,7 @@ class RecordingDataset : public Dataset {
     }
   }
 
-  /// The largest value of the images of a pair, where they have 16 bits, else 0.
+  /// Returns the largest value of the images of a pair if they have 16 bits, else 0.
   int LargestValues(int index) const {
     const auto largest = [&](const RecordedChannel& channel, const RecordedMessage& message) {
       return LargestWideValue(channel.type, reader_->Read(message), EncodingOf(channel),
@@ -138,7 +138,7 @@ class RecordingDataset : public Dataset {
     return nullptr;
   }
 
-  /// What there is in place of two image topics that fit.
+  /// Returns a list of the topics in the recording, for the error about missing image topics.
   std::string TopicsThatAreThere() const {
     std::set<std::string> images, other_images, others;
     for (const RecordedChannel& channel : reader_->channels()) {
@@ -194,7 +194,7 @@ class RecordingDataset : public Dataset {
           "{}: name two of them, --topics LEFT RIGHT (or FILE?left=LEFT&right=RIGHT)",
           TopicsThatAreThere()));
     }
-    // Without the loss of compression where there is a choice.
+    // Prefer images without lossy compression.
     std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
       return std::pair(a.first.type != kRosImage, a.first.topic) <
              std::pair(b.first.type != kRosImage, b.first.topic);
@@ -210,7 +210,7 @@ class RecordingDataset : public Dataset {
   void CheckEncodings() const {
     for (const auto& [channel, message] :
          {std::pair(&left_, images_.pairs.front().first), std::pair(&right_, images_.pairs.front().second)}) {
-      if (channel->type != kRosImage) continue;  // JPEG and PNG say what they are
+      if (channel->type != kRosImage) continue;  // JPEG and PNG contain their encoding
       std::string encoding;
       try {
         encoding = ImageEncoding(channel->type, reader_->Read(message), EncodingOf(*channel));
@@ -222,7 +222,7 @@ class RecordingDataset : public Dataset {
     }
   }
 
-  /// That of the nearest namespace: "/a/left/image_raw" has "/a/left/camera_info".
+  /// Returns the camera info of the nearest namespace: "/a/left/image_raw" has "/a/left/camera_info".
   RosCameraInfo CameraInfoOf(const std::string& image_topic) const {
     std::string space = image_topic;
     for (size_t slash = space.rfind('/'); slash != std::string::npos; slash = space.rfind('/')) {
@@ -246,7 +246,7 @@ class RecordingDataset : public Dataset {
         const auto& [left, right] = images_.pairs[i];
         return {SizeOfImage(left_.type, reader_->Read(left), EncodingOf(left_)),
                 SizeOfImage(right_.type, reader_->Read(right), EncodingOf(right_))};
-      } catch (const std::runtime_error&) {  // told where the frame is read
+      } catch (const std::runtime_error&) {  // reported when the frame is read
       }
     }
     return {};

@@ -11,15 +11,15 @@ namespace plslam {
 /// The stereo images of a recording of ROS 2 (MCAP) or ROS 1 (bag): "FILE", or with topics and calibration given,
 /// "FILE?left=/a/image_raw&right=/b/image_raw&truth=/pose&camera=camera.yaml" (docs/datasets.md).
 ///
-/// Without topics they are found by looking: two of one name but for left and right, cam0 and cam1, infra1 and
-/// infra2, image_0 and image_1. The rig is that of their camera_info. Times are header stamps (message_times.h); those of
-/// logging only where the stamps of an image topic are zero or constant, or left and right ones are of two clocks, as
-/// `Notes` tells then. Images are read on demand through the index, of which memory holds 40 bytes for each message.
+/// Without topics they are detected: two of one name except for left and right, cam0 and cam1, infra1 and infra2,
+/// image_0 and image_1. The rig is that of their camera_info. Times are header stamps (message_times.h); logging times
+/// only if the stamps of an image topic are zero or constant, or left and right ones are of different clocks, as
+/// `Notes` then reports. Images are read on demand through the index, of which memory holds 40 bytes for each message.
 ///
-/// A file without index, or cut off, is played as far as it is whole (recording.h); `Notes` tells.
+/// A file without index, or truncated, is played as far as it is complete (recording.h); `Notes` reports this.
 ///
-/// Throws DatasetError naming the file where it is another file or damaged, where topics or calibration are missing
-/// (then with a list of the topics), or where a lens has no counterpart here.
+/// Throws DatasetError naming the file if it has another format or is damaged, if topics or calibration are missing
+/// (then with a list of the topics), or if a lens has no equivalent model here.
 std::unique_ptr<Dataset> OpenMcapDataset(const std::string& location);
 std::unique_ptr<Dataset> OpenBagDataset(const std::string& location);
 
@@ -28,7 +28,7 @@ std::unique_ptr<Dataset> OpenBagDataset(const std::string& location);
 bool LooksLikeMcap(const std::string& location);
 bool LooksLikeBag(const std::string& location);
 
-/// The location without the options that are given behind "?", if any: the file that is read.
+/// Returns the file of a location, without the options after "?", if any.
 std::string FileOfLocation(const std::string& location);
 
 }  // namespace plslam

@@ -26,7 +26,7 @@ RosPixels PixelsOf(RosReader& reader) {
   return pixels;
 }
 
-/// Of a CompressedImage behind its header: the name of its file in errors, and the file.
+/// Reads a CompressedImage after its header: the name of its file in errors, and the file.
 std::pair<std::string, std::span<const uint8_t>> FileOf(RosReader& reader) {
   const std::string name = fmt::format("'{}'", Shown(reader.Text()));
   return {name, reader.Bytes()};
@@ -54,7 +54,7 @@ RosCameraInfo ParseCameraInfo(std::span<const uint8_t> message, RosEncoding enco
   reader.SkipHeader();
   RosCameraInfo info;
   const auto height = reader.Get<uint32_t>(), width = reader.Get<uint32_t>();
-  // What is larger is refused with all other numbers of the rig.
+  // Larger values are rejected later with all other numbers of the rig.
   info.height_px = static_cast<int>(std::min<uint32_t>(height, 1U << 30));
   info.width_px = static_cast<int>(std::min<uint32_t>(width, 1U << 30));
   info.model = reader.Text();

@@ -19,11 +19,11 @@
 
 namespace plslam {
 
-/// How a message was written, always little endian: ROS 2's CDR (OMG DDS-XTypes, plain CDR), where numbers are aligned
-/// to their size, counted behind the four bytes that name the encoding; or ROS 1's, without alignment.
+/// Serialisation of a message, always little endian: ROS 2's CDR (OMG DDS-XTypes, plain CDR), in which numbers are
+/// aligned to their size, counted from after the four bytes that name the encoding; or ROS 1's, without alignment.
 enum class RosEncoding { kCdr, kRos1 };
 
-/// The encoding that recordings call "cdr" or "ros1"; nullopt for others.
+/// Returns the encoding that recordings call "cdr" or "ros1"; nullopt for others.
 std::optional<RosEncoding> RosEncodingOf(std::string_view name);
 
 /// Reads a message of ROS. Every read throws DatasetError where the message ends before.
@@ -80,7 +80,7 @@ class RosReader {
   size_t at_;
 };
 
-// Messages of ROS, as far as a stereo sequence needs them. All throw DatasetError where one is damaged.
+// Messages of ROS, as far as a stereo sequence needs them. All throw DatasetError for a damaged message.
 
 /// Names of the types, as ROS 2 has them.
 inline constexpr std::string_view kRosImage = "sensor_msgs/msg/Image";
@@ -103,10 +103,10 @@ cv::Mat ParseImage(std::string_view type, std::span<const uint8_t> message, RosE
 int LargestWideValue(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding,
                      const cv::Size& expected);
 
-/// Size of an Image or a CompressedImage by its header; no pixel is decoded. 0 x 0 where it has none.
+/// Returns the size of an Image or a CompressedImage by its header; no pixel is decoded. 0 x 0 if it has none.
 ImageSize SizeOfImage(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding);
 
-/// Pose of an Odometry or a PoseStamped (`type`).
+/// Returns the pose of an Odometry or a PoseStamped (`type`).
 SE3 ParsePose(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding);
 
 }  // namespace plslam

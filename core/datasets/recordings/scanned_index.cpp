@@ -19,10 +19,10 @@ std::string Megabytes(uint64_t bytes) { return fmt::format("{:.1f} MB", static_c
 
 }  // namespace
 
-/// What was found on the way through a file.
+/// Findings during the scan of a file.
 struct ScannedIndex::Findings {
-  uint64_t whole_bytes = 0;    ///< up to here records are whole
-  uint64_t missing_bytes = 0;  ///< of the record behind them
+  uint64_t whole_bytes = 0;    ///< up to here records are complete
+  uint64_t missing_bytes = 0;  ///< of the record after them
   int n_damaged = 0;
   std::string first_damage;
 };

@@ -12,20 +12,20 @@
 
 namespace plslam {
 
-/// The index of a recording that has none of its own, or none that can be used: its records are read once, one after
-/// the other, up to the end or to the first one that is not whole.
+/// The index of a recording that has none, or no usable one: its records are read once, one after the other, up to the
+/// end or to the first incomplete one.
 class ScannedIndex {
  public:
-  /// What a format says of its records.
+  /// The record structure of a format.
   struct Records {
-    /// Where the record ends that begins at this byte.
+    /// Returns the end of the record that begins at this byte.
     std::function<uint64_t(uint64_t at)> end;
-    /// Reads it, and adds its messages here. False at the record that ends the messages. Where it throws
-    /// DatasetError, the record (a chunk, say) is damaged and passed over.
+    /// Reads the record, and adds its messages to this index. Returns false at the record that ends the messages. If it
+    /// throws DatasetError, the record (a chunk, for example) is damaged and skipped.
     std::function<bool(uint64_t at, uint64_t end)> take;
   };
 
-  /// `why` the file has to be read, and the `repair` that spares it, for the note.
+  /// `why` the file must be scanned, and the `repair` that avoids it, are quoted in the note.
   void Scan(const RecordingFile& file, uint64_t from, const Records& records, const std::string& why,
             const char* repair);
 
@@ -36,12 +36,12 @@ class ScannedIndex {
   void SpendDecompressed(uint64_t bytes) { Spend(decompressed_left_, bytes, "bytes in its chunks"); }
 
   bool is_made() const { return is_made_; }
-  /// 0 where nothing was scanned.
+  /// Duration of the scan; 0 if nothing was scanned.
   double taken_s() const { return taken_s_; }
   bool has_messages() const { return !messages_.empty(); }
-  /// In the order in which they stand in the file.
+  /// Returns the messages in the order of the file.
   std::vector<RecordedMessage> Messages(const std::string& topic, const std::vector<RecordedChannel>& channels) const;
-  /// One sentence; none where nothing was scanned.
+  /// One sentence; empty if nothing was scanned.
   std::vector<std::string> Notes() const;
 
  private:

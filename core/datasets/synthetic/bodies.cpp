@@ -17,7 +17,7 @@ struct Bodies::Plan {
 namespace {
 
 constexpr double kAheadDisparity = 0.045;  // of a vehicle ahead, of the width of the image
-constexpr double kAheadDepth_m = 7.0;      // the depth that sizes in metres are meant for; other depths scale them
+constexpr double kAheadDepth_m = 7.0;      // the depth for which sizes in metres are given; other depths scale them
 constexpr double kSmoothing_s = 0.7;       // to both sides
 constexpr int kSmoothingSteps = 4;
 constexpr double kHoodDisparity = 0.1;  // at its far border, of the width of the image
@@ -30,8 +30,8 @@ constexpr double kStopFrom_s = 3.0;
 constexpr double kStopTo_s = 5.0;
 constexpr double kStopRamp_s = 0.4;
 
-/// The time that a body which stops has got to on its path: as far as the real time at the end of each period,
-/// constant while it stops.
+/// Returns the time by which a stopping body has moved along its path: the real time at the end of each period,
+/// constant during the stop.
 double StoppingTime(double t_s) {
   const double period = std::floor(t_s / kStopPeriod_s);
   const double s = t_s - period * kStopPeriod_s;
@@ -54,8 +54,8 @@ double StoppingTime(double t_s) {
   return period * kStopPeriod_s + speed * way;
 }
 
-/// How much of what takes a body `duration_s` and repeats every `period_s` is done, from 0 to 1; nullopt in the
-/// pauses, and before it first begins.
+/// Returns the progress, from 0 to 1, of a motion that takes a body `duration_s` and repeats every `period_s`; nullopt
+/// in the pauses, and before its first begin.
 std::optional<double> Progress(double t_s, double begin_s, double period_s, double duration_s) {
   const double since_s = t_s - begin_s;
   if (since_s < 0.0) {

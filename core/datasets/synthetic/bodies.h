@@ -14,7 +14,7 @@
 
 namespace plslam::synthetic {
 
-/// The camera that bodies are made for: its path, and what it sees.
+/// The camera for which bodies are made: its path, and its view.
 struct Stage {
   const Motion* motion = nullptr;  ///< outlives the bodies
   double frames = 0.0;
@@ -26,8 +26,8 @@ struct Stage {
   double baseline_m = 0.0;
 };
 
-/// Textured boxes that move through a world on paths of their own, and the bonnet that moves with the camera. Where
-/// one is at a time is a function of the options and the time alone.
+/// Textured boxes that move through a world on their own paths, and the bonnet that moves with the camera. Their poses
+/// depend on the options and the time only.
 ///
 /// A body moves in the level frame v that the camera's path makes when it is smoothed over 1.4 s: x right, y down, z
 /// ahead.
@@ -37,12 +37,11 @@ class Bodies {
   /// Adds the textures to the world.
   Bodies(const Options& options, const Stage& stage, World* world);
 
-  /// Boxes first, and last the bonnet where there is one.
+  /// The boxes come first, and the bonnet last if there is one.
   int size() const { return static_cast<int>(boxes_.size()) + (hood_.empty() ? 0 : 1); }
-  /// Pose of a body: of the middle of the box, or of the camera that carries the bonnet. nullopt while it is not
-  /// there.
+  /// Pose of a body: of the centre of the box, or of the camera that carries the bonnet. nullopt while it is absent.
   std::optional<SE3> T_w_b(int body, double frame) const;
-  /// What is there at a frame (frames between whole numbers exist for motion blur), and the body of each quad.
+  /// The quads at a frame (fractional frames exist for motion blur), and the body of each quad.
   struct Surfaces {
     std::vector<Quad> quads;
     std::vector<int> body;
@@ -62,20 +61,20 @@ class Bodies {
   };
   struct Plan;
 
-  /// Ahead, as fast as the camera, with a small motion of its own; several side by side, each farther than the last.
+  /// Ahead, as fast as the camera, with a small relative motion; several side by side, each farther than the last.
   Plan Lead(int i);
-  /// A lorry from behind, 2 to 3 m to the left, that turns in ahead.
+  /// A lorry that overtakes 2 to 3 m to the left and then turns in ahead.
   Plan Overtake(int i);
   /// From right to left at one depth, wholly out of view before and afterwards.
   Plan Cross(int i);
-  /// Of a camera that moves: drives ahead, stops for 2 s while the camera comes nearer, and drives on. Of one that
-  /// stands: crosses, and stops half way.
+  /// With a moving camera: drives ahead, stops for 2 s while the camera approaches, and drives on. With a static
+  /// camera: crosses, and stops half way.
   Plan Stop(int i);
-  /// Small ones that walk to the left and to the right, each at its own depth and speed.
+  /// Small bodies that walk to the left and to the right, each at its own depth and speed.
   Plan Crowd(int i);
   double WidthAt(double depth_m) const { return stage_.width_px * depth_m / stage_.f_px; }
   double HeightAt(double depth_m) const { return stage_.height_px * depth_m / stage_.f_px; }
-  /// How far the camera gets in so many seconds, at most, anywhere on its path.
+  /// Returns the largest distance that the camera moves in so many seconds, anywhere on its path.
   double FarthestWithin(double seconds) const;
   void MakeHood(double share, const std::vector<int>& textures, const World& world);
   SE3 T_w_v(double t_s) const;

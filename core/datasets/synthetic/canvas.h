@@ -31,8 +31,8 @@ class Canvas {
   void Triangle(const std::array<std::array<double, 2>, 3>& corners, float value);
   /// A letter-like pattern: random cells of a 4x6 grid joined by strokes.
   void Glyph(Random& random, double x, double y, double size, float value);
-  /// Adds a soft stripe from a to b: `amplitude` at its middle, fading to nothing over `fade` of its length at both
-  /// ends; `half_width` in texels with edges `softness` texels wide.
+  /// Adds a soft stripe from a to b: `amplitude` at its middle, fading to zero over `fade` of its length at both ends;
+  /// `half_width` in texels with edges `softness` texels wide.
   void SoftStripe(std::array<double, 2> a, std::array<double, 2> b, double half_width, double softness, double fade,
                   float amplitude);
 

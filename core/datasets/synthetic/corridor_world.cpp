@@ -93,7 +93,7 @@ class CorridorBuilder {
     }
   }
 
-  /// One notice board at the end of each corridor, all different: the only thing that tells them apart.
+  /// One notice board at the end of each corridor, all different: the only distinction between the corridors.
   void AddSigns() {
     const std::array<Face, 4> walls = outer_.Walls();
     for (int i = 0; i < 4; ++i) {

@@ -97,7 +97,7 @@ std::vector<float> DisparityBias::Apply(const std::vector<float>& right, const s
     const int x = static_cast<int>(i % width_);
     const double disparity_px = depth_m[i] > 0.0F ? focal_baseline / depth_m[i] : 0.0;
     const double from = std::clamp(x + At(x + disparity_px), 1.0, width_ - 3.0);
-    // Catmull and Rom's cubic: hardly less sharp than what it reads.
+    // Catmull and Rom's cubic: hardly less sharp than its input.
     const int x0 = static_cast<int>(from);
     const auto t = static_cast<float>(from - x0);
     const float* p = &right[i - x + x0];

@@ -45,8 +45,8 @@ class Lens {
   std::vector<Source> map_;
 };
 
-/// What a calibration misses of a pair of lenses: disparities that are off by a parabola over the columns of the left
-/// image, which is given at the centres of its left, middle and right third.
+/// A distortion of a pair of lenses that the calibration lacks: disparity errors that form a parabola over the columns
+/// of the left image, given at the centres of its left, middle and right third.
 class DisparityBias {
  public:
   DisparityBias(const std::array<double, 3>& thirds_px, int width) : thirds_px_(thirds_px), width_(width) {}
@@ -54,8 +54,8 @@ class DisparityBias {
   bool is_zero() const { return thirds_px_ == std::array<double, 3>{}; }
   double At(double u_px) const;
 
-  /// The right image with it: its pixels are moved by what belongs to the columns where the left camera sees the
-  /// same. `depth_m` of the right image (0: infinitely far) and f b give these.
+  /// Applies the errors to the right image: its pixels are moved by the error of the columns in which the left camera
+  /// sees the same points. These follow from `depth_m` of the right image (0: infinitely far) and f b.
   std::vector<float> Apply(const std::vector<float>& right, const std::vector<float>& depth_m,
                            double focal_baseline) const;
 

@@ -12,11 +12,11 @@ namespace plslam::synthetic {
 Texture PaintPlain(uint64_t seed, float value, float grain);
 /// Uneven plaster or carpet: blotches of many sizes, +-`contrast`.
 Texture PaintPlaster(uint64_t seed, float value, float contrast);
-/// Plaster with a weak printed pattern, as wallpaper has it.
+/// Plaster with a weak printed pattern, like wallpaper.
 Texture PaintWallpaper(uint64_t seed, float value, float contrast);
 /// 4 x 8 bricks with mortar.
 Texture PaintBricks(uint64_t seed, float value);
-/// Eight floor boards with grain, joints at random places.
+/// Eight floor boards with grain, joints at random positions.
 Texture PaintPlanks(uint64_t seed, float value);
 /// 4 x 4 tiles with joints.
 Texture PaintTiles(uint64_t seed, float value);

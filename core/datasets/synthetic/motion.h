@@ -46,8 +46,7 @@ std::vector<Eigen::Vector2d> RoundedRectangle(double half_x_m, double half_y_m, 
 /// The control points about the origin, scaled so that the spline has this length.
 std::vector<Eigen::Vector2d> ScaledToLength(const std::vector<Eigen::Vector2d>& control_points, double length_m);
 
-/// Where the left camera is at each frame, in the world's frame w. Frames between whole numbers exist for motion
-/// blur.
+/// Pose of the left camera at each frame, in the world's frame w. Fractional frames exist for motion blur.
 class Motion {
  public:
   virtual ~Motion() = default;
@@ -102,11 +101,11 @@ class ListedMotion : public Motion {
   std::vector<SE3> poses_;
 };
 
-/// A trajectory file in TUM (`t x y z qx qy qz qw`, seconds) or KITTI format (12 numbers, the rows of [R t]), told
-/// apart by the first line. Throws DatasetError with file, line and reason.
+/// A trajectory file in TUM (`t x y z qx qy qz qw`, seconds) or KITTI format (12 numbers, the rows of [R t]),
+/// distinguished by the first line. Throws DatasetError with file, line and reason.
 struct FilePoses {
   std::vector<SE3> T_w_c;
-  /// Strictly increasing; empty for KITTI files, which carry no times.
+  /// Strictly increasing; empty for KITTI files, which have no times.
   std::vector<int64_t> t_ns;
 };
 FilePoses ReadPoses(const std::string& path);

@@ -13,7 +13,7 @@
 namespace plslam::synthetic {
 namespace {
 
-// Members of a crowd whose number was not said.
+// Default number of members of a crowd.
 constexpr int kCrowd = 20;
 
 struct Bounds {
@@ -21,7 +21,7 @@ struct Bounds {
   double high = 0.0;
 };
 
-/// One row for each numeric option: name, bounds, whether whole numbers only, and where it goes.
+/// One row for each numeric option: name, bounds, whether integers only, and its member.
 struct NumericOption {
   const char* name;
   Bounds bounds;
@@ -150,7 +150,7 @@ void ParseBody(const std::string& value, Options& options) {
   options.body = static_cast<BodyMotion>(name - names.begin());
 }
 
-/// What was not said of the bodies, by what was.
+/// Derives the options of the bodies that were not given from those that were.
 void CompleteBodies(const std::set<std::string>& given, Options& options) {
   if (!given.contains("bodies")) {
     if (given.contains("share") && !given.contains("body")) {

@@ -11,7 +11,7 @@ namespace plslam::synthetic {
 /// How bodies move; see `Bodies`.
 enum class BodyMotion { kLead, kOvertake, kCross, kStop, kCrowd };
 
-/// What the text after "synthetic:" asks for. Zero means: the world's own default (see the table in the docs).
+/// The options in the text after "synthetic:". Zero means: the world's own default (see the table in the docs).
 struct Options {
   std::string world;
   uint64_t seed = 1;
@@ -27,8 +27,8 @@ struct Options {
   double rate_hz = 20.0;
   double speed = 0.0;  ///< metres a second along the path
   bool distorted = false;
-  bool standing = false;  ///< the camera stays where it is in frame 0
-  int bodies = 0;         ///< boxes that move
+  bool standing = false;  ///< the camera keeps its pose of frame 0
+  int bodies = 0;         ///< number of moving boxes
   BodyMotion body = BodyMotion::kLead;
   double share = 0.45;         ///< of the width of the image that a body covers, all together of a crowd
   double static_body = 0.0;    ///< share of the height of the image that a bonnet covers
@@ -45,7 +45,7 @@ struct Options {
 /// option, or the bounds of a value.
 Options ParseOptions(const std::string& description);
 
-/// Known worlds, options and values of `body`, in the order of the documentation.
+/// Return the names of the worlds, options and values of `body`, in the order of the documentation.
 const std::vector<std::string>& WorldNames();
 std::vector<std::string> OptionNames();
 const std::vector<std::string>& BodyNames();

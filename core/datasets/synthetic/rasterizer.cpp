@@ -116,8 +116,8 @@ struct Columns {
   int last = -1;
 };
 
-/// Columns whose centres have all border distances of at least `sign` times their half widths: +1 gives the pixels
-/// covered whole, -1 all that are touched.
+/// Returns the columns whose centres have all border distances of at least `sign` times their half widths: +1 gives the
+/// completely covered pixels, -1 all touched ones.
 Columns Covered(const ScreenQuad& quad, int row, double sign, int width) {
   double first = 0.0;
   double last = width - 1.0;
@@ -153,7 +153,7 @@ void PushFragment(int pixel, int surface, Visibility& out) {
   out.first_fragment[pixel] = static_cast<int>(out.fragments.size()) - 1;
 }
 
-/// Keeps the partly covered pixels of a row, unless they are behind what covers the whole pixel.
+/// Keeps the partly covered pixels of a row, unless they are occluded by a quad that covers the complete pixel.
 void PushPartial(const std::vector<ScreenQuad>& quads, int index, int row, int first, int last, Visibility& out) {
   const ScreenQuad& quad = quads[index];
   for (int x = first; x <= last; ++x) {

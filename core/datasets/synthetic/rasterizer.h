@@ -12,7 +12,7 @@
 
 namespace plslam::synthetic {
 
-/// Surfaces to be seen: those of a world, and behind them in number those that moved to where they are in this view.
+/// Visible surfaces: those of a world, followed in numbering by moving ones at their pose in this view.
 struct Scene {
   // NOLINTNEXTLINE(google-explicit-constructor): a world is a scene in which nothing moves.
   Scene(const World& still, std::vector<Quad> moving = {}) : world(&still), moved(std::move(moving)) {}
@@ -48,8 +48,8 @@ struct Linear {
   double At(double x, double y) const { return a * x + b * y + c; }
 };
 
-/// A quad as seen: everything needed is linear over the image, because s/z, t/z and 1/z are. No clipping is needed: a
-/// point of the plane behind the camera never satisfies all four border conditions.
+/// A quad in the image: all quantities are linear over the image, because s/z, t/z and 1/z are. No clipping is needed:
+/// a point of the plane behind the camera never satisfies all four border conditions.
 struct ScreenQuad {
   int quad = 0;
   int first_row = 0;

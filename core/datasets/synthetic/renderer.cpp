@@ -31,7 +31,7 @@ constexpr Pattern MakePattern() {
 
 constexpr Pattern kPattern = MakePattern();
 
-/// What is needed to shade a surface: light is bilinear in texel coordinates.
+/// Data for shading a surface: light is bilinear in texel coordinates.
 struct Surface {
   const ScreenQuad* screen = nullptr;
   const Texture* texture = nullptr;
@@ -200,7 +200,7 @@ class Renderer {
     return Blend(winners, x, y);
   }
 
-  /// Mean over the samples, each surface shaded once at the centroid of its own.
+  /// Mean over the samples, each surface shaded once at the centroid of its own samples.
   float Blend(const Winners& winners, int x, int y) const {
     std::array<bool, kSamples> done = {};
     float sum = 0.0F;
@@ -238,7 +238,7 @@ class Renderer {
 std::vector<float> RenderRadiance(const Scene& scene, const View& view) { return Renderer(scene, view).Radiance(); }
 
 std::vector<float> RenderRollingShutter(const Scene& scene, const std::function<View(double)>& view_at) {
-  // Of 480: a camera that turns by 20 pixels while it is read moves by a sixth of a pixel from band to band.
+  // With 480 rows, a camera that turns by 20 pixels during readout moves by a sixth of a pixel from band to band.
   constexpr int kBandRows = 4;
   const View whole = view_at(0.0);
   std::vector<float> radiance;

@@ -8,7 +8,7 @@
 
 namespace plslam::synthetic {
 
-/// What a camera does to the light that falls on it: vignetting, exposure, noise, eight bits.
+/// Model of the sensor: vignetting, exposure, noise, eight bits.
 class Sensor {
  public:
   /// `noise` is the standard deviation in grey levels. The noise of a pixel is a function of seed, stream and pixel.
@@ -22,7 +22,7 @@ class Sensor {
   int height_;
   uint64_t seed_;
   std::vector<float> vignette_;
-  /// 4096 values of a normal distribution (sum of twelve uniform ones), with exactly the wanted mean and sigma.
+  /// 4096 values of a normal distribution (sum of twelve uniform ones), with exactly the given mean and sigma.
   std::vector<float> noise_;
 };
 

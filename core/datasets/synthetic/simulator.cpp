@@ -12,8 +12,7 @@
 namespace plslam::synthetic {
 namespace {
 
-// Images that are averaged to a blurred one: as many that edges move by this from one to the next, where they are so
-// far away.
+// A blurred image is the average of so many images that edges at this depth move by this step from one to the next.
 constexpr double kBlurStep_px = 1.5;
 constexpr double kBlurDepth_m = 2.0;
 constexpr int kMinBlurSteps = 5;

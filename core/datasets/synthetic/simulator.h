@@ -21,16 +21,16 @@
 
 namespace plslam::synthetic {
 
-/// A stereo camera moved through a synthetic world. Every frame is a function of the options and its index alone, and
-/// all functions may be called from several threads.
+/// A stereo camera moved through a synthetic world. Every frame depends on the options and its index only, and all
+/// functions may be called from several threads.
 class Simulator {
  public:
-  /// Throws DatasetError where the trajectory file cannot be used.
+  /// Throws DatasetError if the trajectory file cannot be used.
   explicit Simulator(const Options& options);
 
-  /// What stands still.
+  /// The static part of the scene.
   const World& world() const { return world_; }
-  /// What moves, or moves with the camera.
+  /// The bodies that move, or move with the camera.
   const Bodies& bodies() const { return bodies_; }
   const RigCalibration& rig() const { return rig_; }
   int size() const { return static_cast<int>(t_ns_.size()); }
@@ -47,11 +47,11 @@ class Simulator {
   View LeftView(int index) const;
   /// True depth (z, metres) of the left view at the pixel centres, 0 for the sky.
   std::vector<float> RenderDepth(int index) const { return RenderDepthMap(SceneAt(index), LeftView(index)); }
-  /// The body that the left view shows at the pixel centres, -1 where it shows none.
+  /// Body of the left view at the pixel centres, -1 if none.
   std::vector<int> RenderBodies(int index) const;
 
  private:
-  /// One camera of the rig: where it sits on the left camera, and its lens.
+  /// One camera of the rig: its pose in the left camera, and its lens.
   struct Eye {
     Eigen::Matrix3d R_l_cam = Eigen::Matrix3d::Identity();
     Eigen::Vector3d t_l_cam = Eigen::Vector3d::Zero();
@@ -64,7 +64,7 @@ class Simulator {
   Scene SceneAt(double frame) const { return {world_, bodies_.At(frame).quads}; }
   CameraCalibration Calibration(const Eye& eye) const;
   View ViewOf(const Eye& eye, const SE3& T_w_c) const;
-  /// Of a time in frames, which need not be whole.
+  /// `frame` is a time in frames and may be fractional.
   int BlurSteps(const Eye& eye, double frame) const;
   std::vector<float> RadianceAt(const Eye& eye, double frame) const;
   std::vector<float> Radiance(const Eye& eye, double frame) const;
@@ -87,8 +87,8 @@ class Simulator {
 
 namespace plslam {
 
-/// Opens a built-in world from "synthetic:NAME?option=value&..." (the text after "synthetic:" is `description`).
-/// Throws DatasetError with the known names or options where one is unknown.
+/// Opens a built-in world from "synthetic:NAME?option=value&..." (the text after "synthetic:" is `description`). Throws
+/// DatasetError with the known names or options for an unknown one.
 std::unique_ptr<Dataset> OpenSyntheticDataset(const std::string& description);
 
 }  // namespace plslam

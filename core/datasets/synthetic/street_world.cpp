@@ -12,7 +12,7 @@ namespace {
 constexpr double kEyeHeight = 1.65;
 constexpr double kLane = 4.6;  // from the path to the kerb
 
-/// A place beside the path.
+/// A position beside the path.
 struct Station {
   Eigen::Vector3d position;
   Eigen::Vector3d forward;  // level, unit
@@ -86,7 +86,7 @@ class StreetBuilder {
     return light;
   }
 
-  /// Calls `place` every `pitch_m` along the path, at places where it moves.
+  /// Calls `place` every `pitch_m` along the path, wherever it moves.
   template <typename Place>
   void Along(double pitch_m, const Place& place) {
     double left = 0.5 * pitch_m;
@@ -109,7 +109,7 @@ class StreetBuilder {
     return p;
   }
 
-  /// True where a box does not meet what stands there already and stays `distance` from the path; then it is taken.
+  /// Returns true, and reserves the footprint, if it does not overlap existing ones and keeps `distance` from the path.
   bool Claim(const Footprint2& footprint, double distance) {
     const Eigen::Vector2d across(-footprint.along.y(), footprint.along.x());
     for (const Eigen::Vector3d& p : path_) {
@@ -172,7 +172,7 @@ class StreetBuilder {
     }
     const Material& front = facades_[random_.Int(static_cast<int>(facades_.size()))];
     AddBlock(station, at, {length, depth, height}, front, front, roof_);
-    // The eaves stand out; a true edge in space against the sky.
+    // The eaves protrude; a true edge in space against the sky.
     AddBlock(station, at + Eigen::Vector3d(0.0, 0.0, height), {length + 0.5, depth + 0.5, 0.25}, roof_, roof_, roof_);
   }
 

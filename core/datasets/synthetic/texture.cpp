@@ -8,11 +8,11 @@
 namespace plslam::synthetic {
 namespace {
 
-// Fixed point of the stored values: 8 bits before the point, 8 behind.
+// Fixed point of the stored values: 8 bits before the point, 8 after it.
 constexpr float kScale = 256.0F;
-// A footprint longer than this many times its width is taken as wider.
+// A footprint longer than this many times its width is treated as wider.
 constexpr float kMaxAnisotropy = 4.0F;
-// Share of a level, on either side, over which it is used alone; the next one is blended in between.
+// Share of a level, on either side, over which only that level is used; the next one is blended in between.
 constexpr float kPureShare = 0.2F;
 
 /// Piecewise linear approximation of log2, exact at powers of two: exponent plus fraction of a float.

@@ -27,8 +27,8 @@ class Texture {
   int width() const { return levels_.front().width; }
   int height() const { return levels_.front().height; }
 
-  /// Value (0..255) over the footprint of one pixel at (u, v), in texels; texel (0, 0) covers [0,1]x[0,1].
-  /// Trilinear, with two taps along the longer axis of the footprint where it is twice the shorter one or more.
+  /// Value (0..255) over the footprint of one pixel at (u, v), in texels; texel (0, 0) covers [0,1]x[0,1]. Trilinear,
+  /// with two taps along the longer axis of the footprint if it is at least twice the shorter one.
   float Sample(float u, float v, const Footprint& footprint) const;
 
  private:

@@ -16,7 +16,7 @@ constexpr uint64_t kDirtKey = 0xd1e7ULL;
 // Blobs that touch make a drop look like one.
 constexpr int kBlobsOfDirt = 4;
 
-/// Pixels [first, last) of an axis within `reach` of a place.
+/// Pixels [first, last) of an axis within `reach` of a position.
 struct Range {
   int first = 0;
   int last = 0;

@@ -6,15 +6,14 @@
 
 namespace plslam::synthetic {
 
-/// What comes between a camera and the world: bright streaks of falling snow, other ones in every image, and dirt on
-/// the lens, which stays where it is in the image and is different on each of the two lenses.
+/// Disturbances between a camera and the world: bright streaks of falling snow, different in every image, and dirt on
+/// the lens, which is fixed in the image and different on each of the two lenses.
 class Weather {
  public:
-  /// `streaks` and `dirt` are numbers in an image.
+  /// `streaks` and `dirt` are their numbers in an image.
   Weather(int width, int height, int streaks, int dirt, uint64_t seed);
 
-  /// Changes radiance (0..255, row by row, in the pixels of the recorded image); does nothing to it where there are
-  /// no streaks and no dirt.
+  /// Changes radiance (0..255, row by row, in the pixels of the recorded image); no effect without streaks and dirt.
   void Apply(int frame, int camera, std::vector<float>& radiance) const;
 
  private:

@@ -121,14 +121,14 @@ void PaintSlanted(WhiteFace& face, double slant, double pitch) {
   }
 }
 
-/// Greys of a bar at its top and bottom, where it goes into ceiling and floor, and in between.
+/// Greys of a bar at its top and bottom, where it meets ceiling and floor, and in between.
 struct BarGreys {
   float top = 0.0F;
   float middle = 0.0F;
   float bottom = 0.0F;
 };
 
-/// A bar that fades into what it ends on.
+/// A bar that fades into the adjacent surfaces.
 Material FadingBar(WorldBuilder& builder, const BarGreys& greys) {
   Canvas canvas(8, 256, greys.middle);
   for (int y = 0; y < canvas.height(); ++y) {

@@ -7,7 +7,7 @@
 namespace plslam::synthetic {
 namespace {
 
-/// Where the ray meets the quad, in units of the ray; nullopt when it does not.
+/// Returns the distance along the ray at which it meets the quad, in units of the ray; nullopt if it does not.
 std::optional<double> Meet(const Quad& quad, const Eigen::Vector3d& origin, const Eigen::Vector3d& ray) {
   const Eigen::Vector3d normal = quad.edge_s.cross(quad.edge_t);
   const double along = normal.dot(ray);

@@ -34,11 +34,11 @@ class World {
  public:
   const std::vector<Quad>& quads() const { return quads_; }
   const std::vector<Texture>& textures() const { return textures_; }
-  /// True corners of posters, boxes, frames and doors. Whether one is seen in a picture is for `Depth` to say.
+  /// True corners of posters, boxes, frames and doors. Their visibility in a picture follows from `Depth`.
   const std::vector<Eigen::Vector3d>& points() const { return points_; }
-  /// True edges: borders of quads that differ in light or texture from what is behind, and painted lines.
+  /// True edges: borders of quads that differ in light or texture from the background, and painted lines.
   const std::vector<Segment3>& segments() const { return segments_; }
-  /// Grey value of what no quad covers, by the share of `up` in the squared viewing direction.
+  /// Returns the grey value outside all quads, by the share of `up` in the squared viewing direction.
   float Sky(double up_share) const { return static_cast<float>(232.0 - 50.0 * up_share); }
   const Eigen::Vector3d& up() const { return up_; }
 

@@ -54,10 +54,10 @@ class WorldBuilder {
 
   /// One face, cut into pieces of at most `piece_m` so that light changes over it; its border becomes segments.
   void AddFace(const Face& face, const Material& material, double piece_m = 1e9, bool is_landmark = true);
-  /// A face with `depth` metres of sides behind it: a poster, a board, a cupboard on a wall. False if too near the
+  /// Adds a face with sides of `depth` metres: a poster, a board, a cupboard on a wall. Returns false if too near the
   /// path.
   bool AddSlab(const Face& face, double depth_m, const Material& front, const Material& sides);
-  /// An upright box standing on `centre` (middle of its bottom), turned by `angle`. False if too near the path.
+  /// An upright box standing on `centre` (middle of its bottom), turned by `angle`. Returns false if too near the path.
   bool AddBox(const Eigen::Vector3d& centre, const Eigen::Vector3d& size, double angle, const Material& sides,
               const Material& top);
   /// A beam from a to b of square section. False if too near the path.

@@ -31,12 +31,12 @@ struct Hall {
 Hall HallFor(const std::vector<Eigen::Vector3d>& path, bool from_file, const Eigen::Vector3d& size,
              const Eigen::Vector3d& margin_m);
 
-/// What a world is built around.
+/// Requirements of a world.
 struct WorldRequest {
   uint64_t seed = 1;
-  /// Positions of the camera, z upwards, metres; nothing solid comes near them.
+  /// Positions of the camera, z upwards, metres; nothing solid is placed near them.
   std::vector<Eigen::Vector3d> path;
-  /// The path is from a file, so the world takes its size from it. Otherwise it is the world's own walk.
+  /// The path is from a file and determines the size of the world. Otherwise it is the world's own path.
   bool from_file = false;
 };
 

@@ -20,7 +20,8 @@
 
 #include "core/geometry/se3.h"
 
-/// Values to bytes and back, to the last bit: little endian, one after the other, containers behind their number.
+/// Conversion of values to bytes and back, to the last bit: little endian, one after the other, containers after their
+/// number of elements.
 ///
 /// A type lists its fields once, for writing and for reading:
 ///
@@ -49,8 +50,8 @@ concept Plain = std::is_arithmetic_v<T> || std::is_enum_v<T> || IsArrayOfNumbers
 class Writer {
  public:
   explicit Writer(size_t expected_bytes = 0) : bytes_(expected_bytes) {}
-  /// Hands on what has been written, a megabyte or so at once; call `Flush` at the end. What follows here speaks of
-  /// what has not been handed on.
+  /// Passes the written bytes to `sink`, about a megabyte at a time; call `Flush` at the end. The functions below refer
+  /// to the bytes that have not been passed on.
   explicit Writer(std::function<void(std::span<const uint8_t>)> sink) : bytes_(1 << 20), sink_(std::move(sink)) {}
   void Flush() {
     sink_(Written());
@@ -69,7 +70,7 @@ class Writer {
 
   size_t size() const { return size_; }
   std::span<const uint8_t> Written() const { return {bytes_.data(), size_}; }
-  /// Puts bytes in the place of some that have been written.
+  /// Overwrites bytes that were written before.
   void Overwrite(size_t begin, const void* data, size_t n) { std::memcpy(bytes_.data() + begin, data, n); }
 
  private:
@@ -133,7 +134,8 @@ class Writer {
   std::function<void(std::span<const uint8_t>)> sink_;
 };
 
-/// Throws std::runtime_error where the bytes end too early. Needs memory in proportion to them, whatever they say.
+/// Throws std::runtime_error if the bytes end too early. Memory is proportional to the number of bytes, whatever sizes
+/// they contain.
 class Reader {
  public:
   explicit Reader(std::span<const uint8_t> bytes) : bytes_(bytes) {}
@@ -195,7 +197,7 @@ class Reader {
   std::span<const uint8_t> bytes_;
 };
 
-/// Bytes of a value whose containers are empty.
+/// Returns the size of a value whose containers are empty.
 template <class T>
 size_t MinBytes() {
   static const size_t bytes = [] {
@@ -232,8 +234,8 @@ void Reader::Read(std::map<Key, Value>& values) {
   }
 }
 
-/// The bytes of these values. With room for a bit more than `expected_bytes`, those of the time before say, what is
-/// written needs not be moved.
+/// Returns the bytes of these values. The buffer has room for a little more than `expected_bytes`, for example the size
+/// of the previous call, so that it need not be moved.
 template <class... T>
 std::vector<uint8_t> ToBytesOf(size_t expected_bytes, const T&... values) {
   Writer writer(expected_bytes + expected_bytes / 8);

@@ -44,7 +44,7 @@ void AtomicFile::OverwriteBeginning(std::string_view bytes) {
 }
 
 void AtomicFile::PutInPlace() {
-  // A full disk may show only when the last buffer goes out.
+  // A full disk may be reported only when the last buffer is written.
   if (std::fclose(std::exchange(file_, nullptr)) != 0)
     Fail("written", " (it has " + std::to_string(size_) + " bytes)");
   if (std::rename(part_path_.c_str(), path_.c_str()) != 0) Fail("put in place");

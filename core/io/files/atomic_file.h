@@ -9,18 +9,18 @@
 
 namespace plslam {
 
-/// A file that is written beside PATH (`PATH.part`) and takes its place when it is whole, so that a reader sees the
-/// old file or the new one. Throws std::runtime_error, naming the file and the reason of the system.
+/// A file that is written beside PATH (`PATH.part`) and replaces it when it is complete, so that a reader sees the old
+/// file or the new one. Throws std::runtime_error, naming the file and the reason of the system.
 class AtomicFile {
  public:
   explicit AtomicFile(std::string path);
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
-  /// What has not taken its place is gone.
+  /// Removes the file unless `PutInPlace` was called.
   ~AtomicFile();
 
   void Append(std::string_view bytes);
-  /// In the place of the first bytes.
+  /// Replaces the first bytes.
   void OverwriteBeginning(std::string_view bytes);
   void PutInPlace();
 
@@ -35,11 +35,11 @@ class AtomicFile {
 
 /// Replaces the file by `content`, as `AtomicFile` does.
 void WriteFileAtomically(const std::string& path, std::string_view content);
-/// One part behind the other.
+/// Writes the parts one after the other.
 void WriteFileAtomically(const std::string& path, std::initializer_list<std::string_view> parts);
 
-/// Makes the folder, and those above it, where they are not there. An empty name is this folder: nothing is to be
-/// made. Throws std::runtime_error with one sentence.
+/// Creates the folder and its missing parents. An empty name is the current folder: nothing is created. Throws
+/// std::runtime_error with one sentence.
 void MakeFolder(const std::string& folder);
 
 }  // namespace plslam

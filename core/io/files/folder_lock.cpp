@@ -18,8 +18,8 @@
 namespace plslam {
 namespace {
 
-/// Processes that have a lock on a file of this number, as /proc/locks tells: "1: FLOCK ADVISORY WRITE PID
-/// MAJOR:MINOR:INODE ...". The device is left out: some file systems give another to stat().
+/// Returns the processes that have a lock on a file of this inode, from /proc/locks: "1: FLOCK ADVISORY WRITE PID
+/// MAJOR:MINOR:INODE ...". The device is ignored: some file systems return another one from stat().
 std::vector<pid_t> HoldersOf(ino_t inode) {
   std::vector<pid_t> holders;
   std::ifstream locks("/proc/locks");

@@ -5,13 +5,13 @@
 
 namespace plslam {
 
-/// A folder that one process at a time writes its results into. The kernel lets go of it when the process ends,
-/// however that happens, and no file is left. On file systems that cannot lock a folder (some network ones) nobody is
-/// kept out.
+/// A folder into which one process at a time writes its results. The kernel releases it when the process ends, however
+/// that happens, and no lock file is left. On file systems that cannot lock a folder (some network ones) other
+/// processes are not kept out.
 class FolderLock {
  public:
-  /// The folder exists. One that the process has that started this one is ours, too. Throws std::runtime_error where
-  /// another has it, with one sentence that names the folder, that process and its command line.
+  /// The folder must exist. A lock of the parent process counts as ours. Throws std::runtime_error if another process
+  /// has it, with one sentence that names the folder, that process and its command line.
   explicit FolderLock(const std::string& folder);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;

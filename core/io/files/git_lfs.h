@@ -5,7 +5,7 @@
 
 namespace plslam {
 
-/// Git LFS leaves a pointer of three lines in place of a file that was not fetched; `start` is the begin of a file.
+/// Git LFS stores a pointer of three lines instead of a file that was not fetched; `start` is the beginning of a file.
 inline bool IsGitLfsPointer(std::string_view start) { return start.starts_with("version https://git-lfs"); }
 
 /// The phrase about such a file that follows its name, with the remedy.

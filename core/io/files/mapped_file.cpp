@@ -32,7 +32,7 @@ bool Write(int file, const std::vector<std::span<const std::byte>>& parts) {
   return true;
 }
 
-/// A file system that has no files without a name has files whose name is taken away.
+/// On a file system without nameless files, a file is created and its name removed.
 int OpenNameless() {
   const std::string root = TemporaryRoot();
   const int file = ::open(root.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
@@ -52,7 +52,7 @@ std::string TemporaryRoot() {
 }
 
 std::shared_ptr<const MappedFile> MappedFile::Map(int file, size_t size) {
-  // What is empty cannot be mapped.
+  // An empty file cannot be mapped.
   void* data = size > 0 ? ::mmap(nullptr, size, PROT_READ, MAP_SHARED, file, 0) : nullptr;
   if (data == MAP_FAILED) return nullptr;
   return std::shared_ptr<const MappedFile>(new MappedFile(static_cast<const std::byte*>(data), size));
@@ -85,7 +85,7 @@ MappedFile::~MappedFile() {
 }
 
 void MappedFile::LeaveMemory(size_t begin, size_t size) const {
-  // Pages may be larger than `kPage`; what lies at the edge of one stays.
+  // Pages may be larger than `kPage`; partial pages at the borders are kept.
   const auto page = static_cast<size_t>(::sysconf(_SC_PAGESIZE));
   const size_t first = (begin + page - 1) / page * page;
   if (first < begin + size) ::madvise(const_cast<std::byte*>(data_) + first, begin + size - first, MADV_DONTNEED);

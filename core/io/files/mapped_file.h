@@ -10,17 +10,17 @@
 
 namespace plslam {
 
-/// Where files go that end with the process: TMPDIR where that is set, else /var/tmp, which lies on a disk also where
-/// /tmp lies in memory.
+/// Returns the folder of files that end with the process: TMPDIR if it is set, else /var/tmp, which is on a disk even
+/// if /tmp is in memory.
 std::string TemporaryRoot();
 
-/// A file that is mapped into memory to be read, and that nobody changes meanwhile.
+/// A read-only memory-mapped file, which must not change meanwhile.
 class MappedFile {
  public:
-  /// Throws std::runtime_error, in a sentence without its subject, where it cannot be read.
+  /// Throws std::runtime_error, in a sentence without its subject, if it cannot be read.
   static std::shared_ptr<const MappedFile> Open(const std::string& path);
-  /// A file without a name in `TemporaryRoot`, which goes with this; in it the parts one after the other. nullptr where
-  /// they cannot be written.
+  /// Returns a file without a name in `TemporaryRoot`, which is removed with this object; it contains the parts one
+  /// after the other. nullptr if they cannot be written.
   static std::shared_ptr<const MappedFile> Temporary(const std::vector<std::span<const std::byte>>& parts);
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
@@ -29,8 +29,8 @@ class MappedFile {
   /// At an address for values of any type.
   const std::byte* data() const { return data_; }
   std::span<const uint8_t> bytes() const { return {reinterpret_cast<const uint8_t*>(data_), size_}; }
-  /// Gives back the memory that reading `size` bytes from `begin` on has cost; what is read again comes from the file.
-  /// `begin` is a multiple of `kPage`.
+  /// Releases the memory of `size` bytes from `begin` on, which is read from the file again when needed. `begin` is a
+  /// multiple of `kPage`.
   void LeaveMemory(size_t begin, size_t size) const;
   static constexpr size_t kPage = 4096;
 

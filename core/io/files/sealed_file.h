@@ -18,11 +18,11 @@
 
 namespace plslam {
 
-/// Of fields and content: BLAKE2b for files that are kept; Poly1305 with a key that everybody knows for those that
-/// are written all the time, which takes a seventh of that and sees damage as well.
+/// Checksum of the fields and the content: BLAKE2b for files that are kept; Poly1305 with a public key for files that
+/// are written all the time: it takes a seventh of the time and detects damage as well.
 enum class Checksum { kBlake2b, kPoly1305 };
 
-/// A kind of file of ours: what it begins with, the format that this program knows, and what to call it.
+/// A type of sealed file: its first bytes, the newest format that this program reads, and its name in sentences.
 struct FileKind {
   std::array<char, 8> magic{};
   uint64_t format = 1;
@@ -31,17 +31,17 @@ struct FileKind {
   uint64_t oldest_format = format;  ///< that this program reads
 };
 
-/// What such a file begins with; then come `length` bytes of content.
+/// The head of a sealed file; `length` bytes of content follow.
 struct Seal {
   std::array<char, 8> magic{};
   uint64_t format = 0;
   uint64_t length = 0;
-  /// Of the fields above and the content.
+  /// Checksum of the fields above and the content.
   std::array<uint8_t, 32> checksum{};
 };
 static_assert(sizeof(Seal) == 56);
 
-/// The checksum of a seal whose content comes piece by piece.
+/// The checksum of a seal whose content is added piece by piece.
 class SealSum {
  public:
   SealSum(const FileKind& kind, const Seal& seal);
@@ -52,22 +52,22 @@ class SealSum {
   std::variant<crypto_generichash_state, crypto_onetimeauth_state> state_;
 };
 
-/// Of a content that belongs behind it.
+/// Returns the seal of a content, to be written before it.
 Seal MakeSeal(const FileKind& kind, std::span<const uint8_t> content);
 
-/// The seal that bytes begin with. Throws std::runtime_error, in a sentence without its subject, where it is none of
-/// that kind and of a format that is known.
+/// Returns the seal at the beginning of `bytes`. Throws std::runtime_error, in a sentence without its subject, if it is
+/// not of this type or of an unknown format.
 Seal CheckKind(const FileKind& kind, std::span<const uint8_t> bytes);
 
-/// The seal at the beginning of a file of `file_length` bytes. Throws std::runtime_error, in a sentence without its
-/// subject, where it is no such file, of another format, or not of that length.
+/// Returns the seal at the beginning of a file of `file_length` bytes. Throws std::runtime_error, in a sentence without
+/// its subject, if it is no such file, of another format, or not of that length.
 Seal ReadSeal(const FileKind& kind, std::span<const uint8_t> bytes, uint64_t file_length);
 
-/// Throws std::runtime_error where the content is not what was sealed.
+/// Throws std::runtime_error if the content does not match the seal.
 void CheckSeal(const FileKind& kind, const Seal& seal, std::span<const uint8_t> content);
 
-/// A file of that kind, of which the seal has been read: content is asked for only where it is one. Throws
-/// std::runtime_error, in a sentence without its subject.
+/// A file of this type whose seal has been checked: content can be read only if it is valid. Throws std::runtime_error,
+/// in a sentence without its subject.
 class SealedFileReader {
  public:
   SealedFileReader(const std::string& path, const FileKind& kind);
@@ -81,7 +81,7 @@ class SealedFileReader {
   Seal seal_;
 };
 
-/// What `f` gives; its std::runtime_errors get the file in front.
+/// Returns the result of `f`; the file's path is prepended to its std::runtime_errors.
 template <class Function>
 auto NamingFile(const std::string& path, Function f) {
   try {
@@ -91,12 +91,12 @@ auto NamingFile(const std::string& path, Function f) {
   }
 }
 
-/// The content that begins with a seal of that kind, taken from the front of `bytes`, in which anything may follow;
-/// nullopt where there is none, or it is cut off or damaged.
+/// Takes sealed content of this type from the front of `bytes`, which may continue with anything; nullopt if there is
+/// none, or it is truncated or damaged.
 std::optional<std::span<const uint8_t>> TakeSealed(const FileKind& kind, std::span<const uint8_t>& bytes);
 
-/// Such a file whose content comes piece by piece, `length` bytes of it, and which then takes the place of `path`.
-/// Throws std::runtime_error that names the file, and std::logic_error where another number of bytes came.
+/// Writes a sealed file whose content of `length` bytes is appended piece by piece; on completion it replaces `path`.
+/// Throws std::runtime_error that names the file, and std::logic_error if the number of bytes differs.
 class SealedFileWriter {
  public:
   SealedFileWriter(const std::string& path, const FileKind& kind, uint64_t length);

@@ -7,19 +7,19 @@
 
 namespace plslam {
 
-/// What a folder is called, whole and without a slash at the end: as it was given, and, where that is through a link,
-/// as it really is. A dataset's name tells what belongs to it, and either may be the one that the benchmark gave it.
+/// Returns the absolute names of a folder without a trailing slash: as given and, if that is through a link, as
+/// resolved. The files of a dataset are named after its folder, and either name may be the benchmark's.
 std::vector<std::filesystem::path> NamesOfFolder(const std::filesystem::path& folder);
 
-/// The folder of the running program; empty where the system does not tell.
+/// Returns the folder of the running program; empty if the system does not provide it.
 std::filesystem::path ProgramFolder();
 
-/// `share/plslam/NAME` beside that folder, where what comes with the programs is; there may be no such file. Empty
-/// where the system does not tell.
+/// Returns `share/plslam/NAME` beside that folder, for the files that are installed with the programs; the file may not
+/// exist. Empty if the system does not provide the folder.
 std::filesystem::path SharedFile(const std::string& name);
 
-/// Where a file that comes with the programs is: `name` as it stands if there is such a file, else the shared one.
-/// Returns `name` where there is neither.
+/// Finds a file that is installed with the programs: returns `name` unchanged if there is such a file, else the shared
+/// one. Returns `name` if neither exists.
 std::string FindSharedFile(const std::string& name);
 
 }  // namespace plslam

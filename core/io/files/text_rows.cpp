@@ -90,7 +90,7 @@ bool ParseDecimal(std::string_view text, Decimal& decimal) {
   return true;
 }
 
-// Value times 10^decimals, rounded half away from zero; false where it exceeds 64 bits.
+// Computes the value times 10^decimals, rounded half away from zero; false if it exceeds 64 bits.
 bool ToInteger(const Decimal& decimal, int decimals, int64_t& value) {
   const int64_t n_digits = decimal.point + decimals;
   const auto digit = [&](int64_t i) {

@@ -26,7 +26,7 @@ namespace plslam {
 namespace {
 
 constexpr int64_t kMaxFileBytes = 512LL * 1024 * 1024;
-// Enough for a JPEG whose frame header comes after colour profiles and thumbnails.
+// Enough for a JPEG whose frame header follows colour profiles and thumbnails.
 constexpr int64_t kMaxHeaderBytes = 1024LL * 1024;
 
 [[noreturn]] void Fail(const std::string& path, const std::string& what) { throw DatasetError(path + ": " + what); }
@@ -170,7 +170,7 @@ cv::Mat To8Bit(const cv::Mat& wide, int white) {
   return narrow;
 }
 
-/// Of 8 or 16 bits, one, three or four channels.
+/// Returns pixels of 8 or 16 bits with one, three or four channels.
 cv::Mat CheckedPixels(const std::string& path, const DecodedImage& decoded) {
   cv::Mat image = decoded.pixels;
   if (decoded.header.format == ImageFormat::kPgm) StretchToWhite(decoded.header.max_value, image);

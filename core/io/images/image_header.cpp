@@ -79,7 +79,7 @@ bool IsJpegComplete(Bytes bytes) {
 
 bool IsBlank(uint8_t c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
-// A number of a PGM header, and the one byte behind it; comments run from # to the end of the line.
+// Reads a number of a PGM header, and the byte after it; comments extend from # to the end of the line.
 std::optional<int64_t> PgmNumber(Bytes bytes, size_t& at) {
   while (at < bytes.size() && (IsBlank(bytes[at]) || bytes[at] == '#')) {
     if (bytes[at] == '#') {

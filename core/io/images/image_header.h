@@ -9,7 +9,7 @@ namespace plslam {
 
 enum class ImageFormat { kPng, kJpeg, kPgm };
 
-/// What the first bytes of an image file say.
+/// Content of the first bytes of an image file.
 struct ImageHeader {
   ImageFormat format = ImageFormat::kPng;
   int64_t width_px = 0;
@@ -21,13 +21,12 @@ struct ImageHeader {
   int bits = 8;
 };
 
-/// Header of a PNG (ISO/IEC 15948), JPEG (ITU-T T.81, any frame type) or binary PGM ("P5") file, decoded by us so
-/// that the size is known before a decoder allocates anything. nullopt where the bytes are none of them or end too
-/// early.
+/// Parses the header of a PNG (ISO/IEC 15948), JPEG (ITU-T T.81, any frame type) or binary PGM ("P5") file, so that the
+/// size is known before a decoder allocates memory. nullopt if the bytes are none of them or end too early.
 std::optional<ImageHeader> ParseImageHeader(std::span<const uint8_t> bytes);
 
-/// Whether the file reaches the end mark of its format (PNG: chunk IEND; JPEG: marker EOI; PGM: all pixels).
-/// Decoders fill what is missing of a truncated JPEG with grey and say nothing.
+/// Returns whether the file reaches the end mark of its format (PNG: chunk IEND; JPEG: marker EOI; PGM: all pixels).
+/// Decoders fill the missing part of a truncated JPEG with grey, without an error.
 bool IsComplete(const ImageHeader& header, std::span<const uint8_t> bytes);
 
 }  // namespace plslam

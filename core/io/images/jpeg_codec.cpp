@@ -18,7 +18,7 @@ namespace {
 // Cameras take ten; every further one costs a pass over the whole image, and a few bytes of the file.
 constexpr int kMaxJpegScans = 500;
 
-/// libjpeg's, with the way out of it and what it said.
+/// libjpeg's error manager, with the jump target and its message.
 struct JpegErrors {
   jpeg_error_mgr manager;
   std::jmp_buf way_out;
@@ -51,8 +51,8 @@ void LimitJpegScans(j_common_ptr jpeg) {
   }
 }
 
-/// Whether `steps` ran to its end. libjpeg leaves it by longjmp where it cannot go on, past frames that have nothing
-/// to destroy: its own, and that of `steps`, which must be so.
+/// Returns whether `steps` completed. libjpeg leaves it by longjmp on an error, past stack frames that must have no
+/// destructors: its own, and those of `steps`.
 template <class Steps>
 bool RunJpegSteps(JpegErrors& errors, const Steps& steps) {
   if (setjmp(errors.way_out) != 0) return false;
@@ -69,7 +69,7 @@ class JpegHandle {
     errors_.manager.error_exit = GiveUpJpeg;
     errors_.manager.output_message = SayNothingOfJpeg;
   }
-  // Of one that was never created there is nothing to free, and libjpeg sees that.
+  // libjpeg frees nothing for an object that was never created.
   ~JpegHandle() { jpeg_destroy(reinterpret_cast<j_common_ptr>(&jpeg_)); }
   JpegHandle(const JpegHandle&) = delete;
   JpegHandle& operator=(const JpegHandle&) = delete;
@@ -114,7 +114,7 @@ boolean EmptyFullJpegSink(j_compress_ptr jpeg) {
 
 void EndJpegSink(j_compress_ptr jpeg) { EmptyJpegSink(jpeg, sizeof(JpegSink::waiting) - jpeg->dest->free_in_buffer); }
 
-/// Printers' inks are stored as what they leave of the light, and black darkens the other three.
+/// Inks are stored as the share of light that they leave, and black darkens the other three.
 uint8_t GreyOfInks(const uint8_t* cmyk) {
   constexpr int kShift = 14;
   constexpr int kRed = 4899;
@@ -186,7 +186,7 @@ std::string EncodeJpeg(const cv::Mat& grey, int quality) {
     jpeg_set_quality(&jpeg, quality, TRUE);
     jpeg_start_compress(&jpeg, TRUE);
     for (int y = 0; y < grey.rows; ++y) {
-      // libjpeg takes no const, and changes nothing.
+      // libjpeg's interface is not const-correct; it does not change the row.
       JSAMPROW row = const_cast<uint8_t*>(grey.ptr<uint8_t>(y));
       jpeg_write_scanlines(&jpeg, &row, 1);
     }

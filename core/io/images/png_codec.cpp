@@ -30,8 +30,8 @@ using PngReason = std::array<char, 128>;
 
 void PassOverPngWarning(png_structp /*png*/, png_const_charp /*what*/) {}
 
-/// Whether `steps` ran to its end. libpng leaves it by longjmp where it cannot go on, past frames that have nothing
-/// to destroy: its own, and that of `steps`, which must be so.
+/// Returns whether `steps` completed. libpng leaves it by longjmp on an error, past stack frames that must have no
+/// destructors: its own, and those of `steps`.
 template <class Steps>
 bool RunPngSteps(png_structp png, const Steps& steps) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
@@ -86,7 +86,7 @@ void GivePngBytes(png_structp png, png_bytep bytes, size_t n) {
 
 void FlushNothingOfPng(png_structp /*png*/) {}
 
-/// Asks for the pixels that `DecodePng` tells of; returns their channels.
+/// Requests the pixel format that `DecodePng` documents; returns the number of channels.
 int AskForPngPixels(png_structp png, png_infop info) {
   const int kind = png_get_color_type(png, info);
   const bool coloured = (kind & PNG_COLOR_MASK_COLOR) != 0;

@@ -14,9 +14,10 @@
 namespace plslam {
 namespace {
 
-// A pixel needs the one to its left, so a row cannot be done by vectors along it; and the one above, so rows cannot
-// be done side by side, unless each is one pixel behind the row above. Eight rows go down the image like that, a lane
-// for each. OpenCV's vectors, since compilers make many small steps of their own vectors' shuffles.
+// A pixel depends on the one to its left, so vectors cannot run along a row; and on the one above, so rows cannot be
+// processed in parallel, unless each is one pixel behind the row above. Eight rows are processed in this way, a lane
+// for each. OpenCV's vectors are used, since compilers generate many small steps for the shuffles of their own vector
+// types.
 constexpr int kLanes = 8;
 using Lanes = cv::v_int16x8;
 using TwoRows = cv::v_uint8x16;
@@ -50,7 +51,7 @@ class RowBlock {
         stride_(static_cast<size_t>(steps_ + 2 * kLanes)),
         bytes_(stride_ * kLanes) {}
 
-  /// Pixels of all rows, as many as a loop over whole squares goes through.
+  /// Pixels of all rows, as many as a loop over complete squares covers.
   int steps() const { return steps_; }
   size_t stride() const { return stride_; }
   uint8_t* Row(int i) { return bytes_.data() + static_cast<size_t>(i) * stride_ + kLanes; }
@@ -74,10 +75,10 @@ class RowBlock {
   std::vector<uint8_t> bytes_;
 };
 
-/// All bits of the lanes whose row has the filter: of the pixel to the left, the one above, their mean, and Paeth's.
+/// Masks of the lanes whose row has the filter: pixel to the left, pixel above, their mean, and Paeth's.
 class FilterMasks {
  public:
-  /// False for a number that is no filter.
+  /// Returns false for an invalid filter number.
   bool Set(int lane, uint8_t filter) {
     for (size_t i = 0; i < masks_.size(); ++i) masks_[i][static_cast<size_t>(lane)] = filter == i + 1 ? -1 : 0;
     return filter <= masks_.size();
@@ -91,9 +92,9 @@ class FilterMasks {
   std::array<std::array<int16_t, kLanes>, 4> masks_{};
 };
 
-/// Of left, above and above left the nearest to left + above - above left; the first where two are as near. Where
-/// that sum lies beyond the larger of left and above, or below the smaller, it is that one; between them it is above
-/// left.
+/// Returns the nearest of left, above and above left to left + above - above left; the first of two that are equally
+/// near. If that sum lies beyond the larger of left and above, or below the smaller, the result is that one; between
+/// them it is above left.
 Lanes Paeth(const Lanes& left, const Lanes& above, const Lanes& above_left) {
   const Lanes low = cv::v_min(left, above);
   const Lanes high = cv::v_max(left, above);
@@ -123,7 +124,7 @@ class Unfilter {
   Lanes up_ = cv::v_setzero_s16();
 };
 
-/// In place. `above` is the row above the first, behind seven pixels of value 0.
+/// Works in place. `above` is the row above the first, after seven pixels of value 0.
 void UnfilterBlock(const FilterMasks& masks, const int16_t* above, RowBlock& rows) {
   Unfilter unfilter(masks);
   for (int step = 0; step < rows.steps(); step += kLanes) {
@@ -150,7 +151,7 @@ bool TakeFiltersOff(const uint8_t* filtered, cv::Mat& out) {
     const int n_rows = std::min(kLanes, out.rows - y0);
     for (int i = 0; i < n_rows; ++i) {
       if (!masks.Set(i, *filtered++)) return false;
-      // What the block before left beside the row counts as pixels of value 0.
+      // Pixels of the previous block left of the row must count as 0.
       std::memset(rows.Row(i) - kLanes, 0, kLanes);
       std::memcpy(rows.Row(i), filtered, width);
       filtered += width;
@@ -178,7 +179,7 @@ struct Chunk {
   std::span<const uint8_t> contents;
 };
 
-/// The first chunk, which is taken off `rest`; nullopt where it is cut off or not what was written.
+/// Removes the first chunk from `rest`; nullopt if it is truncated or its checksum is wrong.
 std::optional<Chunk> TakeChunk(std::span<const uint8_t>& rest) {
   if (rest.size() < kChunkFrame) return std::nullopt;
   const size_t size = BigEndian(rest.data());
@@ -199,13 +200,14 @@ bool IsPlainGrey(const Chunk& header, cv::Size size) {
          std::memcmp(header.contents.data() + 8, kPlainGrey.data(), kPlainGrey.size()) == 0;
 }
 
-/// Of another program's that may be passed over, and does not change pixels as transparency does.
+/// Returns whether the chunk is ancillary and does not change pixels as transparency does.
 bool IsBeside(const Chunk& chunk) {
   constexpr char kAncillary = 0x20;
   return (chunk.name[0] & kAncillary) != 0 && chunk.name != "tRNS";
 }
 
-/// The compressed pixels, which lie in one chunk after the other; nullopt where the file is another or damaged.
+/// Returns the compressed pixels, which lie in consecutive chunks; nullopt if the file has another format or is
+/// damaged.
 std::optional<std::vector<uint8_t>> CompressedPixels(std::span<const uint8_t> file, cv::Size size) {
   if (file.size() < kSignature.size() || std::memcmp(file.data(), kSignature.data(), kSignature.size()) != 0) {
     return std::nullopt;
@@ -239,7 +241,7 @@ std::optional<cv::Mat> DecodeGreyPng(std::span<const uint8_t> file, cv::Size siz
   if (!decompressor) return std::nullopt;
   const size_t filtered_size = (static_cast<size_t>(size.width) + 1) * static_cast<size_t>(size.height);
   const auto filtered = std::make_unique_for_overwrite<uint8_t[]>(filtered_size);
-  // Without a place for the size that comes out, no other size is a success.
+  // No address for the output size is passed: any other size is then an error.
   const libdeflate_result result = libdeflate_zlib_decompress(
       decompressor.get(), compressed->data(), compressed->size(), filtered.get(), filtered_size, nullptr);
   cv::Mat image(size, CV_8UC1);

@@ -17,8 +17,8 @@ namespace plslam {
 namespace {
 
 using Bytes = std::span<const uint8_t>;
-/// Format 2 ends with the images of keyframes that another camera has seen. Where there are none, format 1 is written,
-/// which older programs read.
+/// Format 2 ends with the images of keyframes that another camera has seen. Without such images, format 1 is written,
+/// which older programs can read.
 constexpr uint64_t kWithoutImages = 1;
 constexpr FileKind kMapFile{
     {'P', 'L', 'S', 'L', 'A', 'M', 'A', 'P'}, 2, "map file", Checksum::kBlake2b, kWithoutImages};
@@ -93,7 +93,7 @@ void WriteContent(const StoredMap& stored, const Images& images, archive::Writer
   if (!images.empty()) write(images);
 }
 
-/// Of what `WriteContent` writes.
+/// Returns the number of bytes that `WriteContent` writes.
 size_t LengthOf(const StoredMap& stored, const Images& images) {
   using archive::MinBytes;
   constexpr size_t kNumber = sizeof(int64_t);
@@ -120,7 +120,7 @@ std::vector<uint8_t> EncodeMap(const StoredMap& stored) {
   CheckAll(stored);
   const Images images = ImagesOf(stored);
   archive::Writer write(sizeof(Seal) + LengthOf(stored, images));
-  // The seal's place; what it says is known at the end.
+  // Reserves space for the seal, which is computed at the end.
   write(std::array<uint8_t, sizeof(Seal)>());
   WriteContent(stored, images, write);
   const Seal seal = MakeSeal(KindOf(images), write.Written().subspan(sizeof(Seal)));

@@ -20,14 +20,14 @@ struct StoredSession {
   bool operator==(const StoredSession&) const = default;
 };
 
-/// A map with everything that is needed to go on in it.
+/// A map with everything that is needed to continue it.
 struct StoredMap {
-  /// The camera it was made with, encoded by whoever compares it; opaque here.
+  /// Encoded camera with which the map was made; opaque here, its users compare it.
   std::vector<uint8_t> rig;
   Map map;
-  /// Of the keyframes that the map has, by their number in it. Every observation is among them.
+  /// Features of the map's keyframes, by keyframe id. They include every observation.
   KeyframeFeatures features;
-  /// Greater than any that was ever given.
+  /// Greater than all ids that were ever assigned.
   int64_t next_keyframe_id = 0;
   int64_t next_point_id = 0;
   int64_t next_line_id = 0;
@@ -37,20 +37,20 @@ struct StoredMap {
   int64_t version = 0;
 };
 
-/// A map file: magic, format version, length, BLAKE2b checksum, then all values, little endian and to the last bit,
-/// so that what is decoded is encoded to the same bytes again (covariances of landmarks, which a map keeps in single
+/// A map file: magic, format version, length, BLAKE2b checksum, then all values, little endian and to the last bit, so
+/// that a decoded map is encoded to the same bytes again (covariances of landmarks, which a map stores in single
 /// precision, are rounded once). See docs/map_files.md.
 ///
-/// Throws std::runtime_error where the map breaks what decoding demands.
+/// Throws std::runtime_error if the map violates a condition of decoding.
 std::vector<uint8_t> EncodeMap(const StoredMap& stored);
 
-/// The map has no changes to take. Throws std::runtime_error, in one sentence, for bytes that are no map file, of a
-/// newer format, cut off, damaged, or whose values cannot be (not finite, rotations that are not unit, numbers that
-/// do not ascend, observations of features that a keyframe does not have). Needs memory in proportion to the bytes.
+/// The map has no pending changes. Throws std::runtime_error, in one sentence, for bytes that are no map file, of a
+/// newer format, truncated, damaged, or with invalid values (not finite, rotations that are not unit, ids that do not
+/// ascend, observations of features that a keyframe does not have). Memory is proportional to the number of bytes.
 StoredMap DecodeMap(std::span<const uint8_t> bytes);
 
-/// Beside the file and renamed. Throws std::runtime_error, which names the file, where it cannot be written, and
-/// where the map has no keyframe: a file that was there stays.
+/// Writes a file beside it and renames that. Throws std::runtime_error, which names the file, if it cannot be written
+/// or the map has no keyframe: an existing file is then kept.
 void WriteMapFile(const std::string& path, const StoredMap& stored);
 
 /// Errors name the file.

@@ -7,13 +7,13 @@
 
 namespace plslam::map_file {
 
-// What values of a map file must be. Each throws std::runtime_error that names the culprit.
+// Checks of the values of a map file. Each throws std::runtime_error that names the culprit.
 
 void Check(const MapKeyframe& keyframe);
 void Check(int64_t keyframe_id, const FeaturesView& features);
-/// An image of pixels that can be, of a keyframe with features.
+/// An image has valid pixels and belongs to a keyframe with features.
 void Check(int64_t keyframe_id, const TakenImage& image, const KeyframeFeatures& features);
-/// Observations ascend and are of features that there are.
+/// Observations ascend and refer to existing features.
 void Check(const MapPoint& point, const KeyframeFeatures& features);
 void Check(const MapLine& line, const KeyframeFeatures& features);
 void Check(const LoopEdge& loop);

@@ -40,7 +40,7 @@ void Fields(Archive& a, T& image) {
   a(image.left_px, image.top_px, image.width_px, image.height_px, image.f_px);
 }
 
-/// Without the image: few have one of their own.
+/// Without the image: few keyframes have a separate one.
 template <class Archive, class T>
 requires Is<T, StereoFeatures> || Is<T, FeaturesView>
 void Fields(Archive& a, T& features) { a(features.points, features.lines); }
@@ -80,7 +80,7 @@ void Fields(Archive& a, T& loop) {
   a(loop.old_keyframe_id, loop.keyframe_id, loop.T_old_kf, loop.covariance, loop.n_points, loop.n_lines);
 }
 
-/// All of a stored map but what it has many of.
+/// The scalar fields of a stored map.
 template <class Archive, Is<StoredMap> T>
 void Fields(Archive& a, T& stored) {
   a(stored.version, stored.rig, stored.next_keyframe_id, stored.next_point_id, stored.next_line_id,

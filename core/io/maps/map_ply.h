@@ -32,14 +32,14 @@ class HeightColours {
   double high_ = 0.0;
 };
 
-/// Of a line by the keyframes that see it: violet for few, green for 20 and more.
+/// Colour of a line by its number of observing keyframes: violet for few, green for 20 and more.
 Colour ObservationsColour(size_t observations);
 
-/// The landmarks as a PLY file (binary, little endian) that CloudCompare and MeshLab open, in metres in w. Vertices
+/// Writes the landmarks as a PLY file (binary, little endian) for CloudCompare and MeshLab, in metres in w. Vertices
 /// are the points, then both ends of each line, with x, y, z, red, green, blue, and the number of keyframes that see
-/// the landmark (`observations`); edges join the ends of the lines. Points are coloured by height, low blue to high
-/// red (up is that of VerticalOf); lines by observations, violet for few to green for 20 and more. The order is that
-/// of the ids.
+/// the landmark (`observations`); edges join the ends of the lines. Points are coloured by height, low blue to high red
+/// (up is that of VerticalOf); lines by observations, violet for few to green for 20 and more. The order is that of the
+/// ids.
 std::string MapPly(const Map& map);
 
 }  // namespace plslam

@@ -11,8 +11,8 @@
 #include "core/io/maps/map_file_check.h"
 #include "core/io/maps/map_file_fields.h"
 
-// Parts of maps as map files and states of a mapper have them: each behind its number, ascending by id, and checked
-// when it is read. Throw std::runtime_error, in a sentence without its subject.
+// Encoding of parts of maps in map files and mapper states: each after its number of elements, ascending by id, and
+// checked when it is read. Throw std::runtime_error, in a sentence without its subject.
 namespace plslam::map_file {
 
 template <class Value>
@@ -21,7 +21,7 @@ void WriteValues(archive::Writer& write, const IdMap<Value>& values) {
   for (const auto& [id, value] : values) write(value);
 }
 
-/// Those named, which there must be.
+/// Writes the values with these ids, which must exist.
 template <class Value>
 void WriteValues(archive::Writer& write, const IdMap<Value>& values, const std::vector<int64_t>& ids) {
   write(static_cast<uint64_t>(ids.size()));

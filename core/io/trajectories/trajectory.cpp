@@ -23,8 +23,8 @@ constexpr int64_t kNsPerS = 1'000'000'000;
 // The year 2115; the difference of two times within it fits 64 bits.
 constexpr int64_t kMaxTime_ns = 4'600'000'000 * kNsPerS;
 
-// 25 times round the Earth. What is further away is a number in another column or of a solver that diverged, of which
-// errors would be infinite.
+// 25 times round the Earth. A larger position is a number of another column or of a diverged solver, and would make
+// errors infinite.
 constexpr double kMaxPosition_m = 1e9;
 
 constexpr size_t kTumFields = 8;
@@ -160,10 +160,10 @@ struct PoseRow {
   TrajectoryPose pose;
 };
 
-/// Indices of a longest part of the rows whose times increase; of rows of one time the first.
+/// Returns the indices of a longest subsequence of rows with increasing times; of rows with equal times the first.
 std::vector<size_t> LongestIncreasing(const std::vector<PoseRow>& rows) {
   constexpr size_t kNone = std::numeric_limits<size_t>::max();
-  // The row with the smallest time that ends an increasing part of each length, and the row before each row in its.
+  // The row with the smallest time that ends an increasing subsequence of each length, and the predecessor of each row.
   std::vector<size_t> ends, before(rows.size(), kNone);
   for (size_t i = 0; i < rows.size(); ++i) {
     const int64_t t_ns = rows[i].pose.t_ns;
@@ -210,7 +210,7 @@ std::string WhyOutOfOrder(const std::vector<PoseRow>& rows, size_t i) {
   return fmt::format("time {} ns is out of order with those of the rows that follow", t_ns);
 }
 
-/// The poses of the rows whose times increase.
+/// Returns the poses of the rows with increasing times.
 Trajectory TakeIncreasing(const std::string& path, const std::vector<PoseRow>& rows, PassedOver* passed) {
   Trajectory poses;
   std::vector<size_t> kept = LongestIncreasing(rows);
@@ -226,7 +226,7 @@ Trajectory TakeIncreasing(const std::string& path, const std::vector<PoseRow>& r
   return poses;
 }
 
-/// Rows with their lines, as one format; `format` is set by the first row where it is not known.
+/// Parses rows with their lines in one format; an unknown `format` is determined by the first row.
 class RowReader {
  public:
   RowReader(std::optional<TrajectoryFormat> format, BadRows bad_rows) : format_(format), bad_rows_(bad_rows) {}
@@ -364,7 +364,7 @@ uint64_t Between(int64_t earlier_ns, int64_t later_ns) {
   return static_cast<uint64_t>(later_ns) - static_cast<uint64_t>(earlier_ns);
 }
 
-/// The one of the poses before and behind a time that is of the same moment.
+/// Returns the pose before or after a time that is of the same moment.
 std::optional<SE3> PoseOfTheMoment(const Trajectory& trajectory, Trajectory::const_iterator after, int64_t t_ns) {
   const uint64_t none = static_cast<uint64_t>(kSameMoment_ns) + 1;
   const uint64_t until = after == trajectory.end() ? none : Between(t_ns, after->t_ns);

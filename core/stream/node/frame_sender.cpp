@@ -30,15 +30,15 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kRigPeriod{1000};
 constexpr milliseconds kWaitingTick{1000};
-// A vo_process that starts anew gets the pending frame from the bus where that still has it; only after this time
-// again from us.
+// A restarted vo_process gets the pending frame from the bus if the bus still has it; after this many ticks the sender
+// resends it.
 constexpr int kTicksBeforeResend = 2;
-// A link that is cut for longer than the bus holds out may cost vo_process a part of the frame: so much longer than
-// that without a pose it gets the frame again. Whoever has it already passes over it.
+// A link that is cut for longer than the bus retries may cost vo_process a part of the frame: after this many more
+// ticks without a pose the frame is resent. A reader that already has the frame ignores it.
 constexpr int kTicksBeyondTheBus = 12;
 constexpr milliseconds kFlushTick{500};
-// Where a process that is started again learns from the bus how far it was: how long no more poses come then, and how
-// long is waited for the first.
+// A restarted process learns from the bus which frame was answered last: it stops listening after this time without
+// another pose, and waits at most `kNoPoses` for the first one.
 constexpr milliseconds kPosesQuiet{1000};
 constexpr milliseconds kNoPoses{5000};
 constexpr milliseconds kResumeTick{50};
@@ -100,7 +100,7 @@ void FrameSender::SetPaused(bool paused) {
 
 void FrameSender::OnGoBack(const command_t& command) {
   const size_t space = command.argument.find(' ');
-  // What was meant for the process before this one has been done, or is said anew.
+  // A command for the previous process with this name has already been obeyed or is sent again.
   if (command.argument.substr(0, space) != std::to_string(process_.bus().source())) return;
   try {
     turn_.OnGoBack(command.header.source, ParseResumePoint(command.argument.substr(space + 1)));
@@ -124,7 +124,7 @@ std::optional<ResumePoint> FrameSender::WhereToResume() {
   return newest;
 }
 
-/// From the beginning, or behind a frame. False where the process ends.
+/// Begins from the first frame, or after the resume point. Returns false if the process ends.
 bool FrameSender::Begin(const std::optional<ResumePoint>& resume) {
   if (resume) {
     n_sent_ = resume->frame_id + 1;
@@ -147,7 +147,7 @@ void FrameSender::SendAll() {
   } while (IsGoneBack());
 }
 
-/// Where there will be no more of it, what came before is handled to its end.
+/// If the source fails, the end of the stream is published, so that readers finish the frames that were sent.
 std::optional<LoadedFrame> FrameSender::NextFrame() {
   try {
     return source_->Next();
@@ -176,8 +176,8 @@ bool FrameSender::SendRest() {
   return !turn_.stopped();
 }
 
-/// Until the readers have everything, or have not got on for so long that no more is to be expected of them. False
-/// where the process ends, or frames are wanted again, first.
+/// Waits until the readers have everything, or have made no progress for too long. Returns false if the process ends,
+/// or frames are requested again, first.
 bool FrameSender::WaitForReaders(bool silent_too) {
   constexpr milliseconds kNow{0};
   const std::chrono::duration<double> patience(process_.bus().options().give_up_s);
@@ -195,7 +195,7 @@ bool FrameSender::WaitForReaders(bool silent_too) {
   return false;
 }
 
-/// Behind the end frames may be wanted again, too, for as long as the process is there.
+/// Frames may be requested again after the end of the stream, too, as long as the process runs.
 bool FrameSender::IsGoneBack() {
   if (WaitForReaders()) {
     process_.SetState(process_state::kFinished,
@@ -208,7 +208,7 @@ bool FrameSender::IsGoneBack() {
   return !turn_.stopped() && Begin(turn_.GoBack());
 }
 
-/// Where the frame has not been sent before; nullopt: it may be sent now.
+/// Waits only with a frame that has not been sent before; nullopt: the frame may be sent now.
 std::optional<FrameSender::Sent> FrameSender::WaitWhilePaused(int64_t frame_id) {
   if (frame_id <= newest_sent_) return std::nullopt;
   const int64_t began_ns = Now_ns();
@@ -223,7 +223,7 @@ FrameSender::Sent FrameSender::Send(const LoadedFrame& frame) {
   const bool waits = !options_.pace.lockstep && !source_->is_live();
   if (waits && !WaitUntilDue(frame.images.t_ns)) return Sent::kStopped;
   if (turn_.paused()) {
-    if (source_->is_live()) return Sent::kAnswered;  // of a moment that nobody asks for
+    if (source_->is_live()) return Sent::kAnswered;  // a live frame that is not needed
     if (const std::optional<Sent> sent = WaitWhilePaused(frame.images.frame_id)) return *sent;
   }
   turn_.Expect({frame.images.frame_id, frame.images.t_ns});

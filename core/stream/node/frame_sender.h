@@ -25,30 +25,29 @@ struct SenderOptions {
   bool skip_bad = false;
   /// End the process when all is sent and acknowledged.
   bool exit = false;
-  /// Go on behind this frame ("ID@T_NS"), or behind the newest that a pose on the bus is of (`kResumeFromBus`).
+  /// Resume after this frame ("ID@T_NS"), or after the newest frame that has a pose on the bus (`kResumeFromBus`).
   std::string resume_after;
-  /// Sends no new frame before an order to resume.
+  /// Send no new frame before a command to resume.
   bool paused = false;
 };
 
-/// Sends the frames of a source to the bus: the rig at 1 Hz, and on a thread of its own the begin of the stream, true
-/// poses, frames and the end of the stream.
+/// Sends the frames of a source to the bus: the rig at 1 Hz, and on its own thread the begin of the stream, true poses,
+/// frames and the end of the stream.
 ///
-/// In lockstep frame n + 1 goes out when a POSE of frame n has come back; without a reader it waits, and the status
-/// of the process says so. A vo_process that starts anew in between gets the pending frame again (the old one may
-/// have taken it with it), so readers must expect a frame id twice. A frame that cannot be read ends the stream and
-/// the process, or is counted.
+/// In lockstep, frame n + 1 is sent after a POSE of frame n has arrived; without a reader the sender waits, and the
+/// status of the process says so. A vo_process that restarts in between gets the pending frame again (the previous one
+/// may have taken it), so readers must expect repeated frame ids. An unreadable frame ends the stream and the process,
+/// or is counted.
 ///
-/// Where a vo_process that was started again wants frames once more (the command "go_back"), lockstep goes back to
-/// them.
+/// A restarted vo_process may request frames again (the command "go_back"); lockstep then goes back to them.
 ///
-/// Somebody may pause it: then no frame goes out that has not been out before. Those of live cameras are lost.
+/// While the sender is paused, it sends no frame that has not been sent before. Frames of live cameras are lost during
+/// a pause.
 ///
-/// A process that is started in the place of one that was killed goes on behind the frames that have been answered
-/// (`resume_after`), with continuing numbers.
+/// A process that replaces one that was killed resumes after the answered frames (`resume_after`), with continuing ids.
 class FrameSender {
  public:
-  /// Throws std::runtime_error for a resume point that is none. The process is ready then.
+  /// Throws std::runtime_error if the resume point cannot be parsed. Afterwards the process is ready.
   FrameSender(bus::Process& process, std::unique_ptr<FrameSource> source, const SenderOptions& options);
   ~FrameSender();
 

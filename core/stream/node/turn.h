@@ -13,9 +13,8 @@
 
 namespace plslam::stream {
 
-/// Where the thread that sends frames waits for its turn, and what ends the waiting: the pose of the frame that is out,
-/// a new reader that needs it again, one that needs frames before it again, or the end of the process; and where it
-/// waits while somebody has paused it.
+/// Makes the thread that sends frames wait until the pending frame is done: its pose arrives, a new reader needs it
+/// again, a reader requests earlier frames, or the process ends; the thread also waits here while the stream is paused.
 class Turn {
  public:
   using Clock = std::chrono::steady_clock;
@@ -23,31 +22,32 @@ class Turn {
 
   /// This frame is about to be sent; poses of other frames do not count.
   void Expect(const ResumePoint& frame);
-  /// A pose has come back.
+  /// Handles a received pose.
   void OnPose(const ResumePoint& frame);
-  /// From here on a pose that came before its frame was expected counts too: the stream is one that was begun
-  /// earlier.
+  /// From here on, a pose that arrives before its frame is expected counts too: the stream was begun by an earlier
+  /// process.
   void Resume();
-  /// The frame with the highest number that a pose has come of.
+  /// The frame with the highest id for which a pose has arrived.
   std::optional<ResumePoint> newest() const;
-  /// A vo_process with this source lives. Those seen already are no news. The first one is: what was sent before it
-  /// listened, others may have taken.
+  /// Notes that the vo_process with this source is running. A source that was seen before causes no event. The first
+  /// one does: frames sent before it listened may have been lost to it.
   void OnReader(int64_t source);
-  /// `reader` wants the frames behind this one once more. Said again by the same reader it is no news.
+  /// Notes that `reader` requests the frames after this one again. A repeated request of the same reader causes no
+  /// event.
   void OnGoBack(int64_t reader, const ResumePoint& frame);
   void Stop();
 
   /// Waits for an event of the expected frame.
   Event WaitForPose(Clock::duration limit);
-  /// Waits until somebody wants frames again; false at the limit, or where the process ends first.
+  /// Waits until a reader requests frames again; false at the limit, or if the process ends first.
   bool WaitForGoBack(Clock::duration limit);
-  /// After kGoBack: behind which frame to go on. The poses that have come of those after it do not count any more.
+  /// After kGoBack: returns the frame after which to resume. Poses that have arrived for later frames are forgotten.
   ResumePoint GoBack();
   void SetPaused(bool paused);
   bool paused() const;
-  /// kPose: at once, or as soon as nobody has paused it any more.
+  /// Returns kPose at once if the stream is not paused, otherwise as soon as it is resumed.
   Event WaitWhilePaused();
-  /// Waits for a time; false where the process ends first.
+  /// Waits until `time`; false if the process ends first.
   bool WaitUntil(Clock::time_point time);
   bool stopped() const;
 

@@ -30,7 +30,7 @@ cv::Mat Colours() {
   return bgr;
 }
 
-/// Pixels with so many bytes behind each row.
+/// Returns pixels with `padding` bytes after each row.
 ForeignImage Raw(const std::string& encoding, const cv::Mat& pixels, int padding) {
   const auto row = static_cast<size_t>(pixels.cols) * pixels.elemSize();
   ForeignImage image;

@@ -26,8 +26,8 @@ using bus::Encoded;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-// As the public definitions give them: a wrong name, type or order of a member changes them. That of
-// bot_core.images_t is what ours gives.
+// Fingerprints from the public definitions: a wrong name, type or order of a member changes them. The fingerprint of
+// bot_core.images_t is computed by our own code.
 TEST(ForeignTypes, HaveTheFingerprintsThatOthersKnow) {
   const std::map<std::string, uint64_t> known = {
       {"bot_core.pose_t", 0x2e16efb052b0105e},

@@ -15,7 +15,7 @@ class Pairing {
  public:
   explicit Pairing(int64_t max_skew_ns) : pairing_(max_skew_ns) {}
 
-  /// Stamps of the pair that this image completes; {-1, -1} where it completes none.
+  /// Returns the stamps of the pair that this image completes; {-1, -1} if it completes none.
   std::pair<int64_t, int64_t> Add(Side side, int64_t t_ns) {
     const auto pair = pairing_.Add(side, Stamped{t_ns, side});
     if (!pair) return {-1, -1};

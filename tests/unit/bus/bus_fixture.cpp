@@ -31,7 +31,7 @@ TemporaryFolder::~TemporaryFolder() {
 }
 
 bool WaitForReaders(Bus& publisher, const Channel& channel, int n) {
-  // The channel must have been used for readers to be known.
+  // Readers are known only after the first use of the channel.
   return Eventually([&] { return publisher.ReaderCount(channel) >= n; });
 }
 

@@ -14,14 +14,14 @@
 
 namespace plslam::bus::test {
 
-/// A udpm URL of its own for each call: a multicast group and port drawn at random, never leaving the host.
+/// Returns a new udpm URL for each call: a random multicast group and port that never leave the host.
 std::string PrivateUrl();
 
-/// A shell command; its exit code.
+/// Runs a shell command; returns its exit code.
 int Shell(const std::string& command);
 bool HasProgram(const std::string& name);
 
-/// A folder that goes away with it.
+/// A folder that is removed with this object.
 class TemporaryFolder {
  public:
   TemporaryFolder();
@@ -61,7 +61,7 @@ class Waiter {
   int64_t value_ = 0;
 };
 
-/// A bus whose handlers run on a thread of their own.
+/// A bus whose handlers run on a separate thread.
 class RunningBus {
  public:
   explicit RunningBus(const BusOptions& options, const std::string& name = "test") : bus_(options, name) {}
@@ -84,10 +84,10 @@ class RunningBus {
   std::thread thread_;
 };
 
-/// Waits until `publisher` knows `n` readers of `channel`.
+/// Waits until `publisher` has `n` readers of `channel`.
 bool WaitForReaders(Bus& publisher, const Channel& channel, int n);
 
-/// Waits until `condition` holds, looking at it now and then; for counters that have no event of their own.
+/// Waits until `condition` holds, by polling; for counters without an event.
 template <class Condition>
 bool Eventually(Condition condition, std::chrono::milliseconds limit = std::chrono::seconds(20)) {
   const auto deadline = std::chrono::steady_clock::now() + plslam::test::Patience(limit);

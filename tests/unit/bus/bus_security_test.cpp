@@ -60,7 +60,7 @@ class BusSecurity : public testing::Test {
     return bytes;
   }
 
-  /// Puts on the wire again what was there.
+  /// Sends recorded messages again.
   void Replay(const Messages& recording, int rounds) {
     for (int round = 0; round < rounds; ++round) {
       for (const auto& [channel, bytes] : recording) wire_.Send(channel, bytes);
@@ -174,7 +174,7 @@ TEST_F(BusSecurity, ReplayedMessagesAreDroppedAndCounted) {
   EXPECT_EQ(received.value(), 2);
 }
 
-/// Everything that is on the wire while it lives.
+/// Records everything on the wire during its lifetime.
 class Eavesdropper {
  public:
   explicit Eavesdropper(const std::string& url) : bus_(Options(url), "eavesdropper") {

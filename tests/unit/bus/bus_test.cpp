@@ -106,7 +106,7 @@ INSTANTIATE_TEST_SUITE_P(Drop, LossyBus, testing::Values(0.05, 0.2));
 TEST(Bus, LateJoinerGetsEverythingFromTheFirstMessageOn) {
   const std::string url = PrivateUrl();
   BusOptions options = OptionsFor(url);
-  options.history_bytes = 200'000;  // so that most of it comes from disk
+  options.history_bytes = 200'000;  // so that most of it is read from disk
   Bus publisher(options, "publisher");
   static constexpr int kMessages = 2000;
   for (int i = 0; i < kMessages; ++i) publisher.Publish(kPose, PoseOf(i));
@@ -120,7 +120,7 @@ TEST(Bus, LateJoinerGetsEverythingFromTheFirstMessageOn) {
   reader.Start();
   ASSERT_TRUE(received.Reaches(kMessages)) << received.value();
   // An announcement made while the publisher was at work can be heard only after the reader has joined (a busy
-  // machine). What came after it then counts as lost, and as repaired.
+  // machine). The messages after it then count as lost, and as repaired.
   EXPECT_EQ(reader->counters().lost, reader->counters().repaired);
 }
 
@@ -158,7 +158,7 @@ TEST(Bus, ReaderKnowsWhenAPublisherDiedWithItsHistory) {
   });
   reader.Start();
   {
-    // Deaf to requests for good: as dead as a publisher can be that has sent something.
+    // Ignores requests permanently: like an exited publisher that has sent something.
     BusOptions dead = OptionsFor(url);
     dead.drop_fraction = 0.9999;
     dead.max_wait_ms = 0;

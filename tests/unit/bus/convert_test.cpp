@@ -131,8 +131,8 @@ TEST(Convert, MasksSurviveTheWire) {
 }
 
 TEST(Convert, LargestMasksFitOneDatagram) {
-  // Triangles have the most bytes for their corners of what users draw; specks of one pixel are the worst of an
-  // image.
+  // Triangles are the drawn shapes with the most bytes for their corners; specks of one pixel are the worst
+  // of an image.
   for (const size_t n_corners : {1U, 3U}) {
     RigCalibration rig = SomeRig();
     MaskPolygon polygon;

@@ -64,7 +64,7 @@ TEST(FileUrl, OfARecordedLogFeedsAReader) {
   });
   reader.Start();
   EXPECT_TRUE(received.Reaches(50)) << received.value();
-  // Then it has nothing to do: there is nobody to say hello to, or to acknowledge anything.
+  // The process must then be idle: there is no partner to greet or acknowledge.
   EXPECT_TRUE(Eventually([] {
     const std::clock_t before = std::clock();
     std::this_thread::sleep_for(std::chrono::milliseconds(200));

@@ -26,7 +26,8 @@ BusOptions OptionsFor(const std::string& url) {
   return options;
 }
 
-/// The kernel's default receive buffer, whatever this machine allows: LCM asks for half, the kernel doubles it.
+/// Sets the kernel's default receive buffer, whatever this machine allows: LCM requests half of it, and the kernel
+/// doubles that.
 std::string WithDefaultBuffer(const std::string& url) { return url + "&recv_buf_size=106496"; }
 
 StereoImages FrameOf(int64_t id, int width, int height, int right_type = CV_8UC1) {
@@ -45,7 +46,7 @@ bool Equal(const cv::Mat& a, const cv::Mat& b) {
   return a.size() == b.size() && a.type() == b.type() && cv::norm(a, b, cv::NORM_INF) == 0.0;
 }
 
-/// Keeps both cores busy while it lives.
+/// Keeps both cores busy during its lifetime.
 class BusyCores {
  public:
   BusyCores() {
@@ -74,7 +75,7 @@ struct LockstepResult {
   BusCounters publisher;
 };
 
-/// A lockstep stream: frame n+1 goes out at its time, and not before frame n has been handled.
+/// Runs a lockstep stream: frame n+1 is sent at its time, and not before frame n has been handled.
 LockstepResult RunLockstep(const std::string& url, int width, int height, double rate_hz, int n_frames, double drop) {
   BusOptions options = OptionsFor(url);
   options.drop_fraction = drop;
@@ -149,7 +150,7 @@ INSTANTIATE_TEST_SUITE_P(Rates, LockstepStress,
                                          StressCase{"Euroc40HzDrop5", 752, 480, 40.0, 0.05}),
                          [](const auto& test) { return test.param.name; });
 
-/// A player that has waited long for a pose sends its frame again: it comes once, and nothing counts as skipped.
+/// A player that has waited long for a pose resends its frame: it is delivered once, and no frame counts as skipped.
 TEST(FramePublisher, RefusesWhatReadersWouldNotTakeBeforeAnythingIsSent) {
   Bus bus(OptionsFor("memq://"), "player");
   FramePublisher publisher(bus, true);
@@ -220,7 +221,7 @@ TEST(FrameChannel, LiveFramesThatAreLateAreSkippedAndCounted) {
         handled.Add();
       },
       [](int64_t) { return true; });
-  // Comes after the subscriber's for each strip, which has then been dealt with.
+  // Called after the subscriber's handler for each strip, which has then been processed.
   reader->SubscribeBytes(
       kStereoFrameLive, Bus::Reading::kAsItComes, [] { return true; },
       [&](std::span<const uint8_t>) { strips.Add(); });
@@ -320,8 +321,7 @@ TEST(FrameChannel, PicturesAreTakenOnlyWhenWanted) {
 TEST(FrameChannel, SlowReaderOfPicturesGetsEveryFrameInLockstep) {
   constexpr int kFrames = 24;
   BusOptions options = OptionsFor(PrivateUrl());
-  // Frames that nobody has taken yet do not fit into the history, and a reader takes longer for each than a publisher
-  // waits.
+  // Unread frames do not fit into the history, and a reader takes longer for each than a publisher waits.
   options.history_bytes = 200'000;
   options.max_wait_ms = 10;
   Waiter handled;
@@ -398,7 +398,7 @@ TEST(CameraChannel, ARepeatedCameraIsHeardOnceAndAnImpossibleOneIsRefused) {
   reader.Start();
   Bus player(options, "player");
   const auto say = [&](const RigCalibration& rig) { player.Publish(kCamera, ToMessage(rig)); };
-  // The newest of a latest channel wins, so each is repeated until it is heard.
+  // The newest message of a latest channel replaces earlier ones, so each is repeated until it is received.
   while (heard.value() < 1) say(RigOf(400.0));
   for (int i = 0; i < 20; ++i) say(RigOf(400.0));
   while (rejected.value() < 1) say(RigOf(-1.0));

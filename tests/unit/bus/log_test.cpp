@@ -57,7 +57,7 @@ StereoImages FrameOf(int id) {
   return frame;
 }
 
-/// What a player publishes of a short stream.
+/// Messages that a player publishes for a short stream.
 ground_truth_t TruthOf(int i) {
   ground_truth_t truth{};
   truth.frame_id = i;
@@ -202,7 +202,7 @@ TEST_F(RecordedLog, ToleratesRepeatedAndReorderedStrips) {
   ExpectTheStream(*OpenLogDataset(folder_ / "shuffled"));
 }
 
-/// Changes the strips of a log; `change` says whether to keep one.
+/// Changes the strips of a log; `change` returns whether to keep one.
 template <class Change>
 void ChangeStrips(std::vector<RawEvent>& events, const Change& change) {
   std::erase_if(events, [&](RawEvent& event) {
@@ -218,7 +218,7 @@ void ChangeStrips(std::vector<RawEvent>& events, const Change& change) {
 TEST_F(RecordedLog, FramesWithMissingStripsArePassedOverAndCounted) {
   auto events = ReadAll(Record(Options()));
   ChangeStrips(events, [](const image_strip_t& s) { return s.frame_id != 3 || s.camera != 1 || s.strip != 0; });
-  // A bit of the number of a frame makes a strip that no other belongs to, and a frame that lacks one.
+  // A flipped bit of a frame id makes a strip without a frame, and a frame that lacks a strip.
   ChangeStrips(events, [](image_strip_t& s) {
     if (s.frame_id == 5 && s.camera == 0 && s.strip == 0) s.frame_id ^= int64_t{1} << 40;
     return true;
@@ -258,7 +258,7 @@ TEST_F(RecordedLog, FramesWhoseTimesDoNotIncreaseArePassedOverAndCounted) {
       far->Notes(),
       testing::ElementsAre("frames passed over, since times would not increase with them: 2 (the first is frame 0)"));
   EXPECT_TRUE(Equal(far->Read(0).left, FrameOf(2).left));
-  // One time that cannot be does not cost all frames behind it.
+  // One impossible time does not discard all later frames.
   const auto wild = with_times("wild", [](int64_t id, int64_t t) { return id == 1 ? t + (int64_t{1} << 60) : t; });
   EXPECT_EQ(wild->size(), kFrames - 1);
   for (const Dataset* dataset : {stepped.get(), far.get(), wild.get()}) {
@@ -371,7 +371,7 @@ TEST(StockTools, LoggerRecordsWhatWePublish) {
   };
   EXPECT_GE(count("CAMERA"), 1);
   EXPECT_EQ(count("truth_GROUND_TRUTH"), kFrames);
-  // Nobody paces the publisher here, and the logger cannot ask again: how much of a stream arrives is luck.
+  // The publisher is not paced here, and the logger cannot request repairs: the received share of a stream is random.
   EXPECT_GT(count("again_STEREO_FRAME"), 0);
 }
 

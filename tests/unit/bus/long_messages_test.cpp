@@ -32,7 +32,7 @@ Packet PartOf(uint32_t number, uint32_t size, uint32_t offset, uint16_t part, ui
   return packet;
 }
 
-/// "CHANNEL:bytes" of what this packet completes.
+/// Returns "CHANNEL:bytes" of the message that this packet completes.
 std::string Add(LongMessages& messages, uint64_t sender, const Packet& packet) {
   const auto part = ParsePart(packet);
   if (!part) return "junk";

@@ -24,8 +24,7 @@ BusOptions PrivateOptions() {
   return options;
 }
 
-/// mapping_process in small: versions are published, and the whole map when it is asked for, on the thread of the
-/// bus.
+/// A small mapping_process: it publishes versions, and the complete map on request, on the thread of the bus.
 class Publisher {
  public:
   Publisher(const BusOptions& options, uint64_t seed)
@@ -49,7 +48,7 @@ class Publisher {
 
   Bus& bus() { return *bus_; }
   Waiter& asked() { return asked_; }
-  /// Only while nothing is published.
+  /// To be called only while nothing is published.
   const MapOwner& owner() const { return owner_; }
 
  private:
@@ -177,7 +176,7 @@ TEST(MapChannel, NobodyIsAskedWhoHasNothingOrIsNotMeant) {
     request.version = version;
     asker->Publish(kMapRequest, request);
   };
-  // The newest wins: each request must have been heard before the next.
+  // The newest request replaces earlier ones: each must have been received before the next.
   const auto ask_and_wait = [&](int64_t publisher, int64_t version) {
     const int64_t before = full.bus().counters().received;
     ask(publisher, version);

@@ -19,7 +19,7 @@ namespace {
 
 using test::Waiter;
 
-/// Two robots, Ann and Bob, and the owner of the map they share. What each hears, by the word it says.
+/// Two robots, Ann and Bob, and the owner of their shared map. Each member stores the ids that it receives.
 class MapPrefix : public testing::TestWithParam<bool> {
  protected:
   struct Member {
@@ -107,7 +107,7 @@ TEST_P(MapPrefix, TheOwnerKnowsTheCamerasAndTheRobotsKnowWhetherItLives) {
 }
 
 TEST_P(MapPrefix, WhoReadsUnderTheMapsPrefixDoesNotReadARobotsOwnChannels) {
-  // Hellos of a reader come by the names of its channels, COMMAND before LOOP_CLOSURE.
+  // A reader is announced in the order of the names of its channels, COMMAND before LOOP_CLOSURE.
   for (Member* member : {&ann_, &owner_}) ASSERT_TRUE(test::WaitForReaders(*member->bus, kLoopClosure, 3));
   EXPECT_EQ(ann_.bus->ReaderCount(kCommand), 1) << "itself";
   EXPECT_EQ(owner_.bus->ReaderCount(kCommand), 1) << "itself";

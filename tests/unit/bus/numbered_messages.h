@@ -26,7 +26,7 @@ inline int64_t NumberOf(const Bytes& message) {
   return n;
 }
 
-/// The numbers of what is in order by now.
+/// Returns the numbers of the messages that are in order so far.
 inline std::vector<int64_t> Drain(OrderedReader& reader, int64_t now) {
   std::vector<int64_t> numbers;
   while (const Bytes front = reader.Front()) {

@@ -83,7 +83,7 @@ TEST(OrderedWriter, ForgetsWhatEveryReaderHas) {
   EXPECT_EQ(writer.history().first_seq(), 6);
   writer.OnRequest(7, 9, 500'000, {}, 60'000 * kMs);  // 8 may be cut off
   EXPECT_EQ(writer.history().first_seq(), 6);
-  writer.OnRequest(7, 9, 500'000, {}, 64'001 * kMs);  // and has been gone for long
+  writer.OnRequest(7, 9, 500'000, {}, 64'001 * kMs);  // and has been silent for long
   EXPECT_EQ(writer.history().first_seq(), 10);
 }
 
@@ -91,7 +91,7 @@ TEST(OrderedWriter, KeepsItsFirstMessagesForThoseWhoseFirstWordIsLost) {
   OrderedWriter writer = WriterOf(Retention::kUnacknowledged);
   writer.OnHello(7, 500'000, 0);
   for (int64_t n = 0; n < 3; ++n) writer.Sent(MessageOf(n), n * kMs);
-  writer.OnRequest(7, 2, 500'000, {}, 5 * kMs);  // all that is known to read has everything
+  writer.OnRequest(7, 2, 500'000, {}, 5 * kMs);  // all known readers have everything
   EXPECT_EQ(writer.join_seq(2'900 * kMs), 0);
   const auto answer = writer.OnRequest(8, -1, 500'000, {{0, 2}}, 2'900 * kMs);
   ASSERT_EQ(answer.resend.size(), 3U) << "another has been listening all the time";

@@ -42,7 +42,7 @@ TEST(OrderedReader, ForgedNumbersAreNoLoss) {
     Drain(reader, 0);
     if (announced) reader.OnAnnounce(0, kFar, 0);
     if (!announced) reader.OnMessage(kFar, *MessageOf(kFar), 0);
-    // The publisher goes on as if nothing had been.
+    // The publisher continues as before.
     for (int64_t n = 1; n < 2000; ++n) {
       reader.OnMessage(n, *MessageOf(n), n * 10 * kMs);
       reader.Poll(n * 10 * kMs);
@@ -174,7 +174,7 @@ TEST(OrderedReader, IsPolledSeldomWhileThePublisherIsSilent) {
     if (!Drain(reader, now).empty()) given_up = now;
   }
   EXPECT_NEAR(static_cast<double>(given_up) / kMs, 30'000.0, 1.0);
-  // Each 200 ms it asks again, each time it may say what it has.
+  // It requests again every 200 ms, and each time it may acknowledge.
   EXPECT_LT(polls, 2 * 30'000 / 200 + 20);
 }
 
@@ -199,7 +199,7 @@ TEST(OrderedReader, ACutOfTheLinkIsNoDeath) {
   OrderedReader reader(true, 1'000'000, 0);
   for (const int64_t n : {0, 2}) reader.OnMessage(n, *MessageOf(n), 0);
   Numbers numbers = Drain(reader, 0);
-  // Nothing comes for 25 s; then announcements, and the message that was missing another 5 s later.
+  // No message arrives for 25 s; then announcements, and the missing message another 5 s later.
   for (int64_t now = 0; now < 30'000 * kMs; now += 50 * kMs) {
     if (now >= 25'000 * kMs) reader.OnAnnounce(0, 3, now);
     reader.Poll(now);

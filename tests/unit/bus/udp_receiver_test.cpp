@@ -35,7 +35,7 @@ class FilteredSocket {
     ASSERT_TRUE(sender_.Send(channel, bytes));
   }
 
-  /// What came of what was sent until now, by channel; `END` is sent, and comes always.
+  /// Returns the channels of the messages that were received so far; `END` is sent, and always arrives.
   std::vector<std::string> Received() {
     EXPECT_TRUE(sender_.Send("END", std::vector<uint8_t>(1)));
     std::vector<std::string> channels;
@@ -86,7 +86,7 @@ constexpr int64_t kOwn = 0x123456789abcdef0;
 
 AddressedChannels Requests() { return {{"REPAIR_REQUEST", "map/REPAIR_REQUEST"}, repair_request_t::getHash(), kOwn}; }
 
-/// How many of two messages come: the one given, and one that always comes.
+/// Returns the number of received messages of two: the given one, and one that always passes.
 size_t Come(const std::string& channel, const std::vector<uint8_t>& bytes) {
   FilteredSocket socket;
   FilterDatagrams(socket.fd(), {"POSE"}, Requests());

@@ -67,7 +67,7 @@ TEST_P(EveryType, RefusesAnotherFingerprint) {
   }
 }
 
-/// What the check lets through, the generated decoder takes, in memory bounded by the size of the message.
+/// The generated decoder accepts every message that passes the check, in memory bounded by the size of the message.
 TEST_P(EveryType, IsHarmlessWhateverBytesChange) {
   static constexpr size_t kPerByte = 64;
   size_t accepted = 0;

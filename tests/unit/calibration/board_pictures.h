@@ -10,13 +10,14 @@
 
 namespace plslam::test {
 
-/// A rig of known lenses (any model but "pinhole"), 640 x 480 px, baseline 0.12 m.
+/// A rig with known lenses (any model but "pinhole"), 640 x 480 px, baseline 0.12 m.
 RigCalibration KnownRig(const std::string& model);
 
 /// `n` poses of the board in the left camera: all over the image, near and far, tilted by up to 45 degrees.
 std::vector<SE3> BoardPoses(const calibration::Board& board, int n, unsigned seed);
 
-/// What a detector with noise of `sigma_px` in each coordinate sees of the board, as far as it is in the image.
+/// Returns the view of the board by a detector with noise of `sigma_px` in each coordinate, as far as it is in the
+/// image.
 calibration::BoardView SeenBoard(const calibration::Board& board, const CameraCalibration& camera,
                                  const SE3& T_camera_board, double sigma_px, unsigned seed);
 

@@ -38,7 +38,7 @@ TEST(Board, TextsAndMistakes) {
 
 class RenderedBoard : public testing::TestWithParam<const char*> {};
 
-/// What is drawn is what the detector knows, corner by corner: wrong parity or direction would show here.
+/// The drawn board agrees with the detector's, corner by corner: a wrong parity or direction would show here.
 TEST_P(RenderedBoard, CornersAreFoundWhereTheyAre) {
   const Board board = ParseBoard(GetParam());
   const CameraCalibration camera = test::KnownRig("radtan").left;

@@ -29,7 +29,7 @@ class CalibrateProgram : public testing::Test {
   int Run(const std::string& arguments, const std::string& command_name = "calibrate") {
     const std::string command = "cd '" + folder_.string() + "' && '" + (test::BinaryFolder() / "plslam").string() +
                                 "' " + command_name + " " + arguments + " >out 2>error";
-    return WEXITSTATUS(std::system(command.c_str()));  // NOLINT: the program is what is tested
+    return WEXITSTATUS(std::system(command.c_str()));  // NOLINT: the test runs the program
   }
   std::string Text(const std::string& name) const { return ReadText(folder_ / name); }
 
@@ -80,7 +80,7 @@ TEST_F(CalibrateProgram, AprilgridOfKalibr) {
   ASSERT_EQ(Run("pictures --board " + board + " --out camera.yaml --print-board board.pdf"), 0) << Text("error");
   const std::string out = Text("out");
   const RigCalibration read = ReadCameraFile((folder_ / "camera.yaml").string(), {0, 0});
-  // Of so few pictures.
+  // Tolerances for so few pictures.
   EXPECT_NEAR(read.left.fx_px / rig.left.fx_px, 1.0, 0.003) << out;
   EXPECT_NEAR(read.right.fy_px / rig.right.fy_px, 1.0, 0.003) << out;
   EXPECT_NEAR(read.baseline_m, rig.right.T_b_cam.translation().norm(), 0.0003) << out;

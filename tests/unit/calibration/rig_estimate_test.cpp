@@ -48,8 +48,8 @@ struct ChiSquare {
   int n = 0;
 };
 
-/// Of pixels all over the image as the lens predicts them, in the directions in which they are uncertain by more than
-/// a thousandth of a pixel: coefficients that stand in for each other are not compared one by one.
+/// Chi-square of pixels all over the image as the lens predicts them, in the directions in which they are uncertain by
+/// more than a thousandth of a pixel: coefficients that compensate each other are not compared one by one.
 ChiSquare OfPixels(const CameraCalibration& seen, const CameraCalibration& truth, const Eigen::MatrixXd& covariance) {
   std::vector<Eigen::Vector2d> rays;
   for (double x = -0.6; x < 0.61; x += 0.2) {
@@ -165,7 +165,7 @@ TEST(PixelJacobian, IsNoneWhereTheLensDoesNotHold) {
   EXPECT_FALSE(PixelJacobian(camera, {1.0, 0.5}));
 }
 
-/// Coefficients far from what the prior holds likely, as depth cameras have them: others say the same.
+/// Coefficients that are unlikely under the prior, as in depth cameras: others give the same distortion.
 TEST(EstimateRig, RationalLensFarFromThePrior) {
   RigCalibration rig = test::KnownRig("rational");
   for (CameraCalibration* camera : {&rig.left, &rig.right}) {

@@ -40,7 +40,7 @@ struct Heard {
   double skew_ms = 0.0;
 };
 
-/// A source of 64x48 pixels, and what it says.
+/// A source of 64x48 pixels, and its reports.
 class CameraSourceTest : public testing::Test {
  protected:
   CameraSource Open(const std::string& pipeline, double give_up_s = 10.0, bool resumes = false) {

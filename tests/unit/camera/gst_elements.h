@@ -8,7 +8,7 @@
 
 namespace plslam::test {
 
-/// The first of these elements of GStreamer that this machine does not have; empty where it has all.
+/// Returns the first of these elements of GStreamer that this machine does not have; empty if it has all.
 inline std::string MissingElement(const std::vector<std::string>& names) {
   gst_init(nullptr, nullptr);
   for (const std::string& name : names) {

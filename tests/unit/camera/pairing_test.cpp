@@ -30,7 +30,7 @@ void Add(Pairing* pairing, Side side, const std::vector<int64_t>& times_ms) {
   for (const int64_t t_ms : times_ms) pairing->Add(side, {t_ms * kMs, {}});
 }
 
-/// All that come of whole streams.
+/// Returns all pairs of complete streams.
 Pairs All(Pairing* pairing, const std::vector<int64_t>& left_ms, const std::vector<int64_t>& right_ms) {
   Add(pairing, Side::kLeft, left_ms);
   Add(pairing, Side::kRight, right_ms);

@@ -21,7 +21,7 @@ OuterOptions Read(const std::string& yaml, const std::vector<std::string>& overr
   return options;
 }
 
-/// The sentence with which `yaml` is refused; empty where it is taken.
+/// Returns the sentence with which `yaml` is rejected; empty if it is accepted.
 std::string Refusal(const std::string& yaml, const std::vector<std::string>& overrides = {}) {
   try {
     Read(yaml, overrides);

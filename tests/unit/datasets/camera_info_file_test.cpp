@@ -36,7 +36,7 @@ TEST_F(CameraInfoFile, ProjectionsOfNoRectifiedPair) {
       Write("right.yaml", Replaced(ros[1].text, "p: [400.0, 0.0, 330.0", "p: [400.0, 0.0, 335.0"))};
   ExpectTheRig(ReadForeignCalibration(verged, kSize).rig, "cx may differ");
 
-  // A converter of KITTI's colour cameras writes this: both stand beside the first grey camera, not quite level.
+  // A converter of KITTI's colour cameras writes this: both are beside the first grey camera, not quite level.
   const std::string identity = "rectification_matrix: {data: [1, 0, 0, 0, 1, 0, 0, 0, 1]}\n";
   const std::string head = "image_width: 1242\nimage_height: 375\nK: [721.5, 0, 609.5, 0, 721.5, 172.5, 0, 0, 1]\n";
   const std::vector<std::string> kitti{

@@ -57,7 +57,7 @@ distortion_coefficients: [-0.28, 0.07, 0.0002, 1.8e-05]
 
 }  // namespace
 
-// In memory where there is such a folder: a fuzzer writes thousands of files.
+// In memory if there is such a folder: a fuzzer writes thousands of files.
 TemporaryFolder::TemporaryFolder() {
   const fs::path memory = "/dev/shm";
   const bool has_memory = access(memory.c_str(), W_OK) == 0;

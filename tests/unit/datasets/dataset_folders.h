@@ -7,7 +7,7 @@
 
 namespace plslam::test {
 
-/// A folder of its own under the temporary folder, removed with everything in it at the end.
+/// A new folder under the temporary folder, removed with its content at the end.
 class TemporaryFolder {
  public:
   TemporaryFolder();

@@ -12,7 +12,8 @@
 
 namespace plslam::test {
 
-/// The one sentence with which `f` fails; a test failure where it does not throw DatasetError, or in several lines.
+/// Returns the one sentence with which `f` fails; the test fails if it does not throw DatasetError, or in several
+/// lines.
 inline std::string ErrorOf(const std::function<void()>& f) {
   try {
     f();
@@ -28,17 +29,17 @@ inline std::string ErrorOf(const std::function<void()>& f) {
   return "";
 }
 
-/// A tiny recording in a folder of its own.
+/// A tiny recording in a temporary folder.
 class RecordingFileTest : public testing::Test {
  protected:
   explicit RecordingFileTest(const std::string& name) : path_((folder_.path() / name).string()) {}
 
   const std::string& path() const { return path_; }
-  /// Of opening it with these options and reading its first frame.
+  /// Returns the error of opening it with these options and reading its first frame.
   std::string Error(const std::string& options = "") const {
     return ErrorOf([&] { OpenDataset(path_ + options, "")->Read(0); });
   }
-  /// It has the three frames, and the truth, that it was made with.
+  /// Checks that it has the original three frames and truth.
   void ExpectItsFrames(const std::string& compression) const {
     EXPECT_TRUE(OpenDataset(path_, "")->Notes().empty());
     ExpectFrames(3, compression);

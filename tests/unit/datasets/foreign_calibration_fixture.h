@@ -17,7 +17,7 @@
 
 namespace plslam::test {
 
-/// Writes the files of a rig, changed or not, into a folder of its own.
+/// Writes the files of a rig, changed or not, into a temporary folder.
 class ForeignCalibrationTest : public testing::Test {
  protected:
   static constexpr ImageSize kSize{672, 376};

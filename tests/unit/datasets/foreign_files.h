@@ -20,11 +20,11 @@ struct ForeignRig {
   std::vector<ForeignFile> beside{};
 };
 
-/// The same rig in every format that is read: 672 x 376 pixels, "radtan" lenses, the right camera at (0.12, 0.035, 0)
-/// m in the left one and turned about y by the quaternion (w 0.99712, y 0.07584), which is a unit quaternion in these
-/// very digits.
+/// The same rig in every supported format: 672 x 376 pixels, "radtan" lenses, the right camera at (0.12, 0.035, 0) m in
+/// the left one and rotated about y by the quaternion (w 0.99712, y 0.07584), which is a unit quaternion in exactly
+/// these digits.
 const std::vector<ForeignRig>& ForeignRigs();
-/// Those among them that are the settings of SLAM programs.
+/// The settings files of SLAM programs among them.
 std::vector<ForeignRig> SlamSettings();
 
 }  // namespace plslam::test

@@ -29,7 +29,7 @@ class KittiDataset : public testing::Test {
     const auto dataset = OpenKittiDataset(folder_.string());
     return ErrorOf([&] { dataset->Read(index); });
   }
-  // What stands for the path of a file in a sentence.
+  // Returns the path of a file as it appears in a sentence.
   std::string At(const std::string& name) const { return (folder_ / name).string(); }
 
   test::TemporaryFolder temporary_;
@@ -60,7 +60,7 @@ TEST_F(KittiDataset, ColourPairHasItsOwnPlaceInTheBody) {
   test::WriteText(folder_ / "calib.txt",
                   "P2: 40 0 24 4 0 40 16 8 0 0 1 0.25\nP3: 40 0 24 -16 0 40 16 8 0 0 1 0.25\n");
   const auto dataset = OpenKittiDataset(folder_.string());
-  // K^-1 (4, 8, 0.25) = ((4 - 6) / 40, (8 - 4) / 40, 0.25), and the camera stands at its negative.
+  // K^-1 (4, 8, 0.25) = ((4 - 6) / 40, (8 - 4) / 40, 0.25), and the camera is at its negative.
   EXPECT_TRUE(dataset->rig().left.T_b_cam.translation().isApprox(Eigen::Vector3d(0.05, -0.1, -0.25), 1e-12));
   EXPECT_DOUBLE_EQ(dataset->rig().baseline_m, 0.5);
   // Poses are those of the grey camera.

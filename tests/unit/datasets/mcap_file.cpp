@@ -16,7 +16,7 @@ uint32_t Crc(const std::string& bytes) {
   return static_cast<uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
-/// Each channel has a schema of its own.
+/// Each channel has a separate schema.
 std::string Channels(const RecordingOptions& o) {
   std::string records;
   const std::vector<TinyTopic> topics = TinyTopics(o);

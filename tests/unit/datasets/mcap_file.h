@@ -9,7 +9,7 @@
 
 namespace plslam::test {
 
-/// A record of that kind; a chunk of which the file says that it has `n` bytes, decompressed (checksum 0: none).
+/// Return a record of this type; and a chunk that claims to have `n` bytes, decompressed (checksum 0: none).
 std::string McapRecordBytes(uint8_t kind, const std::string& content);
 std::string McapChunk(const std::string& compression, const std::string& packed, uint64_t n, uint32_t crc = 0);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Recordings whose messages were logged late, in bursts, or by a clock that was set.
+// Recordings whose messages were logged late, in bursts, or by a clock that was reset.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -71,7 +71,7 @@ class RecordingTimes : public testing::Test {
     }
   }
 
-  /// The recording is as one that was logged at its stamps, and has nothing to note.
+  /// Expects the same dataset as from a recording that was logged at its stamps, without notes.
   void ExpectAsIfLoggedAtOnce(const RecordingOptions& options) {
     ForEachFormat(options, [](const Dataset& dataset) {
       EXPECT_THAT(dataset.Notes(), IsEmpty());

@@ -5,7 +5,7 @@
 namespace plslam::test {
 namespace {
 
-// OpenVINS: the body is an IMU whose axes are those of the left camera, which stands at (0.5, 0.25, 0) in it.
+// OpenVINS: the body is an IMU whose axes are those of the left camera, which is at (0.5, 0.25, 0) in it.
 const char* const kOpenVins = R"(%YAML:1.0
 cam0:
   T_imu_cam:

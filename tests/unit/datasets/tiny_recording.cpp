@@ -13,8 +13,8 @@
 namespace plslam::test {
 namespace {
 
-/// A message: in CDR numbers stand at multiples of their sizes behind the four bytes of the encoding, and texts end with
-/// a zero that is counted.
+/// A message: in CDR numbers are aligned to multiples of their sizes after the four bytes of the encoding, and texts
+/// end with a zero that is counted.
 class RosBytes {
  public:
   explicit RosBytes(bool is_ros1) : is_ros1_(is_ros1), bytes_(is_ros1 ? "" : std::string("\0\1\0\0", 4)) {}

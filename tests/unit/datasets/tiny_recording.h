@@ -20,7 +20,7 @@ struct RecordingOptions {
   /// When a message of a frame was logged, and its header stamp: the time of the frame without them.
   std::function<int64_t(uint16_t channel, int frame, int64_t t_ns)> log_time{};
   std::function<int64_t(uint16_t channel, int frame, int64_t t_ns)> stamp{};
-  bool by_log_time = false;  ///< messages stand in the order of logging, not in that of frames
+  bool by_log_time = false;  ///< messages are in the order of logging, not of frames
   std::string left = "/cam0/image_raw";
   std::string right = "/cam1/image_raw";
   std::string encoding = "mono8";

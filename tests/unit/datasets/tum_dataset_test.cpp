@@ -147,7 +147,7 @@ TEST_F(TumDataset, RealSequence) {
 }
 
 TEST(AssociateTimes, NearestPairsAreServedFirst) {
-  // 100 is nearer to 101 than 104 is, and 104 then takes what is left in reach.
+  // 100 is nearer to 101 than 104 is, and 104 then gets the remaining one in reach.
   EXPECT_THAT(AssociateTimes({100, 104, 300}, {101, 109, 200}, 10), ElementsAre(Pair(0, 0), Pair(1, 1)));
   EXPECT_THAT(AssociateTimes({}, {1}, 10), ElementsAre());
   EXPECT_THAT(AssociateTimes({5}, {}, 10), ElementsAre());

@@ -34,9 +34,9 @@ class DoctorProgram : public testing::Test {
   int Shell(const std::string& command) const {
     std::ofstream(folder_ / "script") << command << "\n";
     const std::string line = fmt::format("sh '{0}/script' >'{0}/out' 2>'{0}/error'", folder_.string());
-    return WEXITSTATUS(std::system(line.c_str()));  // NOLINT: the program is what is tested
+    return WEXITSTATUS(std::system(line.c_str()));  // NOLINT: the test runs the program
   }
-  /// In a network of its own, that is just being made: without any route, the loopback device down.
+  /// Runs it in a new network namespace: without any route, the loopback device down.
   int InNewNetwork(const std::string& command) const {
     std::ofstream(folder_ / "inside") << command << "\n";
     return Shell(fmt::format("unshare --map-root-user --net sh '{}/inside'", folder_.string()));
@@ -59,7 +59,7 @@ class DoctorProgram : public testing::Test {
   fs::path folder_;
 };
 
-/// A process that does nothing but tell its status.
+/// A process that only publishes its status.
 class Teller {
  public:
   Teller(const std::string& name, const bus::BusOptions& options)
@@ -80,7 +80,7 @@ class Teller {
   std::thread thread_;
 };
 
-/// Networks of their own may be forbidden.
+/// Network namespaces may be forbidden.
 #define REQUIRE_NETWORKS() \
   if (InNewNetwork("ip link") != 0) GTEST_SKIP() << "no network namespaces here: " << Text("error")
 

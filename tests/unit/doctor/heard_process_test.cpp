@@ -24,7 +24,7 @@ HeardProcess Vo() {
 
 OwnSide Own() { return {"udpm://239.255.76.67:7667?ttl=1", "", "0.1.0", "here", 1, false}; }
 
-/// What is not good, as text.
+/// Returns the findings that are not good, as text.
 std::string Complaints(const Heard& heard, const OwnSide& own) {
   return FindingsToText(CheckProcesses(heard, own), true);
 }

@@ -84,7 +84,7 @@ TEST(UdpTable, PortsInodesAndDrops) {
   EXPECT_EQ(sockets[0].drops, 42);
 }
 
-/// A UDP socket on a port of its own that nobody may share.
+/// A UDP socket with exclusive use of its port.
 class Hog {
  public:
   Hog() : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What cannot or need not be run here, and why.
+/// Commands that cannot or need not be run here, with the reason.
 struct NotRun {
   const char* pattern;  ///< from the begin of the command
   const char* why;
@@ -41,7 +41,7 @@ constexpr std::array kNotRun = {
     NotRun{".*(--prefix team/|--map-prefix)", "several robots: tests/integration/fleet_test.cpp runs them"},
 };
 
-/// A comment begins behind a blank, outside of quotes.
+/// A comment begins after a blank, outside of quotes.
 std::string WithoutComment(const std::string& line) {
   char quote = 0;
   for (size_t i = 0; i < line.size(); ++i) {

@@ -47,7 +47,7 @@ bool MindsInterrupts(pid_t pid) {
   return (signals & (uint64_t{1} << (SIGINT - 1))) != 0;
 }
 
-/// Two squares of poses that end where they began, for the names of public graphs.
+/// Two closed squares of poses, in files with the names of public graphs.
 void WriteSmallGraph(const fs::path& path) {
   std::ofstream file(path);
   for (int i = 0; i < 8; ++i)
@@ -79,7 +79,7 @@ DocumentWorld::~DocumentWorld() { fs::remove_all(folder_); }
 
 void DocumentWorld::MakeFilesFor(const std::string& command) {
   static const std::regex kFile(R"((^| )([\w./]+\.(plmap|g2o)|my_camera)\b)");
-  // What a command writes needs not be there; that it is does no harm.
+  // Files that a command writes need not exist.
   for (std::sregex_iterator it(command.begin(), command.end(), kFile), end; it != end; ++it) {
     const fs::path path = folder_ / (*it)[2].str();
     if (fs::exists(path)) continue;

@@ -21,8 +21,8 @@ class DocumentWorld {
   DocumentWorld(const DocumentWorld&) = delete;
   DocumentWorld& operator=(const DocumentWorld&) = delete;
 
-  /// Runs a block, and interrupts what is endless in it when the rest is done. Returns what went wrong, with the
-  /// output of the command; empty where all ended with exit code 0.
+  /// Runs a block, and interrupts its endless commands when the rest is done. Returns the failures, with the output of
+  /// the command; empty if all ended with exit code 0.
   std::string Run(const CommandBlock& block);
 
  private:

@@ -131,7 +131,7 @@ TEST(OpenInput, PermissionIsNamed) {
   const ScratchFolder folder;
   const std::string secret = folder.Write("secret", "x");
   chmod(secret.c_str(), 0);
-  // Root may read everything; what it turns into here does not come back.
+  // Root may read everything; dropping its privileges here is irreversible.
   const auto as_a_user = [&](const std::string& path) {
     if (geteuid() == 0 && setuid(65534) != 0) std::exit(2);
     std::fputs(WhyUnreadable(path).c_str(), stderr);

@@ -40,7 +40,7 @@ json Summary(const std::string& dataset, const std::string& features, double ate
   summary["dataset"] = dataset;
   summary["accuracy"]["ate_m"] = ate_m;
   summary["configuration"]["vo"]["vo"]["features"]["features"] = features;
-  // Every run has a port of its own.
+  // Every run has its own port.
   summary["configuration"]["vo"]["bus"]["url"] = std::to_string(ate_m);
   summary["configuration"]["viewer"]["viewer"]["out"] = std::to_string(ate_m);
   return summary;

@@ -24,7 +24,7 @@ struct Simulation {
   std::vector<PoseCovariance> poses;
 };
 
-// Estimates whose motions err by exactly MotionCovariance: T_true = T * Exp(x).
+// Simulates estimates whose motions have errors with exactly MotionCovariance: T_true = T * Exp(x).
 Simulation Simulate(const Trajectory& truth, uint32_t seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;

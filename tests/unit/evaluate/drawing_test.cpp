@@ -80,7 +80,7 @@ TEST(Drawing, TheSameDrawingIsTheSameFile) {
   EXPECT_EQ(cv::norm(ToPicture(SomeDrawing()), ToPicture(SomeDrawing()), cv::NORM_INF), 0.0);
 }
 
-/// What follows `key` up to the next quotation mark, at every place.
+/// Returns the text between each `key` and the next quotation mark.
 std::vector<std::string> Quoted(const std::string& text, const std::string& key) {
   std::vector<std::string> found;
   for (size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + 1)) {
@@ -148,7 +148,7 @@ TEST(Drawing, APathThatStaysAtAPlaceIsADot) {
   EXPECT_GT(Ink(drawing), 0);
 }
 
-// Where fontconfig finds no font, cairo draws with its own: text never vanishes.
+// If fontconfig finds no font, cairo draws with its own: text never vanishes.
 TEST(Drawing, TextIsThereWithoutAnyFont) {
   const ScratchFolder folder;
   const std::string settings = folder.Write("fonts.conf",

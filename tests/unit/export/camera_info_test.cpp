@@ -21,7 +21,7 @@ CameraCalibration CameraWith(const std::string& model, const std::vector<double>
   return camera;
 }
 
-/// What a reader makes of the camera_info that is written for a lens; the right camera stands 0.1 m beside it.
+/// Returns the camera that a reader parses from the camera_info of a lens; the right camera is 0.1 m beside it.
 CameraCalibration ReadBack(const CameraCalibration& camera) {
   const std::string cdr = RosCameraInfoMessage(0, camera);
   const RosCameraInfo left =

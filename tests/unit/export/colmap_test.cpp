@@ -18,7 +18,7 @@ using testing::HasSubstr;
 
 ColmapModel SmallModel() { return ColmapOf(test::SmallStoredMap(), test::SmallCamera()); }
 
-/// Headless, and without the log file that COLMAP leaves behind otherwise.
+/// Headless, and without the log file that COLMAP otherwise leaves.
 std::string Colmap(const std::string& arguments) { return "QT_QPA_PLATFORM=offscreen colmap " + arguments; }
 
 double NumberAfter(const std::string& text, const std::string& name) {
@@ -27,7 +27,7 @@ double NumberAfter(const std::string& text, const std::string& name) {
   return std::regex_search(text, match, pattern) ? std::stod(match[1]) : -1.0;
 }
 
-/// The numbers of each entry of `lines_each` lines, by the first of them; words are passed over.
+/// Returns the numbers of each entry of `lines_each` lines, by the first of them; words are skipped.
 std::map<int, std::vector<double>> NumbersById(const std::string& text, int lines_each) {
   std::map<int, std::vector<double>> entries;
   std::vector<double> entry;

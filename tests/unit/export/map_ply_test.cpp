@@ -15,7 +15,7 @@ struct Vertex {
   int32_t observations;
 };
 
-/// A reader of its own for the very layout that the header announces.
+/// An independent reader for exactly the layout in the header.
 struct Ply {
   std::vector<std::string> header;
   std::vector<Vertex> vertices;

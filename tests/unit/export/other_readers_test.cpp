@@ -12,7 +12,7 @@
 namespace plslam::exports {
 namespace {
 
-/// Read by VTK, which MeshLab's and ParaView's users know.
+/// Reads by VTK, the library of ParaView.
 cv::Mat PointsByVtk(const std::string& path, int kind) { return cv::viz::Mesh::load(path, kind).cloud; }
 
 cv::Vec3f At(const cv::Mat& cloud, int i) { return cloud.at<cv::Vec3f>(i); }

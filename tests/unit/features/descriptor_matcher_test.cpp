@@ -226,7 +226,7 @@ TEST(MatchBruteForce, EqualsTheDefinition) {
   }
 }
 
-// Of a stranger's message: two points at the ends of what it may say.
+// A foreign message with two points at extreme coordinates.
 TEST(PointGrid, PointsFarFromEachOtherTakeNoMemory) {
   for (const double far_px : {1e5, 1e6, 1e9, 1e300}) {
     std::vector<PointFeature> points(3);

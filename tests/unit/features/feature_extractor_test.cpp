@@ -31,7 +31,7 @@ LineFeature Line(const Eigen::Vector2d& p, const Eigen::Vector2d& q) {
   return line;
 }
 
-/// Everything around the pixel was seen. What lies outside the image says nothing against it.
+/// Returns whether everything around the pixel was seen. Pixels outside the image are ignored.
 bool IsInsideSlowly(const cv::Mat& seen, const Eigen::Vector2d& px) {
   const int u = static_cast<int>(std::lround(px.x()));
   const int v = static_cast<int>(std::lround(px.y()));

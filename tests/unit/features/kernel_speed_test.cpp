@@ -27,7 +27,7 @@
 namespace plslam {
 namespace {
 
-/// Of this thread alone, so that other work on the machine takes no part.
+/// CPU time of this thread only, without other work on the machine.
 double ThreadCpu_us() {
   timespec t{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
@@ -41,7 +41,7 @@ double Time_us(const Run& run) {
   return ThreadCpu_us() - begin;
 }
 
-/// Whether times say anything of this build: optimised, and not slowed down by a sanitizer or counters.
+/// Returns whether times of this build are meaningful: optimised, and not slowed down by a sanitizer or counters.
 bool IsTimed() {
 #if defined(__x86_64__) && defined(__OPTIMIZE__) && !defined(__clang__) && !defined(PLSLAM_SANITIZED)
   return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("popcnt") != 0;
@@ -50,8 +50,8 @@ bool IsTimed() {
 #endif
 }
 
-/// The fastest of many runs in turn: what disturbs a run only makes it slower. `share` is the most that the kernel
-/// may take of the twin's time, two or three times what it takes where it is vector code.
+/// Compares the fastest of many alternating runs: disturbances only make a run slower. `share` is the largest permitted
+/// share of the twin's time, two or three times the share of vector code.
 template <class Kernel, class Twin>
 void ExpectFaster(double share, const Kernel& kernel, const Twin& twin) {
   constexpr int kRuns = 60;

@@ -14,7 +14,7 @@ void ExpectAsOpenCv(const cv::Mat& image, cv::Size size) {
   cv::resize(image, expected, size, 0.0, 0.0, cv::INTER_LINEAR);
   LinearShrink shrink(image.size(), size);
   cv::Mat result;
-  // Twice: nothing of the first image may stay.
+  // Twice: no pixel of the first image may remain.
   shrink.Apply(cv::Mat(image.size(), CV_8UC1, cv::Scalar(77)), result);
   shrink.Apply(image, result);
   EXPECT_EQ(cv::countNonZero(result != expected), 0) << image.size() << " to " << size;

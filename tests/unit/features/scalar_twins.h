@@ -11,8 +11,8 @@
 #include "core/features/image/gradients.h"
 #include "core/features/lines/lbd.h"
 
-/// What the vector kernels compute, pixel by pixel, with as few operations. Compiled without vector code
-/// (CMakeLists.txt), so that these are what a kernel costs that compilers no longer turn into vector code.
+/// The same results as the vector kernels, computed pixel by pixel, with as few operations. Compiled without vector
+/// code (CMakeLists.txt), so that they show the time of a kernel that compilers do not vectorise.
 namespace plslam::test {
 
 void ScalarHammingDistances(const Descriptor& query, const std::vector<Descriptor>& descriptors, uint16_t* distances);
@@ -27,10 +27,10 @@ void ScalarBlur(const cv::Mat& image, cv::Mat& blurred);
 void ScalarGradients(const cv::Mat& image, Gradients& out);
 void ScalarEdgeMap(const Gradients& gradients, int threshold, cv::Mat& out);
 
-/// Of a segment within the image.
+/// The segment must be within the image.
 std::array<LbdRow, kLbdRows> ScalarLbdRows(const Gradients& gradients, const Segment2& segment);
 
-/// By linear interpolation as cv::resize has it; places and weights are known beforehand.
+/// Linear interpolation as in cv::resize; positions and weights are precomputed.
 class ScalarShrink {
  public:
   ScalarShrink(cv::Size from, cv::Size to);
@@ -46,7 +46,7 @@ class ScalarShrink {
   std::vector<Place> rows_;
 };
 
-/// Disparity of the place, of `n_places` from disparity 0 on, where the normalised correlation of 11x11 patches is
+/// Returns the disparity, of `n_places` from disparity 0 on, at which the normalised correlation of 11x11 patches is
 /// highest.
 int ScalarRowSearch(const cv::Mat& left, const cv::Mat& right, int u, int v, int n_places);
 

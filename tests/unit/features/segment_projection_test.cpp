@@ -30,7 +30,7 @@ TEST(ClipInFront, CutsAtTheNearPlane) {
 
 TEST(ClipInFront, NothingBehindTheCamera) { EXPECT_FALSE(ClipInFront({{0.0, 0.0, -1.0}, {1.0, 0.0, -2.0}}, 0.1)); }
 
-// The slow twin: the first and the last of many places along the segment that are in the image.
+// The slow twin: the first and the last of many points along the segment that are in the image.
 std::optional<Segment2> ClipByWalking(const Segment2& segment, double margin_px) {
   constexpr int kSteps = 20000;
   std::optional<Segment2> inside;
@@ -79,7 +79,7 @@ TEST(ClipToImage, EndsInsideStayBitForBit) {
   EXPECT_FALSE(ClipToImage({{5.0, 5.0}, {8.0, 5.0}}, kProjectionCamera, 0.0)) << "too short to be of use";
 }
 
-// Twin: places of the segment in space, projected, those in front and in the image.
+// Twin: points of the segment in space, projected, those in front and in the image.
 TEST(ProjectSegment, AgreesWithProjectingManyPlaces) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> any(-2.0, 2.0);

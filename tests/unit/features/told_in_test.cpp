@@ -104,7 +104,7 @@ TEST(ToldIn, BetweenEqualCamerasEveryBitStays) {
   EXPECT_EQ(told.lines[0].left.segment.p, seen.lines[0].left.segment.p);
 }
 
-// A mapping_process that was started again tells keyframes in the camera of the map.
+// A restarted mapping_process publishes keyframes in the camera of the map.
 TEST(ToldIn, WhatIsToldOnKeepsItsBitsAndItsImage) {
   const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide);
   const StereoFeatures again = ToldIn(kLong, told, CameraOf(told, kLong));

@@ -67,7 +67,7 @@ TEST(BilinearWarp, BlackAndWhiteDoNotOverflow) {
 }
 
 TEST(BilinearWarp, EveryWeightOfEveryCorner) {
-  // 2 x 2 pixels of 0 and 255, each combination, sampled at each of the 33 x 33 places.
+  // 2 x 2 pixels of 0 and 255, each combination, sampled at each of the 33 x 33 positions.
   Twins twins(33, 33);
   for (int v = 0; v < 33; ++v) {
     for (int u = 0; u < 33; ++u) twins.SetSource(u, v, u, v);

@@ -111,7 +111,7 @@ TEST(Distortion, NanIsRefused) {
   }
 }
 
-// What OpenCV makes of the same coefficients.
+// OpenCV's result for the same coefficients.
 TEST(Distortion, EqualsOpenCv) {
   for (const CameraCalibration& lens : Lenses()) {
     if (lens.model == "double_sphere") continue;
@@ -156,7 +156,7 @@ TEST(Distortion, DoubleSphereIsThatOfThePaper) {
   }
 }
 
-// 1 - 0.5 r^2 is 0 at sqrt(2): the radius grows without bound before, and comes from the other side after.
+// 1 - 0.5 r^2 is 0 at sqrt(2): the radius grows without bound before it, and changes sign after it.
 TEST(Distortion, NothingBeyondAPole) {
   const Distortion d(Lens("rational", {0.0, 0.0, 0.0, 0.0, 0.0, -0.5, 0.0, 0.0}));
   EXPECT_NEAR(d.max_radius(), std::sqrt(2.0), 1e-6);

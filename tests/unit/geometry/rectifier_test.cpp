@@ -125,7 +125,7 @@ TEST(Rectifier, RowsAgreeOnRealEuroc) {
   PLSLAM_REQUIRE_DATA(folder, "euroc_MH_01_a");
   const double error = RowError_px(Rectifier(test::EurocRig()), folder / "mav0");
   RecordProperty("row_error_px", std::to_string(error));
-  // Detected at whole pixels, so rounding alone is 0.41 px.
+  // Detected at integer pixels, so rounding alone gives 0.41 px.
   EXPECT_LT(error, 0.55);
 }
 

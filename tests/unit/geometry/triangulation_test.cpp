@@ -83,7 +83,7 @@ TEST(FuseLine, EndpointsMoveAcrossOnly) {
   EXPECT_GT(fused.segment.p.y(), 0.009);
   EXPECT_LT(fused.segment.p.y(), 0.02);
   EXPECT_LT(fused.covariance_p(1, 1), 0.006);
-  // Nothing is learnt along it.
+  // The variance along the line does not change.
   EXPECT_NEAR(fused.covariance_p(0, 0), 0.01, 1e-12);
 }
 

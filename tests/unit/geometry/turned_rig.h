@@ -7,7 +7,7 @@
 
 namespace plslam::test {
 
-/// The camera whose images are those of `camera` after cv::ROTATE_90_CLOCKWISE, at the same place.
+/// Returns the camera whose images are those of `camera` after cv::ROTATE_90_CLOCKWISE, at the same position.
 inline CameraCalibration TurnedClockwise(const CameraCalibration& camera) {
   CameraCalibration turned = camera;
   std::swap(turned.width_px, turned.height_px);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Maps and recordings of releases (scripts/golden) open in this version as they were.
 //
-//   golden_test --describe FOLDER   prints what is in them
+//   golden_test --describe FOLDER   prints their content
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -79,7 +79,7 @@ TEST(Golden, MapsAndRecordingsOfReleasesOpenAsTheyWere) {
     EXPECT_EQ(Describe(folder), ReadText(folder / "contents.txt")) << folder;
 }
 
-// What single processes said to each other may be of another version; that is told, and frames and rig are not.
+// Messages between single processes may be of another version, which is reported; frames and rig may not.
 TEST(Golden, RunsOfRecordingsGoOnOrAreToBeReplayed) {
   for (const std::filesystem::path& folder : Releases()) {
     const ScratchFolder to;

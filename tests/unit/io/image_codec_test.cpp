@@ -120,7 +120,7 @@ TEST(JpegCodec, ScansWithoutEndAreRefused) {
               testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("more than 500 scans")));
 }
 
-/// Changed in one to three places, or cut off.
+/// Returns a copy with one to three changed bytes, or truncated.
 std::string Damaged(const std::string& file, std::mt19937& random) {
   std::string damaged = file;
   for (size_t n = random() % 3 + 1; n > 0; --n)
@@ -129,7 +129,7 @@ std::string Damaged(const std::string& file, std::mt19937& random) {
   return damaged;
 }
 
-/// What we make of damaged files is refused, or what OpenCV makes of them; returns how many were not refused.
+/// Damaged files are rejected or decoded as by OpenCV; returns the number of files that were not rejected.
 int ReadDamaged(const std::string& file, int flags, int n, std::mt19937& random) {
   int n_read = 0;
   for (int i = 0; i < n; ++i) {
@@ -164,7 +164,7 @@ TEST(ImageCodecs, DamagedFilesAreRefusedOrReadAsOpenCvReadsThem) {
   EXPECT_GT(n_jpeg, 200);
 }
 
-/// Of a real image, by OpenCV: what this program has always read.
+/// Decodes a real image by OpenCV, the reference of the program's own decoders.
 cv::Mat GreyByOpenCv(const std::filesystem::path& path) {
   const std::string file = ReadText(path);
   if (path.extension() != ".png") return DecodedByOpenCv(file, kJpegFlags);

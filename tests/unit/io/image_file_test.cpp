@@ -34,7 +34,7 @@ std::string Pgm(const cv::Mat& image) {
   return bytes;
 }
 
-// Of one row, with this largest value.
+// Returns a PGM file of one row, with this largest value.
 std::string PgmRow(int max_value, const std::vector<int>& values) {
   std::string bytes = fmt::format("P5\n{} 1\n{}\n", values.size(), max_value);
   for (const int value : values) {
@@ -110,7 +110,7 @@ TEST_F(ImageFile, TruncatedAnywhereIsRefused) {
   rng.fill(noise, cv::RNG::UNIFORM, 0, 256);
   for (const char* name : {"n.png", "n.jpg", "n.pgm"}) {
     const std::string bytes = test::ReadText(Write(name, noise));
-    // All places in the header and at the end, some in between.
+    // All lengths in the header and at the end, some in between.
     for (size_t n = 0; n < bytes.size(); n += n < 40 || n + 20 > bytes.size() ? 1 : 37) {
       const std::string path = WriteBytes(name, bytes.substr(0, n));
       EXPECT_THAT(ErrorOf([&] { ReadGreyImage(path, {32, 24}); }), HasSubstr(path)) << n << " of " << bytes.size();

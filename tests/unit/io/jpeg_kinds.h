@@ -6,7 +6,7 @@
 
 namespace plslam::test {
 
-/// What a JPEG file can be.
+/// Variants of a JPEG file.
 struct JpegKind {
   std::string name;
   /// Of libjpeg: J_COLOR_SPACE of the pixels that are written and of those in the file.

@@ -19,7 +19,7 @@ std::span<const uint8_t> BytesOf(const std::string& text) {
   return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
 }
 
-/// Word for word what the standard says.
+/// Exactly as in the standard.
 int PaethOfTheStandard(int left, int above, int above_left) {
   const int p = left + above - above_left;
   const int to_left = std::abs(p - left);
@@ -72,7 +72,7 @@ TEST(PngFilters, RowsAreThoseOfTheStandardPixelByPixel) {
 }
 
 TEST(PngFilters, EveryTripleOfNeighboursHasThePredictionOfTheStandard) {
-  // Two rows and two columns: the last pixel has any neighbours we want, and a difference of 0.
+  // Two rows and two columns: the last pixel has any given neighbours, and a difference of 0.
   std::vector<uint8_t> rows = {0, 0, 0, 4, 0, 0};
   cv::Mat found(2, 2, CV_8UC1);
   for (int corner = 0; corner < 256; corner += 3) {

@@ -6,7 +6,7 @@
 
 namespace plslam::test {
 
-/// What a PNG file can be.
+/// Variants of a PNG file.
 struct PngKind {
   int colour_type = 0;  ///< of libpng: PNG_COLOR_TYPE_*
   int bits = 8;

@@ -12,7 +12,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// What `plslam ARGUMENTS` prints.
+/// Returns the output of `plslam ARGUMENTS`.
 std::string Printed(const std::string& arguments) {
   CLI::App app;
   Command command;

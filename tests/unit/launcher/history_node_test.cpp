@@ -36,7 +36,7 @@ bus::BusOptions On(const std::string& url) {
   return options;
 }
 
-/// A keeper on a bus that runs. What its handlers use goes only after they have ended.
+/// A history keeper on a running bus. Its bus is joined before the data of its handlers are destroyed.
 class RunningKeeper {
  public:
   RunningKeeper(const std::string& url, const std::string& folder) : bus_(On(url)), keeper_(*bus_, folder) {
@@ -48,7 +48,7 @@ class RunningKeeper {
 
   bus::Bus& bus() { return *bus_; }
   HistoryKeeper* operator->() { return &keeper_; }
-  /// A process has ended, told on the bus's thread as the launcher does.
+  /// Reports the exit of a process on the bus's thread, as the launcher does.
   void Exit(pid_t pid) {
     bus_->Post([this, pid] { keeper_.OnExit(pid); });
   }
@@ -74,7 +74,7 @@ void SayAlive(bus::Bus& bus, int64_t pid) {
   bus.Publish(bus::kStatus, status);
 }
 
-/// What somebody hears who starts late.
+/// A listener that starts late, with the messages that it receives.
 class LateListener {
  public:
   explicit LateListener(const std::string& url) : bus_(On(url)) {

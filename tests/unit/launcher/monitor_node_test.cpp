@@ -19,7 +19,7 @@ namespace {
 
 using bus::test::Eventually;
 
-/// A monitor on a bus that runs, and somebody who speaks.
+/// A monitor on a running bus, and a publisher.
 class MonitorNodeTest : public testing::Test {
  protected:
   MonitorNodeTest() { bus_.Start(); }

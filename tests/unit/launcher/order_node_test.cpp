@@ -19,7 +19,7 @@ namespace {
 
 using bus::test::Eventually;
 
-/// Somebody who gives an order, and a stand-in for the process that gets it.
+/// A sender of orders, and a stand-in for the process that receives them.
 class OrderNodeTest : public testing::Test {
  protected:
   OrderNodeTest() {

@@ -162,7 +162,7 @@ TEST(OldOutputs, OnlyWhatARunWritesAndWhatIsOldGoes) {
   EXPECT_TRUE(exists(folder.Path("run.lcm")));
 }
 
-// What a process has said within the first milliseconds of a run stays.
+// Files that a process writes within the first milliseconds of a run are kept.
 TEST(OldOutputs, FilesThatAreWrittenAtOnceAreOfThisRun) {
   const ScratchFolder folder;
   RunOptions options;

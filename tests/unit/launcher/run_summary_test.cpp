@@ -75,7 +75,7 @@ MapStatistics TwoVersions() {
   return map;
 }
 
-/// Of a map that came with loops, and with nothing else.
+/// Returns the statistics of a map that was loaded with loops and has nothing else.
 MapStatistics OneVersion(int64_t loops) {
   MapUpdate head;
   head.source = 5;

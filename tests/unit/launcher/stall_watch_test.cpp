@@ -20,7 +20,7 @@ class StallWatchTest : public testing::Test {
     t_s_ += pass_s;
     return watch_.Look(signs_, Now());
   }
-  /// The same while the viewer says a word every second.
+  /// The same while the viewer publishes a status every second.
   std::string TalkFor(int duration_s) {
     std::string stall;
     for (int i = 0; i < duration_s && stall.empty(); ++i) {

@@ -94,7 +94,7 @@ TEST_F(SupervisorTest, ChildInheritsNoFilesAndWaitsWithSignalsThatAreNotForIt) {
 }
 
 TEST_F(SupervisorTest, NicenessIsAddedToOurOwnAndKeptByTheOneInItsPlace) {
-  // Waits until it is told how important it is; then the first one dies.
+  // Waits until its niceness is set; then the first process dies.
   Script("polite",
          "until [ $(nice) -gt $1 ]; do :; done; nice >> nicenesses; [ $(wc -l < nicenesses) -lt 2 ] && kill -9 $$; "
          "exit 0");

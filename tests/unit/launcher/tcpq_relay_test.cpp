@@ -77,7 +77,7 @@ class RawClient {
     std::vector<uint8_t> bytes(n);
     if (recv(fd_, bytes.data(), n, MSG_DONTWAIT) < 0) return;
   }
-  /// What comes until n bytes are there or the connection ends.
+  /// Receives until n bytes have arrived or the connection ends.
   std::vector<uint8_t> Receive(size_t n) {
     std::vector<uint8_t> bytes(n);
     const ssize_t got = recv(fd_, bytes.data(), n, MSG_WAITALL);

@@ -23,7 +23,7 @@ namespace {
 using bus::test::Eventually;
 using testing::HasSubstr;
 
-/// Somebody who looks at the bus, and robots that speak.
+/// A passive listener on the bus, and robots that publish.
 class TopNodeTest : public testing::Test {
  protected:
   static bus::BusOptions On(const std::string& url, const std::string& prefix) {
@@ -77,13 +77,13 @@ TEST_F(TopNodeTest, TellsTheProcessesOfAllRobotsApart) {
   EXPECT_EQ(load.processes[0].robot, "ann/");
   EXPECT_EQ(load.processes[1].robot, "bob/");
   EXPECT_EQ(load.processes[0].queue, 3);
-  EXPECT_LT(load.processes[0].rate_hz, 0.0);  // of one status alone nobody knows
+  EXPECT_LT(load.processes[0].rate_hz, 0.0);  // a single status gives no rate
 }
 
 TEST_F(TopNodeTest, TellsRatesOfTheTimeBetweenStatuses) {
   ann_.Publish(bus::kStatus, StatusOf("vo", 1.0, 0.5, 10));
   ASSERT_EQ(TakeWith(1).processes.size(), 1U);
-  // A change of state comes in between.
+  // A status after a change of state comes in between.
   ann_.Publish(bus::kStatus, StatusOf("vo", 1.1, 0.6, 11));
   ann_.Publish(bus::kStatus, StatusOf("vo", 3.0, 1.5, 50));
   const BusLoad load = TakeWith(1, 0.0);

@@ -52,7 +52,7 @@ std::vector<LineFeature> Extract(const cv::Mat& image, int levels, int max_lines
   return LineExtractor(options).Extract(image);
 }
 
-/// Of the lines longer than 60 px: those are of the bar's long sides.
+/// Returns the lines longer than 60 px: those of the bar's long sides.
 std::vector<LineFeature> Long(const std::vector<LineFeature>& lines) {
   std::vector<LineFeature> kept;
   for (const LineFeature& line : lines) {
@@ -103,7 +103,7 @@ TEST(CoarseLines, SharpLinesStayAsTheyAre) {
 }
 
 TEST(CoarseLines, ImagesWithEnoughSharpLinesDoWithoutThem) {
-  // The image of a blurred bar beside four sharp edges: 16 lines wanted, so four are enough.
+  // The image of a blurred bar beside four sharp edges: 16 lines are requested, so four are enough.
   cv::Mat both;
   cv::hconcat(MovedBar(21).image, MovedBar(1).image, both);
   for (const LineFeature& line : Extract(both, 3, 16)) EXPECT_EQ(line.octave, 0);

@@ -29,7 +29,7 @@ struct Accuracy {
   double normalised = 0.0;
 };
 
-/// One long side of a bar, at many directions and places.
+/// One long side of a bar, at many directions and positions.
 Accuracy Measure(const std::string& detector, double contrast, double noise) {
   LineExtractor extractor(WithDetector(detector));
   Accuracy out;
@@ -76,7 +76,7 @@ TEST(LineDetector, SigmaIsThatOfTheErrors) {
   EXPECT_GE(faint.found, 30);
   EXPECT_GT(faint.normalised, 0.7);
   EXPECT_LT(faint.normalised, 1.3);
-  // At high contrast the floor, which stands for real edges, keeps it on the safe side.
+  // At high contrast the floor, which accounts for real edges, makes it conservative.
   const Accuracy clear = Measure("edgechain", 40, 2);
   EXPECT_GT(clear.normalised, 0.4);
   EXPECT_LT(clear.normalised, 1.2);

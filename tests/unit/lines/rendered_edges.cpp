@@ -26,7 +26,7 @@ double Mean(const Grey& grey, const Eigen::Vector2d& middle) {
   return sum / (1.0 * kSub * kSub);
 }
 
-/// Pixels where `is_plain` says that no border is near are sampled once.
+/// Pixels where `is_plain` holds, away from any border, are sampled once.
 cv::Mat Render(cv::Size size, const Grey& grey, const std::function<bool(const Eigen::Vector2d&)>& is_plain) {
   cv::Mat image(size, CV_8UC1);
   for (int y = 0; y < size.height; ++y) {
@@ -38,7 +38,8 @@ cv::Mat Render(cv::Size size, const Grey& grey, const std::function<bool(const E
   return image;
 }
 
-/// Place of a point in a bar's frame: distance inside its ends, and inside its long sides; negative outside.
+/// Returns the position of a point in a bar's frame: distance inside its ends, and inside its long sides; negative
+/// outside.
 Eigen::Vector2d Inside(const Bar& bar, const Eigen::Vector2d& at) {
   const Eigen::Vector2d step = bar.axis.q - bar.axis.p;
   const double length = step.norm();

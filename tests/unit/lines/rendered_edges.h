@@ -26,7 +26,7 @@ cv::Mat RenderEdge(cv::Size size, const Segment2& edge, double dark, double brig
 /// Gaussian noise (sum of twelve uniforms), rounded and cut to 0..255.
 void AddNoise(cv::Mat& image, double sigma, uint32_t seed);
 
-/// Grey values that are noise and nothing else.
+/// Returns an image of pure noise.
 cv::Mat NoiseImage(cv::Size size, double mean, double sigma, uint32_t seed);
 
 /// The segment turned by an angle around the middle of an image, `length` long.

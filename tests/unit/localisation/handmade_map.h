@@ -8,7 +8,7 @@
 
 namespace plslam::test {
 
-/// A map made by hand: keyframes with features, and landmarks put where a test wants them.
+/// A map made by hand: keyframes with features, and landmarks at positions chosen by a test.
 struct HandmadeMap {
   Map map;
   KeyframeFeatures features;

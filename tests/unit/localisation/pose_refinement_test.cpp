@@ -119,7 +119,7 @@ TEST_P(PoseRefinement, AnotherPlaceIsNotRecognised) {
   EXPECT_EQ(association.points, truth_.points) << "left as it was";
 }
 
-// The same looks at other places: descriptors agree, geometry does not.
+// The same descriptors at other positions: descriptors agree, geometry does not.
 TEST_P(PoseRefinement, LooksAloneDoNotMakeAPlace) {
   const StereoFeatures seen = features_;
   for (size_t i = 0; i < seen.points.size(); ++i) {

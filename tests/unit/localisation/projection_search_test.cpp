@@ -78,7 +78,7 @@ TEST_F(ProjectionSearch, AnotherDescriptorIsNoMatch) {
   EXPECT_TRUE(Lines(T_w_1_).empty());
 }
 
-// A pinhole without the test of depth would see what is behind, upside down.
+// Without the depth test, a pinhole would project points behind the camera, upside down.
 TEST_F(ProjectionSearch, WhatIsBehindOrOutsideIsNotLookedFor) {
   const SE3 behind(Eigen::Quaterniond::Identity(), 2.0 * kPoint);
   const Eigen::Vector2d mirrored = FeatureWorld::Camera().Project(behind.Inverse() * kPoint);
@@ -98,7 +98,7 @@ TEST_F(ProjectionSearch, LineThroughTheCameraCentreIsNotLookedFor) {
   EXPECT_TRUE(Lines(within).empty());
 }
 
-// A corner of octave 3 from 4 m away is one of octave 0 from 2.3 m only where it is seen larger.
+// A corner of octave 3 from 4 m away is one of octave 0 from 2.3 m only where it appears larger.
 TEST_F(ProjectionSearch, OctaveFollowsTheDistance) {
   MapPoint point = *m_.map.FindPoint(5);
   point.octave = 3;

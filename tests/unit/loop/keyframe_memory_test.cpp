@@ -70,7 +70,7 @@ TEST(KeyframeMemory, KeyframesThatWereTakenOutLeave) {
   memory.Follow(map);
   EXPECT_EQ(memory.features().size(), 3U);
   EXPECT_FALSE(memory.places().Has(1));
-  // Gone for good: a later one of the session is in the map.
+  // Removed permanently: a later keyframe of the session is in the map.
   map.Put(InMap(1, 1, 1));
   memory.Follow(map);
   EXPECT_FALSE(memory.features().contains(1));

@@ -21,7 +21,7 @@ SE3 TrueRelation(const LoopEdge& edge, const std::vector<SE3>& T_w_c) {
          T_w_c.at(static_cast<size_t>(edge.keyframe_id));
 }
 
-// What the keyframes of a closure say of two of them.
+// Returns the relative pose of two keyframes after the closure.
 SE3 Corrected(const LoopClosure& loop, int64_t a, int64_t b) {
   SE3 T_w_a;
   SE3 T_w_b;
@@ -84,7 +84,7 @@ TEST(LoopCloser, NewOneSaysWhatTheOldOneWouldHaveSaid) {
   int shown = 0;
   while (loop.kind == Kind::kNone && shown < ring.size()) loop = closing.Show(ring.walk.keyframes[shown++]);
   ASSERT_EQ(loop.kind, Kind::kLoop);
-  // Started anew: everything comes at once, the map first.
+  // After a restart everything arrives at once, the map first.
   loop::LoopCloser anew(FeatureWorld::Camera(), places, {});
   const Keyframe& last = ring.walk.keyframes[shown - 1];
   EXPECT_EQ(anew.Check(closing.mapper.map(), last.session, last.keyframe_id).kind, Kind::kNone);
@@ -97,8 +97,8 @@ TEST(LoopCloser, SessionThatBeganNowhereIsJoined) {
   Closing closing(PlacesOf(ring.world), {});
   for (const Keyframe& keyframe : ring.walk.keyframes) closing.TakeOver(closing.Show(keyframe));
   ASSERT_TRUE(closing.loops.empty());
-  // Another tracker starts on the other side of the ring, which the first has not seen, with an origin of its own,
-  // and comes to where the first began, a bit off its path.
+  // Another tracker starts on the other side of the ring, which the first has not seen, with a different origin, and
+  // reaches the start of the first, a little off its path.
   const std::vector<SE3> path = RingPath(4.0, 0.4, 74);
   std::vector<SE3> beside;
   for (int i = 44; i < 74; ++i) beside.push_back(path[i] * SE3(Eigen::Quaterniond::Identity(), {0.2, 0.05, 0.1}));
@@ -120,7 +120,7 @@ TEST(LoopCloser, SessionThatBeganNowhereIsJoined) {
   const LoopEdge& edge = loop.edges.front();
   const SE3 T_old_kf = ring.walk.T_w_c.at(edge.old_keyframe_id).Inverse() * beside.at(shown - 1);
   EXPECT_LT((T_old_kf.Inverse() * edge.T_old_kf).translation().norm(), 0.03);
-  // The older part of the map stays, the newer one comes to it.
+  // The older part of the map is unchanged, the newer one is moved to it.
   EXPECT_EQ(loop.poses.front().keyframe_id, 0);
   for (const CorrectedPose& pose : loop.poses) {
     const MapKeyframe& keyframe = *closing.mapper.map().FindKeyframe(pose.keyframe_id);
@@ -131,7 +131,7 @@ TEST(LoopCloser, SessionThatBeganNowhereIsJoined) {
             1e-3);
 }
 
-// One that is checked late, say, with others in the map already: the newer one finds it.
+// For example a keyframe that is checked late, with others in the map already: the newer one detects the loop.
 TEST(LoopCloser, TheOldEndOfALoopCameIntoTheMapBeforeTheNewOne) {
   const Ring ring;
   Closing open(PlacesOf(ring.world), {});
@@ -229,15 +229,15 @@ TEST(Relocaliser, FramesBesideTheWayAreFoundAndStrangeOnesAreNot) {
 }  // namespace
 }  // namespace plslam::test
 
-// Maps of which a part lies in a frame of its own, because nothing connects it with the rest yet.
+// Maps with a part in a separate frame, because it is not connected with the rest yet.
 
 namespace plslam::test {
 namespace {
 
 constexpr int64_t kOtherSession = 8;
-// The part that came first is a copy of these of the other.
+// Number of keyframes of the other part of which the earlier part is a copy.
 constexpr int64_t kCopied = 12;
-// What the rest of the map begins with.
+// First ids of the rest of the map.
 constexpr int64_t kFirstId = 1000;
 constexpr int64_t kFirstLandmark = 1000000;
 
@@ -261,7 +261,7 @@ void PutKeyframes(const Map& from, int64_t n, int64_t shift, int64_t session, co
   }
 }
 
-// Of those of which keyframes have come.
+// Copies the landmarks that keyframes below `n` observe, with these observations.
 void PutLandmarks(const Map& from, int64_t n, int64_t shift, int64_t landmark_shift, const SE3& T_new_old, Map& to) {
   const auto is_of_others = [n](const Observation& observation) { return observation.keyframe_id >= n; };
   for (const auto& [id, point] : from.points()) {
@@ -282,11 +282,11 @@ void PutLandmarks(const Map& from, int64_t n, int64_t shift, int64_t landmark_sh
   }
 }
 
-/// A lap of the ring, and its beginning once more as another session that came before, with an origin of its own.
+/// A lap of the ring, and a copy of its beginning as an earlier session, with a different origin.
 struct TwoParts {
   Map map;
   loop::LoopCloser closer;
-  int64_t newest = -1;  ///< as its session counts; the first whose loop is found where there is nothing but the lap
+  int64_t newest = -1;  ///< as its session counts; the first keyframe whose loop is detected in the lap alone
 
   explicit TwoParts(const Ring& ring) : closer(FeatureWorld::Camera(), PlacesOf(ring.world), {}) {
     Closing lap(PlacesOf(ring.world), {});
@@ -336,7 +336,7 @@ TEST(SeparateParts, ACameraIsFoundInEither) {
   EXPECT_LT((T_kf_c.Inverse() * (near.T_w_kf.Inverse() * answer.T_w_c)).translation().norm(), 0.05);
 }
 
-// Tied, as by a false loop, the map says that they are two places.
+// Connected, for example by a false loop, the two parts are at different places in the map.
 TEST(SeparateParts, WhereTheMapTiesThemBothContradictEachOther) {
   const Ring ring;
   TwoParts parts(ring);

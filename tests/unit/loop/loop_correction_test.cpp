@@ -15,7 +15,7 @@ SE3 OnCircle(int i, int n) {
   return {ExpSO3({0.0, a, 0.0}), {kSquareRadius_m * (1.0 - std::cos(a)), 0.0, kSquareRadius_m * std::sin(a)}};
 }
 
-// Keyframes around a circle whose steps are all wrong in the same way; and where they truly are.
+// Keyframes around a circle whose steps all have the same error; and their true poses.
 struct Lap {
   Map map;
   std::vector<SE3> truth;
@@ -125,7 +125,7 @@ void ExpectLaterPartMovedAsAWhole(const Map& map, const SE3& T_5_22, const std::
 TEST(CloseLoop, PartThatBeganLaterComesToTheOlderAsAWhole) {
   const Lap both = LapAndAnother();
   const SE3 T_5_22(ExpSO3({0.0, 0.1, 0.0}), {0.3, 0.0, 0.1});
-  // Said either way round.
+  // In both directions.
   for (const LoopEdge& edge : {EdgeBetween(5, 22, T_5_22), EdgeBetween(22, 5, T_5_22.Inverse())}) {
     const auto poses = loop::CloseLoop(both.map, edge, {});
     ASSERT_TRUE(poses.has_value());
@@ -146,7 +146,7 @@ TEST(CloseLoop, WhatComesAfterAStepThatIsNotKnownMovesAsAWhole) {
   ExpectLaterPartMovedAsAWhole(both.map, T_5_22, *poses, 1e-6);
 }
 
-// Another robot's, say, which goes on meanwhile.
+// For example the part of another robot, which is still mapping.
 TEST(CloseLoop, OfAPartThatItDoesNotTouchNothingIsSaid) {
   const Lap both = LapAndAnother();
   const auto in_first = loop::CloseLoop(both.map, EdgeBetween(0, 19, both.truth[0].Inverse() * both.truth[19]), {});

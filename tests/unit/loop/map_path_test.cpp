@@ -96,7 +96,7 @@ TEST(MapPaths, CovarianceOfAChainIsThatOfItsStepsOneAfterTheOther) {
   EXPECT_LT((loop::MapPaths(map, 0).CovarianceFrom(11) - backwards).norm(), 1e-9 * backwards.norm());
 }
 
-// Also where paths have been asked for before that share their ends.
+// Even if paths with the same ends were requested before.
 TEST(MapPaths, CovarianceIsTheSameInWhateverOrderWaysAreAskedFor) {
   Map map = RandomMap(30, 3);
   map.Add({2, 27, SE3(), 1e-4 * Matrix6d::Identity(), 10, 10});
@@ -133,7 +133,7 @@ TEST(MapPaths, NoWayBetweenPartsThatNothingConnects) {
   EXPECT_EQ(loop::MapPaths(map, 4).From(4)->length_m, 0.0);
 }
 
-// Of an id that was forged, say.
+// For example with a forged id.
 TEST(MapPaths, IdsFarApartAndMissingOnes) {
   Map map = RandomMap(30, 3);
   for (const int64_t id : {0, 7, 8, 20}) map.RemoveKeyframe(id);
@@ -149,7 +149,7 @@ TEST(MapPaths, IdsFarApartAndMissingOnes) {
   EXPECT_FALSE(paths.From(far.id - 1).has_value());
 }
 
-// Straight on, a metre each; what odometry knows of one step is not much.
+// A straight line of steps of a metre; odometry of one step is uncertain.
 Map ChainWithStep(int64_t id, double sigma_m, double sigma_rad, double length_m = 1.0) {
   Map map;
   for (int64_t i = 0; i < 6; ++i) {
@@ -171,7 +171,7 @@ void ShareLandmarks(Map& map, int64_t a, int64_t b, int n) {
   }
 }
 
-// The tracker was lost there and went on: it says ten metres and a radian, or what its prediction says.
+// The tracker was lost there and continued: its uncertainty is ten metres and a radian, or that of its prediction.
 TEST(MapPaths, AStepThatIsNotKnownIsNoWay) {
   for (const auto& [sigma_m, sigma_rad] : {std::pair(10.0, 1.0), std::pair(1.5, 0.01), std::pair(0.01, 0.4)}) {
     const Map map = ChainWithStep(3, sigma_m, sigma_rad);
@@ -185,7 +185,7 @@ TEST(MapPaths, AStepThatIsNotKnownIsNoWay) {
   EXPECT_FALSE(loop::MapPaths(ChainWithStep(3, nan, 0.01), 5).From(0).has_value());
 }
 
-// A fast car's, or of a session of which many keyframes never came.
+// For example a fast car, or a session of which many keyframes are missing.
 TEST(MapPaths, AStepThatIsLongMayErrByMore) {
   EXPECT_TRUE(loop::MapPaths(ChainWithStep(3, 0.1, 0.03), 5).From(0).has_value());
   EXPECT_TRUE(loop::MapPaths(ChainWithStep(3, 1.0, 0.03, 20.0), 5).From(0).has_value());

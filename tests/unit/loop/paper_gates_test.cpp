@@ -20,7 +20,7 @@ loop::LoopOptions WithGates(const std::string& gates) {
   return options;
 }
 
-/// Everything that was looked at while a ring was walked, no loop being taken over.
+/// Returns all verified candidates of a walk along the ring, without applying any loop.
 std::vector<loop::LoopEvidence> LookedAt(const Ring& ring, const std::string& gates) {
   Closing closing(PlacesOf(ring.world), WithGates(gates));
   std::vector<loop::LoopEvidence> all;
@@ -43,7 +43,8 @@ TEST(PaperGates, RingThatComesBackIsClosedFromNear) {
   }
 }
 
-// Accepted is what passes the three tests, and nothing else: no other side is asked, no drift, no keyframe before.
+// A candidate is accepted if and only if it passes the three tests: neither the reverse direction, nor drift, nor
+// previous keyframes are checked.
 TEST(PaperGates, AreTheThreeTestsOfThePaper) {
   int accepted = 0;
   int refused = 0;

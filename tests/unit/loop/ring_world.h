@@ -9,11 +9,11 @@
 
 namespace plslam::test {
 
-/// Vocabularies that know the landmarks of a world.
+/// Returns vocabularies made of the landmarks of a world.
 PlaceRecogniser PlacesOf(const FeatureWorld& world);
 
-/// A ring of landmarks and a walk around it that ends a little behind where it began; the tracker gives no ids, so
-/// only loop closing can tell that both ends are one place.
+/// A ring of landmarks and a walk around it that ends a little after its beginning; the tracker gives no ids, so only
+/// loop closing can detect that both ends are one place.
 struct Ring {
   FeatureWorld world;
   Walk walk;

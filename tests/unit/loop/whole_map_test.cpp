@@ -11,7 +11,7 @@
 namespace plslam::test {
 namespace {
 
-// Each keyframe off by something of its own, the first excepted.
+// Returns a map in which each keyframe except the first has its own perturbation.
 Map Perturbed(const Map& map) {
   Map perturbed = map;
   for (const auto& [id, keyframe] : map.keyframes()) {

@@ -25,7 +25,7 @@ Keyframe KeyframeOf(int64_t id, bool lockstep = true) {
   return keyframe;
 }
 
-/// A map whose keyframes see nothing in common: there is nothing to find, only an order to keep.
+/// A map whose keyframes have no common features: no loop can be found, only the order is tested.
 class Service : public testing::Test {
  protected:
   /// The version of the map with keyframes up to this one.
@@ -58,7 +58,7 @@ class Service : public testing::Test {
     update.session_keyframe_id = keyframe_id;
     update.committed = committed;
   }
-  /// Keyframes 0 to this one of another session come into the map, as far as they are not there.
+  /// Adds keyframes 0 to this one of another session to the map, unless they are in it.
   void PutOther(int64_t keyframe_id) {
     for (; next_other_ <= keyframe_id; ++next_other_) {
       MapKeyframe keyframe;
@@ -112,7 +112,7 @@ TEST_F(Service, KeyframesThatAreSaidAgainChangeNothing) {
   service_.OnKeyframe(KeyframeOf(0));
   service_.OnUpdate(Update(0, false));
   EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(0))), Ids{});
-  // In any order: what a publisher had lost may come in its place later.
+  // In any order: a message that a publisher had lost may be republished by another later.
   service_.OnKeyframe(KeyframeOf(2));
   service_.OnUpdate(Update(0, true));
   EXPECT_EQ(Checked(service_.OnUpdate(Update(2, false))), Ids{});
@@ -131,7 +131,7 @@ TEST_F(Service, FeaturesThatDoNotComeAreWaitedForAWhile) {
   EXPECT_EQ(Checked(service_.OnTick()), (Ids{1, 2}));
 }
 
-// A cable that is out for seconds changes nothing in the result.
+// A cable that is disconnected for seconds does not change the result.
 TEST_F(Service, InLockstepFeaturesAreWaitedForAsLongAsTheTrackerLives) {
   constexpr int64_t kTracker = 77;
   Keyframe first = KeyframeOf(0);
@@ -149,7 +149,7 @@ TEST_F(Service, InLockstepFeaturesAreWaitedForAsLongAsTheTrackerLives) {
   EXPECT_EQ(Checked(service_.OnTick()), Ids{1}) << "it is dead";
 }
 
-// loop_process was started again, and several tell of the keyframes: the living tracker first.
+// loop_process was restarted, and several publishers send the keyframes: the live tracker first.
 TEST_F(Service, AWholeMapIsCheckedWhenAllItsFeaturesAreThere) {
   Update(5, false);
   EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(5))), Ids{});
@@ -176,7 +176,8 @@ TEST_F(Service, FeaturesOfAWholeMapThatDoNotComeAreWaitedForAWhile) {
   EXPECT_EQ(Checked(service_.OnTick()), Ids{5}) << "updates that come meanwhile do not prolong it";
 }
 
-// mapping_process was started again, and its map has a keyframe that had been taken out: it tells its features, too.
+// mapping_process was restarted, and its map has a keyframe that had been removed: its features are published again,
+// too.
 TEST_F(Service, AKeyframeThatComesBackWithAnOlderMapIsTakenAgain) {
   for (int64_t id = 0; id < 3; ++id) {
     service_.OnKeyframe(KeyframeOf(id));
@@ -195,7 +196,7 @@ TEST_F(Service, AKeyframeThatComesBackWithAnOlderMapIsTakenAgain) {
   EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(1))), Ids{3});
 }
 
-// The loop_process before this one closed a loop and died over the adjustment of the whole map.
+// The previous loop_process closed a loop and exited during global bundle adjustment.
 TEST_F(Service, TheAdjustmentThatAnotherDiedOverIsDone) {
   Update(3, false);
   LoopEdge edge;
@@ -217,7 +218,7 @@ TEST_F(Service, TheAdjustmentThatAnotherDiedOverIsDone) {
   EXPECT_EQ(Checked(service_.OnUpdate(Update(4, false))), Ids{4});
 }
 
-// The same where the updates come again, one by one, before the features.
+// The same if the updates are repeated, one by one, before the features.
 TEST_F(Service, TheAdjustmentThatAnotherDiedOverIsDoneOfUpdatesThatComeAgain) {
   service_.OnUpdate(Update(0, false));
   service_.OnUpdate(Update(0, true));
@@ -238,7 +239,7 @@ TEST_F(Service, TheAdjustmentThatAnotherDiedOverIsDoneOfUpdatesThatComeAgain) {
   EXPECT_FALSE(service_.OnUpdate(Update(2, false)).ends_adjustment);
 }
 
-// A keyframe would be checked on a map that is newer than the one it came into.
+// A keyframe would be checked on a map that is newer than the one into which it was inserted.
 TEST_F(Service, KeyframesThatAnotherHasCheckedAreNotCheckedWhenUpdatesComeAgainBeforeTheFeatures) {
   for (int64_t id = 0; id < 3; ++id) {
     EXPECT_EQ(Checked(service_.OnUpdate(Update(id, false))), Ids{});
@@ -274,7 +275,7 @@ TEST_F(Service, StartedInTheMiddleOfARunItJudgesTheNewest) {
   EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(21))), Ids{21});
 }
 
-// loop_process was started again: what other sessions have in the map was checked by the one before.
+// loop_process was restarted: keyframes of other sessions in the map were checked by the previous one.
 TEST_F(Service, OfAWholeMapOfSeveralSessionsNothingOldIsChecked) {
   Update(20, false);
   PutOther(10);
@@ -290,7 +291,7 @@ TEST_F(Service, OfAWholeMapOfSeveralSessionsNothingOldIsChecked) {
   EXPECT_EQ(output.closures[0].session_keyframe_id, 11);
 }
 
-// Versions were missed meanwhile: nothing of a session that is known is left out.
+// Versions were missed meanwhile: all keyframes of a known session are checked.
 TEST_F(Service, OfAWholeMapThatWasAskedForAllThatIsNewIsChecked) {
   for (int64_t id = 0; id <= 5; ++id) service_.OnKeyframe(KeyframeOf(id));
   EXPECT_EQ(Checked(service_.OnUpdate(Update(0, false))), Ids{0});
@@ -298,7 +299,7 @@ TEST_F(Service, OfAWholeMapThatWasAskedForAllThatIsNewIsChecked) {
   EXPECT_EQ(Checked(service_.OnUpdate(Whole(3, false, 1))), (Ids{1, 2, 3}));
 }
 
-// A robot that is lost brings no keyframes; the one that goes on commits the map for both.
+// A lost robot sends no keyframes; the other one commits the map for both.
 TEST_F(Service, AQuestionOfARobotThatIsLostIsAnsweredAfterARestart) {
   Update(3, false);
   PutOther(10);
@@ -345,7 +346,7 @@ TEST_F(Service, AMapThatWasBuiltAnewIsCheckedAnew) {
     service_.OnUpdate(Update(id, false));
     service_.OnUpdate(Update(id, true));
   }
-  // mapping_process has been started again: keyframe by keyframe its map comes back.
+  // mapping_process was restarted: its map is rebuilt keyframe by keyframe.
   map_ = Map();
   next_id_ = version_ = 0;
   source_ = 2;

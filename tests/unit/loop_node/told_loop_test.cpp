@@ -11,7 +11,7 @@ namespace {
 
 constexpr int64_t kOtherRobot = 8;
 
-/// Walks a ring until a loop is told; then all is live, and the map may take its time.
+/// Walks a ring until a loop is published; then all is live, and the map may take its time.
 class ToldLoop : public testing::Test {
  protected:
   void SetUp() override {

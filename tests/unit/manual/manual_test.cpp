@@ -19,7 +19,7 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// A program with one option of every sort that CLI11 prints in a way of its own.
+/// A program with one option of every sort that CLI11 prints differently.
 struct SomeProgram {
   CLI::App app{"Does things.\nAnd others.", "some"};
   std::string file = "a.txt", choice, long_one;
@@ -101,7 +101,7 @@ class Shell : public testing::Test {
     std::ifstream file(path);
     return {std::istreambuf_iterator<char>(file), {}};
   }
-  /// What bash offers behind `words` (the last one is being typed).
+  /// Returns bash's completions after `words` (the last one is being typed).
   std::string Completed(const std::string& completion, const std::string& words) const {
     const std::string function =
         completion.substr(completion.find("\n_") + 1, completion.find("()") - completion.find("\n_") - 1);
@@ -151,7 +151,7 @@ TEST_F(Shell, FishOffersTheSame) {
               testing::AllOf(HasSubstr("map_folder/"), testing::Not(HasSubstr("map.ply"))));
 }
 
-/// zsh completes in its line editor alone: one is driven through a terminal, by the Tab key.
+/// zsh completes only in its line editor: one is driven through a terminal, by the Tab key.
 TEST_F(Shell, ZshCompletesTheSame) {
   if (!Has("zsh")) GTEST_SKIP() << "no zsh here";
   SomeProgram program;
@@ -175,12 +175,12 @@ done
             "some --kind \nsome --kind two \nsome go \nsome go --help \nsome go --ki\nsome --folder map_folder/\n");
 }
 
-/// Of a program as it is run: colours where a terminal reads it, and the user has not said NO_COLOR.
+/// The output of a running program: coloured if a terminal reads it, unless the user has set NO_COLOR.
 TEST_F(Shell, ColoursAreForTerminalsAlone) {
   if (!Has("script")) GTEST_SKIP() << "no script here";
   const std::string program = (test::BinaryFolder() / "mapping_process").string() + " --url memq://";
   const auto said = [&](const std::string& start, const std::string& process) {
-    // It handles signals once it has said that it is ready.
+    // It handles signals only after it has published "ready".
     return Output("cd '" + folder_.string() + "'; rm -f said; unset NO_COLOR; export TERM=xterm\n" + start +
                   " &\nuntil grep -qs 'ready on' said; do sleep 0.05; done; kill " + process + "; wait; cat said");
   };

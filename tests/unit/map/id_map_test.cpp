@@ -37,7 +37,7 @@ void ExpectSame(const IdMap<std::string>& values, const Plain& plain) {
   EXPECT_EQ(backwards, plain.rend());
 }
 
-// Ids as they come in a map that grows and loses some; and any numbers, which no map of ours gives.
+// Returns ids as in a map that grows and loses some; and any numbers, which do not occur in a real map.
 int64_t DrawId(std::mt19937_64& generator, int step) {
   constexpr int64_t kLowest = std::numeric_limits<int64_t>::min();
   constexpr int64_t kHighest = std::numeric_limits<int64_t>::max();

@@ -11,7 +11,7 @@ namespace {
 
 using testing::ElementsAre;
 
-/// Keyframes in a row, a metre apart; where `lost` holds, odometry does not know the step from the keyframe before.
+/// Keyframes in a row, a metre apart; at `lost`, odometry does not know the step from the previous keyframe.
 Map Row(int keyframes, int lost = -1) {
   Map map;
   for (int i = 0; i < keyframes; ++i) {
@@ -61,7 +61,7 @@ TEST(MapGraph, AStepWhileLostConnectsButIsNotKnown) {
   EXPECT_THAT(graph.Component(0, MapGraph::Edges::kKnown), ElementsAre(0, 1));
   EXPECT_THAT(graph.Component(3, MapGraph::Edges::kKnown), ElementsAre(2, 3));
   EXPECT_THAT(graph.Component(3, MapGraph::Edges::kAll), ElementsAre(0, 1, 2, 3));
-  // Landmarks that both sides observe make the step known after all.
+  // Landmarks that both sides observe determine the step after all.
   Share(1, 2, Map::kParent, map);
   EXPECT_EQ(MapGraph(map).Component(0, MapGraph::Edges::kKnown).size(), 4U);
 }

@@ -123,7 +123,7 @@ void RandomMap::CloseLoop() {
             1e-4 * Matrix6d::Identity(), static_cast<int32_t>(Draw(100)), static_cast<int32_t>(Draw(20))});
 }
 
-/// Some keyframes, some of them to where they are, and some that are not there.
+/// Some keyframes, some of them to their current pose, and some that do not exist.
 void RandomMap::Move() {
   std::map<int64_t, SE3> poses{{next_keyframe_ + 5, DrawPose()}};
   for (const auto& [id, keyframe] : map_.keyframes()) {

@@ -9,9 +9,9 @@
 
 namespace plslam::test {
 
-/// A map to which everything happens that can happen to one: keyframes come, landmarks of both feature types are
-/// created, seen again, moved, fused, robbed of observations and removed, and keyframes are removed. Everything
-/// follows from the seed.
+/// A map with all events that can occur: keyframes are inserted, landmarks of both feature types are created, observed
+/// again, moved, fused, deprived of observations and removed, and keyframes are removed. Everything depends on the seed
+/// only.
 class RandomMap {
  public:
   explicit RandomMap(uint64_t seed) : random_(seed) {}

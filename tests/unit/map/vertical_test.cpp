@@ -11,8 +11,7 @@ namespace {
 
 constexpr double kDeg = M_PI / 180.0;
 
-/// A map whose w is turned by `q_w_level` from a world with up -y: cameras that lean by `lean_deg` at most, and
-/// lines.
+/// A map whose w is rotated by `q_w_level` from a world with up -y: cameras that lean by `lean_deg` at most, and lines.
 class LeaningMap {
  public:
   explicit LeaningMap(const Eigen::Quaterniond& q_w_level, double lean_deg = 8.0) : q_w_level_(q_w_level) {

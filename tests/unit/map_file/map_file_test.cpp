@@ -40,7 +40,7 @@ std::string EncodeError(const StoredMap& stored) {
   return ErrorOf([&] { EncodeMap(stored); });
 }
 
-/// Removed when it goes out of scope.
+/// Removed at the end of the scope.
 class TemporaryFile {
  public:
   explicit TemporaryFile(const std::string& name)

@@ -31,10 +31,10 @@ Map MapOf(const std::vector<KeyframeName>& names) {
   return map;
 }
 
-/// Two keyframes of a tracker that was killed, and the first one of the next, which came at last.
+/// Two keyframes of a tracker that was killed, and then the first one of its replacement.
 Map Before() { return MapOf({{0, 7, 0}, {1, 7, 1}, {2, 8, 0}}); }
 
-/// The same, heard again in another order.
+/// The same, received again in another order.
 Map After() { return MapOf({{0, 7, 0}, {1, 8, 0}, {2, 7, 1}}); }
 
 LoopClosure ClosureOn(const Map& map) {
@@ -77,7 +77,7 @@ TEST(ClosureNames, OnItsOwnMapNothingChanges) {
   EXPECT_EQ(here.edges[0].covariance, closure.edges[0].covariance);
 }
 
-// A live map that was built anew of the same keyframes: its landmarks have other ids, and its versions count anew.
+// A live map that was rebuilt from the same keyframes: its landmarks have other ids, and its versions start again.
 TEST(ClosureNames, OnAnotherMapWithTheSameKeyframesPairsAndVersionAreLeftOut) {
   LoopClosure closure = ClosureOn(Before());
   closure.poses.push_back({77, PoseOf(9)});
@@ -89,7 +89,7 @@ TEST(ClosureNames, OnAnotherMapWithTheSameKeyframesPairsAndVersionAreLeftOut) {
   EXPECT_EQ(here.poses.size(), 3U) << "the fourth bears no name";
 }
 
-// A correction that moved keyframe 1 in place of 2 put each where the other belongs.
+// A correction that exchanged keyframes 1 and 2 would put each at the pose of the other.
 TEST(ClosureNames, OnAMapThatWasBuiltAnewEachKeyframeIsFound) {
   const LoopClosure closure = ClosureOn(Before());
   const LoopClosure here = InIdsOf(After(), closure);
@@ -131,7 +131,7 @@ TEST(ClosureNames, OfAMapBuiltAnewWhatItDoesNotHaveOrIsNotNamedIsLeftOut) {
   EXPECT_THAT(here.names, ElementsAre(KeyframeName{2, 7, 1}));
 }
 
-// Found in the milliseconds before: its edge may still be of use to who carries the culled one along.
+// It was found in the milliseconds before: its edge may still be useful for the replacement of the culled keyframe.
 TEST(ClosureNames, AKeyframeThatWasCulledSinceChangesNothing) {
   const LoopClosure closure = ClosureOn(Before());
   Map map = Before();

@@ -57,7 +57,7 @@ TEST_F(PosesAfterACorrection, NothingNamedNothingMoves) {
   EXPECT_TRUE(PosesAfter({{77, At(3.0)}}, m_.map).empty());
 }
 
-/// Three keyframes that look at one place.
+/// Three keyframes that observe one place.
 class MovedLandmarks : public testing::Test {
  protected:
   MovedLandmarks() {
@@ -92,7 +92,7 @@ TEST_F(MovedLandmarks, GoRigidlyAndTheirCovariancesTurn) {
   EXPECT_EQ(m_.map.FindPoint(0)->observations.size(), 1U);
 }
 
-// Two keyframes hold it against one that goes elsewhere, whichever is newest.
+// Two keyframes hold it against one that moves, whichever is newest.
 TEST_F(MovedLandmarks, GoWithTheSideThatKnowsThemBetter) {
   std::vector<Observation> of_point;
   std::vector<Observation> of_line;
@@ -106,7 +106,7 @@ TEST_F(MovedLandmarks, GoWithTheSideThatKnowsThemBetter) {
   Move({{2, aside * At(0.2)}});
   EXPECT_LT((m_.map.FindPoint(0)->p_w - p_).norm(), 1e-12);
   EXPECT_LT((m_.map.FindLine(0)->segment_w.p - segment_.p).norm(), 1e-12);
-  // The second goes after it: now these two are more.
+  // The second follows: now these two are the majority.
   Move({{1, aside * At(0.1)}});
   EXPECT_LT((m_.map.FindPoint(0)->p_w - aside * p_).norm(), 1e-12);
   EXPECT_LT((m_.map.FindLine(0)->segment_w.p - aside * segment_.p).norm(), 1e-12);

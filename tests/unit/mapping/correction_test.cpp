@@ -45,7 +45,7 @@ struct Drifted {
       : world(test::MakeRing(kDriftedRadius_m, situation.points, situation.lines, 3)),
         walk(test::MakeWalk(world, test::RingPath(kDriftedRadius_m, 0.5, kDriftedRound + 2 * kBeyond), {})),
         mapper(FeatureWorld::Camera(), WithoutCulling()) {
-    // The tracker has long forgotten what it saw at first.
+    // The tracker has long dropped its first landmarks.
     for (size_t i = kDriftedRound / 2; i < walk.keyframes.size(); ++i) {
       for (int64_t& id : walk.keyframes[i].point_landmark_ids) id += 1'000'000;
       for (int64_t& id : walk.keyframes[i].line_landmark_ids) id += 1'000'000;
@@ -103,7 +103,7 @@ TEST_P(Correction, ALoopIsClosed) {
   EXPECT_EQ(mapper_.map().loops().front().keyframe_id, revisit_.keyframe_id);
 }
 
-// The landmarks that the message does not name are found by search alone.
+// The landmarks that are not in the message are found only by search.
 TEST_P(Correction, ALoopWithoutPairsIsClosedToo) {
   LoopClosure closure = Loop();
   closure.points.clear();
@@ -135,7 +135,7 @@ TEST_P(Correction, AfterALoopTheNextKeyframesGoOnInTheOldPartOfTheMap) {
     EXPECT_TRUE(std::any_of(neighbours.begin(), neighbours.end(), old)) << Newest();
   }
   EXPECT_LT(Error_m(), 1.5 * error_m + 0.01);
-  // Only what comes into view far away is mapped again.
+  // Only landmarks that come into view far away are mapped again.
   EXPECT_LT(landmarks(mapper_) - n_closed, landmarks(open) - n_open);
 }
 
@@ -231,7 +231,7 @@ TEST_P(Correction, AnAdjustmentPlacesTheLandmarksAnew) {
   check(test::LineErrors_m(mapper_.map(), world_), 0.08);
 }
 
-// A correction that is refused, and what its sentence must name.
+// A correction that is rejected, and a word that its sentence must contain.
 struct Refusal {
   std::function<void(LoopClosure&)> spoil;
   std::string named;
@@ -321,8 +321,8 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Correction,
                                          DriftedWorld{"Both", 500, 120}),
                          NameOfWorld);
 
-// Live, an adjustment of the whole map that was under way when a loop was found comes after it, or two parts of the
-// map come together while a loop is on its way.
+// In live mode, a global bundle adjustment that was running when a loop was found arrives after it, or two parts of the
+// map are joined while a loop is on its way.
 TEST_P(Correction, WhatCorrectsTheMapAsItWasBeforeALoopIsRefused) {
   mapper_.TakeUpdate();
   LoopClosure older = test::AdjustByTruth(mapper_.map(), walk_.T_w_c);

@@ -128,7 +128,7 @@ TEST_F(Culling, EndsOfALoopStay) {
   EXPECT_EQ(RemoveRedundantKeyframes({1, 2, 3}, options_, m_.features, m_.map), (std::vector<int64_t>{3}));
 }
 
-// Five see it all: after two have gone, the rest are three others no more.
+// Five observe everything: after two have been removed, the rest have fewer than three others.
 TEST_F(Culling, WhatIsLeftIsJudgedByWhatIsLeft) {
   m_.Tie({1, 2, 3, 4, 5}, 30, 0, descriptors_);
   EXPECT_EQ(RemoveRedundantKeyframes({1, 2, 3, 4, 5}, options_, m_.features, m_.map), (std::vector<int64_t>{1, 2}));
@@ -143,7 +143,7 @@ TEST_F(Culling, ShareAboveOneKeepsAll) {
 
 TEST_F(Culling, TheTieToThePreviousKeyframeIsBridged) {
   m_.Tie({2, 3, 4, 5, 6}, 30, 0, descriptors_);
-  // Motions as measured, with their own covariances; not what the poses say.
+  // Motions as measured, with their own covariances; not computed from the poses.
   std::vector<SE3> motion;
   std::vector<Matrix6d> covariance;
   for (const int64_t id : {2, 3, 4}) {

@@ -17,7 +17,7 @@ const Eigen::Vector3d kPoint(0.33, 0.81, 3.0);
 const Segment3 kSegment{{-1.0, -0.9, 3.0}, {-1.05, 0.8, 3.3}};
 constexpr int64_t kFirst = 100;
 
-/// Two neighbours that share 30 points, and one place that each has a landmark of its own for.
+/// Two neighbours that share 30 points, and a point for which each has a separate landmark.
 class Duplicates : public testing::Test {
  protected:
   Duplicates() {
@@ -62,7 +62,7 @@ TEST_F(Duplicates, TwoLinesOfOneEdgeCutDifferentlyBecomeOne) {
   EXPECT_EQ(m_.map.FindLine(kFirst + 1), nullptr);
 }
 
-// On one ray of keyframe 1, so at one place of its image, and alike.
+// On one ray of keyframe 1, so at one pixel of its image, and with similar descriptors.
 TEST_F(Duplicates, PointsThatCoverEachOtherMetresApartStayTwo) {
   PutPointAt(kFirst, 0, kPoint);
   const SE3 T_w_1 = m_.map.FindKeyframe(1)->T_w_kf;

@@ -54,7 +54,7 @@ TEST(KeyframesToForget, NoneAsLongAsTheyFit) {
 TEST(KeyframesToForget, TheOldestThatANewerOneReplaces) {
   Path path;
   for (int i = 0; i < 6; ++i) path.Add(i);
-  // Again past 2, 3 and 4, 30 cm from where it was the first time.
+  // Again past 2, 3 and 4, 30 cm from the first positions.
   path.Add(20.0);
   for (int i = 2; i < 5; ++i) path.Add(i + 0.3);
   EXPECT_THAT(path.Forgotten(9), ElementsAre(2));
@@ -103,7 +103,7 @@ class ChangingWorld {
   }
   const FeatureWorld& world() const { return world_; }
 
-  /// Puts new landmarks into the place of some.
+  /// Replaces some landmarks by new ones.
   void Change(double share, uint64_t seed) {
     const FeatureWorld other(Counts(), seed);
     std::mt19937_64 random(seed);
@@ -125,7 +125,7 @@ class ChangingWorld {
   FeatureWorld world_;
 };
 
-/// As a tracker that is localised in the map names what it sees.
+/// Returns the ids by which a tracker that is localised in the map names its features.
 template <class Landmarks>
 std::map<Descriptor, int64_t> ByDescriptor(const Landmarks& landmarks) {
   std::map<Descriptor, int64_t> ids;
@@ -143,7 +143,7 @@ std::vector<int64_t> MapIds(const std::vector<Feature>& features, const std::map
   return map_ids;
 }
 
-/// Of the landmarks of the map, those that are not in the world any more.
+/// Returns the share of the map's landmarks that are not in the world any more.
 double ShareOfGone(const Map& map, const FeatureWorld& world) {
   std::set<Descriptor> there;
   for (const FeatureWorld::Point& point : world.points()) there.insert(point.descriptor);
@@ -152,7 +152,7 @@ double ShareOfGone(const Map& map, const FeatureWorld& world) {
   return static_cast<double>(n) / static_cast<double>(map.points().size());
 }
 
-// 200 laps, through which the world becomes another one twice over; a part of them stands for all in everyday tests.
+// 200 laps, in which the world is replaced twice; everyday tests run a part of them.
 TEST(Forgetting, ARobotThatStaysInAChangingBuildingKeepsABoundedMapOfItAsItIs) {
   const int laps = test::LongTests() ? 200 : 16;
   constexpr int kBudget = 50;
@@ -196,7 +196,7 @@ TEST(Forgetting, ARobotThatStaysInAChangingBuildingKeepsABoundedMapOfItAsItIs) {
   EXPECT_LT(most.lines, 1.1 * static_cast<double>(changing.world().lines().size()));
   EXPECT_LT(gone, 0.1);
   EXPECT_LT(worst_m, 0.1);
-  // Of each place there is a view.
+  // There is a view of each place.
   for (int i = 0; i < ChangingWorld::kKeyframes; ++i) {
     const auto distance_m = [&](const auto& entry) {
       return (entry.second.T_w_kf.translation() - changing.PoseAt(i).translation()).norm();
@@ -205,7 +205,7 @@ TEST(Forgetting, ARobotThatStaysInAChangingBuildingKeepsABoundedMapOfItAsItIs) {
     for (const auto& entry : map.keyframes()) nearest_m = std::min(nearest_m, distance_m(entry));
     EXPECT_LT(nearest_m, 0.3) << i;
   }
-  // What is left can be saved and gone on with.
+  // The remaining map can be saved and continued.
   Mapper again(FeatureWorld::Camera(), options, DecodeMap(EncodeMap(mapper.Store())));
   EXPECT_EQ(test::Encoded(again.map()), test::Encoded(map));
 }

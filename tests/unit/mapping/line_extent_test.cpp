@@ -13,12 +13,12 @@ using test::DescriptorOf;
 using test::FeatureWorld;
 using test::HandmadeMap;
 
-// An edge from x = -1 to 1 m at a depth of 4 m; pixels 220 to 420 from the origin. Places on it are told by x.
+// An edge from x = -1 to 1 m at a depth of 4 m; pixels 220 to 420 from the origin. Positions on it are given by x.
 Segment3 Part(double from_m, double to_m) { return {{from_m, 0.2, 4.0}, {to_m, 0.2, 4.0}}; }
 
 class LineExtent : public testing::Test {
  protected:
-  /// The landmark as it is, and the part of the edge that each keyframe, a little aside of the one before, sees.
+  /// The landmark, and the part of the edge that each keyframe, a little beside the previous one, sees.
   void Put(const Segment3& landmark, const std::vector<Segment3>& seen) {
     std::vector<Observation> observations;
     for (const Segment3& part : seen) {
@@ -80,7 +80,7 @@ TEST_F(LineExtent, CovariancesGrowWithTheLength) {
             1.5 * m_.map.FindLine(0)->covariance_q.matrix().trace());
 }
 
-// The image ends at x = 3.19 m for a depth of 4 m; the edge goes on.
+// The image ends at x = 3.19 m for a depth of 4 m; the edge continues.
 TEST_F(LineExtent, EndsAtTheBorderOfTheImageDoNotTrim) {
   constexpr double kBorder_m = 3.15;
   Put(Part(1.0, 4.5), {Part(1.0, kBorder_m), Part(1.0, kBorder_m + 0.02)});

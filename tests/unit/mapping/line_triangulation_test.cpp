@@ -58,7 +58,7 @@ TEST(TriangulateLine, PlanesAtTooSmallAnAngleGiveNone) {
 TEST(TriangulateLine, PlanesThatMeetBehindTheCameraGiveNone) {
   const SegmentView low = ViewOf(kHorizontal, Up(0.0));
   SegmentView high = ViewOf(kHorizontal, Up(0.4));
-  // Rays that part: the planes meet behind.
+  // Diverging rays: the planes meet behind the camera.
   high.segment.p.y() = high.segment.q.y() = low.segment.p.y() - 40.0;
   EXPECT_FALSE(Triangulate(low, high));
 }

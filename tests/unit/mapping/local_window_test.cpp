@@ -15,7 +15,7 @@ namespace {
 
 using test::FeatureWorld;
 
-/// A map of fourteen keyframes that see the same, and a second session that goes on among them.
+/// A map of fourteen keyframes with the same features, and a second session that continues among them.
 class Window : public testing::Test {
  protected:
   void SetUp() override {
@@ -75,7 +75,7 @@ TEST_F(Window, HasFewerPointsWhereEachIsSeenOften) {
   EXPECT_EQ(half.lines, all.lines);
 }
 
-// Its poses were on their way, so that nothing told outliers from observations that would have agreed.
+// Its poses had not converged, so that outliers could not be distinguished from observations that would have agreed.
 TEST_F(Window, TakesNoObservationsAwayWhereTheAdjustmentWasStopped) {
   const int64_t newest = stored_.map.keyframes().rbegin()->first;
   MapBundle window = MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
@@ -101,7 +101,7 @@ TEST_F(Window, TakesNoObservationsAwayWhereTheAdjustmentWasStopped) {
   }
 }
 
-// Of which the adjustment says that it may be anywhere within a kilometre.
+// The adjustment gives it a standard deviation of a kilometre.
 TEST_F(Window, WhatTookPartByItsMotionAloneKeepsItsCovariance) {
   const int64_t newest = stored_.map.keyframes().rbegin()->first;
   MapBundle window = MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
@@ -114,7 +114,7 @@ TEST_F(Window, WhatTookPartByItsMotionAloneKeepsItsCovariance) {
   BundleResult result = AdjustBundle(window.problem, {}, nullptr);
   ASSERT_TRUE(result.ok) << result.reason;
   ASSERT_GT(result.pose_covariances[0].trace(), 1e6);
-  // As many as the map's own observations, which `ApplyAdjustment` goes through.
+  // As many as the map's own observations, over which `ApplyAdjustment` iterates.
   const MapBundle whole = MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
   result.point_inliers.assign(whole.problem.point_observations.size(), true);
   result.line_inliers.assign(whole.problem.line_observations.size(), true);

@@ -53,9 +53,8 @@ int DuplicatesOf(const Map& map) {
 // One metre weighs as much as half a radian.
 const Vector6d kShare = (Vector6d() << 1.0, 1.0, 1.0, 0.25, 0.25, 0.25).finished();
 
-// Steps changed by the least amounts that together close the loop: those are w_i K A_i^T (sum w_j A_j K A_j^T)^-1 x,
-// where A_i takes a change of step i to the end, w_i is how many keyframes it is long, and x is what is missing
-// there.
+// Changes the steps by the least amounts that together close the loop: those are w_i K A_i^T (sum w_j A_j K A_j^T)^-1
+// x, where A_i takes a change of step i to the end, w_i is its length in keyframes, and x is the error there.
 std::vector<CorrectedPose> SharedOut(const Map& map, const LoopEdge& edge) {
   std::vector<CorrectedPose> poses;
   for (const auto& [id, keyframe] : map.keyframes()) {

@@ -27,11 +27,12 @@ Revisit RevisitOf(const Map& map, const std::vector<SE3>& T_w_c);
 /// Poses as a tracker with a steady drift would have them: each step a little wrong in the same way.
 LoopClosure Drift(const Map& map);
 
-/// What loop_process would say: the true pose of both keyframes to each other, what is missing shared out among the
-/// steps between them (least squares, equal weights), and the landmarks of both that are the same in the world.
+/// Returns the closure that loop_process would publish: the true relative pose of both keyframes, the error distributed
+/// over the steps between them (least squares, equal weights), and the landmarks of both that are the same in the
+/// world.
 LoopClosure CloseByTruth(const Map& map, const Revisit& revisit, const std::vector<SE3>& T_w_c);
 
-/// The true pose of every keyframe of the map, as an adjustment of the whole map would give it.
+/// Returns the true pose of every keyframe of the map, as global bundle adjustment would give it.
 LoopClosure AdjustByTruth(const Map& map, const std::vector<SE3>& T_w_c);
 
 /// Landmarks beyond the first of the same descriptor.

@@ -36,7 +36,7 @@ class Degenerate : public testing::TestWithParam<bool> {
   void MapFrom(size_t from, size_t to) {
     for (size_t i = from; i < to; ++i) ASSERT_NO_FATAL_FAILURE(Map(walk_.keyframes[i]));
   }
-  /// In the place of keyframe i.
+  /// Replaces the features of keyframe i.
   void SetFeatures(size_t i, StereoFeatures features) {
     Keyframe& keyframe = walk_.keyframes[i];
     keyframe.features = std::move(features);
@@ -170,7 +170,7 @@ TEST_P(Degenerate, SurePointsFiftyKilometresAwayDoNoHarm) {
   EXPECT_LT(NewestError_m(), 0.03);
 }
 
-// The tracker says that it sees what is behind it.
+// The tracker claims to observe landmarks behind the camera.
 TEST_P(Degenerate, LandmarksBehindTheCameraAfterATurnAreNotSeen) {
   MapFrom(0, 5);
   const std::vector<int64_t> seen_before = mapper_.map().LandmarksOf(4).points;
@@ -203,7 +203,7 @@ TEST_P(Degenerate, SegmentWithoutLengthMakesNoLandmark) {
   EXPECT_LT(NewestError_m(), 0.02);
 }
 
-// A line of the map that runs through the camera that says it sees it as a segment.
+// A line of the map runs through the centre of the camera that claims to observe it as a segment.
 TEST_P(Degenerate, SegmentThroughTheCameraCentre) {
   const SE3 T_w_centre = walk_.T_w_c[6];
   const Segment3 segment_w{T_w_centre * Eigen::Vector3d(0.0, 0.0, 1.0), T_w_centre * Eigen::Vector3d(0.0, 0.0, 3.0)};

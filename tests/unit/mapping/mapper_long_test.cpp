@@ -29,10 +29,10 @@ int64_t ResidentBytes() {
   return resident * sysconf(_SC_PAGESIZE);
 }
 
-// All of what the project promises takes half a minute; a part of it stands for the whole in the everyday tests.
+// The complete promise of the project takes half a minute; everyday tests run a part.
 int Keyframes() { return test::LongTests() ? 2000 : 300; }
 
-/// What a walk down a corridor cost.
+/// Cost of a walk down a corridor.
 struct Cost {
   size_t most_changed_landmarks = 0;
   size_t most_changed_keyframes = 0;
@@ -44,7 +44,7 @@ struct Cost {
 struct Culled {
   const char* name;
   double redundant_share;
-  /// Of the error of odometry, and of memory.
+  /// Limits of the error of odometry, and of memory.
   double most_error;
   double most_kib;
 };
@@ -57,7 +57,7 @@ TEST_P(MapperLong, CorridorIsMappedWithinBounds) {
   const int n = Keyframes();
   const int warm_up = n / 4;
   const FeatureWorld world = test::MakeCorridor(n * kStep_m + kInView_m, 12.0, 3.0, 5);
-  // Only what is needed of the walk is held, so that memory is the mapper's.
+  // Only the necessary parts of the walk are kept, so that memory is the mapper's.
   Walk walk = test::MakeWalk(world, test::CorridorPath(n, kStep_m), {.with_ids = false});
   const WindowOptions window = MappingOptions().window;
   MappingOptions options;
@@ -94,7 +94,7 @@ TEST_P(MapperLong, CorridorIsMappedWithinBounds) {
             << " m after " << n * kStep_m << " m, odometry " << test::OdometryError_m(walk) << " m\n";
 
   EXPECT_LE(totals.keyframes, n);
-  // Each landmark of the world once, with room for those whose trial still runs or that were once missed.
+  // Each landmark of the world once, with a margin for recent landmarks that may still be culled and for duplicates.
   EXPECT_LT(totals.points, 1.1 * static_cast<double>(world.points().size()));
   EXPECT_LT(totals.lines, 1.1 * static_cast<double>(world.lines().size()));
   EXPECT_GT(totals.points, 0.7 * static_cast<double>(world.points().size()));

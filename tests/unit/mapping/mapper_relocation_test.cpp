@@ -21,10 +21,10 @@ constexpr int kRecovered = 4;
 constexpr double kRadius_m = 6.0;
 constexpr int kRound = 75;
 
-/// Where trackers are found again in a ring.
+/// Trackers that are relocalised in a ring.
 class Relocation : public testing::Test {
  protected:
-  /// A session along keyframes `begin` to `end` of the ring. The frame of its odometry is the world's where it is the
+  /// A session along keyframes `begin` to `end` of the ring. The frame of its odometry is the world's if it is the
   /// first.
   Walk Session(int64_t session, int begin, int end) const {
     WalkOptions options;
@@ -83,7 +83,7 @@ TEST_F(Relocation, CarriedBackAndFoundAgain) {
   EXPECT_LT(Error_m(Newest(), 6), 0.05);
   EXPECT_LT(Newest().parent_id, 15);
   EXPECT_GE(mapper_.map().Neighbours(Newest().id, Map::kCovisible).size(), 3U);
-  // What is handed on of the step no longer claims to be right.
+  // The published step is no longer overconfident.
   const Vector6d error =
       (T_wrong_.Inverse() * mapper_.map().FindKeyframe(Newest().previous_id)->T_w_kf.Inverse() * Newest().T_w_kf)
           .Log();
@@ -91,7 +91,7 @@ TEST_F(Relocation, CarriedBackAndFoundAgain) {
   EXPECT_LT(test::ChiSquare(error, Newest().relative_covariance), 7.0);
 }
 
-// The map's landmarks outweigh the motion in the adjustment, whatever the tracker says of it.
+// The map's landmarks outweigh the motion in the adjustment, whatever its covariance.
 TEST_F(Relocation, AWrongMotionCannotHoldTheKeyframe) {
   for (const int state : {kTracking, kRecovered}) {
     Mapper mapper(FeatureWorld::Camera(), MappingOptions());
@@ -160,7 +160,7 @@ TEST_F(Relocation, RepeatedFurnitureDoesNotJoinASessionToTheMap) {
   EXPECT_EQ(MapGraph(mapper_.map()).Component(Newest().id, MapGraph::Edges::kAll).size(), 1U);
 }
 
-// What the tracker was given is of another map, say: a wrong landmark for each feature.
+// For example, the tracker's landmarks are of another map: each feature has a wrong one.
 TEST_F(Relocation, ClaimsThatFitNowhereMoveNothing) {
   const Walk walk = Session(7, 0, 25);
   ASSERT_NO_FATAL_FAILURE(Insert(walk));
@@ -175,7 +175,7 @@ TEST_F(Relocation, ClaimsThatFitNowhereMoveNothing) {
   EXPECT_LT(Error_m(Newest(), 25), 0.05);
 }
 
-// A landmark that a keyframe elsewhere is said to show says nothing of where it lies.
+// A wrong association with a landmark elsewhere does not affect the landmark's position.
 TEST_F(Relocation, AFalseLandmarkDoesNotTieAKeyframeToAnotherPlace) {
   const Walk walk = Session(7, 0, 12);
   ASSERT_NO_FATAL_FAILURE(Insert(walk));
@@ -184,7 +184,7 @@ TEST_F(Relocation, AFalseLandmarkDoesNotTieAKeyframeToAnotherPlace) {
                                      elsewhere.Observe(path_[40], 0.4, 99));
   next.state = kRecovered;
   next.point_map_ids.assign(next.features.points.size(), -1);
-  // One that the first keyframe sees, and that lies where the feature says.
+  // A landmark that the first keyframe observes, and that projects to the feature.
   const SE3 T_kf_w = (Newest().T_w_kf * T_wrong_).Inverse();
   for (const int64_t id : mapper_.map().LandmarksOf(0).points) {
     if (id < 0) continue;

@@ -26,7 +26,7 @@ constexpr size_t kRound = 75;
 constexpr size_t kLoopAt = kRound + 6;
 constexpr size_t kSteps = kRound + 15;
 
-/// What a mapper is told between two updates: a keyframe, or what loop_process says of it.
+/// An input of the mapper between two updates: a keyframe, or a closure from loop_process.
 struct Word {
   std::optional<Keyframe> keyframe;
   LoopClosure closure;
@@ -49,8 +49,8 @@ Mapper Restored(const Mapper& mapper) {
   return {FeatureWorld::Camera(), MappingOptions(), DecodeState(EncodeState(mapper.State()))};
 }
 
-/// A lockstep stream: a bit more than once round a ring that has drifted, the loop and an adjustment of the whole
-/// map, then another session; and what a mapper that nobody disturbs makes of it.
+/// A lockstep stream: a little more than once round a ring with drift, the loop and a global bundle adjustment, then
+/// another session; and the updates of an undisturbed mapper.
 struct Stream {
   Stream() {
     Walk walk = test::MakeWalk(world, path, {.noise_px = 1.0});
@@ -129,7 +129,7 @@ TEST(MapperState, OneThatIsReplacedOnceSaysTheSameToTheEnd) {
   }
 }
 
-/// How often a mapper that lacks a part of the state makes something else of the next four words.
+/// Returns how often a mapper without a part of the state differs in the next four updates.
 int Differences(void (*lack)(MapperState&)) {
   const Stream& stream = TheStream();
   Mapper mapper(FeatureWorld::Camera(), MappingOptions());
@@ -236,7 +236,7 @@ struct Grown {
   }
   int n_words = 0;
   std::vector<Bytes> states;
-  std::vector<uint64_t> lengths;  ///< of the file, behind each
+  std::vector<uint64_t> lengths;  ///< of the file, after each
 };
 
 TEST_F(StateFileTest, ThatGrowsHasTheLastStateAndIsWrittenAnewBeforeItIsThreeTimesAsLarge) {

@@ -58,7 +58,8 @@ TEST_P(MapperWalk, PosesErrMuchLessThanTheChainedOdometry) {
 
 TEST_P(MapperWalk, LandmarksAreNearTheTruth) {
   const Mapper mapper = MapAll(walk_.keyframes);
-  // One pair of images places a point at 5 m to about 0.2 m; the ends of a segment are less sure than its middle.
+  // One pair of images determines a point at 5 m to about 0.2 m; the ends of a segment are less certain than its
+  // middle.
   const auto check = [](const std::vector<double>& errors_m, int in_world, double median_m, double most_m) {
     if (in_world == 0) {
       EXPECT_TRUE(errors_m.empty());
@@ -108,7 +109,7 @@ TEST_P(MapperWalk, TheAdjustmentLowersTheErrorAndStaysWithinItsOptions) {
   }
 }
 
-// As of a live stream: keyframes queue while a solve runs.
+// As in a live stream: keyframes queue during a solve.
 TEST_P(MapperWalk, TheMotionAcrossMissingKeyframesIsLessSure) {
   constexpr size_t kBefore = 4;
   constexpr size_t kAfter = 7;
@@ -281,7 +282,7 @@ TEST_F(Sessions, NewSessionThatWasLocalisedByTheTrackerIsPlacedByItsLandmarks) {
   EXPECT_LT(Error_m(mapper_.map().keyframes().rbegin()->first, end_.front()), 0.03);
 }
 
-// Robots that have nothing in common map as if each were alone.
+// Robots without common landmarks map as if each were alone.
 TEST_F(Sessions, RobotsInDifferentPlacesLeaveEachOthersLandmarksAlone) {
   const std::vector<SE3> path = test::CorridorPath(20, 0.25);
   std::vector<Walk> walks;
@@ -310,7 +311,7 @@ TEST_F(Sessions, RobotsInDifferentPlacesLeaveEachOthersLandmarksAlone) {
   EXPECT_EQ(keyframes, alone.map().keyframes().size());
 }
 
-// Two robots in one place take turns.
+// Two robots at one place take turns.
 TEST_F(Sessions, TwoSessionsAlternate) {
   const Walk second = Second(world_, begin_, T_odom_w_, true);
   for (size_t i = 0; i < begin_.size(); ++i) {

@@ -18,13 +18,13 @@ struct WalkOptions {
   double noise_px = 0.4;
   double motion_sigma_m = 0.01;
   double motion_sigma_rad = 0.004;
-  /// Whether features come with the tracker's ids (those of the world), or without any.
+  /// Features have the tracker's ids (those of the world), or none.
   bool with_ids = true;
   int64_t session = 7;
   uint64_t seed = 1;
 };
 
-/// Keyframes along a path and where they truly are. The first one's odometry is the truth, so the map's frame is the
+/// Keyframes along a path and their true poses. The first one's odometry is the truth, so the map's frame is the
 /// world's.
 struct Walk {
   std::vector<Keyframe> keyframes;
@@ -47,14 +47,14 @@ std::vector<SE3> CorridorPath(int n, double step_m);
 bool MapOne(const Keyframe& keyframe, mapping::Mapper& mapper, std::string* reason = nullptr);
 mapping::Mapper MapAll(const std::vector<Keyframe>& keyframes, const mapping::MappingOptions& options = {});
 
-/// What is wrong with a map, in words, empty where nothing is: numbers that are not finite, covariances that cannot
-/// be, observations of keyframes or features that do not exist or show another landmark, a tree that is none.
+/// Returns the defects of a map in words, empty if there are none: non-finite numbers, invalid covariances,
+/// observations of keyframes or features that do not exist or show another landmark, an invalid spanning tree.
 std::string WrongWith(const Map& map);
 
-/// Landmarks whose covariance is zero: nothing that was measured is known exactly.
+/// Number of landmarks whose covariance is zero: no measured value is known exactly.
 int ExactlyKnown(const Map& map);
 
-/// As it goes over the wire. Throws std::invalid_argument for what no reader would take.
+/// Returns the map as sent over the wire. Throws std::invalid_argument for content that readers reject.
 std::vector<uint8_t> Encoded(const MapUpdate& update);
 /// All of a map, whatever led to it.
 std::vector<uint8_t> Encoded(const Map& map);

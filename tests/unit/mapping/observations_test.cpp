@@ -16,11 +16,11 @@ using test::HandmadeMap;
 
 SE3 StandingAt(double x) { return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(x, 0.0, 0.0)}; }
 
-// Where keyframes, points and lines stand does not matter here.
+// The positions of keyframes, points and lines are arbitrary here.
 const Eigen::Vector3d kSeenPoint(0.2, 0.1, 4.0);
 const Segment3 kSeenSegment{{-0.5, -0.5, 4.0}, {-0.5, 0.5, 4.0}};
 
-/// The kinds side by side.
+/// The feature types side by side.
 struct Points {
   using Kind = PointType;
   static Observation See(HandmadeMap& m, int64_t keyframe_id, const Descriptor& d) {
@@ -46,7 +46,7 @@ class Observations : public testing::Test {
   Observations() {
     for (int i = 0; i < 6; ++i) m_.AddKeyframe(StandingAt(0.1 * i));
   }
-  // A landmark seen by these keyframes with descriptors of their own.
+  // Puts a landmark that these keyframes observe with different descriptors.
   void Put(int64_t id, const std::vector<int64_t>& keyframes) {
     std::vector<Observation> observations;
     for (const int64_t k : keyframes) observations.push_back(Of::See(m_, k, DescriptorOf(100 * k + id)));

@@ -23,7 +23,7 @@ Keyframe KeyframeOf(int64_t session, int64_t id, int64_t source, int64_t t_ns = 
   return keyframe;
 }
 
-/// What can be taken, such as "7.0 7.1 8.0".
+/// Returns the keyframes that can be taken, such as "7.0 7.1 8.0".
 std::string TakeAll(KeyframeQueue& queue, double now_ms) {
   std::string taken;
   while (const auto next = queue.Take(now_ms)) {
@@ -35,7 +35,7 @@ std::string TakeAll(KeyframeQueue& queue, double now_ms) {
 
 TEST(KeyframeQueue, SessionThatTwoTellComesOnceAndInOrder) {
   KeyframeQueue queue;
-  // The tracker that goes on, and then one who tells of the dead.
+  // The live tracker, then the history keeper with messages of the exited one.
   for (const int64_t id : {4, 5, 6}) EXPECT_TRUE(queue.Add(KeyframeOf(7, id, 1), 0.0));
   EXPECT_EQ(TakeAll(queue, 1.0), "");
   for (const int64_t id : {0, 1, 2, 3, 4, 5}) EXPECT_EQ(queue.Add(KeyframeOf(7, id, 2), 2.0), id < 4);
@@ -48,7 +48,7 @@ TEST(KeyframeQueue, SessionThatTwoTellComesOnceAndInOrder) {
 TEST(KeyframeQueue, WhoeverTellsInWhateverOrderNoneIsLostAndNoneComesTwice) {
   std::mt19937 random(1);
   for (int trial = 0; trial < 200; ++trial) {
-    // Two sessions, each cut in two at a keyframe that both publishers have; both parts of each told twice.
+    // Two sessions, each divided at a keyframe that both publishers have; both parts of each are published twice.
     std::vector<std::vector<Keyframe>> told;
     for (const int64_t session : {7, 8}) {
       const int64_t cut = random() % 10;

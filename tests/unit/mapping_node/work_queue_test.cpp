@@ -31,7 +31,7 @@ LoopClosure ClosureOf(int64_t keyframe_id, LoopClosure::Kind kind = LoopClosure:
 
 class WorkQueueTest : public testing::Test {
  protected:
-  /// Does what is next, which must be of this kind.
+  /// Does the next work, which must be of this kind.
   WorkQueue::Work Take(Kind kind) {
     const auto work = queue_.Take(now_s_);
     EXPECT_TRUE(work);
@@ -243,8 +243,8 @@ TEST_F(WorkQueueTest, WhatCameBeforeIsPassedOver) {
   EXPECT_TRUE(Take(Kind::kCorrect).commits) << "another one about the same keyframe";
 }
 
-// The mapper died between a loop and the adjustment that follows: loop_process judges the keyframe again, on the map
-// of the one in its place, which has the loop from the history.
+// The mapper exited between a loop and the following adjustment: loop_process checks the keyframe again, on the map of
+// the restarted mapper, which has the loop from the history.
 TEST_F(WorkQueueTest, ALoopOfLockstepIsTakenOnceWhicheverMapItWasFoundOn) {
   const auto found_on = [](int64_t source, LoopClosure::Kind kind, bool more) {
     LoopClosure closure = ClosureOf(0, kind, more);
@@ -292,7 +292,7 @@ TEST_F(WorkQueueTest, OfSeveralPublishersTheOldestKeyframeGoesFirst) {
     keyframe.t_ns = t_ns;
     return keyframe;
   };
-  // The living tracker answers before the one who tells of the dead.
+  // The live tracker is answered before the publisher of old messages.
   queue_.Add(of(1, 200, 0, 50), 0.0);
   queue_.Add(of(1, 200, 1, 60), 0.0);
   queue_.Add(of(2, 100, 0, 10), 0.0);
@@ -308,7 +308,7 @@ TEST_F(WorkQueueTest, OfSeveralPublishersTheOldestKeyframeGoesFirst) {
     queue_.Add(said);
     Take(Kind::kCorrect);
   }
-  // Of one publisher a session that it spoke of first goes first, also where time goes back.
+  // For one publisher, the session that it published first comes first, even if time goes back.
   queue_.Add(of(1, 300, 0, 90), 0.0);
   queue_.Add(of(1, 301, 0, 5), 0.0);
   EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.t_ns, 90);

@@ -66,7 +66,7 @@ TEST_P(Calibration, NeesIsSix) {
     sum += test::ChiSquare(error, estimate->covariance);
   }
   RecordProperty("nees", std::to_string(sum / kTrials));
-  // Three standard deviations of the mean of 300 chi-squares of 6 (0.6), and 10 % for what is first-order only.
+  // Three standard deviations of the mean of 300 chi-squares of 6 (0.6), and 10 % for first-order approximations.
   EXPECT_NEAR(sum / kTrials, 6.0, 1.2);
 }
 
@@ -155,8 +155,8 @@ TEST(EstimateMotion, TellsHowFarEachKindDeviatesInItsOwnSigmas) {
   EXPECT_EQ(Estimate(maker.Make(50, 0, {0.5, 0.6, 0.4}))->line_deviation, 0.0);
 }
 
-// A wall's edge whose near end the camera passes: in front of it where the search begins, behind it where the camera
-// is. Its far part is seen all the same, so it agrees with the others until it is gone.
+// A wall's edge whose near end the camera passes: in front of it at the initial pose, behind it at the true one. Its
+// far part is visible all the same, so it agrees with the others until it is out of view.
 TEST(EstimateMotion, LineThatTheCameraPassesDoesNotHoldItBack) {
   MotionWorldMaker maker(6);
   MotionWorld world = maker.Make(0, 0, {});
@@ -249,7 +249,7 @@ TEST(EstimateMotion, ParallelLinesNeedAPrior) {
   const auto estimate = EstimateMotion({}, world.lines, world.camera, SE3(), prior, MotionOptions());
   ASSERT_TRUE(estimate);
   EXPECT_LT(ErrorOf(estimate->T_cur_ref, world.T_cur_ref).norm(), 1e-3);
-  // Along the lines only the prior knows.
+  // Along the lines only the prior constrains the motion.
   const Eigen::Vector3d along = (world.T_cur_ref.rotation() * Eigen::Vector3d(0.2, 0.9, 0.1)).normalized();
   EXPECT_NEAR(along.dot(estimate->covariance.topLeftCorner<3, 3>() * along), 1e-2, 2e-3);
 }

@@ -9,7 +9,7 @@
 namespace plslam::test {
 
 /// Points and segments in front of a stereo camera that moved by a known motion, measured with known noise. Segments
-/// are cut anew in the second view, as detectors do.
+/// have new end points in the second view, as from a detector.
 struct MotionWorld {
   StereoCamera camera{400.0, 320.0, 240.0, 0.12, 640, 480};
   SE3 T_cur_ref;
@@ -20,7 +20,7 @@ struct MotionWorld {
 struct MotionNoise {
   double measurement_px = 0.0;
   double disparity_px = 0.0;
-  /// Noise of the stereo measurement the landmarks come from.
+  /// Noise of the stereo measurement from which the landmarks are created.
   double landmark_px = 0.0;
 };
 

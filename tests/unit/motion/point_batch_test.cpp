@@ -61,7 +61,7 @@ void ExpectEqual(const Sum& sum, const Sum& expected) {
   EXPECT_EQ(sum.count_by_dimension, expected.count_by_dimension);
 }
 
-// Some without a disparity, some behind the camera.
+// Returns points, some without a disparity, some behind the camera.
 std::vector<PreparedPoint> MixedPoints(const test::MotionWorld& world) {
   std::vector<PreparedPoint> points;
   for (size_t i = 0; i < world.points.size(); ++i) {

@@ -76,7 +76,7 @@ TEST_P(Ransac, FindsThePoseAmongOutliers) {
 INSTANTIATE_TEST_SUITE_P(EstimatePoseRansac, Ransac,
                          testing::Values(std::pair(100, 0), std::pair(0, 60), std::pair(60, 30)));
 
-// A first hypothesis that one of a thousand agrees with asks for more hypotheses than an int can count.
+// A first hypothesis with one inlier in a thousand requires more hypotheses than an int can count.
 TEST(EstimatePoseRansac, GoesOnAfterAHypothesisThatHardlyAnyAgreesWith) {
   MotionWorldMaker maker(23);
   MotionWorld world = WideWorld(maker, 1000, 0);
@@ -88,7 +88,7 @@ TEST(EstimatePoseRansac, GoesOnAfterAHypothesisThatHardlyAnyAgreesWith) {
   }
 }
 
-// A wide lens with a short baseline in a hall: disparities of 1 to 4 pixels, so that places are metres off along
+// A wide lens with a short baseline in a hall: disparities of 1 to 4 pixels, so that positions are metres off along
 // their rays.
 TEST(EstimatePoseRansac, FindsThePoseAmongFarPointsToo) {
   MotionWorldMaker maker(25);

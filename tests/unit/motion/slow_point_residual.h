@@ -6,8 +6,8 @@
 
 namespace plslam::test {
 
-/// One point, row by row, as its mathematics is written: what `PointBatch` must agree with. Residual measured minus
-/// predicted (u, v, disparity), in pixels. False when the point is behind the camera or too near.
+/// One point, row by row, in the form of the mathematics: the reference for `PointBatch`. Residual measured minus
+/// predicted (u, v, disparity), in pixels. Returns false if the point is behind the camera or too near.
 inline bool Linearize(const PreparedPoint& point, const PoseView& view, double sigma_floor_px,
                       Residual<3>& residual) {
   const Eigen::Vector3d p_c = view.R * point.p_ref + view.t;

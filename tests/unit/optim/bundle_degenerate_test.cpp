@@ -27,7 +27,7 @@ class AdjustBundleDegenerate : public testing::TestWithParam<std::tuple<const ch
     return test::MakeBundleWorld(spec, 7);
   }
 
-  // What holds of any result, and poses stay where they belong.
+  // Checks the invariants of a result, and that poses stay near the truth.
   BundleResult Adjust(const test::BundleWorld& world) const {
     BundleResult result = AdjustBundle(world.problem, options_);
     EXPECT_TRUE(result.ok) << result.reason;
@@ -127,7 +127,7 @@ TEST_P(AdjustBundleDegenerate, LandmarksBehindTheCamera) {
   EXPECT_EQ(result.lines[2].p, behind.p_w);
 }
 
-// Far beyond any parallax, they hold rotations and nothing else.
+// Far beyond any parallax, they constrain only rotations.
 TEST_P(AdjustBundleDegenerate, PointsAtInfinity) {
   test::BundleWorld world = Make();
   test::BundleWorldMaker maker(test::BundleWorldSpec{}, 9);
@@ -193,7 +193,7 @@ TEST_P(AdjustBundleDegenerate, PoseThatSeesOnePoint) {
   EXPECT_GT(result.pose_covariances.back().trace(), 10.0);
 }
 
-// A pose that sees known points, each three times and far from where it is: it goes to their middle, where none
+// A pose that observes known points, each three times and far from its projection: it moves to their mean, where none
 // agrees.
 TEST_P(AdjustBundleDegenerate, PoseThatSeesOutliersOnlyStaysWhereItWas) {
   test::BundleWorld world = Make();
@@ -227,7 +227,7 @@ TEST_P(AdjustBundleDegenerate, LandmarkSeenByNobody) {
   EXPECT_TRUE(result.point_covariances.back().isZero(0.0));
 }
 
-// Undetermined: the depth stays as given, and so uncertain that it says so.
+// Undetermined: the depth is unchanged, with a correspondingly large covariance.
 TEST_P(AdjustBundleDegenerate, LandmarksSeenOnceWithoutDisparity) {
   test::BundleWorld world = Make();
   PointObservation point = world.problem.point_observations[0];

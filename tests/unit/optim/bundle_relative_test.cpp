@@ -17,7 +17,7 @@ SE3 TrueAt(int k) {
   return SE3(ExpSO3(0.1 * k * Eigen::Vector3d(0.2, 1.0, -0.1)), k * Eigen::Vector3d(0.5, 0.1, 0.3));
 }
 
-/// Poses that have no landmark in common: each sees four points of its own, where they are as it stands.
+/// Poses without common landmarks: each observes four points of its own, exactly at their projections.
 BundleProblem Strangers(int poses) {
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
@@ -70,7 +70,7 @@ TEST(AdjustBundleRelative, AChainHoldsPosesThatSeeNothingInCommon) {
   }
 }
 
-// Each step trades some of what the observations say for what the motions say.
+// Each step trades residuals of the observations for residuals of the motions.
 TEST(AdjustBundleRelative, StepsThatOnlyMotionsGainFromGoOn) {
   BundleProblem problem = Strangers(6);
   for (int k = 1; k < 6; ++k) problem.relative_poses.push_back(Between(k - 1, k, 0.01));
@@ -110,7 +110,7 @@ TEST(AdjustBundleRelative, MeasurementsCountByTheirCovariances) {
   EXPECT_LT(error.tail<5>().norm(), 1e-4);
 }
 
-// Of a covariance that is tight in one direction only, that direction is held.
+// A covariance that is tight in one direction only constrains that direction.
 TEST(AdjustBundleRelative, DirectionsCountEachByItself) {
   BundleProblem problem = Strangers(2);
   problem.relative_poses = {Between(0, 1, 0.01), Between(0, 1, 0.01)};
@@ -124,7 +124,7 @@ TEST(AdjustBundleRelative, DirectionsCountEachByItself) {
   EXPECT_NEAR(error(1), 0.005, 2e-4);
 }
 
-// Strong motions hold a world that points alone would leave where noise puts it; weak ones change nothing.
+// Strong motions correct a world that noise would distort with points alone; weak ones change nothing.
 TEST(AdjustBundleRelative, MotionsWeighAgainstObservations) {
   test::BundleWorldSpec spec;
   spec.points = 60;

@@ -75,7 +75,7 @@ TEST_P(AdjustBundleOf, NoisyWorldIsRecovered) {
     EXPECT_NEAR(result.after.point_px, 0.6, 0.15);
   }
   if (spec_.lines > 0) {
-    // Endpoints beyond what was seen are further from the observed line.
+    // Endpoints beyond the observed part are farther from the observed line.
     EXPECT_NEAR(result.after.line_px, 0.5, 0.2);
   }
 }
@@ -204,7 +204,7 @@ TEST_P(AdjustBundleOf, StopsWithTheBestSoFar) {
   EXPECT_FALSE(AdjustBundle(world.problem, options_, &go_on).stopped);
 }
 
-// Endpoints stay where they are along the line: nothing tells where it ends.
+// Endpoints do not move along the line: its ends are not observed.
 TEST_P(AdjustBundleOf, EndpointsDoNotWander) {
   const test::BundleWorld world = test::MakeBundleWorld(spec_, 6);
   const BundleResult result = AdjustBundle(world.problem, options_);
@@ -216,8 +216,8 @@ TEST_P(AdjustBundleOf, EndpointsDoNotWander) {
   }
 }
 
-// What a fixed pose sees fits from the start, as a new landmark does: it holds the landmark all the same, in the
-// first step.
+// The observations in a fixed pose fit from the start, as those of a new landmark do: they constrain the landmark all
+// the same, in the first step.
 TEST_P(AdjustBundleOf, ViewsThatFitExactlyHoldTheirLandmarks) {
   spec_.noise_px = 0.0;
   spec_.noise_disparity_px = 0.0;

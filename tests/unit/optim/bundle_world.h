@@ -23,12 +23,12 @@ struct BundleWorldSpec {
   /// Shares of all observations.
   double without_disparity = 0.0;
   double outliers = 0.0;
-  /// Lines that stand upright: along the camera's way they have no depth.
+  /// Upright lines: along the camera's path they have no depth.
   bool upright = false;
 };
 
-/// A camera that walks sideways past points and segments, with measurements whose noise is as stated. Segments are
-/// cut anew in each view, as detectors do.
+/// A camera that moves sideways past points and segments, with measurements of the given noise. Segments have new end
+/// points in each view, as from a detector.
 struct BundleWorld {
   BundleProblem problem;
   std::vector<SE3> true_T_w_c;

@@ -7,8 +7,8 @@
 
 namespace plslam::test {
 
-/// The slow twin of AdjustBundle for points and for lines by four parameters: one dense system with numeric
-/// Jacobians, solved by Levenberg-Marquardt until nothing moves, without outlier removal.
+/// The slow twin of AdjustBundle for points and for lines by four parameters: one dense system with numeric Jacobians,
+/// solved by Levenberg-Marquardt until convergence, without outlier removal.
 struct DenseResult {
   std::vector<SE3> T_w_c;
   std::vector<Eigen::Vector3d> points;

@@ -29,7 +29,7 @@ test::BundleWorld SmallWorld(const Size& size) {
   return world;
 }
 
-// Everything takes part, until nothing moves.
+// No outlier removal, until convergence.
 BundleOptions ToTheEnd() {
   BundleOptions options;
   options.max_iterations = 200;
@@ -59,8 +59,8 @@ TEST(AdjustBundle, AgreesWithDenseReference) {
   }
 }
 
-// With the loss and the gate out of the way and residuals below what the sigmas promise, covariances are the blocks
-// of the inverse of the whole information.
+// Without robust loss and gate, and with residuals below the sigmas, covariances are the blocks of the inverse of the
+// complete information matrix.
 TEST(AdjustBundle, PoseCovariancesAgreeWithDenseInverse) {
   const Size size{15, 12, 0.0};
   test::BundleWorld world = SmallWorld(size);

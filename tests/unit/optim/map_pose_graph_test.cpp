@@ -67,7 +67,7 @@ TEST(MapPoseGraph, KeyframesFarApartThatShareLandmarksAreJoined) {
   }
   const MapPoseGraph result = PoseGraphOf(map);
   EXPECT_TRUE(Pairs(result.problem).contains({0, 4}));
-  // Drift goes by the distance, and by how many landmarks say where the two lie.
+  // Drift depends on the distance, and on the number of landmarks that constrain the relative pose.
   const auto sigma_m = [&](int a) {
     const auto edge = std::find_if(result.problem.edges.begin(), result.problem.edges.end(),
                                    [a](const PoseGraphEdge& e) { return e.a == a && e.b == 4; });

@@ -75,7 +75,7 @@ TEST(PoseGraphRejection, ManyWrongLoopsAreRejectedAndNoRightOne) {
   EXPECT_LT(LargestError_m(result.T_w_kf, world.truth), 0.3);
 }
 
-// Nothing contradicts it but the odometry between, which it would bend.
+// It is contradicted only by the odometry in between, which it would distort.
 TEST(PoseGraphRejection, AnOnlyLoopThatOdometryRulesOutIsRejected) {
   auto world = MakePoseGraphWorld<SE3>({.poses = 60, .lap = 1000});
   world.graph.edges.push_back(test::MakeEdge<SE3>({}, 0, 59, SE3(), true));
@@ -85,7 +85,7 @@ TEST(PoseGraphRejection, AnOnlyLoopThatOdometryRulesOutIsRejected) {
   EXPECT_LT(LargestError_m(result.T_w_kf, world.truth), 1.0);
 }
 
-// It bends everything else until next to nothing is left of its own residual.
+// It distorts everything else until next to nothing is left of its own residual.
 TEST(PoseGraphRejection, AWrongLoopThatIsTenThousandTimesSurerThanOdometryIsRejected) {
   auto world = MakePoseGraphWorld<SE3>({.poses = 200, .lap = 1000});
   world.graph.edges.push_back(

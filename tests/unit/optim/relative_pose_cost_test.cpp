@@ -82,7 +82,7 @@ class RelativePoseCostBy : public testing::TestWithParam<Freedom> {};
 TEST_P(RelativePoseCostBy, JacobiansAgreeWithNumericOnes) {
   const auto [free_a, free_b] = GetParam();
   for (uint32_t seed = 1; seed <= 20; ++seed) {
-    // The Jacobian is of first order in the difference, so what it lacks is of the second.
+    // The Jacobian is of first order in the difference, so its error is of second order.
     for (const double difference : {1e-4, 0.03}) {
       Pair pair(seed, free_a, free_b, difference);
       const RelativePoseCost cost(pair.measured, pair.a, pair.b);

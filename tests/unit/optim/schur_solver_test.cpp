@@ -125,7 +125,7 @@ TEST_P(SolversOf, AlikeFromFarAway) {
   }
 }
 
-/// One pose with a bowl around x = (-1, 0, ...) as its loss; what steps do to "landmarks" is as told.
+/// One pose with a quadratic loss around x = (-1, 0, ...); the effect of steps on "landmarks" is scripted.
 class Scripted final : public EliminatedLandmarks {
  public:
   double Linearise(PoseSystem& system) override {

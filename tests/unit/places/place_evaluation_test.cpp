@@ -12,7 +12,7 @@
 namespace plslam::evaluate {
 namespace {
 
-/// Precision and recall by counting anew for each threshold; the area by the definition.
+/// Precision and recall by counting again for each threshold; the area by the definition.
 double SlowArea(const std::vector<ScoredProposal>& proposals, int positives) {
   std::vector<double> scores;
   for (const ScoredProposal& p : proposals) scores.push_back(p.score);
@@ -135,7 +135,7 @@ TEST(PlaceEvaluation, PicturesAndReportsShowTheNumbers) {
   const auto pixel = [&](int row, int column) {
     return picture.at<cv::Vec3b>(300 + 39 * row + 20, 20 + 39 * column + 20);
   };
-  // Viridis: yellow on the diagonal, violet where nothing is alike.
+  // Viridis: yellow on the diagonal, violet for dissimilar pairs.
   EXPECT_GT(pixel(0, 0)[1], 200) << pixel(0, 0);
   EXPECT_LT(pixel(0, 3)[1], 100) << pixel(0, 3);
   EXPECT_GT(pixel(13, 3)[1], 200) << "the second lap: " << pixel(13, 3);

@@ -214,7 +214,7 @@ TEST(WordWeights, FallWithTheShareOfPlacesThatHaveTheWord) {
   EXPECT_THAT(WordWeights({0, 0}, 0, {.merge = "adaptive"}), testing::Each(1.0F));
 }
 
-// Two places with the same share of their words in common with the query; what one shares is everywhere.
+// Two places with the same share of words in common with the query; the common words of one occur everywhere.
 TEST(PlaceRecogniser, WhatEveryPlaceHasSaysLittleInTheAdaptiveMerge) {
   std::mt19937_64 random(11);
   const auto take = [](const ImageFeatures& from, size_t begin, size_t end, ImageFeatures& to) {

@@ -188,7 +188,7 @@ std::string Objection(const std::string& bytes) {
   return "";
 }
 
-/// The bytes with a checksum that fits them: what a writer with an error, or an enemy, would make.
+/// Returns the bytes with a valid checksum, as a faulty writer or an attacker would make them.
 std::string Signed(std::string bytes) {
   const size_t content = bytes.size() - 32;
   crypto_generichash(reinterpret_cast<unsigned char*>(&bytes[content]), 32,

@@ -37,21 +37,21 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-// A port of its own for each test process.
+// A separate port for each test process.
 bus::BusOptions Loopback() {
   bus::BusOptions options;
   options.url = fmt::format("udpm://239.255.76.67:{}?ttl=0", 20000 + getpid() % 20000);
   return options;
 }
 
-// That waits no longer than a second for readers of which it hears nothing.
+// Returns options of a publisher that waits at most a second for silent readers.
 bus::BusOptions Impatient() {
   bus::BusOptions options = Loopback();
   options.give_up_s = 1.0;
   return options;
 }
 
-// Says POSE for each frame, and keeps what comes.
+// Publishes a POSE for each frame, and stores the received messages.
 class Reader {
  public:
   explicit Reader(bool answers) : bus_(Loopback(), "vo"), answers_(answers) {
@@ -78,10 +78,10 @@ class Reader {
     return changed_.wait_for(lock, seconds(30), condition);
   }
 
-  // Instead of an answer to frame `at` it wants, once, those behind frame `to` again.
+  // Instead of answering frame `at`, requests once the frames after `to` again.
   void GoBack(int64_t at, int64_t to) { go_back_ = {at, to}; }
 
-  // The frames behind `to`, of this player.
+  // Requests the frames after `to` from this player.
   void AskForFrames(int64_t player, int64_t to) {
     command_t command{};
     command.target = "player";
@@ -153,7 +153,7 @@ class Player {
     if (thread_.joinable()) thread_.join();
     node_.reset();
   }
-  // What the run loop threw; empty where it ended by itself.
+  // Returns the exception of the run loop; empty if it ended by itself.
   std::string Join() {
     thread_.join();
     return error_;
@@ -264,7 +264,7 @@ TEST_F(PlayerNodeTest, FrameThatWasAnsweredMeanwhileIsNotWaitedFor) {
   Reader reader(true);
   EXPECT_EQ(Player(options_).Join(), "");
   const int64_t t_ns = OpenDataset(options_.dataset, "")->t_ns(0);
-  // Whoever started it had heard of the first pose only.
+  // The launcher had received only the first pose.
   options_.resume_after = stream::ToText({0, t_ns});
   Player resumed(options_);
   EXPECT_EQ(resumed.Join(), "");
@@ -331,7 +331,7 @@ TEST_F(PlayerNodeTest, SkipBadGoesOnAndCounts) {
   EXPECT_EQ(reader.streams_[1].n_bad, 1);
 }
 
-// Says that it reads the stream, and never that it has any of it.
+// Announces that it reads the stream, and never acknowledges anything.
 class ReaderThatNeverAcknowledges {
  public:
   ReaderThatNeverAcknowledges() : wire_(Loopback().url), thread_([this] { SayHellos(); }) {}
@@ -376,7 +376,7 @@ TEST_F(PlayerNodeTest, RealtimeNeedsNoReader) {
 }
 
 TEST_F(PlayerNodeTest, StopsWhileWaitingForAReader) {
-  Player player(options_);  // nobody answers; the destructor must end it
+  Player player(options_);  // no reader answers; the destructor must end it
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mutates g2o files: they are refused with file and line, or what comes of solving them is finite.
+// Mutates g2o files: they are rejected with file and line, or their solution is finite.
 #include <cmath>
 #include <random>
 #include <string>
@@ -52,7 +52,7 @@ void Mutate(std::string& text, Random& random) {
   }
 }
 
-/// True where there was a solution.
+/// Returns true if there was a solution.
 bool IsRefusedOrFinite(const std::string& path, const std::string& text, const SolveOptions& options) {
   test::WriteText(path, text);
   try {

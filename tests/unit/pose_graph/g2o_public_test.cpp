@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The small ones of the public pose graphs; all of them stand in docs/lab/pose_graph.md.
+// The small ones of the public pose graphs; all of them are in docs/lab/pose_graph.md.
 #include <gtest/gtest.h>
 
 #include <utility>

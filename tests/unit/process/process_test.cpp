@@ -27,7 +27,7 @@ namespace {
 using testing::HasSubstr;
 using Clock = std::chrono::steady_clock;
 
-/// Starts process_test_program on a bus of its own and listens to its status.
+/// Starts process_test_program on a separate bus and listens to its status.
 class ProcessTest : public testing::Test {
  protected:
   ProcessTest() : bus_(OptionsWith(port_.Url()), "test") {
@@ -52,7 +52,7 @@ class ProcessTest : public testing::Test {
     child_ = std::make_unique<ChildProcess>(PLSLAM_TEST_PROGRAM, arguments, folder_ / "log");
   }
 
-  /// Its exit code; -1 where it still runs after ten seconds.
+  /// Returns its exit code; -1 if it still runs after ten seconds.
   int Wait() const {
     const auto limit = Clock::now() + std::chrono::seconds(10);
     while (Clock::now() < limit) {
@@ -110,7 +110,7 @@ TEST_F(ProcessTest, SignalsEndItCleanly) {
 
 TEST_F(ProcessTest, SecondSignalEndsOneThatHangs) {
   Start({"hang"});
-  // "ready" is told before; a signal in between would still end it cleanly.
+  // "ready" is published before; a signal in between would still end it cleanly.
   ASSERT_TRUE(WaitForLine("hangs")) << Log();
   child_->Signal(SIGINT);
   ASSERT_TRUE(WaitForLine("SIGINT: stopping")) << Log();

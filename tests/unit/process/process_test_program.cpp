@@ -25,7 +25,7 @@ void Say(const char* line) {
   std::fflush(stdout);
 }
 
-/// Does what the word on its command line says; the process tests start it.
+/// Runs the mode on its command line; the process tests start it.
 struct TestNode {
   TestNode(plslam::bus::Process& process, const plslam::Config& config, const std::string& mode) {
     TestOptions options;
@@ -47,7 +47,7 @@ struct TestNode {
     process.bus().Post([] { Say("runs"); });
   }
   ~TestNode() {
-    // Longer than signals that come one after the other take.
+    // Longer than the time between two consecutive signals.
     if (slow_end) std::this_thread::sleep_for(std::chrono::milliseconds(500));
     std::puts("node is gone");
   }

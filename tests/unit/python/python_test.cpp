@@ -29,7 +29,7 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-/// The package as it is built, asked by short programs.
+/// The built package, called by short programs.
 class Python : public testing::Test {
  protected:
   void SetUp() override {
@@ -43,7 +43,7 @@ class Python : public testing::Test {
                                       folder_.Path(""), PLSLAM_PYTHON_FOLDER, python_, arguments));
   }
 
-  /// What the program prints as JSON.
+  /// Returns the output of the program, parsed as JSON.
   json Answer(const std::string& program) const {
     const ShellResult result = Run(program);
     EXPECT_EQ(result.exit_code, 0) << result.error;
@@ -163,7 +163,7 @@ TEST_F(Python, ADamagedMapRaisesOneSentence) {
         .write(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   };
   write("map.plmap");
-  // Signed anew, a count that no file can keep: only the check of the content is left to notice.
+  // A count that is too large for any file, with a valid checksum: only the check of the content can detect it.
   std::fill(bytes.begin() + 56 + 8 + 8 + 48 + 40, bytes.begin() + 56 + 8 + 8 + 48 + 48, 0x7f);
   Sign(bytes);
   write("count.plmap");
@@ -195,7 +195,7 @@ print(json.dumps({"flipped": sorted(flipped), "cut": sorted(cut), "format": newe
   EXPECT_THAT(said["count"].get<std::string>(), HasSubstr("promises more than it has"));
 }
 
-/// Publishes poses 0 .. n - 1 whose numbers tell which they are.
+/// Publishes poses 0 .. n - 1, identified by their numbers.
 pose_t PoseNumber(int i) {
   pose_t pose{};
   pose.header.t_ns = 1'700'000'000'123'456'789 + i;
@@ -210,7 +210,7 @@ pose_t PoseNumber(int i) {
   return pose;
 }
 
-/// Any value of the content may be wrong in a file whose checksum is right.
+/// Any value of the content may be invalid in a file with a valid checksum.
 TEST_F(Python, AMapThatIsWrongWithARightChecksumRaises) {
   StoredMap stored = OfTwoCameras(10, 60);
   stored.rig = CameraBytes({420.5, 375.25, 239.75, 0.11, 752, 480});
@@ -490,7 +490,7 @@ TEST_F(Python, HasTypesThatMypyBelieves) {
   EXPECT_EQ(result.exit_code, 0) << result.out << result.error;
 }
 
-/// What docs/python.md shows, on files as it names them.
+/// Runs the example of docs/python.md on files with its names.
 TEST_F(Python, TheExampleOfTheDocumentRuns) {
   StoredMap stored = RandomStoredMap(9, 300);
   stored.rig = CameraBytes({420.5, 375.25, 239.75, 0.11, 752, 480});
@@ -520,7 +520,7 @@ TEST_F(Python, TheExampleOfTheDocumentRuns) {
                                          HasSubstr("vo running")));
 }
 
-/// With a drawing library that only notes what it is to draw.
+/// With a drawing library that only records its calls.
 TEST_F(Python, TheLiveExampleDrawsThePathOfARun) {
   std::random_device random;
   bus::BusOptions options;

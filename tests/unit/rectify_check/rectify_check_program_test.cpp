@@ -28,7 +28,7 @@ class RectifyCheckProgram : public testing::Test {
   int Run(const std::string& arguments) {
     const std::string command = "cd '" + folder_.string() + "' && '" + (test::BinaryFolder() / "plslam").string() +
                                 "' rectify-check " + arguments + " >out 2>error";
-    return WEXITSTATUS(std::system(command.c_str()));  // NOLINT: the program is what is tested
+    return WEXITSTATUS(std::system(command.c_str()));  // NOLINT: the test runs the program
   }
   std::string Text(const std::string& name) const { return ReadText(folder_ / name); }
   fs::path folder_;

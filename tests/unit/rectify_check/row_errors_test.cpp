@@ -21,7 +21,7 @@ constexpr double kDeg = std::numbers::pi / 180.0;
 
 StereoCamera Camera() { return {400.0, 320.0, 240.0, 0.1, 640, 480}; }
 
-/// Points all over the image whose right counterparts lie lower by `offset_px`, are turned and grown about the
+/// Returns points all over the image whose right counterparts are lower by `offset_px`, rotated and scaled about the
 /// principal point, and have noise; some are matched by chance.
 std::vector<RowMatch> Matches(int n, double offset_px, double roll_deg, double scale_percent, double outliers = 0.0) {
   std::mt19937 random(3);

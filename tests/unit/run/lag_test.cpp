@@ -15,7 +15,7 @@ TEST(PaceOf, SilenceCountsBeforeTheQueue) {
 }
 
 TEST(FramesBehind, CountsFromTheOldestKeyframeThatWaits) {
-  // Of the frames with a pose, the newest first, these are keyframes.
+  // These of the frames with a pose, the newest first, are keyframes.
   const auto is_keyframe = [](int64_t i) { return i == 2 || i == 7 || i == 9; };
   EXPECT_EQ(FramesBehind(0, 20, is_keyframe), 0);
   EXPECT_EQ(FramesBehind(1, 20, is_keyframe), 3);

@@ -101,7 +101,7 @@ TEST(LineStereo, SegmentParallelToBaselineHasNoDepth) {
   }
 }
 
-/// One left and one right line, to try each gate alone. No images: appearance is not asked.
+/// One left and one right line, to test each gate separately. Without images: appearance is not used.
 struct OneToOne {
   StereoLine left;
   LineFeature right;

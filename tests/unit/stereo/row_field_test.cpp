@@ -69,8 +69,8 @@ TEST(RowField, WithoutCoefficientsNothingDiffers) {
   EXPECT_EQ(RowField().Disparity_px({17.0, 3.0}), 0.0);
 }
 
-// A right camera that rolls and pitches moves pixels by what the camera model says; the field that has its rows knows
-// its columns.
+// A right camera that rolls and pitches moves pixels as the camera model predicts; the field that is fitted to its rows
+// predicts its columns.
 TEST(RowField, DisparitiesAreThoseOfTheTurnThatTheRowsShow) {
   const double f = kRowCamera.f_px;
   for (const Eigen::Vector2d& pitch_roll : {Eigen::Vector2d(-4e-3, 3e-3), {0.02, 0.0}, {0.0, -0.02}}) {
@@ -108,7 +108,7 @@ cv::Mat BarsAndTexture(double disparity_px, double row_px) {
   return image;
 }
 
-/// Of a pair whose right image is `row_px` lower.
+/// Matches a pair whose right image is `row_px` lower.
 DepthsFound MatchWithRows(double row_px, const RowField& rows) {
   FeatureExtractor extractor{FeatureOptions()};
   const cv::Mat left = BarsAndTexture(0.0, 0.0);

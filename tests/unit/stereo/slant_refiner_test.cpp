@@ -60,7 +60,7 @@ struct SlantErrors {
   double Found() const { return static_cast<double>(error_px.size()) / tried; }
 };
 
-/// Aligns a grid of patches on the plane, `align` being (place, start) to (disparity, variance).
+/// Aligns a grid of patches on the plane, `align` being (position, start) to (disparity, variance).
 template <class Align>
 SlantErrors AlignAll(const DisparityPlane& plane, const Align& align) {
   SlantErrors errors;

@@ -9,14 +9,14 @@
 
 namespace plslam::test {
 
-/// MatchPointsStereo with all that it wants prepared.
+/// Calls MatchPointsStereo with all its inputs prepared.
 void Match(std::vector<StereoPoint>& points, const std::vector<PointFeature>& right_points, const cv::Mat& left,
            const cv::Mat& right, const StereoOptions& options);
 
-/// The points of the left image, with depth where the right one tells it.
+/// Returns the points of the left image, with depth if they match in the right one.
 std::vector<StereoPoint> Match(const cv::Mat& left, const cv::Mat& right, const StereoOptions& options = {});
 
-/// From 0 to 1; 0 where there are no points.
+/// Returns the share from 0 to 1; 0 without points.
 double ShareWithDepth(const std::vector<StereoPoint>& points);
 
 }  // namespace plslam::test

@@ -5,7 +5,7 @@
 #include "tests/support/data_folder.h"
 #include "tests/unit/structure/configuration_reference.h"
 
-/// Writes docs/configuration.md and config/plslam.yaml anew.
+/// Generates docs/configuration.md and config/plslam.yaml.
 int main() {
   using namespace plslam::test;  // NOLINT(google-build-using-namespace)
   const auto write = [](const std::string& path, const std::string& text) {

@@ -12,8 +12,8 @@ namespace {
 
 using test::SourceFile;
 
-/// Who may include whom: `folder` itself and what starts with one of `may_include`. The longest folder that fits a
-/// file decides. Configuration's field lists and the sentences of errors (core/errors) are for everyone.
+/// Permitted includes: `folder` itself and paths that start with one of `may_include`. The longest folder that contains
+/// a file applies. Configuration's field lists and the sentences of errors (core/errors) may be included everywhere.
 struct Arrow {
   std::string folder;
   std::vector<std::string> may_include;
@@ -99,8 +99,8 @@ const std::vector<std::string> kProductFolders = {"lcmtypes",        "core",    
                                                   "player",          "vo_process", "mapping_process", "loop_process",
                                                   "viewer_headless", "tools"};
 
-/// Files that wire algorithms to messages: the folders named `node`, and what reads messages from logs. All others
-/// know neither LCM nor its types.
+/// Files that connect algorithms to messages: the folders named `node`, and readers of messages in logs. All others use
+/// neither LCM nor its types.
 bool KnowsMessages(const std::string& path) {
   static const std::regex kNode(R"(core/(bus|process)/.*|core/datasets/log_dataset\.cpp|.*/node/.*)");
   return std::regex_match(path, kNode);
@@ -134,7 +134,7 @@ bool IsMessage(const std::string& include) {
   return std::regex_match(include, kMessage);
 }
 
-/// Why `file` must not include `include`; empty where it may.
+/// Returns the reason why `file` must not include `include`; empty if it may.
 std::string Objection(const std::string& file, const std::string& include) {
   if (StartsWith(include, "lcm/") && !StartsWith(file, "core/bus/")) return "only core/bus knows LCM";
   if (IsMessage(include) && !KnowsMessages(file)) return "only nodes and core/bus know message types";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// arm64 has the bits of amd64 (docs/install.md). What is known to take them away is found here, on amd64.
+// arm64 gives the same bits as amd64 (docs/install.md). The known causes of differences are detected here, on amd64.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,8 +18,8 @@ std::string WithoutComments(const SourceFile& file) {
   return text;
 }
 
-// The C library computes these differently where it is compiled with fused multiply-add. Its sin, exp, pow and the
-// like have the same bits.
+// The C library computes these differently if it is compiled with fused multiply-add. Its sin, exp, pow and the like
+// have the same bits.
 TEST(SameBits, NoFunctionThatTheCLibraryFuses) {
   static const std::regex kFused(R"(std::(hypot|cbrt|erfc?|exp2|l?gamma|tgamma|fma)f?\()");
   for (const SourceFile& file : test::SourceFiles({"core", "vo_process", "mapping_process", "loop_process"})) {
@@ -30,7 +30,7 @@ TEST(SameBits, NoFunctionThatTheCLibraryFuses) {
   }
 }
 
-/// How many of the arguments behind the parenthesis at `open` draw a random number.
+/// Returns how many of the arguments after the parenthesis at `open` draw a random number.
 int DrawingArguments(const std::string& text, size_t open) {
   static const std::regex kDraws(R"(\brandom_?\.|\(random_?\)|\bAny\()");
   int n = 0;

@@ -19,7 +19,7 @@ TEST(Structure, FilesStaySmall) {
 TEST(Structure, HeadersAreIncludedOnce) {
   for (const auto& file : test::AllSourceFiles()) {
     if (!file.path.ends_with(".h")) continue;
-    // Behind the line of the licence.
+    // After the line of the licence.
     ASSERT_GE(file.lines.size(), 2U) << file.path;
     EXPECT_EQ(file.lines[1], "#pragma once") << file.path;
   }

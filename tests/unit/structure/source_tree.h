@@ -16,7 +16,7 @@ struct SourceFile {
 /// All .h and .cpp files of `folders`, sorted by path.
 std::vector<SourceFile> SourceFiles(const std::vector<std::string>& folders);
 
-/// Those of all folders that have any.
+/// Returns the files of all folders that have source files.
 std::vector<SourceFile> AllSourceFiles();
 
 std::string ReadText(const std::filesystem::path& path);

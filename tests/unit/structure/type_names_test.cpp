@@ -13,7 +13,7 @@ namespace {
 
 using test::SourceFile;
 
-// Two types of one name in one namespace are one type to the linker, whichever files they stand in.
+// Two types of one name in one namespace are one type to the linker, in whichever files they are.
 TEST(Structure, ATypeIsDefinedInOneHeader) {
   static const std::regex kNamespace(R"(namespace (plslam[\w:]*) \{)");
   static const std::regex kType(R"((?:struct|class|enum class) (\w+)(?: final)?(?: :.*)? ?\{.*)");
@@ -33,7 +33,7 @@ TEST(Structure, ATypeIsDefinedInOneHeader) {
   EXPECT_GT(defined_in.size(), 300U);
 }
 
-// The namespace of a file says which process or tool it belongs to; what several share is plain plslam, or a part of it.
+// The namespace of a file names its process or tool; shared files are in plain plslam, or a part of it.
 TEST(Structure, ProcessesAndToolsHaveNamespacesOfTheirOwn) {
   const std::map<std::string, std::string> spaces = {
       {"vo_process/", "plslam::vo"},          {"mapping_process/", "plslam::mapping"},

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A wall clock that is stepped must change nothing: only steady clocks are looked at, but for the time stamps of
-// logs.
+// A wall clock that is stepped must change nothing: only steady clocks are read, except for the time stamps of logs.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,8 +21,8 @@ TEST(WallClock, IsReadForTimeStampsOfLogsAndByTheDoctorOnly) {
   for (const auto& file : test::SourceFiles({"core", "adapter", "camera", "player", "vo_process", "mapping_process",
                                              "loop_process", "viewer_headless", "tools"})) {
     if (!ReadsTheWallClock(file)) continue;
-    // process_status says it to whoever compares hosts.
-    // Live images have the time of day, by a difference that is measured once.
+    // process_status publishes it for a comparison of hosts. Live images have the time of day, by an offset that is
+    // measured once.
     const bool may = file.path == "camera/camera_pipeline.cpp" || file.path == "core/bus/transport/wall_clock.h" ||
                      file.path == "core/bus/logs/log_writer.cpp" || file.path == "core/bus/delivery/history.cpp" ||
                      file.path == "core/process/process_status.cpp" ||

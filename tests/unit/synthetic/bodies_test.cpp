@@ -70,8 +70,8 @@ TEST(Bodies, DepthIsThatOfTheirSurfacesAndOfTheWorldElsewhere) {
   }
 }
 
-// A surface point of a body, carried along by the body's pose, is what the next frame shows there: of the same body,
-// depth and grey.
+// A surface point of a body, moved with the body's pose, is visible in the next frame at its projection: with the same
+// body, depth and grey.
 TEST(Bodies, SurfacesMoveWithTheirPose) {
   for (const char* body : {"lead", "overtake", "cross", "stop", "crowd"}) {
     const Simulator simulator = Make(std::string("street?noise=0&exposure=0&frames=100&bodies=2&body=") + body);

@@ -26,8 +26,8 @@ uint64_t Fnv(const cv::Mat& image, uint64_t hash) {
 
 uint64_t HashOfPair(const StereoImages& pair) { return Fnv(pair.right, Fnv(pair.left, 0xcbf29ce484222325ULL)); }
 
-// Whoever changes a world on purpose writes the new value here; anything else that changes them is a fault: of the
-// compiler's floating point, or of a function of the C library that slipped in.
+// A deliberate change of a world must update these values; any other change is a fault: of the compiler's floating
+// point, or of a function of the C library that slipped in.
 TEST(Synthetic, FramesAreBitIdenticalEverywhere) {
   const std::map<std::string, uint64_t> expected = {
       {"room", 0x6b7c035725cd96f9ULL},
@@ -53,8 +53,7 @@ TEST(Synthetic, ReadingIsRandomAccess) {
   EXPECT_EQ(a->Read(20).frame_id, 20);
 }
 
-// The left image of the frame after is what the right camera would see a frame late if it sat in the place of the
-// left one.
+// The next frame's left image is the view of a right camera one frame late at the position of the left one.
 TEST(Synthetic, LateRightImageIsTakenFromThePlaceOfThen) {
   const std::string world = "room?size=160x120&noise=0&exposure=0&rate=20";
   const auto on_time = OpenSyntheticDataset(world);

@@ -13,7 +13,7 @@
 namespace plslam::viewer {
 namespace {
 
-/// What the log gets while it lives.
+/// Captures the log during its lifetime.
 class CapturedLog {
  public:
   CapturedLog() : before_(spdlog::default_logger()) {
@@ -78,7 +78,8 @@ TEST(Film, PicturesStandAtTheirTimesByTheRateOfTheCamera) {
     film.SetRate(10.0);
     const cv::Mat overlay(48, 64, CV_8UC3, cv::Scalar::all(9));
     FramePose pose;
-    // The second is missing three before it, the fourth comes in the time of the third; then the time goes back.
+    // Three frames are missing before the second one, the fourth falls into the slot of the third; then the time goes
+    // back.
     for (const int64_t t_ms : {0, 400, 500, 520, 600, 100}) {
       pose.t_ns = 1'000'000 * t_ms;
       film.Add(pose, overlay, Map());

@@ -72,7 +72,7 @@ TEST(Film, WhereTheProgramIsKilledOneSentenceSaysSo) {
   video.Add(picture);
   kill(pid, SIGKILL);
   const auto add = [&] {
-    // What is on its way when it dies is lost without a word.
+    // Data in the pipe are lost silently when the program dies.
     for (int i = 0; i < 10; ++i) video.Add(picture);
   };
   EXPECT_THAT(add, ThrowsMessage<std::runtime_error>(HasSubstr("film.mp4: no film: ")));

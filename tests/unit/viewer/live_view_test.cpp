@@ -118,7 +118,7 @@ TEST_F(LiveViewTest, NonsenseDoesNoHarm) {
   EXPECT_THAT(Ask(port(), Get("/data.json?since=" + std::string(5000, '1'))), StartsWith("HTTP/1.1 400"));
   EXPECT_THAT(Ask(port(), Get("/data.json?since")), StartsWith("HTTP/1.1 200"));
   Ask(port(), Get("/" + std::string(200'000, 'a')));
-  // Binary garbage may be waited for until the time is up: nobody here does.
+  // The server may wait for the rest of binary garbage until its timeout; this test does not.
   Socket(port()).Send(std::string("\0\xff\x16\x03\x01 GET\r\n\r\n", 13));
   Ask(port(), "GET / HTTP/9.9\r\n\r\n");
   Ask(port(), "GET / HTTP/1.1\r\nHost: localhost\r\nContent-Length: -5\r\n\r\n");
@@ -151,7 +151,7 @@ TEST_F(LiveViewTest, SlowClientsAreCutHoweverManyThereAre) {
   });
   const auto began = std::chrono::steady_clock::now();
   std::string page;
-  // As a browser does where it is turned away.
+  // Retries like a browser that was rejected.
   while (page.empty() && std::chrono::steady_clock::now() - began < std::chrono::seconds(30)) {
     page = Ask(port(), Get("/"));
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -164,7 +164,7 @@ TEST_F(LiveViewTest, SlowClientsAreCutHoweverManyThereAre) {
 }
 
 TEST_F(LiveViewTest, NobodyWaitsForAnother) {
-  // The first waits for the end, which does not come.
+  // The first client waits for the end, which does not come.
   Socket waits(port());
   waits.Send(Get("/end"));
   EXPECT_THAT(Ask(port(), Get("/data.json")), HasSubstr("{\"rows\": 0}"));
@@ -177,7 +177,7 @@ TEST(LiveView, WhoIsToldOfTheEndGetsWhatWasNewThen) {
   LiveView view(0, "<page>");
   std::string end, data;
   std::atomic<bool> asked = false;
-  // As the page does: what is new is asked for when the end is known.
+  // Like the page: new data are requested when the end is known.
   std::thread page([&] {
     Socket socket(view.port());
     socket.Send(Get("/end"));
@@ -187,7 +187,7 @@ TEST(LiveView, WhoIsToldOfTheEndGetsWhatWasNewThen) {
   });
   while (!asked) std::this_thread::yield();
   const auto json = [](const ReportSince&) { return std::string("{\"finished\": true}"); };
-  // Whether it has arrived nobody can see from here.
+  // Its arrival cannot be observed from here.
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
   const auto began = std::chrono::steady_clock::now();
   view.SetFinished(true);
@@ -211,7 +211,7 @@ TEST(LiveView, WhoWaitsIsTurnedAwayAtTheEnd) {
   std::thread client;
   {
     LiveView view(0, "<page>");
-    // Nobody answers; the client has asked when its question could be taken.
+    // The request is not answered; it has arrived when it could be taken.
     client = std::thread([&answer, port = view.port()] { answer = Ask(port, Get("/data.json")); });
     std::atomic<bool> asked = false;
     while (!asked) {

@@ -95,7 +95,7 @@ TEST(Outputs, PosesAreThoseOfTheCalibratedLeftCameraInTheMap) {
   pose.T_odom_c = T_odom_c;
   recorder.AddPose(pose);
   const SE3 T_w_l = BuildTrajectories(recorder, Map(), q_l_c).all.at(0).T_a_b;
-  // A point of c, seen from l, must come out at the same place of the map.
+  // A point of c, expressed in l, must be at the same position of the map.
   const Eigen::Vector3d p_c(0.5, -0.4, 8.0);
   EXPECT_LT((T_w_l * (q_l_c * p_c) - T_w_odom * (T_odom_c * p_c)).norm(), 1e-12);
 }

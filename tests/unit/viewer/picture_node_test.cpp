@@ -30,7 +30,7 @@ TEST(PictureNode, ASecondStreamHasItsPicturesWhateverWasMissingInTheFirst) {
       bus, {.out = folder.Path(""), .overlay_every = 1, .video = ""}, {}, [] {}, [] {});
   const RigCalibration rig = SomeRig();
   pictures.SetCamera(rig, Rectify(rig));
-  // Frames whose images never came.
+  // Frames whose images never arrived.
   for (int64_t frame = 100; frame < 120; ++frame) pictures.AddPose(PoseOf(frame));
   pictures.BeginAgain(nullptr);
   pictures.AddPose(PoseOf(0));
@@ -47,7 +47,7 @@ TEST(PictureNode, ASecondStreamHasItsPicturesWhateverWasMissingInTheFirst) {
   EXPECT_TRUE(std::filesystem::exists(file));
 }
 
-/// What the report has of a frame with that right image.
+/// Returns the report's picture of a frame with that right image.
 ReportPicture PictureWith(const cv::Mat& right) {
   bus::BusOptions options;
   options.url = "memq://";
@@ -78,7 +78,7 @@ TEST(PictureNode, ADepthMapIsNoRightImage) {
   EXPECT_TRUE(picture.right_jpeg.empty());
 }
 
-/// Of frames whose pictures never come, but for those that stand in `overlays/` already.
+/// Returns the result for frames whose pictures never arrive, except for those that are already in `overlays/`.
 PictureNode::Result ResultWithoutPictures(const ScratchFolder& folder, bool lockstep, bool ended) {
   PrepareOutputFolder(folder.Path("overlays"));
   bus::BusOptions options;

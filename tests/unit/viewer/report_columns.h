@@ -7,7 +7,7 @@
 
 namespace plslam::viewer {
 
-/// Numbers of the column of that name; none where there is no such column, or of another type.
+/// Returns the numbers of the column of that name; empty if there is no such column, or of another type.
 template <class Number>
 std::vector<Number> Numbers(const Table& table, const std::string& name) {
   const Column* column = FindColumn(table, name);

@@ -16,7 +16,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// Bit by bit, as slow as can be: what RFC 4648 says.
+/// Bit by bit, the slow twin: as in RFC 4648.
 std::string SlowBase64(const std::string& bytes) {
   const std::string alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string bits, text;

@@ -22,7 +22,7 @@ MapKeyframe Keyframe(int64_t id, double x_m) {
   return keyframe;
 }
 
-/// A map whose owner sends it on, as mapping_process does.
+/// A map whose owner publishes it, as mapping_process does.
 class MapOwner {
  public:
   Map map;
@@ -269,7 +269,7 @@ TEST_F(ReportRecorderTest, FramesThatFoundNothingAreNotTracked) {
 }
 
 TEST_F(ReportRecorderTest, TruthOfAnotherRunIsTold) {
-  // The camera goes 200 m straight on, the truth up and down.
+  // The camera moves 200 m straight on, the truth up and down.
   for (int64_t id = 0; id < 200; ++id) {
     recorder_.AddPose(SomePose(id));
     const double x_m = id % 2 == 0 ? 0.0 : 5.0;

@@ -65,7 +65,7 @@ TEST(PathTable, ErrorsAreThoseAfterAlignment) {
   Recorder recorder;
   std::mt19937 random(5);
   const SE3 T_truth_w = Random(random);
-  // A curve, and a truth that is a centimetre off, up and down in turn, in a frame of its own.
+  // A curve, and a truth with an error of a centimetre, up and down in turn, in a different frame.
   for (int64_t id = 0; id < 40; ++id) {
     const double angle = 0.15 * static_cast<double>(id);
     FramePose pose = SomePose(id);
@@ -192,7 +192,7 @@ TEST(PackObservers, IdsCountsAndRows) {
   a.id = 3;
   a.observations = {{100, 0}, {101, 0}, {400, 0}};
   b.id = 300;
-  b.observations = {{99, 5}, {100, 7}};  // keyframe 99 is gone
+  b.observations = {{99, 5}, {100, 7}};  // keyframe 99 was removed
   c.id = 301;
   RowOfKeyframe rows{{100, 5}, {101, 6}, {400, 305}};
   EXPECT_THAT(Unpack(PackObservers(std::vector<const MapPoint*>{&a, &b, &c}, rows)),

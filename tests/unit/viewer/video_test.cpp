@@ -34,7 +34,7 @@ TEST(RunVideo, AFolderOfPicturesWhereTheProgramIsMissing) {
   EXPECT_TRUE(std::filesystem::exists(folder.Path("film/000000.png")));
 }
 
-// The other end of the connection is closed before a word is said.
+// The other end of the connection is closed before any message.
 TEST(RunVideo, AFolderOfPicturesWhereTheProgramIsNone) {
   const ScratchFolder folder;
   RunVideo video(folder.Path("film.mp4"), std::make_unique<FilmProcess>(folder.Path("film.mp4"), "/bin/false"), 10.0,

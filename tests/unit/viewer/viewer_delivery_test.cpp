@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What viewer_headless waits for, what it says where something is missing, and what comes twice.
+// viewer_headless: conditions of its end, its reports of missing outputs, and repeated messages.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ TEST_F(ViewerDelivery, WaitsForTheCamera) {
   const ViewerNode node(*process_, Options());
   for (int64_t frame = 0; frame < kFrames; ++frame) PublishPose(frame);
   PublishStream("end", kFrames);
-  // As one that is started again: all of the past comes at once, and the camera, which is repeated, after a while.
+  // As in a restarted viewer: all past messages arrive at once, and the camera, which is repeated, after a while.
   int ticks = 0;
   bus().Every(std::chrono::milliseconds(250), [&] {
     if (++ticks == 6) PublishCamera();
@@ -69,7 +69,7 @@ TEST_F(ViewerDelivery, WhatCannotBeWrittenIsToldAndTheRestIsThere) {
     PublishCamera();
     PublishPose(0);
     PublishStream("end", 1);
-    // Nothing can be renamed over a folder.
+    // No file can be renamed over a folder.
     std::filesystem::create_directories(Out("trajectory.tum/in the way"));
     bus().Run();
   }

@@ -32,7 +32,7 @@ inline SE3 TruePose(int64_t frame) {
 
 inline int64_t Time(int64_t frame) { return 1'000'000'000 + frame * 50'000'000; }
 
-// One bus for the viewer and for all it listens to: messages of a memq come back to their sender.
+// One bus for the viewer and for its publishers: messages of a memq return to their sender.
 class ViewerFixture : public testing::Test {
  protected:
   ViewerFixture() {

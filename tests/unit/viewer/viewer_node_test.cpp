@@ -77,7 +77,7 @@ TEST_F(ViewerNodeTest, WaitsUntilTheMapHasTheLastKeyframe) {
   for (int64_t frame = 0; frame < kFrames; ++frame) PublishPose(frame);
   PublishStream("end", kFrames);
   mapping.Publish(MapOf(1, 1.0));
-  // The map lags behind: the poses are all there for several ticks before the last keyframe is in it.
+  // The map is late: all poses have arrived for several ticks before it has the last keyframe.
   int ticks = 0;
   bus().Every(std::chrono::milliseconds(200), [&] {
     if (++ticks == 6) mapping.Publish(MapOf(2, 3.0));
@@ -142,7 +142,7 @@ TEST_F(ViewerNodeTest, DrawsEveryNthFrame) {
   PublishCamera();
   PublishStream("begin", 2);
   bool sent = false;
-  // The rig must be known before the first image comes.
+  // The rig must be known before the first image arrives.
   bus().Every(std::chrono::milliseconds(50), [&] {
     if (sent) return;
     sent = true;
@@ -172,7 +172,7 @@ TEST_F(ViewerNodeTest, WritesAReportAndServesIt) {
   mapping.Publish(MapOf(2, 1.0));
   PublishStream("end", kFrames);
   std::string answer;
-  // The answer comes from handlers of this bus: it must run meanwhile.
+  // The answer is given by handlers of this bus, which must run meanwhile.
   std::thread client([&] { answer = Get(static_cast<int>(options.serve), "/data.json"); });
   bus().Run();
   client.join();
@@ -193,7 +193,7 @@ TEST_F(ViewerNodeTest, WhatIsWrittenStaysWhereAPlayerGoesOnUntilTheRestIsThere) 
   bus().Subscribe<stream_t>(bus::kStream, [&](const stream_t& m) {
     if (m.event != "resume") return;
     then = ReadText(Out("report.html"));
-    // What the first player said is said again for it.
+    // The messages of the first player are republished.
     PublishStream("begin", kFrames, "realtime", 1);
     PublishPose(kFrames);
     PublishStream("end", kFrames + 1, "realtime", 2);
@@ -234,7 +234,7 @@ TEST_F(ViewerNodeTest, FilmsTheRun) {
   PublishCamera();
   PublishStream("begin", 5);
   int64_t frame = -1;
-  // One at a time: of features the newest win. Frame 3 is missing, and the next one stands for it.
+  // One at a time: newer features replace older ones. Frame 3 is missing, and the next one replaces it.
   bus().Every(std::chrono::milliseconds(30), [&] {
     if (++frame == 3) return;
     if (frame == 5) PublishStream("end", 4);

@@ -14,7 +14,7 @@ using testing::HasSubstr;
 int RunViewer(const ScratchFolder& folder, const std::string& arguments) {
   const std::string command = (test::BinaryFolder() / "viewer_headless").string() + " --url memq:// " + arguments +
                               " >" + folder.Path("stdout") + " 2>" + folder.Path("stderr");
-  return WEXITSTATUS(std::system(command.c_str()));  // NOLINT: the program is what is tested
+  return WEXITSTATUS(std::system(command.c_str()));  // NOLINT: the test runs the program
 }
 
 TEST(ViewerProgram, UnwritableFolderIsOneSentenceAndExitCodeOne) {

@@ -8,7 +8,7 @@
 
 namespace plslam::test {
 
-/// Somebody has bent the rig after it was calibrated: the right camera is turned.
+/// A rig that was bent after its calibration: the right camera is rotated.
 class BentRig : public ChangedImages {
  public:
   BentRig(const Dataset& straight, const Eigen::Vector3d& turn_rad) : ChangedImages(straight) {

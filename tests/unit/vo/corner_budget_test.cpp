@@ -8,7 +8,7 @@
 namespace plslam::vo {
 namespace {
 
-/// `n` corners, the strongest `n_snow` of them seen in one image alone.
+/// Returns a frame with `n` corners, the strongest `n_snow` of them observed in only one image.
 TrackedFrame FrameWith(int n, int n_snow) {
   StereoFeatures features;
   for (int i = 0; i < n; ++i) {

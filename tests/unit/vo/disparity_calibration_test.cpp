@@ -51,7 +51,7 @@ void DriveOn(int first, int end, const Error& error_px, Odometry& odometry) {
   }
 }
 
-// Odometry over frames whose disparities are wrong.
+// Runs odometry over frames with wrong disparities.
 Odometry Drive(const Error& error_px, bool enabled = true, int n_frames = 60) {
   VoOptions options;
   options.disparity_calibration.enabled = enabled;

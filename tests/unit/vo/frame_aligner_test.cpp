@@ -14,7 +14,7 @@ namespace {
 
 using test::FeatureWorld;
 
-// What the last frame saw, and so more than any search finds here.
+// Number of tracked features in the previous frame, more than any search finds here.
 constexpr int kBefore = 200;
 constexpr double kExpected_m = 0.1;
 constexpr double kElsewhere_m = 1.6;
@@ -34,7 +34,7 @@ class SeenFromTwoPlaces {
     frame_.emplace(std::move(seen));
   }
 
-  /// Where the frame is thought to be, in metres to the side.
+  /// Returns the aligned sideways position of the frame in metres.
   double Align_m(bool goes_on) const {
     MotionPrediction prediction;
     prediction.T_prev_c = Sideways(kExpected_m);

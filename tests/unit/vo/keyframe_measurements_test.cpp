@@ -169,7 +169,7 @@ TEST(KeyframeMeasurements, AddsWhatTheKeyframesOwnFrameMissed) {
   EXPECT_LT((seen.left.segment.p - p).norm(), 1e-9) << "directed and cut as the landmark is";
 }
 
-// Disparities of an added line are measured, not those of the landmark, even where one frame alone had them.
+// Disparities of an added line are measured, not the landmark's, even if only one frame had them.
 TEST(KeyframeMeasurements, DisparityOfAnAddedLineIsTheOneThatWasSeen) {
   const Scene scene = MakeScene();
   const LocalLandmarks landmarks = LandmarksOf(scene);
@@ -217,7 +217,7 @@ TEST(KeyframeMeasurements, FeaturesOfNoLandmarkStayAsTheyAre) {
   }
 }
 
-// Where the landmark is cancels out for a camera that stands: what was measured stays, wherever the landmark is.
+// The landmark's position cancels out for a static camera: the measurement is the same wherever the landmark is.
 TEST(KeyframeMeasurements, StandingCameraDoesNotNeedTheLandmarksPlace) {
   const Scene scene = MakeScene();
   const LocalLandmarks landmarks = LandmarksOf(scene, {0.02, -0.01, 0.05});

@@ -48,7 +48,7 @@ struct AdoptedPatch {
   }
 };
 
-// What both feature types have, so that one test serves both.
+// Common interface of both feature types, so that one test serves both.
 struct Points {
   using Landmark = PointLandmark;
   static const std::vector<Landmark>& Of(const LocalLandmarks& landmarks) { return landmarks.points.landmarks(); }
@@ -125,7 +125,7 @@ TYPED_TEST(LandmarkAdoption, OwnLandmarksStayWhereOnlyUnknownOnesAreTaken) {
   EXPECT_EQ(TypeParam::Place(this->Now()[4]), TypeParam::Place(before[4]));
   EXPECT_EQ(TypeParam::Covariance(this->Now()[4]), TypeParam::Covariance(before[4]));
   EXPECT_EQ(this->Now()[4].map_id, kFirstMapId) << "it is known by name all the same";
-  // What came from the map follows the map.
+  // Landmarks from the map follow the map.
   const Eigen::Vector3d place = TypeParam::Place(this->Now().back());
   this->map_.patch.T_w_odom = SE3(Eigen::Quaterniond::Identity(), {0.0, 0.0, 1.0}) * kT_w_odom;
   this->landmarks_.Adopt(this->map_.patch, true);
@@ -199,8 +199,8 @@ TYPED_TEST(LandmarkAdoption, OneFoundAnewIsJoinedWithTheOneFromTheMap) {
   EXPECT_EQ(this->FindByMapId(kFirstMapId), this->Find(5));
 }
 
-// Keyframes may show one of the tracker's as two of the map (a wrong match, mended since): each has one of its own
-// then.
+// Keyframes may have observed one of the tracker's landmarks as two of the map (a wrong match, corrected since): each
+// then has its own.
 TYPED_TEST(LandmarkAdoption, WhatTwoOfTheMapClaimGoesToTheFirst) {
   const auto& places = TypeParam::In(this->scene_);
   this->map_.Add(places[1], {1, 2});

@@ -80,7 +80,7 @@ TEST(MotionModel, IsNearAfterAFewFramesThatAreMissing) {
   EXPECT_FALSE(model.Predict(0.005).is_near) << "lost";
 }
 
-// At 200 Hz an acceleration says a tenth of a millimetre; the velocity was not measured as exactly.
+// At 200 Hz an acceleration contributes a tenth of a millimetre; the velocity was measured less exactly.
 TEST(MotionModel, IsNoSurerThanTheMotionThatItGoesOnWith) {
   MotionModel model{TrackingOptions()};
   model.Observe(Forward(0.005), 0.005, 1e-6 * Matrix6d::Identity());
@@ -88,8 +88,8 @@ TEST(MotionModel, IsNoSurerThanTheMotionThatItGoesOnWith) {
   EXPECT_GT(model.Predict(0.010).covariance(0, 0), 4e-6);
 }
 
-// What a lost camera may have done does not depend on how many frames did not find it, and holds the way that it is
-// left behind.
+// The uncertainty of a lost camera's motion does not depend on the number of lost frames, and includes the distance by
+// which the prediction falls behind constant speed.
 TEST(MotionModel, UncertaintiesOfLostFramesAddUpToThatOfTheGap) {
   for (const int n : {1, 10, 100}) {
     MotionModel model{TrackingOptions()};

@@ -16,7 +16,8 @@ Matrix6d Claimed() {
   return sigma.cwiseAbs2().asDiagonal();
 }
 
-// Keyframes 0.3 m apart, which the map has moved by `factor` of what the tracker says of their motions.
+// Returns keyframes 0.3 m apart, which the map has moved by `factor` times the standard deviations of the tracker's
+// motions.
 Map MovedMap(double factor, int keyframes) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
@@ -77,7 +78,7 @@ TEST(MotionUncertainty, WhereAdjustmentMovesLessThanClaimedNoDriftIsAdded) {
   EXPECT_LT((covariance - uncertainty.variance_scale() * Claimed()).norm(), 1e-15);
 }
 
-// Over twenty frames, added up as independent, the drift alone is half a percent of the way.
+// Over twenty frames, added up as independent, the drift alone is half a percent of the path.
 TEST(MotionUncertainty, DriftOverTwentyFramesIsHalfAPercentOfTheWay) {
   MotionUncertainty uncertainty;
   uncertainty.Learn(MovedMap(3.0, 40), kSession);

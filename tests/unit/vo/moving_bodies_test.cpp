@@ -22,7 +22,7 @@ using test::PathAt;
 
 constexpr double kNoise_px = 0.3;
 
-/// A box full of points, 1.6 x 1.2 x 0.5 m around a place.
+/// Returns a box full of points, 1.6 x 1.2 x 0.5 m around `middle`.
 FeatureWorld Box(int points, uint64_t seed, const Eigen::Vector3d& middle = Eigen::Vector3d::Zero()) {
   std::mt19937_64 generator(seed);
   std::uniform_real_distribution<double> unit(-0.5, 0.5);
@@ -36,7 +36,7 @@ FeatureWorld Box(int points, uint64_t seed, const Eigen::Vector3d& middle = Eige
   return {std::move(all), {}, 100.0};
 }
 
-/// Points and lines of the world, and a box in front of them whose features come last.
+/// Points and lines of the world, and a box in front of them whose features are last.
 struct Scene {
   FeatureWorld world{{250, 40}, 3};
   FeatureWorld box = Box(150, 4);
@@ -128,7 +128,7 @@ TEST(MovingBodies, TheirPathIsKnown) {
   EXPECT_GT(seen, 25);
 }
 
-// While nothing of the world is seen, the box is not taken for it, nor afterwards.
+// While the world is invisible, the box is not mistaken for it, nor afterwards.
 TEST(MovingBodies, GoOnWhileTheCameraIsLost) {
   Scene scene;
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
@@ -156,7 +156,7 @@ TEST(MovingBodies, GoOnWhileTheCameraIsLost) {
   }
 }
 
-// Two boxes of one size from the first frame on, one of which stands: nobody can tell which.
+// Two boxes of equal size from the first frame on, one of which is static: they cannot be distinguished.
 TEST(MovingBodies, WhereNothingTellsWhichIsTheWorldAllFramesAreWeak) {
   Scene scene{Box(200, 7, AheadBy(-1.0).translation()), Box(200, 4)};
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
@@ -191,7 +191,7 @@ TEST(MovingBodies, FirstPairIsNoMixture) {
   }
 }
 
-// Of the same two one leaves: the other one is a world again, whichever was taken for it.
+// One of the two leaves: the other one is a world again, whichever was taken for it.
 TEST(MovingBodies, WhatMayBeTheWorldIsNotKeptForABodyWhileTheCameraIsLost) {
   for (const bool box_stays : {false, true}) {
     Scene scene{Box(200, 7, AheadBy(-1.0).translation()), Box(200, 4)};
@@ -209,7 +209,7 @@ TEST(MovingBodies, WhatMayBeTheWorldIsNotKeptForABodyWhileTheCameraIsLost) {
   }
 }
 
-// A rear and a front with nothing between, too far apart to be found as one.
+// A rear and a front with a gap in between, too far apart to be detected as one.
 TEST(MovingBodies, PartsThatMoveAlikeAreOne) {
   Scene scene;
   const FeatureWorld front = Box(150, 5, {2.2, 0.0, 1.0});
@@ -226,8 +226,8 @@ TEST(MovingBodies, PartsThatMoveAlikeAreOne) {
   }
 }
 
-// A box takes nearly all of the view: what is left of the world agrees with the motion so far and is not enough to
-// tell it.
+// A box covers nearly all of the view: the rest of the world agrees with the motion so far and is not enough to
+// determine it.
 TEST(MovingBodies, WhereTheWorldIsHiddenTheFrameIsWeak) {
   Scene scene{{{120, 20}, 3}, Box(200, 4)};
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
@@ -254,7 +254,7 @@ TEST(MovingBodies, KeyframesAreOfTheWorldAndTakeBackWhatWasNot) {
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   size_t withdrawn = 0;
   for (int i = 0; i < 60; ++i) {
-    // It stands in the first keyframe, and moves on after ten frames.
+    // It is static in the first keyframe, and moves after ten frames.
     const SE3 T_w_b = AheadBy(0.1 * std::max(0, i - 10));
     const OdometryResult result = odometry.Track(i * kFrame_ns, scene.See(PathAt(i), &T_w_b, i));
     if (!result.keyframe) continue;
@@ -275,7 +275,7 @@ TEST(MovingBodies, MoreFeaturesDoNotMakeItTheWorld) {
   for (int i = 0; i < 30; ++i) {
     const SE3 T_w_b = path(i) * T_c_b;
     const OdometryResult result = odometry.Track(i * kFrame_ns, scene.See(path(i), &T_w_b, i));
-    // In the second frame only geometry says which is the world.
+    // In the second frame only geometry identifies the world.
     if (i > 0) {
       EXPECT_EQ(result.state, i >= 1 && i <= 5 ? TrackingState::kWeak : TrackingState::kTracking) << "frame " << i;
     }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kManyFrames = 200;
 
-// A frame whose points, before any scale, deviate so many times as far as its lines.
+// Returns a frame whose points, before any scale, have `ratio` times the residuals of its lines.
 Alignment Frame(double ratio, size_t n_points = 100, size_t n_lines = 50) {
   Alignment alignment;
   alignment.matches.points.resize(n_points);

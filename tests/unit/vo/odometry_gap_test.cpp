@@ -17,7 +17,7 @@ using test::PathAt;
 
 double Length_m(const LineLandmark& line) { return (line.segment_odom.q - line.segment_odom.p).norm(); }
 
-// The camera goes on in the dark, and nobody sees where to.
+// The camera moves on in the dark, in an unknown direction.
 TEST(OdometryGaps, TheEdgeAcrossALossIsAsUnsureAsTheGapIsLong) {
   const FeatureWorld before({300, 60}, 9);
   const FeatureWorld after({300, 60}, 10);
@@ -33,7 +33,7 @@ TEST(OdometryGaps, TheEdgeAcrossALossIsAsUnsureAsTheGapIsLong) {
   EXPECT_LT(error.dot(back.keyframe->covariance.ldlt().solve(error)), 6.0);
 }
 
-// A session that begins on a motorway, and whose second frame shows nothing: it may be anywhere ahead.
+// A session that begins on a motorway, and whose second frame has no features: the camera may be anywhere ahead.
 TEST(OdometryGaps, TheEdgeAcrossALossBeforeAnyMotionWasSeenAllowsForAnySpeed) {
   constexpr double kMotorway_m_s = 30.0;
   const FeatureWorld before({300, 60}, 9);
@@ -48,7 +48,7 @@ TEST(OdometryGaps, TheEdgeAcrossALossBeforeAnyMotionWasSeenAllowsForAnySpeed) {
   EXPECT_GT(std::sqrt(back.keyframe->covariance(2, 2)), kMotorway_m_s * 2e-9 * kFrame_ns);
 }
 
-// Where a lost camera is expected tells what is known of its motion.
+// The predicted pose of a lost camera follows its last known motion.
 TEST(OdometryGaps, AfterADarkFrameTheMotionGoesOn) {
   const FeatureWorld world({300, 60}, 9);
   const auto at = [](int i) { return SE3(Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.08 * i}); };
@@ -93,7 +93,7 @@ TEST(OdometryCovariance, EdgesBetweenKeyframesAreAsSureAsTheySay) {
   EXPECT_LT(sum / n, 9.0);
 }
 
-// At 200 Hz two of ten frames are dropped, and few features are left: weak, but where the camera is is known.
+// At 200 Hz two of ten frames are dropped, and few features are left: weak, but the pose is known.
 TEST(OdometryGaps, DroppedFramesLoseNoCameraThatSeesLittle) {
   const FeatureWorld world({300, 0}, 9);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
@@ -109,7 +109,8 @@ TEST(OdometryGaps, DroppedFramesLoseNoCameraThatSeesLittle) {
   }
 }
 
-// What is not measured along a segment is not made up: 50 s of a camera that stands before upright bars.
+// Segments get no information along their direction without a measurement: 50 s of a static camera in front of upright
+// bars.
 TEST(OdometryGaps, LinesThatAreSeenForLongKeepTheirEnds) {
   std::vector<FeatureWorld::Line> bars;
   for (int i = 0; i < 9; ++i) {

@@ -96,8 +96,7 @@ TEST_P(OdometryAndMapBy, PosesInOdomDoNotJumpAndMapFromOdometryIsFound) {
 INSTANTIATE_TEST_SUITE_P(Landmarks, OdometryAndMapBy, testing::Values("all", "unknown"),
                          [](const auto& landmarks) { return std::string(landmarks.param); });
 
-// A map that is 3 cm off: tracking goes there with all of its landmarks, and not with those alone that it does not
-// know.
+// A map with an offset of 3 cm: tracking follows it with all of its landmarks, and not only with the unknown ones.
 TEST(OdometryAndMap, OwnLandmarksStayWhereOnlyUnknownOnesAreTaken) {
   const FeatureWorld world({300, 60}, 4);
   const Eigen::Vector3d shift_w(0.03, 0.0, 0.0);
@@ -116,7 +115,7 @@ TEST(OdometryAndMap, OwnLandmarksStayWhereOnlyUnknownOnesAreTaken) {
   }
 }
 
-// Session 1 has been along the way; session 2 begins at its middle and goes back, where it has not been.
+// Session 1 has mapped the path; session 2 begins at its middle and goes back, where it has not been.
 TEST(OdometryAndMap, WhatOnlyTheMapKnowsIsFoundByTracking) {
   const FeatureWorld world({300, 60}, 4);
   PerfectMap map(world);
@@ -198,7 +197,8 @@ TEST(OdometryAndMap, PlacesThatTheMapKnowsWellMakeHardlyAnyKeyframes) {
   EXPECT_LE(known.back(), 1) << testing::PrintToString(known) << " of " << testing::PrintToString(always);
 }
 
-// Lost in the dark, or among things never seen: the map is about the place from before, and tracking goes on there.
+// Lost in the dark, or among unknown features: the local map still describes the previous position, and tracking
+// continues there.
 TEST(OdometryAndMap, TheMapIsTakenOverWhileLost) {
   const FeatureWorld world({300, 60}, 4);
   const FeatureWorld strange({300, 60}, 5);
@@ -230,7 +230,7 @@ TEST(OdometryAndMap, TheMapIsTakenOverWhileLost) {
   }
 }
 
-// Names given to landmarks created while lost and to those of the map come from one source.
+// Ids of landmarks created while lost and of the map's come from one counter.
 TEST(OdometryAndMap, NamesStayUniqueWhereTheStrangePlaceIsEntered) {
   const FeatureWorld world({300, 60}, 4);
   const FeatureWorld strange({300, 60}, 5);

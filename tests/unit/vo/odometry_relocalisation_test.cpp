@@ -16,7 +16,7 @@ using test::See;
 
 constexpr int64_t kAskingFrame_ns = 50'000'000;
 
-/// A tracker that has walked 60 frames with a map, and then sees nothing for some.
+/// A tracker that has tracked 60 frames with a map, and then gets some frames without features.
 class Relocalisation : public testing::Test {
  protected:
   Relocalisation() { Walk(0, 60); }
@@ -32,7 +32,7 @@ class Relocalisation : public testing::Test {
     return odometry_.Track(kAskingFrame_ns * frame_++, std::move(features));
   }
   OdometryResult Blind() { return Track({}); }
-  /// As loop_process says it of a frame that shows what frame `i` showed, with an error of a centimetre.
+  /// Answers as loop_process does for a frame with the view of frame `i`, with an error of a centimetre.
   bool Answer(int i, const SE3& T_odom_c) {
     const SE3 error(ExpSO3(Eigen::Vector3d(0.001, 0.0, 0.0)), Eigen::Vector3d(0.01, 0.0, 0.0));
     int64_t keyframe_id = -1;
@@ -59,7 +59,7 @@ class Relocalisation : public testing::Test {
 TEST_F(Relocalisation, CameraCarriedWhileCoveredGoesOnInTheMap) {
   Walk(60, 200);
   for (int i = 0; i < 10; ++i) EXPECT_EQ(Blind().state, TrackingState::kLost);
-  // Uncovered at the beginning of its way, of which the tracker has kept nothing.
+  // Uncovered at the beginning of its path, of which the tracker has no landmarks left.
   const OdometryResult asked = Track(See(world_, 0, 0.3));
   ASSERT_EQ(asked.state, TrackingState::kLost);
   ASSERT_TRUE(Answer(0, asked.T_odom_c));
@@ -98,7 +98,7 @@ TEST_F(Relocalisation, ACameraThatWasNotLostGoesOnAsItDid) {
   Odometry visitor(FeatureWorld::Camera(), VoOptions());
   const OdometryResult first = visitor.Track(0, See(world_, 10, 0.3));
   const OdometryResult before = visitor.Track(kAskingFrame_ns, See(world_, 11, 0.3));
-  // Some centimetres off: what is seen says better.
+  // An error of some centimetres, which the features correct.
   const SE3 error(Eigen::Quaterniond::Identity(), {0.0, 0.05, 0.02});
   ASSERT_TRUE(visitor.Relocalise(map_.map(), 0, kT_w_world * PoseAt(10) * error * first.T_odom_c.Inverse()));
   const OdometryResult found = visitor.Track(2 * kAskingFrame_ns, See(world_, 12, 0.3));
@@ -121,7 +121,7 @@ TEST_F(Relocalisation, AKeyframeThatTheMapDoesNotHaveIsRefused) {
 }
 
 TEST_F(Relocalisation, AMapThatStaysIsFollowedByWhatIsSeen) {
-  // A tracker that makes no map of its own.
+  // A tracker without a map of its own.
   Odometry visitor(FeatureWorld::Camera(), VoOptions());
   EXPECT_FALSE(visitor.AdoptAround(map_.map())) << "it has seen nothing";
   const OdometryResult first = visitor.Track(0, See(world_, 10, 0.3));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An odometry made of the state of another goes on as that one, to the last bit.
+// An odometry that is restored from the state of another one continues with bit-identical results.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -36,7 +36,7 @@ Odometry Restored(const Odometry& odometry, const StereoCamera& camera, const Vo
 
 double Zero() { return 0.0; }
 
-/// Follows a world twice: once undisturbed, once with an odometry that is made anew from its state at each keyframe.
+/// Tracks a world twice: once undisturbed, once with an odometry that is restored from its state at each keyframe.
 void ExpectSameBits(const Dataset& dataset, int frames, const VoOptions& options) {
   StereoFrontEnd front_end(dataset.rig(), options);
   std::optional<StereoFrontEnd> other_front_end(std::in_place, dataset.rig(), options);

@@ -54,7 +54,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, OdometryByFeatureType,
 
 TEST(Odometry, RigOfMillimetresSeesWhatOneOfMetresDoes) {
   const FeatureWorld world({300, 60}, 5);
-  constexpr double kScale = 1e-3;  // of the pixels nothing changes: an endoscope, 3 mm from what it sees
+  constexpr double kScale = 1e-3;  // the pixels are the same: an endoscope, 3 mm from the scene
   StereoCamera small_rig = FeatureWorld::Camera();
   small_rig.baseline_m *= kScale;
   Odometry large(FeatureWorld::Camera(), VoOptions());
@@ -187,7 +187,7 @@ TEST(Odometry, FewFeaturesThatMoveFarAreWeakNotLost) {
 }
 
 TEST(Odometry, FewFeaturesAfterALongWhileAreLost) {
-  // A picture every second: the motion before allows any place now, so that few may agree on a wrong one.
+  // A picture every second: the motion model allows any position now, so that few features may agree on a wrong one.
   constexpr int64_t kSecond_ns = 1'000'000'000;
   const FeatureWorld world({300, 0}, 9);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());

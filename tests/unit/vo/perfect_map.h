@@ -23,10 +23,10 @@ inline StereoFeatures See(const FeatureWorld& world, int frame, double noise_px)
   return world.Observe(PoseAt(frame), noise_px, static_cast<uint64_t>(frame));
 }
 
-/// The map that a perfect mapping_process makes: it knows landmarks by their descriptors, and where everything is.
+/// The map of a perfect mapping_process: it identifies landmarks by their descriptors, and has their true positions.
 class PerfectMap {
  public:
-  /// `world`: what the keyframe's frame shows. `shift_w` moves all landmarks that are new.
+  /// `world`: the visible features of the keyframe's frame. `shift_w` moves all new landmarks.
   explicit PerfectMap(const FeatureWorld& world, const Eigen::Vector3d& shift_w = Eigen::Vector3d::Zero())
       : world_(world), shift_w_(shift_w) {}
 

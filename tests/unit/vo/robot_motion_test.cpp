@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The robot's own odometry as a prediction: what it is worth while the camera is covered, and that it costs nothing
-// where it is wrong.
+// The robot's own odometry as a prediction: its benefit while the camera is covered, and that wrong odometry does no
+// harm.
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
@@ -34,7 +34,7 @@ SE3 At(int frame) { return test::PathAt(3.0 * frame); }
 
 SE3 Step(int frame) { return At(frame - 1).Inverse() * At(frame); }
 
-/// What wheels say that tell `scale` of the way.
+/// Returns wheel odometry that measures `scale` times the true motion.
 RobotMotion Wheels(int frame, double scale) {
   const SE3 T_b_c = BodyFromMast();
   return {SE3::Exp(scale * (T_b_c * Step(frame) * T_b_c.Inverse()).Log()), T_b_c};
@@ -103,7 +103,7 @@ TEST(RobotMotionModel, IsNotBelievedWhereTheCameraCannotHaveMovedLikeThat) {
   EXPECT_FALSE(model.Predict(own.Predict(kFrame_s), kFrame_s).by_robot);
 }
 
-// Wheels that tell too little tell too little in each frame.
+// Wheels with too small a scale have the same error in each frame.
 TEST(RobotMotionModel, ErrorsOfOneFrameAfterTheOtherAddUpWithTheWay) {
   RobotMotionModel model = Believed();
   Matrix6d covariance = Matrix6d::Zero();
@@ -128,7 +128,7 @@ struct Drive {
   int n_lost = 0;
 };
 
-/// What odometry makes of frames 0 to 79, dark where `is_dark`, and of wheels that tell a share of each step.
+/// Result of odometry over frames 0 to 79, dark where `is_dark`, with wheels that measure a share of each step.
 Drive DriveWith(const std::function<bool(int)>& is_dark, const std::function<std::optional<double>(int)>& wheels) {
   const FeatureWorld world({300, 60}, 9);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());

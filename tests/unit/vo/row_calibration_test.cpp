@@ -21,7 +21,7 @@ RowField::Coefficients SomeRows() {
   return rows;
 }
 
-/// Matches all over the image whose rows are those of `rows`, up to noise; every eighth is wrong.
+/// Returns matches all over the image whose rows are those of `rows`, up to noise; every eighth is wrong.
 StereoFeatures MatchesWithRows(const RowField& rows, double sigma_px, std::mt19937& random) {
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform;
@@ -114,7 +114,7 @@ TEST(RowCalibration, DarknessChangesNothing) {
   EXPECT_EQ(calibration.field().Offset_px({639.0, 479.0}), before_px);
 }
 
-// What is close to mattering neither comes nor goes all the time.
+// A correction close to the threshold does not switch on and off all the time.
 TEST(RowCalibration, DoesNotFlicker) {
   for (const double norm_px : {0.40, 0.45, 0.50, 0.55, 0.60}) {
     RowCalibration calibration(kRowRig, {});
@@ -126,7 +126,7 @@ TEST(RowCalibration, DoesNotFlicker) {
   }
 }
 
-/// Disparity at a place from the turn that rows of this kind show.
+/// Returns the disparity at a position, by the rotation that rows of this type imply.
 double TurnedDisparity(double r0_px, double r5_px) {
   RowField::Coefficients rows = RowField::Coefficients::Zero();
   rows(0) = r0_px;

@@ -23,7 +23,7 @@ TEST(SideWorker, RunsBothEachTime) {
   SideWorker worker;
   int here = 0;
   int there = 0;
-  // With so little to do, either thread comes first to what is there.
+  // With so little work, either thread may take a task first.
   for (int i = 0; i < 10'000; ++i) worker.RunBoth([&] { ++here; }, [&] { ++there; });
   EXPECT_EQ(here, 10'000);
   EXPECT_EQ(there, 10'000);

@@ -25,7 +25,7 @@ struct View {
   double noise_px = 0.0;
   uint32_t seed = 1;
   bool depth = true;
-  /// Lines are found cut at other places in each frame.
+  /// Detected lines have different end points in each frame.
   bool cut = false;
   std::set<int64_t> missed_points = {};
   std::set<int64_t> missed_lines = {};

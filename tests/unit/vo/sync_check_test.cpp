@@ -114,8 +114,8 @@ double LateIn(const Dataset& dataset, int n_frames) {
   return test::RunOdometry(dataset, {}, 1, n_frames).back().late_s;
 }
 
-// The images of a late camera, 20 frames a second. Where it is a whole frame late, most matches are found only once
-// that is known.
+// The images of a late camera, 20 frames a second. If the camera is a whole frame late, most matches are found only
+// when the delay is known.
 TEST(SyncCheck, IsToldOfLateImagesOfAWorld) {
   for (const double late_ms : {5.0, 20.0, 50.0}) {
     const auto world = OpenDataset("synthetic:room?frames=30&right_late_ms=" + std::to_string(late_ms), "");

@@ -97,7 +97,7 @@ TEST(KeyframeLog, LandmarksCarryTheNamesThatTheTrackersKeyframesGaveThem) {
   EXPECT_THAT(before->points[1].tracker_ids, ElementsAre(8));
 }
 
-// Keyframes 1, 2, ... share 14 + their number with keyframe 0, and see one point of their own.
+// Keyframes 1, 2, ... share 14 + their number with keyframe 0, and observe one point of their own.
 Map StarOfKeyframes(int neighbours) {
   Map map;
   for (int k = 0; k <= neighbours; ++k) map.Put(KeyframeOf(k, kSession, k));

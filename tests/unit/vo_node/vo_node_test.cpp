@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// vo_process against stand-ins for the others, on real buses over loopback.
+// vo_process with stand-ins for the other processes, on real buses over loopback.
 #include "vo_process/node/vo_node.h"
 
 #include <gtest/gtest.h>
@@ -89,7 +89,7 @@ class VoNodeTest : public testing::Test {
   /// In a map that began at frame 0 of the dataset.
   SE3 Truth(int index) const { return dataset_->GroundTruth(0)->Inverse() * *dataset_->GroundTruth(index); }
 
-  /// What loop_process says to the newest question.
+  /// Publishes the result of loop_process for the newest request.
   void Answer(const Map& map) {
     Relocalisation answer;
     {
@@ -117,7 +117,7 @@ class VoNodeTest : public testing::Test {
     message.header.t_ns = kFrame_ns * (frame_id + 1);
     (*others_)->Publish(bus::kMask, message);
   }
-  /// Wheels that tell 0.97 of each step, twice a frame.
+  /// Publishes wheel odometry of 0.97 of each step, twice a frame.
   void SayWheels(int index, int64_t frame_id) {
     const SE3 T_b_c = BodyFromCamera(dataset_->rig());
     for (int half = index > 0 ? 2 * index - 1 : 0; half <= 2 * index; ++half) {
@@ -159,7 +159,7 @@ class VoNodeTest : public testing::Test {
     const std::lock_guard lock(mutex_);
     asked_.reset();
   }
-  /// A loop_process says that it lives.
+  /// Starts a loop_process that publishes its status.
   std::unique_ptr<RunningBus> StartLoopProcess() {
     auto loop = std::make_unique<RunningBus>(bus_options_, "loop");
     (*loop)->Every(std::chrono::milliseconds(50), [loop = &**loop] {
@@ -174,11 +174,11 @@ class VoNodeTest : public testing::Test {
   const std::unique_ptr<Dataset> dataset_ = OpenDataset("synthetic:room?size=376x240&speed=2&frames=75", "");
   std::vector<int> shown_;
   SE3 T_robot_b_;
-  /// Left and right of what is shown.
+  /// Left and right images are exchanged.
   bool exchanged_ = false;
-  bool localise_only_ = false;  ///< what the map says of itself
+  bool localise_only_ = false;  ///< as published with the map
 
-  /// Until the tracker says such a thing of itself.
+  /// Waits until the tracker publishes a status for which `what` holds.
   bool Says(const std::function<bool(const status_t&)>& what) {
     std::unique_lock lock(mutex_);
     const auto limit = plslam::test::Patience(std::chrono::seconds(20));
@@ -246,7 +246,7 @@ TEST_F(VoNodeTest, ExchangedImagesAreToldInTheStatus) {
   EXPECT_TRUE(Says([](const status_t& s) { return bus::CounterOf(s, "frames.dark") == 3; }));
 }
 
-// The first may have died with the question: taken from the bus, not answered.
+// The first loop_process may have exited with the request: taken from the bus, but not answered.
 TEST_F(VoNodeTest, ATrackerThatOnlyLocalisesBeginsAnewInTheMapThatTakesThePlaceOfIts) {
   VoOptions options;
   options.map.localise_only = true;
@@ -377,7 +377,7 @@ TEST_F(VoNodeTest, ACameraThatWentOnElsewhereCountsAsLostUntilALateAnswerPutsItI
   ASSERT_TRUE(bus::test::Eventually([&] { return HasAsked(); }));
   EXPECT_LT(ErrorInMap(find(1)), 0.02);
   for (int i = 0; i < 10; ++i) EXPECT_EQ(ShowNext(10, true).state, kLost);
-  // Among landmarks of its own it is tracked at once, and found again after a bad frame; in the map it is nowhere.
+  // Among its own landmarks it is tracked at once, and relocalised after a bad frame; in the map it is not localised.
   for (int i = 60; i < 64; ++i) {
     if (i == 62) {
       EXPECT_EQ(ShowNext(i, true).state, kLost);

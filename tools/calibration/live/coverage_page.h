@@ -8,8 +8,8 @@
 
 namespace plslam::calibration {
 
-/// A page that shows where the boards of the pictures lie, what is missing, and the pictures (files beside the page).
-/// While `is_running` it reloads itself every second.
+/// Returns a page that shows the positions of the boards in the pictures, missing views, and the pictures (files beside
+/// the page). While `is_running` it reloads itself every second.
 std::string CoveragePage(const PictureTaker& taker, const std::vector<std::string>& pictures, bool is_running);
 
 }  // namespace plslam::calibration

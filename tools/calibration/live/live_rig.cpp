@@ -43,7 +43,7 @@ std::string SourceText(const camera::SourceSpec& spec, const std::string& path) 
   return YAML::Dump(root) + "\n";
 }
 
-/// What is calibrated anew may stand there; what a user would miss in the result may not.
+/// Keys that the calibration replaces are accepted; keys that would be missing in the result are not.
 void CheckCameraKeys(const YamlMap& camera) {
   for (const char* key : {"mask", "mask_polygons", "borders_px"}) {
     if (camera.Has(key)) camera.Fail(key, "is not taken over by a calibration: write it into the result afterwards");

@@ -8,7 +8,7 @@
 
 namespace plslam::calibration {
 
-/// The file in a folder of live pictures that says where they come from.
+/// The file in a folder of live pictures that records their source.
 inline constexpr const char* kRigOfPictures = "camera.rig.yaml";
 
 /// A rig file whose cameras may have no calibration yet: `source`, and `resolution_px` of `left`.
@@ -17,9 +17,9 @@ struct LiveRigFile {
   SE3 T_b_left;
   double rate_hz = 0.0;
   ImageSize size;
-  /// The map `source` as YAML, names of files made absolute: to put behind a calibration.
+  /// The map `source` as YAML with absolute names of files, to append to a calibration.
   std::string source;
-  /// A rig file for the process `camera`, which sends images as recorded: the lenses in it are made up.
+  /// A rig file for the process `camera`, which sends images as recorded; its lens values are placeholders.
   std::string for_camera;
 };
 

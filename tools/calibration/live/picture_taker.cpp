@@ -19,11 +19,11 @@ constexpr int kStillLooks = 3;
 constexpr double kStill_s = 0.25;
 constexpr size_t kMinCorners = 8;
 constexpr int kEnoughPictures = 30;
-/// Of the corners of a picture, in cells of the image that have none yet.
+/// Share of a picture's corners that lie in cells of the image without any corner so far.
 constexpr double kNewShare = 0.15;
 constexpr int kColumns = 12, kRows = 8;
 constexpr double kSineOfTilt = 0.34;  // 20 degrees
-/// Steps of the distance, as of a factor of 1.4.
+/// Steps of the distance per octave: a step is a factor of 1.4.
 constexpr double kStepsOfScale = 2.0;
 
 /// Median motion of the corners that are in both; infinite where these are few.
@@ -101,7 +101,7 @@ void PictureTaker::Count(const BoardView& view, bool is_right) {
 
 bool PictureTaker::Add(const BoardView& left, const BoardView& right, double t_s) {
   if (!IsStill(left, right, t_s)) return false;
-  // Noise must not make one place of the board several.
+  // Noise must not turn one position of the board into several.
   if (std::max(Motion_px(taken_left_, left), Motion_px(taken_right_, right)) < kStill_px) return false;
   const Stance stance = StanceOf(left);
   if (stances_.contains(stance) && !IsNewPlace(left, false) && !IsNewPlace(right, true)) return false;

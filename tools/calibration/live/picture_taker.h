@@ -15,17 +15,17 @@
 
 namespace plslam::calibration {
 
-/// Decides which pairs of a live stereo camera are worth a picture: the board stands still in both images, at a place,
-/// distance or tilt that no picture has yet. Says what is missing until pictures of all kinds are there.
+/// Decides which pairs of a live stereo camera are worth a picture: the board is static in both images, at a position,
+/// distance or tilt that no picture has yet. Reports missing views until all types of views have been taken.
 class PictureTaker {
  public:
   PictureTaker(const Board& board, const ImageSize& size) : board_(board), size_(size) {}
 
-  /// What was seen of the board (nothing: empty) at a time in seconds, in the order of time. True where it is worth a
-  /// picture, which then counts as taken.
+  /// Adds the views of the board (empty: not seen) at a time in seconds, in order of time. Returns true if they are
+  /// worth a picture, which then counts as taken.
   bool Add(const BoardView& left, const BoardView& right, double t_s);
 
-  /// Sentences, the most important first; empty where nothing is missing.
+  /// Sentences about missing views, the most important first; empty if none are missing.
   std::vector<std::string> Missing() const;
 
   int pictures() const { return pictures_; }
@@ -33,10 +33,10 @@ class PictureTaker {
   const ImageSize& size() const { return size_; }
 
  private:
-  /// How the board stands in the left image, in coarse steps.
+  /// Pose of the board in the left image, in coarse steps.
   struct Stance {
     int column = 0, row = 0, scale = 0;
-    bool left = false, right = false, up = false, down = false;  ///< where it is turned to
+    bool left = false, right = false, up = false, down = false;  ///< directions of its tilt
     auto Key() const { return std::tuple(column, row, scale, left, right, up, down); }
     bool operator<(const Stance& other) const { return Key() < other.Key(); }
   };

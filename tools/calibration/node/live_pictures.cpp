@@ -38,12 +38,12 @@ namespace fs = std::filesystem;
 
 constexpr std::chrono::milliseconds kTick(100);
 constexpr double kPatienceAtTheEnd_s = 5.0;
-/// Cameras that give no image for so long count as begun.
+/// Cameras without any image for this time count as started.
 constexpr double kPatienceForFrames_s = 10.0;
-/// Before something is said about a board that gives no picture.
+/// Number of images before a fault of the board is reported.
 constexpr int kLooksForAFault = 20;
 
-/// The process `camera` until the end of the scope.
+/// Runs the process `camera` until the end of the scope.
 class CameraChild {
  public:
   CameraChild(const fs::path& rig, const std::string& url, const fs::path& log)
@@ -60,7 +60,7 @@ class CameraChild {
   CameraChild(const CameraChild&) = delete;
   CameraChild& operator=(const CameraChild&) = delete;
 
-  /// False where its source has ended. Throws where it has failed, with its last word.
+  /// Returns false if its source has ended. Throws its last sentence if it has failed.
   bool Runs() {
     const auto exit = process_.Poll();
     if (exit && exit->code != 0) {
@@ -77,8 +77,8 @@ class CameraChild {
   launcher::ChildProcess process_;
 };
 
-/// A folder for pictures. Where none is taken, the files that were made in it are removed again, and the folder with
-/// them unless something else is in it.
+/// A folder for pictures. If no picture is taken, the files in it that were created here are removed again, and the
+/// folder too unless it has other content.
 class PictureFolder {
  public:
   explicit PictureFolder(fs::path folder) : folder_(std::move(folder)) {
@@ -109,7 +109,7 @@ class PictureFolder {
   bool keeps_log_ = false;
 };
 
-/// What the images of a session say about a board that gives no picture: each fault is told once.
+/// Faults of a board that gives no pictures, found in a session's images: each is reported once.
 class BoardWatch {
  public:
   explicit BoardWatch(const Board& board) : board_(board) {}
@@ -131,7 +131,7 @@ class BoardWatch {
     std::fflush(stdout);
   }
 
-  /// A sentence; empty where nothing is wrong but that no board stood still.
+  /// A sentence; empty if the only fault is that no board was static.
   const std::string& fault() const { return fault_; }
 
  private:
@@ -194,7 +194,7 @@ class LiveSession {
   std::optional<double> first_frame_s_;
 };
 
-/// Runs `f`; the sentence of what it throws, or empty.
+/// Runs `f`; returns the sentence of its exception, or an empty string.
 std::string FailureOf(const std::function<void()>& f) {
   try {
     f();

@@ -12,8 +12,8 @@
 namespace plslam::doctor {
 namespace {
 
-/// The row of a channel with any prefix; nullptr where it is none of ours. The longest name counts: STEREO_FRAME is
-/// no FRAME with a prefix.
+/// Returns the row of a channel with any prefix; nullptr if it is no channel of plslam. The longest name is used:
+/// STEREO_FRAME is no FRAME with a prefix.
 const bus::Channel* ChannelOf(std::string_view wire_name) {
   const bus::Channel* best = nullptr;
   for (const bus::Channel& channel : bus::Channels()) {

@@ -49,7 +49,7 @@ void AddOptions(CLI::App& app, Arguments& a) {
       ->type_name("FILE");
 }
 
-/// What was named, sorted out.
+/// The arguments, sorted into runs and others.
 struct Named {
   std::vector<RunRecord> runs;
   std::vector<std::string> others;  ///< exist, but are no runs
@@ -64,7 +64,7 @@ void AddRun(const std::string& folder, Named* named) {
   }
 }
 
-/// A folder without a summary stands for the runs in it.
+/// A folder without a summary means the runs in it.
 void AddNamed(const std::string& name, Named* named) {
   if (!fs::exists(name)) throw std::runtime_error(name + ": does not exist");
   if (!fs::is_directory(name) || fs::exists(name + "/summary.json")) return AddRun(name, named);
@@ -85,7 +85,7 @@ std::string NamesText(const std::vector<std::string>& names) {
   return names.size() > kShown ? fmt::format("{} and {} more", text, names.size() - kShown) : text;
 }
 
-/// Throws std::runtime_error where there is not one run.
+/// Throws std::runtime_error if there is no run.
 std::vector<RunRecord> RunsOf(const std::vector<std::string>& names) {
   Named named;
   for (const std::string& name : names) AddNamed(name, &named);
@@ -145,7 +145,7 @@ std::string LinkTo(const std::string& to, const std::string& from) {
   return link;
 }
 
-/// The page of --html links to that of --map, and back. A run without report.html costs the map alone, and then there
+/// The page of --html links to that of --map, and back. A run without report.html prevents only the map, and then there
 /// is no link.
 void WritePages(const Arguments& a, const std::vector<RunRecord>& runs, const std::vector<RunGroup>& groups) {
   const bool both = !a.html.empty() && !a.map.empty();

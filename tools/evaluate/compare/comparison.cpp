@@ -12,7 +12,7 @@ namespace {
 
 constexpr size_t kNamedOptions = 3;
 
-/// The last part of each name, or the whole where that says too little.
+/// Returns the last part of each name, or the complete name if that is ambiguous.
 std::string ShortName(const std::string& option, const std::vector<std::string>& options) {
   const std::string last = option.substr(option.rfind('.') + 1);
   const auto has_same_end = [&](const std::string& other) { return other.substr(other.rfind('.') + 1) == last; };
@@ -37,7 +37,7 @@ RunGroup* FindGroup(std::vector<RunGroup>& groups, const RunRecord& run) {
   return group == groups.end() ? nullptr : &*group;
 }
 
-/// Behind the last group of its dataset.
+/// Inserts the group after the last one of its dataset.
 RunGroup& AddGroup(std::vector<RunGroup>& groups, RunGroup group) {
   auto place = groups.end();
   while (place != groups.begin() && std::prev(place)->dataset != group.dataset) --place;
@@ -55,7 +55,7 @@ void Summarise(RunGroup& group) {
   }
 }
 
-/// Where more options differ than labels name, equal labels get a number.
+/// Appends a number to equal labels, which occur if more options differ than labels name.
 void TellApart(std::vector<RunGroup>& groups) {
   std::map<std::pair<std::string, std::string>, int> seen;
   for (RunGroup& group : groups) {

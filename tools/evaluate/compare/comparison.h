@@ -8,12 +8,12 @@
 
 namespace plslam::evaluate {
 
-/// Of a metric over the runs of a group that were completed and tell it.
+/// Statistics of a metric over the completed runs of a group that have it.
 struct Spread {
   int n = 0;
-  double median = 0.0;  ///< mean of the two middle values where `n` is even
+  double median = 0.0;  ///< mean of the two middle values if `n` is even
   double worst = 0.0;
-  double spread = 0.0;  ///< largest less smallest
+  double spread = 0.0;  ///< largest minus smallest
 };
 
 Spread SpreadOf(std::vector<double> values, bool larger_is_better);
@@ -29,20 +29,21 @@ struct RunGroup {
   /// As Metrics() has them.
   std::vector<Spread> metrics;
 
-  /// Of a metric, from the completed runs that tell it.
+  /// Values of a metric in the completed runs that have it.
   std::vector<double> Values(size_t metric) const;
 
-  /// The completed run whose first metric is nearest to the median, at a tie the first; nullptr where there is none.
+  /// Returns the completed run whose first metric is nearest to the median, the first of equal ones; nullptr if there
+  /// is none.
   const RunRecord* Typical() const;
 };
 
-/// Groups in the order in which their first runs come; groups of one dataset follow each other.
+/// Returns groups in the order of their first runs; groups of one dataset are consecutive.
 std::vector<RunGroup> Compare(const std::vector<RunRecord>& runs);
 
-/// The metrics that any of the groups knows.
+/// Returns the metrics that any of the groups has.
 std::vector<size_t> KnownMetrics(const std::vector<const RunGroup*>& groups);
 
-/// Value of an option; "-" where the run has no such option.
+/// Returns the value of an option; "-" if the run has no such option.
 std::string ValueOf(const RunRecord& run, const std::string& option);
 /// Names of the options that are not the same in all runs, in their order.
 std::vector<std::string> DifferingOptions(const std::vector<const RunRecord*>& runs);

@@ -20,7 +20,7 @@ struct DotRow {
 /// Values of several groups of runs over one axis from 0, at column width: a dot each, a bar at the median.
 Drawing DotFigure(const std::string& title, const std::string& axis, const std::vector<DotRow>& rows);
 
-/// Colours that people with any colour vision tell apart, in turn (Okabe and Ito 2008).
+/// Returns colours in turn that people with any colour vision can distinguish (Okabe and Ito 2008).
 Ink InkOf(size_t i);
 
 struct NamedDrawing {
@@ -28,10 +28,10 @@ struct NamedDrawing {
   Drawing drawing;
 };
 
-/// Of groups of one dataset: the typical trajectory of the first from above with the truth, and those of the others'
-/// runs of the same (the same seed of a built-in world, whose ways differ); dots for the errors, the time of
-/// odometry, CPU and memory. What no run tells is left out. Reads the trajectories of the runs; those that are
-/// missing or cannot be read are left out too.
+/// Returns the figures of the groups of one dataset: a top view of the first group's typical trajectory with the truth,
+/// and of the other groups' runs of the same data (the same seed of a built-in world, since paths differ between
+/// seeds); dots for the errors, the time of odometry, CPU and memory. Measures that no run has are left out. Reads the
+/// trajectories of the runs; missing or unreadable ones are left out too.
 std::vector<NamedDrawing> ComparisonFigures(const std::vector<const RunGroup*>& groups);
 
 }  // namespace plslam::evaluate

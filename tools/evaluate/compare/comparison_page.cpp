@@ -111,7 +111,7 @@ std::string RunsOf(const Groups& groups) {
   return html + "</table></div></details>\n";
 }
 
-/// Those that differ between groups: the groups of a configuration stand in its columns.
+/// Returns the table of the options that differ between groups: a row for each option, a column for each group.
 std::string OptionTable(const Groups& groups) {
   std::vector<const RunRecord*> firsts;
   for (const RunGroup* group : groups) firsts.push_back(&group->runs.front());

@@ -8,9 +8,9 @@
 
 namespace plslam::evaluate {
 
-/// A page for any browser with everything in it (no scripts, nothing from elsewhere): the table with medians, worst
-/// and spread; figures by dataset; each run with its folder and what it gave; and the options of each configuration
-/// that differ. `map_link` is the address of the page with the maps of the runs, which is linked; empty: none.
+/// Returns a self-contained page for any browser (no scripts, no external files): the table with medians, worst and
+/// spread; figures by dataset; each run with its folder and results; and the options of each configuration that differ.
+/// `map_link` is the address of the page with the maps of the runs, which is linked; empty: none.
 std::string ComparisonPage(const std::vector<RunGroup>& groups, const std::string& map_link = "");
 
 }  // namespace plslam::evaluate

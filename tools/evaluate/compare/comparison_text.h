@@ -9,11 +9,11 @@
 
 namespace plslam::evaluate {
 
-/// "1 failed, 2 without ATE" of a group's runs; empty where none lacks anything.
+/// Returns "1 failed, 2 without ATE" about a group's runs; empty if all are complete.
 std::string LackingText(const RunGroup& group);
 
-/// A row of cells for each group, under the names of the columns; columns that no group has anything for are left
-/// out. Cells of more than one run are "median (worst)"; "-" where nothing is known.
+/// A row of cells for each group, under the names of the columns; columns without any value are left out. Cells of more
+/// than one run are "median (worst)"; "-" for unknown values.
 struct ComparisonTable {
   std::vector<std::string> columns;
   std::vector<std::vector<std::string>> rows;

@@ -8,9 +8,10 @@
 
 namespace plslam::evaluate {
 
-/// The report of the first run, with paths and landmarks of the others in its map, each in a colour of its own. The
-/// others are those of the same dataset, up to 6. Throws std::runtime_error where there is no other, or one of them
-/// has no report.html. `comparison_link` is the address of the page that compares the runs, which is linked; empty: none.
+/// Returns the report of the first run, with paths and landmarks of the others in its map, each in a different colour.
+/// The others are those of the same dataset, up to 6. Throws std::runtime_error if there is no other, or one of them
+/// has no report.html. `comparison_link` is the address of the page that compares the runs, which is linked; empty:
+/// none.
 std::string JointMapPage(const std::vector<RunRecord>& runs, const std::string& comparison_link = "");
 
 }  // namespace plslam::evaluate

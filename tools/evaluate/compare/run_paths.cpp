@@ -20,7 +20,7 @@ Trajectory TryRead(const std::string& path) {
   }
 }
 
-/// Takes the frame of `estimate` to that of `reference`; nullopt where they have no moment in common.
+/// Returns the transform from the frame of `estimate` to that of `reference`; nullopt if they have no moment in common.
 std::optional<SE3> Join(const Trajectory& estimate, const Trajectory& reference) {
   if (reference.empty() || AssociateNearest(estimate, reference, kSameMoment_ns).empty()) return std::nullopt;
   return EvaluateTrajectory(estimate, reference, {}).alignment.T_a_b;

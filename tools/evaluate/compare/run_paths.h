@@ -12,15 +12,15 @@ namespace plslam::evaluate {
 /// The files that a run has written about where its camera was. The body is the left camera as calibrated.
 struct RunPaths {
   Trajectory estimate;           ///< in w, the map of the run; not empty
-  Trajectory truth;              ///< empty where it is not known
-  std::optional<SE3> T_truth_w;  ///< joins both, where there is truth
+  Trajectory truth;              ///< empty if it is unknown
+  std::optional<SE3> T_truth_w;  ///< alignment of both, if there is truth
 };
 
-/// nullopt where the trajectory is missing, empty or cannot be read.
+/// Returns nullopt if the trajectory is missing, empty or unreadable.
 std::optional<RunPaths> ReadRunPaths(const RunRecord& run);
 
-/// From the map of `other` to that of `base`: through the truth where both know it, else by their own paths, else as
-/// if both had begun at one place.
+/// Returns the transform from the map of `other` to that of `base`: through the truth if both have it, else by their
+/// own paths, else as if both had begun at one position.
 SE3 BaseFromOther(const RunPaths& base, const RunPaths& other);
 
 }  // namespace plslam::evaluate

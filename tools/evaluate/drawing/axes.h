@@ -31,7 +31,7 @@ struct Box {
   double Bottom() const { return corner.y() + size.y(); }
 };
 
-/// What stands in a legend: a sample of a line, or of dots where `stroke.width_pt` is 0.
+/// An entry of a legend: a sample of a line, or of dots if `stroke.width_pt` is 0.
 struct LegendEntry {
   std::string name;
   Stroke stroke;
@@ -50,11 +50,11 @@ class Axes {
   void DrawGrid(const std::string& x_name, const std::string& y_name);
   void DrawFrame();
   void DrawPath(const std::vector<Eigen::Vector2d>& data, const Stroke& stroke);
-  /// Those within the axes.
+  /// Draws the dots within the axes.
   void DrawDots(const std::vector<Eigen::Vector2d>& data, double radius_pt, const Ink& ink);
-  /// Those with both ends within the axes.
+  /// Draws the segments with both ends within the axes.
   void DrawSegments(const std::vector<std::array<Eigen::Vector2d, 2>>& data, const Stroke& stroke);
-  /// The start of a path.
+  /// Marks the start of a path.
   void DrawRing(const Eigen::Vector2d& data, const Ink& ink);
 
  private:
@@ -81,7 +81,7 @@ Plan PlanAround(const std::vector<Eigen::Vector2d>& positions, double top_pt);
 void AddText(Drawing& drawing, const Place& at, const std::string& text, double anchor = 0.0,
              double size_pt = kType_pt, const Ink& ink = {40, 40, 40});
 
-/// The title of a figure at column width, in its first line: smaller, and cut short, where it is too long.
+/// Adds the title of a figure at column width, in its first line: in a smaller font, and truncated, if it is too long.
 void AddTitle(Drawing& drawing, const std::string& title);
 
 /// Rows of entries from `at` (left end of the first base line), as many in a row as fit into `width_pt`. Returns the

@@ -67,7 +67,7 @@ double Advance(cairo_t* cairo, const std::string& printable) {
   return extents.x_advance;
 }
 
-/// An image as cairo takes it. `pixels` must live as long as the surface.
+/// An image in cairo's format. `pixels` must outlive the surface.
 CairoSurface ImageSurface(const cv::Mat& image, cv::Mat& pixels) {
   cv::cvtColor(image, pixels, image.channels() == 1 ? cv::COLOR_GRAY2BGRA : cv::COLOR_BGR2BGRA);
   return CairoSurface(cairo_image_surface_create_for_data(pixels.data, CAIRO_FORMAT_RGB24, pixels.cols, pixels.rows,
@@ -135,12 +135,12 @@ class Painter {
     cairo_pattern_set_filter(cairo_get_source(cairo_), larger ? CAIRO_FILTER_NEAREST : CAIRO_FILTER_GOOD);
     cairo_paint(cairo_);
     cairo_restore(cairo_);
-    // Pages are written at their end: what is not finished now would be copied from `pixels` when they are gone.
+    // Pages are written at their end: an unfinished surface would be copied from `pixels` after their destruction.
     cairo_surface_finish(surface.get());
   }
 
  private:
-  /// What goes into an SVG as it is: cairo would write grey pixels as colour.
+  /// Attaches the PNG file itself to be stored in an SVG: cairo would write grey pixels as colour.
   static void Attach(std::string png, cairo_surface_t* surface) {
     auto held = std::make_unique<std::string>(std::move(png));
     const auto* bytes = reinterpret_cast<const unsigned char*>(held->data());
@@ -150,7 +150,7 @@ class Painter {
     held.release();
   }
 
-  // Far outside the drawing nothing is seen, and cairo's fixed-point numbers would overflow.
+  // Coordinates far outside the drawing are invisible, and would overflow cairo's fixed-point numbers.
   static double Near(double pt) { return std::clamp(pt, -1e5, 1e5); }
   void MoveTo(const Place& place) { cairo_move_to(cairo_, Near(place.x()), Near(place.y())); }
   /// The first of a path moves there.
@@ -187,8 +187,8 @@ cairo_status_t AppendTo(void* file, const unsigned char* bytes, unsigned int n) 
   return AppendBytes(*static_cast<std::string*>(file), bytes, n) ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_NO_MEMORY;
 }
 
-/// cairo counts surfaces and images over the whole run of a program: counted from 1, as they come in the document,
-/// they do not depend on drawings before. `prefix` begins them and the glyphs' ids, which cairo counts by document.
+/// cairo counts surfaces and images over the whole run of a program: numbered from 1 in the order of the document, they
+/// do not depend on earlier drawings. `prefix` begins them and the glyphs' ids, which cairo counts by document.
 std::string WithOwnIds(const std::string& svg, const std::string& prefix) {
   std::string own;
   std::map<std::string, size_t> numbers;
@@ -238,7 +238,7 @@ void WriteDrawing(const std::string& path, const Drawing& drawing) {
 std::string ToSvg(const Drawing& drawing, const std::string& id_prefix) {
   std::string svg;
   const CairoSurface surface(cairo_svg_surface_create_for_stream(AppendTo, &svg, drawing.size.x(), drawing.size.y()));
-  // As it was without being asked for before cairo 1.18.
+  // The default before cairo 1.18.
   cairo_svg_surface_set_document_unit(surface.get(), CAIRO_SVG_UNIT_PT);
   Paint(drawing, 1.0, surface.get());
   return WithOwnIds(svg, id_prefix);

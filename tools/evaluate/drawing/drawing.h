@@ -25,7 +25,7 @@ struct Stroke {
   bool dashed = false;
 };
 
-/// A polyline; filled where `fill` says so, and then closed.
+/// A polyline; closed and filled if `fill` is set.
 struct DrawnPath {
   std::vector<Place> places;
   Stroke stroke;

@@ -67,7 +67,7 @@ Box DrawPaths(const Accuracy& accuracy, Drawing& drawing) {
   return plan.area;
 }
 
-/// One of the two kinds of errors: its name, its unit, and what makes this unit of the values.
+/// One of the two types of errors: its name, its unit, and the factor to this unit.
 struct ErrorKind {
   const char* name;
   const char* unit;

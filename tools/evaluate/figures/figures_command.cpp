@@ -35,7 +35,7 @@ struct Arguments {
   std::string lines = "lbd.vocabulary";
 };
 
-/// What the figures are drawn from.
+/// The data of the figures.
 struct Material {
   exports::RunSource source;
   nlohmann::json summary;

@@ -39,7 +39,7 @@ struct Frame {
   /// Small images have thin marks.
   double MarkScale() const { return Size().x() > 0.7 * kColumn_pt ? 1.0 : 0.65; }
   Place Size() const { return pt_per_px * Place(shown.image.cols, shown.image.rows); }
-  /// By the place within the columns that have shared features.
+  /// The colour depends on the position within the columns that have shared features.
   Ink ColourAt(const Eigen::Vector2d& px) const {
     return Rainbow((px.x() - columns.min) / std::max(columns.max - columns.min, 1.0));
   }
@@ -57,7 +57,7 @@ Range ColumnsOf(const FeaturesView& features, const SameFeatures& same) {
   return columns;
 }
 
-/// Lighter, so that colours stand out.
+/// Returns a lighter image, so that colours stand out.
 cv::Mat Faded(const cv::Mat& image) {
   cv::Mat faded;
   image.convertTo(faded, CV_8U, 0.65, 80.0);

@@ -11,9 +11,9 @@
 
 namespace plslam::evaluate {
 
-/// Two keyframes that are worth a picture: those of the last closed loop; where there is none, one in the middle of
-/// the map and the neighbour farthest from it with 100 shared landmarks (or its best). nullopt: no two keyframes
-/// share a landmark.
+/// Returns two keyframes for a picture: those of the last closed loop; if there is none, one in the middle of the map
+/// and the neighbour farthest from it with 100 shared landmarks (or its best). nullopt: no two keyframes share a
+/// landmark.
 std::optional<std::pair<int64_t, int64_t>> PairWorthShowing(const Map& map);
 
 /// A keyframe of the figure: its rectified left image and its features.
@@ -31,8 +31,8 @@ struct SameFeatures {
 
 SameFeatures SharedBy(const Map& map, int64_t a, int64_t b);
 
-/// Both images with their features, above each other where they are wide, else side by side. Features of the same
-/// landmark have the same colour in both, by its place in the first; the others are small and grey. Some of them are
+/// Draws both images with their features, one above the other if they are wide, else side by side. Features of the same
+/// landmark have the same colour in both, by its position in the first; the others are small and grey. Some of them are
 /// joined.
 Drawing PairFigure(const std::string& title, const PairedImage& first, const PairedImage& second,
                    const SameFeatures& same);

@@ -27,7 +27,7 @@ struct Row {
   std::string name;
   /// 0: a heading.
   double value_ms = 0.0;
-  /// 95 %; 0: there is none.
+  /// 95 % quantile; 0: there is none.
   double high_ms = 0.0;
   Ink ink = kMedian;
 };

@@ -42,7 +42,7 @@ Plan Begin(const std::string& title, const std::vector<LegendEntry>& legend,
 
 using Edges = std::vector<std::array<Eigen::Vector2d, 2>>;
 
-/// What the axes show of a map's landmarks: every `step`-th point, and lines.
+/// The map's landmarks within the axes: every `step`-th point, and lines.
 struct ShownLandmarks {
   size_t step = 1;
   std::vector<Eigen::Vector2d> points;

@@ -10,9 +10,9 @@
 
 namespace plslam::evaluate {
 
-/// Directions of the drawing in w, so that nothing is mirrored. From above, in the levelled frame (LevelRotation): x
-/// to the right and z (forward) up, or, where the path is longer than wide, z to the right and -x (left) up. From the
-/// side, with -y up, where a path climbs as far as it leads away.
+/// Axes of the drawing in w, chosen without mirroring. From above, in the levelled frame (LevelRotation): x to the
+/// right and z (forward) up, or, where the path is longer than wide, z to the right and -x (left) up. From the side,
+/// with -y up, where a path climbs as far as it leads away.
 struct ViewDirections {
   Eigen::Vector3d right = Eigen::Vector3d::UnitX();
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
@@ -33,12 +33,12 @@ struct NamedPath {
   Stroke stroke;
 };
 
-/// Where the poses of a trajectory are in w, its positions being in another frame.
+/// Returns the positions in w of a trajectory that is given in another frame.
 std::vector<Eigen::Vector3d> PositionsOf(const Trajectory& trajectory, const SE3& T_w_trajectory = SE3());
 
-/// Trajectories from above, at column width and equal scale, the last on top; with the landmarks of `map` (may be
-/// null) below them in grey, at most 20,000 points. The start of the last one has a ring. The title stands above.
-/// Without a map, up is -y of w.
+/// Draws trajectories from above, at column width and equal scale, the last on top; below them in grey the landmarks of
+/// `map` (may be null), at most 20,000 points. The start of the last trajectory is marked by a ring. The title is
+/// above. Without a map, up is -y of w.
 Drawing TopView(const std::string& title, const std::vector<NamedPath>& paths, const Map* map);
 
 /// The covisibility graph (PL-SLAM fig. 3): keyframes, edges between those that share 20 landmarks in light green,

@@ -10,7 +10,7 @@
 namespace plslam::evaluate {
 namespace {
 
-/// What is true of each pair (later frame, earlier frame), row by row.
+/// The true class of each pair (later frame, earlier frame), row by row.
 class TruthTable {
  public:
   TruthTable(const std::vector<PlaceFrame>& frames, const RevisitOptions& options) : size_(frames.size()) {
@@ -85,7 +85,7 @@ SimilarityMatrix MatrixOf(const std::vector<PlaceFrame>& frames, PlaceRecogniser
   return matrix;
 }
 
-/// Hears the values of one option among its fields.
+/// A field visitor that returns the values of one option.
 struct ValuesOf {
   std::string field;
   std::vector<std::string> values;

@@ -11,16 +11,16 @@
 
 namespace plslam::evaluate {
 
-/// What counts as the same place. Between a revisit and another place lie pairs whose views overlap in part: neither
-/// right nor wrong.
+/// Definition of a revisit and of another place. Pairs in between have partly overlapping views and count neither as
+/// right nor as wrong.
 struct RevisitOptions {
-  /// A revisit is at most this far away, in position and in direction of view.
+  /// Largest distance of a revisit, in position and in viewing direction.
   double distance_m = 1.0;
   double angle_deg = 30.0;
   /// Another place is farther away than one of these.
   double far_distance_m = 5.0;
   double far_angle_deg = 90.0;
-  /// Pairs that follow each other sooner are no revisit and not looked at.
+  /// Pairs with a smaller time difference are no revisit and are ignored.
   double min_gap_s = 5.0;
 };
 
@@ -34,7 +34,7 @@ struct TimedPose {
 
 PairTruth ClassifyPair(const TimedPose& a, const TimedPose& b, const RevisitOptions& options);
 
-/// A place that was proposed, and whether it was the right one.
+/// A proposed place, and whether it was correct.
 struct ScoredProposal {
   double score = 0.0;
   bool right = false;
@@ -47,7 +47,7 @@ struct PrecisionRecallPoint {
   double recall = 0.0;
 };
 
-/// How well scores tell right proposals from wrong ones.
+/// How well scores separate correct proposals from wrong ones.
 struct PrecisionRecall {
   /// Descending by score; equal scores are accepted together.
   std::vector<PrecisionRecallPoint> curve;
@@ -60,19 +60,20 @@ struct PrecisionRecall {
 /// `positives`: how many right proposals there could be; recall is relative to it. 0: everything is 0.
 PrecisionRecall ComputePrecisionRecall(std::vector<ScoredProposal> proposals, int positives);
 
-/// A frame of a sequence: where it truly was, and what it looked like.
+/// A frame of a sequence: its true pose, and its description.
 struct PlaceFrame {
   TimedPose pose;
   PlaceDescription description;
 };
 
-/// What one way to merge the scores achieves.
+/// Results of one rule to merge the scores.
 struct MergeEvaluation {
   std::string merge;
-  /// One proposal for each frame: the best of the earlier ones, as loop closing asks. Positives: frames that revisit.
+  /// One proposal for each frame: the best of the earlier ones, as loop detection queries. Positives: frames at a
+  /// revisited place.
   PrecisionRecall best_match;
-  /// Every pair is a proposal, as the paper's similarity matrices show them, scored when the later frame has been
-  /// seen and only what came before it is known. Positives: pairs that are revisits.
+  /// Every pair is a proposal, as in the paper's similarity matrices, scored when the later frame is the newest, with
+  /// the database of earlier frames only. Positives: pairs that are revisits.
   PrecisionRecall all_pairs;
 };
 

@@ -33,11 +33,11 @@ Json ToJson(const PlaceEvaluation& evaluation) {
           {"merges", merges}};
 }
 
-/// Of the merges, in their order.
+/// Returns the stroke of the i-th merge rule.
 Stroke StrokeOf(size_t i) {
   static constexpr std::array<Ink, 7> kInks{
       {{40, 40, 40}, {20, 110, 200}, {60, 160, 60}, {220, 150, 30}, {200, 60, 50}, {150, 60, 170}, {150, 150, 150}}};
-  // The default comes first, and stands out.
+  // The default comes first and is emphasised.
   return {kInks[i % kInks.size()], i == 0 ? 1.2 : 0.75, false};
 }
 

@@ -11,7 +11,7 @@ namespace plslam::evaluate {
 /// The numbers of one sequence as aligned lines for a terminal.
 std::string PlaceTable(const PlaceEvaluation& evaluation);
 
-/// The numbers of all sequences, with the curves and what counts as a revisit.
+/// Returns the numbers of all sequences, with the curves and the definition of a revisit.
 nlohmann::ordered_json PlacesToJson(const std::vector<PlaceEvaluation>& evaluations, const RevisitOptions& options);
 
 /// Precision over recall of the best matches (left) and of all pairs (right), a line for each merge.

@@ -58,7 +58,7 @@ std::vector<PlaceFrame> ReadFrames(const std::string& location, int stride, cons
   return frames;
 }
 
-/// The last part of a dataset's name with nothing that a file's name should not have.
+/// Returns the last part of a dataset's name without characters that are unusual in file names.
 std::string FileName(const std::string& location) {
   std::string name = std::filesystem::path(location).lexically_normal().filename();
   if (name.empty()) name = std::filesystem::path(location).lexically_normal().parent_path().filename();

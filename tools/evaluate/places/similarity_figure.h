@@ -27,15 +27,15 @@ struct Similarities {
   SimilarityMatrix merged;
 };
 
-/// Of at most `most` keyframes of a map, in their order. The recogniser should have no places: words count the same
-/// for each pair then.
+/// Returns the similarities of at most `most` keyframes of a map, in order. The recogniser should contain no places:
+/// words then have the same weight for each pair.
 Similarities KeyframeSimilarities(const StoredMap& stored, const PlaceRecogniser& recogniser, int most = 400);
 
-/// The largest of a matrix but the highest half per cent of all off-diagonal values; 1 without any.
+/// Returns the largest off-diagonal value of a matrix except for the highest half per cent; 1 without any.
 float FullScale(const SimilarityMatrix& matrix);
 
 /// The three matrices (PL-SLAM fig. 5) side by side at column width, each with its own scale: dark for 0, bright for
-/// `FullScale`. `images` says what the rows are ("keyframes").
+/// `FullScale`. `images` names the rows ("keyframes").
 Drawing SimilarityFigure(const std::string& title, const Similarities& similarities, const std::string& images);
 
 }  // namespace plslam::evaluate

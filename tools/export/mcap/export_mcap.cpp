@@ -86,7 +86,7 @@ namespace {
 
 constexpr int kJpegQuality = 80;
 
-/// The writer, and its channels by topic: a topic is one where it has a message.
+/// The writer, and its channels by topic: a topic is added with its first message.
 class Topics {
  public:
   explicit Topics(const std::string& path) : writer_(path) {}
@@ -103,7 +103,7 @@ class Topics {
   std::map<std::string, uint16_t> channels_;
 };
 
-/// What is written at a time. Messages are made when it is their turn: memory is that of one.
+/// A message to write and its time. Messages are created one at a time to bound memory.
 struct MessageToWrite {
   int64_t t_ns;
   std::function<void()> write;
@@ -130,7 +130,7 @@ struct CompressedImage {
   std::string bytes;
 };
 
-/// The file as it is, where it is a whole JPEG or a PNG of 8 bits; nullopt where the image has to be encoded.
+/// Returns the file unchanged if it is a complete JPEG or an 8-bit PNG; nullopt if the image has to be encoded.
 std::optional<CompressedImage> FileAsRecorded(const std::string& path) {
   static constexpr size_t kPngBitDepth = 24;
   if (path.empty()) return std::nullopt;
@@ -146,8 +146,8 @@ std::optional<CompressedImage> FileAsRecorded(const std::string& path) {
   return CompressedImage{"png", std::move(bytes)};
 }
 
-/// Left images as they are written, in the order in which they were added. A few are made ahead, each by a thread of its
-/// own.
+/// Left images as they are written, in the order in which they were added. A few are encoded ahead, each on a separate
+/// thread.
 class ImagesAhead {
  public:
   explicit ImagesAhead(const Dataset& dataset) : dataset_(dataset) {}
@@ -210,7 +210,7 @@ class Exporter {
  private:
   void At(int64_t t_ns, std::function<void()> write) { messages_.push_back({t_ns, std::move(write)}); }
 
-  /// Of the first message: what is true of the whole run is there from the begin on.
+  /// Returns the time of the first message: data of the whole run are written at the beginning.
   int64_t Begin() const {
     int64_t begin = source_.frames.empty() ? INT64_MAX : source_.frames.front().t_ns;
     if (!tables_.frames.empty()) begin = std::min(begin, tables_.frames.front().t_ns);
@@ -260,7 +260,7 @@ class Exporter {
     RosOdometry odometry{pose.t_ns, pose.T_a_b};
     const auto covariance = tables_.covariances.find(pose.t_ns);
     if (covariance != tables_.covariances.end()) odometry.covariance = covariance->second;
-    // Of a frame behind a lost one there is no motion from the frame before.
+    // A frame after a lost one has no motion since the previous frame.
     const auto motion = tables_.motion_covariances.find(pose.t_ns);
     if (i > 0 && motion != tables_.motion_covariances.end()) {
       SetVelocity(source_.frames[i - 1], motion->second, odometry);
@@ -268,7 +268,7 @@ class Exporter {
     topics_.Write("/odom", "nav_msgs/msg/Odometry", pose.t_ns, RosOdometryMessage(odometry));
   }
 
-  /// Those taken while the run went on.
+  /// Adds the images that were taken during the run.
   void AddImages() {
     if (dataset_ == nullptr || source_.frames.empty()) return;
     const int64_t first = Begin();

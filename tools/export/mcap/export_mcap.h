@@ -8,19 +8,19 @@
 
 namespace plslam::exports {
 
-/// What an MCAP file has got.
+/// Content of a written MCAP file.
 struct McapContent {
   int64_t frames = 0;
   int64_t images = 0;
   bool has_map = false;
 };
 
-/// Writes what a run and its map have, as messages of ROS 2 (docs/exports.md has the table of topics). Images, as
-/// recorded, come from `dataset`, where it is not null. Throws std::runtime_error where files of the run are damaged or
-/// the file cannot be written.
+/// Writes a run and its map as messages of ROS 2 (docs/exports.md has the table of topics). Images, as recorded, are
+/// read from `dataset`, unless it is null. Throws std::runtime_error if files of the run are damaged or the file cannot
+/// be written.
 McapContent ExportMcap(const RunSource& source, const Dataset* dataset, const std::string& path);
 
-/// A layout for Foxglove and Lichtblick that shows these topics.
+/// Returns a layout for Foxglove and Lichtblick that shows these topics.
 std::string FoxgloveLayout();
 
 }  // namespace plslam::exports

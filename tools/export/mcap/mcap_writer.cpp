@@ -17,7 +17,7 @@
 namespace plslam::exports {
 namespace {
 
-/// Large enough that compression works, small enough that a reader comes to its first message at once.
+/// Large enough for good compression, small enough that a reader reaches its first message at once.
 constexpr size_t kChunkBytes = 1 << 20;
 /// Half the time of zstd's default, and 5 % more bytes.
 constexpr int kCompressionLevel = 1;
@@ -30,7 +30,7 @@ class Fields {
     AppendLittleEndian(value, bytes_);
     return *this;
   }
-  /// A text, or bytes whose length takes four bytes.
+  /// Appends a text, or bytes with a length of four bytes.
   Fields& Add(std::string_view text) {
     Add(static_cast<uint32_t>(text.size()));
     bytes_.append(text);
@@ -108,7 +108,7 @@ void McapWriter::Write(uint16_t channel, int64_t t_ns, std::string_view cdr) {
   if (t_ns < 0) throw std::runtime_error(fmt::format("{}: MCAP has no time before 1970, as {} ns is", path_, t_ns));
   const auto time = static_cast<uint64_t>(t_ns);
   Channel& to = channels_.at(channel);
-  // Before its first message, as readers demand that do not look at the summary.
+  // Written before the channel's first message, as required by readers that ignore the summary.
   if (!to.in_file) chunk_ += schema_records_[to.schema - 1U] + to.record;
   to.in_file = true;
   if (chunk_index_.empty()) chunk_begin_ns_ = chunk_end_ns_ = time;

@@ -11,12 +11,12 @@
 
 namespace plslam::exports {
 
-/// Writes an MCAP file (mcap.dev, version 0), profile `ros2`: chunks compressed by zstd, each with an index by
-/// channel, and a summary with schemas, channels, chunk indices and statistics; all checksums are there. Memory grows
-/// by the index of each chunk of a megabyte alone.
+/// Writes an MCAP file (mcap.dev, version 0), profile `ros2`: chunks compressed by zstd, each with an index by channel,
+/// and a summary with schemas, channels, chunk indices and statistics; all checksums are there. Memory grows only by
+/// the index of each chunk of a megabyte.
 ///
-/// The file is written beside its place and put there by Close; without Close it is removed. Throws
-/// std::runtime_error, naming the file, where it cannot be written.
+/// The file is written under another name and renamed by Close; without Close it is removed. Throws std::runtime_error,
+/// naming the file, if it cannot be written.
 class McapWriter {
  public:
   explicit McapWriter(const std::string& path);
@@ -45,7 +45,7 @@ class McapWriter {
     uint64_t offset = 0, length = 0;
     uint64_t index_length = 0;
     uint64_t compressed = 0, uncompressed = 0;
-    /// Where in the file the index of each channel stands.
+    /// Offset in the file of each channel's index.
     std::map<uint16_t, uint64_t> channels;
   };
   using MessageIndex = std::vector<std::pair<uint64_t, uint64_t>>;

@@ -18,7 +18,7 @@
 namespace plslam::exports {
 namespace {
 
-/// Fields by type, in the order in which they stand in a message. Types of a member are named with their package.
+/// Fields by type, in the order of the message. Types of a member are named with their package.
 const std::map<std::string, std::string>& Definitions() {
   static const std::map<std::string, std::string> kDefinitions{
       {"builtin_interfaces/Time", "int32 sec\nuint32 nanosec\n"},
@@ -170,7 +170,7 @@ std::string LineMarker(int64_t t_ns, std::string_view name, double width_m, cons
   return std::move(cdr).Take();
 }
 
-/// ROS has no name for the double sphere: a reader that does not know ours refuses it.
+/// ROS has no name for the double sphere: a reader that does not know our name rejects it.
 std::string_view RosLensName(std::string_view model) {
   if (model == "pinhole" || model == "radtan") return "plumb_bob";
   return model == "rational" ? "rational_polynomial" : model;
@@ -276,7 +276,7 @@ std::string RosPoints(int64_t t_ns, const Map& map) {
   const HeightColours colour_of(map);
   for (const auto& [id, point] : map.points()) {
     for (const double value : point.p_w) AppendLittleEndian(static_cast<float>(value), data);
-    // Bytes of a float that nobody takes for a number: blue, green, red.
+    // Bytes of a float that holds no number but a colour: blue, green, red.
     const Colour colour = colour_of(point.p_w);
     for (const uint8_t channel : {colour[2], colour[1], colour[0], uint8_t{0}}) AppendLittleEndian(channel, data);
     AppendLittleEndian(static_cast<uint32_t>(point.observations.size()), data);

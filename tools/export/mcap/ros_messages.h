@@ -17,9 +17,9 @@
 
 namespace plslam::exports {
 
-/// A message of ROS 2 as its middleware has it on the wire: CDR (OMG DDS-XTypes, plain CDR), little endian. Numbers
-/// are aligned to their size, counted behind the four bytes that name the encoding; members follow each other without
-/// anything in between.
+/// A message of ROS 2 as serialised by its middleware: CDR (OMG DDS-XTypes, plain CDR), little endian. Numbers are
+/// aligned to their size, counted from after the four bytes that name the encoding; members follow each other without
+/// other bytes in between.
 class CdrWriter {
  public:
   template <class Number>
@@ -36,7 +36,7 @@ class CdrWriter {
   }
   void Put(const char* text) { Put(std::string_view(text)); }
 
-  /// What stands before the elements of a sequence.
+  /// Appends the number of elements before a sequence.
   void PutCount(size_t n) { Put(static_cast<uint32_t>(n)); }
 
   /// A sequence of bytes.
@@ -68,8 +68,8 @@ inline constexpr const char* kRosCamera = "camera_left";
 /// geometry_msgs/msg/TransformStamped in tf2_msgs/msg/TFMessage: p_parent = T_parent_child p_child.
 std::string RosTransform(int64_t t_ns, std::string_view parent, std::string_view child, const SE3& T_parent_child);
 
-/// What odometry says of a frame. Covariances are of right perturbations [translation; rotation], as everywhere here;
-/// ROS's, of the pose, is along the axes of the map, which is the same one turned.
+/// Odometry of a frame. Covariances here are of right perturbations [translation; rotation], as everywhere in plslam;
+/// ROS's covariance of the pose is along the axes of the map, and is the same one rotated.
 struct RosOdometry {
   int64_t t_ns = 0;
   SE3 T_w_l;

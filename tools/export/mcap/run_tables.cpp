@@ -36,7 +36,7 @@ std::vector<RosDiagnostic> ReadFrames(const fs::path& path) {
       names.assign(row.fields.begin(), row.fields.end());
       return;
     }
-    // frame_id, t_s and state, then what the status says.
+    // frame_id, t_s and state, then the other values of the frame.
     constexpr size_t kTime = 1, kState = 2;
     if (row.fields.size() != names.size() || names.size() <= kState)
       row.Fail("has not the columns of its first line");

@@ -10,11 +10,11 @@
 
 namespace plslam::exports {
 
-/// What the folder of a run has besides its trajectory; what is not there is empty.
+/// Tables in the folder of a run besides its trajectory; missing ones are empty.
 struct RunTables {
   Trajectory live;
   Trajectory truth;
-  /// By time. Those of motions stand at the time of the later frame.
+  /// Covariances by time. Motion covariances have the time of the later frame.
   std::map<int64_t, Matrix6d> covariances;
   std::map<int64_t, Matrix6d> motion_covariances;
   /// A row of poses.csv each: state, counts and stage times of a frame.

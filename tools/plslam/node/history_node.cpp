@@ -53,10 +53,10 @@ constexpr std::array<KeptChannel, 5> kKept{{{bus::kStream, Publish<stream_t>},
                                             {bus::kLoopClosure, Publish<loop_closure_t>},
                                             {bus::kGroundTruth, Publish<ground_truth_t>}}};
 
-// What the bus remembers, too: more are invented.
+// The same bound as in the bus: forged sources would exceed it.
 constexpr size_t kMaxPublishers = 256;
 constexpr size_t kMaxRecordedProcesses = 4096;
-// As the player does.
+// The player's period.
 constexpr std::chrono::seconds kCameraPeriod{1};
 
 int UnnamedFile(const std::string& folder) {
@@ -106,14 +106,14 @@ struct HistoryKeeper::Store {
   void Fail(const std::string& why);
 
   const std::string folder;
-  const int64_t own;  // what we say ourselves is not kept
+  const int64_t own;  // our own messages are not kept
   const int file;
 
-  mutable std::mutex mutex;  // of all that follows
+  mutable std::mutex mutex;  // guards all of the following
   std::condition_variable changed;
   std::map<int64_t, std::vector<Entry>> entries;  // by publisher
-  std::set<int64_t> gone;                         // publishers that have died
-  std::deque<int64_t> due;                        // of these, what is to be said in their place
+  std::set<int64_t> gone;                         // publishers that have exited
+  std::deque<int64_t> due;                        // of these, the ones whose messages are to be republished
   int64_t end = 0;                                // of the file
   int64_t kept = 0;
   std::string problem;
@@ -136,7 +136,7 @@ void HistoryKeeper::Store::Keep(size_t channel, std::span<const uint8_t> message
   entries[source].push_back({channel, offset, message.size()});
   ++kept;
   if (!gone.contains(source)) return;
-  // It was on its way when its publisher died.
+  // It was on its way when its publisher exited.
   due.push_back(source);
   changed.notify_all();
 }
@@ -148,7 +148,7 @@ void HistoryKeeper::Store::RemovePublisher(int64_t source) {
   changed.notify_all();
 }
 
-/// It has died, and others have not.
+/// Returns whether it has exited, and not all processes stop.
 bool HistoryKeeper::Store::SpeaksFor(int64_t source) const {
   const std::scoped_lock lock(mutex);
   return !stopping && gone.contains(source);
@@ -158,7 +158,7 @@ void HistoryKeeper::Store::Fail(const std::string& why) {
   const std::scoped_lock lock(mutex);
   if (!problem.empty()) return;
   problem = fmt::format("{}: {}", folder, why);
-  // The room is for those who need it more.
+  // The disk space is left to other processes.
   entries.clear();
   if (file >= 0 && ftruncate(file, 0) != 0) spdlog::warn("{}: {}", folder, std::strerror(errno));
   spdlog::warn("what the processes say is kept no further, for one that starts after another has died: {}", problem);
@@ -167,7 +167,7 @@ void HistoryKeeper::Store::Fail(const std::string& why) {
 HistoryKeeper::HistoryKeeper(bus::Bus& bus, const std::filesystem::path& folder)
     : bus_(bus), store_(std::make_shared<Store>(folder.string(), bus.source())) {
   bus_.Subscribe<status_t>(bus::kStatus, [this, host = bus::HostName()](const status_t& m) {
-    if (m.host != host) return;  // ids of its processes mean nothing here
+    if (m.host != host) return;  // process ids of other hosts are meaningless here
     if (sources_.size() < kMaxRecordedProcesses || sources_.contains(m.pid)) sources_[m.pid] = m.header.source;
   });
   bus_.Subscribe<camera_t>(bus::kCamera, [this](const camera_t& m) {
@@ -200,7 +200,7 @@ void HistoryKeeper::OnExit(pid_t pid) {
   if (found == sources_.end()) return;
   store_->RemovePublisher(found->second);
   SayCamera();
-  // What its own bus had put on disk, and can remove no more.
+  // The history that its bus had spilled to disk, which the exited process cannot remove.
   std::error_code ignored;
   std::filesystem::remove_all(bus::TemporaryFolder(found->second), ignored);
   sources_.erase(found);

@@ -19,31 +19,31 @@ class camera_t;
 
 namespace plslam::launcher {
 
-/// Keeps what the other processes have said on the channels whose publishers keep everything (poses, keyframes,
-/// loops, true poses, begin and end of streams), and says it in their place when one of them has died: its history
-/// has gone with it, and a process that starts later could not have it any more. Sessions, times and the order stay;
-/// the publisher is then this one, so whoever has heard it before hears it twice, and passes it over by session and
-/// number. The camera, which its publisher repeats every second, is repeated in its place.
+/// Keeps the messages of the other processes on the channels whose publishers retain everything (poses, keyframes,
+/// loops, true poses, begin and end of streams), and republishes those of a process that has exited: its history is
+/// gone, and a process that starts later could not get them any more. Sessions, times and the order are preserved; the
+/// publisher is then this process, so readers receive repeated messages, and ignore them by session and number. The
+/// camera, which its publisher repeats every second, is repeated on its behalf.
 ///
-/// Lies in a file without a name, which goes with this process. Where the disk takes no more, nothing is kept from
-/// there on, and `problem` says why: the run goes on.
+/// The messages are stored in a file without a name, which is removed with this process. If the disk is full, no more
+/// messages are kept, and `problem` gives the reason: the run continues.
 class HistoryKeeper {
  public:
-  /// Before `Bus::Run`. The file is made in `folder`.
+  /// Construct before `Bus::Run`. The file is created in `folder`.
   HistoryKeeper(bus::Bus& bus, const std::filesystem::path& folder);
   ~HistoryKeeper();
   HistoryKeeper(const HistoryKeeper&) = delete;
   HistoryKeeper& operator=(const HistoryKeeper&) = delete;
 
-  /// The process has ended. On the thread of `Bus::Run`; the work is done on another.
+  /// Handles the exit of a process. Called on the thread of `Bus::Run`; the work is done on another.
   void OnExit(pid_t pid);
-  /// All processes end: nobody is left who could lack what one of them said, and nothing is said again from here on.
+  /// All processes are about to exit: no reader is left, and nothing is republished from here on.
   void Stop();
 
-  /// Messages kept, and said again for others.
+  /// Numbers of kept and of republished messages.
   int64_t kept() const;
   int64_t said_again() const { return republished_; }
-  /// Why nothing is kept any more; empty where all is well.
+  /// Reason why no more messages are kept; empty if there is none.
   std::string problem() const;
 
  private:

@@ -152,7 +152,7 @@ Lag MonitorNode::LagAt(double now_s) const {
   double furthest = 0.0;
   for (const auto& [process, status] : processes_) {
     const double silent_s = now_s - status.heard_s;
-    // One that has died is gone; the one in its place speaks for it.
+    // An exited process is ignored; its replacement has its own status.
     const Pace pace = PaceOf(status.state, silent_s, status.queue);
     if (pace == Pace::kSilent)
       return {fmt::format("{}: silent for {:.0f} s", status.process, silent_s), longest_queue_};

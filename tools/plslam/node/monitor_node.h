@@ -17,7 +17,7 @@ class status_t;
 
 namespace plslam::launcher {
 
-/// What a process last said of itself.
+/// The last status of a process.
 struct ProcessStatus {
   std::string process;
   std::string state;
@@ -29,16 +29,16 @@ struct ProcessStatus {
   double heard_s = 0.0;
 };
 
-/// Who keeps up, and who does not.
+/// Processes that do not keep up.
 struct Lag {
-  /// "mapping: 12 waiting", "loop: silent for 4 s" of the one furthest behind; empty where none is.
+  /// "mapping: 12 waiting", "loop: silent for 4 s" about the slowest one; empty if all keep up.
   std::string text;
   /// Longest queue so far by process name.
   std::map<std::string, double> longest_queue;
 };
 
-/// Listens to the run of other processes and keeps its statistics. What is said on `bus` itself does not count: it is
-/// what others have said before (HistoryKeeper).
+/// Listens to the run of other processes and collects its statistics. Messages published on `bus` itself do not count:
+/// they are republished (HistoryKeeper).
 class MonitorNode {
  public:
   explicit MonitorNode(bus::Bus& bus);
@@ -46,30 +46,30 @@ class MonitorNode {
   const RunStatistics& statistics() const { return statistics_; }
   const MapStatistics& map() const { return map_; }
   const LoopStatistics& loops() const { return loops_; }
-  /// Every frame that was sent is counted, and where there is a map it has the last keyframe, committed.
+  /// Returns whether every sent frame is counted, and the map, if there is one, has the last keyframe committed.
   bool has_all() const;
-  /// By host and process id there; those of processes that have ended stay.
+  /// By host and process id on it; exited processes stay.
   const std::map<std::pair<std::string, int64_t>, ProcessStatus>& processes() const { return processes_; }
-  /// Of a process of this host; empty where it has not been heard.
+  /// State of a process of this host; empty if it was not heard.
   std::string StateOf(int64_t pid) const;
-  /// What a process of this host said of its own failure; empty where it said nothing.
+  /// The failure that a process of this host has published; empty if none.
   std::string FailureOf(int64_t pid) const;
-  /// Frames that a process of this host has told of; 0 where it has not been heard.
+  /// Frames counted in the status of a process of this host; 0 if it was not heard.
   int64_t FramesOf(int64_t pid) const;
-  /// A process of this name has been heard, on any host.
+  /// Returns whether a process of this name was heard, on any host.
   bool Hears(const std::string& process) const;
 
-  /// Frames the player has announced, and, when it is through, has sent; -1 where unknown.
+  /// Number of frames that the player has announced and, at its end, has sent; -1 if unknown.
   int64_t total_frames() const { return total_frames_; }
   bool stream_ended() const { return sent_.ended(); }
-  /// What became of the frames that were sent or could not be.
+  /// Counts of the frames that were sent or could not be read.
   FrameTally frames() const;
-  /// What the processes say of the data.
+  /// Counters of the processes about the data.
   const RunCounters& counters() const { return counters_; }
-  /// Somebody has paused the player.
+  /// Whether the player is paused.
   bool is_paused() const { return is_paused_; }
-  /// It is paused; or it plays at the pace of the data and has not come to the end, was heard of late, and the newest frame it says it
-  /// has sent has a pose. `now_s`: steady time.
+  /// Returns whether the player is paused; or plays at the pace of the data, has not reached the end, was heard
+  /// recently, and the newest frame that it has sent has a pose. `now_s`: steady time.
   bool PlayerWaitsForTime(double now_s) const;
   /// `viewer`: process id on this host.
   SignsOfLife Signs(int64_t viewer, double now_s) const;

@@ -52,7 +52,8 @@ void OrderNode::Publish() {
 }
 
 void OrderNode::OnAnswer(const command_answer_t& message) {
-  // Any of ours: one that was answered by a process that has ended since was carried out all the same.
+  // Accepts an answer to any of our messages: an order that was answered by a process that has exited since was carried
+  // out all the same.
   const bool ours = message.command_source == bus_.source() && message.command_seq < n_sent_;
   if (ours && !answer_) answer_ = message.failure;
 }

@@ -17,22 +17,22 @@ class status_t;
 
 namespace plslam::launcher {
 
-/// The sentence for a bus on which none of these processes ("mapping") has been heard for so long.
+/// Returns the sentence for a bus on which none of these processes ("mapping") was heard for this time.
 std::string NobodyHeard(const std::vector<std::string>& processes, const bus::BusOptions& options,
                         std::chrono::seconds waited);
 
-/// Gives an order to a running process, and hears what became of it. One that is started after the order was given,
-/// and before it was answered, gets it again: each may be carried out twice.
+/// Sends an order to a running process, and receives the result. A process that is started after the order was sent,
+/// and before it was answered, gets it again: an order may be carried out twice.
 class OrderNode {
  public:
-  /// Subscribes; `Bus::Run` delivers. `processes`: names, of which one is there; `verb` as in `command_verb`.
+  /// Subscribes; `Bus::Run` delivers. `processes`: names, of which one is running; `verb` as in `command_verb`.
   OrderNode(bus::Bus& bus, std::vector<std::string> processes, std::string verb);
 
   /// The order, the first time that it is called. On the thread of the bus, or before that runs.
   void Send(const std::string& argument);
 
   bool heard() const { return pid_ != 0; }
-  /// nullopt: no answer has come; empty: it is done; else why it is not.
+  /// nullopt: no answer yet; empty: done; else the reason of the failure.
   const std::optional<std::string>& answer() const { return answer_; }
 
  private:
@@ -45,7 +45,7 @@ class OrderNode {
   const std::string verb_;
   std::optional<std::string> argument_;  ///< it has been sent
   double sent_s_ = 0.0;                  ///< when, of the steady clock
-  int64_t pid_ = 0;                      ///< of the process as heard last
+  int64_t pid_ = 0;                      ///< of the process that was heard last
   int64_t n_sent_ = 0;                   ///< times it was sent
   std::optional<std::string> answer_;
 };

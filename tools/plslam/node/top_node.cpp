@@ -25,7 +25,7 @@ constexpr double kPercent = 100.0;
 constexpr double kMsPerS = 1000.0;
 constexpr double kBytesPerKb = 1000.0;
 
-/// How much a process has done so far, by what it counts.
+/// Returns the progress of a process by the counter of its items.
 double ItemsOf(const status_t& status) {
   for (const char* name : {"frames", "frames.sent", "map.keyframes", "loop.keyframes"}) {
     const double count = bus::CounterOf(status, name);
@@ -38,7 +38,7 @@ std::string Figure(double value, int decimals) {
   return value < 0.0 || !std::isfinite(value) ? "-" : fmt::format("{:.{}f}", value, decimals);
 }
 
-// A file name of another system, say, must not move the cursor.
+// For example a file name of another system must not move the cursor.
 std::string Printable(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }, '?');
@@ -81,7 +81,7 @@ void TopNode::OnStatus(const std::string& robot, const status_t& status) {
   ProcessLoad& load = spoken.load;
   const double items = ItemsOf(status);
   const double passed_s = status.uptime_s - load.uptime_s;
-  // A change of state is told in between: too short a time says little.
+  // A status is also sent at a change of state: rates over shorter times are inaccurate.
   constexpr double kShortest_s = 0.5;
   if (is_first) {
     load.robot = robot;

@@ -18,8 +18,8 @@ class status_t;
 
 namespace plslam::launcher {
 
-/// What a process last said of itself. What is per second, and CPU, is of the time between its last two statuses;
-/// negative where there was only one.
+/// The last status of a process. Rates and CPU load refer to the time between its last two statuses; negative if there
+/// was only one.
 struct ProcessLoad {
   std::string robot;  ///< prefix of its channels
   std::string process;
@@ -29,8 +29,8 @@ struct ProcessLoad {
   std::string reason;
   double heard_s_ago = 0.0;
   double uptime_s = 0.0;
-  double rate_hz = -1.0;      ///< of what it works on: frames, or keyframes
-  double cpu_ms = -1.0;       ///< for one of these
+  double rate_hz = -1.0;      ///< of its items: frames, or keyframes
+  double cpu_ms = -1.0;       ///< for one item
   double cpu_percent = -1.0;  ///< of one core
   double memory_mb = 0.0;
   int64_t queue = 0;  ///< longest of its queues
@@ -39,7 +39,7 @@ struct ProcessLoad {
   int64_t rejected = 0;
 };
 
-/// What went over a channel.
+/// Traffic of a channel.
 struct ChannelLoad {
   std::string name;  ///< on the wire, prefix included
   double rate_hz = 0.0;
@@ -57,15 +57,15 @@ std::string ToText(const BusLoad& load);
 /// One line.
 std::string ToJson(const BusLoad& load);
 
-/// Listens to everything on a bus, under all prefixes, without taking part in it: nobody waits for it. Messages are
-/// not checked against a shared key.
+/// Listens to everything on a bus, under all prefixes, as a passive reader: no publisher waits for it. Messages are not
+/// checked against a shared key.
 class TopNode {
  public:
   /// The bus outlives it and has no other subscriptions.
   explicit TopNode(bus::Bus& bus);
 
-  /// Since the last call, or the start; `now_s` of the steady clock. From any thread. Processes that have been silent
-  /// for 30 s are left out.
+  /// Returns the load since the last call, or the start; `now_s` is of the steady clock. Safe from any thread.
+  /// Processes that have been silent for 30 s are left out.
   BusLoad Take(double now_s);
 
  private:

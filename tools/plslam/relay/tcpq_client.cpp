@@ -100,7 +100,8 @@ bool TcpqClient::Parse(std::vector<Publication>& published) {
   return true;
 }
 
-/// One message at `at`, which moves behind it. `complete` false: more bytes are needed. Returns false for nonsense.
+/// Parses one message at `at`, which is moved to its end. `complete` false: more bytes are needed. Returns false for
+/// invalid bytes.
 bool TcpqClient::ParseOne(size_t& at, std::vector<Publication>& published, bool& complete) {
   complete = false;
   const size_t left = input_.size() - at;

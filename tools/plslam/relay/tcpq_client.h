@@ -14,7 +14,7 @@
 
 namespace plslam::bus {
 
-/// LCM's pattern of a subscription: matches whole channel names. See TcpqRelay for what it may hold.
+/// LCM's pattern of a subscription: matches whole channel names. See TcpqRelay for the supported syntax.
 class ChannelPattern {
  public:
   explicit ChannelPattern(const std::string& pattern);
@@ -38,7 +38,7 @@ class TcpqClient {
   using Packet = std::shared_ptr<const std::vector<uint8_t>>;
   enum class Type : uint32_t { kPublish = 1, kSubscribe = 2, kUnsubscribe = 3 };
 
-  /// A published message, in the form in which it goes on to readers.
+  /// A published message, in the form in which it is forwarded to readers.
   struct Publication {
     std::string channel;
     Packet packet;
@@ -51,7 +51,8 @@ class TcpqClient {
 
   int fd() const { return fd_; }
 
-  /// Reads what is there, and appends what was published. False: the connection has ended, or `malformed()`.
+  /// Reads the available bytes, and appends the published messages. Returns false if the connection has ended, or is
+  /// `malformed()`.
   bool Read(std::vector<Publication>& published);
   bool malformed() const { return malformed_; }
 
@@ -60,13 +61,13 @@ class TcpqClient {
   /// Queues a packet; returns the number of older ones dropped for it, where the client is stalled and full.
   int64_t Queue(const Packet& packet);
   bool HasOutput() const { return !output_.empty(); }
-  /// Writes what the socket takes. False: the connection has ended.
+  /// Writes as much as the socket accepts. Returns false if the connection has ended.
   bool Write();
 
-  /// Full, and still worth waiting for.
+  /// Full, but not yet stalled.
   bool Congests() const { return !stalled_ && queued_bytes_ > high_; }
-  /// Looks at the clock: a client whose queue has been full for long, and has not been half empty since, is stalled.
-  /// Taking a little now and then does not help it.
+  /// Checks the time: a client whose queue has been full for long, and has not been half empty since, is stalled.
+  /// Reading a little now and then does not prevent that.
   void CheckPatience(Clock::time_point now);
 
  private:
@@ -81,7 +82,7 @@ class TcpqClient {
   bool malformed_ = false;
   std::vector<uint8_t> input_;
   std::vector<std::unique_ptr<ChannelPattern>> patterns_;
-  std::map<std::string, bool, std::less<>> wanted_;  // known answers of Wants
+  std::map<std::string, bool, std::less<>> wanted_;  // cached results of Wants
   std::deque<Packet> output_;
   size_t written_ = 0;  // of the first
   int64_t queued_bytes_ = 0;

@@ -137,7 +137,7 @@ void TcpqRelay::Run() {
     }
     const auto now = TcpqClient::Clock::now();
     for (const auto& client : clients) {
-      // What has just come goes on at once where the socket takes it; another round of poll would cost latency.
+      // New output is written at once if the socket accepts it; another round of poll would add latency.
       if (client->HasOutput() && !client->Write()) ended.push_back(client.get());
       client->CheckPatience(now);
     }

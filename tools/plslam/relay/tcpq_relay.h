@@ -8,15 +8,16 @@
 
 namespace plslam::bus {
 
-/// The hub that LCM's `tcpq://HOST:PORT` URLs connect to: takes what its clients publish and hands it to every client
-/// whose subscription matches, the publisher too. For machines without multicast, and for stock LCM tools.
+/// The hub that LCM's `tcpq://HOST:PORT` URLs connect to: receives the messages of its clients and forwards them to
+/// every client whose subscription matches, the publisher included. For machines without multicast, and for stock LCM
+/// tools.
 ///
-/// Lossless while all readers keep up: when one falls behind, publishers wait for it. A reader that takes nothing for
+/// Lossless while all readers keep up: when one is slow, publishers wait for it. A reader that takes nothing for
 /// kPatience_ms is not waited for any more; it loses its oldest messages (which the bus repairs on ordered channels)
-/// until it has caught up. Nobody can stall the others for longer.
+/// until it has caught up. No client can stall the others for longer.
 ///
-/// Subscriptions are POSIX extended regular expressions that must match the whole channel name; LCM itself uses Perl
-/// ones, and patterns with look-ahead, back references or repetition counts match nothing here.
+/// Subscriptions are POSIX extended regular expressions that must match the complete channel name; LCM itself uses Perl
+/// ones, and patterns with look-ahead, back references or repetition counts match no channel here.
 class TcpqRelay {
  public:
   static constexpr int kPatience_ms = 1000;

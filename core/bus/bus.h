@@ -84,7 +84,7 @@ class Bus {
   /// Returns the number of ordered readers of `channel` that have acknowledged something within the last second.
   int ReaderCount(const Channel& channel) const;
 
-  /// Blocks until every such reader has everything sent, or the time is over. True if they have.
+  /// Blocks until every such reader has everything sent, or the time is over. Returns true if they have.
   bool Flush(std::chrono::milliseconds limit);
   /// Like `Flush`, but also waits for readers that have fallen silent: a cable may be out, and after its exit this
   /// process cannot resend.

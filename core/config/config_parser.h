@@ -10,7 +10,7 @@
 
 namespace plslam {
 
-/// Flattens YAML into the entries of a Config, and refuses duplicate keys and odd structures.
+/// Flattens YAML into the entries of a Config, and rejects duplicate keys and invalid structures.
 class ConfigParser {
  public:
   /// `name` is the name of the file in messages.

@@ -25,7 +25,7 @@ ImageSize ReadResolution(const YamlMap& yaml, const ImageSize& image_size);
 double ReadRate_hz(const YamlMap& yaml, double fallback);
 
 /// Reads plslam's own camera file (docs/datasets.md has the keys), `camera.yaml` of a folder of images or of a TUM
-/// RGB-D sequence. Cameras without `resolution` get `image_size`. The file may also be one of another program's
+/// RGB-D sequence. Cameras without `resolution_px` get `image_size`. The file may also be one of another program's
 /// (calibrations/foreign_calibration.h), or name such files by `from`, a file or a list of files beside it, with the
 /// `unit` of their lengths. `notes`, if given, receives notes for the user, in whole sentences. Throws DatasetError.
 RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_size,

@@ -16,7 +16,7 @@ namespace plslam {
 void ForEachDatasetRow(const std::string& path, const std::function<void(const TextRow&)>& use);
 
 /// Reads the truth at `path`; errors in it never keep a dataset from opening: invalid rows are skipped, and an
-/// unreadable file counts as empty. `notes` says so.
+/// unreadable file counts as empty. `notes` reports this.
 TrajectoryFile ReadTruth(const std::string& path, TrajectoryFormat format, std::vector<std::string>* notes);
 
 /// Reads the poses of a truth in KITTI's format, a row for each of `n` frames; nullopt for invalid rows. Empty, with a

@@ -30,7 +30,7 @@ struct ImageList {
     int64_t t_ns = 0;
     std::string left;
     std::string right;  ///< depth map for RGB-D rigs
-    /// Why there is no such pair, as a whole sentence; `Read` throws it. Empty: there is one.
+    /// The reason why there is no such pair, as a complete sentence; `Read` throws it. Empty: there is one.
     std::string missing;
   };
   std::string name;

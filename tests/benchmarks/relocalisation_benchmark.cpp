@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How soon a camera is found again that was carried elsewhere while its lens was covered: a row for each world.
+// Time until a camera is relocalised that was moved while its lens was covered: a row for each world.
 //
 //   relocalisation_benchmark [WORLD...] [--trials N] [--carried METRES]
 

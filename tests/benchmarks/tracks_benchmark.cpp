@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How far tracked points stray from the surface points that they were created on: exact truth of the built-in worlds.
+// Drift of tracked points from the surface points on which they were created: exact truth of the built-in worlds.
 //
 //   tracks_benchmark room?frames=60 street?seed=2
 

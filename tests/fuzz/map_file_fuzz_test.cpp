@@ -51,7 +51,7 @@ void Mutate(ByteVector& bytes, Random& random) {
   }
 }
 
-/// True where the bytes are accepted.
+/// Returns true if the bytes are accepted.
 bool DecodesSoundly(const ByteVector& bytes) {
   bus::test::allocated = 0;
   StoredMap stored;

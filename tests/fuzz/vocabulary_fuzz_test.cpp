@@ -66,7 +66,7 @@ void Use(const Vocabulary& vocabulary, std::mt19937_64& random) {
   for (const int32_t node : nodes.node) ASSERT_TRUE(node >= 0 && node < vocabulary.tree().nodes());
 }
 
-/// True where the bytes are accepted.
+/// Returns true if the bytes are accepted.
 bool IsSoundOrRefused(const std::string& bytes, std::mt19937_64& random) {
   bus::test::allocated = 0;
   try {

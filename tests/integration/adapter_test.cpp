@@ -135,7 +135,7 @@ class Adapter : public testing::Test {
     return poses;
   }
 
-  /// True pose of the body at a frame, in the axes of the body at frame 0.
+  /// Returns the true pose of the body at a frame, in the axes of the body at frame 0.
   SE3 Truth(int frame) const {
     const SE3 T_b_c = BodyFromCamera(world_->rig());
     const SE3 T_first_l = world_->GroundTruth(0)->Inverse() * *world_->GroundTruth(frame);

@@ -80,7 +80,7 @@ class StatusListener {
   StatusListener& operator=(const StatusListener&) = delete;
 
   using Statuses = std::map<std::string, status_t>;
-  /// False where `done` does not become true within the limit.
+  /// Returns false if `done` does not become true within the limit.
   bool WaitFor(const std::function<bool(const Statuses&, int64_t newest_frame)>& done, int limit_s = 60);
   bool WaitForState(const std::string& process, const std::string& state, int limit_s = 60);
   bool WaitForFrame(int64_t frame_id, int limit_s = 60);

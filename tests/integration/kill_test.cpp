@@ -37,7 +37,7 @@ constexpr std::array<Victim, 5> kVictims{{{"player", "player"},
 
 constexpr unsigned kFirstSeed = 7;
 
-/// How much of it.
+/// Number of kills and frames of the test.
 struct Extent {
   int kills = 5;
   int frames = 200;

@@ -51,8 +51,8 @@ Agreement Compare(const Trajectory& a, const Trajectory& b) {
   return agreement;
 }
 
-/// How far each pose that was published is from the truth, by its frame; `shown` frame by frame, in a map that began
-/// at frame 0 of the dataset.
+/// Returns the error of each published pose against the truth, by its frame; `shown` frame by frame, in a map that
+/// began at frame 0 of the dataset.
 std::map<int, double> ErrorsInMap(const WholeRun& run, const Dataset& dataset,
                                   const std::vector<ChosenFrame>& shown) {
   constexpr double kFrame_ns = 5e7;
@@ -188,7 +188,7 @@ TEST(SavedMap, OfForeignBytesIsRefusedInOneSentence) {
   EXPECT_FALSE(std::filesystem::exists(run.out())) << "nothing was begun";
 }
 
-/// How far each pose that was published is from the truth, in a map that began at frame 0 of the dataset.
+/// Returns the error of each published pose against the truth, in a map that began at frame 0 of the dataset.
 std::vector<double> LiveErrors_m(const WholeRun& run, const Dataset& dataset) {
   std::map<int64_t, SE3> truth;
   for (int i = 0; i < dataset.size(); ++i) truth[dataset.t_ns(i)] = *dataset.GroundTruth(i);

@@ -59,7 +59,7 @@ class RunWatcher {
 
   std::string url() const { return port_.Url(); }
 
-  /// False where `done` does not become true within `limit_s`.
+  /// Returns false if `done` does not become true within `limit_s`.
   bool WaitFor(const std::function<bool(const Heard&)>& done, int limit_s = 60) const;
   bool WaitForFrame(int64_t frame_id, int limit_s = 60) const;
   /// Waits until a process of this name with this id has published "ready" or "running".

@@ -18,7 +18,7 @@ inline double EnvironmentNumber(const char* name, double fallback) {
   return text == nullptr ? fallback : std::atof(text);
 }
 
-/// How many cases there were, and how many of them were accepted.
+/// Numbers of cases, and of accepted ones.
 struct FuzzCounts {
   uint64_t cases = 0;
   uint64_t accepted = 0;

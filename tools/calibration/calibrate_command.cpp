@@ -175,7 +175,7 @@ bool IsRigFile(const std::string& path) {
   return (extension == ".yaml" || extension == ".yml") && !fs::is_directory(path);
 }
 
-/// Whether two paths name one file, which need not be there yet.
+/// Returns whether two paths name one file, which need not exist yet.
 bool IsSameFile(const fs::path& a, const fs::path& b) {
   return fs::weakly_canonical(fs::absolute(a)) == fs::weakly_canonical(fs::absolute(b));
 }

@@ -53,7 +53,7 @@ BoardView FindChess(const Board& board, const cv::Mat& image) {
   return view;
 }
 
-/// Whether markers lie as on the board: most of their corners fit one homography, to `bound_m`.
+/// Returns whether markers contradict the board: most of their corners do not fit one homography, to `bound_m`.
 bool Contradicts(const std::vector<std::vector<cv::Point3f>>& board, double bound_m, const FoundMarkers& read) {
   std::vector<cv::Point2f> on_board, seen;
   size_t n_unknown = 0;

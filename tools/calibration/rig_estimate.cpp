@@ -22,7 +22,7 @@ namespace {
 
 constexpr int kMinPairs = 10;
 constexpr double kHuber_px = 1.0;
-/// Corners farther away than this many standard deviations are none.
+/// Corners farther away than this many standard deviations are outliers.
 constexpr double kOutlierSigmas = 5.0;
 /// A detector is never much better than this.
 constexpr double kLeastNoise_px = 0.02;

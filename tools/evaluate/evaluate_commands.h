@@ -5,7 +5,7 @@ namespace plslam::evaluate {
 
 /// The program `evaluate`: reads the files of the command line, prints the table, writes JSON and plot; `compare`,
 /// `figures` and `places` are handed on to the commands below. These take their own word as `argv[0]`. All return the
-/// exit code: 0, or 1 after one sentence on stderr (`RunEvaluate` also where no pose has a counterpart).
+/// exit code: 0, or 1 after one sentence on stderr (`RunEvaluate` also if no pose can be associated).
 int RunEvaluate(int argc, char** argv);
 
 /// `evaluate compare RUN...`: runs side by side.

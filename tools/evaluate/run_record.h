@@ -52,7 +52,7 @@ struct RunRecord {
 /// From a `summary.json`. `folder` is for the record only.
 RunRecord RecordOf(const nlohmann::json& summary, const std::string& folder);
 
-/// From `FOLDER/summary.json`; nullopt where that is not the summary of a run.
+/// Reads `FOLDER/summary.json`; nullopt if that is not the summary of a run.
 std::optional<RunRecord> FindRunRecord(const std::string& folder);
 
 }  // namespace plslam::evaluate

@@ -39,10 +39,10 @@ struct RelativeErrors {
   std::vector<double> rotation_rad;
 };
 
-/// Relative pose error (Sturm et al. 2012, eq. 1): E_i = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j) for truth Q and estimate P,
-/// from every pair i to the pair j one `delta` later. Frames count associated pairs. For seconds and metres (of the
-/// true path) j is the one nearest to the delta, and i is left out where that is off by more than half the delta, or
-/// the sequence ends before.
+/// Relative pose error (Sturm et al. 2012, eq. 1): E_i = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j) for truth Q and estimate P, from
+/// every pair i to the pair j one `delta` later. Frames count associated pairs. For seconds and metres (of the true
+/// path) j is the one nearest to the delta, and i is left out if that differs by more than half the delta, or the
+/// sequence ends before.
 RelativeErrors ComputeRelativeErrors(const PosePairs& pairs, const Delta& delta);
 
 /// Length of the true path up to each pair.

@@ -19,7 +19,7 @@ std::string Trim(const std::string& text) {
   return begin == std::string::npos ? "" : text.substr(begin, end - begin + 1);
 }
 
-/// Whether `text` ends within brackets, as the bounds of a long name do ("INT in [0 - 9]").
+/// Returns whether `text` ends within brackets, as the bounds of a long name do ("INT in [0 - 9]").
 bool EndsInBrackets(const std::string& text) {
   return std::count(text.begin(), text.end(), '[') > std::count(text.begin(), text.end(), ']');
 }

@@ -22,8 +22,8 @@ void CheckMapToGoOnFrom(const RunOptions& options);
 /// std::runtime_error with one sentence.
 void CheckCameras(const RunOptions& options);
 
-/// Returns the current time as files in the output folder will have it: file times advance in steps of milliseconds,
-/// later than the clock, and a file server has its own clock. The folder must exist. Throws std::runtime_error if no
+/// Returns the current time as files in the output folder will have it: file times advance in steps of milliseconds and
+/// lag behind the clock, and a file server has its own clock. The folder must exist. Throws std::runtime_error if no
 /// file can be written.
 std::filesystem::file_time_type FileTimeNow(const RunOptions& options);
 

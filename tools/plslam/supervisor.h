@@ -123,7 +123,7 @@ class Supervisor {
   std::filesystem::path LogOf(const std::string& name) const { return options_.logs / (name + ".log"); }
 
   Options options_;
-  std::mutex mutex_;  ///< held where a process is started or reaped, so that `KillAll` meets none that is reaped
+  std::mutex mutex_;  ///< locked while a process is started or reaped, so that `KillAll` signals none that is reaped
   bool killed_ = false;
   std::vector<Child> children_;
   std::string failure_;  ///< without the reason

@@ -115,7 +115,7 @@ class Reader {
   bool has_edges() const { return !edges_.empty(); }
   bool Knows(int64_t id) const { return poses_.contains(id); }
 
-  /// False where the tag is not of this kind.
+  /// Returns false if the tag is not of this type.
   bool Take(const TextRow& row) {
     if (row.fields[0] == Rows::kVertex) {
       TakeVertex(row);

@@ -52,7 +52,7 @@ PoseMatrix<Pose> ReadG2oInformation(const TextRow& row, size_t first);
 template <class Pose>
 std::string G2oInformationText(const PoseMatrix<Pose>& information);
 
-/// A pose graph as g2o files have it: poses with names.
+/// A pose graph in the form of g2o files: poses with ids.
 template <class Pose>
 struct G2oGraph {
   /// Ascending; as long as `graph.poses`.

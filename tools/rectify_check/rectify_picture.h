@@ -17,8 +17,8 @@ struct MaskedImage {
 };
 
 /// The rectified pair side by side, with epipolar lines (each pixel row should meet the same thing on both sides) and
-/// matched points: green where rows agree to a pixel, orange to two, red beyond. Shaded where a mask is 0; masks may
-/// be empty. `caption` stands below.
+/// matched points: green where rows agree to a pixel, orange to two, red beyond. Shaded where a mask is 0; masks may be
+/// empty. `caption` is below.
 cv::Mat DrawRectification(const MaskedImage& left, const MaskedImage& right, const std::vector<RowMatch>& matches,
                           const std::string& caption);
 

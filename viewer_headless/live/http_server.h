@@ -23,8 +23,8 @@ struct HttpResponse {
 
 /// Serves GET on 127.0.0.1 only, to 256 connections at a time (more are cut), each on its own thread, so that no client
 /// waits for another. A connection may be idle for 15 s, take 5 s for the head of a request, and 60 s for the answer;
-/// then it is cut. Other methods are refused, and so are requests that name another host, so that a page of the network
-/// cannot read it through a browser here.
+/// then it is cut. Other methods are rejected, and so are requests that name another host, so that a foreign web page
+/// cannot read the data through a local browser.
 class HttpServer {
  public:
   using Handler = std::function<HttpResponse(const HttpRequest&)>;

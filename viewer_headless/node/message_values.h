@@ -13,7 +13,7 @@
 
 namespace plslam::viewer {
 
-/// Messages as the plain values of this folder; nullopt where poses or covariances are none.
+/// Conversion of messages to the plain values of this folder; nullopt if poses or covariances are invalid.
 std::optional<FramePose> ToFramePose(const pose_t& message);
 std::optional<BodiesOfFrame> ToBodiesOfFrame(const bodies_t& message);
 OverlayFeatures ToOverlayFeatures(const tracks_t& message);

@@ -40,7 +40,7 @@ class ReportNode {
   /// Throws std::runtime_error.
   void Write();
 
-  /// nullptr where no report is made.
+  /// Returns nullptr if no report is made.
   PictureStore* pictures() { return wanted_ ? &report_->pictures() : nullptr; }
 
  private:

@@ -15,11 +15,11 @@ namespace plslam::viewer {
 using RowOfKeyframe = std::map<int64_t, int32_t>;
 
 /// Ids of landmarks and the keyframes that observe them, packed: a landmark of ten observations takes about thirteen
-/// bytes. For each landmark, in ascending order of ids, these numbers: its id less that of the one before (of the
-/// first: less -1), how many keyframes observe it, the row of the first of them less that of the landmark before (of
-/// the first: less 0; as 2n where it is n, as 2n - 1 where it is -n), and for each further keyframe its row less the
-/// one before. Numbers are LEB128: seven bits a byte, the lowest first, the eighth bit where more follow. Keyframes
-/// without a row are left out.
+/// bytes. For each landmark, in ascending order of ids, these numbers: the difference of its id to the previous one (of
+/// the first: to -1), the number of observing keyframes, the difference of the first one's row to that of the previous
+/// landmark (of the first: to 0; encoded as 2n for n, as 2n - 1 for -n), and for each further keyframe the difference
+/// of its row to the previous one. Numbers are LEB128: seven bits a byte, the lowest first, the eighth bit where more
+/// follow. Keyframes without a row are left out.
 template <class Landmark>
 std::string PackObservers(const std::vector<const Landmark*>& landmarks, const RowOfKeyframe& rows);
 

@@ -12,7 +12,7 @@ namespace plslam::viewer {
 
 /// The pictures of a run, as many as fit into a report. They contain the left image of every `stride`-th frame with its
 /// features, and its right image, smaller; the stride doubles whenever there are more than `max_pictures`. A smaller
-/// image of every keyframe is stored for the pairs of loops; beyond `max_keyframes` every second one is dropped.
+/// image of every keyframe is stored for the pairs of loops; beyond `kMaxKeyframes` every second one is dropped.
 class PictureStore {
  public:
   static constexpr int kPictureWidth_px = 512;

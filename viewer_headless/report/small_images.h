@@ -29,7 +29,7 @@ class SmallRectifier {
   const char* side_;
   int width_px_;
   int block_;
-  std::optional<BilinearWarp> warp_;  // of the means of blocks; none where images are rectified already
+  std::optional<BilinearWarp> warp_;  // of the means of blocks; empty if images are rectified already
 };
 
 }  // namespace plslam::viewer

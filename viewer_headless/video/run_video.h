@@ -45,7 +45,7 @@ class RunVideo {
   int64_t n_pictures_ = 0;
 };
 
-/// The program that is to write `path`, started; nullptr where that is to be a folder of pictures.
+/// Starts the program that writes `path`; nullptr if that is a folder of pictures.
 std::unique_ptr<FilmProcess> StartFilm(const std::string& path);
 
 /// Returns the frame rate of the recording, in pictures a second, from the times of two frames and the number of frames

@@ -99,12 +99,10 @@ void OrderedReader::CountAsked(const std::vector<SeqRange>& ranges) {
 }
 
 /// Gives up the missing messages before `seq`; buffered ones are still delivered in order. Messages sent before this
-/// reader joined count as lost only up to `join_end_`.
+/// reader joined (below `join_end_`) are counted as lost only here.
 void OrderedReader::SkipTo(int64_t seq) {
   while (expected_ < seq) {
-    if (!buffer_.empty() && buffer_.begin()->first == expected_)
-      return;  // deliver it first; SkipTo is called again
-               // later
+    if (!buffer_.empty() && buffer_.begin()->first == expected_) return;  // deliver it first; called again later
     const int64_t next = buffer_.empty() ? seq : std::min(seq, buffer_.begin()->first);
     lost_ +=
         std::max<int64_t>(0, two_way_ ? std::min({next, join_end_, counted_end_}) - expected_ : next - expected_);

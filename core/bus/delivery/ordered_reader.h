@@ -24,8 +24,7 @@ class OrderedReader {
     int64_t retry_first_ns = 5'000'000;  ///< repeated after this without an answer, then doubled
     int64_t retry_max_ns = 200'000'000;
     int64_t ack_pause_ns = 2'000'000;      ///< small messages are acknowledged together
-    int64_t silent_ns = kSilent_ns;        ///< a publisher that is silent for longer counts as exited: its gaps are
-                                           ///< given up
+    int64_t silent_ns = kSilent_ns;        ///< a publisher silent for longer counts as exited: its gaps are given up
     int64_t hopeless_ns = 10'000'000'000;  ///< so is a gap that a running publisher does not fill
     int64_t kept_ns = 60'000'000'000;      ///< the same if it announces that it still has the missing messages
     int64_t absent_ns = 2'000'000'000;  ///< after a longer silence it is cut off, and its time for a gap is stopped

@@ -48,7 +48,7 @@ class LogReader {
   int64_t skipped_bytes_ = 0;
 };
 
-/// Whether a file begins like an LCM event log.
+/// Returns whether a file begins like an LCM event log.
 bool LooksLikeLcmLog(const std::string& path);
 
 }  // namespace plslam::bus

@@ -33,7 +33,7 @@ class FrameAssembler {
   static constexpr size_t kMaxPartial = 8;
   static constexpr int64_t kMaxBytes = 4 * kMaxImageBytes;
 
-  /// Whether an image of this size is taken, with so many bytes for a pixel.
+  /// Returns whether an image of this size is accepted, with so many bytes for a pixel.
   static bool CanHold(int32_t width_px, int32_t height_px, int64_t pixel_bytes);
 
   enum class Outcome { kTaken, kRepeated, kComplete, kNonsense };

@@ -35,8 +35,8 @@ class CameraSubscriber {
 };
 
 /// Cuts stereo frames into strips and sends them. Images are 8-bit grey; the right one may be a 16-bit depth map.
-/// Others are std::invalid_argument; one that readers would refuse for its size (64 MB) is std::runtime_error, in one
-/// sentence, before anything of the frame is sent.
+/// Others are std::invalid_argument; one that readers would reject for its size (64 MB) is std::runtime_error, in one
+/// sentence, before any strip of the frame is sent.
 class FramePublisher {
  public:
   FramePublisher(Bus& bus, bool lockstep);

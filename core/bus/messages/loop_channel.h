@@ -16,8 +16,8 @@
 
 namespace plslam::bus {
 
-/// `closure` as pages of at most `page_bytes`. Throws std::invalid_argument where readers would refuse it: numbers
-/// that are not finite, poses or names that do not ascend.
+/// `closure` as pages of at most `page_bytes`. Throws std::invalid_argument for content that readers would reject:
+/// non-finite numbers, poses or names that do not ascend.
 std::vector<loop_closure_t> CutIntoPages(const LoopClosure& closure, int64_t page_bytes);
 
 /// Puts loop closures together again.

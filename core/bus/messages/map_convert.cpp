@@ -23,7 +23,7 @@ namespace {
 /// As many as a keyframe may have features.
 constexpr int32_t kMaxFeature = 200'000;
 
-/// Not to infinity, which the reader would refuse: a landmark may be as uncertain as it likes.
+/// Clamped to a finite value, since the reader would reject infinity: a landmark may have any uncertainty.
 float ToFiniteFloat(double value) {
   constexpr double kMax = std::numeric_limits<float>::max();
   return static_cast<float>(std::isfinite(value) ? std::clamp(value, -kMax, kMax) : value);

@@ -136,7 +136,7 @@ std::string NameOf(const LoopEdge& loop) {
   return fmt::format("from keyframe {} to {}", loop.old_keyframe_id, loop.keyframe_id);
 }
 
-/// Messages of values, one after the other; throws where readers would refuse one, by the very code that they run.
+/// Encodes values as messages, one after the other; throws if readers would reject one, by the same check.
 template <class Value>
 class AcceptedMessages {
  public:

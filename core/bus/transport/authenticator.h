@@ -31,7 +31,7 @@ class Authenticator {
 
   void Append(std::string_view channel, std::vector<uint8_t>& message) const;
 
-  /// Whether `bytes`, of which the message itself is the first `length`, are genuine.
+  /// Returns whether `bytes`, of which the message itself is the first `length`, are genuine.
   bool Accept(std::string_view channel, ByteView bytes, size_t length) const;
 
  private:

@@ -38,7 +38,7 @@ class LivePeers {
   };
   Doubt Hear(int64_t source, int64_t now);
 
-  /// Whether this request or announcement of `source` is a new one.
+  /// Returns whether this request or announcement of `source` is a new one.
   bool TakeRequest(int64_t source, int64_t seq, int64_t now) { return PeerOf(source, now).requests.Take(seq); }
   bool TakeAnnouncement(int64_t source, int64_t seq, int64_t now) {
     return PeerOf(source, now).announcements.Take(seq);

@@ -9,7 +9,7 @@
 
 namespace plslam::bus {
 
-/// Why a message is not taken.
+/// Reason why a message is rejected.
 enum class Rejection {
   kMalformed,     ///< invalid sizes, strings or header
   kOversized,     ///< larger than any message of plslam

@@ -236,7 +236,7 @@ bool Transport::Receive(int timeout_ms) {
 
 void Transport::Wake() {
   const uint64_t one = 1;
-  // Only fails when the counter is full, and then the receiver wakes anyway.
+  // Fails only if the counter is full, and then the receiver wakes all the same.
   if (write(wake_fd_, &one, sizeof(one)) < 0) return;
 }
 

@@ -49,7 +49,7 @@ class Transport {
   Kind kind() const { return kind_; }
   /// URL as given to LCM.
   const std::string& url() const { return url_; }
-  /// Whether messages can go both ways, so that repair makes sense.
+  /// Returns whether messages can go both ways, as repair requires.
   bool two_way() const { return kind_ != Kind::kFileRead && kind_ != Kind::kFileWrite; }
   /// Bytes of large datagrams that the receiving socket holds.
   int64_t receive_window() const { return window_; }

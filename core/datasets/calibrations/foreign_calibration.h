@@ -42,7 +42,7 @@ std::optional<double> MetresOf(std::string_view unit);
 ForeignCalibration ReadForeignCalibration(const std::vector<std::string>& paths, const ImageSize& image_size,
                                           std::optional<double> metres_per_unit = std::nullopt);
 
-/// Returns WhyNoCalibration of the first file in `folder` that has such a reason; empty where none has.
+/// Returns WhyNoCalibration of the first file in `folder` that has such a reason; empty if none has.
 std::string UnreadCalibration(const std::string& folder);
 
 /// Returns the files directly in `folder` that have a foreign format, in the order of their names. Throws DatasetError

@@ -130,7 +130,7 @@ CameraCalibration ZedCamera(const Sections& file, const std::string& side, const
 }
 
 /// Returns TY or TZ: of the resolution, or, in the oldest files, of all. They are fractions of a millimetre, and some
-/// files omit them; values of other resolutions are ignored.
+/// files omit them; a file that has them only for other resolutions is an error.
 double Shift_mm(const Sections& file, const std::string& key, const std::string& resolution) {
   const std::string own = key + "_" + resolution;
   if (file.Has("STEREO", own)) return file.Number("STEREO", own);

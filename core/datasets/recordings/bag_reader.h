@@ -48,7 +48,7 @@ class BagReader : public Recording {
   };
   Head ReadHead() const;
   void ReadIndex(uint64_t at);
-  /// How many bytes are kept of it: none of one that is written again.
+  /// Returns the number of bytes that are kept of it: 0 for one that is repeated.
   size_t AddConnection(uint32_t id, const std::string& topic, std::span<const uint8_t> data);
   void ListChannels();
   /// Without the connections.

@@ -39,11 +39,11 @@ class RecordingFile {
   uint64_t size_ = 0;
 };
 
-/// False, too, where the file cannot be read.
+/// Returns false also if the file cannot be read.
 bool BeginsWith(const std::string& path, std::string_view magic);
 
 inline constexpr uint64_t kMaxChunkBytes = 128 << 20;
-/// Refuses a chunk, or a message outside of chunks, of more bytes than `kMaxChunkBytes`.
+/// Rejects a chunk, or a message outside of chunks, of more bytes than `kMaxChunkBytes`.
 void CheckChunkSize(uint64_t n);
 
 /// Fields of a record, one after the other without any alignment.
@@ -78,7 +78,7 @@ class RecordFields {
 /// according to the file; one above `kMaxChunkBytes` is rejected.
 std::vector<uint8_t> DecompressChunk(const std::string& compression, std::span<const uint8_t> bytes, uint64_t n);
 
-/// How many bytes of lz4 could be decompressed in the time that `n` bytes take which are compressed so.
+/// Returns the bytes of lz4 that could be decompressed in the same time as `n` bytes of this compression.
 uint64_t DecompressionCostOf(const std::string& compression, uint64_t n);
 
 /// The chunks read last.

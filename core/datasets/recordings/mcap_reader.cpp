@@ -59,7 +59,7 @@ std::span<const uint8_t> ContentIn(std::span<const uint8_t> bytes, uint64_t offs
 /// Schemas and channels as the records name them.
 class NamedChannels {
  public:
-  /// How many bytes are kept of it: none of one that is written again.
+  /// Returns the number of bytes that are kept of it: 0 for one that is repeated.
   size_t Add(McapRecord kind, Fields fields) {
     const auto id = fields.Get<uint16_t>();
     if (kind == McapRecord::kSchema && !schemas_.contains(id)) return (schemas_[id] = fields.Text()).size();

@@ -216,7 +216,7 @@ namespace {
 /// Times in the order of the file.
 using Times = std::vector<int64_t>;
 
-/// How often a clock was set back, and the times around the first one.
+/// Number of times that a clock was set back, and the times around the first one.
 struct SetBack {
   int n = 0;
   int64_t before_ns = 0, after_ns = 0;

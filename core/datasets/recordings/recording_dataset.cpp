@@ -238,7 +238,7 @@ class RecordingDataset : public Dataset {
     throw DatasetError(fmt::format("has no camera_info for {}", image_topic));
   }
 
-  /// Returns the sizes of the left and right images by the first pair that can be read; 0 x 0 where none can.
+  /// Returns the sizes of the left and right images by the first pair that can be read; 0 x 0 if there is none.
   std::pair<ImageSize, ImageSize> ImageSizes() const {
     constexpr size_t kTried = 10;
     for (size_t i = 0; i < std::min(kTried, images_.pairs.size()); ++i) {

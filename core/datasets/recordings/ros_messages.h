@@ -82,7 +82,7 @@ class RosReader {
 
 // Messages of ROS, as far as a stereo sequence needs them. All throw DatasetError for a damaged message.
 
-/// Names of the types, as ROS 2 has them.
+/// Names of the types in ROS 2.
 inline constexpr std::string_view kRosImage = "sensor_msgs/msg/Image";
 inline constexpr std::string_view kRosCompressedImage = "sensor_msgs/msg/CompressedImage";
 inline constexpr std::string_view kRosCameraInfo = "sensor_msgs/msg/CameraInfo";

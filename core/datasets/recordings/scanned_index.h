@@ -30,8 +30,8 @@ class ScannedIndex {
             const char* repair);
 
   void Add(uint32_t channel, const RecordedMessage& message);
-  /// Bytes that are kept of names, and those of a chunk that is about to be decompressed. They fail, as `Add` does,
-  /// where a file has more than only a damaged one can have, and the scan ends there.
+  /// Bytes that are kept of names, and those of a chunk that is about to be decompressed. They fail, as `Add` does, at
+  /// a size that only a damaged file can have, and the scan ends there.
   void SpendKept(uint64_t bytes) { Spend(kept_left_, bytes, "messages and names"); }
   void SpendDecompressed(uint64_t bytes) { Spend(decompressed_left_, bytes, "bytes in its chunks"); }
 

@@ -60,7 +60,7 @@ class WorldBuilder {
   /// An upright box standing on `centre` (middle of its bottom), turned by `angle`. Returns false if too near the path.
   bool AddBox(const Eigen::Vector3d& centre, const Eigen::Vector3d& size, double angle, const Material& sides,
               const Material& top);
-  /// A beam from a to b of square section. False if too near the path.
+  /// A beam from a to b of square section. Returns false if too near the path.
   bool AddBeam(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double thickness_m, const Material& sides) {
     return AddBeam(a, b, thickness_m, sides, sides);
   }

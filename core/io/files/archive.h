@@ -145,7 +145,7 @@ class Reader {
     (Read(values), ...);
   }
 
-  /// How many follow, each of at least `min_bytes`.
+  /// Returns the number of elements that follow, each of at least `min_bytes`.
   uint64_t ReadCount(size_t min_bytes) {
     uint64_t n = 0;
     Read(n);

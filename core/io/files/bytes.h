@@ -11,7 +11,7 @@
 
 namespace plslam {
 
-/// Whether the bytes could be appended; false where no memory is left. For callbacks of C libraries, which no
+/// Returns whether the bytes could be appended; false if no memory is left. For callbacks of C libraries, which no
 /// exception may pass through.
 inline bool AppendBytes(std::string& file, const void* bytes, size_t n) noexcept {
   try {

@@ -25,7 +25,7 @@ struct ImageSize {
   bool operator==(const ImageSize&) const = default;
 };
 
-/// Images larger than this are refused before they are decoded.
+/// Larger images are rejected before they are decoded.
 inline constexpr int kMaxImagePixels = 64 * 1024 * 1024;
 
 /// Size of a PNG, JPEG or binary PGM image from its header; no pixel is decoded. Throws DatasetError.

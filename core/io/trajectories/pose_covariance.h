@@ -16,9 +16,9 @@ struct PoseCovariance {
   Matrix6d covariance = Matrix6d::Zero();
 };
 
-/// Rows of `t` in seconds and the 36 numbers of the covariance, row by row, separated by blanks; lines that begin
-/// with # are comments. Times increase. Throws std::runtime_error with file, line and value, also where a covariance
-/// is not symmetric or has a negative variance.
+/// Rows of `t` in seconds and the 36 numbers of the covariance, row by row, separated by blanks; lines that begin with
+/// # are comments. Times increase. Throws std::runtime_error with file, line and value, also if a covariance is not
+/// symmetric or has a negative variance.
 std::vector<PoseCovariance> ReadPoseCovariances(const std::string& path);
 
 /// Writes beside the file and renames. Numbers are written so that reading gives the same bits.

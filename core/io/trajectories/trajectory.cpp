@@ -17,7 +17,7 @@
 namespace plslam {
 namespace {
 
-// How far a quaternion's norm or a matrix product R R^T may be from 1: files are rounded to five digits and more.
+// Tolerance for a quaternion's norm or a matrix product R R^T: files are rounded to five digits and more.
 constexpr double kRotationTolerance = 0.01;
 constexpr int64_t kNsPerS = 1'000'000'000;
 // The year 2115; the difference of two times within it fits 64 bits.

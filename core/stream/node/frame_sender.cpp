@@ -162,7 +162,7 @@ void FrameSender::PublishEnd() {
   process_.bus().Flush(kFlushTick);
 }
 
-/// False where the process ends first.
+/// Sends the remaining frames; returns false if the process ends first.
 bool FrameSender::SendRest() {
   while (std::optional<LoadedFrame> frame = NextFrame()) {
     if (!frame->error.empty()) {

@@ -44,7 +44,7 @@ class Waiter {
     changed_.notify_all();
   }
 
-  /// True when the value reaches `n` within the limit.
+  /// Returns true when the value reaches `n` within the limit.
   bool Reaches(int64_t n, std::chrono::milliseconds limit = std::chrono::seconds(20)) {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, plslam::test::Patience(limit), [&] { return value_ >= n; });

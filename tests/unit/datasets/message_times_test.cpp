@@ -53,7 +53,7 @@ class LargeRecording : public Recording {
   mutable std::set<uint32_t> chunks_read_;
 };
 
-/// How many chunks are read for the stamps, which are right within `error_ns`.
+/// Returns the number of chunks that are read for the stamps, which are right within `error_ns`.
 size_t ChunksRead(int64_t (*delay)(int message), int64_t error_ns) {
   const LargeRecording recording(delay);
   std::vector<RecordedMessage> left = recording.Messages("left"), right = recording.Messages("right");

@@ -10,7 +10,7 @@
 
 namespace plslam::test {
 
-/// How a tiny recording is written.
+/// Format of a tiny recording.
 struct RecordingOptions {
   std::string compression{};     ///< of chunks: none, "lz4", "zstd" or "bz2"
   bool checksums = true;         ///< MCAP only

@@ -27,7 +27,7 @@ std::string WhyNotRun(const std::string& command);
 /// Patterns of that table which no command of any document matches.
 std::vector<std::string> IdleRows();
 
-/// Whether it runs until it is interrupted; a player does where no vo_process of its block answers it.
+/// Returns whether it runs until it is interrupted, as a player does if no vo_process of its block answers it.
 bool IsEndless(const std::string& command, bool block_has_vo);
 
 /// Returns the command with a tiny world for each dataset, on a separate bus.

@@ -36,7 +36,7 @@ bool PollUntil(const std::function<bool()>& done) {
   return done();
 }
 
-/// Whether the program has taken charge of SIGINT, so that an interruption is an orderly end.
+/// Returns whether the program handles SIGINT, so that an interruption is an orderly end.
 bool MindsInterrupts(pid_t pid) {
   const std::string status = ReadAll(fmt::format("/proc/{}/status", pid));
   uint64_t signals = 0;

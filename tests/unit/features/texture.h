@@ -9,7 +9,7 @@
 
 namespace plslam::test {
 
-/// How a view of the texture differs from the plain one.
+/// Difference of a view of the texture from the plain one.
 struct View {
   /// The view's pixel (x, y) shows the texture at (x + shift_x, y + shift_y): for a right image, the disparity.
   double shift_x_px = 0.0;

@@ -13,7 +13,7 @@
 namespace plslam::launcher {
 namespace {
 
-/// Whether a socket that shares ports, as LCM's do, gets this one.
+/// Returns whether a socket that shares ports, as LCM's do, gets this one.
 bool SharerGets(int port) {
   const int fd = socket(AF_INET, SOCK_DGRAM, 0);
   const int yes = 1;

@@ -46,7 +46,7 @@ LoopClosure Loop() {
   return closure;
 }
 
-/// How far the edge is off from how its keyframes lie.
+/// Returns the difference of the edge to the relative pose of its keyframes.
 SE3 ErrorOf(const LoopEdge& edge) {
   return (PoseOf(edge.old_keyframe_id).Inverse() * PoseOf(edge.keyframe_id)).Inverse() * edge.T_old_kf;
 }

@@ -13,7 +13,7 @@
 
 namespace plslam::test {
 
-/// How a walk is seen: noise of the features and of the tracker's motion from keyframe to keyframe.
+/// Observation of a walk: noise of the features and of the tracker's motion from keyframe to keyframe.
 struct WalkOptions {
   double noise_px = 0.4;
   double motion_sigma_m = 0.01;

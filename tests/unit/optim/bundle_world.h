@@ -17,7 +17,7 @@ struct BundleWorldSpec {
   int observations = 5;
   double noise_px = 0.5;
   double noise_disparity_px = 0.4;
-  /// How far poses start from the truth; landmarks as far, times their distance in metres.
+  /// Initial error of the poses; of landmarks the same, times their distance in metres.
   double start_m = 0.02;
   double start_rad = 0.005;
   /// Shares of all observations.

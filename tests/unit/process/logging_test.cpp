@@ -12,7 +12,7 @@
 namespace plslam {
 namespace {
 
-/// Whether log lines would have colours with standard error as it is now.
+/// Returns whether log lines would have colours with the current standard error.
 bool HasColours() {
   bus::SetUpLogging("test");
   auto* const sink = dynamic_cast<spdlog::sinks::stderr_color_sink_mt*>(spdlog::default_logger()->sinks()[0].get());

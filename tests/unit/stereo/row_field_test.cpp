@@ -91,7 +91,7 @@ TEST(RowField, DisparitiesAreThoseOfTheTurnThatTheRowsShow) {
   }
 }
 
-/// How many points and lines have the right disparity.
+/// Numbers of points and lines with the right disparity.
 struct DepthsFound {
   int points = 0;
   int lines = 0;

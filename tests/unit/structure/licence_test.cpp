@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kLicence = "SPDX-License-Identifier: BSD-3-Clause";
 
-/// How comments of a source begin; empty where the file is no source: a document, an image, a table.
+/// Returns the prefix of a source's comments; empty if the file is no source: a document, an image, a table.
 std::string CommentOf(const fs::path& path, bool is_script) {
   static const std::set<std::string> kSlashes{".h", ".cpp", ".js", ".mjs", ".lcm", ".java"};
   static const std::set<std::string> kHashes{".py", ".cmake", ".sh"};

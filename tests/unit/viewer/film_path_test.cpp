@@ -28,7 +28,7 @@ FilmPath PathOf(const std::vector<FramePose>& poses) {
   return path;
 }
 
-/// How far each is to the side, and that each is as far ahead as odometry saw it.
+/// Returns the sideways offset of each position, and checks that each is as far ahead as odometry measured.
 std::vector<double> Sideways(const std::vector<Eigen::Vector3d>& path, const std::vector<int64_t>& frames) {
   std::vector<double> x;
   for (size_t i = 0; i < path.size(); ++i) {

@@ -20,7 +20,7 @@ struct Scene {
 
 Scene MakeScene();
 
-/// How a frame sees the scene; landmark i is number i of its kind.
+/// View of the scene in a frame; landmark i has index i within its feature type.
 struct View {
   double noise_px = 0.0;
   uint32_t seed = 1;

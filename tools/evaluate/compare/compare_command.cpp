@@ -100,7 +100,7 @@ std::vector<RunRecord> RunsOf(const std::vector<std::string>& names) {
   return named.runs;
 }
 
-/// Names of files for the runs: the folder's, numbered where two are the same.
+/// Returns file names for the runs: the folder's, numbered if two are the same.
 std::vector<std::string> FileNames(const std::vector<RunRecord>& runs) {
   std::vector<std::string> names;
   std::set<std::string> taken;

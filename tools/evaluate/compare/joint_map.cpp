@@ -37,7 +37,7 @@ std::string LastPart(const std::string& folder) {
   return std::filesystem::path(folder + "/").lexically_normal().parent_path().filename();
 }
 
-/// The last part of the folder, where no other run has the same.
+/// Returns the last part of the folder if it is unique among the runs.
 std::string NameOf(const RunRecord& run, const std::vector<RunRecord>& runs) {
   const std::string name = LastPart(run.folder);
   const auto n = std::count_if(runs.begin(), runs.end(), [&](const auto& r) { return LastPart(r.folder) == name; });

@@ -12,7 +12,7 @@ namespace plslam::evaluate {
 
 /// Axes of the drawing in w, chosen without mirroring. From above, in the levelled frame (LevelRotation): x to the
 /// right and z (forward) up, or, where the path is longer than wide, z to the right and -x (left) up. From the side,
-/// with -y up, where a path climbs as far as it leads away.
+/// with -y up, if a path climbs as far as it extends.
 struct ViewDirections {
   Eigen::Vector3d right = Eigen::Vector3d::UnitX();
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();

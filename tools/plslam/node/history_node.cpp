@@ -36,7 +36,7 @@ namespace {
 
 struct KeptChannel {
   const bus::Channel& channel;
-  /// False where the bytes are no such message.
+  /// Returns false if the bytes are no such message.
   bool (*publish)(bus::Bus& bus, const bus::Channel& channel, const std::vector<uint8_t>& bytes);
 };
 

@@ -75,7 +75,7 @@ std::string TcpqRelay::url() const { return "tcpq://" + address_ + ":" + std::to
 void TcpqRelay::Stop() {
   impl_->stopping = true;
   const uint64_t one = 1;
-  if (write(wake_fd_, &one, sizeof(one)) < 0) return;  // full: it wakes anyway
+  if (write(wake_fd_, &one, sizeof(one)) < 0) return;  // full: it wakes all the same
 }
 
 TcpqRelay::Counters TcpqRelay::counters() const {
@@ -105,7 +105,7 @@ void TcpqRelay::Impl::Relay(const std::vector<TcpqClient::Publication>& publishe
   }
 }
 
-/// False where the connection has ended.
+/// Returns false if the connection has ended.
 bool TcpqRelay::Impl::Serve(TcpqClient& client, short events) {
   if ((events & POLLIN) != 0) {
     std::vector<TcpqClient::Publication> published;

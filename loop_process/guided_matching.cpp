@@ -9,7 +9,7 @@
 namespace plslam::loop {
 namespace {
 
-// Descriptors of one node, and their places in the whole list.
+// Descriptors of one vocabulary node, and their indices in the whole list.
 struct NodeMembers {
   std::vector<Descriptor> descriptors;
   std::vector<int> places;

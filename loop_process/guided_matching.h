@@ -9,8 +9,8 @@
 
 namespace plslam::loop {
 
-/// For each descriptor of `a` the index of its match in `b`, or -1: as `MatchBruteForce`, among those that fall into
-/// the same node of the vocabulary. A hundredth of the comparisons finds about two thirds of the matches.
+/// Returns for each descriptor of `a` the index of its match in `b`, or -1: as `MatchBruteForce`, but only among
+/// descriptors of the same vocabulary node. A hundredth of the comparisons finds about two thirds of the matches.
 std::vector<int> MatchByNodes(const std::vector<Descriptor>& a, const FeatureNodes& nodes_a,
                               const std::vector<Descriptor>& b, const FeatureNodes& nodes_b,
                               const MatchOptions& options);

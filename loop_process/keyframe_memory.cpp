@@ -48,7 +48,7 @@ bool KeyframeMemory::Add(const Keyframe& keyframe) {
   return true;
 }
 
-/// The oldest first: a map that does come to know the session begins with what is new.
+/// Drops the oldest first: a map that later receives the session starts with its newest keyframes.
 void KeyframeMemory::DropUntaken(int64_t session) {
   if (taken_.contains(session)) return;
   auto oldest = waiting_.lower_bound({session, kLowest});
@@ -78,7 +78,7 @@ void KeyframeMemory::Leave(int64_t id, const Name& name) {
 }
 
 void KeyframeMemory::Follow(const Map& map) {
-  // Both ascend by id. A map that starts anew may give an id to another keyframe.
+  // Both ascend by id. A new map may give the same id to another keyframe.
   std::vector<std::pair<int64_t, Name>> gone;
   auto known = names_.begin();
   for (const auto& [id, keyframe] : map.keyframes()) {

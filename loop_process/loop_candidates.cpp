@@ -9,10 +9,10 @@
 namespace plslam::loop {
 namespace {
 
-// Keyframes by which an old one is older.
+// Least age of an old keyframe, in keyframes.
 constexpr int64_t kBehind = 10;
 
-// The keyframe, those before it, those it shares landmarks with, and theirs.
+// The keyframe, its predecessors, its neighbours by shared landmarks, and the neighbours of all of these.
 std::set<int64_t> Surroundings(const Map& map, int64_t keyframe_id, const CandidateOptions& options) {
   std::set<int64_t> direct{keyframe_id};
   for (const Map::Neighbour& n : map.Neighbours(keyframe_id, options.min_shared)) direct.insert(n.keyframe_id);
@@ -28,8 +28,8 @@ std::set<int64_t> Surroundings(const Map& map, int64_t keyframe_id, const Candid
   return all;
 }
 
-// Similarity to the keyframe before, or to a neighbour: what a good match is worth in this image. 0 where there is
-// none.
+// Similarity to the previous keyframe, or to a neighbour: the score that a good match reaches in this image. 0 if
+// neither is described.
 double ReferenceScore(const Map& map, const PlaceRecogniser& places, int64_t keyframe_id,
                       const CandidateOptions& options) {
   const PlaceDescription& description = places.Of(keyframe_id);
@@ -38,13 +38,13 @@ double ReferenceScore(const Map& map, const PlaceRecogniser& places, int64_t key
   if (places.Has(previous_id)) best = places.Score(description, places.Of(previous_id));
   for (const Map::Neighbour& n : map.Neighbours(keyframe_id, options.min_shared)) {
     if (!places.Has(n.keyframe_id)) continue;
-    // The one that shares most stands for all.
+    // Neighbours are sorted: this one shares most landmarks.
     return std::max(best, places.Score(description, places.Of(n.keyframe_id)));
   }
   return best;
 }
 
-// Joins matches that see the same landmarks; the best first.
+// Joins matches that see the same landmarks; best group first.
 std::vector<LoopCandidate> Group(const Map& map, const std::vector<PlaceMatch>& matches,
                                  const CandidateOptions& options) {
   std::map<int64_t, double> scores;
@@ -82,7 +82,7 @@ const LoopEdge* LastLoop(const Map& map, int64_t session) {
   return nullptr;
 }
 
-// A turn of a radian counts as two metres.
+// Distance in metres; a rotation of one radian counts as two metres.
 double Apart(const SE3& T) { return T.translation().norm() + 2.0 * T.Log().tail<3>().norm(); }
 
 }  // namespace
@@ -107,7 +107,7 @@ std::optional<LoopCandidate> FindSecondLook(const Map& map, int64_t keyframe_id,
   std::optional<LoopCandidate> nearest;
   double nearest_m = 0.5 * last_m;
   for (const Map::Neighbour& n : map.Neighbours(keyframe_id, options.min_shared)) {
-    // Older than the loop's new side, and not just behind.
+    // Older than the new side of the loop, and not one of its predecessors.
     const MapKeyframe& old = *map.FindKeyframe(n.keyframe_id);
     if (old.session == keyframe.session && old.session_keyframe_id + kBehind > keyframe.session_keyframe_id) continue;
     if (n.keyframe_id + kBehind > last->keyframe_id) continue;

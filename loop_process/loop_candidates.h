@@ -11,28 +11,27 @@
 
 namespace plslam::loop {
 
-/// A place that looks like the keyframe: the most similar keyframe of a group that sees the same landmarks.
+/// A group of similar keyframes that see the same landmarks, represented by the most similar one.
 struct LoopCandidate {
   int64_t keyframe_id = -1;
-  /// Its own similarity, and the sum over its group.
+  /// Similarity of that keyframe, and the sum over its group.
   double score = 0.0;
   double group_score = 0.0;
 };
 
-/// Places that may be seen again in a keyframe, the most similar first (PL-SLAM §VI.A.1). Keyframes that share
-/// landmarks with it, their neighbours and the newest of its session are none; nor is what is much less similar than
-/// the keyframe before, nor what came into the map after it (another robot's): that one finds this one. A group
+/// Returns places that the keyframe may show again, the most similar first (PL-SLAM §VI.A.1). Keyframes that share
+/// landmarks with it, their neighbours and the newest of its session are excluded, as are keyframes much less similar
+/// than its predecessor, and keyframes that entered the map later (of another robot): these find this one. A group
 /// counts once, with its best keyframe.
 std::vector<LoopCandidate> FindLoopCandidates(const Map& map, const PlaceRecogniser& places, int64_t keyframe_id,
                                               const CandidateOptions& options);
 
-/// A loop that was closed from afar is measured again from near, once its place is reached: the old keyframe nearest
-/// to this one, where it shares landmarks with it by now and is at most half as far as that of the session's last
-/// loop was.
+/// Returns the keyframe with which to measure again, from near, a loop that was closed from afar: the old keyframe
+/// nearest to this one that shares landmarks with it, at most half as far away as in the last loop of the session.
 std::optional<LoopCandidate> FindSecondLook(const Map& map, int64_t keyframe_id, const CandidateOptions& options);
 
-/// The same as `FindLoopCandidates` for an image that is not of the map: nothing excluded, nothing to compare the
-/// similarity with.
+/// As `FindLoopCandidates`, for an image that is not in the map: nothing is excluded, and there is no least
+/// similarity.
 std::vector<LoopCandidate> FindPlaceCandidates(const Map& map, const PlaceRecogniser& places,
                                                const PlaceDescription& description, const CandidateOptions& options,
                                                int max_queried, int max_candidates);

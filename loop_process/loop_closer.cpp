@@ -15,7 +15,7 @@
 namespace plslam::loop {
 namespace {
 
-// The newest first: that is the one which is asked for.
+// Searches from the newest keyframe, which is the usual one.
 const MapKeyframe* FindByName(const Map& map, int64_t session, int64_t session_keyframe_id) {
   for (auto entry = map.keyframes().rbegin(); entry != map.keyframes().rend(); ++entry) {
     const MapKeyframe& keyframe = entry->second;

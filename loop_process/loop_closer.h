@@ -15,42 +15,42 @@
 
 namespace plslam::loop {
 
-/// Loop closing (PL-SLAM §VI): recognises places that were seen before, verifies them, and says how the map must
-/// bend. No clock, no thread, no messages: the same calls give the same answers.
+/// Loop closing (PL-SLAM §VI): detects places that were seen before, verifies them, and computes the correction of
+/// the map. No clock, no thread, no messages: the same calls give the same results.
 ///
-/// It remembers the features of the keyframes and nothing else: whether there is a loop follows from them, the map
-/// and the newest keyframe alone, so a loop_process that starts anew goes on as the old one would have.
+/// Its only state are the features of the keyframes: a detection depends on them, the map and the newest keyframe
+/// alone, so a restarted loop_process continues as the previous one would have.
 class LoopCloser {
  public:
   LoopCloser(const StereoCamera& camera, PlaceRecogniser places, const LoopOptions& options);
 
-  /// Features of a keyframe, which may come before or after the map has it. False where they are known.
+  /// Adds the features of a keyframe, before or after the map inserts it. Returns false if they are already stored.
   bool AddKeyframe(const Keyframe& keyframe) { return memory_.Add(keyframe); }
-  /// Another map has taken the place of the one before: sessions that it does not have are done with.
+  /// Called when another map replaces the current one: sessions that it does not contain have ended.
   void ForgetSessions() { memory_.ForgetSessions(); }
   bool Knows(int64_t session, int64_t keyframe_id) const { return memory_.Knows(session, keyframe_id); }
 
-  /// Brings the index of places in step with the map: keyframes that it lost leave, those that it has come in.
-  /// `Check` does it by itself; for a map that was loaded, or before `Relocalise` on a map without loops to check.
+  /// Updates the index of places to the keyframes of the map. `Check` calls it; call it for a map that was loaded, or
+  /// before `Relocalise` on a map without loops to check.
   void Follow(const Map& map) { memory_.Follow(map); }
 
   bool LeaveOldInFiles() { return memory_.LeaveOldInFiles(); }
 
-  /// What to say of a keyframe, given the map right after it was inserted and adjusted: kNone, or kLoop with the
-  /// edge, the landmarks that are the same and where the keyframes lie when it is closed; then `more` says whether an
-  /// adjustment of the whole map should follow. The caller fills in the map's source and version and the times. A
-  /// keyframe that is not in the map, or came without features, is kNone.
+  /// Checks a keyframe for a loop, given the map right after it was inserted and adjusted. Returns kNone, or kLoop with
+  /// the edge, the pairs of landmarks to merge and the corrected poses; `more` then requests a global bundle
+  /// adjustment. The caller fills in the map's source and version and the times. Returns kNone also for a keyframe that
+  /// is not in the map or whose features are missing.
   LoopClosure Check(const Map& map, int64_t session, int64_t session_keyframe_id);
 
-  /// The map as it is, to be adjusted as a whole: after the map has taken over a loop that asked for it by `more`.
-  /// The session and keyframe are those of the loop.
+  /// Returns the global bundle adjustment problem of the map, to be called after the map has applied `loop`, whose
+  /// session and keyframe it carries.
   WholeMapProblem WholeMap(const Map& map, const LoopClosure& loop) const;
 
-  /// Where a frame is of which nothing is known. The caller fills in whose request it is.
+  /// Finds the pose of a frame without a prior. The caller fills in the request that it answers.
   Relocalisation Relocalise(const Map& map, const FeaturesView& features) const;
 
   const LoopOptions& options() const { return options_; }
-  /// What the last `Check` looked at, for reports and experiments.
+  /// Candidates and evidence of the last `Check`, for reports and experiments.
   const LoopSearch& last_search() const { return last_; }
 
  private:

@@ -12,7 +12,7 @@
 namespace plslam::loop {
 namespace {
 
-// All that the loop brings together, directly or over steps that are not known.
+// Keyframes of the parts of the map that the loop joins, connected by known or unknown steps.
 std::set<int64_t> Touched(const LoopEdge& loop, const MapGraph& graph) {
   std::set<int64_t> touched = graph.Component(loop.old_keyframe_id, MapGraph::Edges::kAll);
   if (!touched.contains(loop.keyframe_id)) {
@@ -21,7 +21,7 @@ std::set<int64_t> Touched(const LoopEdge& loop, const MapGraph& graph) {
   return touched;
 }
 
-// Where keyframes start that the loop ties to the rest for the first time: moved as a whole, those that began later.
+// Start poses: if no known step connects the two sides of the loop, the side that began later is moved as a whole.
 std::map<int64_t, SE3> Joined(const Map& map, const LoopEdge& loop, const MapGraph& graph) {
   std::map<int64_t, SE3> T_w_kf;
   for (const int64_t id : Touched(loop, graph)) T_w_kf[id] = map.FindKeyframe(id)->T_w_kf;

@@ -10,13 +10,14 @@
 
 namespace plslam::loop {
 
-/// Where keyframes lie when the loop is closed (PL-SLAM §VI.B): those of the part of the map that it is in, or of the
-/// two that it joins, ascending; other parts have nothing to do with it. nullopt where the pose graph contradicts the
-/// loop, or cannot be solved.
+/// Returns the poses of the keyframes after closing the loop (PL-SLAM §VI.B), ascending by id: of the part of the map
+/// that contains the loop, or of the two parts that it joins; other parts do not change. Returns nullopt if the pose
+/// graph rejects the loop, or cannot be solved.
 ///
-/// Nodes of the graph are these keyframes, the first fixed; edges what connects them (`MapGraph`) as the map has it
-/// now, and the loop, which alone may be rejected. Where nothing that is known ties the two sides of the loop, the
-/// side that began later starts where the loop puts it.
+/// Minimises sum_ij e_ij^T C_ij^-1 e_ij over the poses, the first fixed, with e_ij the error of T_ij^-1 T_w_i^-1 T_w_j
+/// (`OptimisePoseGraph`). Edges are the connections between these keyframes (`MapGraph`), measured on the current map,
+/// and the loop, the only edge that may be rejected. If no known step connects the two sides, the side that began later
+/// starts at the pose that the loop gives it.
 std::optional<std::vector<CorrectedPose>> CloseLoop(const Map& map, const LoopEdge& loop,
                                                     const CorrectionOptions& options);
 

@@ -10,7 +10,7 @@ namespace {
 constexpr double kApart = 0.1;
 constexpr double kApart_rad = 5.0 * std::numbers::pi / 180.0;
 
-// Where the map knows how far it may have drifted, that has been asked: rather one of these.
+// Prefers a candidate that is connected to the keyframe, because its drift has been checked.
 bool IsBetter(const LoopEvidence& a, const LoopEvidence& b) {
   return a.connected == b.connected ? a.place.inliers > b.place.inliers : a.connected;
 }
@@ -24,7 +24,7 @@ std::optional<size_t> Strongest(const std::vector<LoopEvidence>& evidence) {
   return best;
 }
 
-// Two poses of a camera: farther apart than a tenth of the distance to what it sees, or 5 deg.
+// Whether two poses of a camera differ by more than a tenth of the distance of its landmarks, or by 5 deg.
 bool AreTwoPlaces(const FoundPlace& a, const FoundPlace& b) {
   const SE3 apart = a.pose.T_w_kf.Inverse() * b.pose.T_w_kf;
   const double distance_m = std::max({kNearestScale_m, a.median_depth_m, b.median_depth_m});
@@ -54,7 +54,7 @@ LoopSearch FindLoop(const Map& map, const KeyframeMemory& memory, const StereoCa
   const LoopEvidence& best = search.evidence[*search.best];
   MapPaths paths_to_best(map, best.edge.old_keyframe_id);
   for (const LoopEvidence& other : search.evidence) {
-    // Where drift tells nothing, another place need not pass all gates to cast doubt.
+    // Without a drift check, a rival need not pass all gates to make the loop ambiguous.
     const bool counts = other.verdict == LoopVerdict::kAccepted || !best.connected;
     const bool rival =
         counts && IsRival(best.place, other.place, other.edge.old_keyframe_id, paths_to_best, options.relocalisation);

@@ -16,24 +16,24 @@
 
 namespace plslam::loop {
 
-/// What was looked at for one keyframe, and what came of it.
+/// Candidates of one keyframe and the result of their verification.
 struct LoopSearch {
   std::vector<LoopCandidate> candidates;
-  /// Of each candidate.
+  /// One for each candidate.
   std::vector<LoopEvidence> evidence;
-  /// The loop, if there is one: place in the two.
+  /// Index of the loop in both, if there is one.
   std::optional<size_t> best;
 };
 
-/// Looks for a loop at a keyframe: candidates, and each verified. Of those accepted the one with most inliers, if
-/// there are any among those whose way to the keyframe the map knows; none where a rival says that the camera is
-/// elsewhere (another accepted one, or any where the map does not know how the two lie to each other).
+/// Looks for a loop at a keyframe and verifies each candidate. Chooses the accepted one with most inliers, first among
+/// those that a path in the map connects with the keyframe. There is none if a rival puts the camera elsewhere: another
+/// accepted candidate, or, if the best is not connected, any candidate.
 LoopSearch FindLoop(const Map& map, const KeyframeMemory& memory, const StereoCamera& camera,
                     const LoopOptions& options, int64_t keyframe_id);
 
-/// Whether a camera was found at another place nearly as well as at the best. `paths_to_best` are those to the
-/// keyframe near which it was best found: between parts of the map that nothing connects poses say nothing about each
-/// other, and both may show the place.
+/// Whether a camera was found at another place nearly as well as at the best. `paths_to_best` lead to the keyframe of
+/// the best place: poses of parts of the map without a connecting path cannot be compared, and both may show the same
+/// place.
 bool IsRival(const FoundPlace& best, const FoundPlace& other, int64_t other_keyframe_id, MapPaths& paths_to_best,
              const RelocalisationOptions& options);
 

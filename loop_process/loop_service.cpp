@@ -21,7 +21,7 @@ int64_t Newest(const std::map<int64_t, int64_t>& by_session, int64_t session) {
   return found == by_session.end() ? kNone : found->second;
 }
 
-// What it is about, without what it says.
+// Copies what identifies a closure, without edges and poses.
 LoopClosure HeadOf(const LoopClosure& closure) {
   LoopClosure head;
   head.more = closure.more;
@@ -37,7 +37,7 @@ LoopClosure HeadOf(const LoopClosure& closure) {
 LoopService::Output LoopService::OnKeyframe(const Keyframe& keyframe) {
   Output output;
   if (keyframe.lockstep) lockstep_[keyframe.session] = {keyframe.source, now_ms_()};
-  // Said again in the name of a tracker that has died, or by a mapping_process that has been started again.
+  // Republished for a tracker that has exited, or by a restarted mapping_process.
   if (!closer_.AddKeyframe(keyframe)) return output;
   if (lacking_.erase({keyframe.session, keyframe.keyframe_id}) > 0) lacking_since_ms_ = now_ms_();
   return OnTick();
@@ -85,21 +85,21 @@ LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
 
 LoopService::Output LoopService::OnRequest(const Keyframe& frame) {
   Output output;
-  // A tracker asks again only where it has given up on the request before.
+  // A tracker sends a second request only after it has given up the first.
   std::erase_if(requests_, [&frame](const Keyframe& asked) { return asked.session == frame.session; });
   requests_.push_back(frame);
   AnswerWhatIsDue(output);
   return output;
 }
 
-/// What an update means for what is to be checked.
+/// Updates the queue of keyframes to check after a map update.
 void LoopService::Follow(const MapUpdate& update, Output& output) {
   NoteNewest(update);
   EndAdjustmentOfCommitted(output);
   FollowAnswer(update.answer, output);
   if (update.session_keyframe_id < 0) return;
   const bool begins = update.base_version == 0 && !checked_.contains(update.session);
-  // What another loop_process has checked, or will never be: of all sessions but for the newest keyframe.
+  // After a complete map, all keyframes but the newest of this session count as checked, by a previous loop_process.
   if (update.base_version == 0) checked_.insert(newest_.begin(), newest_.end());
   int64_t checked = begins ? update.session_keyframe_id - 1 : Newest(checked_, update.session);
   const auto newest = std::find_if(due_.begin(), due_.end(), [&update](const Due& due) {
@@ -127,8 +127,8 @@ void LoopService::FollowAnswer(const LoopAnswer& answer, Output& output) {
   told_.reset();
 }
 
-/// Those of the session that are in the map, up to the newest, which is answered in any case. (A number alone means
-/// little: anybody could send a large one.)
+/// Queues the unchecked keyframes of the session that are in the map, and the newest, which is answered in any case.
+/// (An update with a wrong, large number must not queue many.)
 void LoopService::AddDue(const MapUpdate& update, int64_t checked) {
   if (update.session_keyframe_id <= checked) return;
   const double now_ms = now_ms_();
@@ -144,7 +144,7 @@ void LoopService::AddDue(const MapUpdate& update, int64_t checked) {
   due_.insert(due_.end(), newest_first.rbegin(), newest_first.rend());
 }
 
-/// A committed update commits what all robots have in the map.
+/// A committed update commits the newest keyframes of all robots.
 void LoopService::NoteNewest(const MapUpdate& update) {
   if (update.base_version == 0) {
     for (const auto& [id, keyframe] : replica_.map().keyframes())
@@ -162,7 +162,7 @@ void LoopService::Adjust(const LoopClosure& loop, Output& output) {
   adjusting_ = HeadOf(loop);
 }
 
-/// The loop_process before this one has adjusted it: an adjustment of a later loop must not go on from this one's.
+/// The previous loop_process has adjusted this loop: an adjustment of a later loop must not start from its progress.
 void LoopService::EndAdjustmentOfCommitted(Output& output) {
   const bool is_committed = adjusting_ && lockstep_.contains(adjusting_->session) &&
                             Newest(committed_, adjusting_->session) >= adjusting_->session_keyframe_id;
@@ -171,7 +171,7 @@ void LoopService::EndAdjustmentOfCommitted(Output& output) {
   output.ends_adjustment = true;
 }
 
-/// Its newest keyframe has a loop in it, and is not committed.
+/// Whether a loop ends at the newest keyframe of the update, and it is not committed.
 bool LoopService::AwaitsAdjustment(const MapUpdate& update) const {
   const std::vector<LoopEdge>& loops = replica_.map().loops();
   if (update.committed || loops.empty() || !closer_.options().adjustment.enabled) return false;
@@ -180,7 +180,7 @@ bool LoopService::AwaitsAdjustment(const MapUpdate& update) const {
          keyframe->session_keyframe_id == update.session_keyframe_id;
 }
 
-/// Of a whole map all that there is nothing known of; later, what of these is still in the map.
+/// After a complete map: all keyframes whose features are missing. Later: those of them that are still in the map.
 void LoopService::NoteLacking(bool whole) {
   const auto before = std::exchange(lacking_, {});
   for (const auto& [id, keyframe] : replica_.map().keyframes()) {
@@ -190,13 +190,13 @@ void LoopService::NoteLacking(bool whole) {
   if (whole) lacking_since_ms_ = now_ms_();
 }
 
-/// What has not come by now will not come any more.
+/// Gives up on features that have not arrived in time.
 bool LoopService::IsComplete() {
   if (!lacking_.empty() && now_ms_() - lacking_since_ms_ >= kPatience_ms) lacking_.clear();
   return lacking_.empty();
 }
 
-/// In lockstep the result must not depend on how long a cable was out.
+/// In lockstep the result must not depend on the length of a network failure.
 bool LoopService::HasWaited(const Due& due) const {
   const double now_ms = now_ms_();
   const auto teller = lockstep_.find(due.session);
@@ -204,15 +204,15 @@ bool LoopService::HasWaited(const Due& due) const {
   return now_ms - std::max(due.since_ms, teller->second.heard_ms) >= kLockstepPatience_ms;
 }
 
-/// In lockstep a keyframe is committed when it has been checked: by the loop_process before this one, where updates of
-/// the map from its time come again before the features do. The map as it is now is not the one to check it on.
+/// In lockstep a committed keyframe has been checked, by a previous loop_process if its updates are resent before its
+/// features. The current map is not the one on which to check it.
 void LoopService::DropCommitted() {
   std::erase_if(due_, [this](const Due& due) {
     return lockstep_.contains(due.session) && Newest(committed_, due.session) >= due.keyframe_id;
   });
 }
 
-/// In order within a session; a robot whose keyframes are late does not hold up the others.
+/// Keeps the order within a session; a robot whose keyframes are late does not delay the others.
 std::deque<LoopService::Due>::iterator LoopService::NextDue() {
   std::set<int64_t> late;
   return std::find_if(due_.begin(), due_.end(), [&](const Due& due) {
@@ -249,7 +249,7 @@ void LoopService::CheckWhatIsDue(Output& output) {
 }
 
 bool LoopService::IsAnswerable(const Keyframe& frame) {
-  // Whoever asks has the map, so it is on its way here too.
+  // The tracker that sent the request has the map, so its updates are on their way here, too.
   if (!frame.lockstep) return true;
   return replica_.version() > 0 && IsComplete() && Newest(committed_, frame.session) >= frame.previous_keyframe_id;
 }

@@ -19,51 +19,51 @@
 
 namespace plslam::loop {
 
-/// A recogniser without places; `FindSharedFile` finds its vocabularies. Throws std::runtime_error with one sentence
-/// where one cannot be read.
+/// Returns a recogniser without places; its vocabularies are found by `FindSharedFile`. Throws std::runtime_error with
+/// one sentence if one cannot be read.
 PlaceRecogniser LoadPlaces(const VocabularyOptions& files, const PlaceOptions& options);
 
-/// What loop_process does, without threads and messages: keeps a copy of the map, and says when what is to be
-/// answered. The same arrivals give the same answers, in whichever order keyframes, updates of the map and requests
-/// come in between.
+/// loop_process without threads and messages: keeps a copy of the map, and decides when to check and to answer. The
+/// same arrivals give the same results, whatever the order between keyframes, map updates and requests.
 ///
-/// Each keyframe is checked once, on the map right after it came in, and its features are waited for. While a loop is
-/// on its way into the map, nothing else is checked, until the map answers it (`MapUpdate::answer`). The adjustment
-/// of the whole map follows a loop that was accepted. A request of a lockstep stream is answered
-/// on the map that loop_process has had its say about, as of the tracker's last keyframe.
+/// Each keyframe is checked once, on the map right after its insertion, when its features have arrived. After a loop
+/// has been published, nothing is checked until the map answers it (`MapUpdate::answer`). A global bundle adjustment
+/// follows a loop that was accepted. A request of a lockstep session is answered on a map that is committed up to the
+/// tracker's last keyframe.
 ///
-/// A map that comes whole (one of the two processes was started again) is checked when the features of all its
-/// keyframes are there, whoever tells them; features that do not come are waited for a while only. Of its keyframes
-/// only the newest is checked, of another session none. One that has a loop of its newest keyframe, and is not
-/// committed, waits for the adjustment that the loop_process before this one died over.
+/// A complete map (after a restart of mapping_process or loop_process) is used when the features of all its keyframes
+/// have arrived, from whichever process; missing ones are waited for during a limited time. Only the newest keyframe
+/// of its session is checked. If a loop ends at that keyframe, and it is not committed, it waits for the global bundle
+/// adjustment that the previous loop_process did not finish.
 class LoopService {
  public:
-  /// How long features that do not come are waited for.
+  /// Time to wait for missing features.
   static constexpr double kPatience_ms = 3000.0;
-  /// The same of features of a lockstep session, since whoever tells its keyframes was last heard of: as the others
-  /// wait in lockstep (`wait_s` of the other processes by default).
+  /// The same for a lockstep session, since the last message of the process that publishes its keyframes; equal to the
+  /// other processes' wait in lockstep (`wait_s` by default).
   static constexpr double kLockstepPatience_ms = 15000.0;
 
-  /// What is to be sent, and what is to be adjusted meanwhile.
+  /// Messages to publish, and the adjustment to run meanwhile.
   struct Output {
     std::vector<LoopClosure> closures;
     std::vector<Relocalisation> answers;
     std::optional<WholeMapProblem> adjustment;
-    /// What is being adjusted is not wanted any more, nor the progress that it has made.
+    /// The running adjustment is obsolete, as is its progress.
     bool ends_adjustment = false;
   };
 
-  /// `now_ms` measures how long things take, and waits.
+  /// `now_ms` is the clock, for durations and waits.
   LoopService(LoopCloser closer, std::function<double()> now_ms)
       : closer_(std::move(closer)), now_ms_(std::move(now_ms)) {}
 
   Output OnKeyframe(const Keyframe& keyframe);
   Output OnUpdate(const MapUpdate& update);
-  /// Features of a frame; `frame_id` names the request, `previous_keyframe_id` the tracker's last keyframe.
+  /// Handles the features of a frame; `frame_id` identifies the request, `previous_keyframe_id` is the tracker's last
+  /// keyframe.
   Output OnRequest(const Keyframe& frame);
-  /// Time passes: now and then.
+  /// Called periodically.
   Output OnTick();
-  /// A process lives; named as in `Keyframe::source`.
+  /// A process is alive; `source` as in `Keyframe::source`.
   void OnSignOfLife(int64_t source);
 
   bool LeaveOldInFiles() { return closer_.LeaveOldInFiles(); }
@@ -71,14 +71,14 @@ class LoopService {
   const MapReplica& replica() const { return replica_; }
 
  private:
-  /// A keyframe to be checked, as its session counts, and since when.
+  /// A keyframe to be checked, numbered within its session, and the time since when.
   struct Due {
     int64_t session = 0;
     int64_t keyframe_id = -1;
     double since_ms = 0.0;
   };
 
-  /// Who tells the keyframes of a lockstep session, and when something was last heard of it.
+  /// The process that publishes the keyframes of a lockstep session, and the time of its last message.
   struct Teller {
     int64_t source = 0;
     double heard_ms = 0.0;
@@ -103,22 +103,22 @@ class LoopService {
   LoopCloser closer_;
   std::function<double()> now_ms_;
   MapReplica replica_;
-  int64_t began_version_ = 0;  ///< of that map
-  /// Newest keyframe by session: that was checked, that is in the map, that is committed there.
+  int64_t began_version_ = 0;  ///< of the replica's map
+  /// Newest keyframe by session: checked (or queued), in the map, committed.
   std::map<int64_t, int64_t> checked_;
   std::map<int64_t, int64_t> newest_;
   std::map<int64_t, int64_t> committed_;
   std::deque<Due> due_;
   std::map<int64_t, Teller> lockstep_;  // by session
-  /// Keyframes of a map that came whole, (session, number there), whose features are waited for, and since when none
-  /// has come.
+  /// Keyframes of a complete map, (session, number within it), whose features are missing, and the time of the last
+  /// arrival among them.
   std::set<std::pair<int64_t, int64_t>> lacking_;
   double lacking_since_ms_ = 0.0;
-  /// The loop whose adjustment another loop_process died over.
+  /// The loop whose global bundle adjustment the previous loop_process did not finish.
   std::optional<LoopClosure> unadjusted_;
-  /// The loop whose adjustment was handed out last.
+  /// The loop of the last adjustment problem.
   std::optional<LoopClosure> adjusting_;
-  /// The loop that was told and that the map has not answered yet, without edges and poses.
+  /// The published loop that the map has not answered yet, without edges and poses.
   std::optional<LoopClosure> told_;
   std::deque<Keyframe> requests_;
 };

@@ -28,14 +28,14 @@ Matrix6d Isotropic(double sigma_m, double sigma_rad) {
   return covariance;
 }
 
-// Sees no keyframe both: two landmarks of one image are two.
+// Whether no keyframe sees both: two landmarks in one image are distinct.
 template <class Landmark>
 bool MayBeOne(const Landmark& a, const Landmark& b) {
   return std::none_of(a.observations.begin(), a.observations.end(),
                       [&b](const Observation& observation) { return IsSeenBy(b, observation.keyframe_id); });
 }
 
-// Landmarks that one feature shows from both sides; each at most once, the first association counting more.
+// Pairs of landmarks seen by one feature from both sides; each landmark at most once, the first pair wins.
 template <class Type>
 class Pairs {
  public:
@@ -48,7 +48,7 @@ class Pairs {
     taken_b_.insert(b);
     pairs_.push_back({a, b});
   }
-  // Of a chain a-b, b-c only the first link stands.
+  // Keeps only the first pair of a chain a-b, b-c.
   std::vector<SameLandmarks> Take() {
     std::erase_if(pairs_, [this](const SameLandmarks& pair) { return taken_b_.contains(pair.a); });
     return std::move(pairs_);
@@ -156,7 +156,7 @@ bool Verification::Agree(const SE3& predicted, const SE3& found) const {
 }
 
 bool Verification::IsSeenFromOldSide() {
-  // Where the old keyframe would be if the new one were where the map has it.
+  // Pose of the old keyframe relative to the map around the new one, as the loop predicts it.
   const SE3 T_w_old = keyframe_.T_w_kf * evidence_.edge.T_old_kf.Inverse();
   const auto place = FindPlace(map_, PlaceAround(map_, keyframe_.id, gates_.local_keyframes), T_w_old,
                                memory_.features().at(old_.id), camera_, options_.localisation);
@@ -197,7 +197,7 @@ void Verification::AskKeyframesBefore() {
 }
 
 int Verification::NeededConfirmations() const {
-  // Without a path there is no drift that tells two places that look the same from one.
+  // Without a path there is no expected drift that could separate two places of the same appearance.
   if (!evidence_.connected) return gates_.consistent_keyframes;
   const int spared = evidence_.place.inliers / std::max(1, gates_.strong_inliers);
   return std::max(1, gates_.consistent_keyframes - std::min(2, spared));
@@ -215,7 +215,7 @@ bool Verification::IsWithinDrift() {
   const auto chi2 = [&](const Matrix6d& covariance) { return correction.dot(covariance.llt().solve(correction)); };
   evidence_.drift_chi2 = chi2(least);
   if (evidence_.drift_chi2 <= gates_.max_drift_chi2) return true;
-  // The covariance of the path makes it smaller still; it costs as much as the path is long.
+  // The covariance of the path can only lower it; it is computed last because its cost grows with the path.
   const double scale = gates_.covariance_scale * gates_.covariance_scale;
   evidence_.drift_chi2 = chi2(least + scale * paths_.CovarianceFrom(old_.id));
   return evidence_.drift_chi2 <= gates_.max_drift_chi2;

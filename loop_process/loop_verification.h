@@ -15,46 +15,46 @@
 
 namespace plslam::loop {
 
-/// Nearest distance that tolerances are scaled by.
+/// Least distance of landmarks by which tolerances are scaled.
 inline constexpr double kNearestScale_m = 1.0;
 
-/// How far a candidate came, for reports and tests.
+/// Result of a verification, for reports and tests.
 enum class LoopVerdict {
   kAccepted,
-  kNotFound,     ///< no pose among the landmarks of the old place
+  kNotFound,     ///< no pose from the landmarks of the old place
   kFewInliers,   ///< too few, too small a share, or in one corner of the image
-  kOneSided,     ///< the old keyframe is not found among the landmarks of the new, or elsewhere
-  kUnconfirmed,  ///< too few of the keyframes before agree
-  kBeyondDrift,  ///< the map would have to be more wrong than it can be
+  kOneSided,     ///< the old keyframe is not found from the landmarks of the new one, or at another pose
+  kUnconfirmed,  ///< too few of the previous keyframes agree
+  kBeyondDrift,  ///< the correction exceeds the expected drift
   kPaperGates,   ///< one of the paper's three tests failed
 };
 
 const char* LoopVerdictName(LoopVerdict verdict);
 
-/// A candidate and what was found out about it.
+/// A candidate and its verification.
 struct LoopEvidence {
   LoopVerdict verdict = LoopVerdict::kNotFound;
   LoopEdge edge;
   FoundPlace place;
-  /// Landmarks seen from both sides: a of the old place, b of the new, each at most once.
+  /// Landmarks seen from both sides: a from the old place, b from the new one, each at most once.
   std::vector<SameLandmarks> points;
   std::vector<SameLandmarks> lines;
   int reverse_inliers = 0;
-  /// Keyframes that agree, this one included.
+  /// Consecutive keyframes that agree, this one included.
   int confirming = 0;
-  /// Whether the map knew how both lie to each other, and how far that is off, in drift's chi-square;
-  /// below the gate an upper bound of it.
+  /// Whether a path in the map connects the two keyframes, and the correction's chi-square (6 degrees of freedom) under
+  /// the drift along it; an upper bound if below the gate.
   bool connected = false;
   double drift_chi2 = 0.0;
 };
 
-/// Whether a keyframe sees the place of an old one, and how both lie to each other (PL-SLAM §VI.A.2). `paths` are
-/// those to the keyframe.
+/// Verifies that a keyframe shows the place of an old one, and measures their relative pose (PL-SLAM §VI.A.2). `paths`
+/// lead to the keyframe.
 ///
-/// Default gates: the correction is within what the path between both may have drifted; enough inliers over the image
-/// and a fair share of what should be seen, a larger one where no path tells; the old keyframe is found among the
-/// landmarks of the new one at the same place; and the keyframes before are found where odometry says they must be,
-/// unless there are so many inliers that they need not.
+/// Default gates: the correction c = Log(T_map^-1 T_measured) passes the chi-square test c^T C^-1 c under the drift
+/// along the path between both; there are enough inliers, spread over the image, and a fair share of the expected
+/// landmarks (a larger one without a path); the old keyframe is found from the landmarks of the new one at the same
+/// relative pose; and previous keyframes are found where odometry predicts them, unless there are very many inliers.
 LoopEvidence VerifyLoop(const Map& map, const KeyframeMemory& memory, const StereoCamera& camera,
                         const LoopOptions& options, MapPaths& paths, int64_t old_keyframe_id, int64_t keyframe_id);
 

@@ -10,7 +10,7 @@ namespace plslam::loop {
 namespace {
 
 constexpr double kTurn_m = 1.0;
-// What a step is known to that was never measured by itself: its landmarks have been adjusted.
+// Sigmas of a step that was not measured as an odometry motion or a loop, after bundle adjustment of its landmarks.
 constexpr double kAdjusted_m = 0.002;
 constexpr double kAdjustedPer_m = 0.005;
 constexpr double kAdjusted_rad = 0.0005;
@@ -24,7 +24,7 @@ double Length(const MapKeyframe& a, const MapKeyframe& b) {
 }  // namespace
 
 int MapPaths::PlaceOf(int64_t id) const {
-  // As long as none is missing it stands as far from the first as the ids say; otherwise before.
+  // The guess is exact if no id is missing in between; otherwise the index is smaller.
   if (ids_.empty() || id < ids_.front() || id > ids_.back()) return -1;
   const uint64_t guess = static_cast<uint64_t>(id) - static_cast<uint64_t>(ids_.front());
   const auto last = ids_.begin() + static_cast<std::ptrdiff_t>(std::min<uint64_t>(guess, ids_.size() - 1));
@@ -107,7 +107,7 @@ Matrix6d MapPaths::StepCovariance(int from) const {
   const Edge& edge = edges_[nodes_[from].towards];
   const MapKeyframe& a = *nodes_[from].keyframe;
   const MapKeyframe& b = *nodes_[Next(from)].keyframe;
-  // Known as that of the step back: turned round.
+  // Covariance of the inverse step.
   const auto backwards = [&](const Matrix6d& covariance) {
     return InverseCovariance(b.T_w_kf.Inverse() * a.T_w_kf, covariance);
   };
@@ -144,7 +144,7 @@ Matrix6d MapPaths::CovarianceFrom(int64_t keyframe_id) {
   if (place < 0) return Matrix6d::Zero();
   std::vector<int> path;
   for (; nodes_[place].covariance < 0 && nodes_[place].towards >= 0; place = Next(place)) path.push_back(place);
-  // What a step errs by, seen from the end, comes on top of what the rest of the path errs by.
+  // C_from = sum over the steps of the path of Ad C_step Ad^T, each transported to the frame of the end.
   Matrix6d covariance = nodes_[place].covariance < 0 ? Matrix6d::Zero() : covariances_[nodes_[place].covariance];
   const SE3 T_to_w = nodes_[to_].keyframe->T_w_kf.Inverse();
   for (auto step = path.rbegin(); step != path.rend(); ++step) {

@@ -16,30 +16,29 @@ namespace plslam::loop {
 
 /// A path through a map from one keyframe to another.
 struct MapPath {
-  /// A turn of a radian counts as a metre: it makes errors too.
+  /// Sum over the steps; a rotation of one radian counts as a metre, because it causes errors, too.
   double length_m = 0.0;
-  /// Farthest that a keyframe of the path lies from its end: the lever of an error of rotation.
+  /// Largest distance of a keyframe of the path from its end: the lever arm of a rotation error.
   double reach_m = 0.0;
 };
 
-/// Shortest paths to one keyframe of a map along odometry, the spanning tree and loops (Dijkstra): how far the map
-/// may be wrong about where two keyframes lie to each other. The map must stay as it is, and outlive this. They are
-/// looked for when they are asked for, and no farther: in a large map that takes milliseconds, and most keyframes ask
-/// for none.
+/// Shortest paths to one keyframe of a map along odometry, the spanning tree and loops (Dijkstra), from which the
+/// drift between two keyframes follows. The map must not change, and must outlive this. The search runs on demand and
+/// no farther than needed: in a large map it takes milliseconds, and most keyframes need none.
 class MapPaths {
  public:
   MapPaths(const Map& map, int64_t to) : map_(map), to_id_(to) {}
 
-  /// nullopt where nothing that is known (`IsKnownStep`) connects the two: the map does not know how they lie to each
-  /// other.
+  /// Returns nullopt if no chain of known steps (`IsKnownStep`) and loops connects the two keyframes: their relative
+  /// pose is then unknown.
   std::optional<MapPath> From(int64_t keyframe_id);
 
-  /// Of T_from_to, right perturbation, from the motions between keyframes as first measured. Zero where there is no
-  /// path. Paths have much in common, and what was asked for before is remembered.
+  /// Returns the covariance of T_from_to, right perturbation, accumulated from the motions between keyframes as first
+  /// measured. Zero without a path. Results are cached, because paths share most of their steps.
   Matrix6d CovarianceFrom(int64_t keyframe_id);
 
  private:
-  /// From a to b, or back; places among the nodes. `loop`: place among the loops of the map; -1: none.
+  /// An undirected edge between nodes a and b (indices). `loop` is the index of the map's loop, -1 if it is none.
   struct Edge {
     int a = -1;
     int b = -1;
@@ -50,12 +49,12 @@ class MapPaths {
     const MapKeyframe* keyframe = nullptr;
     double distance_m = -1.0;
     double reach_m = 0.0;
-    bool settled = false;  ///< no shorter path can be found
-    int towards = -1;      ///< edge of the path; -1: the end, or no path
+    bool settled = false;  ///< the shortest path is final
+    int towards = -1;      ///< next edge of the path; -1 at the end, or without a path
     int covariance = -1;
   };
 
-  // Entry of the queue of Dijkstra: distance, place.
+  // Entry of the priority queue: distance in metres, index of the node.
   using Open = std::pair<double, int>;
 
   int PlaceOf(int64_t id) const;
@@ -72,9 +71,9 @@ class MapPaths {
   int64_t to_id_;
   int to_ = -1;
   std::vector<Node> nodes_;   // ascending by id
-  std::vector<int64_t> ids_;  // of the nodes; a table by id would be as long as the largest
+  std::vector<int64_t> ids_;  // of the nodes, sorted: ids may have large gaps
   std::vector<Edge> edges_;
-  // Ends of edges by the node they are at; ends 2 e and 2 e + 1 are of edge e.
+  // Ends of edges grouped by node; ends 2 e and 2 e + 1 belong to edge e.
   Buckets<int> ends_of_;
   std::priority_queue<Open, std::vector<Open>, std::greater<>> open_;
   std::vector<Matrix6d> covariances_;

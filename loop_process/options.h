@@ -17,50 +17,50 @@ struct VocabularyOptions {
   std::string lines = "lbd.vocabulary";
 };
 
-/// Which keyframes may show the same place (PL-SLAM §VI.A.1).
+/// Selection of keyframes that may show the same place (PL-SLAM §VI.A.1).
 struct CandidateOptions {
-  /// Similarity to a candidate, relative to that with the keyframe before.
+  /// Least similarity of a candidate, relative to that of the previous keyframe.
   double min_relative_score = 0.3;
-  /// Landmarks that make two keyframes neighbours, which are no candidates, nor are their neighbours.
+  /// Shared landmarks that make two keyframes neighbours; neighbours and their neighbours are no candidates.
   int min_shared = 15;
-  /// Newest keyframes of the session, no candidates.
+  /// Newest keyframes of the session that are no candidates.
   int recent_keyframes = 5;
-  /// Best neighbours of a candidate whose similarities count with its own.
+  /// Best neighbours of a candidate whose similarities are added to its own.
   int group_keyframes = 10;
-  /// Most similar keyframes looked at.
+  /// Most similar keyframes returned by the index of places.
   int max_queried = 20;
-  /// Places that are verified, the most similar ones.
+  /// Most similar places that are verified.
   int max_candidates = 3;
-  /// Distance from which a loop was closed, a radian counting as two metres, above which it is measured again when
-  /// the place is seen from half as far.
+  /// Distance above which a loop is measured again once the place is seen from half as far; a radian counts as two
+  /// metres.
   double near_m = 1.0;
 };
 
-/// What a place must show to be believed (PL-SLAM §VI.A.2).
+/// Tests that a loop candidate must pass (PL-SLAM §VI.A.2).
 struct VerificationOptions {
   std::string gates = "default";
-  /// Keyframes whose landmarks are the place.
+  /// Keyframes whose landmarks form the place.
   int local_keyframes = 8;
-  /// Matches by descriptor (points + 2 x lines) worth a pose.
+  /// Least matches by descriptor (points + 2 x lines) for a pose.
   int min_matches = 16;
   int min_inliers = 40;
-  /// Inliers of the old keyframe among the landmarks of the new.
+  /// Inliers of the old keyframe among the landmarks of the new one.
   int min_reverse_inliers = 25;
-  /// Inliers with which a keyframe before the new one confirms the place.
+  /// Inliers with which a previous keyframe confirms the place.
   int min_neighbour_inliers = 25;
-  /// Inliers that make up for one confirming keyframe; twice as many for two.
+  /// Inliers that replace one confirming keyframe; twice as many replace two.
   int strong_inliers = 120;
-  /// Inliers relative to the landmarks of the old keyframe that should be in view and features that could show them.
+  /// Inliers relative to the landmarks of the old keyframe that should be visible and matched.
   double min_inlier_share = 0.15;
-  /// The same where nothing connects the two keyframes, so that no drift tells.
+  /// The same without a path between the two keyframes, when drift cannot be checked.
   double min_inlier_share_unconnected = 0.4;
   /// Cells of a 4 x 4 grid over the image that must hold inliers.
   int min_cells = 5;
-  /// Consecutive keyframes that must agree on the place, the new one included.
+  /// Consecutive keyframes that must agree on the place, including the new one.
   int consistent_keyframes = 3;
   /// Largest eigenvalue of the covariance of the pose.
   double max_eigenvalue = 0.01;
-  /// Difference of positions seen from both sides or by neighbours, relative to the distance of the landmarks.
+  /// Difference of positions measured from both sides or by neighbours, relative to the distance of the landmarks.
   double max_disagreement = 0.05;
   /// The same of rotations.
   double max_disagreement_deg = 2.0;
@@ -68,15 +68,15 @@ struct VerificationOptions {
   double drift_per_m = 0.005;
   /// The same of rotation.
   double drift_deg_per_m = 0.02;
-  /// Factor on the sigmas of the motions along that way.
+  /// Factor on the sigmas of the motions along that path.
   double covariance_scale = 5.0;
-  /// Chi-square, 6 degrees of freedom, of a correction under that drift, above which a loop is not believed.
+  /// Gate of the chi-square, 6 degrees of freedom, of a correction under that drift.
   double max_drift_chi2 = 25.0;
 };
 
-/// How a loop is closed in the pose graph (PL-SLAM §VI.B).
+/// Correction of a loop in the pose graph (PL-SLAM §VI.B).
 struct CorrectionOptions {
-  /// Least sigma of a loop, all axes.
+  /// Smallest sigma of a loop, all axes.
   double loop_sigma_m = 0.01;
   /// The same of rotation.
   double loop_sigma_deg = 0.1;
@@ -84,16 +84,16 @@ struct CorrectionOptions {
   PoseGraphOptions graph;
 };
 
-/// Adjustment of the whole map after a loop.
+/// Global bundle adjustment after a loop.
 struct WholeMapOptions {
   bool enabled = true;
-  /// Keyframes that see a landmark which takes part.
+  /// Keyframes that must see a landmark which takes part.
   int min_observations = 3;
-  /// Points that take part, of each keyframe: those that most others see.
+  /// Points that take part, for each keyframe: those seen by most keyframes.
   int points_per_keyframe = 200;
   /// The same of lines.
   int lines_per_keyframe = 30;
-  /// Sigma of the tracker's motion between keyframes, relative to what the tracker says of it.
+  /// Sigma of the tracker's motion between keyframes, relative to the published one.
   double relative_sigma = 1.0;
   BundleOptions bundle;
 
@@ -103,20 +103,20 @@ struct WholeMapOptions {
   }
 };
 
-/// When a camera of which nothing is known is found in the map.
+/// Acceptance of the pose of a camera without a prior.
 struct RelocalisationOptions {
-  /// Most similar keyframes looked at.
+  /// Most similar keyframes returned by the index of places.
   int max_queried = 40;
-  /// Places that are verified, the most similar ones.
+  /// Most similar places that are verified.
   int max_candidates = 8;
   int min_inliers = 50;
   /// As in `VerificationOptions`.
   double min_inlier_share = 0.3;
-  /// Inliers of another pose elsewhere, relative to the best, above which neither is believed.
+  /// Inliers of a pose elsewhere, relative to the best one, above which both are rejected.
   double max_rival_share = 0.5;
 };
 
-/// Everything of loop_process.
+/// All options of loop_process.
 struct LoopOptions {
   bool enabled = true;
   VocabularyOptions vocabularies;

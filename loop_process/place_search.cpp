@@ -14,11 +14,11 @@
 namespace plslam::loop {
 namespace {
 
-// Pairs of points that are all compared.
+// Number of pairs of points up to which all are compared.
 constexpr size_t kFewPairs = 100'000;
 constexpr int kGrid = 4;
 
-// Features of a keyframe that show a landmark: these, their places among all, and how they looked then.
+// Features of a keyframe that observe a landmark: landmark ids, indices of the features, and their descriptors.
 template <class Feature>
 struct Shown {
   std::vector<int64_t> ids;
@@ -114,7 +114,7 @@ std::optional<FoundPlace> FindPlace(const Map& map, const Place& place, const SE
   FoundPlace found;
   found.pose.T_w_kf = T_w_c;
   for (int round = 0; round < 2; ++round) {
-    // Anew each time: what was matched from a worse pose is no evidence.
+    // Starts without associations in each round: matches from a worse pose are no evidence.
     found.association = {std::vector<int64_t>(features.points.size(), -1),
                          std::vector<int64_t>(features.lines.size(), -1)};
     SearchByProjection(map, place.landmarks, found.pose.T_w_kf, features, camera, options, found.association);

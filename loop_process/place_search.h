@@ -11,18 +11,18 @@
 
 namespace plslam::loop {
 
-/// A camera found among the landmarks of a place, and what speaks for it. Lines count twice.
+/// A camera found among the landmarks of a place, with the evidence. Lines count twice.
 struct FoundPlace {
   KeyframePose pose;
   Association association;
-  /// Features that show a landmark, and matches they were chosen from.
+  /// Features associated with a landmark after optimisation, and matches before it.
   int inliers = 0;
   int matches = 0;
-  /// Landmarks of the old keyframe itself.
+  /// Landmarks of the old keyframe that are expected to be visible, and those found.
   ExpectedLandmarks landmarks;
   /// Cells of a 4 x 4 grid over the image that hold inliers.
   int cells = 0;
-  /// Of the inliers' distances.
+  /// Median depth of the inliers.
   double median_depth_m = 0.0;
 };
 
@@ -34,21 +34,21 @@ struct Place {
 
 Place PlaceAround(const Map& map, int64_t keyframe_id, int max_keyframes);
 
-/// Features of an image and the nodes of its points in the vocabulary.
+/// Features of an image and the vocabulary nodes of its points.
 struct DescribedImage {
   FeaturesView features;
   const FeatureNodes& point_nodes;
 };
 
-/// Where a camera is of which nothing is known but that it may see what a keyframe saw (PL-SLAM §VI.A.2): features
-/// matched by descriptor with those of the keyframe that show a landmark (points in the same node of the vocabulary,
-/// or all where they are few), pose from minimal sets, robust estimator of §IV.C. nullopt where fewer than
+/// Estimates a pose without a prior from a keyframe that may show the same place (PL-SLAM §VI.A.2): matches features
+/// by descriptor with those of the keyframe that observe a landmark (points within a vocabulary node, or all pairs if
+/// there are few), then a pose from minimal sets and the robust estimator of §IV.C. Returns nullopt if fewer than
 /// `min_matches` agree.
 std::optional<KeyframePose> GuessPose(const Map& map, int64_t keyframe_id, const DescribedImage& keyframe,
                                       const DescribedImage& image, const StereoCamera& camera,
                                       const LocalisationOptions& options, int min_matches);
 
-/// Finds a camera near `T_w_c` in a place: landmarks searched by projection, robust estimator, twice.
+/// Finds a camera near `T_w_c` in a place: matches landmarks by projection and runs the robust estimator, twice.
 std::optional<FoundPlace> FindPlace(const Map& map, const Place& place, const SE3& T_w_c,
                                     const FeaturesView& features, const StereoCamera& camera,
                                     const LocalisationOptions& options);

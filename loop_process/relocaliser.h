@@ -10,9 +10,8 @@
 
 namespace plslam::loop {
 
-/// Where a camera is of which nothing is known: the most similar places, each verified like a loop's old side. Not
-/// found where two places far from each other both fit; places in parts of the map that nothing connects do not count
-/// as far.
+/// Finds the pose of a camera without a prior: verifies the most similar places as loop candidates. Not found if two
+/// places far from each other both fit; places without a connecting path in the map do not count as far.
 Relocalisation FindCamera(const Map& map, const KeyframeMemory& memory, const FeaturesView& features,
                           const StereoCamera& camera, const LoopOptions& options);
 

@@ -11,7 +11,7 @@ namespace {
 
 using Places = IdMap<int>;
 
-// Observations of a landmark by keyframes that take part.
+// Counts the observations of a landmark by keyframes that take part.
 template <class Landmark>
 int CountObservations(const Landmark& landmark, const Places& poses) {
   return static_cast<int>(
@@ -19,8 +19,8 @@ int CountObservations(const Landmark& landmark, const Places& poses) {
                     [&poses](const Observation& observation) { return poses.contains(observation.keyframe_id); }));
 }
 
-// Of each keyframe the landmarks that most others see, until it has enough; those already taken for another one
-// count.
+// Chooses for each keyframe the landmarks seen by most keyframes, up to `per_keyframe`, including those already
+// chosen for another keyframe.
 template <class Type>
 std::vector<int64_t> Choose(const Map& map, const Places& poses, int min_observations, int per_keyframe) {
   struct Candidate {
@@ -91,7 +91,7 @@ void AdjustmentProgress::Add(const WholeMapProblem& problem, const std::vector<C
 void AdjustmentProgress::Apply(WholeMapProblem& problem) const {
   if (problem.map_source != map_source_) return;
   BundleProblem& bundle = problem.bundle;
-  std::vector<SE3> T_new_old(bundle.poses.size());  // of w
+  std::vector<SE3> T_new_old(bundle.poses.size());  // displacement in the map frame
   for (size_t i = 0; i < bundle.poses.size(); ++i) {
     const auto found = T_before_now_.find(problem.keyframes[i].keyframe_id);
     if (found == T_before_now_.end() || bundle.poses[i].fixed) continue;

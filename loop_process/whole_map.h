@@ -15,10 +15,10 @@
 
 namespace plslam::loop {
 
-/// A map as an adjustment of all its keyframes: a value that needs neither map nor features any more. Places in
-/// `bundle.poses` are those of `keyframes`.
+/// A global bundle adjustment problem of a map, independent of map and features. `bundle.poses` and `keyframes` have
+/// the same indices.
 struct WholeMapProblem {
-  /// As in the messages about the loop that it follows.
+  /// Copied from the loop that it follows.
   int64_t session = 0;
   int64_t session_keyframe_id = -1;
   int64_t t_ns = 0;
@@ -28,21 +28,20 @@ struct WholeMapProblem {
   BundleProblem bundle;
 };
 
-/// All keyframes whose features are known, the first fixed, and of their landmarks those that most keyframes see, so
-/// many for each keyframe.
+/// Returns the problem of all keyframes whose features are stored, the first fixed, and of a number of landmarks for
+/// each keyframe: those seen by most keyframes.
 WholeMapProblem MakeWholeMapProblem(const Map& map, const KeyframeFeatures& features, const StereoCamera& camera,
                                     const WholeMapOptions& options);
 
-/// What adjustments had reached when loops that were found meanwhile ended them: by how much they have moved each
-/// keyframe, in the keyframe's own frame. The adjustment that follows a loop begins there instead of from nothing, so
-/// that a map with a loop a minute is adjusted to the end, too.
+/// Progress of adjustments that later loops ended: the displacement of each keyframe, in its own frame. The next
+/// adjustment starts there, so that a map with a loop every minute converges, too.
 class AdjustmentProgress {
  public:
-  /// Moves the keyframes of a problem that was made of the map as much, and landmarks with the first one that sees
-  /// them. Nothing where what was reached is of the map of another mapping_process.
+  /// Applies the displacements to the keyframes of a problem made from the current map; each landmark moves with its
+  /// first observing keyframe. Does nothing if the progress belongs to the map of another mapping_process.
   void Apply(WholeMapProblem& problem) const;
 
-  /// The adjustment of a problem, to which this was applied, has come to these poses.
+  /// Adds the displacements between a problem, to which `Apply` was applied, and its poses after adjustment.
   void Add(const WholeMapProblem& problem, const std::vector<CorrectedPose>& poses);
 
  private:
@@ -50,9 +49,9 @@ class AdjustmentProgress {
   std::map<int64_t, SE3> T_before_now_;
 };
 
-/// Bundle adjustment of the whole map (what follows PL-SLAM §VI.B, which stops at the pose graph). kind kAdjustment
-/// with poses, or kAdjustment without any where it failed; `failure` says why. Slow; `stop` ends it early with what
-/// it has.
+/// Runs the global bundle adjustment (it follows PL-SLAM §VI.B, which stops at the pose graph). Returns kAdjustment
+/// with poses, or without any on failure; `failure` then receives the reason. Slow; `stop` ends it early with the
+/// poses reached so far.
 LoopClosure AdjustWholeMap(const WholeMapProblem& problem, const WholeMapOptions& options,
                            const std::atomic<bool>* stop, std::string* failure = nullptr);
 

@@ -29,9 +29,9 @@
 namespace plslam::mapping {
 namespace {
 
-// Newest keyframes of a session that are never redundant: the tracker's next steps lean on them.
+// Newest keyframes of a session that are never redundant: the tracker's next frames depend on them.
 constexpr int kNewestKept = 3;
-// Sessions that may still go on: those that did so last.
+// Number of most recently active sessions that may still continue.
 constexpr size_t kRunningSessions = 16;
 
 template <class Type>
@@ -43,14 +43,14 @@ void AddObservations(int64_t keyframe_id, const std::vector<int64_t>& associatio
   }
 }
 
-// What the tracker says of a motion's covariance; where that is none (not finite, not positive), the motion is hardly
-// known: a metre and a radian.
+// Returns the tracker's covariance of a motion, or the identity (a metre, a radian) if it is not finite or not
+// positive definite.
 Matrix6d UsableCovariance(const Matrix6d& covariance) {
   const bool usable = covariance.allFinite() && covariance.llt().info() == Eigen::Success;
   return usable ? covariance : Matrix6d(Matrix6d::Identity());
 }
 
-// What a tracker that was lost says of its motion is doubted: an error far beyond its sigmas becomes one of them.
+// Widens the covariance of a recovered tracker's motion: an error far beyond its sigmas is added as one more sigma.
 Matrix6d Widened(const Matrix6d& covariance, const SE3& error) {
   constexpr double kDoubted2 = 50.0;
   const Vector6d e = error.Log();
@@ -117,7 +117,7 @@ MapperState Mapper::State() const {
 }
 
 void Mapper::LendState(const std::function<void(MapperState&)>& use) {
-  // What is large is away meanwhile.
+  // Map and features are moved, not copied.
   Map map = std::exchange(map_, {});
   KeyframeFeatures features = std::exchange(features_, {});
   MapperState state = State();
@@ -174,7 +174,7 @@ MapKeyframe Mapper::Prepare(const Keyframe& keyframe) const {
     const MapKeyframe& previous = *map_.FindKeyframe(session->second.keyframe_id);
     entry.previous_id = previous.id;
     entry.T_prevkf_kf = previous.T_odom_kf.Inverse() * keyframe.T_odom_kf;
-    // The message's is of the last step; those between may be missing.
+    // The message's covariance is of the last step only; steps of missing keyframes count as equal.
     const auto steps = static_cast<double>(keyframe.keyframe_id - session->second.session_keyframe_id);
     entry.relative_covariance = std::max(1.0, steps) * UsableCovariance(keyframe.covariance);
     entry.T_w_kf = previous.T_w_kf * entry.T_prevkf_kf;
@@ -222,8 +222,8 @@ bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
   return true;
 }
 
-/// What turned out to be of a moving body is no landmark. A landmark that many keyframes have seen stands, whatever a
-/// tracker says: a body would not have been where the map has it.
+/// Removes landmarks that turned out to be on a moving body. A landmark with many observations is kept: a moving body
+/// would not have stayed at its position.
 void Mapper::Withdraw(const Keyframe& keyframe) {
   RemoveUnlessBelieved<PointType>(tracker_.WithdrawnPoints(keyframe), map_);
   RemoveUnlessBelieved<LineType>(tracker_.WithdrawnLines(keyframe), map_);
@@ -235,7 +235,7 @@ void Mapper::Put(const Keyframe& keyframe, const MapKeyframe& entry, const Assoc
   AddObservations<PointType>(entry.id, association.points, features_, map_);
   AddObservations<LineType>(entry.id, association.lines, features_, map_);
   MapKeyframe with_parent = entry;
-  // A false landmark or two must not tie it to another place.
+  // One or two wrong landmarks must not make a distant keyframe the parent.
   const std::vector<Map::Neighbour> neighbours = map_.Neighbours(entry.id, Map::kParent);
   with_parent.parent_id = neighbours.empty() ? entry.previous_id : neighbours.front().keyframe_id;
   if (with_parent.parent_id >= 0) map_.Put(with_parent);
@@ -275,7 +275,7 @@ bool Mapper::Correct(const LoopClosure& closure, std::string* reason) {
     const MapBundle window = MakeLandmarkWindow(worse, map_, features_, camera_);
     figures_ = ApplyAdjustment(window, Adjusted(window, nullptr), features_, map_);
   }
-  // Composed along the way, covariances would not know what the loop has made certain.
+  // Covariances composed along odometry would not include the information of the loop.
   const auto has_ends = [this](const LoopEdge& loop) { return map_.FindKeyframe(loop.keyframe_id) != nullptr; };
   const auto newest = std::find_if(map_.loops().rbegin(), map_.loops().rend(), has_ends);
   if (newest != map_.loops().rend()) map_.SetCovariances(CovariancesAround(newest->keyframe_id, map_));
@@ -318,7 +318,7 @@ void Mapper::Cull() {
   if (options_.max_keyframes > 0) Forget();
 }
 
-/// Of sessions that ended long ago not even the newest keyframe stays for its own sake.
+/// The newest keyframe is kept only for sessions that may still continue.
 void Mapper::Forget() {
   const auto max_keyframes = static_cast<size_t>(options_.max_keyframes);
   if (map_.keyframes().size() <= max_keyframes) return;
@@ -330,10 +330,10 @@ void Mapper::Forget() {
   const auto is_kept = [&](const MapKeyframe& keyframe) {
     return IsAmongNewest(keyframe) && sessions_.at(keyframe.session).keyframe_id >= newest.back();
   };
-  // Several at a time: finding out which costs as much as the map is large.
+  // Removes several at a time, because the selection costs time proportional to the map.
   for (const int64_t id : KeyframesToForget(map_, max_keyframes - max_keyframes / 50, is_kept)) {
     TakeOut(id, features_, map_);
-    // Keyframes that a history tells again are known by the number of the newest one.
+    // Republished keyframes are recognised by the number of the newest one, which therefore remains.
     for (auto& [session, last] : sessions_) {
       if (last.keyframe_id == id) last.keyframe_id = -1;
     }
@@ -354,7 +354,7 @@ MapUpdate Mapper::Whole() const {
 }
 
 void Mapper::Sign(MapUpdate& update) const {
-  // The first keyframe will say.
+  // The first keyframe determines the camera.
   if (map_.keyframes().empty()) update.camera.reset();
   update.version = version_;
   update.session = newest_session_;
@@ -367,22 +367,22 @@ void Mapper::Sign(MapUpdate& update) const {
   update.adjustment = figures_;
 }
 
-// How a keyframe finds its place in the map.
+// Localisation of a new keyframe in the map.
 
 namespace {
 
-// Associations below which a pose from the tracker is not corrected by them.
+// Inlier score of associations below which they do not correct the tracker's pose.
 constexpr int kMinWeight = 20;
-// Associations from which a keyframe is recognised wherever it is.
+// Inlier score of associations above which a keyframe is relocated, however far.
 constexpr int kRecognisedWeight = 40;
-// Parts of the image that must show what the map has there before the first keyframe of a session is joined to it: at
-// the same place 3 of 4 do and more, of repeated furniture less than half. loop_process joins the others, once several
-// keyframes agree.
+// Share of the image cells with expected landmarks that must show them before the first keyframe of a session is
+// joined to them: at the same place at least 3 of 4 do, at repeated furniture less than half. loop_process joins the
+// other sessions, once several keyframes agree.
 constexpr double kRecognisedParts = 0.75;
-// Squared error of the tracker's motion, in its sigmas, that no motion has.
+// Squared Mahalanobis error of the tracker's motion above which the keyframe is in another part of the map.
 constexpr double kElsewhere2 = 400.0;
 
-// How much two sources say of the same features, and differently; weights as of associations.
+// Number of features associated with different landmarks by two sources; lines count twice.
 int Contradicting(const Association& a, const Association& b) {
   const auto differ = [](int64_t of_a, int64_t of_b) { return of_a >= 0 && of_b >= 0 && of_a != of_b ? 1 : 0; };
   return std::transform_reduce(a.points.begin(), a.points.end(), b.points.begin(), 0, std::plus<>(), differ) +
@@ -399,7 +399,7 @@ void DropFarOf(const Map& map, std::span<const typename Type::Feature> features,
   }
 }
 
-// Associations that no pose confirms hold only where the landmark should appear near the feature.
+// Drops associations, not confirmed by a pose, whose landmark projects far from the feature.
 void DropFar(const Map& map, const FeaturesView& features, const SE3& T_w_kf, const StereoCamera& camera,
              Association& association) {
   const SE3 T_kf_w = T_w_kf.Inverse();
@@ -407,7 +407,7 @@ void DropFar(const Map& map, const FeaturesView& features, const SE3& T_w_kf, co
   DropFarOf<LineType>(map, features.lines, T_kf_w, camera, association.lines);
 }
 
-// The keyframe that sees most of the landmarks; there are some.
+// The keyframe that observes most of the landmarks; `association` must not be empty.
 int64_t MostSeen(const Association& association, const Map& map) {
   std::map<int64_t, int> counts;
   CountKeyframes<PointType>(association.points, map, counts);
@@ -427,7 +427,7 @@ void ForgetGone(const Map& map, std::vector<int64_t>& ids) {
 void Mapper::Join(const Keyframe& keyframe, MapKeyframe& entry, Association& association) {
   const bool begins = entry.previous_id < 0 && !map_.keyframes().empty();
   if (begins && association.Weight() < kMinWeight) Recognise(keyframe, entry, association);
-  // First with what the tracker says, then with what can be found around it.
+  // First with the tracker's associations, then with guided matching around the resulting pose.
   Place(keyframe, entry, association);
   BringTogether(keyframe, association, entry);
   const LocalMap local = LocalMapOf(association, entry.previous_id, map_, options_.insertion.local_keyframes);
@@ -443,8 +443,7 @@ bool Mapper::Refine(const Keyframe& keyframe, MapKeyframe& entry, Association& a
   return pose.has_value();
 }
 
-// From where the keyframe should be, or from anywhere if most of what the tracker from_tracker to see cannot be seen
-// from there.
+// Refines the predicted pose, or searches everywhere if most landmarks associated by the tracker do not fit it.
 void Mapper::Place(const Keyframe& keyframe, MapKeyframe& entry, Association& association) {
   const Association given = TrackerLandmarks::Given(keyframe, map_);
   if (Contradicting(given, association) >= kRecognisedWeight) {
@@ -473,8 +472,8 @@ bool Mapper::Relocate(const Keyframe& keyframe, const Association& from_tracker,
   return true;
 }
 
-// The landmarks are of a part of the map that nothing has tied to the keyframe before: it lies elsewhere than the
-// tracker's motion says, which is right as long as the tracker was not lost.
+// The keyframe observes landmarks of a part of the map that is not connected with its predecessor, so its pose differs
+// from the tracker's motion: unless the tracker was lost, this connects the two parts, and the younger one is moved.
 void Mapper::BringTogether(const Keyframe& keyframe, Association& association, MapKeyframe& entry) {
   if (entry.previous_id < 0 || keyframe.state == kRecovered || association.Weight() < kMinWeight) return;
   const SE3 T_w_predicted = map_.FindKeyframe(entry.previous_id)->T_w_kf * entry.T_prevkf_kf;
@@ -495,7 +494,7 @@ void Mapper::BringTogether(const Keyframe& keyframe, Association& association, M
   MoveKeyframes(poses, features_, camera_, map_);
   structural_version_ = version_ + 1;
   entry.T_w_kf = T_w_fixed;
-  // A landmark goes when the move leaves it no observation that can be.
+  // Drops associations with landmarks that lost their last possible observation by the move.
   ForgetGone<PointType>(map_, association.points);
   ForgetGone<LineType>(map_, association.lines);
 }
@@ -509,7 +508,7 @@ void Mapper::Recognise(const Keyframe& keyframe, MapKeyframe& entry, Association
   if (!pose) return;
   const MapKeyframe& seen = *map_.FindKeyframe(MostSeen(found, map_));
   SearchByProjection(map_, local, pose->T_w_kf, keyframe.features, camera_, options_.localisation, found);
-  // Furniture of which there are several looks the same at each place; what stands around it does not.
+  // Repeated furniture looks the same at each place, but its surroundings differ.
   const ExpectedLandmarks landmarks = CountExpected(map_, seen.id, pose->T_w_kf, camera_, found);
   if (landmarks.cells_shown < kRecognisedParts * landmarks.cells) return;
   association = std::move(found);

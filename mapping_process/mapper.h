@@ -24,76 +24,74 @@
 
 namespace plslam::mapping {
 
-/// Owner of the map (PL-SLAM §V): takes keyframes in, adjusts the map around the newest, and tells what changed. No
-/// clock, no messages, and no thread but within a call: the same calls give the same map.
+/// Owner of the map (PL-SLAM §V): inserts keyframes, adjusts the map around the newest, and returns the changes. No
+/// clock, no messages, and no threads except within a call: the same calls give the same map.
 ///
 /// For each keyframe: `Insert`, then `Adjust` and `Cull` once for one or several insertions, then `TakeUpdate`.
 class Mapper {
  public:
-  /// All keyframes are told in `camera` (`ToldIn`).
+  /// Expects all keyframes expressed in `camera` (`ToldIn`).
   Mapper(const StereoCamera& camera, const MappingOptions& options) : options_(options) { SetCamera(camera); }
-  /// Goes on in a map that was stored (its `rig` is the caller's to compare), with keyframes of new sessions.
+  /// Continues a stored map with keyframes of new sessions (the caller compares its `rig`).
   Mapper(const StereoCamera& camera, const MappingOptions& options, StoredMap stored);
-  /// Goes on exactly where another one was: the same calls give the same bits from here on.
+  /// Continues exactly from the state of another mapper: the same calls give the same bits.
   Mapper(const StereoCamera& camera, const MappingOptions& options, MapperState state);
 
-  /// Joins a keyframe to the map: pose among the landmarks it shows, observations, new landmarks, duplicates (§V.A).
-  /// Keyframes of one session come in order; one that came before is ignored. A session that starts while there is a
-  /// map is joined to it where its first keyframe shows landmarks that the map gave its tracker, or is recognised
-  /// among the newest keyframes, and else begins at the place of the newest one without connection (no parent, none
-  /// before).
+  /// Inserts a keyframe: pose from the landmarks that it observes, observations, new landmarks, duplicates (§V.A).
+  /// Keyframes of one session come in order; repeated ones are ignored. A new session is joined to an existing map if
+  /// its first keyframe observes landmarks that the tracker received from the map, or is recognised among the newest
+  /// keyframes. Otherwise it begins at the pose of the newest one, unconnected (no parent, no predecessor).
   ///
-  /// A keyframe that the map's own landmarks place elsewhere than the motion since the one before (its tracker was
-  /// lost and has been found again) lies where they say. If that ties two parts of the map that nothing connected,
-  /// the younger is moved to fit.
+  /// If the map's landmarks contradict the motion since the previous keyframe (the tracker was lost and has recovered),
+  /// the pose from the landmarks is taken. If that connects two parts of the map that were not connected, the younger
+  /// one is moved to fit.
   ///
-  /// False where the keyframe was ignored; `reason` says why.
+  /// Returns false if the keyframe was ignored; `reason` receives why.
   bool Insert(const Keyframe& keyframe, std::string* reason);
 
-  /// Local bundle adjustment around the newest keyframe (§V.B).
+  /// Runs local bundle adjustment around the newest keyframe (§V.B).
   void Adjust(const std::atomic<bool>* stop);
 
-  /// Takes out landmarks that did not prove themselves, redundant keyframes, and what is beyond
+  /// Removes landmarks that fail recent-landmark culling, redundant keyframes, and keyframes above
   /// `MappingOptions::max_keyframes`.
   void Cull();
 
-  /// Takes a correction over (§VI.B): keyframes lie where it says, newer ones are carried along, and landmarks move
-  /// with them. Of a loop, its edges become part of the map, the landmarks of both sides that are the same become
-  /// one, more of these are searched, and the map is adjusted around it. After an adjustment of the whole map,
-  /// landmarks that keyframes see worse than before are placed anew. kNone does nothing. False, and nothing done,
-  /// where it cannot be one of this map; `reason` says why.
+  /// Applies a correction (§VI.B): listed keyframes take its poses, newer ones and landmarks move with them. For a
+  /// loop, adds its edges, fuses the pairs of landmarks, searches for more, and adjusts the map around it. After a
+  /// global bundle adjustment, adjusts the landmarks whose reprojection error has grown. kNone does nothing. Returns
+  /// false and does nothing if the correction cannot be one of this map; `reason` receives why.
   bool Correct(const LoopClosure& closure, std::string* reason);
 
-  /// Makes `next` the state of a mapper that takes the place of this one with another map. Versions go on, so readers
-  /// know which is the newer, and what was computed on this map is refused. No id of this map is given again.
+  /// Prepares `next`, the state of another map that replaces this one: its versions continue, so that readers know the
+  /// newer map and corrections of this map are refused, and no id of this map is assigned again.
   void Precede(MapperState& next) const;
 
-  /// Whether the map stays as it is: then `Insert` and `Correct` refuse everything.
+  /// Localisation-only mode: `Insert` and `Correct` refuse everything, the map does not change.
   void SetLocaliseOnly(bool localise_only) { options_.localise_only = localise_only; }
   bool localise_only() const { return options_.localise_only; }
 
-  /// Nothing more is to be said about the newest keyframe; until the next `Insert`, updates carry that.
+  /// Marks the newest keyframe as final; updates carry that until the next `Insert`.
   void Commit() { committed_ = true; }
 
-  /// What has changed since the last one; `version` counts up from 1.
+  /// Returns the changes since the last update; `version` counts up from 1.
   MapUpdate TakeUpdate();
-  /// All of the map at the version of the last update.
+  /// Returns the complete map at the version of the last update.
   MapUpdate Whole() const;
 
-  /// All that is needed to go on with new sessions, but for `rig`. Recent landmarks are accepted, here too: so this
-  /// mapper and one that goes on from what was stored make the same of the same new sessions.
+  /// Returns everything needed to continue with new sessions, except `rig`. Ends recent-landmark culling here, too, so
+  /// that this mapper and one that continues the stored map treat new sessions alike.
   StoredMap Store();
   void AcceptRecentLandmarks() { recent_landmarks_ = {}; }
-  /// Everything as of the last update, but for `stored.rig`, for a mapper that goes on after a crash of this one.
+  /// Returns the state as of the last update, except `stored.rig`, for a mapper that continues after a crash.
   MapperState State() const;
-  /// The same, without a copy of the map: it is lent to `use`, which may throw, and taken back.
+  /// As `State`, without a copy of the map: `use` borrows it, and may throw.
   void LendState(const std::function<void(MapperState&)>& use);
 
-  /// Features of keyframes that are not among the newest leave the memory (`plslam::LeaveOldInFiles`).
+  /// Moves features of keyframes that are not among the newest to a file (`plslam::LeaveOldInFiles`).
   bool LeaveOldInFiles() { return plslam::LeaveOldInFiles(features_); }
 
   const StereoCamera& camera() const { return camera_; }
-  /// For a map without keyframes.
+  /// Only for a map without keyframes.
   void SetCamera(const StereoCamera& camera) {
     camera_ = camera;
     map_.SetCamera(camera);
@@ -103,20 +101,20 @@ class Mapper {
   int64_t version() const { return version_; }
   const AdjustmentFigures& figures() const { return figures_; }
 
-  /// Adjustments that failed although there was something to adjust; what they should have moved stays where it was.
+  /// Adjustments that failed although there were landmarks to adjust; these did not move.
   struct Failures {
     int64_t count = 0;
-    std::string last;  ///< why
+    std::string last;  ///< reason of the last failure
   };
   const Failures& failures() const { return failures_; }
 
  private:
-  /// State of a keyframe that is the first one after the tracker was lost.
+  /// State of the first keyframe after the tracker was lost.
   static constexpr int kRecovered = static_cast<int>(TrackingState::kRecovered);
 
   struct Session {
-    int64_t keyframe_id = -1;          ///< newest, in the map; -1: it has been forgotten
-    int64_t session_keyframe_id = -1;  ///< the same, as the session counts
+    int64_t keyframe_id = -1;          ///< newest, in the map; -1: removed
+    int64_t session_keyframe_id = -1;  ///< its number within the session
   };
 
   StoredMap Stored() const;
@@ -149,7 +147,7 @@ class Mapper {
   int64_t newest_session_ = 0;
   int64_t newest_t_ns_ = 0;
   int64_t version_ = 0;
-  /// The first version that has the last loop in it, or the last that brought two parts together.
+  /// The version in which the map last applied a loop or joined two parts.
   int64_t structural_version_ = 0;
   int64_t began_version_ = 0;
   bool committed_ = false;

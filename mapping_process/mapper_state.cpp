@@ -26,7 +26,7 @@ void Fields(Archive& a, T& f) {
     f.reprojection_before_px, f.reprojection_after_px);
 }
 
-/// All but what the map has many of.
+/// The scalar fields; keyframes, landmarks and features are written separately.
 template <class Archive, Is<mapping::MapperState> T>
 void Fields(Archive& a, T& state) {
   a(state.stored, state.stored.sessions, state.recent_landmarks, state.tracker, state.figures, state.committed,
@@ -45,7 +45,7 @@ constexpr FileKind kStateRecord{
 
 enum class RecordKind : uint8_t { kFeatures, kMap, kChanges };
 
-/// Takes a record with its seal.
+/// Receives the bytes of a record and its seal.
 using Sink = std::function<void(std::string_view)>;
 
 uint64_t WriteRecord(archive::Writer&& write, const Sink& sink) {
@@ -56,7 +56,7 @@ uint64_t WriteRecord(archive::Writer&& write, const Sink& sink) {
   return sizeof(seal) + content.size();
 }
 
-/// Of keyframes behind `newest`, so many in a record that none becomes large.
+/// Writes the features of keyframes after `newest`, a bounded number in each record.
 uint64_t WriteFeatures(const KeyframeFeatures& features, int64_t newest, const Sink& sink) {
   constexpr uint64_t kMost = 16;
   uint64_t length = 0;
@@ -79,7 +79,7 @@ uint64_t WriteFeatures(const KeyframeFeatures& features, int64_t newest, const S
   return length;
 }
 
-/// About what the features take in the file.
+/// Approximate size of the features in the file.
 uint64_t LengthOf(const KeyframeFeatures& features) {
   uint64_t length = 0;
   for (const auto& [id, of] : features) length += of.points.size_bytes() + of.lines.size_bytes();
@@ -97,7 +97,7 @@ uint64_t WriteMap(const MapperState& state, const Sink& sink) {
   return WriteRecord(std::move(write), sink);
 }
 
-/// Each once; those that there still are, and those that are gone.
+/// Removes duplicates from `ids`, and moves ids that are no longer in `values` to `gone`.
 template <class Value>
 void SplitByPresence(const IdMap<Value>& values, std::vector<int64_t>& ids, std::vector<int64_t>& gone) {
   std::sort(ids.begin(), ids.end());
@@ -134,7 +134,7 @@ void ReadMap(archive::Reader& read, MapperState& state) {
   map_file::ReadLoops(read, state.stored.map);
 }
 
-/// In the order of `MapReplica::Apply`.
+/// Removes before it inserts, as `MapReplica::Apply` does.
 void ReadChanges(archive::Reader& read, MapperState& state) {
   std::vector<int64_t> keyframes, points, lines;
   read(points, lines, keyframes);
@@ -147,7 +147,7 @@ void ReadChanges(archive::Reader& read, MapperState& state) {
   map_file::ReadLoops(read, state.stored.map);
 }
 
-/// Whether it is a state, and not only features for the next one.
+/// Applies a record. Returns whether it completes a state; false for features, which belong to the next state.
 bool ReadRecord(Bytes content, MapperState& state) {
   archive::Reader read(content);
   RecordKind kind{};
@@ -222,7 +222,7 @@ void StateFile::BeginAnew() {
 void StateFile::Write(const MapperState& state) {
   std::error_code error;
   const bool is_there = is_whole_ && std::filesystem::file_size(path_, error) == length_ && !error;
-  // Where it fails half way, nothing can follow.
+  // Stays false if writing fails half-way: nothing may then be appended.
   is_whole_ = false;
   try {
     if (is_there && length_ <= 2 * (LengthOf(state.stored.features) + map_length_)) {

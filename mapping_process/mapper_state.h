@@ -14,45 +14,43 @@
 
 namespace plslam::mapping {
 
-/// Everything that a `Mapper` knows as of its last update: one that is made of it goes on with the same bits. What a
-/// saved map leaves out is of the running sessions only: recent landmarks, and which landmarks of the tracker became
-/// which.
+/// The complete state of a `Mapper` as of its last update: a mapper made of it continues bit for bit. A saved map omits
+/// only what concerns running sessions: recent landmarks, and the associations of the tracker's landmarks.
 struct MapperState {
   StoredMap stored;
   RecentLandmarks recent_landmarks;
   TrackerLandmarks tracker;
   AdjustmentFigures figures;
-  uint8_t committed = 0;  ///< 1: nothing more is to be said about the newest keyframe
-  /// Adjustments of the map as it was before this version are refused (`WhyNotOfMap`).
+  uint8_t committed = 0;  ///< 1: the newest keyframe is committed
+  /// Corrections computed before this version are refused (`WhyNotOfMap`).
   int64_t structural_version = 0;
-  uint8_t localise_only = 0;  ///< 1: the map stays as it is
+  uint8_t localise_only = 0;  ///< 1: localisation-only mode
   int64_t began_version = 0;  ///< `MapUpdate::began_version`
 };
 
-/// The same state gives the same bytes.
+/// Returns the state as bytes; equal states give equal bytes.
 std::vector<uint8_t> EncodeState(const MapperState& state);
-/// The last state that the bytes, of a `StateFile`, have in full: what was being written in a crash, or comes behind
-/// damage, counts for nothing, as does what is said of landmarks that the map does not have. Throws
-/// std::runtime_error, in a sentence, where there is none.
+/// Reads the last complete state from the bytes of a `StateFile`. Ignores a record that a crash cut off, records after
+/// a damaged one, and associations with landmarks that are not in the map. Throws std::runtime_error with one sentence
+/// if there is no complete state.
 MapperState DecodeState(std::span<const uint8_t> bytes);
-/// Errors name the file.
+/// As `DecodeState`; errors name the file.
 MapperState ReadStateFile(const std::string& path);
 
-/// A file with the newest state of a mapper, for programs of this version only: sealed records
-/// (core/io/files/sealed_file.h), one behind the other. Features of a keyframe are written once. What then follows is
-/// the map, or what has changed in it since the record before. When half of the file is out of date it is written anew
-/// and takes the place of the old one. So a map that grows costs bytes in proportion to its size, and a loop, which
-/// moves all of it, those of the map without features.
+/// A file with the newest state of a mapper, for programs of this version only: a sequence of sealed records
+/// (core/io/files/sealed_file.h). Features of a keyframe are written once; the map follows, then its changes since the
+/// previous record. When half of the file is obsolete, a new file replaces it. A growing map thus costs bytes in
+/// proportion to its size, and a loop, which moves all of it, the size of the map without features.
 class StateFile {
  public:
   explicit StateFile(std::string path) : path_(std::move(path)) {}
 
-  /// Of the mapper's next state, since the one before.
+  /// Records the changes of the mapper's next state.
   void Note(const MapUpdate& update);
-  /// The mapper is another one from now on.
+  /// The next state is that of another mapper.
   void BeginAnew();
 
-  /// Throws std::runtime_error, which names the file, where it cannot be written; the next one is then written whole.
+  /// Throws std::runtime_error, which names the file, if writing fails; the next state is then written completely.
   void Write(const MapperState& state);
 
  private:
@@ -61,16 +59,16 @@ class StateFile {
   void Append(const MapperState& state);
 
   std::string path_;
-  /// What was written last is in the file, and what has changed since is noted.
+  /// Whether the last written state is in the file, and all changes since are recorded.
   bool is_whole_ = false;
-  /// A correction has moved so much that the map is written again.
+  /// Whether a correction moved the map, which is then written completely.
   bool has_moved_ = false;
-  /// Ids, as often as they have changed; those that are gone by now, too.
+  /// Changed ids, possibly repeated, including removed ones.
   std::vector<int64_t> keyframes_, points_, lines_;
   size_t n_loops_ = 0;            ///< in the file
-  int64_t newest_features_ = -1;  ///< in the file
-  uint64_t length_ = 0;           ///< of the file
-  uint64_t map_length_ = 0;       ///< of the map without features, when it was last written
+  int64_t newest_features_ = -1;  ///< newest keyframe with features in the file
+  uint64_t length_ = 0;           ///< of the file, in bytes
+  uint64_t map_length_ = 0;       ///< of the last complete map without features, in bytes
 };
 
 }  // namespace plslam::mapping

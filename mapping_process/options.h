@@ -9,55 +9,55 @@
 
 namespace plslam::mapping {
 
-/// How a keyframe is joined to the map (PL-SLAM §V.A).
+/// Insertion of a keyframe into the map (PL-SLAM §V.A).
 struct InsertionOptions {
-  /// Window in which neighbours are searched for duplicates.
+  /// Radius of the search for duplicates in neighbours.
   double fuse_radius_px = 4.0;
-  /// Keyframes whose landmarks are the local map.
+  /// Keyframes whose landmarks form the local map.
   int local_keyframes = 15;
-  /// Neighbours that new landmarks are searched in.
+  /// Neighbours in which new landmarks are searched.
   int fuse_keyframes = 5;
-  /// Largest sigma of a disparity, relative, with which a landmark is made.
+  /// Largest relative sigma of a disparity for a new landmark.
   double max_relative_depth_sigma = 0.3;
-  /// Least angle of the planes of two views at which a segment is triangulated.
+  /// Least angle between the planes of two views to triangulate a segment.
   double min_plane_angle_deg = 2.0;
 };
 
-/// Which part of the map is adjusted (PL-SLAM §V.B).
+/// Local bundle adjustment window (PL-SLAM §V.B).
 struct WindowOptions {
   int keyframes = 5;
   int fixed_keyframes = 6;
-  /// Points that are adjusted: those that most keyframes see.
+  /// Points that are adjusted: those observed by most keyframes.
   int max_points = 600;
   /// The same of lines.
   int max_lines = 200;
-  /// Observations of adjusted points, of each as many as the window may hold: fewer points where each is seen often.
+  /// Observations of the adjusted points, at most one for each keyframe of the window; fewer points if exceeded.
   int max_point_observations = 4000;
   /// The same of lines.
   int max_line_observations = 1300;
-  /// Landmarks that a neighbour shares with the new keyframe.
+  /// Landmarks that a neighbour must share with the new keyframe.
   int min_shared = 15;
-  /// Sigma of the tracker's motion between keyframes, relative to what the tracker says of it.
+  /// Sigma of the tracker's motion between keyframes, relative to the published one.
   double relative_sigma = 1.0;
 };
 
-/// What is taken out of the map again.
+/// Culling of landmarks and keyframes.
 struct CullingOptions {
-  /// Keyframes after which a new landmark is judged.
+  /// Keyframes after which a new landmark is checked.
   int recent_keyframes = 3;
   int min_observations = 3;
   double redundant_share = 0.9;
-  /// How many others must see a landmark for that.
+  /// Other keyframes that must see a landmark for it to count as redundant.
   int redundant_observations = 5;
 };
 
-/// What loop_process says.
+/// Use of closures of loop_process.
 struct LoopUseOptions {
   bool enabled = true;
   double wait_s = 15.0;
 };
 
-/// Everything of mapping_process.
+/// All options of mapping_process.
 struct MappingOptions {
   InsertionOptions insertion;
   LocalisationOptions localisation;
@@ -67,9 +67,9 @@ struct MappingOptions {
   LoopUseOptions loops;
   std::string map_file;
   bool localise_only = false;
-  /// Keyframes that the map may have; 0: as many as come.
+  /// Maximum number of keyframes of the map; 0: no limit.
   int max_keyframes = 0;
-  /// What is needed to go on exactly where a crash was, written now and then. Empty: all is built anew from the
+  /// File with the state, written periodically, to continue exactly after a crash. Empty: rebuild the map from the
   /// history.
   std::string state_file;
   int state_every = 100;

@@ -9,48 +9,48 @@
 
 namespace plslam::vo {
 
-/// Life of the landmarks that odometry tracks.
+/// Creation and removal of the landmarks that odometry tracks.
 struct LandmarkOptions {
-  /// Sigma of lines from the model of a straight edge in space, added to that of their fit.
+  /// Model error of lines (edges are not perfectly straight), added to the sigma of their fit.
   double line_model_sigma_px = 0.1;
-  /// Largest factor of the sigmas of points where lines show that they are too small; 1 leaves them.
+  /// Largest factor of the sigmas of points if lines show that they are too small; 1 disables it.
   double max_point_scale = 16.0;
-  /// Largest sigma of a disparity, relative, with which a landmark is created.
+  /// Largest relative sigma of a disparity for a new landmark.
   double max_relative_depth_sigma = 0.3;
   /// Growth of a landmark's covariance before each new observation of it.
   double forgetting = 1.02;
-  /// Frames out of view after which it is dropped.
+  /// Frames out of view after which a landmark is dropped.
   int max_unseen_frames = 30;
-  /// Frames it should have been seen in but was not, then dropped.
+  /// Frames in view but not matched after which it is dropped.
   int max_missed = 8;
 };
 
 /// Self-calibration of the disparities.
 struct DisparityCalibrationOptions {
   bool enabled = true;
-  /// Prior sigma of the offset: wide, or a large offset is found late. `DisparityCheck` decides.
+  /// Prior sigma of the offset; wide, because a narrow one delays large offsets. `DisparityCheck` decides.
   double prior_sigma_px = 1.0;
   /// Evidence (3 degrees of freedom) above which an offset is significant.
   double min_chi_square = 25.0;
 };
 
-/// Self-calibration of the rows of the right image.
+/// Self-calibration of the vertical disparity.
 struct RowCalibrationOptions {
   bool enabled = true;
-  /// How large each term of them is expected to be.
+  /// Prior sigma of each coefficient.
   double prior_sigma_px = 0.5;
-  /// Evidence (6 degrees of freedom) needed to use them.
+  /// Evidence (6 degrees of freedom) above which they are applied.
   double min_chi_square = 40.0;
-  /// Length of the vector of terms above which they matter.
+  /// Norm of the coefficients above which they are applied.
   double min_offset_px = 0.5;
 };
 
-/// Matching of landmarks with a frame, and what counts as tracked.
+/// Matching of landmarks with a frame, and conditions of a tracked frame.
 struct TrackingOptions {
   std::string reference = "landmarks";
-  /// Search window around predictions.
+  /// Radius of the search around predictions.
   double search_radius_px = 18.0;
-  /// The same where the first search fails.
+  /// The same if the first search fails.
   double wide_radius_px = 70.0;
   /// The same once the pose is known.
   double refine_radius_px = 6.0;
@@ -58,15 +58,15 @@ struct TrackingOptions {
   int weak_inliers = 25;
   /// Share of matches that must agree with the motion.
   double min_inlier_ratio = 0.3;
-  /// Share of the last frame's inliers below which wider searches are tried too.
+  /// Share of the last frame's inliers below which wider searches are tried, too.
   double convincing_ratio = 0.7;
-  /// Times the inliers at an expected pose with which an unexpected one is believed instead.
+  /// Ratio to the inliers at an expected pose above which an unexpected pose is accepted instead.
   double elsewhere_ratio = 1.5;
   double max_acceleration_m_s2 = 10.0;
   double max_angular_acceleration_rad_s2 = 20.0;
 };
 
-/// Use of the map that mapping_process makes.
+/// Use of the map of mapping_process.
 struct MapUseOptions {
   bool enabled = true;
   std::string landmarks = "all";
@@ -75,44 +75,44 @@ struct MapUseOptions {
   bool localise_only = false;
 };
 
-/// What another program says is to be left out of a frame (channel MASK).
+/// Masks of single frames from another program (channel MASK).
 struct MaskUseOptions {
   bool enabled = false;
   double wait_s = 15.0;
   double live_wait_ms = 20.0;
 };
 
-/// What the robot's own odometry says of its motion (channel ROBOT_MOTION).
+/// The robot's own odometry (channel ROBOT_MOTION).
 struct RobotMotionUseOptions {
   bool enabled = false;
   double wait_s = 15.0;
 };
 
-/// Being found again in the map by loop_process.
+/// Relocalisation in the map by loop_process.
 struct RelocalisationUseOptions {
   bool enabled = true;
   double wait_s = 15.0;
 };
 
-/// Keyframe choice (PL-SLAM §IV.D) and its floors.
+/// Keyframe selection (PL-SLAM §IV.D) and its floors.
 struct KeyframeOptions {
   double entropy_ratio = 0.9;
-  /// Keyframe when this share of the last one's landmarks is left.
+  /// A keyframe is made below this share of the last one's tracked landmarks.
   double min_tracked_ratio = 0.45;
-  /// Motion that counts, relative to the median depth.
+  /// Least translation for a keyframe, relative to the median depth.
   double min_baseline_ratio = 0.02;
   double max_baseline_ratio = 0.15;
-  /// Rotation that counts.
+  /// Least rotation for a keyframe.
   double min_rotation_deg = 2.0;
   double max_rotation_deg = 15.0;
   int max_frames = 40;
   double known_share = 0.5;
-  /// Keyframes that see a landmark that the map knows well.
+  /// Number of keyframes that observe a well-known landmark.
   int known_observations = 6;
   std::string measurements = "mean";
 };
 
-/// Everything of vo_process.
+/// All options of vo_process.
 struct VoOptions {
   FeatureOptions features;
   StereoOptions stereo;
@@ -128,9 +128,9 @@ struct VoOptions {
   MapUseOptions map;
   RelocalisationUseOptions relocalisation;
   KeyframeOptions keyframes;
-  /// Where the state is kept; empty: nowhere.
+  /// File of the state; empty: none.
   std::string state_file;
-  /// What is learned of the rig, for the next run.
+  /// File of the self-calibration, for the next run.
   std::string self_calibration_file;
 };
 

@@ -8,8 +8,8 @@
 namespace plslam {
 namespace {
 
-// Both trajectories merged by time into one doubly linked list. The closest remaining pair is always a pair of
-// neighbours in it, so a heap of neighbours finds all pairs in n log n.
+// Both trajectories merged by time into one doubly linked list. The closest remaining pair consists of neighbours in
+// it, so a heap of neighbours finds all pairs in n log n.
 class MergedTimes {
  public:
   MergedTimes(const Trajectory& estimate, const Trajectory& truth) {
@@ -27,7 +27,7 @@ class MergedTimes {
     }
   }
 
-  /// The closest pair that is left, taken out: (estimate index, truth index); false where none is within the bound.
+  /// Removes the closest remaining pair and returns its indices; returns false if none is within the bound.
   bool TakeClosest(uint64_t max_difference_ns, size_t& estimate, size_t& truth) {
     while (!heap_.empty() && heap_.top().difference_ns <= max_difference_ns) {
       const Neighbours pair = heap_.top();

@@ -44,8 +44,8 @@ const Matrix6d* Find(const std::vector<PoseCovariance>& covariances, int64_t t_n
   return found != covariances.end() && found->t_ns == t_ns ? &found->covariance : nullptr;
 }
 
-// nullopt where the covariance is not positive definite. Scaled to unit variances first, since those of metres and of
-// radians differ by orders of magnitude.
+// Returns nullopt if the covariance is not positive definite. Scales to unit variances first, because those of metres
+// and of radians differ by orders of magnitude.
 std::optional<double> Nees(const Vector6d& x, const Matrix6d& covariance) {
   if (!(covariance.diagonal().minCoeff() > 0.0)) return std::nullopt;
   const Vector6d scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
@@ -56,7 +56,7 @@ std::optional<double> Nees(const Vector6d& x, const Matrix6d& covariance) {
   return std::isfinite(nees) ? std::optional(nees) : std::nullopt;
 }
 
-// Of the motion between two pairs; nullopt where a frame between them has no pose or no covariance.
+// Covariance of the motion between two pairs; nullopt if a frame between them has no pose or no covariance.
 std::optional<Matrix6d> CovarianceOver(const PosePairs& pairs, size_t first, size_t last,
                                        const std::vector<PoseCovariance>& covariances) {
   Matrix6d sum = Matrix6d::Zero();
@@ -80,7 +80,7 @@ class Collector {
     }
   }
 
-  // `shared`: samples that have data in common, so that they count as one where the bounds are concerned.
+  // `shared`: number of samples that share data, and count as one for the bounds.
   Consistency Result(size_t shared = 1) {
     result_.n = static_cast<int>(values_.size());
     if (values_.empty()) return result_;

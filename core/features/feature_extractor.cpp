@@ -12,7 +12,7 @@
 namespace plslam {
 namespace {
 
-// Corners and edges are detected by what lies this near.
+// Radius of the pixels that detectors use.
 constexpr int kMaskMargin_px = 8;
 
 }  // namespace

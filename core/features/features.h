@@ -27,7 +27,7 @@ struct PointFeature {
   float angle_rad = 0.0F;
   int octave = 0;
   Descriptor descriptor{};
-  /// Size of a pixel of the octave, in pixels of the image: the scale that `px` is precise to.
+  /// Size of a pixel of the octave, in pixels of the image, to which `px` is accurate.
   double scale = 1.0;
 };
 
@@ -48,26 +48,26 @@ struct ImageFeatures {
 /// A point of the left image with the disparity of its match, if it has one.
 struct StereoPoint {
   PointFeature left;
-  /// u_left - u_right with sub-pixel precision; negative where there is no match.
+  /// u_left - u_right with sub-pixel precision; negative without a match.
   double disparity_px = -1.0;
   /// Standard deviations of u and v, and of the disparity.
   double sigma_px = 1.0;
   double sigma_disparity_px = 1.0;
-  /// Row of the match minus row of the left point, as the images tell, and its standard deviation; negative where
-  /// they do not.
+  /// Row of the match minus row of the left point, measured in the images, and its standard deviation; negative if it
+  /// was not measured.
   double row_offset_px = 0.0;
   double sigma_row_px = -1.0;
-  /// The row has several equally good matches, so there is no depth.
+  /// Whether the row has several equally good matches, so that there is no depth.
   bool is_ambiguous = false;
 
   bool HasDepth() const { return disparity_px > 0.0; }
 };
 
-/// A line segment of the left image with the disparities of its endpoints, if they can be had.
+/// A line segment of the left image with the disparities of its endpoints, if known.
 struct StereoLine {
   LineFeature left;
-  /// Disparities of the left endpoints on the matched right line. Negative without depth: no match, or too nearly
-  /// parallel to the baseline for a depth from one pair.
+  /// Disparities of the left endpoints, measured on the matched right line. Negative without depth: no match, or nearly
+  /// parallel to the baseline.
   double disparity_p_px = -1.0;
   double disparity_q_px = -1.0;
   /// Standard deviation of an endpoint across the segment, and of the two disparities.
@@ -76,26 +76,26 @@ struct StereoLine {
   double sigma_disparity_q_px = 1.0;
 
   bool HasDepth() const { return disparity_p_px > 0.0 && disparity_q_px > 0.0; }
-  /// Disparity of the middle; negative without depth.
+  /// Disparity of the midpoint; negative without depth.
   double MiddleDisparity_px() const { return HasDepth() ? 0.5 * (disparity_p_px + disparity_q_px) : -1.0; }
 };
 
-/// What one stereo frame offers to tracking and mapping. Points and lines without depth are kept: time may give it.
+/// Features of one stereo frame. Points and lines without depth are kept, since later frames may determine it.
 struct StereoFeatures {
   std::vector<StereoPoint> points;
   std::vector<StereoLine> lines;
-  /// The image that they are from; nullopt: that of the camera that they are told in (see `ToldIn`).
+  /// The image in which they were detected; nullopt: that of the camera in which they are expressed (see `ToldIn`).
   std::optional<TakenImage> image;
 };
 
-/// The same where somebody else keeps them.
+/// A view of features stored elsewhere.
 struct FeaturesView {
   std::span<const StereoPoint> points;
   std::span<const StereoLine> lines;
   std::optional<TakenImage> image;
 
   FeaturesView() = default;
-  // NOLINTNEXTLINE(google-explicit-constructor): a view can be had of all features.
+  // NOLINTNEXTLINE(google-explicit-constructor): converts all features to a view.
   FeaturesView(const StereoFeatures& of) : points(of.points), lines(of.lines), image(of.image) {}
 };
 
@@ -103,7 +103,7 @@ inline StereoFeatures OwnFeatures(const FeaturesView& view) {
   return {{view.points.begin(), view.points.end()}, {view.lines.begin(), view.lines.end()}, view.image};
 }
 
-/// The camera that features are told in, with the image that they are from.
+/// Returns the camera in which features are expressed, with the image in which they were detected.
 inline StereoCamera CameraOf(const FeaturesView& features, const StereoCamera& camera) {
   return features.image ? camera.With(*features.image) : camera;
 }

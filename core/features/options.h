@@ -12,41 +12,41 @@ struct OrbOptions {
   int max_points = 1000;
   /// Levels of the image pyramid.
   int levels = 8;
-  /// Size ratio of neighbouring levels.
+  /// Size ratio of consecutive levels.
   double scale_factor = 1.2;
   int fast_threshold = 20;
   int min_fast_threshold = 7;
-  /// Smaller to larger eigenvalue of the gradients around a corner; below, it is an edge.
+  /// Least ratio of the smaller to the larger eigenvalue of the gradients around a corner; below, it is an edge.
   double min_corner_ratio = 0.1;
 };
 
 /// Line segments and their descriptors (PL-SLAM §IV.B).
 struct LineOptions {
-  /// "edgechain" (this tree's, fast) or "lsd" (the paper's).
+  /// "edgechain" (of this project, fast) or "lsd" (the paper's).
   std::string detector = "edgechain";
   int max_lines = 200;
   double min_length_px = 20.0;
-  /// Contrast across a segment, grey levels; edgechain only.
+  /// Least contrast across a segment, grey levels; edgechain only.
   double min_contrast = 8.0;
-  /// Images that are searched where few lines are sharp: whole, half, quarter ...
+  /// Number of images searched if few lines are sharp: whole, half, quarter ...
   int levels = 3;
-  /// Size of the image LSD works on, relative to the input.
+  /// Size of the image used by LSD, relative to the input.
   double lsd_scale = 1.2;
 };
 
 /// Matching of lines between frames, by projection or by descriptors alone.
 struct LineMatchOptions {
-  /// Difference of direction from the prediction.
+  /// Largest difference of direction from the prediction.
   double max_angle_deg = 12.0;
-  /// Distance of the feature's endpoints from the predicted infinite line, and the other way round.
+  /// Largest distance of the shorter segment's midpoint from the infinite line through the longer one.
   double max_across_px = 20.0;
-  /// Shared part along the line, relative to the shorter of the two; and shorter to longer length.
+  /// Least overlap along the line, relative to the shorter of the two.
   double min_overlap = 0.3;
-  /// Shorter to longer segment.
+  /// Least ratio of the shorter to the longer segment.
   double min_length_ratio = 0.25;
-  /// Differing bits of a match.
+  /// Most differing descriptor bits of a match.
   int max_descriptor_distance = 70;
-  /// Best to second best descriptor distance.
+  /// Largest ratio of the best to the second best descriptor distance.
   double max_ratio = 0.85;
 };
 
@@ -54,44 +54,44 @@ struct LineMatchOptions {
 struct StereoOptions {
   double min_disparity_px = 0.5;
   double max_disparity_px = 256.0;
-  /// Standard deviation of the row of a right measurement against the left one: how well the pair is rectified.
+  /// Standard deviation of the row of a right measurement relative to the left one: accuracy of the rectification.
   double row_sigma_px = 0.3;
-  /// Points: standard deviation of a position, and tolerance of rows, both for octave 0; they grow with the scale.
+  /// Points: standard deviation of a position, for octave 0; proportional to the scale.
   double point_sigma_px = 0.5;
-  /// Difference of rows, for octave 0.
+  /// Largest difference of rows, for octave 0; proportional to the scale.
   double point_row_tolerance_px = 2.0;
-  /// Differing bits of a match.
+  /// Most differing descriptor bits of a match.
   int point_max_descriptor_distance = 80;
-  /// Best to second best descriptor distance (the paper asks for 0.5).
+  /// Largest ratio of the best to the second best descriptor distance (the paper uses 0.5).
   double point_max_ratio = 0.9;
-  /// Normalised correlation of the aligned patches.
+  /// Least normalised correlation of the aligned patches.
   double point_min_correlation = 0.8;
-  /// Also search the row of the right image for the patches of points without a matching corner ("direct"), asking
-  /// for this correlation, and for a second best whose distance to 1 is larger by this factor.
+  /// Whether the row of the right image is also searched for the patches of points without a matching corner
+  /// ("direct").
   bool point_direct = true;
-  /// Correlation of such a match.
+  /// Least correlation of such a match.
   double point_direct_min_correlation = 0.9;
-  /// 1 - correlation of the best place over that of the second, at most.
+  /// Largest ratio of 1 - correlation at the best position to that at the second best.
   double point_direct_max_ratio = 0.6;
   /// Largest standard deviation of a disparity, for octave 0; above it the point has no depth.
   double point_max_sigma_disparity_px = 0.5;
-  /// Depth cameras: standard deviation of a depth Z is this times Z^2.
+  /// Depth cameras: the standard deviation of a depth Z is this times Z^2.
   double depth_noise_per_m = 0.002;
-  /// Lines: least angle to the baseline for a depth, and the largest difference of directions.
+  /// Lines: least angle to the baseline for a depth.
   double line_min_angle_deg = 10.0;
-  /// Left to right direction.
+  /// Largest angle between the left and the right direction.
   double line_max_angle_difference_deg = 25.0;
-  /// Shorter to longer segment, and shared rows relative to the shorter one.
+  /// Least ratio of the shorter to the longer segment.
   double line_min_length_ratio = 0.3;
-  /// Shared rows, of the shorter segment.
+  /// Least overlap of rows, relative to the shorter segment.
   double line_min_overlap = 0.4;
-  /// Differing bits of a match.
+  /// Most differing descriptor bits of a match.
   int line_max_descriptor_distance = 70;
-  /// Best to second best descriptor distance.
+  /// Largest ratio of the best to the second best descriptor distance.
   double line_max_ratio = 0.85;
-  /// Smaller to larger endpoint disparity.
+  /// Least ratio of the smaller to the larger endpoint disparity.
   double line_min_disparity_ratio = 0.2;
-  /// Correlation of the images along the segment, of its more similar side.
+  /// Least correlation of the images along the segment, on its more similar side.
   double line_min_similarity = 0.75;
   /// Largest standard deviation of an endpoint disparity; above it the line has no depth.
   double line_max_sigma_disparity_px = 2.0;
@@ -99,13 +99,13 @@ struct StereoOptions {
 
 /// Matching of descriptors between images.
 struct MatchOptions {
-  /// Largest number of differing descriptor bits of a match.
+  /// Most differing descriptor bits of a match.
   int max_distance = 64;
-  /// Best distance over second best, at most; 1 switches the test off.
+  /// Largest ratio of the best to the second best distance; 1 disables the test.
   double ratio = 0.85;
   /// Octaves by which a match may differ from the prediction.
   int octave_window = 1;
-  /// Reject matches whose turn disagrees with most others.
+  /// Whether to reject matches whose rotation disagrees with most others.
   bool check_rotation = false;
 };
 

@@ -8,14 +8,14 @@ namespace {
 
 bool SameProjection(const StereoCamera& a, const StereoCamera& b) { return a.With({}) == b.With({}); }
 
-/// Of each number to single precision: as messages carry features, so that what is told on is told with the same bits.
-/// Through memory: GCC 12 leaves the rounding of two neighbours out where it vectorises them (-ftree-slp-vectorize).
+/// Rounds to single precision, as in messages, so that features that are forwarded keep their bits. Through memory,
+/// because GCC 12 omits the rounding of two neighbours when it vectorises them (-ftree-slp-vectorize).
 double Rounded(double value) {
   const volatile float rounded = static_cast<float>(value);
   return rounded;
 }
 
-/// From the pixels of one rectified camera to those of another with the same axes.
+/// Maps pixels of one rectified camera to those of another with the same axes.
 class PixelChange {
  public:
   PixelChange(const StereoCamera& from, const StereoCamera& to)
@@ -30,7 +30,7 @@ class PixelChange {
     return {Rounded(changed.x()), Rounded(changed.y())};
   }
   double Length(double px) const { return Rounded(px * scale_); }
-  /// Of disparities and their standard deviations. Negative stays negative: there is none.
+  /// For disparities and their standard deviations. Negative (unknown) values stay negative.
   double Disparity(double px) const { return Rounded(px * disparity_scale_); }
 
   TakenImage Image(const TakenImage& image) const {

@@ -6,15 +6,15 @@
 
 namespace plslam {
 
-/// What `from` saw, as the rectified camera `to` at the same place would have seen it: rays, depths and the standard
-/// deviations of both stay what they are, and so do octaves. A map therefore needs one camera only.
-/// `StereoFeatures::image` becomes the image of `from` where that is not the image of `to`. Between equal cameras every
-/// bit stays.
+/// Re-expresses features of the rectified camera `from` in the rectified camera `to` at the same position: rays,
+/// depths, the standard deviations of both, and octaves do not change. A map therefore needs one camera only.
+/// `StereoFeatures::image` becomes the image of `from` if that differs from the image of `to`. Features of equal
+/// cameras keep every bit.
 StereoFeatures ToldIn(const StereoCamera& to, StereoFeatures features, const StereoCamera& from);
 
 /// Largest ratio of the focal lengths of two cameras, and of their baselines.
 inline constexpr double kMostUnlike = 100.0;
-/// Whether they are as alike as that: numbers then stay within what messages and files hold.
+/// Whether the cameras are within that ratio, so that numbers stay in the range of messages and files.
 bool CanBeToldIn(const StereoCamera& to, const StereoCamera& from);
 
 }  // namespace plslam

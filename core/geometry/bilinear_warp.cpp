@@ -20,14 +20,14 @@ uint16_t LoadPair(const uint8_t* pixel) {
   return pair;
 }
 
-/// (32 (1 - wy) (a (1 - wx) + b wx) + ... + 512) / 1024, rounded down, in steps of 16 bits: the vertical difference
-/// times its weight is divided by 32 first, which does not change the result of rounding down twice.
+/// (32 (1 - wy) (a (1 - wx) + b wx) + ... + 512) / 1024, rounded down, in 16-bit steps: the weighted vertical
+/// difference is divided by 32 first, which gives the same result after rounding down twice.
 uint8_t Blend(uint16_t above, uint16_t below, int wx, int wy) {
   const auto first = [](uint16_t pair) { return static_cast<int16_t>(pair & 255); };
   const auto second = [](uint16_t pair) { return static_cast<int16_t>(pair >> 8); };
   const auto top = static_cast<int16_t>(32 * first(above) + wx * (second(above) - first(above)));
   const auto bottom = static_cast<int16_t>(32 * first(below) + wx * (second(below) - first(below)));
-  // High half of a product of 16 bits: (512 wy) (4 d) / 2^16 = wy d / 32.
+  // High half of a 16-bit product: (512 wy) (4 d) / 2^16 = wy d / 32.
   const auto weight = static_cast<int16_t>(512 * wy);
   const auto difference = static_cast<int16_t>(4 * (bottom - top));
   const auto share = static_cast<int16_t>((weight * difference) >> 16);
@@ -50,7 +50,7 @@ BilinearWarp::BilinearWarp(cv::Size source, cv::Size result)
 }
 
 void BilinearWarp::SetSource(int u, int v, int x, int y) {
-  // The last column (row) is the right (lower) one of the last pair, so nothing is read outside.
+  // The last column (row) is the right (lower) one of the last pair, so nothing is read outside the image.
   const int left = std::min(x / kSubpixels, source_.width - 2);
   const int top = std::min(y / kSubpixels, source_.height - 2);
   const size_t at = static_cast<size_t>(v) * result_.width + u;
@@ -73,7 +73,7 @@ void BilinearWarp::WarpRow(const uint8_t* image, int v, uint8_t* out) const {
       above[i] = LoadPair(pixel);
       below[i] = LoadPair(pixel + source_.width);
     }
-    // Apart from the loop above, whose addresses are scattered: this one becomes vector code.
+    // Separate from the loop above, whose addresses are scattered, so that this one is vectorised.
     for (int i = 0; i < count; ++i) {
       out[u + i] = static_cast<uint8_t>(Blend(above[i], below[i], weights[i].x, weights[i].y) & mask[i]);
     }

@@ -8,23 +8,22 @@
 
 namespace plslam {
 
-/// A fixed warp of 8-bit images, bilinear at 1/32 pixel: pixel for pixel what cv::remap gives with INTER_LINEAR, in
-/// less than half the time. That is because the coordinates are known beforehand (an address and two weights per
-/// pixel), and because the sums are arranged to fit 16 bits.
+/// A fixed warp of 8-bit images, bilinear at 1/32 pixel: identical to cv::remap with INTER_LINEAR, in less than half
+/// the time, because addresses and weights are precomputed and the sums fit 16 bits.
 class BilinearWarp {
  public:
   static constexpr int kSubpixels = 32;
 
-  /// Images of the size `source` become images of the size `result`, whose pixels are 0 until `SetSource`. Throws
+  /// Images of size `source` become images of size `result`, whose pixels are 0 until `SetSource`. Throws
   /// std::runtime_error for images smaller than 2 x 2.
   BilinearWarp(cv::Size source, cv::Size result);
-  /// Images are `width_px` x `height_px` before and after.
+  /// The same for images of one size before and after.
   BilinearWarp(int width_px, int height_px) : BilinearWarp({width_px, height_px}, {width_px, height_px}) {}
 
-  /// Pixel (u, v) of the result shows (x, y) of the image, given in 1/32 pixels within [0, 32 (source size - 1)].
+  /// Sets the source (x, y) of pixel (u, v) of the result, in 1/32 pixels within [0, 32 (source size - 1)].
   void SetSource(int u, int v, int x, int y);
 
-  /// A new image. `image` is CV_8UC1 of the size `source`.
+  /// Returns a new image. `image` is CV_8UC1 of size `source`.
   cv::Mat Apply(const cv::Mat& image) const;
 
  private:
@@ -37,10 +36,10 @@ class BilinearWarp {
 
   cv::Size source_;
   cv::Size result_;
-  // Where the upper left of the four pixels lies in the image, and the weights of the right and lower ones in 32nds.
+  // Offset of the upper left of the four pixels in the image, and weights of the right and lower ones in 32nds.
   std::vector<int32_t> offsets_;
   std::vector<Weights> weights_;
-  // 255 where there is a source.
+  // 255 for pixels with a source.
   std::vector<uint8_t> mask_;
 };
 

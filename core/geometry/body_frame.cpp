@@ -8,7 +8,7 @@ namespace {
 
 bool IsIdentity(const SE3& T) { return T.Log().norm() < 1e-9; }
 
-/// x right, y down, z forward to x forward, y left, z up.
+/// Rotates x right, y down, z forward to x forward, y left, z up.
 SE3 BodyFromOptical() {
   Eigen::Matrix3d R;
   R << 0, 0, 1, -1, 0, 0, 0, -1, 0;

@@ -6,8 +6,8 @@
 
 namespace plslam {
 
-/// Body from the rectified left camera: by the rig's `T_b_cam`; where that is the identity, so that nobody has said
-/// how the camera is mounted, it looks along the body's x axis with its image upright. Throws what `Rectify` throws.
+/// Returns the pose of the rectified left camera in the body frame, from the rig's `T_b_cam`. An identity means that
+/// the mounting is unknown: the camera then looks along the body's x axis with its image upright. Throws as `Rectify`.
 SE3 BodyFromCamera(const RigCalibration& rig);
 
 }  // namespace plslam

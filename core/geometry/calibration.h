@@ -10,24 +10,24 @@
 
 namespace plslam {
 
-/// An area of an image as recorded, in its pixels: (0, 0) is the centre of the first one.
+/// A region of a raw image, in its pixels: (0, 0) is the centre of the first one.
 struct MaskPolygon {
   std::vector<Eigen::Vector2f> corners_px;
-  /// Not left out, but in use: a hole in the polygons before it.
+  /// Whether the region is in use, not masked: a hole in the polygons before it.
   bool in_use = false;
   bool operator==(const MaskPolygon&) const = default;
 };
 
-/// What is left out of the images of one frame.
+/// Masked regions of the images of one frame.
 struct FrameMask {
   std::vector<MaskPolygon> left;
   std::vector<MaskPolygon> right;
 };
 
-/// Corners of all polygons of a camera, at most: the masks of both cameras travel in one datagram.
+/// Largest number of corners of all polygons of a camera: the masks of both cameras fit one datagram.
 inline constexpr size_t kMaxMaskCorners = 2000;
 
-/// One camera as calibrated. `model` is a name of core/geometry/distortion.h: "pinhole" (no distortion), "radtan",
+/// Calibration of one camera. `model` is a name in core/geometry/distortion.h: "pinhole" (no distortion), "radtan",
 /// "rational", "equidistant" or "double_sphere".
 struct CameraCalibration {
   int width_px = 0;
@@ -38,13 +38,13 @@ struct CameraCalibration {
   double cx_px = 0.0;
   double cy_px = 0.0;
   std::vector<double> distortion;
-  /// Body (IMU or rig) from this camera.
+  /// Pose of this camera in the body frame (IMU or rig).
   SE3 T_b_cam;
-  /// What is left out of its images, drawn one over the other (core/geometry/image_mask.h). Where nothing is: empty.
+  /// Masked regions of its images, drawn in order (core/geometry/image_mask.h). Empty if there are none.
   std::vector<MaskPolygon> mask{};
 };
 
-/// A rig as its dataset describes it; the content of `camera_t`.
+/// Calibration of a rig as in its dataset; the content of `camera_t`.
 struct RigCalibration {
   enum class Kind { kStereo, kRgbd };
   std::string name;
@@ -54,7 +54,7 @@ struct RigCalibration {
   CameraCalibration right;
   /// RGB-D only: depth units per metre.
   double depth_units_per_m = 0.0;
-  /// Distance of the cameras; for RGB-D the virtual baseline of d = b f / Z.
+  /// Distance between the cameras; for RGB-D the virtual baseline of d = b f / Z.
   double baseline_m = 0.0;
 };
 

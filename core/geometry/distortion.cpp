@@ -12,7 +12,7 @@
 namespace plslam {
 namespace {
 
-// The order of the coefficients is OpenCV's for the first three, Kalibr's for the other two.
+// Coefficients are in OpenCV's order for the first three models, in Kalibr's for the other two.
 constexpr std::array<LensModel, 5> kModels = {{{"pinhole", 0, 0, "none"},
                                                {"radtan", 4, 5, "k1 k2 p1 p2 [k3]"},
                                                {"rational", 8, 8, "k1 k2 p1 p2 k3 k4 k5 k6"},
@@ -42,7 +42,7 @@ bool LensModelTakes(std::string_view name, size_t n_coefficients) {
 
 namespace {
 
-// No rectified image looks farther from its axis than about 84 degrees.
+// Rectified images never extend farther than about 84 degrees from the axis.
 constexpr double kLargestRadius = 10.0;
 constexpr int kScanSteps = 2000;
 
@@ -51,7 +51,7 @@ void RequireKnown(const CameraCalibration& c) {
   if (model == nullptr) {
     throw std::runtime_error("unknown distortion model \"" + c.model + "\" (" + LensModelNames() + ")");
   }
-  // A pinhole may carry the zeros of the model that it was before.
+  // A pinhole may keep zero coefficients of a former model.
   const bool zeros = std::all_of(c.distortion.begin(), c.distortion.end(), [](double k) { return k == 0.0; });
   if (c.model == "pinhole" && !zeros) {
     throw std::runtime_error("distortion model \"pinhole\" has coefficients that are not zero");
@@ -190,7 +190,7 @@ Eigen::Vector2d Distortion::Radtan(double x, double y, double r2, double radial)
 }
 
 std::optional<Eigen::Vector2d> Distortion::Distort(const Eigen::Vector2d& xy) const {
-  // The negated comparison also refuses NaN.
+  // The negated comparison also rejects NaN.
   if (!(xy.squaredNorm() <= max_radius_ * max_radius_)) return std::nullopt;
   return Apply(xy);
 }
@@ -198,7 +198,7 @@ std::optional<Eigen::Vector2d> Distortion::Distort(const Eigen::Vector2d& xy) co
 void Distortion::Distort(std::span<double> x, std::span<double> y) const {
   constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
   if (model_ == Model::kRadtan) {
-    // No branch and no call, so that it becomes vector code.
+    // No branches and no calls, so that the loop is vectorised.
     const double largest = max_radius_ * max_radius_;
     for (size_t i = 0; i < x.size(); ++i) {
       const double r2 = x[i] * x[i] + y[i] * y[i];
@@ -258,7 +258,7 @@ std::optional<Eigen::Vector2d> Distortion::Undistort(const Eigen::Vector2d& dist
   if (model_ == Model::kPinhole) return Distort(distorted);
   const double radius = distorted.norm();
   if (radius < 1e-12) return Eigen::Vector2d(distorted / CentreScale());
-  // Bisection of the radial part never leaves the monotonic range; Newton then adds the tangential part.
+  // Bisection of the radial part stays in the monotonic range; Newton then adds the tangential part.
   const double variable = InvertProfile(radius);
   const double start = model_ == Model::kEquidistant ? std::tan(variable) : variable;
   Eigen::Vector2d xy = start / radius * distorted;

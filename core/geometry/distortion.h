@@ -12,7 +12,7 @@
 
 namespace plslam {
 
-/// The lens models by name, with the numbers of coefficients that each may have.
+/// A lens model by name, with the possible numbers of coefficients.
 struct LensModel {
   std::string_view name;
   size_t min_coefficients;
@@ -20,13 +20,13 @@ struct LensModel {
   std::string_view coefficients;
 };
 
-/// All of them, in the order in which they are told.
+/// Returns all models, in the order of messages to users.
 std::span<const LensModel> LensModels();
 
-/// nullptr where there is none of that name.
+/// Returns nullptr if there is none of that name.
 const LensModel* FindLensModel(std::string_view name);
 
-/// "pinhole, radtan, ...".
+/// Returns "pinhole, radtan, ...".
 std::string LensModelNames();
 
 /// Whether a model of that name may have so many coefficients.
@@ -39,47 +39,47 @@ bool LensModelTakes(std::string_view name, size_t n_coefficients);
 /// * "rational" (k1 k2 p1 p2 k3 k4 k5 k6): the same, divided by 1 + k4 t + k5 t^2 + k6 t^3, as in OpenCV and ROS.
 /// * "equidistant" (k1 k2 k3 k4): Kannala-Brandt as in Kalibr and OpenCV's fisheye, a polynomial of the angle.
 /// * "double_sphere" (xi alpha): Usenko, Demmel and Cremers, "The Double Sphere Camera Model" (3DV 2018), eq. 40 to
-///   42, at z = 1. Unlike with the others the image is scaled in its centre, by 1 / (1 + xi).
+///   42, at z = 1. Unlike the others it scales the image in its centre, by 1 / (1 + xi).
 ///
-/// A lens model is only meaningful up to the angle where its radius stops growing; beyond, several rays share a
-/// pixel. Nothing is returned there, nor where a denominator is not positive.
+/// A lens model is only valid up to the angle where its radius stops growing; beyond, several rays share a pixel. The
+/// functions return nothing there, nor if a denominator is not positive.
 class Distortion {
  public:
-  /// Throws std::runtime_error with a sentence for an unknown model or a wrong number of coefficients.
+  /// Throws std::runtime_error with one sentence for an unknown model or a wrong number of coefficients.
   explicit Distortion(const CameraCalibration& calibration);
 
-  /// Distorted from undistorted coordinates; nullopt beyond `max_radius`.
+  /// Returns distorted from undistorted coordinates; nullopt beyond `max_radius`.
   std::optional<Eigen::Vector2d> Distort(const Eigen::Vector2d& xy) const;
-  /// The same, to the last bit, of many points in place (spans of one length), several times faster. NaN where there
-  /// is nothing.
+  /// The same, to the last bit, for many points in place (spans of one length), several times faster. NaN beyond
+  /// `max_radius`.
   void Distort(std::span<double> x, std::span<double> y) const;
 
-  /// Inverse of `Distort` to about 1e-12, by Newton's method; nullopt where no ray reaches that place.
+  /// Inverse of `Distort`, accurate to about 1e-12, by Newton's method; nullopt if no ray is projected there.
   std::optional<Eigen::Vector2d> Undistort(const Eigen::Vector2d& distorted) const;
 
   /// Derivative of `Distort`.
   Eigen::Matrix2d Jacobian(const Eigen::Vector2d& xy) const;
 
-  /// Largest undistorted radius, i.e. tangent of the angle from the axis, at which the model is monotonic.
+  /// Largest undistorted radius, i.e. tangent of the angle from the axis, up to which the model is monotonic.
   double max_radius() const { return max_radius_; }
 
   bool IsIdentity() const;
 
-  /// How much larger the centre of the image is than without distortion: derivative of the distorted radius at 0.
+  /// Scale of the centre of the image relative to no distortion: derivative of the distorted radius at 0.
   double CentreScale() const { return ProfileDerivative(0.0); }
 
  private:
   enum class Model { kPinhole, kRadtan, kRational, kEquidistant, kDoubleSphere };
 
-  /// Distorted radius and its derivative by the model's own variable: the radius, or the angle of a fisheye.
+  /// Distorted radius and its derivative by the model's own variable: the radius, or the angle for a fisheye.
   double Profile(double s) const;
   double ProfileDerivative(double s) const;
-  /// What the radius is divided by: not 1 for the models "rational" and "double_sphere".
+  /// Divisor of the radius: not 1 for the models "rational" and "double_sphere".
   double Denominator(double s) const;
   double MonotonicLimit(double end) const;
   double InvertProfile(double distorted_radius) const;
   Eigen::Vector2d Apply(const Eigen::Vector2d& xy) const;
-  /// Of "rational".
+  /// Divisor of the radial factor of "rational".
   double Divisor(double r2) const;
   /// Radial factor of "radtan" and "rational", and its derivative by r^2.
   double RadialFactor(double r2) const;

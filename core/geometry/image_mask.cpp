@@ -10,10 +10,10 @@ namespace plslam {
 namespace {
 
 constexpr double kTolerance_px = 0.5;
-/// Corners are drawn to 1/256 px.
+/// Corners are drawn at a resolution of 1/256 px.
 constexpr int kShift = 8;
-/// No colour of a feature, in overlays or in the picture of rectification; a third of it is enough over dark and
-/// bright.
+/// A colour not used for features, in overlays or in the picture of rectification; a share of a third is visible over
+/// dark and bright pixels.
 const cv::Scalar kShade(170, 40, 170);
 constexpr double kShadeShare = 0.35;
 
@@ -29,7 +29,7 @@ void Draw(const MaskPolygon& polygon, cv::Mat& image) {
   cv::fillPoly(image, outline, cv::Scalar(polygon.in_use ? 255 : 0), cv::LINE_8, kShift);
 }
 
-/// Outer outlines of the non-zero pixels of `area`.
+/// Outer contours of the non-zero pixels of `area`.
 std::vector<std::vector<cv::Point>> Outlines(const cv::Mat& area) {
   std::vector<std::vector<cv::Point>> outlines;
   cv::findContours(area, outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
@@ -48,7 +48,7 @@ cv::Mat DrawMask(const CameraCalibration& camera) {
 std::vector<MaskPolygon> TraceMask(const cv::Mat& image) {
   CV_Assert(image.type() == CV_8UC1);
   std::vector<MaskPolygon> polygons;
-  // By turns what is left out, the holes in that, what is left out in these, and so on, each filled without its
+  // Alternates between masked regions, holes in them, masked regions in the holes, and so on, each filled without its
   // holes.
   cv::Mat area = image == 0;
   for (bool in_use = false; cv::countNonZero(area) > 0; in_use = !in_use) {

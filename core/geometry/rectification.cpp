@@ -14,11 +14,11 @@ namespace {
 constexpr double kNegligible_px = 0.01;
 constexpr double kLargestHalfFov_rad = 50.0 * std::numbers::pi / 180.0;
 constexpr double kLargestMagnification = 1.3;
-// Cameras may be turned towards each other by this much before the pair is called unusable.
+// Largest angle between the optical axes of a usable pair.
 constexpr double kLargestAxisAngle_rad = 60.0 * std::numbers::pi / 180.0;
 constexpr int kBorderSamples = 32;
 
-// The widest rectangle on the plane z = 1 that all raw images cover.
+// The largest rectangle on the plane z = 1 that all raw images cover.
 struct Window {
   double x0 = -1e3;
   double x1 = 1e3;
@@ -26,10 +26,10 @@ struct Window {
   double y1 = 1e3;
 };
 
-/// Where the x axis of the rectified images points in the raw ones.
+/// Direction of the x axis of the rectified images in the raw ones.
 enum class RowDirection { kRight, kDown, kUp };
 
-/// The raw image turned so that rows run along the baseline, in quarter turns.
+/// The raw image rotated in quarter turns so that rows run along the baseline.
 struct TurnedImage {
   RowDirection rows = RowDirection::kRight;
   int raw_width_px = 0;
@@ -101,7 +101,7 @@ Eigen::Quaterniond SharedOrientation(const RigCalibration& rig, const SE3& T_l_r
   return Eigen::Quaterniond(R_l_c).normalized();
 }
 
-// Deviations from an ideal pair, in pixels at the border of the image.
+// Whether deviations from an ideal pair are negligible, in pixels at the border of the image.
 bool IsIdeal(const CameraCalibration& c, const CameraCalibration& reference, const Eigen::Quaterniond& q_raw_c) {
   const double half_size = 0.5 * std::max(c.width_px, c.height_px);
   const double turn_px = q_raw_c.angularDistance(Eigen::Quaterniond::Identity()) * (c.fx_px + half_size);
@@ -110,7 +110,7 @@ bool IsIdeal(const CameraCalibration& c, const CameraCalibration& reference, con
   return Distortion(c).IsIdentity() && turn_px + focal_px * half_size + center_px < kNegligible_px;
 }
 
-// Shrinks `window` by what the border of one raw image shows. A border the lens model does not reach is no limit.
+// Reduces `window` to the region inside the border of one raw image. A border beyond the lens model is no limit.
 void Shrink(const RectifiedView& view, const TurnedImage& image, Window& window) {
   const double right = image.width_px() - 1.0;
   const double bottom = image.height_px() - 1.0;
@@ -125,7 +125,7 @@ void Shrink(const RectifiedView& view, const TurnedImage& image, Window& window)
   }
 }
 
-// Middle of [from, to], but of the view straight ahead where the lens sees that far anyway.
+// Returns the middle of [from, to], moved towards straight ahead as far as the lens covers the view.
 double Middle(double from, double to, double half_extent) {
   return std::clamp(0.0, std::min(from + half_extent, 0.5 * (from + to)),
                     std::max(to - half_extent, 0.5 * (from + to)));

@@ -16,12 +16,12 @@ namespace {
 
 constexpr int kSubpixels = BilinearWarp::kSubpixels;
 
-// Outside of every image: the remapping writes its border value.
+// Outside every image, so that the remapping writes its border value.
 constexpr int16_t kNowhere = -2;
 
 int16_t ToInt16(int value) { return static_cast<int16_t>(value); }
 
-/// Of numbers that are not negative; a call of lround would take as long as all the rest.
+/// Rounds numbers that are not negative; lround would take as long as everything else.
 int Rounded(double value) {
   const double up = value + 0.5;
   return static_cast<int>(up);
@@ -51,7 +51,7 @@ Rectifier::Rectifier(const RigCalibration& rig) : rectification_(Rectify(rig)) {
   if (stereo) right_ = MakeMaps(rectification_.right, right_in_use, false);
 }
 
-/// `in_use` is the mask of the image as recorded, or empty.
+/// `in_use` is the mask of the raw image, or empty.
 Rectifier::Maps Rectifier::MakeMaps(const RectifiedView& view, const cv::Mat& in_use, bool with_nearest) const {
   const StereoCamera& c = rectification_.camera;
   const cv::Size size(c.width_px, c.height_px);
@@ -89,7 +89,7 @@ cv::Mat Rectifier::RightMask(const cv::Mat& in_use) const { return MaskWith(righ
 
 cv::Mat Rectifier::MaskWith(const Maps& maps, const cv::Mat& in_use) const {
   if (in_use.empty()) return maps.mask;
-  // A pixel that something left out has a share in is left out.
+  // A pixel with a masked source pixel is masked.
   cv::Mat mask = maps.warp ? cv::Mat(maps.warp->Apply(in_use) == 255) : in_use.clone();
   if (!maps.mask.empty()) cv::bitwise_and(mask, maps.mask, mask);
   return mask;

@@ -75,7 +75,7 @@ Eigen::Matrix3d Skew(const Eigen::Vector3d& v) {
 Eigen::Quaterniond ExpSO3(const Eigen::Vector3d& w) {
   const double angle = w.norm();
   const double half = 0.5 * angle;
-  // sin(half) / angle, by its series where the quotient loses digits.
+  // sin(half) / angle, by its series at small angles, where the quotient loses precision.
   const double scale = angle < 1e-4 ? 0.5 - angle * angle / 48.0 : std::sin(half) / angle;
   return Eigen::Quaterniond(std::cos(half), scale * w.x(), scale * w.y(), scale * w.z()).normalized();
 }

@@ -16,15 +16,15 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 /// Rigid transform. `T_a_b` takes points of frame b to frame a: `p_a = T_a_b * p_b`; neighbouring letters cancel:
 /// `T_a_b * T_b_c` is `T_a_c`.
 ///
-/// Tangent vectors are [translation_m; rotation_rad], and perturbations stand on the right: `T * Exp(x)`, with x in
-/// the frame on the right (b). All covariances of poses in this tree follow that convention.
+/// Tangent vectors are [translation_m; rotation_rad], and perturbations act on the right: `T * Exp(x)`, with x in the
+/// frame on the right (b). All covariances of poses in this project follow that convention.
 class SE3 {
  public:
   SE3() = default;
   SE3(const Eigen::Quaterniond& q, const Eigen::Vector3d& t) : q_(q.normalized()), t_(t) {}
   SE3(const Eigen::Matrix3d& R, const Eigen::Vector3d& t) : SE3(Eigen::Quaterniond(R), t) {}
 
-  /// `q` taken as it is, bit by bit; it must be unit to rounding.
+  /// Keeps the bits of `q`, which must have unit norm up to rounding.
   static SE3 FromUnit(const Eigen::Quaterniond& q, const Eigen::Vector3d& t) {
     SE3 T;
     T.q_ = q;
@@ -48,7 +48,7 @@ class SE3 {
   /// `T * Exp(x) == Exp(T.Adjoint() * x) * T`.
   Matrix6d Adjoint() const;
 
-  /// No NaN, no infinity.
+  /// Whether it contains no NaN and no infinity.
   bool IsFinite() const { return q_.coeffs().allFinite() && t_.allFinite(); }
 
  private:

@@ -8,7 +8,7 @@
 namespace plslam {
 namespace {
 
-// Below this share of the largest, a singular value of the cross covariance is rounding: positions on a line.
+// Share of the largest singular value of the cross covariance below which another is rounding: positions on a line.
 constexpr double kRankTolerance = 1e-10;
 
 using Svd = Eigen::JacobiSVD<Eigen::Matrix3d>;
@@ -37,7 +37,7 @@ Moments ComputeMoments(const std::vector<SE3>& a, const std::vector<SE3>& b) {
   return m;
 }
 
-// The last axis flips where the best orthogonal matrix would be a reflection.
+// Flips the last axis if the best orthogonal matrix is a reflection.
 Eigen::Vector3d Signs(const Svd& svd) {
   return {1.0, 1.0, svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0 ? -1.0 : 1.0};
 }
@@ -46,7 +46,7 @@ Eigen::Matrix3d NearestRotation(const Svd& svd) {
   return svd.matrixU() * Signs(svd).asDiagonal() * svd.matrixV().transpose();
 }
 
-// Turns R about `axis`, which it leaves where it is, to agree best with `orientations`: the angle that maximises
+// Rotates R about `axis`, which does not move, to agree best with `orientations`: by the angle that maximises
 // trace(Turn(angle) * R * orientations^T).
 Eigen::Matrix3d TurnToOrientations(const Eigen::Matrix3d& R, const Eigen::Vector3d& axis,
                                    const Eigen::Matrix3d& orientations) {
@@ -64,7 +64,7 @@ Similarity AlignPaths(const std::vector<SE3>& a, const std::vector<SE3>& b, bool
   const Moments m = ComputeMoments(a, b);
   const Svd svd(m.cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Vector3d& sigma = svd.singularValues();
-  // Rounding of positions far from the origin must not pass for motion.
+  // Rounding of positions far from the origin must not count as motion.
   const double extent = 1.0 + m.mean_b.squaredNorm() + m.mean_a.squaredNorm();
   const bool still = sigma[0] <= 1e-24 * extent;
   Eigen::Matrix3d R = NearestRotation(svd);

@@ -15,10 +15,10 @@ struct Similarity {
   SE3 Apply(const SE3& pose) const;
 };
 
-/// What takes the positions of poses in b nearest to those of the same poses in a, by least squares: closed form of
-/// Umeyama (PAMI 1991). Where positions leave the rotation open (all on one line: the turn about the line; all equal:
-/// everything), the rest is chosen so that the orientations agree best. Vectors are equally long. No poses: identity.
-/// Scale 1 where it is not asked for, or positions are equal.
+/// Returns the similarity that takes the positions of poses in b nearest to those of the same poses in a, by least
+/// squares: closed form of Umeyama (PAMI 1991). If positions do not determine the rotation (all on one line: the
+/// rotation about it; all equal: all of it), the rest is chosen so that the orientations agree best. Vectors have equal
+/// length. Identity without poses. Scale 1 if `with_scale` is false, or positions are equal.
 Similarity AlignPaths(const std::vector<SE3>& a, const std::vector<SE3>& b, bool with_scale);
 
 }  // namespace plslam

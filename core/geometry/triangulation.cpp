@@ -13,7 +13,7 @@ namespace plslam {
 Eigen::Vector3d LineThrough(const Segment2& segment) {
   const Eigen::Vector2d direction = (segment.q - segment.p).normalized();
   const Eigen::Vector2d normal(-direction.y(), direction.x());
-  // Anchored at the middle: the offset is largest, so loses the fewest digits, far from the origin.
+  // Anchored at the middle, where rounding errors of the offset are smallest for segments far from the origin.
   const Eigen::Vector2d middle = 0.5 * (segment.p + segment.q);
   return {normal.x(), normal.y(), -normal.dot(middle)};
 }
@@ -32,7 +32,7 @@ Eigen::Matrix3d EndpointCovariance(const StereoCamera& camera, const Eigen::Vect
                                    const Eigen::Vector2d& direction, double sigma_px, double sigma_along_px,
                                    double disparity_slope, double sigma_disparity_px) {
   const Eigen::Matrix3d J = camera.ProjectStereoJacobian(camera.Backproject(uvd)).inverse();
-  // Sliding along the image segment changes the disparity too: the slide is along the 3D segment.
+  // Sliding along the image segment changes the disparity, too, because the endpoint slides along the 3D segment.
   const Eigen::Vector3d along(direction.x(), direction.y(), disparity_slope);
   const Eigen::Vector3d across(-direction.y(), direction.x(), 0.0);
   Eigen::Matrix3d S =
@@ -41,7 +41,7 @@ Eigen::Matrix3d EndpointCovariance(const StereoCamera& camera, const Eigen::Vect
   return Symmetric(J * S * J.transpose());
 }
 
-// What a line says at the place nearest to `at`: position across, and no knowledge along.
+// The position on a line nearest to `at`, with its covariance across; undetermined along the line.
 struct LinePlace {
   Eigen::Vector3d position;
   Eigen::Matrix3d covariance;
@@ -62,7 +62,7 @@ Gaussian3 FuseAcross(const Gaussian3& endpoint, const LinePlace& place, const Ei
   const Eigen::LDLT<Eigen::Matrix2d> factor(innovation);
   if (!(innovation.determinant() > 0.0) || !factor.isPositive()) return endpoint;
   const Eigen::Matrix<double, 3, 2> full_gain = factor.solve(across * endpoint.covariance).transpose();
-  // The gain's share along the line would drag the endpoint. Joseph's form is right for any gain.
+  // The component of the gain along the line would move the endpoint. Joseph's form is valid for any gain.
   const Eigen::Matrix<double, 3, 2> gain = full_gain - direction * (direction.transpose() * full_gain);
   const Eigen::Matrix3d kept = Eigen::Matrix3d::Identity() - gain * across;
   const Eigen::Matrix2d seen = across * place.covariance * across.transpose();

@@ -7,7 +7,7 @@
 
 namespace plslam {
 
-/// A 3D line segment by its endpoints.
+/// A 3D line segment, given by its endpoints.
 struct Segment3 {
   Eigen::Vector3d p = Eigen::Vector3d::Zero();
   Eigen::Vector3d q = Eigen::Vector3d::Zero();
@@ -21,62 +21,62 @@ struct Segment2 {
   double Length() const { return (q - p).norm(); }
 };
 
-/// Infinite line through a segment: [a, b, c] with a*u + b*v + c = 0 and a^2 + b^2 = 1, so that products with
-/// homogeneous points are distances in pixels. The segment must have positive length.
+/// Returns the infinite line through a segment: [a, b, c] with a*u + b*v + c = 0 and a^2 + b^2 = 1, so that products
+/// with homogeneous points are distances in pixels. The segment must have positive length.
 Eigen::Vector3d LineThrough(const Segment2& segment);
 
-/// Covariance in a of a vector whose covariance in b is known.
+/// Rotates the covariance of a vector from frame b to frame a.
 inline Eigen::Matrix3d RotateCovariance(const Eigen::Matrix3d& R_a_b, const Eigen::Matrix3d& covariance_b) {
   return R_a_b * covariance_b * R_a_b.transpose();
 }
 
-/// A Gaussian over positions.
+/// A Gaussian distribution of a position.
 struct Gaussian3 {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
 
-/// A 3D segment with the covariances of its endpoints (taken as independent of each other).
+/// A 3D segment with the covariances of its endpoints (assumed independent).
 struct UncertainSegment3 {
   Segment3 segment;
   Eigen::Matrix3d covariance_p = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d covariance_q = Eigen::Matrix3d::Zero();
 };
 
-/// Point of a stereo measurement (u, v, d), d > 0, in the left camera, to first order in the errors.
+/// Returns the point of a stereo measurement (u, v, d), d > 0, in the left camera, to first order in the errors.
 Gaussian3 TriangulatePoint(const StereoCamera& camera, const Eigen::Vector3d& uvd, double sigma_px,
                            double sigma_disparity_px);
 
-/// Segment of the left image with disparities (> 0) at its endpoints, in the left camera.
+/// Returns the 3D segment of a left segment with disparities (> 0) at its endpoints, in the left camera.
 Segment3 BackprojectSegment(const StereoCamera& camera, const Segment2& left, double disparity_p_px,
                             double disparity_q_px);
 
-/// The same with covariances. `sigma_px` is the sigma of an endpoint in the image across the segment; along it
-/// the endpoint slides by `sigma_along_px`, as detectors cut the same edge at different places.
+/// The same with covariances. `sigma_px` is the sigma of an endpoint in the image across the segment; along it the
+/// sigma is `sigma_along_px`, because detectors cut the same edge differently.
 UncertainSegment3 TriangulateSegment(const StereoCamera& camera, const Segment2& left, double disparity_p_px,
                                      double disparity_q_px, double sigma_px, double sigma_along_px,
                                      double sigma_disparity_p_px, double sigma_disparity_q_px);
 
-/// Angle of a segment in the image against the baseline (the rows), 0 to pi/2. Small angles have no depth from one
-/// pair: an error of e pixels across the segment is one of about e / sin(angle) in its disparity.
+/// Returns the angle in the image between a segment and the baseline (the rows), 0 to pi/2. At small angles one pair
+/// gives no depth: an error of e pixels across the segment becomes about e / sin(angle) in its disparity.
 double AngleToBaseline_rad(const Segment2& segment);
 
-/// Sigma of the disparity on a segment at this angle when both images see it with `sigma_px` across; infinity for
+/// Returns the sigma of the disparity on a segment at this angle if both images have `sigma_px` across it; infinity for
 /// a parallel one.
 double SegmentDisparitySigma_px(double angle_to_baseline_rad, double sigma_px);
 
-/// `T_a_b` (rotation and translation given apart) applied to position and covariance.
+/// Applies `T_a_b` (rotation and translation) to position and covariance.
 Gaussian3 Transform(const Eigen::Matrix3d& R_a_b, const Eigen::Vector3d& t_a_b, const Gaussian3& b);
 
-/// Product of two independent Gaussians about the same position (information filter), in the form that never inverts
-/// a single covariance, so zero (exactly known) and huge ones are safe. Returns `a` unchanged where `b` is not
-/// finite, and the other way round; where both are exactly known and disagree, `a`.
+/// Returns the product of two independent Gaussians about the same position (information filter), in a form that never
+/// inverts a single covariance, so zero (exactly known) and huge ones are safe. Returns `a` if `b` is not finite, and
+/// vice versa; `a` if both are exactly known and disagree.
 Gaussian3 FuseGaussian3(const Gaussian3& a, const Gaussian3& b);
 
-/// A segment seen again, perhaps cut elsewhere: each endpoint of `segment` learns only what the infinite line of
-/// `seen` says, across that line. Endpoints never slide along it, and the extent stays that of `segment`. Where
-/// endpoints of `segment` lie beyond those of `seen`, the line is extrapolated with the uncertainty this brings.
-/// Unchanged where `seen` is not finite or has no length.
+/// Fuses a segment with another observation, perhaps cut differently: each endpoint of `segment` is updated only by the
+/// infinite line of `seen`, across that line. Endpoints do not slide along it, and the extent stays that of `segment`.
+/// Beyond the endpoints of `seen` the line is extrapolated, with growing uncertainty. Returns `segment` if `seen` is
+/// not finite or has no length.
 UncertainSegment3 FuseLine(const UncertainSegment3& segment, const UncertainSegment3& seen);
 
 }  // namespace plslam

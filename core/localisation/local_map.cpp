@@ -19,7 +19,7 @@ std::vector<int64_t> Unassociated(const std::vector<int64_t>& keyframes, const s
   return ids;
 }
 
-// A keyframe and those before it in its session, each counted once.
+// A keyframe and its predecessors in its session, each counted once.
 std::map<int64_t, int> Before(int64_t keyframe_id, const Map& map, int max_keyframes) {
   std::map<int64_t, int> counts;
   const MapKeyframe* keyframe = map.FindKeyframe(keyframe_id);
@@ -61,7 +61,7 @@ Cell& CellAt(const Eigen::Vector2d& px, const StereoCamera& camera, Cells& cells
                                    place(px.x(), camera.left_px, camera.width_px))];
 }
 
-// Adds the landmarks of one type, each with this weight.
+// Adds the landmarks of one type with this weight.
 template <class Type>
 void Count(const Map& map, int64_t keyframe_id, const SE3& T_c_w, const StereoCamera& camera,
            std::vector<int64_t> association, int weight, Cells& cells) {
@@ -101,7 +101,7 @@ LocalMap LocalMapOf(const Association& association, int64_t previous_id, const M
   CountKeyframes<LineType>(association.lines, map, counts);
   if (counts.empty()) counts = Before(previous_id, map, max_keyframes);
   std::vector<int64_t> keyframes = MostCounted(counts, max_keyframes);
-  // Their neighbours, as far as there is room: places that the tracker has not shown to the map yet.
+  // Adds their neighbours while there is room: places that the tracker has not shown to the map yet.
   const size_t n_direct = keyframes.size();
   for (size_t i = 0; i < n_direct; ++i) {
     for (const Map::Neighbour& neighbour : map.Neighbours(keyframes[i], Map::kCovisible)) {

@@ -11,49 +11,49 @@
 
 namespace plslam {
 
-/// The landmark of the map that each feature of a keyframe shows, or -1; no landmark twice. As long as the features.
+/// Landmark of the map of each feature of a keyframe, or -1; each landmark at most once. Same length as the features.
 struct Association {
   std::vector<int64_t> points;
   std::vector<int64_t> lines;
 
-  /// Lines count twice: each has two endpoints.
+  /// Inlier score: lines count twice, because each has two endpoints.
   int Weight() const;
 };
 
-/// The keyframe and its best neighbours in covisibility, those that share at least `min_shared` landmarks with it;
-/// most shared first, at most `max_keyframes` (>= 1) with itself.
+/// Returns the keyframe and its best neighbours that share at least `min_shared` landmarks with it; most shared first,
+/// at most `max_keyframes` (>= 1) in total.
 std::vector<int64_t> KeyframesAround(int64_t keyframe_id, const Map& map, int min_shared, int max_keyframes);
 
-/// Landmarks to look for, by id.
+/// Ids of the landmarks to search for.
 struct LocalMap {
   std::vector<int64_t> points;
   std::vector<int64_t> lines;
 };
 
-/// What the best-connected keyframes of the associated landmarks see (PL-SLAM §V.A), without those already
-/// associated. Where nothing is associated (the tracker was lost, or gives no ids): what `previous_id` (-1: none) and
-/// those before it in its session see.
+/// Returns the landmarks observed by the best-connected keyframes of the associated landmarks (PL-SLAM §V.A), except
+/// those already associated. Without associations (the tracker was lost, or sends no ids), the landmarks observed by
+/// `previous_id` (-1: none) and its predecessors in the session.
 LocalMap LocalMapOf(const Association& association, int64_t previous_id, const Map& map, int max_keyframes);
 
-/// Searches the landmarks among the features that show none yet, by projecting them with the pose, and adds what is
-/// found.
+/// Guided matching by projection: searches the landmarks among the features without landmark, and adds the matches to
+/// the association.
 void SearchByProjection(const Map& map, const LocalMap& local, const SE3& T_w_kf, const FeaturesView& features,
                         const StereoCamera& camera, const LocalisationOptions& options, Association& association);
 
-/// Landmarks of a keyframe that should be in the image of a camera, and those of them that its features show. Lines
-/// count twice.
+/// Number of landmarks of a keyframe that are expected in the image of a camera, and of those that are associated.
+/// Lines count twice.
 struct ExpectedLandmarks {
   int expected = 0;
   int found = 0;
-  /// Cells of a 4 x 4 grid over the image that should hold at least ten, and those in which a tenth of them is found.
+  /// Cells of a 4 x 4 grid over the image that expect at least ten, and those in which at least a tenth is associated.
   int cells = 0;
   int cells_shown = 0;
 
   double Share() const { return expected > 0 ? static_cast<double>(found) / expected : 0.0; }
 };
 
-/// Counts what a camera at `T_w_c` should see of a keyframe (which is of the map): landmarks that project into the
-/// image, in front of the camera, and those among them that are associated.
+/// Counts the landmarks of a keyframe of the map that a camera at `T_w_c` should see (projected into the image, in
+/// front of the camera), and those among them that are associated.
 ExpectedLandmarks CountExpected(const Map& map, int64_t keyframe_id, const SE3& T_w_c, const StereoCamera& camera,
                                 const Association& association);
 

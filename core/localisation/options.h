@@ -6,11 +6,11 @@
 
 namespace plslam {
 
-/// How a keyframe is found among the landmarks of the map.
+/// Localisation of a keyframe among the landmarks of the map.
 struct LocalisationOptions {
-  /// Window in which landmarks are searched.
+  /// Radius of the search around the projected landmark.
   double search_radius_px = 8.0;
-  /// Octaves of the features are those of the tracker's extractor.
+  /// Octaves of the tracker's ORB extractor.
   int orb_levels = OrbOptions{}.levels;
   double orb_scale_factor = OrbOptions{}.scale_factor;
   MatchOptions point_matching;

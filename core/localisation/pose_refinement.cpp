@@ -10,7 +10,7 @@
 namespace plslam {
 namespace {
 
-// Observations of the landmarks relative to where the keyframe should be, and the features they belong to.
+// Correspondences relative to the predicted pose of the keyframe, and the indices of their features.
 struct Observed {
   std::vector<PointCorrespondence> points;
   std::vector<LineCorrespondence> lines;
@@ -49,7 +49,7 @@ Observed Observe(const Map& map, const FeaturesView& features, const SE3& T_ref_
   return observed;
 }
 
-// Largest error in the image with which a match by descriptors alone supports a pose; refining narrows it.
+// Inlier threshold in the image for matches by descriptor alone; the refinement narrows it.
 constexpr double kRecognised_px = 4.0;
 constexpr uint64_t kSeed = 1;
 

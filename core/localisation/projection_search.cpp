@@ -8,7 +8,7 @@
 namespace plslam {
 namespace {
 
-// Lines that take part, and their places in the whole list.
+// Eligible lines, and their indices in the whole list.
 struct LineSubset {
   std::vector<StereoLine> features;
   std::vector<int> places;
@@ -24,7 +24,7 @@ LineSubset Eligible(std::span<const StereoLine> features, const std::vector<char
   return subset;
 }
 
-// `place_of` says where among all features one that was found stands.
+// `place_of` returns the index among all features of a match.
 template <class PlaceOf>
 std::vector<LandmarkFeature> PairUp(const std::vector<int64_t>& owners, const std::vector<int>& found,
                                     const PlaceOf& place_of) {

@@ -11,14 +11,14 @@
 
 namespace plslam {
 
-/// A landmark and the feature that it may be.
+/// A landmark and the feature that matches it.
 struct LandmarkFeature {
   int64_t landmark_id = -1;
   int feature = -1;
 };
 
-/// Searches landmarks among the features for which `eligible` is not zero: each within `radius_px` of where it should
-/// appear in the keyframe at `T_w_kf`, by descriptor, mutual best. `camera` is that of the features (`CameraOf`).
+/// Searches landmarks among the features with `eligible` not zero: each within `radius_px` of its projection into the
+/// keyframe at `T_w_kf`, by descriptor, mutual best. `camera` is that of the features (`CameraOf`).
 std::vector<LandmarkFeature> SearchPoints(const Map& map, const std::vector<int64_t>& ids, const SE3& T_w_kf,
                                           std::span<const StereoPoint> features, const std::vector<char>& eligible,
                                           double radius_px, const StereoCamera& camera,

@@ -15,12 +15,11 @@
 
 namespace plslam {
 
-/// Values by id, ascending, for ids that are given one after the other and of which most are still there: what
-/// std::map does, but a value is found in one step and the next one without a walk through a tree, which in large
-/// maps is a wait for memory at each level. Ids far apart cost a page each (half a kilobyte), so that forged ones
-/// cannot ask for much.
+/// An ordered map from dense, ascending ids to values. As std::map, but lookup usually takes one step, and increment
+/// needs no walk through a tree, which in large maps waits for memory at each level. Ids far apart cost a page each
+/// (half a kilobyte), so that forged ids cannot make it allocate much.
 ///
-/// Values stay where they are until they are erased; iterators hold until the next value comes or goes.
+/// Values keep their address until they are erased; iterators are valid until the next insertion or erasure.
 template <class Value>
 class IdMap {
  public:
@@ -33,11 +32,11 @@ class IdMap {
   static constexpr int kPageSize = 1 << kPageBits;
 
   struct Page {
-    uint64_t used = 0;  ///< bit i: there is a value in slot i
+    uint64_t used = 0;  ///< bit i: slot i has a value
     std::array<std::unique_ptr<value_type>, kPageSize> slots;
   };
   struct Entry {
-    int64_t number = 0;  ///< of the page: id >> kPageBits
+    int64_t number = 0;  ///< page number: id >> kPageBits
     std::unique_ptr<Page> page;
   };
 
@@ -111,7 +110,7 @@ class IdMap {
   const_reverse_iterator rbegin() const { return const_reverse_iterator(end()); }
   const_reverse_iterator rend() const { return const_reverse_iterator(begin()); }
 
-  /// nullptr where there is none.
+  /// Returns nullptr if there is none.
   const Value* Find(int64_t id) const {
     const size_t place = PlaceOf(id >> kPageBits);
     if (!HasPage(place, id >> kPageBits)) return nullptr;
@@ -121,7 +120,7 @@ class IdMap {
   Value* Find(int64_t id) { return const_cast<Value*>(std::as_const(*this).Find(id)); }
   bool contains(int64_t id) const { return Find(id) != nullptr; }
 
-  /// Throws std::out_of_range where there is none.
+  /// Throws std::out_of_range if there is none.
   const Value& at(int64_t id) const {
     const Value* value = Find(id);
     if (value == nullptr) throw std::out_of_range("no value has the id " + std::to_string(id));
@@ -129,7 +128,7 @@ class IdMap {
   }
   Value& at(int64_t id) { return const_cast<Value&>(std::as_const(*this).at(id)); }
 
-  /// The value of the id, made of `arguments` where there was none; and whether there was none.
+  /// Returns the value of the id, constructed from `arguments` if there was none; and whether there was none.
   template <class... Arguments>
   std::pair<Value*, bool> try_emplace(int64_t id, Arguments&&... arguments) {
     if (Value* value = Find(id)) return {value, false};
@@ -143,7 +142,7 @@ class IdMap {
   }
   Value& operator[](int64_t id) { return *try_emplace(id).first; }
 
-  /// How many were erased: one or none.
+  /// Returns the number of erased values: one or none.
   size_t erase(int64_t id) {
     const size_t place = PlaceOf(id >> kPageBits);
     if (!HasPage(place, id >> kPageBits)) return 0;
@@ -170,10 +169,10 @@ class IdMap {
 
   bool HasPage(size_t place, int64_t number) const { return place < pages_.size() && pages_[place].number == number; }
 
-  /// Where the page is, or would have to be.
+  /// Returns the index of the page, or the index at which to insert it.
   size_t PlaceOf(int64_t number) const {
     if (pages_.empty() || number <= pages_.front().number) return 0;
-    // As long as no page is missing it stands here; otherwise before.
+    // The guess is exact if no page in between is missing; otherwise the index is smaller.
     const uint64_t guess = static_cast<uint64_t>(number) - static_cast<uint64_t>(pages_.front().number);
     const size_t last = static_cast<size_t>(std::min<uint64_t>(guess, pages_.size()));
     if (HasPage(last, number)) return last;
@@ -190,7 +189,7 @@ class IdMap {
     return *pages_[place].page;
   }
 
-  std::vector<Entry> pages_;  // ascending; none is empty
+  std::vector<Entry> pages_;  // ascending by number; no page is empty
   size_t size_ = 0;
 };
 

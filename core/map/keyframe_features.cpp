@@ -12,7 +12,7 @@ namespace {
 
 constexpr size_t kNewestInMemory = 64;
 
-// Lines lie behind points.
+// Lines follow the points in the file.
 static_assert(alignof(StereoLine) <= alignof(StereoPoint) && sizeof(StereoPoint) % alignof(StereoLine) == 0);
 static_assert(std::is_trivially_destructible_v<StereoPoint> && std::is_trivially_destructible_v<StereoLine>);
 

@@ -13,18 +13,18 @@
 
 namespace plslam {
 
-/// Features that do not change any more: in memory, or in a file that is mapped into it. Copies share both.
+/// Immutable features, in memory or in a memory-mapped file. Copies share them.
 class KeptFeatures : public FeaturesView {
  public:
   KeptFeatures() = default;
-  // NOLINTNEXTLINE(google-explicit-constructor): they are the same features.
+  // NOLINTNEXTLINE(google-explicit-constructor): the same features in another container.
   KeptFeatures(StereoFeatures features);
 
-  /// All of them to one temporary file: they cost memory only as long as somebody looks at them. False, and nothing
-  /// done, where it cannot be written.
+  /// Moves all of them to one temporary file, which occupies memory only while it is read. Returns false and does
+  /// nothing if the file cannot be written.
   static bool MoveToFile(const std::vector<KeptFeatures*>& group);
   bool IsInFile() const { return file_ != nullptr; }
-  /// Gives back the memory that looking at a file has cost.
+  /// Releases the memory that reading the file has occupied.
   void LeaveMemory() const {
     if (IsInFile()) file_->LeaveMemory(begin_, points.size_bytes() + lines.size_bytes());
   }
@@ -32,19 +32,18 @@ class KeptFeatures : public FeaturesView {
  private:
   std::shared_ptr<const StereoFeatures> memory_;
   std::shared_ptr<const MappedFile> file_;
-  size_t begin_ = 0;  ///< in the file
+  size_t begin_ = 0;  ///< offset in the file, in bytes
 };
 
-/// Features of the keyframes in the map, by their ids there.
+/// Features of the keyframes in the map, by keyframe id.
 using KeyframeFeatures = std::map<int64_t, KeptFeatures>;
 
-/// Leaves the newest in memory, which is where trackers are, and moves the others to files; those that are there give
-/// back the memory that looking at them has cost since the last call. Takes time in proportion to the map, so it is
-/// done after every `kFilesEvery` keyframes; a file has the features of as many. False where a file could not be
-/// written: its features, and those behind them, stay in memory.
+/// Moves the features of all but the newest keyframes, which are in use by trackers, to files, and releases memory that
+/// reading older files has occupied. Takes time in proportion to the map: call it after every `kFilesEvery` keyframes,
+/// the number in one file. Returns false if a file could not be written: its features, and later ones, stay in memory.
 bool LeaveOldInFiles(KeyframeFeatures& features);
 inline constexpr int kFilesEvery = 16;
-/// What to tell of the first time.
+/// Returns the warning for the first failure.
 std::string CannotLeaveMemory();
 
 }  // namespace plslam

@@ -13,8 +13,8 @@
 
 namespace plslam {
 
-/// Points as a template argument; sibling of `LineType`. What differs by feature type stands here, so that what does
-/// not is written once.
+/// Points as a template argument; sibling of `LineType`. Collects the differences between feature types, so that
+/// templates can serve both.
 struct PointType {
   using Landmark = MapPoint;
   using Feature = StereoPoint;
@@ -40,7 +40,7 @@ struct LineType {
   static void Remove(int64_t id, Map& map) { map.RemoveLine(id); }
 };
 
-/// Landmark of a feature, -1 for none.
+/// Returns the landmark of a feature, -1 if there is none.
 template <class Type>
 int64_t LandmarkAt(const Map& map, const Observation& observation) {
   const std::vector<int64_t>& of = Type::Of(map, observation.keyframe_id);
@@ -48,7 +48,7 @@ int64_t LandmarkAt(const Map& map, const Observation& observation) {
   return place < of.size() ? of[place] : -1;
 }
 
-/// What any of the keyframes sees, each once, ascending.
+/// Returns the landmarks observed by any of the keyframes, each once, ascending.
 template <class Type>
 std::vector<int64_t> SeenBy(const std::vector<int64_t>& keyframes, const Map& map) {
   std::vector<int64_t> ids;
@@ -62,14 +62,14 @@ std::vector<int64_t> SeenBy(const std::vector<int64_t>& keyframes, const Map& ma
   return ids;
 }
 
-/// Leaves those that the keyframe does not see; ids below zero are none.
+/// Removes the landmarks that the keyframe observes, and negative ids.
 template <class Type>
 void LeaveOutSeen(int64_t keyframe_id, const Map& map, std::vector<int64_t>& ids) {
   const std::vector<int64_t> seen = SeenBy<Type>({keyframe_id}, map);
   std::erase_if(ids, [&seen](int64_t id) { return id < 0 || std::binary_search(seen.begin(), seen.end(), id); });
 }
 
-/// Adds to `counts`, by keyframe, how many of the landmarks it sees; ids below zero do not count.
+/// Adds to `counts`, by keyframe, how many of the landmarks it observes; ignores negative ids.
 template <class Type>
 void CountKeyframes(const std::vector<int64_t>& landmarks, const Map& map, std::map<int64_t, int>& counts) {
   for (const int64_t id : landmarks) {
@@ -78,7 +78,7 @@ void CountKeyframes(const std::vector<int64_t>& landmarks, const Map& map, std::
   }
 }
 
-/// At most `max_count` of the keyframes counted: those with most first, then by id.
+/// Returns at most `max_count` of the counted keyframes, by descending count, then by id.
 std::vector<int64_t> MostCounted(const std::map<int64_t, int>& counts, int max_count);
 
 template <class Landmark>

@@ -17,8 +17,8 @@
 
 namespace plslam {
 
-/// Where a keyframe sees a landmark: index into the keyframe's points or lines. A map has most of these, so both numbers
-/// share 64 bits.
+/// Observation of a landmark in a keyframe: index into the keyframe's points or lines. A map has most of these, so both
+/// numbers share 64 bits.
 struct Observation {
   static constexpr int kIdBits = 40;
   static constexpr int64_t kMaxId = (int64_t{1} << (kIdBits - 1)) - 1;
@@ -28,7 +28,7 @@ struct Observation {
   int32_t feature : 64 - kIdBits = -1;
 
   Observation() = default;
-  /// Neither may be beyond its maximum.
+  /// Neither number may exceed its maximum.
   Observation(int64_t of_keyframe, int32_t of_feature) {
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wconversion"
@@ -41,11 +41,11 @@ struct Observation {
 };
 static_assert(sizeof(Observation) == sizeof(int64_t));
 
-/// A covariance in single precision, as messages carry it: the upper triangle. Values beyond its range stay finite.
+/// A covariance in single precision, as in messages: the upper triangle. Values beyond the range of float stay finite.
 class LandmarkCovariance {
  public:
   LandmarkCovariance() = default;
-  // NOLINTBEGIN(google-explicit-constructor): it is a matrix in all but its precision.
+  // NOLINTBEGIN(google-explicit-constructor): converts like a matrix, except for its precision.
   template <class Derived>
   LandmarkCovariance(const Eigen::MatrixBase<Derived>& covariance) {
     Set(covariance);
@@ -76,21 +76,21 @@ class LandmarkCovariance {
   std::array<float, 6> upper_{};
 };
 
-/// The keyframe that a landmark goes with when a correction moves keyframes: the middle one of those that see it,
-/// which is nearest to them all; -1 where none does.
+/// The keyframe with which a landmark moves in a correction: the middle one of its observers, which is nearest to all
+/// of them; -1 without observations.
 inline int64_t AnchorOf(const std::vector<Observation>& observations) {
   return observations.empty() ? -1 : observations[observations.size() / 2].keyframe_id;
 }
 
 /// A point of the map. Sibling of `MapLine`.
 struct MapPoint {
-  /// 0, 1, 2, ... among points; never used again.
+  /// 0, 1, 2, ... among points; never assigned again.
   int64_t id = -1;
-  /// Position in w, and its covariance given the poses of the keyframes that see it.
+  /// Position in the map frame, and its covariance given the poses of the observing keyframes.
   Eigen::Vector3d p_w = Eigen::Vector3d::Zero();
   LandmarkCovariance covariance;
-  /// The observation whose descriptor is nearest to all others (PL-SLAM §V.A), with the octave in which it was found, as
-  /// the camera of the map would have done from `depth_m`.
+  /// Descriptor and angle of the observation nearest to all others (PL-SLAM §V.A), its octave, and the depth in metres
+  /// from which the camera of the map would detect it in that octave.
   Descriptor descriptor{};
   float angle_rad = 0.0F;
   int octave = 0;
@@ -101,11 +101,10 @@ struct MapPoint {
 
 /// A line segment of the map. Sibling of `MapPoint`.
 struct MapLine {
-  /// 0, 1, 2, ... among lines; never used again.
+  /// 0, 1, 2, ... among lines; never assigned again.
   int64_t id = -1;
-  /// Endpoints in w, directed with the brighter side on the right as seen; covariances given the poses of the
-  /// keyframes that see it. The endpoints are as far apart as the views have shown; only what lies across is
-  /// measured.
+  /// Endpoints in the map frame, directed with the brighter side on the right in the image; covariances given the poses
+  /// of the observing keyframes. The endpoints show the observed extent; only directions across the line are measured.
   Segment3 segment_w;
   LandmarkCovariance covariance_p;
   LandmarkCovariance covariance_q;
@@ -113,13 +112,13 @@ struct MapLine {
   std::vector<Observation> observations;
 };
 
-/// Some of both feature types, ascending.
+/// Ids of points and lines, ascending.
 struct LandmarksNamed {
   std::vector<int64_t> points;
   std::vector<int64_t> lines;
 };
 
-/// T_new_old is of w. Covariances turn along.
+/// Moves a landmark by T_new_old, a displacement of the map frame; rotates covariances, too.
 inline void MoveRigidly(const SE3& T_new_old, MapPoint& point) {
   point.p_w = T_new_old * point.p_w;
   point.covariance = RotateCovariance(T_new_old.R(), point.covariance);

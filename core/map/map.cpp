@@ -27,8 +27,7 @@ void CheckObservations(const char* kind, int64_t id, const std::vector<Observati
   }
 }
 
-/// Calls `visit` with each observation of `a` and the one that `b` has of the same keyframe, nullptr where it has
-/// none.
+/// Calls `visit` with each observation of `a` and that of the same keyframe in `b`, nullptr if there is none.
 template <class Visit>
 void ForEachBeside(const std::vector<Observation>& a, const std::vector<Observation>& b, const Visit& visit) {
   auto other = b.begin();
@@ -49,14 +48,14 @@ bool Has(const std::vector<int64_t>& ascending, int64_t id) {
   return std::binary_search(ascending.begin(), ascending.end(), id);
 }
 
-/// A quaternion and its negative are one rotation; messages know one of them only.
+/// Compares bit for bit, except for the sign of the quaternion, which messages do not keep.
 bool IsSame(const SE3& a, const SE3& b) {
   const Eigen::Vector4d p = a.rotation().coeffs();
   const Eigen::Vector4d q = b.rotation().coeffs();
   return a.translation() == b.translation() && (p == q || p == -q);
 }
 
-/// Of what was touched, what is among `values` has changed, and the rest is gone.
+/// Splits touched ids into those in `values`, which have changed, and the others, which were removed.
 template <class Value>
 void Tell(std::vector<int64_t> touched, const IdMap<Value>& values, std::vector<int64_t>& changed,
           std::vector<int64_t>& removed) {
@@ -108,7 +107,7 @@ void Map::SetObservations(Landmark& landmark, std::vector<Observation> observati
   FollowObservations(old, landmark, kind);
 }
 
-/// Keeps the tables that follow from the observations of a landmark, which were `old`.
+/// Updates the tables derived from the observations of a landmark, which were `old`.
 template <class Landmark>
 void Map::FollowObservations(const std::vector<Observation>& old, const Landmark& landmark, Kind<Landmark> kind) {
   const std::vector<Observation>& now = landmark.observations;
@@ -205,7 +204,7 @@ void Map::RemoveKeyframe(int64_t id) {
   for (const int64_t child_id : Children(id)) {
     MapKeyframe child = keyframes_.at(child_id);
     child.parent_id = parent_id;
-    // An older neighbour keeps the tree a tree.
+    // Choosing an older neighbour avoids cycles in the spanning tree.
     for (const Neighbour& neighbour : Neighbours(child_id, kParent)) {
       if (neighbour.keyframe_id >= child_id || neighbour.keyframe_id == id) continue;
       child.parent_id = neighbour.keyframe_id;
@@ -289,7 +288,7 @@ void Map::SetCovariances(const std::map<int64_t, Matrix6d>& covariances) {
   }
 }
 
-/// Counts a landmark that has these observations for the pairs of keyframes of which one is not among those of
+/// Counts a landmark with these observations for the pairs of keyframes of which at least one is not among those of
 /// `others`.
 void Map::CountShared(const std::vector<Observation>& observations, const std::vector<Observation>& others,
                       int sign) {
@@ -298,7 +297,7 @@ void Map::CountShared(const std::vector<Observation>& observations, const std::v
     const int64_t a = observation.keyframe_id;
     ForEachBeside(observations, others, [&](const Observation& partner, const Observation* common) {
       const int64_t b = partner.keyframe_id;
-      // A pair of which neither is among the others is met twice.
+      // A pair of which neither is in `others` occurs twice: count it once.
       if (b == a || (common == nullptr && b > a)) return;
       shared_[a].Add(b, sign);
       shared_[b].Add(a, sign);

@@ -18,11 +18,11 @@
 
 namespace plslam {
 
-/// How many landmarks a keyframe shares with others: a row of the covisibility graph. In one piece of memory, as each
-/// observation that comes or goes is counted in many rows.
+/// Numbers of landmarks shared with other keyframes: a row of the covisibility graph. Contiguous in memory, because an
+/// observation changes many rows.
 class SharedCounts {
  public:
-  /// The other keyframe and how many (>= 1), ascending by keyframe.
+  /// The other keyframe and the count (>= 1), ascending by keyframe.
   using Count = std::pair<int64_t, int>;
 
   void Add(int64_t keyframe_id, int n) {
@@ -43,7 +43,7 @@ class SharedCounts {
   std::vector<Count>::const_iterator end() const { return counts_.end(); }
 
  private:
-  /// Where the count of the keyframe is, or would have to be.
+  /// Returns the position of the keyframe's count, or the position at which to insert it.
   template <class Counts>
   static auto Place(Counts& counts, int64_t keyframe_id) -> decltype(counts.begin()) {
     return std::lower_bound(counts.begin(), counts.end(), keyframe_id,
@@ -53,17 +53,17 @@ class SharedCounts {
   std::vector<Count> counts_;
 };
 
-/// A keyframe that a correction has moved, and its landmarks with it (`Map::Move`).
+/// A keyframe moved by a correction, together with its landmarks (`Map::Move`).
 struct MovedKeyframe {
   int64_t id = -1;
   SE3 T_w_kf;
   Matrix6d covariance = Matrix6d::Zero();
 };
 
-/// Names of what has changed since the last `Map::TakeChanges`, ascending; what was removed stands only among the
-/// removed. Landmarks that have only gone with a moved keyframe are not named.
+/// Ids of what has changed since the last `Map::TakeChanges`, ascending; removed ids are listed only as removed.
+/// Landmarks that only moved with a keyframe are not listed.
 struct MapChanges {
-  /// Applied before all else.
+  /// Applied before all other changes.
   std::vector<MovedKeyframe> moved_keyframes;
   std::vector<int64_t> keyframes, removed_keyframes;
   std::vector<int64_t> points, removed_points;
@@ -73,7 +73,7 @@ struct MapChanges {
   bool empty() const;
 };
 
-/// How much is in a map.
+/// Numbers of elements in a map.
 struct MapTotals {
   int64_t keyframes = 0;
   int64_t points = 0;
@@ -85,19 +85,19 @@ struct MapTotals {
   bool operator==(const MapTotals&) const = default;
 };
 
-/// Keyframes, landmarks of both feature types and what connects them (PL-SLAM §V): covisibility graph, essential
-/// graph and spanning tree. Plain values with ids, ordered by id. The graphs follow from the observations of the
-/// landmarks, so whoever has the same keyframes and landmarks has the same graphs.
+/// Keyframes, landmarks of both feature types and their connections (PL-SLAM §V): covisibility graph, essential graph
+/// and spanning tree. A value; everything is ordered by id. The graphs follow from the observations of the landmarks,
+/// so maps with the same keyframes and landmarks have the same graphs.
 ///
-/// Observations of keyframes that are not in the map are ignored. Observations that do not ascend, or of negative
-/// features, are std::invalid_argument. Covariances of landmarks are kept in single precision, as messages carry
-/// them: so a copy that has followed all updates and one that came whole are the same, bit for bit.
+/// Ignores observations of keyframes that are not in the map. Throws std::invalid_argument for observations that do not
+/// ascend, or of negative features. Covariances of landmarks are in single precision, as in messages, so a copy that
+/// has followed all updates equals one that was received whole, bit for bit.
 class Map {
  public:
-  /// Edges of the covisibility graph and of the essential graph: landmarks that two keyframes share.
+  /// Least number of shared landmarks for an edge of the covisibility graph, and of the essential graph.
   static constexpr int kCovisible = 20;
   static constexpr int kEssential = 100;
-  /// What a keyframe shares with its parent in the spanning tree, where that is not the one before it.
+  /// Least number of landmarks shared with a parent in the spanning tree other than the previous keyframe.
   static constexpr int kParent = 15;
 
   struct Neighbour {
@@ -107,67 +107,67 @@ class Map {
     bool operator==(const Neighbour&) const = default;
   };
 
-  /// The landmark that each feature of a keyframe belongs to, or -1; features beyond the end of the vectors have
-  /// none.
+  /// Landmark of each feature of a keyframe, or -1; also -1 for features beyond the end of the vectors.
   struct FeatureLandmarks {
     std::vector<int64_t> points;
     std::vector<int64_t> lines;
   };
 
-  /// The rectified camera that all keyframes are told in, whichever camera saw them. nullopt where nobody has said.
+  /// The rectified camera in which the features of all keyframes are expressed. nullopt if unknown.
   const std::optional<StereoCamera>& camera() const { return camera_; }
   void SetCamera(const StereoCamera& camera) { camera_ = camera; }
 
   const IdMap<MapKeyframe>& keyframes() const { return keyframes_; }
   const IdMap<MapPoint>& points() const { return points_; }
   const IdMap<MapLine>& lines() const { return lines_; }
-  /// nullptr where there is none.
+  /// Return nullptr if there is none.
   const MapKeyframe* FindKeyframe(int64_t id) const;
   const MapPoint* FindPoint(int64_t id) const;
   const MapLine* FindLine(int64_t id) const;
   MapTotals Totals() const;
-  /// Loops that have been closed, in that order. They stay when a keyframe of theirs is removed.
+  /// Closed loops in that order. They are kept when one of their keyframes is removed.
   const std::vector<LoopEdge>& loops() const { return loops_; }
 
-  /// Add, or replace what has the same id. Observations of another landmark by the same feature are taken from that
-  /// one.
+  /// Insert, or replace the element with the same id. If a feature is an observation of another landmark, that landmark
+  /// loses it.
   void Put(const MapKeyframe& keyframe);
   void Put(const MapPoint& point);
   void Put(const MapLine& line);
-  /// A keyframe goes with its observations; landmarks that lose their last observation go too, and its children in
-  /// the spanning tree move to their best neighbour (`kParent`; its parent where they have none).
+  /// Removes a keyframe and its observations, and landmarks that lose their last observation. Its children in the
+  /// spanning tree move to their best neighbour (`kParent`), or to its parent if they have none.
   void RemoveKeyframe(int64_t id);
   void RemovePoint(int64_t id);
   void RemoveLine(int64_t id);
   void Add(const LoopEdge& loop);
   void Clear();
 
-  /// Moves, without touching the observations.
+  /// Move an element without changing observations.
   void SetPose(int64_t keyframe_id, const SE3& T_w_kf, const Matrix6d& covariance);
   void SetPosition(int64_t point_id, const Eigen::Vector3d& p_w, const Eigen::Matrix3d& covariance);
   void SetSegment(int64_t line_id, const Segment3& segment_w, const Eigen::Matrix3d& covariance_p,
                   const Eigen::Matrix3d& covariance_q);
 
-  /// A correction: moves keyframes, and each landmark rigidly with its anchor (`AnchorOf`), covariances turned along.
-  /// What has not been changed otherwise since the last `TakeChanges` counts as moved, so that a correction of a
-  /// large map is told by the poses alone. Keyframes that are not in the map, or are there already, are passed over.
+  /// Applies a correction: moves keyframes, and each landmark rigidly with its anchor (`AnchorOf`), rotating
+  /// covariances. Keyframes not changed otherwise since the last `TakeChanges` count as moved, so that the poses alone
+  /// describe the correction of a large map. Ignores keyframes that are not in the map, or have that pose already.
   void Move(const std::map<int64_t, SE3>& T_w_kf);
-  /// Covariances alone.
+  /// Sets covariances without moving keyframes.
   void SetCovariances(const std::map<int64_t, Matrix6d>& covariances);
 
   const FeatureLandmarks& LandmarksOf(int64_t keyframe_id) const;
   int Shared(int64_t a, int64_t b) const;
-  /// Keyframes that share at least `min_shared` landmarks (>= 1) with this one: most shared first, then by id.
+  /// Returns the keyframes that share at least `min_shared` (>= 1) landmarks with this one: most shared first, then by
+  /// id.
   std::vector<Neighbour> Neighbours(int64_t keyframe_id, int min_shared) const;
   std::vector<int64_t> Children(int64_t keyframe_id) const;
 
-  /// What has changed since the last call.
+  /// Returns the changes since the last call.
   MapChanges TakeChanges();
-  /// For those who tell nobody.
+  /// For owners that do not publish changes.
   void ForgetChanges();
 
  private:
-  /// Where everything about one feature type of landmarks stands.
+  /// The members of `Map` for one feature type.
   template <class Landmark>
   struct Kind {
     IdMap<Landmark>& landmarks;
@@ -175,14 +175,14 @@ class Map {
     std::vector<int64_t>& touched;
     int64_t& n_observations;
   };
-  /// Ids of what came, changed or went, as often as it did: what is in the map now has changed, the rest is gone.
+  /// Ids that were inserted, changed or removed, possibly repeated: those in the map have changed, the others are gone.
   struct Touched {
     std::vector<int64_t> keyframes, points, lines;
   };
-  /// What `Move` works with: how the moved keyframes went, and of which of them it cannot be told by their move
-  /// alone.
+  /// Working data of `Move`: displacements of the moved keyframes, and those keyframes whose landmarks must be listed
+  /// individually, because they had changed before.
   struct Moves {
-    std::map<int64_t, SE3> T_new_old;  // of w
+    std::map<int64_t, SE3> T_new_old;  // displacement in the map frame
     std::set<int64_t> retold;
   };
   Kind<MapPoint> Points();
@@ -214,7 +214,7 @@ class Map {
   std::vector<LoopEdge> loops_;
   size_t n_loops_told_ = 0;
   Touched touched_;
-  /// Where keyframes were moved to that nothing else had changed by then.
+  /// Poses of moved keyframes that had not changed otherwise before.
   std::map<int64_t, SE3> moved_;
 };
 

@@ -8,9 +8,9 @@
 namespace plslam {
 namespace {
 
-// A step is unknown from these standard deviations on, or from this share of its length. Where tracking went on they
-// are at most 8 mm, 3 % (of a step of decimetres) and 2 mrad; lost for a second, metres and radians. What passes the
-// drift test is 25 of them.
+// A step is unknown above these standard deviations, or above this share of its length. With uninterrupted tracking
+// they are at most 8 mm, 3 % (of steps of decimetres) and 2 mrad; after a second without tracking, metres and radians.
+// The gate of the drift test is at 25 of them.
 constexpr double kUnknown_m = 0.2;
 constexpr double kUnknownShare = 0.1;
 constexpr double kUnknown_rad = 0.05;
@@ -19,7 +19,7 @@ class EdgesByPair {
  public:
   explicit EdgesByPair(const Map& map) : map_(map) {}
 
-  // nullptr where one of them is not in the map.
+  // Returns nullptr if one of them is not in the map.
   MapEdge* Between(int64_t a, int64_t b) {
     if (a == b || map_.FindKeyframe(a) == nullptr || map_.FindKeyframe(b) == nullptr) return nullptr;
     const auto pair = std::minmax(a, b);

@@ -45,7 +45,7 @@ MapUpdate WholeMap(const Map& map) {
 }
 
 void CommittedKeyframes::Add(const MapUpdate& update) {
-  // Not the highest: a map that is built anew begins at the first.
+  // Not the maximum: a rebuilt map begins at the first keyframe.
   newest_[update.session] = update.session_keyframe_id;
   if (update.committed) committed_ = newest_;
 }
@@ -82,7 +82,7 @@ MapVersion::Step MapReplica::Apply(const MapUpdate& update) {
   if (step != MapVersion::Step::kNext) return step;
   if (update.base_version == 0) map_.Clear();
   Move(update.moved_keyframes);
-  // What is removed first: keyframes that go hand their children on, and the update knows to whom.
+  // Removals first: removing a keyframe reassigns its children, and the update has their final parents.
   for (const int64_t id : update.removed_points) map_.RemovePoint(id);
   for (const int64_t id : update.removed_lines) map_.RemoveLine(id);
   for (const int64_t id : update.removed_keyframes) map_.RemoveKeyframe(id);

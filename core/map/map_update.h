@@ -13,8 +13,8 @@
 
 namespace plslam {
 
-/// Sums of an adjustment, for reports: root mean squares of the residuals in standard deviations and, of points,
-/// pixels.
+/// Statistics of an adjustment, for reports: root mean squares of the residuals, in standard deviations and, for
+/// points, in pixels.
 struct AdjustmentFigures {
   int n_keyframes = 0;
   int n_fixed_keyframes = 0;
@@ -27,44 +27,44 @@ struct AdjustmentFigures {
   double reprojection_after_px = 0.0;
 };
 
-/// What became of a loop that loop_process told, which is named by what its `LoopClosure` says of keyframe and map.
+/// Decision about a loop of loop_process, identified by keyframe and map version as in its `LoopClosure`.
 struct LoopAnswer {
   int64_t session = 0;
-  int64_t session_keyframe_id = -1;  ///< -1: no loop has been answered yet
+  int64_t session_keyframe_id = -1;  ///< -1: no loop was decided yet
   int64_t map_version = 0;
   bool accepted = false;
 
   bool operator==(const LoopAnswer&) const = default;
 };
 
-/// Whether it is the answer to that loop.
+/// Whether it answers that loop.
 inline bool IsAnswerTo(const LoopAnswer& answer, const LoopClosure& loop) {
   return answer.session == loop.session && answer.session_keyframe_id == loop.session_keyframe_id &&
          answer.map_version == loop.map_version;
 }
 
-/// What changed in the map from one version to the next; the content of `map_update_t`. Landmarks and keyframes that
-/// changed come whole, but for those that a correction has only moved: of these there are the keyframes' poses.
+/// Changes of the map from one version to the next; the content of `map_update_t`. Changed landmarks and keyframes are
+/// complete; for those that a correction has only moved there are the keyframes' poses.
 struct MapUpdate {
-  int64_t source = 0;  ///< publisher: the start of mapping_process whose map it is; set by the receiver
+  int64_t source = 0;  ///< publisher: the run of mapping_process that owns the map; set by the receiver
   int64_t version = 0;
-  /// The version it builds on. 0: on nothing, it is the whole map.
+  /// The version to which it applies. 0: none, this is the complete map.
   int64_t base_version = 0;
   /// `Map::camera`.
   std::optional<StereoCamera> camera;
-  /// The newest keyframe of vo_process that is in it.
+  /// The newest keyframe of vo_process in it.
   int64_t session = 0;
   int64_t session_keyframe_id = -1;
   int64_t t_ns = 0;
-  /// loop_process has said all it has to say about that keyframe, and it is in the map; or there is no loop_process.
+  /// Whether the newest keyframe is final: all closures about it are applied, or there is no loop_process.
   bool committed = false;
-  /// To the newest loop that was told. Every update says it again, so that nobody misses it.
+  /// To the newest published loop. Repeated in each update, so that none is missed.
   LoopAnswer answer;
-  /// The map stays as it is, whatever trackers send.
+  /// Localisation-only mode: the map does not change.
   bool localise_only = false;
-  /// The version with which this map took the place of another one; 0: it is the first. Said again like that.
+  /// The version with which this map replaced another one; 0: it is the first. Repeated in each update.
   int64_t began_version = 0;
-  /// Applied to the map of the base version, before all else (`Map::Move`).
+  /// Applied to the map of the base version before all other changes (`Map::Move`).
   std::vector<MovedKeyframe> moved_keyframes;
   std::vector<MapKeyframe> keyframes;
   std::vector<int64_t> removed_keyframes;
@@ -72,25 +72,25 @@ struct MapUpdate {
   std::vector<int64_t> removed_points;
   std::vector<MapLine> lines;
   std::vector<int64_t> removed_lines;
-  /// Loops closed since.
+  /// Loops closed since the base version.
   std::vector<LoopEdge> loops;
-  /// Of the map as it then is.
+  /// Totals of the resulting map.
   MapTotals totals;
   AdjustmentFigures adjustment;
-  /// Times of the stages that led to it, ms.
+  /// Durations of the stages that led to it, in ms.
   std::vector<std::pair<std::string, double>> stage_ms;
 };
 
-/// The part of `map` that `changes` names.
+/// Returns the part of `map` that `changes` lists.
 MapUpdate ChangedPart(const Map& map, const MapChanges& changes);
-/// All of it, with base version 0.
+/// Returns the complete map, with base version 0.
 MapUpdate WholeMap(const Map& map);
 
-/// About which keyframes nothing more is to come. Several robots may share the map: an update names the newest
-/// keyframe of one, and a committed one is about all that the map then has.
+/// Keyframes that are committed. Several robots may share the map: an update names the newest keyframe of one of them,
+/// and a committed update commits all keyframes then in the map.
 class CommittedKeyframes {
  public:
-  /// The head of an update is enough.
+  /// The head of an update suffices.
   void Add(const MapUpdate& update);
   bool Has(int64_t session, int64_t session_keyframe_id) const;
 
@@ -99,18 +99,18 @@ class CommittedKeyframes {
   std::map<int64_t, int64_t> committed_;
 };
 
-/// Whose map, and how much of it, somebody has who follows its updates.
+/// Publisher and version of a map that follows its updates.
 class MapVersion {
  public:
-  /// kNext: the update goes on from here, and this is now that version. kKnown: it was already. kGap: versions are
-  /// missing, ask for the whole map.
+  /// kNext: the update applies, and this is now that version. kKnown: it was applied before. kGap: versions are
+  /// missing, request the complete map.
   enum class Step { kNext, kKnown, kGap };
 
-  /// An update of another source counts only where it is a whole map.
+  /// Accepts an update of another publisher only if it is a complete map.
   Step Advance(const MapUpdate& update);
 
   int64_t source() const { return source_; }
-  /// 0: nothing has come.
+  /// 0: no update was received.
   int64_t number() const { return number_; }
 
  private:
@@ -118,10 +118,10 @@ class MapVersion {
   int64_t number_ = 0;
 };
 
-/// Keeps up with a map that somebody else owns.
+/// A copy of a map of another process, kept up to date.
 class MapReplica {
  public:
-  /// A whole map takes the place of this one.
+  /// A complete map replaces this one.
   MapVersion::Step Apply(const MapUpdate& update);
 
   const Map& map() const { return map_; }

@@ -9,8 +9,8 @@
 
 namespace plslam {
 
-/// A keyframe with its features told in another camera, that of a map; nullopt where the two are too unlike
-/// (`CanBeToldIn`).
+/// Returns a keyframe with its features re-expressed in another camera, that of a map; nullopt if the two differ too
+/// much (`CanBeToldIn`).
 inline std::optional<Keyframe> ToldIn(const StereoCamera& to, Keyframe keyframe) {
   if (!CanBeToldIn(to, keyframe.camera)) return std::nullopt;
   keyframe.features = ToldIn(to, std::move(keyframe.features), keyframe.camera);

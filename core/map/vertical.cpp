@@ -10,11 +10,11 @@
 namespace plslam {
 namespace {
 
-/// Nearer to upright than to level, as the cameras have it.
+/// Lines within this angle of the cameras' mean up direction are candidates.
 constexpr double kNear_rad = 45.0 * kRadPerDeg;
-/// Walls are built so well, and maps are bent so much: no line is believed to be better.
+/// Lower bound on the sigma of a line's direction: buildings and maps are no more accurate.
 constexpr double kLeastSigma_rad = 1.0 * kRadPerDeg;
-/// Reach of a vote, and of the weights of the last mean.
+/// Reach of a vote, and of the weights of the final mean.
 constexpr double kWide_rad = 4.0 * kRadPerDeg;
 constexpr double kNarrow_rad = 2.0 * kRadPerDeg;
 constexpr double kAgreeing_rad = 3.0 * kRadPerDeg;
@@ -30,7 +30,7 @@ struct Direction {
 
 double Angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
-/// Variance of the direction of a line about each axis across it.
+/// Variance of the direction of a line about each axis across it, in rad^2.
 double Variance(const MapLine& line, const Eigen::Vector3d& d, double length_m) {
   const Eigen::Matrix3d sum = line.covariance_p.matrix() + line.covariance_q.matrix();
   return std::max(0.0, 0.5 * (sum.trace() - d.dot(sum * d))) / (length_m * length_m);
@@ -49,7 +49,7 @@ std::vector<Direction> DirectionsNear(const Map& map, const Eigen::Vector3d& abo
   return directions;
 }
 
-/// Of two unit vectors, by their distance, which is their angle where it is small: many pairs are asked for.
+/// Tukey's weight by the distance of two unit vectors, which approximates their angle; cheap, because all pairs vote.
 double TukeyWeight(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double reach_rad) {
   const double rest = 1.0 - (a - b).squaredNorm() / (reach_rad * reach_rad);
   return rest > 0.0 ? rest * rest : 0.0;
@@ -83,7 +83,7 @@ Eigen::Vector3d Refine(const std::vector<Direction>& directions, Eigen::Vector3d
     for (const Direction& direction : directions) {
       sum += direction.weight * TukeyWeight(direction.d, up, reach) * direction.d;
     }
-    // The narrow reach may hold none of a loose bundle.
+    // The narrow reach may contain no line.
     if (sum.norm() > 0.0) up = sum.normalized();
   }
   return up;

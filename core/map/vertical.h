@@ -10,26 +10,26 @@
 
 namespace plslam {
 
-/// Which way is up in w, which has the axes of the first keyframe and so leans as that camera leaned.
+/// The up direction in the map frame, which has the axes of the first keyframe and is tilted like that camera.
 struct Vertical {
   Eigen::Vector3d up_w = -Eigen::Vector3d::UnitY();  ///< unit length
-  /// Lines of the map that say so, within 3 degrees of `up_w`; 0: the cameras say so (MeanUpOfCameras).
+  /// Lines of the map that agree, within 3 degrees of `up_w`; 0: `up_w` comes from the cameras (MeanUpOfCameras).
   int64_t n_lines = 0;
 };
 
-/// Mean of up (-y of c) over the keyframes; -y of w without keyframes, and where they cancel each other.
+/// Returns the mean up direction (-y of c) of the keyframes; -y of w without keyframes, or if they cancel each other.
 Eigen::Vector3d MeanUpOfCameras(const Map& map);
 
-/// The direction that the lines within 45 degrees of `about_w` share: corners of buildings, frames of doors, posts.
-/// Each line votes with its precision (covariances of the endpoints over its length); the direction with most votes
-/// is refined by a mean with Tukey's weights, so that slanted lines do not bend it. nullopt where fewer than 8 lines
-/// agree, or less than a fifth of the votes: then nothing there stands upright.
+/// Returns the common direction of the lines within 45 degrees of `about_w`: corners of buildings, door frames, posts.
+/// Each line votes with its precision (endpoint covariances over its length); the direction with most votes is refined
+/// by a mean with Tukey's weights, which slanted lines do not bias. Returns nullopt if fewer than 8 lines, or less than
+/// a fifth of the votes, agree.
 std::optional<Vertical> VerticalFromLines(const Map& map, const Eigen::Vector3d& about_w);
 
-/// From the lines near the mean up of the cameras, where they share a direction, else that mean itself.
+/// Returns the direction of the lines near the mean up of the cameras if there is one, else that mean.
 Vertical VerticalOf(const Map& map);
 
-/// The shortest rotation from w to the levelled frame, in which up is -y (x right, y down, z forward, as in w).
+/// Returns the shortest rotation from w to the levelled frame, in which up is -y (x right, y down, z forward, as in w).
 Eigen::Quaterniond LevelRotation(const Eigen::Vector3d& up_w);
 
 }  // namespace plslam

@@ -59,7 +59,7 @@ std::optional<SE3> AlignLines(const Segment3& first_b, const Segment3& second_b,
   if (!(normal_b.norm() > min_sine) || !(normal_a.norm() > min_sine)) return std::nullopt;
   const Eigen::Matrix3d R = NearestRotation(d1_a * d1_b.transpose() + d2_a * d2_b.transpose() +
                                             normal_a.normalized() * normal_b.normalized().transpose());
-  // Only what is across a line says something about the translation.
+  // Only directions across a line constrain the translation.
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   const auto add = [&](const Segment3& b, const Segment3& a, const Eigen::Vector3d& direction) {

@@ -8,7 +8,8 @@ namespace {
 
 constexpr double kMinLength_px = 1.0;
 constexpr double kMinLength_m = 1e-6;
-// Keeps the two distances of one image from being one where a short segment projects onto one place of a long line.
+// Independent share of noise: keeps the two distances of one image independent if a short segment projects onto one
+// position of a long line.
 constexpr double kIndependentShare = 0.1;
 
 ObservedLine Observe(const Eigen::Vector2d& p, const Eigen::Vector2d& q) {
@@ -25,8 +26,8 @@ Eigen::Matrix3d AcrossOnly(const Eigen::Matrix3d& covariance, const Eigen::Vecto
   return across * covariance * across;
 }
 
-// One endpoint in both images: its distances to the observed lines (rows `i` and `i + 2`), and where along them (0 to
-// 1).
+// One endpoint in both images: its distances from the observed lines (rows `i` and `i + 2`), and its positions along
+// them (0 to 1).
 struct Projected {
   double along_left;
   double along_right;
@@ -64,7 +65,7 @@ Projected ProjectEndpoint(const PreparedLine& line, const Eigen::Matrix3d& covar
           line.right.direction.dot(from_right) / std::max(line.right.length_px, kMinLength_px)};
 }
 
-// Errors across the observed line, carried from its ends to the projected endpoints.
+// Adds errors across the observed line, propagated from its ends to the projected endpoints.
 void AddMeasurementNoise(const PreparedLine& line, double sigma_floor_px, const Projected& p, const Projected& q,
                          Residual<4>& residual) {
   const double sigma = std::max(line.sigma_px, sigma_floor_px);
@@ -76,7 +77,7 @@ void AddMeasurementNoise(const PreparedLine& line, double sigma_floor_px, const 
                                     tilt * tilt * sigma_dq * sigma_dq + sigma * sigma);
   residual.S.diagonal() += own * independent;
   if (!line.full_covariance) return;
-  // Columns: left end p, left end q, disparity p, disparity q, each in its standard deviations.
+  // Columns: left end p, left end q, disparity p, disparity q, each in its standard deviation.
   const double shared = line.left.normal.dot(line.right.normal);
   Eigen::Matrix4d A;
   A << (1.0 - p.along_left) * sigma, p.along_left * sigma, 0.0, 0.0,  //

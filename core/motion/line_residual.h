@@ -8,7 +8,7 @@
 
 namespace plslam {
 
-/// One image's view of a segment: the infinite line through the detected endpoints.
+/// The infinite line through the detected endpoints of a segment in one image.
 struct ObservedLine {
   Eigen::Vector2d start;
   /// Unit direction, and its unit normal; `length_px` is the distance of the endpoints.
@@ -17,10 +17,10 @@ struct ObservedLine {
   double length_px = 0.0;
 };
 
-/// A line ready for many linearisations: checked, and weighted as the options say.
+/// A validated line, weighted according to the options, for repeated linearisation.
 struct PreparedLine {
   Segment3 segment_ref;
-  /// Without what lies along the segment.
+  /// Covariances across the segment only.
   Eigen::Matrix3d covariance_p;
   Eigen::Matrix3d covariance_q;
   ObservedLine left;
@@ -29,20 +29,21 @@ struct PreparedLine {
   double sigma_disparity_p_px;
   double sigma_disparity_q_px;
   bool has_right;
-  /// The paper's weights, or those described at `Linearize`.
+  /// Whether the covariance described at `Linearize` is used instead of the paper's weights.
   bool full_covariance;
 };
 
-/// nullopt for what cannot be used: anything not finite, segments without length, sigmas that are not positive, an
-/// endpoint that is unknown. The right image is left out when a disparity is missing or its segment has no length.
+/// Returns nullopt for an invalid correspondence: values that are not finite, segments without length, sigmas that are
+/// not positive, an undetermined endpoint. The right image is omitted if a disparity is missing or its segment has no
+/// length.
 std::optional<PreparedLine> Prepare(const LineCorrespondence& correspondence, const MotionOptions& options);
 
-/// Distances in pixels of the projected endpoints p and q to the observed infinite lines: left p, left q, right p,
-/// right q. False when an endpoint is behind the camera or too near.
+/// Computes the distances in pixels of the projected endpoints p and q from the observed infinite lines: left p, left
+/// q, right p, right q. Returns false if an endpoint is behind the camera or too near.
 ///
-/// The observed line is known where it was seen: each of its two ends has an independent error across the line, so
-/// the distances of the two projected endpoints are correlated, and grow uncertain beyond the ends. The error of a
-/// right end is that of the left end minus that of the disparity, as for points.
+/// The observed line is determined by its two ends, each with an independent error across the line, so the distances of
+/// the two projected endpoints are correlated, and less certain beyond the ends. The error of a right end is that of
+/// the left end minus that of the disparity, as for points.
 bool Linearize(const PreparedLine& line, const PoseView& view, double sigma_floor_px, Residual<4>& residual);
 
 }  // namespace plslam

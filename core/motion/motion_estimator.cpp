@@ -12,18 +12,18 @@
 namespace plslam {
 namespace {
 
-// Steps are measured in standard deviations of the motion (squared): the first step only has to tell outliers apart.
+// Steps in squared standard deviations of the motion: the first estimate only has to identify outliers.
 constexpr double kCoarseStep = 0.25;
 constexpr double kFineStep = 1e-3;
 constexpr double kConvergedStep = 1e-2;
 // Gauss-Newton iterations of each step. The covariances of the residuals follow the pose, so that convergence is linear
 // where few landmarks are seen: with a factor of 0.87 on a white wall, where 10 iterations are not enough.
 constexpr int kMaxIterations = 20;
-// Covariances of the residuals follow the pose, so even a good step may raise the cost by a trifle.
+// Covariances of the residuals depend on the pose, so even a good step may increase the cost slightly.
 constexpr double kToleratedRise = 1e-3;
 constexpr double kMinDamping = 1e-9;
 constexpr double kFirstDamping = 1e-3;
-// Share of the correspondences that may go behind the camera during one solve.
+// Share of the correspondences that may move behind the camera during one solve.
 constexpr double kMayHide = 0.05;
 constexpr double kMinRelativeEigenvalue = 1e-11;
 
@@ -78,7 +78,7 @@ Matrix6d InverseRightJacobian(const Vector6d& x) {
   return Matrix6d::Identity() + 0.5 * ad + ad * ad / 12.0;
 }
 
-// Robust scale of what deviates, squared: the median of squared norms over their expected medians. 0 for none.
+// Squared robust scale: the median of squared norms over their expected medians. 0 without correspondences.
 double SquaredScale(const std::vector<Deviation>& some, const std::vector<Deviation>& others = {}) {
   std::vector<double> ratios;
   ratios.reserve(some.size() + others.size());
@@ -101,8 +101,8 @@ NormalEquations Estimator::Build(const SE3& T_cur_ref, const ActiveSet& active) 
   return equations;
 }
 
-// Takes out what cannot be seen from there, as long as it is few: a charge for each keeps a bad step from hiding what
-// speaks against it, and would keep a good one from being taken because of a landmark that the camera passes.
+// Deactivates correspondences behind the camera if they are few: the charge for each prevents bad steps from hiding
+// contradicting ones, but would also reject a good step because of a landmark that the camera passes.
 bool Estimator::LetGo(const SE3& T_cur_ref, int& may_hide, ActiveSet& active) const {
   ActiveSet visible = active;
   const std::vector<Deviation> points = PointDeviations(correspondences_, T_cur_ref, camera_, options_);
@@ -173,13 +173,13 @@ double Estimator::MedianDepth(const SE3& T_cur_ref, const ActiveSet& active) con
 std::optional<Matrix6d> Estimator::Covariance(const Solution& solution, const ActiveSet& active) const {
   const NormalEquations& e = solution.equations;
   if (e.dimensions == 0) return std::nullopt;
-  // What the weights take from a Gaussian's information, and larger residuals than the sigmas promise.
+  // Corrects the information for the loss by robust weights, and for residuals larger than their sigmas.
   const double weighting = e.expected_weight * e.expected_B / (e.expected_A * e.expected_A);
   const double freedom = std::max(1.0, e.dimensions - 6.0) / e.dimensions;
   const double excess = std::max(1.0, e.weighted_squares / (e.expected_weighted_squares * freedom));
   const Matrix6d H = e.H_data / (weighting * excess) + e.H_prior;
 
-  // Unit diagonal first: metres and radians do not compare.
+  // Scales to unit diagonal first, because metres and radians differ in size.
   const Vector6d scale = H.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Matrix6d scaled = scale.asDiagonal() * H * scale.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scaled);
@@ -200,7 +200,7 @@ std::optional<Matrix6d> Estimator::Covariance(const Solution& solution, const Ac
 }
 
 void Estimator::CheckFeatureTypes(MotionEstimate& estimate) const {
-  // The sigmas as they are: the floor is for gates.
+  // The sigmas without their floor, which is only for gates.
   MotionOptions options = options_;
   options.min_scale_px = 0.0;
   const SE3& T = estimate.T_cur_ref;

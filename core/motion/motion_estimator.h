@@ -11,9 +11,9 @@
 
 namespace plslam {
 
-/// A 3D point of the reference frame and where the current stereo frame sees it.
+/// A 3D point of the reference frame and its measurement in the current stereo frame.
 struct PointCorrespondence {
-  /// In the reference frame; covariance of that position, same frame.
+  /// Position in the reference frame, and its covariance there.
   Eigen::Vector3d p_ref = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   /// (u, v, disparity); a negative disparity is not used.
@@ -22,11 +22,11 @@ struct PointCorrespondence {
   double sigma_disparity_px = 1.0;
 };
 
-/// A 3D segment of the reference frame and the detected segment it is matched with. Residuals are the distances of
-/// the projected 3D endpoints to the infinite detected line, in the left and, by the disparities, in the right image.
+/// A 3D segment of the reference frame and the detected segment that it is matched with. Residuals are the distances of
+/// the projected 3D endpoints from the infinite detected line, in the left and, by the disparities, in the right image.
 struct LineCorrespondence {
   Segment3 segment_ref;
-  /// Covariances of the endpoints in the reference frame. What lies along the segment is free and must not count.
+  /// Covariances of the endpoints in the reference frame. Components along the segment are undetermined and ignored.
   Eigen::Matrix3d covariance_p = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d covariance_q = Eigen::Matrix3d::Zero();
   Segment2 observed;
@@ -38,7 +38,7 @@ struct LineCorrespondence {
   double sigma_disparity_q_px = 1.0;
 };
 
-/// Gaussian knowledge of the motion before looking: covariance of the right perturbation, as in `SE3`.
+/// Gaussian prior of the motion: covariance of the right perturbation, as in `SE3`.
 struct MotionPrior {
   SE3 T_cur_ref;
   Matrix6d covariance = Matrix6d::Identity();
@@ -48,7 +48,7 @@ struct MotionEstimate {
   /// Takes points of the reference frame to the current camera.
   SE3 T_cur_ref;
   /// Inverse Hessian of the last iteration (PL-SLAM §IV.C), of the right perturbation of T_cur_ref^-1 (that is, of
-  /// T_ref_cur * Exp(x), x in the current camera), scaled so that it is honest (NEES about 6).
+  /// T_ref_cur * Exp(x), x in the current camera), scaled to be consistent (NEES about 6).
   Matrix6d covariance = Matrix6d::Zero();
   /// In the order of the correspondences.
   std::vector<bool> point_inliers;
@@ -56,20 +56,20 @@ struct MotionEstimate {
   int n_point_inliers = 0;
   int n_line_inliers = 0;
   int iterations = 0;
-  /// Root mean square of the normalised inlier residuals (about 1 when the sigmas are honest).
+  /// Root mean square of the normalised inlier residuals (about 1 for correct sigmas).
   double rms = 0.0;
-  /// Typical residual of each feature type in its own sigmas: the root of the median squared norm over what is
-  /// expected of it (1 when the sigmas are honest), of all correspondences; 0 where there are none.
+  /// Typical residual of each feature type in units of its sigmas: the root of the median squared norm over its
+  /// expectation (1 for correct sigmas), over all correspondences; 0 if there are none.
   double point_deviation = 0.0;
   double line_deviation = 0.0;
 };
 
 /// Robust two-step Gauss-Newton over points and lines (PL-SLAM §IV.C): pseudo-Huber on all, outliers removed by
-/// chi-square with a floored robust scale, then inliers alone. `initial` starts the iteration and is no measurement;
-/// `prior`, if given, is one.
+/// chi-square with a robust scale that has a floor, then inliers alone. `initial` is the start of the iteration, not a
+/// measurement; `prior`, if given, is one.
 ///
-/// Returns nullopt when the motion is not determined: too few inliers, no convergence, a Hessian that is singular
-/// (all lines parallel, say) and no prior to fill it. Never returns a NaN.
+/// Returns nullopt if the motion is not determined: too few inliers, no convergence, or a singular Hessian (as with
+/// parallel lines only) without a prior. Never returns NaN.
 std::optional<MotionEstimate> EstimateMotion(const std::vector<PointCorrespondence>& points,
                                              const std::vector<LineCorrespondence>& lines, const StereoCamera& camera,
                                              const SE3& initial, const std::optional<MotionPrior>& prior,

@@ -8,7 +8,7 @@
 namespace plslam {
 namespace {
 
-// Squared sigma charged for what has fallen behind the camera, so that hiding a correspondence never pays.
+// Squared residual charged for a correspondence behind the camera, so that hiding it never lowers the cost.
 constexpr double kHidden = 1e4;
 
 template <class Correspondence, class Prepared>
@@ -24,7 +24,7 @@ void PrepareAll(const std::vector<Correspondence>& correspondences, const Motion
   }
 }
 
-// What `count` residuals of one dimension are expected to add up to.
+// Adds the expectations of `count` residuals of this dimension.
 void AddExpected(const RobustExpectation& expected, int dimension, int count, NormalEquations& sum) {
   const int dimensions = dimension * count;
   sum.dimensions += dimensions;

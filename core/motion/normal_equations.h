@@ -10,20 +10,20 @@
 
 namespace plslam {
 
-/// Usable correspondences of one stereo frame, with the places they had in the caller's lists.
+/// Valid correspondences of one stereo frame, with their indices in the caller's lists.
 struct PreparedCorrespondences {
   std::vector<PreparedPoint> points;
   std::vector<PreparedLine> lines;
   std::vector<int> point_index;
   std::vector<int> line_index;
-  /// The same points, laid out for arithmetic.
+  /// The same points in structure-of-arrays layout.
   PointBatch point_batch;
 
   PreparedCorrespondences(const std::vector<PointCorrespondence>& point_correspondences,
                           const std::vector<LineCorrespondence>& line_correspondences, const MotionOptions& options);
 };
 
-/// Which of the prepared correspondences take part (1) or not (0).
+/// Flags of the prepared correspondences that take part.
 struct ActiveSet {
   std::vector<char> points;
   std::vector<char> lines;
@@ -34,7 +34,7 @@ struct ActiveSet {
   int Count() const { return CountPoints() + CountLines(); }
 };
 
-/// Weighted normal equations H x = -g of the motion at one pose, and the sums that judge them.
+/// Weighted normal equations H x = -g of the motion at one pose, and sums for their evaluation.
 struct NormalEquations {
   Matrix6d H_data = Matrix6d::Zero();
   Matrix6d H_prior = Matrix6d::Zero();
@@ -52,13 +52,13 @@ struct NormalEquations {
   Matrix6d H() const { return H_data + H_prior; }
 };
 
-/// Adds all active correspondences, as seen from `T_cur_ref`.
+/// Sums over all active correspondences at `T_cur_ref`.
 NormalEquations BuildNormalEquations(const PreparedCorrespondences& correspondences, const ActiveSet& active,
                                      const SE3& T_cur_ref, const StereoCamera& camera,
                                      const RobustExpectations& expectations, const MotionOptions& options);
 
-/// Squared whitened norms per expected median, for the robust scale, and their gates: a correspondence is an inlier
-/// where `squared <= scale^2 * gate`. Infinity where it cannot be seen. Sigmas are at least `min_scale_px` here.
+/// Squared whitened norms, their expected medians, for the robust scale, and their gates: a correspondence is an inlier
+/// if `squared <= scale^2 * gate`. Infinite if it is not visible. Sigmas are at least `min_scale_px` here.
 struct Deviation {
   double squared;
   double median;

@@ -13,10 +13,10 @@ using Lanes = PointBatch::Lanes;
 using Block = PointBatch::Block;
 constexpr int kLanes = PointBatch::kLanes;
 constexpr double kLargest = std::numeric_limits<double>::max();
-/// Pixels^2: variances that are no more than this, or not a number, are none.
+/// Pixels^2: variances up to this, or NaN, are invalid.
 constexpr double kMinPivot = 1e-30;
 
-/// Points in the camera and their residuals. J is [k 0 -kX; 0 k -kY; 0 0 k2].
+/// Points in the camera frame and their residuals. J is [k 0 -kX; 0 k -kY; 0 0 k2].
 struct Seen {
   Lanes x, y, z;
   Lanes X, Y, k, k2;
@@ -37,7 +37,7 @@ Seen Project(const Block& b, const PoseView& view) {
   s.X = s.x * inverse_z;
   s.Y = s.y * inverse_z;
   s.k = camera.f_px * inverse_z;
-  // Without a disparity the third residual is 0 wherever the point is.
+  // Without a disparity the third residual is 0 at all positions.
   s.k2 = -camera.baseline_m * s.k * inverse_z * b.has_disparity;
   s.r0 = b.u - (camera.f_px * s.X + camera.cx_px);
   s.r1 = b.v - (camera.f_px * s.Y + camera.cy_px);
@@ -80,7 +80,7 @@ Covariance ResidualCovariance(const Block& b, const Seen& s, const Eigen::Matrix
           s.k2 * s.k2 * row2.Dot(c2) + sigma_d * sigma_d};
 }
 
-/// Place in the camera, whitened residual, and G, whose element (0, 1) is 0. All zero where `usable` is 0, else 1.
+/// Position in the camera, whitened residual, and G, whose element (0, 1) is 0. All zero if `usable` is 0, else 1.
 struct Whitened {
   Lanes x, y, z;
   Lanes r0, r1, r2;
@@ -202,7 +202,7 @@ PointBatch::PointBatch(const std::vector<PreparedPoint>& points) : size_(points.
   for (size_t first = 0; first < size_; first += kLanes) {
     Block b;
     for (int lane = 0; lane < kLanes; ++lane) {
-      // The last point fills the last block; nobody asks for its repetitions.
+      // Repetitions of the last point fill the last block; their results are not read.
       const PreparedPoint& p = points[std::min(first + lane, size_ - 1)];
       b.x[lane] = p.p_ref.x();
       b.y[lane] = p.p_ref.y();

@@ -7,7 +7,7 @@
 
 namespace plslam {
 
-/// A point ready for `PointBatch`: checked, and weighted as the options say.
+/// A validated point, weighted according to the options, for `PointBatch`.
 struct PreparedPoint {
   Eigen::Vector3d p_ref;
   Eigen::Matrix3d covariance;
@@ -17,7 +17,8 @@ struct PreparedPoint {
   bool has_disparity;
 };
 
-/// nullopt for what cannot be used: anything not finite, sigmas that are not positive, a position that is unknown.
+/// Returns nullopt for an invalid correspondence: values that are not finite, sigmas that are not positive, an
+/// undetermined position.
 std::optional<PreparedPoint> Prepare(const PointCorrespondence& correspondence, const MotionOptions& options);
 
 }  // namespace plslam

@@ -26,7 +26,7 @@ class Random {
  public:
   explicit Random(uint64_t seed) : state_(seed) {}
 
-  /// 0 to n - 1.
+  /// Returns a number from 0 to n - 1.
   int Below(int n) {
     state_ += 0x9E3779B97F4A7C15ULL;
     uint64_t z = state_;
@@ -40,7 +40,7 @@ class Random {
   uint64_t state_;
 };
 
-/// What a minimal set is made of: features with a 3D place in both frames; `index` is the caller's.
+/// Elements of minimal sets: features with a 3D position in both frames; `index` is that in the caller's list.
 struct PointPair {
   Eigen::Vector3d ref;
   Eigen::Vector3d cur;
@@ -62,7 +62,7 @@ class Ransac {
 
  private:
   void FindNeighbours(const Neighbourhood& neighbourhood);
-  /// A point pair: any, or one near the `first` of a set.
+  /// Draws a point pair: any, or one near the `first` of a set.
   int Draw(int first);
   std::optional<SE3> Hypothesis();
   std::optional<SE3> FromPoints();
@@ -82,13 +82,13 @@ class Ransac {
   PreparedCorrespondences correspondences_;
   std::vector<PointPair> point_pairs_;
   std::vector<LinePair> line_pairs_;
-  /// Of each point pair; empty where sets need not lie together.
+  /// Neighbours of each point pair; empty if sets may be spread over the image.
   std::vector<std::vector<int>> neighbours_;
   int max_hypotheses_ = kMaxHypotheses;
   Random random_;
 };
 
-// Gates in pixels, not in sigmas: what an uncertain landmark could explain is no evidence for a pose.
+// Gates in pixels, not in sigmas: matches that only an uncertain landmark explains are no evidence for a pose.
 MotionOptions PixelGates(double inlier_px) {
   MotionOptions options;
   options.landmark_covariance = false;
@@ -172,8 +172,8 @@ std::optional<SE3> Ransac::FromLines() {
   return Polished(*aligned, {}, {lines_[a.index], lines_[b.index]});
 }
 
-/// The pose from where the minimal set is reprojected best. Where disparities are small, places are metres off along
-/// the rays, and so is what aligns them, while the pixels are nearly right.
+/// Refines a pose by minimising the reprojection error of its minimal set. At small disparities 3D positions, and poses
+/// aligned with them, are metres off along the rays, while the pixels are nearly correct.
 SE3 Ransac::Polished(const SE3& T_cur_ref, const std::vector<PointCorrespondence>& points,
                      const std::vector<LineCorrespondence>& lines) const {
   const PreparedCorrespondences minimal(points, lines, options_);
@@ -218,7 +218,7 @@ int Ransac::NeededHypotheses(int n_inliers) const {
   const double all = static_cast<double>(correspondences_.points.size() + 2 * correspondences_.lines.size());
   const double share = std::clamp(n_inliers / all, 1e-3, 0.999);
   const double needed = std::log(1.0 - kConfidence) / std::log(1.0 - share * share * share);
-  // Before the cast: few inliers of many ask for more than an int holds.
+  // Clamped before the cast: the number for few inliers among many exceeds int.
   return static_cast<int>(std::clamp<double>(std::ceil(needed), kMinHypotheses, max_hypotheses_));
 }
 
@@ -236,7 +236,7 @@ std::optional<SE3> Ransac::Estimate() {
     needed = NeededHypotheses(score);
   }
   if (!best) return std::nullopt;
-  // A minimal set is noisy: all inliers refine it, and often bring more.
+  // A pose from a minimal set is noisy: refining it with all inliers often finds more.
   MotionOptions refinement;
   refinement.min_inliers = std::max(3, std::min(min_inliers_, best_score));
   const auto refined = EstimateMotion(points_, lines_, camera_, *best, std::nullopt, refinement);

@@ -11,8 +11,8 @@
 namespace plslam {
 
 /// A residual vector linearised at a pose: r, its derivative by the right perturbation x of T_ref_cur * Exp(x), and
-/// the covariance S of r (noise of the measurement, and of the landmark seen through the projection). Rows that have
-/// no measurement hold a zero residual, a zero derivative and unit variance, and do not count in `dimension`.
+/// the covariance S of r (measurement noise, and landmark covariance propagated by the projection). Rows without a
+/// measurement have a zero residual, a zero derivative and unit variance, and do not count in `dimension`.
 template <int N>
 struct Residual {
   Eigen::Matrix<double, N, 1> r;
@@ -21,7 +21,7 @@ struct Residual {
   int dimension = 0;
 };
 
-/// What every residual of one pose shares.
+/// Pose and camera common to all residuals of one pose.
 struct PoseView {
   PoseView(const SE3& T_cur_ref, const StereoCamera& camera_in)
       : R(T_cur_ref.R()), t(T_cur_ref.translation()), camera(camera_in), min_depth_m(camera_in.MinDepth()) {}
@@ -32,15 +32,15 @@ struct PoseView {
   double min_depth_m;
 };
 
-/// Derivative of a row g^T p_c by the perturbation: p_c moves by -translation - rotation x p_c.
+/// Returns the derivative of g^T p_c by the perturbation: p_c moves by -translation - rotation x p_c.
 inline Eigen::Matrix<double, 1, 6> PoseRow(const Eigen::Vector3d& g, const Eigen::Vector3d& p_c) {
   Eigen::Matrix<double, 1, 6> row;
   row << -g.transpose(), g.cross(p_c).transpose();
   return row;
 }
 
-/// Lower Cholesky factor of S in place, and L^-1 applied to r and J: afterwards r ~ N(0, I). False where S is not
-/// positive definite or not finite.
+/// Computes the lower Cholesky factor L of S in place, and applies L^-1 to r and J: afterwards r ~ N(0, I). Returns
+/// false if S is not positive definite or not finite.
 template <int N>
 bool Whiten(Residual<N>& residual) {
   auto& S = residual.S;
@@ -66,8 +66,8 @@ bool Whiten(Residual<N>& residual) {
   return residual.r.allFinite() && residual.J.allFinite();
 }
 
-/// False for a covariance that is not finite or has a negative variance, and for a position so uncertain (a hundred
-/// times its distance) that linearising at it means nothing.
+/// Returns false for a covariance that is not finite or has a negative variance, and for a position so uncertain (a
+/// hundred times its distance) that linearisation is meaningless.
 inline bool IsUsableCovariance(const Eigen::Matrix3d& covariance, const Eigen::Vector3d& position) {
   constexpr double kUncertain = 1e4;
   return covariance.allFinite() && covariance.diagonal().minCoeff() >= 0.0 &&

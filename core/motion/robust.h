@@ -9,24 +9,24 @@ namespace plslam {
 
 /// Pseudo-Huber loss 2 d^2 (sqrt(1 + s^2 / d^2) - 1) of the squared norm s^2 of a whitened residual vector.
 inline double PseudoHuberLoss(double squared, double delta) {
-  // The quotient form of sqrt(1 + x) - 1 keeps its digits near zero.
+  // This form of sqrt(1 + x) - 1 avoids cancellation near zero.
   return 2.0 * squared / (std::sqrt(1.0 + squared / (delta * delta)) + 1.0);
 }
 
-/// Its derivative by s^2: the weight of iteratively reweighted least squares, 1 at zero.
+/// Derivative of the loss by s^2: the weight of iteratively reweighted least squares, 1 at zero.
 inline double PseudoHuberWeight(double squared, double delta) {
   return 1.0 / std::sqrt(1.0 + squared / (delta * delta));
 }
 
-/// Quantile of the chi-square distribution at the normal quantile `z` (0: the median; 2.33: 99 %), by Wilson and
-/// Hilferty's cube; good to 1 % for 2 and more degrees of freedom.
+/// Returns the quantile of the chi-square distribution at the normal quantile `z` (0: the median; 2.33: 99 %), by
+/// Wilson and Hilferty's cube; accurate to 1 % for 2 and more degrees of freedom.
 double ChiSquareQuantile(int dimension, double z);
 
-/// Middle element, the upper one of an even number; 0 for none. Reorders its argument.
+/// Returns the middle element, the upper one of an even number; 0 for none. Reorders its argument.
 double Median(std::vector<double>& values);
 
-/// What weights w of pseudo-Huber, cut off at a gate, do to Gaussian residuals of one dimension: expectations over
-/// s < gate. They turn the inverse weighted Hessian into an honest covariance (M-estimator theory: the covariance is
+/// Expectations over s < gate of Gaussian residuals of one dimension with pseudo-Huber weights w, cut off at a gate.
+/// They turn the inverse weighted Hessian into a consistent covariance (M-estimator theory: the covariance is
 /// A^-1 B A^-1 with A = E[w s^2] / dim by Stein's identity, and B = E[w^2 s^2] / dim).
 struct RobustExpectation {
   double probability = 0.0;
@@ -35,7 +35,7 @@ struct RobustExpectation {
   double B = 0.0;
 };
 
-/// Index: dimension, 2 to 4.
+/// Indexed by dimension, 2 to 4.
 using RobustExpectations = std::array<RobustExpectation, 5>;
 
 RobustExpectations ExpectRobust(double delta, double gate_sigmas);

@@ -7,13 +7,13 @@
 
 namespace plslam {
 
-/// How places are compared.
+/// Comparison of places.
 struct PlaceOptions {
-  /// How the similarities of points and lines become one (see place_index.h).
+  /// Combination of the similarities of points and lines (see place_index.h).
   std::string merge = "adaptive";
-  /// What a line counts in "adaptive" and "balanced", in points.
+  /// Weight of a line relative to a point in "adaptive" and "balanced".
   double line_weight = 0.5;
-  /// In "adaptive" a word counts by this power of the share of places without it.
+  /// In "adaptive" a word is weighted by this power of the share of places without it.
   double idf_exponent = 1.5;
 };
 

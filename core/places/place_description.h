@@ -11,34 +11,32 @@ namespace plslam {
 
 /// An image as the words of a vocabulary that it contains (PL-SLAM §VI.A.1).
 struct BagOfWords {
-  /// (word, weight), ascending by word; TF-IDF weights above 0 that sum to 1. Empty where the image has no known
-  /// word.
+  /// (word, weight), ascending by word; TF-IDF weights above 0 that sum to 1. Empty if the image has no known word.
   std::vector<std::pair<int32_t, float>> words;
 
   bool operator==(const BagOfWords&) const = default;
 };
 
-/// 1 - |a - b|_1 / 2 (Galvez-Lopez and Tardos, T-RO 2012), which for weights that sum to 1 is the weight that the two
-/// have in common: 0 without a common word, 1 for equal bags, symmetric.
+/// Returns 1 - |a - b|_1 / 2 (Galvez-Lopez and Tardos, T-RO 2012). For weights that sum to 1 this is the common weight
+/// sum_w min(a_w, b_w): 0 without a common word, 1 for equal bags, symmetric.
 float BagSimilarity(const BagOfWords& a, const BagOfWords& b);
 
-/// The same where the common weight of the i-th word of `a` counts `word_weights[i]`: at most 1, and symmetric no
-/// more.
+/// The same with the common weight of the i-th word of `a` multiplied by `word_weights[i]`: at most 1, not symmetric.
 float BagSimilarity(const BagOfWords& a, const std::vector<float>& word_weights, const BagOfWords& b);
 
-/// What a place looks like: all that recognition keeps of an image.
+/// The description of an image that place recognition stores.
 struct PlaceDescription {
   BagOfWords points;
   BagOfWords lines;
   int n_points = 0;
   int n_lines = 0;
-  /// Square root of the summed variances of u and v, of the points and of the middles of the lines.
+  /// Square root of the summed variances of u and v, of the points and of the midpoints of the lines.
   double dispersion_points_px = 0.0;
   double dispersion_lines_px = 0.0;
 };
 
-/// Counts and dispersions of an image, without words. Features whose place is not finite do not count for the
-/// dispersion; that of fewer than two is 0.
+/// Returns counts and dispersions of an image, without words. Features whose position is not finite do not count for
+/// the dispersion; that of fewer than two features is 0.
 PlaceDescription DescribeLayout(const ImageFeatures& features);
 PlaceDescription DescribeLayout(const FeaturesView& features);
 

@@ -9,9 +9,9 @@
 namespace plslam {
 namespace {
 
-// In an image of the adaptive merge, besides what is found in it.
+// Points added to each image in the adaptive merge.
 constexpr double kUnsharedPoints = 20.0;
-// In the map of the adaptive merge, besides what is in it.
+// Places without words added to the map in the adaptive merge.
 constexpr double kPlacesWithoutWords = 5.0;
 
 double Share(double part, double other) { return part + other > 0.0 ? part / (part + other) : 0.5; }
@@ -55,8 +55,7 @@ namespace {
 constexpr int kBlockBits = 16;
 constexpr uint32_t kPlaceMask = (1U << kBlockBits) - 1;
 
-// A weight's code is the upper part of its bits as a float, above the smallest weight with a code: 2^-31 to 1 have
-// codes.
+// A weight is coded by the upper bits of its float representation, above the smallest coded weight: 2^-31 to 1.
 constexpr int kDroppedBits = 12;
 constexpr uint32_t kCodeOne = 0xFFFF;
 constexpr uint32_t kSmallest = std::bit_cast<uint32_t>(1.0F) - (kCodeOne << kDroppedBits);
@@ -66,7 +65,7 @@ uint32_t CodeOf(float weight) {
   return (bits - kSmallest + (1U << (kDroppedBits - 1))) >> kDroppedBits;
 }
 
-/// Asks for the entries of a word ahead of their use: most of a query's time is waiting for memory.
+/// Prefetches the entries of a word: most of a query's time is waiting for memory.
 void Prefetch(const std::vector<uint32_t>& entries) {
   constexpr size_t kEntriesInCacheLine = 16;
   for (size_t i = 0; i < entries.size(); i += kEntriesInCacheLine) __builtin_prefetch(entries.data() + i);

@@ -21,7 +21,7 @@ bool Worse(const PlaceMatch& a, const PlaceMatch& b) {
   return std::tuple(-a.score, a.keyframe_id) > std::tuple(-b.score, b.keyframe_id);
 }
 
-/// The best `max_results` that are not excluded, best first. A heap, so that only those looked at are sorted.
+/// Returns the best `max_results` that are not excluded, best first. A heap sorts only those that are examined.
 std::vector<PlaceMatch> Best(std::vector<PlaceMatch> matches, const std::function<bool(int64_t)>& excluded,
                              int max_results) {
   std::vector<PlaceMatch> best;

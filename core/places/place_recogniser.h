@@ -14,22 +14,21 @@
 
 namespace plslam {
 
-/// A keyframe that looks like the query.
+/// A keyframe similar to the query.
 struct PlaceMatch {
   int64_t keyframe_id = 0;
-  /// By the merge of the options, of `score_points` and `score_lines`, the similarities with words as they count in
-  /// it, 0 to 1.
+  /// Score of the configured merge of `score_points` and `score_lines`, the weighted similarities, 0 to 1.
   double score = 0.0;
   double score_points = 0.0;
   double score_lines = 0.0;
 };
 
 /// Recognises places by points and lines together (PL-SLAM §VI.A.1): a vocabulary and an inverted index for each
-/// feature type, both asked at every query, and one score merged from the two. A value; no thread inside, const calls
-/// may run side by side.
+/// feature type, and one score merged from both: w_points * score_points + w_lines * score_lines (`WeightsFor`). A
+/// value; no thread inside, const calls may run in parallel.
 class PlaceRecogniser {
  public:
-  /// Throws std::invalid_argument where a vocabulary is of the other type, or the merge is unknown.
+  /// Throws std::invalid_argument if a vocabulary is of the other type, or the merge is unknown.
   PlaceRecogniser(Vocabulary points, Vocabulary lines, const PlaceOptions& options);
 
   const Vocabulary& point_vocabulary() const { return points_; }
@@ -38,22 +37,22 @@ class PlaceRecogniser {
   PlaceDescription Describe(const FeaturesView& features) const;
   PlaceDescription Describe(const ImageFeatures& features) const;
 
-  /// A keyframe that is there already is replaced.
+  /// Adds a keyframe, or replaces its description.
   void Add(int64_t keyframe_id, PlaceDescription description);
-  /// Whether it was there.
+  /// Returns whether the keyframe was present.
   bool Remove(int64_t keyframe_id);
   bool Has(int64_t keyframe_id) const { return place_of_.contains(keyframe_id); }
-  /// Throws std::out_of_range where it is not there.
+  /// Throws std::out_of_range if the keyframe is not present.
   const PlaceDescription& Of(int64_t keyframe_id) const;
   int size() const { return static_cast<int>(place_of_.size()); }
 
-  /// The keyframes most like `query`, best first, equal scores by id; at most `max_results`, none of score 0, none
-  /// that `excluded` (may be empty) says yes to. It is asked about the best ones only.
+  /// Returns the keyframes most similar to `query`, best first, equal scores by id; at most `max_results`, none with
+  /// score 0, none for which `excluded` (may be empty) returns true. `excluded` is called for the best ones only.
   std::vector<PlaceMatch> Query(const PlaceDescription& query, const std::function<bool(int64_t)>& excluded,
                                 int max_results) const;
 
-  /// The score that a query for `query` gives to `other`, which need not be one of the keyframes; a query is right to
-  /// 1 part in 4096 of it. In the merge "adaptive" scores depend on the keyframes that are there.
+  /// Returns the score of `other`, which need not be a keyframe, for the query `query`; the scores of `Query` are
+  /// accurate to 1 part in 4096 of it. In the merge "adaptive" scores depend on the keyframes present.
   PlaceMatch Compare(const PlaceDescription& query, const PlaceDescription& other) const;
   double Score(const PlaceDescription& query, const PlaceDescription& other) const;
 
@@ -66,10 +65,10 @@ class PlaceRecogniser {
   PlaceOptions options_;
   PlaceIndex point_index_;
   PlaceIndex line_index_;
-  // Of each place; apart, because a query reads all ids and few descriptions.
+  // By place; separate, because a query reads all ids and few descriptions.
   std::vector<int64_t> keyframe_ids_;
   std::vector<PlaceDescription> descriptions_;
-  // Places that Remove has emptied, to be used again, the last first.
+  // Places freed by Remove, reused in reverse order.
   std::vector<int> free_;
   std::map<int64_t, int> place_of_;
 };

@@ -24,8 +24,8 @@ struct Fall {
   int32_t guide = 0;
 };
 
-/// Where each descriptor ends, and which node it passes at the guide level (its leaf, where that is higher up). Equal
-/// distances: the first centre.
+/// Finds the leaf of each descriptor, and the node that it passes at the guide level (its leaf, if that is higher up).
+/// The first of equally near centres is taken.
 PLSLAM_POPCNT_CLONES
 void FallThrough(const Descriptor* centers, const int32_t* child_begin, const Descriptor* descriptors, size_t count,
                  int guide_level, Fall* falls) {
@@ -91,8 +91,8 @@ BagOfWords Vocabulary::Transform(const std::vector<Descriptor>& descriptors, Fea
   return Count(*tree_, falls);
 }
 
-// The file: header, number of children of each node (1 byte each), centre of each node but the root, IDF of each
-// word, BLAKE2b-256 of all before it. Little-endian, without gaps.
+// File format: header, number of children of each node (1 byte each), centre of each node except the root, IDF of each
+// word, BLAKE2b-256 of all of this. Little-endian, without gaps.
 
 namespace {
 
@@ -147,7 +147,7 @@ void Take(std::string_view& bytes, T* values, size_t count) {
   throw std::runtime_error(fmt::format("vocabulary {} {}", name, reason));
 }
 
-/// The header of a file of the right size and checksum.
+/// Returns the header of a file with valid size and checksum.
 Header CheckedHeader(std::string_view bytes, const std::string& name) {
   Header header;
   if (bytes.size() < kMagic.size() || std::memcmp(bytes.data(), kMagic.data(), kMagic.size()) != 0) {
@@ -178,7 +178,7 @@ std::string ReadWhole(const std::string& path) {
   if (!in) Refuse(path, "cannot be read");
   const auto size = static_cast<int64_t>(in.tellg());
   const Header largest{.nodes = VocabularyLimits::kMaxNodes, .words = VocabularyLimits::kMaxNodes};
-  // A folder opens, and says that it is endless.
+  // A directory can be opened, and reports a huge size.
   if (size < 0 || size > static_cast<int64_t>(BytesOf(largest))) {
     Refuse(path, fmt::format("has {} bytes, more than any vocabulary", size));
   }

@@ -18,9 +18,9 @@
 namespace plslam::loop {
 namespace {
 
-// How often it is looked whether what is missing has been waited for long enough.
+// Period of checks whether a wait is over.
 constexpr std::chrono::milliseconds kTick(200);
-// Arrivals that wait before more are slowed down, and for how long each then is: statuses still go out in between.
+// Queue length above which `Queue` blocks, and the longest it blocks for one arrival, so that statuses still go out.
 constexpr size_t kMostArrivals = 2000;
 constexpr std::chrono::milliseconds kHold(200);
 
@@ -63,16 +63,16 @@ void LoopNode::OnUpdate(MapUpdate update) {
 }
 
 void LoopNode::OnStatus(const status_t& message) {
-  // Before there is a map everything waits.
+  // Without a map everything waits.
   if (has_camera_) Queue(SignOfLife{message.header.source});
 }
 
-/// Where the worker is far behind, the thread of the bus slows down: the bus then takes no more, and publishers keep
-/// what they have sent.
+/// If the worker is far behind, this blocks the thread of the bus, which then accepts no more: publishers keep their
+/// messages.
 void LoopNode::Queue(Arrival arrival) {
   {
     std::unique_lock lock(mutex_);
-    // Without a map nothing could be done with them, and it is the bus that brings it.
+    // Do not block before the first map: the worker cannot start without it, and it arrives through this thread.
     changed_.wait_for(lock, kHold, [this] { return stopping_ || !camera_ || arrivals_.size() < kMostArrivals; });
     arrivals_.push_back(std::move(arrival));
     CountWaiting(arrivals_.back(), 1);
@@ -110,7 +110,7 @@ void LoopNode::CheckUntilStopped() {
   }
 }
 
-/// What is known of features is told in the camera of the map: with another one nothing is known.
+/// Stored features are expressed in the camera of the map: a map with another camera starts without any.
 LoopService::Output LoopNode::Follow(const MapUpdate& update) {
   if (update.camera && *update.camera != map_camera_) Begin(*update.camera);
   return service_->OnUpdate(update);
@@ -143,7 +143,7 @@ void LoopNode::LeaveOldInFiles() {
   spdlog::warn("{}", CannotLeaveMemory());
 }
 
-/// What runs would undo the loop that is being told, or what has been adjusted already.
+/// A running adjustment would undo the loop that is being published, or one that is already in the map.
 void LoopNode::DropAdjustment(bool with_progress) {
   const std::lock_guard lock(mutex_);
   forgets_progress_ |= with_progress;

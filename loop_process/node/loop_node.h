@@ -26,11 +26,12 @@ class status_t;
 
 namespace plslam::loop {
 
-/// loop_process on the bus: keyframes, the map and requests of trackers in; loop closures and answers out.
+/// loop_process on the bus. Inputs: keyframes, the map and relocalisation requests. Outputs: loop closures and
+/// relocalisation results.
 ///
-/// One worker checks, in the order in which things came; another adjusts the whole map after a loop, so that checking
-/// goes on. A loop found meanwhile ends that adjustment; the one that follows begins where it was. Work waits for a
-/// map, which says what camera it is told in: so is everything that comes (`ToldIn`).
+/// One worker checks, in the order of arrival; another runs global bundle adjustments after loops, in parallel. A loop
+/// found meanwhile ends the adjustment; the next one starts from its progress. Work waits for a map, which determines
+/// the camera in which all arriving features are expressed (`ToldIn`).
 class LoopNode {
  public:
   LoopNode(bus::Process& process, const LoopOptions& options);
@@ -50,7 +51,7 @@ class LoopNode {
   void OnUpdate(MapUpdate update);
   void OnStatus(const status_t& message);
   void Queue(Arrival arrival);
-  /// `more` is 1 for an arrival that has come, -1 for one that is handled.
+  /// `more` is 1 for an arrival that is queued, -1 for one that leaves the queue.
   void CountWaiting(const Arrival& arrival, int more);
 
   // On the workers.
@@ -75,22 +76,22 @@ class LoopNode {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Arrival> arrivals_;        ///< bounded: see `Queue`
-  int64_t n_waiting_keyframes_ = 0;     ///< of the arrivals
+  int64_t n_waiting_keyframes_ = 0;     ///< among the arrivals
   std::optional<StereoCamera> camera_;  ///< of the first map
   std::optional<WholeMapProblem> adjustment_;
   bool stopping_ = false;
   std::atomic<bool> stop_adjustment_{false};
-  bool forgets_progress_ = false;  ///< the next adjustment begins anew
-  int64_t n_dropped_ = 0;          ///< adjustments, under way or not, for loops found meanwhile
+  bool forgets_progress_ = false;  ///< the next adjustment starts without the progress of earlier ones
+  int64_t n_dropped_ = 0;          ///< adjustments, running or queued, that a later loop made obsolete
 
-  // The checking worker's.
+  // Owned by the checking worker.
   StereoCamera map_camera_;
   std::optional<LoopService> service_;
   bool files_failed_ = false;
   int64_t n_loops_ = 0;
   int64_t n_answers_ = 0;
   int64_t n_found_ = 0;
-  int64_t n_failed_ = 0;  // the adjusting worker's
+  int64_t n_failed_ = 0;  // owned by the adjusting worker
   std::thread checker_;
   std::thread adjuster_;
   bus::KeyframeSubscriber keyframes_;

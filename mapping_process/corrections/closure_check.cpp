@@ -15,9 +15,9 @@
 namespace plslam::mapping {
 namespace {
 
-// Beyond this sums of squares of coordinates lose metres.
+// Beyond this, sums of squared coordinates lose accuracy of metres.
 constexpr double kFarthest_m = 1e7;
-// What is left of a unit quaternion after a message.
+// Tolerance of the norm of a unit quaternion after transmission.
 constexpr double kUnit = 1e-6;
 
 bool IsPose(const SE3& T) {
@@ -99,7 +99,7 @@ namespace {
 
 using Name = std::pair<int64_t, int64_t>;
 
-/// From the ids of a closure to those of a map.
+/// Maps keyframe ids of a closure to ids of this map.
 class Ids {
  public:
   Ids(const std::vector<KeyframeName>& names, const Map& map) {
@@ -109,13 +109,13 @@ class Ids {
       const auto here = by_name.find({name.session, name.session_keyframe_id});
       if (here != by_name.end()) ids_[name.keyframe_id] = here->second;
       const int64_t id_here = here != by_name.end() ? here->second : -1;
-      // One that was culled since has none; its id is still its own, as long as no other has it.
+      // A keyframe that was culled has no id here; its id in the closure remains valid unless another keyframe has it.
       differ_ =
           differ_ || (id_here != name.keyframe_id && (id_here >= 0 || map.FindKeyframe(name.keyframe_id) != nullptr));
     }
   }
 
-  /// A keyframe has another id here, or its id is that of another.
+  /// Whether a keyframe has another id in this map, or its id belongs to another keyframe.
   bool differ() const { return differ_; }
 
   std::optional<int64_t> Here(int64_t id) const {

@@ -9,35 +9,35 @@
 
 namespace plslam::mapping {
 
-/// The names that a map has given so far, and its version.
+/// Ids that a map has assigned so far, and its version.
 struct GivenNames {
   int64_t next_keyframe = 0;
   LandmarkIds next_landmark;
   int64_t version = 0;
-  /// The first one that has the last loop in it, or what brought two parts together.
+  /// The version in which the map last applied a loop or joined two parts.
   int64_t structural_version = 0;
 };
 
-/// Why a correction cannot be one of this map, in a sentence; empty where it can. Names of what has been removed
-/// since are no fault, names that were never given are; so are poses that are none, a correction of which nothing is
-/// left, and one of the map as it was before a loop or before two parts came together, which it would undo. A version
-/// of 0 says nothing: of another map.
+/// Returns in one sentence why a correction cannot be applied to this map; empty if it can. Accepts ids of what was
+/// removed since. Rejects ids that were never assigned, invalid poses, a correction none of whose keyframes is left,
+/// and one computed before the last structural correction, which it would undo. Version 0 means another map, and is
+/// not compared.
 std::string WhyNotOfMap(const LoopClosure& closure, const GivenNames& given, const Map& map);
 
-/// What is known of the ids of the map that a correction was computed on.
+/// Whether a correction was computed with the ids of this map.
 enum class MapIds {
-  kPerhapsSame,  ///< the names of the keyframes tell
-  kOthers,       ///< those of landmarks are others, whatever the names tell
+  kPerhapsSame,  ///< unknown: compare the names of the keyframes
+  kOthers,       ///< landmark ids differ, whatever the names of the keyframes are
 };
 
-/// A correction in the ids of this map. It may have been computed on the map of a mapping_process that has died, and
-/// the one in its place, which heard the same keyframes again, perhaps numbers them in another order: sessions and
-/// numbers there tell which is which. Where none differs, the correction as it is: also with keyframes that were
-/// culled since, whose ids are given to no other.
+/// Re-expresses a correction in the ids of this map. It may have been computed on the map of a mapping_process that
+/// has exited; a restarted one, which receives the same keyframes again, may number them in another order. Keyframes
+/// are identified by session and number within it. If no id differs, the correction is returned unchanged, including
+/// culled keyframes, whose ids are not assigned again.
 ///
-/// Where one differs, or landmarks do, edges and poses of keyframes that the map does not have, or that bear no name,
-/// are left out; and, since landmarks bear no names, all pairs of them and the version: what they would have joined
-/// is found by projection.
+/// If a keyframe id differs, or landmark ids do, edges and poses of keyframes that are unnamed or not in the map are
+/// dropped; so are the version and all pairs of landmarks, because landmarks have no names: guided matching by
+/// projection finds these pairs instead.
 LoopClosure InIdsOf(const Map& map, const LoopClosure& closure, MapIds map_ids = MapIds::kPerhapsSame);
 
 }  // namespace plslam::mapping

@@ -13,10 +13,10 @@
 namespace plslam::mapping {
 namespace {
 
-// Keyframes of those that see a landmark with which it is tried to move; they are spread over its life.
+// Number of observing keyframes, spread over its observations, with each of which a landmark is moved in trial.
 constexpr size_t kTried = 4;
-// Growth of a landmark's error, in squared standard deviations over all its observations, that is nothing beside the
-// noise which the error is made of.
+// Growth of a landmark's error, in squared standard deviations summed over its observations, that is negligible
+// compared to measurement noise.
 constexpr double kUnnoticed = 1.0;
 
 using Poses = std::map<int64_t, SE3>;
@@ -24,7 +24,7 @@ using Poses = std::map<int64_t, SE3>;
 // A keyframe before and after a correction.
 struct Moved {
   const KeptFeatures* features = nullptr;
-  SE3 T_new_old;  // of w
+  SE3 T_new_old;  // displacement in the map frame
   SE3 T_kf_old_w;
   SE3 T_kf_w;
   bool moves = false;
@@ -75,7 +75,7 @@ void Place(int64_t id, const MapLine& place, Map& map) {
   map.SetSegment(id, place.segment_w, place.covariance_p, place.covariance_q);
 }
 
-// Calls visit(i) for each i below n, in any order, on several threads at once.
+// Calls visit(i) for each i below n, in any order, on several threads.
 template <class Visit>
 void ForEachOnAllProcessors(size_t n, const Visit& visit) {
   const size_t n_threads = std::clamp(std::thread::hardware_concurrency(), 1U, 8U);
@@ -88,7 +88,7 @@ void ForEachOnAllProcessors(size_t n, const Visit& visit) {
   for (std::future<void>& other : others) other.get();
 }
 
-// How the keyframes that see a landmark move.
+// Displacements of the keyframes that observe a landmark.
 std::vector<const Moved*> MovesOfObservations(const std::vector<Observation>& observations, const Moves& moves) {
   std::vector<const Moved*> of_observations;
   of_observations.reserve(observations.size());
@@ -106,7 +106,7 @@ class Corrected {
     landmarks.reserve(Type::Landmarks(map).size());
     const auto moved = [&moves](const Observation& observation) { return moves.at(observation.keyframe_id).moves; };
     for (const auto& [id, landmark] : Type::Landmarks(map)) {
-      // What only one keyframe sees goes with it, and nothing changes.
+      // A landmark with one observation moves with its keyframe: its error does not change.
       if (landmark.observations.size() < 2) continue;
       if (std::any_of(landmark.observations.begin(), landmark.observations.end(), moved))
         landmarks.push_back(&landmark);
@@ -120,7 +120,7 @@ class Corrected {
     });
   }
 
-  // After the map has been moved: what is seen worse than before goes where it is seen best. Returns which.
+  // Called after the map has moved: places landmarks whose error has grown where it is least. Returns their ids.
   std::vector<int64_t> PlaceWhatIsSeenWorse() {
     std::vector<std::optional<Landmark>> better(before_.size());
     std::vector<std::vector<int64_t>> impossible(before_.size());
@@ -168,7 +168,8 @@ class Corrected {
     return sum;
   }
 
-  // Where it is, or where one of those that see it would have taken it; the newest of equals.
+  // Chooses between the current position and those of moving rigidly with one of the observers, by the summed squared
+  // error; the newest of equal ones.
   Landmark BestPlace(const Landmark& now, const Landmark& before, const std::vector<const Moved*>& moves) const {
     const size_t tried = std::min(moves.size(), kTried);
     Landmark best = now;
@@ -197,7 +198,7 @@ std::map<int64_t, SE3> PosesAfter(const std::vector<CorrectedPose>& corrected, c
   Poses named;
   for (const CorrectedPose& pose : corrected) named[pose.keyframe_id] = pose.T_w_kf;
   Poses poses;
-  // Parents and predecessors are older, so each finds what carries it in its place.
+  // Parents and predecessors are older, so their poses are known here.
   for (const auto& [id, keyframe] : map.keyframes()) {
     if (const auto found = named.find(id); found != named.end()) {
       poses[id] = found->second;

@@ -11,16 +11,15 @@
 
 namespace plslam::mapping {
 
-/// Where each keyframe lies after a correction; keyframes that it does not move are missing. Named ones lie where it
-/// says. Others (newer than the map it was computed on) keep their pose relative to their parent in the spanning
-/// tree or, where only that one is named, to the keyframe before; and so on from keyframe to keyframe.
+/// Returns the pose of each keyframe after a correction; keyframes that do not move are missing. Listed keyframes get
+/// the listed pose. Others (newer than the map on which it was computed) keep their pose relative to their parent in
+/// the spanning tree or, if only that one is listed, to their predecessor; and recursively from these.
 std::map<int64_t, SE3> PosesAfter(const std::vector<CorrectedPose>& corrected, const Map& map);
 
-/// Moves keyframes, and each landmark with its anchor (`Map::Move`). A landmark that the keyframes which see it then
-/// see worse than before, because they have moved differently, goes with the one that leaves it where all of them see
-/// it best: so landmarks that keyframes of both sides of a loop see go with the side that knows them better.
-/// Observations that have become impossible (behind the camera) are dropped. Returns the landmarks that were seen
-/// worse than before.
+/// Moves keyframes, and each landmark with its anchor (`Map::Move`). If the reprojection error of a landmark grows,
+/// because its observing keyframes have moved differently, it moves with the one of them that minimises its summed
+/// squared error: landmarks seen from both sides of a loop follow the side that determines them better. Drops
+/// observations that have become impossible (behind the camera). Returns the landmarks whose error had grown.
 LandmarksNamed MoveKeyframes(const std::map<int64_t, SE3>& poses, const KeyframeFeatures& features,
                              const StereoCamera& camera, Map& map);
 

@@ -9,13 +9,13 @@
 namespace plslam::mapping {
 namespace {
 
-/// A keyframe of the map in the place of one that was culled, and how the two lie to each other.
+/// A keyframe of the map that replaces a culled one, and their relative pose.
 struct Substitute {
   int64_t keyframe_id = -1;
   SE3 T_substitute_culled;
 };
 
-/// The next keyframe of its session, on the way from one to the other: nearer ones may belong to the other end.
+/// Returns the keyframe of the session with the nearest number; keyframes near in space may belong to the other end.
 const MapKeyframe* NextInSession(const KeyframeName& culled, const Map& map) {
   const MapKeyframe* next = nullptr;
   const auto steps = [&](const MapKeyframe& keyframe) {
@@ -37,7 +37,7 @@ std::optional<Substitute> SubstituteOf(int64_t culled_id, const LoopClosure& clo
   return Substitute{next->id, next->T_w_kf.Inverse() * pose->T_w_kf};
 }
 
-/// With its old end, should that have been culled, on another keyframe. (The covariance is of the other end.)
+/// Replaces a culled old end by another keyframe. (The covariance is expressed at the other end and does not change.)
 std::optional<LoopEdge> FromKeyframeOfMap(LoopEdge edge, const LoopClosure& closure, const Map& map) {
   if (map.FindKeyframe(edge.old_keyframe_id) != nullptr) return edge;
   const auto substitute = SubstituteOf(edge.old_keyframe_id, closure, map);

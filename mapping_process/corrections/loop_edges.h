@@ -8,12 +8,12 @@
 
 namespace plslam::mapping {
 
-/// The same edge from its other end.
+/// Returns the same edge with its ends exchanged.
 LoopEdge Reversed(const LoopEdge& edge);
 
-/// The edges of a loop as a map can keep them: of two of its keyframes, the older first. An end that was culled since
-/// the loop was found is replaced by the next keyframe of its session; the map's keyframes already lie where the
-/// correction puts them. An edge of which both ends would be one, or of whose end nothing is said, is left out.
+/// Returns the edges of a loop between keyframes of the map, the older one first. An end that was culled since the
+/// loop was found is replaced by the next keyframe of its session; the map's keyframes are already at their corrected
+/// poses. Omits edges whose ends coincide, and edges whose culled end has no name or pose in the closure.
 std::vector<LoopEdge> EdgesInMap(const LoopClosure& closure, const Map& map);
 
 }  // namespace plslam::mapping

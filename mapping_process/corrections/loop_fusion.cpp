@@ -10,12 +10,12 @@
 namespace plslam::mapping {
 namespace {
 
-// Keyframes of each side: what the loop's own two do not see, their best neighbours do.
+// Keyframes of each side: neighbours see landmarks that the two ends of the loop do not see.
 constexpr size_t kSide = 10;
-// The sides fit less well than neighbours do: the pose graph knows only the keyframes.
-constexpr double kRadius = 2.0;  // of the one for neighbours
+// The pose graph aligns keyframes only, so landmarks of the two sides agree less well than those of neighbours.
+constexpr double kRadius = 2.0;  // relative to the radius for neighbours
 
-// Neighbour by neighbour, the best of each first.
+// Breadth-first over neighbours, the best of each keyframe first.
 std::vector<int64_t> Around(int64_t keyframe_id, int min_shared, const Map& map) {
   std::vector<int64_t> ids{keyframe_id};
   for (size_t i = 0; i < ids.size(); ++i) {
@@ -52,7 +52,7 @@ void MergeOneWay(const std::vector<int64_t>& to, const std::vector<int64_t>& fro
   }
 }
 
-// An older parent keeps the tree a tree.
+// Choosing an older parent avoids cycles in the spanning tree.
 void HangOn(int64_t keyframe_id, Map& map) {
   MapKeyframe keyframe = *map.FindKeyframe(keyframe_id);
   if (keyframe.parent_id >= 0) return;

@@ -30,7 +30,7 @@ void CountRedundant(int64_t keyframe_id, int min_others, const Map& map, Share& 
   }
 }
 
-// Without it the loop would be lost: nothing else may tie the places that it joined.
+// Removing it would remove the loop, perhaps the only connection between the two places.
 bool IsEndOfLoop(int64_t id, const Map& map) {
   return std::any_of(map.loops().begin(), map.loops().end(),
                      [id](const LoopEdge& loop) { return loop.old_keyframe_id == id || loop.keyframe_id == id; });
@@ -45,7 +45,7 @@ bool IsRedundant(const MapKeyframe& keyframe, const CullingOptions& options, con
   return share.landmarks > 0 && share.redundant >= options.redundant_share * share.landmarks;
 }
 
-// The keyframe after one that goes is tied to the one before it.
+// Connects the successor of a removed keyframe with its predecessor.
 void BridgeOver(int64_t id, Map& map) {
   const MapKeyframe gone = *map.FindKeyframe(id);
   for (const auto& [next_id, keyframe] : map.keyframes()) {

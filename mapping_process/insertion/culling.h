@@ -11,14 +11,14 @@
 
 namespace plslam::mapping {
 
-/// Recent landmarks: those younger than some keyframes of their session (PL-SLAM §V.B). Keyframes of other sessions,
-/// which may be elsewhere, say nothing about them.
+/// Landmarks under recent-landmark culling: created a few keyframes of their session ago (PL-SLAM §V.B). Keyframes of
+/// other sessions do not count, because they may be elsewhere.
 class RecentLandmarks {
  public:
-  /// Landmarks that came with the next keyframe of the session.
+  /// Adds landmarks created with the next keyframe of the session.
   void Begin(const NewLandmarks& landmarks, int64_t session);
 
-  /// Ends the checks that are due: landmarks that too few keyframes have seen go.
+  /// Finishes the checks that are due: removes landmarks seen by too few keyframes.
   void Cull(const CullingOptions& options, Map& map);
 
   template <class Archive, class Self>
@@ -28,7 +28,7 @@ class RecentLandmarks {
 
  private:
   struct Session {
-    int64_t begun = 0;  ///< checks: one with each keyframe
+    int64_t begun = 0;  ///< number of checks begun, one with each keyframe
     std::map<int64_t, NewLandmarks> by_keyframe;
 
     template <class Archive, class Self>
@@ -39,12 +39,13 @@ class RecentLandmarks {
   std::map<int64_t, Session> sessions_;
 };
 
-/// A keyframe goes with its features, and the one after it in its session is tied to the one before it.
+/// Removes a keyframe and its features, and connects its successor in the session with its predecessor.
 void TakeOut(int64_t keyframe_id, KeyframeFeatures& features, Map& map);
 
-/// Of `candidates` those whose landmarks others see as well: each at least `redundant_observations` others, for a
-/// share of `redundant_share`. The first keyframe of the map and of a session is never redundant, nor is the end of a
-/// loop. One after the other is taken out, so that what is left is judged by what is left.
+/// Removes redundant keyframes among `candidates` and returns their ids. A keyframe is redundant if a share of
+/// `redundant_share` of its landmarks is seen by at least `redundant_observations` others. The first keyframe of the
+/// map and of a session is never redundant, nor is the end of a loop. Keyframes are removed one by one, so each check
+/// counts the remaining ones only.
 std::vector<int64_t> RemoveRedundantKeyframes(const std::vector<int64_t>& candidates, const CullingOptions& options,
                                               KeyframeFeatures& features, Map& map);
 

@@ -7,7 +7,7 @@
 namespace plslam::mapping {
 namespace {
 
-// Two landmarks are one where their distance is within so many standard deviations of either measurement.
+// Squared gate: two landmarks are the same if their distance is within four standard deviations of both together.
 constexpr double kSamePlaceSigmas2 = 16.0;
 
 bool Within(const Eigen::Vector3d& difference, const Eigen::Matrix3d& covariance) {
@@ -15,12 +15,12 @@ bool Within(const Eigen::Vector3d& difference, const Eigen::Matrix3d& covariance
   return solved.allFinite() && difference.dot(solved) <= kSamePlaceSigmas2;
 }
 
-// `slack` is a variance on top.
+// `slack` is an additional variance in m^2, on each axis.
 bool SamePlace(const MapPoint& a, const MapPoint& b, double slack) {
   return Within(a.p_w - b.p_w, a.covariance.matrix() + b.covariance.matrix() + slack * Eigen::Matrix3d::Identity());
 }
 
-// Across the line only: segments of one edge are cut differently.
+// Compares across the line only, because detectors cut the same edge differently.
 bool SamePlace(const MapLine& a, const MapLine& b, double slack) {
   const Eigen::Vector3d along = (a.segment_w.q - a.segment_w.p).normalized();
   const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - along * along.transpose();
@@ -33,7 +33,7 @@ bool SamePlace(const MapLine& a, const MapLine& b, double slack) {
 Eigen::Vector3d Middle(const MapPoint& point) { return point.p_w; }
 Eigen::Vector3d Middle(const MapLine& line) { return 0.5 * (line.segment_w.p + line.segment_w.q); }
 
-// Landmarks of one keyframe that another does not see.
+// Landmarks of one keyframe that another does not observe.
 template <class Type>
 std::vector<int64_t> UnseenBy(int64_t other_id, int64_t keyframe_id, const Map& map) {
   std::vector<int64_t> ids = Type::Of(map, keyframe_id);
@@ -41,7 +41,7 @@ std::vector<int64_t> UnseenBy(int64_t other_id, int64_t keyframe_id, const Map& 
   return ids;
 }
 
-// `spread_m` is the standard deviation of one metre's depth.
+// `spread_m` is the additional standard deviation at a distance of one metre.
 template <class Type>
 void Merge(const std::vector<LandmarkFeature>& found, int64_t keyframe_id, double spread_m,
            const KeyframeFeatures& features, Map& map) {

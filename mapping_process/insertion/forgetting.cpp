@@ -11,12 +11,12 @@ namespace plslam::mapping {
 namespace {
 
 constexpr double kLeastStep_m = 1e-3;
-// Views whose axes differ by less show the same.
+// Largest angle between the optical axes of views of the same scene.
 constexpr double kSameWay_deg = 15.0;
-// Of the distance between keyframes: from there on a camera has left a place.
+// Distance at which a camera has left a place, relative to the step between keyframes.
 constexpr double kElsewhere = 3.0;
 
-// Median of the motions between keyframes.
+// Median length of the motions between consecutive keyframes.
 double Step_m(const Map& map) {
   std::vector<double> steps_m;
   for (const auto& [id, keyframe] : map.keyframes()) {
@@ -32,7 +32,7 @@ double Distance_m(const MapKeyframe& a, const MapKeyframe& b) {
   return (a.T_w_kf.translation() - b.T_w_kf.translation()).norm();
 }
 
-// Keyframes by where they are, in cells as wide as one may be from another that it replaces.
+// Grid of keyframes by position; a cell is as wide as the largest distance between a keyframe and its replacement.
 class KeyframePlaces {
  public:
   KeyframePlaces(const Map& map, double near_m) : map_(map), near_m_(near_m) {
@@ -48,7 +48,7 @@ class KeyframePlaces {
     for (int64_t i = 0; i < 27; ++i) {
       const auto beside = cells_.find({cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1, cell[2] + i / 9 - 1});
       if (beside == cells_.end()) continue;
-      // The newest last.
+      // Ids ascend: start from the newest.
       for (auto id = beside->second.rbegin(); id != beside->second.rend() && *id > keyframe.id; ++id) {
         const MapKeyframe& newer = *map_.FindKeyframe(*id);
         const bool is_later = newer.session != keyframe.session || newer.id > left_id;
@@ -68,7 +68,7 @@ class KeyframePlaces {
     return cell;
   }
 
-  // The first keyframe of the session behind this one that is elsewhere.
+  // Id of the first later keyframe of the session that is elsewhere, or the largest integer.
   int64_t LeftAt(const MapKeyframe& keyframe) const {
     const std::vector<int64_t>& session = sessions_.at(keyframe.session);
     const auto is_elsewhere = [&](int64_t id) {

@@ -10,12 +10,12 @@
 
 namespace plslam::mapping {
 
-/// Keyframes that a map gives up so that no more than `max_keyframes` are left, in the order in which they should go.
+/// Returns the keyframes to remove so that at most `max_keyframes` are left, in the order of removal.
 ///
-/// The oldest of those that a keyframe of a later visit replaces: one that is as near as keyframes of the map
-/// follow each other, looks the same way, and came after the camera had left the place, or with another session.
-/// So a robot that stays in one building keeps a view of every place, each the newest one. Where no keyframe is
-/// replaced, the oldest of all. `is_kept` says which stay in any case; then more than `max_keyframes` may be left.
+/// First the oldest of those replaced by a later visit: by a keyframe at most one step between keyframes away, with a
+/// similar viewing direction, of another session or made after the camera had left the place. A robot that stays in
+/// one building thus keeps the newest view of every place. Then the oldest of all others. Keyframes for which `is_kept`
+/// is true are never removed; more than `max_keyframes` may then be left.
 std::vector<int64_t> KeyframesToForget(const Map& map, size_t max_keyframes,
                                        const std::function<bool(const MapKeyframe&)>& is_kept);
 

@@ -8,7 +8,7 @@
 namespace plslam::mapping {
 namespace {
 
-// Shorter ones have no direction, and no matcher takes them.
+// Shorter segments have no usable direction, and matchers reject them.
 constexpr double kMinLength_px = 1.0;
 
 bool IsSure(double disparity_px, double sigma_disparity_px, const InsertionOptions& options) {

@@ -10,13 +10,13 @@
 
 namespace plslam::mapping {
 
-/// Names for new landmarks: 0, 1, 2, ... of each feature type.
+/// Next ids of new landmarks: 0, 1, 2, ... for each feature type.
 struct LandmarkIds {
   int64_t next_point = 0;
   int64_t next_line = 0;
 };
 
-/// Landmarks that came with a keyframe.
+/// Ids of the landmarks created with a keyframe.
 struct NewLandmarks {
   std::vector<int64_t> points;
   std::vector<int64_t> lines;
@@ -27,8 +27,8 @@ struct NewLandmarks {
   }
 };
 
-/// A landmark for each feature of the keyframe that shows none and has a depth sure enough, with its uncertainty.
-/// Segments without length make none.
+/// Creates a landmark, with its covariance, for each feature of the keyframe that observes none and whose depth is
+/// accurate enough. Skips segments without length.
 NewLandmarks CreateLandmarks(int64_t keyframe_id, const FeaturesView& features, const StereoCamera& camera,
                              const InsertionOptions& options, LandmarkIds& ids, Map& map);
 

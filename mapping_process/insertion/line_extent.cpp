@@ -11,15 +11,15 @@ namespace plslam::mapping {
 namespace {
 
 constexpr double kBorder_px = 12.0;
-// Along the segment, in lengths of it: how far one adjustment may move an end, and how short it may become.
+// Relative to the segment's length: largest movement of an end in one call, and least remaining length.
 constexpr double kMaxStep = 1.0;
 constexpr double kMinRest = 0.2;
 
-/// Where the views end, along the line p + s (q - p).
+/// Ends of the observed segments, as parameter s of the line p + s (q - p).
 struct Ends {
-  std::vector<double> at_p;  ///< where views saw it end
+  std::vector<double> at_p;  ///< observed endpoints
   std::vector<double> at_q;
-  std::vector<double> beyond_p;  ///< where the image ended first
+  std::vector<double> beyond_p;  ///< cut off by the image border
   std::vector<double> beyond_q;
 };
 
@@ -42,15 +42,15 @@ Ends CollectEnds(const MapLine& line, const KeyframeFeatures& features, const St
   return ends;
 }
 
-// The outermost place that two views reach (one, where there is one only), in the direction of larger values.
+// Returns the second largest value, the largest that two views confirm; the only one if there is one.
 std::optional<double> Outermost(std::vector<double> reached) {
   if (reached.empty()) return std::nullopt;
   std::sort(reached.begin(), reached.end(), std::greater<>());
   return reached[std::min<size_t>(1, reached.size() - 1)];
 }
 
-// Ends that were seen, and ends that are further out than those though the image ended there. Where the image ended
-// every time, the segment goes at least as far as it does now.
+// Combines observed endpoints with cut-off ones that lie farther out. If all are cut off, the segment keeps at least
+// its extent.
 std::optional<double> EndOf(std::vector<double> seen, const std::vector<double>& beyond, double now) {
   const auto end = Outermost(seen);
   if (!end && !beyond.empty()) return std::max(now, *Outermost(beyond));

@@ -9,9 +9,9 @@
 
 namespace plslam::mapping {
 
-/// Sets the endpoints of lines anew where the keyframes that see them have seen them end: each view's ends are laid
-/// onto the infinite line, and an end holds where a second view confirms it. Ends at the border of an image say only
-/// that the segment goes at least so far. The line itself does not move.
+/// Updates the endpoints of line landmarks from all their observations: the endpoints of each view are projected onto
+/// the infinite 3D line, and the outermost one that a second view confirms is taken. Endpoints at the image border are
+/// lower bounds of the extent. The infinite line does not move.
 void ExtendAndTrim(const std::vector<int64_t>& line_ids, const KeyframeFeatures& features, const StereoCamera& camera,
                    Map& map);
 

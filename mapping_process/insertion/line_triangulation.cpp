@@ -22,7 +22,7 @@ Eigen::Vector3d Ray(const Eigen::Vector2d& px, const SegmentView& view, const St
          Eigen::Vector3d((px.x() - camera.cx_px) / camera.f_px, (px.y() - camera.cy_px) / camera.f_px, 1.0);
 }
 
-// Unit normal, in w, of the plane through the camera and the segment.
+// Unit normal, in the map frame, of the plane through the camera centre and the segment.
 Eigen::Vector3d PlaneNormal(const SegmentView& view, const StereoCamera& camera) {
   return Ray(view.segment.p, view, camera).cross(Ray(view.segment.q, view, camera)).normalized();
 }
@@ -38,8 +38,8 @@ bool Overlap(const Segment3& segment_w, const SegmentView& view, const StereoCam
   return shared >= kMinOverlap * std::min(1.0, *s_q - *s_p);
 }
 
-// Where the plane of `second` cuts the ray of a pixel of `first`, at a depth of `depth_m`: the pixel's error slides
-// the place along that plane, the plane's error moves it along the ray.
+// Covariance of the intersection of a pixel's ray in `first`, at depth `depth_m`, with the plane of `second`: the
+// pixel's error moves it within that plane, the plane's error along the ray.
 Eigen::Matrix3d EndpointCovariance(const Eigen::Vector2d& px, double depth_m, const SegmentView& first,
                                    const SegmentView& second, const StereoCamera& camera) {
   const Eigen::Vector3d ray = Ray(px, first, camera);
@@ -55,7 +55,7 @@ Eigen::Matrix3d EndpointCovariance(const Eigen::Vector2d& px, double depth_m, co
   return by_pixel * by_pixel.transpose() + by_plane * by_plane.transpose();
 }
 
-// Lines of a keyframe that show no landmark and have no depth of their own.
+// Marks the lines of a keyframe without landmark and without stereo depth.
 std::vector<char> WithoutDepth(int64_t keyframe_id, const FeaturesView& features, const Map& map) {
   std::vector<char> eligible;
   for (int32_t i = 0; i < static_cast<int32_t>(features.lines.size()); ++i) {
@@ -94,7 +94,7 @@ std::vector<int64_t> NeighbourIds(int64_t keyframe_id, const Map& map) {
   return ids;
 }
 
-/// Two segments that look alike, of the new keyframe and of a neighbour.
+/// Two segments with similar descriptors, of the new keyframe and of a neighbour.
 struct LikePair {
   Observation own;
   Observation other;
@@ -127,7 +127,7 @@ MapLine MakeLandmark(int64_t id, const TriangulatedLine& triangulated, const Obs
   return line;
 }
 
-// Other keyframes that see the line where it should be, as a segment that shows nothing else.
+// Adds observations of other keyframes: unassociated segments near the projected line.
 void AddObservationsOfOthers(int64_t line_id, const std::vector<int64_t>& keyframes, const KeyframeFeatures& features,
                              const StereoCamera& camera, const MappingOptions& options, Map& map) {
   for (const int64_t id : keyframes) {
@@ -180,7 +180,7 @@ std::vector<int64_t> TriangulateLines(int64_t keyframe_id, const KeyframeFeature
       map.Put(MakeLandmark(id, *triangulated, pair.own, features));
       AddObservation<LineType>(id, pair.other, features, map);
       AddObservationsOfOthers(id, neighbours, features, camera, options, map);
-      // Two views agree on any line whose planes meet: a third one tells.
+      // Any two viewing planes that meet define a line; a third view must confirm it.
       if (map.FindLine(id)->observations.size() >= kMinObservations) {
         created.push_back(id);
       } else {

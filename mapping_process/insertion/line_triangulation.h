@@ -10,27 +10,28 @@
 
 namespace plslam::mapping {
 
-/// A segment seen from a keyframe.
+/// A segment observed in a keyframe.
 struct SegmentView {
   SE3 T_w_kf;
   Segment2 segment;
   double sigma_px = 1.0;
 };
 
-/// The part of a line in space that `first` sees, where its viewing plane meets that of `second`; covariances of the
-/// endpoints from the uncertainty of both. nullopt where the planes meet at less than `min_angle_rad`, the segment
-/// would be behind a camera, or the views do not overlap along it.
+/// The part of a 3D line that `first` observes, at the intersection of its viewing plane with that of `second`, with
+/// endpoint covariances from both.
 struct TriangulatedLine {
   Segment3 segment_w;
   Eigen::Matrix3d covariance_p = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d covariance_q = Eigen::Matrix3d::Zero();
 };
+/// Returns nullopt if the planes meet at less than `min_angle_rad`, the segment would be behind a camera, or the views
+/// do not overlap along it.
 std::optional<TriangulatedLine> TriangulateLine(const SegmentView& first, const SegmentView& second,
                                                 const StereoCamera& camera, double min_angle_rad);
 
-/// Landmarks from segments that have no depth from one pair (nearly parallel to the baseline): segments of the
-/// keyframe and of its neighbours that look alike are triangulated, and count where a third keyframe sees the result
-/// too.
+/// Creates landmarks from segments without stereo depth (nearly parallel to the baseline): triangulates pairs of
+/// segments of the keyframe and its neighbours with similar descriptors, and keeps those that a third keyframe
+/// observes, too. Returns their ids.
 std::vector<int64_t> TriangulateLines(int64_t keyframe_id, const KeyframeFeatures& features,
                                       const StereoCamera& camera, const MappingOptions& options, LandmarkIds& ids,
                                       Map& map);

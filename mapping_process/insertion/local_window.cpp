@@ -15,14 +15,14 @@
 namespace plslam::mapping {
 namespace {
 
-// Deviation from which nothing is known of a pose.
+// Standard deviation above which a pose counts as undetermined.
 constexpr double kUnknown_m = 100.0;
-// Keyframes at the beginning of a session whose surroundings are adjusted more widely where another session has been,
-// and how much more widely.
+// Number of first keyframes of a session whose local windows are widened if they contain another session, and the
+// factor of widening.
 constexpr int64_t kSeamKeyframes = 10;
 constexpr int kSeamFactor = 2;
 
-// Whether a session begins here among keyframes of another one: no motion ties it to them, landmarks alone do.
+// Whether a session begins among keyframes of another one: only landmarks connect them, no motion.
 bool IsSeam(std::span<const int64_t> keyframes, const Map& map) {
   const MapKeyframe& newest = *map.FindKeyframe(keyframes.front());
   return newest.session_keyframe_id < kSeamKeyframes &&
@@ -30,8 +30,8 @@ bool IsSeam(std::span<const int64_t> keyframes, const Map& map) {
                      [&](int64_t id) { return map.FindKeyframe(id)->session != newest.session; });
 }
 
-// Landmarks that at least two keyframes see, one of them free; where they, or the observations of them that a window
-// of this size may hold, are too many, those that most see.
+// Landmarks that at least two keyframes observe, one of them free. If they, or their observations in a window of this
+// size, exceed the maximum, those with most observations.
 template <class Type>
 std::vector<int64_t> SeenTwice(const std::vector<int64_t>& free, const Map& map, size_t window_size, int max_count,
                                int max_observations) {
@@ -61,8 +61,8 @@ std::vector<int64_t> FixedKeyframes(const std::vector<int64_t>& free, const std:
   return MostCounted(counts, max_count);
 }
 
-// Which keyframes of the window are constant: those behind the first `n_free`, and the first of the map. Where
-// nothing else holds the window in place, its oldest keyframe does.
+// Marks constant keyframes of the window: those after the first `n_free`, and the first of the map. If there are none,
+// the oldest is constant, to fix the gauge.
 std::vector<bool> ConstantOnes(const std::vector<int64_t>& keyframes, size_t n_free, const Map& map) {
   const int64_t first = map.keyframes().begin()->first;
   std::vector<bool> constant(keyframes.size());
@@ -74,14 +74,14 @@ std::vector<bool> ConstantOnes(const std::vector<int64_t>& keyframes, size_t n_f
   return constant;
 }
 
-// Whether a landmark that is not adjusted goes with this keyframe: the newest that sees it.
+// Whether a landmark that is not adjusted moves with this keyframe, its newest observer.
 template <class Landmark>
 bool GoesWith(const Landmark& landmark, int64_t keyframe_id, const std::vector<int64_t>& adjusted) {
   return landmark.observations.back().keyframe_id == keyframe_id &&
          !std::binary_search(adjusted.begin(), adjusted.end(), landmark.id);
 }
 
-// What is not adjusted itself keeps its place relative to its keyframe.
+// Landmarks that are not adjusted keep their position relative to their newest keyframe.
 void MoveOthers(int64_t keyframe_id, const SE3& T_new_old, const MapBundle& window, Map& map) {
   const Eigen::Matrix3d R = T_new_old.R();
   for (const int64_t id : PointType::Of(map, keyframe_id)) {
@@ -110,11 +110,11 @@ int DropOutliers(const MapBundle& window, const std::vector<int64_t>& ids, const
   return static_cast<int>(outliers.size());
 }
 
-// What an adjustment says of a pose of which nobody saw anything (`BundleResult`): next to nothing.
+// Whether the covariance is that of a pose without observations (`BundleResult`).
 bool IsUnknown(const Matrix6d& covariance) { return covariance.trace() > kUnknown_m * kUnknown_m; }
 
-// Covariances of the adjustment are relative to what was fixed; that has one of its own. A keyframe that took part by
-// its motion alone keeps what it had.
+// Covariances of the adjustment are relative to the constant keyframes: they are composed with the covariance of one
+// of these. A keyframe constrained by its motion alone keeps its covariance.
 void MoveKeyframes(const MapBundle& window, const BundleResult& result, Map& map) {
   const auto& poses = window.problem.poses;
   const auto fixed = std::find_if(poses.begin(), poses.end(), [](const BundlePose& pose) { return pose.fixed; });
@@ -184,7 +184,7 @@ AdjustmentFigures ApplyAdjustment(const MapBundle& window, const BundleResult& r
   figures.reprojection_before_px = result.before.point_px;
   figures.reprojection_after_px = result.after.point_px;
   MoveKeyframes(window, result, map);
-  // Zero says that no observation agreed: those stay as they were, with the uncertainty they had.
+  // A zero covariance marks a landmark without inliers: it keeps its position and covariance.
   for (size_t i = 0; i < window.points.size(); ++i) {
     if (result.point_covariances[i].isZero(0.0)) continue;
     map.SetPosition(window.points[i], result.points[i], result.point_covariances[i]);
@@ -193,7 +193,7 @@ AdjustmentFigures ApplyAdjustment(const MapBundle& window, const BundleResult& r
     if (result.line_p_covariances[i].isZero(0.0)) continue;
     map.SetSegment(window.lines[i], result.lines[i], result.line_p_covariances[i], result.line_q_covariances[i]);
   }
-  // Poses that were on their way tell no outliers; the next adjustment looks again.
+  // Before convergence residuals do not identify outliers; the next adjustment will.
   if (!result.converged) return figures;
   figures.n_outliers = DropOutliers<PointType>(window, window.points, result.point_inliers, features, map) +
                        DropOutliers<LineType>(window, window.lines, result.line_inliers, features, map);

@@ -20,7 +20,7 @@ const typename Type::Feature& FeatureAt(const KeyframeFeatures& features, const 
   return Type::Features(features.at(observation.keyframe_id))[static_cast<size_t>(observation.feature)];
 }
 
-/// The observation whose descriptor is nearest to all others, the newer one of equals.
+/// Returns the observation with the least sum of descriptor distances to all others, the newer one of equal ones.
 template <class Type>
 Observation MostRepresentative(const std::vector<Observation>& observations, const KeyframeFeatures& features) {
   if (observations.size() <= 2) return observations.back();
@@ -100,7 +100,7 @@ bool Fuse(int64_t a, int64_t b, const KeyframeFeatures& features, Map& map) {
   for (const Observation& observation : second->observations) {
     if (IsSeenBy(*first, observation.keyframe_id)) return false;
   }
-  // The place of the one that more keyframes have seen.
+  // Keeps the position of the landmark with more observations.
   typename Type::Landmark fused = first->observations.size() >= second->observations.size() ? *first : *second;
   fused.id = first->id;
   fused.observations = first->observations;
@@ -122,7 +122,7 @@ namespace {
 
 double Capped(double error) { return error < kMostObservationError ? error : kMostObservationError; }
 
-// Squared distance across the observed line of one image, in standard deviations.
+// Squared distance from the observed line in one image, in variances.
 double Across(const Segment2& observed, const Eigen::Vector2d& px, double sigma_px) {
   const double distance_px = LineThrough(observed).dot(px.homogeneous());
   return distance_px * distance_px / VarianceAcross(observed, px, sigma_px);

@@ -9,35 +9,34 @@
 
 namespace plslam::mapping {
 
-/// Names the landmark as the one that the feature of `observation` shows, unless its keyframe sees the landmark
-/// already or the feature shows another; then false. Its descriptor is chosen anew (PL-SLAM §V.A: the most
-/// representative one).
+/// Adds an observation to a landmark. Returns false if the keyframe already observes the landmark, or the feature
+/// another one. Selects the landmark's descriptor again (PL-SLAM §V.A: the most representative one).
 template <class Type>
 bool AddObservation(int64_t landmark_id, const Observation& observation, const KeyframeFeatures& features, Map& map);
 
-/// Takes an observation away; the landmark goes with its last one.
+/// Removes an observation, and the landmark with its last one.
 template <class Type>
 void DropObservation(int64_t landmark_id, int64_t keyframe_id, const KeyframeFeatures& features, Map& map);
 
-/// Makes one landmark of two, under the smaller id. False, and nothing done, where a keyframe sees them apart.
+/// Fuses two landmarks under the smaller id. Returns false and does nothing if one keyframe observes both.
 template <class Type>
 bool Fuse(int64_t a, int64_t b, const KeyframeFeatures& features, Map& map);
 
-/// How badly a feature agrees with the point it shows: squared distances in both images in standard deviations, at
-/// most `kMostObservationError`, which is also what a point behind the camera gives. Never a NaN.
+/// Returns the sum of squared residuals of a feature in both images, in variances, at most `kMostObservationError`,
+/// which is also the value for a point behind the camera. Never NaN.
 double ObservationError(const MapPoint& point, const StereoPoint& seen, const SE3& T_kf_w,
                         const StereoCamera& camera);
-/// Sibling: distances of the two ends from the infinite observed line.
+/// Sibling: uses the distances of the two endpoints from the infinite observed line.
 double ObservationError(const MapLine& line, const StereoLine& seen, const SE3& T_kf_w, const StereoCamera& camera);
 
 inline constexpr double kMostObservationError = 25.0;
 
-/// Whether the landmark appears within a few dozen pixels of the feature (of a line: of its middle, across): as far
-/// as a pose by the tracker may be off.
+/// Whether the landmark projects within a few dozen pixels of the feature (for a line: its middle, across the segment):
+/// the possible error of a pose from the tracker.
 bool IsNear(const MapPoint& point, const StereoPoint& seen, const SE3& T_kf_w, const StereoCamera& camera);
 bool IsNear(const MapLine& line, const StereoLine& seen, const SE3& T_kf_w, const StereoCamera& camera);
 
-/// Nothing of the landmark is in front of the camera: the keyframe cannot have seen it.
+/// Whether the whole landmark is behind the camera, so that the keyframe cannot observe it.
 bool IsBehind(const MapPoint& point, const SE3& T_kf_w, const StereoCamera& camera);
 bool IsBehind(const MapLine& line, const SE3& T_kf_w, const StereoCamera& camera);
 

@@ -9,9 +9,9 @@
 namespace plslam::mapping {
 namespace {
 
-// Keyframes after which a landmark of the tracker that no longer comes is forgotten; it drops them much sooner.
+// Keyframes after which an unobserved landmark of the tracker is forgotten; the tracker drops it much sooner.
 constexpr int64_t kRememberedKeyframes = 60;
-// Sessions, of which those that went on last are remembered.
+// Sessions that are remembered, the most recently active ones.
 constexpr size_t kRememberedSessions = 16;
 
 template <class Type, class Table>

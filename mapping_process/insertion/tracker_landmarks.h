@@ -10,21 +10,21 @@
 
 namespace plslam::mapping {
 
-/// Landmarks of the tracker (by session and its ids) and the landmarks of the map they became.
+/// Maps the tracker's landmarks (by session and tracker id) to landmarks of the map.
 class TrackerLandmarks {
  public:
-  /// What the tracker says of the features: landmarks it was given, and those of its own that earlier keyframes
-  /// brought.
+  /// Returns the associations of the features by the tracker: with landmarks of the map that it received, and with its
+  /// own landmarks that earlier keyframes brought.
   Association Associations(const Keyframe& keyframe, const Map& map) const;
 
-  /// Landmarks that the tracker was given by the map, whatever its own say.
+  /// Returns only the associations with landmarks of the map that the tracker received.
   static Association Given(const Keyframe& keyframe, const Map& map);
 
-  /// Landmarks of the map that the keyframe takes back.
+  /// Returns the landmarks of the map that the keyframe withdraws.
   std::vector<int64_t> WithdrawnPoints(const Keyframe& keyframe) const;
   std::vector<int64_t> WithdrawnLines(const Keyframe& keyframe) const;
 
-  /// Remembers which landmarks the features of a keyframe turned out to show, and forgets what was not seen for long.
+  /// Stores the final landmarks of a keyframe's features, and forgets those not observed for long.
   void Learn(const Keyframe& keyframe, const Map::FeatureLandmarks& shown);
 
   template <class Archive, class Self>
@@ -36,7 +36,7 @@ class TrackerLandmarks {
   /// Landmarks of one feature type.
   class Table {
    public:
-    /// -1 where it is not known.
+    /// Returns -1 if unknown.
     int64_t Find(int64_t tracker_id) const;
     void Learn(const std::vector<int64_t>& tracker_ids, const std::vector<int64_t>& shown, int64_t keyframe_id);
 
@@ -58,7 +58,7 @@ class TrackerLandmarks {
     void ForgetBefore(int64_t keyframe_id);
 
     std::map<int64_t, Entry> entries_;
-    /// By keyframe, so that forgetting looks at what is old only.
+    /// Tracker ids by keyframe, so that forgetting visits old ones only.
     std::map<int64_t, std::vector<int64_t>> shown_in_;
   };
   struct Session {
@@ -75,7 +75,7 @@ class TrackerLandmarks {
   const Session& SessionOf(const Keyframe& keyframe) const;
   void ForgetSessions();
 
-  /// Several robots may be at work at once.
+  /// By session, because several robots may be active.
   std::map<int64_t, Session> sessions_;
   int64_t n_learned_ = 0;
 };

@@ -45,7 +45,7 @@ bool KeyframeQueue::IsReady(const Session& session, double now_ms) {
   return number == session.next || now_ms - std::max(front.received_ms, session.taken_ms) >= kPatience_ms;
 }
 
-/// Sessions that stand behind another one of the same publisher; ascending.
+/// Returns the sessions that wait for another one of the same publisher, ascending.
 std::vector<int64_t> KeyframeQueue::Held() const {
   std::vector<int64_t> held;
   for (const auto& [publisher, told] : told_) {
@@ -73,7 +73,7 @@ std::optional<int64_t> KeyframeQueue::NextSession(double now_ms) const {
     std::optional<int64_t>& candidate = is_held ? next_of_held : next;
     if (IsReady(session, now_ms) && is_older(id, candidate)) candidate = id;
   }
-  // Publishers that contradict each other must not hold each other up for ever.
+  // If publishers name sessions in contradictory orders, all are held: ignore the order then.
   return all_held ? next_of_held : next;
 }
 

@@ -12,44 +12,43 @@
 
 namespace plslam::mapping {
 
-/// A keyframe of a map, which is told in `camera`, as its tracker sent it.
+/// Returns a keyframe of a map, whose features are expressed in `camera`, as its tracker would publish it.
 Keyframe KeyframeOf(const MapKeyframe& entry, const FeaturesView& features, const StereoCamera& camera,
                     const Map& map);
 
-/// Keyframes that wait to be inserted, each once and in the order of its session, whoever brings them: after a
-/// restart a session may be told by several publishers (the tracker that goes on with it, and one who tells of the
-/// dead), in any order and more than once.
+/// Keyframes to be inserted, each once and in the order of its session: after a restart several publishers may send
+/// the keyframes of a session (the tracker that continues it, and the history keeper), in any order and repeatedly.
 ///
-/// Of a session the next is the one behind the newest that was taken, 0 of a session that is not known. Where that is
-/// missing it is waited for, and then the session goes on with what there is. Between sessions the oldest keyframe
-/// goes first; but of what one publisher has told, a session that it spoke of first goes before the others, also
-/// where time goes back.
+/// Within a session the next keyframe is the successor of the last one taken, or 0 for an unknown session. If it is
+/// missing, the queue waits for it, and then continues with the next that has arrived. Between sessions the oldest
+/// keyframe goes first; but among sessions of one publisher the order of their first keyframes is kept, even if time
+/// stamps go back.
 ///
-/// No clock: times are given, all of one clock, ms.
+/// No clock: all times are arguments, in ms of one clock.
 class KeyframeQueue {
  public:
-  /// How long one that is missing is waited for, from when a later one has come and all before it are taken.
+  /// Time to wait for a missing keyframe, after a later one has arrived and all earlier ones are taken.
   static constexpr double kPatience_ms = 3000.0;
 
-  /// No session has more keyframes: one each millisecond for 49 days.
+  /// Largest keyframe number: one each millisecond for 49 days.
   static constexpr int64_t kLast = int64_t{1} << 32;
 
   struct Arrived {
     Keyframe keyframe;
     double received_ms = 0.0;
-    /// Keyframes of the session before it that have never come.
+    /// Number of missing keyframes of the session before it.
     int64_t missing = 0;
   };
 
-  /// These are taken, by session the newest.
+  /// Sets the newest keyframe taken of each session.
   void Restore(const std::map<int64_t, int64_t>& newest_by_session);
 
-  /// False for one that came before, from whomever, or that cannot be (beyond `kLast`).
+  /// Returns false for a keyframe that was added before, or with an impossible number (beyond `kLast`).
   bool Add(const Keyframe& keyframe, double now_ms);
 
-  /// The one whose turn it is; nullptr: there is none, or those before are waited for.
+  /// Returns the next keyframe; nullptr if there is none, or earlier ones are waited for.
   const Keyframe* Next(double now_ms) const;
-  /// Takes it; nullopt as above.
+  /// As `Next`, and removes it.
   std::optional<Arrived> Take(double now_ms);
 
   size_t size() const;
@@ -57,7 +56,7 @@ class KeyframeQueue {
  private:
   struct Session {
     int64_t next = 0;
-    double taken_ms = 0.0;  ///< when the last one was
+    double taken_ms = 0.0;  ///< time of the last `Take`
     std::map<int64_t, Arrived> waiting;
   };
 
@@ -66,7 +65,7 @@ class KeyframeQueue {
   std::optional<int64_t> NextSession(double now_ms) const;
 
   std::map<int64_t, Session> sessions_;
-  /// By publisher: sessions in the order in which it spoke of them.
+  /// By publisher: sessions in the order of their first keyframes.
   std::map<int64_t, std::vector<int64_t>> told_;
 };
 

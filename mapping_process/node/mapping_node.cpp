@@ -30,11 +30,11 @@ namespace plslam::mapping {
 namespace {
 
 constexpr std::chrono::milliseconds kTick(200);
-// After a restart, until nobody is taken to have more to tell of what was before.
+// After a restart, history counts as complete after this time without a message, at most after the second.
 constexpr double kHistoryQuiet_ms = 400.0;
 constexpr double kLongestHistory_ms = 5000.0;
 
-/// Numbers of keyframes, as sessions count them.
+/// Returns the newest keyframe number of each session.
 std::map<int64_t, int64_t> NewestBySession(const StoredMap& stored) {
   std::map<int64_t, int64_t> newest;
   for (const auto& [id, session] : stored.sessions) newest[id] = session.session_keyframe_id;
@@ -73,12 +73,12 @@ MappingNode::~MappingNode() {
   Queue([this] { stopping_ = true; });
   stop_solve_ = true;
   worker_.join();
-  // The state file is for a crash alone.
+  // The state file exists only after a crash: a clean exit removes it.
   std::error_code ignored;
   if (!options_.state_file.empty()) std::filesystem::remove(options_.state_file, ignored);
 }
 
-/// Changes what the worker looks at, and wakes it.
+/// Changes data shared with the worker, and wakes it.
 template <class Change>
 void MappingNode::Queue(const Change& change) {
   {
@@ -88,13 +88,13 @@ void MappingNode::Queue(const Change& change) {
   changed_.notify_one();
 }
 
-/// Without one there is nothing to begin with; the first keyframe says which it is.
+/// The map cannot begin without a camera; the first keyframe replaces it.
 void MappingNode::OnCamera(const RigCalibration& rig) {
   if (!camera_) Queue([&] { camera_ = Rectify(rig).camera; });
 }
 
 void MappingNode::OnKeyframe(const Keyframe& keyframe) {
-  if (keyframe.source == process_.bus().source()) return;  // of the map that was loaded
+  if (keyframe.source == process_.bus().source()) return;  // our own, of a loaded map
   Queue([&] {
     if (began_version_ != 0 && keyframe.map_began_version != began_version_) {
       process_.SetCounter("keyframes.other_map", static_cast<double>(++n_other_map_));
@@ -104,7 +104,7 @@ void MappingNode::OnKeyframe(const Keyframe& keyframe) {
     if (!queue_.Add(keyframe, now_ms)) return;
     arrived_ms_ = now_ms;
     process_.SetCounter("queue.keyframes", static_cast<double>(queue_.n_keyframes()));
-    // Under the lock: later it would end the solve for this very keyframe.
+    // Under the lock: after it, this could end the solve of this very keyframe.
     if (!keyframe.lockstep) stop_solve_ = true;
   });
 }
@@ -123,7 +123,7 @@ void MappingNode::OnStatus(const status_t& message) {
   queue_.OnSignOfLife(bus::NowS());
 }
 
-/// The worker looks again, too, whether it has waited long enough for what is missing.
+/// Wakes the worker, too, so that it checks its timeouts.
 void MappingNode::OnTick() {
   bool given_up = false;
   Queue([&] { given_up = queue_.GiveUp(bus::NowS()); });
@@ -135,7 +135,7 @@ void MappingNode::OnCommand(const command_t& message) {
   static constexpr std::array kObeyed = {command_verb::kSave, command_verb::kReset, command_verb::kLoad,
                                          command_verb::kLocalise};
   if (!order || std::find(kObeyed.begin(), kObeyed.end(), order->verb) == kObeyed.end()) return;
-  // The worker waits until then, and whoever asks should not.
+  // The worker does not run before a camera arrives; the sender of the command should not wait for that.
   if (!camera_) return bus::Answer(process_, *order, "no camera has been heard of, so there is no map");
   Queue([&] { queue_.Add(*order); });
 }
@@ -151,7 +151,7 @@ void MappingNode::WorkUntilStopped() {
   while (const std::optional<Work> work = NextWork()) Do(*work);
 }
 
-/// Once a camera is known.
+/// Called when a camera is known.
 void MappingNode::BeginMap() {
   if (restored_) return GoOnFromState();
   if (!stored_) {
@@ -167,7 +167,7 @@ void MappingNode::BeginMap() {
   LeaveOldInFiles();
 }
 
-/// The map first: trackers wait for it, and most of the others have the features.
+/// Publishes the map before the keyframes: trackers wait for it, and most other processes have the features.
 void MappingNode::GoOnFromState() {
   mapper_.emplace(*camera_, options_, *std::exchange(state_, std::nullopt));
   PublishWhole();
@@ -177,7 +177,7 @@ void MappingNode::GoOnFromState() {
   LeaveOldInFiles();
 }
 
-/// Those of the map, as trackers send them, for listeners that need their features.
+/// Publishes the keyframes of the map as trackers do, for listeners that need their features.
 void MappingNode::PublishKeyframes() {
   bus::KeyframePublisher publisher(process_.bus());
   for (const auto& [id, entry] : mapper_->map().keyframes()) {
@@ -193,8 +193,8 @@ void MappingNode::TellOfMap(const std::string& file) {
   CountMap();
 }
 
-/// After a restart. Of several publishers some answer sooner: work begins when nothing more has come for a while, or
-/// much later. What the dead have said of a keyframe is then here before anybody judges it anew.
+/// After a restart several publishers resend their history: waits until nothing has arrived for a while, or for a
+/// maximum time. Closures of the previous loop_process have then arrived before a keyframe is checked again.
 void MappingNode::AwaitHistories() {
   std::unique_lock lock(mutex_);
   if (!restored_ && queue_.n_waiting() == 0) return;
@@ -228,12 +228,12 @@ void MappingNode::Do(const Work& work) {
       mapper_->Commit();
       return Publish({});
     case Work::Kind::kAnswer:
-      // One that comes from a history, too, has its answer already.
+      // A closure resent from a history may have its answer already.
       if (IsAnswerTo(answer_, work.closure)) return;
       Answer(work.closure, work.accepted);
       return Publish({});
     case Work::Kind::kPublishWhole:
-      // Where nothing is there yet, the first update will be all there is.
+      // Before the first update there is nothing to publish; that update will be complete.
       if (mapper_->version() > 0) PublishWhole();
       return;
     case Work::Kind::kOrder:
@@ -281,7 +281,7 @@ void MappingNode::LeaveOldInFiles() {
   spdlog::warn("{}", CannotLeaveMemory());
 }
 
-/// Whatever camera has seen it, the map is told in its own: that of the first keyframe.
+/// Re-expresses the keyframe in the camera of the map, which is that of its first keyframe.
 bool MappingNode::InsertOne(const Keyframe& keyframe, std::string* reason) {
   if (mapper_->map().keyframes().empty()) mapper_->SetCamera(keyframe.camera);
   if (const std::optional<Keyframe> told = ToldIn(mapper_->camera(), keyframe)) return mapper_->Insert(*told, reason);
@@ -316,8 +316,8 @@ void MappingNode::Correct(const Work& work) {
   if (corrected) LeaveOldInFiles();
 }
 
-/// What was computed on the map of one that has died: versions are of that map. A map that is built anew in lockstep
-/// gives the same ids; a live one, where chance says what is inserted together, others to its landmarks.
+/// Re-expresses a closure of the map of another mapping_process, whose versions do not apply. A map rebuilt in lockstep
+/// has the same ids; a live one, in which timing decides what is inserted together, has other landmark ids.
 LoopClosure MappingNode::OfThisMap(const Work& work) const {
   if (work.closure.map_source == process_.bus().source()) return InIdsOf(mapper_->map(), work.closure);
   LoopClosure closure = InIdsOf(mapper_->map(), work.closure, work.lockstep ? MapIds::kPerhapsSame : MapIds::kOthers);
@@ -325,7 +325,7 @@ LoopClosure MappingNode::OfThisMap(const Work& work) const {
   return closure;
 }
 
-/// With the next update, and with each from then on.
+/// Publishes the answer with the next update, and with each one after it.
 void MappingNode::Answer(const LoopClosure& loop, bool accepted) {
   answer_ = {loop.session, loop.session_keyframe_id, loop.map_version, accepted};
 }
@@ -362,7 +362,7 @@ void MappingNode::CountFailures() {
   process_.SetCounter("adjustments.failed", static_cast<double>(n_failed_ = failures.count));
 }
 
-/// An order that cannot be carried out leaves everything as it was.
+/// An order that fails changes nothing.
 void MappingNode::Obey(const bus::Order& order) {
   try {
     if (order.verb == command_verb::kSave) Save(order.argument);
@@ -398,7 +398,7 @@ void MappingNode::SetLocaliseOnly(const std::string& argument) {
   mapper_->SetLocaliseOnly(argument == "on");
   spdlog::info("the map {}", mapper_->localise_only() ? "stays as it is from now on" : "grows from now on");
   Publish({});
-  // A process that is killed from now on starts again with it; the newest keyframe is committed (`WorkQueue::Take`).
+  // A process killed later restarts in this mode; the newest keyframe is committed here (`WorkQueue::Take`).
   if (!options_.state_file.empty()) KeepState();
 }
 
@@ -413,18 +413,18 @@ void MappingNode::Replace(MapperState next, const StereoCamera& camera) {
   mapper_.emplace(camera, options_, std::move(next));
   state_file_.BeginAnew();
   PublishWhole();
-  // Listeners hold features of unknown sessions in small number only: they must have the map first.
+  // Listeners keep few features of unknown sessions, so they must receive the map first.
   PublishKeyframes();
   CountMap();
   if (!options_.state_file.empty()) KeepState();
 }
 
-/// Before anything has come: what is in the map need not come again. A state that cannot be read is as good as none.
+/// Called before anything arrives: keyframes in the state need not be resent. An unreadable state is ignored.
 void MappingNode::ReadState() {
   if (options_.state_file.empty() || !std::filesystem::exists(options_.state_file)) return;
   try {
     state_ = ReadStateFile(options_.state_file);
-    // It comes once a second, which would be the longest part of a restart.
+    // Do not wait for the camera message, which comes once a second: it would be the longest part of a restart.
     camera_ = MapCamera(state_->stored, options_.state_file);
   } catch (const std::exception& error) {
     spdlog::warn("all is built anew from the history: {}", error.what());
@@ -436,14 +436,13 @@ void MappingNode::ReadState() {
   Know(state_->stored);
 }
 
-/// What is in the map is not waited for. Whoever speaks in the place of the dead says it again, without what was
-/// culled.
+/// Marks the keyframes of the map as inserted. The history keeper republishes them, except for culled ones.
 void MappingNode::Know(const StoredMap& stored) {
   const std::lock_guard lock(mutex_);
   queue_.Restore(NewestBySession(stored), stored.newest_session);
 }
 
-/// Where it cannot be written the process goes on; what a crash would cost is then more.
+/// If writing fails the process continues, with a higher cost of a crash.
 void MappingNode::KeepState() {
   try {
     mapper_->LendState([this](MapperState& state) {

@@ -28,20 +28,19 @@ class status_t;
 
 namespace plslam::mapping {
 
-/// mapping_process on the bus: keyframes and what loop_process says of them in, updates of the map out.
+/// mapping_process on the bus. Inputs: keyframes, loop closures, commands. Output: map updates.
 ///
-/// A worker owns the map, and takes from a queue what is to be done next (`WorkQueue`). A solve of a live stream ends
-/// early when a keyframe comes; of a lockstep stream each is adjusted to the end. Keyframes wait until a camera is heard
-/// of. Each comes with the camera that saw it, and is told in that of the map (`ToldIn`), which is that of its first
-/// keyframe.
+/// A worker owns the map and takes its next task from a queue (`WorkQueue`). A solve of a live session ends early when
+/// a keyframe arrives; in lockstep each runs to the end. Keyframes wait until a camera is known. Each comes with its
+/// own camera, and is re-expressed in that of the map (`ToldIn`), which is that of its first keyframe.
 ///
-/// Now and then, and before each new session, the state is written beside (`state_file`): one that is started again
-/// goes on exactly from there, takes from the histories of the others what came after, and so comes to the same map,
-/// of a lockstep stream bit for bit.
+/// The state is written periodically and before each new session (`state_file`): after a crash the process continues
+/// exactly from there, takes later messages from the histories of other processes, and so reaches the same map, in
+/// lockstep bit for bit.
 ///
-/// A saved map is read at the start, or by order; its keyframes are sent as if a tracker did, for listeners that need
-/// their features. Where another map takes the place of the one before ("load", "reset"), trackers begin new sessions,
-/// and keyframes of those before are left.
+/// A saved map is loaded at the start or by command; its keyframes are published as trackers do, for listeners that
+/// need their features. After another map has replaced the current one ("load", "reset"), trackers begin new sessions,
+/// and keyframes of earlier sessions are ignored.
 class MappingNode {
  public:
   MappingNode(bus::Process& process, const MappingOptions& options);
@@ -101,19 +100,19 @@ class MappingNode {
   std::mutex mutex_;
   std::condition_variable changed_;
   WorkQueue queue_;
-  /// As of the mapper: keyframes that are meant for another map are left.
+  /// `Mapper`'s; keyframes for another map are ignored.
   int64_t began_version_ = 0;
-  /// What the map begins with.
+  /// Camera with which the map begins.
   std::optional<StereoCamera> camera_;
   bool stopping_ = false;
-  /// When the last keyframe or closure came; the start, before that.
+  /// Time of the last keyframe or closure; the start before that.
   double arrived_ms_;
   std::atomic<bool> stop_solve_{false};
 
-  // The worker's.
+  // Owned by the worker.
   std::optional<StoredMap> stored_;
-  std::optional<MapperState> state_;  ///< of one that has crashed
-  bool restored_ = false;             ///< there was one
+  std::optional<MapperState> state_;  ///< of a previous process that crashed
+  bool restored_ = false;             ///< whether there was one
   StateFile state_file_;
   std::optional<Mapper> mapper_;
   LoopAnswer answer_;
@@ -122,7 +121,7 @@ class MappingNode {
   int64_t n_failed_ = 0;
   int64_t n_states_ = 0;
   bool state_failed_ = false;
-  int n_since_files_ = 0;  ///< keyframes, since old ones were left in files
+  int n_since_files_ = 0;  ///< keyframes since old features were moved to files
   bool files_failed_ = false;
   std::thread worker_;
   bus::CameraSubscriber camera_channel_;

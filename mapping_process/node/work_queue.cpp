@@ -39,7 +39,7 @@ void WorkQueue::Add(const LoopClosure& closure) {
   if (!options_.enabled) return;
   const auto restored = restored_.find(closure.session);
   if (restored != restored_.end() && closure.session_keyframe_id <= restored->second) return;
-  // Said again in the name of a loop_process that has died: one keyframe may have several answers, each of one map.
+  // Resent for a loop_process that has exited: one keyframe may have several closures, each of another map version.
   if (!answers_.insert(AnswerOf(closure)).second) return;
   closures_.push_back(closure);
   n_parts_ += PartsOf(closure);
@@ -51,7 +51,7 @@ WorkQueue::Answer WorkQueue::AnswerOf(const LoopClosure& closure) {
           static_cast<int>(closure.kind)};
 }
 
-/// Of those whose keyframe has not come; it may be said again.
+/// Drops the oldest closure whose keyframe has not arrived; it may be resent.
 void WorkQueue::DropOldest() {
   auto oldest = std::find_if(closures_.begin(), closures_.end(),
                              [this](const LoopClosure& closure) { return !IsInserted(closure); });
@@ -70,7 +70,7 @@ std::optional<WorkQueue::Work> WorkQueue::Take(double now_s) {
     work.kind = Work::Kind::kOrder;
     work.order = std::move(orders_.front());
     orders_.pop_front();
-    // A saved map accepts recent landmarks: a state from before would not know.
+    // Saving ends recent-landmark culling, so an older state no longer applies.
     saved_since_state_ = saved_since_state_ || saves;
     return work;
   }
@@ -96,9 +96,9 @@ std::optional<WorkQueue::Work> WorkQueue::Take(double now_s) {
   return work;
 }
 
-// Where all has been said about what is in the map: then what is said again after a crash can be told from what is
-// new. A new session, or another publisher of a known one, may mean that a tracker has died, and nobody else has its
-// keyframes.
+// A state is written when all keyframes in it are committed: messages resent after a crash can then be separated from
+// new ones. A new session, or another publisher of a known one, may follow the exit of a tracker, whose keyframes no
+// other process has.
 bool WorkQueue::IsStateDue(double now_s) const {
   if (state_every_ == 0 || !newest_.committed) return false;
   if (saved_since_state_) return true;
@@ -145,8 +145,8 @@ std::optional<WorkQueue::Work> WorkQueue::TakeClosure(double now_s) {
     work.lockstep = newest_.lockstep;
     closures_.erase(found);
     const bool commits = IsAboutNewest(work.closure) && !newest_.committed && !work.closure.more;
-    // Of lockstep there is one closure of each kind about a keyframe, until it is committed. More come where
-    // loop_process was started again, or was asked again by a mapping_process that was.
+    // In lockstep there is one closure of each kind about a keyframe until it is committed. More arrive if loop_process
+    // was restarted, or checked the keyframe again for a restarted mapping_process.
     const bool again = newest_.lockstep && (newest_.committed || !IsAboutNewest(work.closure) ||
                                             !newest_.taken.insert(work.closure.kind).second);
     if (again && work.closure.kind == LoopClosure::Kind::kLoop) {
@@ -171,7 +171,7 @@ std::vector<WorkQueue::Arrived> WorkQueue::TakeKeyframes(double now_s) {
   std::vector<Arrived> taken;
   while (const Keyframe* next = keyframes_.Next(now_ms)) {
     const bool lockstep = next->lockstep;
-    // An update names the newest keyframe of one session, whose tracker takes it over.
+    // An update names the newest keyframe of one session, for its tracker.
     const bool same = taken.empty() || next->session == taken.front().keyframe.session;
     if (!same || (lockstep && !taken.empty())) break;
     taken.push_back(*keyframes_.Take(now_ms));

@@ -7,7 +7,7 @@
 namespace plslam::vo {
 namespace {
 
-/// Newest keyframe of the session that is in the map, as the session counts; -1: none.
+/// Returns the newest keyframe of the session in the map, numbered within the session; -1: none.
 int64_t NewestOf(int64_t session, const Map& map) {
   int64_t newest = -1;
   for (const auto& [id, keyframe] : map.keyframes()) {
@@ -27,12 +27,12 @@ MapLink::MapLink(bus::Bus& bus, double wait_s, bool localise_only, const Tracker
       wait_(wait_s),
       subscriber_(bus, [this](const MapUpdate& update) { OnUpdate(update); }) {}
 
-/// Version 0: of a mapping_process that knows of no other map.
+/// Version 0: the map of this mapping_process has not replaced another one.
 bool MapLink::IsOfAnotherMap() const { return began_version_ != 0 && began_version_ != session_.map_began_version; }
 
 void MapLink::OnUpdate(const MapUpdate& update) {
   began_version_ = update.began_version;
-  // A robot that is only to be localised stays so in a map that grows.
+  // A robot configured for localisation only stays so in a map that grows.
   const bool changes = said_ ? *said_ != update.localise_only : update.localise_only;
   said_ = update.localise_only;
   const bool was_localise_only = std::exchange(localise_only_, changes ? update.localise_only : localise_only_);

@@ -13,7 +13,7 @@
 namespace plslam::vo {
 namespace {
 
-// Masks that are kept, of frames that may still come; and how often waits are looked at.
+// Number of masks kept for frames to come, and the period of checks of waits.
 constexpr size_t kMaxMasks = 64;
 constexpr std::chrono::milliseconds kTick(5);
 

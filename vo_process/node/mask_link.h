@@ -14,20 +14,19 @@
 
 namespace plslam::vo {
 
-/// A tracker's link to whoever says what is to be left out of single frames (channel MASK). In lockstep a frame waits
-/// for its mask until that comes, or nobody has been heard of for `wait_s`; live for `live_wait_ms` after the frame
-/// has come.
+/// A tracker's link to the program that masks regions of single frames (channel MASK). In lockstep a frame waits until
+/// its mask arrives, or no mask has been received for `wait_s`; live for `live_wait_ms` after the frame arrived.
 class MaskLink {
  public:
-  /// Number and time.
+  /// Frame number and time.
   using FrameName = std::pair<int64_t, int64_t>;
 
-  /// `go_on`: a mask has come, or a wait may be over.
+  /// `go_on` is called when a mask has arrived, or a wait may be over.
   MaskLink(bus::Bus& bus, const MaskUseOptions& options, std::function<void()> go_on);
 
-  /// Whether the frame, which came at `came_s` of the steady clock, has to wait.
+  /// Whether the frame, which arrived at `came_s` of the steady clock, has to wait.
   bool Awaits(const FrameName& frame, bool lockstep, double came_s);
-  /// The mask of a frame that waits no longer, once; nullopt: it has none.
+  /// Removes and returns the mask of a frame after its wait; nullopt if it has none.
   std::optional<FrameMask> Take(const FrameName& frame);
 
  private:
@@ -35,7 +34,7 @@ class MaskLink {
 
   MaskUseOptions options_;
   std::function<void()> go_on_;
-  /// In the order in which they came.
+  /// In the order of arrival.
   std::deque<std::pair<FrameName, FrameMask>> masks_;
   bus::PartnerWait wait_;
   FrameName awaited_{-1, 0};

@@ -40,7 +40,7 @@ void RelocalisationClient::End() {
   request_.reset();
 }
 
-/// A loop_process that was not heard before may have been started in the place of one that died with the request.
+/// A new loop_process may replace one that exited with the open request: publishes it again.
 void RelocalisationClient::OnLoopProcess(int64_t source, double now_s) {
   wait_.OnSignOfLife(now_s);
   const bool is_new = loop_sources_.insert(source).second;

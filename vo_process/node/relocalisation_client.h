@@ -12,28 +12,28 @@
 
 namespace plslam::vo {
 
-/// Asks loop_process where in the map a camera is.
+/// Requests relocalisation from loop_process.
 ///
-/// In: the features of a frame; RELOCALISATION; the life of loop_process. Out: RELOCALISATION_REQUEST. A request is
-/// open from `Ask` until its result comes, `Cancel` or `End`. In lockstep the tracker waits for the result, until it
-/// comes or loop_process has not been heard of for `vo.relocalisation.wait_s`. A loop_process that was started again
-/// gets the open request anew.
+/// Inputs: the features of a frame, RELOCALISATION, status of loop_process. Output: RELOCALISATION_REQUEST. A request
+/// is open from `Ask` until its result arrives, `Cancel` or `End`. In lockstep the tracker waits until the result
+/// arrives, or loop_process has not been heard of for `vo.relocalisation.wait_s`. The open request is resent to a
+/// restarted loop_process.
 class RelocalisationClient {
  public:
   RelocalisationClient(bus::Bus& bus, double wait_s);
 
-  /// Whether to ask about another frame: in real time not while a request is open that is younger than two seconds.
+  /// Whether a new request may be sent: in real time not while one is open that is younger than two seconds.
   bool IsDue(bool lockstep, double now_s) const;
   /// Publishes the request; `T_odom_c` is the pose of its frame.
   void Ask(Keyframe frame, const SE3& T_odom_c, double now_s);
-  /// Closes the open request with its result and returns T_w_odom as that says, whether or not the camera was found;
-  /// nullopt where the result is not of the open request.
+  /// Closes the open request with its result and returns the resulting T_w_odom, whether or not the camera was found;
+  /// nullopt if the result does not answer the open request.
   std::optional<SE3> Close(const Relocalisation& result, const TrackerSession& session);
-  /// The result of the open request no longer counts.
+  /// Discards the open request, so that its result is ignored.
   void Cancel() { request_.reset(); }
-  /// `Cancel`, and nothing is waited for.
+  /// `Cancel`, and ends the wait.
   void End();
-  /// loop_process lives; `source` is its process.
+  /// loop_process is alive; `source` is its process.
   void OnLoopProcess(int64_t source, double now_s);
 
   bus::PartnerWait& wait() { return wait_; }
@@ -49,7 +49,7 @@ class RelocalisationClient {
   bus::KeyframePublisher publisher_;
   bus::PartnerWait wait_;
   std::optional<Request> request_;
-  /// All processes that were heard.
+  /// All loop processes heard of so far.
   std::set<int64_t> loop_sources_;
 };
 

@@ -14,7 +14,7 @@
 namespace plslam::vo {
 namespace {
 
-// How often waits are looked at.
+// Period of checks of waits.
 constexpr std::chrono::milliseconds kRobotTick(100);
 
 }  // namespace

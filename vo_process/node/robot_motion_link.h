@@ -14,17 +14,17 @@
 
 namespace plslam::vo {
 
-/// A tracker's link to the robot's own odometry (channel ROBOT_MOTION). In lockstep a frame waits until a pose of its
-/// time or a later one has come, or nobody has been heard of for `wait_s`; live it is tracked with what is there.
+/// A tracker's link to the robot's own odometry (channel ROBOT_MOTION). In lockstep a frame waits until a pose at its
+/// time or later arrives, or none has been received for `wait_s`; a live frame is tracked with the poses received.
 class RobotMotionLink {
  public:
-  /// `go_on`: a pose has come, or a wait may be over.
+  /// `go_on` is called when a pose has arrived, or a wait may be over.
   RobotMotionLink(bus::Bus& bus, const RobotMotionUseOptions& options, std::function<void()> go_on);
 
   void OnCamera(const RigCalibration& rig);
-  /// Whether the frame of this time has to wait.
+  /// Whether the frame at this time has to wait.
   bool Awaits(int64_t t_ns, bool lockstep);
-  /// The motion from the frame before to one that waits no longer; nullopt where it is not known.
+  /// Returns the motion from the previous frame to one whose wait is over; nullopt if it is unknown.
   std::optional<RobotMotion> Take(int64_t prev_t_ns, int64_t t_ns);
 
  private:

@@ -25,7 +25,7 @@ namespace plslam::vo {
 namespace {
 
 constexpr FileKind kCalibration{{'P', 'L', 'S', 'L', 'C', 'A', 'M', 'T'}, 1, "camera"};
-// No camera is off by more, and no covariance is larger.
+// Bound on offsets and covariances; larger values are damage.
 constexpr double kLargest = 1000.0;
 
 template <class Matrix>

@@ -11,21 +11,22 @@
 
 namespace plslam::vo {
 
-/// Names a calibration: of an encoded camera_t, whatever its header says. Another calibration has another name.
+/// Returns a name of the calibration in an encoded camera_t, independent of its header. Names differ if calibrations
+/// do.
 std::string NameOfCalibration(const std::vector<uint8_t>& camera);
 
-/// YAML, beside the file and renamed. Throws std::runtime_error that names the file.
+/// Writes YAML to a temporary file, and renames it. Throws std::runtime_error that names the file.
 void WriteSelfCalibration(const std::string& path, const std::string& calibration, const SelfCalibration& learned);
 
-/// nullopt where there is no such file, or what it holds was learned with another calibration. Throws
-/// std::runtime_error that names file, key and value where it cannot be read or holds what cannot be.
+/// Returns nullopt if there is no such file, or if it was learned with another calibration. Throws std::runtime_error
+/// that names file, key and value if it cannot be read or has impossible values.
 std::optional<SelfCalibration> ReadSelfCalibration(const std::string& path, const std::string& calibration);
 
-/// Begins a session with what the file says of its camera (an encoded camera_t), if there is one. A file that cannot
-/// be used is told, and all is learned anew. Nothing where `path` is empty.
+/// Begins a session with the file's self-calibration for this camera (an encoded camera_t), if there is one. Logs a
+/// warning, and starts without, if the file is unusable. Does nothing if `path` is empty.
 void BeginWithLearned(const std::string& path, const std::vector<uint8_t>& camera, Odometry& odometry);
 
-/// Keeps what is believed now; where nothing is, an older file stays. A file that cannot be written is told.
+/// Writes the current self-calibration; without one, keeps an older file. Logs a warning if writing fails.
 void KeepLearned(const std::string& path, const std::vector<uint8_t>& camera, const Odometry& odometry);
 
 }  // namespace plslam::vo

@@ -15,7 +15,7 @@
 namespace plslam::vo {
 namespace {
 
-/// Darker than the noise of a sensor that sees something: of every 8th row, 8 of 255 on average.
+/// Whether the image is darker than sensor noise: below a mean of 8 of 255 in every 8th row.
 bool IsNearlyBlack(const cv::Mat& image) {
   constexpr int kEveryRow = 8;
   constexpr double kDark = 8.0;
@@ -41,7 +41,7 @@ void TrackerReport::SetState(const std::string& state) {
 void TrackerReport::LookAt(const StereoImages& images, const StereoFeatures& features, bool is_rgbd) {
   if (IsNearlyBlack(images.left)) Count(kFramesDark, 1);
   if (is_rgbd) return;
-  // Flat lines have no depth even where all is well.
+  // Only points: many lines are nearly parallel to the baseline and have no depth.
   const auto matched =
       std::count_if(features.points.begin(), features.points.end(), [](const auto& p) { return p.HasDepth(); });
   Count(kPointsSeen, static_cast<double>(features.points.size()));

@@ -15,7 +15,7 @@
 
 namespace plslam::vo {
 
-/// What a tracker tells of itself in its status: counts, the state, and warnings about images and calibration.
+/// Status of a tracker: counters, state, and warnings about images and calibration.
 class TrackerReport {
  public:
   explicit TrackerReport(bus::Process& process) : process_(process) {}
@@ -23,26 +23,26 @@ class TrackerReport {
   void Count(const std::string& name, double increment);
   /// Frames counted so far.
   int64_t frames() { return static_cast<int64_t>(counts_["frames"]); }
-  /// Where it is news.
+  /// Publishes the state if it has changed.
   void SetState(const std::string& state);
 
-  /// Another one: what was told of its rows is told again.
+  /// A new camera: its vertical disparity is reported again.
   void OnCamera() { told_of_rows_ = false; }
-  /// Counts what tells of bad images and of a bad calibration.
+  /// Counts signs of bad images and of a bad calibration.
   void LookAt(const StereoImages& images, const StereoFeatures& features, bool is_rgbd);
-  /// Once for each camera.
+  /// Reports the vertical disparity once for each camera.
   void TellOfRows(const RowField& rows, const StereoCamera& camera);
-  /// As these are known now, which grows better with time. Of cameras that are in step and well calibrated there are
-  /// no such counters.
+  /// Sets counters of the time offset and the disparity offset of the cameras, as estimated so far. Synchronised and
+  /// well-calibrated cameras have no such counters.
   void TellOfCameras(const SyncCheck& sync, const DisparityCalibration& calibration);
-  /// With the state, for who looks at the run while it goes on; every so many frames.
+  /// Publishes warnings with the state, every so many frames.
   void TellOfWarnings();
 
  private:
   bus::Process& process_;
   std::map<std::string, double> counts_;
   std::string state_;
-  std::string warnings_;  ///< what the state is told with
+  std::string warnings_;  ///< last published with the state
   bool told_of_rows_ = false;
 };
 

@@ -35,11 +35,11 @@ void Fields(Archive& a, T& s) {
 namespace plslam::vo {
 namespace {
 
-/// To be counted up with each change of what is written, of the fields of Odometry, too.
+/// Increase the version with each change of the written data, including the fields of Odometry.
 constexpr FileKind kTrackerState{
     {'P', 'L', 'S', 'L', 'V', 'O', 'S', 'T'}, 10, "state of a tracker", Checksum::kPoly1305};
 
-/// How often one state is gone on with. Maybe the state is what kills trackers.
+/// Number of trackers that may continue one state: the state itself may be what crashes them.
 constexpr int kMaxRestored = 5;
 
 }  // namespace

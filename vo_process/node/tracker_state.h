@@ -15,12 +15,12 @@
 
 namespace plslam::vo {
 
-/// The stream that a tracker is tracking, as of its newest frame. Another camera, or time that goes back, begins
-/// another session.
+/// The stream that a tracker is tracking, as of its newest frame. Another camera, or a time stamp that goes back,
+/// begins another session.
 struct TrackerSession {
   int64_t id = 0;
   bool lockstep = false;
-  /// Of the newest frame: its time, its number and who published it.
+  /// Time, number and publisher of the newest frame.
   int64_t last_t_ns = 0;
   int64_t last_frame_id = -1;
   int64_t last_source = 0;
@@ -31,7 +31,7 @@ struct TrackerSession {
   int64_t anchored_t_ns = 0;
   /// `Keyframe::map_began_version`.
   int64_t map_began_version = 0;
-  /// Poses of the newest frames, which a player may ask for again.
+  /// Poses of the newest frames, which a player may request again.
   std::deque<pose_t> recent;
 
   static constexpr size_t kRecentFrames = 16;
@@ -41,7 +41,7 @@ struct TrackerSession {
     if (recent.size() > kRecentFrames) recent.pop_front();
   }
 
-  /// The pose that was published for a frame, if it is one of the newest; nullptr otherwise.
+  /// Returns the pose that was published for a frame, if it is one of the newest; nullptr otherwise.
   const pose_t* FindPose(int64_t frame_id, int64_t t_ns) const {
     const auto found = std::find_if(recent.begin(), recent.end(), [&](const pose_t& pose) {
       return pose.frame_id == frame_id && pose.header.t_ns == t_ns;
@@ -50,14 +50,14 @@ struct TrackerSession {
   }
 };
 
-/// What a tracker that is started in the place of one that was killed goes on with, as of a frame that became a
-/// keyframe. The frames after it are played again, or are a gap of a live stream.
+/// State of a tracker as of a frame that became a keyframe, from which a restarted tracker continues. Later frames are
+/// played again, or missing in a live stream.
 struct TrackerState {
-  /// The configuration; with another one, nothing here is worth anything.
+  /// The configuration; the state is invalid with any other.
   std::string settings;
   /// An encoded camera_t.
   std::vector<uint8_t> camera;
-  /// Trackers that have gone on with it.
+  /// Number of trackers that have continued from it.
   int n_restored = 0;
   int64_t session = 0;
   bool lockstep = false;
@@ -65,51 +65,50 @@ struct TrackerState {
   int64_t frame_id = -1;
   /// Publisher of the frames.
   int64_t source = 0;
-  /// Encoded pose_t of the newest frames, which may be asked for again.
+  /// Encoded pose_t of the newest frames, which a player may request again.
   std::vector<std::vector<uint8_t>> poses;
   /// As in `TrackerSession`.
   int64_t anchored_t_ns = 0;
   int64_t map_began_version = 0;
-  /// As in `MapLink`: 1, or 0.
+  /// As in `MapLink`: 1 or 0.
   uint8_t localise_only = 0;
   uint8_t map_is_fixed = 0;
   int64_t adopted_keyframe_id = -1;
   /// The fields of an Odometry.
   std::vector<uint8_t> odometry;
-  /// In lockstep it is sent after the state has been written: it may or may not have gone out. -1 where none is sent.
+  /// In lockstep it is published after the state is written, so it may or may not have been sent. -1 if there is none.
   Keyframe keyframe;
 };
 
-/// Beside the file and renamed. Returns how many bytes its content has; `expected_bytes` makes room for them at once.
+/// Writes a temporary file and renames it. Returns the size of its content in bytes; `expected_bytes` reserves memory.
 /// Throws std::runtime_error that names the file.
 size_t WriteTrackerState(const std::string& path, const TrackerState& state, size_t expected_bytes = 0);
 
-/// Throws std::runtime_error that names the file where it cannot be read, is damaged, or is of another version.
+/// Throws std::runtime_error that names the file if it cannot be read, is damaged, or has another version.
 TrackerState ReadTrackerState(const std::string& path);
 
-/// The state file of a tracker. It exists only while the tracker runs, or after it was killed: a clean exit removes
-/// it.
+/// The state file of a tracker. It exists only while the tracker runs, or after a crash: a clean exit removes it.
 class TrackerCheckpoint {
  public:
-  /// No file is read or written where `path` is empty.
+  /// Reads and writes no file if `path` is empty.
   explicit TrackerCheckpoint(std::string path) : path_(std::move(path)) {}
 
   bool is_on() const { return !path_.empty(); }
-  /// The state that a killed tracker left, nullopt where there is none. Throws std::runtime_error, in one sentence,
-  /// where the file cannot be used: of other `settings`, damaged, or used several times already by trackers that were
-  /// killed in turn.
+  /// Returns the state of a crashed tracker, nullopt if there is none. Throws std::runtime_error with one sentence if
+  /// the file is unusable: of other `settings`, damaged, or already used several times by trackers that crashed in
+  /// turn.
   std::optional<TrackerState> Take(const std::string& settings) const;
-  /// False where the file cannot be written, which is said once; then no file is left, since an old state is worse
-  /// than none: other processes know what came after it.
+  /// Returns false if writing fails, which is logged once; the file is then removed, because an old state is worse than
+  /// none: other processes have received what came after it.
   bool Keep(const TrackerState& state);
-  /// Of what was kept last, as a hint for the next one.
+  /// Size of `TrackerState::odometry` in the last written state, as a hint for the next one.
   size_t odometry_bytes() const { return odometry_bytes_; }
   void Drop() const;
 
  private:
   std::string path_;
   bool has_failed_ = false;
-  /// Of the state that was kept last.
+  /// Sizes in bytes of the last written state.
   size_t bytes_ = 0;
   size_t odometry_bytes_ = 0;
 };

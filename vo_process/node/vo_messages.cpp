@@ -43,8 +43,8 @@ pose_t ToPoseMessage(const OdometryResult& result, const SE3& T_w_odom, const st
 
 namespace {
 
-/// Leaves out as many of the last tracks as exceed the room, or only new ones among them; returns what still exceeds
-/// it.
+/// Removes tracks from the end, or only new ones among them, until `excess_bytes` are saved; returns the remaining
+/// excess.
 template <class Track>
 int64_t LeaveOut(int64_t excess_bytes, bool only_new, std::vector<Track>& tracks) {
   constexpr int kLeftOut = -1;

@@ -14,20 +14,20 @@
 
 namespace plslam::vo {
 
-// What odometry says, as messages; headers and frame ids are the caller's.
+// Conversion of odometry results to messages; the caller sets headers and frame ids.
 
 pose_t ToPoseMessage(const OdometryResult& result, const SE3& T_w_odom, const std::vector<StageTime>& stages);
 
-/// Of more features than the message has room for, new ones are left out first, points before lines.
+/// If the tracks exceed `max_bytes`, omits new ones first, points before lines.
 tracks_t ToTracksMessage(const OdometryResult& result, int64_t max_bytes);
 
 bodies_t ToBodiesMessage(const std::vector<BodyPose>& bodies);
 
-/// What others get of a frame that became a keyframe (`result.keyframe` must be set); session, time and frame are the
-/// caller's.
+/// Returns the keyframe of a frame that became one (`result.keyframe` must be set); the caller sets session, time and
+/// frame.
 Keyframe ToKeyframe(const OdometryResult& result, const StereoCamera& camera);
 
-/// A frame whose place in the map was asked for.
+/// A frame for which relocalisation was requested.
 struct RelocalisationQuestion {
   Keyframe sent;
   SE3 T_odom_c;

@@ -31,24 +31,24 @@
 namespace plslam::vo {
 namespace {
 
-// Frames kept while the tracker waits; earlier ones are given up.
+// Frames kept while the tracker waits; the oldest are dropped.
 constexpr size_t kMaxWaitingFrames = 8;
-// Time that goes back by less is of the same stream.
+// A time stamp that goes back by less belongs to the same stream.
 constexpr uint64_t kClockStep_ns = 1'000'000'000;
 constexpr std::chrono::milliseconds kWaitTick(200);
-// Fewer features are not worth a relocalisation request.
+// Least number of features of a relocalisation request.
 constexpr size_t kLeastToAsk = 20;
-// How long an unanchored camera asks while the map grows: another robot may find out, or a loop is closed.
+// How long an unanchored camera sends requests in a growing map: another robot may map the place, or a loop be closed.
 constexpr uint64_t kUnanchored_ns = 3'000'000'000;
 constexpr std::chrono::milliseconds kAskPeriod(500);
-// How long older frames are waited for: a player may have to be started, too.
+// How long to wait for older frames; a player may have to be started first.
 constexpr double kFramesWait_s = 15.0;
-// Frames after which what was learned of the rig is kept: a robot may be switched off.
+// Number of frames after which the self-calibration is written, because a robot may be switched off.
 constexpr int64_t kKeepLearnedEvery = 500;
 
 bool IsOfMap(const FeatureTrack& track) { return track.map_id >= 0; }
 
-/// Inlier score (points + 2 x lines) of the landmarks of the map among those tracked.
+/// Inlier score (points + 2 x lines) of the tracked landmarks of the map.
 int64_t TrackedOfMap(const OdometryResult& result) {
   return std::count_if(result.point_tracks.begin(), result.point_tracks.end(), IsOfMap) +
          2 * std::count_if(result.line_tracks.begin(), result.line_tracks.end(), IsOfMap);
@@ -69,7 +69,7 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
           [this] { report_.Count("cameras.rejected", 1); }),
       frames_(process.bus(), bus::FrameSubscriber::Mode::kReliable, [this](const Frame& f) { OnFrame(f); }) {
   session_.id = process.bus().source();
-  // Left and right are the two threads; more inside OpenCV would only get in their way.
+  // The left and the right image have a thread each; more threads inside OpenCV would slow them down.
   cv::setNumThreads(1);
   process_.bus().Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
   process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
@@ -80,7 +80,7 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
   Restore();
 }
 
-/// Also where an exception ends the process: with the same state it might come again.
+/// Removes the state also after an exception, which the same state might cause again.
 VoNode::~VoNode() {
   KeepLearned();
   checkpoint_.Drop();
@@ -96,14 +96,14 @@ void VoNode::OnCamera(const RigCalibration& rig) {
   }
   if (rig_) {
     spdlog::info("another camera '{}': a new session begins", rig.name);
-    // What the old one waits for is not for this one, nor are its frames.
+    // Waits and waiting frames belong to the old session.
     EndWaits();
     waiting_.clear();
   }
   rig_ = rig;
   if (robot_) robot_->OnCamera(rig);
   report_.OnCamera();
-  odometry_.reset();  // what it has learned is of the other camera
+  odometry_.reset();  // its self-calibration belongs to the other camera
   GoOn();
 }
 
@@ -113,7 +113,7 @@ void VoNode::OnFrame(const Frame& frame) {
   if (LacksFramesBefore(frame)) {
     if (!frames_asked_s_) AskForFrames();
   } else if (frames_asked_s_) {
-    // Those that have come too early come again.
+    // Frames that arrived too early are sent again.
     frames_asked_s_.reset();
     waiting_.clear();
   }
@@ -128,11 +128,11 @@ void VoNode::OnFrame(const Frame& frame) {
 
 bool VoNode::IsRepeated(const Frame& frame) const {
   if (frame.source == session_.last_source) return frame.images.frame_id <= session_.last_frame_id;
-  // A player that was started in the place of another may not have heard of the last poses.
+  // A restarted player may not have received the last poses.
   return frame.images.frame_id > 0 && session_.FindPose(frame.images.frame_id, frame.images.t_ns) != nullptr;
 }
 
-/// A player that sends a frame again has not heard of its pose, or has gone back for a tracker that needed no more.
+/// The player did not receive the pose, or has gone back for a tracker that did not need it.
 void VoNode::AnswerAgain(const Frame& frame) {
   report_.Count("frames.repeated", 1);
   const pose_t* pose = frame.lockstep ? session_.FindPose(frame.images.frame_id, frame.images.t_ns) : nullptr;
@@ -147,7 +147,7 @@ VoNode::Wait VoNode::WaitsFor() const {
   return frames_asked_s_ ? Wait::kOlderFrames : Wait::kNothing;
 }
 
-/// For its mask not where more frames wait than are kept.
+/// A frame does not wait for its mask if the queue is full.
 bool VoNode::AwaitsOthers(const WaitingFrame& waiting) {
   const Frame& frame = waiting.frame;
   if (robot_ && robot_->Awaits(frame.images.t_ns, frame.lockstep)) return true;
@@ -218,9 +218,8 @@ void VoNode::GiveUpWaits() {
 
 bool VoNode::IsLocaliseOnly() const { return map_ ? map_->localise_only() : options_.map.localise_only; }
 
-/// Of whoever has told mapping_process: another map has taken the place of the one before, or it stays as it is from
-/// now on, or grows. Nothing that is waited for comes then. A session whose keyframes were not sent cannot go on with
-/// them; its next begins where the camera is.
+/// A user replaced the map, or switched localisation-only mode on or off: open waits would not end. After
+/// localisation-only mode a new session begins at the current pose, since the map lacks keyframes of the old one.
 void VoNode::FollowOrders() {
   if (!odometry_) return;
   EndWaits();
@@ -245,7 +244,7 @@ void VoNode::OnMap() {
   GoOn();
 }
 
-/// In lockstep the map of the keyframe before takes effect when this keyframe has been made.
+/// In lockstep the map with the previous keyframe takes effect when this keyframe has been made.
 void VoNode::AwaitMap(int64_t keyframe_id) {
   if (!map_ || !session_.lockstep || keyframe_id == 0) return;
   if (!map_->Has(keyframe_id - 1)) return map_->wait().Begin(keyframe_id - 1, bus::NowS());
@@ -262,7 +261,7 @@ void VoNode::BeginSession() {
   BeginWithLearned(options_.self_calibration_file, camera_.bytes(), *odometry_);
 }
 
-/// Where the camera is in the map: the first keyframe shows landmarks of it.
+/// Begins a session at the current pose in the map: its first keyframe observes landmarks of it.
 void VoNode::BeginSessionHere() {
   held_keyframe_.reset();
   NameSession();
@@ -271,7 +270,7 @@ void VoNode::BeginSessionHere() {
 
 void VoNode::NameSession() {
   TrackerSession next;
-  // The session of a tracker whose state this one has taken over is not the one before ours.
+  // A session restored from another tracker is not numbered before our own.
   next.id = session_.last_frame_id >= 0 ? std::max(session_.id + 1, process_.bus().source()) : session_.id;
   next.map_began_version = map_ && map_->began_version() != 0 ? map_->began_version() : session_.map_began_version;
   next.lockstep = session_.lockstep;
@@ -287,11 +286,11 @@ void VoNode::KeepLearned() const {
   if (odometry_) vo::KeepLearned(options_.self_calibration_file, camera_.bytes(), *odometry_);
 }
 
-/// Of the stream of the frame before, and a little before it.
+/// Whether the frame continues the stream, but its time stamp is slightly before the previous one.
 bool VoNode::IsTooEarly(const Frame& frame) const {
   const bool goes_on =
       odometry_ && frame.source == session_.last_source && frame.images.frame_id > session_.last_frame_id;
-  // Unsigned: times may be any.
+  // Unsigned: time stamps may have any value.
   const uint64_t back_ns = static_cast<uint64_t>(session_.last_t_ns) - static_cast<uint64_t>(frame.images.t_ns);
   return goes_on && frame.images.t_ns < session_.last_t_ns && back_ns < kClockStep_ns;
 }
@@ -308,7 +307,7 @@ void VoNode::Track(const Frame& frame) {
     StereoFeatures features = too_early ? NoFeatures(frame.images) : SeeFeatures(frame.images, timer);
     return timer.Time("track", [&] { return odometry_->Track(session_.last_t_ns, std::move(features)); });
   });
-  // The pose first: somebody waits for it.
+  // Publish the pose first: the player waits for it.
   PublishPose(frame, result, timer.stages());
   PublishTracks(frame, result);
   session_.last_frame_id = frame.images.frame_id;
@@ -342,7 +341,7 @@ StereoFeatures VoNode::SeeFeatures(const StereoImages& images, StageTimer& timer
   }
 }
 
-/// Of a frame whose time cannot be.
+/// Result for a frame with an impossible time stamp: no features.
 StereoFeatures VoNode::NoFeatures(const StereoImages& images) {
   if (!std::exchange(was_too_early_, true)) {
     spdlog::warn(
@@ -353,14 +352,14 @@ StereoFeatures VoNode::NoFeatures(const StereoImages& images) {
   return {};
 }
 
-/// What users are told: in a map that stays as it is, a place that the map does not know is none.
+/// Published state: in localisation-only mode a camera without a known place in the map is lost.
 TrackingState VoNode::StateOf(const OdometryResult& result) const {
   const bool placed = !IsLocaliseOnly() || (odometry_->is_in_map() && !odometry_->is_unanchored());
   return placed ? result.state : TrackingState::kLost;
 }
 
-/// A result on its way is about where the camera was before. While the camera is unanchored that is what counts, but
-/// not across a jump.
+/// Cancels an open request after a jump, because its result concerns the pose before. While the camera is unanchored,
+/// the result is still valid.
 void VoNode::NoteAnchor(const Frame& frame, const OdometryResult& result) {
   if (result.jumped || (result.state == TrackingState::kRecovered && !odometry_->is_unanchored()))
     relocalisation_.Cancel();
@@ -368,15 +367,15 @@ void VoNode::NoteAnchor(const Frame& frame, const OdometryResult& result) {
   if (lost || !odometry_->is_unanchored()) session_.anchored_t_ns = frame.images.t_ns;
 }
 
-/// The camera is lost; or, in a map that grows, it has been unanchored for not too long; or, in a map that stays, a
-/// keyframe saw too little of the map to be held in place. A tracker that goes on from the state as of a keyframe
-/// requests what the tracker before it requested: after that keyframe, not at it.
+/// Requested if the camera is lost; in a growing map, if it has been unanchored for a short time; in localisation-only
+/// mode, after a keyframe with few landmarks of the map. A tracker restored from a keyframe sends the request of the
+/// previous tracker, since requests follow the keyframe.
 bool VoNode::NeedsRelocalisation(const Frame& frame, const OdometryResult& result) const {
   if (StateOf(result) == TrackingState::kLost) return true;
   if (IsLocaliseOnly()) {
     return session_.follows_keyframe && TrackedOfMap(result) < options_.tracking.weak_inliers;
   }
-  // Unsigned: times may be any.
+  // Unsigned: time stamps may have any value.
   const uint64_t unanchored_ns =
       static_cast<uint64_t>(frame.images.t_ns) - static_cast<uint64_t>(session_.anchored_t_ns);
   return odometry_->is_unanchored() && !result.keyframe && unanchored_ns < kUnanchored_ns;
@@ -400,7 +399,7 @@ void VoNode::RequestRelocalisation(const Frame& frame, const OdometryResult& res
   report_.Count("relocalisation.asked", 1);
 }
 
-/// An unanchored camera is always where it made its own keyframes since.
+/// Keyframes made since the camera became unanchored say nothing new about its place.
 bool VoNode::IsNews(const Map& map, int64_t keyframe_id) const {
   const MapKeyframe* keyframe = map.FindKeyframe(keyframe_id);
   return keyframe == nullptr || keyframe->session != session_.id || keyframe->t_ns <= session_.anchored_t_ns;
@@ -452,7 +451,7 @@ void VoNode::PublishTracks(const Frame& frame, const OdometryResult& result) {
   process_.bus().Publish(bus::kBodies, bodies);
 }
 
-/// Where the map stays as it is, a keyframe is where the tracker looks around in it anew.
+/// In localisation-only mode a keyframe only adopts the local map around it.
 void VoNode::MakeKeyframe(const Frame& frame, const OdometryResult& result, bool requests) {
   session_.last_keyframe_id = result.keyframe->id;
   if (IsLocaliseOnly()) {
@@ -460,7 +459,7 @@ void VoNode::MakeKeyframe(const Frame& frame, const OdometryResult& result, bool
     if (StateOf(result) == TrackingState::kLost) return checkpoint_.Drop();
     Keyframe none;
     none.keyframe_id = -1;
-    // The state holds no open request: a tracker that is killed after this request goes on from an older keyframe.
+    // The state contains no open request: a tracker that crashes after this request continues from an older keyframe.
     if (!requests) KeepState(none);
     return;
   }
@@ -475,9 +474,9 @@ void VoNode::MakeKeyframe(const Frame& frame, const OdometryResult& result, bool
   if (!map_ || !map_->wait().awaited()) PublishKeyframe();
 }
 
-/// The state is kept first, or another keyframe of this number could be made from an older state. In lockstep the
-/// keyframe is held until the map of the one before has been taken over: whoever goes on from the state finds the map
-/// as this tracker left it.
+/// Writes the state first; otherwise an older state could lead to another keyframe with this number. In lockstep the
+/// keyframe is held until the map of the previous one is adopted, so that a tracker restored from the state finds the
+/// map as this one left it.
 void VoNode::PublishKeyframe() {
   if (!held_keyframe_) return;
   const Keyframe keyframe = *std::exchange(held_keyframe_, std::nullopt);
@@ -485,8 +484,8 @@ void VoNode::PublishKeyframe() {
   keyframes_.Publish(keyframe);
 }
 
-/// With the state as of the newest keyframe. In lockstep that keyframe may not have been published, and the frames
-/// after it are wanted again; a live stream goes on with a gap.
+/// Continues with the state as of the newest keyframe. In lockstep that keyframe may not have been published, and later
+/// frames are requested again; a live stream continues with a gap.
 void VoNode::Restore() {
   if (!checkpoint_.is_on()) return;
   process_.bus().Every(kAskPeriod, [this] { AskAgainForFrames(); });
@@ -524,13 +523,13 @@ void VoNode::GoOnWith(const TrackerState& state) {
   spdlog::info("goes on behind frame {} of the session", session_.last_frame_id);
   process_.bus().Post([this, keyframe = state.keyframe] {
     if (keyframe.keyframe_id >= 0) keyframes_.Publish(keyframe);
-    // The last pose of the killed tracker may have been lost, and a player that is started again looks for it.
+    // The last pose of the crashed tracker may be lost, and a restarted player needs it.
     if (!session_.recent.empty()) process_.bus().Publish(bus::kPose, pose_t(session_.recent.back()));
     if (session_.lockstep) AskForFrames();
   });
 }
 
-/// Where the state cannot be written the process goes on; what a crash would cost is then more.
+/// If writing fails the process continues, with a higher cost of a crash.
 void VoNode::KeepState(const Keyframe& keyframe) {
   if (!checkpoint_.is_on() || !odometry_) return;
   TrackerState state;
@@ -552,8 +551,7 @@ void VoNode::KeepState(const Keyframe& keyframe) {
   if (checkpoint_.Keep(state)) report_.Count("state.written", 1);
 }
 
-/// A player is ahead of a tracker that has gone back to its newest keyframe, and so may be one that is started beside
-/// it.
+/// A player is ahead of a tracker that was restored from its newest keyframe, as a player started with it may be.
 bool VoNode::LacksFramesBefore(const Frame& frame) const {
   const bool continues = frame.lockstep && session_.lockstep && odometry_ && frame.images.t_ns > session_.last_t_ns;
   const bool may_go_back = restored_ || frame.source != session_.last_source;

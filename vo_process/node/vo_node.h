@@ -32,27 +32,28 @@ namespace plslam::vo {
 
 /// vo_process on the bus.
 ///
-/// In: camera, frames, the map (`MapLink`), relocalisation results (`RelocalisationClient`), status of the other
-/// processes. Out: a pose and tracks for every frame; keyframes; relocalisation requests; go_back orders to a player.
+/// Inputs: camera, frames, the map (`MapLink`), relocalisation results (`RelocalisationClient`), status of other
+/// processes. Outputs: a pose and tracks for each frame; keyframes; relocalisation requests; go_back commands to a
+/// player.
 ///
-/// A frame is tracked when it comes, unless the tracker waits (`Wait`), or the frame itself for its mask
-/// (`vo.masks`) or the robot's motion (`vo.robot_motion`); then up to eight frames are kept. What ends each wait stands with its name.
+/// A frame is tracked when it arrives, unless the tracker waits (`Wait`), or the frame waits for its mask (`vo.masks`)
+/// or the robot's motion (`vo.robot_motion`); then up to eight frames are kept. `Wait` lists what ends each wait.
 ///
-/// Another camera, or time that goes back by more than a second (another stream), begins a new session, since nothing
-/// of the old one holds there. A frame that does not fit the camera is answered as one without features, and so is
-/// one of the same stream that is less than a second too early (a clock that was put right).
+/// Another camera, or a time stamp that goes back by more than a second (another stream), begins a new session. A frame
+/// that does not fit the camera counts as one without features, as does one of the same stream that is less than a
+/// second too early (after a correction of the clock).
 ///
 /// The map takes effect at once in a live stream. In lockstep the map of keyframe k takes effect when keyframe k + 1
-/// has been made, and is awaited there; a relocalisation result takes effect before the next frame. So the result
-/// does not depend on who is faster.
+/// has been made, and is awaited there; a relocalisation result takes effect before the next frame. So results do not
+/// depend on timing.
 ///
-/// With a `state_file` the state is kept at each keyframe, before that is published: a tracker that is started in the
-/// place of one that was killed goes on as the same session, with the frame after its newest keyframe. In lockstep
-/// the player sends these frames again, and the result is the same, bit for bit.
+/// With a `state_file` the state is written at each keyframe, before that is published: a tracker started after a crash
+/// continues the same session with the frame after its newest keyframe. In lockstep the player sends these frames
+/// again, and the results are the same, bit for bit.
 ///
-/// In a map that stays as it is (as mapping_process says; `vo.map.localise_only` counts until it has said so) no
-/// keyframes are published; a frame counts as lost until the camera has been found in the map, and again where it has
-/// gone on at a place that the map does not know.
+/// In localisation-only mode (as mapping_process publishes it, initially `vo.map.localise_only`) no keyframes are
+/// published; frames are lost until the camera is found in the map, and again if tracking resumed at a place that is
+/// not in the map.
 class VoNode {
  public:
   VoNode(bus::Process& process, const VoOptions& options);
@@ -64,15 +65,15 @@ class VoNode {
   using Frame = bus::FrameSubscriber::Frame;
   struct WaitingFrame {
     Frame frame;
-    double came_s = 0.0;  ///< of the steady clock
+    double came_s = 0.0;  ///< arrival, steady clock
   };
 
-  /// What the next frame has to wait for.
+  /// Conditions for which the next frame waits.
   enum class Wait {
     kNothing,
-    kCamera,          ///< until a usable camera is announced
-    kFirstMap,        ///< localisation only: until a map has come
-    kMap,             ///< lockstep: until the map has the keyframe before the newest one, or mapping_process is gone
+    kCamera,          ///< until a usable camera is received
+    kFirstMap,        ///< localisation only: until a map is received
+    kMap,             ///< lockstep: until the map has the keyframe before the newest, or mapping_process is gone
     kRelocalisation,  ///< lockstep: until the open request has its result, or loop_process is gone
     kOlderFrames,     ///< after a restart: until the player has gone back, at most 15 s
   };
@@ -137,23 +138,23 @@ class VoNode {
   std::optional<Odometry> odometry_;
   std::vector<WaitingFrame> waiting_;
   bus::KeyframePublisher keyframes_;
-  /// The newest keyframe, which in lockstep is published once the map of the one before has been taken over.
+  /// The newest keyframe, in lockstep held until the map of the previous one is adopted.
   std::optional<Keyframe> held_keyframe_;
   RelocalisationClient relocalisation_;
   std::optional<MaskLink> masks_;
   std::optional<RobotMotionLink> robot_;
   TrackerCheckpoint checkpoint_;
-  /// The state of a killed tracker was taken over, and no frame has come since.
+  /// Whether the state of a crashed tracker was restored, and no frame has arrived since.
   bool restored_ = false;
-  /// Since when older frames have been asked for, in s of the steady clock.
+  /// Time since when older frames are requested, in s of the steady clock.
   std::optional<double> frames_asked_s_;
-  /// Process that published frames, or a player's status, last.
+  /// Last process that published frames, or a player's status.
   int64_t player_ = 0;
-  std::string player_name_ = process_name::kPlayer;  // or of another process that sends frames
+  std::string player_name_ = process_name::kPlayer;  // or another process that sends frames
   int64_t announced_frames_ = -1;
   bool was_too_early_ = false;
   std::optional<MapLink> map_;
-  // Last: their handlers need all of the above.
+  // Last, because their handlers use all of the above.
   bus::CameraSubscriber camera_;
   bus::FrameSubscriber frames_;
 };

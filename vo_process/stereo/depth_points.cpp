@@ -14,12 +14,12 @@ namespace plslam::vo {
 namespace {
 
 constexpr int kMinKnown = 5;
-/// Spread of a window, in standard deviations of the sensor, above which it shows two surfaces; and a floor relative
-/// to the depth for slanted ones.
+/// Spread of a window, in standard deviations of the sensor, above which it contains two surfaces; and a floor relative
+/// to the depth for slanted surfaces.
 constexpr double kMaxSpreadSigmas = 6.0;
 constexpr double kMaxSpreadShare = 0.02;
 
-/// Known depths of the 3x3 window around a pixel, ascending, in metres; behind them infinity.
+/// Known depths in the 3x3 window around a pixel, ascending, in metres; padded with infinity.
 struct Window {
   std::array<double, 9> depths_m{};
   int count = 0;

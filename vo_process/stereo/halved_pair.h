@@ -8,7 +8,7 @@
 
 namespace plslam::vo {
 
-/// An image at full, half and quarter size, as far as there is something left of it; the first is shared, not copied.
+/// Returns an image at full, half and quarter size, as far as it is large enough; the first is shared, not copied.
 std::vector<cv::Mat> HalvedImages(const cv::Mat& image);
 
 /// A rectified pair at full, half and quarter size, for comparing patches of features of different scales.
@@ -28,12 +28,12 @@ class HalvedPair {
 
   /// Both images are CV_8UC1 of one size; they are shared, not copied.
   HalvedPair(const cv::Mat& left, const cv::Mat& right);
-  /// Of the `HalvedImages` of both.
+  /// Pairs the `HalvedImages` of both.
   HalvedPair(const std::vector<cv::Mat>& left, const std::vector<cv::Mat>& right);
 
   const Level& full() const { return levels_.front(); }
 
-  /// The level whose pixels are nearest to `scale` in size.
+  /// Returns the level whose pixel size is nearest to `scale`.
   const Level& LevelFor(double scale) const;
 
  private:

@@ -17,14 +17,14 @@ constexpr double kMinInlierShare = 0.7;
 /// Largest gap between inliers, as a share of the segment.
 constexpr double kMaxHole = 0.25;
 
-/// Inverse depth at a place along a segment (0 at p, 1 at q).
+/// Inverse depth at a position along a segment (0 at p, 1 at q).
 struct DepthSample {
   double t;
   double inverse_m;
 };
 
-/// What one inverse depth errs by: the sigma of a depth over its square (`StereoOptions::depth_noise_per_m`),
-/// which is the same at all depths.
+/// Noise of an inverse depth: the sigma of a depth over its square (`StereoOptions::depth_noise_per_m`), the same at
+/// all depths.
 struct DepthSensor {
   double units_per_m;
   double inverse_noise;
@@ -32,7 +32,7 @@ struct DepthSensor {
   double Tolerance(double inverse_m) const { return 3.0 * inverse_noise + 0.02 * inverse_m; }
 };
 
-/// The nearest surface within a pixel across the segment: edges of objects belong to the object in front.
+/// Returns the nearest surface within a pixel across the segment: object edges belong to the object in front.
 std::optional<double> InverseDepthNear(const cv::Mat& depth, const Eigen::Vector2d& at, const Eigen::Vector2d& normal,
                                        const DepthSensor& sensor) {
   double largest = 0.0;
@@ -50,7 +50,7 @@ std::optional<double> InverseDepthNear(const cv::Mat& depth, const Eigen::Vector
     ++count;
   }
   if (count == 0) return std::nullopt;
-  // On one surface the mean has less noise than the nearest.
+  // On one surface the mean is less noisy than the nearest depth.
   double sum = 0.0;
   int close = 0;
   for (size_t i = 0; i < count; ++i) {
@@ -87,7 +87,7 @@ int CountInliers(const std::vector<DepthSample>& samples, const DepthLine& line,
   return count;
 }
 
-/// The line through two samples that most agree with; all pairs of up to sixteen of them are tried.
+/// Returns the line through two samples with most inliers; tries all pairs of up to sixteen samples.
 DepthLine MostAgreed(const std::vector<DepthSample>& samples, const DepthSensor& sensor) {
   DepthLine best{samples.front().inverse_m, 0.0};
   int most = CountInliers(samples, best, sensor);
@@ -133,7 +133,7 @@ std::optional<FittedDepth> LeastSquares(const std::vector<DepthSample>& inliers,
   const auto sigma = [&](double place) {
     return noise * std::sqrt(1.0 / n + (place - t / n) * (place - t / n) / spread);
   };
-  // Sensors err together over a neighbourhood; that part does not average out.
+  // Errors of depth sensors are correlated in a neighbourhood; that part does not average out.
   const double floor = 0.5 * inverse_noise;
   fit.sigma_p = std::sqrt(sigma(0.0) * sigma(0.0) + floor * floor);
   fit.sigma_q = std::sqrt(sigma(1.0) * sigma(1.0) + floor * floor);

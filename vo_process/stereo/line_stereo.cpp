@@ -14,13 +14,13 @@ namespace {
 
 constexpr int kPlaces = 16;
 constexpr int kReach = 6;
-/// Pixels of the other side that belong to either strip: the edge itself.
+/// Pixels beyond the edge that belong to either strip: the edge itself.
 constexpr int kOverEdge = 1;
 constexpr int kColumns = 2 * kReach + 1;
 
 using Strip = std::array<std::array<double, kColumns>, kPlaces>;
 
-/// Grey values around (u, v) along the row nearest to v; false outside the image.
+/// Samples grey values around (u, v) along the row nearest to v; returns false outside the image.
 bool SampleRow(const cv::Mat& image, double u, double v, std::array<double, kColumns>& out) {
   const int y = static_cast<int>(std::lround(v));
   const double floor_u = std::floor(u);
@@ -73,7 +73,7 @@ double StripSimilarity(const cv::Mat& left_image, const cv::Mat& right_image, co
 
 namespace {
 
-/// A segment as a function of the row, which is what stereo compares.
+/// A segment parameterised by the row, because stereo compares rows.
 struct RowLine {
   double top = 0.0;
   double bottom = 0.0;
@@ -110,7 +110,7 @@ struct Pairing {
   double disparity;
 };
 
-/// Everything that geometry has to say against a match.
+/// Geometric tests of a match.
 class StereoGates {
  public:
   explicit StereoGates(const StereoOptions& o)
@@ -120,7 +120,7 @@ class StereoGates {
 
   bool HasAngle(const RowLine& l) const { return l.Sine() >= min_sine_ && l.bottom > l.top; }
 
-  /// The disparity in the middle of the shared rows, if the two may be one edge.
+  /// Returns the disparity in the middle of the shared rows, if the two may be one edge.
   std::optional<double> Disparity(const RowLine& l, const RowLine& r) const {
     const double top = std::max(l.top, r.top);
     const double bottom = std::min(l.bottom, r.bottom);
@@ -144,7 +144,7 @@ class StereoGates {
     const double low = std::min(a, b);
     const double high = std::max(a, b);
     if (low < options_.min_disparity_px || high > options_.max_disparity_px) return false;
-    // Far away, the noise of the ends is a large part of the disparity.
+    // For far lines the noise of the ends is a large part of the disparity.
     return low + kEndNoise_px >= options_.line_min_disparity_ratio * high;
   }
 
@@ -185,13 +185,13 @@ std::vector<Pairing> AllPairings(const std::vector<StereoLine>& left, const std:
   return pairings;
 }
 
-/// Best pairing of each line on one side, and the distance of the best that says something else.
+/// Best pairing of each line on one side, and the distance of the best rival with another disparity.
 struct BestPairing {
   const Pairing* pairing = nullptr;
   int rival_distance = Descriptor{}.size() * 64 + 1;
 };
 
-/// Pieces of one edge imply the same disparity; they are no rivals.
+/// Disparities within this are the same: pieces of one edge are no rivals.
 constexpr double kSameDisparity_px = 1.5;
 
 std::vector<BestPairing> BestOf(const std::vector<Pairing>& pairings, size_t count, size_t Pairing::*side) {
@@ -208,8 +208,8 @@ std::vector<BestPairing> BestOf(const std::vector<Pairing>& pairings, size_t cou
   return best;
 }
 
-/// Standard deviation of the disparity in `row`, where the left point is given and the right one is where the right
-/// line crosses the row.
+/// Standard deviation of the disparity in `row`, for a given left point and the intersection of the right line with the
+/// row.
 double DisparitySigma(const LineFeature& left, const LineFeature& right, const RowLine& l, const RowLine& r,
                       double row) {
   const Eigen::Vector2d on_left(l.Column(row), row);
@@ -220,7 +220,7 @@ double DisparitySigma(const LineFeature& left, const LineFeature& right, const R
   return std::sqrt(sl * sl + sr * sr);
 }
 
-/// The two images, asked whether they look alike where a match says so. Without images the answer is yes.
+/// Compares the two images along a match. Without images it confirms all matches.
 class Appearance {
  public:
   Appearance(const cv::Mat& left, const cv::Mat& right, const RowField& rows, double min_similarity)
@@ -240,7 +240,7 @@ class Appearance {
   double min_similarity_;
 };
 
-/// Where the right line crosses the row that a left pixel is found in: a row further down by the skew of the pair.
+/// Column where the right line crosses the row of a left pixel, which the skew of the pair moves down.
 double CrossingColumn(const RowLine& r, const PairSkew& skew, const Eigen::Vector2d& left_px) {
   const double level_px = r.Column(left_px.y());
   return skew.is_zero() ? level_px : r.Column(left_px.y() + skew.RowOffset_px(left_px, left_px.x() - level_px));

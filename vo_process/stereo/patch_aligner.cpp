@@ -13,16 +13,16 @@ namespace {
 
 constexpr int kMaxAlignIterations = 8;
 constexpr double kMaxAlignTravel = 2.5;
-/// More means that most of the gradient is noise.
+/// Above this most of the gradient is noise.
 constexpr double kMaxInflation = 3.0;
-/// What the residuals do not show, in pixels of the level: interpolation, surfaces that are not flat. From real
-/// pairs.
+/// Error that the residuals do not show, in pixels of the level: interpolation, surfaces that are not flat. Measured on
+/// real pairs.
 constexpr double kAlignModelError = 0.05;
-/// Slant makes errors in proportion to the disparity; below this, other errors are larger.
+/// Slant causes errors in proportion to the disparity; below this, other errors are larger.
 constexpr double kMinSlantDisparity_px = 10.0;
 
-/// The left patch, ready for Gauss-Newton: its pixels and gradients, orthogonal to a constant, the gradients also to
-/// the pixels. So offset and gain of brightness drop out of the equations for the shift.
+/// The left patch prepared for Gauss-Newton: its pixels and gradients, made orthogonal to a constant, and the gradients
+/// also to the pixels, which eliminates offset and gain of brightness from the equations for the shift.
 struct Template : PatchGradients {
   double energy = 0.0;
   Eigen::Matrix2d hessian = Eigen::Matrix2d::Zero();
@@ -44,7 +44,7 @@ Template MakeTemplate(const cv::Mat& image, const Eigen::Vector2i& center) {
   return t;
 }
 
-/// Patch centred at a fractional place, bilinear. The place must keep the patch and one more pixel in the image.
+/// Samples a patch centred at a fractional position, bilinearly. The patch and one more pixel must be in the image.
 void Sample(const cv::Mat& image, double u, double v, Patch& patch) {
   const int u0 = static_cast<int>(std::floor(u));
   const int v0 = static_cast<int>(std::floor(v));
@@ -63,7 +63,7 @@ bool Inside(const cv::Mat& image, double u, double v) {
   return u >= kMargin && v >= kMargin && u <= image.cols - 1 - kMargin && v <= image.rows - 1 - kMargin;
 }
 
-/// What comparing the left patch with one right patch says.
+/// Result of comparing the left patch with one right patch.
 struct PairComparison {
   double gain = 0.0;
   double correlation = 0.0;
@@ -85,8 +85,8 @@ PairComparison Compare(const Template& t, const Patch& right) {
   return c;
 }
 
-/// Noise of the left patch adds to its gradients and makes them look more informative than they are: ratio of the
-/// apparent to the true energy. Half of the residual variance is the left patch's, and central differences halve it.
+/// Returns the ratio of the apparent to the true energy of the left patch's gradients, to which noise adds. Half of the
+/// residual variance belongs to the left patch, and central differences halve it.
 double NoiseInflation(double gradient_energy, double noise) {
   const double from_noise = 0.25 * noise * noise * kPixels;
   return gradient_energy > from_noise ? gradient_energy / (gradient_energy - from_noise) : kMaxInflation;
@@ -132,7 +132,7 @@ std::optional<PatchAlignment> PatchAligner::Align(const Eigen::Vector2d& left_px
     found.disparity_px = -shift.x();
     found.correlation = c.correlation;
     found.gain = c.gain;
-    // Without the prior, of which it would be a part: seen = shift + prior / own * (shift - expected).
+    // Measurement without the prior, which contributes to `shift`: seen = shift + prior / own * (shift - expected).
     const double own = std::max(patch.hessian.determinant() / patch.hessian(0, 0), 1e-9);
     found.row_offset_px = (shift.y() + prior / own * (shift.y() - expected_row)) * size_px;
     found.sigma_row_px = c.noise / std::sqrt(own) * size_px;

@@ -21,9 +21,9 @@ inline constexpr int kHalf = 5;
 inline constexpr int kSide = 2 * kHalf + 1;
 inline constexpr int kRow = 12;  // a row of the patch and one column of weight 0, for whole vector registers
 inline constexpr int kPixels = kSide * kSide;
-/// Grey levels; quantisation and sensor noise hardly go below this.
+/// Grey levels; lower bound of quantisation and sensor noise.
 inline constexpr double kMinNoise = 1.0;
-/// Steps below this, in pixels of the patch, end a search.
+/// Step in pixels of the patch below which the search has converged.
 inline constexpr double kPatchConverged = 0.01;
 
 /// Column-major, so one image row is one column here.
@@ -36,13 +36,13 @@ inline void RemoveMean(Patch& p) {
   p.topRows<kSide>() -= mean;
 }
 
-/// Grey levels from column `u` and row `v` on.
+/// Reads grey levels starting at column `u` and row `v`.
 template <int Rows>
 Eigen::Array<float, kRow, Rows> ReadRows(const cv::Mat& image, int u, int v) {
   std::array<uint8_t, kRow * Rows> bytes;
   for (int y = 0; y < Rows; ++y) std::copy_n(image.ptr<uint8_t>(v + y) + u, kRow, bytes.data() + y * kRow);
   Eigen::Array<float, kRow, Rows> pixels;
-  // In one loop, long enough for compilers to use vector registers.
+  // A single long loop, which compilers vectorise.
   std::copy(bytes.begin(), bytes.end(), pixels.data());
   return pixels;
 }
@@ -53,7 +53,7 @@ struct PatchGradients {
   Patch grad_v;
 };
 
-/// Pixels and their central differences. `center` must be at least kHalf + 2 from the border of the image.
+/// Reads pixels and their central differences. `center` must be at least kHalf + 2 from the border of the image.
 inline PatchGradients ReadGradients(const cv::Mat& image, const Eigen::Vector2i& center) {
   const int u = center.x() - kHalf;
   const int v = center.y() - kHalf;
@@ -66,12 +66,12 @@ inline PatchGradients ReadGradients(const cv::Mat& image, const Eigen::Vector2i&
   return patch;
 }
 
-/// Where the patch around a left pixel lies in the right image.
+/// Alignment of the patch around a left pixel with the right image.
 struct PatchAlignment {
   double disparity_px = 0.0;
   double sigma_disparity_px = 0.0;
-  /// Row in the right image minus row in the left, as the patches alone tell (0 for perfect rectification), and its
-  /// standard deviation.
+  /// Row in the right image minus row in the left, measured from the patches alone (0 for perfect rectification), and
+  /// its standard deviation.
   double row_offset_px = 0.0;
   double sigma_row_px = 0.0;
   /// Normalised correlation of the patches, and contrast of the right relative to the left.
@@ -83,18 +83,18 @@ struct PatchAlignment {
 /// the images (their exposures may differ).
 ///
 /// Gauss-Newton on the shift of a fixed left patch (inverse compositional: the normal equations are built once). The
-/// shift has a row component, which `rows` predicts to `sigma_row_px`, since no rectification is perfect and a
-/// slanted edge would turn its error into disparity. Its marginal standard deviation, from the residuals and the
-/// inverse Hessian, is the sigma. Patches of coarse features are taken from halved images.
+/// shift has a row component, predicted by `rows` with `sigma_row_px`, because no rectification is perfect and a
+/// slanted edge would convert its error into disparity. The disparity's sigma is its marginal standard deviation, from
+/// the residuals and the inverse Hessian. Patches of coarse features are taken from halved images.
 class PatchAligner {
  public:
   /// `pair` must outlive the aligner.
   PatchAligner(const HalvedPair& pair, double sigma_row_px, const RowField& rows = {})
       : pair_(&pair), sigma_row_px_(sigma_row_px), rows_(rows) {}
 
-  /// Aligns the patch at `left_px`, found at a pixel size of `scale`, starting from `disparity_px`. nullopt where the
-  /// patch leaves an image, has no gradient along the row, does not converge, or ends more than 2.5 pixels of its
-  /// size from where it started.
+  /// Aligns the patch at `left_px`, detected at a pixel size of `scale`, starting from `disparity_px`. Returns nullopt
+  /// if the patch leaves an image, has no gradient along the row, does not converge, or moves more than 2.5 of its
+  /// pixels from the start.
   std::optional<PatchAlignment> Align(const Eigen::Vector2d& left_px, double scale, double disparity_px) const;
 
  private:

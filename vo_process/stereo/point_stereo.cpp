@@ -18,9 +18,9 @@ constexpr int kNone = 257;  // above any distance of 256 bits
 constexpr int kMaxOctavesApart = 1;
 /// Correlations that differ by less than this are equal: a repeated texture, up to rounding.
 constexpr double kTieMargin = 0.005;
-/// A correlation between two pixels from which on alignment to a fraction of a pixel may make it equal to the best.
+/// Correlation at pixel accuracy above which sub-pixel alignment may make a match equal to the best.
 constexpr double kMaybeEqual = 0.5;
-/// Disparities that differ by this, in pixels of the level, are of different places.
+/// Disparities that differ by more than this, in pixels of the level, are different matches.
 constexpr double kOther_px = 3.0;
 constexpr double kMinGain = 0.25;
 constexpr double kMaxGain = 4.0;
@@ -56,12 +56,12 @@ bool MayMatch(const PointFeature& left, const PointFeature& right, const PairSke
   const double scale = std::max(left.scale, right.scale);
   const double row_px = left.px.y() + skew.RowOffset_px(left.px, left.px.x() - right.px.x());
   if (std::abs(row_px - right.px.y()) > options.point_row_tolerance_px * scale) return false;
-  // Corners are placed to a pixel or so of their octave; the gates on the disparity itself come after alignment.
+  // Corners are accurate to about a pixel of their octave; the gates on the disparity itself follow the alignment.
   const double disparity_px = left.px.x() - right.px.x();
   return disparity_px >= options.min_disparity_px - scale && disparity_px <= options.max_disparity_px + scale;
 }
 
-/// The lowest and the highest row, from that of the left point, in which a skew may have put its match.
+/// Lowest and highest row of a match under a skew, relative to that of the left point.
 struct RowRange {
   double low_px = 0.0;
   double high_px = 0.0;
@@ -86,7 +86,7 @@ bool IsUnique(double correlation, double second_correlation, const StereoOptions
   return 1.0 - correlation + kTieMargin <= options.point_direct_max_ratio * (1.0 - second_correlation);
 }
 
-/// Whether one of the places of a row search, other than that of `found`, matches as well to a fraction of a pixel.
+/// Whether a position of a row search other than `found` matches as well at sub-pixel accuracy.
 bool MatchesElsewhere(const PointFeature& feature, const PatchAlignment& found, const RowMatch& match,
                       const PatchAligner& aligner, const StereoOptions& options) {
   const auto matches_at = [&](double disparity_px, double correlation) {
@@ -94,7 +94,7 @@ bool MatchesElsewhere(const PointFeature& feature, const PatchAlignment& found, 
       return false;
     const auto other = aligner.Align(feature.px, feature.scale, disparity_px);
     if (!other) return false;
-    // Interpolation blurs fine textures: where alignment gains much, it also loses much.
+    // Interpolation blurs fine textures: alignment that gains much also loses much.
     const double loss = 2.0 * std::max(0.0, other->correlation - correlation);
     return !IsUnique(found.correlation, other->correlation + loss, options);
   };
@@ -102,7 +102,7 @@ bool MatchesElsewhere(const PointFeature& feature, const PatchAlignment& found, 
          matches_at(match.second_disparity_px, match.second_correlation);
 }
 
-/// Searches the right row for the patch of the point. Sets `is_ambiguous` where two places match equally well.
+/// Searches the right row for the patch of the point. Sets `is_ambiguous` if two positions match equally well.
 std::optional<PatchAlignment> FindInRow(StereoPoint& point, RowSearch& search, const PatchAligner& aligner,
                                         const StereoOptions& options) {
   const PointFeature& feature = point.left;

@@ -12,31 +12,30 @@
 
 namespace plslam::vo {
 
-/// `points` as stereo points without depth, with `sigma_px` set from their scales.
+/// Returns `points` as stereo points without depth, with `sigma_px` from their scales.
 std::vector<StereoPoint> WithoutDepth(std::vector<PointFeature> points, const StereoOptions& options);
 
-/// The right point that a left one looks most like; `index` is negative for none.
+/// The right point most similar to a left one; `index` is negative if there is none.
 struct PointCandidate {
   int index = -1;
   int distance = 0;
   int second_distance = 0;
 };
 
-/// For each left point its candidate (PL-SLAM §IV.A), the right ones having been brought to left rows: on the same
-/// row (with a `skew`, on the row that it leads to) within `point_row_tolerance_px` times the scale of the octave, at
-/// most one octave apart, with a disparity in range; its descriptor must be near enough, clearly nearer than the
-/// second, and mutually best.
+/// Returns the candidate of each left point (PL-SLAM §IV.A), for right points corrected to left rows: in the same row
+/// (with a `skew`, in the row that it predicts) within `point_row_tolerance_px` times the scale of the octave, at most
+/// one octave apart, with a disparity in range; its descriptor must be near enough, clearly nearer than the second, and
+/// mutually best.
 std::vector<PointCandidate> FindPointCandidates(const std::vector<StereoPoint>& left,
                                                 const std::vector<PointFeature>& right, const PairSkew& skew,
                                                 const StereoOptions& options);
 
 /// Sets the disparities of left points and their standard deviations by aligning patches of the two images
-/// (`PatchAligner`) at the candidates, or where a search along the row finds the patch. Points whose patches do not
-/// correlate keep a negative disparity. `rows` tells where in the right image their rows are.
+/// (`PatchAligner`) at the candidates, or at the result of a search along the row. Points whose patches do not
+/// correlate keep a negative disparity. `rows` maps their rows to the right image.
 ///
-/// Points are matched independently of each other, a few at a time from `begun` on, which counts those that somebody
-/// has begun: threads that call this with one `begun`, at 0 before the first of them, share the points, and each
-/// returns when none is left to begin.
+/// Points are matched independently, a few at a time; `begun` counts those taken by any thread. Threads that call this
+/// with the same `begun`, initially 0, share the points, and each returns when none is left.
 void MatchPointsStereo(std::vector<StereoPoint>& left, const std::vector<PointFeature>& right,
                        const std::vector<PointCandidate>& candidates, const HalvedPair& pair, const RowField& rows,
                        const StereoOptions& options, std::atomic<size_t>& begun);

@@ -13,26 +13,26 @@
 
 namespace plslam::vo {
 
-/// What it does to a stereo pair that the right image is taken a little later (or earlier) than the left one, while
-/// the camera moves: the pair is then one of two cameras that are apart by the baseline and by that motion. Depth and
-/// motion together say where a left pixel is found in the right image:
+/// Effect on a stereo pair of taking the right image a little later (or earlier) than the left one while the camera
+/// moves: the cameras of the pair are then separated by the baseline and by that motion. A left pixel at an unknown
+/// depth appears in the right image at
 ///
-///   (u_r, v_r) = project(T_late_c X - b e_x),   X = the point of the left pixel at an unknown depth,
+///   (u_r, v_r) = project(T_late_c X - b e_x),   X = the point of the left pixel,
 ///
-/// so a measured column tells the depth, and the depth tells the row.
+/// so the measured column determines the depth, and the depth determines the row.
 class PairSkew {
  public:
-  /// None: both are taken at the same time.
+  /// No skew: both images are taken at the same time.
   PairSkew() = default;
-  /// `T_late_c` takes points from the left camera as it took its image to the left camera when the right image was
-  /// taken.
+  /// `T_late_c` takes points from the left camera at the time of its image to the left camera at the time of the right
+  /// image.
   PairSkew(const StereoCamera& camera, const SE3& T_late_c)
       : camera_(camera), R_late_c_(T_late_c.R()), t_late_c_(T_late_c.translation()), is_zero_(false) {}
 
   bool is_zero() const { return is_zero_; }
 
-  /// By how many rows the match of a left pixel is lower in the right image, where the column tells `measured_px` =
-  /// u_left - u_right.
+  /// Returns the row of the match in the right image minus that of the left pixel, for a measured column difference
+  /// `measured_px` = u_left - u_right.
   double RowOffset_px(const Eigen::Vector2d& left_px, double measured_px) const {
     if (is_zero_) return 0.0;
     const Eigen::Vector3d ray = Ray(left_px);
@@ -40,13 +40,13 @@ class PairSkew {
     return RowOffset_px(left_px, ray, std::max(inverse_depth, 0.0));
   }
 
-  /// The same where the depth is known, by the disparity that a pair taken at one time would have.
+  /// The same for a known depth, given as the disparity of a simultaneous pair.
   double RowOffsetAt_px(const Eigen::Vector2d& left_px, double disparity_px) const {
     return is_zero_ ? 0.0 : RowOffset_px(left_px, Ray(left_px), disparity_px / camera_.FocalBaseline());
   }
 
-  /// The disparity that a pair taken at one time would have. nullopt where the motion has taken the baseline away, so
-  /// that the pair tells no depth, and negative beyond infinity.
+  /// Returns the disparity of a simultaneous pair, negative beyond infinity. Returns nullopt if the motion cancels the
+  /// baseline, so that the pair has no depth.
   std::optional<double> Disparity_px(const Eigen::Vector2d& left_px, double measured_px) const {
     if (is_zero_) return measured_px;
     const std::optional<double> inverse_depth = InverseDepth(Ray(left_px), left_px.x() - measured_px);
@@ -55,10 +55,10 @@ class PairSkew {
   }
 
  private:
-  /// Of the baseline that is left, seen along the ray, the least that tells a depth.
+  /// Least share of the baseline, as seen along the ray, that must be left to measure a depth.
   static constexpr double kMinBaselineShare = 0.3;
 
-  /// Direction of a left pixel as the late camera sees it, for a point at depth 1.
+  /// Direction of a left pixel in the late camera, for a point at depth 1.
   Eigen::Vector3d Ray(const Eigen::Vector2d& left_px) const {
     return R_late_c_ * Eigen::Vector3d((left_px.x() - camera_.cx_px) / camera_.f_px,
                                        (left_px.y() - camera_.cy_px) / camera_.f_px, 1.0);
@@ -82,24 +82,23 @@ class PairSkew {
   bool is_zero_ = true;
 };
 
-/// By how many rows a place is lower in the right image of a pair than in the left, where the calibration that the
-/// pair was rectified with is not quite right:
+/// Vertical disparity of a pair whose rectification is not perfect:
 ///
 ///   v_right - v_left = r0 + r1 x + r2 y + r3 x^2 + r4 x y + r5 y^2,   x = (u_right - cx) / half the width,
 ///                                                                     y = (v_left - cy) / half the height.
 ///
-/// What is left of a rotation between the cameras, of a focal length or of a distortion is of this shape, as far as
-/// it is smooth. Places are told by the column in the right image and the row in the left one, as a disparity tells
-/// them: u_left - disparity, v_left.
+/// Residual errors of the rotation between the cameras, of a focal length or of a distortion have this form, as far as
+/// they are smooth. Positions combine the column in the right image and the row in the left one, which a disparity
+/// gives: u_left - disparity, v_left.
 ///
-/// Where the two images are not taken at the same time, rows differ by what the camera moves in between, too: that is
-/// the `PairSkew` of the pair, which may come with the field.
+/// If the two images are not taken at the same time, the motion in between adds to the vertical disparity: this is the
+/// `PairSkew` of the pair, which a field may contain.
 class RowField {
  public:
   using Coefficients = Eigen::Matrix<double, 6, 1>;
 
-  /// By how much the right camera is turned against what the calibration says, as far as rows show it: pitch moves
-  /// pixels down, roll turns them from right to down. A yaw moves columns above all, of which rows tell nothing.
+  /// Residual rotation of the right camera, as far as rows show it: pitch moves pixels down, roll rotates them from
+  /// right to down. A yaw mainly moves columns, and does not show in rows.
   struct Turn {
     double pitch_rad = 0.0;
     double roll_rad = 0.0;
@@ -113,19 +112,19 @@ class RowField {
         R_straight_turned_(ExpSO3({turn.pitch_rad, 0.0, -turn.roll_rad})),
         is_zero_(coefficients_px.isZero(0.0)) {}
 
-  /// What the coefficients are multiplied by at a place.
+  /// Returns the factors of the coefficients at a position.
   static Coefficients Terms(const StereoCamera& camera, const Eigen::Vector2d& place_px) {
     const double x = 2.0 * (place_px.x() - camera.cx_px) / camera.width_px;
     const double y = 2.0 * (place_px.y() - camera.cy_px) / camera.height_px;
     return {1.0, x, y, x * x, x * y, y * y};
   }
 
-  /// v_right - v_left at a place.
+  /// Returns v_right - v_left at a position.
   double Offset_px(const Eigen::Vector2d& place_px) const {
     return is_zero_ ? 0.0 : Terms(camera_, place_px).dot(coefficients_px_);
   }
 
-  /// The same of a pair with a skew.
+  /// Returns the field with the skew of a pair.
   RowField With(const PairSkew& skew) const {
     RowField field = *this;
     field.skew_ = skew;
@@ -133,19 +132,19 @@ class RowField {
   }
   const PairSkew& skew() const { return skew_; }
 
-  /// v_right - v_left of the match of a left pixel, whose column tells this disparity: of field and skew.
+  /// Returns v_right - v_left of the match of a left pixel with this column difference, from field and skew.
   double MatchOffset_px(const Eigen::Vector2d& left_px, double disparity_px) const {
     return Offset_px(left_px - Eigen::Vector2d(disparity_px, 0.0)) + skew_.RowOffset_px(left_px, disparity_px);
   }
 
-  /// The row in the left image of a pixel of the right one.
+  /// Returns the row in the left image of a pixel of the right one.
   double LeftRow_px(const Eigen::Vector2d& right_px) const {
     const double near_px = right_px.y() - Offset_px(right_px);
     return right_px.y() - Offset_px({right_px.x(), near_px});
   }
 
-  /// What the turn adds to the disparity at a place: roll moves columns as much as rows, pitch spreads or narrows
-  /// them away from the middle row.
+  /// Returns the error of the disparity at a position due to the rotation: roll moves columns as much as rows, pitch
+  /// spreads or narrows them away from the middle row.
   double Disparity_px(const Eigen::Vector2d& place_px) const {
     if (is_zero_) return 0.0;
     const Eigen::Vector2d turned((place_px.x() - camera_.cx_px) / camera_.f_px,
@@ -154,7 +153,7 @@ class RowField {
     return camera_.f_px * (straight.x() / straight.z() - turned.x());
   }
 
-  /// The field is, everywhere, so that nothing is to be done; it may have a skew.
+  /// Whether the field is zero everywhere; it may have a skew.
   bool is_zero() const { return is_zero_; }
 
  private:
@@ -165,8 +164,8 @@ class RowField {
   PairSkew skew_;
 };
 
-/// Subtracts `error_px(left_px, disparity_px)` from all disparities of both feature types; those that would fall to
-/// zero lose their depth.
+/// Subtracts `error_px(left_px, disparity_px)` from all disparities of both feature types; disparities that are then
+/// not positive become unknown.
 template <class Error>
 void CorrectDisparities(StereoFeatures& features, const Error& error_px) {
   const auto correct = [&error_px](const Eigen::Vector2d& left_px, double& disparity_px) {
@@ -183,8 +182,8 @@ void CorrectDisparities(StereoFeatures& features, const Error& error_px) {
   }
 }
 
-/// From measured disparities, what the camera moved between the two images; where the pair then tells no depth, there
-/// is none.
+/// Removes the effect of the motion between the two images from measured disparities; if a pair then has no depth,
+/// disparities become unknown.
 inline void TakeSkewAway(const PairSkew& skew, StereoFeatures& features) {
   if (skew.is_zero()) return;
   CorrectDisparities(features, [&skew](const Eigen::Vector2d& left_px, double disparity_px) {

@@ -13,22 +13,23 @@ namespace {
 
 constexpr int kWindowHalf = 5;
 constexpr int kWindowSide = 2 * kWindowHalf + 1;
-constexpr int kWindowRow = 16;  // pixels of a patch row in memory, the last five of weight 0: whole vector registers
+constexpr int kWindowRow =
+    16;  // pixels of a patch row in memory, the last five with weight 0: whole vector registers
 constexpr int kWindowPixels = kWindowSide * kWindowSide;
-/// Places nearer to the best than this are the same peak.
+/// Positions nearer to the best than this belong to the same peak.
 constexpr int kPeakHalfWidth = 3;
-/// Grey levels^2: variance of a patch below which there is nothing to compare.
+/// Grey levels^2: least variance of a patch with contrast.
 constexpr double kMinVariance = 4.0;
 
 using WindowPixels = std::array<int16_t, static_cast<size_t>(kWindowSide) * kWindowRow>;
 
-/// The strip of rows under the patches, as 16 bit.
+/// Converts a row under the patches to 16 bits.
 PLSLAM_AVX2_CLONES
 void Widen(const uint8_t* row, int count, int16_t* out) {
   for (int i = 0; i < count; ++i) out[i] = row[i];
 }
 
-/// Products of the patch with `places` windows of the strip that begin one pixel after the other.
+/// Products of the patch with `places` windows of the strip, one pixel apart.
 PLSLAM_AVX2_CLONES
 void Correlate(const int16_t* patch, const int16_t* strip, int stride, int places, int* cross) {
   for (int p = 0; p < places; ++p) {
@@ -55,7 +56,7 @@ void ColumnSums(const int16_t* strip, int stride, int columns, int* sum, int* sq
   }
 }
 
-/// Column sums to window sums, in place.
+/// Converts column sums to window sums, in place.
 void WindowSums(std::vector<int>& columns, int places) {
   int window = 0;
   for (int x = 0; x < kWindowSide; ++x) window += columns[x];
@@ -66,7 +67,7 @@ void WindowSums(std::vector<int>& columns, int places) {
   }
 }
 
-/// Left patch minus its mean (times 1, rounded); its energy is exact for what is stored.
+/// Left patch minus its rounded mean; its energy is exact for the stored values.
 struct LeftPatch {
   WindowPixels pixels;
   int sum = 0;
@@ -92,12 +93,12 @@ LeftPatch ReadPatch(const cv::Mat& image, int u, int v) {
   return patch;
 }
 
-/// Highest of the scores [first, last); 0 for none.
+/// Returns the highest of the scores [first, last); 0 if there are none.
 float Highest(const std::vector<float>& scores, int first, int last) {
   return last > first ? Eigen::Map<const Eigen::ArrayXf>(scores.data() + first, last - first).maxCoeff() : 0.0F;
 }
 
-/// Index of the first score in [first, last) that equals `score`, which is one of them.
+/// Returns the index of the first score in [first, last) that equals `score`, which must be one of them.
 int IndexOf(float score, const std::vector<float>& scores, int first, int last) {
   return static_cast<int>(std::find(scores.begin() + first, scores.begin() + last, score) - scores.begin());
 }
@@ -143,7 +144,7 @@ std::optional<RowMatch> RowSearch::Find(const Eigen::Vector2d& left_px, double s
     const double mean = static_cast<double>(sum_[p]) / kWindowPixels;
     const double energy = square_[p] - mean * sum_[p];
     const double cross = cross_[p] - mean * patch.sum;
-    // Squared, which keeps the order; negative correlations count as none. Computed for all, so without branches.
+    // Squared, which keeps the order; negative correlations count as 0. Computed for all, without branches.
     const double squared = cross * cross / (energy * patch.energy);
     score_[p] = static_cast<float>(cross > 0.0 && energy > 0.0 ? squared : 0.0);
   }

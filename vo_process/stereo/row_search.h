@@ -12,34 +12,33 @@
 
 namespace plslam::vo {
 
-/// The best match of the patch of a left pixel in a row of the right image, to the pixel of its level, and its
-/// normalised correlation. Between two pixels the correlation is lower than at the true disparity, so equal matches
-/// of a repeated texture may differ by 0.5 here.
+/// The best match of the patch of a left pixel in a row of the right image, at pixel accuracy of its level, and its
+/// normalised correlation. At whole pixels the correlation is lower than at the true disparity, so equal matches of a
+/// repeated texture may differ by 0.5 here.
 struct RowMatch {
   double disparity_px = 0.0;
   double correlation = 0.0;
-  /// The best other match, not a neighbour; 0 and 0 where there is none.
+  /// The best other match outside the peak; 0 and 0 if there is none.
   double second_disparity_px = 0.0;
   double second_correlation = 0.0;
 };
 
-/// Stereo for points whose right corner was not detected: normalised correlation of 11x11 patches over all
-/// disparities of a range. In integers up to the final comparison.
+/// Stereo for points whose right corner was not detected: normalised correlation of 11x11 patches over a range of
+/// disparities, in integers up to the final comparison.
 class RowSearch {
  public:
-  /// `pair` must outlive the search. The row is that of `rows` where the disparity is small, to the pixel of the
-  /// level.
+  /// `pair` must outlive the search. The row follows from `rows` at small disparity, rounded to a pixel of the level.
   explicit RowSearch(const HalvedPair& pair, const RowField& rows = {}) : pair_(&pair), rows_(rows) {}
 
-  /// nullopt where the patch leaves the left image, has no contrast, or correlates nowhere.
+  /// Returns nullopt if the patch leaves the left image, has no contrast, or correlates nowhere.
   std::optional<RowMatch> Find(const Eigen::Vector2d& left_px, double scale, double min_disparity_px,
                                double max_disparity_px);
 
  private:
   const HalvedPair* pair_;
   RowField rows_;
-  // Scratch: the rows of the right image as 16 bit, and for each place its product with the left patch, sum, and sum
-  // of squares.
+  // Scratch: the rows of the right image as 16 bits, and for each position its product with the left patch, sum, and
+  // sum of squares.
   std::vector<int16_t> strip_;
   std::vector<int> cross_;
   std::vector<int> sum_;

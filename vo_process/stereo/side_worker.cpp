@@ -46,7 +46,7 @@ void SideWorker::RunBoth(const std::function<void()>& here, const std::function<
     lock.unlock();
     error_there = ErrorOf(there);
   } else {
-    // `there` refers to the caller's data, so it is awaited whatever happened here.
+    // `there` refers to the caller's data, so wait for it even after an exception here.
     changed_.wait(lock, [this] { return !working_; });
     error_there = std::exchange(error_, nullptr);
     lock.unlock();
@@ -55,8 +55,8 @@ void SideWorker::RunBoth(const std::function<void()>& here, const std::function<
   if (error_there) std::rethrow_exception(error_there);
 }
 
-/// The caller is seldom moved, so this is seldom more than a look at where it is. Where nothing can be avoided (one
-/// core, or the caller bound to one), or the system refuses, the scheduler decides as ever.
+/// The caller seldom changes its core, so this usually only reads the core's number. If no core can be avoided (there
+/// is only one, or the caller is bound to one), or the system refuses, the scheduler decides.
 void SideWorker::KeepOffThisCore() {
   const int core = sched_getcpu();
   if (core < 0 || core >= CPU_SETSIZE || core == std::exchange(avoided_core_, core)) return;

@@ -8,9 +8,8 @@
 
 namespace plslam::vo {
 
-/// One thread that works beside the caller's: the right image while the caller does the left. It keeps off the core
-/// that the caller runs on: a scheduler that packs threads (virtual machines, power saving) would let the two take
-/// turns.
+/// A thread for the right image while the caller processes the left one. It avoids the core of the caller, because a
+/// scheduler that packs threads (virtual machines, power saving) would let the two take turns.
 class SideWorker {
  public:
   SideWorker();
@@ -18,9 +17,9 @@ class SideWorker {
   SideWorker(const SideWorker&) = delete;
   SideWorker& operator=(const SideWorker&) = delete;
 
-  /// Runs `here` on the calling thread and `there` on the worker's, and returns when both are done. Where the worker
-  /// has not begun by the time that `here` is done (its core is busy), the caller runs `there`, too. Throws what they
-  /// throw, `here`'s first.
+  /// Runs `here` on the calling thread and `there` on the worker's, and returns when both are done. If the worker has
+  /// not started when `here` is done (its core is busy), the caller runs `there`, too. Rethrows their exceptions,
+  /// `here`'s first.
   void RunBoth(const std::function<void()>& here, const std::function<void()>& there);
 
  private:
@@ -29,7 +28,7 @@ class SideWorker {
 
   std::mutex mutex_;
   std::condition_variable changed_;
-  const std::function<void()>* job_ = nullptr;  ///< not begun yet
+  const std::function<void()>* job_ = nullptr;  ///< not started yet
   bool working_ = false;
   std::exception_ptr error_;
   bool stopping_ = false;

@@ -15,18 +15,18 @@ namespace {
 
 constexpr double kSlopeSigma = 0.2;
 constexpr double kMaxSlope = 0.7;
-// Slopes of noisy patches take longer to settle than shifts. With six, one in ten patches of a noisy road did not,
-// and fell back to one shift.
+// Slopes of noisy patches converge more slowly than shifts. With six iterations, one in ten patches of a noisy road did
+// not converge, and fell back to a single shift.
 constexpr int kMaxSlantIterations = 10;
 constexpr double kMaxSlantTravel = 1.5;
 
 constexpr size_t kPatchPlaces = static_cast<size_t>(kRow) * kSide;
 using PatchRow = Eigen::Array<float, kRow, 1>;
-/// The columns of a patch; the idle one takes what the last takes.
+/// The columns of a patch; the idle one repeats the last.
 const PatchRow kColumns = PatchRow::LinSpaced(0.0F, kSide).min(kSide - 1);
 
 /// Derivatives of the left patch by shift, row offset and slopes; orthogonal to a constant and to the patch itself,
-/// so that offset and gain of brightness drop out.
+/// which eliminates offset and gain of brightness.
 struct SlantTemplate {
   Patch pixels;
   std::array<Patch, 4> derivatives;
@@ -58,7 +58,7 @@ SlantTemplate MakeTemplate(const cv::Mat& image, const Eigen::Vector2i& center) 
 /// Pixels of the image, each with its right neighbour.
 using PixelPairs = std::array<uint8_t, 2 * kPatchPlaces>;
 
-/// Linear between the two pixels.
+/// Interpolates linearly between the two pixels.
 Patch Between(const PixelPairs& pairs, const Patch& fractions) {
   Patch patch;
   for (size_t i = 0; i < kPatchPlaces; ++i) {
@@ -69,9 +69,9 @@ Patch Between(const PixelPairs& pairs, const Patch& fractions) {
   return patch;
 }
 
-/// The right image where the left patch should be. False where that leaves the image.
+/// Samples the right image at the warped left patch. Returns false if that leaves the image.
 ///
-/// Only fetching pixels goes one by one; places and blending are loops over the whole patch, in vector registers.
+/// Only fetching pixels is scalar; positions and interpolation are vectorised loops over the whole patch.
 bool Sample(const cv::Mat& image, const Eigen::Vector2i& center, const Eigen::Vector4d& warp, Patch& patch) {
   const auto step = static_cast<float>(1.0 + warp(2));
   const int reach = static_cast<int>(std::ceil((kSide - 1) * step)) + 2;

@@ -14,10 +14,10 @@ struct StageTime {
   double ms = 0.0;
 };
 
-/// Collects the times of stages by a clock that is given from outside, so that algorithms see none.
+/// Measures stages with a clock that is passed in, so that algorithms need none.
 class StageTimer {
  public:
-  /// `now_ms` increases; without one all times are zero.
+  /// `now_ms` increases; without a clock all times are zero.
   explicit StageTimer(std::function<double()> now_ms = nullptr) : now_ms_(std::move(now_ms)) {}
 
   /// Runs `f` as stage `name`, and returns what it returns.

@@ -11,12 +11,12 @@
 namespace plslam::vo {
 namespace {
 
-// Of an octave of the points: with eight of them, corners are compared up to 14 pixels away.
+// In pixels of the point's octave: with eight octaves, corners are compared up to 14 pixels apart.
 constexpr double kUnknownRowTolerance_px = 4.0;
 constexpr double kUnknownRowSigma_px = 2.0;
 
-/// What the camera leaves out may have more corners than all the rest; the few along the edge of a warped image cost
-/// nothing.
+/// Masked regions may have more corners than the rest, so the detector skips them; the few corners along the edge of a
+/// warped image are removed afterwards.
 std::vector<PointFeature> PointsInside(FeatureExtractor& extractor, const cv::Mat& image, bool leaves_out,
                                        const FeatureMask& mask, std::optional<int> max_points) {
   ImageFeatures features;
@@ -32,14 +32,13 @@ std::vector<LineFeature> LinesInside(FeatureExtractor& extractor, const cv::Mat&
   return std::move(features.lines);
 }
 
-/// Corners of the right image are needed where nobody searches along the rows, and where the row of a match depends
-/// on its depth. A search along one row finds neither.
+/// Corners of the right image are needed without a search along the rows, and if the row of a match depends on its
+/// depth, because that search follows a single row.
 bool NeedsRightPoints(const RowField& rows, const StereoOptions& options) {
   return !options.point_direct || !rows.skew().is_zero();
 }
 
-/// A point without a matching corner is searched by its patch along the row of the right image, also where that is
-/// left out.
+/// Removes depths from matches in masked regions of the right image, to which the search along the row may lead.
 void ForgetPartnersOutside(const FeatureMask& right_mask, StereoFeatures& features) {
   for (StereoPoint& point : features.points) {
     if (!point.HasDepth() || !right_mask.IsOutside(point.left.px - Eigen::Vector2d(point.disparity_px, 0.0)))
@@ -106,9 +105,9 @@ RunBoth StereoFrontEnd::OnBothThreads() {
       [this](const std::function<void()>& here, const std::function<void()>& there) { worker_.RunBoth(here, there); };
 }
 
-/// Left points take as long as right lines, and points need no lines: so left points beside right lines, then the
-/// depths of points beside left lines and theirs; who has done with the lines helps with the points. Without points,
-/// lines of both images are found side by side.
+/// Left points take as long as right lines, so these run in parallel; then the matching of points in parallel with
+/// left lines and the matching of lines. The thread that has finished the lines helps with the points. Without points,
+/// lines of both images are detected in parallel.
 StereoFeatures StereoFrontEnd::ProcessStereo(const StereoImages& images, StageTimer& timer, const RowField& rows,
                                              std::optional<int> max_points) {
   std::vector<cv::Mat> left;

@@ -15,27 +15,25 @@
 
 namespace plslam::vo {
 
-/// From a recorded stereo pair to stereo features: rectification, points of the left image and lines of both, stereo
-/// matching (PL-SLAM §IV.A-B), shared between two threads. For RGB-D rigs the depth map takes the right image's
-/// place.
+/// Computes stereo features of a recorded pair: rectification, points of the left image and lines of both, stereo
+/// matching (PL-SLAM §IV.A-B), on two threads. For RGB-D rigs the depth map replaces the right image.
 class StereoFrontEnd {
  public:
-  /// Throws std::runtime_error where the rig cannot be rectified.
+  /// Throws std::runtime_error if the rig cannot be rectified.
   StereoFrontEnd(const RigCalibration& rig, const VoOptions& options);
 
   const StereoCamera& camera() const { return rectifier_.camera(); }
 
-  /// What is left out of the pairs that follow, beside what the rig leaves out.
+  /// Masks regions of the following pairs, in addition to the rig's masks.
   void SetMask(const FrameMask& mask);
 
-  /// Features in rectified left pixels; `rows` is what is known of rows that differ between the two rectified images,
-  /// `max_points` how many corners are wanted, where not as many as the options say. Throws std::runtime_error where
-  /// the images do not fit the rig.
+  /// Returns features in rectified left pixels; `rows` is the known vertical disparity of the pair, `max_points` the
+  /// number of corners if it differs from the options. Throws std::runtime_error if the images do not fit the rig.
   StereoFeatures Process(const StereoImages& images, StageTimer& timer, const RowField& rows = {},
                          std::optional<int> max_points = std::nullopt);
 
-  /// Points of a pair whose rows may differ by several pixels, to learn them from: corners of both images are
-  /// compared, tolerant of such rows, and disparities are less sure for it.
+  /// Returns points for estimating a vertical disparity of several pixels: compares corners of both images with a wide
+  /// row tolerance. Their disparities are less accurate for it.
   StereoFeatures LookForRows(const StereoImages& images, const PairSkew& skew = {});
 
  private:
@@ -49,7 +47,7 @@ class StereoFrontEnd {
   RigCalibration rig_;
   VoOptions options_;
   Rectifier rectifier_;
-  // Against the edge of the warped image, what the rig leaves out, and what is left out of this pair.
+  // Masks: edge of the warped image, the rig's masks, and the mask of this pair.
   FeatureMask left_mask_;
   FeatureMask right_mask_;
   FrameMask mask_;

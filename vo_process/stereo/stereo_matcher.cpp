@@ -11,10 +11,10 @@
 namespace plslam::vo {
 namespace {
 
-/// To the row that a right feature has in the left image.
+/// Moves a right feature to its row in the left image.
 void ToLeftRow(const RowField& rows, Eigen::Vector2d& px) { px.y() = rows.LeftRow_px(px); }
 
-/// From disparities, what the rotation that shows in the rows has added to them.
+/// Removes the effect of the residual rotation, known from the rows, from disparities.
 void TakeRotationAway(const RowField& rows, StereoFeatures& features) {
   if (rows.is_zero()) return;
   CorrectDisparities(features, [&rows](const Eigen::Vector2d& left_px, double disparity_px) {

@@ -17,25 +17,25 @@
 
 namespace plslam::vo {
 
-/// Stereo matches of both feature types of one pair (PL-SLAM §IV.A-B): row buckets, mutual best, ratio test, or a
-/// search along the row, then sub-pixel disparity by comparing the images, with its standard deviation. All left
-/// features are kept; those without a match, and segments nearly parallel to the baseline, have no depth.
+/// Matches both feature types of one pair (PL-SLAM §IV.A-B): row buckets, mutual best, ratio test, or a search along
+/// the row, then sub-pixel disparity by comparing the images, with its standard deviation. All left features are kept;
+/// those without a match, and segments nearly parallel to the baseline, have no depth.
 ///
-/// In steps, so that two threads can share the work: what comes out does not depend on who does what.
+/// Split into steps, so that two threads can share the work; results do not depend on the assignment.
 class PairMatcher {
  public:
-  /// `rows` tells how rows of the two differ. All of it must outlive the matcher.
+  /// `rows` is the vertical disparity of the pair. All arguments must outlive the matcher.
   PairMatcher(const HalvedPair& pair, const RowField& rows, const StereoOptions& options);
 
-  /// Once, before `MatchPoints`. Without right points all are searched along their rows.
+  /// Call once, before `MatchPoints`. Without right points all left points are searched along their rows.
   void SetPoints(std::vector<PointFeature> left, std::vector<PointFeature> right);
 
-  /// Any number of threads may do it at the same time, beside `MatchLines`; returns when no point is left to begin.
+  /// May run on any number of threads, in parallel with `MatchLines`; returns when no point is left.
   void MatchPoints();
 
   void MatchLines(std::vector<LineFeature> left, std::vector<LineFeature> right);
 
-  /// When all of that has returned.
+  /// Call after all of the above have returned.
   StereoFeatures Finish();
 
  private:
@@ -48,13 +48,13 @@ class PairMatcher {
   StereoFeatures features_;
 };
 
-/// All of it for features that have been extracted. `run_both` shares the work between two threads.
+/// Runs all steps for extracted features. `run_both` shares the work between two threads.
 StereoFeatures MatchStereo(ImageFeatures left, ImageFeatures right, const cv::Mat& left_image,
                            const cv::Mat& right_image, const RowField& rows, const StereoOptions& options,
                            const RunBoth& run_both = RunInTurn);
 
-/// Depths from a depth map aligned with the left image (16 bits, 0 = unknown), as virtual right measurements
-/// d = b f / Z, the lines' from depths sampled robustly along the segment.
+/// Sets depths from a depth map aligned with the left image (16 bits, 0 = unknown), as virtual right measurements
+/// d = b f / Z; for lines from depths sampled robustly along the segment.
 StereoFeatures AttachDepth(ImageFeatures left, const cv::Mat& depth, double depth_units_per_m,
                            const StereoCamera& camera, const StereoOptions& options);
 

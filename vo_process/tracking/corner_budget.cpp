@@ -9,18 +9,18 @@
 namespace plslam::vo {
 namespace {
 
-// Of the strongest corners, the share that is of use below which more are looked for, and above which no longer. Snow
-// of 250 streaks leaves a fifth; on real sequences in good weather it was never less than 65 per cent.
+// Share of useful corners among the strongest, below which the budget grows, and above which it returns to normal. Snow
+// of 250 streaks leaves a fifth; on real sequences in good weather the share was never below 65 per cent.
 constexpr double kFewOfUse = 0.4;
 constexpr double kMostOfUse = 0.6;
-// Times the usual number: more corners take more time than they are worth.
+// Largest factor of the budget; more corners take more time than they are worth.
 constexpr double kMaxFactor = 4.0;
-// Where moving bodies have taken the corners, which are good ones there, twice as many leave enough of the world.
+// The same if moving bodies have most of the corners, which are useful ones: twice as many leave enough of the world.
 constexpr double kMaxBodyFactor = 2.0;
-// Of the usual number: where there are fewer corners than that, a larger budget finds no more.
+// Share of the usual number of corners below which the image has no more, so that a larger budget is useless.
 constexpr double kBudgetUsedUp = 0.9;
 
-/// The corners that would have been taken, more or less, if there were only so many.
+/// Indices of the corners that a budget of `count` would, approximately, have kept.
 std::vector<size_t> Strongest(const std::vector<StereoPoint>& points, size_t count) {
   std::vector<size_t> strongest(points.size());
   std::iota(strongest.begin(), strongest.end(), size_t{0});

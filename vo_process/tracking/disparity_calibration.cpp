@@ -14,7 +14,7 @@
 namespace plslam::vo {
 namespace {
 
-// A point is compared as soon as its parallax gives its disparity this sigma.
+// Sigma of the disparity implied by parallax below which a point is compared.
 constexpr double kMaxImpliedSigma_px = 0.7;
 // Comparisons of one frame share the errors of its pose: they count as at most this number of independent ones.
 constexpr double kIndependentPerFrame = 30.0;
@@ -28,7 +28,7 @@ constexpr double kScaleDrift = 0.003;
 constexpr double kBetweenRuns_px = 0.03;
 // Sigma of the offsets of usual rigs (KITTI, EuRoC, TUM VI).
 constexpr double kUsual_px = 0.3;
-// Columns that are searched for the largest offset, and the sigmas that it must exceed zero by.
+// Number of columns searched for the largest offset, and the number of sigmas by which it must differ from zero.
 constexpr int kColumns = 16;
 constexpr double kSureSigmas = 2.0;
 
@@ -62,14 +62,14 @@ Eigen::Vector4d DisparityCalibration::Row(double u_px, double disparity_px) cons
 
 double DisparityCalibration::Offset_px(double u_px) const { return applied_ ? Estimate_px(u_px) : 0.0; }
 
-// The covariance counts noise only; half of the difference of the two estimates shows the errors that tracks share.
+// The covariance contains only noise; half of the difference of the two estimates shows errors that tracks share.
 double DisparityCalibration::EstimateSigma_px(double u_px) const {
   const Eigen::Vector4d row = Row(u_px, 0.0);
   const double half_px = applied_ ? 0.5 * (Estimate_px(u_px) - check_.Estimate_px(u_px)) : 0.0;
   return std::sqrt(row.dot(covariance_ * row) + half_px * half_px);
 }
 
-// The posterior under the prior of usual rigs instead of the wide one that the filter starts with.
+// Posterior with the prior of usual rigs instead of the wide prior of the filter.
 DisparityCalibration::Rest DisparityCalibration::RestAt(double u_px) const {
   const double sigma_px = EstimateSigma_px(u_px);
   const double variance = sigma_px * sigma_px;
@@ -77,8 +77,8 @@ DisparityCalibration::Rest DisparityCalibration::RestAt(double u_px) const {
   return {applied_ ? 0.0 : gain * Estimate_px(u_px), std::sqrt(gain * variance)};
 }
 
-// Between the centres of the outer thirds: beyond them a quadratic extrapolates, and columns without points have a large
-// sigma.
+// Searches between the centres of the outer thirds: beyond them a quadratic extrapolates, and columns without points
+// have a large sigma.
 std::optional<DisparityCalibration::LargestOffset> DisparityCalibration::Largest() const {
   if (!applied_) return std::nullopt;
   LargestOffset largest{0.0, 0.0, length_share_};

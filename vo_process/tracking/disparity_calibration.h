@@ -25,7 +25,7 @@ namespace plslam::vo {
 ///
 /// A Kalman filter compares the disparity of each tracked point with the one that its motion in the left image
 /// implies. The tracked motion has a scale error, caused by the offset itself; it is a fourth, quickly changing state,
-/// and points at different depths tell it from b0.
+/// and points at different depths distinguish it from b0.
 ///
 /// Tracks have common errors that are not the camera's (sliding corners, grazing ground), so significance is not
 /// enough: the offset is applied, whatever its size, while `DisparityCheck`, which does not use the tracked poses,
@@ -36,7 +36,7 @@ class DisparityCalibration {
   struct LargestOffset {
     double offset_px = 0.0;
     double sigma_px = 0.0;
-    /// Mean change of lengths by all of the offset, as a share: 0.1 where they would come out 10 % wrong.
+    /// Median relative change of lengths by the offset: 0.1 is 10 %.
     double length_share = 0.0;
   };
 

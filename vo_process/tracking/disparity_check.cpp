@@ -16,30 +16,30 @@
 namespace plslam::vo {
 namespace {
 
-// A stretch ends when this share of its points is left, or when their median disparity has changed by this factor: the
-// longer, the more parallax. Halves of the fewest points still have three times as many equations as unknowns; a
+// A stretch ends when this share of its points is left, or when their median disparity has changed by this factor: long
+// stretches have more parallax. With the fewest points, halves still have three times as many equations as unknowns; a
 // vehicle that hides most of the view leaves no more.
 constexpr double kShareLeft = 0.5;
 constexpr double kDisparityChange = 1.25;
 constexpr size_t kMinPoints = 20;
-// Most new landmarks are not seen again: they say nothing of how long a stretch is.
+// Most new landmarks are not tracked again, and would end stretches early.
 constexpr int kMinAge = 1;
 constexpr int kIterations = 5;
-// Before a large offset is estimated, all points deviate: the first iterations reject none.
+// Before a large offset is estimated, all points deviate, so the first iterations reject none.
 constexpr int kRejectingIterations = 3;
-// Of three residuals in their own sigmas.
+// Norm of the three whitened residuals of a point.
 constexpr double kHuber = 2.5;
 constexpr double kMaxDeviation = 5.0;
-// Prior sigma of b0. A narrow prior pulls the half with less evidence towards zero, and halves that agree then seem to
-// differ.
+// Prior sigma of b0. A narrow prior would pull the half with less evidence towards zero, so that halves that agree seem
+// to differ.
 constexpr double kPriorSigma_px = 0.5;
 // Stretches before the first verdict.
 constexpr int64_t kMinStretches = 3;
 // Halves differ if half of their difference exceeds this number of sigmas and this share of the estimate.
 constexpr double kDifferSigmas = 3.0;
 constexpr double kDifferShare = 0.3;
-// Errors that a few frames have in common (vibration, say) average out slowly: stretches may differ by this times as
-// much as points.
+// Errors common to a few frames (such as vibration) average out slowly: stretches may differ by this factor more than
+// points.
 constexpr double kTimeFactor = 1.7;
 // Columns at which estimates are compared: the centres of the thirds of the image.
 constexpr double kThirds[] = {1.0 / 6.0, 0.5, 5.0 / 6.0};
@@ -98,7 +98,7 @@ void DisparityCheck::Observe(const SE3& T_odom_c, const TrackedFrame& frame,
   for (size_t i = 0; i < frame.features.points.size(); ++i) {
     const StereoPoint& point = frame.features.points[i];
     const FeatureTrack& track = frame.point_tracks[i];
-    // Only matched points of the world: disparities of a depth camera have errors of another kind.
+    // Only matched points of the world: disparities of a depth camera have different errors.
     const bool is_matched = raw_disparities_px[i] > 0.0 && point.sigma_row_px >= 0.0;
     if (track.landmark_id < 0 || track.age < kMinAge || !is_matched || !track.IsOfWorld()) continue;
     now.push_back(
@@ -119,8 +119,8 @@ void DisparityCheck::Observe(const SE3& T_odom_c, const TrackedFrame& frame,
   begin_ = std::move(now);
 }
 
-/// Adds a point to the normal equations of coefficients and motion (left perturbation of the rotation, then of the
-/// translation), its disparity improved and eliminated. Columns of `normal`: the matrix, and the vector.
+/// Adds a point to the normal equations of coefficients and motion (left perturbation of rotation, then translation),
+/// after improving and eliminating its disparity. Columns of `normal`: the matrix, and the vector.
 bool DisparityCheck::Linearise(const SE3& T_now_before, const Eigen::Vector3d& b, double max_deviation, Seen& point,
                                Normal& normal) const {
   const PairView& before = point.before;
@@ -138,7 +138,7 @@ bool DisparityCheck::Linearise(const SE3& T_now_before, const Eigen::Vector3d& b
   Eigen::Matrix<double, 4, 9> by_all;
   double& d = point.disparity_px;
   for (int i = 0; i < 2; ++i) {
-    // The point over its depth at the beginning.
+    // The point divided by its depth at the beginning.
     const Eigen::Vector3d p = turned + d / fb * t;
     if (!(d > 0.0 && p.z() > 0.1)) return false;
     const double d_now = d / p.z();
@@ -229,7 +229,7 @@ void DisparityCheck::Learn(SE3 T_now_before, std::vector<Seen> points) {
   Judge();
 }
 
-// Root of the mean square at the centres of the thirds of the image.
+// Root mean square at the centres of the thirds of the image.
 double DisparityCheck::Size_px(const Eigen::Vector3d& coefficients) const {
   double square = 0.0;
   for (const double part : kThirds) square += std::pow(Row(part * camera_.width_px).dot(coefficients), 2);

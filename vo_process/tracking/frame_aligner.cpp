@@ -9,21 +9,21 @@
 namespace plslam::vo {
 namespace {
 
-// Landmarks unseen for longer do not take part before the pose is known.
+// Landmarks unseen for longer are not matched before the pose is known.
 constexpr int kRecentFrames = 2;
 constexpr double kRansacInlier_px = 4.0;
 constexpr uint64_t kRansacSeed = 1;
-// How much farther off than an expected motion one is that is elsewhere.
+// Factor of chi-square above which an unexpected motion counts as farther away than an expected one.
 constexpr double kFartherChi2 = 4.0;
 
-// The first estimate has only to bring the second search near.
+// The first estimate only needs to bring landmarks into the second search window.
 MotionOptions Coarse(MotionOptions options) {
   options.max_refinements = 1;
   return options;
 }
 
-// Where nothing is expected, two motions may fill the view alike. A gate that grows with the residuals would let both
-// take part in an estimate between them, so it stays at its smallest: only a consensus has many inliers then.
+// Without a prediction, two motions may fill the view alike. A gate that grows with the residuals would admit both into
+// an estimate between them, so it keeps its minimum: only a consensus then has many inliers.
 MotionOptions Consensus(MotionOptions options) {
   options.max_scale = 1.0;
   return options;
@@ -55,8 +55,8 @@ std::optional<Alignment> FrameAligner::Align(const LocalLandmarks& landmarks, co
 std::optional<Alignment> FrameAligner::FindStrongest(const LocalLandmarks& landmarks, const TrackedFrame& frame,
                                                      const SE3& T_odom_predicted, const MotionPrediction& prediction,
                                                      int expected_weight) const {
-  // A handful of wrong matches can agree by chance where the right ones lie outside the window: an alignment much
-  // weaker than the last frame's is believed only when nothing better is found.
+  // A few wrong matches may agree by chance if the correct ones are outside the window: an alignment much weaker than
+  // the last frame's is accepted only if no better one is found.
   const double convincing = options_.tracking.convincing_ratio * expected_weight;
   const bool expects_nothing = expected_weight == std::numeric_limits<int>::max();
   const MotionOptions motion = expects_nothing ? Consensus(Coarse(options_.motion)) : Coarse(options_.motion);
@@ -74,7 +74,7 @@ std::optional<Alignment> FrameAligner::FindStrongest(const LocalLandmarks& landm
   return best;
 }
 
-// Few features, in the window where most of them agree with each other and with the prior.
+// With few features, takes the window in which most of them agree with each other and with the prior.
 std::optional<Alignment> FrameAligner::FindWeak(const LocalLandmarks& landmarks, const TrackedFrame& frame,
                                                 const SE3& T_odom_predicted, const MotionPrior& prior) const {
   std::optional<Alignment> best;
@@ -87,7 +87,7 @@ std::optional<Alignment> FrameAligner::FindWeak(const LocalLandmarks& landmarks,
   return best;
 }
 
-// Where structure repeats, as much of it agrees a period away: what the motion so far speaks against must show more.
+// Repeated structure agrees equally well one period away: an alignment far from the prediction needs more inliers.
 bool FrameAligner::IsBetter(const Alignment& found, const Alignment& best, const SE3& T_odom_predicted,
                             const MotionPrediction& prediction) const {
   const auto chi2 = [&](const Alignment& alignment) {
@@ -132,7 +132,7 @@ std::optional<Alignment> FrameAligner::FindByDescriptor(const LocalLandmarks& la
                                            landmarks.lines.Observations(matches.lines, frame), camera_,
                                            options_.tracking.weak_inliers, kRansacInlier_px, kRansacSeed);
   if (!T_c_odom) return std::nullopt;
-  // Matches around the pose found, so that the share of inliers says whether the pose is right.
+  // Match again around the estimated pose, so that the share of inliers shows whether it is correct.
   const SE3 T_odom_c = T_c_odom->Inverse();
   const Search near{options_.tracking.search_radius_px, kRecentFrames};
   const FrameMatches guided = MatchByProjection(landmarks, frame, T_odom_c, near);

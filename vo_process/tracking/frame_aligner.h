@@ -11,47 +11,46 @@
 
 namespace plslam::vo {
 
-/// Pose of a frame among landmarks.
+/// Pose of a frame relative to landmarks.
 struct Alignment {
   SE3 T_odom_c;
-  /// Of the right perturbation, given the landmarks.
+  /// Covariance of the right perturbation, given the landmarks.
   Matrix6d covariance = Matrix6d::Zero();
   /// Inliers.
   FrameMatches matches;
-  /// Few inliers: the prior took part.
+  /// Whether the prior took part, because there were few inliers.
   bool weak = false;
-  /// Typical residuals of each feature type in their own sigmas, as in `MotionEstimate`.
+  /// Typical residuals of each feature type in units of their sigmas, as in `MotionEstimate`.
   double point_deviation = 0.0;
   double line_deviation = 0.0;
 };
 
-/// Finds a frame among landmarks: by projection from the expected pose, in a wider window, and at last by descriptors
-/// and RANSAC; then once more by projection from the pose found (PL-SLAM §IV.C with a motion model, windowed matching
-/// and verification). Values in, values out.
+/// Localises a frame among landmarks: by projection from the predicted pose, then in a wider window, then by
+/// descriptors and RANSAC; and again by projection from the estimated pose (PL-SLAM §IV.C with a motion model,
+/// windowed matching and verification). Stateless.
 class FrameAligner {
  public:
   FrameAligner(const StereoCamera& camera, const VoOptions& options) : camera_(camera), options_(options) {}
 
-  /// `T_odom_prev` is the pose of the frame before, `prediction` what is expected since, `expected_weight` the
-  /// inliers (points + 2 x lines) that frame had; where nothing is expected, a number that no search reaches, so that
-  /// all are compared. nullopt: lost.
+  /// `T_odom_prev` is the pose of the previous frame, `prediction` the motion since, `expected_weight` the inlier score
+  /// (points + 2 x lines) of that frame; without a prediction, a number that no search reaches, so that all searches
+  /// are compared. Returns nullopt if the frame is lost.
   std::optional<Alignment> Align(const LocalLandmarks& landmarks, const TrackedFrame& frame, const SE3& T_odom_prev,
                                  const MotionPrediction& prediction, int expected_weight) const;
 
-  /// Landmarks near where they should be seen from `T_odom_c`.
+  /// Matches landmarks near their projection from `T_odom_c`.
   FrameMatches MatchByProjection(const LocalLandmarks& landmarks, const TrackedFrame& frame, const SE3& T_odom_c,
                                  const Search& search) const;
 
-  /// The pose that matches say, from `T_odom_initial` on; the result keeps those that agree. nullopt: not determined,
-  /// or too few.
+  /// Estimates the pose from matches, starting at `T_odom_initial`; the result contains the inliers. Returns nullopt if
+  /// it is not determined or there are too few.
   std::optional<Alignment> Estimate(const LocalLandmarks& landmarks, const TrackedFrame& frame,
                                     const FrameMatches& matches, const SE3& T_odom_initial,
                                     const std::optional<MotionPrior>& prior) const {
     return Estimate(landmarks, frame, matches, T_odom_initial, prior, options_.motion);
   }
 
-  /// Searches once more, for all landmarks, around a pose that was found; that one again where nothing better comes
-  /// of it.
+  /// Matches all landmarks again around an estimated pose; returns `coarse` if the result is not better.
   Alignment Refine(const LocalLandmarks& landmarks, const TrackedFrame& frame, const Alignment& coarse,
                    const MotionPrior& prior) const;
 

@@ -12,15 +12,15 @@
 namespace plslam::vo {
 namespace {
 
-// Share of a measurement's variance that neighbouring frames have in common (place of a corner in its patch, say).
+// Share of a measurement's variance common to neighbouring frames (such as the position of a corner in its patch).
 constexpr double kCommonShare = 0.3;
 constexpr int kMinObservations = 2;
-// Right lines flatter than this (sine of the angle to the rows) give no disparity where rows meet them.
+// Least sine of the angle of right lines to the rows for which the intersection with a row gives a disparity.
 constexpr double kMinTilt = 0.1;
 
 double ShrinkFactor(int n) { return std::sqrt(kCommonShare + (1.0 - kCommonShare) / n); }
 
-/// Weighted mean of one number.
+/// Weighted mean of a scalar.
 class Mean {
  public:
   void Add(double value, double variance) {
@@ -37,7 +37,7 @@ class Mean {
   int n_ = 0;
 };
 
-/// Mean distances of a segment's projected ends from the observed lines of one image.
+/// Mean distances of a segment's projected ends from the observed lines in one image.
 struct EndMeans {
   Mean p;
   Mean q;
@@ -48,7 +48,7 @@ struct EndMeans {
     q.Add(line.dot(q_px.homogeneous()), VarianceAcross(observed, q_px, sigma_px));
   }
 
-  /// The line that `observed` would be, had it been at the mean distances.
+  /// Returns the segment through the mean distances from the projected ends.
   Segment2 Line(const Eigen::Vector2d& p_px, const Eigen::Vector2d& q_px, const Segment2& observed) const {
     const Eigen::Vector2d normal = LineThrough(observed).head<2>();
     return {p_px - p.value() * normal, q_px - q.value() * normal};
@@ -76,7 +76,7 @@ Eigen::Vector2d OntoLine(const Eigen::Vector2d& px, const Segment2& line) {
   return line.p + along.dot(px - line.p) * along;
 }
 
-// Disparity where the row of a left pixel meets the right line; nullopt where that is too flat.
+// Disparity from the intersection of a left pixel's row with the right line; nullopt if that is too flat.
 std::optional<double> DisparityOn(const Eigen::Vector2d& left_px, const Segment2& right) {
   const Eigen::Vector3d line = LineThrough(right);
   if (std::abs(line.x()) < kMinTilt) return std::nullopt;
@@ -184,7 +184,7 @@ bool KeyframeMeasurements::Improve(const LineLandmark& landmark, Observations<St
     left.Add(projected.p, projected.q, observation.feature->left.segment, observation.feature->sigma_px);
   }
   const Segment2 projected = here->Left();
-  // A mean taken at ends that are close together says nothing of the direction far from them.
+  // A mean at ends that are close together does not determine the direction far from them.
   if (left.p.n() < kMinObservations || projected.Length() < 0.5 * feature.left.segment.Length()) return false;
   const Segment2 mean = left.Line(projected.p, projected.q, feature.left.segment);
   const Segment2 moved{OntoLine(feature.left.segment.p, mean), OntoLine(feature.left.segment.q, mean)};

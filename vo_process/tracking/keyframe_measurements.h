@@ -14,34 +14,31 @@
 
 namespace plslam::vo {
 
-/// Features of a keyframe and the landmarks they belong to, in their order.
+/// Features of a keyframe and their landmarks, in the same order.
 struct KeyframeContent {
   StereoFeatures features;
   std::vector<FeatureTrack> point_tracks;
   std::vector<FeatureTrack> line_tracks;
 };
 
-/// What the frames since the last keyframe saw of each landmark, so that a keyframe says all that they know and not
-/// only what its own image shows.
+/// Measurements of each landmark in the frames since the last keyframe, which a keyframe combines with its own image.
 ///
-/// A keyframe's measurement of a landmark becomes the mean over these frames: the landmark's projection in the
-/// keyframe plus the weighted mean of what was measured minus what was projected in each frame. Errors of single
-/// frames average out; those that all frames share (`kCommonShare` of the variance) stay. Measurements of different
-/// keyframes share no frame, so adjustment may take them as independent. Landmarks that the keyframe's own detection
-/// missed, but frames before it saw, are added as features: a detector finds a corner again in two of three frames
-/// only.
+/// A keyframe's measurement of a landmark becomes the mean over these frames: the landmark's projection into the
+/// keyframe plus the weighted mean of measured minus projected position in each frame. Errors of single frames average
+/// out; those common to all frames (`kCommonShare` of the variance) remain. Measurements of different keyframes share
+/// no frame, so adjustment may treat them as independent. Landmarks that were not detected in the keyframe, but in
+/// earlier frames, are added as features, because a detector repeats a corner in only two of three frames.
 class KeyframeMeasurements {
  public:
-  /// Of a camera that stands no frames before these are kept: a mean over more is no better, and there is no end to
-  /// them.
+  /// Number of latest frames kept when the camera stands: a mean over more is no better, and their number is unbounded.
   static constexpr size_t kMaxFrames = 100;
 
   explicit KeyframeMeasurements(const StereoCamera& camera) : camera_(camera) {}
 
-  /// A frame at `T_odom_c` whose tracks name their landmarks.
+  /// Adds a frame at `T_odom_c`, using the landmark ids of its tracks.
   void Add(const SE3& T_odom_c, const TrackedFrame& frame);
 
-  /// `content`: that of the frame added last. What was collected is forgotten.
+  /// Returns the improved `content`, which must be that of the last added frame, and clears the frames.
   KeyframeContent Take(const LocalLandmarks& landmarks, KeyframeContent content);
 
  private:
@@ -55,7 +52,7 @@ class KeyframeMeasurements {
     std::vector<Named<StereoPoint>> points;
     std::vector<Named<StereoLine>> lines;
   };
-  /// A feature that a landmark was seen as, and from where.
+  /// A feature as which a landmark was observed, and the pose of its frame.
   template <class Feature>
   struct Seen {
     const SE3* T_c_odom = nullptr;
@@ -64,13 +61,13 @@ class KeyframeMeasurements {
   template <class Feature>
   using Observations = std::span<const std::pair<int64_t, Seen<Feature>>>;
 
-  /// Means over `seen` as a feature of the last frame; `feature` says what it looks like. False, and nothing done,
-  /// where they say nothing.
+  /// Sets `feature` of the last frame to the mean over `seen`; the appearance stays. Returns false and does nothing if
+  /// they do not determine it.
   bool Improve(const PointLandmark& landmark, Observations<StereoPoint> seen, StereoPoint& feature) const;
   bool Improve(const LineLandmark& landmark, Observations<StereoLine> seen, StereoLine& feature) const;
   bool ImproveDisparities(const LineLandmark& landmark, Observations<StereoLine> seen, const Segment2& right,
                           StereoLine& feature) const;
-  /// The feature as it should be in the last frame where that did not find it.
+  /// Predicts the feature in the last frame, if that did not detect it.
   bool Expect(const PointLandmark& landmark, StereoPoint& feature) const;
   bool Expect(const LineLandmark& landmark, StereoLine& feature) const;
   /// By landmark, in the order of the frames.

@@ -11,14 +11,14 @@ namespace plslam::vo {
 namespace {
 
 constexpr double kReference = 30.0;
-// Nearer to zero than this, the quotient is ill conditioned.
+// Above this, the quotient of entropies is ill conditioned.
 constexpr double kClearlyNegative = -5.0;
 
 }  // namespace
 
 std::optional<double> MotionEntropy(const Matrix6d& covariance) {
   if (!covariance.allFinite()) return std::nullopt;
-  // Unit diagonal first, so that metres and radians of very different size do not hide each other.
+  // Scales to unit diagonal first, so that metres and radians of very different size do not cancel.
   const Vector6d diagonal = covariance.diagonal();
   if (!(diagonal.minCoeff() > 0.0)) return std::nullopt;
   const Vector6d scale = diagonal.cwiseSqrt().cwiseInverse();

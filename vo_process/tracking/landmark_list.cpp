@@ -7,7 +7,7 @@ bool FuseMeasurements(std::span<const LinearMeasurement> measurements, Eigen::Ve
                       Eigen::Matrix3d& covariance) {
   Eigen::Vector3d step = Eigen::Vector3d::Zero();
   Eigen::Matrix3d P = covariance;
-  // Independent measurements may be taken one after the other: no matrix is inverted.
+  // Independent measurements are applied one by one, which avoids inverting a matrix.
   for (const LinearMeasurement& m : measurements) {
     const Eigen::Vector3d PJ = P * m.J.transpose();
     const Eigen::Vector3d gain = PJ / (m.J * PJ + m.variance);

@@ -17,8 +17,8 @@
 
 namespace plslam::vo {
 
-/// Values by id, several of one id in the order in which they came: filled first, then only asked, which costs one
-/// block of memory where std::map takes one for each value.
+/// Values by id, those of one id in their given order: built once, then only queried. It uses one block of memory,
+/// where std::multimap uses one for each value.
 template <class Value>
 class IdIndex {
  public:
@@ -29,7 +29,7 @@ class IdIndex {
                      [](const Entry& a, const Entry& b) { return a.first < b.first; });
   }
 
-  /// Empty where there is none.
+  /// Returns an empty span if there is none.
   std::span<const Entry> Find(int64_t id) const {
     const auto [first, last] = std::equal_range(entries_.begin(), entries_.end(), Entry(id, Value()),
                                                 [](const Entry& a, const Entry& b) { return a.first < b.first; });
@@ -40,7 +40,7 @@ class IdIndex {
   std::vector<Entry> entries_;
 };
 
-/// Where in `list` each id stands; those below zero name nothing.
+/// Returns the indices in `list` by id; skips negative ids.
 template <class Element>
 IdIndex<size_t> IndicesBy(int64_t Element::*id, const std::vector<Element>& list) {
   std::vector<std::pair<int64_t, size_t>> places;
@@ -51,24 +51,24 @@ IdIndex<size_t> IndicesBy(int64_t Element::*id, const std::vector<Element>& list
   return IdIndex(std::move(places));
 }
 
-/// One number measured of a 3D position: `residual` = measured - expected, `J` its derivative by the position.
+/// A scalar measurement of a 3D position: `residual` = measured - expected, `J` its derivative by the position.
 struct LinearMeasurement {
   Eigen::RowVector3d J = Eigen::RowVector3d::Zero();
   double residual = 0.0;
   double variance = 1.0;
 };
 
-/// Kalman update of a position by independent measurements linearised at it. Leaves both as they are where the result
-/// is not finite, and returns false.
+/// Updates a position by independent linearised measurements (Kalman filter). Returns false and changes nothing if the
+/// result is not finite.
 bool FuseMeasurements(std::span<const LinearMeasurement> measurements, Eigen::Vector3d& position,
                       Eigen::Matrix3d& covariance);
 
-// What lists of point and of line landmarks have in common.
+// Functions common to lists of point and of line landmarks.
 
-/// Landmarks that come from the map take part only in searches around a pose that is known.
+/// `unseen_frames` of landmarks from the map: they are matched only in searches around a known pose.
 inline constexpr int kAdoptedUnseenFrames = 3;
 
-/// Descriptors of the landmarks seen within `max_unseen_frames`, and their places in the list.
+/// Descriptors of the landmarks seen within `max_unseen_frames`, and their indices in the list.
 struct KnownDescriptors {
   std::vector<Descriptor> descriptors;
   std::vector<int> owners;
@@ -85,9 +85,9 @@ KnownDescriptors RecentDescriptors(const std::vector<Landmark>& landmarks, int m
   return known;
 }
 
-/// Overwrites with `set(known, is_new, landmark)` what the map knows of landmarks here, adds those that are not here
-/// (as not seen lately, so that they are looked for once the pose is known), and drops all but one of those that are
-/// the same. What two of the map claim goes to the first.
+/// Updates landmarks with the map's values by `set(known, is_new, landmark)`, adds those that are missing (as unseen,
+/// so that they are searched once the pose is known), and of those that are the same in the map keeps only one. If two
+/// landmarks of the map have the same tracker id, the first one gets it.
 template <class Known, class Landmark, class Set>
 void AdoptEach(const std::vector<Adopted<Known>>& adopted, int64_t& next_id, std::vector<Landmark>& landmarks,
                const Set& set) {
@@ -124,8 +124,8 @@ void AdoptEach(const std::vector<Adopted<Known>>& adopted, int64_t& next_id, std
   std::erase_if(landmarks, [&](const Landmark&) { return drop[i++] != 0; });
 }
 
-/// Where each landmark comes to lie when those that `taken` flags move to a list of their own: its place there, or,
-/// of the others, its place in what is left.
+/// Returns the new index of each landmark after moving those flagged in `taken` to another list: its index there, or
+/// its index among the remaining ones.
 inline std::vector<int> PlacesAfterTaking(const std::vector<char>& taken) {
   std::vector<int> places;
   places.reserve(taken.size());
@@ -134,7 +134,7 @@ inline std::vector<int> PlacesAfterTaking(const std::vector<char>& taken) {
   return places;
 }
 
-/// Moves the landmarks that `taken` flags out of the list, in their order.
+/// Moves the landmarks flagged in `taken` out of the list, in their order.
 template <class Landmark>
 std::vector<Landmark> TakeFlagged(const std::vector<char>& taken, std::vector<Landmark>& landmarks) {
   std::vector<Landmark> result;
@@ -150,7 +150,7 @@ std::vector<Landmark> TakeFlagged(const std::vector<char>& taken, std::vector<La
   return result;
 }
 
-/// Those that `chosen` flags, in their order.
+/// Returns copies of the landmarks flagged in `chosen`, in their order.
 template <class Landmark>
 std::vector<Landmark> CopyFlagged(const std::vector<char>& chosen, const std::vector<Landmark>& landmarks) {
   std::vector<Landmark> result;
@@ -160,7 +160,7 @@ std::vector<Landmark> CopyFlagged(const std::vector<char>& chosen, const std::ve
   return result;
 }
 
-/// Drops what has been out of view, or missed in view, for too long.
+/// Removes landmarks that have been out of view, or in view but not matched, for too long.
 template <class Landmark>
 void DropStale(const LandmarkOptions& options, std::vector<Landmark>& landmarks) {
   std::erase_if(landmarks, [&options](const Landmark& landmark) {

@@ -18,7 +18,7 @@
 namespace plslam::vo {
 namespace {
 
-// How far a segment may grow at one observation, in lengths of its own.
+// Largest extension of a segment by one observation, in lengths of it.
 constexpr double kMaxExtension = 0.5;
 
 Segment3 Transform(const SE3& T, const Segment3& segment) { return {T * segment.p, T * segment.q}; }
@@ -30,7 +30,7 @@ std::optional<Segment2> Predict(const SE3& T_c_odom, const LineLandmark& landmar
   return ProjectSegment(Transform(T_c_odom, landmark.segment_odom), camera, margin_px);
 }
 
-// Measurements of one endpoint: its distances to the observed lines in the left and, with depth, the right image.
+// Measurements of one endpoint: distances from the observed lines in the left and, with depth, the right image.
 struct EndpointMeasurements {
   std::array<LinearMeasurement, 2> values;
   int count = 0;
@@ -58,8 +58,8 @@ EndpointMeasurements MeasureEndpoint(const Eigen::Vector3d& p_c, const Eigen::Ma
   return result;
 }
 
-// `growth` of the covariance across the segment, so that a landmark stays able to follow. Nothing is measured along
-// it: grown there without end, an endpoint would slide with every change of the angle seen.
+// Inflates the covariance across the segment by `growth`, so that the landmark can follow changes. Along the segment
+// nothing is measured: if inflated there, an endpoint would slide with every change of the viewing angle.
 void FuseEndpoint(const SE3& T_c_odom, const StereoLine& seen, const StereoCamera& camera,
                   const Eigen::Matrix3d& across, double growth, Eigen::Vector3d& p_odom,
                   Eigen::Matrix3d& covariance) {
@@ -70,7 +70,7 @@ void FuseEndpoint(const SE3& T_c_odom, const StereoLine& seen, const StereoCamer
   FuseMeasurements(std::span(measured.values).first(measured.count), p_odom, covariance);
 }
 
-// Moves endpoints outwards to where the detected segment ends, with the covariance of that place on the line.
+// Moves endpoints outwards to the ends of the detected segment, with the covariance of that position on the line.
 void Extend(const SE3& T_c_odom, const StereoLine& seen, const StereoCamera& camera, LineLandmark& landmark) {
   const Segment3 old = landmark.segment_odom;
   const Segment3 in_camera = Transform(T_c_odom, old);

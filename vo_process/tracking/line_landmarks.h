@@ -12,22 +12,22 @@
 
 namespace plslam::vo {
 
-/// A line segment that odometry tracks.
+/// A line segment tracked by odometry.
 struct LineLandmark {
   int64_t id = -1;
-  /// In the odometry frame, directed as seen (brighter side on the right); covariances of the endpoints given the
-  /// poses they were seen from.
+  /// In the odometry frame, directed as observed (brighter side on the right); covariances of the endpoints given the
+  /// poses of the observations.
   Segment3 segment_odom;
   Eigen::Matrix3d covariance_p = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d covariance_q = Eigen::Matrix3d::Zero();
-  /// As last seen.
+  /// Descriptor of the last observation.
   Descriptor descriptor{};
 
   /// The same landmark in the map, or -1.
   int64_t map_id = -1;
-  /// Keyframes that had seen it when the map last told of it.
+  /// Number of keyframes that observe it, as of the last map update.
   int map_observations = 0;
-  /// Created by the map, not by a frame.
+  /// Whether it was created from the map, not by a frame.
   bool from_map = false;
   int seen = 1;
   int unseen_frames = 0;
@@ -40,59 +40,59 @@ struct LineLandmark {
   }
 };
 
-/// The line segments in and around the view, each fused over the frames that saw it. Sibling of `PointLandmarks`.
+/// Line segments in and around the view, each fused over the frames that observed it. Sibling of `PointLandmarks`.
 class LineLandmarks {
  public:
   LineLandmarks(const StereoCamera& camera, const LandmarkOptions& options) : camera_(camera), options_(options) {}
 
   const std::vector<LineLandmark>& landmarks() const { return landmarks_; }
 
-  /// Landmarks that should be near the view, by projecting them with the expected pose.
+  /// Matches landmarks near their projection with the predicted pose.
   std::vector<LandmarkMatch> MatchByProjection(const SE3& T_c_odom, const TrackedFrame& frame, const Search& search,
                                                const LineMatchOptions& options) const;
 
-  /// By descriptors alone, for frames whose pose cannot be predicted.
+  /// Matches by descriptors alone, for frames whose pose cannot be predicted.
   std::vector<LandmarkMatch> MatchByDescriptor(const TrackedFrame& frame, int max_unseen_frames,
                                                const LineMatchOptions& options) const;
 
-  /// What the motion estimator needs of each match.
+  /// Returns the correspondence for the motion estimator of each match.
   std::vector<LineCorrespondence> Observations(const std::vector<LandmarkMatch>& matches,
                                                const TrackedFrame& frame) const;
 
-  /// Fuses what the frame saw of the matched landmarks (across the line; along it they are extended), names them in
-  /// the frame's tracks, and ages the others.
+  /// Fuses the frame's observations of the matched landmarks (across the line; along it they are extended), sets their
+  /// ids in the frame's tracks, and ages the other landmarks.
   void Update(const SE3& T_odom_c, const std::vector<LandmarkMatch>& matches, TrackedFrame& frame);
 
-  /// Takes over what the map says of landmarks: place and uncertainty of those already here (of several that are the
-  /// same the oldest stays), and all of those that are not. With `keep_own` those already here stay where they are.
+  /// Adopts landmarks of the map: updates position and covariance of those already here (of several that are the same
+  /// the oldest stays), and adds the others. With `keep_own` those already here keep their position.
   void Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapLine>>& adopted, bool keep_own, int64_t& next_id);
 
-  /// All into another frame, in which `T_new_odom` lies.
+  /// Re-expresses all landmarks in a new frame.
   void Move(const SE3& T_new_odom);
 
-  /// All take part in the next search, as if the last frame had seen them.
+  /// Makes all landmarks take part in the next search, as if the last frame had observed them.
   void CountAsSeen() {
     for (auto& landmark : landmarks_) landmark.unseen_frames = 0;
   }
 
-  /// Moves those that `taken` flags to a list of their own.
+  /// Moves the landmarks flagged in `taken` to a list of their own.
   LineLandmarks Take(const std::vector<char>& taken);
 
-  /// A list of those that `chosen` flags.
+  /// Returns a list of the landmarks flagged in `chosen`.
   LineLandmarks Copy(const std::vector<char>& chosen) const;
 
-  /// Takes over the landmarks of another list, which lie in the same frame.
+  /// Appends copies of the landmarks of another list in the same frame.
   void Append(const LineLandmarks& others);
 
-  /// Founds a landmark for each segment with depth that has none and is on this body (-1: of the world), and names it
+  /// Creates a landmark for each segment with depth that has none and is on this body (-1: the world), and sets its id
   /// in the frame's tracks.
   void Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id, int body = -1);
 
-  /// The same for every segment of the world with depth, after forgetting all landmarks; names in the frame's tracks
-  /// are kept: frame-to-frame odometry.
+  /// Removes all landmarks, and creates one for each segment of the world with depth; ids in the frame's tracks are
+  /// kept: frame-to-frame odometry.
   void Initialise(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id);
 
-  /// All that it goes on with, for `core/io/files/archive.h`.
+  /// The state between frames, for `core/io/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.landmarks_);

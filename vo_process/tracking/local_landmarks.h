@@ -14,11 +14,11 @@ struct FrameMatches {
   std::vector<LandmarkMatch> points;
   std::vector<LandmarkMatch> lines;
 
-  /// Lines count twice: each has two endpoints.
+  /// Inlier score: lines count twice, because each has two endpoints.
   int Weight() const { return static_cast<int>(points.size() + 2 * lines.size()); }
 };
 
-/// What odometry tracks: points and lines side by side.
+/// Points and lines tracked by odometry.
 struct LocalLandmarks {
   LocalLandmarks(const StereoCamera& camera, const VoOptions& options)
       : points(camera, options.features.orb, options.landmarks), lines(camera, options.landmarks) {}
@@ -30,7 +30,7 @@ struct LocalLandmarks {
   int64_t next_point_id = 0;
   int64_t next_line_id = 0;
 
-  /// New landmarks are numbered from where the others have come to.
+  /// Continues the numbering of new landmarks after that of `others`.
   void NumberBehind(const LocalLandmarks& others) {
     next_point_id = others.next_point_id;
     next_line_id = others.next_line_id;
@@ -49,12 +49,12 @@ struct LocalLandmarks {
     points.Move(T_new_odom);
     lines.Move(T_new_odom);
   }
-  /// All take part in the next search, as if the last frame had seen them.
+  /// Makes all landmarks take part in the next search, as if the last frame had observed them.
   void CountAsSeen() {
     points.CountAsSeen();
     lines.CountAsSeen();
   }
-  /// Moves those that the flags of each feature type name to a list of their own.
+  /// Moves the flagged landmarks of each feature type to a list of their own.
   LocalLandmarks Take(const std::vector<char>& taken_points, const std::vector<char>& taken_lines) {
     return {points.Take(taken_points), lines.Take(taken_lines)};
   }
@@ -74,7 +74,7 @@ struct LocalLandmarks {
     lines.Initialise(T_odom_c, frame, next_line_id);
   }
 
-  /// All that it goes on with, for `core/io/files/archive.h`.
+  /// The state between frames, for `core/io/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.points, self.lines, self.next_point_id, self.next_line_id);

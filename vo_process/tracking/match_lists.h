@@ -10,30 +10,30 @@
 
 namespace plslam::vo {
 
-// Lists of matches, and parts of lists that they name.
+// Operations on lists of matches, and on the lists that they index.
 
-/// One flag for each of `n` landmarks or features (`member`): set where a match has it.
+/// Returns one flag for each of `n` landmarks or features (`member`): set if it is matched.
 std::vector<char> FlagsOf(const std::vector<LandmarkMatch>& matches, int LandmarkMatch::*member, size_t n);
 
-/// Sets the flags of the features.
+/// Sets the flags of the matched features.
 void Mark(const std::vector<LandmarkMatch>& matches, std::vector<char>& features);
 
-/// Puts down in the frame's tracks that the features are on that body (-1: the world).
+/// Records in the frame's tracks that the matched features are on this body (-1: the world).
 void NameMatched(const FrameMatches& matches, int body, TrackedFrame& frame);
 
-/// Adds those that are not there yet.
+/// Adds the matches of features that have none yet.
 void AddMatches(const std::vector<LandmarkMatch>& more, std::vector<LandmarkMatch>& matches);
 
-/// The same matches after lists were shortened or cut out: new places by the old ones. An empty list leaves numbers as
-/// they are.
+/// Returns the matches with new indices, after lists were shortened or split: new indices by the old ones. An empty
+/// list keeps indices.
 std::vector<LandmarkMatch> Renumbered(const std::vector<LandmarkMatch>& matches, const std::vector<int>& landmarks,
                                       const std::vector<int>& features);
 FrameMatches Renumbered(const FrameMatches& matches, const std::vector<int>& points, const std::vector<int>& lines);
 
-/// Places in `flags` of what is flagged, or of what is not.
+/// Returns the indices of the set flags, or of the others.
 std::vector<int> PlacesOf(const std::vector<char>& flags, bool flagged);
 
-/// The median of the landmarks that were matched, each coordinate by itself; lines by their middles.
+/// Returns the coordinate-wise median of the matched landmarks; lines count with their midpoints.
 Eigen::Vector3d MiddleOf(const LocalLandmarks& landmarks, const FrameMatches& matches);
 
 template <class Feature>

@@ -13,17 +13,17 @@ namespace plslam::vo {
 namespace {
 
 constexpr int kMinInOctave = 3;
-// Neighbours that a match of a body has: how many, how near, and how alike they move.
+// Neighbours that support a match of a body: their number, distance, and similarity of motion.
 constexpr int kMinTogether = 2;
 constexpr double kTogetherRadius_px = 160.0;
 constexpr double kTogether_px = 4.0;
 constexpr double kTogetherRatio = 0.15;
-// Around what a body is seen as, features at the same depth are taken for the body's.
+// Radius around features of a body within which features at the same depth belong to the body.
 constexpr double kSurrounding_px = 50.0;
 constexpr double kSameDepthRatio = 0.1;
 constexpr double kSameDepth_px = 1.5;
 constexpr int kMinAround = 2;
-// An offset of the disparities may be this many of its sigmas from its estimate, and leave this difference.
+// Number of sigmas by which a disparity offset may differ from its estimate, and the remaining difference in pixels.
 constexpr double kOffsetSigmas = 3.0;
 constexpr double kAlike_px = 2.0;
 
@@ -114,8 +114,8 @@ int FeaturePlaces::Owner(const StereoLine& line, int times) const {
   return owners[1] == owners[2] ? owners[1] : -1;
 }
 
-// An offset b of the disparities makes the translation that points at disparity d yield 1 - b / d times as long. Two
-// motions in the same direction determine b; it explains them where it is within the uncertainty of the calibration.
+// An offset b of the disparities scales the translation from points at disparity d by 1 - b / d. Two motions in the
+// same direction determine b, which explains them if it is within the uncertainty of the calibration.
 bool IsDisparityOffset(const SE3& T_odom_prev, const LocalLandmarks& world, const TrackedFrame& frame,
                        const Alignment& first, const FrameMatches& of_first, const Alignment& second,
                        const DisparityCalibration& calibration, const StereoCamera& camera) {

@@ -13,13 +13,13 @@
 
 namespace plslam::vo {
 
-// What speaks for a motion that a part of the image shows: how wide the part is, whether its features go the same
-// way, and which motion the features around a place follow.
+// Evidence for a motion of a part of the image: its extent, the consistency of its features, and the motion of the
+// features around a position.
 
-/// Bodies that are told apart at once.
+/// Largest number of bodies tracked at once.
 inline constexpr size_t kMaxBodies = 3;
 
-/// How widely what agrees with a motion is spread: cells of the image, of 8 x 6, and octaves of depth, which say more: a
+/// Extent of the inliers of a motion: cells of the image, of 8 x 6, and octaves of depth. Depth counts more, because a
 /// body may fill the image, but is seldom as deep as a street.
 struct Spread {
   int cells = 0;
@@ -29,24 +29,23 @@ struct Spread {
 
 Spread SpreadOf(const FrameMatches& matches, const TrackedFrame& frame, const StereoCamera& camera);
 
-/// Matches that went the same way in the image as some that are near by at the same depth: wrong ones go anywhere.
-/// `T_c_odom` is where the landmarks were seen from before.
+/// Returns the matches that moved in the image like some neighbours at the same depth: wrong matches move randomly.
+/// `T_c_odom` is the previous pose, from which the landmarks were observed.
 std::vector<LandmarkMatch> MovingTogether(const PointLandmarks& landmarks, const SE3& T_c_odom,
                                           const std::vector<LandmarkMatch>& matches, const TrackedFrame& frame,
                                           const StereoCamera& camera);
 
-/// Features whose motion is known, for asking whose a place in the image is.
+/// Features with known motion, to find the owner of a position in the image.
 class FeaturePlaces {
  public:
-  /// Of a body, by its slot, or of the world (-1). A negative disparity is not known.
+  /// Adds a feature of a body (its slot) or of the world (-1). A negative disparity is unknown.
   void Add(const Eigen::Vector2d& px, double disparity_px, int body) { places_.push_back({px, disparity_px, body}); }
 
-  /// The body that has at least two features around there at about that depth, and more than `times` as many as the
-  /// world;
-  /// -1: none. A feature at the very place is not counted.
+  /// Returns the body that has at least two features around the position at about that depth, and more than `times` as
+  /// many as the world; -1 if there is none. A feature at exactly the position does not count.
   int Owner(const Eigen::Vector2d& px, double disparity_px, int times) const;
 
-  /// Of a line the body that owns at least two of both ends and the middle.
+  /// Returns the body that owns at least two of the ends and the middle of a line; -1 if there is none.
   int Owner(const StereoLine& line, int times) const;
 
  private:
@@ -59,8 +58,8 @@ class FeaturePlaces {
   std::vector<Place> places_;
 };
 
-/// Whether an unknown offset of the disparities, within its uncertainty, explains two motions: then points at different
-/// depths yield translations of the same direction and different lengths.
+/// Whether an unknown offset of the disparities, within its uncertainty, explains two motions: points at different
+/// depths then give translations in the same direction with different lengths.
 bool IsDisparityOffset(const SE3& T_odom_prev, const LocalLandmarks& world, const TrackedFrame& frame,
                        const Alignment& first, const FrameMatches& of_first, const Alignment& second,
                        const DisparityCalibration& calibration, const StereoCamera& camera);

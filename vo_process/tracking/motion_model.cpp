@@ -9,12 +9,12 @@
 namespace plslam::vo {
 namespace {
 
-// Intervals up to which constant velocity is extrapolated, in multiples of the one it was measured over.
+// Largest interval over which constant velocity is extrapolated, relative to the interval of its measurement.
 constexpr double kMaxExtrapolation = 2.0;
-// Of a camera that has just begun nobody knows how fast it moves: a car on a motorway, a hand that turns.
+// Sigmas of the unknown initial velocity: a car on a motorway, a rotating hand-held camera.
 constexpr double kAnySpeed_m_s = 30.0;
 constexpr double kAnyTurn_rad_s = 2.0;
-// Uncertainty of a rotation from which on a prediction says nothing.
+// Sigma of rotation above which a prediction is useless.
 constexpr double kAnyRotation_rad = 1.0;
 
 Eigen::Vector2d ExtentOf(const Vector6d& twist) { return {twist.head<3>().norm(), twist.tail<3>().norm()}; }
@@ -43,7 +43,7 @@ MotionPrediction MotionModel::Predict(double dt_s) const {
   const double after_s = unmeasured_s_ + dt_s;
   const Extent acceleration(options_.max_acceleration_m_s2, options_.max_angular_acceleration_rad_s2);
   const Extent accelerated = 0.5 * dt_s * dt_s * acceleration;
-  // a t^2 / 2, squared, at the end less at the beginning: what is added since then is no accident of its own.
+  // Difference of (a t^2 / 2)^2 between end and beginning, because an acceleration persists: its effect grows as t^2.
   const Extent since = 0.25 * (std::pow(after_s, 4) - std::pow(before_s, 4)) * acceleration.cwiseAbs2();
   const Extent behind = LeftBehindAfter(dt_s).cwiseAbs2() - left_behind_.cwiseAbs2();
   MotionPrediction prediction;

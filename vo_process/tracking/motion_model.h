@@ -6,56 +6,55 @@
 
 namespace plslam::vo {
 
-/// What is expected before looking: motion since the last frame, T_prev_c, with the covariance of its right
-/// perturbation.
+/// Predicted motion since the last frame, T_prev_c, with the covariance of its right perturbation.
 struct MotionPrediction {
   SE3 T_prev_c;
   Matrix6d covariance = Matrix6d::Identity();
-  /// The frame before was measured, and so lately that its motion says where to look: the motion goes on.
+  /// Whether the previous frame was measured, so recently that its motion continues.
   bool goes_on = false;
-  /// The frame before was measured, and since then the camera cannot have turned anywhere.
+  /// Whether the previous frame was measured, so recently that the camera cannot have turned arbitrarily.
   bool is_near = false;
-  /// By the robot's own odometry (`RobotMotionModel`), not by constant velocity.
+  /// Whether it is based on the robot's own odometry (`RobotMotionModel`), not on constant velocity.
   bool by_robot = false;
 };
 
-/// Expected motions (all but one in 3000, 6 degrees of freedom) have less of `SquaredDeviation`.
+/// Bound on `SquaredDeviation` of expected motions (all but one in 3000, 6 degrees of freedom).
 inline constexpr double kExpectedChi2 = 25.0;
 
-/// How far a pose is from the predicted one, in standard deviations of the prediction, squared.
+/// Returns the squared Mahalanobis distance of a pose from the predicted one.
 double SquaredDeviation(const MotionPrediction& prediction, const SE3& T_odom_predicted, const SE3& T_odom_c);
 
-/// Constant velocity. Uncertain is how fast the camera was, what it was accelerated by since, and what of its motion
-/// is not gone on with: across gaps and while lost, all of these last, so sigmas grow with the time since the
-/// last measured frame, and covariances of one frame after the other add up to that.
+/// Constant velocity. The covariance includes the uncertainty of the velocity, accelerations since, and the part of the
+/// motion that was not extrapolated. Across gaps and while lost these persist, so sigmas grow with the time since the
+/// last measured frame, and the covariances of consecutive frames add up to that.
 class MotionModel {
  public:
   explicit MotionModel(const TrackingOptions& options) : options_(options) {}
 
-  /// `dt_s` > 0. Across a gap much longer than the last interval the velocity is not trusted to go on.
+  /// `dt_s` > 0. Across a gap much longer than the last interval the velocity is not extrapolated fully.
   MotionPrediction Predict(double dt_s) const;
 
-  /// Learns from a measured motion, with the covariance of its right perturbation.
+  /// Updates the velocity from a measured motion, with the covariance of its right perturbation.
   void Observe(const SE3& T_prev_c, double dt_s, const Matrix6d& covariance);
 
-  /// How fast the camera is is not known any more.
+  /// Discards the velocity.
   void Forget() { *this = MotionModel(options_); }
 
-  /// A motion has been measured, so that predictions say more than "anywhere near".
+  /// Whether a motion was measured, so that predictions are informative.
   bool knows_motion() const { return last_dt_s_ > 0.0; }
 
-  /// After a frame that was not measured, `dt_s` behind the one before: half the velocity, so that a lost camera does
-  /// not fly away.
+  /// Halves the velocity after a frame that was not measured, `dt_s` after the previous one, so that a lost camera does
+  /// not drift away.
   void Slow(double dt_s);
 
-  /// All that it goes on with, for `core/io/files/archive.h`.
+  /// The state between frames, for `core/io/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.velocity_, self.last_dt_s_, self.motion_covariance_, self.speed_, self.unmeasured_s_, self.left_behind_);
   }
 
  private:
-  /// Metres and radians, a second or in all.
+  /// [metres, radians], per second or in total.
   using Extent = Eigen::Vector2d;
 
   Extent LeftBehindAfter(double dt_s) const;
@@ -63,12 +62,11 @@ class MotionModel {
 
   TrackingOptions options_;
   Vector6d velocity_ = Vector6d::Zero();
-  /// Of the motion measured last.
+  /// Interval and covariance of the last measured motion.
   double last_dt_s_ = 0.0;
   Matrix6d motion_covariance_ = Matrix6d::Zero();
   Extent speed_ = Extent::Zero();
-  /// Since the last measured frame, and how much more the camera would have moved since, at its speed, than was
-  /// predicted.
+  /// Time since the last measured frame, and the motion since then, at the measured speed, that was not predicted.
   double unmeasured_s_ = 0.0;
   Extent left_behind_ = Extent::Zero();
 };

@@ -11,21 +11,21 @@
 namespace plslam::vo {
 namespace {
 
-// Motions between keyframes that are learned from: those of about the last hundred frames.
+// Number of motions between keyframes used: those of about the last hundred frames.
 constexpr int kSteps = 20;
-// As many motions as are taken to have been honest before anything is known.
+// Weight of the prior ratio 1, in motions.
 constexpr double kStepsBefore = 1.0;
-// One motion says no more than this: where the tracker was deceived, a loop was closed, or the map was wrong for a
-// moment.
+// Bound on the ratio of one motion: outliers occur after wrong tracking, at loop closures, or in a temporarily wrong
+// map.
 constexpr double kMost = 25.0;
-// Pictures without noise, or landmarks that all are seen by few keyframes, would promise too much.
+// Lower bound, because images without noise, or landmarks with few observations, would give too small a ratio.
 constexpr double kLeast = 0.05;
-// From where on errors are taken as common: in rendered worlds, whose errors are independent, adjustment changes
-// motions by 0.05 to 0.35 of what the tracker says (variances), in real pictures of good cameras by 1.4 to 20.
+// Ratio above which errors count as common: in rendered worlds, whose errors are independent, adjustment changes
+// motions by 0.05 to 0.35 of the tracker's variances, in real images of good cameras by 1.4 to 20.
 constexpr double kIndependent = 0.5;
-// Frames over which motions are added up until something else is known of them.
+// Number of frames over which motions are composed before other information arrives.
 constexpr double kSpan = 20.0;
-// Drift (`drift_per_m` and `drift_deg_per_m` of loop_process); a turn of a radian counts as a metre.
+// Drift (`drift_per_m` and `drift_deg_per_m` of loop_process); a rotation of one radian counts as a metre.
 constexpr double kDriftPer_m = 0.005;
 constexpr double kDrift_radPer_m = 0.02 * kRadPerDeg;
 
@@ -58,7 +58,7 @@ void MotionUncertainty::Learn(const Map& map, int64_t session) {
 
 double MotionUncertainty::CommonShare() const { return std::clamp(variance_scale_ - kIndependent, 0.0, 1.0); }
 
-// A filter adds up squares over `kSpan` frames, where a common error adds up itself.
+// A filter adds variances over `kSpan` frames, while a common error adds linearly.
 Matrix6d MotionUncertainty::OfLengths(const SE3& T_prev_c, double relative_sigma) {
   const Eigen::Vector3d error = relative_sigma * (T_prev_c.R().transpose() * T_prev_c.translation());
   Matrix6d covariance = Matrix6d::Zero();

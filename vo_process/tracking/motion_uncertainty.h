@@ -8,32 +8,32 @@
 
 namespace plslam::vo {
 
-/// How uncertain a motion is, errors included that frames have in common: the covariances that are published, which a
-/// filter may add up as if frames were independent. The tracker itself goes by its own, which say how well a frame
+/// Uncertainty of motions including errors that frames have in common: the published covariances, which a filter may
+/// add up as if frames were independent. The tracker itself uses its own covariances, which describe how well a frame
 /// fits the landmarks.
 ///
-/// The landmarks' errors (corners that slide, a calibration that is off) are the same in many frames, so they neither
-/// average out nor show in residuals. What tells of them without any truth is how far adjustment moves the motions
-/// between keyframes, in units of what the tracker said of them (`variance_scale`, 1 for an honest tracker). Where
-/// that is about 1 or more, part of each motion's error is taken as common: that of the alignment, and a drift of 0.5
-/// % of the way and 0.02 deg for each metre, which loop_process believes, too. It is counted as often as there are
-/// frames in a span over which motions are added up, because common errors add up where a filter adds squares.
+/// Errors of landmarks (sliding corners, an inaccurate calibration) are the same in many frames, so they neither
+/// average out nor show in residuals. They show without ground truth in the changes of motions between keyframes by
+/// adjustment, relative to the tracker's covariances (`variance_scale`, 1 for a consistent tracker). If that is about 1
+/// or more, part of each motion's error counts as common: that of the alignment, and a drift of 0.5 % of the path and
+/// 0.02 deg for each metre, as in loop_process. The common part is multiplied by the number of frames over which
+/// motions are composed, because common errors add linearly where a filter adds squares.
 class MotionUncertainty {
  public:
-  /// Takes the newest motions between keyframes of a session as the map has them now.
+  /// Updates `variance_scale` from the newest motions between keyframes of a session in the map.
   void Learn(const Map& map, int64_t session);
 
-  /// Of a motion whose right perturbation has this covariance, according to the tracker. A motion that was not
-  /// measured, but predicted or jumped, is as uncertain as it says at least.
+  /// Returns the published covariance of a motion, given the tracker's covariance of its right perturbation. A motion
+  /// that was not measured, but predicted or a jump, keeps at least its covariance.
   Matrix6d Of(const SE3& T_prev_c, const Matrix6d& covariance, bool measured) const;
 
-  /// Covariance to add to a motion where all lengths have a common relative error of this sigma.
+  /// Returns the covariance to add to a motion if all lengths have a common relative error of this sigma.
   static Matrix6d OfLengths(const SE3& T_prev_c, double relative_sigma);
 
-  /// Squares of what adjustment changes over those expected, at least 0.05, at most 25.
+  /// Squared changes by adjustment over their expectation, at least 0.05, at most 25.
   double variance_scale() const { return variance_scale_; }
 
-  /// All that it goes on with, for `core/io/files/archive.h`.
+  /// The state between frames, for `core/io/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.variance_scale_);

@@ -15,38 +15,37 @@
 namespace plslam::vo {
 namespace {
 
-// Exclusive inliers (points + 2 x lines) that make a second motion, and those that one that is known needs to be
-// followed.
+// Least exclusive inliers (points + 2 x lines) of a second motion, and of a known body to be followed.
 constexpr int kMinWeight = 25;
 constexpr int kMinFollowedWeight = 15;
 constexpr double kMinInlierRatio = 0.5;
-// Of two groups of features the share that must agree on one motion for them to be one body.
+// Share of the features of two groups that must agree on one motion to be one body.
 constexpr double kMinJoinedRatio = 0.7;
-// Two bodies whose motions differ by less than this, where the smaller one is, may be parts of one.
+// Two bodies whose motions differ by less than this, at the smaller one, may be parts of one.
 constexpr double kAlike_px = 2.0;
-// A match speaks against a pose where it is off by more than this, or by so many sigmas of its disparity.
+// A match contradicts a pose if its error is larger than this, or than this number of sigmas of its disparity.
 constexpr double kContradiction_px = 3.0;
 constexpr double kContradictionSigmas = 4.0;
-// How far a feature of a body may be from where it was, or would be if it stood.
+// Largest distance of a body's feature from its last position, or from its position if the body stood.
 constexpr double kSearchRadius_px = 40.0;
 constexpr double kRansacInlier_px = 3.0;
 constexpr uint64_t kRansacSeed = 1;
-// Features of the world are given to a body where so many times as many around them are the body's.
+// A feature of the world is given to a body if the body has this many times as many features around it as the world.
 constexpr int kSurroundedTimes = 3;
-// Frames out of view after which what is near by creates landmarks of the world again, and after which a body is
+// Frames out of view after which features near a body create landmarks of the world again, and after which a body is
 // forgotten.
 constexpr int kGuardedFrames = 5;
 constexpr int kMaxUnseenFrames = 10;
-// In how many frames a body must be found to be told of: parts of one that are found one by one have joined by then.
+// Frames in which a body must be found before it is published; parts found one by one have been joined by then.
 constexpr int kMetFrames = 5;
 constexpr int kStandingFrames = 10;
-// What would move less than this in the image, had it moved with the camera, does not show whether it stands.
+// Least motion in the image, if the body moved with the camera, that shows whether it stands.
 constexpr double kShownMotion_px = 2.0;
 constexpr double kStandingMotion_px = 0.7;
-// In how many cells of the image features must be seen that agree on an expected motion.
+// Least cells of the image with features that agree on an expected motion.
 constexpr int kMinCells = 4;
 constexpr double kMoreSpread = 2.25;
-// What a choice by spread alone is confirmed by, and in how many frames.
+// Ratio of spread that confirms a choice based on spread alone, and the number of frames in which it must.
 constexpr double kClearlyMoreSpread = 3.0;
 constexpr int kDoubtfulFrames = 5;
 
@@ -54,8 +53,8 @@ bool IsExpected(const SE3& T_odom_c, const SE3& T_odom_prev, const MotionPredict
   return SquaredDeviation(prediction, T_odom_prev * prediction.T_prev_c, T_odom_c) <= kExpectedChi2;
 }
 
-/// By how much two motions of the camera from the frame before, as seen from two bodies, differ in the image: the
-/// median over what was matched of the second.
+/// Returns the difference in the image between two motions of the camera since the previous frame, relative to two
+/// bodies: the median over the matches of the second.
 double MotionDifference_px(const SE3& T_c_prev, const SE3& T_c_prev_of_second, const SE3& T_prev_b,
                            const Body& second, const FrameMatches& matches, const StereoCamera& camera) {
   std::vector<double> differences;
@@ -83,7 +82,7 @@ struct MovingBodies::Rest {
     return {Renumbered(matches.points, {}, points), Renumbered(matches.lines, {}, lines)};
   }
 
-  /// Places of the features in the whole frame.
+  /// Indices of the features in the whole frame.
   std::vector<int> points;
   std::vector<int> lines;
   TrackedFrame frame;
@@ -108,8 +107,8 @@ std::optional<RivalMotion> MovingBodies::Separate(const SE3& T_odom_prev, const 
                                                   double dt_s, const DisparityCalibration& calibration,
                                                   LocalLandmarks& world, TrackedFrame& frame, Alignment& found) {
   Claims claims = Follow(dt_s, frame, found.matches);
-  // Where nothing says how the camera moves, after a long gap, say, a second motion proves little; but of the first
-  // pair of frames the one that is found may be a body's.
+  // Without a prediction (as after a long gap), a second motion proves little; but in the first pair of frames the
+  // motion found may be that of a body.
   const bool is_asked = prediction.goes_on || is_first_pair_;
   is_first_pair_ = false;
   while (is_asked && FindNew(T_odom_prev, prediction, dt_s, calibration, world, frame, claims, found)) {
@@ -117,7 +116,7 @@ std::optional<RivalMotion> MovingBodies::Separate(const SE3& T_odom_prev, const 
   if (!AnyIsThere()) return std::nullopt;
   const FeaturePlaces places = AllPlaces(found.matches, frame);
   GiveToBodies(world, frame, places, found);
-  // What bodies leave of the world may be too little to tell its motion: the motion so far then takes part.
+  // The remaining features of the world may not determine its motion: the predicted motion then takes part.
   if (!found.weak && found.matches.Weight() < kMinWeight) {
     const MotionPrior prior{(T_odom_prev * prediction.T_prev_c).Inverse(), prediction.covariance};
     if (auto held = aligner_.Estimate(world, frame, found.matches, found.T_odom_c, prior)) found = std::move(*held);
@@ -149,7 +148,7 @@ void MovingBodies::FollowWhileLost(int n_lost, double dt_s, LocalLandmarks& worl
   FoundOnBodies(world, frame);
 }
 
-// A body's frame was that of odometry when the choice was made.
+// A body's frame was the odometry frame when the choice was made.
 std::optional<RivalMotion> MovingBodies::FindRival(const FrameMatches& of_world, const TrackedFrame& frame) {
   std::optional<RivalMotion> rival;
   for (size_t k = 0; k < kMaxBodies; ++k) {
@@ -211,8 +210,8 @@ MovingBodies::Claims MovingBodies::Follow(double dt_s, const TrackedFrame& frame
   return claims;
 }
 
-// The front of a lorry and its side are often found one after the other: the smaller one of two that move alike goes
-// to the other.
+// The front and the side of a lorry are often found one after the other: of two bodies with similar motion the smaller
+// one joins the larger.
 void MovingBodies::JoinParts(size_t first, size_t second, const TrackedFrame& frame) {
   const auto is_seen = [&](size_t k) { return bodies_[k].IsThere() && bodies_[k].unseen_frames == 0; };
   if (!is_seen(first) || !is_seen(second)) return;
@@ -226,9 +225,9 @@ void MovingBodies::JoinParts(size_t first, size_t second, const TrackedFrame& fr
                                               matches_[small], camera_);
   if (apart_px >= kAlike_px) return;
   if (!Join(static_cast<int>(large), T_b_prev_[small], part.landmarks, matches_[small], frame)) return;
-  // Of two that have been told of, one was too many.
+  // If both were published, one of them was counted too many.
   if (std::min(part.found_frames, whole.found_frames) >= kMetFrames) --n_met_;
-  // Of a part that has been told of the number stays, though the other one is larger now.
+  // A part that was published keeps its id, even if the other part is larger.
   if (whole.found_frames < kMetFrames && part.found_frames >= kMetFrames) {
     whole.id = part.id;
     whole.middle_b = MiddleOf(whole.landmarks, matches_[large]);
@@ -273,7 +272,7 @@ FrameMatches MovingBodies::Contradicting(const LocalLandmarks& landmarks, const 
 std::optional<Alignment> MovingBodies::FindSecond(const SE3& T_odom_prev, const MotionPrediction& prediction,
                                                   const LocalLandmarks& world, const TrackedFrame& frame,
                                                   const Claims& claims, const Alignment& found) const {
-  // Only what the last frame saw: of a thing that moves, every frame founds the same landmarks anew.
+  // Only landmarks of the last frame: on a moving object every frame creates the same landmarks again.
   std::vector<char> points = FlagsOf(found.matches.points, &LandmarkMatch::landmark, world.points.landmarks().size());
   std::vector<char> lines = FlagsOf(found.matches.lines, &LandmarkMatch::landmark, world.lines.landmarks().size());
   const auto only_recent = [](const auto& landmarks, std::vector<char>& out) {
@@ -287,8 +286,8 @@ std::optional<Alignment> MovingBodies::FindSecond(const SE3& T_odom_prev, const 
   const LocalLandmarks candidates = world.Copy(points, lines);
   const Rest rest(frame, claims);
 
-  // Where they would be if they stood, where they were last seen in the image, and where the motion so far would have
-  // them.
+  // Searches around the positions if they stood, the last positions in the image, and the positions by the predicted
+  // motion.
   const double radius_px = prediction.goes_on ? kSearchRadius_px : 2.0 * kSearchRadius_px;
   FrameMatches matches;
   std::vector<SE3> from{found.T_odom_c, T_odom_prev};
@@ -318,7 +317,7 @@ std::optional<Alignment> MovingBodies::FindSecond(const SE3& T_odom_prev, const 
   return second;
 }
 
-// Of two motions: is the first the world's?
+// Whether the first of two motions is the world's.
 bool MovingBodies::IsWorld(const Alignment& found, const FrameMatches& own, const Alignment& second,
                            const SE3& T_odom_prev, const MotionPrediction& prediction, const TrackedFrame& frame,
                            bool& guessed) const {
@@ -363,7 +362,7 @@ bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& predi
     found.matches = Renumbered(found.matches, point_places, line_places);
     return true;
   }
-  // One that was lost out of view there goes on under its number.
+  // A body that went out of view there continues under its id.
   const bool goes_on = known >= 0 && bodies_[known].unseen_frames > 0;
   const size_t k = goes_on ? static_cast<size_t>(known) : static_cast<size_t>(slot - bodies_.begin());
   Body& body = bodies_[k];
@@ -387,7 +386,7 @@ bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& predi
     found.matches = Renumbered(found.matches, point_places, line_places);
     return true;
   }
-  // The world anew, from the second motion on, among what is not the body's.
+  // Estimates the world's motion again, starting from the second motion, without the features of bodies.
   Alignment coarse = *second;
   coarse.matches = Renumbered(second->matches, point_places, line_places);
   Claims of_bodies{std::vector<char>(claims.points.size(), 0), std::vector<char>(claims.lines.size(), 0)};
@@ -412,7 +411,7 @@ bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& predi
   return true;
 }
 
-/// The body that most of these features are around, or -1.
+/// Returns the body that surrounds most of these features, or -1.
 int MovingBodies::BodyAround(const FrameMatches& matches, const FrameMatches& of_world,
                              const TrackedFrame& frame) const {
   const FeaturePlaces places = AllPlaces(of_world, frame);
@@ -426,8 +425,8 @@ int MovingBodies::BodyAround(const FrameMatches& matches, const FrameMatches& of
   return 2 * *most > static_cast<int>(matches.points.size()) ? static_cast<int>(most - counts.begin()) : -1;
 }
 
-/// Gives a body in view what moves with it: its pose was measured at a small part of it and is off farther away.
-/// False, and nothing done, where that moves otherwise.
+/// Adds features to a body in view if they move with it: its pose was measured at a small part and is inaccurate
+/// farther away. Returns false and does nothing if they move differently.
 bool MovingBodies::Join(int known, const SE3& T_odom_prev, const LocalLandmarks& taken, const FrameMatches& matches,
                         const TrackedFrame& frame) {
   Body& body = bodies_[known];
@@ -464,7 +463,7 @@ FeaturePlaces MovingBodies::AllPlaces(const FrameMatches& of_world, const Tracke
     if (!body.IsThere() || body.unseen_frames > kGuardedFrames) continue;
     add(matches_[k], static_cast<int>(k));
     if (body.unseen_frames == 0) continue;
-    // Where it should be.
+    // Predicted positions of its features.
     const SE3 T_c_b = body.T_b_c.Inverse();
     for (const PointLandmark& landmark : body.landmarks.points.landmarks()) {
       const Eigen::Vector3d p_c = T_c_b * landmark.p_odom;
@@ -476,7 +475,8 @@ FeaturePlaces MovingBodies::AllPlaces(const FrameMatches& of_world, const Tracke
   return places;
 }
 
-// What a body surrounds is not the world's, though it agrees with its motion: edges along which a body slides.
+// Features surrounded by a body belong to it even if they agree with the world's motion: edges that a body slides
+// along.
 void MovingBodies::GiveToBodies(const LocalLandmarks& world, const TrackedFrame& frame, const FeaturePlaces& places,
                                 Alignment& found) const {
   FrameMatches left;
@@ -512,7 +512,7 @@ void MovingBodies::LetStandingGo(const SE3& T_odom_prev, const SE3& T_odom_c, Lo
   for (size_t k = 0; k < kMaxBodies; ++k) {
     Body& body = bodies_[k];
     if (!body.IsThere() || body.unseen_frames > 0) continue;
-    // Where its points were in the camera before, where they are, and where they would be now had the body stood.
+    // Compares the previous positions of its points, the current ones, and those if the body had stood.
     const SE3 T_prev_b = T_b_prev_[k].Inverse();
     const SE3 T_c_b = body.T_b_c.Inverse();
     const SE3 T_c_prev = T_odom_c.Inverse() * T_odom_prev;

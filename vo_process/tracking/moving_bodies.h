@@ -19,25 +19,25 @@
 
 namespace plslam::vo {
 
-/// A rigid thing that moves through the world: its landmarks lie in a frame of its own, which was the odometry frame
-/// when it was found, and the camera moves in that frame as it does in the world.
+/// A rigid object that moves in the world: its landmarks are in a frame of its own, which was the odometry frame when
+/// it was found, and the camera moves in that frame as it does in the world.
 struct Body {
   Body(const StereoCamera& camera, const VoOptions& options) : landmarks(camera, options), motion(options.tracking) {}
 
   bool IsThere() const { return id >= 0; }
 
-  /// Numbers the bodies of a session; -1: nothing here.
+  /// Id within the session; -1: the slot is empty.
   int64_t id = -1;
   LocalLandmarks landmarks;
   SE3 T_b_c;
   MotionModel motion;
-  /// The middle of what was seen of it when it was told of first.
+  /// Middle of its observed landmarks when it was first published.
   Eigen::Vector3d middle_b = Eigen::Vector3d::Zero();
-  /// Frames it was found in, those since it was seen last, and for how many it has stood while the camera moved.
+  /// Frames in which it was found, frames since it was last seen, and frames in which it stood while the camera moved.
   int found_frames = 0;
   int unseen_frames = 0;
   int standing_frames = 0;
-  /// The choice between it and the world was one of geometry alone: frames that must yet confirm it.
+  /// Frames that must still confirm the choice between it and the world, if only geometry decided it.
   int doubtful_frames = 0;
 
   template <class Archive, class Self>
@@ -47,21 +47,21 @@ struct Body {
   }
 };
 
-/// Where the camera would be, and how it would have moved since the frame before, if a body were the world.
+/// Pose of the camera, and its motion since the previous frame, if a body were the world.
 struct RivalMotion {
   SE3 T_odom_c;
   SE3 T_prev_c;
 };
 
-/// Where a body is in a frame: a frame of its own in the middle of it, with the axes that odometry had when the body was
-/// first told of.
+/// Pose of a body in a frame: the body's frame is at its middle, with the axes that odometry had when the body was
+/// found.
 struct BodyPose {
   int64_t id = 0;
   SE3 T_c_body;
   int n_features = 0;
 };
 
-/// Landmarks that bodies have taken: their numbers in the tracker and, where known, in the map.
+/// Landmarks on bodies: their ids in the tracker and, if known, in the map.
 class OwnedIds {
  public:
   void Add(int64_t id, int64_t map_id) {
@@ -74,7 +74,7 @@ class OwnedIds {
   }
   bool Has(int64_t id) const { return std::binary_search(ids_.begin(), ids_.end(), id); }
   bool HasOfMap(int64_t map_id) const { return std::binary_search(map_ids_.begin(), map_ids_.end(), map_id); }
-  /// Takes them out of what the map tells, and learns their numbers in the map.
+  /// Removes landmarks on bodies from adopted landmarks of the map, and learns their ids in the map.
   template <class Landmark>
   void LeaveOut(std::vector<Adopted<Landmark>>& adopted) {
     std::erase_if(adopted, [this](const Adopted<Landmark>& entry) {
@@ -85,7 +85,7 @@ class OwnedIds {
       return is_owned;
     });
   }
-  /// Those added since this was asked last.
+  /// Returns those added since the last call.
   std::vector<Withdrawn> TakeNew() { return std::exchange(new_, {}); }
 
   template <class Archive, class Self>
@@ -94,7 +94,7 @@ class OwnedIds {
   }
 
  private:
-  // The oldest give way: the tracker has long dropped them.
+  // The oldest are removed first; the tracker has dropped these landmarks.
   static constexpr size_t kMaxIds = 20'000;
 
   static bool Insert(int64_t id, std::vector<int64_t>& ids) {
@@ -117,46 +117,45 @@ class OwnedIds {
 
 /// The bodies in view, up to three.
 ///
-/// A second consensus is looked for among what contradicts the pose found for a frame. Of two motions the world is
-/// the one that a body has not had before, that the motion so far goes on with, and, where that says nothing, the one
-/// that is spread over more of the image and more depths; never the one that merely has more features. What is on a
-/// body, or nearer to it than to the world at the same depth, creates landmarks of that body. One that stands while
-/// the camera moves goes back to the world. (Label persistence as in Multimotion Visual Odometry, Judd, Gammell and
-/// Newman 2018; the choice of the world by prediction instead of size is ours.)
+/// A second consensus is searched among the features that contradict the pose found for a frame. The world's motion is
+/// the one of the two that was not a body's before, that continues the predicted motion, or, if that does not decide,
+/// that is spread over more of the image and more depths; never merely the one with more features. Features on a body,
+/// or nearer to it than to the world at the same depth, create landmarks of that body. A body that stands while the
+/// camera moves returns to the world. (Label persistence as in Multimotion Visual Odometry, Judd, Gammell and Newman
+/// 2018; choosing the world by prediction instead of size is ours.)
 class MovingBodies {
  public:
   MovingBodies(const StereoCamera& camera, const VoOptions& options);
 
-  /// Tells bodies and world apart in a frame that was found at `found`. Changes `found` where it was a body's motion,
-  /// or where features of a body took part in it; takes the landmarks of bodies out of `world`; names in the frame's
-  /// tracks what is on a body. Where only geometry decided which motion is the world's, and it is not yet clear that it
-  /// decided rightly: the other one.
-  /// Two motions that an unknown offset of the disparities explains are one.
+  /// Separates bodies from the world in a frame that was aligned at `found`. Corrects `found` if it was a body's
+  /// motion, or if features of a body took part; moves the landmarks of bodies out of `world`; sets the body in the
+  /// frame's tracks. Returns the other motion if only geometry decided which is the world's and later frames have not
+  /// confirmed it. Two motions that an unknown disparity offset explains count as one.
   std::optional<RivalMotion> Separate(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s,
                                       const DisparityCalibration& calibration, LocalLandmarks& world,
                                       TrackedFrame& frame, Alignment& found);
 
-  /// The same of a frame that was found elsewhere than it was thought to be: the motion since the frame before is not
-  /// known, so bodies that are known go on, and no others are looked for.
+  /// The same for a frame that was found at an unexpected pose: the motion since the previous frame is unknown, so
+  /// known bodies are followed and no others are searched.
   void SeparateKnown(double dt_s, LocalLandmarks& world, TrackedFrame& frame, Alignment& found);
 
-  /// Of a frame that was not found, the `n_lost`th in a row: bodies go on, so that their landmarks are not taken for a
-  /// new world. Not for long, and not where one of them may be the world.
+  /// Follows bodies in a lost frame, the `n_lost`th in a row, so that their landmarks do not start a new world. Forgets
+  /// them after some frames, and if one of them may be the world.
   void FollowWhileLost(int n_lost, double dt_s, LocalLandmarks& world, TrackedFrame& frame);
 
-  /// Nobody knows where bodies are.
+  /// Discards all bodies.
   void Forget();
 
-  /// Bodies that the session has met so far, and features of the frame that are on one.
+  /// Bodies published in the session so far, and features of the frame on such a body.
   int64_t n_met() const { return n_met_; }
   int CountFeatures(const TrackedFrame& frame) const;
-  /// Those of the bodies met that the last frame shows.
+  /// Returns the poses of published bodies that the last frame shows.
   std::vector<BodyPose> Poses() const;
 
-  /// Leaves out of what the map tells the landmarks that are on bodies; the map has them from before that was known.
+  /// Removes landmarks on bodies from a local map; the map received them before they were recognised as such.
   void LeaveOut(TrackerLocalMap& local_map);
 
-  /// Landmarks that bodies have taken since this was asked last.
+  /// Return the landmarks assigned to bodies since the last call.
   std::vector<Withdrawn> TakeWithdrawnPoints() { return owned_points_.TakeNew(); }
   std::vector<Withdrawn> TakeWithdrawnLines() { return owned_lines_.TakeNew(); }
 
@@ -167,23 +166,23 @@ class MovingBodies {
   }
 
  private:
-  /// Features that somebody has claimed.
+  /// Features that are already associated.
   struct Claims {
     std::vector<char> points;
     std::vector<char> lines;
   };
-  /// The features of a frame that nobody has claimed, as a frame of their own.
+  /// The unassociated features of a frame, as a frame of their own.
   struct Rest;
 
   bool AnyIsThere() const;
-  /// Bodies that are known, among the features that are not among these matches of the world.
+  /// Follows known bodies among the features that are not matched with the world.
   Claims Follow(double dt_s, const TrackedFrame& frame, const FrameMatches& of_world);
   void JoinParts(size_t first, size_t second, const TrackedFrame& frame);
   bool FindNew(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s,
                const DisparityCalibration& calibration, LocalLandmarks& world, const TrackedFrame& frame,
                Claims& claims, Alignment& found);
   std::optional<RivalMotion> FindRival(const FrameMatches& of_world, const TrackedFrame& frame);
-  /// A second motion: matches of landmarks of the world with features of the frame, all of which contradict the
+  /// Finds a second motion: matches of landmarks of the world with features of the frame, all of which contradict the
   /// first.
   std::optional<Alignment> FindSecond(const SE3& T_odom_prev, const MotionPrediction& prediction,
                                       const LocalLandmarks& world, const TrackedFrame& frame, const Claims& claims,
@@ -206,9 +205,9 @@ class MovingBodies {
 
   StereoCamera camera_;
   FrameAligner aligner_;
-  /// One for each slot; `FeatureTrack::body` is the place here.
+  /// One for each slot; `FeatureTrack::body` is an index into it.
   std::vector<Body> bodies_;
-  /// Of the frame at hand, by slot.
+  /// Matches, and pose of the previous camera in the body's frame, for the current frame, by slot.
   std::vector<FrameMatches> matches_;
   std::vector<SE3> T_b_prev_;
   bool is_first_pair_ = true;

@@ -10,15 +10,14 @@ namespace plslam::vo {
 namespace {
 
 constexpr size_t kMinOfEach = 20;
-// Where the residuals of points are larger by less than this, nothing is wrong: medians of a hundred lines differ as
-// much.
+// Ratio of residuals of points and lines that is normal: medians of a hundred lines differ as much.
 constexpr double kAllowedRatio = 1.1;
-// What points err in common moves the pose with it and is not in their residuals, so sigmas grow by more than
-// these show.
+// Common errors of points move the pose, and do not show in their residuals, so sigmas grow by more than the residuals
+// show.
 constexpr double kCommonPower = 1.5;
-// Share of the way, in logarithms, that one frame goes.
+// Step towards the new factor in one frame, in logarithms.
 constexpr double kGain = 0.2;
-// The same of frames in which too few of one feature type say anything: what was learned elsewhere may not hold here.
+// The same towards 1 for frames with too few of one feature type: the factor may not apply to them.
 constexpr double kForgottenShare = 0.05;
 
 }  // namespace
@@ -35,7 +34,7 @@ void NoiseScale::Observe(const Alignment& alignment) {
     scale_ = std::pow(scale_, 1.0 - kForgottenShare);
     return;
   }
-  // As it would be with the sigmas that the points claim.
+  // Ratio with the original sigmas of the points.
   const double ratio = scale_ * alignment.point_deviation / (kAllowedRatio * alignment.line_deviation);
   if (!(ratio > 0.0) || !std::isfinite(ratio)) return;
   const double wanted = std::pow(ratio, kCommonPower);
@@ -44,7 +43,7 @@ void NoiseScale::Observe(const Alignment& alignment) {
 
 namespace {
 
-// Segments flatter than this have no depth anyway.
+// Flatter segments have no depth.
 constexpr double kMinSine = 0.1;
 
 }  // namespace
@@ -54,7 +53,7 @@ void AddLineModelError(double sigma_px, StereoFeatures& features) {
     line.sigma_px = Hypot(line.sigma_px, sigma_px);
     const Segment2& segment = line.left.segment;
     const double sine = std::max(std::abs(segment.q.y() - segment.p.y()) / segment.Length(), kMinSine);
-    // Along the row both images' errors count, each divided by the sine of the angle to the row.
+    // Along the row the errors of both images count, each divided by the sine of the angle to the row.
     const double disparity_sigma_px = M_SQRT2 * sigma_px / sine;
     line.sigma_disparity_p_px = Hypot(line.sigma_disparity_p_px, disparity_sigma_px);
     line.sigma_disparity_q_px = Hypot(line.sigma_disparity_q_px, disparity_sigma_px);

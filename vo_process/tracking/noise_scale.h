@@ -6,27 +6,27 @@
 
 namespace plslam::vo {
 
-/// How much surer points claim to be than they are, by what lines say.
+/// Factor by which the sigmas of points are too small, estimated with the help of lines.
 ///
-/// Corners that slide along edges, as where a bar crosses a stripe behind it, leave small residuals, since the pose
-/// follows them; those of the lines tell. So the residuals of the two kinds are compared, each in its own sigmas
-/// (variance components, after Helmert), and sigmas of points grow with the ratio of the two. Lines are never
-/// told to count less: on real images their residuals are large for reasons that cancel between lines.
+/// Corners that slide along edges, as where a bar crosses a stripe behind it, leave small residuals, because the pose
+/// follows them; but the residuals of lines grow. The residuals of the two feature types are compared, each in units of
+/// its sigmas (variance components, after Helmert), and the sigmas of points grow with the ratio. Sigmas of lines
+/// never grow: on real images their residuals are large for reasons that cancel between lines.
 class NoiseScale {
  public:
-  /// `max_scale`: as large as the factor may get; 1 leaves everything as it is.
+  /// `max_scale`: largest factor; 1 disables it.
   explicit NoiseScale(double max_scale) : max_scale_(max_scale) {}
 
   /// Factor of the sigmas of points, 1 to `max_scale`.
   double scale() const { return scale_; }
 
-  /// Multiplies the sigmas of all points, of place and disparity.
+  /// Multiplies the sigmas of position and disparity of all points.
   void Apply(StereoFeatures& features) const;
 
-  /// Learns from a frame that was found; where points or lines are too few to tell, what was learned fades.
+  /// Updates the factor from a tracked frame; with too few points or lines it fades to 1.
   void Observe(const Alignment& alignment);
 
-  /// All that it goes on with, for `core/io/files/archive.h`.
+  /// The state between frames, for `core/io/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.scale_);
@@ -37,8 +37,8 @@ class NoiseScale {
   double scale_ = 1.0;
 };
 
-/// Adds to the sigmas of lines what their fit cannot know: edges that are not straight, that lie on round
-/// objects, or that two detections cut from neighbouring edges. `sigma_px` is across the segment, in either image.
+/// Adds the model error of lines to their sigmas: edges that are not straight, that lie on round objects, or that two
+/// detections cut from neighbouring edges. `sigma_px` is across the segment, in either image.
 void AddLineModelError(double sigma_px, StereoFeatures& features);
 
 }  // namespace plslam::vo

@@ -14,16 +14,15 @@ namespace plslam::vo {
 namespace {
 
 constexpr double kMinInterval_s = 1e-3;
-// Of the inliers before the loss, the least share that shows the same place: by descriptors alone, a few agree
-// anywhere, and where structure repeats more than a few. Soon after the loss, and later, when the camera may be
-// anywhere.
+// Share of the inliers before the loss that shows the same place: by descriptors alone a few agree anywhere, and in
+// repeated structure more. The second value applies later, when the camera may be anywhere.
 constexpr double kRecoveredShare = 0.1;
 constexpr double kRecoveredShareLater = 0.4;
 constexpr int kSoonFrames = 5;
-// Between two observations of the same landmarks, for their motion to say how fast the camera is.
+// Longest interval between two observations of the same landmarks from which a velocity is computed.
 constexpr double kLongestStep_s = 0.5;
 
-// Landmarks that a frame could found: points with depth, lines with depth twice.
+// Landmarks that a frame could create: points with depth, lines with depth twice.
 int FoundingWeight(const StereoFeatures& features) {
   const auto has_depth = [](const auto& feature) { return feature.HasDepth(); };
   return static_cast<int>(std::count_if(features.points.begin(), features.points.end(), has_depth) +
@@ -50,7 +49,7 @@ double MedianDepth(const TrackedFrame& frame, const StereoCamera& camera) {
   return disparities.empty() ? 0.0 : camera.Depth(Median(disparities));
 }
 
-// What a keyframe says of a frame: bodies are left out, so that they come into no map.
+// Features of a frame for a keyframe, except those on bodies, which must not enter a map.
 KeyframeContent ContentOfWorld(const TrackedFrame& frame) {
   KeyframeContent content;
   for (size_t i = 0; i < frame.features.points.size(); ++i) {
@@ -66,7 +65,7 @@ KeyframeContent ContentOfWorld(const TrackedFrame& frame) {
   return content;
 }
 
-// Of the landmarks that the frame found, lines counted twice: those that so many keyframes of the map see.
+// Share of the landmarks matched in the frame, lines counted twice, that so many keyframes of the map observe.
 double KnownShare(const TrackedFrame& frame, int observations) {
   int found = 0;
   int known = 0;
@@ -110,7 +109,7 @@ Odometry::Odometry(const StereoCamera& camera, const VoOptions& options)
       bodies_(camera, options),
       keyframe_measurements_(camera) {}
 
-// Of the last frame. Unsigned, or time stamps at both ends of their range overflow.
+// Seconds since the last frame. Unsigned, because time stamps at both ends of their range would overflow.
 double Odometry::SecondsSince(int64_t t_ns) const {
   const auto dt_ns = static_cast<int64_t>(static_cast<uint64_t>(t_ns) - static_cast<uint64_t>(last_t_ns_));
   return std::max(1e-9 * static_cast<double>(dt_ns), kMinInterval_s);
@@ -143,7 +142,7 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
   OdometryResult result;
   const double dt_s = SecondsSince(t_ns);
   last_t_ns_ = t_ns;
-  // Of a frame in which two motions were equally likely: the answer covers both.
+  // Added covariance if two motions were equally likely: the result covers both.
   Matrix6d doubt = Matrix6d::Zero();
   Matrix6d doubt_of_motion = Matrix6d::Zero();
   if (!initialised_) {
@@ -206,7 +205,7 @@ void Odometry::CalibrateDisparities(TrackedFrame& frame, const std::vector<doubl
   bodies_.Forget();
 }
 
-// What was learned of rows, disparities and landmarks from matches that are late is wrong.
+// Discards the calibrations and landmarks that were estimated with a wrong time offset.
 void Odometry::CheckSync(TrackedFrame& frame, const SE3& T_prev_c, double dt_s) {
   if (!sync_check_.Observe(frame, dt_s)) return;
   row_calibration_ = RowCalibration(camera_, options_.row_calibration);
@@ -226,8 +225,8 @@ void Odometry::Initialise(TrackedFrame& frame, OdometryResult& result) {
 }
 
 std::optional<Odometry::Tracked> Odometry::Find(const TrackedFrame& frame, const MotionPrediction& prediction) {
-  // Lost: only strong evidence ends it, first of the place it was lost at, then of the one it was recognised at, then
-  // of the frame before.
+  // A lost camera needs strong evidence: first for the place where it was lost, then for the relocalised one, then for
+  // the previous frame.
   if (previous_local_map_) {
     if (auto tracked = FindInPreviousLocalMap(frame, prediction)) return tracked;
   }
@@ -235,8 +234,8 @@ std::optional<Odometry::Tracked> Odometry::Find(const TrackedFrame& frame, const
     if (auto tracked = FindRelocalised(frame, prediction)) return tracked;
   }
   auto found = aligner_.Align(landmarks_, frame, T_odom_c_, prediction, ExpectedWeight());
-  // After a long gap, too, or what few agree on by chance becomes a keyframe: the motion from before says nothing
-  // against it.
+  // The same after a long gap, where a few chance inliers would become a keyframe, since no prediction contradicts
+  // them.
   const bool gap = motion_model_.knows_motion() && !prediction.is_near;
   if (!found || ((previous_local_map_ || gap) && found->weak)) return std::nullopt;
   const bool was_lost = previous_local_map_.has_value();
@@ -244,16 +243,16 @@ std::optional<Odometry::Tracked> Odometry::Find(const TrackedFrame& frame, const
   return Tracked{std::move(*found), was_lost ? Reference::kCreatedWhileLost : Reference::kCurrent};
 }
 
-// Before the first motion nothing says where to look: a camera that starts at speed is mostly outside the near
-// window, where far landmarks alone agree on a wrong motion. So all searches are compared.
+// Without a known velocity all searches are compared: a camera that starts at speed is mostly outside the near window,
+// where only far landmarks agree, on a wrong motion.
 int Odometry::ExpectedWeight() const {
   return motion_model_.knows_motion() ? tracked_weight_ : std::numeric_limits<int>::max();
 }
 
 std::optional<Odometry::Tracked> Odometry::FindInPreviousLocalMap(const TrackedFrame& frame,
                                                                   const MotionPrediction& prediction) {
-  // Soon after the loss the camera has gone on; later it may be anywhere, back there as likely as ahead, unless its
-  // robot has told all the way.
+  // Soon after the loss the camera is near its predicted pose; later it may be anywhere, as likely back at the loss,
+  // unless the robot's odometry covers the whole interval.
   const bool soon = previous_local_map_->n_lost <= kSoonFrames;
   const SE3& T_odom_last = soon || previous_local_map_->by_robot ? T_odom_c_ : previous_local_map_->T_odom_c;
   auto found = aligner_.Align(previous_local_map_->landmarks, frame, T_odom_last, prediction, ExpectedWeight());
@@ -282,14 +281,14 @@ void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, 
   if (alignment.weak || tracked.rival || sync_check_.is_far_off()) result.state = TrackingState::kWeak;
   if (tracked.reference != Reference::kCurrent) {
     if (tracked.reference != Reference::kLocalised) result.state = TrackingState::kRecovered;
-    // Found again where it was lost, it knows no more of the map than it did there.
+    // Recovered where it was lost, it is anchored in the map as it was before.
     if (tracked.reference != Reference::kPreviousLocalMap)
       is_unanchored_ = tracked.reference == Reference::kCreatedWhileLost;
   }
   result.T_prev_c = T_odom_c_.Inverse() * alignment.T_odom_c;
   result.n_tracked_points = static_cast<int>(alignment.matches.points.size());
   result.n_tracked_lines = static_cast<int>(alignment.matches.lines.size());
-  // One mediocre frame does not lower what is expected of the next by much.
+  // One mediocre frame lowers the expectation for the next only a little.
   tracked_weight_ = std::max(alignment.matches.Weight(), 4 * tracked_weight_ / 5);
   const Matrix6d covariance_before = alignment_covariance_;
   PropagateCovariance(tracked, result);
@@ -308,8 +307,8 @@ void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, 
   ChooseKeyframe(tracked, frame, result);
 }
 
-// A jump is no motion: what the camera did while nobody saw it tells how fast it is if that was not long, and else
-// nobody knows. A second image of the same time tells no speed.
+// A jump is not a motion: the motion while lost gives the velocity if that was short; otherwise the velocity is
+// unknown. A second image at the same time gives no velocity.
 void Odometry::LearnMotion(const Tracked& tracked, double dt_s, const Matrix6d& covariance_before,
                            const OdometryResult& result) {
   if (!result.jumped) {
@@ -323,7 +322,7 @@ void Odometry::LearnMotion(const Tracked& tracked, double dt_s, const Matrix6d& 
                         ComposeCovariance(covariance_before, T_before_c, tracked.alignment.covariance));
 }
 
-// Where the robot's motion may have been part of what was found, or where doubt is, nothing is compared.
+// Compares only motions measured without the robot's prediction and without doubt.
 void Odometry::LearnAboutRobot(double dt_s, const OdometryResult& result) {
   const bool is_sure = result.state == TrackingState::kTracking && !result.jumped;
   robot_model_.Observe(result.T_prev_c, result.motion_covariance, dt_s, is_sure);
@@ -334,10 +333,10 @@ void Odometry::PropagateCovariance(const Tracked& tracked, OdometryResult& resul
   Matrix6d chained = ComposeCovariance(covariance_kf_c_, result.T_prev_c, alignment);
   if (tracked.reference == Reference::kRelocalised) chained += UnknownMotion();
   const bool frame_to_frame = options_.tracking.reference == "previous_frame";
-  // Frame to frame, or among landmarks created by the frame before: that frame is where they are exact.
+  // Frame to frame, or among landmarks created in the previous frame, landmarks are exact relative to that frame.
   const bool exact_before = frame_to_frame || tracked.reference == Reference::kCreatedWhileLost ||
                             tracked.reference == Reference::kRelocalised;
-  // Otherwise both ends were measured against the same landmarks, and both errors are in the motion between.
+  // Otherwise both ends were measured against the same landmarks, and the motion contains both errors.
   result.motion_covariance =
       exact_before ? alignment : ComposeCovariance(alignment_covariance_, result.T_prev_c, alignment);
   if (tracked.reference == Reference::kPreviousLocalMap || tracked.reference == Reference::kRelocalised) {
@@ -351,9 +350,9 @@ void Odometry::PropagateCovariance(const Tracked& tracked, OdometryResult& resul
   alignment_covariance_ = alignment;
 }
 
-// The tracker goes by its own covariances; only what others are told has the errors that frames have in common. A
-// camera that jumped, always to a keyframe, lies to the keyframe before as that says, whatever it was thought to have
-// done meanwhile.
+// The tracker uses its own covariances; only published ones include errors common to frames. After a jump, which always
+// makes a keyframe, the relative pose to the previous keyframe has that keyframe's covariance, whatever was predicted
+// meanwhile.
 void Odometry::PublishCovariance(OdometryResult& result) {
   const bool measured = result.state != TrackingState::kLost && !result.jumped;
   result.motion_covariance = uncertainty_.Of(result.T_prev_c, result.motion_covariance, measured) +
@@ -381,7 +380,7 @@ void Odometry::Miss(const MotionPrediction& prediction, double dt_s, TrackedFram
   motion_model_.Slow(dt_s);
   robot_model_.Miss(dt_s);
   bodies_.FollowWhileLost(previous_local_map_->n_lost, dt_s, landmarks_, frame);
-  // The next frame may match this one even where neither matches the landmarks from before.
+  // The next frame may match this one even if neither matches the previous landmarks.
   landmarks_.Initialise(T_odom_c_, frame);
 }
 
@@ -408,7 +407,7 @@ void Odometry::ChooseKeyframe(const Tracked& tracked, const TrackedFrame& frame,
   candidate.covariance = covariance_kf_c_;
   candidate.tracked_from_keyframe = TrackedFromKeyframe(frame);
   candidate.median_depth_m = MedianDepth(frame, camera_);
-  // In a map that stays as it is, keyframes are where it is looked at anew.
+  // In localisation-only mode keyframes only adopt the local map, so known landmarks are no reason against them.
   if (!options_.map.localise_only) candidate.known_share = KnownShare(frame, options_.keyframes.known_observations);
   const KeyframeDecision decision = keyframe_policy_.Decide(candidate);
   result.entropy_ratio = decision.entropy_ratio;
@@ -439,7 +438,7 @@ void Odometry::Begin(const SelfCalibration& learned) {
   if (learned.disparities) calibration_.Begin(*learned.disparities);
 }
 
-// How odometry takes over what the map knows, and how a camera goes on in a map that it was found in.
+// Adoption of the map's landmarks, and relocalisation.
 
 bool Odometry::Adopt(const Map& map, int64_t session, int64_t keyframe_id) {
   auto local_map = keyframe_log_.LocalMapAround(map, session, keyframe_id, options_.map.local_keyframes);
@@ -453,7 +452,7 @@ bool Odometry::Adopt(const Map& map, int64_t session, int64_t keyframe_id) {
     landmarks_.Adopt(*local_map, keep_own);
     return true;
   }
-  // While lost, the map is about the landmarks from before; names are drawn from one source.
+  // While lost, the map's landmarks belong to the previous local map; both lists draw ids from one sequence.
   LocalLandmarks& before = previous_local_map_->landmarks;
   before.NumberBehind(landmarks_);
   before.Adopt(*local_map, keep_own);
@@ -514,7 +513,7 @@ std::optional<Odometry::Tracked> Odometry::FindRelocalised(const TrackedFrame& f
   return Tracked{std::move(*found), was_lost ? Reference::kRelocalised : Reference::kLocalised};
 }
 
-/// Where the camera had not lost its way, what it was found by gives way: pose and landmarks as odometry has them.
+/// If the camera was not lost, keeps odometry's pose, and moves the map's landmarks and T_w_odom to fit it.
 bool Odometry::KeepOdometry(const TrackedFrame& frame, const MotionPrediction& prediction, Alignment& found,
                             Relocalised& place) const {
   if (previous_local_map_) return false;

@@ -24,7 +24,7 @@
 
 namespace plslam::vo {
 
-/// A frame that became a keyframe: motion since the one before.
+/// A frame that became a keyframe: motion since the previous keyframe.
 struct KeyframeStep {
   int64_t id = 0;
   KeyframeReason reason = KeyframeReason::kNone;
@@ -32,46 +32,45 @@ struct KeyframeStep {
   int64_t previous_id = -1;
   SE3 T_prevkf_kf;
   Matrix6d covariance = Matrix6d::Zero();
-  /// What the frames since the last keyframe saw, as seen from this one, and the landmarks it belongs to.
+  /// Measurements of the frames since the last keyframe, expressed in this one, and their landmarks.
   KeyframeContent content;
-  /// Landmarks that keyframes before this one have shown and that turned out to be of a moving body.
+  /// Landmarks of earlier keyframes that turned out to be on a moving body.
   std::vector<Withdrawn> withdrawn_points;
   std::vector<Withdrawn> withdrawn_lines;
 };
 
-/// What odometry says of a frame.
+/// Result of odometry for a frame.
 struct OdometryResult {
   TrackingState state = TrackingState::kInitialising;
-  /// Continuous over the session, identity at its first frame with features; covariance of the right perturbation,
-  /// which is composed of those of the motions.
+  /// Continuous over the session, identity at its first frame with features; the covariance of its right perturbation
+  /// is composed of those of the motions.
   SE3 T_odom_c;
   Matrix6d covariance = Matrix6d::Zero();
-  /// Motion since the frame before; where the pose `jumped`, from where a lost camera was thought to be to where it
-  /// was found.
+  /// Motion since the previous frame; if the pose `jumped`, from the predicted pose of a lost camera to the recovered
+  /// one.
   SE3 T_prev_c;
   bool jumped = false;
-  /// With what frames have in common (`MotionUncertainty`).
+  /// Includes errors that frames have in common (`MotionUncertainty`).
   Matrix6d motion_covariance = Matrix6d::Zero();
   double entropy_ratio = 0.0;
   std::optional<KeyframeStep> keyframe;
   int n_tracked_points = 0;
   int n_tracked_lines = 0;
-  /// Features on moving bodies, and bodies met so far.
+  /// Features on moving bodies, and bodies published so far.
   int n_moving = 0;
   int n_bodies = 0;
   std::vector<BodyPose> bodies;
-  /// The frame's features with the landmarks they belong to.
+  /// The frame's features and their landmarks.
   StereoFeatures features;
   std::vector<FeatureTrack> point_tracks;
   std::vector<FeatureTrack> line_tracks;
 };
 
-/// Covariance of where a camera was carried while it saw nothing: 10 m and a radian.
+/// Covariance of the motion of a camera that saw nothing meanwhile: sigmas of 10 m and one radian.
 Matrix6d UnknownMotion();
 
 /// Stereo odometry with points and lines (PL-SLAM §IV): the state between frames, and the decisions. No clock, no
-/// messages: features and time stamps in, poses and keyframes out, the same for the
-/// same input.
+/// messages: features and time stamps in, poses and keyframes out, the same for the same input.
 class Odometry {
  public:
   Odometry(const StereoCamera& camera, const VoOptions& options);
@@ -80,71 +79,71 @@ class Odometry {
 
   const SyncCheck& sync_check() const { return sync_check_; }
 
-  /// Begins with what another tracker has learned of the same cameras; before the first frame.
+  /// Starts with the self-calibration of another tracker with the same cameras; before the first frame.
   void Begin(const SelfCalibration& learned);
   SelfCalibration learned() const { return {row_calibration_.learned(), calibration_.learned()}; }
 
-  /// Before the next frame: how the robot says that it has moved since the last one; nullopt, or not called: nothing.
+  /// Sets the robot's measured motion to the next frame; nullopt, or no call, if there is none.
   void ExpectRobot(const std::optional<RobotMotion>& motion) { robot_model_.Expect(motion); }
   const RobotMotionModel& robot_model() const { return robot_model_; }
 
-  /// Before the pair of this time is looked at: what it is expected to be like.
+  /// Predicts the skew of the pair at this time, before it is processed.
   void Expect(int64_t t_ns);
 
-  /// How rows of the right image differ from those of the left one in the pair that is expected, as far as is known.
+  /// Estimated vertical disparity of the predicted pair.
   RowField rows() const { return row_calibration_.field().With(skew_); }
 
-  /// How many corners are wanted of each image of the next pair.
+  /// Number of corners to detect in each image of the next pair.
   int max_points() const { return corner_budget_.max_points(); }
 
-  /// Nothing is known of them yet: the next pair is to be looked at with that in mind.
+  /// Whether the vertical disparity is unknown: the next pair is then processed with a wide row tolerance.
   bool needs_rows() const { return row_calibration_.needs_look(); }
 
-  /// Learns how they differ from the matches of a pair, before it is tracked. True where `rows` becomes zero by it,
-  /// or is not zero any more; the disparities of before are then others than those that come.
+  /// Learns the vertical disparity from the matches of a pair, before it is tracked. Returns whether `rows` has become
+  /// zero or nonzero; disparities before and after are then inconsistent.
   bool LearnRows(const StereoFeatures& features);
 
-  /// Takes the next frame; `t_ns` of sensor time. Frames without features, repeated frames and frames that match
-  /// nothing are answered with a state, and the pose goes on by the motion model.
+  /// Tracks the next frame; `t_ns` is sensor time. Frames without features, repeated frames and frames without matches
+  /// return a state, and a pose predicted by the motion model.
   OdometryResult Track(int64_t t_ns, StereoFeatures features);
 
-  /// Takes over the landmarks of the map around a keyframe of this session, and with them T_w_odom. Poses in odom do
-  /// not jump; from the next frame on they are found among those landmarks. False, and nothing done, where the map
-  /// does not have the keyframe.
+  /// Adopts the landmarks of the map around a keyframe of this session, and T_w_odom with them. Poses in odom do not
+  /// jump; later frames are aligned with those landmarks. Returns false and does nothing if the map does not have the
+  /// keyframe.
   bool Adopt(const Map& map, int64_t session, int64_t keyframe_id);
 
-  /// Takes over the landmarks of a map that no longer grows, around the keyframe that sees most of those tracked in
-  /// the last frame; T_w_odom stays. False, and nothing done, where none of the map was tracked.
+  /// Adopts the landmarks of a map that no longer grows, around the keyframe that observes most of those tracked in the
+  /// last frame; T_w_odom stays. Returns false and does nothing if none of the map's landmarks was tracked.
   bool AdoptAround(const Map& map);
 
-  /// Somebody has found the camera in the map: near a keyframe of it, with this T_w_odom. From the next frame on it
-  /// is looked for among the landmarks there, and once it is found, `T_w_odom` is taken over. Where the camera had
-  /// lost its way, what lies between is then as good as unknown; where it had not, odometry goes on as it did and
-  /// T_w_odom takes the difference. False, and nothing done, where the map does not have the keyframe.
+  /// Uses a relocalisation near a keyframe of the map, with this T_w_odom. The next frame is searched among the
+  /// landmarks there, and `T_w_odom` is adopted if it is found. If the camera was lost, the motion in between becomes
+  /// unknown; if not, odometry continues and T_w_odom absorbs the difference. Returns false and does nothing if the map
+  /// does not have the keyframe.
   bool Relocalise(const Map& map, int64_t map_keyframe_id, const SE3& T_w_odom);
 
-  /// Keyframes are for another session from now on: the next frame that is found is its first. Landmarks stay, and so
-  /// does where they are in the map.
+  /// Begins another session: the next tracked frame becomes its first keyframe. Landmarks and their poses in the map
+  /// stay.
   void BeginSession();
 
-  /// Whether keyframes are only where the map is looked at anew (`MapUseOptions::localise_only`).
+  /// In localisation-only mode, keyframes only adopt the local map (`MapUseOptions::localise_only`).
   void SetLocaliseOnly(bool localise_only) { options_.map.localise_only = localise_only; }
   bool localise_only() const { return options_.map.localise_only; }
 
-  /// The camera has been found in a map, by `Adopt` or `Relocalise`.
+  /// Whether the camera was found in a map, by `Adopt` or `Relocalise`.
   bool is_in_map() const { return is_in_map_; }
 
-  /// Tracking went on after a loss, but not at the place where it was lost: where that is, nobody knows.
+  /// Whether tracking resumed after a loss, but not at the place of the loss, so that its pose in the map is unknown.
   bool is_unanchored() const { return is_unanchored_; }
 
   /// Pose of the last frame.
   const SE3& T_odom_c() const { return T_odom_c_; }
 
-  /// Map from odometry, as of the last `Adopt`.
+  /// Pose of odom in the map, as of the last `Adopt`.
   const SE3& T_w_odom() const { return T_w_odom_; }
 
-  /// All that it goes on with after a frame that became a keyframe, for `core/io/files/archive.h`. Such a frame was
-  /// found, so nothing is lost or set aside then, and what was seen since the keyframe before has gone into it.
+  /// The state after a frame that became a keyframe, for `core/io/files/archive.h`. Such a frame was tracked, so there
+  /// is no previous local map, and the measurements since the previous keyframe are contained in it.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.motion_model_, self.noise_scale_, self.keyframe_policy_, self.calibration_, self.row_calibration_,
@@ -156,21 +155,20 @@ class Odometry {
   }
 
  private:
-  /// Where a frame was found: usually among the landmarks of the frame before; after it was lost, among those from
-  /// before the loss, those of the map where it was relocalised, or those created by a lost frame. One that was not
-  /// lost is localised: found among both, and goes on among those of the map.
+  /// Landmarks among which a frame was found: usually those of the previous frame; after a loss those of the previous
+  /// local map, those of the map at the relocalised place, or those created by a lost frame. A camera that was not lost
+  /// is localised: found among both, and continues with those of the map.
   enum class Reference { kCurrent, kPreviousLocalMap, kRelocalised, kLocalised, kCreatedWhileLost };
   struct Tracked {
     Alignment alignment;
     Reference reference = Reference::kCurrent;
-    /// kPreviousLocalMap: where the camera was when it was last seen among these landmarks, and how long before the
-    /// last frame.
+    /// kPreviousLocalMap: the last pose among these landmarks, and its time before the last frame.
     SE3 T_odom_before{};
     double before_s = 0.0;
-    /// Where only geometry said which of two motions is the world's: the pose by the other.
+    /// The pose by the other motion, if only geometry decided which of two is the world's.
     std::optional<RivalMotion> rival{};
   };
-  /// Landmarks of the map among which the camera should be.
+  /// Landmarks of the map around a relocalisation result.
   struct Relocalised {
     LocalLandmarks landmarks;
     SE3 T_w_odom;
@@ -211,7 +209,7 @@ class Odometry {
   RowCalibration row_calibration_;
   CornerBudget corner_budget_;
   SyncCheck sync_check_;
-  /// Of the pair that is expected.
+  /// Skew of the predicted pair.
   PairSkew skew_;
   LocalLandmarks landmarks_;
   MovingBodies bodies_;
@@ -222,18 +220,18 @@ class Odometry {
   bool initialised_ = false;
   int64_t last_t_ns_ = 0;
   SE3 T_odom_c_;
-  /// Inliers of the last frame that was found (points + 2 x lines).
+  /// Inlier score of the last tracked frame (points + 2 x lines).
   int tracked_weight_ = 0;
-  /// Of T_odom_c given the landmarks, at the frame before.
+  /// Covariance of the previous frame's T_odom_c given the landmarks.
   Matrix6d alignment_covariance_ = Matrix6d::Zero();
 
-  /// While lost: the landmarks from before, and where the camera was then.
+  /// While lost: the landmarks before the loss, and the last pose among them.
   struct PreviousLocalMap {
     LocalLandmarks landmarks;
     SE3 T_odom_c;
-    int n_lost = 0;          ///< frames since
-    double elapsed_s = 0.0;  ///< up to the last of them
-    bool by_robot = true;    ///< the robot has told the motion of all of them
+    int n_lost = 0;          ///< frames since the loss
+    double elapsed_s = 0.0;  ///< time from the loss to the last frame
+    bool by_robot = true;    ///< whether the robot's odometry covers all of these frames
   };
   std::optional<PreviousLocalMap> previous_local_map_;
 
@@ -242,13 +240,13 @@ class Odometry {
   bool is_unanchored_ = false;
 
   int64_t next_keyframe_id_ = 0;
-  bool begins_session_ = false;  ///< the next frame that is found is a keyframe
+  bool begins_session_ = false;  ///< the next tracked frame becomes a keyframe
   SE3 T_odom_kf_;
-  /// As published, of the keyframe and of the motion since.
+  /// Published covariances of the keyframe's pose and of the motion since.
   Matrix6d covariance_odom_kf_ = Matrix6d::Zero();
   Matrix6d published_kf_c_ = Matrix6d::Zero();
-  /// Of where the camera is, given the landmarks as they are. Both ends were measured against these, so the motion
-  /// between two keyframes is less sure than the next keyframe is.
+  /// Covariance of the camera's pose given the landmarks. Both ends were measured against these, so the motion between
+  /// two keyframes is less certain than the pose of the next keyframe.
   Matrix6d covariance_kf_c_ = Matrix6d::Zero();
   Matrix6d alignment_covariance_kf_ = Matrix6d::Zero();
   Matrix6d covariance_between_keyframes_ = Matrix6d::Zero();
@@ -257,10 +255,10 @@ class Odometry {
   int64_t keyframe_line_id_ = 0;
 };
 
-/// Stereo features of the next pair, for `odometry.Track`, with rows that differ as they are known to; what the pair
-/// tells of them is learned. The first pair is looked at twice, since landmarks are created on it: before all for
-/// rows that may differ by much. So are further ones until there was enough to see, and one that changes whether rows
-/// differ. Throws as `StereoFrontEnd::Process`.
+/// Computes the stereo features of the next pair for `odometry.Track`, using and learning its vertical disparity. The
+/// first pair is processed twice, because it creates landmarks: first for vertical disparities that may be large. So
+/// are further pairs until enough was seen, and a pair that changes whether a vertical disparity is applied. Throws as
+/// `StereoFrontEnd::Process`.
 inline StereoFeatures SeePair(StereoFrontEnd& front_end, Odometry& odometry, const StereoImages& images,
                               StageTimer& timer) {
   odometry.Expect(images.t_ns);

@@ -94,7 +94,7 @@ void PointLandmarks::Fuse(const SE3& T_odom_c, const StereoPoint& seen, PointLan
        {J.row(1), residual.y(), variance},
        {J.row(2), residual.z(), seen.sigma_disparity_px * seen.sigma_disparity_px}}};
   const std::span<const LinearMeasurement> all(measurements);
-  // Grown, so that a landmark stays able to follow.
+  // Inflates the covariance, so that the landmark can follow changes.
   landmark.covariance *= options_.forgetting;
   FuseMeasurements(seen.HasDepth() ? all : all.first(2), landmark.p_odom, landmark.covariance);
   Remember(seen, p_c.z(), landmark);
@@ -112,7 +112,7 @@ void PointLandmarks::Age(const SE3& T_c_odom) {
 
 void PointLandmarks::Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapPoint>>& adopted, double map_f_px,
                            bool keep_own, int64_t& next_id) {
-  // From as far the octave looks alike in both cameras.
+  // Scales the distance so that both cameras see the octave at the same size.
   const double nearer = map_f_px > 0.0 ? camera_.f_px / map_f_px : 1.0;
   const Eigen::Matrix3d R = T_odom_w.R();
   AdoptEach(adopted, next_id, landmarks_, [&](const MapPoint& known, bool is_new, PointLandmark& landmark) {

@@ -6,16 +6,15 @@
 namespace plslam::vo {
 namespace {
 
-// Share of the way, and of the turns, by which wheels are wrong: tyres that are worn or soft, wheels that skid in
-// curves.
+// Relative error of distances and rotations by wheels: worn or soft tyres, skidding in curves.
 constexpr double kWheelShare = 0.05;
-// What wheels and simple gyros turn falsely, as on a road that is not flat.
+// Spurious rotation rate of wheels and simple gyros, as on a road that is not flat.
 constexpr double kWheelDrift_rad_s = 1.0 * kRadPerDeg;
-// However short the way: the body is tilted by the ground, which wheels do not see, and stamps are off by some
-// milliseconds.
+// Errors however short the motion: the ground tilts the body, which wheels do not measure, and time stamps are off by
+// some milliseconds.
 constexpr double kGround_m = 0.005;
 constexpr double kGround_rad = 1.0 * kRadPerDeg;
-// Over which robot and images are compared: long enough for wheels that slip to stand out from the ground's share.
+// Interval over which robot and images are compared: long enough for slipping wheels to exceed the ground's share.
 constexpr double kComparison_s = 0.5;
 
 Matrix6d Squares(double translation_m, double rotation_rad) {
@@ -39,7 +38,7 @@ RobotMotionModel::Extent RobotMotionModel::After(Extent extent, double dt_s) con
   return extent;
 }
 
-/// Of the camera: the body turns about its own origin. Zero for no time.
+/// Covariance of the camera's motion; the body rotates about its own origin. Zero for no time.
 Matrix6d RobotMotionModel::Covariance(const Extent& extent) const {
   if (extent.time_s == 0.0) return Matrix6d::Zero();
   const Matrix6d A = motion_->T_b_c.Inverse().Adjoint();

@@ -8,47 +8,47 @@
 
 namespace plslam::vo {
 
-/// How the robot's body moved from one frame to the next, by wheels or a gyro of its own.
+/// Motion of the robot's body between two frames, measured by its wheels or gyro.
 struct RobotMotion {
   SE3 T_prevb_b;
-  /// Body from the rectified left camera.
+  /// Pose of the rectified left camera in the body frame.
   SE3 T_b_c;
 
   SE3 OfCamera() const { return T_b_c.Inverse() * T_prevb_b * T_b_c; }
 };
 
-/// Predicts by the robot's own odometry in the place of `MotionModel`. A prediction only: it says where to look, helps
-/// a frame that sees little and carries a lost camera, and no frame that sees enough has any of it in its pose.
+/// Predicts by the robot's own odometry instead of `MotionModel`. It only predicts: it guides the search, supports a
+/// frame with few features and carries a lost camera; the pose of a frame with enough features contains none of it.
 ///
-/// Wheels slip, and robots tell nonsense with small covariances, so what they say is believed only after it has agreed
-/// with what the images measured over the last half second in which they measured without doubt, and not where the
-/// camera cannot have moved like that since the last frame. Its uncertainty is ours (see the constants), not the one
-/// that the robot claims. Wheels err alike from frame to frame, so sigmas grow with the way, not with its root.
+/// Wheels slip, and robots publish wrong motions with small covariances. A motion is used only after the robot's
+/// odometry agreed with half a second of reliable measurements of the images, and if the camera can have moved like
+/// that since the last frame. Its covariance comes from the constants here, not from the robot. Errors of wheels are
+/// the same from frame to frame, so sigmas grow with the distance, not with its square root.
 class RobotMotionModel {
  public:
-  /// What the robot says of the motion up to the next frame; nullopt: nothing.
+  /// Sets the robot's motion to the next frame; nullopt if there is none.
   void Expect(const std::optional<RobotMotion>& motion) { motion_ = motion; }
 
-  /// The prediction for that frame, `own` where the robot says nothing or is not believed.
+  /// Returns the prediction for that frame; `own` if there is no robot motion or it is not trusted.
   MotionPrediction Predict(const MotionPrediction& own, double dt_s) const;
 
-  /// The frame was measured: T_prev_c, and the covariance of its right perturbation. `is_sure`: by what it saw alone.
+  /// The frame was measured: T_prev_c, with the covariance of its right perturbation. `is_sure`: by its features alone.
   void Observe(const SE3& T_prev_c, const Matrix6d& covariance, double dt_s, bool is_sure);
 
   /// The frame was not measured.
   void Miss(double dt_s);
 
-  /// What the robot has said lately agrees with the images.
+  /// Whether the robot's recent motions agree with the images.
   bool agrees() const { return agrees_; }
 
-  /// All that it goes on with after a frame that was measured, for `core/io/files/archive.h`.
+  /// The state after a measured frame, for `core/io/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.agrees_, self.robot_, self.camera_, self.covariance_, self.compared_);
   }
 
  private:
-  /// Of a motion: length of its way, its turns, its time. Uncertain by these.
+  /// Length of the path, rotation and time of a motion, on which its covariance depends.
   struct Extent {
     double way_m = 0.0;
     double turn_rad = 0.0;
@@ -66,12 +66,12 @@ class RobotMotionModel {
 
   std::optional<RobotMotion> motion_;
   bool agrees_ = false;
-  /// Motion of the camera since comparing began: by the robot, and as measured.
+  /// Motion of the camera since the comparison began: by the robot, and as measured.
   SE3 robot_;
   SE3 camera_;
   Matrix6d covariance_ = Matrix6d::Zero();
   Extent compared_;
-  /// Since the last measured frame.
+  /// Motion since the last measured frame.
   Extent unseen_;
 };
 

@@ -7,23 +7,24 @@
 namespace plslam::vo {
 namespace {
 
-// Poses that are kept: 40 s of wheels of 100 Hz, more than frames ever wait.
+// Number of poses kept: 40 s of wheels at 100 Hz, more than frames ever wait.
 constexpr size_t kMostPoses = 4096;
-// Time that goes back by as much is that of another run, of a clock or of a recording.
+// A time stamp that goes back by this much belongs to another run, of a clock or of a recording.
 constexpr double kAnotherRun_s = 1.0;
-// Between two poses that are interpolated: slow wheels tell 10 a second, and some are lost.
+// Longest interval between interpolated poses: slow wheels send 10 a second, and some are lost.
 constexpr double kLongestGap_s = 0.3;
-// Beyond the newest pose: frames of a live stream do not wait for a robot, whose poses come a little later than they
-// are of. At 10 m/s^2 that costs 12 mm.
+// Longest extrapolation beyond the newest pose: live frames do not wait for the robot, whose poses arrive a little
+// late. At 10 m/s^2 that costs 12 mm.
 constexpr double kFarthestAhead_s = 0.05;
-// Time over which the motion that goes on there is taken: over less, jitter of stamps would be magnified.
+// Shortest interval from which the motion is extrapolated; over a shorter one, jitter of time stamps would be
+// amplified.
 constexpr double kLeastSpan_s = 0.02;
-// Beyond these no robot moves, and its odometry has begun anew. Stamps are as fine as a millisecond.
+// Limits of a robot's motion, beyond which its odometry was restarted. Time stamps have a resolution of a millisecond.
 constexpr double kFastest_m_s = 60.0;
 constexpr double kFastestTurn_rad_s = 30.0;
 constexpr double kFineness_s = 1e-3;
 
-/// Unsigned: times may be any. `later_ns` is not earlier.
+/// Unsigned: time stamps may have any value. `later_ns` must not be earlier.
 double SecondsBetween(int64_t earlier_ns, int64_t later_ns) {
   return 1e-9 * static_cast<double>(static_cast<uint64_t>(later_ns) - static_cast<uint64_t>(earlier_ns));
 }
@@ -55,7 +56,7 @@ std::optional<SE3> RobotPath::Motion(int64_t from_ns, int64_t to_ns) const {
   return T_robot_from->Inverse() * *T_robot_to;
 }
 
-/// The pose at a time after `a`, on the motion that leads from there through `b`.
+/// Returns the pose at a time after `a`, on the motion from there through `b`.
 SE3 RobotPath::Between(const Pose& a, const Pose& b, int64_t t_ns) {
   const double share = SecondsBetween(a.t_ns, t_ns) / SecondsBetween(a.t_ns, b.t_ns);
   return a.T_robot_b * SE3::Exp(share * (a.T_robot_b.Inverse() * b.T_robot_b).Log());

@@ -9,22 +9,20 @@
 
 namespace plslam::vo {
 
-/// Where a robot was by its own odometry, over the last thousands of poses that it told, and how it moved between two
-/// times.
+/// Poses of a robot by its own odometry, the last few thousand, and the motion between two times.
 ///
-/// Poses are taken in the order of their times: one that is a little late, or comes again, is passed over. Where time
-/// goes back by a second or more, or the body would have to be faster than robots are (its odometry has begun anew),
-/// only what comes from then on counts.
+/// Poses are added in the order of time; late and repeated ones are ignored. If time goes back by a second or more, or
+/// the body moved faster than robots can (its odometry was restarted), all earlier poses are dropped.
 class RobotPath {
  public:
   void Add(int64_t t_ns, const SE3& T_robot_b);
 
-  /// A pose of that time or a later one has come.
+  /// Whether a pose at this time or later has been added.
   bool Reaches(int64_t t_ns) const { return !poses_.empty() && poses_.back().t_ns >= t_ns; }
 
-  /// Motion of the body, T_from_to, interpolated between the poses around each time, and for a moment beyond the newest
-  /// pose with the motion of the last ones. nullopt where these poses are not there or are too far apart, and where
-  /// `to_ns` is not later than `from_ns`.
+  /// Returns the motion of the body, T_from_to, interpolated between the poses around each time, and extrapolated for a
+  /// moment beyond the newest pose. Returns nullopt if these poses are missing or too far apart, and if `to_ns` is not
+  /// later than `from_ns`.
   std::optional<SE3> Motion(int64_t from_ns, int64_t to_ns) const;
 
  private:

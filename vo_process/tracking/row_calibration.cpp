@@ -13,12 +13,11 @@
 namespace plslam::vo {
 namespace {
 
-// Patches that tell the row less well have little to say, and their errors are not of the normal kind.
+// Patches with a larger sigma of the row contribute little, and their errors are not Gaussian.
 constexpr double kMaxSigmaRow_px = 0.4;
-// What the residuals of a patch do not show: slant, interpolation, the place of the corner in an image that is not
-// sharp.
+// Error that the residuals of a patch do not show: slant, interpolation, the position of the corner in a blurred image.
 constexpr double kRowModelError_px = 0.2;
-// Corners that lie together, or are the same one in several octaves, err together: a cell of the image has one voice.
+// Corners that are close together, or the same corner in several octaves, have common errors: a cell counts as one.
 constexpr double kRowHuber = 1.5;
 
 bool TellsItsRow(const StereoPoint& p) {
@@ -48,22 +47,21 @@ std::vector<RowObservation> RowObservationsOf(const StereoFeatures& features, co
 
 namespace {
 
-// Change from frame to frame: of warmth, and of what the model leaves out as the view changes.
+// Random walk from frame to frame: temperature, and model errors that change with the view.
 constexpr double kRowDrift_px = 0.005;
-// And from one run to another.
+// The same between runs.
 constexpr double kBetweenRuns_px = 0.1;
-// Matches of a frame that tell something, and that tell whether rows differ.
+// Least usable matches of a frame to update the filter, and to decide whether there is a vertical disparity.
 constexpr size_t kEnoughToBegin = 20;
 constexpr size_t kEnough = 50;
-// Where rows do differ, most matches are off by less with the field than without it: by this factor to begin with it,
-// and by this to go on.
+// Ratio of the median residuals with and without the field below which it is applied, and above which it is removed.
 constexpr double kMaxResidualShare = 0.5;
 constexpr double kMaxResidualShareOfUsed = 0.8;
 constexpr double kMinShareOfUsed = 0.6;
-// Medians are means over so many frames: rigs do not bend in a second, but walls at an angle come and go.
+// Medians are averaged over this number of frames, because slanted walls change them temporarily.
 constexpr int64_t kMemory_frames = 40;
 
-// What is expected: of a pitch, of rows that are all shifted alike, and of what else bends the field.
+// Prior sigmas: of a pitch, of a common shift of all rows, and of other bending of the field.
 constexpr double kPitchSigma_px = 5.0;
 constexpr double kShiftSigma_px = 0.7;
 constexpr double kBendSigma_px = 0.3;
@@ -89,7 +87,7 @@ void RowCalibration::Begin(const SelfCalibration::Rows& learned) {
   covariance_ = learned.covariance_px2;
   covariance_.diagonal().array() += kBetweenRuns_px * kBetweenRuns_px;
   used_ = has_learned_ = true;
-  // As if it had been compared, and had shown to be worth it; what comes says more.
+  // Counts as one comparison that favoured the field.
   n_compared_ = 1;
   median_without_px_ = state_.norm();
 }
@@ -104,7 +102,7 @@ bool RowCalibration::Observe(const StereoFeatures& features, const PairSkew& ske
   }
   if (observations.size() < kEnoughToBegin) return false;
   has_learned_ = has_learned_ || observations.size() >= kEnough;
-  // Several pixels, and what agrees would seem to be wrong: so what most agree on comes first.
+  // Starts at the median: with several pixels of offset, correct matches would otherwise be rejected as outliers.
   if (n_compared_ == 0) state_(0) = MedianOf(observations, [](const RowObservation& o) { return o.offset_px; });
   covariance_.diagonal().array() += kRowDrift_px * kRowDrift_px;
   for (const RowObservation& observation : observations) Learn(observation);
@@ -141,7 +139,7 @@ void RowCalibration::Compare(const std::vector<RowObservation>& observations) {
 }
 
 bool RowCalibration::IsWorthIt() const {
-  // Once used, it is left only where it shows to be wrong, or small: each change disturbs the landmarks.
+  // An applied field is removed only if it is wrong, or small: each change disturbs the landmarks.
   if (used_) {
     return state_.norm() > kMinShareOfUsed * options_.min_offset_px &&
            median_with_px_ < kMaxResidualShareOfUsed * median_without_px_;
@@ -150,9 +148,8 @@ bool RowCalibration::IsWorthIt() const {
          state_.dot(covariance_.ldlt().solve(state_)) > options_.min_chi_square;
 }
 
-// A pitch moves all rows, and those far from the middle more, by the square of their tangent; rows that are all lower
-// by the same may also be cut or counted otherwise. Least squares over the pitch with what is expected of each as a
-// prior.
+// A pitch moves all rows, and those far from the middle more, by the square of their tangent; a common shift may have
+// other causes (cropping, row numbering). Least squares over the pitch with the prior of each.
 RowField::Turn RowCalibration::TurnShown() const {
   const double tangent = 0.5 * camera_.height_px / camera_.f_px;
   const double bend = tangent * tangent;

@@ -9,19 +9,18 @@
 
 namespace plslam::vo {
 
-/// What a tracker has learned of its cameras while driving and believes; what another one of the same cameras may
-/// begin with.
+/// Self-calibration of a tracker that is in use; another tracker with the same cameras may start with it.
 struct SelfCalibration {
   struct Rows {
     RowField::Coefficients offsets_px = RowField::Coefficients::Zero();
     Eigen::Matrix<double, 6, 6> covariance_px2 = Eigen::Matrix<double, 6, 6>::Zero();
   };
-  /// Of b0 + b1 x + b2 x^2 (`DisparityCalibration`).
+  /// Coefficients of b0 + b1 x + b2 x^2 (`DisparityCalibration`).
   struct Disparities {
     Eigen::Vector3d coefficients_px = Eigen::Vector3d::Zero();
     Eigen::Matrix3d covariance_px2 = Eigen::Matrix3d::Zero();
   };
-  /// nullopt: nothing that is believed.
+  /// nullopt if none is in use.
   std::optional<Rows> rows;
   std::optional<Disparities> disparities;
 };

@@ -12,35 +12,35 @@
 namespace plslam::vo {
 namespace {
 
-// Points of a frame that move up or down by more than this between frames, for the frame to tell anything.
+// Vertical motion between frames of the points that a frame must have to be informative, and their least number.
 constexpr double kMinFlow_px = 1.0;
 constexpr int kMinMoving = 20;
-// What is expected: of the mean of the rows, of the shape of the field, and, in frames, of lateness and unevenness.
+// Prior sigmas: of the mean of the rows, of the shape of the field, and, in frames, of lateness and unevenness.
 constexpr double kShiftSigma_px = 5.0;
 constexpr double kShapeSigma_px = 1.0;
 constexpr double kLateSigma_frames = 1.0;
 constexpr double kUnevenSigma_frames = 0.1;
-// What counts of the past at the next frame: some fifty frames.
+// Factor of past equations at each frame: a memory of some fifty frames.
 constexpr double kMemory = 0.98;
-// Matches that were looked for with another lateness are those that agreed with it, and tell too little: when what is
-// found differs for certain, and moves rows by so much that it matters to the search, they count little more.
+// Matches searched with another lateness are biased towards it: if the new estimate differs significantly, and moves
+// rows by enough to matter to the search, past equations are reduced by this factor.
 constexpr double kOtherRows_px = 1.0;
 constexpr double kOtherDeviations = 3.0;
 constexpr double kMemoryOfOthers = 0.1;
-// Residuals that are smaller than expected make the result surer, but not beyond this share of the standard
-// sigmas. Larger ones are of wrong matches, which are many as long as matches are not looked for where they are.
+// Residuals below expectation reduce the sigmas, but not below this share. Residuals above it come from wrong matches,
+// which are frequent while matches are searched in the wrong rows.
 constexpr double kMinNoise = 0.3;
 constexpr int kIterations = 3;
-// Of few points the errors that tracks have in common, of corners that slide along edges, say, do not average out:
-// the variances are multiplied by 1 + this / points.
+// Errors common to tracks, as of corners that slide along edges, do not average out over few points: variances are
+// multiplied by 1 + this / points.
 constexpr double kErrorsInCommon = 60.0;
-// To be believed: standard deviations, frames, and a share of the time between frames; a smaller one to be no longer
-// believed.
+// Conditions to apply the estimate: standard deviations, frames, and a share of the time between frames; a smaller
+// share to keep it.
 constexpr double kMinDeviations = 10.0;
 constexpr int64_t kMinFrames = 3;
 constexpr double kMinLate_frames = 0.05;
 constexpr double kMinLateOfUsed_frames = 0.03;
-// Motions are not foretold for longer.
+// Longest time over which motions are extrapolated, in frames.
 constexpr double kMaxLate_frames = 1.5;
 constexpr double kMinUneven_frames = 0.05;
 
@@ -70,8 +70,8 @@ bool SyncCheck::Observe(const TrackedFrame& frame, double dt_s) {
   return is_late_ != was_late;
 }
 
-// A motion that changes is, around the time of the left image, between that before and that after, and at the time of
-// the next frame that after.
+// With a changing motion, the velocity at the time of the left image is between those before and after it, and at the
+// time of the next frame that after it.
 std::vector<SyncCheck::Equation> SyncCheck::EquationsOf(const TrackedFrame& frame, double dt_s) const {
   std::vector<Equation> equations;
   const double along = std::clamp(solution_(kLate) / dt_s, -1.0, 1.0);

@@ -14,46 +14,46 @@
 
 namespace plslam::vo {
 
-/// Estimates, while driving, by how much later than the left image the right one is taken.
+/// Estimates the delay of the right image after the left one, while driving.
 ///
-/// The row of a match is lower in the right image by the field of the rig (`RowField`), and by what the point moves
-/// down between the two images:
+/// The row of a match in the right image is lower by the field of the rig (`RowField`), and by the downward motion of
+/// the point between the two images:
 ///
 ///   v_right - v_left = field(u, v) + (late + uneven y) dv/dt,   y from -1 to 1 over the image,
 ///
-/// where dv/dt is seen by following the point over the frame before and the frame after. `uneven` is not zero where
-/// the two cameras read their rows at different speeds. The field stays while motions come and go, so all are found
-/// together: weighted least squares (Huber) in which the past fades. Believed only where it is large enough to matter
-/// and certain.
+/// where dv/dt is measured by tracking the point over the previous and the next frame. `uneven` is not zero if the two
+/// cameras read their rows at different speeds. The field is constant while motions change, so all are estimated
+/// together by weighted least squares (Huber) with fading memory. The result is applied only if it is large enough to
+/// matter and significant.
 class SyncCheck {
  public:
   explicit SyncCheck(const StereoCamera& camera) : camera_(camera) {}
 
-  /// What is believed; 0 until it is significant, and as long as it is less than a twentieth of a frame.
+  /// The applied delay; 0 until it is significant, and below a twentieth of a frame.
   double late_s() const { return is_late_ ? solution_(kLate) : 0.0; }
 
   /// The same as a share of the time between the last frames.
   double late_frames() const { return interval_s_ > 0.0 ? late_s() / interval_s_ : 0.0; }
 
-  /// Late by so much of a frame that where the camera was at the time of the right image is a guess: what is found
-  /// with such a pair is not sure.
+  /// Whether the delay is so large that the camera's pose at the time of the right image is uncertain, and with it the
+  /// results from such a pair.
   bool is_far_off() const { return std::abs(late_frames()) > kMostLateMadeUpFor_frames; }
 
-  /// By how much longer the right camera takes to read its image than the left one (rolling shutters that are not
-  /// alike); 0 until it is significant.
+  /// Readout time of the right camera minus that of the left one (rolling shutters with different speeds); 0 until it
+  /// is significant.
   double longer_readout_s() const { return is_uneven_ ? 2.0 * solution_(kUneven) : 0.0; }
 
-  /// What is to be expected of a pair, with the motion `T_prev_c` within the `dt_s` before it.
+  /// Returns the predicted skew of a pair, given the motion `T_prev_c` in the `dt_s` before it.
   PairSkew SkewOf(const SE3& T_prev_c, double dt_s) const;
 
-  /// Learns from a frame that was tracked, `dt_s` after the one before: of the matches of that one, whose points are
-  /// now seen to move on. True where `late_s` becomes zero by it, or is not zero any more.
+  /// Learns from a tracked frame, `dt_s` after the previous one: from the matches of that one, whose points are now
+  /// seen to move. Returns whether `late_s` has become zero or nonzero.
   bool Observe(const TrackedFrame& frame, double dt_s);
 
-  /// After a frame that was not tracked.
+  /// Call after a frame that was not tracked.
   void Interrupt() { seen_.clear(); }
 
-  /// All that it goes on with, for `core/io/files/archive.h`.
+  /// The state between frames, for `core/io/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.is_late_, self.is_uneven_, self.information_, self.vector_, self.solution_, self.squares_, self.count_,
@@ -66,14 +66,14 @@ class SyncCheck {
   using Vector8d = Eigen::Matrix<double, 8, 1>;
   using Matrix8d = Eigen::Matrix<double, 8, 8>;
 
-  /// A landmark in the frame before.
+  /// A landmark in the previous frame.
   struct Seen {
     int64_t landmark_id = -1;
     Eigen::Vector2d px = Eigen::Vector2d::Zero();
-    /// Pixels a second down, since the frame before that; whether it was seen there.
+    /// Downward velocity in pixels per second, from the frame before that, and whether it was seen there.
     double down_px_s = 0.0;
     bool has_moved = false;
-    /// Of its match: `RowObservation`, variance 0 where the row is not told.
+    /// From the `RowObservation` of its match; variance 0 if it has none.
     Eigen::Vector2d place_px = Eigen::Vector2d::Zero();
     double offset_px = 0.0;
     double variance_px2 = 0.0;
@@ -96,21 +96,20 @@ class SyncCheck {
   std::vector<Equation> EquationsOf(const TrackedFrame& frame, double dt_s) const;
   void Learn(const std::vector<Equation>& equations, double dt_s);
   void Remember(const TrackedFrame& frame, double dt_s);
-  /// What is believed from now on.
+  /// Decides which estimates are applied.
   void Decide(const std::vector<Equation>& equations, double dt_s);
 
   StereoCamera camera_;
   bool is_late_ = false;
   bool is_uneven_ = false;
-  /// Normal equations, and their solution: six coefficients of the field in pixels, lateness and unevenness in
-  /// seconds.
+  /// Normal equations, and their solution: six coefficients of the field in pixels, lateness and unevenness in seconds.
   Matrix8d information_ = Matrix8d::Zero();
   Vector8d vector_ = Vector8d::Zero();
   Vector8d solution_ = Vector8d::Zero();
-  /// Of the residuals: sum of their squares in standard deviations, and number, the past fading.
+  /// Squared whitened residuals and their number, summed with fading memory.
   double squares_ = 0.0;
   double count_ = 0.0;
-  /// The lateness that the matches of the past were looked for with.
+  /// The delay with which past matches were searched.
   double late_matched_s_ = 0.0;
   int64_t n_frames_ = 0;
   double interval_s_ = 0.0;

@@ -10,12 +10,12 @@
 
 namespace plslam::vo {
 
-/// Which landmark a feature belongs to.
+/// Landmark of a feature.
 struct FeatureTrack {
   int64_t landmark_id = -1;
-  /// Frames in which the landmark has been seen; 0 for one created by this feature.
+  /// Frames in which the landmark has been observed; 0 for one created by this feature.
   int age = 0;
-  /// The same landmark in the map, or -1, and the keyframes that see it there.
+  /// The same landmark in the map, or -1, and the number of keyframes that observe it there.
   int64_t map_id = -1;
   int map_observations = 0;
   /// The moving body that the feature is on (`MovingBodies`), or -1 for the world.
@@ -24,7 +24,7 @@ struct FeatureTrack {
   bool IsOfWorld() const { return body < 0; }
 };
 
-/// Landmarks of features, in their order.
+/// Landmark ids of features, in their order.
 inline std::vector<int64_t> TrackedLandmarkIds(const std::vector<FeatureTrack>& tracks) {
   std::vector<int64_t> ids;
   ids.reserve(tracks.size());
@@ -32,7 +32,7 @@ inline std::vector<int64_t> TrackedLandmarkIds(const std::vector<FeatureTrack>& 
   return ids;
 }
 
-/// The features of the frame being tracked, ready for queries by place, and their landmarks.
+/// The features of the frame being tracked, indexed by position, and their landmarks.
 struct TrackedFrame {
   explicit TrackedFrame(StereoFeatures stereo)
       : features(std::move(stereo)),
@@ -41,7 +41,7 @@ struct TrackedFrame {
         line_tracks(features.lines.size()) {}
 
   StereoFeatures features;
-  /// Factor that the sigmas of the points have grown by (`NoiseScale`).
+  /// Factor already applied to the sigmas of the points (`NoiseScale`).
   double point_sigma_scale = 1.0;
   PointGrid point_grid;
   /// In the order of `features.points` and `features.lines`.
@@ -49,7 +49,7 @@ struct TrackedFrame {
   std::vector<FeatureTrack> line_tracks;
 };
 
-/// A landmark and the feature it is seen as: indices into the landmarks of one feature type and the frame's features.
+/// A landmark and its feature: indices into the landmarks of one feature type and the frame's features.
 struct LandmarkMatch {
   int landmark = -1;
   int feature = -1;
@@ -64,10 +64,10 @@ inline std::vector<LandmarkMatch> PairUp(const std::vector<int>& owners, const s
   return matches;
 }
 
-/// Which landmarks to look for, and how far from where they are expected.
+/// Which landmarks to search, and in what radius around their projection.
 struct Search {
   double radius_px = 0.0;
-  /// Landmarks not seen for longer are left out.
+  /// Landmarks unseen for longer are skipped.
   int max_unseen_frames = 0;
 };
 

@@ -10,7 +10,7 @@
 namespace plslam::vo {
 namespace {
 
-// The tracker drops its landmarks long before so many keyframes have passed.
+// Number of logged keyframes; the tracker drops its landmarks much earlier.
 constexpr size_t kKeyframes = 60;
 constexpr int kMinShared = 15;
 

@@ -10,7 +10,7 @@
 
 namespace plslam::vo {
 
-/// A landmark of the map and the landmarks of the tracker that keyframes have shown to be the same.
+/// A landmark of the map and the landmarks of the tracker that are the same according to keyframes.
 template <class Landmark>
 struct Adopted {
   const Landmark* landmark = nullptr;
@@ -20,29 +20,28 @@ struct Adopted {
 /// The part of the map around a keyframe; points into that map.
 struct TrackerLocalMap {
   SE3 T_w_odom;
-  /// Of the camera that octaves and distances of the points are told in; 0: of the tracker's.
+  /// Focal length of the camera to which octaves and distances of the points refer; 0: that of the tracker.
   double f_px = 0.0;
   std::vector<Adopted<MapPoint>> points;
   std::vector<Adopted<MapLine>> lines;
 };
 
-/// What a keyframe of the map and its best neighbours see; `T_w_odom` is handed on. nullopt where the map does not
-/// have the keyframe.
+/// Returns the landmarks observed by a keyframe of the map and its best neighbours; `T_w_odom` is copied. Returns
+/// nullopt if the map does not have the keyframe.
 std::optional<TrackerLocalMap> LocalMapAt(const Map& map, int64_t keyframe_id, const SE3& T_w_odom,
                                           int max_keyframes);
 
-/// Which landmarks the tracker's last keyframes showed, by feature: the link between its landmarks and those of the
-/// map.
+/// Landmarks of the tracker's last keyframes, by feature: the link between its landmarks and those of the map.
 class KeyframeLog {
  public:
   void Add(int64_t keyframe_id, std::vector<int64_t> point_ids, std::vector<int64_t> line_ids);
 
-  /// What the keyframe of the session and its best neighbours see, as the map knows it. nullopt where the map does
-  /// not have the keyframe.
+  /// Returns the landmarks observed by the keyframe of the session and its best neighbours, with their poses in the
+  /// map. Returns nullopt if the map does not have the keyframe.
   std::optional<TrackerLocalMap> LocalMapAround(const Map& map, int64_t session, int64_t keyframe_id,
                                                 int max_keyframes) const;
 
-  /// All that it goes on with, for `core/io/files/archive.h`.
+  /// The state between frames, for `core/io/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.entries_);

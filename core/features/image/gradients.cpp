@@ -9,7 +9,7 @@ namespace plslam {
 namespace {
 
 constexpr int kPad = 2;
-/// Pixels of a row that vector code does at a time.
+/// Pixels of a row that vector code processes at once.
 constexpr int kGradientBlock = 32;
 
 /// Column sums of five rows: `smooth` [1 4 6 4 1] and `slope` [-1 -2 0 2 1].

@@ -9,7 +9,7 @@
 namespace plslam {
 
 void ImagePyramid::Build(const cv::Mat& image, int levels, double scale_factor) {
-  // Kept beyond clear(): the pixels of the last image's levels are overwritten, not allocated again.
+  // Buffers of the last image's levels are overwritten, not allocated again.
   std::vector<cv::Mat> buffers = std::move(images_);
   images_.assign(1, image);
   scales_.assign(1, Eigen::Vector2d::Ones());

@@ -19,8 +19,8 @@ namespace plslam {
 
 inline constexpr size_t kHalvedLevels = 3;
 
-/// Every second pixel after a 5x5 Gaussian; empty where nothing would be left. (Means of 2x2 keep frequencies that
-/// interpolation turns into bias: 0.3 pixels of a level on hard edges.)
+/// Returns every second pixel after a 5x5 Gaussian; empty if nothing would remain. (Means of 2x2 pixels keep
+/// frequencies that interpolation turns into bias: 0.3 pixels of a level on hard edges.)
 inline cv::Mat Halved(const cv::Mat& image) {
   cv::Mat halved;
   if (std::min(image.cols, image.rows) < 2) return halved;
@@ -28,7 +28,7 @@ inline cv::Mat Halved(const cv::Mat& image) {
   return halved;
 }
 
-/// Of levels with pixels of `size_px` 1, 2, 4, that whose pixels are nearest to `scale` in size. There must be one.
+/// Returns the level with pixels nearest to `scale` in size, of levels with pixels of `size_px` 1, 2, 4; not empty.
 template <class Level>
 const Level& NearestLevel(const std::vector<Level>& levels, double scale) {
   size_t level = 0;
@@ -52,7 +52,7 @@ class ImagePyramid {
   /// Size of a pixel of the level in pixels of the image, per axis (sizes are rounded, so not exactly powers).
   const Eigen::Vector2d& scale(int level) const { return scales_[level]; }
 
-  /// Place in the image of a place in a level. Pixel centres are integer in both: x0 = (x + 1/2) s - 1/2.
+  /// Converts a position in a level to the image. Pixel centres are integers in both: x0 = (x + 1/2) s - 1/2.
   Eigen::Vector2d ToImage(const Eigen::Vector2d& level_px, int level) const {
     return ((level_px.array() + 0.5) * scales_[level].array() - 0.5).matrix();
   }
@@ -62,7 +62,7 @@ class ImagePyramid {
 
   std::vector<cv::Mat> images_;
   std::vector<Eigen::Vector2d> scales_;
-  // By level, of the sizes of the last image.
+  // By level, for the sizes of the last image.
   std::vector<std::optional<LinearShrink>> shrinks_;
 };
 

@@ -11,9 +11,9 @@ namespace plslam {
 namespace {
 
 constexpr int kWeightOne = 2048;
-/// Bits that the horizontal pass drops so that its result fits 16 bits.
+/// Bits dropped by the horizontal pass so that its result fits 16 bits.
 constexpr int kDropped = 4;
-/// Weights are split into multiples of this and a rest.
+/// Weights are split into multiples of this and a remainder.
 constexpr int kLow = 32;
 constexpr int kRowBlock = 32;
 
@@ -38,14 +38,14 @@ Vector Load(const void* from) {
   return v;
 }
 
-/// Where a pixel of the result lies in the source: the pixel before it, and the weight of the next one.
+/// Source position of a result pixel: the pixel before it, and the weight of the next one.
 struct Place {
   int before;
   int weight;
 };
 
 Place SourcePlace(int i, int from, int to) {
-  // In the precision and order of OpenCV.
+  // Same precision and order of operations as OpenCV.
   const double scale = 1.0 / (static_cast<double>(to) / from);
   const auto place = static_cast<float>((i + 0.5) * scale - 0.5);
   const int before = static_cast<int>(std::floor(place));
@@ -55,7 +55,7 @@ Place SourcePlace(int i, int from, int to) {
   return {before, static_cast<int>(std::lrint(fraction * static_cast<float>(kWeightOne)))};
 }
 
-/// Rows of the horizontal pass to pixels; weights add up to 2048.
+/// Blends two rows of the horizontal pass to pixels; weights sum to 2048.
 PLSLAM_AVX2_CLONES
 void BlendRows(const int16_t* first, const int16_t* second, int16_t first_weight, int16_t second_weight, int count,
                uint8_t* __restrict out) {
@@ -77,7 +77,7 @@ LinearShrink::LinearShrink(cv::Size from, cv::Size to) : from_(from), to_(to) {
   CV_Assert(Fits(from, to));
   for (int x = 0; x < to.width; x += kBlock) {
     Block block;
-    // The last block overlaps the one before.
+    // The last block overlaps the previous one.
     block.x = std::min(x, to.width - kBlock);
     block.source = std::clamp(SourcePlace(block.x, from.width, to.width).before, 0, std::max(0, from.width - kSpan));
     for (int i = 0; i < kBlock; ++i) {
@@ -99,8 +99,8 @@ LinearShrink::LinearShrink(cv::Size from, cv::Size to) : from_(from), to_(to) {
   if (from.width < kSpan) padded_.resize(kSpan);
 }
 
-/// (a (2048 - w) + b w) / 16 = 128 a + w (b - a) / 16. With w = 32 h + l that is 128 a + 2 h (b - a) + l (b - a) /
-/// 16, of which nothing exceeds 16 bits.
+/// (a (2048 - w) + b w) / 16 = 128 a + w (b - a) / 16. With w = 32 h + l this is 128 a + 2 h (b - a) + l (b - a) / 16,
+/// in which nothing exceeds 16 bits.
 PLSLAM_AVX2_CLONES
 void LinearShrink::ShrinkRow(const std::vector<Block>& blocks, const uint8_t* source, int16_t* out) {
   for (const Block& block : blocks) {

@@ -8,30 +8,29 @@
 
 namespace plslam {
 
-/// Shrinks 8-bit images of one size to another one by linear interpolation: pixel for pixel what cv::resize gives
-/// with INTER_LINEAR, in a third of the time, because columns and weights are known beforehand and eight pixels are
-/// picked by one shuffle.
+/// Shrinks 8-bit images of one size to another by linear interpolation: identical to cv::resize with INTER_LINEAR, in a
+/// third of the time, because columns and weights are precomputed and eight pixels are selected by one shuffle.
 class LinearShrink {
  public:
-  /// Whether it can: sides of `to` have at least 8 pixels, those of `from` are as long or longer, but less than
-  /// twice.
+  /// Whether the sizes are supported: sides of `to` have at least 8 pixels, those of `from` are at least as long, but
+  /// less than twice.
   static bool Fits(cv::Size from, cv::Size to);
 
-  /// The sizes must fit.
+  /// Expects sizes for which `Fits` is true.
   LinearShrink(cv::Size from, cv::Size to);
 
   cv::Size from() const { return from_; }
   cv::Size to() const { return to_; }
 
-  /// `image` is CV_8UC1 of size `from()`; `out` keeps its memory where the size allows.
+  /// `image` is CV_8UC1 of size `from()`; `out` reuses its memory if the size allows.
   void Apply(const cv::Mat& image, cv::Mat& out);
 
  private:
   static constexpr int kBlock = 8;
   static constexpr int kSpan = 2 * kBlock;
 
-  /// Eight pixels of a row of the result: `pick` holds, for each, the places of its two source pixels among the
-  /// sixteen from `source` on; the weight of the second one is 16 * `twice_high` + `low`.
+  /// Eight pixels of a row of the result: `pick` has, for each, the indices of its two source pixels among the sixteen
+  /// starting at `source`; the weight of the second one is 16 * `twice_high` + `low`.
   struct Block {
     int x;
     int source;
@@ -53,7 +52,7 @@ class LinearShrink {
   cv::Size to_;
   std::vector<Block> blocks_;
   std::vector<Row> rows_;
-  // Shrunk source rows, two of them by parity; which they are; and a copy of a source row too short for a block.
+  // Two shrunk source rows by parity; their indices; and a copy of a source row too short for a block.
   std::vector<int16_t> shrunk_[2];
   int shrunk_row_[2] = {-1, -1};
   std::vector<uint8_t> padded_;

@@ -12,13 +12,13 @@
 namespace plslam {
 namespace {
 
-/// Widest edge whose place its own image tells.
+/// Widest edge that is located in its own image.
 constexpr int kMaxSharp_px = 5;
-/// Sharp lines with which an image needs no others: so many, or this share of all that are wanted.
+/// Number of sharp lines that suffice: this, or this share of the maximum.
 constexpr double kEnoughSharp = 50.0;
 constexpr double kEnoughShare = 0.25;
-/// A coarse line is known already where lines of finer images run along this share of it, within these pixels of its
-/// own image.
+/// A coarse line is known already if lines of finer images run along this share of it, within this distance in pixels
+/// of its own image.
 constexpr double kKnownShare = 0.3;
 constexpr double kKnownWithin_px = 2.5;
 constexpr double kMinCosine = 0.98;
@@ -26,7 +26,7 @@ constexpr int kMinSize_px = 16;
 
 double Scale(int octave) { return 1 << octave; }
 
-/// Length of `coarse` beside which `fine` runs the same way.
+/// Length of the part of `coarse` that `fine` runs along.
 double SharedLength(const DetectedSegment& coarse, const Segment2& fine) {
   const double length = coarse.segment.Length();
   const Eigen::Vector2d along = (coarse.segment.q - coarse.segment.p) / length;

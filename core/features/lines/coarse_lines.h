@@ -11,9 +11,9 @@
 
 namespace plslam {
 
-/// Lines of an image that has few sharp ones, because the camera moved while the shutter was open or nothing sharp is
-/// there. A detector made for steps of a pixel or two finds such an edge nowhere, or several times side by side,
-/// wherever noise makes a peak of its slope. In halved images the slope is short again.
+/// Finds lines of an image that has few sharp ones, because of motion blur or lack of sharp edges. A detector for steps
+/// of a pixel or two misses such an edge, or finds it several times side by side, at peaks of noise on its slope. In
+/// halved images the slope is short again.
 ///
 /// Keeps buffers between images, never results.
 class CoarseLines {
@@ -21,9 +21,9 @@ class CoarseLines {
   /// `detector` must outlive it.
   CoarseLines(LineDetector& detector, const LineOptions& options) : detector_(detector), options_(options) {}
 
-  /// Of `segments`, those of the whole `image`, takes the soft ones out where fewer than 50 are sharp (and fewer than
-  /// a quarter of `max_lines`), and adds what halved images show beside the others, with the octave of its image,
-  /// longest first. Else nothing changes.
+  /// If fewer than 50 of `segments` of the whole `image` are sharp (and fewer than a quarter of `max_lines`), removes
+  /// the others, and adds segments of halved images that are not near existing ones, with the octave of their image.
+  /// Sorts the result by length, longest first. Otherwise changes nothing.
   void Complete(const cv::Mat& image, const Gradients& gradients, std::vector<DetectedSegment>& segments);
 
  private:

@@ -16,14 +16,15 @@ constexpr int kHalfRows = kLbdRows / 2;
 constexpr size_t kSampleCount = size_t{kLbdRows} * kLbdSamples;
 static_assert(kLbdRows % 2 == 1 && kLbdBandWidth % 2 == 1, "rows and bands have a middle");
 
-/// Gradients at the sample points of all rows, row after row.
+/// Gradients at the sample points of all rows, row by row.
 struct Samples {
   int count = 0;
   alignas(32) std::array<int16_t, kSampleCount> dx;
   alignas(32) std::array<int16_t, kSampleCount> dy;
 };
 
-/// Pixel positions with 16 fractional bits: the first sample of the first row, and the steps to the next ones.
+/// Pixel positions with 16 fractional bits: the first sample of the first row, and the steps to the next sample and
+/// row.
 struct Lattice {
   int64_t x, y, step_x, step_y, row_x, row_y;
 };
@@ -33,7 +34,7 @@ int64_t Fixed(double v, int bits) { return std::llround(v * static_cast<double>(
 Lattice MakeLattice(const Segment2& segment, const Eigen::Vector2d& direction, int count) {
   const Eigen::Vector2d step = (segment.q - segment.p) / count;
   const Eigen::Vector2d row(-direction.y(), direction.x());
-  // Half a pixel, so that cutting the fraction off rounds.
+  // Half a pixel is added, so that truncation rounds.
   const Eigen::Vector2d start = segment.p + 0.5 * step - kHalfRows * row + Eigen::Vector2d(0.5, 0.5);
   return {Fixed(start.x(), kPlaceBits), Fixed(start.y(), kPlaceBits), Fixed(step.x(), kPlaceBits),
           Fixed(step.y(), kPlaceBits),  Fixed(row.x(), kPlaceBits),   Fixed(row.y(), kPlaceBits)};
@@ -51,7 +52,7 @@ bool IsInside(const Lattice& l, int count, int width, int height) {
   return true;
 }
 
-/// Where the samples of all rows lie in the image: `y * stride + x`, row after row.
+/// Indices of the samples of all rows in the image, `y * stride + x`, row by row.
 PLSLAM_AVX2_CLONES void Places(int x0, int y0, int step_x, int step_y, int row_x, int row_y, int stride, int count,
                                int32_t* __restrict places) {
   for (int r = 0; r < kLbdRows; ++r) {
@@ -92,7 +93,7 @@ void GatherClamped(const Gradients& g, const Lattice& l, Samples& out) {
   }
 }
 
-/// Sums of `count` gradients turned into the segment's frame, whose direction is (cx, cy) with 14 fractional bits.
+/// Sums `count` gradients rotated into the segment's frame, whose direction is (cx, cy) with 14 fractional bits.
 PLSLAM_AVX2_CLONES void SumRow(const int16_t* dx, const int16_t* dy, int count, int16_t cx, int16_t cy,
                                int32_t* sums) {
   int32_t across_all = 0;
@@ -113,7 +114,7 @@ PLSLAM_AVX2_CLONES void SumRow(const int16_t* dx, const int16_t* dy, int count, 
   sums[3] = along_positive - along_all;
 }
 
-/// One bit per channel at and after `bit`: whether the first is larger.
+/// Writes one bit per channel, starting at `bit`: whether the first is larger.
 void Compare(const std::array<int64_t, kLbdChannels>& a, const std::array<int64_t, kLbdChannels>& b, size_t& bit,
              Descriptor& out) {
   for (size_t c = 0; c < kLbdChannels; ++c, ++bit) {
@@ -173,7 +174,7 @@ std::array<LbdBand, kLbdBands> LbdBands(const std::array<LbdRow, kLbdRows>& rows
     LbdBand& out = bands[static_cast<size_t>(band)];
     for (size_t c = 0; c < kLbdChannels; ++c) {
       const int64_t spread = squares[c] * total - sum[c] * sum[c];
-      // Dividing by a constant is a shift; only the outermost bands have fewer rows.
+      // Division by a constant is a shift; only the outermost bands have fewer rows.
       out.mean[c] = total == kAllWeights ? sum[c] / kAllWeights : sum[c] / total;
       out.variance[c] = total == kAllWeights ? spread / (kAllWeights * kAllWeights) : spread / (total * total);
     }

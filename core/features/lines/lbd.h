@@ -11,12 +11,12 @@ namespace plslam {
 
 /// Line Band Descriptor (Zhang & Koch 2013; PL-SLAM §IV.B), all in integers.
 ///
-/// Nine bands parallel to the segment, each `kLbdBandWidth` rows wide, are centred on it; a row has up to
-/// `kLbdSamples` nearest-pixel samples spread over the length of the segment. In the segment's own frame (along its
-/// direction, and across towards the brighter side, so rotation does not matter) the gradients of each row are summed
-/// by component and sign. Of each band and its neighbours the weighted mean and the variance of those four sums over
-/// the rows are taken; weights fall linearly from the band's middle, and from the segment outwards, where the
-/// original has Gaussians.
+/// Nine bands parallel to the segment, each `kLbdBandWidth` rows wide, are centred on it; a row has up to `kLbdSamples`
+/// nearest-pixel samples spread over the length of the segment. In the segment's own frame (along its direction, and
+/// across towards the brighter side, so rotation does not matter) the gradients of each row are summed by component and
+/// sign. The descriptor of a band is the weighted mean and the variance of these four sums over the rows of the band
+/// and its neighbours; weights decrease linearly from the band's middle, and from the segment outwards, where the
+/// original uses Gaussians.
 ///
 /// Bits compare bands: the means of all 36 pairs of bands (144 bits), and the variances of the 28 pairs that are not
 /// neighbours (112 bits).
@@ -35,11 +35,11 @@ struct LbdBand {
   std::array<int64_t, kLbdChannels> variance{};
 };
 
-/// Describes a directed segment of positive length; parts outside the image repeat its outermost pixels. An empty
-/// image gives zeros.
+/// Returns the descriptor of a directed segment of positive length; parts outside the image repeat its outermost
+/// pixels. Zeros for an empty image.
 Descriptor ComputeLbd(const Gradients& gradients, const Segment2& segment);
 
-/// The steps of it, for tests: rows from gradients, bands from rows, bits from bands.
+/// Its steps, for tests: rows from gradients, bands from rows, bits from bands.
 std::array<LbdRow, kLbdRows> LbdRows(const Gradients& gradients, const Segment2& segment);
 std::array<LbdBand, kLbdBands> LbdBands(const std::array<LbdRow, kLbdRows>& rows);
 Descriptor LbdBits(const std::array<LbdBand, kLbdBands>& bands);

@@ -40,7 +40,7 @@ DetectedSegment Direct(const Segment2& segment, const Gradients& gradients) {
 
 namespace {
 
-/// Below this OpenCV's detectors find nothing of use, and some versions read outside the image.
+/// Smallest side of an image; below it OpenCV's detectors are useless, and some versions read outside the image.
 constexpr int kMinSide_px = 16;
 
 std::vector<DetectedSegment> DirectAll(const std::vector<cv::Vec4f>& raw, double offset_px,
@@ -64,8 +64,8 @@ class LsdDetector : public LineDetector {
     if (std::min(image.rows, image.cols) < kMinSide_px) return {};
     std::vector<cv::Vec4f> raw;
     lsd_->detect(image, raw);
-    // OpenCV divides (x + 0.5) by the scale; its gradients, half a pixel right of x in the scaled image, belong at
-    // (x + 1) / scale - 0.5 of the input.
+    // OpenCV divides (x + 0.5) by the scale; its gradients, half a pixel right of x in the scaled image, correspond to
+    // (x + 1) / scale - 0.5 in the input.
     return DirectAll(raw, 0.5 / scale_ - 0.5, gradients);
   }
 
@@ -82,7 +82,7 @@ std::unique_ptr<LineDetector> MakeLsdDetector(const LineOptions& options) {
 
 namespace {
 
-/// Seeds stand on every fourth row (steep edges) or column (flat ones): any segment worth having crosses several.
+/// Seeds are on every fourth row (steep edges) or column (flat edges): any useful segment crosses several.
 constexpr int kSeedStride = 4;
 constexpr uint64_t kSteepSeeds = 0x0101010101010101 * kSteepEdge;
 constexpr uint64_t kFlatSeeds = 0x0000000100000001 * kFlatEdge;
@@ -91,7 +91,7 @@ static_assert(std::endian::native == std::endian::little, "the first of eight ma
 class EdgeChainDetector : public LineDetector {
  public:
   explicit EdgeChainDetector(const LineOptions& options)
-      // A pixel of a slanted or noisy edge shows less than the contrast of its segment.
+      // A pixel of a slanted or noisy edge has less contrast than its segment.
       : threshold_(std::max(1, static_cast<int>(0.6 * options.min_contrast * Gradients::kStepGain))),
         min_contrast_(options.min_contrast) {}
 
@@ -104,7 +104,7 @@ class EdgeChainDetector : public LineDetector {
   }
 
  private:
-  /// Eight marks at a time: the bytes that hold a seed are picked by one mask.
+  /// Eight marks at a time: one mask selects the bytes with a seed.
   void ScanRow(int y, LineGrower& grower) {
     const uint8_t* row = edges_.ptr<uint8_t>(y);
     const uint64_t seeds = kFlatSeeds | (y % kSeedStride == 0 ? kSteepSeeds : 0);
@@ -113,7 +113,7 @@ class EdgeChainDetector : public LineDetector {
       std::memcpy(&eight, row + x0, static_cast<size_t>(std::min(8, edges_.cols - x0)));
       for (eight &= seeds; eight != 0; eight &= eight - 1) {
         const int x = x0 + std::countr_zero(eight) / 8;
-        // Growing changes marks on the way.
+        // Growing may have changed marks in this row.
         if ((row[x] & (kUsedEdge | kTriedEdge)) != 0) continue;
         if (const auto segment = grower.Grow(x, y)) found_.push_back(*segment);
       }

@@ -13,33 +13,33 @@
 
 namespace plslam {
 
-/// A segment as detected.
+/// A detected segment.
 struct DetectedSegment {
   Segment2 segment;
-  /// Mean contrast across the segment, grey levels; positive: the brighter side is on the right of p->q.
+  /// Mean contrast across the segment, in grey levels; positive: the brighter side is on the right of p->q.
   double contrast = 0.0;
-  /// Of the image that it was found in: halved so many times.
+  /// Number of halvings of the image in which it was detected.
   int octave = 0;
 };
 
-/// One way to find straight edges in an image (PL-SLAM §IV.B). Implementations keep buffers, never results.
+/// A detector of straight edges in an image (PL-SLAM §IV.B). Implementations keep buffers, never results.
 class LineDetector {
  public:
   virtual ~LineDetector() = default;
 
-  /// Directed segments, unordered, possibly in pieces and of any length; `gradients` are those of `image` (CV_8UC1,
-  /// any size).
+  /// Returns directed segments, unordered, possibly in pieces and of any length; `gradients` are those of `image`
+  /// (CV_8UC1, any size).
   virtual std::vector<DetectedSegment> Detect(const cv::Mat& image, const Gradients& gradients) = 0;
 };
 
-/// The detector named by `options.detector`. Throws std::invalid_argument for an unknown name.
+/// Returns the detector named by `options.detector`. Throws std::invalid_argument for an unknown name.
 std::unique_ptr<LineDetector> MakeLineDetector(const LineOptions& options);
 
-/// The two detectors by themselves.
+/// Return one of the two detectors.
 std::unique_ptr<LineDetector> MakeEdgeChainDetector(const LineOptions& options);
 std::unique_ptr<LineDetector> MakeLsdDetector(const LineOptions& options);
 
-/// The segment turned so that its brighter side is on the right, with the contrast that the gradients show across it.
+/// Returns the segment directed with its brighter side on the right, and its contrast according to the gradients.
 DetectedSegment Direct(const Segment2& segment, const Gradients& gradients);
 
 }  // namespace plslam

@@ -16,10 +16,10 @@ int16_t Magnitude(int16_t v) { return static_cast<int16_t>(v < 0 ? -v : v); }
 
 int16_t Mask(bool v) { return static_cast<int16_t>(-static_cast<int16_t>(v)); }
 
-/// Pointers stand at the first pixel to mark; `up` and `down` are the dy rows above and below.
+/// Pointers are at the first pixel to mark; `up` and `down` are the dy rows above and below.
 PLSLAM_AVX2_CLONES void MarkRow(const int16_t* dx, const int16_t* dy, const int16_t* up, const int16_t* down,
                                 int count, int16_t threshold, uint8_t* __restrict out) {
-  // Everything is loaded and computed, then chosen by masks: no branch is in the way of vector code.
+  // Everything is loaded and computed, then selected by masks, so that the loop has no branches and is vectorised.
   for (int x = 0; x < count; ++x) {
     const int16_t ax = Magnitude(dx[x]);
     const int16_t ay = Magnitude(dy[x]);
@@ -57,21 +57,21 @@ void ComputeEdgeMap(const Gradients& gradients, int threshold, cv::Mat& out) {
 
 namespace {
 
-/// Steps of the first walk to each side.
+/// Steps of the first walk in each direction.
 constexpr int kWalkSteps = 5;
 constexpr int kWalkPixels = 2 * kWalkSteps + 1;
-/// Distance from the chord in whole pixels, then from the fitted line.
+/// Largest distance from the chord in whole pixels, then from the fitted line.
 constexpr int kMaxWalkOffset_px = 1;
 constexpr double kMaxWalkResidual_px = 0.8;
-/// A pixel joins the line within this distance (along the minor axis).
+/// Largest distance (along the minor axis) of a pixel that joins the line.
 constexpr double kJoin_px = 1.0;
 /// Consecutive steps without an edge pixel that end a segment.
 constexpr int kMaxGap = 4;
-/// Gradients may lean from the normal of the line by atan of this (22 degrees).
+/// Tangent of the largest angle between gradients and the line's normal (22 degrees).
 constexpr double kMaxLean = 0.41;
 constexpr int64_t kLeanParts = 41;
 constexpr int64_t kLeanUnit = 100;
-/// A line of eleven pixels and more changes little from one to the next.
+/// The line is fitted again after this number of pixels: from eleven pixels on, one more changes it little.
 constexpr int kSolveEvery = 4;
 constexpr double kMinDensity = 0.75;
 constexpr double kMaxRms_px = 0.6;
@@ -168,7 +168,7 @@ bool LineGrower::WalkFromSeed(int major, int minor) {
   int minors[kWalkPixels];
   minors[kWalkSteps] = minor;
   if (!WalkOneWay(major, 1, minors + kWalkSteps) || !WalkOneWay(major, -1, minors + kWalkSteps)) return false;
-  // Whole pixels first: most seeds in texture end here.
+  // Whole pixels first: most seeds in texture are rejected here.
   const int chord = minors[kWalkPixels - 1] - minors[0];
   for (int i = 1; i < kWalkPixels - 1; ++i) {
     const int off_chord = 2 * kWalkSteps * (minors[i] - minors[0]) - i * chord;
@@ -193,10 +193,10 @@ bool LineGrower::StraightSoFar() {
 }
 
 bool LineGrower::TakeNear(int major, double place, double tolerance, std::vector<Sample>& out) {
-  // Rounds what lies in the image; what is cut off towards zero from below is outside as well.
+  // Rounds positions inside the image; positions truncated towards zero from below are outside as well.
   const int nearest = static_cast<int>(place + 0.5);  // NOLINT(bugprone-incorrect-roundings)
   if (nearest < 3 || nearest >= minor_size_ - 3) return false;
-  // The nearest pixel first, then the neighbours on the nearer side.
+  // The nearest pixel first, then the neighbour on the nearer side, then the other one.
   const int side = place >= nearest ? 1 : -1;
   for (const int minor : {nearest, nearest + side, nearest - side}) {
     const uint8_t mark = edges_[EdgeOffset(major, minor)];
@@ -274,7 +274,7 @@ std::optional<DetectedSegment> LineGrower::Finish() {
   if (static_cast<double>(samples_.size()) < kMinDensity * (last - first + 1)) return std::nullopt;
   double strength = 0.0;
   for (const Sample& s : samples_) strength += s.strength;
-  // Of the full gradient across the line, `strength` is the part along the minor axis.
+  // `strength` is the minor-axis component of the gradient across the line.
   const double contrast = strength / static_cast<double>(samples_.size()) * std::sqrt(1.0 + fit_.b * fit_.b) /
                           static_cast<double>(Gradients::kStepGain);
   if (contrast < min_contrast_) return std::nullopt;
@@ -297,7 +297,7 @@ std::optional<DetectedSegment> LineGrower::Grow(int x, int y) {
   if (!WalkFromSeed(steep_ ? y : x, steep_ ? x : y) || !StraightSoFar()) return std::nullopt;
   Extend(1);
   Extend(-1);
-  // What was tried is not tried again from its other pixels; after a failure they may still join another segment.
+  // Other pixels of a failed segment are no seeds any more, but may join another segment.
   tried_ = samples_;
   auto segment = Finish();
   for (const Sample& s : segment ? samples_ : tried_) {

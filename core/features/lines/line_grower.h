@@ -17,30 +17,30 @@ enum EdgeMark : uint8_t {
   kNoEdge = 0,
   kSteepEdge = 1,  ///< |dx| >= |dy|: peak of |dx| along its row.
   kFlatEdge = 2,   ///< |dy| > |dx|: peak of |dy| along its column.
-  kUsedEdge = 4,   ///< Part of a segment already.
-  kTriedEdge = 8,  ///< Part of a failed one; no seed any more.
+  kUsedEdge = 4,   ///< Part of a segment.
+  kTriedEdge = 8,  ///< Part of a failed segment; no seed any more.
 };
 
-/// Thin edges: pixels whose larger gradient component is at least `threshold` and a peak along its own axis. The
-/// outermost two pixels on each side are never marked. `out` is CV_8UC1 of the size of the gradients.
+/// Computes thin edges: pixels whose larger gradient component is at least `threshold` and a peak along its own axis.
+/// The outermost two pixels on each side are never marked. `out` is CV_8UC1 of the size of the gradients.
 void ComputeEdgeMap(const Gradients& gradients, int threshold, cv::Mat& out);
 
 /// Grows straight segments along the thin edges of an edge map.
 ///
 /// From a seed it steps along the axis that the edge follows more closely ("major"; rows for steep edges), first from
-/// neighbour to neighbour, then along the line fitted so far, taking edge pixels that lie on it with a gradient
-/// across it, over gaps of a few steps. Each pixel's place across the edge is the peak of a parabola through three
-/// gradients; the segment is the weighted least-squares line through them, without outliers.
+/// neighbour to neighbour, then along the line fitted so far, collecting edge pixels on it whose gradient is across it,
+/// over gaps of a few steps. Each pixel's position across the edge is the peak of a parabola through three gradients;
+/// the segment is the weighted least-squares line through them, without outliers.
 class LineGrower {
  public:
-  /// All three must outlive the grower; pixels of found segments are marked as used in `edges`.
+  /// All three must outlive the grower; pixels of segments are marked as used in `edges`.
   LineGrower(const Gradients& gradients, cv::Mat& edges, double min_contrast);
 
-  /// The segment through the edge pixel (x, y), or nullopt where there is none that is straight and dense enough.
+  /// Returns the segment through the edge pixel (x, y), or nullopt if none is straight and dense enough.
   std::optional<DetectedSegment> Grow(int x, int y);
 
  private:
-  /// A pixel of the edge: integer step along the major axis, place along the minor one.
+  /// A pixel of the edge: integer step along the major axis, position along the minor one.
   struct Sample {
     int major;
     int minor;
@@ -80,7 +80,7 @@ class LineGrower {
   int height_;
   double min_contrast_;
 
-  // Of the segment that grows:
+  // State of the growing segment:
   bool steep_ = true;
   const int16_t* across_ = nullptr;
   const int16_t* along_ = nullptr;

@@ -14,17 +14,17 @@ namespace plslam {
 namespace {
 
 constexpr int kBins = 128;
-/// Sine of the largest difference of directions (5 degrees) of pieces of one edge.
+/// Sine of the largest angle (5 degrees) between pieces of one edge.
 constexpr double kMaxSine = 0.087;
 constexpr double kMaxOffset_px = 1.2;
 constexpr double kMaxGap_px = 8.0;
-/// A gap in long pieces may be longer, as a share of the shorter one.
+/// A gap between long pieces may be longer, as a share of the shorter one.
 constexpr double kMaxGapShare = 0.3;
 constexpr double kMaxGapLong_px = 20.0;
-/// Segments side by side this close, over most of the shorter one, are one edge found twice.
+/// Largest distance of parallel segments, over most of the shorter one, that are one edge detected twice.
 constexpr double kDuplicate_px = 1.5;
 
-/// A segment with its length and unit direction at hand.
+/// A segment with its precomputed length and unit direction.
 struct Piece {
   DetectedSegment segment;
   double length = 0.0;
@@ -32,8 +32,8 @@ struct Piece {
   bool alive = true;
 };
 
-/// Position of a direction on a circle of `kBins`; monotone in the angle, without trigonometry, so that it is the
-/// same on every machine.
+/// Index of a direction on a circle of `kBins`; monotonic in the angle, without trigonometry, so that it is the same on
+/// every machine.
 int DirectionBin(const Eigen::Vector2d& d) {
   const double x = d.x();
   const double y = d.y();
@@ -50,7 +50,7 @@ Piece MakePiece(const DetectedSegment& segment) {
 
 enum class Relation { kApart, kDuplicate, kSameEdge };
 
-/// How `b`, the shorter one, lies to `a`.
+/// Returns the relation of the shorter segment `b` to `a`.
 Relation Relate(const Piece& a, const Piece& b) {
   const Eigen::Vector2d normal(-a.direction.y(), a.direction.x());
   const double sp = normal.dot(b.segment.segment.p - a.segment.segment.p);
@@ -80,7 +80,7 @@ struct Scatter {
   }
 };
 
-/// Unit eigenvector of the larger eigenvalue of [xx xy; xy yy], turned to the side of `like`.
+/// Unit eigenvector of the larger eigenvalue of [xx xy; xy yy], directed like `like`.
 Eigen::Vector2d MainAxis(const Eigen::Matrix2d& m, const Eigen::Vector2d& like) {
   const double half = 0.5 * (m(0, 0) - m(1, 1));
   const double root = std::sqrt(half * half + m(0, 1) * m(0, 1));
@@ -91,7 +91,7 @@ Eigen::Vector2d MainAxis(const Eigen::Matrix2d& m, const Eigen::Vector2d& like) 
   return axis.dot(like) >= 0.0 ? axis : Eigen::Vector2d(-axis);
 }
 
-/// The segment through both pieces, unless an end of either is off it.
+/// Returns the segment through both pieces, unless an end of either is too far from it.
 std::optional<Piece> Join(const Piece& a, const Piece& b) {
   const Eigen::Vector2d origin = a.segment.segment.p;
   Scatter scatter;
@@ -116,7 +116,7 @@ std::optional<Piece> Join(const Piece& a, const Piece& b) {
   return MakePiece(joined);
 }
 
-/// Pieces by direction, so that each meets only those that run nearly alike.
+/// Pieces grouped by direction, so that each is compared only with nearly parallel ones.
 class Merger {
  public:
   explicit Merger(const std::vector<DetectedSegment>& segments) {
@@ -143,7 +143,7 @@ class Merger {
   }
 
  private:
-  /// Takes in what belongs to piece i; whether it grew, so that more may belong to it now.
+  /// Joins the pieces that belong to piece i; returns whether it grew, so that more may belong to it.
   bool Absorb(size_t i) {
     bool grew = false;
     const int middle = DirectionBin(pieces_[i].direction);
@@ -172,7 +172,7 @@ class Merger {
   }
 
   std::vector<Piece> pieces_;
-  /// Places of pieces as they were at first.
+  /// Indices of pieces by their initial direction.
   Buckets<int> bins_;
 };
 
@@ -189,7 +189,7 @@ int Cell(const Segment2& segment, cv::Size size) {
 }  // namespace
 
 std::vector<DetectedSegment> LongestFirst(const std::vector<DetectedSegment>& segments) {
-  // Lengths and indices are sorted, not segments: comparing segments takes roots, and swapping them bytes.
+  // Sorts lengths and indices, because comparing segments needs square roots, and swapping them copies more.
   std::vector<std::pair<double, size_t>> order;
   order.reserve(segments.size());
   for (size_t i = 0; i < segments.size(); ++i) order.emplace_back(segments[i].segment.Length(), i);

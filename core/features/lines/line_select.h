@@ -9,15 +9,15 @@
 
 namespace plslam {
 
-/// Ordered by length, longest first, equal ones by place.
+/// Sorts by length, longest first, equal ones by position.
 std::vector<DetectedSegment> LongestFirst(const std::vector<DetectedSegment>& segments);
 
 /// Joins collinear pieces of one edge (same polarity, gap of a few pixels, within about a pixel of one straight line)
-/// and drops duplicates that lie on a longer segment. The result is ordered by length, longest first.
+/// and removes duplicates of a longer segment. The result is sorted by length, longest first.
 std::vector<DetectedSegment> MergeCollinear(const std::vector<DetectedSegment>& segments);
 
-/// The at most `max_lines` longest of `segments` (ordered longest first), spread over the image: in each cell of a
-/// grid, what exceeds the cell's share counts as shorter the more longer ones the cell has already.
+/// Returns at most `max_lines` of `segments` (sorted longest first), spread over the image: segments above a grid
+/// cell's share count as shorter, the more so the more longer ones the cell has.
 std::vector<DetectedSegment> SelectSpread(const std::vector<DetectedSegment>& segments, cv::Size image_size,
                                           int max_lines);
 

@@ -50,8 +50,8 @@ int EdgeWidth_px(const Gradients& gradients, const Segment2& segment) {
 
 namespace {
 
-/// Sigma of one edge place times its contrast: image noise of about 2 grey levels, and the correlation of
-/// neighbours through the gradient filter.
+/// Sigma of one edge position times its contrast: image noise of about 2 grey levels, and the correlation of
+/// neighbours by the gradient filter.
 constexpr double kNoise = 3.0;
 constexpr double kFloor_px = 0.03;
 /// In pixels of the line's own image.

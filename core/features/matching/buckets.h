@@ -8,15 +8,15 @@
 
 namespace plslam {
 
-/// Items by bucket, in one piece of memory (counting sort). Items of one bucket keep the order they were given in,
-/// and neighbouring buckets lie side by side.
+/// Items by bucket, in one block of memory (counting sort). Items of one bucket keep their order, and neighbouring
+/// buckets are adjacent.
 template <class Item>
 class Buckets {
  public:
-  /// None.
+  /// No buckets.
   Buckets() = default;
 
-  /// `bucket_of(item)` is a number from 0 to `n_buckets` - 1; it is asked twice for each item.
+  /// `bucket_of(item)` is a number from 0 to `n_buckets` - 1; it is called twice for each item.
   template <class BucketOf>
   Buckets(const std::vector<Item>& items, size_t n_buckets, const BucketOf& bucket_of)
       : begin_(n_buckets + 1), items_(items.size()) {
@@ -34,7 +34,7 @@ class Buckets {
     return {items_.data() + begin_[bucket], items_.data() + begin_[bucket + 1]};
   }
 
-  /// The items of the buckets from `first` up to but not `end`.
+  /// Items of the buckets from `first` up to but not including `end`.
   std::span<const Item> Range(size_t first, size_t end) const {
     return {items_.data() + begin_[first], items_.data() + begin_[end]};
   }
@@ -44,7 +44,7 @@ class Buckets {
   std::vector<Item> items_;
 };
 
-/// The places 0 to `n` - 1 by bucket: `bucket_of(place)`.
+/// Returns the indices 0 to `n` - 1 by bucket: `bucket_of(index)`.
 template <class BucketOf>
 Buckets<int> IndicesByBucket(size_t n, size_t n_buckets, const BucketOf& bucket_of) {
   std::vector<int> places(n);

@@ -12,14 +12,14 @@ namespace plslam {
 namespace {
 
 constexpr double kCellSize_px = 24.0;
-// Points that lie farther apart than any image is large get larger cells, not more of them.
+// Points spread wider than any image get larger cells, not more of them.
 constexpr double kMaxCells = 65536.0;
 constexpr int kTooFar = 257;  // above any distance of 256 bits
 constexpr int kTurnBins = 30;
-// Corners nearer to each other, in pixels of the coarser octave, are one.
+// Corners nearer to each other than this, in pixels of the coarser octave, are the same corner.
 constexpr double kOneCorner_px = 1.5;
 
-// `get` gives the point at a place, nullptr for one that is left out.
+// `get` returns the point at an index, nullptr for one to skip.
 template <class GetPoint>
 std::vector<PointGrid::Entry> MakeEntries(size_t size, const GetPoint& get) {
   std::vector<PointGrid::Entry> entries;
@@ -64,13 +64,13 @@ struct PointInWindow {
   }
 };
 
-/// Whether two points are one corner, found in neighbouring octaves.
+/// Whether two points are the same corner, detected in neighbouring octaves.
 bool AreOneCorner(const CornerPlace& a, const CornerPlace& b) {
   const double apart_px = kOneCorner_px * std::max(a.scale, b.scale);
   return (a.px - b.px).squaredNorm() <= apart_px * apart_px;
 }
 
-/// Least distance among `n` points with another corner than the best: the same one in another octave is no rival.
+/// Least distance among `n` points, except those at the best one's corner: another octave of it is no rival.
 template <class Distance, class Corner>
 int NearestRival(const CornerPlace& best, size_t n, const Distance& distance, const Corner& corner) {
   int nearest = kTooFar;
@@ -80,7 +80,7 @@ int NearestRival(const CornerPlace& best, size_t n, const Distance& distance, co
   return nearest;
 }
 
-/// The match of a query; nullptr where there is none.
+/// Returns the match of a query; nullptr if there is none.
 const PointInWindow* MatchAmong(const std::vector<PointInWindow>& candidates, const MatchOptions& options) {
   const auto best = std::min_element(candidates.begin(), candidates.end());
   if (best == candidates.end() || best->distance > options.max_distance) return nullptr;
@@ -97,14 +97,14 @@ int TurnBin(float from_rad, float to_rad) {
   return static_cast<int>((turn - std::floor(turn)) * kTurnBins) % kTurnBins;
 }
 
-/// Takes back the matches whose turn lies outside the most frequent bin and its two neighbours.
+/// Removes matches whose rotation is outside the most frequent bin and its two neighbours.
 template <class Turn>
 void KeepCommonTurn(std::vector<int>& matches, const Turn& turn_bin) {
   std::array<int, kTurnBins> histogram{};
   for (size_t i = 0; i < matches.size(); ++i) {
     if (matches[i] >= 0) ++histogram[turn_bin(static_cast<int>(i), matches[i])];
   }
-  // The best window of three bins, so that a peak on a border is not cut.
+  // Sums of three neighbouring bins, so that a peak on a bin border is not split.
   int best_bin = 0;
   int best_count = -1;
   for (int b = 0; b < kTurnBins; ++b) {
@@ -121,7 +121,7 @@ void KeepCommonTurn(std::vector<int>& matches, const Turn& turn_bin) {
   }
 }
 
-/// Leaves each target to the query nearest to it.
+/// Keeps for each target only the query nearest to it.
 void KeepMutual(std::vector<int>& matches, const std::vector<int>& distances, int target_count) {
   std::vector<int> owner(target_count, -1);
   for (size_t i = 0; i < matches.size(); ++i) {
@@ -173,7 +173,7 @@ void PointGrid::Build(const std::vector<Entry>& entries, size_t size) {
 
 PointGrid::Cells PointGrid::CellsAround(const Eigen::Vector2d& center_px, double radius_px) const {
   if (cells_.size() == 0 || !center_px.allFinite() || !(radius_px >= 0.0)) return {};
-  // Clamped before the conversion: predictions may lie far outside what an int holds.
+  // Clamped before the conversion: predictions may be far outside the range of int.
   const auto cell = [this](double offset_px, int count) {
     return static_cast<int>(std::clamp(std::floor(offset_px / cell_size_px_), -1.0, static_cast<double>(count)));
   };

@@ -8,11 +8,11 @@
 
 namespace plslam {
 
-/// Distances of `query` to `count` descriptors in a row, into `distances`; what brute-force matching spends its time
-/// on.
+/// Writes the distances of `query` to `count` consecutive descriptors to `distances`; most of the time of brute-force
+/// matching.
 void HammingDistances(const Descriptor& query, const Descriptor* descriptors, int count, uint16_t* distances);
 
-/// A feature of one image as it is, of a stereo feature that in the left one.
+/// Returns a feature of one image itself, and the left feature of a stereo feature.
 template <class Feature>
 const auto& InLeftImage(const Feature& feature) {
   if constexpr (requires { feature.left; }) {
@@ -22,7 +22,7 @@ const auto& InLeftImage(const Feature& feature) {
   }
 }
 
-/// Descriptors of points or lines, of one image or of stereo features, in their order.
+/// Returns the descriptors of points or lines, of one image or of stereo features, in their order.
 template <class Features>
 std::vector<Descriptor> DescriptorsOf(const Features& features) {
   std::vector<Descriptor> descriptors;

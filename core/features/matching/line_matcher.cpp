@@ -10,7 +10,7 @@
 namespace plslam {
 namespace {
 
-/// A segment with what the gates ask of it.
+/// A segment with the values that the gates need.
 struct Directed {
   Eigen::Vector2d p, q, direction, normal;
   double length = 0.0;
@@ -29,7 +29,7 @@ Directed MakeDirected(const Segment2& s) {
   return d;
 }
 
-/// Signed distance of the middle of b from the line of a.
+/// Signed distance of the midpoint of b from the line of a.
 double Across(const Directed& a, const Directed& b) { return a.normal.dot(0.5 * (b.p + b.q) - a.p); }
 
 /// Length of the part of a's line that both cover.
@@ -46,7 +46,7 @@ class MatchGates {
 
   bool Pass(const Directed& a, const Directed& b) const {
     if (a.direction.dot(b.direction) < min_cosine_) return false;
-    // The middle of the shorter one from the line of the longer one, whose direction is better known.
+    // Distance of the shorter one's midpoint from the longer line, whose direction is more accurate.
     const double across = a.length >= b.length ? Across(a, b) : Across(b, a);
     if (std::abs(across) > options_.max_across_px) return false;
     const double shorter = std::min(a.length, b.length);
@@ -63,7 +63,7 @@ struct Candidate {
   size_t a;
   size_t b;
   int distance;
-  /// Of the feature's middle from the predicted line; equal places are pieces of one edge.
+  /// Distance of the feature's midpoint from the predicted line; equal distances belong to pieces of one edge.
   double across;
 };
 
@@ -151,7 +151,7 @@ std::vector<int> MatchLinesBruteForce(const std::vector<Descriptor>& a, const st
   candidates.reserve(a.size() * b.size());
   for (size_t i = 0; i < a.size(); ++i) {
     for (size_t j = 0; j < b.size(); ++j) {
-      // Every other line is a rival, wherever it is: places far apart.
+      // Distinct distances make every other line a rival.
       candidates.push_back({i, j, HammingDistance(a[i], b[j]), 1e3 * static_cast<double>(j)});
     }
   }

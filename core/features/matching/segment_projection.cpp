@@ -7,7 +7,7 @@
 namespace plslam {
 namespace {
 
-// sin^2 of the least angle between a viewing ray and a line for which the nearest place is meaningful.
+// sin^2 of the least angle between a viewing ray and a line for which the nearest position is meaningful.
 constexpr double kMinSine2 = 1e-4;
 constexpr double kMinLength_px = 5.0;
 
@@ -23,7 +23,7 @@ std::optional<Segment3> ClipInFront(const Segment3& segment_c, double min_depth_
 }
 
 std::optional<Segment2> ClipToImage(const Segment2& segment, const StereoCamera& camera, double margin_px) {
-  // Liang-Barsky against the image grown by the margin.
+  // Liang-Barsky against the image extended by the margin.
   const Eigen::Vector2d low(camera.left_px - margin_px, camera.top_px - margin_px);
   const Eigen::Vector2d high(camera.left_px + camera.width_px - 1 + margin_px,
                              camera.top_px + camera.height_px - 1 + margin_px);
@@ -41,7 +41,7 @@ std::optional<Segment2> ClipToImage(const Segment2& segment, const StereoCamera&
     to = std::min(to, std::max(a, b));
   }
   if (!((to - from) * along.norm() >= kMinLength_px)) return std::nullopt;
-  // Rounding must not put an end outside again.
+  // Clamped, because rounding could put an end outside again.
   const auto at = [&](double s) -> Eigen::Vector2d { return (segment.p + s * along).cwiseMax(low).cwiseMin(high); };
   return Segment2{from > 0.0 ? at(from) : segment.p, to < 1.0 ? at(to) : segment.q};
 }

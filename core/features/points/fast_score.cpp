@@ -27,11 +27,11 @@ Circle CircleAround(const uint8_t* row, size_t step) {
           at(0, 3),  at(-1, 3), at(-2, 2), at(-3, 1), at(-3, 0), at(-3, -1), at(-2, -2), at(-1, -3)};
 }
 
-/// Scores of `count` pixels from `row` on.
+/// Computes scores of `count` pixels, starting at `row`.
 ///
 /// The best arc's darkest pixel is the maximum over the 16 arcs of 9 of their minima. Arcs k and k+1 share 8 pixels,
-/// so they are done in pairs: min(the 8, max(the first, the last)). Minima of 8 come from those of 4 and 2. Written
-/// out, without arrays: this is the form that the compiler turns into vector code.
+/// so they are processed in pairs: min(the 8, max(the first, the last)). Minima of 8 come from those of 4 and 2.
+/// Written out, without arrays, in the form that the compiler vectorises.
 PLSLAM_AVX2_CLONES
 void ScoreRow(const uint8_t* __restrict row, const Circle& c, int count, uint8_t* __restrict scores) {
   const uint8_t* __restrict r0 = c.p0;
@@ -67,7 +67,7 @@ void ScoreRow(const uint8_t* __restrict row, const Circle& c, int count, uint8_t
     const uint8_t p13 = r13[x];
     const uint8_t p14 = r14[x];
     const uint8_t p15 = r15[x];
-    // Two pixels from k on.
+    // Two pixels, starting at k.
     const uint8_t low2_1 = Min(p1, p2);
     const uint8_t high2_1 = Max(p1, p2);
     const uint8_t low2_3 = Min(p3, p4);
@@ -101,7 +101,7 @@ void ScoreRow(const uint8_t* __restrict row, const Circle& c, int count, uint8_t
     const uint8_t high4_13 = Max(high2_13, high2_15);
     const uint8_t low4_15 = Min(low2_15, low2_1);
     const uint8_t high4_15 = Max(high2_15, high2_1);
-    // The arcs that share the eight from k on.
+    // The arcs that share the eight pixels starting at k.
     uint8_t brightest = 0;
     uint8_t darkest = 255;
     brightest = Max(brightest, Min(Min(low4_1, low4_5), Max(p0, p9)));

@@ -11,7 +11,7 @@
 namespace plslam {
 namespace {
 
-/// Pixels of a row that vector code does at a time.
+/// Pixels of a row that vector code processes at once.
 constexpr int kBlurBlock = 32;
 constexpr int kPatchRow = 32;  // 31 pixels and one of weight 0, for whole vector registers
 
@@ -59,7 +59,7 @@ Moments DiscMoments(const uint8_t* corner, size_t step) {
   return m;
 }
 
-/// atan2 by arithmetic alone, since that of the C library may differ by processor. Error below 1e-5 rad.
+/// atan2 by arithmetic alone, because that of the C library may differ between processors. Error below 1e-5 rad.
 float Atan2(int y, int x) {
   if (x == 0 && y == 0) return 0.0F;
   const double ax = std::abs(x);
@@ -83,7 +83,7 @@ class SplitMix {
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
     return z ^ (z >> 31);
   }
-  /// Standard normal as a sum of twelve uniform numbers: no library function that could differ.
+  /// Standard normal as a sum of twelve uniform numbers, without library functions that could differ.
   double Normal() {
     double sum = -6.0;
     for (int i = 0; i < 12; ++i) sum += static_cast<double>(Next() >> 11) * 0x1.0p-53;
@@ -115,7 +115,7 @@ BriefPattern MakePattern() {
     do {
       draw(test.x0, test.y0);
       draw(test.x1, test.y1);
-      // Nearer ones could fall on one pixel when turned and rounded.
+      // Nearer pairs could coincide when rotated and rounded.
     } while (SquaredDistance(test) < 4);
   }
   return pattern;
@@ -129,7 +129,7 @@ std::array<BriefPattern, kOrbAngleBins> MakeTurnedPatterns() {
     const double c = std::cos(angle);
     const double s = std::sin(angle);
     const auto turn = [c, s](int x, int y, int8_t& turned_x, int8_t& turned_y) {
-      // A nudge, so that exact halves are rounded alike whatever the last bit of the cosine.
+      // A small offset, so that exact halves are rounded equally whatever the last bit of the cosine.
       turned_x = static_cast<int8_t>(std::floor(c * x - s * y + 0.5 + 1e-9));
       turned_y = static_cast<int8_t>(std::floor(s * x + c * y + 0.5 + 1e-9));
     };

@@ -43,12 +43,12 @@ double CornerRatio(const cv::Mat& image, int x, int y) {
 namespace {
 
 constexpr int kCell_px = 32;
-/// Corners a cell of `SpreadCorners` is expected to give.
+/// Expected number of corners in a cell of `SpreadCorners`.
 constexpr double kCornersPerCell = 2.0;
-/// Room for the corners of an image before they are spread.
+/// Capacity reserved for the corners of an image before they are spread.
 constexpr size_t kCornersExpected = 4096;
 
-/// Places of the non-zero bytes among `count`, eight at a time: most are zero.
+/// Visits the indices of the non-zero bytes among `count`, eight at a time, because most are zero.
 template <class Visit>
 void ForEachNonZero(const uint8_t* row, int count, const Visit& visit) {
   int x = 0;
@@ -77,8 +77,8 @@ void DropBelow(const uint8_t* least, int count, uint8_t* __restrict row) {
   for (int x = 0; x < count; ++x) row[x] = row[x] < least[x] ? static_cast<uint8_t>(0) : row[x];
 }
 
-/// A row of cells of the score map, `band`: where a cell has a score above `threshold`, those that are not become 0.
-/// With whole rows of pixels at a time, because there are far more weak corners than are ever wanted.
+/// Processes a row of cells of the score map, `band`: in cells with a score above `threshold`, other scores become 0.
+/// Works on whole rows of pixels, because there are far more weak corners than needed.
 void DropWeakBesideStrong(int threshold, const cv::Rect& band, cv::Mat& scores) {
   std::vector<uint8_t> least(static_cast<size_t>(band.width), 0);
   for (int y = band.y; y < band.br().y; ++y) {
@@ -95,14 +95,13 @@ void DropWeakBesideStrong(int threshold, const cv::Rect& band, cv::Mat& scores) 
   }
 }
 
-/// Where the parabola through three equidistant values has its vertex, the middle one being the largest: in [-1/2,
-/// 1/2].
+/// Vertex of the parabola through three equidistant values, the middle one being the largest: in [-1/2, 1/2].
 double VertexOffset(int before, int middle, int after) {
   const int curvature = 2 * middle - before - after;
   return curvature > 0 ? 0.5 * (after - before) / curvature : 0.0;
 }
 
-/// Sorts first what responds most; equal ones by place.
+/// Orders by descending response; equal ones by position.
 bool Better(const Corner& a, const Corner& b) {
   if (a.response != b.response) return a.response > b.response;
   return a.y != b.y ? a.y < b.y : a.x < b.x;
@@ -159,7 +158,7 @@ std::vector<Corner> SpreadCorners(const std::vector<Corner>& corners, int quota,
       if (turn >= cell.size()) continue;
       const auto first = cell.begin() + static_cast<ptrdiff_t>(turn);
       const auto last = cell.end();
-      // Only what is asked for gets sorted: few turns are needed, and cells may hold hundreds.
+      // Selects the best on demand instead of sorting: few turns are needed, and cells may contain hundreds.
       std::iter_swap(first, std::min_element(first, last, Better));
       offered.push_back(*first);
     }

@@ -14,8 +14,7 @@ namespace {
 /// The disc of the orientation, and one more column that its vector code reads.
 constexpr int kDescriptorMargin_px = kOrbPatchRadius_px + 1;
 
-/// Points wanted of each level, in proportion to its side (as its edges' length, not its area: coarse levels keep
-/// enough).
+/// Number of points of each level, in proportion to its side (not its area, so that coarse levels keep enough).
 std::vector<int> LevelQuotas(const OrbOptions& options, int levels, int max_points) {
   std::vector<double> sides(levels, 1.0);
   for (int level = 1; level < levels; ++level) sides[level] = sides[level - 1] / options.scale_factor;
@@ -43,7 +42,8 @@ std::vector<Corner> OrbExtractor::FindCorners(int level, int quota, const cv::Ma
       return !IsAllowed(allowed, pyramid_.ToImage(Eigen::Vector2d(c.x, c.y), level));
     });
   }
-  // Shapes are looked at after a first choice, with some to spare: there may be ten times as many corners as wanted.
+  // Corner ratios are computed after a first, slightly larger selection: there may be ten times as many corners as
+  // needed.
   corners = SpreadCorners(corners, quota + quota / 4, image.cols, image.rows);
   std::erase_if(corners, [&](const Corner& c) { return CornerRatio(image, c.x, c.y) < options_.min_corner_ratio; });
   return SpreadCorners(corners, quota, image.cols, image.rows);
@@ -61,7 +61,7 @@ std::vector<PointFeature> OrbExtractor::Extract(const cv::Mat& image, const cv::
   int unused = 0;
   for (int level = 0; level < pyramid_.levels(); ++level) {
     const cv::Mat& level_image = pyramid_.image(level);
-    // What a level could not give, the coarser ones may; the total never exceeds the maximum.
+    // Coarser levels may use what is left of a level's quota; the total never exceeds the maximum.
     const int room = max_points - static_cast<int>(points.size());
     const int quota = std::min(quotas[level] + unused, room);
     const std::vector<Corner> corners = FindCorners(level, quota, allowed);

@@ -9,19 +9,19 @@
 
 namespace plslam {
 
-/// Largest squared norm of an inlier's whitened residuals; index: rows.
+/// Largest squared norm of an inlier's whitened residuals, indexed by the number of rows.
 using Gates = std::array<double, 5>;
 
-/// How an observation fits: squared norms of its residuals, whitened and in pixels.
+/// Fit of an observation: squared norms of its residuals, whitened and in pixels.
 struct Fit {
   double squared = 0.0;
   double squared_px = 0.0;
   bool in_front = false;
 };
 
-/// An observation with the pose and the landmark that it ties together; it is evaluated at their state as it is, and
-/// remembers how it fitted. One that a step brings behind the camera costs a constant, so that one bad landmark does
-/// not forbid the step, and no less than at the start, so that nothing is gained by it.
+/// An observation with its pose and landmark, evaluated at their current state; it stores its last fit. If a step moves
+/// the landmark behind the camera, the observation costs a constant, so that one bad landmark does not forbid the step,
+/// but no less than at the start, so that the step gains nothing by it.
 template <class Cost>
 class AdjustedObservation {
  public:
@@ -52,13 +52,13 @@ class AdjustedObservation {
     Evaluate(r, nullptr, nullptr);
   }
 
-  /// Of the fit as it was evaluated last.
+  /// Both use the last evaluated fit.
   bool Agrees(const Gates& gates) const { return now.in_front && now.squared <= gates[cost.rows()]; }
   double Loss(double huber_delta) const {
     return PseudoHuberLoss(now.in_front ? now.squared : SquaredBehind(), huber_delta);
   }
 
-  /// What stands for the squared residuals behind the camera.
+  /// Squared residuals assigned to a landmark behind the camera.
   double SquaredBehind() const {
     constexpr double kSigmas = 30.0;
     return std::max(kSigmas * kSigmas, at_start.squared);
@@ -67,9 +67,9 @@ class AdjustedObservation {
   Cost cost;
   AdjustedPose* pose = nullptr;
   const Landmark* landmark = nullptr;
-  /// Place in the list given.
+  /// Index in the given list.
   int observation = -1;
-  /// Takes part.
+  /// Whether it takes part.
   bool active = false;
   Fit at_start;
   mutable Fit now;

@@ -17,7 +17,7 @@
 namespace plslam {
 namespace {
 
-// Share of observations below which a change of outliers is not worth another pass.
+// Share of observations below which changes of inliers do not justify another pass.
 constexpr double kFewChanges = 0.005;
 
 template <class Observation>
@@ -33,7 +33,7 @@ std::string IndexFault(const char* kind, const std::vector<Observation>& observa
   return {};
 }
 
-// Why the problem as a whole cannot be worked on; empty where it can.
+// Returns why the problem is invalid as a whole; empty if it is valid.
 std::string Fault(const BundleProblem& problem) {
   const StereoCamera& camera = problem.camera;
   const bool finite = std::isfinite(camera.f_px + camera.cx_px + camera.cy_px + camera.baseline_m);
@@ -55,7 +55,7 @@ std::string Fault(const BundleProblem& problem) {
   return IndexFault("line", problem.line_observations, problem.poses.size(), problem.lines.size());
 }
 
-// Where nothing is fixed, the first pose is constant, so that the whole cannot float.
+// If nothing is fixed, the first pose is constant, to fix the gauge.
 std::vector<AdjustedPose> MakePoses(const BundleProblem& problem) {
   const auto is_fixed = [](const auto& item) { return item.fixed; };
   bool hold_next = std::none_of(problem.poses.begin(), problem.poses.end(), is_fixed) &&
@@ -87,7 +87,7 @@ BundleResult AsGiven(const BundleProblem& problem) {
   return result;
 }
 
-// Points and lines of one adjustment; `Line` is how lines are parameterised and compared.
+// Points and lines of one adjustment; `Line` is the parameterisation and cost of lines.
 template <class Line>
 class Adjustment {
  public:
@@ -116,7 +116,7 @@ class Adjustment {
 
  private:
   bool Solve(const std::atomic<bool>* stop, BundleResult& result) {
-    // A later pass lets them in again.
+    // Only with a later pass, which can activate these observations again.
     if (options_.max_refinements > 0) {
       points_.TrimGross();
       lines_.TrimGross();
@@ -130,7 +130,7 @@ class Adjustment {
     return solved;
   }
 
-  // What nothing agrees with in the end stays where it was, not where outliers brought it.
+  // Landmarks and poses without inliers return to their start, instead of where outliers moved them.
   void RestoreLost() {
     points_.RestoreLost();
     lines_.RestoreLost();
@@ -197,7 +197,7 @@ class Adjustment {
     result.pose_covariances = covariance.OfPoses(poses_);
     for (const Eigen::Matrix3d& of_point : of_points) result.point_covariances.push_back(excess * of_point);
     for (size_t i = 0; i < of_lines.size(); ++i) {
-      // Those that nobody saw may have no direction.
+      // Lines without inliers may have no direction.
       std::array<Eigen::Matrix3d, 2> ends{Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero()};
       if (!of_lines[i].isZero(0.0)) ends = lines_.landmarks()[i].EndCovariances(excess * of_lines[i]);
       result.line_p_covariances.push_back(ends[0]);

@@ -12,7 +12,7 @@
 
 namespace plslam {
 
-/// A camera of the adjustment; fixed ones hold the others in place.
+/// A camera pose; fixed poses determine the gauge.
 struct BundlePose {
   SE3 T_w_c;
   bool fixed = false;
@@ -23,13 +23,13 @@ struct BundlePoint {
   bool fixed = false;
 };
 
-/// Only the infinite line is measured; endpoints say which part of it is meant.
+/// Only the infinite line is measured; the endpoints select a part of it.
 struct BundleLine {
   Segment3 segment_w;
   bool fixed = false;
 };
 
-/// `pose` sees `point` at (u, v, disparity); a disparity below zero is not used.
+/// Observation of `point` from `pose` at (u, v, disparity); a negative disparity is not used.
 struct PointObservation {
   int pose = -1;
   int point = -1;
@@ -38,7 +38,7 @@ struct PointObservation {
   double sigma_disparity_px = 1.0;
 };
 
-/// `pose` sees `line` as a segment with disparities at its ends (below zero: not used).
+/// Observation of `line` from `pose` as a segment with disparities at its ends (negative: not used).
 struct LineObservation {
   int pose = -1;
   int line = -1;
@@ -50,7 +50,7 @@ struct LineObservation {
   double sigma_disparity_q_px = 1.0;
 };
 
-/// What is known of the motion between two poses, T_a_b, with the covariance of its right perturbation.
+/// A measured motion T_a_b between two poses, with the covariance of its right perturbation.
 struct RelativePose {
   int a = -1;
   int b = -1;
@@ -58,7 +58,7 @@ struct RelativePose {
   Matrix6d covariance = Matrix6d::Identity();
 };
 
-/// Poses and landmarks with everything that ties them together. Indices are places in the vectors.
+/// Poses, landmarks and all measurements. Indices refer to the vectors.
 struct BundleProblem {
   StereoCamera camera;
   std::vector<BundlePose> poses;
@@ -66,16 +66,16 @@ struct BundleProblem {
   std::vector<BundleLine> lines;
   std::vector<PointObservation> point_observations;
   std::vector<LineObservation> line_observations;
-  /// Only between poses that see something; those whose covariance is not positive definite do not count. The
-  /// covariances of the result leave them out.
+  /// Only between poses with observations; those whose covariance is not positive definite are ignored. The covariances
+  /// of the result do not include them.
   std::vector<RelativePose> relative_poses;
 };
 
-/// Those of many poses take longer than their adjustment.
+/// Covariances of many poses take longer than their adjustment.
 enum class BundleCovariances { kAll, kNone };
 
-/// Normalised (standard deviations) and in pixels of the left image, over the observations that are inliers in the
-/// end: of points, and of lines across (the rms of the two ends).
+/// Root mean square residuals, normalised (standard deviations) and in pixels of the left image, over the final
+/// inliers: of points, and of lines across (rms of the two ends).
 struct BundleRms {
   double normalised = 0.0;
   double point_px = 0.0;
@@ -83,44 +83,43 @@ struct BundleRms {
 };
 
 struct BundleResult {
-  /// False where nothing could be adjusted (no free pose or landmark, nothing seen) or the solver failed; poses and
-  /// landmarks are then as given, and `reason` says why. Never a NaN.
+  /// False if nothing could be adjusted (no free pose or landmark, no observations) or the solver failed; poses and
+  /// landmarks are then as given, and `reason` says why. Never NaN.
   bool ok = false;
   std::string reason;
   std::vector<SE3> T_w_c;
   std::vector<Eigen::Vector3d> points;
   std::vector<Segment3> lines;
-  /// Of the right perturbation of each pose, given the fixed poses (zero for those; a kilometre and ten turns where
-  /// nothing is seen, or the whole cannot be inverted); of positions and endpoints given all poses (conditional),
-  /// across the line only for endpoints. Zero for landmarks that are fixed or have no inlier, which are as given.
-  /// Empty where `ok` is false or none were asked for.
+  /// Covariances of the right perturbation of each pose, given the fixed poses (zero for these; a kilometre and ten
+  /// turns without observations, or if the information is singular); of positions and endpoints given all poses
+  /// (conditional), for endpoints across the line only. Zero for landmarks that are fixed or have no inlier, which are
+  /// as given. Empty if `ok` is false or none were requested.
   std::vector<Matrix6d> pose_covariances;
   std::vector<Eigen::Matrix3d> point_covariances;
   std::vector<Eigen::Matrix3d> line_p_covariances;
   std::vector<Eigen::Matrix3d> line_q_covariances;
-  /// In the order of the observations: those that agree in the end. Observations of landmarks behind a camera never
-  /// do, nor do those that do not determine their landmark any more once others are gone.
+  /// Final inliers, in the order of the observations. Never inliers: observations of landmarks behind a camera, and
+  /// those that no longer determine their landmark once others are removed.
   std::vector<bool> point_inliers;
   std::vector<bool> line_inliers;
   BundleRms before;
   BundleRms after;
   int iterations = 0;
   bool stopped = false;
-  /// A pass came to its end: where none did, poses were on their way, and inliers say little.
+  /// At least one pass ended by itself. If none did, poses had not converged, and inliers are unreliable.
   bool converged = false;
 };
 
 /// Bundle adjustment of poses, points and lines (PL-SLAM §V.B): Levenberg-Marquardt with robust loss, landmarks
-/// eliminated first (Schur complement: `SchurSolver`), outliers removed between passes.
-/// Residuals are whitened vectors in both images; points and lines stand side by side. One thread, so equal input
-/// gives equal output.
+/// eliminated first (Schur complement: `SchurSolver`), outliers removed between passes. Minimises the sum of
+/// rho(|r_i|^2) over whitened residual vectors r_i in both images, of points and lines side by side, with the
+/// pseudo-Huber loss rho. One thread, so equal input gives equal output.
 ///
-/// What cannot be measured (not finite, sigmas that are not positive, segments without length) is never an inlier. A
-/// landmark whose observations leave a direction open (one view without disparity, infinity) stays near where it was
-/// given in that direction, and lines stay where they are along themselves. Where nothing is fixed the first pose is
-/// constant.
+/// Invalid observations (not finite, sigmas not positive, segments without length) are never inliers. A landmark whose
+/// observations do not determine a direction (one view without disparity, infinity) stays near its start in that
+/// direction, and lines do not move along themselves. If nothing is fixed, the first pose is constant.
 ///
-/// `stop`, if given, is looked at before each pass and between iterations: when it is set, the best state so far is
+/// `stop`, if given, is read before each pass and between iterations: when it is set, the best state so far is
 /// returned.
 BundleResult AdjustBundle(const BundleProblem& problem, const BundleOptions& options,
                           const std::atomic<bool>* stop = nullptr,

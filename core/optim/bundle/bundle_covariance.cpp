@@ -6,7 +6,7 @@
 namespace plslam {
 
 double BundleCovariance::Excess() const {
-  // What the adjustment fits makes residuals smaller.
+  // Residuals are smaller by the degrees of freedom that the adjustment fits.
   const double free = rows_ - landmark_parameters_ - 6.0 * free_poses_;
   if (!(free > 0.0) || !(expected_squares_ > 0.0)) return 1.0;
   return std::max(1.0, weighted_squares_ / (expected_squares_ * free / rows_));

@@ -10,11 +10,11 @@
 
 namespace plslam {
 
-/// Covariances of an adjustment's result, from the inliers' information at the end: landmarks are eliminated one by
-/// one (Schur complement), and what is left is inverted.
+/// Covariances of an adjustment's result, from the information of the final inliers: landmarks are eliminated one by
+/// one (Schur complement S = H_pp - sum_i H_pi H_ii^-1 H_ip), and S is inverted.
 ///
-/// Each observation counts with its robust weight, times what turns the inverse of the weighted information into an
-/// honest covariance (see RobustExpectation). Residuals larger than the sigmas promise enlarge all of them.
+/// Each observation counts with its robust weight and a factor that makes the inverse of the weighted information a
+/// consistent covariance (see RobustExpectation). Residuals larger than their sigmas enlarge all covariances.
 class BundleCovariance {
  public:
   BundleCovariance(int free_poses, double huber_delta, double gate_sigmas)
@@ -23,15 +23,15 @@ class BundleCovariance {
         reduced_(free_poses),
         free_poses_(free_poses) {}
 
-  /// Eliminates the landmarks of one feature type. Returns the covariances of their parameters given all poses,
-  /// before `Excess`; zero for those that are fixed, without inliers, or cannot be inverted.
+  /// Eliminates the landmarks of one feature type. Returns the covariances of their parameters given all poses, without
+  /// `Excess`; zero for landmarks that are fixed, have no inliers, or have singular information.
   template <class Cost>
   std::vector<typename ObservationGroup<Cost>::Information> Eliminate(const ObservationGroup<Cost>& group);
 
-  /// Factor by which all covariances grow: weighted squares over those expected, at least 1.
+  /// Factor of all covariances: weighted squares over their expectation, at least 1.
   double Excess() const;
 
-  /// Of the free poses' right perturbations; zero for fixed ones.
+  /// Covariances of the poses' right perturbations; zero for fixed poses.
   std::vector<Matrix6d> OfPoses(const std::vector<AdjustedPose>& poses) const;
 
  private:

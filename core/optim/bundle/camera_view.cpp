@@ -32,7 +32,7 @@ void AdjustedPose::Restore() {
 }
 
 SE3 AdjustedPose::T_w_c() const {
-  // Untouched poses come back bit for bit.
+  // An unchanged pose is returned bit for bit.
   if (x.isZero(0.0)) return start_;
   return SE3(start_.rotation() * ExpSO3(x.tail<3>()), start_.translation() + x.head<3>());
 }

@@ -9,7 +9,7 @@
 
 namespace plslam {
 
-/// Where a camera stands, and how points turn in it when its parameters change: what all residuals of one pose share.
+/// Pose of a camera and derivative of its rotation by the parameters, shared by all residuals of one pose.
 struct CameraView {
   Eigen::Matrix3d R_c_w = Eigen::Matrix3d::Identity();
   Eigen::Vector3d t_w_c = Eigen::Vector3d::Zero();
@@ -19,22 +19,22 @@ struct CameraView {
   Eigen::Vector3d ToCamera(const Eigen::Vector3d& p_w) const { return R_c_w * (p_w - t_w_c); }
 };
 
-/// A pose as six free numbers x = [a; w] around where it started: `R = R_start Exp(w)`, `t_w_c = t_start + a`.
+/// A pose parameterised by x = [a; w] relative to its start: `R = R_start Exp(w)`, `t_w_c = t_start + a`.
 ///
-/// A plain vector space needs no manifold, whose product with each Jacobian costs as much as the Jacobian itself. By
-/// a the derivative is minus the one by a point of the world, so it is free; rotations stay below half a turn.
+/// A plain vector space needs no manifold, whose product with each Jacobian costs as much as the Jacobian itself. The
+/// derivative by a is minus that by a point in the map frame, so it costs nothing; rotations stay below half a turn.
 class AdjustedPose {
  public:
   AdjustedPose() = default;
-  /// `column_in`: number among the free poses, or -1.
+  /// `column_in`: index among the free poses, or -1.
   AdjustedPose(const SE3& T_w_c, int column_in) : start_(T_w_c), column(column_in) { Update(); }
 
-  /// Follows `x`.
+  /// Recomputes `view` from `x`.
   void Update();
-  /// Back to where it started.
+  /// Returns to the start pose.
   void Restore();
   SE3 T_w_c() const;
-  /// Of the right perturbation of `T_w_c()`, from that of `x`.
+  /// Converts the covariance of `x` to that of the right perturbation of `T_w_c()`.
   Matrix6d RightCovariance(const Matrix6d& covariance_x) const;
 
  private:
@@ -42,12 +42,12 @@ class AdjustedPose {
 
  public:
   bool IsFree() const { return column >= 0; }
-  /// Free, and something is seen from it.
+  /// Free, and with observations.
   bool IsAdjusted() const { return IsFree() && observations > 0; }
 
   int column = -1;
   int observations = 0;
-  /// At the end: by an observation that agrees, or a relative pose.
+  /// At the end: whether an inlier or a relative pose determines it.
   bool constant = false;
   Vector6d x = Vector6d::Zero();
   CameraView view;
@@ -55,8 +55,8 @@ class AdjustedPose {
 
 int CountFree(const std::vector<AdjustedPose>& poses);
 
-/// One row of a residual's Jacobians: by a pose's [a; w], from the derivatives `g` by points `p_c` of the camera.
-/// `by_world` is the derivative by a shift of the whole landmark in the world, `by_turn` the sum of g x p_c.
+/// Writes one row of a residual's Jacobian by a pose's [a; w], from the derivatives `g` by points `p_c` in the camera
+/// frame. `by_world` is the derivative by a shift of the whole landmark in the map frame, `by_turn` the sum of g x p_c.
 inline void WritePoseRow(const CameraView& view, const Eigen::RowVector3d& by_world,
                          const Eigen::RowVector3d& by_turn, double* row) {
   Eigen::Map<Eigen::RowVector3d>{row} = -by_world;

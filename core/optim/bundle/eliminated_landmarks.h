@@ -13,30 +13,31 @@
 
 namespace plslam {
 
-/// The landmarks of one feature type in a step of all poses and landmarks. Each ties together only the poses that see
-/// it, and no other landmark, so it is solved for in terms of those poses (Schur complement): what is left is a
-/// system of the poses alone. Losses are twice the costs.
+/// The landmarks of one feature type in a step of all poses and landmarks. A landmark is coupled only with the poses
+/// that observe it, not with other landmarks, so it is eliminated: with blocks H_pp, H_pi, H_ii and gradients g, the
+/// poses solve (H_pp - sum_i H_pi H_ii^-1 H_ip) x_p = -(g_p - sum_i H_pi H_ii^-1 g_i), and then each landmark solves
+/// H_ii x_i = -(g_i + H_ip x_p). Losses are twice the costs.
 class EliminatedLandmarks {
  public:
   virtual ~EliminatedLandmarks() = default;
 
-  /// Information and gradient at the state as it is, which is evaluated; those of poses are added to `poses`. Returns
-  /// the loss.
+  /// Computes information and gradient at the current state; adds those of poses to `poses`. Returns the loss.
   virtual double Linearise(PoseSystem& poses) = 0;
 
-  /// Takes from `poses` what the landmarks, damped, are free to take up. False where one cannot be solved for.
+  /// Subtracts the Schur complement of the damped landmarks from `poses`. Returns false if a block is singular.
   virtual bool Eliminate(const Damping& damping, PoseSystem& poses) = 0;
 
-  /// Moves the landmarks, given the step of the poses. Returns by how much the loss falls as far as it is quadratic.
+  /// Moves the landmarks, given the step of the poses. Returns the landmarks' part of the predicted reduction of the
+  /// loss.
   virtual double Step(const Eigen::VectorXd& of_poses) = 0;
 
-  /// Undoes the last step.
+  /// Rolls the last step back.
   virtual void TakeBack() = 0;
 
-  /// Evaluates the state as it is.
+  /// Evaluates the current state.
   virtual double Loss() const = 0;
 
-  /// The largest element of the gradients.
+  /// Largest absolute element of the gradients.
   virtual double Steepest() const = 0;
 };
 
@@ -59,7 +60,7 @@ class LandmarkElimination final : public EliminatedLandmarks {
   using Information = typename ObservationGroup<Cost>::Information;
 
   using CouplingMatrix = Eigen::Matrix<double, 6, kSize>;
-  /// How a landmark hangs together with a pose that sees it.
+  /// Block H_pi of a landmark and a pose that observes it.
   struct Coupling {
     int pose;
     CouplingMatrix H;
@@ -71,17 +72,17 @@ class LandmarkElimination final : public EliminatedLandmarks {
     Parameters g;
     Parameters damping;
     Parameters before;
-    /// Of the damped information L L^T: L^-1, and L^-1 g.
+    /// For the damped information L L^T: L^-1, and L^-1 g.
     Information inverse_root;
     Parameters half_g;
-    /// Its couplings, up to those of the next landmark.
+    /// First of its couplings; they end at those of the next landmark.
     size_t first;
   };
 
   void LineariseObservations(const AdjustedObservation<Cost>* begin, const AdjustedObservation<Cost>* end,
                              Block& block, PoseSystem& poses);
-  /// Times the inverse root of the landmark's damped information. Kept for all, these would be half of the memory of an
-  /// adjustment.
+  /// The coupling times L^-T of the landmark's damped information. Recomputed, because storing all would take half of
+  /// the adjustment's memory.
   static CouplingMatrix HalfOf(const Coupling& coupling, const Block& block) {
     CouplingMatrix half;
     half.noalias() = coupling.H * block.inverse_root.transpose();
@@ -197,7 +198,7 @@ bool LandmarkElimination<Cost>::Eliminate(const Damping& damping, PoseSystem& po
         } else if (other_pose > pose) {
           poses.Below(pose, other_pose).noalias() -= other * half.transpose();
         } else {
-          // A pose that sees the landmark twice.
+          // The pose observes the landmark twice.
           const Matrix6d both = half * other.transpose();
           poses.Diagonal(pose) -= both + both.transpose();
         }

@@ -11,12 +11,12 @@ namespace plslam {
 namespace {
 
 constexpr double kMinLength_px = 1.0;
-// A right end's own error across the line, as share of the left one's.
+// Independent error of a right end across the line, relative to the left one's.
 constexpr double kRightOwnShare = 0.1;
-// What is seen is part of the segment, or not much beyond it.
+// Largest extension of the observed part beyond the segment, in lengths of it.
 constexpr double kMaxSeenBeyond = 0.5;
 
-// Where along the segment (0: p, 1: q) the line is nearest to the ray; NaN for lines that are parallel to it.
+// Parameter along the segment (0: p, 1: q) at which the line is nearest to the ray; NaN if they are parallel.
 double AlongAt(const Eigen::Vector3d& ray, const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
   const Eigen::Vector3d n = ray.cross(q - p);
   return p.cross(ray).dot(n) / n.squaredNorm();

@@ -11,12 +11,12 @@ namespace plslam {
 /// Shorter segments are not adjusted.
 inline constexpr double kMinAdjusted_m = 1e-6;
 
-/// An image's view of a segment: the infinite line through it, with pixels relative to the principal point.
+/// The infinite line through an observed segment in one image, in pixels relative to the principal point.
 struct ObservedImage {
   ObservedImage() = default;
   ObservedImage(const Eigen::Vector2d& p_px, const Eigen::Vector2d& q_px, double f_px_in, double baseline_m_in);
 
-  /// Distance of a projected point to the line, and its derivative by the point (in the left camera).
+  /// Distance in pixels of a projected point from the line, and its derivative by the point (in the left camera).
   double Distance(const Eigen::Vector3d& p_c, Eigen::Vector3d& by_p_c) const {
     const double k = f_px / p_c.z();
     const double across_px = k * (normal.x() * (p_c.x() - baseline_m) + normal.y() * p_c.y());
@@ -27,12 +27,11 @@ struct ObservedImage {
   Eigen::Vector2d normal = Eigen::Vector2d::UnitY();
   double offset_px = 0.0;
   double f_px = 0.0;
-  /// Where the camera is along x of the left one.
+  /// Position of the camera along x of the left one.
   double baseline_m = 0.0;
 };
 
-/// Both images of an observation; `has_right` is false where a disparity is missing or the right segment has no
-/// length.
+/// Both images of an observation; `has_right` is false if a disparity is missing or the right segment has no length.
 struct ObservedImages {
   ObservedImages(const LineObservation& observation, const StereoCamera& camera);
 
@@ -41,11 +40,11 @@ struct ObservedImages {
   bool has_right = false;
 };
 
-/// Two directions across the line through a segment, and so orthonormal and a basis of what a line can do there.
+/// Two orthonormal directions across the line through a segment: a basis of its possible displacements.
 using Across = Eigen::Matrix<double, 3, 2>;
 Across DirectionsAcross(const Segment3& segment);
 
-/// A line by four numbers: its endpoints move only across the direction that it had at the start.
+/// A line with four parameters: its endpoints move only across the start direction.
 struct AdjustedLine {
   static constexpr int kSize = 4;
   static constexpr bool kAlwaysPrior = false;
@@ -56,10 +55,10 @@ struct AdjustedLine {
   bool IsUsable() const;
   Segment3 At(const double* parameters) const;
   Segment3 Segment() const { return At(x.data()); }
-  /// Covariances of the endpoints, from that of the parameters.
+  /// Returns the covariances of the endpoints, given that of the parameters.
   std::array<Eigen::Matrix3d, 2> EndCovariances(const Eigen::Matrix4d& covariance) const;
   Eigen::Vector3d Middle() const { return 0.5 * (Segment().p + Segment().q); }
-  /// Root of the information of a weak prior.
+  /// Square root of the information of a weak prior.
   Eigen::Matrix4d PriorWeight(double distance_m) const { return Eigen::Matrix4d::Identity() / distance_m; }
 
   Segment3 start_segment;
@@ -69,13 +68,14 @@ struct AdjustedLine {
   bool free;
 };
 
-/// One view of a line: for each end of the observed segment, the place of the landmark that was seen there (found
-/// between passes, and carried along by the endpoints) is compared with the infinite observed lines in the left and
-/// the right image. Whitened distances; rows: left p, right p, left q, right q; without disparities left p, left q.
+/// One observation of a line: for each end of the observed segment, the point of the landmark observed there (found
+/// between passes, and moved with the endpoints) is compared with the infinite observed lines in the left and the
+/// right image. Whitened distances; rows: left p, right p, left q, right q; without disparities left p, left q.
 ///
-/// So the noise is stated where it arises, at the two ends, and the distances stay nearly linear in the parameters.
-/// The right end has the error of the left one across the line minus that of its disparity; the right rows hold what
-/// is not explained by the left ones. A line parallel to the baseline has almost nothing in them, and gets no weight.
+/// The noise is thus modelled where it arises, at the two ends, and the distances are nearly linear in the parameters.
+/// The right end has the left one's error across the line minus that of its disparity; the right rows are the part
+/// that the left rows do not explain. For a line parallel to the baseline they contain almost nothing and have no
+/// weight.
 class LineCost {
  public:
   using Landmark = AdjustedLine;
@@ -86,20 +86,20 @@ class LineCost {
   LineCost(const LineObservation& observation, const AdjustedLine& line, const CameraView& view,
            const StereoCamera& camera);
 
-  /// False for what cannot be measured: not finite, sigmas that are not positive, segments without length.
+  /// False for invalid observations: not finite, sigmas not positive, segments without length.
   static bool IsUsable(const LineObservation& observation);
 
-  /// Finds what was seen.
+  /// Finds the observed points of the landmark.
   void Anchor(const CameraView& view, const AdjustedLine& line);
 
   int rows() const { return has_right_ ? 4 : 2; }
 
-  /// As `PointCost::Evaluate`, with `rows()` x 4 for the landmark. False where what was seen is behind the camera; an
-  /// endpoint that was not seen may be there.
+  /// As `PointCost::Evaluate`, with `rows()` x 4 for the landmark. Returns false if an observed point is behind the
+  /// camera; endpoints that were not observed may be.
   bool Evaluate(const CameraView& view, const double* x, double* residuals, double* by_pose,
                 double* by_landmark) const;
 
-  /// Mean squared distance of the two ends in the left image, from whitened residuals.
+  /// Mean squared distance of the two ends in the left image, in px^2, from whitened residuals.
   double SquaredPixels(const double* residuals) const {
     const double q = residuals[has_right_ ? 2 : 1];
     return (residuals[0] * residuals[0] + q * q) / (2.0 * weight_ * weight_);
@@ -107,7 +107,7 @@ class LineCost {
 
  private:
   struct End {
-    /// Share of q in the place of the landmark that was seen: 0 at p, 1 at q.
+    /// Position of the observed point along the segment: 0 at p, 1 at q.
     double along;
     Eigen::Vector3d ray;
     double weight_right;
@@ -119,7 +119,7 @@ class LineCost {
   std::array<End, 2> ends_;
   double weight_;
   double min_depth_m_;
-  /// Share of a left end's error that the right end has, too.
+  /// Share of a left end's error in the right end.
   double shared_;
   bool has_right_;
 };

@@ -10,11 +10,11 @@
 namespace plslam {
 namespace {
 
-// Observations far smaller than the segment, so that weights stay finite.
+// Limits the extrapolation from observations much shorter than the segment, so that weights stay finite.
 constexpr double kMaxEndBeyond = 100.0;
-// How far endpoints may go along the line, as share of the length.
+// Standard deviation of the endpoints along the line, relative to its length.
 constexpr double kAlongShare = 0.01;
-// A distance's own error, as share of that of the observed ends.
+// Independent error of a distance, relative to that of the observed ends.
 constexpr double kDistanceOwnShare = 0.1;
 
 }  // namespace
@@ -94,7 +94,7 @@ bool LineEndpointCost::Evaluate(const CameraView& view, const double* x, double*
   const Eigen::Vector3d p = view.ToCamera(Eigen::Map<const Eigen::Vector3d>(x));
   const Eigen::Vector3d q = view.ToCamera(Eigen::Map<const Eigen::Vector3d>(x + 3));
   if (!(p.z() > min_depth_m_) || !(q.z() > min_depth_m_)) return false;
-  // Row i is by p where i is even, by q where it is odd.
+  // Row i concerns p if i is even, q if it is odd.
   Eigen::Vector4d r;
   Eigen::Vector3d g[4];
   for (int i = 0; i < rows_; ++i) r(i) = (i < 2 ? left_ : right_).Distance(i % 2 == 0 ? p : q, g[i]);

@@ -9,10 +9,10 @@
 
 namespace plslam {
 
-/// A line by its two endpoints, as in the paper. What they do along the line is not measured.
+/// A line with its two endpoints as parameters, as in the paper. Positions along the line are not measured.
 struct AdjustedEndpoints {
   static constexpr int kSize = 6;
-  /// Along the line there seems to be information, but it is noise.
+  /// The apparent information along the line is noise.
   static constexpr bool kAlwaysPrior = true;
   using Parameters = Vector6d;
 
@@ -23,8 +23,8 @@ struct AdjustedEndpoints {
   /// Covariances of the endpoints across the line, from that of the parameters.
   std::array<Eigen::Matrix3d, 2> EndCovariances(const Matrix6d& covariance) const;
   Eigen::Vector3d Middle() const { return 0.5 * (x.head<3>() + x.tail<3>()); }
-  /// Root of the information of a weak prior, which is firm along the line: what residuals say about it is noise, and
-  /// endpoints that follow it wander.
+  /// Square root of the information of a weak prior, which is strong along the line: residuals contain only noise about
+  /// that direction, and endpoints would drift with it.
   Matrix6d PriorWeight(double distance_m) const;
 
   Parameters x;
@@ -32,12 +32,12 @@ struct AdjustedEndpoints {
   bool free;
 };
 
-/// One view of a line as in the paper (PL-SLAM §V.B): whitened distances of the projected endpoints to the infinite
-/// lines through the observed segment, in the left and the right image. Rows: left p, left q, right p, right q;
-/// without disparities the left ones.
+/// One observation of a line as in the paper (PL-SLAM §V.B): whitened distances of the projected endpoints from the
+/// infinite lines through the observed segment, in the left and the right image. Rows: left p, left q, right p, right
+/// q; without disparities the left ones.
 ///
-/// The observed line is known at its ends, so the distances are correlated and less certain beyond them (see
-/// core/motion/line_residual.h). Where the endpoints are along it is found between passes.
+/// The observed line is determined by its ends, so the distances are correlated, and less certain beyond them (see
+/// core/motion/line_residual.h). The positions of the endpoints along it are updated between passes.
 class LineEndpointCost {
  public:
   using Landmark = AdjustedEndpoints;
@@ -51,16 +51,16 @@ class LineEndpointCost {
   /// As `LineCost::IsUsable`.
   static bool IsUsable(const LineObservation& observation);
 
-  /// Weighs by where the endpoints are.
+  /// Recomputes the weights from the positions of the endpoints.
   void Anchor(const CameraView& view, const AdjustedEndpoints& line);
 
   int rows() const { return rows_; }
 
-  /// As `PointCost::Evaluate`, with `rows()` x 6 for the landmark. False where an endpoint is behind the camera.
+  /// As `PointCost::Evaluate`, with `rows()` x 6 for the landmark. Returns false if an endpoint is behind the camera.
   bool Evaluate(const CameraView& view, const double* x, double* residuals, double* by_pose,
                 double* by_landmark) const;
 
-  /// As `LineCost::SquaredPixels`, of the projected endpoints.
+  /// As `LineCost::SquaredPixels`, for the projected endpoints.
   double SquaredPixels(const double* residuals) const {
     const double p = residuals[0] / whitening_(0, 0);
     const double q = (residuals[1] - whitening_(1, 0) * p) / whitening_(1, 1);

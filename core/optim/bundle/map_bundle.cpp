@@ -8,11 +8,11 @@
 namespace plslam {
 namespace {
 
-// Errors at which the map contradicts a motion by the tracker. Squared, in standard deviations; and in metres or
-// radians, since the standard deviations of a standing camera are tiny.
+// Gates on the error of a tracker's motion in the map: squared, in standard deviations; and in metres or radians,
+// because the standard deviations of a standing camera are tiny.
 constexpr double kContradicted2 = 900.0;
 constexpr double kContradicted = 0.1;
-// An adjustment of more keyframes leaves the features of each behind it (`KeptFeatures::LeaveMemory`).
+// In problems with more keyframes, features are released from memory after each keyframe (`KeptFeatures::LeaveMemory`).
 constexpr size_t kMostInMemory = 256;
 
 bool IsContradicted(const SE3& error, const Matrix6d& covariance) {
@@ -42,7 +42,7 @@ void AddObservations(const std::vector<int64_t>& ids, const Map& map, const Keyf
     int landmark;
     int32_t feature;
   };
-  // Keyframe by keyframe: where features lie in files, those of one are in memory at a time.
+  // Keyframe by keyframe, so that features in files are in memory for one at a time.
   std::vector<std::vector<Seen>> seen(bundle.keyframes.size());
   size_t count = 0;
   ForEachObservation<Type>(bundle, ids, map, features, [&](int pose, int landmark, const Observation& observation) {

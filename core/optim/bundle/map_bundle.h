@@ -11,7 +11,7 @@
 
 namespace plslam {
 
-/// What a feature of keyframe `pose` measures of point `point`; both are indices into the vectors of a
+/// Returns the observation of point `point` by a feature of keyframe `pose`; both are indices into the vectors of a
 /// `BundleProblem`.
 inline PointObservation ObservationOf(int pose, int point, const StereoPoint& seen) {
   return {
@@ -30,8 +30,8 @@ inline LineObservation ObservationOf(int pose, int line, const StereoLine& seen)
           seen.sigma_disparity_q_px};
 }
 
-/// A map, or a part of it, as a bundle problem: `problem.poses[i]` is of `keyframes[i]`, and so for points and lines.
-/// Both the local adjustment of mapping_process and the global one of loop_process are built here.
+/// A map, or a part of it, as a bundle problem: `problem.poses[i]` belongs to `keyframes[i]`; likewise for points and
+/// lines. Used by the local adjustment of mapping_process and the global one of loop_process.
 struct MapBundle {
   std::vector<int64_t> keyframes;
   std::vector<int64_t> points;
@@ -39,19 +39,19 @@ struct MapBundle {
   BundleProblem problem;
 };
 
-/// The problem of these keyframes and landmarks of a map, which must have them: poses (`fixed`: those that are
-/// constant), landmarks, and all observations of the landmarks by the keyframes, whose features must be there.
+/// Returns the problem of these keyframes and landmarks of a map: poses (`fixed`: constant ones), landmarks, and all
+/// observations of the landmarks by the keyframes. The map must have them, and `features` those of the keyframes.
 ///
-/// With `relative_sigma` above zero it also has the motions between consecutive keyframes of a session as tracking
-/// measured them, with standard deviations times `relative_sigma`: tracking has seen the frames between. A motion
-/// that the map contradicts is left out, since the tracker was lost meanwhile: one that is off by more than 30
-/// standard deviations and by more than 0.1 m or rad.
+/// If `relative_sigma` is above zero, it includes the motions between consecutive keyframes of a session as tracking
+/// measured them, with standard deviations times `relative_sigma`: tracking used the frames between. A motion that the
+/// map contradicts by more than 30 standard deviations and more than 0.1 m or rad is left out, because the tracker was
+/// lost.
 MapBundle MakeMapBundle(const Map& map, const KeyframeFeatures& features, const StereoCamera& camera,
                         std::vector<int64_t> keyframes, const std::vector<bool>& fixed, std::vector<int64_t> points,
                         std::vector<int64_t> lines, double relative_sigma);
 
-/// Calls visit(pose, landmark, observation) for each observation in a bundle of the landmarks `ids` (its points or
-/// its lines), in the order of the problem's.
+/// Calls visit(pose, landmark, observation) for each observation of the landmarks `ids` (points or lines of the
+/// bundle), in the problem's order of observations.
 template <class Type, class Visit>
 void ForEachObservation(const MapBundle& bundle, const std::vector<int64_t>& ids, const Map& map,
                         const KeyframeFeatures& features, const Visit& visit) {

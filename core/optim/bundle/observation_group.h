@@ -15,7 +15,7 @@ namespace plslam {
 inline int LandmarkOf(const PointObservation& observation) { return observation.point; }
 inline int LandmarkOf(const LineObservation& observation) { return observation.line; }
 
-/// Sums over observations that are inliers.
+/// Sums over inliers.
 struct ObservationSums {
   double squares = 0.0;
   double rows = 0.0;
@@ -23,11 +23,11 @@ struct ObservationSums {
   double observations = 0.0;
 };
 
-/// Where observations are looked at: as the adjustment was given, or as it was evaluated last.
+/// State at which observations are summed: at the start, or as last evaluated.
 enum class State { kStart, kNow };
 
-/// All landmarks of one feature type and their observations, in the order of the landmarks. Points and lines are two
-/// of these.
+/// All landmarks of one feature type with their observations, grouped by landmark. An adjustment has two groups, points
+/// and lines.
 template <class Cost>
 class ObservationGroup {
  public:
@@ -35,43 +35,43 @@ class ObservationGroup {
   static constexpr int kSize = Landmark::kSize;
   using Information = Eigen::Matrix<double, kSize, kSize>;
 
-  /// Observations that cannot be measured (not finite, of landmarks that are not) take no part, now or later; those
-  /// that the landmark is behind of take none until a gate lets them in.
+  /// Invalid observations (not finite, or of a landmark that is not) never take part; observations of a landmark behind
+  /// the camera take part only after a later `Gate`.
   template <class GivenLandmark, class Observation>
   ObservationGroup(const std::vector<GivenLandmark>& landmarks, const std::vector<Observation>& observations,
                    double huber_delta, std::vector<AdjustedPose>& poses, const StereoCamera& camera);
 
-  /// Gives weak priors to the free landmarks that their observations do not determine (at infinity, seen once without
-  /// disparity, along a line). They hold them near their start, and are nothing beside what is measured.
+  /// Gives weak priors to free landmarks that their observations do not determine (at infinity, observed once without
+  /// disparity, along a line). The priors keep them near their start, and are negligible beside measurements.
   void HoldUndetermined();
 
-  /// Twice the cost of the observations that take part, and their rows, as they were evaluated last.
+  /// Twice the cost of the active observations, and their rows, as last evaluated.
   LossSum Loss() const;
 
   /// Twice the cost of the weak priors.
   double PriorLoss() const;
 
-  /// Takes away what stands out far from the landmark's other observations: it would pull the first step astray.
+  /// Deactivates observations far above the landmark's other residuals: they would mislead the first step.
   void TrimGross();
 
-  /// Takes away those that do not agree as they were evaluated last, where most of the landmark's observations do:
-  /// others are not yet where that can be told.
+  /// Deactivates outliers, as last evaluated, of landmarks most of whose observations are inliers: for other landmarks
+  /// it is too early to decide.
   void Trim(const Gates& gates);
 
-  /// Lets those take part that agree with the state as it is; returns how many changed.
+  /// Activates exactly the inliers at the current state; returns the number of changes.
   int Gate(const Gates& gates);
 
-  /// Puts back where they were the landmarks that no observation agrees with.
+  /// Resets landmarks without inliers to their start.
   void RestoreLost();
 
-  /// Says of the poses that an observation agrees with that they are constant.
+  /// Marks the poses of inliers as `constant`.
   void HoldPoses();
 
   ObservationSums Sum(State state) const;
-  /// In the order of the observations given.
+  /// In the order of the given observations.
   std::vector<bool> Inliers() const;
   bool IsFinite() const;
-  /// Any free landmark that is seen.
+  /// Whether a free landmark is observed.
   bool HasFree() const { return has_free_; }
 
   /// Calls `visit(landmark index, first, last)` for each landmark with its range of `observations()`.
@@ -86,7 +86,7 @@ class ObservationGroup {
   int observation_count() const { return first_.back(); }
   double huber_delta() const { return huber_delta_; }
   bool HasPrior(size_t landmark) const { return !prior_weights_[landmark].isZero(0.0); }
-  /// Root of the information of a landmark's weak prior, symmetric; zero where there is none.
+  /// Square root of the information of a landmark's weak prior, symmetric; zero if it has none.
   const Information& PriorWeight(size_t landmark) const { return prior_weights_[landmark]; }
   Information PriorInformation(size_t landmark) const { return prior_weights_[landmark] * prior_weights_[landmark]; }
 
@@ -95,12 +95,12 @@ class ObservationGroup {
   double DistanceTo(size_t landmark) const;
   Information InformationOf(size_t landmark) const;
   bool IsDetermined(size_t landmark, double distance_m) const;
-  /// After a change: a landmark that its observations do not determine any more, and no prior holds, takes no part.
+  /// After a change: deactivates the observations of a landmark that they no longer determine, unless it has a prior.
   void DropUndetermined(size_t landmark);
 
   double huber_delta_;
   std::vector<Landmark> landmarks_;
-  /// Observations of landmark i are first_[i] to first_[i + 1].
+  /// Observations of landmark i are those from first_[i] up to first_[i + 1].
   std::vector<int> first_;
   std::vector<AdjustedObservation<Cost>> observations_;
   size_t given_observations_;

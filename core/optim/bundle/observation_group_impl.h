@@ -42,7 +42,7 @@ ObservationGroup<Cost>::ObservationGroup(const std::vector<GivenLandmark>& landm
 
 template <class Cost>
 void ObservationGroup<Cost>::TrimGross() {
-  // Squared norms: five medians of the norms, and never below ten standard deviations.
+  // Limit on squared norms: five times the median norm, and at least ten standard deviations.
   constexpr double kMedians = 25.0;
   constexpr double kFloor = 100.0;
   std::vector<double> squares;
@@ -87,7 +87,7 @@ double ObservationGroup<Cost>::DistanceTo(size_t landmark) const {
 template <class Cost>
 bool ObservationGroup<Cost>::IsDetermined(size_t landmark, double distance_m) const {
   constexpr double kMaxRelativeSigma = 0.3;
-  // What is left above the information of a sigma that is too large.
+  // Positive definite if the information exceeds that of the largest acceptable sigma.
   Information excess = InformationOf(landmark);
   excess.diagonal().array() -= 1.0 / std::pow(kMaxRelativeSigma * distance_m, 2);
   return excess.llt().info() == Eigen::Success;
@@ -154,7 +154,7 @@ int ObservationGroup<Cost>::Gate(const Gates& gates) {
     }
     if (agree_as_before) continue;
     DropUndetermined(i);
-    // What was dropped before, and is again, has not changed.
+    // Observations deactivated before and again have not changed.
     for (int k = 0; k < Count(i); ++k) changed += begin[k].active != before[static_cast<size_t>(k)];
   }
   return changed;

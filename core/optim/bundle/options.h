@@ -14,14 +14,14 @@ struct BundleOptions {
   int max_iterations = 6;
   /// Passes after the first, each without the outliers found.
   int max_refinements = 1;
-  /// Where the loss turns linear, in standard deviations.
+  /// Residual at which the loss becomes linear, in standard deviations.
   double huber_delta = 1.5;
   /// Chi-square gate of inliers, as quantile of the normal distribution (2.33 keeps 99 %).
   double gate_sigmas = 2.33;
-  /// Share of the cost that a step must gain for another one to follow.
+  /// Share of the loss that a step must gain for another one to follow.
   double function_tolerance = 3e-2;
-  /// Free poses above which only those blocks of their system are kept that are not zero; below, a dense one is
-  /// faster, which takes 0.6 kB for each pair of them.
+  /// Number of free poses above which their system is sparse; below, a dense one is faster, which takes 0.6 kB for each
+  /// pair of them.
   int max_dense_poses = 150;
 };
 

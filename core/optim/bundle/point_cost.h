@@ -6,7 +6,7 @@
 
 namespace plslam {
 
-/// A point as the adjustment moves it: its position in the world.
+/// A point with its position in the map frame as parameters.
 struct AdjustedPoint {
   static constexpr int kSize = 3;
   static constexpr bool kAlwaysPrior = false;
@@ -16,7 +16,7 @@ struct AdjustedPoint {
 
   bool IsUsable() const { return start.allFinite(); }
   Eigen::Vector3d Middle() const { return x; }
-  /// Root of the information of a weak prior.
+  /// Square root of the information of a weak prior.
   Eigen::Matrix3d PriorWeight(double distance_m) const { return Eigen::Matrix3d::Identity() / distance_m; }
 
   Parameters x;
@@ -24,33 +24,33 @@ struct AdjustedPoint {
   bool free;
 };
 
-/// One view of a point: whitened residuals (u, v, disparity), or (u, v) where it has no disparity; measured minus
-/// predicted. The disparity is the right image's share.
+/// One observation of a point: whitened residuals (u, v, disparity), or (u, v) without disparity; measured minus
+/// predicted. The disparity is the contribution of the right image.
 class PointCost {
  public:
   using Landmark = AdjustedPoint;
   static constexpr int kMaxRows = 3;
-  /// Derivatives by the landmark are those by a shift of the camera with the other sign.
+  /// Derivatives by the landmark are minus those by a shift of the camera.
   static constexpr bool kShiftsAgainstCamera = true;
 
   PointCost() = default;
   PointCost(const PointObservation& observation, const AdjustedPoint& point, const CameraView& view,
             const StereoCamera& camera);
 
-  /// False for what cannot be measured: not finite, or sigmas that are not positive.
+  /// False for invalid observations: not finite, or sigmas not positive.
   static bool IsUsable(const PointObservation& observation);
 
-  /// What is taken from the state between passes: nothing.
+  /// Updates nothing: points have no state between passes.
   void Anchor(const CameraView&, const AdjustedPoint&) {}
 
   int rows() const { return rows_; }
 
-  /// Residuals at the position `p_w` of the point, and where not null their Jacobians (row-major, `rows()` x 6 and
-  /// `rows()` x 3). False, with nothing written, where the point is behind the camera or too near.
+  /// Computes residuals at the position `p_w` of the point and, for non-null pointers, their Jacobians (row-major,
+  /// `rows()` x 6 and `rows()` x 3). Returns false and writes nothing if the point is behind the camera or too near.
   bool Evaluate(const CameraView& view, const double* p_w, double* residuals, double* by_pose,
                 double* by_landmark) const;
 
-  /// Squared distance in the left image, from whitened residuals.
+  /// Squared distance in the left image, in px^2, from whitened residuals.
   double SquaredPixels(const double* residuals) const {
     return (residuals[0] * residuals[0] + residuals[1] * residuals[1]) / (weight_ * weight_);
   }

@@ -11,9 +11,8 @@
 
 namespace plslam {
 
-/// Normal equations H x = -g of the free poses, six rows for each. Of the blocks of the symmetric H only those on and
-/// below the diagonal are kept. Of few poses H is dense; of many, where most pairs share no landmark, only the blocks
-/// that have been asked for are there.
+/// Normal equations H x = -g of the free poses, six rows for each. Only blocks of the symmetric H on and below the
+/// diagonal are stored: all for few poses; for many, where most pairs share no landmark, only those that were accessed.
 class PoseSystem {
  public:
   using Block = Eigen::Map<Matrix6d, Eigen::Unaligned, Eigen::OuterStride<>>;
@@ -22,7 +21,7 @@ class PoseSystem {
   PoseSystem(int pose_count, Storage storage);
 
   void SetZero();
-  /// The values of `other`; blocks that only this one has become zero, and stay.
+  /// Copies the values of `other`; blocks that only this one has become zero, and stay.
   void Assign(const PoseSystem& other);
 
   Block Diagonal(int pose) {
@@ -30,7 +29,7 @@ class PoseSystem {
     return SparseBlock(blocks_.diagonal[static_cast<size_t>(pose)]);
   }
   auto Gradient(int pose) { return g_.segment<6>(6 * pose); }
-  /// Of two different poses, the later one's rows.
+  /// Block of two different poses, in the later one's rows.
   Block Below(int earlier, int later) {
     if (is_dense_) return DenseBlock(later, earlier);
     return SparseBlock(blocks_.Below(earlier, later));
@@ -40,7 +39,7 @@ class PoseSystem {
   Eigen::VectorXd DiagonalValues() const;
   void AddToDiagonal(const Eigen::VectorXd& values);
 
-  /// x; nullopt where H is not positive definite. What stands in H is lost where it is dense.
+  /// Returns x; nullopt if H is not positive definite. Overwrites a dense H.
   std::optional<Eigen::VectorXd> Solve();
 
  private:

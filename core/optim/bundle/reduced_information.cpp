@@ -11,12 +11,12 @@
 namespace plslam {
 namespace {
 
-// Above it a dense inverse takes longer and more memory than sparse solves.
+// Number of poses above which a dense inverse takes more time and memory than sparse solves.
 constexpr int kMaxDenselyInverted = 60;
 constexpr double kUnseen_m = 1e3;
 constexpr double kUnseen_rad = 20.0 * std::numbers::pi;
 
-/// Covariance of a pose that nothing is known of.
+/// Covariance of a pose without observations.
 Matrix6d Unseen() {
   Vector6d variances;
   variances << Eigen::Vector3d::Constant(kUnseen_m * kUnseen_m), Eigen::Vector3d::Constant(kUnseen_rad * kUnseen_rad);

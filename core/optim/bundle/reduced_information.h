@@ -11,17 +11,17 @@
 
 namespace plslam {
 
-/// The information matrix of the free poses once landmarks are eliminated: 6 x 6 blocks of a symmetric matrix, of
-/// which the upper ones are kept and only where two poses share a landmark.
+/// Information matrix of the free poses after elimination of the landmarks: a symmetric matrix of 6 x 6 blocks. Only
+/// upper blocks are stored, of pairs of poses that share a landmark.
 class ReducedInformation {
  public:
-  /// Starts with next to nothing on the diagonal (a kilometre, ten turns), so that what nobody saw is very uncertain.
+  /// Starts with a negligible diagonal (a kilometre, ten turns), so that poses without observations are very uncertain.
   explicit ReducedInformation(int pose_count);
 
   /// Adds to block (i, j); i <= j.
   void Add(int i, int j, const Matrix6d& block) { Block(i, j) += block; }
 
-  /// Diagonal blocks of the inverse; as of what nobody saw should the matrix not be positive definite.
+  /// Returns the diagonal blocks of the inverse; those of unobserved poses if the matrix is not positive definite.
   std::vector<Matrix6d> Covariances() const;
 
  private:

@@ -20,7 +20,7 @@ Matrix6d PerturbationByParameters(const AdjustedPose& pose) {
   return by;
 }
 
-// Inverse right Jacobian of SE(3) at a small difference, to first order: I + ad(e) / 2.
+// Inverse right Jacobian of SE(3) for a small difference, to first order: I + ad(e) / 2.
 Matrix6d InverseRightJacobian(const Vector6d& e) {
   Matrix6d ad = Matrix6d::Zero();
   ad.topLeftCorner<3, 3>() = Skew(e.tail<3>());

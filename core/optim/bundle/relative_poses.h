@@ -9,17 +9,17 @@
 
 namespace plslam {
 
-/// Whitened difference of two poses from what was measured between them: L^-1 Log(T_a_b^-1 T_w_a^-1 T_w_b), six rows,
-/// where L L^T is the covariance.
+/// Whitened error of a measured motion between two poses: L^-1 Log(T_a_b^-1 T_w_a^-1 T_w_b), six rows, with L L^T the
+/// covariance.
 class RelativePoseCost {
  public:
-  /// The poses must outlive it. `IsUsable` says whether it may be added.
+  /// The poses must outlive it. Add it only if `IsUsable`.
   RelativePoseCost(const RelativePose& measured, AdjustedPose& a, AdjustedPose& b);
 
-  /// The covariance is positive definite, and one of the poses is free.
+  /// Whether the covariance is positive definite and one of the poses is free.
   bool IsUsable() const { return usable_; }
 
-  /// Residuals at the poses as they are, and where not null their Jacobians (row-major, 6 x 6).
+  /// Computes residuals at the current poses and, for non-null pointers, their Jacobians (row-major, 6 x 6).
   void Evaluate(double* residuals, double* by_a, double* by_b) const;
 
   AdjustedPose& a() const { return *a_; }
@@ -33,22 +33,22 @@ class RelativePoseCost {
   bool usable_ = false;
 };
 
-/// The relative poses of an adjustment that count: measured well, between poses that see something, of which one is
-/// free.
+/// The relative poses of an adjustment that are used: with a valid covariance, between poses with observations, one of
+/// them free.
 class RelativePoses {
  public:
-  /// Where their loss turns linear, in standard deviations.
+  /// Residual at which their loss becomes linear, in standard deviations.
   static constexpr double kDelta = 3.0;
 
   RelativePoses(const std::vector<RelativePose>& measured, std::vector<AdjustedPose>& poses);
 
-  /// Adds information and gradient at the poses as they are. Returns the loss.
+  /// Adds information and gradient at the current poses. Returns the loss.
   double Linearise(PoseSystem& system) const;
 
-  /// Twice the cost at the poses as they are.
+  /// Twice the cost at the current poses.
   double Loss() const;
 
-  /// Says of their poses that they are constant.
+  /// Marks their poses as `constant`.
   void HoldPoses();
 
   const std::vector<RelativePoseCost>& costs() const { return costs_; }

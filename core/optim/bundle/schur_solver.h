@@ -13,26 +13,26 @@
 
 namespace plslam {
 
-/// Levenberg-Marquardt on poses, points and lines with landmarks eliminated (Schur complement): what Ceres does with
-/// its Schur solvers, step for step, in a third of the time, because the sizes of all blocks are known to the
-/// compiler. The system of the poses that is left is dense for at most `max_dense_poses`, sparse for more.
+/// Levenberg-Marquardt on poses, points and lines with landmarks eliminated (Schur complement). Takes the same steps as
+/// the Schur solvers of Ceres, in a third of the time, because all block sizes are known at compile time. The remaining
+/// system of the poses is dense for at most `max_dense_poses` of them, sparse for more.
 class SchurSolver {
  public:
-  /// All must outlive it.
+  /// All arguments must outlive it.
   SchurSolver(std::vector<AdjustedPose>& poses, const RelativePoses& relative,
               const std::array<EliminatedLandmarks*, 2>& kinds, const BundleOptions& options);
 
-  /// Steps from the state as it is until `control` has enough; leaves the best state found. Outliers are trimmed if
-  /// `trim`. Fails where the system cannot be solved, however short the step. Where steps promise no gain any more,
-  /// which Ceres calls a failure too, it is at its end.
+  /// Takes steps from the current state until `control` ends the pass; leaves the best state found. Trims outliers if
+  /// `trim`. Fails if the system cannot be solved for any damping. It has converged, not failed (as in Ceres), if steps
+  /// no longer predict a reduction.
   BundlePass Run(StepControl& control, bool trim);
 
  private:
   double Linearise();
   double Loss() const;
   bool IsFlat() const;
-  /// Returns the gain predicted_reduction; where that is not above 0, nothing has moved. nullopt where the system
-  /// cannot be solved.
+  /// Returns the predicted reduction of the loss; if it is not positive, the state has not changed. Returns nullopt if
+  /// the system cannot be solved.
   std::optional<double> Step(const Damping& damping);
   void TakeBack();
 

@@ -6,8 +6,8 @@
 namespace plslam {
 namespace {
 
-// Outliers can be told once a step gains less than this share of the cost, or what is left is less than this for a
-// row; inliers alone leave 0.6.
+// Outliers can be identified once a step gains less than this share of the loss, or the loss for each row is below the
+// second; inliers alone leave 0.6.
 constexpr double kNearGain = 0.5;
 constexpr double kNearLoss = 1.5;
 

@@ -14,36 +14,36 @@ struct LossSum {
   double rows = 0.0;
 };
 
-/// What is asked of the observations after a step, as they were evaluated last.
+/// Callbacks to the observations after a step, as last evaluated.
 struct ObservationActions {
   std::function<LossSum()> loss;
-  /// Loss of all that is no observation: weak priors and relative poses, at the state as it is.
+  /// Loss of weak priors and relative poses at the current state.
   std::function<double()> other_loss;
-  /// Takes outliers away.
+  /// Deactivates outliers.
   std::function<void()> trim;
 };
 
 struct BundlePass {
-  /// False where the solver failed; the state is then undefined.
+  /// False if the solver failed; the state is then undefined.
   bool ok = false;
   bool stopped = false;
   int iterations = 0;
 };
 
-/// Ends a pass when a step has gained little of the whole loss.
+/// Ends a pass when a step has reduced the loss by little.
 ///
-/// Outliers are trimmed once within a pass, as soon as the observations are near enough to tell them and before the
-/// next derivatives are evaluated: a pass of its own would cost as much as a step. Observations can only be taken
-/// away there: the next cost is compared with the one before.
+/// Outliers are trimmed once within a pass, as soon as the residuals are small enough to identify them, and before the
+/// next linearisation: a separate pass would cost as much as a step. Trimming only deactivates observations, because
+/// the next loss is compared with the previous one.
 class StepControl {
  public:
   StepControl(ObservationActions observations, const BundleOptions& options, const std::atomic<bool>* stop)
       : observations_(std::move(observations)), options_(options), stop_(stop) {}
 
-  /// At the state that a pass starts from.
+  /// Called at the start state of a pass.
   void Start(bool trim);
 
-  /// A step was accepted. True where another one is worth it.
+  /// Called after an accepted step. Returns whether another one is worthwhile.
   bool GoesOn();
 
   bool IsStopped() const { return stop_ && *stop_; }

@@ -6,9 +6,9 @@
 namespace plslam {
 namespace {
 
-// Of an edge between keyframes at the same place: as of one that is so long.
+// Added to the length of each edge, so that edges between coincident keyframes are not certain.
 constexpr double kLeast_m = 0.05;
-// Shared landmarks that `MapDrift` speaks of; and how much more or fewer of them count.
+// Number of shared landmarks to which `MapDrift` refers, and the limit of the factor for more or fewer of them.
 constexpr double kShared = 100.0;
 constexpr double kMaxFactor = 4.0;
 
@@ -22,7 +22,7 @@ Matrix6d EdgeCovariance(const Map& map, const MapEdge& edge, const SE3& T_a_b, c
   covariance.diagonal().head<3>().setConstant(factor * sigma_m * sigma_m);
   covariance.diagonal().tail<3>().setConstant(factor * sigma_rad * sigma_rad);
   if (!edge.odometry || edge.shared >= Map::kCovisible) return covariance;
-  // Only the tracker knows how these two lie to each other.
+  // The two share few landmarks: only the tracker determines their relative pose.
   const bool forward = map.FindKeyframe(edge.b)->previous_id == edge.a;
   const Matrix6d& measured = map.FindKeyframe(forward ? edge.b : edge.a)->relative_covariance;
   return covariance + (forward ? measured : InverseCovariance(T_a_b.Inverse(), measured));
@@ -45,8 +45,8 @@ MapPoseGraph PoseGraphOf(const Map& map, const MapGraph& graph, const std::map<i
   }
   for (const MapEdge& edge : graph.edges()) {
     if (!T_w_kf.contains(edge.a) || !T_w_kf.contains(edge.b)) continue;
-    // As the map has it: adjusted since it was measured. A step that is not known must not pull back what a loop
-    // joins.
+    // Measured on the map, which was adjusted since the motion was first measured. An unknown step must not pull back
+    // keyframes that a loop joins.
     const SE3 T_a_b = edge.known ? map.FindKeyframe(edge.a)->T_w_kf.Inverse() * map.FindKeyframe(edge.b)->T_w_kf
                                  : T_w_kf.at(edge.a).Inverse() * T_w_kf.at(edge.b);
     const auto information = InformationFromCovariance(EdgeCovariance(map, edge, T_a_b, drift));

@@ -30,7 +30,7 @@ double Chi2(const PoseGraph<Pose>& graph, const std::vector<Pose>& T_w_kf) {
   return sum;
 }
 
-/// One graph on its way to the least sum.
+/// The optimisation of one graph, with its rejected edges.
 template <class Pose>
 class Optimiser {
  public:
@@ -83,8 +83,8 @@ class Optimiser {
     return lower ? from_given : solve;
   }
 
-  /// Takes out the robust edge that the others contradict most; false where there is none to take out. An edge that a
-  /// solve without it has cleared is not tried again.
+  /// Rejects the robust edge that the others contradict most; returns false if there is no candidate. An edge that was
+  /// confirmed by a solve without it is not tried again.
   bool RejectOne(PoseGraphSolve<Pose>& best) {
     cleared_.resize(graph_.edges.size(), false);
     const bool any = std::any_of(graph_.edges.begin(), graph_.edges.end(), [](const auto& e) { return e.robust; });

@@ -9,7 +9,7 @@
 
 namespace plslam {
 
-/// Parts of a graph, each named by its first pose (union-find).
+/// Connected parts of a graph, each identified by its first pose (union-find).
 class GraphParts {
  public:
   explicit GraphParts(size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
@@ -19,7 +19,7 @@ class GraphParts {
     return i;
   }
 
-  /// False where they are one already.
+  /// Returns false if they are the same part already.
   bool Join(int a, int b) {
     a = Find(a);
     b = Find(b);
@@ -31,8 +31,8 @@ class GraphParts {
   std::vector<int> parent_;
 };
 
-/// A sparse symmetric matrix of N x N blocks, one row and column of blocks for each pose that is not constant, summed
-/// up block by block. Only its lower triangle is kept.
+/// A sparse symmetric matrix of N x N blocks, one row and column of blocks for each pose that is not constant, built by
+/// adding blocks. Only its lower triangle is stored.
 template <int N>
 class PoseBlockMatrix {
  public:
@@ -44,12 +44,12 @@ class PoseBlockMatrix {
     }
   }
 
-  /// Place of the pose among the blocks; -1 where it is constant.
+  /// Index of the pose among the blocks; -1 if it is constant.
   int column(int pose) const { return column_[pose]; }
-  /// Rows of numbers.
+  /// Number of scalar rows.
   int rows() const { return N * size_; }
 
-  /// Adds to the block of (a, b) and, by symmetry, to that of (b, a). Blocks of constant poses go nowhere.
+  /// Adds to the block of (a, b) and, by symmetry, to that of (b, a). Ignores blocks of constant poses.
   void Add(int a, int b, const Block& block) {
     const int row = column_[a];
     const int column = column_[b];

@@ -59,7 +59,7 @@ std::vector<bool> ConstantPoses(const PoseGraph<Pose>& graph, const std::vector<
     constant[i] = true;
     anchored[parts.Find(static_cast<int>(i))] = true;
   }
-  // A part's name is its first pose.
+  // A part is identified by its first pose.
   for (size_t i = 0; i < n; ++i) {
     if (parts.Find(static_cast<int>(i)) == static_cast<int>(i) && !anchored[i]) constant[i] = true;
   }

@@ -8,12 +8,12 @@
 
 namespace plslam {
 
-/// Why the graph cannot be optimised, in one sentence; empty where it can.
+/// Returns why the graph cannot be optimised, in one sentence; empty if it can.
 template <class Pose>
 std::string PoseGraphObjection(const PoseGraph<Pose>& graph);
 
-/// Which poses stay as they are: the fixed ones, those without an edge, and the first of each connected part that has
-/// no fixed one. Edges that are `rejected` connect nothing; an empty vector rejects none.
+/// Marks the constant poses: the fixed ones, those without an edge, and the first of each connected part without a
+/// fixed one. `rejected` edges do not connect; an empty vector rejects none.
 template <class Pose>
 std::vector<bool> ConstantPoses(const PoseGraph<Pose>& graph, const std::vector<bool>& rejected);
 

@@ -25,7 +25,7 @@ std::optional<Eigen::MatrixXd> Solve(const Eigen::SparseMatrix<double>& H, const
   return x;
 }
 
-/// One number for the information of the rotation: that of the mean variance.
+/// Scalar information of the rotation: the inverse of the mean variance.
 template <class Pose>
 double RotationWeight(const PoseMatrix<Pose>& information) {
   constexpr int kTurns = kPoseFreedom<Pose> - kD<Pose>;
@@ -41,7 +41,7 @@ Rotation<Pose> NearestRotation(const Rotation<Pose>& M) {
   return svd.matrixU() * sign * svd.matrixV().transpose();
 }
 
-/// Transposed rotations of the free poses, one below the other: R_w_b^T = R_a_b^T R_w_a^T in the mean.
+/// Transposed rotations of the free poses, stacked: R_w_b^T = R_a_b^T R_w_a^T in the least-squares sense.
 template <class Pose>
 std::optional<Eigen::MatrixXd> RelaxedRotations(const PoseGraph<Pose>& graph, const std::vector<bool>& constant) {
   PoseBlockMatrix<kD<Pose>> H(constant);
@@ -64,7 +64,7 @@ std::optional<Eigen::MatrixXd> RelaxedRotations(const PoseGraph<Pose>& graph, co
   return Solve(H.Build(), rhs);
 }
 
-/// One Gauss-Newton step of the translations alone, in which the error is linear.
+/// Takes one Gauss-Newton step of the translations alone, in which the error is linear.
 template <class Pose>
 bool SetTranslations(const PoseGraph<Pose>& graph, const std::vector<bool>& constant, std::vector<Pose>& poses) {
   PoseBlockMatrix<kD<Pose>> H(constant);

@@ -8,12 +8,13 @@
 
 namespace plslam {
 
-/// Poses to start from that do not depend on those given, except on the constant ones: rotations from the edges alone
+/// Computes start poses that depend on the given ones only through the constant poses: rotations from the edges alone
 /// by chordal relaxation (sum of k |R_w_b - R_w_a R_a_b|^2 over matrices, linear; then the nearest rotations), and
-/// the translations that minimise the chi-square given these, which is linear too. See Carlone, Tron, Daniilidis,
-/// Dellaert, "Initialization techniques for 3D SLAM", ICRA 2015. All edges count, robust ones too.
+/// the translations that minimise the chi-square given these, which is linear, too. See Carlone, Tron, Daniilidis,
+/// Dellaert, "Initialization techniques for 3D SLAM", ICRA 2015. Uses all edges, including robust ones.
 ///
-/// Expects a graph without objection and `constant` from ConstantPoses. nullopt where a system cannot be solved.
+/// Expects a valid graph (`PoseGraphObjection`) and `constant` from ConstantPoses. Returns nullopt if a system is
+/// singular.
 template <class Pose>
 std::optional<std::vector<Pose>> ChordalPoses(const PoseGraph<Pose>& graph, const std::vector<bool>& constant);
 

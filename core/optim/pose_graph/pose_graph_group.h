@@ -11,12 +11,12 @@
 
 namespace plslam {
 
-/// All that differs between pose graphs in space and in the plane. Perturbations stand on the right, to first order
+/// Operations that differ between pose graphs in space and in the plane. Perturbations act on the right, to first order
 /// [translation; rotation].
 template <class Pose>
 struct PoseGroup;
 
-/// Error of an edge and its derivatives by the right perturbations of the poses.
+/// Error of an edge and its derivatives by the right perturbations of both poses.
 template <class Pose>
 struct PoseEdgeError {
   Eigen::Matrix<double, kPoseFreedom<Pose>, 1> e;

@@ -9,7 +9,7 @@
 namespace plslam {
 
 /// Marginal covariances of the right perturbations at given poses, from the edges that are not rejected: blocks of the
-/// inverse of the information (`BlockCholesky::Invert`).
+/// inverse information (`BlockCholesky::Invert`).
 template <class Pose>
 class PoseGraphMarginals {
  public:
@@ -19,18 +19,18 @@ class PoseGraphMarginals {
   PoseGraphMarginals(const PoseGraph<Pose>& graph, const std::vector<Pose>& T_w_kf,
                      const std::vector<bool>& rejected);
 
-  /// False where the information is not positive definite; there are no marginals then.
+  /// False if the information is not positive definite; there are no marginals then.
   bool ok() const { return ok_; }
 
   /// Zero for constant poses.
   PoseMatrix<Pose> OfPose(int pose) const { return Block(pose, pose); }
-  /// Of both ends of an edge that is not rejected.
+  /// Joint covariance of both ends of an edge that is not rejected.
   JointMatrix OfEdge(const PoseGraphMotion<Pose>& edge) const;
 
  private:
   PoseMatrix<Pose> Block(int a, int b) const;
 
-  std::vector<int> column_;  ///< of each pose; -1 where it is constant
+  std::vector<int> column_;  ///< of each pose; -1 if it is constant
   BlockCholesky<kFreedom> cholesky_;
   bool ok_ = false;
 };

@@ -9,9 +9,9 @@
 namespace plslam {
 namespace {
 
-// Share of an edge's information that others must contribute in a direction for it to count as predicted: what double
-// precision leaves of the difference. An edge that alone joins two parts may still seem to be predicted; a solve
-// tells.
+// Share of an edge's information that others must contribute in a direction for the edge to be predicted there; below
+// it, the difference is rounding error. The only edge between two parts may still seem predicted; the solve without it
+// decides.
 constexpr double kPredicted = 1e-12;
 
 template <class Pose>

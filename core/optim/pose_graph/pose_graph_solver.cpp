@@ -16,12 +16,12 @@
 namespace plslam {
 namespace {
 
-// Steps shorter than this share of the poses' coordinates are none, and so are those that promise less than this
-// share of the chi-square.
+// Convergence: steps shorter than this share of the poses' coordinates, and predicted reductions below this share of
+// the chi-square.
 constexpr double kShortStep = 1e-12;
 constexpr double kNoGain = 1e-15;
 
-/// One graph on its way down from a start. Costs are chi-squares: twice those of Ceres.
+/// One minimisation from a start. Costs are chi-squares: twice those of Ceres.
 template <class Pose>
 class Descent {
  public:
@@ -81,7 +81,7 @@ class Descent {
   static constexpr int kFreedom = kPoseFreedom<Pose>;
   using Group = PoseGroup<Pose>;
 
-  /// Information and gradient at the poses as they are. Returns the chi-square.
+  /// Computes information and gradient at the current poses. Returns the chi-square.
   double Linearise() {
     H_.SetZero();
     g_.setZero();
@@ -113,7 +113,7 @@ class Descent {
     g_.template segment<kFreedom>(kFreedom * column) += gradient;
   }
 
-  /// nullopt where the damped system cannot be solved.
+  /// Returns nullopt if the damped system cannot be solved.
   std::optional<Eigen::VectorXd> Step(const Damping& damping) {
     damped_.diagonal = H_.diagonal;
     damped_.rows = H_.rows;
@@ -156,7 +156,7 @@ class Descent {
   const std::vector<bool>& rejected_;
   const PoseGraphOptions& options_;
   std::vector<Pose> T_w_kf_;
-  /// Of each pose its number among those that are free, or -1.
+  /// Index of each pose among the free ones, or -1.
   std::vector<int> column_;
   int n_columns_ = 0;
   double chi2_ = 0.0;

@@ -15,8 +15,8 @@ struct PoseGraphSolve {
   int iterations = 0;
 };
 
-/// Levenberg-Marquardt over the edges that are not rejected, from `start`. Expects a graph without objection; `ok` is
-/// false where the solver fails or its result is not finite.
+/// Runs Levenberg-Marquardt over the edges that are not rejected, from `start`. Expects a valid graph; `ok` is false if
+/// the solver fails or its result is not finite.
 template <class Pose>
 PoseGraphSolve<Pose> SolvePoseGraph(const PoseGraph<Pose>& graph, const std::vector<bool>& rejected,
                                     const std::vector<Pose>& start, const PoseGraphOptions& options);

@@ -10,7 +10,7 @@
 namespace plslam {
 namespace {
 
-/// Where each row goes.
+/// Returns the new index of each row.
 template <int N>
 std::vector<int> FillReducingOrder(const SymmetricBlocks<N>& matrix) {
   const auto n = static_cast<int>(matrix.rows.size());
@@ -26,7 +26,7 @@ std::vector<int> FillReducingOrder(const SymmetricBlocks<N>& matrix) {
   graph.setFromTriplets(pattern.begin(), pattern.end());
   Eigen::AMDOrdering<int>::PermutationType order;
   Eigen::AMDOrdering<int>()(graph, order);
-  // Row order.indices()[k] of the matrix comes at place k.
+  // Row order.indices()[k] of the matrix gets index k.
   std::vector<int> place_of(static_cast<size_t>(n));
   for (int k = 0; k < n; ++k) place_of[static_cast<size_t>(order.indices()[k])] = k;
   return place_of;
@@ -63,7 +63,7 @@ template <int N>
 void BlockCholesky<N>::Analyse(const SymmetricBlocks<N>& matrix) {
   const size_t n = matrix.rows.size();
   place_of_ = FillReducingOrder(matrix);
-  // Of each column first the rows of the matrix, then what its children in the elimination tree leave to it.
+  // Rows of each column: those of the matrix, and then those inherited from its children in the elimination tree.
   std::vector<std::vector<int>> columns(n);
   for (size_t row = 0; row < n; ++row) {
     for (const auto& [column, place] : matrix.rows[row]) {
@@ -88,7 +88,7 @@ void BlockCholesky<N>::Analyse(const SymmetricBlocks<N>& matrix) {
   blocks_.resize(rows_.size());
 }
 
-/// Of a block that is there; of others, where it would have to be.
+/// Returns the index of a block in `blocks_`, or where it would be inserted.
 template <int N>
 size_t BlockCholesky<N>::PlaceOf(int row, size_t column) const {
   const auto begin = rows_.begin() + static_cast<std::ptrdiff_t>(first_[column]);
@@ -113,11 +113,11 @@ void BlockCholesky<N>::Fill(const SymmetricBlocks<N>& matrix) {
   }
 }
 
-/// All that columns before it take from it has been taken. Takes from those behind it.
+/// Factorises a column, to which all earlier columns have contributed, and subtracts its contribution to later ones.
 template <int N>
 bool BlockCholesky<N>::FactoriseColumn(size_t column) {
   const Eigen::LLT<Block> root(diagonal_[column]);
-  // What is not a number is carried to the last element.
+  // NaN propagates to the last element of the factor.
   if (root.info() != Eigen::Success || !(root.matrixLLT()(N - 1, N - 1) > 0.0)) return false;
   diagonal_[column] = root.matrixL();
   const Block inverse_root = root.matrixL().solve(Block::Identity());
@@ -128,7 +128,7 @@ bool BlockCholesky<N>::FactoriseColumn(size_t column) {
     const auto target = static_cast<size_t>(rows_[k]);
     const Block transposed = blocks_[k].transpose();
     diagonal_[target].noalias() -= blocks_[k] * transposed;
-    // The rows of this column are among those of the target, and both ascend.
+    // The rows of this column are a subset of those of the target, and both ascend.
     size_t place = first_[target];
     for (size_t j = k + 1; j < end; ++j) {
       while (rows_[place] != rows_[j]) ++place;
@@ -151,7 +151,7 @@ bool BlockCholesky<N>::Factorise(const SymmetricBlocks<N>& matrix) {
   return true;
 }
 
-/// Of later columns all is there.
+/// Requires the inverse blocks of all later columns.
 template <int N>
 void BlockCholesky<N>::InvertColumn(size_t column) {
   const size_t begin = first_[column];
@@ -163,7 +163,7 @@ void BlockCholesky<N>::InvertColumn(size_t column) {
   for (size_t k = begin; k < end; ++k) {
     const auto later = static_cast<size_t>(rows_[k]);
     inverse_blocks_[k].noalias() -= inverse_diagonal_[later] * scaled[k - begin];
-    // The rows of this column are among those of the later one, and both ascend.
+    // The rows of this column are a subset of those of the later one, and both ascend.
     size_t place = first_[later];
     for (size_t j = k + 1; j < end; ++j) {
       while (rows_[place] != rows_[j]) ++place;

@@ -9,8 +9,8 @@
 
 namespace plslam {
 
-/// A symmetric matrix of N x N blocks, N = 3 or 6, of which most are zero: those on the diagonal, and those below it
-/// that have been asked for.
+/// A sparse symmetric matrix of N x N blocks, N = 3 or 6: all diagonal blocks, and the blocks below the diagonal that
+/// were accessed.
 template <int N>
 struct SymmetricBlocks {
   using Block = Eigen::Matrix<double, N, N>;
@@ -18,16 +18,16 @@ struct SymmetricBlocks {
   explicit SymmetricBlocks(int size = 0)
       : diagonal(static_cast<size_t>(size), Block::Zero()), rows(static_cast<size_t>(size)) {}
 
-  /// The block in row `later` and column `earlier` (< later), which is there from now on. The reference holds until
-  /// another one is asked for for the first time.
+  /// Returns the block in row `later` and column `earlier` (< later), created if it is missing. The reference is valid
+  /// until the next block is created.
   Block& Below(int earlier, int later);
 
   void SetZero();
-  /// The values of `other`, of the same size; blocks that only this one has become zero, and stay.
+  /// Copies the values of `other`, of the same size; blocks that only this one has become zero, and stay.
   void Assign(const SymmetricBlocks& other);
 
   std::vector<Block> diagonal;
-  /// Of each row the columns of its blocks below the diagonal, ascending, with their places in `below`.
+  /// By row: columns of its blocks below the diagonal, ascending, with their indices in `below`.
   std::vector<std::vector<std::pair<int, size_t>>> rows;
   std::vector<Block> below;
 };
@@ -39,21 +39,21 @@ struct SymmetricBlocks {
 template <int N>
 class BlockCholesky {
  public:
-  /// False where the matrix is not positive definite. What was found out about the structure is used again as long as
-  /// it has as many blocks as before: they are never taken away.
+  /// Returns false if the matrix is not positive definite. The symbolic analysis is reused while the number of blocks
+  /// is the same as before: blocks are never removed.
   bool Factorise(const SymmetricBlocks<N>& matrix);
 
-  /// x of A x = b.
+  /// Returns x with A x = b.
   Eigen::VectorXd Solve(const Eigen::VectorXd& b) const;
 
-  /// Computes those blocks of the inverse of A where A, or L, has one, without the rest of it. Recursion from the last
-  /// column to the first (K. Takahashi, J. Fagan, M. Chin, 1973): Z = L^-T L^-1 restricted to that pattern needs only
-  /// blocks of later columns. Costs about as much as the factorisation.
+  /// Computes the blocks of the inverse of A where A or L has a block. Recursion from the last column to the first
+  /// (K. Takahashi, J. Fagan, M. Chin, 1973): Z = L^-T L^-1 restricted to that pattern needs only blocks of later
+  /// columns. Costs about as much as the factorisation.
   void Invert();
-  /// Of the inverse, after `Invert`; zero where it was not computed.
+  /// Returns a block of the inverse, after `Invert`; zero if it was not computed.
   Eigen::Matrix<double, N, N> Inverse(int row, int column) const;
 
-  /// Blocks of L below the diagonal.
+  /// Number of blocks of L below the diagonal.
   size_t size() const { return blocks_.size(); }
 
  private:
@@ -66,14 +66,14 @@ class BlockCholesky {
   size_t PlaceOf(int row, size_t column) const;
 
   size_t n_analysed_ = 0;
-  std::vector<int> place_of_;  ///< of a row of the matrix in L
-  /// Of each column of L its rows below the diagonal, ascending, from first_[column] to first_[column + 1].
+  std::vector<int> place_of_;  ///< index in L of a row of the matrix
+  /// Rows below the diagonal of each column of L, ascending, from first_[column] up to first_[column + 1].
   std::vector<size_t> first_;
   std::vector<int> rows_;
   std::vector<Block> diagonal_;  ///< lower triangular
   std::vector<Block> blocks_;
   std::vector<Block> inverse_diagonal_;
-  std::vector<Block> inverse_blocks_;  ///< beside `blocks_`
+  std::vector<Block> inverse_blocks_;  ///< same indices as `blocks_`
 };
 
 }  // namespace plslam

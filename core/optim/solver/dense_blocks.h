@@ -7,8 +7,8 @@
 
 namespace plslam {
 
-/// Eigen cuts large dense matrices into blocks that fit the caches of the processor, and sums in their order. From the
-/// first call on these are blocks of one size, so that every processor gives the same bits.
+/// Eigen splits large dense matrices into blocks that fit the caches of the processor, which determines the order of
+/// summation. After the first call the blocks have one size, so that all processors give the same bits.
 inline void UseEqualDenseBlocks() {
   constexpr std::ptrdiff_t kKiB = 1024;
   static const bool are_set = [] {

@@ -16,7 +16,6 @@ namespace {
 
 // Number of pairs of points up to which all are compared.
 constexpr size_t kFewPairs = 100'000;
-constexpr int kGrid = 4;
 
 // Features of a keyframe that observe a landmark: landmark ids, indices of the features, and their descriptors.
 template <class Feature>
@@ -47,24 +46,16 @@ Shown<typename Type::Feature> ThatShow(const Map& map, int64_t keyframe_id, cons
   return shown;
 }
 
-Eigen::Vector3d Middle(const MapPoint& point) { return point.p_w; }
-Eigen::Vector3d Middle(const MapLine& line) { return 0.5 * (line.segment_w.p + line.segment_w.q); }
 Eigen::Vector2d Middle(const StereoPoint& point) { return point.left.px; }
 Eigen::Vector2d Middle(const StereoLine& line) { return 0.5 * (line.left.segment.p + line.left.segment.q); }
-
-size_t CellOf(double px, int first_px, int size_px) {
-  return static_cast<size_t>(std::clamp(static_cast<int>((px - first_px) * kGrid / size_px), 0, kGrid - 1));
-}
 
 template <class Type>
 void Spread(const Map& map, const SE3& T_c_w, const StereoCamera& camera,
             std::span<const typename Type::Feature> features, const std::vector<int64_t>& association,
-            std::array<bool, kGrid * kGrid>& cells, std::vector<double>& depths) {
+            std::array<bool, kViewCells>& cells, std::vector<double>& depths) {
   for (size_t i = 0; i < association.size(); ++i) {
     if (association[i] < 0) continue;
-    const Eigen::Vector2d px = Middle(features[i]);
-    cells[CellOf(px.y(), camera.top_px, camera.height_px) * kGrid + CellOf(px.x(), camera.left_px, camera.width_px)] =
-        true;
+    cells[ViewCell(Middle(features[i]), camera)] = true;
     depths.push_back((T_c_w * Middle(*Type::Find(map, association[i]))).z());
   }
 }
@@ -74,7 +65,7 @@ void Weigh(const Map& map, int64_t keyframe_id, const FeaturesView& features, co
   const SE3 T_c_w = place.pose.T_w_kf.Inverse();
   place.inliers = place.association.Weight();
   place.landmarks = CountExpected(map, keyframe_id, place.pose.T_w_kf, camera, place.association);
-  std::array<bool, kGrid * kGrid> cells{};
+  std::array<bool, kViewCells> cells{};
   std::vector<double> depths;
   Spread<PointType>(map, T_c_w, camera, features.points, place.association.points, cells, depths);
   Spread<LineType>(map, T_c_w, camera, features.lines, place.association.lines, cells, depths);

@@ -509,7 +509,8 @@ void Mapper::Recognise(const Keyframe& keyframe, MapKeyframe& entry, Association
   const MapKeyframe& seen = *map_.FindKeyframe(MostSeen(found, map_));
   SearchByProjection(map_, local, pose->T_w_kf, keyframe.features, camera_, options_.localisation, found);
   // Repeated furniture looks the same at each place, but its surroundings differ.
-  const ExpectedLandmarks landmarks = CountExpected(map_, seen.id, pose->T_w_kf, camera_, found);
+  const ExpectedLandmarks landmarks =
+      CountExpected(map_, seen.id, pose->T_w_kf, CameraOf(keyframe.features, camera_), found);
   if (landmarks.cells_shown < kRecognisedParts * landmarks.cells) return;
   association = std::move(found);
   entry.T_w_kf = pose->T_w_kf;

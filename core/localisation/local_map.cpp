@@ -40,10 +40,6 @@ void Add(const std::vector<LandmarkFeature>& found, std::vector<int64_t>& associ
   for (const LandmarkFeature& pair : found) association[static_cast<size_t>(pair.feature)] = pair.landmark_id;
 }
 
-Eigen::Vector3d Middle(const MapPoint& point) { return point.p_w; }
-Eigen::Vector3d Middle(const MapLine& line) { return 0.5 * (line.segment_w.p + line.segment_w.q); }
-
-constexpr int kGrid = 4;
 constexpr int kEnoughExpected = 10;
 constexpr double kShown = 0.1;
 
@@ -51,15 +47,7 @@ struct Cell {
   int expected = 0;
   int found = 0;
 };
-using Cells = std::array<Cell, size_t{kGrid} * kGrid>;
-
-Cell& CellAt(const Eigen::Vector2d& px, const StereoCamera& camera, Cells& cells) {
-  const auto place = [](double at_px, int first_px, int size_px) {
-    return std::clamp(static_cast<int>((at_px - first_px) * kGrid / size_px), 0, kGrid - 1);
-  };
-  return cells[static_cast<size_t>(place(px.y(), camera.top_px, camera.height_px) * kGrid +
-                                   place(px.x(), camera.left_px, camera.width_px))];
-}
+using Cells = std::array<Cell, kViewCells>;
 
 // Adds the landmarks of one type with this weight.
 template <class Type>
@@ -72,7 +60,7 @@ void Count(const Map& map, int64_t keyframe_id, const SE3& T_c_w, const StereoCa
     if (p_c.z() < camera.MinDepth()) continue;
     const Eigen::Vector2d px = camera.Project(p_c);
     if (!camera.InImage(px, 0.0)) continue;
-    Cell& cell = CellAt(px, camera, cells);
+    Cell& cell = cells[ViewCell(px, camera)];
     cell.expected += weight;
     if (std::binary_search(association.begin(), association.end(), id)) cell.found += weight;
   }
@@ -125,6 +113,14 @@ void SearchByProjection(const Map& map, const LocalMap& local, const SE3& T_w_kf
   Add(SearchLines(map, local.lines, T_w_kf, features.lines, WithoutLandmark(association.lines), radius_px, looked,
                   options),
       association.lines);
+}
+
+size_t ViewCell(const Eigen::Vector2d& px, const StereoCamera& camera) {
+  const auto index = [](double at_px, int first_px, int size_px) {
+    return std::clamp(static_cast<int>((at_px - first_px) * kViewGrid / size_px), 0, kViewGrid - 1);
+  };
+  return static_cast<size_t>(index(px.y(), camera.top_px, camera.height_px) * kViewGrid +
+                             index(px.x(), camera.left_px, camera.width_px));
 }
 
 ExpectedLandmarks CountExpected(const Map& map, int64_t keyframe_id, const SE3& T_w_c, const StereoCamera& camera,

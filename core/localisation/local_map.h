@@ -40,12 +40,19 @@ LocalMap LocalMapOf(const Association& association, int64_t previous_id, const M
 void SearchByProjection(const Map& map, const LocalMap& local, const SE3& T_w_kf, const FeaturesView& features,
                         const StereoCamera& camera, const LocalisationOptions& options, Association& association);
 
+/// Cells of a grid over the image, by which the spread of landmarks in the view is counted.
+constexpr int kViewGrid = 4;
+constexpr size_t kViewCells = size_t{kViewGrid} * kViewGrid;
+
+/// Returns the index of the cell at `px`, row by row; pixels outside belong to the nearest cell.
+size_t ViewCell(const Eigen::Vector2d& px, const StereoCamera& camera);
+
 /// Number of landmarks of a keyframe that are expected in the image of a camera, and of those that are associated.
 /// Lines count twice.
 struct ExpectedLandmarks {
   int expected = 0;
   int found = 0;
-  /// Cells of a 4 x 4 grid over the image that expect at least ten, and those in which at least a tenth is associated.
+  /// Cells of the view that expect at least ten, and those in which at least a tenth is associated.
   int cells = 0;
   int cells_shown = 0;
 
@@ -53,7 +60,7 @@ struct ExpectedLandmarks {
 };
 
 /// Counts the landmarks of a keyframe of the map that a camera at `T_w_c` should see (projected into the image, in
-/// front of the camera), and those among them that are associated.
+/// front of the camera), and those among them that are associated. `camera` is that of the features (`CameraOf`).
 ExpectedLandmarks CountExpected(const Map& map, int64_t keyframe_id, const SE3& T_w_c, const StereoCamera& camera,
                                 const Association& association);
 

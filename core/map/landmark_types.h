@@ -40,6 +40,10 @@ struct LineType {
   static void Remove(int64_t id, Map& map) { map.RemoveLine(id); }
 };
 
+/// Returns the position of a point, or of the midpoint of a line, in the map.
+inline Eigen::Vector3d Middle(const MapPoint& point) { return point.p_w; }
+inline Eigen::Vector3d Middle(const MapLine& line) { return 0.5 * (line.segment_w.p + line.segment_w.q); }
+
 /// Returns the landmark of a feature, -1 if there is none.
 template <class Type>
 int64_t LandmarkAt(const Map& map, const Observation& observation) {

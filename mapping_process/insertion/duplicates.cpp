@@ -30,9 +30,6 @@ bool SamePlace(const MapLine& a, const MapLine& b, double slack) {
          Within(across * (b.segment_w.q - a.segment_w.p), a.covariance_p.matrix() + b.covariance_q.matrix() + free);
 }
 
-Eigen::Vector3d Middle(const MapPoint& point) { return point.p_w; }
-Eigen::Vector3d Middle(const MapLine& line) { return 0.5 * (line.segment_w.p + line.segment_w.q); }
-
 // Landmarks of one keyframe that another does not observe.
 template <class Type>
 std::vector<int64_t> UnseenBy(int64_t other_id, int64_t keyframe_id, const Map& map) {

@@ -136,16 +136,14 @@ TEST_P(PoseRefinement, ExpectedLandmarksAreThoseInView) {
   MapKeyframe keyframe;
   keyframe.id = 0;
   map_.Put(keyframe);
-  for (const auto& [id, point] : map_.points()) {
-    MapPoint seen = point;
-    seen.observations = {{0, static_cast<int32_t>(id)}};
-    map_.Put(seen);
-  }
-  for (const auto& [id, line] : map_.lines()) {
-    MapLine seen = line;
-    seen.observations = {{0, static_cast<int32_t>(id)}};
-    map_.Put(seen);
-  }
+  const Map unseen = map_;
+  const auto observe = [this](const auto& of_id) {
+    auto landmark = of_id.second;
+    landmark.observations = {{0, static_cast<int32_t>(of_id.first)}};
+    map_.Put(landmark);
+  };
+  for (const auto& of_id : unseen.points()) observe(of_id);
+  for (const auto& of_id : unseen.lines()) observe(of_id);
   const ExpectedLandmarks all = CountExpected(map_, 0, T_w_c_, FeatureWorld::Camera(), truth_);
   EXPECT_GE(all.found, 9 * truth_.Weight() / 10) << "a line may end in the image and have its middle outside";
   EXPECT_LE(all.found, truth_.Weight());

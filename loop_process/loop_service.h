@@ -47,7 +47,7 @@ class LoopService {
   struct Output {
     std::vector<LoopClosure> closures;
     std::vector<Relocalisation> answers;
-    std::optional<WholeMapProblem> adjustment;
+    std::optional<GlobalBundleProblem> adjustment;
     /// The running adjustment is obsolete, as is its progress.
     bool ends_adjustment = false;
   };
@@ -66,7 +66,7 @@ class LoopService {
   /// A process is alive; `source` as in `Keyframe::source`.
   void OnSignOfLife(int64_t source);
 
-  bool LeaveOldInFiles() { return closer_.LeaveOldInFiles(); }
+  bool MoveOldToFiles() { return closer_.MoveOldToFiles(); }
 
   const MapReplica& replica() const { return replica_; }
 
@@ -79,7 +79,7 @@ class LoopService {
   };
 
   /// The process that publishes the keyframes of a lockstep session, and the time of its last message.
-  struct Teller {
+  struct LockstepSession {
     int64_t source = 0;
     double heard_ms = 0.0;
   };
@@ -90,14 +90,14 @@ class LoopService {
   void AddDue(const MapUpdate& update, int64_t checked);
   void Adjust(const LoopClosure& loop, Output& output);
   bool AwaitsAdjustment(const MapUpdate& update) const;
-  void NoteLacking(bool whole);
+  void UpdateMissingFeatures(bool whole);
   bool IsComplete();
   bool HasWaited(const Due& due) const;
   void DropCommitted();
   void EndAdjustmentOfCommitted(Output& output);
   std::deque<Due>::iterator NextDue();
-  void CheckWhatIsDue(Output& output);
-  void AnswerWhatIsDue(Output& output);
+  void CheckDueKeyframes(Output& output);
+  void AnswerDueKeyframes(Output& output);
   bool IsAnswerable(const Keyframe& frame);
 
   LoopCloser closer_;
@@ -109,7 +109,7 @@ class LoopService {
   std::map<int64_t, int64_t> newest_;
   std::map<int64_t, int64_t> committed_;
   std::deque<Due> due_;
-  std::map<int64_t, Teller> lockstep_;  // by session
+  std::map<int64_t, LockstepSession> lockstep_;  // by session
   /// Keyframes of a complete map, (session, number within it), whose features are missing, and the time of the last
   /// arrival among them.
   std::set<std::pair<int64_t, int64_t>> lacking_;
@@ -119,7 +119,7 @@ class LoopService {
   /// The loop of the last adjustment problem.
   std::optional<LoopClosure> adjusting_;
   /// The published loop that the map has not answered yet, without edges and poses.
-  std::optional<LoopClosure> told_;
+  std::optional<LoopClosure> unanswered_;
   std::deque<Keyframe> requests_;
 };
 

@@ -85,7 +85,7 @@ struct CorrectionOptions {
 };
 
 /// Global bundle adjustment after a loop.
-struct WholeMapOptions {
+struct GlobalBundleOptions {
   bool enabled = true;
   /// Keyframes that must see a landmark which takes part.
   int min_observations = 3;
@@ -97,7 +97,7 @@ struct WholeMapOptions {
   double relative_sigma = 1.0;
   BundleOptions bundle;
 
-  WholeMapOptions() {
+  GlobalBundleOptions() {
     bundle.max_iterations = 20;
     bundle.function_tolerance = 1e-3;
   }
@@ -125,7 +125,7 @@ struct LoopOptions {
   LocalisationOptions localisation;
   VerificationOptions verification;
   CorrectionOptions correction;
-  WholeMapOptions adjustment;
+  GlobalBundleOptions adjustment;
   RelocalisationOptions relocalisation;
 };
 
@@ -144,7 +144,7 @@ void VisitFields(Visitor& visit, VerificationOptions& o) {
 }
 
 template <class Visitor>
-void VisitFields(Visitor& visit, WholeMapOptions& o) {
+void VisitFields(Visitor& visit, GlobalBundleOptions& o) {
   visit("enabled", o.enabled, "adjust the whole map after each loop");
   visit("bundle", o.bundle, "bundle adjustment");
 }

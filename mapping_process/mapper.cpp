@@ -429,7 +429,7 @@ void Mapper::Join(const Keyframe& keyframe, MapKeyframe& entry, Association& ass
   if (begins && association.Weight() < kMinWeight) Recognise(keyframe, entry, association);
   // First with the tracker's associations, then with guided matching around the resulting pose.
   Place(keyframe, entry, association);
-  BringTogether(keyframe, association, entry);
+  MergeWithMap(keyframe, association, entry);
   const LocalMap local = LocalMapOf(association, entry.previous_id, map_, options_.insertion.local_keyframes);
   SearchByProjection(map_, local, entry.T_w_kf, keyframe.features, camera_, options_.localisation, association);
   Refine(keyframe, entry, association);
@@ -474,7 +474,7 @@ bool Mapper::Relocate(const Keyframe& keyframe, const Association& from_tracker,
 
 // The keyframe observes landmarks of a part of the map that is not connected with its predecessor, so its pose differs
 // from the tracker's motion: unless the tracker was lost, this connects the two parts, and the younger one is moved.
-void Mapper::BringTogether(const Keyframe& keyframe, Association& association, MapKeyframe& entry) {
+void Mapper::MergeWithMap(const Keyframe& keyframe, Association& association, MapKeyframe& entry) {
   if (entry.previous_id < 0 || keyframe.state == kRecovered || association.Weight() < kMinWeight) return;
   const SE3 T_w_predicted = map_.FindKeyframe(entry.previous_id)->T_w_kf * entry.T_prevkf_kf;
   const Vector6d error = (T_w_predicted.Inverse() * entry.T_w_kf).Log();

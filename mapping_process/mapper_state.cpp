@@ -214,7 +214,7 @@ void StateFile::ForgetNotes() {
   for (auto* ids : {&keyframes_, &points_, &lines_}) ids->clear();
 }
 
-void StateFile::BeginAnew() {
+void StateFile::Reset() {
   is_whole_ = false;
   ForgetNotes();
 }

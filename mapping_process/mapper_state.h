@@ -48,7 +48,7 @@ class StateFile {
   /// Records the changes of the mapper's next state.
   void Note(const MapUpdate& update);
   /// The next state is that of another mapper.
-  void BeginAnew();
+  void Reset();
 
   /// Throws std::runtime_error, which names the file, if writing fails; the next state is then written completely.
   void Write(const MapperState& state);

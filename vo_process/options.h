@@ -59,7 +59,7 @@ struct TrackingOptions {
   /// Share of matches that must agree with the motion.
   double min_inlier_ratio = 0.3;
   /// Share of the last frame's inliers below which wider searches are tried, too.
-  double convincing_ratio = 0.7;
+  double accepted_ratio = 0.7;
   /// Ratio to the inliers at an expected pose above which an unexpected pose is accepted instead.
   double elsewhere_ratio = 1.5;
   double max_acceleration_m_s2 = 10.0;

@@ -105,7 +105,7 @@ BusCounters Bus::Impl::counters() const {
   return counters;
 }
 
-std::string Bus::Impl::Complaints() const {
+std::string Bus::Impl::Problems() const {
   const std::lock_guard lock(rejections_mutex_);
   return rejections_.Line(SteadyNow_ns());
 }
@@ -185,6 +185,6 @@ bool Bus::Flush(std::chrono::milliseconds limit) { return impl_->outboxes.Flush(
 bool Bus::FlushToSilent(std::chrono::milliseconds limit) { return impl_->outboxes.Flush(limit, true); }
 int64_t Bus::acknowledged() const { return impl_->outboxes.acknowledged(); }
 BusCounters Bus::counters() const { return impl_->counters(); }
-std::string Bus::Complaints() const { return impl_->Complaints(); }
+std::string Bus::Problems() const { return impl_->Problems(); }
 
 }  // namespace plslam::bus

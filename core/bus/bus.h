@@ -94,7 +94,7 @@ class Bus {
 
   BusCounters counters() const;
   /// Returns one line on messages rejected within the last minute and on other prefixes; empty if there are none.
-  std::string Complaints() const;
+  std::string Problems() const;
 
   /// Options as given.
   const BusOptions& options() const;

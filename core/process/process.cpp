@@ -17,7 +17,7 @@ Process::~Process() = default;
 
 void Process::SetState(const std::string& state, const std::string& reason) {
   impl_->status.SetState(state, reason);
-  impl_->terminal.TellState(state, reason);
+  impl_->terminal.ReportState(state, reason);
 }
 
 void Process::SetReason(const std::string& reason) { impl_->status.SetReason(reason); }
@@ -37,21 +37,21 @@ void ProcessTerminal::Begin(const std::string& program) {
   program_ = program;
 }
 
-void ProcessTerminal::Tell(const std::string& words) {
+void ProcessTerminal::PrintLine(const std::string& words) {
   const std::scoped_lock lock(mutex_);
   Print(words);
 }
 
 // A state has many reasons in succession (the awaited frame, for example): the first is enough.
-void ProcessTerminal::TellState(const std::string& state, const std::string& reason) {
+void ProcessTerminal::ReportState(const std::string& state, const std::string& reason) {
   const std::scoped_lock lock(mutex_);
   const bool news = state != state_ || (reason_.empty() && !reason.empty());
-  const bool told_elsewhere =
+  const bool printed_elsewhere =
       state == process_state::kReady || state == process_state::kStopping || state == process_state::kFailed;
   if (state != state_) reason_.clear();
   if (!reason.empty()) reason_ = reason;
   state_ = state;
-  if (news && !told_elsewhere) Print(reason.empty() ? state : fmt::format("{}, {}", state, reason));
+  if (news && !printed_elsewhere) Print(reason.empty() ? state : fmt::format("{}, {}", state, reason));
 }
 
 void ProcessTerminal::Print(const std::string& words) const {

@@ -16,9 +16,9 @@ class ProcessTerminal {
  public:
   /// `program`: its name, in front of each line.
   void Begin(const std::string& program);
-  void Tell(const std::string& words);
+  void PrintLine(const std::string& words);
   /// Prints states that are not reported elsewhere: not "ready", not "stopping", and no failure.
-  void TellState(const std::string& state, const std::string& reason);
+  void ReportState(const std::string& state, const std::string& reason);
 
  private:
   void Print(const std::string& words) const;

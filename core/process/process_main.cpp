@@ -71,18 +71,18 @@ class ProcessRunner {
     if (!SetRunning(&process)) return 0;
     std::shared_ptr<void> node = spec_.make_node(process, config);
     if (process.impl_->status.state() == process_state::kStarting) process.SetState(process_state::kReady);
-    TellReady(process);
+    ReportReady(process);
     process.bus().Run();
     process.SetState(process_state::kStopping);
     node.reset();
     if (process.impl_->finished) process.bus().Flush(std::chrono::milliseconds(1000));
-    process.impl_->terminal.Tell("ended" + ResultsOf(process));
+    process.impl_->terminal.PrintLine("ended" + ResultsOf(process));
     return process.impl_->exit_code;
   }
 
-  void TellReady(Process& process) const {
+  void ReportReady(Process& process) const {
     const BusOptions& options = process.bus().options();
-    process.impl_->terminal.Tell(
+    process.impl_->terminal.PrintLine(
         fmt::format("ready on {}{}{}", EffectiveUrl(options.url),
                     options.prefix.empty() ? "" : fmt::format(" with the prefix {}", options.prefix),
                     spec_.waits_for.empty() ? "" : fmt::format(", waiting for {}", spec_.waits_for)));

@@ -60,17 +60,17 @@ StatusPublisher::StatusPublisher(const std::string& process, const BusOptions& o
 void StatusPublisher::OnStatus(const status_t& other) {
   static constexpr std::chrono::milliseconds kApart{1500};
   static constexpr size_t kMaxNamesakes = 64;
-  if (told_of_namesake_ || other.process != process_ || other.header.source == bus_.source()) return;
+  if (namesake_reported_ || other.process != process_ || other.header.source == bus_.source()) return;
   const auto now = std::chrono::steady_clock::now();
   if (namesakes_.size() >= kMaxNamesakes) namesakes_.clear();
   const auto first = namesakes_.try_emplace(other.header.source, now).first->second;
   if (now - first < kApart || other.state == process_state::kStopping) return;
-  told_of_namesake_ = true;
-  const std::string told =
+  namesake_reported_ = true;
+  const std::string sentence =
       fmt::format("another {} runs on this bus: process {} on {}", process_, other.pid, other.host);
-  spdlog::warn("{}", told);
+  spdlog::warn("{}", sentence);
   const std::scoped_lock lock(mutex_);
-  if (reason_.empty()) reason_ = told;
+  if (reason_.empty()) reason_ = sentence;
 }
 
 void StatusPublisher::Publish() {
@@ -88,13 +88,13 @@ void StatusPublisher::Publish() {
   AddBusCounters(bus_.counters(), &all);
   // For `plslam doctor`, which compares the clocks of hosts.
   all["clock.utc_s"] = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-  const std::string complaints = bus_.Complaints();
+  const std::string problems = bus_.Problems();
   const std::scoped_lock lock(mutex_);
   all.insert(counters_.begin(), counters_.end());
   for (const auto& [name, value] : all) status.counters.push_back({name, value});
   status.n_counters = static_cast<int32_t>(status.counters.size());
   status.state = state_;
-  status.reason = Joined(reason_, complaints);
+  status.reason = Joined(reason_, problems);
   status.reason.resize(std::min(status.reason.size(), kReasonBytes));
   status.configuration = CutToFit(bus_configuration_ + configuration_, max_configuration_bytes_);
   bus_.Publish(kStatus, std::move(status));

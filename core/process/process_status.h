@@ -49,7 +49,7 @@ class StatusPublisher {
   /// Other processes with our name from which one status was received, and whether one of them has been reported. On
   /// the thread of the bus.
   std::map<int64_t, std::chrono::steady_clock::time_point> namesakes_;
-  bool told_of_namesake_ = false;
+  bool namesake_reported_ = false;
 
   mutable std::mutex mutex_;  // guards the following members, and keeps states in order on the wire
   std::string state_ = process_state::kStarting;

@@ -66,7 +66,7 @@ std::string WrongPairs(const char* kind, const std::vector<SameLandmarks>& pairs
   return {};
 }
 
-bool SaysSomething(const LoopClosure& closure, const Map& map) {
+bool HasEffect(const LoopClosure& closure, const Map& map) {
   const auto is_there = [&map](const CorrectedPose& pose) { return map.FindKeyframe(pose.keyframe_id) != nullptr; };
   const auto are_there = [&map](const LoopEdge& edge) {
     return map.FindKeyframe(edge.old_keyframe_id) != nullptr && map.FindKeyframe(edge.keyframe_id) != nullptr;
@@ -91,7 +91,7 @@ std::string WhyNotOfMap(const LoopClosure& closure, const GivenNames& given, con
   if (wrong.empty()) wrong = WrongEdges(closure.edges, given.next_keyframe);
   if (wrong.empty()) wrong = WrongPairs("points", closure.points, given.next_landmark.next_point);
   if (wrong.empty()) wrong = WrongPairs("lines", closure.lines, given.next_landmark.next_line);
-  if (wrong.empty() && !SaysSomething(closure, map)) wrong = "none of its keyframes is in the map any more";
+  if (wrong.empty() && !HasEffect(closure, map)) wrong = "none of its keyframes is in the map any more";
   return wrong;
 }
 

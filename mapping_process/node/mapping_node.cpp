@@ -17,7 +17,7 @@
 #include "core/bus/run_loop.h"
 #include "core/geometry/rectification.h"
 #include "core/io/maps/map_camera.h"
-#include "core/map/told_keyframe.h"
+#include "core/map/keyframe_in_camera.h"
 #include "core/process/order.h"
 #include "core/process/process_usage.h"
 #include "core/run/process_names.h"
@@ -64,7 +64,7 @@ MappingNode::MappingNode(bus::Process& process, const MappingOptions& options)
   if (!restored_ && !options_.map_file.empty()) {
     stored_ = ReadMapFile(options_.map_file);
     camera_ = MapCamera(*stored_, options_.map_file);
-    Know(*stored_);
+    AdoptStored(*stored_);
   }
   worker_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { WorkUntilStopped(); }); });
 }
@@ -153,7 +153,7 @@ void MappingNode::WorkUntilStopped() {
 
 /// Called when a camera is known.
 void MappingNode::BeginMap() {
-  if (restored_) return GoOnFromState();
+  if (restored_) return RestoreState();
   if (!stored_) {
     mapper_.emplace(*camera_, options_);
     return;
@@ -163,18 +163,18 @@ void MappingNode::BeginMap() {
   PublishWhole();
   PublishKeyframes();
   process_.SetState(process_state::kRunning);
-  TellOfMap(options_.map_file);
-  LeaveOldInFiles();
+  LogStoredMap(options_.map_file);
+  MoveOldToFiles();
 }
 
 /// Publishes the map before the keyframes: trackers wait for it, and most other processes have the features.
-void MappingNode::GoOnFromState() {
+void MappingNode::RestoreState() {
   mapper_.emplace(*camera_, options_, *std::exchange(state_, std::nullopt));
   PublishWhole();
   process_.SetState(process_state::kRunning);
   PublishKeyframes();
-  TellOfMap(options_.state_file);
-  LeaveOldInFiles();
+  LogStoredMap(options_.state_file);
+  MoveOldToFiles();
 }
 
 /// Publishes the keyframes of the map as trackers do, for listeners that need their features.
@@ -187,7 +187,7 @@ void MappingNode::PublishKeyframes() {
   }
 }
 
-void MappingNode::TellOfMap(const std::string& file) {
+void MappingNode::LogStoredMap(const std::string& file) {
   spdlog::info("{}: {} keyframes, {} points, {} lines", file, mapper_->map().keyframes().size(),
                mapper_->map().points().size(), mapper_->map().lines().size());
   CountMap();
@@ -237,7 +237,7 @@ void MappingNode::Do(const Work& work) {
       if (mapper_->version() > 0) PublishWhole();
       return;
     case Work::Kind::kOrder:
-      return Obey(work.order);
+      return Execute(work.order);
     case Work::Kind::kKeepState:
       return KeepState();
   }
@@ -272,19 +272,20 @@ void MappingNode::Insert(const std::vector<WorkQueue::Arrived>& batch) {
            {"adjust", adjusted_ms - inserted_ms},
            {"cull", done_ms - adjusted_ms},
            {"update", done_ms - batch.front().received_ms}});
-  if ((n_since_files_ += count) >= kFilesEvery) LeaveOldInFiles();
+  if ((n_since_files_ += count) >= kFilesEvery) MoveOldToFiles();
 }
 
-void MappingNode::LeaveOldInFiles() {
+void MappingNode::MoveOldToFiles() {
   n_since_files_ = 0;
-  if (mapper_->LeaveOldInFiles() || std::exchange(files_failed_, true)) return;
+  if (mapper_->MoveOldToFiles() || std::exchange(files_failed_, true)) return;
   spdlog::warn("{}", CannotLeaveMemory());
 }
 
 /// Re-expresses the keyframe in the camera of the map, which is that of its first keyframe.
 bool MappingNode::InsertOne(const Keyframe& keyframe, std::string* reason) {
   if (mapper_->map().keyframes().empty()) mapper_->SetCamera(keyframe.camera);
-  if (const std::optional<Keyframe> told = ToldIn(mapper_->camera(), keyframe)) return mapper_->Insert(*told, reason);
+  if (const std::optional<Keyframe> local = KeyframeInCamera(mapper_->camera(), keyframe))
+    return mapper_->Insert(*local, reason);
   *reason =
       fmt::format("keyframe {} of session {}: its camera ({} px, {} m) is too unlike that of the map ({} px, {} m)",
                   keyframe.keyframe_id, keyframe.session, keyframe.camera.f_px, keyframe.camera.baseline_m,
@@ -313,7 +314,7 @@ void MappingNode::Correct(const Work& work) {
   }
   if (commits) mapper_->Commit();
   Publish(corrected ? Stages{{"correct", bus::NowMs() - began_ms}} : Stages{});
-  if (corrected) LeaveOldInFiles();
+  if (corrected) MoveOldToFiles();
 }
 
 /// Re-expresses a closure of the map of another mapping_process, whose versions do not apply. A map rebuilt in lockstep
@@ -363,7 +364,7 @@ void MappingNode::CountFailures() {
 }
 
 /// An order that fails changes nothing.
-void MappingNode::Obey(const bus::Order& order) {
+void MappingNode::Execute(const bus::Order& order) {
   try {
     if (order.verb == command_verb::kSave) Save(order.argument);
     if (order.verb == command_verb::kLocalise) SetLocaliseOnly(order.argument);
@@ -373,10 +374,10 @@ void MappingNode::Obey(const bus::Order& order) {
       next.stored = ReadMapFile(order.argument);
       const StereoCamera camera = MapCamera(next.stored, order.argument);
       Replace(std::move(next), camera);
-      TellOfMap(order.argument);
+      LogStoredMap(order.argument);
     }
     bus::Answer(process_, order);
-    LeaveOldInFiles();
+    MoveOldToFiles();
   } catch (const std::exception& error) {
     spdlog::error("the order '{}' could not be carried out: {}", order.verb, error.what());
     bus::Answer(process_, order, error.what());
@@ -407,11 +408,11 @@ void MappingNode::Replace(MapperState next, const StereoCamera& camera) {
   {
     const std::lock_guard lock(mutex_);
     began_version_ = next.began_version;
-    queue_.BeginAnew(NewestBySession(next.stored), next.stored.newest_session);
+    queue_.Reset(NewestBySession(next.stored), next.stored.newest_session);
   }
   answer_ = {};
   mapper_.emplace(camera, options_, std::move(next));
-  state_file_.BeginAnew();
+  state_file_.Reset();
   PublishWhole();
   // Listeners keep few features of unknown sessions, so they must receive the map first.
   PublishKeyframes();
@@ -433,11 +434,11 @@ void MappingNode::ReadState() {
   }
   restored_ = true;
   began_version_ = state_->began_version;
-  Know(state_->stored);
+  AdoptStored(state_->stored);
 }
 
 /// Marks the keyframes of the map as inserted. The history keeper republishes them, except for culled ones.
-void MappingNode::Know(const StoredMap& stored) {
+void MappingNode::AdoptStored(const StoredMap& stored) {
   const std::lock_guard lock(mutex_);
   queue_.Restore(NewestBySession(stored), stored.newest_session);
 }
@@ -453,7 +454,7 @@ void MappingNode::KeepState() {
   } catch (const std::exception& error) {
     if (!std::exchange(state_failed_, true)) spdlog::warn("what a restart would need is not kept: {}", error.what());
   }
-  LeaveOldInFiles();
+  MoveOldToFiles();
   bus::GiveBackFreedMemory();
 }
 

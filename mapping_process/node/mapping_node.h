@@ -32,7 +32,7 @@ namespace plslam::mapping {
 ///
 /// A worker owns the map and takes its next task from a queue (`WorkQueue`). A solve of a live session ends early when
 /// a keyframe arrives; in lockstep each runs to the end. Keyframes wait until a camera is known. Each comes with its
-/// own camera, and is re-expressed in that of the map (`ToldIn`), which is that of its first keyframe.
+/// own camera, and is re-expressed in that of the map (`KeyframeInCamera`), which is that of its first keyframe.
 ///
 /// The state is written periodically and before each new session (`state_file`): after a crash the process continues
 /// exactly from there, takes later messages from the histories of other processes, and so reaches the same map, in
@@ -53,7 +53,7 @@ class MappingNode {
   using Stages = std::vector<std::pair<std::string, double>>;
 
   void ReadState();
-  void Know(const StoredMap& stored);
+  void AdoptStored(const StoredMap& stored);
   void OnCamera(const RigCalibration& rig);
   void OnKeyframe(const Keyframe& keyframe);
   void OnClosure(const LoopClosure& closure);
@@ -67,9 +67,9 @@ class MappingNode {
   void WorkUntilStopped();
   std::optional<Work> NextWork();
   void BeginMap();
-  void GoOnFromState();
+  void RestoreState();
   void PublishKeyframes();
-  void TellOfMap(const std::string& file);
+  void LogStoredMap(const std::string& file);
   void AwaitHistories();
   void Do(const Work& work);
   void Insert(const std::vector<WorkQueue::Arrived>& batch);
@@ -77,12 +77,12 @@ class MappingNode {
   void WarnOfMissing(const WorkQueue::Arrived& arrived);
   void Correct(const Work& work);
   LoopClosure OfThisMap(const Work& work) const;
-  void Obey(const bus::Order& order);
+  void Execute(const bus::Order& order);
   void Save(const std::string& path);
   void Replace(MapperState next, const StereoCamera& camera);
   void SetLocaliseOnly(const std::string& argument);
   void KeepState();
-  void LeaveOldInFiles();
+  void MoveOldToFiles();
   void Answer(const LoopClosure& loop, bool accepted);
   void Publish(Stages stage_ms);
   void PublishWhole();

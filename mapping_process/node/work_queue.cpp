@@ -25,7 +25,7 @@ void WorkQueue::Restore(const std::map<int64_t, int64_t>& newest_by_session, int
   if (newest != inserted_.end()) newest_ = {newest_session, newest->second, false, true, {}};
 }
 
-void WorkQueue::BeginAnew(const std::map<int64_t, int64_t>& newest_by_session, int64_t newest_session) {
+void WorkQueue::Reset(const std::map<int64_t, int64_t>& newest_by_session, int64_t newest_session) {
   WorkQueue next(options_, state_every_);
   next.wait_ = wait_;
   next.wait_.End();

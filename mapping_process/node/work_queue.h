@@ -75,7 +75,7 @@ class WorkQueue {
   void Add(const bus::Order& order) { orders_.push_back(order); }
 
   /// Another map has replaced this one: keyframes and closures of the old one are dropped.
-  void BeginAnew(const std::map<int64_t, int64_t>& newest_by_session, int64_t newest_session);
+  void Reset(const std::map<int64_t, int64_t>& newest_by_session, int64_t newest_session);
 
   /// loop_process is alive.
   void OnSignOfLife(double now_s) { wait_.OnSignOfLife(now_s); }

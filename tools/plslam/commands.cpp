@@ -118,7 +118,7 @@ int GiveOrder(const OrderRow& row, const std::string& argument, const bus::Proce
     return 0;
   }
   std::string failure = fmt::format("no answer has come for {} s", kAnswerLimit.count());
-  if (!order.heard()) failure = NobodyHeard(row.processes, bus_options, kHearLimit);
+  if (!order.heard()) failure = NoAnswerText(row.processes, bus_options, kHearLimit);
   if (order.answer()) failure = *order.answer();
   bus::PrintError(fmt::format("plslam: error: {} {}: {}", row.verb, argument, failure));
   return 1;

@@ -42,7 +42,7 @@ ReportNode::ReportNode(bus::Bus& bus, const ViewerOptions& options, Sources sour
 }
 
 ReportNode::~ReportNode() {
-  if (live_) live_->AnswerTheLast([this](const ReportSince& since) { return Json(since); });
+  if (live_) live_->SendFinalData([this](const ReportSince& since) { return Json(since); });
 }
 
 void ReportNode::OnStream(const stream_t& message) {
@@ -68,8 +68,8 @@ int64_t ReportNode::Lag_frames(const status_t& message) {
   if (message.process != process_name::kMapping && message.process != process_name::kLoop) return -1;
   const auto& frames = sources_.recorder->frames();
   auto frame = frames.rbegin();
-  return FramesBehind(bus::CountOf(message, "queue.keyframes"), static_cast<int64_t>(frames.size()),
-                      [&frame](int64_t) { return (frame++)->second.keyframe_id >= 0; });
+  return LagInFrames(bus::CountOf(message, "queue.keyframes"), static_cast<int64_t>(frames.size()),
+                     [&frame](int64_t) { return (frame++)->second.keyframe_id >= 0; });
 }
 
 void ReportNode::OnMap(const MapUpdate& update) {
@@ -81,7 +81,7 @@ void ReportNode::SetCamera(const StereoCamera& camera) {
   report_->SetCamera(camera);
 }
 
-void ReportNode::BeginAgain() {
+void ReportNode::StartNewRun() {
   report_ = std::make_unique<ReportRecorder>(options_.report_pictures, ++run_);
   behind_ = 0;
   if (camera_) report_->SetCamera(*camera_);

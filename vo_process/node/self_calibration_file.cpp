@@ -113,7 +113,7 @@ std::optional<SelfCalibration> ReadSelfCalibration(const std::string& path, cons
   return learned;
 }
 
-void BeginWithLearned(const std::string& path, const std::vector<uint8_t>& camera, Odometry& odometry) {
+void LoadLearned(const std::string& path, const std::vector<uint8_t>& camera, Odometry& odometry) {
   if (path.empty()) return;
   try {
     const auto learned = ReadSelfCalibration(path, NameOfCalibration(camera));

@@ -280,14 +280,14 @@ TEST_F(BusSecurity, ComplaintsNameTheKindInOneLine) {
   RunningBus reader(Options(KeyFile('a')), "reader");
   reader->Subscribe<pose_t>(kPose, [](const pose_t&) {});
   reader.Start();
-  EXPECT_EQ(reader->Complaints(), "");
+  EXPECT_EQ(reader->Problems(), "");
   auto other_version = Encoded(42, 0);
   other_version[3] ^= 1;  // LCM's fingerprint of the type
   wire_.Send("POSE", other_version);
   wire_.Send("POSE", Encoded(42, 0));
   wire_.Send("robot2/STATUS", Encoded(42, 0));
-  ASSERT_TRUE(Eventually([&] { return reader->Complaints().find("robot2/") != std::string::npos; }));
-  EXPECT_EQ(reader->Complaints(),
+  ASSERT_TRUE(Eventually([&] { return reader->Problems().find("robot2/") != std::string::npos; }));
+  EXPECT_EQ(reader->Problems(),
             "messages rejected: 1 of another version (POSE), 1 without bus.key_file (POSE); processes with "
             "prefix 'robot2/' are heard too");
 }

@@ -44,7 +44,7 @@ TEST(OrderedWriter, LeavesASlowReaderBehindUntilItHasCaughtUp) {
   writer.OnHello(7, 64'000, 0);
   writer.Sent(MessageOf(0, 60'000), 0);
   EXPECT_FALSE(writer.WindowOpen(60'000, 0));
-  writer.LeaveBehind(60'000, 0);
+  writer.SuspendSlowReaders(60'000, 0);
   for (int64_t n = 1; n < 5; ++n) {
     EXPECT_TRUE(writer.WindowOpen(60'000, 0));
     writer.Sent(MessageOf(n, 60'000), 0);

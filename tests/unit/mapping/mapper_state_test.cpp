@@ -301,7 +301,7 @@ TEST_F(StateFileTest, OfAnotherMapperIsWrittenWhole) {
   MapperState state;
   first.Precede(state);
   Mapper second(FeatureWorld::Camera(), MappingOptions(), std::move(state));
-  file.BeginAnew();
+  file.Reset();
   file.Write(second.State());
   EXPECT_EQ(EncodeState(ReadStateFile(path_)), EncodeState(second.State()));
 }

@@ -220,7 +220,7 @@ TEST_F(WorkQueueTest, WhenAnotherMapBeginsNothingOfTheOldOneIsLeft) {
   queue_.Add(KeyframeOf(1, true), 0.0);
   queue_.Add(ClosureOf(1));
   queue_.Add(bus::Order{command_verb::kLocalise, "on"});
-  queue_.BeginAnew({}, 0);
+  queue_.Reset({}, 0);
   EXPECT_EQ(Take(Kind::kOrder).order.argument, "on") << "what was ordered behind it stays";
   ExpectNothing();
   EXPECT_EQ(queue_.n_waiting(), 0U);

@@ -138,12 +138,12 @@ class Scripted final : public EliminatedLandmarks {
     return solvable;
   }
   double Step(const Eigen::VectorXd& /*of_poses*/) override { return foretold; }
-  void TakeBack() override { ++taken_back; }
+  void RollBack() override { ++taken_back; }
   double Loss() const override {
     if (on_loss) on_loss();
     return losses_seen_++ < worse_steps ? 10.0 : Bowl();
   }
-  double Steepest() const override { return 0.0; }
+  double LargestGradient() const override { return 0.0; }
 
   /// Runs a pass over one free pose.
   BundlePass Run(int max_iterations) {
@@ -171,9 +171,9 @@ class Scripted final : public EliminatedLandmarks {
     double Linearise(PoseSystem& /*system*/) override { return 0.0; }
     bool Eliminate(const Damping& /*damping*/, PoseSystem& /*system*/) override { return true; }
     double Step(const Eigen::VectorXd& /*of_poses*/) override { return 0.0; }
-    void TakeBack() override {}
+    void RollBack() override {}
     double Loss() const override { return 0.0; }
-    double Steepest() const override { return 0.0; }
+    double LargestGradient() const override { return 0.0; }
   };
 
   double Bowl() const {

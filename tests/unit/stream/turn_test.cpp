@@ -76,12 +76,12 @@ TEST(Turn, FramesMayBeWantedAgainWhenAllHaveBeenAnswered) {
   turn.Expect({7, 70});
   turn.OnPose({7, 70});
   EXPECT_EQ(turn.WaitForPose(kNow), Event::kPose);
-  EXPECT_FALSE(turn.WaitForGoBack(kNow));
+  EXPECT_FALSE(turn.WaitForRewind(kNow));
   turn.OnGoBack(21, {3, 30});
-  EXPECT_TRUE(turn.WaitForGoBack(milliseconds(100000)));
+  EXPECT_TRUE(turn.WaitForRewind(milliseconds(100000)));
   EXPECT_EQ(turn.GoBack(), (ResumePoint{3, 30}));
   turn.Stop();
-  EXPECT_FALSE(turn.WaitForGoBack(milliseconds(100000)));
+  EXPECT_FALSE(turn.WaitForRewind(milliseconds(100000)));
 }
 
 TEST(Turn, PosesBehindTheFrameThatIsGoneBackToDoNotCount) {

@@ -191,7 +191,7 @@ TEST(LiveView, WhoIsToldOfTheEndGetsWhatWasNewThen) {
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
   const auto began = std::chrono::steady_clock::now();
   view.SetFinished(true);
-  view.AnswerTheLast(json);
+  view.SendFinalData(json);
   EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::milliseconds(1900)) << "no longer than needed";
   page.join();
   EXPECT_THAT(end, HasSubstr("finished"));
@@ -202,7 +202,7 @@ TEST(LiveView, WithoutAPageThatWatchesNothingIsWaitedFor) {
   LiveView view(0, "<page>");
   view.SetFinished(true);
   const auto began = std::chrono::steady_clock::now();
-  view.AnswerTheLast([](const ReportSince&) { return std::string(); });
+  view.SendFinalData([](const ReportSince&) { return std::string(); });
   EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(1));
 }
 

@@ -32,7 +32,7 @@ TEST(PictureNode, ASecondStreamHasItsPicturesWhateverWasMissingInTheFirst) {
   pictures.SetCamera(rig, Rectify(rig));
   // Frames whose images never arrived.
   for (int64_t frame = 100; frame < 120; ++frame) pictures.AddPose(PoseOf(frame));
-  pictures.BeginAgain(nullptr);
+  pictures.StartNewRun(nullptr);
   pictures.AddPose(PoseOf(0));
   const cv::Mat image(240, 320, CV_8UC1, cv::Scalar(90));
   bus::FramePublisher(bus, true).Publish({0, 0, image, image});

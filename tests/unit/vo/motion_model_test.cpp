@@ -53,28 +53,28 @@ TEST(MotionModel, SlowsDownWhileLost) {
 
 TEST(MotionModel, IsTrustedToGoOnFromOneMeasuredFrameToTheNext) {
   MotionModel model{TrackingOptions()};
-  EXPECT_FALSE(model.Predict(0.1).goes_on) << "never measured";
+  EXPECT_FALSE(model.Predict(0.1).is_reliable) << "never measured";
   model.Observe(Forward(1.0), 0.1, kExact);
-  EXPECT_TRUE(model.Predict(0.1).goes_on);
-  EXPECT_TRUE(model.Predict(0.2).goes_on) << "one frame is missing";
-  EXPECT_FALSE(model.Predict(0.3).goes_on);
+  EXPECT_TRUE(model.Predict(0.1).is_reliable);
+  EXPECT_TRUE(model.Predict(0.2).is_reliable) << "one frame is missing";
+  EXPECT_FALSE(model.Predict(0.3).is_reliable);
   model.Slow(0.1);
-  EXPECT_FALSE(model.Predict(0.1).goes_on) << "lost";
+  EXPECT_FALSE(model.Predict(0.1).is_reliable) << "lost";
   model.Observe(Forward(1.0), 0.1, kExact);
-  EXPECT_TRUE(model.Predict(0.1).goes_on);
+  EXPECT_TRUE(model.Predict(0.1).is_reliable);
 }
 
 TEST(MotionModel, SaysNothingWhereTheCameraMayHaveTurnedAnywhereSince) {
   MotionModel model{TrackingOptions()};
   model.Observe(Forward(1.0), 5.0, kExact);
-  EXPECT_FALSE(model.Predict(5.0).goes_on);
+  EXPECT_FALSE(model.Predict(5.0).is_reliable);
   EXPECT_FALSE(model.Predict(5.0).is_near);
 }
 
 TEST(MotionModel, IsNearAfterAFewFramesThatAreMissing) {
   MotionModel model{TrackingOptions()};
   model.Observe(Forward(0.005), 0.005, kExact);
-  EXPECT_FALSE(model.Predict(0.02).goes_on);
+  EXPECT_FALSE(model.Predict(0.02).is_reliable);
   EXPECT_TRUE(model.Predict(0.02).is_near);
   model.Slow(0.005);
   EXPECT_FALSE(model.Predict(0.005).is_near) << "lost";

@@ -121,7 +121,7 @@ TEST(OdometryGaps, LinesThatAreSeenForLongKeepTheirEnds) {
   const auto n_bars = static_cast<int>(bars.size());
   LocalLandmarks landmarks(FeatureWorld::Camera(), VoOptions());
   TrackedFrame first(world.Observe(SE3(), 0.1, 0));
-  landmarks.Found(SE3(), first);
+  landmarks.Create(SE3(), first);
   FrameMatches matches;
   for (int i = 0; i < n_bars; ++i) matches.lines.push_back({i, i});
   for (uint64_t i = 1; i < 1000; ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/features/told_in.h"
+#include "core/features/features_in_camera.h"
 
 #include <gtest/gtest.h>
 
@@ -35,8 +35,8 @@ StereoFeatures SeenBy(const StereoCamera& camera) {
   return features;
 }
 
-TEST(ToldIn, RaysAndDepthsStay) {
-  const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide);
+TEST(FeaturesInCamera, RaysAndDepthsStay) {
+  const StereoFeatures told = FeaturesInCamera(kLong, SeenBy(kWide), kWide);
   const StereoFeatures there = SeenBy(kLong);
   for (size_t i = 0; i < told.points.size(); ++i) {
     EXPECT_LT((told.points[i].left.px - there.points[i].left.px).norm(), 1e-4) << i;
@@ -52,10 +52,10 @@ TEST(ToldIn, RaysAndDepthsStay) {
   EXPECT_NEAR(line.disparity_q_px, there.lines[0].disparity_q_px, 1e-4);
 }
 
-TEST(ToldIn, StandardDeviationsInMetresStay) {
+TEST(FeaturesInCamera, StandardDeviationsInMetresStay) {
   const Eigen::Vector3d p_c(0.3, -0.2, 2.0);
   const StereoPoint seen = SeenBy(kWide).points[0];
-  const StereoPoint told = ToldIn(kLong, SeenBy(kWide), kWide).points[0];
+  const StereoPoint told = FeaturesInCamera(kLong, SeenBy(kWide), kWide).points[0];
   const auto covariance = [&p_c](const StereoCamera& camera, const StereoPoint& point) {
     return camera.BackprojectCovariance(camera.ProjectStereo(p_c), point.sigma_px, point.sigma_disparity_px);
   };
@@ -63,25 +63,25 @@ TEST(ToldIn, StandardDeviationsInMetresStay) {
   EXPECT_LT((covariance(kLong, told) - own).norm(), 1e-6 * own.norm());
 }
 
-TEST(ToldIn, OctavesStayAndTheScaleSaysFromWhereTheOtherCameraWouldFindThem) {
-  const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide);
+TEST(FeaturesInCamera, OctavesStayAndTheScaleSaysFromWhereTheOtherCameraWouldFindThem) {
+  const StereoFeatures told = FeaturesInCamera(kLong, SeenBy(kWide), kWide);
   EXPECT_EQ(told.points[1].left.octave, 5);
   EXPECT_EQ(CameraOf(told, kLong).OctaveScale(), 460.0 / 180.0);
   EXPECT_EQ(CameraOf(SeenBy(kLong), kLong).OctaveScale(), 1.0);
 }
 
-TEST(ToldIn, CamerasTooUnlikeAreSaidToBe) {
-  EXPECT_TRUE(CanBeToldIn(kLong, kWide));
+TEST(FeaturesInCamera, CamerasTooUnlikeAreSaidToBe) {
+  EXPECT_TRUE(AreComparable(kLong, kWide));
   StereoCamera other = kWide;
   other.f_px = 1.0;
-  EXPECT_FALSE(CanBeToldIn(kWide, other));
+  EXPECT_FALSE(AreComparable(kWide, other));
   other = kWide;
   other.baseline_m = 7.0;
-  EXPECT_FALSE(CanBeToldIn(other, kWide));
+  EXPECT_FALSE(AreComparable(other, kWide));
 }
 
-TEST(ToldIn, ImageGoesWithTheFeatures) {
-  const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide);
+TEST(FeaturesInCamera, ImageGoesWithTheFeatures) {
+  const StereoFeatures told = FeaturesInCamera(kLong, SeenBy(kWide), kWide);
   ASSERT_TRUE(told.image);
   const StereoCamera looked = CameraOf(told, kLong);
   for (const Eigen::Vector2d& corner : {Eigen::Vector2d(1.0, 1.0), Eigen::Vector2d(374.0, 238.0)}) {
@@ -92,9 +92,9 @@ TEST(ToldIn, ImageGoesWithTheFeatures) {
   EXPECT_FALSE(looked.InImage({looked.left_px + looked.width_px + 0.0, 100.0}, 0.0));
 }
 
-TEST(ToldIn, BetweenEqualCamerasEveryBitStays) {
+TEST(FeaturesInCamera, BetweenEqualCamerasEveryBitStays) {
   const StereoFeatures seen = SeenBy(kWide);
-  const StereoFeatures told = ToldIn(kWide, seen, kWide);
+  const StereoFeatures told = FeaturesInCamera(kWide, seen, kWide);
   EXPECT_FALSE(told.image);
   for (size_t i = 0; i < seen.points.size(); ++i) {
     EXPECT_EQ(told.points[i].left.px, seen.points[i].left.px);
@@ -105,9 +105,9 @@ TEST(ToldIn, BetweenEqualCamerasEveryBitStays) {
 }
 
 // A restarted mapping_process publishes keyframes in the camera of the map.
-TEST(ToldIn, WhatIsToldOnKeepsItsBitsAndItsImage) {
-  const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide);
-  const StereoFeatures again = ToldIn(kLong, told, CameraOf(told, kLong));
+TEST(FeaturesInCamera, WhatIsToldOnKeepsItsBitsAndItsImage) {
+  const StereoFeatures told = FeaturesInCamera(kLong, SeenBy(kWide), kWide);
+  const StereoFeatures again = FeaturesInCamera(kLong, told, CameraOf(told, kLong));
   EXPECT_EQ(again.image, told.image);
   for (size_t i = 0; i < told.points.size(); ++i) {
     EXPECT_EQ(again.points[i].left.px, told.points[i].left.px);

@@ -266,12 +266,12 @@ void RunSession::CheckSaved(Clock::time_point now) {
 void RunSession::ReportRestart(const std::string& name, const std::string& how, int restart) {
   const auto rows = ProcessTable();
   const auto row = std::ranges::find(rows, name, &ProcessRow::name);
-  progress_line_.Say(fmt::format("warning: {} {} and is started again ({} of {})", TitleOf(*row), how, restart,
+  progress_line_.PrintSentence(fmt::format("warning: {} {} and is started again ({} of {})", TitleOf(*row), how, restart,
                                  options_.max_restarts));
 }
 
 void RunSession::ReportStop(const std::string& what) {
-  if (!options_.quiet) progress_line_.Say(what + " (Ctrl-C again ends at once)");
+  if (!options_.quiet) progress_line_.PrintSentence(what + " (Ctrl-C again ends at once)");
 }
 
 void RunSession::BeginStop(const std::string& reason) {

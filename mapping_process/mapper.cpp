@@ -190,13 +190,13 @@ MapKeyframe Mapper::Prepare(const Keyframe& keyframe) const {
 
 bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
   if (options_.localise_only) {
-    *reason = fmt::format("keyframe {} of session {}: the map is only localised in (mapping.localise_only)",
+    *reason = fmt::format("keyframe {} of session {}: the map is fixed (mapping.localise_only)",
                           keyframe.keyframe_id, keyframe.session);
     return false;
   }
   const auto session = sessions_.find(keyframe.session);
   if (session != sessions_.end() && keyframe.keyframe_id <= session->second.session_keyframe_id) {
-    *reason = fmt::format("keyframe {} of session {} came before", keyframe.keyframe_id, keyframe.session);
+    *reason = fmt::format("keyframe {} of session {} is in the map already", keyframe.keyframe_id, keyframe.session);
     return false;
   }
   Withdraw(keyframe);
@@ -263,7 +263,7 @@ BundleResult Mapper::Adjusted(const MapBundle& window, const std::atomic<bool>* 
 bool Mapper::Correct(const LoopClosure& closure, std::string* reason) {
   if (closure.kind == LoopClosure::Kind::kNone) return true;
   if (options_.localise_only) {
-    *reason = "the map is only localised in (mapping.localise_only)";
+    *reason = "the map is fixed (mapping.localise_only)";
     return false;
   }
   *reason = WhyNotOfMap(closure, {next_keyframe_id_, landmark_ids_, version_, structural_version_}, map_);

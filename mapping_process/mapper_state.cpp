@@ -160,7 +160,7 @@ bool ReadRecord(Bytes content, MapperState& state) {
   } else {
     ReadChanges(read, state);
   }
-  if (!read.AtEnd()) throw std::runtime_error("the content has more than it promises");
+  if (!read.AtEnd()) throw std::runtime_error("the content is longer than its header says");
   return kind != RecordKind::kFeatures;
 }
 

@@ -18,7 +18,7 @@ namespace {
 constexpr size_t kFramesAhead = 2;
 
 std::unique_ptr<Dataset> Open(const PlayerOptions& options) {
-  if (options.dataset.empty()) throw std::runtime_error("no dataset is named: player DATASET (--help tells more)");
+  if (options.dataset.empty()) throw std::runtime_error("no dataset is given: player DATASET (see --help)");
   std::unique_ptr<Dataset> dataset =
       ShiftRightImages(OpenDataset(options.dataset, options.kind), static_cast<int>(options.right_offset_frames));
   for (const std::string& note : dataset->Notes()) spdlog::warn("{}: {}", dataset->name(), note);
@@ -60,7 +60,7 @@ void CheckFilesAreThere(const Dataset& dataset, const PlayOrder& order, bool ski
   }
   if (n == 0) return;
   const std::string sentence = fmt::format("{}; {} of {} frames lack an image", first, n, order.pass().size());
-  if (!skip_bad) throw DatasetError(sentence + " (--skip-bad passes over them)");
+  if (!skip_bad) throw DatasetError(sentence + " (--skip-bad skips them)");
   spdlog::warn("{}", sentence);
 }
 

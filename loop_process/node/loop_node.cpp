@@ -223,7 +223,7 @@ void LoopNode::AdjustUntilStopped() {
 
 void LoopNode::CountFailure(const std::string& failure) {
   process_.SetCounter("adjustments.failed", static_cast<double>(++n_failed_));
-  if (n_failed_ == 1) spdlog::warn("an adjustment of the whole map failed (the first of those counted): {}", failure);
+  if (n_failed_ == 1) spdlog::warn("a global bundle adjustment failed (later ones are counted only): {}", failure);
 }
 
 bus::ProcessSpec LoopSpec() {

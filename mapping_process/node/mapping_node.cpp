@@ -127,7 +127,7 @@ void MappingNode::OnStatus(const status_t& message) {
 void MappingNode::OnTick() {
   bool given_up = false;
   Queue([&] { given_up = queue_.GiveUp(bus::NowS()); });
-  if (given_up) spdlog::warn("no loop_process is heard of: the map goes on without loops");
+  if (given_up) spdlog::warn("no loop_process is found: continuing without loops");
 }
 
 void MappingNode::OnCommand(const command_t& message) {
@@ -136,7 +136,7 @@ void MappingNode::OnCommand(const command_t& message) {
                                          command_verb::kLocalise};
   if (!order || std::find(kObeyed.begin(), kObeyed.end(), order->verb) == kObeyed.end()) return;
   // The worker does not run before a camera arrives; the sender of the command should not wait for that.
-  if (!camera_) return bus::Answer(process_, *order, "no camera has been heard of, so there is no map");
+  if (!camera_) return bus::Answer(process_, *order, "no camera has been received, so there is no map");
   Queue([&] { queue_.Add(*order); });
 }
 
@@ -287,7 +287,7 @@ bool MappingNode::InsertOne(const Keyframe& keyframe, std::string* reason) {
   if (const std::optional<Keyframe> local = KeyframeInCamera(mapper_->camera(), keyframe))
     return mapper_->Insert(*local, reason);
   *reason =
-      fmt::format("keyframe {} of session {}: its camera ({} px, {} m) is too unlike that of the map ({} px, {} m)",
+      fmt::format("keyframe {} of session {}: its camera ({} px, {} m) differs too much from that of the map ({} px, {} m)",
                   keyframe.keyframe_id, keyframe.session, keyframe.camera.f_px, keyframe.camera.baseline_m,
                   mapper_->camera().f_px, mapper_->camera().baseline_m);
   return false;
@@ -295,7 +295,7 @@ bool MappingNode::InsertOne(const Keyframe& keyframe, std::string* reason) {
 
 void MappingNode::WarnOfMissing(const WorkQueue::Arrived& arrived) {
   if (arrived.missing == 0) return;
-  spdlog::warn("session {}: {} keyframes before number {} have not come; the map goes on without them",
+  spdlog::warn("session {}: {} keyframes before number {} are missing; continuing without them",
                arrived.keyframe.session, arrived.missing, arrived.keyframe.keyframe_id);
   process_.SetCounter("keyframes.missing", static_cast<double>(n_missing_ += arrived.missing));
 }
@@ -308,7 +308,7 @@ void MappingNode::Correct(const Work& work) {
   bool commits = work.commits;
   if (work.closure.kind == LoopClosure::Kind::kLoop) Answer(work.closure, corrected);
   if (corrects && !corrected) {
-    spdlog::warn("a correction of the map is left: {}", reason);
+    spdlog::warn("a correction of the map is rejected: {}", reason);
     const std::lock_guard lock(mutex_);
     if (work.closure.kind == LoopClosure::Kind::kLoop) commits |= queue_.Refused();
   }
@@ -359,7 +359,7 @@ void MappingNode::CountMap() {
 void MappingNode::CountFailures() {
   const Mapper::Failures& failures = mapper_->failures();
   if (failures.count == n_failed_) return;
-  if (n_failed_ == 0) spdlog::warn("an adjustment failed (the first of those counted): {}", failures.last);
+  if (n_failed_ == 0) spdlog::warn("a local bundle adjustment failed (later ones are counted only): {}", failures.last);
   process_.SetCounter("adjustments.failed", static_cast<double>(n_failed_ = failures.count));
 }
 
@@ -379,7 +379,7 @@ void MappingNode::Execute(const bus::Order& order) {
     bus::Answer(process_, order);
     MoveOldToFiles();
   } catch (const std::exception& error) {
-    spdlog::error("the order '{}' could not be carried out: {}", order.verb, error.what());
+    spdlog::error("the command '{}' failed: {}", order.verb, error.what());
     bus::Answer(process_, order, error.what());
   }
 }
@@ -390,14 +390,14 @@ void MappingNode::Save(const std::string& path) {
     state.stored.rig = CameraBytes(mapper_->camera());
     WriteMapFile(path, state.stored);
   });
-  spdlog::info("the map is in {}", path);
+  spdlog::info("the map is saved in {}", path);
 }
 
 void MappingNode::SetLocaliseOnly(const std::string& argument) {
   if (argument != "on" && argument != "off")
     throw std::runtime_error(fmt::format("localise \"{}\": must be on or off", argument));
   mapper_->SetLocaliseOnly(argument == "on");
-  spdlog::info("the map {}", mapper_->localise_only() ? "stays as it is from now on" : "grows from now on");
+  spdlog::info("the map {}", mapper_->localise_only() ? "is fixed" : "can grow");
   Publish({});
   // A process killed later restarts in this mode; the newest keyframe is committed here (`WorkQueue::Take`).
   if (!options_.state_file.empty()) KeepState();
@@ -428,7 +428,7 @@ void MappingNode::ReadState() {
     // Do not wait for the camera message, which comes once a second: it would be the longest part of a restart.
     camera_ = MapCamera(state_->stored, options_.state_file);
   } catch (const std::exception& error) {
-    spdlog::warn("all is built anew from the history: {}", error.what());
+    spdlog::warn("rebuilding the map from the history: {}", error.what());
     state_.reset();
     return;
   }
@@ -452,7 +452,7 @@ void MappingNode::KeepState() {
     });
     process_.SetCounter("state.written", static_cast<double>(++n_states_));
   } catch (const std::exception& error) {
-    if (!std::exchange(state_failed_, true)) spdlog::warn("what a restart would need is not kept: {}", error.what());
+    if (!std::exchange(state_failed_, true)) spdlog::warn("the state for a restart is not written: {}", error.what());
   }
   MoveOldToFiles();
   bus::GiveBackFreedMemory();

@@ -331,7 +331,7 @@ TEST(RunFailure, TrackerWhoseStateIsDamagedBeginsANewSession) {
   ASSERT_EQ(kill(run.PidOf("vo_process"), SIGKILL), 0);
   std::filesystem::resize_file(state, std::filesystem::file_size(state) / 2);
   ASSERT_EQ(run.Wait(), 0) << run.Logs();
-  EXPECT_THAT(run.Logs(), HasSubstr("a new session begins: "));
+  EXPECT_THAT(run.Logs(), HasSubstr("starting a new session: "));
   EXPECT_THAT(run.Logs(), HasSubstr("it was cut off or damaged"));
   EXPECT_EQ(watcher.Get().poses.size(), 2U);
   EXPECT_EQ(run.Summary()["completed"], true);

@@ -157,7 +157,7 @@ TEST_F(Rebuild, StateThatIsDamagedIsLeftForTheHistory) {
   EXPECT_GT(Until("mapping", *mapper, "map.keyframes", 3), 0.0);
   std::ifstream log(run_.folder() / "mapping_process.log");
   const std::string text{std::istreambuf_iterator<char>(log), {}};
-  EXPECT_NE(text.find("all is built anew from the history: " + StateFile()), std::string::npos) << text;
+  EXPECT_NE(text.find("rebuilding the map from the history: " + StateFile()), std::string::npos) << text;
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ MaskLink::MaskLink(bus::Bus& bus, const MaskUseOptions& options, std::function<v
     on_arrival_();
   });
   bus.Every(kTick, [this] {
-    if (wait_.GiveUp(bus::NowS())) spdlog::warn("nobody sends masks: frames are taken as they are");
+    if (wait_.GiveUp(bus::NowS())) spdlog::warn("no masks arrive: frames are processed without masks");
     on_arrival_();
   });
 }

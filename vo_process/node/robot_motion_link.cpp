@@ -31,7 +31,7 @@ RobotMotionLink::RobotMotionLink(bus::Bus& bus, const RobotMotionUseOptions& opt
   });
   bus.Every(kRobotTick, [this] {
     if (!wait_.GiveUp(bus::NowS())) return;
-    spdlog::warn("no odometry of the robot comes: frames are tracked without");
+    spdlog::warn("no robot odometry arrives: frames are tracked without it");
     on_arrival_();
   });
 }

@@ -84,7 +84,7 @@ void TrackerReport::ReportVerticalDisparity(const RowField& rows, const StereoCa
   }
   Count(kCornerRows, most_px);
   spdlog::info(
-      "in the corners, rows of the right image differ from those of the left by up to {:.1f} px: they are followed, "
+      "the vertical disparity in the image corners is up to {:.1f} px: it is corrected, "
       "but the calibration could be better",
       most_px);
 }

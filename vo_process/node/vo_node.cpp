@@ -96,7 +96,7 @@ void VoNode::OnCamera(const RigCalibration& rig) {
     throw;
   }
   if (rig_) {
-    spdlog::info("another camera '{}': a new session begins", rig.name);
+    spdlog::info("another camera '{}': starting a new session", rig.name);
     // Waits and waiting frames belong to the old session.
     EndWaits();
     waiting_.clear();
@@ -211,9 +211,9 @@ void VoNode::SubscribeToMap() {
 void VoNode::GiveUpWaits() {
   const double now_s = bus::NowS();
   const bool no_map = map_->wait().GiveUp(now_s);
-  if (no_map) spdlog::warn("no mapping_process is heard of: odometry goes on by itself");
+  if (no_map) spdlog::warn("no mapping_process is found: continuing as odometry");
   const bool no_result = relocalisation_.wait().GiveUp(now_s);
-  if (no_result) spdlog::warn("no loop_process is heard of: a lost camera is not found in the map");
+  if (no_result) spdlog::warn("no loop_process is found: a lost camera is not relocalised");
   if (no_map || no_result) ProcessWaiting();
 }
 
@@ -227,7 +227,7 @@ void VoNode::FollowOrders() {
   const bool grows = !map_->localise_only() && odometry_->localise_only();
   odometry_->SetLocaliseOnly(map_->localise_only());
   if (map_->IsOfAnotherMap()) {
-    spdlog::info("another map has begun: so does a new session");
+    spdlog::info("the map was replaced: starting a new session");
     BeginSession();
   } else if (grows) {
     BeginSessionHere();
@@ -346,7 +346,7 @@ StereoFeatures VoNode::SeeFeatures(const StereoImages& images, StageTimer& timer
 StereoFeatures VoNode::NoFeatures(const StereoImages& images) {
   if (!std::exchange(was_too_early_, true)) {
     spdlog::warn(
-        "frame {} is of an earlier time than the one before it, by less than a second: such frames are not used",
+        "frame {} is up to a second older than the previous frame: such frames are not used",
         images.frame_id);
   }
   report_.Count("frames.bad", 1);
@@ -493,7 +493,7 @@ void VoNode::Restore() {
   try {
     if (const std::optional<TrackerState> state = checkpoint_.Take(settings_)) Restore(*state);
   } catch (const std::exception& error) {
-    spdlog::warn("a new session begins: {}", error.what());
+    spdlog::warn("starting a new session: {}", error.what());
     odometry_.reset();
   }
 }
@@ -521,7 +521,7 @@ void VoNode::Restore(const TrackerState& state) {
   session_.last_keyframe_id = state.keyframe.keyframe_id;
   if (map_) map_->BeginSession(state.adopted_keyframe_id);
   restored_ = true;
-  spdlog::info("goes on behind frame {} of the session", session_.last_frame_id);
+  spdlog::info("resuming after frame {} of the session", session_.last_frame_id);
   process_.bus().Post([this, keyframe = state.keyframe] {
     if (keyframe.keyframe_id >= 0) keyframes_.Publish(keyframe);
     // The last pose of the crashed tracker may be lost, and a restarted player needs it.
@@ -572,7 +572,7 @@ void VoNode::AskAgainForFrames() {
   if (!frames_asked_s_) return;
   if (bus::NowS() - *frames_asked_s_ < kFramesWait_s) return AskForFrames();
   frames_asked_s_.reset();
-  spdlog::warn("no player sends the frames behind {} again: a gap is left", session_.last_frame_id);
+  spdlog::warn("no player resends the frames after {}: they are skipped", session_.last_frame_id);
   ProcessWaiting();
 }
 

@@ -130,7 +130,7 @@ bool FrameSender::Begin(const std::optional<ResumePoint>& resume) {
     n_sent_ = resume->frame_id + 1;
     newest_sent_ = std::max(newest_sent_, resume->frame_id);
     process_.SetCounter("frames.resumed_at", static_cast<double>(n_sent_));
-    spdlog::info("goes on behind frame {}", resume->frame_id);
+    spdlog::info("resuming after frame {}", resume->frame_id);
   }
   n_bad_ = source_->Begin(resume);
   return !turn_.stopped();

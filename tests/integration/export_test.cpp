@@ -105,7 +105,7 @@ TEST(ComparisonOfRuns, FromTheirFoldersToAPage) {
   EXPECT_THAT(missing.error, HasSubstr("none: does not exist"));
 }
 
-TEST(PaperTables, ThePapersNumbersBesideOursAndWhatIsAbsentSaysSo) {
+TEST(PaperTables, PaperAndOwnNumbersAndAbsentSequences) {
   PLSLAM_REQUIRE_PROGRAM("python3");
   const ScratchFolder folder;
   const auto dataset = OpenDataset("synthetic:room?frames=12&size=376x240", "");

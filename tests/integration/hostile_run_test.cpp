@@ -133,7 +133,7 @@ class HostileRun : public testing::Test {
   }
 };
 
-TEST_F(HostileRun, WithAKeyNothingGetsThrough) {
+TEST_F(HostileRun, WithAKeyNoForgedMessageIsAccepted) {
   const NetworkHost host;
   const ByHand folder(kHostileUrl);
   const std::string key = KeyFile(folder.folder(), 'a');

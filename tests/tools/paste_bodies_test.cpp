@@ -53,7 +53,7 @@ TEST(PasteBodies, OutlineIsWhereTheCornersProject) {
   EXPECT_EQ(picture.coverage.at<float>(0, 0), 0.0F);
 }
 
-TEST(PasteBodies, EveryKindComesIntoViewAndCoversItsShare) {
+TEST(PasteBodies, EveryKindEntersTheViewAndCoversItsShare) {
   const std::vector<SE3> path = Straight(60);
   for (const std::string& kind : BodyKindNames()) {
     const MovingBox box = MoveBody({kind, 0.5, 0.0, 3}, kCamera, path);

@@ -87,7 +87,7 @@ TEST_P(LoopClosurePages, AreSmallEnoughAndGiveTheSameClosure) {
 INSTANTIATE_TEST_SUITE_P(Sizes, LoopClosurePages,
                          testing::Combine(testing::Values(0, 1, 3000), testing::Values(1200, 60'000)));
 
-TEST(LoopClosurePages, WhatCannotBeIsNotSent) {
+TEST(LoopClosurePages, InvalidClosuresAreNotSent) {
   LoopClosure closure = ClosureOf(41, 3);
   closure.poses[1].T_w_kf = SE3(Eigen::Quaterniond::Identity(), {kNaN, 0.0, 0.0});
   EXPECT_THROW(CutIntoPages(closure, 60'000), std::invalid_argument);

@@ -120,7 +120,7 @@ TEST(MapPages, AnEmptyUpdateIsOnePage) {
   EXPECT_TRUE(Assemble(pages));
 }
 
-TEST(MapPages, WhatNoReaderWouldTakeIsNotSent) {
+TEST(MapPages, InvalidUpdatesAreNotSent) {
   const std::vector<std::function<void(MapUpdate&)>> faults = {
       [](MapUpdate& u) { u.version = 0; },
       [](MapUpdate& u) { u.base_version = u.version; },
@@ -151,7 +151,7 @@ TEST(MapPages, VariancesBeyondSinglePrecisionArrive) {
   EXPECT_TRUE(Assemble(CutIntoPages(update, 60'000)));
 }
 
-TEST(MapUpdateAssembler, PassesOverWhatItHasNotSeenTheBeginningOf) {
+TEST(MapUpdateAssembler, IgnoresPagesWithoutTheFirstPage) {
   const auto pages = CutIntoPages(SomeUpdate(), 1200);
   ASSERT_GT(pages.size(), 4U);
   MapUpdateAssembler assembler;

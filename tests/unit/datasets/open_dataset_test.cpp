@@ -14,7 +14,7 @@ using test::ErrorOf;
 using testing::AllOf;
 using testing::HasSubstr;
 
-TEST(OpenDataset, EveryKindIsFoundByLookingAndByName) {
+TEST(OpenDataset, EveryFormatIsFoundByContentAndByName) {
   const test::TemporaryFolder folder;
   test::MakeKittiFolder(folder.path() / "kitti");
   test::MakeEurocFolder(folder.path() / "euroc");
@@ -34,7 +34,7 @@ TEST(OpenDataset, SyntheticWorldByName) {
   EXPECT_TRUE(world->GroundTruth(0));
 }
 
-TEST(OpenDataset, ErrorsNameWhatIsKnown) {
+TEST(OpenDataset, ErrorsNameTheKnownFormats) {
   const test::TemporaryFolder folder;
   EXPECT_THAT(
       ErrorOf([&] { OpenDataset(folder.path().string(), ""); }),
@@ -69,7 +69,7 @@ TEST(OpenDataset, TopicsBelongToTheNameOfARecording) {
   EXPECT_THAT(ErrorOf([] { WithTopics(std::string(5000, 'a'), "", {"/a", "/b"}); }), HasSubstr("File name too long"));
 }
 
-TEST(OpenDataset, HelpNamesEveryKind) {
+TEST(OpenDataset, HelpNamesEveryFormat) {
   for (const DatasetKind& kind : DatasetKinds()) {
     EXPECT_THAT(DatasetHelp(), HasSubstr(kind.what));
     EXPECT_THAT(DatasetKindHelp(), HasSubstr(kind.name));

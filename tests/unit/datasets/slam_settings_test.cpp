@@ -194,7 +194,7 @@ TEST_F(SlamSettingsFile, AFolderNamesTheSettingsThatItHas) {
   EXPECT_THAT(error("name: nothing\n"), testing::Not(HasSubstr("settings.yaml")));
 }
 
-TEST_F(SlamSettingsFile, KeysThatStandTwice) {
+TEST_F(SlamSettingsFile, DuplicateKeys) {
   const std::string text = RigCalled("orb_slam2.yaml").files[0].text;
   ExpectTheRig(
       ReadForeignCalibration({Write("a.yaml", text + "Viewer.PointSize: 2\nViewer.PointSize: 3\n")}, kSize).rig,

@@ -71,7 +71,7 @@ TEST(Alignment, PlanarPathGetsARotationAndNoReflection) {
   EXPECT_LT(Distance(s.T_a_b, kMove), 1e-9);
 }
 
-TEST(Alignment, StraightPathTakesTheTurnAboutItselfFromTheOrientations) {
+TEST(Alignment, RollAboutAStraightPath) {
   for (const int n : {2, 3, 30}) {
     for (const auto kind : {Alignment::kSe3, Alignment::kSim3}) {
       const Similarity s = Align(MovedPairs(Line(n), 1.0), kind);
@@ -155,7 +155,7 @@ TEST(ClockOffset, BeyondTheLimitThereIsNone) {
   EXPECT_FALSE(FitClockOffset(Along(10.0, 0.2), truth, Alignment::kSe3, kMaxClockGap_ns, 0.05));
 }
 
-TEST(ClockOffset, OfACameraThatStandsIsNotInvented) {
+TEST(ClockOffset, StandingCameraHasNoOffset) {
   Trajectory truth = Along(200.0, 0.0);
   for (TrajectoryPose& pose : truth) pose.T_a_b = SE3();
   Trajectory estimate = Along(10.0, 0.0);
@@ -166,7 +166,7 @@ TEST(ClockOffset, OfACameraThatStandsIsNotInvented) {
   EXPECT_EQ(clock->ate_m, 0.0);
 }
 
-TEST(ClockOffset, OfTooLittleIsNone) {
+TEST(ClockOffset, TooFewPosesGiveNone) {
   const Trajectory truth = Along(200.0, 0.0);
   EXPECT_FALSE(FitClockOffset({}, truth, Alignment::kSe3, kMaxClockGap_ns, 0.05));
   EXPECT_FALSE(FitClockOffset(Along(10.0, 0.0), {}, Alignment::kSe3, kMaxClockGap_ns, 0.05));
@@ -175,7 +175,7 @@ TEST(ClockOffset, OfTooLittleIsNone) {
   EXPECT_FALSE(FitClockOffset(Along(10.0, 0.0), truth, Alignment::kSe3, kMaxClockGap_ns, 0.0));
 }
 
-TEST(ClockOffset, TimesAtTheEndOfAllNumbersAreNotMoved) {
+TEST(ClockOffset, TimesNearTheMaximumGiveNone) {
   Trajectory estimate = Along(10.0, 0.0);
   estimate.back().t_ns = std::numeric_limits<int64_t>::max();
   EXPECT_FALSE(FitClockOffset(estimate, Along(200.0, 0.0), Alignment::kSe3, kMaxClockGap_ns, 0.05));

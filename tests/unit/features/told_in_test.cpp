@@ -35,7 +35,7 @@ StereoFeatures SeenBy(const StereoCamera& camera) {
   return features;
 }
 
-TEST(ToldIn, RaysAndDepthsStay) {
+TEST(ToldIn, RaysAndDepthsArePreserved) {
   const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide);
   const StereoFeatures there = SeenBy(kLong);
   for (size_t i = 0; i < told.points.size(); ++i) {
@@ -52,7 +52,7 @@ TEST(ToldIn, RaysAndDepthsStay) {
   EXPECT_NEAR(line.disparity_q_px, there.lines[0].disparity_q_px, 1e-4);
 }
 
-TEST(ToldIn, StandardDeviationsInMetresStay) {
+TEST(ToldIn, StandardDeviationsInMetresArePreserved) {
   const Eigen::Vector3d p_c(0.3, -0.2, 2.0);
   const StereoPoint seen = SeenBy(kWide).points[0];
   const StereoPoint told = ToldIn(kLong, SeenBy(kWide), kWide).points[0];
@@ -63,14 +63,14 @@ TEST(ToldIn, StandardDeviationsInMetresStay) {
   EXPECT_LT((covariance(kLong, told) - own).norm(), 1e-6 * own.norm());
 }
 
-TEST(ToldIn, OctavesStayAndTheScaleSaysFromWhereTheOtherCameraWouldFindThem) {
+TEST(ToldIn, KeepsOctavesAndScalesThem) {
   const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide);
   EXPECT_EQ(told.points[1].left.octave, 5);
   EXPECT_EQ(CameraOf(told, kLong).OctaveScale(), 460.0 / 180.0);
   EXPECT_EQ(CameraOf(SeenBy(kLong), kLong).OctaveScale(), 1.0);
 }
 
-TEST(ToldIn, CamerasTooUnlikeAreSaidToBe) {
+TEST(ToldIn, RejectsTooDifferentCameras) {
   EXPECT_TRUE(CanBeToldIn(kLong, kWide));
   StereoCamera other = kWide;
   other.f_px = 1.0;
@@ -80,7 +80,7 @@ TEST(ToldIn, CamerasTooUnlikeAreSaidToBe) {
   EXPECT_FALSE(CanBeToldIn(other, kWide));
 }
 
-TEST(ToldIn, ImageGoesWithTheFeatures) {
+TEST(ToldIn, ImageIsStoredWithTheFeatures) {
   const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide);
   ASSERT_TRUE(told.image);
   const StereoCamera looked = CameraOf(told, kLong);
@@ -92,7 +92,7 @@ TEST(ToldIn, ImageGoesWithTheFeatures) {
   EXPECT_FALSE(looked.InImage({looked.left_px + looked.width_px + 0.0, 100.0}, 0.0));
 }
 
-TEST(ToldIn, BetweenEqualCamerasEveryBitStays) {
+TEST(ToldIn, EqualCamerasKeepEveryBit) {
   const StereoFeatures seen = SeenBy(kWide);
   const StereoFeatures told = ToldIn(kWide, seen, kWide);
   EXPECT_FALSE(told.image);
@@ -105,7 +105,7 @@ TEST(ToldIn, BetweenEqualCamerasEveryBitStays) {
 }
 
 // A restarted mapping_process publishes keyframes in the camera of the map.
-TEST(ToldIn, WhatIsToldOnKeepsItsBitsAndItsImage) {
+TEST(ToldIn, RepeatedConversionKeepsTheBits) {
   const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide);
   const StereoFeatures again = ToldIn(kLong, told, CameraOf(told, kLong));
   EXPECT_EQ(again.image, told.image);

@@ -80,7 +80,7 @@ TEST(Golden, MapsAndRecordingsOfReleasesOpenAsTheyWere) {
 }
 
 // Messages between single processes may be of another version, which is reported; frames and rig may not.
-TEST(Golden, RunsOfRecordingsGoOnOrAreToBeReplayed) {
+TEST(Golden, OldRecordingsAreReadOrNeedAReplay) {
   for (const std::filesystem::path& folder : Releases()) {
     const ScratchFolder to;
     try {

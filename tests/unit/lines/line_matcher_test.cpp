@@ -24,7 +24,7 @@ int MatchOne(const LineFeature& predicted, const LineFeature& feature,
   return MatchLinesByProjection({Predicted(predicted)}, std::vector<LineFeature>{feature}, options)[0];
 }
 
-TEST(MatchLinesByProjection, EachGateSaysNoByItself) {
+TEST(MatchLinesByProjection, EachGateRejectsAlone) {
   const LineFeature line = Feature(100, 100, 200, 100);
   EXPECT_EQ(MatchOne(line, Feature(105, 104, 195, 106)), 0);
   EXPECT_EQ(MatchOne(line, Feature(200, 100, 100, 100)), -1) << "polarity";
@@ -141,7 +141,7 @@ TEST(MatchLinesByProjection, AgreesWithTheSlowTwin) {
   EXPECT_GT(matched, 100);
 }
 
-TEST(MatchLinesByProjection, EachFeatureIsGivenOnceAndStereoLinesMatchAlike) {
+TEST(MatchLinesByProjection, MonoAndStereoLinesMatchAlike) {
   const auto a = RandomLines(120, 7);
   const auto b = RandomLines(120, 7);
   std::vector<PredictedLine> predicted;

@@ -68,7 +68,7 @@ class MonitorNodeTest : public testing::Test {
   bus::Bus speaker_{options_, "speaker"};
 };
 
-TEST_F(MonitorNodeTest, AProcessOfAnotherHostWithTheSameNumberIsAnother) {
+TEST_F(MonitorNodeTest, SamePidOnAnotherHostIsAnotherProcess) {
   Say(bus::HostName(), 7, "ready");
   ASSERT_TRUE(Hears(1));
   Say("another-" + bus::HostName(), 7, "finished");
@@ -104,7 +104,7 @@ TEST_F(MonitorNodeTest, PlayerWaitsForTimeWhenItsNewestFrameHasAPose) {
   EXPECT_TRUE(Eventually([&] { return !waits(0.0); })) << "it waits for nothing but what it reads";
 }
 
-TEST_F(MonitorNodeTest, FramesThatNoPoseTellsOfAreUnanswered) {
+TEST_F(MonitorNodeTest, FramesWithoutAPoseAreUnanswered) {
   const auto unanswered = [&](int64_t n) {
     return Eventually([&] { return Ask([](const MonitorNode& m) { return m.frames().unanswered; }) == n; });
   };

@@ -35,7 +35,7 @@ class StallWatchTest : public testing::Test {
   StallWatch watch_;
 };
 
-TEST_F(StallWatchTest, WithoutAPoseForTwoMinutesWhateverTheViewerAndTheMapSay) {
+TEST_F(StallWatchTest, NoPoseForTwoMinutesIsAStall) {
   EXPECT_EQ(TalkFor(120), "");
   ++signs_.map_version;
   EXPECT_THAT(TalkFor(1), "no pose for 120 s");
@@ -53,7 +53,7 @@ TEST_F(StallWatchTest, PosesAndWaitingForTheTimeOfAFrameAreNoStall) {
   EXPECT_EQ(LookAfter(1), "no pose for 120 s");
 }
 
-TEST_F(StallWatchTest, ViewerThatFallsSilentBehindTheEnd) {
+TEST_F(StallWatchTest, SilentViewerAfterTheEndIsAStall) {
   EXPECT_EQ(LookAfter(100), "");
   signs_.stream_ended = true;
   EXPECT_EQ(LookAfter(100), "");
@@ -63,7 +63,7 @@ TEST_F(StallWatchTest, ViewerThatFallsSilentBehindTheEnd) {
   EXPECT_THAT(LookAfter(1), HasSubstr("the viewer has been silent for 120 s"));
 }
 
-TEST_F(StallWatchTest, ViewerThatTalksButNeverFinishes) {
+TEST_F(StallWatchTest, ViewerThatNeverFinishesIsAStall) {
   signs_.stream_ended = true;
   EXPECT_EQ(TalkFor(300), "");
   ++signs_.map_version;

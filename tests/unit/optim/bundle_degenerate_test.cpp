@@ -219,7 +219,7 @@ TEST_P(AdjustBundleDegenerate, PoseThatSeesOutliersOnlyStaysWhereItWas) {
   EXPECT_GT(result.pose_covariances.back().trace(), 1e5);
 }
 
-TEST_P(AdjustBundleDegenerate, LandmarkSeenByNobody) {
+TEST_P(AdjustBundleDegenerate, LandmarkWithoutObservations) {
   test::BundleWorld world = Make();
   world.problem.points.push_back({Eigen::Vector3d(1.0, 2.0, 3.0), false});
   const BundleResult result = Adjust(world);

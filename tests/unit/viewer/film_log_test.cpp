@@ -46,7 +46,7 @@ void AddPictures(Film& film, int n) {
   }
 }
 
-TEST(FilmLog, WhereNothingCanBeWrittenItIsSaidOnceAndTheRunGoesOn) {
+TEST(FilmLog, UnwritableFilmIsReportedOnce) {
   const ScratchFolder folder;
   const CapturedLog log;
   {

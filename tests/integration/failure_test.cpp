@@ -95,7 +95,7 @@ bool AllGone(const std::vector<pid_t>& pids) {
 }
 
 // `systemctl stop`, a closing session, `scancel`: all processes get the signal, and the launcher's order besides.
-TEST(RunFailure, SignalToAllProcessesAtOnceIsOneOrder) {
+TEST(RunFailure, SignalToAllProcessesAtOnce) {
   for (const int signal : {SIGTERM, SIGINT, SIGHUP}) {
     WholeRun run;
     const std::string map = (run.folder() / "room.plmap").string();

@@ -168,7 +168,7 @@ TEST_F(PartOfTheRoom, CameraCarriedOutOfTheMapAndBack) {
   EXPECT_GE(n_back, 57) << run_.Logs();
 }
 
-TEST_F(PartOfTheRoom, IsUsedAgainWhenItComesBackIntoView) {
+TEST_F(PartOfTheRoom, IsUsedAgainWhenBackInView) {
   // Once round the room, through unmapped parts, and again.
   const int lap = OpenDataset(kRoom, "")->size();
   std::vector<ChosenFrame> frames;

@@ -66,7 +66,7 @@ TEST(FirstDifference, MessageOfAnotherTypeIsReported) {
   EXPECT_EQ(FirstDifference(layout, pose, status), "in the log it is no pose_t");
 }
 
-TEST(Rename, ReplacesNamesWhereverTheyAre) {
+TEST(Rename, ReplacesIdsInAllMembers) {
   loop_closure_t closure{};
   closure.header.source = closure.map_source = int64_t{1} << 40;
   closure.header.session = 3;

@@ -43,7 +43,7 @@ TEST(PasteBodies, RightPictureIsShiftedByTheDisparity) {
   }
 }
 
-TEST(PasteBodies, OutlineIsWhereTheCornersProject) {
+TEST(PasteBodies, OutlineMatchesTheProjectedCorners) {
   const Body body = MakeBox({2.0, 1.0, 1.0}, {PaintVehicle(2)});
   const SE3 T_b_c(Eigen::Quaterniond::Identity(), {0.2, 0.1, -6.0});
   const BodyPicture picture = PictureOfBody(body, kCamera, T_b_c);

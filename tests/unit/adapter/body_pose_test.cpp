@@ -49,7 +49,7 @@ TEST(BodyPose, MountedCameraHasTheRigsTransform) {
 }
 
 // One metre ahead and a turn to the left, as the camera sees it: y of a camera points down.
-TEST(BodyPose, AxesAndVelocityAreThoseOfRos) {
+TEST(BodyPose, AxesAndVelocityFollowRos) {
   CameraPose camera;
   const double turn = 0.1;
   const Eigen::Quaterniond left(Eigen::AngleAxisd(-turn, Eigen::Vector3d::UnitY()));

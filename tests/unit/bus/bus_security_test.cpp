@@ -112,7 +112,7 @@ TEST_F(BusSecurity, KeyReadableByOthersGivesAWarning) {
   EXPECT_EQ(warning(0400), "");
 }
 
-TEST_F(BusSecurity, WithoutAKeyBothKindsAreAccepted) {
+TEST_F(BusSecurity, SignedAndUnsignedAreAcceptedWithoutAKey) {
   Waiter received;
   RunningBus reader(Options(), "reader");
   reader->Subscribe<pose_t>(kPose, [&](const pose_t&) { received.Add(); });
@@ -276,7 +276,7 @@ TEST_F(BusSecurity, RequestsCountOnceWithAKey) {
   EXPECT_EQ(received.value(), 50);
 }
 
-TEST_F(BusSecurity, ComplaintsNameTheKindInOneLine) {
+TEST_F(BusSecurity, ComplaintsNameTheRejectionInOneLine) {
   RunningBus reader(Options(KeyFile('a')), "reader");
   reader->Subscribe<pose_t>(kPose, [](const pose_t&) {});
   reader.Start();

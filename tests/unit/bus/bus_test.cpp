@@ -335,7 +335,7 @@ TEST(Bus, InvalidOptionsAreRefused) {
   EXPECT_THAT(error_of(options), HasSubstr("bus.prefix"));
 }
 
-TEST(Bus, RefusesMessagesThatDoNotFitOrDoNotBelong) {
+TEST(Bus, RefusesOversizedMessagesAndOtherTypes) {
   Bus bus(OptionsFor("memq://"), "test");
   status_t status{};
   status.configuration.assign(70'000, 'x');

@@ -296,7 +296,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, FrameSizes,
                                          std::tuple{640, 480, CV_16UC1, 60'000}, std::tuple{1, 1, CV_8UC1, 60'000},
                                          std::tuple{64, 48, CV_16UC1, 1000}));
 
-TEST(FrameChannel, PicturesAreTakenOnlyWhenWanted) {
+TEST(FrameChannel, PicturesAreReceivedOnlyIfRequested) {
   const std::string url = PrivateUrl();
   Waiter handled;
   RunningBus reader(OptionsFor(url), "viewer");

@@ -99,7 +99,7 @@ TEST(LoopClosurePages, InvalidClosuresAreNotSent) {
   EXPECT_THROW(CutIntoPages(closure, 60'000), std::invalid_argument);
 }
 
-TEST(LoopClosurePages, HostileOnesAreRefused) {
+TEST(LoopClosurePages, HostilePagesAreRefused) {
   const loop_closure_t page = CutIntoPages(ClosureOf(41, 2), 60'000)[0];
   LoopClosureAssembler assembler;
   const auto expect_refused = [&](auto change) {
@@ -121,7 +121,7 @@ TEST(LoopClosurePages, HostileOnesAreRefused) {
   EXPECT_EQ(assembler.Add(page), PageOutcome::kComplete);
 }
 
-TEST(Relocalisation, ComesThroughAMessage) {
+TEST(Relocalisation, RoundTripThroughAMessage) {
   Relocalisation there;
   there.session = 9;
   there.frame_id = 4;

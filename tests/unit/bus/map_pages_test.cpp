@@ -82,7 +82,7 @@ TEST_P(MapPages, AreSmallEnoughAndGiveTheSameUpdate) {
 
 INSTANTIATE_TEST_SUITE_P(Sizes, MapPages, testing::Values(968, 1200, 5000, 60'000));
 
-TEST(MapPages, AReplicaThatIsFedByThemIsTheMap) {
+TEST(MapPages, ReplicaOfThePagesEqualsTheMap) {
   for (uint64_t seed = 1; seed <= 10; ++seed) {
     test::MapOwner owner(seed);
     MapReplica replica;

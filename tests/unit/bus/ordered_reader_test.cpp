@@ -112,7 +112,7 @@ TEST(OrderedReader, FindsALostTailByTheAnnouncement) {
   EXPECT_EQ(request->ranges[0].last, 2);
 }
 
-TEST(OrderedReader, LateJoinerBeginsWhereThePublisherCan) {
+TEST(OrderedReader, LateJoinerBeginsAtTheOldestKeptMessage) {
   OrderedReader reader(true, 1'000'000, 0);
   reader.OnMessage(50, *MessageOf(50), 0);
   EXPECT_TRUE(Drain(reader, 0).empty());
@@ -178,7 +178,7 @@ TEST(OrderedReader, IsPolledSeldomWhileThePublisherIsSilent) {
   EXPECT_LT(polls, 2 * 30'000 / 200 + 20);
 }
 
-TEST(OrderedReader, OneWayItIsPolledOnlyToGiveUpAGap) {
+TEST(OrderedReader, OneWayPollsOnlyToGiveUpAGap) {
   OrderedReader reader(false, 1'000'000, 0);
   Numbers numbers;
   for (int64_t n = 0; n < 300; ++n) {
@@ -252,7 +252,7 @@ TEST(OrderedReader, IsPolledSeldomWhileWaitingForAnnounced) {
   EXPECT_LT(polls, 2 * 60'000 / 200 + 200);
 }
 
-TEST(OrderedReader, OneWayTheEndEndsAllGaps) {
+TEST(OrderedReader, OneWayEndGivesUpAllGaps) {
   OrderedReader reader(false, 1'000'000, 0);
   for (const int64_t n : {0, 1, 3, 4, 7}) reader.OnMessage(n, *MessageOf(n), 0);
   EXPECT_EQ(Drain(reader, 0), (Numbers{0, 1}));

@@ -52,7 +52,7 @@ TEST(PartnerWait, WaitsAgainOnlyAfterASignOfLife) {
   EXPECT_EQ(wait.awaited(), 3);
 }
 
-TEST(PartnerWait, NoTimeMeansNoWaiting) {
+TEST(PartnerWait, ZeroTimeDoesNotWait) {
   PartnerWait wait(0.0);
   wait.Begin(1, 2.0);
   EXPECT_TRUE(wait.GiveUp(2.0));

@@ -106,7 +106,7 @@ TEST(LiveRigFile, NeedsNoLens) {
   EXPECT_EQ(again.rate_hz, 20.0);
 }
 
-TEST(LiveRigFile, NameAndPoseOfTheLeftCameraAreTakenOver) {
+TEST(LiveRigFile, NameAndPoseOfTheLeftCameraAreKept) {
   const ScratchFolder folder;
   const LiveRigFile rig = ReadLiveRigFile(
       folder.Write("rig.yaml",

@@ -105,7 +105,7 @@ TEST_F(CameraSourceTest, UnequalLengthsEndWithTheShorterOne) {
   EXPECT_EQ(All(&source).size(), 7U);
 }
 
-TEST_F(CameraSourceTest, LiveFramesHaveTheTimeOfDayAndComeAtTheirRate) {
+TEST_F(CameraSourceTest, LiveFramesHaveWallClockTimesAtTheirRate) {
   PLSLAM_REQUIRE_ELEMENTS("videotestsrc");
   CameraSource source = Open(TestPicture("is-live=true num-buffers=60") + kToSinks);
   EXPECT_TRUE(source.is_live());

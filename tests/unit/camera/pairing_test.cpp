@@ -88,7 +88,7 @@ TEST(Pairing, LiveFirstPairWaitsUntilTheRateIsKnown) {
   EXPECT_THAT(Sure(&pairing), ElementsAre(Pair(50, 53)));
 }
 
-TEST(Pairing, EndOfACameraMakesItsLastImageSure) {
+TEST(Pairing, EndOfACameraReleasesItsLastPair) {
   Pairing pairing(5 * kMs);
   Add(&pairing, Side::kLeft, {0});
   Add(&pairing, Side::kRight, {3});

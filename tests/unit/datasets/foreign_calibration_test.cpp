@@ -15,7 +15,7 @@ using testing::HasSubstr;
 
 class ForeignCalibrationFiles : public test::ForeignCalibrationTest {};
 
-TEST_F(ForeignCalibrationFiles, OneRigReadsAlikeInEveryFormat) {
+TEST_F(ForeignCalibrationFiles, OneRigIsTheSameInEveryFormat) {
   for (const test::ForeignRig& rig : test::ForeignRigs()) {
     const std::vector<std::string> paths = WriteAll(rig);
     EXPECT_EQ(ForeignFormat(paths.front()), rig.format);

@@ -87,7 +87,7 @@ const std::string kFiveFrames = "synthetic:room?size=64x48&frames=5&noise=0";
 
 bool Same(const cv::Mat& a, const cv::Mat& b) { return cv::norm(a, b, cv::NORM_INF) == 0.0; }
 
-TEST(ShiftedDataset, LeftImagesGetTheRightOnesOfOtherFrames) {
+TEST(ShiftedDataset, LeftImagesGetRightImagesOfOtherFrames) {
   const auto original = OpenDataset(kFiveFrames, "");
   for (const int offset : {-2, -1, 0, 1, 3}) {
     const auto shifted = ShiftRightImages(OpenDataset(kFiveFrames, ""), offset);

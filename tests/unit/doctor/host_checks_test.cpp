@@ -113,7 +113,7 @@ TEST(Port, UsedByAProgramThatDoesNotShareIt) {
   EXPECT_THAT(findings[0].mend, HasSubstr("kill " + std::to_string(getpid())));
 }
 
-TEST(Port, RelayThatIsNotThere) {
+TEST(Port, MissingRelay) {
   const Hog hog;  // a port that is free for TCP
   const Findings findings = CheckPort(ParseBusAddress("tcpq://127.0.0.1:" + std::to_string(hog.port)));
   ASSERT_EQ(findings.size(), 1U);

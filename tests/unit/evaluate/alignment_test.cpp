@@ -81,7 +81,7 @@ TEST(Alignment, RollAboutAStraightPath) {
   }
 }
 
-TEST(Alignment, StraightPathsAheadAndBackAreTurnedProperly) {
+TEST(Alignment, OppositeStraightPathsGiveARotation) {
   Trajectory truth;
   Trajectory estimate;
   for (int i = 0; i < 5; ++i) {
@@ -111,13 +111,13 @@ TEST(Alignment, NoneAndNothingAreIdentity) {
   EXPECT_LT(Align(MovedPairs(SomePath(5), 1.0), Alignment::kNone).T_a_b.Log().norm(), 1e-15);
 }
 
-TEST(Alignment, OnePoseIsMadeEqual) {
+TEST(Alignment, OnePoseIsAlignedExactly) {
   for (const auto kind : {Alignment::kSe3, Alignment::kSim3, Alignment::kFirst}) {
     EXPECT_LT(Distance(Align(MovedPairs(SomePath(1), 1.0), kind).T_a_b, kMove), 1e-9);
   }
 }
 
-TEST(Alignment, NamesGoBothWays) {
+TEST(Alignment, NamesRoundTrip) {
   for (const char* name : {"none", "first", "se3", "sim3"}) EXPECT_EQ(AlignmentName(AlignmentFromName(name)), name);
   EXPECT_THROW(AlignmentFromName("rigid"), std::runtime_error);
 }
@@ -150,7 +150,7 @@ TEST(ClockOffset, IsFound) {
   }
 }
 
-TEST(ClockOffset, BeyondTheLimitThereIsNone) {
+TEST(ClockOffset, OffsetBeyondTheLimitGivesNone) {
   const Trajectory truth = Along(200.0, 0.0);
   EXPECT_FALSE(FitClockOffset(Along(10.0, 0.2), truth, Alignment::kSe3, kMaxClockGap_ns, 0.05));
 }

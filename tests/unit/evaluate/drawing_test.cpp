@@ -40,7 +40,7 @@ cv::Vec3b At(const cv::Mat& picture, double x_pt, double y_pt, double scale) {
   return picture.at<cv::Vec3b>(static_cast<int>(y_pt * scale), static_cast<int>(x_pt * scale));
 }
 
-TEST(Drawing, ShapesLieWhereTheyShouldInPixels) {
+TEST(Drawing, ShapesHaveTheirPixelPositions) {
   const cv::Mat picture = ToPicture(SomeDrawing(), 5.0 * 72.0);
   ASSERT_EQ(picture.size(), cv::Size(300, 200));
   EXPECT_EQ(At(picture, 20, 15, 5.0), cv::Vec3b(10, 30, 200));
@@ -129,7 +129,7 @@ int Ink(const Drawing& drawing) {
   return cv::countNonZero(picture.reshape(1) != 255);
 }
 
-TEST(Drawing, NothingAndNonsenseDrawNothing) {
+TEST(Drawing, EmptyAndInvalidShapesDrawNothing) {
   Drawing drawing;
   drawing.size = {20.0, 10.0};
   drawing.shapes.emplace_back(DrawnPath{});

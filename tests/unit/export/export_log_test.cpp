@@ -120,7 +120,7 @@ class ExportLog : public testing::Test {
   int64_t time_us_ = 0;
 };
 
-TEST_F(ExportLog, ImagesAreThoseOfTheRobotWithThePoses) {
+TEST_F(ExportLog, ImagesAreOfTheRobotWithPoses) {
   for (const char* prefix : {"a/", "b/"}) WriteCamera(prefix);
   WritePoses("a/", 3);
   for (int64_t frame = 10; frame < 14; ++frame) WriteFrame("b/", frame);

@@ -72,7 +72,7 @@ std::vector<std::filesystem::path> Releases() {
   return folders;
 }
 
-TEST(Golden, MapsAndRecordingsOfReleasesOpenAsTheyWere) {
+TEST(Golden, MapsAndRecordingsOfReleasesOpenUnchanged) {
   const std::vector<std::filesystem::path> releases = Releases();
   ASSERT_FALSE(releases.empty());
   for (const std::filesystem::path& folder : releases)
@@ -95,7 +95,7 @@ TEST(Golden, OldRecordingsAreReadOrNeedAReplay) {
   }
 }
 
-TEST(Golden, ThereIsOneOfThisRelease) {
+TEST(Golden, ThisReleaseHasGoldenFiles) {
   const std::string version = PLSLAM_VERSION;
   const std::string release = version.substr(0, version.rfind('.'));
   EXPECT_TRUE(std::filesystem::exists(test::SourceFolder() / "tests/golden" / release))

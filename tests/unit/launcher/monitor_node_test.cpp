@@ -77,7 +77,7 @@ TEST_F(MonitorNodeTest, SamePidOnAnotherHostIsAnotherProcess) {
   EXPECT_EQ(Ask([](const MonitorNode& m) { return m.StateOf(8); }), "");
 }
 
-TEST_F(MonitorNodeTest, PlayerWaitsForTimeWhenItsNewestFrameHasAPose) {
+TEST_F(MonitorNodeTest, PlayerWaitsForTimeIfItsFramesHavePoses) {
   const auto waits = [&](double in_s) {
     return Ask([=](const MonitorNode& m) { return m.PlayerWaitsForTime(bus::NowS() + in_s); });
   };

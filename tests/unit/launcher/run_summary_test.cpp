@@ -302,7 +302,7 @@ TEST(RunSummary, UnmeasuredFiguresAreADash) {
   EXPECT_THAT(text, testing::HasSubstr("accuracy   ATE -: the estimate has no pose"));
 }
 
-TEST(RunSummary, InvalidTextDoesNotLoseOtherContent) {
+TEST(RunSummary, InvalidUtf8IsReplaced) {
   const RunStatistics statistics;
   RunSummary summary;
   summary.statistics = &statistics;

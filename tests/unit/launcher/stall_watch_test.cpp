@@ -41,7 +41,7 @@ TEST_F(StallWatchTest, NoPoseForTwoMinutesIsAStall) {
   EXPECT_THAT(TalkFor(1), "no pose for 120 s");
 }
 
-TEST_F(StallWatchTest, PosesAndWaitingForTheTimeOfAFrameAreNoStall) {
+TEST_F(StallWatchTest, PosesAndWaitingForAFrameTimeAreNoStall) {
   ++signs_.poses;
   EXPECT_EQ(LookAfter(119), "");
   ++signs_.poses;

@@ -38,7 +38,7 @@ TEST(MatchLinesByProjection, EachGateRejectsAlone) {
   EXPECT_EQ(MatchOne(line, unlike), -1) << "descriptor";
 }
 
-TEST(MatchLinesByProjection, AlikeLinesSideBySideGiveNone) {
+TEST(MatchLinesByProjection, AmbiguousParallelLinesGiveNone) {
   const LineFeature line = Feature(100, 100, 200, 100, 0xff);
   const std::vector<LineFeature> two = {Feature(100, 95, 200, 95), Feature(100, 105, 200, 105)};
   EXPECT_EQ(MatchLinesByProjection({Predicted(line)}, two, LineMatchOptions())[0], -1);

@@ -44,7 +44,7 @@ class ProjectionSearch : public testing::Test {
   HandmadeMap m_;
 };
 
-TEST_F(ProjectionSearch, FindsWhereTheLandmarksShouldBe) {
+TEST_F(ProjectionSearch, FindsFeaturesAtProjectedLandmarks) {
   ASSERT_EQ(Points(T_w_1_).size(), 1U);
   EXPECT_EQ(Points(T_w_1_)[0].landmark_id, 5);
   EXPECT_EQ(Points(T_w_1_)[0].feature, 1);

@@ -66,7 +66,7 @@ TEST(MapGraph, StepWhileLostConnectsButIsNotKnown) {
   EXPECT_EQ(MapGraph(map).Component(0, MapGraph::Edges::kKnown).size(), 4U);
 }
 
-TEST(MapGraph, ALoopConnectsAndTheNewestOneCounts) {
+TEST(MapGraph, LoopConnectsAndTheNewestIsUsed) {
   Map map = Row(4, 2);
   LoopEdge loop;
   loop.old_keyframe_id = 3;

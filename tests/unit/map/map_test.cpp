@@ -151,7 +151,7 @@ TEST(Map, PointsAndLinesOfTheSameNumberAreApart) {
   EXPECT_NE(map.FindPoint(0), nullptr);
 }
 
-TEST(Map, NeighboursComeByNumberOfSharedLandmarks) {
+TEST(Map, NeighboursAreSortedBySharedLandmarks) {
   Map map = Chain();
   map.Put(PointOf(0, {{0, 0}, {2, 0}}));
   map.Put(PointOf(1, {{0, 1}, {1, 0}, {2, 1}}));

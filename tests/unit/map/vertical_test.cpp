@@ -85,7 +85,7 @@ TEST(Vertical, WithoutLinesFromTheCameras) {
   EXPECT_LT(AngleDeg(vertical.up_w, leaning.up_w()), 1e-5);
 }
 
-TEST(Vertical, NothingUprightIsNone) {
+TEST(Vertical, NoUprightLinesGiveNone) {
   LeaningMap level(Eigen::Quaterniond::Identity());
   level.AddLines(200, {1, 0, 0}, 1.0);
   level.AddLines(7, {0, 1, 0}, 0.1);

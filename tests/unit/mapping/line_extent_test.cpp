@@ -89,7 +89,7 @@ TEST_F(LineExtent, EndsAtTheBorderOfTheImageDoNotTrim) {
   EXPECT_NEAR(to, 4.5, kClose);
 }
 
-TEST_F(LineExtent, EndsAtTheBorderExtendWhereTwoGoFurther) {
+TEST_F(LineExtent, EndsAtTheBorderExtendIfTwoReachFurther) {
   Put(Part(1.0, 2.5), {Part(1.0, 3.15), Part(1.0, 3.17), Part(1.0, 2.5)});
   EXPECT_NEAR(Ends().second, 3.15, kClose);
 }

@@ -97,7 +97,7 @@ TEST(KeyframeQueue, SessionWithoutItsBeginning) {
   EXPECT_EQ(TakeAll(queue, kLater_ms), "(40) 7.40 7.41 ");
 }
 
-TEST(KeyframeQueue, SessionsOfOthersDoNotWait) {
+TEST(KeyframeQueue, OtherSessionsDoNotWait) {
   KeyframeQueue queue;
   queue.Add(KeyframeOf(7, 1, 1, 10), 0.0);
   queue.Add(KeyframeOf(8, 0, 2, 20), 0.0);

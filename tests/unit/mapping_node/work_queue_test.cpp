@@ -198,7 +198,7 @@ TEST_F(WorkQueueTest, TheMapIsSavedWhenItsNewestKeyframeIsCommitted) {
   ExpectNothing();
 }
 
-TEST_F(WorkQueueTest, ResetFollowsEarlierOrders) {
+TEST_F(WorkQueueTest, ResetFollowsAnEarlierOrder) {
   queue_.Add(KeyframeOf(0, true), 0.0);
   Take(Kind::kInsert);
   queue_.Add(bus::Order{command_verb::kReset, ""});

@@ -47,7 +47,7 @@ TEST(PoseGraphRejection, GainsEqualASolveWithoutTheEdge) {
   EXPECT_GT(robust, 5);
 }
 
-TEST(PoseGraphRejection, OneWrongLoopAmongRightOnesIsRejected) {
+TEST(PoseGraphRejection, OneWrongLoopAmongCorrectOnesIsRejected) {
   auto world = MakePoseGraphWorld<SE3>({.poses = 120, .lap = 40});
   const auto right = OptimisePoseGraph(world.graph, PoseGraphOptions());
   ASSERT_EQ(Rejected(right), 0);
@@ -60,7 +60,7 @@ TEST(PoseGraphRejection, OneWrongLoopAmongRightOnesIsRejected) {
   EXPECT_LT(LargestError_m(result.T_w_kf, right.T_w_kf), 1e-3);
 }
 
-TEST(PoseGraphRejection, ManyWrongLoopsAreRejectedAndNoRightOne) {
+TEST(PoseGraphRejection, ManyWrongLoopsAreRejectedNoCorrectOne) {
   auto world = MakePoseGraphWorld<SE3>({.poses = 150, .lap = 30});
   const size_t n_right = world.graph.edges.size();
   std::mt19937_64 random(4);

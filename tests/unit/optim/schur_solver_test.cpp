@@ -210,7 +210,7 @@ TEST(SchurSolver, DampingGrowsAfterAWorseStep) {
   EXPECT_NEAR(scripted.poses[0].x(0), -1.0, 1e-6);
 }
 
-TEST(SchurSolver, CutsDenseMatricesAlikeOnEveryProcessor) {
+TEST(SchurSolver, BlockSizesAreTheSameOnEveryProcessor) {
   PoseSystem system(1, PoseSystem::Storage::kDense);
   system.SetZero();
   system.AddToDiagonal(Eigen::VectorXd::Ones(6));

@@ -205,7 +205,7 @@ TEST(PlaceWeights, AdaptiveTrustsImagesOfFewFeaturesLess) {
   EXPECT_EQ(WeightsFor({}, {.merge = "adaptive"}).points, 0.0);
 }
 
-TEST(WordWeights, FallWithTheShareOfPlacesThatHaveTheWord) {
+TEST(WordWeights, DecreaseWithTheShareOfPlacesWithTheWord) {
   const std::vector<int> places_with{0, 1, 50, 95};
   const std::vector<float> word_weights = WordWeights(places_with, 95, {.merge = "adaptive", .idf_exponent = 2.0});
   EXPECT_THAT(word_weights, ElementsAre(1.0F, testing::FloatEq(0.9801F), 0.25F, testing::FloatNear(0.0025F, 1e-7F)));

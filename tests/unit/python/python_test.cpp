@@ -248,7 +248,7 @@ print(json.dumps({"sentences": sorted(sentences), "taken": taken}))
   EXPECT_THAT(said["sentences"].dump(), HasSubstr("has no features"));
 }
 
-TEST_F(Python, ALogIsReadToThePlaceWhereItIsDamaged) {
+TEST_F(Python, LogIsReadUntilItsDamage) {
   {
     bus::BusOptions options;
     options.url = "file://" + folder().Path("log") + "?mode=w";
@@ -478,7 +478,7 @@ print(json.dumps(out))
   EXPECT_THAT(run["empty"].get<std::string>(), HasSubstr("has no file of a run"));
 }
 
-TEST_F(Python, HasTypesThatMypyBelieves) {
+TEST_F(Python, TypesPassMypy) {
   if (Shell(folder(), "mypy --version").exit_code != 0) GTEST_SKIP() << "no mypy here";
   // The generated types of messages have none.
   const ShellResult result =

@@ -18,7 +18,7 @@ TEST(TrackingState, OnlyAnEstimatedPoseIsTracked) {
   EXPECT_EQ(TrackingStateName(static_cast<TrackingState>(-1)), "unknown");
 }
 
-TEST(FrameTally, EveryFrameIsOneOfAll) {
+TEST(FrameTally, TotalIncludesLostAndSkippedFrames) {
   FrameTally tally;
   EXPECT_FALSE(tally.tracked_percent());
   for (int i = 0; i < 90; ++i) tally.Count(TrackingState::kInitialising, -1);

@@ -21,7 +21,7 @@ TEST(PairSkew, NoneChangesNothing) {
   EXPECT_EQ(PairSkew().Disparity_px({100.0, 50.0}, 7.0), 7.0);
 }
 
-TEST(PairSkew, RowAndDepthAreThoseOfTheMovedCamera) {
+TEST(PairSkew, RowAndDepthMatchTheMovedCamera) {
   const SE3 T_late_c = SomeMotion();
   const PairSkew skew(kSkewCamera, T_late_c);
   for (const double depth_m : {1.0, 5.0, 80.0}) {

@@ -36,7 +36,7 @@ TEST(TextRows, DigitsBeyondTheNanosecondAreRounded) {
   EXPECT_EQ(SecondsToNs("0.9999999999"), 1000000000);
 }
 
-TEST(TextRows, LargestTimeFitsAndOneMoreDoesNot) {
+TEST(TextRows, LargestTimeAndOverflow) {
   EXPECT_EQ(SecondsToNs("9223372036.854775807"), INT64_MAX);
   for (const char* text : {"9223372036.854775808", "1403636579763555584", "1e300", "1e9999"}) {
     EXPECT_THAT([&] { SecondsToNs(text); }, ThrowsMessage<std::runtime_error>(HasSubstr("file:1: '"))) << text;

@@ -71,7 +71,7 @@ TEST(FilmLog, APictureAloneIsWrittenAtTheEnd) {
   EXPECT_TRUE(std::filesystem::exists(folder.Path("film/000000.png")));
 }
 
-TEST(Film, PicturesStandAtTheirTimesByTheRateOfTheCamera) {
+TEST(Film, PicturesAreAtTheirTimesOfTheCameraRate) {
   const ScratchFolder folder;
   {
     Film film(folder.Path("film"));

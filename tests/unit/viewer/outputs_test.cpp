@@ -100,7 +100,7 @@ TEST(Outputs, PosesAreOfTheCalibratedLeftCamera) {
   EXPECT_LT((T_w_l * (q_l_c * p_c) - T_w_odom * (T_odom_c * p_c)).norm(), 1e-12);
 }
 
-TEST(Outputs, CovariancesAreTurnedIntoTheCalibratedCamera) {
+TEST(Outputs, CovariancesAreOfTheCalibratedCamera) {
   const Eigen::Quaterniond q_l_c(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY()));
   Recorder recorder;
   FramePose pose = SomePose(0);

@@ -38,7 +38,7 @@ class MapOwner {
   int64_t version_ = 0;
 };
 
-TEST(CorrectionLog, KeepsWhereKeyframesWereBeforeALoop) {
+TEST(CorrectionLog, KeepsPosesOfKeyframesBeforeALoop) {
   MapOwner owner;
   CorrectionLog log;
   for (int64_t id = 0; id < 3; ++id) owner.map.Put(Keyframe(id, 1.0 * static_cast<double>(id)));

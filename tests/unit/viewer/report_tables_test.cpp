@@ -61,7 +61,7 @@ TEST(FrameTable, LongRunsAreThinnedOut) {
   EXPECT_EQ(Rows(FrameTable(recorder, 4, 10'000)), 1U);
 }
 
-TEST(PathTable, ErrorsAreThoseAfterAlignment) {
+TEST(PathTable, ErrorsAreAfterAlignment) {
   Recorder recorder;
   std::mt19937 random(5);
   const SE3 T_truth_w = Random(random);

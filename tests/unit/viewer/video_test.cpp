@@ -65,7 +65,7 @@ TEST(RunVideo, PictureAndMapFitTogether) {
   }
 }
 
-TEST(TopView, PathGoesUpAndIsSeen) {
+TEST(TopView, PathGoesUpAndIsVisible) {
   TopViewScene scene;
   for (int i = 0; i <= 10; ++i) scene.path.push_back({0.0, 0.0, 1.0 * i});
   TopViewWindow window;

@@ -95,7 +95,7 @@ TEST(KeyframeMeasurements, PointsAreTheAverageOfTheErrorsOfAllFrames) {
   }
 }
 
-TEST(KeyframeMeasurements, SurerMeasurementsCountMore) {
+TEST(KeyframeMeasurements, CertainMeasurementsHaveMoreWeight) {
   const Scene scene = MakeScene();
   const LocalLandmarks landmarks = LandmarksOf(scene);
   KeyframeMeasurements measurements(kCamera);

@@ -101,7 +101,7 @@ TEST(KeyframePolicy, UnknownDepthDoesNotDivideByZero) {
 
 namespace {
 
-TEST(MotionEntropy, EqualsDeterminantWhereThatIsSafe) {
+TEST(MotionEntropy, EqualsTheDeterminantFormula) {
   Matrix6d A = Matrix6d::Identity();
   A(0, 1) = 0.3;
   A(4, 2) = -0.5;

@@ -77,7 +77,7 @@ double PositionError(const OdometryResult& result, int frame) {
 /// 3 m ahead of where the camera starts, `metres` to the right.
 SE3 AheadBy(double metres) { return PathAt(0) * SE3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(metres, 0.1, 3.0)); }
 
-TEST(MovingBodies, NothingMovesInAWorldThatStands) {
+TEST(MovingBodies, NothingMovesInAStaticWorld) {
   Scene scene;
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   for (int i = 0; i < 40; ++i) {

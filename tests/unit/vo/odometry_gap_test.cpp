@@ -111,7 +111,7 @@ TEST(OdometryGaps, DroppedFramesWithFewFeatures) {
 
 // Segments get no information along their direction without a measurement: 50 s of a static camera in front of upright
 // bars.
-TEST(OdometryGaps, LinesThatAreSeenForLongKeepTheirEnds) {
+TEST(OdometryGaps, LinesSeenForLongKeepTheirEndpoints) {
   std::vector<FeatureWorld::Line> bars;
   for (int i = 0; i < 9; ++i) {
     const Eigen::Vector3d foot(0.4 * i - 1.6, 0.8, 3.5 + 0.2 * (i % 3));

@@ -190,8 +190,8 @@ MapKeyframe Mapper::Prepare(const Keyframe& keyframe) const {
 
 bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
   if (options_.localise_only) {
-    *reason = fmt::format("keyframe {} of session {}: the map is fixed (mapping.localise_only)",
-                          keyframe.keyframe_id, keyframe.session);
+    *reason = fmt::format("keyframe {} of session {}: the map is fixed (mapping.localise_only)", keyframe.keyframe_id,
+                          keyframe.session);
     return false;
   }
   const auto session = sessions_.find(keyframe.session);

@@ -83,7 +83,8 @@ void VisitFields(Visitor& visit, WindowOptions& o) {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, CullingOptions& o) {
-  visit("min_observations", o.min_observations, Bounds{1, 1000}, "keyframes that must observe a landmark by the end of its trial period");
+  visit("min_observations", o.min_observations, Bounds{1, 1000},
+        "keyframes that must observe a landmark by the end of its trial period");
   visit("redundant_share", o.redundant_share, Bounds{0.1, 1.01},
         "a keyframe is removed when others observe this share of its landmarks; above 1: never");
 }
@@ -105,11 +106,11 @@ void VisitFields(Visitor& visit, MappingOptions& o) {
   visit("localise_only", o.localise_only, "localise in a fixed map: insert no keyframes");
   visit("max_keyframes", o.max_keyframes, Bounds{0, 10000000},
         "largest number of keyframes; above it old ones are removed, replaced ones first; 0: no limit");
-  visit("state_file", o.state_file,
-        "file of the process state, read after a crash; empty: none");
-  visit("state_every", o.state_every, Bounds{1, 1000000},
-        "the state is written after this many keyframes, before each new session, and before another tracker continues "
-        "a session");
+  visit("state_file", o.state_file, "file of the process state, read after a crash; empty: none");
+  visit(
+      "state_every", o.state_every, Bounds{1, 1000000},
+      "the state is written after this many keyframes, before each new session, and before another tracker continues "
+      "a session");
 }
 
 }  // namespace plslam::mapping

@@ -56,7 +56,8 @@ void VisitFields(Visitor& visit, PlayerOptions& o) {
   visit("exit", o.exit, "exit when all frames are sent and acknowledged");
   visit("mask_left", o.mask_left, "mask of the left camera: no features where the image is black (0)");
   visit("mask_right", o.mask_right, "mask of the right camera, likewise");
-  visit("resume_after", o.resume_after, "continue after this frame (ID@T_NS), or after the newest pose on the bus (bus)");
+  visit("resume_after", o.resume_after,
+        "continue after this frame (ID@T_NS), or after the newest pose on the bus (bus)");
   visit("paused", o.paused, "begin paused: send no frame before `plslam resume`");
 }
 

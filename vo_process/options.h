@@ -150,7 +150,8 @@ void VisitFields(Visitor& visit, TrackingOptions& o) {
         "landmarks: positions fused over frames; previous_frame: frame to frame, as in the paper");
   visit("min_inliers", o.min_inliers, Bounds{3, 1000}, "inliers (points + 2 x lines) below which a frame is lost");
   visit("weak_inliers", o.weak_inliers, Bounds{3, 1000}, "the same below which tracking is weak and the prior helps");
-  visit("max_acceleration_m_s2", o.max_acceleration_m_s2, Bounds{0.01, 1000}, "standard deviation of the change of velocity that the motion prior allows");
+  visit("max_acceleration_m_s2", o.max_acceleration_m_s2, Bounds{0.01, 1000},
+        "standard deviation of the change of velocity that the motion prior allows");
   visit("max_angular_acceleration_rad_s2", o.max_angular_acceleration_rad_s2, Bounds{0.01, 1000},
         "standard deviation of the change of velocity that the motion prior allows");
 }
@@ -160,7 +161,8 @@ void VisitFields(Visitor& visit, MapUseOptions& o) {
   visit("enabled", o.enabled, "track frames against the map as well");
   visit("landmarks", o.landmarks, OneOf{"unknown", "all"},
         "landmarks taken from the map: those unknown to the tracker, or all");
-  visit("local_keyframes", o.local_keyframes, Bounds{1, 10000}, "keyframes of the local map, whose landmarks are searched in each frame");
+  visit("local_keyframes", o.local_keyframes, Bounds{1, 10000},
+        "keyframes of the local map, whose landmarks are searched in each frame");
   visit("wait_s", o.wait_s, Bounds{0, 3600},
         "how long a lockstep stream waits for the map if no mapping_process is found");
   visit("localise_only", o.localise_only,
@@ -177,8 +179,7 @@ void VisitFields(Visitor& visit, MaskUseOptions& o) {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, RobotMotionUseOptions& o) {
-  visit("enabled", o.enabled,
-        "predict the motion from the robot's wheels or gyro, published by adapter");
+  visit("enabled", o.enabled, "predict the motion from the robot's wheels or gyro, published by adapter");
   visit("wait_s", o.wait_s, Bounds{0, 3600}, "how long a lockstep stream waits if no such poses arrive");
 }
 
@@ -192,14 +193,17 @@ void VisitFields(Visitor& visit, RelocalisationUseOptions& o) {
 template <class Visitor>
 void VisitFields(Visitor& visit, KeyframeOptions& o) {
   visit("entropy_ratio", o.entropy_ratio, Bounds{0, 1}, "a keyframe is made when the entropy ratio falls below this");
-  visit("max_baseline_ratio", o.max_baseline_ratio, Bounds{0, 10}, "a keyframe is made after a translation of this fraction of the median depth");
+  visit("max_baseline_ratio", o.max_baseline_ratio, Bounds{0, 10},
+        "a keyframe is made after a translation of this fraction of the median depth");
   visit("max_rotation_deg", o.max_rotation_deg, Bounds{0, 180}, "a keyframe is made after this rotation");
-  visit("max_frames", o.max_frames, Bounds{1, 100000}, "a keyframe is made after this many frames if the camera has moved");
+  visit("max_frames", o.max_frames, Bounds{1, 100000},
+        "a keyframe is made after this many frames if the camera has moved");
   visit("known_share", o.known_share, Bounds{0, 1.01},
         "if more than this share of the tracked landmarks is well observed in the map, translation, rotation and age "
         "make no keyframe; above 1: they always do");
-  visit("measurements", o.measurements, OneOf{"mean", "frame"},
-        "measurements stored in a keyframe: means over the frames since the last keyframe, or those of its own frame");
+  visit(
+      "measurements", o.measurements, OneOf{"mean", "frame"},
+      "measurements stored in a keyframe: means over the frames since the last keyframe, or those of its own frame");
 }
 
 template <class Visitor>

@@ -34,7 +34,8 @@ std::string WrongPoses(const std::vector<CorrectedPose>& poses, int64_t next_key
       return fmt::format("it moves keyframe {}, but the newest id of this map is {}", pose.keyframe_id,
                          next_keyframe - 1);
     }
-    if (pose.keyframe_id <= last) return fmt::format("its poses are not in ascending order at keyframe {}", pose.keyframe_id);
+    if (pose.keyframe_id <= last)
+      return fmt::format("its poses are not in ascending order at keyframe {}", pose.keyframe_id);
     if (!IsPose(pose.T_w_kf)) return fmt::format("the new pose of keyframe {} is invalid", pose.keyframe_id);
     last = pose.keyframe_id;
   }
@@ -60,8 +61,7 @@ std::string WrongEdges(const std::vector<LoopEdge>& edges, int64_t next_keyframe
 std::string WrongPairs(const char* kind, const std::vector<SameLandmarks>& pairs, int64_t next) {
   for (const SameLandmarks& pair : pairs) {
     if (IsGiven(pair.a, next) && IsGiven(pair.b, next)) continue;
-    return fmt::format("it joins {} {} and {}, but the newest id of this map is {}", kind, pair.a, pair.b,
-                       next - 1);
+    return fmt::format("it joins {} {} and {}, but the newest id of this map is {}", kind, pair.a, pair.b, next - 1);
   }
   return {};
 }

@@ -286,10 +286,10 @@ bool MappingNode::InsertOne(const Keyframe& keyframe, std::string* reason) {
   if (mapper_->map().keyframes().empty()) mapper_->SetCamera(keyframe.camera);
   if (const std::optional<Keyframe> local = KeyframeInCamera(mapper_->camera(), keyframe))
     return mapper_->Insert(*local, reason);
-  *reason =
-      fmt::format("keyframe {} of session {}: its camera ({} px, {} m) differs too much from that of the map ({} px, {} m)",
-                  keyframe.keyframe_id, keyframe.session, keyframe.camera.f_px, keyframe.camera.baseline_m,
-                  mapper_->camera().f_px, mapper_->camera().baseline_m);
+  *reason = fmt::format(
+      "keyframe {} of session {}: its camera ({} px, {} m) differs too much from that of the map ({} px, {} m)",
+      keyframe.keyframe_id, keyframe.session, keyframe.camera.f_px, keyframe.camera.baseline_m,
+      mapper_->camera().f_px, mapper_->camera().baseline_m);
   return false;
 }
 
@@ -359,7 +359,8 @@ void MappingNode::CountMap() {
 void MappingNode::CountFailures() {
   const Mapper::Failures& failures = mapper_->failures();
   if (failures.count == n_failed_) return;
-  if (n_failed_ == 0) spdlog::warn("a local bundle adjustment failed (later ones are counted only): {}", failures.last);
+  if (n_failed_ == 0)
+    spdlog::warn("a local bundle adjustment failed (later ones are counted only): {}", failures.last);
   process_.SetCounter("adjustments.failed", static_cast<double>(n_failed_ = failures.count));
 }
 

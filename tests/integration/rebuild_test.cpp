@@ -114,7 +114,7 @@ class Rebuild : public testing::Test {
   std::thread thread_;
 };
 
-TEST_F(Rebuild, OfMapAndPlacesTakesSeconds) {
+TEST_F(Rebuild, MapAndPlacesAreRebuiltInSeconds) {
   const int n = Keyframes();
   auto mapper = StartMapper();
   Say(0, n);
@@ -150,7 +150,7 @@ TEST_F(Rebuild, OfMapAndPlacesTakesSeconds) {
   std::cout << n << " keyframes: from the history alone the map is rebuilt after " << from_history_s << " s\n";
 }
 
-TEST_F(Rebuild, StateThatIsDamagedIsLeftForTheHistory) {
+TEST_F(Rebuild, DamagedStateFallsBackToTheHistory) {
   std::ofstream(StateFile()) << "not a map";
   const auto mapper = StartMapper();
   Say(0, 3);

@@ -119,7 +119,7 @@ int Run(RunOptions options) {
   ReadConfiguration(&options);
   options.dataset = WithTopics(options.dataset, options.kind, options.topics);
   if (options.out.empty()) options.out = DefaultOut(options.dataset);
-  CheckMapToGoOnFrom(options);
+  CheckMapToContinue(options);
   OutputFolder folder(options.out);
   CheckFilesToWrite(options);
   signal(SIGPIPE, SIG_IGN);

@@ -266,8 +266,8 @@ void RunSession::CheckSaved(Clock::time_point now) {
 void RunSession::ReportRestart(const std::string& name, const std::string& how, int restart) {
   const auto rows = ProcessTable();
   const auto row = std::ranges::find(rows, name, &ProcessRow::name);
-  progress_line_.PrintSentence(fmt::format("warning: {} {} and is started again ({} of {})", TitleOf(*row), how, restart,
-                                 options_.max_restarts));
+  progress_line_.PrintSentence(fmt::format("warning: {} {} and is started again ({} of {})", TitleOf(*row), how,
+                                           restart, options_.max_restarts));
 }
 
 void RunSession::ReportStop(const std::string& what) {

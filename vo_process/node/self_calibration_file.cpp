@@ -36,7 +36,8 @@ std::string Text(const Matrix& matrix) {
 }
 
 [[noreturn]] void Fail(const std::string& path, const std::string& key, const std::string& what) {
-  throw std::runtime_error(fmt::format("{}: {} {}; remove the file to estimate the calibration again", path, key, what));
+  throw std::runtime_error(
+      fmt::format("{}: {} {}; remove the file to estimate the calibration again", path, key, what));
 }
 
 template <class Matrix>

@@ -63,7 +63,8 @@ std::optional<TrackerState> TrackerCheckpoint::Take(const std::string& settings)
   if (path_.empty() || !std::filesystem::exists(path_)) return std::nullopt;
   TrackerState state = ReadTrackerState(path_);
   if (state.settings != settings) throw std::runtime_error("the state was written by a tracker with other settings");
-  if (++state.n_restored > kMaxRestored) throw std::runtime_error("all processes that resumed from this state have crashed");
+  if (++state.n_restored > kMaxRestored)
+    throw std::runtime_error("all processes that resumed from this state have crashed");
   WriteTrackerState(path_, state);
   return state;
 }

@@ -345,9 +345,8 @@ StereoFeatures VoNode::SeeFeatures(const StereoImages& images, StageTimer& timer
 /// Result for a frame with an impossible time stamp: no features.
 StereoFeatures VoNode::NoFeatures(const StereoImages& images) {
   if (!std::exchange(was_too_early_, true)) {
-    spdlog::warn(
-        "frame {} is up to a second older than the previous frame: such frames are not used",
-        images.frame_id);
+    spdlog::warn("frame {} is up to a second older than the previous frame: such frames are not used",
+                 images.frame_id);
   }
   report_.Count("frames.bad", 1);
   return {};

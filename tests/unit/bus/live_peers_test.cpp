@@ -33,7 +33,7 @@ TEST(ReplayWindow, AgreesWithASetOverRandomOrders) {
   }
 }
 
-TEST(LivePeers, AskLessAndLessOften) {
+TEST(LivePeers, RequestsBecomeLessFrequent) {
   LivePeers peers;
   std::vector<int64_t> times;
   for (int64_t now = 0; now < 3000 * kMs; now += kMs) {
@@ -42,7 +42,7 @@ TEST(LivePeers, AskLessAndLessOften) {
   EXPECT_EQ(times, (std::vector<int64_t>{0, 20, 60, 140, 300, 620, 1260, 2260}));
 }
 
-TEST(LivePeers, ProofIsForGood) {
+TEST(LivePeers, ProofIsPermanent) {
   LivePeers peers;
   EXPECT_FALSE(peers.IsAlive(7));
   peers.OnSignOfLife(7, 0);
@@ -52,14 +52,14 @@ TEST(LivePeers, ProofIsForGood) {
   EXPECT_FALSE(peers.IsAlive(8));
 }
 
-TEST(LivePeers, SilenceForLongIsForlorn) {
+TEST(LivePeers, UnprovenSourceTimesOutAfterThreeSeconds) {
   LivePeers peers;
   EXPECT_FALSE(peers.OnSignOfLife(7, 0).is_overdue);
   EXPECT_FALSE(peers.OnSignOfLife(7, 2999 * kMs).is_overdue);
   EXPECT_TRUE(peers.OnSignOfLife(7, 3001 * kMs).is_overdue);
 }
 
-TEST(LivePeers, CrowdsOfTheDeadNeitherPushOutTheLivingNorAreAllAsked) {
+TEST(LivePeers, ManyUnknownSourcesDoNotEvictProvenPeers) {
   LivePeers peers;
   peers.Prove(7, 0);
   int asked = 0;

@@ -84,7 +84,7 @@ class FakeProcess {
 #define REQUIRE_NETWORKS() \
   if (InNewNetwork("ip link") != 0) GTEST_SKIP() << "no network namespaces here: " << Text("error")
 
-TEST_F(DoctorProgram, WhatMendsANetworkWithoutMulticastMendsIt) {
+TEST_F(DoctorProgram, SuggestedRouteRepairsANetwork) {
   REQUIRE_NETWORKS();
   EXPECT_EQ(InNewNetwork(Doctor("--listen 0 --json --url 'udpm://239.255.76.67:7667?ttl=0'")), 1) << Text("error");
   const auto bad = Bad("multicast");
@@ -98,7 +98,7 @@ TEST_F(DoctorProgram, WhatMendsANetworkWithoutMulticastMendsIt) {
   EXPECT_TRUE(Json()["healthy"].get<bool>());
 }
 
-TEST_F(DoctorProgram, TtlThatIsToReachOthersOverTheLoopbackDevice) {
+TEST_F(DoctorProgram, TtlOneOverTheLoopbackDevice) {
   REQUIRE_NETWORKS();
   EXPECT_EQ(InNewNetwork("ip link set lo up && ip route add 224.0.0.0/4 dev lo && " +
                          Doctor("--listen 0 --json --url 'udpm://239.255.76.67:7667?ttl=1'")),

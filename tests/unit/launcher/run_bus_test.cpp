@@ -37,7 +37,7 @@ TEST(PrivatePort, CanBeSharedByLcm) {
   EXPECT_TRUE(SharerGets(port.port()));
 }
 
-TEST(NoAnswerText, NamesUrlPrefixAndWhatHelps) {
+TEST(NoAnswerText, NamesUrlPrefixAndRemedy) {
   bus::BusOptions options;
   options.prefix = "team/";
   options.url = "udpm://239.255.76.67:7668?ttl=0";

@@ -184,7 +184,7 @@ TEST(TcpqRelay, SlowReaderDoesNotStallTheOthersForLong) {
   sipping.join();
 }
 
-TEST(TcpqRelay, CutsOffWhoSpeaksNonsense) {
+TEST(TcpqRelay, MalformedClientsAreDisconnected) {
   RunningRelay relay;
   RawClient http(relay->port());
   http.Bytes("GET / HTTP/1.1\r\n\r\n", 18);
@@ -222,7 +222,7 @@ TEST(ChannelPattern, MatchesWholeNames) {
   EXPECT_FALSE(ChannelPattern("(").Matches("("));
 }
 
-TEST(MulticastWorks, SaysWhyNot) {
+TEST(MulticastWorks, ReportsTheReason) {
   std::string reason;
   EXPECT_FALSE(MulticastWorks("udpm://127.0.0.1:7667", &reason));
   EXPECT_NE(reason.find("is no multicast group"), std::string::npos) << reason;

@@ -34,7 +34,7 @@ double Error_m(const LoopClosure& adjusted, const std::vector<SE3>& T_w_c, const
   return std::sqrt(sum / static_cast<double>(adjusted.poses.size()));
 }
 
-TEST(AdjustGlobally, PerturbedKeyframesComeBack) {
+TEST(AdjustGlobally, PerturbedKeyframesAreRecovered) {
   const Ring ring(25);
   const mapping::Mapper mapper = MapAll(ring.walk.keyframes);
   KeyframeFeatures features;
@@ -59,7 +59,7 @@ TEST(AdjustGlobally, PerturbedKeyframesComeBack) {
 }
 
 // Two adjustments that loops have ended one after the other, and the one that follows.
-TEST(AdjustmentProgress, TheNextAdjustmentBeginsWhereTheOnesBeforeWere) {
+TEST(AdjustmentProgress, ContinuesAfterEarlierAdjustments) {
   const Ring ring(25);
   const mapping::Mapper mapper = MapAll(ring.walk.keyframes);
   KeyframeFeatures features;
@@ -107,7 +107,7 @@ TEST(AdjustmentProgress, TheNextAdjustmentBeginsWhereTheOnesBeforeWere) {
   EXPECT_EQ(of_another.bundle.poses[3].T_w_c.matrix(), as_given.bundle.poses[3].T_w_c.matrix());
 }
 
-TEST(MakeGlobalBundleProblem, EachKeyframeHasSoManyLandmarksAndTheyAreSeenOftenEnough) {
+TEST(MakeGlobalBundleProblem, LandmarkAndObservationLimits) {
   const Ring ring(20);
   const mapping::Mapper mapper = MapAll(ring.walk.keyframes);
   KeyframeFeatures features;
@@ -127,7 +127,7 @@ TEST(MakeGlobalBundleProblem, EachKeyframeHasSoManyLandmarksAndTheyAreSeenOftenE
   EXPECT_GE(problem.bundle.points.size(), 30U);
 }
 
-TEST(AdjustGlobally, StoppedBeforeItBeginsLeavesEverythingWhereItWas) {
+TEST(AdjustGlobally, StoppedAtOnceChangesNothing) {
   const Ring ring(8);
   const mapping::Mapper mapper = MapAll(ring.walk.keyframes);
   KeyframeFeatures features;

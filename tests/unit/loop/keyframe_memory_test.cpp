@@ -58,7 +58,7 @@ TEST(KeyframeMemory, FeaturesBeforeTheMapAndAfterIt) {
   EXPECT_EQ(memory.point_nodes().at(1).node.size(), 2U);
 }
 
-TEST(KeyframeMemory, KeyframesThatWereTakenOutLeave) {
+TEST(KeyframeMemory, RemovedKeyframesAreDropped) {
   loop::KeyframeMemory memory(SmallPlaces());
   Map map;
   for (int64_t i = 0; i < 4; ++i) {
@@ -77,7 +77,7 @@ TEST(KeyframeMemory, KeyframesThatWereTakenOutLeave) {
 }
 
 // Another map's, say.
-TEST(KeyframeMemory, OfASessionThatTheMapDoesNotTakeOnlyTheNewestWait) {
+TEST(KeyframeMemory, UnmappedSessionKeepsOnlyItsNewest) {
   constexpr int64_t kMost = loop::KeyframeMemory::kMostUntaken;
   loop::KeyframeMemory memory(SmallPlaces());
   Map map;
@@ -102,7 +102,7 @@ TEST(KeyframeMemory, OfASessionThatTheMapDoesNotTakeOnlyTheNewestWait) {
   EXPECT_EQ(PointsOf(memory, 1), 1U);
 }
 
-TEST(KeyframeMemory, OfASessionThatAMapHadAllWaitForThatWhichStartsAnew) {
+TEST(KeyframeMemory, MappedSessionIsKeptForARestartedMap) {
   constexpr int64_t kMany = loop::KeyframeMemory::kMostUntaken + 10;
   loop::KeyframeMemory memory(SmallPlaces());
   Map map;
@@ -122,7 +122,7 @@ TEST(KeyframeMemory, OfASessionThatAMapHadAllWaitForThatWhichStartsAnew) {
   EXPECT_EQ(PointsOf(memory, 1), 1U);
 }
 
-TEST(KeyframeMemory, MapThatStartsAnewTakesThemAgainUnderOtherIds) {
+TEST(KeyframeMemory, RestartedMapUsesKeyframesUnderOtherIds) {
   loop::KeyframeMemory memory(SmallPlaces());
   Map map;
   for (int64_t i = 0; i < 5; ++i) {

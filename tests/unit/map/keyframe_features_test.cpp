@@ -38,7 +38,7 @@ void ExpectAsMade(const FeaturesView& features, int n_points, int n_lines) {
   }
 }
 
-TEST(KeptFeatures, AreTheSameInAFileWhoeverHasACopy) {
+TEST(KeptFeatures, AreTheSameInMemoryAndInAFile) {
   for (const auto& [n_points, n_lines] : {std::pair{300, 70}, {300, 0}, {0, 70}, {0, 0}}) {
     KeptFeatures kept(FeaturesOf(n_points, n_lines));
     kept.image = TakenImage{1, 2, 3, 4, 5.0};
@@ -73,7 +73,7 @@ TEST(MoveOldToFiles, LeavesTheNewestInMemory) {
   }
 }
 
-TEST(MoveOldToFiles, WithoutAFolderAllStayInMemory) {
+TEST(MoveOldToFiles, AllStayInMemoryWithoutAFolder) {
   const char* was = std::getenv("TMPDIR");
   const std::string before = was != nullptr ? was : "";
   ::setenv("TMPDIR", "/no/such/folder", 1);

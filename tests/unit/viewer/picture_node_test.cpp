@@ -20,7 +20,7 @@ FramePose PoseOf(int64_t frame_id) {
   return pose;
 }
 
-TEST(PictureNode, ASecondStreamHasItsPicturesWhateverWasMissingInTheFirst) {
+TEST(PictureNode, SecondStreamAfterMissingPictures) {
   const ScratchFolder folder;
   PrepareOutputFolder(folder.Path("overlays"));
   bus::BusOptions options;
@@ -96,7 +96,7 @@ PictureNode::Result ResultWithoutPictures(const ScratchFolder& folder, bool lock
   return pictures.Finish(recorder, lockstep, ended);
 }
 
-TEST(PictureNode, WhatIsMissingInLockstepIsToldUnlessItIsThere) {
+TEST(PictureNode, MissingPicturesInLockstepAreReported) {
   const ScratchFolder folder;
   std::filesystem::create_directories(folder.Path("overlays"));
   folder.Write("overlays/000005.png", "by the viewer_headless before this one");
@@ -107,13 +107,13 @@ TEST(PictureNode, WhatIsMissingInLockstepIsToldUnlessItIsThere) {
                                             testing::HasSubstr("film: no film: 20 of 20 frames have no picture")));
 }
 
-TEST(PictureNode, WhatIsMissingInRealTimeIsCountedAndNoFilmAtAllIsToldAsWell) {
+TEST(PictureNode, MissingPicturesInRealTimeAreCounted) {
   const auto result = ResultWithoutPictures(ScratchFolder(), false, true);
   EXPECT_EQ(result.missing, 20);
   EXPECT_THAT(result.failures, testing::ElementsAre(testing::HasSubstr("film: no film: no picture came")));
 }
 
-TEST(PictureNode, WhatWouldHaveComeAfterAnInterruptIsNotMissed) {
+TEST(PictureNode, PicturesAfterAnInterruptAreNotMissing) {
   const auto result = ResultWithoutPictures(ScratchFolder(), true, false);
   EXPECT_EQ(result.missing, 0);
   EXPECT_THAT(result.failures, testing::IsEmpty());

@@ -67,15 +67,15 @@ class SeenFromTwoPlaces {
   std::optional<TrackedFrame> frame_;
 };
 
-TEST(FrameAligner, WhereStructureRepeatsTheMotionGoesOn) {
+TEST(FrameAligner, RepeatedStructureKeepsTheMotion) {
   EXPECT_NEAR(SeenFromTwoPlaces(30, 38).Align_m(true), kExpected_m, 0.01);
 }
 
-TEST(FrameAligner, MuchMoreElsewhereIsBelieved) {
+TEST(FrameAligner, ManyMoreInliersElsewhereAreAccepted) {
   EXPECT_NEAR(SeenFromTwoPlaces(30, 60).Align_m(true), kElsewhere_m, 0.01);
 }
 
-TEST(FrameAligner, AfterALossMoreIsBetter) {
+TEST(FrameAligner, MostInliersWinAfterALoss) {
   EXPECT_NEAR(SeenFromTwoPlaces(30, 38).Align_m(false), kElsewhere_m, 0.01);
   EXPECT_NEAR(SeenFromTwoPlaces(38, 30).Align_m(false), kExpected_m, 0.01);
 }

@@ -150,12 +150,12 @@ void CameraSource::TakeImages() {
     failure = IsOver() ? "the stream has ended" : Silence();
   }
   if (!failure.empty()) return OnFailure(failure);
-  TellOfStall();
+  ReportStall();
   wakeup_.WaitFor(kTick);
 }
 
 /// A stream that is not live may arrive over a network, and its pipeline cannot be rebuilt at the same position.
-void CameraSource::TellOfStall() {
+void CameraSource::ReportStall() {
   if (is_live_ || !outage_.empty() || Clock::now() - waits_since_ < kStall) return;
   outage_ = fmt::format("the stream gives no images for {} s", kStall.count());
   listener_.on_outage(outage_);

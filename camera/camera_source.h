@@ -55,7 +55,7 @@ class CameraSource : public stream::FrameSource {
   void Build();
   void Play();
   void TakeImages();
-  void TellOfStall();
+  void ReportStall();
   bool IsNew(int64_t t_ns) const;
   bool Take(Side side);
   bool IsOver();

@@ -16,7 +16,7 @@ void CameraCommandLine::AddTo(void* app) {
   auto& cli = *static_cast<CLI::App*>(app);
   cli.add_option("RIG", rig_, "rig file: the keys of camera.yaml, and `source` (docs/datasets.md)");
   cli.add_option("--pace", pace_, "realtime (default); lockstep for files, where each frame waits for the last pose");
-  cli.add_flag("--resume", resume_, "go on behind the frames that have a pose on the bus: after a crash");
+  cli.add_flag("--resume", resume_, "continue after the frames that have a pose on the bus: after a crash");
   cli.add_flag("--exit", exit_, "end when all of a source that ends is sent and acknowledged");
   // Exits like --version: no bus is needed for it.
   cli.add_flag_callback(

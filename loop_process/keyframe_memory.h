@@ -35,7 +35,7 @@ class KeyframeMemory {
   bool Add(const Keyframe& keyframe);
 
   /// Whether the features of a keyframe are stored. False for a keyframe that was dropped.
-  bool Knows(int64_t session, int64_t keyframe_id) const { return known_.contains({session, keyframe_id}); }
+  bool Contains(int64_t session, int64_t keyframe_id) const { return known_.contains({session, keyframe_id}); }
 
   /// Applies `kMostUntaken` again to sessions that are not in the next map passed to `Follow`.
   void ForgetSessions() { taken_.clear(); }
@@ -45,8 +45,8 @@ class KeyframeMemory {
   /// All of them wait until there is a map.
   void Follow(const Map& map);
 
-  /// Moves features of keyframes that are not among the newest to a file (`plslam::LeaveOldInFiles`).
-  bool LeaveOldInFiles() { return plslam::LeaveOldInFiles(features_); }
+  /// Moves features of keyframes that are not among the newest to a file (`plslam::MoveOldToFiles`).
+  bool MoveOldToFiles() { return plslam::MoveOldToFiles(features_); }
 
   /// Features of the map's keyframes, as of the last `Follow`, by keyframe id.
   const KeyframeFeatures& features() const { return features_; }

@@ -57,8 +57,8 @@ LoopClosure LoopCloser::Check(const Map& map, int64_t session, int64_t session_k
   return closure;
 }
 
-WholeMapProblem LoopCloser::WholeMap(const Map& map, const LoopClosure& loop) const {
-  WholeMapProblem problem = MakeWholeMapProblem(map, memory_.features(), camera_, options_.adjustment);
+GlobalBundleProblem LoopCloser::MakeGlobalBundle(const Map& map, const LoopClosure& loop) const {
+  GlobalBundleProblem problem = MakeGlobalBundleProblem(map, memory_.features(), camera_, options_.adjustment);
   problem.session = loop.session;
   problem.session_keyframe_id = loop.session_keyframe_id;
   problem.t_ns = loop.t_ns;

@@ -8,10 +8,10 @@
 #include "core/map/loop_closure.h"
 #include "core/map/map.h"
 #include "core/places/place_recogniser.h"
+#include "loop_process/global_bundle.h"
 #include "loop_process/keyframe_memory.h"
 #include "loop_process/loop_search.h"
 #include "loop_process/options.h"
-#include "loop_process/whole_map.h"
 
 namespace plslam::loop {
 
@@ -28,13 +28,13 @@ class LoopCloser {
   bool AddKeyframe(const Keyframe& keyframe) { return memory_.Add(keyframe); }
   /// Called when another map replaces the current one: sessions that it does not contain have ended.
   void ForgetSessions() { memory_.ForgetSessions(); }
-  bool Knows(int64_t session, int64_t keyframe_id) const { return memory_.Knows(session, keyframe_id); }
+  bool Contains(int64_t session, int64_t keyframe_id) const { return memory_.Contains(session, keyframe_id); }
 
   /// Updates the index of places to the keyframes of the map. `Check` calls it; call it for a map that was loaded, or
   /// before `Relocalise` on a map without loops to check.
   void Follow(const Map& map) { memory_.Follow(map); }
 
-  bool LeaveOldInFiles() { return memory_.LeaveOldInFiles(); }
+  bool MoveOldToFiles() { return memory_.MoveOldToFiles(); }
 
   /// Checks a keyframe for a loop, given the map right after it was inserted and adjusted. Returns kNone, or kLoop with
   /// the edge, the pairs of landmarks to merge and the corrected poses; `more` then requests a global bundle
@@ -44,7 +44,7 @@ class LoopCloser {
 
   /// Returns the global bundle adjustment problem of the map, to be called after the map has applied `loop`, whose
   /// session and keyframe it carries.
-  WholeMapProblem WholeMap(const Map& map, const LoopClosure& loop) const;
+  GlobalBundleProblem MakeGlobalBundle(const Map& map, const LoopClosure& loop) const;
 
   /// Finds the pose of a frame without a prior. The caller fills in the request that it answers.
   Relocalisation Relocalise(const Map& map, const FeaturesView& features) const;

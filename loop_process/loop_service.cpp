@@ -45,8 +45,9 @@ LoopService::Output LoopService::OnKeyframe(const Keyframe& keyframe) {
 
 LoopService::Output LoopService::OnTick() {
   Output output;
-  CheckWhatIsDue(output);
-  AnswerWhatIsDue(output);
+  RequestMissing(output);
+  CheckDueKeyframes(output);
+  AnswerDueKeyframes(output);
   return output;
 }
 
@@ -72,14 +73,14 @@ LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
     newest_.clear();
     committed_.clear();
     due_.clear();
-    told_.reset();
+    unanswered_.reset();
     unadjusted_.reset();
     adjusting_.reset();
   }
-  if (update.base_version == 0 || !lacking_.empty()) NoteLacking(update.base_version == 0);
+  if (update.base_version == 0 || !lacking_.empty()) UpdateMissingFeatures(update.base_version == 0);
   Follow(update, output);
-  CheckWhatIsDue(output);
-  AnswerWhatIsDue(output);
+  CheckDueKeyframes(output);
+  AnswerDueKeyframes(output);
   return output;
 }
 
@@ -88,7 +89,7 @@ LoopService::Output LoopService::OnRequest(const Keyframe& frame) {
   // A tracker sends a second request only after it has given up the first.
   std::erase_if(requests_, [&frame](const Keyframe& asked) { return asked.session == frame.session; });
   requests_.push_back(frame);
-  AnswerWhatIsDue(output);
+  AnswerDueKeyframes(output);
   return output;
 }
 
@@ -122,9 +123,9 @@ void LoopService::Follow(const MapUpdate& update, Output& output) {
 }
 
 void LoopService::FollowAnswer(const LoopAnswer& answer, Output& output) {
-  if (!told_ || !IsAnswerTo(answer, *told_)) return;
-  if (answer.accepted && told_->more) Adjust(*told_, output);
-  told_.reset();
+  if (!unanswered_ || !IsAnswerTo(answer, *unanswered_)) return;
+  if (answer.accepted && unanswered_->more) Adjust(*unanswered_, output);
+  unanswered_.reset();
 }
 
 /// Queues the unchecked keyframes of the session that are in the map, and the newest, which is answered in any case.
@@ -156,7 +157,7 @@ void LoopService::NoteNewest(const MapUpdate& update) {
 
 void LoopService::Adjust(const LoopClosure& loop, Output& output) {
   closer_.Follow(replica_.map());
-  output.adjustment = closer_.WholeMap(replica_.map(), loop);
+  output.adjustment = closer_.MakeGlobalBundle(replica_.map(), loop);
   output.adjustment->map_source = replica_.source();
   output.adjustment->map_version = replica_.version();
   adjusting_ = HeadOf(loop);
@@ -181,13 +182,22 @@ bool LoopService::AwaitsAdjustment(const MapUpdate& update) const {
 }
 
 /// After a complete map: all keyframes whose features are missing. Later: those of them that are still in the map.
-void LoopService::NoteLacking(bool whole) {
+void LoopService::UpdateMissingFeatures(bool whole) {
   const auto before = std::exchange(lacking_, {});
   for (const auto& [id, keyframe] : replica_.map().keyframes()) {
     const std::pair name(keyframe.session, keyframe.session_keyframe_id);
-    if (!closer_.Knows(name.first, name.second) && (whole || before.contains(name))) lacking_.insert(name);
+    if (!closer_.Contains(name.first, name.second) && (whole || before.contains(name))) lacking_.insert(name);
   }
   if (whole) lacking_since_ms_ = now_ms_();
+}
+
+void LoopService::RequestMissing(Output& output) {
+  const double now_ms = now_ms_();
+  if (lacking_.empty() || now_ms - std::max(lacking_since_ms_, requested_ms_) < kRequestAfter_ms) return;
+  requested_ms_ = now_ms;
+  for (const auto& [id, keyframe] : replica_.map().keyframes()) {
+    if (lacking_.contains({keyframe.session, keyframe.session_keyframe_id})) output.missing_keyframes.push_back(id);
+  }
 }
 
 /// Gives up on features that have not arrived in time.
@@ -216,21 +226,21 @@ void LoopService::DropCommitted() {
 std::deque<LoopService::Due>::iterator LoopService::NextDue() {
   std::set<int64_t> late;
   return std::find_if(due_.begin(), due_.end(), [&](const Due& due) {
-    const bool here = closer_.Knows(due.session, due.keyframe_id) || HasWaited(due);
+    const bool here = closer_.Contains(due.session, due.keyframe_id) || HasWaited(due);
     if (here && !late.contains(due.session)) return true;
     late.insert(due.session);
     return false;
   });
 }
 
-void LoopService::CheckWhatIsDue(Output& output) {
+void LoopService::CheckDueKeyframes(Output& output) {
   if (!IsComplete()) return;
   if (unadjusted_) {
     Adjust(*unadjusted_, output);
     unadjusted_.reset();
   }
   DropCommitted();
-  while (!told_) {
+  while (!unanswered_) {
     const auto next = NextDue();
     if (next == due_.end()) return;
     const auto [session, keyframe_id, since_ms] = *next;
@@ -243,7 +253,7 @@ void LoopService::CheckWhatIsDue(Output& output) {
     closure.map_version = replica_.version();
     const double took_ms = now_ms_() - began_ms;
     (closure.kind == LoopClosure::Kind::kLoop ? closure.correct_ms : closure.detect_ms) = took_ms;
-    if (closure.kind == LoopClosure::Kind::kLoop) told_ = HeadOf(closure);
+    if (closure.kind == LoopClosure::Kind::kLoop) unanswered_ = HeadOf(closure);
     output.closures.push_back(std::move(closure));
   }
 }
@@ -254,7 +264,7 @@ bool LoopService::IsAnswerable(const Keyframe& frame) {
   return replica_.version() > 0 && IsComplete() && Newest(committed_, frame.session) >= frame.previous_keyframe_id;
 }
 
-void LoopService::AnswerWhatIsDue(Output& output) {
+void LoopService::AnswerDueKeyframes(Output& output) {
   for (auto frame = requests_.begin(); frame != requests_.end();) {
     if (!IsAnswerable(*frame)) {
       ++frame;

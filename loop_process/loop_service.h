@@ -39,6 +39,8 @@ class LoopService {
  public:
   /// Time to wait for missing features.
   static constexpr double kPatience_ms = 3000.0;
+  /// Without an arrival for this time, missing features are requested: their tracker has exited.
+  static constexpr double kRequestAfter_ms = 1000.0;
   /// The same for a lockstep session, since the last message of the process that publishes its keyframes; equal to the
   /// other processes' wait in lockstep (`wait_s` by default).
   static constexpr double kLockstepPatience_ms = 15000.0;
@@ -47,7 +49,9 @@ class LoopService {
   struct Output {
     std::vector<LoopClosure> closures;
     std::vector<Relocalisation> answers;
-    std::optional<WholeMapProblem> adjustment;
+    std::optional<GlobalBundleProblem> adjustment;
+    /// Keyframes of the map whose features no publisher has resent: request them from mapping_process.
+    std::vector<int64_t> missing_keyframes;
     /// The running adjustment is obsolete, as is its progress.
     bool ends_adjustment = false;
   };
@@ -66,7 +70,7 @@ class LoopService {
   /// A process is alive; `source` as in `Keyframe::source`.
   void OnSignOfLife(int64_t source);
 
-  bool LeaveOldInFiles() { return closer_.LeaveOldInFiles(); }
+  bool MoveOldToFiles() { return closer_.MoveOldToFiles(); }
 
   const MapReplica& replica() const { return replica_; }
 
@@ -79,7 +83,7 @@ class LoopService {
   };
 
   /// The process that publishes the keyframes of a lockstep session, and the time of its last message.
-  struct Teller {
+  struct LockstepSession {
     int64_t source = 0;
     double heard_ms = 0.0;
   };
@@ -90,14 +94,15 @@ class LoopService {
   void AddDue(const MapUpdate& update, int64_t checked);
   void Adjust(const LoopClosure& loop, Output& output);
   bool AwaitsAdjustment(const MapUpdate& update) const;
-  void NoteLacking(bool whole);
+  void UpdateMissingFeatures(bool whole);
   bool IsComplete();
+  void RequestMissing(Output& output);
   bool HasWaited(const Due& due) const;
   void DropCommitted();
   void EndAdjustmentOfCommitted(Output& output);
   std::deque<Due>::iterator NextDue();
-  void CheckWhatIsDue(Output& output);
-  void AnswerWhatIsDue(Output& output);
+  void CheckDueKeyframes(Output& output);
+  void AnswerDueKeyframes(Output& output);
   bool IsAnswerable(const Keyframe& frame);
 
   LoopCloser closer_;
@@ -109,17 +114,18 @@ class LoopService {
   std::map<int64_t, int64_t> newest_;
   std::map<int64_t, int64_t> committed_;
   std::deque<Due> due_;
-  std::map<int64_t, Teller> lockstep_;  // by session
+  std::map<int64_t, LockstepSession> lockstep_;  // by session
   /// Keyframes of a complete map, (session, number within it), whose features are missing, and the time of the last
   /// arrival among them.
   std::set<std::pair<int64_t, int64_t>> lacking_;
   double lacking_since_ms_ = 0.0;
+  double requested_ms_ = 0.0;  ///< time of the last request for them
   /// The loop whose global bundle adjustment the previous loop_process did not finish.
   std::optional<LoopClosure> unadjusted_;
   /// The loop of the last adjustment problem.
   std::optional<LoopClosure> adjusting_;
   /// The published loop that the map has not answered yet, without edges and poses.
-  std::optional<LoopClosure> told_;
+  std::optional<LoopClosure> unanswered_;
   std::deque<Keyframe> requests_;
 };
 

@@ -23,7 +23,7 @@ double Length(const MapKeyframe& a, const MapKeyframe& b) {
 
 }  // namespace
 
-int MapPaths::PlaceOf(int64_t id) const {
+int MapPaths::IndexOf(int64_t id) const {
   // The guess is exact if no id is missing in between; otherwise the index is smaller.
   if (ids_.empty() || id < ids_.front() || id > ids_.back()) return -1;
   const uint64_t guess = static_cast<uint64_t>(id) - static_cast<uint64_t>(ids_.front());
@@ -53,15 +53,15 @@ void MapPaths::MakeGraph() {
     Connect(loop.old_keyframe_id, loop.keyframe_id, i);
   }
   SortEdgesByNode();
-  to_ = PlaceOf(to_id_);
+  to_ = IndexOf(to_id_);
   if (to_ < 0) return;
   nodes_[to_].distance_m = 0.0;
   open_.emplace(0.0, to_);
 }
 
 void MapPaths::Connect(int64_t a, int64_t b, int loop) {
-  const int at_a = PlaceOf(a);
-  const int at_b = PlaceOf(b);
+  const int at_a = IndexOf(a);
+  const int at_b = IndexOf(b);
   if (at_a < 0 || at_b < 0 || at_a == at_b) return;
   edges_.push_back({at_a, at_b, loop, Length(*nodes_[at_a].keyframe, *nodes_[at_b].keyframe)});
 }
@@ -127,7 +127,7 @@ Matrix6d MapPaths::StepCovariance(int from) const {
 
 int MapPaths::Reached(int64_t id) {
   if (nodes_.empty()) MakeGraph();
-  const int place = PlaceOf(id);
+  const int place = IndexOf(id);
   if (place < 0) return -1;
   SearchUntil(place);
   return nodes_[place].settled ? place : -1;

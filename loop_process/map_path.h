@@ -57,7 +57,7 @@ class MapPaths {
   // Entry of the priority queue: distance in metres, index of the node.
   using Open = std::pair<double, int>;
 
-  int PlaceOf(int64_t id) const;
+  int IndexOf(int64_t id) const;
   int Reached(int64_t id);
   void MakeGraph();
   void Connect(int64_t a, int64_t b, int loop);

@@ -85,7 +85,7 @@ struct CorrectionOptions {
 };
 
 /// Global bundle adjustment after a loop.
-struct WholeMapOptions {
+struct GlobalBundleOptions {
   bool enabled = true;
   /// Keyframes that must see a landmark which takes part.
   int min_observations = 3;
@@ -97,7 +97,7 @@ struct WholeMapOptions {
   double relative_sigma = 1.0;
   BundleOptions bundle;
 
-  WholeMapOptions() {
+  GlobalBundleOptions() {
     bundle.max_iterations = 20;
     bundle.function_tolerance = 1e-3;
   }
@@ -125,14 +125,14 @@ struct LoopOptions {
   LocalisationOptions localisation;
   VerificationOptions verification;
   CorrectionOptions correction;
-  WholeMapOptions adjustment;
+  GlobalBundleOptions adjustment;
   RelocalisationOptions relocalisation;
 };
 
 template <class Visitor>
 void VisitFields(Visitor& visit, VocabularyOptions& o) {
-  visit("points", o.points, "vocabulary of points: a path, or a file that comes with the programs");
-  visit("lines", o.lines, "the same of lines");
+  visit("points", o.points, "vocabulary of points: a path, or a file installed with the programs");
+  visit("lines", o.lines, "vocabulary of lines, likewise");
 }
 
 template <class Visitor>
@@ -140,28 +140,28 @@ void VisitFields(Visitor& visit, VerificationOptions& o) {
   visit("gates", o.gates, OneOf{"default", "paper"},
         "default, or the paper's three tests: eigenvalues of the covariance below 0.01, at most 0.50 m and 3.00 deg "
         "apart, more than half of the matches inliers");
-  visit("min_inliers", o.min_inliers, Bounds{3, 10000}, "inliers (points + 2 x lines) of the keyframe in the place");
+  visit("min_inliers", o.min_inliers, Bounds{3, 10000}, "inliers (points + 2 x lines) required for a loop");
 }
 
 template <class Visitor>
-void VisitFields(Visitor& visit, WholeMapOptions& o) {
-  visit("enabled", o.enabled, "adjust the whole map after each loop");
+void VisitFields(Visitor& visit, GlobalBundleOptions& o) {
+  visit("enabled", o.enabled, "global bundle adjustment after each loop");
   visit("bundle", o.bundle, "bundle adjustment");
 }
 
 template <class Visitor>
 void VisitFields(Visitor& visit, RelocalisationOptions& o) {
-  visit("min_inliers", o.min_inliers, Bounds{3, 10000}, "inliers (points + 2 x lines) of the frame in the place");
+  visit("min_inliers", o.min_inliers, Bounds{3, 10000}, "inliers (points + 2 x lines) required for a relocalisation");
 }
 
 template <class Visitor>
 void VisitFields(Visitor& visit, LoopOptions& o) {
-  visit("enabled", o.enabled, "look for loops");
-  visit("vocabularies", o.vocabularies, "words that places are described by");
-  visit("places", o.places, "how similar two places look");
-  visit("verification", o.verification, "what a place must show to be believed");
-  visit("adjustment", o.adjustment, "adjustment of the whole map after a loop");
-  visit("relocalisation", o.relocalisation, "where a camera is of which nothing is known");
+  visit("enabled", o.enabled, "detect loops");
+  visit("vocabularies", o.vocabularies, "visual vocabularies");
+  visit("places", o.places, "similarity of places");
+  visit("verification", o.verification, "verification of loop candidates");
+  visit("adjustment", o.adjustment, "global bundle adjustment after a loop");
+  visit("relocalisation", o.relocalisation, "relocalisation of lost cameras");
 }
 
 }  // namespace plslam::loop

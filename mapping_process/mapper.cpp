@@ -190,13 +190,13 @@ MapKeyframe Mapper::Prepare(const Keyframe& keyframe) const {
 
 bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
   if (options_.localise_only) {
-    *reason = fmt::format("keyframe {} of session {}: the map is only localised in (mapping.localise_only)",
-                          keyframe.keyframe_id, keyframe.session);
+    *reason = fmt::format("keyframe {} of session {}: the map is fixed (mapping.localise_only)", keyframe.keyframe_id,
+                          keyframe.session);
     return false;
   }
   const auto session = sessions_.find(keyframe.session);
   if (session != sessions_.end() && keyframe.keyframe_id <= session->second.session_keyframe_id) {
-    *reason = fmt::format("keyframe {} of session {} came before", keyframe.keyframe_id, keyframe.session);
+    *reason = fmt::format("keyframe {} of session {} is in the map already", keyframe.keyframe_id, keyframe.session);
     return false;
   }
   Withdraw(keyframe);
@@ -263,7 +263,7 @@ BundleResult Mapper::Adjusted(const MapBundle& window, const std::atomic<bool>* 
 bool Mapper::Correct(const LoopClosure& closure, std::string* reason) {
   if (closure.kind == LoopClosure::Kind::kNone) return true;
   if (options_.localise_only) {
-    *reason = "the map is only localised in (mapping.localise_only)";
+    *reason = "the map is fixed (mapping.localise_only)";
     return false;
   }
   *reason = WhyNotOfMap(closure, {next_keyframe_id_, landmark_ids_, version_, structural_version_}, map_);
@@ -429,7 +429,7 @@ void Mapper::Join(const Keyframe& keyframe, MapKeyframe& entry, Association& ass
   if (begins && association.Weight() < kMinWeight) Recognise(keyframe, entry, association);
   // First with the tracker's associations, then with guided matching around the resulting pose.
   Place(keyframe, entry, association);
-  BringTogether(keyframe, association, entry);
+  MergeWithMap(keyframe, association, entry);
   const LocalMap local = LocalMapOf(association, entry.previous_id, map_, options_.insertion.local_keyframes);
   SearchByProjection(map_, local, entry.T_w_kf, keyframe.features, camera_, options_.localisation, association);
   Refine(keyframe, entry, association);
@@ -474,7 +474,7 @@ bool Mapper::Relocate(const Keyframe& keyframe, const Association& from_tracker,
 
 // The keyframe observes landmarks of a part of the map that is not connected with its predecessor, so its pose differs
 // from the tracker's motion: unless the tracker was lost, this connects the two parts, and the younger one is moved.
-void Mapper::BringTogether(const Keyframe& keyframe, Association& association, MapKeyframe& entry) {
+void Mapper::MergeWithMap(const Keyframe& keyframe, Association& association, MapKeyframe& entry) {
   if (entry.previous_id < 0 || keyframe.state == kRecovered || association.Weight() < kMinWeight) return;
   const SE3 T_w_predicted = map_.FindKeyframe(entry.previous_id)->T_w_kf * entry.T_prevkf_kf;
   const Vector6d error = (T_w_predicted.Inverse() * entry.T_w_kf).Log();

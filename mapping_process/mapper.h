@@ -30,7 +30,7 @@ namespace plslam::mapping {
 /// For each keyframe: `Insert`, then `Adjust` and `Cull` once for one or several insertions, then `TakeUpdate`.
 class Mapper {
  public:
-  /// Expects all keyframes expressed in `camera` (`ToldIn`).
+  /// Expects all keyframes expressed in `camera` (`KeyframeInCamera`).
   Mapper(const StereoCamera& camera, const MappingOptions& options) : options_(options) { SetCamera(camera); }
   /// Continues a stored map with keyframes of new sessions (the caller compares its `rig`).
   Mapper(const StereoCamera& camera, const MappingOptions& options, StoredMap stored);
@@ -87,8 +87,8 @@ class Mapper {
   /// As `State`, without a copy of the map: `use` borrows it, and may throw.
   void LendState(const std::function<void(MapperState&)>& use);
 
-  /// Moves features of keyframes that are not among the newest to a file (`plslam::LeaveOldInFiles`).
-  bool LeaveOldInFiles() { return plslam::LeaveOldInFiles(features_); }
+  /// Moves features of keyframes that are not among the newest to a file (`plslam::MoveOldToFiles`).
+  bool MoveOldToFiles() { return plslam::MoveOldToFiles(features_); }
 
   const StereoCamera& camera() const { return camera_; }
   /// Only for a map without keyframes.
@@ -125,7 +125,7 @@ class Mapper {
   void Place(const Keyframe& keyframe, MapKeyframe& entry, Association& association);
   bool Relocate(const Keyframe& keyframe, const Association& from_tracker, MapKeyframe& entry,
                 Association& association);
-  void BringTogether(const Keyframe& keyframe, Association& association, MapKeyframe& entry);
+  void MergeWithMap(const Keyframe& keyframe, Association& association, MapKeyframe& entry);
   void Withdraw(const Keyframe& keyframe);
   void Put(const Keyframe& keyframe, const MapKeyframe& entry, const Association& association);
   BundleResult Adjusted(const MapBundle& window, const std::atomic<bool>* stop);

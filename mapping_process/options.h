@@ -77,39 +77,40 @@ struct MappingOptions {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, WindowOptions& o) {
-  visit("keyframes", o.keyframes, Bounds{2, 1000}, "keyframes that are adjusted: the new one and its neighbours");
-  visit("fixed_keyframes", o.fixed_keyframes, Bounds{1, 1000}, "keyframes held fixed that see the same landmarks");
+  visit("keyframes", o.keyframes, Bounds{2, 1000}, "adjusted keyframes: the new one and its neighbours");
+  visit("fixed_keyframes", o.fixed_keyframes, Bounds{1, 1000}, "constant keyframes that observe the same landmarks");
 }
 
 template <class Visitor>
 void VisitFields(Visitor& visit, CullingOptions& o) {
-  visit("min_observations", o.min_observations, Bounds{1, 1000}, "keyframes that must see it by then");
+  visit("min_observations", o.min_observations, Bounds{1, 1000},
+        "keyframes that must observe a landmark by the end of its trial period");
   visit("redundant_share", o.redundant_share, Bounds{0.1, 1.01},
-        "share of a keyframe's landmarks that others see as well, at which it goes; above 1: never");
+        "a keyframe is removed when others observe this share of its landmarks; above 1: never");
 }
 
 template <class Visitor>
 void VisitFields(Visitor& visit, LoopUseOptions& o) {
-  visit("enabled", o.enabled, "whether corrections by loop_process are taken over");
+  visit("enabled", o.enabled, "apply corrections by loop_process");
   visit("wait_s", o.wait_s, Bounds{0, 3600},
-        "how long a lockstep stream waits for its say where no loop_process is heard of");
+        "how long a lockstep stream waits for its answer if no loop_process is found");
 }
 
 template <class Visitor>
 void VisitFields(Visitor& visit, MappingOptions& o) {
-  visit("window", o.window, "which part of the map is adjusted");
+  visit("window", o.window, "window of the local bundle adjustment");
   visit("bundle", o.bundle, "bundle adjustment");
-  visit("culling", o.culling, "what is taken out again");
+  visit("culling", o.culling, "removal of landmarks and keyframes");
   visit("loops", o.loops, "corrections by loop_process");
-  visit("map_file", o.map_file, "a saved map to go on from; empty: none");
-  visit("localise_only", o.localise_only, "the map stays as it is: keyframes do not enter it");
+  visit("map_file", o.map_file, "saved map to continue; empty: none");
+  visit("localise_only", o.localise_only, "localise in a fixed map: insert no keyframes");
   visit("max_keyframes", o.max_keyframes, Bounds{0, 10000000},
-        "keyframes of the map beyond which the oldest go, those first that newer ones replace; 0: all stay");
-  visit("state_file", o.state_file,
-        "kept up to date, and read when the process is started again after a crash; empty: none");
-  visit("state_every", o.state_every, Bounds{1, 1000000},
-        "keyframes after which what has changed is written; also before each new session, and before another tracker "
-        "goes on with one");
+        "largest number of keyframes; above it old ones are removed, replaced ones first; 0: no limit");
+  visit("state_file", o.state_file, "file of the process state, read after a crash; empty: none");
+  visit(
+      "state_every", o.state_every, Bounds{1, 1000000},
+      "the state is written after this many keyframes, before each new session, and before another tracker continues "
+      "a session");
 }
 
 }  // namespace plslam::mapping

@@ -13,20 +13,20 @@ namespace plslam::player {
 void PlayerCommandLine::AddTo(void* app) {
   auto& cli = *static_cast<CLI::App*>(app);
   cli.add_option("DATASET", dataset_, DatasetHelp());
-  cli.add_option("--kind", kind_, DatasetKindHelp() + "; default: found by looking");
-  cli.add_option("--topics", topics_, "LEFT RIGHT: image topics of a recording of ROS; default: found by their names")
+  cli.add_option("--kind", kind_, DatasetKindHelp() + "; default: recognised from its files");
+  cli.add_option("--topics", topics_, "LEFT RIGHT: image topics of a ROS recording; default: recognised by name")
       ->type_name("TOPIC")
       ->expected(2);
   cli.add_option("--pace", pace_, "lockstep (default), realtime, or realtimexN (realtimex2: twice as fast)")
       ->type_name("TEXT:{lockstep,realtime}");
   cli.add_option("--start", start_, "first frame (0)");
-  cli.add_option("--stop", stop_, "frame before which to end (-1: the end)");
-  cli.add_option("--stride", stride_, "every so many-th frame (1)");
-  cli.add_option("--loop", loop_, "times to play it, with continuing time and frame ids (1)");
-  cli.add_flag("--bounce", bounce_, "each time forth and back, so that the path closes");
-  cli.add_flag("--skip-bad", skip_bad_, "pass over frames that cannot be read, and count them");
-  cli.add_flag("--resume", resume_, "go on behind the frames that have a pose on the bus: after a crash");
-  cli.add_flag("--exit", exit_, "end when all is sent and acknowledged");
+  cli.add_option("--stop", stop_, "frame before which to stop (-1: the end)");
+  cli.add_option("--stride", stride_, "play every n-th frame (1)");
+  cli.add_option("--loop", loop_, "number of times to play the dataset, with continuous times and frame ids (1)");
+  cli.add_flag("--bounce", bounce_, "play forth and back each time, so that the path closes");
+  cli.add_flag("--skip-bad", skip_bad_, "skip unreadable frames, and count them");
+  cli.add_flag("--resume", resume_, "continue after the frames that have a pose on the bus: after a crash");
+  cli.add_flag("--exit", exit_, "exit when all frames are sent and acknowledged");
 }
 
 PlayerOptions PlayerCommandLine::Options(const Config& config) const {

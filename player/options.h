@@ -43,21 +43,22 @@ inline OneOf KindOrNone() {
 template <class Visitor>
 void VisitFields(Visitor& visit, PlayerOptions& o) {
   visit("dataset", o.dataset, DatasetHelp().c_str());
-  visit("kind", o.kind, KindOrNone(), "format of the dataset; empty: found by looking");
-  visit("pace", o.pace, "lockstep (each frame waits for the pose of the one before), realtime, or realtimexN");
+  visit("kind", o.kind, KindOrNone(), "format of the dataset; empty: recognised from its files");
+  visit("pace", o.pace, "lockstep (each frame waits for the pose of the previous one), realtime, or realtimexN");
   visit("start", o.start, Bounds{0, 1e9}, "first frame");
-  visit("stop", o.stop, Bounds{-1, 1e9}, "frame before which to end; -1: the end");
-  visit("stride", o.stride, Bounds{1, 1e9}, "every so many-th frame");
-  visit("loop", o.loop, Bounds{1, 1e6}, "times to play it, with continuing time and frame ids");
+  visit("stop", o.stop, Bounds{-1, 1e9}, "frame before which to stop; -1: the end");
+  visit("stride", o.stride, Bounds{1, 1e9}, "play every n-th frame");
+  visit("loop", o.loop, Bounds{1, 1e6}, "number of times to play the dataset, with continuous times and frame ids");
   visit("right_offset_frames", o.right_offset_frames, Bounds{-1e6, 1e6},
-        "the right image of so many frames later (negative: earlier) goes with a left one, where pairs are wrong");
-  visit("bounce", o.bounce, "each time forth and back, so that the path closes");
-  visit("skip_bad", o.skip_bad, "pass over frames that cannot be read, and count them");
-  visit("exit", o.exit, "end when all is sent and acknowledged");
-  visit("mask_left", o.mask_left, "image of the left camera's size; where it is black (0), no features are taken");
-  visit("mask_right", o.mask_right, "the same of the right camera");
-  visit("resume_after", o.resume_after, "go on behind this frame (ID@T_NS), or behind the newest pose (bus)");
-  visit("paused", o.paused, "send no frame before `plslam resume`");
+        "pair each left image with the right image of this many frames later (negative: earlier)");
+  visit("bounce", o.bounce, "play forth and back each time, so that the path closes");
+  visit("skip_bad", o.skip_bad, "skip unreadable frames, and count them");
+  visit("exit", o.exit, "exit when all frames are sent and acknowledged");
+  visit("mask_left", o.mask_left, "mask of the left camera: no features where the image is black (0)");
+  visit("mask_right", o.mask_right, "mask of the right camera, likewise");
+  visit("resume_after", o.resume_after,
+        "continue after this frame (ID@T_NS), or after the newest pose on the bus (bus)");
+  visit("paused", o.paused, "begin paused: send no frame before `plslam resume`");
 }
 
 }  // namespace plslam::player

@@ -59,7 +59,7 @@ struct TrackingOptions {
   /// Share of matches that must agree with the motion.
   double min_inlier_ratio = 0.3;
   /// Share of the last frame's inliers below which wider searches are tried, too.
-  double convincing_ratio = 0.7;
+  double accepted_ratio = 0.7;
   /// Ratio to the inliers at an expected pose above which an unexpected pose is accepted instead.
   double elsewhere_ratio = 1.5;
   double max_acceleration_m_s2 = 10.0;
@@ -150,76 +150,80 @@ void VisitFields(Visitor& visit, TrackingOptions& o) {
         "landmarks: positions fused over frames; previous_frame: frame to frame, as in the paper");
   visit("min_inliers", o.min_inliers, Bounds{3, 1000}, "inliers (points + 2 x lines) below which a frame is lost");
   visit("weak_inliers", o.weak_inliers, Bounds{3, 1000}, "the same below which tracking is weak and the prior helps");
-  visit("max_acceleration_m_s2", o.max_acceleration_m_s2, Bounds{0.01, 1000}, "deviation of the motion prior");
+  visit("max_acceleration_m_s2", o.max_acceleration_m_s2, Bounds{0.01, 1000},
+        "standard deviation of the change of velocity that the motion prior allows");
   visit("max_angular_acceleration_rad_s2", o.max_angular_acceleration_rad_s2, Bounds{0.01, 1000},
-        "deviation of the motion prior");
+        "standard deviation of the change of velocity that the motion prior allows");
 }
 
 template <class Visitor>
 void VisitFields(Visitor& visit, MapUseOptions& o) {
-  visit("enabled", o.enabled, "whether frames are tracked against the map, where there is one");
+  visit("enabled", o.enabled, "track frames against the map as well");
   visit("landmarks", o.landmarks, OneOf{"unknown", "all"},
-        "which landmarks are taken from the map: those that tracking does not have itself, or all");
-  visit("local_keyframes", o.local_keyframes, Bounds{1, 10000}, "keyframes whose landmarks are looked for");
+        "landmarks taken from the map: those unknown to the tracker, or all");
+  visit("local_keyframes", o.local_keyframes, Bounds{1, 10000},
+        "keyframes of the local map, whose landmarks are searched in each frame");
   visit("wait_s", o.wait_s, Bounds{0, 3600},
-        "how long a lockstep stream waits for the map where no mapping_process is heard of");
+        "how long a lockstep stream waits for the map if no mapping_process is found");
   visit("localise_only", o.localise_only,
-        "the map stays as it is: no keyframes are sent, poses are found in it; counts until mapping_process says "
-        "whether it does");
+        "localise in a fixed map: publish no keyframes; valid until mapping_process publishes "
+        "its own setting");
 }
 
 template <class Visitor>
 void VisitFields(Visitor& visit, MaskUseOptions& o) {
-  visit("enabled", o.enabled, "whether frames wait for what another program says is to be left out of them");
-  visit("wait_s", o.wait_s, Bounds{0, 3600}, "how long a lockstep stream waits where no such program is heard of");
-  visit("live_wait_ms", o.live_wait_ms, Bounds{0, 1000}, "how long a frame in real time waits");
+  visit("enabled", o.enabled, "wait for the masks of each frame, which another program publishes");
+  visit("wait_s", o.wait_s, Bounds{0, 3600}, "how long a lockstep stream waits if no such program is found");
+  visit("live_wait_ms", o.live_wait_ms, Bounds{0, 1000}, "how long a frame waits in real time");
 }
 
 template <class Visitor>
 void VisitFields(Visitor& visit, RobotMotionUseOptions& o) {
-  visit("enabled", o.enabled,
-        "whether wheels or a gyro of the robot predict where the camera is, as adapter sends it");
-  visit("wait_s", o.wait_s, Bounds{0, 3600}, "how long a lockstep stream waits where no such poses are heard of");
+  visit("enabled", o.enabled, "predict the motion from the robot's wheels or gyro, published by adapter");
+  visit("wait_s", o.wait_s, Bounds{0, 3600}, "how long a lockstep stream waits if no such poses arrive");
 }
 
 template <class Visitor>
 void VisitFields(Visitor& visit, RelocalisationUseOptions& o) {
-  visit("enabled", o.enabled, "whether loop_process is asked where the camera is when tracking is lost");
+  visit("enabled", o.enabled, "ask loop_process for the pose when tracking is lost");
   visit("wait_s", o.wait_s, Bounds{0, 3600},
-        "how long a lockstep stream waits for the answer where no loop_process is heard of");
+        "how long a lockstep stream waits for the result if no loop_process is found");
 }
 
 template <class Visitor>
 void VisitFields(Visitor& visit, KeyframeOptions& o) {
-  visit("entropy_ratio", o.entropy_ratio, Bounds{0, 1}, "keyframe when the entropy ratio falls below");
-  visit("max_baseline_ratio", o.max_baseline_ratio, Bounds{0, 10}, "motion, relative to the median depth, at which");
-  visit("max_rotation_deg", o.max_rotation_deg, Bounds{0, 180}, "rotation at which");
-  visit("max_frames", o.max_frames, Bounds{1, 100000}, "frames after which, if the camera has moved");
+  visit("entropy_ratio", o.entropy_ratio, Bounds{0, 1}, "a keyframe is made when the entropy ratio falls below this");
+  visit("max_baseline_ratio", o.max_baseline_ratio, Bounds{0, 10},
+        "a keyframe is made after a translation of this fraction of the median depth");
+  visit("max_rotation_deg", o.max_rotation_deg, Bounds{0, 180}, "a keyframe is made after this rotation");
+  visit("max_frames", o.max_frames, Bounds{1, 100000},
+        "a keyframe is made after this many frames if the camera has moved");
   visit("known_share", o.known_share, Bounds{0, 1.01},
-        "share of what is tracked that the map knows well, at which baseline, rotation and age are no reason; above "
-        "1: never");
-  visit("measurements", o.measurements, OneOf{"mean", "frame"},
-        "what a keyframe says of its landmarks: mean of the frames since the last one, or its own frame's");
+        "if more than this share of the tracked landmarks is well observed in the map, translation, rotation and age "
+        "make no keyframe; above 1: they always do");
+  visit(
+      "measurements", o.measurements, OneOf{"mean", "frame"},
+      "measurements stored in a keyframe: means over the frames since the last keyframe, or those of its own frame");
 }
 
 template <class Visitor>
 void VisitFields(Visitor& visit, VoOptions& o) {
-  visit("features", o.features, "what is detected");
+  visit("features", o.features, "detected features");
   visit("stereo", o.stereo, "stereo matching");
   visit("motion", o.motion, "motion estimation");
   visit("disparity_calibration", o.disparity_calibration, "self-calibration of the disparities");
   visit("row_calibration", o.row_calibration, "self-calibration of the rows of the right image");
-  visit("tracking", o.tracking, "search, and what counts as tracked");
-  visit("masks", o.masks, "use of masks for single frames");
+  visit("tracking", o.tracking, "landmark search, and when a frame counts as tracked");
+  visit("masks", o.masks, "masks of single frames");
   visit("robot_motion", o.robot_motion, "prediction by the robot's own odometry");
   visit("map", o.map, "use of the map");
-  visit("relocalisation", o.relocalisation, "being found again in the map");
+  visit("relocalisation", o.relocalisation, "relocalisation after a loss");
   visit("keyframes", o.keyframes, "choice of keyframes");
   visit("self_calibration_file", o.self_calibration_file,
-        "where what is learned of rows and disparities is kept for later runs with the same calibration; empty: "
+        "file of the self-calibration, for later runs with the same calibration; empty: "
         "nowhere");
   visit("state_file", o.state_file,
-        "kept up to date, and read when the process is started again after a crash; must not outlive the run; empty: "
+        "file of the process state, read after a crash; must be removed after the run; empty: "
         "none");
 }
 

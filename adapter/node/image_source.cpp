@@ -130,7 +130,7 @@ void ImageSource::Handle(const Inbox::Message& message) {
     channel.take(message.bytes);
   } catch (const DatasetError& error) {
     process_.SetCounter("frames.rejected", static_cast<double>(++n_rejected_));
-    complaints_.Tell(fmt::format("a message on {} {}", Shown(channel.name), error.what()));
+    skipped_messages_.WarnOnce(fmt::format("a message on {} {}", Shown(channel.name), error.what()));
   }
 }
 

@@ -11,9 +11,9 @@
 
 #include "adapter/foreign_image.h"
 #include "adapter/frame_numbers.h"
-#include "adapter/node/complaints.h"
 #include "adapter/node/foreign_messages.h"
 #include "adapter/node/inbox.h"
+#include "adapter/node/skipped_messages.h"
 #include "adapter/options.h"
 #include "adapter/stamp_pairing.h"
 #include "core/bus/messages/frame_channel.h"
@@ -74,7 +74,7 @@ class ImageSource {
   bus::FramePublisher publisher_;
   StampPairing<ForeignImage> pairing_;
   FrameNumbers numbers_;
-  Complaints complaints_;
+  SkippedMessages skipped_messages_;
   std::array<std::optional<RosCameraInfo>, 2> infos_;
   std::optional<RigCalibration> rig_;
   bool has_white_ = false;  ///< a 16-bit image was received

@@ -48,7 +48,7 @@ void MotionSource::Send(const Inbox::Message& message) {
     process_.SetCounter("motions.sent", static_cast<double>(++n_sent_));
   } catch (const DatasetError& error) {
     process_.SetCounter("motions.rejected", static_cast<double>(++n_rejected_));
-    complaints_.Tell(fmt::format("a message on {} {}", Shown(channel_), error.what()));
+    skipped_messages_.WarnOnce(fmt::format("a message on {} {}", Shown(channel_), error.what()));
   }
 }
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <thread>
 
-#include "adapter/node/complaints.h"
 #include "adapter/node/inbox.h"
+#include "adapter/node/skipped_messages.h"
 #include "core/bus/transport/stock_lcm.h"
 #include "core/process/process.h"
 
@@ -29,7 +29,7 @@ class MotionSource {
   const std::string channel_;
   Inbox inbox_;
   // Of the thread.
-  Complaints complaints_;
+  SkippedMessages skipped_messages_;
   int64_t n_sent_ = 0, n_rejected_ = 0;
   std::thread thread_;
 };

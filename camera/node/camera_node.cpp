@@ -53,7 +53,7 @@ void HealthReport::Count(const CaptureHealth& health, const Pairing& pairing) {
 }
 
 void HealthReport::Warn(const std::string& what, const std::string& sentence) {
-  if (!told_.insert(what).second) return;
+  if (!warned_.insert(what).second) return;
   spdlog::warn("{}", sentence);
   process_.SetReason(sentence);
 }

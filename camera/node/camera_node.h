@@ -26,7 +26,7 @@ class HealthReport {
   void Warn(const std::string& what, const std::string& sentence);
 
   bus::Process& process_;
-  std::set<std::string> told_;
+  std::set<std::string> warned_;
   bool is_out_ = false;
   int64_t outages_ = 0;
 };

@@ -105,7 +105,7 @@ BusCounters Bus::Impl::counters() const {
   return counters;
 }
 
-std::string Bus::Impl::Complaints() const {
+std::string Bus::Impl::Problems() const {
   const std::lock_guard lock(rejections_mutex_);
   return rejections_.Line(SteadyNow_ns());
 }
@@ -130,6 +130,7 @@ void Bus::Post(std::function<void()> f) { impl_->loop.Post(std::move(f)); }
 void Bus::Every(std::chrono::milliseconds period, std::function<void()> f) {
   impl_->loop.Every(period, std::move(f));
 }
+void Bus::After(std::chrono::milliseconds delay, std::function<void()> f) { impl_->loop.After(delay, std::move(f)); }
 void Bus::Run() {
   impl_->MayReceive();
   impl_->loop.Run();
@@ -185,6 +186,6 @@ bool Bus::Flush(std::chrono::milliseconds limit) { return impl_->outboxes.Flush(
 bool Bus::FlushToSilent(std::chrono::milliseconds limit) { return impl_->outboxes.Flush(limit, true); }
 int64_t Bus::acknowledged() const { return impl_->outboxes.acknowledged(); }
 BusCounters Bus::counters() const { return impl_->counters(); }
-std::string Bus::Complaints() const { return impl_->Complaints(); }
+std::string Bus::Problems() const { return impl_->Problems(); }
 
 }  // namespace plslam::bus

@@ -75,6 +75,9 @@ class Bus {
   /// Calls `f` on the thread of `Run` every `period`.
   void Every(std::chrono::milliseconds period, std::function<void()> f);
 
+  /// Calls `f` once on the thread of `Run`, after `delay`.
+  void After(std::chrono::milliseconds delay, std::function<void()> f);
+
   /// Delivers until `Stop` (from any thread or a handler). Returns at once if stopped before.
   void Run();
   void Stop();
@@ -94,7 +97,7 @@ class Bus {
 
   BusCounters counters() const;
   /// Returns one line on messages rejected within the last minute and on other prefixes; empty if there are none.
-  std::string Complaints() const;
+  std::string Problems() const;
 
   /// Options as given.
   const BusOptions& options() const;

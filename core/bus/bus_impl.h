@@ -35,7 +35,7 @@ struct Bus::Impl {
                const Encode& encode);
   void MayReceive();
   BusCounters counters() const;
-  std::string Complaints() const;
+  std::string Problems() const;
 
   const BusOptions options;
   const std::string process;
@@ -60,14 +60,14 @@ struct Bus::Impl {
                                   size_t* length) const;
   /// Checked message without its MAC; empty if it is rejected.
   ByteView Checked(std::string_view wire_name, const MessageLayout& layout, ByteView bytes, int64_t now);
-  bool Lives(std::string_view wire_name, ByteView message, int64_t now);
+  bool IsAlive(std::string_view wire_name, ByteView message, int64_t now);
   void NoticePrefix(std::string_view wire_name, int64_t now);
 
   void OnRepairRequest(std::string_view wire_name, ByteView message, int64_t now);
   void OnAnnounce(std::string_view wire_name, ByteView message, int64_t now);
   void Announce(const Outboxes::Announcement& what);
   void Request(const Channel& channel, int64_t publisher, const OrderedReader::Request& request);
-  void Greet(int64_t peer, bool question);
+  void SendHello(int64_t peer, bool question);
   template <class T>
   void SendControl(const Channel& channel, Scope scope, T message);
 

@@ -68,7 +68,7 @@ void Bus::Impl::OnDatagram(std::string_view wire_name, ByteView bytes) {
   const ByteView message = Checked(wire_name, *layout, bytes, now);
   if (message.empty()) return;
   ++counts.received;
-  if (!Lives(wire_name, message, now)) return;
+  if (!IsAlive(wire_name, message, now)) return;
   if (is_request) OnRepairRequest(wire_name, message, now);
   if (is_announce) OnAnnounce(wire_name, message, now);
   if (subscribed != nullptr) inboxes.Dispatch(wire_name, ReadHeader(message), message, now);
@@ -115,7 +115,7 @@ ByteView Bus::Impl::Checked(std::string_view wire_name, const MessageLayout& lay
 /// With a key: returns whether the message comes from a running process, and (requests and announcements, whose numbers
 /// are not checked elsewhere) is no duplicate. Without a key, the source cannot be verified, and every message is
 /// accepted.
-bool Bus::Impl::Lives(std::string_view wire_name, ByteView message, int64_t now) {
+bool Bus::Impl::IsAlive(std::string_view wire_name, ByteView message, int64_t now) {
   const WireHeader header = ReadHeader(message);
   if (!authenticator.has_key() || !transport.two_way() || header.source == source) return true;
   const bool is_request = names.IsNamed(wire_name, kRepairRequest);
@@ -126,11 +126,11 @@ bool Bus::Impl::Lives(std::string_view wire_name, ByteView message, int64_t now)
     return false;
   }
   if (is_request && PublisherOf(message) == source) peers_.Prove(header.source, now);
-  if (peers_.Lives(header.source)) return true;
-  const LivePeers::Doubt doubt = peers_.Hear(header.source, now);
-  if (doubt.ask) Greet(header.source, true);
+  if (peers_.IsAlive(header.source)) return true;
+  const LivePeers::Doubt doubt = peers_.OnSignOfLife(header.source, now);
+  if (doubt.ask) SendHello(header.source, true);
   ++counts.unproven;
-  if (doubt.forlorn) Reject(Rejection::kReplayed, wire_name, now);
+  if (doubt.is_overdue) Reject(Rejection::kReplayed, wire_name, now);
   return false;
 }
 
@@ -151,7 +151,7 @@ void Bus::Impl::OnRepairRequest(std::string_view wire_name, ByteView bytes, int6
   const repair_request_t& request = *decoded;
   if (request.channel.empty()) {
     const bool asks_us = request.publisher == source && request.delivered == kQuestion;
-    if (asks_us && authenticator.has_key()) Greet(request.header.source, false);
+    if (asks_us && authenticator.has_key()) SendHello(request.header.source, false);
     return;
   }
   const Channel* channel = FindChannel(request.channel);
@@ -181,7 +181,7 @@ void Bus::Impl::OnAnnounce(std::string_view wire_name, ByteView bytes, int64_t n
 }
 
 /// "Do you live?" (a question) or "I do": names the other, which is proof enough for it.
-void Bus::Impl::Greet(int64_t peer, bool question) {
+void Bus::Impl::SendHello(int64_t peer, bool question) {
   repair_request_t message{};
   message.publisher = peer;
   message.delivered = question ? kQuestion : kAnswer;

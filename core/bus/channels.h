@@ -109,6 +109,10 @@ inline constexpr Channel kRelocalisation{
 inline constexpr Channel kStatus{"STATUS",          "status_t",       "all",
                                  Delivery::kLatest, Retention::kNone, "health of each process, at 1 Hz",
                                  Scope::kFromMap};
+inline constexpr Channel kWarning{"WARNING",       "warning_t",
+                                  "all",           Delivery::kEvery,
+                                  Retention::kAll, "what can make results wrong or incomplete, once",
+                                  Scope::kFromMap};
 inline constexpr Channel kCommand{
     "COMMAND", "command_t", "plslam, vo", Delivery::kEvery, Retention::kUnacknowledged, "orders to processes"};
 inline constexpr Channel kCommandAnswer{"COMMAND_ANSWER", "command_answer_t",         "mapping, player",

@@ -119,7 +119,7 @@ void Outboxes::WaitForWindow(Outbox& outbox, size_t bytes) {
     const bool got_on = std::exchange(words, outbox.writer->acknowledged()) != words;
     if (got_on && outbox.channel.pace == Pace::kLockstep) since = SteadyNow_ns();
     if (SteadyNow_ns() - since >= PatienceWithReaders(outbox.channel)) {
-      outbox.writer->LeaveBehind(bytes, SteadyNow_ns());
+      outbox.writer->SuspendSlowReaders(bytes, SteadyNow_ns());
       return;
     }
     acknowledged_.wait_for(lock, paced ? std::chrono::milliseconds(1) : kSlice);

@@ -84,7 +84,7 @@ struct StereoLine {
 struct StereoFeatures {
   std::vector<StereoPoint> points;
   std::vector<StereoLine> lines;
-  /// The image in which they were detected; nullopt: that of the camera in which they are expressed (see `ToldIn`).
+  /// The image in which they were detected; nullopt: that of the camera in which they are expressed (see `FeaturesInCamera`).
   std::optional<TakenImage> image;
 };
 

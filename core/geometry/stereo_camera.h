@@ -30,7 +30,7 @@ struct StereoCamera {
   int width_px = 0;
   int height_px = 0;
   /// Origin of its image, and the focal length with which this was taken (0: its own); not zero only if features of one
-  /// camera are expressed in another (`ToldIn`).
+  /// camera are expressed in another (`FeaturesInCamera`).
   int left_px = 0;
   int top_px = 0;
   double taken_f_px = 0.0;

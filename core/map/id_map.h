@@ -112,7 +112,7 @@ class IdMap {
 
   /// Returns nullptr if there is none.
   const Value* Find(int64_t id) const {
-    const size_t place = PlaceOf(id >> kPageBits);
+    const size_t place = PageIndex(id >> kPageBits);
     if (!HasPage(place, id >> kPageBits)) return nullptr;
     const value_type* value = pages_[place].page->slots[SlotOf(id)].get();
     return value ? &value->second : nullptr;
@@ -144,7 +144,7 @@ class IdMap {
 
   /// Returns the number of erased values: one or none.
   size_t erase(int64_t id) {
-    const size_t place = PlaceOf(id >> kPageBits);
+    const size_t place = PageIndex(id >> kPageBits);
     if (!HasPage(place, id >> kPageBits)) return 0;
     Page& page = *pages_[place].page;
     if (page.slots[SlotOf(id)] == nullptr) return 0;
@@ -170,7 +170,7 @@ class IdMap {
   bool HasPage(size_t place, int64_t number) const { return place < pages_.size() && pages_[place].number == number; }
 
   /// Returns the index of the page, or the index at which to insert it.
-  size_t PlaceOf(int64_t number) const {
+  size_t PageIndex(int64_t number) const {
     if (pages_.empty() || number <= pages_.front().number) return 0;
     // The guess is exact if no page in between is missing; otherwise the index is smaller.
     const uint64_t guess = static_cast<uint64_t>(number) - static_cast<uint64_t>(pages_.front().number);
@@ -182,7 +182,7 @@ class IdMap {
   }
 
   Page& PageFor(int64_t number) {
-    const size_t place = PlaceOf(number);
+    const size_t place = PageIndex(number);
     if (!HasPage(place, number)) {
       pages_.insert(pages_.begin() + static_cast<std::ptrdiff_t>(place), Entry{number, std::make_unique<Page>()});
     }

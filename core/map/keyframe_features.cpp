@@ -51,7 +51,7 @@ bool KeptFeatures::MoveToFile(const std::vector<KeptFeatures*>& group) {
   return true;
 }
 
-bool LeaveOldInFiles(KeyframeFeatures& features) {
+bool MoveOldToFiles(KeyframeFeatures& features) {
   size_t n_older = features.size() - std::min(features.size(), kNewestInMemory);
   std::vector<KeptFeatures*> group;
   for (auto entry = features.begin(); n_older > 0; ++entry, --n_older) {

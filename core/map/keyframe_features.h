@@ -41,7 +41,7 @@ using KeyframeFeatures = std::map<int64_t, KeptFeatures>;
 /// Moves the features of all but the newest keyframes, which are in use by trackers, to files, and releases memory that
 /// reading older files has occupied. Takes time in proportion to the map: call it after every `kFilesEvery` keyframes,
 /// the number in one file. Returns false if a file could not be written: its features, and later ones, stay in memory.
-bool LeaveOldInFiles(KeyframeFeatures& features);
+bool MoveOldToFiles(KeyframeFeatures& features);
 inline constexpr int kFilesEvery = 16;
 /// Returns the warning for the first failure.
 std::string CannotLeaveMemory();

@@ -57,8 +57,8 @@ bool IsSame(const SE3& a, const SE3& b) {
 
 /// Splits touched ids into those in `values`, which have changed, and the others, which were removed.
 template <class Value>
-void Tell(std::vector<int64_t> touched, const IdMap<Value>& values, std::vector<int64_t>& changed,
-          std::vector<int64_t>& removed) {
+void CollectChanges(std::vector<int64_t> touched, const IdMap<Value>& values, std::vector<int64_t>& changed,
+                    std::vector<int64_t>& removed) {
   for (const int64_t id : SortedOnce(std::move(touched))) (values.contains(id) ? changed : removed).push_back(id);
 }
 
@@ -258,7 +258,7 @@ void Map::MoveLandmarks(const Moves& moves, Kind<Landmark> kind) {
     if (move == moves.T_new_old.end()) continue;
     Landmark& landmark = kind.landmarks.at(id);
     MoveRigidly(move->second, landmark);
-    if (moves.retold.contains(anchor) || Has(changed_before, id)) kind.touched.push_back(id);
+    if (moves.changed_anchors.contains(anchor) || Has(changed_before, id)) kind.touched.push_back(id);
   }
 }
 
@@ -271,7 +271,7 @@ void Map::Move(const std::map<int64_t, SE3>& T_w_kf) {
     moves.T_new_old[id] = pose * keyframe->T_w_kf.Inverse();
     keyframe->T_w_kf = pose;
     if (!Has(changed_before, id) && moved_.try_emplace(id, pose).second) continue;
-    moves.retold.insert(id);
+    moves.changed_anchors.insert(id);
     touched_.keyframes.push_back(id);
   }
   if (moves.T_new_old.empty()) return;
@@ -336,10 +336,10 @@ MapChanges Map::TakeChanges() {
     const MapKeyframe* keyframe = FindKeyframe(id);
     changes.moved_keyframes.push_back({id, T_w_kf, keyframe == nullptr ? Matrix6d::Zero() : keyframe->covariance});
   }
-  Tell(std::move(touched_.keyframes), keyframes_, changes.keyframes, changes.removed_keyframes);
-  Tell(std::move(touched_.points), points_, changes.points, changes.removed_points);
-  Tell(std::move(touched_.lines), lines_, changes.lines, changes.removed_lines);
-  changes.loops.assign(loops_.begin() + static_cast<std::ptrdiff_t>(n_loops_told_), loops_.end());
+  CollectChanges(std::move(touched_.keyframes), keyframes_, changes.keyframes, changes.removed_keyframes);
+  CollectChanges(std::move(touched_.points), points_, changes.points, changes.removed_points);
+  CollectChanges(std::move(touched_.lines), lines_, changes.lines, changes.removed_lines);
+  changes.loops.assign(loops_.begin() + static_cast<std::ptrdiff_t>(n_reported_loops_), loops_.end());
   ForgetChanges();
   return changes;
 }
@@ -349,7 +349,7 @@ void Map::ForgetChanges() {
   touched_.keyframes.clear();
   touched_.points.clear();
   touched_.lines.clear();
-  n_loops_told_ = loops_.size();
+  n_reported_loops_ = loops_.size();
 }
 
 }  // namespace plslam

@@ -183,7 +183,7 @@ class Map {
   /// individually, because they had changed before.
   struct Moves {
     std::map<int64_t, SE3> T_new_old;  // displacement in the map frame
-    std::set<int64_t> retold;
+    std::set<int64_t> changed_anchors;
   };
   Kind<MapPoint> Points();
   Kind<MapLine> Lines();
@@ -212,7 +212,7 @@ class Map {
   int64_t n_point_observations_ = 0;
   int64_t n_line_observations_ = 0;
   std::vector<LoopEdge> loops_;
-  size_t n_loops_told_ = 0;
+  size_t n_reported_loops_ = 0;
   Touched touched_;
   /// Poses of moved keyframes that had not changed otherwise before.
   std::map<int64_t, SE3> moved_;

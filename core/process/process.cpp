@@ -5,26 +5,38 @@
 #include <unistd.h>
 #include <cstdio>
 
+#include "core/process/process_arguments.h"
 #include "core/process/process_impl.h"
 #include "core/run/process_names.h"
 
 namespace plslam::bus {
 
 Process::Process(const std::string& name, const BusOptions& options)
-    : name_(name), bus_(std::make_unique<Bus>(options, name)), impl_(std::make_unique<Impl>(name, options, *bus_)) {}
+    : name_(name),
+      bus_(std::make_unique<Bus>(options, name)),
+      impl_(std::make_unique<Impl>(name, options, *bus_, [this](const std::string& sentence) { Yield(sentence); })) {}
 
 Process::~Process() = default;
 
 void Process::SetState(const std::string& state, const std::string& reason) {
   impl_->status.SetState(state, reason);
-  impl_->terminal.TellState(state, reason);
+  impl_->terminal.ReportState(state, reason);
 }
 
 void Process::SetReason(const std::string& reason) { impl_->status.SetReason(reason); }
 
+void Process::Warn(const std::string& code, const std::string& sentence) { impl_->status.Warn(code, sentence); }
+
 void Process::SetConfiguration(const std::string& yaml) { impl_->status.SetConfiguration(yaml); }
 
 void Process::SetCounter(const std::string& name, double value) { impl_->status.SetCounter(name, value); }
+
+void Process::Yield(const std::string& sentence) {
+  PrintError(fmt::format("{}: error: {}", name_, sentence));
+  SetState(process_state::kFailed, sentence);
+  impl_->has_yielded = true;
+  Finish(impl_->exit_code_of_namesake);
+}
 
 void Process::Finish(int exit_code) {
   impl_->exit_code = exit_code;
@@ -37,21 +49,21 @@ void ProcessTerminal::Begin(const std::string& program) {
   program_ = program;
 }
 
-void ProcessTerminal::Tell(const std::string& words) {
+void ProcessTerminal::PrintLine(const std::string& words) {
   const std::scoped_lock lock(mutex_);
   Print(words);
 }
 
 // A state has many reasons in succession (the awaited frame, for example): the first is enough.
-void ProcessTerminal::TellState(const std::string& state, const std::string& reason) {
+void ProcessTerminal::ReportState(const std::string& state, const std::string& reason) {
   const std::scoped_lock lock(mutex_);
   const bool news = state != state_ || (reason_.empty() && !reason.empty());
-  const bool told_elsewhere =
+  const bool printed_elsewhere =
       state == process_state::kReady || state == process_state::kStopping || state == process_state::kFailed;
   if (state != state_) reason_.clear();
   if (!reason.empty()) reason_ = reason;
   state_ = state;
-  if (news && !told_elsewhere) Print(reason.empty() ? state : fmt::format("{}, {}", state, reason));
+  if (news && !printed_elsewhere) Print(reason.empty() ? state : fmt::format("{}, {}", state, reason));
 }
 
 void ProcessTerminal::Print(const std::string& words) const {

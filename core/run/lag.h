@@ -25,6 +25,6 @@ std::string_view PaceName(Pace pace);
 /// Returns the lag in frames of a process that handles keyframes, behind the newest pose: the frames since the oldest
 /// of the `waiting_keyframes` newest keyframes. `is_keyframe(i)` is called for the `n_frames` frames with a pose, the
 /// newest (i = 0) first. The lag of that pose behind the player is SentFrames::Behind.
-int64_t FramesBehind(int64_t waiting_keyframes, int64_t n_frames, const std::function<bool(int64_t)>& is_keyframe);
+int64_t LagInFrames(int64_t waiting_keyframes, int64_t n_frames, const std::function<bool(int64_t)>& is_keyframe);
 
 }  // namespace plslam

@@ -69,7 +69,7 @@ std::string PartsText(const FrameTally& t) {
 
 bool IsOutOfStep(const RunFindings& f) { return f.right_late_ms > 0.0 || f.left_late_ms > 0.0; }
 
-bool LacksMatches(const RunFindings& f) {
+bool HasFewStereoMatches(const RunFindings& f) {
   return f.points_seen >= kEnoughPoints && f.points_matched < kFewMatched * f.points_seen;
 }
 
@@ -122,7 +122,7 @@ const Row kRows[] = {
            f.frames.tracked, f.frames.all(), *f.frames.tracked_percent(), PartsText(f.frames));
      },
      FrameNumbers},
-    {"few_stereo_matches", LacksMatches,
+    {"few_stereo_matches", HasFewStereoMatches,
      [](const RunFindings& f) {
        return fmt::format(
            "the right images have only {:.1f} % of the points of the left ones: left and right may be "
@@ -376,6 +376,7 @@ std::vector<RunWarning> WarningsOf(const RunFindings& findings) {
   std::vector<RunWarning> warnings;
   AddWarnings(kRows, findings, &warnings);
   AddWarnings(kCameraRows, findings, &warnings);
+  warnings.insert(warnings.end(), findings.published.begin(), findings.published.end());
   return warnings;
 }
 

@@ -9,10 +9,12 @@
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
-#include "core/map/told_keyframe.h"
+#include "core/map/keyframe_in_camera.h"
 #include "core/process/process_usage.h"
+#include "core/run/number_ranges.h"
 #include "core/run/process_names.h"
 #include "loop_process/loop_service.h"
+#include "plslam/command_t.hpp"
 #include "plslam/status_t.hpp"
 
 namespace plslam::loop {
@@ -123,10 +125,10 @@ void LoopNode::Begin(const StereoCamera& camera) {
 
 LoopService::Output LoopNode::Handle(const Arrival& arrival) {
   if (const auto* keyframe = std::get_if<Keyframe>(&arrival)) {
-    const std::optional<Keyframe> told = ToldIn(map_camera_, *keyframe);
-    if (!told) return {};
-    LoopService::Output output = service_->OnKeyframe(*told);
-    if (keyframe->keyframe_id % kFilesEvery == 0) LeaveOldInFiles();
+    const std::optional<Keyframe> local = KeyframeInCamera(map_camera_, *keyframe);
+    if (!local) return {};
+    LoopService::Output output = service_->OnKeyframe(*local);
+    if (keyframe->keyframe_id % kFilesEvery == 0) MoveOldToFiles();
     return output;
   }
   if (const auto* update = std::get_if<MapUpdate>(&arrival)) return Follow(*update);
@@ -134,12 +136,12 @@ LoopService::Output LoopNode::Handle(const Arrival& arrival) {
     service_->OnSignOfLife(sign->source);
     return service_->OnTick();
   }
-  const std::optional<Keyframe> told = ToldIn(map_camera_, std::get<RelocalisationRequest>(arrival).frame);
-  return told ? service_->OnRequest(*told) : LoopService::Output();
+  const std::optional<Keyframe> local = KeyframeInCamera(map_camera_, std::get<RelocalisationRequest>(arrival).frame);
+  return local ? service_->OnRequest(*local) : LoopService::Output();
 }
 
-void LoopNode::LeaveOldInFiles() {
-  if (service_->LeaveOldInFiles() || std::exchange(files_failed_, true)) return;
+void LoopNode::MoveOldToFiles() {
+  if (service_->MoveOldToFiles() || std::exchange(files_failed_, true)) return;
   spdlog::warn("{}", CannotLeaveMemory());
 }
 
@@ -165,8 +167,15 @@ void LoopNode::Send(LoopService::Output output) {
     process_.SetCounter("relocalisation.asked", static_cast<double>(++n_answers_));
     if (answer.found) process_.SetCounter("relocalisation.found", static_cast<double>(++n_found_));
   }
+  if (!output.missing_keyframes.empty()) {
+    command_t command{};
+    command.target = process_name::kMapping;
+    command.verb = command_verb::kSendKeyframes;
+    command.argument = NumberRanges(output.missing_keyframes);
+    process_.bus().Publish(bus::kCommand, command);
+  }
   if (!output.adjustment) return;
-  LeaveOldInFiles();
+  MoveOldToFiles();
   {
     const std::lock_guard lock(mutex_);
     adjustment_ = std::move(output.adjustment);
@@ -189,7 +198,7 @@ void LoopNode::Count(const LoopClosure& closure) {
 void LoopNode::AdjustUntilStopped() {
   AdjustmentProgress progress;
   for (;;) {
-    std::optional<WholeMapProblem> problem;
+    std::optional<GlobalBundleProblem> problem;
     int64_t n_dropped = 0;
     {
       std::unique_lock lock(mutex_);
@@ -203,7 +212,7 @@ void LoopNode::AdjustUntilStopped() {
     progress.Apply(*problem);
     const double began_ms = bus::NowMs();
     std::string failure;
-    LoopClosure closure = AdjustWholeMap(*problem, options_.adjustment, &stop_adjustment_, &failure);
+    LoopClosure closure = AdjustGlobally(*problem, options_.adjustment, &stop_adjustment_, &failure);
     closure.correct_ms = bus::NowMs() - began_ms;
     if (!failure.empty()) CountFailure(failure);
     {
@@ -223,7 +232,7 @@ void LoopNode::AdjustUntilStopped() {
 
 void LoopNode::CountFailure(const std::string& failure) {
   process_.SetCounter("adjustments.failed", static_cast<double>(++n_failed_));
-  if (n_failed_ == 1) spdlog::warn("an adjustment of the whole map failed (the first of those counted): {}", failure);
+  if (n_failed_ == 1) spdlog::warn("a global bundle adjustment failed (later ones are counted only): {}", failure);
 }
 
 bus::ProcessSpec LoopSpec() {

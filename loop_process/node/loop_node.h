@@ -31,7 +31,7 @@ namespace plslam::loop {
 ///
 /// One worker checks, in the order of arrival; another runs global bundle adjustments after loops, in parallel. A loop
 /// found meanwhile ends the adjustment; the next one starts from its progress. Work waits for a map, which determines
-/// the camera in which all arriving features are expressed (`ToldIn`).
+/// the camera in which all arriving features are expressed (`KeyframeInCamera`).
 class LoopNode {
  public:
   LoopNode(bus::Process& process, const LoopOptions& options);
@@ -60,7 +60,7 @@ class LoopNode {
   void Begin(const StereoCamera& camera);
   LoopService::Output Follow(const MapUpdate& update);
   LoopService::Output Handle(const Arrival& arrival);
-  void LeaveOldInFiles();
+  void MoveOldToFiles();
   void DropAdjustment(bool with_progress);
   void Send(LoopService::Output output);
   void Count(const LoopClosure& closure);
@@ -78,7 +78,7 @@ class LoopNode {
   std::deque<Arrival> arrivals_;        ///< bounded: see `Queue`
   int64_t n_waiting_keyframes_ = 0;     ///< among the arrivals
   std::optional<StereoCamera> camera_;  ///< of the first map
-  std::optional<WholeMapProblem> adjustment_;
+  std::optional<GlobalBundleProblem> adjustment_;
   bool stopping_ = false;
   std::atomic<bool> stop_adjustment_{false};
   bool forgets_progress_ = false;  ///< the next adjustment starts without the progress of earlier ones

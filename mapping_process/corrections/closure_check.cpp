@@ -31,11 +31,12 @@ std::string WrongPoses(const std::vector<CorrectedPose>& poses, int64_t next_key
   int64_t last = -1;
   for (const CorrectedPose& pose : poses) {
     if (!IsGiven(pose.keyframe_id, next_keyframe)) {
-      return fmt::format("it moves keyframe {}, and this map has given numbers up to {}", pose.keyframe_id,
+      return fmt::format("it moves keyframe {}, but the newest id of this map is {}", pose.keyframe_id,
                          next_keyframe - 1);
     }
-    if (pose.keyframe_id <= last) return fmt::format("its poses do not ascend at keyframe {}", pose.keyframe_id);
-    if (!IsPose(pose.T_w_kf)) return fmt::format("where it moves keyframe {} is no pose", pose.keyframe_id);
+    if (pose.keyframe_id <= last)
+      return fmt::format("its poses are not in ascending order at keyframe {}", pose.keyframe_id);
+    if (!IsPose(pose.T_w_kf)) return fmt::format("the new pose of keyframe {} is invalid", pose.keyframe_id);
     last = pose.keyframe_id;
   }
   return {};
@@ -46,12 +47,12 @@ std::string WrongEdges(const std::vector<LoopEdge>& edges, int64_t next_keyframe
     const int64_t a = edge.old_keyframe_id;
     const int64_t b = edge.keyframe_id;
     if (!IsGiven(a, next_keyframe) || !IsGiven(b, next_keyframe) || a == b) {
-      return fmt::format("its loop is between keyframes {} and {}, and this map has given numbers up to {}", a, b,
+      return fmt::format("its loop joins keyframes {} and {}, but the newest id of this map is {}", a, b,
                          next_keyframe - 1);
     }
-    if (!IsPose(edge.T_old_kf)) return fmt::format("how keyframes {} and {} lie to each other is no pose", a, b);
+    if (!IsPose(edge.T_old_kf)) return fmt::format("the relative pose of keyframes {} and {} is invalid", a, b);
     if (!edge.covariance.allFinite() || edge.covariance.llt().info() != Eigen::Success) {
-      return fmt::format("the covariance of its loop between keyframes {} and {} is none", a, b);
+      return fmt::format("the covariance of its loop between keyframes {} and {} is invalid", a, b);
     }
   }
   return {};
@@ -60,13 +61,12 @@ std::string WrongEdges(const std::vector<LoopEdge>& edges, int64_t next_keyframe
 std::string WrongPairs(const char* kind, const std::vector<SameLandmarks>& pairs, int64_t next) {
   for (const SameLandmarks& pair : pairs) {
     if (IsGiven(pair.a, next) && IsGiven(pair.b, next)) continue;
-    return fmt::format("it joins {} {} and {}, and this map has given numbers up to {}", kind, pair.a, pair.b,
-                       next - 1);
+    return fmt::format("it joins {} {} and {}, but the newest id of this map is {}", kind, pair.a, pair.b, next - 1);
   }
   return {};
 }
 
-bool SaysSomething(const LoopClosure& closure, const Map& map) {
+bool HasEffect(const LoopClosure& closure, const Map& map) {
   const auto is_there = [&map](const CorrectedPose& pose) { return map.FindKeyframe(pose.keyframe_id) != nullptr; };
   const auto are_there = [&map](const LoopEdge& edge) {
     return map.FindKeyframe(edge.old_keyframe_id) != nullptr && map.FindKeyframe(edge.keyframe_id) != nullptr;
@@ -86,12 +86,12 @@ std::string WhyNotOfMap(const LoopClosure& closure, const GivenNames& given, con
     return fmt::format("it corrects version {} of the map, whose structure changed in version {}",
                        closure.map_version, given.structural_version);
   }
-  if (closure.kind == LoopClosure::Kind::kLoop && closure.edges.empty()) return "it is of a loop without edges";
+  if (closure.kind == LoopClosure::Kind::kLoop && closure.edges.empty()) return "its loop has no edges";
   std::string wrong = WrongPoses(closure.poses, given.next_keyframe);
   if (wrong.empty()) wrong = WrongEdges(closure.edges, given.next_keyframe);
   if (wrong.empty()) wrong = WrongPairs("points", closure.points, given.next_landmark.next_point);
   if (wrong.empty()) wrong = WrongPairs("lines", closure.lines, given.next_landmark.next_line);
-  if (wrong.empty() && !SaysSomething(closure, map)) wrong = "none of its keyframes is in the map any more";
+  if (wrong.empty() && !HasEffect(closure, map)) wrong = "none of its keyframes is in the map any more";
   return wrong;
 }
 

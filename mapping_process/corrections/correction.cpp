@@ -55,14 +55,14 @@ Moves MovesOf(const Poses& poses, const KeyframeFeatures& features, const Map& m
   return moves;
 }
 
-MapPoint PlaceOf(const MapPoint& point) {
+MapPoint GeometryOf(const MapPoint& point) {
   MapPoint place;
   place.p_w = point.p_w;
   place.covariance = point.covariance;
   return place;
 }
 
-MapLine PlaceOf(const MapLine& line) {
+MapLine GeometryOf(const MapLine& line) {
   MapLine place;
   place.segment_w = line.segment_w;
   place.covariance_p = line.covariance_p;
@@ -114,14 +114,14 @@ class Corrected {
     before_.resize(landmarks.size());
     ForEachOnAllProcessors(landmarks.size(), [&](size_t i) {
       const Landmark& landmark = *landmarks[i];
-      before_[i] = {landmark.id, PlaceOf(landmark),
+      before_[i] = {landmark.id, GeometryOf(landmark),
                     ErrorAt(landmark, landmark.observations, MovesOfObservations(landmark.observations, moves),
                             &Moved::T_kf_old_w)};
     });
   }
 
   // Called after the map has moved: places landmarks whose error has grown where it is least. Returns their ids.
-  std::vector<int64_t> PlaceWhatIsSeenWorse() {
+  std::vector<int64_t> RepositionDegraded() {
     std::vector<std::optional<Landmark>> better(before_.size());
     std::vector<std::vector<int64_t>> impossible(before_.size());
     ForEachOnAllProcessors(before_.size(), [&](size_t i) {
@@ -217,7 +217,7 @@ LandmarksNamed MoveKeyframes(const std::map<int64_t, SE3>& poses, const Keyframe
   Corrected<PointType> points(moves, features, camera, map);
   Corrected<LineType> lines(moves, features, camera, map);
   map.Move(poses);
-  return {points.PlaceWhatIsSeenWorse(), lines.PlaceWhatIsSeenWorse()};
+  return {points.RepositionDegraded(), lines.RepositionDegraded()};
 }
 
 }  // namespace plslam::mapping

@@ -59,8 +59,8 @@ LoopEdge Reversed(const LoopEdge& edge) {
 
 std::vector<LoopEdge> EdgesInMap(const LoopClosure& closure, const Map& map) {
   std::vector<LoopEdge> edges;
-  for (const LoopEdge& told : closure.edges) {
-    std::optional<LoopEdge> edge = FromKeyframeOfMap(told, closure, map);
+  for (const LoopEdge& edge_in_closure : closure.edges) {
+    std::optional<LoopEdge> edge = FromKeyframeOfMap(edge_in_closure, closure, map);
     if (edge && map.FindKeyframe(edge->keyframe_id) == nullptr) {
       edge = FromKeyframeOfMap(Reversed(*edge), closure, map);
     }

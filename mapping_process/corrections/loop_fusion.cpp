@@ -53,7 +53,7 @@ void MergeOneWay(const std::vector<int64_t>& to, const std::vector<int64_t>& fro
 }
 
 // Choosing an older parent avoids cycles in the spanning tree.
-void HangOn(int64_t keyframe_id, Map& map) {
+void Reparent(int64_t keyframe_id, Map& map) {
   MapKeyframe keyframe = *map.FindKeyframe(keyframe_id);
   if (keyframe.parent_id >= 0) return;
   for (const Map::Neighbour& neighbour : map.Neighbours(keyframe_id, Map::kParent)) {
@@ -85,7 +85,7 @@ void MergeSides(const LoopSides& sides, const KeyframeFeatures& features, const 
   MergeOneWay(sides.new_side, sides.old_side, features, camera, options, map);
   MergeOneWay(sides.old_side, sides.new_side, features, camera, options, map);
   for (const std::vector<int64_t>* side : {&sides.new_side, &sides.old_side}) {
-    for (const int64_t id : *side) HangOn(id, map);
+    for (const int64_t id : *side) Reparent(id, map);
   }
 }
 

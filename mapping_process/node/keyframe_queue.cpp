@@ -35,8 +35,9 @@ bool KeyframeQueue::Add(const Keyframe& keyframe, double now_ms) {
   Session& session = sessions_[keyframe.session];
   if (keyframe.keyframe_id < session.next) return false;
   if (!session.waiting.try_emplace(keyframe.keyframe_id, Arrived{keyframe, now_ms}).second) return false;
-  std::vector<int64_t>& told = told_[keyframe.source];
-  if (std::find(told.begin(), told.end(), keyframe.session) == told.end()) told.push_back(keyframe.session);
+  std::vector<int64_t>& published = published_[keyframe.source];
+  if (std::find(published.begin(), published.end(), keyframe.session) == published.end())
+    published.push_back(keyframe.session);
   return true;
 }
 
@@ -48,10 +49,10 @@ bool KeyframeQueue::IsReady(const Session& session, double now_ms) {
 /// Returns the sessions that wait for another one of the same publisher, ascending.
 std::vector<int64_t> KeyframeQueue::Held() const {
   std::vector<int64_t> held;
-  for (const auto& [publisher, told] : told_) {
+  for (const auto& [publisher, published] : published_) {
     const auto waits = [this](int64_t session) { return !sessions_.at(session).waiting.empty(); };
-    const auto first = std::find_if(told.begin(), told.end(), waits);
-    if (first != told.end()) held.insert(held.end(), first + 1, told.end());
+    const auto first = std::find_if(published.begin(), published.end(), waits);
+    if (first != published.end()) held.insert(held.end(), first + 1, published.end());
   }
   std::sort(held.begin(), held.end());
   return held;

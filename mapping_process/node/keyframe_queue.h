@@ -66,7 +66,7 @@ class KeyframeQueue {
 
   std::map<int64_t, Session> sessions_;
   /// By publisher: sessions in the order of their first keyframes.
-  std::map<int64_t, std::vector<int64_t>> told_;
+  std::map<int64_t, std::vector<int64_t>> published_;
 };
 
 }  // namespace plslam::mapping

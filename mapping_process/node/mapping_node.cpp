@@ -17,9 +17,10 @@
 #include "core/bus/run_loop.h"
 #include "core/geometry/rectification.h"
 #include "core/io/maps/map_camera.h"
-#include "core/map/told_keyframe.h"
+#include "core/map/keyframe_in_camera.h"
 #include "core/process/order.h"
 #include "core/process/process_usage.h"
+#include "core/run/number_ranges.h"
 #include "core/run/process_names.h"
 #include "mapping_process/corrections/closure_check.h"
 #include "mapping_process/node/keyframe_queue.h"
@@ -33,6 +34,8 @@ constexpr std::chrono::milliseconds kTick(200);
 // After a restart, history counts as complete after this time without a message, at most after the second.
 constexpr double kHistoryQuiet_ms = 400.0;
 constexpr double kLongestHistory_ms = 5000.0;
+
+constexpr int kClosureKinds = 3;
 
 /// Returns the newest keyframe number of each session.
 std::map<int64_t, int64_t> NewestBySession(const StoredMap& stored) {
@@ -64,7 +67,7 @@ MappingNode::MappingNode(bus::Process& process, const MappingOptions& options)
   if (!restored_ && !options_.map_file.empty()) {
     stored_ = ReadMapFile(options_.map_file);
     camera_ = MapCamera(*stored_, options_.map_file);
-    Know(*stored_);
+    AdoptStored(*stored_);
   }
   worker_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { WorkUntilStopped(); }); });
 }
@@ -73,9 +76,6 @@ MappingNode::~MappingNode() {
   Queue([this] { stopping_ = true; });
   stop_solve_ = true;
   worker_.join();
-  // The state file exists only after a crash: a clean exit removes it.
-  std::error_code ignored;
-  if (!options_.state_file.empty()) std::filesystem::remove(options_.state_file, ignored);
 }
 
 /// Changes data shared with the worker, and wakes it.
@@ -127,16 +127,17 @@ void MappingNode::OnStatus(const status_t& message) {
 void MappingNode::OnTick() {
   bool given_up = false;
   Queue([&] { given_up = queue_.GiveUp(bus::NowS()); });
-  if (given_up) spdlog::warn("no loop_process is heard of: the map goes on without loops");
+  if (given_up) spdlog::warn("no loop_process is found: continuing without loops");
 }
 
 void MappingNode::OnCommand(const command_t& message) {
   const std::optional<bus::Order> order = bus::OrderTo(process_, message);
   static constexpr std::array kObeyed = {command_verb::kSave, command_verb::kReset, command_verb::kLoad,
-                                         command_verb::kLocalise};
+                                         command_verb::kLocalise, command_verb::kSendKeyframes};
   if (!order || std::find(kObeyed.begin(), kObeyed.end(), order->verb) == kObeyed.end()) return;
+  if (!camera_ && order->verb == command_verb::kSendKeyframes) return;
   // The worker does not run before a camera arrives; the sender of the command should not wait for that.
-  if (!camera_) return bus::Answer(process_, *order, "no camera has been heard of, so there is no map");
+  if (!camera_) return bus::Answer(process_, *order, "no camera has been received, so there is no map");
   Queue([&] { queue_.Add(*order); });
 }
 
@@ -149,13 +150,32 @@ void MappingNode::WorkUntilStopped() {
   BeginMap();
   AwaitHistories();
   while (const std::optional<Work> work = NextWork()) Do(*work);
+  WorkBeforeStop();
+}
+
+/// Inserts the keyframes of live sessions that have arrived, without adjusting them to the end, and writes the state.
+/// In lockstep a keyframe that is not in the map is resent by its tracker.
+void MappingNode::WorkBeforeStop() {
+  for (;;) {
+    std::optional<Work> work;
+    {
+      const std::lock_guard lock(mutex_);
+      const double now_s = bus::NowS();
+      if (!queue_.IsLockstep(now_s)) work = queue_.Take(now_s);
+    }
+    if (!work) break;
+    stop_solve_ = true;
+    Do(*work);
+  }
+  if (!options_.state_file.empty()) KeepState();
 }
 
 /// Called when a camera is known.
 void MappingNode::BeginMap() {
-  if (restored_) return GoOnFromState();
+  if (restored_) return RestoreState();
   if (!stored_) {
     mapper_.emplace(*camera_, options_);
+    if (!options_.state_file.empty()) spdlog::info("beginning a new map: there is no {}", options_.state_file);
     return;
   }
   mapper_.emplace(*camera_, options_, *std::exchange(stored_, std::nullopt));
@@ -163,32 +183,35 @@ void MappingNode::BeginMap() {
   PublishWhole();
   PublishKeyframes();
   process_.SetState(process_state::kRunning);
-  TellOfMap(options_.map_file);
-  LeaveOldInFiles();
+  LogStoredMap(options_.map_file);
+  MoveOldToFiles();
 }
 
 /// Publishes the map before the keyframes: trackers wait for it, and most other processes have the features.
-void MappingNode::GoOnFromState() {
+void MappingNode::RestoreState() {
+  answer_ = state_->answer;
   mapper_.emplace(*camera_, options_, *std::exchange(state_, std::nullopt));
   PublishWhole();
   process_.SetState(process_state::kRunning);
   PublishKeyframes();
-  TellOfMap(options_.state_file);
-  LeaveOldInFiles();
+  LogStoredMap(options_.state_file);
+  MoveOldToFiles();
 }
 
-/// Publishes the keyframes of the map as trackers do, for listeners that need their features.
-void MappingNode::PublishKeyframes() {
+/// Publishes the keyframes of the map, or those with the given ids, as trackers do, for listeners that need their
+/// features.
+void MappingNode::PublishKeyframes(const std::optional<std::set<int64_t>>& ids) {
   bus::KeyframePublisher publisher(process_.bus());
   for (const auto& [id, entry] : mapper_->map().keyframes()) {
+    if (ids && !ids->contains(id)) continue;
     const auto features = mapper_->features().find(id);
     if (features == mapper_->features().end()) continue;
     publisher.Publish(KeyframeOf(entry, features->second, mapper_->camera(), mapper_->map()));
   }
 }
 
-void MappingNode::TellOfMap(const std::string& file) {
-  spdlog::info("{}: {} keyframes, {} points, {} lines", file, mapper_->map().keyframes().size(),
+void MappingNode::LogStoredMap(const std::string& file) {
+  spdlog::info("continuing the map in {}: {} keyframes, {} points, {} lines", file, mapper_->map().keyframes().size(),
                mapper_->map().points().size(), mapper_->map().lines().size());
   CountMap();
 }
@@ -237,7 +260,7 @@ void MappingNode::Do(const Work& work) {
       if (mapper_->version() > 0) PublishWhole();
       return;
     case Work::Kind::kOrder:
-      return Obey(work.order);
+      return Execute(work.order);
     case Work::Kind::kKeepState:
       return KeepState();
   }
@@ -272,29 +295,30 @@ void MappingNode::Insert(const std::vector<WorkQueue::Arrived>& batch) {
            {"adjust", adjusted_ms - inserted_ms},
            {"cull", done_ms - adjusted_ms},
            {"update", done_ms - batch.front().received_ms}});
-  if ((n_since_files_ += count) >= kFilesEvery) LeaveOldInFiles();
+  if ((n_since_files_ += count) >= kFilesEvery) MoveOldToFiles();
 }
 
-void MappingNode::LeaveOldInFiles() {
+void MappingNode::MoveOldToFiles() {
   n_since_files_ = 0;
-  if (mapper_->LeaveOldInFiles() || std::exchange(files_failed_, true)) return;
+  if (mapper_->MoveOldToFiles() || std::exchange(files_failed_, true)) return;
   spdlog::warn("{}", CannotLeaveMemory());
 }
 
 /// Re-expresses the keyframe in the camera of the map, which is that of its first keyframe.
 bool MappingNode::InsertOne(const Keyframe& keyframe, std::string* reason) {
   if (mapper_->map().keyframes().empty()) mapper_->SetCamera(keyframe.camera);
-  if (const std::optional<Keyframe> told = ToldIn(mapper_->camera(), keyframe)) return mapper_->Insert(*told, reason);
-  *reason =
-      fmt::format("keyframe {} of session {}: its camera ({} px, {} m) is too unlike that of the map ({} px, {} m)",
-                  keyframe.keyframe_id, keyframe.session, keyframe.camera.f_px, keyframe.camera.baseline_m,
-                  mapper_->camera().f_px, mapper_->camera().baseline_m);
+  if (const std::optional<Keyframe> local = KeyframeInCamera(mapper_->camera(), keyframe))
+    return mapper_->Insert(*local, reason);
+  *reason = fmt::format(
+      "keyframe {} of session {}: its camera ({} px, {} m) differs too much from that of the map ({} px, {} m)",
+      keyframe.keyframe_id, keyframe.session, keyframe.camera.f_px, keyframe.camera.baseline_m,
+      mapper_->camera().f_px, mapper_->camera().baseline_m);
   return false;
 }
 
 void MappingNode::WarnOfMissing(const WorkQueue::Arrived& arrived) {
   if (arrived.missing == 0) return;
-  spdlog::warn("session {}: {} keyframes before number {} have not come; the map goes on without them",
+  spdlog::warn("session {}: {} keyframes before number {} are missing; continuing without them",
                arrived.keyframe.session, arrived.missing, arrived.keyframe.keyframe_id);
   process_.SetCounter("keyframes.missing", static_cast<double>(n_missing_ += arrived.missing));
 }
@@ -307,13 +331,13 @@ void MappingNode::Correct(const Work& work) {
   bool commits = work.commits;
   if (work.closure.kind == LoopClosure::Kind::kLoop) Answer(work.closure, corrected);
   if (corrects && !corrected) {
-    spdlog::warn("a correction of the map is left: {}", reason);
+    spdlog::warn("a correction of the map is rejected: {}", reason);
     const std::lock_guard lock(mutex_);
     if (work.closure.kind == LoopClosure::Kind::kLoop) commits |= queue_.Refused();
   }
   if (commits) mapper_->Commit();
   Publish(corrected ? Stages{{"correct", bus::NowMs() - began_ms}} : Stages{});
-  if (corrected) LeaveOldInFiles();
+  if (corrected) MoveOldToFiles();
 }
 
 /// Re-expresses a closure of the map of another mapping_process, whose versions do not apply. A map rebuilt in lockstep
@@ -358,12 +382,14 @@ void MappingNode::CountMap() {
 void MappingNode::CountFailures() {
   const Mapper::Failures& failures = mapper_->failures();
   if (failures.count == n_failed_) return;
-  if (n_failed_ == 0) spdlog::warn("an adjustment failed (the first of those counted): {}", failures.last);
+  if (n_failed_ == 0)
+    spdlog::warn("a local bundle adjustment failed (later ones are counted only): {}", failures.last);
   process_.SetCounter("adjustments.failed", static_cast<double>(n_failed_ = failures.count));
 }
 
 /// An order that fails changes nothing.
-void MappingNode::Obey(const bus::Order& order) {
+void MappingNode::Execute(const bus::Order& order) {
+  if (order.verb == command_verb::kSendKeyframes) return PublishKeyframes(NumbersInRanges(order.argument));
   try {
     if (order.verb == command_verb::kSave) Save(order.argument);
     if (order.verb == command_verb::kLocalise) SetLocaliseOnly(order.argument);
@@ -373,12 +399,12 @@ void MappingNode::Obey(const bus::Order& order) {
       next.stored = ReadMapFile(order.argument);
       const StereoCamera camera = MapCamera(next.stored, order.argument);
       Replace(std::move(next), camera);
-      TellOfMap(order.argument);
+      LogStoredMap(order.argument);
     }
     bus::Answer(process_, order);
-    LeaveOldInFiles();
+    MoveOldToFiles();
   } catch (const std::exception& error) {
-    spdlog::error("the order '{}' could not be carried out: {}", order.verb, error.what());
+    spdlog::error("the command '{}' failed: {}", order.verb, error.what());
     bus::Answer(process_, order, error.what());
   }
 }
@@ -389,14 +415,14 @@ void MappingNode::Save(const std::string& path) {
     state.stored.rig = CameraBytes(mapper_->camera());
     WriteMapFile(path, state.stored);
   });
-  spdlog::info("the map is in {}", path);
+  spdlog::info("the map is saved in {}", path);
 }
 
 void MappingNode::SetLocaliseOnly(const std::string& argument) {
   if (argument != "on" && argument != "off")
     throw std::runtime_error(fmt::format("localise \"{}\": must be on or off", argument));
   mapper_->SetLocaliseOnly(argument == "on");
-  spdlog::info("the map {}", mapper_->localise_only() ? "stays as it is from now on" : "grows from now on");
+  spdlog::info("the map {}", mapper_->localise_only() ? "is fixed" : "can grow");
   Publish({});
   // A process killed later restarts in this mode; the newest keyframe is committed here (`WorkQueue::Take`).
   if (!options_.state_file.empty()) KeepState();
@@ -407,11 +433,11 @@ void MappingNode::Replace(MapperState next, const StereoCamera& camera) {
   {
     const std::lock_guard lock(mutex_);
     began_version_ = next.began_version;
-    queue_.BeginAnew(NewestBySession(next.stored), next.stored.newest_session);
+    queue_.Reset(NewestBySession(next.stored), next.stored.newest_session);
   }
   answer_ = {};
   mapper_.emplace(camera, options_, std::move(next));
-  state_file_.BeginAnew();
+  state_file_.Reset();
   PublishWhole();
   // Listeners keep few features of unknown sessions, so they must receive the map first.
   PublishKeyframes();
@@ -427,19 +453,40 @@ void MappingNode::ReadState() {
     // Do not wait for the camera message, which comes once a second: it would be the longest part of a restart.
     camera_ = MapCamera(state_->stored, options_.state_file);
   } catch (const std::exception& error) {
-    spdlog::warn("all is built anew from the history: {}", error.what());
     state_.reset();
+    // It may be of a later version of the program.
+    const std::string kept = options_.state_file + ".unreadable";
+    std::error_code ignored;
+    std::filesystem::rename(options_.state_file, kept, ignored);
+    process_.Warn("state",
+                  fmt::format("rebuilding the map from the history: {}; the file is kept as {}", error.what(), kept));
     return;
   }
   restored_ = true;
   began_version_ = state_->began_version;
-  Know(state_->stored);
+  const std::lock_guard lock(mutex_);
+  const StoredMap& stored = state_->stored;
+  WorkQueue::Newest newest{stored.newest_session, -1, state_->lockstep != 0, state_->committed != 0, {}};
+  const auto session = stored.sessions.find(stored.newest_session);
+  if (session == stored.sessions.end()) newest.committed = true;
+  if (session != stored.sessions.end()) newest.keyframe_id = session->second.session_keyframe_id;
+  for (int kind = 0; kind < kClosureKinds; ++kind) {
+    if ((state_->closures >> kind & 1) != 0) newest.taken.insert(static_cast<LoopClosure::Kind>(kind));
+  }
+  queue_.Restore(NewestBySession(stored), newest, bus::NowS());
 }
 
 /// Marks the keyframes of the map as inserted. The history keeper republishes them, except for culled ones.
-void MappingNode::Know(const StoredMap& stored) {
+void MappingNode::AdoptStored(const StoredMap& stored) {
   const std::lock_guard lock(mutex_);
   queue_.Restore(NewestBySession(stored), stored.newest_session);
+}
+
+void MappingNode::AddNewest(MapperState& state) {
+  const std::lock_guard lock(mutex_);
+  const WorkQueue::Newest& newest = queue_.newest();
+  state.lockstep = newest.lockstep ? 1 : 0;
+  for (const LoopClosure::Kind kind : newest.taken) state.closures |= 1 << static_cast<int>(kind);
 }
 
 /// If writing fails the process continues, with a higher cost of a crash.
@@ -447,13 +494,15 @@ void MappingNode::KeepState() {
   try {
     mapper_->LendState([this](MapperState& state) {
       state.stored.rig = CameraBytes(mapper_->camera());
+      state.answer = answer_;
+      AddNewest(state);
       state_file_.Write(state);
     });
     process_.SetCounter("state.written", static_cast<double>(++n_states_));
   } catch (const std::exception& error) {
-    if (!std::exchange(state_failed_, true)) spdlog::warn("what a restart would need is not kept: {}", error.what());
+    if (!std::exchange(state_failed_, true)) spdlog::warn("the state for a restart is not written: {}", error.what());
   }
-  LeaveOldInFiles();
+  MoveOldToFiles();
   bus::GiveBackFreedMemory();
 }
 

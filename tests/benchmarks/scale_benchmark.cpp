@@ -17,9 +17,9 @@
 #include "core/bus/messages/loop_channel.h"
 #include "core/bus/messages/map_pages.h"
 #include "core/io/maps/map_file.h"
+#include "loop_process/global_bundle.h"
 #include "loop_process/keyframe_memory.h"
 #include "loop_process/loop_correction.h"
-#include "loop_process/whole_map.h"
 #include "mapping_process/mapper.h"
 #include "tests/support/feature_world.h"
 
@@ -261,15 +261,16 @@ void Measure(int n) {
   Row("loop taken over by the map", loop_ms, fmt::format("{:.2f} m off{}", made.Error_m(mapper.map()), reason));
   TellUpdate(mapper, replica);
 
-  std::optional<loop::WholeMapProblem> problem;
-  const double problem_ms = Cpu([&] { problem = loop::MakeWholeMapProblem(replica.map(), features, kCamera, {}); });
+  std::optional<loop::GlobalBundleProblem> problem;
+  const double problem_ms =
+      Cpu([&] { problem = loop::MakeGlobalBundleProblem(replica.map(), features, kCamera, {}); });
   Row("global bundle adjustment: problem", problem_ms,
       fmt::format("{} points, {} lines", problem->bundle.points.size(), problem->bundle.lines.size()));
   problem->session = 1;
   problem->session_keyframe_id = n - 1;
   problem->map_version = mapper.version();
   LoopClosure adjusted;
-  const double adjust_ms = Cpu([&] { adjusted = loop::AdjustWholeMap(*problem, {}, nullptr, &reason); });
+  const double adjust_ms = Cpu([&] { adjusted = loop::AdjustGlobally(*problem, {}, nullptr, &reason); });
   Row("global bundle adjustment", adjust_ms, reason);
   const double correct_ms = Cpu([&] { mapper.Correct(adjusted, &reason); });
   Row("adjustment taken over by the map", correct_ms,

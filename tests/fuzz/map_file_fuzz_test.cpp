@@ -95,7 +95,7 @@ TEST(MapFileFuzz, DamagedFilesAreRefused) {
   });
 }
 
-TEST(MapFileFuzz, DamagedContentWithTheRightChecksumIsRefusedOrSound) {
+TEST(MapFileFuzz, DamagedContentWithValidChecksum) {
   const std::vector<ByteVector> maps = SmallMaps();
   test::Fuzz([&](Random& random) {
     ByteVector bytes = maps[random() % maps.size()];

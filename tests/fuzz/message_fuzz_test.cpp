@@ -107,7 +107,7 @@ image_strip_t Strip(int8_t camera, int32_t strip) {
   return message;
 }
 
-TEST(MessageFuzz, StripsMakeWholeFramesOrNone) {
+TEST(MessageFuzz, StripsMakeCompleteFramesOrNone) {
   FrameAssembler assembler;
   Fuzz([&](Random& random) {
     for (int8_t camera = 0; camera < 2; ++camera) {

@@ -218,7 +218,7 @@ TEST_F(Adapter, RobotWithImagePairsIsLocalisedAcrossAKill) {
 
 class AdapterInputs : public Adapter, public testing::WithParamInterface<RobotImages> {};
 
-TEST_P(AdapterInputs, EachKindOfImagesIsTracked) {
+TEST_P(AdapterInputs, EachImageFormatIsTracked) {
   constexpr int kFew = 40;
   Start(fmt::format("synthetic:room?size=376x240&frames={}&rate=20", kFew), GetParam(), false, false);
   ASSERT_NO_FATAL_FAILURE(WaitForTheFirstPose());

@@ -95,7 +95,7 @@ TEST_F(CalibrateRun, TheTutorialCalibratesAFakeCamera) {
   EXPECT_THAT(ReadText(work_ + "/camera_coverage.html"), HasSubstr("pictures, done"));
 }
 
-TEST_F(CalibrateRun, InterruptedItKeepsWhatIsThere) {
+TEST_F(CalibrateRun, InterruptKeepsThePicturesTaken) {
   PLSLAM_REQUIRE_ELEMENTS("multifilesrc", "pngdec", "videoconvert");
   Render("charuco:11x8:0.03:0.022", 3);
   test::ShellResult result =
@@ -124,7 +124,7 @@ TEST_F(CalibrateRun, ACameraThatFailsKeepsThePictures) {
   EXPECT_THAT(ReadText(work_ + "/camera_coverage.html"), HasSubstr(", done"));
 }
 
-TEST_F(CalibrateRun, ABoardOfAnotherSizeIsSaid) {
+TEST_F(CalibrateRun, BoardOfAnotherSizeIsReported) {
   PLSLAM_REQUIRE_ELEMENTS("multifilesrc", "pngdec", "videoconvert");
   Render("charuco:11x8:0.03:0.022", 3);
   fs::create_directories(work_ + "/camera_pictures/left");
@@ -134,7 +134,7 @@ TEST_F(CalibrateRun, ABoardOfAnotherSizeIsSaid) {
   EXPECT_THAT(result.error, HasSubstr("are its columns and rows other ones?"));
 }
 
-TEST_F(CalibrateRun, NoBoardAndNoCameraAreSaid) {
+TEST_F(CalibrateRun, MissingBoardAndCameraAreReported) {
   PLSLAM_REQUIRE_ELEMENTS("multifilesrc", "pngdec", "videoconvert");
   Render("charuco:11x8:0.03:0.022", 1);
   test::ShellResult result = Run("plslam calibrate rig.yaml --board chess:9x6:0.025 --out camera.yaml --seconds 1");

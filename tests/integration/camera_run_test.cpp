@@ -72,7 +72,7 @@ class CameraRun : public testing::Test {
   std::string camera_;
 };
 
-TEST_F(CameraRun, ImagesThroughGStreamerGiveTheBytesOfTheirFolder) {
+TEST_F(CameraRun, GStreamerGivesSameBytesAsImageFolder) {
   PLSLAM_REQUIRE_ELEMENTS("multifilesrc", "pngdec", "videoconvert");
   WriteWorld(kFrames);
   WholeRun folder, cameras;
@@ -86,7 +86,7 @@ TEST_F(CameraRun, ImagesThroughGStreamerGiveTheBytesOfTheirFolder) {
   }
 }
 
-TEST_F(CameraRun, KilledInLockstepItGoesOnWhereItWas) {
+TEST_F(CameraRun, KilledInLockstepResumesWithSameResult) {
   PLSLAM_REQUIRE_ELEMENTS("multifilesrc", "pngdec", "videoconvert");
   WriteWorld(kFrames);
   WholeRun whole, killed;
@@ -119,7 +119,7 @@ TEST_F(CameraRun, LiveCamerasAreFollowedAtTheirRate) {
   EXPECT_EQ(summary["processes"]["camera"]["restarts"], 0);
 }
 
-TEST_F(CameraRun, KilledLiveItGoesOnInTheSameSession) {
+TEST_F(CameraRun, KilledLiveResumesInSameSession) {
   PLSLAM_REQUIRE_ELEMENTS("pngdec", "imagefreeze", "videoconvert");
   WriteWorld(1);
   WholeRun run;
@@ -137,7 +137,7 @@ TEST_F(CameraRun, KilledLiveItGoesOnInTheSameSession) {
   EXPECT_GE(summary["tracked_frames"].get<int>(), summary["all_frames"].get<int>() - 5) << run.Logs();
 }
 
-TEST_F(CameraRun, GivenUpItEndsWithTheMapOfWhatCameBefore) {
+TEST_F(CameraRun, LostCameraEndsTheRunAndSavesTheMap) {
   PLSLAM_REQUIRE_ELEMENTS("pngdec", "imagefreeze", "videoconvert", "identity");
   WriteWorld(1);
   WholeRun run;
@@ -153,7 +153,7 @@ TEST_F(CameraRun, GivenUpItEndsWithTheMapOfWhatCameBefore) {
   EXPECT_TRUE(fs::exists(map)) << run.Logs();
 }
 
-TEST_F(CameraRun, WhatDoesNotGoWithCamerasIsSaid) {
+TEST_F(CameraRun, DatasetOptionsAndMissingDevicesAreErrors) {
   WriteWorld(1);
   WholeRun run;
   EXPECT_EQ(run.Run({"run", WriteRig("  pair: [/nowhere/a, /nowhere/b]\n"), "--stop", "10"}), 1);

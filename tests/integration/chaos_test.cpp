@@ -386,15 +386,15 @@ void PlayAll(const World& world, int events) {
   EXPECT_EQ(failed, 0) << "of " << events << " went wrong; they stand above";
 }
 
-TEST(Chaos, AtAnyMomentTheResultIsCompleteOrItsLackIsTold) { PlayAll(LockstepWorld(), test::LongTests() ? 200 : 11); }
+TEST(Chaos, RandomFaultsInLockstep) { PlayAll(LockstepWorld(), test::LongTests() ? 200 : 11); }
 
-TEST(Chaos, AtAnyMomentOfALiveMinuteTheResultIsCompleteOrItsLackIsTold) {
+TEST(Chaos, RandomFaultsInALiveMinute) {
   PLSLAM_REQUIRE_LONG_TESTS();
   PlayAll(MinuteWorld(), 200);
 }
 
 // The disk under the outputs, the map and the logs gets full at a random moment.
-TEST(Chaos, WhenTheDiskGetsFullTheResultIsCompleteOrItsLackIsTold) {
+TEST(Chaos, DiskFullAtRandomMoments) {
   std::mt19937 random(static_cast<unsigned>(FromEnvironment("PLSLAM_CHAOS_SEED", 1)));
   const int events = FromEnvironment("PLSLAM_CHAOS_EVENTS", test::LongTests() ? 50 : 2);
   const World world = LockstepWorld();

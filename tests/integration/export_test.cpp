@@ -38,7 +38,7 @@ class RunWithMap {
   int exit_code_ = -1;
 };
 
-TEST(ExportOfARun, OpensInColmapAtTheErrorThatMappingReached) {
+TEST(ExportOfARun, OpensInColmapWithTheMappingError) {
   PLSLAM_REQUIRE_PROGRAM("colmap");
   const RunWithMap made;
   ASSERT_TRUE(made.ok()) << made.run().Logs();
@@ -60,7 +60,7 @@ TEST(ExportOfARun, OpensInColmapAtTheErrorThatMappingReached) {
   EXPECT_LT(std::stod(cost[1]), 1.0) << told;
 }
 
-TEST(FiguresOfARun, AllOfThemAsPictureAndDrawing) {
+TEST(FiguresOfARun, AllFiguresAsPictureAndDrawing) {
   const RunWithMap made;
   ASSERT_TRUE(made.ok()) << made.run().Logs();
   const ScratchFolder folder;
@@ -105,7 +105,7 @@ TEST(ComparisonOfRuns, FromTheirFoldersToAPage) {
   EXPECT_THAT(missing.error, HasSubstr("none: does not exist"));
 }
 
-TEST(PaperTables, ThePapersNumbersBesideOursAndWhatIsAbsentSaysSo) {
+TEST(PaperTables, PaperAndOwnNumbersAndAbsentSequences) {
   PLSLAM_REQUIRE_PROGRAM("python3");
   const ScratchFolder folder;
   const auto dataset = OpenDataset("synthetic:room?frames=12&size=376x240", "");

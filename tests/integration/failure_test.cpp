@@ -57,7 +57,7 @@ TEST(RunFailure, InterruptLeavesAllFiles) {
   EXPECT_FALSE(run.Read("trajectory.tum").empty());
 }
 
-TEST(RunFailure, InterruptOfARunWhoseFilesCannotBeWrittenIsTold) {
+TEST(RunFailure, InterruptWithUnwritableOutputsExitsWithOne) {
   WholeRun run;
   run.Start(LongRun(run));
   ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
@@ -70,7 +70,7 @@ TEST(RunFailure, InterruptOfARunWhoseFilesCannotBeWrittenIsTold) {
   EXPECT_THAT(reason, HasSubstr("trajectory.tum"));
 }
 
-TEST(RunFailure, InterruptSavesTheMapWhereThatWasAskedFor) {
+TEST(RunFailure, InterruptSavesTheMapIfRequested) {
   WholeRun run;
   const std::string map = (run.folder() / "room.plmap").string();
   run.Start(LongRunSaving(run, map));
@@ -95,7 +95,7 @@ bool AllGone(const std::vector<pid_t>& pids) {
 }
 
 // `systemctl stop`, a closing session, `scancel`: all processes get the signal, and the launcher's order besides.
-TEST(RunFailure, SignalToAllProcessesAtOnceIsOneOrder) {
+TEST(RunFailure, SignalToAllProcessesAtOnce) {
   for (const int signal : {SIGTERM, SIGINT, SIGHUP}) {
     WholeRun run;
     const std::string map = (run.folder() / "room.plmap").string();
@@ -153,7 +153,7 @@ TEST(RunFailure, SecondInterruptLeavesNoProcess) {
   EXPECT_TRUE(WholeRun::WaitFor([&] { return AllGone(pids); }));
 }
 
-TEST(RunFailure, InterruptWhileTheMapperIsStartedAgainSavesTheMap) {
+TEST(RunFailure, InterruptDuringMapperRestartSavesTheMap) {
   WholeRun run;
   const std::string map = (run.folder() / "room.plmap").string();
   run.Start(LongRunSaving(run, map));
@@ -165,7 +165,7 @@ TEST(RunFailure, InterruptWhileTheMapperIsStartedAgainSavesTheMap) {
   EXPECT_GE(ReadMapFile(map).map.keyframes().size(), 1U);
 }
 
-TEST(RunFailure, InterruptWhileTheViewerIsStartedAgainWritesWhatWasPlayed) {
+TEST(RunFailure, InterruptDuringViewerRestartWritesTrajectory) {
   WholeRun run;
   run.Start(LongRun(run));
   ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
@@ -178,7 +178,7 @@ TEST(RunFailure, InterruptWhileTheViewerIsStartedAgainWritesWhatWasPlayed) {
   EXPECT_GE(std::count(path.begin(), path.end(), '\n'), run.Summary()["frames"].get<int>());
 }
 
-TEST(RunFailure, ProcessesThatAreKilledBeforeTheyAreReadyAreStartedAgain) {
+TEST(RunFailure, ProcessKilledBeforeReadyIsRestarted) {
   for (const char* executable : {"player", "mapping_process", "loop_process", "viewer_headless"}) {
     WholeRun run;
     run.Start({"run", "synthetic:room?frames=20&size=160x120"});
@@ -192,7 +192,7 @@ TEST(RunFailure, ProcessesThatAreKilledBeforeTheyAreReadyAreStartedAgain) {
   }
 }
 
-TEST(RunFailure, MapOfSeveralRobotsThatNobodyServesIsAnError) {
+TEST(RunFailure, SharedMapWithoutMapperIsAnError) {
   const PrivatePort port;
   WholeRun run;
   EXPECT_EQ(run.Run({"run", "synthetic:room?frames=20&size=160x120", "--url", port.Url(), "--prefix", "ann/",
@@ -202,7 +202,7 @@ TEST(RunFailure, MapOfSeveralRobotsThatNobodyServesIsAnError) {
   EXPECT_THAT(run.Logs(), HasSubstr("`mapping_process --prefix team/ --url " + port.Url() + "`"));
 }
 
-TEST(RunFailure, InterruptBeforeThereIsAMapToSaveIsTold) {
+TEST(RunFailure, InterruptBeforeThereIsAMapIsAnError) {
   WholeRun run;
   run.Start({"run", "synthetic:room", "--save-map", (run.folder() / "room.plmap").string()});
   ASSERT_TRUE(WholeRun::WaitFor([&] { return run.PidOf("mapping_process") > 0; })) << run.Logs();
@@ -211,7 +211,7 @@ TEST(RunFailure, InterruptBeforeThereIsAMapToSaveIsTold) {
   EXPECT_THAT(run.Logs(), HasSubstr("plslam: error: interrupted before there was a map to save as "));
 }
 
-TEST(RunFailure, MapWithoutKeyframesIsNotWrittenOverTheOneThatWasThere) {
+TEST(RunFailure, MapWithoutKeyframesDoesNotReplaceOldMap) {
   WholeRun first, run;
   const std::string map = (first.folder() / "room.plmap").string();
   const std::string world = "synthetic:room?size=160x120&frames=10";
@@ -271,7 +271,7 @@ TEST(RunFailure, SecondRunIntoTheSameFolderIsRefused) {
   EXPECT_EQ(run.Wait(60), 0) << run.Logs();
 }
 
-TEST(RunFailure, KilledRecorderGoesOnInAnotherFile) {
+TEST(RunFailure, KilledRecorderContinuesInAnotherFile) {
   WholeRun run;
   run.Start(LongRun(run));
   ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
@@ -331,7 +331,7 @@ TEST(RunFailure, TrackerWhoseStateIsDamagedBeginsANewSession) {
   ASSERT_EQ(kill(run.PidOf("vo_process"), SIGKILL), 0);
   std::filesystem::resize_file(state, std::filesystem::file_size(state) / 2);
   ASSERT_EQ(run.Wait(), 0) << run.Logs();
-  EXPECT_THAT(run.Logs(), HasSubstr("a new session begins: "));
+  EXPECT_THAT(run.Logs(), HasSubstr("starting a new session: "));
   EXPECT_THAT(run.Logs(), HasSubstr("it was cut off or damaged"));
   EXPECT_EQ(watcher.Get().poses.size(), 2U);
   EXPECT_EQ(run.Summary()["completed"], true);
@@ -364,7 +364,7 @@ TEST(RunFailure, KilledMapperBuildsTheSameMapAgain) {
   EXPECT_TRUE(run.Read("map.ply") == undisturbed.Read("map.ply"));
 }
 
-TEST(RunFailure, KilledViewerIsStartedAgainAndStillHasTheWholePath) {
+TEST(RunFailure, KilledViewerIsRestartedWithWholeTrajectory) {
   WholeRun run;
   run.Start(LongRun(run));
   ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
@@ -376,7 +376,7 @@ TEST(RunFailure, KilledViewerIsStartedAgainAndStillHasTheWholePath) {
   EXPECT_EQ(std::count(path.begin(), path.end(), '\n'), 400);
 }
 
-TEST(RunFailure, ViewerKilledAtTheEndStillKnowsTheCameraAndTellsWhichPicturesWentWithIt) {
+TEST(RunFailure, ViewerKilledAtTheEndReportsLostPictures) {
   // A camera that is distorted and turned, which the rectified one is not.
   const std::string world = "synthetic:room?frames=40&size=376x240&distorted=1";
   WholeRun undisturbed, run;
@@ -435,7 +435,7 @@ TEST(RunFailure, BusOfTheConfigurationFileIsUsed) {
   EXPECT_FALSE(std::filesystem::exists(wrong.out()));
 }
 
-TEST(RunFailure, LauncherThatIsKilledTakesAllWithIt) {
+TEST(RunFailure, LauncherThatIsKilledEndsItsProcesses) {
   WholeRun run;
   run.Start(LongRun(run));
   ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();

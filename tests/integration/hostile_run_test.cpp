@@ -133,7 +133,7 @@ class HostileRun : public testing::Test {
   }
 };
 
-TEST_F(HostileRun, WithAKeyNothingGetsThrough) {
+TEST_F(HostileRun, WithAKeyNoForgedMessageIsAccepted) {
   const NetworkHost host;
   const ByHand folder(kHostileUrl);
   const std::string key = KeyFile(folder.folder(), 'a');
@@ -148,7 +148,7 @@ TEST_F(HostileRun, WithAKeyNothingGetsThrough) {
   EXPECT_GT(attacked.unproven, 100);
 }
 
-TEST_F(HostileRun, WithoutAKeyJunkAndRepetitionsDoNoHarm) {
+TEST_F(HostileRun, JunkAndReplaysAreHarmlessWithoutAKey) {
   PLSLAM_REQUIRE_LONG_TESTS();
   const NetworkHost host;
   HostileOutcome quiet, attacked;
@@ -158,7 +158,7 @@ TEST_F(HostileRun, WithoutAKeyJunkAndRepetitionsDoNoHarm) {
 }
 
 /// mapping_process with one key, and next to it one with another, or with another prefix.
-TEST_F(HostileRun, StrangersGetOneClearLineInTheStatus) {
+TEST_F(HostileRun, OtherKeysAndPrefixesAreOneLineOfStatus) {
   const NetworkHost host;
   ByHand ours(kHostileUrl), other_key(kHostileUrl), no_key(kHostileUrl), other_prefix(kHostileUrl);
   const std::string key = KeyFile(ours.folder(), 'a');

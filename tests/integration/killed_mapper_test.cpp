@@ -75,7 +75,7 @@ void ExpectSame(const MappedRun& a, const MappedRun& b) {
   EXPECT_TRUE(a.map == b.map);
 }
 
-TEST(KilledMapper, ComesBackToTheSameBits) {
+TEST(KilledMapper, RestartGivesTheSameBits) {
   const MappedRun undisturbed = Play("10", {});
   // The loop is closed at about frame 270.
   ExpectSame(Play("10", {MapperAt(30), MapperAt(150), LoopAt(180), MapperAt(240), MapperAt(270), MapperAt(285)}),

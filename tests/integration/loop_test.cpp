@@ -84,7 +84,7 @@ TEST(Loops, AreClosedAndTheSameAtEveryRun) {
   EXPECT_TRUE(first.Read("map.ply") == second.Read("map.ply"));
 }
 
-TEST(Loops, KilledLoopProcessIsStartedAgainAndTheRunGoesOn) {
+TEST(Loops, KilledLoopProcessIsRestarted) {
   WholeRun run;
   run.Start({"run", kTwoLaps, "--record", run.log()});
   const auto under_way = [&] {
@@ -102,7 +102,7 @@ TEST(Loops, KilledLoopProcessIsStartedAgainAndTheRunGoesOn) {
   EXPECT_LT(summary["accuracy"]["ate_m"], 0.02) << summary["accuracy"].dump(1);
 }
 
-TEST(SavedMap, IsLocalisedInWithoutChangingIt) {
+TEST(SavedMap, LocaliseOnlyDoesNotChangeTheMap) {
   WholeRun first, second;
   const std::string map = (first.folder() / "room.plmap").string();
   ASSERT_EQ(first.Run({"run", "synthetic:room?size=376x240&speed=2", "--save-map", map}), 0) << first.Logs();
@@ -152,7 +152,7 @@ class PartOfTheRoom : public testing::Test {
   int exit_code_ = -1;
 };
 
-TEST_F(PartOfTheRoom, NoPoseIsOfAnotherPlaceWhereTheCameraIsCarriedOutOfItAndComesBack) {
+TEST_F(PartOfTheRoom, CameraCarriedOutOfTheMapAndBack) {
   std::vector<ChosenFrame> frames;
   for (int i = 0; i < 30; ++i) frames.push_back({i, false});
   for (int i = 0; i < 10; ++i) frames.push_back({30, true});
@@ -168,7 +168,7 @@ TEST_F(PartOfTheRoom, NoPoseIsOfAnotherPlaceWhereTheCameraIsCarriedOutOfItAndCom
   EXPECT_GE(n_back, 57) << run_.Logs();
 }
 
-TEST_F(PartOfTheRoom, IsUsedAgainWhenItComesBackIntoView) {
+TEST_F(PartOfTheRoom, IsUsedAgainWhenBackInView) {
   // Once round the room, through unmapped parts, and again.
   const int lap = OpenDataset(kRoom, "")->size();
   std::vector<ChosenFrame> frames;
@@ -179,7 +179,7 @@ TEST_F(PartOfTheRoom, IsUsedAgainWhenItComesBackIntoView) {
   EXPECT_LT(sum_m, 0.01) << "first lap: " << errors_m.at(30);
 }
 
-TEST(SavedMap, OfForeignBytesIsRefusedInOneSentence) {
+TEST(SavedMap, ForeignBytesAreRefused) {
   WholeRun run;
   const std::string foreign = (run.folder() / "foreign.plmap").string();
   std::ofstream(foreign) << "no map\n";
@@ -200,7 +200,7 @@ std::vector<double> LiveErrors_m(const WholeRun& run, const Dataset& dataset) {
 }
 
 // The other camera has another lens, size and baseline; afterwards the first camera uses the map of both.
-TEST(SavedMap, OfAnotherCameraIsLocalisedInAndGoneOnWith) {
+TEST(SavedMap, MapOfAnotherCameraIsUsedAndExtended) {
   const std::string room = "synthetic:room?size=376x240&speed=2&frames=90";
   const std::string other_room = "synthetic:room?size=560x380&fov=66&baseline=0.2&speed=2&frames=90";
   WholeRun first, localised, gone_on, again;
@@ -224,7 +224,7 @@ TEST(SavedMap, OfAnotherCameraIsLocalisedInAndGoneOnWith) {
   EXPECT_LT(again.Summary()["accuracy"]["ate_m"], 0.02) << again.Summary().dump(1);
 }
 
-TEST(Relocalisation, CameraCarriedWithItsLensCoveredIsFoundAgain) {
+TEST(Relocalisation, CameraCarriedWithItsLensCovered) {
   WholeRun run;
   const auto room = OpenDataset("synthetic:room?size=376x240&speed=2", "");
   // Most of a lap, then covered while it is carried back to a much earlier position.

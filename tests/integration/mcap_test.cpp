@@ -169,7 +169,7 @@ TEST_F(McapOfARun, AMapAloneHasNoFrames) {
   EXPECT_GT(read["points"], 50);
 }
 
-TEST_F(McapOfARun, OfItsLog) {
+TEST_F(McapOfARun, ExportOfItsLog) {
   if (!CanCheck()) GTEST_SKIP() << "no node, or its packages could not be fetched at the build";
   const ShellResult exported = Export("'" + log() + "'");
   ASSERT_EQ(exported.exit_code, 0) << exported.error;
@@ -189,7 +189,7 @@ TEST_F(McapOfARun, OfItsLog) {
   EXPECT_THAT(colmap.error, HasSubstr("run.lcm: colmap needs a saved map"));
 }
 
-TEST_F(McapOfARun, ALogOfFramesAloneIsToBeReplayed) {
+TEST_F(McapOfARun, LogOfFramesAloneNeedsAReplay) {
   const std::string frames = folder().Path("frames.lcm");
   bus::LogReader reader(log());
   {
@@ -224,7 +224,7 @@ TEST_F(McapOfARun, LoopsJoinTheirKeyframes) {
   }
 }
 
-TEST_F(McapOfARun, ImageFilesGoOnAsTheyAre) {
+TEST_F(McapOfARun, ImageFilesAreCopiedUnchanged) {
   if (!CanCheck()) GTEST_SKIP() << "no node, or its packages could not be fetched at the build";
   const auto world = OpenDataset(kWorld, "");
   std::vector<ChosenFrame> frames(3);

@@ -37,21 +37,21 @@ TEST(FirstDifference, NamesTheMemberAndBothValues) {
   EXPECT_EQ(Difference(pose, logged), "T_odom_c.position_m[1] is 0.25, in the log 0.5");
 }
 
-TEST(FirstDifference, OfTextsOfOtherLength) {
+TEST(FirstDifference, TextsOfDifferentLength) {
   pose_t logged = SomePose(), pose = SomePose();
   pose.stages[1].name = "tracking";
   EXPECT_EQ(Difference(pose, logged), "stages[1].name is \"tracking\", in the log \"track\"");
   EXPECT_EQ(Difference(logged, pose), "stages[1].name is \"track\", in the log \"tracking\"");
 }
 
-TEST(FirstDifference, OfListsOfOtherLengthIsTheirSize) {
+TEST(FirstDifference, ListsOfDifferentLengthDifferInSize) {
   pose_t logged = SomePose(), pose = SomePose();
   pose.stages.pop_back();
   pose.n_stages = 1;
   EXPECT_EQ(Difference(pose, logged), "n_stages is 1, in the log 2");
 }
 
-TEST(FirstDifference, PassesOverWhatIsIgnored) {
+TEST(FirstDifference, SkipsIgnoredMembers) {
   pose_t logged = SomePose(), pose = SomePose();
   pose.header.source = 5;
   pose.stages[0].ms = 3.0;
@@ -59,14 +59,14 @@ TEST(FirstDifference, PassesOverWhatIsIgnored) {
   EXPECT_EQ(Difference(pose, logged, {"stage_t.ms", "header_t.source"}), "");
 }
 
-TEST(FirstDifference, SaysWhatIsNoMessageOfTheType) {
+TEST(FirstDifference, MessageOfAnotherTypeIsReported) {
   const std::vector<uint8_t> status = bus::Encoded(status_t{}), pose = bus::Encoded(pose_t{});
   const MessageLayout& layout = *FindMessageLayout("pose_t");
   EXPECT_EQ(FirstDifference(layout, status, pose), "it is no pose_t");
   EXPECT_EQ(FirstDifference(layout, pose, status), "in the log it is no pose_t");
 }
 
-TEST(Rename, ReplacesNamesWhereverTheyAre) {
+TEST(Rename, ReplacesIdsInAllMembers) {
   loop_closure_t closure{};
   closure.header.source = closure.map_source = int64_t{1} << 40;
   closure.header.session = 3;

@@ -80,7 +80,7 @@ class Orders : public testing::Test {
   std::string said_;
 };
 
-TEST_F(Orders, WhoeverIsKilledWhileThePlayerIsPausedItStaysSoAndTheBitsAreTheSame) {
+TEST_F(Orders, PausedPlayerStaysPausedAfterAKill) {
   WholeRun reference;
   ASSERT_EQ(reference.Run({"run", kWorld}), 0) << reference.Logs();
 
@@ -98,7 +98,7 @@ TEST_F(Orders, WhoeverIsKilledWhileThePlayerIsPausedItStaysSoAndTheBitsAreTheSam
   EXPECT_EQ(run_.Read("trajectory.tum"), reference.Read("trajectory.tum"));
 }
 
-TEST_F(Orders, ResetBeginsAnEmptyMapThatAKilledMapperGoesOnWith) {
+TEST_F(Orders, ResetMapSurvivesAMapperKill) {
   run_.Start(Arguments());
   ASSERT_TRUE(watcher_.WaitForFrame(30));
   ASSERT_EQ(Order({"reset"}), 0) << said_;
@@ -109,7 +109,7 @@ TEST_F(Orders, ResetBeginsAnEmptyMapThatAKilledMapperGoesOnWith) {
   EXPECT_EQ(SessionsOf(File("new.plmap")), std::set{watcher_.Get().poses.rbegin()->first});
 }
 
-TEST_F(Orders, LoadGoesOnInASavedMapAndWhatIsNoneChangesNothing) {
+TEST_F(Orders, LoadContinuesInASavedMap) {
   WholeRun before;
   ASSERT_EQ(before.Run({"run", kWorld, "--save-map", File("old.plmap").string()}), 0) << before.Logs();
   std::ofstream(File("none.plmap")) << "not a map";
@@ -128,7 +128,7 @@ TEST_F(Orders, LoadGoesOnInASavedMapAndWhatIsNoneChangesNothing) {
   EXPECT_EQ(SessionsOf(File("new.plmap")), expected);
 }
 
-TEST_F(Orders, LocaliseHoldsTheMapStillAndLetsItGrowAgain) {
+TEST_F(Orders, LocaliseOnFreezesTheMapUntilOff) {
   run_.Start(Arguments(kLongWorld));
   ASSERT_TRUE(watcher_.WaitForFrame(15));
   ASSERT_EQ(Order({"localise", "on"}), 0) << said_;
@@ -148,7 +148,7 @@ TEST_F(Orders, LocaliseHoldsTheMapStillAndLetsItGrowAgain) {
   EXPECT_EQ(watcher_.Get().lost_frames, 0);
 }
 
-TEST_F(Orders, ThatNobodyHearsFailInASentence) {
+TEST_F(Orders, OrderWithoutReceiverFails) {
   EXPECT_EQ(Order({"pause"}), 1);
   EXPECT_THAT(said_, HasSubstr("no process 'player' or 'camera' is heard"));
   EXPECT_EQ(Order({"localise", "perhaps"}), 1);

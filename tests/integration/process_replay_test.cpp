@@ -118,7 +118,7 @@ class ProcessReplayTest : public testing::TestWithParam<ReplayedProcess> {
 
 std::unique_ptr<Recording> ProcessReplayTest::lap_;
 
-TEST_P(ProcessReplayTest, SaysTheSameWithoutFaultsAndWithThem) {
+TEST_P(ProcessReplayTest, ReplayWithAndWithoutFaultsIsTheSame) {
   Recording& lap = Lap();
   ASSERT_FALSE(HasFatalFailure());
   const nlohmann::json summary = lap.run().Summary();
@@ -163,7 +163,7 @@ const ReplayedProcess& Mapping() {
   return *std::ranges::find(ReplayedProcesses(), "mapping", &ReplayedProcess::name);
 }
 
-TEST(ProcessReplay, SaysInWordsWhatDiffers) {
+TEST(ProcessReplay, DifferencesAreDescribed) {
   Recording recording;
   recording.Record("synthetic:room?size=376x240&frames=20");
   ASSERT_FALSE(HasFatalFailure());

@@ -114,7 +114,7 @@ class Rebuild : public testing::Test {
   std::thread thread_;
 };
 
-TEST_F(Rebuild, OfMapAndPlacesTakesSeconds) {
+TEST_F(Rebuild, MapAndPlacesAreRebuiltInSeconds) {
   const int n = Keyframes();
   auto mapper = StartMapper();
   Say(0, n);
@@ -150,14 +150,14 @@ TEST_F(Rebuild, OfMapAndPlacesTakesSeconds) {
   std::cout << n << " keyframes: from the history alone the map is rebuilt after " << from_history_s << " s\n";
 }
 
-TEST_F(Rebuild, StateThatIsDamagedIsLeftForTheHistory) {
+TEST_F(Rebuild, DamagedStateFallsBackToTheHistory) {
   std::ofstream(StateFile()) << "not a map";
   const auto mapper = StartMapper();
   Say(0, 3);
   EXPECT_GT(Until("mapping", *mapper, "map.keyframes", 3), 0.0);
   std::ifstream log(run_.folder() / "mapping_process.log");
   const std::string text{std::istreambuf_iterator<char>(log), {}};
-  EXPECT_NE(text.find("all is built anew from the history: " + StateFile()), std::string::npos) << text;
+  EXPECT_NE(text.find("rebuilding the map from the history: " + StateFile()), std::string::npos) << text;
 }
 
 }  // namespace

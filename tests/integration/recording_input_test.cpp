@@ -82,7 +82,7 @@ class McapInput : public RecordingInput {
   }
 };
 
-TEST_F(McapInput, OfTheFormatsOwnWriter) {
+TEST_F(McapInput, FileOfTheReferenceWriter) {
   Write("{}");
   ExpectTheContentOfTheFolder("a.mcap");
   EXPECT_TRUE(OpenDataset(folder().Path("a.mcap"), "")->Notes().empty());
@@ -122,7 +122,7 @@ TEST_F(McapInput, WithoutIndex) {
   }
 }
 
-TEST_F(McapInput, StopsAndTurnsAsTheFolderDoes) {
+TEST_F(McapInput, StopAndBounceAsForAnImageFolder) {
   Write(R"({"writer": {"useMessageIndex": false}, "unsorted": true})");
   ExpectTheTrajectoryOfTheFolder({"--stop", "8", "--bounce"}, "a.mcap", 15);
 }
@@ -165,7 +165,7 @@ class BagInput : public RecordingInput {
   }
 };
 
-TEST_F(BagInput, OfRosOwnWriter) {
+TEST_F(BagInput, FileOfTheRosWriter) {
   for (const char* options : {"none", "bz2 png odometry", "lz4 png unsorted"}) {
     SCOPED_TRACE(options);
     Write(options);
@@ -175,7 +175,7 @@ TEST_F(BagInput, OfRosOwnWriter) {
   ExpectTheTrajectoryOfTheFolder({"--start", "2", "--stop", "10", "--bounce"}, "a.bag", 15);
 }
 
-TEST_F(BagInput, OfARecorderThatWasKilled) {
+TEST_F(BagInput, UnclosedFileAfterAKill) {
   Write("none killed");
   ExpectTheContentOfTheFolder("a.bag");
   const auto notes = OpenDataset(folder().Path("a.bag"), "")->Notes();

@@ -79,7 +79,7 @@ void ExpectSameRun(const WholeRun& expected, const WholeRun& run) {
   EXPECT_TRUE(a.map_bytes == b.map_bytes);
 }
 
-TEST(Relay, OfLcmsJavaPackageCarriesARun) {
+TEST(Relay, LcmJavaRelayCarriesARun) {
   const std::filesystem::path java = FindJava();
   if (java.empty() || !std::filesystem::exists(kJar)) GTEST_SKIP() << "needs java and " << kJar << " (liblcm-java)";
   WholeRun direct, relayed;

@@ -110,14 +110,14 @@ int FreePort() {
   return ntohs(address.sin_port);
 }
 
-TEST(Report, PutsTogetherWhatComesBitByBitAndTellsTheEndFromALostConnection) {
+TEST(Report, PageAssemblesLiveData) {
   if (Find("node").empty()) GTEST_SKIP() << "no node here: the page of reports is not tested";
   const std::string log = testing::TempDir() + "data_test " + std::to_string(getpid());
   NodeScript({"--test", Script("data_test.mjs"), Script("live_test.mjs")}, log).Finish();
   std::filesystem::remove(log);
 }
 
-TEST(Report, IsSeenLiveToldOfTheEndAndReadFromItsFileAfterwards) {
+TEST(Report, LivePageThenReportFile) {
   if (const std::string why = Missing(); !why.empty()) GTEST_SKIP() << why;
   WholeRun run;
   const std::string port = std::to_string(FreePort());

@@ -50,7 +50,7 @@ std::string ReadFile(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-TEST(Resources, FullDiskUnderTheOutputsIsOneSentenceAndNothingHalfWritten) {
+TEST(Resources, FullDiskUnderTheOutputs) {
   const WholeRun run;
   const fs::path disk = run.folder() / "disk", found = run.folder() / "found";
   // The final content of the disk is copied out of the mount namespace.
@@ -86,11 +86,11 @@ void ExpectNoFilm(int kib, int filled_kib) {
   EXPECT_FALSE(run.Read("map.ply").empty());
 }
 
-TEST(Resources, FilmOnAFullDiskIsToldAndAllElseIsWritten) { ExpectNoFilm(64, 64); }
+TEST(Resources, FilmOnAFullDisk) { ExpectNoFilm(64, 64); }
 
-TEST(Resources, FilmThatFillsTheDiskIsToldAndNotHalfThere) { ExpectNoFilm(64, 8); }
+TEST(Resources, FilmThatFillsTheDisk) { ExpectNoFilm(64, 8); }
 // The outputs are on another disk: the sentence itself names the file that cannot be written.
-TEST(Resources, FullDiskUnderTheMapIsTheReasonThatIsTold) {
+TEST(Resources, FullDiskUnderTheMapIsTheReportedReason) {
   const WholeRun run;
   const fs::path disk = run.folder() / "disk", found = run.folder() / "found";
   const auto code = OnASmallDisk(
@@ -105,7 +105,7 @@ TEST(Resources, FullDiskUnderTheMapIsTheReasonThatIsTold) {
   EXPECT_TRUE(fs::is_empty(found));
 }
 
-TEST(Resources, FullDiskUnderTheRecordingEndsTheRunOnceAndSavesTheMap) {
+TEST(Resources, FullDiskUnderTheRecordingSavesTheMap) {
   const WholeRun run;
   const fs::path disk = run.folder() / "disk", found = run.folder() / "found";
   const std::string map = (run.folder() / "room.plmap").string();
@@ -139,7 +139,7 @@ TEST(Resources, FullDiskUnderTheHistoryEndsNothing) {
   EXPECT_EQ(run.Summary()["tracked_frames"], 40);
 }
 
-TEST(Resources, FoldersThatCannotBeWrittenAreNamed) {
+TEST(Resources, UnwritableFoldersAreNamed) {
   WholeRun history, out;
   EXPECT_EQ(history.Run({"run", kWorld, "--set", "bus.history_dir=/proc/nowhere"}), 1);
   EXPECT_THAT(history.Logs(), HasSubstr("bus.history_dir: /proc/nowhere is no folder that can be written to"));
@@ -178,7 +178,7 @@ TEST(Resources, InterruptBeforeAllAreReady) {
   EXPECT_EQ(run.Summary()["frames"], 0);
 }
 
-TEST(Resources, InterruptWhileTheLastKeyframesAreSettled) {
+TEST(Resources, InterruptAfterTheLastFrame) {
   WholeRun run;
   const RunWatcher watcher;
   run.Start({"run", kWorld, "--url", watcher.url()});
@@ -189,7 +189,7 @@ TEST(Resources, InterruptWhileTheLastKeyframesAreSettled) {
   EXPECT_THAT(HalfWritten(run.out()), testing::IsEmpty());
 }
 
-TEST(Resources, TwoOfOneNameOnOneBusAreTold) {
+TEST(Resources, TwoProcessesOfOneNameAreReported) {
   const WholeRun folder;
   const RunWatcher watcher;
   const auto start = [&](const char* log) {

@@ -113,7 +113,7 @@ std::vector<tracks_t> TracksOf(const std::string& log) {
   return tracks;
 }
 
-TEST(Run, MoreFeaturesThanAMessageHasRoomForAreTrackedAllTheSame) {
+TEST(Run, MoreFeaturesThanFitAMessage) {
   WholeRun run;
   ASSERT_EQ(run.Run({"run", "synthetic:room?frames=4&noise=30", "--set", "vo.features.orb.max_points=6000", "--set",
                      "vo.features.orb.fast_threshold=2", "--set", "vo.features.orb.min_fast_threshold=2", "--record",
@@ -128,7 +128,7 @@ TEST(Run, MoreFeaturesThanAMessageHasRoomForAreTrackedAllTheSame) {
   EXPECT_LT(tracks.back().getEncodedSize(), 60000);
 }
 
-TEST(Run, MaskedPartHasNoFeatureAlsoInTheReplayAndTheMapIsOfTheSameCamera) {
+TEST(Run, MaskedPartHasNoFeaturesInRunAndReplay) {
   constexpr int kMaskedFrom = 170;
   WholeRun run, again, unmasked;
   cv::Mat mask(240, 376, CV_8UC1, cv::Scalar(255));
@@ -196,7 +196,7 @@ TEST(Run, FivePercentLossIsRepaired) {
   EXPECT_TRUE(whole.Read("map.ply") == lossy.Read("map.ply"));
 }
 
-TEST(Run, RelayInPlaceOfMulticast) {
+TEST(Run, RelayInsteadOfMulticast) {
   WholeRun relay, run;
   relay.Start({"relay", "--port", "0"});
   const auto address = [&] {
@@ -233,7 +233,7 @@ nlohmann::json WarningsOfReport(const WholeRun& run) {
   return nlohmann::json::parse(page.substr(at, page.find("</script>", at) - at));
 }
 
-TEST(Run, OneThatSawLittleIsNotToldLikeAGoodOne) {
+TEST(Run, RunWithFewTrackedFramesGivesWarnings) {
   WholeRun run;
   const std::filesystem::path images = run.folder() / "images";
   WriteImages(images, 27);
@@ -269,7 +269,7 @@ TEST(Run, ReportHasTheWarningsOfTheSummary) {
       << "the viewer knows it, too";
 }
 
-TEST(Run, ExchangedImagesAreTold) {
+TEST(Run, ExchangedImagesAreReported) {
   WholeRun run;
   const std::filesystem::path images = run.folder() / "images";
   WriteImages(images, 0);

@@ -75,7 +75,7 @@ std::vector<double> Gaps_s(const Heard& heard, int64_t from, int64_t to) {
 
 class SlowStage : public testing::TestWithParam<std::pair<const char*, const char*>> {};
 
-TEST_P(SlowStage, DoesNotHoldUpThePosesOfALiveStream) {
+TEST_P(SlowStage, DoesNotDelayLivePoses) {
   const char* const name = GetParam().first;
   const char* const executable = GetParam().second;
   if (name != std::string("mapping")) {
@@ -112,7 +112,7 @@ INSTANTIATE_TEST_SUITE_P(Stages, SlowStage,
                          testing::Values(std::pair("mapping", "mapping_process"), std::pair("loop", "loop_process")),
                          [](const auto& stage) { return std::string(stage.param.first); });
 
-TEST(SlowTracker, SkipsFramesAndSaysSoWhileNothingGrows) {
+TEST(SlowTracker, SkipsAndReportsFramesWithoutGrowth) {
   // More frames than can be tracked in a tenth of the time, however fast the machine is.
   const int frames = test::LongTests() ? 1600 : 160;
   RunWatcher watcher;
@@ -137,7 +137,7 @@ TEST(SlowTracker, SkipsFramesAndSaysSoWhileNothingGrows) {
 /// not need is missing.
 class Missing : public testing::TestWithParam<std::pair<const char*, const char*>> {};
 
-TEST_P(Missing, OneThatIsKilledAndNotRestartedLeavesThePosesGoing) {
+TEST_P(Missing, PosesContinueWithoutAKilledProcess) {
   const char* const name = GetParam().first;
   const char* const executable = GetParam().second;
   const int frames = 40;

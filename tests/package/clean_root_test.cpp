@@ -14,7 +14,7 @@ using CleanRoot = InstalledTree;
 
 /// Everything that the programs need is in the package or its dependencies: the root has no files of a developer's
 /// machine.
-TEST_F(CleanRoot, HasAllThatIsNeededOnceAptHasInstalledThePackage) {
+TEST_F(CleanRoot, PackageInstallsAndRuns) {
   if (geteuid() != 0) GTEST_SKIP() << "a root of its own can be made by root only";
   for (const char* program : {"mmdebstrap", "unshare", "chroot", "dpkg-shlibdeps", "strip"}) {
     if (!Has(program)) GTEST_SKIP() << "no " << program << " here";

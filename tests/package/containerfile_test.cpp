@@ -21,7 +21,7 @@ class Containerfile : public InstalledTree {
   }
 };
 
-TEST_F(Containerfile, IsUnderstood) {
+TEST_F(Containerfile, IsParsed) {
   EXPECT_EQ(Play("--check"), 0) << output();
   EXPECT_THAT(output(), HasSubstr("containerfile: 2 stages"));
 }

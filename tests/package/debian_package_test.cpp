@@ -11,7 +11,7 @@ namespace {
 using testing::HasSubstr;
 using DebianPackage = InstalledTree;
 
-TEST_F(DebianPackage, KnowsWhatItNeedsAndRunsFromAnUnpackedRoot) {
+TEST_F(DebianPackage, DependenciesAndRunFromAnUnpackedRoot) {
   for (const char* program : {"dpkg-deb", "dpkg-shlibdeps", "strip"}) {
     if (!Has(program)) GTEST_SKIP() << "no " << program << " here";
   }

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 using Installation = InstalledTree;
 
-TEST_F(Installation, RunsFromWhereverItIsMovedTo) {
+TEST_F(Installation, RunsAfterBeingMoved) {
   Install("runtime");
   fs::rename(prefix(), folder() / "moved away");
   ExpectThatItRuns(folder() / "moved away" / "bin");
@@ -27,7 +27,7 @@ TEST_F(Installation, RunsFromWhereverItIsMovedTo) {
   }
 }
 
-TEST_F(Installation, UnitsAreWhatSystemdTakes) {
+TEST_F(Installation, SystemdAcceptsTheUnits) {
   Install("runtime");
   const fs::path units = prefix() / "share" / "plslam" / "systemd";
   int services = 0;
@@ -52,7 +52,7 @@ TEST_F(Installation, UnitsAreWhatSystemdTakes) {
   EXPECT_EQ(output(), "");
 }
 
-TEST_F(Installation, AProgramOfSomebodyElseUsesCore) {
+TEST_F(Installation, ExternalProgramUsesCore) {
   Install("dev");
   const std::string source = (SourceFolder() / "tests" / "package" / "consumer").string();
   ASSERT_EQ(Shell(fmt::format(

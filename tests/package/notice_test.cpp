@@ -110,7 +110,7 @@ TEST_F(Notice, StatesTheLicencesThatDebianStates) {
   EXPECT_GT(compared, 10);
 }
 
-TEST_F(Notice, ComesWithTheInstallation) {
+TEST_F(Notice, IsInstalled) {
   Install("runtime");
   for (const char* file : {"LICENSE", "NOTICE", "CITATION.cff", "copyright"}) {
     EXPECT_TRUE(fs::exists(prefix() / "share/doc/plslam" / file)) << file;

@@ -10,7 +10,7 @@ namespace plslam::test {
 namespace {
 
 // A flight through one room with up to 7 s between frames, which passes most places several times.
-TEST(Revisits, OfARealRoomAreClosed) {
+TEST(Revisits, RevisitsOfARealRoomAreClosed) {
   PLSLAM_REQUIRE_DATA(folder, "euroc_V1_01_sparse");
   const auto dataset = OpenDataset(folder.string(), "");
   const LoopRun run = RunLoops(*dataset, loop::LoadPlaces({}, {}), {});

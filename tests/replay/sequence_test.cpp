@@ -28,7 +28,7 @@ void PrintTo(const Sequence& sequence, std::ostream* out) { *out << sequence.fol
 
 class Replay : public testing::TestWithParam<Sequence> {};
 
-TEST_P(Replay, StaysOnItsWay) {
+TEST_P(Replay, StaysOnThePath) {
   const Sequence& sequence = GetParam();
   PLSLAM_REQUIRE_DATA(folder, sequence.folder);
   const auto dataset = OpenDataset(folder.string(), "");

@@ -159,7 +159,7 @@ void Run::TakeKeyframe(Keyframe keyframe) {
   if (!loop.more) return;
   const double t4 = NowMs();
   const LoopClosure adjusted =
-      loop::AdjustWholeMap(closer_.WholeMap(mapper_.map(), loop), closer_.options().adjustment, nullptr);
+      loop::AdjustGlobally(closer_.MakeGlobalBundle(mapper_.map(), loop), closer_.options().adjustment, nullptr);
   run_.adjust_ms.push_back(NowMs() - t4);
   Correct(adjusted);
   run_.ate_adjusted_m.push_back(Ate());

@@ -43,7 +43,7 @@ TEST(PasteBodies, RightPictureIsShiftedByTheDisparity) {
   }
 }
 
-TEST(PasteBodies, OutlineIsWhereTheCornersProject) {
+TEST(PasteBodies, OutlineMatchesTheProjectedCorners) {
   const Body body = MakeBox({2.0, 1.0, 1.0}, {PaintVehicle(2)});
   const SE3 T_b_c(Eigen::Quaterniond::Identity(), {0.2, 0.1, -6.0});
   const BodyPicture picture = PictureOfBody(body, kCamera, T_b_c);
@@ -53,7 +53,7 @@ TEST(PasteBodies, OutlineIsWhereTheCornersProject) {
   EXPECT_EQ(picture.coverage.at<float>(0, 0), 0.0F);
 }
 
-TEST(PasteBodies, EveryKindComesIntoViewAndCoversItsShare) {
+TEST(PasteBodies, EveryKindEntersTheViewAndCoversItsShare) {
   const std::vector<SE3> path = Straight(60);
   for (const std::string& kind : BodyKindNames()) {
     const MovingBox box = MoveBody({kind, 0.5, 0.0, 3}, kCamera, path);

@@ -157,7 +157,7 @@ Findings CheckUdpPort(const BusAddress& address) {
 
 /// Exchanges the greeting of LCM's tcpq protocol; returns false if the other side is no LCM relay, or is silent for a
 /// second.
-bool Greets(int fd) {
+bool AnswersHello(int fd) {
   static constexpr std::array<uint8_t, 8> kHello = {0x28, 0x76, 0x17, 0xfb, 0, 0, 0x01, 0};
   static constexpr std::array<uint8_t, 4> kAnswer = {0x28, 0x76, 0x17, 0xfa};
   if (send(fd, kHello.data(), kHello.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(kHello.size())) return false;
@@ -187,7 +187,8 @@ std::string WhyNoRelay(const BusAddress& address) {
     return fmt::format("nothing answers at {}:{}: {}", address.host, address.port,
                        std::strerror(why == EINPROGRESS ? ETIMEDOUT : why));
   }
-  if (!Greets(socket.fd())) return fmt::format("what answers at {}:{} is no LCM relay", address.host, address.port);
+  if (!AnswersHello(socket.fd()))
+    return fmt::format("what answers at {}:{} is no LCM relay", address.host, address.port);
   return "";
 }
 

@@ -63,10 +63,10 @@ Json AlignmentJson(const Accuracy& a) {
 }
 
 /// A JSON file would have null for them anyway; the object in memory must be equal to it.
-void NullWhatIsNotFinite(Json& json) {
+void ReplaceNonFiniteByNull(Json& json) {
   if (json.is_number_float() && !std::isfinite(json.get<double>())) json = nullptr;
   if (json.is_structured()) {
-    for (Json& member : json) NullWhatIsNotFinite(member);
+    for (Json& member : json) ReplaceNonFiniteByNull(member);
   }
 }
 
@@ -157,7 +157,7 @@ nlohmann::ordered_json ToJson(const Accuracy& a) {
     json["clock"] = {{"offset_s", a.clock->offset_s}, {"ate_m", a.clock->ate_m}, {"ate_now_m", a.clock->ate_now_m}};
   }
   if (!a.note.empty()) json["note"] = a.note;
-  NullWhatIsNotFinite(json);
+  ReplaceNonFiniteByNull(json);
   return json;
 }
 

@@ -40,18 +40,18 @@ struct OngoingExport {
 
   const Map& map() const { return source.map->map; }
   std::string Path(const std::string& name) const { return out + "/" + name; }
-  void Told(const std::string& name, const std::string& what) { files.push_back({Path(name), what}); }
+  void AddFile(const std::string& name, const std::string& what) { files.push_back({Path(name), what}); }
 };
 
 void ExportPly(OngoingExport& e) {
   WriteFileAtomically(e.Path("map.ply"), MapPly(e.map()));
-  e.Told("map.ply", fmt::format("{} points, {} lines", e.map().points().size(), e.map().lines().size()));
+  e.AddFile("map.ply", fmt::format("{} points, {} lines", e.map().points().size(), e.map().lines().size()));
 }
 
 void ExportObj(OngoingExport& e) {
   WriteFileAtomically(e.Path("map.obj"), MapObj(e.map()));
-  e.Told("map.obj", fmt::format("{} points, {} lines, the way of {} keyframes", e.map().points().size(),
-                                e.map().lines().size(), e.map().keyframes().size()));
+  e.AddFile("map.obj", fmt::format("{} points, {} lines, the way of {} keyframes", e.map().points().size(),
+                                   e.map().lines().size(), e.map().keyframes().size()));
 }
 
 std::string ModelText(const ColmapModel& model) {
@@ -76,26 +76,26 @@ void ExportImages(OngoingExport& e) {
     WritePng(folder + "/" + names.at(id), *image);
     ++n;
   }
-  e.Told("colmap/images", fmt::format("{} of {} rectified images of keyframes", n, names.size()));
+  e.AddFile("colmap/images", fmt::format("{} of {} rectified images of keyframes", n, names.size()));
 }
 
 void ExportColmap(OngoingExport& e) {
   const ColmapModel& model = ModelOf(e);
   WriteColmapBinary(e.Path("colmap/sparse"), model);
-  e.Told("colmap/sparse", ModelText(model));
+  e.AddFile("colmap/sparse", ModelText(model));
   if (e.images) ExportImages(e);
 }
 
 void ExportColmapText(OngoingExport& e) {
   const ColmapModel& model = ModelOf(e);
   WriteColmapText(e.Path("colmap/text"), model);
-  e.Told("colmap/text", ModelText(model));
+  e.AddFile("colmap/text", ModelText(model));
 }
 
 void ExportG2o(OngoingExport& e) {
   const pose_graph::G2oGraph<SE3> graph = pose_graph::G2oOf(e.map());
   pose_graph::WriteG2o(e.Path("pose_graph.g2o"), graph);
-  e.Told("pose_graph.g2o", fmt::format("{} poses, {} edges", graph.graph.poses.size(), graph.graph.edges.size()));
+  e.AddFile("pose_graph.g2o", fmt::format("{} poses, {} edges", graph.graph.poses.size(), graph.graph.edges.size()));
 }
 
 void WriteTimes(const std::string& path, const Trajectory& trajectory) {
@@ -110,10 +110,10 @@ void WritePoses(const std::string& name, TrajectoryFormat format, const Trajecto
                                    : format == TrajectoryFormat::kKitti ? ".kitti"
                                                                         : ".euroc");
   WriteTrajectory(e.Path(file), format, trajectory);
-  e.Told(file, fmt::format("{} {}", trajectory.size(), what));
+  e.AddFile(file, fmt::format("{} {}", trajectory.size(), what));
   if (format != TrajectoryFormat::kKitti) return;
   WriteTimes(e.Path(name + "_times.txt"), trajectory);
-  e.Told(name + "_times.txt", "the times of that, in seconds");
+  e.AddFile(name + "_times.txt", "the times of that, in seconds");
 }
 
 void ExportPoses(TrajectoryFormat format, OngoingExport& e) {
@@ -128,10 +128,10 @@ void ExportPoses(TrajectoryFormat format, OngoingExport& e) {
 
 void ExportAsMcap(OngoingExport& e) {
   const McapContent content = ExportMcap(e.source, e.dataset.get(), e.Path("run.mcap"));
-  e.Told("run.mcap",
-         fmt::format("{} frames, {} images{}", content.frames, content.images, content.has_map ? ", the map" : ""));
+  e.AddFile("run.mcap", fmt::format("{} frames, {} images{}", content.frames, content.images,
+                                    content.has_map ? ", the map" : ""));
   WriteFileAtomically(e.Path("foxglove_layout.json"), FoxgloveLayout());
-  e.Told("foxglove_layout.json", "what Foxglove and Lichtblick show of it: Layouts, Import from file");
+  e.AddFile("foxglove_layout.json", "what Foxglove and Lichtblick show of it: Layouts, Import from file");
 }
 
 struct Writer {
@@ -193,7 +193,7 @@ viewer::LoggedRun ReadLog(const std::string& log, OngoingExport& e) {
 /// The run of a log as a folder like that of any run.
 void WriteLog(const viewer::LoggedRun& run, OngoingExport& e) {
   viewer::WriteLoggedRun(run, e.Path("run"));
-  e.Told("run", "trajectories and tables of the log" + (run.lack.empty() ? "" : fmt::format(" ({})", run.lack)));
+  e.AddFile("run", "trajectories and tables of the log" + (run.lack.empty() ? "" : fmt::format(" ({})", run.lack)));
   RunSource written = ReadRunSource(e.Path("run"));
   e.source.folder = std::move(written.folder);
   e.source.frames = std::move(written.frames);

@@ -118,13 +118,13 @@ int GiveOrder(const OrderRow& row, const std::string& argument, const bus::Proce
     return 0;
   }
   std::string failure = fmt::format("no answer has come for {} s", kAnswerLimit.count());
-  if (!order.heard()) failure = NobodyHeard(row.processes, bus_options, kHearLimit);
+  if (!order.heard()) failure = NoAnswerText(row.processes, bus_options, kHearLimit);
   if (order.answer()) failure = *order.answer();
   bus::PrintError(fmt::format("plslam: error: {} {}: {}", row.verb, argument, failure));
   return 1;
 }
 
-const OrderRow kSaveRow{command_verb::kSave, {process_name::kMapping}, "the map is in {}"};
+const OrderRow kSaveRow{command_verb::kSave, {process_name::kMapping}, "the map is saved in {}"};
 const OrderRow kLoadRow{command_verb::kLoad, {process_name::kMapping}, "the map is that of {}"};
 const OrderRow kResetRow{command_verb::kReset, {process_name::kMapping}, "a new map has begun"};
 const OrderRow kLocaliseRow{command_verb::kLocalise, {process_name::kMapping}, "localising only is {}"};

@@ -56,7 +56,7 @@ void ProgressLine::Clear() {
   drawn_ = false;
 }
 
-void ProgressLine::Say(const std::string& sentence) {
+void ProgressLine::PrintSentence(const std::string& sentence) {
   Clear();
   std::fputs(fmt::format("plslam: {}\n", sentence).c_str(), stderr);
 }

@@ -37,7 +37,7 @@ class ProgressLine {
   void Show(const Progress& progress);
   void Clear();
   /// "plslam: SENTENCE" on a separate line, which remains; on a terminal or not.
-  void Say(const std::string& sentence);
+  void PrintSentence(const std::string& sentence);
 
  private:
   bool enabled_;

@@ -110,7 +110,7 @@ void ReadConfiguration(RunOptions* options) {
   }
 }
 
-void CheckMapToGoOnFrom(const RunOptions& options) {
+void CheckMapToContinue(const RunOptions& options) {
   if (options.map.empty()) return;
   MapCamera(ReadMapFile(options.map.string()), options.map.string());
 }

@@ -16,7 +16,7 @@ void CheckFilesToWrite(const RunOptions& options);
 void ReadConfiguration(RunOptions* options);
 
 /// Checks that the map to continue is a complete map file. Throws std::runtime_error with one sentence.
-void CheckMapToGoOnFrom(const RunOptions& options);
+void CheckMapToContinue(const RunOptions& options);
 
 /// Checks that the program for a run from cameras is installed, and that no option of datasets is given. Throws
 /// std::runtime_error with one sentence.

@@ -119,13 +119,14 @@ int Run(RunOptions options) {
   ReadConfiguration(&options);
   options.dataset = WithTopics(options.dataset, options.kind, options.topics);
   if (options.out.empty()) options.out = DefaultOut(options.dataset);
-  CheckMapToGoOnFrom(options);
+  CheckMapToContinue(options);
   OutputFolder folder(options.out);
   CheckFilesToWrite(options);
   signal(SIGPIPE, SIG_IGN);
   SessionDoor door;
   // Before anything that starts threads, which must inherit the blocked signals.
   const bus::SignalWatcher signals([&](const std::string&) { door.Interrupt(); }, 0, [&] { door.KillAll(); });
+  options.own_bus = options.url.empty();
   const RunBus run_bus(options.url);
   options.url = run_bus.url();
   bus::Bus bus(run_bus.OptionsFor(options), "plslam");
@@ -163,10 +164,10 @@ void AddOptions(CLI::App* sub, RunOptions* o) {
       ->allow_extra_args(false);
   sub->add_option("--start", o->start, "first frame")->check(CLI::NonNegativeNumber);
   sub->add_option("--stop", o->stop, "frame before which to end")->check(CLI::NonNegativeNumber);
-  sub->add_option("--stride", o->stride, "every so many-th frame")->check(CLI::PositiveNumber);
+  sub->add_option("--stride", o->stride, "play every n-th frame")->check(CLI::PositiveNumber);
   sub->add_option("--loop", o->loop, "times to play it")->check(CLI::PositiveNumber);
   sub->add_flag("--bounce", o->bounce, "play it forth and back each time");
-  sub->add_flag("--skip-bad", o->skip_bad, "pass over frames that cannot be read, and count them");
+  sub->add_flag("--skip-bad", o->skip_bad, "skip unreadable frames, and count them");
   sub->add_option("--overlay-every", o->overlay_every, "a picture of the tracked features every N frames; 0: none")
       ->check(CLI::NonNegativeNumber);
   sub->add_option("--serve", o->serve, "show the run as it goes on http://127.0.0.1:PORT/ (this machine alone)")

@@ -63,7 +63,7 @@ Supervisor::Options RunSession::SupervisorOptions() {
   options.last_word = [this](pid_t pid) { return monitor_.FailureOf(pid); };
   options.on_exit = [this](pid_t pid) { keeper_.OnExit(pid); };
   options.on_restart = [this](const std::string& name, const std::string& how, int restart) {
-    TellOfRestart(name, how, restart);
+    ReportRestart(name, how, restart);
   };
   return options;
 }
@@ -90,7 +90,7 @@ void RunSession::Interrupt() {
     if (phase_ == Phase::kStopping) return;
     interrupted_ = true;
     const bool saves = lacks_map_ && HasMap();
-    TellOfStop(saves ? fmt::format("stopping, and saving the map as {}", options_.save_map.string()) : "stopping");
+    ReportStop(saves ? fmt::format("stopping, and saving the map as {}", options_.save_map.string()) : "stopping");
     if (phase_ == Phase::kStarting) return BeginStop(lacks_map_ ? LackOfMap() : "interrupted");
     if (phase_ != Phase::kPlaying) return;
     supervisor_.Interrupt(SourceOfFrames(options_));
@@ -120,7 +120,7 @@ void RunSession::StartRows(bool last) {
 
 void RunSession::Tick() {
   const auto now = Clock::now();
-  TellReadiness(now);
+  ReportReadiness(now);
   supervisor_.Tick(now);
   if (phase_ != Phase::kStopping && !supervisor_.failed().empty()) CheckFailed(now);
   if (!accepted_) CheckAccepted();
@@ -132,7 +132,7 @@ void RunSession::Tick() {
   ShowProgress(now);
 }
 
-void RunSession::TellReadiness(Clock::time_point now) {
+void RunSession::ReportReadiness(Clock::time_point now) {
   for (const ProcessReport& report : supervisor_.reports()) {
     const std::string state = monitor_.StateOf(supervisor_.pid(report.name));
     if (state == process_state::kReady || state == process_state::kRunning) supervisor_.SetReady(report.name, now);
@@ -168,8 +168,8 @@ void RunSession::CheckFailed(Clock::time_point now) {
   if (!failed_at_) failed_at_ = now;
   if (!accepted_ || phase_ == Phase::kStarting) return BeginStop("");
   // A player that cannot read an image ends the stream there: earlier frames are handled as always.
-  const bool goes_on = monitor_.stream_ended() || now - *failed_at_ < kDrainLimit;
-  if (supervisor_.failed() == SourceOfFrames(options_) && monitor_.statistics().frames().answered() > 0 && goes_on)
+  const bool may_drain = monitor_.stream_ended() || now - *failed_at_ < kDrainLimit;
+  if (supervisor_.failed() == SourceOfFrames(options_) && monitor_.statistics().frames().answered() > 0 && may_drain)
     return;
   if (!lacks_map_ || supervisor_.failed() == process_name::kMapping) return BeginStop("");
   if (phase_ == Phase::kSaving) return;
@@ -263,15 +263,15 @@ void RunSession::CheckSaved(Clock::time_point now) {
 }
 
 /// A warning: also of a run that is to be quiet.
-void RunSession::TellOfRestart(const std::string& name, const std::string& how, int restart) {
+void RunSession::ReportRestart(const std::string& name, const std::string& how, int restart) {
   const auto rows = ProcessTable();
   const auto row = std::ranges::find(rows, name, &ProcessRow::name);
-  progress_line_.Say(fmt::format("warning: {} {} and is started again ({} of {})", TitleOf(*row), how, restart,
-                                 options_.max_restarts));
+  progress_line_.PrintSentence(fmt::format("warning: {} {} and is started again ({} of {})", TitleOf(*row), how,
+                                           restart, options_.max_restarts));
 }
 
-void RunSession::TellOfStop(const std::string& what) {
-  if (!options_.quiet) progress_line_.Say(what + " (Ctrl-C again ends at once)");
+void RunSession::ReportStop(const std::string& what) {
+  if (!options_.quiet) progress_line_.PrintSentence(what + " (Ctrl-C again ends at once)");
 }
 
 void RunSession::BeginStop(const std::string& reason) {
@@ -314,6 +314,7 @@ RunSummary RunSession::Summary() const {
   summary.wall_s = wall_s_;
   summary.frames = monitor_.frames();
   summary.counters = monitor_.counters();
+  summary.warnings = monitor_.warnings();
   summary.statistics = &monitor_.statistics();
   summary.map = &monitor_.map();
   summary.loops = &monitor_.loops();

@@ -52,7 +52,7 @@ class RunSession {
   void RemoveStates() const;
   void StartRows(bool last);
   void Tick();
-  void TellReadiness(Clock::time_point now);
+  void ReportReadiness(Clock::time_point now);
   /// All processes but that of this name.
   bool AllReadyBut(const std::string& name) const;
   bool HearsSharedMap() const;
@@ -70,8 +70,8 @@ class RunSession {
   std::string LackOfMap() const;
   bool MapperHasMap() const;
   bool HasResult() const { return completed_ || (interrupted_ && !lacks_map_); }
-  void TellOfRestart(const std::string& name, const std::string& how, int restart);
-  void TellOfStop(const std::string& what);
+  void ReportRestart(const std::string& name, const std::string& how, int restart);
+  void ReportStop(const std::string& what);
   void BeginStop(const std::string& reason);
   void EndStop();
   void ShowProgress(Clock::time_point now);

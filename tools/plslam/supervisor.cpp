@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <fstream>
 
+#include "core/process/process_arguments.h"
 #include "core/process/process_signals.h"
 
 namespace plslam::launcher {
@@ -73,10 +74,10 @@ void Supervisor::Tick(TimePoint now) {
     }
   }
   if (!stopping_since_) return;
-  for (Child& child : children_) HurryUp(&child, now);
+  for (Child& child : children_) ShortenDeadline(&child, now);
 }
 
-void Supervisor::HurryUp(Child* child, TimePoint now) const {
+void Supervisor::ShortenDeadline(Child* child, TimePoint now) const {
   const auto waited = now - *stopping_since_;
   const bool writes = child->ending == Ending::kWritesAtTheEnd;
   const auto patience = writes ? options_.patience_with_writers : options_.patience;
@@ -88,11 +89,12 @@ void Supervisor::HurryUp(Child* child, TimePoint now) const {
 /// A player would report the same error of its dataset again, and a recorder its full disk.
 bool Supervisor::MayRestart(const Child& child, const ChildExit& end) const {
   const bool crashed = end.signal != 0 || (child.ending == Ending::kRestart && child.ready);
-  return !stopping_since_ && crashed && child.report.restarts < options_.max_restarts;
+  const bool has_namesake = end.signal == 0 && end.code == bus::kExitCodeOfNamesake;
+  return !stopping_since_ && crashed && !has_namesake && child.report.restarts < options_.max_restarts;
 }
 
 /// Returns whether it ended as intended, or by our own signal.
-bool Supervisor::IsWell(const Child& child, const ChildExit& end) const {
+bool Supervisor::ExitedNormally(const Child& child, const ChildExit& end) const {
   if (child.interrupted) return true;
   if (!stopping_since_) return child.ending == Ending::kMayEnd && end.code == 0;
   // A killed process has not written its results, unless it had not even begun. Other processes have nothing left to
@@ -114,12 +116,12 @@ void Supervisor::HandleExit(Child* child, const ChildExit& end, TimePoint now) {
   child->report.peak_memory_mb = std::max(child->report.peak_memory_mb, end.peak_memory_mb);
   child->report.exit_code = end.code;
   child->report.exit_signal = end.signal;
-  if (IsWell(*child, end)) return;
+  if (ExitedNormally(*child, end)) return;
   if (MayRestart(*child, end)) {
     child->start_at = now + options_.first_pause * (1 << std::min(child->failed_starts, 10));
     ++child->failed_starts;
     if (options_.on_restart) {
-      options_.on_restart(child->name, HowItEnded(end), child->report.restarts + 1);
+      options_.on_restart(child->name, ExitText(end), child->report.restarts + 1);
     }
     return;
   }
@@ -132,7 +134,7 @@ void Supervisor::Fail(const Child& child, pid_t pid) {
   const int signal = child.report.exit_signal;
   const std::string how = signal != 0 && signal == child.signal
                               ? fmt::format("was cut off ({}) while it stopped", bus::SignalName(signal))
-                              : HowItEnded({.code = child.report.exit_code.value_or(0), .signal = signal});
+                              : ExitText({.code = child.report.exit_code.value_or(0), .signal = signal});
   failure_ = child.name + " " + how;
   failed_ = child.name;
   failed_pid_ = pid;
@@ -200,7 +202,7 @@ int Supervisor::restarts() const {
   return sum;
 }
 
-std::string HowItEnded(const ChildExit& end) {
+std::string ExitText(const ChildExit& end) {
   return end.signal != 0 ? "was ended by " + bus::SignalName(end.signal)
                          : fmt::format("ended with exit code {}", end.code);
 }

@@ -116,10 +116,10 @@ class Supervisor {
   void Spawn(Child* child);
   bool MayRestart(const Child& child, const ChildExit& end) const;
   void HandleExit(Child* child, const ChildExit& end, TimePoint now);
-  bool IsWell(const Child& child, const ChildExit& end) const;
+  bool ExitedNormally(const Child& child, const ChildExit& end) const;
   void Fail(const Child& child, pid_t pid);
   static void Order(Child* child);
-  void HurryUp(Child* child, TimePoint now) const;
+  void ShortenDeadline(Child* child, TimePoint now) const;
   std::filesystem::path LogOf(const std::string& name) const { return options_.logs / (name + ".log"); }
 
   Options options_;
@@ -133,7 +133,7 @@ class Supervisor {
 };
 
 /// "was ended by SIGKILL" or "ended with exit code 1".
-std::string HowItEnded(const ChildExit& end);
+std::string ExitText(const ChildExit& end);
 
 /// Returns the last line of a text file that is not empty; an empty string if there is none.
 std::string LastLine(const std::filesystem::path& file);

@@ -113,7 +113,7 @@ class Reader {
 
   bool empty() const { return poses_.empty() && edges_.empty(); }
   bool has_edges() const { return !edges_.empty(); }
-  bool Knows(int64_t id) const { return poses_.contains(id); }
+  bool Contains(int64_t id) const { return poses_.contains(id); }
 
   /// Returns false if the tag is not of this type.
   bool Take(const TextRow& row) {
@@ -192,7 +192,7 @@ class FileReader {
   G2oFile File(const std::string& path) && {
     if (!space_.has_edges() && !plane_.has_edges()) throw std::runtime_error(path + ": has no edge");
     for (const auto& [id, line] : fixed_lines_) {
-      if (space_.Knows(id) || plane_.Knows(id)) continue;
+      if (space_.Contains(id) || plane_.Contains(id)) continue;
       throw std::runtime_error(fmt::format("{}:{}: FIX names vertex {}, which no other line has", path, line, id));
     }
     std::set<int64_t> fixed;

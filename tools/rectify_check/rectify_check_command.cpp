@@ -171,7 +171,7 @@ void AddRectifyCheckCommand(CLI::App* app, std::function<int()>* command) {
       ->expected(2);
   sub->add_option("--mask-left", options->mask_left, "image as player.mask_left: black (0) is left out, and shaded")
       ->type_name("FILE");
-  sub->add_option("--mask-right", options->mask_right, "the same of the right camera")->type_name("FILE");
+  sub->add_option("--mask-right", options->mask_right, "mask of the right camera, likewise")->type_name("FILE");
   sub->add_option("--out", options->out, "picture to write (PNG)")->type_name("FILE")->capture_default_str();
   sub->add_option("--frame", options->frame, "frame of the picture [the middle one]")->check(CLI::NonNegativeNumber);
   sub->add_option("--frames", options->frames, "frames that are measured, evenly spread")

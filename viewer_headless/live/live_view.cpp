@@ -60,7 +60,7 @@ HttpResponse LiveView::WaitForEnd() {
   changed_.wait_for(lock, kLongestWaitForEnd, [this] { return finished_ || closing_; });
   --n_waiting_;
   if (!finished_) return {200, "live\n"};
-  ++n_told_;
+  ++n_notified_;
   return {200, "finished\n"};
 }
 
@@ -93,16 +93,16 @@ void LiveView::SetFinished(bool finished) {
   {
     const std::scoped_lock lock(mutex_);
     if (std::exchange(finished_, finished) == finished) return;
-    n_told_ = n_last_data_ = 0;
+    n_notified_ = n_last_data_ = 0;
   }
   changed_.notify_all();
 }
 
-void LiveView::AnswerTheLast(const std::function<std::string(const ReportSince&)>& json) {
+void LiveView::SendFinalData(const std::function<std::string(const ReportSince&)>& json) {
   const auto until = std::chrono::steady_clock::now() + kLastAnswers;
   std::unique_lock lock(mutex_);
   // The pages that wait for the end are notified within a moment.
-  while (finished_ && std::chrono::steady_clock::now() < until && (n_waiting_ > 0 || n_last_data_ < n_told_)) {
+  while (finished_ && std::chrono::steady_clock::now() < until && (n_waiting_ > 0 || n_last_data_ < n_notified_)) {
     lock.unlock();
     Answer(json);
     lock.lock();

@@ -35,7 +35,7 @@ class LiveView {
   /// Sets whether the run has ended, or another one has begun.
   void SetFinished(bool finished);
   /// Continues to answer until each page that was notified of the end has received its last data, for 2 s at most.
-  void AnswerTheLast(const std::function<std::string(const ReportSince&)>& json);
+  void SendFinalData(const std::function<std::string(const ReportSince&)>& json);
 
  private:
   struct Question {
@@ -57,7 +57,7 @@ class LiveView {
   bool closing_ = false;
   int64_t n_waiting_ = 0;  ///< pages that wait for the end
   /// Counts since the end of the run: pages that were notified of it, and data that were sent.
-  int64_t n_told_ = 0;
+  int64_t n_notified_ = 0;
   int64_t n_last_data_ = 0;
   // Declared last, so destroyed first: its threads use all of the above.
   std::optional<HttpServer> server_;

@@ -36,7 +36,7 @@ PictureNode::PictureNode(bus::Bus& bus, const ViewerOptions& options, Sources so
       rejected_(std::move(rejected)),
       came_(std::move(came)),
       queue_(Every(options, sources.store)) {
-  BeginAgain(sources.store);
+  StartNewRun(sources.store);
   const int64_t every = Every(options, sources.store);
   if (every == 0) return;
   const auto on_tracks = [this](const tracks_t& m) {
@@ -51,7 +51,7 @@ PictureNode::PictureNode(bus::Bus& bus, const ViewerOptions& options, Sources so
       [every](int64_t frame_id) { return OverlayQueue(every).Wants(frame_id); });
 }
 
-void PictureNode::BeginAgain(PictureStore* store) {
+void PictureNode::StartNewRun(PictureStore* store) {
   sources_.store = store;
   film_.reset();
   film_problem_.reset();

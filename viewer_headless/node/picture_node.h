@@ -40,7 +40,7 @@ class PictureNode {
   /// Adds the pose of a frame; once for each frame.
   void AddPose(const FramePose& pose);
   /// Begins a new stream: its film replaces the previous one, and its report has its own store.
-  void BeginAgain(PictureStore* store);
+  void StartNewRun(PictureStore* store);
 
   /// Returns whether pictures of frames since this process listens are still missing.
   bool MayCome() const;

@@ -13,6 +13,7 @@
 #include "core/process/process_status.h"
 #include "core/run/lag.h"
 #include "core/run/process_names.h"
+#include "plslam/warning_t.hpp"
 #include "viewer_headless/node/message_values.h"
 #include "viewer_headless/report/report_json.h"
 #include "viewer_headless/report/report_page.h"
@@ -34,6 +35,7 @@ ReportNode::ReportNode(bus::Bus& bus, const ViewerOptions& options, Sources sour
   wanted_ = wanted_ && page_;
   report_ = std::make_unique<ReportRecorder>(options_.report_pictures);
   if (!wanted_) return;
+  bus.Subscribe<warning_t>(bus::kWarning, [this](const warning_t& m) { report_->AddWarning(m.code, m.sentence); });
   loops_ = std::make_unique<bus::LoopClosureSubscriber>(bus, [this](const LoopClosure& c) { report_->Add(c); });
   if (options_.serve == 0) return;
   live_ = std::make_unique<LiveView>(static_cast<int>(options_.serve), FillTemplate(*page_, "null"));
@@ -42,7 +44,7 @@ ReportNode::ReportNode(bus::Bus& bus, const ViewerOptions& options, Sources sour
 }
 
 ReportNode::~ReportNode() {
-  if (live_) live_->AnswerTheLast([this](const ReportSince& since) { return Json(since); });
+  if (live_) live_->SendFinalData([this](const ReportSince& since) { return Json(since); });
 }
 
 void ReportNode::OnStream(const stream_t& message) {
@@ -68,8 +70,8 @@ int64_t ReportNode::Lag_frames(const status_t& message) {
   if (message.process != process_name::kMapping && message.process != process_name::kLoop) return -1;
   const auto& frames = sources_.recorder->frames();
   auto frame = frames.rbegin();
-  return FramesBehind(bus::CountOf(message, "queue.keyframes"), static_cast<int64_t>(frames.size()),
-                      [&frame](int64_t) { return (frame++)->second.keyframe_id >= 0; });
+  return LagInFrames(bus::CountOf(message, "queue.keyframes"), static_cast<int64_t>(frames.size()),
+                     [&frame](int64_t) { return (frame++)->second.keyframe_id >= 0; });
 }
 
 void ReportNode::OnMap(const MapUpdate& update) {
@@ -81,7 +83,7 @@ void ReportNode::SetCamera(const StereoCamera& camera) {
   report_->SetCamera(camera);
 }
 
-void ReportNode::BeginAgain() {
+void ReportNode::StartNewRun() {
   report_ = std::make_unique<ReportRecorder>(options_.report_pictures, ++run_);
   behind_ = 0;
   if (camera_) report_->SetCamera(*camera_);

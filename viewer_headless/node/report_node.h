@@ -36,7 +36,7 @@ class ReportNode {
   void OnMap(const MapUpdate& update);
   void SetCamera(const StereoCamera& camera);
   /// A new stream begins.
-  void BeginAgain();
+  void StartNewRun();
   /// Throws std::runtime_error.
   void Write();
 
@@ -46,7 +46,7 @@ class ReportNode {
  private:
   int64_t NewestFrame() const;
   /// The lag of a process in frames: for vo_process the frames sent after its newest pose; for mapping_process and
-  /// loop_process, whose lag is independent, FramesBehind; -1 for others.
+  /// loop_process, whose lag is independent, LagInFrames; -1 for others.
   int64_t Lag_frames(const status_t& message);
   std::string Json(const ReportSince& since) const;
 

@@ -118,7 +118,7 @@ void ViewerNode::OnStream(const stream_t& message) {
     // Written files are kept: after "resume" no earlier part of the stream may be available, and after "begin" all
     // files are written again.
     if (written_ && message.event == "resume") return;
-    if (written_) BeginAgain();
+    if (written_) StartNewRun();
     lockstep_ = message.pace == "lockstep";
     announced_frames_ = message.n_frames;
     report_->OnStream(message);
@@ -127,14 +127,14 @@ void ViewerNode::OnStream(const stream_t& message) {
   }
 }
 
-void ViewerNode::BeginAgain() {
+void ViewerNode::StartNewRun() {
   spdlog::info("a new stream begins: the files in {} will be about it", options_.out);
   if (!failure_.empty()) failure_before_ = std::exchange(failure_, "");
   recorder_ = {};
   written_ = dirty_ = vo_finished_ = false;
   history_.clear();
-  report_->BeginAgain();
-  pictures_->BeginAgain(report_->pictures());
+  report_->StartNewRun();
+  pictures_->StartNewRun(report_->pictures());
 }
 
 void ViewerNode::OnPose(const pose_t& message) {
@@ -186,7 +186,7 @@ bool ViewerNode::RunIsOver() const {
   if (!recorder_.n_frames()) return false;
   if (!MapIsComplete() && quiet_ticks_ <= kQuietTicksForTheMap) return false;
   if (!q_l_c_ && quiet_ticks_ <= kQuietTicksAtMost) return false;
-  if (PicturesMayCome() && quiet_ticks_ <= kQuietTicksForPictures) return false;
+  if (ExpectsPictures() && quiet_ticks_ <= kQuietTicksForPictures) return false;
   if (recorder_.IsComplete()) return true;
   return quiet_ticks_ > (vo_finished_ ? kQuietTicksAfterFinish : kQuietTicksAtMost);
 }
@@ -198,7 +198,7 @@ bool ViewerNode::MapIsComplete() const {
   return !last || committed_.Has(last->first, last->second);
 }
 
-bool ViewerNode::PicturesMayCome() const { return lockstep_ && pictures_->MayCome(); }
+bool ViewerNode::ExpectsPictures() const { return lockstep_ && pictures_->MayCome(); }
 
 void ViewerNode::Write(bool ended) {
   written_ = true;

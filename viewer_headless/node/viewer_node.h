@@ -50,12 +50,12 @@ class ViewerNode {
   void OnMap(const MapUpdate& update);
   void OnTick();
 
-  void BeginAgain();
+  void StartNewRun();
   Eigen::Quaterniond q_l_c() const;
   bool HasPlayed() const;
   bool RunIsOver() const;
   bool MapIsComplete() const;
-  bool PicturesMayCome() const;
+  bool ExpectsPictures() const;
   /// `ended`: the run is over; else it is stopped early.
   void Write(bool ended);
   std::vector<std::string> WriteFiles();

@@ -33,8 +33,8 @@ bool MapLink::IsOfAnotherMap() const { return began_version_ != 0 && began_versi
 void MapLink::OnUpdate(const MapUpdate& update) {
   began_version_ = update.began_version;
   // A robot configured for localisation only stays so in a map that grows.
-  const bool changes = said_ ? *said_ != update.localise_only : update.localise_only;
-  said_ = update.localise_only;
+  const bool changes = last_localise_only_ ? *last_localise_only_ != update.localise_only : update.localise_only;
+  last_localise_only_ = update.localise_only;
   const bool was_localise_only = std::exchange(localise_only_, changes ? update.localise_only : localise_only_);
   if (localise_only_ != was_localise_only || IsOfAnotherMap()) on_order_();
   if (session_.lockstep && !update.committed) return;

@@ -38,10 +38,10 @@ class MapLink {
   /// Restores the values of a tracker state.
   void Restore(bool localise_only, bool map_is_fixed) {
     localise_only_ = localise_only;
-    said_ = map_is_fixed;
+    last_localise_only_ = map_is_fixed;
   }
   /// `MapUpdate::localise_only` of the last update.
-  bool map_is_fixed() const { return said_.value_or(false); }
+  bool map_is_fixed() const { return last_localise_only_.value_or(false); }
 
   /// Begins a session that has no keyframe in the map yet; `adopted_keyframe_id` is that of a restored tracker.
   void BeginSession(int64_t adopted_keyframe_id = -1);
@@ -64,7 +64,7 @@ class MapLink {
   std::function<void()> on_order_;
   std::function<void()> on_map_;
   bool localise_only_;
-  std::optional<bool> said_;  ///< `localise_only` of the last update
+  std::optional<bool> last_localise_only_;  ///< `localise_only` of the last update
   int64_t began_version_ = 0;
   bus::PartnerWait wait_;
   /// The newest keyframe of the session in the map, which may contain keyframes of other robots.

@@ -19,19 +19,19 @@ constexpr std::chrono::milliseconds kTick(5);
 
 }  // namespace
 
-MaskLink::MaskLink(bus::Bus& bus, const MaskUseOptions& options, std::function<void()> go_on)
-    : options_(options), go_on_(std::move(go_on)), wait_(options.wait_s) {
+MaskLink::MaskLink(bus::Bus& bus, const MaskUseOptions& options, std::function<void()> on_arrival)
+    : options_(options), on_arrival_(std::move(on_arrival)), wait_(options.wait_s) {
   bus.Subscribe<mask_t>(bus::kMask, [this, &bus](const mask_t& message) {
     const auto mask = bus::FromMessage(message);
     if (!mask) return bus.CountRejected();
     wait_.OnSignOfLife(bus::NowS());
     masks_.emplace_back(FrameName(message.frame_id, message.header.t_ns), *mask);
     if (masks_.size() > kMaxMasks) masks_.pop_front();
-    go_on_();
+    on_arrival_();
   });
   bus.Every(kTick, [this] {
-    if (wait_.GiveUp(bus::NowS())) spdlog::warn("nobody sends masks: frames are taken as they are");
-    go_on_();
+    if (wait_.GiveUp(bus::NowS())) spdlog::warn("no masks arrive: frames are processed without masks");
+    on_arrival_();
   });
 }
 

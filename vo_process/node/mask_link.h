@@ -21,8 +21,8 @@ class MaskLink {
   /// Frame number and time.
   using FrameName = std::pair<int64_t, int64_t>;
 
-  /// `go_on` is called when a mask has arrived, or a wait may be over.
-  MaskLink(bus::Bus& bus, const MaskUseOptions& options, std::function<void()> go_on);
+  /// `on_arrival` is called when a mask has arrived, or a wait may be over.
+  MaskLink(bus::Bus& bus, const MaskUseOptions& options, std::function<void()> on_arrival);
 
   /// Whether the frame, which arrived at `came_s` of the steady clock, has to wait.
   bool Awaits(const FrameName& frame, bool lockstep, double came_s);
@@ -33,7 +33,7 @@ class MaskLink {
   std::deque<std::pair<FrameName, FrameMask>>::iterator Find(const FrameName& frame);
 
   MaskUseOptions options_;
-  std::function<void()> go_on_;
+  std::function<void()> on_arrival_;
   /// In the order of arrival.
   std::deque<std::pair<FrameName, FrameMask>> masks_;
   bus::PartnerWait wait_;

@@ -19,19 +19,20 @@ constexpr std::chrono::milliseconds kRobotTick(100);
 
 }  // namespace
 
-RobotMotionLink::RobotMotionLink(bus::Bus& bus, const RobotMotionUseOptions& options, std::function<void()> go_on)
-    : go_on_(std::move(go_on)), wait_(options.wait_s) {
+RobotMotionLink::RobotMotionLink(bus::Bus& bus, const RobotMotionUseOptions& options,
+                                 std::function<void()> on_arrival)
+    : on_arrival_(std::move(on_arrival)), wait_(options.wait_s) {
   bus.Subscribe<robot_motion_t>(bus::kRobotMotion, [this, &bus](const robot_motion_t& message) {
     const std::optional<SE3> T_robot_b = bus::FromMessage(message.T_robot_b);
     if (!T_robot_b) return bus.CountRejected();
     wait_.OnSignOfLife(bus::NowS());
     path_.Add(message.header.t_ns, *T_robot_b);
-    go_on_();
+    on_arrival_();
   });
   bus.Every(kRobotTick, [this] {
     if (!wait_.GiveUp(bus::NowS())) return;
-    spdlog::warn("no odometry of the robot comes: frames are tracked without");
-    go_on_();
+    spdlog::warn("no robot odometry arrives: frames are tracked without it");
+    on_arrival_();
   });
 }
 

@@ -18,8 +18,8 @@ namespace plslam::vo {
 /// time or later arrives, or none has been received for `wait_s`; a live frame is tracked with the poses received.
 class RobotMotionLink {
  public:
-  /// `go_on` is called when a pose has arrived, or a wait may be over.
-  RobotMotionLink(bus::Bus& bus, const RobotMotionUseOptions& options, std::function<void()> go_on);
+  /// `on_arrival` is called when a pose has arrived, or a wait may be over.
+  RobotMotionLink(bus::Bus& bus, const RobotMotionUseOptions& options, std::function<void()> on_arrival);
 
   void OnCamera(const RigCalibration& rig);
   /// Whether the frame at this time has to wait.
@@ -28,7 +28,7 @@ class RobotMotionLink {
   std::optional<RobotMotion> Take(int64_t prev_t_ns, int64_t t_ns);
 
  private:
-  std::function<void()> go_on_;
+  std::function<void()> on_arrival_;
   RobotPath path_;
   SE3 T_b_c_;
   bus::PartnerWait wait_;

@@ -36,7 +36,8 @@ std::string Text(const Matrix& matrix) {
 }
 
 [[noreturn]] void Fail(const std::string& path, const std::string& key, const std::string& what) {
-  throw std::runtime_error(fmt::format("{}: {} {}; remove the file, and it is learned anew", path, key, what));
+  throw std::runtime_error(
+      fmt::format("{}: {} {}; remove the file to estimate the calibration again", path, key, what));
 }
 
 template <class Matrix>
@@ -77,8 +78,8 @@ std::string NameOfCalibration(const std::vector<uint8_t>& camera) {
 
 void WriteSelfCalibration(const std::string& path, const std::string& calibration, const SelfCalibration& learned) {
   std::string text = fmt::format(
-      "# What vo_process has learned of this rig beyond its calibration, which it is used with only. Remove the file "
-      "to learn it anew.\ncalibration: {}\nwritten: {:%Y-%m-%dT%H:%M:%SZ}\n",
+      "# Self-calibration of this rig by vo_process, used only with the calibration below. Remove the file "
+      "to estimate it again.\ncalibration: {}\nwritten: {:%Y-%m-%dT%H:%M:%SZ}\n",
       calibration, fmt::gmtime(std::time(nullptr)));
   if (learned.rows) {
     text += fmt::format("rows:\n  offsets_px: {}\n  covariance_px2: {}\n", Text(learned.rows->offsets_px),
@@ -113,15 +114,15 @@ std::optional<SelfCalibration> ReadSelfCalibration(const std::string& path, cons
   return learned;
 }
 
-void BeginWithLearned(const std::string& path, const std::vector<uint8_t>& camera, Odometry& odometry) {
+void LoadLearned(const std::string& path, const std::vector<uint8_t>& camera, Odometry& odometry) {
   if (path.empty()) return;
   try {
     const auto learned = ReadSelfCalibration(path, NameOfCalibration(camera));
     if (!learned) return;
     odometry.Begin(*learned);
-    spdlog::info("begins with what {} says of the rig", path);
+    spdlog::info("starting with the self-calibration of {}", path);
   } catch (const std::exception& error) {
-    spdlog::warn("what was learned of the rig is not used: {}", error.what());
+    spdlog::warn("the self-calibration file is not used: {}", error.what());
   }
 }
 
@@ -131,7 +132,7 @@ void KeepLearned(const std::string& path, const std::vector<uint8_t>& camera, co
   try {
     WriteSelfCalibration(path, NameOfCalibration(camera), learned);
   } catch (const std::exception& error) {
-    spdlog::warn("what was learned of the rig is not kept: {}", error.what());
+    spdlog::warn("the self-calibration file is not written: {}", error.what());
   }
 }
 

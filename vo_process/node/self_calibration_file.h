@@ -24,7 +24,7 @@ std::optional<SelfCalibration> ReadSelfCalibration(const std::string& path, cons
 
 /// Begins a session with the file's self-calibration for this camera (an encoded camera_t), if there is one. Logs a
 /// warning, and starts without, if the file is unusable. Does nothing if `path` is empty.
-void BeginWithLearned(const std::string& path, const std::vector<uint8_t>& camera, Odometry& odometry);
+void LoadLearned(const std::string& path, const std::vector<uint8_t>& camera, Odometry& odometry);
 
 /// Writes the current self-calibration; without one, keeps an older file. Logs a warning if writing fails.
 void KeepLearned(const std::string& path, const std::vector<uint8_t>& camera, const Odometry& odometry);

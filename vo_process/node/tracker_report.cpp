@@ -51,7 +51,7 @@ void TrackerReport::LookAt(const StereoImages& images, const StereoFeatures& fea
   Count(kPointsAmbiguous, static_cast<double>(ambiguous));
 }
 
-void TrackerReport::TellOfWarnings() {
+void TrackerReport::ReportWarnings() {
   static constexpr int kEvery = 20;
   if (frames() % kEvery != 0) return;
   RunFindings findings;
@@ -73,9 +73,9 @@ void TrackerReport::TellOfWarnings() {
   process_.SetState(state_, warnings_);
 }
 
-void TrackerReport::TellOfRows(const RowField& rows, const StereoCamera& camera) {
-  if (told_of_rows_ || rows.is_zero()) return;
-  told_of_rows_ = true;
+void TrackerReport::ReportVerticalDisparity(const RowField& rows, const StereoCamera& camera) {
+  if (vertical_disparity_reported_ || rows.is_zero()) return;
+  vertical_disparity_reported_ = true;
   double most_px = 0.0;
   for (const double u_px : {0.0, camera.width_px - 1.0}) {
     for (const double v_px : {0.0, camera.height_px - 1.0}) {
@@ -84,12 +84,12 @@ void TrackerReport::TellOfRows(const RowField& rows, const StereoCamera& camera)
   }
   Count(kCornerRows, most_px);
   spdlog::info(
-      "in the corners, rows of the right image differ from those of the left by up to {:.1f} px: they are followed, "
+      "the vertical disparity in the image corners is up to {:.1f} px: it is corrected, "
       "but the calibration could be better",
       most_px);
 }
 
-void TrackerReport::TellOfCameras(const SyncCheck& sync, const DisparityCalibration& calibration) {
+void TrackerReport::ReportCameraErrors(const SyncCheck& sync, const DisparityCalibration& calibration) {
   const auto tell = [this](const char* name, double value) {
     if (value > 0.0 || counts_[name] > 0.0) Count(name, std::max(value, 0.0) - counts_[name]);
   };

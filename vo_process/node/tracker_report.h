@@ -27,23 +27,23 @@ class TrackerReport {
   void SetState(const std::string& state);
 
   /// A new camera: its vertical disparity is reported again.
-  void OnCamera() { told_of_rows_ = false; }
+  void OnCamera() { vertical_disparity_reported_ = false; }
   /// Counts signs of bad images and of a bad calibration.
   void LookAt(const StereoImages& images, const StereoFeatures& features, bool is_rgbd);
   /// Reports the vertical disparity once for each camera.
-  void TellOfRows(const RowField& rows, const StereoCamera& camera);
+  void ReportVerticalDisparity(const RowField& rows, const StereoCamera& camera);
   /// Sets counters of the time offset and the disparity offset of the cameras, as estimated so far. Synchronised and
   /// well-calibrated cameras have no such counters.
-  void TellOfCameras(const SyncCheck& sync, const DisparityCalibration& calibration);
+  void ReportCameraErrors(const SyncCheck& sync, const DisparityCalibration& calibration);
   /// Publishes warnings with the state, every so many frames.
-  void TellOfWarnings();
+  void ReportWarnings();
 
  private:
   bus::Process& process_;
   std::map<std::string, double> counts_;
   std::string state_;
   std::string warnings_;  ///< last published with the state
-  bool told_of_rows_ = false;
+  bool vertical_disparity_reported_ = false;
 };
 
 }  // namespace plslam::vo

@@ -62,8 +62,9 @@ TrackerState ReadTrackerState(const std::string& path) {
 std::optional<TrackerState> TrackerCheckpoint::Take(const std::string& settings) const {
   if (path_.empty() || !std::filesystem::exists(path_)) return std::nullopt;
   TrackerState state = ReadTrackerState(path_);
-  if (state.settings != settings) throw std::runtime_error("the state is of a tracker with other settings");
-  if (++state.n_restored > kMaxRestored) throw std::runtime_error("all that went on with the state have died");
+  if (state.settings != settings) throw std::runtime_error("the state was written by a tracker with other settings");
+  if (++state.n_restored > kMaxRestored)
+    throw std::runtime_error("all processes that resumed from this state have crashed");
   WriteTrackerState(path_, state);
   return state;
 }
@@ -76,8 +77,18 @@ bool TrackerCheckpoint::Keep(const TrackerState& state) {
     return true;
   } catch (const std::exception& error) {
     Drop();
-    if (!std::exchange(has_failed_, true)) spdlog::warn("what a restart would need is not kept: {}", error.what());
+    if (!std::exchange(has_failed_, true)) spdlog::warn("the state for a restart is not written: {}", error.what());
     return false;
+  }
+}
+
+void TrackerCheckpoint::Release() const {
+  if (path_.empty() || !std::filesystem::exists(path_)) return;
+  try {
+    TrackerState state = ReadTrackerState(path_);
+    if (std::exchange(state.n_restored, 0) > 0) WriteTrackerState(path_, state);
+  } catch (const std::exception& error) {
+    spdlog::warn("{}", error.what());
   }
 }
 

@@ -73,17 +73,22 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
   cv::setNumThreads(1);
   process_.bus().Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
   process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
-  if (options_.map.enabled) ListenToTheMap();
-  if (options_.masks.enabled) masks_.emplace(process_.bus(), options_.masks, [this] { GoOn(); });
-  if (options_.robot_motion.enabled) robot_.emplace(process_.bus(), options_.robot_motion, [this] { GoOn(); });
+  if (options_.map.enabled) SubscribeToMap();
+  if (options_.masks.enabled) masks_.emplace(process_.bus(), options_.masks, [this] { ProcessWaiting(); });
+  if (options_.robot_motion.enabled)
+    robot_.emplace(process_.bus(), options_.robot_motion, [this] { ProcessWaiting(); });
   process_.SetConfiguration(settings_);
   Restore();
 }
 
-/// Removes the state also after an exception, which the same state might cause again.
+/// The state is for the next start, except after an exception, which the same state might cause again.
 VoNode::~VoNode() {
   KeepLearned();
-  checkpoint_.Drop();
+  if (std::uncaught_exceptions() > 0) {
+    checkpoint_.Drop();
+  } else {
+    checkpoint_.Release();
+  }
 }
 
 void VoNode::OnCamera(const RigCalibration& rig) {
@@ -95,7 +100,7 @@ void VoNode::OnCamera(const RigCalibration& rig) {
     throw;
   }
   if (rig_) {
-    spdlog::info("another camera '{}': a new session begins", rig.name);
+    spdlog::info("another camera '{}': starting a new session", rig.name);
     // Waits and waiting frames belong to the old session.
     EndWaits();
     waiting_.clear();
@@ -104,13 +109,13 @@ void VoNode::OnCamera(const RigCalibration& rig) {
   if (robot_) robot_->OnCamera(rig);
   report_.OnCamera();
   odometry_.reset();  // its self-calibration belongs to the other camera
-  GoOn();
+  ProcessWaiting();
 }
 
 void VoNode::OnFrame(const Frame& frame) {
   if (IsRepeated(frame)) return AnswerAgain(frame);
   player_ = frame.source;
-  if (LacksFramesBefore(frame)) {
+  if (MissesFramesBefore(frame)) {
     if (!frames_asked_s_) AskForFrames();
   } else if (frames_asked_s_) {
     // Frames that arrived too early are sent again.
@@ -169,7 +174,7 @@ void VoNode::UseRobotMotion(int64_t prev_t_ns, int64_t t_ns) {
   odometry_->ExpectRobot(motion);
 }
 
-void VoNode::GoOn() {
+void VoNode::ProcessWaiting() {
   if (!map_ || !map_->wait().awaited()) PublishKeyframe();
   while (WaitsFor() == Wait::kNothing && !waiting_.empty() && !AwaitsOthers(waiting_.front())) {
     const Frame frame = std::move(waiting_.front().frame);
@@ -198,7 +203,7 @@ void VoNode::OnStream(const stream_t& message) {
   FinishIfDone();
 }
 
-void VoNode::ListenToTheMap() {
+void VoNode::SubscribeToMap() {
   map_.emplace(
       process_.bus(), options_.map.wait_s, options_.map.localise_only, session_, [this] { FollowOrders(); },
       [this] { OnMap(); });
@@ -210,10 +215,10 @@ void VoNode::ListenToTheMap() {
 void VoNode::GiveUpWaits() {
   const double now_s = bus::NowS();
   const bool no_map = map_->wait().GiveUp(now_s);
-  if (no_map) spdlog::warn("no mapping_process is heard of: odometry goes on by itself");
+  if (no_map) spdlog::warn("no mapping_process is found: continuing as odometry");
   const bool no_result = relocalisation_.wait().GiveUp(now_s);
-  if (no_result) spdlog::warn("no loop_process is heard of: a lost camera is not found in the map");
-  if (no_map || no_result) GoOn();
+  if (no_result) spdlog::warn("no loop_process is found: a lost camera is not relocalised");
+  if (no_map || no_result) ProcessWaiting();
 }
 
 bool VoNode::IsLocaliseOnly() const { return map_ ? map_->localise_only() : options_.map.localise_only; }
@@ -226,12 +231,12 @@ void VoNode::FollowOrders() {
   const bool grows = !map_->localise_only() && odometry_->localise_only();
   odometry_->SetLocaliseOnly(map_->localise_only());
   if (map_->IsOfAnotherMap()) {
-    spdlog::info("another map has begun: so does a new session");
+    spdlog::info("the map was replaced: starting a new session");
     BeginSession();
   } else if (grows) {
     BeginSessionHere();
   }
-  GoOn();
+  ProcessWaiting();
 }
 
 void VoNode::OnMap() {
@@ -241,7 +246,7 @@ void VoNode::OnMap() {
   if (takes_effect) map_->Adopt(*odometry_);
   if (awaited && !takes_effect) return;
   map_->wait().End();
-  GoOn();
+  ProcessWaiting();
 }
 
 /// In lockstep the map with the previous keyframe takes effect when this keyframe has been made.
@@ -258,7 +263,7 @@ void VoNode::BeginSession() {
   KeepLearned();
   odometry_.emplace(front_end_->camera(), options_);
   odometry_->SetLocaliseOnly(IsLocaliseOnly());
-  BeginWithLearned(options_.self_calibration_file, camera_.bytes(), *odometry_);
+  LoadLearned(options_.self_calibration_file, camera_.bytes(), *odometry_);
 }
 
 /// Begins a session at the current pose in the map: its first keyframe observes landmarks of it.
@@ -288,11 +293,11 @@ void VoNode::KeepLearned() const {
 
 /// Whether the frame continues the stream, but its time stamp is slightly before the previous one.
 bool VoNode::IsTooEarly(const Frame& frame) const {
-  const bool goes_on =
+  const bool resumes =
       odometry_ && frame.source == session_.last_source && frame.images.frame_id > session_.last_frame_id;
   // Unsigned: time stamps may have any value.
   const uint64_t back_ns = static_cast<uint64_t>(session_.last_t_ns) - static_cast<uint64_t>(frame.images.t_ns);
-  return goes_on && frame.images.t_ns < session_.last_t_ns && back_ns < kClockStep_ns;
+  return resumes && frame.images.t_ns < session_.last_t_ns && back_ns < kClockStep_ns;
 }
 
 void VoNode::Track(const Frame& frame) {
@@ -325,9 +330,9 @@ void VoNode::Track(const Frame& frame) {
   if (StateOf(result) == TrackingState::kLost) report_.Count("frames.lost", 1);
   if (result.keyframe) report_.Count("keyframes", 1);
   report_.LookAt(frame.images, result.features, rig_->kind == RigCalibration::Kind::kRgbd);
-  report_.TellOfRows(odometry_->rows(), front_end_->camera());
-  report_.TellOfCameras(odometry_->sync_check(), odometry_->disparity_calibration());
-  report_.TellOfWarnings();
+  report_.ReportVerticalDisparity(odometry_->rows(), front_end_->camera());
+  report_.ReportCameraErrors(odometry_->sync_check(), odometry_->disparity_calibration());
+  report_.ReportWarnings();
   FinishIfDone();
 }
 
@@ -344,9 +349,8 @@ StereoFeatures VoNode::SeeFeatures(const StereoImages& images, StageTimer& timer
 /// Result for a frame with an impossible time stamp: no features.
 StereoFeatures VoNode::NoFeatures(const StereoImages& images) {
   if (!std::exchange(was_too_early_, true)) {
-    spdlog::warn(
-        "frame {} is of an earlier time than the one before it, by less than a second: such frames are not used",
-        images.frame_id);
+    spdlog::warn("frame {} is up to a second older than the previous frame: such frames are not used",
+                 images.frame_id);
   }
   report_.Count("frames.bad", 1);
   return {};
@@ -400,7 +404,7 @@ void VoNode::RequestRelocalisation(const Frame& frame, const OdometryResult& res
 }
 
 /// Keyframes made since the camera became unanchored say nothing new about its place.
-bool VoNode::IsNews(const Map& map, int64_t keyframe_id) const {
+bool VoNode::IsIndependentOfTracker(const Map& map, int64_t keyframe_id) const {
   const MapKeyframe* keyframe = map.FindKeyframe(keyframe_id);
   return keyframe == nullptr || keyframe->session != session_.id || keyframe->t_ns <= session_.anchored_t_ns;
 }
@@ -411,11 +415,11 @@ void VoNode::OnRelocalisation(const relocalisation_t& message) {
   const std::optional<SE3> T_w_odom = relocalisation_.Close(*result, session_);
   if (!T_w_odom) return;
   const Map& map = map_->map();
-  if (result->found && IsNews(map, result->keyframe_id) &&
+  if (result->found && IsIndependentOfTracker(map, result->keyframe_id) &&
       odometry_->Relocalise(map, result->keyframe_id, *T_w_odom)) {
     report_.Count("relocalisation.found", 1);
   }
-  GoOn();
+  ProcessWaiting();
 }
 
 void VoNode::SetHeader(const Frame& frame, header_t& header) const {
@@ -490,14 +494,14 @@ void VoNode::Restore() {
   if (!checkpoint_.is_on()) return;
   process_.bus().Every(kAskPeriod, [this] { AskAgainForFrames(); });
   try {
-    if (const std::optional<TrackerState> state = checkpoint_.Take(settings_)) GoOnWith(*state);
+    if (const std::optional<TrackerState> state = checkpoint_.Take(settings_)) Restore(*state);
   } catch (const std::exception& error) {
-    spdlog::warn("a new session begins: {}", error.what());
+    spdlog::warn("starting a new session: {}", error.what());
     odometry_.reset();
   }
 }
 
-void VoNode::GoOnWith(const TrackerState& state) {
+void VoNode::Restore(const TrackerState& state) {
   camera_.Restore(state.camera);
   if (!front_end_) return;
   odometry_.emplace(front_end_->camera(), options_);
@@ -520,7 +524,7 @@ void VoNode::GoOnWith(const TrackerState& state) {
   session_.last_keyframe_id = state.keyframe.keyframe_id;
   if (map_) map_->BeginSession(state.adopted_keyframe_id);
   restored_ = true;
-  spdlog::info("goes on behind frame {} of the session", session_.last_frame_id);
+  spdlog::info("resuming after frame {} of the session", session_.last_frame_id);
   process_.bus().Post([this, keyframe = state.keyframe] {
     if (keyframe.keyframe_id >= 0) keyframes_.Publish(keyframe);
     // The last pose of the crashed tracker may be lost, and a restarted player needs it.
@@ -552,7 +556,7 @@ void VoNode::KeepState(const Keyframe& keyframe) {
 }
 
 /// A player is ahead of a tracker that was restored from its newest keyframe, as a player started with it may be.
-bool VoNode::LacksFramesBefore(const Frame& frame) const {
+bool VoNode::MissesFramesBefore(const Frame& frame) const {
   const bool continues = frame.lockstep && session_.lockstep && odometry_ && frame.images.t_ns > session_.last_t_ns;
   const bool may_go_back = restored_ || frame.source != session_.last_source;
   return continues && may_go_back && frame.images.frame_id > session_.last_frame_id + 1 && checkpoint_.is_on();
@@ -571,8 +575,8 @@ void VoNode::AskAgainForFrames() {
   if (!frames_asked_s_) return;
   if (bus::NowS() - *frames_asked_s_ < kFramesWait_s) return AskForFrames();
   frames_asked_s_.reset();
-  spdlog::warn("no player sends the frames behind {} again: a gap is left", session_.last_frame_id);
-  GoOn();
+  spdlog::warn("no player resends the frames after {}: they are skipped", session_.last_frame_id);
+  ProcessWaiting();
 }
 
 void VoNode::FinishIfDone() {

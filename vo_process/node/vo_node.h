@@ -86,14 +86,14 @@ class VoNode {
   bool IsLocaliseOnly() const;
   void FollowOrders();
   void OnRelocalisation(const relocalisation_t& message);
-  void ListenToTheMap();
+  void SubscribeToMap();
   bool AwaitsOthers(const WaitingFrame& waiting);
   void UseMask(const Frame& frame);
   void UseRobotMotion(int64_t prev_t_ns, int64_t t_ns);
   void GiveUpWaits();
 
   Wait WaitsFor() const;
-  void GoOn();
+  void ProcessWaiting();
   void EndWaits();
   bool IsRepeated(const Frame& frame) const;
   void AnswerAgain(const Frame& frame);
@@ -110,7 +110,7 @@ class VoNode {
   void NoteAnchor(const Frame& frame, const OdometryResult& result);
   bool NeedsRelocalisation(const Frame& frame, const OdometryResult& result) const;
   void RequestRelocalisation(const Frame& frame, const OdometryResult& result);
-  bool IsNews(const Map& map, int64_t keyframe_id) const;
+  bool IsIndependentOfTracker(const Map& map, int64_t keyframe_id) const;
   void AwaitMap(int64_t keyframe_id);
 
   void SetHeader(const Frame& frame, header_t& header) const;
@@ -120,9 +120,9 @@ class VoNode {
   void PublishKeyframe();
 
   void Restore();
-  void GoOnWith(const TrackerState& state);
+  void Restore(const TrackerState& state);
   void KeepState(const Keyframe& keyframe);
-  bool LacksFramesBefore(const Frame& frame) const;
+  bool MissesFramesBefore(const Frame& frame) const;
   void AskForFrames();
   void AskAgainForFrames();
 

@@ -184,7 +184,7 @@ void CorrectDisparities(StereoFeatures& features, const Error& error_px) {
 
 /// Removes the effect of the motion between the two images from measured disparities; if a pair then has no depth,
 /// disparities become unknown.
-inline void TakeSkewAway(const PairSkew& skew, StereoFeatures& features) {
+inline void RemoveSkew(const PairSkew& skew, StereoFeatures& features) {
   if (skew.is_zero()) return;
   CorrectDisparities(features, [&skew](const Eigen::Vector2d& left_px, double disparity_px) {
     return disparity_px - skew.Disparity_px(left_px, disparity_px).value_or(0.0);

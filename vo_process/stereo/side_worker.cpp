@@ -33,7 +33,7 @@ SideWorker::~SideWorker() {
 }
 
 void SideWorker::RunBoth(const std::function<void()>& here, const std::function<void()>& there) {
-  KeepOffThisCore();
+  AvoidCurrentCore();
   {
     const std::lock_guard lock(mutex_);
     job_ = &there;
@@ -57,7 +57,7 @@ void SideWorker::RunBoth(const std::function<void()>& here, const std::function<
 
 /// The caller seldom changes its core, so this usually only reads the core's number. If no core can be avoided (there
 /// is only one, or the caller is bound to one), or the system refuses, the scheduler decides.
-void SideWorker::KeepOffThisCore() {
+void SideWorker::AvoidCurrentCore() {
   const int core = sched_getcpu();
   if (core < 0 || core >= CPU_SETSIZE || core == std::exchange(avoided_core_, core)) return;
   cpu_set_t cores;

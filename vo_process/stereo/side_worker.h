@@ -24,7 +24,7 @@ class SideWorker {
 
  private:
   void Loop();
-  void KeepOffThisCore();
+  void AvoidCurrentCore();
 
   std::mutex mutex_;
   std::condition_variable changed_;

@@ -15,7 +15,7 @@ namespace {
 void ToLeftRow(const RowField& rows, Eigen::Vector2d& px) { px.y() = rows.LeftRow_px(px); }
 
 /// Removes the effect of the residual rotation, known from the rows, from disparities.
-void TakeRotationAway(const RowField& rows, StereoFeatures& features) {
+void RemoveRotationDisparity(const RowField& rows, StereoFeatures& features) {
   if (rows.is_zero()) return;
   CorrectDisparities(features, [&rows](const Eigen::Vector2d& left_px, double disparity_px) {
     return rows.Disparity_px(left_px - Eigen::Vector2d(disparity_px, 0.0));
@@ -52,8 +52,8 @@ void PairMatcher::MatchLines(std::vector<LineFeature> left, std::vector<LineFeat
 }
 
 StereoFeatures PairMatcher::Finish() {
-  TakeRotationAway(rows_, features_);
-  TakeSkewAway(rows_.skew(), features_);
+  RemoveRotationDisparity(rows_, features_);
+  RemoveSkew(rows_.skew(), features_);
   return std::move(features_);
 }
 

@@ -226,7 +226,7 @@ void DisparityCheck::Learn(SE3 T_now_before, std::vector<Seen> points) {
   add(odd, all - odd, by_landmark_);
   add(near, all - near, by_depth_);
   ++n_stretches_;
-  Judge();
+  Decide();
 }
 
 // Root mean square at the centres of the thirds of the image.
@@ -271,7 +271,7 @@ bool DisparityCheck::Confirms(const Eigen::Vector3d& coefficients_px, const Eige
   return half_px <= std::max(kDifferSigmas * sigma_px, kDifferShare * Size_px(coefficients_px));
 }
 
-void DisparityCheck::Judge() {
+void DisparityCheck::Decide() {
   estimate_ = Solve(all_);
   if (n_stretches_ < kMinStretches) return;
   const bool differ = Differ(by_landmark_, kDifferShare) || Differ(by_depth_, kDifferShare) ||

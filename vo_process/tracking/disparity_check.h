@@ -116,7 +116,7 @@ class DisparityCheck {
   double Size_px(const Eigen::Vector3d& coefficients) const;
   double Sigma_px(const Eigen::Matrix3d& covariance) const;
   bool Differ(const Division& division, double share) const;
-  void Judge();
+  void Decide();
 
   StereoCamera camera_;
   DisparityCalibrationOptions options_;

@@ -57,7 +57,7 @@ std::optional<Alignment> FrameAligner::FindStrongest(const LocalLandmarks& landm
                                                      int expected_weight) const {
   // A few wrong matches may agree by chance if the correct ones are outside the window: an alignment much weaker than
   // the last frame's is accepted only if no better one is found.
-  const double convincing = options_.tracking.convincing_ratio * expected_weight;
+  const double convincing = options_.tracking.accepted_ratio * expected_weight;
   const bool expects_nothing = expected_weight == std::numeric_limits<int>::max();
   const MotionOptions motion = expects_nothing ? Consensus(Coarse(options_.motion)) : Coarse(options_.motion);
   std::optional<Alignment> best;
@@ -93,7 +93,7 @@ bool FrameAligner::IsBetter(const Alignment& found, const Alignment& best, const
   const auto chi2 = [&](const Alignment& alignment) {
     return SquaredDeviation(prediction, T_odom_predicted, alignment.T_odom_c);
   };
-  const bool is_elsewhere = prediction.goes_on && chi2(found) > kExpectedChi2 + kFartherChi2 * chi2(best);
+  const bool is_elsewhere = prediction.is_reliable && chi2(found) > kExpectedChi2 + kFartherChi2 * chi2(best);
   const double needed = is_elsewhere ? options_.tracking.elsewhere_ratio : 1.0;
   return found.matches.Weight() > needed * best.matches.Weight();
 }

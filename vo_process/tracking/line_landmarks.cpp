@@ -199,10 +199,10 @@ void LineLandmarks::Append(const LineLandmarks& others) {
   landmarks_.insert(landmarks_.end(), others.landmarks_.begin(), others.landmarks_.end());
 }
 
-void LineLandmarks::Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id, int body) {
+void LineLandmarks::Create(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id, int body) {
   for (size_t i = 0; i < frame.features.lines.size(); ++i) {
     FeatureTrack& track = frame.line_tracks[i];
-    if (track.landmark_id < 0 && track.body == body) FoundOne(T_odom_c, frame.features.lines[i], track, next_id);
+    if (track.landmark_id < 0 && track.body == body) CreateOne(T_odom_c, frame.features.lines[i], track, next_id);
   }
 }
 
@@ -210,11 +210,11 @@ void LineLandmarks::Initialise(const SE3& T_odom_c, TrackedFrame& frame, int64_t
   landmarks_.clear();
   for (size_t i = 0; i < frame.features.lines.size(); ++i) {
     FeatureTrack& track = frame.line_tracks[i];
-    if (track.IsOfWorld()) FoundOne(T_odom_c, frame.features.lines[i], track, next_id);
+    if (track.IsOfWorld()) CreateOne(T_odom_c, frame.features.lines[i], track, next_id);
   }
 }
 
-void LineLandmarks::FoundOne(const SE3& T_odom_c, const StereoLine& seen, FeatureTrack& track, int64_t& next_id) {
+void LineLandmarks::CreateOne(const SE3& T_odom_c, const StereoLine& seen, FeatureTrack& track, int64_t& next_id) {
   if (!seen.HasDepth()) return;
   const double limit = options_.max_relative_depth_sigma;
   if (seen.sigma_disparity_p_px > limit * seen.disparity_p_px) return;

@@ -31,7 +31,7 @@ struct LocalLandmarks {
   int64_t next_line_id = 0;
 
   /// Continues the numbering of new landmarks after that of `others`.
-  void NumberBehind(const LocalLandmarks& others) {
+  void ContinueNumbering(const LocalLandmarks& others) {
     next_point_id = others.next_point_id;
     next_line_id = others.next_line_id;
   }
@@ -65,9 +65,9 @@ struct LocalLandmarks {
     points.Append(others.points);
     lines.Append(others.lines);
   }
-  void Found(const SE3& T_odom_c, TrackedFrame& frame, int body = -1) {
-    points.Found(T_odom_c, frame, next_point_id, body);
-    lines.Found(T_odom_c, frame, next_line_id, body);
+  void Create(const SE3& T_odom_c, TrackedFrame& frame, int body = -1) {
+    points.Create(T_odom_c, frame, next_point_id, body);
+    lines.Create(T_odom_c, frame, next_line_id, body);
   }
   void Initialise(const SE3& T_odom_c, TrackedFrame& frame) {
     points.Initialise(T_odom_c, frame, next_point_id);

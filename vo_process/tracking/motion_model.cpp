@@ -34,7 +34,7 @@ double SquaredDeviation(const MotionPrediction& prediction, const SE3& T_odom_pr
 
 double MotionModel::Horizon_s(double dt_s) const { return std::min(dt_s, kMaxExtrapolation * last_dt_s_); }
 
-MotionModel::Extent MotionModel::LeftBehindAfter(double dt_s) const {
+MotionModel::Extent MotionModel::PositionUncertaintyAfter(double dt_s) const {
   return left_behind_ + dt_s * speed_ - Horizon_s(dt_s) * ExtentOf(velocity_);
 }
 
@@ -45,7 +45,7 @@ MotionPrediction MotionModel::Predict(double dt_s) const {
   const Extent accelerated = 0.5 * dt_s * dt_s * acceleration;
   // Difference of (a t^2 / 2)^2 between end and beginning, because an acceleration persists: its effect grows as t^2.
   const Extent since = 0.25 * (std::pow(after_s, 4) - std::pow(before_s, 4)) * acceleration.cwiseAbs2();
-  const Extent behind = LeftBehindAfter(dt_s).cwiseAbs2() - left_behind_.cwiseAbs2();
+  const Extent behind = PositionUncertaintyAfter(dt_s).cwiseAbs2() - left_behind_.cwiseAbs2();
   MotionPrediction prediction;
   prediction.T_prev_c = SE3::Exp(velocity_ * Horizon_s(dt_s));
   prediction.covariance = Isotropic(since + behind.cwiseMax(0.0));
@@ -56,7 +56,7 @@ MotionPrediction MotionModel::Predict(double dt_s) const {
     prediction.covariance += Isotropic(squares * Extent(kAnySpeed_m_s, kAnyTurn_rad_s).cwiseAbs2());
   }
   prediction.is_near = unmeasured_s_ == 0.0 && accelerated.y() < kAnyRotation_rad;
-  prediction.goes_on = prediction.is_near && dt_s <= kMaxExtrapolation * last_dt_s_;
+  prediction.is_reliable = prediction.is_near && dt_s <= kMaxExtrapolation * last_dt_s_;
   return prediction;
 }
 
@@ -70,7 +70,7 @@ void MotionModel::Observe(const SE3& T_prev_c, double dt_s, const Matrix6d& cova
 }
 
 void MotionModel::Slow(double dt_s) {
-  left_behind_ = LeftBehindAfter(dt_s);
+  left_behind_ = PositionUncertaintyAfter(dt_s);
   unmeasured_s_ += dt_s;
   velocity_ *= 0.5;
 }

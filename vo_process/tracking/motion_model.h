@@ -11,7 +11,7 @@ struct MotionPrediction {
   SE3 T_prev_c;
   Matrix6d covariance = Matrix6d::Identity();
   /// Whether the previous frame was measured, so recently that its motion continues.
-  bool goes_on = false;
+  bool is_reliable = false;
   /// Whether the previous frame was measured, so recently that the camera cannot have turned arbitrarily.
   bool is_near = false;
   /// Whether it is based on the robot's own odometry (`RobotMotionModel`), not on constant velocity.
@@ -57,7 +57,7 @@ class MotionModel {
   /// [metres, radians], per second or in total.
   using Extent = Eigen::Vector2d;
 
-  Extent LeftBehindAfter(double dt_s) const;
+  Extent PositionUncertaintyAfter(double dt_s) const;
   double Horizon_s(double dt_s) const;
 
   TrackingOptions options_;

@@ -109,13 +109,13 @@ std::optional<RivalMotion> MovingBodies::Separate(const SE3& T_odom_prev, const 
   Claims claims = Follow(dt_s, frame, found.matches);
   // Without a prediction (as after a long gap), a second motion proves little; but in the first pair of frames the
   // motion found may be that of a body.
-  const bool is_asked = prediction.goes_on || is_first_pair_;
+  const bool is_asked = prediction.is_reliable || is_first_pair_;
   is_first_pair_ = false;
   while (is_asked && FindNew(T_odom_prev, prediction, dt_s, calibration, world, frame, claims, found)) {
   }
   if (!AnyIsThere()) return std::nullopt;
   const FeaturePlaces places = AllPlaces(found.matches, frame);
-  GiveToBodies(world, frame, places, found);
+  AssignToBodies(world, frame, places, found);
   // The remaining features of the world may not determine its motion: the predicted motion then takes part.
   if (!found.weak && found.matches.Weight() < kMinWeight) {
     const MotionPrior prior{(T_odom_prev * prediction.T_prev_c).Inverse(), prediction.covariance};
@@ -123,9 +123,9 @@ std::optional<RivalMotion> MovingBodies::Separate(const SE3& T_odom_prev, const 
     found.weak = true;
   }
   NameFeatures(places, found.matches, frame);
-  FoundOnBodies(world, frame);
+  CreateLandmarksOnBodies(world, frame);
   std::optional<RivalMotion> rival = FindRival(found.matches, frame);
-  LetStandingGo(T_odom_prev, found.T_odom_c, world, frame);
+  ReleaseStandingBodies(T_odom_prev, found.T_odom_c, world, frame);
   return rival;
 }
 
@@ -133,9 +133,9 @@ void MovingBodies::SeparateKnown(double dt_s, LocalLandmarks& world, TrackedFram
   if (!AnyIsThere()) return;
   Follow(dt_s, frame, found.matches);
   const FeaturePlaces places = AllPlaces(found.matches, frame);
-  GiveToBodies(world, frame, places, found);
+  AssignToBodies(world, frame, places, found);
   NameFeatures(places, found.matches, frame);
-  FoundOnBodies(world, frame);
+  CreateLandmarksOnBodies(world, frame);
 }
 
 void MovingBodies::FollowWhileLost(int n_lost, double dt_s, LocalLandmarks& world, TrackedFrame& frame) {
@@ -145,7 +145,7 @@ void MovingBodies::FollowWhileLost(int n_lost, double dt_s, LocalLandmarks& worl
   const FrameMatches none;
   Follow(dt_s, frame, none);
   NameFeatures(AllPlaces(none, frame), none, frame);
-  FoundOnBodies(world, frame);
+  CreateLandmarksOnBodies(world, frame);
 }
 
 // A body's frame was the odometry frame when the choice was made.
@@ -162,16 +162,16 @@ std::optional<RivalMotion> MovingBodies::FindRival(const FrameMatches& of_world,
   return rival;
 }
 
-void MovingBodies::FoundOnBodies(LocalLandmarks& world, TrackedFrame& frame) {
+void MovingBodies::CreateLandmarksOnBodies(LocalLandmarks& world, TrackedFrame& frame) {
   for (size_t k = 0; k < kMaxBodies; ++k) {
     Body& body = bodies_[k];
     if (!body.IsThere()) continue;
     body.landmarks.Update(body.T_b_c, matches_[k], frame);
     NameMatched(matches_[k], static_cast<int>(k), frame);
     if (body.unseen_frames > 0) continue;
-    body.landmarks.NumberBehind(world);
-    body.landmarks.Found(body.T_b_c, frame, static_cast<int>(k));
-    world.NumberBehind(body.landmarks);
+    body.landmarks.ContinueNumbering(world);
+    body.landmarks.Create(body.T_b_c, frame, static_cast<int>(k));
+    world.ContinueNumbering(body.landmarks);
   }
 }
 
@@ -288,7 +288,7 @@ std::optional<Alignment> MovingBodies::FindSecond(const SE3& T_odom_prev, const 
 
   // Searches around the positions if they stood, the last positions in the image, and the positions by the predicted
   // motion.
-  const double radius_px = prediction.goes_on ? kSearchRadius_px : 2.0 * kSearchRadius_px;
+  const double radius_px = prediction.is_reliable ? kSearchRadius_px : 2.0 * kSearchRadius_px;
   FrameMatches matches;
   std::vector<SE3> from{found.T_odom_c, T_odom_prev};
   if (!IsExpected(found.T_odom_c, T_odom_prev, prediction)) from.push_back(T_odom_prev * prediction.T_prev_c);
@@ -323,13 +323,13 @@ bool MovingBodies::IsWorld(const Alignment& found, const FrameMatches& own, cons
                            bool& guessed) const {
   const Spread first_spread = SpreadOf(own, frame, camera_);
   const Spread second_spread = SpreadOf(second.matches, frame, camera_);
-  const auto goes_on = [&](const Alignment& alignment) {
-    return prediction.goes_on && IsExpected(alignment.T_odom_c, T_odom_prev, prediction);
+  const auto continues = [&](const Alignment& alignment) {
+    return prediction.is_reliable && IsExpected(alignment.T_odom_c, T_odom_prev, prediction);
   };
-  const bool first_goes_on = goes_on(found);
-  const bool second_goes_on = goes_on(second) && second_spread.cells >= kMinCells;
-  if (first_goes_on != second_goes_on) return first_goes_on;
-  guessed = !first_goes_on;
+  const bool first_continues = continues(found);
+  const bool second_continues = continues(second) && second_spread.cells >= kMinCells;
+  if (first_continues != second_continues) return first_continues;
+  guessed = !first_continues;
   const double more = guessed ? 1.0 : kMoreSpread;
   return second_spread.Score() <= more * first_spread.Score();
 }
@@ -363,10 +363,10 @@ bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& predi
     return true;
   }
   // A body that went out of view there continues under its id.
-  const bool goes_on = known >= 0 && bodies_[known].unseen_frames > 0;
-  const size_t k = goes_on ? static_cast<size_t>(known) : static_cast<size_t>(slot - bodies_.begin());
+  const bool continues = known >= 0 && bodies_[known].unseen_frames > 0;
+  const size_t k = continues ? static_cast<size_t>(known) : static_cast<size_t>(slot - bodies_.begin());
   Body& body = bodies_[k];
-  if (!goes_on) {
+  if (!continues) {
     body.id = next_body_id_++;
     body.found_frames = 1;
   }
@@ -377,7 +377,7 @@ bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& predi
                       first_is_world ? second->covariance : found.covariance);
   body.unseen_frames = 0;
   body.standing_frames = 0;
-  if (!goes_on) body.doubtful_frames = guessed ? kDoubtfulFrames : 0;
+  if (!continues) body.doubtful_frames = guessed ? kDoubtfulFrames : 0;
   T_b_prev_[k] = T_odom_prev;
   matches_[k] = taken_matches;
   body.middle_b = MiddleOf(body.landmarks, matches_[k]);
@@ -477,8 +477,8 @@ FeaturePlaces MovingBodies::AllPlaces(const FrameMatches& of_world, const Tracke
 
 // Features surrounded by a body belong to it even if they agree with the world's motion: edges that a body slides
 // along.
-void MovingBodies::GiveToBodies(const LocalLandmarks& world, const TrackedFrame& frame, const FeaturePlaces& places,
-                                Alignment& found) const {
+void MovingBodies::AssignToBodies(const LocalLandmarks& world, const TrackedFrame& frame, const FeaturePlaces& places,
+                                  Alignment& found) const {
   FrameMatches left;
   for (const LandmarkMatch& match : found.matches.points) {
     const StereoPoint& point = frame.features.points[match.feature];
@@ -507,8 +507,8 @@ void MovingBodies::NameFeatures(const FeaturePlaces& places, const FrameMatches&
   NameMatched(of_world, -1, frame);
 }
 
-void MovingBodies::LetStandingGo(const SE3& T_odom_prev, const SE3& T_odom_c, LocalLandmarks& world,
-                                 TrackedFrame& frame) {
+void MovingBodies::ReleaseStandingBodies(const SE3& T_odom_prev, const SE3& T_odom_c, LocalLandmarks& world,
+                                         TrackedFrame& frame) {
   for (size_t k = 0; k < kMaxBodies; ++k) {
     Body& body = bodies_[k];
     if (!body.IsThere() || body.unseen_frames > 0) continue;
@@ -534,11 +534,11 @@ void MovingBodies::LetStandingGo(const SE3& T_odom_prev, const SE3& T_odom_c, Lo
     } else if (Median(shown) > kShownMotion_px) {
       ++body.standing_frames;
     }
-    if (body.standing_frames >= kStandingFrames) GiveBack(k, T_odom_c, world, frame);
+    if (body.standing_frames >= kStandingFrames) ReturnToWorld(k, T_odom_c, world, frame);
   }
 }
 
-void MovingBodies::GiveBack(size_t k, const SE3& T_odom_c, LocalLandmarks& world, TrackedFrame& frame) {
+void MovingBodies::ReturnToWorld(size_t k, const SE3& T_odom_c, LocalLandmarks& world, TrackedFrame& frame) {
   Body& body = bodies_[k];
   body.landmarks.Move(T_odom_c * body.T_b_c.Inverse());
   for (const PointLandmark& landmark : body.landmarks.points.landmarks()) {

@@ -194,12 +194,12 @@ class MovingBodies {
                              const SE3& T_odom_c) const;
   bool IsWorld(const Alignment& found, const FrameMatches& own, const Alignment& second, const SE3& T_odom_prev,
                const MotionPrediction& prediction, const TrackedFrame& frame, bool& guessed) const;
-  void GiveToBodies(const LocalLandmarks& world, const TrackedFrame& frame, const FeaturePlaces& places,
-                    Alignment& found) const;
+  void AssignToBodies(const LocalLandmarks& world, const TrackedFrame& frame, const FeaturePlaces& places,
+                      Alignment& found) const;
   void NameFeatures(const FeaturePlaces& places, const FrameMatches& of_world, TrackedFrame& frame) const;
-  void FoundOnBodies(LocalLandmarks& world, TrackedFrame& frame);
-  void LetStandingGo(const SE3& T_odom_prev, const SE3& T_odom_c, LocalLandmarks& world, TrackedFrame& frame);
-  void GiveBack(size_t k, const SE3& T_odom_c, LocalLandmarks& world, TrackedFrame& frame);
+  void CreateLandmarksOnBodies(LocalLandmarks& world, TrackedFrame& frame);
+  void ReleaseStandingBodies(const SE3& T_odom_prev, const SE3& T_odom_c, LocalLandmarks& world, TrackedFrame& frame);
+  void ReturnToWorld(size_t k, const SE3& T_odom_c, LocalLandmarks& world, TrackedFrame& frame);
   FeaturePlaces AllPlaces(const FrameMatches& of_world, const TrackedFrame& frame) const;
   void Own(const LocalLandmarks& landmarks);
 

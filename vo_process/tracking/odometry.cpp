@@ -23,7 +23,7 @@ constexpr int kSoonFrames = 5;
 constexpr double kLongestStep_s = 0.5;
 
 // Landmarks that a frame could create: points with depth, lines with depth twice.
-int FoundingWeight(const StereoFeatures& features) {
+int CreatableLandmarks(const StereoFeatures& features) {
   const auto has_depth = [](const auto& feature) { return feature.HasDepth(); };
   return static_cast<int>(std::count_if(features.points.begin(), features.points.end(), has_depth) +
                           2 * std::count_if(features.lines.begin(), features.lines.end(), has_depth));
@@ -151,7 +151,7 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
     const MotionPrediction prediction = Predict(dt_s);
     auto tracked = Find(frame, prediction);
     if (tracked) {
-      TellBodiesApart(*tracked, prediction, dt_s, frame);
+      SeparateBodies(*tracked, prediction, dt_s, frame);
       Accept(*tracked, dt_s, frame, result);
       if (tracked->rival) {
         doubt = SquareOf(T_odom_c_.Inverse() * tracked->rival->T_odom_c);
@@ -210,15 +210,15 @@ void Odometry::CheckSync(TrackedFrame& frame, const SE3& T_prev_c, double dt_s) 
   if (!sync_check_.Observe(frame, dt_s)) return;
   row_calibration_ = RowCalibration(camera_, options_.row_calibration);
   calibration_ = DisparityCalibration(camera_, options_.disparity_calibration);
-  TakeSkewAway(sync_check_.SkewOf(T_prev_c, dt_s), frame.features);
+  RemoveSkew(sync_check_.SkewOf(T_prev_c, dt_s), frame.features);
   bodies_.Forget();
   landmarks_.Initialise(T_odom_c_, frame);
 }
 
 void Odometry::Initialise(TrackedFrame& frame, OdometryResult& result) {
   result.state = TrackingState::kInitialising;
-  if (FoundingWeight(frame.features) < options_.tracking.weak_inliers) return;
-  landmarks_.Found(T_odom_c_, frame);
+  if (CreatableLandmarks(frame.features) < options_.tracking.weak_inliers) return;
+  landmarks_.Create(T_odom_c_, frame);
   initialised_ = true;
   result.state = TrackingState::kTracking;
   MakeKeyframe(KeyframeReason::kFirst, result);
@@ -260,15 +260,15 @@ std::optional<Odometry::Tracked> Odometry::FindInPreviousLocalMap(const TrackedF
   if (!found || found->weak || found->matches.Weight() < share * tracked_weight_) return std::nullopt;
   Tracked tracked{std::move(*found), Reference::kPreviousLocalMap, previous_local_map_->T_odom_c,
                   previous_local_map_->elapsed_s};
-  previous_local_map_->landmarks.NumberBehind(landmarks_);
+  previous_local_map_->landmarks.ContinueNumbering(landmarks_);
   landmarks_ = std::move(previous_local_map_->landmarks);
   previous_local_map_.reset();
   relocalised_.reset();
   return tracked;
 }
 
-void Odometry::TellBodiesApart(Tracked& tracked, const MotionPrediction& prediction, double dt_s,
-                               TrackedFrame& frame) {
+void Odometry::SeparateBodies(Tracked& tracked, const MotionPrediction& prediction, double dt_s,
+                              TrackedFrame& frame) {
   if (tracked.reference != Reference::kCurrent && tracked.reference != Reference::kLocalised) {
     return bodies_.SeparateKnown(dt_s, landmarks_, frame, tracked.alignment);
   }
@@ -298,7 +298,7 @@ void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, 
   if (options_.tracking.reference == "previous_frame") {
     landmarks_.Initialise(alignment.T_odom_c, frame);
   } else {
-    landmarks_.Found(alignment.T_odom_c, frame);
+    landmarks_.Create(alignment.T_odom_c, frame);
   }
   T_odom_c_ = alignment.T_odom_c;
   result.jumped = tracked.reference == Reference::kPreviousLocalMap || tracked.reference == Reference::kRelocalised;
@@ -454,9 +454,9 @@ bool Odometry::Adopt(const Map& map, int64_t session, int64_t keyframe_id) {
   }
   // While lost, the map's landmarks belong to the previous local map; both lists draw ids from one sequence.
   LocalLandmarks& before = previous_local_map_->landmarks;
-  before.NumberBehind(landmarks_);
+  before.ContinueNumbering(landmarks_);
   before.Adopt(*local_map, keep_own);
-  landmarks_.NumberBehind(before);
+  landmarks_.ContinueNumbering(before);
   return true;
 }
 
@@ -492,10 +492,10 @@ bool Odometry::Relocalise(const Map& map, int64_t map_keyframe_id, const SE3& T_
   bodies_.LeaveOut(*local_map);
   relocalised_ = Relocalised{LocalLandmarks(camera_, options_), T_w_odom};
   LocalLandmarks& landmarks = relocalised_->landmarks;
-  landmarks.NumberBehind(landmarks_);
+  landmarks.ContinueNumbering(landmarks_);
   landmarks.Adopt(*local_map, false);
   landmarks.CountAsSeen();
-  landmarks_.NumberBehind(landmarks);
+  landmarks_.ContinueNumbering(landmarks);
   return true;
 }
 
@@ -505,7 +505,7 @@ std::optional<Odometry::Tracked> Odometry::FindRelocalised(const TrackedFrame& f
   auto found = aligner_.Align(place.landmarks, frame, T_odom_c_, prediction, ExpectedWeight());
   if (!found || found->weak) return std::nullopt;
   const bool was_lost = !KeepOdometry(frame, prediction, *found, place);
-  place.landmarks.NumberBehind(landmarks_);
+  place.landmarks.ContinueNumbering(landmarks_);
   landmarks_ = std::move(place.landmarks);
   T_w_odom_ = place.T_w_odom;
   is_in_map_ = true;

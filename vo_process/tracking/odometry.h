@@ -182,7 +182,7 @@ class Odometry {
   bool KeepOdometry(const TrackedFrame& frame, const MotionPrediction& prediction, Alignment& found,
                     Relocalised& place) const;
   int ExpectedWeight() const;
-  void TellBodiesApart(Tracked& tracked, const MotionPrediction& prediction, double dt_s, TrackedFrame& frame);
+  void SeparateBodies(Tracked& tracked, const MotionPrediction& prediction, double dt_s, TrackedFrame& frame);
   void Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, OdometryResult& result);
   void LearnAboutRobot(double dt_s, const OdometryResult& result);
   void LearnMotion(const Tracked& tracked, double dt_s, const Matrix6d& covariance_before,

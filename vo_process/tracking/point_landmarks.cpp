@@ -151,10 +151,10 @@ void PointLandmarks::Append(const PointLandmarks& others) {
   landmarks_.insert(landmarks_.end(), others.landmarks_.begin(), others.landmarks_.end());
 }
 
-void PointLandmarks::Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id, int body) {
+void PointLandmarks::Create(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id, int body) {
   for (size_t i = 0; i < frame.features.points.size(); ++i) {
     FeatureTrack& track = frame.point_tracks[i];
-    if (track.landmark_id < 0 && track.body == body) FoundOne(T_odom_c, frame.features.points[i], track, next_id);
+    if (track.landmark_id < 0 && track.body == body) CreateOne(T_odom_c, frame.features.points[i], track, next_id);
   }
 }
 
@@ -162,11 +162,11 @@ void PointLandmarks::Initialise(const SE3& T_odom_c, TrackedFrame& frame, int64_
   landmarks_.clear();
   for (size_t i = 0; i < frame.features.points.size(); ++i) {
     FeatureTrack& track = frame.point_tracks[i];
-    if (track.IsOfWorld()) FoundOne(T_odom_c, frame.features.points[i], track, next_id);
+    if (track.IsOfWorld()) CreateOne(T_odom_c, frame.features.points[i], track, next_id);
   }
 }
 
-void PointLandmarks::FoundOne(const SE3& T_odom_c, const StereoPoint& seen, FeatureTrack& track, int64_t& next_id) {
+void PointLandmarks::CreateOne(const SE3& T_odom_c, const StereoPoint& seen, FeatureTrack& track, int64_t& next_id) {
   if (!seen.HasDepth() || seen.sigma_disparity_px > options_.max_relative_depth_sigma * seen.disparity_px) return;
   const Eigen::Vector3d uvd = Measurement(seen);
   const Eigen::Vector3d p_c = camera_.Backproject(uvd);

@@ -89,7 +89,7 @@ class PointLandmarks {
 
   /// Creates a landmark for each feature with depth that has none and is on this body (-1: the world), and sets its id
   /// in the frame's tracks.
-  void Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id, int body = -1);
+  void Create(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id, int body = -1);
 
   /// Removes all landmarks, and creates one for each feature of the world with depth; ids in the frame's tracks are
   /// kept: frame-to-frame odometry.
@@ -104,7 +104,7 @@ class PointLandmarks {
  private:
   void Fuse(const SE3& T_odom_c, const StereoPoint& seen, PointLandmark& landmark) const;
   void Age(const SE3& T_c_odom);
-  void FoundOne(const SE3& T_odom_c, const StereoPoint& seen, FeatureTrack& track, int64_t& next_id);
+  void CreateOne(const SE3& T_odom_c, const StereoPoint& seen, FeatureTrack& track, int64_t& next_id);
 
   StereoCamera camera_;
   OrbOptions orb_;

@@ -53,7 +53,7 @@ MotionPrediction RobotMotionModel::Predict(const MotionPrediction& own, double d
   prediction.covariance = Covariance(After(unseen_, dt_s)) - Covariance(unseen_);
   prediction.by_robot = true;
   const bool is_possible =
-      !own.goes_on || AreAlike(own.T_prev_c, prediction.T_prev_c, own.covariance + prediction.covariance);
+      !own.is_reliable || AreAlike(own.T_prev_c, prediction.T_prev_c, own.covariance + prediction.covariance);
   return is_possible ? prediction : own;
 }
 

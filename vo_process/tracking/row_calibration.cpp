@@ -20,7 +20,7 @@ constexpr double kRowModelError_px = 0.2;
 // Corners that are close together, or the same corner in several octaves, have common errors: a cell counts as one.
 constexpr double kRowHuber = 1.5;
 
-bool TellsItsRow(const StereoPoint& p) {
+bool HasPreciseRow(const StereoPoint& p) {
   return p.HasDepth() && p.sigma_row_px >= 0.0 && p.sigma_row_px < kMaxSigmaRow_px;
 }
 
@@ -34,7 +34,7 @@ std::vector<RowObservation> RowObservationsOf(const StereoFeatures& features, co
   std::vector<size_t> cells;
   for (size_t i = 0; i < features.points.size(); ++i) {
     const StereoPoint& point = features.points[i];
-    if (!TellsItsRow(point)) continue;
+    if (!HasPreciseRow(point)) continue;
     const Eigen::Vector2d place_px = point.left.px - Eigen::Vector2d(point.disparity_px, 0.0);
     cells.push_back(static_cast<size_t>(CellOf(place_px, camera)));
     ++n_in_cell[cells.back()];
@@ -108,7 +108,7 @@ bool RowCalibration::Observe(const StereoFeatures& features, const PairSkew& ske
   for (const RowObservation& observation : observations) Learn(observation);
   Compare(observations);
   const bool used_before = used_;
-  used_ = IsWorthIt();
+  used_ = IsSignificant();
   return used_ != used_before;
 }
 
@@ -138,7 +138,7 @@ void RowCalibration::Compare(const std::vector<RowObservation>& observations) {
   median_with_px_ += share * (with_px - median_with_px_);
 }
 
-bool RowCalibration::IsWorthIt() const {
+bool RowCalibration::IsSignificant() const {
   // An applied field is removed only if it is wrong, or small: each change disturbs the landmarks.
   if (used_) {
     return state_.norm() > kMinShareOfUsed * options_.min_offset_px &&

@@ -95,7 +95,7 @@ class RowCalibration {
   double Innovation_px(const RowObservation& observation) const;
   void Learn(const RowObservation& observation);
   void Compare(const std::vector<RowObservation>& observations);
-  bool IsWorthIt() const;
+  bool IsSignificant() const;
   RowField::Turn TurnShown() const;
 
   StereoCamera camera_;

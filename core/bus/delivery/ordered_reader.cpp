@@ -211,17 +211,17 @@ std::optional<OrderedReader::Request> OrderedReader::Poll(int64_t now) {
 
 void OrderedReader::GiveUp(int64_t now) {
   if (Front() != nullptr) return;  // the reader's own queue is full: no message is missing
-  const bool dead = now - heard_ > times_.silent_ns && now - progress_ > times_.silent_ns;
+  const bool exited = now - heard_ > times_.silent_ns && now - progress_ > times_.silent_ns;
   const bool hopeless = now - heard_ <= times_.absent_ns && now - progress_ > Patience(now);
-  if (!dead && !hopeless && !IsOneWayGap()) return;
+  if (!exited && !hopeless && !IsOneWayGap()) return;
   if (!started_) {
     if (buffer_.empty()) return;
     Start(buffer_.begin()->first, now);
-    if (dead) progress_ = heard_;  // nor for its other gaps
+    if (exited) progress_ = heard_;  // nor for its other gaps
     return;
   }
   SkipTo(buffer_.empty() ? known_end_ : buffer_.begin()->first);
-  if (!dead) progress_ = now;  // the other gaps of an exited publisher need no separate wait
+  if (!exited) progress_ = now;  // the other gaps of an exited publisher need no separate wait
 }
 
 /// Returns how long to wait for a gap of a publisher whose messages arrive. If large messages hardly get through, more
@@ -239,11 +239,11 @@ void OrderedReader::OnEnd() {
 
 /// Returns the time when `GiveUp` becomes due if no message arrives until then.
 int64_t OrderedReader::GiveUpTime() const {
-  const int64_t dead = std::max(heard_, progress_) + times_.silent_ns + 1;
+  const int64_t exited = std::max(heard_, progress_) + times_.silent_ns + 1;
   // The earliest time that exceeds its `Patience`.
   const int64_t hopeless = std::min(progress_ + times_.kept_ns + 1,
                                     std::max(progress_ + times_.hopeless_ns + 1, kept_ + times_.absent_ns));
-  return hopeless - heard_ <= times_.absent_ns ? std::min(dead, hopeless) : dead;
+  return hopeless - heard_ <= times_.absent_ns ? std::min(exited, hopeless) : exited;
 }
 
 void OrderedReader::Schedule() {

@@ -35,7 +35,7 @@ bool OrderedWriter::WindowOpen(size_t bytes, int64_t now) const {
                       [&](const auto& entry) { return Blocks(entry.second, WireCost(bytes), now); });
 }
 
-void OrderedWriter::LeaveBehind(size_t bytes, int64_t now) {
+void OrderedWriter::SuspendSlowReaders(size_t bytes, int64_t now) {
   for (auto& [id, reader] : readers_) {
     if (Blocks(reader, WireCost(bytes), now)) reader.behind = true;
   }

@@ -56,7 +56,7 @@ class OrderedWriter {
   /// Returns whether a message of that size may be sent now without overflowing the buffer of any reader.
   bool WindowOpen(size_t bytes, int64_t now) const;
   /// Stops waiting for the readers that keep the window shut, until they have caught up.
-  void LeaveBehind(size_t bytes, int64_t now);
+  void SuspendSlowReaders(size_t bytes, int64_t now);
 
   /// The message `next_seq()` has been sent.
   void Sent(Bytes message, int64_t now);

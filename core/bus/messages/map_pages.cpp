@@ -87,9 +87,9 @@ bool AppendOne(const Message& message, std::vector<Landmark>& to) {
     return true;
   }
   std::vector<Observation>& observations = to.back().observations;
-  const bool goes_on = !landmark->observations.empty() && !observations.empty() &&
-                       landmark->observations.front().keyframe_id > observations.back().keyframe_id;
-  if (!goes_on) return false;
+  const bool continues = !landmark->observations.empty() && !observations.empty() &&
+                         landmark->observations.front().keyframe_id > observations.back().keyframe_id;
+  if (!continues) return false;
   observations.insert(observations.end(), landmark->observations.begin(), landmark->observations.end());
   return true;
 }

@@ -48,15 +48,15 @@ LivePeers::Peer& LivePeers::PeerOf(int64_t source, int64_t now) {
 
 void LivePeers::Prove(int64_t source, int64_t now) { PeerOf(source, now).lives = true; }
 
-bool LivePeers::Lives(int64_t source) const {
+bool LivePeers::IsAlive(int64_t source) const {
   const auto found = peers_.find(source);
   return found != peers_.end() && found->second.lives;
 }
 
-LivePeers::Doubt LivePeers::Hear(int64_t source, int64_t now) {
+LivePeers::Doubt LivePeers::OnSignOfLife(int64_t source, int64_t now) {
   Peer& peer = PeerOf(source, now);
   Doubt doubt;
-  doubt.forlorn = now - peer.first > kAmpleTime;
+  doubt.is_overdue = now - peer.first > kAmpleTime;
   if (now - second_began_ >= kSecond) {
     second_began_ = now;
     asked_ = 0;

@@ -29,14 +29,14 @@ class LivePeers {
 
   /// A genuine message of `source` named us.
   void Prove(int64_t source, int64_t now);
-  bool Lives(int64_t source) const;
+  bool IsAlive(int64_t source) const;
 
   /// A genuine message of a source that has not named this process yet.
   struct Doubt {
-    bool ask = false;      ///< request now a message that names us (at most 100 such requests in a second, in all)
-    bool forlorn = false;  ///< it has had ample time to answer
+    bool ask = false;         ///< request now a message that names us (at most 100 such requests in a second, in all)
+    bool is_overdue = false;  ///< it has had ample time to answer
   };
-  Doubt Hear(int64_t source, int64_t now);
+  Doubt OnSignOfLife(int64_t source, int64_t now);
 
   /// Returns whether this request or announcement of `source` is a new one.
   bool TakeRequest(int64_t source, int64_t seq, int64_t now) { return PeerOf(source, now).requests.Take(seq); }

@@ -26,7 +26,7 @@ bool AreNamedAsPair(std::string left, const std::string& right) {
 }
 
 /// Two cameras of one make that look the same way, the one to the right of the other.
-bool StandAsPair(const NamedCamera& left, const NamedCamera& right) {
+bool FormStereoPair(const NamedCamera& left, const NamedCamera& right) {
   constexpr double kSameFocal = 0.03, kSameDirection_rad = 0.2;
   const CameraCalibration &l = left.camera, &r = right.camera;
   const SE3 T_l_r = l.T_b_cam.Inverse() * r.T_b_cam;
@@ -126,7 +126,7 @@ CameraPair ChoosePair(const std::vector<NamedCamera>& cameras, const std::string
   for (const bool by_topic : {true, false}) {
     for (size_t l = 0; l < cameras.size(); ++l) {
       for (size_t r = 0; r < cameras.size(); ++r) {
-        if (by_topic ? AreNamedAsPair(cameras[l].topic, cameras[r].topic) : StandAsPair(cameras[l], cameras[r])) {
+        if (by_topic ? AreNamedAsPair(cameras[l].topic, cameras[r].topic) : FormStereoPair(cameras[l], cameras[r])) {
           pairs.push_back({l, r, ""});
         }
       }

@@ -254,7 +254,7 @@ template <class... T>
 void FromBytes(std::span<const uint8_t> bytes, T&... values) {
   Reader read(bytes);
   read(values...);
-  if (!read.AtEnd()) throw std::runtime_error("the content has more than it promises");
+  if (!read.AtEnd()) throw std::runtime_error("the content is longer than its header says");
 }
 
 }  // namespace plslam::archive

@@ -45,7 +45,7 @@ StoredMap ReadContent(uint64_t format, Bytes content) {
   const int64_t line_observations = map_file::ReadLandmarks<MapLine>(read, stored);
   map_file::ReadLoops(read, stored.map);
   if (format != kWithoutImages) map_file::ReadImages(read, stored.features);
-  if (!read.AtEnd()) throw std::runtime_error("the content has more than it promises");
+  if (!read.AtEnd()) throw std::runtime_error("the content is longer than its header says");
   map_file::CheckObservationsOnce(stored.map, point_observations, line_observations);
   map_file::CheckWhole(stored);
   stored.map.TakeChanges();

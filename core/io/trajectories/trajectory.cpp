@@ -246,7 +246,7 @@ class RowReader {
   }
 
   /// Times of ten digits are a day apart and more as seconds: they are nanoseconds.
-  bool IsMistaken() const {
+  bool HasNanosecondTimes() const {
     constexpr int64_t kLongestStep_ns = 86'400 * kNsPerS;
     return in_seconds_ == InSeconds::kPerhaps && rows_.size() >= 2 &&
            std::abs(rows_[1].pose.t_ns - rows_[0].pose.t_ns) > kLongestStep_ns;
@@ -267,7 +267,8 @@ class RowReader {
       if (TookSeconds()) format_ = TrajectoryFormat::kTum;
     }
     const TrajectoryPose pose = ParseRow(row, *format_, index);
-    if (bad_rows_ == BadRows::kRefuse && !rows_.empty() && pose.t_ns <= rows_.back().pose.t_ns && !IsMistaken()) {
+    if (bad_rows_ == BadRows::kRefuse && !rows_.empty() && pose.t_ns <= rows_.back().pose.t_ns &&
+        !HasNanosecondTimes()) {
       row.Fail(NotAfter(pose.t_ns, rows_.back().pose.t_ns));
     }
     rows_.push_back({row.line, pose});
@@ -309,7 +310,7 @@ TrajectoryFile ReadTrajectoryFile(const std::string& path, std::optional<Traject
                                   const std::string& times_path) {
   RowReader reader(format, bad_rows);
   reader.Read(path, true);
-  if (reader.IsMistaken()) {
+  if (reader.HasNanosecondTimes()) {
     reader = RowReader(format, bad_rows);
     reader.Read(path, false);
   }

@@ -55,11 +55,11 @@ class AdjustedObservation {
   /// Both use the last evaluated fit.
   bool Agrees(const Gates& gates) const { return now.in_front && now.squared <= gates[cost.rows()]; }
   double Loss(double huber_delta) const {
-    return PseudoHuberLoss(now.in_front ? now.squared : SquaredBehind(), huber_delta);
+    return PseudoHuberLoss(now.in_front ? now.squared : SquaredBehindCamera(), huber_delta);
   }
 
   /// Squared residuals assigned to a landmark behind the camera.
-  double SquaredBehind() const {
+  double SquaredBehindCamera() const {
     constexpr double kSigmas = 30.0;
     return std::max(kSigmas * kSigmas, at_start.squared);
   }

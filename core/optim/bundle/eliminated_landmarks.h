@@ -32,13 +32,13 @@ class EliminatedLandmarks {
   virtual double Step(const Eigen::VectorXd& of_poses) = 0;
 
   /// Rolls the last step back.
-  virtual void TakeBack() = 0;
+  virtual void RollBack() = 0;
 
   /// Evaluates the current state.
   virtual double Loss() const = 0;
 
   /// Largest absolute element of the gradients.
-  virtual double Steepest() const = 0;
+  virtual double LargestGradient() const = 0;
 };
 
 template <class Cost>
@@ -49,9 +49,9 @@ class LandmarkElimination final : public EliminatedLandmarks {
   double Linearise(PoseSystem& poses) override;
   bool Eliminate(const Damping& damping, PoseSystem& poses) override;
   double Step(const Eigen::VectorXd& of_poses) override;
-  void TakeBack() override;
+  void RollBack() override;
   double Loss() const override;
-  double Steepest() const override;
+  double LargestGradient() const override;
 
  private:
   static constexpr int kSize = ObservationGroup<Cost>::kSize;
@@ -228,7 +228,7 @@ double LandmarkElimination<Cost>::Step(const Eigen::VectorXd& of_poses) {
 }
 
 template <class Cost>
-void LandmarkElimination<Cost>::TakeBack() {
+void LandmarkElimination<Cost>::RollBack() {
   for (Block& block : blocks_) block.landmark->x = block.before;
 }
 
@@ -243,7 +243,7 @@ double LandmarkElimination<Cost>::Loss() const {
 }
 
 template <class Cost>
-double LandmarkElimination<Cost>::Steepest() const {
+double LandmarkElimination<Cost>::LargestGradient() const {
   double steepest = 0.0;
   for (const Block& block : blocks_) steepest = std::max(steepest, block.g.cwiseAbs().maxCoeff());
   return steepest;

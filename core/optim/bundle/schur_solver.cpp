@@ -45,10 +45,10 @@ BundlePass SchurSolver::Run(StepControl& control, bool trim) {
     const double gain = loss - Loss();
     if (gain > TrustRegion::kMinGainRatio * *predicted_reduction) {
       region.Accepted(gain / *predicted_reduction);
-      if (!control.GoesOn()) break;
+      if (!control.ShouldContinue()) break;
       if (pass.iterations < options_.max_iterations && !pass.stopped) loss = Linearise();
     } else {
-      TakeBack();
+      RollBack();
       region.Rejected();
       if (gain == 0.0) break;
     }
@@ -71,7 +71,7 @@ double SchurSolver::Loss() const {
 
 bool SchurSolver::IsFlat() const {
   double steepest = system_.g().size() == 0 ? 0.0 : system_.g().cwiseAbs().maxCoeff();
-  for (const EliminatedLandmarks* kind : kinds_) steepest = std::max(steepest, kind->Steepest());
+  for (const EliminatedLandmarks* kind : kinds_) steepest = std::max(steepest, kind->LargestGradient());
   return steepest <= kFlat;
 }
 
@@ -94,17 +94,17 @@ std::optional<double> SchurSolver::Step(const Damping& damping) {
     poses_[i].Update();
   }
   if (predicted_reduction > 0.0) return predicted_reduction;
-  TakeBack();
+  RollBack();
   return std::isfinite(predicted_reduction) ? std::optional(predicted_reduction) : std::nullopt;
 }
 
-void SchurSolver::TakeBack() {
+void SchurSolver::RollBack() {
   for (size_t i = 0; i < poses_.size(); ++i) {
     if (!poses_[i].IsFree()) continue;
     poses_[i].x = before_[i];
     poses_[i].Update();
   }
-  for (EliminatedLandmarks* kind : kinds_) kind->TakeBack();
+  for (EliminatedLandmarks* kind : kinds_) kind->RollBack();
 }
 
 }  // namespace plslam

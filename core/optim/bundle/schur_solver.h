@@ -34,7 +34,7 @@ class SchurSolver {
   /// Returns the predicted reduction of the loss; if it is not positive, the state has not changed. Returns nullopt if
   /// the system cannot be solved.
   std::optional<double> Step(const Damping& damping);
-  void TakeBack();
+  void RollBack();
 
   std::vector<AdjustedPose>& poses_;
   const RelativePoses& relative_;

@@ -19,7 +19,7 @@ void StepControl::Start(bool trim) {
   other_loss_ = observations_.other_loss();
 }
 
-bool StepControl::GoesOn() {
+bool StepControl::ShouldContinue() {
   const LossSum now = observations_.loss();
   const double before = std::exchange(loss_, now.loss);
   const double gain = before - now.loss;

@@ -44,7 +44,7 @@ class StepControl {
   void Start(bool trim);
 
   /// Called after an accepted step. Returns whether another one is worthwhile.
-  bool GoesOn();
+  bool ShouldContinue();
 
   bool IsStopped() const { return stop_ && *stop_; }
 

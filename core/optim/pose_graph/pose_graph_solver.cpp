@@ -42,8 +42,8 @@ class Descent {
     chi2_ = Linearise();
     int without_step = 0;
     bool failed = false;
-    bool goes_on = true;
-    while (goes_on && solve.iterations < options_.max_iterations) {
+    bool improving = true;
+    while (improving && solve.iterations < options_.max_iterations) {
       ++solve.iterations;
       const std::optional<Eigen::VectorXd> step = Step(region.damping());
       const double predicted = step ? step->dot(damping_.cwiseProduct(*step) - g_) : 0.0;
@@ -61,13 +61,13 @@ class Descent {
       const double gain = chi2_ - chi2;
       if (gain > TrustRegion::kMinGainRatio * predicted) {
         region.Accepted(gain / predicted);
-        goes_on = gain > options_.function_tolerance * chi2_;
+        improving = gain > options_.function_tolerance * chi2_;
         T_w_kf_ = std::move(moved);
         chi2_ = chi2;
-        if (goes_on && solve.iterations < options_.max_iterations) Linearise();
+        if (improving && solve.iterations < options_.max_iterations) Linearise();
       } else {
         region.Rejected();
-        goes_on = gain != 0.0;
+        improving = gain != 0.0;
       }
     }
     solve.chi2 = chi2_;

@@ -90,7 +90,7 @@ void BlockCholesky<N>::Analyse(const SymmetricBlocks<N>& matrix) {
 
 /// Returns the index of a block in `blocks_`, or where it would be inserted.
 template <int N>
-size_t BlockCholesky<N>::PlaceOf(int row, size_t column) const {
+size_t BlockCholesky<N>::IndexOf(int row, size_t column) const {
   const auto begin = rows_.begin() + static_cast<std::ptrdiff_t>(first_[column]);
   const auto end = rows_.begin() + static_cast<std::ptrdiff_t>(first_[column + 1]);
   return static_cast<size_t>(std::lower_bound(begin, end, row) - rows_.begin());
@@ -105,9 +105,9 @@ void BlockCholesky<N>::Fill(const SymmetricBlocks<N>& matrix) {
     for (const auto& [column, block] : matrix.rows[row]) {
       const int other = place_of_[static_cast<size_t>(column)];
       if (place > other) {
-        blocks_[PlaceOf(place, static_cast<size_t>(other))] = matrix.below[block];
+        blocks_[IndexOf(place, static_cast<size_t>(other))] = matrix.below[block];
       } else {
-        blocks_[PlaceOf(other, static_cast<size_t>(place))] = matrix.below[block].transpose();
+        blocks_[IndexOf(other, static_cast<size_t>(place))] = matrix.below[block].transpose();
       }
     }
   }
@@ -190,7 +190,7 @@ Eigen::Matrix<double, N, N> BlockCholesky<N>::Inverse(int row, int column) const
   if (place == other) return inverse_diagonal_[static_cast<size_t>(place)];
   const auto earlier = static_cast<size_t>(std::min(place, other));
   const int later = std::max(place, other);
-  const size_t found = PlaceOf(later, earlier);
+  const size_t found = IndexOf(later, earlier);
   if (found == first_[earlier + 1] || rows_[found] != later) return Block::Zero();
   return place > other ? inverse_blocks_[found] : Block(inverse_blocks_[found].transpose());
 }

@@ -63,7 +63,7 @@ class BlockCholesky {
   void Fill(const SymmetricBlocks<N>& matrix);
   void InvertColumn(size_t column);
   bool FactoriseColumn(size_t column);
-  size_t PlaceOf(int row, size_t column) const;
+  size_t IndexOf(int row, size_t column) const;
 
   size_t n_analysed_ = 0;
   std::vector<int> place_of_;  ///< index in L of a row of the matrix

@@ -130,7 +130,7 @@ bool FrameSender::Begin(const std::optional<ResumePoint>& resume) {
     n_sent_ = resume->frame_id + 1;
     newest_sent_ = std::max(newest_sent_, resume->frame_id);
     process_.SetCounter("frames.resumed_at", static_cast<double>(n_sent_));
-    spdlog::info("goes on behind frame {}", resume->frame_id);
+    spdlog::info("resuming after frame {}", resume->frame_id);
   }
   n_bad_ = source_->Begin(resume);
   return !turn_.stopped();
@@ -144,7 +144,7 @@ void FrameSender::SendAll() {
   do {
     if (!SendRest()) return;
     PublishStream("end", n_sent_);
-  } while (IsGoneBack());
+  } while (IsRewound());
 }
 
 /// If the source fails, the end of the stream is published, so that readers finish the frames that were sent.
@@ -183,7 +183,7 @@ bool FrameSender::WaitForReaders(bool silent_too) {
   const std::chrono::duration<double> patience(process_.bus().options().give_up_s);
   int64_t acknowledged = process_.bus().acknowledged();
   auto changed = Turn::Clock::now();
-  while (!turn_.stopped() && !turn_.WaitForGoBack(kNow)) {
+  while (!turn_.stopped() && !turn_.WaitForRewind(kNow)) {
     if (silent_too ? process_.bus().FlushToSilent(kFlushTick) : process_.bus().Flush(kFlushTick)) return true;
     const auto now = Turn::Clock::now();
     if (std::exchange(acknowledged, process_.bus().acknowledged()) != acknowledged) changed = now;
@@ -196,13 +196,13 @@ bool FrameSender::WaitForReaders(bool silent_too) {
 }
 
 /// Frames may be requested again after the end of the stream, too, as long as the process runs.
-bool FrameSender::IsGoneBack() {
+bool FrameSender::IsRewound() {
   if (WaitForReaders()) {
     process_.SetState(process_state::kFinished,
                       fmt::format("{} frames sent, {} bad, {} late", n_sent_, n_bad_, n_late_));
     if (options_.exit && WaitForReaders(true)) process_.Finish();
     running_ = false;
-    while (!turn_.stopped() && !turn_.WaitForGoBack(kWaitingTick)) {
+    while (!turn_.stopped() && !turn_.WaitForRewind(kWaitingTick)) {
     }
   }
   return !turn_.stopped() && Begin(turn_.GoBack());

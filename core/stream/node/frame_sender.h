@@ -56,7 +56,7 @@ class FrameSender {
   bool SendRest();
   std::optional<LoadedFrame> NextFrame();
   bool WaitForReaders(bool silent_too = false);
-  bool IsGoneBack();
+  bool IsRewound();
   bool Begin(const std::optional<ResumePoint>& resume);
   void OnCommand(const command_t& command);
   void OnGoBack(const command_t& command);

@@ -54,9 +54,9 @@ void Turn::Stop() {
 
 Turn::Event Turn::WaitForPose(Clock::duration limit) {
   std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, limit, [this] { return stopped_ || MustGoBack() || has_pose_ || new_reader_; });
+  changed_.wait_for(lock, limit, [this] { return stopped_ || MustRewind() || has_pose_ || new_reader_; });
   if (stopped_) return Event::kStopped;
-  if (MustGoBack()) return Event::kGoBack;
+  if (MustRewind()) return Event::kGoBack;
   go_back_.reset();
   if (has_pose_) return Event::kPose;
   if (!new_reader_) return Event::kTimeout;
@@ -64,10 +64,10 @@ Turn::Event Turn::WaitForPose(Clock::duration limit) {
   return Event::kNewReader;
 }
 
-bool Turn::WaitForGoBack(Clock::duration limit) {
+bool Turn::WaitForRewind(Clock::duration limit) {
   std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, limit, [this] { return stopped_ || MustGoBack(); });
-  return !stopped_ && MustGoBack();
+  changed_.wait_for(lock, limit, [this] { return stopped_ || MustRewind(); });
+  return !stopped_ && MustRewind();
 }
 
 ResumePoint Turn::GoBack() {
@@ -90,9 +90,9 @@ bool Turn::paused() const {
 
 Turn::Event Turn::WaitWhilePaused() {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return stopped_ || MustGoBack() || !paused_; });
+  changed_.wait(lock, [this] { return stopped_ || MustRewind() || !paused_; });
   if (stopped_) return Event::kStopped;
-  return MustGoBack() ? Event::kGoBack : Event::kPose;
+  return MustRewind() ? Event::kGoBack : Event::kPose;
 }
 
 bool Turn::WaitUntil(Clock::time_point time) {

@@ -40,7 +40,7 @@ class Turn {
   /// Waits for an event of the expected frame.
   Event WaitForPose(Clock::duration limit);
   /// Waits until a reader requests frames again; false at the limit, or if the process ends first.
-  bool WaitForGoBack(Clock::duration limit);
+  bool WaitForRewind(Clock::duration limit);
   /// After kGoBack: returns the frame after which to resume. Poses that have arrived for later frames are forgotten.
   ResumePoint GoBack();
   void SetPaused(bool paused);
@@ -52,7 +52,7 @@ class Turn {
   bool stopped() const;
 
  private:
-  bool MustGoBack() const { return go_back_ && expected_ && go_back_->frame_id < expected_->frame_id; }
+  bool MustRewind() const { return go_back_ && expected_ && go_back_->frame_id < expected_->frame_id; }
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;

@@ -32,7 +32,7 @@ SE3 SomePose(std::mt19937_64& random, double size) {
 
 void ExpectNear(const SE3& a, const SE3& b) { EXPECT_LT((a.Inverse() * b).Log().norm(), 1e-9); }
 
-TEST(BodyPose, CameraThatNobodyHasMountedLooksAlongX) {
+TEST(BodyPose, CameraWithoutMountingLooksAlongX) {
   const SE3 T_b_c = BodyFromCamera(Rig());
   EXPECT_LT((T_b_c * Eigen::Vector3d(0, 0, 1) - Eigen::Vector3d(1, 0, 0)).norm(), 1e-9) << "ahead";
   EXPECT_LT((T_b_c * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(0, -1, 0)).norm(), 1e-9) << "right";
@@ -49,7 +49,7 @@ TEST(BodyPose, MountedCameraHasTheRigsTransform) {
 }
 
 // One metre ahead and a turn to the left, as the camera sees it: y of a camera points down.
-TEST(BodyPose, AxesAndVelocityAreThoseOfRos) {
+TEST(BodyPose, AxesAndVelocityFollowRos) {
   CameraPose camera;
   const double turn = 0.1;
   const Eigen::Quaterniond left(Eigen::AngleAxisd(-turn, Eigen::Vector3d::UnitY()));

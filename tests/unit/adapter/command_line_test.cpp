@@ -39,7 +39,7 @@ TEST(AdapterCommandLine, WinsOverTheConfiguration) {
   EXPECT_EQ(Parse({}, config).left, "/from_file");
 }
 
-TEST(AdapterCommandLine, TakesNoOdometryOfItsOwnForThatOfTheRobot) {
+TEST(AdapterCommandLine, RejectsItsOwnOdometryAsInput) {
   Config config;
   config.Override("adapter.robot_odometry=/wheels#nav_msgs.Odometry");
   EXPECT_EQ(Parse({"--left", "/l", "--right", "/r"}, config).robot_odometry, "/wheels#nav_msgs.Odometry");
@@ -47,7 +47,7 @@ TEST(AdapterCommandLine, TakesNoOdometryOfItsOwnForThatOfTheRobot) {
   EXPECT_THROW(Parse({"--left", "/l", "--right", "/r"}, config), std::runtime_error);
 }
 
-TEST(InfoChannel, StandsBesideTheImages) {
+TEST(InfoChannel, IsBesideTheImages) {
   EXPECT_EQ(InfoChannelOf("/left#sensor_msgs.Image"), "/left/camera_info#sensor_msgs.CameraInfo");
   EXPECT_EQ(InfoChannelOf("/a/left/image_raw#sensor_msgs.Image"), "/a/left/camera_info#sensor_msgs.CameraInfo");
   EXPECT_EQ(InfoChannelOf("LEFT"), "LEFT/camera_info");

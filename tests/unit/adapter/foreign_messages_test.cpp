@@ -28,7 +28,7 @@ using testing::HasSubstr;
 
 // Fingerprints from the public definitions: a wrong name, type or order of a member changes them. The fingerprint of
 // bot_core.images_t is computed by our own code.
-TEST(ForeignTypes, HaveTheFingerprintsThatOthersKnow) {
+TEST(ForeignTypes, HaveTheFingerprintsOfOtherPrograms) {
   const std::map<std::string, uint64_t> known = {
       {"bot_core.pose_t", 0x2e16efb052b0105e},
       {"bot_core.image_metadata_t", 0x9a4b634d0577fb8e},
@@ -102,7 +102,7 @@ TEST(ForeignMessages, LeftAndRightOfABotPairAmongOthers) {
   EXPECT_EQ(left.encoding, "mono8");
 }
 
-TEST(ForeignMessages, BotPairsThatCannotBeAreNamed) {
+TEST(ForeignMessages, InvalidBotPairsAreNamed) {
   bot_core::images_t pair = BotPair();
   pair.image_types[2] = 7;
   EXPECT_THAT(Complaint([&] { PairFromBytes(Encoded(pair)); }), HasSubstr("has no left image"));
@@ -132,7 +132,7 @@ TEST(ForeignMessages, OdometryOfARobotIsAPoseOfItsBody) {
   EXPECT_LT((ahead - Eigen::Vector3d(3.0, 1.0, 0.0)).norm(), 1e-12);
 }
 
-TEST(ForeignMessages, OdometryThatCannotBeIsNamed) {
+TEST(ForeignMessages, InvalidOdometryIsNamed) {
   nav_msgs::Odometry bad = Wheels();
   bad.pose.pose.orientation = {};
   EXPECT_THAT(Complaint([&] { RobotPoseFromBytes(Encoded(bad)); }), HasSubstr("has a pose that cannot be"));

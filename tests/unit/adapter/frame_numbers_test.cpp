@@ -9,14 +9,14 @@ namespace {
 constexpr int64_t kT_ns = 1'764'000'000'000'000'000;
 constexpr int64_t kPeriod_ns = 50'000'000;
 
-TEST(FrameNumbers, GoOnAfterAKill) {
+TEST(FrameNumbers, ContinueAfterARestart) {
   FrameNumbers before, after;
   const int64_t last = (before.Next(kT_ns), before.Next(kT_ns + kPeriod_ns));
   EXPECT_GT(after.Next(kT_ns + 2 * kPeriod_ns), last);
   EXPECT_LT(last, int64_t{1} << 31);
 }
 
-TEST(FrameNumbers, AscendAcrossEqualTimesTimesThatGoBackAndTheirEnd) {
+TEST(FrameNumbers, AscendForRepeatedDecreasingAndLastTimes) {
   FrameNumbers numbers;
   int64_t last = numbers.Next(kT_ns);
   constexpr int64_t kAll_ns = 5'000'000 * (int64_t{1} << 31);

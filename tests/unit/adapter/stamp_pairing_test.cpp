@@ -31,7 +31,7 @@ class Pairing {
 
 constexpr std::pair<int64_t, int64_t> kNone = {-1, -1};
 
-TEST(StampPairing, WhicheverComesFirst) {
+TEST(StampPairing, PairsInEitherOrder) {
   Pairing pairing(0);
   EXPECT_EQ(pairing.Add(Side::kLeft, 100), kNone);
   EXPECT_EQ(pairing.Add(Side::kRight, 100), std::pair(int64_t{100}, int64_t{100}));
@@ -50,7 +50,7 @@ TEST(StampPairing, NearestWithinTheSkew) {
   EXPECT_EQ(pairing.Add(Side::kRight, 151), kNone);
 }
 
-TEST(StampPairing, LostImagesAreCountedAndHoldNothingUp) {
+TEST(StampPairing, LostImagesAreCountedWithoutDelay) {
   Pairing pairing(0);
   for (int64_t t = 0; t < 1000; ++t) {
     EXPECT_EQ(pairing.Add(Side::kLeft, t), kNone);
@@ -73,7 +73,7 @@ TEST(StampPairing, ImagesASecondLate) {
   EXPECT_EQ(pairing.unpaired(), 0);
 }
 
-TEST(StampPairing, ACameraThatIsSilentHoldsFewImages) {
+TEST(StampPairing, FewImagesAreKeptForASilentCamera) {
   Pairing pairing(0);
   for (int64_t i = 0; i < 1000; ++i) pairing.Add(Side::kLeft, i * 50'000'000);
   EXPECT_EQ(pairing.unpaired(), 1000 - 31) << "1.5 s of them wait";

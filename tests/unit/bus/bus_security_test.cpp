@@ -93,7 +93,7 @@ TEST_F(BusSecurity, SameKeyIsAcceptedOthersAreRejected) {
   ASSERT_TRUE(received.Reaches(1));
 }
 
-TEST_F(BusSecurity, KeyThatOthersCanReadIsWarnedOf) {
+TEST_F(BusSecurity, KeyReadableByOthersGivesAWarning) {
   const std::string key = KeyFile('a');
   const auto warning = [&](mode_t mode) {
     chmod(key.c_str(), mode);
@@ -112,7 +112,7 @@ TEST_F(BusSecurity, KeyThatOthersCanReadIsWarnedOf) {
   EXPECT_EQ(warning(0400), "");
 }
 
-TEST_F(BusSecurity, WithoutAKeyBothKindsAreAccepted) {
+TEST_F(BusSecurity, SignedAndUnsignedAreAcceptedWithoutAKey) {
   Waiter received;
   RunningBus reader(Options(), "reader");
   reader->Subscribe<pose_t>(kPose, [&](const pose_t&) { received.Add(); });
@@ -140,7 +140,7 @@ TEST_F(BusSecurity, AnyChangedBitIsRejected) {
   }
 }
 
-TEST_F(BusSecurity, NumbersNearTheEndOfAllNumbersAreRejected) {
+TEST_F(BusSecurity, SequenceNumbersNearTheMaximumAreRejected) {
   Waiter received;
   RunningBus reader(Options(), "reader");
   reader->Subscribe<pose_t>(kPose, [&](const pose_t&) { received.Add(); });
@@ -204,7 +204,7 @@ class Eavesdropper {
   RunningBus bus_;
 };
 
-TEST_F(BusSecurity, WithAKeyWhatThePublisherSaidBeforeItDiedIsNotBelieved) {
+TEST_F(BusSecurity, ReplayedMessagesOfAnExitedPublisher) {
   Eavesdropper eavesdropper(url_);
   {
     Waiter received;
@@ -236,7 +236,7 @@ TEST_F(BusSecurity, WithAKeyWhatThePublisherSaidBeforeItDiedIsNotBelieved) {
   EXPECT_EQ(frames, std::vector<int64_t>{77});
 }
 
-TEST_F(BusSecurity, WithAKeyReadersThatDiedAreNotWaitedFor) {
+TEST_F(BusSecurity, ReplayedRequestsDoNotReviveAReader) {
   Eavesdropper eavesdropper(url_);
   {
     RunningBus reader(Options(KeyFile('a')), "reader");
@@ -251,7 +251,7 @@ TEST_F(BusSecurity, WithAKeyReadersThatDiedAreNotWaitedFor) {
   EXPECT_EQ(publisher.ReaderCount(kPose), 0);
 }
 
-TEST_F(BusSecurity, WithAKeyRequestsCountOnce) {
+TEST_F(BusSecurity, RequestsCountOnceWithAKey) {
   Eavesdropper eavesdropper(url_);
   Waiter received;
   RunningBus reader(Options(KeyFile('a')), "reader");
@@ -276,18 +276,18 @@ TEST_F(BusSecurity, WithAKeyRequestsCountOnce) {
   EXPECT_EQ(received.value(), 50);
 }
 
-TEST_F(BusSecurity, ComplaintsNameTheKindInOneLine) {
+TEST_F(BusSecurity, ComplaintsNameTheRejectionInOneLine) {
   RunningBus reader(Options(KeyFile('a')), "reader");
   reader->Subscribe<pose_t>(kPose, [](const pose_t&) {});
   reader.Start();
-  EXPECT_EQ(reader->Complaints(), "");
+  EXPECT_EQ(reader->Problems(), "");
   auto other_version = Encoded(42, 0);
   other_version[3] ^= 1;  // LCM's fingerprint of the type
   wire_.Send("POSE", other_version);
   wire_.Send("POSE", Encoded(42, 0));
   wire_.Send("robot2/STATUS", Encoded(42, 0));
-  ASSERT_TRUE(Eventually([&] { return reader->Complaints().find("robot2/") != std::string::npos; }));
-  EXPECT_EQ(reader->Complaints(),
+  ASSERT_TRUE(Eventually([&] { return reader->Problems().find("robot2/") != std::string::npos; }));
+  EXPECT_EQ(reader->Problems(),
             "messages rejected: 1 of another version (POSE), 1 without bus.key_file (POSE); processes with "
             "prefix 'robot2/' are heard too");
 }
@@ -314,7 +314,7 @@ TEST_F(BusSecurity, MalformedDatagramsAreRejectedAndHarmless) {
   EXPECT_TRUE(received.Reaches(1));
 }
 
-TEST_F(BusSecurity, LyingRequestsAndAnnouncementsDoNotStopTheTraffic) {
+TEST_F(BusSecurity, FalseRequestsAndAnnouncementsAreHarmless) {
   Waiter received;
   int64_t next = 0;
   RunningBus reader(Options(), "reader");

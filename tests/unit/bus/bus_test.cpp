@@ -77,7 +77,7 @@ TEST(Bus, TwoProcessesExchangeOrderedMessages) {
 /// Everything published arrives in order although the reader throws datagrams away.
 class LossyBus : public testing::TestWithParam<double> {};
 
-TEST_P(LossyBus, OrderedMessagesArriveAllTheSame) {
+TEST_P(LossyBus, OrderedMessagesArriveDespiteLosses) {
   const std::string url = PrivateUrl();
   BusOptions options = OptionsFor(url);
   options.drop_fraction = GetParam();
@@ -124,7 +124,7 @@ TEST(Bus, LateJoinerGetsEverythingFromTheFirstMessageOn) {
   EXPECT_EQ(reader->counters().lost, reader->counters().repaired);
 }
 
-TEST(Bus, WhoeverIsHeardLateMissesNothingThatOthersHave) {
+TEST(Bus, LateReaderGetsAcknowledgedMessages) {
   const std::string url = PrivateUrl();
   static_assert(kCommand.retention == Retention::kUnacknowledged);
   Waiter first, second;
@@ -142,7 +142,7 @@ TEST(Bus, WhoeverIsHeardLateMissesNothingThatOthersHave) {
   EXPECT_TRUE(second.Reaches(10)) << second.value();
 }
 
-TEST(Bus, ReaderKnowsWhenAPublisherDiedWithItsHistory) {
+TEST(Bus, ReaderGivesUpGapsOfAnExitedPublisher) {
   const std::string url = PrivateUrl();
   BusOptions deaf = OptionsFor(url);
   deaf.drop_fraction = 0.5;
@@ -173,7 +173,7 @@ TEST(Bus, ReaderKnowsWhenAPublisherDiedWithItsHistory) {
   }));
 }
 
-TEST(Bus, SlowHandlerHoldsThePublisherBackAndLosesNothing) {
+TEST(Bus, SlowHandlerThrottlesThePublisher) {
   const std::string url = PrivateUrl();
   BusOptions options = OptionsFor(url);
   options.queue_bytes = 200'000;
@@ -231,7 +231,7 @@ TEST(Bus, LatestMessageOvertakesOlderOnes) {
   EXPECT_EQ(frames, (std::vector<int64_t>{0, 10}));
 }
 
-TEST(Bus, BestEffortReaderNeitherAsksNorHoldsBack) {
+TEST(Bus, BestEffortReaderNeitherRequestsNorThrottles) {
   const std::string url = PrivateUrl();
   Waiter received;
   RunningBus reader(OptionsFor(url), "reader");
@@ -312,7 +312,7 @@ TEST(Bus, StopsBeforeRun) {
   bus.Run();
 }
 
-TEST(Bus, RefusesWhatCannotWorkInOneSentence) {
+TEST(Bus, InvalidOptionsAreRefused) {
   const auto error_of = [](const BusOptions& options) -> std::string {
     try {
       const Bus bus(options, "test");
@@ -335,7 +335,7 @@ TEST(Bus, RefusesWhatCannotWorkInOneSentence) {
   EXPECT_THAT(error_of(options), HasSubstr("bus.prefix"));
 }
 
-TEST(Bus, RefusesMessagesThatDoNotFitOrDoNotBelong) {
+TEST(Bus, RefusesOversizedMessagesAndOtherTypes) {
   Bus bus(OptionsFor("memq://"), "test");
   status_t status{};
   status.configuration.assign(70'000, 'x');

@@ -54,7 +54,7 @@ TEST(Convert, PoseSurvivesTheWire) {
   EXPECT_GE(ToMessage(SE3(Eigen::Quaterniond(-0.5, 0.5, 0.5, 0.5), {0, 0, 0})).q_wxyz[0], 0.0);
 }
 
-TEST(Convert, PosesKeepTheirBitsHoweverOftenTheyTravel) {
+TEST(Convert, RepeatedConversionKeepsTheBitsOfPoses) {
   for (int i = 0; i < 1000; ++i) {
     const pose3_t sent = ToMessage(SE3::Exp(Vector6d::Random()) * SE3::Exp(Vector6d::Random()));
     const auto T = FromMessage(sent);
@@ -65,7 +65,7 @@ TEST(Convert, PosesKeepTheirBitsHoweverOftenTheyTravel) {
   }
 }
 
-TEST(Convert, PosesThatAreNoneAreRefused) {
+TEST(Convert, InvalidPosesAreRefused) {
   for (const double bad : {kNan, kInf, -kInf, 2.0}) {
     for (int i = 0; i < 4; ++i) {
       pose3_t message = ToMessage(SomePose());
@@ -99,7 +99,7 @@ TEST(Convert, CovarianceIsRowMajorAndChecked) {
   EXPECT_FALSE(FromArray(values)) << "not symmetric";
 }
 
-TEST(Convert, DescriptorBitsKeepTheirPlaces) {
+TEST(Convert, DescriptorBitsKeepTheirOrder) {
   const Descriptor descriptor = {0x0123456789abcdef, 1, 0, 0xff00000000000000};
   uint8_t bytes[32];
   ToBytes(descriptor, bytes);
@@ -146,7 +146,7 @@ TEST(Convert, LargestMasksFitOneDatagram) {
   }
 }
 
-TEST(Convert, RigsThatCannotBeAreRefused) {
+TEST(Convert, InvalidRigsAreRefused) {
   const std::vector<std::function<void(camera_t&)>> faults = {
       [](camera_t& c) { c.kind = "mono"; },
       [](camera_t& c) { c.left.width_px = 0; },
@@ -177,7 +177,7 @@ TEST(Convert, RigsThatCannotBeAreRefused) {
   }
 }
 
-TEST(Convert, FeaturesThatCannotBeAreRefused) {
+TEST(Convert, InvalidFeaturesAreRefused) {
   for (const float bad : {static_cast<float>(kNan), static_cast<float>(kInf)}) {
     for (const auto member :
          {&point_feature_t::u_px, &point_feature_t::v_px, &point_feature_t::disparity_px, &point_feature_t::sigma_px,

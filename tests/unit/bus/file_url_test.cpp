@@ -28,7 +28,7 @@ void WritePoses(const std::string& log, int n) {
   }
 }
 
-TEST(FileUrl, BehindTheEndOnlyWakeIsWaitedFor) {
+TEST(FileUrl, ReceiveAfterTheEndWaitsForWake) {
   const TemporaryFolder folder;
   const std::string log = folder / "log";
   WritePoses(log, 5);
@@ -50,7 +50,7 @@ TEST(FileUrl, BehindTheEndOnlyWakeIsWaitedFor) {
   EXPECT_LT(duration_of_receive(std::chrono::seconds(60)), std::chrono::seconds(30));
 }
 
-TEST(FileUrl, OfARecordedLogFeedsAReader) {
+TEST(FileUrl, RecordedLogFeedsAReader) {
   const TemporaryFolder folder;
   const std::string log = folder / "log";
   WritePoses(log, 50);
@@ -73,7 +73,7 @@ TEST(FileUrl, OfARecordedLogFeedsAReader) {
 }
 
 // As lcm-logger makes them where datagrams are dropped.
-TEST(FileUrl, WhatALogLacksEndsNothing) {
+TEST(FileUrl, MissingMessagesDoNotEndTheLog) {
   const TemporaryFolder folder;
   WritePoses(folder / "whole", 20);
   {

@@ -39,7 +39,7 @@ TEST(FrameAssembler, TakesStripsInAnyOrderAndMoreThanOnce) {
   EXPECT_EQ(assembler.partial(), 0U);
 }
 
-TEST(FrameAssembler, RefusesStripsThatDoNotFitTogether) {
+TEST(FrameAssembler, RefusesInconsistentStrips) {
   const std::vector<std::function<void(image_strip_t&)>> faults = {
       [](image_strip_t& s) { s.camera = 2; },
       [](image_strip_t& s) { s.camera = -1; },

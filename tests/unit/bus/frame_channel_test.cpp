@@ -122,7 +122,7 @@ struct StressCase {
 
 class LockstepStress : public testing::TestWithParam<StressCase> {};
 
-TEST_P(LockstepStress, NothingLostAndRateKeptWithDefaultBufferAndBusyCores) {
+TEST_P(LockstepStress, DefaultBufferAndBusyCores) {
   const StressCase& c = GetParam();
   const int n = static_cast<int>(3 * c.rate_hz);
   LockstepResult result;
@@ -151,7 +151,7 @@ INSTANTIATE_TEST_SUITE_P(Rates, LockstepStress,
                          [](const auto& test) { return test.param.name; });
 
 /// A player that has waited long for a pose resends its frame: it is delivered once, and no frame counts as skipped.
-TEST(FramePublisher, RefusesWhatReadersWouldNotTakeBeforeAnythingIsSent) {
+TEST(FramePublisher, RefusesImagesLargerThanReadersAccept) {
   Bus bus(OptionsFor("memq://"), "player");
   FramePublisher publisher(bus, true);
   const auto error_of = [&](const cv::Size& left, const cv::Size& right, int right_type) -> std::string {
@@ -177,7 +177,7 @@ TEST(FramePublisher, RefusesWhatReadersWouldNotTakeBeforeAnythingIsSent) {
   EXPECT_EQ(error_of(small, {8000, 100}, CV_16UC1), "");
 }
 
-TEST(FrameChannel, FramesSentAgainInLockstepComeAgainAndNoneIsSkipped) {
+TEST(FrameChannel, ResentFramesAreDeliveredInLockstep) {
   const std::string url = PrivateUrl();
   Waiter handled;
   int64_t skipped = 0;
@@ -296,7 +296,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, FrameSizes,
                                          std::tuple{640, 480, CV_16UC1, 60'000}, std::tuple{1, 1, CV_8UC1, 60'000},
                                          std::tuple{64, 48, CV_16UC1, 1000}));
 
-TEST(FrameChannel, PicturesAreTakenOnlyWhenWanted) {
+TEST(FrameChannel, PicturesAreReceivedOnlyIfRequested) {
   const std::string url = PrivateUrl();
   Waiter handled;
   RunningBus reader(OptionsFor(url), "viewer");
@@ -339,7 +339,7 @@ TEST(FrameChannel, SlowReaderOfPicturesGetsEveryFrameInLockstep) {
   EXPECT_TRUE(handled.Reaches(kFrames)) << handled.value();
 }
 
-TEST(FrameChannel, ReaderOfPicturesHoldsNobodyUpInRealTime) {
+TEST(FrameChannel, PictureReaderDoesNotThrottleInRealTime) {
   const std::string url = PrivateUrl();
   RunningBus reader(OptionsFor(url), "viewer");
   FrameSubscriber subscriber(*reader, FrameSubscriber::Mode::kPictures, [](const FrameSubscriber::Frame&) {});
@@ -382,7 +382,7 @@ RigCalibration RigOf(double focal_px) {
   return rig;
 }
 
-TEST(CameraChannel, ARepeatedCameraIsHeardOnceAndAnImpossibleOneIsRefused) {
+TEST(CameraChannel, RepeatedAndInvalidCameras) {
   BusOptions options;
   options.url = test::PrivateUrl();
   test::Waiter heard, rejected, last;
@@ -407,7 +407,7 @@ TEST(CameraChannel, ARepeatedCameraIsHeardOnceAndAnImpossibleOneIsRefused) {
   EXPECT_EQ(focal_px, (std::vector<double>{400.0, 500.0}));
 }
 
-TEST(CameraChannel, WhatOneHasKeptAnotherGoesOnWith) {
+TEST(CameraChannel, RestoresStoredCameraBytes) {
   BusOptions options;
   options.url = test::PrivateUrl();
   Bus bus(options, "vo");

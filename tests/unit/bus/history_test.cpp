@@ -90,7 +90,7 @@ TEST(History, IsReadWhileAnotherThreadWrites) {
   writer.join();
 }
 
-TEST(History, KeepsItsLogWhereItIsToldTo) {
+TEST(History, KeepsItsLogIfRequested) {
   const test::TemporaryFolder folder;
   const std::string path = folder / "CHANNEL.lcmlog";
   {
@@ -100,7 +100,7 @@ TEST(History, KeepsItsLogWhereItIsToldTo) {
   EXPECT_TRUE(std::filesystem::exists(path));
 }
 
-TEST(History, BeginsLaterWhereTheDiskDoesNotTakeIt) {
+TEST(History, DropsOldMessagesIfTheDiskIsNotWritable) {
   LoggedHistory kept(1000, "/proc/nowhere/CHANNEL.lcmlog", false);
   for (int64_t n = 0; n < 100; ++n) kept.Append(MessageOf(n));
   EXPECT_EQ(kept.history.first_seq(), 90);
@@ -108,7 +108,7 @@ TEST(History, BeginsLaterWhereTheDiskDoesNotTakeIt) {
   EXPECT_EQ(NumberOf(kept.Get(95)), 95);
 }
 
-TEST(History, OfUnacknowledgedMessagesStaysInMemoryAndBounded) {
+TEST(History, UnacknowledgedHistoryIsBounded) {
   History history(Retention::kUnacknowledged, 1000);
   for (int64_t n = 0; n < 100; ++n) history.Append(MessageOf(n));
   EXPECT_EQ(history.ToMove(), nullptr);

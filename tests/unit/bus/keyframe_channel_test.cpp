@@ -130,7 +130,7 @@ TEST(KeyframeAssembler, RefusesHostilePages) {
   EXPECT_EQ(assembler.Add(page), Outcome::kComplete);
 }
 
-TEST(CutIntoPages, RefusesIdsThatAreNotAsManyAsFeatures) {
+TEST(CutIntoPages, RefusesListsOfIdsOfAnotherLength) {
   Keyframe keyframe = KeyframeOf(0, 2, 2);
   keyframe.line_landmark_ids.pop_back();
   EXPECT_THROW(CutIntoPages(keyframe, 60'000), std::invalid_argument);

@@ -33,38 +33,38 @@ TEST(ReplayWindow, AgreesWithASetOverRandomOrders) {
   }
 }
 
-TEST(LivePeers, AskLessAndLessOften) {
+TEST(LivePeers, RequestsBecomeLessFrequent) {
   LivePeers peers;
   std::vector<int64_t> times;
   for (int64_t now = 0; now < 3000 * kMs; now += kMs) {
-    if (peers.Hear(7, now).ask) times.push_back(now / kMs);
+    if (peers.OnSignOfLife(7, now).ask) times.push_back(now / kMs);
   }
   EXPECT_EQ(times, (std::vector<int64_t>{0, 20, 60, 140, 300, 620, 1260, 2260}));
 }
 
-TEST(LivePeers, ProofIsForGood) {
+TEST(LivePeers, ProofIsPermanent) {
   LivePeers peers;
-  EXPECT_FALSE(peers.Lives(7));
-  peers.Hear(7, 0);
-  EXPECT_FALSE(peers.Lives(7));
+  EXPECT_FALSE(peers.IsAlive(7));
+  peers.OnSignOfLife(7, 0);
+  EXPECT_FALSE(peers.IsAlive(7));
   peers.Prove(7, kMs);
-  EXPECT_TRUE(peers.Lives(7));
-  EXPECT_FALSE(peers.Lives(8));
+  EXPECT_TRUE(peers.IsAlive(7));
+  EXPECT_FALSE(peers.IsAlive(8));
 }
 
-TEST(LivePeers, SilenceForLongIsForlorn) {
+TEST(LivePeers, UnprovenSourceTimesOutAfterThreeSeconds) {
   LivePeers peers;
-  EXPECT_FALSE(peers.Hear(7, 0).forlorn);
-  EXPECT_FALSE(peers.Hear(7, 2999 * kMs).forlorn);
-  EXPECT_TRUE(peers.Hear(7, 3001 * kMs).forlorn);
+  EXPECT_FALSE(peers.OnSignOfLife(7, 0).is_overdue);
+  EXPECT_FALSE(peers.OnSignOfLife(7, 2999 * kMs).is_overdue);
+  EXPECT_TRUE(peers.OnSignOfLife(7, 3001 * kMs).is_overdue);
 }
 
-TEST(LivePeers, CrowdsOfTheDeadNeitherPushOutTheLivingNorAreAllAsked) {
+TEST(LivePeers, ManyUnknownSourcesDoNotEvictProvenPeers) {
   LivePeers peers;
   peers.Prove(7, 0);
   int asked = 0;
-  for (int64_t source = 100; source < 100'000; ++source) asked += peers.Hear(source, kMs).ask ? 1 : 0;
-  EXPECT_TRUE(peers.Lives(7));
+  for (int64_t source = 100; source < 100'000; ++source) asked += peers.OnSignOfLife(source, kMs).ask ? 1 : 0;
+  EXPECT_TRUE(peers.IsAlive(7));
   EXPECT_EQ(asked, 100);
 }
 

@@ -143,9 +143,9 @@ class RecordedLog : public testing::Test {
   const TemporaryFolder folder_;
 };
 
-TEST_F(RecordedLog, IsAWholeDatasetInSpiteOfLosses) { ExpectTheStream(*OpenLogDataset(Record(Options()))); }
+TEST_F(RecordedLog, IsAWholeDatasetDespiteLosses) { ExpectTheStream(*OpenLogDataset(Record(Options()))); }
 
-TEST_F(RecordedLog, HasAllThatWasAcknowledgedWhenTheRecorderIsStopped) {
+TEST_F(RecordedLog, StoppedRecorderWritesAcknowledgedMessages) {
   const std::string path = folder_ / "slow disk";
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
   Waiter awake;
@@ -178,7 +178,7 @@ TEST_F(RecordedLog, HasAllThatWasAcknowledgedWhenTheRecorderIsStopped) {
   EXPECT_GT(written_bytes, kStrips * kStripBytes);
 }
 
-TEST(LogDataset, OfTheLiveChannelWithPrefixAndSmallMessages) {
+TEST(LogDataset, LiveChannelWithPrefixAndSmallMessages) {
   const TemporaryFolder folder;
   const std::string log = folder / "log";
   {
@@ -215,7 +215,7 @@ void ChangeStrips(std::vector<RawEvent>& events, const Change& change) {
   });
 }
 
-TEST_F(RecordedLog, FramesWithMissingStripsArePassedOverAndCounted) {
+TEST_F(RecordedLog, FramesWithMissingStripsAreSkipped) {
   auto events = ReadAll(Record(Options()));
   ChangeStrips(events, [](const image_strip_t& s) { return s.frame_id != 3 || s.camera != 1 || s.strip != 0; });
   // A flipped bit of a frame id makes a strip without a frame, and a frame that lacks a strip.
@@ -236,7 +236,7 @@ TEST_F(RecordedLog, FramesWithMissingStripsArePassedOverAndCounted) {
   }
 }
 
-TEST_F(RecordedLog, FramesWhoseTimesDoNotIncreaseArePassedOverAndCounted) {
+TEST_F(RecordedLog, FramesWithNonIncreasingTimesAreSkipped) {
   const auto events = ReadAll(Record(Options()));
   const auto with_times = [&](const std::string& name, const auto& time) {
     auto changed = events;
@@ -284,7 +284,7 @@ TEST_F(RecordedLog, MalformedStripIsNamedWithItsFrame) {
   }
 }
 
-TEST_F(RecordedLog, DamagedBytesArePassedOver) {
+TEST_F(RecordedLog, DamagedBytesAreSkipped) {
   const std::string path = Record(Options());
   std::ifstream in(path, std::ios::binary);
   std::string bytes((std::istreambuf_iterator<char>(in)), {});
@@ -307,7 +307,7 @@ TEST_F(RecordedLog, DamagedBytesArePassedOver) {
   }
 }
 
-TEST_F(RecordedLog, RigOfAnotherVersionIsSaid) {
+TEST_F(RecordedLog, RigOfAnotherVersionIsReported) {
   std::vector<RawEvent> events = ReadAll(Record(Options()));
   for (RawEvent& event : events) {
     if (event.channel == kCamera.name) event.data[7] ^= 1;  // of LCM's fingerprint
@@ -324,7 +324,7 @@ TEST_F(RecordedLog, RigOfAnotherVersionIsSaid) {
   }
 }
 
-TEST(LogDataset, SaysWhatIsMissing) {
+TEST(LogDataset, MissingContentIsReported) {
   const TemporaryFolder folder;
   const auto error_of = [](const std::string& path) -> std::string {
     try {
@@ -343,7 +343,7 @@ TEST(LogDataset, SaysWhatIsMissing) {
   EXPECT_FALSE(LooksLikeLcmLog(folder / "text"));
 }
 
-TEST(StockTools, LoggerRecordsWhatWePublish) {
+TEST(StockTools, LoggerRecordsPublishedMessages) {
   if (!test::HasProgram("lcm-logger")) GTEST_SKIP() << "lcm-logger is not installed";
   const TemporaryFolder folder;
   const std::string url = PrivateUrl();

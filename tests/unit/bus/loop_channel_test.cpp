@@ -87,7 +87,7 @@ TEST_P(LoopClosurePages, AreSmallEnoughAndGiveTheSameClosure) {
 INSTANTIATE_TEST_SUITE_P(Sizes, LoopClosurePages,
                          testing::Combine(testing::Values(0, 1, 3000), testing::Values(1200, 60'000)));
 
-TEST(LoopClosurePages, WhatCannotBeIsNotSent) {
+TEST(LoopClosurePages, InvalidClosuresAreNotSent) {
   LoopClosure closure = ClosureOf(41, 3);
   closure.poses[1].T_w_kf = SE3(Eigen::Quaterniond::Identity(), {kNaN, 0.0, 0.0});
   EXPECT_THROW(CutIntoPages(closure, 60'000), std::invalid_argument);
@@ -99,7 +99,7 @@ TEST(LoopClosurePages, WhatCannotBeIsNotSent) {
   EXPECT_THROW(CutIntoPages(closure, 60'000), std::invalid_argument);
 }
 
-TEST(LoopClosurePages, HostileOnesAreRefused) {
+TEST(LoopClosurePages, HostilePagesAreRefused) {
   const loop_closure_t page = CutIntoPages(ClosureOf(41, 2), 60'000)[0];
   LoopClosureAssembler assembler;
   const auto expect_refused = [&](auto change) {
@@ -121,7 +121,7 @@ TEST(LoopClosurePages, HostileOnesAreRefused) {
   EXPECT_EQ(assembler.Add(page), PageOutcome::kComplete);
 }
 
-TEST(Relocalisation, ComesThroughAMessage) {
+TEST(Relocalisation, RoundTripThroughAMessage) {
   Relocalisation there;
   there.session = 9;
   there.frame_id = 4;

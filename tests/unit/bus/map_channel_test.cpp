@@ -97,7 +97,7 @@ void ExpectSameMap(Listener& listener, Publisher& publisher) {
   EXPECT_EQ(listener.Map(), EncodedMap(publisher.owner().map()));
 }
 
-TEST(MapChannel, ListenersThatComeEarlyLateAndAtTheEndHaveTheSameMap) {
+TEST(MapChannel, EarlyAndLateListenersHaveTheSameMap) {
   for (uint64_t seed = 1; seed <= 5; ++seed) {
     const BusOptions options = PrivateOptions();
     Listener early(options);
@@ -150,7 +150,7 @@ TEST(MapChannel, MappingStartedAgainIsFollowed) {
   ExpectSameMap(listener, after);
 }
 
-TEST(MapChannel, WhatComesFromAnOlderStartIsPassedOver) {
+TEST(MapChannel, UpdatesOfAnOlderMapperAreIgnored) {
   const BusOptions options = PrivateOptions();
   Listener listener(options);
   Publisher older(options, 5);
@@ -164,7 +164,7 @@ TEST(MapChannel, WhatComesFromAnOlderStartIsPassedOver) {
   ExpectSameMap(listener, newer);
 }
 
-TEST(MapChannel, NobodyIsAskedWhoHasNothingOrIsNotMeant) {
+TEST(MapChannel, OnlyTheNamedPublisherWithAMapAnswers) {
   const BusOptions options = PrivateOptions();
   Publisher empty(options, 1), full(options, 2);
   full.Publish(2, 40);

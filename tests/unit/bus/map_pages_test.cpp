@@ -82,7 +82,7 @@ TEST_P(MapPages, AreSmallEnoughAndGiveTheSameUpdate) {
 
 INSTANTIATE_TEST_SUITE_P(Sizes, MapPages, testing::Values(968, 1200, 5000, 60'000));
 
-TEST(MapPages, AReplicaThatIsFedByThemIsTheMap) {
+TEST(MapPages, ReplicaOfThePagesEqualsTheMap) {
   for (uint64_t seed = 1; seed <= 10; ++seed) {
     test::MapOwner owner(seed);
     MapReplica replica;
@@ -120,7 +120,7 @@ TEST(MapPages, AnEmptyUpdateIsOnePage) {
   EXPECT_TRUE(Assemble(pages));
 }
 
-TEST(MapPages, WhatNoReaderWouldTakeIsNotSent) {
+TEST(MapPages, InvalidUpdatesAreNotSent) {
   const std::vector<std::function<void(MapUpdate&)>> faults = {
       [](MapUpdate& u) { u.version = 0; },
       [](MapUpdate& u) { u.base_version = u.version; },
@@ -151,7 +151,7 @@ TEST(MapPages, VariancesBeyondSinglePrecisionArrive) {
   EXPECT_TRUE(Assemble(CutIntoPages(update, 60'000)));
 }
 
-TEST(MapUpdateAssembler, PassesOverWhatItHasNotSeenTheBeginningOf) {
+TEST(MapUpdateAssembler, IgnoresPagesWithoutTheFirstPage) {
   const auto pages = CutIntoPages(SomeUpdate(), 1200);
   ASSERT_GT(pages.size(), 4U);
   MapUpdateAssembler assembler;

@@ -62,7 +62,7 @@ class MapPrefix : public testing::TestWithParam<bool> {
   Member owner_{Options("team/", "")};
 };
 
-TEST_P(MapPrefix, WhatIsAboutTheMapReachesAllInOrderAndTheRestStaysWithTheRobot) {
+TEST_P(MapPrefix, OnlyMapChannelsAreSharedInOrder) {
   ASSERT_TRUE(test::WaitForReaders(*owner_.bus, kLoopClosure, 3));
   loop_closure_t closure{};
   for (closure.session_keyframe_id = 1; closure.session_keyframe_id <= 10; ++closure.session_keyframe_id) {
@@ -84,7 +84,7 @@ TEST_P(MapPrefix, WhatIsAboutTheMapReachesAllInOrderAndTheRestStaysWithTheRobot)
   EXPECT_EQ(bob_.commands, "");
 }
 
-TEST_P(MapPrefix, TheOwnerKnowsTheCamerasAndTheRobotsKnowWhetherItLives) {
+TEST_P(MapPrefix, OwnerGetsCamerasAndRobotsGetItsStatus) {
   ASSERT_TRUE(test::WaitForReaders(*owner_.bus, kLoopClosure, 3));
   camera_t camera{};
   camera.rig_name = "ann's";
@@ -106,7 +106,7 @@ TEST_P(MapPrefix, TheOwnerKnowsTheCamerasAndTheRobotsKnowWhetherItLives) {
   EXPECT_EQ(owner_.statuses, "mapping");
 }
 
-TEST_P(MapPrefix, WhoReadsUnderTheMapsPrefixDoesNotReadARobotsOwnChannels) {
+TEST_P(MapPrefix, OwnChannelsHaveNoReadersOfTheMapPrefix) {
   // A reader is announced in the order of the names of its channels, COMMAND before LOOP_CLOSURE.
   for (Member* member : {&ann_, &owner_}) ASSERT_TRUE(test::WaitForReaders(*member->bus, kLoopClosure, 3));
   EXPECT_EQ(ann_.bus->ReaderCount(kCommand), 1) << "itself";

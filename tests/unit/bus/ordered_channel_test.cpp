@@ -20,7 +20,7 @@ OrderedWriter WriterOf(Retention retention = Retention::kAll) { return OrderedWr
 
 using Numbers = std::vector<int64_t>;
 
-TEST(OrderedWriter, HoldsBackWhatWouldOverflowAReader) {
+TEST(OrderedWriter, LimitsUnacknowledgedBytesToReaderWindow) {
   OrderedWriter writer = WriterOf();
   const int64_t window = 133'120;  // of the default receive buffer
   writer.OnHello(7, window, 0);
@@ -31,7 +31,7 @@ TEST(OrderedWriter, HoldsBackWhatWouldOverflowAReader) {
   EXPECT_TRUE(writer.WindowOpen(60'000, 0));
 }
 
-TEST(OrderedWriter, DoesNotWaitForADeadReader) {
+TEST(OrderedWriter, DoesNotWaitForASilentReader) {
   OrderedWriter writer = WriterOf();
   writer.OnHello(7, 64'000, 0);
   writer.Sent(MessageOf(0, 60'000), 0);
@@ -39,12 +39,12 @@ TEST(OrderedWriter, DoesNotWaitForADeadReader) {
   EXPECT_TRUE(writer.WindowOpen(60'000, 1501 * kMs));
 }
 
-TEST(OrderedWriter, LeavesASlowReaderBehindUntilItHasCaughtUp) {
+TEST(OrderedWriter, DoesNotWaitForALaggingReader) {
   OrderedWriter writer = WriterOf();
   writer.OnHello(7, 64'000, 0);
   writer.Sent(MessageOf(0, 60'000), 0);
   EXPECT_FALSE(writer.WindowOpen(60'000, 0));
-  writer.LeaveBehind(60'000, 0);
+  writer.SuspendSlowReaders(60'000, 0);
   for (int64_t n = 1; n < 5; ++n) {
     EXPECT_TRUE(writer.WindowOpen(60'000, 0));
     writer.Sent(MessageOf(n, 60'000), 0);
@@ -54,7 +54,7 @@ TEST(OrderedWriter, LeavesASlowReaderBehindUntilItHasCaughtUp) {
   EXPECT_FALSE(writer.WindowOpen(60'000, 0));
 }
 
-TEST(OrderedWriter, IgnoresAcknowledgementsOfWhatWasNotSent) {
+TEST(OrderedWriter, IgnoresAcknowledgementsOfUnsentMessages) {
   OrderedWriter writer = WriterOf(Retention::kUnacknowledged);
   writer.OnHello(7, 64'000, 0);
   writer.Sent(MessageOf(0), 0);
@@ -72,7 +72,7 @@ TEST(OrderedWriter, AnswersARequestWithAtMostAWindow) {
   EXPECT_EQ(NumberOf(answer.resend[2].message), 2);
 }
 
-TEST(OrderedWriter, ForgetsWhatEveryReaderHas) {
+TEST(OrderedWriter, DropsFullyAcknowledgedMessages) {
   OrderedWriter writer = WriterOf(Retention::kUnacknowledged);
   writer.OnHello(7, 500'000, 0);
   writer.OnHello(8, 500'000, 0);
@@ -87,7 +87,7 @@ TEST(OrderedWriter, ForgetsWhatEveryReaderHas) {
   EXPECT_EQ(writer.history().first_seq(), 10);
 }
 
-TEST(OrderedWriter, KeepsItsFirstMessagesForThoseWhoseFirstWordIsLost) {
+TEST(OrderedWriter, KeepsFirstMessagesIfAHelloIsLost) {
   OrderedWriter writer = WriterOf(Retention::kUnacknowledged);
   writer.OnHello(7, 500'000, 0);
   for (int64_t n = 0; n < 3; ++n) writer.Sent(MessageOf(n), n * kMs);
@@ -100,13 +100,13 @@ TEST(OrderedWriter, KeepsItsFirstMessagesForThoseWhoseFirstWordIsLost) {
   EXPECT_EQ(writer.history().first_seq(), 3);
 }
 
-TEST(OrderedWriter, KeepsItsFirstMessagesWithinTheBoundOfMemory) {
+TEST(OrderedWriter, FirstMessagesAreBoundedByMemory) {
   OrderedWriter writer(Retention::kUnacknowledged, 10'000'000);
   for (int64_t n = 0; n < 2000; ++n) writer.Sent(MessageOf(n, 60'000), 0);
   EXPECT_LE(writer.history().memory_bytes(), 10'000'000);
 }
 
-TEST(OrderedWriter, ReaderThatFellSilentLacksWhatItLacks) {
+TEST(OrderedWriter, SilentReaderIsOwedItsMessages) {
   OrderedWriter writer = WriterOf(Retention::kUnacknowledged);
   writer.KeepReadersFor(10'000 * kMs);
   writer.OnHello(7, 500'000, 0);
@@ -119,7 +119,7 @@ TEST(OrderedWriter, ReaderThatFellSilentLacksWhatItLacks) {
   EXPECT_TRUE(writer.AllDeliveredToSilent(10'003 * kMs));
 }
 
-TEST(OrderedWriter, NewcomersNeedNotGoThroughWhatIsKeptForTheDead) {
+TEST(OrderedWriter, NewReaderSkipsMessagesKeptForSilentReaders) {
   OrderedWriter writer = WriterOf(Retention::kUnacknowledged);
   writer.Sent(MessageOf(0), 0);
   writer.OnRequest(7, 0, 500'000, {}, 4'000 * kMs);
@@ -135,7 +135,7 @@ TEST(OrderedWriter, NewcomersNeedNotGoThroughWhatIsKeptForTheDead) {
   EXPECT_EQ(writer.join_seq(40'000 * kMs), 9);
 }
 
-TEST(OrderedWriter, TheFirstReaderOfAllGetsWhatIsKept) {
+TEST(OrderedWriter, FirstReaderGetsTheWholeHistory) {
   OrderedWriter writer = WriterOf(Retention::kUnacknowledged);
   for (int64_t n = 0; n < 10; ++n) writer.Sent(MessageOf(n), 0);
   writer.OnHello(9, 500'000, 40'000 * kMs);
@@ -271,7 +271,7 @@ TEST_P(OrderedChannel, EveryMessageArrivesOnceAndInOrder) {
   }
 }
 
-TEST_P(OrderedChannel, SoDoesEachOneOfAChannelThatForgets) {
+TEST_P(OrderedChannel, EveryMessageArrivesIfHistoryIsDropped) {
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     EXPECT_TRUE(LossyNetwork(GetParam(), seed, Retention::kUnacknowledged).Run(50, 2, 20'000 * kMs))
         << "seed " << seed;

@@ -16,7 +16,7 @@ using test::MessageOf;
 
 using Numbers = std::vector<int64_t>;
 
-TEST(OrderedReader, DeliversInOrderWhateverTheArrival) {
+TEST(OrderedReader, DeliversReorderedMessagesInOrder) {
   OrderedReader reader(true, 1'000'000, 0);
   for (const int64_t n : {0, 2, 3, 1}) reader.OnMessage(n, *MessageOf(n), 0);
   EXPECT_EQ(Drain(reader, 0), (Numbers{0, 1, 2, 3}));
@@ -24,7 +24,7 @@ TEST(OrderedReader, DeliversInOrderWhateverTheArrival) {
   EXPECT_EQ(reader.repaired(), 0);
 }
 
-TEST(OrderedReader, CountsAsLostWhatItHadToAskFor) {
+TEST(OrderedReader, CountsRequestedMessagesAsLost) {
   OrderedReader reader(true, 1'000'000, 0);
   for (const int64_t n : {0, 2, 5}) reader.OnMessage(n, *MessageOf(n), 0);
   for (int64_t now = 0; now < 100 * kMs; now += kMs) reader.Poll(now);
@@ -63,7 +63,7 @@ TEST(OrderedReader, ForgedHistoryIsNoLoss) {
   EXPECT_LE(reader.lost(), 64);
 }
 
-TEST(OrderedReader, AsksForAGapAtOnceAndOnlyForIt) {
+TEST(OrderedReader, RequestsAGapAtOnceAndNothingElse) {
   OrderedReader reader(true, 1'000'000, 0);
   for (const int64_t n : {0, 1, 5, 6, 8}) reader.OnMessage(n, *MessageOf(n), 0);
   Drain(reader, 0);
@@ -78,7 +78,7 @@ TEST(OrderedReader, AsksForAGapAtOnceAndOnlyForIt) {
   EXPECT_EQ(request->ranges[1].last, 7);
 }
 
-TEST(OrderedReader, AsksAgainWithGrowingPauses) {
+TEST(OrderedReader, RepeatsRequestsWithGrowingPauses) {
   OrderedReader reader(true, 1'000'000, 0);
   reader.OnMessage(0, *MessageOf(0), 0);
   reader.OnMessage(2, *MessageOf(2), 0);
@@ -112,7 +112,7 @@ TEST(OrderedReader, FindsALostTailByTheAnnouncement) {
   EXPECT_EQ(request->ranges[0].last, 2);
 }
 
-TEST(OrderedReader, LateJoinerBeginsWhereThePublisherCan) {
+TEST(OrderedReader, LateJoinerBeginsAtTheOldestKeptMessage) {
   OrderedReader reader(true, 1'000'000, 0);
   reader.OnMessage(50, *MessageOf(50), 0);
   EXPECT_TRUE(Drain(reader, 0).empty());
@@ -132,7 +132,7 @@ TEST(OrderedReader, LateJoinerBeginsWhereThePublisherCan) {
   EXPECT_EQ(reader.lost(), 0) << "what was sent before we listened was not lost on the wire";
 }
 
-TEST(OrderedReader, LateJoinerTakesWhatCameBeforeThePublisherForgotIt) {
+TEST(OrderedReader, LateJoinerGetsMessagesDroppedSince) {
   OrderedReader reader(true, 1'000'000, 0);
   reader.OnMessage(20, *MessageOf(20), 0);
   reader.OnMessage(22, *MessageOf(22), 0);
@@ -145,7 +145,7 @@ TEST(OrderedReader, LateJoinerTakesWhatCameBeforeThePublisherForgotIt) {
   EXPECT_EQ(Drain(reader, 0), (Numbers{22, 23, 24}));
 }
 
-TEST(OrderedReader, GivesUpTheGapsOfADeadPublisher) {
+TEST(OrderedReader, GivesUpGapsOfASilentPublisher) {
   OrderedReader reader(true, 1'000'000, 0);
   for (const int64_t n : {0, 3, 5}) reader.OnMessage(n, *MessageOf(n), 0);
   Numbers numbers = Drain(reader, 0);
@@ -178,7 +178,7 @@ TEST(OrderedReader, IsPolledSeldomWhileThePublisherIsSilent) {
   EXPECT_LT(polls, 2 * 30'000 / 200 + 20);
 }
 
-TEST(OrderedReader, OneWayItIsPolledOnlyToGiveUpAGap) {
+TEST(OrderedReader, OneWayPollsOnlyToGiveUpAGap) {
   OrderedReader reader(false, 1'000'000, 0);
   Numbers numbers;
   for (int64_t n = 0; n < 300; ++n) {
@@ -195,7 +195,7 @@ TEST(OrderedReader, OneWayItIsPolledOnlyToGiveUpAGap) {
   EXPECT_EQ(reader.poll_time(), INT64_MAX) << "there is nobody to acknowledge to";
 }
 
-TEST(OrderedReader, ACutOfTheLinkIsNoDeath) {
+TEST(OrderedReader, SurvivesALinkOutage) {
   OrderedReader reader(true, 1'000'000, 0);
   for (const int64_t n : {0, 2}) reader.OnMessage(n, *MessageOf(n), 0);
   Numbers numbers = Drain(reader, 0);
@@ -211,7 +211,7 @@ TEST(OrderedReader, ACutOfTheLinkIsNoDeath) {
   EXPECT_EQ(numbers, (Numbers{0, 1, 2}));
 }
 
-TEST(OrderedReader, GivesUpWhatALivingPublisherDoesNotSend) {
+TEST(OrderedReader, GivesUpGapsThatAreNotResent) {
   OrderedReader reader(true, 1'000'000, 0);
   for (const int64_t n : {0, 2}) reader.OnMessage(n, *MessageOf(n), 0);
   Numbers numbers = Drain(reader, 0);
@@ -223,7 +223,7 @@ TEST(OrderedReader, GivesUpWhatALivingPublisherDoesNotSend) {
   }
 }
 
-TEST(OrderedReader, WaitsLongerForWhatThePublisherSaysItHas) {
+TEST(OrderedReader, WaitsLongerForAnnouncedMessages) {
   OrderedReader reader(true, 1'000'000, 0);
   for (const int64_t n : {0, 2}) reader.OnMessage(n, *MessageOf(n), 0);
   Numbers numbers = Drain(reader, 0);
@@ -235,7 +235,7 @@ TEST(OrderedReader, WaitsLongerForWhatThePublisherSaysItHas) {
   }
 }
 
-TEST(OrderedReader, IsPolledSeldomWhileItWaitsForWhatThePublisherSaysItHas) {
+TEST(OrderedReader, IsPolledSeldomWhileWaitingForAnnounced) {
   OrderedReader reader(true, 1'000'000, 0);
   for (const int64_t n : {0, 2}) reader.OnMessage(n, *MessageOf(n), 0);
   Drain(reader, 0);
@@ -252,7 +252,7 @@ TEST(OrderedReader, IsPolledSeldomWhileItWaitsForWhatThePublisherSaysItHas) {
   EXPECT_LT(polls, 2 * 60'000 / 200 + 200);
 }
 
-TEST(OrderedReader, OneWayTheEndEndsAllGaps) {
+TEST(OrderedReader, OneWayEndGivesUpAllGaps) {
   OrderedReader reader(false, 1'000'000, 0);
   for (const int64_t n : {0, 1, 3, 4, 7}) reader.OnMessage(n, *MessageOf(n), 0);
   EXPECT_EQ(Drain(reader, 0), (Numbers{0, 1}));
@@ -266,7 +266,7 @@ TEST(OrderedReader, OneWayTheEndEndsAllGaps) {
   EXPECT_EQ(numbers, (Numbers{3, 4, 7}));
 }
 
-TEST(OrderedReader, NewcomerBeginsWhereItIsToldTo) {
+TEST(OrderedReader, NewReaderBeginsAtTheAnnouncedMessage) {
   OrderedReader newcomer(true, 1'000'000, 0), owed(true, 1'000'000, 0);
   newcomer.OnAnnounce(10, 25, 0, 24);
   EXPECT_EQ(newcomer.delivered(), 23);
@@ -279,7 +279,7 @@ TEST(OrderedReader, NewcomerBeginsWhereItIsToldTo) {
   EXPECT_EQ(lied_to.delivered(), 9);
 }
 
-TEST(OrderedReader, IgnoresAnnouncementsThatCannotBe) {
+TEST(OrderedReader, IgnoresInvalidAnnouncements) {
   OrderedReader reader(true, 1'000'000, 0);
   reader.OnMessage(0, *MessageOf(0), 0);
   Drain(reader, 0);
@@ -290,7 +290,7 @@ TEST(OrderedReader, IgnoresAnnouncementsThatCannotBe) {
   EXPECT_EQ(reader.OnMessage(int64_t{1} << 60, *MessageOf(9), 0), OrderedReader::Arrival::kRefused);
 }
 
-TEST(OrderedReader, RefusesNumbersNearTheEndOfAllNumbers) {
+TEST(OrderedReader, RefusesSequenceNumbersNearTheMaximum) {
   for (const bool two_way : {true, false}) {
     for (const int64_t n : {INT64_MAX, INT64_MAX - 1, INT64_MAX - 50'000'000, kMaxNumber + 1}) {
       OrderedReader reader(two_way, 1'000'000, 0);
@@ -304,7 +304,7 @@ TEST(OrderedReader, RefusesNumbersNearTheEndOfAllNumbers) {
   }
 }
 
-TEST(OrderedReader, BoundsWhatWaitsOutOfOrder) {
+TEST(OrderedReader, OutOfOrderMessagesAreBounded) {
   OrderedReader reader(true, 10'000, 0);
   reader.OnMessage(0, *MessageOf(0), 0);
   Drain(reader, 0);

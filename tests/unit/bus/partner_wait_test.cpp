@@ -6,7 +6,7 @@
 namespace plslam::bus {
 namespace {
 
-TEST(PartnerWait, GivesUpWhereNobodyIsHeardOf) {
+TEST(PartnerWait, GivesUpWithoutSignsOfLife) {
   PartnerWait wait(5.0);
   EXPECT_FALSE(wait.GiveUp(100.0)) << "nothing is waited for";
   wait.Begin(3, 100.0);
@@ -17,7 +17,7 @@ TEST(PartnerWait, GivesUpWhereNobodyIsHeardOf) {
   EXPECT_FALSE(wait.GiveUp(110.0)) << "it is told once";
 }
 
-TEST(PartnerWait, WaitsAsLongAsThereAreSignsOfLifeAndSomeTimeMore) {
+TEST(PartnerWait, WaitsUntilSignsOfLifeEnd) {
   PartnerWait wait(5.0);
   wait.Begin(3, 0.0);
   for (double now = 1.0; now < 60.0; now += 1.0) {
@@ -40,7 +40,7 @@ TEST(PartnerWait, EachWaitHasItsOwnTime) {
   EXPECT_TRUE(wait.GiveUp(105.0));
 }
 
-TEST(PartnerWait, OnceGivenUpOnlyASignOfLifeMakesItWaitAgain) {
+TEST(PartnerWait, WaitsAgainOnlyAfterASignOfLife) {
   PartnerWait wait(5.0);
   wait.Begin(1, 0.0);
   ASSERT_TRUE(wait.GiveUp(5.0));
@@ -52,7 +52,7 @@ TEST(PartnerWait, OnceGivenUpOnlyASignOfLifeMakesItWaitAgain) {
   EXPECT_EQ(wait.awaited(), 3);
 }
 
-TEST(PartnerWait, NoTimeMeansNoWaiting) {
+TEST(PartnerWait, ZeroTimeDoesNotWait) {
   PartnerWait wait(0.0);
   wait.Begin(1, 2.0);
   EXPECT_TRUE(wait.GiveUp(2.0));

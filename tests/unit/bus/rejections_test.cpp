@@ -9,9 +9,9 @@ namespace {
 
 constexpr int64_t kSecond = 1'000'000'000;
 
-TEST(Rejections, NothingToSayWhenAllIsWell) { EXPECT_EQ(Rejections().Line(0), ""); }
+TEST(Rejections, NoLineWithoutRejections) { EXPECT_EQ(Rejections().Line(0), ""); }
 
-TEST(Rejections, OneLineWhateverTheirNumber) {
+TEST(Rejections, ManyRejectionsGiveOneLine) {
   Rejections rejections;
   EXPECT_TRUE(rejections.Count(Rejection::kOtherKey, "POSE", 0)) << "the first is worth a line in the log";
   for (int i = 0; i < 999; ++i) EXPECT_FALSE(rejections.Count(Rejection::kOtherKey, "POSE", kSecond));
@@ -20,7 +20,7 @@ TEST(Rejections, OneLineWhateverTheirNumber) {
             "messages rejected: 1 malformed (STATUS), 1000 altered or with another bus.key_file (POSE)");
 }
 
-TEST(Rejections, WhatIsOverIsNotShownForLong) {
+TEST(Rejections, PastRejectionsDisappearAfterAMinute) {
   Rejections rejections;
   rejections.Count(Rejection::kOtherVersion, "POSE", 0);
   rejections.OtherPrefix("robot2/", 0);

@@ -59,14 +59,14 @@ class FilteredSocket {
   Transport sender_{url_};
 };
 
-TEST(DatagramFilter, LargeMessagesOfOtherChannelsDoNotReachTheSocket) {
+TEST(DatagramFilter, LargeMessagesOfOtherChannelsAreDropped) {
   FilteredSocket socket;
   FilterDatagrams(socket.fd(), {"POSE", "ann/KEYFRAME"});
   for (const char* channel : {"STEREO_FRAME", "POSE", "ann/KEYFRAME", "bob/KEYFRAME"}) socket.Send(channel, kLarge);
   EXPECT_EQ(socket.Received(), (std::vector<std::string>{"POSE", "ann/KEYFRAME"}));
 }
 
-TEST(DatagramFilter, SmallMessagesComeWhateverTheirChannel) {
+TEST(DatagramFilter, SmallMessagesOfAnyChannelPass) {
   FilteredSocket socket;
   FilterDatagrams(socket.fd(), {"POSE"});
   socket.Send("STATUS", kSmall);
@@ -94,7 +94,7 @@ size_t Come(const std::string& channel, const std::vector<uint8_t>& bytes) {
   return socket.Received().size();
 }
 
-TEST(DatagramFilter, RequestsToOthersDoNotReachTheSocket) {
+TEST(DatagramFilter, RequestsToOthersAreDropped) {
   for (const char* name : {"REPAIR_REQUEST", "map/REPAIR_REQUEST"}) {
     for (const char* channel : {"", "A", "POSE", "STEREO_FRAME_LIVE"}) {
       EXPECT_EQ(Come(name, RequestTo(kOwn, channel)), 1U) << name << " about " << channel;
@@ -107,7 +107,7 @@ TEST(DatagramFilter, RequestsToOthersDoNotReachTheSocket) {
   EXPECT_EQ(Come("other/REPAIR_REQUEST", RequestTo(1)), 1U) << "of another prefix";
 }
 
-TEST(DatagramFilter, RequestsThatAreNoneComeToBeRejected) {
+TEST(DatagramFilter, MalformedRequestsPassToBeRejected) {
   const std::vector<uint8_t> whole = RequestTo(1);
   for (size_t size = 0; size < whole.size(); ++size) {
     const bool has_process = size >= kWireHeaderBytes + 4 + 5 + 8;
@@ -135,7 +135,7 @@ TEST(DatagramFilter, NamesAreComparedToTheirEnd) {
   }
 }
 
-TEST(DatagramFilter, TheNextOneTakesItsPlace) {
+TEST(DatagramFilter, NewFilterReplacesTheOldOne) {
   FilteredSocket socket;
   FilterDatagrams(socket.fd(), {"A"});
   FilterDatagrams(socket.fd(), {"A", "B"});
@@ -148,7 +148,7 @@ TEST(DatagramFilter, TheNextOneTakesItsPlace) {
   EXPECT_EQ(socket.Received(), std::vector<std::string>{"C"});
 }
 
-TEST(DatagramFilter, MoreNamesThanTheKernelTakesLetEverythingCome) {
+TEST(DatagramFilter, TooManyNamesForTheKernelDisableTheFilter) {
   Names names;
   for (int i = 0; i < 2000; ++i) names.insert("CHANNEL_" + std::to_string(i));
   FilteredSocket socket;
@@ -178,7 +178,7 @@ std::string Parsed(const Packet& packet) {
   return std::string(channel) + ":" + std::string(bytes.begin(), bytes.end());
 }
 
-TEST(UdpReceiver, TakesPacketsApart) {
+TEST(UdpReceiver, SplitsPackets) {
   using std::string_literals::operator""s;
   EXPECT_EQ(Parsed(PacketOf("LC02", "POSE\0abc"s)), "POSE:abc");
   EXPECT_EQ(Parsed(PacketOf("LC02", "POSE\0"s)), "POSE:");

@@ -32,7 +32,7 @@ TEST(Layouts, CoverTheGeneratedTypes) {
   EXPECT_EQ(names, test::GeneratedTypes());
 }
 
-TEST_P(EveryType, SurvivesTheWayThroughTheGeneratedClass) {
+TEST_P(EveryType, RoundTripThroughTheGeneratedClass) {
   for (int i = 0; i < 200; ++i) {
     const auto bytes = RandomMessage(layout(), random_);
     ASSERT_EQ(MessageLength(layout(), bytes), bytes.size());
@@ -51,7 +51,7 @@ TEST_P(EveryType, RefusesEveryTruncation) {
   }
 }
 
-TEST_P(EveryType, ToleratesBytesBehindIt) {
+TEST_P(EveryType, ToleratesTrailingBytes) {
   auto bytes = RandomMessage(layout(), random_);
   const size_t length = bytes.size();
   bytes.resize(length + 32, 0xAB);
@@ -68,7 +68,7 @@ TEST_P(EveryType, RefusesAnotherFingerprint) {
 }
 
 /// The generated decoder accepts every message that passes the check, in memory bounded by the size of the message.
-TEST_P(EveryType, IsHarmlessWhateverBytesChange) {
+TEST_P(EveryType, MutatedBytesAreHarmless) {
   static constexpr size_t kPerByte = 64;
   size_t accepted = 0;
   for (int i = 0; i < 2000; ++i) {
@@ -122,7 +122,7 @@ std::vector<std::string> Rows(const std::string& path) {
   return rows;
 }
 
-TEST(ChannelTable, StandsInTheReadme) {
+TEST(ChannelTable, IsInTheReadme) {
   std::vector<std::string> expected;
   for (const Channel& c : Channels()) {
     const std::string kept = c.retention == Retention::kAll              ? "all"
@@ -149,7 +149,7 @@ TEST(ChannelTable, NamesTypesThatBeginWithAHeader) {
   }
 }
 
-TEST(ReadHeader, ReadsWhatTheGeneratedClassWrites) {
+TEST(ReadHeader, AgreesWithTheGeneratedClass) {
   std::mt19937_64 random(1);
   const auto bytes = RandomMessage(*FindMessageLayout("announce_t"), random);
   const WireHeader header = ReadHeader(bytes);

@@ -39,7 +39,7 @@ TEST(Board, TextsAndMistakes) {
 class RenderedBoard : public testing::TestWithParam<const char*> {};
 
 /// The drawn board agrees with the detector's, corner by corner: a wrong parity or direction would show here.
-TEST_P(RenderedBoard, CornersAreFoundWhereTheyAre) {
+TEST_P(RenderedBoard, CornersAreDetectedAtTheirTruePositions) {
   const Board board = ParseBoard(GetParam());
   const CameraCalibration camera = test::KnownRig("radtan").left;
   const SE3 T = SE3(Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d(0.6, 0.8, 0.0))),

@@ -101,7 +101,7 @@ TEST_F(CalibrateProgram, AChessBoardOfAnotherSize) {
   EXPECT_THAT(Text("error"), HasSubstr("nowhere"));
 }
 
-TEST_F(CalibrateProgram, RigFilesThatCannotBeUsedAreNamed) {
+TEST_F(CalibrateProgram, UnusableRigFilesAreNamed) {
   const auto write = [&](const std::string& name, const std::string& text) { std::ofstream(folder_ / name) << text; };
   const std::string left = "left:\n  resolution_px: [640, 480]\n", board = " --board chess:9x6:0.025";
   write("nosrc.yaml", left);

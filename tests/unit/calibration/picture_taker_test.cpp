@@ -41,7 +41,7 @@ class LiveBoard : public testing::Test {
   unsigned looks_ = 0;
 };
 
-TEST_F(LiveBoard, OnePictureOfOnePlaceWhereItStandsStill) {
+TEST_F(LiveBoard, OnePicturePerPlaceWhereItStandsStill) {
   const SE3 T = test::BoardPoses(board_, 1, 5).front();
   for (int i = 0; i < 30; ++i) {
     const SE3 moved(T.rotation(), T.translation() + Eigen::Vector3d(0.004 * i, 0.0, 0.0));
@@ -61,7 +61,7 @@ TEST_F(LiveBoard, ABoardThatIsNotMovedIsOnePlace) {
   EXPECT_GE(taker_.pictures(), 5);
 }
 
-TEST_F(LiveBoard, WhatIsMissingIsSaidUntilNothingIs) {
+TEST_F(LiveBoard, MissingViewsAreReportedUntilComplete) {
   EXPECT_THAT(taker_.Missing(), Contains("no board near the upper right corner of the left camera"));
   int shown = 0;
   for (const SE3& T : test::BoardPoses(board_, 150, 6)) {
@@ -106,7 +106,7 @@ TEST(LiveRigFile, NeedsNoLens) {
   EXPECT_EQ(again.rate_hz, 20.0);
 }
 
-TEST(LiveRigFile, NameAndPoseOfTheLeftCameraAreTakenOver) {
+TEST(LiveRigFile, NameAndPoseOfTheLeftCameraAreKept) {
   const ScratchFolder folder;
   const LiveRigFile rig = ReadLiveRigFile(
       folder.Write("rig.yaml",

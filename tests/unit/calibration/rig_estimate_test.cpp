@@ -158,7 +158,7 @@ TEST(EstimateRig, SigmasOfTheTranslationAreAlongTheLeftAxes) {
   EXPECT_GT((e.right_in_left_sigma_m - e.T_left_right_sigma.head<3>()).norm(), 1e-6);
 }
 
-TEST(PixelJacobian, IsNoneWhereTheLensDoesNotHold) {
+TEST(PixelJacobian, NoneOutsideTheValidityOfTheLens) {
   CameraCalibration camera = test::KnownRig("rational").left;
   camera.distortion = {0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0};
   EXPECT_TRUE(PixelJacobian(camera, {0.5, 0.0}));
@@ -213,7 +213,7 @@ TEST(EstimateRig, AFewWrongPairsAndCornersAreLeftOut) {
   EXPECT_NEAR(e.rig.baseline_m, rig.right.T_b_cam.translation().norm(), 0.0001);
 }
 
-TEST(ChoosePairs, AreThoseThatCoverTheImage) {
+TEST(ChoosePairs, ChosenPairsCoverTheImage) {
   const RigCalibration rig = test::KnownRig("radtan");
   std::vector<BoardPair> pairs(40, Pairs(Charuco(), rig, 1, 9).front());
   const std::vector<BoardPair> others = Pairs(Charuco(), rig, 10, 10);

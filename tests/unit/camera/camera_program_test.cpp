@@ -39,7 +39,7 @@ TEST(CameraProgram, PrintsItsPipeline) {
   EXPECT_EQ(result.text, "a ! b\n");
 }
 
-TEST(CameraProgram, SaysInOneSentenceWhatIsWrong) {
+TEST(CameraProgram, ErrorsAreOneSentence) {
   const ScratchFolder folder;
   EXPECT_THAT(Camera(folder, "").text, HasSubstr("camera: error: no rig file is named"));
   EXPECT_THAT(Camera(folder, "--print-pipeline").text, HasSubstr("RIG is required"));
@@ -48,7 +48,7 @@ TEST(CameraProgram, SaysInOneSentenceWhatIsWrong) {
   EXPECT_THAT(bad.text, HasSubstr("rig.yaml:8: pair has 1 entries"));
 }
 
-TEST(CameraProgram, LiveCamerasKnowNoLockstep) {
+TEST(CameraProgram, LiveCamerasRejectLockstep) {
   PLSLAM_REQUIRE_ELEMENTS("videotestsrc");
   const ScratchFolder folder;
   const std::string rig = WriteRig(folder,

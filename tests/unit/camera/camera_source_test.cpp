@@ -105,7 +105,7 @@ TEST_F(CameraSourceTest, UnequalLengthsEndWithTheShorterOne) {
   EXPECT_EQ(All(&source).size(), 7U);
 }
 
-TEST_F(CameraSourceTest, LiveFramesHaveTheTimeOfDayAndComeAtTheirRate) {
+TEST_F(CameraSourceTest, LiveFramesHaveWallClockTimesAtTheirRate) {
   PLSLAM_REQUIRE_ELEMENTS("videotestsrc");
   CameraSource source = Open(TestPicture("is-live=true num-buffers=60") + kToSinks);
   EXPECT_TRUE(source.is_live());
@@ -120,7 +120,7 @@ TEST_F(CameraSourceTest, LiveFramesHaveTheTimeOfDayAndComeAtTheirRate) {
   EXPECT_EQ(heard_.skew_ms, 0.0);
 }
 
-TEST_F(CameraSourceTest, PipelineThatFailsIsBuiltAgainAndTimesGoOn) {
+TEST_F(CameraSourceTest, FailedPipelineIsRebuiltAndTimesIncrease) {
   PLSLAM_REQUIRE_ELEMENTS("videotestsrc", "identity");
   CameraSource source = Open(TestPicture("is-live=true") + "! identity error-after=10 " + kToSinks);
   source.Begin(std::nullopt);
@@ -131,7 +131,7 @@ TEST_F(CameraSourceTest, PipelineThatFailsIsBuiltAgainAndTimesGoOn) {
   EXPECT_EQ(heard_.returns, heard_.outages);
 }
 
-TEST_F(CameraSourceTest, CamerasThatStayAwayAreGivenUp) {
+TEST_F(CameraSourceTest, CamerasThatDoNotReturnAreGivenUp) {
   PLSLAM_REQUIRE_ELEMENTS("pngdec", "imagefreeze", "identity");
   const ScratchFolder folder;
   const std::string file = folder.Path("a.png");
@@ -148,7 +148,7 @@ TEST_F(CameraSourceTest, CamerasThatStayAwayAreGivenUp) {
                                                         HasSubstr("(source.give_up_s = 1)"), HasSubstr("a.png"))));
 }
 
-TEST_F(CameraSourceTest, WhatIsWrongAtTheStartIsSaidAtOnce) {
+TEST_F(CameraSourceTest, InvalidPipelinesAreReportedAtTheStart) {
   PLSLAM_REQUIRE_ELEMENTS("videotestsrc");
   const std::pair<std::string, const char*> cases[] = {
       {"videotestsrc ! nosuchelement ! appsink name=left",

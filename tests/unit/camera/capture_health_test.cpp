@@ -14,7 +14,7 @@ CapturedPair PairAt(int64_t left_ms, int64_t right_ms, int grey = 100) {
   return {{left_ms * kMs, Image(grey)}, {right_ms * kMs, Image(100)}};
 }
 
-TEST(CaptureHealth, RateAndSkewAreThoseOfTheLastSeconds) {
+TEST(CaptureHealth, RateAndSkewOfTheLastSeconds) {
   CaptureHealth health(0.0);
   EXPECT_EQ(health.rate_hz(), 0.0);
   for (int i = 0; i < 500; ++i) health.Add(PairAt(50 * i, 50 * i + (i < 300 ? 7 : -2)));

@@ -66,7 +66,7 @@ TEST(Pairing, NearestPartnerIsTaken) {
   EXPECT_EQ(pairing.dropped(Side::kLeft), 0) << "that was before the first pair";
 }
 
-TEST(Pairing, OfFilesANextImageMayAlwaysBeNearer) {
+TEST(Pairing, NextImageOfAFileMayBeNearer) {
   Pairing pairing(5 * kMs);
   Add(&pairing, Side::kLeft, {0, 50});
   Add(&pairing, Side::kRight, {0, 54});
@@ -77,7 +77,7 @@ TEST(Pairing, OfFilesANextImageMayAlwaysBeNearer) {
   EXPECT_EQ(pairing.dropped(Side::kLeft), 1);
 }
 
-TEST(Pairing, LiveTheFirstPairWaitsUntilTheRateIsKnownAndLaterOnesDoNot) {
+TEST(Pairing, LiveFirstPairWaitsUntilTheRateIsKnown) {
   Pairing pairing(5 * kMs, true);
   Add(&pairing, Side::kLeft, {0});
   Add(&pairing, Side::kRight, {3});
@@ -88,7 +88,7 @@ TEST(Pairing, LiveTheFirstPairWaitsUntilTheRateIsKnownAndLaterOnesDoNot) {
   EXPECT_THAT(Sure(&pairing), ElementsAre(Pair(50, 53)));
 }
 
-TEST(Pairing, EndOfACameraMakesItsLastImageSure) {
+TEST(Pairing, EndOfACameraReleasesItsLastPair) {
   Pairing pairing(5 * kMs);
   Add(&pairing, Side::kLeft, {0});
   Add(&pairing, Side::kRight, {3});
@@ -120,7 +120,7 @@ TEST(Pairing, CameraAloneDoesNotFillTheMemory) {
 }
 
 /// Jittered cameras with holes, in whatever turns.
-TEST(Pairing, TurnsInWhichImagesComeChangeNothing) {
+TEST(Pairing, ResultDoesNotDependOnTheArrivalOrder) {
   std::mt19937 random(5);
   std::vector<int64_t> left, right;
   for (int i = 0; i < 200; ++i) {

@@ -47,7 +47,7 @@ TEST(RigFile, IsACameraFileWithASource) {
   EXPECT_FALSE(NamesSource("synthetic:room"));
 }
 
-TEST(RigFile, ErrorsNameLineKeyAndWhatToDo) {
+TEST(RigFile, ErrorsNameLineKeyAndRemedy) {
   const ScratchFolder folder;
   const std::pair<const char*, const char*> cases[] = {
       {"max_skew_ms: 3", "rig.yaml:9: source names no cameras: give one of side_by_side, pair, gige, files, rtsp"},

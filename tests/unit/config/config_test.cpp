@@ -39,7 +39,7 @@ TEST(Config, EmptyFileKeepsDefaults) {
   }
 }
 
-TEST(Config, ReadsEveryKindOfField) {
+TEST(Config, ReadsEveryTypeOfField) {
   const OuterOptions o = Read(R"(
 vo:
   enabled: false
@@ -69,7 +69,7 @@ TEST(Config, LaterOverrideWins) {
   EXPECT_EQ(Read("vo: {folder: x}", {"vo.folder="}).folder, "");
 }
 
-TEST(Config, OtherSectionsAreNotLookedAt) { EXPECT_EQ(Refusal("player: {rubbish: 1}\nvoice: {x: 1}\n"), ""); }
+TEST(Config, OtherSectionsAreIgnored) { EXPECT_EQ(Refusal("player: {rubbish: 1}\nvoice: {x: 1}\n"), ""); }
 
 TEST(Config, UnknownKeyNamesFileLineAndNearestKey) {
   EXPECT_EQ(Refusal("vo:\n  seed: 1\n  inner:\n    sclae: 1.5\n"),
@@ -135,13 +135,13 @@ TEST(Config, BinaryFileDoesNotReachTheTerminal) {
   EXPECT_THAT(Refusal("vo: {seed: \x1b[2J}"), testing::Not(testing::HasSubstr("\x1b")));
 }
 
-TEST(Config, BadOverrideSaysHowItMustLook) {
+TEST(Config, BadOverrideNamesTheExpectedForm) {
   for (const char* text : {"vo", "vo=1", "max_points=3", ".x=1", "vo.=1", "=1", ""}) {
     EXPECT_THAT(Refusal("", {text}), testing::HasSubstr("must be SECTION.KEY=VALUE")) << text;
   }
 }
 
-TEST(Config, FileThatCannotBeReadIsNamed) {
+TEST(Config, UnreadableFileIsNamed) {
   EXPECT_THAT([] { Config::FromFile("/nonexistent/rig.yaml"); },
               testing::ThrowsMessage<ConfigError>(testing::StartsWith("/nonexistent/rig.yaml: cannot be read")));
   EXPECT_THROW(Config::FromFile(std::filesystem::temp_directory_path()), ConfigError);

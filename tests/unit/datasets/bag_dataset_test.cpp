@@ -47,7 +47,7 @@ TEST_F(BagDataset, TopicsAreFoundOrGiven) {
   EXPECT_THAT(Error("?left=/a/image&right=/c"), HasSubstr("has no images on the topic right=/c"));
 }
 
-TEST_F(BagDataset, CutOffAndUnclosedFilesPlayAsFarAsTheyAreWhole) {
+TEST_F(BagDataset, CutOffAndUnclosedFilesPlayIntactParts) {
   for (const char* compression : {"", "lz4", "bz2"}) {
     MakeBagFile(path(), {.compression = compression});
     std::string unclosed = test::ReadText(path());
@@ -69,7 +69,7 @@ TEST_F(BagDataset, CutOffAndUnclosedFilesPlayAsFarAsTheyAreWhole) {
 }
 
 // The chunk that was being written when the recorder was killed has a length of 0 in its head.
-TEST_F(BagDataset, LastChunkOfARecorderThatWasKilled) {
+TEST_F(BagDataset, UnfinishedLastChunkAfterAKill) {
   MakeBagFile(path());
   std::string killed = test::ReadText(path());
   const size_t last = killed.rfind("compression=none");
@@ -88,7 +88,7 @@ TEST_F(BagDataset, LastChunkOfARecorderThatWasKilled) {
   EXPECT_FALSE(dataset->GroundTruth(2));
 }
 
-TEST_F(BagDataset, ZerosBehindTheLastRecordEndTheFile) {
+TEST_F(BagDataset, ZerosAfterTheLastRecordEndTheFile) {
   MakeBagFile(path());
   std::string unclosed = test::ReadText(path());
   unclosed.replace(unclosed.find("index_pos=") + 10, 8, 8, '\0');
@@ -106,7 +106,7 @@ TEST_F(BagDataset, DamagedIndexOfMessagesIsReplacedByAScan) {
   EXPECT_THAT(Note(), HasSubstr("its index cannot be used (a record has no field 'conn'"));
 }
 
-TEST_F(BagDataset, OtherFilesAreTold) {
+TEST_F(BagDataset, OtherFileFormatsAreNamed) {
   test::WriteText(path(), "#ROSBAG V1.2\n and more");
   EXPECT_THAT(Error(), HasSubstr("begins with '#ROSBAG V1.2', not with '#ROSBAG V2.0': `rosbag fix`"));
   test::WriteText(path(), "");
@@ -117,7 +117,7 @@ TEST_F(BagDataset, OtherFilesAreTold) {
   EXPECT_THAT(Error(), HasSubstr("a record ends before its last field"));
 }
 
-TEST_F(BagDataset, DamagedChunksAreToldWithTheirFrame) {
+TEST_F(BagDataset, DamagedChunksAreReported) {
   MakeBagFile(path(), {.compression = "bz2"});
   std::string damaged = test::ReadText(path());
   damaged[damaged.find("BZh") + 200] ^= 1;

@@ -53,7 +53,7 @@ TEST_F(EurocDataset, MavFolderItselfIsAccepted) {
   EXPECT_EQ(OpenEurocDataset(mav_.string())->size(), 3);
 }
 
-TEST_F(EurocDataset, GroundTruthIsInterpolatedAndMovedToTheLeftCamera) {
+TEST_F(EurocDataset, GroundTruthInTheLeftCameraIsInterpolated) {
   // The body moves 0.1 m along x every 50 ms; frames lie on rows 1 and 3, and half way after shifting the rows.
   const auto on_rows = OpenEurocDataset(folder_.string());
   // T_b_l moves the camera by (0, 0, 0.5) and the body is not turned.
@@ -85,7 +85,7 @@ TEST_F(EurocDataset, GroundTruthWithHeaderOnlyOrAbsent) {
   EXPECT_FALSE(OpenEurocDataset(folder_.string())->GroundTruth(0));
 }
 
-TEST_F(EurocDataset, UnpairedImagesArePassedOverAndSaid) {
+TEST_F(EurocDataset, UnpairedImagesAreSkippedAndReported) {
   test::WriteText(mav_ / "cam1" / "data.csv",
                   "1403636584763555584,1403636584763555584.png\n"
                   "1403636584800000000,nowhere.png\n"
@@ -129,7 +129,7 @@ TEST_F(EurocDataset, EquidistantModel) {
   EXPECT_EQ(OpenEurocDataset(folder_.string())->rig().right.model, "equidistant");
 }
 
-TEST_F(EurocDataset, TruthOfMotionCaptureWhereThereIsNoEstimate) {
+TEST_F(EurocDataset, MotionCaptureTruthWithoutAnEstimate) {
   const fs::path mocap = mav_ / "mocap0" / "data.csv";
   test::WriteText(
       mocap,
@@ -162,7 +162,7 @@ std::string Camchain(const std::string& right_extrinsics) {
          lens + "cam1:\n" + right_extrinsics + lens;
 }
 
-TEST_F(EurocDataset, CamchainBesideTheFolderInPlaceOfSensorFiles) {
+TEST_F(EurocDataset, CamchainBesideTheFolderReplacesSensorFiles) {
   const fs::path chain = folder_ / "dso" / "camchain.yaml";
   const auto expected = OpenEurocDataset(folder_.string())->rig();
   for (const char* camera : {"cam0", "cam1"}) fs::remove(mav_ / camera / "sensor.yaml");
@@ -259,7 +259,7 @@ TEST_F(EurocDataset, BadListsAreNamedWithTheirLine) {
   EXPECT_THAT(OpenError(), HasSubstr(At("cam0/data.csv") + ": lists no images"));
 }
 
-TEST_F(EurocDataset, BadRowsOfTheTruthArePassedOver) {
+TEST_F(EurocDataset, BadRowsOfTheTruthAreSkipped) {
   const std::string truth = test::ReadText(truth_);
   const auto before = OpenEurocDataset(mav_.parent_path().string());
   const auto note = [&](const std::string& row) {

@@ -15,7 +15,7 @@ using testing::HasSubstr;
 
 class ForeignCalibrationFiles : public test::ForeignCalibrationTest {};
 
-TEST_F(ForeignCalibrationFiles, OneRigReadsAlikeInEveryFormat) {
+TEST_F(ForeignCalibrationFiles, OneRigIsTheSameInEveryFormat) {
   for (const test::ForeignRig& rig : test::ForeignRigs()) {
     const std::vector<std::string> paths = WriteAll(rig);
     EXPECT_EQ(ForeignFormat(paths.front()), rig.format);
@@ -27,7 +27,7 @@ TEST_F(ForeignCalibrationFiles, OneRigReadsAlikeInEveryFormat) {
   }
 }
 
-TEST_F(ForeignCalibrationFiles, AndSurvivesTheWayThroughOurFile) {
+TEST_F(ForeignCalibrationFiles, RigSurvivesARoundTripThroughOurFile) {
   for (const test::ForeignRig& rig : test::ForeignRigs()) {
     const std::string own = Write("own.yaml", CameraFileText(ReadForeignCalibration(WriteAll(rig), kSize).rig));
     EXPECT_EQ(ForeignFormat(own), "");
@@ -35,7 +35,7 @@ TEST_F(ForeignCalibrationFiles, AndSurvivesTheWayThroughOurFile) {
   }
 }
 
-TEST_F(ForeignCalibrationFiles, IsTakenInPlaceOfOurFile) {
+TEST_F(ForeignCalibrationFiles, ForeignFilesInsteadOfOurFile) {
   for (const test::ForeignRig& rig : test::ForeignRigs()) {
     const fs::path dataset = folder_ / ("with " + rig.files.front().name);
     fs::create_directories(dataset);
@@ -141,7 +141,7 @@ TEST_F(ForeignCalibrationFiles, SeveralCalibrationsInAFolderAreNotGuessed) {
               AllOf(HasSubstr("camchain.yaml"), HasSubstr("stella.yaml"), HasSubstr("from: FILE")));
 }
 
-TEST_F(ForeignCalibrationFiles, UnitsAreStatedOrAskedFor) {
+TEST_F(ForeignCalibrationFiles, UnitsAreGivenOrRequested) {
   const auto& opencv = RigCalled("intrinsics.yml").files;
   const std::string in_mm =
       Replaced(opencv[1].text, "-0.118619590656, -0.035, -0.018149179392", "-118.619590656, -35, -18.149179392");

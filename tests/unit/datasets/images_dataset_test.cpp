@@ -59,7 +59,7 @@ TEST_F(ImagesDataset, TimesFromTheRate) {
   EXPECT_THAT(OpenError(), AllOf(HasSubstr(At("camera.yaml")), HasSubstr("rate_hz is missing")));
 }
 
-TEST_F(ImagesDataset, SparseTruthOfTheVeryFramesCounts) {
+TEST_F(ImagesDataset, SparseTruthAtFrameTimesIsUsed) {
   test::WriteText(folder_ / "times.txt", "0.5004\n0.7\n0.9\n");
   test::WriteText(folder_ / "groundtruth.txt", "0.5 0 0 0 0 0 0 1\n0.7004 1 0 0 0 0 0 1\n0.8996 2 0 0 0 0 0 1\n");
   const auto dataset = OpenImagesDataset(folder_.string());
@@ -70,7 +70,7 @@ TEST_F(ImagesDataset, SparseTruthOfTheVeryFramesCounts) {
   EXPECT_TRUE(dataset->Notes().empty());
 }
 
-TEST_F(ImagesDataset, TruthThatFitsFewFramesIsSaid) {
+TEST_F(ImagesDataset, TruthOfFewFramesIsReported) {
   test::WriteText(folder_ / "groundtruth.txt", "1700000000.5 0 0 0 0 0 0 1\n1700000000.6 1 0 0 0 0 0 1\n");
   EXPECT_THAT(
       OpenImagesDataset(folder_.string())->Notes(),
@@ -204,7 +204,7 @@ TEST_F(ImagesDataset, BadCameraFilesAreNamedWithTheirLine) {
   }
 }
 
-TEST_F(ImagesDataset, BaselineInMillimetresOrBackwardsIsAskedFor) {
+TEST_F(ImagesDataset, ImplausibleBaselineIsQuestioned) {
   test::ReplaceText(camera_, "baseline_m: 0.25", "baseline_m: 110");
   EXPECT_THAT(OpenError(), AllOf(HasSubstr("baseline 110 m"), HasSubstr("is it in millimetres?")));
   test::ReplaceText(camera_, "baseline_m: 110", "baseline_m: 50");
@@ -252,7 +252,7 @@ TEST_F(ImagesDataset, TenBitsInSixteenAreStretched) {
   }
 }
 
-TEST_F(ImagesDataset, TimesInAnotherUnitAreAskedFor) {
+TEST_F(ImagesDataset, TimesInAnotherUnitAreRefused) {
   struct Row {
     const char* times;
     const char* unit;

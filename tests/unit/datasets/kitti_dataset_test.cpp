@@ -54,7 +54,7 @@ TEST_F(KittiDataset, HandMadeFolder) {
   EXPECT_DOUBLE_EQ(dataset->GroundTruth(2)->translation().z(), 1.5);
 }
 
-TEST_F(KittiDataset, ColourPairHasItsOwnPlaceInTheBody) {
+TEST_F(KittiDataset, ColourPairHasItsOwnPoseInTheBody) {
   fs::rename(folder_ / "image_0", folder_ / "image_2");
   fs::rename(folder_ / "image_1", folder_ / "image_3");
   test::WriteText(folder_ / "calib.txt",

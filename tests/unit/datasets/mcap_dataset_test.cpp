@@ -100,7 +100,7 @@ TEST_F(McapDataset, TenBitsInSixteenAreStretched) {
                             HasSubstr(", as of 10 bits: 1023 is taken as white")));
 }
 
-TEST_F(McapDataset, TopicsThatAreThereAreListed) {
+TEST_F(McapDataset, ExistingTopicsAreListed) {
   MakeMcapFile(path(), {.image_type = "PointCloud2"});
   EXPECT_THAT(Error(), AllOf(HasSubstr(path() + ": has nothing to play: it has no images of ROS"),
                              HasSubstr("its topics are /cam0/camera_info (sensor_msgs/msg/CameraInfo in cdr), ")));
@@ -108,12 +108,12 @@ TEST_F(McapDataset, TopicsThatAreThereAreListed) {
   EXPECT_THAT(Error(), HasSubstr("but /cam0/image_raw (sensor_msgs/msg/ImageOfSomebody in cdr)"));
 }
 
-TEST_F(McapDataset, MissingCalibrationSaysHowToGiveIt) {
+TEST_F(McapDataset, MissingCalibrationNamesTheOption) {
   MakeMcapFile(path(), {.p_right = 0.0});
   EXPECT_THAT(Error(), HasSubstr("name a camera file (docs/datasets.md), FILE?camera=camera.yaml"));
 }
 
-TEST_F(McapDataset, CutOffAndUnclosedFilesPlayAsFarAsTheyAreWhole) {
+TEST_F(McapDataset, CutOffAndUnclosedFilesPlayIntactParts) {
   for (const char* compression : {"", "lz4", "zstd"}) {
     MakeMcapFile(path(), {.compression = compression});
     const std::string whole = test::ReadText(path());
@@ -134,7 +134,7 @@ TEST_F(McapDataset, CutOffAndUnclosedFilesPlayAsFarAsTheyAreWhole) {
   EXPECT_THAT(Error(), AllOf(HasSubstr("it has no topics at all"), HasSubstr("its last 1 bytes are not played")));
 }
 
-TEST_F(McapDataset, DamagedFilesPlayWhatIsWhole) {
+TEST_F(McapDataset, DamagedFilesPlayTheirIntactParts) {
   MakeMcapFile(path());
   const std::string whole = test::ReadText(path());
   std::string damaged = whole;
@@ -153,7 +153,7 @@ TEST_F(McapDataset, DamagedFilesPlayWhatIsWhole) {
 }
 
 // As a power cut leaves it.
-TEST_F(McapDataset, ZerosBehindTheLastRecordEndTheFile) {
+TEST_F(McapDataset, ZerosAfterTheLastRecordEndTheFile) {
   MakeMcapFile(path());
   const std::string whole = test::ReadText(path());
   const std::string data_end = test::McapRecordBytes(0x0f, std::string(4, '\0'));
@@ -162,7 +162,7 @@ TEST_F(McapDataset, ZerosBehindTheLastRecordEndTheFile) {
   EXPECT_THAT(Note(), HasSubstr("its last 5000 bytes are not played, since they are of a record that is cut off or"));
 }
 
-TEST_F(McapDataset, IndicesThatLackOrAreDamagedAreReplacedByAScan) {
+TEST_F(McapDataset, MissingOrDamagedIndexIsReplacedByAScan) {
   MakeMcapFile(path(), {.indexed_chunks = 2});
   ExpectFrames(3, "chunk");
   EXPECT_THAT(Note(), HasSubstr("has an index of 2 chunks, and should have 3: all of its"));
@@ -183,7 +183,7 @@ TEST_F(McapDataset, IndicesThatLackOrAreDamagedAreReplacedByAScan) {
   }
 }
 
-TEST_F(McapDataset, FilesThatClaimMoreThanTheyCanHaveAreReadNoFurther) {
+TEST_F(McapDataset, OversizedChunksAreRefused) {
   std::string bomb = "\x89MCAP0\r\n", names;
   for (int i = 0; i < 10; ++i) bomb += test::McapChunk("zstd", "none", 128 << 20);
   test::WriteText(path(), bomb);
@@ -200,7 +200,7 @@ TEST_F(McapDataset, FilesThatClaimMoreThanTheyCanHaveAreReadNoFurther) {
   EXPECT_THAT(Error(), HasSubstr("a chunk is damaged: lz4 says 'another length'"));
 }
 
-TEST_F(McapDataset, OtherFilesAreTold) {
+TEST_F(McapDataset, OtherFileFormatsAreNamed) {
   test::WriteText(path(), "#ROSBAG V2.0\n and more");
   EXPECT_THAT(ErrorOf([&] { OpenDataset(path(), "mcap"); }),
               HasSubstr("is no MCAP file, since it begins with '#ROSBAG '"));

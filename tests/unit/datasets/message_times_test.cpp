@@ -74,12 +74,12 @@ TEST(MessageTimes, StampsOfLargeRecordingsFollowFromAFew) {
   EXPECT_LT(ChunksRead([](int i) { return i * kMs / 100; }, 2 * kMs), 50U) << "the clocks drift";
 }
 
-TEST(MessageTimes, StampsAreReadWhereTheRecorderWasBusy) {
+TEST(MessageTimes, StampsAreReadIfTheRecorderWasBusy) {
   EXPECT_LT(ChunksRead([](int i) { return i > 1500 && i < 1510 ? (1510 - i) * 50 * kMs : 0; }, 0), 100U);
   EXPECT_LT(ChunksRead([](int i) { return i > 1500 && i < 1600 ? (i - 1500) * 11 * kMs : 0; }, 6 * kMs), 300U);
 }
 
-TEST(MessageTimes, AllStampsAreReadWhereLogTimesAreOfNoUse) {
+TEST(MessageTimes, AllStampsAreReadIfLogTimesAreUseless) {
   EXPECT_EQ(ChunksRead([](int i) { return i * 13 % 50 * kMs; }, 0), size_t{kMessages});
   EXPECT_EQ(ChunksRead([](int i) { return -(i * 50 * kMs); }, 0), size_t{kMessages}) << "all are logged at one time";
 }

@@ -14,7 +14,7 @@ using test::ErrorOf;
 using testing::AllOf;
 using testing::HasSubstr;
 
-TEST(OpenDataset, EveryKindIsFoundByLookingAndByName) {
+TEST(OpenDataset, EveryFormatIsFoundByContentAndByName) {
   const test::TemporaryFolder folder;
   test::MakeKittiFolder(folder.path() / "kitti");
   test::MakeEurocFolder(folder.path() / "euroc");
@@ -34,7 +34,7 @@ TEST(OpenDataset, SyntheticWorldByName) {
   EXPECT_TRUE(world->GroundTruth(0));
 }
 
-TEST(OpenDataset, ErrorsNameWhatIsKnown) {
+TEST(OpenDataset, ErrorsNameTheKnownFormats) {
   const test::TemporaryFolder folder;
   EXPECT_THAT(
       ErrorOf([&] { OpenDataset(folder.path().string(), ""); }),
@@ -69,7 +69,7 @@ TEST(OpenDataset, TopicsBelongToTheNameOfARecording) {
   EXPECT_THAT(ErrorOf([] { WithTopics(std::string(5000, 'a'), "", {"/a", "/b"}); }), HasSubstr("File name too long"));
 }
 
-TEST(OpenDataset, HelpNamesEveryKind) {
+TEST(OpenDataset, HelpNamesEveryFormat) {
   for (const DatasetKind& kind : DatasetKinds()) {
     EXPECT_THAT(DatasetHelp(), HasSubstr(kind.what));
     EXPECT_THAT(DatasetKindHelp(), HasSubstr(kind.name));
@@ -87,7 +87,7 @@ const std::string kFiveFrames = "synthetic:room?size=64x48&frames=5&noise=0";
 
 bool Same(const cv::Mat& a, const cv::Mat& b) { return cv::norm(a, b, cv::NORM_INF) == 0.0; }
 
-TEST(ShiftedDataset, LeftImagesGetTheRightOnesOfOtherFrames) {
+TEST(ShiftedDataset, LeftImagesGetRightImagesOfOtherFrames) {
   const auto original = OpenDataset(kFiveFrames, "");
   for (const int offset : {-2, -1, 0, 1, 3}) {
     const auto shifted = ShiftRightImages(OpenDataset(kFiveFrames, ""), offset);

@@ -97,7 +97,7 @@ TEST(PixelEncodings, SixteenBitsInEitherOrderAndOfFewerBits) {
   EXPECT_EQ(LargestWideValue({kWidth, kHeight, 0, "yuyv", false, little}, kSize), 0);
 }
 
-TEST(PixelEncodings, WhiteLevelIsThatOfTheFewestBits) {
+TEST(PixelEncodings, WhiteLevelUsesTheFewestBits) {
   EXPECT_EQ(WhiteLevel(0), 65535);
   EXPECT_EQ(WhiteLevel(1), 65535) << "a black image";
   EXPECT_EQ(WhiteLevel(255), 255);

@@ -15,7 +15,7 @@ using testing::HasSubstr;
 
 class SlamSettingsFile : public test::ForeignCalibrationTest {};
 
-TEST_F(SlamSettingsFile, OrbSlamFilesThatAreNoRectifiedPair) {
+TEST_F(SlamSettingsFile, OrbSlamFilesWithoutARectifiedPair) {
   const std::string pair = "Camera.fx: 400\nCamera.fy: 400\nCamera.cx: 330\nCamera.cy: 190\nCamera.bf: 50\n";
   const auto error = [&](const std::string& more) {
     const std::string path = Write("orb.yaml", pair + more);
@@ -64,7 +64,7 @@ TEST_F(SlamSettingsFile, RgbdSettingsOfOrbSlam) {
               AllOf(HasSubstr("tum1.yaml: is of an RGB-D camera"), HasSubstr("images of a stereo pair")));
 }
 
-TEST_F(SlamSettingsFile, StellaSettingsThatAreNotRectified) {
+TEST_F(SlamSettingsFile, UnrectifiedStellaSettings) {
   const std::string pair =
       "Camera:\n  setup: stereo\n  model: perspective\n  fx: 400\n  fy: 400\n  cx: 330\n"
       "  cy: 190\n  focal_x_baseline: 50\n  k1: 0.0\n";
@@ -159,7 +159,7 @@ TEST_F(SlamSettingsFile, LensesOfOtherPrograms) {
               testing::ElementsAre(HasSubstr("cam_bl = 0.13 is not the length 0.125000 of t")));
 }
 
-TEST_F(SlamSettingsFile, FilesThatAreNoPairAreNamed) {
+TEST_F(SlamSettingsFile, FilesWithoutAPairAreNamed) {
   const auto why = [&](const std::string& name, const std::string& text) {
     return ErrorOf([&] { ReadForeignCalibration({Write(name, text)}, kSize); });
   };
@@ -194,7 +194,7 @@ TEST_F(SlamSettingsFile, AFolderNamesTheSettingsThatItHas) {
   EXPECT_THAT(error("name: nothing\n"), testing::Not(HasSubstr("settings.yaml")));
 }
 
-TEST_F(SlamSettingsFile, KeysThatStandTwice) {
+TEST_F(SlamSettingsFile, DuplicateKeys) {
   const std::string text = RigCalled("orb_slam2.yaml").files[0].text;
   ExpectTheRig(
       ReadForeignCalibration({Write("a.yaml", text + "Viewer.PointSize: 2\nViewer.PointSize: 3\n")}, kSize).rig,

@@ -54,7 +54,7 @@ TEST_F(TumDataset, HandMadeFolder) {
   EXPECT_DOUBLE_EQ(dataset->GroundTruth(2)->translation().x(), 2.0);
 }
 
-TEST_F(TumDataset, NameOfALinkOrOfWhatItLeadsToTellsTheCamera) {
+TEST_F(TumDataset, NameOfALinkOrItsTargetGivesTheCamera) {
   const fs::path plain = temporary_.path() / "data", named = temporary_.path() / "fr2_desk";
   fs::create_directory_symlink(folder_, plain);
   EXPECT_EQ(OpenTumDataset(plain.string())->rig().name, "freiburg1");
@@ -78,7 +78,7 @@ TEST_F(TumDataset, AssociationsFileInEitherOrder) {
   EXPECT_THAT(OpenError(), HasSubstr(At("associations.txt") + ": lists no pairs"));
 }
 
-TEST_F(TumDataset, ImagesWithoutPartnerWithin20MsAreSaid) {
+TEST_F(TumDataset, ImagesWithoutPartnerWithin20MsAreReported) {
   test::ReplaceText(folder_ / "depth.txt", "1305031102.280000", "1305031102.295400");
   const auto dataset = OpenTumDataset(folder_.string());
   EXPECT_EQ(dataset->size(), 2);

@@ -53,7 +53,7 @@ TEST_F(VslamLabDataset, ColumnsAreFoundByTheirNames) {
   EXPECT_EQ(dataset->Read(1).right.at<uint8_t>(5, 7), test::TinyPixel(1, 1, 7, 5));
 }
 
-TEST_F(VslamLabDataset, DepthWhereThereIsNoRightCamera) {
+TEST_F(VslamLabDataset, DepthIfThereIsNoRightCamera) {
   ReplaceText(path() / "rgb.csv", "ts_rgb_1 (ns),path_rgb_1", "ts_depth_0 (ns),path_depth_0");
   EXPECT_THAT(Error(), HasSubstr("calibration.yaml:4: depth_factor"));
   ReplaceText(path() / "calibration.yaml", "cam_type: gray", "cam_type: rgb+depth, depth_factor: 1000.0");
@@ -79,7 +79,7 @@ TEST_F(VslamLabDataset, LensModels) {
   EXPECT_THAT(ErrorOf([&] { distortion("fov", "[0.9]"); }), HasSubstr("'fov' is none of radtan4, radtan5"));
 }
 
-TEST_F(VslamLabDataset, FilesOfOneCameraAndDamagedOnesAreTold) {
+TEST_F(VslamLabDataset, MonocularAndDamagedFilesAreRefused) {
   test::WriteText(path() / "rgb.csv", "ts_rgb_0 (ns),path_rgb_0\n10,rgb_0/0.png\n");
   EXPECT_THAT(Error(), HasSubstr("rgb.csv:1: there is neither a column 'path_rgb_1' nor 'path_depth_0'"));
   test::WriteText(path() / "rgb.csv", "time,path_rgb_0\n");

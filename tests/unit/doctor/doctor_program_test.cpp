@@ -60,19 +60,19 @@ class DoctorProgram : public testing::Test {
 };
 
 /// A process that only publishes its status.
-class Teller {
+class FakeProcess {
  public:
-  Teller(const std::string& name, const bus::BusOptions& options)
+  FakeProcess(const std::string& name, const bus::BusOptions& options)
       : bus_(options, name), status_(name, options, bus_) {
     thread_ = std::thread([this] { bus_.Run(); });
     status_.SetState("running");
   }
-  ~Teller() {
+  ~FakeProcess() {
     bus_.Stop();
     thread_.join();
   }
-  Teller(const Teller&) = delete;
-  Teller& operator=(const Teller&) = delete;
+  FakeProcess(const FakeProcess&) = delete;
+  FakeProcess& operator=(const FakeProcess&) = delete;
 
  private:
   bus::Bus bus_;
@@ -84,7 +84,7 @@ class Teller {
 #define REQUIRE_NETWORKS() \
   if (InNewNetwork("ip link") != 0) GTEST_SKIP() << "no network namespaces here: " << Text("error")
 
-TEST_F(DoctorProgram, WhatMendsANetworkWithoutMulticastMendsIt) {
+TEST_F(DoctorProgram, SuggestedRouteRepairsANetwork) {
   REQUIRE_NETWORKS();
   EXPECT_EQ(InNewNetwork(Doctor("--listen 0 --json --url 'udpm://239.255.76.67:7667?ttl=0'")), 1) << Text("error");
   const auto bad = Bad("multicast");
@@ -98,7 +98,7 @@ TEST_F(DoctorProgram, WhatMendsANetworkWithoutMulticastMendsIt) {
   EXPECT_TRUE(Json()["healthy"].get<bool>());
 }
 
-TEST_F(DoctorProgram, TtlThatIsToReachOthersOverTheLoopbackDevice) {
+TEST_F(DoctorProgram, TtlOneOverTheLoopbackDevice) {
   REQUIRE_NETWORKS();
   EXPECT_EQ(InNewNetwork("ip link set lo up && ip route add 224.0.0.0/4 dev lo && " +
                          Doctor("--listen 0 --json --url 'udpm://239.255.76.67:7667?ttl=1'")),
@@ -113,9 +113,9 @@ TEST_F(DoctorProgram, WrongKeyAndForeignPrefix) {
   if (Shell(Doctor("--listen 0 --json --url '" + options.url + "'")) != 0)
     GTEST_SKIP() << "no multicast here: " << Text("out");
   options.key_file = KeyFile("key", 'a');
-  const Teller vo("vo", options);
+  const FakeProcess vo("vo", options);
   options.prefix = "robot1/";
-  const Teller other("vo", options);
+  const FakeProcess other("vo", options);
 
   const std::string listen = "--listen 1.2 --json --url '" + options.url + "' ";
   EXPECT_EQ(Shell(Doctor(listen)), 1);

@@ -32,12 +32,12 @@ std::string Complaints(const HeardProcess& p, const OwnSide& own = Own()) {
   return Complaints(Heard{{p}, {}, 0}, own);
 }
 
-TEST(HeardProcess, NothingToComplainAbout) {
+TEST(HeardProcess, NoFindings) {
   EXPECT_EQ(Complaints(Vo()), "");
   EXPECT_EQ(Complaints(Heard{}, Own()), "");
 }
 
-TEST(HeardProcess, KeysThatDoNotFit) {
+TEST(HeardProcess, KeysThatDiffer) {
   HeardProcess p = Vo();
   OwnSide with_key = Own();
   with_key.has_key = true;
@@ -53,7 +53,7 @@ TEST(HeardProcess, KeysThatDoNotFit) {
   EXPECT_THAT(Complaints(p, with_key), testing::Not(HasSubstr("key"))) << "another robot's key is its own business";
 }
 
-TEST(HeardProcess, VersionsThatDoNotFit) {
+TEST(HeardProcess, VersionsThatDiffer) {
   HeardProcess p = Vo();
   p.version = "0.0.9";
   EXPECT_THAT(Complaints(p), HasSubstr("advice   vo on robot (process 17) is version 0.0.9"));

@@ -18,7 +18,7 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(BusAddress, OfUrls) {
+TEST(BusAddress, ParsesUrls) {
   const BusAddress udp = ParseBusAddress("udpm://239.1.2.3:7700?recv_buf_size=5000&ttl=1");
   EXPECT_EQ(udp.kind, BusAddress::Kind::kMulticast);
   EXPECT_EQ(udp.host, "239.1.2.3");
@@ -54,7 +54,7 @@ TEST(Route, LongestPrefixThenLowestMetric) {
   EXPECT_EQ(RouteDevice(kTable, "no address"), "");
 }
 
-TEST(Route, WhatKeepsDatagramsFromTheirReaders) {
+TEST(Route, MissingAndUnsuitableRoutes) {
   const std::vector<NetworkDevice> devices{{"lo", true, true, false},
                                            {"eth0", true, false, true},
                                            {"tun", true, false, false},
@@ -104,7 +104,7 @@ class Hog {
   int fd_;
 };
 
-TEST(Port, HeldByAProgramThatDoesNotShareIt) {
+TEST(Port, UsedByAProgramThatDoesNotShareIt) {
   const Hog hog;
   const Findings findings = CheckPort(ParseBusAddress("udpm://239.255.76.67:" + std::to_string(hog.port)));
   ASSERT_EQ(findings.size(), 1U);
@@ -113,7 +113,7 @@ TEST(Port, HeldByAProgramThatDoesNotShareIt) {
   EXPECT_THAT(findings[0].mend, HasSubstr("kill " + std::to_string(getpid())));
 }
 
-TEST(Port, RelayThatIsNotThere) {
+TEST(Port, MissingRelay) {
   const Hog hog;  // a port that is free for TCP
   const Findings findings = CheckPort(ParseBusAddress("tcpq://127.0.0.1:" + std::to_string(hog.port)));
   ASSERT_EQ(findings.size(), 1U);
@@ -129,7 +129,7 @@ TEST(ReceiveBuffer, MoreThanTheKernelGrants) {
   EXPECT_THAT(much[0].mend, HasSubstr("sysctl -w net.core.rmem_max=1073741824"));
 }
 
-TEST(Clock, StepsDriftAndNobodyWhoKeepsIt) {
+TEST(Clock, StepsAndMissingSynchronisation) {
   const ClockSample begin{1'000'000'000'000, 5'000'000'000};
   const auto after = [&](int64_t wall_ns, int64_t steady_ns) {
     return ClockSample{begin.wall_ns + wall_ns, begin.steady_ns + steady_ns};
@@ -142,7 +142,7 @@ TEST(Clock, StepsDriftAndNobodyWhoKeepsIt) {
   EXPECT_EQ(CheckClock(SampleClocks(), SampleClocks(), true).at(0).verdict, Verdict::kGood);
 }
 
-TEST(Files, FolderThatIsNotThereYetAndOneThatCannotBe) {
+TEST(Files, NewFolderAndImpossibleFolder) {
   const std::filesystem::path folder =
       std::filesystem::path(testing::TempDir()) / ("doctor" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);

@@ -13,7 +13,7 @@ namespace {
 /// One test for each document, so that one that is new takes part by itself.
 class Commands : public testing::TestWithParam<std::filesystem::path> {};
 
-TEST_P(Commands, OfTheDocumentWork) {
+TEST_P(Commands, CommandsOfTheDocumentWork) {
   std::ifstream file(GetParam());
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   std::string reason;
@@ -25,7 +25,7 @@ TEST_P(Commands, OfTheDocumentWork) {
 INSTANTIATE_TEST_SUITE_P(Documents, Commands, testing::ValuesIn(DocumentsWithCommands()),
                          [](const auto& document) { return document.param.stem().string(); });
 
-TEST(DocumentWorld, TellsLineAndOutputOfWhatFails) {
+TEST(DocumentWorld, FailureNamesLineAndOutput) {
   DocumentWorld world;
   EXPECT_THAT(world.Run({{"plslam run nowhere --out out/x", 7}}),
               testing::AllOf(testing::HasSubstr("line 7: plslam run nowhere"), testing::HasSubstr("nowhere")));

@@ -8,7 +8,7 @@ namespace {
 
 using testing::ElementsAre;
 
-TEST(DocumentCommands, AreThoseOfShellBlocks) {
+TEST(DocumentCommands, AreFromShellBlocks) {
   const auto blocks = CommandBlocks(
       "text\n```sh\na --b 'c # d'   # comment\n# only a comment\n\nlong \\\n  --one\n```\n```\nnot run\n```\n"
       "```yaml\nkey: 1\n```\n```sh\n```\n```sh\nlast\n```\n");

@@ -36,7 +36,7 @@ TEST(Shown, SixtyCharactersAreShownAndNoMore) {
       << "no half of an escape";
 }
 
-TEST(SentenceOf, OursStayAsTheyAre) {
+TEST(SentenceOf, OwnErrorsAreUnchanged) {
   EXPECT_EQ(SentenceOf(std::runtime_error("a.txt:3: no number")), "a.txt:3: no number");
 }
 
@@ -75,7 +75,7 @@ TEST(SentenceOf, ThreadsAndMemoryNameTheLimitAndItsCommand) {
   EXPECT_THAT(ReasonOf(EMFILE), AllOf(HasSubstr("Too many open files"), HasSubstr("ulimit -n")));
 }
 
-TEST(WithMemoryFor, NamesWhatIsTooLarge) {
+TEST(WithMemoryFor, NamesTheTooLargeObject) {
   const auto too_much = [] { return WithMemoryFor("room.plmap: 3000 MB", []() -> int { throw std::bad_alloc(); }); };
   EXPECT_THAT(too_much, testing::ThrowsMessage<std::runtime_error>(
                             testing::StartsWith("room.plmap: 3000 MB: memory is not enough")));
@@ -84,7 +84,7 @@ TEST(WithMemoryFor, NamesWhatIsTooLarge) {
   EXPECT_THROW(other(), std::invalid_argument);
 }
 
-TEST(YamlComplaint, TabIsFoundWhereTheParserComplainsElsewhere) {
+TEST(YamlComplaint, TabIsFoundIfTheParserBlamesAnotherLine) {
   EXPECT_EQ(YamlComplaint("rig.yaml", "vo:\n\tseed: 1\n  x: 2\n", 2, "illegal map value"),
             "rig.yaml:2: is indented by a tab; YAML wants spaces");
   EXPECT_EQ(YamlComplaint("rig.yaml", "vo:\n  \tseed: 1\n", 1, "x"),
@@ -93,12 +93,12 @@ TEST(YamlComplaint, TabIsFoundWhereTheParserComplainsElsewhere) {
             "rig.yaml:2: not valid YAML: illegal map value ('a: b: c')");
 }
 
-TEST(YamlComplaint, LineWithoutAKeyIsFoundWhereTheNextOneIsBlamed) {
+TEST(YamlComplaint, LineWithoutAKeyIsFoundIfTheNextIsBlamed) {
   EXPECT_EQ(YamlComplaint("rig.yaml", "a: 1\nb 2\n\n# c\nd: 3\n", 4, "illegal map value"),
             "rig.yaml:2: not valid YAML: no `key: value` ('b 2')");
 }
 
-TEST(YamlComplaint, BinaryFileIsCalledSo) {
+TEST(YamlComplaint, BinaryFileIsRecognised) {
   EXPECT_EQ(YamlComplaint("a.png", std::string_view("\x89PNG\r\n\0\0", 8), 0, "x"),
             "a.png: is no YAML, but binary: \\x89PNG\\x0d\\x0a\\x00\\x00");
 }
@@ -117,7 +117,7 @@ TEST(OpenInput, ReadsAFile) {
   EXPECT_EQ(WhyUnreadable(folder.Path("a")), "");
 }
 
-TEST(OpenInput, SaysWhyNot) {
+TEST(OpenInput, ReportsTheReason) {
   const ScratchFolder folder;
   EXPECT_THAT([&] { OpenInput(folder.Path("none")); },
               ThrowsMessage<std::runtime_error>(folder.Path("none") + ": cannot be read: No such file or directory"));

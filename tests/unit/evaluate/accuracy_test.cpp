@@ -64,7 +64,7 @@ TEST(Accuracy, DegenerateInputsGiveASentenceAndNoNan) {
   }
 }
 
-TEST(Accuracy, WithoutAPairThereIsNoErrorRatherThanNone) {
+TEST(Accuracy, WithoutAPairTheErrorIsNull) {
   const auto json = nlohmann::json::parse(ToJson(EvaluateTrajectory({}, SomePath(5), {})).dump());
   EXPECT_TRUE(json["ate_m"].is_null()) << json.dump();
   EXPECT_EQ(json["poses"]["associated"], 0);

@@ -71,7 +71,7 @@ TEST(Alignment, PlanarPathGetsARotationAndNoReflection) {
   EXPECT_LT(Distance(s.T_a_b, kMove), 1e-9);
 }
 
-TEST(Alignment, StraightPathTakesTheTurnAboutItselfFromTheOrientations) {
+TEST(Alignment, RollAboutAStraightPath) {
   for (const int n : {2, 3, 30}) {
     for (const auto kind : {Alignment::kSe3, Alignment::kSim3}) {
       const Similarity s = Align(MovedPairs(Line(n), 1.0), kind);
@@ -81,7 +81,7 @@ TEST(Alignment, StraightPathTakesTheTurnAboutItselfFromTheOrientations) {
   }
 }
 
-TEST(Alignment, StraightPathsAheadAndBackAreTurnedProperly) {
+TEST(Alignment, OppositeStraightPathsGiveARotation) {
   Trajectory truth;
   Trajectory estimate;
   for (int i = 0; i < 5; ++i) {
@@ -111,13 +111,13 @@ TEST(Alignment, NoneAndNothingAreIdentity) {
   EXPECT_LT(Align(MovedPairs(SomePath(5), 1.0), Alignment::kNone).T_a_b.Log().norm(), 1e-15);
 }
 
-TEST(Alignment, OnePoseIsMadeEqual) {
+TEST(Alignment, OnePoseIsAlignedExactly) {
   for (const auto kind : {Alignment::kSe3, Alignment::kSim3, Alignment::kFirst}) {
     EXPECT_LT(Distance(Align(MovedPairs(SomePath(1), 1.0), kind).T_a_b, kMove), 1e-9);
   }
 }
 
-TEST(Alignment, NamesGoBothWays) {
+TEST(Alignment, NamesRoundTrip) {
   for (const char* name : {"none", "first", "se3", "sim3"}) EXPECT_EQ(AlignmentName(AlignmentFromName(name)), name);
   EXPECT_THROW(AlignmentFromName("rigid"), std::runtime_error);
 }
@@ -150,12 +150,12 @@ TEST(ClockOffset, IsFound) {
   }
 }
 
-TEST(ClockOffset, BeyondTheLimitThereIsNone) {
+TEST(ClockOffset, OffsetBeyondTheLimitGivesNone) {
   const Trajectory truth = Along(200.0, 0.0);
   EXPECT_FALSE(FitClockOffset(Along(10.0, 0.2), truth, Alignment::kSe3, kMaxClockGap_ns, 0.05));
 }
 
-TEST(ClockOffset, OfACameraThatStandsIsNotInvented) {
+TEST(ClockOffset, StandingCameraHasNoOffset) {
   Trajectory truth = Along(200.0, 0.0);
   for (TrajectoryPose& pose : truth) pose.T_a_b = SE3();
   Trajectory estimate = Along(10.0, 0.0);
@@ -166,7 +166,7 @@ TEST(ClockOffset, OfACameraThatStandsIsNotInvented) {
   EXPECT_EQ(clock->ate_m, 0.0);
 }
 
-TEST(ClockOffset, OfTooLittleIsNone) {
+TEST(ClockOffset, TooFewPosesGiveNone) {
   const Trajectory truth = Along(200.0, 0.0);
   EXPECT_FALSE(FitClockOffset({}, truth, Alignment::kSe3, kMaxClockGap_ns, 0.05));
   EXPECT_FALSE(FitClockOffset(Along(10.0, 0.0), {}, Alignment::kSe3, kMaxClockGap_ns, 0.05));
@@ -175,7 +175,7 @@ TEST(ClockOffset, OfTooLittleIsNone) {
   EXPECT_FALSE(FitClockOffset(Along(10.0, 0.0), truth, Alignment::kSe3, kMaxClockGap_ns, 0.0));
 }
 
-TEST(ClockOffset, TimesAtTheEndOfAllNumbersAreNotMoved) {
+TEST(ClockOffset, TimesNearTheMaximumGiveNone) {
   Trajectory estimate = Along(10.0, 0.0);
   estimate.back().t_ns = std::numeric_limits<int64_t>::max();
   EXPECT_FALSE(FitClockOffset(estimate, Along(200.0, 0.0), Alignment::kSe3, kMaxClockGap_ns, 0.05));

@@ -94,7 +94,7 @@ TEST(Compare, SeedsAreOneGroupAndFeaturesAreTwo) {
   EXPECT_EQ(groups[0].Typical()->folder, "run4");
 }
 
-TEST(Compare, RunsThatFailedCountAndDoNotSpeak) {
+TEST(Compare, FailedRunsAreCountedWithoutFigures) {
   json failed = Summary("a", "both", 9.0);
   failed["completed"] = false;
   failed["reason"] = "vo_process has crashed";
@@ -110,7 +110,7 @@ TEST(Compare, RunsThatFailedCountAndDoNotSpeak) {
   EXPECT_THAT(ComparisonText(none), HasSubstr("1 (1 failed)"));
 }
 
-TEST(Compare, ProcessesVersionsAndManyOptionsAreToldApart) {
+TEST(Compare, ProcessesAndVersionsMakeGroups) {
   json odometry = Summary("a", "both", 1.0), other = Summary("a", "both", 1.0);
   odometry["configuration"].erase("mapping");
   other["version"] = "2";
@@ -122,7 +122,7 @@ TEST(Compare, ProcessesVersionsAndManyOptionsAreToldApart) {
   EXPECT_EQ(groups[2].label, "processes=mapping+vo, version=2");
 }
 
-TEST(Compare, APlayerThatWasStartedAgainIsNoOtherOption) {
+TEST(Compare, RestartedPlayerIsNotAnotherOption) {
   json restarted = Summary("a", "both", 1.0);
   restarted["configuration"]["player"]["player"]["resume_after"] = "17@1700000000";
   const auto groups = Compare({RecordOf(Summary("a", "both", 1.0), "1"), RecordOf(restarted, "2")});
@@ -130,7 +130,7 @@ TEST(Compare, APlayerThatWasStartedAgainIsNoOtherOption) {
   EXPECT_EQ(groups[0].runs.size(), 2U);
 }
 
-TEST(Compare, TrackedIsOfAllFramesAlsoThoseWithoutAPoseMessage) {
+TEST(Compare, TrackedShareIsOfAllFrames) {
   json late = Summary("a", "both", 1.0);
   late["skipped_frames"] = 30;
   late["bad_frames"] = 6;
@@ -140,7 +140,7 @@ TEST(Compare, TrackedIsOfAllFramesAlsoThoseWithoutAPoseMessage) {
   EXPECT_NEAR(At(Compare({RecordOf(late, "1")})[0], "tracked_percent", &Spread::median), 25.0, 1e-12);
 }
 
-TEST(Compare, SummariesWithNextToNothing) {
+TEST(Compare, NearlyEmptySummaries) {
   const auto groups = Compare({RecordOf(json::object(), "empty"),
                                RecordOf(R"({"completed": true, "accuracy": null, "map": null})"_json, "bare")});
   ASSERT_EQ(groups.size(), 1U);
@@ -204,7 +204,7 @@ TEST(ComparisonPage, PathsOfLongRunsAreThinned) {
   EXPECT_LT(page.size(), 300'000U);
 }
 
-TEST(Comparison, RunThatTrackedNothingIsNoGoodRun) {
+TEST(Comparison, RunWithoutTrackedFramesIsNotGood) {
   json nothing = Summary("kitti_03", "both", 0.0);
   nothing["accuracy"]["poses"] = {{"estimated", 0}, {"true", 40}, {"associated", 0}};
   const auto groups = Compare({RecordOf(Summary("kitti_03", "both", 0.3), "a"), RecordOf(nothing, "b")});

@@ -75,7 +75,7 @@ TEST(Consistency, PoseCovariancesMayStartInTheMiddle) {
   EXPECT_NEAR(sum / 300.0, 6.0, 0.4);
 }
 
-TEST(Consistency, HalvedDeviationsQuadrupleNees) {
+TEST(Consistency, HalvedSigmasQuadrupleNees) {
   const Trajectory truth = SomePath(100);
   Simulation s = Simulate(truth, 3);
   const PosePairs pairs = Pair(s.estimate, truth);

@@ -40,7 +40,7 @@ cv::Vec3b At(const cv::Mat& picture, double x_pt, double y_pt, double scale) {
   return picture.at<cv::Vec3b>(static_cast<int>(y_pt * scale), static_cast<int>(x_pt * scale));
 }
 
-TEST(Drawing, ShapesLieWhereTheyShouldInPixels) {
+TEST(Drawing, ShapesHaveTheirPixelPositions) {
   const cv::Mat picture = ToPicture(SomeDrawing(), 5.0 * 72.0);
   ASSERT_EQ(picture.size(), cv::Size(300, 200));
   EXPECT_EQ(At(picture, 20, 15, 5.0), cv::Vec3b(10, 30, 200));
@@ -64,7 +64,7 @@ TEST(Drawing, TheEndingOfTheFileChoosesTheFormat) {
   }
 }
 
-TEST(Drawing, FilesThatCannotBeWrittenAreNamedWithTheReason) {
+TEST(Drawing, UnwritableFilesAreNamedWithTheReason) {
   for (const char* ending : {".svg", ".pdf", ".png"}) {
     const auto write_to = [&](const std::string& folder) { WriteDrawing(folder + "/a" + ending, SomeDrawing()); };
     EXPECT_THAT([&] { write_to("/nowhere"); },
@@ -98,7 +98,7 @@ TEST(Drawing, IdsOfAnSvgBeginWithThePrefixAndFitTheirUses) {
   for (const std::string& use : uses) EXPECT_THAT(ids, Contains(use));
 }
 
-TEST(Drawing, SvgIsWellFormedWhateverTheText) {
+TEST(Drawing, SvgWithSpecialCharactersIsWellFormed) {
   const ScratchFolder folder;
   const std::string path = folder.Write("a.svg", ToSvg(SomeDrawing()));
   EXPECT_THAT(ReadText(path), HasSubstr("width=\"60pt\" height=\"40pt\""));
@@ -129,7 +129,7 @@ int Ink(const Drawing& drawing) {
   return cv::countNonZero(picture.reshape(1) != 255);
 }
 
-TEST(Drawing, NothingAndNonsenseDrawNothing) {
+TEST(Drawing, EmptyAndInvalidShapesDrawNothing) {
   Drawing drawing;
   drawing.size = {20.0, 10.0};
   drawing.shapes.emplace_back(DrawnPath{});
@@ -141,7 +141,7 @@ TEST(Drawing, NothingAndNonsenseDrawNothing) {
   EXPECT_EQ(Ink(drawing), 0);
 }
 
-TEST(Drawing, APathThatStaysAtAPlaceIsADot) {
+TEST(Drawing, PathOfAStandingCameraIsADot) {
   Drawing drawing;
   drawing.size = {20.0, 10.0};
   drawing.shapes.emplace_back(DrawnPath{{{3, 3}, {3, 3}}, {{0, 0, 0}, 1.0, false}, std::nullopt});
@@ -205,7 +205,7 @@ std::vector<Eigen::Vector3d> Ellipsoid(double x, double y, double z) {
   return path;
 }
 
-TEST(ViewOf, LevelPathsFromAboveAndClimbingOnesFromTheSideNeverMirrored) {
+TEST(ViewOf, LevelAndClimbingPaths) {
   const auto expect = [](const std::vector<Eigen::Vector3d>& path, const char* right, const char* up) {
     const ViewDirections view = ViewOf(path, -Eigen::Vector3d::UnitY());
     EXPECT_EQ(view.right_name, right);
@@ -221,7 +221,7 @@ TEST(ViewOf, LevelPathsFromAboveAndClimbingOnesFromTheSideNeverMirrored) {
   expect({}, "x [m]", "z [m]");
 }
 
-TEST(ViewOf, AboveIsWhereUpIs) {
+TEST(ViewOf, AboveIsInTheUpDirection) {
   const Eigen::Vector3d up_w = Eigen::Vector3d(0.1, -1.0, 0.5).normalized();
   const ViewDirections view = ViewOf(Ellipsoid(5, 1, 5), up_w);
   EXPECT_TRUE(view.right.cross(view.up).isApprox(up_w));
@@ -238,7 +238,7 @@ TEST(PlanAround, EqualScaleAroundEverything) {
   EXPECT_GT(PlanAround({}, 20.0).height_pt, 100.0);
 }
 
-TEST(RuntimeFigure, StagesOfWhatRanAndNothingElse) {
+TEST(RuntimeFigure, OnlyStagesThatRan) {
   const auto summary = nlohmann::json::parse(R"({
     "stage_ms": {"track": {"median": 2.0, "p95": 6.5}, "total": {"median": 20.0, "p95": 30.0}},
     "map": {"keyframes": 5, "adjustment_ms": {"median": 33.0, "p95": 80.0}},

@@ -13,7 +13,7 @@ using test::DrawnTexts;
 using testing::Contains;
 using testing::Not;
 
-TEST(CovisibilityFigure, EdgesByTheirKind) {
+TEST(CovisibilityFigure, EdgesByTheirType) {
   StoredMap stored = test::SmallStoredMap();
   const std::vector<std::string> without = DrawnTexts(CovisibilityFigure("a map", stored.map));
   EXPECT_THAT(without, Contains("20 shared landmarks"));
@@ -26,7 +26,7 @@ TEST(CovisibilityFigure, EdgesByTheirKind) {
   EXPECT_THAT(DrawnTexts(CovisibilityFigure("no map", Map())), Contains("no map"));
 }
 
-TEST(TopView, PathsLandmarksAndEmptyOnes) {
+TEST(TopView, PathsLandmarksAndEmptyPaths) {
   const StoredMap stored = test::SmallStoredMap();
   const NamedPath truth{"truth", {{-4, 0, 0}, {4, 0, 8}}, {{214, 39, 40}, 1.6, false}};
   const std::vector<std::string> texts = DrawnTexts(TopView("a run", {truth, {"estimate", {}, {}}}, &stored.map));

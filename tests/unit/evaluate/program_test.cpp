@@ -107,7 +107,7 @@ TEST(EvaluateProgram, KittiFilesTakeTheirTimesFromTheTimesFile) {
   EXPECT_THAT(run.out, HasSubstr("scale 1.000000"));
 }
 
-TEST(EvaluateProgram, ComparisonPassesOverWhatIsNoRun) {
+TEST(EvaluateProgram, ComparisonSkipsOtherFiles) {
   const ScratchFolder folder;
   const auto add = [&](const std::string& name, const std::string& summary) {
     std::filesystem::create_directories(folder.Path(name));

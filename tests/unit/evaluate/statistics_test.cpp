@@ -18,7 +18,7 @@ TEST(Statistics, ByHand) {
   EXPECT_DOUBLE_EQ(Summarise({5.0, 1.0, 2.0}).median, 2.0);
 }
 
-TEST(Statistics, NothingIsZeroAndOneIsItself) {
+TEST(Statistics, NoneAndOneValue) {
   EXPECT_EQ(Summarise({}).n, 0);
   EXPECT_EQ(Summarise({}).rmse, 0.0);
   EXPECT_EQ(Summarise({2.5}).rmse, 2.5);

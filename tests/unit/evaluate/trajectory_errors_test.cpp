@@ -20,7 +20,7 @@ TEST(AbsoluteError, OffsetAndTurnByHand) {
   EXPECT_NEAR(errors.rotation_rad.at(0), 0.1, 1e-12);
 }
 
-TEST(AbsoluteError, AngleIsTheShortOneOfBothQuaternions) {
+TEST(AbsoluteError, AngleIsTheShorterOne) {
   const Eigen::Quaterniond q(Eigen::AngleAxisd(3.0, Eigen::Vector3d::UnitX()));
   const Eigen::Quaterniond minus_q(-q.w(), -q.x(), -q.y(), -q.z());
   EXPECT_NEAR(AngleBetween(q, minus_q), 0.0, 1e-12);

@@ -31,7 +31,7 @@ CameraCalibration ReadBack(const CameraCalibration& camera) {
   return RigFromRos(left, right, false).left;
 }
 
-TEST(CameraInfo, OfEachLensOfRosIsReadAsItWas) {
+TEST(CameraInfo, EveryRosLensModelIsReadBack) {
   const std::vector<CameraCalibration> cameras{
       CameraWith("pinhole", {}), CameraWith("radtan", {-0.2, 0.05, 0.001, -0.002, 0.01}),
       CameraWith("rational", {0.3, -0.1, 0.001, -0.002, 0.02, 0.4, -0.05, 0.01}),
@@ -45,7 +45,7 @@ TEST(CameraInfo, OfEachLensOfRosIsReadAsItWas) {
   }
 }
 
-TEST(CameraInfo, OfADoubleSphereIsNotTakenForAnotherLens) {
+TEST(CameraInfo, DoubleSphereIsRefused) {
   EXPECT_THROW(ReadBack(CameraWith("double_sphere", {-0.2, 0.6})), DatasetError);
 }
 

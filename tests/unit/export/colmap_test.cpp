@@ -91,7 +91,7 @@ TEST(ColmapModel, FramesOfTwoSessionsWithOneNumberHaveTwoNames) {
                                    testing::Pair(2, "000008.png")));
 }
 
-TEST(ColmapText, AsItsDocumentationHasIt) {
+TEST(ColmapText, FormatOfTheDocumentation) {
   const ScratchFolder folder;
   WriteColmapText(folder.Path("model"), SmallModel());
   EXPECT_THAT(ReadText(folder.Path("model/cameras.txt")), HasSubstr("\n1 PINHOLE 640 480 400 400 320.5 240.5\n"));
@@ -99,7 +99,7 @@ TEST(ColmapText, AsItsDocumentationHasIt) {
   EXPECT_THAT(ReadText(folder.Path("model/points3D.txt")), HasSubstr(" 1 59 2 59 3 59\n"));
 }
 
-TEST(ColmapPrograms, ModelAnalyzerCountsWhatIsThere) {
+TEST(ColmapPrograms, ModelAnalyzerCountsTheModel) {
   PLSLAM_REQUIRE_PROGRAM("colmap");
   const ScratchFolder folder;
   WriteColmapText(folder.Path("text"), SmallModel());
@@ -115,7 +115,7 @@ TEST(ColmapPrograms, ModelAnalyzerCountsWhatIsThere) {
   }
 }
 
-TEST(ColmapPrograms, ItsOwnProjectionOfTheMapMeetsTheFeatures) {
+TEST(ColmapPrograms, ColmapProjectsTheMapOntoTheFeatures) {
   PLSLAM_REQUIRE_PROGRAM("colmap");
   const ScratchFolder folder;
   WriteColmapBinary(folder.Path("binary"), SmallModel());
@@ -128,7 +128,7 @@ TEST(ColmapPrograms, ItsOwnProjectionOfTheMapMeetsTheFeatures) {
   EXPECT_LT(initial_px, 1e-6) << told;
 }
 
-TEST(ColmapPrograms, BinaryTurnedIntoTextByItIsOurText) {
+TEST(ColmapPrograms, ColmapConvertsOurBinaryToOurText) {
   PLSLAM_REQUIRE_PROGRAM("colmap");
   const ScratchFolder folder;
   WriteColmapText(folder.Path("text"), SmallModel());
@@ -147,7 +147,7 @@ TEST(ColmapPrograms, BinaryTurnedIntoTextByItIsOurText) {
   }
 }
 
-TEST(MapCamera, IsWhatMappingStored) {
+TEST(MapCamera, StoredCameraIsRead) {
   const StereoCamera camera = MapCamera(test::SmallStoredMap(), "a.plmap");
   EXPECT_EQ(camera.f_px, 400.0);
   EXPECT_EQ(camera.cx_px, 320.0);
@@ -165,7 +165,7 @@ TEST(MapCamera, WrittenWithFewerDigitsIsTheSame) {
   EXPECT_EQ(CameraDifference(rounded, exact), "");
 }
 
-TEST(MapCamera, WhatDiffersIsNamedWithDigitsThatDiffer) {
+TEST(MapCamera, DifferencesShowDifferingDigits) {
   const StereoCamera camera{400.0, 320.0, 240.0, 0.12, 640, 480};
   StereoCamera other = camera;
   other.f_px = 400.0002;
@@ -180,7 +180,7 @@ TEST(MapCamera, WhatDiffersIsNamedWithDigitsThatDiffer) {
   EXPECT_THAT(CameraDifference(camera, other), HasSubstr("baseline_m 0.12000024"));
 }
 
-TEST(MapCamera, WhatCannotBeIsToldInASentence) {
+TEST(MapCamera, InvalidCameraIsReported) {
   StoredMap stored = test::SmallStoredMap();
   const auto told = [&] {
     try {

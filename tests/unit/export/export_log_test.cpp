@@ -120,7 +120,7 @@ class ExportLog : public testing::Test {
   int64_t time_us_ = 0;
 };
 
-TEST_F(ExportLog, ImagesAreThoseOfTheRobotWithThePoses) {
+TEST_F(ExportLog, ImagesAreOfTheRobotWithPoses) {
   for (const char* prefix : {"a/", "b/"}) WriteCamera(prefix);
   WritePoses("a/", 3);
   for (int64_t frame = 10; frame < 14; ++frame) WriteFrame("b/", frame);
@@ -145,7 +145,7 @@ TEST_F(ExportLog, MapThatRobotsShareHasAPrefixOfItsOwn) {
   EXPECT_EQ(Read().map.keyframes().size(), 3U);
 }
 
-TEST_F(ExportLog, OfSeveralStreamsTheLastOneCounts) {
+TEST_F(ExportLog, LastOfSeveralStreamsIsExported) {
   WriteCamera("");
   WriteStream("begin", 1);
   WritePoses("", 6);
@@ -167,7 +167,7 @@ TEST_F(ExportLog, LastRigThatCanBeUsedCounts) {
   EXPECT_EQ(Read().recorder.frames().size(), 2U);
 }
 
-TEST_F(ExportLog, RigOfAnotherVersionIsTold) {
+TEST_F(ExportLog, RigOfAnotherVersionIsReported) {
   WritePoses("", 2);
   Write("", bus::kCamera, stream_t{});
   EXPECT_THAT(ErrorOf("tum"), HasSubstr("has poses, but its rig (channel CAMERA) is of another version"));
@@ -175,14 +175,14 @@ TEST_F(ExportLog, RigOfAnotherVersionIsTold) {
   EXPECT_EQ(Read().lack, "messages of another version of plslam are passed over, of CAMERA") << "nothing to replay";
 }
 
-TEST_F(ExportLog, MapWithoutItsEndIsTold) {
+TEST_F(ExportLog, IncompleteMapIsReported) {
   WriteCamera("");
   WritePoses("", 2);
   WriteMap("", 1);
   EXPECT_THAT(Read().lack, HasSubstr("changes of the map are missing"));
 }
 
-TEST_F(ExportLog, WhatIsThereStaysAndFailuresLeaveNothing) {
+TEST_F(ExportLog, ExistingFilesStayAndFailuresLeaveNone) {
   WriteCamera("");
   WritePoses("", 3);
   EXPECT_THAT(ErrorOf("colmap"), HasSubstr("colmap needs a saved map"));

@@ -58,7 +58,7 @@ TEST(ExportRun, AFolderWithoutMapGivesItsTrajectoryOnly) {
   EXPECT_THAT(ErrorOf({folder.Path(""), out, {"ply"}, ""}), HasSubstr("ply needs a map: plslam run --save-map"));
 }
 
-TEST(ExportRun, WhatIsNotThereIsToldInASentence) {
+TEST(ExportRun, MissingInputIsReported) {
   const ScratchFolder folder;
   const std::string out = folder.Path("out");
   EXPECT_THAT(ErrorOf({folder.Path("none"), out, {}, ""}), HasSubstr("none: there is no such file or folder"));
@@ -112,7 +112,7 @@ TEST(ExportRun, ADamagedTableOfFramesIsNamed) {
   EXPECT_THAT(ErrorOf({folder.Path(""), folder.Path("out"), {"mcap"}, ""}), HasSubstr("no time before 1970"));
 }
 
-TEST(ExportProgram, TellsItsFilesAndItsErrors) {
+TEST(ExportProgram, PrintsItsFilesAndErrors) {
   const ScratchFolder folder;
   WriteMapFile(folder.Path("a.plmap"), test::SmallStoredMap());
   const std::string plslam = (test::BinaryFolder() / "plslam").string() + " export " + folder.Path("");

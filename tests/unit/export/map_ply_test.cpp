@@ -79,7 +79,7 @@ Map SomeMap() {
   return map;
 }
 
-TEST(MapPly, PointsThenEndsOfLinesThatEdgesJoin) {
+TEST(MapPly, PointsThenLineEndpointsJoinedByEdges) {
   const Ply ply = Read(MapPly(SomeMap()));
   EXPECT_THAT(ply.header, testing::IsSupersetOf({"ply", "format binary_little_endian 1.0", "element vertex 15",
                                                  "property float x", "property uchar red", "element edge 2",
@@ -93,7 +93,7 @@ TEST(MapPly, PointsThenEndsOfLinesThatEdgesJoin) {
   EXPECT_THAT(ply.edges, testing::ElementsAre(testing::Pair(11, 12), testing::Pair(13, 14)));
 }
 
-TEST(MapPly, LowPointsAreBlueAndHighOnesRed) {
+TEST(MapPly, LowPointsAreBlueAndHighPointsRed) {
   const Ply ply = Read(MapPly(SomeMap()));
   EXPECT_THAT(ply.vertices[0].rgb, testing::ElementsAre(0, 0, 255));
   EXPECT_THAT(ply.vertices[10].rgb, testing::ElementsAre(255, 0, 0));

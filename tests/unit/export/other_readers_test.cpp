@@ -31,7 +31,7 @@ TEST(MapPly, VtkReadsPointsAndEndsOfLines) {
   EXPECT_LT(Distance(At(cloud, 61 + 3), stored.map.lines().at(1).segment_w.q), 1e-5);
 }
 
-TEST(MapObj, VtkReadsPointsLinesAndTheWay) {
+TEST(MapObj, VtkReadsPointsLinesAndThePath) {
   const ScratchFolder folder;
   WriteFileAtomically(folder.Path("coloured.obj"), "v 1 2 3 0 0 1\nv 4 5 6 1 0 0\np 1\np 2\n");
   const cv::Mat coloured = PointsByVtk(folder.Path("coloured.obj"), cv::viz::Mesh::LOAD_OBJ);
@@ -46,7 +46,7 @@ TEST(MapObj, VtkReadsPointsLinesAndTheWay) {
   EXPECT_LT(Distance(At(cloud, 61 + 8 + 2), stored.map.keyframes().at(2).T_w_kf.translation()), 1e-5);
 }
 
-TEST(MapObj, NamesWhatItHasAndNumbersVerticesFromOne) {
+TEST(MapObj, SectionsAndOneBasedVertexNumbers) {
   const std::string obj = MapObj(test::SmallStoredMap().map);
   EXPECT_THAT(obj, testing::HasSubstr("\no points\nv -1.200000 -0.800000 6.000000 "));
   EXPECT_THAT(obj, testing::HasSubstr("\np 1\n"));

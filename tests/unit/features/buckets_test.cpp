@@ -35,7 +35,7 @@ TEST(Buckets, MayBeReorderedInside) {
   EXPECT_EQ(Listed(pair.Range(0, 2)), (std::vector<int>{4, 3, 8, 9}));
 }
 
-TEST(Buckets, ListPlacesOfOtherThings) {
+TEST(Buckets, ListIndicesOfOtherElements) {
   std::mt19937 random(1);
   std::vector<size_t> things(1000);
   for (size_t& thing : things) thing = random() % 37;

@@ -71,7 +71,7 @@ TEST(FastScores, RegionOfALargerImage) {
   ExpectNaiveScores(image(cv::Rect(11, 7, 50, 40)));
 }
 
-TEST(SuppressNonMaxima, KeepsOneOfEveryPlateauAndNothingBelowTheMinimum) {
+TEST(SuppressNonMaxima, OneMaximumPerPlateauAboveTheMinimum) {
   cv::Mat scores(9, 40, CV_8UC1, cv::Scalar(0));
   scores.at<uint8_t>(4, 10) = scores.at<uint8_t>(4, 11) = scores.at<uint8_t>(5, 10) = 50;
   scores.at<uint8_t>(4, 20) = 9;

@@ -119,7 +119,7 @@ FeatureOptions Only(const std::string& features) {
   return options;
 }
 
-TEST(FeatureExtractor, GivesTheKindsAskedFor) {
+TEST(FeatureExtractor, ExtractsTheRequestedFeatureTypes) {
   const cv::Mat image = Scene(0.0);
   const ImageFeatures points = FeatureExtractor(Only("points")).Extract(image);
   const ImageFeatures lines = FeatureExtractor(Only("lines")).Extract(image);
@@ -132,7 +132,7 @@ TEST(FeatureExtractor, GivesTheKindsAskedFor) {
   EXPECT_EQ(both.lines.size(), lines.lines.size());
 }
 
-TEST(MatchStereo, KeepsEveryLeftFeatureInItsPlace) {
+TEST(MatchStereo, KeepsEveryLeftFeatureAtItsIndex) {
   const cv::Mat left = Scene(0.0);
   const cv::Mat right = Scene(10.0);
   FeatureExtractor extractor(Only("both"));
@@ -159,7 +159,7 @@ TEST(MatchStereo, ImagesOfOnePixel) {
   EXPECT_TRUE(stereo.lines.empty());
 }
 
-TEST(AttachDepth, GivesBothKindsTheirDisparity) {
+TEST(AttachDepth, GivesPointsAndLinesTheirDisparity) {
   const cv::Mat image = Scene(0.0);
   const cv::Mat depth(240, 320, CV_16UC1, cv::Scalar(3000));
   const StereoFeatures stereo =

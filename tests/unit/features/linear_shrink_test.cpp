@@ -40,7 +40,7 @@ TEST(LinearShrink, PartOfALargerImage) {
   ExpectAsOpenCv(test::RandomImage(100, 80, 2)(cv::Rect(13, 9, 61, 47)), {51, 39});
 }
 
-TEST(LinearShrink, SaysWhatDoesNotFit) {
+TEST(LinearShrink, RejectsUnsuitableSizes) {
   EXPECT_TRUE(LinearShrink::Fits({15, 15}, {8, 8}));
   EXPECT_FALSE(LinearShrink::Fits({16, 15}, {8, 8})) << "half";
   EXPECT_FALSE(LinearShrink::Fits({15, 40}, {8, 20})) << "half";

@@ -26,7 +26,7 @@ void DrawSquare(cv::Mat& image, int x, int y, int contrast) {
   image(cv::Rect(x, y, 12, 12)).setTo(image.at<uint8_t>(0, 0) - contrast);
 }
 
-TEST(CornerDetector, WeakCornersOnlyWhereNoStrongOneIsInTheCell) {
+TEST(CornerDetector, WeakCornersOnlyInCellsWithoutStrongOnes) {
   cv::Mat image(200, 300, CV_8UC1, cv::Scalar(120));
   DrawSquare(image, 40, 40, 60);
   DrawSquare(image, 56, 40, 10);    // same cells as the strong one

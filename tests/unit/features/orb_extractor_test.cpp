@@ -46,7 +46,7 @@ TEST(OrbExtractor, AnotherPixelTypeIsRefused) {
   EXPECT_THROW(extractor.Extract(cv::Mat(50, 50, CV_16UC1, cv::Scalar(0))), std::invalid_argument);
 }
 
-TEST(OrbExtractor, NeverMoreThanAskedFor) {
+TEST(OrbExtractor, NeverMoreThanMaxPoints) {
   for (const int max_points : {0, 1, 10, 300}) {
     OrbOptions options;
     options.max_points = max_points;
@@ -54,7 +54,7 @@ TEST(OrbExtractor, NeverMoreThanAskedFor) {
   }
 }
 
-TEST(OrbExtractor, EqualImagesGiveEqualPointsWhateverCameBefore) {
+TEST(OrbExtractor, EqualImagesGiveEqualPoints) {
   const cv::Mat image = test::RenderTexture(240, 180, {});
   OrbExtractor used{OrbOptions{}};
   used.Extract(test::RandomImage(301, 97, 3));

@@ -13,7 +13,7 @@ namespace {
 
 const StereoCamera kProjectionCamera{400.0, 320.0, 240.0, 0.1, 640, 480};
 
-TEST(ClipInFront, KeepsWhatIsInFront) {
+TEST(ClipInFront, KeepsASegmentInFront) {
   const Segment3 segment{{0.0, 0.0, 2.0}, {1.0, 0.0, 3.0}};
   const auto clipped = ClipInFront(segment, 0.1);
   ASSERT_TRUE(clipped);
@@ -80,7 +80,7 @@ TEST(ClipToImage, EndsInsideStayBitForBit) {
 }
 
 // Twin: points of the segment in space, projected, those in front and in the image.
-TEST(ProjectSegment, AgreesWithProjectingManyPlaces) {
+TEST(ProjectSegment, AgreesWithProjectingManyPoints) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> any(-2.0, 2.0);
   int crossing = 0;
@@ -117,7 +117,7 @@ TEST(VarianceAcross, GrowsOnlyBeyondTheObservedPiece) {
   EXPECT_DOUBLE_EQ(VarianceAcross(observed, {0.0, 103.0}, 0.5), 2.25);
 }
 
-TEST(AlongLine, FindsThePlaceUnderAPixel) {
+TEST(AlongLine, FindsThePointUnderAPixel) {
   const Segment3 segment{{-1.0, -1.0, 4.0}, {1.0, 1.0, 5.0}};
   for (const double s : {-0.3, 0.0, 0.4, 1.0, 1.2}) {
     const Eigen::Vector2d px = kProjectionCamera.Project(segment.p + s * (segment.q - segment.p));

@@ -58,7 +58,7 @@ Twins Scattered(int width, int height, uint32_t seed) {
   return twins;
 }
 
-TEST(BilinearWarp, RandomPlacesAsOpenCvHasThem) {
+TEST(BilinearWarp, RandomPositionsAgreeWithOpenCv) {
   EXPECT_EQ(Scattered(211, 97, 1).DifferentPixels(Noise(211, 97, 2)), 0);
 }
 

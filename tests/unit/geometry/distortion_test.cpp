@@ -137,7 +137,7 @@ TEST(Distortion, EqualsOpenCv) {
 }
 
 // The published formula of a point (x, y, z) anywhere, which does not change with the point's distance.
-TEST(Distortion, DoubleSphereIsThatOfThePaper) {
+TEST(Distortion, DoubleSphereMatchesThePaper) {
   for (const CameraCalibration& lens : Lenses()) {
     if (lens.model != "double_sphere") continue;
     const double xi = lens.distortion[0];

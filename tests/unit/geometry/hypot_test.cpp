@@ -27,7 +27,7 @@ TEST(Hypot, BitsOfOnePair) {
   EXPECT_EQ(Hypot(0x1.2890cc0eae498p+1, 0x1.aefbdee281dd1p+0), 0x1.6e96f03cbd462p+1);
 }
 
-TEST(Hypot, OfZeroInfinityAndNan) {
+TEST(Hypot, ZeroInfinityAndNan) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   EXPECT_EQ(Hypot(0.0, -0.0), 0.0);
   EXPECT_EQ(Hypot(-3.0, 0.0), 3.0);

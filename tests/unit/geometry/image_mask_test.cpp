@@ -36,7 +36,7 @@ cv::Mat InUse(int width, int height) { return {height, width, CV_8UC1, cv::Scala
 
 MaskPolygon Rectangle(float x0, float y0, float x1, float y1) { return {{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}}; }
 
-TEST(ImageMask, NothingLeftOutIsNoPolygonAndNoImage) {
+TEST(ImageMask, EmptyMaskHasNoPolygonAndNoImage) {
   EXPECT_TRUE(TraceMask(InUse(30, 20)).empty());
   EXPECT_TRUE(DrawMask(Masked(InUse(30, 20))).empty());
 }
@@ -61,7 +61,7 @@ TEST(ImageMask, HolesAndIslandsInThemStay) {
   EXPECT_EQ(MaskComplaint(camera), "");
 }
 
-TEST(ImageMask, WhatAFisheyeDoesNotSeeIsARing) {
+TEST(ImageMask, FisheyeBorderIsARing) {
   cv::Mat image(512, 512, CV_8UC1, cv::Scalar(0));
   cv::circle(image, {256, 256}, 250, cv::Scalar(255), cv::FILLED);
   const CameraCalibration camera = Masked(image);
@@ -102,7 +102,7 @@ TEST(ImageMask, ComplaintsNameValueAndBound) {
   EXPECT_THAT(MaskComplaint(camera), HasSubstr("2004 corners, at most 2000"));
 }
 
-TEST(ImageMask, ShadeChangesOnlyWhatIsLeftOut) {
+TEST(ImageMask, ShadeChangesOnlyMaskedPixels) {
   cv::Mat mask = InUse(20, 10);
   mask(cv::Rect(0, 5, 20, 5)).setTo(0);
   for (const int grey : {0, 100, 255}) {
@@ -141,7 +141,7 @@ TEST(ImageMask, IsWarpedAsTheImage) {
   EXPECT_TRUE(Rectifier(rig).left_mask().empty());
 }
 
-TEST(ImageMask, OfARectifiedPairPassesThrough) {
+TEST(ImageMask, MaskOfARectifiedPairIsUnchanged) {
   RigCalibration rig = test::IdealRig();
   rig.left.mask = {Rectangle(0, 400, 639, 479)};
   const Rectifier rectifier(rig);

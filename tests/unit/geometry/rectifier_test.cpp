@@ -27,7 +27,7 @@ cv::Mat Draw(int width, int height) {
   return image;
 }
 
-TEST(Rectifier, PixelsComeFromWhereTheMathsSays) {
+TEST(Rectifier, PixelsComeFromTheComputedPositions) {
   const RigCalibration rig = test::EurocRig();
   const Rectifier rectifier(rig);
   const Rectification r = Rectify(rig);
@@ -48,7 +48,7 @@ TEST(Rectifier, EurocHasNoEmptyBorder) {
   EXPECT_TRUE(rectifier.right_mask().empty());
 }
 
-TEST(Rectifier, IdealPairIsNotEvenCopied) {
+TEST(Rectifier, IdealPairIsNotCopied) {
   const Rectifier rectifier(test::IdealRig());
   const cv::Mat image = Draw(640, 480);
   EXPECT_EQ(rectifier.RectifyLeft(image).data, image.data);

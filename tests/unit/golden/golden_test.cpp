@@ -72,7 +72,7 @@ std::vector<std::filesystem::path> Releases() {
   return folders;
 }
 
-TEST(Golden, MapsAndRecordingsOfReleasesOpenAsTheyWere) {
+TEST(Golden, MapsAndRecordingsOfReleasesOpenUnchanged) {
   const std::vector<std::filesystem::path> releases = Releases();
   ASSERT_FALSE(releases.empty());
   for (const std::filesystem::path& folder : releases)
@@ -80,7 +80,7 @@ TEST(Golden, MapsAndRecordingsOfReleasesOpenAsTheyWere) {
 }
 
 // Messages between single processes may be of another version, which is reported; frames and rig may not.
-TEST(Golden, RunsOfRecordingsGoOnOrAreToBeReplayed) {
+TEST(Golden, OldRecordingsAreReadOrNeedAReplay) {
   for (const std::filesystem::path& folder : Releases()) {
     const ScratchFolder to;
     try {
@@ -95,7 +95,7 @@ TEST(Golden, RunsOfRecordingsGoOnOrAreToBeReplayed) {
   }
 }
 
-TEST(Golden, ThereIsOneOfThisRelease) {
+TEST(Golden, ThisReleaseHasGoldenFiles) {
   const std::string version = PLSLAM_VERSION;
   const std::string release = version.substr(0, version.rfind('.'));
   EXPECT_TRUE(std::filesystem::exists(test::SourceFolder() / "tests/golden" / release))

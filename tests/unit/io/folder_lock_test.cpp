@@ -61,7 +61,7 @@ class Holder {
   bool well_ = false;
 };
 
-TEST(FolderLock, IsOfOneProcessUntilThatEndsHoweverItDoes) {
+TEST(FolderLock, HeldUntilItsProcessEnds) {
   const ScratchFolder folder;
   {
     const Holder holder(folder.Path(""));
@@ -73,7 +73,7 @@ TEST(FolderLock, IsOfOneProcessUntilThatEndsHoweverItDoes) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.Path(""))) << "no litter";
 }
 
-TEST(FolderLock, IsSharedWithTheProcessesThatTheHolderStarts) {
+TEST(FolderLock, SharedWithChildProcesses) {
   const ScratchFolder folder;
   const Holder holder(folder.Path(""), [&] {
     const pid_t child = fork();

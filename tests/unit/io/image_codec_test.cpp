@@ -57,7 +57,7 @@ cv::Mat Noise(int type, cv::Size size) {
   return image;
 }
 
-TEST(PngCodec, ThePixelsOfEveryKindAreThoseOfOpenCv) {
+TEST(PngCodec, PixelsOfEveryFormatEqualOpenCv) {
   unsigned seed = 0;
   for (const test::PngKind& kind : test::AllPngKinds()) {
     const std::string file = test::MakePng(kind, ++seed);
@@ -66,7 +66,7 @@ TEST(PngCodec, ThePixelsOfEveryKindAreThoseOfOpenCv) {
   EXPECT_GT(seed, 150U);
 }
 
-TEST(PngCodec, TheFilesAreThoseOfOpenCv) {
+TEST(PngCodec, FilesEqualOpenCv) {
   for (const int type : {CV_8UC1, CV_8UC3, CV_8UC4, CV_16UC1, CV_16UC3, CV_16UC4}) {
     const cv::Mat image = Noise(type, {61, 40});
     const cv::Mat part = image(cv::Rect(3, 2, 50, 31));
@@ -86,7 +86,7 @@ TEST(PngCodec, TheFilesAreThoseOfOpenCv) {
   EXPECT_THROW(EncodePng(cv::Mat(4, 4, CV_8UC2)), std::invalid_argument);
 }
 
-TEST(JpegCodec, TheLumaOfEveryKindIsThatOfOpenCv) {
+TEST(JpegCodec, LumaOfEveryFormatEqualsOpenCv) {
   for (const test::JpegKind& kind : test::AllJpegKinds()) {
     for (const cv::Size size : {cv::Size(75, 49), cv::Size(64, 32), cv::Size(1, 1)}) {
       const std::string file = test::MakeJpeg(kind, size.width, size.height, 3);
@@ -95,7 +95,7 @@ TEST(JpegCodec, TheLumaOfEveryKindIsThatOfOpenCv) {
   }
 }
 
-TEST(JpegCodec, TheFilesAreThoseOfOpenCv) {
+TEST(JpegCodec, FilesEqualOpenCv) {
   for (const cv::Size size : {cv::Size(120, 77), cv::Size(1, 1), cv::Size(512, 300)}) {
     const cv::Mat image = Noise(CV_8UC1, size);
     for (const int quality : {0, 68, 95, 100}) {

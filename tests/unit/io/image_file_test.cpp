@@ -125,7 +125,7 @@ TEST_F(ImageFile, DamagedPixelsOfAPngAreRefused) {
   EXPECT_THAT(ErrorOf([&] { ReadGreyImage(path, {256, 256}); }), HasSubstr("cannot be decoded"));
 }
 
-TEST_F(ImageFile, WhyAnImageCannotBeDecodedIsTold) {
+TEST_F(ImageFile, DecodingErrorIsReported) {
   std::string png = EncodePng(AllValues());
   png[png.find("IDAT") + 4] = 0;
   EXPECT_THAT(ErrorOf([&] { ReadGreyImage(WriteBytes("d.png", png)); }),
@@ -156,7 +156,7 @@ TEST_F(ImageFile, NoImageAtAll) {
               HasSubstr("t.png: is not a PNG, JPEG or binary PGM image: it begins with 'not an i'"));
 }
 
-TEST_F(ImageFile, OtherFormatsAreCalledByTheirName) {
+TEST_F(ImageFile, OtherFormatsAreNamed) {
   struct Row {
     std::string bytes;
     const char* what;

@@ -27,7 +27,7 @@ TEST(InterpolatePose, BetweenOnAndOutside) {
   EXPECT_NEAR(InterpolatePose(trajectory, 300 * kMs, 400 * kMs)->translation().x(), 2.0, 1e-12);
 }
 
-TEST(InterpolatePose, OfTheSameMomentStandsAlone) {
+TEST(InterpolatePose, PoseAtTheSameTimeNeedsNoNeighbour) {
   const Trajectory trajectory = {At(100 * kMs, 0.0, 0.0), At(300 * kMs, 1.0, 0.0)};
   const auto x = [&](int64_t t_ns, int64_t max_gap_ns) {
     const auto pose = InterpolatePose(trajectory, t_ns, max_gap_ns);

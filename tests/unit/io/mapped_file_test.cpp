@@ -39,7 +39,7 @@ class MappedFileTest : public testing::Test {
       std::filesystem::temp_directory_path() / ("mapped_file_" + std::to_string(reinterpret_cast<uintptr_t>(this)));
 };
 
-TEST_F(MappedFileTest, TemporaryOneHasThePartsAndNoName) {
+TEST_F(MappedFileTest, TemporaryFileHasThePartsAndNoName) {
   const std::string first = "first ", large(3'000'000, 'x');
   const auto file = MappedFile::Temporary({BytesOf(first), BytesOf(large)});
   ASSERT_NE(file, nullptr);
@@ -49,19 +49,19 @@ TEST_F(MappedFileTest, TemporaryOneHasThePartsAndNoName) {
   EXPECT_EQ(TextOf(*file), first + large) << "it is read again";
 }
 
-TEST_F(MappedFileTest, TemporaryOneOfNothingIsEmpty) {
+TEST_F(MappedFileTest, TemporaryFileOfNoPartsIsEmpty) {
   const auto file = MappedFile::Temporary({});
   ASSERT_NE(file, nullptr);
   EXPECT_TRUE(file->bytes().empty());
   file->LeaveMemory(0, file->bytes().size());
 }
 
-TEST_F(MappedFileTest, WithoutAFolderThereIsNoTemporaryOne) {
+TEST_F(MappedFileTest, TemporaryFileNeedsAFolder) {
   ::setenv("TMPDIR", (folder_ / "not there").c_str(), 1);
   EXPECT_EQ(MappedFile::Temporary({BytesOf("text")}), nullptr);
 }
 
-TEST_F(MappedFileTest, OneThatIsThereIsRead) {
+TEST_F(MappedFileTest, ExistingFileIsRead) {
   const std::string path = (folder_ / "file").string();
   std::ofstream(path) << "text";
   EXPECT_EQ(TextOf(*MappedFile::Open(path)), "text");
@@ -69,7 +69,7 @@ TEST_F(MappedFileTest, OneThatIsThereIsRead) {
   EXPECT_TRUE(MappedFile::Open(path)->bytes().empty());
 }
 
-TEST_F(MappedFileTest, WhatCannotBeReadIsToldInASentence) {
+TEST_F(MappedFileTest, UnreadableFileIsReported) {
   const auto why = [](const std::string& path) {
     try {
       MappedFile::Open(path);

@@ -56,7 +56,7 @@ std::vector<uint8_t> RandomRows(cv::Size size, int filter, std::mt19937& random)
   return rows;
 }
 
-TEST(PngFilters, RowsAreThoseOfTheStandardPixelByPixel) {
+TEST(PngFilters, RowsEqualTheStandardPixelByPixel) {
   std::mt19937 random(5);
   for (const int width : {1, 2, 7, 8, 9, 16, 33, 301}) {
     for (const int height : {1, 2, 7, 8, 9, 20}) {
@@ -71,7 +71,7 @@ TEST(PngFilters, RowsAreThoseOfTheStandardPixelByPixel) {
   }
 }
 
-TEST(PngFilters, EveryTripleOfNeighboursHasThePredictionOfTheStandard) {
+TEST(PngFilters, PaethPredictionForAllNeighbours) {
   // Two rows and two columns: the last pixel has any given neighbours, and a difference of 0.
   std::vector<uint8_t> rows = {0, 0, 0, 4, 0, 0};
   cv::Mat found(2, 2, CV_8UC1);
@@ -89,7 +89,7 @@ TEST(PngFilters, EveryTripleOfNeighboursHasThePredictionOfTheStandard) {
   }
 }
 
-TEST(PngFilters, ANumberThatIsNoFilterIsRefused) {
+TEST(PngFilters, UnknownFilterNumberIsRefused) {
   cv::Mat out(1, 3, CV_8UC1);
   const std::vector<uint8_t> row = {5, 1, 2, 3};
   EXPECT_FALSE(TakeFiltersOff(row.data(), out));

@@ -68,7 +68,7 @@ Things SomeThings() {
   return things;
 }
 
-TEST(Archive, ValuesComeBackToTheLastBit) {
+TEST(Archive, ValuesSurviveTheRoundTripBitForBit) {
   const Things things = SomeThings();
   const std::vector<uint8_t> bytes = archive::ToBytes(things);
   Things back;
@@ -77,7 +77,7 @@ TEST(Archive, ValuesComeBackToTheLastBit) {
   EXPECT_EQ(archive::ToBytes(back), bytes);
 }
 
-TEST(Archive, BytesThatEndTooEarlyOrTooLateAreToldAndTakeNoMemory) {
+TEST(Archive, TruncatedOverlongAndOversizedBytesThrow) {
   const std::vector<uint8_t> bytes = archive::ToBytes(SomeThings());
   for (size_t n = 0; n < bytes.size(); ++n) {
     Things back;
@@ -109,14 +109,14 @@ class SealedFile : public testing::TestWithParam<Checksum> {
   const std::vector<uint8_t> content_{1, 2, 3, 4, 5};
 };
 
-TEST_P(SealedFile, GivesBackWhatWasWritten) {
+TEST_P(SealedFile, RoundTrip) {
   WriteSealedFile(Path(), kind_, content_);
   EXPECT_EQ(ReadSealedFile(Path(), kind_), content_);
   WriteSealedFile(Path(), kind_, {});
   EXPECT_TRUE(ReadSealedFile(Path(), kind_).empty());
 }
 
-TEST_P(SealedFile, IsRefusedWhenItIsMissingForeignCutOffOrDamaged) {
+TEST_P(SealedFile, MissingForeignTruncatedOrDamagedFiles) {
   EXPECT_THAT(Reading(),
               ThrowsMessage<std::runtime_error>(HasSubstr(Path() + ": cannot be read: No such file or directory")));
   WriteSealedFile(Path(), kind_, content_);
@@ -138,7 +138,7 @@ TEST_P(SealedFile, IsRefusedWhenItIsMissingForeignCutOffOrDamaged) {
   EXPECT_THAT(Reading(), ThrowsMessage<std::runtime_error>(HasSubstr("too short")));
 }
 
-TEST_P(SealedFile, AFolderIsNone) {
+TEST_P(SealedFile, FolderIsRefused) {
   std::filesystem::create_directory(Path());
   EXPECT_THAT(Reading(), ThrowsMessage<std::runtime_error>(HasSubstr("is a folder, not a file")));
 }

@@ -28,7 +28,7 @@ std::string Printed(const std::string& arguments) {
   return testing::internal::GetCapturedStdout();
 }
 
-TEST(ConfigCommand, PrintsAFileThatProcessesTake) {
+TEST(ConfigCommand, PrintsAValidConfigurationFile) {
   const std::string text = Printed("config --set vo.features.orb.max_points=813 --set viewer.overlay_every=7");
   EXPECT_THAT(text, HasSubstr("# Odometry (PL-SLAM §IV).\nvo:\n"));
   EXPECT_THAT(text, HasSubstr("# a picture of the tracked features"));
@@ -40,7 +40,7 @@ TEST(ConfigCommand, PrintsAFileThatProcessesTake) {
   EXPECT_EQ(read.loop.vocabularies.points, loop::LoopOptions().vocabularies.points);
 }
 
-TEST(ConfigCommand, RefusesWhatProcessesWouldRefuse) {
+TEST(ConfigCommand, RefusesUnknownKeys) {
   try {
     Printed("config --set vo.features.orb.max_pints=813");
     FAIL();

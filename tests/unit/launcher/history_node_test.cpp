@@ -95,7 +95,7 @@ class LateListener {
   bus::test::RunningBus bus_;
 };
 
-TEST(HistoryKeeper, SaysInTheirPlaceWhatTheDeadHaveSaid) {
+TEST(HistoryKeeper, RepublishesMessagesOfExitedProcesses) {
   const std::string url = PrivateUrl();
   RunningKeeper keeper(url, testing::TempDir());
   {
@@ -120,7 +120,7 @@ TEST(HistoryKeeper, SaysInTheirPlaceWhatTheDeadHaveSaid) {
   EXPECT_EQ(keeper->kept(), 4) << "what it says itself is not kept again";
 }
 
-TEST(HistoryKeeper, RepeatsTheCameraAndTheStreamOfAPlayerThatHasEnded) {
+TEST(HistoryKeeper, RepublishesCameraAndStreamOfExitedPlayer) {
   const std::string url = PrivateUrl();
   RunningKeeper keeper(url, testing::TempDir());
   std::atomic<int> before = 0;
@@ -156,7 +156,7 @@ TEST(HistoryKeeper, RepeatsTheCameraAndTheStreamOfAPlayerThatHasEnded) {
   late.Join();
 }
 
-TEST(HistoryKeeper, SaysNothingWhereAllProcessesEnd) {
+TEST(HistoryKeeper, PublishesNothingAfterStop) {
   const std::string url = PrivateUrl();
   bus::Bus lives(On(url), "viewer");  // used on the thread of the keeper's bus, which ends before it
   RunningKeeper keeper(url, testing::TempDir());
@@ -177,7 +177,7 @@ TEST(HistoryKeeper, SaysNothingWhereAllProcessesEnd) {
   EXPECT_EQ(keeper->said_again(), 0);
 }
 
-TEST(HistoryKeeper, LeavesNoFileBehind) {
+TEST(HistoryKeeper, LeavesNoFile) {
   std::string folder = testing::TempDir() + "keeper XXXXXX";
   ASSERT_NE(mkdtemp(folder.data()), nullptr);
   bus::Bus bus(On(PrivateUrl()), "test");
@@ -187,7 +187,7 @@ TEST(HistoryKeeper, LeavesNoFileBehind) {
   std::filesystem::remove(folder);
 }
 
-TEST(HistoryKeeper, FolderThatCannotBeWrittenIsTold) {
+TEST(HistoryKeeper, UnwritableFolderIsReported) {
   const std::string url = PrivateUrl();
   RunningKeeper keeper(url, "/proc/no such folder");
   EXPECT_THAT(keeper->problem(), testing::HasSubstr("/proc/no such folder: "));

@@ -68,7 +68,7 @@ class MonitorNodeTest : public testing::Test {
   bus::Bus speaker_{options_, "speaker"};
 };
 
-TEST_F(MonitorNodeTest, AProcessOfAnotherHostWithTheSameNumberIsAnother) {
+TEST_F(MonitorNodeTest, SamePidOnAnotherHostIsAnotherProcess) {
   Say(bus::HostName(), 7, "ready");
   ASSERT_TRUE(Hears(1));
   Say("another-" + bus::HostName(), 7, "finished");
@@ -77,7 +77,7 @@ TEST_F(MonitorNodeTest, AProcessOfAnotherHostWithTheSameNumberIsAnother) {
   EXPECT_EQ(Ask([](const MonitorNode& m) { return m.StateOf(8); }), "");
 }
 
-TEST_F(MonitorNodeTest, PlayerWaitsForTimeWhenItsNewestFrameHasAPose) {
+TEST_F(MonitorNodeTest, PlayerWaitsForTimeIfItsFramesHavePoses) {
   const auto waits = [&](double in_s) {
     return Ask([=](const MonitorNode& m) { return m.PlayerWaitsForTime(bus::NowS() + in_s); });
   };
@@ -104,7 +104,7 @@ TEST_F(MonitorNodeTest, PlayerWaitsForTimeWhenItsNewestFrameHasAPose) {
   EXPECT_TRUE(Eventually([&] { return !waits(0.0); })) << "it waits for nothing but what it reads";
 }
 
-TEST_F(MonitorNodeTest, FramesThatNoPoseTellsOfAreUnanswered) {
+TEST_F(MonitorNodeTest, FramesWithoutAPoseAreUnanswered) {
   const auto unanswered = [&](int64_t n) {
     return Eventually([&] { return Ask([](const MonitorNode& m) { return m.frames().unanswered; }) == n; });
   };

@@ -72,7 +72,7 @@ class OrderNodeTest : public testing::Test {
   OrderNode order_{*tool_, {process_name::kMapping}, command_verb::kSave};
 };
 
-TEST_F(OrderNodeTest, IsGivenAtOnceAndAgainToAProcessThatIsStartedLater) {
+TEST_F(OrderNodeTest, IsPublishedAgainForARestartedProcess) {
   tool_->Post([this] { order_.Send("house.plmap"); });
   EXPECT_TRUE(Eventually([this] { return n_ == 1; }));
   SayAlive(7, 1000.0);
@@ -85,7 +85,7 @@ TEST_F(OrderNodeTest, IsGivenAtOnceAndAgainToAProcessThatIsStartedLater) {
   EXPECT_EQ(*order_.answer(), "no room");
 }
 
-TEST_F(OrderNodeTest, IsGivenOnce) {
+TEST_F(OrderNodeTest, IsPublishedOnce) {
   SayAlive(7, 1000.0);
   tool_->Post([this] { order_.Send("house.plmap"); });
   tool_->Post([this] { order_.Send("house.plmap"); });

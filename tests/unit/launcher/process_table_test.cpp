@@ -21,7 +21,7 @@ long Place(const std::vector<std::string>& arguments, const std::string& argumen
   return std::find(arguments.begin(), arguments.end(), argument) - arguments.begin();
 }
 
-TEST(ProcessTable, NamedOptionsStandBehindSetAndSoWin) {
+TEST(ProcessTable, NamedOptionsOverrideSet) {
   RunOptions options;
   options.out = "out";
   options.features = "lines";
@@ -33,7 +33,7 @@ TEST(ProcessTable, NamedOptionsStandBehindSetAndSoWin) {
   EXPECT_LT(Place(arguments, state), Place(arguments, "vo.state_file=")) << "there is no option for it";
 }
 
-TEST(ProcessTable, RecorderThatIsStartedAgainWritesAnotherFile) {
+TEST(ProcessTable, RestartedRecorderWritesAnotherFile) {
   RunOptions options;
   options.record = "/x/run.lcm";
   const auto arguments = ArgumentsOf(Row("recorder"), options);
@@ -43,7 +43,7 @@ TEST(ProcessTable, RecorderThatIsStartedAgainWritesAnotherFile) {
   EXPECT_EQ(ArgumentsOfRestart(options, {"recorder", 2}, arguments).back(), "/x/run.lcm.3");
 }
 
-TEST(ProcessTable, CameraTakesThePlaceOfThePlayer) {
+TEST(ProcessTable, CameraReplacesThePlayer) {
   RunOptions options;
   EXPECT_TRUE(Row("player").wanted(options));
   EXPECT_FALSE(Row("camera").wanted(options));
@@ -58,7 +58,7 @@ TEST(ProcessTable, CameraTakesThePlaceOfThePlayer) {
   EXPECT_THAT(arguments, Contains("camera.pace=realtime"));
 }
 
-TEST(ProcessTable, PlayerThatIsStartedAgainGoesOnBehindTheNewestPose) {
+TEST(ProcessTable, RestartedPlayerResumesAfterTheNewestPose) {
   EXPECT_THAT(ArgumentsOfRestart({}, {"player", 1, {7, 123}}, {"a"}),
               ElementsAre("a", "--set", "player.resume_after=7@123"));
   EXPECT_THAT(ArgumentsOfRestart({}, {"camera", 1, {7, 123}}, {"a"}),

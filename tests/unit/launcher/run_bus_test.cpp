@@ -37,16 +37,16 @@ TEST(PrivatePort, CanBeSharedByLcm) {
   EXPECT_TRUE(SharerGets(port.port()));
 }
 
-TEST(NobodyHeard, NamesUrlPrefixAndWhatHelps) {
+TEST(NoAnswerText, NamesUrlPrefixAndRemedy) {
   bus::BusOptions options;
   options.prefix = "team/";
   options.url = "udpm://239.255.76.67:7668?ttl=0";
   EXPECT_THAT(
-      NobodyHeard({"mapping"}, options, std::chrono::seconds(10)),
+      NoAnswerText({"mapping"}, options, std::chrono::seconds(10)),
       testing::StartsWith("no process 'mapping' is heard on udpm://239.255.76.67:7668?ttl=0 with prefix 'team/' "
                           "for 10 s; give the --url and --prefix"));
   options.url.clear();
-  EXPECT_THAT(NobodyHeard({"mapping"}, options, std::chrono::seconds(10)), testing::HasSubstr("heard on udpm://"))
+  EXPECT_THAT(NoAnswerText({"mapping"}, options, std::chrono::seconds(10)), testing::HasSubstr("heard on udpm://"))
       << "the default is named, too";
 }
 

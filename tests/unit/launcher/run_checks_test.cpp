@@ -28,7 +28,7 @@ std::string WhyNot(const RunOptions& options) {
   return "";
 }
 
-TEST(FilesToWrite, FolderThatIsNotThereIsOneSentence) {
+TEST(FilesToWrite, MissingFolderIsOneSentence) {
   const ScratchFolder folder;
   RunOptions options;
   options.save_map = folder.Path("no/x.plmap");
@@ -42,7 +42,7 @@ TEST(FilesToWrite, FolderThatIsNotThereIsOneSentence) {
       << "root may write anywhere, as far as access() knows";
 }
 
-TEST(FilesToWrite, WhatIsReadIsNotWritten) {
+TEST(FilesToWrite, InputFileIsNotOverwritten) {
   const ScratchFolder folder;
   RunOptions options;
   options.dataset = folder.Write("a.lcm", "log");
@@ -60,7 +60,7 @@ TEST(FilesToWrite, WhatIsReadIsNotWritten) {
   EXPECT_THAT(WhyNot(options), HasSubstr("--save-map")) << "a recording of which topics are named";
 }
 
-TEST(Configuration, OfTheFileCountsWhereTheCommandLineSaysNothing) {
+TEST(Configuration, FileAppliesUnlessTheCommandLineOverrides) {
   const ScratchFolder folder;
   RunOptions options;
   options.config_file = folder.Write("a.yaml",
@@ -74,7 +74,7 @@ TEST(Configuration, OfTheFileCountsWhereTheCommandLineSaysNothing) {
   EXPECT_EQ(options.pace, "realtime");
 }
 
-TEST(Configuration, OfBusAndPlayerIsCheckedBeforeAnythingIsTouched) {
+TEST(Configuration, BusAndPlayerKeysAreCheckedFirst) {
   const ScratchFolder folder;
   RunOptions options;
   options.config_file = folder.Write("a.yaml", "player:\n  paces: realtime\n");
@@ -84,13 +84,13 @@ TEST(Configuration, OfBusAndPlayerIsCheckedBeforeAnythingIsTouched) {
               testing::ThrowsMessage<std::runtime_error>(HasSubstr("--url or bus.url")));
 }
 
-TEST(MapToGoOnFrom, IsOneAndWholeWhateverItsCamera) {
+TEST(MapToContinue, ReadableMapOfAnyCameraIsAccepted) {
   const ScratchFolder folder;
   RunOptions options;
   options.dataset = "synthetic:room?size=160x120&frames=4";
   const auto why_not = [&] {
     try {
-      CheckMapToGoOnFrom(options);
+      CheckMapToContinue(options);
     } catch (const std::runtime_error& error) {
       return std::string(error.what());
     }
@@ -111,7 +111,7 @@ TEST(MapToGoOnFrom, IsOneAndWholeWhateverItsCamera) {
   EXPECT_THAT(why_not(), HasSubstr("a.plmap: is no map file"));
 }
 
-TEST(OutputFolderTest, WhatComesToNothingLeavesNothing) {
+TEST(OutputFolderTest, RunWithoutResultsLeavesNoFolder) {
   const ScratchFolder folder;
   folder.Write("notes.txt", "of the user");
   {
@@ -132,7 +132,7 @@ TEST(OutputFolderTest, WhatComesToNothingLeavesNothing) {
   EXPECT_TRUE(exists(folder.Path("a/b/summary.json"))) << "of a run before";
 }
 
-TEST(OutputFolderTest, OfAnotherRunIsLeftAlone) {
+TEST(OutputFolderTest, FolderOfAnotherRunIsRefused) {
   const ScratchFolder folder;
   OutputFolder first(folder.Path("a"));
   folder.Write("a/logs/vo.log", "of the first");
@@ -141,7 +141,7 @@ TEST(OutputFolderTest, OfAnotherRunIsLeftAlone) {
   EXPECT_TRUE(exists(folder.Path("a/logs/vo.log")));
 }
 
-TEST(OldOutputs, OnlyWhatARunWritesAndWhatIsOldGoes) {
+TEST(OldOutputs, OnlyOldOutputsAreRemoved) {
   const ScratchFolder folder;
   RunOptions options;
   options.out = folder.Path("out");
@@ -163,7 +163,7 @@ TEST(OldOutputs, OnlyWhatARunWritesAndWhatIsOldGoes) {
 }
 
 // Files that a process writes within the first milliseconds of a run are kept.
-TEST(OldOutputs, FilesThatAreWrittenAtOnceAreOfThisRun) {
+TEST(OldOutputs, NewlyWrittenFilesBelongToThisRun) {
   const ScratchFolder folder;
   RunOptions options;
   options.out = folder.Path("out");

@@ -9,13 +9,13 @@
 namespace plslam::launcher {
 namespace {
 
-TEST(DefaultOut, IsCalledAsTheLocation) {
+TEST(DefaultOut, HasTheNameOfTheLocation) {
   EXPECT_EQ(DefaultOut("/data/kitti/03"), "out/data_kitti_03");
   EXPECT_EQ(DefaultOut("data/./kitti/x/../03"), "out/data_kitti_03");
   EXPECT_EQ(DefaultOut("synthetic:room?rate=10&seed=2"), "out/synthetic_room_rate_10_seed_2");
 }
 
-TEST(DefaultOut, OfALongLocationHasItsEnd) {
+TEST(DefaultOut, LongLocationKeepsItsEnd) {
   const std::string hard = "/data/" + std::string(90, 'x') + "/Hard/";
   const std::string name = DefaultOut(hard + "P010").filename();
   EXPECT_THAT(name, testing::MatchesRegex("x+_Hard_P010_[0-9a-f]{8}"));
@@ -23,7 +23,7 @@ TEST(DefaultOut, OfALongLocationHasItsEnd) {
   EXPECT_EQ(DefaultOut(hard + "P010"), DefaultOut(hard + "/P010")) << "the same at each run";
 }
 
-TEST(DefaultOut, OfDifferentLocationsDiffers) {
+TEST(DefaultOut, DifferentLocationsGiveDifferentFolders) {
   const std::string x(100, 'x');
   std::set<std::string> names;
   const std::vector<std::string> locations{

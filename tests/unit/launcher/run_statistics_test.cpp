@@ -96,7 +96,7 @@ TEST(IdCounter, AMillionLandmarksCostAQuarterOfAMegabyte) {
   EXPECT_LT(counter.bytes(), 250'000);
 }
 
-TEST(IdCounter, InventedNumbersCostNoMoreThan40Megabytes) {
+TEST(IdCounter, RandomIdsCostAtMost40Megabytes) {
   IdCounter counter;
   std::mt19937_64 random(5);
   for (int i = 0; i < 200'000; ++i) counter.Add(1, static_cast<int64_t>(random() >> 1));

@@ -29,7 +29,7 @@ RunStatistics TwoFrames() {
   return statistics;
 }
 
-TEST(RunSummary, JsonHasTheKeysThatUsersReadByName) {
+TEST(RunSummary, JsonHasTheDocumentedKeys) {
   const RunStatistics statistics = TwoFrames();
   RunSummary summary;
   summary.dataset = "synthetic:room";
@@ -86,7 +86,7 @@ MapStatistics OneVersion(int64_t loops) {
   return map;
 }
 
-TEST(RunSummary, OfAMapTellsWhatIsInItAndWhatItTook) {
+TEST(RunSummary, MapContentAndTimings) {
   const RunStatistics statistics = TwoFrames();
   const MapStatistics map = TwoVersions();
   RunSummary summary;
@@ -111,7 +111,7 @@ TEST(RunSummary, OfAMapTellsWhatIsInItAndWhatItTook) {
   EXPECT_THAT(text, testing::HasSubstr("map, ms a keyframe"));
 }
 
-TEST(RunSummary, LoopsOfTheRunAreNotThoseTheMapCameWith) {
+TEST(RunSummary, LoopsOfTheLoadedMapAreNotCounted) {
   const RunStatistics statistics = TwoFrames();
   const MapStatistics map = OneVersion(7);
   LoopStatistics loops;
@@ -151,7 +151,7 @@ TEST(RunSummary, ShareOfTrackedFramesIsOfAllFrames) {
       testing::HasSubstr("frames     3 of 13 tracked (23.0 %), 1 lost, 3 skipped, 4 unreadable, 2 unanswered\n"));
 }
 
-TEST(RunSummary, BadRunIsNotToldLikeAGoodOne) {
+TEST(RunSummary, BadRunGivesWarnings) {
   RunStatistics statistics;
   for (int id = 0; id < 10; ++id) {
     FrameReport frame;
@@ -195,7 +195,7 @@ TEST(RunSummary, FitsInADozenLines) {
   EXPECT_THAT(text, testing::Not(testing::HasSubstr("CPU")));
 }
 
-TEST(RunSummary, WhatIsTooLargeForANumberIsNotPrinted) {
+TEST(RunSummary, InfiniteFiguresAreNotPrinted) {
   const RunStatistics statistics = TwoFrames();
   RunSummary summary;
   summary.statistics = &statistics;
@@ -265,7 +265,7 @@ TEST(RunSummary, RunWithoutAFrame) {
   EXPECT_THAT(text, testing::HasSubstr("no ground truth"));
 }
 
-TEST(RunSummary, TextTellsTheMainFigures) {
+TEST(RunSummary, TextHasTheMainFigures) {
   const RunStatistics statistics = TwoFrames();
   RunSummary summary;
   summary.dataset = "kitti_03";
@@ -287,7 +287,7 @@ TEST(RunSummary, TextTellsTheMainFigures) {
               testing::HasSubstr("true path 40.0 m, RPE over 1 frame 0.5000 m 0.500 deg\n"));
 }
 
-TEST(RunSummary, WhatWasNotMeasuredIsADash) {
+TEST(RunSummary, UnmeasuredFiguresAreADash) {
   const RunStatistics statistics = TwoFrames();
   const MapStatistics map = OneVersion(0);
   RunSummary summary;
@@ -302,7 +302,7 @@ TEST(RunSummary, WhatWasNotMeasuredIsADash) {
   EXPECT_THAT(text, testing::HasSubstr("accuracy   ATE -: the estimate has no pose"));
 }
 
-TEST(RunSummary, BytesThatAreNoTextCostNothingElse) {
+TEST(RunSummary, InvalidUtf8IsReplaced) {
   const RunStatistics statistics;
   RunSummary summary;
   summary.statistics = &statistics;
@@ -311,7 +311,7 @@ TEST(RunSummary, BytesThatAreNoTextCostNothingElse) {
   EXPECT_THAT(JsonText(SummaryToJson(summary)), testing::HasSubstr("\"dataset\": \"a\xEF\xBF\xBD\""));
 }
 
-TEST(RunStatistics, InventedStagesDoNotGrowWithoutEnd) {
+TEST(RunStatistics, ManyStageNamesAreBounded) {
   RunStatistics statistics;
   for (int id = 0; id < 1000; ++id) {
     FrameReport frame;

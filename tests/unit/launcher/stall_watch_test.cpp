@@ -35,13 +35,13 @@ class StallWatchTest : public testing::Test {
   StallWatch watch_;
 };
 
-TEST_F(StallWatchTest, WithoutAPoseForTwoMinutesWhateverTheViewerAndTheMapSay) {
+TEST_F(StallWatchTest, NoPoseForTwoMinutesIsAStall) {
   EXPECT_EQ(TalkFor(120), "");
   ++signs_.map_version;
   EXPECT_THAT(TalkFor(1), "no pose for 120 s");
 }
 
-TEST_F(StallWatchTest, PosesAndWaitingForTheTimeOfAFrameAreNoStall) {
+TEST_F(StallWatchTest, PosesAndWaitingForAFrameTimeAreNoStall) {
   ++signs_.poses;
   EXPECT_EQ(LookAfter(119), "");
   ++signs_.poses;
@@ -53,7 +53,7 @@ TEST_F(StallWatchTest, PosesAndWaitingForTheTimeOfAFrameAreNoStall) {
   EXPECT_EQ(LookAfter(1), "no pose for 120 s");
 }
 
-TEST_F(StallWatchTest, ViewerThatFallsSilentBehindTheEnd) {
+TEST_F(StallWatchTest, SilentViewerAfterTheEndIsAStall) {
   EXPECT_EQ(LookAfter(100), "");
   signs_.stream_ended = true;
   EXPECT_EQ(LookAfter(100), "");
@@ -63,7 +63,7 @@ TEST_F(StallWatchTest, ViewerThatFallsSilentBehindTheEnd) {
   EXPECT_THAT(LookAfter(1), HasSubstr("the viewer has been silent for 120 s"));
 }
 
-TEST_F(StallWatchTest, ViewerThatTalksButNeverFinishes) {
+TEST_F(StallWatchTest, ViewerThatNeverFinishesIsAStall) {
   signs_.stream_ended = true;
   EXPECT_EQ(TalkFor(300), "");
   ++signs_.map_version;

@@ -67,7 +67,7 @@ class SupervisorTest : public testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(SupervisorTest, OutputGoesToTheLogAndArgumentsArriveWhole) {
+TEST_F(SupervisorTest, OutputIsLoggedAndArgumentsAreUnchanged) {
   Script("echo", "echo \"$1|$2\"; echo problem >&2");
   Supervisor supervisor = Make();
   supervisor.Start("a", "echo", {"with space", "--x='1'"}, Ending::kMayEnd);
@@ -77,7 +77,7 @@ TEST_F(SupervisorTest, OutputGoesToTheLogAndArgumentsArriveWhole) {
   EXPECT_EQ(supervisor.reports()[0].exit_code, 0);
 }
 
-TEST_F(SupervisorTest, ChildInheritsNoFilesAndWaitsWithSignalsThatAreNotForIt) {
+TEST_F(SupervisorTest, ChildInheritsNoFilesAndBlocksSignals) {
   Script("files", "[ -e /proc/$$/fd/37 ] && echo inherited; exec grep SigBlk /proc/self/status");
   sigset_t blocked, before;
   sigemptyset(&blocked);
@@ -93,7 +93,7 @@ TEST_F(SupervisorTest, ChildInheritsNoFilesAndWaitsWithSignalsThatAreNotForIt) {
   EXPECT_EQ(Read("a.log"), "SigBlk:\t0000000000004003\n");
 }
 
-TEST_F(SupervisorTest, NicenessIsAddedToOurOwnAndKeptByTheOneInItsPlace) {
+TEST_F(SupervisorTest, NicenessIsRelativeAndKeptOnRestart) {
   // Waits until its niceness is set; then the first process dies.
   Script("polite",
          "until [ $(nice) -gt $1 ]; do :; done; nice >> nicenesses; [ $(wc -l < nicenesses) -lt 2 ] && kill -9 $$; "
@@ -129,7 +129,7 @@ TEST_F(SupervisorTest, CrashAfterReadyIsRestarted) {
   std::filesystem::current_path("/");
 }
 
-TEST_F(SupervisorTest, OneThatIsKilledBeforeItIsReadyIsStartedAgainAndThatIsTold) {
+TEST_F(SupervisorTest, KilledBeforeReadyIsRestartedAndReported) {
   Script("killed", "echo start >> starts; [ $(wc -l < starts) -ge 3 ] && exec sleep 100; kill -9 $$");
   std::filesystem::current_path(folder_);
   for (const Ending ending : {Ending::kRestart, Ending::kMayEnd, Ending::kWritesAtTheEnd}) {
@@ -152,7 +152,7 @@ TEST_F(SupervisorTest, OneThatIsKilledBeforeItIsReadyIsStartedAgainAndThatIsTold
   std::filesystem::current_path("/");
 }
 
-TEST_F(SupervisorTest, KillAllEndsTheStubbornAndStartsNothingAnyMore) {
+TEST_F(SupervisorTest, KillAllEndsHangingProcesses) {
   Script("stubborn", "trap '' USR1; echo up > up; while :; do read x < fifo; done");
   std::filesystem::current_path(folder_);
   ASSERT_EQ(system("mkfifo fifo"), 0);
@@ -191,7 +191,7 @@ TEST_F(SupervisorTest, PausesGrow) {
   EXPECT_EQ(supervisor.restarts(), 1) << "the second pause is twice as long";
 }
 
-TEST_F(SupervisorTest, PausesStayShortWhereTheProcessGetsReadyEachTime) {
+TEST_F(SupervisorTest, PausesStayShortIfReadyEachTime) {
   Script("crash", "exit 3");
   Supervisor supervisor = MakePatient(9);
   supervisor.Start("a", "crash", {}, Ending::kRestart);
@@ -208,7 +208,7 @@ TEST_F(SupervisorTest, PausesStayShortWhereTheProcessGetsReadyEachTime) {
   EXPECT_NEAR(supervisor.reports()[0].slowest_restart_s, 70 * 60, 1e-6) << "61 minutes of pause and 9 of starting";
 }
 
-TEST_F(SupervisorTest, OneThatMayEndIsRestartedAfterASignalButNotAfterAnError) {
+TEST_F(SupervisorTest, MayEndIsRestartedOnlyAfterASignal) {
   Script("player", "echo \"$*\" >> starts; [ $(wc -l < starts) -ge 2 ] && exit 4; kill -9 $$");
   std::vector<pid_t> ended;
   Supervisor supervisor({folder_, folder_, 9, milliseconds(1), milliseconds(5000),
@@ -238,7 +238,7 @@ TEST_F(SupervisorTest, EndOfAProcessThatMustRunIsACrash) {
   EXPECT_EQ(supervisor.failure(), "viewer ended with exit code 0");
 }
 
-TEST_F(SupervisorTest, StubbornProcessIsKilledInTheEnd) {
+TEST_F(SupervisorTest, HangingProcessIsKilledInTheEnd) {
   Script("stubborn", "trap '' USR1; echo up > up; while :; do read x < fifo; done");
   std::filesystem::current_path(folder_);
   ASSERT_EQ(system("mkfifo fifo"), 0);
@@ -275,7 +275,7 @@ TEST_F(SupervisorTest, ErrorsWhileStoppingAreFailures) {
   std::filesystem::current_path("/");
 }
 
-TEST_F(SupervisorTest, EndByASignalOfOursIsAFailureOfThoseThatWriteAndHadBegun) {
+TEST_F(SupervisorTest, OwnStopSignalFailsOnlyReadyWriters) {
   struct Row {
     Ending ending;
     bool ready;
@@ -292,7 +292,7 @@ TEST_F(SupervisorTest, EndByASignalOfOursIsAFailureOfThoseThatWriteAndHadBegun) 
   }
 }
 
-TEST_F(SupervisorTest, OneThatStillWritesIsGivenTime) {
+TEST_F(SupervisorTest, WriterIsGivenTimeToStop) {
   Script("writer",
          "trap 'until [ -e go ]; do sleep 0.01; done; exit 0' USR1; echo up > up; while :; do sleep 0.01; done");
   std::filesystem::current_path(folder_);
@@ -310,7 +310,7 @@ TEST_F(SupervisorTest, OneThatStillWritesIsGivenTime) {
   std::filesystem::current_path("/");
 }
 
-TEST_F(SupervisorTest, WriterThatEndsByAnErrorOfItsOwnIsNotStartedAgain) {
+TEST_F(SupervisorTest, WriterIsNotRestartedAfterAnError) {
   Script("full", "exit 1");
   Supervisor::Options options;
   options.bin = options.logs = folder_;
@@ -328,7 +328,7 @@ TEST_F(SupervisorTest, WriterThatEndsByAnErrorOfItsOwnIsNotStartedAgain) {
   EXPECT_TRUE(Stopped(supervisor));
 }
 
-TEST_F(SupervisorTest, WriterThatHasCrashedAndIsNotBackIsToldAtTheStop) {
+TEST_F(SupervisorTest, CrashedWriterIsReportedAtTheStop) {
   Script("crash", "kill -9 $$");
   Supervisor supervisor = MakePatient();
   supervisor.Start("viewer", "crash", {}, Ending::kWritesAtTheEnd);
@@ -356,7 +356,7 @@ TEST_F(SupervisorTest, MissingProgramIsNamed) {
               testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("absent cannot be started")));
 }
 
-TEST_F(SupervisorTest, FiftyRestartsLeaveNoFileOpenAndNoProcessBehind) {
+TEST_F(SupervisorTest, FiftyRestartsLeakNoFileAndNoProcess) {
   Script("crash", "kill -9 $$");
   const auto open_files = [] {
     const std::filesystem::directory_iterator files("/proc/self/fd");
@@ -387,7 +387,7 @@ TEST_F(SupervisorTest, DestructionLeavesNothingRunning) {
   EXPECT_EQ(kill(pid, 0), -1);
 }
 
-TEST(ChildProcess, SaysWhetherTheProgramOrItsLogIsAtFault) {
+TEST(ChildProcess, StartErrorNamesTheProgramOrItsLog) {
   const ScratchFolder folder;
   const std::string log = folder.Path("a.log"), lost = folder.Path("gone/a.log");
   EXPECT_THAT(

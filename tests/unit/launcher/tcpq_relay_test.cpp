@@ -63,7 +63,7 @@ class RawClient {
     Bytes(&big, 4);
   }
   void Bytes(const void* data, size_t n) { send(fd_, data, n, MSG_NOSIGNAL); }
-  void Greet() {
+  void SendHello() {
     Word(0x287617fb);
     Word(0x0100);
   }
@@ -136,7 +136,7 @@ TEST(TcpqRelay, StockLoggerRecordsThroughIt) {
 
 /// Publishes 100 MB past `slow`, a client that subscribes to all and does as it likes.
 void ExpectNobodyIsStalledBy(RunningRelay& relay, RawClient& slow) {
-  slow.Greet();
+  slow.SendHello();
   slow.Subscribe(".*");
   Transport reader(relay->url());
   Waiter received;
@@ -184,13 +184,13 @@ TEST(TcpqRelay, SlowReaderDoesNotStallTheOthersForLong) {
   sipping.join();
 }
 
-TEST(TcpqRelay, CutsOffWhoSpeaksNonsense) {
+TEST(TcpqRelay, MalformedClientsAreDisconnected) {
   RunningRelay relay;
   RawClient http(relay->port());
   http.Bytes("GET / HTTP/1.1\r\n\r\n", 18);
   EXPECT_TRUE(http.Receive(1).empty());
   RawClient liar(relay->port());
-  liar.Greet();
+  liar.SendHello();
   EXPECT_EQ(liar.Receive(8).size(), 8U);
   for (const uint32_t word : {1U, 1U}) liar.Word(word);
   liar.Bytes("X", 1);
@@ -222,7 +222,7 @@ TEST(ChannelPattern, MatchesWholeNames) {
   EXPECT_FALSE(ChannelPattern("(").Matches("("));
 }
 
-TEST(MulticastWorks, SaysWhyNot) {
+TEST(MulticastWorks, ReportsTheReason) {
   std::string reason;
   EXPECT_FALSE(MulticastWorks("udpm://127.0.0.1:7667", &reason));
   EXPECT_NE(reason.find("is no multicast group"), std::string::npos) << reason;

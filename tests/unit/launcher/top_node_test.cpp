@@ -69,7 +69,7 @@ class TopNodeTest : public testing::Test {
   bus::Bus bob_{On(url_, "bob/"), "vo"};
 };
 
-TEST_F(TopNodeTest, TellsTheProcessesOfAllRobotsApart) {
+TEST_F(TopNodeTest, ListsProcessesPerRobot) {
   ann_.Publish(bus::kStatus, StatusOf("vo", 1.0, 0.5, 10));
   bob_.Publish(bus::kStatus, StatusOf("vo", 1.0, 0.5, 10));
   const BusLoad load = TakeWith(2);
@@ -80,7 +80,7 @@ TEST_F(TopNodeTest, TellsTheProcessesOfAllRobotsApart) {
   EXPECT_LT(load.processes[0].rate_hz, 0.0);  // a single status gives no rate
 }
 
-TEST_F(TopNodeTest, TellsRatesOfTheTimeBetweenStatuses) {
+TEST_F(TopNodeTest, RatesAreBetweenStatuses) {
   ann_.Publish(bus::kStatus, StatusOf("vo", 1.0, 0.5, 10));
   ASSERT_EQ(TakeWith(1).processes.size(), 1U);
   // A status after a change of state comes in between.
@@ -104,7 +104,7 @@ TEST_F(TopNodeTest, CountsTheTrafficOfEachChannel) {
   }));
 }
 
-TEST_F(TopNodeTest, LetsNoCursorMoveAndNoBytesBreakTheJson) {
+TEST_F(TopNodeTest, ControlAndInvalidBytesAreEscaped) {
   status_t status = StatusOf("vo", 1.0, 0.5, 10);
   status.reason = "a\x1b[2Jb\xff";
   ann_.Publish(bus::kStatus, status);
@@ -116,7 +116,7 @@ TEST_F(TopNodeTest, LetsNoCursorMoveAndNoBytesBreakTheJson) {
   EXPECT_TRUE(json["processes"][0]["rate_hz"].is_null());
 }
 
-TEST_F(TopNodeTest, PassesOverAStatusThatIsDamaged) {
+TEST_F(TopNodeTest, DamagedStatusIsIgnored) {
   const auto good = StatusOf("vo", 1.0, 0.5, 10);
   bus::Transport raw(url_);
   std::vector<uint8_t> bytes = bus::Encoded(good);

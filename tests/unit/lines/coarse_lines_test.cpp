@@ -81,7 +81,7 @@ TEST(CoarseLines, BlurredEdgeIsOneLineInItsMiddle) {
   }
 }
 
-TEST(CoarseLines, WithoutThemABlurredEdgeIsBesideItsMiddle) {
+TEST(CoarseLines, BlurredEdgeIsOffCentreWithoutThem) {
   const MovedBar bar(21);
   for (const LineFeature& line : Long(Extract(bar.image, 1))) {
     const double off_px = std::min(FartherEnd(line.segment, bar.sides[0]), FartherEnd(line.segment, bar.sides[1]));
@@ -89,7 +89,7 @@ TEST(CoarseLines, WithoutThemABlurredEdgeIsBesideItsMiddle) {
   }
 }
 
-TEST(CoarseLines, SharpLinesStayAsTheyAre) {
+TEST(CoarseLines, SharpLinesAreUnchanged) {
   const MovedBar bar(1);
   const std::vector<LineFeature> whole = Extract(bar.image, 1);
   const std::vector<LineFeature> all = Extract(bar.image, 3);
@@ -102,7 +102,7 @@ TEST(CoarseLines, SharpLinesStayAsTheyAre) {
   }
 }
 
-TEST(CoarseLines, ImagesWithEnoughSharpLinesDoWithoutThem) {
+TEST(CoarseLines, EnoughSharpLinesNeedNoCoarseLines) {
   // The image of a blurred bar beside four sharp edges: 16 lines are requested, so four are enough.
   cv::Mat both;
   cv::hconcat(MovedBar(21).image, MovedBar(1).image, both);
@@ -118,7 +118,7 @@ TEST(CoarseLines, ImagesTooSmallToBeHalvedHaveNone) {
   }
 }
 
-TEST(EdgeWidth, IsThatOfTheSlope) {
+TEST(EdgeWidth, EqualsTheWidthOfTheSlope) {
   for (const int moved_px : {1, 5, 9, 11}) {
     const MovedBar bar(moved_px);
     Gradients gradients;
@@ -132,7 +132,7 @@ TEST(EdgeWidth, IsThatOfTheSlope) {
   }
 }
 
-TEST(EdgeWidth, NoLengthOrOutsideOfTheImageIsNoFault) {
+TEST(EdgeWidth, NoLengthOrOutsideOfTheImage) {
   Gradients gradients;
   ComputeGradients(MovedBar(1).image, gradients);
   EXPECT_EQ(EdgeWidth_px(gradients, {{5.0, 5.0}, {5.0, 5.0}}), 0);

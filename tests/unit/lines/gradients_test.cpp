@@ -41,7 +41,7 @@ TEST(Gradients, EqualTheDirectSumAtEverySize) {
   }
 }
 
-TEST(Gradients, OfAPartOfAnImageStayInsideIt) {
+TEST(Gradients, PartOfAnImageIsNotReadBeyondItsBorder) {
   const cv::Mat whole = test::NoiseImage({40, 30}, 128, 60, 5);
   const cv::Mat part = whole(cv::Rect(7, 5, 20, 15));
   Gradients of_part;

@@ -92,7 +92,7 @@ TEST(Lbd, AgreesWithTheSlowTwin) {
   }
 }
 
-TEST(Lbd, BitsCompareMeansOfAllPairsAndVariancesOfDistantOnes) {
+TEST(Lbd, BitsCompareMeansAndVariancesOfBands) {
   std::array<LbdBand, kLbdBands> bands{};
   for (size_t b = 0; b < kLbdBands; ++b) bands[b].mean.fill(100 - static_cast<int64_t>(b));
   int set = 0;
@@ -115,7 +115,7 @@ TEST(Lbd, IsTheSameInATurnedImage) {
   EXPECT_LE(HammingDistance(a, b), 6);
 }
 
-TEST(Lbd, ContrastAndBrightnessMatterLittleAndOtherPlacesMuch) {
+TEST(Lbd, InvariantToContrastNotToPosition) {
   const cv::Mat image = Texture();
   cv::Mat dim;
   image.convertTo(dim, -1, 0.5, 20);

@@ -57,7 +57,7 @@ Accuracy Measure(const std::string& detector, double contrast, double noise) {
   return out;
 }
 
-TEST(LineDetector, EdgeChainFindsRenderedEdgesToAFewHundredthsOfAPixel) {
+TEST(LineDetector, EdgeChainAccuracyOnRenderedEdges) {
   const Accuracy a = Measure("edgechain", 40, 2);
   EXPECT_EQ(a.found, 36);
   EXPECT_LE(a.rms_px, 0.05) << "rms across";
@@ -71,7 +71,7 @@ TEST(LineDetector, AllFindRenderedEdgesInNoise) {
   }
 }
 
-TEST(LineDetector, SigmaIsThatOfTheErrors) {
+TEST(LineDetector, SigmaMatchesTheErrors) {
   const Accuracy faint = Measure("edgechain", 12, 2);
   EXPECT_GE(faint.found, 30);
   EXPECT_GT(faint.normalised, 0.7);

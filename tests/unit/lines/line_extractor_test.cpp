@@ -32,7 +32,7 @@ cv::Mat ManyBars() {
   return test::RenderBars({420, 250}, 80, bars);
 }
 
-TEST(LineExtractor, EqualImagesGiveEqualLinesWhateverCameBefore) {
+TEST(LineExtractor, EqualImagesGiveEqualLines) {
   const cv::Mat image = ManyBars();
   for (const char* name : {"edgechain", "lsd"}) {
     LineOptions options;

@@ -24,7 +24,7 @@ int MatchOne(const LineFeature& predicted, const LineFeature& feature,
   return MatchLinesByProjection({Predicted(predicted)}, std::vector<LineFeature>{feature}, options)[0];
 }
 
-TEST(MatchLinesByProjection, EachGateSaysNoByItself) {
+TEST(MatchLinesByProjection, EachGateRejectsAlone) {
   const LineFeature line = Feature(100, 100, 200, 100);
   EXPECT_EQ(MatchOne(line, Feature(105, 104, 195, 106)), 0);
   EXPECT_EQ(MatchOne(line, Feature(200, 100, 100, 100)), -1) << "polarity";
@@ -38,7 +38,7 @@ TEST(MatchLinesByProjection, EachGateSaysNoByItself) {
   EXPECT_EQ(MatchOne(line, unlike), -1) << "descriptor";
 }
 
-TEST(MatchLinesByProjection, AlikeLinesSideBySideGiveNone) {
+TEST(MatchLinesByProjection, AmbiguousParallelLinesGiveNone) {
   const LineFeature line = Feature(100, 100, 200, 100, 0xff);
   const std::vector<LineFeature> two = {Feature(100, 95, 200, 95), Feature(100, 105, 200, 105)};
   EXPECT_EQ(MatchLinesByProjection({Predicted(line)}, two, LineMatchOptions())[0], -1);
@@ -141,7 +141,7 @@ TEST(MatchLinesByProjection, AgreesWithTheSlowTwin) {
   EXPECT_GT(matched, 100);
 }
 
-TEST(MatchLinesByProjection, EachFeatureIsGivenOnceAndStereoLinesMatchAlike) {
+TEST(MatchLinesByProjection, MonoAndStereoLinesMatchAlike) {
   const auto a = RandomLines(120, 7);
   const auto b = RandomLines(120, 7);
   std::vector<PredictedLine> predicted;

@@ -61,7 +61,7 @@ class PoseRefinement : public testing::TestWithParam<FeatureWorld::Counts> {
   Association truth_;
 };
 
-TEST_P(PoseRefinement, FindsThePoseAndErrsByWhatItSays) {
+TEST_P(PoseRefinement, FindsThePoseWithinItsCovariance) {
   Association association = truth_;
   const auto pose = Refine(T_w_c_ * away_, association);
   ASSERT_TRUE(pose);
@@ -90,7 +90,7 @@ TEST_P(PoseRefinement, FeaturesThatDisagreeLoseTheirLandmark) {
   for (const size_t i : wrong_lines) EXPECT_EQ(association.lines[i], -1) << "line " << i;
 }
 
-TEST_P(PoseRefinement, NothingIsDoneWhereThePoseIsNotDetermined) {
+TEST_P(PoseRefinement, UndeterminedPoseIsNotRefined) {
   Association few = truth_;
   for (size_t i = 2; i < few.points.size(); ++i) few.points[i] = -1;
   for (size_t i = 1; i < few.lines.size(); ++i) few.lines[i] = -1;
@@ -100,7 +100,7 @@ TEST_P(PoseRefinement, NothingIsDoneWhereThePoseIsNotDetermined) {
   EXPECT_EQ(few.lines, before.lines);
 }
 
-TEST_P(PoseRefinement, RecognisedWithoutAnyIdeaOfThePose) {
+TEST_P(PoseRefinement, RecognisedWithoutAPriorPose) {
   Association association;
   const auto pose = Recognise(association);
   ASSERT_TRUE(pose);
@@ -120,7 +120,7 @@ TEST_P(PoseRefinement, AnotherPlaceIsNotRecognised) {
 }
 
 // The same descriptors at other positions: descriptors agree, geometry does not.
-TEST_P(PoseRefinement, LooksAloneDoNotMakeAPlace) {
+TEST_P(PoseRefinement, AppearanceAloneIsNotEnough) {
   const StereoFeatures seen = features_;
   for (size_t i = 0; i < seen.points.size(); ++i) {
     features_.points[i].left.descriptor = seen.points[(i + 7) % seen.points.size()].left.descriptor;

@@ -44,7 +44,7 @@ class ProjectionSearch : public testing::Test {
   HandmadeMap m_;
 };
 
-TEST_F(ProjectionSearch, FindsWhereTheLandmarksShouldBe) {
+TEST_F(ProjectionSearch, FindsFeaturesAtProjectedLandmarks) {
   ASSERT_EQ(Points(T_w_1_).size(), 1U);
   EXPECT_EQ(Points(T_w_1_)[0].landmark_id, 5);
   EXPECT_EQ(Points(T_w_1_)[0].feature, 1);
@@ -63,7 +63,7 @@ TEST_F(ProjectionSearch, OnlyWithinTheRadius) {
   EXPECT_TRUE(Lines(turned(12.0)).empty());
 }
 
-TEST_F(ProjectionSearch, FeaturesThatAreNotEligibleAreLeft) {
+TEST_F(ProjectionSearch, IneligibleFeaturesAreNotMatched) {
   EXPECT_TRUE(Points(T_w_1_, {1, 0}).empty());
   EXPECT_TRUE(Lines(T_w_1_, {1, 0}).empty());
   EXPECT_EQ(Points(T_w_1_, {0, 1}).size(), 1U);
@@ -79,7 +79,7 @@ TEST_F(ProjectionSearch, AnotherDescriptorIsNoMatch) {
 }
 
 // Without the depth test, a pinhole would project points behind the camera, upside down.
-TEST_F(ProjectionSearch, WhatIsBehindOrOutsideIsNotLookedFor) {
+TEST_F(ProjectionSearch, LandmarksBehindOrOutOfViewAreNotSearched) {
   const SE3 behind(Eigen::Quaterniond::Identity(), 2.0 * kPoint);
   const Eigen::Vector2d mirrored = FeatureWorld::Camera().Project(behind.Inverse() * kPoint);
   test::ChangeFeatures(m_.features, 1, [&](StereoFeatures& of) { of.points[1].left.px = mirrored; });
@@ -90,7 +90,7 @@ TEST_F(ProjectionSearch, WhatIsBehindOrOutsideIsNotLookedFor) {
   EXPECT_TRUE(Lines(aside).empty());
 }
 
-TEST_F(ProjectionSearch, LineThroughTheCameraCentreIsNotLookedFor) {
+TEST_F(ProjectionSearch, LineThroughTheCameraCentreIsNotSearched) {
   const SE3 on_line(Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), kSegment.q - kSegment.p),
                     kSegment.p - 2.0 * (kSegment.q - kSegment.p));
   EXPECT_TRUE(Lines(on_line).empty());

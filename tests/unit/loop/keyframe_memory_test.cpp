@@ -58,7 +58,7 @@ TEST(KeyframeMemory, FeaturesBeforeTheMapAndAfterIt) {
   EXPECT_EQ(memory.point_nodes().at(1).node.size(), 2U);
 }
 
-TEST(KeyframeMemory, KeyframesThatWereTakenOutLeave) {
+TEST(KeyframeMemory, RemovedKeyframesAreDropped) {
   loop::KeyframeMemory memory(SmallPlaces());
   Map map;
   for (int64_t i = 0; i < 4; ++i) {
@@ -77,7 +77,7 @@ TEST(KeyframeMemory, KeyframesThatWereTakenOutLeave) {
 }
 
 // Another map's, say.
-TEST(KeyframeMemory, OfASessionThatTheMapDoesNotTakeOnlyTheNewestWait) {
+TEST(KeyframeMemory, UnmappedSessionKeepsOnlyItsNewest) {
   constexpr int64_t kMost = loop::KeyframeMemory::kMostUntaken;
   loop::KeyframeMemory memory(SmallPlaces());
   Map map;
@@ -88,21 +88,21 @@ TEST(KeyframeMemory, OfASessionThatTheMapDoesNotTakeOnlyTheNewestWait) {
   };
   for (int64_t i = 0; i < kMost + 2; ++i) add(2, i);
   memory.Follow(map);
-  EXPECT_TRUE(memory.Knows(2, 0)) << "there is no map yet";
+  EXPECT_TRUE(memory.Contains(2, 0)) << "there is no map yet";
   map.Put(InMap(0, 1, 0));
   memory.Add(Named(1, 0));
   memory.Follow(map);
-  EXPECT_FALSE(memory.Knows(2, 1));
-  EXPECT_TRUE(memory.Knows(2, 2));
+  EXPECT_FALSE(memory.Contains(2, 1));
+  EXPECT_TRUE(memory.Contains(2, 2));
   add(2, kMost + 2);
-  EXPECT_FALSE(memory.Knows(2, 2)) << "nor do they grow while the map stays as it is";
-  EXPECT_TRUE(memory.Knows(2, kMost + 2));
+  EXPECT_FALSE(memory.Contains(2, 2)) << "nor do they grow while the map stays as it is";
+  EXPECT_TRUE(memory.Contains(2, kMost + 2));
   map.Put(InMap(1, 2, kMost + 2));
   memory.Follow(map);
   EXPECT_EQ(PointsOf(memory, 1), 1U);
 }
 
-TEST(KeyframeMemory, OfASessionThatAMapHadAllWaitForThatWhichStartsAnew) {
+TEST(KeyframeMemory, MappedSessionIsKeptForARestartedMap) {
   constexpr int64_t kMany = loop::KeyframeMemory::kMostUntaken + 10;
   loop::KeyframeMemory memory(SmallPlaces());
   Map map;
@@ -116,13 +116,13 @@ TEST(KeyframeMemory, OfASessionThatAMapHadAllWaitForThatWhichStartsAnew) {
   Map anew;
   anew.Put(InMap(0, 2, 0));
   memory.Follow(anew);
-  EXPECT_TRUE(memory.Knows(1, 0));
+  EXPECT_TRUE(memory.Contains(1, 0));
   anew.Put(InMap(1, 1, 0));
   memory.Follow(anew);
   EXPECT_EQ(PointsOf(memory, 1), 1U);
 }
 
-TEST(KeyframeMemory, MapThatStartsAnewTakesThemAgainUnderOtherIds) {
+TEST(KeyframeMemory, RestartedMapUsesKeyframesUnderOtherIds) {
   loop::KeyframeMemory memory(SmallPlaces());
   Map map;
   for (int64_t i = 0; i < 5; ++i) {

@@ -53,7 +53,7 @@ void ExpectSame(const LoopClosure& a, const LoopClosure& b) {
   }
 }
 
-TEST(LoopCloser, RingThatComesBackIsClosed) {
+TEST(LoopCloser, ReturningRingIsClosed) {
   const Ring ring;
   Closing open(PlacesOf(ring.world), {});
   for (const Keyframe& keyframe : ring.walk.keyframes) open.Show(keyframe);
@@ -70,13 +70,13 @@ TEST(LoopCloser, RingThatComesBackIsClosed) {
   EXPECT_EQ(WrongWith(closed.mapper.map()), "");
 }
 
-TEST(LoopCloser, ArcThatNeverComesBackHasNone) {
+TEST(LoopCloser, ArcThatNeverReturnsHasNoLoop) {
   const Ring ring(30);
   const Closing closing = CloseLoops(ring);
   EXPECT_TRUE(closing.loops.empty());
 }
 
-TEST(LoopCloser, NewOneSaysWhatTheOldOneWouldHaveSaid) {
+TEST(LoopCloser, RestartedCloserFindsTheSameLoop) {
   const Ring ring;
   const PlaceRecogniser places = PlacesOf(ring.world);
   Closing closing(places, {});
@@ -92,7 +92,7 @@ TEST(LoopCloser, NewOneSaysWhatTheOldOneWouldHaveSaid) {
   ExpectSame(anew.Check(closing.mapper.map(), last.session, last.keyframe_id), loop);
 }
 
-TEST(LoopCloser, SessionThatBeganNowhereIsJoined) {
+TEST(LoopCloser, UnanchoredSessionIsJoined) {
   const Ring ring(26);
   Closing closing(PlacesOf(ring.world), {});
   for (const Keyframe& keyframe : ring.walk.keyframes) closing.TakeOver(closing.Show(keyframe));
@@ -132,7 +132,7 @@ TEST(LoopCloser, SessionThatBeganNowhereIsJoined) {
 }
 
 // For example a keyframe that is checked late, with others in the map already: the newer one detects the loop.
-TEST(LoopCloser, TheOldEndOfALoopCameIntoTheMapBeforeTheNewOne) {
+TEST(LoopCloser, OldEndOfALoopIsOlderThanTheNewEnd) {
   const Ring ring;
   Closing open(PlacesOf(ring.world), {});
   int found = 0;
@@ -173,7 +173,7 @@ TEST(LoopCloser, EqualImagesAtTheSamePlace) {
   EXPECT_EQ(WrongWith(closing.mapper.map()), "");
 }
 
-TEST(LoopCloser, KeyframesWithoutAnythingOrWithNonsense) {
+TEST(LoopCloser, EmptyAndInvalidKeyframes) {
   const Ring ring(12);
   Closing closing(PlacesOf(ring.world), {});
   for (int i = 0; i < 8; ++i) closing.Show(ring.walk.keyframes[i]);
@@ -195,14 +195,14 @@ TEST(LoopCloser, KeyframesWithoutAnythingOrWithNonsense) {
   EXPECT_EQ(closing.closer.Check(Map(), 7, 0).kind, Kind::kNone);
 }
 
-TEST(LoopCloser, SwitchedOffSaysNothing) {
+TEST(LoopCloser, DisabledFindsNoLoop) {
   const Ring ring;
   loop::LoopOptions options;
   options.enabled = false;
   EXPECT_TRUE(CloseLoops(ring, options).loops.empty());
 }
 
-TEST(Relocaliser, FramesBesideTheWayAreFoundAndStrangeOnesAreNot) {
+TEST(Relocaliser, FramesNearThePathAreFoundOthersAreNot) {
   const Ring ring(40);
   const Closing closing = CloseLoops(ring);
   const Map& map = closing.mapper.map();
@@ -310,7 +310,7 @@ struct TwoParts {
 
 bool SeesFirstPart(const loop::LoopEvidence& evidence) { return evidence.edge.old_keyframe_id < kFirstId; }
 
-TEST(SeparateParts, WhatAnotherPartShowsDoesNotContradictALoop) {
+TEST(SeparateParts, LoopDespiteCandidatesInAnotherPart) {
   const Ring ring;
   TwoParts parts(ring);
   const LoopClosure loop = parts.closer.Check(parts.map, ring.walk.keyframes.front().session, parts.newest);
@@ -337,7 +337,7 @@ TEST(SeparateParts, ACameraIsFoundInEither) {
 }
 
 // Connected, for example by a false loop, the two parts are at different places in the map.
-TEST(SeparateParts, WhereTheMapTiesThemBothContradictEachOther) {
+TEST(SeparateParts, ConnectedPartsContradictEachOther) {
   const Ring ring;
   TwoParts parts(ring);
   LoopEdge tie;

@@ -83,7 +83,7 @@ TEST(CloseLoop, WithoutDriftNothingMoves) {
   EXPECT_LT(lap.WorstError_m(*poses), 1e-9);
 }
 
-TEST(CloseLoop, OneThatALoopBeforeContradictsIsNone) {
+TEST(CloseLoop, LoopContradictedByAnEarlierLoop) {
   Lap lap(80, SmallDrift());
   // Closed before, and the map shows it.
   const auto closed = loop::CloseLoop(lap.map, EdgeBetween(0, 79, lap.truth[0].Inverse() * lap.truth[79]), {});
@@ -122,7 +122,7 @@ void ExpectLaterPartMovedAsAWhole(const Map& map, const SE3& T_5_22, const std::
   EXPECT_LT((poses[30].T_w_kf.Inverse() * T_w_22 * T_22_30).Log().norm(), tolerance);
 }
 
-TEST(CloseLoop, PartThatBeganLaterComesToTheOlderAsAWhole) {
+TEST(CloseLoop, YoungerPartMovesToTheOlderAsAWhole) {
   const Lap both = LapAndAnother();
   const SE3 T_5_22(ExpSO3({0.0, 0.1, 0.0}), {0.3, 0.0, 0.1});
   // In both directions.
@@ -134,7 +134,7 @@ TEST(CloseLoop, PartThatBeganLaterComesToTheOlderAsAWhole) {
 }
 
 // The tracker was lost before keyframe 20, and went on in the same session.
-TEST(CloseLoop, WhatComesAfterAStepThatIsNotKnownMovesAsAWhole) {
+TEST(CloseLoop, PartAfterAnUnknownStepMovesAsAWhole) {
   Lap both = LapAndAnother();
   MapKeyframe first = *both.map.FindKeyframe(20);
   first.previous_id = first.parent_id = 19;
@@ -147,7 +147,7 @@ TEST(CloseLoop, WhatComesAfterAStepThatIsNotKnownMovesAsAWhole) {
 }
 
 // For example the part of another robot, which is still mapping.
-TEST(CloseLoop, OfAPartThatItDoesNotTouchNothingIsSaid) {
+TEST(CloseLoop, OtherPartIsNotCorrected) {
   const Lap both = LapAndAnother();
   const auto in_first = loop::CloseLoop(both.map, EdgeBetween(0, 19, both.truth[0].Inverse() * both.truth[19]), {});
   ASSERT_TRUE(in_first.has_value());
@@ -163,7 +163,7 @@ TEST(CloseLoop, OfAPartThatItDoesNotTouchNothingIsSaid) {
   }
 }
 
-TEST(CloseLoop, CovarianceThatIsNoneIsNoLoop) {
+TEST(CloseLoop, ZeroCovarianceIsRefused) {
   Lap lap(10, Vector6d::Zero());
   LoopEdge edge = EdgeBetween(0, 9, SE3());
   edge.covariance.setZero();

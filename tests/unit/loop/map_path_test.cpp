@@ -80,7 +80,7 @@ TEST(MapPaths, AreTheShortest) {
   }
 }
 
-TEST(MapPaths, CovarianceOfAChainIsThatOfItsStepsOneAfterTheOther) {
+TEST(MapPaths, ChainCovarianceIsComposedStepByStep) {
   std::mt19937_64 generator(5);
   Map map;
   for (int64_t i = 0; i < 12; ++i) map.Put(After(map, i, RandomStep(generator)));
@@ -97,7 +97,7 @@ TEST(MapPaths, CovarianceOfAChainIsThatOfItsStepsOneAfterTheOther) {
 }
 
 // Even if paths with the same ends were requested before.
-TEST(MapPaths, CovarianceIsTheSameInWhateverOrderWaysAreAskedFor) {
+TEST(MapPaths, CovarianceIsIndependentOfQueryOrder) {
   Map map = RandomMap(30, 3);
   map.Add({2, 27, SE3(), 1e-4 * Matrix6d::Identity(), 10, 10});
   loop::MapPaths paths(map, 13);
@@ -108,7 +108,7 @@ TEST(MapPaths, CovarianceIsTheSameInWhateverOrderWaysAreAskedFor) {
   }
 }
 
-TEST(MapPaths, ReachIsTheFarthestPointOfTheWay) {
+TEST(MapPaths, ReachIsTheFarthestPointOfThePath) {
   Map map;
   for (int64_t i = 0; i < 5; ++i) {
     map.Put(After(map, i, SE3(Eigen::Quaterniond::Identity(), {i < 3 ? 1.0 : -1.0, 0.0, 0.0})));
@@ -120,7 +120,7 @@ TEST(MapPaths, ReachIsTheFarthestPointOfTheWay) {
   EXPECT_NEAR(path->reach_m, 2.0, 1e-12);
 }
 
-TEST(MapPaths, NoWayBetweenPartsThatNothingConnects) {
+TEST(MapPaths, NoPathBetweenUnconnectedParts) {
   Map map = RandomMap(4, 1);
   MapKeyframe stranger;
   stranger.id = 4;
@@ -172,7 +172,7 @@ void ShareLandmarks(Map& map, int64_t a, int64_t b, int n) {
 }
 
 // The tracker was lost there and continued: its uncertainty is ten metres and a radian, or that of its prediction.
-TEST(MapPaths, AStepThatIsNotKnownIsNoWay) {
+TEST(MapPaths, UnknownStepIsNotPartOfAPath) {
   for (const auto& [sigma_m, sigma_rad] : {std::pair(10.0, 1.0), std::pair(1.5, 0.01), std::pair(0.01, 0.4)}) {
     const Map map = ChainWithStep(3, sigma_m, sigma_rad);
     EXPECT_FALSE(loop::MapPaths(map, 5).From(0).has_value()) << sigma_m << " m " << sigma_rad;
@@ -186,12 +186,12 @@ TEST(MapPaths, AStepThatIsNotKnownIsNoWay) {
 }
 
 // For example a fast car, or a session of which many keyframes are missing.
-TEST(MapPaths, AStepThatIsLongMayErrByMore) {
+TEST(MapPaths, LongerStepMayHaveALargerError) {
   EXPECT_TRUE(loop::MapPaths(ChainWithStep(3, 0.1, 0.03), 5).From(0).has_value());
   EXPECT_TRUE(loop::MapPaths(ChainWithStep(3, 1.0, 0.03, 20.0), 5).From(0).has_value());
 }
 
-TEST(MapPaths, LandmarksThatAreSharedAreAWayOverAStepThatIsNotKnown) {
+TEST(MapPaths, SharedLandmarksBridgeAnUnknownStep) {
   for (const int64_t parent_id : {2, 1}) {
     Map map = ChainWithStep(3, 10.0, 1.0);
     MapKeyframe keyframe = *map.FindKeyframe(3);

@@ -32,7 +32,7 @@ std::vector<loop::LoopEvidence> LookedAt(const Ring& ring, const std::string& ga
   return all;
 }
 
-TEST(PaperGates, RingThatComesBackIsClosedFromNear) {
+TEST(PaperGates, ReturningRingIsClosedFromNearby) {
   const Ring ring;
   const Closing closing = CloseLoops(ring, WithGates("paper"));
   ASSERT_FALSE(closing.loops.empty());
@@ -45,7 +45,7 @@ TEST(PaperGates, RingThatComesBackIsClosedFromNear) {
 
 // A candidate is accepted if and only if it passes the three tests: neither the reverse direction, nor drift, nor
 // previous keyframes are checked.
-TEST(PaperGates, AreTheThreeTestsOfThePaper) {
+TEST(PaperGates, EqualTheThreeTestsOfThePaper) {
   int accepted = 0;
   int refused = 0;
   for (const loop::LoopEvidence& e : LookedAt(Ring(), "paper")) {
@@ -63,7 +63,7 @@ TEST(PaperGates, AreTheThreeTestsOfThePaper) {
 }
 
 // A loop seen from farther away is a loop, too.
-TEST(PaperGates, RefuseFromFarWhatTheDefaultBelieves) {
+TEST(PaperGates, RefuseDistantLoopsOfTheDefaultGates) {
   int far = 0;
   for (const loop::LoopEvidence& e : LookedAt(Ring(), "default")) {
     if (e.verdict == loop::LoopVerdict::kAccepted && e.edge.T_old_kf.translation().norm() > 0.5) ++far;

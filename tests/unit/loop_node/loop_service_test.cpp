@@ -99,7 +99,7 @@ class Service : public testing::Test {
                        [this] { return now_ms_; }};
 };
 
-TEST_F(Service, EachKeyframeIsCheckedOnceWhenMapAndFeaturesAreThereInEitherOrder) {
+TEST_F(Service, MapAndFeaturesArriveInEitherOrder) {
   EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(0))), Ids{});
   EXPECT_EQ(Checked(service_.OnUpdate(Update(0, false))), Ids{0});
   EXPECT_EQ(Checked(service_.OnUpdate(Update(0, true))), Ids{});
@@ -108,7 +108,7 @@ TEST_F(Service, EachKeyframeIsCheckedOnceWhenMapAndFeaturesAreThereInEitherOrder
   EXPECT_EQ(Checked(service_.OnUpdate(Update(1, true))), Ids{});
 }
 
-TEST_F(Service, KeyframesThatAreSaidAgainChangeNothing) {
+TEST_F(Service, RepublishedKeyframesAreNotCheckedAgain) {
   service_.OnKeyframe(KeyframeOf(0));
   service_.OnUpdate(Update(0, false));
   EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(0))), Ids{});
@@ -120,7 +120,7 @@ TEST_F(Service, KeyframesThatAreSaidAgainChangeNothing) {
   EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(2))), Ids{});
 }
 
-TEST_F(Service, FeaturesThatDoNotComeAreWaitedForAWhile) {
+TEST_F(Service, WaitsForMissingFeaturesUntilATimeout) {
   service_.OnKeyframe(KeyframeOf(0, false));
   EXPECT_EQ(Checked(service_.OnUpdate(Update(0, false))), Ids{0});
   service_.OnKeyframe(KeyframeOf(2, false));
@@ -132,7 +132,7 @@ TEST_F(Service, FeaturesThatDoNotComeAreWaitedForAWhile) {
 }
 
 // A cable that is disconnected for seconds does not change the result.
-TEST_F(Service, InLockstepFeaturesAreWaitedForAsLongAsTheTrackerLives) {
+TEST_F(Service, LockstepWaitsForFeaturesOfALiveTracker) {
   constexpr int64_t kTracker = 77;
   Keyframe first = KeyframeOf(0);
   first.source = kTracker;
@@ -150,7 +150,7 @@ TEST_F(Service, InLockstepFeaturesAreWaitedForAsLongAsTheTrackerLives) {
 }
 
 // loop_process was restarted, and several publishers send the keyframes: the live tracker first.
-TEST_F(Service, AWholeMapIsCheckedWhenAllItsFeaturesAreThere) {
+TEST_F(Service, WholeMapIsCheckedWithAllItsFeatures) {
   Update(5, false);
   EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(5))), Ids{});
   EXPECT_EQ(Checked(service_.OnUpdate(Whole(5, false, 2))), Ids{});
@@ -163,7 +163,7 @@ TEST_F(Service, AWholeMapIsCheckedWhenAllItsFeaturesAreThere) {
   EXPECT_EQ(output.answers.size(), 1U);
 }
 
-TEST_F(Service, FeaturesOfAWholeMapThatDoNotComeAreWaitedForAWhile) {
+TEST_F(Service, WholeMapWithMissingFeaturesTimesOut) {
   Update(5, false);
   for (const int64_t id : {1, 3, 5}) service_.OnKeyframe(KeyframeOf(id));
   service_.OnUpdate(Whole(5, false, 2));
@@ -178,7 +178,7 @@ TEST_F(Service, FeaturesOfAWholeMapThatDoNotComeAreWaitedForAWhile) {
 
 // mapping_process was restarted, and its map has a keyframe that had been removed: its features are published again,
 // too.
-TEST_F(Service, AKeyframeThatComesBackWithAnOlderMapIsTakenAgain) {
+TEST_F(Service, KeyframeRestoredByAnOlderMapIsUsedAgain) {
   for (int64_t id = 0; id < 3; ++id) {
     service_.OnKeyframe(KeyframeOf(id));
     service_.OnUpdate(Update(id, false));
@@ -197,7 +197,7 @@ TEST_F(Service, AKeyframeThatComesBackWithAnOlderMapIsTakenAgain) {
 }
 
 // The previous loop_process closed a loop and exited during global bundle adjustment.
-TEST_F(Service, TheAdjustmentThatAnotherDiedOverIsDone) {
+TEST_F(Service, UnfinishedAdjustmentIsDoneAfterARestart) {
   Update(3, false);
   LoopEdge edge;
   edge.old_keyframe_id = 0;
@@ -219,7 +219,7 @@ TEST_F(Service, TheAdjustmentThatAnotherDiedOverIsDone) {
 }
 
 // The same if the updates are repeated, one by one, before the features.
-TEST_F(Service, TheAdjustmentThatAnotherDiedOverIsDoneOfUpdatesThatComeAgain) {
+TEST_F(Service, UnfinishedAdjustmentFromRepeatedUpdates) {
   service_.OnUpdate(Update(0, false));
   service_.OnUpdate(Update(0, true));
   service_.OnUpdate(Update(1, false));
@@ -240,7 +240,7 @@ TEST_F(Service, TheAdjustmentThatAnotherDiedOverIsDoneOfUpdatesThatComeAgain) {
 }
 
 // A keyframe would be checked on a map that is newer than the one into which it was inserted.
-TEST_F(Service, KeyframesThatAnotherHasCheckedAreNotCheckedWhenUpdatesComeAgainBeforeTheFeatures) {
+TEST_F(Service, CommittedKeyframesInRepeatedUpdates) {
   for (int64_t id = 0; id < 3; ++id) {
     EXPECT_EQ(Checked(service_.OnUpdate(Update(id, false))), Ids{});
     if (id < 2) service_.OnUpdate(Update(id, true));
@@ -250,7 +250,7 @@ TEST_F(Service, KeyframesThatAnotherHasCheckedAreNotCheckedWhenUpdatesComeAgainB
   EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(2))), Ids{2});
 }
 
-TEST_F(Service, ASettledMapAwaitsNoAdjustment) {
+TEST_F(Service, CommittedMapNeedsNoAdjustment) {
   Update(3, false);
   LoopEdge edge;
   edge.old_keyframe_id = 0;
@@ -260,14 +260,14 @@ TEST_F(Service, ASettledMapAwaitsNoAdjustment) {
   EXPECT_FALSE(service_.OnUpdate(Whole(3, true, 2)).adjustment);
 }
 
-TEST_F(Service, KeyframesThatCameIntoTheMapTogetherAreAllChecked) {
+TEST_F(Service, KeyframesOfOneUpdateAreAllChecked) {
   for (int64_t id = 0; id < 4; ++id) service_.OnKeyframe(KeyframeOf(id, false));
   EXPECT_EQ(Checked(service_.OnUpdate(Update(3, false))), (Ids{3}));
   for (int64_t id = 4; id < 7; ++id) service_.OnKeyframe(KeyframeOf(id, false));
   EXPECT_EQ(Checked(service_.OnUpdate(Update(6, false))), (Ids{4, 5, 6}));
 }
 
-TEST_F(Service, StartedInTheMiddleOfARunItJudgesTheNewest) {
+TEST_F(Service, StartedMidRunChecksTheNewestKeyframe) {
   Update(20, false);
   for (int64_t id = 0; id <= 20; ++id) service_.OnKeyframe(KeyframeOf(id));
   EXPECT_EQ(Checked(service_.OnUpdate(Whole(20, false, 5))), Ids{20});
@@ -276,7 +276,7 @@ TEST_F(Service, StartedInTheMiddleOfARunItJudgesTheNewest) {
 }
 
 // loop_process was restarted: keyframes of other sessions in the map were checked by the previous one.
-TEST_F(Service, OfAWholeMapOfSeveralSessionsNothingOldIsChecked) {
+TEST_F(Service, RestartWithSeveralSessionsChecksTheNewest) {
   Update(20, false);
   PutOther(10);
   for (int64_t id = 0; id <= 22; ++id) service_.OnKeyframe(KeyframeOf(id));
@@ -292,7 +292,7 @@ TEST_F(Service, OfAWholeMapOfSeveralSessionsNothingOldIsChecked) {
 }
 
 // Versions were missed meanwhile: all keyframes of a known session are checked.
-TEST_F(Service, OfAWholeMapThatWasAskedForAllThatIsNewIsChecked) {
+TEST_F(Service, RequestedWholeMapChecksAllNewKeyframes) {
   for (int64_t id = 0; id <= 5; ++id) service_.OnKeyframe(KeyframeOf(id));
   EXPECT_EQ(Checked(service_.OnUpdate(Update(0, false))), Ids{0});
   Update(3, false);
@@ -300,7 +300,7 @@ TEST_F(Service, OfAWholeMapThatWasAskedForAllThatIsNewIsChecked) {
 }
 
 // A lost robot sends no keyframes; the other one commits the map for both.
-TEST_F(Service, AQuestionOfARobotThatIsLostIsAnsweredAfterARestart) {
+TEST_F(Service, RequestOfALostRobotAfterARestart) {
   Update(3, false);
   PutOther(10);
   for (int64_t id = 0; id <= 3; ++id) service_.OnKeyframe(KeyframeOf(id));
@@ -312,7 +312,7 @@ TEST_F(Service, AQuestionOfARobotThatIsLostIsAnsweredAfterARestart) {
   EXPECT_EQ(service_.OnUpdate(Update(3, true)).answers.size(), 1U);
 }
 
-TEST_F(Service, ANumberThatWasForgedCostsNothing) {
+TEST_F(Service, ForgedKeyframeIdIsHarmless) {
   service_.OnKeyframe(KeyframeOf(0));
   service_.OnUpdate(Update(0, false));
   MapUpdate forged = Update(0, false);
@@ -322,13 +322,13 @@ TEST_F(Service, ANumberThatWasForgedCostsNothing) {
   EXPECT_LE(service_.OnTick().closures.size(), 1U);
 }
 
-TEST_F(Service, WhatIsSettledIsNotCheckedAgain) {
+TEST_F(Service, CommittedKeyframeIsNotCheckedAgain) {
   Update(20, false);
   for (int64_t id = 0; id <= 20; ++id) service_.OnKeyframe(KeyframeOf(id));
   EXPECT_EQ(Checked(service_.OnUpdate(Whole(20, true, 5))), Ids{});
 }
 
-TEST_F(Service, ARobotWhoseFeaturesAreLateDoesNotHoldUpTheOthers) {
+TEST_F(Service, LateFeaturesDoNotDelayOtherRobots) {
   service_.OnKeyframe(KeyframeOf(0));
   EXPECT_EQ(Checked(service_.OnUpdate(Update(0, false))), Ids{0});
   PutOther(0);
@@ -340,7 +340,7 @@ TEST_F(Service, ARobotWhoseFeaturesAreLateDoesNotHoldUpTheOthers) {
   EXPECT_EQ(service_.OnKeyframe(OfOther(0)).closures.size(), 1U);
 }
 
-TEST_F(Service, AMapThatWasBuiltAnewIsCheckedAnew) {
+TEST_F(Service, RebuiltMapIsCheckedAgain) {
   for (int64_t id = 0; id < 3; ++id) {
     service_.OnKeyframe(KeyframeOf(id));
     service_.OnUpdate(Update(id, false));
@@ -355,7 +355,7 @@ TEST_F(Service, AMapThatWasBuiltAnewIsCheckedAnew) {
   EXPECT_EQ(Checked(service_.OnUpdate(Update(1, false))), Ids{1});
 }
 
-TEST_F(Service, AQuestionOfLockstepWaitsForTheSettledMap) {
+TEST_F(Service, LockstepRequestWaitsForTheCommittedMap) {
   Keyframe request = KeyframeOf(1);
   request.frame_id = 17;
   request.previous_keyframe_id = 0;
@@ -371,7 +371,7 @@ TEST_F(Service, AQuestionOfLockstepWaitsForTheSettledMap) {
   EXPECT_TRUE(service_.OnUpdate(Update(1, false)).answers.empty()) << "it is answered once";
 }
 
-TEST_F(Service, ALiveQuestionIsAnsweredAtOnceAndANewerOneTakesItsPlace) {
+TEST_F(Service, NewerRequestReplacesAWaitingOne) {
   Keyframe request = KeyframeOf(0, false);
   EXPECT_EQ(service_.OnRequest(request).answers.size(), 1U) << "not found, where there is no map";
   request.lockstep = true;

@@ -77,7 +77,7 @@ TEST(HelpPage, MeaningsAndValues) {
   EXPECT_THAT(Named(page, "-o").value, HasSubstr("FILE"));
 }
 
-TEST(HelpPage, WhatIsNoHelp) {
+TEST(HelpPage, OtherTextIsRefused) {
   for (const char* text : {"", "rubbish", "Usage: x [OPTIONS]\n", "a\nUsage: x [OPTIONS]\n  --no-heading\n",
                            "a\nUsage: x [OPTIONS]\n\nOptions:\n                              nothing above\n"}) {
     EXPECT_THROW(ParseHelp("x", text), std::runtime_error) << text;

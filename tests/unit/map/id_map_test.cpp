@@ -53,7 +53,7 @@ int64_t DrawId(std::mt19937_64& generator, int step) {
   }
 }
 
-TEST(IdMap, HoldsWhatAMapHolds) {
+TEST(IdMap, AgreesWithStdMap) {
   std::mt19937_64 generator(3);
   IdMap<std::string> values;
   Plain plain;
@@ -83,7 +83,7 @@ TEST(IdMap, HoldsWhatAMapHolds) {
   ExpectSame(values, {});
 }
 
-TEST(IdMap, WithNothingInItHasNoBeginning) {
+TEST(IdMap, EmptyMapHasNoBegin) {
   IdMap<std::string> values;
   EXPECT_EQ(values.begin(), values.end());
   EXPECT_EQ(values.rbegin(), values.rend());
@@ -103,7 +103,7 @@ TEST(IdMap, IsWalkedInBothDirectionsOverGaps) {
   EXPECT_EQ(++at, values.end());
 }
 
-TEST(IdMap, ValuesStayWhereTheyAre) {
+TEST(IdMap, ValuesKeepTheirAddress) {
   IdMap<std::string> values;
   values[5] = "five";
   const std::string* five = values.Find(5);
@@ -113,7 +113,7 @@ TEST(IdMap, ValuesStayWhereTheyAre) {
   EXPECT_EQ(*five, "five");
 }
 
-TEST(IdMap, ACopyIsOnItsOwn) {
+TEST(IdMap, CopyIsIndependent) {
   IdMap<std::string> values;
   values[1] = "one";
   values[100] = "hundred";

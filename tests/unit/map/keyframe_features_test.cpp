@@ -38,7 +38,7 @@ void ExpectAsMade(const FeaturesView& features, int n_points, int n_lines) {
   }
 }
 
-TEST(KeptFeatures, AreTheSameInAFileWhoeverHasACopy) {
+TEST(KeptFeatures, AreTheSameInMemoryAndInAFile) {
   for (const auto& [n_points, n_lines] : {std::pair{300, 70}, {300, 0}, {0, 70}, {0, 0}}) {
     KeptFeatures kept(FeaturesOf(n_points, n_lines));
     kept.image = TakenImage{1, 2, 3, 4, 5.0};
@@ -57,11 +57,11 @@ TEST(KeptFeatures, AreTheSameInAFileWhoeverHasACopy) {
   }
 }
 
-TEST(LeaveOldInFiles, LeavesTheNewestInMemory) {
+TEST(MoveOldToFiles, LeavesTheNewestInMemory) {
   KeyframeFeatures features;
   for (int id = 0; id < 200; id += 2) features[id] = FeaturesOf(id, 5);
   for (int round = 0; round < 2; ++round) {
-    ASSERT_TRUE(LeaveOldInFiles(features));
+    ASSERT_TRUE(MoveOldToFiles(features));
     int n_in_file = 0;
     for (const auto& [id, of_keyframe] : features) {
       n_in_file += of_keyframe.IsInFile() ? 1 : 0;
@@ -73,13 +73,13 @@ TEST(LeaveOldInFiles, LeavesTheNewestInMemory) {
   }
 }
 
-TEST(LeaveOldInFiles, WithoutAFolderAllStayInMemory) {
+TEST(MoveOldToFiles, AllStayInMemoryWithoutAFolder) {
   const char* was = std::getenv("TMPDIR");
   const std::string before = was != nullptr ? was : "";
   ::setenv("TMPDIR", "/no/such/folder", 1);
   KeyframeFeatures features;
   for (int id = 0; id < 70; ++id) features[id] = FeaturesOf(id, 5);
-  EXPECT_FALSE(LeaveOldInFiles(features));
+  EXPECT_FALSE(MoveOldToFiles(features));
   for (const auto& [id, of_keyframe] : features) ExpectAsMade(of_keyframe, static_cast<int>(id), 5);
   EXPECT_NE(CannotLeaveMemory().find("/no/such/folder"), std::string::npos);
   if (was != nullptr) {

@@ -27,7 +27,7 @@ class SeenByKeyframes : public testing::Test {
   test::HandmadeMap world_;
 };
 
-TEST_F(SeenByKeyframes, EachOnceAscendingInWhateverOrderTheyAreAsked) {
+TEST_F(SeenByKeyframes, EachOnceAscendingForAnyQueryOrder) {
   for (const Ids& keyframes : {Ids{0, 1}, Ids{1, 0}, Ids{1, 0, 1}}) {
     EXPECT_EQ(SeenBy<PointType>(keyframes, world_.map), (Ids{2, 5, 7})) << testing::PrintToString(keyframes);
     EXPECT_EQ(SeenBy<LineType>(keyframes, world_.map), Ids{3}) << testing::PrintToString(keyframes);

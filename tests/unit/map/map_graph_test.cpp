@@ -41,7 +41,7 @@ std::vector<std::pair<int64_t, int64_t>> Pairs(const MapGraph& graph) {
   return pairs;
 }
 
-TEST(MapGraph, EachPairOnceForWhateverReasons) {
+TEST(MapGraph, PairWithSeveralReasonsIsOneEdge) {
   Map map = Row(4);
   Share(0, 1, Map::kEssential, map);
   Share(0, 3, Map::kEssential, map);
@@ -54,7 +54,7 @@ TEST(MapGraph, EachPairOnceForWhateverReasons) {
   EXPECT_TRUE(graph.edges()[1].known);
 }
 
-TEST(MapGraph, AStepWhileLostConnectsButIsNotKnown) {
+TEST(MapGraph, StepWhileLostConnectsButIsNotKnown) {
   Map map = Row(4, 2);
   const MapGraph graph(map);
   EXPECT_FALSE(graph.edges()[1].known);
@@ -66,7 +66,7 @@ TEST(MapGraph, AStepWhileLostConnectsButIsNotKnown) {
   EXPECT_EQ(MapGraph(map).Component(0, MapGraph::Edges::kKnown).size(), 4U);
 }
 
-TEST(MapGraph, ALoopConnectsAndTheNewestOneCounts) {
+TEST(MapGraph, LoopConnectsAndTheNewestIsUsed) {
   Map map = Row(4, 2);
   LoopEdge loop;
   loop.old_keyframe_id = 3;
@@ -79,7 +79,7 @@ TEST(MapGraph, ALoopConnectsAndTheNewestOneCounts) {
   EXPECT_EQ(graph.Component(1, MapGraph::Edges::kKnown).size(), 4U);
 }
 
-TEST(MapGraph, EdgesToRemovedKeyframesAreNone) {
+TEST(MapGraph, EdgesToRemovedKeyframesAreOmitted) {
   Map map = Row(3);
   LoopEdge loop;
   loop.old_keyframe_id = 0;

@@ -113,7 +113,7 @@ void ExpectTree(const Map& map) {
   }
 }
 
-TEST(Map, TablesAgreeWithASlowRecountWhateverHappens) {
+TEST(Map, TablesAgreeWithASlowRecount) {
   for (uint64_t seed = 1; seed <= 30; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     test::RandomMap random(seed);
@@ -131,7 +131,7 @@ TEST(Map, TablesAgreeWithASlowRecountWhateverHappens) {
   }
 }
 
-TEST(Map, AFeatureBelongsToTheLandmarkThatCameLast) {
+TEST(Map, FeatureBelongsToTheLatestLandmark) {
   Map map = Chain();
   map.Put(PointOf(0, {{0, 5}, {1, 6}}));
   map.Put(PointOf(1, {{1, 6}, {2, 7}}));
@@ -151,7 +151,7 @@ TEST(Map, PointsAndLinesOfTheSameNumberAreApart) {
   EXPECT_NE(map.FindPoint(0), nullptr);
 }
 
-TEST(Map, NeighboursComeByNumberOfSharedLandmarks) {
+TEST(Map, NeighboursAreSortedBySharedLandmarks) {
   Map map = Chain();
   map.Put(PointOf(0, {{0, 0}, {2, 0}}));
   map.Put(PointOf(1, {{0, 1}, {1, 0}, {2, 1}}));
@@ -160,7 +160,7 @@ TEST(Map, NeighboursComeByNumberOfSharedLandmarks) {
   EXPECT_THAT(map.Neighbours(9, 1), IsEmpty());
 }
 
-TEST(Map, AKeyframeGoesWithItsObservationsAndItsChildrenMove) {
+TEST(Map, RemovedKeyframeLeavesNoObservations) {
   Map map = Chain();
   map.Put(KeyframeOf(3, 1));
   map.Put(PointOf(0, {{1, 0}}));
@@ -180,7 +180,7 @@ TEST(Map, AKeyframeGoesWithItsObservationsAndItsChildrenMove) {
   EXPECT_TRUE(map.TakeChanges().empty());
 }
 
-TEST(Map, WhatComesAndGoesBetweenTwoLooksIsToldAsItIsInTheEnd) {
+TEST(Map, ChangesReportTheFinalState) {
   Map map = Chain();
   map.Put(PointOf(0, {{0, 0}}));
   map.Put(PointOf(1, {{0, 1}}));
@@ -209,7 +209,7 @@ TEST(Map, ObservationsOfUnknownKeyframesAreIgnored) {
   EXPECT_THAT(map.FindPoint(0)->observations, ElementsAre(Observation{1, 0}));
 }
 
-TEST(Map, ObservationsThatCannotBeAreRefused) {
+TEST(Map, InvalidObservationsAreRefused) {
   Map map = Chain();
   EXPECT_THROW(map.Put(PointOf(0, {{1, 0}, {0, 0}})), std::invalid_argument);
   EXPECT_THROW(map.Put(PointOf(0, {{1, 0}, {1, 1}})), std::invalid_argument);
@@ -217,7 +217,7 @@ TEST(Map, ObservationsThatCannotBeAreRefused) {
   EXPECT_TRUE(map.points().empty());
 }
 
-TEST(Map, WhatIsPutBackIntoItselfStays) {
+TEST(Map, PutOfItsOwnElementChangesNothing) {
   Map map = Chain();
   map.Put(PointOf(0, {{0, 5}, {1, 6}}));
   map.Put(*map.FindPoint(0));
@@ -235,7 +235,7 @@ using Counts = std::vector<SharedCounts::Count>;
 
 Counts All(const SharedCounts& counts) { return {counts.begin(), counts.end()}; }
 
-TEST(SharedCounts, AscendByKeyframeWhateverTheOrder) {
+TEST(SharedCounts, AscendByKeyframeForAnyOrder) {
   SharedCounts counts;
   for (const int64_t id : {7, 3, 9, 3, 7, 3}) counts.Add(id, 1);
   EXPECT_EQ(All(counts), (Counts{{3, 3}, {7, 2}, {9, 1}}));
@@ -244,7 +244,7 @@ TEST(SharedCounts, AscendByKeyframeWhateverTheOrder) {
   EXPECT_EQ(counts.Of(10), 0);
 }
 
-TEST(SharedCounts, KeyframesThatNoLongerShareAnythingGo) {
+TEST(SharedCounts, KeyframesSharingNothingAreRemoved) {
   SharedCounts counts;
   counts.Add(5, 1);
   counts.Add(6, 2);

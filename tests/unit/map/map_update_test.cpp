@@ -72,7 +72,7 @@ class Owner {
   int64_t version_ = 0;
 };
 
-TEST(MapReplica, FollowsWhateverHappens) {
+TEST(MapReplica, FollowsRandomChanges) {
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Owner owner(1, seed);
@@ -87,7 +87,7 @@ TEST(MapReplica, FollowsWhateverHappens) {
   }
 }
 
-TEST(MapReplica, ACorrectionIsToldByItsPosesAlone) {
+TEST(MapReplica, CorrectionIsSentAsPosesOnly) {
   test::RandomMap random(3);
   random.Steps(400);
   Map& map = random.map();
@@ -113,7 +113,7 @@ TEST(MapReplica, ACorrectionIsToldByItsPosesAlone) {
   ExpectSame(map, replica.map());
 }
 
-TEST(Map, LandmarksGoWithTheMiddleOneOfThoseThatSeeThem) {
+TEST(Map, LandmarksMoveWithTheirMedianKeyframe) {
   Map map;
   for (int64_t id = 0; id < 3; ++id) {
     MapKeyframe keyframe;
@@ -131,7 +131,7 @@ TEST(Map, LandmarksGoWithTheMiddleOneOfThoseThatSeeThem) {
   EXPECT_EQ(map.FindPoint(0)->p_w, Eigen::Vector3d(2.0, 2.0, 3.0));
 }
 
-TEST(MapReplica, AGapIsSeenAndTheWholeMapFillsIt) {
+TEST(MapReplica, GapIsDetectedAndFilledByTheWholeMap) {
   Owner owner(1, 5);
   MapReplica replica;
   replica.Apply(owner.Next(50));
@@ -145,7 +145,7 @@ TEST(MapReplica, AGapIsSeenAndTheWholeMapFillsIt) {
   ExpectSame(owner.map(), replica.map());
 }
 
-TEST(MapReplica, OneThatComesLateLacksWhatWasBefore) {
+TEST(MapReplica, LateReplicaNeedsTheWholeMap) {
   Owner owner(1, 6);
   owner.Next(50);
   MapReplica replica;
@@ -155,7 +155,7 @@ TEST(MapReplica, OneThatComesLateLacksWhatWasBefore) {
   ExpectSame(owner.map(), replica.map());
 }
 
-TEST(MapReplica, TheMapOfAnotherStartTakesItsPlace) {
+TEST(MapReplica, MapOfARestartedMapperReplacesIt) {
   Owner before(1, 7), after(2, 8);
   MapReplica replica;
   replica.Apply(before.Next(100));
@@ -175,7 +175,7 @@ MapUpdate Newest(int64_t session, int64_t keyframe_id, bool committed) {
   return update;
 }
 
-TEST(CommittedKeyframes, AnUpdateSettlesWhatAllRobotsHaveInTheMap) {
+TEST(CommittedKeyframes, UpdateCommitsKeyframesOfAllRobots) {
   CommittedKeyframes committed;
   EXPECT_FALSE(committed.Has(1, 0));
   committed.Add(Newest(1, 4, false));
@@ -188,7 +188,7 @@ TEST(CommittedKeyframes, AnUpdateSettlesWhatAllRobotsHaveInTheMap) {
   EXPECT_FALSE(committed.Has(1, 5));
 }
 
-TEST(CommittedKeyframes, AMapThatIsBuiltAnewIsNotSettledBeforeItHasAll) {
+TEST(CommittedKeyframes, RebuiltMapIsNotCommittedUntilComplete) {
   CommittedKeyframes committed;
   committed.Add(Newest(1, 9, true));
   EXPECT_TRUE(committed.Has(1, 9));

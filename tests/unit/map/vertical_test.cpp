@@ -77,7 +77,7 @@ TEST(Vertical, TiltedMapIsRecoveredFromItsLines) {
   }
 }
 
-TEST(Vertical, WithoutLinesTheCamerasTell) {
+TEST(Vertical, WithoutLinesFromTheCameras) {
   const LeaningMap leaning(ExpSO3({0.3, 0, 0}), 0.0);
   EXPECT_FALSE(VerticalFromLines(leaning.map(), leaning.up_w()));
   const Vertical vertical = VerticalOf(leaning.map());
@@ -85,7 +85,7 @@ TEST(Vertical, WithoutLinesTheCamerasTell) {
   EXPECT_LT(AngleDeg(vertical.up_w, leaning.up_w()), 1e-5);
 }
 
-TEST(Vertical, NothingUprightIsNone) {
+TEST(Vertical, NoUprightLinesGiveNone) {
   LeaningMap level(Eigen::Quaterniond::Identity());
   level.AddLines(200, {1, 0, 0}, 1.0);
   level.AddLines(7, {0, 1, 0}, 0.1);
@@ -95,7 +95,7 @@ TEST(Vertical, NothingUprightIsNone) {
   EXPECT_FALSE(VerticalFromLines(cloud.map(), cloud.up_w())) << "no direction stands out";
 }
 
-TEST(Vertical, EmptyMapAndNonsense) {
+TEST(Vertical, EmptyMapAndInvalidLines) {
   EXPECT_EQ(VerticalOf(Map()).up_w, Eigen::Vector3d(0, -1, 0));
   Map map;
   for (int64_t id = 0; id < 20; ++id) {

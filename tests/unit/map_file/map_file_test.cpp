@@ -83,7 +83,7 @@ void ExpectSameGraphs(const Map& a, const Map& b) {
   }
 }
 
-TEST(MapFile, LoadedMapsAreThoseThatWereSavedAndSavedAgainAreTheSameBytes) {
+TEST(MapFile, RoundTripGivesTheSameMapAndBytes) {
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     const StoredMap stored = seed % 2 == 0 ? RandomStoredMap(seed, 400) : test::OfTwoCameras(seed, 400);
     const std::vector<uint8_t> bytes = EncodeMap(stored);
@@ -115,7 +115,7 @@ TEST(MapFile, FilesHoldTheSameBytes) {
   EXPECT_FALSE(std::filesystem::exists(file.path() + ".part"));
 }
 
-TEST(MapFile, AMapWithoutKeyframesIsNotWrittenOverAnother) {
+TEST(MapFile, MapWithoutKeyframesDoesNotReplaceAnother) {
   const TemporaryFile file("map.plmap");
   WriteMapFile(file.path(), RandomStoredMap(3, 20));
   const std::vector<uint8_t> bytes = file.Read();
@@ -123,7 +123,7 @@ TEST(MapFile, AMapWithoutKeyframesIsNotWrittenOverAnother) {
   EXPECT_EQ(file.Read(), bytes);
 }
 
-TEST(MapFile, RotationsThatAreUnitToRoundingComeBackBitByBit) {
+TEST(MapFile, NearlyUnitQuaternionsKeepTheirBits) {
   StoredMap stored;
   MapKeyframe keyframe;
   keyframe.id = keyframe.session_keyframe_id = keyframe.frame_id = 0;
@@ -156,7 +156,7 @@ TEST(MapFile, EveryFlippedBitIsSeen) {
   }
 }
 
-TEST(MapFile, ForeignAndNewerFilesAreRefusedBySentencesThatNameThem) {
+TEST(MapFile, ForeignAndNewerFilesAreRefusedByName) {
   const TemporaryFile file("foreign.plmap");
   const auto read = [&] { return ErrorOf([&] { ReadMapFile(file.path()); }); };
   EXPECT_THAT(read(), HasSubstr("foreign.plmap: cannot be read: No such file or directory"));
@@ -172,12 +172,12 @@ TEST(MapFile, ForeignAndNewerFilesAreRefusedBySentencesThatNameThem) {
   EXPECT_THAT(ErrorOf([] { ReadMapFile(testing::TempDir()); }), HasSubstr("cannot be"));
 }
 
-TEST(MapFile, FormatIsNewOnlyWhereSeveralCamerasSawTheKeyframes) {
+TEST(MapFile, NewFormatOnlyForSeveralCameras) {
   EXPECT_EQ(EncodeMap(RandomStoredMap(6, 10))[8], 1) << "older programs read it";
   EXPECT_EQ(EncodeMap(test::OfTwoCameras(6, 30))[8], 2);
 }
 
-TEST(MapFile, ALengthBeyondTheFileIsNotBelieved) {
+TEST(MapFile, LengthBeyondTheFileIsRefused) {
   std::vector<uint8_t> bytes = EncodeMap({});
   // The number of bytes of the rig.
   const uint64_t huge = std::numeric_limits<uint64_t>::max() / 2;
@@ -239,7 +239,7 @@ TEST(MapFile, MapsThatCouldNotBeLoadedAreNotSaved) {
   EXPECT_THAT(EncodeError(bad), HasSubstr("has values that cannot be"));
 }
 
-TEST(MapFile, FoldersThatAreNotThereAreNamed) {
+TEST(MapFile, MissingFoldersAreNamed) {
   EXPECT_THAT(ErrorOf([] { WriteMapFile("/no/such/folder/a.plmap", {}); }), HasSubstr("/no/such/folder/a.plmap"));
 }
 

@@ -57,14 +57,14 @@ SE3 PoseOf(const LoopClosure& closure, int64_t id) {
   return {};
 }
 
-TEST(ClosureNames, AreOfAllKeyframesThatItSpeaksOf) {
+TEST(ClosureNames, NamesAllKeyframesInTheClosure) {
   LoopClosure closure = ClosureOn(Before());
   EXPECT_THAT(closure.names, ElementsAre(KeyframeName{0, 7, 0}, KeyframeName{1, 7, 1}, KeyframeName{2, 8, 0}));
   closure.poses.clear();
   EXPECT_THAT(loop::NamesIn(Before(), closure), ElementsAre(KeyframeName{1, 7, 1}, KeyframeName{2, 8, 0}));
 }
 
-TEST(ClosureNames, OnItsOwnMapNothingChanges) {
+TEST(ClosureNames, UnchangedOnItsOwnMap) {
   const LoopClosure closure = ClosureOn(Before());
   const LoopClosure here = InIdsOf(Before(), closure);
   EXPECT_EQ(here.names, closure.names);
@@ -78,7 +78,7 @@ TEST(ClosureNames, OnItsOwnMapNothingChanges) {
 }
 
 // A live map that was rebuilt from the same keyframes: its landmarks have other ids, and its versions start again.
-TEST(ClosureNames, OnAnotherMapWithTheSameKeyframesPairsAndVersionAreLeftOut) {
+TEST(ClosureNames, OtherMapWithSameKeyframesDropsPairs) {
   LoopClosure closure = ClosureOn(Before());
   closure.poses.push_back({77, PoseOf(9)});
   const LoopClosure here = InIdsOf(Before(), closure, MapIds::kOthers);
@@ -90,7 +90,7 @@ TEST(ClosureNames, OnAnotherMapWithTheSameKeyframesPairsAndVersionAreLeftOut) {
 }
 
 // A correction that exchanged keyframes 1 and 2 would put each at the pose of the other.
-TEST(ClosureNames, OnAMapThatWasBuiltAnewEachKeyframeIsFound) {
+TEST(ClosureNames, KeyframesAreFoundInARebuiltMap) {
   const LoopClosure closure = ClosureOn(Before());
   const LoopClosure here = InIdsOf(After(), closure);
   EXPECT_EQ(PoseOf(here, 0).translation(), PoseOf(10).translation());
@@ -102,7 +102,7 @@ TEST(ClosureNames, OnAMapThatWasBuiltAnewEachKeyframeIsFound) {
   EXPECT_TRUE(here.lines.empty());
 }
 
-TEST(ClosureNames, AnEdgeWhoseEndsChangeOrderIsTurned) {
+TEST(ClosureNames, EdgeIsInvertedIfItsEndsChangeOrder) {
   const LoopClosure closure = ClosureOn(Before());
   const LoopClosure here = InIdsOf(After(), closure);
   ASSERT_EQ(here.edges.size(), 1U);
@@ -119,7 +119,7 @@ TEST(ClosureNames, AnEdgeWhoseEndsChangeOrderIsTurned) {
   EXPECT_EQ(edge.n_points, 80);
 }
 
-TEST(ClosureNames, OfAMapBuiltAnewWhatItDoesNotHaveOrIsNotNamedIsLeftOut) {
+TEST(ClosureNames, RebuiltMapDropsMissingAndUnnamedKeyframes) {
   LoopClosure closure = ClosureOn(Before());
   closure.names.erase(closure.names.begin());
   Map map = After();
@@ -132,7 +132,7 @@ TEST(ClosureNames, OfAMapBuiltAnewWhatItDoesNotHaveOrIsNotNamedIsLeftOut) {
 }
 
 // It was found in the milliseconds before: its edge may still be useful for the replacement of the culled keyframe.
-TEST(ClosureNames, AKeyframeThatWasCulledSinceChangesNothing) {
+TEST(ClosureNames, KeyframeCulledSinceChangesNothing) {
   const LoopClosure closure = ClosureOn(Before());
   Map map = Before();
   map.RemoveKeyframe(2);
@@ -143,7 +143,7 @@ TEST(ClosureNames, AKeyframeThatWasCulledSinceChangesNothing) {
   EXPECT_EQ(here.map_version, 31);
 }
 
-TEST(ClosureNames, AnIdThatAnotherKeyframeHasNowDiffers) {
+TEST(ClosureNames, IdReusedByAnotherKeyframeDiffers) {
   const LoopClosure closure = ClosureOn(Before());
   const LoopClosure here = InIdsOf(MapOf({{0, 7, 0}, {1, 7, 1}, {2, 9, 0}}), closure);
   EXPECT_TRUE(here.edges.empty());

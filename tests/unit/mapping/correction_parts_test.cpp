@@ -36,7 +36,7 @@ class PosesAfterACorrection : public testing::Test {
   HandmadeMap m_;
 };
 
-TEST_F(PosesAfterACorrection, WhatIsNotNamedGoesWithItsParentFirst) {
+TEST_F(PosesAfterACorrection, UnnamedKeyframesMoveWithTheirParent) {
   const auto poses = PosesAfter({{1, At(1.0, 0.5)}, {3, At(30.0)}}, m_.map);
   ASSERT_EQ(poses.size(), 4U);
   EXPECT_FALSE(poses.contains(0));
@@ -46,13 +46,13 @@ TEST_F(PosesAfterACorrection, WhatIsNotNamedGoesWithItsParentFirst) {
   ExpectSame(poses.at(4), At(1.0, 0.5) * At(3.0));
 }
 
-TEST_F(PosesAfterACorrection, AndWithTheOneBeforeWhereOnlyThatIsNamed) {
+TEST_F(PosesAfterACorrection, UnnamedKeyframesMoveWithThePreviousOne) {
   const auto poses = PosesAfter({{3, At(30.0)}}, m_.map);
   ASSERT_EQ(poses.size(), 2U);
   ExpectSame(poses.at(4), At(31.0));
 }
 
-TEST_F(PosesAfterACorrection, NothingNamedNothingMoves) {
+TEST_F(PosesAfterACorrection, NothingNamedMovesNothing) {
   EXPECT_TRUE(PosesAfter({}, m_.map).empty());
   EXPECT_TRUE(PosesAfter({{77, At(3.0)}}, m_.map).empty());
 }
@@ -73,7 +73,7 @@ class MovedLandmarks : public testing::Test {
   HandmadeMap m_;
 };
 
-TEST_F(MovedLandmarks, GoRigidlyAndTheirCovariancesTurn) {
+TEST_F(MovedLandmarks, MoveRigidlyWithRotatedCovariances) {
   constexpr double kSinglePrecision = 1e-7;
   m_.PutPoint(0, p_, DescriptorOf(1), {m_.SeePoint(2, p_, DescriptorOf(1))});
   m_.PutLine(0, segment_, DescriptorOf(2), {m_.SeeLine(2, segment_, DescriptorOf(2))});
@@ -93,7 +93,7 @@ TEST_F(MovedLandmarks, GoRigidlyAndTheirCovariancesTurn) {
 }
 
 // Two keyframes hold it against one that moves, whichever is newest.
-TEST_F(MovedLandmarks, GoWithTheSideThatKnowsThemBetter) {
+TEST_F(MovedLandmarks, MoveWithTheSideOfMoreObservations) {
   std::vector<Observation> of_point;
   std::vector<Observation> of_line;
   for (int64_t id = 0; id < 3; ++id) {
@@ -112,7 +112,7 @@ TEST_F(MovedLandmarks, GoWithTheSideThatKnowsThemBetter) {
   EXPECT_LT((m_.map.FindLine(0)->segment_w.p - aside * segment_.p).norm(), 1e-12);
 }
 
-TEST_F(MovedLandmarks, ObservationsThatEndUpBehindTheCameraGo) {
+TEST_F(MovedLandmarks, ObservationsBehindTheCameraAreRemoved) {
   m_.PutPoint(0, p_, DescriptorOf(1),
               {m_.SeePoint(0, p_, DescriptorOf(1)), m_.SeePoint(1, p_, DescriptorOf(1)),
                m_.SeePoint(2, p_, DescriptorOf(1))});
@@ -124,7 +124,7 @@ TEST_F(MovedLandmarks, ObservationsThatEndUpBehindTheCameraGo) {
   EXPECT_EQ(m_.map.FindLine(0)->observations.size(), 2U);
 }
 
-TEST_F(MovedLandmarks, WhereNothingMovesNothingIsTold) {
+TEST_F(MovedLandmarks, UnchangedPosesGiveNoChanges) {
   m_.PutPoint(0, p_, DescriptorOf(1), {m_.SeePoint(2, p_, DescriptorOf(1))});
   m_.map.TakeChanges();
   Move({{0, m_.map.FindKeyframe(0)->T_w_kf}, {2, m_.map.FindKeyframe(2)->T_w_kf}});
@@ -151,7 +151,7 @@ TEST(ObservationErrors, AgreeWithTheirDefinition) {
   EXPECT_FALSE(IsNear(point, seen, SE3(), camera));
 }
 
-TEST(ObservationErrors, OfLinesAreDistancesOfTheEndsFromTheObservedLine) {
+TEST(ObservationErrors, LinesAreEndpointDistances) {
   const StereoCamera camera = FeatureWorld::Camera();
   MapLine line;
   line.segment_w = {{-0.5, -0.5, 2.0}, {-0.5, 0.5, 2.0}};
@@ -170,7 +170,7 @@ TEST(ObservationErrors, OfLinesAreDistancesOfTheEndsFromTheObservedLine) {
   EXPECT_FALSE(IsNear(line, seen, SE3(), camera));
 }
 
-TEST_F(MovedLandmarks, PairsOfALoopBecomeOneAlsoInAChain) {
+TEST_F(MovedLandmarks, PairsOfALoopAreFusedAlsoInAChain) {
   for (int64_t id = 0; id < 3; ++id) {
     m_.PutPoint(id, p_, DescriptorOf(1), {m_.SeePoint(id, p_, DescriptorOf(1))});
     m_.PutLine(id, segment_, DescriptorOf(2), {m_.SeeLine(id, segment_, DescriptorOf(2))});
@@ -184,7 +184,7 @@ TEST_F(MovedLandmarks, PairsOfALoopBecomeOneAlsoInAChain) {
   EXPECT_EQ(m_.map.FindLine(0)->observations.size(), 3U);
 }
 
-TEST(MapParts, AreTiedByTreeSessionAndLoops) {
+TEST(MapParts, AreConnectedByTreeSessionAndLoops) {
   HandmadeMap m;
   for (int i = 0; i < 6; ++i) m.AddKeyframe(At(i));
   MapKeyframe begins = *m.map.FindKeyframe(3);

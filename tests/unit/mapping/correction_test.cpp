@@ -115,7 +115,7 @@ TEST_P(Correction, ALoopWithoutPairsIsClosedToo) {
   EXPECT_GE(mapper_.map().Shared(revisit_.old_keyframe_id, revisit_.keyframe_id), Map::kCovisible);
 }
 
-TEST_P(Correction, AfterALoopTheNextKeyframesGoOnInTheOldPartOfTheMap) {
+TEST_P(Correction, KeyframesAfterALoopMatchTheOldPart) {
   Mapper open = mapper_;
   ASSERT_TRUE(mapper_.Correct(Loop(), &reason_)) << reason_;
   const double error_m = Error_m();
@@ -139,7 +139,7 @@ TEST_P(Correction, AfterALoopTheNextKeyframesGoOnInTheOldPartOfTheMap) {
   EXPECT_LT(landmarks(mapper_) - n_closed, landmarks(open) - n_open);
 }
 
-TEST_P(Correction, KeyframesThatCameMeanwhileAreCarriedAlong) {
+TEST_P(Correction, NewerKeyframesAreCorrectedToo) {
   const LoopClosure closure = Loop();
   for (int i = 0; i < 3; ++i) MapNext();
   const double error_m = Error_m();
@@ -160,7 +160,7 @@ TEST_P(Correction, KeyframesThatCameMeanwhileAreCarriedAlong) {
 }
 
 // A map that culls keyframes between the closure's version and the closure.
-TEST_P(Correction, WhatWasRemovedMeanwhileIsLeftOut) {
+TEST_P(Correction, KeyframesCulledSinceAreLeftOut) {
   MappingOptions options;
   options.culling.redundant_share = 0.6;
   Mapper mapper(FeatureWorld::Camera(), options);
@@ -192,7 +192,7 @@ TEST_P(Correction, WhatWasRemovedMeanwhileIsLeftOut) {
   EXPECT_EQ(test::WrongWith(mapper.map()), "");
 }
 
-TEST_P(Correction, TheUpdateTellsAReplicaAll) {
+TEST_P(Correction, ReplicaOfTheUpdatesIsEqual) {
   MapReplica replica;
   ASSERT_EQ(replica.Apply(mapper_.TakeUpdate()), MapVersion::Step::kNext);
   ASSERT_TRUE(mapper_.Correct(Loop(), &reason_)) << reason_;
@@ -211,7 +211,7 @@ TEST_P(Correction, EqualInputGivesEqualBytes) {
   EXPECT_EQ(Encoded(other.map()), Encoded(mapper_.map()));
 }
 
-TEST_P(Correction, AnAdjustmentPlacesTheLandmarksAnew) {
+TEST_P(Correction, AdjustmentRetriangulatesTheLandmarks) {
   ASSERT_TRUE(mapper_.Correct(Loop(), &reason_)) << reason_;
   const MapTotals before = mapper_.map().Totals();
   ASSERT_TRUE(mapper_.Correct(test::AdjustByTruth(mapper_.map(), walk_.T_w_c), &reason_)) << reason_;
@@ -237,7 +237,7 @@ struct Refusal {
   std::string named;
 };
 
-TEST_P(Correction, WhatCannotBeIsRefusedAndTheMapUntouched) {
+TEST_P(Correction, InvalidClosureLeavesTheMapUnchanged) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<Refusal> refusals = {
       {[](LoopClosure& c) { c.poses[5].keyframe_id = 100'000; }, "100000"},
@@ -296,7 +296,7 @@ TEST_P(Correction, WhatCannotBeIsRefusedAndTheMapUntouched) {
   EXPECT_TRUE(nothing.keyframes.empty() && nothing.points.empty() && nothing.lines.empty() && nothing.loops.empty());
 }
 
-TEST_P(Correction, NothingToSayChangesNothing) {
+TEST_P(Correction, EmptyClosureChangesNothing) {
   LoopClosure closure = Loop();
   closure.kind = LoopClosure::Kind::kNone;
   const std::vector<uint8_t> before = Encoded(mapper_.map());
@@ -304,7 +304,7 @@ TEST_P(Correction, NothingToSayChangesNothing) {
   EXPECT_EQ(Encoded(mapper_.map()), before);
 }
 
-TEST_P(Correction, UpdatesSayWhetherTheNewestKeyframeIsSettled) {
+TEST_P(Correction, UpdatesFlagTheCommittedKeyframe) {
   EXPECT_FALSE(mapper_.TakeUpdate().committed);
   mapper_.Commit();
   EXPECT_TRUE(mapper_.TakeUpdate().committed);
@@ -323,7 +323,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Correction,
 
 // In live mode, a global bundle adjustment that was running when a loop was found arrives after it, or two parts of the
 // map are joined while a loop is on its way.
-TEST_P(Correction, WhatCorrectsTheMapAsItWasBeforeALoopIsRefused) {
+TEST_P(Correction, CorrectionOfAnOlderMapStructureIsRefused) {
   mapper_.TakeUpdate();
   LoopClosure older = test::AdjustByTruth(mapper_.map(), walk_.T_w_c);
   for (CorrectedPose& pose : older.poses) pose.T_w_kf = KeyframeOf(pose.keyframe_id).T_w_kf;

@@ -37,7 +37,7 @@ class Culling : public testing::Test {
   HandmadeMap m_;
 };
 
-TEST_F(Culling, LandmarksThatTooFewHaveSeenGoWhenTheirTrialEnds) {
+TEST_F(Culling, RecentLandmarksWithFewObservationsAreCulled) {
   m_.Tie({1, 2}, 1, 0, descriptors_);
   m_.Tie({1, 2, 3}, 1, 1, descriptors_);
   const Segment3 segment_w{{-0.5, -0.5, 4.0}, {-0.5, 0.5, 4.0}};
@@ -55,7 +55,7 @@ TEST_F(Culling, LandmarksThatTooFewHaveSeenGoWhenTheirTrialEnds) {
   EXPECT_TRUE(m_.map.lines().empty());
 }
 
-TEST_F(Culling, TrialsThatAreOverAreNotJudgedAgain) {
+TEST_F(Culling, OldLandmarksAreNotCulledAgain) {
   m_.Tie({1, 2, 3}, 1, 0, descriptors_);
   RecentLandmarks trial;
   trial.Begin({{0}, {}}, kSession);
@@ -67,7 +67,7 @@ TEST_F(Culling, TrialsThatAreOverAreNotJudgedAgain) {
   EXPECT_NE(m_.map.FindPoint(0), nullptr);
 }
 
-TEST_F(Culling, LandmarksThatWentDuringTheirTrialDoNoHarm) {
+TEST_F(Culling, RemovedRecentLandmarksAreHarmless) {
   m_.Tie({1}, 2, 0, descriptors_);
   RecentLandmarks trial;
   trial.Begin({{0, 1}, {5}}, kSession);
@@ -77,7 +77,7 @@ TEST_F(Culling, LandmarksThatWentDuringTheirTrialDoNoHarm) {
   EXPECT_TRUE(m_.map.points().empty());
 }
 
-TEST_F(Culling, KeyframesOfOtherSessionsDoNotEndATrial) {
+TEST_F(Culling, OtherSessionsDoNotAgeRecentLandmarks) {
   m_.Tie({1, 2}, 1, 0, descriptors_);
   RecentLandmarks trial;
   trial.Begin({{0}, {}}, kSession);
@@ -89,7 +89,7 @@ TEST_F(Culling, KeyframesOfOtherSessionsDoNotEndATrial) {
   EXPECT_EQ(m_.map.FindPoint(0), nullptr);
 }
 
-TEST_F(Culling, KeyframeGoesWhenOthersSeeItAll) {
+TEST_F(Culling, RedundantKeyframeIsCulled) {
   m_.Tie({2, 3, 4, 5}, 30, 0, descriptors_);
   EXPECT_EQ(RemoveRedundantKeyframes({2}, options_, m_.features, m_.map), (std::vector<int64_t>{2}));
   EXPECT_EQ(m_.map.FindKeyframe(2), nullptr);
@@ -98,7 +98,7 @@ TEST_F(Culling, KeyframeGoesWhenOthersSeeItAll) {
   EXPECT_EQ(test::WrongWith(m_.map), "");
 }
 
-TEST_F(Culling, KeyframeStaysWhenItAloneSeesASixthOfIt) {
+TEST_F(Culling, KeyframeWithASixthOfItsOwnIsKept) {
   m_.Tie({2, 3, 4, 5}, 25, 0, descriptors_);
   m_.Tie({2, 3, 4}, 5, 25, descriptors_);
   EXPECT_TRUE(RemoveRedundantKeyframes({2}, options_, m_.features, m_.map).empty());
@@ -129,19 +129,19 @@ TEST_F(Culling, EndsOfALoopStay) {
 }
 
 // Five observe everything: after two have been removed, the rest have fewer than three others.
-TEST_F(Culling, WhatIsLeftIsJudgedByWhatIsLeft) {
+TEST_F(Culling, RedundancyIsCheckedAfterEachRemoval) {
   m_.Tie({1, 2, 3, 4, 5}, 30, 0, descriptors_);
   EXPECT_EQ(RemoveRedundantKeyframes({1, 2, 3, 4, 5}, options_, m_.features, m_.map), (std::vector<int64_t>{1, 2}));
 }
 
-TEST_F(Culling, ShareAboveOneKeepsAll) {
+TEST_F(Culling, RedundantShareAboveOneKeepsAll) {
   m_.Tie({1, 2, 3, 4, 5}, 30, 0, descriptors_);
   CullingOptions never = options_;
   never.redundant_share = kNever;
   EXPECT_TRUE(RemoveRedundantKeyframes({1, 2, 3}, never, m_.features, m_.map).empty());
 }
 
-TEST_F(Culling, TheTieToThePreviousKeyframeIsBridged) {
+TEST_F(Culling, OdometryEdgeSpansACulledKeyframe) {
   m_.Tie({2, 3, 4, 5, 6}, 30, 0, descriptors_);
   // Motions as measured, with their own covariances; not computed from the poses.
   std::vector<SE3> motion;

@@ -42,7 +42,7 @@ class Duplicates : public testing::Test {
   HandmadeMap m_;
 };
 
-TEST_F(Duplicates, TwoPointsOfOnePlaceSeenByNeighboursBecomeOne) {
+TEST_F(Duplicates, DuplicatePointsOfNeighboursAreFused) {
   PutPointAt(kFirst, 0, kPoint);
   PutPointAt(kFirst + 1, 1, kPoint + Eigen::Vector3d(0.002, -0.001, 0.02));
   Merge();
@@ -52,7 +52,7 @@ TEST_F(Duplicates, TwoPointsOfOnePlaceSeenByNeighboursBecomeOne) {
   EXPECT_EQ(m_.map.points().size(), 31U);
 }
 
-TEST_F(Duplicates, TwoLinesOfOneEdgeCutDifferentlyBecomeOne) {
+TEST_F(Duplicates, DuplicateLinesCutDifferentlyAreFused) {
   PutLineAt(kFirst, 0, kSegment);
   const Eigen::Vector3d along = kSegment.q - kSegment.p;
   PutLineAt(kFirst + 1, 1, {kSegment.p + 0.3 * along, kSegment.q});
@@ -63,7 +63,7 @@ TEST_F(Duplicates, TwoLinesOfOneEdgeCutDifferentlyBecomeOne) {
 }
 
 // On one ray of keyframe 1, so at one pixel of its image, and with similar descriptors.
-TEST_F(Duplicates, PointsThatCoverEachOtherMetresApartStayTwo) {
+TEST_F(Duplicates, OccludingPointsAreNotFused) {
   PutPointAt(kFirst, 0, kPoint);
   const SE3 T_w_1 = m_.map.FindKeyframe(1)->T_w_kf;
   PutPointAt(kFirst + 1, 1, T_w_1 * (1.8 * (T_w_1.Inverse() * kPoint)));
@@ -72,7 +72,7 @@ TEST_F(Duplicates, PointsThatCoverEachOtherMetresApartStayTwo) {
   EXPECT_NE(m_.map.FindPoint(kFirst + 1), nullptr);
 }
 
-TEST_F(Duplicates, LinesThatCoverEachOtherMetresApartStayTwo) {
+TEST_F(Duplicates, OccludingLinesAreNotFused) {
   PutLineAt(kFirst, 0, kSegment);
   const SE3 T_w_1 = m_.map.FindKeyframe(1)->T_w_kf;
   PutLineAt(kFirst + 1, 1,
@@ -82,7 +82,7 @@ TEST_F(Duplicates, LinesThatCoverEachOtherMetresApartStayTwo) {
   EXPECT_NE(m_.map.FindLine(kFirst + 1), nullptr);
 }
 
-TEST_F(Duplicates, FeaturesThatShowNothingYetBecomeObservations) {
+TEST_F(Duplicates, UnassociatedFeaturesBecomeObservations) {
   PutPointAt(kFirst, 0, kPoint);
   m_.SeePoint(1, kPoint, look_);
   PutLineAt(kFirst, 1, kSegment);
@@ -92,7 +92,7 @@ TEST_F(Duplicates, FeaturesThatShowNothingYetBecomeObservations) {
   EXPECT_EQ(m_.map.FindLine(kFirst)->observations.size(), 2U);
 }
 
-TEST_F(Duplicates, TwoPointsThatOneKeyframeSeesApartStayTwo) {
+TEST_F(Duplicates, PointsSeenApartByAKeyframeAreNotFused) {
   PutPointAt(kFirst, 0, kPoint);
   const Eigen::Vector3d beside = kPoint + Eigen::Vector3d(0.005, 0.0, 0.0);
   const Observation in_0 = m_.SeePoint(0, beside, look_);

@@ -51,7 +51,7 @@ TEST(KeyframesToForget, NoneAsLongAsTheyFit) {
   EXPECT_THAT(path.Forgotten(5), IsEmpty());
 }
 
-TEST(KeyframesToForget, TheOldestThatANewerOneReplaces) {
+TEST(KeyframesToForget, OldestThatANewerOneReplaces) {
   Path path;
   for (int i = 0; i < 6; ++i) path.Add(i);
   // Again past 2, 3 and 4, 30 cm from the first positions.
@@ -73,7 +73,7 @@ TEST(KeyframesToForget, NoneIsReplacedByTheNextOnTheSameVisit) {
   EXPECT_THAT(path.Forgotten(9), ElementsAre(1, 2));
 }
 
-TEST(KeyframesToForget, AnotherWayToLookShowsAnotherPlace) {
+TEST(KeyframesToForget, AnotherViewingDirectionIsNoReplacement) {
   Path path;
   for (int i = 0; i < 4; ++i) path.Add(i);
   path.Add(20.0);
@@ -83,7 +83,7 @@ TEST(KeyframesToForget, AnotherWayToLookShowsAnotherPlace) {
   EXPECT_THAT(path.Forgotten(8, {1}), ElementsAre(2, 3));
 }
 
-TEST(KeyframesToForget, TheOldestWhereNoneIsReplaced) {
+TEST(KeyframesToForget, OldestIfNoneIsReplaced) {
   Path path;
   for (int i = 0; i < 6; ++i) path.Add(3.0 * i);
   EXPECT_THAT(path.Forgotten(4), ElementsAre(0, 1));
@@ -153,7 +153,7 @@ double ShareOfGone(const Map& map, const FeatureWorld& world) {
 }
 
 // 200 laps, in which the world is replaced twice; everyday tests run a part of them.
-TEST(Forgetting, ARobotThatStaysInAChangingBuildingKeepsABoundedMapOfItAsItIs) {
+TEST(Forgetting, BoundedMapOfAChangingWorld) {
   const int laps = test::LongTests() ? 200 : 16;
   constexpr int kBudget = 50;
   ChangingWorld changing;

@@ -45,7 +45,7 @@ class LineExtent : public testing::Test {
 
 constexpr double kClose = 1e-6;
 
-TEST_F(LineExtent, LongerWhereTwoViewsSeeItLonger) {
+TEST_F(LineExtent, LongerIfTwoViewsSeeItLonger) {
   Put(Part(-0.5, 0.5), {Part(-0.5, 0.5), Part(-0.9, 0.7), Part(-0.8, 0.8)});
   const auto [from, to] = Ends();
   EXPECT_NEAR(from, -0.8, kClose);
@@ -59,14 +59,14 @@ TEST_F(LineExtent, OneViewAloneDoesNotMakeItLonger) {
   EXPECT_NEAR(to, 0.5, kClose);
 }
 
-TEST_F(LineExtent, ShorterWhereAllSeeItShorter) {
+TEST_F(LineExtent, ShorterIfAllViewsSeeItShorter) {
   Put(Part(-1.0, 1.0), {Part(-0.5, 0.6), Part(-0.4, 0.5), Part(-0.6, 0.55)});
   const auto [from, to] = Ends();
   EXPECT_NEAR(from, -0.5, kClose);
   EXPECT_NEAR(to, 0.55, kClose);
 }
 
-TEST_F(LineExtent, OneViewThatSeesItWholeAgainstOneDoesNotHold) {
+TEST_F(LineExtent, OneWholeViewAgainstOneIsNotEnough) {
   Put(Part(-1.0, 1.0), {Part(-1.0, 1.0), Part(-0.5, 0.5)});
   const auto [from, to] = Ends();
   EXPECT_NEAR(from, -0.5, kClose);
@@ -89,7 +89,7 @@ TEST_F(LineExtent, EndsAtTheBorderOfTheImageDoNotTrim) {
   EXPECT_NEAR(to, 4.5, kClose);
 }
 
-TEST_F(LineExtent, EndsAtTheBorderExtendWhereTwoGoFurther) {
+TEST_F(LineExtent, EndsAtTheBorderExtendIfTwoReachFurther) {
   Put(Part(1.0, 2.5), {Part(1.0, 3.15), Part(1.0, 3.17), Part(1.0, 2.5)});
   EXPECT_NEAR(Ends().second, 3.15, kClose);
 }

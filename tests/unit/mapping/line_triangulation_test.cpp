@@ -38,7 +38,7 @@ TEST(TriangulateLine, SegmentParallelToTheBaselineSeenFromAbove) {
   EXPECT_LT((line->segment_w.q - kHorizontal.q).norm(), 1e-9) << line->segment_w.q.transpose();
 }
 
-TEST(TriangulateLine, ThePartThatTheFirstViewSees) {
+TEST(TriangulateLine, CoversTheSegmentOfTheFirstView) {
   const Segment3 longer{{-1.0, 0.3, 3.0}, {0.2, 0.3, 3.0}};
   const auto line = Triangulate(ViewOf(kHorizontal, Up(0.0)), ViewOf(longer, Up(0.4)));
   ASSERT_TRUE(line);
@@ -169,7 +169,7 @@ class TriangulateLines : public testing::Test {
   LandmarkIds ids_;
 };
 
-TEST_F(TriangulateLines, SeenByThreeBecomesALandmarkOfThree) {
+TEST_F(TriangulateLines, ThreeViewsMakeALandmark) {
   for (const int64_t id : {0, 1, 2}) See(id, kHorizontal);
   const std::vector<int64_t> created = Triangulate();
   ASSERT_EQ(created.size(), 1U);
@@ -180,14 +180,14 @@ TEST_F(TriangulateLines, SeenByThreeBecomesALandmarkOfThree) {
   EXPECT_TRUE(Triangulate().empty()) << "the second time they show a landmark";
 }
 
-TEST_F(TriangulateLines, SeenByTwoIsNotBelieved) {
+TEST_F(TriangulateLines, TwoViewsAreNotEnough) {
   for (const int64_t id : {0, 2}) See(id, kHorizontal);
   m_.map.TakeChanges();
   EXPECT_TRUE(Triangulate().empty());
   EXPECT_TRUE(m_.map.lines().empty());
 }
 
-TEST_F(TriangulateLines, TwoEdgesThatLookAlikeAndTheThirdViewDisagrees) {
+TEST_F(TriangulateLines, ThirdViewRejectsAMismatch) {
   See(0, kHorizontal);
   See(2, {{-0.6, 0.45, 3.0}, {0.6, 0.45, 3.0}});
   See(1, kHorizontal);
@@ -197,7 +197,7 @@ TEST_F(TriangulateLines, TwoEdgesThatLookAlikeAndTheThirdViewDisagrees) {
   }
 }
 
-TEST_F(TriangulateLines, LinesWithDepthAreLeftToOthers) {
+TEST_F(TriangulateLines, LinesWithDepthAreSkipped) {
   for (const int64_t id : {0, 1, 2}) m_.SeeLine(id, kHorizontal, look_);
   EXPECT_TRUE(Triangulate().empty());
 }

@@ -55,12 +55,12 @@ class Window : public testing::Test {
   StoredMap stored_;
 };
 
-TEST_F(Window, IsTwiceAsWideWhereASessionBeginsAmongAnother) {
+TEST_F(Window, TwiceAsWideAtTheStartOfASession) {
   EXPECT_EQ(Around(0), 2 * kUsual);
   EXPECT_EQ(Around(9), 2 * kUsual);
 }
 
-TEST_F(Window, HasFewerPointsWhereEachIsSeenOften) {
+TEST_F(Window, FewerPointsIfEachIsSeenOften) {
   const int64_t newest = stored_.map.keyframes().rbegin()->first;
   const auto make = [&] {
     return MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
@@ -76,7 +76,7 @@ TEST_F(Window, HasFewerPointsWhereEachIsSeenOften) {
 }
 
 // Its poses had not converged, so that outliers could not be distinguished from observations that would have agreed.
-TEST_F(Window, TakesNoObservationsAwayWhereTheAdjustmentWasStopped) {
+TEST_F(Window, StoppedAdjustmentKeepsAllObservations) {
   const int64_t newest = stored_.map.keyframes().rbegin()->first;
   MapBundle window = MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
   for (BundlePose& pose : window.problem.poses) {
@@ -102,7 +102,7 @@ TEST_F(Window, TakesNoObservationsAwayWhereTheAdjustmentWasStopped) {
 }
 
 // The adjustment gives it a standard deviation of a kilometre.
-TEST_F(Window, WhatTookPartByItsMotionAloneKeepsItsCovariance) {
+TEST_F(Window, KeyframeWithoutObservationsKeepsCovariance) {
   const int64_t newest = stored_.map.keyframes().rbegin()->first;
   MapBundle window = MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
   ASSERT_EQ(window.keyframes.front(), newest);
@@ -128,7 +128,7 @@ TEST_F(Window, WhatTookPartByItsMotionAloneKeepsItsCovariance) {
   }
 }
 
-TEST_F(Window, IsAsWideAsEverLaterOn) {
+TEST_F(Window, NormalWidthLaterInASession) {
   EXPECT_EQ(Around(10), kUsual);
   EXPECT_EQ(Around(13), kUsual);
 }

@@ -51,7 +51,7 @@ SE3 ErrorOf(const LoopEdge& edge) {
   return (PoseOf(edge.old_keyframe_id).Inverse() * PoseOf(edge.keyframe_id)).Inverse() * edge.T_old_kf;
 }
 
-TEST(LoopEdges, BetweenKeyframesOfTheMapStayAsTheyAre) {
+TEST(LoopEdges, UnchangedBetweenKeyframesOfTheMap) {
   const auto edges = EdgesInMap(Loop(), MapWithout({}));
   ASSERT_EQ(edges.size(), 1U);
   EXPECT_EQ(edges[0].old_keyframe_id, 2);
@@ -59,7 +59,7 @@ TEST(LoopEdges, BetweenKeyframesOfTheMapStayAsTheyAre) {
   EXPECT_EQ(edges[0].covariance, Loop().edges[0].covariance);
 }
 
-TEST(LoopEdges, EndsThatWereCulledAreReplacedByTheNextOfTheirSession) {
+TEST(LoopEdges, CulledEndsMoveToTheirNeighbours) {
   for (const auto& [culled, old_id, id] : std::vector<std::tuple<std::vector<int64_t>, int64_t, int64_t>>{
            {{2, 3}, 1, 7}, {{7, 6}, 2, 8}, {{2, 3, 7, 6}, 1, 8}, {{2, 0, 1, 3, 4, 5, 6}, 7, 7}}) {
     const auto edges = EdgesInMap(Loop(), MapWithout(culled));
@@ -78,7 +78,7 @@ TEST(LoopEdges, EndsThatWereCulledAreReplacedByTheNextOfTheirSession) {
   }
 }
 
-TEST(LoopEdges, WithoutAPoseOrANameOfACulledEndThereIsNone) {
+TEST(LoopEdges, CulledEndWithoutPoseOrNameDropsTheEdge) {
   LoopClosure closure = Loop();
   closure.names[2].session = 6;
   EXPECT_TRUE(EdgesInMap(closure, MapWithout({2})).empty());

@@ -58,7 +58,7 @@ class Degenerate : public testing::TestWithParam<bool> {
   Mapper mapper_{FeatureWorld::Camera(), MappingOptions()};
 };
 
-TEST_P(Degenerate, KeyframeWithoutFeaturesStandsWhereOdometrySaysAndTheNextOnesJoinTheMapAgain) {
+TEST_P(Degenerate, KeyframeWithoutFeaturesFollowsOdometry) {
   SetFeatures(5, {});
   MapFrom(0, 6);
   const MapKeyframe& previous = *mapper_.map().FindKeyframe(4);
@@ -79,7 +79,7 @@ TEST_P(Degenerate, MapThatBeginsWithoutFeatures) {
   EXPECT_GT(SharedByNewest(), 40);
 }
 
-TEST_P(Degenerate, KeyframeWithNothingInCommonIsHeldByOdometryAlone) {
+TEST_P(Degenerate, KeyframeWithNothingInCommon) {
   const FeatureWorld strange({120, 40}, 99);
   SetFeatures(5, strange.Observe(walk_.T_w_c[5], 0.4, 5));
   MapFrom(0, 6);
@@ -91,7 +91,7 @@ TEST_P(Degenerate, KeyframeWithNothingInCommonIsHeldByOdometryAlone) {
   EXPECT_LT(NewestError_m(), 0.02);
 }
 
-TEST_P(Degenerate, TwoIdenticalKeyframesStandAtOnePlace) {
+TEST_P(Degenerate, TwoIdenticalKeyframesHaveOnePose) {
   walk_.keyframes[5] = walk_.keyframes[4];
   walk_.keyframes[5].keyframe_id = 5;
   walk_.keyframes[5].previous_keyframe_id = 4;
@@ -115,7 +115,7 @@ TEST_P(Degenerate, RepeatedKeyframeIsIgnoredWithAReason) {
   MapFrom(5, 10);
 }
 
-TEST_P(Degenerate, WithoutAnyDisparityThereIsNoLandmarkAndOdometryCarriesOn) {
+TEST_P(Degenerate, NoDisparityAtAllFollowsOdometry) {
   for (Keyframe& keyframe : walk_.keyframes) {
     for (StereoPoint& point : keyframe.features.points) point.disparity_px = -1.0;
     for (StereoLine& line : keyframe.features.lines) line.disparity_p_px = line.disparity_q_px = -1.0;
@@ -129,7 +129,7 @@ TEST_P(Degenerate, WithoutAnyDisparityThereIsNoLandmarkAndOdometryCarriesOn) {
   }
 }
 
-TEST_P(Degenerate, KeyframeWithoutDisparityIsPlacedByTheLandmarksOfOthers) {
+TEST_P(Degenerate, KeyframeWithoutDisparityUsesOldLandmarks) {
   for (StereoPoint& point : walk_.keyframes[6].features.points) point.disparity_px = -1.0;
   for (StereoLine& line : walk_.keyframes[6].features.lines) line.disparity_p_px = line.disparity_q_px = -1.0;
   MapFrom(0, 7);
@@ -148,7 +148,7 @@ TEST_P(Degenerate, PointsAtInfinityMakeNoLandmark) {
 }
 
 // A front end that is sure of a disparity near zero.
-TEST_P(Degenerate, SurePointsFiftyKilometresAwayDoNoHarm) {
+TEST_P(Degenerate, CertainPointsFiftyKilometresAway) {
   std::vector<FeatureWorld::Point> points;
   for (const FeatureWorld::Point& point : world_.points()) {
     const bool far = points.size() % 2 == 0;
@@ -171,7 +171,7 @@ TEST_P(Degenerate, SurePointsFiftyKilometresAwayDoNoHarm) {
 }
 
 // The tracker claims to observe landmarks behind the camera.
-TEST_P(Degenerate, LandmarksBehindTheCameraAfterATurnAreNotSeen) {
+TEST_P(Degenerate, LandmarksBehindTheCameraAfterATurn) {
   MapFrom(0, 5);
   const std::vector<int64_t> seen_before = mapper_.map().LandmarksOf(4).points;
   const SE3 turn(ExpSO3(Eigen::Vector3d(0.0, M_PI, 0.0)), Eigen::Vector3d::Zero());
@@ -227,7 +227,7 @@ TEST_P(Degenerate, SegmentThroughTheCameraCentre) {
   EXPECT_LT(NewestError_m(), 0.02);
 }
 
-TEST_P(Degenerate, CovarianceThatIsNoneCountsAsHardlyKnown) {
+TEST_P(Degenerate, InvalidCovarianceIsReplacedByALargeOne) {
   walk_.keyframes[3].covariance.setConstant(kNan);
   walk_.keyframes[5].covariance.setZero();
   walk_.keyframes[6].covariance(2, 2) = -1.0;

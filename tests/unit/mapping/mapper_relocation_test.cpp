@@ -92,7 +92,7 @@ TEST_F(Relocation, CarriedBackAndFoundAgain) {
 }
 
 // The map's landmarks outweigh the motion in the adjustment, whatever its covariance.
-TEST_F(Relocation, AWrongMotionCannotHoldTheKeyframe) {
+TEST_F(Relocation, WrongMotionDoesNotConstrainTheKeyframe) {
   for (const int state : {kTracking, kRecovered}) {
     Mapper mapper(FeatureWorld::Camera(), MappingOptions());
     std::swap(mapper, mapper_);
@@ -110,7 +110,7 @@ TEST_F(Relocation, AWrongMotionCannotHoldTheKeyframe) {
   }
 }
 
-TEST_F(Relocation, TheSessionGoesOnFromWhereItWasFound) {
+TEST_F(Relocation, SessionContinuesFromTheRelocatedPose) {
   const Walk walk = Session(7, 0, 25);
   ASSERT_NO_FATAL_FAILURE(Insert(walk));
   Keyframe last = Carried(walk.keyframes.back(), 6, T_wrong_);
@@ -125,7 +125,7 @@ TEST_F(Relocation, TheSessionGoesOnFromWhereItWasFound) {
   }
 }
 
-TEST_F(Relocation, FirstKeyframeOfASessionIsFoundFarFromTheNewest) {
+TEST_F(Relocation, FirstKeyframeFarFromTheNewest) {
   ASSERT_NO_FATAL_FAILURE(Insert(Session(7, 0, 40)));
   Walk second = Session(8, 5, 10);
   Keyframe& first = second.keyframes.front();
@@ -161,7 +161,7 @@ TEST_F(Relocation, RepeatedFurnitureDoesNotJoinASessionToTheMap) {
 }
 
 // For example, the tracker's landmarks are of another map: each feature has a wrong one.
-TEST_F(Relocation, ClaimsThatFitNowhereMoveNothing) {
+TEST_F(Relocation, WrongAssociationsMoveNothing) {
   const Walk walk = Session(7, 0, 25);
   ASSERT_NO_FATAL_FAILURE(Insert(walk));
   Keyframe next = Carried(walk.keyframes.back(), 25, path_[24].Inverse() * path_[25]);
@@ -176,7 +176,7 @@ TEST_F(Relocation, ClaimsThatFitNowhereMoveNothing) {
 }
 
 // A wrong association with a landmark elsewhere does not affect the landmark's position.
-TEST_F(Relocation, AFalseLandmarkDoesNotTieAKeyframeToAnotherPlace) {
+TEST_F(Relocation, FalseLandmarkDoesNotMoveAKeyframe) {
   const Walk walk = Session(7, 0, 12);
   ASSERT_NO_FATAL_FAILURE(Insert(walk));
   const FeatureWorld elsewhere = test::MakeRing(kRadius_m, 500, 120, 99);
@@ -210,7 +210,7 @@ class Parts : public Relocation {
   size_t SizeOfPart() const { return MapGraph(mapper_.map()).Component(Newest().id, MapGraph::Edges::kAll).size(); }
 };
 
-TEST_F(Parts, AYoungerPartComesToTheOlderWhenItsTrackerIsGivenThatOnesLandmarks) {
+TEST_F(Parts, YoungerTrackerFindsTheOlderPart) {
   ASSERT_NO_FATAL_FAILURE(Insert(Session(7, 0, 15)));
   Walk second = Session(8, 60, 80);
   for (int i = 0; i < 12; ++i) ASSERT_NO_FATAL_FAILURE(Insert(second.keyframes[static_cast<size_t>(i)]));
@@ -226,7 +226,7 @@ TEST_F(Parts, AYoungerPartComesToTheOlderWhenItsTrackerIsGivenThatOnesLandmarks)
   EXPECT_LT(Error_m(7, 0), 0.05);
 }
 
-TEST_F(Parts, AYoungerPartComesToTheOlderWhenThatOnesTrackerIsGivenItsLandmarks) {
+TEST_F(Parts, OlderTrackerFindsTheYoungerPart) {
   const Walk first = Session(7, 60, 85);
   for (int i = 0; i < 8; ++i) ASSERT_NO_FATAL_FAILURE(Insert(first.keyframes[static_cast<size_t>(i)]));
   Walk second = Session(8, 0, 12);
@@ -245,7 +245,7 @@ TEST_F(Parts, AYoungerPartComesToTheOlderWhenThatOnesTrackerIsGivenItsLandmarks)
 }
 
 // As loop_process does it.
-TEST_F(Parts, TwoPartsBecomeOneByALoop) {
+TEST_F(Parts, LoopJoinsTwoParts) {
   ASSERT_NO_FATAL_FAILURE(Insert(Session(7, 0, 15)));
   ASSERT_NO_FATAL_FAILURE(Insert(Session(8, 65, 80)));
   const MapKeyframe newest = Newest();

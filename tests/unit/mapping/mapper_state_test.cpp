@@ -102,7 +102,7 @@ TEST(MapperState, StreamHasALoopCullingAndTwoSessions) {
   EXPECT_EQ(TheStream().mapper.State().stored.sessions.size(), 2U);
 }
 
-TEST(MapperState, OneThatIsReplacedAfterEachWordSaysTheSame) {
+TEST(MapperState, RestoredAfterEachInputGivesSameUpdates) {
   const Stream& stream = TheStream();
   Mapper mapper(FeatureWorld::Camera(), MappingOptions());
   for (size_t i = 0; i < stream.words.size(); ++i) {
@@ -112,7 +112,7 @@ TEST(MapperState, OneThatIsReplacedAfterEachWordSaysTheSame) {
   EXPECT_EQ(EncodeState(mapper.State()), EncodeState(stream.mapper.State()));
 }
 
-TEST(MapperState, OneThatIsReplacedOnceSaysTheSameToTheEnd) {
+TEST(MapperState, RestoredOnceGivesTheSameUpdates) {
   const Stream& stream = TheStream();
   Mapper mapper(FeatureWorld::Camera(), MappingOptions());
   for (size_t at = 0; at < stream.words.size(); ++at) {
@@ -148,7 +148,7 @@ int Differences(void (*lack)(MapperState&)) {
   return n;
 }
 
-TEST(MapperState, WhatASavedMapLeavesOutMatters) {
+TEST(MapperState, StateBeyondTheSavedMapMatters) {
   EXPECT_EQ(Differences([](MapperState&) {}), 0);
   EXPECT_GT(Differences([](MapperState& state) { state.recent_landmarks = {}; }), 0);
   EXPECT_GT(Differences([](MapperState& state) { state.tracker = {}; }), 0);
@@ -185,7 +185,7 @@ class StateFileTest : public testing::Test {
                                 .string();
 };
 
-TEST(MapperState, IsLentWithoutACopyAndTakenBackWhateverHappens) {
+TEST(MapperState, LentStateIsReturnedAfterAnException) {
   Mapper mapper = Restored(TheStream().mapper);
   const Bytes whole = EncodeState(mapper.State());
   Bytes lent;
@@ -195,11 +195,11 @@ TEST(MapperState, IsLentWithoutACopyAndTakenBackWhateverHappens) {
   EXPECT_EQ(EncodeState(mapper.State()), whole);
 }
 
-TEST_F(StateFileTest, HoldsAll) {
+TEST_F(StateFileTest, RoundTrip) {
   EXPECT_EQ(EncodeState(ReadStateFile(path_)), EncodeState(TheStream().mapper.State()));
 }
 
-TEST_F(StateFileTest, OneThatCannotBeIsRefusedInASentenceThatNamesIt) {
+TEST_F(StateFileTest, InvalidFilesAreRefusedByName) {
   const Bytes whole = Read();
   Bytes damaged = whole;
   damaged[damaged.size() / 2] ^= 1;
@@ -211,7 +211,7 @@ TEST_F(StateFileTest, OneThatCannotBeIsRefusedInASentenceThatNamesIt) {
 }
 
 // Content that was cut off before it was sealed.
-TEST(MapperState, BytesThatAreCutOffAnywhereAreRefused) {
+TEST(MapperState, TruncatedBytesAreRefused) {
   Mapper mapper(FeatureWorld::Camera(), MappingOptions());
   for (size_t i = 0; i < 3; ++i) Say(TheStream().words[2 * i], mapper);
   const Bytes whole = EncodeState(mapper.State());
@@ -239,7 +239,7 @@ struct Grown {
   std::vector<uint64_t> lengths;  ///< of the file, after each
 };
 
-TEST_F(StateFileTest, ThatGrowsHasTheLastStateAndIsWrittenAnewBeforeItIsThreeTimesAsLarge) {
+TEST_F(StateFileTest, RewrittenBeforeThreeTimesTheStateSize) {
   const Grown grown(path_);
   EXPECT_EQ(EncodeState(ReadStateFile(path_)), grown.states.back());
   int n_appended = 0;
@@ -250,7 +250,7 @@ TEST_F(StateFileTest, ThatGrowsHasTheLastStateAndIsWrittenAnewBeforeItIsThreeTim
   EXPECT_GT(n_appended, static_cast<int>(grown.lengths.size()) / 2);
 }
 
-TEST_F(StateFileTest, ThatWasCutOffOrDamagedAnywhereHasAStateBefore) {
+TEST_F(StateFileTest, TruncatedOrDamagedFileHasAnEarlierState) {
   const Grown grown(path_);
   const Bytes whole = Read();
   size_t n_older = 0;
@@ -272,7 +272,7 @@ TEST_F(StateFileTest, ThatWasCutOffOrDamagedAnywhereHasAStateBefore) {
   EXPECT_GT(n_older, 3U);
 }
 
-TEST_F(StateFileTest, FollowsForgettingOtherCamerasAndWhatTheMapperIsTold) {
+TEST_F(StateFileTest, RecordsForgettingCamerasAndLocaliseOnly) {
   MappingOptions options;
   options.max_keyframes = 12;
   Mapper mapper(FeatureWorld::Camera(), options);
@@ -293,7 +293,7 @@ TEST_F(StateFileTest, FollowsForgettingOtherCamerasAndWhatTheMapperIsTold) {
   EXPECT_EQ(mapper.map().keyframes().size(), 12U);
 }
 
-TEST_F(StateFileTest, OfAnotherMapperIsWrittenWhole) {
+TEST_F(StateFileTest, WrittenWholeForAnotherMapper) {
   StateFile file(path_);
   Mapper first(FeatureWorld::Camera(), MappingOptions());
   file.Note(Tell(TheStream().words[0], first));
@@ -301,12 +301,12 @@ TEST_F(StateFileTest, OfAnotherMapperIsWrittenWhole) {
   MapperState state;
   first.Precede(state);
   Mapper second(FeatureWorld::Camera(), MappingOptions(), std::move(state));
-  file.BeginAnew();
+  file.Reset();
   file.Write(second.State());
   EXPECT_EQ(EncodeState(ReadStateFile(path_)), EncodeState(second.State()));
 }
 
-TEST_F(StateFileTest, ThatCouldNotBeWrittenIsWrittenWholeWhereItCan) {
+TEST_F(StateFileTest, WrittenWholeAfterAFailedWrite) {
   const std::string folder = path_ + " folder";
   StateFile file(folder + "/state");
   Mapper mapper(FeatureWorld::Camera(), MappingOptions());
@@ -320,7 +320,7 @@ TEST_F(StateFileTest, ThatCouldNotBeWrittenIsWrittenWholeWhereItCan) {
   std::filesystem::remove_all(folder);
 }
 
-TEST_F(StateFileTest, ThatSomebodyChangedIsWrittenWhole) {
+TEST_F(StateFileTest, WrittenWholeAfterAForeignChange) {
   Mapper mapper(FeatureWorld::Camera(), MappingOptions());
   StateFile file(path_);
   for (size_t i = 0; i < 3; ++i) {

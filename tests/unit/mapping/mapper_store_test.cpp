@@ -37,7 +37,7 @@ class Stored : public testing::Test {
   std::string reason_;
 };
 
-TEST_F(Stored, WhoStoresAndWhoGoesOnMakeTheSameOfTheNextSession) {
+TEST_F(Stored, RestoredMapperMapsTheNextSessionAlike) {
   const std::vector<uint8_t> file = EncodeMap(mapper_.Store());
   Mapper restored(FeatureWorld::Camera(), MappingOptions(), DecodeMap(file));
   EXPECT_EQ(Encoded(restored.map()), Encoded(mapper_.map()));
@@ -51,7 +51,7 @@ TEST_F(Stored, WhoStoresAndWhoGoesOnMakeTheSameOfTheNextSession) {
   EXPECT_EQ(EncodeMap(restored.Store()), EncodeMap(mapper_.Store()));
 }
 
-TEST_F(Stored, ALoopClosedInTheNextSessionIsTheSameToo) {
+TEST_F(Stored, RestoredMapperClosesTheSameLoop) {
   Mapper restored(FeatureWorld::Camera(), MappingOptions(), DecodeMap(EncodeMap(mapper_.Store())));
   const Walk second = Second();
   for (size_t i = 0; i < 8; ++i) {
@@ -69,13 +69,13 @@ TEST_F(Stored, ALoopClosedInTheNextSessionIsTheSameToo) {
   EXPECT_EQ(EncodeMap(restored.Store()), EncodeMap(mapper_.Store()));
 }
 
-TEST_F(Stored, KeyframesThatWereThereAreKnown) {
+TEST_F(Stored, KeyframesOfTheStoredMapAreKnown) {
   Mapper restored(FeatureWorld::Camera(), MappingOptions(), DecodeMap(EncodeMap(mapper_.Store())));
   EXPECT_FALSE(restored.Insert(first_.keyframes.back(), &reason_));
-  EXPECT_NE(reason_.find("came before"), std::string::npos) << reason_;
+  EXPECT_NE(reason_.find("is in the map already"), std::string::npos) << reason_;
 }
 
-TEST_F(Stored, NothingIsStoredAndGoneOnFrom) {
+TEST_F(Stored, EmptyMapIsStoredAndRestored) {
   Mapper empty(FeatureWorld::Camera(), MappingOptions());
   Mapper restored(FeatureWorld::Camera(), MappingOptions(), DecodeMap(EncodeMap(empty.Store())));
   EXPECT_EQ(restored.Whole().session_keyframe_id, -1);
@@ -86,7 +86,7 @@ TEST_F(Stored, NothingIsStoredAndGoneOnFrom) {
   }
 }
 
-TEST_F(Stored, AMapThatIsOnlyLocalisedInStaysAsItIs) {
+TEST_F(Stored, LocaliseOnlyKeepsTheMapUnchanged) {
   MappingOptions options;
   options.localise_only = true;
   const StoredMap stored = DecodeMap(EncodeMap(mapper_.Store()));

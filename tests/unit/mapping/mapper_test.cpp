@@ -45,7 +45,7 @@ class MapperWalk : public testing::TestWithParam<WalkSituation> {
   Walk walk_;
 };
 
-TEST_P(MapperWalk, PosesErrMuchLessThanTheChainedOdometry) {
+TEST_P(MapperWalk, PosesAreBetterThanTheChainedOdometry) {
   const Mapper mapper = MapAll(walk_.keyframes);
   ASSERT_EQ(test::WrongWith(mapper.map()), "");
   ASSERT_EQ(test::ExactlyKnown(mapper.map()), 0);
@@ -93,7 +93,7 @@ TEST_P(MapperWalk, ObservationsGrowAndEverythingIsConnected) {
   }
 }
 
-TEST_P(MapperWalk, TheAdjustmentLowersTheErrorAndStaysWithinItsOptions) {
+TEST_P(MapperWalk, AdjustmentReducesErrorWithinItsLimits) {
   const WindowOptions window;
   Mapper mapper(FeatureWorld::Camera(), MappingOptions());
   for (const Keyframe& keyframe : walk_.keyframes) {
@@ -110,7 +110,7 @@ TEST_P(MapperWalk, TheAdjustmentLowersTheErrorAndStaysWithinItsOptions) {
 }
 
 // As in a live stream: keyframes queue during a solve.
-TEST_P(MapperWalk, TheMotionAcrossMissingKeyframesIsLessSure) {
+TEST_P(MapperWalk, MotionAcrossMissingKeyframesIsLessCertain) {
   constexpr size_t kBefore = 4;
   constexpr size_t kAfter = 7;
   Mapper mapper(FeatureWorld::Camera(), MappingOptions());
@@ -226,7 +226,7 @@ class Sessions : public testing::Test {
   Mapper mapper_{FeatureWorld::Camera(), MappingOptions()};
 };
 
-TEST_F(Sessions, NewSessionThatSeesTheNewestPlacesIsJoinedToTheMap) {
+TEST_F(Sessions, NewSessionAtTheNewestKeyframesIsJoined) {
   ASSERT_NO_FATAL_FAILURE(Map(first_.keyframes));
   const Walk second = Second(world_, end_, T_odom_w_, false);
   ASSERT_NO_FATAL_FAILURE(Map({second.keyframes.front()}));
@@ -268,7 +268,7 @@ TEST_F(Sessions, NewSessionElsewhereBeginsWithoutConnection) {
   EXPECT_LT((T_first_last.translation() - truth.translation()).norm(), 0.02);
 }
 
-TEST_F(Sessions, NewSessionThatWasLocalisedByTheTrackerIsPlacedByItsLandmarks) {
+TEST_F(Sessions, LocalisedSessionIsPlacedByItsLandmarks) {
   ASSERT_NO_FATAL_FAILURE(Map(first_.keyframes));
   Walk second = Second(world_, end_, T_odom_w_, false);
   Keyframe& keyframe = second.keyframes.front();
@@ -283,7 +283,7 @@ TEST_F(Sessions, NewSessionThatWasLocalisedByTheTrackerIsPlacedByItsLandmarks) {
 }
 
 // Robots without common landmarks map as if each were alone.
-TEST_F(Sessions, RobotsInDifferentPlacesLeaveEachOthersLandmarksAlone) {
+TEST_F(Sessions, RobotsInDifferentPlacesDoNotInteract) {
   const std::vector<SE3> path = test::CorridorPath(20, 0.25);
   std::vector<Walk> walks;
   for (int robot = 0; robot < 4; ++robot) {

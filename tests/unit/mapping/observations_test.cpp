@@ -73,7 +73,7 @@ TYPED_TEST(Observations, AddedInOrderOfKeyframes) {
   EXPECT_EQ(this->SeenBy(0), (std::vector<int64_t>{0, 2, 4, 5}));
 }
 
-TYPED_TEST(Observations, RefusedWhereTheKeyframeSeesItOrTheFeatureShowsAnother) {
+TYPED_TEST(Observations, RefusedForASeenLandmarkOrAUsedFeature) {
   using Kind = typename TypeParam::Kind;
   this->Put(0, {0, 1});
   this->Put(1, {2});
@@ -87,7 +87,7 @@ TYPED_TEST(Observations, RefusedWhereTheKeyframeSeesItOrTheFeatureShowsAnother) 
   EXPECT_EQ(this->SeenBy(1), (std::vector<int64_t>{2}));
 }
 
-TYPED_TEST(Observations, DroppedOneAfterTheOtherAndTheLandmarkGoesWithTheLast) {
+TYPED_TEST(Observations, LandmarkIsRemovedWithItsLastObservation) {
   using Kind = typename TypeParam::Kind;
   this->Put(0, {0, 1, 3});
   DropObservation<Kind>(0, 1, this->m_.features, this->m_.map);
@@ -113,7 +113,7 @@ TYPED_TEST(Observations, FusedUnderTheSmallerId) {
   }
 }
 
-TYPED_TEST(Observations, NotFusedWhereAKeyframeSeesBoth) {
+TYPED_TEST(Observations, NotFusedIfAKeyframeSeesBoth) {
   using Kind = typename TypeParam::Kind;
   this->Put(0, {0, 1});
   this->Put(1, {1, 2});
@@ -125,7 +125,7 @@ TYPED_TEST(Observations, NotFusedWhereAKeyframeSeesBoth) {
 }
 
 // All sums of distances, the smallest, and of equal ones the newest.
-TYPED_TEST(Observations, DescriptorIsTheOneNearestToAllOthers) {
+TYPED_TEST(Observations, DescriptorIsTheMedoid) {
   using Kind = typename TypeParam::Kind;
   std::mt19937_64 generator(5);
   for (int round = 0; round < 50; ++round) {
@@ -159,7 +159,7 @@ TYPED_TEST(Observations, DescriptorIsTheOneNearestToAllOthers) {
   }
 }
 
-TEST(ObservationsOfPoints, OctaveAngleAndDepthAreThoseOfTheDescriptor) {
+TEST(ObservationsOfPoints, OctaveAngleAndDepthComeWithTheDescriptor) {
   HandmadeMap m;
   m.AddKeyframe(StandingAt(0.0));
   m.AddKeyframe({Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.0, 0.0, 1.0)});

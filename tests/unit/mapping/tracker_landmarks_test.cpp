@@ -51,7 +51,7 @@ TEST_F(AssociationTest, LinesCountTwice) {
   EXPECT_EQ(Association().Weight(), 0);
 }
 
-TEST_F(AssociationTest, ClaimsAreWhatEarlierKeyframesLearntAndWhatIsGiven) {
+TEST_F(AssociationTest, LearntAssociationsPrecedeTheGivenOnes) {
   TrackerLandmarks tracker;
   tracker.Learn(WithPoints(1, 0, {500, 501, 502, -1}, {}), {{10, 11, -1, 13}, {}});
   const Keyframe next = WithPoints(1, 1, {501, 500, 502, 503, -1}, {-1, 20, 21, -1, 22});
@@ -59,7 +59,7 @@ TEST_F(AssociationTest, ClaimsAreWhatEarlierKeyframesLearntAndWhatIsGiven) {
       << "what was learnt goes before what is given";
 }
 
-TEST_F(AssociationTest, ClaimsNameNoLandmarkTwiceAndNoneThatIsGone) {
+TEST_F(AssociationTest, NoDuplicateAndNoRemovedLandmarks) {
   TrackerLandmarks tracker;
   tracker.Learn(WithPoints(1, 0, {500, 501}, {}), {{10, 11}, {}});
   m_.map.RemovePoint(11);
@@ -67,14 +67,14 @@ TEST_F(AssociationTest, ClaimsNameNoLandmarkTwiceAndNoneThatIsGone) {
   EXPECT_EQ(tracker.Associations(next, m_.map).points, (Ids{-1, 10, -1, -1}));
 }
 
-TEST_F(AssociationTest, WhatAnotherSessionLearntDoesNotCount) {
+TEST_F(AssociationTest, AssociationsOfOtherSessionsAreNotUsed) {
   TrackerLandmarks tracker;
   tracker.Learn(WithPoints(1, 0, {500}, {}), {{10}, {}});
   EXPECT_EQ(tracker.Associations(WithPoints(2, 0, {500}, {}), m_.map).points, (Ids{-1}));
   EXPECT_EQ(tracker.Associations(WithPoints(2, 0, {500}, {12}), m_.map).points, (Ids{12}));
 }
 
-TEST_F(AssociationTest, WhatRobotsLearnInTurnStays) {
+TEST_F(AssociationTest, RobotsLearnInTurn) {
   TrackerLandmarks tracker;
   tracker.Learn(WithPoints(1, 0, {500}, {}), {{10}, {}});
   tracker.Learn(WithPoints(2, 0, {500}, {}), {{20}, {}});
@@ -84,14 +84,14 @@ TEST_F(AssociationTest, WhatRobotsLearnInTurnStays) {
   EXPECT_EQ(tracker.Associations(WithPoints(1, 1, {500}, {}), m_.map).points, (Ids{-1})) << "sessions of long ago";
 }
 
-TEST_F(AssociationTest, LandmarksThatNoLongerComeAreForgotten) {
+TEST_F(AssociationTest, LandmarksNotObservedAnyMoreAreForgotten) {
   TrackerLandmarks tracker;
   tracker.Learn(WithPoints(1, 0, {500, 501}, {}), {{10, 11}, {}});
   for (int64_t k = 1; k < 200; ++k) tracker.Learn(WithPoints(1, k, {501}, {}), {{11}, {}});
   EXPECT_EQ(tracker.Associations(WithPoints(1, 200, {500, 501}, {}), m_.map).points, (Ids{-1, 11}));
 }
 
-TEST_F(AssociationTest, ShortListsOfIdsAreNoHarm) {
+TEST_F(AssociationTest, ShortListsOfIdsAreHarmless) {
   TrackerLandmarks tracker;
   Keyframe keyframe = WithPoints(1, 0, {-1, -1, -1}, {});
   keyframe.point_landmark_ids.clear();
@@ -99,14 +99,14 @@ TEST_F(AssociationTest, ShortListsOfIdsAreNoHarm) {
   tracker.Learn(keyframe, {{3}, {}});
 }
 
-TEST_F(AssociationTest, LocalMapIsWhatKeyframesOfTheAssociatedLandmarksSeeWithoutThose) {
+TEST_F(AssociationTest, LocalMapExcludesAssociatedLandmarks) {
   Ids expected = Range(0, 60);
   std::erase(expected, 3);
   std::erase(expected, 35);
   EXPECT_EQ(LocalMapOf({{3, -1, 35}, {}}, -1, m_.map, 15).points, expected);
 }
 
-TEST_F(AssociationTest, LocalMapReachesTheNeighboursAsFarAsThereIsRoom) {
+TEST_F(AssociationTest, LocalMapIncludesNeighboursUpToALimit) {
   Ids expected = Range(0, 60);
   std::erase(expected, 3);
   EXPECT_EQ(LocalMapOf({{3}, {}}, -1, m_.map, 15).points, expected) << "keyframe 2 by way of 1";
@@ -115,13 +115,13 @@ TEST_F(AssociationTest, LocalMapReachesTheNeighboursAsFarAsThereIsRoom) {
   EXPECT_EQ(LocalMapOf({{3}, {}}, -1, m_.map, 1).points, near) << "the older of two equal ones";
 }
 
-TEST_F(AssociationTest, WithoutAnAssociationTheLocalMapIsAroundTheKeyframeBefore) {
+TEST_F(AssociationTest, LocalMapAroundThePreviousKeyframe) {
   EXPECT_EQ(LocalMapOf({{-1, -1}, {}}, 3, m_.map, 15).points, Range(0, 70)) << "with those before it";
   EXPECT_EQ(LocalMapOf({}, 3, m_.map, 1).points, Range(60, 70));
   EXPECT_TRUE(LocalMapOf({}, -1, m_.map, 15).points.empty());
 }
 
-TEST_F(AssociationTest, SearchLeavesWhatIsAssociatedAndAddsWhatIsFound) {
+TEST_F(AssociationTest, SearchAddsToExistingAssociations) {
   const int64_t id = m_.AddKeyframe({Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.2, 0.0, 0.0)});
   for (const int64_t seen : {0, 7, 8})
     m_.SeePoint(id, m_.map.FindPoint(seen)->p_w, descriptors_[static_cast<size_t>(seen)]);

@@ -33,7 +33,7 @@ std::string TakeAll(KeyframeQueue& queue, double now_ms) {
   return taken;
 }
 
-TEST(KeyframeQueue, SessionThatTwoTellComesOnceAndInOrder) {
+TEST(KeyframeQueue, SessionFromTwoPublishersIsInOrder) {
   KeyframeQueue queue;
   // The live tracker, then the history keeper with messages of the exited one.
   for (const int64_t id : {4, 5, 6}) EXPECT_TRUE(queue.Add(KeyframeOf(7, id, 1), 0.0));
@@ -45,7 +45,7 @@ TEST(KeyframeQueue, SessionThatTwoTellComesOnceAndInOrder) {
   EXPECT_EQ(queue.size(), 0U);
 }
 
-TEST(KeyframeQueue, WhoeverTellsInWhateverOrderNoneIsLostAndNoneComesTwice) {
+TEST(KeyframeQueue, RandomOrderFromSeveralPublishers) {
   std::mt19937 random(1);
   for (int trial = 0; trial < 200; ++trial) {
     // Two sessions, each divided at a keyframe that both publishers have; both parts of each are published twice.
@@ -79,7 +79,7 @@ TEST(KeyframeQueue, WhoeverTellsInWhateverOrderNoneIsLostAndNoneComesTwice) {
   }
 }
 
-TEST(KeyframeQueue, WhatIsMissingIsWaitedForAWhile) {
+TEST(KeyframeQueue, WaitsForMissingKeyframesUntilATimeout) {
   KeyframeQueue queue;
   for (const int64_t id : {0, 3, 4}) queue.Add(KeyframeOf(7, id, 1), 0.0);
   EXPECT_EQ(TakeAll(queue, 1000.0), "7.0 ");
@@ -90,14 +90,14 @@ TEST(KeyframeQueue, WhatIsMissingIsWaitedForAWhile) {
   EXPECT_FALSE(queue.Add(KeyframeOf(7, 1, 2), 2.0 * kLater_ms)) << "too late";
 }
 
-TEST(KeyframeQueue, SessionWhoseBeginningIsGoneGoesOnWithWhatThereIs) {
+TEST(KeyframeQueue, SessionWithoutItsBeginning) {
   KeyframeQueue queue;
   for (const int64_t id : {40, 41}) queue.Add(KeyframeOf(7, id, 1), 0.0);
   EXPECT_EQ(TakeAll(queue, 10.0), "");
   EXPECT_EQ(TakeAll(queue, kLater_ms), "(40) 7.40 7.41 ");
 }
 
-TEST(KeyframeQueue, SessionsOfOthersDoNotWait) {
+TEST(KeyframeQueue, OtherSessionsDoNotWait) {
   KeyframeQueue queue;
   queue.Add(KeyframeOf(7, 1, 1, 10), 0.0);
   queue.Add(KeyframeOf(8, 0, 2, 20), 0.0);
@@ -106,7 +106,7 @@ TEST(KeyframeQueue, SessionsOfOthersDoNotWait) {
   EXPECT_EQ(TakeAll(queue, 3.0), "7.0 7.1 ");
 }
 
-TEST(KeyframeQueue, NextSessionOfATrackerWaitsForTheOneBefore) {
+TEST(KeyframeQueue, NextSessionWaitsForThePreviousOne) {
   KeyframeQueue queue;
   queue.Add(KeyframeOf(7, 1, 1, 10), 0.0);
   queue.Add(KeyframeOf(8, 0, 1, 5), 0.0);
@@ -115,7 +115,7 @@ TEST(KeyframeQueue, NextSessionOfATrackerWaitsForTheOneBefore) {
   EXPECT_EQ(TakeAll(queue, 3.0), "7.0 7.1 8.0 ");
 }
 
-TEST(KeyframeQueue, PublishersThatContradictEachOtherHoldNobodyUp) {
+TEST(KeyframeQueue, ContradictoryOrderDoesNotBlock) {
   KeyframeQueue queue;
   queue.Add(KeyframeOf(7, 0, 1, 10), 0.0);
   queue.Add(KeyframeOf(8, 0, 1, 20), 0.0);
@@ -124,7 +124,7 @@ TEST(KeyframeQueue, PublishersThatContradictEachOtherHoldNobodyUp) {
   EXPECT_EQ(TakeAll(queue, 1.0), "7.0 8.0 8.1 7.1 ");
 }
 
-TEST(KeyframeQueue, NumbersThatCannotBeAreNotTaken) {
+TEST(KeyframeQueue, InvalidKeyframeIdsAreRejected) {
   KeyframeQueue queue;
   EXPECT_FALSE(queue.Add(KeyframeOf(7, std::numeric_limits<int64_t>::max(), 1), 0.0));
   EXPECT_FALSE(queue.Add(KeyframeOf(7, KeyframeQueue::kLast + 1, 1), 0.0));
@@ -132,7 +132,7 @@ TEST(KeyframeQueue, NumbersThatCannotBeAreNotTaken) {
   EXPECT_EQ(TakeAll(queue, kLater_ms), "7.0 ");
 }
 
-TEST(KeyframeQueue, GoesOnBehindWhatWasRestored) {
+TEST(KeyframeQueue, ContinuesAfterTheRestoredKeyframes) {
   KeyframeQueue queue;
   queue.Restore({{7, 4}});
   for (int64_t id = 0; id < 5; ++id) EXPECT_FALSE(queue.Add(KeyframeOf(7, id, 1), 0.0));

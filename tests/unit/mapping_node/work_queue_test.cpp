@@ -46,7 +46,7 @@ class WorkQueueTest : public testing::Test {
   WorkQueue queue_{{.enabled = true, .wait_s = 5.0}};
 };
 
-TEST_F(WorkQueueTest, EachKeyframeOfLockstepWaitsForTheSayAboutTheOneBefore) {
+TEST_F(WorkQueueTest, LockstepKeyframeWaitsForThePreviousAnswer) {
   queue_.Add(KeyframeOf(0, true), 0.0);
   queue_.Add(KeyframeOf(1, true), 0.0);
   EXPECT_EQ(Take(Kind::kInsert).keyframes.size(), 1U);
@@ -57,7 +57,7 @@ TEST_F(WorkQueueTest, EachKeyframeOfLockstepWaitsForTheSayAboutTheOneBefore) {
   ExpectNothing();
 }
 
-TEST_F(WorkQueueTest, ALoopOfLockstepWaitsForTheAdjustmentThatFollows) {
+TEST_F(WorkQueueTest, LockstepLoopWaitsForItsAdjustment) {
   queue_.Add(KeyframeOf(0, true), 0.0);
   queue_.Add(KeyframeOf(1, true), 0.0);
   Take(Kind::kInsert);
@@ -70,7 +70,7 @@ TEST_F(WorkQueueTest, ALoopOfLockstepWaitsForTheAdjustmentThatFollows) {
 }
 
 // No adjustment follows a loop that the map has refused.
-TEST_F(WorkQueueTest, ALoopThatIsRefusedStopsNobody) {
+TEST_F(WorkQueueTest, RefusedLoopDoesNotBlock) {
   queue_.Add(KeyframeOf(0, true), 0.0);
   queue_.Add(KeyframeOf(1, true), 0.0);
   Take(Kind::kInsert);
@@ -82,7 +82,7 @@ TEST_F(WorkQueueTest, ALoopThatIsRefusedStopsNobody) {
   ExpectNothing();
 }
 
-TEST_F(WorkQueueTest, WhatIsAboutKeyframesThatDoNotComeIsKeptUpToABound) {
+TEST_F(WorkQueueTest, ClosuresOfMissingKeyframesAreBounded) {
   queue_.Add(KeyframeOf(0, false), 0.0);
   Take(Kind::kInsert);
   LoopClosure large = ClosureOf(0, LoopClosure::Kind::kLoop);
@@ -100,7 +100,7 @@ TEST_F(WorkQueueTest, WhatIsAboutKeyframesThatDoNotComeIsKeptUpToABound) {
   EXPECT_EQ(Take(Kind::kCorrect).closure.session_keyframe_id, 17) << "the latest are kept";
 }
 
-TEST_F(WorkQueueTest, WhereNoLoopProcessIsHeardOfLockstepGoesOn) {
+TEST_F(WorkQueueTest, LockstepContinuesWithoutALoopProcess) {
   queue_.Add(KeyframeOf(0, true), 0.0);
   queue_.Add(KeyframeOf(1, true), 0.0);
   queue_.Add(KeyframeOf(2, true), 0.0);
@@ -119,7 +119,7 @@ TEST_F(WorkQueueTest, WhereNoLoopProcessIsHeardOfLockstepGoesOn) {
   ExpectNothing();
 }
 
-TEST_F(WorkQueueTest, WithoutLoopsNobodyIsWaitedFor) {
+TEST_F(WorkQueueTest, DisabledLoopsAreNotAwaited) {
   WorkQueue queue({.enabled = false, .wait_s = 5.0});
   queue.Add(KeyframeOf(0, true), 0.0);
   queue.Add(ClosureOf(0, LoopClosure::Kind::kLoop));
@@ -142,7 +142,7 @@ TEST_F(WorkQueueTest, LiveKeyframesAreInsertedTogetherAndNeverWait) {
   EXPECT_TRUE(Take(Kind::kCorrect).commits);
 }
 
-TEST_F(WorkQueueTest, EachInsertionIsOfOneSessionSoThatItsTrackerHearsOfIt) {
+TEST_F(WorkQueueTest, EachBatchIsOfOneSession) {
   const auto of = [](int64_t session, int64_t id, int64_t t_ns) {
     Keyframe keyframe = KeyframeOf(id, false);
     keyframe.source = keyframe.session = session;
@@ -158,7 +158,7 @@ TEST_F(WorkQueueTest, EachInsertionIsOfOneSessionSoThatItsTrackerHearsOfIt) {
   EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.keyframe_id, 2);
 }
 
-TEST_F(WorkQueueTest, AfterARestartTheHistoriesOfBothMakeTheSameOrder) {
+TEST_F(WorkQueueTest, HistoriesAfterARestartGiveTheSameOrder) {
   queue_.Add(ClosureOf(0));
   queue_.Add(ClosureOf(1, LoopClosure::Kind::kLoop, true));
   queue_.Add(ClosureOf(1, LoopClosure::Kind::kAdjustment));
@@ -175,7 +175,7 @@ TEST_F(WorkQueueTest, AfterARestartTheHistoriesOfBothMakeTheSameOrder) {
   ExpectNothing();
 }
 
-TEST_F(WorkQueueTest, WhatIsSaidAgainAboutACommittedKeyframeOfLockstepChangesNothing) {
+TEST_F(WorkQueueTest, SecondClosureOfACommittedKeyframe) {
   queue_.Add(KeyframeOf(0, true), 0.0);
   Take(Kind::kInsert);
   queue_.Add(ClosureOf(0));
@@ -198,7 +198,7 @@ TEST_F(WorkQueueTest, TheMapIsSavedWhenItsNewestKeyframeIsCommitted) {
   ExpectNothing();
 }
 
-TEST_F(WorkQueueTest, ResetIsCarriedOutAtOnceButBehindWhatWasOrderedBefore) {
+TEST_F(WorkQueueTest, ResetFollowsAnEarlierOrder) {
   queue_.Add(KeyframeOf(0, true), 0.0);
   Take(Kind::kInsert);
   queue_.Add(bus::Order{command_verb::kReset, ""});
@@ -214,13 +214,13 @@ TEST_F(WorkQueueTest, ResetIsCarriedOutAtOnceButBehindWhatWasOrderedBefore) {
   EXPECT_EQ(Take(Kind::kOrder).order.verb, command_verb::kReset);
 }
 
-TEST_F(WorkQueueTest, WhenAnotherMapBeginsNothingOfTheOldOneIsLeft) {
+TEST_F(WorkQueueTest, NewMapDiscardsTheQueueOfTheOldMap) {
   queue_.Add(KeyframeOf(0, true), 0.0);
   Take(Kind::kInsert);
   queue_.Add(KeyframeOf(1, true), 0.0);
   queue_.Add(ClosureOf(1));
   queue_.Add(bus::Order{command_verb::kLocalise, "on"});
-  queue_.BeginAnew({}, 0);
+  queue_.Reset({}, 0);
   EXPECT_EQ(Take(Kind::kOrder).order.argument, "on") << "what was ordered behind it stays";
   ExpectNothing();
   EXPECT_EQ(queue_.n_waiting(), 0U);
@@ -228,7 +228,7 @@ TEST_F(WorkQueueTest, WhenAnotherMapBeginsNothingOfTheOldOneIsLeft) {
   EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.keyframe_id, 0);
 }
 
-TEST_F(WorkQueueTest, WhatCameBeforeIsPassedOver) {
+TEST_F(WorkQueueTest, RepeatedMessagesAreIgnored) {
   queue_.Add(KeyframeOf(0, true), 0.0);
   queue_.Add(KeyframeOf(0, true), 0.0);
   EXPECT_EQ(queue_.n_keyframes(), 1U);
@@ -245,7 +245,7 @@ TEST_F(WorkQueueTest, WhatCameBeforeIsPassedOver) {
 
 // The mapper exited between a loop and the following adjustment: loop_process checks the keyframe again, on the map of
 // the restarted mapper, which has the loop from the history.
-TEST_F(WorkQueueTest, ALoopOfLockstepIsTakenOnceWhicheverMapItWasFoundOn) {
+TEST_F(WorkQueueTest, LockstepLoopFoundOnTwoMapsIsAppliedOnce) {
   const auto found_on = [](int64_t source, LoopClosure::Kind kind, bool more) {
     LoopClosure closure = ClosureOf(0, kind, more);
     closure.map_source = source;
@@ -264,7 +264,7 @@ TEST_F(WorkQueueTest, ALoopOfLockstepIsTakenOnceWhicheverMapItWasFoundOn) {
   ExpectNothing();
 }
 
-TEST_F(WorkQueueTest, WhatIsMissingIsWaitedForAndThenSaid) {
+TEST_F(WorkQueueTest, MissingKeyframesAreCountedAfterATimeout) {
   queue_.Add(KeyframeOf(0, true), 1000.0 * now_s_);
   Take(Kind::kInsert);
   queue_.Add(ClosureOf(0));
@@ -275,7 +275,7 @@ TEST_F(WorkQueueTest, WhatIsMissingIsWaitedForAndThenSaid) {
   EXPECT_EQ(Take(Kind::kInsert).keyframes[0].missing, 2);
 }
 
-TEST_F(WorkQueueTest, LiveLoopThatIsSaidAgainIsTakenOnce) {
+TEST_F(WorkQueueTest, RepeatedLiveLoopIsAppliedOnce) {
   queue_.Add(KeyframeOf(0, false), 0.0);
   Take(Kind::kInsert);
   queue_.Add(ClosureOf(0, LoopClosure::Kind::kLoop));
@@ -284,7 +284,7 @@ TEST_F(WorkQueueTest, LiveLoopThatIsSaidAgainIsTakenOnce) {
   ExpectNothing();
 }
 
-TEST_F(WorkQueueTest, OfSeveralPublishersTheOldestKeyframeGoesFirst) {
+TEST_F(WorkQueueTest, OldestKeyframeOfSeveralPublishersFirst) {
   const auto of = [](int64_t source, int64_t session, int64_t id, int64_t t_ns) {
     Keyframe keyframe = KeyframeOf(id, true);
     keyframe.source = source;
@@ -314,7 +314,7 @@ TEST_F(WorkQueueTest, OfSeveralPublishersTheOldestKeyframeGoesFirst) {
   EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.t_ns, 90);
 }
 
-TEST_F(WorkQueueTest, AfterARestartOnlyWhatIsNotInTheMapIsToBeDone) {
+TEST_F(WorkQueueTest, OnlyNewKeyframesAfterARestart) {
   queue_.Restore({{kSession, 4}, {kSession - 1, 9}}, kSession);
   for (int64_t id = 0; id < 6; ++id) queue_.Add(KeyframeOf(id, true), 0.0);
   for (int64_t id = 0; id < 5; ++id) queue_.Add(ClosureOf(id, LoopClosure::Kind::kLoop));
@@ -325,7 +325,7 @@ TEST_F(WorkQueueTest, AfterARestartOnlyWhatIsNotInTheMapIsToBeDone) {
   ExpectNothing();
 }
 
-TEST_F(WorkQueueTest, AfterARestartAMapIsSavedWhenItHasWhatCameBefore) {
+TEST_F(WorkQueueTest, SaveAfterARestartWaitsForEarlierKeyframes) {
   queue_.Restore({{kSession, 4}}, kSession);
   queue_.Add(bus::Order{command_verb::kSave, "a.plmap"});
   for (int64_t id = 5; id < 7; ++id) {
@@ -340,7 +340,7 @@ TEST_F(WorkQueueTest, AfterARestartAMapIsSavedWhenItHasWhatCameBefore) {
   ExpectNothing();
 }
 
-TEST(WorkQueueState, IsKeptEveryFewKeyframesAndBeforeANewSessionWhenAllIsSaid) {
+TEST(WorkQueueState, WrittenPeriodicallyAndBeforeANewSession) {
   WorkQueue queue({.enabled = true, .wait_s = 5.0}, 2);
   const auto insert = [&](const Keyframe& keyframe) {
     queue.Add(keyframe, 0.0);
@@ -368,7 +368,7 @@ TEST(WorkQueueState, IsKeptEveryFewKeyframesAndBeforeANewSessionWhenAllIsSaid) {
   EXPECT_EQ(queue.Take(0.0)->kind, Kind::kInsert);
 }
 
-TEST(WorkQueueState, IsKeptBeforeAnotherPublisherGoesOnWithASession) {
+TEST(WorkQueueState, WrittenBeforeAnotherPublisherContinues) {
   WorkQueue queue({.enabled = false, .wait_s = 5.0}, 100);
   const auto of = [](int64_t source, int64_t id) {
     Keyframe keyframe = KeyframeOf(id, true);

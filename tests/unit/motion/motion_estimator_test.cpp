@@ -136,7 +136,7 @@ TEST(EstimateMotion, FortyPercentOutliers) {
   }
 }
 
-TEST(EstimateMotion, TellsHowFarEachKindDeviatesInItsOwnSigmas) {
+TEST(EstimateMotion, ResidualsPerFeatureTypeInSigmas) {
   MotionWorldMaker maker(5);
   MotionWorld world = maker.Make(400, 200, {0.5, 0.6, 0.4});
   const auto honest = Estimate(world);
@@ -157,7 +157,7 @@ TEST(EstimateMotion, TellsHowFarEachKindDeviatesInItsOwnSigmas) {
 
 // A wall's edge whose near end the camera passes: in front of it at the initial pose, behind it at the true one. Its
 // far part is visible all the same, so it agrees with the others until it is out of view.
-TEST(EstimateMotion, LineThatTheCameraPassesDoesNotHoldItBack) {
+TEST(EstimateMotion, LinePassingTheCamera) {
   MotionWorldMaker maker(6);
   MotionWorld world = maker.Make(0, 0, {});
   world.T_cur_ref = SE3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0.02, 0.0, -0.1));

@@ -73,7 +73,7 @@ std::vector<PreparedPoint> MixedPoints(const test::MotionWorld& world) {
   return points;
 }
 
-TEST(PointBatch, SumsAreThoseOfThePointsOneByOne) {
+TEST(PointBatch, SumsEqualThoseOfSinglePoints) {
   test::MotionWorldMaker maker(11);
   for (int n = 0; n <= 25; ++n) {
     const test::MotionWorld world = maker.Make(n, 0, {1.0, 0.7, 0.5});
@@ -86,7 +86,7 @@ TEST(PointBatch, SumsAreThoseOfThePointsOneByOne) {
   }
 }
 
-TEST(PointBatch, SquaredNormsAreThoseOfThePointsOneByOne) {
+TEST(PointBatch, SquaredNormsEqualThoseOfSinglePoints) {
   test::MotionWorldMaker maker(12);
   const test::MotionWorld world = maker.Make(30, 0, {1.0, 0.7, 0.5});
   const std::vector<PreparedPoint> points = MixedPoints(world);
@@ -107,7 +107,7 @@ TEST(PointBatch, SquaredNormsAreThoseOfThePointsOneByOne) {
   }
 }
 
-TEST(PointBatch, WhatOverflowsCostsLikeAHiddenPoint) {
+TEST(PointBatch, OverflowCostsAsMuchAsAHiddenPoint) {
   test::MotionWorldMaker maker(13);
   const test::MotionWorld world = maker.Make(6, 0, {1.0, 0.7, 0.5});
   std::vector<PreparedPoint> points;

@@ -25,7 +25,7 @@ TEST(AlignPoints, RecoversLargeMotion) {
   EXPECT_FALSE(AlignPoints({b[0], b[1], 0.5 * (b[0] + b[1])}, {b[0], b[1], 0.5 * (b[0] + b[1])}));
 }
 
-TEST(AlignLines, RecoversLargeMotionWhateverTheCut) {
+TEST(AlignLines, RecoversLargeMotionOfCutSegments) {
   const SE3 T_a_b = SE3::Exp((Vector6d() << 3.0, -1.0, 2.0, 1.0, -2.0, 0.5).finished());
   const Segment3 first{{1.0, 0.0, 3.0}, {1.0, 2.0, 3.5}};
   const Segment3 second{{-1.0, 0.5, 4.0}, {0.5, 0.7, 5.0}};
@@ -77,7 +77,7 @@ INSTANTIATE_TEST_SUITE_P(EstimatePoseRansac, Ransac,
                          testing::Values(std::pair(100, 0), std::pair(0, 60), std::pair(60, 30)));
 
 // A first hypothesis with one inlier in a thousand requires more hypotheses than an int can count.
-TEST(EstimatePoseRansac, GoesOnAfterAHypothesisThatHardlyAnyAgreesWith) {
+TEST(EstimatePoseRansac, FirstHypothesisWithFewInliers) {
   MotionWorldMaker maker(23);
   MotionWorld world = WideWorld(maker, 1000, 0);
   for (int i = 500; i < 750; ++i) world.points[i].uvd = world.camera.ProjectStereo(maker.PointInView(world.camera));

@@ -91,13 +91,13 @@ void ExpectSampledCovariance(test::MotionWorldMaker& maker, const test::MotionWo
   EXPECT_LT((sampled - stated).norm(), tolerance * stated.norm()) << "sampled\n" << sampled << "\nstated\n" << stated;
 }
 
-TEST(PointResidual, CovarianceIsThatOfSamples) {
+TEST(PointResidual, CovarianceMatchesSamples) {
   test::MotionWorldMaker maker(4);
   test::MotionWorld world = maker.Make(0, 0, {});
   ExpectSampledCovariance<3, PointCorrespondence>(maker, world, Eigen::Vector3d(0.3, -0.2, 3.0), 0.06);
 }
 
-TEST(LineResidual, CovarianceIsThatOfSamples) {
+TEST(LineResidual, CovarianceMatchesSamples) {
   test::MotionWorldMaker maker(5);
   test::MotionWorld world = maker.Make(0, 0, {});
   const Segment3 segment{{0.3, -0.6, 3.0}, {0.6, 0.4, 3.4}};
@@ -132,7 +132,7 @@ TEST(Whiten, MatchesDenseInverse) {
   }
 }
 
-TEST(Whiten, RefusesWhatIsNoCovariance) {
+TEST(Whiten, RefusesInvalidCovariances) {
   Residual<3> residual;
   residual.r.setOnes();
   residual.J.setOnes();

@@ -53,7 +53,7 @@ Eigen::MatrixXd Dense(const SymmetricBlocks<6>& matrix) {
   return dense;
 }
 
-TEST(BlockCholesky, SolvesAsADenseFactorDoes) {
+TEST(BlockCholesky, AgreesWithADenseSolve) {
   for (const auto& [size, neighbours, loops] :
        {std::tuple{1, 0, 0}, {2, 1, 0}, {30, 3, 0}, {40, 5, 12}, {25, 24, 0}}) {
     const SymmetricBlocks<6> matrix = Tied(size, neighbours, loops, static_cast<uint32_t>(size));
@@ -89,7 +89,7 @@ TEST(BlockCholesky, AChainIsNotFilled) {
   EXPECT_LT(cholesky.size(), 998U) << "a ring needs one more block for each row";
 }
 
-TEST(BlockCholesky, RefusesWhatIsNotPositiveDefinite) {
+TEST(BlockCholesky, RefusesIndefiniteMatrices) {
   SymmetricBlocks<6> matrix = Tied(20, 2, 0, 3);
   matrix.diagonal[11](4, 4) = -1.0;
   BlockCholesky<6> cholesky;
@@ -98,7 +98,7 @@ TEST(BlockCholesky, RefusesWhatIsNotPositiveDefinite) {
   EXPECT_FALSE(cholesky.Factorise(matrix));
 }
 
-TEST(SymmetricBlocks, TakeTheValuesOfAnother) {
+TEST(SymmetricBlocks, CopyTheValuesOfAnother) {
   SymmetricBlocks<6> larger = Tied(10, 3, 0, 4);
   const SymmetricBlocks<6> smaller = Tied(10, 1, 0, 5);
   larger.Assign(smaller);
@@ -106,7 +106,7 @@ TEST(SymmetricBlocks, TakeTheValuesOfAnother) {
   EXPECT_GT(larger.below.size(), smaller.below.size());
 }
 
-TEST(BlockCholesky, BlocksOfTheInverseAreThoseOfTheDenseOne) {
+TEST(BlockCholesky, BlocksOfTheInverseAgreeWithDense) {
   for (const auto& [size, neighbours, loops] : {std::tuple{1, 0, 0}, {30, 3, 0}, {40, 5, 12}, {25, 24, 0}}) {
     const SymmetricBlocks<6> matrix = Tied(size, neighbours, loops, static_cast<uint32_t>(size));
     BlockCholesky<6> cholesky;

@@ -195,7 +195,7 @@ TEST_P(AdjustBundleDegenerate, PoseThatSeesOnePoint) {
 
 // A pose that observes known points, each three times and far from its projection: it moves to their mean, where none
 // agrees.
-TEST_P(AdjustBundleDegenerate, PoseThatSeesOutliersOnlyStaysWhereItWas) {
+TEST_P(AdjustBundleDegenerate, PoseWithOutliersOnlyIsUnchanged) {
   test::BundleWorld world = Make();
   const SE3 T_w_c = world.true_T_w_c[3];
   world.problem.poses.push_back({T_w_c, false});
@@ -219,7 +219,7 @@ TEST_P(AdjustBundleDegenerate, PoseThatSeesOutliersOnlyStaysWhereItWas) {
   EXPECT_GT(result.pose_covariances.back().trace(), 1e5);
 }
 
-TEST_P(AdjustBundleDegenerate, LandmarkSeenByNobody) {
+TEST_P(AdjustBundleDegenerate, LandmarkWithoutObservations) {
   test::BundleWorld world = Make();
   world.problem.points.push_back({Eigen::Vector3d(1.0, 2.0, 3.0), false});
   const BundleResult result = Adjust(world);

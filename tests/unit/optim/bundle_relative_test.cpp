@@ -51,7 +51,7 @@ BundleOptions ThoroughOptions() {
   return options;
 }
 
-TEST(AdjustBundleRelative, AChainHoldsPosesThatSeeNothingInCommon) {
+TEST(AdjustBundleRelative, ChainConstrainsPosesWithNothingInCommon) {
   constexpr int kPoses = 6;
   BundleProblem problem = Strangers(kPoses);
   const BundleResult alone = AdjustBundle(problem, ThoroughOptions());
@@ -71,7 +71,7 @@ TEST(AdjustBundleRelative, AChainHoldsPosesThatSeeNothingInCommon) {
 }
 
 // Each step trades residuals of the observations for residuals of the motions.
-TEST(AdjustBundleRelative, StepsThatOnlyMotionsGainFromGoOn) {
+TEST(AdjustBundleRelative, StepsThatReduceOnlyMotionResiduals) {
   BundleProblem problem = Strangers(6);
   for (int k = 1; k < 6; ++k) problem.relative_poses.push_back(Between(k - 1, k, 0.01));
   BundleOptions options = ThoroughOptions();
@@ -146,7 +146,7 @@ TEST(AdjustBundleRelative, MotionsWeighAgainstObservations) {
   EXPECT_LT(error_with(1e-5), 0.02 * points_only);
 }
 
-TEST(AdjustBundleRelative, CovariancesThatAreNotPositiveDefiniteAreLeftOut) {
+TEST(AdjustBundleRelative, IndefiniteCovariancesAreIgnored) {
   test::BundleWorldSpec spec;
   spec.points = 60;
   spec.lines = 20;
@@ -167,7 +167,7 @@ TEST(AdjustBundleRelative, CovariancesThatAreNotPositiveDefiniteAreLeftOut) {
   }
 }
 
-TEST(AdjustBundleRelative, PosesThatAreNotThereAreNamed) {
+TEST(AdjustBundleRelative, MissingPosesAreNamed) {
   BundleProblem problem = Strangers(2);
   problem.relative_poses = {Between(0, 1, 0.01)};
   problem.relative_poses[0].b = 2;

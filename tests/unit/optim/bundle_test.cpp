@@ -80,7 +80,7 @@ TEST_P(AdjustBundleOf, NoisyWorldIsRecovered) {
   }
 }
 
-TEST_P(AdjustBundleOf, ErrsByWhatPoseCovariancesSay) {
+TEST_P(AdjustBundleOf, PoseErrorsMatchTheirCovariances) {
   double nees = 0.0;
   double poses = 0.0;
   for (uint32_t seed = 100; seed < 140; ++seed) {
@@ -98,7 +98,7 @@ TEST_P(AdjustBundleOf, ErrsByWhatPoseCovariancesSay) {
 }
 
 // Given all poses, as their covariances are. Medians: depths of far lines are not quite Gaussian.
-TEST_P(AdjustBundleOf, ErrsByWhatLandmarkCovariancesSay) {
+TEST_P(AdjustBundleOf, LandmarkErrorsMatchTheirCovariances) {
   spec_.fixed_poses = 8;
   spec_.free_poses = 0;
   spec_.upright = true;
@@ -200,8 +200,8 @@ TEST_P(AdjustBundleOf, StopsWithTheBestSoFar) {
     EXPECT_EQ(result.T_w_c[i].translation(), world.problem.poses[i].T_w_c.translation());
     EXPECT_TRUE(result.pose_covariances[i].allFinite());
   }
-  const std::atomic<bool> go_on = false;
-  EXPECT_FALSE(AdjustBundle(world.problem, options_, &go_on).stopped);
+  const std::atomic<bool> stop = false;
+  EXPECT_FALSE(AdjustBundle(world.problem, options_, &stop).stopped);
 }
 
 // Endpoints do not move along the line: its ends are not observed.
@@ -218,7 +218,7 @@ TEST_P(AdjustBundleOf, EndpointsDoNotWander) {
 
 // The observations in a fixed pose fit from the start, as those of a new landmark do: they constrain the landmark all
 // the same, in the first step.
-TEST_P(AdjustBundleOf, ViewsThatFitExactlyHoldTheirLandmarks) {
+TEST_P(AdjustBundleOf, ExactViewsConstrainTheirLandmarks) {
   spec_.noise_px = 0.0;
   spec_.noise_disparity_px = 0.0;
   spec_.upright = true;

@@ -43,7 +43,7 @@ std::set<std::pair<int, int>> Pairs(const PoseGraphProblem& graph) {
   return pairs;
 }
 
-TEST(MapPoseGraph, EachPairIsJoinedOnceHoweverManyReasonsThereAre) {
+TEST(MapPoseGraph, PairWithSeveralReasonsHasOneEdge) {
   const MapPoseGraph result = PoseGraphOf(Corridor(5));
   EXPECT_EQ(result.keyframe_ids, (std::vector<int64_t>{0, 10, 20, 30, 40}));
   EXPECT_EQ(result.problem.edges.size(), 4U);
@@ -117,7 +117,7 @@ double Sigma_m(const std::map<int64_t, Matrix6d>& covariances, int64_t id) {
   return std::sqrt(covariances.at(id).topLeftCorner<3, 3>().trace());
 }
 
-TEST(MapPoseGraph, CovariancesGrowAlongTheWayAndEndAtALoop) {
+TEST(MapPoseGraph, CovariancesGrowAlongThePathUntilALoop) {
   Map map = Corridor(41);
   const auto before = CovariancesAround(0, map);
   ASSERT_EQ(before.size(), 40U);
@@ -134,14 +134,14 @@ TEST(MapPoseGraph, CovariancesGrowAlongTheWayAndEndAtALoop) {
   EXPECT_GT(Sigma_m(after, 200), 5.0 * Sigma_m(after, 400));
 }
 
-TEST(MapPoseGraph, CovariancesStandOnThatOfTheFirstKeyframe) {
+TEST(MapPoseGraph, CovariancesIncludeTheFirstKeyframe) {
   Map map = Corridor(5);
   map.SetPose(0, map.FindKeyframe(0)->T_w_kf, Matrix6d::Identity());
   EXPECT_GT(Sigma_m(CovariancesAround(40, map), 10), std::sqrt(3.0));
 }
 
 // A correction of a large map must not wait for them.
-TEST(MapPoseGraph, CovariancesOfAThousandKeyframesTakeFractionsOfASecond) {
+TEST(MapPoseGraph, TimeForCovariancesOfAThousandKeyframes) {
   const Map map = Corridor(1300);
   const auto begin = std::chrono::steady_clock::now();
   const auto covariances = CovariancesAround(0, map);

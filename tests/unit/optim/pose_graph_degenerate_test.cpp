@@ -40,7 +40,7 @@ TEST(PoseGraphDegenerate, PosesWithoutEdges) {
   ExpectRefused(graph, "no edge");
 }
 
-TEST(PoseGraphDegenerate, EdgesToPosesThatAreNotThere) {
+TEST(PoseGraphDegenerate, EdgesToMissingPoses) {
   PoseGraphProblem graph = Pair();
   graph.edges[0].b = 2;
   ExpectRefused(graph, "edge 0 from pose 0 to 2 is of a pose that is not among the 2");
@@ -91,7 +91,7 @@ TEST(PoseGraphDegenerate, OneEdgeIsMetExactly) {
   EXPECT_NEAR(result.T_w_kf[1].translation().x(), 1.0, 1e-9);
 }
 
-TEST(PoseGraphDegenerate, AllPosesInOnePlaceWithEdgesThatSaySo) {
+TEST(PoseGraphDegenerate, AllPosesAndEdgesAreIdentity) {
   PoseGraphProblem graph;
   graph.poses.resize(10);
   for (int i = 1; i < 10; ++i) graph.edges.push_back(test::MakeEdge<SE3>({}, i - 1, i, SE3(), i % 2 == 0));
@@ -105,7 +105,7 @@ TEST(PoseGraphDegenerate, AllPosesInOnePlaceWithEdgesThatSaySo) {
   }
 }
 
-TEST(PoseGraphDegenerate, EachPartHoldsItsFirstPoseUnlessOneIsFixed) {
+TEST(PoseGraphDegenerate, FirstPoseOfEachPartIsFixedByDefault) {
   PoseGraphProblem graph;
   graph.poses.resize(7);
   for (int i = 0; i < 7; ++i) {

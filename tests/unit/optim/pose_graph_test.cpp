@@ -40,7 +40,7 @@ PoseGraphOptions Tight() {
   return options;
 }
 
-TYPED_TEST(PoseGraphTest, DerivativesOfTheErrorAreThoseOfDifferences) {
+TYPED_TEST(PoseGraphTest, DerivativesMatchDifferences) {
   using Group = PoseGroup<TypeParam>;
   std::mt19937_64 random(5);
   for (int trial = 0; trial < 50; ++trial) {
@@ -64,7 +64,7 @@ TYPED_TEST(PoseGraphTest, DerivativesOfTheErrorAreThoseOfDifferences) {
   }
 }
 
-TYPED_TEST(PoseGraphTest, LapsDrivenTwiceComeToLieOnTheTruth) {
+TYPED_TEST(PoseGraphTest, LapsDrivenTwiceReachTheTruth) {
   const auto world = test::MakePoseGraphWorld<TypeParam>({.poses = 200, .lap = 50, .seed = 3});
   const auto result = OptimisePoseGraph(world.graph, PoseGraphOptions());
   ASSERT_TRUE(result.ok) << result.reason;
@@ -116,7 +116,7 @@ std::vector<Pose> SlowTwin(const PoseGraph<Pose>& graph, std::vector<Pose> poses
   return poses;
 }
 
-TYPED_TEST(PoseGraphTest, TheMinimumIsThatOfADenseSolveWithNumericDerivatives) {
+TYPED_TEST(PoseGraphTest, AgreesWithADenseNumericSolve) {
   const auto world =
       test::MakePoseGraphWorld<TypeParam>({.poses = 30, .lap = 10, .sigma_m = 0.05, .sigma_rad = 0.03});
   PoseGraphOptions options = Tight();
@@ -142,7 +142,7 @@ TYPED_TEST(PoseGraphTest, ChordalPosesAreExactWithoutNoise) {
   EXPECT_LT(PoseGraphChi2(world.graph, *poses), 1e-12);
 }
 
-TYPED_TEST(PoseGraphTest, AnyStartEndsInTheSameMinimumByChordalRelaxation) {
+TYPED_TEST(PoseGraphTest, ChordalStartReachesTheSameMinimum) {
   const test::PoseGraphSpec spec{.poses = 120, .lap = 20, .sigma_m = 0.1, .sigma_rad = 0.05, .seed = 2};
   auto world = test::MakePoseGraphWorld<TypeParam>(spec);
   PoseGraphOptions options = Tight();
@@ -173,7 +173,7 @@ TYPED_TEST(PoseGraphTest, EqualInputGivesEqualBits) {
   }
 }
 
-TYPED_TEST(PoseGraphTest, CovariancesAreTheBlocksOfTheDenseInverse) {
+TYPED_TEST(PoseGraphTest, CovariancesAgreeWithTheDenseInverse) {
   const auto world = test::MakePoseGraphWorld<TypeParam>({.poses = 40, .lap = 10});
   const auto result = OptimisePoseGraph(world.graph, Tight());
   ASSERT_TRUE(result.ok) << result.reason;

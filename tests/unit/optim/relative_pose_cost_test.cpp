@@ -111,7 +111,7 @@ INSTANTIATE_TEST_SUITE_P(Freedom, RelativePoseCostBy,
                            return freedom.param.a ? "FirstFree" : "SecondFree";
                          });
 
-TEST(RelativePoseCost, JacobiansThatAreNotAskedForAreNotWritten) {
+TEST(RelativePoseCost, UnrequestedJacobiansAreNotWritten) {
   Pair pair(1, true, true, 0.01);
   const RelativePoseCost cost(pair.measured, pair.a, pair.b);
   Vector6d r;
@@ -123,7 +123,7 @@ TEST(RelativePoseCost, JacobiansThatAreNotAskedForAreNotWritten) {
   EXPECT_EQ(by_b, expected_b);
 }
 
-TEST(RelativePoseCost, NoResidualAtWhatWasMeasured) {
+TEST(RelativePoseCost, NoResidualAtTheMeasuredPose) {
   Pair pair(3, true, true, 0.0);
   const RelativePoseCost cost(pair.measured, pair.a, pair.b);
   EXPECT_LT(ResidualOf(cost).norm(), 1e-9);
@@ -157,7 +157,7 @@ TEST(RelativePoseCost, NoiseAsStatedGivesWhiteResiduals) {
   EXPECT_LT((sum / kSamples - Matrix6d::Identity()).cwiseAbs().maxCoeff(), 0.05) << sum / kSamples;
 }
 
-TEST(RelativePoseCost, WhatCannotBeUsedIsRefused) {
+TEST(RelativePoseCost, InvalidMeasurementsAreRefused) {
   constexpr double kNotFinite = std::numeric_limits<double>::quiet_NaN();
   Pair pair(2, true, true, 0.01);
   const auto usable = [&](const Matrix6d& covariance) {

@@ -106,7 +106,7 @@ TEST_P(SolversOf, SparseIsAsDenseToTheEnd) {
 }
 
 // Starts so far away that whole steps make it worse.
-TEST_P(SolversOf, AlikeFromFarAway) {
+TEST_P(SolversOf, AgreeFromAFarStart) {
   test::BundleWorldSpec spec;
   spec.points = GetParam().points;
   spec.lines = GetParam().lines;
@@ -138,12 +138,12 @@ class Scripted final : public EliminatedLandmarks {
     return solvable;
   }
   double Step(const Eigen::VectorXd& /*of_poses*/) override { return foretold; }
-  void TakeBack() override { ++taken_back; }
+  void RollBack() override { ++taken_back; }
   double Loss() const override {
     if (on_loss) on_loss();
     return losses_seen_++ < worse_steps ? 10.0 : Bowl();
   }
-  double Steepest() const override { return 0.0; }
+  double LargestGradient() const override { return 0.0; }
 
   /// Runs a pass over one free pose.
   BundlePass Run(int max_iterations) {
@@ -171,9 +171,9 @@ class Scripted final : public EliminatedLandmarks {
     double Linearise(PoseSystem& /*system*/) override { return 0.0; }
     bool Eliminate(const Damping& /*damping*/, PoseSystem& /*system*/) override { return true; }
     double Step(const Eigen::VectorXd& /*of_poses*/) override { return 0.0; }
-    void TakeBack() override {}
+    void RollBack() override {}
     double Loss() const override { return 0.0; }
-    double Steepest() const override { return 0.0; }
+    double LargestGradient() const override { return 0.0; }
   };
 
   double Bowl() const {
@@ -187,7 +187,7 @@ class Scripted final : public EliminatedLandmarks {
   mutable int losses_seen_ = 0;
 };
 
-TEST(SchurSolver, StepsThatMakeItWorseAreTakenBackBitForBit) {
+TEST(SchurSolver, WorseStepsAreRolledBackBitForBit) {
   Scripted scripted;
   scripted.worse_steps = 2;
   const BundlePass pass = scripted.Run(2);
@@ -198,7 +198,7 @@ TEST(SchurSolver, StepsThatMakeItWorseAreTakenBackBitForBit) {
   EXPECT_EQ(scripted.poses[0].T_w_c().matrix(), SE3().matrix());
 }
 
-TEST(SchurSolver, ShorterStepsAreTriedAfterOneThatMadeItWorse) {
+TEST(SchurSolver, DampingGrowsAfterAWorseStep) {
   Scripted scripted;
   scripted.worse_steps = 2;
   const BundlePass pass = scripted.Run(30);
@@ -210,7 +210,7 @@ TEST(SchurSolver, ShorterStepsAreTriedAfterOneThatMadeItWorse) {
   EXPECT_NEAR(scripted.poses[0].x(0), -1.0, 1e-6);
 }
 
-TEST(SchurSolver, CutsDenseMatricesAlikeOnEveryProcessor) {
+TEST(SchurSolver, BlockSizesAreTheSameOnEveryProcessor) {
   PoseSystem system(1, PoseSystem::Storage::kDense);
   system.SetZero();
   system.AddToDiagonal(Eigen::VectorXd::Ones(6));
@@ -218,7 +218,7 @@ TEST(SchurSolver, CutsDenseMatricesAlikeOnEveryProcessor) {
   EXPECT_EQ(Eigen::l1CacheSize(), 48 * 1024);
 }
 
-TEST(SchurSolver, FailsWhereTheSystemCannotBeSolved) {
+TEST(SchurSolver, FailsIfTheSystemIsUnsolvable) {
   Scripted scripted;
   scripted.solvable = false;
   const BundlePass pass = scripted.Run(30);
@@ -227,14 +227,14 @@ TEST(SchurSolver, FailsWhereTheSystemCannotBeSolved) {
   EXPECT_EQ(scripted.poses[0].x, Vector6d::Zero());
 }
 
-TEST(SchurSolver, FailsWhereTheStepIsNotFinite) {
+TEST(SchurSolver, FailsIfTheStepIsNotFinite) {
   Scripted scripted;
   scripted.foretold = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(scripted.Run(30).ok);
   EXPECT_EQ(scripted.poses[0].x, Vector6d::Zero());
 }
 
-TEST(SchurSolver, IsAtItsEndWhereNoStepPromisesAGain) {
+TEST(SchurSolver, ConvergesIfNoReductionIsPredicted) {
   Scripted scripted;
   scripted.foretold = -10.0;
   const BundlePass pass = scripted.Run(30);

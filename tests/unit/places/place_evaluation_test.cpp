@@ -88,7 +88,7 @@ std::vector<PlaceFrame> TwoLaps(const PlaceRecogniser& places, int bits) {
   return frames;
 }
 
-TEST(PlaceEvaluation, TwoLapsAreRecognisedWhereTheyLookAlikeOnly) {
+TEST(PlaceEvaluation, TwoLapsAreRecognisedOnlyIfSimilar) {
   const PlaceRecogniser places(test::SmallVocabulary(FeatureType::kPoints),
                                test::SmallVocabulary(FeatureType::kLines), {});
   const auto evaluate = [&](int bits) {

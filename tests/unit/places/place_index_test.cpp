@@ -17,7 +17,7 @@ BagOfWords RandomBag(const Vocabulary& vocabulary, int descriptors, std::mt19937
   return vocabulary.Transform(test::RandomDescriptors(descriptors, random));
 }
 
-TEST(PlaceIndex, ScoresEqualThoseOfPairsWhileAnyPlacesComeAndGo) {
+TEST(PlaceIndex, ScoresEqualPairwiseSimilarity) {
   const Vocabulary vocabulary = test::SmallVocabulary(FeatureType::kPoints);
   std::mt19937_64 random(1);
   PlaceIndex index(vocabulary.words());
@@ -41,7 +41,7 @@ TEST(PlaceIndex, ScoresEqualThoseOfPairsWhileAnyPlacesComeAndGo) {
   }
 }
 
-TEST(PlaceIndex, WordsCountTheirWorth) {
+TEST(PlaceIndex, WordWeightsScaleTheScores) {
   const Vocabulary vocabulary = test::SmallVocabulary(FeatureType::kPoints);
   std::mt19937_64 random(3);
   PlaceIndex index(vocabulary.words());
@@ -70,7 +70,7 @@ TEST(PlaceIndex, WordsCountTheirWorth) {
   EXPECT_EQ(index.PlacesWith({{{vocabulary.words() + 3, 1.0F}}}), std::vector<int>{0});
 }
 
-TEST(PlaceIndex, ScoresDoNotDependOnTheOrderOfComing) {
+TEST(PlaceIndex, ScoresDoNotDependOnTheInsertionOrder) {
   const Vocabulary vocabulary = test::SmallVocabulary(FeatureType::kPoints);
   std::mt19937_64 random(2);
   std::vector<BagOfWords> bags;
@@ -101,7 +101,7 @@ TEST(PlaceIndex, PlacesBeyondTheFirst65536) {
   EXPECT_EQ(scores[140'000], 1.0F);
 }
 
-TEST(PlaceIndex, WordsBeyondTheVocabularyArePassedOver) {
+TEST(PlaceIndex, WordsBeyondTheVocabularyAreIgnored) {
   const BagOfWords bag{{{0, 0.5F}, {9, 0.5F}}};
   PlaceIndex index(3);
   index.Add(0, bag);

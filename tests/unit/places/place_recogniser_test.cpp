@@ -81,7 +81,7 @@ TEST(PlaceRecogniser, IdenticalImagesScoreOneAndComeById) {
   EXPECT_NEAR(places.Score(description, description), 1.0, 1e-5);
 }
 
-TEST(PlaceRecogniser, ExcludedKeyframesLeaveTheirPlaceToTheNext) {
+TEST(PlaceRecogniser, ExcludedKeyframesAreReplacedByTheNext) {
   PlaceRecogniser places = SmallRecogniser();
   std::mt19937_64 random(6);
   const ImageFeatures image = test::RandomFeatures(150, 40, random);
@@ -122,7 +122,7 @@ TEST(PlaceRecogniser, NoFeaturesNoPlaces) {
   EXPECT_TRUE(places.Remove(1));
 }
 
-TEST(PlaceRecogniser, OneKindAloneIsEnough) {
+TEST(PlaceRecogniser, OneFeatureTypeIsEnough) {
   PlaceRecogniser places = SmallRecogniser();
   std::mt19937_64 random(8);
   const ImageFeatures points = test::RandomFeatures(1, 0, random);
@@ -175,7 +175,7 @@ TEST(PlaceDescription, DispersionIsTheRootOfBothVariances) {
   EXPECT_EQ(DescribeLayout(ImageFeatures{}).dispersion_points_px, 0.0);
 }
 
-TEST(PlaceWeights, AreThoseOfThePaper) {
+TEST(PlaceWeights, EqualThoseOfThePaper) {
   PlaceDescription query;
   query.n_points = 300;
   query.n_lines = 100;
@@ -205,7 +205,7 @@ TEST(PlaceWeights, AdaptiveTrustsImagesOfFewFeaturesLess) {
   EXPECT_EQ(WeightsFor({}, {.merge = "adaptive"}).points, 0.0);
 }
 
-TEST(WordWeights, FallWithTheShareOfPlacesThatHaveTheWord) {
+TEST(WordWeights, DecreaseWithTheShareOfPlacesWithTheWord) {
   const std::vector<int> places_with{0, 1, 50, 95};
   const std::vector<float> word_weights = WordWeights(places_with, 95, {.merge = "adaptive", .idf_exponent = 2.0});
   EXPECT_THAT(word_weights, ElementsAre(1.0F, testing::FloatEq(0.9801F), 0.25F, testing::FloatNear(0.0025F, 1e-7F)));
@@ -215,7 +215,7 @@ TEST(WordWeights, FallWithTheShareOfPlacesThatHaveTheWord) {
 }
 
 // Two places with the same share of words in common with the query; the common words of one occur everywhere.
-TEST(PlaceRecogniser, WhatEveryPlaceHasSaysLittleInTheAdaptiveMerge) {
+TEST(PlaceRecogniser, AdaptiveMergeDownweightsCommonWords) {
   std::mt19937_64 random(11);
   const auto take = [](const ImageFeatures& from, size_t begin, size_t end, ImageFeatures& to) {
     for (size_t i = begin; i < end; ++i) {

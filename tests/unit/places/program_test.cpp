@@ -42,7 +42,7 @@ TEST(PlacePrograms, TrainAndEvaluateOnABuiltInWorld) {
             "PNG");
 }
 
-TEST(PlacePrograms, VocabulariesThatComeWithTheProgramsAreFoundFromAnyFolder) {
+TEST(PlacePrograms, DefaultVocabulariesAreFoundFromAnyFolder) {
   const ScratchFolder folder;
   const ShellResult run =
       test::Shell(folder, "cd " + folder.Path("") + " && " + (test::BinaryFolder() / "evaluate").string() +

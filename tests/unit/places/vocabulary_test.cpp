@@ -96,7 +96,7 @@ TEST(Training, IsTheSameAtEveryRunAndAnotherWithAnotherSeed) {
   EXPECT_NE(first.checksum(), train_vocabulary::TrainVocabulary(images, FeatureType::kPoints, options).checksum());
 }
 
-TEST(Training, WeightsAreLogarithmsOfImagesOverImagesWithTheWord) {
+TEST(Training, WeightsAreInverseDocumentFrequencies) {
   std::mt19937_64 random(9);
   const auto images = test::RandomImages(30, 40, random);
   train_vocabulary::TrainingOptions options;
@@ -126,7 +126,7 @@ TEST(Training, WordsThatAllImagesHaveAreLeftOut) {
   EXPECT_EQ(vocabulary.Transform({two[1]}).words.size(), 1U);
 }
 
-TEST(Training, NothingAndEqualDescriptorsGiveOneWordOfNoWeight) {
+TEST(Training, NoOrEqualDescriptorsGiveOneWeightlessWord) {
   std::mt19937_64 random(11);
   const Descriptor descriptor = test::RandomDescriptor(random);
   const std::vector<std::vector<Descriptor>> equal(3, std::vector<Descriptor>(100, descriptor));
@@ -219,7 +219,7 @@ TEST(VocabularyFile, RoundTripKeepsEveryByteAndWord) {
   EXPECT_EQ(again.Transform(descriptors), vocabulary.Transform(descriptors));
 }
 
-TEST(VocabularyFile, WhatIsNoVocabularyIsRefusedInOneSentence) {
+TEST(VocabularyFile, OtherAndDamagedFilesAreRefused) {
   const std::string good = test::SmallVocabulary(FeatureType::kPoints).ToBytes();
   EXPECT_THAT(Objection(""), HasSubstr("vocabulary v is no vocabulary of this program"));
   EXPECT_THAT(Objection("%YAML:1.0\n"), HasSubstr("is no vocabulary of this program"));
@@ -236,7 +236,7 @@ TEST(VocabularyFile, WhatIsNoVocabularyIsRefusedInOneSentence) {
   EXPECT_EQ(Objection(good), "");
 }
 
-TEST(VocabularyFile, NonsenseWithAFittingChecksumIsRefused) {
+TEST(VocabularyFile, DamagedContentWithAValidChecksumIsRefused) {
   const std::string good = test::SmallVocabulary(FeatureType::kPoints).ToBytes();
   EXPECT_THAT(Objection(Signed(With<uint32_t>(good, 12, 2))), HasSubstr("type"));
   EXPECT_THAT(Objection(Signed(With<uint8_t>(good, 32, 1))), HasSubstr("node 0 has 1 children"));

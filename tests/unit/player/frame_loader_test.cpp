@@ -34,7 +34,7 @@ PlayOrder Order() {
   return {10, [](int index) { return int64_t{index}; }, {}, 10.0};
 }
 
-TEST(FrameLoader, OrderIsKeptAndBadFramesAreSaid) {
+TEST(FrameLoader, OrderIsKeptAndBadFramesAreReported) {
   const Frames frames;
   FrameLoader loader(frames, Order(), 2);
   for (int i = 0; i < 10; ++i) {

@@ -41,7 +41,7 @@ TEST(PlayOrder, StartStopStride) {
   EXPECT_THAT(All(Order(options)), ElementsAre(Pair(1, 110), Pair(3, 160)));
 }
 
-TEST(PlayOrder, SkipToGoesOnAsIfAllBeforeHadBeenPlayed) {
+TEST(PlayOrder, SkipToContinuesTheSamePlayOrder) {
   PlayerOptions options;
   options.loop = 3;
   options.bounce = true;
@@ -66,7 +66,7 @@ TEST(PlayOrder, LoopContinuesAtTheMeanDistance) {
               ElementsAre(Pair(2, 130), Pair(3, 160), Pair(4, 200), Pair(2, 235), Pair(3, 265), Pair(4, 305)));
 }
 
-TEST(PlayOrder, TwoFramesInALoopAreNoWayBack) {
+TEST(PlayOrder, TwoFramesInALoop) {
   PlayerOptions options;
   options.stop = 2;
   options.loop = 2;

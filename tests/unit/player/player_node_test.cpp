@@ -203,7 +203,7 @@ TEST_F(PlayerNodeTest, LockstepSendsEveryFrameAndEnds) {
   EXPECT_DOUBLE_EQ(reader.rigs_[0].baseline_m, 0.5);
 }
 
-TEST_F(PlayerNodeTest, ReaderThatWantsFramesAgainGetsThemWithTheirNumbersAndTimes) {
+TEST_F(PlayerNodeTest, RequestedFramesAreResent) {
   Reader reader(true);
   reader.GoBack(6, 2);
   options_.loop = 2;
@@ -216,7 +216,7 @@ TEST_F(PlayerNodeTest, ReaderThatWantsFramesAgainGetsThemWithTheirNumbersAndTime
   EXPECT_EQ(reader.streams_[1].n_frames, 9);
 }
 
-TEST_F(PlayerNodeTest, FramesMayBeWantedAgainBehindTheEndButOnlyOfThePlayerThatIsMeant) {
+TEST_F(PlayerNodeTest, FramesAreResentAfterTheEndOnRequest) {
   Reader reader(true);
   options_.exit = false;
   const Player player(options_);
@@ -244,7 +244,7 @@ TEST_F(PlayerNodeTest, RestartedReaderGetsThePendingFrameAgain) {
   EXPECT_EQ(restarted.frame_ids_.back(), 2);
 }
 
-TEST_F(PlayerNodeTest, OneThatIsStartedAgainGoesOnWhereAcknowledgementsEnded) {
+TEST_F(PlayerNodeTest, RestartResumesAfterTheAcknowledgedFrame) {
   Reader reader(true);
   options_.stop = 2;
   EXPECT_EQ(Player(options_).Join(), "");
@@ -260,7 +260,7 @@ TEST_F(PlayerNodeTest, OneThatIsStartedAgainGoesOnWhereAcknowledgementsEnded) {
   EXPECT_EQ(reader.streams_[3].n_frames, 3);
 }
 
-TEST_F(PlayerNodeTest, FrameThatWasAnsweredMeanwhileIsNotWaitedFor) {
+TEST_F(PlayerNodeTest, FrameAnsweredMeanwhileIsNotAwaited) {
   Reader reader(true);
   EXPECT_EQ(Player(options_).Join(), "");
   const int64_t t_ns = OpenDataset(options_.dataset, "")->t_ns(0);
@@ -272,13 +272,13 @@ TEST_F(PlayerNodeTest, FrameThatWasAnsweredMeanwhileIsNotWaitedFor) {
   EXPECT_THAT(reader.frame_ids_, ElementsAre(0, 1, 2, 1, 2)) << "who reads frames leaves those it has";
 }
 
-TEST_F(PlayerNodeTest, ResumePointThatIsNoneIsRefused) {
+TEST_F(PlayerNodeTest, InvalidResumePointIsRefused) {
   options_.resume_after = "seven";
   bus::Process process("player", Loopback());
   EXPECT_THROW(PlayerNode(process, options_), std::runtime_error);
 }
 
-TEST_F(PlayerNodeTest, MasksOfTheOptionsAreInTheRigAndThoseThatDoNotFitAreRefused) {
+TEST_F(PlayerNodeTest, MaskOptionsAreAddedToTheRig) {
   cv::Mat image(test::kTinyHeight_px, test::kTinyWidth_px, CV_8UC1, cv::Scalar(255));
   image.rowRange(20, 32).setTo(0);
   options_.mask_right = (folder_.path() / "mask.png").string();
@@ -297,7 +297,7 @@ TEST_F(PlayerNodeTest, MasksOfTheOptionsAreInTheRigAndThoseThatDoNotFitAreRefuse
                   AllOf(HasSubstr("player.mask_right = " + options_.mask_right), HasSubstr("20 x 32"))));
 }
 
-TEST_F(PlayerNodeTest, MissingImageIsToldBeforeTheFirstFrame) {
+TEST_F(PlayerNodeTest, MissingImageIsReportedBeforeTheFirstFrame) {
   std::filesystem::remove(folder_.path() / "image_1" / "000001.png");
   bus::Process process("player", Loopback());
   EXPECT_THAT([&] { PlayerNode(process, options_); },
@@ -318,7 +318,7 @@ TEST_F(PlayerNodeTest, BadFrameEndsTheStreamAndTheProcess) {
   EXPECT_EQ(reader.streams_[1].n_bad, 1);
 }
 
-TEST_F(PlayerNodeTest, SkipBadGoesOnAndCounts) {
+TEST_F(PlayerNodeTest, SkipBadContinuesAndCounts) {
   std::filesystem::remove(folder_.path() / "image_1" / "000001.png");
   options_.skip_bad = true;
   Reader reader(true);
@@ -358,7 +358,7 @@ class ReaderThatNeverAcknowledges {
   std::thread thread_;
 };
 
-TEST_F(PlayerNodeTest, ReaderThatDoesNotGetOnIsNotWaitedForAtTheEnd) {
+TEST_F(PlayerNodeTest, StalledReaderIsNotAwaitedAtTheEnd) {
   const ReaderThatNeverAcknowledges silent;
   Reader reader(true);
   options_.exit = false;

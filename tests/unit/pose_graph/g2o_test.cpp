@@ -68,7 +68,7 @@ TEST_F(G2o, GraphsInThePlane) {
 }
 
 // The error of g2o by its definition: translation and vector part of the quaternion of Z^-1 (A^-1 B), w >= 0.
-TEST_F(G2o, ChiSquareInSpaceIsThatOfG2o) {
+TEST_F(G2o, ChiSquareIn3dAgreesWithG2o) {
   const G2oFile file = Read(kSpace);
   const auto& graph = std::get<G2oGraph<SE3>>(file.content);
   EXPECT_EQ(file.skipped, (std::map<std::string, int>{{"PARAMS_SE3OFFSET", 1}}));
@@ -81,7 +81,7 @@ TEST_F(G2o, ChiSquareInSpaceIsThatOfG2o) {
   EXPECT_NEAR(PoseGraphChi2(graph.graph, poses), expected, 1e-12);
 }
 
-TEST_F(G2o, ChiSquareInThePlaneIsThatOfG2o) {
+TEST_F(G2o, ChiSquareIn2dAgreesWithG2o) {
   const G2oFile file = Read(
       "VERTEX_SE2 0 0 0 3\n"
       "VERTEX_SE2 1 0 0 -3\n"
@@ -95,7 +95,7 @@ TEST_F(G2o, ChiSquareInThePlaneIsThatOfG2o) {
               10.0 * x * x + 20.0 * y * y + 30.0 * turn * turn + 2.0 * 2.0 * x * turn, 1e-12);
 }
 
-TEST_F(G2o, WhatIsWrittenIsReadAgainToTheLastBit) {
+TEST_F(G2o, RoundTripKeepsEveryBit) {
   for (const char* text : {kPlane, kSpace}) {
     const G2oFile file = Read(text);
     std::visit([&](const auto& graph) { WriteG2o(Path(), graph); }, file.content);
@@ -147,7 +147,7 @@ TEST_F(G2o, ErrorsNameFileLineAndCulprit) {
   EXPECT_THAT(ErrorOf("EDGE_SE2 0 1 " + std::string(5000, '0')), HasSubstr("more than 4096 characters"));
 }
 
-TEST(G2oFiles, ThatAreNotThereAreNamed) { EXPECT_THROW(ReadG2o("/no/such/file.g2o"), std::runtime_error); }
+TEST(G2oFiles, MissingFileThrows) { EXPECT_THROW(ReadG2o("/no/such/file.g2o"), std::runtime_error); }
 
 }  // namespace
 }  // namespace plslam::pose_graph

@@ -66,7 +66,7 @@ TEST_F(PoseGraphProgram, SolvesAndWritesTheGraphAndThePoses) {
   }
 }
 
-TEST_F(PoseGraphProgram, RejectsWrongEdgesWhenAskedTo) {
+TEST_F(PoseGraphProgram, RejectsWrongEdgesOnRequest) {
   test::WriteText(Path("square.g2o"), std::string(kSquare) + "EDGE_SE2 0 2 5 5 0 1000 0 0 1000 0 1000\n");
   const Outcome outcome = Call({Path("square.g2o"), "--json", "--reject", "50"});
   ASSERT_EQ(outcome.code, 0) << outcome.error;
@@ -87,7 +87,7 @@ TEST_F(PoseGraphProgram, ExportsThePoseGraphOfAMap) {
   EXPECT_EQ(graph.graph.poses[0].T_w_kf.translation(), map.keyframes().begin()->second.T_w_kf.translation());
 }
 
-TEST_F(PoseGraphProgram, WhatIsWrongIsSaidInOneSentence) {
+TEST_F(PoseGraphProgram, ErrorsAreOneSentence) {
   EXPECT_NE(Call({}).code, 0);
   EXPECT_NE(Call({"a", "--from-map", "b"}).code, 0);
   EXPECT_NE(Call({"a", "--initial", "guess"}).code, 0);

@@ -20,7 +20,7 @@ TEST(ChainedPoses, OdometryComesBeforeOtherEdges) {
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(poses[i].translation().x(), 5.0 + i, 1e-12) << i;
 }
 
-TEST(ChainedPoses, KnownPosesStayAndTheOthersHangOnTheNearestOfThem) {
+TEST(ChainedPoses, OthersAreChainedToTheNearestKnownPose) {
   PoseGraph<SE2> graph;
   graph.poses.resize(6);
   for (int i = 1; i < 5; ++i) graph.edges.push_back(test::MakeEdge<SE2>({}, i - 1, i, Step(1.0), false));

@@ -19,7 +19,7 @@ bool HasColours() {
   return sink != nullptr && sink->should_color();
 }
 
-TEST(Logging, HasColoursOnATerminalAloneAndNeverAgainstTheWishOfTheUser) {
+TEST(Logging, ColoursOnlyOnATerminalWithoutNoColor) {
   int master = -1, slave = -1;
   if (openpty(&master, &slave, nullptr, nullptr, nullptr) != 0) GTEST_SKIP() << "no terminals can be made here";
   const int kept = dup(STDERR_FILENO);

@@ -108,7 +108,7 @@ TEST_F(ProcessTest, SignalsEndItCleanly) {
   }
 }
 
-TEST_F(ProcessTest, SecondSignalEndsOneThatHangs) {
+TEST_F(ProcessTest, SecondSignalEndsAHangingProcess) {
   Start({"hang"});
   // "ready" is published before; a signal in between would still end it cleanly.
   ASSERT_TRUE(WaitForLine("hangs")) << Log();
@@ -117,7 +117,7 @@ TEST_F(ProcessTest, SecondSignalEndsOneThatHangs) {
   EXPECT_EQ(SignalUntilItEnds(SIGTERM), 128 + SIGTERM) << Log();
 }
 
-TEST_F(ProcessTest, ClosedTerminalEndsItCleanlyAndIsNoSecondSignal) {
+TEST_F(ProcessTest, ClosedTerminalIsNoSecondSignal) {
   Start({"hang"});
   ASSERT_TRUE(WaitForLine("hangs")) << Log();
   child_->Signal(SIGTERM);
@@ -152,7 +152,7 @@ TEST_F(ProcessTest, SignalsOfOneMomentAreOneOrder) {
   EXPECT_EQ(Wait(), 0) << Log();
 }
 
-TEST_F(ProcessTest, OneThatHasALauncherEndsByItsOrderAlone) {
+TEST_F(ProcessTest, EndsOnlyByTheOrderOfItsLauncher) {
   Start({"--parent", std::to_string(getpid())});
   ASSERT_TRUE(WaitForLine("runs")) << Log();
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
@@ -181,7 +181,7 @@ TEST_F(ProcessTest, EndsWhenItsLauncherIsKilled) {
   EXPECT_TRUE(WaitForLine("node is gone")) << Log();
 }
 
-TEST_F(ProcessTest, OneThatIsStartedByHandTellsWhatItWaitsForAndWhatItHasDone) {
+TEST_F(ProcessTest, StandaloneProcessLogsItsProgress) {
   Start({"own-state", "--prefix", "ann/"});
   ASSERT_TRUE(WaitForLine("runs")) << Log();
   child_->Signal(SIGINT);
@@ -206,7 +206,7 @@ TEST_F(ProcessTest, ExceptionAtStartIsOneLineAndExitCodeOne) {
   EXPECT_EQ(Log(), "player: error: cannot start at all\n");
 }
 
-TEST_F(ProcessTest, ExceptionInAHandlerIsTold) {
+TEST_F(ProcessTest, ExceptionInAHandlerIsReported) {
   Start({"throw-in-handler"});
   ListenFor("failed");
   EXPECT_EQ(Wait(), 1);
@@ -220,7 +220,7 @@ TEST_F(ProcessTest, ExceptionOfAnyTypeIsCaught) {
   EXPECT_THAT(Log(), HasSubstr("player: error: an exception of unknown type\n"));
 }
 
-TEST_F(ProcessTest, StatusTellsWhatItIsAndUses) {
+TEST_F(ProcessTest, StatusHasVersionUsageAndConfiguration) {
   Start({"--set", "player.answer=7"});
   ListenFor("ready");
   const status_t status = statuses_.back();
@@ -238,7 +238,7 @@ TEST_F(ProcessTest, StatusTellsWhatItIsAndUses) {
   EXPECT_EQ(counters.count("bus.rejected"), 1U);
 }
 
-TEST_F(ProcessTest, StoppingIsTold) {
+TEST_F(ProcessTest, StoppingIsPublished) {
   Start({});
   ListenUntil([this](const status_t& status) {
     if (status.state == "ready") child_->Signal(SIGINT);
@@ -247,7 +247,7 @@ TEST_F(ProcessTest, StoppingIsTold) {
   EXPECT_EQ(Wait(), 0);
 }
 
-TEST_F(ProcessTest, StatusComesAgainAndAgain) {
+TEST_F(ProcessTest, StatusIsPublishedPeriodically) {
   Start({});
   ListenUntil([this](const status_t&) { return statuses_.size() >= 3; });
   EXPECT_GT(statuses_[2].uptime_s, statuses_[0].uptime_s + 0.5);
@@ -299,7 +299,7 @@ TEST_F(ProcessTest, BadUrlIsOneLine) {
   EXPECT_THAT(Log(), HasSubstr("nonsense://x"));
 }
 
-TEST(CountOf, NumbersThatCountNothing) {
+TEST(CountOf, InvalidNumbersCountAsZero) {
   status_t status;
   for (const double value : {7.9, -3.0, 1e300, std::nan(""), std::numeric_limits<double>::infinity()}) {
     status.counters.push_back({fmt::format("{}", value), value});

@@ -11,7 +11,7 @@
 namespace plslam::bus {
 namespace {
 
-TEST(ProcessMemory, WhatAThreadFreedIsGivenBack) {
+TEST(ProcessMemory, MemoryFreedByAThreadIsReturned) {
 #ifdef PLSLAM_SANITIZED
   GTEST_SKIP() << "a sanitizer keeps what is freed";
 #endif

@@ -80,7 +80,7 @@ void ExpectNear(const std::vector<double>& read, const std::vector<double>& writ
   for (size_t i = 0; i < read.size(); ++i) EXPECT_NEAR(read[i], written[i], tolerance) << i;
 }
 
-TEST_F(Python, AMapIsWhatWasWritten) {
+TEST_F(Python, MapEqualsTheWrittenOne) {
   StoredMap stored = test::OfTwoCameras(7, 600);
   stored.rig = CameraBytes({420.5, 375.25, 239.75, 0.11, 752, 480});
   WriteMapFile(folder().Path("map.plmap"), stored);
@@ -248,7 +248,7 @@ print(json.dumps({"sentences": sorted(sentences), "taken": taken}))
   EXPECT_THAT(said["sentences"].dump(), HasSubstr("has no features"));
 }
 
-TEST_F(Python, ALogIsReadToThePlaceWhereItIsDamaged) {
+TEST_F(Python, LogIsReadUntilItsDamage) {
   {
     bus::BusOptions options;
     options.url = "file://" + folder().Path("log") + "?mode=w";
@@ -303,7 +303,7 @@ print(json.dumps({"whole": frames("log", prefix="front/"), "other": frames("log"
   EXPECT_THAT(read["middle"][1].get<std::string>(), HasSubstr("middle: is damaged: no event begins at byte "));
 }
 
-TEST_F(Python, MessagesOfAnotherVersionAreToldOnce) {
+TEST_F(Python, MessagesOfAnotherVersionGiveOneWarning) {
   const std::string golden = (SourceFolder() / "tests/golden/0.2/room.lcm").string();
   const json read = Answer(fmt::format(R"(
 import collections, warnings
@@ -340,7 +340,7 @@ print(json.dumps([sum(told(name, 1) for name in names), len(names), told("POSE",
   EXPECT_EQ(told, json({names.size(), names.size(), 0, 0}));
 }
 
-TEST_F(Python, AListenerHearsEachMessageOnce) {
+TEST_F(Python, ListenerReceivesEachMessageOnce) {
   std::random_device random;
   bus::BusOptions options;
   options.url =
@@ -388,7 +388,7 @@ print(json.dumps({"heard": out, "silent": silent, "refused": refused}))
   EXPECT_THAT(heard["refused"].get<std::string>(), HasSubstr("only udpm:// can be listened to"));
 }
 
-TEST_F(Python, BytesOfOthersAreNoMessage) {
+TEST_F(Python, ForeignBytesAreNoMessage) {
   const json said = Answer(R"(
 from plslam.wire import decode, parse_datagram
 pose = plslam.pose_t()
@@ -410,7 +410,7 @@ print(json.dumps({"whole": type(decode(data + b"a MAC behind it")).__name__, "cu
   EXPECT_EQ(said["name"], "POSE");
 }
 
-TEST_F(Python, FilesOfARunAreWhatWasWritten) {
+TEST_F(Python, FilesOfARunEqualTheWrittenOnes) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(-2.0, 2.0);
   Trajectory trajectory;
@@ -478,7 +478,7 @@ print(json.dumps(out))
   EXPECT_THAT(run["empty"].get<std::string>(), HasSubstr("has no file of a run"));
 }
 
-TEST_F(Python, HasTypesThatMypyBelieves) {
+TEST_F(Python, TypesPassMypy) {
   if (Shell(folder(), "mypy --version").exit_code != 0) GTEST_SKIP() << "no mypy here";
   // The generated types of messages have none.
   const ShellResult result =

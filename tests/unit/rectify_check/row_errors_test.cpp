@@ -46,7 +46,7 @@ TEST(RowErrors, GoodRectification) {
   EXPECT_THAT(CheckRows(e).sentence, HasSubstr("well rectified"));
 }
 
-TEST(RowErrors, OffsetRollAndScaleAreToldApart) {
+TEST(RowErrors, OffsetRollAndScaleAreSeparated) {
   const RowErrors e = MeasureRows(Matches(500, -1.5, 0.4, 1.2, 0.2), Camera());
   EXPECT_NEAR(e.offset_px, -1.5, 0.05);
   EXPECT_NEAR(e.roll_deg, 0.4, 0.02);
@@ -112,7 +112,7 @@ TEST(RectifyPicture, ShowsBothImagesLinesAndPoints) {
   EXPECT_EQ(DrawRectification({left, {}}, {left, {}}, {}, "").cols, picture.cols);
 }
 
-TEST(RectifyPicture, ShadesWhatIsLeftOut) {
+TEST(RectifyPicture, ShadesMaskedPixels) {
   const cv::Mat image = Blobs();
   cv::Mat mask(image.size(), CV_8UC1, cv::Scalar(255));
   mask.rowRange(200, 240).setTo(0);

@@ -18,7 +18,7 @@ TEST(TrackingState, OnlyAnEstimatedPoseIsTracked) {
   EXPECT_EQ(TrackingStateName(static_cast<TrackingState>(-1)), "unknown");
 }
 
-TEST(FrameTally, EveryFrameIsOneOfAll) {
+TEST(FrameTally, TotalIncludesLostAndSkippedFrames) {
   FrameTally tally;
   EXPECT_FALSE(tally.tracked_percent());
   for (int i = 0; i < 90; ++i) tally.Count(TrackingState::kInitialising, -1);
@@ -43,7 +43,7 @@ TEST(FrameTally, HundredPerCentAreAllFrames) {
   EXPECT_FALSE(TrackedPercent(0, 0));
 }
 
-TEST(SentFrames, EndOfTheStreamTellsMoreThanTheLastStatus) {
+TEST(SentFrames, EndOfStreamCountsOverrideTheStatus) {
   SentFrames sent;
   sent.OnStatus(7, 2);
   FrameTally tally;
@@ -59,7 +59,7 @@ TEST(SentFrames, EndOfTheStreamTellsMoreThanTheLastStatus) {
   EXPECT_EQ(sent.unreadable(), 3);
 }
 
-TEST(SentFrames, BehindCountsFromTheNewestPose) {
+TEST(SentFrames, LagCountsFromTheNewestPose) {
   SentFrames sent;
   EXPECT_EQ(sent.Behind(-1), 0);
   sent.OnStatus(100, 0);

@@ -14,14 +14,14 @@ TEST(PaceOf, SilenceCountsBeforeTheQueue) {
   EXPECT_EQ(PaceOf("stopping", 1.0, 5.0), Pace::kGone);
 }
 
-TEST(FramesBehind, CountsFromTheOldestKeyframeThatWaits) {
+TEST(LagInFrames, CountsFromTheOldestKeyframeThatWaits) {
   // These of the frames with a pose, the newest first, are keyframes.
   const auto is_keyframe = [](int64_t i) { return i == 2 || i == 7 || i == 9; };
-  EXPECT_EQ(FramesBehind(0, 20, is_keyframe), 0);
-  EXPECT_EQ(FramesBehind(1, 20, is_keyframe), 3);
-  EXPECT_EQ(FramesBehind(2, 20, is_keyframe), 8);
-  EXPECT_EQ(FramesBehind(99, 20, is_keyframe), 10) << "those before had come to nobody's queue";
-  EXPECT_EQ(FramesBehind(1, 0, is_keyframe), 0);
+  EXPECT_EQ(LagInFrames(0, 20, is_keyframe), 0);
+  EXPECT_EQ(LagInFrames(1, 20, is_keyframe), 3);
+  EXPECT_EQ(LagInFrames(2, 20, is_keyframe), 8);
+  EXPECT_EQ(LagInFrames(99, 20, is_keyframe), 10) << "those before had come to nobody's queue";
+  EXPECT_EQ(LagInFrames(1, 0, is_keyframe), 0);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ std::string Definition(const std::string& message) {
   return ReadText(test::SourceFolder() / "lcmtypes" / (message + ".lcm"));
 }
 
-TEST(ProcessNames, StatesAndVerbsStandInTheDefinitionsOfTheirMessages) {
+TEST(ProcessNames, StatesAndVerbsAreDocumentedInMessages) {
   for (const char* state : process_state::kAll) {
     EXPECT_THAT(Definition("status_t"), testing::HasSubstr('"' + std::string(state) + '"'));
   }

@@ -125,7 +125,7 @@ TEST(RunWarnings, ConditionsOfEachRow) {
   EXPECT_EQ(codes, WarningCodes()) << "each row is tried";
 }
 
-TEST(RunWarnings, CamerasThatAreLateByLessThanAFrameAreNotPairedAnew) {
+TEST(RunWarnings, DelayBelowAFrameIsNotRepaired) {
   RunFindings findings = GoodRun();
   findings.left_late_ms = 5.0;
   findings.late_frames = 0.1;
@@ -138,7 +138,7 @@ TEST(RunWarnings, CamerasThatAreLateByLessThanAFrameAreNotPairedAnew) {
               HasSubstr("too much to be made up for: trigger the cameras together"));
 }
 
-TEST(RunWarnings, WhatIsJustAboutGoodEnoughIsNone) {
+TEST(RunWarnings, BarelyGoodRunHasNone) {
   RunFindings findings = GoodRun();
   findings.frames = {.tracked = 90, .lost = 9, .skipped = 1};
   findings.dark_frames = 5;
@@ -155,14 +155,14 @@ TEST(RunWarnings, WhatIsJustAboutGoodEnoughIsNone) {
   EXPECT_THAT(CodesOf(findings), IsEmpty()) << "a white wall";
 }
 
-TEST(RunWarnings, WhatIsTooLargeForANumberIsTold) {
+TEST(RunWarnings, InfiniteErrorIsReported) {
   RunFindings findings = GoodRun();
   findings.ate_m = findings.true_spread_m = std::numeric_limits<double>::infinity();
   ASSERT_THAT(CodesOf(findings), ElementsAre("truth_of_another_run"));
   EXPECT_THAT(WarningsOf(findings)[0].sentence, HasSubstr("off by more than can be computed (ATE)"));
 }
 
-TEST(RunCounters, AreThoseOfAllProcesses) {
+TEST(RunCounters, CoverAllProcesses) {
   RunCounters counters;
   counters.Take(1, "points.seen", 10.0);
   counters.Take(1, "points.seen", 20.0);

@@ -49,7 +49,7 @@ TEST(LineDepth, ParallelToTheBaselineHasItsDepth) {
   EXPECT_NEAR(lines[0].disparity_p_px, 20.0, 0.01);
 }
 
-TEST(LineDepth, DeviationIsThatOfTheSensor) {
+TEST(LineDepth, SigmaFollowsTheSensorNoise) {
   double last = 0.0;
   for (const double noise : {0.0005, 0.002, 0.01}) {
     StereoOptions options;

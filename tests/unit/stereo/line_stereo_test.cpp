@@ -71,7 +71,7 @@ TEST(LineStereo, NormalisedErrorsAreAboutOne) {
   EXPECT_LT(normalised, 1.3) << count << " disparities";
 }
 
-TEST(LineStereo, SlantedInDepthGivesBothEndsTheirOwn) {
+TEST(LineStereo, SlantedInDepthGivesTwoDisparities) {
   const Pair pair = RenderPair(SteepBar(0.4, 0.0), 10.0, 20.0, 1.0, 3);
   int with_depth = 0;
   for (const StereoLine& l : Match(pair)) {
@@ -121,7 +121,7 @@ OneToOne Agreeing() {
   return pair;
 }
 
-TEST(LineStereo, EachGateSaysNoByItself) {
+TEST(LineStereo, EachGateRejectsAlone) {
   EXPECT_TRUE(Agreeing().Matches());
   OneToOne other = Agreeing();
   other.right.segment = {{85, 80}, {80, 20}};

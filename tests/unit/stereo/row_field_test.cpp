@@ -21,7 +21,7 @@ TEST(PairSkew, NoneChangesNothing) {
   EXPECT_EQ(PairSkew().Disparity_px({100.0, 50.0}, 7.0), 7.0);
 }
 
-TEST(PairSkew, RowAndDepthAreThoseOfTheMovedCamera) {
+TEST(PairSkew, RowAndDepthMatchTheMovedCamera) {
   const SE3 T_late_c = SomeMotion();
   const PairSkew skew(kSkewCamera, T_late_c);
   for (const double depth_m : {1.0, 5.0, 80.0}) {
@@ -52,7 +52,7 @@ const StereoCamera kRowCamera{
 
 RowField Constant(double px) { return {kRowCamera, px * RowField::Coefficients::Unit(0), {}}; }
 
-TEST(RowField, ItsTermsAreThoseOfTheFormula) {
+TEST(RowField, TermsEqualTheFormula) {
   RowField::Coefficients c;
   c << 1.0, 2.0, 3.0, 4.0, 5.0, 6.0;
   const RowField field(kRowCamera, c, {});
@@ -71,7 +71,7 @@ TEST(RowField, WithoutCoefficientsNothingDiffers) {
 
 // A right camera that rolls and pitches moves pixels as the camera model predicts; the field that is fitted to its rows
 // predicts its columns.
-TEST(RowField, DisparitiesAreThoseOfTheTurnThatTheRowsShow) {
+TEST(RowField, DisparitiesFollowTheRotationFromRows) {
   const double f = kRowCamera.f_px;
   for (const Eigen::Vector2d& pitch_roll : {Eigen::Vector2d(-4e-3, 3e-3), {0.02, 0.0}, {0.0, -0.02}}) {
     RowField::Coefficients rows = RowField::Coefficients::Zero();
@@ -123,7 +123,7 @@ DepthsFound MatchWithRows(double row_px, const RowField& rows) {
   return right_ones;
 }
 
-TEST(MatchStereo, RowsThatAreKnownToDifferCostNoDepths) {
+TEST(MatchStereo, KnownVerticalDisparityCostsNoDepths) {
   const DepthsFound even = MatchWithRows(0.0, RowField());
   const DepthsFound unknown = MatchWithRows(7.0, RowField());
   const DepthsFound known = MatchWithRows(7.0, Constant(7.0));
@@ -134,7 +134,7 @@ TEST(MatchStereo, RowsThatAreKnownToDifferCostNoDepths) {
   EXPECT_GE(known.lines, even.lines - 1);
 }
 
-TEST(MatchStereo, PatchesTellTheirRowsWhateverIsExpected) {
+TEST(MatchStereo, PatchesMeasureAnyVerticalDisparity) {
   FeatureExtractor extractor{FeatureOptions()};
   const cv::Mat left = BarsAndTexture(0.0, 0.0);
   const cv::Mat right = BarsAndTexture(10.0, 1.0);

@@ -138,7 +138,7 @@ struct SlantedSurface {
 
 class RefineSlantedOn : public testing::TestWithParam<SlantedSurface> {};
 
-TEST_P(RefineSlantedOn, IsUnbiasedAndSeveralTimesMoreAccurateThanOneShift) {
+TEST_P(RefineSlantedOn, UnbiasedAndMoreAccurateThanOneShift) {
   const DisparityPlane& plane = GetParam().plane;
   const Pair pair(plane, 0.0, 1.5);
   const SlantErrors with = WithSlant(plane, pair);
@@ -170,13 +170,13 @@ TEST(RefineSlanted, SurfacesParallelToTheImagesStayAsGood) {
   }
 }
 
-TEST(RefineSlanted, SlopesBeyondReasonAndWrongStartsAreRefusedOrRight) {
+TEST(RefineSlanted, MostSlopesBeyondTheLimitAreRefused) {
   const DisparityPlane steep{40.0, 0.0, 0.95};
   const SlantErrors e = WithSlant(steep, Pair(steep, 0.0, 1.5));
   EXPECT_LT(e.Found(), 0.5) << "rms " << e.Rms();
 }
 
-TEST(RefineSlanted, OutsideTheImageAndWithoutTextureThereIsNothing) {
+TEST(RefineSlanted, NothingOutsideTheImageOrWithoutTexture) {
   const cv::Mat image = test::RandomImage(120, 60, 1);
   const cv::Mat flat(60, 120, CV_8UC1, cv::Scalar(90));
   const HalvedPair pair(image, image);

@@ -32,7 +32,7 @@ TEST(ParsePace, KnownAndUnknown) {
   }
 }
 
-TEST(RealtimeClock, FramesAreDueAtTheirDistanceAndLateBeyondHalfAPeriod) {
+TEST(RealtimeClock, LateBeyondHalfAPeriod) {
   RealtimeClock clock(2.0, 100);
   EXPECT_EQ(clock.Due_ns(1000, 7), 7);
   EXPECT_EQ(clock.Due_ns(1100, 9), 57);

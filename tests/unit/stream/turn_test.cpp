@@ -26,7 +26,7 @@ TEST(Turn, OnlyThePoseOfTheExpectedFrameCounts) {
   EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout);
 }
 
-TEST(Turn, EveryReaderIsNewsOnce) {
+TEST(Turn, EveryReaderIsNewOnce) {
   Turn turn;
   turn.Expect({0, 10 * 0});
   turn.OnReader(11);
@@ -38,7 +38,7 @@ TEST(Turn, EveryReaderIsNewsOnce) {
   EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout) << "said once";
 }
 
-TEST(Turn, PosesThatCameBeforeCountOnlyInAStreamThatIsResumed) {
+TEST(Turn, EarlierPosesCountOnlyInAResumedStream) {
   Turn turn;
   turn.OnPose({7, 70});
   turn.OnPose({5, 50});
@@ -54,7 +54,7 @@ TEST(Turn, PosesThatCameBeforeCountOnlyInAStreamThatIsResumed) {
   EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout);
 }
 
-TEST(Turn, AReaderThatWantsFramesAgainIsSaidOnce) {
+TEST(Turn, ResendRequestIsReportedOnce) {
   Turn turn;
   turn.OnGoBack(21, {3, 30});
   turn.Expect({7, 70});
@@ -71,20 +71,20 @@ TEST(Turn, AReaderThatWantsFramesAgainIsSaidOnce) {
   EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout) << "such a frame has not been sent";
 }
 
-TEST(Turn, FramesMayBeWantedAgainWhenAllHaveBeenAnswered) {
+TEST(Turn, ResendRequestAfterAllFramesWereAnswered) {
   Turn turn;
   turn.Expect({7, 70});
   turn.OnPose({7, 70});
   EXPECT_EQ(turn.WaitForPose(kNow), Event::kPose);
-  EXPECT_FALSE(turn.WaitForGoBack(kNow));
+  EXPECT_FALSE(turn.WaitForRewind(kNow));
   turn.OnGoBack(21, {3, 30});
-  EXPECT_TRUE(turn.WaitForGoBack(milliseconds(100000)));
+  EXPECT_TRUE(turn.WaitForRewind(milliseconds(100000)));
   EXPECT_EQ(turn.GoBack(), (ResumePoint{3, 30}));
   turn.Stop();
-  EXPECT_FALSE(turn.WaitForGoBack(milliseconds(100000)));
+  EXPECT_FALSE(turn.WaitForRewind(milliseconds(100000)));
 }
 
-TEST(Turn, PosesBehindTheFrameThatIsGoneBackToDoNotCount) {
+TEST(Turn, PosesAfterTheResendPointDoNotCount) {
   Turn turn;
   turn.OnPose({7, 70});
   turn.Resume();
@@ -99,7 +99,7 @@ TEST(Turn, PosesBehindTheFrameThatIsGoneBackToDoNotCount) {
   EXPECT_EQ(turn.WaitForPose(kNow), Event::kPose);
 }
 
-TEST(Turn, WaitsWhilePausedUntilSomebodyEndsThatOrFramesAreWantedAgain) {
+TEST(Turn, PauseEndsByResumeResendRequestOrStop) {
   Turn turn;
   EXPECT_EQ(turn.WaitWhilePaused(), Event::kPose);
   turn.SetPaused(true);

@@ -15,6 +15,8 @@ namespace {
 constexpr double kMostWithoutSubject = 0.01;
 // Shorter ones are noun phrases.
 constexpr int kSentenceWords = 4;
+// Characters of the name of a test, and of a suite.
+constexpr size_t kLongestName = 45;
 
 struct Sentence {
   std::string path;
@@ -61,6 +63,26 @@ std::vector<Sentence> Sentences(const test::SourceFile& file) {
   return sentences;
 }
 
+struct TestName {
+  std::string suite;
+  std::string test;
+  std::string where;
+};
+
+// The macro begins a line; a long name may be on the next one.
+std::vector<TestName> TestNames(const test::SourceFile& file) {
+  static const std::regex kTest(R"(^(?:TYPED_)?TEST(?:_[FP])?\(\s*(\w+),\s*(\w+)\))");
+  std::vector<TestName> names;
+  for (size_t i = 0; i < file.lines.size(); ++i) {
+    if (file.lines[i].empty()) continue;
+    const std::string text = file.lines[i] + (i + 1 < file.lines.size() ? file.lines[i + 1] : "");
+    std::smatch match;
+    if (!std::regex_search(text, match, kTest)) continue;
+    names.push_back({match[1], match[2], file.path + ":" + std::to_string(i + 1)});
+  }
+  return names;
+}
+
 std::string Unquoted(const std::string& text) {
   static const std::regex kQuoted("\"[^\"]*\"|`[^`]*`");
   return std::regex_replace(text, kQuoted, "");
@@ -104,6 +126,28 @@ TEST(Language, SentencesAreRecognised) {
   EXPECT_EQ(texts[1], "Returns the pose of the frame");
   EXPECT_EQ(texts[3], "what no caller needs");
   EXPECT_EQ(Unquoted("the `Of it` \"told\" rest"), "the   rest");
+}
+
+TEST(Language, TestNamesAreShort) {
+  size_t n = 0;
+  for (const test::SourceFile& file : test::SourceFiles({"tests"})) {
+    for (const TestName& name : TestNames(file)) {
+      ++n;
+      for (const std::string& part : {name.suite, name.test}) {
+        EXPECT_LE(part.size(), kLongestName) << name.where << ": " << part;
+      }
+    }
+  }
+  EXPECT_GT(n, 2000U) << "the tests are found";
+}
+
+TEST(Language, TestNamesAreRecognised) {
+  const test::SourceFile file{
+      "a.cpp",
+      {"TEST(A, B) {", "}", "", "TYPED_TEST(C,", "           D) {", "}", "// TEST(A, Comment)", "TEST_P(E, F) {}"}};
+  std::vector<std::string> found;
+  for (const TestName& name : TestNames(file)) found.push_back(name.where + " " + name.suite + "." + name.test);
+  EXPECT_EQ(found, (std::vector<std::string>{"a.cpp:1 A.B", "a.cpp:4 C.D", "a.cpp:8 E.F"}));
 }
 
 }  // namespace

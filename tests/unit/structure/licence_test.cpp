@@ -25,7 +25,7 @@ std::string CommentOf(const fs::path& path, bool is_script) {
   return hashes ? "# " : "";
 }
 
-TEST(Licence, StandsFirstInEverySource) {
+TEST(Licence, IsTheFirstLineOfEverySource) {
   int n_sources = 0;
   for (auto entry = fs::recursive_directory_iterator(test::SourceFolder());
        entry != fs::recursive_directory_iterator(); ++entry) {

@@ -10,7 +10,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-TEST(SanitizerReports, OfHealthyProcessesThereAreNone) {
+TEST(SanitizerReports, HealthyProcessesHaveNone) {
   EXPECT_EQ(SanitizerReports(""), "");
   EXPECT_EQ(SanitizerReports("[vo] warning: no map for 15 s\nplayer: error: an image is missing\n"), "");
 }
@@ -24,7 +24,7 @@ TEST(SanitizerReports, BeginWithTheErrorAndEndAfterThirtyLines) {
   EXPECT_THAT(reports, Not(HasSubstr("    #29\n")));
 }
 
-TEST(SanitizerReports, OfAllKindsAreSeen) {
+TEST(SanitizerReports, AllSanitizersAreRecognised) {
   for (const char* line :
        {"==1==ERROR: LeakSanitizer: detected memory leaks", "a.cpp:3:4: runtime error: signed integer overflow",
         "WARNING: ThreadSanitizer: data race (pid=1)", "FATAL: ThreadSanitizer: unexpected memory mapping"}) {

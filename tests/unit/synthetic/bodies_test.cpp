@@ -40,7 +40,7 @@ TEST(Bodies, NoneByDefaultAndEqualBitsWithNone) {
   EXPECT_EQ(ShareOf(plain.RenderBodies(5)), 0.0);
 }
 
-TEST(Bodies, DepthIsThatOfTheirSurfacesAndOfTheWorldElsewhere) {
+TEST(Bodies, DepthAgreesWithRayCasting) {
   for (const char* body : {"lead", "overtake", "cross", "stop", "crowd"}) {
     const Simulator simulator = Make(std::string("street?size=160x120&frames=200&bodies=3&body=") + body);
     int on_bodies = 0;
@@ -149,7 +149,7 @@ TEST(Bodies, CoverTheShareOfTheWidth) {
   }
 }
 
-TEST(Bodies, OneAheadKeepsItsDistance) {
+TEST(Bodies, LeadingBodyKeepsItsDistance) {
   const Simulator simulator = Make("street?size=160x120&frames=300&bodies=1");
   const double z = (simulator.T_w_c(0).Inverse() * *simulator.bodies().T_w_b(0, 0)).translation().z();
   for (int i = 0; i < 300; i += 10) {
@@ -157,7 +157,7 @@ TEST(Bodies, OneAheadKeepsItsDistance) {
   }
 }
 
-TEST(Bodies, OneThatStopsStandsForTwoSecondsAndMovesOn) {
+TEST(Bodies, StoppingBodyStandsForTwoSeconds) {
   for (const std::string world : {"street?body=stop", "room?body=stop&standing=1"}) {
     const Simulator simulator = Make(world + "&size=160x120&frames=400");
     int stands = 0;
@@ -176,7 +176,7 @@ TEST(Bodies, OneThatStopsStandsForTwoSecondsAndMovesOn) {
   }
 }
 
-TEST(Bodies, CrossingOnesComeAndGo) {
+TEST(Bodies, CrossingBodiesAppearAndDisappear) {
   const Simulator simulator = Make("street?size=160x120&frames=200&body=cross&share=0.4");
   double least = 1.0;
   double most = 0.0;
@@ -189,7 +189,7 @@ TEST(Bodies, CrossingOnesComeAndGo) {
   EXPECT_GT(most, 0.2);
 }
 
-TEST(Bodies, ACameraThatStandsSeesTheSameBehindThem) {
+TEST(Bodies, StandingCameraSeesTheSameBackground) {
   const Simulator simulator = Make("room?standing=1&bodies=1&share=0.6&noise=0&exposure=0&frames=80");
   const Simulator without = Make("room?standing=1&noise=0&exposure=0&frames=80");
   for (const int index : {0, 60, 79}) {

@@ -16,7 +16,7 @@ TEST(ExactMath, SineAndCosineAgreeWithTheLibrary) {
   }
 }
 
-TEST(ExactMath, SineHasItsLastBitPinned) {
+TEST(ExactMath, SineIsPinnedToTheLastBit) {
   EXPECT_EQ(Sin(0.0), 0.0);
   EXPECT_EQ(Sin(1.0), 0x1.aed548f090ceep-1);
 }

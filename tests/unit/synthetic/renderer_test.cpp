@@ -108,7 +108,7 @@ TEST(Renderer, DisparityIsUnbiased) {
 }
 
 /// A vertical edge between dark and bright at a known column.
-TEST(Renderer, EdgesSitWhereTheyShould) {
+TEST(Renderer, EdgesAreAtTheirTruePositions) {
   World world;
   const int dark = world.AddTexture(Texture(1, 1, Texture::Border::kClamp, {50.0F}));
   const int bright = world.AddTexture(Texture(1, 1, Texture::Border::kClamp, {150.0F}));

@@ -54,7 +54,7 @@ TEST(Synthetic, ReadingIsRandomAccess) {
 }
 
 // The next frame's left image is the view of a right camera one frame late at the position of the left one.
-TEST(Synthetic, LateRightImageIsTakenFromThePlaceOfThen) {
+TEST(Synthetic, LateRightImageIsTakenFromTheLaterPose) {
   const std::string world = "room?size=160x120&noise=0&exposure=0&rate=20";
   const auto on_time = OpenSyntheticDataset(world);
   const auto late = OpenSyntheticDataset(world + "&right_late_ms=50");
@@ -76,7 +76,7 @@ TEST(Synthetic, RollingShutterTakesRowsOneAfterTheOther) {
   EXPECT_GT(difference(3, 118), 2.0);
 }
 
-TEST(Synthetic, StreaksAreOthersInEveryImageAndDirtStays) {
+TEST(Synthetic, StreaksChangeInEveryImageAndDirtStays) {
   const std::string world = "whitewall?size=160x120&noise=0&exposure=0";
   const auto clean = OpenSyntheticDataset(world);
   const auto changed = [&](const std::string& option, int frame, bool right) {
@@ -122,7 +122,7 @@ TEST(Synthetic, TimesAreRegularAndIncrease) {
   EXPECT_EQ(dataset->t_ns(29), 725000000);
 }
 
-TEST(Synthetic, RigSaysWhatIsRendered) {
+TEST(Synthetic, RigMatchesTheRenderedImages) {
   const auto plain = OpenSyntheticDataset("room?baseline=0.2&fov=90&size=640x480");
   EXPECT_NEAR(plain->rig().left.fx_px, 320.0, 1e-9);
   EXPECT_EQ(plain->rig().left.cx_px, 319.5);
@@ -167,7 +167,7 @@ TEST(Synthetic, DisparityBiasLeavesTheLeftImageAndTheTruth) {
   EXPECT_THROW(OpenSyntheticDataset("street?distorted=1&disparity_bias=0,0,-2"), DatasetError);
 }
 
-TEST(Synthetic, NoiseHasItsDeviationAndNoMean) {
+TEST(Synthetic, NoiseHasTheGivenSigmaAndNoMean) {
   const cv::Mat clean = OpenSyntheticDataset("corridor?noise=0&frames=2")->Read(0).left;
   for (const double sigma : {2.0, 4.0}) {
     const cv::Mat noisy = OpenSyntheticDataset("corridor?frames=2&noise=" + std::to_string(sigma))->Read(0).left;

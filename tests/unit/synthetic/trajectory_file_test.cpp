@@ -50,7 +50,7 @@ constexpr const char* kKitti =
     "1 0 0 0 0 1 0 -0.1 0 0 1 20\n"
     "1 0 0 1 0 1 0 0 0 0 1 60\n";
 
-TEST_F(TrajectoryFile, TumIsFlownAsItIs) {
+TEST_F(TrajectoryFile, TumPathIsUsedUnchanged) {
   for (const std::string world : {"room", "corridor", "street", "whitewall"}) {
     const Simulator simulator(ParseOptions(world + "?size=160x120&trajectory=" + Write(kTum)));
     ASSERT_EQ(simulator.size(), 3);

@@ -36,14 +36,14 @@ TEST(TextRows, DigitsBeyondTheNanosecondAreRounded) {
   EXPECT_EQ(SecondsToNs("0.9999999999"), 1000000000);
 }
 
-TEST(TextRows, LargestTimeFitsAndOneMoreDoesNot) {
+TEST(TextRows, LargestTimeAndOverflow) {
   EXPECT_EQ(SecondsToNs("9223372036.854775807"), INT64_MAX);
   for (const char* text : {"9223372036.854775808", "1403636579763555584", "1e300", "1e9999"}) {
     EXPECT_THAT([&] { SecondsToNs(text); }, ThrowsMessage<std::runtime_error>(HasSubstr("file:1: '"))) << text;
   }
 }
 
-TEST(TextRows, WhatIsNoDecimalNumberIsRefused) {
+TEST(TextRows, InvalidDecimalNumbersAreRefused) {
   for (const char* text :
        {"", "-", ".", "e5", "1e", "1e+", "1.2.3", "0x10", "nan", "inf", "1,5", "1e99999", "1e5 "}) {
     EXPECT_THROW(SecondsToNs(text), std::runtime_error) << text;
@@ -103,7 +103,7 @@ TEST(TextRows, HeaderOfACsvIsItsFirstRowWithALetter) {
   EXPECT_THAT(headers, ElementsAre(true, false, false, false, false, false));
 }
 
-TEST(TextRows, LineOf4096CharactersIsReadAndALongerOneIsNot) {
+TEST(TextRows, LineLengthLimitIs4096Characters) {
   const ScratchFolder folder;
   int rows = 0;
   ForEachRow(folder.Write("fits.txt", std::string(4096, '1') + "\n2"), [&](const TextRow&) { ++rows; });
@@ -113,7 +113,7 @@ TEST(TextRows, LineOf4096CharactersIsReadAndALongerOneIsNot) {
               ThrowsMessage<std::runtime_error>(HasSubstr("long.txt:2: the line has more than 4096")));
 }
 
-TEST(TextRows, BinaryFilesAreCalledSo) {
+TEST(TextRows, BinaryFilesAreRecognised) {
   const ScratchFolder folder;
   const std::string path = folder.Write("nul.txt", std::string("3\n1\0 \x1b[2J", 9));
   EXPECT_THAT([&] { ForEachRow(path, [](const TextRow&) {}); },

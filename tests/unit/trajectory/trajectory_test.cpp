@@ -80,7 +80,7 @@ TEST(Trajectory, HandWrittenFilesOfAllFormatsMeanTheSame) {
   }
 }
 
-TEST(Trajectory, WrittenTumRowIsWhatOtherToolsExpect) {
+TEST(Trajectory, TumRowHasTheCommonFormat) {
   const ScratchFolder folder;
   const SE3 T(Eigen::Quaterniond(-1, 0, 0, 0), Eigen::Vector3d(1, -2, 0.5));
   WriteTrajectory(folder.Path("t"), TrajectoryFormat::kTum, {{103391400, T}});
@@ -128,7 +128,7 @@ Kept KeptOf(const std::string& path, std::optional<TrajectoryFormat> format = st
   return kept;
 }
 
-TEST(TruthRows, BadOnesArePassedOverWithOneNote) {
+TEST(TruthRows, BadRowsAreSkippedWithOneNote) {
   const ScratchFolder folder;
   const std::string pose = " 0 0 0 0 0 0 1\n";
   const Kept twice = KeptOf(folder.Write("t", "1" + pose + "2" + pose + "2 9 0 0 0 0 0 1\n3" + pose));
@@ -144,7 +144,7 @@ TEST(TruthRows, BadOnesArePassedOverWithOneNote) {
   EXPECT_TRUE(KeptOf(folder.Write("t", "1" + pose)).notes.empty());
 }
 
-TEST(TruthRows, OneTimeOfTheFutureCostsOneRow) {
+TEST(TruthRows, FutureTimeSkipsOneRow) {
   const ScratchFolder folder;
   const std::string pose = " 0 0 0 0 0 0 1\n";
   const Kept late = KeptOf(folder.Write("t", "1" + pose + "900" + pose + "2" + pose + "3" + pose));

@@ -46,7 +46,7 @@ void AddPictures(Film& film, int n) {
   }
 }
 
-TEST(FilmLog, WhereNothingCanBeWrittenItIsSaidOnceAndTheRunGoesOn) {
+TEST(FilmLog, UnwritableFilmIsReportedOnce) {
   const ScratchFolder folder;
   const CapturedLog log;
   {
@@ -71,7 +71,7 @@ TEST(FilmLog, APictureAloneIsWrittenAtTheEnd) {
   EXPECT_TRUE(std::filesystem::exists(folder.Path("film/000000.png")));
 }
 
-TEST(Film, PicturesStandAtTheirTimesByTheRateOfTheCamera) {
+TEST(Film, PicturesAreAtTheirTimesOfTheCameraRate) {
   const ScratchFolder folder;
   {
     Film film(folder.Path("film"));

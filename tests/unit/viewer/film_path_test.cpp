@@ -42,7 +42,7 @@ TEST(FilmPath, WithoutAMapItIsAsPublished) {
   EXPECT_EQ(Sideways(PathOf({SomePose(0), SomePose(1)}).In(Map()), {0, 1}), (std::vector<double>{9.0, 9.0}));
 }
 
-TEST(FilmPath, EachFrameMovesWithItsKeyframeWheneverTheMapIsCorrected) {
+TEST(FilmPath, FramesMoveWithTheirCorrectedKeyframe) {
   const FilmPath path = PathOf({SomePose(0), SomePose(2), SomePose(3), SomePose(6), SomePose(8)});
   Map map;
   map.Put(MovedKeyframe(0, 2, 1.0));
@@ -53,7 +53,7 @@ TEST(FilmPath, EachFrameMovesWithItsKeyframeWheneverTheMapIsCorrected) {
   EXPECT_EQ(Sideways(path.In(map), frames), (std::vector<double>{1.0, 1.0, 1.0, -3.0, -3.0}));
 }
 
-TEST(FilmPath, FramesWithoutAPoseAreLeftOutAndPartWhatIsAroundThem) {
+TEST(FilmPath, LostFramesSplitThePath) {
   const FilmPath path =
       PathOf({SomePose(0, TrackingState::kInitialising), SomePose(1), SomePose(3), SomePose(4, TrackingState::kLost),
               SomePose(5), SomePose(6), SomePose(7, TrackingState::kLost), SomePose(8)});
@@ -63,7 +63,7 @@ TEST(FilmPath, FramesWithoutAPoseAreLeftOutAndPartWhatIsAroundThem) {
   EXPECT_EQ(Sideways(path.In(map), {1, 3, 5, 6, 8}), (std::vector<double>{1.0, 1.0, 2.0, 2.0, 9.0}));
 }
 
-TEST(FilmPath, AnotherSessionStaysWhereItIs) {
+TEST(FilmPath, AnotherSessionIsNotMoved) {
   FramePose pose = SomePose(3);
   pose.session = 8;
   Map map;

@@ -49,7 +49,7 @@ TEST(Film, AnMp4FileThatOpenCvReadsBack) {
   EXPECT_NEAR(capture.get(cv::CAP_PROP_FPS), 10.0, 0.01);
 }
 
-TEST(Film, OneThatCannotBePutInPlaceSaysSo) {
+TEST(Film, FilmThatCannotBeRenamedIsAnError) {
   const ScratchFolder folder;
   const std::string file = folder.Path("film.mp4");
   std::filesystem::create_directories(file);
@@ -61,7 +61,7 @@ TEST(Film, OneThatCannotBePutInPlaceSaysSo) {
   EXPECT_FALSE(std::filesystem::exists(folder.Path("film.part.mp4")));
 }
 
-TEST(Film, WhereTheProgramIsKilledOneSentenceSaysSo) {
+TEST(Film, KilledEncoderIsReported) {
   const ScratchFolder folder;
   const std::string file = folder.Path("film.mp4");
   auto film = Start(file);
@@ -91,7 +91,7 @@ std::unique_ptr<FilmProcess> StartWithLimit(const ScratchFolder& folder, const s
 
 class FilmOnAFullDisk : public testing::TestWithParam<int> {};
 
-TEST_P(FilmOnAFullDisk, IsToldWithTheReasonOfTheSystemAndNothingIsLeft) {
+TEST_P(FilmOnAFullDisk, SystemErrorIsReportedAndNoFileIsLeft) {
   const ScratchFolder folder;
   const std::string file = folder.Path("film.mp4");
   const auto film = [&] {
@@ -113,7 +113,7 @@ TEST_P(FilmOnAFullDisk, IsToldWithTheReasonOfTheSystemAndNothingIsLeft) {
 INSTANTIATE_TEST_SUITE_P(FromTheStartAndHalfway, FilmOnAFullDisk, testing::Values(0, 100));
 
 /// As where the viewer is killed.
-TEST(Film, NothingIsLeftOfOneThatIsNotFinished) {
+TEST(Film, UnfinishedFilmLeavesNoFile) {
   const ScratchFolder folder;
   const std::string file = folder.Path("film.mp4");
   {
@@ -128,7 +128,7 @@ TEST(Film, NothingIsLeftOfOneThatIsNotFinished) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.Path("")));
 }
 
-TEST(Film, SizesThatAreNoneAreRefused) {
+TEST(Film, OddSizesAreRefused) {
   const ScratchFolder folder;
   FilmProcess film(folder.Path("film.mp4"), test::BinaryFolder() / "plslam_film");
   EXPECT_THAT([&] { film.Begin(10.0, {63, 48}); }, ThrowsMessage<std::runtime_error>(HasSubstr("two even sides")));

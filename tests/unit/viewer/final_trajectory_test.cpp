@@ -57,12 +57,12 @@ SE3 Final(const Map& map, int64_t frame_id, int64_t session = 7) {
   return FinalPoses(map, recorder)(frame_id, frame);
 }
 
-TEST(FinalPoses, AKeyframeIsWhereTheMapHasIt) {
+TEST(FinalPoses, KeyframesHaveTheirPoseOfTheMap) {
   const Map map = SomeMap();
   for (int i = 0; i < 3; ++i) ExpectSame(Final(map, kKeyframes[i]), map.FindKeyframe(i)->T_w_kf);
 }
 
-TEST(FinalPoses, BetweenTwoKeyframesBothCountByTheNumberOfFrames) {
+TEST(FinalPoses, FramesBetweenKeyframesAreInterpolated) {
   const SE3 T_odom_c = SomePose(5).T_odom_c;
   const SE3 first = Correction(0) * T_odom_c, second = Correction(1) * T_odom_c;
   const SE3 blended = Final(SomeMap(), 5);
@@ -72,12 +72,12 @@ TEST(FinalPoses, BetweenTwoKeyframesBothCountByTheNumberOfFrames) {
   EXPECT_NEAR(second.rotation().angularDistance(blended.rotation()), 0.25 * 0.03, 1e-12);
 }
 
-TEST(FinalPoses, BeforeTheFirstAndAfterTheLastTheNearestCounts) {
+TEST(FinalPoses, OuterFramesFollowTheNearestKeyframe) {
   ExpectSame(Final(SomeMap(), 0), Correction(0) * SomePose(0).T_odom_c);
   ExpectSame(Final(SomeMap(), 29), Correction(2) * SomePose(29).T_odom_c);
 }
 
-TEST(FinalPoses, OfACulledKeyframeTheNeighboursThatAreLeftCount) {
+TEST(FinalPoses, FramesOfACulledKeyframeUseItsNeighbours) {
   Map map = SomeMap();
   map.RemoveKeyframe(1);
   const SE3 T_odom_c = SomePose(6).T_odom_c;
@@ -88,7 +88,7 @@ TEST(FinalPoses, OfACulledKeyframeTheNeighboursThatAreLeftCount) {
   EXPECT_LT((blended.translation() - t).norm(), 1e-12);
 }
 
-TEST(FinalPoses, OnEitherSideOfLostFramesTheKeyframeThereCounts) {
+TEST(FinalPoses, NoInterpolationAcrossLostFrames) {
   const Map map = SomeMap();
   Recorder recorder;
   for (int64_t i = 0; i < 30; ++i) {
@@ -105,7 +105,7 @@ TEST(FinalPoses, OnEitherSideOfLostFramesTheKeyframeThereCounts) {
   }
 }
 
-TEST(FinalPoses, WithoutKeyframesOfTheSessionWhatWasPublishedStays) {
+TEST(FinalPoses, PublishedPosesWithoutKeyframes) {
   ExpectSame(Final(SomeMap(), 5, 8), Pose(9.0, 9.0, 9.0, 1.0) * SomePose(5).T_odom_c);
   ExpectSame(Final(Map(), 5), Pose(9.0, 9.0, 9.0, 1.0) * SomePose(5).T_odom_c);
 }

@@ -105,14 +105,14 @@ TEST_F(LiveViewTest, OnlyGetIsAnswered) {
               StartsWith("HTTP/1.1 200"));
 }
 
-TEST_F(LiveViewTest, OtherHostsAreTurnedAway) {
+TEST_F(LiveViewTest, OtherHostsAreRejected) {
   for (const std::string host :
        {"evil.example", "localhost.evil.example", "127.0.0.1.nip.io", "", "[::1", "192.168.0.1"}) {
     EXPECT_THAT(Ask(port(), Get("/", host)), testing::Not(StartsWith("HTTP/1.1 200"))) << host;
   }
 }
 
-TEST_F(LiveViewTest, NonsenseDoesNoHarm) {
+TEST_F(LiveViewTest, MalformedRequestsAreHarmless) {
   EXPECT_THAT(Ask(port(), Get("/../../etc/passwd")), StartsWith("HTTP/1.1 404"));
   EXPECT_THAT(Ask(port(), Get("/data.json?since=junk")), StartsWith("HTTP/1.1 400"));
   EXPECT_THAT(Ask(port(), Get("/data.json?since=" + std::string(5000, '1'))), StartsWith("HTTP/1.1 400"));
@@ -127,7 +127,7 @@ TEST_F(LiveViewTest, NonsenseDoesNoHarm) {
   EXPECT_THAT(Ask(port(), Get("/")), StartsWith("HTTP/1.1 200")) << "it still lives";
 }
 
-TEST_F(LiveViewTest, IdleConnectionsKeepNobodyOut) {
+TEST_F(LiveViewTest, IdleConnectionsDoNotBlockOthers) {
   std::vector<std::unique_ptr<Socket>> idle;
   for (int i = 0; i < 100; ++i) {
     idle.push_back(std::make_unique<Socket>(port()));
@@ -138,7 +138,7 @@ TEST_F(LiveViewTest, IdleConnectionsKeepNobodyOut) {
   EXPECT_THAT(idle.front()->ReadAll(), HasSubstr("<page>"));
 }
 
-TEST_F(LiveViewTest, SlowClientsAreCutHoweverManyThereAre) {
+TEST_F(LiveViewTest, ManySlowClientsAreDisconnected) {
   std::vector<std::unique_ptr<Socket>> slow;
   for (int i = 0; i < 300; ++i) slow.push_back(std::make_unique<Socket>(port()));
   std::atomic<bool> over = false;
@@ -163,7 +163,7 @@ TEST_F(LiveViewTest, SlowClientsAreCutHoweverManyThereAre) {
   dripping.join();
 }
 
-TEST_F(LiveViewTest, NobodyWaitsForAnother) {
+TEST_F(LiveViewTest, ClientsDoNotBlockEachOther) {
   // The first client waits for the end, which does not come.
   Socket waits(port());
   waits.Send(Get("/end"));
@@ -173,7 +173,7 @@ TEST_F(LiveViewTest, NobodyWaitsForAnother) {
   EXPECT_THAT(waits.ReadAll(), HasSubstr("\r\n\r\nfinished"));
 }
 
-TEST(LiveView, WhoIsToldOfTheEndGetsWhatWasNewThen) {
+TEST(LiveView, LastDataFollowTheEnd) {
   LiveView view(0, "<page>");
   std::string end, data;
   std::atomic<bool> asked = false;
@@ -191,22 +191,22 @@ TEST(LiveView, WhoIsToldOfTheEndGetsWhatWasNewThen) {
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
   const auto began = std::chrono::steady_clock::now();
   view.SetFinished(true);
-  view.AnswerTheLast(json);
+  view.SendFinalData(json);
   EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::milliseconds(1900)) << "no longer than needed";
   page.join();
   EXPECT_THAT(end, HasSubstr("finished"));
   EXPECT_THAT(data, HasSubstr("{\"finished\": true}"));
 }
 
-TEST(LiveView, WithoutAPageThatWatchesNothingIsWaitedFor) {
+TEST(LiveView, EndIsImmediateWithoutAPage) {
   LiveView view(0, "<page>");
   view.SetFinished(true);
   const auto began = std::chrono::steady_clock::now();
-  view.AnswerTheLast([](const ReportSince&) { return std::string(); });
+  view.SendFinalData([](const ReportSince&) { return std::string(); });
   EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(1));
 }
 
-TEST(LiveView, WhoWaitsIsTurnedAwayAtTheEnd) {
+TEST(LiveView, WaitingClientIsRejectedAtTheEnd) {
   std::string answer;
   std::thread client;
   {
@@ -233,7 +233,7 @@ TEST(LiveView, ATakenPortIsOneSentence) {
       testing::ThrowsMessage<std::runtime_error>(HasSubstr("of 127.0.0.1 cannot be served: Address already in use")));
 }
 
-TEST(LiveView, IsNotHeardBeyondThisMachine) {
+TEST(LiveView, ListensOnThisMachineOnly) {
   const LiveView view(0, "");
   // 127.0.0.2 is this machine as well, but not the address that is served.
   sockaddr_in address{};

@@ -55,7 +55,7 @@ std::vector<int64_t> FramesOf(const Trajectory& trajectory) {
   return frames;
 }
 
-TEST(Outputs, LostFramesAreLeftOutAndSoAreTheMotionsBesideThem) {
+TEST(Outputs, LostFramesAndAdjacentMotionsAreLeftOut) {
   Recorder recorder;
   for (int i = 0; i < 6; ++i) {
     FramePose pose = SomePose(i, i == 3 ? TrackingState::kLost : TrackingState::kTracking);
@@ -72,7 +72,7 @@ TEST(Outputs, LostFramesAreLeftOutAndSoAreTheMotionsBesideThem) {
   EXPECT_THAT(motions, ElementsAre(1, 2, 5));
 }
 
-TEST(Outputs, FramesBeforeThereWasAnythingToSeeHaveNoPoseButTheOneThatFoundsASessionHas) {
+TEST(Outputs, InitialisingFramesHaveNoPose) {
   Recorder recorder;
   for (int i = 0; i < 4; ++i) {
     FramePose pose = SomePose(i, i < 3 ? TrackingState::kInitialising : TrackingState::kTracking);
@@ -85,7 +85,7 @@ TEST(Outputs, FramesBeforeThereWasAnythingToSeeHaveNoPoseButTheOneThatFoundsASes
   EXPECT_EQ(run.covariances.size(), 2u);
 }
 
-TEST(Outputs, PosesAreThoseOfTheCalibratedLeftCameraInTheMap) {
+TEST(Outputs, PosesAreOfTheCalibratedLeftCamera) {
   const SE3 T_w_odom = SE3::Exp((Vector6d() << 1, 2, 3, 0.3, 0.2, 0.1).finished());
   const SE3 T_odom_c = SE3::Exp((Vector6d() << 4, 5, 6, -0.3, 0.2, 0.7).finished());
   const Eigen::Quaterniond q_l_c(Eigen::AngleAxisd(0.02, Eigen::Vector3d(1, 2, 3).normalized()));
@@ -100,7 +100,7 @@ TEST(Outputs, PosesAreThoseOfTheCalibratedLeftCameraInTheMap) {
   EXPECT_LT((T_w_l * (q_l_c * p_c) - T_w_odom * (T_odom_c * p_c)).norm(), 1e-12);
 }
 
-TEST(Outputs, CovariancesAreTurnedIntoTheCalibratedCamera) {
+TEST(Outputs, CovariancesAreOfTheCalibratedCamera) {
   const Eigen::Quaterniond q_l_c(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY()));
   Recorder recorder;
   FramePose pose = SomePose(0);
@@ -164,7 +164,7 @@ TEST(Outputs, EmptyRunWritesEmptyFilesAndNoGroundTruth) {
   EXPECT_FALSE(std::filesystem::exists(folder.Path("groundtruth.tum")));
 }
 
-TEST(Outputs, TableHasARowForLostFramesTooAndSafeColumnNames) {
+TEST(Outputs, TableHasLostFramesAndSafeColumnNames) {
   Recorder recorder;
   recorder.AddPose(SomePose(0));
   FramePose lost = SomePose(1, TrackingState::kLost);
@@ -179,7 +179,7 @@ TEST(Outputs, TableHasARowForLostFramesTooAndSafeColumnNames) {
             "1,1.100000000,lost,800,120,312,84,12,0.875,0,0,,,1.0000\n");
 }
 
-TEST(Outputs, BodiesHaveTheirPlacesInTheMap) {
+TEST(Outputs, BodiesHaveTheirPositionsInTheMap) {
   Recorder recorder;
   FramePose pose = SomePose(0);
   pose.T_w_odom = SE3(Eigen::Quaterniond::Identity(), {10.0, 0.0, 0.0});
@@ -200,7 +200,7 @@ TEST(Outputs, BodiesHaveTheirPlacesInTheMap) {
                         pose.session));
 }
 
-TEST(Outputs, FolderThatCannotBeMadeIsNamed) {
+TEST(Outputs, ImpossibleFolderIsNamed) {
   const ScratchFolder folder;
   const std::string file = folder.Write("file", "");
   EXPECT_THAT([&] { PrepareOutputFolder(file + "/out"); },
@@ -209,7 +209,7 @@ TEST(Outputs, FolderThatCannotBeMadeIsNamed) {
               testing::ThrowsMessage<std::runtime_error>(HasSubstr("/proc/plslam: cannot be ")));
 }
 
-TEST(Outputs, FullDiskIsToldAndLeavesNoHalfFile) {
+TEST(Outputs, FullDiskIsReportedAndLeavesNoPartialFile) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
   const ScratchFolder folder;
   std::filesystem::create_symlink("/dev/full", folder.Path("trajectory.tum.part"));

@@ -31,7 +31,7 @@ int ChangedPixels(const cv::Mat& picture) {
   return n;
 }
 
-TEST(Overlay, NothingTrackedLeavesTheImageAndAddsACaption) {
+TEST(Overlay, NothingTrackedAddsOnlyACaption) {
   const cv::Mat picture = DrawOverlay(Grey(), {}, "caption");
   EXPECT_EQ(picture.type(), CV_8UC3);
   EXPECT_EQ(picture.cols, 640);
@@ -40,13 +40,13 @@ TEST(Overlay, NothingTrackedLeavesTheImageAndAddsACaption) {
   EXPECT_NE(cv::norm(picture, DrawOverlay(Grey(), {}, "other")), 0.0);
 }
 
-TEST(Overlay, WhatTheMaskLeavesOutIsShaded) {
+TEST(Overlay, MaskedPixelsAreShaded) {
   cv::Mat mask(120, 640, CV_8UC1, cv::Scalar(255));
   mask.rowRange(90, 120).setTo(0);
   EXPECT_EQ(ColouredPixels(DrawOverlay(Grey(), {}, "caption", mask), {0, 0, 640, 120}), 30 * 640);
 }
 
-TEST(Overlay, NearPointsAreRedFarOnesBlueAndThoseWithoutDepthGrey) {
+TEST(Overlay, ColoursOfNearFarAndUnknownPoints) {
   const OverlayFeatures features{{{{20, 60}, 64.0F, 3}, {{60, 60}, 0.0F, 3}, {{100, 60}, -1.0F, 3}}, {}};
   const cv::Mat picture = DrawOverlay(Grey(), features, "");
   // The rings have a radius of 3.5 px.
@@ -62,7 +62,7 @@ TEST(Overlay, NearPointsAreRedFarOnesBlueAndThoseWithoutDepthGrey) {
   EXPECT_EQ(ColouredPixels(picture, {90, 50, 20, 20}), 0) << "grey";
 }
 
-TEST(Overlay, SegmentsWithDepthAreColouredAndThickTheOthersDashedGrey) {
+TEST(Overlay, StylesOfSegmentsWithAndWithoutDepth) {
   const OverlayFeatures with_depth{{}, {{{10, 30}, {210, 30}, 4, 4, 5}}};
   const OverlayFeatures without{{}, {{{10, 30}, {210, 30}, -1, -1, 5}}};
   const cv::Mat thick = DrawOverlay(Grey(), with_depth, "");
@@ -73,7 +73,7 @@ TEST(Overlay, SegmentsWithDepthAreColouredAndThickTheOthersDashedGrey) {
   EXPECT_LT(ChangedPixels(dashed), 400);
 }
 
-TEST(Overlay, CoordinatesThatAreNotFiniteOrFarOutsideAreHarmless) {
+TEST(Overlay, NonFiniteAndFarOutsideCoordinates) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float inf = std::numeric_limits<float>::infinity();
   OverlayFeatures features;
@@ -147,7 +147,7 @@ TEST(OverlayQueue, PicturesOfAHundredFramesWaitForTheirFeatures) {
   }
 }
 
-TEST(OverlayQueue, OldIncompleteFramesAreDroppedAndLacking) {
+TEST(OverlayQueue, OldIncompleteFramesAreDropped) {
   OverlayQueue queue(1);
   for (int i = 0; i < 2000; ++i) queue.AddPose(PoseOf(i));
   EXPECT_EQ(queue.lacking().size(), 2000u);
@@ -176,7 +176,7 @@ TEST(OverlayQueue, ImagesAreBoundedByTheirBytes) {
   EXPECT_EQ(n, 4);
 }
 
-TEST(OverlayQueue, RightImagesComeAlongAndCount) {
+TEST(OverlayQueue, RightImagesAreKeptAndCounted) {
   OverlayQueue queue(1);
   const cv::Mat left(4000, 2000, CV_8UC1, cv::Scalar(0)), right(4000, 2000, CV_8UC1, cv::Scalar(7));
   for (int i = 0; i < 8; ++i) {
@@ -189,7 +189,7 @@ TEST(OverlayQueue, RightImagesComeAlongAndCount) {
   EXPECT_EQ(n, 4);
 }
 
-TEST(OverlayQueue, EmptyImageIsNoPart) {
+TEST(OverlayQueue, EmptyImageIsIgnored) {
   OverlayQueue queue(1);
   queue.AddPose(PoseOf(0));
   queue.AddFeatures(0, {});

@@ -20,7 +20,7 @@ FramePose PoseOf(int64_t frame_id) {
   return pose;
 }
 
-TEST(PictureNode, ASecondStreamHasItsPicturesWhateverWasMissingInTheFirst) {
+TEST(PictureNode, SecondStreamAfterMissingPictures) {
   const ScratchFolder folder;
   PrepareOutputFolder(folder.Path("overlays"));
   bus::BusOptions options;
@@ -32,7 +32,7 @@ TEST(PictureNode, ASecondStreamHasItsPicturesWhateverWasMissingInTheFirst) {
   pictures.SetCamera(rig, Rectify(rig));
   // Frames whose images never arrived.
   for (int64_t frame = 100; frame < 120; ++frame) pictures.AddPose(PoseOf(frame));
-  pictures.BeginAgain(nullptr);
+  pictures.StartNewRun(nullptr);
   pictures.AddPose(PoseOf(0));
   const cv::Mat image(240, 320, CV_8UC1, cv::Scalar(90));
   bus::FramePublisher(bus, true).Publish({0, 0, image, image});
@@ -96,7 +96,7 @@ PictureNode::Result ResultWithoutPictures(const ScratchFolder& folder, bool lock
   return pictures.Finish(recorder, lockstep, ended);
 }
 
-TEST(PictureNode, WhatIsMissingInLockstepIsToldUnlessItIsThere) {
+TEST(PictureNode, MissingPicturesInLockstepAreReported) {
   const ScratchFolder folder;
   std::filesystem::create_directories(folder.Path("overlays"));
   folder.Write("overlays/000005.png", "by the viewer_headless before this one");
@@ -107,13 +107,13 @@ TEST(PictureNode, WhatIsMissingInLockstepIsToldUnlessItIsThere) {
                                             testing::HasSubstr("film: no film: 20 of 20 frames have no picture")));
 }
 
-TEST(PictureNode, WhatIsMissingInRealTimeIsCountedAndNoFilmAtAllIsToldAsWell) {
+TEST(PictureNode, MissingPicturesInRealTimeAreCounted) {
   const auto result = ResultWithoutPictures(ScratchFolder(), false, true);
   EXPECT_EQ(result.missing, 20);
   EXPECT_THAT(result.failures, testing::ElementsAre(testing::HasSubstr("film: no film: no picture came")));
 }
 
-TEST(PictureNode, WhatWouldHaveComeAfterAnInterruptIsNotMissed) {
+TEST(PictureNode, PicturesAfterAnInterruptAreNotMissing) {
   const auto result = ResultWithoutPictures(ScratchFolder(), true, false);
   EXPECT_EQ(result.missing, 0);
   EXPECT_THAT(result.failures, testing::IsEmpty());

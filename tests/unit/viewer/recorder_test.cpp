@@ -10,7 +10,7 @@
 namespace plslam::viewer {
 namespace {
 
-TEST(Recorder, KeepsFramesInOrderHoweverTheyCome) {
+TEST(Recorder, KeepsReorderedFramesInOrder) {
   Recorder recorder;
   for (const int64_t id : {5, 1, 3}) EXPECT_TRUE(recorder.AddPose(SomePose(id)));
   std::vector<int64_t> ids;
@@ -57,7 +57,7 @@ TEST(Recorder, NonsenseIsRefused) {
   EXPECT_TRUE(recorder.truth().empty());
 }
 
-TEST(Recorder, CompleteWhenEveryFrameHasAPoseOrWasPassedOver) {
+TEST(Recorder, CompleteIfEachFrameHasAPoseOrWasSkipped) {
   Recorder recorder;
   recorder.AddPose(SomePose(0));
   EXPECT_FALSE(recorder.IsComplete()) << "the stream still runs";
@@ -75,7 +75,7 @@ TEST(Recorder, EmptyStreamIsComplete) {
   EXPECT_TRUE(recorder.IsComplete());
 }
 
-TEST(Recorder, StagesMayComeAndGo) {
+TEST(Recorder, StagesMayVaryBetweenFrames) {
   Recorder recorder;
   recorder.AddPose(SomePose(0));
   FramePose pose = SomePose(1);

@@ -29,7 +29,7 @@ std::string SlowBase64(const std::string& bytes) {
   return text;
 }
 
-TEST(ReportJson, Base64AsTheRfcSays) {
+TEST(ReportJson, Base64FollowsTheRfc) {
   EXPECT_EQ(Base64(""), "");
   EXPECT_EQ(Base64("f"), "Zg==");
   EXPECT_EQ(Base64("foobar"), "Zm9vYmFy");
@@ -48,7 +48,7 @@ TEST(ReportJson, ColumnsAreLittleEndian) {
   EXPECT_EQ(TypeName({"", 1, std::vector<uint8_t>{}}), "u8");
 }
 
-TEST(ReportJson, NothingAtAllIsStillWhole) {
+TEST(ReportJson, EmptyReportIsComplete) {
   const auto json = nlohmann::json::parse(ReportJson({}));
   EXPECT_TRUE(json["whole"]);
   EXPECT_TRUE(json["path"].is_null());
@@ -69,7 +69,7 @@ TEST(ReportJson, NamesCannotEndThePage) {
   EXPECT_TRUE(json["processes"][0]["table"].contains("<b>"));
 }
 
-TEST(ReportJson, FeaturesThatAreNoneAreLeftOut) {
+TEST(ReportJson, InvalidFeaturesAreLeftOut) {
   ReportPicture picture;
   picture.features.points = {{{10.5F, 3.0F}, 2.0F, 300}, {{NAN, 1.0F}, 1.0F, 1}, {{5.0F, -7.0F}, -1.0F, 0}};
   picture.features.segments = {{{1, 2}, {INFINITY, 4}, 4, 4, 1}, {{1, 2}, {3, 4}, 4, 5, 7}};
@@ -90,18 +90,18 @@ TEST(ReportJson, NumbersThatAreNotFiniteAreNull) {
   EXPECT_TRUE(nlohmann::json::parse(ReportJson(data))["facts"]["length_m"].is_null());
 }
 
-TEST(ReportPage, DataTakeTheirPlace) {
+TEST(ReportPage, DataReplaceTheirPlaceholder) {
   EXPECT_EQ(FillTemplate("<a>\"PLSLAM_RUN_DATA\"</a>", "{\"$&\": 1}"), "<a>{\"$&\": 1}</a>");
   EXPECT_THROW(FillTemplate("<a></a>", "{}"), std::runtime_error);
 }
 
-TEST(ReportPage, WarningsTakeTheirPlaceInAFilledPage) {
+TEST(ReportPage, WarningsReplaceTheirPlaceholder) {
   const std::string page = FillTemplate("<a>\"PLSLAM_RUN_WARNINGS\"</a><b>\"PLSLAM_RUN_DATA\"</b>", "{}");
   EXPECT_EQ(FillWarnings(page, "[\"</script>\"]"), "<a>[\"\\u003c/script>\"]</a><b>{}</b>");
   EXPECT_THROW(FillWarnings("<a></a>", "[]"), std::runtime_error);
 }
 
-TEST(ReportSince, ItsTextComesBack) {
+TEST(ReportSince, TextRoundTrip) {
   const ReportSince since{3, 2, 250, 17, 96};
   EXPECT_EQ(since.Text(), "3.2.250.17.96");
   EXPECT_EQ(ReportSince::Parse(since.Text()), since);

@@ -38,7 +38,7 @@ class MapOwner {
   int64_t version_ = 0;
 };
 
-TEST(CorrectionLog, KeepsWhereKeyframesWereBeforeALoop) {
+TEST(CorrectionLog, KeepsPosesOfKeyframesBeforeALoop) {
   MapOwner owner;
   CorrectionLog log;
   for (int64_t id = 0; id < 3; ++id) owner.map.Put(Keyframe(id, 1.0 * static_cast<double>(id)));
@@ -61,7 +61,7 @@ TEST(CorrectionLog, KeepsWhereKeyframesWereBeforeALoop) {
   EXPECT_FLOAT_EQ(Numbers<float>(correction.table, "after").at(9), 2.5F);
 }
 
-TEST(CorrectionLog, AWholeMapThatComesLateIsNoCorrection) {
+TEST(CorrectionLog, LateWholeMapIsNoCorrection) {
   MapOwner owner;
   owner.map.Put(Keyframe(0, 0.0));
   owner.map.Put(Keyframe(1, 1.0));
@@ -112,7 +112,7 @@ TEST(ProcessLog, KeepsQueuesAndRepairsInBoundedMemory) {
   EXPECT_TRUE(std::isnan(queue.back()));
 }
 
-TEST(ProcessLog, AnotherProcessOfTheNameIsARestart) {
+TEST(ProcessLog, AnotherProcessOfSameNameIsARestart) {
   ProcessLog log;
   for (const int64_t pid : {40, 40, 57, 57, 58}) {
     ProcessSample sample{"vo", "running", static_cast<double>(pid), 0, 1.0, 1.0, {}};
@@ -123,7 +123,7 @@ TEST(ProcessLog, AnotherProcessOfTheNameIsARestart) {
   EXPECT_EQ(log.Processes()[0].restarts, 2);
 }
 
-TEST(ProcessLog, LagAndSilenceAreThoseOfTheLastStatus) {
+TEST(ProcessLog, LagAndSilenceOfTheLastStatus) {
   ProcessLog log;
   ProcessSample vo{"vo", "running", 0.0, 0, 1.0, 1.0, {}};
   vo.lag_frames = 2;
@@ -146,7 +146,7 @@ TEST(ProcessLog, LagAndSilenceAreThoseOfTheLastStatus) {
   EXPECT_EQ(processes[2].lag_frames, 62) << "60 frames were sent since";
 }
 
-TEST(ProcessLog, InventedProcessesAndNumbersDoNoHarm) {
+TEST(ProcessLog, InventedProcessesAreHarmless) {
   ProcessLog log;
   for (int i = 0; i < 1000; ++i) {
     ProcessSample sample{"process " + std::to_string(i), "running", 1.0, 0, 1.0, 1.0, {}};
@@ -183,7 +183,7 @@ TEST(MapTimes, RowsHaveTheStagesOfTheirUpdates) {
   EXPECT_EQ(Numbers<int32_t>(times.Times(), "frame").front(), 5);
 }
 
-TEST(PictureStore, ThinsOutWhatDoesNotFit) {
+TEST(PictureStore, ThinsOutPicturesBeyondTheLimit) {
   PictureStore store(8);
   const cv::Mat image(120, 1024, CV_8UC1, cv::Scalar(80)), right(120, 1024, CV_8UC1, cv::Scalar(160));
   OverlayFeatures features;
@@ -241,7 +241,7 @@ class ReportRecorderTest : public testing::Test {
   ReportRecorder report_{100};
 };
 
-TEST_F(ReportRecorderTest, BeforeAnythingHasCome) {
+TEST_F(ReportRecorderTest, EmptyReport) {
   const ReportData data = Build("");
   EXPECT_TRUE(data.whole);
   EXPECT_EQ(Rows(data.frames), 0U);
@@ -268,7 +268,7 @@ TEST_F(ReportRecorderTest, FramesThatFoundNothingAreNotTracked) {
   EXPECT_EQ(facts.warnings[2].code, "unreadable_frames");
 }
 
-TEST_F(ReportRecorderTest, TruthOfAnotherRunIsTold) {
+TEST_F(ReportRecorderTest, TruthOfAnotherRunGivesAWarning) {
   // The camera moves 200 m straight on, the truth up and down.
   for (int64_t id = 0; id < 200; ++id) {
     recorder_.AddPose(SomePose(id));
@@ -282,7 +282,7 @@ TEST_F(ReportRecorderTest, TruthOfAnotherRunIsTold) {
   EXPECT_NEAR(facts.warnings[0].numbers[1].second, 2.5, 1e-9);
 }
 
-TEST_F(ReportRecorderTest, CovariancesThatDoNotFitTheTruthAreTold) {
+TEST_F(ReportRecorderTest, InconsistentCovariancesGiveAWarning) {
   // Positions are right, and every second orientation is off by half a radian.
   for (int64_t id = 0; id < 50; ++id) {
     FramePose pose = SomePose(id);
@@ -296,7 +296,7 @@ TEST_F(ReportRecorderTest, CovariancesThatDoNotFitTheTruthAreTold) {
   EXPECT_EQ(facts.warnings[0].code, "covariance_not_consistent");
 }
 
-TEST_F(ReportRecorderTest, ALivePageIsSentOnlyWhatIsNew) {
+TEST_F(ReportRecorderTest, LivePageGetsOnlyNewData) {
   AddFrames(0, 4);
   owner_.map.Put(Keyframe(0, 0.0));
   report_.Add(owner_.Next(), owner_.map, 4);
@@ -368,7 +368,7 @@ TEST_F(ReportRecorderTest, LoopsHaveFramesFiguresAndPictures) {
   EXPECT_EQ(data.corrections.size(), 1U);
 }
 
-TEST_F(ReportRecorderTest, LoopsOfTheRunAreNotThoseTheMapCameWith) {
+TEST_F(ReportRecorderTest, LoopsOfTheLoadedMapAreNotCounted) {
   for (int64_t id = 0; id < 4; ++id) owner_.map.Put(Keyframe(id, 1.0 * static_cast<double>(id)));
   const LoopEdge old{.old_keyframe_id = 0, .keyframe_id = 2, .T_old_kf = SE3()};
   owner_.map.Add(old);

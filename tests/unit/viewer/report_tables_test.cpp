@@ -23,7 +23,7 @@ SE3 Random(std::mt19937& random) {
   return SE3::Exp(x);
 }
 
-TEST(FrameTable, RowsSayWhatWasPublished) {
+TEST(FrameTable, RowsHaveThePublishedValues) {
   Recorder recorder;
   for (int64_t id = 0; id < 5; ++id) {
     FramePose pose = SomePose(id, id == 3 ? TrackingState::kLost : TrackingState::kTracking);
@@ -61,7 +61,7 @@ TEST(FrameTable, LongRunsAreThinnedOut) {
   EXPECT_EQ(Rows(FrameTable(recorder, 4, 10'000)), 1U);
 }
 
-TEST(PathTable, ErrorsAreThoseAfterAlignment) {
+TEST(PathTable, ErrorsAreAfterAlignment) {
   Recorder recorder;
   std::mt19937 random(5);
   const SE3 T_truth_w = Random(random);
@@ -140,7 +140,7 @@ Map SmallMap(int n_points) {
   return map;
 }
 
-TEST(MapTables, SayWhatIsInTheMap) {
+TEST(MapTables, HaveTheContentOfTheMap) {
   std::vector<std::string> notes;
   const ReportMap tables = MapTables(SmallMap(60), {}, &notes);
   EXPECT_EQ(Rows(tables.points), 60U);
@@ -158,7 +158,7 @@ TEST(MapTables, SayWhatIsInTheMap) {
   EXPECT_THAT(notes, testing::IsEmpty());
 }
 
-TEST(MapTables, WhatIsLeftOutIsSaid) {
+TEST(MapTables, LeftOutRowsAreNoted) {
   std::vector<std::string> notes;
   const ReportMap tables = MapTables(SmallMap(60), {.points = 25, .segments = 0, .edges = 1}, &notes);
   EXPECT_EQ(Rows(tables.points), 25U);
@@ -214,7 +214,7 @@ TEST(PackSigma, StepsOfFivePercent) {
   }
 }
 
-TEST(MapTables, ObserversThatAreTooManyAreLeftOut) {
+TEST(MapTables, TooManyObserversAreLeftOut) {
   std::vector<std::string> notes;
   const ReportMap all = MapTables(SmallMap(60), {}, &notes);
   EXPECT_FALSE(all.observers.only_ids);

@@ -39,11 +39,11 @@ void ExpectAsOfTheWholeImage(int width_px) {
   EXPECT_LT(worst, 8.0);
 }
 
-TEST(SmallRectifier, AsTheWholeImageMadeSmall) { ExpectAsOfTheWholeImage(512); }
+TEST(SmallRectifier, AgreesWithShrinkingTheWholeImage) { ExpectAsOfTheWholeImage(512); }
 
 TEST(SmallRectifier, BlocksAreMeansFirst) { ExpectAsOfTheWholeImage(256); }
 
-TEST(SmallRectifier, AnImageThatIsSmallerKeepsItsSize) { ExpectAsOfTheWholeImage(1000); }
+TEST(SmallRectifier, SmallerImageKeepsItsSize) { ExpectAsOfTheWholeImage(1000); }
 
 TEST(SmallRectifier, RectifiedAlready) {
   const Rectification rectification = Rectify(test::IdealRig());

@@ -11,7 +11,7 @@
 namespace plslam::viewer {
 namespace {
 
-TEST(RunVideo, AFolderOfPicturesWhereTheNameSaysSo) {
+TEST(RunVideo, NameWithoutExtensionIsAFolder) {
   const ScratchFolder folder;
   {
     RunVideo video(folder.Path("film"), nullptr, 10.0, {64, 48});
@@ -23,7 +23,7 @@ TEST(RunVideo, AFolderOfPicturesWhereTheNameSaysSo) {
   EXPECT_TRUE(std::filesystem::exists(folder.Path("film/000001.png")));
 }
 
-TEST(RunVideo, AFolderOfPicturesWhereTheProgramIsMissing) {
+TEST(RunVideo, FolderOfPicturesIfTheEncoderIsMissing) {
   const ScratchFolder folder;
   RunVideo video(folder.Path("film.mp4"),
                  std::make_unique<FilmProcess>(folder.Path("film.mp4"), "/nowhere/plslam_film"), 10.0, {64, 48});
@@ -35,7 +35,7 @@ TEST(RunVideo, AFolderOfPicturesWhereTheProgramIsMissing) {
 }
 
 // The other end of the connection is closed before any message.
-TEST(RunVideo, AFolderOfPicturesWhereTheProgramIsNone) {
+TEST(RunVideo, FolderOfPicturesIfTheEncoderIsInvalid) {
   const ScratchFolder folder;
   RunVideo video(folder.Path("film.mp4"), std::make_unique<FilmProcess>(folder.Path("film.mp4"), "/bin/false"), 10.0,
                  {64, 48});
@@ -43,7 +43,7 @@ TEST(RunVideo, AFolderOfPicturesWhereTheProgramIsNone) {
   EXPECT_THAT(video.why_folder(), testing::HasSubstr("film.mp4: no film: /bin/false ended with exit code 1"));
 }
 
-TEST(RunVideo, WhereNothingCanBeWrittenItSaysSo) {
+TEST(RunVideo, UnwritablePathThrows) {
   const ScratchFolder folder;
   const std::string file = folder.Write("file", "");
   EXPECT_THROW(RunVideo(file + "/film.mp4", StartFilm(file + "/film.mp4"), 10.0, {64, 48}), std::runtime_error);
@@ -65,7 +65,7 @@ TEST(RunVideo, PictureAndMapFitTogether) {
   }
 }
 
-TEST(TopView, PathGoesUpAndIsSeen) {
+TEST(TopView, PathGoesUpAndIsVisible) {
   TopViewScene scene;
   for (int i = 0; i <= 10; ++i) scene.path.push_back({0.0, 0.0, 1.0 * i});
   TopViewWindow window;
@@ -81,7 +81,7 @@ TEST(TopView, PathGoesUpAndIsSeen) {
   EXPECT_EQ(cv::sum(difference(cv::Rect(0, 0, 60, 200)))[0], 0.0);
 }
 
-TEST(TopView, NothingAndNonsense) {
+TEST(TopView, EmptyAndInvalidScene) {
   TopViewScene scene;
   const double nan = std::numeric_limits<double>::quiet_NaN();
   scene.points = {{nan, 0, 0}, {1e300, 0, 0}, {0, 0, 0}};

@@ -13,7 +13,7 @@ namespace {
 
 using ViewerDelivery = ViewerFixture;
 
-TEST_F(ViewerDelivery, WithoutACameraNothingIsWrittenAndOneSentenceSaysSo) {
+TEST_F(ViewerDelivery, NothingIsWrittenWithoutACamera) {
   stop_at_ = "running";
   testing::internal::CaptureStderr();
   {
@@ -61,7 +61,7 @@ TEST_F(ViewerDelivery, WaitsForPicturesInLockstep) {
   }
 }
 
-TEST_F(ViewerDelivery, WhatCannotBeWrittenIsToldAndTheRestIsThere) {
+TEST_F(ViewerDelivery, UnwritableFileIsReportedOthersAreWritten) {
   stop_at_ = "failed";
   testing::internal::CaptureStderr();
   {
@@ -81,7 +81,7 @@ TEST_F(ViewerDelivery, WhatCannotBeWrittenIsToldAndTheRestIsThere) {
   EXPECT_TRUE(std::filesystem::exists(Out("poses.csv")));
 }
 
-TEST_F(ViewerDelivery, StreamThatIsSaidAgainForAPlayerThatHasEndedIsNoOther) {
+TEST_F(ViewerDelivery, RepublishedStreamIsTheSameStream) {
   stop_at_ = "";
   stream_t begin{};
   begin.header.session = 77;

@@ -102,7 +102,7 @@ TEST_F(ViewerNodeTest, WithoutMappingThereIsNoMapFile) {
   EXPECT_EQ(ReadTrajectory(Out("keyframes.tum")).size(), 3u);
 }
 
-TEST_F(ViewerNodeTest, WritesWhatIsThereWhenStoppedEarly) {
+TEST_F(ViewerNodeTest, WritesPartialOutputsWhenStoppedEarly) {
   stop_at_ = "running";
   {
     const ViewerNode node(*process_, Options());
@@ -185,7 +185,7 @@ TEST_F(ViewerNodeTest, WritesAReportAndServesIt) {
   EXPECT_THAT(report, testing::HasSubstr("\"finished\":true"));
 }
 
-TEST_F(ViewerNodeTest, WhatIsWrittenStaysWhereAPlayerGoesOnUntilTheRestIsThere) {
+TEST_F(ViewerNodeTest, ResumedPlayerKeepsOutputsUntilTheNewEnd) {
   if (!ReadReportTemplate()) GTEST_SKIP() << "built without node and npm: there are no reports";
   const ViewerNode node(*process_, Options());
   stop_at_ = "";
@@ -251,7 +251,7 @@ TEST_F(ViewerNodeTest, FilmsTheRun) {
   EXPECT_EQ(picture.cols, 320 + 284) << "image with its bar, and the map beside it";
 }
 
-TEST_F(ViewerNodeTest, NonsenseIsCountedAndDoesNoHarm) {
+TEST_F(ViewerNodeTest, InvalidMessagesAreCountedAndHarmless) {
   const ViewerNode node(*process_, Options());
   pose_t nan{};
   nan.T_odom_c = nan.T_w_odom = bus::ToMessage(SE3());
@@ -271,7 +271,7 @@ TEST_F(ViewerNodeTest, NonsenseIsCountedAndDoesNoHarm) {
   EXPECT_FALSE(std::filesystem::exists(Out("groundtruth.tum")));
 }
 
-TEST_F(ViewerNodeTest, UnwritableFolderIsToldAtTheStart) {
+TEST_F(ViewerNodeTest, UnwritableFolderIsReportedAtTheStart) {
   ViewerOptions options = Options();
   options.out = folder_.Write("file", "") + "/out";
   EXPECT_THAT([&] { ViewerNode(*process_, options); },

@@ -32,7 +32,7 @@ TEST(ViewerProgram, BadOptionsAreNamed) {
   EXPECT_THAT(ReadText(folder.Path("stderr")), HasSubstr("overlay_every")) << "the nearest known key";
 }
 
-TEST(ViewerProgram, PortsThatAreNoneAreRefused) {
+TEST(ViewerProgram, InvalidPortsAreRefused) {
   const ScratchFolder folder;
   EXPECT_EQ(RunViewer(folder, "--serve 0"), 1);
   EXPECT_THAT(ReadText(folder.Path("stderr")), HasSubstr("--serve"));

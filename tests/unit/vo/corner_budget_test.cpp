@@ -21,13 +21,13 @@ TrackedFrame FrameWith(int n, int n_snow) {
   return TrackedFrame(features);
 }
 
-TEST(CornerBudget, StaysAsItIsInGoodWeather) {
+TEST(CornerBudget, UnchangedInGoodWeather) {
   CornerBudget budget(1000);
   for (int i = 0; i < 10; ++i) budget.Observe(FrameWith(1000, 500));
   EXPECT_EQ(budget.max_points(), 1000);
 }
 
-TEST(CornerBudget, LooksForMoreInSnowAndNoLongerAfterIt) {
+TEST(CornerBudget, GrowsInSnowAndShrinksAfterwards) {
   CornerBudget budget(1000);
   budget.Observe(FrameWith(1000, 700));
   EXPECT_EQ(budget.max_points(), 3333);
@@ -39,7 +39,7 @@ TEST(CornerBudget, LooksForMoreInSnowAndNoLongerAfterIt) {
   EXPECT_EQ(budget.max_points(), 4000) << "no more than that";
 }
 
-TEST(CornerBudget, WhereThereAreFewCornersNoMoreAreLookedFor) {
+TEST(CornerBudget, DoesNotGrowWithFewCorners) {
   CornerBudget budget(1000);
   budget.Observe(FrameWith(300, 290));
   EXPECT_EQ(budget.max_points(), 1000);
@@ -47,7 +47,7 @@ TEST(CornerBudget, WhereThereAreFewCornersNoMoreAreLookedFor) {
   EXPECT_EQ(budget.max_points(), 1000);
 }
 
-TEST(CornerBudget, WhatWasSeenBeforeIsOfUse) {
+TEST(CornerBudget, TrackedLandmarksCountAsUseful) {
   CornerBudget budget(1000);
   TrackedFrame frame = FrameWith(1000, 700);
   for (FeatureTrack& track : frame.point_tracks) track = {.landmark_id = 7, .age = 3};
@@ -55,7 +55,7 @@ TEST(CornerBudget, WhatWasSeenBeforeIsOfUse) {
   EXPECT_EQ(budget.max_points(), 1000);
 }
 
-TEST(CornerBudget, WhatIsOnABodyIsNotOfUse) {
+TEST(CornerBudget, FeaturesOnBodiesAreNotUseful) {
   CornerBudget budget(1000);
   TrackedFrame frame = FrameWith(1000, 0);
   const auto on_body = [&frame](size_t n) {

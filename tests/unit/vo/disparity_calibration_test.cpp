@@ -180,7 +180,7 @@ TEST(DisparityCalibration, StateRestoresAllBits) {
   EXPECT_NE(other.Offset_px(320.0), 0.0);
 }
 
-TEST(DisparityCalibration, SwitchedOffItChangesNothing) {
+TEST(DisparityCalibration, DisabledItChangesNothing) {
   const Odometry odometry = Drive(Constant, false);
   EXPECT_EQ(Offset(odometry, 320.0), 0.0);
 }

@@ -27,7 +27,7 @@ class SeenFromTwoPlaces {
  public:
   SeenFromTwoPlaces(int n_expected, int n_elsewhere) : world_({600, 0}, 11), landmarks_(FeatureWorld::Camera(), {}) {
     TrackedFrame first(world_.Observe(SE3(), 0.0, 1));
-    landmarks_.Found(SE3(), first);
+    landmarks_.Create(SE3(), first);
     StereoFeatures seen;
     Take(Sideways(kExpected_m), 0, n_expected, seen);
     Take(Sideways(kElsewhere_m), 1, n_elsewhere, seen);
@@ -35,13 +35,13 @@ class SeenFromTwoPlaces {
   }
 
   /// Returns the aligned sideways position of the frame in metres.
-  double Align_m(bool goes_on) const {
+  double Align_m(bool is_reliable) const {
     MotionPrediction prediction;
     prediction.T_prev_c = Sideways(kExpected_m);
     Vector6d sigmas;
     sigmas << 0.05, 0.05, 0.05, 0.1, 0.1, 0.1;
     prediction.covariance = sigmas.cwiseAbs2().asDiagonal();
-    prediction.goes_on = goes_on;
+    prediction.is_reliable = is_reliable;
     const FrameAligner aligner(FeatureWorld::Camera(), {});
     const auto found = aligner.Align(landmarks_, *frame_, SE3(), prediction, kBefore);
     return found ? found->T_odom_c.translation().x() : -1.0;
@@ -67,15 +67,15 @@ class SeenFromTwoPlaces {
   std::optional<TrackedFrame> frame_;
 };
 
-TEST(FrameAligner, WhereStructureRepeatsTheMotionGoesOn) {
+TEST(FrameAligner, RepeatedStructureKeepsTheMotion) {
   EXPECT_NEAR(SeenFromTwoPlaces(30, 38).Align_m(true), kExpected_m, 0.01);
 }
 
-TEST(FrameAligner, MuchMoreElsewhereIsBelieved) {
+TEST(FrameAligner, ManyMoreInliersElsewhereAreAccepted) {
   EXPECT_NEAR(SeenFromTwoPlaces(30, 60).Align_m(true), kElsewhere_m, 0.01);
 }
 
-TEST(FrameAligner, AfterALossMoreIsBetter) {
+TEST(FrameAligner, MostInliersWinAfterALoss) {
   EXPECT_NEAR(SeenFromTwoPlaces(30, 38).Align_m(false), kElsewhere_m, 0.01);
   EXPECT_NEAR(SeenFromTwoPlaces(38, 30).Align_m(false), kExpected_m, 0.01);
 }

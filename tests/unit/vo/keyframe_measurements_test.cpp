@@ -95,7 +95,7 @@ TEST(KeyframeMeasurements, PointsAreTheAverageOfTheErrorsOfAllFrames) {
   }
 }
 
-TEST(KeyframeMeasurements, SurerMeasurementsCountMore) {
+TEST(KeyframeMeasurements, CertainMeasurementsHaveMoreWeight) {
   const Scene scene = MakeScene();
   const LocalLandmarks landmarks = LandmarksOf(scene);
   KeyframeMeasurements measurements(kCamera);
@@ -136,7 +136,7 @@ TEST(KeyframeMeasurements, NoiseOfLinesFallsWithTheNumberOfFrames) {
   EXPECT_LT((ratio - 1.0 / std::sqrt(1.0 * kFrames)).abs().maxCoeff(), 0.08) << ratio.transpose();
 }
 
-TEST(KeyframeMeasurements, AddsWhatTheKeyframesOwnFrameMissed) {
+TEST(KeyframeMeasurements, AddsFeaturesMissedInTheKeyframe) {
   const Scene scene = MakeScene();
   const LocalLandmarks landmarks = LandmarksOf(scene);
   KeyframeMeasurements measurements(kCamera);
@@ -170,7 +170,7 @@ TEST(KeyframeMeasurements, AddsWhatTheKeyframesOwnFrameMissed) {
 }
 
 // Disparities of an added line are measured, not the landmark's, even if only one frame had them.
-TEST(KeyframeMeasurements, DisparityOfAnAddedLineIsTheOneThatWasSeen) {
+TEST(KeyframeMeasurements, AddedLineHasItsMeasuredDisparity) {
   const Scene scene = MakeScene();
   const LocalLandmarks landmarks = LandmarksOf(scene);
   KeyframeMeasurements measurements(kCamera);
@@ -190,7 +190,7 @@ TEST(KeyframeMeasurements, DisparityOfAnAddedLineIsTheOneThatWasSeen) {
   EXPECT_NEAR(content.features.lines.back().sigma_disparity_p_px, kSigma_px, 1e-12);
 }
 
-TEST(KeyframeMeasurements, FeaturesOfNoLandmarkStayAsTheyAre) {
+TEST(KeyframeMeasurements, FeaturesWithoutALandmarkAreUnchanged) {
   const Scene scene = MakeScene();
   const LocalLandmarks landmarks = LandmarksOf(scene);
   KeyframeMeasurements measurements(kCamera);
@@ -218,7 +218,7 @@ TEST(KeyframeMeasurements, FeaturesOfNoLandmarkStayAsTheyAre) {
 }
 
 // The landmark's position cancels out for a static camera: the measurement is the same wherever the landmark is.
-TEST(KeyframeMeasurements, StandingCameraDoesNotNeedTheLandmarksPlace) {
+TEST(KeyframeMeasurements, StandingCameraNeedsNoLandmarkPosition) {
   const Scene scene = MakeScene();
   const LocalLandmarks landmarks = LandmarksOf(scene, {0.02, -0.01, 0.05});
   KeyframeMeasurements measurements(kCamera);
@@ -233,7 +233,7 @@ TEST(KeyframeMeasurements, StandingCameraDoesNotNeedTheLandmarksPlace) {
   }
 }
 
-TEST(KeyframeMeasurements, FramesOfACameraThatStandsForLongAreForgotten) {
+TEST(KeyframeMeasurements, FramesOfAStandingCameraAreForgotten) {
   const Scene scene = MakeScene();
   const LocalLandmarks landmarks = LandmarksOf(scene);
   KeyframeMeasurements measurements(kCamera);
@@ -248,7 +248,7 @@ TEST(KeyframeMeasurements, FramesOfACameraThatStandsForLongAreForgotten) {
   }
 }
 
-TEST(KeyframeMeasurements, LandmarksBehindTheCameraOrOutOfViewAreNotAdded) {
+TEST(KeyframeMeasurements, LandmarksOutOfViewAreNotAdded) {
   const Scene scene = MakeScene();
   const LocalLandmarks landmarks = LandmarksOf(scene);
   const SE3 behind(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.0, 0.0, 20.0));
@@ -322,7 +322,7 @@ TEST(KeyframeMeasurements, EndsOfItsOwnLinesStayInTheImage) {
   EXPECT_NE(segment.p, last.features.lines[0].left.segment.p);
 }
 
-TEST(KeyframeMeasurements, WhatWasCollectedIsForgottenAfterTake) {
+TEST(KeyframeMeasurements, MeasurementsAreClearedByTake) {
   const Scene scene = MakeScene();
   const LocalLandmarks landmarks = LandmarksOf(scene);
   KeyframeMeasurements measurements(kCamera);

@@ -31,7 +31,7 @@ KeyframeReason Second(const KeyframeCandidate& candidate) {
   return policy.Decide(candidate).reason;
 }
 
-TEST(KeyframePolicy, StandingCameraMakesNoneHoweverLongItStands) {
+TEST(KeyframePolicy, StandingCameraMakesNone) {
   KeyframePolicy policy{KeyframeOptions()};
   for (int i = 0; i < 1000; ++i) EXPECT_EQ(policy.Decide(Standing()).reason, KeyframeReason::kNone) << "frame " << i;
 }
@@ -63,7 +63,7 @@ TEST(KeyframePolicy, RotationIsAReason) {
   EXPECT_EQ(Second(candidate), KeyframeReason::kRotation);
 }
 
-TEST(KeyframePolicy, WhatTheMapKnowsWellNeedsNoneForMotionAlone) {
+TEST(KeyframePolicy, MappedViewNeedsNoneForMotionAlone) {
   KeyframeCandidate candidate = Moved(2.0);
   candidate.T_kf_c = candidate.T_kf_c * SE3(ExpSO3(Eigen::Vector3d(0.0, 0.4, 0.0)), Eigen::Vector3d::Zero());
   candidate.known_share = KeyframeOptions().known_share;
@@ -101,7 +101,7 @@ TEST(KeyframePolicy, UnknownDepthDoesNotDivideByZero) {
 
 namespace {
 
-TEST(MotionEntropy, EqualsDeterminantWhereThatIsSafe) {
+TEST(MotionEntropy, EqualsTheDeterminantFormula) {
   Matrix6d A = Matrix6d::Identity();
   A(0, 1) = 0.3;
   A(4, 2) = -0.5;
@@ -123,7 +123,7 @@ TEST(MotionEntropy, SingularHasNone) {
   EXPECT_FALSE(EntropyRatio(Matrix6d::Identity(), Matrix6d::Zero()));
 }
 
-TEST(EntropyRatio, FallsAsUncertaintyGrowsWhateverTheSign) {
+TEST(EntropyRatio, FallsAsUncertaintyGrowsForEitherSign) {
   for (const double first : {1e-8, 1e-5, 1e-3, 1.0, 1e3}) {
     double previous = *EntropyRatio(first * Matrix6d::Identity(), 0.5 * first * Matrix6d::Identity());
     EXPECT_GT(previous, 1.0) << "first variance " << first;

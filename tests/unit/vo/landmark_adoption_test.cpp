@@ -94,7 +94,7 @@ class LandmarkAdoption : public testing::Test {
 using Kinds = testing::Types<Points, Lines>;
 TYPED_TEST_SUITE(LandmarkAdoption, Kinds);
 
-TYPED_TEST(LandmarkAdoption, OwnLandmarksTakeThePlaceOfTheMap) {
+TYPED_TEST(LandmarkAdoption, OwnLandmarksTakeThePositionOfTheMap) {
   const auto before = this->Now();
   this->map_.Add(TypeParam::In(this->scene_)[4], {4});
   this->landmarks_.Adopt(this->map_.patch, false);
@@ -116,7 +116,7 @@ TYPED_TEST(LandmarkAdoption, OwnLandmarksTakeThePlaceOfTheMap) {
   EXPECT_LT((TypeParam::Covariance(this->Now()[4]) - expected).norm(), 1e-6 * expected.norm());
 }
 
-TYPED_TEST(LandmarkAdoption, OwnLandmarksStayWhereOnlyUnknownOnesAreTaken) {
+TYPED_TEST(LandmarkAdoption, OwnLandmarksStayIfOnlyUnknownAreAdopted) {
   const auto before = this->Now();
   this->map_.Add(TypeParam::In(this->scene_)[4], {4});
   this->map_.Add(TypeParam::In(this->scene_)[5], {});
@@ -133,7 +133,7 @@ TYPED_TEST(LandmarkAdoption, OwnLandmarksStayWhereOnlyUnknownOnesAreTaken) {
   EXPECT_EQ(TypeParam::Place(this->Now()[4]), TypeParam::Place(before[4]));
 }
 
-TYPED_TEST(LandmarkAdoption, UnknownOnesAreAddedAsNotSeenLately) {
+TYPED_TEST(LandmarkAdoption, UnknownLandmarksAreAddedAsNotSeenLately) {
   const size_t before = this->Now().size();
   const int64_t next_id = TypeParam::NextId(this->landmarks_);
   this->map_.Add(TypeParam::In(this->scene_)[5], {});
@@ -156,7 +156,7 @@ TYPED_TEST(LandmarkAdoption, UnknownOnesAreAddedAsNotSeenLately) {
 }
 
 // Octaves are of the pixels of the camera that found them.
-TEST(PointAdoption, FromAMapOfAnotherCameraPointsLookAsFromAsMuchNearer) {
+TEST(PointAdoption, OctaveDepthScalesWithTheFocalLength) {
   const Scene scene = MakeScene();
   for (const double ratio : {1.0, 0.5, 2.5}) {
     LocalLandmarks landmarks = LandmarksOf(scene);
@@ -170,7 +170,7 @@ TEST(PointAdoption, FromAMapOfAnotherCameraPointsLookAsFromAsMuchNearer) {
   }
 }
 
-TYPED_TEST(LandmarkAdoption, OfThoseThatAreTheSameTheOldestStays) {
+TYPED_TEST(LandmarkAdoption, OldestOfIdenticalLandmarksIsKept) {
   const size_t before = this->Now().size();
   this->map_.Add(TypeParam::In(this->scene_)[4], {9, 4, 7});
   this->landmarks_.Adopt(this->map_.patch, false);
@@ -183,7 +183,7 @@ TYPED_TEST(LandmarkAdoption, OfThoseThatAreTheSameTheOldestStays) {
   for (size_t i = 1; i < this->Now().size(); ++i) EXPECT_LT(this->Now()[i - 1].id, this->Now()[i].id);
 }
 
-TYPED_TEST(LandmarkAdoption, OneFoundAnewIsJoinedWithTheOneFromTheMap) {
+TYPED_TEST(LandmarkAdoption, NewLandmarkIsFusedWithThatOfTheMap) {
   const size_t before = this->Now().size();
   this->map_.Add(TypeParam::In(this->scene_)[5], {});
   this->landmarks_.Adopt(this->map_.patch, false);
@@ -201,7 +201,7 @@ TYPED_TEST(LandmarkAdoption, OneFoundAnewIsJoinedWithTheOneFromTheMap) {
 
 // Keyframes may have observed one of the tracker's landmarks as two of the map (a wrong match, corrected since): each
 // then has its own.
-TYPED_TEST(LandmarkAdoption, WhatTwoOfTheMapClaimGoesToTheFirst) {
+TYPED_TEST(LandmarkAdoption, LandmarkOfTwoMapLandmarksGoesToTheFirst) {
   const auto& places = TypeParam::In(this->scene_);
   this->map_.Add(places[1], {1, 2});
   this->map_.Add(places[0], {0, 1});
@@ -217,7 +217,7 @@ TYPED_TEST(LandmarkAdoption, WhatTwoOfTheMapClaimGoesToTheFirst) {
   EXPECT_EQ(this->Find(2), nullptr);
 }
 
-TYPED_TEST(LandmarkAdoption, AnEmptyPatchChangesNothing) {
+TYPED_TEST(LandmarkAdoption, EmptyLocalMapChangesNothing) {
   const auto before = this->Now();
   this->landmarks_.Adopt(this->map_.patch, false);
   ASSERT_EQ(this->Now().size(), before.size());

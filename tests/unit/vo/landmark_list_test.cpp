@@ -17,7 +17,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::Pair;
 
-TEST(IdIndex, HasTheValuesOfAnIdInTheOrderInWhichTheyCame) {
+TEST(IdIndex, ValuesOfAnIdKeepTheirInsertionOrder) {
   const IdIndex<std::string> index({{7, "a"}, {3, "b"}, {7, "c"}, {-1, "d"}, {7, "b"}});
   EXPECT_THAT(index.Find(7), ElementsAre(Pair(7, "a"), Pair(7, "c"), Pair(7, "b")));
   EXPECT_THAT(index.Find(3), ElementsAre(Pair(3, "b")));
@@ -53,7 +53,7 @@ void FuseAtOnce(std::span<const LinearMeasurement> measurements, Eigen::Vector3d
   x += P * right;
 }
 
-TEST(FuseMeasurements, OneAfterTheOtherEqualsAllAtOnce) {
+TEST(FuseMeasurements, SequentialFusionEqualsBatchFusion) {
   const auto measurements = Measurements();
   Eigen::Vector3d x(1.0, 2.0, 3.0);
   Eigen::Vector3d x_twin = x;
@@ -65,7 +65,7 @@ TEST(FuseMeasurements, OneAfterTheOtherEqualsAllAtOnce) {
   EXPECT_LT((P - P_twin).norm(), 1e-12);
 }
 
-TEST(FuseMeasurements, NanLeavesTheLandmarkAsItWas) {
+TEST(FuseMeasurements, NanLeavesTheLandmarkUnchanged) {
   auto measurements = Measurements();
   measurements[1].residual = std::numeric_limits<double>::quiet_NaN();
   Eigen::Vector3d x(1.0, 2.0, 3.0);

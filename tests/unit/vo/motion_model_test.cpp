@@ -12,12 +12,12 @@ const Matrix6d kExact = Matrix6d::Zero();
 
 SE3 Forward(double metres) { return SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.0, 0.0, metres)); }
 
-TEST(MotionModel, StandsBeforeItHasSeenMotion) {
+TEST(MotionModel, PredictsNoMotionAtFirst) {
   const MotionPrediction prediction = MotionModel(TrackingOptions()).Predict(0.1);
   EXPECT_LT(prediction.T_prev_c.Log().norm(), 1e-15);
 }
 
-TEST(MotionModel, GoesOnAtConstantVelocityWhateverTheInterval) {
+TEST(MotionModel, ConstantVelocityForAnyInterval) {
   MotionModel model{TrackingOptions()};
   model.Observe(Forward(0.5), 0.1, kExact);
   EXPECT_NEAR(model.Predict(0.2).T_prev_c.translation().z(), 1.0, 1e-12);
@@ -30,7 +30,7 @@ TEST(MotionModel, DoesNotExtrapolateAcrossALongGap) {
   EXPECT_LE(model.Predict(7.0).T_prev_c.translation().z(), 1.0 + 1e-12);
 }
 
-TEST(MotionModel, UncertaintyIsThatOfTheLargestAcceleration) {
+TEST(MotionModel, UncertaintyMatchesTheLargestAcceleration) {
   TrackingOptions options;
   options.max_acceleration_m_s2 = 8.0;
   MotionModel model{options};
@@ -38,7 +38,7 @@ TEST(MotionModel, UncertaintyIsThatOfTheLargestAcceleration) {
   EXPECT_NEAR(model.Predict(0.5).covariance(0, 0), 1.0, 1e-12);
 }
 
-TEST(MotionModel, BeforeTheFirstMotionAnySpeedMayBe) {
+TEST(MotionModel, AnySpeedBeforeTheFirstMotion) {
   MotionModel model{TrackingOptions()};
   EXPECT_GT(std::sqrt(model.Predict(0.1).covariance(2, 2)), 2.0) << "m: a car on a motorway";
   EXPECT_GT(std::sqrt(model.Predict(0.1).covariance(4, 4)), 0.1) << "rad: a hand that turns";
@@ -51,37 +51,37 @@ TEST(MotionModel, SlowsDownWhileLost) {
   EXPECT_LT(model.Predict(0.1).T_prev_c.translation().norm(), 1e-9);
 }
 
-TEST(MotionModel, IsTrustedToGoOnFromOneMeasuredFrameToTheNext) {
+TEST(MotionModel, ContinuesOnlyBetweenMeasuredFrames) {
   MotionModel model{TrackingOptions()};
-  EXPECT_FALSE(model.Predict(0.1).goes_on) << "never measured";
+  EXPECT_FALSE(model.Predict(0.1).is_reliable) << "never measured";
   model.Observe(Forward(1.0), 0.1, kExact);
-  EXPECT_TRUE(model.Predict(0.1).goes_on);
-  EXPECT_TRUE(model.Predict(0.2).goes_on) << "one frame is missing";
-  EXPECT_FALSE(model.Predict(0.3).goes_on);
+  EXPECT_TRUE(model.Predict(0.1).is_reliable);
+  EXPECT_TRUE(model.Predict(0.2).is_reliable) << "one frame is missing";
+  EXPECT_FALSE(model.Predict(0.3).is_reliable);
   model.Slow(0.1);
-  EXPECT_FALSE(model.Predict(0.1).goes_on) << "lost";
+  EXPECT_FALSE(model.Predict(0.1).is_reliable) << "lost";
   model.Observe(Forward(1.0), 0.1, kExact);
-  EXPECT_TRUE(model.Predict(0.1).goes_on);
+  EXPECT_TRUE(model.Predict(0.1).is_reliable);
 }
 
-TEST(MotionModel, SaysNothingWhereTheCameraMayHaveTurnedAnywhereSince) {
+TEST(MotionModel, NoPredictionAcrossALongGap) {
   MotionModel model{TrackingOptions()};
   model.Observe(Forward(1.0), 5.0, kExact);
-  EXPECT_FALSE(model.Predict(5.0).goes_on);
+  EXPECT_FALSE(model.Predict(5.0).is_reliable);
   EXPECT_FALSE(model.Predict(5.0).is_near);
 }
 
-TEST(MotionModel, IsNearAfterAFewFramesThatAreMissing) {
+TEST(MotionModel, IsNearAfterAFewMissingFrames) {
   MotionModel model{TrackingOptions()};
   model.Observe(Forward(0.005), 0.005, kExact);
-  EXPECT_FALSE(model.Predict(0.02).goes_on);
+  EXPECT_FALSE(model.Predict(0.02).is_reliable);
   EXPECT_TRUE(model.Predict(0.02).is_near);
   model.Slow(0.005);
   EXPECT_FALSE(model.Predict(0.005).is_near) << "lost";
 }
 
 // At 200 Hz an acceleration contributes a tenth of a millimetre; the velocity was measured less exactly.
-TEST(MotionModel, IsNoSurerThanTheMotionThatItGoesOnWith) {
+TEST(MotionModel, NotMoreCertainThanTheMeasuredMotion) {
   MotionModel model{TrackingOptions()};
   model.Observe(Forward(0.005), 0.005, 1e-6 * Matrix6d::Identity());
   EXPECT_GT(model.Predict(0.005).covariance(0, 0), 1e-6);

@@ -61,7 +61,7 @@ TEST(MotionUncertainty, IsBounded) {
 
 TEST(MotionUncertainty, LearnsNothingOfOtherSessions) { EXPECT_EQ(LearnedScale(3.0, kSession + 1), 1.0); }
 
-TEST(MotionUncertainty, OneMotionThatTheMapContradictsIsNotTheMean) {
+TEST(MotionUncertainty, OneOutlierMotionDoesNotChangeTheMean) {
   Map map = MovedMap(0.5, 40);
   MapKeyframe keyframe = *map.FindKeyframe(39);
   keyframe.T_w_kf = keyframe.T_w_kf * SE3::Exp(Vector6d::Constant(1.0));
@@ -71,7 +71,7 @@ TEST(MotionUncertainty, OneMotionThatTheMapContradictsIsNotTheMean) {
   EXPECT_LT(uncertainty.variance_scale(), 2.0);
 }
 
-TEST(MotionUncertainty, WhereAdjustmentMovesLessThanClaimedNoDriftIsAdded) {
+TEST(MotionUncertainty, SmallAdjustmentsAddNoDrift) {
   MotionUncertainty uncertainty;
   uncertainty.Learn(MovedMap(0.3, 40), kSession);
   const Matrix6d covariance = uncertainty.Of(kStep, Claimed(), true);
@@ -79,7 +79,7 @@ TEST(MotionUncertainty, WhereAdjustmentMovesLessThanClaimedNoDriftIsAdded) {
 }
 
 // Over twenty frames, added up as independent, the drift alone is half a percent of the path.
-TEST(MotionUncertainty, DriftOverTwentyFramesIsHalfAPercentOfTheWay) {
+TEST(MotionUncertainty, DriftOverTwentyFramesIsHalfAPercent) {
   MotionUncertainty uncertainty;
   uncertainty.Learn(MovedMap(3.0, 40), kSession);
   Matrix6d sum = Matrix6d::Zero();
@@ -87,7 +87,7 @@ TEST(MotionUncertainty, DriftOverTwentyFramesIsHalfAPercentOfTheWay) {
   EXPECT_NEAR(std::sqrt(sum(2, 2)), 0.005 * 2.0, 1e-6);
 }
 
-TEST(MotionUncertainty, WhatWasNotMeasuredIsNeverMadeMoreCertain) {
+TEST(MotionUncertainty, UnmeasuredMotionIsNotMadeMoreCertain) {
   MotionUncertainty uncertainty;
   uncertainty.Learn(MovedMap(0.0, 40), kSession);
   EXPECT_EQ(uncertainty.Of(kStep, Claimed(), false), Claimed());

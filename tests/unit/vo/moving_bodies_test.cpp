@@ -77,7 +77,7 @@ double PositionError(const OdometryResult& result, int frame) {
 /// 3 m ahead of where the camera starts, `metres` to the right.
 SE3 AheadBy(double metres) { return PathAt(0) * SE3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(metres, 0.1, 3.0)); }
 
-TEST(MovingBodies, NothingMovesInAWorldThatStands) {
+TEST(MovingBodies, NothingMovesInAStaticWorld) {
   Scene scene;
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   for (int i = 0; i < 40; ++i) {
@@ -89,7 +89,7 @@ TEST(MovingBodies, NothingMovesInAWorldThatStands) {
   }
 }
 
-TEST(MovingBodies, OneThatComesIntoViewIsToldApart) {
+TEST(MovingBodies, BodyEnteringTheViewIsSeparated) {
   Scene scene;
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   for (int i = 0; i < 50; ++i) {
@@ -106,7 +106,7 @@ TEST(MovingBodies, OneThatComesIntoViewIsToldApart) {
   }
 }
 
-TEST(MovingBodies, TheirPathIsKnown) {
+TEST(MovingBodies, TheirPathIsEstimated) {
   Scene scene;
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   std::optional<SE3> T_body_b;
@@ -129,7 +129,7 @@ TEST(MovingBodies, TheirPathIsKnown) {
 }
 
 // While the world is invisible, the box is not mistaken for it, nor afterwards.
-TEST(MovingBodies, GoOnWhileTheCameraIsLost) {
+TEST(MovingBodies, AreTrackedWhileTheCameraIsLost) {
   Scene scene;
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   for (int i = 0; i < 45; ++i) {
@@ -157,7 +157,7 @@ TEST(MovingBodies, GoOnWhileTheCameraIsLost) {
 }
 
 // Two boxes of equal size from the first frame on, one of which is static: they cannot be distinguished.
-TEST(MovingBodies, WhereNothingTellsWhichIsTheWorldAllFramesAreWeak) {
+TEST(MovingBodies, AmbiguousWorldMakesAllFramesWeak) {
   Scene scene{Box(200, 7, AheadBy(-1.0).translation()), Box(200, 4)};
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   for (int i = 0; i < 8; ++i) {
@@ -192,7 +192,7 @@ TEST(MovingBodies, FirstPairIsNoMixture) {
 }
 
 // One of the two leaves: the other one is a world again, whichever was taken for it.
-TEST(MovingBodies, WhatMayBeTheWorldIsNotKeptForABodyWhileTheCameraIsLost) {
+TEST(MovingBodies, AmbiguousWorldIsNotKeptAsABody) {
   for (const bool box_stays : {false, true}) {
     Scene scene{Box(200, 7, AheadBy(-1.0).translation()), Box(200, 4)};
     Odometry odometry(FeatureWorld::Camera(), VoOptions());
@@ -210,7 +210,7 @@ TEST(MovingBodies, WhatMayBeTheWorldIsNotKeptForABodyWhileTheCameraIsLost) {
 }
 
 // A rear and a front with a gap in between, too far apart to be detected as one.
-TEST(MovingBodies, PartsThatMoveAlikeAreOne) {
+TEST(MovingBodies, PartsThatMoveAlikeAreOneBody) {
   Scene scene;
   const FeatureWorld front = Box(150, 5, {2.2, 0.0, 1.0});
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
@@ -228,7 +228,7 @@ TEST(MovingBodies, PartsThatMoveAlikeAreOne) {
 
 // A box covers nearly all of the view: the rest of the world agrees with the motion so far and is not enough to
 // determine it.
-TEST(MovingBodies, WhereTheWorldIsHiddenTheFrameIsWeak) {
+TEST(MovingBodies, HiddenWorldMakesTheFrameWeak) {
   Scene scene{{{120, 20}, 3}, Box(200, 4)};
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   int weak = 0;
@@ -249,7 +249,7 @@ TEST(MovingBodies, WhereTheWorldIsHiddenTheFrameIsWeak) {
   EXPECT_EQ(weak, 9);
 }
 
-TEST(MovingBodies, KeyframesAreOfTheWorldAndTakeBackWhatWasNot) {
+TEST(MovingBodies, KeyframesWithdrawPointsOnBodies) {
   Scene scene;
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   size_t withdrawn = 0;
@@ -283,7 +283,7 @@ TEST(MovingBodies, MoreFeaturesDoNotMakeItTheWorld) {
   }
 }
 
-TEST(MovingBodies, OneThatStandsForAWhileIsTheWorldAgain) {
+TEST(MovingBodies, StandingBodyBecomesTheWorldAgain) {
   Scene scene;
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   const auto path = [](int frame) {

@@ -36,7 +36,7 @@ TEST(NoiseScale, GrowsByMoreThanTheResidualsShow) {
   EXPECT_NEAR(ScaleAfter(balance, 2.0, kManyFrames), 2.45, 0.02);
 }
 
-TEST(NoiseScale, LeavesWhatChanceExplains) {
+TEST(NoiseScale, UnchangedByChance) {
   NoiseScale balance(4.0);
   EXPECT_EQ(ScaleAfter(balance, 1.09, kManyFrames), 1.0);
 }
@@ -49,7 +49,7 @@ TEST(NoiseScale, StaysWithinItsBounds) {
   EXPECT_EQ(ScaleAfter(off, 9.0, kManyFrames), 1.0);
 }
 
-TEST(NoiseScale, ForgetsWhereNothingTells) {
+TEST(NoiseScale, DecaysWithoutEvidence) {
   NoiseScale balance(16.0);
   const double learned = ScaleAfter(balance, 9.0, kManyFrames);
   ASSERT_GT(learned, 8.0);
@@ -59,7 +59,7 @@ TEST(NoiseScale, ForgetsWhereNothingTells) {
   EXPECT_NEAR(balance.scale(), 1.0, 1e-3);
 }
 
-TEST(NoiseScale, LearnsNothingFromTooFewOrFromNonsense) {
+TEST(NoiseScale, LearnsNothingFromFewOrInvalidResiduals) {
   NoiseScale balance(4.0);
   Alignment frame = Frame(3.0, 5, 50);
   balance.Observe(frame);
@@ -73,7 +73,7 @@ TEST(NoiseScale, LearnsNothingFromTooFewOrFromNonsense) {
   EXPECT_EQ(balance.scale(), 1.0);
 }
 
-TEST(NoiseScale, MultipliesAllDeviationsOfPointsOnly) {
+TEST(NoiseScale, MultipliesSigmasOfPointsOnly) {
   NoiseScale balance(4.0);
   ScaleAfter(balance, 2.0, kManyFrames);
   StereoFeatures features;

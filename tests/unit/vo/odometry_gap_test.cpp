@@ -18,7 +18,7 @@ using test::PathAt;
 double Length_m(const LineLandmark& line) { return (line.segment_odom.q - line.segment_odom.p).norm(); }
 
 // The camera moves on in the dark, in an unknown direction.
-TEST(OdometryGaps, TheEdgeAcrossALossIsAsUnsureAsTheGapIsLong) {
+TEST(OdometryGaps, UncertaintyAcrossALossGrowsWithTheGap) {
   const FeatureWorld before({300, 60}, 9);
   const FeatureWorld after({300, 60}, 10);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
@@ -34,7 +34,7 @@ TEST(OdometryGaps, TheEdgeAcrossALossIsAsUnsureAsTheGapIsLong) {
 }
 
 // A session that begins on a motorway, and whose second frame has no features: the camera may be anywhere ahead.
-TEST(OdometryGaps, TheEdgeAcrossALossBeforeAnyMotionWasSeenAllowsForAnySpeed) {
+TEST(OdometryGaps, LossBeforeAnyMotionAllowsAnySpeed) {
   constexpr double kMotorway_m_s = 30.0;
   const FeatureWorld before({300, 60}, 9);
   const FeatureWorld after({300, 60}, 10);
@@ -49,7 +49,7 @@ TEST(OdometryGaps, TheEdgeAcrossALossBeforeAnyMotionWasSeenAllowsForAnySpeed) {
 }
 
 // The predicted pose of a lost camera follows its last known motion.
-TEST(OdometryGaps, AfterADarkFrameTheMotionGoesOn) {
+TEST(OdometryGaps, MotionIsKeptAcrossDarkFrames) {
   const FeatureWorld world({300, 60}, 9);
   const auto at = [](int i) { return SE3(Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.08 * i}); };
   for (const int n_dark : {1, 3, 12}) {
@@ -69,7 +69,7 @@ TEST(OdometryGaps, AfterADarkFrameTheMotionGoesOn) {
 }
 
 // Normalised squared error of the motion between keyframes: 6 where the covariance is right.
-TEST(OdometryCovariance, EdgesBetweenKeyframesAreAsSureAsTheySay) {
+TEST(OdometryCovariance, EdgesBetweenKeyframesAreConsistent) {
   double sum = 0.0;
   int n = 0;
   VoOptions options;
@@ -94,7 +94,7 @@ TEST(OdometryCovariance, EdgesBetweenKeyframesAreAsSureAsTheySay) {
 }
 
 // At 200 Hz two of ten frames are dropped, and few features are left: weak, but the pose is known.
-TEST(OdometryGaps, DroppedFramesLoseNoCameraThatSeesLittle) {
+TEST(OdometryGaps, DroppedFramesWithFewFeatures) {
   const FeatureWorld world({300, 0}, 9);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   for (int i = 0; i < 300; ++i) {
@@ -111,7 +111,7 @@ TEST(OdometryGaps, DroppedFramesLoseNoCameraThatSeesLittle) {
 
 // Segments get no information along their direction without a measurement: 50 s of a static camera in front of upright
 // bars.
-TEST(OdometryGaps, LinesThatAreSeenForLongKeepTheirEnds) {
+TEST(OdometryGaps, LinesSeenForLongKeepTheirEndpoints) {
   std::vector<FeatureWorld::Line> bars;
   for (int i = 0; i < 9; ++i) {
     const Eigen::Vector3d foot(0.4 * i - 1.6, 0.8, 3.5 + 0.2 * (i % 3));
@@ -121,7 +121,7 @@ TEST(OdometryGaps, LinesThatAreSeenForLongKeepTheirEnds) {
   const auto n_bars = static_cast<int>(bars.size());
   LocalLandmarks landmarks(FeatureWorld::Camera(), VoOptions());
   TrackedFrame first(world.Observe(SE3(), 0.1, 0));
-  landmarks.Found(SE3(), first);
+  landmarks.Create(SE3(), first);
   FrameMatches matches;
   for (int i = 0; i < n_bars; ++i) matches.lines.push_back({i, i});
   for (uint64_t i = 1; i < 1000; ++i) {

@@ -32,7 +32,7 @@ VoOptions OptionsWith(const std::string& landmarks) {
   return options;
 }
 
-TEST(OdometryAndMap, KeyframeThatTheMapDoesNotHaveChangesNothing) {
+TEST(OdometryAndMap, KeyframeMissingFromTheMapChangesNothing) {
   const FeatureWorld world({300, 60}, 4);
   Odometry with(FeatureWorld::Camera(), VoOptions());
   Odometry without(FeatureWorld::Camera(), VoOptions());
@@ -50,7 +50,7 @@ TEST(OdometryAndMap, KeyframeThatTheMapDoesNotHaveChangesNothing) {
   }
 }
 
-TEST(OdometryAndMap, KeyframesOfAnotherSessionBeginAtTheNextFrameWhichGoesOnInTheMap) {
+TEST(OdometryAndMap, NewSessionContinuesTrackingInTheMap) {
   const FeatureWorld world({300, 60}, 4);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   Odometry without(FeatureWorld::Camera(), VoOptions());
@@ -97,7 +97,7 @@ INSTANTIATE_TEST_SUITE_P(Landmarks, OdometryAndMapBy, testing::Values("all", "un
                          [](const auto& landmarks) { return std::string(landmarks.param); });
 
 // A map with an offset of 3 cm: tracking follows it with all of its landmarks, and not only with the unknown ones.
-TEST(OdometryAndMap, OwnLandmarksStayWhereOnlyUnknownOnesAreTaken) {
+TEST(OdometryAndMap, OwnLandmarksStayIfOnlyUnknownAreAdopted) {
   const FeatureWorld world({300, 60}, 4);
   const Eigen::Vector3d shift_w(0.03, 0.0, 0.0);
   for (const std::string kind : {"all", "unknown"}) {
@@ -116,7 +116,7 @@ TEST(OdometryAndMap, OwnLandmarksStayWhereOnlyUnknownOnesAreTaken) {
 }
 
 // Session 1 has mapped the path; session 2 begins at its middle and goes back, where it has not been.
-TEST(OdometryAndMap, WhatOnlyTheMapKnowsIsFoundByTracking) {
+TEST(OdometryAndMap, LandmarksOfTheMapAreTracked) {
   const FeatureWorld world({300, 60}, 4);
   PerfectMap map(world);
   Odometry before(FeatureWorld::Camera(), VoOptions());
@@ -183,7 +183,7 @@ std::vector<int> KeyframesOfWays(int ways, const VoOptions& options) {
   return keyframes;
 }
 
-TEST(OdometryAndMap, PlacesThatTheMapKnowsWellMakeHardlyAnyKeyframes) {
+TEST(OdometryAndMap, MappedPlacesNeedHardlyAnyKeyframes) {
   const std::vector<int> known = KeyframesOfWays(10, VoOptions());
   VoOptions options;
   options.keyframes.known_share = 1.01;
@@ -199,7 +199,7 @@ TEST(OdometryAndMap, PlacesThatTheMapKnowsWellMakeHardlyAnyKeyframes) {
 
 // Lost in the dark, or among unknown features: the local map still describes the previous position, and tracking
 // continues there.
-TEST(OdometryAndMap, TheMapIsTakenOverWhileLost) {
+TEST(OdometryAndMap, MapIsAdoptedWhileLost) {
   const FeatureWorld world({300, 60}, 4);
   const FeatureWorld strange({300, 60}, 5);
   for (const bool dark : {true, false}) {
@@ -231,7 +231,7 @@ TEST(OdometryAndMap, TheMapIsTakenOverWhileLost) {
 }
 
 // Ids of landmarks created while lost and of the map's come from one counter.
-TEST(OdometryAndMap, NamesStayUniqueWhereTheStrangePlaceIsEntered) {
+TEST(OdometryAndMap, IdsStayUniqueInAnUnknownPlace) {
   const FeatureWorld world({300, 60}, 4);
   const FeatureWorld strange({300, 60}, 5);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());

@@ -56,7 +56,7 @@ class Relocalisation : public testing::Test {
   int64_t frame_ = 0;
 };
 
-TEST_F(Relocalisation, CameraCarriedWhileCoveredGoesOnInTheMap) {
+TEST_F(Relocalisation, CameraCarriedWhileCovered) {
   Walk(60, 200);
   for (int i = 0; i < 10; ++i) EXPECT_EQ(Blind().state, TrackingState::kLost);
   // Uncovered at the beginning of its path, of which the tracker has no landmarks left.
@@ -72,7 +72,7 @@ TEST_F(Relocalisation, CameraCarriedWhileCoveredGoesOnInTheMap) {
   for (int i = 2; i < 20; ++i) EXPECT_LT(ErrorInMap(Track(See(world_, i, 0.3)), i), 0.02) << i;
 }
 
-TEST_F(Relocalisation, LandmarksOfTheKeyframeAreNamedAsThoseOfTheMap) {
+TEST_F(Relocalisation, LandmarksOfTheKeyframeHaveMapIds) {
   for (int i = 0; i < 3; ++i) Blind();
   const OdometryResult asked = Blind();
   ASSERT_TRUE(Answer(10, asked.T_odom_c));
@@ -84,7 +84,7 @@ TEST_F(Relocalisation, LandmarksOfTheKeyframeAreNamedAsThoseOfTheMap) {
   EXPECT_GT(named, 30);
 }
 
-TEST_F(Relocalisation, AWrongAnswerIsNotBelieved) {
+TEST_F(Relocalisation, WrongAnswerIsRejected) {
   for (int i = 0; i < 5; ++i) Blind();
   const OdometryResult asked = Track(See(elsewhere_, 5, 0.3));
   const SE3 T_w_odom = odometry_.T_w_odom();
@@ -94,7 +94,7 @@ TEST_F(Relocalisation, AWrongAnswerIsNotBelieved) {
   EXPECT_LT((asked.T_odom_c.Inverse() * next.T_odom_c).translation().norm(), 0.2);
 }
 
-TEST_F(Relocalisation, ACameraThatWasNotLostGoesOnAsItDid) {
+TEST_F(Relocalisation, TrackedCameraContinuesWithoutAJump) {
   Odometry visitor(FeatureWorld::Camera(), VoOptions());
   const OdometryResult first = visitor.Track(0, See(world_, 10, 0.3));
   const OdometryResult before = visitor.Track(kAskingFrame_ns, See(world_, 11, 0.3));
@@ -116,11 +116,11 @@ TEST_F(Relocalisation, ACameraThatWasNotLostGoesOnAsItDid) {
     EXPECT_LT(in_map(visitor.Track(kAskingFrame_ns * i, See(world_, i, 0.3)), i), 0.02) << i;
 }
 
-TEST_F(Relocalisation, AKeyframeThatTheMapDoesNotHaveIsRefused) {
+TEST_F(Relocalisation, KeyframeMissingFromTheMapIsRefused) {
   EXPECT_FALSE(odometry_.Relocalise(map_.map(), 1000, SE3()));
 }
 
-TEST_F(Relocalisation, AMapThatStaysIsFollowedByWhatIsSeen) {
+TEST_F(Relocalisation, ConstantMapIsTracked) {
   // A tracker without a map of its own.
   Odometry visitor(FeatureWorld::Camera(), VoOptions());
   EXPECT_FALSE(visitor.AdoptAround(map_.map())) << "it has seen nothing";

@@ -65,25 +65,25 @@ void ExpectSameBits(const char* world, int frames, const VoOptions& options) {
   ExpectSameBits(*OpenDataset(world, ""), frames, options);
 }
 
-TEST(OdometryState, GoesOnToTheLastBitWithABentRig) {
+TEST(OdometryState, ContinuesBitForBitWithABentRig) {
   const auto straight = OpenDataset("synthetic:room?size=320x240&frames=40", "");
   ExpectSameBits(test::BentRig(*straight, {-0.005, 0.0, 0.01}), 40, VoOptions());
 }
 
-TEST(OdometryState, GoesOnToTheLastBitInSnowWithCamerasOutOfStep) {
+TEST(OdometryState, ContinuesBitForBitInSnowAndOutOfStep) {
   ExpectSameBits("synthetic:room?size=320x240&frames=40&right_late_ms=10&streaks=150", 40, VoOptions());
 }
 
-TEST(OdometryState, GoesOnToTheLastBit) { ExpectSameBits("synthetic:room?size=320x240&frames=60", 60, VoOptions()); }
+TEST(OdometryState, ContinuesBitForBit) { ExpectSameBits("synthetic:room?size=320x240&frames=60", 60, VoOptions()); }
 
-TEST(OdometryState, GoesOnToTheLastBitFrameToFrameWithoutMeans) {
+TEST(OdometryState, ContinuesBitForBitFrameToFrame) {
   VoOptions options;
   options.tracking.reference = "previous_frame";
   options.keyframes.measurements = "frame";
   ExpectSameBits("synthetic:corridor?size=320x240&frames=40", 40, options);
 }
 
-TEST(OdometryState, BytesThatAreCutOffAreRefused) {
+TEST(OdometryState, TruncatedBytesAreRefused) {
   const StereoCamera camera = test::FeatureWorld::Camera();
   const std::vector<uint8_t> bytes = archive::ToBytes(Odometry(camera, VoOptions()));
   Odometry odometry(camera, VoOptions());

@@ -52,7 +52,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, OdometryByFeatureType,
                                          FeatureWorld::Counts{300, 100}),
                          KindName);
 
-TEST(Odometry, RigOfMillimetresSeesWhatOneOfMetresDoes) {
+TEST(Odometry, RigOfMillimetresTracksLikeOneOfMetres) {
   const FeatureWorld world({300, 60}, 5);
   constexpr double kScale = 1e-3;  // the pixels are the same: an endoscope, 3 mm from the scene
   StereoCamera small_rig = FeatureWorld::Camera();
@@ -86,7 +86,7 @@ TEST(Odometry, FrameToFrameDriftsMoreThanLandmarks) {
   EXPECT_LT(error_frames / 80, 0.05);
 }
 
-TEST(Odometry, StandingStillDriftsNowhereAndMakesOneKeyframe) {
+TEST(Odometry, StandingStillHasNoDriftAndOneKeyframe) {
   const FeatureWorld world({300, 60}, 5);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   int keyframes = 0;
@@ -98,7 +98,7 @@ TEST(Odometry, StandingStillDriftsNowhereAndMakesOneKeyframe) {
   EXPECT_EQ(keyframes, 1);
 }
 
-TEST(Odometry, IdenticalFramesGiveZeroMotionAndFiniteCovariance) {
+TEST(Odometry, IdenticalFramesGiveZeroMotion) {
   const FeatureWorld world({300, 60}, 5);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   for (int i = 0; i < 5; ++i) {
@@ -124,7 +124,7 @@ TEST(Odometry, FramesWithoutFeaturesAreLostAndThenRecovered) {
   EXPECT_EQ(odometry.Track(21 * kFrame_ns, SeenAt(world, 21)).state, TrackingState::kTracking);
 }
 
-TEST(Odometry, AnotherWorldIsEnteredWithTheGapInTheCovariance) {
+TEST(Odometry, AnotherWorldAfterALoss) {
   const FeatureWorld before({300, 60}, 9);
   const FeatureWorld after({300, 60}, 10);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
@@ -138,7 +138,7 @@ TEST(Odometry, AnotherWorldIsEnteredWithTheGapInTheCovariance) {
   EXPECT_EQ(odometry.Track(12 * kFrame_ns, SeenAt(after, 12)).state, TrackingState::kTracking);
 }
 
-TEST(Odometry, OneStrangeFrameDoesNotLoseThePlace) {
+TEST(Odometry, OneForeignFrameDoesNotLoseTheMap) {
   const FeatureWorld world({300, 60}, 9);
   const FeatureWorld strange({300, 60}, 10);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
@@ -186,7 +186,7 @@ TEST(Odometry, FewFeaturesThatMoveFarAreWeakNotLost) {
   EXPECT_LT((T_w_c.Inverse() * result.T_odom_c).Log().norm(), 0.05);
 }
 
-TEST(Odometry, FewFeaturesAfterALongWhileAreLost) {
+TEST(Odometry, FewFeaturesAfterALongGapAreLost) {
   // A picture every second: the motion model allows any position now, so that few features may agree on a wrong one.
   constexpr int64_t kSecond_ns = 1'000'000'000;
   const FeatureWorld world({300, 0}, 9);
@@ -210,7 +210,7 @@ TEST(Odometry, StepFarBeyondTheSearchWindowIsFollowed) {
   EXPECT_LT((result.T_odom_c.translation() - step.translation()).norm(), 0.02);
 }
 
-TEST(Odometry, TimeThatStandsOrGoesBackIsNoNan) {
+TEST(Odometry, RepeatedOrDecreasingTimesGiveNoNan) {
   const FeatureWorld world({300, 60}, 9);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   odometry.Track(5 * kFrame_ns, SeenAt(world, 0));
@@ -218,7 +218,7 @@ TEST(Odometry, TimeThatStandsOrGoesBackIsNoNan) {
   ASSERT_TRUE(IsSane(odometry.Track(2 * kFrame_ns, SeenAt(world, 2))));
 }
 
-TEST(Odometry, ASecondImageOfTheSameTimeTellsNoSpeed) {
+TEST(Odometry, SecondImageOfTheSameTimeKeepsTheSpeed) {
   const FeatureWorld world({300, 60}, 9);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   for (int i = 0; i < 10; ++i) odometry.Track(i * kFrame_ns, SeenAt(world, i));

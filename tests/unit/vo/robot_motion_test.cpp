@@ -54,7 +54,7 @@ RobotMotionModel Believed() {
   return model;
 }
 
-TEST(RobotMotionModel, TurnsTheBodyIntoTheCamera) {
+TEST(RobotMotionModel, ConvertsBodyMotionToCameraMotion) {
   RobotMotionModel model = Believed();
   ASSERT_TRUE(model.agrees());
   model.Expect(Wheels(21, 1.0));
@@ -66,7 +66,7 @@ TEST(RobotMotionModel, TurnsTheBodyIntoTheCamera) {
   EXPECT_GT(std::sqrt(prediction.covariance(0, 0)), 0.8 * tilt_rad) << "a mast that tilts moves the camera";
 }
 
-TEST(RobotMotionModel, SaysNothingBeforeItHasAgreedForHalfASecond) {
+TEST(RobotMotionModel, NotUsedBeforeHalfASecondOfAgreement) {
   MotionPrediction own;
   own.T_prev_c = Step(7);
   RobotMotionModel model;
@@ -82,7 +82,7 @@ TEST(RobotMotionModel, SaysNothingBeforeItHasAgreedForHalfASecond) {
   EXPECT_LT((model.Predict(own, kFrame_s).T_prev_c.Inverse() * own.T_prev_c).Log().norm(), 1e-15);
 }
 
-TEST(RobotMotionModel, IsNotBelievedAfterTheWheelsHaveSlipped) {
+TEST(RobotMotionModel, NotUsedAfterTheWheelsHaveSlipped) {
   for (const double scale : {0.0, 0.5, 2.0}) {
     RobotMotionModel model = Believed();
     for (int i = 21; i <= 40; ++i) {
@@ -93,7 +93,7 @@ TEST(RobotMotionModel, IsNotBelievedAfterTheWheelsHaveSlipped) {
   }
 }
 
-TEST(RobotMotionModel, IsNotBelievedWhereTheCameraCannotHaveMovedLikeThat) {
+TEST(RobotMotionModel, NotUsedIfTheCameraContradictsIt) {
   RobotMotionModel model = Believed();
   RobotMotion motion = Wheels(21, 1.0);
   motion.T_prevb_b = motion.T_prevb_b * SE3(Eigen::Quaterniond::Identity(), {1.0, 0.0, 0.0});
@@ -104,7 +104,7 @@ TEST(RobotMotionModel, IsNotBelievedWhereTheCameraCannotHaveMovedLikeThat) {
 }
 
 // Wheels with too small a scale have the same error in each frame.
-TEST(RobotMotionModel, ErrorsOfOneFrameAfterTheOtherAddUpWithTheWay) {
+TEST(RobotMotionModel, ErrorsOfFramesAddUpWithThePath) {
   RobotMotionModel model = Believed();
   Matrix6d covariance = Matrix6d::Zero();
   SE3 robot;
@@ -165,7 +165,7 @@ TEST(RobotMotionPrediction, CarriesACoveredCameraThroughACurve) {
   RecordProperty("without_m", std::to_string(without.end_m));
 }
 
-TEST(RobotMotionPrediction, ACameraThatComesBackToLightIsWhereTheWheelsHaveCarriedIt) {
+TEST(RobotMotionPrediction, UncoveredCameraIsAtTheWheelOdometryPose) {
   const auto dark = [](int i) { return i >= 45 && i < 65; };
   const Drive with = DriveWith(dark, [](int) { return 0.97; });
   const Drive without = DriveWith(dark, [](int) { return std::nullopt; });
@@ -173,7 +173,7 @@ TEST(RobotMotionPrediction, ACameraThatComesBackToLightIsWhereTheWheelsHaveCarri
   EXPECT_LE(with.n_lost, 21);
 }
 
-TEST(RobotMotionPrediction, WheelsThatSlipChangeNothingWhereTheImagesAreGood) {
+TEST(RobotMotionPrediction, SlippingWheelsDoNotHarmGoodImages) {
   const Drive without = DriveWith(Never, [](int) { return std::nullopt; });
   const auto expect_as_without = [&](const std::string& what, const std::function<double(int)>& share) {
     const Drive with = DriveWith(Never, share);
@@ -190,7 +190,7 @@ TEST(RobotMotionPrediction, WheelsThatSlipChangeNothingWhereTheImagesAreGood) {
   expect_as_without("backwards", [](int i) { return i < 40 ? 1.0 : -1.0; });
 }
 
-TEST(RobotMotionPrediction, WheelsThatHaveSlippedDoNotCarryACoveredCamera) {
+TEST(RobotMotionPrediction, SlippedWheelsDoNotMoveACoveredCamera) {
   const auto dark = [](int i) { return i >= 60; };
   const Drive without = DriveWith(dark, [](int) { return std::nullopt; });
   const Drive with = DriveWith(dark, [](int) { return 3.0; });

@@ -42,7 +42,7 @@ TEST(RobotPath, InterpolatesBetweenThePosesAroundBothTimes) {
   EXPECT_LT(Off(Motion(path, 11, 970), 11, 970), 1e-5);
 }
 
-TEST(RobotPath, GoesOnForAMomentBeyondTheNewestPose) {
+TEST(RobotPath, ExtrapolatesBrieflyBeyondTheNewestPose) {
   const RobotPath path = Path(50);
   EXPECT_TRUE(path.Reaches(kBegin_ns + 980 * kMs));
   EXPECT_FALSE(path.Reaches(kBegin_ns + 980 * kMs + 1));
@@ -53,7 +53,7 @@ TEST(RobotPath, GoesOnForAMomentBeyondTheNewestPose) {
   EXPECT_FALSE(Motion(one, 0, 10)) << "one pose tells no motion";
 }
 
-TEST(RobotPath, SaysNothingOfWhatItHasNotHeard) {
+TEST(RobotPath, NoMotionOutsideItsPoses) {
   EXPECT_FALSE(Motion(RobotPath(), 0, 50));
   EXPECT_FALSE(Motion(Path(50), -10, 50)) << "before the first pose";
   EXPECT_FALSE(Motion(Path(50), 50, 50));
@@ -63,14 +63,14 @@ TEST(RobotPath, SaysNothingOfWhatItHasNotHeard) {
   EXPECT_FALSE(Motion(path, 100, 500)) << "0.8 s without a pose";
 }
 
-TEST(RobotPath, PosesThatComeLateOrAgainChangeNothing) {
+TEST(RobotPath, LateAndRepeatedPosesAreIgnored) {
   RobotPath path;
   for (const int i : {0, 1, 3, 2, 3, 4, 4, 5}) path.Add(kBegin_ns + 20 * kMs * i, PathAt(0.5 * i));
   EXPECT_LT(Off(Motion(path, 0, 100), 0, 100), 1e-9);
   EXPECT_LT(Off(Motion(path, 30, 50), 30, 50), 1e-3) << "around the one that was late";
 }
 
-TEST(RobotPath, BeginsAnewWhereTimeGoesBackOrTheBodyJumps) {
+TEST(RobotPath, RestartsIfTimeDecreasesOrThePoseJumps) {
   RobotPath path = Path(100);
   path.Add(kBegin_ns, SE3());
   path.Add(kBegin_ns + 20 * kMs, SE3());

@@ -46,7 +46,7 @@ RowField Learned(const RowField& truth, int n_frames, const RowCalibrationOption
   return calibration.field();
 }
 
-TEST(RowCalibration, FindsRowsThatDifferInSpiteOfWrongMatches) {
+TEST(RowCalibration, FindsVerticalDisparityDespiteOutliers) {
   const RowField truth(kRowRig, SomeRows(), {});
   const RowField found = Learned(truth, 10);
   for (const Eigen::Vector2d& px :
@@ -64,11 +64,11 @@ TEST(RowCalibration, GoodRigsAreLeftAlone) {
   EXPECT_TRUE(Learned({kRowRig, 0.2 * SomeRows(), {}}, 50).is_zero()) << "too little to matter";
 }
 
-TEST(RowCalibration, SwitchedOffItLearnsNothing) {
+TEST(RowCalibration, DisabledItLearnsNothing) {
   EXPECT_TRUE(Learned({kRowRig, SomeRows(), {}}, 10, {.enabled = false}).is_zero());
 }
 
-TEST(RowCalibration, MatchesThatDoNotTellTheirRowsAreNotAsked) {
+TEST(RowCalibration, MatchesWithUncertainRowsAreNotUsed) {
   RowCalibration calibration(kRowRig, {});
   std::mt19937 random(5);
   for (int i = 0; i < 10; ++i) {
@@ -89,7 +89,7 @@ StereoFeatures Some(const StereoFeatures& features, size_t n) {
   return {{features.points.begin(), features.points.begin() + static_cast<std::ptrdiff_t>(n)}, {}, {}};
 }
 
-TEST(RowCalibration, WithLittleToSeeItIsLookedForNowAndThenUntilThereIsMore) {
+TEST(RowCalibration, FewMatchesAreCheckedPeriodically) {
   const RowField truth(kRowRig, 4.0 * RowField::Coefficients::Unit(0), {});
   RowCalibration calibration(kRowRig, {});
   std::mt19937 random(5);
@@ -135,7 +135,7 @@ double TurnedDisparity(double r0_px, double r5_px) {
 }
 
 // Rows that are all lower by as much may be a pitch, or an image that was cut otherwise; a pitch bends them, too.
-TEST(RowCalibration, APitchIsBelievedAsFarAsItBendsTheRows) {
+TEST(RowCalibration, PitchIsUsedAsFarAsItBendsTheRows) {
   const double bend = 240.0 * 240.0 / (400.0 * 400.0);
   const double pitch_rad = 4.0 / 400.0;
   const double turned_px = std::abs(pitch_rad * (600.0 - 320.0) * (450.0 - 240.0) / 400.0);

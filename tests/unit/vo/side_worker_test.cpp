@@ -44,7 +44,7 @@ TEST(SideWorker, RunsOnAnotherThreadAndLeavesACoreToTheCaller) {
   EXPECT_EQ(cores_there, std::max(1, CoresOfThisThread() - 1));
 }
 
-TEST(SideWorker, ThrowsWhatEitherThrowsAndGoesOn) {
+TEST(SideWorker, RethrowsAndStaysUsable) {
   SideWorker worker;
   const auto fail = [] { throw std::runtime_error("no"); };
   const auto nothing = [] {};

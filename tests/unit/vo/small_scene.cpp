@@ -81,7 +81,7 @@ vo::LocalLandmarks LandmarksOf(Scene scene, const Eigen::Vector3d& offset) {
   vo::LocalLandmarks landmarks(kCamera, options);
   vo::TrackedFrame frame = See(scene, SE3());
   for (auto* tracks : {&frame.point_tracks, &frame.line_tracks}) tracks->assign(tracks->size(), {});
-  landmarks.Found(SE3(), frame);
+  landmarks.Create(SE3(), frame);
   EXPECT_EQ(landmarks.points.landmarks().size(), scene.points.size());
   EXPECT_EQ(landmarks.lines.landmarks().size(), scene.lines.size());
   return landmarks;

@@ -75,7 +75,7 @@ TEST(StereoFrontEnd, MaskedPartsHaveNeitherFeaturesNorPartners) {
   EXPECT_GT(left_part, 20) << "a left feature needs no right partner";
 }
 
-TEST(StereoFrontEnd, MaskedPartTakesNoneOfThePointsThatAnImageMayHave) {
+TEST(StereoFrontEnd, MaskedPartDoesNotUseUpThePointLimit) {
   VoOptions options;
   options.features.orb.max_points = 200;
   RigCalibration rig = Rig(320, 240);
@@ -84,7 +84,7 @@ TEST(StereoFrontEnd, MaskedPartTakesNoneOfThePointsThatAnImageMayHave) {
   EXPECT_GT(StereoFrontEnd(rig, options).Process(Textured(320, 240), timer).points.size(), 190U);
 }
 
-TEST(StereoFrontEnd, MaskOfAFrameIsLikeThatOfTheRigAndOfNoOtherFrame) {
+TEST(StereoFrontEnd, FrameMaskActsLikeARigMaskForOneFrame) {
   StageTimer timer;
   const StereoImages images = Textured(320, 240);
   RigCalibration rig = Rig(320, 240);
@@ -106,7 +106,7 @@ TEST(StereoFrontEnd, MaskOfAFrameIsLikeThatOfTheRigAndOfNoOtherFrame) {
   EXPECT_EQ(front_end.Process(images, timer).points.size(), n_before);
 }
 
-TEST(StereoFrontEnd, MaskOfAFrameIsWarpedWithItsImage) {
+TEST(StereoFrontEnd, FrameMaskIsWarpedWithItsImage) {
   RigCalibration rig = Rig(320, 240);
   rig.left.model = rig.right.model = "radtan";
   rig.left.distortion = rig.right.distortion = {-0.2, 0.05, 0.0, 0.0};

@@ -59,7 +59,7 @@ SyncCheck Checked(const NoddingWorld& world, int n_frames) {
   return check;
 }
 
-TEST(SyncCheck, TellsWithin20FramesHowLateRightImagesAre) {
+TEST(SyncCheck, EstimatesTheDelayWithin20Frames) {
   RowField::Coefficients bent;
   bent << -2.0, 0.4, 0.3, -0.3, 0.6, 0.1;
   for (const double late_s : {0.005, -0.005, 0.020, 0.050, -0.050}) {
@@ -82,20 +82,20 @@ TEST(SyncCheck, CamerasInStepAreLeftAlone) {
   }
 }
 
-TEST(SyncCheck, TellsThatOneCameraReadsItsRowsMoreSlowly) {
+TEST(SyncCheck, EstimatesALongerReadout) {
   const SyncCheck check = Checked({.longer_readout_s = 0.020}, 30);
   EXPECT_NEAR(check.longer_readout_s(), 0.020, 0.003);
   EXPECT_EQ(check.late_s(), 0.0);
 }
 
-TEST(SyncCheck, ACameraThatStandsTellsNothing) {
+TEST(SyncCheck, StandingCameraLearnsNothing) {
   SyncCheck check(kSyncRig);
   std::mt19937 random(3);
   for (int i = 0; i < 30; ++i) check.Observe(NoddingWorld{.late_s = 0.02}.Frame(0, random), kInterval_s);
   EXPECT_EQ(check.late_s(), 0.0);
 }
 
-TEST(SyncCheck, GoesOnAfterARestart) {
+TEST(SyncCheck, ContinuesAfterARestart) {
   const NoddingWorld world{.late_s = 0.01};
   SyncCheck check = Checked(world, 10);
   SyncCheck restored(kSyncRig);
@@ -116,7 +116,7 @@ double LateIn(const Dataset& dataset, int n_frames) {
 
 // The images of a late camera, 20 frames a second. If the camera is a whole frame late, most matches are found only
 // when the delay is known.
-TEST(SyncCheck, IsToldOfLateImagesOfAWorld) {
+TEST(SyncCheck, EstimatesTheDelayOfARenderedWorld) {
   for (const double late_ms : {5.0, 20.0, 50.0}) {
     const auto world = OpenDataset("synthetic:room?frames=30&right_late_ms=" + std::to_string(late_ms), "");
     EXPECT_NEAR(1e3 * LateIn(*world, late_ms < 50.0 ? 20 : 30), late_ms, 0.12 * late_ms);

@@ -47,7 +47,7 @@ std::vector<int64_t> PointIds(const TrackerLocalMap& patch) {
   return ids;
 }
 
-TEST(KeyframeLog, KeyframesTheMapDoesNotHaveGiveNoPatch) {
+TEST(KeyframeLog, KeyframesMissingFromTheMapGiveNoLocalMap) {
   KeyframeLog log;
   Map map;
   EXPECT_FALSE(log.LocalMapAround(map, kSession, 0, 20));
@@ -66,7 +66,7 @@ TEST(KeyframeLog, MapFromOdometryAsTheKeyframeHasIt) {
   EXPECT_LT((patch->T_w_odom * expected.T_odom_kf * expected.T_w_kf.Inverse()).Log().norm(), 1e-12);
 }
 
-TEST(KeyframeLog, LandmarksCarryTheNamesThatTheTrackersKeyframesGaveThem) {
+TEST(KeyframeLog, LandmarksHaveTheirTrackerIds) {
   KeyframeLog log;
   log.Add(0, {7, -1, 8}, {70});
   log.Add(1, {-1, 9, 7}, {71, 70});
@@ -109,7 +109,7 @@ Map StarOfKeyframes(int neighbours) {
   return map;
 }
 
-TEST(KeyframeLog, NeighboursBringWhatTheySeeBestFirst) {
+TEST(KeyframeLog, BestNeighboursComeFirst) {
   const Map map = StarOfKeyframes(4);
   const auto own_points_of = [&](int max_keyframes) {
     const auto patch = KeyframeLog().LocalMapAround(map, kSession, 0, max_keyframes);
@@ -125,7 +125,7 @@ TEST(KeyframeLog, NeighboursBringWhatTheySeeBestFirst) {
   EXPECT_THAT(own_points_of(100), ElementsAre(1, 2, 3, 4));
 }
 
-TEST(KeyframeLog, KeyframesLongPastAreForgotten) {
+TEST(KeyframeLog, OldKeyframesAreForgotten) {
   KeyframeLog log;
   Map map;
   map.Put(KeyframeOf(0, kSession, 0));

@@ -42,7 +42,7 @@ TrackerState SomeState() {
   return state;
 }
 
-TEST_F(TrackerStateFile, GivesBackWhatWasWritten) {
+TEST_F(TrackerStateFile, RoundTrip) {
   const TrackerState state = SomeState();
   WriteTrackerState(path_, state);
   const TrackerState back = ReadTrackerState(path_);
@@ -66,7 +66,7 @@ TEST_F(TrackerStateFile, GivesBackWhatWasWritten) {
   EXPECT_EQ(back.keyframe.line_landmark_ids, state.keyframe.line_landmark_ids);
 }
 
-TEST_F(TrackerStateFile, CutOffAndMissingOnesAreToldByName) {
+TEST_F(TrackerStateFile, TruncatedAndMissingFilesAreNamed) {
   using testing::HasSubstr;
   using testing::ThrowsMessage;
   EXPECT_THAT([this] { ReadTrackerState(path_); }, ThrowsMessage<std::runtime_error>(HasSubstr(path_)));

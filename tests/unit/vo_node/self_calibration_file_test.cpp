@@ -61,7 +61,7 @@ class SelfCalibrationFile : public testing::Test {
   const std::string path_ = folder_ / "camera.self.yaml";
 };
 
-TEST_F(SelfCalibrationFile, ComesBackToTheLastDigit) {
+TEST_F(SelfCalibrationFile, RoundTripKeepsAllDigits) {
   WriteSelfCalibration(path_, "0123", Learned());
   const auto read = ReadSelfCalibration(path_, "0123");
   ASSERT_TRUE(read && read->rows && read->disparities);
@@ -71,7 +71,7 @@ TEST_F(SelfCalibrationFile, ComesBackToTheLastDigit) {
   EXPECT_EQ(read->disparities->covariance_px2, Learned().disparities->covariance_px2);
 }
 
-TEST_F(SelfCalibrationFile, HoldsOnlyWhatIsBelieved) {
+TEST_F(SelfCalibrationFile, StoresOnlyAcceptedCalibrations) {
   SelfCalibration learned = Learned();
   learned.rows.reset();
   WriteSelfCalibration(path_, "0123", learned);
@@ -81,13 +81,13 @@ TEST_F(SelfCalibrationFile, HoldsOnlyWhatIsBelieved) {
   EXPECT_TRUE(read->disparities);
 }
 
-TEST_F(SelfCalibrationFile, OfAnotherCalibrationIsNotUsedAndNoneIsNoError) {
+TEST_F(SelfCalibrationFile, MissingOrOtherCalibrationIsIgnored) {
   EXPECT_FALSE(ReadSelfCalibration(path_, "0123"));
   WriteSelfCalibration(path_, "0123", Learned());
   EXPECT_FALSE(ReadSelfCalibration(path_, "0124"));
 }
 
-TEST_F(SelfCalibrationFile, ThatCannotBeIsNamed) {
+TEST_F(SelfCalibrationFile, InvalidFileIsNamed) {
   EXPECT_THAT(SentenceFor("0.01, ", ".nan, "), HasSubstr("camera.self.yaml: rows.covariance_px2 = nan"));
   EXPECT_THAT(SentenceFor("-0.4", "-0.4, 1"), HasSubstr("disparities.coefficients_px"));
   EXPECT_THAT(SentenceFor("-0.4", "4000"), HasSubstr("disparities.coefficients_px = 4e+19: must be within 1000"));
@@ -95,7 +95,7 @@ TEST_F(SelfCalibrationFile, ThatCannotBeIsNamed) {
   EXPECT_THAT(SentenceFor("calibration: 0123", "camera: 0123"), HasSubstr("calibration is missing"));
 }
 
-TEST(NameOfCalibration, IsOfTheCalibrationAndNotOfItsMessage) {
+TEST(NameOfCalibration, DependsOnTheCalibrationNotItsMessage) {
   EXPECT_EQ(NameOfCalibration(CameraOf(500.0, 1)), NameOfCalibration(CameraOf(500.0, 2)));
   EXPECT_NE(NameOfCalibration(CameraOf(500.0, 1)), NameOfCalibration(CameraOf(500.1, 1)));
   EXPECT_EQ(NameOfCalibration(CameraOf(500.0, 1)).size(), 16U);

@@ -208,7 +208,7 @@ class VoNodeTest : public testing::Test {
   std::thread vo_;
 };
 
-TEST_F(VoNodeTest, AClockThatIsPutBackALittleSpoilsAFrameAndMakesNoSession) {
+TEST_F(VoNodeTest, SmallClockStepLosesOnlyOneFrame) {
   VoOptions options;
   options.map.enabled = false;
   Start(options, true);
@@ -229,7 +229,7 @@ TEST_F(VoNodeTest, AClockThatIsPutBackALittleSpoilsAFrameAndMakesNoSession) {
   EXPECT_NE(Show(7, kBegin_ns - 2'000'000'000).header.session, session) << "that is another stream";
 }
 
-TEST_F(VoNodeTest, ExchangedImagesAreToldInTheStatus) {
+TEST_F(VoNodeTest, ExchangedImagesAreReportedInTheStatus) {
   VoOptions options;
   options.map.enabled = false;
   exchanged_ = true;
@@ -247,7 +247,7 @@ TEST_F(VoNodeTest, ExchangedImagesAreToldInTheStatus) {
 }
 
 // The first loop_process may have exited with the request: taken from the bus, but not answered.
-TEST_F(VoNodeTest, ATrackerThatOnlyLocalisesBeginsAnewInTheMapThatTakesThePlaceOfIts) {
+TEST_F(VoNodeTest, LocaliseOnlyRestartsInAReplacedMap) {
   VoOptions options;
   options.map.localise_only = true;
   Start(options, false);
@@ -263,7 +263,7 @@ TEST_F(VoNodeTest, ATrackerThatOnlyLocalisesBeginsAnewInTheMapThatTakesThePlaceO
   EXPECT_NE(next, session);
 }
 
-TEST_F(VoNodeTest, ARobotThatOnlyLocalisesStaysSoInAMapThatGrows) {
+TEST_F(VoNodeTest, LocaliseOnlyStaysInAGrowingMap) {
   VoOptions options;
   options.map.localise_only = true;
   Start(options, false);
@@ -291,7 +291,7 @@ TEST_F(VoNodeTest, FramesOfLockstepWaitForTheirMasks) {
   EXPECT_NE(with.state, kLost);
 }
 
-TEST_F(VoNodeTest, ALiveFrameWaitsForItsMaskForAMomentOnly) {
+TEST_F(VoNodeTest, LiveFrameWaitsBrieflyForItsMask) {
   VoOptions options;
   options.map.enabled = false;
   options.masks.enabled = true;
@@ -307,7 +307,7 @@ VoOptions WithRobot() {
   return options;
 }
 
-TEST_F(VoNodeTest, ACoveredCameraIsCarriedByTheWheels) {
+TEST_F(VoNodeTest, CoveredCameraFollowsTheWheels) {
   Start(WithRobot(), true);
   const double way_m = (Truth(19).Inverse() * Truth(39)).translation().norm();
   EXPECT_GT(way_m, 1.5);
@@ -340,7 +340,7 @@ TEST_F(VoNodeTest, ALiveFrameDoesNotWaitForTheRobot) {
   EXPECT_TRUE(Says([](const status_t& s) { return bus::CounterOf(s, "robot_motions.missing") >= 3.0; }));
 }
 
-TEST_F(VoNodeTest, ALoopProcessThatIsStartedAgainIsAskedAgain) {
+TEST_F(VoNodeTest, RestartedLoopProcessGetsTheRequestAgain) {
   const Map map = plslam::test::RunSlam(*dataset_, {}, {}, 1, 20).map;
   VoOptions options;
   options.map.localise_only = true;
@@ -358,7 +358,7 @@ TEST_F(VoNodeTest, ALoopProcessThatIsStartedAgainIsAskedAgain) {
   EXPECT_NE(ShowNext(1).state, kLost);
 }
 
-TEST_F(VoNodeTest, ACameraThatWentOnElsewhereCountsAsLostUntilALateAnswerPutsItIntoTheMap) {
+TEST_F(VoNodeTest, MovedCameraIsLostUntilALateAnswer) {
   const Map map = plslam::test::RunSlam(*dataset_, {}, {}).map;
   VoOptions options;
   options.map.localise_only = true;

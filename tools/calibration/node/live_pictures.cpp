@@ -64,7 +64,7 @@ class CameraChild {
   bool Runs() {
     const auto exit = process_.Poll();
     if (exit && exit->code != 0) {
-      const std::string how = fmt::format("{} {}", process_name::kCamera, launcher::HowItEnded(*exit));
+      const std::string how = fmt::format("{} {}", process_name::kCamera, launcher::ExitText(*exit));
       const std::string last_word = launcher::LastLine(log_);
       throw std::runtime_error(
           fmt::format("{}{}{} (its log: {})", how, last_word.empty() ? "" : ": ", last_word, log_.string()));

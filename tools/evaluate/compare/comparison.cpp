@@ -56,7 +56,7 @@ void Summarise(RunGroup& group) {
 }
 
 /// Appends a number to equal labels, which occur if more options differ than labels name.
-void TellApart(std::vector<RunGroup>& groups) {
+void MakeLabelsUnique(std::vector<RunGroup>& groups) {
   std::map<std::pair<std::string, std::string>, int> seen;
   for (RunGroup& group : groups) {
     const int n = ++seen[{group.dataset, group.label}];
@@ -113,7 +113,7 @@ std::vector<RunGroup> Compare(const std::vector<RunRecord>& runs) {
     group->runs.push_back(run);
   }
   for (RunGroup& group : groups) Summarise(group);
-  TellApart(groups);
+  MakeLabelsUnique(groups);
   return groups;
 }
 

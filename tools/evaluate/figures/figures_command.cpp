@@ -56,7 +56,7 @@ void AddOptions(CLI::App& app, Arguments& a) {
   app.add_option("--pair", a.pair, "two keyframes of the map to show [of a loop, else neighbours]")->expected(2);
   app.add_option("--points", a.points,
                  "vocabulary of points, for the similarities: a path, or a file that comes with the programs");
-  app.add_option("--lines", a.lines, "the same of lines");
+  app.add_option("--lines", a.lines, "vocabulary of lines, likewise");
 }
 
 /// "kitti_03" of a folder, "street" of a built-in world.

@@ -30,9 +30,9 @@ struct Arguments {
 
 void AddOptions(CLI::App& app, Arguments& a) {
   app.add_option("datasets", a.datasets, "sequences with true poses (folders, logs, built-in worlds)")->required();
-  app.add_option("--points", a.points, "vocabulary of points: a path, or a file that comes with the programs");
-  app.add_option("--lines", a.lines, "the same of lines");
-  app.add_option("--stride", a.stride, "every so many-th frame")->check(CLI::Range(1, 1000000));
+  app.add_option("--points", a.points, "vocabulary of points: a path, or a file installed with the programs");
+  app.add_option("--lines", a.lines, "vocabulary of lines, likewise");
+  app.add_option("--stride", a.stride, "play every n-th frame")->check(CLI::Range(1, 1000000));
   app.add_option("--distance", a.revisit.distance_m, "largest distance of a revisit [m]")
       ->check(CLI::Range(0.0, 1e6));
   app.add_option("--angle", a.revisit.angle_deg, "largest angle of a revisit [deg]")->check(CLI::Range(0.0, 180.0));

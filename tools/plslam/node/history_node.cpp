@@ -102,7 +102,7 @@ struct HistoryKeeper::Store {
 
   void Keep(size_t channel, std::span<const uint8_t> message);
   void RemovePublisher(int64_t source);
-  bool SpeaksFor(int64_t source) const;
+  bool RepublishesFor(int64_t source) const;
   void Fail(const std::string& why);
 
   const std::string folder;
@@ -149,7 +149,7 @@ void HistoryKeeper::Store::RemovePublisher(int64_t source) {
 }
 
 /// Returns whether it has exited, and not all processes stop.
-bool HistoryKeeper::Store::SpeaksFor(int64_t source) const {
+bool HistoryKeeper::Store::RepublishesFor(int64_t source) const {
   const std::scoped_lock lock(mutex);
   return !stopping && gone.contains(source);
 }
@@ -173,7 +173,7 @@ HistoryKeeper::HistoryKeeper(bus::Bus& bus, const std::filesystem::path& folder)
   bus_.Subscribe<camera_t>(bus::kCamera, [this](const camera_t& m) {
     if (m.header.source != store_->own) camera_ = std::make_unique<camera_t>(m);
   });
-  bus_.Every(kCameraPeriod, [this] { SayCamera(); });
+  bus_.Every(kCameraPeriod, [this] { RepublishRig(); });
   for (size_t i = 0; i < kKept.size(); ++i) {
     bus_.SubscribeBytes(
         kKept[i].channel, bus::Bus::Reading::kOrdered, [] { return true; },
@@ -199,15 +199,15 @@ void HistoryKeeper::OnExit(pid_t pid) {
   const auto found = sources_.find(pid);
   if (found == sources_.end()) return;
   store_->RemovePublisher(found->second);
-  SayCamera();
+  RepublishRig();
   // The history that its bus had spilled to disk, which the exited process cannot remove.
   std::error_code ignored;
   std::filesystem::remove_all(bus::TemporaryFolder(found->second), ignored);
   sources_.erase(found);
 }
 
-void HistoryKeeper::SayCamera() {
-  if (camera_ && store_->SpeaksFor(camera_->header.source)) bus_.Publish(bus::kCamera, *camera_);
+void HistoryKeeper::RepublishRig() {
+  if (camera_ && store_->RepublishesFor(camera_->header.source)) bus_.Publish(bus::kCamera, *camera_);
 }
 
 int64_t HistoryKeeper::kept() const {

@@ -57,7 +57,7 @@ class HistoryKeeper {
 
   void Work();
   bool Republish(const Entry& entry);
-  void SayCamera();
+  void RepublishRig();
 
   bus::Bus& bus_;
   std::map<int64_t, int64_t> sources_;  // by process id; on the thread of the bus

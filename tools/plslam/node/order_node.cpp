@@ -14,8 +14,8 @@
 
 namespace plslam::launcher {
 
-std::string NobodyHeard(const std::vector<std::string>& processes, const bus::BusOptions& options,
-                        std::chrono::seconds waited) {
+std::string NoAnswerText(const std::vector<std::string>& processes, const bus::BusOptions& options,
+                         std::chrono::seconds waited) {
   return fmt::format(
       "no process '{}' is heard on {} with prefix '{}' for {} s; give the --url and --prefix of the one that runs "
       "(plslam run takes a bus of its own where it has no --url), or start one",

@@ -18,8 +18,8 @@ class status_t;
 namespace plslam::launcher {
 
 /// Returns the sentence for a bus on which none of these processes ("mapping") was heard for this time.
-std::string NobodyHeard(const std::vector<std::string>& processes, const bus::BusOptions& options,
-                        std::chrono::seconds waited);
+std::string NoAnswerText(const std::vector<std::string>& processes, const bus::BusOptions& options,
+                         std::chrono::seconds waited);
 
 /// Sends an order to a running process, and receives the result. A process that is started after the order was sent,
 /// and before it was answered, gets it again: an order may be carried out twice.

@@ -76,9 +76,9 @@ void TopNode::OnStatus(const std::string& robot, const status_t& status) {
   const std::lock_guard lock(mutex_);
   const std::tuple key(robot, status.process, status.host, status.pid);
   if (processes_.size() >= kMaxRows && !processes_.contains(key)) return;
-  Spoken& spoken = processes_[key];
-  const bool is_first = spoken.load.process.empty();
-  ProcessLoad& load = spoken.load;
+  LastStatus& last = processes_[key];
+  const bool is_first = last.load.process.empty();
+  ProcessLoad& load = last.load;
   const double items = ItemsOf(status);
   const double passed_s = status.uptime_s - load.uptime_s;
   // A status is also sent at a change of state: rates over shorter times are inaccurate.
@@ -89,15 +89,15 @@ void TopNode::OnStatus(const std::string& robot, const status_t& status) {
     load.host = status.host;
     load.pid = status.pid;
   } else if (passed_s >= kShortest_s) {
-    const double cpu_s = status.cpu_s - spoken.cpu_s;
-    const double done = std::max(0.0, items - spoken.items);
+    const double cpu_s = status.cpu_s - last.cpu_s;
+    const double done = std::max(0.0, items - last.items);
     load.cpu_percent = kPercent * cpu_s / passed_s;
     load.rate_hz = done / passed_s;
     load.cpu_ms = done > 0.0 ? kMsPerS * cpu_s / done : -1.0;
   }
   if (is_first || passed_s >= kShortest_s || passed_s < 0.0) {
-    spoken.items = items;
-    spoken.cpu_s = status.cpu_s;
+    last.items = items;
+    last.cpu_s = status.cpu_s;
     load.uptime_s = status.uptime_s;
   }
   const auto count = [&](const char* name) { return bus::CountOf(status, name); };
@@ -108,7 +108,7 @@ void TopNode::OnStatus(const std::string& robot, const status_t& status) {
   load.repaired = count("bus.repaired");
   load.rejected = count("bus.rejected");
   load.queue = static_cast<int64_t>(bus::LongestQueueOf(status));
-  spoken.heard_s = bus::NowS();
+  last.heard_s = bus::NowS();
 }
 
 BusLoad TopNode::Take(double now_s) {
@@ -116,9 +116,9 @@ BusLoad TopNode::Take(double now_s) {
   const double passed_s = std::max(1e-3, now_s - std::exchange(taken_s_, now_s));
   BusLoad result;
   std::erase_if(processes_, [&](const auto& row) { return now_s - row.second.heard_s > kGone_s; });
-  for (auto& [key, spoken] : processes_) {
-    spoken.load.heard_s_ago = std::max(0.0, now_s - spoken.heard_s);
-    result.processes.push_back(spoken.load);
+  for (auto& [key, last] : processes_) {
+    last.load.heard_s_ago = std::max(0.0, now_s - last.heard_s);
+    result.processes.push_back(last.load);
   }
   for (auto& [name, traffic] : channels_) {
     result.channels.push_back({name, static_cast<double>(traffic.messages) / passed_s,

@@ -69,7 +69,7 @@ class TopNode {
   BusLoad Take(double now_s);
 
  private:
-  struct Spoken {
+  struct LastStatus {
     ProcessLoad load;
     double items = 0.0;
     double cpu_s = 0.0;
@@ -84,7 +84,7 @@ class TopNode {
   void OnStatus(const std::string& robot, const status_t& status);
 
   std::mutex mutex_;
-  std::map<std::tuple<std::string, std::string, std::string, int64_t>, Spoken> processes_;
+  std::map<std::tuple<std::string, std::string, std::string, int64_t>, LastStatus> processes_;
   std::map<std::string, Traffic, std::less<>> channels_;
   double taken_s_ = 0.0;
 };

@@ -203,7 +203,7 @@ class _Content:
 
     def end(self) -> None:
         if self._offset != len(self._data):
-            raise FileError("the content has more than it promises")
+            raise FileError("the content is longer than its header says")
 
 
 def _matrices(poses: np.ndarray) -> np.ndarray:

@@ -12,7 +12,7 @@ namespace {
 constexpr int64_t kOtherRobot = 8;
 
 /// Walks a ring until a loop is published; then all is live, and the map may take its time.
-class ToldLoop : public testing::Test {
+class PublishedLoop : public testing::Test {
  protected:
   void SetUp() override {
     while (loop_.kind != LoopClosure::Kind::kLoop && next_ + 3 < ring_.size()) {
@@ -58,7 +58,7 @@ class ToldLoop : public testing::Test {
   LoopClosure loop_;
 };
 
-TEST_F(ToldLoop, TheWholeMapIsAdjustedWhenItArrives) {
+TEST_F(PublishedLoop, WholeMapIsAdjustedWhenItArrives) {
   const auto output = TakeOver();
   ASSERT_TRUE(output.adjustment.has_value());
   EXPECT_EQ(output.adjustment->session, loop_.session);
@@ -69,7 +69,7 @@ TEST_F(ToldLoop, TheWholeMapIsAdjustedWhenItArrives) {
 }
 
 // Another robot's keyframe had no loop, and so is committed.
-TEST_F(ToldLoop, IsStillOnItsWayWhenAnotherRobotsKeyframeIsCommitted) {
+TEST_F(PublishedLoop, OtherRobotsKeyframeIsCommittedFirst) {
   EXPECT_TRUE(Publish(kOtherRobot, 3, true).closures.empty());
   EXPECT_TRUE(Show(next_).closures.empty()) << "nothing is checked on a map that is about to bend";
   const auto output = TakeOver();
@@ -77,11 +77,11 @@ TEST_F(ToldLoop, IsStillOnItsWayWhenAnotherRobotsKeyframeIsCommitted) {
   EXPECT_EQ(output.closures.size(), 1U);
 }
 
-TEST_F(ToldLoop, ThatIsRefusedIsNotAdjusted) {
+TEST_F(PublishedLoop, RefusedLoopIsNotAdjusted) {
   EXPECT_FALSE(Publish(loop_.session, loop_.session_keyframe_id, true, Answer(false)).adjustment.has_value());
 }
 
-TEST_F(ToldLoop, KeyframesThatCameInMeanwhileTakePartInTheAdjustment) {
+TEST_F(PublishedLoop, AdjustmentIncludesNewerKeyframes) {
   Show(next_);
   Show(next_ + 1);
   const int64_t newest = mapper_.map().keyframes().rbegin()->first;
@@ -90,19 +90,19 @@ TEST_F(ToldLoop, KeyframesThatCameInMeanwhileTakePartInTheAdjustment) {
   EXPECT_EQ(output.adjustment->keyframes.back().keyframe_id, newest);
 }
 
-TEST_F(ToldLoop, ThatIsRefusedFreesTheOthersAtOnce) {
+TEST_F(PublishedLoop, RefusalReleasesWaitingKeyframes) {
   EXPECT_TRUE(Show(next_).closures.empty());
   const int64_t newest = ring_.walk.keyframes[static_cast<size_t>(next_)].keyframe_id;
   EXPECT_EQ(Publish(loop_.session, newest, true, Answer(false)).closures.size(), 1U);
 }
 
-TEST_F(ToldLoop, ThatIsRefusedWhenAnotherRobotsKeyframeIsTheNewestFreesTheOthersToo) {
+TEST_F(PublishedLoop, RefusalInAnUpdateOfAnotherRobot) {
   EXPECT_TRUE(Show(next_).closures.empty());
   Publish(kOtherRobot, 3, false);
   EXPECT_EQ(Publish(kOtherRobot, 3, true, Answer(false)).closures.size(), 1U);
 }
 
-TEST_F(ToldLoop, IsNotWaitedForWhenAnotherMapHasTakenThePlaceOfIts) {
+TEST_F(PublishedLoop, NotAwaitedAfterTheMapWasReplaced) {
   EXPECT_TRUE(Show(next_).closures.empty());
   const StereoCamera camera = FeatureWorld::Camera();
   mapping::MapperState empty;
@@ -120,7 +120,7 @@ TEST_F(ToldLoop, IsNotWaitedForWhenAnotherMapHasTakenThePlaceOfIts) {
   EXPECT_EQ(output.closures[0].session, kOtherRobot);
 }
 
-TEST_F(ToldLoop, IsWaitedForUntilTheMapAnswersIt) {
+TEST_F(PublishedLoop, AwaitedUntilTheMapAnswers) {
   EXPECT_TRUE(Show(next_).closures.empty());
   Publish(kOtherRobot, 3, true);
   now_ms_ += 1e6;

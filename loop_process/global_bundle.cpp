@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "loop_process/whole_map.h"
+#include "loop_process/global_bundle.h"
 
 #include <algorithm>
 #include <utility>
@@ -58,9 +58,9 @@ std::vector<int64_t> Choose(const Map& map, const Places& poses, int min_observa
 
 }  // namespace
 
-WholeMapProblem MakeWholeMapProblem(const Map& map, const KeyframeFeatures& features, const StereoCamera& camera,
-                                    const WholeMapOptions& options) {
-  WholeMapProblem problem;
+GlobalBundleProblem MakeGlobalBundleProblem(const Map& map, const KeyframeFeatures& features,
+                                            const StereoCamera& camera, const GlobalBundleOptions& options) {
+  GlobalBundleProblem problem;
   std::vector<int64_t> keyframes;
   Places poses;
   for (const auto& [id, keyframe] : map.keyframes()) {
@@ -79,7 +79,7 @@ WholeMapProblem MakeWholeMapProblem(const Map& map, const KeyframeFeatures& feat
   return problem;
 }
 
-void AdjustmentProgress::Add(const WholeMapProblem& problem, const std::vector<CorrectedPose>& poses) {
+void AdjustmentProgress::Add(const GlobalBundleProblem& problem, const std::vector<CorrectedPose>& poses) {
   if (problem.map_source != map_source_) T_before_now_.clear();
   map_source_ = problem.map_source;
   for (size_t i = 0; i < poses.size(); ++i) {
@@ -88,7 +88,7 @@ void AdjustmentProgress::Add(const WholeMapProblem& problem, const std::vector<C
   }
 }
 
-void AdjustmentProgress::Apply(WholeMapProblem& problem) const {
+void AdjustmentProgress::Apply(GlobalBundleProblem& problem) const {
   if (problem.map_source != map_source_) return;
   BundleProblem& bundle = problem.bundle;
   std::vector<SE3> T_new_old(bundle.poses.size());  // displacement in the map frame
@@ -117,7 +117,7 @@ void AdjustmentProgress::Apply(WholeMapProblem& problem) const {
   }
 }
 
-LoopClosure AdjustWholeMap(const WholeMapProblem& problem, const WholeMapOptions& options,
+LoopClosure AdjustGlobally(const GlobalBundleProblem& problem, const GlobalBundleOptions& options,
                            const std::atomic<bool>* stop, std::string* failure) {
   LoopClosure closure;
   closure.kind = LoopClosure::Kind::kAdjustment;

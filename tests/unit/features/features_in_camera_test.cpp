@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/features/told_in.h"
+#include "core/features/features_in_camera.h"
 
 #include <gtest/gtest.h>
 
@@ -35,55 +35,55 @@ StereoFeatures SeenBy(const StereoCamera& camera) {
   return features;
 }
 
-TEST(ToldIn, RaysAndDepthsStay) {
-  const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide);
+TEST(FeaturesInCamera, RaysAndDepthsArePreserved) {
+  const StereoFeatures moved = FeaturesInCamera(kLong, SeenBy(kWide), kWide);
   const StereoFeatures there = SeenBy(kLong);
-  for (size_t i = 0; i < told.points.size(); ++i) {
-    EXPECT_LT((told.points[i].left.px - there.points[i].left.px).norm(), 1e-4) << i;
-    EXPECT_EQ(told.points[i].HasDepth(), there.points[i].HasDepth()) << i;
+  for (size_t i = 0; i < moved.points.size(); ++i) {
+    EXPECT_LT((moved.points[i].left.px - there.points[i].left.px).norm(), 1e-4) << i;
+    EXPECT_EQ(moved.points[i].HasDepth(), there.points[i].HasDepth()) << i;
     if (there.points[i].HasDepth()) {
-      EXPECT_NEAR(told.points[i].disparity_px, there.points[i].disparity_px, 1e-4) << i;
+      EXPECT_NEAR(moved.points[i].disparity_px, there.points[i].disparity_px, 1e-4) << i;
     }
   }
-  const StereoLine& line = told.lines[0];
+  const StereoLine& line = moved.lines[0];
   EXPECT_LT((line.left.segment.p - there.lines[0].left.segment.p).norm(), 1e-4);
   EXPECT_LT((line.left.segment.q - there.lines[0].left.segment.q).norm(), 1e-4);
   EXPECT_NEAR(line.disparity_p_px, there.lines[0].disparity_p_px, 1e-4);
   EXPECT_NEAR(line.disparity_q_px, there.lines[0].disparity_q_px, 1e-4);
 }
 
-TEST(ToldIn, StandardDeviationsInMetresStay) {
+TEST(FeaturesInCamera, StandardDeviationsInMetresArePreserved) {
   const Eigen::Vector3d p_c(0.3, -0.2, 2.0);
   const StereoPoint seen = SeenBy(kWide).points[0];
-  const StereoPoint told = ToldIn(kLong, SeenBy(kWide), kWide).points[0];
+  const StereoPoint moved = FeaturesInCamera(kLong, SeenBy(kWide), kWide).points[0];
   const auto covariance = [&p_c](const StereoCamera& camera, const StereoPoint& point) {
     return camera.BackprojectCovariance(camera.ProjectStereo(p_c), point.sigma_px, point.sigma_disparity_px);
   };
   const Eigen::Matrix3d own = covariance(kWide, seen);
-  EXPECT_LT((covariance(kLong, told) - own).norm(), 1e-6 * own.norm());
+  EXPECT_LT((covariance(kLong, moved) - own).norm(), 1e-6 * own.norm());
 }
 
-TEST(ToldIn, OctavesStayAndTheScaleSaysFromWhereTheOtherCameraWouldFindThem) {
-  const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide);
-  EXPECT_EQ(told.points[1].left.octave, 5);
-  EXPECT_EQ(CameraOf(told, kLong).OctaveScale(), 460.0 / 180.0);
+TEST(FeaturesInCamera, KeepsOctavesAndScalesThem) {
+  const StereoFeatures moved = FeaturesInCamera(kLong, SeenBy(kWide), kWide);
+  EXPECT_EQ(moved.points[1].left.octave, 5);
+  EXPECT_EQ(CameraOf(moved, kLong).OctaveScale(), 460.0 / 180.0);
   EXPECT_EQ(CameraOf(SeenBy(kLong), kLong).OctaveScale(), 1.0);
 }
 
-TEST(ToldIn, CamerasTooUnlikeAreSaidToBe) {
-  EXPECT_TRUE(CanBeToldIn(kLong, kWide));
+TEST(FeaturesInCamera, RejectsTooDifferentCameras) {
+  EXPECT_TRUE(AreComparable(kLong, kWide));
   StereoCamera other = kWide;
   other.f_px = 1.0;
-  EXPECT_FALSE(CanBeToldIn(kWide, other));
+  EXPECT_FALSE(AreComparable(kWide, other));
   other = kWide;
   other.baseline_m = 7.0;
-  EXPECT_FALSE(CanBeToldIn(other, kWide));
+  EXPECT_FALSE(AreComparable(other, kWide));
 }
 
-TEST(ToldIn, ImageGoesWithTheFeatures) {
-  const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide);
-  ASSERT_TRUE(told.image);
-  const StereoCamera looked = CameraOf(told, kLong);
+TEST(FeaturesInCamera, ImageIsStoredWithTheFeatures) {
+  const StereoFeatures moved = FeaturesInCamera(kLong, SeenBy(kWide), kWide);
+  ASSERT_TRUE(moved.image);
+  const StereoCamera looked = CameraOf(moved, kLong);
   for (const Eigen::Vector2d& corner : {Eigen::Vector2d(1.0, 1.0), Eigen::Vector2d(374.0, 238.0)}) {
     const Eigen::Vector3d ray((corner.x() - kWide.cx_px) / kWide.f_px, (corner.y() - kWide.cy_px) / kWide.f_px, 1.0);
     EXPECT_TRUE(looked.InImage(kLong.Project(ray), 0.0)) << corner.transpose();
@@ -92,27 +92,27 @@ TEST(ToldIn, ImageGoesWithTheFeatures) {
   EXPECT_FALSE(looked.InImage({looked.left_px + looked.width_px + 0.0, 100.0}, 0.0));
 }
 
-TEST(ToldIn, BetweenEqualCamerasEveryBitStays) {
+TEST(FeaturesInCamera, EqualCamerasKeepEveryBit) {
   const StereoFeatures seen = SeenBy(kWide);
-  const StereoFeatures told = ToldIn(kWide, seen, kWide);
-  EXPECT_FALSE(told.image);
+  const StereoFeatures moved = FeaturesInCamera(kWide, seen, kWide);
+  EXPECT_FALSE(moved.image);
   for (size_t i = 0; i < seen.points.size(); ++i) {
-    EXPECT_EQ(told.points[i].left.px, seen.points[i].left.px);
-    EXPECT_EQ(told.points[i].disparity_px, seen.points[i].disparity_px);
-    EXPECT_EQ(told.points[i].left.octave, seen.points[i].left.octave);
+    EXPECT_EQ(moved.points[i].left.px, seen.points[i].left.px);
+    EXPECT_EQ(moved.points[i].disparity_px, seen.points[i].disparity_px);
+    EXPECT_EQ(moved.points[i].left.octave, seen.points[i].left.octave);
   }
-  EXPECT_EQ(told.lines[0].left.segment.p, seen.lines[0].left.segment.p);
+  EXPECT_EQ(moved.lines[0].left.segment.p, seen.lines[0].left.segment.p);
 }
 
 // A restarted mapping_process publishes keyframes in the camera of the map.
-TEST(ToldIn, WhatIsToldOnKeepsItsBitsAndItsImage) {
-  const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide);
-  const StereoFeatures again = ToldIn(kLong, told, CameraOf(told, kLong));
-  EXPECT_EQ(again.image, told.image);
-  for (size_t i = 0; i < told.points.size(); ++i) {
-    EXPECT_EQ(again.points[i].left.px, told.points[i].left.px);
-    EXPECT_EQ(again.points[i].left.px.x(), static_cast<float>(told.points[i].left.px.x())) << "as in messages";
-    EXPECT_EQ(again.points[i].sigma_disparity_px, static_cast<float>(told.points[i].sigma_disparity_px));
+TEST(FeaturesInCamera, RepeatedConversionKeepsTheBits) {
+  const StereoFeatures moved = FeaturesInCamera(kLong, SeenBy(kWide), kWide);
+  const StereoFeatures again = FeaturesInCamera(kLong, moved, CameraOf(moved, kLong));
+  EXPECT_EQ(again.image, moved.image);
+  for (size_t i = 0; i < moved.points.size(); ++i) {
+    EXPECT_EQ(again.points[i].left.px, moved.points[i].left.px);
+    EXPECT_EQ(again.points[i].left.px.x(), static_cast<float>(moved.points[i].left.px.x())) << "as in messages";
+    EXPECT_EQ(again.points[i].sigma_disparity_px, static_cast<float>(moved.points[i].sigma_disparity_px));
   }
 }
 

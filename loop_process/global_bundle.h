@@ -17,7 +17,7 @@ namespace plslam::loop {
 
 /// A global bundle adjustment problem of a map, independent of map and features. `bundle.poses` and `keyframes` have
 /// the same indices.
-struct WholeMapProblem {
+struct GlobalBundleProblem {
   /// Copied from the loop that it follows.
   int64_t session = 0;
   int64_t session_keyframe_id = -1;
@@ -30,8 +30,8 @@ struct WholeMapProblem {
 
 /// Returns the problem of all keyframes whose features are stored, the first fixed, and of a number of landmarks for
 /// each keyframe: those seen by most keyframes.
-WholeMapProblem MakeWholeMapProblem(const Map& map, const KeyframeFeatures& features, const StereoCamera& camera,
-                                    const WholeMapOptions& options);
+GlobalBundleProblem MakeGlobalBundleProblem(const Map& map, const KeyframeFeatures& features,
+                                            const StereoCamera& camera, const GlobalBundleOptions& options);
 
 /// Progress of adjustments that later loops ended: the displacement of each keyframe, in its own frame. The next
 /// adjustment starts there, so that a map with a loop every minute converges, too.
@@ -39,10 +39,10 @@ class AdjustmentProgress {
  public:
   /// Applies the displacements to the keyframes of a problem made from the current map; each landmark moves with its
   /// first observing keyframe. Does nothing if the progress belongs to the map of another mapping_process.
-  void Apply(WholeMapProblem& problem) const;
+  void Apply(GlobalBundleProblem& problem) const;
 
   /// Adds the displacements between a problem, to which `Apply` was applied, and its poses after adjustment.
-  void Add(const WholeMapProblem& problem, const std::vector<CorrectedPose>& poses);
+  void Add(const GlobalBundleProblem& problem, const std::vector<CorrectedPose>& poses);
 
  private:
   int64_t map_source_ = 0;
@@ -52,7 +52,7 @@ class AdjustmentProgress {
 /// Runs the global bundle adjustment (it follows PL-SLAM §VI.B, which stops at the pose graph). Returns kAdjustment
 /// with poses, or without any on failure; `failure` then receives the reason. Slow; `stop` ends it early with the
 /// poses reached so far.
-LoopClosure AdjustWholeMap(const WholeMapProblem& problem, const WholeMapOptions& options,
+LoopClosure AdjustGlobally(const GlobalBundleProblem& problem, const GlobalBundleOptions& options,
                            const std::atomic<bool>* stop, std::string* failure = nullptr);
 
 }  // namespace plslam::loop

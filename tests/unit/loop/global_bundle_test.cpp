@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "loop_process/whole_map.h"
+#include "loop_process/global_bundle.h"
 
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ double Error_m(const LoopClosure& adjusted, const std::vector<SE3>& T_w_c, const
   return std::sqrt(sum / static_cast<double>(adjusted.poses.size()));
 }
 
-TEST(AdjustWholeMap, PerturbedKeyframesComeBack) {
+TEST(AdjustGlobally, PerturbedKeyframesAreRecovered) {
   const Ring ring(25);
   const mapping::Mapper mapper = MapAll(ring.walk.keyframes);
   KeyframeFeatures features;
@@ -42,12 +42,12 @@ TEST(AdjustWholeMap, PerturbedKeyframesComeBack) {
     features[id] = ring.walk.keyframes.at(static_cast<size_t>(keyframe.session_keyframe_id)).features;
   }
   const Map perturbed = Perturbed(mapper.map());
-  loop::WholeMapProblem problem = loop::MakeWholeMapProblem(perturbed, features, FeatureWorld::Camera(), {});
+  loop::GlobalBundleProblem problem = loop::MakeGlobalBundleProblem(perturbed, features, FeatureWorld::Camera(), {});
   problem.session = 7;
   problem.session_keyframe_id = 24;
   ASSERT_EQ(problem.keyframes.size(), mapper.map().keyframes().size());
   EXPECT_TRUE(problem.bundle.poses.front().fixed);
-  const LoopClosure adjusted = loop::AdjustWholeMap(problem, {}, nullptr);
+  const LoopClosure adjusted = loop::AdjustGlobally(problem, {}, nullptr);
   EXPECT_EQ(adjusted.kind, LoopClosure::Kind::kAdjustment);
   EXPECT_EQ(adjusted.session_keyframe_id, 24);
   ASSERT_EQ(adjusted.poses.size(), problem.keyframes.size());
@@ -59,7 +59,7 @@ TEST(AdjustWholeMap, PerturbedKeyframesComeBack) {
 }
 
 // Two adjustments that loops have ended one after the other, and the one that follows.
-TEST(AdjustmentProgress, TheNextAdjustmentBeginsWhereTheOnesBeforeWere) {
+TEST(AdjustmentProgress, ContinuesAfterEarlierAdjustments) {
   const Ring ring(25);
   const mapping::Mapper mapper = MapAll(ring.walk.keyframes);
   KeyframeFeatures features;
@@ -67,23 +67,23 @@ TEST(AdjustmentProgress, TheNextAdjustmentBeginsWhereTheOnesBeforeWere) {
     features[id] = ring.walk.keyframes.at(static_cast<size_t>(keyframe.session_keyframe_id)).features;
   }
   const auto make = [&](int64_t source) {
-    loop::WholeMapProblem problem =
-        loop::MakeWholeMapProblem(Perturbed(mapper.map()), features, FeatureWorld::Camera(), {});
+    loop::GlobalBundleProblem problem =
+        loop::MakeGlobalBundleProblem(Perturbed(mapper.map()), features, FeatureWorld::Camera(), {});
     problem.map_source = source;
     return problem;
   };
   loop::AdjustmentProgress progress;
-  loop::WholeMapOptions one_step;
+  loop::GlobalBundleOptions one_step;
   one_step.bundle.max_iterations = 1;
   std::vector<CorrectedPose> reached;
   for (int i = 0; i < 2; ++i) {
-    loop::WholeMapProblem problem = make(5);
+    loop::GlobalBundleProblem problem = make(5);
     progress.Apply(problem);
-    reached = loop::AdjustWholeMap(problem, one_step, nullptr).poses;
+    reached = loop::AdjustGlobally(problem, one_step, nullptr).poses;
     progress.Add(problem, reached);
   }
-  loop::WholeMapProblem next = make(5);
-  const loop::WholeMapProblem as_given = next;
+  loop::GlobalBundleProblem next = make(5);
+  const loop::GlobalBundleProblem as_given = next;
   progress.Apply(next);
   ASSERT_EQ(reached.size(), next.keyframes.size());
   for (size_t i = 0; i < reached.size(); ++i) {
@@ -93,7 +93,7 @@ TEST(AdjustmentProgress, TheNextAdjustmentBeginsWhereTheOnesBeforeWere) {
   const PointObservation& first =
       *std::find_if(next.bundle.point_observations.begin(), next.bundle.point_observations.end(),
                     [last_point](const PointObservation& seen) { return seen.point == last_point; });
-  const auto place = [&first](const loop::WholeMapProblem& problem) {
+  const auto place = [&first](const loop::GlobalBundleProblem& problem) {
     const SE3& T_w_c = problem.bundle.poses[static_cast<size_t>(first.pose)].T_w_c;
     return Eigen::Vector3d(T_w_c.Inverse() * problem.bundle.points[static_cast<size_t>(first.point)].p_w);
   };
@@ -102,22 +102,22 @@ TEST(AdjustmentProgress, TheNextAdjustmentBeginsWhereTheOnesBeforeWere) {
              as_given.bundle.points[static_cast<size_t>(first.point)].p_w)
                 .norm(),
             1e-6);
-  loop::WholeMapProblem of_another = make(6);
+  loop::GlobalBundleProblem of_another = make(6);
   progress.Apply(of_another);
   EXPECT_EQ(of_another.bundle.poses[3].T_w_c.matrix(), as_given.bundle.poses[3].T_w_c.matrix());
 }
 
-TEST(MakeWholeMapProblem, EachKeyframeHasSoManyLandmarksAndTheyAreSeenOftenEnough) {
+TEST(MakeGlobalBundleProblem, LandmarkAndObservationLimits) {
   const Ring ring(20);
   const mapping::Mapper mapper = MapAll(ring.walk.keyframes);
   KeyframeFeatures features;
   for (const auto& [id, keyframe] : mapper.map().keyframes()) {
     features[id] = ring.walk.keyframes.at(static_cast<size_t>(keyframe.session_keyframe_id)).features;
   }
-  loop::WholeMapOptions options;
+  loop::GlobalBundleOptions options;
   options.points_per_keyframe = 15;
-  const loop::WholeMapProblem problem =
-      loop::MakeWholeMapProblem(mapper.map(), features, FeatureWorld::Camera(), options);
+  const loop::GlobalBundleProblem problem =
+      loop::MakeGlobalBundleProblem(mapper.map(), features, FeatureWorld::Camera(), options);
   std::map<int, int> observations_of_point;
   for (const PointObservation& observation : problem.bundle.point_observations)
     ++observations_of_point[observation.point];
@@ -127,7 +127,7 @@ TEST(MakeWholeMapProblem, EachKeyframeHasSoManyLandmarksAndTheyAreSeenOftenEnoug
   EXPECT_GE(problem.bundle.points.size(), 30U);
 }
 
-TEST(AdjustWholeMap, StoppedBeforeItBeginsLeavesEverythingWhereItWas) {
+TEST(AdjustGlobally, StoppedAtOnceChangesNothing) {
   const Ring ring(8);
   const mapping::Mapper mapper = MapAll(ring.walk.keyframes);
   KeyframeFeatures features;
@@ -135,16 +135,16 @@ TEST(AdjustWholeMap, StoppedBeforeItBeginsLeavesEverythingWhereItWas) {
     features[id] = ring.walk.keyframes.at(static_cast<size_t>(keyframe.session_keyframe_id)).features;
   }
   const std::atomic<bool> stop = true;
-  const LoopClosure adjusted =
-      loop::AdjustWholeMap(loop::MakeWholeMapProblem(mapper.map(), features, FeatureWorld::Camera(), {}), {}, &stop);
+  const LoopClosure adjusted = loop::AdjustGlobally(
+      loop::MakeGlobalBundleProblem(mapper.map(), features, FeatureWorld::Camera(), {}), {}, &stop);
   for (const CorrectedPose& pose : adjusted.poses) {
     EXPECT_LT((pose.T_w_kf.Inverse() * mapper.map().FindKeyframe(pose.keyframe_id)->T_w_kf).Log().norm(), 1e-9);
   }
 }
 
-TEST(AdjustWholeMap, EmptyMap) {
-  const loop::WholeMapProblem problem = loop::MakeWholeMapProblem(Map(), {}, FeatureWorld::Camera(), {});
-  EXPECT_TRUE(loop::AdjustWholeMap(problem, {}, nullptr).poses.empty());
+TEST(AdjustGlobally, EmptyMap) {
+  const loop::GlobalBundleProblem problem = loop::MakeGlobalBundleProblem(Map(), {}, FeatureWorld::Camera(), {});
+  EXPECT_TRUE(loop::AdjustGlobally(problem, {}, nullptr).poses.empty());
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/features/told_in.h"
+#include "core/features/features_in_camera.h"
 
 #include <cmath>
 
@@ -70,7 +70,7 @@ void Change(const PixelChange& change, StereoLine& line) {
 
 }  // namespace
 
-StereoFeatures ToldIn(const StereoCamera& to, StereoFeatures features, const StereoCamera& from) {
+StereoFeatures FeaturesInCamera(const StereoCamera& to, StereoFeatures features, const StereoCamera& from) {
   TakenImage image = from.image();
   if (!SameProjection(from, to)) {
     const PixelChange change(from, to);
@@ -82,7 +82,7 @@ StereoFeatures ToldIn(const StereoCamera& to, StereoFeatures features, const Ste
   return features;
 }
 
-bool CanBeToldIn(const StereoCamera& to, const StereoCamera& from) {
+bool AreComparable(const StereoCamera& to, const StereoCamera& from) {
   const auto alike = [](double a, double b) { return a <= kMostUnlike * b && b <= kMostUnlike * a; };
   return alike(to.f_px, from.f_px) && alike(to.baseline_m, from.baseline_m);
 }

@@ -10,15 +10,15 @@
 namespace plslam::adapter {
 
 /// Warnings about foreign messages: each sentence is logged once, and only a few in total.
-class Complaints {
+class SkippedMessages {
  public:
-  void Tell(const std::string& sentence) {
-    if (told_.size() < kMost && told_.insert(sentence).second) spdlog::warn("passed over: {}", sentence);
+  void WarnOnce(const std::string& sentence) {
+    if (warned_.size() < kMost && warned_.insert(sentence).second) spdlog::warn("passed over: {}", sentence);
   }
 
  private:
   static constexpr size_t kMost = 20;
-  std::set<std::string> told_;
+  std::set<std::string> warned_;
 };
 
 }  // namespace plslam::adapter

@@ -24,6 +24,7 @@ BodyPose ToBody(const SE3& T_b_c, const CameraPose& camera) {
   const auto of_body = [&](const SE3& T) { return T_b_c * T * T_c_b; };
   BodyPose body;
   body.t_ns = camera.t_ns;
+  body.anchored = camera.anchored;
   body.T_map_odom = of_body(camera.T_w_odom);
   body.T_odom_b = of_body(camera.T_odom_c);
   body.T_map_b = body.T_map_odom * body.T_odom_b;

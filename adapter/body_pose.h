@@ -12,6 +12,7 @@ namespace plslam::adapter {
 struct CameraPose {
   int64_t t_ns = 0;
   SE3 T_w_odom;
+  bool anchored = true;  ///< whether T_w_odom is known
   SE3 T_odom_c;
   Matrix6d covariance = Matrix6d::Zero();
   SE3 T_prev_c;
@@ -24,6 +25,7 @@ struct CameraPose {
 /// are w and odom with the axes of the body: at the first keyframe, the body is at the origin of map and faces along x.
 struct BodyPose {
   int64_t t_ns = 0;
+  bool anchored = true;  ///< whether T_map_odom and T_map_b are known
   SE3 T_map_odom;
   SE3 T_odom_b;
   SE3 T_map_b;

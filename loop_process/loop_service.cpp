@@ -61,8 +61,8 @@ LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
   Output output;
   const int64_t source = replica_.source();
   if (replica_.Apply(update) != MapVersion::Step::kNext) return output;
-  const bool is_replaced = update.began_version != 0 && update.began_version != began_version_;
-  began_version_ = update.began_version;
+  const bool is_replaced = update.map_instance != 0 && update.map_instance != map_instance_;
+  map_instance_ = update.map_instance;
   if (is_replaced) {
     output.ends_adjustment = true;
     requests_.clear();

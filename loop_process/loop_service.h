@@ -108,7 +108,7 @@ class LoopService {
   LoopCloser closer_;
   std::function<double()> now_ms_;
   MapReplica replica_;
-  int64_t began_version_ = 0;  ///< of the replica's map
+  int64_t map_instance_ = 0;  ///< of the replica's map
   /// Newest keyframe by session: checked (or queued), in the map, committed.
   std::map<int64_t, int64_t> checked_;
   std::map<int64_t, int64_t> newest_;

@@ -71,6 +71,15 @@ void Append(const std::vector<int64_t>& more, std::vector<int64_t>& ids) {
   ids.insert(ids.end(), more.begin(), more.end());
 }
 
+/// Returns the instance of a map that replaces another one.
+int64_t ReplacingInstance(int64_t replaced, int64_t version) {
+  // The finaliser of SplitMix64: maps that replace each other in a replay have the same instances again.
+  auto x = static_cast<uint64_t>(replaced) + 0x9e3779b97f4a7c15U * static_cast<uint64_t>(version);
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9U;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebU;
+  return static_cast<int64_t>(((x ^ (x >> 31)) >> 1) | 1U);
+}
+
 }  // namespace
 
 Mapper::Mapper(const StereoCamera& camera, const MappingOptions& options, StoredMap stored)
@@ -97,7 +106,7 @@ Mapper::Mapper(const StereoCamera& camera, const MappingOptions& options, Mapper
   committed_ = state.committed != 0;
   structural_version_ = state.structural_version;
   options_.localise_only = state.localise_only != 0;
-  began_version_ = state.began_version;
+  map_instance_ = state.map_instance;
 }
 
 StoredMap Mapper::Store() {
@@ -113,7 +122,7 @@ MapperState Mapper::State() const {
           .committed = committed_ ? uint8_t{1} : uint8_t{0},
           .structural_version = structural_version_,
           .localise_only = options_.localise_only ? uint8_t{1} : uint8_t{0},
-          .began_version = began_version_};
+          .map_instance = map_instance_};
 }
 
 void Mapper::LendState(const std::function<void(MapperState&)>& use) {
@@ -137,7 +146,8 @@ void Mapper::LendState(const std::function<void(MapperState&)>& use) {
 }
 
 void Mapper::Precede(MapperState& next) const {
-  next.stored.version = next.structural_version = next.began_version = version_ + 1;
+  next.stored.version = next.structural_version = version_ + 1;
+  next.map_instance = ReplacingInstance(map_instance_, next.stored.version);
   next.stored.next_keyframe_id = std::max(next.stored.next_keyframe_id, next_keyframe_id_);
   next.stored.next_point_id = std::max(next.stored.next_point_id, landmark_ids_.next_point);
   next.stored.next_line_id = std::max(next.stored.next_line_id, landmark_ids_.next_line);
@@ -363,7 +373,7 @@ void Mapper::Sign(MapUpdate& update) const {
   update.t_ns = newest_t_ns_;
   update.committed = committed_;
   update.localise_only = options_.localise_only;
-  update.began_version = began_version_;
+  update.map_instance = map_instance_;
   update.adjustment = figures_;
 }
 

@@ -66,6 +66,9 @@ class Mapper {
   /// newer map and corrections of this map are refused, and no id of this map is assigned again.
   void Precede(MapperState& next) const;
 
+  /// `MapUpdate::map_instance`, for a map that begins.
+  void SetInstance(int64_t map_instance) { map_instance_ = map_instance; }
+
   /// Localisation-only mode: `Insert` and `Correct` refuse everything, the map does not change.
   void SetLocaliseOnly(bool localise_only) { options_.localise_only = localise_only; }
   bool localise_only() const { return options_.localise_only; }
@@ -149,7 +152,7 @@ class Mapper {
   int64_t version_ = 0;
   /// The version in which the map last applied a loop or joined two parts.
   int64_t structural_version_ = 0;
-  int64_t began_version_ = 0;
+  int64_t map_instance_ = 0;
   bool committed_ = false;
   AdjustmentFigures figures_;
   Failures failures_;

@@ -35,7 +35,7 @@ void Fields(Archive& a, T& answer) {
 template <class Archive, Is<mapping::MapperState> T>
 void Fields(Archive& a, T& state) {
   a(state.stored, state.stored.sessions, state.recent_landmarks, state.tracker, state.figures, state.committed,
-    state.structural_version, state.localise_only, state.began_version, state.lockstep, state.closures, state.answer);
+    state.structural_version, state.localise_only, state.map_instance, state.lockstep, state.closures, state.answer);
 }
 
 }  // namespace plslam::archive

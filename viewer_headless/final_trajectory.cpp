@@ -15,6 +15,20 @@ std::map<int64_t, FrameCorrections> CorrectionsBySession(const Map& map) {
   return corrections;
 }
 
+LiveAnchors::LiveAnchors(const Recorder& recorder) {
+  for (const auto& [frame_id, frame] : recorder.frames()) {
+    if (frame.anchored) first_.try_emplace(frame.session, frame.T_w_odom);
+  }
+}
+
+bool LiveAnchors::Has(const FrameRecord& frame) const {
+  if (frame.anchored || first_.empty()) return true;
+  const auto first = first_.find(frame.session);
+  // The map may have been adjusted between the two frames.
+  constexpr double kSame = 0.02;
+  return first != first_.end() && (first->second.Inverse() * frame.T_w_odom).Log().norm() < kSame;
+}
+
 FinalPoses::FinalPoses(const Map& map, const Recorder& recorder) : corrections_(CorrectionsBySession(map)) {
   for (const auto& [frame_id, frame] : recorder.frames()) {
     if (frame.state == TrackingState::kLost) lost_frames_.insert(frame_id);

@@ -11,6 +11,17 @@
 
 namespace plslam::viewer {
 
+/// Frames whose published pose has a known place in the map. The first frames of a session are published before the
+/// tracker knows that; they count if their T_w_odom turned out to be right. All frames count if none is anchored.
+class LiveAnchors {
+ public:
+  explicit LiveAnchors(const Recorder& recorder);
+  bool Has(const FrameRecord& frame) const;
+
+ private:
+  std::map<int64_t, SE3> first_;  ///< T_w_odom of the first anchored frame, by session
+};
+
 /// T_w_odom by frame.
 using FrameCorrections = std::map<int64_t, SE3>;
 

@@ -87,12 +87,13 @@ RunTrajectories BuildTrajectories(const Recorder& recorder, const Map& map, cons
   const SE3 T_c_l(q_l_c.conjugate(), Eigen::Vector3d::Zero());
   const Eigen::Matrix3d R_l_c = q_l_c.toRotationMatrix();
   const FinalPoses final_poses(map, recorder);
+  const LiveAnchors anchors(recorder);
   const FrameRecord* previous = nullptr;
   for (const auto& [frame_id, frame] : recorder.frames()) {
     const bool usable = HasPose(frame) && IsAfterLast(result.all, frame.t_ns);
     if (usable) {
       result.all.push_back({frame.t_ns, final_poses(frame_id, frame) * T_c_l});
-      result.live.push_back({frame.t_ns, frame.T_w_odom * frame.T_odom_c * T_c_l});
+      if (anchors.Has(frame)) result.live.push_back({frame.t_ns, frame.T_w_odom * frame.T_odom_c * T_c_l});
       if (frame.keyframe_id >= 0 && map.keyframes().empty()) result.keyframes.push_back(result.all.back());
       result.covariances.push_back({frame.t_ns, Rotate(frame.covariance.Unpack(), R_l_c)});
       if (previous != nullptr && previous->session == frame.session) {

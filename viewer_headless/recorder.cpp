@@ -16,9 +16,13 @@ constexpr size_t kMaxBodiesOfFrame = 64;
 }  // namespace
 
 PackedCovariance::PackedCovariance(const Matrix6d& covariance) {
+  // Sums of larger ones would not be finite numbers of single precision.
+  constexpr double kMost = 1e30;
   size_t k = 0;
   for (int row = 0; row < 6; ++row) {
-    for (int column = 0; column <= row; ++column) values_[k++] = static_cast<float>(covariance(row, column));
+    for (int column = 0; column <= row; ++column) {
+      values_[k++] = static_cast<float>(std::clamp(covariance(row, column), -kMost, kMost));
+    }
   }
 }
 
@@ -48,6 +52,7 @@ bool Recorder::AddPose(const FramePose& pose) {
             pose.state,
             pose.T_odom_c,
             pose.T_w_odom,
+            pose.anchored,
             PackedCovariance(pose.covariance),
             PackedCovariance(pose.motion_covariance),
             pose.keyframe_id,

@@ -33,6 +33,7 @@ struct FramePose {
   TrackingState state = TrackingState::kInitialising;
   SE3 T_odom_c;
   SE3 T_w_odom;
+  bool anchored = true;  ///< whether T_w_odom is known
   Matrix6d covariance = Matrix6d::Zero();
   Matrix6d motion_covariance = Matrix6d::Zero();
   int64_t keyframe_id = -1;
@@ -59,6 +60,7 @@ struct FrameRecord {
   TrackingState state = TrackingState::kInitialising;
   SE3 T_odom_c;
   SE3 T_w_odom;
+  bool anchored = true;
   PackedCovariance covariance;
   PackedCovariance motion_covariance;
   int64_t keyframe_id = -1;

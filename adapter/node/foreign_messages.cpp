@@ -210,8 +210,8 @@ nav_msgs::Odometry ToOdometry(const BodyPose& pose) {
 
 tf2_msgs::TFMessage ToTransforms(const BodyPose& pose) {
   tf2_msgs::TFMessage message{};
-  message.transforms = {ToTransform(pose.t_ns, kMapFrame, kOdomFrame, pose.T_map_odom),
-                        ToTransform(pose.t_ns, kOdomFrame, kBodyFrame, pose.T_odom_b)};
+  if (pose.anchored) message.transforms.push_back(ToTransform(pose.t_ns, kMapFrame, kOdomFrame, pose.T_map_odom));
+  message.transforms.push_back(ToTransform(pose.t_ns, kOdomFrame, kBodyFrame, pose.T_odom_b));
   message.transforms_length = static_cast<int32_t>(message.transforms.size());
   return message;
 }

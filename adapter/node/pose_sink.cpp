@@ -26,7 +26,8 @@ std::optional<CameraPose> FromMessage(const pose_t& message) {
   const auto covariance = bus::FromArray(message.covariance);
   const auto motion_covariance = bus::FromArray(message.motion_covariance);
   if (!T_odom_c || !T_w_odom || !T_prev_c || !covariance || !motion_covariance) return std::nullopt;
-  return CameraPose{message.header.t_ns, *T_w_odom, *T_odom_c, *covariance, *T_prev_c, *motion_covariance, {}};
+  return CameraPose{message.header.t_ns, *T_w_odom, message.anchored != 0, *T_odom_c,
+                    *covariance,         *T_prev_c, *motion_covariance,    {}};
 }
 
 }  // namespace
@@ -103,7 +104,7 @@ void PoseSink::Send(const pose_t& message) {
   camera->dt_s = SecondsSinceLast(message);
   const BodyPose pose = ToBody(*T_b_c, *camera);
   // A bot_core pose has no covariance, so its readers could not distinguish a prediction from an estimate.
-  if (state != TrackingState::kLost) Publish(options_.pose, ToBotPose(pose));
+  if (state != TrackingState::kLost && pose.anchored) Publish(options_.pose, ToBotPose(pose));
   Publish(options_.odometry, ToOdometry(pose));
   Publish(options_.tf, ToTransforms(pose));
   process_.SetCounter("poses.sent", static_cast<double>(++n_sent_));

@@ -33,8 +33,9 @@ struct Keyframe {
   int64_t frame_id = 0;
   /// -1 for the first keyframe of a session; then `T_prevkf_kf` is identity and `covariance` zero.
   int64_t previous_keyframe_id = -1;
-  /// `MapUpdate::began_version` of the map with which the session began: the keyframe belongs to no other map.
-  int64_t map_began_version = 0;
+  /// `MapUpdate::map_instance` of the map that the session is part of; 0: not known yet. The keyframe belongs to no other
+  /// map.
+  int64_t map_instance = 0;
   SE3 T_prevkf_kf;
   /// Covariance of T_prevkf_kf, right perturbation in kf.
   Matrix6d covariance = Matrix6d::Zero();

@@ -43,6 +43,14 @@ inline bool IsAnswerTo(const LoopAnswer& answer, const LoopClosure& loop) {
          answer.map_version == loop.map_version;
 }
 
+/// Whether keyframes of a session whose tracker knows its map as `session_instance` belong to the map
+/// `map_instance`. Instances are random numbers, drawn when a map begins: even if it began with its process, odd if it
+/// replaced another one by an order. 0: unknown. A session without one has used no landmarks of any map, and belongs to
+/// a map that has not replaced another one.
+inline bool BelongsTo(int64_t session_instance, int64_t map_instance) {
+  return session_instance == map_instance || map_instance == 0 || (session_instance == 0 && map_instance % 2 == 0);
+}
+
 /// Changes of the map from one version to the next; the content of `map_update_t`. Changed landmarks and keyframes are
 /// complete; for those that a correction has only moved there are the keyframes' poses.
 struct MapUpdate {
@@ -62,8 +70,8 @@ struct MapUpdate {
   LoopAnswer answer;
   /// Localisation-only mode: the map does not change.
   bool localise_only = false;
-  /// The version with which this map replaced another one; 0: it is the first. Repeated in each update.
-  int64_t began_version = 0;
+  /// Which of all maps this is (`BelongsTo`). Repeated in each update.
+  int64_t map_instance = 0;
   /// Applied to the map of the base version before all other changes (`Map::Move`).
   std::vector<MovedKeyframe> moved_keyframes;
   std::vector<MapKeyframe> keyframes;

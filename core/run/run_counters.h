@@ -46,11 +46,16 @@ inline constexpr const char* kOverexposed = "frames.overexposed";
 inline constexpr const char* kUnderexposed = "frames.underexposed";
 inline constexpr const char* kOutages = "cameras.outages";
 inline constexpr const char* kRecordingScan = "recording.scan_s";
-inline constexpr std::array<const char*, 24> kRunCounters{
-    kPointsSeen,      kPointsMatched, kFramesDark,     kCornerRows,  kDisparityError, kTruthFrames,    kTruthMissing,
-    kPicturesMissing, kRightLate,     kLeftLate,       kLateFrames,  kUnequalReadout, kFramesCaptured, kSkew,
-    kFramesMissing,   kDroppedLeft,   kDroppedRight,   kOverexposed, kUnderexposed,   kOutages,        kRecordingScan,
-    kDisparitySigma,  kLengthError,   kPointsAmbiguous};
+/// From vo: frames after the first keyframe that have no known place in the map.
+inline constexpr const char* kFramesUnanchored = "frames.unanchored";
+inline constexpr std::array<const char*, 25> kRunCounters{
+    kPointsSeen,      kPointsMatched,  kFramesDark,    kCornerRows,
+    kDisparityError,  kTruthFrames,    kTruthMissing,  kPicturesMissing,
+    kRightLate,       kLeftLate,       kLateFrames,    kUnequalReadout,
+    kFramesCaptured,  kSkew,           kFramesMissing, kDroppedLeft,
+    kDroppedRight,    kOverexposed,    kUnderexposed,  kOutages,
+    kRecordingScan,   kDisparitySigma, kLengthError,   kPointsAmbiguous,
+    kFramesUnanchored};
 
 /// The newest values of these counters by process, including exited processes; other counters are ignored.
 class RunCounters {

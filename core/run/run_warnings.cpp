@@ -23,6 +23,8 @@ constexpr double kEnoughPoints = 2000.0;
 /// ordinary scenes, 0.3 and more at fences and tiles.
 constexpr double kManyAmbiguous = 0.15;
 constexpr double kManyDark = 0.1;
+/// A session that starts somewhere in its own map is recognised within a few frames.
+constexpr double kManyUnanchored = 0.2;
 constexpr double kManySkipped = 0.01;
 /// At 1 m/s, 1 mm of the baseline.
 constexpr double kFarSkew_ms = 1.0;
@@ -122,6 +124,18 @@ const Row kRows[] = {
            f.frames.tracked, f.frames.all(), *f.frames.tracked_percent(), PartsText(f.frames));
      },
      FrameNumbers},
+    {"not_in_map",
+     [](const RunFindings& f) { return f.frames_unanchored > kManyUnanchored * Count(f.frames.answered()); },
+     [](const RunFindings& f) {
+       return fmt::format(
+           "{:.0f} of {} frames were not recognised in the map: until a session is recognised its poses have a frame "
+           "of "
+           "their own; is this the map of this place?",
+           f.frames_unanchored, f.frames.answered());
+     },
+     [](const RunFindings& f) {
+       return Numbers{{"unanchored", f.frames_unanchored}, {"all", Count(f.frames.answered())}};
+     }},
     {"few_stereo_matches", HasFewStereoMatches,
      [](const RunFindings& f) {
        return fmt::format(
@@ -364,6 +378,7 @@ void RunFindings::Take(const RunCounters& counters) {
   frames_underexposed = counters.Sum(kUnderexposed);
   outages = counters.Sum(kOutages);
   recording_scan_s = counters.Largest(kRecordingScan);
+  frames_unanchored = counters.Sum(kFramesUnanchored);
 }
 
 nlohmann::ordered_json ToJson(const RunWarning& warning) {

@@ -41,6 +41,7 @@ struct RunFindings {
   double truth_missing = 0.0;
   double pictures_missing = 0.0;
   double recording_scan_s = 0.0;
+  double frames_unanchored = 0.0;
   /// Of live cameras. Images of either camera without a partner are `frames_dropped`.
   double frames_captured = 0.0;
   double skew_ms = 0.0;

@@ -69,6 +69,8 @@ MappingNode::MappingNode(bus::Process& process, const MappingOptions& options)
     camera_ = MapCamera(*stored_, options_.map_file);
     AdoptStored(*stored_);
   }
+  // Without a file the process that replaces this one would reject the keyframes of the history.
+  if (!restored_ && !options_.state_file.empty()) map_instance_ = process_.bus().source() & ~int64_t{1};
   worker_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { WorkUntilStopped(); }); });
 }
 
@@ -96,7 +98,7 @@ void MappingNode::OnCamera(const RigCalibration& rig) {
 void MappingNode::OnKeyframe(const Keyframe& keyframe) {
   if (keyframe.source == process_.bus().source()) return;  // our own, of a loaded map
   Queue([&] {
-    if (began_version_ != 0 && keyframe.map_began_version != began_version_) {
+    if (!BelongsTo(keyframe.map_instance, map_instance_)) {
       process_.SetCounter("keyframes.other_map", static_cast<double>(++n_other_map_));
       return;
     }
@@ -175,10 +177,13 @@ void MappingNode::BeginMap() {
   if (restored_) return RestoreState();
   if (!stored_) {
     mapper_.emplace(*camera_, options_);
-    if (!options_.state_file.empty()) spdlog::info("beginning a new map: there is no {}", options_.state_file);
-    return;
+    mapper_->SetInstance(map_instance_);
+    if (options_.state_file.empty()) return;
+    spdlog::info("beginning a new map: there is no {}", options_.state_file);
+    return KeepState();
   }
   mapper_.emplace(*camera_, options_, *std::exchange(stored_, std::nullopt));
+  mapper_->SetInstance(map_instance_);
   mapper_->Commit();
   PublishWhole();
   PublishKeyframes();
@@ -191,7 +196,7 @@ void MappingNode::BeginMap() {
 void MappingNode::RestoreState() {
   answer_ = state_->answer;
   mapper_.emplace(*camera_, options_, *std::exchange(state_, std::nullopt));
-  PublishWhole();
+  if (mapper_->version() > 0) PublishWhole();
   process_.SetState(process_state::kRunning);
   PublishKeyframes();
   LogStoredMap(options_.state_file);
@@ -432,7 +437,7 @@ void MappingNode::Replace(MapperState next, const StereoCamera& camera) {
   mapper_->Precede(next);
   {
     const std::lock_guard lock(mutex_);
-    began_version_ = next.began_version;
+    map_instance_ = next.map_instance;
     queue_.Reset(NewestBySession(next.stored), next.stored.newest_session);
   }
   answer_ = {};
@@ -463,7 +468,7 @@ void MappingNode::ReadState() {
     return;
   }
   restored_ = true;
-  began_version_ = state_->began_version;
+  map_instance_ = state_->map_instance;
   const std::lock_guard lock(mutex_);
   const StoredMap& stored = state_->stored;
   WorkQueue::Newest newest{stored.newest_session, -1, state_->lockstep != 0, state_->committed != 0, {}};

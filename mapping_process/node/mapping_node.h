@@ -104,7 +104,7 @@ class MappingNode {
   std::condition_variable changed_;
   WorkQueue queue_;
   /// `Mapper`'s; keyframes for another map are ignored.
-  int64_t began_version_ = 0;
+  int64_t map_instance_ = 0;
   /// Camera with which the map begins.
   std::optional<StereoCamera> camera_;
   bool stopping_ = false;

@@ -257,6 +257,12 @@ void RunSession::CheckSaved(Clock::time_point now) {
     return;
   }
   completed_ = !interrupted_ && !failed_at_;
+  // Localising only in the map of another place gives no result at all.
+  if (completed_ && options_.localise_only && monitor_.frames().tracked == 0) {
+    completed_ = false;
+    return BeginStop(
+        fmt::format("the camera was not recognised in {}: is it the map of this place?", options_.map.string()));
+  }
   BeginStop(interrupted_          ? "interrupted"
             : failed_at_ && saved ? "the map of what came before is saved as " + options_.save_map.string()
                                   : "");

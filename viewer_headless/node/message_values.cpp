@@ -18,6 +18,7 @@ std::optional<FramePose> ToFramePose(const pose_t& message) {
                  .state = static_cast<TrackingState>(message.state),
                  .T_odom_c = *T_odom_c,
                  .T_w_odom = *T_w_odom,
+                 .anchored = message.anchored != 0,
                  .covariance = *covariance,
                  .motion_covariance = *motion_covariance,
                  .keyframe_id = message.keyframe_id,

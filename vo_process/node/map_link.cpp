@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/map/map_graph.h"
+
 namespace plslam::vo {
 namespace {
 
@@ -27,11 +29,25 @@ MapLink::MapLink(bus::Bus& bus, double wait_s, bool localise_only, const Tracker
       wait_(wait_s),
       subscriber_(bus, [this](const MapUpdate& update) { OnUpdate(update); }) {}
 
-/// Version 0: the map of this mapping_process has not replaced another one.
-bool MapLink::IsOfAnotherMap() const { return began_version_ != 0 && began_version_ != session_.map_began_version; }
+bool MapLink::IsOfAnotherMap() const { return !BelongsTo(session_.map_instance, map_instance_); }
+
+bool MapLink::IsConnected() const {
+  const IdMap<MapKeyframe>& keyframes = map().keyframes();
+  const auto is_newest = [&](const auto& entry) {
+    return entry.second.session == session_.id && entry.second.session_keyframe_id == newest_keyframe_id_;
+  };
+  const auto newest = std::find_if(keyframes.rbegin(), keyframes.rend(), is_newest);
+  if (newest == keyframes.rend()) return false;
+  const int64_t first = keyframes.begin()->first;
+  return newest->first == first || MapGraph(map()).Component(newest->first, MapGraph::Edges::kAll).contains(first);
+}
+
+bool MapLink::HasOthers() const {
+  return std::ranges::any_of(map().keyframes(), [&](const auto& k) { return k.second.session != session_.id; });
+}
 
 void MapLink::OnUpdate(const MapUpdate& update) {
-  began_version_ = update.began_version;
+  map_instance_ = update.map_instance;
   // A robot configured for localisation only stays so in a map that grows.
   const bool changes = last_localise_only_ ? *last_localise_only_ != update.localise_only : update.localise_only;
   last_localise_only_ = update.localise_only;

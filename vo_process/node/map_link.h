@@ -33,8 +33,8 @@ class MapLink {
   bool localise_only() const { return localise_only_; }
   /// Whether another map has replaced that with which the session began.
   bool IsOfAnotherMap() const;
-  /// `MapUpdate::began_version` of the last update.
-  int64_t began_version() const { return began_version_; }
+  /// `MapUpdate::map_instance` of the last update.
+  int64_t map_instance() const { return map_instance_; }
   /// Restores the values of a tracker state.
   void Restore(bool localise_only, bool map_is_fixed) {
     localise_only_ = localise_only;
@@ -48,6 +48,10 @@ class MapLink {
 
   /// Whether the map has this keyframe of the session, or a newer one.
   bool Has(int64_t session_keyframe_id) const { return newest_keyframe_id_ >= session_keyframe_id; }
+  /// Whether the newest keyframe of the session in the map is connected with the map's first one.
+  bool IsConnected() const;
+  /// Whether the map has keyframes of other sessions.
+  bool HasOthers() const;
   /// Lets odometry adopt the landmarks around the newest keyframe of the session in the map. Returns false if odometry
   /// refuses.
   bool Adopt(Odometry& odometry);
@@ -65,7 +69,7 @@ class MapLink {
   std::function<void()> on_map_;
   bool localise_only_;
   std::optional<bool> last_localise_only_;  ///< `localise_only` of the last update
-  int64_t began_version_ = 0;
+  int64_t map_instance_ = 0;
   bus::PartnerWait wait_;
   /// The newest keyframe of the session in the map, which may contain keyframes of other robots.
   int64_t newest_keyframe_id_ = -1;

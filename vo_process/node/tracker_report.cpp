@@ -58,6 +58,8 @@ void TrackerReport::ReportWarnings() {
   findings.points_seen = counts_[kPointsSeen];
   findings.points_matched = counts_[kPointsMatched];
   findings.points_ambiguous = counts_[kPointsAmbiguous];
+  findings.frames.tracked = frames();
+  findings.frames_unanchored = counts_[kFramesUnanchored];
   findings.corner_rows_px = counts_[kCornerRows];
   findings.right_late_ms = counts_[kRightLate];
   findings.left_late_ms = counts_[kLeftLate];

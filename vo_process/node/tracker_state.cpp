@@ -4,9 +4,11 @@
 #include <exception>
 #include <filesystem>
 #include <stdexcept>
+#include <type_traits>
 
 #include <spdlog/spdlog.h>
 
+#include "core/bus/transport/wire.h"
 #include "core/io/files/sealed_file.h"
 #include "core/io/maps/map_file_fields.h"
 
@@ -21,13 +23,30 @@ template <class Archive, Is<Keyframe> T>
 void Fields(Archive& a, T& k) {
   a(k.session, k.t_ns, k.keyframe_id, k.frame_id, k.previous_keyframe_id, k.T_prevkf_kf, k.covariance, k.T_odom_kf,
     k.state, k.lockstep, k.camera, k.features, k.point_landmark_ids, k.line_landmark_ids, k.point_map_ids,
-    k.line_map_ids, k.withdrawn_points, k.withdrawn_lines, k.map_began_version);
+    k.line_map_ids, k.withdrawn_points, k.withdrawn_lines, k.map_instance);
+}
+
+/// The poses as encoded messages.
+template <class Archive, Is<vo::TrackerSession> T>
+void Fields(Archive& a, T& s) {
+  std::vector<std::vector<uint8_t>> poses;
+  for (const pose_t& pose : s.recent) poses.push_back(bus::Encoded(pose));
+  a(s.id, s.lockstep, s.last_t_ns, s.last_frame_id, s.last_source, s.last_keyframe_id, s.follows_keyframe, s.anchor,
+    s.map_instance, poses);
+  if constexpr (!std::is_const_v<T>) {
+    s.recent.clear();
+    for (const std::vector<uint8_t>& bytes : poses) {
+      std::optional<pose_t> pose = bus::Decoded<pose_t>(bytes);
+      if (!pose) throw std::runtime_error("a message in it is damaged");
+      s.recent.push_back(std::move(*pose));
+    }
+  }
 }
 
 template <class Archive, Is<vo::TrackerState> T>
 void Fields(Archive& a, T& s) {
-  a(s.settings, s.camera, s.n_restored, s.session, s.lockstep, s.t_ns, s.frame_id, s.source, s.poses, s.anchored_t_ns,
-    s.adopted_keyframe_id, s.odometry, s.keyframe, s.map_began_version, s.localise_only, s.map_is_fixed);
+  a(s.settings, s.camera, s.n_restored, s.session, s.adopted_keyframe_id, s.odometry, s.keyframe, s.localise_only,
+    s.map_is_fixed);
 }
 
 }  // namespace plslam::archive
@@ -37,7 +56,7 @@ namespace {
 
 /// Increase the version with each change of the written data, including the fields of Odometry.
 constexpr FileKind kTrackerState{
-    {'P', 'L', 'S', 'L', 'V', 'O', 'S', 'T'}, 10, "state of a tracker", Checksum::kPoly1305};
+    {'P', 'L', 'S', 'L', 'V', 'O', 'S', 'T'}, 11, "state of a tracker", Checksum::kPoly1305};
 
 /// Number of trackers that may continue one state: the state itself may be what crashes them.
 constexpr int kMaxRestored = 5;

@@ -12,6 +12,7 @@
 
 #include "core/map/keyframe.h"
 #include "plslam/pose_t.hpp"
+#include "vo_process/node/session_anchor.h"
 
 namespace plslam::vo {
 
@@ -27,10 +28,9 @@ struct TrackerSession {
   int64_t last_keyframe_id = -1;
   /// Whether the newest frame became a keyframe, and no relocalisation was requested with it.
   bool follows_keyframe = false;
-  /// Time of the newest frame in which the camera was anchored in the map, or was lost.
-  int64_t anchored_t_ns = 0;
-  /// `Keyframe::map_began_version`.
-  int64_t map_began_version = 0;
+  SessionAnchor anchor;
+  /// `Keyframe::map_instance`.
+  int64_t map_instance = 0;
   /// Poses of the newest frames, which a player may request again.
   std::deque<pose_t> recent;
 
@@ -59,17 +59,7 @@ struct TrackerState {
   std::vector<uint8_t> camera;
   /// Number of trackers that have continued from it.
   int n_restored = 0;
-  int64_t session = 0;
-  bool lockstep = false;
-  int64_t t_ns = 0;
-  int64_t frame_id = -1;
-  /// Publisher of the frames.
-  int64_t source = 0;
-  /// Encoded pose_t of the newest frames, which a player may request again.
-  std::vector<std::vector<uint8_t>> poses;
-  /// As in `TrackerSession`.
-  int64_t anchored_t_ns = 0;
-  int64_t map_began_version = 0;
+  TrackerSession session;
   /// As in `MapLink`: 1 or 0.
   uint8_t localise_only = 0;
   uint8_t map_is_fixed = 0;

@@ -15,11 +15,13 @@ void CopyPixel(const Eigen::Vector2d& px, float (&to)[2]) {
 
 }  // namespace
 
-pose_t ToPoseMessage(const OdometryResult& result, const SE3& T_w_odom, const std::vector<StageTime>& stages) {
+pose_t ToPoseMessage(const OdometryResult& result, const SE3& T_w_odom, bool anchored,
+                     const std::vector<StageTime>& stages) {
   pose_t message;
   message.state = static_cast<int8_t>(result.state);
   message.T_odom_c = bus::ToMessage(result.T_odom_c);
   message.T_w_odom = bus::ToMessage(T_w_odom);
+  message.anchored = anchored ? 1 : 0;
   bus::ToArray(result.covariance, message.covariance);
   message.T_prev_c = bus::ToMessage(result.T_prev_c);
   bus::ToArray(result.motion_covariance, message.motion_covariance);
@@ -130,6 +132,12 @@ Keyframe ToKeyframe(const OdometryResult& result, const StereoCamera& camera) {
   keyframe.withdrawn_points = result.keyframe->withdrawn_points;
   keyframe.withdrawn_lines = result.keyframe->withdrawn_lines;
   return keyframe;
+}
+
+int64_t TrackedOfMap(const OdometryResult& result) {
+  const auto is_of_map = [](const FeatureTrack& track) { return track.map_id >= 0; };
+  return std::count_if(result.point_tracks.begin(), result.point_tracks.end(), is_of_map) +
+         2 * std::count_if(result.line_tracks.begin(), result.line_tracks.end(), is_of_map);
 }
 
 }  // namespace plslam::vo

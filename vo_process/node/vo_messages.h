@@ -16,7 +16,8 @@ namespace plslam::vo {
 
 // Conversion of odometry results to messages; the caller sets headers and frame ids.
 
-pose_t ToPoseMessage(const OdometryResult& result, const SE3& T_w_odom, const std::vector<StageTime>& stages);
+pose_t ToPoseMessage(const OdometryResult& result, const SE3& T_w_odom, bool anchored,
+                     const std::vector<StageTime>& stages);
 
 /// If the tracks exceed `max_bytes`, omits new ones first, points before lines.
 tracks_t ToTracksMessage(const OdometryResult& result, int64_t max_bytes);
@@ -27,11 +28,7 @@ bodies_t ToBodiesMessage(const std::vector<BodyPose>& bodies);
 /// frame.
 Keyframe ToKeyframe(const OdometryResult& result, const StereoCamera& camera);
 
-/// A frame for which relocalisation was requested.
-struct RelocalisationQuestion {
-  Keyframe sent;
-  SE3 T_odom_c;
-  double asked_s = 0.0;
-};
+/// Inlier score (points + 2 x lines) of the tracked landmarks of the map.
+int64_t TrackedOfMap(const OdometryResult& result);
 
 }  // namespace plslam::vo

@@ -19,6 +19,7 @@
 #include "core/bus/transport/wire.h"
 #include "core/io/files/archive.h"
 #include "core/run/process_names.h"
+#include "core/run/run_counters.h"
 #include "plslam/command_t.hpp"
 #include "plslam/header_t.hpp"
 #include "plslam/relocalisation_t.hpp"
@@ -38,21 +39,11 @@ constexpr uint64_t kClockStep_ns = 1'000'000'000;
 constexpr std::chrono::milliseconds kWaitTick(200);
 // Least number of features of a relocalisation request.
 constexpr size_t kLeastToAsk = 20;
-// How long an unanchored camera sends requests in a growing map: another robot may map the place, or a loop be closed.
-constexpr uint64_t kUnanchored_ns = 3'000'000'000;
 constexpr std::chrono::milliseconds kAskPeriod(500);
 // How long to wait for older frames; a player may have to be started first.
 constexpr double kFramesWait_s = 15.0;
 // Number of frames after which the self-calibration is written, because a robot may be switched off.
 constexpr int64_t kKeepLearnedEvery = 500;
-
-bool IsOfMap(const FeatureTrack& track) { return track.map_id >= 0; }
-
-/// Inlier score (points + 2 x lines) of the tracked landmarks of the map.
-int64_t TrackedOfMap(const OdometryResult& result) {
-  return std::count_if(result.point_tracks.begin(), result.point_tracks.end(), IsOfMap) +
-         2 * std::count_if(result.line_tracks.begin(), result.line_tracks.end(), IsOfMap);
-}
 
 }  // namespace
 
@@ -243,10 +234,23 @@ void VoNode::OnMap() {
   const auto awaited = map_->wait().awaited();
   const int64_t oldest = awaited ? *awaited : map_->adopted_keyframe_id() + 1;
   const bool takes_effect = odometry_ && (awaited || !session_.lockstep) && map_->Has(oldest);
-  if (takes_effect) map_->Adopt(*odometry_);
+  if (session_.map_instance == 0) session_.map_instance = map_->map_instance();
+  if (takes_effect && session_.anchor.state() != SessionAnchor::State::kAnchored) {
+    session_.anchor.OnMap(map_->IsConnected());
+  }
+  // In lockstep the first keyframe of a map is awaited for its anchor alone.
+  const bool adopts = oldest > 0 || !session_.lockstep || map_->HasOthers();
+  if (takes_effect && adopts) map_->Adopt(*odometry_);
   if (awaited && !takes_effect) return;
   map_->wait().End();
   ProcessWaiting();
+}
+
+/// Whether T_w_odom is known. In localisation-only mode no keyframe tells.
+bool VoNode::IsAnchored() const {
+  if (!map_) return true;
+  if (IsLocaliseOnly()) return odometry_->is_in_map() && !odometry_->is_unanchored();
+  return session_.anchor.state() == SessionAnchor::State::kAnchored && !odometry_->is_unanchored();
 }
 
 /// In lockstep the map with the previous keyframe takes effect when this keyframe has been made.
@@ -277,12 +281,12 @@ void VoNode::NameSession() {
   TrackerSession next;
   // A session restored from another tracker is not numbered before our own.
   next.id = session_.last_frame_id >= 0 ? std::max(session_.id + 1, process_.bus().source()) : session_.id;
-  next.map_began_version = map_ && map_->began_version() != 0 ? map_->began_version() : session_.map_began_version;
+  next.map_instance = map_ && map_->map_instance() != 0 ? map_->map_instance() : session_.map_instance;
   next.lockstep = session_.lockstep;
   next.last_t_ns = session_.last_t_ns;
   next.last_frame_id = session_.last_frame_id;
   next.last_source = session_.last_source;
-  next.anchored_t_ns = session_.anchored_t_ns;
+  next.anchor.Begin(session_.last_t_ns);
   session_ = std::move(next);
   if (map_) map_->BeginSession();
 }
@@ -302,7 +306,10 @@ bool VoNode::IsTooEarly(const Frame& frame) const {
 
 void VoNode::Track(const Frame& frame) {
   const bool too_early = IsTooEarly(frame);
-  if (!odometry_ || (frame.images.t_ns < session_.last_t_ns && !too_early)) BeginSession();
+  if (!odometry_ || (frame.images.t_ns < session_.last_t_ns && !too_early)) {
+    BeginSession();
+    session_.anchor.Begin(frame.images.t_ns);
+  }
   session_.lockstep = frame.lockstep;
   UseMask(frame);
   UseRobotMotion(session_.last_t_ns, frame.images.t_ns);
@@ -368,7 +375,8 @@ void VoNode::NoteAnchor(const Frame& frame, const OdometryResult& result) {
   if (result.jumped || (result.state == TrackingState::kRecovered && !odometry_->is_unanchored()))
     relocalisation_.Cancel();
   const bool lost = StateOf(result) == TrackingState::kLost;
-  if (lost || !odometry_->is_unanchored()) session_.anchored_t_ns = frame.images.t_ns;
+  const bool unanchored = session_.anchor.OnFrame(frame.images.t_ns, lost, result.jumped, odometry_->is_unanchored());
+  if (unanchored && !IsLocaliseOnly()) report_.Count(kFramesUnanchored, 1);
 }
 
 /// Requested if the camera is lost; in a growing map, if it has been unanchored for a short time; in localisation-only
@@ -379,10 +387,8 @@ bool VoNode::NeedsRelocalisation(const Frame& frame, const OdometryResult& resul
   if (IsLocaliseOnly()) {
     return session_.follows_keyframe && TrackedOfMap(result) < options_.tracking.weak_inliers;
   }
-  // Unsigned: time stamps may have any value.
-  const uint64_t unanchored_ns =
-      static_cast<uint64_t>(frame.images.t_ns) - static_cast<uint64_t>(session_.anchored_t_ns);
-  return odometry_->is_unanchored() && !result.keyframe && unanchored_ns < kUnanchored_ns;
+  const bool unanchored = session_.anchor.state() == SessionAnchor::State::kUnanchored || odometry_->is_unanchored();
+  return unanchored && !result.keyframe && session_.anchor.IsRecent(frame.images.t_ns);
 }
 
 void VoNode::RequestRelocalisation(const Frame& frame, const OdometryResult& result) {
@@ -406,7 +412,7 @@ void VoNode::RequestRelocalisation(const Frame& frame, const OdometryResult& res
 /// Keyframes made since the camera became unanchored say nothing new about its place.
 bool VoNode::IsIndependentOfTracker(const Map& map, int64_t keyframe_id) const {
   const MapKeyframe* keyframe = map.FindKeyframe(keyframe_id);
-  return keyframe == nullptr || keyframe->session != session_.id || keyframe->t_ns <= session_.anchored_t_ns;
+  return keyframe == nullptr || keyframe->session != session_.id || keyframe->t_ns <= session_.anchor.t_ns();
 }
 
 void VoNode::OnRelocalisation(const relocalisation_t& message) {
@@ -428,7 +434,7 @@ void VoNode::SetHeader(const Frame& frame, header_t& header) const {
 }
 
 void VoNode::PublishPose(const Frame& frame, const OdometryResult& result, const std::vector<StageTime>& stages) {
-  pose_t message = ToPoseMessage(result, odometry_->T_w_odom(), stages);
+  pose_t message = ToPoseMessage(result, odometry_->T_w_odom(), IsAnchored(), stages);
   SetHeader(frame, message.header);
   message.frame_id = frame.images.frame_id;
   message.n_skipped_frames = frame.skipped;
@@ -472,7 +478,7 @@ void VoNode::MakeKeyframe(const Frame& frame, const OdometryResult& result, bool
   keyframe.t_ns = frame.images.t_ns;
   keyframe.frame_id = frame.images.frame_id;
   keyframe.lockstep = frame.lockstep;
-  keyframe.map_began_version = session_.map_began_version;
+  keyframe.map_instance = session_.map_instance;
   AwaitMap(keyframe.keyframe_id);
   held_keyframe_ = std::move(keyframe);
   if (!map_ || !map_->wait().awaited()) PublishKeyframe();
@@ -486,6 +492,13 @@ void VoNode::PublishKeyframe() {
   const Keyframe keyframe = *std::exchange(held_keyframe_, std::nullopt);
   KeepState(keyframe);
   keyframes_.Publish(keyframe);
+  AwaitAnchor(keyframe);
+}
+
+/// In lockstep the frames after the first keyframe wait until it is in the map: the camera may be somewhere in it.
+void VoNode::AwaitAnchor(const Keyframe& first) {
+  if (!map_ || !session_.lockstep || first.keyframe_id != 0 || map_->Has(0)) return;
+  map_->wait().Begin(0, bus::NowS());
 }
 
 /// Continues with the state as of the newest keyframe. In lockstep that keyframe may not have been published, and later
@@ -507,18 +520,8 @@ void VoNode::Restore(const TrackerState& state) {
   odometry_.emplace(front_end_->camera(), options_);
   archive::FromBytes(state.odometry, *odometry_);
   odometry_->SetLocaliseOnly(IsLocaliseOnly());
-  session_.id = state.session;
-  session_.lockstep = state.lockstep;
-  session_.last_t_ns = state.t_ns;
-  session_.last_frame_id = state.frame_id;
-  session_.last_source = player_ = state.source;
-  for (const std::vector<uint8_t>& bytes : state.poses) {
-    std::optional<pose_t> pose = bus::Decoded<pose_t>(bytes);
-    if (!pose) throw std::runtime_error("a message in it is damaged");
-    session_.recent.push_back(std::move(*pose));
-  }
-  session_.anchored_t_ns = state.anchored_t_ns;
-  session_.map_began_version = state.map_began_version;
+  session_ = state.session;
+  player_ = session_.last_source;
   if (map_) map_->Restore(state.localise_only != 0, state.map_is_fixed != 0);
   session_.follows_keyframe = true;
   session_.last_keyframe_id = state.keyframe.keyframe_id;
@@ -526,7 +529,10 @@ void VoNode::Restore(const TrackerState& state) {
   restored_ = true;
   spdlog::info("resuming after frame {} of the session", session_.last_frame_id);
   process_.bus().Post([this, keyframe = state.keyframe] {
-    if (keyframe.keyframe_id >= 0) keyframes_.Publish(keyframe);
+    if (keyframe.keyframe_id >= 0) {
+      keyframes_.Publish(keyframe);
+      AwaitAnchor(keyframe);
+    }
     // The last pose of the crashed tracker may be lost, and a restarted player needs it.
     if (!session_.recent.empty()) process_.bus().Publish(bus::kPose, pose_t(session_.recent.back()));
     if (session_.lockstep) AskForFrames();
@@ -539,14 +545,7 @@ void VoNode::KeepState(const Keyframe& keyframe) {
   TrackerState state;
   state.settings = settings_;
   state.camera = camera_.bytes();
-  state.session = session_.id;
-  state.lockstep = session_.lockstep;
-  state.t_ns = session_.last_t_ns;
-  state.frame_id = session_.last_frame_id;
-  state.source = session_.last_source;
-  for (const pose_t& pose : session_.recent) state.poses.push_back(bus::Encoded(pose));
-  state.anchored_t_ns = session_.anchored_t_ns;
-  state.map_began_version = session_.map_began_version;
+  state.session = session_;
   state.localise_only = IsLocaliseOnly() ? 1 : 0;
   state.map_is_fixed = map_ && map_->map_is_fixed() ? 1 : 0;
   state.adopted_keyframe_id = map_ ? map_->adopted_keyframe_id() : -1;

@@ -83,6 +83,8 @@ class VoNode {
   void OnStream(const stream_t& message);
   void OnStatus(const status_t& message);
   void OnMap();
+  bool IsAnchored() const;
+  void AwaitAnchor(const Keyframe& first);
   bool IsLocaliseOnly() const;
   void FollowOrders();
   void OnRelocalisation(const relocalisation_t& message);

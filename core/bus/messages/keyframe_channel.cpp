@@ -23,7 +23,7 @@ keyframe_t HeadPage(const Keyframe& keyframe) {
   page.keyframe_id = keyframe.keyframe_id;
   page.frame_id = keyframe.frame_id;
   page.previous_keyframe_id = keyframe.previous_keyframe_id;
-  page.map_began_version = keyframe.map_began_version;
+  page.map_instance = keyframe.map_instance;
   page.T_prevkf_kf = ToMessage(keyframe.T_prevkf_kf);
   ToArray(keyframe.covariance, page.covariance);
   page.T_odom_kf = ToMessage(keyframe.T_odom_kf);
@@ -52,7 +52,7 @@ std::optional<Keyframe> Head(const keyframe_t& page) {
   const auto T_odom_kf = FromMessage(page.T_odom_kf);
   const bool ids_ok = page.keyframe_id >= 0 && page.frame_id >= 0 && page.previous_keyframe_id >= -1 &&
                       page.previous_keyframe_id < page.keyframe_id && page.state >= 0 && page.state <= 4 &&
-                      (page.lockstep == 0 || page.lockstep == 1) && page.map_began_version >= 0;
+                      (page.lockstep == 0 || page.lockstep == 1) && page.map_instance >= 0;
   const auto camera = FromMessage(page.camera);
   if (!T_prevkf_kf || !covariance || !T_odom_kf || !camera || !ids_ok) return std::nullopt;
   Keyframe keyframe;
@@ -62,7 +62,7 @@ std::optional<Keyframe> Head(const keyframe_t& page) {
   keyframe.keyframe_id = page.keyframe_id;
   keyframe.frame_id = page.frame_id;
   keyframe.previous_keyframe_id = page.previous_keyframe_id;
-  keyframe.map_began_version = page.map_began_version;
+  keyframe.map_instance = page.map_instance;
   keyframe.T_prevkf_kf = *T_prevkf_kf;
   keyframe.covariance = *covariance;
   keyframe.T_odom_kf = *T_odom_kf;

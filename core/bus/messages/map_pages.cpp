@@ -37,7 +37,7 @@ map_update_t HeadPage(const MapUpdate& update) {
   page.answer.map_version = update.answer.map_version;
   page.answer.accepted = update.answer.accepted ? 1 : 0;
   page.localise_only = update.localise_only ? 1 : 0;
-  page.began_version = update.began_version;
+  page.map_instance = update.map_instance;
   if (update.camera) page.camera = ToMessage(*update.camera);
   page.totals = ToMessage(update.totals);
   page.adjustment = ToMessage(update.adjustment);
@@ -214,8 +214,7 @@ std::optional<MapUpdate> HeadOf(const map_update_t& page) {
                           page.session_keyframe_id >= -1 && page.stages.size() <= kMaxStages &&
                           (page.committed == 0 || page.committed == 1) && page.answer.session_keyframe_id >= -1 &&
                           page.answer.map_version >= 0 && (page.answer.accepted == 0 || page.answer.accepted == 1) &&
-                          (page.localise_only == 0 || page.localise_only == 1) && page.began_version >= 0 &&
-                          page.began_version <= page.version;
+                          (page.localise_only == 0 || page.localise_only == 1) && page.map_instance >= 0;
   const auto camera = FromMessage(page.camera);
   const bool camera_ok = camera || page.camera.f_px == 0.0;
   if (!totals || !adjustment || !numbers_ok || !camera_ok) return std::nullopt;
@@ -230,7 +229,7 @@ std::optional<MapUpdate> HeadOf(const map_update_t& page) {
   update.answer = {page.answer.session, page.answer.session_keyframe_id, page.answer.map_version,
                    page.answer.accepted != 0};
   update.localise_only = page.localise_only != 0;
-  update.began_version = page.began_version;
+  update.map_instance = page.map_instance;
   update.camera = camera;
   update.totals = *totals;
   update.adjustment = *adjustment;

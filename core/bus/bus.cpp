@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/bus/bus.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -8,6 +9,7 @@
 #include <spdlog/spdlog.h>
 
 #include "core/bus/bus_impl.h"
+#include "core/errors/error_text.h"
 
 namespace plslam::bus {
 namespace {
@@ -106,8 +108,9 @@ BusCounters Bus::Impl::counters() const {
 }
 
 std::string Bus::Impl::Problems() const {
+  const std::string loss = outboxes.LossText();
   const std::lock_guard lock(rejections_mutex_);
-  return rejections_.Line(SteadyNow_ns());
+  return Joined(rejections_.Line(SteadyNow_ns()), loss);
 }
 
 Bus::Bus(const BusOptions& options, const std::string& process) : impl_(std::make_unique<Impl>(options, process)) {}
@@ -119,7 +122,10 @@ const BusOptions& Bus::options() const { return impl_->options; }
 std::string Bus::WireName(const Channel& channel) const { return impl_->names.WireName(channel); }
 
 int64_t Bus::page_bytes() const {
-  return impl_->options.max_message_bytes - static_cast<int64_t>(impl_->authenticator.overhead());
+  const int64_t bytes = impl_->outboxes.sends_packets()
+                            ? std::min(impl_->options.max_message_bytes, MessageSize::kPacket_bytes)
+                            : impl_->options.max_message_bytes;
+  return bytes - static_cast<int64_t>(impl_->authenticator.overhead());
 }
 
 int64_t Bus::largest_message_bytes() const {

@@ -96,12 +96,14 @@ class Bus {
   int64_t acknowledged() const;
 
   BusCounters counters() const;
-  /// Returns one line on messages rejected within the last minute and on other prefixes; empty if there are none.
+  /// Returns one line on messages rejected within the last minute, on other prefixes and on lost packets; empty if there
+  /// are none.
   std::string Problems() const;
 
   /// Options as given.
   const BusOptions& options() const;
-  /// Largest size of pages and strips, fingerprint and header included: `max_message_bytes` without the MAC.
+  /// Largest size of pages and strips now, fingerprint and header included: `max_message_bytes` without the MAC, or one
+  /// packet while packets are lost (`MessageSize`).
   int64_t page_bytes() const;
   /// Largest size of any message, independent of the option for pages; `Publish` throws beyond.
   int64_t largest_message_bytes() const;

@@ -71,6 +71,18 @@ int Outboxes::ReaderCount(const Channel& channel) const {
   }));
 }
 
+bool Outboxes::sends_packets() const {
+  const std::lock_guard lock(mutex_);
+  return size_.IsSmall(SteadyNow_ns());
+}
+
+std::string Outboxes::LossText() const {
+  const std::lock_guard lock(mutex_);
+  if (!size_.IsSmall(SteadyNow_ns())) return "";
+  return "packets are lost: " + std::to_string(size_.percent()) +
+         " % of the large messages had to be sent again, so they are sent as single packets";
+}
+
 int64_t Outboxes::acknowledged() const {
   const std::lock_guard lock(mutex_);
   int64_t sum = 0;
@@ -149,6 +161,7 @@ std::optional<int64_t> Outboxes::Publish(const Channel& channel, header_t& heade
     WaitForWindow(outbox, message->size());
     {
       const std::lock_guard lock(mutex_);
+      size_.OnSent(static_cast<int64_t>(message->size()));
       outbox.writer->Sent(message, SteadyNow_ns());
       if (channel.delivery == Delivery::kEvery) announce_time = outbox.writer->announce_time();
     }
@@ -215,6 +228,7 @@ Outboxes::Answer Outboxes::OnRequest(const std::string& channel, int64_t reader,
     Outbox& outbox = *found->second;
     OrderedWriter::Answer words = outbox.writer->OnRequest(reader, delivered, window, ranges, now);
     kept = std::move(words.resend);
+    if (words.n_lost > 0) size_.OnLost(words.n_lost, now);
     log = outbox.log.get();
     answer.wire_name = outbox.wire_name;
     if (words.announce && outbox.channel.delivery == Delivery::kEvery) {

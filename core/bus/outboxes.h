@@ -66,6 +66,10 @@ class Outboxes {
   int64_t acknowledged() const;
   int64_t sent() const { return sent_; }
   int64_t resent() const { return resent_; }
+  /// Whether pages and strips are single packets now, because too many larger messages were lost (`MessageSize`).
+  bool sends_packets() const;
+  /// A line about that, empty if it is not so.
+  std::string LossText() const;
 
   // The following functions are called on the receiving thread.
 
@@ -115,6 +119,7 @@ class Outboxes {
   std::atomic<int64_t> resent_{0};
 
   mutable std::mutex mutex_;
+  MessageSize size_;                                                      // guarded by `mutex_`
   std::condition_variable acknowledged_;                                  // an acknowledgement has arrived
   std::map<std::string, std::unique_ptr<Outbox>, std::less<>> outboxes_;  // by channel name
   std::map<std::string, std::map<int64_t, Hello>, std::less<>> hellos_;   // by channel name, of the whole table

@@ -34,7 +34,7 @@ NamesakeWatch::Action NamesakeWatch::OnStatus(const ProcessIdentity& other, cons
     seen.is_reported = true;
     return Action::kReport;
   }
-  return !is_older && other.uptime_s < kSameUptime_s ? Action::kAnnounce : Action::kNone;
+  return !is_older && other.uptime_s < kSameUptime_s ? Action::kReply : Action::kNone;
 }
 
 std::string NamesakeWatch::Sentence(const std::string& process, const ProcessIdentity& other) {

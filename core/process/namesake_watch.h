@@ -21,7 +21,7 @@ struct ProcessIdentity {
 /// yield, because two trackers or two maps that publish to the same readers give a mixture of both.
 ///
 /// Input: the statuses of the others. A process that has exited may have left a last status on the way, so only a
-/// second one, later than the first, proves that it runs; running processes answer a new one at once (`kAnnounce`), so a
+/// second one, later than the first, proves that it runs; running processes answer a new one at once (`kReply`), so a
 /// starting process knows within `kStartWindow_s` whether it is alone. A value without clock and bus.
 class NamesakeWatch {
  public:
@@ -37,9 +37,9 @@ class NamesakeWatch {
 
   enum class Action {
     kNone,
-    kAnnounce,  ///< publish a status now: the namesake has just started
-    kYield,     ///< stop: the namesake is older
-    kReport,    ///< report it, once: the namesake should have yielded
+    kReply,   ///< publish a status now: the namesake has just started
+    kYield,   ///< stop: the namesake is older
+    kReport,  ///< report it, once: the namesake should have yielded
   };
 
   explicit NamesakeWatch(int64_t own_source) : own_source_(own_source) {}

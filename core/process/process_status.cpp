@@ -89,7 +89,7 @@ void StatusPublisher::OnStatus(const status_t& other) {
   switch (namesakes_.OnStatus(namesake, Identity(), NowS())) {
     case NamesakeWatch::Action::kNone:
       return;
-    case NamesakeWatch::Action::kAnnounce:
+    case NamesakeWatch::Action::kReply:
       return Publish();
     case NamesakeWatch::Action::kYield:
       if (on_older_) std::exchange(on_older_, nullptr)(sentence + "; stop it, or give --prefix to one of the two");

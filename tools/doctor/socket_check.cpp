@@ -93,6 +93,11 @@ std::vector<UdpSocket> UdpSockets() {
   return ParseUdpSockets({std::istreambuf_iterator<char>(file), {}});
 }
 
+int64_t BufferErrors() {
+  std::ifstream file("/proc/net/snmp");
+  return ParseBufferErrors({std::istreambuf_iterator<char>(file), {}});
+}
+
 /// Returns the size that the kernel grants: it doubles the number for its own overhead, and limits it to
 /// net.core.rmem_max.
 int GrantedBytes(int wanted) {
@@ -210,6 +215,21 @@ std::vector<UdpSocket> ParseUdpSockets(const std::string& table) {
   return sockets;
 }
 
+int64_t ParseBufferErrors(const std::string& table) {
+  std::istringstream lines(table);
+  std::vector<std::string> names;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("Udp: ")) continue;
+    std::istringstream stream(line);
+    const std::vector<std::string> columns{std::istream_iterator<std::string>(stream), {}};
+    const auto name = std::ranges::find(names, "RcvbufErrors");
+    const size_t index = static_cast<size_t>(name - names.begin());
+    if (name != names.end() && index < columns.size()) return std::strtoll(columns[index].c_str(), nullptr, 10);
+    names = columns;
+  }
+  return 0;
+}
+
 Findings CheckReceiveBuffer(const BusAddress& address) {
   const int wanted = address.receive_buffer > 0 ? address.receive_buffer : kWantedBytes;
   const int granted = GrantedBytes(wanted);
@@ -228,6 +248,8 @@ Findings CheckReceiveBuffer(const BusAddress& address) {
   for (const UdpSocket& socket : UdpSockets()) {
     if (socket.port == address.port) drops += socket.drops;
   }
+  // The drops of a socket include what its filter rejects, as the bus's own filter does.
+  drops = std::min(drops, BufferErrors());
   if (drops > 0) {
     findings.push_back(Advice("buffer",
                               fmt::format("sockets on UDP port {} of this host have lost {} datagrams because their "

@@ -29,13 +29,16 @@ BusAddress ParseBusAddress(const std::string& url);
 struct UdpSocket {
   int port = 0;
   int64_t inode = 0;
-  int64_t drops = 0;  ///< datagrams that found its buffer full
+  int64_t drops = 0;  ///< datagrams that found its buffer full, or that its filter does not want
 };
 
 std::vector<UdpSocket> ParseUdpSockets(const std::string& table);
 
 /// Checks whether the kernel grants the receive buffer that the bus requests, and whether sockets of the bus have lost
 /// datagrams.
+/// Returns the number of datagrams that found a full buffer, from the text of /proc/net/snmp; 0 if it is not there.
+int64_t ParseBufferErrors(const std::string& table);
+
 Findings CheckReceiveBuffer(const BusAddress& address);
 
 /// kMulticast: checks whether the port can be shared with LCM. kRelay: checks whether an LCM relay answers there.

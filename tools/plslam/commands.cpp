@@ -88,6 +88,8 @@ namespace {
 constexpr std::chrono::milliseconds kTick(50);
 constexpr std::chrono::seconds kHearLimit(10);
 constexpr std::chrono::seconds kAnswerLimit(120);
+/// Statuses come once a second: then none of ours was heard, and messages of others were rejected.
+constexpr std::chrono::milliseconds kRejectionLimit(1500);
 
 struct OrderOptions {
   bus::ProcessArguments common;
@@ -110,7 +112,8 @@ int GiveOrder(const OrderRow& row, const std::string& argument, const bus::Proce
   const auto began = std::chrono::steady_clock::now();
   bus.Every(kTick, [&] {
     const auto passed = std::chrono::steady_clock::now() - began;
-    if (order.answer() || passed > (order.heard() ? kAnswerLimit : kHearLimit)) bus.Stop();
+    const bool mute = order.needs_key() || (!order.heard() && passed > kRejectionLimit && !bus.Problems().empty());
+    if (order.answer() || mute || passed > (order.heard() ? kAnswerLimit : kHearLimit)) bus.Stop();
   });
   bus.Run();
   if (order.answer() && order.answer()->empty()) {
@@ -118,9 +121,16 @@ int GiveOrder(const OrderRow& row, const std::string& argument, const bus::Proce
     return 0;
   }
   std::string failure = fmt::format("no answer has come for {} s", kAnswerLimit.count());
-  if (!order.heard()) failure = NoAnswerText(row.processes, bus_options, kHearLimit);
+  if (!order.heard()) {
+    failure =
+        NoAnswerText(row.processes, bus_options,
+                     std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now() - began));
+  }
+  if (!order.heard() && !bus.Problems().empty()) failure = fmt::format("{} ({})", failure, bus.Problems());
+  if (order.needs_key()) failure = "this system uses bus.key_file: give the same file (--set bus.key_file=FILE)";
   if (order.answer()) failure = *order.answer();
-  bus::PrintError(fmt::format("plslam: error: {} {}: {}", row.verb, argument, failure));
+  const std::string what = argument.empty() ? row.verb : fmt::format("{} {}", row.verb, argument);
+  bus::PrintError(fmt::format("plslam: error: {}: {}", what, failure));
   return 1;
 }
 

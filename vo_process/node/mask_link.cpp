@@ -16,21 +16,27 @@ namespace {
 // Number of masks kept for frames to come, and the period of checks of waits.
 constexpr size_t kMaxMasks = 64;
 constexpr std::chrono::milliseconds kTick(5);
+// Frames without a mask after which that is reported: a detector may start later than the cameras.
+constexpr int kReportAfter = 20;
+constexpr const char* kNoMasks =
+    "masks do not arrive (vo.masks.enabled, channel MASK), so frames are tracked without them: does the detector run "
+    "on "
+    "the same bus, with the same prefix?";
 
 }  // namespace
 
-MaskLink::MaskLink(bus::Bus& bus, const MaskUseOptions& options, std::function<void()> on_arrival)
-    : options_(options), on_arrival_(std::move(on_arrival)), wait_(options.wait_s) {
-  bus.Subscribe<mask_t>(bus::kMask, [this, &bus](const mask_t& message) {
+MaskLink::MaskLink(bus::Process& process, const MaskUseOptions& options, std::function<void()> on_arrival)
+    : process_(process), options_(options), on_arrival_(std::move(on_arrival)), wait_(options.wait_s) {
+  process.bus().Subscribe<mask_t>(bus::kMask, [this, &process](const mask_t& message) {
     const auto mask = bus::FromMessage(message);
-    if (!mask) return bus.CountRejected();
+    if (!mask) return process.bus().CountRejected();
     wait_.OnSignOfLife(bus::NowS());
     masks_.emplace_back(FrameName(message.frame_id, message.header.t_ns), *mask);
     if (masks_.size() > kMaxMasks) masks_.pop_front();
     on_arrival_();
   });
-  bus.Every(kTick, [this] {
-    if (wait_.GiveUp(bus::NowS())) spdlog::warn("no masks arrive: frames are processed without masks");
+  process.bus().Every(kTick, [this] {
+    if (wait_.GiveUp(bus::NowS())) process_.Warn("masks_missing", kNoMasks);
     on_arrival_();
   });
 }
@@ -50,7 +56,10 @@ bool MaskLink::Awaits(const FrameName& frame, bool lockstep, double came_s) {
 std::optional<FrameMask> MaskLink::Take(const FrameName& frame) {
   wait_.End();
   const auto mask = Find(frame);
-  if (mask == masks_.end()) return std::nullopt;
+  if (mask == masks_.end()) {
+    if (++n_missing_ == kReportAfter) process_.Warn("masks_missing", kNoMasks);
+    return std::nullopt;
+  }
   FrameMask found = std::move(mask->second);
   masks_.erase(mask);
   return found;

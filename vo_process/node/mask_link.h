@@ -7,14 +7,15 @@
 #include <optional>
 #include <utility>
 
-#include "core/bus/bus.h"
 #include "core/geometry/calibration.h"
 #include "core/process/partner_wait.h"
+#include "core/process/process.h"
 #include "vo_process/options.h"
 
 namespace plslam::vo {
 
-/// A tracker's link to the program that masks regions of single frames (channel MASK). In lockstep a frame waits until
+/// A tracker's link to the program that masks regions of single frames (channel MASK); masks that do not arrive are
+/// reported once. In lockstep a frame waits until
 /// its mask arrives, or no mask has been received for `wait_s`; live for `live_wait_ms` after the frame arrived.
 class MaskLink {
  public:
@@ -22,7 +23,7 @@ class MaskLink {
   using FrameName = std::pair<int64_t, int64_t>;
 
   /// `on_arrival` is called when a mask has arrived, or a wait may be over.
-  MaskLink(bus::Bus& bus, const MaskUseOptions& options, std::function<void()> on_arrival);
+  MaskLink(bus::Process& process, const MaskUseOptions& options, std::function<void()> on_arrival);
 
   /// Whether the frame, which arrived at `came_s` of the steady clock, has to wait.
   bool Awaits(const FrameName& frame, bool lockstep, double came_s);
@@ -32,12 +33,14 @@ class MaskLink {
  private:
   std::deque<std::pair<FrameName, FrameMask>>::iterator Find(const FrameName& frame);
 
+  bus::Process& process_;
   MaskUseOptions options_;
   std::function<void()> on_arrival_;
   /// In the order of arrival.
   std::deque<std::pair<FrameName, FrameMask>> masks_;
   bus::PartnerWait wait_;
   FrameName awaited_{-1, 0};
+  int n_missing_ = 0;  ///< frames without a mask
 };
 
 }  // namespace plslam::vo

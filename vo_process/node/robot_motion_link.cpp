@@ -16,22 +16,27 @@ namespace {
 
 // Period of checks of waits.
 constexpr std::chrono::milliseconds kRobotTick(100);
+// Frames without a pose of the robot after which that is reported.
+constexpr int kReportAfter = 20;
+constexpr const char* kNoMotion =
+    "poses of the robot do not arrive (vo.robot_motion.enabled, channel ROBOT_MOTION), so frames are tracked without "
+    "them: does adapter run with --wheels, and is the channel's name right?";
 
 }  // namespace
 
-RobotMotionLink::RobotMotionLink(bus::Bus& bus, const RobotMotionUseOptions& options,
+RobotMotionLink::RobotMotionLink(bus::Process& process, const RobotMotionUseOptions& options,
                                  std::function<void()> on_arrival)
-    : on_arrival_(std::move(on_arrival)), wait_(options.wait_s) {
-  bus.Subscribe<robot_motion_t>(bus::kRobotMotion, [this, &bus](const robot_motion_t& message) {
+    : process_(process), on_arrival_(std::move(on_arrival)), wait_(options.wait_s) {
+  process.bus().Subscribe<robot_motion_t>(bus::kRobotMotion, [this, &process](const robot_motion_t& message) {
     const std::optional<SE3> T_robot_b = bus::FromMessage(message.T_robot_b);
-    if (!T_robot_b) return bus.CountRejected();
+    if (!T_robot_b) return process.bus().CountRejected();
     wait_.OnSignOfLife(bus::NowS());
     path_.Add(message.header.t_ns, *T_robot_b);
     on_arrival_();
   });
-  bus.Every(kRobotTick, [this] {
+  process.bus().Every(kRobotTick, [this] {
     if (!wait_.GiveUp(bus::NowS())) return;
-    spdlog::warn("no robot odometry arrives: frames are tracked without it");
+    process_.Warn("robot_motion_missing", kNoMotion);
     on_arrival_();
   });
 }
@@ -47,7 +52,10 @@ bool RobotMotionLink::Awaits(int64_t t_ns, bool lockstep) {
 std::optional<RobotMotion> RobotMotionLink::Take(int64_t prev_t_ns, int64_t t_ns) {
   wait_.End();
   const std::optional<SE3> T_prevb_b = path_.Motion(prev_t_ns, t_ns);
-  if (!T_prevb_b) return std::nullopt;
+  if (!T_prevb_b) {
+    if (++n_missing_ == kReportAfter) process_.Warn("robot_motion_missing", kNoMotion);
+    return std::nullopt;
+  }
   return RobotMotion{*T_prevb_b, T_b_c_};
 }
 

@@ -5,9 +5,9 @@
 #include <functional>
 #include <optional>
 
-#include "core/bus/bus.h"
 #include "core/geometry/calibration.h"
 #include "core/process/partner_wait.h"
+#include "core/process/process.h"
 #include "vo_process/options.h"
 #include "vo_process/tracking/robot_motion_model.h"
 #include "vo_process/tracking/robot_path.h"
@@ -19,7 +19,7 @@ namespace plslam::vo {
 class RobotMotionLink {
  public:
   /// `on_arrival` is called when a pose has arrived, or a wait may be over.
-  RobotMotionLink(bus::Bus& bus, const RobotMotionUseOptions& options, std::function<void()> on_arrival);
+  RobotMotionLink(bus::Process& process, const RobotMotionUseOptions& options, std::function<void()> on_arrival);
 
   void OnCamera(const RigCalibration& rig);
   /// Whether the frame at this time has to wait.
@@ -28,11 +28,13 @@ class RobotMotionLink {
   std::optional<RobotMotion> Take(int64_t prev_t_ns, int64_t t_ns);
 
  private:
+  bus::Process& process_;
   std::function<void()> on_arrival_;
   RobotPath path_;
   SE3 T_b_c_;
   bus::PartnerWait wait_;
   std::optional<int64_t> awaited_t_ns_;
+  int n_missing_ = 0;  ///< motions between frames that no pose of the robot covers
 };
 
 }  // namespace plslam::vo

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vo_process/node/vo_messages.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "core/bus/messages/convert.h"

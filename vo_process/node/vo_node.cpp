@@ -26,6 +26,7 @@
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
 #include "vo_process/node/self_calibration_file.h"
+#include "vo_process/node/unused_inputs.h"
 #include "vo_process/node/vo_messages.h"
 #include "vo_process/tracking/odometry.h"
 
@@ -65,9 +66,9 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
   process_.bus().Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
   process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
   if (options_.map.enabled) SubscribeToMap();
-  if (options_.masks.enabled) masks_.emplace(process_.bus(), options_.masks, [this] { ProcessWaiting(); });
-  if (options_.robot_motion.enabled)
-    robot_.emplace(process_.bus(), options_.robot_motion, [this] { ProcessWaiting(); });
+  if (options_.masks.enabled) masks_.emplace(process_, options_.masks, [this] { ProcessWaiting(); });
+  WarnOfUnusedInputs(process_, options_);
+  if (options_.robot_motion.enabled) robot_.emplace(process_, options_.robot_motion, [this] { ProcessWaiting(); });
   process_.SetConfiguration(settings_);
   Restore();
 }

@@ -11,6 +11,8 @@ namespace {
 
 constexpr size_t kCostsKept = 4096;
 constexpr size_t kMaxResentNoted = 4096;
+// A reader that starts requests older ones, which were not lost.
+constexpr int64_t kRecentMessages = 200;
 constexpr int64_t kMinWindow = 64'000;
 constexpr int64_t kMaxWindow = 1'000'000;
 
@@ -105,6 +107,8 @@ OrderedWriter::Answer OrderedWriter::OnRequest(int64_t id, int64_t delivered, in
         return answer;
       }
       noted->second = now;
+      const bool is_lost = is_new && reader.delivered >= 0 && seq >= history_.next_seq() - kRecentMessages;
+      if (is_lost && static_cast<int64_t>(kept->bytes) > MessageSize::kPacket_bytes) ++answer.n_lost;
       answer.resend.push_back(std::move(*kept));
     }
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/bus/delivery/history.h"
+#include "core/bus/delivery/message_size.h"
 
 namespace plslam::bus {
 
@@ -68,6 +69,9 @@ class OrderedWriter {
   /// `announce` is true, an announcement follows them (or is sent alone).
   struct Answer {
     std::vector<History::Kept> resend;
+    /// Number of recent messages larger than `MessageSize::kPacket_bytes` that a known reader requests for the first
+    /// time: they were lost.
+    int64_t n_lost = 0;
     bool announce = false;
   };
   Answer OnRequest(int64_t reader, int64_t delivered, int64_t window, const std::vector<SeqRange>& ranges,

@@ -104,6 +104,14 @@ class Hog {
   int fd_;
 };
 
+TEST(Sockets, BufferErrorsOfTheKernel) {
+  EXPECT_EQ(ParseBufferErrors("Ip: Forwarding\nIp: 1\nUdp: InDatagrams NoPorts InErrors OutDatagrams RcvbufErrors\n"
+                              "Udp: 500 1 40 600 37\nUdpLite: InDatagrams RcvbufErrors\nUdpLite: 0 9\n"),
+            37);
+  EXPECT_EQ(ParseBufferErrors(""), 0);
+  EXPECT_EQ(ParseBufferErrors("Udp: InDatagrams\nUdp: 500\n"), 0);
+}
+
 TEST(Port, UsedByAProgramThatDoesNotShareIt) {
   const Hog hog;
   const Findings findings = CheckPort(ParseBusAddress("udpm://239.255.76.67:" + std::to_string(hog.port)));

@@ -22,6 +22,17 @@ std::string NoAnswerText(const std::vector<std::string>& processes, const bus::B
       fmt::join(processes, "' or '"), bus::EffectiveUrl(options.url), options.prefix, waited.count());
 }
 
+namespace {
+
+/// Whether bus.key_file is set in a process's configuration. Without a key, its messages are read unchecked.
+bool HasKey(const std::string& configuration) {
+  static const std::string kKey = "\n  key_file: ";
+  const size_t at = configuration.find(kKey);
+  return at != std::string::npos && configuration.compare(at + kKey.size(), 2, "\"\"") != 0;
+}
+
+}  // namespace
+
 OrderNode::OrderNode(bus::Bus& bus, std::vector<std::string> processes, std::string verb)
     : bus_(bus), processes_(std::move(processes)), verb_(std::move(verb)) {
   bus_.Subscribe<command_answer_t>(bus::kCommandAnswer, [this](const command_answer_t& m) { OnAnswer(m); });
@@ -30,7 +41,9 @@ OrderNode::OrderNode(bus::Bus& bus, std::vector<std::string> processes, std::str
 
 void OrderNode::OnStatus(const status_t& message) {
   const bool ours = std::find(processes_.begin(), processes_.end(), message.process) != processes_.end();
-  if (!ours || message.pid == pid_) return;
+  if (!ours) return;
+  if (bus_.options().key_file.empty() && HasKey(message.configuration)) needs_key_ = true;
+  if (message.pid == pid_) return;
   pid_ = message.pid;
   if (argument_ && message.uptime_s < bus::NowS() - sent_s_) Publish();
 }

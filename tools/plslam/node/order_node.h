@@ -32,6 +32,8 @@ class OrderNode {
   void Send(const std::string& argument);
 
   bool heard() const { return pid_ != 0; }
+  /// Whether the process that was heard accepts messages with a key only, and this one has none.
+  bool needs_key() const { return needs_key_; }
   /// nullopt: no answer yet; empty: done; else the reason of the failure.
   const std::optional<std::string>& answer() const { return answer_; }
 
@@ -46,7 +48,8 @@ class OrderNode {
   std::optional<std::string> argument_;  ///< it has been sent
   double sent_s_ = 0.0;                  ///< when, of the steady clock
   int64_t pid_ = 0;                      ///< of the process that was heard last
-  int64_t n_sent_ = 0;                   ///< times it was sent
+  bool needs_key_ = false;
+  int64_t n_sent_ = 0;  ///< times it was sent
   std::optional<std::string> answer_;
 };
 

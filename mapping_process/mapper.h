@@ -66,6 +66,9 @@ class Mapper {
   /// newer map and corrections of this map are refused, and no id of this map is assigned again.
   void Precede(MapperState& next) const;
 
+  /// Whether keyframes of the session have been inserted.
+  bool HasSession(int64_t session) const { return sessions_.contains(session); }
+
   /// `MapUpdate::map_instance`, for a map that begins.
   void SetInstance(int64_t map_instance) { map_instance_ = map_instance; }
 

@@ -81,7 +81,8 @@ ProcessIdentity StatusPublisher::Identity() const {
 
 /// The start of the other is computed from its status, as others compute ours.
 void StatusPublisher::OnStatus(const status_t& other) {
-  if (other.process != process_ || other.state == process_state::kStopping || other.state == process_state::kFailed)
+  if (!on_older_ || other.process != process_ || other.state == process_state::kStopping ||
+      other.state == process_state::kFailed)
     return;
   const ProcessIdentity namesake{other.header.source, other.host, other.pid, other.uptime_s,
                                  CounterOf(other, kStartedUtc)};

@@ -41,6 +41,8 @@ inline constexpr const char* kLocalise = "localise";
 inline constexpr const char* kPause = "pause";
 inline constexpr const char* kResume = "resume";
 inline constexpr const char* kSendKeyframes = "send_keyframes";
+/// In front of the file of "save": replace a file that is not an older state of this map.
+inline constexpr const char* kForce = "--force ";
 inline constexpr std::array kAll = {kFinish,   kGoBack, kSave,   kReset,        kLoad,
                                     kLocalise, kPause,  kResume, kSendKeyframes};
 }  // namespace command_verb

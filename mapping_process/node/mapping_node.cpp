@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <map>
@@ -36,6 +37,20 @@ constexpr double kHistoryQuiet_ms = 400.0;
 constexpr double kLongestHistory_ms = 5000.0;
 
 constexpr int kClosureKinds = 3;
+
+/// Throws std::runtime_error if the file exists and is not an older state of the same map.
+void CheckIsOlderState(const std::string& path, const Mapper& mapper) {
+  if (!std::filesystem::exists(path)) return;
+  const char* const remedy = "give another name, or --force to replace it";
+  std::map<int64_t, StoredSession> sessions;
+  try {
+    sessions = ReadMapFile(path).sessions;
+  } catch (const std::exception&) {
+    throw std::runtime_error(fmt::format("{}: exists, and is not a map; {}", path, remedy));
+  }
+  const bool is_older = std::ranges::all_of(sessions, [&](const auto& s) { return mapper.HasSession(s.first); });
+  if (!is_older) throw std::runtime_error(fmt::format("{}: exists, and is another map; {}", path, remedy));
+}
 
 /// Returns the newest keyframe number of each session.
 std::map<int64_t, int64_t> NewestBySession(const StoredMap& stored) {
@@ -409,12 +424,22 @@ void MappingNode::Execute(const bus::Order& order) {
     bus::Answer(process_, order);
     MoveOldToFiles();
   } catch (const std::exception& error) {
-    spdlog::error("the command '{}' failed: {}", order.verb, error.what());
-    bus::Answer(process_, order, error.what());
+    std::string failure = error.what();
+    // Set by systemd; a service may write nowhere else.
+    const char* const folder = std::getenv("STATE_DIRECTORY");
+    if (order.verb == command_verb::kSave && folder != nullptr) {
+      failure += fmt::format("; this service can write in {}", folder);
+    }
+    spdlog::error("the command '{}' failed: {}", order.verb, failure);
+    bus::Answer(process_, order, failure);
   }
 }
 
-void MappingNode::Save(const std::string& path) {
+void MappingNode::Save(const std::string& argument) {
+  const std::string force = command_verb::kForce;
+  const bool forced = argument.starts_with(force);
+  const std::string path = forced ? argument.substr(force.size()) : argument;
+  if (!forced) CheckIsOlderState(path, *mapper_);
   mapper_->AcceptRecentLandmarks();
   mapper_->LendState([&](MapperState& state) {
     state.stored.rig = CameraBytes(mapper_->camera());

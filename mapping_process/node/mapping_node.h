@@ -80,7 +80,7 @@ class MappingNode {
   void Correct(const Work& work);
   LoopClosure OfThisMap(const Work& work) const;
   void Execute(const bus::Order& order);
-  void Save(const std::string& path);
+  void Save(const std::string& argument);
   void Replace(MapperState next, const StereoCamera& camera);
   void SetLocaliseOnly(const std::string& argument);
   void KeepState();

@@ -21,6 +21,7 @@
 #include "tools/export/colmap.h"
 #include "tools/export/map_obj.h"
 #include "tools/export/mcap/export_mcap.h"
+#include "tools/export/picture_check.h"
 #include "tools/export/run_source.h"
 #include "tools/pose_graph/export.h"
 #include "viewer_headless/node/logged_run.h"
@@ -68,15 +69,26 @@ const ColmapModel& ModelOf(OngoingExport& e) {
 void ExportImages(OngoingExport& e) {
   const std::string folder = e.Path("colmap/images");
   std::filesystem::create_directories(folder);
-  size_t n = 0;
+  size_t n = 0, n_others = 0;
   const auto names = KeyframeImageNames(e.map());
+  const KeyframeFeatures& all_features = e.source.map->features;
   for (const auto& [id, keyframe] : e.map().keyframes()) {
     const auto image = e.images->At(keyframe.t_ns);
     if (!image) continue;
+    const auto features = all_features.find(id);
+    // Another camera's keyframe has its own image.
+    const bool is_of_dataset =
+        features == all_features.end() || (!features->second.image && ShowsKeyframe(*image, features->second));
+    if (!is_of_dataset) {
+      ++n_others;
+      continue;
+    }
     WritePng(folder + "/" + names.at(id), *image);
     ++n;
   }
-  e.AddFile("colmap/images", fmt::format("{} of {} rectified images of keyframes", n, names.size()));
+  e.AddFile("colmap/images",
+            fmt::format("{} of {} rectified images of keyframes{}", n, names.size(),
+                        n_others == 0 ? "" : fmt::format("; {} keyframes are of another dataset", n_others)));
 }
 
 void ExportColmap(OngoingExport& e) {

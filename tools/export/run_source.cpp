@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "core/io/maps/map_camera.h"
 
@@ -29,6 +31,23 @@ std::string FindMap(const std::string& folder) {
   return maps.empty() ? "" : maps.front();
 }
 
+/// The sessions of a run are in its map, unless it has only localised. Folders without a summary, and of earlier versions,
+/// do not tell.
+void CheckIsMapOfRun(const RunSource& source) {
+  std::ifstream file(fs::path(source.folder) / "summary.json");
+  const nlohmann::json summary = nlohmann::json::parse(file, nullptr, false);
+  if (!summary.is_object() || !summary.contains("sessions") || !summary["sessions"].is_array()) return;
+  const nlohmann::json::json_pointer localises("/configuration/mapping/mapping/localise_only");
+  if (summary["sessions"].empty() || (summary.contains(localises) && summary[localises] == true)) return;
+  const bool is_of_run = std::ranges::any_of(source.map->sessions, [&](const auto& session) {
+    return std::ranges::find(summary["sessions"], std::to_string(session.first)) != summary["sessions"].end();
+  });
+  if (is_of_run) return;
+  throw std::runtime_error(fmt::format(
+      "{}: is of another run than the results in {}: name the map of that run, or move this one elsewhere",
+      source.map_path, source.folder));
+}
+
 }  // namespace
 
 RunSource ReadRunSource(const std::string& path, const std::string& map) {
@@ -47,6 +66,7 @@ RunSource ReadRunSource(const std::string& path, const std::string& map) {
     }
   }
   if (!source.map_path.empty()) source.map = ReadMapFile(source.map_path);
+  if (source.map && !source.folder.empty()) CheckIsMapOfRun(source);
   return source;
 }
 

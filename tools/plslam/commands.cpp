@@ -9,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -94,6 +95,7 @@ constexpr std::chrono::milliseconds kRejectionLimit(1500);
 struct OrderOptions {
   bus::ProcessArguments common;
   std::string argument;
+  bool force = false;
 };
 
 /// A command to a process, and the text to print when it is done.
@@ -146,11 +148,15 @@ void AddFileOrder(CLI::App* app, Command* command, const OrderRow& row, const ch
   auto options = std::make_shared<OrderOptions>();
   auto* sub = app->add_subcommand(row.verb, meaning);
   sub->add_option("file", options->argument, file)->required();
+  if (std::string_view(row.verb) == command_verb::kSave) {
+    sub->add_flag("--force", options->force, "replace the file even if it is not an older state of this map");
+  }
   options->common.AddTo(sub);
   sub->footer(fmt::format("Example:\n  plslam {} out/house.plmap --url udpm://239.255.76.67:7667?ttl=0", row.verb));
   sub->callback([=] {
     *command = [options, row] {
-      return GiveOrder(row, std::filesystem::absolute(options->argument).string(), options->common);
+      const std::string file = std::filesystem::absolute(options->argument).string();
+      return GiveOrder(row, (options->force ? command_verb::kForce : "") + file, options->common);
     };
   });
 }
@@ -189,6 +195,7 @@ namespace {
 struct RecordOptions {
   bus::ProcessArguments common;
   std::string file;
+  bool force = false;
 };
 
 int Record(const RecordOptions& options) {
@@ -204,6 +211,11 @@ int Record(const RecordOptions& options) {
     interrupted = true;
     if (running != nullptr) running->Stop();
   };
+  if (!options.force && std::filesystem::exists(options.file)) {
+    bus::PrintError(fmt::format("recorder: error: {}: exists already; give another name, or --force to replace it",
+                                options.file));
+    return 1;
+  }
   const bus::SignalWatcher signals(stop, options.common.parent);
   bus::LogRecorder recorder(bus_options, options.file);
   bus::StatusPublisher status("recorder", bus_options, recorder.bus());
@@ -238,6 +250,7 @@ void AddRecordCommand(CLI::App* app, Command* command) {
   auto options = std::make_shared<RecordOptions>();
   auto* sub = app->add_subcommand("record", "writes all traffic to an LCM event log, until SIGINT");
   sub->add_option("file", options->file, "log to write, which lcm-logplayer and `plslam replay` read")->required();
+  sub->add_flag("--force", options->force, "replace the file if it exists");
   options->common.AddTo(sub);
   sub->footer("Example:\n  plslam record out/run.lcm --url udpm://239.255.76.67:7667?ttl=0");
   sub->callback([=] { *command = [options] { return Record(*options); }; });

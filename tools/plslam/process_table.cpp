@@ -28,7 +28,8 @@ bool FromCameras(const RunOptions& options) { return options.from_cameras; }
 bool FromDataset(const RunOptions& options) { return !options.from_cameras; }
 bool Recorded(const RunOptions& options) { return !options.record.empty(); }
 
-Arguments RecorderArguments(const RunOptions& options) { return {RecordingOf(options, 0).string()}; }
+/// The launcher has checked whether the file may be replaced.
+Arguments RecorderArguments(const RunOptions& options) { return {"--force", RecordingOf(options, 0).string()}; }
 
 /// "--set section.key=value" for each option that was given.
 class Settings {

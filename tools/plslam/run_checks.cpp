@@ -48,9 +48,13 @@ void CheckWritable(const char* option, const path& file) {
   }
 }
 
-void CheckIsNot(const char* option, const path& file, const path& input) {
+bool AreSame(const path& a, const path& b) {
   std::error_code no_such_file;
-  if (input.empty() || !std::filesystem::equivalent(file, input, no_such_file)) return;
+  return !b.empty() && std::filesystem::equivalent(a, b, no_such_file);
+}
+
+void CheckIsNot(const char* option, const path& file, const path& input) {
+  if (!AreSame(file, input)) return;
   throw std::runtime_error(
       fmt::format("{} {}: this run reads that file, and would destroy it", option, file.string()));
 }
@@ -77,8 +81,12 @@ void CheckFilesToWrite(const RunOptions& options) {
     CheckWritable(option, file);
     CheckIsNot(option, file, FileOfLocation(options.dataset));
     CheckIsNot(option, file, options.config_file);
+    // A map may be saved over the one that the run continues: it is replaced when it is complete.
+    const bool continues = file == options.save_map && AreSame(file, options.map);
+    if (options.force || continues || !std::filesystem::exists(file)) continue;
+    throw std::runtime_error(
+        fmt::format("{} {}: exists already; give another name, or --force to replace it", option, file.string()));
   }
-  // A map may be saved over the one that the run went on from: it is replaced when it is whole.
   if (!options.record.empty()) CheckIsNot("--record", options.record, options.map);
 }
 

@@ -188,6 +188,7 @@ void AddOptions(CLI::App* sub, RunOptions* o) {
   sub->add_flag("--verbose", o->verbose,
                 "also what the map is made of, all errors, and tables of times and processes");
   sub->add_flag("--strict", o->strict, "exit code 2 where the finished run has warnings");
+  sub->add_flag("--force", o->force, "replace the file of --record or --save-map if it exists");
   sub->add_flag("--json", o->json, "the summary as JSON on standard output");
 }
 
@@ -202,8 +203,7 @@ void AddRunCommand(CLI::App* app, Command* command) {
                   "LEFT RIGHT: image topics of a recording of ROS [found by their names]")
       ->type_name("TOPIC")
       ->expected(2);
-  sub->add_option("--record", options->record, "LCM event log of all traffic to write, in the place of an old one")
-      ->type_name("FILE");
+  sub->add_option("--record", options->record, "LCM event log of all traffic to write")->type_name("FILE");
   AddOptions(sub, options.get());
   sub->footer(
       "Examples:\n"

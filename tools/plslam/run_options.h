@@ -47,6 +47,8 @@ struct RunOptions {
   bool quiet = false;
   bool verbose = false;
   bool strict = false;
+  /// Whether an existing recording or map is replaced.
+  bool force = false;
   bool json = false;
   int max_restarts = 5;
 };

@@ -242,7 +242,9 @@ void RunSession::CheckDrained(Clock::time_point now) {
 
 void RunSession::CheckSaved(Clock::time_point now) {
   if (lacks_map_ && save_.answer() != "") {
-    if (MapperHasMap()) save_.Send(std::filesystem::absolute(options_.save_map).string());
+    if (MapperHasMap())
+      save_.Send((options_.force ? command_verb::kForce : "") +
+                 std::filesystem::absolute(options_.save_map).string());
     const std::string interrupted = interrupted_ ? "interrupted" : "";
     if (save_.answer()) return BeginStop(Joined(interrupted, "the map could not be saved: " + *save_.answer()));
     if (now - phase_began_ < kRunSaveLimit) return;

@@ -22,6 +22,8 @@ int64_t IdCounter::bytes() const {
 
 namespace {
 
+// Sessions that are remembered; each restart of a tracker may begin one.
+constexpr size_t kMostSessions = 1000;
 constexpr double kSmallest = 1e-4;
 const double kLogRatio = std::log(1.01);
 
@@ -94,6 +96,7 @@ void RunStatistics::AddFrame(const FrameReport& frame) {
     ++keyframes_;
     last_keyframe_ = {frame.session, frame.keyframe_id};
   }
+  if (sessions_.size() < kMostSessions) sessions_.insert(frame.session);
   newest_frame_id_ = frame.frame_id;
   newest_t_ns_ = frame.t_ns;
   moving_.Add(frame.frame_id, frame.moving, frame.features, frame.bodies);

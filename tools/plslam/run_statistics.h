@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -159,6 +160,8 @@ class RunStatistics {
   int64_t landmark_points() const { return points_.count(); }
   int64_t landmark_lines() const { return lines_.count(); }
   const FrameReport& last() const { return last_; }
+  /// Sessions of the frames: the first ones of very many.
+  const std::set<int64_t>& sessions() const { return sessions_; }
   /// Number and time of the newest frame that has a pose; -1: none.
   std::pair<int64_t, int64_t> newest_frame() const { return {newest_frame_id_, newest_t_ns_}; }
   /// Session and number there of the newest keyframe; -1: none.
@@ -172,6 +175,7 @@ class RunStatistics {
   int64_t newest_frame_id_ = -1;
   int64_t newest_t_ns_ = 0;
   FrameReport last_;
+  std::set<int64_t> sessions_;
   std::pair<int64_t, int64_t> last_keyframe_{0, -1};
   StageTimes stage_ms_;
   IdCounter points_;

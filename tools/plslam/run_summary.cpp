@@ -273,7 +273,10 @@ json SummaryToJson(const RunSummary& summary) {
   const FrameTally& frames = summary.frames;
   json configuration = json::object();
   for (const auto& [process, yaml] : summary.configurations) configuration[process] = YamlToJson(yaml);
+  json sessions = json::array();
+  for (const int64_t session : s.sessions()) sessions.push_back(std::to_string(session));
   return {{"dataset", summary.dataset},
+          {"sessions", sessions},
           {"version", summary.version},
           {"completed", summary.completed},
           {"reason", summary.reason},

@@ -7,8 +7,12 @@
 #include <cstdlib>
 #include <fstream>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
@@ -42,6 +46,38 @@ Transport::Kind KindOf(const std::string& url) {
   }
   const bool writes = url.find("mode=w") != std::string::npos || url.find("mode=a") != std::string::npos;
   return writes ? Transport::Kind::kFileWrite : Transport::Kind::kFileRead;
+}
+
+/// LCM ignores parameters that it does not know: a mistyped "ttl" would keep messages on this machine.
+void CheckParameters(const std::string& url, Transport::Kind kind) {
+  const size_t question = url.find('?');
+  if (question == std::string::npos) return;
+  const bool file = kind == Transport::Kind::kFileRead || kind == Transport::Kind::kFileWrite;
+  const std::vector<std::string> known = file ? std::vector<std::string>{"mode", "speed", "start_timestamp"}
+                                         : kind == Transport::Kind::kUdpMulticast
+                                             ? std::vector<std::string>{"ttl", "recv_buf_size"}
+                                             : std::vector<std::string>{};
+  for (size_t begin = question + 1; begin < url.size();) {
+    const size_t end = std::min(url.find('&', begin), url.size());
+    const std::string name = url.substr(begin, std::min(url.find('=', begin), end) - begin);
+    begin = end + 1;
+    if (name.empty() || std::ranges::find(known, name) != known.end()) continue;
+    throw std::runtime_error(
+        fmt::format("bus.url: {} has the unknown parameter '{}' ({})", url, name,
+                    known.empty() ? "there are none" : fmt::format("known: {}", fmt::join(known, ", "))));
+  }
+}
+
+/// Returns why the host of tcpq://HOST:PORT has no address; empty if it has one.
+std::string WhyUnknownHost(const std::string& url) {
+  const std::string network = url.substr(std::string("tcpq://").size());
+  const std::string host = network.substr(0, network.find_first_of(":?"));
+  if (host.empty()) return "";
+  addrinfo* found = nullptr;
+  const int error = getaddrinfo(host.c_str(), nullptr, nullptr, &found);
+  if (error != 0) return fmt::format("the host {} is not known ({})", host, gai_strerror(error));
+  freeaddrinfo(found);
+  return "";
 }
 
 /// The share of the socket's buffer that flow control may fill; the rest is for other senders. The kernel counts its
@@ -83,6 +119,7 @@ std::string Quoted(const std::string& channel) {
 }
 
 Transport::Transport(const std::string& url) : url_(EffectiveUrl(url)), kind_(KindOf(url_)), window_(kStreamWindow) {
+  CheckParameters(url_, kind_);
   if (kind_ == Kind::kUdpMulticast) {
     url_ = WithReceiveBuffer(url_);
     window_ = UdpWindow(url_);
@@ -98,6 +135,8 @@ Transport::Transport(const std::string& url) : url_(EffectiveUrl(url)), kind_(Ki
     const int fd = lcm_get_fileno(lcm_);
     if (fd < 0) {
       lcm_destroy(lcm_);
+      const std::string why = WhyUnknownHost(url_);
+      if (!why.empty()) throw std::runtime_error(fmt::format("bus.url: {}: {}", url_, why));
       throw std::runtime_error("bus.url: no relay answers at " + url_ + " (start one with plslam relay)");
     }
     // LCM writes a message in five pieces; without this each waits for the acknowledgement of the one before.

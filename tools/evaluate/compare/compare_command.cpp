@@ -163,6 +163,11 @@ void WritePages(const Arguments& a, const std::vector<RunRecord>& runs, const st
 
 int CompareRuns(const Arguments& a) {
   const std::vector<RunRecord> runs = RunsOf(a.runs);
+  std::set<fs::path> folders;
+  for (const RunRecord& run : runs) {
+    if (folders.insert(fs::weakly_canonical(run.folder)).second) continue;
+    throw std::runtime_error(fmt::format("{}: is given twice; a run counts once", run.folder));
+  }
   const bool converts = a.format == "tum" || a.format == "kitti";
   if (converts) ConvertTrajectories(runs, a);
   const std::vector<RunGroup> groups = Compare(runs);

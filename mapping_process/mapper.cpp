@@ -122,7 +122,10 @@ MapperState Mapper::State() const {
           .committed = committed_ ? uint8_t{1} : uint8_t{0},
           .structural_version = structural_version_,
           .localise_only = options_.localise_only ? uint8_t{1} : uint8_t{0},
-          .map_instance = map_instance_};
+          .map_instance = map_instance_,
+          .lockstep = 0,
+          .closures = 0,
+          .answer = {}};
 }
 
 void Mapper::LendState(const std::function<void(MapperState&)>& use) {

@@ -200,8 +200,8 @@ TEST_P(AdjustBundleOf, StopsWithTheBestSoFar) {
     EXPECT_EQ(result.T_w_c[i].translation(), world.problem.poses[i].T_w_c.translation());
     EXPECT_TRUE(result.pose_covariances[i].allFinite());
   }
-  const std::atomic<bool> stop = false;
-  EXPECT_FALSE(AdjustBundle(world.problem, options_, &stop).stopped);
+  const std::atomic<bool> unset = false;
+  EXPECT_FALSE(AdjustBundle(world.problem, options_, &unset).stopped);
 }
 
 // Endpoints do not move along the line: its ends are not observed.

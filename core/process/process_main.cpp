@@ -133,7 +133,7 @@ int RunProcess(int argc, char** argv, const ProcessSpec& spec) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
-    PrintError(fmt::format("{}: error: {} (--help tells the options)", spec.name, OneLine(error.what())));
+    PrintError(fmt::format("{}: error: {} (--help lists the options)", spec.name, OneLine(error.what())));
     return 1;
   }
   SetUpLogging(spec.name);

@@ -142,7 +142,7 @@ TEST(RunFailure, SecondInterruptLeavesNoProcess) {
   const std::vector<pid_t> pids = run.Pids();
   EXPECT_EQ(pids.size(), 7U);
   run.process().Signal(SIGINT);
-  ASSERT_TRUE(WholeRun::WaitFor([&] { return HasLine(run, "plslam: stopping (Ctrl-C again ends at once)"); }));
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return HasLine(run, "plslam: stopping (Ctrl-C again ends it at once)"); }));
   // Not in the moment of the first, which would count as the same order.
   EXPECT_TRUE(WholeRun::WaitFor([&] {
     run.process().Signal(SIGINT);
@@ -242,7 +242,7 @@ TEST(RunFailure, UnreadableImageEndsTheRunAndTheMapIsSaved) {
   const std::string reason = run.Summary()["reason"];
   EXPECT_THAT(reason, HasSubstr("000040.png"));
   EXPECT_THAT(reason, HasSubstr("--skip-bad"));
-  EXPECT_THAT(reason, HasSubstr("the map of what came before is saved as " + map));
+  EXPECT_THAT(reason, HasSubstr("the map made so far is saved as " + map));
   EXPECT_EQ(run.Summary()["frames"], 40);
   EXPECT_EQ(run.Summary()["completed"], false);
   EXPECT_EQ(ReadMapFile(map).map.Totals(), ReadMapFile(expected).map.Totals()) << "that of the frames before";

@@ -106,7 +106,7 @@ TEST(ExportRun, ADamagedTableOfFramesIsNamed) {
   EXPECT_THAT(ErrorOf({folder.Path(""), folder.Path("out"), {"mcap"}, ""}), HasSubstr("poses.csv:3: "));
   folder.Write("poses.csv", "frame_id,t_s,state\n0,1.0\n");
   EXPECT_THAT(ErrorOf({folder.Path(""), folder.Path("out"), {"mcap"}, ""}),
-              HasSubstr("poses.csv:2: has not the columns of its first line"));
+              HasSubstr("poses.csv:2: does not have the columns of the first line"));
   WriteTrajectory(folder.Path("trajectory.tum"), TrajectoryFormat::kTum, {{-1'000'000'000, SE3()}});
   std::filesystem::remove(folder.Path("poses.csv"));
   EXPECT_THAT(ErrorOf({folder.Path(""), folder.Path("out"), {"mcap"}, ""}), HasSubstr("no time before 1970"));

@@ -108,7 +108,7 @@ TEST(RunSummary, MapContentAndTimings) {
   const std::string text = SummaryToText(result, true);
   EXPECT_THAT(text, testing::HasSubstr("3 keyframes, 110 points, 20 lines; 3.0 observations a point, 2.5 a line, "
                                        "reprojection 1.500 -> 0.500"));
-  EXPECT_THAT(text, testing::HasSubstr("map, ms a keyframe"));
+  EXPECT_THAT(text, testing::HasSubstr("map, ms per keyframe"));
 }
 
 TEST(RunSummary, LoopsOfTheLoadedMapAreNotCounted) {

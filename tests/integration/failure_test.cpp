@@ -198,7 +198,7 @@ TEST(RunFailure, SharedMapWithoutMapperIsAnError) {
   EXPECT_EQ(run.Run({"run", "synthetic:room?frames=20&size=160x120", "--url", port.Url(), "--prefix", "ann/",
                      "--map-prefix", "team/"}),
             1);
-  EXPECT_THAT(run.Logs(), HasSubstr("plslam: error: no mapping_process with the prefix team/ was heard on "));
+  EXPECT_THAT(run.Logs(), HasSubstr("plslam: error: no mapping_process with the prefix team/ was found on "));
   EXPECT_THAT(run.Logs(), HasSubstr("`mapping_process --prefix team/ --url " + port.Url() + "`"));
 }
 
@@ -296,7 +296,7 @@ TEST(RunFailure, ResultsStayUntilTheNextRunIsAccepted) {
     EXPECT_EQ(run.Read("summary.json"), summary);
     EXPECT_EQ(run.Read("trajectory.kitti"), path);
     EXPECT_TRUE(std::filesystem::exists(run.out() / "overlays/000000.png"));
-    EXPECT_THAT(run.Logs(), HasSubstr("is still of the run before"));
+    EXPECT_THAT(run.Logs(), HasSubstr("is still that of the previous run"));
   }
   const std::string text = (run.folder() / "text.plmap").string();
   std::ofstream(text) << "hello";
@@ -417,7 +417,7 @@ TEST(RunFailure, UnknownOptionStopsBeforeTheFirstFrame) {
                                     "'vo.features.orb.max_points'"));
   EXPECT_FALSE(std::filesystem::exists(run.out())) << "it came to nothing";
   EXPECT_EQ(run.Run({"run", "/nonexistent/sequence"}), 1);
-  EXPECT_EQ(run.Logs().find("is still of the run before"), std::string::npos) << run.Logs();
+  EXPECT_EQ(run.Logs().find("is still that of the previous run"), std::string::npos) << run.Logs();
   EXPECT_FALSE(std::filesystem::exists(run.out()));
 }
 

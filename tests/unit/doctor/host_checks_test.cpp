@@ -65,7 +65,7 @@ TEST(Route, MissingAndUnsuitableRoutes) {
   EXPECT_TRUE(CheckRoute(wide, "eth0", devices).empty());
   EXPECT_THAT(CheckRoute(local, "", devices).at(0).mend, HasSubstr("ip route replace 224.0.0.0/4 dev lo"));
   EXPECT_THAT(CheckRoute(wide, "", devices).at(0).mend, HasSubstr("dev eth0"));
-  EXPECT_THAT(CheckRoute(wide, "lo", devices).at(0).what, HasSubstr("ttl=1 is to reach other machines"));
+  EXPECT_THAT(CheckRoute(wide, "lo", devices).at(0).what, HasSubstr("ttl=1 should reach other machines"));
   EXPECT_THAT(CheckRoute(wide, "lo", devices).at(0).mend, HasSubstr("dev eth0"));
   EXPECT_THAT(CheckRoute(wide, "tun", devices).at(0).mend, HasSubstr("ip link set tun multicast on"));
   EXPECT_THAT(CheckRoute(local, "off", devices).at(0).mend, HasSubstr("ip link set off up"));

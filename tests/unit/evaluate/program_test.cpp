@@ -76,7 +76,7 @@ TEST(EvaluateProgram, ErrorsAreOneSentenceAndExitCodeOne) {
       {good + " --truth " + folder.Path("none"), "none: cannot be read: No such file or directory"},
       {far + " --truth " + good, "far:2: the position is 1e+200 m from the origin, more than 1e+09 m"},
       {good + " --truth " + late, "no pose of the estimate is within 0.02 s"},
-      {good + " --truth " + good + " --delta 1x", "'1x' is no interval"},
+      {good + " --truth " + good + " --delta 1x", "'1x' is not an interval"},
       {good + " --truth " + good + " --json " + folder.Path("no/a.json"), "a.json: cannot be created"},
       {good + " --truth " + good + " --plot " + folder.Path("no/a.pdf"), "a.pdf: cannot be created"},
       {good + " --truth " + good + " --plot a.jpg", "a.jpg: a drawing is written as .svg, .pdf or .png"},
@@ -84,7 +84,7 @@ TEST(EvaluateProgram, ErrorsAreOneSentenceAndExitCodeOne) {
       {good + " --truth " + good + " --truth-format kitti",
        "good:1: 8 numbers, but a row of the KITTI format has 12"},
       {kitti + " --truth " + good,
-       "a.kitti: has no times, being in KITTI format, and " + good + " has: give --times"},
+       "a.kitti: has no times because it is in KITTI format, but " + good + " has: give --times"},
       {good + " --truth " + kitti, "a.kitti: has no times"},
       {kitti + " --truth " + longer, "a.kitti has 1 poses and " + longer + " has 2, without times"},
       {kitti + " --truth " + longer, "give the estimate with its times (trajectory.tum of a run), and --times"},
@@ -128,7 +128,7 @@ TEST(EvaluateProgram, ComparisonSkipsOtherFiles) {
   EXPECT_THAT(alone.error, Not(HasSubstr("passed over")));
   const ShellResult none = Evaluate(folder, "compare " + folder.Path("first") + " " + folder.Path("room.plmap"));
   EXPECT_EQ(none.exit_code, 1);
-  EXPECT_THAT(none.error, HasSubstr("there is no run to compare"));
+  EXPECT_THAT(none.error, HasSubstr("no run to compare"));
   const ShellResult missing = Evaluate(folder, "compare " + folder.Path("run") + " " + folder.Path("mistyped"));
   EXPECT_EQ(missing.exit_code, 1);
   EXPECT_THAT(missing.error, HasSubstr("mistyped: does not exist"));

@@ -189,7 +189,7 @@ TEST_F(ExportLog, ExistingFilesStayAndFailuresLeaveNone) {
   EXPECT_FALSE(std::filesystem::exists(folder().Path("out")));
   std::filesystem::create_directories(folder().Path("out/run"));
   EXPECT_EQ(Export("tum").size(), 2U) << "an empty folder";
-  EXPECT_THAT(ErrorOf("tum"), HasSubstr("out/run: is there already, and the files of the run would go there"));
+  EXPECT_THAT(ErrorOf("tum"), HasSubstr("out/run: already exists, and the files of the run would be written there"));
 }
 
 }  // namespace

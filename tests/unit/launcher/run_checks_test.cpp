@@ -32,13 +32,13 @@ TEST(FilesToWrite, MissingFolderIsOneSentence) {
   const ScratchFolder folder;
   RunOptions options;
   options.save_map = folder.Path("no/x.plmap");
-  EXPECT_THAT(WhyNot(options), HasSubstr("x.plmap: there is no folder " + folder.Path("no")));
+  EXPECT_THAT(WhyNot(options), HasSubstr("x.plmap: the folder " + folder.Path("no")));
   options.save_map = folder.Path("");
   EXPECT_THAT(WhyNot(options), HasSubstr("is a folder, not a file to write"));
   options.save_map = folder.Path("x.plmap");
   EXPECT_EQ(WhyNot(options), "");
   options.save_map = "/proc/x.plmap";
-  EXPECT_THAT(WhyNot(options), testing::AnyOf(HasSubstr("nothing can be written there"), ""))
+  EXPECT_THAT(WhyNot(options), testing::AnyOf(HasSubstr("cannot be written"), ""))
       << "root may write anywhere, as far as access() knows";
 }
 
@@ -47,7 +47,7 @@ TEST(FilesToWrite, InputFileIsNotOverwritten) {
   RunOptions options;
   options.dataset = folder.Write("a.lcm", "log");
   options.record = folder.Path("./a.lcm");
-  EXPECT_THAT(WhyNot(options), HasSubstr("this run reads that file, and would destroy it"));
+  EXPECT_THAT(WhyNot(options), HasSubstr("this run reads that file and would overwrite it"));
   options.record = folder.Write("old.lcm", "another");
   EXPECT_EQ(WhyNot(options), "") << "an old recording is replaced";
   options.map = options.record;

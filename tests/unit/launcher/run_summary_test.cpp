@@ -106,7 +106,7 @@ TEST(RunSummary, MapContentAndTimings) {
   EXPECT_NEAR(result["map"]["update_ms"]["p95"].get<double>(), 30.0, 0.16);
   EXPECT_NEAR(result["accuracy_live_ate_m"].get<double>(), 0.25, 1e-9);
   const std::string text = SummaryToText(result, true);
-  EXPECT_THAT(text, testing::HasSubstr("3 keyframes, 110 points, 20 lines; 3.0 observations a point, 2.5 a line, "
+  EXPECT_THAT(text, testing::HasSubstr("3 keyframes, 110 points, 20 lines; 3.0 observations per point, 2.5 per line, "
                                        "reprojection 1.500 -> 0.500"));
   EXPECT_THAT(text, testing::HasSubstr("map, ms per keyframe"));
 }

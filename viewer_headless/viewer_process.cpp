@@ -24,12 +24,12 @@ bus::ProcessSpec ViewerProcess() {
   bus::ProcessSpec spec;
   spec.name = process_name::kViewer;
   spec.description =
-      "Listens to a run; writes trajectories, tables, pictures and a report. Never needed by the others.";
+      "Records a run: writes trajectories, tables, pictures and a report. No other process depends on it.";
   spec.examples =
       "  viewer_headless --out out/by_hand\n"
       "  viewer_headless --out out/by_hand --overlay-every 10 --serve 8080";
   spec.add_options = [arguments](CLI::App* app) {
-    app->add_option("--out", arguments->out, "folder for the files")->type_name("DIR");
+    app->add_option("--out", arguments->out, "folder of the outputs")->type_name("DIR");
     app->add_option("--overlay-every", arguments->overlay_every, "a picture of the features every N frames; 0: none")
         ->check(CLI::NonNegativeNumber);
     app->add_flag("--no-report", arguments->no_report, "no report.html");

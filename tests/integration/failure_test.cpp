@@ -397,7 +397,8 @@ TEST(RunFailure, ViewerKilledAtTheEndReportsLostPictures) {
        {"trajectory.tum", "trajectory_live.tum", "keyframes.tum", "covariance.txt", "groundtruth.tum"}) {
     EXPECT_TRUE(run.Read(file) == undisturbed.Read(file)) << file;
   }
-  EXPECT_THAT(run.Logs(), testing::ContainsRegex("plslam: error: viewer .* of 4 pictures are not in .*/overlays: "));
+  EXPECT_THAT(run.Logs(),
+              testing::ContainsRegex("plslam: error: viewer .* of 4 pictures are missing in .*/overlays: "));
   EXPECT_THAT(run.Logs(), testing::ContainsRegex("plslam: warning: [0-9]+ frames lack their picture"));
   EXPECT_GT(run.Summary()["missing_pictures"], 20);
   EXPECT_THAT(run.Read("report.html"), HasSubstr("pictures of frames are missing"));

@@ -132,7 +132,7 @@ TEST_F(CalibrateProgram, CalibrationAsksForTheUnitOfLengths) {
                                            "R: [1, 0, 0, 0, 1, 0, 0, 0, 1]\nT: [-60, 0, 0]\n";
   EXPECT_EQ(Run("stereo.yml --out camera.yaml", "calibration"), 1);
   EXPECT_THAT(Text("error"),
-              HasSubstr("the cameras stand 60 m apart: state the unit of its lengths, --unit m, cm or mm"));
+              HasSubstr("the cameras are 60 m apart: state the unit of its lengths, --unit m, cm or mm"));
   EXPECT_FALSE(fs::exists(folder_ / "camera.yaml"));
   EXPECT_EQ(Run("stereo.yml --unit mm --out camera.yaml", "calibration"), 0) << Text("error");
   EXPECT_THAT(Text("out"), HasSubstr("baseline 0.06000 m"));

@@ -62,7 +62,7 @@ TEST_F(LiveBoard, ABoardThatIsNotMovedIsOnePlace) {
 }
 
 TEST_F(LiveBoard, MissingViewsAreReportedUntilComplete) {
-  EXPECT_THAT(taker_.Missing(), Contains("no board near the upper right corner of the left camera"));
+  EXPECT_THAT(taker_.Missing(), Contains("no board near the upper right corner of the left image"));
   int shown = 0;
   for (const SE3& T : test::BoardPoses(board_, 150, 6)) {
     if (taker_.Missing().empty()) break;

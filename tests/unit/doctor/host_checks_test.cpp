@@ -150,7 +150,7 @@ TEST(Files, NewFolderAndImpossibleFolder) {
   std::ofstream(folder / "file") << "x";
   const Findings no_folder = CheckFolder(folder / "file", "outputs", "m");
   EXPECT_EQ(no_folder.at(0).verdict, Verdict::kProblem);
-  EXPECT_THAT(no_folder[0].what, HasSubstr("is no folder"));
+  EXPECT_THAT(no_folder[0].what, HasSubstr("is not a folder"));
   EXPECT_EQ(CheckFolder("/proc/self", "outputs", "m").at(0).verdict, Verdict::kProblem) << "/proc takes no files";
   std::filesystem::remove_all(folder);
 }

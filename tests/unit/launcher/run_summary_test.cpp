@@ -189,7 +189,7 @@ TEST(RunSummary, FitsInADozenLines) {
   const std::string text = SummaryToText(SummaryToJson(summary));
   EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 10) << text << "and two to tell where to look";
   EXPECT_THAT(text, testing::HasSubstr("  path       12.35 m\n"));
-  EXPECT_THAT(text, testing::HasSubstr("  speed      10.0 ms a frame"));
+  EXPECT_THAT(text, testing::HasSubstr("  speed      10.0 ms per frame"));
   EXPECT_THAT(text, testing::HasSubstr("  restarts   vo 1\n"));
   EXPECT_THAT(text, testing::HasSubstr("  messages   1 lost, 2 sent again, 1 rejected\n"));
   EXPECT_THAT(text, testing::Not(testing::HasSubstr("CPU")));

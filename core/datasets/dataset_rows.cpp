@@ -58,7 +58,7 @@ void AppendTime(const TextRow& row, size_t field, int decimals, std::vector<int6
   if (t_ns < 0) row.Fail(fmt::format("time {} ns is negative", t_ns));
   if (!times_ns->empty() && t_ns <= times_ns->back()) {
     const bool has_point = decimals == 0 && row.fields[field].find('.') != std::string_view::npos;
-    row.Fail(fmt::format("time {} ns is not after the {} ns of the row before{}", t_ns, times_ns->back(),
+    row.Fail(fmt::format("time {} ns is not after the {} ns of the previous row{}", t_ns, times_ns->back(),
                          has_point ? " (times are in whole nanoseconds here; are these in seconds?)" : ""));
   }
   times_ns->push_back(t_ns);

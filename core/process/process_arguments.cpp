@@ -26,7 +26,7 @@ void ProcessArguments::AddTo(CLI::App* app) {
   app->add_option("--url", url, "LCM URL, for example udpm://239.255.76.67:7667?ttl=0");
   app->add_option("--prefix", prefix, "prefix of each channel name");
   app->add_option("--map-prefix", map_prefix, "prefix of the map that is shared with other robots");
-  app->add_option("--parent", parent, "end when the process with this id, which started this one, ends")
+  app->add_option("--parent", parent, "exit when the process with this id, which started this one, exits")
       ->type_name("PID");
 }
 
@@ -44,7 +44,7 @@ void ProcessArguments::EndWithParent() const {
   if (parent == 0) return;
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   // It may have ended before the kernel knew of our wish.
-  if (getppid() != parent) throw std::runtime_error("the process that started this one is gone");
+  if (getppid() != parent) throw std::runtime_error("the process that started this one has exited");
 }
 
 void SetUpLogging(const std::string& process) {

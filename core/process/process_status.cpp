@@ -67,7 +67,7 @@ void StatusPublisher::OnStatus(const status_t& other) {
   if (now - first < kApart || other.state == process_state::kStopping) return;
   namesake_reported_ = true;
   const std::string sentence =
-      fmt::format("another {} runs on this bus: process {} on {}", process_, other.pid, other.host);
+      fmt::format("another {} is running on this bus: process {} on {}", process_, other.pid, other.host);
   spdlog::warn("{}", sentence);
   const std::scoped_lock lock(mutex_);
   if (reason_.empty()) reason_ = sentence;

@@ -283,7 +283,7 @@ TEST(RunFailure, KilledRecorderContinuesInAnotherFile) {
   EXPECT_GE(std::filesystem::file_size(run.log()), recorded);
   EXPECT_GT(test::ReadRecordedRun(run.log() + ".2").Count("POSE"), 0);
   EXPECT_EQ(run.Summary()["recordings"], (nlohmann::json{run.log(), run.log() + ".2"}));
-  EXPECT_THAT(run.Logs(), HasSubstr("plslam: warning: the recorder was started again"));
+  EXPECT_THAT(run.Logs(), HasSubstr("plslam: warning: the recorder was restarted"));
 }
 
 TEST(RunFailure, ResultsStayUntilTheNextRunIsAccepted) {
@@ -301,7 +301,7 @@ TEST(RunFailure, ResultsStayUntilTheNextRunIsAccepted) {
   const std::string text = (run.folder() / "text.plmap").string();
   std::ofstream(text) << "hello";
   EXPECT_EQ(run.Run({"run", world, "--map", text}), 1);
-  EXPECT_THAT(run.Logs(), HasSubstr("plslam: error: " + text + ": is no map file"));
+  EXPECT_THAT(run.Logs(), HasSubstr("plslam: error: " + text + ": is not a map file"));
   EXPECT_EQ(run.Read("summary.json"), summary);
   ASSERT_EQ(run.Run({"run", world}), 0) << run.Logs();
   EXPECT_FALSE(std::filesystem::exists(run.out() / "overlays/000000.png"));
@@ -332,7 +332,7 @@ TEST(RunFailure, TrackerWhoseStateIsDamagedBeginsANewSession) {
   std::filesystem::resize_file(state, std::filesystem::file_size(state) / 2);
   ASSERT_EQ(run.Wait(), 0) << run.Logs();
   EXPECT_THAT(run.Logs(), HasSubstr("starting a new session: "));
-  EXPECT_THAT(run.Logs(), HasSubstr("it was cut off or damaged"));
+  EXPECT_THAT(run.Logs(), HasSubstr("it was truncated or damaged"));
   EXPECT_EQ(watcher.Get().poses.size(), 2U);
   EXPECT_EQ(run.Summary()["completed"], true);
   EXPECT_FALSE(std::filesystem::exists(state)) << "whoever ends in order leaves none";
@@ -399,7 +399,7 @@ TEST(RunFailure, ViewerKilledAtTheEndReportsLostPictures) {
   }
   EXPECT_THAT(run.Logs(),
               testing::ContainsRegex("plslam: error: viewer .* of 4 pictures are missing in .*/overlays: "));
-  EXPECT_THAT(run.Logs(), testing::ContainsRegex("plslam: warning: [0-9]+ frames lack their picture"));
+  EXPECT_THAT(run.Logs(), testing::ContainsRegex("plslam: warning: [0-9]+ frames have no picture"));
   EXPECT_GT(run.Summary()["missing_pictures"], 20);
   EXPECT_THAT(run.Read("report.html"), HasSubstr("pictures of frames are missing"));
 }

@@ -87,7 +87,7 @@ void SwapBytes(cv::Mat& pixels) {
 /// The pixels as they are, without padding.
 cv::Mat PixelsOf(const RosPixels& image, const Encoding& encoding, const cv::Size& expected) {
   if (image.width_px != expected.width || image.height_px != expected.height) {
-    throw DatasetError(fmt::format("has {} x {} pixels where {} x {} are expected", image.width_px, image.height_px,
+    throw DatasetError(fmt::format("has {} x {} pixels instead of {} x {}", image.width_px, image.height_px,
                                    expected.width, expected.height));
   }
   const int64_t row_bytes = int64_t{expected.width} * CV_ELEM_SIZE(encoding.type);

@@ -335,7 +335,7 @@ TEST(LogDataset, MissingContentIsReported) {
     return "";
   };
   EXPECT_NE(error_of(folder / "none").find("cannot be read"), std::string::npos);
-  EXPECT_NE(error_of(folder.path()).find("no regular file"), std::string::npos);
+  EXPECT_NE(error_of(folder.path()).find("not a regular file"), std::string::npos);
   std::ofstream(folder / "empty");
   EXPECT_NE(error_of(folder / "empty").find("is empty (0 bytes), and no LCM log"), std::string::npos);
   std::ofstream(folder / "text") << std::string(100'000, 'x');

@@ -272,7 +272,7 @@ TEST_F(EurocDataset, BadRowsOfTheTruthAreSkipped) {
   const std::string last = truth_.string() + ":" + std::to_string(std::count(truth.begin(), truth.end(), '\n') + 1);
   EXPECT_THAT(note("1403636584713555584,0,0,1,1,0,0"), AllOf(HasSubstr(last + ": 7 columns"), HasSubstr("; 1 of ")));
   EXPECT_THAT(note("1403636584713555584,0,0,1,nan,0,0,0"),
-              AllOf(HasSubstr(last + ": 'nan'"), HasSubstr(" rows is passed over")));
+              AllOf(HasSubstr(last + ": 'nan'"), HasSubstr(" rows is skipped")));
   EXPECT_THAT(note("1403636584713555584,0,0,1,0,0,0,0"), HasSubstr(last + ": the quaternion has norm 0"));
   EXPECT_THAT(note("100,0,0,1,1,0,0,0"), HasSubstr("time 100 ns is not after the "));
 }

@@ -144,8 +144,8 @@ TEST_F(ImagesDataset, BadMasksAreNamedWithTheirLine) {
   };
   for (const Row& row :
        {Row{"mask: none.png", "mask", "none.png"},
-        Row{"mask: small.png", "mask", "small.png: has 16 x 16 pixels where 48 x 32 are expected"},
-        Row{"mask: black.png", "mask", "no pixel is left in use"}, Row{"mask: ../a.png", "mask", "leaves the folder"},
+        Row{"mask: small.png", "mask", "small.png: has 16 x 16 pixels instead of 48 x 32"},
+        Row{"mask: black.png", "mask", "no pixel is in use"}, Row{"mask: ../a.png", "mask", "leaves the folder"},
         Row{"mask: camera.yaml", "mask", "camera.yaml"}, Row{"mask: [1]", "mask", "single value"},
         Row{"mask_polygons: 3", "mask_polygons", "must be a list of polygons [[[x, y]"},
         Row{"mask_polygons: [[0, 0], [1, 0], [1, 1]]", "mask_polygons", "polygon 1 has 2 corners"},
@@ -156,7 +156,7 @@ TEST_F(ImagesDataset, BadMasksAreNamedWithTheirLine) {
             "corner [1, 1000] is not within -48 to 96 and -32 to 64 pixels"},
         Row{"borders_px: [0, 0, 0]", "borders_px", "has 3 numbers, not 4"},
         Row{"borders_px: [0, 0, 0, -1]", "borders_px", "= -1 is not a whole number from 0 to 48"},
-        Row{"borders_px: [24, 0, 24, 0]", "borders_px", "no pixel is left in use"}}) {
+        Row{"borders_px: [24, 0, 24, 0]", "borders_px", "no pixel is in use"}}) {
     test::WriteText(camera_, good + "  " + row.line + "\n");
     EXPECT_THAT(OpenError(), AllOf(HasSubstr(At("camera.yaml") + ":9: " + row.key), HasSubstr(row.what))) << row.line;
   }
@@ -270,7 +270,7 @@ TEST_F(ImagesDataset, TimesInAnotherUnitAreRefused) {
 
 TEST_F(ImagesDataset, TabInTheCameraFileIsNamed) {
   test::ReplaceText(camera_, "  model: radtan", "\tmodel: radtan");
-  EXPECT_THAT(OpenError(), HasSubstr(At("camera.yaml") + ":5: is indented by a tab; YAML wants spaces"));
+  EXPECT_THAT(OpenError(), HasSubstr(At("camera.yaml") + ":5: is indented by a tab; YAML requires spaces"));
 }
 
 TEST_F(ImagesDataset, HostileCameraFiles) {

@@ -137,7 +137,7 @@ TEST_F(DoctorProgram, BadArgumentsAreOneSentence) {
   EXPECT_THAT(Text("error"), HasSubstr("'http' is not a number from 1 to 65535"));
   EXPECT_EQ(Shell(Doctor("--listen -1")), 1);
   EXPECT_EQ(Shell(Doctor("--listen 0 --quiet --url udpm://10.0.0.1:7667")), 1);
-  EXPECT_THAT(Text("out"), HasSubstr("10.0.0.1' is no multicast group"));
+  EXPECT_THAT(Text("out"), HasSubstr("10.0.0.1' is not a multicast group"));
 }
 
 }  // namespace

@@ -56,11 +56,11 @@ TEST(EvaluateProgram, BadRowsOfTheTruthAreNoted) {
   const ShellResult run = Evaluate(folder, arguments);
   EXPECT_EQ(run.exit_code, 0) << run.error;
   EXPECT_THAT(run.error, HasSubstr("truth.tum:51: time "));
-  EXPECT_THAT(run.error, HasSubstr("1 of 51 rows is passed over"));
+  EXPECT_THAT(run.error, HasSubstr("1 of 51 rows is skipped"));
   folder.Write("truth.tum", "1 nan nan nan nan nan nan nan\n2 nan nan nan nan nan nan nan\n");
   const ShellResult none = Evaluate(folder, arguments);
   EXPECT_EQ(none.exit_code, 1);
-  EXPECT_THAT(none.error, HasSubstr("2 of 2 rows are passed over"));
+  EXPECT_THAT(none.error, HasSubstr("2 of 2 rows are skipped"));
 }
 
 TEST(EvaluateProgram, ErrorsAreOneSentenceAndExitCodeOne) {
@@ -122,10 +122,10 @@ TEST(EvaluateProgram, ComparisonSkipsOtherFiles) {
   EXPECT_EQ(all.exit_code, 0) << all.error;
   EXPECT_THAT(all.out, HasSubstr("1 run"));
   EXPECT_THAT(all.out, HasSubstr("20.0")) << "per cent tracked";
-  EXPECT_THAT(all.error, HasSubstr("that are no runs: "));
+  EXPECT_THAT(all.error, HasSubstr("that are not runs: "));
   for (const char* name : {"strange", "broken", "room.plmap", "first"}) EXPECT_THAT(all.error, HasSubstr(name));
   const ShellResult alone = Evaluate(folder, "compare " + folder.Path("run"));
-  EXPECT_THAT(alone.error, Not(HasSubstr("passed over")));
+  EXPECT_THAT(alone.error, Not(HasSubstr("skipped")));
   const ShellResult none = Evaluate(folder, "compare " + folder.Path("first") + " " + folder.Path("room.plmap"));
   EXPECT_EQ(none.exit_code, 1);
   EXPECT_THAT(none.error, HasSubstr("no run to compare"));

@@ -104,11 +104,11 @@ TEST(MapToContinue, ReadableMapOfAnyCameraIsAccepted) {
   EXPECT_EQ(why_not(), "");
   stored.rig.clear();
   WriteMapFile(options.map, stored);
-  EXPECT_THAT(why_not(), HasSubstr("a.plmap: says nothing of the camera it was made with"));
+  EXPECT_THAT(why_not(), HasSubstr("a.plmap: does not contain the camera with which it was made"));
   std::filesystem::resize_file(options.map, std::filesystem::file_size(options.map) - 1);
-  EXPECT_THAT(why_not(), HasSubstr("it was cut off or damaged"));
+  EXPECT_THAT(why_not(), HasSubstr("it was truncated or damaged"));
   folder.Write("a.plmap", "hello");
-  EXPECT_THAT(why_not(), HasSubstr("a.plmap: is no map file"));
+  EXPECT_THAT(why_not(), HasSubstr("a.plmap: is not a map file"));
 }
 
 TEST(OutputFolderTest, RunWithoutResultsLeavesNoFolder) {
@@ -137,7 +137,7 @@ TEST(OutputFolderTest, FolderOfAnotherRunIsRefused) {
   OutputFolder first(folder.Path("a"));
   folder.Write("a/logs/vo.log", "of the first");
   EXPECT_THAT([&] { OutputFolder(folder.Path("a")); },
-              testing::ThrowsMessage<std::runtime_error>(HasSubstr("writes its results there")));
+              testing::ThrowsMessage<std::runtime_error>(HasSubstr("is writing its results there")));
   EXPECT_TRUE(exists(folder.Path("a/logs/vo.log")));
 }
 

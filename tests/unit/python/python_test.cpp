@@ -192,7 +192,7 @@ print(json.dumps({"flipped": sorted(flipped), "cut": sorted(cut), "format": newe
     EXPECT_THAT(said[kind].dump(), testing::Not(HasSubstr("taken")));
   }
   EXPECT_THAT(said["format"].get<std::string>(), HasSubstr("of format 3, and this package knows formats 1 to 2"));
-  EXPECT_THAT(said["count"].get<std::string>(), HasSubstr("promises more than it has"));
+  EXPECT_THAT(said["count"].get<std::string>(), HasSubstr("is shorter than it states"));
 }
 
 /// Publishes poses 0 .. n - 1, identified by their numbers.

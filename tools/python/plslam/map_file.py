@@ -153,7 +153,7 @@ def _check(data: bytes) -> Tuple[int, memoryview]:
     if version not in _FORMATS:
         raise FileError(f"is a map file of format {version}, and this package knows formats {_FORMATS[0]} to {_FORMATS[-1]}")
     if length != len(data) - _SEAL.size:
-        raise FileError(f"has {len(data) - _SEAL.size} bytes of content, and should have {length}: it was cut off or damaged")
+        raise FileError(f"has {len(data) - _SEAL.size} bytes of content, and should have {length}: it was truncated or damaged")
     content = memoryview(data)[_SEAL.size :]
     digest = hashlib.blake2b(data[:_SUMMED], digest_size=32)
     digest.update(content)
@@ -175,7 +175,7 @@ class _Content:
     def array(self, dtype: np.dtype, n: int) -> np.ndarray:
         end = self._offset + n * dtype.itemsize
         if n < 0 or end > len(self._data):
-            raise FileError("the content promises more than it has")
+            raise FileError("the content is shorter than it states")
         values = np.frombuffer(self._data, dtype, n, self._offset)
         self._offset = end
         return values
@@ -187,7 +187,7 @@ class _Content:
         """Landmarks, and their observations with the row of the landmark: each landmark stands before its own."""
         n = self.int64()
         if n < 0 or n * dtype.itemsize > len(self._data):
-            raise FileError("the content promises more than it has")
+            raise FileError("the content is shorter than it states")
         rows = np.empty(n, dtype)
         observations: List[np.ndarray] = []
         for i in range(n):
@@ -203,7 +203,7 @@ class _Content:
 
     def end(self) -> None:
         if self._offset != len(self._data):
-            raise FileError("the content is longer than its header says")
+            raise FileError("the content is longer than stated in its header")
 
 
 def _matrices(poses: np.ndarray) -> np.ndarray:

@@ -120,7 +120,7 @@ def _open(url: str) -> socket.socket:
         receiver.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, wanted)
     except OSError as error:
         receiver.close()
-        raise OSError(error.errno, f"{url}: cannot be listened to: {error.strerror} (`plslam doctor` says more)") from error
+        raise OSError(error.errno, f"{url}: cannot listen there: {error.strerror} (`plslam doctor` says more)") from error
     return receiver
 
 

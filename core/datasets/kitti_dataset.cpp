@@ -44,7 +44,7 @@ Projection ParseProjection(const TextRow& row) {
   for (int i = 0; i < 12; ++i) P(i / 4, i % 4) = row.Number(static_cast<size_t>(i) + 1);
   const bool upper = P(0, 1) == 0.0 && P(1, 0) == 0.0 && P(2, 0) == 0.0 && P(2, 1) == 0.0 && P(2, 2) == 1.0;
   if (!upper || !(P(0, 0) > 0.0) || !(P(1, 1) > 0.0)) {
-    row.Fail(fmt::format("{} is no projection [f 0 cu; 0 f cv; 0 0 1] with f > 0 (f = {} and {})", row.fields[0],
+    row.Fail(fmt::format("{} is not a projection [f 0 cu; 0 f cv; 0 0 1] with f > 0 (f = {} and {})", row.fields[0],
                          P(0, 0), P(1, 1)));
   }
   return P;

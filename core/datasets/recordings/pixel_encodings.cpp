@@ -143,7 +143,7 @@ cv::Mat Converted(const cv::Mat& pixels, Conversion conversion) {
 std::string PixelEncodingComplaint(const std::string& encoding) {
   if (FindEncoding(encoding) != nullptr) return "";
   return fmt::format(
-      "its images are encoded as '{}', not as mono, bgr, rgb, bgra, rgba or bayer of 8 or 16 bits, nor as YUV (yuyv, "
+      "its images are encoded as '{}', not as mono, bgr, rgb, bgra, rgba or bayer of 8 or 16 bits, or as YUV (yuyv, "
       "uyvy, nv12, nv21, nv16, nv24, i420): convert them (image_proc, cv_bridge)",
       Shown(encoding));
 }

@@ -57,7 +57,7 @@ std::map<std::string, Projection> ReadProjections(const std::string& path, int l
   ForEachDatasetRow(path, [&](const TextRow& row) {
     const std::string name(row.fields[0]);
     if (name != left_name && name != right_name) return;
-    if (!projections.emplace(name, ParseProjection(row)).second) row.Fail(name + " stands here twice");
+    if (!projections.emplace(name, ParseProjection(row)).second) row.Fail(name + " is repeated");
   });
   for (const std::string& name : {left_name, right_name}) {
     if (!projections.contains(name)) throw DatasetError(fmt::format("{}: has no line {}", path, name));

@@ -129,7 +129,7 @@ void FilmProcess::Await(const std::string& expected) {
   const auto after = [&line](const std::string& word) { return line.substr(word.size()); };
   if (line.starts_with(film_stream::kUnable)) throw NoFilmsHere(after(film_stream::kUnable));
   if (line.starts_with(film_stream::kError)) throw std::runtime_error(after(film_stream::kError));
-  throw std::runtime_error(fmt::format("{} says '{}'", program_, line));
+  throw std::runtime_error(fmt::format("{} reports '{}'", program_, line));
 }
 
 void FilmProcess::Begin(double rate_hz, cv::Size size) {

@@ -45,6 +45,7 @@ LoopService::Output LoopService::OnKeyframe(const Keyframe& keyframe) {
 
 LoopService::Output LoopService::OnTick() {
   Output output;
+  RequestMissing(output);
   CheckDueKeyframes(output);
   AnswerDueKeyframes(output);
   return output;
@@ -188,6 +189,15 @@ void LoopService::UpdateMissingFeatures(bool whole) {
     if (!closer_.Contains(name.first, name.second) && (whole || before.contains(name))) lacking_.insert(name);
   }
   if (whole) lacking_since_ms_ = now_ms_();
+}
+
+void LoopService::RequestMissing(Output& output) {
+  const double now_ms = now_ms_();
+  if (lacking_.empty() || now_ms - std::max(lacking_since_ms_, requested_ms_) < kRequestAfter_ms) return;
+  requested_ms_ = now_ms;
+  for (const auto& [id, keyframe] : replica_.map().keyframes()) {
+    if (lacking_.contains({keyframe.session, keyframe.session_keyframe_id})) output.missing_keyframes.push_back(id);
+  }
 }
 
 /// Gives up on features that have not arrived in time.

@@ -39,6 +39,8 @@ class LoopService {
  public:
   /// Time to wait for missing features.
   static constexpr double kPatience_ms = 3000.0;
+  /// Without an arrival for this time, missing features are requested: their tracker has exited.
+  static constexpr double kRequestAfter_ms = 1000.0;
   /// The same for a lockstep session, since the last message of the process that publishes its keyframes; equal to the
   /// other processes' wait in lockstep (`wait_s` by default).
   static constexpr double kLockstepPatience_ms = 15000.0;
@@ -48,6 +50,8 @@ class LoopService {
     std::vector<LoopClosure> closures;
     std::vector<Relocalisation> answers;
     std::optional<GlobalBundleProblem> adjustment;
+    /// Keyframes of the map whose features no publisher has resent: request them from mapping_process.
+    std::vector<int64_t> missing_keyframes;
     /// The running adjustment is obsolete, as is its progress.
     bool ends_adjustment = false;
   };
@@ -92,6 +96,7 @@ class LoopService {
   bool AwaitsAdjustment(const MapUpdate& update) const;
   void UpdateMissingFeatures(bool whole);
   bool IsComplete();
+  void RequestMissing(Output& output);
   bool HasWaited(const Due& due) const;
   void DropCommitted();
   void EndAdjustmentOfCommitted(Output& output);
@@ -114,6 +119,7 @@ class LoopService {
   /// arrival among them.
   std::set<std::pair<int64_t, int64_t>> lacking_;
   double lacking_since_ms_ = 0.0;
+  double requested_ms_ = 0.0;  ///< time of the last request for them
   /// The loop whose global bundle adjustment the previous loop_process did not finish.
   std::optional<LoopClosure> unadjusted_;
   /// The loop of the last adjustment problem.

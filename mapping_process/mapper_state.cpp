@@ -26,11 +26,16 @@ void Fields(Archive& a, T& f) {
     f.reprojection_before_px, f.reprojection_after_px);
 }
 
+template <class Archive, Is<LoopAnswer> T>
+void Fields(Archive& a, T& answer) {
+  a(answer.session, answer.session_keyframe_id, answer.map_version, answer.accepted);
+}
+
 /// The scalar fields; keyframes, landmarks and features are written separately.
 template <class Archive, Is<mapping::MapperState> T>
 void Fields(Archive& a, T& state) {
   a(state.stored, state.stored.sessions, state.recent_landmarks, state.tracker, state.figures, state.committed,
-    state.structural_version, state.localise_only, state.began_version);
+    state.structural_version, state.localise_only, state.began_version, state.lockstep, state.closures, state.answer);
 }
 
 }  // namespace plslam::archive
@@ -41,7 +46,7 @@ namespace {
 using Bytes = std::span<const uint8_t>;
 
 constexpr FileKind kStateRecord{
-    {'P', 'L', 'S', 'L', 'M', 'P', 'S', 'T'}, 5, "state of a mapping_process", Checksum::kPoly1305};
+    {'P', 'L', 'S', 'L', 'M', 'P', 'S', 'T'}, 6, "state of a mapping_process", Checksum::kPoly1305};
 
 enum class RecordKind : uint8_t { kFeatures, kMap, kChanges };
 

@@ -26,6 +26,10 @@ struct MapperState {
   int64_t structural_version = 0;
   uint8_t localise_only = 0;  ///< 1: localisation-only mode
   int64_t began_version = 0;  ///< `MapUpdate::began_version`
+  /// The newest keyframe, if it is not committed: 1: of a lockstep session; kinds of closures taken about it, as bits.
+  uint8_t lockstep = 0;
+  uint8_t closures = 0;
+  LoopAnswer answer;  ///< the published one
 };
 
 /// Returns the state as bytes; equal states give equal bytes.

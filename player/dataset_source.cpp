@@ -19,10 +19,7 @@ constexpr size_t kFramesAhead = 2;
 
 std::unique_ptr<Dataset> Open(const PlayerOptions& options) {
   if (options.dataset.empty()) throw std::runtime_error("no dataset is given: player DATASET (see --help)");
-  std::unique_ptr<Dataset> dataset =
-      ShiftRightImages(OpenDataset(options.dataset, options.kind), static_cast<int>(options.right_offset_frames));
-  for (const std::string& note : dataset->Notes()) spdlog::warn("{}: {}", dataset->name(), note);
-  return dataset;
+  return ShiftRightImages(OpenDataset(options.dataset, options.kind), static_cast<int>(options.right_offset_frames));
 }
 
 RigCalibration WithMasks(RigCalibration rig, const PlayerOptions& options) {
@@ -69,6 +66,12 @@ void CheckFilesAreThere(const Dataset& dataset, const PlayOrder& order, bool ski
 DatasetSource::DatasetSource(const PlayerOptions& options)
     : dataset_(Open(options)), rig_(WithMasks(dataset_->rig(), options)), order_(Order(*dataset_, options)) {
   CheckFilesAreThere(*dataset_, order_, options.skip_bad);
+}
+
+std::vector<std::string> DatasetSource::warnings() const {
+  std::vector<std::string> warnings;
+  for (const std::string& note : dataset_->Notes()) warnings.push_back(fmt::format("{}: {}", dataset_->name(), note));
+  return warnings;
 }
 
 int64_t DatasetSource::Begin(const std::optional<stream::ResumePoint>& behind) {

@@ -4,6 +4,8 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "core/datasets/dataset.h"
 #include "core/stream/frame_source.h"
@@ -22,6 +24,8 @@ class DatasetSource : public stream::FrameSource {
 
   std::string name() const override { return dataset_->name(); }
   const RigCalibration& rig() const override { return rig_; }
+  /// Sentences on what can make the frames wrong or incomplete.
+  std::vector<std::string> warnings() const;
   double scan_s() const { return dataset_->scan_s(); }
   int64_t size() const override { return order_.size(); }
   int64_t period_ns() const override { return order_.period_ns(); }

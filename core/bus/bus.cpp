@@ -130,6 +130,7 @@ void Bus::Post(std::function<void()> f) { impl_->loop.Post(std::move(f)); }
 void Bus::Every(std::chrono::milliseconds period, std::function<void()> f) {
   impl_->loop.Every(period, std::move(f));
 }
+void Bus::After(std::chrono::milliseconds delay, std::function<void()> f) { impl_->loop.After(delay, std::move(f)); }
 void Bus::Run() {
   impl_->MayReceive();
   impl_->loop.Run();

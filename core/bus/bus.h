@@ -75,6 +75,9 @@ class Bus {
   /// Calls `f` on the thread of `Run` every `period`.
   void Every(std::chrono::milliseconds period, std::function<void()> f);
 
+  /// Calls `f` once on the thread of `Run`, after `delay`.
+  void After(std::chrono::milliseconds delay, std::function<void()> f);
+
   /// Delivers until `Stop` (from any thread or a handler). Returns at once if stopped before.
   void Run();
   void Stop();

@@ -110,6 +110,10 @@ inline constexpr Channel kRelocalisation{
 inline constexpr Channel kStatus{"STATUS",          "status_t",       "all",
                                  Delivery::kLatest, Retention::kNone, "health of each process, at 1 Hz",
                                  Scope::kFromMap};
+inline constexpr Channel kWarning{"WARNING",       "warning_t",
+                                  "all",           Delivery::kEvery,
+                                  Retention::kAll, "conditions that can make results wrong or incomplete, each once",
+                                  Scope::kFromMap};
 inline constexpr Channel kCommand{
     "COMMAND", "command_t", "plslam, vo", Delivery::kEvery, Retention::kUnacknowledged, "commands to processes"};
 inline constexpr Channel kCommandAnswer{"COMMAND_ANSWER", "command_answer_t",         "mapping, player",

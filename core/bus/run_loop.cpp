@@ -23,6 +23,14 @@ void RunLoop::Every(std::chrono::milliseconds period, std::function<void()> task
   changed_.notify_one();
 }
 
+void RunLoop::After(std::chrono::milliseconds delay, std::function<void()> task) {
+  {
+    const std::lock_guard lock(mutex_);
+    timers_.push_back({Clock::now() + delay, {}, std::move(task)});
+  }
+  changed_.notify_one();
+}
+
 void RunLoop::Stop() {
   {
     const std::lock_guard lock(mutex_);
@@ -61,6 +69,14 @@ bool RunLoop::RunTimer(std::unique_lock<std::mutex>& lock) {
     if (timer.due > now) continue;
     // One run however late: a process that was stopped for a while does not catch up a hundred status messages.
     timer.due = std::max(timer.due + timer.period, now);
+    if (timer.period == std::chrono::milliseconds::zero()) {
+      const std::function<void()> task = std::move(timer.task);
+      timers_.erase(timers_.begin() + static_cast<std::ptrdiff_t>(i));
+      lock.unlock();
+      task();
+      lock.lock();
+      return true;
+    }
     lock.unlock();
     timer.task();
     lock.lock();

@@ -23,6 +23,8 @@ class RunLoop {
   /// `bytes` is the memory that the task holds, for `queued_bytes`.
   void Post(std::function<void()> task, int64_t bytes = 0);
   void Every(std::chrono::milliseconds period, std::function<void()> task);
+  /// Runs `task` once.
+  void After(std::chrono::milliseconds delay, std::function<void()> task);
 
   /// Bytes held by tasks that have not run yet.
   int64_t queued_bytes() const { return queued_bytes_; }
@@ -38,7 +40,7 @@ class RunLoop {
   };
   struct Timer {
     Clock::time_point due;
-    std::chrono::milliseconds period{};
+    std::chrono::milliseconds period{};  ///< 0: it runs once
     std::function<void()> task;
   };
 

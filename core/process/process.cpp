@@ -5,13 +5,16 @@
 #include <unistd.h>
 #include <cstdio>
 
+#include "core/process/process_arguments.h"
 #include "core/process/process_impl.h"
 #include "core/run/process_names.h"
 
 namespace plslam::bus {
 
 Process::Process(const std::string& name, const BusOptions& options)
-    : name_(name), bus_(std::make_unique<Bus>(options, name)), impl_(std::make_unique<Impl>(name, options, *bus_)) {}
+    : name_(name),
+      bus_(std::make_unique<Bus>(options, name)),
+      impl_(std::make_unique<Impl>(name, options, *bus_, [this](const std::string& sentence) { Yield(sentence); })) {}
 
 Process::~Process() = default;
 
@@ -22,9 +25,18 @@ void Process::SetState(const std::string& state, const std::string& reason) {
 
 void Process::SetReason(const std::string& reason) { impl_->status.SetReason(reason); }
 
+void Process::Warn(const std::string& code, const std::string& sentence) { impl_->status.Warn(code, sentence); }
+
 void Process::SetConfiguration(const std::string& yaml) { impl_->status.SetConfiguration(yaml); }
 
 void Process::SetCounter(const std::string& name, double value) { impl_->status.SetCounter(name, value); }
+
+void Process::Yield(const std::string& sentence) {
+  PrintError(fmt::format("{}: error: {}", name_, sentence));
+  SetState(process_state::kFailed, sentence);
+  impl_->has_yielded = true;
+  Finish(impl_->exit_code_of_namesake);
+}
 
 void Process::Finish(int exit_code) {
   impl_->exit_code = exit_code;

@@ -34,6 +34,9 @@ class Process {
   void SetState(const std::string& state, const std::string& reason = "");
   /// Sets the reason beside the state, which does not change; published at once.
   void SetReason(const std::string& reason);
+  /// Reports once what can make results wrong or incomplete: in the log, in the status and, as `warning_t`, to summaries
+  /// and reports of runs. `code` is for programs ("masks_missing"), `sentence` for users: finding, meaning and remedy.
+  void Warn(const std::string& code, const std::string& sentence);
   /// Sets the effective configuration of the node's own sections; that of the bus is prepended. A configuration that
   /// does not fit into a message is truncated at a line end, and its last line says so.
   void SetConfiguration(const std::string& yaml);
@@ -45,6 +48,8 @@ class Process {
 
  private:
   friend class ProcessRunner;
+  /// Stops, because another process of this name has run for longer (`NamesakeWatch`).
+  void Yield(const std::string& sentence);
   struct Impl;
   std::string name_;
   std::unique_ptr<Bus> bus_;

@@ -28,6 +28,7 @@ void ProcessArguments::AddTo(CLI::App* app) {
   app->add_option("--map-prefix", map_prefix, "prefix of the map that is shared with other robots");
   app->add_option("--parent", parent, "exit when the process with this id, which started this one, exits")
       ->type_name("PID");
+  app->add_flag("--own-bus", own_bus, "no other run can be on the bus: do not look for processes of the same name");
 }
 
 Config ProcessArguments::MakeConfig() const {

@@ -21,6 +21,7 @@ struct ProcessArguments {
   std::optional<std::string> prefix;
   std::optional<std::string> map_prefix;
   int parent = 0;
+  bool own_bus = false;
 
   void AddTo(CLI::App* app);
 
@@ -30,6 +31,10 @@ struct ProcessArguments {
   /// if the parent has already exited.
   void EndWithParent() const;
 };
+
+/// Exit code of a process with a parent that has found another process of its name on the bus: the parent need not
+/// start it again.
+inline constexpr int kExitCodeOfNamesake = 4;
 
 /// Log lines go to stderr, one each; stdout is for results.
 void SetUpLogging(const std::string& process);

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <mutex>
 #include <string>
+#include <utility>
 
 #include "core/process/process.h"
 #include "core/process/process_status.h"
@@ -30,11 +32,16 @@ class ProcessTerminal {
 };
 
 struct Process::Impl {
-  Impl(const std::string& name, const BusOptions& options, Bus& bus) : status(name, options, bus) {}
+  Impl(const std::string& name, const BusOptions& options, Bus& bus,
+       std::function<void(const std::string& sentence)> on_older)
+      : status(name, options, bus, std::move(on_older)) {}
 
   StatusPublisher status;
   ProcessTerminal terminal;
   std::atomic<int> exit_code{0};
+  /// Exit code if another process of this name has run for longer.
+  int exit_code_of_namesake = 1;
+  bool has_yielded = false;
   std::atomic<bool> finished{false};
 };
 

@@ -4,8 +4,11 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <optional>
 
@@ -38,6 +41,7 @@ class ProcessRunner {
       const SignalWatcher signals([this](const std::string& signal) { OnSignal(signal); }, arguments_.parent);
       process.emplace(spec_.name, bus_options);
       if (arguments_.parent == 0) process->impl_->terminal.Begin(program_);
+      if (arguments_.parent != 0) process->impl_->exit_code_of_namesake = kExitCodeOfNamesake;
       return RunNode(config, *process);
     } catch (const std::exception& error) {
       return Fail(
@@ -69,15 +73,36 @@ class ProcessRunner {
       ~Unset() { runner->SetRunning(nullptr); }
     } unset{this};
     if (!SetRunning(&process)) return 0;
-    std::shared_ptr<void> node = spec_.make_node(process, config);
-    if (process.impl_->status.state() == process_state::kStarting) process.SetState(process_state::kReady);
-    ReportReady(process);
+    std::shared_ptr<void> node;
+    const auto start = [&] {
+      node = spec_.make_node(process, config);
+      if (process.impl_->status.state() == process_state::kStarting) process.SetState(process_state::kReady);
+      ReportReady(process);
+    };
+    if (arguments_.own_bus) {
+      start();
+    } else {
+      StartUnlessNamesake(process, start);
+    }
     process.bus().Run();
-    process.SetState(process_state::kStopping);
+    const bool yielded = process.impl_->has_yielded;
+    if (!yielded) process.SetState(process_state::kStopping);
     node.reset();
     if (process.impl_->finished) process.bus().Flush(std::chrono::milliseconds(1000));
-    process.impl_->terminal.PrintLine("ended" + ResultsOf(process));
+    if (!yielded) process.impl_->terminal.PrintLine("ended" + ResultsOf(process));
     return process.impl_->exit_code;
+  }
+
+  /// Namesakes answer the statuses of a starting process; two answers prove that one runs.
+  static void StartUnlessNamesake(Process& process, std::function<void()> start) {
+    using std::chrono::milliseconds;
+    const auto after = [&process](double s, std::function<void()> task) {
+      process.bus().After(milliseconds(std::lround(1e3 * s)), std::move(task));
+    };
+    for (const double s : {0.0, 0.5 * NamesakeWatch::kStartWindow_s}) {
+      after(s, [&process] { process.impl_->status.Publish(); });
+    }
+    after(NamesakeWatch::kStartWindow_s, std::move(start));
   }
 
   void ReportReady(Process& process) const {

@@ -6,12 +6,16 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
+#include <utility>
 
+#include "core/bus/run_loop.h"
 #include "core/config/config.h"
 #include "core/errors/error_text.h"
 #include "core/process/process_usage.h"
 #include "core/run/process_names.h"
 #include "plslam/status_t.hpp"
+#include "plslam/warning_t.hpp"
 #include "plslam_version.h"
 
 namespace plslam::bus {
@@ -34,6 +38,12 @@ void AddBusCounters(const BusCounters& c, std::map<std::string, double>* counter
   for (const auto& [name, value] : rows) (*counters)[name] = static_cast<double>(value);
 }
 
+double NowUtc_s() {
+  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+}
+
+constexpr const char* kStartedUtc = "started.utc_s";
+
 /// Returns a counter that fits into an integer, whatever value was received.
 double Counted(double value) {
   constexpr double kMost = 9007199254740992.0;  // 2^53
@@ -43,11 +53,19 @@ double Counted(double value) {
 /// Maximum size of a status without its configuration, with room for two dozen counters and a reason.
 constexpr size_t kStatusBytes = 900;
 constexpr size_t kReasonBytes = 300;
+/// Further warnings of a process are neither published nor logged.
+constexpr size_t kMaxWarnings = 50;
+constexpr size_t kLongestWarning = 900;
 
 }  // namespace
 
-StatusPublisher::StatusPublisher(const std::string& process, const BusOptions& options, Bus& bus)
-    : process_(process), bus_(bus) {
+StatusPublisher::StatusPublisher(const std::string& process, const BusOptions& options, Bus& bus,
+                                 std::function<void(const std::string& sentence)> on_older)
+    : started_utc_s_(NowUtc_s()),
+      process_(process),
+      bus_(bus),
+      namesakes_(bus.source()),
+      on_older_(std::move(on_older)) {
   BusOptions shown = options;
   bus_configuration_ = ToYaml("bus", shown);
   const auto limit = static_cast<size_t>(options.max_message_bytes);
@@ -56,21 +74,45 @@ StatusPublisher::StatusPublisher(const std::string& process, const BusOptions& o
   bus_.Subscribe<status_t>(kStatus, [this](const status_t& m) { OnStatus(m); });
 }
 
-// A replaced process may have sent one last status; a second status after a pause means that it is running.
+ProcessIdentity StatusPublisher::Identity() const {
+  return {bus_.source(), HostName(), getpid(),
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count(), started_utc_s_};
+}
+
+/// The start of the other is computed from its status, as others compute ours.
 void StatusPublisher::OnStatus(const status_t& other) {
-  static constexpr std::chrono::milliseconds kApart{1500};
-  static constexpr size_t kMaxNamesakes = 64;
-  if (namesake_reported_ || other.process != process_ || other.header.source == bus_.source()) return;
-  const auto now = std::chrono::steady_clock::now();
-  if (namesakes_.size() >= kMaxNamesakes) namesakes_.clear();
-  const auto first = namesakes_.try_emplace(other.header.source, now).first->second;
-  if (now - first < kApart || other.state == process_state::kStopping) return;
-  namesake_reported_ = true;
-  const std::string sentence =
-      fmt::format("another {} is running on this bus: process {} on {}", process_, other.pid, other.host);
+  if (other.process != process_ || other.state == process_state::kStopping || other.state == process_state::kFailed)
+    return;
+  const ProcessIdentity namesake{other.header.source, other.host, other.pid, other.uptime_s,
+                                 CounterOf(other, kStartedUtc)};
+  const std::string sentence = NamesakeWatch::Sentence(process_, namesake);
+  switch (namesakes_.OnStatus(namesake, Identity(), NowS())) {
+    case NamesakeWatch::Action::kNone:
+      return;
+    case NamesakeWatch::Action::kAnnounce:
+      return Publish();
+    case NamesakeWatch::Action::kYield:
+      if (on_older_) std::exchange(on_older_, nullptr)(sentence + "; stop it, or give --prefix to one of the two");
+      return;
+    case NamesakeWatch::Action::kReport:
+      Warn("another_process",
+           sentence +
+               "; results are a mixture of both (replay a log beside the viewer alone, or with `plslam replay`)");
+  }
+}
+
+void StatusPublisher::Warn(const std::string& code, const std::string& sentence) {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (warned_.size() == kMaxWarnings || !warned_.emplace(code, sentence).second) return;
+    newest_warning_ = sentence;
+  }
   spdlog::warn("{}", sentence);
-  const std::scoped_lock lock(mutex_);
-  if (reason_.empty()) reason_ = sentence;
+  warning_t message{};
+  message.process = process_;
+  message.code = code;
+  message.sentence = sentence.substr(0, kLongestWarning);
+  bus_.Publish(kWarning, std::move(message));
 }
 
 void StatusPublisher::Publish() {
@@ -83,18 +125,19 @@ void StatusPublisher::Publish() {
   status.version = PLSLAM_VERSION;
   status.cpu_s = usage.cpu_s;
   status.memory_mb = usage.memory_mb;
-  status.uptime_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
+  status.uptime_s = Identity().uptime_s;
   std::map<std::string, double> all;
   AddBusCounters(bus_.counters(), &all);
   // For `plslam doctor`, which compares the clocks of hosts.
-  all["clock.utc_s"] = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+  all["clock.utc_s"] = NowUtc_s();
+  all[kStartedUtc] = started_utc_s_;
   const std::string problems = bus_.Problems();
   const std::scoped_lock lock(mutex_);
   all.insert(counters_.begin(), counters_.end());
   for (const auto& [name, value] : all) status.counters.push_back({name, value});
   status.n_counters = static_cast<int32_t>(status.counters.size());
   status.state = state_;
-  status.reason = Joined(reason_, problems);
+  status.reason = Joined(Joined(reason_, problems), newest_warning_);
   status.reason.resize(std::min(status.reason.size(), kReasonBytes));
   status.configuration = CutToFit(bus_configuration_ + configuration_, max_configuration_bytes_);
   bus_.Publish(kStatus, std::move(status));

@@ -3,11 +3,15 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <mutex>
+#include <set>
 #include <string>
+#include <utility>
 
 #include "core/bus/bus.h"
+#include "core/process/namesake_watch.h"
 #include "core/run/process_names.h"
 
 namespace plslam {
@@ -18,44 +22,53 @@ namespace plslam::bus {
 
 /// Publishes `status_t` at 1 Hz and on each change of state. Safe from any thread.
 ///
-/// Another process of the same name on the same bus is reported once, in the log and as the reason of the state: two
-/// processes that publish the same results to the same readers are a mistake, but only the user can decide which of
-/// them is intended.
+/// Watches for other processes of the same name on the same bus (`NamesakeWatch`): calls `on_older` if this process has
+/// to yield to one, and warns of one that should have yielded.
 class StatusPublisher {
  public:
-  /// Starts in state "starting". The bus must outlive it, and must not run after its destruction.
-  StatusPublisher(const std::string& process, const BusOptions& options, Bus& bus);
+  /// Starts in state "starting". The bus must outlive it, and must not run after its destruction. `on_older` gets a
+  /// sentence with the remedy; it is called once, on the thread of the bus.
+  StatusPublisher(const std::string& process, const BusOptions& options, Bus& bus,
+                  std::function<void(const std::string& sentence)> on_older = nullptr);
+
+  /// Publishes the status now.
+  void Publish();
 
   /// Publishes at once if the state or the reason has changed.
   void SetState(const std::string& state, const std::string& reason = "");
   /// Sets the reason beside the state, which does not change.
   void SetReason(const std::string& reason);
   std::string state() const;
+  /// Logs a warning, publishes it as `warning_t`, and appends it to the reason of the status. The same warning is
+  /// published once.
+  void Warn(const std::string& code, const std::string& sentence);
   void SetConfiguration(const std::string& yaml);
   void SetCounter(const std::string& name, double value);
   /// Returns 0 if there is none of this name.
   double counter(const std::string& name) const;
 
  private:
-  void Publish();
   void OnStatus(const status_t& other);
+  ProcessIdentity Identity() const;
 
   const std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
+  const double started_utc_s_;
   const std::string process_;
   Bus& bus_;
   std::string bus_configuration_;
   size_t max_configuration_bytes_ = 0;
 
-  /// Other processes with our name from which one status was received, and whether one of them has been reported. On
-  /// the thread of the bus.
-  std::map<int64_t, std::chrono::steady_clock::time_point> namesakes_;
-  bool namesake_reported_ = false;
+  /// On the thread of the bus.
+  NamesakeWatch namesakes_;
+  std::function<void(const std::string& sentence)> on_older_;
 
   mutable std::mutex mutex_;  // guards the following members, and keeps states in order on the wire
   std::string state_ = process_state::kStarting;
   std::string reason_;
   std::string configuration_;
   std::map<std::string, double> counters_;
+  std::set<std::pair<std::string, std::string>> warned_;
+  std::string newest_warning_;
 };
 
 /// Returns a counter of a status; 0 if it has none of this name.

@@ -40,7 +40,9 @@ inline constexpr const char* kLoad = "load";
 inline constexpr const char* kLocalise = "localise";
 inline constexpr const char* kPause = "pause";
 inline constexpr const char* kResume = "resume";
-inline constexpr std::array kAll = {kFinish, kGoBack, kSave, kReset, kLoad, kLocalise, kPause, kResume};
+inline constexpr const char* kSendKeyframes = "send_keyframes";
+inline constexpr std::array kAll = {kFinish,   kGoBack, kSave,   kReset,        kLoad,
+                                    kLocalise, kPause,  kResume, kSendKeyframes};
 }  // namespace command_verb
 
 }  // namespace plslam

@@ -372,6 +372,7 @@ std::vector<RunWarning> WarningsOf(const RunFindings& findings) {
   std::vector<RunWarning> warnings;
   AddWarnings(kRows, findings, &warnings);
   AddWarnings(kCameraRows, findings, &warnings);
+  warnings.insert(warnings.end(), findings.published.begin(), findings.published.end());
   return warnings;
 }
 

@@ -13,6 +13,13 @@
 
 namespace plslam {
 
+/// A warning for the user of a completed run.
+struct RunWarning {
+  std::string code;      ///< for programs: "little_tracked"
+  std::string sentence;  ///< finding, possible meaning, remedy
+  std::vector<std::pair<std::string, double>> numbers;
+};
+
 /// Findings about a run and its data from which the warnings are derived.
 struct RunFindings {
   std::string dataset;
@@ -51,21 +58,17 @@ struct RunFindings {
   int64_t nees_poses = 0;
   /// Files of the recording: more than one where the recorder was started again.
   std::vector<std::string> recordings;
+  /// Published by the processes (`warning_t`).
+  std::vector<RunWarning> published;
 
   void Take(const RunCounters& counters);
-};
-
-/// A warning for the user of a completed run.
-struct RunWarning {
-  std::string code;      ///< for programs: "little_tracked"
-  std::string sentence;  ///< finding, possible meaning, remedy
-  std::vector<std::pair<std::string, double>> numbers;
 };
 
 /// The form in summary.json and the report: `code`, `sentence`, `numbers` by name.
 nlohmann::ordered_json ToJson(const RunWarning& warning);
 
-/// Returns the warnings whose condition holds, in the order of the table. docs/metrics.md has the table for users.
+/// Returns the warnings whose condition holds, in the order of the table, and then the published ones. docs/metrics.md
+/// has the table for users.
 std::vector<RunWarning> WarningsOf(const RunFindings& findings);
 
 /// Returns the warnings about live cameras, which are also published during a run.

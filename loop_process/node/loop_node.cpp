@@ -11,8 +11,10 @@
 #include "core/bus/run_loop.h"
 #include "core/map/keyframe_in_camera.h"
 #include "core/process/process_usage.h"
+#include "core/run/number_ranges.h"
 #include "core/run/process_names.h"
 #include "loop_process/loop_service.h"
+#include "plslam/command_t.hpp"
 #include "plslam/status_t.hpp"
 
 namespace plslam::loop {
@@ -164,6 +166,13 @@ void LoopNode::Send(LoopService::Output output) {
     process_.bus().Publish(bus::kRelocalisation, bus::ToMessage(answer));
     process_.SetCounter("relocalisation.asked", static_cast<double>(++n_answers_));
     if (answer.found) process_.SetCounter("relocalisation.found", static_cast<double>(++n_found_));
+  }
+  if (!output.missing_keyframes.empty()) {
+    command_t command{};
+    command.target = process_name::kMapping;
+    command.verb = command_verb::kSendKeyframes;
+    command.argument = NumberRanges(output.missing_keyframes);
+    process_.bus().Publish(bus::kCommand, command);
   }
   if (!output.adjustment) return;
   MoveOldToFiles();

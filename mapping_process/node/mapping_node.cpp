@@ -20,6 +20,7 @@
 #include "core/map/keyframe_in_camera.h"
 #include "core/process/order.h"
 #include "core/process/process_usage.h"
+#include "core/run/number_ranges.h"
 #include "core/run/process_names.h"
 #include "mapping_process/corrections/closure_check.h"
 #include "mapping_process/node/keyframe_queue.h"
@@ -33,6 +34,8 @@ constexpr std::chrono::milliseconds kTick(200);
 // After a restart, history counts as complete after this time without a message, at most after the second.
 constexpr double kHistoryQuiet_ms = 400.0;
 constexpr double kLongestHistory_ms = 5000.0;
+
+constexpr int kClosureKinds = 3;
 
 /// Returns the newest keyframe number of each session.
 std::map<int64_t, int64_t> NewestBySession(const StoredMap& stored) {
@@ -73,9 +76,6 @@ MappingNode::~MappingNode() {
   Queue([this] { stopping_ = true; });
   stop_solve_ = true;
   worker_.join();
-  // The state file exists only after a crash: a clean exit removes it.
-  std::error_code ignored;
-  if (!options_.state_file.empty()) std::filesystem::remove(options_.state_file, ignored);
 }
 
 /// Changes data shared with the worker, and wakes it.
@@ -133,8 +133,9 @@ void MappingNode::OnTick() {
 void MappingNode::OnCommand(const command_t& message) {
   const std::optional<bus::Order> order = bus::OrderTo(process_, message);
   static constexpr std::array kObeyed = {command_verb::kSave, command_verb::kReset, command_verb::kLoad,
-                                         command_verb::kLocalise};
+                                         command_verb::kLocalise, command_verb::kSendKeyframes};
   if (!order || std::find(kObeyed.begin(), kObeyed.end(), order->verb) == kObeyed.end()) return;
+  if (!camera_ && order->verb == command_verb::kSendKeyframes) return;
   // The worker does not run before a camera arrives; the sender of the command should not wait for that.
   if (!camera_) return bus::Answer(process_, *order, "no camera has been received, so there is no map");
   Queue([&] { queue_.Add(*order); });
@@ -149,6 +150,24 @@ void MappingNode::WorkUntilStopped() {
   BeginMap();
   AwaitHistories();
   while (const std::optional<Work> work = NextWork()) Do(*work);
+  WorkBeforeStop();
+}
+
+/// Inserts the keyframes of live sessions that have arrived, without adjusting them to the end, and writes the state.
+/// In lockstep a keyframe that is not in the map is resent by its tracker.
+void MappingNode::WorkBeforeStop() {
+  for (;;) {
+    std::optional<Work> work;
+    {
+      const std::lock_guard lock(mutex_);
+      const double now_s = bus::NowS();
+      if (!queue_.IsLockstep(now_s)) work = queue_.Take(now_s);
+    }
+    if (!work) break;
+    stop_solve_ = true;
+    Do(*work);
+  }
+  if (!options_.state_file.empty()) KeepState();
 }
 
 /// Called when a camera is known.
@@ -156,6 +175,7 @@ void MappingNode::BeginMap() {
   if (restored_) return RestoreState();
   if (!stored_) {
     mapper_.emplace(*camera_, options_);
+    if (!options_.state_file.empty()) spdlog::info("beginning a new map: there is no {}", options_.state_file);
     return;
   }
   mapper_.emplace(*camera_, options_, *std::exchange(stored_, std::nullopt));
@@ -169,6 +189,7 @@ void MappingNode::BeginMap() {
 
 /// Publishes the map before the keyframes: trackers wait for it, and most other processes have the features.
 void MappingNode::RestoreState() {
+  answer_ = state_->answer;
   mapper_.emplace(*camera_, options_, *std::exchange(state_, std::nullopt));
   PublishWhole();
   process_.SetState(process_state::kRunning);
@@ -177,10 +198,12 @@ void MappingNode::RestoreState() {
   MoveOldToFiles();
 }
 
-/// Publishes the keyframes of the map as trackers do, for listeners that need their features.
-void MappingNode::PublishKeyframes() {
+/// Publishes the keyframes of the map, or those with the given ids, as trackers do, for listeners that need their
+/// features.
+void MappingNode::PublishKeyframes(const std::optional<std::set<int64_t>>& ids) {
   bus::KeyframePublisher publisher(process_.bus());
   for (const auto& [id, entry] : mapper_->map().keyframes()) {
+    if (ids && !ids->contains(id)) continue;
     const auto features = mapper_->features().find(id);
     if (features == mapper_->features().end()) continue;
     publisher.Publish(KeyframeOf(entry, features->second, mapper_->camera(), mapper_->map()));
@@ -188,7 +211,7 @@ void MappingNode::PublishKeyframes() {
 }
 
 void MappingNode::LogStoredMap(const std::string& file) {
-  spdlog::info("{}: {} keyframes, {} points, {} lines", file, mapper_->map().keyframes().size(),
+  spdlog::info("continuing the map in {}: {} keyframes, {} points, {} lines", file, mapper_->map().keyframes().size(),
                mapper_->map().points().size(), mapper_->map().lines().size());
   CountMap();
 }
@@ -366,6 +389,7 @@ void MappingNode::CountFailures() {
 
 /// An order that fails changes nothing.
 void MappingNode::Execute(const bus::Order& order) {
+  if (order.verb == command_verb::kSendKeyframes) return PublishKeyframes(NumbersInRanges(order.argument));
   try {
     if (order.verb == command_verb::kSave) Save(order.argument);
     if (order.verb == command_verb::kLocalise) SetLocaliseOnly(order.argument);
@@ -429,13 +453,27 @@ void MappingNode::ReadState() {
     // Do not wait for the camera message, which comes once a second: it would be the longest part of a restart.
     camera_ = MapCamera(state_->stored, options_.state_file);
   } catch (const std::exception& error) {
-    spdlog::warn("rebuilding the map from the history: {}", error.what());
     state_.reset();
+    // It may be of a later version of the program.
+    const std::string kept = options_.state_file + ".unreadable";
+    std::error_code ignored;
+    std::filesystem::rename(options_.state_file, kept, ignored);
+    process_.Warn("state",
+                  fmt::format("rebuilding the map from the history: {}; the file is kept as {}", error.what(), kept));
     return;
   }
   restored_ = true;
   began_version_ = state_->began_version;
-  AdoptStored(state_->stored);
+  const std::lock_guard lock(mutex_);
+  const StoredMap& stored = state_->stored;
+  WorkQueue::Newest newest{stored.newest_session, -1, state_->lockstep != 0, state_->committed != 0, {}};
+  const auto session = stored.sessions.find(stored.newest_session);
+  if (session == stored.sessions.end()) newest.committed = true;
+  if (session != stored.sessions.end()) newest.keyframe_id = session->second.session_keyframe_id;
+  for (int kind = 0; kind < kClosureKinds; ++kind) {
+    if ((state_->closures >> kind & 1) != 0) newest.taken.insert(static_cast<LoopClosure::Kind>(kind));
+  }
+  queue_.Restore(NewestBySession(stored), newest, bus::NowS());
 }
 
 /// Marks the keyframes of the map as inserted. The history keeper republishes them, except for culled ones.
@@ -444,11 +482,20 @@ void MappingNode::AdoptStored(const StoredMap& stored) {
   queue_.Restore(NewestBySession(stored), stored.newest_session);
 }
 
+void MappingNode::AddNewest(MapperState& state) {
+  const std::lock_guard lock(mutex_);
+  const WorkQueue::Newest& newest = queue_.newest();
+  state.lockstep = newest.lockstep ? 1 : 0;
+  for (const LoopClosure::Kind kind : newest.taken) state.closures |= 1 << static_cast<int>(kind);
+}
+
 /// If writing fails the process continues, with a higher cost of a crash.
 void MappingNode::KeepState() {
   try {
     mapper_->LendState([this](MapperState& state) {
       state.stored.rig = CameraBytes(mapper_->camera());
+      state.answer = answer_;
+      AddNewest(state);
       state_file_.Write(state);
     });
     process_.SetCounter("state.written", static_cast<double>(++n_states_));

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <utility>
@@ -34,9 +35,9 @@ namespace plslam::mapping {
 /// a keyframe arrives; in lockstep each runs to the end. Keyframes wait until a camera is known. Each comes with its
 /// own camera, and is re-expressed in that of the map (`KeyframeInCamera`), which is that of its first keyframe.
 ///
-/// The state is written periodically and before each new session (`state_file`): after a crash the process continues
-/// exactly from there, takes later messages from the histories of other processes, and so reaches the same map, in
-/// lockstep bit for bit.
+/// The state is written periodically, before each new session, and at an orderly stop (`state_file`): a process started
+/// later continues exactly from there, takes later messages from the histories of other processes, and so reaches the
+/// same map, in lockstep bit for bit. "reset" or a missing file begins a new map.
 ///
 /// A saved map is loaded at the start or by command; its keyframes are published as trackers do, for listeners that
 /// need their features. After another map has replaced the current one ("load", "reset"), trackers begin new sessions,
@@ -66,9 +67,10 @@ class MappingNode {
   // On the worker.
   void WorkUntilStopped();
   std::optional<Work> NextWork();
+  void WorkBeforeStop();
   void BeginMap();
   void RestoreState();
-  void PublishKeyframes();
+  void PublishKeyframes(const std::optional<std::set<int64_t>>& ids = std::nullopt);
   void LogStoredMap(const std::string& file);
   void AwaitHistories();
   void Do(const Work& work);
@@ -82,6 +84,7 @@ class MappingNode {
   void Replace(MapperState next, const StereoCamera& camera);
   void SetLocaliseOnly(const std::string& argument);
   void KeepState();
+  void AddNewest(MapperState& state);
   void MoveOldToFiles();
   void Answer(const LoopClosure& loop, bool accepted);
   void Publish(Stages stage_ms);
@@ -111,7 +114,7 @@ class MappingNode {
 
   // Owned by the worker.
   std::optional<StoredMap> stored_;
-  std::optional<MapperState> state_;  ///< of a previous process that crashed
+  std::optional<MapperState> state_;  ///< of a previous process
   bool restored_ = false;             ///< whether there was one
   StateFile state_file_;
   std::optional<Mapper> mapper_;

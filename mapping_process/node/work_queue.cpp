@@ -25,6 +25,19 @@ void WorkQueue::Restore(const std::map<int64_t, int64_t>& newest_by_session, int
   if (newest != inserted_.end()) newest_ = {newest_session, newest->second, false, true, {}};
 }
 
+void WorkQueue::Restore(const std::map<int64_t, int64_t>& newest_by_session, const Newest& newest, double now_s) {
+  Restore(newest_by_session, newest.session);
+  if (newest.committed) return;
+  newest_ = newest;
+  --restored_[newest.session];
+  if (options_.enabled) wait_.Begin(newest.keyframe_id, now_s);
+}
+
+bool WorkQueue::IsLockstep(double now_s) const {
+  const Keyframe* next = keyframes_.Next(kMsPerS * now_s);
+  return newest_.lockstep || (next != nullptr && next->lockstep);
+}
+
 void WorkQueue::Reset(const std::map<int64_t, int64_t>& newest_by_session, int64_t newest_session) {
   WorkQueue next(options_, state_every_);
   next.wait_ = wait_;

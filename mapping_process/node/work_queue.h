@@ -61,8 +61,22 @@ class WorkQueue {
   explicit WorkQueue(const LoopUseOptions& options, int state_every = 0)
       : options_(options), wait_(options.wait_s), state_every_(state_every) {}
 
-  /// Sets the newest keyframe of each session in the map, and that all of them are committed.
+  /// The newest keyframe in the map, and whether its closures are still awaited; a restarted process continues from it.
+  struct Newest {
+    int64_t session = 0;
+    int64_t keyframe_id = -1;
+    bool lockstep = false;
+    bool committed = true;
+    std::set<LoopClosure::Kind> taken;  ///< closures about it
+  };
+
+  /// Sets the newest keyframe of each session in the map. All of them are committed.
   void Restore(const std::map<int64_t, int64_t>& newest_by_session, int64_t newest_session);
+  /// The same; closures about `newest` are still accepted if it is not committed.
+  void Restore(const std::map<int64_t, int64_t>& newest_by_session, const Newest& newest, double now_s);
+  const Newest& newest() const { return newest_; }
+  /// Returns whether lockstep keyframes are next; otherwise all that have arrived can be inserted before a stop.
+  bool IsLockstep(double now_s) const;
 
   /// Returns false for a keyframe that was added before, by any publisher.
   bool Add(const Keyframe& keyframe, double now_ms) { return keyframes_.Add(keyframe, now_ms); }
@@ -99,13 +113,6 @@ class WorkQueue {
  private:
   /// Session, keyframe, publisher and version of the map, and kind of a closure.
   using Answer = std::tuple<int64_t, int64_t, int64_t, int64_t, int>;
-  struct Newest {
-    int64_t session = 0;
-    int64_t keyframe_id = -1;
-    bool lockstep = false;
-    bool committed = true;
-    std::set<LoopClosure::Kind> taken;  ///< closures about it
-  };
 
   static Answer AnswerOf(const LoopClosure& closure);
   void DropOldest();

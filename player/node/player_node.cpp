@@ -16,6 +16,7 @@ stream::SenderOptions SenderOptionsOf(const PlayerOptions& options) {
 std::unique_ptr<stream::FrameSource> Open(bus::Process& process, const PlayerOptions& options) {
   auto source = std::make_unique<DatasetSource>(options);
   if (source->scan_s() > 0.0) process.SetCounter(kRecordingScan, source->scan_s());
+  for (const std::string& warning : source->warnings()) process.Warn("dataset", warning);
   PlayerOptions shown = options;
   process.SetConfiguration(ToYaml("player", shown));
   return source;

@@ -29,11 +29,11 @@ endfunction()
 
 function(plslam_process_units folder)
   plslam_process_unit(${folder} mapping mapping_process "mapping (the map: keyframes, points and lines, adjusted)"
-                      MORE "--set mapping.state_file=%t/plslam/%i/mapping/state")
+                      MORE "--set mapping.state_file=%S/plslam/%i/mapping/state")
   plslam_process_unit(${folder} loop loop_process "loop closing (places seen before; lost trackers found again)"
                       NICE 8)
   plslam_process_unit(${folder} vo vo_process "tracking (stereo odometry with points and lines)"
-                      MORE "--set vo.state_file=%t/plslam/%i/vo/state")
+                      MORE "--set vo.state_file=%S/plslam/%i/vo/state")
   plslam_process_unit(${folder} viewer viewer_headless "viewer (trajectories, map and pictures as files)"
                       MORE "--set viewer.quiet=true --set viewer.out=%S/plslam/%i/viewer/out"
                       NICE 10)

@@ -111,6 +111,7 @@ Arguments CameraArguments(const RunOptions& options) {
 
 Arguments CommonArguments(const RunOptions& options) {
   Arguments arguments = {"--url", options.url, "--parent", std::to_string(getpid())};
+  if (options.own_bus) arguments.emplace_back("--own-bus");
   if (!options.prefix.empty()) arguments.insert(arguments.end(), {"--prefix", options.prefix});
   if (!options.map_prefix.empty()) {
     arguments.insert(arguments.end(), {"--map-prefix", options.map_prefix});

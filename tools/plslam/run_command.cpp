@@ -127,6 +127,7 @@ int Run(RunOptions options) {
   SessionDoor door;
   // Before anything that starts threads, which must inherit the blocked signals.
   const bus::SignalWatcher signals([&](const std::string&) { door.Interrupt(); }, 0, [&] { door.KillAll(); });
+  options.own_bus = options.url.empty();
   const RunBus run_bus(options.url);
   options.url = run_bus.url();
   bus::Bus bus(run_bus.OptionsFor(options), "plslam");

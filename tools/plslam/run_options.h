@@ -38,6 +38,8 @@ struct RunOptions {
   int64_t serve = -1;
   std::filesystem::path video;
   std::string url;
+  /// Whether the URL is private to this run.
+  bool own_bus = false;
   std::string prefix;
   std::string map_prefix;
   /// Event log of all traffic; empty: none.

@@ -314,6 +314,7 @@ RunSummary RunSession::Summary() const {
   summary.wall_s = wall_s_;
   summary.frames = monitor_.frames();
   summary.counters = monitor_.counters();
+  summary.warnings = monitor_.warnings();
   summary.statistics = &monitor_.statistics();
   summary.map = &monitor_.map();
   summary.loops = &monitor_.loops();

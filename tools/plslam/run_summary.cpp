@@ -249,6 +249,7 @@ RunFindings FindingsOf(const RunSummary& summary) {
   findings.frames = summary.frames;
   findings.Take(summary.counters);
   findings.recordings = summary.recordings;
+  findings.published = summary.warnings;
   if (!summary.accuracy) return findings;
   const json& accuracy = *summary.accuracy;
   const auto number = [&](const char* path) {

@@ -32,6 +32,8 @@ struct RunSummary {
   FrameTally frames;
   /// Counters of the processes about the data.
   RunCounters counters;
+  /// Published by the processes.
+  std::vector<RunWarning> warnings;
   const RunStatistics* statistics = nullptr;
   const MapStatistics* map = nullptr;
   const LoopStatistics* loops = nullptr;

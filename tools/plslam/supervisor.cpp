@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <fstream>
 
+#include "core/process/process_arguments.h"
 #include "core/process/process_signals.h"
 
 namespace plslam::launcher {
@@ -88,7 +89,8 @@ void Supervisor::ShortenDeadline(Child* child, TimePoint now) const {
 /// A player would report the same error of its dataset again, and a recorder its full disk.
 bool Supervisor::MayRestart(const Child& child, const ChildExit& end) const {
   const bool crashed = end.signal != 0 || (child.ending == Ending::kRestart && child.ready);
-  return !stopping_since_ && crashed && child.report.restarts < options_.max_restarts;
+  const bool has_namesake = end.signal == 0 && end.code == bus::kExitCodeOfNamesake;
+  return !stopping_since_ && crashed && !has_namesake && child.report.restarts < options_.max_restarts;
 }
 
 /// Returns whether it ended as intended, or by our own signal.

@@ -13,6 +13,7 @@
 #include "core/process/process_status.h"
 #include "core/run/lag.h"
 #include "core/run/process_names.h"
+#include "plslam/warning_t.hpp"
 #include "viewer_headless/node/message_values.h"
 #include "viewer_headless/report/report_json.h"
 #include "viewer_headless/report/report_page.h"
@@ -36,6 +37,7 @@ ReportNode::ReportNode(bus::Bus& bus, const ViewerOptions& options, Sources sour
   wanted_ = wanted_ && page_;
   report_ = std::make_unique<ReportRecorder>(options_.report_pictures);
   if (!wanted_) return;
+  bus.Subscribe<warning_t>(bus::kWarning, [this](const warning_t& m) { report_->AddWarning(m.code, m.sentence); });
   loops_ = std::make_unique<bus::LoopClosureSubscriber>(bus, [this](const LoopClosure& c) { report_->Add(c); });
   if (options_.serve == 0) return;
   live_ = std::make_unique<LiveView>(static_cast<int>(options_.serve), FillTemplate(*page_, "null"));

@@ -61,6 +61,7 @@ std::vector<RunWarning> ReportRecorder::Warnings(const RunFacts& facts, const Pa
   findings.dataset = head_.dataset;
   findings.frames = facts.frames;
   findings.Take(counters_);
+  findings.published = warnings_.all();
   findings.ate_m = path.ate_m;
   findings.true_spread_m = path.true_spread_m;
   findings.nees_pose = path.consistency.mean_nees;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/map/map_update.h"
+#include "core/run/published_warnings.h"
 #include "viewer_headless/recorder.h"
 #include "viewer_headless/report/frame_tables.h"
 #include "viewer_headless/report/loop_log.h"
@@ -35,6 +36,7 @@ class ReportRecorder {
   void Add(const ProcessSample& sample) { processes_.Add(sample); }
   /// A counter of the status of a process.
   void Take(int64_t source, const std::string& name, double value) { counters_.Take(source, name, value); }
+  void AddWarning(const std::string& code, const std::string& sentence) { warnings_.Add(code, sentence); }
   void Add(const LoopClosure& closure) { loops_.Add(closure); }
   /// Called after `update` was applied to `map`; `frame_id` is the newest frame.
   void Add(const MapUpdate& update, const Map& map, int64_t frame_id);
@@ -58,6 +60,7 @@ class ReportRecorder {
   PictureStore pictures_;
   ProcessLog processes_;
   RunCounters counters_;
+  PublishedWarnings warnings_;
   CorrectionLog corrections_;
   LoopLog loops_;
   MapTimes map_times_;

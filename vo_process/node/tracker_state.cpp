@@ -82,6 +82,16 @@ bool TrackerCheckpoint::Keep(const TrackerState& state) {
   }
 }
 
+void TrackerCheckpoint::Release() const {
+  if (path_.empty() || !std::filesystem::exists(path_)) return;
+  try {
+    TrackerState state = ReadTrackerState(path_);
+    if (std::exchange(state.n_restored, 0) > 0) WriteTrackerState(path_, state);
+  } catch (const std::exception& error) {
+    spdlog::warn("{}", error.what());
+  }
+}
+
 void TrackerCheckpoint::Drop() const {
   std::error_code ignored;
   if (!path_.empty()) std::filesystem::remove(path_, ignored);

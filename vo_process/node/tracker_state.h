@@ -87,14 +87,14 @@ size_t WriteTrackerState(const std::string& path, const TrackerState& state, siz
 /// Throws std::runtime_error that names the file if it cannot be read, is damaged, or has another version.
 TrackerState ReadTrackerState(const std::string& path);
 
-/// The state file of a tracker. It exists only while the tracker runs, or after a crash: a clean exit removes it.
+/// The state file of a tracker, from which the next one continues.
 class TrackerCheckpoint {
  public:
   /// Reads and writes no file if `path` is empty.
   explicit TrackerCheckpoint(std::string path) : path_(std::move(path)) {}
 
   bool is_on() const { return !path_.empty(); }
-  /// Returns the state of a crashed tracker, nullopt if there is none. Throws std::runtime_error with one sentence if
+  /// Returns the state of an earlier tracker, nullopt if there is none. Throws std::runtime_error with one sentence if
   /// the file is unusable: of other `settings`, damaged, or already used several times by trackers that crashed in
   /// turn.
   std::optional<TrackerState> Take(const std::string& settings) const;
@@ -104,6 +104,8 @@ class TrackerCheckpoint {
   /// Size of `TrackerState::odometry` in the last written state, as a hint for the next one.
   size_t odometry_bytes() const { return odometry_bytes_; }
   void Drop() const;
+  /// At an orderly stop: the tracker that took the state has not crashed.
+  void Release() const;
 
  private:
   std::string path_;

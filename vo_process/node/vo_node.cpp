@@ -81,10 +81,14 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
   Restore();
 }
 
-/// Removes the state also after an exception, which the same state might cause again.
+/// The state is for the next start, except after an exception, which the same state might cause again.
 VoNode::~VoNode() {
   KeepLearned();
-  checkpoint_.Drop();
+  if (std::uncaught_exceptions() > 0) {
+    checkpoint_.Drop();
+  } else {
+    checkpoint_.Release();
+  }
 }
 
 void VoNode::OnCamera(const RigCalibration& rig) {

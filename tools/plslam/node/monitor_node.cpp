@@ -18,6 +18,7 @@
 #include "plslam/relocalisation_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
+#include "plslam/warning_t.hpp"
 
 namespace plslam::launcher {
 namespace {
@@ -68,6 +69,7 @@ MonitorNode::MonitorNode(bus::Bus& bus) : host_(bus::HostName()) {
     sent_.OnStream(m.event == "end", m.n_frames, m.n_bad);
     lockstep_ = m.pace == "lockstep";
   });
+  bus.Subscribe<warning_t>(bus::kWarning, [this](const warning_t& m) { warnings_.Add(m.code, m.sentence); });
   bus.Subscribe<keyframe_t>(bus::kKeyframe, [this](const keyframe_t& m) {
     for (const auto& point : m.points) statistics_.AddLandmark(m.header.session, point.landmark_id, false);
     for (const auto& line : m.lines) statistics_.AddLandmark(m.header.session, line.landmark_id, true);

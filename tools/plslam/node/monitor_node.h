@@ -5,8 +5,10 @@
 #include <map>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/bus/bus.h"
+#include "core/run/published_warnings.h"
 #include "tools/plslam/run_statistics.h"
 #include "tools/plslam/run_summary.h"
 #include "tools/plslam/stall_watch.h"
@@ -66,6 +68,8 @@ class MonitorNode {
   FrameTally frames() const;
   /// Counters of the processes about the data.
   const RunCounters& counters() const { return counters_; }
+  /// Warnings published by the processes, each once.
+  const std::vector<RunWarning>& warnings() const { return warnings_.all(); }
   /// Whether the player is paused.
   bool is_paused() const { return is_paused_; }
   /// Returns whether the player is paused; or plays at the pace of the data, has not reached the end, was heard
@@ -92,6 +96,7 @@ class MonitorNode {
   int64_t total_frames_ = -1;
   SentFrames sent_;
   RunCounters counters_;
+  PublishedWarnings warnings_;
   int64_t poses_heard_ = 0;
   double player_heard_s_ = -1.0;
   bool lockstep_ = false;

@@ -93,7 +93,7 @@ await runChecks(check, browser, async (page) => {
     const lag = /^(vo|mapping|loop)$/.test(name) ? /^\d+ frames?( \(.* s\))?$/ : /^–$/;
     check.that(p.restarts === "0" && lag.test(p.lag), `how ${name} is: ${JSON.stringify(p)}`);
   }
-  check.that(/ ms$/.test(processes.vo.work) && /ms an update/.test(processes.mapping.work), "and what a frame takes");
+  check.that(/ ms$/.test(processes.vo.work) && /ms per update/.test(processes.mapping.work), "and what a frame takes");
   const ids = await browser.run("return Array.from(plslam.run.frames.id)");
   check.that(ids.every((id, i) => i === 0 || id > ids[i - 1]), "each frame once, in order");
   const columns = await browser.run("return Object.entries(plslam.run.frames).map(([name, c]) => [name, c.length / plslam.run.frameWidths[name]])");

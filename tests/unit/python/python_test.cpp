@@ -385,7 +385,7 @@ print(json.dumps({"heard": out, "silent": silent, "refused": refused}))
     last = frame;
   }
   EXPECT_EQ(heard["silent"], 0);
-  EXPECT_THAT(heard["refused"].get<std::string>(), HasSubstr("only udpm:// can be listened to"));
+  EXPECT_THAT(heard["refused"].get<std::string>(), HasSubstr("can only listen to udpm://"));
 }
 
 TEST_F(Python, ForeignBytesAreNoMessage) {

@@ -9,7 +9,7 @@ namespace plslam::adapter {
 void AdapterCommandLine::AddTo(void* app) {
   auto& cli = *static_cast<CLI::App*>(app);
   cli.add_option("--foreign-url", foreign_url_, "LCM URL of the robot (LCM_DEFAULT_URL, or LCM's default)");
-  cli.add_option("--camera", camera_, "file of the rig (without one: sensor_msgs.CameraInfo of the robot)");
+  cli.add_option("--camera", camera_, "rig file (without one: sensor_msgs.CameraInfo of the robot)");
   cli.add_option("--images", images_, "channel of bot_core.images_t, left and right image in one");
   cli.add_option("--left", left_, "channel of left images, sensor_msgs.Image or sensor_msgs.CompressedImage");
   cli.add_option("--right", right_, "channel of right images");
@@ -25,13 +25,13 @@ AdapterOptions AdapterCommandLine::Options(const Config& config) const {
   if (right_) options.right = *right_;
   const bool in_one = !options.images.empty(), left = !options.left.empty(), right = !options.right.empty();
   if (in_one == (left || right) || left != right) {
-    throw std::runtime_error("name the channel of the images: --images CHANNEL, or --left CHANNEL --right CHANNEL");
+    throw std::runtime_error("give the channel of the images: --images CHANNEL, or --left CHANNEL --right CHANNEL");
   }
   if (in_one && options.camera.empty()) {
-    throw std::runtime_error("bot_core.images_t comes without calibration: name a file with --camera");
+    throw std::runtime_error("bot_core.images_t has no calibration: give a file with --camera");
   }
   if (!options.robot_odometry.empty() && options.robot_odometry == options.odometry) {
-    throw std::runtime_error("adapter.robot_odometry is the channel that adapter.odometry is published on: " +
+    throw std::runtime_error("adapter.robot_odometry is the channel on which adapter.odometry is published: " +
                              options.odometry);
   }
   return options;

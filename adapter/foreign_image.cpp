@@ -59,9 +59,9 @@ std::string EncodingOfPixelFormat(int32_t pixelformat) {
   for (const PixelFormat& format : kPixelFormats) {
     if (format.number == pixelformat) return std::string(format.encoding);
   }
-  throw DatasetError(
-      fmt::format("its pixelformat {} is none of grey, Bayer, RGB, BGR, RGBA, BGRA, YUYV, UYVY, NV12, I420 and JPEG",
-                  pixelformat));
+  throw DatasetError(fmt::format(
+      "its pixelformat {} is not one of grey, Bayer, RGB, BGR, RGBA, BGRA, YUYV, UYVY, NV12, I420 or JPEG",
+      pixelformat));
 }
 
 cv::Mat GreyOf(const ForeignImage& image, const cv::Size& expected, int white) {

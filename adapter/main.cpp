@@ -8,7 +8,7 @@ int main(int argc, char** argv) {
   plslam::adapter::AdapterCommandLine command_line;
   plslam::bus::ProcessSpec spec;
   spec.name = plslam::process_name::kAdapter;
-  spec.description = "Joins a robot that speaks LCM: its stereo images in, poses and the map out.";
+  spec.description = "Connects a robot that uses LCM: receives its stereo images, publishes poses and the map.";
   spec.examples =
       "  adapter --images CAMERA --camera camera.yaml\n"
       "  adapter --left '/left#sensor_msgs.Image' --right '/right#sensor_msgs.Image'\n"

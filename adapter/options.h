@@ -28,18 +28,19 @@ struct AdapterOptions {
 template <class Visitor>
 void VisitFields(Visitor& visit, AdapterOptions& o) {
   visit("foreign_url", o.foreign_url, "LCM URL of the robot; empty: LCM_DEFAULT_URL");
-  visit("camera", o.camera, "file of the rig; empty: sensor_msgs.CameraInfo");
+  visit("camera", o.camera, "rig file; empty: sensor_msgs.CameraInfo");
   visit("images", o.images, "channel of bot_core.images_t");
-  visit("left", o.left, "of left sensor_msgs.Image or CompressedImage");
-  visit("right", o.right, "of right images");
-  visit("left_info", o.left_info, "of CameraInfo; empty: beside the images");
-  visit("right_info", o.right_info, "of the right one");
-  visit("max_skew_ms", o.max_skew_ms, Bounds{0, 100}, "between the stamps of a pair");
-  visit("robot_odometry", o.robot_odometry, "of nav_msgs.Odometry of wheels, to predict with; empty: none");
-  visit("pose", o.pose, "for bot_core.pose_t; empty: none");
-  visit("odometry", o.odometry, "for nav_msgs.Odometry");
-  visit("tf", o.tf, "for tf2_msgs.TFMessage");
-  visit("map", o.map, "for sensor_msgs.PointCloud2");
+  visit("left", o.left, "channel of left sensor_msgs.Image or CompressedImage");
+  visit("right", o.right, "channel of right images");
+  visit("left_info", o.left_info, "channel of CameraInfo; empty: beside the images");
+  visit("right_info", o.right_info, "channel of the right CameraInfo, likewise");
+  visit("max_skew_ms", o.max_skew_ms, Bounds{0, 100}, "largest difference between the stamps of a pair");
+  visit("robot_odometry", o.robot_odometry,
+        "channel of nav_msgs.Odometry of the wheels, for prediction; empty: none");
+  visit("pose", o.pose, "channel for bot_core.pose_t; empty: none");
+  visit("odometry", o.odometry, "channel for nav_msgs.Odometry");
+  visit("tf", o.tf, "channel for tf2_msgs.TFMessage");
+  visit("map", o.map, "channel for sensor_msgs.PointCloud2");
 }
 
 }  // namespace plslam::adapter

@@ -52,7 +52,7 @@ std::string SentenceOf(GstMessage* message) {
   std::string text = fmt::format("{} ({}{}{})", error->message, GST_OBJECT_NAME(GST_MESSAGE_SRC(message)),
                                  more.empty() ? "" : ": ", more);
   if (details.find("not-negotiated") != std::string::npos) {
-    text += "; is `videoconvert ! video/x-raw,format=GRAY8` in front of each appsink, and has the camera this size?";
+    text += "; is `videoconvert ! video/x-raw,format=GRAY8` before each appsink, and does the camera have this size?";
   }
   if (details.find("Missing decoder") != std::string::npos) text += "; apt-get install gstreamer1.0-libav";
   g_error_free(error);
@@ -86,7 +86,7 @@ Owned<GstElement> Parse(const std::string& text) {
   if (error != nullptr) {
     std::string why = error->message;
     if (g_error_matches(error, GST_PARSE_ERROR, GST_PARSE_ERROR_NO_SUCH_ELEMENT) == TRUE) {
-      why += ": apt-get install gstreamer1.0-plugins-good (libaravis-0.8-0 for aravissrc), or name another";
+      why += ": apt-get install gstreamer1.0-plugins-good (libaravis-0.8-0 for aravissrc), or give another";
     }
     g_error_free(error);
     if (element != nullptr) gst_object_unref(element);
@@ -95,7 +95,7 @@ Owned<GstElement> Parse(const std::string& text) {
   if (!GST_IS_PIPELINE(element)) {
     // A single element, which has no appsinks.
     gst_object_unref(element);
-    throw std::runtime_error("the pipeline is a single element, and should end in two appsinks, left and right");
+    throw std::runtime_error("the pipeline is a single element, but must end in two appsinks, left and right");
   }
   return Own(element);
 }
@@ -107,7 +107,7 @@ void CameraPipeline::Impl::FindSink(Side side) {
   sink.reset(gst_bin_get_by_name(GST_BIN(pipeline.get()), NameOf(side)));
   if (!sink || !GST_IS_APP_SINK(sink.get())) {
     throw std::runtime_error(
-        fmt::format("the pipeline has no `appsink name={0}`: the {0} images should end there", NameOf(side)));
+        fmt::format("the pipeline has no `appsink name={0}`: the {0} images must end there", NameOf(side)));
   }
 }
 
@@ -164,7 +164,7 @@ CameraPipeline::CameraPipeline(const std::string& text, Wakeup* wakeup) : impl_(
     change = gst_element_get_state(impl_->pipeline.get(), nullptr, nullptr, kPrepareLimit);
   }
   if (change == GST_STATE_CHANGE_FAILURE) fail("the pipeline cannot be started");
-  if (change == GST_STATE_CHANGE_ASYNC) fail("the pipeline gives no first image within 10 s");
+  if (change == GST_STATE_CHANGE_ASYNC) fail("the pipeline produced no image within 10 s");
   is_live_ = change == GST_STATE_CHANGE_NO_PREROLL;
   if (!is_live_) return;
   for (const Side side : {Side::kLeft, Side::kRight}) gst_app_sink_set_drop(impl_->Sink(side), TRUE);
@@ -188,7 +188,7 @@ cv::Mat CopyPixels(GstSample* sample, const char* side) {
   GstVideoInfo info;
   const GstCaps* caps = gst_sample_get_caps(sample);
   if (caps == nullptr || gst_video_info_from_caps(&info, caps) == FALSE) {
-    throw std::runtime_error(fmt::format("the {} images are no raw video", side));
+    throw std::runtime_error(fmt::format("the {} images are not raw video", side));
   }
   GstVideoFrame frame;
   if (gst_video_frame_map(&frame, &info, gst_sample_get_buffer(sample), GST_MAP_READ) == FALSE) {
@@ -206,7 +206,7 @@ int64_t RunningTime_ns(GstSample* sample, const char* side) {
   const GstBuffer* buffer = gst_sample_get_buffer(sample);
   if (!GST_BUFFER_PTS_IS_VALID(buffer)) {
     throw std::runtime_error(fmt::format(
-        "the {} images have no times: name their rate, as in multifilesrc caps=image/png,framerate=20/1", side));
+        "the {} images have no times: give their rate, as in multifilesrc caps=image/png,framerate=20/1", side));
   }
   const GstSegment* segment = gst_sample_get_segment(sample);
   const guint64 t_ns = gst_segment_to_running_time(segment, GST_FORMAT_TIME, GST_BUFFER_PTS(buffer));

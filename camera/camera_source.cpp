@@ -100,8 +100,8 @@ void CameraSource::CheckSize(Side side, const cv::Mat& pixels) const {
   const CameraCalibration& camera = side == Side::kLeft ? live_.rig.left : live_.rig.right;
   if (pixels.cols == camera.width_px && pixels.rows == camera.height_px) return;
   throw std::runtime_error(Named(fmt::format(
-      "the {0} images are of {1}x{2} pixels, and {0}.resolution_px says {3}x{4}: set the camera to "
-      "the size that it was calibrated at",
+      "the {0} images have {1}x{2} pixels, but {0}.resolution_px is {3}x{4}: set the camera to the size at which it "
+      "was calibrated",
       side == Side::kLeft ? "left" : "right", pixels.cols, pixels.rows, camera.width_px, camera.height_px)));
 }
 
@@ -137,8 +137,8 @@ std::string CameraSource::Silence() const {
   const auto since = Clock::now() - limit;
   if (std::max(last_frame_, built_) > since) return "";
   const bool left = last_images_[0] > since, right = last_images_[1] > since;
-  if (left != right) return fmt::format("the {} camera gives no images", left ? "right" : "left");
-  return left ? "left and right images have no times in common (source.max_skew_ms)" : "the cameras give no images";
+  if (left != right) return fmt::format("the {} camera sends no images", left ? "right" : "left");
+  return left ? "left and right images have no times in common (source.max_skew_ms)" : "the cameras send no images";
 }
 
 void CameraSource::TakeImages() {
@@ -157,7 +157,7 @@ void CameraSource::TakeImages() {
 /// A stream that is not live may arrive over a network, and its pipeline cannot be rebuilt at the same position.
 void CameraSource::ReportStall() {
   if (is_live_ || !outage_.empty() || Clock::now() - waits_since_ < kStall) return;
-  outage_ = fmt::format("the stream gives no images for {} s", kStall.count());
+  outage_ = fmt::format("the stream has sent no images for {} s", kStall.count());
   listener_.on_outage(outage_);
 }
 
@@ -176,7 +176,7 @@ void CameraSource::BuildAgain() {
   const std::chrono::duration<double> silent = Clock::now() - last_frame_;
   if (silent.count() > live_.source.give_up_s) {
     throw std::runtime_error(
-        Named(fmt::format("no frames for {:.0f} s (source.give_up_s = {}): {}; check cable and power of the cameras",
+        Named(fmt::format("no frames for {:.0f} s (source.give_up_s = {}): {}; check cables and power of the cameras",
                           silent.count(), live_.source.give_up_s, outage_)));
   }
   const auto until = Clock::now() + pause_;

@@ -17,7 +17,7 @@ void CameraCommandLine::AddTo(void* app) {
   cli.add_option("RIG", rig_, "rig file: the keys of camera.yaml, and `source` (docs/datasets.md)");
   cli.add_option("--pace", pace_, "realtime (default); lockstep for files, where each frame waits for the last pose");
   cli.add_flag("--resume", resume_, "continue after the frames that have a pose on the bus: after a crash");
-  cli.add_flag("--exit", exit_, "end when all of a source that ends is sent and acknowledged");
+  cli.add_flag("--exit", exit_, "exit when all frames of a finite source are sent and acknowledged");
   // Exits like --version: no bus is needed for it.
   cli.add_flag_callback(
       "--print-pipeline",
@@ -30,7 +30,7 @@ void CameraCommandLine::AddTo(void* app) {
         }
         throw CLI::Success();
       },
-      "print the GStreamer pipeline of the rig file, to start from for a `source.pipeline`, and end");
+      "print the GStreamer pipeline of the rig file, as a start for a `source.pipeline`, and exit");
 }
 
 CameraOptions CameraCommandLine::Options(const Config& config) const {

@@ -8,7 +8,7 @@ int main(int argc, char** argv) {
   plslam::camera::CameraCommandLine command_line;
   plslam::bus::ProcessSpec spec;
   spec.name = plslam::process_name::kCamera;
-  spec.description = "Brings the images of two live cameras, or of two video files, onto the bus.";
+  spec.description = "Publishes the images of two live cameras, or of two video files, on the bus.";
   spec.examples =
       "  camera rig.yaml\n"
       "  camera rig.yaml --print-pipeline\n"

@@ -29,7 +29,7 @@ constexpr std::array<Row, 6> kRows{{
      false},
     {SourceSpec::Type::kFiles, "files", "two files, [left.mp4, right.mp4]", 2, true},
     {SourceSpec::Type::kRtsp, "rtsp", "two addresses, [rtsp://..., rtsp://...]", 2, false},
-    {SourceSpec::Type::kPipeline, "pipeline", "one text with two appsinks, named left and right", 1, true},
+    {SourceSpec::Type::kPipeline, "pipeline", "one string with two appsinks, named left and right", 1, true},
 }};
 
 const Row& RowOf(SourceSpec::Type type) { return *std::ranges::find(kRows, type, &Row::type); }
@@ -47,7 +47,7 @@ const Row& ChosenRow(const YamlMap& yaml) {
     if (chosen != nullptr) yaml.Fail(row.key, fmt::format("contradicts {}: give one of the two", chosen->key));
     chosen = &row;
   }
-  if (chosen == nullptr) yaml.Fail("source", fmt::format("names no cameras: give one of {}", AllKeys()));
+  if (chosen == nullptr) yaml.Fail("source", fmt::format("defines no cameras: give one of {}", AllKeys()));
   return *chosen;
 }
 
@@ -71,10 +71,10 @@ SourceSpec ReadSource(const YamlMap& yaml) {
   const bool is_empty = std::ranges::any_of(source.inputs, &std::string::empty);
   if (source.inputs.size() != row.n_inputs || is_empty) {
     yaml.Fail(row.key, fmt::format("has {} entries{}: give {}", source.inputs.size(),
-                                   is_empty ? ", of which one is empty" : "", row.inputs));
+                                   is_empty ? ", one of them empty" : "", row.inputs));
   }
   if (row.n_inputs == 2 && source.inputs[0] == source.inputs[1]) {
-    yaml.Fail(row.key, fmt::format("= '{}' is named twice: give {}", source.inputs[0], row.inputs));
+    yaml.Fail(row.key, fmt::format("= '{}' is given twice: give {}", source.inputs[0], row.inputs));
   }
   source.max_skew_ms = NumberWithin(yaml, "max_skew_ms", source.max_skew_ms, 0.0, 1000.0);
   source.give_up_s = NumberWithin(yaml, "give_up_s", source.give_up_s, 0.0, 1e6);
@@ -92,7 +92,7 @@ LiveRig ReadRigFile(const std::string& path) {
   RigCalibration rig = ReadCameraFile(path, {}, &notes);
   LiveRig live{path, std::move(rig), ReadSource(yaml.Map("source")), std::move(notes)};
   if (live.rig.kind != RigCalibration::Kind::kStereo) {
-    yaml.Fail("kind", "= rgbd has no source: two cameras are read, left and right");
+    yaml.Fail("kind", "= rgbd cannot have a source: two cameras are read, left and right");
   }
   const CameraCalibration& left = live.rig.left;
   const CameraCalibration& right = live.rig.right;

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# cmake -DPAGE= -DWORK= -DTEMPLATE= -DNODE= -DNPM= -P bundle_report.cmake: npm packages into WORK, where the lock has changed,
-# then one HTML file to TEMPLATE. Writes nothing into the source tree. Failure is loud, and no failure of the build.
+# cmake -DPAGE= -DWORK= -DTEMPLATE= -DNODE= -DNPM= -P bundle_report.cmake: npm packages into WORK if the lock has
+# changed, then one HTML file to TEMPLATE. Writes nothing into the source tree. A failure is reported loudly, but does
+# not fail the build.
 function(give_up why output)
   file(REMOVE ${TEMPLATE})
   message(NOTICE "${output}\n"
@@ -19,6 +20,6 @@ endif()
 execute_process(COMMAND ${NODE} ${PAGE}/build.mjs ${WORK}/node_modules ${TEMPLATE} WORKING_DIRECTORY ${WORK}
                 RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output TIMEOUT 120)
 if(NOT result EQUAL 0)
-  # Not the machine's fault: the page itself is wrong.
+  # The error is in the page itself, not on this machine.
   message(FATAL_ERROR "The page of reports cannot be bundled:\n${output}")
 endif()

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# At installation: the systemd units of PLSLAM_UNITS, with the programs where they now are, into share/plslam/systemd. Link
-# them with `systemctl link` (docs/install.md).
+# At installation: writes the systemd units of PLSLAM_UNITS, with the installed paths of the programs, into
+# share/plslam/systemd. Link them with `systemctl link` (docs/install.md).
 set(PLSLAM_BIN ${CMAKE_INSTALL_PREFIX}/bin)
 set(folder $ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/share/plslam/systemd)
 message(STATUS "Installing: ${folder}")

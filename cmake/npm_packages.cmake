@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# npm_packages(FOLDER WORK NPM OUT): the packages that FOLDER/package-lock.json pins into WORK/node_modules, where the lock has changed.
-# Writes nothing into the source tree. OUT is empty when they are there, else what npm said: the registry may not be reachable.
+# npm_packages(FOLDER WORK NPM OUT): installs the packages of FOLDER/package-lock.json into WORK/node_modules if the
+# lock has changed. Writes nothing into the source tree. OUT is empty if they are installed, else the output of npm: the
+# registry may not be reachable.
 function(npm_packages folder work npm out)
   file(MAKE_DIRECTORY ${work})
   set(${out} "" PARENT_SCOPE)
@@ -25,7 +26,7 @@ function(npm_packages folder work npm out)
   file(COPY_FILE ${folder}/package-lock.json ${stamp})
 endfunction()
 
-# cmake -DFOLDER= -DWORK= -DNPM= -P npm_packages.cmake: the same for a test, which is skipped where they cannot be had.
+# cmake -DFOLDER= -DWORK= -DNPM= -P npm_packages.cmake: the same for a test, which is skipped if they are not available.
 if(CMAKE_SCRIPT_MODE_FILE STREQUAL CMAKE_CURRENT_LIST_FILE)
   npm_packages(${FOLDER} ${WORK} ${NPM} said)
   if(said)

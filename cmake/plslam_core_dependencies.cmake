@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# What core and the message types link, and so does everybody who links them: this file is also part of the installed CMake
-# package. All of it is a Debian 12 package (scripts/setup installs them).
+# Dependencies of core and the message types, and of all programs that link them: this file is also part of the
+# installed CMake package. All of them are Debian 12 packages (scripts/setup installs them).
 find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc features2d)
@@ -14,7 +14,7 @@ find_package(fmt REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(spdlog REQUIRED)
 
-# Debian's LCM has no CMake package, and its pkg-config file asks for GLib's headers, which no user of it needs.
+# Debian's LCM has no CMake package, and its pkg-config file requires GLib's headers, which its users do not need.
 if(NOT TARGET lcm::lcm)
   find_path(LCM_INCLUDE_DIR lcm/lcm-cpp.hpp REQUIRED)
   find_library(LCM_LIBRARY lcm REQUIRED)
@@ -50,7 +50,7 @@ foreach(codec zstd lz4)
   endif()
 endforeach()
 
-# One include directory for all of OpenCV, as SYSTEM (imported) so that our warnings stay ours.
+# One include directory for all of OpenCV, as SYSTEM (imported), so that its headers cause no warnings.
 if(NOT TARGET plslam_opencv)
   add_library(plslam_opencv INTERFACE IMPORTED)
   set_target_properties(plslam_opencv PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${OpenCV_INCLUDE_DIRS}")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Everything the tree links, found once.
+# All dependencies of the tree.
 include(plslam_core_dependencies)
 # plslam calibrate.
 find_package(Ceres 2.1 REQUIRED)

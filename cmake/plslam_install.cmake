@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# What `cmake --install` puts where, and the CMake package of core. Included last: it installs what the other folders have
-# declared. Everything is relative to the prefix, and can be moved as a whole: the programs find share/plslam beside
+# Installation by `cmake --install`, and the CMake package of core. Included last: it installs the targets of the other
+# folders. Everything is relative to the prefix, and can be moved as a whole: the programs find share/plslam beside
 # their folder.
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)
 get_property(programs GLOBAL PROPERTY PLSLAM_INSTALLED_PROGRAMS)
 get_property(libraries GLOBAL PROPERTY PLSLAM_CORE_LIBRARIES)
 
-# --- licence and changes, in the words and the place that Debian has for them: files for each package
+# --- licence and changes, in Debian's format and location: files for each package
 file(READ ${CMAKE_SOURCE_DIR}/LICENSE LICENSE_TEXT)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/LICENSE)
 string(STRIP "${LICENSE_TEXT}" LICENSE_TEXT)
@@ -36,7 +36,7 @@ install(FILES ${CMAKE_SOURCE_DIR}/README.md ${CMAKE_SOURCE_DIR}/CHANGELOG.md ${C
               ${CMAKE_SOURCE_DIR}/NOTICE ${CMAKE_SOURCE_DIR}/CITATION.cff
         DESTINATION share/doc/plslam COMPONENT runtime)
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/docs DESTINATION share/doc/plslam COMPONENT runtime)
-# The units name the programs by the prefix, which is known only now.
+# The units contain the paths of the programs, which depend on the prefix.
 install(CODE "set(PLSLAM_UNITS ${CMAKE_SOURCE_DIR}/scripts/systemd)" COMPONENT runtime)
 install(SCRIPT ${CMAKE_SOURCE_DIR}/cmake/install_units.cmake COMPONENT runtime)
 
@@ -50,7 +50,7 @@ foreach(target ${libraries} plslam_lcmtypes plslam_core)
   if(type STREQUAL "STATIC_LIBRARY")
     target_include_directories(${target} INTERFACE $<INSTALL_INTERFACE:include/plslam>)
     target_compile_features(${target} PUBLIC cxx_std_20)
-    # As in this tree, so that what stands in headers gives the same numbers.
+    # The same flags as in this tree, so that code in headers gives the same numbers.
     target_compile_options(${target} INTERFACE $<INSTALL_INTERFACE:-ffp-contract=off>)
   endif()
 endforeach()

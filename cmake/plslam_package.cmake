@@ -4,7 +4,7 @@
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME plslam)
 set(CPACK_PACKAGE_VENDOR "plslam")
-# Nobody reads this address. If you pass packages on, name your own: -D CPACK_PACKAGE_CONTACT="NAME <ADDRESS>".
+# This address is not read. If you distribute packages, give your own: -D CPACK_PACKAGE_CONTACT="NAME <ADDRESS>".
 set(CPACK_PACKAGE_CONTACT "the plslam authors <plslam@example.org>" CACHE STRING "Maintainer of the Debian packages")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "stereo visual SLAM with points and lines, as LCM processes")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
@@ -18,8 +18,8 @@ set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME plslam)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
-# lcm-logger, lcm-logplayer; the text of figures, for which any font will do; lcm-spy with the jar of the types.
-# Plug-ins of GStreamer that camera loads: devices and formats; more formats, and GigE cameras.
+# lcm-logger, lcm-logplayer; the text of figures, with any font; lcm-spy with the jar of the types. Plug-ins of
+# GStreamer for camera: devices and formats; more formats, and GigE cameras.
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS
     "liblcm-bin, fonts-dejavu-core, gstreamer1.0-plugins-base, gstreamer1.0-plugins-good")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "liblcm-java, gstreamer1.0-libav, libaravis-0.8-0")

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Headers of others that most sources include, parsed once (PLSLAM_PRECOMPILE; the presets release and asan set it). Sources
-# name what they use all the same: all other builds, and clang-tidy, do without.
+# Precompiled headers of other projects that most sources include (PLSLAM_PRECOMPILE; set by the presets release and
+# asan). Sources still include what they use: all other builds, and clang-tidy, work without them.
 option(PLSLAM_PRECOMPILE "Precompile the headers of other libraries" OFF)
 set(PLSLAM_COMMON_HEADERS
     <algorithm> <array> <atomic> <chrono> <cmath> <condition_variable> <cstdint> <deque> <filesystem> <fstream> <functional>
@@ -8,7 +8,7 @@ set(PLSLAM_COMMON_HEADERS
     <utility> <variant> <vector> <Eigen/Core> <Eigen/Geometry> <opencv2/core/mat.hpp> <fmt/format.h>)
 
 # plslam_precompile(NAME LINK target ... HEADERS <header> ...): for targets with the same flags (plslam_use_precompiled).
-# GCC refuses it, an error, where a macro of the command line differs that a header looked at.
+# GCC rejects it with an error if a command line macro used by a header differs.
 function(plslam_precompile name)
   if(NOT PLSLAM_PRECOMPILE)
     return()
@@ -28,9 +28,9 @@ function(plslam_use_precompiled name precompiled)
 endfunction()
 
 if(PLSLAM_PRECOMPILE)
-  # Also for those that do not link fmt: the macro of its shared library.
+  # The macro of fmt's shared library, also for targets that do not link fmt.
   target_compile_definitions(plslam_flags INTERFACE $<TARGET_PROPERTY:fmt::fmt,INTERFACE_COMPILE_DEFINITIONS>)
-  # Without these ccache lets all be compiled again (its manual, PRECOMPILED HEADERS).
+  # Without these, ccache recompiles everything (its manual, PRECOMPILED HEADERS).
   target_compile_options(plslam_flags INTERFACE -fpch-preprocess)
   if(CCACHE_PROGRAM)
     set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE_PROGRAM})

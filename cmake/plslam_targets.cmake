@@ -2,15 +2,16 @@
 # Compiler flags of all our targets, and the two functions that declare them.
 add_library(plslam_flags INTERFACE)
 target_include_directories(plslam_flags INTERFACE ${CMAKE_SOURCE_DIR})
-# The presets make warnings errors; a plain build with another compiler does not fail by what that has learned to warn of.
+# The presets make warnings errors; a plain build with another compiler does not fail because of new warnings.
 option(PLSLAM_WARNINGS_AS_ERRORS "Warnings are errors" OFF)
-# -ffp-contract=off: the same floating-point result on machines with and without fused multiply-add. The other two change no
-# result either: roots and roundings need no call that sets errno, and loops over floating-point numbers can be vectorised.
+# -ffp-contract=off: the same floating-point result on machines with and without fused multiply-add. The other two do
+# not change results either: roots and roundings need no call that sets errno, and loops over floating-point numbers can
+# be vectorised.
 target_compile_options(plslam_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor
                        -Wold-style-cast -Wconversion -Wno-sign-conversion $<$<BOOL:${PLSLAM_WARNINGS_AS_ERRORS}>:-Werror> -ffp-contract=off -fno-math-errno
                        -fno-trapping-math)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")
-  # The same results as on amd64: char has a sign, and Eigen does not fuse.
+  # The same results as on amd64: char is signed, and Eigen does not fuse.
   target_compile_options(plslam_flags INTERFACE -U__ARM_FEATURE_FMA -fsigned-char)
   target_compile_definitions(plslam_flags INTERFACE EIGEN_DENSEBASE_PLUGIN="${CMAKE_CURRENT_LIST_DIR}/eigen_without_fma.h")
 endif()
@@ -21,26 +22,26 @@ if(PLSLAM_SANITIZE)
   # Enough for line numbers in reports, and a third faster to build.
   set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O1 -g1")
   if(PLSLAM_SANITIZE MATCHES "undefined")
-    # What is undefined ends the program, and so fails the test. With -Og half as long to compile, and unit tests run as fast;
-    # whole runs do not.
+    # Undefined behaviour ends the program, and so fails the test. -Og halves the time to compile, and unit tests run as
+    # fast; whole runs do not.
     add_compile_options(-fno-sanitize-recover=undefined)
-    # Null pointers and wrong types in memory are found by the address sanitizer, too, and x86 and ARM read what is not
-    # aligned: without these checks a build takes half as long.
+    # The address sanitizer also finds null pointers and wrong types in memory, and x86 and ARM support unaligned reads:
+    # without these checks a build takes half as long.
     add_compile_options(-fno-sanitize=null,alignment,object-size,vptr,nonnull-attribute,returns-nonnull-attribute)
     set(PLSLAM_SANITIZED_OPTIMISATION "-Og" CACHE STRING "Optimisation under the address and undefined behaviour sanitizers")
     set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "${PLSLAM_SANITIZED_OPTIMISATION} -g1")
   endif()
-  # GCC's analysis of uninitialised values takes the instrumentation for code of ours (its manual says so).
+  # GCC's analysis of uninitialised values also reports the instrumentation (see its manual).
   target_compile_options(plslam_flags INTERFACE -Wno-maybe-uninitialized)
   add_compile_options(-fsanitize=${PLSLAM_SANITIZE} -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${PLSLAM_SANITIZE})
   add_compile_definitions(PLSLAM_SANITIZED=1)
 endif()
-# In a file of its own, so that a new version is not a new build of everything.
+# In a separate file, so that a new version does not recompile everything.
 configure_file(${CMAKE_SOURCE_DIR}/cmake/plslam_version.h.in ${CMAKE_BINARY_DIR}/version/plslam_version.h)
 include_directories(${CMAKE_BINARY_DIR}/version)
 
-# A tenth of the time that ld takes, of a hundred programs. GCC looks for a cross linker by the name of its target.
+# lld takes a tenth of the time of ld for a hundred programs. GCC finds a cross linker by the name of its target.
 find_program(LLD_PROGRAM ld.lld)
 if(LLD_PROGRAM AND NOT CMAKE_CROSSCOMPILING)
   add_link_options(-fuse-ld=lld)
@@ -51,7 +52,7 @@ if(CCACHE_PROGRAM)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
 endif()
 
-# The code of tools and tests computes little; what it runs is in core and in the processes.
+# The code of tools and tests computes little; the work is done in core and in the processes.
 add_library(plslam_light_flags INTERFACE)
 target_link_libraries(plslam_light_flags INTERFACE plslam_flags)
 if(NOT PLSLAM_SANITIZE)
@@ -78,7 +79,7 @@ function(plslam_library name)
   endif()
 endfunction()
 
-# All that a user runs, without tests and benchmarks.
+# All programs for users, without tests and benchmarks.
 add_custom_target(plslam_programs)
 
 # plslam_program(NAME SOURCES main.cpp ... LINK target ...): an executable in build/PRESET/bin. Those of tests/ are for
@@ -103,14 +104,14 @@ endfunction()
 set(PLSLAM_SANITIZED_FOLDERS fuzz unit/adapter unit/bus unit/features unit/lines unit/stereo unit/map_file)
 add_custom_target(plslam_sanitized_tests)
 
-# What takes long begins first, so that no core waits for it at the end.
+# Long tests start first, so that no core waits for them at the end.
 set(PLSLAM_COST_integration 100)
 set(PLSLAM_COST_replay 50)
 set(PLSLAM_COST_fuzz 10)
 
 # plslam_test(NAME SOURCES a_test.cpp ... LINK target ... [LABEL unit] [TIMEOUT 300] [SERIAL Rates.*:Times.*] [ONE_BY_ONE]): a
-# GoogleTest executable, run by ctest test by test. What judges times or rates runs alone, after all others: SERIAL and
-# patterns as --gtest_filter takes them, * for all. ONE_BY_ONE: its tests are not run beside each other.
+# GoogleTest executable, run by ctest test by test. Tests of times or rates run alone, after all others: SERIAL and
+# patterns of --gtest_filter, * for all. ONE_BY_ONE: its tests do not run in parallel.
 function(plslam_test name)
   cmake_parse_arguments(ARG "ONE_BY_ONE" "LABEL;TIMEOUT;SERIAL" "SOURCES;LINK" ${ARGN})
   if(NOT ARG_LABEL)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # The page of reports: viewer_headless/page, bundled with three.js and uPlot (npm, pinned by its package-lock.json) into
-# share/plslam/report_template.html of the build folder. Where there is no node or npm, or their registry cannot be
-# reached, the build goes on without, loudly, and viewer_headless makes no report.
+# share/plslam/report_template.html of the build folder. Without node or npm, or if their registry cannot be reached,
+# the build continues without it, with a loud message, and viewer_headless writes no report.
 
-# plslam_report_template(PAGE_FOLDER PROGRAM): built with PROGRAM, when a source of the page has changed.
+# plslam_report_template(PAGE_FOLDER PROGRAM): built with PROGRAM if a source of the page has changed.
 function(plslam_report_template page program)
   set(template ${CMAKE_BINARY_DIR}/share/plslam/report_template.html)
   find_program(NODE_PROGRAM NAMES node nodejs)

@@ -38,9 +38,9 @@ struct Struct {
   std::string name;
   std::vector<Member> members;
 
-  /// In the table: "pose_t" of our own package, "std_msgs.Header" of another.
+  /// Name in the table: "pose_t" in our own package, "std_msgs.Header" in another.
   std::string Title() const { return TitleOf(name); }
-  /// That of a type that a member of this struct names.
+  /// Table name of a type used by a member of this struct.
   std::string TitleOf(const std::string& type) const {
     if (package == kOwnPackage || type.find('.') != std::string::npos) return type;
     return package + "." + type;

@@ -24,19 +24,19 @@ struct LayoutMember {
   std::span<const LayoutDimension> dimensions;
 };
 
-/// What the .lcm file of a type says, as a table.
+/// The layout in the .lcm file of a type, as a table.
 struct MessageLayout {
   std::string_view name;
   int64_t (*fingerprint)() = nullptr;
   std::span<const LayoutMember> members;
-  /// The table that it stands in.
+  /// Table that contains it.
   std::span<const MessageLayout> (*table)() = nullptr;
 };
 
 /// All types of lcmtypes/, by name. Generated at build time from the .lcm files.
 std::span<const MessageLayout> MessageLayouts();
 
-/// Row of a type; nullptr where there is none.
+/// Row of a type; nullptr if there is none.
 const MessageLayout* FindMessageLayout(std::string_view type);
 
 }  // namespace plslam

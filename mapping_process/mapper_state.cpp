@@ -165,7 +165,7 @@ bool ReadRecord(Bytes content, MapperState& state) {
   } else {
     ReadChanges(read, state);
   }
-  if (!read.AtEnd()) throw std::runtime_error("the content is longer than its header says");
+  if (!read.AtEnd()) throw std::runtime_error("the content is longer than stated in its header");
   return kind != RecordKind::kFeatures;
 }
 
@@ -190,7 +190,7 @@ MapperState DecodeState(std::span<const uint8_t> bytes) {
   }
   if (!has_state) {
     CheckKind(kStateRecord, bytes);
-    throw std::runtime_error("is damaged or was cut off before its first state");
+    throw std::runtime_error("is damaged or was truncated before its first state");
   }
   StoredMap& stored = state.stored;
   std::erase_if(stored.features, [&](const auto& entry) { return stored.map.FindKeyframe(entry.first) == nullptr; });

@@ -84,7 +84,7 @@ void VisitFields(Visitor& visit, WindowOptions& o) {
 template <class Visitor>
 void VisitFields(Visitor& visit, CullingOptions& o) {
   visit("min_observations", o.min_observations, Bounds{1, 1000},
-        "keyframes that must observe a landmark by the end of its trial period");
+        "keyframes that must observe a landmark until recent-landmark culling ends");
   visit("redundant_share", o.redundant_share, Bounds{0.1, 1.01},
         "a keyframe is removed when others observe this share of its landmarks; above 1: never");
 }

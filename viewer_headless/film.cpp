@@ -80,7 +80,7 @@ void Film::Finish() {
     Open(PictureRate_hz(0, 0, 0), first_->picture.size());
     video_->Add(first_->picture);
   }
-  if (!video_) throw std::runtime_error(path_ + ": no film: no picture came");
+  if (!video_) throw std::runtime_error(path_ + ": no film: no pictures were received");
   video_->Close();
   spdlog::info("film of the run: {} ({} pictures)", video_->path(), video_->pictures());
 }
@@ -88,7 +88,7 @@ void Film::Finish() {
 void Film::Open(double rate_hz, const cv::Size& size) {
   video_ = std::make_unique<RunVideo>(path_, std::move(program_), rate_hz, size);
   if (!video_->why_folder().empty()) {
-    spdlog::warn("{}; numbered pictures go to {}", video_->why_folder(), video_->path());
+    spdlog::warn("{}; numbered pictures are written to {}", video_->why_folder(), video_->path());
   }
 }
 

@@ -25,10 +25,10 @@ void VisitFields(Visitor& visit, ViewerOptions& o) {
   visit("overlay_every", o.overlay_every, Bounds{0, 1e9},
         "a picture of the tracked features every N frames; 0: none");
   visit("quiet", o.quiet, "no progress line");
-  visit("report", o.report, "write report.html: the run as one page for any browser");
-  visit("report_pictures", o.report_pictures, Bounds{0, 100'000}, "pictures of frames in the report at most");
-  visit("serve", o.serve, Bounds{0, 65535},
-        "port of 127.0.0.1 on which the same page shows the run while it goes on; 0: none");
+  visit("report", o.report, "write report.html: the run as a page for any browser");
+  visit("report_pictures", o.report_pictures, Bounds{0, 100'000},
+        "largest number of pictures of frames in the report");
+  visit("serve", o.serve, Bounds{0, 65535}, "port of 127.0.0.1 for a live page of the run; 0: none");
   visit("video", o.video, "film of the run: an MP4 file, or a folder for numbered pictures; empty: none");
 }
 

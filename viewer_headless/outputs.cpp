@@ -162,7 +162,7 @@ std::string BodiesCsv(const Recorder& recorder, const Map& map) {
 void PrepareOutputFolder(const std::string& folder) {
   MakeFolder(folder);
   const std::string probe = folder + "/.write_test";
-  WriteFileAtomically(probe, "can this be written?\n");
+  WriteFileAtomically(probe, "checks whether this folder is writable\n");
   std::remove(probe.c_str());
 }
 

@@ -24,20 +24,19 @@ bus::ProcessSpec ViewerProcess() {
   bus::ProcessSpec spec;
   spec.name = process_name::kViewer;
   spec.description =
-      "Listens to a run; writes trajectories, tables, pictures and a report. Never needed by the others.";
+      "Records a run: writes trajectories, tables, pictures and a report. No other process depends on it.";
   spec.examples =
       "  viewer_headless --out out/by_hand\n"
       "  viewer_headless --out out/by_hand --overlay-every 10 --serve 8080";
   spec.add_options = [arguments](CLI::App* app) {
-    app->add_option("--out", arguments->out, "folder for the files")->type_name("DIR");
+    app->add_option("--out", arguments->out, "folder of the outputs")->type_name("DIR");
     app->add_option("--overlay-every", arguments->overlay_every, "a picture of the features every N frames; 0: none")
         ->check(CLI::NonNegativeNumber);
     app->add_flag("--no-report", arguments->no_report, "no report.html");
-    app->add_option("--serve", arguments->serve,
-                    "show the run as it goes on http://127.0.0.1:PORT/ (this machine alone)")
+    app->add_option("--serve", arguments->serve, "show the run live at http://127.0.0.1:PORT/ (this machine only)")
         ->check(CLI::Range(1, 65535))
         ->type_name("PORT");
-    app->add_option("--video", arguments->video, "film the run into an MP4 file, or a folder of pictures")
+    app->add_option("--video", arguments->video, "film of the run: an MP4 file, or a folder of pictures")
         ->type_name("FILE");
     app->add_flag("--quiet", arguments->quiet, "no progress line");
   };

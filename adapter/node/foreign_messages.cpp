@@ -39,23 +39,23 @@ bool IsOfType(MessageBytes bytes, std::string_view type) {
 
 template <class Message>
 Message Decoded(MessageBytes bytes, std::string_view type) {
-  if (!IsOfType(bytes, type)) throw DatasetError(fmt::format("is no {}", type));
+  if (!IsOfType(bytes, type)) throw DatasetError(fmt::format("is not a {}", type));
   std::optional<Message> message = bus::CheckedMessage<Message>(ForeignLayout(type), bytes);
-  if (!message) throw DatasetError(fmt::format("is a {} that ends too early or is damaged", type));
+  if (!message) throw DatasetError(fmt::format("is a truncated or damaged {}", type));
   return *std::move(message);
 }
 
 int64_t FromStamp(const std_msgs::Header& header) {
   const std_msgs::Time& stamp = header.stamp;
   if (stamp.sec < 0 || stamp.nsec < 0 || stamp.nsec >= kNsPerS) {
-    throw DatasetError(fmt::format("has a stamp that cannot be: {} s, {} ns", stamp.sec, stamp.nsec));
+    throw DatasetError(fmt::format("has an invalid stamp: {} s, {} ns", stamp.sec, stamp.nsec));
   }
   return stamp.sec * kNsPerS + stamp.nsec;
 }
 
 int64_t FromUtime(int64_t utime) {
   constexpr int64_t kLatest_us = int64_t{1} << 52;
-  if (utime < 0 || utime > kLatest_us) throw DatasetError(fmt::format("has a utime that cannot be: {}", utime));
+  if (utime < 0 || utime > kLatest_us) throw DatasetError(fmt::format("has an invalid utime: {}", utime));
   return utime * kNsPerUs;
 }
 
@@ -136,7 +136,7 @@ ForeignImage ImageFromBytes(MessageBytes bytes) {
     throw DatasetError("is neither a sensor_msgs.Image nor a sensor_msgs.CompressedImage");
   }
   auto message = Decoded<sensor_msgs::Image>(bytes, "sensor_msgs.Image");
-  if (message.encoding.empty()) throw DatasetError("names no encoding");
+  if (message.encoding.empty()) throw DatasetError("has no encoding");
   out.t_ns = FromStamp(message.header);
   out.width_px = message.width;
   out.height_px = message.height;
@@ -173,7 +173,7 @@ RobotPose RobotPoseFromBytes(MessageBytes bytes) {
   const Eigen::Vector3d p_m(p.x, p.y, p.z);
   // Or the quaternion was never filled in; a NaN is not near 1, either.
   if (!(std::abs(q_robot_b.norm() - 1.0) < kUnitTolerance) || !(p_m.norm() < kFarthest_m)) {
-    throw DatasetError("has a pose that cannot be");
+    throw DatasetError("has an invalid pose");
   }
   return {FromStamp(message.header), SE3(q_robot_b, p_m)};
 }

@@ -33,9 +33,9 @@ constexpr size_t kRoom = 4;
 /// Throws DatasetError if vo_process cannot use the rig.
 void CheckRig(const RigCalibration& rig) {
   const std::string complaint = RigComplaint(rig);
-  if (!complaint.empty()) throw DatasetError("describes a rig that cannot be: " + complaint);
+  if (!complaint.empty()) throw DatasetError("describes an invalid rig: " + complaint);
   if (!bus::FrameAssembler::CanHold(rig.left.width_px, rig.left.height_px, 1)) {
-    throw DatasetError(fmt::format("describes images of {}x{}, more than a message may hold", rig.left.width_px,
+    throw DatasetError(fmt::format("describes images of {}x{}, more than a message can hold", rig.left.width_px,
                                    rig.left.height_px));
   }
   AsDatasetError([&] { BodyFromCamera(rig); });
@@ -44,7 +44,7 @@ void CheckRig(const RigCalibration& rig) {
 /// Warns about the baseline of a CameraInfo. The notes of a camera file are printed when it is read.
 void WarnOfLongBaseline(const RigCalibration& rig) {
   std::vector<std::string> notes;
-  NoteLongBaseline("CameraInfo", rig, "P[3] is in metres times pixels; where it is not, give adapter.camera", &notes);
+  NoteLongBaseline("CameraInfo", rig, "P[3] is in metres times pixels; if it is not, set adapter.camera", &notes);
   for (const std::string& note : notes) spdlog::warn("{}", note);
 }
 
@@ -84,7 +84,7 @@ ImageSource::ImageSource(bus::Process& process, bus::StockLcm& foreign, const Ad
     RigCalibration rig = ReadCalibration({options_.camera}, {}, &notes);
     for (const std::string& note : notes) spdlog::warn("{}", note);
     if (rig.kind != RigCalibration::Kind::kStereo) {
-      throw DatasetError(options_.camera + ": is of an RGB-D camera, and a stereo rig is wanted");
+      throw DatasetError(options_.camera + ": is for an RGB-D camera, but a stereo rig is required");
     }
     UseRig(std::move(rig));
   }
@@ -151,7 +151,7 @@ void ImageSource::OnInfo(Side side, MessageBytes bytes) {
 
 void ImageSource::OnPair(const Pair& pair) {
   if (!rig_) return;
-  if (pair.first.t_ns == last_t_ns_) throw DatasetError("has the stamp of the one before");
+  if (pair.first.t_ns == last_t_ns_) throw DatasetError("has the same stamp as the previous one");
   const cv::Size size(rig_->left.width_px, rig_->left.height_px);
   UseWhiteLevel(std::max(LargestWideValue(pair.first, size), LargestWideValue(pair.second, size)));
   StereoImages images;
@@ -167,7 +167,7 @@ void ImageSource::UseWhiteLevel(int largest) {
   has_white_ = true;
   white_ = WhiteLevel(largest);
   if (white_ < kWhiteOf16Bits) {
-    spdlog::warn("the images of 16 bits have values up to {}: {} is taken as white", largest, white_);
+    spdlog::warn("the 16-bit images have values up to {}: {} is mapped to white", largest, white_);
   }
 }
 
@@ -215,10 +215,10 @@ std::string ImageSource::WhatIsMissing() const {
                                    : fmt::format("waiting for images on {}", options_.images);
   }
   if (!rig_) {
-    return fmt::format("waiting for sensor_msgs.CameraInfo on {} and {} (or name a file with --camera)", left_info_,
+    return fmt::format("waiting for sensor_msgs.CameraInfo on {} and {} (or give a file with --camera)", left_info_,
                        right_info_);
   }
-  return n_rejected_ > 0 ? "no image could be used: see the log" : "no left image has the stamp of a right one";
+  return n_rejected_ > 0 ? "no image could be used: see the log" : "no left image has the same stamp as a right one";
 }
 
 }  // namespace plslam::adapter

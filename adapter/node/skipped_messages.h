@@ -13,7 +13,7 @@ namespace plslam::adapter {
 class SkippedMessages {
  public:
   void WarnOnce(const std::string& sentence) {
-    if (warned_.size() < kMost && warned_.insert(sentence).second) spdlog::warn("passed over: {}", sentence);
+    if (warned_.size() < kMost && warned_.insert(sentence).second) spdlog::warn("skipped: {}", sentence);
   }
 
  private:

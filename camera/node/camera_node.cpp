@@ -22,7 +22,7 @@ stream::SenderOptions SenderOptionsOf(const CameraOptions& options) {
 }
 
 std::unique_ptr<stream::FrameSource> Open(bus::Process& process, const CameraOptions& options, HealthReport* report) {
-  if (options.rig.empty()) throw std::runtime_error("no rig file is named: camera RIG.yaml (--help tells more)");
+  if (options.rig.empty()) throw std::runtime_error("no rig file is given: camera RIG.yaml (see --help)");
   const stream::Pace pace = stream::ParsePace(options.pace);
   CameraSource::Listener listener;
   listener.on_frame = [report](const auto& health, const auto& pairing) { report->OnFrame(health, pairing); };
@@ -32,7 +32,7 @@ std::unique_ptr<stream::FrameSource> Open(bus::Process& process, const CameraOpt
   auto source = std::make_unique<CameraSource>(std::move(rig), !options.resume_after.empty(), listener);
   if (source->is_live() && (pace.lockstep || pace.speed != 1.0)) {
     throw std::runtime_error(
-        fmt::format("{}: camera.pace = {}: live cameras wait for nobody; use realtime", options.rig, options.pace));
+        fmt::format("{}: camera.pace = {}: live cameras cannot wait; use realtime", options.rig, options.pace));
   }
   CameraOptions shown = options;
   process.SetConfiguration(ToYaml("camera", shown));
@@ -73,11 +73,11 @@ void HealthReport::OnFrame(const CaptureHealth& health, const Pairing& pairing) 
 
 void HealthReport::OnOutage(const std::string& why) {
   if (why.empty()) {
-    spdlog::info("frames come again");
+    spdlog::info("receiving frames again");
     process_.SetReason("");
   } else if (!is_out_) {
     process_.SetCounter(kOutages, static_cast<double>(++outages_));
-    spdlog::warn("no frames: {}; it is tried again", why);
+    spdlog::warn("no frames: {}; trying again", why);
     process_.SetReason(fmt::format("no frames: {}", why));
   }
   is_out_ = !why.empty();

@@ -82,8 +82,9 @@ void Bus::Impl::Reject(Rejection why, std::string_view wire_name, int64_t now) {
   }
   const bool is_of_version = why == Rejection::kOtherVersion;
   spdlog::warn(
-      "a message on {} was rejected: it is {}{}; more of the kind are only counted", wire_name, Rejections::Text(why),
-      is_of_version ? " of plslam (run one version everywhere, and `plslam replay` logs of another one)" : "");
+      "a message on {} was rejected: it is {}{}; later ones are counted only", wire_name, Rejections::Text(why),
+      is_of_version ? " of plslam (run the same version everywhere; use `plslam replay` for logs of other versions)"
+                    : "");
 }
 
 std::optional<Rejection> Bus::Impl::WhyNot(std::string_view wire_name, const MessageLayout& layout, ByteView bytes,

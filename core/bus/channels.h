@@ -45,7 +45,7 @@ struct Channel {
 };
 
 inline constexpr Channel kCamera{
-    "CAMERA", "camera_t", "player", Delivery::kLatest, Retention::kNone, "the rig, whole, at 1 Hz", Scope::kToMap};
+    "CAMERA", "camera_t", "player", Delivery::kLatest, Retention::kNone, "the complete rig, at 1 Hz", Scope::kToMap};
 inline constexpr Channel kStream{"STREAM",         "stream_t",      "player",
                                  Delivery::kEvery, Retention::kAll, "begin and end of a stream of frames"};
 inline constexpr Channel kStereoFrame{"STEREO_FRAME",
@@ -53,16 +53,17 @@ inline constexpr Channel kStereoFrame{"STEREO_FRAME",
                                       "player",
                                       Delivery::kEvery,
                                       Retention::kUnacknowledged,
-                                      "frames in lockstep, by strips",
+                                      "frames in lockstep, in strips",
                                       Scope::kRobot,
                                       Pace::kLockstep};
 inline constexpr Channel kStereoFrameLive{"STEREO_FRAME_LIVE", "image_strip_t",  "player",
-                                          Delivery::kLatest,   Retention::kNone, "frames in real time, by strips",
+                                          Delivery::kLatest,   Retention::kNone, "frames in real time, in strips",
                                           Scope::kRobot,       Pace::kPaced};
 inline constexpr Channel kGroundTruth{"GROUND_TRUTH",   "ground_truth_t", "player",
                                       Delivery::kEvery, Retention::kAll,  "true poses, for evaluation only"};
 inline constexpr Channel kPose{
-    "POSE", "pose_t", "vo", Delivery::kEvery, Retention::kAll, "a pose for every frame; acknowledges it in lockstep"};
+    "POSE",           "pose_t",        "vo",
+    Delivery::kEvery, Retention::kAll, "the pose of every frame; acknowledges it in lockstep"};
 inline constexpr Channel kTracks{"TRACKS",
                                  "tracks_t",
                                  "vo",
@@ -76,31 +77,31 @@ inline constexpr Channel kBodies{"BODIES",
                                  "vo",
                                  Delivery::kEvery,
                                  Retention::kUnacknowledged,
-                                 "moving bodies of frames that see some"};
+                                 "moving bodies, for frames that observe some"};
 inline constexpr Channel kKeyframe{
     "KEYFRAME",       "keyframe_t",    "vo",
-    Delivery::kEvery, Retention::kAll, "keyframes, by pages (mapping: those of a map it has loaded)",
+    Delivery::kEvery, Retention::kAll, "keyframes, in pages (mapping: those of a loaded map)",
     Scope::kMap};
 inline constexpr Channel kMapUpdate{"MAP_UPDATE",
                                     "map_update_t",
                                     "mapping",
                                     Delivery::kEvery,
                                     Retention::kUnacknowledged,
-                                    "what changed in the map, or all of it, by pages",
+                                    "changes of the map, or the complete map, in pages",
                                     Scope::kMap};
-inline constexpr Channel kMapRequest{"MAP_REQUEST",    "map_request_t",          "all",      Delivery::kLatest,
-                                     Retention::kNone, "asks for the whole map", Scope::kMap};
+inline constexpr Channel kMapRequest{"MAP_REQUEST",     "map_request_t",  "all",
+                                     Delivery::kLatest, Retention::kNone, "request for the complete map",
+                                     Scope::kMap};
 inline constexpr Channel kLoopClosure{
-    "LOOP_CLOSURE",  "loop_closure_t",
-    "loop",          Delivery::kEvery,
-    Retention::kAll, "loops found and corrections of the map, by pages; every keyframe is answered",
+    "LOOP_CLOSURE",   "loop_closure_t", "loop",
+    Delivery::kEvery, Retention::kAll,  "loops and corrections of the map, in pages; one answer per keyframe",
     Scope::kMap};
 inline constexpr Channel kRelocalisationRequest{"RELOCALISATION_REQUEST",
                                                 "keyframe_t",
                                                 "vo",
                                                 Delivery::kEvery,
                                                 Retention::kUnacknowledged,
-                                                "features of a frame whose place in the map is asked for, by pages",
+                                                "relocalisation request: features of a frame, in pages",
                                                 Scope::kMap};
 inline constexpr Channel kRelocalisation{
     "RELOCALISATION", "relocalisation_t",         "loop",
@@ -111,29 +112,30 @@ inline constexpr Channel kStatus{"STATUS",          "status_t",       "all",
                                  Scope::kFromMap};
 inline constexpr Channel kWarning{"WARNING",       "warning_t",
                                   "all",           Delivery::kEvery,
-                                  Retention::kAll, "what can make results wrong or incomplete, once",
+                                  Retention::kAll, "conditions that can make results wrong or incomplete, each once",
                                   Scope::kFromMap};
 inline constexpr Channel kCommand{
-    "COMMAND", "command_t", "plslam, vo", Delivery::kEvery, Retention::kUnacknowledged, "orders to processes"};
+    "COMMAND", "command_t", "plslam, vo", Delivery::kEvery, Retention::kUnacknowledged, "commands to processes"};
 inline constexpr Channel kCommandAnswer{"COMMAND_ANSWER", "command_answer_t",         "mapping, player",
-                                        Delivery::kEvery, Retention::kUnacknowledged, "what became of orders"};
+                                        Delivery::kEvery, Retention::kUnacknowledged, "results of commands"};
 inline constexpr Channel kMask{"MASK",
                                "mask_t",
                                "detector of yours",
                                Delivery::kEvery,
                                Retention::kUnacknowledged,
-                               "what is left out of the images of a frame"};
+                               "masks of the images of a frame"};
 inline constexpr Channel kRobotMotion{"ROBOT_MOTION",
                                       "robot_motion_t",
                                       "adapter",
                                       Delivery::kEvery,
                                       Retention::kUnacknowledged,
-                                      "poses by the robot's wheels, to predict with: those around a frame's time"};
+                                      "poses from the robot's wheels around the time of a frame, for prediction"};
 inline constexpr Channel kRepairRequest{
     "REPAIR_REQUEST",  "repair_request_t", "all",
-    Delivery::kLatest, Retention::kNone,   "acknowledgements, and what is asked for again"};
-inline constexpr Channel kAnnounce{"ANNOUNCE",        "announce_t",     "all",
-                                   Delivery::kLatest, Retention::kNone, "what publishers of ordered channels have"};
+    Delivery::kLatest, Retention::kNone,   "acknowledgements and resend requests"};
+inline constexpr Channel kAnnounce{
+    "ANNOUNCE",        "announce_t",     "all",
+    Delivery::kLatest, Retention::kNone, "contents of the publishers of ordered channels"};
 
 /// All rows.
 std::span<const Channel> Channels();

@@ -32,7 +32,7 @@ struct BusOptions {
   int64_t history_bytes = 32'000'000;
   /// Bytes that may wait for the handlers of this process; when they are reached, publishers are held back.
   int64_t queue_bytes = 64'000'000;
-  /// Fraction of received datagrams thrown away on purpose, for tests.
+  /// Share of received datagrams dropped on purpose, for tests.
   double drop_fraction = 0.0;
   int64_t drop_seed = 1;
 };
@@ -40,18 +40,19 @@ struct BusOptions {
 template <class Visitor>
 void VisitFields(Visitor& visit, BusOptions& o) {
   visit("url", o.url, "LCM URL (udpm, tcpq, file, memq); empty: LCM_DEFAULT_URL");
-  visit("prefix", o.prefix, "put in front of each channel name, one for each robot");
-  visit("map_prefix", o.map_prefix, "prefix of the map that the robot shares with others; empty: its own");
-  visit("max_message_bytes", o.max_message_bytes, Bounds{1000, 60000}, "largest message; 1200 on links that lose");
+  visit("prefix", o.prefix, "prefix of each channel name, one for each robot");
+  visit("map_prefix", o.map_prefix, "prefix of the map that the robot shares with others; empty: not shared");
+  visit("max_message_bytes", o.max_message_bytes, Bounds{1000, 60000}, "largest message; 1200 on lossy links");
   visit("key_file", o.key_file, "file with a shared key of 64 hex digits; empty: no authentication");
   visit("history_dir", o.history_dir, "folder for the history of ordered channels; empty: under TMPDIR");
   visit("max_wait_ms", o.max_wait_ms, Bounds{0, 60000}, "longest wait of a publisher for a slow reader");
   visit("give_up_s", o.give_up_s, Bounds{0.1, 3600},
-        "how long a publisher that fell silent may be cut off, not dead");
+        "how long a silent publisher is considered disconnected, not dead");
   visit("history_bytes", o.history_bytes, Bounds{200000, 4e9}, "memory for repair, of each ordered channel");
   visit("queue_bytes", o.queue_bytes, Bounds{200000, 4e9}, "memory for messages that wait for handlers");
-  visit("drop_fraction", o.drop_fraction, Bounds{0, 0.9}, "received datagrams thrown away on purpose, for tests");
-  visit("drop_seed", o.drop_seed, Bounds{0, 1e15}, "seed of that");
+  visit("drop_fraction", o.drop_fraction, Bounds{0, 0.9},
+        "share of received datagrams dropped on purpose, for tests");
+  visit("drop_seed", o.drop_seed, Bounds{0, 1e15}, "seed of the dropped datagrams");
 }
 
 }  // namespace plslam::bus

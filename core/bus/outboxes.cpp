@@ -18,7 +18,7 @@ void CheckFolder(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (access(folder.c_str(), W_OK | X_OK) != 0) {
-    throw std::runtime_error("bus.history_dir: " + folder + " is no folder that can be written to");
+    throw std::runtime_error("bus.history_dir: " + folder + " is not a writable folder");
   }
 }
 
@@ -106,7 +106,7 @@ Bytes Outboxes::Sealed(const std::string& wire_name, int64_t seq, header_t& head
   auto message = std::make_shared<std::vector<uint8_t>>();
   message->reserve(static_cast<size_t>(bytes) + authenticator_.overhead());
   message->resize(static_cast<size_t>(bytes));
-  if (encode(message->data(), bytes) != bytes) throw std::logic_error(wire_name + ": message cannot be encoded");
+  if (encode(message->data(), bytes) != bytes) throw std::logic_error(wire_name + ": the message cannot be encoded");
   authenticator_.Append(wire_name, *message);
   return message;
 }

@@ -20,7 +20,7 @@ std::string ReadText(const std::string& path) {
   text.resize(static_cast<size_t>(file.gcount()));
   if (text.empty()) throw ConfigError(path + ": is empty (0 bytes)");
   if (text.size() > kMaxBytes) {
-    throw ConfigError(fmt::format("{}: has more than {} bytes, and is no configuration", path, kMaxBytes));
+    throw ConfigError(fmt::format("{}: has more than {} bytes, too many for a configuration", path, kMaxBytes));
   }
   return text;
 }
@@ -56,7 +56,7 @@ void ConfigParser::AddMap(const std::string& prefix, const YAML::Node& map) {
     entry.key = prefix + item.first.Scalar();
     entry.origin = Place(item.first);
     if (!seen_.insert(entry.key).second) {
-      throw ConfigError(fmt::format("{}: key '{}' stands there a second time", entry.origin, Shown(entry.key)));
+      throw ConfigError(fmt::format("{}: key '{}' is repeated", entry.origin, Shown(entry.key)));
     }
     if (item.second.IsMap() && item.second.size() > 0) {
       AddMap(entry.key + ".", item.second);

@@ -31,7 +31,7 @@ struct Bounds {
 //
 //   template <class Visitor>
 //   void VisitFields(Visitor& visit, OrbOptions& o) {
-//     visit("max_points", o.max_points, Bounds{0, 10000}, "points kept in an image");
+//     visit("max_points", o.max_points, Bounds{0, 10000}, "largest number of points per image");
 //     visit("score", o.score, OneOf{"harris", "fast"}, "what ranks the corners");
 //     visit("nested", o.nested, "a struct that has VisitFields itself");
 //   }

@@ -39,7 +39,7 @@ std::string Model(const YamlMap& yaml) {
   for (const auto& [theirs, ours] : kModels) {
     if (name == theirs) return ours;
   }
-  yaml.Fail("distortion_model", fmt::format("'{}' is none of radial-tangential, equidistant, none", name));
+  yaml.Fail("distortion_model", fmt::format("'{}' is not one of radial-tangential, equidistant, none", name));
 }
 
 /// Reads a camera without its pose.
@@ -99,7 +99,7 @@ std::pair<CameraCalibration, CameraCalibration> ReadCamchain(const std::string& 
   constexpr int kMaxCameras = 16;
   const YamlMap yaml = YamlMap::FromFile(path);
   if (yaml.Has("cam0") && !yaml.Has("cam1")) {
-    yaml.Fail("cam1", "is missing, so that this is the chain of one camera: a stereo pair is needed");
+    yaml.Fail("cam1", "is missing, so that this is the chain of a single camera: a stereo pair is needed");
   }
   std::vector<std::pair<std::string, YamlMap>> maps;
   for (int i = 0; i < kMaxCameras && (i < 2 || yaml.Has(fmt::format("cam{}", i))); ++i) {

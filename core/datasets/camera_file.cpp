@@ -202,7 +202,7 @@ RigCalibration ReadForeign(const std::vector<std::string>& paths, const ImageSiz
 std::optional<double> ReadUnit(const YamlMap& yaml) {
   if (!yaml.Has("unit")) return std::nullopt;
   const std::optional<double> metres = MetresOf(yaml.Text("unit"));
-  if (!metres) yaml.Fail("unit", fmt::format("= '{}' is none of m, cm, mm", yaml.Text("unit")));
+  if (!metres) yaml.Fail("unit", fmt::format("= '{}' is not one of m, cm, mm", yaml.Text("unit")));
   return metres;
 }
 
@@ -293,11 +293,11 @@ RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_si
   if (yaml.Has("from")) return ReadFrom(yaml, image_size, notes);
   yaml.AllowOnly({"name", "kind", "rate_hz", "left", "right", "baseline_m", "depth_units_per_m", "source"});
   const std::string kind = yaml.Has("kind") ? yaml.Text("kind") : "stereo";
-  if (kind != "stereo" && kind != "rgbd") yaml.Fail("kind", fmt::format("'{}' is none of stereo, rgbd", kind));
+  if (kind != "stereo" && kind != "rgbd") yaml.Fail("kind", fmt::format("'{}' is not one of stereo, rgbd", kind));
   RigCalibration rig;
   rig.left = ReadCamera(yaml.Map("left"), image_size);
   if (kind == "rgbd") {
-    if (yaml.Has("right")) yaml.Fail("right", "has no place in a rig of kind rgbd");
+    if (yaml.Has("right")) yaml.Fail("right", "is not allowed in a rig of kind rgbd");
     if (!yaml.Has("depth_units_per_m")) yaml.Fail("depth_units_per_m", "is missing");
     rig = MakeRgbdRig(rig.left, PositiveNumber(yaml, "baseline_m", kVirtualBaseline_m, 100.0),
                       PositiveNumber(yaml, "depth_units_per_m", 0.0, 1e6));

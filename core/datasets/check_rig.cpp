@@ -63,14 +63,14 @@ std::string CentreComplaint(const CameraCalibration& camera) {
 
 std::string ModelComplaint(const CameraCalibration& camera) {
   if (FindLensModel(camera.model) != nullptr) return "";
-  return fmt::format("model '{}' is none of {}", camera.model, LensModelNames());
+  return fmt::format("model '{}' is not one of {}", camera.model, LensModelNames());
 }
 
 std::string DistortionComplaint(const CameraCalibration& camera) {
   const size_t n = camera.distortion.size();
   const LensModel* model = FindLensModel(camera.model);
   if (model == nullptr) return ModelComplaint(camera);
-  if (camera.model == "pinhole" && n != 0) return fmt::format("model pinhole has no distortion, {} are given", n);
+  if (camera.model == "pinhole" && n != 0) return fmt::format("model pinhole has no distortion, but {} are given", n);
   if (!LensModelTakes(camera.model, n)) {
     const std::string bound = model->min_coefficients == model->max_coefficients
                                   ? fmt::format("{}", model->min_coefficients)
@@ -114,13 +114,13 @@ std::string PlacementComplaint(const RigCalibration& rig) {
   const bool is_above = std::abs(t.y()) > std::abs(t.x()) && std::abs(t.y()) > 0.5 * distance_m;
   if (!is_above && !(t.x() > 0.5 * distance_m)) {
     return fmt::format(
-        "the right camera must stand to the right of the left one, but is at x = {} m, y = {} m, z = {} m; is the "
+        "the right camera must be to the right of the left one, but is at x = {} m, y = {} m, z = {} m; is the "
         "pose of a camera (T_b_cam, T_BS, T_cam_imu) inverted, or are left and right exchanged?",
         t.x(), t.y(), t.z());
   }
   const double angle_rad = T_l_r.Log().tail<3>().norm();
   if (!(angle_rad <= kMaxAngle_rad)) {
-    return fmt::format("the cameras look {:.3f} rad apart, more than {:.3f} rad", angle_rad, kMaxAngle_rad);
+    return fmt::format("the optical axes differ by {:.3f} rad, more than {:.3f} rad", angle_rad, kMaxAngle_rad);
   }
   return "";
 }
@@ -146,7 +146,7 @@ std::string RigComplaint(const RigCalibration& rig) {
 void NoteLongBaseline(const std::string& path, const RigCalibration& rig, const std::string& remedy,
                       std::vector<std::string>* notes) {
   if (rig.kind == RigCalibration::Kind::kRgbd || rig.baseline_m <= kUsualBaseline_m) return;
-  notes->push_back(fmt::format("{}: the cameras stand {:.4g} m apart: {}", path, rig.baseline_m, remedy));
+  notes->push_back(fmt::format("{}: the cameras are {:.4g} m apart: {}", path, rig.baseline_m, remedy));
 }
 
 }  // namespace plslam

@@ -21,11 +21,11 @@ bool IsImageSide(double side_px);
 std::string RigComplaint(const RigCalibration& rig);
 
 /// Adds a note if the cameras of a stereo rig are more than 1 m apart, most often because of a wrong unit: "FILE: the
-/// cameras stand 6 m apart: REMEDY".
+/// cameras are 6 m apart: REMEDY".
 void NoteLongBaseline(const std::string& path, const RigCalibration& rig, const std::string& remedy,
                       std::vector<std::string>* notes);
 /// The remedy for files whose lengths are in metres by definition.
-inline constexpr const char* kLengthsAreMetres = "lengths are in metres there; are these?";
+inline constexpr const char* kLengthsAreMetres = "lengths must be in metres; are these?";
 /// Larger ones get a note.
 inline constexpr double kUsualBaseline_m = 1.0;
 

@@ -39,8 +39,7 @@ std::vector<std::optional<SE3>> TruthOfEachFrame(const std::string& path, size_t
   const TrajectoryFile file = ReadTruth(path, TrajectoryFormat::kKitti, notes);
   if (file.n_rows != n) {
     if (notes->size() == n_notes || file.n_rows > 0) {
-      notes->push_back(
-          fmt::format("{}: has {} poses for {} frames, which have none for that reason", path, file.n_rows, n));
+      notes->push_back(fmt::format("{}: has {} poses for {} frames, so none of them is used", path, file.n_rows, n));
     }
     return {};
   }
@@ -58,8 +57,8 @@ void AppendTime(const TextRow& row, size_t field, int decimals, std::vector<int6
   if (t_ns < 0) row.Fail(fmt::format("time {} ns is negative", t_ns));
   if (!times_ns->empty() && t_ns <= times_ns->back()) {
     const bool has_point = decimals == 0 && row.fields[field].find('.') != std::string_view::npos;
-    row.Fail(fmt::format("time {} ns is not after the {} ns of the row before{}", t_ns, times_ns->back(),
-                         has_point ? " (times are in whole nanoseconds here; are these in seconds?)" : ""));
+    row.Fail(fmt::format("time {} ns is not after the {} ns of the previous row{}", t_ns, times_ns->back(),
+                         has_point ? " (times must be in whole nanoseconds; are these in seconds?)" : ""));
   }
   times_ns->push_back(t_ns);
 }
@@ -79,7 +78,7 @@ void CheckUnitOfTime(const std::string& path, int decimals, const std::vector<in
                                                 : "seconds";
   const std::string_view expected = decimals == 9 ? "seconds" : "nanoseconds";
   throw DatasetError(fmt::format(
-      "{}: times are in {} here, and so its frames would be {:g} s apart in the median, not 0.0001 to 10 s{}", path,
+      "{}: times must be in {}, but then frames would be {:g} s apart in the median, not 0.0001 to 10 s{}", path,
       expected, 1e-9 * static_cast<double>(*middle), unit == expected ? "" : fmt::format("; are they in {}?", unit)));
 }
 

@@ -43,14 +43,14 @@ std::vector<ImageList::Entry> Pair(const Shots& left, const Shots& right, std::v
     largest_ns = std::max(largest_ns, std::abs(left.times_ns[l] - right.times_ns[r]));
   }
   if (largest_ns > 0) {
-    notes->push_back(fmt::format("times of cam0 and cam1 differ by up to {:.3f} ms: the nearest ones are pairs",
+    notes->push_back(fmt::format("times of cam0 and cam1 differ by up to {:.3f} ms: the nearest images are paired",
                                  1e-6 * static_cast<double>(largest_ns)));
   }
   return entries;
 }
 
 void NoteUnpairedImages(const char* camera, size_t n, std::vector<std::string>* notes) {
-  if (n > 0) notes->push_back(fmt::format("{} images of {} have no partner in time and are passed over", n, camera));
+  if (n > 0) notes->push_back(fmt::format("{} images of {} have no partner in time and are skipped", n, camera));
 }
 
 std::vector<std::optional<SE3>> GroundTruth(const fs::path& mav, const SE3& T_b_l, ImageList* list) {
@@ -101,7 +101,7 @@ std::unique_ptr<Dataset> OpenEurocDataset(const std::string& folder) {
   list.entries = Pair(left, right, &list.notes);
   if (list.entries.empty()) {
     throw DatasetError(fmt::format(
-        "{}: no image is within half a frame of one of cam0; the first times are {} ns (cam0) and {} ns (cam1)",
+        "{}: no image is within half a frame of an image of cam0; the first times are {} ns (cam0) and {} ns (cam1)",
         (mav / "cam1" / "data.csv").string(), left.times_ns.front(), right.times_ns.front()));
   }
   NoteUnpairedImages("cam0", left.files.size() - list.entries.size(), &list.notes);

@@ -131,8 +131,8 @@ std::unique_ptr<Dataset> MakeImageListDataset(ImageList list, const std::string&
   if (list.entries.empty()) throw DatasetError(list.name + ": the sequence has no frames");
   for (size_t i = 1; i < list.entries.size(); ++i) {
     if (list.entries[i].t_ns <= list.entries[i - 1].t_ns) {
-      throw DatasetError(fmt::format("{}: time {} ns of frame {} is not after the {} ns of the one before", list.name,
-                                     list.entries[i].t_ns, i, list.entries[i - 1].t_ns));
+      throw DatasetError(fmt::format("{}: time {} ns of frame {} is not after the {} ns of the previous frame",
+                                     list.name, list.entries[i].t_ns, i, list.entries[i - 1].t_ns));
     }
   }
   list.rig.rate_hz = MedianRate_hz(list.entries, list.rig.rate_hz);
@@ -189,7 +189,7 @@ std::vector<std::optional<SE3>> FrameTruth(const std::string& path, TrajectoryFo
   if (truth.empty()) {
     if (file.n_rows == 0 && file.format) list->notes.push_back(name + ": has no poses");
   } else if (2 * n < poses.size()) {
-    list->notes.push_back(fmt::format("{}: {} poses ({}), {} of {} frames ({}) have one", name, truth.size(),
+    list->notes.push_back(fmt::format("{}: {} poses ({}), {} of {} frames ({}) have a pose", name, truth.size(),
                                       SpanText(truth.front().t_ns, truth.back().t_ns), n, poses.size(),
                                       SpanText(list->entries.front().t_ns, list->entries.back().t_ns)));
   }

@@ -101,7 +101,7 @@ std::unique_ptr<Dataset> OpenImagesDataset(const std::string& folder) {
   list.rig = ReadCalibration(calibration, list.image_size, &list.notes);
   const bool has_depth = left.filename() == "rgb" && right.filename() == "depth";
   if (list.rig.kind == RigCalibration::Kind::kRgbd && !has_depth && !ForeignFormat(camera_path).empty()) {
-    throw DatasetError(fmt::format("{}: is of an RGB-D camera, but {} and {} are the images of a stereo pair",
+    throw DatasetError(fmt::format("{}: is for an RGB-D camera, but {} and {} are the images of a stereo pair",
                                    camera_path, left.string(), right.string()));
   }
   const std::vector<int64_t> times_ns = Times(folder, camera_path, list.entries.size(), list.rig.rate_hz);

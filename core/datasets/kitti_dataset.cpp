@@ -44,7 +44,7 @@ Projection ParseProjection(const TextRow& row) {
   for (int i = 0; i < 12; ++i) P(i / 4, i % 4) = row.Number(static_cast<size_t>(i) + 1);
   const bool upper = P(0, 1) == 0.0 && P(1, 0) == 0.0 && P(2, 0) == 0.0 && P(2, 1) == 0.0 && P(2, 2) == 1.0;
   if (!upper || !(P(0, 0) > 0.0) || !(P(1, 1) > 0.0)) {
-    row.Fail(fmt::format("{} is no projection [f 0 cu; 0 f cv; 0 0 1] with f > 0 (f = {} and {})", row.fields[0],
+    row.Fail(fmt::format("{} is not a projection [f 0 cu; 0 f cv; 0 0 1] with f > 0 (f = {} and {})", row.fields[0],
                          P(0, 0), P(1, 1)));
   }
   return P;
@@ -57,7 +57,7 @@ std::map<std::string, Projection> ReadProjections(const std::string& path, int l
   ForEachDatasetRow(path, [&](const TextRow& row) {
     const std::string name(row.fields[0]);
     if (name != left_name && name != right_name) return;
-    if (!projections.emplace(name, ParseProjection(row)).second) row.Fail(name + " stands here twice");
+    if (!projections.emplace(name, ParseProjection(row)).second) row.Fail(name + " is repeated");
   });
   for (const std::string& name : {left_name, right_name}) {
     if (!projections.contains(name)) throw DatasetError(fmt::format("{}: has no line {}", path, name));

@@ -190,15 +190,15 @@ std::string LogDataset::WhyNoFrames() const {
   std::ifstream file = OpenInput(path_);
   file.read(start.data(), static_cast<std::streamsize>(start.size()));
   start.resize(static_cast<size_t>(file.gcount()));
-  if (start.empty()) return "is empty (0 bytes), and no LCM log";
+  if (start.empty()) return "is empty (0 bytes), not an LCM log";
   constexpr std::string_view kVideos = ".mp4 .mkv .avi .mov .webm .m4v .ts .mjpeg .h264 ";
   const std::string extension = std::filesystem::path(path_).extension().string();
   if (!extension.empty() && kVideos.find(extension + " ") != std::string_view::npos) {
-    return "is a video: the process camera plays two of them that a rig file names (source: files: [left.mp4, "
-           "right.mp4]; docs/datasets.md, 'A live camera'), by `plslam run rig.yaml --pace lockstep`";
+    return "is a video: the process camera plays two videos listed in a rig file (source: files: [left.mp4, "
+           "right.mp4]; docs/datasets.md, 'A live camera'), with `plslam run rig.yaml --pace lockstep`";
   }
-  const char* hint = start == "PLSLAMAP" ? ": it is a map, which is given as --map to a run over a dataset" : "";
-  return fmt::format("is no LCM log: it begins with '{}'{}", Shown(start), hint);
+  const char* hint = start == "PLSLAMAP" ? ": it is a map; give it as --map to the run of a dataset" : "";
+  return fmt::format("is not an LCM log: it begins with '{}'{}", Shown(start), hint);
 }
 
 void LogDataset::ChooseStream(std::map<StreamKey, LogStream>& streams) {
@@ -225,7 +225,8 @@ void LogDataset::ReadRig() {
     return;
   }
   if (other_version) {
-    Fail("its rig (channel CAMERA) is of another version of plslam: play the log with the version that recorded it");
+    Fail(
+        "its rig (channel CAMERA) is from another version of plslam: play the log with the version that recorded it");
   }
   Fail("has stereo frames, but no valid rig of their publisher (channel CAMERA)");
 }
@@ -244,13 +245,13 @@ void LogDataset::DropFramesWithHoles() {
   for (size_t i = 0; i < frames_.size(); ++i) {
     if (frames_[i].Whole()) whole.push_back(i);
   }
-  KeepFrames(whole, "since strips are missing");
+  KeepFrames(whole, "because strips are missing");
 }
 
 void LogDataset::DropFramesOutOfTime() {
   std::vector<int64_t> times_ns;
   for (const LogFrame& frame : frames_) times_ns.push_back(frame.t_ns);
-  KeepFrames(MostIncreasing(times_ns), "since times would not increase with them");
+  KeepFrames(MostIncreasing(times_ns), "because their times would not increase");
 }
 
 /// `places` in increasing order.
@@ -258,7 +259,7 @@ void LogDataset::KeepFrames(const std::vector<size_t>& places, const std::string
   if (places.size() == frames_.size()) return;
   size_t first_gone = 0;
   while (first_gone < places.size() && places[first_gone] == first_gone) ++first_gone;
-  notes_.push_back("frames passed over, " + why_others_go + ": " + std::to_string(frames_.size() - places.size()) +
+  notes_.push_back("frames skipped " + why_others_go + ": " + std::to_string(frames_.size() - places.size()) +
                    " (the first is frame " + std::to_string(frames_[first_gone].id) + ")");
   std::vector<LogFrame> kept;
   kept.reserve(places.size());
@@ -275,12 +276,12 @@ StereoImages LogDataset::Read(int index) const {
     StereoImages images = assembler.TakeFrame().images;
     const auto size_of = [](const CameraCalibration& c) { return cv::Size(c.width_px, c.height_px); };
     if (images.left.size() != size_of(rig_.left) || images.right.size() != size_of(rig_.right)) {
-      Fail("frame " + std::to_string(frame.id) + " does not have the size that the rig says");
+      Fail("frame " + std::to_string(frame.id) + " does not have the size in the rig");
     }
     images.frame_id = index;
     return images;
   }
-  Fail("frame " + std::to_string(frame.id) + " is not whole: strips are malformed (" +
+  Fail("frame " + std::to_string(frame.id) + " is incomplete: strips are malformed (" +
        std::to_string(frame.strips.size()) + " are there)");
 }
 

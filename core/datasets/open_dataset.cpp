@@ -64,12 +64,12 @@ std::unique_ptr<Dataset> ShiftRightImages(std::unique_ptr<Dataset> dataset, int 
   if (offset == 0) return dataset;
   if (dataset->rig().kind == RigCalibration::Kind::kRgbd) {
     throw DatasetError(dataset->name() + ": player.right_offset_frames=" + std::to_string(offset) +
-                       " is for pairs of two cameras, and this one has depth images; leave it at 0");
+                       " is for pairs of two cameras, but this dataset has depth images; leave it at 0");
   }
   if (std::abs(offset) >= dataset->size()) {
     throw DatasetError(dataset->name() + ": player.right_offset_frames=" + std::to_string(offset) +
                        " leaves none of its " + std::to_string(dataset->size()) +
-                       " frames with a right image; give fewer");
+                       " frames with a right image; give a smaller number");
   }
   return std::make_unique<ShiftedDataset>(std::move(dataset), offset);
 }
@@ -101,7 +101,7 @@ const std::vector<Opener>& Openers() {
        LooksLikeSynthetic,
        OpenSynthetic},
       {{"mcap", "FILE.mcap", "MCAP file", false}, LooksLikeMcap, OpenMcapDataset},
-      {{"bag", "FILE.bag", "bag of ROS 1", false}, LooksLikeBag, OpenBagDataset},
+      {{"bag", "FILE.bag", "ROS 1 bag", false}, LooksLikeBag, OpenBagDataset},
       {{"log", "a file", "LCM log", false}, LooksLikeLog, bus::OpenLogDataset},
       {{"vslamlab", "rgb.csv with calibration.yaml", "VSLAM-LAB"}, LooksLikeVslamLab, OpenVslamLabDataset},
       {{"kitti", "calib.txt with image_0 or image_2", "KITTI odometry"}, LooksLikeKitti, OpenKittiDataset},
@@ -124,18 +124,18 @@ const Opener& OpenerByName(const std::string& name) {
   for (const Opener& opener : Openers()) {
     if (opener.kind.name == name) return opener;
   }
-  throw DatasetError(fmt::format("no kind of dataset '{}' ({})", name, DatasetKindHelp()));
+  throw DatasetError(fmt::format("unknown format of dataset '{}' ({})", name, DatasetKindHelp()));
 }
 
 const Opener& OpenerByLooking(const std::string& location) {
   for (const Opener& opener : Openers()) {
     if (opener.looks_like(location)) return opener;
   }
-  if (!std::filesystem::exists(location)) throw DatasetError(location + ": there is no such dataset");
+  if (!std::filesystem::exists(location)) throw DatasetError(location + ": the dataset does not exist");
   const auto describe = [](const DatasetKind& kind) { return fmt::format("{}: {}", kind.name, kind.sign); };
   const std::string unread = UnreadCalibration(location);
-  throw DatasetError(fmt::format("{}: is no dataset of a known kind ({}){}", location, Join(DatasetKinds(), describe),
-                                 unread.empty() ? "" : "; " + unread));
+  throw DatasetError(fmt::format("{}: is not a dataset of a known format ({}){}", location,
+                                 Join(DatasetKinds(), describe), unread.empty() ? "" : "; " + unread));
 }
 
 const Opener& OpenerOf(const std::string& location, const std::string& kind) {
@@ -202,12 +202,12 @@ std::string WithTopics(const std::string& location, const std::string& kind, con
   if (topics.empty()) return location;
   for (const std::string& topic : topics) {
     if (topic.find_first_of("?&") == std::string::npos) continue;
-    throw DatasetError(fmt::format("--topics: '{}' is no topic of ROS, since it has a ? or & in it", Shown(topic)));
+    throw DatasetError(fmt::format("--topics: '{}' is not a ROS topic, because it contains ? or &", Shown(topic)));
   }
   return Translated([&] {
     const auto open = OpenerOf(location, kind).open;
     if (open != OpenMcapDataset && open != OpenBagDataset) {
-      throw DatasetError(location + ": --topics is for recordings of ROS (FILE.mcap, FILE.bag), and this is none");
+      throw DatasetError(location + ": --topics is only for ROS recordings (FILE.mcap, FILE.bag)");
     }
     const char sign = FileOfLocation(location) == location ? '?' : '&';
     return fmt::format("{}{}left={}&right={}", location, sign, topics.at(0), topics.at(1));

@@ -55,7 +55,7 @@ std::vector<ImageList::Entry> ReadAssociations(const std::string& folder, const 
 }
 
 void NoteUnpairedShots(const char* what, size_t n, std::vector<std::string>* notes) {
-  if (n > 0) notes->push_back(fmt::format("{} {} have no partner within 20 ms and are passed over", n, what));
+  if (n > 0) notes->push_back(fmt::format("{} {} have no partner within 20 ms and are skipped", n, what));
 }
 
 void PairByTime(const std::string& folder, ImageList* list) {
@@ -89,7 +89,7 @@ const KnownCamera* CameraByName(const std::string& folder) {
 RigCalibration KnownRig(const KnownCamera& known, const std::string& folder, const ImageSize& size) {
   if (size != kKnownSize) {
     throw DatasetError(fmt::format(
-        "{}: images of {} x {} pixels do not fit the calibration of {} ({} x {}); give "
+        "{}: images of {} x {} pixels do not match the calibration of {} ({} x {}); give "
         "a camera.yaml",
         folder, size.width_px, size.height_px, known.long_name, kKnownSize.width_px, kKnownSize.height_px));
   }
@@ -110,15 +110,14 @@ RigCalibration ReadRig(const std::string& folder, const ImageSize& size, std::ve
   if (!fs::exists(*path) && known != nullptr) return KnownRig(*known, folder, size);
   const std::vector<std::string> paths = CalibrationOf(folder);
   if (paths.empty()) {
-    throw DatasetError(
-        folder +
-        ": has no camera.yaml and no RGB-D settings of ORB-SLAM, and its name holds none of freiburg1, "
-        "freiburg2, freiburg3, fr1, fr2, fr3 whose calibration is known");
+    throw DatasetError(folder +
+                       ": has no camera.yaml and no RGB-D settings of ORB-SLAM, and its name contains none of "
+                       "freiburg1, freiburg2, freiburg3, fr1, fr2, fr3, whose calibrations are known");
   }
   *path = paths.front();
   RigCalibration rig = ReadCalibration(paths, size, notes);
   if (rig.kind != RigCalibration::Kind::kRgbd) {
-    throw DatasetError(*path + ": is of a stereo pair, but the folder has depth maps: kind must be rgbd here");
+    throw DatasetError(*path + ": is for a stereo pair, but the folder has depth maps: kind must be rgbd");
   }
   return rig;
 }

@@ -88,7 +88,7 @@ bool ReadTable(const std::string& folder, std::vector<ImageList::Entry>* entries
       n_columns = row.fields.size();
       return;
     }
-    RequireColumns(row, n_columns, "as many as there are names in the first line");
+    RequireColumns(row, n_columns, "as many as names in the first line");
     AppendTime(row, columns->time, columns->decimals, &times_ns);
     entries->push_back(
         {times_ns.back(), FileBelow(folder, row, columns->left), FileBelow(folder, row, columns->right), ""});
@@ -104,7 +104,7 @@ void SetDistortion(const YamlMap& yaml, CameraCalibration* camera) {
   const auto* const known =
       std::find_if(kDistortions.begin(), kDistortions.end(), [&](const Distortion& d) { return d.theirs == type; });
   if (known == kDistortions.end()) {
-    yaml.Fail("distortion_type", fmt::format("'{}' is none of radtan4, radtan5, radtan8, equid4", type));
+    yaml.Fail("distortion_type", fmt::format("'{}' is not one of radtan4, radtan5, radtan8, equid4", type));
   }
   const std::vector<double> values = yaml.Numbers("distortion_coefficients", known->n, known->n);
   if (std::all_of(values.begin(), values.end(), [](double x) { return x == 0.0; })) return;

@@ -68,8 +68,7 @@ std::string ReadText(const std::string& path) {
 }
 
 [[noreturn]] void FailAsDuplicate(const std::string& path, const YAML::Node& key) {
-  throw DatasetError(
-      fmt::format("{}:{}: key '{}' stands here twice", path, key.Mark().line + 1, Shown(key.Scalar())));
+  throw DatasetError(fmt::format("{}:{}: key '{}' is repeated", path, key.Mark().line + 1, Shown(key.Scalar())));
 }
 
 void RequireWords(const std::string& path, const YAML::Node& node) {
@@ -193,12 +192,13 @@ std::vector<std::vector<Eigen::Vector2d>> YamlMap::Polygons(std::string_view key
   std::vector<std::vector<Eigen::Vector2d>> polygons;
   for (const YAML::Node& outline : node) {
     const std::string name = fmt::format("polygon {}", polygons.size() + 1);
-    if (!outline.IsSequence()) Fail(key, name + " is no list of corners [[x, y], [x, y], [x, y], ...]");
-    if (outline.size() < 3) Fail(key, fmt::format("{} has {} corners, at least 3 are needed", name, outline.size()));
+    if (!outline.IsSequence()) Fail(key, name + " is not a list of corners [[x, y], [x, y], [x, y], ...]");
+    if (outline.size() < 3)
+      Fail(key, fmt::format("{} has {} corners, but at least 3 are needed", name, outline.size()));
     std::vector<Eigen::Vector2d> corners;
     for (const YAML::Node& corner : outline) {
       if (!corner.IsSequence() || corner.size() != 2) {
-        Fail(key, fmt::format("{}, corner {} is no pair [x, y]", name, corners.size() + 1));
+        Fail(key, fmt::format("{}, corner {} is not a pair [x, y]", name, corners.size() + 1));
       }
       corners.emplace_back(ToNumber(key, *corner.begin()), ToNumber(key, *std::next(corner.begin())));
     }
@@ -209,7 +209,7 @@ std::vector<std::vector<Eigen::Vector2d>> YamlMap::Polygons(std::string_view key
 
 YamlMap YamlMap::Map(std::string_view key) const {
   const YAML::Node node = Get(key);
-  if (!node.IsMap()) Fail(key, "must hold `key: value` lines");
+  if (!node.IsMap()) Fail(key, "must contain `key: value` lines");
   return {path_, node};
 }
 
@@ -229,7 +229,7 @@ std::vector<std::pair<int, YamlMap>> YamlMap::NumberedMaps(std::string_view key)
     if (!element.IsSequence() || element.size() != 2) Fail(key, "must be a list of pairs [number, map]");
     const double number = ToNumber(key, *element.begin());
     if (!(number >= 0.0 && number <= 100.0 && number == std::floor(number))) {
-      Fail(key, fmt::format("has the number {}, which is none from 0 to 100", number));
+      Fail(key, fmt::format("has the number {}, which is not from 0 to 100", number));
     }
     maps.emplace_back(static_cast<int>(number), YamlMap(path_, *std::next(element.begin())));
   }
@@ -295,7 +295,7 @@ std::string TransformFrom(const std::vector<double>& rows, SE3* T) {
   const Eigen::Matrix3d R = m.leftCols<3>();
   const double error = (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (!(error <= kOrthogonalityTolerance) || !(R.determinant() > 0.0)) {
-    return fmt::format("is no rotation (determinant {:.6g}, off by {:.3g}, at most {})", R.determinant(), error,
+    return fmt::format("is not a rotation (determinant {:.6g}, off by {:.3g}, at most {})", R.determinant(), error,
                        kOrthogonalityTolerance);
   }
   if (!m.col(3).allFinite()) return "is not finite";

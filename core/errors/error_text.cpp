@@ -48,7 +48,7 @@ bool HasKey(std::string_view line) {
 }  // namespace
 
 std::string YamlComplaint(const std::string& name, std::string_view text, int line, const std::string& what) {
-  if (text.find('\0') != std::string_view::npos) return name + ": is no YAML, but binary: " + Shown(text);
+  if (text.find('\0') != std::string_view::npos) return name + ": is not YAML, but binary: " + Shown(text);
   std::string_view rest = text, culprit, before;
   int before_line = 0;
   for (int i = 0; i <= line && !rest.empty(); ++i) {
@@ -59,7 +59,7 @@ std::string YamlComplaint(const std::string& name, std::string_view text, int li
     }
     culprit = TakeLine(rest);
     if (IsIndentedByTab(culprit)) {
-      return fmt::format("{}:{}: is indented by a tab; YAML wants spaces", name, i + 1);
+      return fmt::format("{}:{}: is indented by a tab; YAML requires spaces", name, i + 1);
     }
   }
   if (line < 0) return fmt::format("{}: not valid YAML: {}", name, what);
@@ -93,19 +93,19 @@ std::optional<double> Memory_MB(const char* file, const std::string& key) {
 std::string MemoryReason() {
   const double used_MB = Memory_MB("/proc/self/status", "VmSize:").value_or(0.0);
   if (const auto limit = Limit(RLIMIT_AS)) {
-    return fmt::format("memory is not enough: this process has {:.0f} MB and may have {:.0f} MB (ulimit -v)", used_MB,
+    return fmt::format("not enough memory: this process uses {:.0f} MB and may use {:.0f} MB (ulimit -v)", used_MB,
                        1e-6 * static_cast<double>(*limit));
   }
-  return fmt::format("memory is not enough: {:.0f} MB of this host are free (free -m), this process has {:.0f} MB",
+  return fmt::format("not enough memory: {:.0f} MB of this host are free (free -m), this process uses {:.0f} MB",
                      Memory_MB("/proc/meminfo", "MemAvailable:").value_or(0.0), used_MB);
 }
 
 std::string ThreadsReason() {
   const auto limit = Limit(RLIMIT_NPROC);
   return fmt::format(
-      "{}: no more processes and threads may be started; this user may have {} (ulimit -u; a container may have "
-      "less: pids.max of its cgroup)",
-      std::strerror(EAGAIN), limit ? fmt::format("{}", *limit) : "any number");
+      "{}: no more processes or threads can be started; the limit of this user is {} (ulimit -u; a container may "
+      "have a lower one: pids.max of its cgroup)",
+      std::strerror(EAGAIN), limit ? fmt::format("{}", *limit) : "unlimited");
 }
 
 /// An operation of std::filesystem as named in its what(), and our wording.
@@ -118,7 +118,7 @@ constexpr std::array<Operation, 8> kOperations = {{{"status", "cannot be read"},
                                                    {"directory iterator", "cannot be read"},
                                                    {"cannot get file", "cannot be read"},
                                                    {"cannot check", "cannot be read"},
-                                                   {"cannot create director", "cannot be made a folder"},
+                                                   {"cannot create director", "the folder cannot be created"},
                                                    {"cannot remove", "cannot be removed"},
                                                    {"cannot rename", "cannot be renamed"}}};
 
@@ -173,7 +173,7 @@ std::string ReasonOf(int error_number) {
   std::string reason = std::strerror(error_number);
   if (error_number != EMFILE) return reason;
   const auto limit = Limit(RLIMIT_NOFILE);
-  return fmt::format("{}; this process may have {} (ulimit -n)", reason, limit.value_or(0));
+  return fmt::format("{}; this process may open {} (ulimit -n)", reason, limit.value_or(0));
 }
 
 std::string ReasonOf(int error_number, const std::string& path) {
@@ -183,7 +183,7 @@ std::string ReasonOf(int error_number, const std::string& path) {
   const std::filesystem::path whole(path);
   for (auto part = whole.begin(); part != whole.end(); ++part) {
     if (!above.empty() && access(above.c_str(), X_OK) != 0 && errno == EACCES) {
-      return fmt::format("{} (the folder {} is closed to this user)", reason, above.string());
+      return fmt::format("{} (this user cannot access the folder {})", reason, above.string());
     }
     above /= *part;
   }

@@ -118,15 +118,16 @@ struct FeatureOptions {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, OrbOptions& o) {
-  visit("max_points", o.max_points, Bounds{0, 20000}, "points kept in an image");
+  visit("max_points", o.max_points, Bounds{0, 20000}, "largest number of points per image");
   visit("fast_threshold", o.fast_threshold, Bounds{2, 100}, "contrast of a FAST corner, grey levels");
-  visit("min_fast_threshold", o.min_fast_threshold, Bounds{2, 100}, "the same where the first finds none");
+  visit("min_fast_threshold", o.min_fast_threshold, Bounds{2, 100}, "the same where the first threshold finds none");
 }
 
 template <class Visitor>
 void VisitFields(Visitor& visit, LineOptions& o) {
   visit("detector", o.detector, OneOf{"edgechain", "lsd"}, "line segment detector");
-  visit("max_lines", o.max_lines, Bounds{0, 5000}, "segments kept in an image, the longest, spread");
+  visit("max_lines", o.max_lines, Bounds{0, 5000},
+        "largest number of segments per image: the longest ones, spread over the image");
   visit("min_length_px", o.min_length_px, Bounds{8, 1000}, "shortest segment kept");
   visit("min_contrast", o.min_contrast, Bounds{2, 100}, "contrast across a segment, grey levels (edgechain)");
 }
@@ -140,7 +141,7 @@ void VisitFields(Visitor& visit, StereoOptions& o) {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, FeatureOptions& o) {
-  visit("features", o.features, OneOf{"points", "lines", "both"}, "kinds of features in use");
+  visit("features", o.features, OneOf{"points", "lines", "both"}, "feature types in use");
   visit("orb", o.orb, "ORB points");
   visit("lines", o.lines, "line segments");
 }

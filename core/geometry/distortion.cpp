@@ -65,7 +65,7 @@ void RequireKnown(const CameraCalibration& c) {
 void RequireFinite(const CameraCalibration& c) {
   for (const double k : c.distortion) {
     if (!std::isfinite(k)) {
-      throw std::runtime_error("distortion model \"" + c.model + "\" has a coefficient that is no number");
+      throw std::runtime_error("distortion model \"" + c.model + "\" has a coefficient that is not a number");
     }
   }
 }

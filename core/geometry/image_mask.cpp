@@ -80,11 +80,11 @@ std::string MaskComplaint(const CameraCalibration& camera) {
     }
   }
   if (n_corners > kMaxMaskCorners) {
-    return fmt::format("the outlines of what is left out have {} corners, at most {} are possible: draw it coarser",
+    return fmt::format("the polygons of the mask have {} corners, at most {} are possible: draw them coarser",
                        n_corners, kMaxMaskCorners);
   }
   if (camera.mask.empty() || cv::countNonZero(DrawMask(camera)) > 0) return "";
-  return "no pixel is left in use; of a mask image 0 (black) is left out, and all else is in use";
+  return "no pixel is in use; in a mask image 0 (black) is excluded, and all other values are in use";
 }
 
 void ShadeMask(const cv::Mat& mask, cv::Mat& picture) {

@@ -63,7 +63,7 @@ void CheckCamera(const RigCalibration& rig, const CameraCalibration& c, const ch
     throw Error(rig, side, " intrinsics are fx ", c.fx_px, " fy ", c.fy_px, " cx ", c.cx_px, " cy ", c.cy_px,
                 ", expected finite numbers and positive focal lengths");
   }
-  if (!c.T_b_cam.IsFinite()) throw Error(rig, side, " camera pose contains a value that is no number");
+  if (!c.T_b_cam.IsFinite()) throw Error(rig, side, " camera pose contains a value that is not a number");
 }
 
 RowDirection RowsAlong(const Eigen::Vector3d& baseline) {
@@ -74,14 +74,16 @@ RowDirection RowsAlong(const Eigen::Vector3d& baseline) {
 double BaselineOf(const RigCalibration& rig, const SE3& T_l_r) {
   const Eigen::Vector3d& t = T_l_r.translation();
   const double length = t.norm();
-  if (!(length > 1e-6)) throw Error(rig, "left and right camera are at the same place");
+  if (!(length > 1e-6)) throw Error(rig, "left and right camera are at the same position");
   if (std::abs(t.z()) > std::max(std::abs(t.x()), std::abs(t.y()))) {
-    throw Error(rig, "the right camera is at (", t.x(), ", ", t.y(), ", ", t.z(),
-                ") m in the left one; only cameras beside each other (along x) or one above the other (along y) are "
-                "supported");
+    throw Error(
+        rig, "the right camera is at (", t.x(), ", ", t.y(), ", ", t.z(),
+        ") m relative to the left one; only cameras beside each other (along x) or one above the other (along y) are "
+        "supported");
   }
   if (t.x() < 0.0 && RowsAlong(t) == RowDirection::kRight) {
-    throw Error(rig, "the right camera is at x = ", t.x(), " m in the left one, so left and right are exchanged");
+    throw Error(rig, "the right camera is at x = ", t.x(),
+                " m relative to the left one, so left and right are exchanged");
   }
   return length;
 }
@@ -91,8 +93,8 @@ Eigen::Quaterniond SharedOrientation(const RigCalibration& rig, const SE3& T_l_r
   const Eigen::Vector3d right_axis = T_l_r.rotation() * Eigen::Vector3d::UnitZ();
   const double angle = std::acos(std::clamp(left_axis.dot(right_axis), -1.0, 1.0));
   if (angle > kLargestAxisAngle_rad) {
-    throw Error(rig, "left and right camera look ", angle * 180.0 / std::numbers::pi, " deg apart, at most ",
-                kLargestAxisAngle_rad * 180.0 / std::numbers::pi, " can be rectified");
+    throw Error(rig, "the optical axes of left and right camera are ", angle * 180.0 / std::numbers::pi,
+                " deg apart, at most ", kLargestAxisAngle_rad * 180.0 / std::numbers::pi, " can be rectified");
   }
   Eigen::Matrix3d R_l_c;
   R_l_c.col(0) = T_l_r.translation().normalized();
@@ -143,7 +145,7 @@ StereoCamera ChooseCamera(const RigCalibration& rig, const TurnedImage& image, c
           ? 0.5 * (l * rig.left.fx_px + l * rig.left.fy_px)
           : 0.25 * (l * rig.left.fx_px + l * rig.left.fy_px + r * rig.right.fx_px + r * rig.right.fy_px);
   if (window.x1 <= window.x0 || window.y1 <= window.y0) {
-    throw Error(rig, "left and right camera share no view; check intrinsics, distortion and extrinsics");
+    throw Error(rig, "left and right camera have no common view; check intrinsics, distortion and extrinsics");
   }
   const double no_border = std::max(width / (window.x1 - window.x0), height / (window.y1 - window.y0));
   const double narrow_enough = 0.5 * std::max(width, height) / std::tan(kLargestHalfFov_rad);

@@ -33,7 +33,7 @@ void CheckImage(const cv::Mat& image, int type, const CameraCalibration& calibra
   if (image.type() == type && image.cols == calibration.width_px && image.rows == calibration.height_px) return;
   std::ostringstream text;
   text << "the " << side << " image is " << image.cols << "x" << image.rows << " of type "
-       << (image.empty() ? "nothing" : cv::typeToString(image.type())) << ", the calibration says "
+       << (image.empty() ? "nothing" : cv::typeToString(image.type())) << ", the calibration states "
        << calibration.width_px << "x" << calibration.height_px << " of type " << cv::typeToString(type);
   throw std::runtime_error(text.str());
 }

@@ -66,7 +66,7 @@ bool MoveOldToFiles(KeyframeFeatures& features) {
 }
 
 std::string CannotLeaveMemory() {
-  return "features of old keyframes stay in memory: no file can be written in " + TemporaryRoot() +
+  return "features of old keyframes are kept in memory: no file can be written in " + TemporaryRoot() +
          "; set TMPDIR to another folder";
 }
 

@@ -23,7 +23,7 @@ void CheckObservations(const char* kind, int64_t id, const std::vector<Observati
     throw std::invalid_argument(std::string(kind) + " " + std::to_string(id) + ": observation " + std::to_string(i) +
                                 " is of keyframe " + std::to_string(observations[i].keyframe_id) + ", feature " +
                                 std::to_string(observations[i].feature) +
-                                ", and observations must ascend by keyframe");
+                                ", but observations must be in ascending order of keyframes");
   }
 }
 

@@ -27,7 +27,7 @@ struct MotionOptions {
 template <class Visitor>
 void VisitFields(Visitor& visit, MotionOptions& o) {
   visit("landmark_covariance", o.landmark_covariance,
-        "weigh by the uncertainty of the landmarks too; the paper weighs by that of the measurements alone");
+        "weight by the uncertainty of the landmarks too; the paper uses that of the measurements only");
 }
 
 }  // namespace plslam

@@ -20,9 +20,9 @@ struct PlaceOptions {
 template <class Visitor>
 void VisitFields(Visitor& visit, PlaceOptions& o) {
   visit("merge", o.merge, OneOf{"adaptive", "balanced", "paper", "strength", "dispersion", "points", "lines"},
-        "weights of the similarities of points and lines: by number with lines at their worth and words by their "
-        "rarity in the map, the same with all words alike, by number and dispersion (the paper's), by number, by "
-        "dispersion, one feature type alone");
+        "how the similarities of points and lines are weighted: adaptive (number of features, line weight, inverse "
+        "frequency of words in the map), balanced (the same without word frequencies), paper (number and "
+        "dispersion), strength (number), dispersion, or one feature type only");
 }
 
 }  // namespace plslam

@@ -25,7 +25,7 @@ double WeightOfPoints(const PlaceDescription& query, const PlaceOptions& options
   if (options.merge == "dispersion") return dispersion;
   if (options.merge == "points") return 1.0;
   if (options.merge == "lines") return 0.0;
-  throw std::invalid_argument("no merge of places is called " + options.merge);
+  throw std::invalid_argument("unknown merge of similarities: " + options.merge);
 }
 
 }  // namespace

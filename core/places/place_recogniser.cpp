@@ -14,7 +14,7 @@ namespace {
 void CheckType(const Vocabulary& vocabulary, FeatureType type) {
   if (vocabulary.type() == type) return;
   throw std::invalid_argument(std::string("a vocabulary of ") + FeatureTypeName(vocabulary.type()) +
-                              " stands where one of " + FeatureTypeName(type) + " is needed");
+                              " was given where one of " + FeatureTypeName(type) + " is needed");
 }
 
 bool Worse(const PlaceMatch& a, const PlaceMatch& b) {

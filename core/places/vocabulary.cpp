@@ -151,9 +151,9 @@ void Take(std::string_view& bytes, T* values, size_t count) {
 Header CheckedHeader(std::string_view bytes, const std::string& name) {
   Header header;
   if (bytes.size() < kMagic.size() || std::memcmp(bytes.data(), kMagic.data(), kMagic.size()) != 0) {
-    Refuse(name, "is no vocabulary of this program");
+    Refuse(name, "is not a vocabulary of this program");
   }
-  if (bytes.size() < sizeof(Header) + kChecksumBytes) Refuse(name, "is truncated: not even its header is whole");
+  if (bytes.size() < sizeof(Header) + kChecksumBytes) Refuse(name, "is truncated: even its header is incomplete");
   std::memcpy(&header, bytes.data(), sizeof(Header));
   if (header.version != kVersion) {
     Refuse(name, fmt::format("has format version {}, and this program reads version {}", header.version, kVersion));
@@ -163,10 +163,10 @@ Header CheckedHeader(std::string_view bytes, const std::string& name) {
                              VocabularyLimits::kMaxNodes));
   }
   if (bytes.size() != BytesOf(header)) {
-    Refuse(name, fmt::format("has {} bytes where its header asks for {}", bytes.size(), BytesOf(header)));
+    Refuse(name, fmt::format("has {} bytes, but its header states {}", bytes.size(), BytesOf(header)));
   }
   const std::string_view content = bytes.substr(0, bytes.size() - kChecksumBytes);
-  if (Checksum(content) != bytes.substr(content.size())) Refuse(name, "is damaged: its checksum does not fit");
+  if (Checksum(content) != bytes.substr(content.size())) Refuse(name, "is damaged: its checksum is wrong");
   if (header.kind > 1 || header.images < 0) Refuse(name, "is damaged: its type or number of images is impossible");
   return header;
 }

@@ -38,8 +38,8 @@ NamesakeWatch::Action NamesakeWatch::OnStatus(const ProcessIdentity& other, cons
 }
 
 std::string NamesakeWatch::Sentence(const std::string& process, const ProcessIdentity& other) {
-  return fmt::format("another {} runs on this bus: process {} on {}, for {:.0f} s", process, other.pid, other.host,
-                     other.uptime_s);
+  return fmt::format("another {} is running on this bus: process {} on {}, for {:.0f} s", process, other.pid,
+                     other.host, other.uptime_s);
 }
 
 }  // namespace plslam::bus

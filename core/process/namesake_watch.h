@@ -47,7 +47,7 @@ class NamesakeWatch {
   /// `now_s`: steady time. `own`: this process, now.
   Action OnStatus(const ProcessIdentity& other, const ProcessIdentity& own, double now_s);
 
-  /// "another vo runs on this bus: process 17 on robot, for 12 s".
+  /// "another vo is running on this bus: process 17 on robot, for 12 s".
   static std::string Sentence(const std::string& process, const ProcessIdentity& other);
 
  private:

@@ -20,13 +20,13 @@ namespace plslam::bus {
 
 void ProcessArguments::AddTo(CLI::App* app) {
   app->add_option("--config", config_file, "YAML file with the options")->type_name("FILE");
-  app->add_option("--set", overrides, "one option, over the file: vo.features.orb.max_points=800 (repeatable)")
+  app->add_option("--set", overrides, "one option, overrides the file: vo.features.orb.max_points=800 (repeatable)")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   app->add_option("--url", url, "LCM URL, for example udpm://239.255.76.67:7667?ttl=0");
-  app->add_option("--prefix", prefix, "in front of each channel name");
+  app->add_option("--prefix", prefix, "prefix of each channel name");
   app->add_option("--map-prefix", map_prefix, "prefix of the map that is shared with other robots");
-  app->add_option("--parent", parent, "end when the process with this id, which started this one, ends")
+  app->add_option("--parent", parent, "exit when the process with this id, which started this one, exits")
       ->type_name("PID");
   app->add_flag("--own-bus", own_bus, "no other run can be on the bus: do not look for processes of the same name");
 }
@@ -45,7 +45,7 @@ void ProcessArguments::EndWithParent() const {
   if (parent == 0) return;
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   // It may have ended before the kernel knew of our wish.
-  if (getppid() != parent) throw std::runtime_error("the process that started this one is gone");
+  if (getppid() != parent) throw std::runtime_error("the process that started this one has exited");
 }
 
 void SetUpLogging(const std::string& process) {

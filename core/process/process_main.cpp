@@ -132,7 +132,7 @@ class ProcessRunner {
     try {
       if (process) process->SetState(process_state::kFailed, line);
     } catch (const std::exception& error) {
-      PrintError(fmt::format("{}: error: the failure could not be told: {}", spec_.name, OneLine(error.what())));
+      PrintError(fmt::format("{}: error: the failure could not be published: {}", spec_.name, OneLine(error.what())));
     }
     return 1;
   }
@@ -151,14 +151,14 @@ int RunProcess(int argc, char** argv, const ProcessSpec& spec) {
   ProcessArguments arguments;
   arguments.AddTo(&app);
   if (spec.add_options) spec.add_options(&app);
-  app.footer((spec.examples.empty() ? "" : fmt::format("Examples:\n{}\n", spec.examples)) +
-             "Exit code 0 when done, or ended by SIGINT, SIGTERM or SIGHUP; 1 when not, and one sentence on standard "
-             "error says why.");
+  app.footer(
+      (spec.examples.empty() ? "" : fmt::format("Examples:\n{}\n", spec.examples)) +
+      "Exit code 0 if done, or ended by SIGINT, SIGTERM or SIGHUP; 1 if not, with one sentence on standard error.");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
-    PrintError(fmt::format("{}: error: {} (--help tells the options)", spec.name, OneLine(error.what())));
+    PrintError(fmt::format("{}: error: {} (--help lists the options)", spec.name, OneLine(error.what())));
     return 1;
   }
   SetUpLogging(spec.name);

@@ -53,7 +53,7 @@ SignalWatcher::SignalWatcher(std::function<void(const std::string&)> on_stop, pi
   pthread_sigmask(SIG_BLOCK, &signals, &previous_mask_);
   signal_fd_ = signalfd(-1, &signals, SFD_CLOEXEC);
   stop_fd_ = eventfd(0, EFD_CLOEXEC);
-  if (signal_fd_ < 0 || stop_fd_ < 0) throw std::runtime_error("signals cannot be watched: " + ReasonOf(errno));
+  if (signal_fd_ < 0 || stop_fd_ < 0) throw std::runtime_error("signals cannot be handled: " + ReasonOf(errno));
   thread_ = std::thread([this] { Watch(); });
 }
 
@@ -82,7 +82,7 @@ void SignalWatcher::Watch() {
 void SignalWatcher::Take(int signal) {
   if (launcher_ != 0 && signal != kStopOrder) {
     if (getppid() == launcher_) {
-      spdlog::info("{}: passed over, since the process that started this one ends it", SignalName(signal));
+      spdlog::info("{}: ignored, because the process that started this one ends it", SignalName(signal));
       return;
     }
     alarm(kGraceWithoutLauncher_s);

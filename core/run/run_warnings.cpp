@@ -80,11 +80,11 @@ bool HasFewStereoMatches(const RunFindings& f) {
 std::string OutOfStepText(const RunFindings& f) {
   const bool right = f.right_late_ms > 0.0;
   const int offset = static_cast<int>(std::lround(right ? -f.late_frames : f.late_frames));
-  std::string remedy = "this is made up for, but trigger the cameras together";
-  if (f.late_frames > kMostLateMadeUpFor_frames) remedy = "too much to be made up for: trigger the cameras together";
+  std::string remedy = "this is compensated, but trigger the cameras together";
+  if (f.late_frames > kMostLateMadeUpFor_frames) remedy = "too much to be compensated: trigger the cameras together";
   if (offset != 0) {
-    remedy = fmt::format("pair them anew with `--set player.right_offset_frames={}`, or trigger the cameras together",
-                         offset);
+    remedy = fmt::format(
+        "pair them again with `--set player.right_offset_frames={}`, or trigger the cameras together", offset);
   }
   return fmt::format("the {} images are taken {:.3g} ms after the {} ones: {}", right ? "right" : "left",
                      std::max(f.right_late_ms, f.left_late_ms), right ? "left" : "right", remedy);
@@ -110,8 +110,8 @@ Numbers FrameNumbers(const RunFindings& f) {
 const Row kRows[] = {
     {"nothing_tracked", [](const RunFindings& f) { return f.frames.all() > 0 && f.frames.tracked == 0; },
      [](const RunFindings& f) {
-       return fmt::format("none of the {} frames was tracked ({}): docs/troubleshooting.md tells what helps",
-                          f.frames.all(), PartsText(f.frames));
+       return fmt::format("none of the {} frames was tracked ({}): see docs/troubleshooting.md", f.frames.all(),
+                          PartsText(f.frames));
      },
      FrameNumbers},
     {"little_tracked",
@@ -119,9 +119,8 @@ const Row kRows[] = {
        return f.frames.tracked > 0 && *f.frames.tracked_percent() < kEnoughTracked_percent;
      },
      [](const RunFindings& f) {
-       return fmt::format(
-           "only {} of {} frames were tracked ({:.1f} %; {}): docs/troubleshooting.md tells what helps",
-           f.frames.tracked, f.frames.all(), *f.frames.tracked_percent(), PartsText(f.frames));
+       return fmt::format("only {} of {} frames were tracked ({:.1f} %; {}): see docs/troubleshooting.md",
+                          f.frames.tracked, f.frames.all(), *f.frames.tracked_percent(), PartsText(f.frames));
      },
      FrameNumbers},
     {"not_in_map",
@@ -140,7 +139,7 @@ const Row kRows[] = {
      [](const RunFindings& f) {
        return fmt::format(
            "the right images have only {:.1f} % of the points of the left ones: left and right may be "
-           "exchanged, not taken at the same time, or badly calibrated; {} tells",
+           "exchanged, not taken at the same time, or badly calibrated; check with {}",
            100.0 * f.points_matched / f.points_seen, CheckText(f));
      },
      [](const RunFindings& f) {
@@ -153,7 +152,7 @@ const Row kRows[] = {
      [](const RunFindings& f) {
        return fmt::format(
            "{:.0f} % of the points have several equally good matches in their row (fences, tiles, containers): they "
-           "have no depth, and tracking depends on the others",
+           "get no depth, and tracking depends on the others",
            100.0 * f.points_ambiguous / f.points_seen);
      },
      [](const RunFindings& f) {
@@ -168,7 +167,7 @@ const Row kRows[] = {
      [](const RunFindings& f) {
        return fmt::format(
            "one of the cameras takes {:.3g} ms longer than the other to read an image (rolling shutter): use global "
-           "shutters, or cameras that are alike",
+           "shutters or two cameras of the same type",
            f.unequal_readout_ms);
      },
      [](const RunFindings& f) {
@@ -178,8 +177,8 @@ const Row kRows[] = {
     {"rows_corrected_far", [](const RunFindings& f) { return f.corner_rows_px > kFarRows_px && !IsOutOfStep(f); },
      [](const RunFindings& f) {
        return fmt::format(
-           "rows of the right images differ from those of the left ones by up to {:.1f} px in the "
-           "corners: they are followed, but the cameras should be calibrated anew; {} measures it",
+           "rows of the right images differ from those of the left ones by up to {:.1f} px in the corners: this is "
+           "corrected, but the cameras should be calibrated again; measure it with {}",
            f.corner_rows_px, CheckText(f));
      },
      [](const RunFindings& f) {
@@ -210,7 +209,7 @@ const Row kRows[] = {
      }},
     {"unreadable_frames", [](const RunFindings& f) { return f.frames.unreadable > 0; },
      [](const RunFindings& f) {
-       return fmt::format("{} of {} frames could not be read and were passed over; logs/player.log names them",
+       return fmt::format("{} of {} frames could not be read and were skipped; logs/player.log lists them",
                           f.frames.unreadable, f.frames.all());
      },
      [](const RunFindings& f) {
@@ -220,7 +219,7 @@ const Row kRows[] = {
      [](const RunFindings& f) { return Count(f.frames.skipped) > kManySkipped * Count(f.frames.all()); },
      [](const RunFindings& f) {
        return fmt::format(
-           "{} of {} frames were passed over because tracking was slower than the data came: use --pace "
+           "{} of {} frames were skipped because tracking was slower than the data: use --pace "
            "lockstep, smaller images or a faster machine",
            f.frames.skipped, f.frames.all());
      },
@@ -230,7 +229,7 @@ const Row kRows[] = {
     {"missing_pictures", [](const RunFindings& f) { return f.pictures_missing > 0.0; },
      [](const RunFindings& f) {
        return fmt::format(
-           "{:.0f} frames lack their picture in the report, the film or the overlays; logs/viewer.log says why",
+           "{:.0f} frames have no picture in the report, the film or the overlays; logs/viewer.log gives the reason",
            f.pictures_missing);
      },
      [](const RunFindings& f) {
@@ -239,8 +238,8 @@ const Row kRows[] = {
     {"truth_of_other_times", [](const RunFindings& f) { return f.truth_missing > f.truth_frames; },
      [](const RunFindings& f) {
        return fmt::format(
-           "only {:.0f} of {:.0f} frames have a true pose although the dataset has a ground truth: it is "
-           "of other times, perhaps of another run; logs/player.log has both spans",
+           "only {:.0f} of {:.0f} frames have a true pose although the dataset has a ground truth: its times differ, "
+           "perhaps it is from another run; logs/player.log lists both time spans",
            f.truth_frames, f.truth_frames + f.truth_missing);
      },
      [](const RunFindings& f) {
@@ -253,8 +252,8 @@ const Row kRows[] = {
      },
      [](const RunFindings& f) {
        return fmt::format(
-           "the path is off by {} (ATE) while the true one extends over {}: the ground truth is of "
-           "another run or another camera, or tracking went wrong",
+           "the path is off by {} (ATE) while the true one extends over {}: the ground truth is from another run or "
+           "another camera, or tracking failed",
            MetresText(*f.ate_m), MetresText(f.true_spread_m));
      },
      [](const RunFindings& f) {
@@ -264,7 +263,7 @@ const Row kRows[] = {
      [](const RunFindings& f) { return f.nees_poses >= kEnoughNees && f.nees_pose > kFarNees; },
      [](const RunFindings& f) {
        return fmt::format(
-           "errors are about {:.0f} times larger than the covariances say (mean NEES {:.3g}, 6 is "
+           "errors are about {:.0f} times larger than the covariances state (mean NEES {:.3g}, 6 is "
            "expected): do not rely on the covariances, or on the ground truth",
            std::sqrt(f.nees_pose / 6.0), f.nees_pose);
      },
@@ -274,9 +273,8 @@ const Row kRows[] = {
     {"recording_without_index", [](const RunFindings& f) { return f.recording_scan_s > 0.0; },
      [](const RunFindings& f) {
        return fmt::format(
-           "the recording has no usable index, or is cut off: all of it was read first, which took {:.1f} s, and "
-           "what is "
-           "not whole is not played; logs/player.log says more, and how to write an index",
+           "the recording has no usable index, or is truncated: it was first read completely, which took {:.1f} s, "
+           "and incomplete parts are not played; logs/player.log gives details, and how to write an index",
            f.recording_scan_s);
      },
      [](const RunFindings& f) {
@@ -287,8 +285,7 @@ const Row kRows[] = {
        std::string others;
        for (size_t i = 1; i < f.recordings.size(); ++i) others += (i > 1 ? ", " : "") + f.recordings[i];
        return fmt::format(
-           "the recorder was started again, so the recording of {} goes on in {}; what was said between "
-           "is in neither",
+           "the recorder was restarted, so the recording of {} continues in {}; messages in between are in neither",
            f.recordings.front(), others);
      },
      [](const RunFindings& f) {
@@ -314,9 +311,8 @@ const Row kCameraRows[] = {
      },
      [](const RunFindings& f) {
        return fmt::format(
-           "beside the {:.0f} pairs that the cameras gave, {:.0f} are missing, and {:.0f} images have no partner: "
-           "look "
-           "at cables, the bandwidth of USB or network, long exposures and other load of this machine",
+           "besides the {:.0f} pairs from the cameras, {:.0f} are missing, and {:.0f} images have no partner: check "
+           "cables, the bandwidth of USB or network, long exposures and other load on this machine",
            f.frames_captured, f.frames_missing, f.frames_dropped);
      },
      [](const RunFindings& f) {
@@ -337,8 +333,8 @@ const Row kCameraRows[] = {
     {"camera_outages", [](const RunFindings& f) { return f.outages > 0.0; },
      [](const RunFindings& f) {
        return fmt::format(
-           "the cameras gave no frames for a while, {:.0f} time{}: look at cables and power; logs/camera.log says "
-           "more",
+           "the cameras sent no frames for a while, {:.0f} time{}: check cables and power; logs/camera.log gives "
+           "details",
            f.outages, f.outages > 1.0 ? "s" : "");
      },
      [](const RunFindings& f) {

@@ -26,8 +26,8 @@ Pace ParsePace(const std::string& text) {
     const auto [end, error] = std::from_chars(first, last, speed);
     if (error == std::errc() && end == last && speed >= kMinSpeed && speed <= kMaxSpeed) return {false, speed};
   }
-  throw std::runtime_error(fmt::format("pace '{}' is none of lockstep, realtime, realtimexN (N from {} to {})", text,
-                                       kMinSpeed, kMaxSpeed));
+  throw std::runtime_error(fmt::format("pace '{}' is not one of lockstep, realtime, realtimexN (N from {} to {})",
+                                       text, kMinSpeed, kMaxSpeed));
 }
 
 ResumePoint ParseResumePoint(const std::string& text) {

@@ -244,9 +244,8 @@ bus::ProcessSpec LoopSpec() {
       "  loop_process --config config/plslam.yaml --set loop.vocabularies.points=my.vocabulary";
   spec.make_node = bus::NodeWithOptions<LoopNode, LoopOptions>(spec.name);
   spec.waits_for = "keyframes of vo_process and the map of mapping_process";
-  spec.results = {{"loop.keyframes", "keyframes looked at"},
-                  {"loops", "loops"},
-                  {"relocalisation.found", "trackers found again"}};
+  spec.results = {
+      {"loop.keyframes", "keyframes checked"}, {"loops", "loops"}, {"relocalisation.found", "trackers found again"}};
   return spec;
 }
 

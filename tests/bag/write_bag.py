@@ -18,7 +18,7 @@ import sensor_msgs.msg
 
 
 def size_of(png):
-    """Width and height of a PNG of 8 bits and one channel."""
+    """Returns width and height of a PNG of 8 bits and one channel."""
     width, height, depth, colour = struct.unpack(">IIBB", png[16:26])
     if (depth, colour) != (8, 0):
         raise SystemExit("an image has not 8 bits of grey")

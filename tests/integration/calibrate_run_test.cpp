@@ -107,7 +107,7 @@ TEST_F(CalibrateRun, InterruptKeepsThePicturesTaken) {
   EXPECT_THAT(ReadText(work_ + "/camera_coverage.html"), HasSubstr("<img src=\"camera_pictures/left/001.png\">"));
   result = Run("plslam calibrate rig.yaml --board chess:9x6:0.025 --out camera.yaml");
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.error, HasSubstr("camera_pictures: there are pictures already"));
+  EXPECT_THAT(result.error, HasSubstr("camera_pictures: already contains pictures"));
 }
 
 TEST_F(CalibrateRun, ACameraThatFailsKeepsThePictures) {
@@ -130,8 +130,8 @@ TEST_F(CalibrateRun, BoardOfAnotherSizeIsReported) {
   fs::create_directories(work_ + "/camera_pictures/left");
   const test::ShellResult result = Run("plslam calibrate rig.yaml --board charuco:8x11:0.03:0.022 --out camera.yaml");
   EXPECT_EQ(result.exit_code, 1) << "empty folders of a run that was killed do not matter";
-  EXPECT_THAT(result.out, HasSubstr("are its columns and rows other ones?"));
-  EXPECT_THAT(result.error, HasSubstr("are its columns and rows other ones?"));
+  EXPECT_THAT(result.out, HasSubstr("does the board have other columns and rows?"));
+  EXPECT_THAT(result.error, HasSubstr("does the board have other columns and rows?"));
 }
 
 TEST_F(CalibrateRun, MissingBoardAndCameraAreReported) {
@@ -139,7 +139,7 @@ TEST_F(CalibrateRun, MissingBoardAndCameraAreReported) {
   Render("charuco:11x8:0.03:0.022", 1);
   test::ShellResult result = Run("plslam calibrate rig.yaml --board chess:9x6:0.025 --out camera.yaml --seconds 1");
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.error, HasSubstr("chess:9x6:0.025 was not seen to stand still"));
+  EXPECT_THAT(result.error, HasSubstr("chess:9x6:0.025 was never held still"));
   EXPECT_FALSE(fs::exists(work_ + "/camera_pictures")) << "it may be tried again";
   folder_.Write("work/other.yaml", "left:\n  resolution_px: [640, 480]\nsource:\n  pair: [/nowhere/a, /nowhere/b]\n");
   result = Run("plslam calibrate other.yaml --board chess:9x6:0.025 --out other_camera.yaml");
@@ -147,7 +147,7 @@ TEST_F(CalibrateRun, MissingBoardAndCameraAreReported) {
   EXPECT_THAT(result.error, HasSubstr("source.pair: ")) << result.out;
   result = Run("plslam rectify-check other.yaml");
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.error, HasSubstr("check the pictures that `plslam calibrate other.yaml"));
+  EXPECT_THAT(result.error, HasSubstr("check the pictures taken by `plslam calibrate other.yaml"));
 }
 
 }  // namespace

@@ -81,8 +81,8 @@ TEST(FiguresOfARun, AllFiguresAsPictureAndDrawing) {
   }
   const auto again = Shell(folder, fmt::format("{} --points none --dataset {}", figures, folder.Path("none")));
   EXPECT_EQ(again.exit_code, 0) << again.error;
-  EXPECT_THAT(again.out, AllOf(HasSubstr("similarity: left out: there are no vocabularies none"),
-                               HasSubstr("keyframe_pair: left out: ")));
+  EXPECT_THAT(again.out,
+              AllOf(HasSubstr("similarity: skipped: the vocabularies none"), HasSubstr("keyframe_pair: skipped: ")));
 }
 
 TEST(ComparisonOfRuns, FromTheirFoldersToAPage) {

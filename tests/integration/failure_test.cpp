@@ -142,7 +142,7 @@ TEST(RunFailure, SecondInterruptLeavesNoProcess) {
   const std::vector<pid_t> pids = run.Pids();
   EXPECT_EQ(pids.size(), 7U);
   run.process().Signal(SIGINT);
-  ASSERT_TRUE(WholeRun::WaitFor([&] { return HasLine(run, "plslam: stopping (Ctrl-C again ends at once)"); }));
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return HasLine(run, "plslam: stopping (Ctrl-C again ends it at once)"); }));
   // Not in the moment of the first, which would count as the same order.
   EXPECT_TRUE(WholeRun::WaitFor([&] {
     run.process().Signal(SIGINT);
@@ -198,7 +198,7 @@ TEST(RunFailure, SharedMapWithoutMapperIsAnError) {
   EXPECT_EQ(run.Run({"run", "synthetic:room?frames=20&size=160x120", "--url", port.Url(), "--prefix", "ann/",
                      "--map-prefix", "team/"}),
             1);
-  EXPECT_THAT(run.Logs(), HasSubstr("plslam: error: no mapping_process with the prefix team/ was heard on "));
+  EXPECT_THAT(run.Logs(), HasSubstr("plslam: error: no mapping_process with the prefix team/ was found on "));
   EXPECT_THAT(run.Logs(), HasSubstr("`mapping_process --prefix team/ --url " + port.Url() + "`"));
 }
 
@@ -242,7 +242,7 @@ TEST(RunFailure, UnreadableImageEndsTheRunAndTheMapIsSaved) {
   const std::string reason = run.Summary()["reason"];
   EXPECT_THAT(reason, HasSubstr("000040.png"));
   EXPECT_THAT(reason, HasSubstr("--skip-bad"));
-  EXPECT_THAT(reason, HasSubstr("the map of what came before is saved as " + map));
+  EXPECT_THAT(reason, HasSubstr("the map made so far is saved as " + map));
   EXPECT_EQ(run.Summary()["frames"], 40);
   EXPECT_EQ(run.Summary()["completed"], false);
   EXPECT_EQ(ReadMapFile(map).map.Totals(), ReadMapFile(expected).map.Totals()) << "that of the frames before";
@@ -283,7 +283,7 @@ TEST(RunFailure, KilledRecorderContinuesInAnotherFile) {
   EXPECT_GE(std::filesystem::file_size(run.log()), recorded);
   EXPECT_GT(test::ReadRecordedRun(run.log() + ".2").Count("POSE"), 0);
   EXPECT_EQ(run.Summary()["recordings"], (nlohmann::json{run.log(), run.log() + ".2"}));
-  EXPECT_THAT(run.Logs(), HasSubstr("plslam: warning: the recorder was started again"));
+  EXPECT_THAT(run.Logs(), HasSubstr("plslam: warning: the recorder was restarted"));
 }
 
 TEST(RunFailure, ResultsStayUntilTheNextRunIsAccepted) {
@@ -296,12 +296,12 @@ TEST(RunFailure, ResultsStayUntilTheNextRunIsAccepted) {
     EXPECT_EQ(run.Read("summary.json"), summary);
     EXPECT_EQ(run.Read("trajectory.kitti"), path);
     EXPECT_TRUE(std::filesystem::exists(run.out() / "overlays/000000.png"));
-    EXPECT_THAT(run.Logs(), HasSubstr("is still of the run before"));
+    EXPECT_THAT(run.Logs(), HasSubstr("is still that of the previous run"));
   }
   const std::string text = (run.folder() / "text.plmap").string();
   std::ofstream(text) << "hello";
   EXPECT_EQ(run.Run({"run", world, "--map", text}), 1);
-  EXPECT_THAT(run.Logs(), HasSubstr("plslam: error: " + text + ": is no map file"));
+  EXPECT_THAT(run.Logs(), HasSubstr("plslam: error: " + text + ": is not a map file"));
   EXPECT_EQ(run.Read("summary.json"), summary);
   ASSERT_EQ(run.Run({"run", world}), 0) << run.Logs();
   EXPECT_FALSE(std::filesystem::exists(run.out() / "overlays/000000.png"));
@@ -332,7 +332,7 @@ TEST(RunFailure, TrackerWhoseStateIsDamagedBeginsANewSession) {
   std::filesystem::resize_file(state, std::filesystem::file_size(state) / 2);
   ASSERT_EQ(run.Wait(), 0) << run.Logs();
   EXPECT_THAT(run.Logs(), HasSubstr("starting a new session: "));
-  EXPECT_THAT(run.Logs(), HasSubstr("it was cut off or damaged"));
+  EXPECT_THAT(run.Logs(), HasSubstr("it was truncated or damaged"));
   EXPECT_EQ(watcher.Get().poses.size(), 2U);
   EXPECT_EQ(run.Summary()["completed"], true);
   EXPECT_FALSE(std::filesystem::exists(state)) << "whoever ends in order leaves none";
@@ -397,8 +397,9 @@ TEST(RunFailure, ViewerKilledAtTheEndReportsLostPictures) {
        {"trajectory.tum", "trajectory_live.tum", "keyframes.tum", "covariance.txt", "groundtruth.tum"}) {
     EXPECT_TRUE(run.Read(file) == undisturbed.Read(file)) << file;
   }
-  EXPECT_THAT(run.Logs(), testing::ContainsRegex("plslam: error: viewer .* of 4 pictures are not in .*/overlays: "));
-  EXPECT_THAT(run.Logs(), testing::ContainsRegex("plslam: warning: [0-9]+ frames lack their picture"));
+  EXPECT_THAT(run.Logs(),
+              testing::ContainsRegex("plslam: error: viewer .* of 4 pictures are missing in .*/overlays: "));
+  EXPECT_THAT(run.Logs(), testing::ContainsRegex("plslam: warning: [0-9]+ frames have no picture"));
   EXPECT_GT(run.Summary()["missing_pictures"], 20);
   EXPECT_THAT(run.Read("report.html"), HasSubstr("pictures of frames are missing"));
 }
@@ -417,7 +418,7 @@ TEST(RunFailure, UnknownOptionStopsBeforeTheFirstFrame) {
                                     "'vo.features.orb.max_points'"));
   EXPECT_FALSE(std::filesystem::exists(run.out())) << "it came to nothing";
   EXPECT_EQ(run.Run({"run", "/nonexistent/sequence"}), 1);
-  EXPECT_EQ(run.Logs().find("is still of the run before"), std::string::npos) << run.Logs();
+  EXPECT_EQ(run.Logs().find("is still that of the previous run"), std::string::npos) << run.Logs();
   EXPECT_FALSE(std::filesystem::exists(run.out()));
 }
 

@@ -177,7 +177,7 @@ TEST_F(HostileRun, OtherKeysAndPrefixesAreOneLineOfStatus) {
   };
   EXPECT_TRUE(complaint(" altered or with another bus.key_file (")) << listener.Reason("mapping");
   EXPECT_TRUE(complaint(" without bus.key_file (")) << listener.Reason("mapping");
-  EXPECT_TRUE(complaint("processes with prefix 'robot2/' are heard too")) << listener.Reason("mapping");
+  EXPECT_TRUE(complaint("processes with prefix 'robot2/' were found, too")) << listener.Reason("mapping");
   for (ByHand* run : {&other_key, &no_key, &other_prefix}) EXPECT_TRUE(run->StopAll()) << run->Logs();
   EXPECT_TRUE(ours.StopAll());
   const std::string log = ours.Logs();

@@ -201,9 +201,8 @@ TEST_F(McapOfARun, LogOfFramesAloneNeedsAReplay) {
   }
   const ShellResult exported = Export(frames);
   EXPECT_EQ(exported.exit_code, 1);
-  EXPECT_THAT(exported.error,
-              HasSubstr("frames.lcm: is an LCM log without the poses of a run (channel POSE): `plslam "
-                        "replay "));
+  EXPECT_THAT(exported.error, HasSubstr("frames.lcm: is an LCM log without poses of a run (channel POSE): `plslam "
+                                        "replay "));
 }
 
 TEST_F(McapOfARun, LoopsJoinTheirKeyframes) {

@@ -150,7 +150,7 @@ TEST_F(Orders, LocaliseOnFreezesTheMapUntilOff) {
 
 TEST_F(Orders, OrderWithoutReceiverFails) {
   EXPECT_EQ(Order({"pause"}), 1);
-  EXPECT_THAT(said_, HasSubstr("no process 'player' or 'camera' is heard"));
+  EXPECT_THAT(said_, HasSubstr("no process 'player' or 'camera' was found"));
   EXPECT_EQ(Order({"localise", "perhaps"}), 1);
 }
 

@@ -138,7 +138,7 @@ TEST_F(McapInput, CutOffFilesPlayWithAWarning) {
   EXPECT_GE(n, 8);
   EXPECT_LE(n, 11);
   EXPECT_THAT(run.Summary()["warnings"].dump(), testing::HasSubstr("recording_without_index"));
-  EXPECT_THAT(run.Read("logs/player.log"), testing::HasSubstr("are of a record that is cut off"));
+  EXPECT_THAT(run.Read("logs/player.log"), testing::HasSubstr("belong to a record that is truncated"));
 }
 
 class BagInput : public RecordingInput {
@@ -180,7 +180,7 @@ TEST_F(BagInput, UnclosedFileAfterAKill) {
   ExpectTheContentOfTheFolder("a.bag");
   const auto notes = OpenDataset(folder().Path("a.bag"), "")->Notes();
   ASSERT_EQ(notes.size(), 1U);
-  EXPECT_THAT(notes.front(), testing::HasSubstr("has no index, since it was not closed"));
+  EXPECT_THAT(notes.front(), testing::HasSubstr("has no index because it was not closed"));
 }
 
 }  // namespace

@@ -166,7 +166,7 @@ TEST(Report, MapsOfTwoRunsTogether) {
   EXPECT_EQ(alone.exit_code, 1);
   const std::string html = ReadText(folder.Path("all runs.html"));
   EXPECT_EQ(html.find("page.html"), std::string::npos) << "a link to a map that could not be made";
-  EXPECT_NE(alone.error.find("no other run has played what "), std::string::npos) << alone.error;
+  EXPECT_NE(alone.error.find("no other run used the dataset of "), std::string::npos) << alone.error;
 }
 
 /// A drive of half a kilometre along a wavy road that returns to its start, with a given number of landmarks, and a

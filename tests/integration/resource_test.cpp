@@ -142,7 +142,7 @@ TEST(Resources, FullDiskUnderTheHistoryEndsNothing) {
 TEST(Resources, UnwritableFoldersAreNamed) {
   WholeRun history, out;
   EXPECT_EQ(history.Run({"run", kWorld, "--set", "bus.history_dir=/proc/nowhere"}), 1);
-  EXPECT_THAT(history.Logs(), HasSubstr("bus.history_dir: /proc/nowhere is no folder that can be written to"));
+  EXPECT_THAT(history.Logs(), HasSubstr("bus.history_dir: /proc/nowhere is not a writable folder"));
   const fs::path file = out.folder() / "a file";
   std::ofstream(file) << "in the way";
   const std::string log = (out.folder() / "log").string();
@@ -199,11 +199,11 @@ TEST(Resources, TwoProcessesOfOneNameAreReported) {
   const auto first = start("first.log"), second = start("second.log");
   EXPECT_TRUE(watcher.WaitFor([](const Heard& heard) {
     return heard.status.contains("vo") &&
-           heard.status.at("vo").reason.find("another vo runs on this bus: process ") == 0;
+           heard.status.at("vo").reason.find("another vo is running on this bus: process ") == 0;
   }));
   const auto told = [&] {
-    return Sentences(ReadFile(folder.folder() / "first.log"), "another vo runs") == 1 &&
-           Sentences(ReadFile(folder.folder() / "second.log"), "another vo runs") == 1;
+    return Sentences(ReadFile(folder.folder() / "first.log"), "another vo is running") == 1 &&
+           Sentences(ReadFile(folder.folder() / "second.log"), "another vo is running") == 1;
   };
   EXPECT_TRUE(WholeRun::WaitFor(told)) << "once each";
   EXPECT_FALSE(first->Poll() || second->Poll()) << "both run on";

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // node check_mcap.mjs NODE_MODULES FILE.mcap FOLDER [IMAGES]: reads the file with the format's own libraries, decodes every message by its schema,
-// and compares it with the files of a run in FOLDER where they are there (trajectories, keyframes.tum, map.ply, poses.csv). Prints what it found as
-// JSON, with `failures`. Images are written to the folder IMAGES, named by their times.
+// and compares it with the files of a run in FOLDER if they exist (trajectories, keyframes.tum, map.ply, poses.csv).
+// Prints its findings as JSON, with `failures`. Images are written to the folder IMAGES, named by their times.
 import { closeSync, existsSync, openSync, readFileSync, readSync, statSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join, resolve } from "node:path";
@@ -20,7 +20,7 @@ const zstd = { zstd: (bytes, size) => decompress(new Uint8Array(bytes), new Uint
 const bytes = readFileSync(file);
 const time_ns = (stamp) => BigInt(stamp.sec) * 1_000_000_000n + BigInt(stamp.nanosec);
 
-/** All records in the order of the file; throws where a checksum is wrong. */
+/** Returns all records in the order of the file; throws if a checksum is wrong. */
 function stream(content) {
   const reader = new McapStreamReader({ decompressHandlers: zstd, validateCrcs: true });
   reader.append(content);
@@ -30,7 +30,7 @@ function stream(content) {
   return records;
 }
 
-/** Messages by topic, decoded, through the index. */
+/** Returns decoded messages by topic, through the index. */
 async function decoded() {
   const fd = openSync(file, "r");
   const readable = {
@@ -75,7 +75,7 @@ const toNs = (text) => {
   return BigInt(seconds) * 1_000_000_000n + BigInt(decimals.padEnd(9, "0"));
 };
 
-/** [times, position, orientation] of a topic against the rows of a file in TUM's format. */
+/** Compares [times, position, orientation] of a topic with the rows of a file in TUM's format. */
 function comparePoses(topic, list, file) {
   const rows = rowsOf(file);
   if (list.length !== rows.length) fail(`${topic}: ${list.length} poses instead of ${rows.length}`);
@@ -83,7 +83,7 @@ function comparePoses(topic, list, file) {
     const [t, ...numbers] = rows[i].split(" ");
     for (const time of times) if (toNs(t) !== time) fail(`${topic}[${i}]: time ${time} instead of ${t}`);
     const read = [p.x, p.y, p.z, q.x, q.y, q.z, q.w];
-    // The file has nine decimals of a position; half of the last one is no difference.
+    // The file has nine decimals of a position, so half of the last one is not a difference.
     read.forEach((x, k) => Math.abs(x - Number(numbers[k])) > 1e-9 && fail(`${topic}[${i}]: ${x} instead of ${numbers[k]}`));
   });
 }
@@ -104,7 +104,7 @@ function compareFrames(topics) {
   }
 }
 
-/** Every column of every row, but for the time, which is that of the message, and the state, which is its text. */
+/** Compares all columns of all rows, except the time, which is that of the message, and the state, which is its text. */
 function compareDiagnostics(list) {
   const [names, ...rows] = rowsOf("poses.csv").map((row) => row.split(","));
   if (list.length !== rows.length) fail(`/diagnostics: ${list.length} instead of ${rows.length}`);
@@ -117,7 +117,7 @@ function compareDiagnostics(list) {
   });
 }
 
-/** Vertices and edges of map.ply, as their bytes. */
+/** Compares vertices and edges of map.ply by their bytes. */
 function readPly() {
   const ply = readFileSync(join(folder, "map.ply"));
   const head = ply.indexOf("end_header\n") + "end_header\n".length;
@@ -155,7 +155,7 @@ function compareMap(topics) {
   return { points: n, lines };
 }
 
-/** The reader must see what the writer's checksums are for: a flipped byte in the middle of a chunk. */
+/** Checks that the reader detects a flipped byte in the middle of a chunk by the writer's checksums. */
 function flippedByteIsSeen(chunks) {
   for (const chunk of [chunks[0], chunks.at(-1)]) {
     const damaged = new Uint8Array(bytes);
@@ -165,14 +165,14 @@ function flippedByteIsSeen(chunks) {
       stream(damaged);
       fail(`a flipped byte at ${at} is not noticed`);
     } catch {
-      // as it should be
+      // as expected
     }
   }
 }
 
 const records = stream(bytes);
 const { topics, dataSectionCrc, chunks } = await decoded();
-// DataEnd: its kind, eight bytes of length, and the checksum of all before.
+// DataEnd: its type, eight bytes of length, and the checksum of all previous bytes.
 const end = records.find((record) => record.type === "DataEnd");
 const footer = records.find((record) => record.type === "Footer");
 const data = bytes.subarray(0, Number(footer.summaryStart) - 13);

@@ -36,7 +36,7 @@ const definitions = {
   "geometry_msgs/msg/PoseStamped": `${header}geometry_msgs/Pose pose\n${headers}${poses}`,
 };
 
-/** Grey pixels of a PNG of 8 bits and one channel. */
+/** Returns the grey pixels of a PNG of 8 bits and one channel. */
 function readPng(path) {
   const png = readFileSync(path);
   const width = png.readUInt32BE(16), height = png.readUInt32BE(20);

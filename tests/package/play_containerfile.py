@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""play_containerfile.py CONTAINERFILE FOLDER [--check]: does what a Containerfile says without a container engine, as root: each
+"""play_containerfile.py CONTAINERFILE FOLDER [--check]: executes a Containerfile without a container engine, as root: each
 stage is a Debian of its own in FOLDER, made by mmdebstrap from $DEBIAN_MIRROR (or Debian's own), in which the RUN lines run.
 Then the entry point of the last stage, if it has one, plays a short world. --check reads the file only. It knows the
 instructions that are used here and refuses others."""
@@ -14,7 +14,7 @@ import subprocess
 import sys
 
 SUITES = {"debian:12": "bookworm", "debian:12-slim": "bookworm"}
-# Where a proxy of the host has certificates of its own, npm needs them, too.
+# If a proxy of the host has its own certificates, npm needs them, too.
 CERTIFICATES = os.environ.get("NODE_EXTRA_CA_CERTS")
 MIRROR = os.environ.get("DEBIAN_MIRROR", "http://deb.debian.org/debian")
 
@@ -56,7 +56,7 @@ def read_stages(path, folder):
 
 
 def chroot(root, folder, command):
-    # A namespace of its own for mounts: whatever happens, nothing stays mounted.
+    # A separate mount namespace: nothing stays mounted, whatever happens.
     inside = f"cd {shlex.quote(folder)} && {command}"
     script = 'mount -t proc proc "$0/proc" && mount --bind /dev "$0/dev" && exec chroot "$0" /usr/bin/env -i "$@"'
     environment = ["PATH=/usr/sbin:/usr/bin:/sbin:/bin", "HOME=/root", "DEBIAN_FRONTEND=noninteractive"]

@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Headless Chromium, driven through chromedriver by plain WebDriver (W3C); nothing beyond node itself.
+// Headless Chromium, driven through chromedriver by plain WebDriver (W3C); needs only node.
 import { spawn } from "node:child_process";
 import { mkdtempSync, readdirSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 
-// The closed ones keep Chromium from talking to the network; WebGL is drawn by the processor.
+// Arguments that keep Chromium from using the network; WebGL is drawn by the processor.
 const kFlags = ["--headless=new", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
   "--disable-component-update", "--disable-sync", "--disable-extensions", "--disable-dev-shm-usage", "--hide-scrollbars",
   "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--force-device-scale-factor=1"];
 
-/** Of the Shift key, in what the browser is told of a mouse. */
+/** The Shift key in mouse events of the browser. */
 export const kShift = 8;
 
 export class Browser {
-  /** `network`: what is asked of the network is written down, for `requests`. */
+  /** `network`: requests to the network are recorded, for `requests`. */
   static async open(chromedriver, chromium, { network = false } = {}) {
     const browser = new Browser();
     browser.profile = mkdtempSync(join(tmpdir(), "report-browser-"));
-    // Port 0: any free one, which it then says.
+    // Port 0: any free port, which it then prints.
     browser.driver = spawn(chromedriver, ["--port=0"], { stdio: ["ignore", "pipe", "inherit"] });
-    // Whoever waits for this script does so for five minutes: nothing of it must be left then.
+    // The caller waits for this script for five minutes: it must have ended by then.
     setTimeout(() => {
       console.log("FAIL not done after 280 s");
       browser.driver.kill();
@@ -72,7 +72,7 @@ export class Browser {
     return this.devtools("Input.dispatchMouseEvent", { type, x, y, modifiers, ...pressed });
   }
 
-  /** The hand goes to a place, presses, goes on to another, and lets go; `clicks` times, with keys held. */
+  /** Moves the mouse to a position, presses, moves to another, and releases; `clicks` times, with keys held. */
   async press(from, to = from, clicks = 1, modifiers = 0) {
     await this.mouse("mouseMoved", from, 0, modifiers);
     for (let click = 1; click <= clicks; ++click) {
@@ -82,7 +82,7 @@ export class Browser {
     }
   }
 
-  /** `repeats`: so many more times, as of a key that is held down. */
+  /** `repeats`: number of repetitions, as for a key that is held down. */
   async key(key, text, modifiers = 0, repeats = 0) {
     for (let i = 0; i <= repeats; ++i) {
       await this.devtools("Input.dispatchKeyEvent", { type: "keyDown", key, text, modifiers, autoRepeat: i > 0 });
@@ -90,12 +90,12 @@ export class Browser {
     await this.devtools("Input.dispatchKeyEvent", { type: "keyUp", key, modifiers });
   }
 
-  /** Value of the body of a function; promises are waited for. */
+  /** Returns the value of the body of a function; waits for promises. */
   run(script, ...args) {
     return this.request("POST", `${this.session}/execute/sync`, { script, args });
   }
 
-  /** Waits until the body of a function gives something true. */
+  /** Waits until the body of a function returns a true value. */
   async until(script, what, limit_s = 15) {
     const end = Date.now() + 1000 * limit_s;
     while (!(await this.run(script))) {
@@ -104,30 +104,30 @@ export class Browser {
     }
   }
 
-  /** PNG as a buffer. */
+  /** Returns a PNG as a buffer. */
   async screenshot() {
     return Buffer.from(await this.request("GET", `${this.session}/screenshot`), "base64");
   }
 
-  /** What the console says, since the last call. */
+  /** Returns the console messages since the last call. */
   log() {
     return this.request("POST", `${this.session}/se/log`, { type: "browser" });
   }
 
-  /** Addresses of all that the pages have asked for, since the last call. */
+  /** Returns the addresses of all requests of the pages since the last call. */
   async requests() {
     const entries = await this.request("POST", `${this.session}/se/log`, { type: "performance" });
     const messages = entries.map((entry) => JSON.parse(entry.message).message);
     return messages.filter((m) => m.method === "Network.requestWillBeSent").map((m) => m.params.request.url);
   }
 
-  /** Ends Chromium where it does not answer: a driver that is killed leaves it running. */
+  /** Ends Chromium if it does not answer: a killed driver leaves it running. */
   kill() {
     for (const pid of readdirSync("/proc").filter((name) => /^\d+$/.test(name))) {
       try {
         if (readFileSync(`/proc/${pid}/cmdline`, "latin1").includes(this.profile)) process.kill(Number(pid), "SIGKILL");
       } catch {
-        // Gone already.
+        // It has already exited.
       }
     }
     rmSync(this.profile, { recursive: true, force: true, maxRetries: 5 });

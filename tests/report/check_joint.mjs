@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// node check_joint.mjs CHROMEDRIVER CHROMIUM PAGE.html: opens a report with the map of another run in it, and looks whether both are
-// seen, one on the other, and can be switched. Exit code 1 where something is wrong.
+// node check_joint.mjs CHROMEDRIVER CHROMIUM PAGE.html: opens a report with the map of another run, and checks that
+// both are visible, one on the other, and can be switched. Exit code 1 on failure.
 import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 import { Browser, kShift } from "./browser.mjs";
@@ -9,7 +9,7 @@ import { Check, runChecks } from "./page.mjs";
 const [chromedriver, chromium, file] = process.argv.slice(2);
 const check = new Check();
 const browser = await Browser.open(chromedriver, chromium);
-/** Both runs stand side by side in a table. */
+/** Checks that a table lists both runs. */
 async function checkTable() {
   const [rows, facts] = await browser.run(`
     const text = (cell) => cell.childNodes[0].textContent;
@@ -25,7 +25,7 @@ async function checkTable() {
   check.that(facts[0].lines > 0 && facts[1].lines === 0, `of each run its own: ${facts.map((f) => f.lines)} segments`);
 }
 
-/** A run's switch hides all of it, and nothing of the other; those of landmarks and of the path are for both. */
+/** Checks that the switch of a run hides all of it and nothing of the other; those of landmarks and path are for both. */
 async function checkSwitches(page) {
   for (const layer of ["keyframes", "loopEdges", "truth"]) await page.click(`[name=${layer}]`);
   await page.settle();
@@ -49,7 +49,7 @@ async function checkSwitches(page) {
   check.that(/Runs.*out.*out/s.test(labels), `both runs have a name: '${labels}'`);
 }
 
-/** Landmarks of both runs can be clicked, and measured from one to the other. */
+/** Checks that landmarks of both runs can be clicked, and distances between them measured. */
 async function checkPick(page) {
   const own = await page.findPickable("points");
   const other = await page.findPickable("points", 1);
@@ -71,7 +71,7 @@ async function checkPick(page) {
   check.that(pick === `points:${id}@1`, `which the address tells: ${pick}`);
 }
 
-/** The page of the comparison and this one lead to each other. */
+/** Checks that the page of the comparison and this one are linked. */
 async function checkLinks() {
   await browser.run("document.getElementById('comparison').click()");
   await browser.until("return document.title === 'Comparison of runs'", "the comparison");
@@ -83,7 +83,7 @@ await runChecks(check, browser, async (page) => {
   await page.open(pathToFileURL(resolve(file)).href);
   await checkTable();
   await checkSwitches(page);
-  // The truth joins the two maps, so their paths lie on each other.
+  // The truth joins the two maps, so their paths coincide.
   const apart = await browser.run(`
     const other = plslam.view.parts.others.runs[0], own = plslam.run;
     const p = [0, 0, 0];

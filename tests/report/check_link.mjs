@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// node check_link.mjs CHROMEDRIVER CHROMIUM REPORT.html: whether the address tells what hands have chosen, and shows the same when it
-// is opened again; and whether a report that is used so asks for nothing but itself. Exit code 1 where something is wrong.
+// node check_link.mjs CHROMEDRIVER CHROMIUM REPORT.html: checks that the address contains the user's choices and shows
+// the same view when it is opened again, and that a report requests nothing but itself. Exit code 1 on failure.
 import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 import { Browser, kShift } from "./browser.mjs";
@@ -11,7 +11,7 @@ const url = pathToFileURL(resolve(file)).href;
 const check = new Check();
 const browser = await Browser.open(chromedriver, chromium, { network: true });
 
-/** The frame in the address is that of the replay. */
+/** Checks that the frame in the address is that of the replay. */
 async function checkFrame(page, what) {
   const frame = await browser.run("return plslam.run.frames.id[plslam.replay.row]");
   const written = (await page.address()).frame;
@@ -42,7 +42,7 @@ async function checkTime(page) {
 async function checkDrag(page) {
   const box = await page.box("#map");
   const [x, y] = [box.x + 0.5 * box.width, box.y + 0.5 * box.height];
-  // Comes to rest in fewer pictures, which take long here.
+  // The view comes to rest in fewer pictures, which take long here.
   await browser.run("plslam.view.controls.dampingFactor = 0.5");
   await browser.mouse("mouseMoved", [x, y]);
   await browser.mouse("mousePressed", [x, y], 1);
@@ -56,7 +56,7 @@ async function checkDrag(page) {
   check.that(off < 5e-4 * Math.hypot(...now), `a drag writes where the eye comes to rest: ${eye}, ${off} m off`);
 }
 
-/** What the page shows, as it says itself. */
+/** Returns the state of the page. */
 const kState = `
   const { replay, view, picture } = plslam;
   const { selection } = view.parts;
@@ -90,7 +90,7 @@ async function checkChoices(page) {
 
 const far = (a, b) => Math.max(...a.map((v, k) => Math.abs(v - b[k])));
 
-/** What the page shows once it has read another address. */
+/** Returns the state of the page after it has read another address. */
 async function goTo(hash) {
   await browser.run(`return new Promise((read) => {
     addEventListener("hashchange", () => read(), { once: true });
@@ -99,7 +99,7 @@ async function goTo(hash) {
   return browser.run(kState);
 }
 
-/** The address, opened anew, shows the same. */
+/** Checks that the address, opened again, shows the same view. */
 async function checkOpening(page) {
   await browser.run("plslam.replay.go(9)");
   await page.address();
@@ -136,7 +136,7 @@ async function checkNonsense() {
   await browser.run("plslam.address.entries.shift()");
 }
 
-/** While a run goes on, what is measured to may be in the next map alone. */
+/** Checks that the end of a measured distance may be in the next map of a continuing run. */
 async function checkWaiting(page) {
   await browser.run("plslam.run.facts.finished = false");
   const { pick } = await goTo(`#pick=keyframes:${await browser.run("return plslam.run.map.keyframes.id[0]")}&to=keyframes:99999`);
@@ -155,7 +155,7 @@ async function checkAlone(page) {
   check.that(entries.length === 0, `nor does the page know of more: ${entries}`);
 }
 
-/** The page could not, even if it wanted to; and what it did would be seen here. */
+/** Checks that the page cannot make requests, and that a request would be detected. */
 async function checkPolicy() {
   await browser.run("const image = new Image(); image.src = 'http://127.0.0.1:9/x.png'; return fetch('http://127.0.0.1:9/').catch(() => 0)");
   const said = (await browser.log()).map((entry) => entry.message);
@@ -163,7 +163,7 @@ async function checkPolicy() {
 }
 
 await runChecks(check, browser, async (page) => {
-  // The page that Chromium begins with is its own.
+  // The first page is Chromium's own.
   await browser.go("about:blank");
   await browser.requests();
   await page.open(url);

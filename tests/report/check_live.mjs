@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// node check_live.mjs CHROMEDRIVER CHROMIUM URL PID: opens the live page of a run that goes on, and watches it grow. PID is that
-// of its vo_process, which is held up for a moment. At last it says "watching", and sees the run end, whenever that is (live_test.mjs
-// knows what it says afterwards). Exit code 1 where something is wrong.
+// node check_live.mjs CHROMEDRIVER CHROMIUM URL PID: opens the live page of a continuing run and checks that it grows.
+// PID is that of its vo_process, which is stopped for a moment. Finally prints "watching" and waits for the end of the
+// run (live_test.mjs checks the states afterwards). Exit code 1 on failure.
 import { Browser, kShift } from "./browser.mjs";
 import { Check, runChecks } from "./page.mjs";
 
@@ -11,7 +11,7 @@ const browser = await Browser.open(chromedriver, chromium);
 const kProcesses = `return Object.fromEntries([...document.querySelectorAll("#process-table tbody tr")].map((row) =>
   [row.dataset.process, Object.fromEntries([...row.children].map((cell) => [cell.dataset.name, cell.textContent]))]))`;
 
-/** A vo_process that does nothing falls behind, and then catches up. */
+/** Checks that a stopped vo_process falls behind and then catches up. */
 async function checkLag() {
   const behind = "return Math.max(-1, ...plslam.run.processes.filter((p) => p.name === 'vo').map((p) => p.lag_frames))";
   const before = await browser.run(behind);
@@ -29,9 +29,9 @@ async function checkLag() {
   await browser.until(`${behind} < ${before} + 20`, "a vo_process that has caught up", 30);
 }
 
-/** What was measured stays while the map goes on. */
+/** Checks that a measured distance stays while the map grows. */
 async function checkMeasured(page) {
-  // The map moves on between the look and the click.
+  // The map changes between the look and the click.
   const click = async (type, avoid, keys, done) => {
     for (let i = 0; i < 8 && !(await browser.run(done)); ++i) {
       const { row, at } = await page.findPickable(type, 0, avoid);
@@ -52,13 +52,13 @@ async function checkMeasured(page) {
   await browser.key("Escape");
 }
 
-/** The address is written, and read where the run goes on. */
+/** Checks that the address is written, and read during the run. */
 async function checkAddress(page) {
   await browser.run("document.activeElement.blur(); plslam.replay.go(7)");
   await browser.key("ArrowRight");
   await page.click("#view-top");
   await page.click("[data-mode=life]");
-  // Where a slow machine skips frames, it is not the eighth.
+  // If a slow machine skips frames, it is not the eighth.
   const [frame, keyframe] = await browser.run("return [plslam.run.frames.id[8], plslam.run.map.keyframes.id[0]]");
   const address = await page.address();
   check.that(address.frame === `${frame}` && address.view === "top", `the address tells frame ${frame} and view: ${JSON.stringify(address)}`);
@@ -84,7 +84,7 @@ await runChecks(check, browser, async (page) => {
   const seen = await page.look("#map", ["path"]);
   check.that(seen.drawn > 500 && seen.near.path > 30, `and are drawn: ${seen.drawn} pixels, ${seen.near.path} of the path`);
   for (const name of ["player", "vo", "mapping", "loop", "viewer"]) {
-    // A process that others keep from the processor is silent for a while.
+    // A process that gets no CPU time is silent for a while.
     await browser.until(`const cell = document.querySelector("#process-table [data-process=${name}] [data-name=state]");
       return !!cell && /running|ready|finished/.test(cell.textContent)`, `how ${name} is`, 30);
   }
@@ -93,7 +93,7 @@ await runChecks(check, browser, async (page) => {
     const lag = /^(vo|mapping|loop)$/.test(name) ? /^\d+ frames?( \(.* s\))?$/ : /^–$/;
     check.that(p.restarts === "0" && lag.test(p.lag), `how ${name} is: ${JSON.stringify(p)}`);
   }
-  check.that(/ ms$/.test(processes.vo.work) && /ms an update/.test(processes.mapping.work), "and what a frame takes");
+  check.that(/ ms$/.test(processes.vo.work) && /ms per update/.test(processes.mapping.work), "and what a frame takes");
   const ids = await browser.run("return Array.from(plslam.run.frames.id)");
   check.that(ids.every((id, i) => i === 0 || id > ids[i - 1]), "each frame once, in order");
   const columns = await browser.run("return Object.entries(plslam.run.frames).map(([name, c]) => [name, c.length / plslam.run.frameWidths[name]])");

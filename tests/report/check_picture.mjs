@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// node check_picture.mjs CHROMEDRIVER CHROMIUM REPORT.html [STEM]: looks at the right image and the disparities of a report, and at
-// what is drawn on them; STEM is that of screenshots. Exit code 1 where something is wrong.
+// node check_picture.mjs CHROMEDRIVER CHROMIUM REPORT.html [STEM]: checks the right image and the disparities of a
+// report, and the features drawn on them; STEM is that of screenshots. Exit code 1 on failure.
 import { writeFileSync } from "node:fs";
 import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
@@ -11,8 +11,7 @@ const [chromedriver, chromium, file, stem] = process.argv.slice(2);
 const check = new Check();
 const browser = await Browser.open(chromedriver, chromium);
 
-/** How unlike the images are at features of a type that both have (of segments at both ends), put where their disparities say, and 6
- * pixels beside it. */
+/** Returns how unlike the images are at features of a type in both (both ends of segments), at the position given by their disparities, and 6 pixels beside it. */
 const kUnlike = `
   const { shown, shrink } = plslam.picture;
   const { points, segments, segment_disparities: ends } = shown.features;
@@ -65,14 +64,14 @@ async function checkRightImage(page) {
   await browser.key("r", "r");
   await page.settle();
   check.that(`${await browser.run(button)}` === "false,false", "and the key R the left one again");
-  // As of RGB-D.
+  // As with RGB-D.
   await browser.run("plslam.picture.kept = plslam.picture.shown; plslam.picture.shown = { ...plslam.picture.shown, right_jpeg: '' }; plslam.picture.load()");
   await browser.key("r", "r");
   check.that(`${await browser.run(button)}` === "true,false", "without a right image there is no button, and the key does nothing");
   await browser.run("plslam.picture.shown = plslam.picture.kept; plslam.picture.load()");
 }
 
-/** How far the disparities of the picture are from those of the points, which vo_process has found. */
+/** Returns the differences between the disparities of the picture and those of the points by vo_process. */
 const kOff = `
   const { shown, shrink, matched: { width, disparities } } = plslam.picture;
   const { points } = shown.features;
@@ -107,7 +106,7 @@ async function checkDisparity(page) {
   check.that(share > 0.5 && known > 0.25, `and there are many: at ${known} of the pixels`);
   const legend = await page.text("#disparity-legend");
   check.that(/^far.* m.* c?m$/.test(legend), `a legend in metres: '${legend}'`);
-  // What a busy machine takes; pixels that come back from a graphics card take longer.
+  // The time on a busy machine; reading pixels back from a graphics card takes longer.
   const ms = await browser.run("const start = performance.now(); plslam.picture.load(); return plslam.picture.loaded.then(() => performance.now() - start)");
   check.that(ms < 5000, `after ${ms.toFixed(0)} ms`);
   await browser.key("d", "d");
@@ -115,7 +114,7 @@ async function checkDisparity(page) {
   check.that(`${await browser.run(pressed)}` === "false,false" && (await page.look("#frame")).digest === left.digest, "and the left image again");
 }
 
-/** On a live page a picture may come before the camera is known, in whose pixels disparities are. */
+/** Checks that on a live page a picture may arrive before the camera, whose pixels are the unit of disparities. */
 async function checkLateCamera() {
   const [before, after] = await browser.run(`
     const { picture, replay, run } = plslam;

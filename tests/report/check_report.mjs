@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // node check_report.mjs CHROMEDRIVER CHROMIUM REPORT.html [all|fluid] [SCREENSHOT.png]: opens a report from the file system in
-// headless Chromium, uses its controls, and looks at what is on the screen; "fluid" only whether the map is drawn, and how
-// fast. Exit code 1 where something is wrong.
+// headless Chromium, uses its controls, and checks the screen; "fluid": only checks that the map is drawn, and how
+// fast. Exit code 1 on failure.
 import { writeFileSync } from "node:fs";
 import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
@@ -111,7 +111,7 @@ async function checkNarrow(page) {
   await page.settle();
 }
 
-/** What a picture costs the page itself, and with all its pixels, which here no graphics card draws. */
+/** Measures the time of a picture in the page itself, and with all its pixels, drawn here without a graphics card. */
 async function checkFrameTimes() {
   const [points, segments, own_ms, all_ms] = await browser.run(`
     const { view, run } = plslam;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// node check_use.mjs CHROMEDRIVER CHROMIUM REPORT.html: uses a report as hands do, with mouse and keys, and looks at what the page
-// then knows (no pictures, which take long here). Exit code 1 where something is wrong.
+// node check_use.mjs CHROMEDRIVER CHROMIUM REPORT.html: uses a report with mouse and keys, and checks the state of the
+// page (no pictures, which take long here). Exit code 1 on failure.
 import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 import { Browser, kShift } from "./browser.mjs";
@@ -66,7 +66,7 @@ const scalesOf = `return Object.fromEntries(["tracked", "entropy"].map((key) => 
 async function checkZoom(page) {
   await browser.run("document.getElementById('plots').scrollIntoView()");
   const box = "return document.querySelector('[data-plot=tracked] .u-over').getBoundingClientRect().toJSON()";
-  // Plots that come into view are drawn then.
+  // Plots are drawn when they become visible.
   await browser.until("return plslam.plots.plots.get('tracked').visible && plslam.plots.plots.get('entropy').visible", "plots in view");
   const { x, y, width, height } = await browser.run(box);
   const at = (share) => [x + share * width, y + 0.5 * height];
@@ -112,7 +112,7 @@ async function checkStrength(page) {
   await page.switch("covisibility", false);
 }
 
-/** Clicks on the first of a table that nothing else hides; its row. */
+/** Clicks on the first visible object of a table; returns its row. */
 async function clickOn(page, type) {
   const { row, at } = await page.findPickable(type);
   check.that(row >= 0, `one of ${type} can be clicked`);
@@ -149,7 +149,7 @@ async function checkMeasuring(page, point) {
   check.that(off < 20, `beside the line: ${off.toFixed(1)} pixels`);
 }
 
-/** A double click turns the view around what was clicked. */
+/** Checks that a double click makes the clicked object the centre of rotation. */
 async function checkFocus(page) {
   const { at } = await page.findPickable("points");
   await browser.press(at, at, 2);
@@ -189,7 +189,7 @@ async function checkPick(page) {
   await checkLongRun(page, point, id, rays);
 }
 
-/** As of a long run, where ids alone are stored: that is said, and what was chosen stays in the next map of a live page. */
+/** Checks a long run, for which only ids are stored: the page states it, and the selection stays in the next map of a live page. */
 async function checkLongRun(page, point, id, rays) {
   await browser.run(`const { run, view } = plslam;
     const packed = (ids) => {
@@ -212,7 +212,7 @@ async function checkLongRun(page, point, id, rays) {
   check.that(await browser.run("return document.getElementById('picked').hidden"), "a button closes the box");
 }
 
-/** Landmarks that were seen over few frames are hidden by a slider, and colours tell them. */
+/** Checks that a slider hides landmarks seen over few frames, and that colours show them. */
 async function checkLife(page) {
   const drawn = "const { pointData, segmentData } = plslam.view.parts.landmarks; return [pointData.seen.length, segmentData.seen.length]";
   const lives = await browser.run("return ['points', 'segments'].map((type) => Array.from(plslam.run.map[type].life))");

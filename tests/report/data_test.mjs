@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// node --test data_test.mjs: how a page puts together what the viewer sends bit by bit.
+// node --test data_test.mjs: tests how a page joins the data that the viewer sends in parts.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { countUpTo, Run } from "../../viewer_headless/page/data.js";
@@ -123,7 +123,7 @@ test("landmarks of a long run have ids alone", () => {
 });
 
 test("observers are unpacked as they were packed", () => {
-  // PackObservers.IdsCountsAndRows in report_tables_test.cpp writes the same.
+  // PackObservers.IdsCountsAndRows in report_tables_test.cpp packs the same data.
   const bytes = [4, 3, 10, 1, 171, 2, 169, 2, 1, 0, 1, 0];
   assert.deepEqual(unpackObservers(bytes), { ids: [3, 300, 301], starts: [0, 3, 4, 4], rows: [5, 6, 305, 5] });
   assert.deepEqual(unpackObservers([4, 1, 12, 169, 2, 1, 7]).rows, [6, 2]);

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// node --test live_test.mjs: what a live page says while its viewer answers, when the run ends, and when nobody answers any more.
+// node --test live_test.mjs: tests the states of a live page while its viewer answers, at the end of the run, and
+// without answers.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { follow } from "../../viewer_headless/page/live.js";
 
-// A hundred times as fast.
+// A hundred times faster.
 const plainTimeout = setTimeout;
 globalThis.setTimeout = (f, ms = 0) => plainTimeout(f, ms / 100);
 globalThis.requestAnimationFrame = (f) => plainTimeout(f, 0);
@@ -20,7 +21,7 @@ class FakeRun {
   }
 }
 
-/** States in the order they are told, each once, for a viewer that answers `data` one after the other, until they are used up. */
+/** Returns the states in order, each once, for a viewer that answers with `data` one after the other. */
 async function statesFor(data, end) {
   const states = [];
   globalThis.fetch = async (url) => {
@@ -61,7 +62,7 @@ test("at the end data are asked for at once, however long the pause is", async (
     const answers = [{ finished: false }, { finished: true }];
     globalThis.fetch = async (url) => {
       if (url === "end") {
-        // When the first data have been drawn, and a pause has begun that never ends.
+        // After the first data have been drawn, in a pause that never ends.
         while (states.length === 0) await new Promise((resolve) => plainTimeout(resolve, 1));
         return kFinished();
       }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the checks ask a page of reports for.
+// Common parts of the checks of the page of reports.
 import { decodePng, eachPixel } from "./png.mjs";
 
 export class Check {
@@ -7,7 +7,7 @@ export class Check {
     this.failures = 0;
   }
 
-  /** Prints what is wrong with its numbers, and goes on. */
+  /** Prints failures with their numbers, and continues. */
   that(good, what) {
     if (!good) ++this.failures;
     console.log(`${good ? "ok  " : "FAIL"} ${what}`);
@@ -23,14 +23,14 @@ export class Page {
 
   async open(url) {
     await this.browser.resize(1100, 800);
-    // Else another hash of the same page would not load it anew.
+    // Otherwise another hash of the same page would not reload it.
     await this.browser.go("about:blank");
     await this.browser.go(url);
     await this.browser.until("return !!window.plslam && window.plslam.run.rows > 0", "data of a run");
     await this.settle();
   }
 
-  /** Until the map has been drawn twice more and the picture is loaded. */
+  /** Waits until the map has been drawn twice more and the picture is loaded. */
   async settle() {
     await this.browser.run(`
       const wait = () => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
@@ -47,8 +47,7 @@ export class Page {
     return this.browser.run("return document.querySelector(arguments[0]).textContent", selector);
   }
 
-  /** Where something is on the page that a click at its place chooses, of the type ("points", "segments", "keyframes") and run (0:
-   * the page's own), but not `avoid` ([[type, row]]): {row, at: [x, y]}; row -1 where nothing is. */
+  /** Returns an object that a click selects, of the type ("points", "segments", "keyframes") and run (0: the page's own), but not `avoid` ([[type, row]]): {row, at: [x, y]}; row -1 if there is none. */
   async findPickable(type, of = 0, avoid = []) {
     const [row, ...at] = await this.browser.run(`
       const [type, of, avoid] = arguments;
@@ -59,7 +58,7 @@ export class Page {
       for (let row = 0; row < n; ++row) {
         if (avoid.some(([t, r]) => t === type && r === row)) continue;
         const at = view.picker.pixelOf(view.parts.selection.placeOf(run, { type, row, of }));
-        // Whole pixels of the window, as of a mouse.
+        // Integer pixels of the window, like a mouse.
         const [x, y] = at ? [Math.round(box.x + at[0]), Math.round(box.y + at[1])] : [-1, -1];
         if (document.elementFromPoint(x, y) !== view.canvas) continue;
         const picked = view.picker.pick(Math.round(x - box.x), Math.round(y - box.y));
@@ -69,7 +68,7 @@ export class Page {
     return { row, at };
   }
 
-  /** What the address says, once the view has come to rest and the address is written. */
+  /** Returns the address after the view has come to rest and the address is written. */
   async address() {
     await this.browser.until("return !plslam.view.pending && plslam.address.timer === null", "a view at rest and its address", 60);
     return Object.fromEntries(new URLSearchParams((await this.browser.run("return location.hash")).slice(1)));
@@ -79,7 +78,7 @@ export class Page {
     return this.browser.run("document.querySelector(arguments[0]).click()", selector);
   }
 
-  /** As a hand that moves it. */
+  /** Moves it like a user. */
   slide(selector, value) {
     return this.browser.run(`const slider = document.querySelector(arguments[0]);
       slider.value = arguments[1];
@@ -92,8 +91,7 @@ export class Page {
     await this.settle();
   }
 
-  /** Of an element as it is on the screen: pixels near a colour of the style, colours in all, pixels unlike the corner, and a
-   * digest of all its pixels, which is another for another picture. */
+  /** Returns for an element on the screen: pixels near a colour of the style, number of colours, pixels unlike the corner, and a digest of all its pixels, which differs for another picture. */
   async look(selector, names = []) {
     const wanted = await this.browser.run(`return arguments[0].map((name) => {
       const hex = getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
@@ -116,14 +114,14 @@ export class Page {
     return { ...seen, colours: seen.colours.size };
   }
 
-  /** Errors of the console since the last call. */
+  /** Returns errors of the console since the last call. */
   async errors() {
     const entries = await this.browser.log();
     return entries.filter((entry) => entry.level === "SEVERE").map((entry) => entry.message);
   }
 }
 
-/** Does `work(page)`, looks for errors in the console, and ends this process: exit code 1 where something is wrong. */
+/** Calls `work(page)`, checks the console for errors, and ends this process: exit code 1 on failure. */
 export async function runChecks(check, browser, work) {
   try {
     const page = new Page(browser);

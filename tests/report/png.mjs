@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pixels of a PNG as browsers write screenshots: 8 bits, RGB or RGBA, not interlaced.
+// Reads the pixels of a PNG like browsers' screenshots: 8 bits, RGB or RGBA, not interlaced.
 import { inflateSync } from "node:zlib";
 
 function paeth(a, b, c) {

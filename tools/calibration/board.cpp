@@ -99,7 +99,7 @@ Board ParseBoard(const std::string& text) {
   if (board.kind != Board::Kind::kChess) {
     ReadMarkers(text, parts, &board);
   } else if (board.columns == board.rows) {
-    Fail(text, "a chess board of as many columns as rows looks alike when it is turned: take another one");
+    Fail(text, "a chess board with as many columns as rows looks the same when it is turned: use another one");
   }
   return board;
 }

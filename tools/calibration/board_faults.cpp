@@ -11,7 +11,7 @@ namespace plslam::calibration {
 std::string BoardFaults::Sentence(const Board& board) const {
   if (4 * contradictions_ <= images_) return "";
   return fmt::format(
-      "the markers do not lie as on the board {} (in {} of {} pictures): are its columns and rows other ones?",
+      "the markers do not lie as on the board {} (in {} of {} pictures): does the board have other columns and rows?",
       BoardText(board), contradictions_, images_);
 }
 
@@ -23,7 +23,7 @@ std::string OtherSizeSeen(const Board& board, const cv::Mat& image) {
     other.columns += columns;
     other.rows += rows;
     if (std::min(other.columns, other.rows) < 3 || FindBoard(other, image).corners.empty()) continue;
-    return fmt::format("; {} is seen in one: count inner corners", BoardText(other));
+    return fmt::format("; {} is seen in one of them: count the inner corners", BoardText(other));
   }
   return "";
 }

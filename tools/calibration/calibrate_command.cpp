@@ -63,7 +63,8 @@ Seen FindBoards(const std::string& folder, const Board& board) {
     const cv::Mat image = ReadGreyImage(left_path);
     if (first.empty()) first = image;
     seen.size = {first.cols, first.rows};
-    if (image.size() != first.size()) throw DatasetError(left_path + ": is of another size than the picture before");
+    if (image.size() != first.size())
+      throw DatasetError(left_path + ": its size differs from that of the previous picture");
     BoardPair pair{fs::path(left_path).filename().string(), FindBoard(board, image),
                    FindBoard(board, ReadGreyImage(partner->second, seen.size))};
     seen.n_pictures += 2;
@@ -71,10 +72,11 @@ Seen FindBoards(const std::string& folder, const Board& board) {
     faults.Count(pair.right);
     if (!pair.left.corners.empty() || !pair.right.corners.empty()) seen.pairs.push_back(std::move(pair));
   }
-  if (seen.n_pictures == 0) throw DatasetError(folder + ": no picture in left has a partner of its number in right");
+  if (seen.n_pictures == 0)
+    throw DatasetError(folder + ": no picture in left has a picture with the same number in right");
   if (const std::string fault = faults.Sentence(board); !fault.empty()) throw DatasetError(folder + ": " + fault);
   if (seen.pairs.empty()) {
-    throw DatasetError(fmt::format("{}: the board {} is seen in none of {} pictures{}", folder, BoardText(board),
+    throw DatasetError(fmt::format("{}: the board {} is not seen in any of {} pictures{}", folder, BoardText(board),
                                    seen.n_pictures, OtherSizeSeen(board, first)));
   }
   return seen;
@@ -103,14 +105,14 @@ void PrintParameters(const RigEstimate& e) {
                FocalInCentreSigma_px(e.rig.left, e.left_covariance), FocalInCentre_px(e.rig.right),
                FocalInCentreSigma_px(e.rig.right, e.right_covariance));
   }
-  fmt::print("largest sigma of a pixel that is predicted: left {:.3f}, right {:.3f}\n",
+  fmt::print("largest sigma of a predicted pixel: left {:.3f}, right {:.3f}\n",
              PixelSigma_px(e.rig.left, e.left_covariance), PixelSigma_px(e.rig.right, e.right_covariance));
   const Eigen::Vector3d t = 1e3 * e.rig.right.T_b_cam.translation();
   const Vector6d turn = e.rig.right.T_b_cam.Log() / kRadPerDeg;
   const auto& s = e.T_left_right_sigma;
   const Eigen::Vector3d s_t = 1e3 * e.right_in_left_sigma_m;
-  fmt::print("right camera in the left one: x {:.3f} y {:.3f} z {:.3f} mm (sigma {:.3f} {:.3f} {:.3f})\n", t.x(),
-             t.y(), t.z(), s_t.x(), s_t.y(), s_t.z());
+  fmt::print("right camera relative to the left one: x {:.3f} y {:.3f} z {:.3f} mm (sigma {:.3f} {:.3f} {:.3f})\n",
+             t.x(), t.y(), t.z(), s_t.x(), s_t.y(), s_t.z());
   fmt::print("turned by x {:.4f} y {:.4f} z {:.4f} deg (sigma {:.4f} {:.4f} {:.4f})\n", turn[3], turn[4], turn[5],
              s[3] / kRadPerDeg, s[4] / kRadPerDeg, s[5] / kRadPerDeg);
   fmt::print("baseline {:.3f} mm, sigma {:.3f} mm\n", 1e3 * e.rig.baseline_m, 1e3 * e.baseline_sigma_m);
@@ -129,12 +131,12 @@ void PrintCoverage(const RigEstimate& e, const Seen& seen) {
   bool complete = true;
   for (const bool is_right : {false, true}) {
     for (const std::string& region : EmptyRegions(is_right ? right : left, seen.size)) {
-      fmt::print("missing: no board near the {} of the {} camera\n", region, is_right ? "right" : "left");
+      fmt::print("missing: no board near the {} of the {} image\n", region, is_right ? "right" : "left");
       complete = false;
     }
   }
   if (e.max_tilt_deg < kGoodTilt_deg) {
-    fmt::print("missing: no board tilted by more than {:.0f} degrees ({:.0f} at most)\n", kGoodTilt_deg,
+    fmt::print("missing: no board tilted by more than {:.0f} degrees (largest tilt: {:.0f})\n", kGoodTilt_deg,
                e.max_tilt_deg);
     complete = false;
   }
@@ -189,7 +191,7 @@ int CalibrateFolder(const CalibrateOptions& o, const Board& board, const LiveRig
 
 int CalibrateLive(const CalibrateOptions& o, const Board& board) {
   const LiveRigFile live = ReadLiveRigFile(o.folder);
-  if (o.out.empty()) throw std::runtime_error(o.folder + " names cameras (source): give --out camera.yaml, too");
+  if (o.out.empty()) throw std::runtime_error(o.folder + " names cameras (source): add --out camera.yaml");
   CheckOut(o, o.folder);
   CalibrateOptions of_folder = o;
   of_folder.folder = BesideOutput(o, "_pictures");
@@ -211,9 +213,8 @@ int Calibrate(const CalibrateOptions& o) {
   const Board board = ParseBoard(o.board);
   if (!o.print_board.empty()) {
     WriteFileAtomically(o.print_board, BoardPdf(board));
-    fmt::print(
-        "{}: {} by {} {}; print at 100 % (no fit to page), measure a row of them and give the true size in --board\n",
-        o.print_board, board.SquareColumns(), board.SquareRows(), BoardMeasure(board));
+    fmt::print("{}: {} by {} {}; print at 100 % (no fit to page), measure a row and give the true size in --board\n",
+               o.print_board, board.SquareColumns(), board.SquareRows(), BoardMeasure(board));
   }
   if (o.folder.empty()) {
     if (o.print_board.empty()) throw std::runtime_error("give a folder of pictures, or --print-board FILE");
@@ -245,7 +246,7 @@ int CalibrateFolder(const CalibrateOptions& o, const Board& board, const LiveRig
     for (const int i : ChoosePairs(seen.pairs, seen.size, kMaxPairs)) {
       chosen.push_back(std::move(seen.pairs[static_cast<size_t>(i)]));
     }
-    fmt::print("{} of {} pairs with a board are used, for coverage\n", chosen.size(), seen.pairs.size());
+    fmt::print("{} of {} pairs with a board are used, chosen for coverage\n", chosen.size(), seen.pairs.size());
     seen.pairs = std::move(chosen);
   }
   RigEstimate estimate = EstimateRig(board, seen.pairs, seen.size, o.model);
@@ -254,14 +255,14 @@ int CalibrateFolder(const CalibrateOptions& o, const Board& board, const LiveRig
   const std::string complaint = RigComplaint(estimate.rig);
   if (!complaint.empty())
     throw std::runtime_error(fmt::format("{}: the result cannot be used: {}", o.folder, complaint));
-  fmt::print("{}: {} of {} pairs, {} corners ({} left out), {} x {} px, model {}\n", BoardText(board),
+  fmt::print("{}: {} of {} pairs, {} corners ({} rejected), {} x {} px, model {}\n", BoardText(board),
              estimate.used_pairs.size(), seen.n_pictures / 2, estimate.used_corners, estimate.left_out_corners,
              seen.size.width_px, seen.size.height_px, o.model);
   if (!estimate.left_out_pairs.empty()) {
-    fmt::print("left out, because left and right were not taken at the same moment: {}\n",
+    fmt::print("rejected, because left and right were not taken at the same time: {}\n",
                fmt::join(estimate.left_out_pairs, ", "));
   }
-  fmt::print("reprojection error {:.3f} px (a coordinate, root mean square)\n", estimate.noise_px);
+  fmt::print("reprojection error {:.3f} px (root mean square of a coordinate)\n", estimate.noise_px);
   PrintParameters(estimate);
   PrintCoverage(estimate, seen);
   PrintRows(estimate, board, seen);
@@ -276,7 +277,7 @@ void AddCalibrateCommand(CLI::App* app, std::function<int()>* command) {
   auto* sub = app->add_subcommand("calibrate", "calibrates a stereo camera from pictures of a board");
   sub->add_option("folder", options->folder,
                   "folder with pictures in left and right, paired by their numbers; or a rig file with a source: "
-                  "pictures are taken live, into a folder beside --out");
+                  "pictures are taken live and stored in a folder beside --out");
   sub->add_option("--seconds", options->seconds, "live: ends after this time [when no view is missing]")
       ->check(CLI::PositiveNumber);
   sub->add_option(
@@ -287,8 +288,8 @@ void AddCalibrateCommand(CLI::App* app, std::function<int()>* command) {
   sub->add_option("--model", options->model, "lens model of both cameras")
       ->check(CLI::IsMember({"radtan", "rational", "equidistant", "double_sphere"}))
       ->capture_default_str();
-  sub->add_option("--out", options->out, "camera.yaml to write [the result is only shown]")->type_name("FILE");
-  sub->add_option("--print-board", options->print_board, "writes the board as a PDF in the size to print")
+  sub->add_option("--out", options->out, "camera.yaml to write [the result is only printed]")->type_name("FILE");
+  sub->add_option("--print-board", options->print_board, "write the board as a PDF in the size to print")
       ->type_name("FILE");
   sub->footer(
       "Hold the board still, near and far, tilted, and into every corner of both images; 30 to 60 pairs are good.\n"
@@ -297,7 +298,7 @@ void AddCalibrateCommand(CLI::App* app, std::function<int()>* command) {
       "  plslam calibrate rig.yaml --board charuco:11x8:0.03:0.022 --out camera.yaml\n"
       "  plslam calibrate pictures --board charuco:11x8:0.03:0.022 --out my_camera/camera.yaml\n"
       "  plslam calibrate pictures --board chess:9x6:0.025 --model equidistant --out my_camera/camera.yaml\n"
-      "Exit code 0 where there is a result; plslam rectify-check then shows how good it is on other pictures.");
+      "Exit code 0 if there is a result; plslam rectify-check then checks it on other pictures.");
   sub->callback([=] { *command = [options] { return Calibrate(*options); }; });
 }
 

@@ -48,7 +48,7 @@ ForeignCalibration ReadWithUnit(const CalibrationOptions& o) {
   const bool is_stereo = rig.kind == RigCalibration::Kind::kStereo;
   if (is_stereo && !metres_per_unit && rig.baseline_m > kUsualBaseline_m) {
     throw DatasetError(
-        fmt::format("{}: the cameras stand {:.4g} m apart: state the unit of its lengths, --unit m, cm "
+        fmt::format("{}: the cameras are {:.4g} m apart: state the unit of its lengths, --unit m, cm "
                     "or mm",
                     fmt::join(o.files, ", "), rig.baseline_m));
   }
@@ -62,7 +62,7 @@ int Convert(const CalibrationOptions& o) {
   fmt::print("{}: {}; {}\n", fmt::join(o.files, ", "), calibration.format, calibration.direction);
   for (const std::string& note : calibration.notes) fmt::print("note: {}\n", note);
   if (rig.kind == RigCalibration::Kind::kRgbd) {
-    fmt::print("lens {}, {} x {} pixels, {} depth units a metre\n", rig.left.model, rig.left.width_px,
+    fmt::print("lens {}, {} x {} pixels, {} depth units per metre\n", rig.left.model, rig.left.width_px,
                rig.left.height_px, rig.depth_units_per_m);
   } else {
     fmt::print("left lens {}, right lens {}, {} x {} pixels, baseline {:.5f} m; rectified focal length {:.1f} px\n",
@@ -84,14 +84,13 @@ void AddCalibrationCommand(CLI::App* app, std::function<int()>* command) {
                   "VINS-Fusion, ZED and others (docs/datasets.md)")
       ->required()
       ->expected(1, 2);
-  sub->add_option("--out", options->out, "camera.yaml to write [only what was read is told]")->type_name("FILE");
-  sub->add_option("--size", options->size, "size of the images, where the file does not tell it, or has several")
+  sub->add_option("--out", options->out, "camera.yaml to write [the calibration is only printed]")->type_name("FILE");
+  sub->add_option("--size", options->size, "size of the images, if the file does not state it or has several")
       ->type_name("WIDTHxHEIGHT");
-  sub->add_option("--unit", options->unit,
-                  "unit of lengths in the file [m; asked for where the baseline is above 1 m]")
+  sub->add_option("--unit", options->unit, "unit of lengths in the file [m; required if the baseline is above 1 m]")
       ->check(CLI::IsMember({"m", "cm", "mm"}));
   sub->footer(
-      "The format is found by looking. What is said tells which way the file's transforms were taken.\n"
+      "The format is recognised from the content. The output states how the file's transforms were interpreted.\n"
       "Examples:\n"
       "  plslam calibration camchain.yaml --out my_camera/camera.yaml\n"
       "  plslam calibration left.yaml right.yaml --out my_camera/camera.yaml\n"

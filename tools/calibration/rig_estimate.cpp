@@ -169,7 +169,7 @@ class Problem {
     const std::vector<const double*> blocks{state->left.data(), state->right.data(), state->T_right_left.data()};
     if (!covariance.Compute(blocks, &problem)) {
       throw std::runtime_error(
-          fmt::format("the pictures do not determine the coefficients of --model {}: tilt the board more, or take a "
+          fmt::format("the pictures do not determine the coefficients of --model {}: tilt the board more, or use a "
                       "model with fewer",
                       model_));
     }
@@ -436,14 +436,13 @@ RigEstimate EstimateRig(const Board& board, const std::vector<BoardPair>& pairs,
   }
   if (5 * estimate.left_out_pairs.size() > of_pair.size()) {
     throw std::runtime_error(fmt::format(
-        "left and right pictures do not belong together: in {} of {} pairs ({}, say) the board stands elsewhere in "
-        "the "
-        "right picture than in the left one; were they taken at the same moment, and is the file of one missing?",
+        "left and right pictures do not match: in {} of {} pairs (for example {}) the board is at another position "
+        "in the right picture than in the left one; were they taken at the same time, and is a file missing?",
         estimate.left_out_pairs.size(), of_pair.size(), estimate.left_out_pairs.front()));
   }
   if (right_in_left.x() < 0.0 && std::abs(right_in_left.x()) >= std::abs(right_in_left.y())) {
     throw std::runtime_error(fmt::format(
-        "left and right pictures are exchanged: the right camera would stand {:.4f} m to the left of the left one",
+        "left and right pictures are exchanged: the right camera would be {:.4f} m to the left of the left one",
         -right_in_left.x()));
   }
 

@@ -135,23 +135,22 @@ int Doctor(const DoctorOptions& options) {
 
 void AddDoctorCommand(CLI::App* app, std::function<int()>* command) {
   auto options = std::make_shared<DoctorOptions>();
-  auto* sub = app->add_subcommand("doctor", "tells what is wrong on this host, and the command that mends it");
+  auto* sub = app->add_subcommand("doctor", "finds what is wrong on this host, with the commands that repair it");
   options->common.AddTo(sub);
-  sub->add_option("--out", options->out, "folder where outputs will go")->type_name("DIR")->capture_default_str();
-  sub->add_option("--listen", options->listen_s, "seconds to listen to other processes; 0: not at all")
+  sub->add_option("--out", options->out, "folder of the outputs")->type_name("DIR")->capture_default_str();
+  sub->add_option("--listen", options->listen_s, "how long to listen to other processes, in seconds; 0: not at all")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str();
-  sub->add_flag("--quiet", options->quiet, "only what is not good");
+  sub->add_flag("--quiet", options->quiet, "only problems and advice");
   sub->add_flag("--json", options->json, "findings and processes as JSON");
   sub->footer(
-      "Looks at multicast, receive buffers, ports, the clock, free space, vocabularies, and at versions, keys, "
-      "prefixes\n"
-      "and complaints of the processes that it hears.\n"
+      "Checks multicast, receive buffers, ports, the clock, free space and vocabularies, and the versions, keys,\n"
+      "prefixes and error reports of the processes on the bus.\n"
       "Examples:\n"
       "  plslam doctor\n"
       "  plslam doctor --config config/plslam.yaml --url udpm://239.255.76.67:7667?ttl=1\n"
       "  plslam doctor --url tcpq://192.0.2.7:7700 --json\n"
-      "Exit code 0 where nothing keeps the system from working, 1 where something does.");
+      "Exit code 0 if nothing prevents the system from working, else 1.");
   sub->callback([=] { *command = [options] { return Doctor(*options); }; });
 }
 

@@ -31,23 +31,24 @@ void CheckKey(const HeardProcess& p, const OwnSide& own, Findings* findings) {
   static constexpr char kMend[] =
       "--set bus.key_file=FILE   # for every process, with the same FILE: (umask 077; openssl rand -hex 32 >FILE)";
   if (p.signature == Signature::kUnchecked && !own.has_key) {
-    findings->push_back(
-        Problem("key", NameOf(p) + " signs its messages, and no key is set here: it will not listen to us", kMend));
+    findings->push_back(Problem(
+        "key", NameOf(p) + " signs its messages, and no key is set here: it will reject messages of this host",
+        kMend));
   } else if (p.signature == Signature::kNone && own.has_key) {
-    findings->push_back(
-        Problem("key", NameOf(p) + " does not sign its messages, and a key is set here: it is not heard", kMend));
+    findings->push_back(Problem(
+        "key", NameOf(p) + " does not sign its messages, and a key is set here: its messages are rejected", kMend));
   } else if (p.signature == Signature::kWrong) {
-    findings->push_back(Problem("key", NameOf(p) + " has another key than the one that is set here", kMend));
+    findings->push_back(Problem("key", NameOf(p) + " has a key that differs from the one set here", kMend));
   }
 }
 
 void CheckVersion(const HeardProcess& p, const OwnSide& own, Findings* findings) {
   static constexpr char kMend[] = "plslam --version   # on every host: install the same version";
   if (p.schema != own.schema) {
-    findings->push_back(Problem("version",
-                                fmt::format("{} speaks version {} of the messages, and this build version {}",
-                                            NameOf(p), p.schema, own.schema),
-                                kMend));
+    findings->push_back(Problem(
+        "version",
+        fmt::format("{} uses version {} of the messages, this build version {}", NameOf(p), p.schema, own.schema),
+        kMend));
   } else if (!p.version.empty() && p.version != own.version) {
     findings->push_back(
         Advice("version", fmt::format("{} is version {}, this one {}", NameOf(p), p.version, own.version), kMend));
@@ -60,19 +61,19 @@ void CheckHealth(const HeardProcess& p, const OwnSide& own, Findings* findings) 
                                 "systemctl status 'plslam-*'   # or its log in OUT/logs"));
   } else if (!p.reason.empty() && Count(p, "bus.rejected") > 0) {
     findings->push_back(
-        Advice("process", fmt::format("{} says: {}", NameOf(p), p.reason), "plslam doctor   # on " + p.host));
+        Advice("process", fmt::format("{} reports: {}", NameOf(p), p.reason), "plslam doctor   # on " + p.host));
   }
   const double lost = Count(p, "bus.lost"), received = Count(p, "bus.received");
   if (lost > 20 && lost > 0.01 * received) {
     findings->push_back(Advice("network",
-                               fmt::format("{} had to have {:.1f} % of its messages sent again", NameOf(p),
+                               fmt::format("{} needed {:.1f} % of its messages to be sent again", NameOf(p),
                                            100.0 * lost / (received + lost)),
                                "--set bus.max_message_bytes=1200   # for every process"));
   }
   if (p.clock_ahead_s && std::abs(*p.clock_ahead_s) > kSkew_s && p.host != own.host) {
-    findings->push_back(Advice("clock",
-                               fmt::format("the clock of {} is {:+.2f} s from ours", p.host, *p.clock_ahead_s),
-                               fmt::format("ssh {} sudo timedatectl set-ntp true", p.host)));
+    findings->push_back(Advice(
+        "clock", fmt::format("the clock of {} differs by {:+.2f} s from that of this host", p.host, *p.clock_ahead_s),
+        fmt::format("ssh {} sudo timedatectl set-ntp true", p.host)));
   }
 }
 
@@ -84,7 +85,7 @@ void CheckDoubles(const Heard& heard, const OwnSide& own, Findings* findings) {
     const auto [it, fresh] = first.insert({{p.prefix, p.process}, &p});
     if (fresh || it->second->source == p.source) continue;
     findings->push_back(Problem("process",
-                                fmt::format("{} and {} run at the same time: there is one map and one {}",
+                                fmt::format("{} and {} run at the same time: one map has only one {}",
                                             NameOf(*it->second), NameOf(p), p.process),
                                 Kill(p, own)));
   }
@@ -98,13 +99,14 @@ void CheckPrefixes(const Heard& heard, const OwnSide& own, Findings* findings) {
     if (p.prefix != own.prefix) others.insert(p.prefix);
   }
   for (const std::string& prefix : others) {
-    const std::string what = prefix.empty() ? "processes without prefix are heard"
-                                            : fmt::format("processes with the prefix '{}' are heard", prefix);
+    const std::string what = prefix.empty() ? "processes without a prefix were found"
+                                            : fmt::format("processes with the prefix '{}' were found", prefix);
     const std::string mend =
         prefix.empty() ? "plslam doctor   # without --prefix" : "plslam doctor --prefix " + prefix;
-    findings->push_back(ours
-                            ? Good("prefix", what + ": another robot's")
-                            : Problem("prefix", what + fmt::format(", and none with ours ('{}')", own.prefix), mend));
+    findings->push_back(
+        ours ? Good("prefix", what + ": another robot's")
+             : Problem("prefix", what + fmt::format(", but none with the prefix of this host ('{}')", own.prefix),
+                       mend));
   }
 }
 
@@ -121,17 +123,17 @@ Findings CheckProcesses(const Heard& heard, const OwnSide& own) {
   }
   for (const auto& [channel, count] : heard.foreign_types) {
     findings.push_back(Problem(
-        "version", fmt::format("{} messages on {} are of another type than this build has there", count, channel),
+        "version", fmt::format("{} messages on {} are not of the type that this build expects there", count, channel),
         "plslam --version   # on every host: install the same version"));
   }
   if (heard.other_channels > 0) {
-    findings.push_back(
-        Good("process", fmt::format("{} messages of other programs are on {} too", heard.other_channels, own.url)));
+    findings.push_back(Good(
+        "process", fmt::format("{} messages of other programs were received on {}", heard.other_channels, own.url)));
   }
   for (const HeardProcess& p : heard.processes) {
     findings.push_back(Good("process", fmt::format("{}: {}, version {}", NameOf(p), p.state, p.version)));
   }
-  if (heard.processes.empty()) findings.push_back(Good("process", "no process is heard on " + own.url));
+  if (heard.processes.empty()) findings.push_back(Good("process", "no process was found on " + own.url));
   return findings;
 }
 

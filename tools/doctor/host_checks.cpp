@@ -53,12 +53,12 @@ Findings CheckClock(const ClockSample& begin, const ClockSample& end, bool synch
                                keep));
   }
   if (!synchronised) {
-    findings.push_back(Advice("clock",
-                              "nothing keeps the clock of this host right: times of logs and of live cameras of "
-                              "several hosts will not agree",
-                              keep));
+    findings.push_back(Advice(
+        "clock",
+        "the clock of this host is not synchronised: times of logs and live cameras of several hosts will not agree",
+        keep));
   }
-  if (findings.empty()) findings.push_back(Good("clock", "the clock is kept right, and runs at one pace"));
+  if (findings.empty()) findings.push_back(Good("clock", "the clock is synchronised and runs at a constant rate"));
   return findings;
 }
 
@@ -85,19 +85,19 @@ Findings CheckFolder(const fs::path& folder, const std::string& use, const std::
   const std::string name = there.string();
   std::error_code error;
   if (!fs::is_directory(there, error)) {
-    return {Problem("disk", fmt::format("{}, where {} are to go, is no folder", name, use), mend)};
+    return {Problem("disk", fmt::format("{} (for {}) is not a folder", name, use), mend)};
   }
   if (access(there.c_str(), W_OK | X_OK) != 0) {
     return {Problem("disk", fmt::format("{} cannot be written to {}: {}", use, name, std::strerror(errno)), mend)};
   }
   struct statvfs space {};
   if (statvfs(there.c_str(), &space) != 0) {
-    return {Problem("disk", fmt::format("{} cannot be looked at: {}", name, std::strerror(errno)), mend)};
+    return {Problem("disk", fmt::format("{} cannot be examined: {}", name, std::strerror(errno)), mend)};
   }
   const double free_MB = 1e-6 * static_cast<double>(space.f_bavail) * static_cast<double>(space.f_frsize);
   const std::string what = fmt::format("{:.0f} MB are free for {} in {}", free_MB, use, name);
   if (free_MB < kTooLittle_MB) return {Problem("disk", what, mend)};
-  if (free_MB < kLittle_MB) return {Advice("disk", what + ": little for a long run", mend)};
+  if (free_MB < kLittle_MB) return {Advice("disk", what + ": not much for a long run", mend)};
   return {Good("disk", what)};
 }
 
@@ -110,8 +110,8 @@ Findings CheckVocabulary(const std::string& name, const std::string& kind, const
       kind, key);
   if (!fs::exists(path, error)) {
     return {Problem("vocabulary",
-                    fmt::format("{}: there is no vocabulary of {} here nor at {}: loop_process will not start", name,
-                                kind, SharedFile(name).string()),
+                    fmt::format("{}: no vocabulary of {} is here or at {}: loop_process will not start", name, kind,
+                                SharedFile(name).string()),
                     mend)};
   }
   try {
@@ -129,7 +129,7 @@ Findings CheckPrograms() {
   }
   const std::string folder = ProgramFolder().string();
   if (missing.empty()) return {Good("programs", "all programs are in " + folder)};
-  return {Problem("programs", fmt::format("not in {}, or not to be run: {}", folder, fmt::join(missing, ", ")),
+  return {Problem("programs", fmt::format("not in {}, or not executable: {}", folder, fmt::join(missing, ", ")),
                   "scripts/build release plslam_programs   # or install the package again")};
 }
 

@@ -96,20 +96,20 @@ Findings CheckRoute(const BusAddress& address, const std::string& route_device,
   }
   const NetworkDevice* device = Find(devices, route_device);
   if (device == nullptr || !device->up) {
-    return {Problem(kCheck, fmt::format("the route to {} leads over {}, which is down", address.host, route_device),
+    return {Problem(kCheck, fmt::format("the route to {} uses {}, which is down", address.host, route_device),
                     AsRoot("ip link set " + route_device + " up"))};
   }
   if (address.ttl > 0 && device->loopback) {
     return {Problem(kCheck,
-                    fmt::format("ttl={} is to reach other machines, but the route to {} leads over {}, to nobody",
+                    fmt::format("ttl={} should reach other machines, but the route to {} uses {}, which reaches none",
                                 address.ttl, address.host, route_device),
-                    Outward(devices) == nullptr ? "ip link   # no device here leads to other machines"
+                    Outward(devices) == nullptr ? "ip link   # no network device of this host reaches other machines"
                                                 : RouteFor(address, devices))};
   }
   if (!device->multicast) {
     const Finding finding = Problem(
         kCheck,
-        fmt::format("the device {}, over which the route to {} leads, has multicast off", route_device, address.host),
+        fmt::format("multicast is off on the device {}, which the route to {} uses", route_device, address.host),
         AsRoot("ip link set " + route_device + " multicast on"));
     // The loopback device carries multicast without the flag; some programs check the flag.
     if (!device->loopback) return {finding};
@@ -129,7 +129,7 @@ Findings CheckMulticast(const BusAddress& address) {
   if (!bus::MulticastWorks(address.url, &reason)) return {Problem(kCheck, reason, kRelayInstead)};
   const char* reach = address.ttl == 0   ? "they stay on this machine"
                       : address.ttl == 1 ? "they reach the local network"
-                                         : "routers that pass multicast hand them on";
+                                         : "routers that support multicast forward them";
   return {Good(kCheck, fmt::format("datagrams to {} leave over {} and come back; with ttl={} {}", address.host,
                                    device, address.ttl, reach))};
 }

@@ -30,7 +30,7 @@ int Number(const std::string& url, std::string_view text, int min, int max) {
   int value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || value < min || value > max) {
-    throw std::runtime_error(fmt::format("bus.url: {}: '{}' is no number within {} to {}", url, text, min, max));
+    throw std::runtime_error(fmt::format("bus.url: {}: '{}' is not a number from {} to {}", url, text, min, max));
   }
   return value;
 }
@@ -156,7 +156,7 @@ Findings CheckUdpPort(const BusAddress& address) {
   const std::string other_port =
       fmt::format("export LCM_DEFAULT_URL=udpm://{}:{}?ttl={}", address.host, address.port + 1, address.ttl);
   return {Problem("port",
-                  fmt::format("UDP port {} is held by {}, which does not share it as LCM does", address.port, holder),
+                  fmt::format("UDP port {} is used by {}, which does not share it as LCM does", address.port, holder),
                   pid > 0 ? fmt::format("kill {}   # or, everywhere: {}", pid, other_port) : other_port)};
 }
 
@@ -180,7 +180,7 @@ std::string WhyNoRelay(const BusAddress& address) {
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
   const int error = getaddrinfo(address.host.c_str(), std::to_string(address.port).c_str(), &hints, &found);
-  if (error != 0) return fmt::format("the host {} is not known: {}", address.host, gai_strerror(error));
+  if (error != 0) return fmt::format("the host {} is unknown: {}", address.host, gai_strerror(error));
   const Socket socket(AF_INET, SOCK_STREAM);
   const timeval limit{2, 0};
   setsockopt(socket.fd(), SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
@@ -193,7 +193,7 @@ std::string WhyNoRelay(const BusAddress& address) {
                        std::strerror(why == EINPROGRESS ? ETIMEDOUT : why));
   }
   if (!AnswersHello(socket.fd()))
-    return fmt::format("what answers at {}:{} is no LCM relay", address.host, address.port);
+    return fmt::format("the program that answers at {}:{} is not an LCM relay", address.host, address.port);
   return "";
 }
 

@@ -23,7 +23,7 @@ std::string Note(const Accuracy& accuracy, const EvaluateOptions& options) {
   if (accuracy.estimated_poses == 0) return "the estimate has no pose";
   if (accuracy.true_poses == 0) return "the truth has no pose";
   if (accuracy.pairs.empty() && options.interpolate_truth) {
-    return fmt::format("no pose of the estimate lies between true poses at most {:g} s apart",
+    return fmt::format("no pose of the estimate is between two true poses at most {:g} s apart",
                        1e-9 * static_cast<double>(options.max_gap_ns));
   }
   if (accuracy.pairs.empty()) {
@@ -31,10 +31,10 @@ std::string Note(const Accuracy& accuracy, const EvaluateOptions& options) {
                        1e-9 * static_cast<double>(options.max_difference_ns));
   }
   if (!std::isfinite(accuracy.ate_m.rmse)) {
-    return "positions are so far apart that no error can be computed: are both in metres, and of the same run?";
+    return "positions are too far apart to compute an error: are both in metres and from the same run?";
   }
-  if (accuracy.pairs.size() == 1) return "one pose only: nothing can be said about motion";
-  if (accuracy.true_path_m == 0.0) return "the true path has no length: nothing can be said per metre";
+  if (accuracy.pairs.size() == 1) return "only one pose: no motion can be evaluated";
+  if (accuracy.true_path_m == 0.0) return "the true path has length 0: no error per metre can be computed";
   return "";
 }
 

@@ -82,7 +82,7 @@ Alignment AlignmentFromName(std::string_view name) {
   for (const auto& [known, value] : kNames) {
     if (known == name) return value;
   }
-  throw std::runtime_error(fmt::format("no alignment '{}' (none, first, se3, sim3)", name));
+  throw std::runtime_error(fmt::format("unknown alignment '{}' (none, first, se3, sim3)", name));
 }
 
 std::optional<ClockOffset> FitClockOffset(const Trajectory& estimate, const Trajectory& truth, Alignment alignment,

@@ -45,10 +45,12 @@ void AddOptions(CLI::App& app, Arguments& a) {
   const CLI::IsMember formats({"auto", "tum", "kitti", "euroc"});
   app.add_option("estimate", a.estimate, "estimated trajectory (TUM, KITTI or EuRoC format)")->required();
   app.add_option("--truth", a.truth, "true trajectory, in any of these formats")->required();
-  app.add_option("--estimate-format", a.estimate_format, "instead of looking at the file")->check(formats);
-  app.add_option("--truth-format", a.truth_format, "instead of looking at the file")->check(formats);
-  app.add_option("--times", a.times, "times of trajectories in KITTI format, one second value a line");
-  app.add_option("--align", a.align, "none, first, se3 or sim3")
+  app.add_option("--estimate-format", a.estimate_format, "format of the estimate [recognised from its content]")
+      ->check(formats);
+  app.add_option("--truth-format", a.truth_format, "format of the truth [recognised from its content]")
+      ->check(formats);
+  app.add_option("--times", a.times, "times of trajectories in KITTI format, one value in seconds per line");
+  app.add_option("--align", a.align, "alignment: none, first, se3 or sim3")
       ->check(CLI::IsMember({"none", "first", "se3", "sim3"}));
   app.add_option("--max-difference", a.max_difference_s, "largest time difference of two poses [s]")
       ->check(CLI::Range(0.0, 1e6));
@@ -58,10 +60,10 @@ void AddOptions(CLI::App& app, Arguments& a) {
   app.add_option("--delta", a.deltas, "intervals of the relative error: 5f, 1s, 2.5m ...");
   app.add_option("--frames", a.frames, "frames of the sequence, for the coverage (default: true poses)")
       ->check(CLI::Range(int64_t{0}, int64_t{1} << 40));
-  app.add_option("--keyframes", a.keyframes, "trajectory of the keyframes alone: errors between keyframes");
+  app.add_option("--keyframes", a.keyframes, "trajectory of the keyframes only: errors between keyframes");
   app.add_option("--covariance", a.covariance, "covariances of the poses (covariance.txt of the viewer): NEES");
   app.add_option("--motion-covariance", a.motion_covariance, "covariances of the motions: NEES");
-  app.add_option("--clock", a.clock_s, "look for an offset of the clocks, up to so much [s]")
+  app.add_option("--clock", a.clock_s, "search for an offset of the clocks up to this [s]")
       ->check(CLI::Range(0.0, 10.0));
   app.add_option("--json", a.json, "write all numbers to this file");
   app.add_option("--plot", a.plot, "draw the paths and errors into this file: .svg, .pdf or .png");
@@ -87,14 +89,14 @@ bool HasNoTimes(const TrajectoryFile& file, const Arguments& a) {
 void CheckTimes(const Arguments& a, const TrajectoryFile& estimate, const TrajectoryFile& truth) {
   const bool estimate_lacks = HasNoTimes(estimate, a);
   if (estimate_lacks != HasNoTimes(truth, a)) {
-    throw std::runtime_error(fmt::format("{}: has no times, being in KITTI format, and {} has: give --times FILE",
-                                         estimate_lacks ? a.estimate : a.truth,
-                                         estimate_lacks ? a.truth : a.estimate));
+    throw std::runtime_error(
+        fmt::format("{}: has no times because it is in KITTI format, but {} has: give --times FILE",
+                    estimate_lacks ? a.estimate : a.truth, estimate_lacks ? a.truth : a.estimate));
   }
   if (!estimate_lacks || estimate.n_rows == truth.n_rows) return;
   throw std::runtime_error(fmt::format(
-      "{} has {} poses and {} has {}, without times, being in KITTI format, so that nobody knows which are of "
-      "one frame: give the estimate with its times (trajectory.tum of a run), and --times FILE for the truth",
+      "{} has {} poses and {} has {}, without times because of the KITTI format, so that they cannot be associated: "
+      "give the estimate with its times (trajectory.tum of a run), and --times FILE for the truth",
       a.estimate, estimate.n_rows, a.truth, truth.n_rows));
 }
 
@@ -144,7 +146,7 @@ int RunEvaluate(int argc, char** argv) {
   Arguments arguments;
   AddOptions(app, arguments);
   app.footer(
-      "Instead of that, `evaluate compare RUN...` sets runs side by side, `evaluate figures RUN` draws a run for "
+      "`evaluate compare RUN...` compares several runs, `evaluate figures RUN` draws a run for "
       "print,\n"
       "and `evaluate places DATASET...` judges place recognition; each has its --help.");
   return RunCommandLine(app, argc, argv, [&] { return Evaluate(arguments); });

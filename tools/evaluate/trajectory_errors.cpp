@@ -98,12 +98,12 @@ Delta DeltaFromText(std::string_view text) {
   const bool known = unit == "f" || unit == "s" || unit == "m";
   if (error != std::errc() || !known || !std::isfinite(delta.value) || delta.value <= 0.0) {
     throw std::runtime_error(
-        fmt::format("'{}' is no interval (5f for frames, 1s for seconds, 2.5m for metres)", text));
+        fmt::format("'{}' is not an interval (5f for frames, 1s for seconds, 2.5m for metres)", text));
   }
   if (unit == "s") delta.unit = Delta::Unit::kSeconds;
   if (unit == "m") delta.unit = Delta::Unit::kMetres;
   if (unit == "f" && delta.value != std::floor(delta.value)) {
-    throw std::runtime_error(fmt::format("'{}' is no whole number of frames", text));
+    throw std::runtime_error(fmt::format("'{}' is not a whole number of frames", text));
   }
   return delta;
 }

@@ -67,20 +67,18 @@ int Export(const ExportArguments& arguments) {
 void AddExportCommand(CLI::App* app, std::function<int()>* command) {
   auto arguments = std::make_shared<ExportArguments>();
   auto* sub =
-      app->add_subcommand("export", "writes a saved map, a run or a recorded log as files that other programs open");
+      app->add_subcommand("export", "exports a saved map, a run or a recorded log to files for other programs");
   sub->add_option("source", arguments->request.source,
-                  "map file (.plmap), folder of a run with one in it, or LCM log of a run (plslam run --record)")
+                  "map file (.plmap), folder of a run that contains one, or LCM log of a run (plslam run --record)")
       ->required();
-  sub->add_option("--out", arguments->request.out, "folder to write to [export in the run's, or MAP_export]")
-      ->type_name("DIR");
-  sub->add_option("--format", arguments->request.formats, "only these (repeatable) [all]")
+  sub->add_option("--out", arguments->request.out, "folder to write to [RUN/export or MAP_export]")->type_name("DIR");
+  sub->add_option("--format", arguments->request.formats, "only these formats (repeatable) [all]")
       ->check(CLI::IsMember(FormatNames()));
-  sub->add_option(
-      "--dataset", arguments->request.dataset,
-      "what the map was made of: rectified images of the keyframes for COLMAP, and poses of the camera as "
-      "calibrated");
-  sub->add_flag("--quiet", arguments->quiet, "say nothing");
-  sub->add_flag("--json", arguments->json, "the list of files as JSON");
+  sub->add_option("--dataset", arguments->request.dataset,
+                  "dataset of the map, for rectified images of the keyframes (COLMAP) and poses of the camera as "
+                  "calibrated");
+  sub->add_flag("--quiet", arguments->quiet, "print nothing");
+  sub->add_flag("--json", arguments->json, "print the list of files as JSON");
   sub->footer(Footer());
   sub->callback([=] { *command = [arguments] { return Export(*arguments); }; });
 }

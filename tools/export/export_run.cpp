@@ -51,7 +51,7 @@ void ExportPly(OngoingExport& e) {
 
 void ExportObj(OngoingExport& e) {
   WriteFileAtomically(e.Path("map.obj"), MapObj(e.map()));
-  e.AddFile("map.obj", fmt::format("{} points, {} lines, the way of {} keyframes", e.map().points().size(),
+  e.AddFile("map.obj", fmt::format("{} points, {} lines, the path of {} keyframes", e.map().points().size(),
                                    e.map().lines().size(), e.map().keyframes().size()));
 }
 
@@ -125,7 +125,7 @@ void WritePoses(const std::string& name, TrajectoryFormat format, const Trajecto
   e.AddFile(file, fmt::format("{} {}", trajectory.size(), what));
   if (format != TrajectoryFormat::kKitti) return;
   WriteTimes(e.Path(name + "_times.txt"), trajectory);
-  e.AddFile(name + "_times.txt", "the times of that, in seconds");
+  e.AddFile(name + "_times.txt", "its times, in seconds");
 }
 
 void ExportPoses(TrajectoryFormat format, OngoingExport& e) {
@@ -143,7 +143,7 @@ void ExportAsMcap(OngoingExport& e) {
   e.AddFile("run.mcap", fmt::format("{} frames, {} images{}", content.frames, content.images,
                                     content.has_map ? ", the map" : ""));
   WriteFileAtomically(e.Path("foxglove_layout.json"), FoxgloveLayout());
-  e.AddFile("foxglove_layout.json", "what Foxglove and Lichtblick show of it: Layouts, Import from file");
+  e.AddFile("foxglove_layout.json", "layout for Foxglove and Lichtblick: Layouts, Import from file");
 }
 
 struct Writer {
@@ -154,13 +154,13 @@ struct Writer {
 const std::vector<Writer>& Writers() {
   static const std::vector<Writer> kWriters{
       {{"ply", "points and lines, binary (CloudCompare, MeshLab)", true}, ExportPly},
-      {{"obj", "points, lines and the way of the keyframes, text (Blender, MeshLab)", true}, ExportObj},
-      {{"colmap", "COLMAP's model, binary, and the images where there is a dataset", true, true}, ExportColmap},
+      {{"obj", "points, lines and the path of the keyframes, text (Blender, MeshLab)", true}, ExportObj},
+      {{"colmap", "COLMAP's model, binary, and the images if there is a dataset", true, true}, ExportColmap},
       {{"colmap-text", "the same model as text", true, true}, ExportColmapText},
       {{"g2o", "pose graph", true}, ExportG2o},
       {{"tum", "poses: t tx ty tz qx qy qz qw", false},
        [](OngoingExport& e) { ExportPoses(TrajectoryFormat::kTum, e); }},
-      {{"kitti", "poses: rows of [R t], and their times", false},
+      {{"kitti", "poses: rows of [R t]; and their times", false},
        [](OngoingExport& e) { ExportPoses(TrajectoryFormat::kKitti, e); }},
       {{"euroc", "poses: t_ns,px,py,pz,qw,qx,qy,qz", false},
        [](OngoingExport& e) { ExportPoses(TrajectoryFormat::kEuroc, e); }},
@@ -176,7 +176,7 @@ void CheckNames(const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     const auto& all = Writers();
     if (std::none_of(all.begin(), all.end(), [&](const Writer& w) { return w.format.name == name; })) {
-      throw std::runtime_error(fmt::format("'{}' is no format to export to", name));
+      throw std::runtime_error(fmt::format("'{}' is not an export format", name));
     }
   }
 }
@@ -186,7 +186,8 @@ viewer::LoggedRun ReadLog(const std::string& log, OngoingExport& e) {
   const std::string folder = e.Path("run");
   if (fs::exists(folder) && !(fs::is_directory(folder) && fs::is_empty(folder))) {
     throw std::runtime_error(fmt::format(
-        "{}: is there already, and the files of the run would go there: remove it, or give another --out", folder));
+        "{}: already exists, and the files of the run would be written there: remove it, or give another --out",
+        folder));
   }
   viewer::LoggedRun run = viewer::ReadLoggedRun(log);
   if (run.has_frames && !e.dataset) {

@@ -30,7 +30,7 @@ class ObjText {
   std::string Take() { return std::move(text_); }
 
  private:
-  std::string text_ = "# points, lines and the way of the keyframes; metres\n";
+  std::string text_ = "# points, lines and the path of the keyframes; metres\n";
   std::back_insert_iterator<std::string> out_{text_};
   size_t n_vertices_ = 0;
 };

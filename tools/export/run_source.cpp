@@ -26,7 +26,8 @@ std::string FindMap(const std::string& folder) {
   }
   std::sort(maps.begin(), maps.end());
   if (maps.size() > 1) {
-    throw std::runtime_error(fmt::format("{}: has {} maps: name one of them, {}", folder, maps.size(), maps.front()));
+    throw std::runtime_error(
+        fmt::format("{}: has {} maps: give one of them, such as {}", folder, maps.size(), maps.front()));
   }
   return maps.empty() ? "" : maps.front();
 }
@@ -52,7 +53,7 @@ void CheckIsMapOfRun(const RunSource& source) {
 
 RunSource ReadRunSource(const std::string& path, const std::string& map) {
   RunSource source;
-  if (!fs::exists(path)) throw std::runtime_error(fmt::format("{}: there is no such file or folder", path));
+  if (!fs::exists(path)) throw std::runtime_error(fmt::format("{}: file or folder does not exist", path));
   if (!fs::is_directory(path)) {
     source.map_path = path;
   } else {

@@ -81,10 +81,10 @@ class HelpParser {
 
   void TakeEntry(const std::string& line) {
     if (entries_ == nullptr)
-      throw std::runtime_error(fmt::format("{}: '{}' stands under no heading", page_->command, line));
+      throw std::runtime_error(fmt::format("{}: '{}' is not under a heading", page_->command, line));
     const bool continues = line.find_first_not_of(' ') >= kColumn;
     if (continues && entries_->empty()) {
-      throw std::runtime_error(fmt::format("{}: '{}' belongs to no option", page_->command, line));
+      throw std::runtime_error(fmt::format("{}: '{}' does not belong to an option", page_->command, line));
     }
     if (continues) {
       std::string& meaning = entries_->back().meaning;
@@ -124,7 +124,7 @@ HelpPage ParseHelp(const std::string& command, const std::string& text) {
   page.purpose = Trim(page.purpose);
   page.footer = Trim(page.footer);
   if (page.purpose.empty() || page.options.empty()) {
-    throw std::runtime_error(command + ": --help tells no purpose or no options");
+    throw std::runtime_error(command + ": --help states no purpose or no options");
   }
   return page;
 }

@@ -61,7 +61,8 @@ void AppendCommand(const HelpPage& page, std::string* out) {
 constexpr char kExitStatus[] =
     ".SH EXIT STATUS\n"
     ".TP\n\\fB0\\fR\nDone, or ended by SIGINT, SIGTERM or SIGHUP.\n"
-    ".TP\n\\fB1\\fR\nNot done. One sentence on standard error says why, and names the file, line, key or value.\n";
+    ".TP\n\\fB1\\fR\nFailed. One sentence on standard error gives the reason and names the file, line, key or "
+    "value.\n";
 
 }  // namespace
 

@@ -36,14 +36,14 @@ struct OptionSection {
 };
 
 inline std::vector<OptionSection> SectionsOf(AllOptions& all) {
-  return {{"bus", "How each process joins the bus.", ListFields(all.bus)},
-          {"player", "What is played, and how.", ListFields(all.player)},
-          {"adapter", "A robot that speaks LCM.", ListFields(all.adapter)},
+  return {{"bus", "Connection of each process to the bus.", ListFields(all.bus)},
+          {"player", "Dataset and playback.", ListFields(all.player)},
+          {"adapter", "Connection to a robot that uses LCM.", ListFields(all.adapter)},
           {"camera", "Live cameras.", ListFields(all.camera)},
           {"vo", "Odometry (PL-SLAM §IV).", ListFields(all.vo)},
           {"mapping", "The map (PL-SLAM §V).", ListFields(all.mapping)},
-          {"loop", "Places seen before (PL-SLAM §VI).", ListFields(all.loop)},
-          {"viewer", "What is written and drawn.", ListFields(all.viewer)}};
+          {"loop", "Loop closing and relocalisation (PL-SLAM §VI).", ListFields(all.loop)},
+          {"viewer", "Files and pictures that are written.", ListFields(all.viewer)}};
 }
 
 }  // namespace plslam::launcher

@@ -66,8 +66,8 @@ struct SpawnWishes {
 std::string WhyNotStarted(const std::filesystem::path& program, const std::filesystem::path& log, int error) {
   const int fd = open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (fd < 0) {
-    return fmt::format("{} cannot be started, since its log {} cannot be written: {}", program.string(), log.string(),
-                       ReasonOf(errno));
+    return fmt::format("{} cannot be started because its log {} cannot be written: {}", program.string(),
+                       log.string(), ReasonOf(errno));
   }
   close(fd);
   return fmt::format("{} cannot be started: {}", program.string(), ReasonOf(error));

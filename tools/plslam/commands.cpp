@@ -49,20 +49,20 @@ int PrintConfiguration(const bus::ProcessArguments& arguments) {
 
 void AddConfigCommand(CLI::App* app, Command* command) {
   auto arguments = std::make_shared<bus::ProcessArguments>();
-  auto* sub =
-      app->add_subcommand("config", "prints the configuration that processes would use, with what each option means");
+  auto* sub = app->add_subcommand(
+      "config", "prints the configuration that the processes would use, with the meaning of each option");
   sub->add_option("--config", arguments->config_file,
                   "YAML file with options of all processes (docs/configuration.md)")
       ->type_name("FILE");
   sub->add_option("--set", arguments->overrides,
-                  "one option, over the file: vo.features.orb.max_points=800 (repeatable)")
+                  "one option, overrides the file: vo.features.orb.max_points=800 (repeatable)")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   sub->footer(
       "Examples:\n"
       "  plslam config > mine.yaml\n"
       "  plslam config --config mine.yaml --set vo.features.orb.max_points=800\n"
-      "What it prints is a configuration file itself.");
+      "The output is itself a configuration file.");
   sub->callback([=] { *command = [arguments] { return PrintConfiguration(*arguments); }; });
 }
 
@@ -80,7 +80,7 @@ int PrintProcesses() {
 }  // namespace
 
 void AddProcessesCommand(CLI::App* app, Command* command) {
-  auto* sub = app->add_subcommand("processes", "the table of processes that `run` starts");
+  auto* sub = app->add_subcommand("processes", "prints the table of processes that `run` starts");
   sub->callback([command] { *command = PrintProcesses; });
 }
 
@@ -122,7 +122,7 @@ int GiveOrder(const OrderRow& row, const std::string& argument, const bus::Proce
     fmt::print("{}\n", fmt::format(fmt::runtime(row.done), argument));
     return 0;
   }
-  std::string failure = fmt::format("no answer has come for {} s", kAnswerLimit.count());
+  std::string failure = fmt::format("no answer was received within {} s", kAnswerLimit.count());
   if (!order.heard()) {
     failure =
         NoAnswerText(row.processes, bus_options,
@@ -137,9 +137,9 @@ int GiveOrder(const OrderRow& row, const std::string& argument, const bus::Proce
 }
 
 const OrderRow kSaveRow{command_verb::kSave, {process_name::kMapping}, "the map is saved in {}"};
-const OrderRow kLoadRow{command_verb::kLoad, {process_name::kMapping}, "the map is that of {}"};
-const OrderRow kResetRow{command_verb::kReset, {process_name::kMapping}, "a new map has begun"};
-const OrderRow kLocaliseRow{command_verb::kLocalise, {process_name::kMapping}, "localising only is {}"};
+const OrderRow kLoadRow{command_verb::kLoad, {process_name::kMapping}, "the map of {} is loaded"};
+const OrderRow kResetRow{command_verb::kReset, {process_name::kMapping}, "a new map was started"};
+const OrderRow kLocaliseRow{command_verb::kLocalise, {process_name::kMapping}, "localisation-only mode is {}"};
 const OrderRow kPauseRow{command_verb::kPause, {process_name::kPlayer, process_name::kCamera}, "paused"};
 const OrderRow kResumeRow{command_verb::kResume, {process_name::kPlayer, process_name::kCamera}, "resumed"};
 
@@ -172,22 +172,24 @@ void AddBareOrder(CLI::App* app, Command* command, const OrderRow& row, const ch
 }  // namespace
 
 void AddOrderCommands(CLI::App* app, Command* command) {
-  AddFileOrder(app, command, kSaveRow, "has the running mapping_process save its map",
+  AddFileOrder(app, command, kSaveRow, "saves the map of the running mapping_process",
                "map file to write, on the machine of mapping_process");
-  AddFileOrder(app, command, kLoadRow, "has the running mapping_process go on in a saved map; trackers begin anew",
+  AddFileOrder(app, command, kLoadRow,
+               "loads a saved map into the running mapping_process; trackers start new sessions",
                "map file to read, on the machine of mapping_process");
-  AddBareOrder(app, command, kResetRow, "has the running mapping_process begin an empty map; trackers begin anew");
+  AddBareOrder(app, command, kResetRow,
+               "starts an empty map in the running mapping_process; trackers start new sessions");
   auto options = std::make_shared<OrderOptions>();
-  auto* sub = app->add_subcommand(command_verb::kLocalise, "says whether the map stays as it is");
-  sub->add_option("on_or_off", options->argument, "on: it stays as it is; off: it grows")
+  auto* sub = app->add_subcommand(command_verb::kLocalise, "switches localisation-only mode on or off");
+  sub->add_option("on_or_off", options->argument, "on: localise in a fixed map; off: extend the map")
       ->required()
       ->check(CLI::IsMember({"on", "off"}));
   options->common.AddTo(sub);
   sub->footer("Example:\n  plslam localise on --url udpm://239.255.76.67:7667?ttl=0");
   sub->callback(
       [=] { *command = [options] { return GiveOrder(kLocaliseRow, options->argument, options->common); }; });
-  AddBareOrder(app, command, kPauseRow, "has player or camera send no more frames");
-  AddBareOrder(app, command, kResumeRow, "has a paused player or camera go on");
+  AddBareOrder(app, command, kPauseRow, "pauses the player or camera");
+  AddBareOrder(app, command, kResumeRow, "resumes a paused player or camera");
 }
 
 namespace {
@@ -248,8 +250,8 @@ int Record(const RecordOptions& options) {
 
 void AddRecordCommand(CLI::App* app, Command* command) {
   auto options = std::make_shared<RecordOptions>();
-  auto* sub = app->add_subcommand("record", "writes all traffic to an LCM event log, until SIGINT");
-  sub->add_option("file", options->file, "log to write, which lcm-logplayer and `plslam replay` read")->required();
+  auto* sub = app->add_subcommand("record", "records all traffic in an LCM event log until SIGINT");
+  sub->add_option("file", options->file, "log to write, readable by lcm-logplayer and `plslam replay`")->required();
   sub->add_flag("--force", options->force, "replace the file if it exists");
   options->common.AddTo(sub);
   sub->footer("Example:\n  plslam record out/run.lcm --url udpm://239.255.76.67:7667?ttl=0");
@@ -288,8 +290,8 @@ int Top(const TopOptions& options) {
   bus.Run();
   if (heard || !options.once) return 0;
   bus::PrintError(
-      fmt::format("plslam: error: no process is heard on {}; give the --url of those that run (plslam run "
-                  "takes a bus of its own where it has no --url)",
+      fmt::format("plslam: error: no process was found on {}; give the --url of the running ones (without --url, "
+                  "plslam run uses a private bus)",
                   bus::EffectiveUrl(bus_options.url)));
   return 1;
 }
@@ -299,9 +301,9 @@ int Top(const TopOptions& options) {
 void AddTopCommand(CLI::App* app, Command* command) {
   auto options = std::make_shared<TopOptions>();
   auto* sub = app->add_subcommand(
-      "top", "a table of all processes on the bus, whatever their prefix, and of its channels, once a second");
-  sub->add_flag("--once", options->once, "listens for 2.5 s, prints one table and ends");
-  sub->add_flag("--json", options->json, "a line of JSON in place of each table");
+      "top", "prints a table of all processes on the bus, with any prefix, and of its channels once a second");
+  sub->add_flag("--once", options->once, "listen for 2.5 s, print one table and exit");
+  sub->add_flag("--json", options->json, "print a line of JSON instead of each table");
   options->common.AddTo(sub);
   sub->footer(
       "Examples:\n"
@@ -343,11 +345,11 @@ int Relay(const RelayOptions& options) {
 
 void AddRelayCommand(CLI::App* app, Command* command) {
   auto options = std::make_shared<RelayOptions>();
-  auto* sub = app->add_subcommand("relay", "carries messages over TCP where there is no multicast (LCM's tcpq URLs)");
-  sub->add_option("--port", options->port, "port to listen at; 0: any free one")
+  auto* sub = app->add_subcommand("relay", "relays messages over TCP on hosts without multicast (LCM's tcpq URLs)");
+  sub->add_option("--port", options->port, "port to listen on; 0: any free port")
       ->capture_default_str()
       ->check(CLI::Range(0, 65535));
-  sub->add_option("--address", options->address, "address to listen at; 0.0.0.0: reachable from other machines")
+  sub->add_option("--address", options->address, "address to listen on; 0.0.0.0: reachable from other machines")
       ->capture_default_str();
   sub->footer("Example:\n  plslam relay --port 7700 &\n  vo_process --url tcpq://127.0.0.1:7700");
   sub->callback([=] { *command = [options] { return Relay(*options); }; });

@@ -24,8 +24,8 @@ int main(int argc, char** argv) {
       "  plslam replay out/mh01.lcm --out out/mh01_again\n"
       "  plslam export out/mh01.plmap --format ply colmap\n"
       "  plslam doctor\n"
-      "plslam COMMAND --help tells the options of each. Exit code 0: done; 1: not done, and one sentence on standard "
-      "error says why; 2, with --strict: a run that is done, with warnings.");
+      "plslam COMMAND --help lists the options of each. Exit code 0: done; 1: failed, with one sentence on standard "
+      "error; 2, with --strict: a run that is done, with warnings.");
   plslam::launcher::Command command;
   for (const auto add :
        {plslam::launcher::AddRunCommand, plslam::launcher::AddReplayCommand, plslam::launcher::AddRecordCommand,
@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
     return command();
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
-    plslam::bus::PrintError(fmt::format("plslam: error: {} (--help tells the options)", error.what()));
+    plslam::bus::PrintError(fmt::format("plslam: error: {} (--help lists the options)", error.what()));
   } catch (const std::exception& error) {
     plslam::bus::PrintError(fmt::format("plslam: error: {}", plslam::SentenceOf(error)));
   }

@@ -125,14 +125,14 @@ Arguments CommonArguments(const RunOptions& options) {
 }
 
 constexpr ProcessRow kTable[] = {
-    {kRecorder, "plslam", "writes all traffic to an LCM event log (--record)", Supervisor::Ending::kDispensable,
+    {kRecorder, "plslam", "records all traffic in an LCM event log (--record)", Supervisor::Ending::kDispensable,
      false, Recorded, kFirst, RecorderArguments},
     {kViewer, "viewer_headless", "progress, trajectories, map file and pictures", Supervisor::Ending::kWritesAtTheEnd,
      false, Always, kDrawsPictures, ViewerArguments},
-    {kMapping, "mapping_process", "the map: keyframes, points and lines, adjusted", Supervisor::Ending::kRestart,
-     false, OwnMap, kFirst, MappingArguments},
-    {kLoop, "loop_process", "places seen before: closes loops, finds lost trackers", Supervisor::Ending::kRestart,
-     false, OwnLoops, kStandsBack, NoArguments},
+    {kMapping, "mapping_process", "mapping: keyframes, points and lines, local bundle adjustment",
+     Supervisor::Ending::kRestart, false, OwnMap, kFirst, MappingArguments},
+    {kLoop, "loop_process", "place recognition: loop closing and relocalisation", Supervisor::Ending::kRestart, false,
+     OwnLoops, kStandsBack, NoArguments},
     {kVo, "vo_process", "stereo odometry with points and lines", Supervisor::Ending::kRestart, false, Always,
      kFirstWhenLive, VoArguments},
     {kPlayer, "player", "datasets and synthetic worlds to stereo frames", Supervisor::Ending::kMayEnd, true,

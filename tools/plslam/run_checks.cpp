@@ -40,11 +40,12 @@ void CheckWritable(const char* option, const path& file) {
   }
   const path folder = std::filesystem::absolute(file).parent_path();
   if (!std::filesystem::is_directory(folder)) {
-    throw std::runtime_error(fmt::format("{} {}: there is no folder {}", option, file.string(), folder.string()));
+    throw std::runtime_error(
+        fmt::format("{} {}: the folder {} does not exist", option, file.string(), folder.string()));
   }
   if (access(folder.c_str(), W_OK | X_OK) != 0) {
     throw std::runtime_error(
-        fmt::format("{} {}: nothing can be written there: {}", option, file.string(), std::strerror(errno)));
+        fmt::format("{} {}: cannot be written: {}", option, file.string(), std::strerror(errno)));
   }
 }
 
@@ -56,7 +57,7 @@ bool AreSame(const path& a, const path& b) {
 void CheckIsNot(const char* option, const path& file, const path& input) {
   if (!AreSame(file, input)) return;
   throw std::runtime_error(
-      fmt::format("{} {}: this run reads that file, and would destroy it", option, file.string()));
+      fmt::format("{} {}: this run reads that file and would overwrite it", option, file.string()));
 }
 
 void RemoveIfOld(const path& file, std::filesystem::file_time_type began) {
@@ -111,10 +112,11 @@ void ReadConfiguration(RunOptions* options) {
   take(&options->pace, options->from_cameras ? camera.pace : player.pace);
   if (options->map_prefix.empty()) return;
   if (options->url.empty()) {
-    throw std::runtime_error("bus.map_prefix: robots that share a map share a bus: name it by --url or bus.url");
+    throw std::runtime_error("bus.map_prefix: robots that share a map share a bus: give its --url or bus.url");
   }
   if (!options->map.empty() || !options->save_map.empty()) {
-    throw std::runtime_error("bus.map_prefix: --map and --save-map are of a map of its own, and this one is shared");
+    throw std::runtime_error(
+        "bus.map_prefix: --map and --save-map are for a map of this run only, and this map is shared");
   }
 }
 
@@ -137,7 +139,7 @@ void CheckCameras(const RunOptions& options) {
   const path program = ProgramFolder() / process_name::kCamera;
   if (access(program.c_str(), X_OK) == 0) return;
   throw std::runtime_error(
-      fmt::format("{} names cameras (source), and there is no program {}: install libgstreamer1.0-dev and "
+      fmt::format("{} names cameras (source), and the program {} is missing: install libgstreamer1.0-dev and "
                   "libgstreamer-plugins-base1.0-dev, and build again",
                   options.dataset, program.string()));
 }

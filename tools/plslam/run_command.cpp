@@ -108,8 +108,9 @@ int Report(const RunOptions& options, const RunSession& session, OutputFolder* f
     }
     return options.strict && !warnings.empty() ? kWarned : 0;
   }
-  Print(stderr, fmt::format("plslam: error: {}{}\n", reason,
-                            keeps_old ? fmt::format(" ({} is still of the run before)", options.out.string()) : ""));
+  Print(stderr,
+        fmt::format("plslam: error: {}{}\n", reason,
+                    keeps_old ? fmt::format(" ({} is still that of the previous run)", options.out.string()) : ""));
   return 1;
 }
 
@@ -140,54 +141,55 @@ int Run(RunOptions options) {
 void AddOptions(CLI::App* sub, RunOptions* o) {
   sub->add_option("--out", o->out, "folder for trajectories, summary, pictures and logs [out/DATASET]")
       ->type_name("DIR");
-  sub->add_option(
-         "--pace", o->pace,
-         "lockstep (every frame, as fast as it goes; default of datasets), realtime (of cameras), realtimexN")
+  sub->add_option("--pace", o->pace,
+                  "lockstep (every frame, as fast as possible; default for datasets), realtime (default for "
+                  "cameras), realtimexN")
       ->type_name("TEXT:{lockstep,realtime}");
   sub->add_option("--features", o->features, "points, lines or both (default)")
       ->check(CLI::IsMember({"points", "lines", "both"}));
-  sub->add_flag("--no-mapping", o->no_mapping, "odometry alone: no map is made, and none is tracked against");
-  sub->add_flag("--no-loops", o->no_loops,
-                "places seen before are not recognised, and lost trackers not found again");
-  sub->add_option("--map", o->map, "a saved map to go on from")
+  sub->add_flag("--no-mapping", o->no_mapping, "odometry only: no map is built or tracked against");
+  sub->add_flag("--no-loops", o->no_loops, "no loop closing and no relocalisation");
+  sub->add_option("--map", o->map, "a saved map to continue")
       ->type_name("FILE")
       ->check(CLI::ExistingFile)
       ->excludes("--no-mapping");
-  sub->add_flag("--localise-only", o->localise_only, "the map given by --map stays as it is")->needs("--map");
-  sub->add_option("--save-map", o->save_map, "where to save the map at the end, or when the run is interrupted")
+  sub->add_flag("--localise-only", o->localise_only, "localise in the map given by --map without changing it")
+      ->needs("--map");
+  sub->add_option("--save-map", o->save_map, "file for the map, saved at the end or when the run is interrupted")
       ->type_name("FILE")
       ->excludes("--no-mapping");
   sub->add_option("--config", o->config_file, "YAML file with options of all processes (docs/configuration.md)")
       ->type_name("FILE");
-  sub->add_option("--set", o->overrides, "one option, over the file: vo.features.orb.max_points=800 (repeatable)")
+  sub->add_option("--set", o->overrides,
+                  "one option, overrides the file: vo.features.orb.max_points=800 (repeatable)")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   sub->add_option("--start", o->start, "first frame")->check(CLI::NonNegativeNumber);
-  sub->add_option("--stop", o->stop, "frame before which to end")->check(CLI::NonNegativeNumber);
+  sub->add_option("--stop", o->stop, "frame before which to stop")->check(CLI::NonNegativeNumber);
   sub->add_option("--stride", o->stride, "play every n-th frame")->check(CLI::PositiveNumber);
-  sub->add_option("--loop", o->loop, "times to play it")->check(CLI::PositiveNumber);
+  sub->add_option("--loop", o->loop, "number of times to play it")->check(CLI::PositiveNumber);
   sub->add_flag("--bounce", o->bounce, "play it forth and back each time");
   sub->add_flag("--skip-bad", o->skip_bad, "skip unreadable frames, and count them");
   sub->add_option("--overlay-every", o->overlay_every, "a picture of the tracked features every N frames; 0: none")
       ->check(CLI::NonNegativeNumber);
-  sub->add_option("--serve", o->serve, "show the run as it goes on http://127.0.0.1:PORT/ (this machine alone)")
+  sub->add_option("--serve", o->serve, "show the run live at http://127.0.0.1:PORT/ (this machine only)")
       ->check(CLI::Range(1, 65535))
       ->type_name("PORT");
-  sub->add_option("--video", o->video, "film the run into an MP4 file, or a folder of pictures")->type_name("FILE");
+  sub->add_option("--video", o->video, "film of the run: an MP4 file, or a folder of pictures")->type_name("FILE");
   sub->add_option("--url", o->url, "LCM URL [a private port of this machine]");
-  sub->add_option("--prefix", o->prefix, "in front of each channel name");
+  sub->add_option("--prefix", o->prefix, "prefix of each channel name");
   sub->add_option(
          "--map-prefix", o->map_prefix,
-         "prefix of the mapping_process and loop_process of several robots; then none of its own are started")
+         "prefix of the mapping_process and loop_process that several robots share; this run then starts none")
       ->needs("--url")
       ->excludes("--map")
       ->excludes("--save-map");
-  sub->add_option("--max-restarts", o->max_restarts, "starts of a crashed process again")
+  sub->add_option("--max-restarts", o->max_restarts, "how often a crashed process is restarted")
       ->check(CLI::NonNegativeNumber);
-  sub->add_flag("--quiet", o->quiet, "no progress, no summary on the terminal; warnings and errors are told");
+  sub->add_flag("--quiet", o->quiet, "no progress and no summary on the terminal, only warnings and errors");
   sub->add_flag("--verbose", o->verbose,
-                "also what the map is made of, all errors, and tables of times and processes");
-  sub->add_flag("--strict", o->strict, "exit code 2 where the finished run has warnings");
+                "also the contents of the map, all errors, and tables of times and processes");
+  sub->add_flag("--strict", o->strict, "exit code 2 if the finished run has warnings");
   sub->add_flag("--force", o->force, "replace the file of --record or --save-map if it exists");
   sub->add_flag("--json", o->json, "the summary as JSON on standard output");
 }
@@ -198,9 +200,8 @@ void AddRunCommand(CLI::App* app, Command* command) {
   auto options = std::make_shared<RunOptions>();
   auto* sub = app->add_subcommand("run", "plays a dataset, or live cameras, through all processes");
   sub->add_option("dataset", options->dataset, DatasetHelp() + ", or rig file of live cameras")->required();
-  sub->add_option("--kind", options->kind, fmt::format("format: {} [found by looking]", DatasetKindHelp()));
-  sub->add_option("--topics", options->topics,
-                  "LEFT RIGHT: image topics of a recording of ROS [found by their names]")
+  sub->add_option("--kind", options->kind, fmt::format("format: {} [recognised from its files]", DatasetKindHelp()));
+  sub->add_option("--topics", options->topics, "LEFT RIGHT: image topics of a ROS recording [recognised by name]")
       ->type_name("TOPIC")
       ->expected(2);
   sub->add_option("--record", options->record, "LCM event log of all traffic to write")->type_name("FILE");
@@ -212,9 +213,9 @@ void AddRunCommand(CLI::App* app, Command* command) {
       "  plslam run walk.mcap --topics /front/left/image_raw /front/right/image_raw\n"
       "  plslam run rig.yaml --record out/walk.lcm\n"
       "  plslam run /data/euroc/MH_01 --config config/plslam.yaml --record out/mh01.lcm\n"
-      "Exit code 0 when the stream was handled to its end, or ended by SIGINT, SIGTERM or SIGHUP (and the map "
+      "Exit code 0 if the stream was processed to its end, or ended by SIGINT, SIGTERM or SIGHUP (and the map "
       "saved,\n"
-      "with --save-map); 1 when not, and one sentence on standard error says why; 2 with --strict when it was, but "
+      "with --save-map); 1 if not, with one sentence on standard error; 2 with --strict if it was, but "
       "there\n"
       "are warnings, which are on standard error, in summary.json and in the report. A second signal ends everything "
       "at once.");
@@ -224,8 +225,8 @@ void AddRunCommand(CLI::App* app, Command* command) {
 void AddReplayCommand(CLI::App* app, Command* command) {
   auto options = std::make_shared<RunOptions>();
   options->kind = "log";
-  auto* sub = app->add_subcommand("replay", "plays the frames of an LCM log, and computes everything else anew");
-  sub->add_option("log", options->dataset, "made by `plslam record`, `plslam run --record` or lcm-logger")
+  auto* sub = app->add_subcommand("replay", "plays the frames of an LCM log and recomputes everything else");
+  sub->add_option("log", options->dataset, "LCM log made by `plslam record`, `plslam run --record` or lcm-logger")
       ->required();
   AddOptions(sub, options.get());
   sub->footer("Example:\n  plslam replay out/mh01.lcm --out out/mh01_again");

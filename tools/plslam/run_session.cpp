@@ -192,8 +192,8 @@ void RunSession::CheckStarted(Clock::time_point now) {
     StartRows(true);
   } else if (all_ready && now - phase_began_ > kSharedMapLimit) {
     BeginStop(fmt::format(
-        "no mapping_process with the prefix {0} was heard on {1}: start `mapping_process --prefix {0} --url {1}` and "
-        "`loop_process --prefix {0} --url {1}` before, or leave out --map-prefix",
+        "no mapping_process with the prefix {0} was found on {1}: start `mapping_process --prefix {0} --url {1}` and "
+        "`loop_process --prefix {0} --url {1}` first, or omit --map-prefix",
         options_.map_prefix, options_.url));
   } else if (now - phase_began_ > limit) {
     BeginStop(fmt::format("not all processes were ready after {} s; see {}", limit.count(),
@@ -232,7 +232,7 @@ void RunSession::CheckDrained(Clock::time_point now) {
   if (!drained && now - phase_began_ < (interrupted_ ? kCatchUpLimit : kDrainLimit)) return;
   if (interrupted_ && !drained) {
     interrupted_ = false;  // the results of the run are incomplete
-    return BeginStop(fmt::format("interrupted, and the viewer did not get all poses within {} s; see {}",
+    return BeginStop(fmt::format("interrupted, and the viewer did not receive all poses within {} s; see {}",
                                  kCatchUpLimit.count(), (options_.out / "logs").string()));
   }
   // A keyframe may have arrived since the order.
@@ -267,7 +267,7 @@ void RunSession::CheckSaved(Clock::time_point now) {
         fmt::format("the camera was not recognised in {}: is it the map of this place?", options_.map.string()));
   }
   BeginStop(interrupted_          ? "interrupted"
-            : failed_at_ && saved ? "the map of what came before is saved as " + options_.save_map.string()
+            : failed_at_ && saved ? "the map made so far is saved as " + options_.save_map.string()
                                   : "");
 }
 
@@ -280,7 +280,7 @@ void RunSession::ReportRestart(const std::string& name, const std::string& how, 
 }
 
 void RunSession::ReportStop(const std::string& what) {
-  if (!options_.quiet) progress_line_.PrintSentence(what + " (Ctrl-C again ends at once)");
+  if (!options_.quiet) progress_line_.PrintSentence(what + " (Ctrl-C again ends it at once)");
 }
 
 void RunSession::BeginStop(const std::string& reason) {

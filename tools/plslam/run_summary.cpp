@@ -127,8 +127,8 @@ std::string MovingToText(const json& moving) {
 std::string SpeedToText(const json& s) {
   const auto wall_s = s["wall_s"].get<double>();
   const json& stages = s["stage_ms"];
-  if (!stages.contains("total")) return fmt::format("{:.1f} s in all", wall_s);
-  return fmt::format("{:.1f} ms a frame (95 % below {:.1f}), {:.1f} s in all",
+  if (!stages.contains("total")) return fmt::format("{:.1f} s in total", wall_s);
+  return fmt::format("{:.1f} ms per frame (95 % below {:.1f}), {:.1f} s in total",
                      stages["total"]["median"].get<double>(), stages["total"]["p95"].get<double>(), wall_s);
 }
 
@@ -148,7 +148,7 @@ std::string MapToText(const json& s, bool verbose) {
     }
   }
   if (!verbose || !map.is_object()) return text;
-  return text + fmt::format("; {:.1f} observations a point, {:.1f} a line, reprojection {} -> {} px",
+  return text + fmt::format("; {:.1f} observations per point, {:.1f} per line, reprojection {} -> {} px",
                             map["observations_per_point"].get<double>(), map["observations_per_line"].get<double>(),
                             NumberText(map["reprojection_before_px"], 3),
                             NumberText(map["reprojection_after_px"], 3));
@@ -205,7 +205,7 @@ std::string AccuracyToText(const json& s, bool verbose) {
   const json& accuracy = s["accuracy"];
   const json ate_m = accuracy.value("ate_m", json(nullptr));
   if (!ate_m.is_number()) {
-    return fmt::format("ATE -: {}", accuracy.value("note", "no frame has a pose and a true one"));
+    return fmt::format("ATE -: {}", accuracy.value("note", "no frame has both an estimated and a true pose"));
   }
   std::string text = fmt::format("ATE {} m", NumberText(ate_m, 4));
   if (s["accuracy_live_ate_m"].is_number())
@@ -228,9 +228,9 @@ std::string TablesToText(const json& s) {
   const auto add = [&](const char* name, const json& members) {
     text += fmt::format("\n  {:<24} {:>9} {:>9}\n", name, "median", "95 %") + QuantilesToText(members);
   };
-  add("stage, ms a frame", s["stage_ms"]);
-  if (s["map"].is_object()) add("map, ms a keyframe", s["map"]);
-  if (s["loop_closing"].is_object()) add("loops, ms a keyframe", s["loop_closing"]);
+  add("stage, ms per frame", s["stage_ms"]);
+  if (s["map"].is_object()) add("map, ms per keyframe", s["map"]);
+  if (s["loop_closing"].is_object()) add("loops, ms per keyframe", s["loop_closing"]);
   text += fmt::format("\n  {:<24} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "process", "CPU ms/fr", "CPU s", "peak MB",
                       "restarts", "queue");
   for (const auto& [name, p] : s["processes"].items()) {

@@ -18,7 +18,7 @@ std::string StallWatch::Look(const SignsOfLife& signs, TimePoint now) {
     return now - news_at_ > kLimit ? fmt::format("no pose for {} s", kLimit.count()) : "";
   }
   if (now - viewer_at_ > kLimit) {
-    return fmt::format("the stream has ended, and the viewer has been silent for {} s", kLimit.count());
+    return fmt::format("the stream has ended, and the viewer has sent nothing for {} s", kLimit.count());
   }
   if (now - news_at_ > kFinishLimit) {
     return fmt::format("the stream has ended, and the viewer has not finished {} s after the last pose and map",

@@ -142,7 +142,7 @@ void Supervisor::Fail(const Child& child, pid_t pid) {
   if (!failure_.empty() && !dispensable) return;
   const int signal = child.report.exit_signal;
   const std::string how = signal != 0 && signal == child.signal
-                              ? fmt::format("was cut off ({}) while it stopped", bus::SignalName(signal))
+                              ? fmt::format("was killed ({}) while it stopped", bus::SignalName(signal))
                               : ExitText({.code = child.report.exit_code.value_or(0), .signal = signal});
   if (dispensable) {
     const std::string why = LastLine(LogOf(child.name));

@@ -29,29 +29,27 @@ struct Arguments {
 
 void Declare(CLI::App& app, Arguments& a) {
   auto* file = app.add_option("FILE", a.file, "pose graph in g2o format, 2D or 3D");
-  app.add_option("--from-map", a.map, "write the pose graph of this map file, as it is, instead of solving one")
+  app.add_option("--from-map", a.map, "write the pose graph of this map file unchanged, instead of solving one")
       ->excludes(file);
   app.add_option("--initial", a.solve.initial,
-                 "poses to begin with: the file's, chained odometry, chordal relaxation")
+                 "initial poses: those of the file, chained odometry, or chordal relaxation")
       ->check(CLI::IsMember({"file", "odometry", "chordal"}))
       ->capture_default_str();
-  app.add_option("--start", a.solve.graph.start,
-                 "given: from there alone; best: from there and by chordal relaxation")
+  app.add_option("--start", a.solve.graph.start, "given: start from these only; best: also from chordal relaxation")
       ->check(CLI::IsMember({"given", "best"}))
       ->capture_default_str();
-  app.add_option("--perturb", a.solve.perturb, "noise on the poses to begin with, m and rad")
+  app.add_option("--perturb", a.solve.perturb, "noise added to the initial poses, m and rad")
       ->check(CLI::Range(0.0, 1e6));
   app.add_option("--seed", a.solve.seed, "of the noise")->capture_default_str();
   app.add_option("--max-iterations", a.solve.graph.max_iterations)
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   auto* reject = app.add_option("--reject", a.solve.graph.rejection_chi2,
-                                "take out edges, other than odometry, that the rest contradicts by this chi-square");
+                                "remove edges, except odometry, that contradict the rest by this chi-square");
   reject->check(CLI::Range(1.0, 1e12));
   app.add_option("--out", a.out, "write the solved graph (g2o)");
-  app.add_option(
-      "--tum", a.tum,
-      "write the poses (TUM; the number of the vertex for the time, in seconds; of a map, a file for each session)");
+  app.add_option("--tum", a.tum,
+                 "write the poses (TUM; vertex numbers as times, in seconds; for a map, one file per session)");
   app.add_flag("--json", a.json, "print the report as JSON");
   app.callback([&a, reject] {
     a.solve.reject = reject->count() > 0;
@@ -114,14 +112,14 @@ void Export(const Arguments& a) {
 }  // namespace
 
 int RunPoseGraph(int argc, char** argv) {
-  CLI::App app("Least squares of pose graphs in the plane and in space.", "pose_graph");
+  CLI::App app("Solves 2D and 3D pose graphs by least squares.", "pose_graph");
   Arguments arguments;
   Declare(app, arguments);
   app.footer(
       "Examples:\n"
       "  pose_graph sphere2500.g2o --out solved.g2o --tum solved.tum\n"
       "  pose_graph --from-map house.plmap --out house.g2o\n"
-      "Exit code 0 when a minimum was found; 1 when not, and one sentence on standard error says why.");
+      "Exit code 0 if a minimum was found; 1 if not, with one sentence on standard error.");
   return RunCommandLine(app, argc, argv, [&] {
     if (arguments.map.empty()) {
       Solve(arguments);

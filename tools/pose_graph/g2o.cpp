@@ -36,7 +36,7 @@ SE3 G2oRows<SE3>::Read(const TextRow& row, size_t first) {
                              row.Number(first + 5));
   const double norm = q.norm();
   if (!(std::abs(norm - 1.0) <= kMaxNormError)) {
-    row.Fail(fmt::format("the quaternion's norm is {:.4g}, and must be within 1 % of 1", norm));
+    row.Fail(fmt::format("the norm of the quaternion is {:.4g}; it must be within 1 % of 1", norm));
   }
   // A quaternion that is unit up to rounding stays unchanged when it is read again.
   const bool unit = std::abs(norm - 1.0) < 4.0 * std::numeric_limits<double>::epsilon();
@@ -155,7 +155,7 @@ class Reader {
     ExpectFields(row, 2 + Rows::kNumbers);
     const int64_t id = ReadG2oId(row, 1);
     std::optional<Pose>& pose = poses_[id];
-    if (pose) row.Fail(fmt::format("vertex {} is there twice", id));
+    if (pose) row.Fail(fmt::format("vertex {} is defined twice", id));
     pose = Rows::Read(row, 2);
   }
 
@@ -183,17 +183,18 @@ class FileReader {
     } else if (tag.starts_with("PARAMS_")) {
       ++skipped_[tag];
     } else if (!space_.Take(row) && !plane_.Take(row)) {
-      row.Fail(fmt::format("'{}' is not known (VERTEX_SE3:QUAT, EDGE_SE3:QUAT, VERTEX_SE2, EDGE_SE2, FIX are)",
-                           Shown(tag)));
+      row.Fail(
+          fmt::format("'{}' is not one of VERTEX_SE3:QUAT, EDGE_SE3:QUAT, VERTEX_SE2, EDGE_SE2, FIX", Shown(tag)));
     }
-    if (!space_.empty() && !plane_.empty()) row.Fail("poses in space and in the plane do not go together");
+    if (!space_.empty() && !plane_.empty()) row.Fail("a file cannot contain both 2D and 3D poses");
   }
 
   G2oFile File(const std::string& path) && {
-    if (!space_.has_edges() && !plane_.has_edges()) throw std::runtime_error(path + ": has no edge");
+    if (!space_.has_edges() && !plane_.has_edges()) throw std::runtime_error(path + ": has no edges");
     for (const auto& [id, line] : fixed_lines_) {
       if (space_.Contains(id) || plane_.Contains(id)) continue;
-      throw std::runtime_error(fmt::format("{}:{}: FIX names vertex {}, which no other line has", path, line, id));
+      throw std::runtime_error(
+          fmt::format("{}:{}: FIX names vertex {}, which no other line defines", path, line, id));
     }
     std::set<int64_t> fixed;
     for (const auto& [id, line] : fixed_lines_) fixed.insert(id);

@@ -111,7 +111,7 @@ void Print(const CheckOptions& o, const RowErrors& e, const RowVerdict& verdict,
   if (o.quiet) return;
   fmt::print("rectified camera: {} x {} px, focal length {:.1f} px, baseline {:.4f} m{}\n", camera.width_px,
              camera.height_px, camera.f_px, camera.baseline_m,
-             rectifier.IsIdentity() ? " (the pair is taken as rectified already)" : "");
+             rectifier.IsIdentity() ? " (the pair is assumed to be rectified)" : "");
   fmt::print("row errors of {} points: median {:+.2f} px, 95 % below {:.2f} px\n", e.matches, e.median_px,
              e.p95_abs_px);
   fmt::print("fitted: offset {:+.2f} px, roll {:+.3f} deg, scale {:+.3f} %\npicture: {}\n", e.offset_px, e.roll_deg,
@@ -121,7 +121,7 @@ void Print(const CheckOptions& o, const RowErrors& e, const RowVerdict& verdict,
 int Check(const CheckOptions& o) {
   if (NamesSource(o.dataset)) {
     throw std::runtime_error(
-        fmt::format("{} names cameras (source): check the pictures that `plslam calibrate {} --out FILE` takes, or a "
+        fmt::format("{} names cameras (source): check the pictures taken by `plslam calibrate {} --out FILE`, or a "
                     "recording (`plslam run {} --record run.lcm`, `plslam rectify-check run.lcm`)",
                     o.dataset, o.dataset, o.dataset));
   }
@@ -161,33 +161,33 @@ int Check(const CheckOptions& o) {
 
 void AddRectifyCheckCommand(CLI::App* app, std::function<int()>* command) {
   auto options = std::make_shared<CheckOptions>();
-  auto* sub =
-      app->add_subcommand("rectify-check", "measures how well a stereo calibration makes rows agree, and draws it");
+  auto* sub = app->add_subcommand("rectify-check", "measures and draws how well a stereo calibration aligns rows");
   sub->add_option("dataset", options->dataset, DatasetHelp())->required();
-  sub->add_option("--kind", options->kind, fmt::format("format: {} [found by looking]", DatasetKindHelp()));
-  sub->add_option("--topics", options->topics,
-                  "LEFT RIGHT: image topics of a recording of ROS [found by their names]")
+  sub->add_option("--kind", options->kind, fmt::format("format: {} [recognised from its files]", DatasetKindHelp()));
+  sub->add_option("--topics", options->topics, "LEFT RIGHT: image topics of a ROS recording [recognised by name]")
       ->type_name("TOPIC")
       ->expected(2);
-  sub->add_option("--mask-left", options->mask_left, "image as player.mask_left: black (0) is left out, and shaded")
+  sub->add_option("--mask-left", options->mask_left,
+                  "mask image like player.mask_left: black (0) is excluded, and shaded")
       ->type_name("FILE");
   sub->add_option("--mask-right", options->mask_right, "mask of the right camera, likewise")->type_name("FILE");
   sub->add_option("--out", options->out, "picture to write (PNG)")->type_name("FILE")->capture_default_str();
   sub->add_option("--frame", options->frame, "frame of the picture [the middle one]")->check(CLI::NonNegativeNumber);
-  sub->add_option("--frames", options->frames, "frames that are measured, evenly spread")
+  sub->add_option("--frames", options->frames, "number of measured frames, evenly spread")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   sub->add_flag("--quiet", options->quiet, "only the verdict");
-  sub->add_flag("--json", options->json, "verdict and numbers as JSON");
+  sub->add_flag("--json", options->json, "print verdict and numbers as JSON");
   sub->footer(
-      "Points are matched by their looks alone, so that rows that disagree show. In the picture each line should "
+      "Points are matched by appearance only, so that rows that disagree are visible. In the picture each line "
+      "should "
       "meet the\n"
       "same thing on both sides; green points agree to a pixel, red ones are off by more than two.\n"
       "Examples:\n"
       "  plslam rectify-check my_camera --out my_camera.png\n"
       "  plslam rectify-check /data/euroc/MH_01 --frame 300 --json\n"
       "  plslam rectify-check walk.bag --topics /left/image_raw /right/image_raw\n"
-      "Exit code 0 where rows agree to a pixel, 1 where they do not, or too little is seen to tell.");
+      "Exit code 0 if rows agree to a pixel; 1 if they do not, or if there are too few points to judge.");
   sub->callback([=] { *command = [options] { return Check(*options); }; });
 }
 

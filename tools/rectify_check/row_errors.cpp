@@ -115,10 +115,9 @@ RowErrors MeasureRows(const std::vector<RowMatch>& matches, const StereoCamera& 
 
 RowVerdict CheckRows(const RowErrors& e) {
   if (e.matches < kMinMatches) {
-    return {false,
-            fmt::format("only {} points were found in both images, too few to judge: the scene has no texture, the "
-                        "images do not belong together, or the calibration is far off",
-                        e.matches)};
+    return {false, fmt::format("only {} points were found in both images, too few to judge: the scene has no "
+                               "texture, the images are not a pair, or the calibration is far off",
+                               e.matches)};
   }
   if (e.behind > 0.5) {
     return {false, fmt::format("{:.0f} % of the points would lie behind the camera: left and right are exchanged",
@@ -129,7 +128,7 @@ RowVerdict CheckRows(const RowErrors& e) {
   }
   if (e.median_abs_px > kGood_px) {
     return {true,
-            fmt::format("rows agree to {:.2f} px, which works, but costs matches: {}", e.median_abs_px, Cause(e))};
+            fmt::format("rows agree to {:.2f} px, which works but loses matches: {}", e.median_abs_px, Cause(e))};
   }
   return {true, fmt::format("rows agree to {:.2f} px: well rectified", e.median_abs_px)};
 }

@@ -33,13 +33,13 @@ void AddOptions(CLI::App& app, Arguments& a) {
       ->check(CLI::IsMember({"points", "lines"}));
   app.add_option("--out", a.out, "file to write")->required();
   app.add_option("sources", a.sources, "folders of images, datasets, built-in worlds (synthetic:room)")->required();
-  app.add_option("--stride", a.stride, "every so many-th image of each source")->check(CLI::Range(1, 1000000));
-  app.add_option("--branching", a.training.branching, "children of a node")
+  app.add_option("--stride", a.stride, "use every n-th image of each source")->check(CLI::Range(1, 1000000));
+  app.add_option("--branching", a.training.branching, "number of children of a node")
       ->check(CLI::Range(2, VocabularyLimits::kMaxBranching));
   app.add_option("--depth", a.training.depth, "levels")->check(CLI::Range(1, VocabularyLimits::kMaxDepth));
-  app.add_option("--min-descriptors", a.training.min_descriptors, "a node with fewer is not divided")
+  app.add_option("--min-descriptors", a.training.min_descriptors, "a node with fewer descriptors is not divided")
       ->check(CLI::Range(2, 1000000));
-  app.add_option("--seed", a.training.seed, "of the random numbers");
+  app.add_option("--seed", a.training.seed, "seed of the random numbers");
   app.set_version_flag("--version", PLSLAM_VERSION);
 }
 
@@ -85,7 +85,7 @@ int Train(const Arguments& a) {
 
 int RunTrainVocabulary(int argc, char** argv) {
   CLI::App app(
-      "Trains a visual vocabulary for place recognition. docs/lab/places.md has the command of the default ones.",
+      "Trains a visual vocabulary for place recognition. docs/lab/places.md has the commands for the default ones.",
       "train_vocabulary");
   Arguments arguments;
   AddOptions(app, arguments);
@@ -93,7 +93,7 @@ int RunTrainVocabulary(int argc, char** argv) {
       "Examples:\n"
       "  train_vocabulary --kind points --out my_orb.vocabulary /data/images synthetic:room\n"
       "  train_vocabulary --kind lines --out my_lbd.vocabulary --stride 5 /data/euroc/MH_01\n"
-      "Exit code 0 when done; 1 when not, and one sentence on standard error says why.");
+      "Exit code 0 if done; 1 if not, with one sentence on standard error.");
   return RunCommandLine(app, argc, argv, [&] { return Train(arguments); });
 }
 

@@ -76,7 +76,7 @@ Vocabulary TrainVocabulary(const std::vector<std::vector<Descriptor>>& images, F
   tree.type = type;
   tree.images = static_cast<int64_t>(images.size());
   const std::string objection = LinkNodes(Grow(Concatenate(images), options, progress, tree), tree);
-  if (!objection.empty()) throw std::invalid_argument("this vocabulary cannot be kept: " + objection);
+  if (!objection.empty()) throw std::invalid_argument("this vocabulary cannot be stored: " + objection);
   const auto words = static_cast<size_t>(tree.word.back()) + 1;
   tree.idf.assign(words, 1.0F);
   const std::vector<int64_t> with_word = ImagesWithWord(images, Vocabulary(tree));

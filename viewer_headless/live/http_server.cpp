@@ -68,7 +68,7 @@ HttpResponse Answer(MHD_Connection* connection, const char* url, const char* met
                     const HttpServer::Handler& handler) {
   if (OrEmpty(method) != "GET" && OrEmpty(method) != "HEAD") return {MHD_HTTP_METHOD_NOT_ALLOWED, "only GET\n"};
   if (!NamesThisMachine(OrEmpty(MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "Host")))) {
-    return {MHD_HTTP_FORBIDDEN, "this is served to this machine alone\n"};
+    return {MHD_HTTP_FORBIDDEN, "this page is served to this machine only\n"};
   }
   const std::string_view since = OrEmpty(MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "since"));
   if (since.size() > kMaxSince) return {MHD_HTTP_BAD_REQUEST, "'since' is too long\n"};

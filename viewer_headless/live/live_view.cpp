@@ -36,9 +36,9 @@ LiveView::~LiveView() {
 HttpResponse LiveView::Handle(const HttpRequest& request) {
   if (request.path == "/" || request.path == "/index.html") return {200, page_, "text/html; charset=utf-8"};
   if (request.path == "/end") return WaitForEnd();
-  if (request.path != "/data.json") return {404, "there is /, /data.json and /end\n"};
+  if (request.path != "/data.json") return {404, "available: /, /data.json and /end\n"};
   const std::optional<ReportSince> since = ReportSince::Parse(request.since);
-  if (!since) return {400, "'since' is not what /data.json gave as 'next'\n"};
+  if (!since) return {400, "'since' is not a 'next' value of /data.json\n"};
   return WaitForData(*since);
 }
 

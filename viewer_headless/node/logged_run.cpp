@@ -136,17 +136,16 @@ LoggedRobots ReadRobots(bus::LogReader& log) {
   const auto any = [&](auto is_so) {
     return std::any_of(robots.begin(), robots.end(), [&](const auto& robot) { return is_so(robot.second); });
   };
-  std::string text = "an LCM log without the poses of a run (channel POSE)";
+  std::string text = "an LCM log without poses of a run (channel POSE)";
   if (any([](const LoggedRobot& robot) { return robot.of_other_versions.contains(bus::kPose.name); })) {
-    text = "an LCM log of another version of plslam, whose poses cannot be read";
+    text = "an LCM log from another version of plslam, whose poses cannot be read";
   }
   const bool has_frames = any([](const LoggedRobot& robot) { return robot.has_frames; });
-  throw std::runtime_error(
-      fmt::format("{}: is {}{}", path, text,
-                  has_frames ? fmt::format(": `plslam replay {} --out DIR` computes the run from its frames, and "
-                                           "`plslam export DIR` takes it from there",
-                                           path)
-                             : " and without frames that could be replayed"));
+  throw std::runtime_error(fmt::format("{}: is {}{}", path, text,
+                                       has_frames ? fmt::format(": `plslam replay {} --out DIR` recomputes the run "
+                                                                "from its frames, and `plslam export DIR` exports it",
+                                                                path)
+                                                  : " and without frames to replay"));
 }
 
 /// Returns the rectifying rotation of the last valid rig.
@@ -155,10 +154,9 @@ Eigen::Quaterniond RectifiedFrom(const LoggedRobot& robot, const bus::LogReader&
   robot.cameras.ForEach<camera_t>(log, [&](const camera_t& message) {
     if (auto rig = bus::FromMessage(message)) rigs.push_back(*std::move(rig));
   });
-  std::string why =
-      robot.of_other_versions.contains(bus::kCamera.name)
-          ? "its rig (channel CAMERA) is of another version of plslam: export it with that one"
-          : "no rig (channel CAMERA), without which they cannot be turned into those of the left camera";
+  std::string why = robot.of_other_versions.contains(bus::kCamera.name)
+                        ? "its rig (channel CAMERA) is from another version of plslam: export it with that version"
+                        : "no rig (channel CAMERA), which is needed to convert them to the left camera";
   for (auto rig = rigs.rbegin(); rig != rigs.rend(); ++rig) {
     try {
       return Rectify(*rig).q_l_c;
@@ -178,7 +176,7 @@ Map MapOf(const LoggedMessages& updates, const bus::LogReader& log, std::vector<
     is_last = assembler.Add(page) == bus::PageOutcome::kComplete &&
               replica.Apply(assembler.Take()) != MapVersion::Step::kGap;
   });
-  if (!is_last) lacks->emplace_back("changes of the map are missing in the log, whose end is not in it");
+  if (!is_last) lacks->emplace_back("changes of the map are missing in the log, and so is its final state");
   return replica.map();
 }
 
@@ -189,7 +187,8 @@ const LoggedMessages* FindMap(const LoggedRobot& robot, const LoggedRobots& robo
   for (const auto& [prefix, other] : robots) {
     if (other.map_updates.size() > 0) maps.push_back(&other.map_updates);
   }
-  if (maps.size() > 1) lacks->push_back(fmt::format("none of the {} maps in the log is of its prefix", maps.size()));
+  if (maps.size() > 1)
+    lacks->push_back(fmt::format("none of the {} maps in the log has the prefix of the run", maps.size()));
   return maps.size() == 1 ? maps.front() : nullptr;
 }
 
@@ -200,9 +199,8 @@ void AddOtherVersions(const LoggedRobot& robot, const LoggedRobots& robots, std:
     if (other.of_other_versions.contains(bus::kMapUpdate.name)) names.insert(bus::kMapUpdate.name);
   }
   if (names.empty()) return;
-  lacks->push_back(fmt::format("messages of another version of plslam are passed over, of {}{}",
-                               fmt::join(names, ", "),
-                               robot.has_frames ? ": `plslam replay` computes them anew" : ""));
+  lacks->push_back(fmt::format("messages from another version of plslam are skipped, on {}{}", fmt::join(names, ", "),
+                               robot.has_frames ? ": `plslam replay` recomputes them" : ""));
 }
 
 Recorder RecorderOf(const LoggedRobot& robot, const bus::LogReader& log) {
@@ -236,7 +234,7 @@ LoggedRun ReadLoggedRun(const std::string& path) {
   if (const LoggedMessages* updates = FindMap(robot, robots, &lacks)) run.map = MapOf(*updates, log, &lacks);
   AddOtherVersions(robot, robots, &lacks);
   if (log.skipped_bytes() > 0) {
-    lacks.push_back(fmt::format("{} of its bytes are cut off or damaged", log.skipped_bytes()));
+    lacks.push_back(fmt::format("{} of its bytes are truncated or damaged", log.skipped_bytes()));
   }
   run.lack = fmt::format("{}", fmt::join(lacks, "; "));
   return run;

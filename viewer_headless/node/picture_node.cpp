@@ -19,7 +19,7 @@ namespace plslam::viewer {
 namespace {
 
 constexpr int kOverlayCompression = 3;
-constexpr const char* kNotHeard = "their images or features did not reach this viewer_headless";
+constexpr const char* kNotHeard = "their images or features were not received by viewer_headless";
 
 /// Returns n if pictures of every n-th frame are needed; the keyframes for the report can be any frames.
 int64_t Every(const ViewerOptions& options, const PictureStore* store) {
@@ -187,7 +187,7 @@ std::string PictureNode::LackOfOverlays(const Recorder& recorder, bool lockstep,
     missing += std::filesystem::exists(OverlayFile(frame_id)) ? 0 : 1;
   }
   if (missing == 0) return "";
-  return fmt::format("{} of {} pictures are not in {}/overlays: {}", missing, asked, options_.out, Why());
+  return fmt::format("{} of {} pictures are missing in {}/overlays: {}", missing, asked, options_.out, Why());
 }
 
 /// An incomplete film counts as none.

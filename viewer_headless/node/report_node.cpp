@@ -29,9 +29,11 @@ ReportNode::ReportNode(bus::Bus& bus, const ViewerOptions& options, Sources sour
     : options_(options), sources_(std::move(sources)), wanted_(options.report || options.serve > 0) {
   if (wanted_) page_ = ReadReportTemplate();
   if (options_.serve > 0 && !page_) {
-    throw std::runtime_error("the live page cannot be served: this was built without node and npm (docs/viewer.md)");
+    throw std::runtime_error(
+        "the live page cannot be served: plslam was built without node and npm (docs/viewer.md)");
   }
-  if (wanted_ && !page_) spdlog::warn("no report.html is made: this was built without node and npm (docs/viewer.md)");
+  if (wanted_ && !page_)
+    spdlog::warn("no report.html is written: plslam was built without node and npm (docs/viewer.md)");
   wanted_ = wanted_ && page_;
   report_ = std::make_unique<ReportRecorder>(options_.report_pictures);
   if (!wanted_) return;

@@ -128,7 +128,7 @@ void ViewerNode::OnStream(const stream_t& message) {
 }
 
 void ViewerNode::StartNewRun() {
-  spdlog::info("a new stream begins: the files in {} will be about it", options_.out);
+  spdlog::info("a new stream begins: the files in {} will describe it", options_.out);
   if (!failure_.empty()) failure_before_ = std::exchange(failure_, "");
   recorder_ = {};
   written_ = dirty_ = vo_finished_ = false;
@@ -213,11 +213,10 @@ void ViewerNode::Write(bool ended) {
 
 std::vector<std::string> ViewerNode::WriteFiles() {
   if (!q_l_c_ && !recorder_.frames().empty()) {
-    return {
-        fmt::format("nothing is written to {}: poses were heard, but no camera (CAMERA, which the player repeats "
-                    "every second); without it "
-                    "poses of the rectified camera cannot be turned into those of the left camera",
-                    options_.out)};
+    return {fmt::format(
+        "nothing is written to {}: poses were received, but no rig (channel CAMERA, which the player repeats every "
+        "second); without it poses of the rectified camera cannot be converted to the left camera",
+        options_.out)};
   }
   std::vector<std::string> failures = WriteOutputs(options_.out, recorder_, map_->replica().map(), q_l_c());
   try {

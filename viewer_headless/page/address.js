@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is looked at, in the address of the page: whoever opens it again, or is sent it, sees the same.
+// Keeps the current view in the address of the page, so that the address shows the same view when it is opened again.
 //
 //   #frame=120&eye=1.5,2,-3&target=0,0,4&colour=life&least=10&picture=right&layers=odom,-points&pick=points:812&to=keyframes:3
 import { Vector3 } from "three";
 
 const kQuiet_ms = 250;
-// No map reaches as far, and the arithmetic of the graphics card ends not far beyond.
+// Larger than any map, and near the limit of the arithmetic of the graphics card.
 const kFarthest_m = 1e7;
 
 export class Address {
-  /** `entries` are {read(parameters), write(parameters)}, each for a part of what is looked at. */
+  /** `entries` are {read(parameters), write(parameters)}, each for a part of the view. */
   constructor(entries) {
     this.entries = entries;
-    // What was asked for is not written over before it was read.
+    // The address is not overwritten before it was read.
     this.wasRead = false;
-    // Of what is going to be written.
+    // Parameters of the next address.
     this.timer = null;
     window.addEventListener("hashchange", () => this.read());
   }
 
-  /** Goes to what the address says. */
+  /** Shows the view in the address. */
   read() {
     this.wasRead = true;
     const wanted = new URLSearchParams(window.location.hash.slice(1));
@@ -28,13 +28,13 @@ export class Address {
       try {
         entry.read(wanted);
       } catch (error) {
-        // One part that cannot be shown must not keep the others from being shown.
+        // A part that cannot be shown must not prevent the others.
         console.warn(`the address: ${error.message}`);
       }
     }
   }
 
-  /** Soon, since a hand that turns the map or moves the slider does so many times a second. */
+  /** Writes the address after a delay, because turning the map or moving the slider changes it many times a second. */
   write() {
     clearTimeout(this.timer);
     this.timer = setTimeout(() => {
@@ -43,7 +43,7 @@ export class Address {
       const now = new URLSearchParams();
       for (const entry of this.entries) entry.write(now);
       const text = now.toString().replaceAll("%2C", ",").replaceAll("%3A", ":").replaceAll("%40", "@");
-      // Not a step of the history: "back" leaves the page.
+      // Replaces the entry of the browser's history: "back" leaves the page.
       window.history.replaceState(null, "", `#${text}`);
     }, kQuiet_ms);
   }
@@ -58,7 +58,7 @@ function text(vector) {
   return vector.toArray().map((x) => Number(x.toPrecision(6))).join(",");
 }
 
-/** The moment. A live page that shows the newest frame goes on doing so. */
+/** The current frame. A live page that shows the newest frame continues to do so. */
 export function frameEntry(replay) {
   return {
     read: (wanted) => {
@@ -72,7 +72,7 @@ export function frameEntry(replay) {
   };
 }
 
-/** From where the map is seen: the whole, which fits windows of any size, or an eye and what it looks at. */
+/** The view of the map: the whole map, which fits windows of any size, or an eye and its target. */
 export function viewEntry(view) {
   return {
     read: (wanted) => {
@@ -88,7 +88,7 @@ export function viewEntry(view) {
   };
 }
 
-/** A choice that is written where it is not `usual`; `set` gets `usual` where the address says nothing. */
+/** A choice that is written if it is not `usual`; `set` gets `usual` if the address does not contain it. */
 export function choiceEntry(name, usual, get, set) {
   return {
     read: (wanted) => set(wanted.get(name) ?? usual),

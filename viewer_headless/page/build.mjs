@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// node build.mjs NODE_MODULES TEMPLATE: bundles this folder into one HTML file that needs nothing else.
+// node build.mjs NODE_MODULES TEMPLATE: bundles this folder into one self-contained HTML file.
 import { createRequire } from "node:module";
 import { mkdirSync, readFileSync, renameSync, writeFileSync } from "node:fs";
 import { dirname, join, resolve } from "node:path";
@@ -25,7 +25,7 @@ function bundle(entry) {
   return result.outputFiles[0].text;
 }
 
-// As functions, because '$&' in a replacement string means something else; and no script may end early.
+// Functions, because '$&' has a special meaning in a replacement string; and no script may end early.
 const style = bundle("style.css").replaceAll("</style", "<\\/style");
 const script = bundle("main.js").replaceAll("</script", "<\\/script");
 const html = readFileSync(join(page, "index.html"), "utf8")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The camera of the moment, and where an eye that follows it stands.
+// The camera of the current frame, and the position of an eye that follows it.
 import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments, Quaternion, Vector3 } from "three";
 import { themeColour } from "./colours.js";
 import { frustumOf, kFrustumEdges, putFrustum } from "./keyframes.js";
@@ -38,7 +38,7 @@ export class CameraMark {
     this.object.geometry.attributes.position.needsUpdate = true;
   }
 
-  /** Where to stand and what to look at, in the scene's coordinates (y up). */
+  /** Returns eye and target in the coordinates of the scene (y up). */
   behind(run, row, back, up, ahead) {
     const { p, q } = this.pose(run, row);
     const rotation = new Quaternion(...q);

@@ -5,7 +5,7 @@ function parse(hex) {
   return [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
 }
 
-// Low is cold and high is warm; young is violet and old is yellow. Neither fades on white or on black.
+// Low is cold and high is warm; young is violet and old is yellow. All are visible on white and on black.
 const kHeight = ["#2f55a8", "#2f86b5", "#35a08c", "#86a944", "#d6983a", "#c9503c"].map(parse);
 const kAge = ["#6a3fb5", "#4a6fc4", "#2f93a0", "#3fae78", "#8fc24d", "#e0c93a"].map(parse);
 // Far is cold and near is warm, on pictures of any brightness.
@@ -19,7 +19,7 @@ export const scales = {
   near: kNear,
 };
 
-/** Colour of a share of 0 to 1, as [r, g, b]. */
+/** Returns the colour of a share from 0 to 1, as [r, g, b]. */
 export function ramp(stops, share) {
   const at = Math.min(1, Math.max(0, share)) * (stops.length - 1);
   const i = Math.min(stops.length - 2, Math.floor(at));
@@ -35,10 +35,10 @@ export function cssGradient(stops) {
   return `linear-gradient(to right, ${stops.map(css).join(", ")})`;
 }
 
-/** A colour that the style of the page gives a name. */
+/** Returns a named colour of the style of the page. */
 export function themeColour(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 }
 
-// Series of plots, told apart by hue and by lightness, on white and on black.
+// Colours of plot series, distinguishable by hue and by lightness, on white and on black.
 export const series = ["#4c8dde", "#e0853d", "#43a888", "#c25b8e", "#9a7bd1", "#b8a032", "#7f8c99", "#d2604f"];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A correction of the map by a loop: keyframes where they were before, on the way, and after.
+// A correction of the map by a loop: keyframes at their positions before, in between, and after.
 import { FatLine } from "./fat_line.js";
 
 export class Correction {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The data of a run as the viewer writes it, decoded: columns become typed arrays. A live page adds what comes later.
+// The decoded data of a run as written by the viewer: columns become typed arrays. A live page appends later data.
 
 import { unpackObservers } from "./observers.js";
 
@@ -22,7 +22,7 @@ function widthsOf(table) {
   return Object.fromEntries(Object.entries(table).map(([name, column]) => [name, column.width]));
 }
 
-/** `more` behind the first `rows` rows of `table`; `width` numbers in a row, before and now. */
+/** Appends `more` to the first `rows` rows of `table`; `width`: numbers per row, before and now. */
 function append(table, oldWidths, more, widths, rows) {
   const result = {};
   for (const [name, column] of Object.entries(more)) {
@@ -32,7 +32,7 @@ function append(table, oldWidths, more, widths, rows) {
     if (joined instanceof Float32Array) joined.fill(NaN);
     const old = table[name];
     const oldWidth = oldWidths[name] ?? width;
-    // Stages that nobody knew of make the rows wider.
+    // New stages make the rows wider.
     for (let row = 0; old && row < rows; ++row) {
       joined.set(old.subarray(row * oldWidth, row * oldWidth + Math.min(width, oldWidth)), row * width);
     }
@@ -67,11 +67,11 @@ export class Run {
     return this.frames.id?.length ?? 0;
   }
 
-  /** Takes in the viewer's JSON; returns the names of what has changed. */
+  /** Reads the viewer's JSON; returns the names of the changed parts. */
   take(json) {
     const changed = new Set(["facts", "processes"]);
     if (json.whole) Object.assign(this, new Run());
-    // Figures that come with the path alone stay until the next path.
+    // Figures that are sent only with the path are kept until the next path.
     const kept = json.path ? {} : {
       ate_m: this.facts.ate_m, live_ate_m: this.facts.live_ate_m, length_m: this.facts.length_m, warnings: this.facts.warnings,
     };
@@ -112,24 +112,24 @@ export class Run {
     this.pictures.sort((a, b) => a.frame - b.frame);
   }
 
-  /** Ids of the landmarks ("points" or "segments") and, where they are known (`observersKnown`), who observes them; unpacked when
-   * first asked for. null where there is neither. */
+  /** Returns the ids of the landmarks ("points" or "segments") and, if known (`observersKnown`), their observations;
+   * unpacked on the first call. null if there is neither. */
   observersOf(type) {
     if (!this.packedObservers) return null;
     return (this.observers[type] ??= unpackObservers(bytesOf(this.packedObservers[type])));
   }
 
-  /** The last row whose frame is not after `frame`; 0 where there is none. */
+  /** Returns the last row whose frame is not after `frame`; 0 if there is none. */
   rowOf(frame) {
     return Math.max(0, countUpTo(this.frames.id ?? [], frame) - 1);
   }
 
-  /** The last row that is not after `t_s`. */
+  /** Returns the last row that is not after `t_s`. */
   rowAt(t_s) {
     return Math.max(0, countUpTo(this.frames.t_s ?? [], t_s) - 1);
   }
 
-  /** Position in the map as it is at last, as far as it is known, else as published. */
+  /** Returns the position in the final map if it is known, else the published one. */
   position(row, out) {
     const known = this.path && 3 * row + 2 < this.path.p.length;
     const from = known ? this.path.p : this.frames.live;
@@ -138,7 +138,7 @@ export class Run {
   }
 }
 
-/** How many of the ascending `values` are not above `limit`. */
+/** Returns how many of the ascending `values` are not above `limit`. */
 export function countUpTo(values, limit) {
   let low = 0;
   let high = values.length;
@@ -150,14 +150,15 @@ export function countUpTo(values, limit) {
   return low;
 }
 
-/** Other runs of the same dataset that `evaluate compare --map` has put into the page: the name of its own run, the address of
- * the page that compares them, if there is one, and the runs as others.js reads them. */
+/** Returns other runs of the same dataset, written into the page by `evaluate compare --map`: the name of its own
+ * run, the address of the page that compares them, if there is one, and the runs in the format of others.js. */
 export function embeddedOthers() {
   const found = JSON.parse(document.getElementById("other-runs").textContent);
   return Array.isArray(found?.others) ? found : { name: "", comparison: "", others: [] };
 }
 
-/** The data that stand in the page; null in a live page. Warnings of `plslam run`, which has evaluated the run, are those. */
+/** Returns the data in the page; null in a live page. Its warnings are those of `plslam run`, which evaluated the
+ * run. */
 export function embeddedData() {
   const [data, warnings] = ["run-data", "run-warnings"].map((id) => JSON.parse(document.getElementById(id).textContent));
   if (data && Array.isArray(warnings)) data.facts.warnings = warnings;

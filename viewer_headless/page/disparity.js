@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Disparities of a small rectified pair by block matching, to look at: the sum of absolute differences over blocks, the best of
-// all disparities, refined by a parabola. A pixel has none where nothing stands out, or where the right image, matched with
-// the left one, says something else.
+// Disparities of a small rectified pair by block matching, for display: the smallest sum of absolute differences over
+// blocks, refined by a parabola. A pixel has none if no minimum is distinct, or if matching the right image with the
+// left one gives another one.
 
 const kHalf_px = 3;
 const kBlock = (2 * kHalf_px + 1) ** 2;
-// Mean difference of grey values over a block, at most.
+// Largest mean difference of grey values over a block.
 const kMostUnlike = 16;
-// The best disparity away from the winner has to be worse by more than this factor: where all cost nothing, none is.
+// The cost of the best disparity away from the minimum must be larger by this factor; if all costs are 0, there is
+// none.
 const kDistinct = 1.12;
 
-/** Sums of `values` (width x height) over blocks, with borders repeated, into `out`. */
+/** Writes the sums of `values` (width x height) over blocks, with borders repeated, into `out`. */
 function sumOverBlocks(values, width, height, rows, out) {
   for (let y = 0; y < height; ++y) {
     const at = y * width;
@@ -31,7 +32,7 @@ function sumOverBlocks(values, width, height, rows, out) {
   }
 }
 
-/** `left` and `right` are grey values, width x height. Disparities in pixels of these, below `most`; NaN where there is none. */
+/** `left` and `right` are grey values, width x height. Returns disparities in their pixels, below `most`; NaN: none. */
 export function matchBlocks(left, right, width, height, most) {
   const n = width * height;
   const costs = Array.from({ length: most }, () => new Uint16Array(n));

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Elements of the page; text is always text.
+// Creates elements of the page; text is never parsed as HTML.
 
 export const byId = (id) => document.getElementById(id);
 
-/** element("td", {class: "n"}, "12", other): a new element with attributes, handlers (on...) and children. */
+/** element("td", {class: "n"}, "12", other): returns a new element with attributes, handlers (on...) and children. */
 export function element(tag, attributes = {}, ...children) {
   const made = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A line some pixels wide through positions, broken where one is missing; a part of it can be shown.
+// A line of several pixels width through positions, interrupted at missing ones; a part of it can be shown.
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
@@ -25,7 +25,7 @@ export class FatLine {
     this.material.resolution.set(width, height);
   }
 
-  /** `at(row)` gives [x, y, z] or null; steps below `minStep` are taken together. */
+  /** `at(row)` returns [x, y, z] or null; steps below `minStep` are merged. */
   setPath(rows, at, minStep = 0) {
     const pairs = [];
     this.rows = [];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Numbers for people.
+// Formats numbers for users.
 
 export function fixed(value, digits) {
   return Number.isFinite(value) ? value.toFixed(digits) : "–";
@@ -9,7 +9,7 @@ export function count(value) {
   return Number.isFinite(value) ? Math.round(value).toLocaleString("en").replaceAll(",", "\u202f") : "–";
 }
 
-/** Three digits that count, with the unit that fits a length. */
+/** Formats a length with three significant digits and a suitable unit. */
 export function metres(value) {
   if (!Number.isFinite(value)) return "–";
   if (Math.abs(value) >= 1000) return `${fixed(value / 1000, 2)} km`;
@@ -31,7 +31,7 @@ export function median(values) {
   return sorted.length ? sorted[sorted.length >> 1] : NaN;
 }
 
-/** Values below which `low` and `high` of all lie: outliers must not take all the colours. */
+/** Returns the quantiles `low` and `high`, so that outliers do not use up the colours. */
 export function quantiles(values, low, high) {
   const finite = Float32Array.from(values).filter(Number.isFinite).sort();
   if (!finite.length) return [0, 1];

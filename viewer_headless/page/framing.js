@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What of a map is worth looking at, and where an eye has to stand to see all of it. Plain numbers: [x, y, z, x, y, z, ...].
+// The relevant part of a map, and the position of an eye that sees all of it. Plain numbers: [x, y, z, x, y, z, ...].
 import { quantiles } from "./format.js";
 
 const kLow = 0.05;
 const kHigh = 0.95;
-// A few far points must not make the path a dot: landmarks further from it than this many times its size do not count.
+// Landmarks farther from the path than this many times its size are ignored, so that a few far points do not shrink it.
 const kReach = 3;
-// Share of the picture that is used.
+// Share of the picture that is filled.
 const kFilled = 0.92;
 
 function boundsOf(points) {
@@ -24,7 +24,7 @@ export function diagonalOf(points) {
   return points.length ? Math.hypot(...[0, 1, 2].map((k) => high[k] - low[k])) : 0;
 }
 
-/** The whole path and the landmarks in the middle nine tenths along each axis, as far as they are near the path. */
+/** Returns the whole path and the landmarks within the central 90 % along each axis, if they are near the path. */
 export function worthSeeing(path, landmarks) {
   const axes = [0, 1, 2].map((axis) => landmarks.filter((_, i) => i % 3 === axis));
   const limits = axes.map((values) => quantiles(values, kLow, kHigh));
@@ -45,10 +45,10 @@ const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a
 const unit = (a) => a.map((v) => v / Math.hypot(...a));
 
 /**
- * The nearest eye that sees all points from a direction (from the target to the eye), with `up` upwards in the picture: {target,
- * distance}. `tangents` are those of half the angles of view, [horizontal, vertical]. A point at x to the right and z towards
- * the eye is seen from (c, d) where |x - c| <= tangent * (d - z), so the largest x / tangent + z and -x / tangent + z of all
- * points decide.
+ * Returns the nearest eye that sees all points from a direction (from the target to the eye), with `up` upwards in the
+ * picture: {target, distance}. `tangents`: tangents of half the angles of view, [horizontal, vertical]. A point at x to
+ * the right and z towards the eye is visible from (c, d) if |x - c| <= tangent * (d - z), so the largest x / tangent +
+ * z and -x / tangent + z of all points determine the result.
  */
 export function fitView(points, direction, up, tangents) {
   const towards = unit(direction);

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What mouse and keys do, in a box.
+// Dialog with the functions of mouse and keys.
 import { byId, element } from "./element.js";
 
 const kActions = [
   ["Map", [
-    ["drag", "turn around what is looked at"],
+    ["drag", "rotate around the centre of the view"],
     ["right button, or Ctrl and drag", "move sideways"],
     ["wheel", "nearer, further"],
-    ["click", "choose a landmark or keyframe"],
-    ["Shift and click", "the distance from what is chosen"],
-    ["double click", "turn around what was clicked"],
+    ["click", "select a landmark or keyframe"],
+    ["Shift and click", "distance from the selection"],
+    ["double click", "rotate around the clicked object"],
     ["1, 2, 3", "whole map, from above, fly along the path"],
-    ["Esc", "choose nothing"],
+    ["Esc", "clear the selection"],
   ]],
   ["Picture", [
     ["R", "right image"],
@@ -20,11 +20,11 @@ const kActions = [
   ]],
   ["Time", [
     ["Space", "play, pause"],
-    ["← →", "a frame (with Shift ten)"],
+    ["← →", "one frame (with Shift: ten)"],
     ["click in a figure", "go there"],
-    ["drag in a figure", "a part of the time; double click: all"],
+    ["drag in a figure", "zoom in time; double click: whole run"],
   ]],
-  ["Page", [["?", "this box"]]],
+  ["Page", [["?", "this help"]]],
 ];
 
 export function makeHelp() {
@@ -33,7 +33,7 @@ export function makeHelp() {
     element("dl", {}, ...actions.flatMap(([what, does]) => [element("dt", {}, what), element("dd", {}, does)]))));
   dialog.append(element("button", { type: "button", class: "close", "aria-label": "Close", onclick: () => dialog.close() }, "×"),
     element("h2", {}, "Mouse and keys"), ...parts);
-  // A click beside it.
+  // A click outside the dialog.
   dialog.addEventListener("click", (event) => event.target === dialog && dialog.close());
   byId("help-button").addEventListener("click", () => (dialog.open ? dialog.close() : dialog.showModal()));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Keyframes as frusta, and what connects them: covisibility, essential graph (with the spanning tree), loops.
+// Keyframes as frusta, and their edges: covisibility, essential graph (with the spanning tree), loops.
 import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments, Quaternion, Vector3 } from "three";
 import { themeColour } from "./colours.js";
 import { countUpTo } from "./data.js";
@@ -64,7 +64,7 @@ export class Keyframes {
     this.makeEdges("loopEdges", Array.from({ length: loops.length / 2 }, (_, i) => [loops[2 * i], loops[2 * i + 1]]));
   }
 
-  /** Covisibility is shown between keyframes that share at least so many landmarks; returns how many edges that are. */
+  /** Shows covisibility between keyframes that share at least this many landmarks; returns the number of edges. */
   setStrength(least) {
     this.strength = least;
     if (!this.map) return 0;
@@ -83,7 +83,7 @@ export class Keyframes {
     this.ends.keyframes = { frames: order.map((k) => frames[k]), vertices: kFrustumEdges.length };
   }
 
-  /** An edge is there from the later of its keyframes on. */
+  /** An edge exists from the later of its keyframes on. */
   makeEdges(name, edges) {
     const { p, frame } = this.map.keyframes;
     const since = ([a, b]) => Math.max(frame[a], frame[b]);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Points and segments of the map, each kind as one geometry. In the order they were first seen, so that a moment of the
+// Points and segments of the map, one geometry each. In the order of their first observation, so that each time of the
 // run is a range to draw.
 import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments, Points, ShaderMaterial } from "three";
 import { ramp, scales } from "./colours.js";
@@ -26,7 +26,7 @@ const kFragment = `
   }`;
 const kTints = 256;
 
-/** `rows` of `width` numbers in a new order. */
+/** Returns `rows` of `width` numbers in a new order. */
 function reorder(values, width, order) {
   const result = new values.constructor(order.length * width);
   order.forEach((row, i) => {
@@ -35,7 +35,7 @@ function reorder(values, width, order) {
   return result;
 }
 
-/** The landmarks of a table in the order they were first seen. */
+/** The landmarks of a table in the order of their first observation. */
 export class LandmarkRows {
   constructor(table, name, width) {
     const n = table.seen.length;
@@ -45,7 +45,7 @@ export class LandmarkRows {
     this.sorted = Array.from(table.seen.keys()).sort((a, b) => table.seen[a] - table.seen[b] || a - b);
   }
 
-  /** Those that have been seen over so many frames at least; `order` are their rows in the table. */
+  /** Selects landmarks observed over at least this many frames; `order` are their rows in the table. */
   livingAtLeast(least) {
     const order = this.sorted.filter((row) => this.columns.life[row] >= least);
     const columns = Object.entries(this.columns).map(([name, values]) => [name, reorder(values, 1, order)]);
@@ -59,7 +59,7 @@ function fill(object, positions) {
   object.geometry.setAttribute("position", new BufferAttribute(positions, 3));
 }
 
-/** What is drawn of the landmarks of a run, with materials of the caller. */
+/** Draws the landmarks of a run with materials of the caller. */
 export class DrawnLandmarks {
   constructor(world, pointMaterial, segmentMaterial) {
     this.points = new Points(new BufferGeometry(), pointMaterial);
@@ -114,8 +114,9 @@ export class Landmarks extends DrawnLandmarks {
     this.setMap(run.map);
   }
 
-  /** `mode`: "height" (along the map's vertical, from its origin), "seen" (when first), "life" (frames from then to the last
-   * keyframe that sees it), "observations" (keyframes that see it). The range is that of all points, however few are shown. */
+  /** `mode`: "height" (along the map's vertical, from its origin), "seen" (first frame), "life" (frames from then to
+   * the last observing keyframe), "observations" (observing keyframes). The range is that of all points, also if
+   * few are shown. */
   colour(run, mode) {
     if (!this.pointData) return;
     this.up = run.map.vertical.up;
@@ -124,7 +125,7 @@ export class Landmarks extends DrawnLandmarks {
     this.segments.geometry.setAttribute("color", this.tints(this.segmentData, 6, 2, mode));
   }
 
-  /** Of all points of the map, which are sorted for it. */
+  /** Range of all points of the map, which are sorted for it. */
   rangeOf(mode) {
     const { positions, columns } = this.rows.points;
     return {

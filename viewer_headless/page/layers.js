@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Switches of what is drawn.
+// Switches of the drawn layers.
 import { byId, element } from "./element.js";
 
-// `swatch` is how it is drawn: [shape, colour of the style].
+// `swatch` is the appearance: [shape, colour of the style].
 const kGroups = [
   ["Map", [
     { name: "points", label: "Points", on: true, swatch: ["dots", "heights"] },
@@ -24,7 +24,7 @@ const kGroups = [
   ]],
 ];
 
-/** The switches of a page of several runs; without others those of one. */
+/** Returns the switches of a page of several runs; without others, those of one run. */
 function groupsWith({ name, others }) {
   if (!others.length) return kGroups;
   const layers = others.map(({ label }, i) => ({ name: `other${i}`, label, on: true, swatch: ["thick", `other${i}`] }));
@@ -45,13 +45,13 @@ export function makeLayers(others, changed) {
   return layers;
 }
 
-/** The switches that are not as usual: "odom,-points". */
+/** Returns the switches that differ from the default: "odom,-points". */
 export function layersText(layers) {
   const others = [...layers].filter(([name, on]) => on !== inputOf(name).defaultChecked);
   return others.map(([name, on]) => (on ? name : `-${name}`)).join(",");
 }
 
-/** And back: all others become as usual. */
+/** Sets the switches from such a text; all others get their default. */
 export function switchLayers(layers, text) {
   const wanted = new Map(text.split(",").map((name) => [name.replace("-", ""), !name.startsWith("-")]));
   for (const [name, on] of layers) {
@@ -68,7 +68,7 @@ function switchOf({ name, label, on, swatch }, changed) {
   return element("label", { "data-layer": name }, input, mark, element("span", {}, label));
 }
 
-/** Hides switches of what the run has not. */
+/** Hides switches of layers that the run does not have. */
 export function showAvailable(run) {
   const has = {
     truth: !!run.path?.truth,
@@ -88,10 +88,10 @@ export function showAvailable(run) {
   showStrengths(run.map?.edges.shared);
 }
 
-/** The slider of covisibility reaches from the weakest edge to the strongest. */
+/** Sets the range of the covisibility slider from the weakest edge to the strongest. */
 function showStrengths(shared) {
   byId("strength-box").hidden = !shared?.length;
   if (!shared?.length) return;
-  // Edges come strongest first.
+  // Edges are sorted, the strongest first.
   Object.assign(byId("strength"), { min: shared.at(-1), max: shared[0] });
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the colours of the points mean.
+// Legend of the colours of the points.
 import { byId, element } from "./element.js";
 import { cssGradient, scales } from "./colours.js";
 import { fixed } from "./format.js";
 
-const kTitles = { height: "height", seen: "first seen in frame", life: "seen over so many frames", observations: "observed by keyframes" };
+const kTitles = { height: "height", seen: "first seen in frame", life: "seen over (frames)", observations: "observed by keyframes" };
 const kUnits = { height: " m", seen: "", life: "", observations: "" };
 
 export function showLegend(mode, range) {
@@ -19,7 +19,7 @@ export function showLegend(mode, range) {
   );
 }
 
-/** Buttons of which one is pressed; `choose(mode)`. Returns a function that presses one. */
+/** Makes buttons of which one is pressed; `choose(mode)` is called. Returns a function that presses one. */
 export function makeColourChoice(choose) {
   const names = { height: "Height", seen: "Age", life: "Life", observations: "Observations" };
   const press = (mode) => {

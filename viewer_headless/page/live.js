@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Asks the viewer again and again for what is new, ever more slowly where that is much work, and at once when it says that the
-// run is over: it may be gone a moment later.
+// Polls the viewer for new data, more slowly if that is much work, and at once when it reports the end of the run,
+// because it may exit soon after.
 
 const kShortest_ms = 700;
 const kLongest_ms = 8000;
 
 const after = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
-// Resolves when the viewer says that the run is over.
+// Resolves when the viewer reports the end of the run.
 async function end() {
   for (;;) {
     try {
@@ -30,7 +30,7 @@ export async function follow(run, changed, tell) {
       const response = await fetch(`data.json?since=${encodeURIComponent(run.next)}`, { cache: "no-store" });
       if (!response.ok) throw new Error(`${response.status}`);
       changed(run.take(await response.json()));
-      // What the drawing takes counts too.
+      // The time for drawing counts, too.
       await new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
       failures = 0;
       // Another run has begun.

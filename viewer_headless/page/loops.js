@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The loops of the run, each with the pictures of its two keyframes.
+// Table of the loops of the run, with the pictures of their two keyframes.
 import { byId, element } from "./element.js";
 import { fixed, metres } from "./format.js";
 
@@ -22,7 +22,7 @@ const kColumns = [
 export function showLoops(run, choose) {
   byId("loops").hidden = run.loops.length === 0;
   if (!run.loops.length) return;
-  byId("loops-lead").textContent = `${run.loops.length} pairs of keyframes that were found to see the same place. A row shows its frames and its correction above.`;
+  byId("loops-lead").textContent = `${run.loops.length} pairs of keyframes that see the same place. Select a row to show its frames and its correction above.`;
   const head = element("tr", {}, element("th", {}, "earlier"), element("th", {}, "later"), ...kColumns.map(([name]) => element("th", {}, name)));
   const rows = run.loops.map((loop, i) => element("tr", { tabindex: 0, onclick: () => choose(loop, i), onkeydown: (e) => e.key === "Enter" && choose(loop, i) },
     element("td", {}, thumbnail(loop.old_jpeg, `frame ${loop.old_frame}`)),

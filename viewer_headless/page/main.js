@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The page of a run: puts the data in, and wires the parts to each other.
+// The page of a run: reads the data and connects the parts.
 import { Address, choiceEntry, frameEntry, viewEntry } from "./address.js";
 import { embeddedData, embeddedOthers, Run } from "./data.js";
 import { byId, element } from "./element.js";
@@ -17,9 +17,9 @@ import { showProcesses } from "./processes.js";
 import { showKicker, showNotes, showRuns, showSummary, showWarnings } from "./summary.js";
 import { makeTheme } from "./theme.js";
 
-// As the viewer writes it.
+// The value written by the viewer.
 const kLongestLife = 65535;
-// Until a pointer is looked after.
+// Delay after the last movement of the pointer.
 const kRest_ms = 40;
 
 const run = new Run();
@@ -38,7 +38,7 @@ const replay = new Replay((row) => {
   plots.setNow(run.frames.t_s[row]);
   address.write();
 });
-/** A selection that the address asks for, until there is such a thing or something else is chosen. */
+/** A selection in the address, until it exists or something else is selected. */
 let wanted = null;
 const chooseColour = makeColourChoice((mode) => {
   view?.setColourMode(mode);
@@ -56,10 +56,10 @@ function makeView() {
   try {
     return new MapView(layers, others.others);
   } catch (error) {
-    // All else works without the map.
+    // Everything else works without the map.
     if (new OffscreenCanvas(1, 1).getContext("webgl2")) {
       console.error(error);
-      byId("no-map").textContent = `The map cannot be drawn: ${error.message}. All else works.`;
+      byId("no-map").textContent = `The map cannot be drawn: ${error.message}. Everything else works.`;
     }
     byId("no-map").hidden = false;
     return null;
@@ -100,7 +100,7 @@ function chooseLoop(loop, index) {
   byId("stage").scrollIntoView({ behavior: "smooth" });
 }
 
-/** The covisibility of which two keyframes share at least as many landmarks as the slider says. */
+/** Shows the covisibility of keyframes that share at least as many landmarks as the slider states. */
 function chooseStrength() {
   const least = Number(byId("strength").value);
   const edges = view?.parts.keyframes.setStrength(least) ?? 0;
@@ -108,7 +108,7 @@ function chooseStrength() {
   view?.setRow(replay.row);
 }
 
-/** Hides landmarks that were seen over fewer frames than the slider says. */
+/** Hides landmarks that were observed over fewer frames than the slider states. */
 function chooseLife() {
   const least = Number(byId("life").value);
   byId("life-text").textContent = `${count(least)} frames`;
@@ -116,7 +116,7 @@ function chooseLife() {
   address.write();
 }
 
-/** The slider reaches as far as one in a hundred points. */
+/** The end of the slider is the 99 % quantile of the points. */
 function showLives() {
   const lives = run.map.points.life ?? [];
   byId("life-box").hidden = !lives.length;
@@ -129,7 +129,7 @@ function mapEntries() {
   return [
     choiceEntry("colour", "height", () => view.colourMode, (mode) => chooseColour(mode)),
     choiceEntry("least", "0", () => byId("life").value, (least) => {
-      // The slider of a run that goes on may not reach as far yet.
+      // The slider of a continuing run may not reach that far yet.
       if (!run.facts.finished) byId("life").max = Math.max(Number(byId("life").max), Math.min(kLongestLife, Number(least) || 0));
       byId("life").value = Number(least) || 0;
       chooseLife();
@@ -150,7 +150,7 @@ function mapEntries() {
   ];
 }
 
-/** Where the map has what the address asks for. What it does not have yet stays wanted while the run goes on. */
+/** Selects the object in the address if the map has it. Otherwise the request is kept while the run continues. */
 function chooseWanted() {
   if (!wanted || !view) return;
   const { selection } = view.parts;
@@ -161,8 +161,8 @@ function chooseWanted() {
   if (picked && other) selection.measureTo(run, other);
 }
 
-/** A click that is no drag shows what stands there and who observes it; with the shift key, how far that is from what was
- * clicked before. A double click turns the view around it. */
+/** A click without a drag selects the object there and shows its observations; with the shift key, its distance from
+ * the previous selection. A double click makes it the centre of rotation. */
 function makePicking() {
   const canvas = byId("map");
   const { selection } = view.parts;
@@ -189,7 +189,7 @@ function makePicking() {
     if (!picked || view.flying) return;
     view.focus(selection.placeOf(run, picked));
   });
-  // Once the pointer rests, for all landmarks are looked at.
+  // Only when the pointer rests, because all landmarks are tested.
   let rest;
   canvas.addEventListener("pointermove", (event) => {
     clearTimeout(rest);
@@ -198,7 +198,7 @@ function makePicking() {
   });
 }
 
-/** Closes what was opened last: the help (by itself), the large picture, the box of what was picked. */
+/** Closes the part opened last: the help (by itself), the large picture, the box of the selection. */
 function close() {
   if (byId("help").open) return byId("help").close();
   if (picture.isLarge) return picture.enlarge(false);
@@ -210,12 +210,12 @@ function chooseNothing() {
   view?.parts.selection.choose(run, null);
 }
 
-/** As help.js tells them; those of the replay are its own. */
+/** The keys listed in help.js; the replay handles its own ones. */
 function makeKeys() {
   const buttons = { 1: "view-all", 2: "view-top", 3: "fly", r: "right-image", d: "disparity", "?": "help-button" };
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("select, textarea")) return;
-    // A key that is held down does what it does once.
+    // A key that is held down acts once.
     if (event.repeat) return;
     if (event.key === "Escape") return close();
     if (byId("help").open && event.key !== "?") return;
@@ -223,7 +223,7 @@ function makeKeys() {
     const button = buttons[event.key.toLowerCase()];
     if (button && !byId(button).hidden) byId(button).click();
   });
-  // After a click the keys are for the replay again, not for what was clicked.
+  // After a click the keys are for the replay again, not for the clicked element.
   document.addEventListener("click", (event) => event.detail > 0 && event.target.closest("button, label, [type=checkbox]") && document.activeElement.blur());
 }
 
@@ -271,7 +271,7 @@ byId("fly").addEventListener("click", () => {
 if (view) makePicking();
 makeKeys();
 makeHelp();
-// Also while a turn comes to rest.
+// Also while a rotation is damped.
 view?.controls.addEventListener("change", () => address.write());
 new ResizeObserver(() => picture.draw()).observe(byId("picture"));
 byId("map").addEventListener("pointerdown", () => view && (view.pristine = false));
@@ -283,7 +283,7 @@ if (others.others.length && view) {
 }
 Object.assign(byId("comparison"), { hidden: !others.comparison, href: others.comparison || "#" });
 
-/** The address is read once there is something to look at. */
+/** Reads the address once there are data. */
 function updateAndRead(changed, state) {
   update(changed, state);
   if (run.rows && !address.wasRead) address.read();
@@ -300,5 +300,5 @@ if (data) {
     showKicker(run, now);
   });
 }
-// For tests and for the curious.
+// For tests and for the console of the browser.
 window.plslam = { run, view, replay, plots, picture, address };

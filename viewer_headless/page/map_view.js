@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The map in three dimensions: camera, light-footed rendering (only when something has changed), and what stands in it.
+// The map in three dimensions: camera, rendering (only after changes), and its objects.
 import { Color, Group, PerspectiveCamera, Quaternion, Scene, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { byId } from "./element.js";
@@ -16,15 +16,15 @@ import { Selection } from "./selection.js";
 
 // The map has y down and z forward, the scene y up.
 const kUpright = new Quaternion(1, 0, 0, 0);
-// Landmarks that decide what is looked at.
+// Number of landmarks that determine the view.
 const kMostLandmarks = 6000;
-// From where everything is looked at, towards the eye: obliquely from behind, or from the side where that shows a long map larger.
+// Directions towards the eye: obliquely from behind, or from the side if that shows a long map larger.
 const kOblique = [[-0.35, 0.75, 0.8], [-0.8, 0.75, 0.35]];
-// From above forward is upwards in the picture, or, in a long map, to the right.
+// Seen from above, forward is up in the picture, or, for a long map, to the right.
 const kAbove = [[0, 1, 0.001], [0.001, 1, 0]];
 
 export class MapView {
-  /** Throws where the browser has no WebGL. */
+  /** Throws if the browser has no WebGL. */
   constructor(layers, others) {
     this.canvas = byId("map");
     this.layers = layers;
@@ -34,7 +34,7 @@ export class MapView {
     this.world = new Group();
     this.world.quaternion.copy(kUpright);
     this.scene.add(this.world);
-    // What is of the page's own run, which one switch hides.
+    // Objects of the page's own run, which one switch hides.
     this.own = new Group();
     this.world.add(this.own);
     this.camera = new PerspectiveCamera(50, 1, 0.01, 1000);
@@ -80,7 +80,7 @@ export class MapView {
     this.invalidate();
   }
 
-  /** Takes in what has changed of the run; the view stays where it is but for the first time. */
+  /** Reads the changed parts of the run; the view is kept, except for the first time. */
   setRun(run) {
     const first = !this.run;
     this.run = run;
@@ -93,14 +93,14 @@ export class MapView {
     this.camera.far = this.size * 40;
     this.camera.updateProjectionMatrix();
     for (const part of Object.values(this.parts)) part.setRun?.(run, this.size);
-    // Colours of age reach to the newest frame; the others are the map's alone.
+    // Colours of age reach to the newest frame; the others depend on the map only.
     if (newMap || this.colourMode === "seen") this.parts.landmarks.colour(run, this.colourMode);
     this.applyLayers();
     this.setRow(this.row);
     if (first || this.pristine) this.lookAtAll(this.fromAbove);
   }
 
-  /** Puts the map's vertical upright. */
+  /** Rotates the vertical of the map upright. */
   level(run) {
     const up = run.map?.vertical.up ?? [0, -1, 0];
     const leaning = new Vector3(...up).applyQuaternion(kUpright);
@@ -108,7 +108,7 @@ export class MapView {
     this.world.updateMatrixWorld(true);
   }
 
-  /** Positions of the map in the scene's coordinates. */
+  /** Converts positions of the map to coordinates of the scene. */
   inScene(positions) {
     const p = new Vector3();
     const result = new Float64Array(positions.length);
@@ -124,7 +124,7 @@ export class MapView {
     this.invalidate();
   }
 
-  /** Hides landmarks that were seen over fewer frames. */
+  /** Hides landmarks that were observed over fewer frames. */
   setLeastLife(frames) {
     for (const part of [this.parts.landmarks, this.parts.others]) part.setLeast(frames);
     if (this.run?.map) this.parts.landmarks.colour(this.run, this.colourMode);
@@ -142,13 +142,14 @@ export class MapView {
     if (!this.run?.rows) return;
     const frame = this.run.frames.id[row];
     const last = row >= this.run.rows - 1;
-    // At the end all is shown, also what no frame is known for.
+    // At the end everything is shown, also objects without a known frame.
     for (const part of Object.values(this.parts)) part.setTime?.(this.run, row, last ? Infinity : frame);
     if (this.flying) this.follow(0.35);
     this.invalidate();
   }
 
-  /** Looks at the path and the middle of the landmarks, obliquely or from above, from as near as shows all of them. */
+  /** Shows the path and the central landmarks, obliquely or from above, from the nearest position that shows all of
+   * them. */
   lookAtAll(fromAbove = false) {
     if (!this.seen) return;
     this.fromAbove = fromAbove;
@@ -164,7 +165,7 @@ export class MapView {
     this.invalidate();
   }
 
-  /** Puts the eye and what it looks at where they are given, in the scene's coordinates. */
+  /** Sets the eye and its target, in coordinates of the scene. */
   lookFrom(eye, target) {
     this.camera.position.copy(eye);
     this.controls.target.copy(target);
@@ -174,7 +175,7 @@ export class MapView {
     this.invalidate();
   }
 
-  /** What is looked at becomes what is turned around, from where the eye is. `p`: in the map. */
+  /** Makes `p` (in the map) the centre of rotation, without moving the eye. */
   focus(p) {
     this.controls.target.set(...this.inScene(p));
     this.controls.update();
@@ -188,7 +189,7 @@ export class MapView {
     if (flying) this.follow(1);
   }
 
-  /** Moves the eye towards its place behind and above the camera of the moment. */
+  /** Moves the eye towards its position behind and above the camera of the current frame. */
   follow(share) {
     const step = this.parts.keyframes.frustumDepth || this.size / 100;
     const [eye, ahead] = this.parts.mark.behind(this.run, this.row, 6 * step, 2.2 * step, 10 * step);
@@ -215,7 +216,7 @@ export class MapView {
   }
 }
 
-/** Positions of the camera that are known. */
+/** Returns the known positions of the camera. */
 function pathOf(run) {
   const path = [];
   const p = [0, 0, 0];
@@ -226,7 +227,7 @@ function pathOf(run) {
   return path;
 }
 
-/** Some of the points, and the ends of some segments. */
+/** Returns some of the points, and the ends of some segments. */
 function landmarksOf(run) {
   const all = [run.map?.points.p, run.map?.segments.pq].filter((positions) => positions?.length);
   const step = Math.ceil(all.reduce((sum, positions) => sum + positions.length / 3, 0) / kMostLandmarks);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Who observes which landmark, unpacked from what the viewer writes (PackObservers in observers.h).
+// Observations of landmarks, unpacked from the data of the viewer (PackObservers in observers.h).
 
 /** {ids, starts, rows}: landmark i has id ids[i], and is observed by the keyframes in rows[starts[i]..starts[i + 1]]. */
 export function unpackObservers(bytes) {
@@ -31,7 +31,7 @@ export function unpackObservers(bytes) {
   return { ids, starts, rows };
 }
 
-/** Metres of a packed standard deviation (PackSigma); NaN where it is unknown. */
+/** Returns a packed standard deviation (PackSigma) in metres; NaN if it is unknown. */
 export function unpackSigma(packed) {
   return packed ? 1e-4 * 1.05 ** (packed - 1) : NaN;
 }

@@ -9,7 +9,8 @@ import { DrawnLandmarks } from "./landmarks.js";
 const kPoint_px = 2.2;
 
 class Other {
-  /** `transform`: 16 numbers, row by row, that take the map of the other run into the page's; `data` as the viewer writes it. */
+  /** `transform`: 16 numbers, row by row, from the map of the other run to the page's own; `data` as written by the
+   * viewer. */
   constructor(world, name, { label, transform, data }) {
     this.name = name;
     this.run = new Run();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Paths of the camera: as it is at last, the true one, as published with each frame, by odometry alone.
+// Paths of the camera: the final one, the true one, the one published with each frame, the one of odometry only.
 import { FatLine } from "./fat_line.js";
 
 function rowOf(values, row) {
@@ -28,7 +28,7 @@ export class Paths {
 
   setRun(run, size) {
     const step = size / 3000;
-    // Initialising without founding anything, or lost: nobody knows where the camera is.
+    // Initialising without landmarks, or lost: the pose of the camera is unknown.
     const lost = (row) => run.frames.state[row] === 3 || (run.frames.state[row] === 0 && !run.frames.keyframe[row]);
     this.lines.path.setPath(run.rows, (row) => {
       const p = run.position(row, [0, 0, 0]);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What stands under the pointer: a keyframe, a point or a segment of the maps that are drawn.
+// Finds the object under the pointer: a keyframe, a point or a segment of the drawn maps.
 import { Matrix4 } from "three";
 import { countUpTo } from "./data.js";
 
 const kReach_px = 9;
-// Keyframes are few and small, landmarks many: what is near both is meant to be the keyframe.
+// Keyframes are few and small, landmarks many: a keyframe is preferred if both are near.
 const kKeyframeReach_px = 12;
 
-/** Takes positions of the map of an object's parent to pixels of the canvas: [x, y, depth], null behind the eye. */
+/** Projects positions of the map of an object's parent to pixels of the canvas: [x, y, depth], null behind the eye. */
 function projector(view, parent) {
   const { camera, canvas } = view;
   camera.updateMatrixWorld();
@@ -36,7 +36,7 @@ export class Picker {
     this.view = view;
   }
 
-  /** Where a position of the page's own map is on the canvas, in pixels; null behind the eye. */
+  /** Projects a position of the page's own map to the canvas, in pixels; null behind the eye. */
   pixelOf(p) {
     return projector(this.view, this.view.world)(p, 0);
   }
@@ -54,7 +54,7 @@ export class Picker {
     return this.best;
   }
 
-  /** Of what is equally near the pointer, the one in front. */
+  /** Prefers the object in front if several are equally near the pointer. */
   offer(picked, distance, reach, depth) {
     const cost = distance + 1e-3 * depth / (this.view.size || 1);
     if (distance < reach && (!this.best || cost < this.best.cost)) this.best = { ...picked, cost };

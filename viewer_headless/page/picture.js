@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The frame of the moment with what was tracked in it, drawn sharp over the small picture: the left image, or, when asked for,
-// the right one, or the disparities of the pair.
+// The current frame with its tracked features, drawn sharp over the small picture: the left image, or on request the
+// right one or the disparities of the pair.
 import { byId, element } from "./element.js";
 import { css, cssGradient, ramp, scales } from "./colours.js";
 import { countUpTo } from "./data.js";
@@ -12,9 +12,9 @@ const kNearDisparity = 64;
 const kNoDisparity = 65535;
 const kTicks = [0.25, 0.5, 0.75, 1];
 
-/** Of a disparity in pixels of the camera, as a share of the scale from far to near. */
+/** Converts a disparity in pixels of the camera to a share of the scale from far to near. */
 const nearness = (disparity_px) => Math.log2(1 + disparity_px) / Math.log2(1 + kNearDisparity);
-/** And back. */
+/** The inverse. */
 const disparityAt = (share) => (1 + kNearDisparity) ** share - 1;
 
 function pointColour(disparity) {
@@ -22,7 +22,8 @@ function pointColour(disparity) {
   return css(ramp(scales.near, nearness(disparity / 32)));
 }
 
-/** `shift`: pixels of the picture for each pixel of disparity: 0 in the left image; the right one has features with depth alone. */
+/** `shift`: pixels of the picture for each pixel of disparity: 0 in the left image; the right one shows only
+ * features with depth. */
 function drawSegments(context, { segments, segment_ages, segment_disparities }, scale, mark, shift, byDepth) {
   for (let i = 0; i < segment_ages.length; ++i) {
     const [u0, v0, u1, v1] = segments.subarray(4 * i, 4 * i + 4);
@@ -60,14 +61,14 @@ async function decoded(jpeg) {
 }
 
 function greyOf(image, width, height) {
-  // Without the hint the pixels come back from the graphics card, which may take seconds.
+  // Without this hint the pixels are read back from the graphics card, which may take seconds.
   const context = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });
   context.drawImage(image, 0, 0, width, height);
   const { data } = context.getImageData(0, 0, width, height);
   return Uint8Array.from({ length: width * height }, (_, i) => data[4 * i]);
 }
 
-/** The pair matched at the size of the right image, which is the smaller one: {width, height, disparities}, in pixels of the
+/** Matches the pair at the size of the right image, which is the smaller one: {width, height, disparities}, in pixels of the
  * camera, which is `camera_width_px` wide. */
 export function disparitiesOf(left, right, camera_width_px) {
   const [width, height] = [right.naturalWidth, right.naturalHeight];
@@ -77,7 +78,7 @@ export function disparitiesOf(left, right, camera_width_px) {
   return { width, height, disparities: disparities.map((d) => d / shrink) };
 }
 
-/** Pixels without a disparity are clear. */
+/** Pixels without a disparity are transparent. */
 function coloured({ width, height, disparities }) {
   const canvas = new OffscreenCanvas(width, height);
   const pixels = new ImageData(width, height);
@@ -92,7 +93,7 @@ export class Picture {
     this.canvas = byId("frame");
     this.layers = layers;
     this.image = new Image();
-    // Settled when the picture asked for last has been drawn.
+    // Resolves when the picture requested last has been drawn.
     this.loaded = Promise.resolve();
     this.shown = null;
     this.changed = changed;
@@ -121,7 +122,7 @@ export class Picture {
     this.draw();
   }
 
-  /** Where the frame has no right image (RGB-D), the left one is shown. */
+  /** If the frame has no right image (RGB-D), the left one is shown. */
   get kind() {
     return this.shown?.right_jpeg ? this.wanted : "left";
   }
@@ -140,12 +141,12 @@ export class Picture {
       f.keyframe[row] ? "keyframe" : null,
       picture && picture.frame !== frame ? `picture of frame ${picture.frame}` : null,
     ].filter(Boolean).join(" · ");
-    // On a live page a picture may come before the camera is known.
+    // On a live page a picture may arrive before the camera is known.
     const { camera } = run.facts;
     if (picture && (picture !== this.shown || camera?.width_px !== this.camera?.width_px)) {
       this.shown = picture;
       this.camera = camera;
-      // Pixels of the small picture for each of the camera, in which disparities are.
+      // Pixels of the small picture per pixel of the camera, the unit of disparities.
       this.shrink = picture.width_px / (camera?.width_px ?? picture.width_px);
       this.load();
     }
@@ -167,7 +168,7 @@ export class Picture {
     });
   }
 
-  /** What the colours of disparities mean in metres. */
+  /** Legend of the colours of disparities in metres. */
   showLegend() {
     const legend = byId("disparity-legend");
     legend.hidden = !this.matched;
@@ -198,7 +199,7 @@ export class Picture {
     context.scale(density, density);
     context.drawImage(this.image, 0, 0, width, picture.height_px * scale);
     if (this.overlay) context.drawImage(this.overlay, 0, 0, width, picture.height_px * scale);
-    // Marks that fit the picture as it is shown.
+    // Size of marks that fits the shown picture.
     const mark = Math.min(1.3, Math.max(0.55, Math.sqrt(picture.height_px * scale * width) / 480));
     const shift = this.kind === "right" ? this.shrink : 0;
     if (this.layers.get("segments2d")) drawSegments(context, picture.features, scale, mark, shift, !!this.overlay);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One plot: title, legend with values at the cursor, axes with units, a line at the moment of the replay.
+// One plot: title, legend with values at the cursor, axes with units, a line at the current time of the replay.
 import uPlot from "uplot";
 import { element } from "./element.js";
 import { themeColour } from "./colours.js";
@@ -39,10 +39,10 @@ function nowLine(now) {
 
 export class Plot {
   /**
-   * spec: {title, note, unit, xLabel, range, series: [{label, colour, fill, dash, points, steps, width, own}]}; of a series,
-   * `own` are the numbers for the legend where others are drawn.
-   * `link`, all in numbers of the x axis: `now()` is the moment to mark or null, `seek(x)` goes there, `hover(x)` says where the
-   * cursor is (null: nowhere), `zoom([low, high])` asks for a part, null for all.
+   * spec: {title, note, unit, xLabel, range, series: [{label, colour, fill, dash, points, steps, width, own}]}; `own`:
+   * numbers of a series for the legend, if they differ from the drawn ones. `link`, in numbers of the x axis: `now()`
+   * returns the time to mark or null, `seek(x)` goes there, `hover(x)` reports the cursor (null: none), `zoom([low,
+   * high])` requests a range, null for all.
    */
   constructor(parent, spec, data, link) {
     this.link = link;
@@ -67,21 +67,21 @@ export class Plot {
       },
     };
     this.own = spec.series.map((s) => s.own);
-    // Counts have none.
+    // Counts have no unit.
     this.unit = { m: " m", deg: "°", ms: " ms", MB: " MB", "% of a core": " %" }[spec.unit] ?? "";
     this.plot = new uPlot(options, data, this.box);
     this.plot.over.addEventListener("mouseleave", () => setTimeout(() => this.showValues()));
     this.plot.over.addEventListener("click", (event) => link.seek(this.plot.posToVal(event.offsetX, "x")));
-    // Asked once a size has settled, for a redraw within its own notice would be noticed again.
+    // Requested after the size is stable, because a redraw within the notification would be notified again.
     this.observer = new ResizeObserver(() => requestAnimationFrame(() => this.resize()));
     this.observer.observe(this.figure);
-    // What nobody sees waits.
+    // Invisible plots are drawn later.
     this.visible = true;
     this.watcher = new IntersectionObserver((entries) => this.setVisible(entries.at(-1).isIntersecting));
     this.watcher.observe(this.figure);
   }
 
-  /** What was dragged over becomes the part that is shown. */
+  /** Zooms to the dragged range. */
   zoomTo(u) {
     const { left, width } = u.select;
     if (!(width > 0)) return;
@@ -90,7 +90,7 @@ export class Plot {
     this.link.zoom(range);
   }
 
-  /** Shows the part [low, high] of the x axis; null for all. */
+  /** Shows the range [low, high] of the x axis; null for all. */
   setZoom(range) {
     this.zoomed = range;
     const x = this.plot.data[0];
@@ -100,7 +100,7 @@ export class Plot {
     this.showValues();
   }
 
-  /** Shows the cursor at x, as if it were pointed at; null for nowhere. */
+  /** Shows the cursor at x, like the pointer; null hides it. */
   showCursor(x) {
     if (!this.visible) return;
     const left = x === null ? -10 : this.plot.valToPos(x, "x");
@@ -143,7 +143,7 @@ export class Plot {
     if (Math.abs(width - this.plot.width) >= 1) this.plot.setSize({ width, height: kHeight });
   }
 
-  /** Other numbers of the same series. */
+  /** Replaces the numbers of the same series. */
   setData(data, spec) {
     this.own = spec.series.map((s) => s.own);
     if (!this.visible) {
@@ -160,7 +160,8 @@ export class Plot {
     this.showValues();
   }
 
-  /** In the legend, the values of the moment (of the end, where moments mean nothing) while no cursor asks for others. */
+  /** Shows in the legend the current values (or the last ones, if there is no current time), unless there is a
+   * cursor. */
   showValues() {
     const { plot } = this;
     if (plot.cursor.idx !== null && plot.cursor.idx !== undefined) return;

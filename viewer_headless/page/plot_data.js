@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What each plot shows, out of the data of the run. A row is {key, spec, data}; a plot without data is none.
+// The data of each plot, from the data of the run. A row is {key, spec, data}; plots without data are omitted.
 import { series as colours } from "./colours.js";
 import { countUpTo } from "./data.js";
 
@@ -52,14 +52,14 @@ function entropy(run, t) {
   const made = ratio.map((v, i) => (f.keyframe[i] ? v ?? 1 : null));
   return {
     key: "entropy",
-    spec: { title: "Entropy ratio", note: "of the motion since the last keyframe; below 0.9 a new one is due", unit: "ratio",
+    spec: { title: "Entropy ratio", note: "of the motion since the last keyframe; below 0.9 a new one is made", unit: "ratio",
       series: [{ label: "ratio", colour: colours[2] }, { label: "0.9", colour: colours[6], dash: [6, 4], width: 1 },
         { label: "keyframe", colour: colours[3], points: true }] },
     data: [t, ratio, t.map(() => 0.9), made],
   };
 }
 
-/** Stages on top of each other, the largest at the bottom; what is small together. */
+/** Stacks stages, the largest at the bottom; small ones are summed up. */
 function stacked(key, title, note, x, names, values, width) {
   const parts = names.map((name, i) => ({ name, values: x.map((_, row) => (Number.isFinite(values[row * width + i]) ? values[row * width + i] : 0)) }))
     .filter((p) => p.name !== "total");
@@ -70,7 +70,7 @@ function stacked(key, title, note, x, names, values, width) {
   else parts.push(...rest);
   let below = x.map(() => 0);
   const tops = parts.map((part) => (below = below.map((b, row) => b + part.values[row])));
-  // uPlot draws series in turn: the highest first, so that the lower ones cover it.
+  // uPlot draws series in order: the highest first, so that the lower ones cover it.
   const order = parts.map((_, i) => parts.length - 1 - i);
   return {
     key,
@@ -88,19 +88,19 @@ function mappingStages(run, t) {
   const frames = run.mapTimes.frame;
   if (!frames?.length) return null;
   const x = Array.from(frames, (frame) => t[Math.max(0, countUpTo(run.frames.id, frame) - 1)]);
-  // More than one update may come within a frame; the axis wants times that grow.
+  // Several updates may arrive within a frame, but the axis needs increasing times.
   for (let i = 1; i < x.length; ++i) x[i] = Math.max(x[i], x[i - 1] + 1e-4);
   return stacked("mapping", "Mapping, by stage", "time of each update of the map", x, run.mapStageNames, run.mapTimes.stages_ms, run.mapStageNames.length);
 }
 
-/** One series for each process, on one axis of wall time. `value(table, i)` is its number at sample i. */
+/** Makes one series for each process, on one axis of wall time. `value(table, i)` is its number at sample i. */
 function byProcess(run, key, spec, value) {
   const rows = run.processes.map((p) => ({ name: p.name, t: p.table.t_s, values: value(p.table) })).filter((r) => r.values?.some((v) => v > 0));
   if (!rows.length) return null;
   return joined(key, spec, rows.map((r) => ({ label: r.name, t: r.t, values: r.values })));
 }
 
-/** Series with times of their own on one axis; between its samples a series stays what it was. */
+/** Joins series with different times on one axis; between its samples a series keeps its value. */
 function joined(key, spec, rows) {
   const times = [...new Set(rows.flatMap((r) => [...r.t]))].sort((a, b) => a - b);
   const columns = rows.map((r) => times.map((t) => {
@@ -114,7 +114,7 @@ function joined(key, spec, rows) {
 function queues(run) {
   const rows = run.processes.flatMap((p) => Object.keys(p.table).filter((name) => name.startsWith("queue."))
     .map((name) => ({ label: `${p.name}: ${name.slice(6)}`, t: p.table.t_s, values: p.table[name] })));
-  return rows.length ? joined("queues", { title: "Queues", note: "what waits for a process", unit: "waiting" }, rows) : null;
+  return rows.length ? joined("queues", { title: "Queues", note: "messages waiting for a process", unit: "waiting" }, rows) : null;
 }
 
 function repairs(run) {
@@ -139,9 +139,9 @@ function memory(run) {
 export function plotsOf(run) {
   if (!run.rows) return [];
   const t = Array.from(run.frames.t_s);
-  // Times that do not grow (a stream played again) would fold the plots.
+  // Times that do not increase (a stream played again) would fold the plots.
   for (let i = 1; i < t.length; ++i) t[i] = Math.max(t[i], t[i - 1] + 1e-6);
-  // That nothing waited and nothing was lost is worth a look.
+  // These plots are also useful if all values are 0.
   const always = new Set(["repairs", "queues"]);
   const all = [...errors(run, t), tracked(run, t), entropy(run, t), odometryStages(run, t), mappingStages(run, t), queues(run), repairs(run), processors(run), memory(run)];
   const kept = new Set(onlyWithNumbers(all));

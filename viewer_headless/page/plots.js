@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// All plots of the page: one cursor, one zoom, one moment of the replay. Plots over the time of the host take part by a clock.
+// All plots of the page: one cursor, one zoom, one current time. Plots over the time of the host are linked by a clock.
 import { byId, element } from "./element.js";
 import { Plot } from "./plot.js";
 import { plotsOf } from "./plot_data.js";
@@ -11,11 +11,11 @@ export class Plots {
     this.seek = seek;
     this.plots = new Map();
     this.now = null;
-    /** Times of the recording that are shown; null for all. */
+    /** Shown range of times of the recording; null for all. */
     this.zoomed = null;
   }
 
-  /** Draws the plots of the run; those that are there and have the same series only get new data. */
+  /** Draws the plots of the run; existing ones with the same series only get new data. */
   setRun(run) {
     this.clock = new WallClock(run);
     const wanted = plotsOf(run);
@@ -39,10 +39,10 @@ export class Plots {
   addHead() {
     this.whole = element("button", { type: "button", id: "zoom-out", hidden: true, onclick: () => this.zoom(null) }, "Whole run");
     this.parent.append(element("h2", {}, "Figures",
-      element("small", {}, "drag to zoom all of them, double-click for the whole run, click to go there"), this.whole));
+      element("small", {}, "drag to zoom all plots, double-click for the whole run, click to go to a time"), this.whole));
   }
 
-  /** What a plot tells and asks, in the times of its own axis. */
+  /** Connects a plot to the others, in the times of its own axis. */
   linkOf(key, wall) {
     const toTime = (x) => (wall ? this.clock.timeAt(x) : x);
     const toAxis = (t) => (t === null || !wall ? t : this.clock.wallAt(t));
@@ -60,7 +60,7 @@ export class Plots {
     return ends && ends.every((x) => x !== null) && ends[1] > ends[0] ? ends : null;
   }
 
-  /** The cursor of plot `from` is at t: those of the others too. */
+  /** Moves the cursors of all plots but `from` to t. */
   hover(from, t) {
     for (const [key, plot] of this.plots) if (key !== from) plot.showCursor(t === null ? null : plot.link.toAxis(t));
   }
@@ -76,7 +76,7 @@ export class Plots {
     this.now = t;
     if (this.pending) return;
     this.pending = true;
-    // The picture and the map go first while a replay runs.
+    // The picture and the map have priority during a replay.
     setTimeout(() => {
       this.pending = false;
       this.redraw();

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How each process is: how far it is behind, what a frame takes it, what waits for it, how often it was started again.
+// Table of the processes: lag, time per frame, length of queues, restarts.
 import { byId, element } from "./element.js";
 import { count, fixed, median } from "./format.js";
 
-// As many of the newest frames or updates tell what one takes.
+// Number of the newest frames or updates for the median time.
 const kNewest = 50;
 
 function newestTotals(values, width, names) {
@@ -15,23 +15,23 @@ function newestTotals(values, width, names) {
   });
 }
 
-/** Time on a processor between the first and the last row. One that was started again counts from 0. */
+/** Returns the CPU time between the first and the last row. A restarted process counts from 0. */
 export function cpuTime_s(cpu_s) {
   return cpu_s.reduce((sum, now, i) => sum + (i ? Math.max(0, now - cpu_s[i - 1]) : 0), 0);
 }
 
-/** What a frame (of mapping: an update of the map) takes; of other processes their time on a processor for each frame. */
+/** Returns the time per frame (mapping: per update of the map); for other processes their CPU time per frame. */
 function work(run, { name, table }) {
   if (name.startsWith("vo") && run.rows) return `${fixed(median(newestTotals(run.frames.stages_ms, run.frameWidths.stages_ms, run.stageNames)), 1)} ms`;
   if (name.startsWith("mapping") && run.mapTimes.stages_ms?.length) {
-    return `${fixed(median(newestTotals(run.mapTimes.stages_ms, run.mapStageNames.length, run.mapStageNames)), 1)} ms an update`;
+    return `${fixed(median(newestTotals(run.mapTimes.stages_ms, run.mapStageNames.length, run.mapStageNames)), 1)} ms per update`;
   }
   const first = Math.max(0, table.frame.findIndex((frame) => frame >= 0));
   const frames = table.frame.at(-1) - table.frame[first];
   return frames > 0 ? `${fixed((1000 * cpuTime_s(table.cpu_s.subarray(first))) / frames, 1)} ms of CPU` : "–";
 }
 
-/** Frames that a process is behind, and how much of the recording that is. */
+/** Returns the lag of a process in frames and in time of the recording. */
 function lag(run, frames) {
   if (frames === null || run.facts.finished) return "–";
   const t = run.frames.t_s;
@@ -39,7 +39,7 @@ function lag(run, frames) {
   return `${count(frames)} ${frames === 1 ? "frame" : "frames"}${frames && period_s > 0 ? ` (${fixed(frames * period_s, 2)} s)` : ""}`;
 }
 
-/** [what is said, how it looks]. A process of a run that is over has nothing left to do, whatever it said last. */
+/** Returns [text, style]. After the end of a run every process has ended, independent of its last status. */
 function stateOf(run, p) {
   if (p.state === "failed") return ["failed", "bad"];
   if (run.facts.finished) return ["ended", "finished"];
@@ -47,7 +47,7 @@ function stateOf(run, p) {
   return [p.pace === "behind" ? `${p.state}, behind` : p.state, p.pace === "behind" || p.restarts ? "restarted" : p.state];
 }
 
-const kColumns = ["process", "state", "lag", "a frame takes", "waiting", "restarts"];
+const kColumns = ["process", "state", "lag", "time per frame", "waiting", "restarts"];
 
 export function showProcesses(run) {
   byId("processes").hidden = run.processes.length === 0;

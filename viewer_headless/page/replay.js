@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The slider of time, and playing.
+// The time slider and the replay.
 import { byId } from "./element.js";
 import { seconds } from "./format.js";
 
 export class Replay {
-  /** `changed(row)` is called for each new moment. */
+  /** `changed(row)` is called for each new frame. */
   constructor(changed) {
     this.changed = changed;
     this.slider = byId("time");
@@ -17,7 +17,7 @@ export class Replay {
   }
 
   key(event) {
-    // What has the focus of the keyboard keeps its own keys; the slider of time steps by itself.
+    // The focused element keeps its own keys; the time slider steps by itself.
     if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("select, textarea")) return;
     if (byId("help").open) return;
     const control = event.target.closest("input, button, tr");
@@ -31,7 +31,7 @@ export class Replay {
     }
   }
 
-  /** Keeps to the end where it was at the end: a live run is followed. */
+  /** Stays at the end if it was at the end, so that it follows a live run. */
   setRun(run) {
     const atEnd = !this.run || this.row >= Number(this.slider.max);
     this.run = run;

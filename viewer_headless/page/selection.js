@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A keyframe or landmark that was clicked: who observes it, as rays, and the keyframes that do; and what is known of it in words.
+// A selected keyframe or landmark: its observations as rays, the observing keyframes, and a table of its data.
 import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments, Matrix4, Vector3 } from "three";
 import { themeColour } from "./colours.js";
 import { byId, element } from "./element.js";
@@ -9,10 +9,10 @@ import { frustumOf, kFrustumEdges, putFrustum } from "./keyframes.js";
 import { unpackSigma } from "./observers.js";
 
 const kNames = { keyframes: "Keyframe", points: "Point", segments: "Segment" };
-// Keyframes that are named one by one.
+// Largest number of keyframes that are listed.
 const kMostNamed = 12;
 
-/** Rows of the landmarks of a type that a keyframe observes. */
+/** Returns the rows of the landmarks of a type that a keyframe observes. */
 function landmarksOf(run, type, keyframe) {
   const observers = run.observersOf(type);
   const rows = [];
@@ -22,28 +22,28 @@ function landmarksOf(run, type, keyframe) {
   return rows;
 }
 
-/** Ids of the rows. */
+/** Returns the ids of the rows. */
 function idsOf(run, type) {
   return type === "keyframes" ? Array.from(run.map?.keyframes.id ?? []) : run.observersOf(type)?.ids ?? [];
 }
 
-/** The run that something picked is of: the page's own, or another one in it. */
+/** Returns the run of a picked object: the page's own, or another one in it. */
 function runOf(run, { of = 0 }) {
   return of ? run.others[of - 1] : run;
 }
 
-/** A position of the map of a run in the map of the page's own. */
+/** Converts a position from the map of a run to that of the page's own. */
 function placed(run, p) {
   return run.transform ? new Vector3(...p).applyMatrix4(run.transform).toArray() : Array.from(p);
 }
 
-/** Both ends of a segment. */
+/** Returns both ends of a segment. */
 function endsOf(run, row) {
   const { pq } = run.map.segments;
   return [...placed(run, pq.subarray(6 * row, 6 * row + 3)), ...placed(run, pq.subarray(6 * row + 3, 6 * row + 6))];
 }
 
-/** The middle of a landmark, or the centre of a keyframe, of the run. */
+/** Returns the middle of a landmark, or the centre of a keyframe, of the run. */
 function middleOf(run, { type, row }) {
   if (type !== "segments") return placed(run, run.map[type].p.subarray(3 * row, 3 * row + 3));
   const ends = endsOf(run, row);
@@ -51,8 +51,9 @@ function middleOf(run, { type, row }) {
 }
 
 /**
- * Of what was picked: `observers`, rows of the keyframes that observe it (of a keyframe: those that share landmarks with it);
- * `rays` between a keyframe and a landmark, as pairs of positions; and how many landmarks of each type a keyframe observes.
+ * Returns for a picked object: `observers`, rows of the keyframes that observe it (for a keyframe: that share
+ * landmarks); `rays` between a keyframe and a landmark, as pairs of positions; and the numbers of landmarks of each
+ * type observed.
  */
 export function observationsOf(run, picked) {
   const { type, row } = picked;
@@ -107,7 +108,7 @@ export class Selection {
     this.measure.setResolution(width, height);
   }
 
-  /** Rows of another map mean something else: what was picked is looked for by its id. */
+  /** Rows of another map have another meaning: the picked object is found by its id. */
   setRun(run, size) {
     this.size = size;
     if (run.map === this.map) return;
@@ -119,7 +120,7 @@ export class Selection {
     if (now && other) this.measureTo(run, this.find(run, other.type, otherId, other.of));
   }
 
-  /** What has an id, as the picker gives it; null where it is not there. */
+  /** Returns the object with an id, like the picker; null if it does not exist. */
   find(run, type, id, of = 0) {
     const row = idsOf(runOf(run, { of }), type).indexOf(id);
     return row < 0 ? null : { type, row, of };
@@ -129,7 +130,7 @@ export class Selection {
     return picked && run.map ? idsOf(runOf(run, picked), picked.type)[picked.row] : undefined;
   }
 
-  /** `picked` as the picker gives it; null for nothing. */
+  /** `picked` is a result of the picker; null for nothing. */
   choose(run, picked) {
     this.picked = picked;
     this.other = null;
@@ -141,7 +142,7 @@ export class Selection {
     this.changed();
   }
 
-  /** Draws a line to another thing that was picked, and says how long it is; null takes it away. */
+  /** Draws a line to another picked object with its length; null removes it. */
   measureTo(run, other) {
     this.other = this.found ? other : null;
     this.otherId = this.idOf(run, this.other);
@@ -160,24 +161,24 @@ export class Selection {
     return Math.hypot(q[0] - p[0], q[1] - p[1], q[2] - p[2]);
   }
 
-  /** Where what is picked stands in the map; null without. */
+  /** Returns the position of the picked object in the map; null without one. */
   placeOf(run, picked) {
     return picked && middleOf(runOf(run, picked), picked);
   }
 
-  /** Puts the length beside the middle of the measured line, where that is seen. */
+  /** Places the length beside the middle of the measured line if that is visible. */
   putLabel(picker) {
     const at = this.measure.object.visible && picker.pixelOf([0, 1, 2].map((k) => 0.5 * (this.measured[0][k] + this.measured[1][k])));
     this.label.hidden = !at;
     if (at) this.label.style.translate = `${at[0].toFixed(1)}px ${at[1].toFixed(1)}px`;
   }
 
-  /** For an address: "points:812", of another run "points:812@1"; null without. */
+  /** Returns the selection for the address: "points:812", for another run "points:812@1"; null without one. */
   textOf(picked, id) {
     return picked && id !== undefined ? `${picked.type}:${id}${picked.of ? `@${picked.of}` : ""}` : null;
   }
 
-  /** And back; null where there is no such thing (yet). */
+  /** Returns the object of such a text; null if it does not exist (yet). */
   parse(run, text) {
     const [, type, id, of] = /^(keyframes|points|segments):(\d+)(?:@(\d+))?$/.exec(text ?? "") ?? [];
     return type && run.map && (!of || run.others?.[of - 1]) ? this.find(run, type, Number(id), Number(of ?? 0)) : null;
@@ -187,10 +188,10 @@ export class Selection {
     const { type, row } = this.picked;
     const of = runOf(run, this.picked);
     this.rays.setPairs(this.found.rays);
-    // A thousand rays of a keyframe must not hide what they lead to.
+    // A thousand rays of a keyframe must not hide their landmarks.
     this.rays.material.opacity = Math.min(0.6, Math.max(0.06, 30 / this.rays.n));
     this.drawFrusta(of, type === "keyframes" ? [row, ...this.found.observers] : this.found.observers);
-    // A dot is a line of no length to speak of with round ends.
+    // A dot is a very short line with round ends.
     const p = middleOf(of, this.picked);
     this.mark.setPairs(type === "segments" ? endsOf(of, row) : [...p, p[0] + 1e-4 * this.size, p[1], p[2]]);
   }
@@ -216,7 +217,7 @@ export class Selection {
     this.frusta.visible = chosen;
   }
 
-  /** The small box. */
+  /** Fills the small box. */
   describe(run) {
     const box = byId("picked");
     box.hidden = !this.found;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The head of the page: what the run was, in a line of numbers.
+// The head of the page: a summary of the run in a line of numbers.
 import { byId, element } from "./element.js";
 import { count, fixed, median, metres, seconds } from "./format.js";
 
 function totalStage(run) {
   const width = run.frameWidths.stages_ms;
   if (!run.stageNames.length) return NaN;
-  // A stage named "total" holds the others.
+  // A stage named "total" includes the others.
   const total = run.stageNames.indexOf("total");
   const totals = [];
   for (let row = 0; row < run.rows; ++row) {
@@ -20,7 +20,7 @@ function totalStage(run) {
   return median(totals);
 }
 
-/** What became of the frames that are not tracked: "90 initialising, 2 lost". */
+/** Returns the counts of frames that are not tracked: "90 initialising, 2 lost". */
 export function notTracked(f) {
   const parts = [["initialising", f.initialising_frames], ["lost", f.lost_frames], ["skipped", f.skipped_frames],
     ["unreadable", f.bad_frames], ["unanswered", f.unanswered_frames]];
@@ -40,13 +40,13 @@ function figures(run) {
     f.points > 0 && ["Loops", count(f.loops), f.loops ? "closed" : "none found"],
     f.moving?.bodies > 0 && ["Moving objects", count(f.moving.bodies), `up to ${fixed(f.moving.percent, 0)} % of the ` +
       `features, frames ${f.moving.first_frame} to ${f.moving.last_frame}`],
-    ["Odometry", `${fixed(totalStage(run), 1)} ms`, "a frame, median"],
+    ["Odometry", `${fixed(totalStage(run), 1)} ms`, "per frame, median"],
   ].filter(Boolean);
 }
 
 export function showSummary(run) {
   const f = run.facts;
-  // A folder is known by its last name, a built-in world by all that was said of it.
+  // A folder is shown by its last name, a built-in world with all its options.
   const name = f.dataset?.startsWith("/") ? f.dataset.split("/").filter(Boolean).pop() : f.dataset;
   const [short, more] = (name || "unnamed run").split("?");
   byId("dataset").replaceChildren(short, element("small", {}, more?.replaceAll("&", " · ") ?? ""));
@@ -58,7 +58,7 @@ export function showSummary(run) {
   );
 }
 
-/** The runs of a page of several side by side, a row each. */
+/** Shows the runs of a page of several runs, one row each. */
 export function showRuns(runs) {
   const titles = [...new Set(runs.flatMap(({ run }) => figures(run).map(([title]) => title)))];
   const row = ({ name, colour, run }) => {
@@ -76,13 +76,13 @@ export function showRuns(runs) {
 /** Follows the height of the box of warnings. */
 let boxSize;
 
-/** A box at the top; nothing where all is well. */
+/** Shows a box at the top if there are warnings. */
 export function showWarnings(run) {
   const warnings = run.facts.warnings ?? [];
   const box = byId("warnings");
   box.hidden = warnings.length === 0;
   box.replaceChildren(...warnings.map((w) => element("li", {}, w.sentence)));
-  // The map below gives way, so that it and its replay stay whole in the window.
+  // The map below shrinks, so that it and its replay stay in the window.
   boxSize ??= new ResizeObserver(() => {
     const height = box.hidden ? 0 : box.offsetHeight + 16;
     document.documentElement.style.setProperty("--warnings", `${height}px`);
@@ -95,7 +95,7 @@ export function showKicker(run, state) {
   byId("kicker").textContent = parts.filter(Boolean).join(" · ");
 }
 
-/** What says where up is. */
+/** Returns a sentence about the vertical direction. */
 function upright(run) {
   const lines = run.map?.vertical.lines ?? 0;
   return lines > 0 ? `Up is the direction that ${count(lines)} upright segments of the map share; heights are measured along it from the first camera.`

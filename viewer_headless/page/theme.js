@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Dark or light: as the system has it, or as chosen.
+// Dark or light theme: that of the system, or the chosen one.
 import { byId } from "./element.js";
 
 function isDark() {
@@ -7,7 +7,7 @@ function isDark() {
   return chosen ? chosen === "dark" : window.matchMedia("(prefers-color-scheme: dark)").matches;
 }
 
-/** `changed()` is called when colours are others than before. */
+/** `changed()` is called after a change of colours. */
 export function makeTheme(changed) {
   const button = byId("theme");
   const show = () => {

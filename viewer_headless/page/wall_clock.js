@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Two clocks of a run: the time of the recording, and that of the host, by which processes say how they are.
+// Two clocks of a run: the time of the recording, and that of the host, used in the statuses of processes.
 import { countUpTo } from "./data.js";
 
-/** Of ascending `from`, the value of `to` at x, in between on a straight line. */
+/** Interpolates linearly the value of `to` at x of the ascending `from`. */
 function interpolate(from, to, x) {
   const after = countUpTo(from, x);
   if (after === 0) return to[0];
@@ -12,12 +12,12 @@ function interpolate(from, to, x) {
 }
 
 export class WallClock {
-  /** From what the processes say: the newest frame at each of their samples. */
+  /** Made from the statuses of the processes: the newest frame at each of their samples. */
   constructor(run) {
     const samples = run.processes.flatMap(({ table }) => Array.from(table.t_s ?? [], (wall, i) => [wall, table.frame[i]]))
       .filter(([, frame]) => frame >= 0)
       .sort((a, b) => a[0] - b[0]);
-    // Where no frame came in between, only the first sample counts, so that both ascend.
+    // If there is no new frame between samples, only the first one counts, so that both ascend.
     this.wall = [];
     this.time = [];
     for (const [wall, frame] of samples) {
@@ -28,7 +28,7 @@ export class WallClock {
     }
   }
 
-  /** null where nothing is known. */
+  /** Returns null if nothing is known. */
   wallAt(t) {
     return this.time.length ? interpolate(this.time, this.wall, t) : null;
   }

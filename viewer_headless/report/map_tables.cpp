@@ -187,8 +187,8 @@ ReportMap MapTables(const Map& map, const MapLimits& limits, std::vector<std::st
   const auto points = Choose(map.points(), limits.points);
   const auto segments = Choose(map.lines(), limits.segments);
   std::vector<Edge> edges = CovisibilityEdges(map, rows);
-  Note(points.size(), map.points().size(), "points of the map, those that most keyframes see,", notes);
-  Note(segments.size(), map.lines().size(), "segments of the map, those that most keyframes see,", notes);
+  Note(points.size(), map.points().size(), "points of the map, those with the most observations,", notes);
+  Note(segments.size(), map.lines().size(), "segments of the map, those with the most observations,", notes);
   Note(std::min(limits.edges, edges.size()), edges.size(), "covisibility edges, the strongest,", notes);
   edges.resize(std::min(limits.edges, edges.size()));
   ReportMap tables{LandmarkTable(map, points, "p", 3),
@@ -200,7 +200,7 @@ ReportMap MapTables(const Map& map, const MapLimits& limits, std::vector<std::st
                    {PackObservers(points, rows), PackObservers(segments, rows)}};
   const size_t bytes = tables.observers.points.size() + tables.observers.segments.size();
   if (bytes > limits.observer_bytes) {
-    notes->push_back(fmt::format("Who observes which landmark is left out: {:.1f} MB are more than {:.1f}.",
+    notes->push_back(fmt::format("Observations of landmarks are omitted: {:.1f} MB exceed {:.1f} MB.",
                                  1e-6 * static_cast<double>(bytes),
                                  1e-6 * static_cast<double>(limits.observer_bytes)));
     // The id identifies the landmark in the next map of a live page.

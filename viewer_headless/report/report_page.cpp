@@ -56,13 +56,13 @@ std::string SafeInPage(std::string json) {
 }
 
 PageAroundData AroundData(std::string_view page) {
-  return Around(page, kDataPlace, "report_template.html has no place for the data of a run");
+  return Around(page, kDataPlace, "report_template.html has no placeholder for the data of a run");
 }
 
 std::string FillTemplate(const std::string& page, std::string_view json) { return Fill(AroundData(page), json); }
 
 std::string FillWarnings(const std::string& page, std::string_view json) {
-  return Fill(Around(page, kWarningsPlace, "report.html has no place for the warnings of its run"),
+  return Fill(Around(page, kWarningsPlace, "report.html has no placeholder for the warnings of its run"),
               SafeInPage(std::string(json)));
 }
 
@@ -71,12 +71,12 @@ std::string DataOfReport(const std::string& page) {
   const size_t begin = at + kDataBegin.size();
   // The data have no '<' (SafeInPage).
   const size_t end = at == std::string::npos ? at : page.find('<', begin);
-  if (end == std::string::npos || page[begin] != '{') throw std::runtime_error("is no report of a run");
+  if (end == std::string::npos || page[begin] != '{') throw std::runtime_error("is not a report of a run");
   return page.substr(begin, end - begin);
 }
 
 std::string FillOtherRuns(const std::string& page, std::string_view json) {
-  return Fill(Around(page, kOthersPlace, "has no place for other runs: it is of an older version"),
+  return Fill(Around(page, kOthersPlace, "cannot show other runs: it is from an older version"),
               SafeInPage(std::string(json)));
 }
 

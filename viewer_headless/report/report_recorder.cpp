@@ -83,12 +83,11 @@ void ReportRecorder::AddNotes(const Recorder& recorder, const Map& map, int64_t 
   }
   if (pictures_.missing() > 0) {
     data->notes.push_back(
-        fmt::format("{} of {} pictures of frames are missing: their images or features did not come.",
+        fmt::format("{} of {} pictures of frames are missing: their images or features were not received.",
                     pictures_.missing(), pictures_.missing() + static_cast<int64_t>(pictures_.pictures().size())));
   }
   if (corrections_.dropped() > 0) {
-    data->notes.push_back(
-        fmt::format("{} more corrections by loops, smaller than those shown, are left out.", corrections_.dropped()));
+    data->notes.push_back(fmt::format("{} smaller corrections by loops are not shown.", corrections_.dropped()));
   }
   if (map.loops().size() > kMaxLoopPictures) {
     data->notes.push_back(fmt::format("Only the newest {} loops have pictures.", kMaxLoopPictures));

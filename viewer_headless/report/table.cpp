@@ -20,7 +20,7 @@ const Column* FindColumn(const Table& table, const std::string& name) {
 }
 
 std::string LittleEndianBytes(const Column& column) {
-  static_assert(std::endian::native == std::endian::little, "the page reads little endian");
+  static_assert(std::endian::native == std::endian::little, "the page reads little-endian values");
   return std::visit(
       [](const auto& values) {
         std::string bytes(values.size() * sizeof(values[0]), '\0');

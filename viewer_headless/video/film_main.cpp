@@ -9,7 +9,7 @@
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "Writes the film of a run: viewer_headless --video starts it, and hands it the pictures on its standard input.",
+      "Writes the film of a run: started by viewer_headless --video, reads the pictures from standard input.",
       "plslam_film");
   app.set_version_flag("--version", PLSLAM_VERSION);
   std::string file;

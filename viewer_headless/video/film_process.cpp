@@ -129,7 +129,7 @@ void FilmProcess::Await(const std::string& expected) {
   const auto after = [&line](const std::string& word) { return line.substr(word.size()); };
   if (line.starts_with(film_stream::kUnable)) throw NoFilmsHere(after(film_stream::kUnable));
   if (line.starts_with(film_stream::kError)) throw std::runtime_error(after(film_stream::kError));
-  throw std::runtime_error(fmt::format("{} says '{}'", program_, line));
+  throw std::runtime_error(fmt::format("{} reports '{}'", program_, line));
 }
 
 void FilmProcess::Begin(double rate_hz, cv::Size size) {
@@ -141,13 +141,13 @@ void FilmProcess::Begin(double rate_hz, cv::Size size) {
 }
 
 void FilmProcess::Add(const cv::Mat& picture) {
-  if (pid_ < 0) throw std::runtime_error(file_ + ": no film any more");
+  if (pid_ < 0) throw std::runtime_error(file_ + ": the film program has exited");
   Send(&film_stream::kPicture, 1);
   for (int y = 0; y < picture.rows; ++y) Send(picture.ptr(y), static_cast<size_t>(picture.cols) * picture.elemSize());
 }
 
 void FilmProcess::Finish() {
-  if (pid_ < 0) throw std::runtime_error(file_ + ": no film any more");
+  if (pid_ < 0) throw std::runtime_error(file_ + ": the film program has exited");
   Send(&film_stream::kEnd, 1);
   Await(film_stream::kDone);
   End();

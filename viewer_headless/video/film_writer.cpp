@@ -57,7 +57,7 @@ int RefuseToWrite(std::FILE* out, const std::string& file) {
   const std::string part = film_stream::PartOf(file);
   const std::string why = WhyNotWritable(part);
   std::remove(part.c_str());
-  return Refuse(out, fmt::format("{}: cannot be written: {}", file, why.empty() ? "it was cut off" : why));
+  return Refuse(out, fmt::format("{}: cannot be written: {}", file, why.empty() ? "it was truncated" : why));
 }
 
 /// The boxes of an MP4 file follow each other up to its end, and include the index, which is written last. OpenCV and
@@ -112,7 +112,7 @@ int WriteFilm(const std::string& file, std::FILE* in, std::FILE* out) {
   FilmFormat format;
   if (std::sscanf(line, "%d %d %lf", &format.size.width, &format.size.height, &format.rate_hz) != 3 ||
       !format.IsGood()) {
-    return Refuse(out, fmt::format("{}: a film has two even sides of at most {} pixels and a rate", file,
+    return Refuse(out, fmt::format("{}: a film needs an even width and height of at most {} pixels, and a rate", file,
                                    film_stream::kMaxSide_px));
   }
   const std::string part = film_stream::PartOf(file);
@@ -126,7 +126,7 @@ int WriteFilm(const std::string& file, std::FILE* in, std::FILE* out) {
   Answer(out, film_stream::kReady);
   if (!CopyPictures(in, writer, format.size)) {
     std::remove(part.c_str());
-    return Refuse(out, file + ": the pictures ended before the film");
+    return Refuse(out, file + ": the pictures ended before the film was complete");
   }
   writer.release();
   if (!IsWholeMp4(part)) return RefuseToWrite(out, file);
@@ -134,7 +134,7 @@ int WriteFilm(const std::string& file, std::FILE* in, std::FILE* out) {
   std::filesystem::rename(part, file, error);
   if (error) {
     std::remove(part.c_str());
-    return Refuse(out, fmt::format("{}: cannot be put in place: {}", file, error.message()));
+    return Refuse(out, fmt::format("{}: cannot be renamed: {}", file, error.message()));
   }
   Answer(out, film_stream::kDone);
   return 0;

@@ -48,7 +48,7 @@ Matrix Numbers(const std::string& path, const YAML::Node& map, const std::string
   try {
     numbers = map[key].as<std::vector<double>>();
   } catch (const YAML::Exception&) {
-    Fail(path, name, "is no list of numbers");
+    Fail(path, name, "is not a list of numbers");
   }
   if (numbers.size() != static_cast<size_t>(matrix.size()))
     Fail(path, name, fmt::format("has {} numbers in place of {}", numbers.size(), matrix.size()));
@@ -63,7 +63,8 @@ template <class Matrix>
 Matrix Covariance(const std::string& path, const YAML::Node& map, const std::string& name) {
   Matrix matrix = Numbers<Matrix>(path, map, name, "covariance_px2");
   const bool symmetric = (matrix - matrix.transpose()).norm() <= 1e-9 * matrix.norm();
-  if (!symmetric || matrix.llt().info() != Eigen::Success) Fail(path, name + ".covariance_px2", "is no covariance");
+  if (!symmetric || matrix.llt().info() != Eigen::Success)
+    Fail(path, name + ".covariance_px2", "is not a covariance");
   return matrix;
 }
 
@@ -100,7 +101,7 @@ std::optional<SelfCalibration> ReadSelfCalibration(const std::string& path, cons
     if (!file.IsMap() || !file["calibration"].IsDefined()) Fail(path, "calibration", "is missing");
     if (file["calibration"].as<std::string>() != calibration) return std::nullopt;
   } catch (const YAML::Exception& error) {
-    Fail(path, "the file", fmt::format("is no YAML ({})", error.what()));
+    Fail(path, "the file", fmt::format("is not YAML ({})", error.what()));
   }
   SelfCalibration learned;
   if (const YAML::Node rows = file["rows"]; rows.IsDefined()) {

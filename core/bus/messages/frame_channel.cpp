@@ -30,7 +30,7 @@ struct CameraSubscriber::State {
     bytes = std::move(heard);
     const std::optional<RigCalibration> rig = FromMessage(message);
     if (rig) return handler(*rig);
-    spdlog::error("the camera '{}' has values that cannot be: it is not used", message.rig_name);
+    spdlog::error("the camera '{}' has invalid values: it is not used", message.rig_name);
     if (on_rejected) on_rejected();
   }
 };
@@ -46,7 +46,7 @@ const std::vector<uint8_t>& CameraSubscriber::bytes() const { return state_->byt
 
 void CameraSubscriber::Restore(const std::vector<uint8_t>& bytes) {
   const auto message = Decoded<camera_t>(bytes);
-  if (!message) throw std::runtime_error("the camera in it is damaged");
+  if (!message) throw std::runtime_error("its camera is damaged");
   state_->Take(*message);
 }
 
@@ -71,7 +71,7 @@ void CheckSize(const StereoImages& frame, const cv::Mat& image) {
   if (FrameAssembler::CanHold(image.cols, image.rows, static_cast<int64_t>(image.elemSize()))) return;
   throw std::runtime_error("frame " + std::to_string(frame.frame_id) + ": an image of " + std::to_string(image.cols) +
                            " x " + std::to_string(image.rows) + " pixels, " + std::to_string(image.elemSize()) +
-                           " bytes each, is larger than readers take (" +
+                           " bytes each, is larger than readers accept (" +
                            std::to_string(FrameAssembler::kMaxImageBytes) + " bytes, " +
                            std::to_string(FrameAssembler::kMaxSide_px) + " pixels a side)");
 }

@@ -111,7 +111,7 @@ std::vector<keyframe_t> CutIntoPages(const Keyframe& keyframe, int64_t page_byte
   if (!AsMany(keyframe.point_landmark_ids, keyframe.point_map_ids, features.points.size()) ||
       !AsMany(keyframe.line_landmark_ids, keyframe.line_map_ids, features.lines.size())) {
     throw std::invalid_argument("keyframe " + std::to_string(keyframe.keyframe_id) +
-                                ": landmark ids are not as many as features");
+                                ": the numbers of landmark ids and features differ");
   }
   const keyframe_t head = HeadPage(keyframe);
   Pager<keyframe_t> pager(head, head, page_bytes, "keyframes");

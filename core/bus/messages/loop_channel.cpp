@@ -143,10 +143,9 @@ void Check(const std::vector<loop_closure_t>& pages, const LoopClosure& closure)
   LoopClosure read;
   for (const loop_closure_t& page : pages) {
     if (Head(page) && Append(page, read)) continue;
-    throw std::invalid_argument(
-        fmt::format("loop closure about keyframe {}: it cannot be: numbers that are not finite, "
-                    "or keyframes that do not ascend",
-                    closure.session_keyframe_id));
+    throw std::invalid_argument(fmt::format(
+        "loop closure of keyframe {}: invalid: numbers are not finite, or keyframes are not in ascending order",
+        closure.session_keyframe_id));
   }
 }
 

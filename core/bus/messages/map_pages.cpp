@@ -145,10 +145,10 @@ class AcceptedMessages {
   auto Of(const Value& value) {
     auto message = ToMessage(value);
     if (!AppendOne(message, taken_)) {
-      throw std::invalid_argument(fmt::format(
-          "map update: {} {} cannot be: numbers that are not finite, or ids, keyframes or observations that do "
-          "not ascend",
-          kind_, NameOf(value)));
+      throw std::invalid_argument(
+          fmt::format("map update: {} {} is invalid: numbers are not finite, or ids, keyframes or observations are "
+                      "not in ascending order",
+                      kind_, NameOf(value)));
     }
     if (taken_.size() > 1) taken_.erase(taken_.begin());
     return message;
@@ -245,7 +245,7 @@ std::vector<map_update_t> CutIntoPages(const MapUpdate& update, int64_t page_byt
   map_update_t first = head;
   AddStages(update, first);
   if (!HeadOf(first)) {
-    throw std::invalid_argument(fmt::format("map update: version {} on {}: its head has numbers that cannot be",
+    throw std::invalid_argument(fmt::format("map update: version {} on {}: its header has invalid numbers",
                                             update.version, update.base_version));
   }
   UpdatePager pager(std::move(first), head, page_bytes, "the map");

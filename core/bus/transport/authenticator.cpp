@@ -17,7 +17,7 @@ namespace {
 void WarnOfReaders(const std::string& path) {
   struct stat status {};
   if (stat(path.c_str(), &status) != 0 || (status.st_mode & (S_IRWXG | S_IRWXO)) == 0) return;
-  spdlog::warn("bus.key_file: {} is open to others than its owner (mode {:04o}): chmod 600 {}", path,
+  spdlog::warn("bus.key_file: {} is accessible to users other than its owner (mode {:04o}): chmod 600 {}", path,
                status.st_mode & 07777, path);
 }
 
@@ -34,7 +34,7 @@ std::array<uint8_t, 32> ReadKey(const std::string& path) {
   const int bad = sodium_hex2bin(key.data(), key.size(), digits.c_str(), digits.size(), nullptr, &length, nullptr);
   if (bad != 0 || length != key.size() || digits.size() != 64 || in >> rest) {
     throw std::runtime_error("bus.key_file: " + path +
-                             " must hold one key of 64 hex digits, as 'openssl rand -hex 32' writes it");
+                             " must contain one key of 64 hex digits, as written by 'openssl rand -hex 32'");
   }
   return key;
 }

@@ -66,7 +66,7 @@ std::string NoRouteToGroup(const std::string& group, int error_number) {
 std::string WhyNoGroup(const std::string& address) {
   in_addr group{};
   if (inet_pton(AF_INET, address.c_str(), &group) == 1 && IN_MULTICAST(ntohl(group.s_addr))) return "";
-  return fmt::format("'{}' is no multicast group (224.0.0.0 to 239.255.255.255)", Shown(address));
+  return fmt::format("'{}' is not a multicast group (224.0.0.0 to 239.255.255.255)", Shown(address));
 }
 
 bool MulticastWorks(const std::string& url, std::string* reason) {

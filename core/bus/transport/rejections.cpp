@@ -47,7 +47,7 @@ std::string_view Rejections::Text(Rejection why) {
 }
 
 std::string Rejections::PrefixText(std::string_view prefix) {
-  return fmt::format("processes with prefix '{}' are heard too", Plain(prefix));
+  return fmt::format("processes with prefix '{}' were found, too", Plain(prefix));
 }
 
 bool Rejections::Count(Rejection why, std::string_view channel, int64_t now) {

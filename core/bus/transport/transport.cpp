@@ -42,7 +42,7 @@ Transport::Kind KindOf(const std::string& url) {
   if (url.starts_with("tcpq://")) return Transport::Kind::kTcpRelay;
   if (url.starts_with("memq://")) return Transport::Kind::kMemory;
   if (!url.starts_with("file://")) {
-    throw std::runtime_error("bus.url: " + url + " is no LCM URL (udpm://, tcpq://, file:// or memq://)");
+    throw std::runtime_error("bus.url: " + url + " is not an LCM URL (udpm://, tcpq://, file:// or memq://)");
   }
   const bool writes = url.find("mode=w") != std::string::npos || url.find("mode=a") != std::string::npos;
   return writes ? Transport::Kind::kFileWrite : Transport::Kind::kFileRead;

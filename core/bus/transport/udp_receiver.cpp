@@ -164,11 +164,10 @@ bool Join(int fd, const UdpGroup& group) {
 }
 
 std::string WhyNotJoined(const UdpGroup& group, int error_number) {
-  if (error_number != ENODEV && error_number != ENETUNREACH)
-    return "cannot be listened to: " + ReasonOf(error_number);
+  if (error_number != ENODEV && error_number != ENETUNREACH) return "cannot listen there: " + ReasonOf(error_number);
   return NoRouteToGroup(group.address, error_number) + "; as root: " + kMulticastOverLoopback[0] + " && " +
          kMulticastOverLoopback[1] +
-         "; or 'plslam relay' and --url tcpq://127.0.0.1:7700; 'plslam doctor' tells more";
+         "; or 'plslam relay' and --url tcpq://127.0.0.1:7700; 'plslam doctor' gives details";
 }
 
 }  // namespace
@@ -177,7 +176,7 @@ UdpGroup ParseUdpGroup(const std::string& url) {
   UdpGroup group;
   const auto fail = [&] {
     throw std::runtime_error("bus.url: " + url +
-                             " is no URL of the kind udpm://ADDRESS:PORT?ttl=N, with a PORT of 1 to 65535");
+                             " is not a URL of the form udpm://ADDRESS:PORT?ttl=N, with a PORT of 1 to 65535");
   };
   if (!url.starts_with(kScheme)) fail();
   const std::string_view rest = std::string_view(url).substr(kScheme.size());

@@ -28,7 +28,7 @@ CameraCalibration BasaltCamera(const YamlMap& file) {
     coefficients = {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
   } else if (type != "pinhole") {
     file.Fail("camera_type",
-              fmt::format("'{}' is none of pinhole, pinhole-radtan8, kb4, ds: calibrate with one of them", type));
+              fmt::format("'{}' is not one of pinhole, pinhole-radtan8, kb4, ds: calibrate with one of them", type));
   }
   for (const char* key : coefficients) camera.distortion.push_back(values.Number(key));
   file.Require("intrinsics", DistortionComplaint(camera));
@@ -38,7 +38,7 @@ CameraCalibration BasaltCamera(const YamlMap& file) {
 SE3 BasaltPose(const YamlMap& pose) {
   const Eigen::Quaterniond q(pose.Number("qw"), pose.Number("qx"), pose.Number("qy"), pose.Number("qz"));
   if (!(std::abs(q.norm() - 1.0) < 1e-3)) {
-    pose.Fail("qw", fmt::format("belongs to a quaternion of length {:.6g}, expected 1", q.norm()));
+    pose.Fail("qw", fmt::format("is part of a quaternion of length {:.6g}, expected 1", q.norm()));
   }
   return {q, Eigen::Vector3d(pose.Number("px"), pose.Number("py"), pose.Number("pz"))};
 }
@@ -69,7 +69,7 @@ ForeignCalibration ReadBasalt(const YamlMap& file) {
   if (!pair.note.empty()) result.notes.push_back(pair.note);
   result.rig.left = cameras[pair.left].camera;
   result.rig.right = cameras[pair.right].camera;
-  result.direction = "T_imu_cam takes points of each camera to the IMU: used as it is";
+  result.direction = "T_imu_cam transforms points from each camera to the IMU: used unchanged";
   return result;
 }
 

@@ -29,10 +29,10 @@ void SetLens(const RosCameraInfo& info, CameraCalibration& camera) {
     return;
   }
   if (!is_radtan && !is_rational) {
-    throw DatasetError(fmt::format(
-        "distortion_model '{}' with {} coefficients is none of plumb_bob (4 or 5), rational_polynomial (8) "
-        "and equidistant (4), so that the images would have to be rectified",
-        Shown(info.model), d.size()));
+    throw DatasetError(
+        fmt::format("distortion_model '{}' with {} coefficients is not one of plumb_bob (4 or 5), "
+                    "rational_polynomial (8) and equidistant (4), so the images must be rectified",
+                    Shown(info.model), d.size()));
   }
   const std::string complaint = SetOpenCvDistortion(d, &camera);
   if (!complaint.empty()) throw DatasetError("D of camera_info " + complaint);
@@ -60,7 +60,8 @@ bool IsRotation(const Eigen::Matrix3d& R) {
 /// same and cy may differ). Some drivers and exporters write K [R | t] of the raw right camera instead.
 void RequireRectifiedPair(const RosCameraInfo& left, const RosCameraInfo& right) {
   constexpr const char* kRemedy =
-      "so P is not that of a rectified pair (K [R | t] of the raw camera?): calibrate the pair, or give K, D, R and "
+      "so P does not belong to a rectified pair (K [R | t] of the raw camera?): calibrate the pair, or give K, D, R "
+      "and "
       "T as in OpenCV (docs/datasets.md)";
   const auto is = [](double value, double expected) { return std::abs(value - expected) <= 1e-6; };
   for (const RosCameraInfo* info : {&left, &right}) {
@@ -108,7 +109,7 @@ RosCameraInfo InPixelsOfImages(RosCameraInfo info, const ImageSize& images) {
       int64_t{roi.y_px} + roi.height_px > info.height_px || info.binning_x < 0 || info.binning_y < 0) {
     throw DatasetError(
         fmt::format("the region of interest of camera_info ({} x {} pixels at {}, {}; binning {} x {}) "
-                    "is none of its {} x {} pixels",
+                    "is not within its {} x {} pixels",
                     roi.width_px, roi.height_px, roi.x_px, roi.y_px, info.binning_x, info.binning_y, info.width_px,
                     info.height_px));
   }
@@ -118,7 +119,7 @@ RosCameraInfo InPixelsOfImages(RosCameraInfo info, const ImageSize& images) {
     const std::string part = whole == delivered ? ""
                                                 : fmt::format(" ({} x {} with its binning and region of interest)",
                                                               delivered.width_px, delivered.height_px);
-    throw DatasetError(fmt::format("camera_info is of {} x {} pixels{}, but the images have {} x {}", whole.width_px,
+    throw DatasetError(fmt::format("camera_info is for {} x {} pixels{}, but the images have {} x {}", whole.width_px,
                                    whole.height_px, part, size.width_px, size.height_px));
   }
   if (size == delivered && size != whole) {
@@ -145,13 +146,13 @@ RigCalibration RigFromRos(const RosCameraInfo& left, const RosCameraInfo& right,
   const Eigen::Vector3d offset = left.P.col(3) - right.P.col(3);
   if (!offset.allFinite() || offset.isZero(0.0)) {
     throw DatasetError(
-        "camera_info has no baseline (P[3] of the right camera is -fx b): the cameras were calibrated one by one, "
+        "camera_info has no baseline (P[3] of the right camera is -fx b): the cameras were calibrated separately, "
         "not as a pair");
   }
   RequireRectifiedPair(left, right);
   const Eigen::Vector3d right_m = PlaceInRectified(right) - PlaceInRectified(left);
   if (!rectified && (!IsRotation(left.R) || !IsRotation(right.R)))
-    throw DatasetError("R of camera_info is no rotation");
+    throw DatasetError("R of camera_info is not a rotation");
   const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
   const Eigen::Matrix3d R_left = rectified ? I : left.R, R_right = rectified ? I : right.R;
   const SE3 T_l_r(Eigen::Matrix3d(R_left.transpose() * R_right), Eigen::Vector3d(R_left.transpose() * right_m));

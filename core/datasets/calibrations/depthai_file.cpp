@@ -56,7 +56,7 @@ Origin OriginOf(const YamlMap& file, const std::map<int, YamlMap>& cameras, int 
     origin.T_origin_cam = ToNext(camera) * origin.T_origin_cam;
     origin.socket = next;
   }
-  file.Fail("cameraData", "has extrinsics that lead in a circle");
+  file.Fail("cameraData", "has circular extrinsics");
 }
 
 }  // namespace
@@ -71,12 +71,12 @@ ForeignCalibration ReadDepthAi(const YamlMap& file) {
   }
   const Origin of_left = OriginOf(file, cameras, left), of_right = OriginOf(file, cameras, right);
   if (of_left.socket != of_right.socket) {
-    file.Fail("cameraData", "has no extrinsics that lead from the left camera to the right one");
+    file.Fail("cameraData", "has no extrinsics from the left camera to the right one");
   }
   ForeignCalibration result;
   result.rig =
       RigOf(Lens(cameras.at(left)), Lens(cameras.at(right)), of_left.T_origin_cam.Inverse() * of_right.T_origin_cam);
-  result.direction = "extrinsics, in centimetres, take points of a camera to that of toCameraSocket";
+  result.direction = "extrinsics, in centimetres, transform points from a camera to that of toCameraSocket";
   result.has_own_unit = true;
   return result;
 }

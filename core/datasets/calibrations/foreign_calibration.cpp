@@ -91,15 +91,15 @@ ForeignCalibration ReadYaml(const std::vector<std::string>& paths, const ImageSi
   const Format* format = FormatOf(files.front());
   if (format == nullptr) {
     const std::string why = WhyOtherSettings(files.front());
-    throw DatasetError(fmt::format("{}: {}", paths.front(),
-                                   why.empty() ? fmt::format("is no calibration of a known format ({}; what each has "
-                                                             "is in docs/datasets.md)",
-                                                             FormatNames())
-                                               : why));
+    throw DatasetError(fmt::format(
+        "{}: {}", paths.front(),
+        why.empty() ? fmt::format("is not a calibration of a known format ({}; see docs/datasets.md)", FormatNames())
+                    : why));
   }
   if (files.size() > format->max_files) {
-    throw DatasetError(fmt::format("{}: a calibration of the format {} has {} file{}, {} are given", paths.front(),
-                                   format->name, format->max_files, format->max_files == 1 ? "" : "s", files.size()));
+    throw DatasetError(fmt::format("{}: a calibration of the format {} has {} file{}, but {} are given",
+                                   paths.front(), format->name, format->max_files, format->max_files == 1 ? "" : "s",
+                                   files.size()));
   }
   try {
     ForeignCalibration result = format->read(files, image_size);
@@ -163,11 +163,11 @@ ForeignCalibration ReadForeignCalibration(const std::vector<std::string>& paths,
   }
   RigCalibration& rig = result.rig;
   if (rig.left.width_px == 0) {
-    throw DatasetError(paths.front() + ": does not tell the size of the images; give it (--size WIDTHxHEIGHT)");
+    throw DatasetError(paths.front() + ": does not state the size of the images; give it (--size WIDTHxHEIGHT)");
   }
   if (metres_per_unit && result.has_own_unit) {
     throw DatasetError(
-        fmt::format("{}: files of the format {} have a unit of their own: give none", paths.front(), result.format));
+        fmt::format("{}: files of the format {} have a fixed unit: do not give one", paths.front(), result.format));
   }
   if (metres_per_unit) Scale(*metres_per_unit, &rig);
   rig.name = fs::path(paths.front()).stem().string();
@@ -216,7 +216,7 @@ std::vector<std::string> FindForeignCalibration(const std::string& folder) {
   const auto& [format, paths] = *by_format.begin();
   if (by_format.size() > 1 || paths.size() > MaxFiles(format)) {
     throw DatasetError(
-        fmt::format("{}: has several calibrations ({} and {}): name one by `from: FILE` in a camera.yaml", folder,
+        fmt::format("{}: has several calibrations ({} and {}): choose one with `from: FILE` in a camera.yaml", folder,
                     paths.front(), by_format.size() > 1 ? by_format.rbegin()->second.front() : paths.back()));
   }
   return paths;

@@ -115,7 +115,7 @@ RosCameraInfo CameraInfoFrom(const YamlMap& file) {
   constexpr std::array kModels = {"plumb_bob", "rational_polynomial", "equidistant", "fisheye", ""};
   if (std::find(kModels.begin(), kModels.end(), info.model) == kModels.end()) {
     file.Fail("distortion_model",
-              fmt::format("'{}' is none of plumb_bob, rational_polynomial, equidistant", info.model));
+              fmt::format("'{}' is not one of plumb_bob, rational_polynomial, equidistant", info.model));
   }
   if (HasAny(file, kRosDistortion)) info.distortion = file.Matrix(NameIn(file, kRosDistortion), 0, 14);
   const char* rotation = NameIn(file, kRosRotation);
@@ -140,23 +140,24 @@ ForeignCalibration ReadKalibr(const YamlMap& file) {
   const auto [left, right] = ReadCamchain(file.path(), &result.notes);
   result.rig.left = left;
   result.rig.right = right;
-  result.direction = file.Has("cam1.T_imu_cam")   ? "T_imu_cam takes points of each camera to the IMU: used as it is"
-                     : file.Has("cam1.T_cam_imu") ? "T_cam_imu takes points of the IMU to each camera: inverted"
-                                                  : "T_cn_cnm1 takes points of cam0 to cam1: inverted";
+  result.direction =
+      file.Has("cam1.T_imu_cam")   ? "T_imu_cam transforms points from each camera to the IMU: used unchanged"
+      : file.Has("cam1.T_cam_imu") ? "T_cam_imu transforms points from the IMU to each camera: inverted"
+                                   : "T_cn_cnm1 transforms points from cam0 to cam1: inverted";
   return result;
 }
 
 ForeignCalibration ReadAslPair(const std::vector<YamlMap>& files) {
   if (files.size() != 2) {
     throw DatasetError(files.front().path() +
-                       ": is of one camera: give the files of the left and the right one (LeftCameraParams.yaml "
+                       ": is for one camera: give the files of the left and the right one (LeftCameraParams.yaml "
                        "RightCameraParams.yaml)");
   }
   ForeignCalibration result;
   result.rig.left = ReadAslCamera(files[0].path());
   result.rig.right = ReadAslCamera(files[1].path());
   if (files[0].Has("rate_hz")) result.rig.rate_hz = files[0].Number("rate_hz");
-  result.direction = "T_BS takes points of each camera to the body: used as it is";
+  result.direction = "T_BS transforms points from each camera to the body: used unchanged";
   return result;
 }
 
@@ -174,7 +175,7 @@ ForeignCalibration ReadOpenCv(const std::vector<YamlMap>& files, const ImageSize
   const SE3 T_right_left(RotationOf(FileWith(files, rotation), "R"), Eigen::Vector3d(t[0], t[1], t[2]));
   ForeignCalibration result;
   result.rig = RigOf(left, right, T_right_left.Inverse());
-  result.direction = "R and T take points of the left camera to the right one: inverted";
+  result.direction = "R and T transform points from the left camera to the right one: inverted";
   return result;
 }
 
@@ -195,8 +196,8 @@ ForeignCalibration ReadRos(const std::vector<YamlMap>& files, const ImageSize& i
     throw DatasetError(fmt::format("{} and {}: {}", place(files[0]), place(files[1]), error.what()));
   }
   result.direction =
-      "the rectification matrices take points of each camera to its rectified frame, and the right "
-      "projection's offset is -focal length times baseline";
+      "the rectification matrices transform points from each camera to its rectified frame, and the offset of the "
+      "right projection is -focal length times baseline";
   return result;
 }
 

@@ -35,7 +35,7 @@ void SetDistortion(const YamlMap& file, const char* type, const char* coefficien
     file.Require(coefficients, DistortionComplaint(*camera));
     return;
   }
-  file.Fail(type, fmt::format("'{}' is none of radialtangential, radialtangential8, equidistant, none", name));
+  file.Fail(type, fmt::format("'{}' is not one of radialtangential, radialtangential8, equidistant, none", name));
 }
 
 CameraCalibration OkvisCamera(const YamlMap& file) {
@@ -92,13 +92,13 @@ ForeignCalibration PairOf(const YamlMap& file, CameraCalibration (*read)(const Y
 ForeignCalibration ReadOkvis(const YamlMap& file) {
   ForeignCalibration result = PairOf(file, OkvisCamera);
   if (file.Has("camera_params.camera_rate")) result.rig.rate_hz = file.Number("camera_params.camera_rate");
-  result.direction = "T_SC takes points of each camera to the IMU: used as it is";
+  result.direction = "T_SC transforms points from each camera to the IMU: used unchanged";
   return result;
 }
 
 ForeignCalibration ReadSvo(const YamlMap& file) {
   ForeignCalibration result = PairOf(file, SvoCamera);
-  result.direction = "T_B_C takes points of each camera to the body: used as it is";
+  result.direction = "T_B_C transforms points from each camera to the body: used unchanged";
   return result;
 }
 

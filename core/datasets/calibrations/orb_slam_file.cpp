@@ -36,7 +36,7 @@ CameraCalibration OrbSlamLens(const YamlMap& file, const std::string& camera, co
   }
   distortion.insert(distortion.end(), higher.rbegin(), higher.rend());
   const std::string complaint = SetOpenCvDistortion(distortion, &lens);
-  if (!complaint.empty()) file.Fail(In(camera, "k1"), "and those that follow: the distortion " + complaint);
+  if (!complaint.empty()) file.Fail(In(camera, "k1"), "and the following: the distortion " + complaint);
   return lens;
 }
 
@@ -56,11 +56,11 @@ ForeignCalibration RgbdCamera(const YamlMap& file, const CameraCalibration& came
                               double baseline_m) {
   const double units_per_m = file.Number(factor);
   if (!(units_per_m > 0.0 && units_per_m <= 1e6)) {
-    file.Fail(factor, fmt::format("= {} is not above 0 and at most 1000000 units a metre", units_per_m));
+    file.Fail(factor, fmt::format("= {} is not above 0 and at most 1000000 units per metre", units_per_m));
   }
   ForeignCalibration result;
   result.rig = MakeRgbdRig(camera, baseline_m, units_per_m);
-  result.direction = fmt::format("an RGB-D camera, {} is in units a metre", factor);
+  result.direction = fmt::format("an RGB-D camera, {} is in units per metre", factor);
   return result;
 }
 
@@ -68,7 +68,7 @@ ForeignCalibration RgbdCamera(const YamlMap& file, const CameraCalibration& came
 ForeignCalibration ReadOrbSlam3(const YamlMap& file, const ImageSize& image_size) {
   const std::string type = file.Text("Camera.type");
   if (type != "PinHole" && type != "KannalaBrandt8" && type != "Rectified") {
-    file.Fail("Camera.type", fmt::format("'{}' is none of PinHole, KannalaBrandt8, Rectified", type));
+    file.Fail("Camera.type", fmt::format("'{}' is not one of PinHole, KannalaBrandt8, Rectified", type));
   }
   CameraCalibration left = OrbSlamLens(file, "Camera1", type);
   const ImageSize size = SizeIn(file, "Camera.width", "Camera.height", image_size);
@@ -80,11 +80,11 @@ ForeignCalibration ReadOrbSlam3(const YamlMap& file, const ImageSize& image_size
     result.direction = "the pair is rectified, Stereo.b is its baseline";
   } else if (file.Has("Camera2.fx")) {
     result.rig = RigOf(left, OrbSlamLens(file, "Camera2", type), file.Transform("Stereo.T_c1_c2"));
-    result.direction = "Stereo.T_c1_c2 takes points of the right camera to the left one: used as it is";
+    result.direction = "Stereo.T_c1_c2 transforms points from the right camera to the left one: used unchanged";
   } else if (file.Has("RGBD.DepthMapFactor")) {
     result = RgbdCamera(file, left, "RGBD.DepthMapFactor", file.Number("Stereo.b"));
   } else {
-    file.Fail("Camera2.fx", "is missing, so that these are settings of one camera: a stereo pair is needed");
+    file.Fail("Camera2.fx", "is missing, so that these are settings of a single camera: a stereo pair is needed");
   }
   SetSize(size, &result.rig);
   return result;
@@ -110,7 +110,7 @@ ForeignCalibration ReadRectifying(const YamlMap& file, double baseline_m, const 
   ForeignCalibration result;
   result.rig = RigOf(left, right, LeftFromRight(RotationOf(file, "LEFT.R"), RotationOf(file, "RIGHT.R"), baseline_m));
   SetSize(SizeIn(file, "LEFT.width", "LEFT.height", image_size), &result.rig);
-  result.direction = "LEFT.R and RIGHT.R take points of each camera to its rectified frame";
+  result.direction = "LEFT.R and RIGHT.R transform points from each camera to its rectified frame";
   return result;
 }
 
@@ -119,7 +119,7 @@ void RequireOwnMatrices(const YamlMap& file) {
   if (!file.Has("LEFT.P")) return;
   const double f_px = file.Number("Camera.fx"), rectified_px = file.Matrix("LEFT.P", 12, 12)[0];
   if (std::abs(f_px - rectified_px) <= kSameFocal * f_px) return;
-  file.Fail("Camera.fx", fmt::format("= {} is not the {} of LEFT.P, so that LEFT and RIGHT are of another camera: "
+  file.Fail("Camera.fx", fmt::format("= {} is not the {} of LEFT.P, so LEFT and RIGHT belong to another camera: "
                                      "correct them, or remove them for a rectified pair",
                                      f_px, rectified_px));
 }
@@ -132,12 +132,12 @@ ForeignCalibration ReadOrbSlam2(const YamlMap& file, const ImageSize& image_size
   ForeignCalibration result;
   if (file.Has("Tlr")) {
     result.rig = RigOf(OrbSlamLens(file, "Camera", type), OrbSlamLens(file, "Camera2", type), file.Transform("Tlr"));
-    result.direction = "Tlr takes points of the right camera to the left one: used as it is";
+    result.direction = "Tlr transforms points from the right camera to the left one: used unchanged";
     SetSize(size, &result.rig);
     return result;
   }
   if (!file.Has("Camera.bf")) {
-    file.Fail("Camera.bf", "is missing, so that these are settings of one camera: a stereo pair is needed");
+    file.Fail("Camera.bf", "is missing, so that these are settings of a single camera: a stereo pair is needed");
   }
   const double baseline_m = Quotient(file, "Camera.bf", file.Number("Camera.fx"));
   if (file.Has("LEFT.K")) {
@@ -151,7 +151,8 @@ ForeignCalibration ReadOrbSlam2(const YamlMap& file, const ImageSize& image_size
     return RgbdCamera(file, camera, "DepthMapFactor", baseline_m);
   }
   if (type == "KannalaBrandt8") {
-    file.Fail("Camera.type", "= KannalaBrandt8 is no lens of a rectified pair, and Tlr (with Camera2) is missing");
+    file.Fail("Camera.type",
+              "= KannalaBrandt8 is not the lens of a rectified pair, and Tlr (with Camera2) is missing");
   }
   RequireRectified(file, std::to_array({"Camera.k1", "Camera.k2", "Camera.p1", "Camera.p2", "Camera.k3"}), "LEFT.K");
   const CameraCalibration left = OrbSlamLens(file, "Camera", "Rectified");
@@ -213,12 +214,12 @@ ForeignCalibration ReadStella(const YamlMap& file, const ImageSize& image_size) 
     const std::string model =
         file.Has("StereoRectifier.model") ? file.Text("StereoRectifier.model") : std::string("perspective");
     if (model != "fisheye" && model != "perspective") {
-      file.Fail("StereoRectifier.model", fmt::format("'{}' is none of perspective, fisheye", model));
+      file.Fail("StereoRectifier.model", fmt::format("'{}' is not one of perspective, fisheye", model));
     }
     result.rig = RigOf(StellaLens(file, "left", model), StellaLens(file, "right", model),
                        LeftFromRight(RotationOf(file, "StereoRectifier.R_left"),
                                      RotationOf(file, "StereoRectifier.R_right"), baseline_m));
-    result.direction = "R_left and R_right take points of each camera to its rectified frame";
+    result.direction = "R_left and R_right transform points from each camera to its rectified frame";
   }
   SetSize(SizeIn(file, "Camera.cols", "Camera.rows", image_size), &result.rig);
   if (file.Has("Camera.fps")) result.rig.rate_hz = file.Number("Camera.fps");

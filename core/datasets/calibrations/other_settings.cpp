@@ -17,13 +17,13 @@ struct OtherText {
   const char* what;
 };
 constexpr std::array<OtherText, 5> kOtherTexts = {
-    {{"<?xml", "is XML: write the calibration as YAML (OpenCV's FileStorage does under a name that ends with .yml)"},
-     {"<opencv_storage", "is XML of OpenCV: write it as YAML (FileStorage does under a name that ends with .yml)"},
+    {{"<?xml", "is XML: write the calibration as YAML (OpenCV's FileStorage does if the name ends with .yml)"},
+     {"<opencv_storage", "is XML from OpenCV: write it as YAML (FileStorage does if the name ends with .yml)"},
      {"# oST",
-      "is a calibration of ROS in its INI form: `rosrun camera_calibration_parsers convert FILE left.yaml` "
-      "writes the YAML form, of which two are needed, of the left and the right camera"},
-     {"PK\x03\x04", "is an archive of numpy (.npz) or zip: write M1 D1 M2 D2 R T as YAML with OpenCV's FileStorage"},
-     {"\x93NUMPY", "is an array of numpy: write M1 D1 M2 D2 R T as YAML with OpenCV's FileStorage"}}};
+      "is a ROS calibration in INI form: `rosrun camera_calibration_parsers convert FILE left.yaml` writes the YAML "
+      "form; files of the left and the right camera are needed"},
+     {"PK\x03\x04", "is a numpy (.npz) or zip archive: write M1 D1 M2 D2 R T as YAML with OpenCV's FileStorage"},
+     {"\x93NUMPY", "is a numpy array: write M1 D1 M2 D2 R T as YAML with OpenCV's FileStorage"}}};
 
 /// A file that is recognised by its keys, all of which it has.
 struct OtherSettings {
@@ -32,25 +32,25 @@ struct OtherSettings {
 };
 constexpr std::array<OtherSettings, 10> kOtherSettings = {
     {{{"model_type", "projection_parameters"},
-      "is of one camera (camodocal): give the settings of VINS-Fusion that name both by cam0_calib and cam1_calib"},
+      "is for one camera (camodocal): give the settings of VINS-Fusion with cam0_calib and cam1_calib"},
      {{"rotation_matrix", "translation_matrix"},
       "is the pose of the pair in RTAB-Map's calibration: give the files of its cameras, NAME_left.yaml and "
       "NAME_right.yaml"},
      {{"camera_matrix", "distortion_coefficients"},
-      "is of one camera: a stereo pair needs both cameras and R and T (OpenCV's stereo_calib, or `plslam "
+      "is for one camera: a stereo pair needs both cameras and R and T (OpenCV's stereo_calib, or `plslam "
       "calibrate`)"},
      {{"Camera_Matrix", "Distortion_Coefficients"},
-      "is of one camera: a stereo pair needs both cameras and R and T (OpenCV's stereo_calib, or `plslam "
+      "is for one camera: a stereo pair needs both cameras and R and T (OpenCV's stereo_calib, or `plslam "
       "calibrate`)"},
      {{"extrinsicRotation", "extrinsicTranslation"},
-      "is of VINS-Mono, with one camera: a stereo pair is needed (settings of VINS-Fusion with num_of_cam: 2)"},
-     {{"P0", "P1"}, "is calib.txt of KITTI: call it calib.txt, beside image_0 and image_1 (docs/datasets.md, KITTI)"},
+      "is from VINS-Mono, with one camera: a stereo pair is needed (settings of VINS-Fusion with num_of_cam: 2)"},
+     {{"P0", "P1"}, "is KITTI's calib.txt: name it calib.txt, beside image_0 and image_1 (docs/datasets.md, KITTI)"},
      {{"P_rect_00", "P_rect_01"},
       "is calib_cam_to_cam.txt of KITTI's raw data: write the numbers of P_rect_00 and P_rect_01 into a calib.txt as "
       "P0: and P1:, beside image_0 and image_1"},
-     {{"T_BS", "gyroscope_noise_density"}, "is of an inertial sensor: give the files of the cameras"},
-     {{"noise_gyro", "noise_acc"}, "is of an inertial sensor: give the file of the cameras"},
-     {{"cam_overlaps", "rostopic"}, "is of one camera of Kalibr: give the whole camchain, with cam0 and cam1"}}};
+     {{"T_BS", "gyroscope_noise_density"}, "is for an inertial sensor: give the files of the cameras"},
+     {{"noise_gyro", "noise_acc"}, "is for an inertial sensor: give the file of the cameras"},
+     {{"cam_overlaps", "rostopic"}, "is for one camera of Kalibr: give the complete camchain, with cam0 and cam1"}}};
 
 }  // namespace
 

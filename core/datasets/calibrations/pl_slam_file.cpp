@@ -10,7 +10,7 @@
 namespace plslam {
 namespace {
 
-constexpr const char* kRotationsIntoRectified = "take points of each camera to its rectified frame";
+constexpr const char* kRotationsIntoRectified = "transform points from each camera to its rectified frame";
 
 CameraCalibration PlSlamLens(const YamlMap& file, const char* matrix, const char* distortion) {
   const std::vector<double> K = file.Numbers(matrix, 4, 4);
@@ -29,7 +29,7 @@ void ReadTransform(const YamlMap& file, const YamlMap& cam0, const CameraCalibra
   const std::vector<double> t = cam0.Numbers("t", 3, 3);
   const SE3 T_right_left(RotationOf(cam0, "R"), Eigen::Vector3d(t[0], t[1], t[2]));
   result->rig = RigOf(left, right, T_right_left.Inverse());
-  result->direction = "R and t take points of the left camera to the right one: inverted";
+  result->direction = "R and t transform points from the left camera to the right one: inverted";
   if (!cam0.Has("cam_bl")) return;
   const double distance_m = T_right_left.translation().norm(), baseline_m = cam0.Number("cam_bl");
   if (std::abs(distance_m - baseline_m) <= 1e-3 * distance_m) return;
@@ -46,9 +46,9 @@ void ReadOneLens(const YamlMap& cam0, ForeignCalibration* result) {
     if (cam0.Has(key)) distortion.push_back(cam0.Number(key));
   }
   const std::string complaint = SetOpenCvDistortion(distortion, &left);
-  if (!complaint.empty()) cam0.Fail("cam_d0", "and those that follow: the distortion " + complaint);
+  if (!complaint.empty()) cam0.Fail("cam_d0", "and the following: the distortion " + complaint);
   result->rig = RigOf(left, left, AlongX(cam0.Number("cam_bl")));
-  result->direction = "both cameras have one lens and look the same way, cam_bl is their baseline";
+  result->direction = "both cameras have the same lens and orientation, cam_bl is their baseline";
 }
 
 int TypeOf(const YamlMap& file, const char* key, int max) {
@@ -117,7 +117,7 @@ ForeignCalibration ReadPlSlam(const YamlMap& file) {
       result.rig = RigOf(left, right, LeftFromRight(RotationOf(cam0, "Rl"), RotationOf(cam0, "Rr"), baseline_m));
       result.direction = fmt::format("Rl and Rr {}, cam_bl is the baseline", kRotationsIntoRectified);
     } else {
-      cam0.Fail("R", "is missing, or t, and so are Rl and Rr: nothing tells how the cameras are turned");
+      cam0.Fail("R", "or t is missing, and so are Rl and Rr: the rotation between the cameras is unknown");
     }
   }
   SetSize({PixelsOf(cam0, "cam_width"), PixelsOf(cam0, "cam_height")}, &result.rig);
@@ -131,8 +131,9 @@ ForeignCalibration ReadAirSlam(const YamlMap& file, const ImageSize& image_size)
   } else {
     result.rig.left = AirSlamCamera(file, "cam0");
     result.rig.right = AirSlamCamera(file, "cam1");
-    result.direction = file.Number("cam1.T_type") == 0.0 ? "T takes points of each camera to the body: used as it is"
-                                                         : "T takes points of the body to each camera: inverted";
+    result.direction = file.Number("cam1.T_type") == 0.0
+                           ? "T transforms points from each camera to the body: used unchanged"
+                           : "T transforms points from the body to each camera: inverted";
   }
   const bool has_size = file.Has("image_width");
   SetSize(has_size ? ImageSize{PixelsOf(file, "image_width"), PixelsOf(file, "image_height")} : image_size,

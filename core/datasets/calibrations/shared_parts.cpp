@@ -41,7 +41,7 @@ bool FormStereoPair(const NamedCamera& left, const NamedCamera& right) {
 void SetCameraMatrix(const YamlMap& yaml, const char* key, CameraCalibration* camera) {
   const std::vector<double> K = yaml.Matrix(key, 9, 9);
   if (K[1] != 0.0 || K[3] != 0.0 || K[6] != 0.0 || K[7] != 0.0 || K[8] != 1.0) {
-    yaml.Fail(key, "is no camera matrix fx 0 cx, 0 fy cy, 0 0 1 (skew is not supported)");
+    yaml.Fail(key, "is not a camera matrix fx 0 cx, 0 fy cy, 0 0 1 (skew is not supported)");
   }
   camera->fx_px = K[0];
   camera->cx_px = K[2];
@@ -119,7 +119,7 @@ RigCalibration RigOf(const CameraCalibration& left, const CameraCalibration& rig
 
 CameraPair ChoosePair(const std::vector<NamedCamera>& cameras, const std::string& place) {
   if (cameras.size() < 2) {
-    throw DatasetError(fmt::format("{}: has {} camera, a stereo pair is needed", place, cameras.size()));
+    throw DatasetError(fmt::format("{}: has {} camera, but a stereo pair is needed", place, cameras.size()));
   }
   if (cameras.size() == 2) return {0, 1, ""};
   std::vector<CameraPair> pairs;
@@ -134,18 +134,17 @@ CameraPair ChoosePair(const std::vector<NamedCamera>& cameras, const std::string
     if (!pairs.empty()) break;
   }
   if (pairs.size() != 1) {
-    throw DatasetError(fmt::format(
-        "{}: has {} cameras, and {} of them: keep the two that are to be used in a file of their own", place,
-        cameras.size(), pairs.empty() ? "no two are a stereo pair" : "several pairs could be meant"));
+    throw DatasetError(fmt::format("{}: has {} cameras, and {} of them: put the two to use into a separate file",
+                                   place, cameras.size(),
+                                   pairs.empty() ? "no two are a stereo pair" : "several pairs could be meant"));
   }
   CameraPair& pair = pairs.front();
   std::string others;
   for (size_t i = 0; i < cameras.size(); ++i) {
     if (i != pair.left && i != pair.right) others += (others.empty() ? "" : ", ") + cameras[i].name;
   }
-  pair.note =
-      fmt::format("{}: {} and {} are taken for the stereo pair, {} {} left out", place, cameras[pair.left].name,
-                  cameras[pair.right].name, others, cameras.size() == 3 ? "is" : "are");
+  pair.note = fmt::format("{}: {} and {} are used as the stereo pair, {} {} ignored", place, cameras[pair.left].name,
+                          cameras[pair.right].name, others, cameras.size() == 3 ? "is" : "are");
   return pair;
 }
 

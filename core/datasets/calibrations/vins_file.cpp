@@ -40,7 +40,7 @@ CameraCalibration CamodocalLens(const YamlMap& file) {
     camera.cy_px = projection.Number("v0");
     return camera;
   }
-  file.Fail("model_type", fmt::format("'{}' is not read: calibrate with PINHOLE or KANNALA_BRANDT", type));
+  file.Fail("model_type", fmt::format("'{}' is not supported: calibrate with PINHOLE or KANNALA_BRANDT", type));
 }
 
 /// Reads a camera, whose file is in the folder of the settings, or below.
@@ -48,8 +48,8 @@ CameraCalibration VinsCamera(const YamlMap& file, const char* calibration, const
   const fs::path name(file.WholeTexts(calibration).front());
   const bool climbs = std::any_of(name.begin(), name.end(), [](const auto& part) { return part == ".."; });
   if (name.empty() || name.is_absolute() || climbs) {
-    file.Fail(calibration,
-              fmt::format("= '{}' is empty or leaves the folder of the file: lay it beside", file.Text(calibration)));
+    file.Fail(calibration, fmt::format("= '{}' is empty or leaves the folder of the file: put it into that folder",
+                                       file.Text(calibration)));
   }
   CameraCalibration camera = CamodocalLens(YamlMap::FromFile((fs::path(file.path()).parent_path() / name).string()));
   camera.T_b_cam = file.Transform(pose);
@@ -65,7 +65,7 @@ ForeignCalibration ReadVins(const YamlMap& file) {
   ForeignCalibration result;
   result.rig.left = VinsCamera(file, "cam0_calib", "body_T_cam0");
   result.rig.right = VinsCamera(file, "cam1_calib", "body_T_cam1");
-  result.direction = "body_T_cam0 and body_T_cam1 take points of each camera to the body: used as they are";
+  result.direction = "body_T_cam0 and body_T_cam1 transform points from each camera to the body: used unchanged";
   return result;
 }
 

@@ -100,9 +100,9 @@ const Resolution& ResolutionOf(const std::string& path, const ImageSize& size) {
     known += fmt::format("{}{}x{}", known.empty() ? "" : ", ", resolution.width_px, resolution.height_px);
   }
   const std::string given = size.width_px == 0
-                                ? "the images are of unknown size"
+                                ? "the size of the images is unknown"
                                 : fmt::format("the images have {} x {} pixels", size.width_px, size.height_px);
-  throw DatasetError(fmt::format("{}: {}, a ZED has one of {} (--size)", path, given, known));
+  throw DatasetError(fmt::format("{}: {}, but a ZED has one of {} (--size)", path, given, known));
 }
 
 /// One camera, of `side` LEFT or RIGHT. Files of later cameras have the distortion of all resolutions in a separate
@@ -166,7 +166,8 @@ ForeignCalibration ReadZed(const std::string& path, const ImageSize& image_size)
   result.has_own_unit = true;
   result.rig = RigOf(left, right, T_right_left.Inverse());
   result.direction =
-      "RX, CV, RZ and -(Baseline, TY, TZ), in millimetres, take points of the left camera to the right one: inverted";
+      "RX, CV, RZ and -(Baseline, TY, TZ), in millimetres, transform points from the left camera to the right one: "
+      "inverted";
   return result;
 }
 

@@ -78,11 +78,11 @@ Record TakeRecord(RecordFields& bytes) {
 
 /// Returns the content of the message whose record begins at `offset`.
 std::span<const uint8_t> ContentIn(std::span<const uint8_t> bytes, uint64_t offset) {
-  if (offset > bytes.size()) throw DatasetError("a message would lie behind its chunk: the file is damaged");
+  if (offset > bytes.size()) throw DatasetError("a message would end after its chunk: the file is damaged");
   RecordFields records(bytes.subspan(offset));
   const Record record = TakeRecord(records);
   if (record.head.op() != BagRecord::kMessage) {
-    throw DatasetError("a message is not where the index says: the file is damaged");
+    throw DatasetError("a message is not at its position in the index: the file is damaged");
   }
   return record.data.rest();
 }
@@ -100,12 +100,12 @@ BagReader::BagReader(const std::string& path, const std::string& why_scan) : fil
   if (!why_scan.empty()) {
     Scan(head.end, why_scan);
   } else if (head.index_at == 0) {
-    Scan(head.end, "has no index, since it was not closed");
+    Scan(head.end, "has no index because it was not closed");
   } else if (head.is_empty && head.index_at == file_.size()) {
     return;
   } else if (head.index_at >= file_.size()) {
     Scan(head.end,
-         fmt::format("its index would begin at byte {} of {}, since it is cut off", head.index_at, file_.size()));
+         fmt::format("its index would begin at byte {} of {}, so it is truncated", head.index_at, file_.size()));
   } else {
     try {
       ReadIndex(head.index_at);
@@ -119,23 +119,23 @@ BagReader::BagReader(const std::string& path, const std::string& why_scan) : fil
 BagReader::Head BagReader::ReadHead() const {
   const Bytes begin = file_.ReadAt(0, std::min<uint64_t>(file_.size(), kMaxHeadBytes), "the head");
   const std::string_view text(reinterpret_cast<const char*>(begin.data()), begin.size());
-  if (text.empty()) throw DatasetError("is empty (0 bytes), and no bag of ROS 1: record it again");
+  if (text.empty()) throw DatasetError("is empty (0 bytes), not a ROS 1 bag: record it again");
   if (!text.starts_with(kMagic)) {
     const std::string shown = Shown(std::string(text.substr(0, std::min<size_t>(text.find('\n'), 20))));
     if (!text.starts_with(kAnyMagic)) {
       throw DatasetError(
-          fmt::format("is no bag of ROS 1, since it begins with '{}': name one that `rosbag record` "
-                      "wrote, or the kind that it is of (--kind)",
+          fmt::format("is not a ROS 1 bag, because it begins with '{}': give a file written by `rosbag record`, or "
+                      "its format (--kind)",
                       shown));
     }
     throw DatasetError(
-        fmt::format("begins with '{}', not with '#ROSBAG V2.0': `rosbag fix` makes a bag of 2.0 of it", shown));
+        fmt::format("begins with '{}', not with '#ROSBAG V2.0': convert it to 2.0 with `rosbag fix`", shown));
   }
   RecordFields bytes{std::span(begin).subspan(kMagic.size())};
   const NamedFields head(bytes.Take(bytes.Get<uint32_t>()));
-  if (head.op() != BagRecord::kBagHead) throw DatasetError("does not begin with the head of a bag: it is damaged");
+  if (head.op() != BagRecord::kBagHead) throw DatasetError("does not begin with the header of a bag: it is damaged");
   if (head.Has("encryptor") && !head.Text("encryptor").empty()) {
-    throw DatasetError("is encrypted: `rosbag decrypt` makes a bag of it that can be read");
+    throw DatasetError("is encrypted: make it readable with `rosbag decrypt`");
   }
   bytes.Take(bytes.Get<uint32_t>());  // padding of the head
   const auto has_no = [&](const char* what) { return head.Has(what) && head.Get<uint32_t>(what) == 0; };
@@ -178,12 +178,13 @@ void BagReader::ListChannels() {
 }
 
 BagReader::Chunk BagReader::ReadChunkHead(uint64_t offset) const {
-  if (offset >= file_.size()) throw DatasetError("a chunk would lie behind the end of the file: it is damaged");
+  if (offset >= file_.size()) throw DatasetError("a chunk would begin after the end of the file: it is damaged");
   const Bytes begin = file_.ReadAt(offset, std::min(kUsualHeadBytes, file_.size() - offset), "a chunk");
   RecordFields bytes(begin);
   const auto head_bytes = bytes.Get<uint32_t>();
   const NamedFields head(bytes.Take(head_bytes));
-  if (head.op() != BagRecord::kChunk) throw DatasetError("a chunk is not where the index says: the file is damaged");
+  if (head.op() != BagRecord::kChunk)
+    throw DatasetError("a chunk is not at its position in the index: the file is damaged");
   Chunk chunk;
   chunk.offset = offset;
   chunk.compression = head.Text("compression");
@@ -337,7 +338,7 @@ std::vector<uint8_t> BagReader::ReadBegin(const RecordedMessage& message, uint64
   const Bytes begin = file_.ReadAt(*at, std::min(kUsualHeadBytes + n, left), "a message");
   RecordFields bytes(begin);
   if (NamedFields(bytes.Take(bytes.Get<uint32_t>())).op() != BagRecord::kMessage) {
-    throw DatasetError("a message is not where the index says: the file is damaged");
+    throw DatasetError("a message is not at its position in the index: the file is damaged");
   }
   const uint64_t content_bytes = bytes.Get<uint32_t>();
   const auto content = bytes.Take(std::min({n, content_bytes, uint64_t{bytes.rest().size()}}));

@@ -24,7 +24,7 @@ namespace {
 constexpr size_t kChunksKept = 4;
 
 [[noreturn]] void FailAsDamaged(const char* compression, const char* why) {
-  throw DatasetError(fmt::format("a chunk is damaged: {} says '{}'", compression, why));
+  throw DatasetError(fmt::format("a chunk is damaged: {} reports '{}'", compression, why));
 }
 
 uint64_t Unzstd(std::span<const uint8_t> in, std::vector<uint8_t>& out) {
@@ -46,7 +46,7 @@ uint64_t Unlz4(std::span<const uint8_t> in, std::vector<uint8_t>& out) {
     if (LZ4F_isError(result) != 0U) FailAsDamaged("lz4", LZ4F_getErrorName(result));
     in_done += in_bytes;
     out_done += out_bytes;
-    if (in_bytes == 0 && out_bytes == 0) FailAsDamaged("lz4", "more bytes than the chunk should have");
+    if (in_bytes == 0 && out_bytes == 0) FailAsDamaged("lz4", "more bytes than the size of the chunk");
   }
   return out_done;
 }
@@ -57,7 +57,7 @@ uint64_t Unbz2(std::span<const uint8_t> in, std::vector<uint8_t>& out) {
   auto* const from = const_cast<char*>(reinterpret_cast<const char*>(in.data()));  // NOLINT
   const int result = BZ2_bzBuffToBuffDecompress(reinterpret_cast<char*>(out.data()), &n, from,
                                                 static_cast<unsigned>(in.size()), 0, 0);
-  if (result == BZ_OUTBUFF_FULL) FailAsDamaged("bz2", "more bytes than the chunk should have");
+  if (result == BZ_OUTBUFF_FULL) FailAsDamaged("bz2", "more bytes than the size of the chunk");
   if (result != BZ_OK) FailAsDamaged("bz2", fmt::format("error {}", result).c_str());
   return n;
 }
@@ -86,7 +86,7 @@ RecordingFile::~RecordingFile() { close(fd_); }
 
 std::vector<uint8_t> RecordingFile::ReadAt(uint64_t offset, uint64_t n, const char* what) const {
   if (offset > size_ || n > size_ - offset) {
-    throw DatasetError(fmt::format("{} would lie behind the end of the file: it is damaged or cut off", what));
+    throw DatasetError(fmt::format("{} would begin after the end of the file: it is damaged or truncated", what));
   }
   std::vector<uint8_t> bytes =
       WithMemoryFor(fmt::format("{} of {} bytes", what, n), [&] { return std::vector<uint8_t>(n); });
@@ -125,7 +125,8 @@ std::vector<uint8_t> DecompressChunk(const std::string& compression, std::span<c
   const auto* const codec =
       std::find_if(kCodecs.begin(), kCodecs.end(), [&](const Codec& c) { return c.name == compression; });
   if (codec == kCodecs.end()) {
-    throw DatasetError(fmt::format("its chunks are compressed by '{}', not by lz4, zstd or bz2", Shown(compression)));
+    throw DatasetError(
+        fmt::format("its chunks are compressed with '{}', not with lz4, zstd or bz2", Shown(compression)));
   }
   constexpr uint64_t kMostOfLz4 = 255;  // bytes that one byte of it can give; the others have no such bound
   if (compression == "lz4" && n > kMostOfLz4 * bytes.size()) FailAsDamaged("lz4", "another length");

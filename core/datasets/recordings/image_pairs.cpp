@@ -44,7 +44,7 @@ bool PairBy(MessageClock clock, const Topic& left_topic, const Topic& right_topi
   images->step_ns = step_ns;
   notes->insert(notes->end(), found.begin(), found.end());
   if (pairs.size() < left.size()) {
-    notes->push_back(fmt::format("{} images of {} have no partner in time and are passed over",
+    notes->push_back(fmt::format("{} images of {} have no partner in time and are skipped",
                                  left.size() - pairs.size(), left_topic.name));
   }
   return true;
@@ -65,19 +65,19 @@ ImagePairs PairImages(const Recording& recording, const std::string& left_topic,
     const std::string complaint = StampComplaint(topic->messages);
     if (complaint.empty() || images.clock == MessageClock::kLog) continue;
     images.clock = MessageClock::kLog;
-    notes->push_back(fmt::format("header stamps of {} {}: images are played by the times at which they were logged",
-                                 topic->name, complaint));
+    notes->push_back(
+        fmt::format("header stamps of {} {}: images are played by their log times", topic->name, complaint));
   }
   if (PairBy(images.clock, left, right, &images, notes)) return images;
   if (images.clock == MessageClock::kStamp && PairBy(MessageClock::kLog, left, right, &images, notes)) {
     notes->push_back(
-        fmt::format("no header stamp of {} is near one of {} (the first are {} s and {} s), as if of two "
-                    "clocks: images are played by the times at which they were logged",
+        fmt::format("no header stamp of {} is near one of {} (the first are {} s and {} s), as if from two clocks: "
+                    "images are played by their log times",
                     left.name, right.name, SecondsText(left.messages.front().stamp_ns),
                     SecondsText(right.messages.front().stamp_ns)));
     return images;
   }
-  throw DatasetError(fmt::format("{} has {} images and {} has {}, but no two of one moment", left.name,
+  throw DatasetError(fmt::format("{} has {} images and {} has {}, but no two at the same time", left.name,
                                  left.messages.size(), right.name, right.messages.size()));
 }
 

@@ -25,7 +25,7 @@ constexpr uint64_t kUsualIndexBytes = 1024;
 Fields ContentOf(std::span<const uint8_t> record, McapRecord kind, const char* what) {
   Fields fields(record);
   if (fields.Get<uint8_t>() != static_cast<uint8_t>(kind)) {
-    throw DatasetError(fmt::format("{} is not where the index says: the file is damaged", what));
+    throw DatasetError(fmt::format("{} is not at its position in the index: the file is damaged", what));
   }
   return Fields(fields.Take(fields.Get<uint64_t>()));
 }
@@ -50,7 +50,7 @@ void ForEachRecord(std::span<const uint8_t> bytes, Take take) {
 
 /// Returns the content of the message whose record begins at `offset`.
 std::span<const uint8_t> ContentIn(std::span<const uint8_t> bytes, uint64_t offset) {
-  if (offset > bytes.size()) throw DatasetError("a message would lie behind its chunk: the file is damaged");
+  if (offset > bytes.size()) throw DatasetError("a message would end after its chunk: the file is damaged");
   Fields fields = ContentOf(bytes.subspan(offset), McapRecord::kMessage, "a message");
   fields.Take(kMessageHeadBytes);
   return fields.rest();
@@ -111,17 +111,17 @@ McapReader::McapReader(const std::string& path, const std::string& why_scan) : f
 void McapReader::CheckMagic() const {
   const Bytes begin = file_.ReadAt(0, std::min<uint64_t>(file_.size(), kMcapMagic.size()), "the head");
   const std::string_view text(reinterpret_cast<const char*>(begin.data()), begin.size());
-  if (text.empty()) throw DatasetError("is empty (0 bytes), and no MCAP file: record it again");
+  if (text.empty()) throw DatasetError("is empty (0 bytes), not an MCAP file: record it again");
   if (text == kMcapMagic) return;
   throw DatasetError(
-      fmt::format("is no MCAP file, since it begins with '{}': name one that `ros2 bag record -s mcap` "
-                  "wrote, or the kind that it is of (--kind)",
+      fmt::format("is not an MCAP file, because it begins with '{}': give a file written by `ros2 bag record -s "
+                  "mcap`, or its format (--kind)",
                   Shown(text)));
 }
 
 std::string McapReader::ReadSummary() {
   const uint64_t end_bytes = kFooterBytes + kMcapMagic.size();
-  const char* const unclosed = "has no index, since its recorder did not close it, or it is cut off";
+  const char* const unclosed = "has no index, because its recorder did not close it or it is truncated";
   if (file_.size() < kMcapMagic.size() + end_bytes) return unclosed;
   const Bytes end = file_.ReadAt(file_.size() - end_bytes, end_bytes, "the footer");
   if (std::memcmp(end.data() + kFooterBytes, kMcapMagic.data(), kMcapMagic.size()) != 0) return unclosed;
@@ -181,7 +181,7 @@ std::string McapReader::Parse(std::span<const uint8_t> summary) {
 std::string McapReader::WhatIsMissing(bool all_schemas) const {
   if (chunks_.empty()) return is_empty_ ? "" : "has no index of chunks";
   if (n_chunks_.value_or(0) > chunks_.size()) {
-    return fmt::format("has an index of {} chunks, and should have {}", chunks_.size(), *n_chunks_);
+    return fmt::format("has an index of {} chunks instead of {}", chunks_.size(), *n_chunks_);
   }
   std::set<uint32_t> ids;
   for (const RecordedChannel& channel : channels_) ids.insert(channel.id);
@@ -189,7 +189,7 @@ std::string McapReader::WhatIsMissing(bool all_schemas) const {
     if (chunk.indices.empty()) return "has no index of messages";
     const bool known = std::all_of(chunk.indices.begin(), chunk.indices.end(),
                                    [&](const auto& index) { return ids.contains(index.first); });
-    if (!known || !all_schemas) return "has an index that does not name all topics and types";
+    if (!known || !all_schemas) return "has an index that does not list all topics and types";
   }
   return {};
 }
@@ -207,7 +207,8 @@ void McapReader::Scan(const std::string& why) {
   };
   const auto end = [&](uint64_t at) {
     const Bytes head = file_.ReadAt(at, kRecordHeadBytes, "a record");
-    if (head.front() == 0) throw DatasetError("no record is of kind 0");  // zeros, as a power cut leaves them
+    if (head.front() == 0)
+      throw DatasetError("a record has the invalid type 0");  // zeros, as a power cut leaves them
     return at + kRecordHeadBytes + Fields(std::span(head).subspan(1)).Get<uint64_t>();
   };
   const auto take = [&](uint64_t at, uint64_t record_end) {
@@ -276,7 +277,7 @@ void McapReader::AppendMessages(uint32_t chunk, const RecordedChannel& channel,
   if (length > file_.size()) throw DatasetError("an index of messages is longer than the file: it is damaged");
   const Bytes record = file_.ReadAt(at->second, kRecordHeadBytes + length, "an index of messages");
   Fields fields = ContentOf(record, McapRecord::kMessageIndex, "an index of messages");
-  if (fields.Get<uint16_t>() != channel.id) throw DatasetError("an index of messages is of another channel");
+  if (fields.Get<uint16_t>() != channel.id) throw DatasetError("an index of messages is for another channel");
   for (Fields entries(fields.Take(fields.Get<uint32_t>())); !entries.empty();) {
     const auto t_ns = entries.Get<int64_t>();
     messages.push_back({t_ns, RecordedMessage::kNotRead, chunk, entries.Get<uint64_t>()});
@@ -325,7 +326,7 @@ std::vector<uint8_t> McapReader::ReadBegin(const RecordedMessage& message, uint6
   const Bytes begin = file_.ReadAt(*at, std::min(head_bytes + n, std::max(left, head_bytes)), "a message");
   Fields fields(begin);
   if (fields.Get<uint8_t>() != static_cast<uint8_t>(McapRecord::kMessage)) {
-    throw DatasetError("a message is not where the index says: the file is damaged");
+    throw DatasetError("a message is not at its position in the index: the file is damaged");
   }
   const auto length = fields.Get<uint64_t>();
   fields.Take(kMessageHeadBytes);

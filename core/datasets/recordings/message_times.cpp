@@ -206,7 +206,7 @@ std::string StampComplaint(const Messages& messages) {
   std::sort(stamps_ns.begin(), stamps_ns.end());
   stamps_ns.erase(std::unique(stamps_ns.begin(), stamps_ns.end()), stamps_ns.end());
   if (stamps_ns.back() == 0) return "are all zero";
-  if (stamps_ns.size() == 1 && n_read > 1) return "are all the same";
+  if (stamps_ns.size() == 1 && n_read > 1) return "are all equal";
   if (kLeastStampShare * stamps_ns.size() >= n_read) return "";
   return fmt::format("have {} values in {} messages", stamps_ns.size(), n_read);
 }
@@ -273,8 +273,7 @@ int64_t RemoveEqual(Messages& messages) {
 Messages InOrderOfTime(Messages messages, MessageClock clock, const std::string& topic,
                        std::vector<std::string>* notes) {
   const auto note = [&](int64_t n, const char* reason) {
-    if (n > 0)
-      notes->push_back(fmt::format("{} message{} of {} passed over: {}", n, n == 1 ? "" : "s", topic, reason));
+    if (n > 0) notes->push_back(fmt::format("{} message{} of {} skipped: {}", n, n == 1 ? "" : "s", topic, reason));
   };
   const bool by_stamp = clock == MessageClock::kStamp;
   if (by_stamp) {
@@ -291,12 +290,13 @@ Messages InOrderOfTime(Messages messages, MessageClock clock, const std::string&
   const SetBack set_back = FindSetBack(times_ns);
   if (set_back.n > 0) {
     notes->push_back(fmt::format(
-        "{} of {} go back by {} s at {} s, since a clock was set{}: play the parts before and after alone (--start, "
+        "{} of {} go back by {} s at {} s because a clock was set{}: play the parts before and after separately "
+        "(--start, "
         "--stop)",
-        by_stamp ? "header stamps" : "times of logging", topic, SecondsText(set_back.before_ns - set_back.after_ns),
+        by_stamp ? "header stamps" : "log times", topic, SecondsText(set_back.before_ns - set_back.after_ns),
         SecondsText(set_back.before_ns), set_back.n == 1 ? "" : fmt::format(" ({} times)", set_back.n)));
   }
-  if (set_back.repeats) note(KeepLatest(messages), "not later than the ones before");
+  if (set_back.repeats) note(KeepLatest(messages), "not later than the previous ones");
   std::stable_sort(messages.begin(), messages.end(),
                    [](const RecordedMessage& a, const RecordedMessage& b) { return a.t_ns < b.t_ns; });
   note(RemoveEqual(messages), "another one has the same time");

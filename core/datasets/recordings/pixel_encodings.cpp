@@ -87,7 +87,7 @@ void SwapBytes(cv::Mat& pixels) {
 /// The pixels as they are, without padding.
 cv::Mat PixelsOf(const RosPixels& image, const Encoding& encoding, const cv::Size& expected) {
   if (image.width_px != expected.width || image.height_px != expected.height) {
-    throw DatasetError(fmt::format("has {} x {} pixels where {} x {} are expected", image.width_px, image.height_px,
+    throw DatasetError(fmt::format("has {} x {} pixels instead of {} x {}", image.width_px, image.height_px,
                                    expected.width, expected.height));
   }
   const int64_t row_bytes = int64_t{expected.width} * CV_ELEM_SIZE(encoding.type);
@@ -143,7 +143,7 @@ cv::Mat Converted(const cv::Mat& pixels, Conversion conversion) {
 std::string PixelEncodingComplaint(const std::string& encoding) {
   if (FindEncoding(encoding) != nullptr) return "";
   return fmt::format(
-      "its images are encoded as '{}', not as mono, bgr, rgb, bgra, rgba or bayer of 8 or 16 bits, nor as YUV (yuyv, "
+      "its images are encoded as '{}', not as mono, bgr, rgb, bgra, rgba or bayer of 8 or 16 bits, or as YUV (yuyv, "
       "uyvy, nv12, nv21, nv16, nv24, i420): convert them (image_proc, cv_bridge)",
       Shown(encoding));
 }

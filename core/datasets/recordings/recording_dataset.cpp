@@ -45,7 +45,7 @@ Location TakeApart(const std::string& location) {
     const std::string key(option.substr(0, option.find('=')));
     static const std::set<std::string> kKnown{"left", "right", "truth", "camera"};
     if (!kKnown.contains(key) || key.size() == option.size()) {
-      throw DatasetError(fmt::format("{}: '{}' is none of left=TOPIC, right=TOPIC, truth=TOPIC, camera=FILE",
+      throw DatasetError(fmt::format("{}: '{}' is not one of left=TOPIC, right=TOPIC, truth=TOPIC, camera=FILE",
                                      parts.file, Shown(option)));
     }
     parts.options[key] = option.substr(key.size() + 1);
@@ -151,7 +151,7 @@ class RecordingDataset : public Dataset {
           .insert(fmt::format("{} ({} in {})", channel.topic, channel.type, channel.encoding));
     }
     if (!images.empty()) return "its image topics are " + ListOf(images);
-    const std::string none = "it has no images of ROS (sensor_msgs/Image or CompressedImage)";
+    const std::string none = "it has no ROS images (sensor_msgs/Image or CompressedImage)";
     if (!other_images.empty()) return none + ", but " + ListOf(other_images);
     if (others.empty() && reader_->Notes().empty()) return "it has no messages";
     return others.empty() ? "it has no topics at all" : none + "; its topics are " + ListOf(others);
@@ -166,7 +166,7 @@ class RecordingDataset : public Dataset {
 
   void ChooseTopics() {
     if (options_.contains("left") != options_.contains("right")) {
-      throw DatasetError("left=TOPIC and right=TOPIC are given together");
+      throw DatasetError("left=TOPIC and right=TOPIC must be given together");
     }
     if (options_.contains("left")) {
       left_ = Given("left", IsImage, "images");
@@ -190,8 +190,8 @@ class RecordingDataset : public Dataset {
         throw DatasetError("has nothing to play: " + TopicsThatAreThere());
       }
       throw DatasetError(fmt::format(
-          "no two image topics are called left and right, cam0 and cam1, infra1 and infra2, or image_0 and image_1; "
-          "{}: name two of them, --topics LEFT RIGHT (or FILE?left=LEFT&right=RIGHT)",
+          "no two image topics are named left and right, cam0 and cam1, infra1 and infra2, or image_0 and image_1; "
+          "{}: give two of them, --topics LEFT RIGHT (or FILE?left=LEFT&right=RIGHT)",
           TopicsThatAreThere()));
     }
     // Prefer images without lossy compression.
@@ -202,7 +202,7 @@ class RecordingDataset : public Dataset {
     std::tie(left_, right_) = found.front();
     if (found.back().first.topic != left_.topic) {
       notes_.push_back(
-          fmt::format("of several pairs of image topics {} and {} are played", left_.topic, right_.topic));
+          fmt::format("there are several pairs of image topics: {} and {} are played", left_.topic, right_.topic));
     }
   }
 
@@ -260,7 +260,7 @@ class RecordingDataset : public Dataset {
                         InPixelsOfImages(CameraInfoOf(right_.topic), right_size), rectified);
     } catch (const DatasetError& error) {
       throw DatasetError(
-          fmt::format("{}: name a camera file (docs/datasets.md), FILE?camera=camera.yaml", error.what()));
+          fmt::format("{}: give a camera file (docs/datasets.md), FILE?camera=camera.yaml", error.what()));
     }
   }
 
@@ -269,14 +269,14 @@ class RecordingDataset : public Dataset {
       const ImageSize size = ImageSizes().first;
       rig_ = ReadCameraFile(given->second, size, &notes_);
       if (size != ImageSize{} && size != ImageSize{rig_.left.width_px, rig_.left.height_px}) {
-        throw DatasetError(fmt::format("{} is of {} x {} pixels, but the images of {} have {} x {}", given->second,
+        throw DatasetError(fmt::format("{} is for {} x {} pixels, but the images of {} have {} x {}", given->second,
                                        rig_.left.width_px, rig_.left.height_px, left_.topic, size.width_px,
                                        size.height_px));
       }
     } else {
       rig_ = RecordedRig();
       NoteLongBaseline("camera_info", rig_,
-                       "P[3] is in metres times pixels; where it is not, name a camera file (docs/datasets.md), "
+                       "P[3] is in metres times pixels; if it is not, give a camera file (docs/datasets.md), "
                        "FILE?camera=camera.yaml",
                        &notes_);
     }
@@ -306,8 +306,8 @@ class RecordingDataset : public Dataset {
     const std::string complaint = images_.clock == MessageClock::kStamp ? StampComplaint(messages) : "";
     if (!complaint.empty()) {
       notes_.push_back(
-          fmt::format("header stamps of {} {}: its poses have the times at which they were logged, plus "
-                      "the {} s by which stamps of {} differ from those",
+          fmt::format("header stamps of {} {}: its poses have their log times, plus the {} s by which stamps of {} "
+                      "differ from log times",
                       chosen.topic, complaint, SecondsText(images_.stamp_offset_ns), left_.topic));
       for (RecordedMessage& message : messages) message.stamp_ns = RecordedMessage::kNotRead;
       StampByLogTime(images_.stamp_offset_ns, &messages);

@@ -60,7 +60,7 @@ RosCameraInfo ParseCameraInfo(std::span<const uint8_t> message, RosEncoding enco
   info.model = reader.Text();
   const auto n = reader.Get<uint32_t>();
   constexpr uint32_t kMostCoefficients = 64;
-  if (n > kMostCoefficients) throw DatasetError(fmt::format("has {} coefficients of distortion", n));
+  if (n > kMostCoefficients) throw DatasetError(fmt::format("has {} distortion coefficients", n));
   for (uint32_t i = 0; i < n; ++i) info.distortion.push_back(reader.Get<double>());
   info.K = GetRows<Eigen::Matrix3d>(reader);
   info.R = GetRows<Eigen::Matrix3d>(reader);
@@ -123,7 +123,7 @@ SE3 ParsePose(std::string_view type, std::span<const uint8_t> message, RosEncodi
   const Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
   const SE3 pose = SE3::FromUnit(q, {v[0], v[1], v[2]});
   if (!pose.IsFinite() || std::abs(q.norm() - 1.0) > 1e-2)
-    throw DatasetError("a pose is none: not finite, or not unit");
+    throw DatasetError("a pose is invalid: not finite, or its quaternion has not unit length");
   return {q, pose.translation()};
 }
 

@@ -33,7 +33,7 @@ class RosReader {
       : bytes_(message), is_cdr_(encoding == RosEncoding::kCdr), at_(is_cdr_ ? kCdrHeadBytes : 0) {
     constexpr uint8_t kLittleEndian = 1;
     if (is_cdr_ && (bytes_.size() < kCdrHeadBytes || bytes_[0] != 0 || bytes_[1] != kLittleEndian)) {
-      throw DatasetError("the message is not plain CDR of little-endian machines");
+      throw DatasetError("the message is not plain little-endian CDR");
     }
   }
 

@@ -63,18 +63,19 @@ void ScannedIndex::Scan(const RecordingFile& file, uint64_t from, const Records&
   taken_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   is_made_ = true;
   note_ = fmt::format(
-      "{}: all of its {} were read to find the messages, which took {:.1f} s each time it is opened; "
-      "{} writes an index",
+      "{}: all of its {} were read to find the messages, which took {:.1f} s each time it is opened; {} writes an "
+      "index",
       why, Megabytes(file.size()), taken_s_, repair);
   if (found.whole_bytes < file.size()) {
     const uint64_t rest = file.size() - found.whole_bytes;
-    note_ += fmt::format("; its last {} bytes are not played, since they are of a record that ", rest);
+    note_ += fmt::format("; its last {} bytes are not played because they belong to a record that ", rest);
     const bool is_cut = found.missing_bytes > 0 && found.missing_bytes <= kMaxChunkBytes;
-    note_ += is_cut ? fmt::format("is cut off ({} bytes are missing)", found.missing_bytes) : "is cut off or damaged";
+    note_ +=
+        is_cut ? fmt::format("is truncated ({} bytes are missing)", found.missing_bytes) : "is truncated or damaged";
   }
   if (found.n_damaged > 0) {
-    note_ += fmt::format("; damaged chunks or records passed over: {} (the first: {})", found.n_damaged,
-                         found.first_damage);
+    note_ +=
+        fmt::format("; damaged chunks or records skipped: {} (the first: {})", found.n_damaged, found.first_damage);
   }
 }
 
@@ -85,7 +86,7 @@ void ScannedIndex::Add(uint32_t channel, const RecordedMessage& message) {
 
 void ScannedIndex::Spend(uint64_t& left, uint64_t n, const char* what) {
   is_spent_ = n > left;
-  if (is_spent_) throw DatasetError(fmt::format("there are more {} than the file can have: it is damaged", what));
+  if (is_spent_) throw DatasetError(fmt::format("there are more {} than the file can contain: it is damaged", what));
   left -= n;
 }
 

@@ -154,7 +154,7 @@ void ParseBody(const std::string& value, Options& options) {
 void CompleteBodies(const std::set<std::string>& given, Options& options) {
   if (!given.contains("bodies")) {
     if (given.contains("share") && !given.contains("body")) {
-      throw DatasetError("synthetic: option share= is the size of bodies, of which there are none; add bodies=1");
+      throw DatasetError("synthetic: option share= is the size of bodies, but there are none; add bodies=1");
     }
     options.bodies = !given.contains("body") ? 0 : options.body == BodyMotion::kCrowd ? kCrowd : 1;
   }
@@ -163,7 +163,8 @@ void CompleteBodies(const std::set<std::string>& given, Options& options) {
   }
   if (options.standing && options.body == BodyMotion::kLead) {
     throw DatasetError(
-        "synthetic: body=lead moves as the camera does, which stands with standing=1; use body=cross, overtake, stop "
+        "synthetic: body=lead moves like the camera, which stands still with standing=1; use body=cross, overtake, "
+        "stop "
         "or crowd");
   }
 }

@@ -66,7 +66,7 @@ SE3 PoseOfKitti(const Line& line, const std::vector<double>& n) {
 void AddPose(const Line& line, const std::vector<double>& numbers, size_t columns, FilePoses& out) {
   if (numbers.size() != columns || (columns != 8 && columns != 12)) {
     line.Fail("has " + std::to_string(numbers.size()) +
-              " numbers; a pose has 8 (TUM) or 12 (KITTI), the same on every line");
+              " numbers; a pose has 8 (TUM) or 12 (KITTI), the same number on every line");
   }
   if (out.T_w_c.size() >= kMaxPoses) {
     line.Fail("more than " + std::to_string(kMaxPoses) + " poses");
@@ -78,7 +78,7 @@ void AddPose(const Line& line, const std::vector<double>& numbers, size_t column
   out.T_w_c.push_back(pose);
   if (columns == 8) {
     if (std::abs(numbers[0]) > 9e9) {
-      line.Fail("the time " + std::to_string(numbers[0]) + " s does not fit into nanoseconds");
+      line.Fail("the time " + std::to_string(numbers[0]) + " s cannot be represented in nanoseconds");
     }
     const auto t_ns = static_cast<int64_t>(std::floor(numbers[0] * 1e9 + 0.5));
     if (!out.t_ns.empty() && t_ns <= out.t_ns.back()) {
@@ -108,7 +108,7 @@ FilePoses ReadPoses(const std::string& path) {
     AddPose(line, numbers, columns, poses);
   }
   if (poses.T_w_c.empty()) {
-    throw DatasetError(path + ": the trajectory file holds no pose");
+    throw DatasetError(path + ": the trajectory file contains no pose");
   }
   return poses;
 }

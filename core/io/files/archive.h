@@ -149,7 +149,7 @@ class Reader {
   uint64_t ReadCount(size_t min_bytes) {
     uint64_t n = 0;
     Read(n);
-    if (n > bytes_.size() / min_bytes) throw std::runtime_error("the content promises more than it has");
+    if (n > bytes_.size() / min_bytes) throw std::runtime_error("the content is shorter than it states");
     return n;
   }
 
@@ -157,7 +157,7 @@ class Reader {
 
  private:
   void Copy(void* to, size_t n) {
-    if (bytes_.size() < n) throw std::runtime_error("the content ends too early");
+    if (bytes_.size() < n) throw std::runtime_error("the content is truncated");
     if (n > 0) std::memcpy(to, bytes_.data(), n);
     bytes_ = bytes_.subspan(n);
   }
@@ -254,7 +254,7 @@ template <class... T>
 void FromBytes(std::span<const uint8_t> bytes, T&... values) {
   Reader read(bytes);
   read(values...);
-  if (!read.AtEnd()) throw std::runtime_error("the content is longer than its header says");
+  if (!read.AtEnd()) throw std::runtime_error("the content is longer than stated in its header");
 }
 
 }  // namespace plslam::archive

@@ -62,7 +62,7 @@ void MakeFolder(const std::string& folder) {
   if (folder.empty()) return;
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw std::runtime_error(folder + ": cannot be made a folder: " + error.message());
+  if (error) throw std::runtime_error(folder + ": the folder cannot be created: " + error.message());
 }
 
 }  // namespace plslam

@@ -55,8 +55,8 @@ FolderLock::FolderLock(const std::string& folder) : file_(open(folder.c_str(), O
   const std::string who = holders.empty()
                               ? "another process"
                               : fmt::format("process {} ({})", holders.front(), CommandLine(holders.front()));
-  throw std::runtime_error(
-      fmt::format("{}: {} writes its results there: name another folder, or wait until it has ended", folder, who));
+  throw std::runtime_error(fmt::format(
+      "{}: {} is writing its results there: give another folder, or wait until it has exited", folder, who));
 }
 
 FolderLock::~FolderLock() { close(file_); }

@@ -65,7 +65,7 @@ std::shared_ptr<const MappedFile> MappedFile::Open(const std::string& path) {
   auto mapped = is_file ? Map(file, static_cast<size_t>(status.st_size)) : nullptr;
   const int reason = errno;
   if (file >= 0) ::close(file);
-  if (file >= 0 && !is_file) throw std::runtime_error("is no regular file");
+  if (file >= 0 && !is_file) throw std::runtime_error("is not a regular file");
   if (mapped == nullptr) throw std::runtime_error("cannot be read: " + ReasonOf(reason));
   return mapped;
 }

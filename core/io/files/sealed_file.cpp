@@ -75,12 +75,12 @@ Seal MakeSeal(const FileKind& kind, std::span<const uint8_t> content) {
 
 Seal CheckKind(const FileKind& kind, std::span<const uint8_t> bytes) {
   Seal seal;
-  if (bytes.size() < sizeof(Seal)) throw std::runtime_error(fmt::format("is no {} (too short)", kind.name));
+  if (bytes.size() < sizeof(Seal)) throw std::runtime_error(fmt::format("is not a {} (too short)", kind.name));
   std::memcpy(&seal, bytes.data(), sizeof(Seal));
-  if (seal.magic != kind.magic) throw std::runtime_error(fmt::format("is no {}", kind.name));
+  if (seal.magic != kind.magic) throw std::runtime_error(fmt::format("is not a {}", kind.name));
   if (seal.format < kind.oldest_format || seal.format > kind.format) {
     const bool one = kind.oldest_format == kind.format;
-    throw std::runtime_error(fmt::format("is a {} of format {}, and this program knows {}", kind.name, seal.format,
+    throw std::runtime_error(fmt::format("is a {} of format {}, but this program reads {}", kind.name, seal.format,
                                          one ? fmt::format("format {}", kind.format)
                                              : fmt::format("formats {} to {}", kind.oldest_format, kind.format)));
   }
@@ -90,7 +90,7 @@ Seal CheckKind(const FileKind& kind, std::span<const uint8_t> bytes) {
 Seal ReadSeal(const FileKind& kind, std::span<const uint8_t> bytes, uint64_t file_length) {
   const Seal seal = CheckKind(kind, bytes);
   if (seal.length != file_length - sizeof(Seal)) {
-    throw std::runtime_error(fmt::format("has {} bytes of content, and should have {}: it was cut off or damaged",
+    throw std::runtime_error(fmt::format("has {} bytes of content instead of {}: it was truncated or damaged",
                                          file_length - sizeof(Seal), seal.length));
   }
   return seal;
@@ -104,7 +104,7 @@ SealedFileReader::SealedFileReader(const std::string& path, const FileKind& kind
   std::error_code error;
   const std::string why = WhyUnreadable(path);
   if (!why.empty()) throw std::runtime_error(why);
-  if (!std::filesystem::is_regular_file(path, error)) throw std::runtime_error("is no regular file");
+  if (!std::filesystem::is_regular_file(path, error)) throw std::runtime_error("is not a regular file");
   file_.open(path, std::ios::binary | std::ios::ate);
   if (!file_) throw std::runtime_error("cannot be read: " + ReasonOf(errno));
   const auto length = static_cast<uint64_t>(file_.tellg());

@@ -115,7 +115,7 @@ const char* UnitOfTime(const Decimal& decimal) {
 
 std::string_view ReadLine(std::ifstream& file, const std::string& path, int line, std::vector<char>& buffer) {
   file.getline(buffer.data(), static_cast<std::streamsize>(buffer.size()));
-  if (file.bad()) throw std::runtime_error(fmt::format("{}:{}: the file cannot be read further", path, line));
+  if (file.bad()) throw std::runtime_error(fmt::format("{}:{}: the rest of the file cannot be read", path, line));
   if (file.fail() && !file.eof()) {
     throw std::runtime_error(fmt::format("{}:{}: the line has more than {} characters: '{}'", path, line,
                                          kMaxLineLength, Shown(buffer.data())));
@@ -123,7 +123,7 @@ std::string_view ReadLine(std::ifstream& file, const std::string& path, int line
   const std::streamsize end_of_line = file.eof() ? 0 : 1;
   std::string_view text(buffer.data(), static_cast<size_t>(file.gcount() - end_of_line));
   if (text.find('\0') != std::string_view::npos) {
-    throw std::runtime_error(fmt::format("{}:{}: is no text, but binary: '{}'", path, line, Shown(text)));
+    throw std::runtime_error(fmt::format("{}:{}: is not text, but binary: '{}'", path, line, Shown(text)));
   }
   if (line == 1 && text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   return text;

@@ -73,7 +73,7 @@ std::string WhyNoHeader(std::span<const uint8_t> bytes) {
   if (IsGitLfsPointer(start)) return kGitLfsPointer;
   for (const char* known : {"\x89PNG", "\xff\xd8", "P5"}) {
     if (start.starts_with(known)) {
-      return fmt::format("begins as an image, but its header is damaged or cut off ({} bytes)", bytes.size());
+      return fmt::format("begins like an image, but its header is damaged or truncated ({} bytes)", bytes.size());
     }
   }
   std::string found = fmt::format("it begins with '{}'", Shown(start.substr(0, 8)));
@@ -88,7 +88,7 @@ ImageHeader CheckedHeader(const std::string& path, std::span<const uint8_t> byte
   if (!header) Fail(path, WhyNoHeader(bytes));
   if (header->width_px < 1 || header->height_px < 1 || header->width_px > kMaxImagePixels ||
       header->height_px > kMaxImagePixels || header->width_px * header->height_px > kMaxImagePixels) {
-    Fail(path, fmt::format("has {} x {} pixels by its header, which is none or more than {} (8192 x 8192)",
+    Fail(path, fmt::format("has {} x {} pixels according to its header, which is zero or more than {} (8192 x 8192)",
                            header->width_px, header->height_px, kMaxImagePixels));
   }
   return *header;
@@ -126,7 +126,7 @@ cv::Mat DecodeImage(const std::string& path, const ImageHeader& header, std::spa
     if (IsOfMemory(e)) Fail(path, fmt::format("{} x {} pixels: {}", size.width, size.height, SentenceOf(e)));
     Fail(path, fmt::format("the image is damaged and cannot be decoded: {}", e.what()));
   }
-  Fail(path, "is of no known format");
+  Fail(path, "is not in a known format");
 }
 
 // Grey values of a PGM may end at any number; black to white is the whole range of the pixels here.
@@ -144,7 +144,7 @@ struct DecodedImage {
 DecodedImage DecodeWhole(const std::string& path, std::span<const uint8_t> bytes, const ImageSize& expected) {
   const ImageHeader header = CheckedHeader(path, bytes);
   if (header.width_px != expected.width_px || header.height_px != expected.height_px) {
-    Fail(path, fmt::format("has {} x {} pixels where {} x {} are expected", header.width_px, header.height_px,
+    Fail(path, fmt::format("has {} x {} pixels instead of {} x {}", header.width_px, header.height_px,
                            expected.width_px, expected.height_px));
   }
   if (!IsComplete(header, bytes)) Fail(path, fmt::format("the image is truncated after {} bytes", bytes.size()));
@@ -237,7 +237,7 @@ cv::Mat ReadGreyImage(const std::string& path) { return ReadGreyImage(path, Read
 cv::Mat ReadDepthImage(const std::string& path, const ImageSize& expected) {
   cv::Mat image = ReadImage(path, expected).pixels;
   if (image.type() != CV_16UC1) {
-    Fail(path, fmt::format("a depth map has one channel of 16 bits, this image {} of {}", image.channels(),
+    Fail(path, fmt::format("a depth map has one channel of 16 bits, but this image has {} of {}", image.channels(),
                            8 * image.elemSize1()));
   }
   return image;

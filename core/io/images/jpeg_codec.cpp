@@ -41,7 +41,7 @@ void SayNothingOfJpeg(j_common_ptr /*jpeg*/) {}
 }
 
 boolean EndOfJpegBytes(j_decompress_ptr jpeg) {
-  GiveUpJpegFor(reinterpret_cast<j_common_ptr>(jpeg), "it ends too early");
+  GiveUpJpegFor(reinterpret_cast<j_common_ptr>(jpeg), "it is truncated");
 }
 
 void LimitJpegScans(j_common_ptr jpeg) {
@@ -102,7 +102,7 @@ void BeginJpegSink(j_compress_ptr jpeg) {
 void EmptyJpegSink(j_compress_ptr jpeg, size_t n) {
   const auto& sink = *reinterpret_cast<JpegSink*>(jpeg->dest);
   if (!AppendBytes(*sink.file, sink.waiting, n)) {
-    GiveUpJpegFor(reinterpret_cast<j_common_ptr>(jpeg), "no memory is left");
+    GiveUpJpegFor(reinterpret_cast<j_common_ptr>(jpeg), "out of memory");
   }
   BeginJpegSink(jpeg);
 }
@@ -169,7 +169,7 @@ cv::Mat DecodeJpeg(std::span<const uint8_t> bytes, cv::Size size) {
 
 std::string EncodeJpeg(const cv::Mat& grey, int quality) {
   if (grey.empty() || grey.type() != CV_8UC1 || grey.cols > JPEG_MAX_DIMENSION || grey.rows > JPEG_MAX_DIMENSION) {
-    throw std::invalid_argument("a JPEG file is made of an 8-bit grey image of 1 to 65500 pixels a side");
+    throw std::invalid_argument("a JPEG file needs an 8-bit grey image of 1 to 65500 pixels per side");
   }
   JpegHandle<jpeg_compress_struct> handle;
   jpeg_compress_struct& jpeg = handle.jpeg();

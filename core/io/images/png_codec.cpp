@@ -48,7 +48,7 @@ class PngHandle {
         info_(png_ == nullptr ? nullptr : png_create_info_struct(png_)) {
     if (info_ == nullptr) {
       kDestroy(&png_, &info_);
-      throw std::runtime_error("libpng gives no structure");
+      throw std::runtime_error("libpng cannot be initialised");
     }
   }
   ~PngHandle() { kDestroy(&png_, &info_); }
@@ -75,13 +75,13 @@ using PngWriter = PngHandle<png_create_write_struct, png_destroy_write_struct>;
 
 void TakePngBytes(png_structp png, png_bytep out, size_t n) {
   auto& rest = *static_cast<std::span<const uint8_t>*>(png_get_io_ptr(png));
-  if (n > rest.size()) png_error(png, "it ends too early");
+  if (n > rest.size()) png_error(png, "it is truncated");
   std::memcpy(out, rest.data(), n);
   rest = rest.subspan(n);
 }
 
 void GivePngBytes(png_structp png, png_bytep bytes, size_t n) {
-  if (!AppendBytes(*static_cast<std::string*>(png_get_io_ptr(png)), bytes, n)) png_error(png, "no memory is left");
+  if (!AppendBytes(*static_cast<std::string*>(png_get_io_ptr(png)), bytes, n)) png_error(png, "out of memory");
 }
 
 void FlushNothingOfPng(png_structp /*png*/) {}
@@ -119,7 +119,7 @@ int PngKindOf(const cv::Mat& image) {
     if (image.channels() == 3) return PNG_COLOR_TYPE_RGB;
     if (image.channels() == 4) return PNG_COLOR_TYPE_RGB_ALPHA;
   }
-  throw std::invalid_argument("a PNG file has pixels of 8 or 16 bits in 1, 3 or 4 channels, and one at least");
+  throw std::invalid_argument("a PNG file needs at least one pixel, of 8 or 16 bits in 1, 3 or 4 channels");
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ Numbers NumbersOf(const StereoCamera& camera) {
 Numbers NumbersOf(const StoredMap& stored, const std::string& path) {
   Numbers numbers{};
   if (stored.rig.size() != sizeof(numbers)) {
-    throw std::runtime_error(fmt::format("{}: says nothing of the camera it was made with", path));
+    throw std::runtime_error(fmt::format("{}: does not contain the camera with which it was made", path));
   }
   std::memcpy(numbers.data(), stored.rig.data(), sizeof(numbers));
   return numbers;
@@ -54,8 +54,8 @@ StereoCamera MapCamera(const StoredMap& stored, const std::string& path) {
   }
   if (!(numbers[0] > 0.0) || !(numbers[3] > 0.0) || !IsSize(numbers[4]) || !IsSize(numbers[5])) {
     throw std::runtime_error(
-        fmt::format("{}: no camera has a focal length of {} px, a baseline of {} m and images of {} x {} px", path,
-                    numbers[0], numbers[3], numbers[4], numbers[5]));
+        fmt::format("{}: its camera is invalid: a focal length of {} px, a baseline of {} m and images of {} x {} px",
+                    path, numbers[0], numbers[3], numbers[4], numbers[5]));
   }
   return {numbers[0], numbers[1], numbers[2], numbers[3], static_cast<int>(numbers[4]), static_cast<int>(numbers[5])};
 }

@@ -45,7 +45,7 @@ StoredMap ReadContent(uint64_t format, Bytes content) {
   const int64_t line_observations = map_file::ReadLandmarks<MapLine>(read, stored);
   map_file::ReadLoops(read, stored.map);
   if (format != kWithoutImages) map_file::ReadImages(read, stored.features);
-  if (!read.AtEnd()) throw std::runtime_error("the content is longer than its header says");
+  if (!read.AtEnd()) throw std::runtime_error("the content is longer than stated in its header");
   map_file::CheckObservationsOnce(stored.map, point_observations, line_observations);
   map_file::CheckWhole(stored);
   stored.map.TakeChanges();
@@ -134,7 +134,7 @@ StoredMap DecodeMap(std::span<const uint8_t> bytes) {
 }
 
 void WriteMapFile(const std::string& path, const StoredMap& stored) {
-  if (stored.map.keyframes().empty()) throw std::runtime_error(path + ": is not written: the map has no keyframe");
+  if (stored.map.keyframes().empty()) throw std::runtime_error(path + ": is not written: the map has no keyframes");
   NamingFile(path, [&] { CheckAll(stored); });
   const Images images = ImagesOf(stored);
   SealedFileWriter file(path, KindOf(images), LengthOf(stored, images));

@@ -52,7 +52,7 @@ void Fields(Archive& a, T& observation) {
   a(keyframe_id, feature);
   if constexpr (!std::is_const_v<T>) {
     if (std::abs(keyframe_id) > Observation::kMaxId || std::abs(int64_t{feature}) > Observation::kMaxFeature)
-      throw std::runtime_error("an observation names a keyframe or a feature that cannot be");
+      throw std::runtime_error("an observation has an invalid keyframe or feature");
     observation = {keyframe_id, feature};
   }
 }

@@ -34,7 +34,8 @@ void ReadByNumber(archive::Reader& read, std::map<int64_t, Value>& values) {
   for (uint64_t n = read.ReadCount(sizeof(int64_t) + archive::MinBytes<Value>()); n > 0; --n) {
     int64_t id = 0;
     read(id);
-    if (!values.empty() && id <= values.rbegin()->first) throw std::runtime_error("numbers do not ascend");
+    if (!values.empty() && id <= values.rbegin()->first)
+      throw std::runtime_error("numbers are not in ascending order");
     read(values.try_emplace(values.end(), id)->second);
   }
 }
@@ -46,7 +47,7 @@ void ReadValues(archive::Reader& read, const Take& take) {
   for (uint64_t n = read.ReadCount(archive::MinBytes<Value>()); n > 0; --n) {
     Value value;
     read(value);
-    if (value.id <= last_id) throw std::runtime_error("keyframes or landmarks do not ascend");
+    if (value.id <= last_id) throw std::runtime_error("keyframes or landmarks are not in ascending order");
     last_id = value.id;
     take(value);
   }

@@ -35,7 +35,7 @@ std::vector<PoseCovariance> ReadPoseCovariances(const std::string& path) {
   ForEachRow(path, [&](const TextRow& row) {
     const PoseCovariance covariance = ParseRow(row);
     if (!covariances.empty() && covariance.t_ns <= covariances.back().t_ns) {
-      row.Fail(fmt::format("time {} s is not after the one before", row.fields[0]));
+      row.Fail(fmt::format("time {} s is not after the previous one", row.fields[0]));
     }
     covariances.push_back(covariance);
   });

@@ -78,7 +78,7 @@ TrajectoryPose ParseEuroc(const TextRow& row) {
     row.Fail(fmt::format("{} columns, but a row of the EuRoC format has at least 8", row.fields.size()));
   }
   if (TimeInSeconds(row) == InSeconds::kYes) {
-    row.Fail(fmt::format("time '{}' is in seconds, but in nanoseconds in the EuRoC format", Shown(row.fields[0])));
+    row.Fail(fmt::format("time '{}' is in seconds, but the EuRoC format uses nanoseconds", Shown(row.fields[0])));
   }
   const int64_t t_ns = row.Scaled(0, 0);
   const Eigen::Quaterniond q(row.Number(4), row.Number(5), row.Number(6), row.Number(7));
@@ -92,7 +92,7 @@ SE3 ParseKitti(const TextRow& row) {
   const Eigen::Matrix3d R = m.leftCols<3>();
   const double error = (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (!(error <= kRotationTolerance) || R.determinant() < 0.0) {
-    row.Fail(fmt::format("the matrix is no rotation (determinant {:.6g}, off by {:.3g})", R.determinant(), error));
+    row.Fail(fmt::format("the matrix is not a rotation (determinant {:.6g}, off by {:.3g})", R.determinant(), error));
   }
   return {R, m.col(3)};
 }
@@ -101,8 +101,9 @@ TrajectoryFormat Recognise(const TextRow& row) {
   if (row.has_commas) return TrajectoryFormat::kEuroc;
   if (row.fields.size() == 12) return TrajectoryFormat::kKitti;
   if (row.fields.size() == 8) return TrajectoryFormat::kTum;
-  row.Fail(fmt::format("{} numbers fit none of the formats TUM (8), KITTI (12) and EuRoC (8 or more, with commas)",
-                       row.fields.size()));
+  row.Fail(
+      fmt::format("{} numbers do not match any of the formats TUM (8), KITTI (12) and EuRoC (8 or more, with commas)",
+                  row.fields.size()));
 }
 
 std::string BeyondRange(int64_t t_ns) {
@@ -111,7 +112,7 @@ std::string BeyondRange(int64_t t_ns) {
 }
 
 std::string NotAfter(int64_t t_ns, int64_t before_ns) {
-  return fmt::format("time {} ns is not after the {} ns of the row before", t_ns, before_ns);
+  return fmt::format("time {} ns is not after the {} ns of the previous row", t_ns, before_ns);
 }
 
 TrajectoryPose ParseRow(const TextRow& row, TrajectoryFormat format, int64_t index) {
@@ -143,7 +144,7 @@ void ApplyTimes(const std::string& path, const std::string& times_path, size_t n
     const std::string complaint = BeyondRange(t_ns);
     if (!complaint.empty()) row.Fail(complaint);
     if (!times_ns.empty() && t_ns <= times_ns.back()) {
-      row.Fail(fmt::format("time {} s is not after the one before", row.fields[0]));
+      row.Fail(fmt::format("time {} s is not after the previous one", row.fields[0]));
     }
     times_ns.push_back(t_ns);
   });
@@ -193,8 +194,7 @@ class PassedOver {
     sentence_ = sentence;
   }
   std::string Note(size_t n_rows) const {
-    return n_ == 0 ? ""
-                   : fmt::format("{}; {} of {} rows {} passed over", sentence_, n_, n_rows, n_ == 1 ? "is" : "are");
+    return n_ == 0 ? "" : fmt::format("{}; {} of {} rows {} skipped", sentence_, n_, n_rows, n_ == 1 ? "is" : "are");
   }
 
  private:
@@ -207,7 +207,7 @@ class PassedOver {
 std::string WhyOutOfOrder(const std::vector<PoseRow>& rows, size_t i) {
   const int64_t t_ns = rows[i].pose.t_ns;
   if (i > 0 && t_ns <= rows[i - 1].pose.t_ns) return NotAfter(t_ns, rows[i - 1].pose.t_ns);
-  return fmt::format("time {} ns is out of order with those of the rows that follow", t_ns);
+  return fmt::format("time {} ns is out of order relative to the following rows", t_ns);
 }
 
 /// Returns the poses of the rows with increasing times.
@@ -322,7 +322,8 @@ TrajectoryFile ReadTrajectoryFile(const std::string& path, std::optional<Traject
     ApplyTimes(path, times_path, file.n_rows, file.poses);
   }
   if (reader.TookSeconds()) {
-    file.notes.push_back(path + ": times of rows with commas are in seconds: read as TUM's t,tx,ty,tz,qx,qy,qz,qw");
+    file.notes.push_back(path +
+                         ": times of rows with commas are in seconds: reading as TUM's t,tx,ty,tz,qx,qy,qz,qw");
   }
   const std::string note = reader.passed().Note(file.n_rows);
   if (!note.empty()) file.notes.push_back(note);
@@ -355,7 +356,7 @@ TrajectoryFormat TrajectoryFormatFromName(std::string_view name) {
   if (name == "tum") return TrajectoryFormat::kTum;
   if (name == "kitti") return TrajectoryFormat::kKitti;
   if (name == "euroc") return TrajectoryFormat::kEuroc;
-  throw std::runtime_error(fmt::format("no trajectory format '{}' (tum, kitti, euroc)", name));
+  throw std::runtime_error(fmt::format("unknown trajectory format '{}' (tum, kitti, euroc)", name));
 }
 
 namespace {

@@ -105,7 +105,7 @@ class Adjustment {
     const bool free_pose =
         std::any_of(poses_.begin(), poses_.end(), [](const auto& pose) { return pose.IsAdjusted(); });
     if (!free_pose && !points_.HasFree() && !lines_.HasFree()) {
-      result.reason = "no free pose or landmark is seen";
+      result.reason = "no free pose or landmark is observed";
       return result;
     }
     if (!Solve(stop, result)) return result;

@@ -46,7 +46,7 @@ class Optimiser {
     solution.chi2_before = Chi2(graph_, given_);
     if (!std::isfinite(solution.chi2_before)) {
       solution.chi2_before = 0.0;
-      solution.reason = "the chi-square of the poses as given is too large for a number";
+      solution.reason = "the chi-square of the given poses is too large to represent";
       return solution;
     }
     PoseGraphSolve<Pose> best = SolveFromStart(rejected_);

@@ -15,7 +15,7 @@ namespace {
 template <class Pose>
 std::string EdgeObjection(const PoseGraphMotion<Pose>& edge, int n_poses) {
   if (std::min(edge.a, edge.b) < 0 || std::max(edge.a, edge.b) >= n_poses) {
-    return fmt::format("is of a pose that is not among the {}", n_poses);
+    return fmt::format("joins a pose that is not one of the {}", n_poses);
   }
   if (edge.a == edge.b) return "joins a pose to itself";
   if (!edge.T_a_b.IsFinite()) return "has a motion that is not finite";

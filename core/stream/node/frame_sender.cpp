@@ -95,7 +95,7 @@ void FrameSender::OnCommand(const command_t& command) {
 void FrameSender::SetPaused(bool paused) {
   process_.SetCounter(kSenderPaused, paused ? 1.0 : 0.0);
   turn_.SetPaused(paused);
-  process_.SetReason(paused ? "paused: plslam resume goes on" : "");
+  process_.SetReason(paused ? "paused; continue with `plslam resume`" : "");
 }
 
 void FrameSender::OnGoBack(const command_t& command) {
@@ -105,7 +105,7 @@ void FrameSender::OnGoBack(const command_t& command) {
   try {
     turn_.OnGoBack(command.header.source, ParseResumePoint(command.argument.substr(space + 1)));
   } catch (const std::exception& error) {
-    spdlog::warn("the command 'go_back' is passed over: {}", error.what());
+    spdlog::warn("the command 'go_back' is ignored: {}", error.what());
   }
 }
 
@@ -188,7 +188,7 @@ bool FrameSender::WaitForReaders(bool silent_too) {
     const auto now = Turn::Clock::now();
     if (std::exchange(acknowledged, process_.bus().acknowledged()) != acknowledged) changed = now;
     if (now - changed < patience) continue;
-    spdlog::warn("readers that lack messages have acknowledged none for {} s: they are not waited for",
+    spdlog::warn("readers with missing messages have acknowledged none for {} s: continuing without them",
                  patience.count());
     return true;
   }
@@ -270,9 +270,9 @@ void FrameSender::PassOver(const LoadedFrame& frame) {
   process_.SetCounter("frames.bad", static_cast<double>(++n_bad_));
   if (!options_.skip_bad) {
     PublishEnd();
-    throw DatasetError(frame.error + " (--skip-bad passes over frames that cannot be read)");
+    throw DatasetError(frame.error + " (--skip-bad skips unreadable frames)");
   }
-  spdlog::warn("passed over: {}", frame.error);
+  spdlog::warn("skipped: {}", frame.error);
 }
 
 void FrameSender::PublishRig() { process_.bus().Publish(bus::kCamera, bus::ToMessage(source_->rig())); }

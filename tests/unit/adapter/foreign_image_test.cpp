@@ -91,7 +91,7 @@ TEST(ForeignImage, SizesThatLieAreRefused) {
   EXPECT_EQ(complaint(good), "");
   ForeignImage image = good;
   image.width_px = 1 << 30;
-  EXPECT_THAT(complaint(image), HasSubstr("1073741824 x 16 pixels where 24 x 16"));
+  EXPECT_THAT(complaint(image), HasSubstr("1073741824 x 16 pixels instead of 24 x 16"));
   image = good;
   image.bytes.pop_back();
   EXPECT_THAT(complaint(image), HasSubstr("has 383 bytes in rows of 24"));

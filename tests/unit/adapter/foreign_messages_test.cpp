@@ -111,9 +111,9 @@ TEST(ForeignMessages, InvalidBotPairsAreNamed) {
   EXPECT_THAT(Complaint([&] { PairFromBytes(Encoded(pair)); }), HasSubstr("utime"));
   std::vector<uint8_t> bytes = Encoded(BotPair());
   bytes.pop_back();
-  EXPECT_THAT(Complaint([&] { PairFromBytes(bytes); }), HasSubstr("ends too early"));
-  EXPECT_THAT(Complaint([&] { PairFromBytes(Encoded(geometry_msgs::Vector3{})); }), HasSubstr("is no bot_core"));
-  EXPECT_THAT(Complaint([&] { PairFromBytes({}); }), HasSubstr("is no bot_core.images_t"));
+  EXPECT_THAT(Complaint([&] { PairFromBytes(bytes); }), HasSubstr("truncated or damaged"));
+  EXPECT_THAT(Complaint([&] { PairFromBytes(Encoded(geometry_msgs::Vector3{})); }), HasSubstr("is not a bot_core"));
+  EXPECT_THAT(Complaint([&] { PairFromBytes({}); }), HasSubstr("is not a bot_core.images_t"));
 }
 
 nav_msgs::Odometry Wheels() {
@@ -135,14 +135,14 @@ TEST(ForeignMessages, OdometryOfARobotIsAPoseOfItsBody) {
 TEST(ForeignMessages, InvalidOdometryIsNamed) {
   nav_msgs::Odometry bad = Wheels();
   bad.pose.pose.orientation = {};
-  EXPECT_THAT(Complaint([&] { RobotPoseFromBytes(Encoded(bad)); }), HasSubstr("has a pose that cannot be"));
+  EXPECT_THAT(Complaint([&] { RobotPoseFromBytes(Encoded(bad)); }), HasSubstr("has an invalid pose"));
   bad = Wheels();
   bad.pose.pose.position.y = std::nan("");
-  EXPECT_THAT(Complaint([&] { RobotPoseFromBytes(Encoded(bad)); }), HasSubstr("has a pose that cannot be"));
+  EXPECT_THAT(Complaint([&] { RobotPoseFromBytes(Encoded(bad)); }), HasSubstr("has an invalid pose"));
   bad = Wheels();
   bad.header.stamp.sec = -1;
-  EXPECT_THAT(Complaint([&] { RobotPoseFromBytes(Encoded(bad)); }), HasSubstr("stamp that cannot be"));
-  EXPECT_THAT(Complaint([&] { RobotPoseFromBytes(Encoded(BotPair())); }), HasSubstr("is no nav_msgs.Odometry"));
+  EXPECT_THAT(Complaint([&] { RobotPoseFromBytes(Encoded(bad)); }), HasSubstr("invalid stamp"));
+  EXPECT_THAT(Complaint([&] { RobotPoseFromBytes(Encoded(BotPair())); }), HasSubstr("is not a nav_msgs.Odometry"));
 }
 
 sensor_msgs::Image RosImage() {
@@ -171,7 +171,7 @@ TEST(ForeignMessages, RosImagesByTheirFingerprint) {
   EXPECT_EQ(ImageFromBytes(Encoded(compressed)).encoding, "");
   sensor_msgs::Image bad = RosImage();
   bad.header.stamp.nsec = 1'000'000'000;
-  EXPECT_THAT(Complaint([&] { ImageFromBytes(Encoded(bad)); }), HasSubstr("stamp that cannot be"));
+  EXPECT_THAT(Complaint([&] { ImageFromBytes(Encoded(bad)); }), HasSubstr("invalid stamp"));
   bad = RosImage();
   bad.encoding = "";
   EXPECT_THAT(Complaint([&] { ImageFromBytes(Encoded(bad)); }), HasSubstr("no encoding"));

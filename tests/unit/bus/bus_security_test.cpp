@@ -106,7 +106,7 @@ TEST_F(BusSecurity, KeyReadableByOthersGivesAWarning) {
     return log.str();
   };
   EXPECT_THAT(warning(0644),
-              testing::HasSubstr(key + " is open to others than its owner (mode 0644): chmod 600 " + key));
+              testing::HasSubstr(key + " is accessible to users other than its owner (mode 0644): chmod 600 " + key));
   EXPECT_THAT(warning(0640), testing::HasSubstr("mode 0640"));
   EXPECT_EQ(warning(0600), "");
   EXPECT_EQ(warning(0400), "");
@@ -288,8 +288,8 @@ TEST_F(BusSecurity, ComplaintsNameTheRejectionInOneLine) {
   wire_.Send("robot2/STATUS", Encoded(42, 0));
   ASSERT_TRUE(Eventually([&] { return reader->Problems().find("robot2/") != std::string::npos; }));
   EXPECT_EQ(reader->Problems(),
-            "messages rejected: 1 of another version (POSE), 1 without bus.key_file (POSE); processes with "
-            "prefix 'robot2/' are heard too");
+            "messages rejected: 1 of another version (POSE), 1 without bus.key_file (POSE); processes with prefix "
+            "'robot2/' were found, too");
 }
 
 TEST_F(BusSecurity, MalformedDatagramsAreRejectedAndHarmless) {

@@ -322,7 +322,7 @@ TEST(Bus, InvalidOptionsAreRefused) {
     return "";
   };
   using testing::HasSubstr;
-  EXPECT_THAT(error_of(OptionsFor("ftp://x")), HasSubstr("bus.url: ftp://x is no LCM URL"));
+  EXPECT_THAT(error_of(OptionsFor("ftp://x")), HasSubstr("bus.url: ftp://x is not an LCM URL"));
   EXPECT_THAT(error_of(OptionsFor("tcpq://127.0.0.1:1")), HasSubstr("no relay answers"));
   BusOptions options = OptionsFor("memq://");
   options.key_file = "/nowhere/key";

@@ -168,7 +168,7 @@ TEST(FramePublisher, RefusesImagesLargerThanReadersAccept) {
   };
   const cv::Size small(8, 8), large(8001, 8000);  // fewer pixels than a file may have
   EXPECT_EQ(error_of(small, large, CV_8UC1),
-            "frame 3: an image of 8001 x 8000 pixels, 1 bytes each, is larger than readers take (64000000 bytes, "
+            "frame 3: an image of 8001 x 8000 pixels, 1 bytes each, is larger than readers accept (64000000 bytes, "
             "32768 pixels a side)");
   EXPECT_NE(error_of(large, small, CV_8UC1), "");
   EXPECT_NE(error_of(small, {8000, 4001}, CV_16UC1), "");

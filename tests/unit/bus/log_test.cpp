@@ -227,7 +227,7 @@ TEST_F(RecordedLog, FramesWithMissingStripsAreSkipped) {
   const auto dataset = OpenLogDataset(folder_ / "holed");
   ASSERT_EQ(dataset->size(), kFrames - 2);
   EXPECT_THAT(dataset->Notes(),
-              testing::ElementsAre("frames passed over, since strips are missing: 3 (the first is frame 3)"));
+              testing::ElementsAre("frames skipped because strips are missing: 3 (the first is frame 3)"));
   for (int i = 0; i < dataset->size(); ++i) {
     const int id = i + (i >= 3 ? 1 : 0) + (i >= 4 ? 1 : 0);
     EXPECT_TRUE(Equal(dataset->Read(i).left, FrameOf(id).left)) << i;
@@ -254,9 +254,8 @@ TEST_F(RecordedLog, FramesWithNonIncreasingTimesAreSkipped) {
   EXPECT_EQ(stepped->size(), kFrames - 1);
   const auto far = with_times("far", [](int64_t id, int64_t t) { return id >= 2 ? t - kSecond : t; });
   ASSERT_EQ(far->size(), kFrames - 2);
-  EXPECT_THAT(
-      far->Notes(),
-      testing::ElementsAre("frames passed over, since times would not increase with them: 2 (the first is frame 0)"));
+  EXPECT_THAT(far->Notes(), testing::ElementsAre(
+                                "frames skipped because their times would not increase: 2 (the first is frame 0)"));
   EXPECT_TRUE(Equal(far->Read(0).left, FrameOf(2).left));
   // One impossible time does not discard all later frames.
   const auto wild = with_times("wild", [](int64_t id, int64_t t) { return id == 1 ? t + (int64_t{1} << 60) : t; });
@@ -280,7 +279,7 @@ TEST_F(RecordedLog, MalformedStripIsNamedWithItsFrame) {
     dataset->Read(3);
     FAIL();
   } catch (const DatasetError& error) {
-    EXPECT_NE(std::string(error.what()).find("torn: frame 3 is not whole"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("torn: frame 3 is incomplete"), std::string::npos) << error.what();
   }
 }
 
@@ -318,7 +317,7 @@ TEST_F(RecordedLog, RigOfAnotherVersionIsReported) {
     OpenLogDataset(path);
     FAIL() << "accepted";
   } catch (const DatasetError& error) {
-    EXPECT_NE(std::string(error.what()).find("other.lcm: its rig (channel CAMERA) is of another version of plslam"),
+    EXPECT_NE(std::string(error.what()).find("other.lcm: its rig (channel CAMERA) is from another version of plslam"),
               std::string::npos)
         << error.what();
   }
@@ -335,11 +334,11 @@ TEST(LogDataset, MissingContentIsReported) {
     return "";
   };
   EXPECT_NE(error_of(folder / "none").find("cannot be read"), std::string::npos);
-  EXPECT_NE(error_of(folder.path()).find("no regular file"), std::string::npos);
+  EXPECT_NE(error_of(folder.path()).find("not a regular file"), std::string::npos);
   std::ofstream(folder / "empty");
-  EXPECT_NE(error_of(folder / "empty").find("is empty (0 bytes), and no LCM log"), std::string::npos);
+  EXPECT_NE(error_of(folder / "empty").find("is empty (0 bytes), not an LCM log"), std::string::npos);
   std::ofstream(folder / "text") << std::string(100'000, 'x');
-  EXPECT_NE(error_of(folder / "text").find("is no LCM log: it begins with '"), std::string::npos);
+  EXPECT_NE(error_of(folder / "text").find("is not an LCM log: it begins with '"), std::string::npos);
   EXPECT_FALSE(LooksLikeLcmLog(folder / "text"));
 }
 

@@ -25,7 +25,7 @@ TEST(Rejections, PastRejectionsDisappearAfterAMinute) {
   rejections.Count(Rejection::kOtherVersion, "POSE", 0);
   rejections.OtherPrefix("robot2/", 0);
   EXPECT_EQ(rejections.Line(59 * kSecond),
-            "messages rejected: 1 of another version (POSE); processes with prefix 'robot2/' are heard too");
+            "messages rejected: 1 of another version (POSE); processes with prefix 'robot2/' were found, too");
   EXPECT_EQ(rejections.Line(61 * kSecond), "");
 }
 

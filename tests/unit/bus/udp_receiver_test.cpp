@@ -204,9 +204,10 @@ TEST(UdpReceiver, ReadsUrlsAsLcmDoes) {
        {"udpm://239.1.2.3:x", "udpm://239.1.2.3:99999", "tcpq://a:1", "udpm://:1?recv_buf_size=z"}) {
     EXPECT_THROW(ParseUdpGroup(url), std::runtime_error) << url;
   }
-  EXPECT_THAT([] { UdpReceiver("udpm://10.0.0.1:7667"); },
-              testing::ThrowsMessage<std::runtime_error>("bus.url: udpm://10.0.0.1:7667: '10.0.0.1' is no multicast "
-                                                         "group (224.0.0.0 to 239.255.255.255)"));
+  EXPECT_THAT(
+      [] { UdpReceiver("udpm://10.0.0.1:7667"); },
+      testing::ThrowsMessage<std::runtime_error>(
+          "bus.url: udpm://10.0.0.1:7667: '10.0.0.1' is not a multicast group (224.0.0.0 to 239.255.255.255)"));
 }
 
 /// Sends packets to the group of a URL.

@@ -30,7 +30,7 @@ TEST(Board, TextsAndMistakes) {
   EXPECT_THAT(error("aprilgrid:30x20:0.02:0.3"), HasSubstr("587 markers"));
   EXPECT_THAT(error("chess:9x6"), HasSubstr("expected chess"));
   EXPECT_THAT(error("chess:9:0.02"), HasSubstr("'9' is not COLUMNSxROWS"));
-  EXPECT_THAT(error("chess:7x7:0.02"), HasSubstr("looks alike when it is turned"));
+  EXPECT_THAT(error("chess:7x7:0.02"), HasSubstr("looks the same when it is turned"));
   EXPECT_THAT(error("chess:9x6:25"), HasSubstr("'25' is not a length"));
   EXPECT_THAT(error("charuco:11x8:0.02:0.03"), HasSubstr("must be smaller"));
   EXPECT_THAT(error("charuco:40x40:0.02:0.01"), HasSubstr("250 markers"));

@@ -65,7 +65,7 @@ TEST_F(CalibrateProgram, RenderedPicturesGiveTheRig) {
   printf("%s", out.c_str());
 
   EXPECT_EQ(Run("pictures --board charuco:10x8:0.03:0.022"), 1) << Text("out");
-  EXPECT_THAT(Text("error"), HasSubstr("are its columns and rows other ones?"));
+  EXPECT_THAT(Text("error"), HasSubstr("does the board have other columns and rows?"));
   fs::rename(folder_ / "pictures" / "left", folder_ / "pictures" / "other");
   fs::rename(folder_ / "pictures" / "right", folder_ / "pictures" / "left");
   fs::rename(folder_ / "pictures" / "other", folder_ / "pictures" / "right");
@@ -88,7 +88,7 @@ TEST_F(CalibrateProgram, AprilgridOfKalibr) {
   EXPECT_THAT(Text("board.pdf"), HasSubstr("tags of 40 mm"));
   printf("%s", out.c_str());
   EXPECT_EQ(Run("pictures --board aprilgrid:5x4:0.04:0.3"), 1) << Text("out");
-  EXPECT_THAT(Text("error"), HasSubstr("are its columns and rows other ones?"));
+  EXPECT_THAT(Text("error"), HasSubstr("does the board have other columns and rows?"));
 }
 
 TEST_F(CalibrateProgram, AChessBoardOfAnotherSize) {
@@ -113,7 +113,7 @@ TEST_F(CalibrateProgram, UnusableRigFilesAreNamed) {
   EXPECT_EQ(Run("rig.yaml --out ./rig.yaml" + board), 1);
   EXPECT_THAT(Text("error"), HasSubstr("is the rig file itself"));
   EXPECT_EQ(Run("rig.yaml" + board), 1);
-  EXPECT_THAT(Text("error"), HasSubstr("give --out camera.yaml"));
+  EXPECT_THAT(Text("error"), HasSubstr("add --out camera.yaml"));
   EXPECT_EQ(Run("pictures --seconds 3" + board), 1);
   EXPECT_THAT(Text("error"), HasSubstr("--seconds is for a rig file only"));
 }
@@ -132,7 +132,7 @@ TEST_F(CalibrateProgram, CalibrationAsksForTheUnitOfLengths) {
                                            "R: [1, 0, 0, 0, 1, 0, 0, 0, 1]\nT: [-60, 0, 0]\n";
   EXPECT_EQ(Run("stereo.yml --out camera.yaml", "calibration"), 1);
   EXPECT_THAT(Text("error"),
-              HasSubstr("the cameras stand 60 m apart: state the unit of its lengths, --unit m, cm or mm"));
+              HasSubstr("the cameras are 60 m apart: state the unit of its lengths, --unit m, cm or mm"));
   EXPECT_FALSE(fs::exists(folder_ / "camera.yaml"));
   EXPECT_EQ(Run("stereo.yml --unit mm --out camera.yaml", "calibration"), 0) << Text("error");
   EXPECT_THAT(Text("out"), HasSubstr("baseline 0.06000 m"));

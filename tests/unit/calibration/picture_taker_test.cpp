@@ -62,7 +62,7 @@ TEST_F(LiveBoard, ABoardThatIsNotMovedIsOnePlace) {
 }
 
 TEST_F(LiveBoard, MissingViewsAreReportedUntilComplete) {
-  EXPECT_THAT(taker_.Missing(), Contains("no board near the upper right corner of the left camera"));
+  EXPECT_THAT(taker_.Missing(), Contains("no board near the upper right corner of the left image"));
   int shown = 0;
   for (const SE3& T : test::BoardPoses(board_, 150, 6)) {
     if (taker_.Missing().empty()) break;
@@ -81,7 +81,7 @@ TEST_F(LiveBoard, BoardsThatAreNotTiltedAreNotEnough) {
     LookLong(SE3(Eigen::Quaterniond::Identity(), corner));
   }
   EXPECT_GE(taker_.pictures(), 5);
-  EXPECT_THAT(taker_.Missing(), Contains("no board that is turned to the left by 20 degrees"));
+  EXPECT_THAT(taker_.Missing(), Contains("no board turned to the left by 20 degrees"));
 }
 
 TEST_F(LiveBoard, PageShowsPicturesAndReloadsWhileItRuns) {
@@ -90,7 +90,7 @@ TEST_F(LiveBoard, PageShowsPicturesAndReloadsWhileItRuns) {
   EXPECT_THAT(page, HasSubstr("http-equiv=\"refresh\""));
   EXPECT_THAT(page, HasSubstr("<h1>1 picture</h1>"));
   EXPECT_THAT(page, HasSubstr("<img src=\"camera_pictures/left/001.png\">"));
-  EXPECT_THAT(page, HasSubstr("more pictures, each at another place"));
+  EXPECT_THAT(page, HasSubstr("more pictures, each at another position"));
   EXPECT_THAT(CoveragePage(taker_, {}, false), Not(HasSubstr("refresh")));
 }
 
@@ -124,12 +124,12 @@ TEST(LiveRigFile, ErrorsNameFileLineAndKey) {
       {"left: {}\n" + source, "rig.yaml:1: resolution_px is missing"},
       {left, "rig.yaml:1: source is missing"},
       {left + "source:\n  pair: [a]\n", "rig.yaml:4: pair has 1 entries"},
-      {left + "  borders_px: [0, 0, 0, 80]\n" + source, "rig.yaml:3: borders_px is not taken over"},
-      {left + "  mask: mask.png\n" + source, "rig.yaml:3: mask is not taken over"},
+      {left + "  borders_px: [0, 0, 0, 80]\n" + source, "rig.yaml:3: borders_px is not copied"},
+      {left + "  mask: mask.png\n" + source, "rig.yaml:3: mask is not copied"},
       {left + source + "rat_hz: 20\n", "rig.yaml:5: rat_hz is not a known key"},
       {left + source + "rate_hz: -1\n", "rig.yaml:5: rate_hz = -1 is not above 0"},
       {"left:\n  resolution_px: [640, 4.5]\n" + source, "rig.yaml:2: resolution_px 4.5 is not a whole number"},
-      {left + "right:\n  resolution_px: [320, 240]\n" + source, "rig.yaml:4: resolution_px is another one"},
+      {left + "right:\n  resolution_px: [320, 240]\n" + source, "rig.yaml:4: resolution_px differs"},
       {"left: [\n", "rig.yaml:"},
   };
   for (const auto& [text, complaint] : cases) {

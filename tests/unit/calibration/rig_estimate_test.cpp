@@ -196,7 +196,7 @@ TEST(EstimateRig, MistakesAreNamed) {
   EXPECT_THAT(error(), HasSubstr("are exchanged"));
   pairs = good;
   for (size_t i = 0; i + 1 < pairs.size(); ++i) pairs[i].right = good[i + 1].right;
-  EXPECT_THAT(error(), HasSubstr("do not belong together"));
+  EXPECT_THAT(error(), HasSubstr("do not match"));
   pairs.assign(good.begin(), good.begin() + 6);
   EXPECT_THAT(error(), HasSubstr("of 6 pairs, at least 10 are needed"));
 }

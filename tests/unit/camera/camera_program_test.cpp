@@ -41,7 +41,7 @@ TEST(CameraProgram, PrintsItsPipeline) {
 
 TEST(CameraProgram, ErrorsAreOneSentence) {
   const ScratchFolder folder;
-  EXPECT_THAT(Camera(folder, "").text, HasSubstr("camera: error: no rig file is named"));
+  EXPECT_THAT(Camera(folder, "").text, HasSubstr("camera: error: no rig file is given"));
   EXPECT_THAT(Camera(folder, "--print-pipeline").text, HasSubstr("RIG is required"));
   const Result bad = Camera(folder, WriteRig(folder, "pair: [a]"));
   EXPECT_EQ(bad.exit_code, 1);
@@ -55,7 +55,7 @@ TEST(CameraProgram, LiveCamerasRejectLockstep) {
                                    "pipeline: 'videotestsrc is-live=true ! tee name=t t. ! queue ! appsink "
                                    "name=left t. ! queue ! appsink name=right'");
   EXPECT_THAT(Camera(folder, rig + " --pace lockstep").text,
-              HasSubstr("camera.pace = lockstep: live cameras wait for nobody; use realtime"));
+              HasSubstr("camera.pace = lockstep: live cameras cannot wait; use realtime"));
 }
 
 }  // namespace

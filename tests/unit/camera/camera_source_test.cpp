@@ -154,10 +154,10 @@ TEST_F(CameraSourceTest, InvalidPipelinesAreReportedAtTheStart) {
       {"videotestsrc ! nosuchelement ! appsink name=left",
        "rig.yaml: source.pipeline: the pipeline cannot be built: no element \"nosuchelement\""},
       {"videotestsrc ! appsink name=left", "has no `appsink name=right`"},
-      {"videotestsrc", "should end in two appsinks"},
+      {"videotestsrc", "must end in two appsinks"},
       {std::string("filesrc location=/nowhere.mkv ! decodebin ! videoconvert ") + kToSinks, "No such file"},
       {std::string("videotestsrc ! video/x-raw,format=RGB ") + kToSinks,
-       "; is `videoconvert ! video/x-raw,format=GRAY8` in front of each appsink"},
+       "; is `videoconvert ! video/x-raw,format=GRAY8` before each appsink"},
   };
   for (const auto& [pipeline, sentence] : cases) {
     EXPECT_THAT([&] { Open(pipeline); }, ThrowsMessage<std::runtime_error>(HasSubstr(sentence))) << pipeline;
@@ -168,7 +168,7 @@ TEST_F(CameraSourceTest, SizesThatDoNotFitAreNamed) {
   PLSLAM_REQUIRE_ELEMENTS("videotestsrc");
   CameraSource source = Open(std::string("videotestsrc ! video/x-raw,format=GRAY8,width=80,height=48 ") + kToSinks);
   source.Begin(std::nullopt);
-  EXPECT_THAT([&] { source.Next(); }, ThrowsMessage<std::runtime_error>(HasSubstr("t images are of 80x48 pixels")));
+  EXPECT_THAT([&] { source.Next(); }, ThrowsMessage<std::runtime_error>(HasSubstr("t images have 80x48 pixels")));
 }
 
 TEST_F(CameraSourceTest, StreamWithoutAPairIsAnError) {

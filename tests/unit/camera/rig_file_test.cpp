@@ -50,10 +50,10 @@ TEST(RigFile, IsACameraFileWithASource) {
 TEST(RigFile, ErrorsNameLineKeyAndRemedy) {
   const ScratchFolder folder;
   const std::pair<const char*, const char*> cases[] = {
-      {"max_skew_ms: 3", "rig.yaml:9: source names no cameras: give one of side_by_side, pair, gige, files, rtsp"},
+      {"max_skew_ms: 3", "rig.yaml:9: source defines no cameras: give one of side_by_side, pair, gige, files, rtsp"},
       {"pair: [/dev/video0]", "rig.yaml:9: pair has 1 entries: give two devices, [/dev/video0, /dev/video2]"},
-      {"pair: [/dev/video0, '']", "pair has 2 entries, of which one is empty: give two devices"},
-      {"gige: [A, A]", "gige = 'A' is named twice: give two names as arv-tool-0.8 lists them"},
+      {"pair: [/dev/video0, '']", "pair has 2 entries, one of them empty: give two devices"},
+      {"gige: [A, A]", "gige = 'A' is given twice: give two names as arv-tool-0.8 lists them"},
       {"side_by_side: [/dev/video0, /dev/video1]", "side_by_side has 2 entries: give one device"},
       {"pair: [a, b]\n  rtsp: [c, d]", "rtsp contradicts pair: give one of the two"},
       {"pairs: [a, b]", "rig.yaml:9: pairs is not a known key (max_skew_ms, give_up_s, side_by_side"},

@@ -89,10 +89,10 @@ TEST(Config, UnknownSectionNamesTheNearest) {
 
 TEST(Config, DuplicateKeyIsRefused) {
   EXPECT_EQ(Refusal("vo: &all {inner: *all}\n"), "rig.yaml:1: keys are nested more than 16 deep");
-  EXPECT_EQ(Refusal("vo:\n  seed: 1\n  seed: 1\n"), "rig.yaml:3: key 'vo.seed' stands there a second time");
-  EXPECT_EQ(Refusal("vo: {inner: {scale: 1.5}}\nvo: {seed: 1}\n"), "rig.yaml:2: key 'vo' stands there a second time");
+  EXPECT_EQ(Refusal("vo:\n  seed: 1\n  seed: 1\n"), "rig.yaml:3: key 'vo.seed' is repeated");
+  EXPECT_EQ(Refusal("vo: {inner: {scale: 1.5}}\nvo: {seed: 1}\n"), "rig.yaml:2: key 'vo' is repeated");
   EXPECT_EQ(Refusal("vo:\n  inner: {scale: 1.5}\n  inner.scale: 1.6\n"),
-            "rig.yaml:3: key 'vo.inner.scale' stands there a second time");
+            "rig.yaml:3: key 'vo.inner.scale' is repeated");
 }
 
 TEST(Config, WrongTypeIsRefused) {
@@ -126,12 +126,12 @@ TEST(Config, BrokenYamlNamesTheLine) {
   EXPECT_EQ(Refusal("- a\n- b\n"), "rig.yaml:1: must be a map of sections");
   EXPECT_EQ(Refusal("vo: {}\n---\nvo: {}\n"), "rig.yaml: has more than one YAML document");
   EXPECT_NE(Refusal("? [a, b]\n: 1\n"), "");
-  EXPECT_EQ(Refusal("vo:\n\tseed: 1\n"), "rig.yaml:2: is indented by a tab; YAML wants spaces");
+  EXPECT_EQ(Refusal("vo:\n\tseed: 1\n"), "rig.yaml:2: is indented by a tab; YAML requires spaces");
 }
 
 TEST(Config, BinaryFileDoesNotReachTheTerminal) {
   const std::string png("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16);
-  EXPECT_THAT(Refusal(png), testing::StartsWith("rig.yaml: is no YAML, but binary: \\x89PNG"));
+  EXPECT_THAT(Refusal(png), testing::StartsWith("rig.yaml: is not YAML, but binary: \\x89PNG"));
   EXPECT_THAT(Refusal("vo: {seed: \x1b[2J}"), testing::Not(testing::HasSubstr("\x1b")));
 }
 

@@ -58,7 +58,7 @@ TEST_F(BagDataset, CutOffAndUnclosedFilesPlayIntactParts) {
     unclosed.replace(index_at, 8, 8, '\0');
     test::WriteText(path(), unclosed);
     ExpectFrames(3, compression);
-    EXPECT_THAT(Note(), AllOf(HasSubstr("has no index, since it was not closed: all of its 0.0 MB were read"),
+    EXPECT_THAT(Note(), AllOf(HasSubstr("has no index because it was not closed: all of its 0.0 MB were read"),
                               HasSubstr("`rosbag reindex` writes an index")));
   }
   MakeBagFile(path());
@@ -94,7 +94,8 @@ TEST_F(BagDataset, ZerosAfterTheLastRecordEndTheFile) {
   unclosed.replace(unclosed.find("index_pos=") + 10, 8, 8, '\0');
   test::WriteText(path(), unclosed + std::string(5000, '\0'));
   ExpectFrames(3, "zeros");
-  EXPECT_THAT(Note(), HasSubstr("its last 5000 bytes are not played, since they are of a record that is cut off or"));
+  EXPECT_THAT(Note(),
+              HasSubstr("its last 5000 bytes are not played because they belong to a record that is truncated or"));
 }
 
 TEST_F(BagDataset, DamagedIndexOfMessagesIsReplacedByAScan) {
@@ -108,11 +109,12 @@ TEST_F(BagDataset, DamagedIndexOfMessagesIsReplacedByAScan) {
 
 TEST_F(BagDataset, OtherFileFormatsAreNamed) {
   test::WriteText(path(), "#ROSBAG V1.2\n and more");
-  EXPECT_THAT(Error(), HasSubstr("begins with '#ROSBAG V1.2', not with '#ROSBAG V2.0': `rosbag fix`"));
+  EXPECT_THAT(Error(),
+              HasSubstr("begins with '#ROSBAG V1.2', not with '#ROSBAG V2.0': convert it to 2.0 with `rosbag fix`"));
   test::WriteText(path(), "");
-  EXPECT_THAT(Error(), HasSubstr(path() + ": is empty (0 bytes), and no bag of ROS 1"));
+  EXPECT_THAT(Error(), HasSubstr(path() + ": is empty (0 bytes), not a ROS 1 bag"));
   test::WriteText(path(), "some text");
-  EXPECT_THAT(Error(), HasSubstr(path() + ": is no bag of ROS 1, since it begins with 'some text': name one"));
+  EXPECT_THAT(Error(), HasSubstr(path() + ": is not a ROS 1 bag, because it begins with 'some text': give a file"));
   test::WriteText(path(), "#ROSBAG V2.0\n");
   EXPECT_THAT(Error(), HasSubstr("a record ends before its last field"));
 }
@@ -123,7 +125,7 @@ TEST_F(BagDataset, DamagedChunksAreReported) {
   damaged[damaged.find("BZh") + 200] ^= 1;
   test::WriteText(path(), damaged);
   EXPECT_THAT(ErrorOf([&] { OpenDataset(path() + "?camera=/nowhere.yaml", ""); }), HasSubstr("nowhere.yaml"));
-  EXPECT_THAT(Error(), HasSubstr("a chunk is damaged: bz2 says 'error -"));
+  EXPECT_THAT(Error(), HasSubstr("a chunk is damaged: bz2 reports 'error -"));
 }
 
 }  // namespace

@@ -97,8 +97,8 @@ TEST_F(EurocDataset, UnpairedImagesAreSkippedAndReported) {
   EXPECT_THAT(dataset->Notes(), ElementsAre(HasSubstr("differ by up to 0.100 ms"), HasSubstr("1 images of cam0"),
                                             HasSubstr("1 images of cam1")));
   test::WriteText(mav_ / "cam1" / "data.csv", "1,1403636584763555584.png\n");
-  EXPECT_THAT(OpenError(),
-              AllOf(HasSubstr(At("cam1/data.csv")), HasSubstr("no image is within half a frame of one of cam0")));
+  EXPECT_THAT(OpenError(), AllOf(HasSubstr(At("cam1/data.csv")),
+                                 HasSubstr("no image is within half a frame of an image of cam0")));
 }
 
 TEST_F(EurocDataset, CamerasTwoMillisecondsApart) {
@@ -111,7 +111,7 @@ TEST_F(EurocDataset, CamerasTwoMillisecondsApart) {
   EXPECT_EQ(dataset->t_ns(2), 1403636584963555584);
   EXPECT_EQ(dataset->Read(2).right.at<uint8_t>(5, 7), test::TinyPixel(2, 1, 7, 5));
   EXPECT_THAT(dataset->Notes(),
-              ElementsAre("times of cam0 and cam1 differ by up to 2.100 ms: the nearest ones are pairs"));
+              ElementsAre("times of cam0 and cam1 differ by up to 2.100 ms: the nearest images are paired"));
 }
 
 TEST_F(EurocDataset, JpegImagesOfTheList) {
@@ -211,7 +211,7 @@ TEST_F(EurocDataset, BadSensorFilesAreNamedWithTheirLine) {
                          Row{"[48, 32]", "[48.5, 32]", ":11: resolution", "48.5"},
                          Row{"[48, 32]", "[48, 1e30]", ":11: resolution", "1e+30"},
                          Row{"[48, 32]", "[4, 4]", ":11: resolution", "4 x 4"},
-                         Row{"[0.0, -1.0, 0.0, 0.0,", "[0.0, -2.0, 0.0, 0.0,", ":3: T_BS", "is no rotation"},
+                         Row{"[0.0, -1.0, 0.0, 0.0,", "[0.0, -2.0, 0.0, 0.0,", ":3: T_BS", "is not a rotation"},
                          Row{"[0.0, -1.0, 0.0, 0.0,", "[", ":3: T_BS", "12 numbers"},
                          Row{"0.0, 0.0, 0.0, 1.0]", "0.0, 0.0, 0.0, 2.0]", ":3: T_BS", "last row"},
                          Row{"radial-tangential", "omni", ":14: distortion_model", "'omni'"},
@@ -225,7 +225,7 @@ TEST_F(EurocDataset, BadSensorFilesAreNamedWithTheirLine) {
     const std::string error = OpenError();
     const bool twelve = std::string(row.what) == "12 numbers";  // 12 numbers are a transform too, but not this one
     EXPECT_THAT(error, HasSubstr(At("cam0/sensor.yaml") + row.line)) << row.to;
-    EXPECT_THAT(error, HasSubstr(twelve ? "is no rotation" : row.what)) << row.to;
+    EXPECT_THAT(error, HasSubstr(twelve ? "is not a rotation" : row.what)) << row.to;
   }
   test::WriteText(sensor, "");
   EXPECT_THAT(OpenError(), HasSubstr("the calibration is empty"));
@@ -242,7 +242,7 @@ TEST_F(EurocDataset, CamerasOfDifferentSizeOrExchanged) {
   fs::rename(mav_ / "cam0", mav_ / "cam2");
   fs::rename(mav_ / "cam1", mav_ / "cam0");
   fs::rename(mav_ / "cam2", mav_ / "cam1");
-  EXPECT_THAT(OpenError(), HasSubstr("must stand to the right of the left one"));
+  EXPECT_THAT(OpenError(), HasSubstr("must be to the right of the left one"));
 }
 
 TEST_F(EurocDataset, BadListsAreNamedWithTheirLine) {
@@ -272,7 +272,7 @@ TEST_F(EurocDataset, BadRowsOfTheTruthAreSkipped) {
   const std::string last = truth_.string() + ":" + std::to_string(std::count(truth.begin(), truth.end(), '\n') + 1);
   EXPECT_THAT(note("1403636584713555584,0,0,1,1,0,0"), AllOf(HasSubstr(last + ": 7 columns"), HasSubstr("; 1 of ")));
   EXPECT_THAT(note("1403636584713555584,0,0,1,nan,0,0,0"),
-              AllOf(HasSubstr(last + ": 'nan'"), HasSubstr(" rows is passed over")));
+              AllOf(HasSubstr(last + ": 'nan'"), HasSubstr(" rows is skipped")));
   EXPECT_THAT(note("1403636584713555584,0,0,1,0,0,0,0"), HasSubstr(last + ": the quaternion has norm 0"));
   EXPECT_THAT(note("100,0,0,1,1,0,0,0"), HasSubstr("time 100 ns is not after the "));
 }

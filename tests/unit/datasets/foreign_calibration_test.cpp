@@ -131,7 +131,7 @@ TEST_F(ForeignCalibrationFiles, MistakesAreNamed) {
 
   const std::string other = Write("other.yaml", "name: nothing\n");
   EXPECT_THAT(ErrorOf([&] { ReadForeignCalibration({other}, kSize); }),
-              HasSubstr("no calibration of a known format"));
+              HasSubstr("not a calibration of a known format"));
 }
 
 TEST_F(ForeignCalibrationFiles, SeveralCalibrationsInAFolderAreNotGuessed) {
@@ -155,7 +155,7 @@ TEST_F(ForeignCalibrationFiles, UnitsAreGivenOrRequested) {
   std::vector<std::string> notes;
   ReadCalibration(paths, kSize, &notes);
   ASSERT_EQ(notes.size(), 1U);
-  EXPECT_THAT(notes[0], AllOf(HasSubstr("intrinsics.yml: the cameras stand 12.5 m apart"), HasSubstr("`unit: cm`")));
+  EXPECT_THAT(notes[0], AllOf(HasSubstr("intrinsics.yml: the cameras are 12.5 m apart"), HasSubstr("`unit: cm`")));
   const std::string own = Write("camera.yaml", "from: [intrinsics.yml, extrinsics.yml]\nunit: cm\n");
   notes.clear();
   ExpectTheRig(ReadCameraFile(own, kSize, &notes), "unit: cm");
@@ -164,10 +164,10 @@ TEST_F(ForeignCalibrationFiles, UnitsAreGivenOrRequested) {
   EXPECT_DOUBLE_EQ(ReadCameraFile(own, kSize, &notes).baseline_m, 12.5);
   EXPECT_TRUE(notes.empty()) << "the unit is stated";
   Write("camera.yaml", "from: [intrinsics.yml, extrinsics.yml]\nunit: inch\n");
-  EXPECT_THAT(ErrorOf([&] { ReadCameraFile(own, kSize); }), HasSubstr("'inch' is none of m, cm, mm"));
+  EXPECT_THAT(ErrorOf([&] { ReadCameraFile(own, kSize); }), HasSubstr("'inch' is not one of m, cm, mm"));
 
   const std::vector<std::string> zed = WriteAll(RigCalled("SN1234.conf"));
-  EXPECT_THAT(ErrorOf([&] { ReadForeignCalibration(zed, kSize, MetresOf("cm")); }), HasSubstr("unit of their own"));
+  EXPECT_THAT(ErrorOf([&] { ReadForeignCalibration(zed, kSize, MetresOf("cm")); }), HasSubstr("fixed unit"));
 }
 
 TEST_F(ForeignCalibrationFiles, OurFileAboveAMetreIsNoted) {
@@ -177,7 +177,7 @@ TEST_F(ForeignCalibrationFiles, OurFileAboveAMetreIsNoted) {
   EXPECT_TRUE(notes.empty());
   ReadCameraFile(Write("camera.yaml", lens + "baseline_m: 12\n"), kSize, &notes);
   ASSERT_EQ(notes.size(), 1U);
-  EXPECT_THAT(notes[0], HasSubstr("stand 12 m apart: lengths are in metres there"));
+  EXPECT_THAT(notes[0], HasSubstr("are 12 m apart: lengths must be in metres"));
 }
 
 }  // namespace

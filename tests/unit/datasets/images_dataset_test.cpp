@@ -72,10 +72,9 @@ TEST_F(ImagesDataset, SparseTruthAtFrameTimesIsUsed) {
 
 TEST_F(ImagesDataset, TruthOfFewFramesIsReported) {
   test::WriteText(folder_ / "groundtruth.txt", "1700000000.5 0 0 0 0 0 0 1\n1700000000.6 1 0 0 0 0 0 1\n");
-  EXPECT_THAT(
-      OpenImagesDataset(folder_.string())->Notes(),
-      testing::ElementsAre("groundtruth.txt: 2 poses (1700000000.500000000 s to 1700000000.600000000 s), 0 of 3 "
-                           "frames (0.500000000 s to 0.750000000 s) have one"));
+  EXPECT_THAT(OpenImagesDataset(folder_.string())->Notes(),
+              testing::ElementsAre("groundtruth.txt: 2 poses (1700000000.500000000 s to 1700000000.600000000 s), 0 "
+                                   "of 3 frames (0.500000000 s to 0.750000000 s) have a pose"));
   test::WriteText(folder_ / "groundtruth.txt", "# nothing yet\n");
   EXPECT_THAT(OpenImagesDataset(folder_.string())->Notes(), testing::ElementsAre("groundtruth.txt: has no poses"));
 }
@@ -144,19 +143,19 @@ TEST_F(ImagesDataset, BadMasksAreNamedWithTheirLine) {
   };
   for (const Row& row :
        {Row{"mask: none.png", "mask", "none.png"},
-        Row{"mask: small.png", "mask", "small.png: has 16 x 16 pixels where 48 x 32 are expected"},
-        Row{"mask: black.png", "mask", "no pixel is left in use"}, Row{"mask: ../a.png", "mask", "leaves the folder"},
+        Row{"mask: small.png", "mask", "small.png: has 16 x 16 pixels instead of 48 x 32"},
+        Row{"mask: black.png", "mask", "no pixel is in use"}, Row{"mask: ../a.png", "mask", "leaves the folder"},
         Row{"mask: camera.yaml", "mask", "camera.yaml"}, Row{"mask: [1]", "mask", "single value"},
         Row{"mask_polygons: 3", "mask_polygons", "must be a list of polygons [[[x, y]"},
         Row{"mask_polygons: [[0, 0], [1, 0], [1, 1]]", "mask_polygons", "polygon 1 has 2 corners"},
-        Row{"mask_polygons: [[[0, 0], [1, 0]]]", "mask_polygons", "polygon 1 has 2 corners, at least 3"},
-        Row{"mask_polygons: [[[0, 0], [1, 0], 3]]", "mask_polygons", "polygon 1, corner 3 is no pair [x, y]"},
+        Row{"mask_polygons: [[[0, 0], [1, 0]]]", "mask_polygons", "polygon 1 has 2 corners, but at least 3"},
+        Row{"mask_polygons: [[[0, 0], [1, 0], 3]]", "mask_polygons", "polygon 1, corner 3 is not a pair [x, y]"},
         Row{"mask_polygons: [[[0, 0], [1, nan], [1, 1]]]", "mask_polygons", "'nan' is not a finite number"},
         Row{"mask_polygons: [[[0, 0], [1, 0], [1, 1000]]]", "mask_polygons",
             "corner [1, 1000] is not within -48 to 96 and -32 to 64 pixels"},
         Row{"borders_px: [0, 0, 0]", "borders_px", "has 3 numbers, not 4"},
         Row{"borders_px: [0, 0, 0, -1]", "borders_px", "= -1 is not a whole number from 0 to 48"},
-        Row{"borders_px: [24, 0, 24, 0]", "borders_px", "no pixel is left in use"}}) {
+        Row{"borders_px: [24, 0, 24, 0]", "borders_px", "no pixel is in use"}}) {
     test::WriteText(camera_, good + "  " + row.line + "\n");
     EXPECT_THAT(OpenError(), AllOf(HasSubstr(At("camera.yaml") + ":9: " + row.key), HasSubstr(row.what))) << row.line;
   }
@@ -188,7 +187,7 @@ TEST_F(ImagesDataset, BadCameraFilesAreNamedWithTheirLine) {
                          Row{"-0.1, 0.01,", "", ":8: distortion", "4 or 5 distortions (k1 k2 p1 p2 [k3]), not 2"},
                          Row{"-0.1, 0.01,", "nan, 0,", ":8: distortion", "'nan'"},
                          Row{"model: radtan", "model: fisheye", ":5: model",
-                             "'fisheye' is none of pinhole, radtan, rational, equidistant, double_sphere"},
+                             "'fisheye' is not one of pinhole, radtan, rational, equidistant, double_sphere"},
                          Row{"baseline_m: 0.25", "baseline_m: -0.25", "", "to the right of the left one"},
                          Row{"baseline_m: 0.25", "baseline_m: 0", "", "baseline 0 m"},
                          Row{"baseline_m: 0.25\n", "", ":1: baseline_m", "is missing"},
@@ -210,7 +209,7 @@ TEST_F(ImagesDataset, ImplausibleBaselineIsQuestioned) {
   test::ReplaceText(camera_, "baseline_m: 110", "baseline_m: 50");
   EXPECT_THAT(OpenImagesDataset(folder_.string())->Notes(),
               testing::ElementsAre(At("camera.yaml") +
-                                   ": the cameras stand 50 m apart: lengths are in metres there; are these?"));
+                                   ": the cameras are 50 m apart: lengths must be in metres; are these?"));
   test::ReplaceText(camera_, "baseline_m: 50", "baseline_m: -0.11");
   EXPECT_THAT(OpenError(), AllOf(HasSubstr("x = -0.11 m"), HasSubstr("T_b_cam"), HasSubstr("inverted"),
                                  HasSubstr("left and right exchanged?")));
@@ -244,7 +243,7 @@ TEST_F(ImagesDataset, TenBitsInSixteenAreStretched) {
   }
   const auto dataset = OpenImagesDataset(folder_.string());
   EXPECT_THAT(dataset->Notes(),
-              testing::ElementsAre(HasSubstr("values up to 1020, as of 10 bits: 1023 is taken as")));
+              testing::ElementsAre(HasSubstr("values up to 1020, as with 10 bits: 1023 is mapped to")));
   for (int i = 0; i < 3; ++i) {
     const int part = i == 0 ? 8 : 1;
     EXPECT_NEAR(dataset->Read(i).left.at<uint8_t>(2, 1), test::TinyPixel(i, 0, 1, 2) / part, 1) << i;
@@ -270,7 +269,7 @@ TEST_F(ImagesDataset, TimesInAnotherUnitAreRefused) {
 
 TEST_F(ImagesDataset, TabInTheCameraFileIsNamed) {
   test::ReplaceText(camera_, "  model: radtan", "\tmodel: radtan");
-  EXPECT_THAT(OpenError(), HasSubstr(At("camera.yaml") + ":5: is indented by a tab; YAML wants spaces"));
+  EXPECT_THAT(OpenError(), HasSubstr(At("camera.yaml") + ":5: is indented by a tab; YAML requires spaces"));
 }
 
 TEST_F(ImagesDataset, HostileCameraFiles) {

@@ -63,7 +63,7 @@ TEST_F(McapDataset, CameraInfoOfBinnedImages) {
 TEST_F(McapDataset, CameraInfoInDoubtIsNotedOrRefused) {
   MakeMcapFile(path(), {.p_right = -500.0});
   EXPECT_THAT(Note(),
-              AllOf(HasSubstr("camera_info: the cameras stand 12.5 m apart"), HasSubstr("?camera=camera.yaml")));
+              AllOf(HasSubstr("camera_info: the cameras are 12.5 m apart"), HasSubstr("?camera=camera.yaml")));
   MakeMcapFile(path(), {.skew_right = -2.0});
   EXPECT_THAT(Error(),
               AllOf(HasSubstr("P[1] of the right camera_info = -2 is not 0"), HasSubstr("?camera=camera.yaml")));
@@ -75,7 +75,7 @@ TEST_F(McapDataset, TopicsAreFoundOrGiven) {
   EXPECT_EQ(OpenDataset(path() + "?left=/a/image&right=/b/image&truth=/ground_truth", "")->size(), 3);
   EXPECT_THAT(Error("?left=/a/image&right=/c"), HasSubstr("has no images on the topic right=/c"));
   EXPECT_THAT(Error("?left=/a/image"), HasSubstr("given together"));
-  EXPECT_THAT(Error("?side=/a/image"), HasSubstr("'side=/a/image' is none of left=TOPIC"));
+  EXPECT_THAT(Error("?side=/a/image"), HasSubstr("'side=/a/image' is not one of left=TOPIC"));
 }
 
 TEST_F(McapDataset, ColourBecomesGrey) {
@@ -96,13 +96,13 @@ TEST_F(McapDataset, TenBitsInSixteenAreStretched) {
     EXPECT_NEAR(dataset->Read(i).left.at<uint8_t>(5, 7), test::TinyPixel(i, 0, 7, 5), 1);
     EXPECT_NEAR(dataset->Read(i).right.at<uint8_t>(5, 7), test::TinyPixel(i, 1, 7, 5), 1);
   }
-  EXPECT_THAT(Note(), AllOf(HasSubstr("images of 16 bits have values up to "),
-                            HasSubstr(", as of 10 bits: 1023 is taken as white")));
+  EXPECT_THAT(Note(), AllOf(HasSubstr("16-bit images have values up to "),
+                            HasSubstr(", as with 10 bits: 1023 is mapped to white")));
 }
 
 TEST_F(McapDataset, ExistingTopicsAreListed) {
   MakeMcapFile(path(), {.image_type = "PointCloud2"});
-  EXPECT_THAT(Error(), AllOf(HasSubstr(path() + ": has nothing to play: it has no images of ROS"),
+  EXPECT_THAT(Error(), AllOf(HasSubstr(path() + ": has nothing to play: it has no ROS images"),
                              HasSubstr("its topics are /cam0/camera_info (sensor_msgs/msg/CameraInfo in cdr), ")));
   MakeMcapFile(path(), {.image_type = "ImageOfSomebody"});
   EXPECT_THAT(Error(), HasSubstr("but /cam0/image_raw (sensor_msgs/msg/ImageOfSomebody in cdr)"));
@@ -110,7 +110,7 @@ TEST_F(McapDataset, ExistingTopicsAreListed) {
 
 TEST_F(McapDataset, MissingCalibrationNamesTheOption) {
   MakeMcapFile(path(), {.p_right = 0.0});
-  EXPECT_THAT(Error(), HasSubstr("name a camera file (docs/datasets.md), FILE?camera=camera.yaml"));
+  EXPECT_THAT(Error(), HasSubstr("give a camera file (docs/datasets.md), FILE?camera=camera.yaml"));
 }
 
 TEST_F(McapDataset, CutOffAndUnclosedFilesPlayIntactParts) {
@@ -119,17 +119,17 @@ TEST_F(McapDataset, CutOffAndUnclosedFilesPlayIntactParts) {
     const std::string whole = test::ReadText(path());
     test::WriteText(path(), whole.substr(0, whole.size() - 20));
     ExpectFrames(3, compression);
-    EXPECT_THAT(Note(), AllOf(HasSubstr("has no index, since its recorder did not close it, or it is cut off: all of "
-                                        "its 0.0 MB were read to find the messages, which took 0.0 s"),
-                              HasSubstr("`mcap recover` writes an index")));
+    EXPECT_THAT(Note(),
+                AllOf(HasSubstr("has no index, because its recorder did not close it or it is truncated: all of "
+                                "its 0.0 MB were read to find the messages, which took 0.0 s"),
+                      HasSubstr("`mcap recover` writes an index")));
   }
   MakeMcapFile(path());
   const std::string whole = test::ReadText(path());
   test::WriteText(path(), whole.substr(0, whole.size() / 2));
   ExpectFrames(1, "half");
-  EXPECT_THAT(Note(),
-              testing::ContainsRegex("its last [0-9]+ bytes are not played, since they are of a record that is "
-                                     "cut off \\([0-9]+ bytes are missing\\)"));
+  EXPECT_THAT(Note(), testing::ContainsRegex("its last [0-9]+ bytes are not played because they belong to a record "
+                                             "that is truncated \\([0-9]+ bytes are missing\\)"));
   test::WriteText(path(), whole.substr(0, 9));
   EXPECT_THAT(Error(), AllOf(HasSubstr("it has no topics at all"), HasSubstr("its last 1 bytes are not played")));
 }
@@ -149,7 +149,7 @@ TEST_F(McapDataset, DamagedFilesPlayTheirIntactParts) {
   EXPECT_EQ(OpenDataset(path(), "")->Read(2).frame_id, 2);
   test::WriteText(path(), damaged.substr(0, whole.size() - 20));
   EXPECT_EQ(OpenDataset(path(), "")->size(), 2);
-  EXPECT_THAT(Note(), HasSubstr("damaged chunks or records passed over: 1 (the first: the checksum of a chunk"));
+  EXPECT_THAT(Note(), HasSubstr("damaged chunks or records skipped: 1 (the first: the checksum of a chunk"));
 }
 
 // As a power cut leaves it.
@@ -159,13 +159,14 @@ TEST_F(McapDataset, ZerosAfterTheLastRecordEndTheFile) {
   const std::string data_end = test::McapRecordBytes(0x0f, std::string(4, '\0'));
   test::WriteText(path(), whole.substr(0, whole.rfind(data_end)) + std::string(5000, '\0'));
   ExpectFrames(3, "zeros");
-  EXPECT_THAT(Note(), HasSubstr("its last 5000 bytes are not played, since they are of a record that is cut off or"));
+  EXPECT_THAT(Note(),
+              HasSubstr("its last 5000 bytes are not played because they belong to a record that is truncated or"));
 }
 
 TEST_F(McapDataset, MissingOrDamagedIndexIsReplacedByAScan) {
   MakeMcapFile(path(), {.indexed_chunks = 2});
   ExpectFrames(3, "chunk");
-  EXPECT_THAT(Note(), HasSubstr("has an index of 2 chunks, and should have 3: all of its"));
+  EXPECT_THAT(Note(), HasSubstr("has an index of 2 chunks instead of 3: all of its"));
   testing::internal::CaptureStderr();
   OpenDatasetAndWarn(path(), "");
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("warning: " + path() + ": has an index of 2 chunks"));
@@ -187,7 +188,7 @@ TEST_F(McapDataset, OversizedChunksAreRefused) {
   std::string bomb = "\x89MCAP0\r\n", names;
   for (int i = 0; i < 10; ++i) bomb += test::McapChunk("zstd", "none", 128 << 20);
   test::WriteText(path(), bomb);
-  EXPECT_THAT(Error(), HasSubstr("there are more bytes in its chunks than the file can have"));
+  EXPECT_THAT(Error(), HasSubstr("there are more bytes in its chunks than the file can contain"));
   for (uint16_t i = 0; i < 2000; ++i) {
     test::RecordBytes channel;
     channel.Add(i).Add(uint16_t{0}).Text(std::string(1000, 'a')).Text("cdr").Text("");
@@ -195,19 +196,19 @@ TEST_F(McapDataset, OversizedChunksAreRefused) {
   }
   const std::string packed = test::CompressedChunk(names, "zstd");
   test::WriteText(path(), "\x89MCAP0\r\n" + test::McapChunk("zstd", packed, names.size()));
-  EXPECT_THAT(Error(), HasSubstr("there are more messages and names than the file can have"));
+  EXPECT_THAT(Error(), HasSubstr("there are more messages and names than the file can contain"));
   test::WriteText(path(), "\x89MCAP0\r\n" + test::McapChunk("lz4", "four", 2000));
-  EXPECT_THAT(Error(), HasSubstr("a chunk is damaged: lz4 says 'another length'"));
+  EXPECT_THAT(Error(), HasSubstr("a chunk is damaged: lz4 reports 'another length'"));
 }
 
 TEST_F(McapDataset, OtherFileFormatsAreNamed) {
   test::WriteText(path(), "#ROSBAG V2.0\n and more");
   EXPECT_THAT(ErrorOf([&] { OpenDataset(path(), "mcap"); }),
-              HasSubstr("is no MCAP file, since it begins with '#ROSBAG '"));
+              HasSubstr("is not an MCAP file, because it begins with '#ROSBAG '"));
   test::WriteText(path(), "some text");
-  EXPECT_THAT(Error(), HasSubstr(path() + ": is no MCAP file, since it begins with 'some tex'"));
+  EXPECT_THAT(Error(), HasSubstr(path() + ": is not an MCAP file, because it begins with 'some tex'"));
   test::WriteText(path(), "");
-  EXPECT_THAT(Error(), HasSubstr(path() + ": is empty (0 bytes), and no MCAP file"));
+  EXPECT_THAT(Error(), HasSubstr(path() + ": is empty (0 bytes), not an MCAP file"));
 }
 
 }  // namespace

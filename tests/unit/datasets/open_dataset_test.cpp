@@ -63,9 +63,9 @@ TEST(OpenDataset, TopicsBelongToTheNameOfARecording) {
   EXPECT_THAT(ErrorOf([] {
                 WithTopics("synthetic:room", "", {"/a", "/b"});
               }),
-              HasSubstr("synthetic:room: --topics is for recordings of ROS"));
-  EXPECT_THAT(ErrorOf([] { WithTopics("/nowhere", "", {"/a", "/b"}); }), HasSubstr("there is no such dataset"));
-  EXPECT_THAT(ErrorOf([&] { WithTopics(file, "", {"/a&truth=/c", "/b"}); }), HasSubstr("is no topic of ROS"));
+              HasSubstr("synthetic:room: --topics is only for ROS recordings"));
+  EXPECT_THAT(ErrorOf([] { WithTopics("/nowhere", "", {"/a", "/b"}); }), HasSubstr("the dataset does not exist"));
+  EXPECT_THAT(ErrorOf([&] { WithTopics(file, "", {"/a&truth=/c", "/b"}); }), HasSubstr("is not a ROS topic"));
   EXPECT_THAT(ErrorOf([] { WithTopics(std::string(5000, 'a'), "", {"/a", "/b"}); }), HasSubstr("File name too long"));
 }
 

@@ -130,13 +130,12 @@ TEST_F(RecordingTimes, LogClockSetBackConstantOrInBursts) {
 
 TEST_F(RecordingTimes, StampsThatAreZeroOrConstant) {
   for (const int64_t stamp_ns : {int64_t{0}, 5 * kSecond}) {
-    const char* reason = stamp_ns == 0 ? "are all zero" : "are all the same";
+    const char* reason = stamp_ns == 0 ? "are all zero" : "are all equal";
     const auto constant = [&](uint16_t, int, int64_t) { return stamp_ns; };
     ForEachFormat({.stamp = constant}, [&](const Dataset& dataset) {
       ExpectAllFrames(dataset);
-      EXPECT_THAT(dataset.Notes(),
-                  ElementsAre(AllOf(HasSubstr("header stamps of /cam0/image_raw "), HasSubstr(reason),
-                                    HasSubstr("times at which they were logged"))));
+      EXPECT_THAT(dataset.Notes(), ElementsAre(AllOf(HasSubstr("header stamps of /cam0/image_raw "),
+                                                     HasSubstr(reason), HasSubstr("their log times"))));
     });
     const auto right = [&](uint16_t channel, int, int64_t t_ns) { return channel == test::kRight ? stamp_ns : t_ns; };
     ForEachFormat({.stamp = right}, [&](const Dataset& dataset) {
@@ -152,9 +151,9 @@ TEST_F(RecordingTimes, SomeStampsThatAreZero) {
   ForEachFormat({.stamp = first}, [](const Dataset& dataset) {
     ASSERT_EQ(dataset.size(), kFrames - 2);
     EXPECT_EQ(dataset.Read(0).right.at<uint8_t>(5, 7), test::TinyPixel(2, 1, 7, 5));
-    EXPECT_THAT(dataset.Notes(), ElementsAre("2 messages of /cam0/image_raw passed over: the header stamp is zero",
-                                             "2 messages of /cam1/image_raw passed over: the header stamp is zero",
-                                             "2 messages of /ground_truth passed over: the header stamp is zero"));
+    EXPECT_THAT(dataset.Notes(), ElementsAre("2 messages of /cam0/image_raw skipped: the header stamp is zero",
+                                             "2 messages of /cam1/image_raw skipped: the header stamp is zero",
+                                             "2 messages of /ground_truth skipped: the header stamp is zero"));
   });
 }
 
@@ -192,8 +191,8 @@ TEST_F(RecordingTimes, StampsThatGoBack) {
       ASSERT_EQ(dataset.Read(i).right.at<uint8_t>(5, 7), test::TinyPixel(frame, 1, 7, 5));
     }
     EXPECT_THAT(dataset.Notes().at(0), HasSubstr("header stamps of /cam0/image_raw go back by 0.450000000 s at "
-                                                 "2.900000000 s, since a clock was set"));
-    EXPECT_EQ(dataset.Notes().at(1), "5 messages of /cam0/image_raw passed over: not later than the ones before");
+                                                 "2.900000000 s because a clock was set"));
+    EXPECT_EQ(dataset.Notes().at(1), "5 messages of /cam0/image_raw skipped: not later than the previous ones");
   });
 }
 
@@ -210,7 +209,7 @@ TEST_F(RecordingTimes, MessagesWithTheStampOfAnotherOne) {
   const auto stamp = [](uint16_t, int frame, int64_t t_ns) { return frame == 8 ? t_ns - 100 * kMs : t_ns; };
   ForEachFormat({.stamp = stamp}, [](const Dataset& dataset) {
     EXPECT_EQ(dataset.size(), kFrames - 1);
-    EXPECT_EQ(dataset.Notes().at(0), "1 message of /cam0/image_raw passed over: another one has the same time");
+    EXPECT_EQ(dataset.Notes().at(0), "1 message of /cam0/image_raw skipped: another one has the same time");
   });
 }
 

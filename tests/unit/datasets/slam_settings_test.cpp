@@ -28,7 +28,7 @@ TEST_F(SlamSettingsFile, OrbSlamFilesWithoutARectifiedPair) {
   EXPECT_THAT(error("Camera.type: KannalaBrandt8\nCamera.k4: 0.1\n"), HasSubstr("Tlr (with Camera2) is missing"));
   Write("orb.yaml", Replaced(pair, "Camera.bf: 50\n", ""));
   EXPECT_THAT(ErrorOf([&] { ReadForeignCalibration({folder_ / "orb.yaml"}, kSize); }),
-              HasSubstr("Camera.bf is missing, so that these are settings of one camera"));
+              HasSubstr("Camera.bf is missing, so that these are settings of a single camera"));
   const std::string matrices = RigCalled("orb_slam2_no_blanks.yaml").files[0].text;
   const std::string copied = Write("copied.yaml", Replaced(matrices, "Camera.fx: 400.0", "Camera.fx: 859.0"));
   EXPECT_THAT(ErrorOf([&] { ReadForeignCalibration({copied}, kSize); }),
@@ -61,7 +61,7 @@ TEST_F(SlamSettingsFile, RgbdSettingsOfOrbSlam) {
       folder_ / "images" / "tum1.yaml",
       "Camera.fps: 30\n" + Replaced(Replaced(camera, "330", "24"), "190", "16") + "DepthMapFactor: 5000.0\n");
   EXPECT_THAT(ErrorOf([&] { OpenImagesDataset((folder_ / "images").string()); }),
-              AllOf(HasSubstr("tum1.yaml: is of an RGB-D camera"), HasSubstr("images of a stereo pair")));
+              AllOf(HasSubstr("tum1.yaml: is for an RGB-D camera"), HasSubstr("images of a stereo pair")));
 }
 
 TEST_F(SlamSettingsFile, UnrectifiedStellaSettings) {
@@ -110,8 +110,8 @@ TEST_F(SlamSettingsFile, TwoCamerasOfThree) {
       "  distortion_model: radtan\n  intrinsics: [600, 600, 320, 240]\n  resolution: [640, 480]\n";
   const std::string pose = "  T_cn_cnm1: [1, 0, 0, -0.05, 0, 1, 0, 0, 0, 0, 1, 0]\n";
   const std::string pair = Replaced(Replaced(kalibr, "cam1:", "cam2:"), "cam0:\n", "cam1:\n" + pose);
-  for (const auto& [text, note] : {std::pair(kalibr + third, "cam0 and cam1 are taken for the stereo pair, cam2 is"),
-                                   std::pair(first + pair, "cam1 and cam2 are taken for the stereo pair, cam0 is")}) {
+  for (const auto& [text, note] : {std::pair(kalibr + third, "cam0 and cam1 are used as the stereo pair, cam2 is"),
+                                   std::pair(first + pair, "cam1 and cam2 are used as the stereo pair, cam0 is")}) {
     const ForeignCalibration read = ReadForeignCalibration({Write("three.yaml", text)}, kSize);
     ExpectTheRig(read.rig, note);
     ASSERT_EQ(read.notes.size(), 1U) << note;
@@ -122,7 +122,7 @@ TEST_F(SlamSettingsFile, TwoCamerasOfThree) {
   alike = Replaced(alike, "[1, 0, 0, 0.1,", "[1, 0, 0, -0.1,");
   const std::string several = Write("three.yaml", alike);
   EXPECT_THAT(ErrorOf([&] { ReadForeignCalibration({several}, kSize); }),
-              AllOf(HasSubstr("has 3 cameras, and several pairs could be meant"), HasSubstr("keep the two")));
+              AllOf(HasSubstr("has 3 cameras, and several pairs could be meant"), HasSubstr("put the two")));
 }
 
 TEST_F(SlamSettingsFile, LensesOfOtherPrograms) {
@@ -138,7 +138,7 @@ TEST_F(SlamSettingsFile, LensesOfOtherPrograms) {
   EXPECT_EQ(fisheye.left.cy_px, 190.75);
   Write("cam0_pinhole.yaml", Replaced(vins.beside[0].text, "PINHOLE", "MEI"));
   EXPECT_THAT(ErrorOf([&] { ReadForeignCalibration({folder_ / "vins.yaml"}, kSize); }),
-              HasSubstr("cam0_pinhole.yaml:3: model_type 'MEI' is not read"));
+              HasSubstr("cam0_pinhole.yaml:3: model_type 'MEI' is not supported"));
   Write("vins.yaml", Replaced(vins.files[0].text, "cam0_pinhole.yaml", "../cam0_pinhole.yaml"));
   EXPECT_THAT(ErrorOf([&] { ReadForeignCalibration({folder_ / "vins.yaml"}, kSize); }),
               HasSubstr("leaves the folder"));
@@ -172,12 +172,12 @@ TEST_F(SlamSettingsFile, FilesWithoutAPairAreNamed) {
   EXPECT_THAT(why("a.yaml", "rotation_matrix: {data: []}\ntranslation_matrix: {data: []}\n"),
               HasSubstr("NAME_left.yaml and NAME_right.yaml"));
   EXPECT_THAT(why("a.yml", "camera_matrix: {data: []}\ndistortion_coefficients: {data: []}\n"),
-              HasSubstr("is of one camera: a stereo pair needs both cameras"));
+              HasSubstr("is for one camera: a stereo pair needs both cameras"));
   const std::vector<std::string> kimera = WriteAll(RigCalled("LeftCameraParams.yaml"));
   EXPECT_THAT(ErrorOf([&] { ReadForeignCalibration({kimera[0]}, kSize); }),
-              HasSubstr("is of one camera: give the files of the left and the right one"));
+              HasSubstr("is for one camera: give the files of the left and the right one"));
   EXPECT_THAT(why("a.yaml", "cam0:\n  Kl: [1, 1, 1, 1]\n  Kr: [1, 1, 1, 1]\n"),
-              AllOf(HasSubstr("nothing tells how the cameras are turned"), HasSubstr("(read as PL-SLAM)")));
+              AllOf(HasSubstr("the rotation between the cameras is unknown"), HasSubstr("(read as PL-SLAM)")));
 }
 
 TEST_F(SlamSettingsFile, AFolderNamesTheSettingsThatItHas) {
@@ -187,10 +187,11 @@ TEST_F(SlamSettingsFile, AFolderNamesTheSettingsThatItHas) {
     test::WriteText(folder_ / "images" / "settings.yaml", settings);
     return ErrorOf([&] { OpenDataset((folder_ / "images").string(), ""); });
   };
-  EXPECT_THAT(error("%YAML:1.0\nCamera.fx: 400\nCamera.fy 400\nCamera.cx: 330\n"),
-              AllOf(HasSubstr("is no dataset of a known kind"), HasSubstr("settings.yaml:3: not valid YAML: no `key: "
-                                                                          "value` ('Camera.fy 400')")));
-  EXPECT_THAT(error("model_type: MEI\nprojection_parameters: {}\n"), HasSubstr("settings.yaml: is of one camera"));
+  EXPECT_THAT(
+      error("%YAML:1.0\nCamera.fx: 400\nCamera.fy 400\nCamera.cx: 330\n"),
+      AllOf(HasSubstr("is not a dataset of a known format"), HasSubstr("settings.yaml:3: not valid YAML: no `key: "
+                                                                       "value` ('Camera.fy 400')")));
+  EXPECT_THAT(error("model_type: MEI\nprojection_parameters: {}\n"), HasSubstr("settings.yaml: is for one camera"));
   EXPECT_THAT(error("name: nothing\n"), testing::Not(HasSubstr("settings.yaml")));
 }
 
@@ -200,7 +201,7 @@ TEST_F(SlamSettingsFile, DuplicateKeys) {
       ReadForeignCalibration({Write("a.yaml", text + "Viewer.PointSize: 2\nViewer.PointSize: 3\n")}, kSize).rig,
       "a key that is not read");
   EXPECT_THAT(ErrorOf([&] { ReadForeignCalibration({Write("a.yaml", text + "Camera.bf: 51\n")}, kSize); }),
-              HasSubstr("key 'Camera.bf' stands here twice"));
+              HasSubstr("key 'Camera.bf' is repeated"));
 }
 
 }  // namespace

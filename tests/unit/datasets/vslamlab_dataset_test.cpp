@@ -76,7 +76,7 @@ TEST_F(VslamLabDataset, LensModels) {
   EXPECT_EQ(distortion("radtan5", "[0.01, 0.02, 0.03, 0.04, 0.05]"), "radtan");
   EXPECT_EQ(distortion("radtan8", "[0.1, 0.02, 0.0, 0.0, 0.05, 0.01, 0.01, 0.01]"), "rational");
   EXPECT_EQ(distortion("radtan4", "[0.0, 0.0, 0.0, 0.0]"), "pinhole");
-  EXPECT_THAT(ErrorOf([&] { distortion("fov", "[0.9]"); }), HasSubstr("'fov' is none of radtan4, radtan5"));
+  EXPECT_THAT(ErrorOf([&] { distortion("fov", "[0.9]"); }), HasSubstr("'fov' is not one of radtan4, radtan5"));
 }
 
 TEST_F(VslamLabDataset, MonocularAndDamagedFilesAreRefused) {

@@ -104,7 +104,7 @@ TEST_F(DoctorProgram, TtlOneOverTheLoopbackDevice) {
                          Doctor("--listen 0 --json --url 'udpm://239.255.76.67:7667?ttl=1'")),
             1);
   ASSERT_EQ(Bad("multicast").size(), 1U) << Text("out");
-  EXPECT_THAT(Bad("multicast")[0]["what"].get<std::string>(), HasSubstr("leads over lo, to nobody"));
+  EXPECT_THAT(Bad("multicast")[0]["what"].get<std::string>(), HasSubstr("uses lo, which reaches none"));
 }
 
 TEST_F(DoctorProgram, WrongKeyAndForeignPrefix) {
@@ -124,7 +124,7 @@ TEST_F(DoctorProgram, WrongKeyAndForeignPrefix) {
   EXPECT_EQ(Json()["processes"].size(), 2U);
 
   EXPECT_EQ(Shell(Doctor(listen + "--set bus.key_file='" + KeyFile("wrong", 'b') + "'")), 1);
-  EXPECT_THAT(Bad("key").at(0)["what"].get<std::string>(), HasSubstr("has another key")) << Text("out");
+  EXPECT_THAT(Bad("key").at(0)["what"].get<std::string>(), HasSubstr("has a key that differs")) << Text("out");
 
   EXPECT_EQ(Shell(Doctor(listen + "--set bus.key_file='" + options.key_file + "'")), 0) << Text("out");
   EXPECT_TRUE(Bad("key").empty());
@@ -134,10 +134,10 @@ TEST_F(DoctorProgram, WrongKeyAndForeignPrefix) {
 
 TEST_F(DoctorProgram, BadArgumentsAreOneSentence) {
   EXPECT_EQ(Shell(Doctor("--url udpm://239.255.76.67:http")), 1);
-  EXPECT_THAT(Text("error"), HasSubstr("'http' is no number within 1 to 65535"));
+  EXPECT_THAT(Text("error"), HasSubstr("'http' is not a number from 1 to 65535"));
   EXPECT_EQ(Shell(Doctor("--listen -1")), 1);
   EXPECT_EQ(Shell(Doctor("--listen 0 --quiet --url udpm://10.0.0.1:7667")), 1);
-  EXPECT_THAT(Text("out"), HasSubstr("10.0.0.1' is no multicast group"));
+  EXPECT_THAT(Text("out"), HasSubstr("10.0.0.1' is not a multicast group"));
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ TEST(HeardProcess, KeysThatDiffer) {
   p.signature = Signature::kUnchecked;
   EXPECT_THAT(Complaints(p), HasSubstr("signs its messages, and no key is set here"));
   p.signature = Signature::kWrong;
-  EXPECT_THAT(Complaints(p, with_key), HasSubstr("has another key"));
+  EXPECT_THAT(Complaints(p, with_key), HasSubstr("has a key that differs"));
   p.signature = Signature::kGood;
   EXPECT_EQ(Complaints(p, with_key), "");
   p.signature = Signature::kWrong;
@@ -58,15 +58,17 @@ TEST(HeardProcess, VersionsThatDiffer) {
   p.version = "0.0.9";
   EXPECT_THAT(Complaints(p), HasSubstr("advice   vo on robot (process 17) is version 0.0.9"));
   p.schema = 7;
-  EXPECT_THAT(Complaints(p), HasSubstr("PROBLEM  vo on robot (process 17) speaks version 7 of the messages"));
+  EXPECT_THAT(Complaints(p), HasSubstr("PROBLEM  vo on robot (process 17) uses version 7 of the messages"));
   EXPECT_THAT(Complaints(Heard{{Vo()}, {{"POSE", 40}}, 0}, Own()),
-              HasSubstr("40 messages on POSE are of another type"));
+              HasSubstr("40 messages on POSE are not of the type"));
 }
 
 TEST(HeardProcess, OnlyAnotherPrefixIsHeard) {
   HeardProcess p = Vo();
   p.prefix = "robot1/";
-  EXPECT_THAT(Complaints(p), HasSubstr("processes with the prefix 'robot1/' are heard, and none with ours ('')"));
+  EXPECT_THAT(
+      Complaints(p),
+      HasSubstr("processes with the prefix 'robot1/' were found, but none with the prefix of this host ('')"));
   EXPECT_THAT(Complaints(p), HasSubstr("plslam doctor --prefix robot1/"));
   EXPECT_EQ(Complaints(Heard{{p, Vo()}, {}, 0}, Own()), "") << "two robots side by side";
 }
@@ -91,7 +93,7 @@ TEST(HeardProcess, FailuresLossAndClocks) {
   EXPECT_THAT(Complaints(p), HasSubstr("has failed: disk full"));
   p = Vo();
   p.counters = {{"bus.received", 900}, {"bus.lost", 100}};
-  EXPECT_THAT(Complaints(p), HasSubstr("10.0 % of its messages sent again"));
+  EXPECT_THAT(Complaints(p), HasSubstr("10.0 % of its messages to be sent again"));
   p.counters = {{"bus.received", 90000}, {"bus.lost", 100}};
   EXPECT_EQ(Complaints(p), "");
   p.counters = {{"bus.rejected", 3}};
@@ -99,7 +101,7 @@ TEST(HeardProcess, FailuresLossAndClocks) {
   EXPECT_THAT(Complaints(p), HasSubstr("says: 3 messages rejected"));
   p = Vo();
   p.clock_ahead_s = -2.5;
-  EXPECT_THAT(Complaints(p), HasSubstr("the clock of robot is -2.50 s from ours"));
+  EXPECT_THAT(Complaints(p), HasSubstr("the clock of robot differs by -2.50 s from that of this host"));
   p.host = "here";
   EXPECT_EQ(Complaints(p), "");
 }

@@ -65,7 +65,7 @@ TEST(Route, MissingAndUnsuitableRoutes) {
   EXPECT_TRUE(CheckRoute(wide, "eth0", devices).empty());
   EXPECT_THAT(CheckRoute(local, "", devices).at(0).mend, HasSubstr("ip route replace 224.0.0.0/4 dev lo"));
   EXPECT_THAT(CheckRoute(wide, "", devices).at(0).mend, HasSubstr("dev eth0"));
-  EXPECT_THAT(CheckRoute(wide, "lo", devices).at(0).what, HasSubstr("ttl=1 is to reach other machines"));
+  EXPECT_THAT(CheckRoute(wide, "lo", devices).at(0).what, HasSubstr("ttl=1 should reach other machines"));
   EXPECT_THAT(CheckRoute(wide, "lo", devices).at(0).mend, HasSubstr("dev eth0"));
   EXPECT_THAT(CheckRoute(wide, "tun", devices).at(0).mend, HasSubstr("ip link set tun multicast on"));
   EXPECT_THAT(CheckRoute(local, "off", devices).at(0).mend, HasSubstr("ip link set off up"));
@@ -158,7 +158,7 @@ TEST(Files, NewFolderAndImpossibleFolder) {
   std::ofstream(folder / "file") << "x";
   const Findings no_folder = CheckFolder(folder / "file", "outputs", "m");
   EXPECT_EQ(no_folder.at(0).verdict, Verdict::kProblem);
-  EXPECT_THAT(no_folder[0].what, HasSubstr("is no folder"));
+  EXPECT_THAT(no_folder[0].what, HasSubstr("is not a folder"));
   EXPECT_EQ(CheckFolder("/proc/self", "outputs", "m").at(0).verdict, Verdict::kProblem) << "/proc takes no files";
   std::filesystem::remove_all(folder);
 }

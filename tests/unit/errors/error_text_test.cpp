@@ -47,7 +47,7 @@ TEST(SentenceOf, ErrorsOfFilesNameThePathFirst) {
   EXPECT_EQ(SentenceOf(fs::filesystem_error("directory iterator cannot open directory", "/data", denied)),
             "/data: cannot be read: Permission denied");
   EXPECT_EQ(SentenceOf(fs::filesystem_error("cannot create directories", "/out/a", denied)),
-            "/out/a: cannot be made a folder: Permission denied");
+            "/out/a: the folder cannot be created: Permission denied");
   EXPECT_EQ(SentenceOf(fs::filesystem_error("cannot copy file", "/a", "/b", denied)),
             "/a: cannot copy file: Permission denied");
 }
@@ -71,7 +71,7 @@ TEST(SentenceOf, ThreadsAndMemoryNameTheLimitAndItsCommand) {
   const std::system_error threads(std::make_error_code(std::errc::resource_unavailable_try_again));
   EXPECT_THAT(SentenceOf(threads), AllOf(HasSubstr("Resource temporarily unavailable"), HasSubstr("ulimit -u")));
   EXPECT_THAT(SentenceOf(std::bad_alloc()),
-              AllOf(HasSubstr("memory is not enough"), HasSubstr(" MB"), Not(HasSubstr("bad_alloc"))));
+              AllOf(HasSubstr("not enough memory"), HasSubstr(" MB"), Not(HasSubstr("bad_alloc"))));
   EXPECT_THAT(ReasonOf(EMFILE), AllOf(HasSubstr("Too many open files"), HasSubstr("ulimit -n")));
 }
 
@@ -86,9 +86,9 @@ TEST(WithMemoryFor, NamesTheTooLargeObject) {
 
 TEST(YamlComplaint, TabIsFoundIfTheParserBlamesAnotherLine) {
   EXPECT_EQ(YamlComplaint("rig.yaml", "vo:\n\tseed: 1\n  x: 2\n", 2, "illegal map value"),
-            "rig.yaml:2: is indented by a tab; YAML wants spaces");
+            "rig.yaml:2: is indented by a tab; YAML requires spaces");
   EXPECT_EQ(YamlComplaint("rig.yaml", "vo:\n  \tseed: 1\n", 1, "x"),
-            "rig.yaml:2: is indented by a tab; YAML wants spaces");
+            "rig.yaml:2: is indented by a tab; YAML requires spaces");
   EXPECT_EQ(YamlComplaint("rig.yaml", "\t# a comment may\na: b: c\n", 1, "illegal map value"),
             "rig.yaml:2: not valid YAML: illegal map value ('a: b: c')");
 }
@@ -100,7 +100,7 @@ TEST(YamlComplaint, LineWithoutAKeyIsFoundIfTheNextIsBlamed) {
 
 TEST(YamlComplaint, BinaryFileIsRecognised) {
   EXPECT_EQ(YamlComplaint("a.png", std::string_view("\x89PNG\r\n\0\0", 8), 0, "x"),
-            "a.png: is no YAML, but binary: \\x89PNG\\x0d\\x0a\\x00\\x00");
+            "a.png: is not YAML, but binary: \\x89PNG\\x0d\\x0a\\x00\\x00");
 }
 
 }  // namespace
@@ -142,7 +142,7 @@ TEST(OpenInput, PermissionIsNamed) {
   const std::string within = folder.Write("closed/a", "x");
   chmod(folder.Path("closed").c_str(), 0);
   EXPECT_EXIT(as_a_user(within), testing::ExitedWithCode(0),
-              "Permission denied .the folder .*closed is closed to this user");
+              "Permission denied .this user cannot access the folder .*closed");
   chmod(folder.Path("closed").c_str(), 0700);
 }
 

@@ -44,8 +44,8 @@ TEST(Accuracy, DegenerateInputsGiveASentenceAndNoNan) {
       {{}, path, "the estimate has no pose"},
       {path, {}, "the truth has no pose"},
       {path, later, "no pose of the estimate is within 0.02 s of a true one"},
-      {one, one, "one pose only: nothing can be said about motion"},
-      {still, still, "the true path has no length: nothing can be said per metre"}};
+      {one, one, "only one pose: no motion can be evaluated"},
+      {still, still, "the true path has length 0: no error per metre can be computed"}};
   for (const auto& [estimate, truth, note] : cases) {
     for (const auto kind : {Alignment::kNone, Alignment::kFirst, Alignment::kSe3, Alignment::kSim3}) {
       EvaluateOptions options;

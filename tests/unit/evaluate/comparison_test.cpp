@@ -100,7 +100,7 @@ TEST(Compare, FailedRunsAreCountedWithoutFigures) {
   failed["reason"] = "vo_process has crashed";
   const auto groups = Compare({RecordOf(Summary("a", "both", 1.0), "good"), RecordOf(failed, "bad")});
   ASSERT_EQ(groups.size(), 1U);
-  EXPECT_EQ(groups[0].label, "all alike");
+  EXPECT_EQ(groups[0].label, "same options");
   EXPECT_EQ(groups[0].failed, 1);
   EXPECT_EQ(At(groups[0], "ate_m", &Spread::worst), 1.0);
   EXPECT_THAT(ComparisonMarkdown(groups), HasSubstr("| 2 (1 failed) |"));

@@ -56,11 +56,11 @@ TEST(EvaluateProgram, BadRowsOfTheTruthAreNoted) {
   const ShellResult run = Evaluate(folder, arguments);
   EXPECT_EQ(run.exit_code, 0) << run.error;
   EXPECT_THAT(run.error, HasSubstr("truth.tum:51: time "));
-  EXPECT_THAT(run.error, HasSubstr("1 of 51 rows is passed over"));
+  EXPECT_THAT(run.error, HasSubstr("1 of 51 rows is skipped"));
   folder.Write("truth.tum", "1 nan nan nan nan nan nan nan\n2 nan nan nan nan nan nan nan\n");
   const ShellResult none = Evaluate(folder, arguments);
   EXPECT_EQ(none.exit_code, 1);
-  EXPECT_THAT(none.error, HasSubstr("2 of 2 rows are passed over"));
+  EXPECT_THAT(none.error, HasSubstr("2 of 2 rows are skipped"));
 }
 
 TEST(EvaluateProgram, ErrorsAreOneSentenceAndExitCodeOne) {
@@ -76,7 +76,7 @@ TEST(EvaluateProgram, ErrorsAreOneSentenceAndExitCodeOne) {
       {good + " --truth " + folder.Path("none"), "none: cannot be read: No such file or directory"},
       {far + " --truth " + good, "far:2: the position is 1e+200 m from the origin, more than 1e+09 m"},
       {good + " --truth " + late, "no pose of the estimate is within 0.02 s"},
-      {good + " --truth " + good + " --delta 1x", "'1x' is no interval"},
+      {good + " --truth " + good + " --delta 1x", "'1x' is not an interval"},
       {good + " --truth " + good + " --json " + folder.Path("no/a.json"), "a.json: cannot be created"},
       {good + " --truth " + good + " --plot " + folder.Path("no/a.pdf"), "a.pdf: cannot be created"},
       {good + " --truth " + good + " --plot a.jpg", "a.jpg: a drawing is written as .svg, .pdf or .png"},
@@ -84,7 +84,7 @@ TEST(EvaluateProgram, ErrorsAreOneSentenceAndExitCodeOne) {
       {good + " --truth " + good + " --truth-format kitti",
        "good:1: 8 numbers, but a row of the KITTI format has 12"},
       {kitti + " --truth " + good,
-       "a.kitti: has no times, being in KITTI format, and " + good + " has: give --times"},
+       "a.kitti: has no times because it is in KITTI format, but " + good + " has: give --times"},
       {good + " --truth " + kitti, "a.kitti: has no times"},
       {kitti + " --truth " + longer, "a.kitti has 1 poses and " + longer + " has 2, without times"},
       {kitti + " --truth " + longer, "give the estimate with its times (trajectory.tum of a run), and --times"},
@@ -122,13 +122,13 @@ TEST(EvaluateProgram, ComparisonSkipsOtherFiles) {
   EXPECT_EQ(all.exit_code, 0) << all.error;
   EXPECT_THAT(all.out, HasSubstr("1 run"));
   EXPECT_THAT(all.out, HasSubstr("20.0")) << "per cent tracked";
-  EXPECT_THAT(all.error, HasSubstr("that are no runs: "));
+  EXPECT_THAT(all.error, HasSubstr("that are not runs: "));
   for (const char* name : {"strange", "broken", "room.plmap", "first"}) EXPECT_THAT(all.error, HasSubstr(name));
   const ShellResult alone = Evaluate(folder, "compare " + folder.Path("run"));
-  EXPECT_THAT(alone.error, Not(HasSubstr("passed over")));
+  EXPECT_THAT(alone.error, Not(HasSubstr("skipped")));
   const ShellResult none = Evaluate(folder, "compare " + folder.Path("first") + " " + folder.Path("room.plmap"));
   EXPECT_EQ(none.exit_code, 1);
-  EXPECT_THAT(none.error, HasSubstr("there is no run to compare"));
+  EXPECT_THAT(none.error, HasSubstr("no run to compare"));
   const ShellResult missing = Evaluate(folder, "compare " + folder.Path("run") + " " + folder.Path("mistyped"));
   EXPECT_EQ(missing.exit_code, 1);
   EXPECT_THAT(missing.error, HasSubstr("mistyped: does not exist"));

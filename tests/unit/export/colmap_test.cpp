@@ -192,14 +192,16 @@ TEST(MapCamera, InvalidCameraIsReported) {
   };
   const auto set = [&](size_t number, double value) { std::memcpy(stored.rig.data() + 8 * number, &value, 8); };
   set(0, 0.0);
-  EXPECT_EQ(told(), "a.plmap: no camera has a focal length of 0 px, a baseline of 0.12 m and images of 640 x 480 px");
+  EXPECT_EQ(
+      told(),
+      "a.plmap: its camera is invalid: a focal length of 0 px, a baseline of 0.12 m and images of 640 x 480 px");
   set(0, 400.0);
   set(4, 640.5);
   EXPECT_THAT(told(), HasSubstr("640.5 x 480 px"));
   set(3, std::nan(""));
   EXPECT_THAT(told(), HasSubstr("has a number nan"));
   stored.rig.clear();
-  EXPECT_EQ(told(), "a.plmap: says nothing of the camera it was made with");
+  EXPECT_EQ(told(), "a.plmap: does not contain the camera with which it was made");
 }
 
 }  // namespace

@@ -140,7 +140,7 @@ TEST_F(ExportLog, MapThatRobotsShareHasAPrefixOfItsOwn) {
   EXPECT_EQ(Read().lack, "");
   WriteMap("others/");
   EXPECT_TRUE(Read().map.keyframes().empty());
-  EXPECT_EQ(Read().lack, "none of the 2 maps in the log is of its prefix");
+  EXPECT_EQ(Read().lack, "none of the 2 maps in the log has the prefix of the run");
   WriteMap("a/");
   EXPECT_EQ(Read().map.keyframes().size(), 3U);
 }
@@ -170,9 +170,9 @@ TEST_F(ExportLog, LastRigThatCanBeUsedCounts) {
 TEST_F(ExportLog, RigOfAnotherVersionIsReported) {
   WritePoses("", 2);
   Write("", bus::kCamera, stream_t{});
-  EXPECT_THAT(ErrorOf("tum"), HasSubstr("has poses, but its rig (channel CAMERA) is of another version"));
+  EXPECT_THAT(ErrorOf("tum"), HasSubstr("has poses, but its rig (channel CAMERA) is from another version"));
   WriteCamera("");
-  EXPECT_EQ(Read().lack, "messages of another version of plslam are passed over, of CAMERA") << "nothing to replay";
+  EXPECT_EQ(Read().lack, "messages from another version of plslam are skipped, on CAMERA") << "nothing to replay";
 }
 
 TEST_F(ExportLog, IncompleteMapIsReported) {
@@ -189,7 +189,7 @@ TEST_F(ExportLog, ExistingFilesStayAndFailuresLeaveNone) {
   EXPECT_FALSE(std::filesystem::exists(folder().Path("out")));
   std::filesystem::create_directories(folder().Path("out/run"));
   EXPECT_EQ(Export("tum").size(), 2U) << "an empty folder";
-  EXPECT_THAT(ErrorOf("tum"), HasSubstr("out/run: is there already, and the files of the run would go there"));
+  EXPECT_THAT(ErrorOf("tum"), HasSubstr("out/run: already exists, and the files of the run would be written there"));
 }
 
 }  // namespace

@@ -61,12 +61,12 @@ TEST(ExportRun, AFolderWithoutMapGivesItsTrajectoryOnly) {
 TEST(ExportRun, MissingInputIsReported) {
   const ScratchFolder folder;
   const std::string out = folder.Path("out");
-  EXPECT_THAT(ErrorOf({folder.Path("none"), out, {}, ""}), HasSubstr("none: there is no such file or folder"));
+  EXPECT_THAT(ErrorOf({folder.Path("none"), out, {}, ""}), HasSubstr("none: file or folder does not exist"));
   EXPECT_THAT(ErrorOf({folder.Path(""), out, {}, ""}), HasSubstr("has neither a map (.plmap) nor a trajectory.tum"));
   EXPECT_THAT(ErrorOf({folder.Write("bad.plmap", "PLSLAMAP"), out, {}, ""}), HasSubstr("bad.plmap"));
-  EXPECT_EQ(ErrorOf({folder.Path(""), out, {"stl"}, ""}), "'stl' is no format to export to");
+  EXPECT_EQ(ErrorOf({folder.Path(""), out, {"stl"}, ""}), "'stl' is not an export format");
   folder.Write("worse.plmap", "");
-  EXPECT_THAT(ErrorOf({folder.Path(""), out, {}, ""}), HasSubstr("has 2 maps: name one of them"));
+  EXPECT_THAT(ErrorOf({folder.Path(""), out, {}, ""}), HasSubstr("has 2 maps: give one of them"));
 }
 
 TEST(ExportRun, EachSessionHasAFileOfKeyframes) {
@@ -95,7 +95,7 @@ TEST(ExportRun, ImagesOfAnotherTimeAreRefused) {
   const ScratchFolder folder;
   WriteTrajectory(folder.Path("trajectory.tum"), TrajectoryFormat::kTum, {{5'000'000'000'000, SE3()}});
   EXPECT_THAT(ErrorOf({folder.Path(""), folder.Path("out"), {"mcap"}, "synthetic:room?size=160x120&frames=3"}),
-              HasSubstr("has no image of the time of the run"));
+              HasSubstr("has no image from the time of the run"));
   EXPECT_TRUE(std::filesystem::is_empty(folder.Path("out"))) << "nothing half written stays";
 }
 
@@ -106,10 +106,10 @@ TEST(ExportRun, ADamagedTableOfFramesIsNamed) {
   EXPECT_THAT(ErrorOf({folder.Path(""), folder.Path("out"), {"mcap"}, ""}), HasSubstr("poses.csv:3: "));
   folder.Write("poses.csv", "frame_id,t_s,state\n0,1.0\n");
   EXPECT_THAT(ErrorOf({folder.Path(""), folder.Path("out"), {"mcap"}, ""}),
-              HasSubstr("poses.csv:2: has not the columns of its first line"));
+              HasSubstr("poses.csv:2: does not have the columns of the first line"));
   WriteTrajectory(folder.Path("trajectory.tum"), TrajectoryFormat::kTum, {{-1'000'000'000, SE3()}});
   std::filesystem::remove(folder.Path("poses.csv"));
-  EXPECT_THAT(ErrorOf({folder.Path(""), folder.Path("out"), {"mcap"}, ""}), HasSubstr("no time before 1970"));
+  EXPECT_THAT(ErrorOf({folder.Path(""), folder.Path("out"), {"mcap"}, ""}), HasSubstr("no times before 1970"));
 }
 
 TEST(ExportProgram, PrintsItsFilesAndErrors) {
@@ -118,13 +118,13 @@ TEST(ExportProgram, PrintsItsFilesAndErrors) {
   const std::string plslam = (test::BinaryFolder() / "plslam").string() + " export " + folder.Path("");
   const auto good = test::Shell(folder, plslam + "/a.plmap --format obj tum");
   EXPECT_EQ(good.exit_code, 0) << good.error;
-  EXPECT_THAT(good.out, HasSubstr("a_export/map.obj: 61 points, 4 lines, the way of 3 keyframes\n"));
+  EXPECT_THAT(good.out, HasSubstr("a_export/map.obj: 61 points, 4 lines, the path of 3 keyframes\n"));
   const auto bad = test::Shell(folder, plslam + "/a.plmap --format stl");
   EXPECT_EQ(bad.exit_code, 1);
   EXPECT_THAT(bad.error, HasSubstr("stl"));
   const auto none = test::Shell(folder, plslam + "/none.plmap");
   EXPECT_EQ(none.exit_code, 1);
-  EXPECT_THAT(none.error, HasSubstr("none.plmap: there is no such file or folder"));
+  EXPECT_THAT(none.error, HasSubstr("none.plmap: file or folder does not exist"));
 }
 
 }  // namespace

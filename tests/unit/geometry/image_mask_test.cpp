@@ -97,7 +97,7 @@ TEST(ImageMask, ComplaintsNameValueAndBound) {
   camera.mask = {Rectangle(0, 0, 101, 5)};
   EXPECT_THAT(MaskComplaint(camera), HasSubstr("corner [101, 0] is not within -50 to 100 and -40 to 80 pixels"));
   camera.mask = {Rectangle(0, 0, 49, 39)};
-  EXPECT_THAT(MaskComplaint(camera), HasSubstr("no pixel is left in use"));
+  EXPECT_THAT(MaskComplaint(camera), HasSubstr("no pixel is in use"));
   camera.mask.assign(501, Rectangle(0, 0, 5, 5));
   EXPECT_THAT(MaskComplaint(camera), HasSubstr("2004 corners, at most 2000"));
 }

@@ -130,7 +130,7 @@ TEST(Rectify, UnusableRigsAreNamed) {
   rig.right.T_b_cam = SE3(Eigen::Quaterniond::Identity(), {-0.1, 0.0, 0.0});
   EXPECT_THAT(MessageOf(rig), HasSubstr("exchanged"));
   rig.right.T_b_cam = SE3();
-  EXPECT_THAT(MessageOf(rig), HasSubstr("same place"));
+  EXPECT_THAT(MessageOf(rig), HasSubstr("same position"));
   rig.right.T_b_cam = SE3(ExpSO3({0.0, 1.5, 0.0}), {0.1, 0.0, 0.0});
   EXPECT_THAT(MessageOf(rig), HasSubstr("apart"));
   rig = test::IdealRig();

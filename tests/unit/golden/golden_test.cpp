@@ -87,7 +87,7 @@ TEST(Golden, OldRecordingsAreReadOrNeedAReplay) {
       const viewer::LoggedRun run = viewer::ReadLoggedRun((folder / "room.lcm").string());
       viewer::WriteLoggedRun(run, to.Path("run"));
       EXPECT_TRUE(run.has_frames);
-      EXPECT_EQ(run.map.keyframes().empty(), run.lack.find("`plslam replay` computes them anew") != std::string::npos)
+      EXPECT_EQ(run.map.keyframes().empty(), run.lack.find("`plslam replay` recomputes them") != std::string::npos)
           << folder << ": " << run.lack;
     } catch (const std::runtime_error& error) {
       EXPECT_NE(std::string(error.what()).find("`plslam replay "), std::string::npos) << error.what();

@@ -142,7 +142,7 @@ TEST_F(ImageFile, SizeIsCheckedBeforeDecoding) {
   EXPECT_THAT(ErrorOf([&] { ReadGreyImage(path, {60000, 60000}); }), HasSubstr("60000 x 60000 pixels"));
   const std::string claims = WriteBytes("claims.pgm", "P5 8000 8000 255\n");
   EXPECT_THAT(ErrorOf([&] { ReadGreyImage(claims, {8000, 8000}); }), HasSubstr("truncated"));
-  EXPECT_THAT(ErrorOf([&] { ReadGreyImage(claims, kSize); }), HasSubstr("8000 x 8000 pixels where 300 x 221"));
+  EXPECT_THAT(ErrorOf([&] { ReadGreyImage(claims, kSize); }), HasSubstr("8000 x 8000 pixels instead of 300 x 221"));
   const std::string none = WriteBytes("none.pgm", "P5 0 10 255\n");
   EXPECT_THAT(ErrorOf([&] { ReadImageSize(none); }), HasSubstr("0 x 10"));
 }
@@ -167,7 +167,7 @@ TEST_F(ImageFile, OtherFormatsAreNamed) {
         Row{"version https://git-lfs.github.com/spec/v1\noid", "is a pointer of Git LFS, not the file itself"},
         Row{"<!DOCTYPE html>", "a page of HTML or XML, perhaps of a failed download"},
         Row{"\x1b[2J\xff", "it begins with '\\x1b[2J\\xff'"},
-        Row{"\x89PNG", "its header is damaged or cut off (4 bytes)"}, Row{"", "the image is empty (0 bytes)"}}) {
+        Row{"\x89PNG", "its header is damaged or truncated (4 bytes)"}, Row{"", "the image is empty (0 bytes)"}}) {
     const std::string path = WriteBytes("t.png", row.bytes);
     EXPECT_THAT(ErrorOf([&] { ReadImageSize(path); }), HasSubstr(row.what));
   }

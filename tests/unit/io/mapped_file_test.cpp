@@ -79,7 +79,7 @@ TEST_F(MappedFileTest, UnreadableFileIsReported) {
     return std::string();
   };
   EXPECT_THAT(why((folder_ / "not there").string()), testing::StartsWith("cannot be read: "));
-  EXPECT_EQ(why(folder_.string()), "is no regular file");
+  EXPECT_EQ(why(folder_.string()), "is not a regular file");
 }
 
 TEST(TemporaryRoot, IsTmpdirOrADiskFolder) {

@@ -124,16 +124,16 @@ TEST_P(SealedFile, MissingForeignTruncatedOrDamagedFiles) {
       [&] {
         ReadSealedFile(Path(), {{'O', 'T', 'H', 'E', 'R'}, 3, "map"});
       },
-      ThrowsMessage<std::runtime_error>(HasSubstr("is no map")));
+      ThrowsMessage<std::runtime_error>(HasSubstr("is not a map")));
   EXPECT_THAT(
       [&] {
         ReadSealedFile(Path(), {kind_.magic, 4, "test file"});
       },
-      ThrowsMessage<std::runtime_error>(HasSubstr("is a test file of format 3, and this program knows format 4")));
+      ThrowsMessage<std::runtime_error>(HasSubstr("is a test file of format 3, but this program reads format 4")));
   Overwrite(sizeof(Seal) + 2, 'x');
   EXPECT_THAT(Reading(), ThrowsMessage<std::runtime_error>(HasSubstr("its checksum is wrong")));
   std::filesystem::resize_file(Path(), sizeof(Seal) + 3);
-  EXPECT_THAT(Reading(), ThrowsMessage<std::runtime_error>(HasSubstr("has 3 bytes of content, and should have 5")));
+  EXPECT_THAT(Reading(), ThrowsMessage<std::runtime_error>(HasSubstr("has 3 bytes of content instead of 5")));
   std::filesystem::resize_file(Path(), 10);
   EXPECT_THAT(Reading(), ThrowsMessage<std::runtime_error>(HasSubstr("too short")));
 }

@@ -43,10 +43,10 @@ TEST(NoAnswerText, NamesUrlPrefixAndRemedy) {
   options.url = "udpm://239.255.76.67:7668?ttl=0";
   EXPECT_THAT(
       NoAnswerText({"mapping"}, options, std::chrono::seconds(10)),
-      testing::StartsWith("no process 'mapping' is heard on udpm://239.255.76.67:7668?ttl=0 with prefix 'team/' "
-                          "for 10 s; give the --url and --prefix"));
+      testing::StartsWith("no process 'mapping' was found on udpm://239.255.76.67:7668?ttl=0 with prefix 'team/' "
+                          "within 10 s; give the --url and --prefix"));
   options.url.clear();
-  EXPECT_THAT(NoAnswerText({"mapping"}, options, std::chrono::seconds(10)), testing::HasSubstr("heard on udpm://"))
+  EXPECT_THAT(NoAnswerText({"mapping"}, options, std::chrono::seconds(10)), testing::HasSubstr("found on udpm://"))
       << "the default is named, too";
 }
 

@@ -32,13 +32,13 @@ TEST(FilesToWrite, MissingFolderIsOneSentence) {
   const ScratchFolder folder;
   RunOptions options;
   options.save_map = folder.Path("no/x.plmap");
-  EXPECT_THAT(WhyNot(options), HasSubstr("x.plmap: there is no folder " + folder.Path("no")));
+  EXPECT_THAT(WhyNot(options), HasSubstr("x.plmap: the folder " + folder.Path("no")));
   options.save_map = folder.Path("");
   EXPECT_THAT(WhyNot(options), HasSubstr("is a folder, not a file to write"));
   options.save_map = folder.Path("x.plmap");
   EXPECT_EQ(WhyNot(options), "");
   options.save_map = "/proc/x.plmap";
-  EXPECT_THAT(WhyNot(options), testing::AnyOf(HasSubstr("nothing can be written there"), ""))
+  EXPECT_THAT(WhyNot(options), testing::AnyOf(HasSubstr("cannot be written"), ""))
       << "root may write anywhere, as far as access() knows";
 }
 
@@ -47,7 +47,7 @@ TEST(FilesToWrite, InputFileIsNotOverwritten) {
   RunOptions options;
   options.dataset = folder.Write("a.lcm", "log");
   options.record = folder.Path("./a.lcm");
-  EXPECT_THAT(WhyNot(options), HasSubstr("this run reads that file, and would destroy it"));
+  EXPECT_THAT(WhyNot(options), HasSubstr("this run reads that file and would overwrite it"));
   options.record = folder.Write("old.lcm", "another");
   EXPECT_EQ(WhyNot(options), "") << "an old recording is replaced";
   options.map = options.record;
@@ -104,11 +104,11 @@ TEST(MapToContinue, ReadableMapOfAnyCameraIsAccepted) {
   EXPECT_EQ(why_not(), "");
   stored.rig.clear();
   WriteMapFile(options.map, stored);
-  EXPECT_THAT(why_not(), HasSubstr("a.plmap: says nothing of the camera it was made with"));
+  EXPECT_THAT(why_not(), HasSubstr("a.plmap: does not contain the camera with which it was made"));
   std::filesystem::resize_file(options.map, std::filesystem::file_size(options.map) - 1);
-  EXPECT_THAT(why_not(), HasSubstr("it was cut off or damaged"));
+  EXPECT_THAT(why_not(), HasSubstr("it was truncated or damaged"));
   folder.Write("a.plmap", "hello");
-  EXPECT_THAT(why_not(), HasSubstr("a.plmap: is no map file"));
+  EXPECT_THAT(why_not(), HasSubstr("a.plmap: is not a map file"));
 }
 
 TEST(OutputFolderTest, RunWithoutResultsLeavesNoFolder) {
@@ -137,7 +137,7 @@ TEST(OutputFolderTest, FolderOfAnotherRunIsRefused) {
   OutputFolder first(folder.Path("a"));
   folder.Write("a/logs/vo.log", "of the first");
   EXPECT_THAT([&] { OutputFolder(folder.Path("a")); },
-              testing::ThrowsMessage<std::runtime_error>(HasSubstr("writes its results there")));
+              testing::ThrowsMessage<std::runtime_error>(HasSubstr("is writing its results there")));
   EXPECT_TRUE(exists(folder.Path("a/logs/vo.log")));
 }
 

@@ -106,9 +106,9 @@ TEST(RunSummary, MapContentAndTimings) {
   EXPECT_NEAR(result["map"]["update_ms"]["p95"].get<double>(), 30.0, 0.16);
   EXPECT_NEAR(result["accuracy_live_ate_m"].get<double>(), 0.25, 1e-9);
   const std::string text = SummaryToText(result, true);
-  EXPECT_THAT(text, testing::HasSubstr("3 keyframes, 110 points, 20 lines; 3.0 observations a point, 2.5 a line, "
+  EXPECT_THAT(text, testing::HasSubstr("3 keyframes, 110 points, 20 lines; 3.0 observations per point, 2.5 per line, "
                                        "reprojection 1.500 -> 0.500"));
-  EXPECT_THAT(text, testing::HasSubstr("map, ms a keyframe"));
+  EXPECT_THAT(text, testing::HasSubstr("map, ms per keyframe"));
 }
 
 TEST(RunSummary, LoopsOfTheLoadedMapAreNotCounted) {
@@ -189,7 +189,7 @@ TEST(RunSummary, FitsInADozenLines) {
   const std::string text = SummaryToText(SummaryToJson(summary));
   EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 10) << text << "and two to tell where to look";
   EXPECT_THAT(text, testing::HasSubstr("  path       12.35 m\n"));
-  EXPECT_THAT(text, testing::HasSubstr("  speed      10.0 ms a frame"));
+  EXPECT_THAT(text, testing::HasSubstr("  speed      10.0 ms per frame"));
   EXPECT_THAT(text, testing::HasSubstr("  restarts   vo 1\n"));
   EXPECT_THAT(text, testing::HasSubstr("  messages   1 lost, 2 sent again, 1 rejected\n"));
   EXPECT_THAT(text, testing::Not(testing::HasSubstr("CPU")));

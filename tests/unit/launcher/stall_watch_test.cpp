@@ -60,7 +60,7 @@ TEST_F(StallWatchTest, SilentViewerAfterTheEndIsAStall) {
   EXPECT_EQ(TalkFor(60), "") << "it waits for the map";
   ++signs_.map_version;
   EXPECT_EQ(LookAfter(120), "") << "it writes";
-  EXPECT_THAT(LookAfter(1), HasSubstr("the viewer has been silent for 120 s"));
+  EXPECT_THAT(LookAfter(1), HasSubstr("the viewer has sent nothing for 120 s"));
 }
 
 TEST_F(StallWatchTest, ViewerThatNeverFinishesIsAStall) {

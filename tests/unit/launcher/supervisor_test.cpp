@@ -394,7 +394,7 @@ TEST(ChildProcess, StartErrorNamesTheProgramOrItsLog) {
       [&] { ChildProcess("/nowhere/vo_process", {}, log, 0); },
       testing::ThrowsMessage<std::runtime_error>("/nowhere/vo_process cannot be started: No such file or directory"));
   EXPECT_THAT([&] { ChildProcess("/bin/true", {}, lost, 0); },
-              testing::ThrowsMessage<std::runtime_error>("/bin/true cannot be started, since its log " + lost +
+              testing::ThrowsMessage<std::runtime_error>("/bin/true cannot be started because its log " + lost +
                                                          " cannot be written: No such file or directory"));
 }
 

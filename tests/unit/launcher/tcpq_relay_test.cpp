@@ -205,7 +205,7 @@ TEST(TcpqRelay, TakenPortIsOneSentence) {
     const TcpqRelay second(first.port());
     FAIL();
   } catch (const std::runtime_error& error) {
-    EXPECT_NE(std::string(error.what()).find("cannot be listened on"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("cannot listen there"), std::string::npos) << error.what();
   }
   EXPECT_THROW(TcpqRelay(0, "no address"), std::runtime_error);
 }

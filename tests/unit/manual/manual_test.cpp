@@ -34,7 +34,7 @@ struct SomeProgram {
     app.add_option("--bounded", bounded, "a number")->check(CLI::Range(0, 1000000))->capture_default_str();
     app.add_option("--many", many, "several")->expected(1, 9);
     app.add_option("--folder", file, "where")->type_name("DIR");
-    app.add_flag("--quiet", quiet, "say nothing");
+    app.add_flag("--quiet", quiet, "print nothing");
     app.set_version_flag("--version", "1");
     app.add_subcommand("go", "starts - quickly");
     app.add_subcommand("stop", "stops");

@@ -119,7 +119,7 @@ TEST(MapFile, MapWithoutKeyframesDoesNotReplaceAnother) {
   const TemporaryFile file("map.plmap");
   WriteMapFile(file.path(), RandomStoredMap(3, 20));
   const std::vector<uint8_t> bytes = file.Read();
-  EXPECT_THAT(ErrorOf([&] { WriteMapFile(file.path(), {}); }), HasSubstr("is not written: the map has no keyframe"));
+  EXPECT_THAT(ErrorOf([&] { WriteMapFile(file.path(), {}); }), HasSubstr("is not written: the map has no keyframes"));
   EXPECT_EQ(file.Read(), bytes);
 }
 
@@ -139,12 +139,13 @@ TEST(MapFile, EveryTruncationIsRefused) {
   const size_t step = std::max<size_t>(1, bytes.size() / 300);
   for (size_t n = 0; n < bytes.size(); n += n < 100 ? 1 : step) {
     const std::string error = DecodeError({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n)});
-    EXPECT_THAT(error, testing::AnyOf(HasSubstr("is no map file (too short)"), HasSubstr("was cut off or damaged")))
+    EXPECT_THAT(error,
+                testing::AnyOf(HasSubstr("is not a map file (too short)"), HasSubstr("was truncated or damaged")))
         << n;
   }
   std::vector<uint8_t> longer = bytes;
   longer.push_back(0);
-  EXPECT_THAT(DecodeError(longer), HasSubstr("was cut off or damaged"));
+  EXPECT_THAT(DecodeError(longer), HasSubstr("was truncated or damaged"));
 }
 
 TEST(MapFile, EveryFlippedBitIsSeen) {
@@ -161,14 +162,14 @@ TEST(MapFile, ForeignAndNewerFilesAreRefusedByName) {
   const auto read = [&] { return ErrorOf([&] { ReadMapFile(file.path()); }); };
   EXPECT_THAT(read(), HasSubstr("foreign.plmap: cannot be read: No such file or directory"));
   file.Write({});
-  EXPECT_THAT(read(), HasSubstr("foreign.plmap: is no map file (too short)"));
+  EXPECT_THAT(read(), HasSubstr("foreign.plmap: is not a map file (too short)"));
   file.Write(std::vector<uint8_t>(1000, 'x'));
-  EXPECT_THAT(read(), HasSubstr("foreign.plmap: is no map file"));
+  EXPECT_THAT(read(), HasSubstr("foreign.plmap: is not a map file"));
   std::vector<uint8_t> bytes = EncodeMap(RandomStoredMap(6, 10));
   bytes[8] = 9;
   test::Sign(bytes);
   file.Write(bytes);
-  EXPECT_THAT(read(), HasSubstr("foreign.plmap: is a map file of format 9, and this program knows formats 1 to 2"));
+  EXPECT_THAT(read(), HasSubstr("foreign.plmap: is a map file of format 9, but this program reads formats 1 to 2"));
   EXPECT_THAT(ErrorOf([] { ReadMapFile(testing::TempDir()); }), HasSubstr("cannot be"));
 }
 
@@ -183,7 +184,7 @@ TEST(MapFile, LengthBeyondTheFileIsRefused) {
   const uint64_t huge = std::numeric_limits<uint64_t>::max() / 2;
   std::memcpy(bytes.data() + 56 + 8, &huge, 8);
   test::Sign(bytes);
-  EXPECT_THAT(DecodeError(bytes), HasSubstr("promises more than it has"));
+  EXPECT_THAT(DecodeError(bytes), HasSubstr("is shorter than it states"));
 }
 
 TEST(MapFile, MapsThatCouldNotBeLoadedAreNotSaved) {
@@ -197,27 +198,27 @@ TEST(MapFile, MapsThatCouldNotBeLoadedAreNotSaved) {
   EXPECT_THAT(EncodeError(bad), HasSubstr("which has 0"));
   bad = good;
   bad.features[bad.next_keyframe_id];
-  EXPECT_THAT(EncodeError(bad), HasSubstr("which the map does not have"));
+  EXPECT_THAT(EncodeError(bad), HasSubstr("which is not in the map"));
   bad = good;
   test::ChangeFeatures(bad.features, some_keyframe, [](StereoFeatures& of) {
     of.points[0].left.px.x() = std::numeric_limits<double>::quiet_NaN();
   });
-  EXPECT_THAT(EncodeError(bad), HasSubstr("has a feature whose values cannot be"));
+  EXPECT_THAT(EncodeError(bad), HasSubstr("has a feature with invalid values"));
   bad = good;
   bad.features.at(some_keyframe).image = TakenImage{0, 0, 0, 480, 400.0};
   EXPECT_THAT(EncodeError(bad),
-              HasSubstr("cannot be: 0 x 480 px from (0, 0) on, taken with a focal length of 400 px"));
+              HasSubstr("is invalid: 0 x 480 px from (0, 0) on, taken with a focal length of 400 px"));
   bad = good;
   bad.map.SetPose(some_keyframe, SE3::FromUnit(Eigen::Quaterniond(1.1, 0.0, 0.0, 0.0), {0.0, 0.0, 0.0}),
                   Matrix6d::Zero());
   EXPECT_THAT(EncodeError(bad), HasSubstr("whose rotation is not unit"));
   bad = good;
   bad.map.SetPose(some_keyframe, SE3(), -Matrix6d::Identity());
-  EXPECT_THAT(EncodeError(bad), HasSubstr("covariance that cannot be"));
+  EXPECT_THAT(EncodeError(bad), HasSubstr("invalid covariance"));
   bad = good;
   bad.map.SetPosition(bad.map.points().begin()->first, {0.0, std::numeric_limits<double>::infinity(), 0.0},
                       Eigen::Matrix3d::Zero());
-  EXPECT_THAT(EncodeError(bad), HasSubstr("has values that cannot be"));
+  EXPECT_THAT(EncodeError(bad), HasSubstr("has invalid values"));
   bad = good;
   bad.sessions[3].keyframe_id = 1 << 30;
   EXPECT_THAT(EncodeError(bad), HasSubstr("session 3 ends with keyframe 1073741824"));
@@ -226,17 +227,17 @@ TEST(MapFile, MapsThatCouldNotBeLoadedAreNotSaved) {
   EXPECT_THAT(EncodeError(bad), HasSubstr("ends with keyframe -1"));
   bad = good;
   bad.sessions[bad.newest_session + 1].keyframe_id = some_keyframe;
-  EXPECT_THAT(EncodeError(bad), HasSubstr("which the map does not have of it"));
+  EXPECT_THAT(EncodeError(bad), HasSubstr("which is not in the map or not of this session"));
   bad = good;
   LoopEdge loop;
   loop.old_keyframe_id = 0;
   loop.keyframe_id = 1 << 30;
   bad.map.Add(loop);
-  EXPECT_THAT(EncodeError(bad), HasSubstr("which never was"));
+  EXPECT_THAT(EncodeError(bad), HasSubstr("which never existed"));
   bad = good;
   std::swap(loop.old_keyframe_id, loop.keyframe_id);
   bad.map.Add(loop);
-  EXPECT_THAT(EncodeError(bad), HasSubstr("has values that cannot be"));
+  EXPECT_THAT(EncodeError(bad), HasSubstr("has invalid values"));
 }
 
 TEST(MapFile, MissingFoldersAreNamed) {

@@ -43,9 +43,9 @@ TEST(PoseGraphDegenerate, PosesWithoutEdges) {
 TEST(PoseGraphDegenerate, EdgesToMissingPoses) {
   PoseGraphProblem graph = Pair();
   graph.edges[0].b = 2;
-  ExpectRefused(graph, "edge 0 from pose 0 to 2 is of a pose that is not among the 2");
+  ExpectRefused(graph, "edge 0 from pose 0 to 2 joins a pose that is not one of the 2");
   graph.edges[0].b = -1;
-  ExpectRefused(graph, "not among the 2");
+  ExpectRefused(graph, "not one of the 2");
   graph.edges[0].b = 0;
   ExpectRefused(graph, "to itself");
 }

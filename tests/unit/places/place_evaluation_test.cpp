@@ -139,7 +139,7 @@ TEST(PlaceEvaluation, PicturesAndReportsShowTheNumbers) {
   EXPECT_GT(pixel(0, 0)[1], 200) << pixel(0, 0);
   EXPECT_LT(pixel(0, 3)[1], 100) << pixel(0, 3);
   EXPECT_GT(pixel(13, 3)[1], 200) << "the second lap: " << pixel(13, 3);
-  EXPECT_THAT(PlaceTable(evaluation), testing::HasSubstr("20 frames, 10 of them at places seen before"));
+  EXPECT_THAT(PlaceTable(evaluation), testing::HasSubstr("20 frames, 10 of them at revisited places"));
   const auto json = PlacesToJson({evaluation}, {});
   EXPECT_EQ(json["sequences"][0]["merges"]["paper"]["best_match"]["area"].get<double>(), 1.0);
   EXPECT_EQ(json["revisit"]["min_gap_s"].get<double>(), 5.0);

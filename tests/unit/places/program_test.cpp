@@ -65,7 +65,7 @@ TEST(PlacePrograms, ErrorsAreOneSentenceAndExitCodeOne) {
       {"evaluate", "places synthetic:room --points nothing", "vocabulary nothing cannot be read"},
       {"evaluate",
        "places synthetic:room --points " + config + "/lbd.vocabulary --lines " + config + "/orb.vocabulary",
-       "a vocabulary of lines stands where one of points is needed"},
+       "a vocabulary of lines was given where one of points is needed"},
       {"evaluate", "places", "datasets is required"},
       {"evaluate",
        "places synthetic:moon --points " + config + "/orb.vocabulary --lines " + config + "/lbd.vocabulary", "moon"}};

@@ -221,18 +221,18 @@ TEST(VocabularyFile, RoundTripKeepsEveryByteAndWord) {
 
 TEST(VocabularyFile, OtherAndDamagedFilesAreRefused) {
   const std::string good = test::SmallVocabulary(FeatureType::kPoints).ToBytes();
-  EXPECT_THAT(Objection(""), HasSubstr("vocabulary v is no vocabulary of this program"));
-  EXPECT_THAT(Objection("%YAML:1.0\n"), HasSubstr("is no vocabulary of this program"));
+  EXPECT_THAT(Objection(""), HasSubstr("vocabulary v is not a vocabulary of this program"));
+  EXPECT_THAT(Objection("%YAML:1.0\n"), HasSubstr("is not a vocabulary of this program"));
   EXPECT_THAT(Objection(good.substr(0, 20)), HasSubstr("is truncated"));
-  EXPECT_THAT(Objection(good.substr(0, 1000)), HasSubstr("has 1000 bytes where its header asks for"));
-  EXPECT_THAT(Objection(good + "x"), HasSubstr("where its header asks for"));
+  EXPECT_THAT(Objection(good.substr(0, 1000)), HasSubstr("has 1000 bytes, but its header states"));
+  EXPECT_THAT(Objection(good + "x"), HasSubstr("but its header states"));
   EXPECT_THAT(Objection(With<uint32_t>(good, 8, 7)),
               HasSubstr("has format version 7, and this program reads version"));
   EXPECT_THAT(Objection(With<uint32_t>(good, 24, 0)), HasSubstr("is damaged: 0 nodes"));
   EXPECT_THAT(Objection(With<uint32_t>(good, 24, 4'000'000'000)), HasSubstr("is damaged: 4000000000 nodes"));
   std::string flipped = good;
   flipped[good.size() / 2] ^= 4;
-  EXPECT_THAT(Objection(flipped), HasSubstr("its checksum does not fit"));
+  EXPECT_THAT(Objection(flipped), HasSubstr("its checksum is wrong"));
   EXPECT_EQ(Objection(good), "");
 }
 

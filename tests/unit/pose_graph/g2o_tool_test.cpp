@@ -101,7 +101,7 @@ TEST_F(PoseGraphProgram, ErrorsAreOneSentence) {
   test::WriteText(Path("bad.plmap"), "not a map");
   const Outcome map = Call({"--from-map", Path("bad.plmap")});
   EXPECT_EQ(map.code, 1);
-  EXPECT_THAT(map.error, HasSubstr("bad.plmap: is no map file"));
+  EXPECT_THAT(map.error, HasSubstr("bad.plmap: is not a map file"));
 }
 
 }  // namespace

@@ -157,7 +157,7 @@ TEST_F(ProcessTest, EndsOnlyByTheOrderOfItsLauncher) {
   ASSERT_TRUE(WaitForLine("runs")) << Log();
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     child_->Signal(signal);
-    ASSERT_TRUE(WaitForLine(bus::SignalName(signal) + ": passed over")) << Log();
+    ASSERT_TRUE(WaitForLine(bus::SignalName(signal) + ": ignored")) << Log();
   }
   EXPECT_FALSE(child_->Poll());
   child_->Signal(bus::kStopOrder);
@@ -329,7 +329,7 @@ TEST_F(ProcessTest, EndsWithTheProcessThatStartedIt) {
   EXPECT_EQ(Wait(), 0);
   Start({"--parent", "1"});  // is not ours
   EXPECT_EQ(Wait(), 1);
-  EXPECT_THAT(Log(), HasSubstr("the process that started this one is gone"));
+  EXPECT_THAT(Log(), HasSubstr("the process that started this one has exited"));
 }
 
 }  // namespace

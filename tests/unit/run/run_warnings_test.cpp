@@ -52,8 +52,7 @@ TEST(RunWarnings, ConditionsOfEachRow) {
        "only 12 of 120 frames were tracked (10.0 %; 100 initialising, 8 lost)"},
       {"few_stereo_matches", [](RunFindings& f) { f.points_matched = 800; },
        "only 1.0 % of the points of the left ones: left and right may be exchanged, not taken at the same time, or "
-       "badly "
-       "calibrated; `plslam rectify-check '/data/kitti 03'` tells"},
+       "badly calibrated; check with `plslam rectify-check '/data/kitti 03'`"},
       {"repeated_texture",
        [](RunFindings& f) {
          f.points_seen = 10'000;
@@ -66,7 +65,7 @@ TEST(RunWarnings, ConditionsOfEachRow) {
          f.late_frames = 0.9;
          f.corner_rows_px = 12.0;
        },
-       "the right images are taken 93 ms after the left ones: pair them anew with `--set "
+       "the right images are taken 93 ms after the left ones: pair them again with `--set "
        "player.right_offset_frames=-1`"},
       {"readout_differs", [](RunFindings& f) { f.unequal_readout_ms = 12.5; }, "takes 12.5 ms longer"},
       {"rows_corrected_far", [](RunFindings& f) { f.corner_rows_px = 12.34; }, "by up to 12.3 px in the corners"},
@@ -79,8 +78,8 @@ TEST(RunWarnings, ConditionsOfEachRow) {
        "an offset of up to 3.4 px (sigma 0.21 px), which would change lengths by 9.1 %: it is corrected"},
       {"dark_images", [](RunFindings& f) { f.dark_frames = 30; }, "30 of 100 frames are nearly black"},
       {"unreadable_frames", [](RunFindings& f) { f.frames.unreadable = 2; }, "2 of 102 frames could not be read"},
-      {"skipped_frames", [](RunFindings& f) { f.frames.skipped = 5; }, "5 of 105 frames were passed over"},
-      {"missing_pictures", [](RunFindings& f) { f.pictures_missing = 3; }, "3 frames lack their picture"},
+      {"skipped_frames", [](RunFindings& f) { f.frames.skipped = 5; }, "5 of 105 frames were skipped"},
+      {"missing_pictures", [](RunFindings& f) { f.pictures_missing = 3; }, "3 frames have no picture"},
       {"truth_of_other_times",
        [](RunFindings& f) {
          f.truth_frames = 0;
@@ -92,26 +91,26 @@ TEST(RunWarnings, ConditionsOfEachRow) {
       {"covariance_not_consistent", [](RunFindings& f) { f.nees_pose = 2'400.0; },
        "errors are about 20 times larger"},
       {"recording_without_index", [](RunFindings& f) { f.recording_scan_s = 3.21; },
-       "the recording has no usable index, or is cut off: all of it was read first, which took 3.2 s"},
+       "the recording has no usable index, or is truncated: it was first read completely, which took 3.2 s"},
       {"recording_in_parts",
        [](RunFindings& f) {
          f.recordings = {"a.lcm", "a.lcm.2"};
        },
-       "the recorder was started again, so the recording of a.lcm goes on in a.lcm.2"},
+       "the recorder was restarted, so the recording of a.lcm continues in a.lcm.2"},
       {"cameras_skewed", [](RunFindings& f) { f.skew_ms = 2.34; }, "taken 2.3 ms apart (median)"},
       {"camera_frames_missing",
        [](RunFindings& f) {
          f.frames_missing = 3;
          f.frames_dropped = 2;
        },
-       "beside the 100 pairs that the cameras gave, 3 are missing, and 2 images have no partner"},
+       "besides the 100 pairs from the cameras, 3 are missing, and 2 images have no partner"},
       {"badly_exposed",
        [](RunFindings& f) {
          f.frames_overexposed = 20;
          f.dark_frames = 30;
        },
        "of 100 pairs of images, 20 are mostly white and 0 mostly black"},
-      {"camera_outages", [](RunFindings& f) { f.outages = 2; }, "gave no frames for a while, 2 times"}};
+      {"camera_outages", [](RunFindings& f) { f.outages = 2; }, "sent no frames for a while, 2 times"}};
   std::vector<std::string> codes;
   for (const Case& c : cases) {
     RunFindings findings = GoodRun();
@@ -131,11 +130,11 @@ TEST(RunWarnings, DelayBelowAFrameIsNotRepaired) {
   findings.late_frames = 0.1;
   ASSERT_THAT(CodesOf(findings), ElementsAre("cameras_out_of_step"));
   EXPECT_THAT(WarningsOf(findings)[0].sentence,
-              HasSubstr("the left images are taken 5 ms after the right ones: this is made up for"));
+              HasSubstr("the left images are taken 5 ms after the right ones: this is compensated"));
   findings.left_late_ms = 20.0;
   findings.late_frames = 0.4;
   EXPECT_THAT(WarningsOf(findings)[0].sentence,
-              HasSubstr("too much to be made up for: trigger the cameras together"));
+              HasSubstr("too much to be compensated: trigger the cameras together"));
 }
 
 TEST(RunWarnings, BarelyGoodRunHasNone) {

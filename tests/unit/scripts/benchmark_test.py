@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The arithmetic of scripts/benchmark --against, on figures that can be followed by hand."""
+"""Tests the arithmetic of scripts/benchmark --against with simple figures."""
 import importlib.machinery
 import importlib.util
 import pathlib

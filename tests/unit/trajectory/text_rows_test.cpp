@@ -117,7 +117,7 @@ TEST(TextRows, BinaryFilesAreRecognised) {
   const ScratchFolder folder;
   const std::string path = folder.Write("nul.txt", std::string("3\n1\0 \x1b[2J", 9));
   EXPECT_THAT([&] { ForEachRow(path, [](const TextRow&) {}); },
-              ThrowsMessage<std::runtime_error>(HasSubstr("nul.txt:2: is no text, but binary: '1\\x00 \\x1b[2J'")));
+              ThrowsMessage<std::runtime_error>(HasSubstr("nul.txt:2: is not text, but binary: '1\\x00 \\x1b[2J'")));
 }
 
 TEST(TextRows, MissingFileAndFolderAreNamed) {

@@ -99,7 +99,7 @@ TEST(Trajectory, ErrorsNameFileLineAndValue) {
   const auto error = [&](const std::string& content) { return ErrorOf(folder.Write("t", content)); };
   const std::string row = "1 0 0 0 0 0 0 1\n";
   EXPECT_EQ(error(row), "");
-  EXPECT_THAT(error("1 2 3\n"), HasSubstr("t:1: 3 numbers fit none"));
+  EXPECT_THAT(error("1 2 3\n"), HasSubstr("t:1: 3 numbers do not match any"));
   EXPECT_THAT(error(row + "2 0 0 0 0 0 0\n"), HasSubstr("t:2: 7 numbers, but a row of the TUM format has 8"));
   EXPECT_THAT(error(row + "# x\n2 0 nan 0 0 0 0 1\n"), HasSubstr("t:3: 'nan' is not a finite number"));
   EXPECT_THAT(error(row + "2 0 1m 0 0 0 0 1\n"), HasSubstr("t:2: '1m'"));
@@ -111,7 +111,7 @@ TEST(Trajectory, ErrorsNameFileLineAndValue) {
   EXPECT_THAT(error("1,2,3\n"), HasSubstr("t:1: 3 columns, but a row of the EuRoC format has at least 8"));
   EXPECT_EQ(error("timestamp,a,b,c,d,e,f,g\n1,0,0,0,1,0,0,0\n"), "") << "names of columns";
   EXPECT_THAT(error("1,0,0,0,1,0,0,0\ntimestamp,a,b,c,d,e,f,g\n"), HasSubstr("t:2: 'timestamp'"));
-  EXPECT_THAT(error("2 0 0 0 0 1 0 0 0 0 1 0\n"), HasSubstr("t:1: the matrix is no rotation"));
+  EXPECT_THAT(error("2 0 0 0 0 1 0 0 0 0 1 0\n"), HasSubstr("t:1: the matrix is not a rotation"));
   EXPECT_THAT(error("-1 0 0 0 0 1 0 0 0 0 1 0\n"), HasSubstr("determinant -1"));
 }
 
@@ -133,9 +133,10 @@ TEST(TruthRows, BadRowsAreSkippedWithOneNote) {
   const std::string pose = " 0 0 0 0 0 0 1\n";
   const Kept twice = KeptOf(folder.Write("t", "1" + pose + "2" + pose + "2 9 0 0 0 0 0 1\n3" + pose));
   EXPECT_THAT(twice.t_s, testing::ElementsAre(1, 2, 3));
-  EXPECT_THAT(twice.notes,
-              testing::ElementsAre(HasSubstr("t:3: time 2000000000 ns is not after the 2000000000 ns of the "
-                                             "row before; 1 of 4 rows is passed over")));
+  EXPECT_THAT(
+      twice.notes,
+      testing::ElementsAre(HasSubstr(
+          "t:3: time 2000000000 ns is not after the 2000000000 ns of the previous row; 1 of 4 rows is skipped")));
   EXPECT_EQ(ReadTrajectoryFile(folder.Path("t"), {}, BadRows::kPassOver).poses[1].T_a_b.translation().x(), 0.0);
   const Kept nan = KeptOf(folder.Write("t", "1" + pose + "2 nan nan nan nan nan nan nan\n3 0 0\n4" + pose));
   EXPECT_THAT(nan.t_s, testing::ElementsAre(1, 4));
@@ -168,7 +169,7 @@ TEST(TruthRows, PosesOfKittiKeepTheirNumbers) {
 
 TEST(TruthRows, CommasWithSecondsAreOfTum) {
   const ScratchFolder folder;
-  const auto note = testing::ElementsAre(HasSubstr("in seconds: read as TUM's t,tx,ty,tz,qx,qy,qz,qw"));
+  const auto note = testing::ElementsAre(HasSubstr("in seconds: reading as TUM's t,tx,ty,tz,qx,qy,qz,qw"));
   const std::string end = ",1,2,3,0,0,0.6,0.8\n";
   for (const std::string& rows :
        {"1621218775.0" + end + "1621218776.0" + end, "1621218775" + end + "1621218776" + end,
@@ -191,7 +192,7 @@ TEST(TruthRows, CommasWithSecondsAreOfTum) {
   EXPECT_EQ(ReadTrajectoryFile(folder.Write("t", "1403715274312143104" + end), {}, BadRows::kRefuse).format,
             TrajectoryFormat::kEuroc);
   EXPECT_THAT(ErrorOf(folder.Write("t", "1621218775.5,1,2,3,0,0,0.6,0.8,0,0,0\n")),
-              HasSubstr("t:1: time '1621218775.5' is in seconds, but in nanoseconds in the EuRoC format"));
+              HasSubstr("t:1: time '1621218775.5' is in seconds, but the EuRoC format uses nanoseconds"));
 }
 
 TEST(Trajectory, TimesFileMustMatchThePoses) {

@@ -53,9 +53,9 @@ TEST(FilmLog, UnwritableFilmIsReportedOnce) {
     Film film(folder.Write("file", "") + "/film");
     AddPictures(film, 6);
     EXPECT_THAT([&] { film.Finish(); },
-                testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("cannot be made a folder")));
+                testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("the folder cannot be created")));
   }
-  EXPECT_EQ(log.Count("cannot be made a folder"), 1);
+  EXPECT_EQ(log.Count("the folder cannot be created"), 1);
   EXPECT_EQ(log.Count("film of the run"), 0);
 }
 

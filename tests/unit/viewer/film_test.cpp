@@ -56,8 +56,7 @@ TEST(Film, FilmThatCannotBeRenamedIsAnError) {
   RunVideo video(file, Start(file), 10.0, {64, 48});
   PLSLAM_REQUIRE_FILM(video);
   video.Add(cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(9)));
-  EXPECT_THAT([&] { video.Close(); },
-              ThrowsMessage<std::runtime_error>(HasSubstr("film.mp4: cannot be put in place: ")));
+  EXPECT_THAT([&] { video.Close(); }, ThrowsMessage<std::runtime_error>(HasSubstr("film.mp4: cannot be renamed: ")));
   EXPECT_FALSE(std::filesystem::exists(folder.Path("film.part.mp4")));
 }
 
@@ -76,7 +75,7 @@ TEST(Film, KilledEncoderIsReported) {
     for (int i = 0; i < 10; ++i) video.Add(picture);
   };
   EXPECT_THAT(add, ThrowsMessage<std::runtime_error>(HasSubstr("film.mp4: no film: ")));
-  EXPECT_THAT(add, ThrowsMessage<std::runtime_error>(HasSubstr("film.mp4: no film any more")));
+  EXPECT_THAT(add, ThrowsMessage<std::runtime_error>(HasSubstr("film.mp4: the film program has exited")));
   EXPECT_THROW(video.Close(), std::runtime_error);
   EXPECT_TRUE(std::filesystem::is_empty(folder.Path("")));
 }
@@ -131,7 +130,11 @@ TEST(Film, UnfinishedFilmLeavesNoFile) {
 TEST(Film, OddSizesAreRefused) {
   const ScratchFolder folder;
   FilmProcess film(folder.Path("film.mp4"), test::BinaryFolder() / "plslam_film");
-  EXPECT_THAT([&] { film.Begin(10.0, {63, 48}); }, ThrowsMessage<std::runtime_error>(HasSubstr("two even sides")));
+  EXPECT_THAT(
+      [&] {
+        film.Begin(10.0, {63, 48});
+      },
+      ThrowsMessage<std::runtime_error>(HasSubstr("an even width and height")));
 }
 
 }  // namespace

@@ -204,7 +204,7 @@ TEST(Outputs, ImpossibleFolderIsNamed) {
   const ScratchFolder folder;
   const std::string file = folder.Write("file", "");
   EXPECT_THAT([&] { PrepareOutputFolder(file + "/out"); },
-              testing::ThrowsMessage<std::runtime_error>(HasSubstr("file/out: cannot be made a folder: ")));
+              testing::ThrowsMessage<std::runtime_error>(HasSubstr("file/out: the folder cannot be created: ")));
   EXPECT_THAT([&] { PrepareOutputFolder("/proc/plslam"); },
               testing::ThrowsMessage<std::runtime_error>(HasSubstr("/proc/plslam: cannot be ")));
 }

@@ -103,14 +103,14 @@ TEST(PictureNode, MissingPicturesInLockstepAreReported) {
   const auto result = ResultWithoutPictures(folder, true, true);
   EXPECT_EQ(result.missing, 20);
   EXPECT_THAT(result.failures,
-              testing::UnorderedElementsAre(testing::HasSubstr("3 of 4 pictures are not in "),
+              testing::UnorderedElementsAre(testing::HasSubstr("3 of 4 pictures are missing in "),
                                             testing::HasSubstr("film: no film: 20 of 20 frames have no picture")));
 }
 
 TEST(PictureNode, MissingPicturesInRealTimeAreCounted) {
   const auto result = ResultWithoutPictures(ScratchFolder(), false, true);
   EXPECT_EQ(result.missing, 20);
-  EXPECT_THAT(result.failures, testing::ElementsAre(testing::HasSubstr("film: no film: no picture came")));
+  EXPECT_THAT(result.failures, testing::ElementsAre(testing::HasSubstr("film: no film: no pictures were received")));
 }
 
 TEST(PictureNode, PicturesAfterAnInterruptAreNotMissing) {

@@ -223,7 +223,7 @@ TEST(MapTables, TooManyObserversAreLeftOut) {
   EXPECT_TRUE(few.observers.only_ids);
   EXPECT_EQ(few.observers.points.size(), 2 * Rows(few.points)) << "the id of each, and that nobody is told of";
   EXPECT_LT(few.observers.points.size(), all.observers.points.size());
-  EXPECT_THAT(notes, ElementsAre(testing::HasSubstr("Who observes which landmark is left out")));
+  EXPECT_THAT(notes, ElementsAre(testing::HasSubstr("Observations of landmarks are omitted")));
 }
 
 TEST(MapTables, EmptyMap) {

@@ -23,7 +23,7 @@ TEST_F(ViewerDelivery, NothingIsWrittenWithoutACamera) {
   }
   EXPECT_THAT(testing::internal::GetCapturedStderr(),
               testing::HasSubstr("viewer: error: nothing is written to " + folder_.Path("out") +
-                                 ": poses were heard, but no camera"));
+                                 ": poses were received, but no rig"));
   EXPECT_FALSE(std::filesystem::exists(Out("trajectory.tum")));
 }
 
@@ -75,7 +75,7 @@ TEST_F(ViewerDelivery, UnwritableFileIsReportedOthersAreWritten) {
   }
   EXPECT_EQ(states_.back(), "failed");
   const std::string log = testing::internal::GetCapturedStderr();
-  EXPECT_THAT(log, testing::HasSubstr("viewer: error: " + Out("trajectory.tum") + ": cannot be put in place: "));
+  EXPECT_THAT(log, testing::HasSubstr("viewer: error: " + Out("trajectory.tum") + ": cannot be renamed: "));
   EXPECT_THAT(log, testing::EndsWith("\n"));
   EXPECT_EQ(ReadTrajectory(Out("trajectory.kitti")).size(), 1u);
   EXPECT_TRUE(std::filesystem::exists(Out("poses.csv")));

@@ -274,8 +274,9 @@ TEST_F(ViewerNodeTest, InvalidMessagesAreCountedAndHarmless) {
 TEST_F(ViewerNodeTest, UnwritableFolderIsReportedAtTheStart) {
   ViewerOptions options = Options();
   options.out = folder_.Write("file", "") + "/out";
-  EXPECT_THAT([&] { ViewerNode(*process_, options); },
-              testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("file/out: cannot be made a folder")));
+  EXPECT_THAT(
+      [&] { ViewerNode(*process_, options); },
+      testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("file/out: the folder cannot be created")));
 }
 
 }  // namespace

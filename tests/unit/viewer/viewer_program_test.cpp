@@ -21,7 +21,8 @@ TEST(ViewerProgram, UnwritableFolderIsOneSentenceAndExitCodeOne) {
   const ScratchFolder folder;
   const std::string file = folder.Write("file", "");
   EXPECT_EQ(RunViewer(folder, "--out " + file + "/out"), 1);
-  EXPECT_THAT(ReadText(folder.Path("stderr")), HasSubstr("viewer: error: " + file + "/out: cannot be made a folder"));
+  EXPECT_THAT(ReadText(folder.Path("stderr")),
+              HasSubstr("viewer: error: " + file + "/out: the folder cannot be created"));
 }
 
 TEST(ViewerProgram, BadOptionsAreNamed) {

@@ -91,7 +91,7 @@ TEST_F(SelfCalibrationFile, InvalidFileIsNamed) {
   EXPECT_THAT(SentenceFor("0.01, ", ".nan, "), HasSubstr("camera.self.yaml: rows.covariance_px2 = nan"));
   EXPECT_THAT(SentenceFor("-0.4", "-0.4, 1"), HasSubstr("disparities.coefficients_px"));
   EXPECT_THAT(SentenceFor("-0.4", "4000"), HasSubstr("disparities.coefficients_px = 4e+19: must be within 1000"));
-  EXPECT_THAT(SentenceFor("rows:", "rows: ["), HasSubstr("is no YAML"));
+  EXPECT_THAT(SentenceFor("rows:", "rows: ["), HasSubstr("is not YAML"));
   EXPECT_THAT(SentenceFor("calibration: 0123", "camera: 0123"), HasSubstr("calibration is missing"));
 }
 

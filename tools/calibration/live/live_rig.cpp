@@ -46,7 +46,7 @@ std::string SourceText(const camera::SourceSpec& spec, const std::string& path) 
 /// Keys that the calibration replaces are accepted; keys that would be missing in the result are not.
 void CheckCameraKeys(const YamlMap& camera) {
   for (const char* key : {"mask", "mask_polygons", "borders_px"}) {
-    if (camera.Has(key)) camera.Fail(key, "is not taken over by a calibration: write it into the result afterwards");
+    if (camera.Has(key)) camera.Fail(key, "is not copied by a calibration: write it into the result afterwards");
   }
   camera.AllowOnly({"resolution_px", "model", "focal_length_px", "principal_point_px", "distortion", "T_b_cam"});
 }
@@ -64,8 +64,9 @@ ImageSize SizeOf(const YamlMap& camera) {
 
 LiveRigFile ReadLiveRigFile(const std::string& path) {
   const YamlMap yaml = YamlMap::FromFile(path);
-  if (!yaml.Has("source")) yaml.Fail("source", "is missing: it says where images come from");
-  if (yaml.Has("from")) yaml.Fail("from", "is a calibration already: give the size of images, left.resolution_px");
+  if (!yaml.Has("source")) yaml.Fail("source", "is missing: it states where the images come from");
+  if (yaml.Has("from"))
+    yaml.Fail("from", "is already a calibration: give the size of the images, left.resolution_px");
   yaml.AllowOnly({"name", "kind", "rate_hz", "left", "right", "baseline_m", "source"});
   if (yaml.Has("kind") && yaml.Text("kind") != "stereo")
     yaml.Fail("kind", "is not stereo: two cameras are calibrated");
@@ -77,7 +78,7 @@ LiveRigFile ReadLiveRigFile(const std::string& path) {
     const YamlMap right = yaml.Map("right");
     CheckCameraKeys(right);
     if (right.Has("resolution_px") && !(SizeOf(right) == file.size)) {
-      right.Fail("resolution_px", "is another one than that of left: both images have one size");
+      right.Fail("resolution_px", "differs from that of left: both images must have the same size");
     }
   }
   if (yaml.Has("name")) file.name = yaml.Text("name");

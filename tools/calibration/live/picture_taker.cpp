@@ -119,7 +119,7 @@ std::vector<std::string> PictureTaker::Missing() const {
   std::vector<std::string> missing;
   for (const bool is_right : {false, true}) {
     for (const std::string& region : EmptyRegions(pixels(is_right), size_)) {
-      missing.push_back(fmt::format("no board near the {} of the {} camera", region, is_right ? "right" : "left"));
+      missing.push_back(fmt::format("no board near the {} of the {} image", region, is_right ? "right" : "left"));
     }
   }
   const auto any = [&](bool Stance::*turned) {
@@ -127,14 +127,15 @@ std::vector<std::string> PictureTaker::Missing() const {
   };
   for (const auto& [turned, where] : {std::pair(&Stance::left, "left"), std::pair(&Stance::right, "right"),
                                       std::pair(&Stance::up, "up"), std::pair(&Stance::down, "down")}) {
-    if (!any(turned)) missing.push_back(fmt::format("no board that is turned to the {} by 20 degrees", where));
+    if (!any(turned)) missing.push_back(fmt::format("no board turned to the {} by 20 degrees", where));
   }
   const auto [nearest, farthest] =
       std::ranges::minmax(stances_.empty() ? std::set<Stance>{{}} : stances_, {}, &Stance::scale);
-  if (nearest.scale == farthest.scale) missing.emplace_back("all boards are equally far: one nearer or farther");
+  if (nearest.scale == farthest.scale)
+    missing.emplace_back("all boards are at the same distance: hold it nearer or farther");
   if (pictures_ < kEnoughPictures) {
     missing.push_back(
-        fmt::format("{} more pictures, each at another place, distance or tilt", kEnoughPictures - pictures_));
+        fmt::format("{} more pictures, each at another position, distance or tilt", kEnoughPictures - pictures_));
   }
   return missing;
 }

@@ -86,7 +86,7 @@ class PictureFolder {
       fs::create_directories(folder_ / side);
       if (fs::is_empty(folder_ / side)) continue;
       throw std::runtime_error(
-          fmt::format("{0}: there are pictures already: `plslam calibrate {0}` takes them, or remove the folder",
+          fmt::format("{0}: already contains pictures: `plslam calibrate {0}` uses them, or remove the folder",
                       folder_.string()));
     }
     fs::remove(log());
@@ -142,7 +142,7 @@ class BoardWatch {
       return other.empty() ? "" : fmt::format("the board {} is not seen{}", BoardText(board_), other);
     }
     if (in_both_ > 0) return "";
-    return fmt::format("the board is seen by the {} camera only: hold it where both see it",
+    return fmt::format("the board is seen only by the {} camera: hold it where both see it",
                        in_left_ == 0                ? "right"
                        : in_left_ < looks_at_board_ ? "left or the right"
                                                     : "left");
@@ -205,9 +205,9 @@ std::string FailureOf(const std::function<void()>& f) {
 }
 
 std::string WhyNoPicture(const Board& board, const LiveSession& session, double took_s) {
-  if (!session.first_frame_s()) return fmt::format("the cameras gave no images in {:.1f} s", took_s);
+  if (!session.first_frame_s()) return fmt::format("the cameras sent no images within {:.1f} s", took_s);
   if (!session.fault().empty()) return session.fault();
-  return fmt::format("the board {} was not seen to stand still", BoardText(board));
+  return fmt::format("the board {} was never held still", BoardText(board));
 }
 
 }  // namespace
@@ -215,9 +215,10 @@ std::string WhyNoPicture(const Board& board, const LiveSession& session, double 
 void TakeLivePictures(const Board& board, const LiveRigFile& rig, const LiveOptions& options) {
   const fs::path camera = ProgramFolder() / process_name::kCamera;
   if (access(camera.c_str(), X_OK) != 0) {
-    throw std::runtime_error(fmt::format(
-        "there is no program {}: install libgstreamer1.0-dev and libgstreamer-plugins-base1.0-dev, and build again",
-        camera.string()));
+    throw std::runtime_error(
+        fmt::format("the program {} is missing: install libgstreamer1.0-dev and libgstreamer-plugins-base1.0-dev, "
+                    "and build again",
+                    camera.string()));
   }
   PictureFolder folder(options.folder);
   WriteFileAtomically(folder.rig().string(), rig.for_camera);
@@ -232,8 +233,9 @@ void TakeLivePictures(const Board& board, const LiveRigFile& rig, const LiveOpti
   LiveSession session(board, rig.size, options);
   const bus::FrameSubscriber frames(bus, bus::FrameSubscriber::Mode::kReliable,
                                     [&](const auto& frame) { session.Look(frame.images); });
-  fmt::print("hold the board still, again and again elsewhere; Ctrl-C ends it. {} shows what is there.\n",
-             options.page);
+  fmt::print(
+      "hold the board still at one position after another; Ctrl-C ends the recording. {} shows the coverage.\n",
+      options.page);
   std::fflush(stdout);
   CameraChild child(folder.rig(), run_bus.url(), folder.log());
   const double begin_s = bus::NowS();

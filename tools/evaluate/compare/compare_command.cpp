@@ -34,12 +34,10 @@ struct Arguments {
 };
 
 void AddOptions(CLI::App& app, Arguments& a) {
-  app.add_option("runs", a.runs,
-                 "folders of runs; or folders of such folders, for all in them; what is no run is passed over")
+  app.add_option("runs", a.runs, "folders of runs, or folders that contain such folders; other files are skipped")
       ->required();
-  app.add_option(
-         "--format", a.format,
-         "what is printed: text, markdown, latex, csv, json; or trajectories converted to tum or kitti, in --out")
+  app.add_option("--format", a.format,
+                 "output format: text, markdown, latex, csv, json; tum or kitti: converted trajectories, in --out")
       ->check(CLI::IsMember({"text", "markdown", "latex", "csv", "json", "tum", "kitti"}))
       ->capture_default_str();
   app.add_option("--out", a.out, "write to this file instead (tum and kitti: folder)");
@@ -90,12 +88,12 @@ std::vector<RunRecord> RunsOf(const std::vector<std::string>& names) {
   Named named;
   for (const std::string& name : names) AddNamed(name, &named);
   if (named.runs.empty()) {
-    throw std::runtime_error(fmt::format("there is no run to compare, no folder with the summary.json of one: {}",
-                                         NamesText(named.others)));
+    throw std::runtime_error(
+        fmt::format("no run to compare (no folder with a summary.json): {}", NamesText(named.others)));
   }
   if (!named.others.empty()) {
-    fmt::print(stderr, "passed over {} that {}: {}\n", named.others.size(),
-               named.others.size() == 1 ? "is no run" : "are no runs", NamesText(named.others));
+    fmt::print(stderr, "skipped {} that {}: {}\n", named.others.size(),
+               named.others.size() == 1 ? "is not a run" : "are not runs", NamesText(named.others));
   }
   return named.runs;
 }
@@ -185,7 +183,7 @@ int CompareRuns(const Arguments& a) {
 
 int RunEvaluateCompare(int argc, char** argv) {
   CLI::App app(
-      "Several runs side by side: medians, worst and spread by dataset and configuration. docs/metrics.md "
+      "Compares several runs: median, worst and spread by dataset and configuration. docs/metrics.md "
       "defines the numbers.",
       "evaluate compare");
   Arguments arguments;

@@ -20,7 +20,7 @@ std::string ShortName(const std::string& option, const std::vector<std::string>&
 }
 
 std::string LabelOf(const RunRecord& run, const std::vector<std::string>& differing) {
-  if (differing.empty()) return "all alike";
+  if (differing.empty()) return "same options";
   std::string label;
   for (size_t i = 0; i < std::min(differing.size(), kNamedOptions); ++i) {
     label +=

@@ -21,7 +21,7 @@ Spread SpreadOf(std::vector<double> values, bool larger_is_better);
 /// Runs of one dataset with the same options.
 struct RunGroup {
   std::string dataset;
-  /// The options that differ among all the compared runs ("features=points"); "all alike" without differences.
+  /// The options that differ among all the compared runs ("features=points"); "same options" without differences.
   std::string label;
   std::vector<RunRecord> runs;
   int failed = 0;

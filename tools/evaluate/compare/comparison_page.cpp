@@ -93,7 +93,7 @@ std::string FiguresOf(const Groups& groups, int dataset) {
 
 std::string RunRow(const RunRecord& run, const std::vector<size_t>& metrics) {
   std::string row = "<tr><td>" + InHtml(run.folder);
-  if (run.completed && run.untracked) row += "<small class=\"failed\">no pose that has a true one</small>";
+  if (run.completed && run.untracked) row += "<small class=\"failed\">no pose with a true pose</small>";
   if (!run.completed) row += "<small class=\"failed\">" + InHtml(run.reason) + "</small>";
   row += "</td>";
   for (const size_t i : metrics) {

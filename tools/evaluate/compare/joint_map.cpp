@@ -23,13 +23,13 @@ constexpr size_t kMaxOthers = 6;
 std::string ReportOf(const RunRecord& run) {
   const std::string path = run.folder + "/report.html";
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw std::runtime_error(path + ": is missing; the map of a run is shown from its report");
+  if (!file) throw std::runtime_error(path + ": is missing; the map of a run is read from its report");
   return viewer::ReadPage(file);
 }
 
 RunPaths PathsOf(const RunRecord& run) {
   std::optional<RunPaths> paths = ReadRunPaths(run);
-  if (!paths) throw std::runtime_error(run.folder + "/trajectory.tum: has no poses that can be read");
+  if (!paths) throw std::runtime_error(run.folder + "/trajectory.tum: has no readable poses");
   return *std::move(paths);
 }
 
@@ -67,17 +67,17 @@ std::string JointMapPage(const std::vector<RunRecord>& runs, const std::string& 
     try {
       others.push_back(OtherRun(runs[i], NameOf(runs[i], runs), BaseFromOther(base_paths, PathsOf(runs[i]))));
     } catch (const Json::exception&) {
-      throw std::runtime_error(runs[i].folder + "/report.html: has no map, or is of another version");
+      throw std::runtime_error(runs[i].folder + "/report.html: has no map, or is from another version");
     } catch (const std::runtime_error& error) {
       throw std::runtime_error(fmt::format("{}: {}", runs[i].folder, error.what()));
     }
   }
   if (others.empty()) {
     throw std::runtime_error(
-        fmt::format("no other run has played what {} has: there is no map to draw into its own", base.folder));
+        fmt::format("no other run used the dataset of {}: there is no map to draw into its own", base.folder));
   }
   if (others.size() + 1 < runs.size()) {
-    fmt::print(stderr, "the map has {} of {} runs: those of what {} has played, {} at most\n", others.size() + 1,
+    fmt::print(stderr, "the map shows {} of {} runs: those with the dataset of {}, at most {}\n", others.size() + 1,
                runs.size(), base.folder, kMaxOthers + 1);
   }
   const Json json = {{"name", NameOf(base, runs)}, {"comparison", comparison_link}, {"others", others}};

@@ -50,12 +50,13 @@ struct Material {
 void AddOptions(CLI::App& app, Arguments& a) {
   app.add_option("run", a.run, "folder of a run")->required();
   app.add_option("--map", a.map, "map of the run [the .plmap in its folder]")->type_name("FILE");
-  app.add_option("--dataset", a.dataset, "where the images are [what the run's summary names]");
-  app.add_option("--out", a.out, "folder for the figures [figures in the run's]")->type_name("DIR");
-  app.add_option("--title", a.title, "of all figures [the dataset's name]");
-  app.add_option("--pair", a.pair, "two keyframes of the map to show [of a loop, else neighbours]")->expected(2);
+  app.add_option("--dataset", a.dataset, "dataset with the images [the dataset in the run's summary]");
+  app.add_option("--out", a.out, "folder for the figures [RUN/figures]")->type_name("DIR");
+  app.add_option("--title", a.title, "title of all figures [the dataset's name]");
+  app.add_option("--pair", a.pair, "two keyframes of the map to show [those of a loop, else neighbours]")
+      ->expected(2);
   app.add_option("--points", a.points,
-                 "vocabulary of points, for the similarities: a path, or a file that comes with the programs");
+                 "vocabulary of points, for the similarities: a path, or a file installed with the programs");
   app.add_option("--lines", a.lines, "vocabulary of lines, likewise");
 }
 
@@ -84,7 +85,7 @@ void Write(const Drawing& drawing, const std::string& name, const Material& m) {
   fmt::print("{}/{}.svg, .pdf, .png\n", m.out, name);
 }
 
-void Skip(const std::string& name, const std::string& why) { fmt::print("{}: left out: {}\n", name, why); }
+void Skip(const std::string& name, const std::string& why) { fmt::print("{}: skipped: {}\n", name, why); }
 
 void DrawTopView(const Material& m) {
   if (m.source.frames.empty()) return Skip("top_view", "the run has no trajectory.tum");
@@ -101,17 +102,17 @@ void DrawTopView(const Material& m) {
 }
 
 void DrawCovisibility(const Material& m) {
-  if (!m.HasMap()) return Skip("covisibility", "there is no map (plslam run --save-map)");
+  if (!m.HasMap()) return Skip("covisibility", "the run has no map (plslam run --save-map)");
   const MapTotals totals = m.source.map->map.Totals();
   const std::string title = fmt::format("{}: {} keyframes, {} loops", m.title, totals.keyframes, totals.loops);
   Write(CovisibilityFigure(title, m.source.map->map), "covisibility", m);
 }
 
 void DrawSimilarity(const Material& m, const Arguments& a) {
-  if (!m.HasMap()) return Skip("similarity", "there is no map (plslam run --save-map)");
+  if (!m.HasMap()) return Skip("similarity", "the run has no map (plslam run --save-map)");
   const std::string points = FindSharedFile(a.points), lines = FindSharedFile(a.lines);
   if (!fs::exists(points) || !fs::exists(lines)) {
-    return Skip("similarity", fmt::format("there are no vocabularies {} and {}", a.points, a.lines));
+    return Skip("similarity", fmt::format("the vocabularies {} and {} are missing", a.points, a.lines));
   }
   const std::string title = m.title + ": similarity of keyframes";
   const PlaceRecogniser recogniser(Vocabulary::Load(points), Vocabulary::Load(lines), PlaceOptions{});
@@ -129,7 +130,7 @@ std::pair<int64_t, int64_t> PairOf(const Arguments& a, const Map& map) {
 }
 
 void DrawPair(const Material& m, const Arguments& a) {
-  if (!m.HasMap()) return Skip("keyframe_pair", "there is no map (plslam run --save-map)");
+  if (!m.HasMap()) return Skip("keyframe_pair", "the run has no map (plslam run --save-map)");
   const StoredMap& stored = *m.source.map;
   const auto [first, second] = PairOf(a, stored.map);
   if (first < 0) return Skip("keyframe_pair", "no two keyframes share a landmark");
@@ -145,7 +146,7 @@ void DrawPair(const Material& m, const Arguments& a) {
   try {
     const exports::KeyframeImages images(OpenDatasetAndWarn(m.dataset, ""), MapCamera(stored, m.source.map_path));
     const auto a_shown = shown(images, first), b_shown = shown(images, second);
-    if (!a_shown || !b_shown) return Skip("keyframe_pair", m.dataset + " has no images of these times");
+    if (!a_shown || !b_shown) return Skip("keyframe_pair", m.dataset + " has no images at these times");
     Write(PairFigure(m.title, *a_shown, *b_shown, SharedBy(stored.map, first, second)), "keyframe_pair", m);
   } catch (const std::runtime_error& e) {
     Skip("keyframe_pair", e.what());
@@ -170,7 +171,7 @@ int DrawFigures(const Arguments& a) {
 }  // namespace
 
 int RunEvaluateFigures(int argc, char** argv) {
-  CLI::App app("Draws figures of a run for print, as SVG, PDF and PNG. docs/metrics.md says what they show.",
+  CLI::App app("Draws figures of a run for print, as SVG, PDF and PNG. They are described in docs/metrics.md.",
                "evaluate figures");
   Arguments arguments;
   AddOptions(app, arguments);

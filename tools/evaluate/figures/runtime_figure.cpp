@@ -72,10 +72,10 @@ void Append(const std::string& heading, const std::vector<Row>& part, std::vecto
 
 std::vector<Row> RowsOf(const json& summary) {
   std::vector<Row> rows;
-  Append("odometry, wall time a frame", QuantileRows(summary, "stage_ms"), rows);
-  Append("mapping, wall time a keyframe", QuantileRows(summary, "map"), rows);
-  Append("loop closing, wall time a keyframe", QuantileRows(summary, "loop_closing"), rows);
-  Append("processes, CPU time a frame", CpuRows(summary), rows);
+  Append("odometry, wall time per frame", QuantileRows(summary, "stage_ms"), rows);
+  Append("mapping, wall time per keyframe", QuantileRows(summary, "map"), rows);
+  Append("loop closing, wall time per keyframe", QuantileRows(summary, "loop_closing"), rows);
+  Append("processes, CPU time per frame", CpuRows(summary), rows);
   return rows;
 }
 

@@ -63,7 +63,7 @@ void DrawCurves(const PlaceEvaluation& evaluation, PrecisionRecall MergeEvaluati
 
 std::string PlaceTable(const PlaceEvaluation& e) {
   std::string text =
-      fmt::format("{}\n  {} frames, {} of them at places seen before; {} pairs are revisits, {} are not\n", e.name,
+      fmt::format("{}\n  {} frames, {} of them at revisited places; {} pairs are revisits, {} are not\n", e.name,
                   e.frames, e.revisiting_frames, e.revisits, e.other_places);
   text += fmt::format("  {:<12}{:>16}{:>24}{:>16}{:>24}\n", "", "best match: area", "recall at precision 1",
                       "all pairs: area", "recall at precision 1");

@@ -36,11 +36,12 @@ void AddOptions(CLI::App& app, Arguments& a) {
   app.add_option("--distance", a.revisit.distance_m, "largest distance of a revisit [m]")
       ->check(CLI::Range(0.0, 1e6));
   app.add_option("--angle", a.revisit.angle_deg, "largest angle of a revisit [deg]")->check(CLI::Range(0.0, 180.0));
-  app.add_option("--far-distance", a.revisit.far_distance_m, "farther away is another place [m]")
+  app.add_option("--far-distance", a.revisit.far_distance_m,
+                 "distance above which two frames are at different places [m]")
       ->check(CLI::Range(0.0, 1e6));
-  app.add_option("--far-angle", a.revisit.far_angle_deg, "turned farther is another place [deg]")
+  app.add_option("--far-angle", a.revisit.far_angle_deg, "angle above which two frames show different places [deg]")
       ->check(CLI::Range(0.0, 180.0));
-  app.add_option("--min-gap", a.revisit.min_gap_s, "pairs closer in time are not looked at [s]")
+  app.add_option("--min-gap", a.revisit.min_gap_s, "pairs closer in time are ignored [s]")
       ->check(CLI::Range(0.0, 1e6));
   app.add_option("--out", a.out, "folder for pictures: similarity matrices, precision and recall (PNG)");
   app.add_option("--json", a.json, "write all numbers to this file");
@@ -91,9 +92,8 @@ int Evaluate(const Arguments& a) {
 }  // namespace
 
 int RunEvaluatePlaces(int argc, char** argv) {
-  CLI::App app(
-      "How well places are recognised by points, by lines, and by both. docs/lab/places.md defines the numbers.",
-      "evaluate places");
+  CLI::App app("Evaluates place recognition by points, by lines and by both. docs/lab/places.md defines the numbers.",
+               "evaluate places");
   Arguments arguments;
   AddOptions(app, arguments);
   return RunCommandLine(app, argc, argv, [&] { return Evaluate(arguments); });

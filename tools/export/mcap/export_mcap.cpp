@@ -283,7 +283,7 @@ class Exporter {
     }
     if (!images_->empty()) return;
     throw std::runtime_error(
-        fmt::format("{}: has no image of the time of the run: is it another one?", dataset_->name()));
+        fmt::format("{}: has no image from the time of the run: is it another dataset?", dataset_->name()));
   }
 
   void WriteImage(int64_t t) {

@@ -105,7 +105,8 @@ uint16_t McapWriter::AddChannel(const std::string& topic, const std::string& typ
 }
 
 void McapWriter::Write(uint16_t channel, int64_t t_ns, std::string_view cdr) {
-  if (t_ns < 0) throw std::runtime_error(fmt::format("{}: MCAP has no time before 1970, as {} ns is", path_, t_ns));
+  if (t_ns < 0)
+    throw std::runtime_error(fmt::format("{}: MCAP has no times before 1970, such as {} ns", path_, t_ns));
   const auto time = static_cast<uint64_t>(t_ns);
   Channel& to = channels_.at(channel);
   // Written before the channel's first message, as required by readers that ignore the summary.

@@ -39,7 +39,7 @@ std::vector<RosDiagnostic> ReadFrames(const fs::path& path) {
     // frame_id, t_s and state, then the other values of the frame.
     constexpr size_t kTime = 1, kState = 2;
     if (row.fields.size() != names.size() || names.size() <= kState)
-      row.Fail("has not the columns of its first line");
+      row.Fail("does not have the columns of the first line");
     RosDiagnostic frame;
     frame.t_ns = row.Scaled(kTime, 9);
     frame.level = LevelOf(row.fields[kState]);

@@ -161,7 +161,7 @@ void HistoryKeeper::Store::Fail(const std::string& why) {
   // The disk space is left to other processes.
   entries.clear();
   if (file >= 0 && ftruncate(file, 0) != 0) spdlog::warn("{}: {}", folder, std::strerror(errno));
-  spdlog::warn("what the processes say is kept no further, for one that starts after another has died: {}", problem);
+  spdlog::warn("the history for restarted processes is no longer recorded: {}", problem);
 }
 
 HistoryKeeper::HistoryKeeper(bus::Bus& bus, const std::filesystem::path& folder)

@@ -17,8 +17,8 @@ namespace plslam::launcher {
 std::string NoAnswerText(const std::vector<std::string>& processes, const bus::BusOptions& options,
                          std::chrono::seconds waited) {
   return fmt::format(
-      "no process '{}' is heard on {} with prefix '{}' for {} s; give the --url and --prefix of the one that runs "
-      "(plslam run takes a bus of its own where it has no --url), or start one",
+      "no process '{}' was found on {} with prefix '{}' within {} s; give the --url and --prefix of the running one "
+      "(without --url, plslam run uses a private bus), or start one",
       fmt::join(processes, "' or '"), bus::EffectiveUrl(options.url), options.prefix, waited.count());
 }
 

@@ -25,7 +25,7 @@ int ListenOn(const std::string& address, int& port) {
   name.sin_family = AF_INET;
   name.sin_port = htons(static_cast<uint16_t>(port));
   if (port < 0 || port > 65535 || inet_pton(AF_INET, address.c_str(), &name.sin_addr) != 1) {
-    throw std::runtime_error(where + " is no IPv4 address and port");
+    throw std::runtime_error(where + " is not an IPv4 address and port");
   }
   const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const int on = 1;
@@ -36,7 +36,7 @@ int ListenOn(const std::string& address, int& port) {
   if (!ok) {
     const std::string why = std::strerror(errno);
     if (fd >= 0) close(fd);
-    throw std::runtime_error(where + " cannot be listened on: " + why);
+    throw std::runtime_error(where + ": cannot listen there: " + why);
   }
   port = ntohs(name.sin_port);
   return fd;

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""live_plot.py [URL]: draws the path of the camera from above while a run goes on (needs matplotlib)."""
+"""live_plot.py [URL]: draws the path of the camera from above during a run (needs matplotlib)."""
 
 import sys
 

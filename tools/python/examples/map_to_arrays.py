@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""map_to_arrays.py MAP.plmap OUT.npz: points, lines and path of a map as Open3D and others take them.
+"""map_to_arrays.py MAP.plmap OUT.npz: points, lines and path of a map as arrays for Open3D and other programs.
 
     data = numpy.load("OUT.npz")
     cloud = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(data["points"]))
@@ -15,7 +15,7 @@ import plslam
 
 source, out = sys.argv[1:]
 m = plslam.load_map(source)
-# An end after the other, and pairs of rows of them.
+# All ends in one array, and the pairs of its rows.
 line_ends = np.stack([m.lines.p_w, m.lines.q_w], axis=1).reshape(-1, 3)
 lines = np.arange(len(line_ends), dtype=np.int32).reshape(-1, 2)
 np.savez(out, points=m.points.p_w, line_ends=line_ends, lines=lines, path=m.keyframes.T_w_kf[:, :3, 3])

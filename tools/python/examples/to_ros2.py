@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """to_ros2.py [URL]: publishes the pose of the camera as /odom and /tf of ROS 2.
 
-Needs rclpy. NOT TESTED by the tests of this project, which runs where there is no ROS.
+Needs rclpy. NOT TESTED by this project, whose tests run without ROS.
 """
 
 import sys

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Maps, runs, logs and live messages of plslam, with numpy alone.
+"""Maps, runs, logs and live messages of plslam, with numpy only.
 
-    for message in plslam.listen():            # what the processes say, now
-    for message in plslam.read_log("run.lcm"): # what they said
+    for message in plslam.listen():            # live messages of the processes
+    for message in plslam.read_log("run.lcm"): # recorded messages
     run = plslam.load_run("out/room")          # trajectories and figures of a run
     map = plslam.load_map("room.plmap")        # keyframes, landmarks and observations as arrays
 
@@ -10,7 +10,7 @@ Message types are generated from the .lcm files: plslam.pose_t, plslam.status_t,
 pixels; T_w_c takes points of c to w. See docs/python.md.
 """
 
-# The generated types refer to each other as plslam.NAME: they come first.
+# The generated types refer to each other as plslam.NAME, so they are imported first.
 from .messages import *  # noqa: F401,F403
 from .errors import FileError
 from .log import read_log

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The one exception of files that are not what they should be."""
+"""The exception for invalid files."""
 
 
 class FileError(ValueError):
-    """A file is damaged, cut off, or of another kind or format. The sentence names the file and the place."""
+    """A file is damaged, truncated, or of another type or format. The sentence names the file and the position."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""LCM logs, as `plslam record`, `plslam run --record` and lcm-logger write them."""
+"""LCM logs written by `plslam record`, `plslam run --record` or lcm-logger."""
 
 import os
 import struct
@@ -14,13 +14,13 @@ _MAX_CHANNEL = 63
 
 
 def read_log(path: str, prefix: str = "", channels: Optional[Collection[str]] = None) -> Iterator[Message]:
-    """Messages of a log, in its order. Those of other programs are passed over; so are those of another version of
-    plslam, with a warning for each channel.
+    """Yields the messages of a log, in its order. Messages of other programs are skipped, and so are those from another
+    version of plslam, with a warning for each channel.
 
-    Raises FileError, which names the file and the byte, where it is no log, damaged or cut off; what stands before
-    that place has been given by then. Raises OSError where it cannot be opened.
+    Raises FileError, which names the file and the byte, if it is not a log, damaged or truncated; messages before that
+    position have been yielded by then. Raises OSError if it cannot be opened.
     """
-    file = open(path, "rb")  # Here and not in the generator: a file that is not there is told at once.
+    file = open(path, "rb")  # Here and not in the generator: a missing file is reported at once.
     size = os.path.getsize(path)
     return _read(file, size, path, prefix, channels)
 
@@ -35,14 +35,14 @@ def _read(
         while offset < size:
             head = file.read(_EVENT.size)
             if len(head) < _EVENT.size and (offset > 0 or _SYNC.to_bytes(4, "big").startswith(head[:4])):
-                raise FileError(f"{path}: is cut off at byte {offset}")
+                raise FileError(f"{path}: is truncated at byte {offset}")
             sync, _, time_us, name_bytes, data_bytes = _EVENT.unpack(head.ljust(_EVENT.size, b"\0"))
             if sync != _SYNC or not 0 < name_bytes <= _MAX_CHANNEL:
-                what = "is damaged" if offset > 0 else "is no LCM log"
+                what = "is damaged" if offset > 0 else "is not an LCM log"
                 raise FileError(f"{path}: {what}: no event begins at byte {offset}")
             end = offset + _EVENT.size + name_bytes + data_bytes
             if end > size:
-                raise FileError(f"{path}: is cut off within the event at byte {offset}")
+                raise FileError(f"{path}: is truncated within the event at byte {offset}")
             channel = file.read(name_bytes).decode("latin-1")
             name = without_prefix(channel, prefix, channels)
             if name is None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Map files (.plmap) as arrays. docs/map_files.md tells the format."""
+"""Map files (.plmap) as arrays. docs/map_files.md describes the format."""
 
 import hashlib
 import struct
@@ -46,7 +46,7 @@ _LOOP = np.dtype(
 )
 
 
-# Images of keyframes that another camera has seen than the one the map is told in.
+# Images of keyframes taken by a camera other than that of the map.
 _IMAGE = np.dtype(
     [("keyframe_id", "<i8"), ("left_px", "<i4"), ("top_px", "<i4"), ("width_px", "<i4"), ("height_px", "<i4")]
     + [("f_px", "<f8")]
@@ -85,7 +85,7 @@ class Keyframes:
 
 @dataclass
 class Points:
-    """Points of the map. `observations` has a row for each keyframe that observes one: row, keyframe_id, feature.
+    """Points of the map. `observations` has a row for each observation in a keyframe: row, keyframe_id, feature.
 
     `row` is the row of the point in the other arrays, `feature` that of Features.points of the keyframe.
     """
@@ -101,7 +101,7 @@ class Points:
 
 @dataclass
 class Lines:
-    """Line segments of the map, by their two ends. `observations` as those of points."""
+    """Line segments of the map, by their two ends. `observations` as for points."""
 
     id: np.ndarray
     p_w: np.ndarray  # (n, 3)
@@ -114,12 +114,12 @@ class Lines:
 
 @dataclass
 class Features:
-    """What a keyframe saw, as structured arrays: px, disparity_px (below 0: no depth), sigma_px, descriptor, ..."""
+    """Features of a keyframe as structured arrays: px, disparity_px (below 0: no depth), sigma_px, descriptor, ..."""
 
     points: np.ndarray
     lines: np.ndarray
-    # Left, top, width and height of the image in the image plane of the map's camera, and the focal length that it was taken
-    # with, where another camera took it.
+    # Left, top, width and height of the image in the image plane of the map's camera, and the focal length of the
+    # camera that took it, if it was another one.
     image: Optional[Tuple[int, int, int, int, float]] = None
 
 
@@ -135,7 +135,7 @@ class Map:
 
 
 def load_map(path: str) -> Map:
-    """Reads a map file. Raises FileError, which names the file, for one that is damaged, cut off or of another format."""
+    """Reads a map file. Raises FileError, which names the file, if it is damaged, truncated or of another format."""
     with open(path, "rb") as file:
         data = file.read()
     try:
@@ -146,14 +146,16 @@ def load_map(path: str) -> Map:
 
 
 def _check(data: bytes) -> Tuple[int, memoryview]:
-    """Format and content of a file that is whole."""
+    """Returns format and content of a valid file."""
     if len(data) < _SEAL.size or data[:8] != _MAGIC:
-        raise FileError("is no map file")
+        raise FileError("is not a map file")
     _, version, length, checksum = _SEAL.unpack_from(data)
     if version not in _FORMATS:
-        raise FileError(f"is a map file of format {version}, and this package knows formats {_FORMATS[0]} to {_FORMATS[-1]}")
+        formats = f"formats {_FORMATS[0]} to {_FORMATS[-1]}"
+        raise FileError(f"is a map file of format {version}, but this package reads {formats}")
     if length != len(data) - _SEAL.size:
-        raise FileError(f"has {len(data) - _SEAL.size} bytes of content, and should have {length}: it was cut off or damaged")
+        found = len(data) - _SEAL.size
+        raise FileError(f"has {found} bytes of content instead of {length}: it was truncated or damaged")
     content = memoryview(data)[_SEAL.size :]
     digest = hashlib.blake2b(data[:_SUMMED], digest_size=32)
     digest.update(content)
@@ -163,7 +165,7 @@ def _check(data: bytes) -> Tuple[int, memoryview]:
 
 
 class _Content:
-    """Takes values from bytes, one after the other."""
+    """Reads values from bytes, one after the other."""
 
     def __init__(self, data: memoryview) -> None:
         self._data = data
@@ -175,7 +177,7 @@ class _Content:
     def array(self, dtype: np.dtype, n: int) -> np.ndarray:
         end = self._offset + n * dtype.itemsize
         if n < 0 or end > len(self._data):
-            raise FileError("the content promises more than it has")
+            raise FileError("the content is shorter than it states")
         values = np.frombuffer(self._data, dtype, n, self._offset)
         self._offset = end
         return values
@@ -184,10 +186,10 @@ class _Content:
         return self.array(dtype, self.int64())
 
     def landmarks(self, dtype: np.dtype) -> Tuple[np.ndarray, np.ndarray]:
-        """Landmarks, and their observations with the row of the landmark: each landmark stands before its own."""
+        """Reads landmarks and their observations with the row of the landmark; each landmark precedes its own."""
         n = self.int64()
         if n < 0 or n * dtype.itemsize > len(self._data):
-            raise FileError("the content promises more than it has")
+            raise FileError("the content is shorter than it states")
         rows = np.empty(n, dtype)
         observations: List[np.ndarray] = []
         for i in range(n):
@@ -203,7 +205,7 @@ class _Content:
 
     def end(self) -> None:
         if self._offset != len(self._data):
-            raise FileError("the content is longer than its header says")
+            raise FileError("the content is longer than stated in its header")
 
 
 def _matrices(poses: np.ndarray) -> np.ndarray:
@@ -213,7 +215,7 @@ def _matrices(poses: np.ndarray) -> np.ndarray:
 def _read_camera(content: _Content) -> Camera:
     rig = content.list(np.dtype("u1"))
     if len(rig) != 48:
-        raise FileError("says nothing of the camera it was made with")
+        raise FileError("does not contain the camera with which it was made")
     f, cx, cy, baseline, width, height = np.frombuffer(rig.tobytes(), "<f8")
     return Camera(float(f), float(cx), float(cy), float(baseline), int(width), int(height))
 
@@ -227,8 +229,8 @@ def _read_keyframes(content: _Content) -> Keyframes:
 def _read_map(file_format: int, content: _Content) -> Map:
     version = content.int64()
     camera = _read_camera(content)
-    content.array(np.dtype("<i8"), 5)  # Next ids, newest session and its time: for those who go on in the map.
-    content.list(np.dtype("<i8, <i8, <i8"))  # The newest keyframe of each session: the same.
+    content.array(np.dtype("<i8"), 5)  # Next ids, newest session and its time: for continuing the map.
+    content.list(np.dtype("<i8, <i8, <i8"))  # The newest keyframe of each session, likewise.
     keyframes = _read_keyframes(content)
     features = {}
     for _ in range(content.int64()):
@@ -242,7 +244,7 @@ def _read_map(file_format: int, content: _Content) -> Map:
     if file_format > 1:
         for keyframe_id, left, top, width, height, f in content.list(_IMAGE).tolist():
             if keyframe_id not in features:
-                raise FileError(f"an image is of keyframe {keyframe_id}, which has no features")
+                raise FileError(f"an image belongs to keyframe {keyframe_id}, which has no features")
             features[keyframe_id].image = (left, top, width, height, f)
     content.end()
     return Map(version, camera, keyframes, points, lines, features, loops)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The folder of a run as arrays. docs/viewer.md tells what its files mean."""
+"""The folder of a run as arrays. docs/viewer.md describes its files."""
 
 import csv
 import decimal
@@ -19,7 +19,7 @@ _MAX_TIME_S = 2**63 // 1_000_000_000
 
 @dataclass
 class Trajectory:
-    """Poses by time, T_w_l of the left camera as calibrated: row i of each array is one."""
+    """Poses with times, T_w_l of the left camera as calibrated: row i of each array is one pose."""
 
     t_ns: np.ndarray  # int64
     position_m: np.ndarray  # (n, 3)
@@ -35,25 +35,25 @@ class Trajectory:
 
 @dataclass
 class Run:
-    """What a run left. What it did not write is None."""
+    """The outputs of a run. Missing ones are None."""
 
     summary: Optional[Dict[str, Any]]  # summary.json
-    trajectory: Optional[Trajectory]  # in the map as it is at the end
-    live: Optional[Trajectory]  # as it was published
+    trajectory: Optional[Trajectory]  # in the final map
+    live: Optional[Trajectory]  # as published
     keyframes: Optional[Trajectory]
     truth: Optional[Trajectory]
     covariance: Optional[Tuple[np.ndarray, np.ndarray]]  # t_ns, (n, 6, 6) of `trajectory`
     motion_covariance: Optional[Tuple[np.ndarray, np.ndarray]]
-    frames: Optional[Dict[str, np.ndarray]]  # columns of poses.csv: every frame, lost ones too
+    frames: Optional[Dict[str, np.ndarray]]  # columns of poses.csv: every frame, also lost ones
     map: Optional[Map]
 
 
 def load_run(folder: str) -> Run:
-    """Reads the folder of a run. Raises FileError, which names file and line, for files that are damaged, and where the
-    folder has no file of a run; OSError for files that cannot be opened."""
+    """Reads the folder of a run. Raises FileError, which names file and line, if files are damaged or the
+    folder has no file of a run; OSError if files cannot be opened."""
     path = pathlib.Path(folder)
     if not path.is_dir():
-        raise FileError(f"{folder}: is no folder")
+        raise FileError(f"{folder}: is not a folder")
 
     def read(name: str, reader: Callable[[str], Any]) -> Any:
         file = path / name
@@ -77,15 +77,15 @@ def load_run(folder: str) -> Run:
 
 
 def _nanoseconds(text: str) -> int:
-    # A double has not enough digits for nanoseconds since 1970.
+    # A double has too few digits for nanoseconds since 1970.
     time_s = decimal.Decimal(text)
     if not abs(time_s) < _MAX_TIME_S:
-        raise ValueError(f"a time of {text} s, and at most {_MAX_TIME_S} s have a number of nanoseconds")
+        raise ValueError(f"the time {text} s is beyond {_MAX_TIME_S} s, too large for nanoseconds")
     return int((time_s * 1_000_000_000).to_integral_value())
 
 
 def _rows(path: str, columns: int) -> Tuple[np.ndarray, np.ndarray]:
-    """Times and numbers of a file of rows `t a b c ...`."""
+    """Reads times and numbers from a file of rows `t a b c ...`."""
     times, numbers = [], []
     with open(path, encoding="ascii", errors="replace") as file:
         for number, line in enumerate(file, 1):
@@ -105,13 +105,13 @@ def _rows(path: str, columns: int) -> Tuple[np.ndarray, np.ndarray]:
 
 
 def read_trajectory(path: str) -> Trajectory:
-    """Rows `t tx ty tz qx qy qz qw` (TUM). Raises FileError with file and line."""
+    """Reads rows `t tx ty tz qx qy qz qw` (TUM). Raises FileError with file and line."""
     t_ns, rows = _rows(path, 8)
     return Trajectory(t_ns, rows[:, :3], rows[:, [6, 3, 4, 5]])
 
 
 def read_covariances(path: str) -> Tuple[np.ndarray, np.ndarray]:
-    """Times and covariances (n, 6, 6), of the right perturbation [translation; rotation]. Raises FileError."""
+    """Reads times and covariances (n, 6, 6) of the right perturbation [translation; rotation]. Raises FileError."""
     t_ns, rows = _rows(path, 37)
     return t_ns, rows.reshape(-1, 6, 6)
 
@@ -123,12 +123,12 @@ def _read_json(path: str) -> Dict[str, Any]:
     except (ValueError, RecursionError) as error:
         raise FileError(f"{path}: {error}") from None
     if not isinstance(values, dict):
-        raise FileError(f"{path}: is no object of JSON")
+        raise FileError(f"{path}: is not a JSON object")
     return values
 
 
 def _read_table(path: str) -> Dict[str, np.ndarray]:
-    """Columns by name; numbers where all of a column are numbers."""
+    """Reads columns by name; as numbers if all values of a column are numbers."""
     try:
         with open(path, encoding="utf-8", newline="") as file:
             rows = list(csv.reader(file))

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Messages from the bus: datagrams of LCM, without LCM.
+"""Messages from the bus: LCM's datagrams, received without LCM.
 
 Each message of plslam is one datagram: the magic number of LCM's short messages, a number, the name of the channel,
-and the encoded struct. So a socket that has joined the multicast group is all that a listener needs.
+and the encoded struct. A listener therefore needs only a socket that has joined the multicast group.
 """
 
 import collections
@@ -22,7 +22,7 @@ DEFAULT_URL = "udpm://239.255.76.67:7667?ttl=0"
 _SHORT_MESSAGE = b"LC02"
 _HEAD_BYTES = 8
 _MAX_DATAGRAM = 65536
-# Ordered messages are sent again where somebody has lost one. So many numbers of a publisher are remembered.
+# Ordered messages are resent if a reader has lost one. This many numbers of a publisher are remembered.
 _REMEMBERED = 10000
 
 
@@ -45,7 +45,7 @@ def _types() -> Dict[bytes, Any]:
 
 _TYPE_OF_FINGERPRINT = _types()
 
-# Most channels are called like their types.
+# Most channels have the name of their type.
 _CHANNELS = {kind.__name__[: -len("_t")].upper() for kind in _TYPE_OF_FINGERPRINT.values()} | {
     "STEREO_FRAME",
     "STEREO_FRAME_LIVE",
@@ -56,10 +56,10 @@ _MAX_SCHEMA = 99
 
 
 def decode(data: bytes) -> Optional[Any]:
-    """The struct that the bytes encode; None where they are of no message type of this version.
+    """Returns the struct encoded in the bytes; None if they are not of a message type of this version.
 
-    What follows the message, as a MAC does, is passed over. Raises ValueError for bytes that begin like one of our
-    messages and are none.
+    Bytes after the message, such as a MAC, are ignored. Raises ValueError for bytes that begin like one of our
+    messages but are invalid.
     """
     kind = _TYPE_OF_FINGERPRINT.get(bytes(data[:8]))
     if kind is None:
@@ -67,33 +67,33 @@ def decode(data: bytes) -> Optional[Any]:
     try:
         return kind.decode(data)
     except (struct.error, ValueError, IndexError, UnicodeDecodeError, MemoryError, OverflowError) as error:
-        raise ValueError(f"no {kind.__name__}: {error}") from error
+        raise ValueError(f"not a {kind.__name__}: {error}") from error
 
 
 def warn_of_version(where: str, name: str, data: bytes) -> None:
-    """For bytes that are of no type of this version: a warning where the channel is called like one of ours, and a
-    small number stands where our messages have their schema (other programs have a POSE, too). Python shows it once."""
+    """Warns about bytes that are not of a type of this version, if the channel has the name of one of ours and the
+    position of the schema contains a small number (other programs have a POSE, too). Python shows the warning once."""
     if name in _CHANNELS and 0 < int.from_bytes(data[8:12], "big") <= _MAX_SCHEMA:
         warnings.warn(
-            f"{where}: {name} is of another version of plslam and passed over: use the package of the version that made it, "
-            "or compute the run of a log anew (plslam replay)",
+            f"{where}: {name} is from another version of plslam and skipped: use the package of that version, "
+            "or recompute the run of a log (plslam replay)",
             stacklevel=3,
         )
 
 
 def without_prefix(channel: str, prefix: str, channels: Optional[Collection[str]]) -> Optional[str]:
-    """The name of the channel without the prefix; None where it is another robot's, or not among `channels`."""
+    """Returns the name of the channel without the prefix; None if it is another robot's or not in `channels`."""
     if not channel.startswith(prefix):
         return None
     name = channel[len(prefix) :]
-    # Names of ours are upper case: what is left of another robot's longer prefix is not.
+    # Our channel names are upper case: the rest of another robot's longer prefix is not.
     if not name.replace("_", "").isupper() or (channels is not None and name not in channels):
         return None
     return name
 
 
 def parse_datagram(datagram: bytes) -> Optional[Tuple[str, bytes]]:
-    """Channel and content of a short message of LCM; None for everything else."""
+    """Returns channel and content of a short message of LCM; None for everything else."""
     if datagram[:4] != _SHORT_MESSAGE:
         return None
     end = datagram.find(b"\0", _HEAD_BYTES)
@@ -108,7 +108,7 @@ def parse_datagram(datagram: bytes) -> Optional[Tuple[str, bytes]]:
 def _open(url: str) -> socket.socket:
     parts = urllib.parse.urlsplit(url)
     if parts.scheme != "udpm":
-        raise ValueError(f"{url}: only udpm:// can be listened to; read_log reads logs")
+        raise ValueError(f"{url}: can only listen to udpm://; read_log reads logs")
     group = parts.hostname or "239.255.76.67"
     port = parts.port or 7667
     receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM, socket.IPPROTO_UDP)
@@ -120,12 +120,13 @@ def _open(url: str) -> socket.socket:
         receiver.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, wanted)
     except OSError as error:
         receiver.close()
-        raise OSError(error.errno, f"{url}: cannot be listened to: {error.strerror} (`plslam doctor` says more)") from error
+        sentence = f"{url}: cannot listen there: {error.strerror} (`plslam doctor` gives details)"
+        raise OSError(error.errno, sentence) from error
     return receiver
 
 
 class _Repeats:
-    """Whether a message with that header came before."""
+    """Detects messages that were received before."""
 
     def __init__(self) -> None:
         self._seen: Dict[Tuple[str, int], "collections.OrderedDict[int, None]"] = {}
@@ -146,11 +147,11 @@ def listen(
     channels: Optional[Collection[str]] = None,
     timeout_s: Optional[float] = None,
 ) -> Iterator[Message]:
-    """Messages as they come, each once, from the moment of the call on; without end.
+    """Yields messages as they arrive, each once, from the call on; without end.
 
-    `prefix` is the robot's (`bus.prefix`), `channels` the names that are wanted (all). With `timeout_s` it ends when
-    nothing has come for so long. A listener takes no part in the repair of lost messages: it never holds a process
-    back, and has gaps (value.header.seq) where the network or this program is too slow. MACs are not checked.
+    `prefix` is the robot's (`bus.prefix`), `channels` the requested names (all). With `timeout_s` it ends after such a
+    time without messages. A listener does not take part in the repair of lost messages: it never delays a process, and
+    has gaps (value.header.seq) if the network or this program is too slow. MACs are not checked.
     """
     receiver = _open(url)
     return _receive(receiver, prefix, channels, timeout_s)
@@ -178,7 +179,7 @@ def _receive(
             try:
                 value = decode(content)
             except ValueError:
-                continue  # Anybody can send anything.
+                continue  # Any program can send anything.
             if value is None:
                 warn_of_version("the bus", name, content)
                 continue
@@ -189,12 +190,12 @@ def _receive(
 
 
 def transform(pose: Any) -> np.ndarray:
-    """A pose3_t as a 4 x 4 matrix that takes points of its second frame to the first."""
+    """Returns a pose3_t as a 4 x 4 matrix that transforms points from its second frame to the first."""
     return matrices(pose.position_m, pose.q_wxyz)
 
 
 def matrices(position: np.ndarray, q_wxyz: np.ndarray) -> np.ndarray:
-    """Poses (..., 4, 4) of positions (..., 3) and unit quaternions (..., 4)."""
+    """Returns the poses (..., 4, 4) of positions (..., 3) and unit quaternions (..., 4)."""
     position = np.asarray(position, dtype=float)
     out = np.zeros(position.shape[:-1] + (4, 4))
     out[..., :3, :3] = _rotations(q_wxyz)
@@ -204,7 +205,7 @@ def matrices(position: np.ndarray, q_wxyz: np.ndarray) -> np.ndarray:
 
 
 def _rotations(q_wxyz: np.ndarray) -> np.ndarray:
-    """Rotation matrices (..., 3, 3) of unit quaternions (..., 4)."""
+    """Returns the rotation matrices (..., 3, 3) of unit quaternions (..., 4)."""
     w, x, y, z = np.moveaxis(np.asarray(q_wxyz, dtype=float), -1, 0)
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],

@@ -21,7 +21,9 @@ std::unique_ptr<Dataset> Open(const PlayerOptions& options) {
   if (options.dataset.empty()) throw std::runtime_error("no dataset is given: player DATASET (see --help)");
   std::unique_ptr<Dataset> dataset =
       ShiftRightImages(OpenDataset(options.dataset, options.kind), static_cast<int>(options.right_offset_frames));
-  for (const std::string& note : dataset->Notes()) spdlog::warn("{}: {}", dataset->name(), note);
+  const Notes notes = dataset->Notes();
+  for (const std::string& warning : notes.warnings) spdlog::warn("{}: {}", dataset->name(), warning);
+  for (const std::string& remark : notes.remarks) spdlog::info("{}: {}", dataset->name(), remark);
   return dataset;
 }
 

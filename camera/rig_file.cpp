@@ -88,7 +88,7 @@ bool MayEnd(SourceSpec::Type type) { return RowOf(type).may_end; }
 LiveRig ReadRigFile(const std::string& path) {
   const YamlMap yaml = YamlMap::FromFile(path);
   if (!yaml.Has("source")) yaml.Fail("source", fmt::format("is missing: a map with one of {}", AllKeys()));
-  std::vector<std::string> notes;
+  Notes notes;
   RigCalibration rig = ReadCameraFile(path, {}, &notes);
   LiveRig live{path, std::move(rig), ReadSource(yaml.Map("source")), std::move(notes)};
   if (live.rig.kind != RigCalibration::Kind::kStereo) {

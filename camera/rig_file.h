@@ -6,6 +6,7 @@
 
 #include "core/datasets/yaml_map.h"
 #include "core/geometry/calibration.h"
+#include "core/io/files/notes.h"
 
 namespace plslam::camera {
 
@@ -38,8 +39,7 @@ struct LiveRig {
   std::string path;
   RigCalibration rig;
   SourceSpec source;
-  /// Notes about the calibration for the user, in whole sentences.
-  std::vector<std::string> notes{};
+  Notes notes{};  ///< about the calibration
 };
 
 /// Reads a rig file; relative names of `files` refer to its folder. Throws DatasetError that names file, line, key and

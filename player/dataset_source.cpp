@@ -19,7 +19,10 @@ constexpr size_t kFramesAhead = 2;
 
 std::unique_ptr<Dataset> Open(const PlayerOptions& options) {
   if (options.dataset.empty()) throw std::runtime_error("no dataset is given: player DATASET (see --help)");
-  return ShiftRightImages(OpenDataset(options.dataset, options.kind), static_cast<int>(options.right_offset_frames));
+  std::unique_ptr<Dataset> dataset =
+      ShiftRightImages(OpenDataset(options.dataset, options.kind), static_cast<int>(options.right_offset_frames));
+  for (const std::string& remark : dataset->Notes().remarks) spdlog::info("{}: {}", dataset->name(), remark);
+  return dataset;
 }
 
 RigCalibration WithMasks(RigCalibration rig, const PlayerOptions& options) {
@@ -70,7 +73,9 @@ DatasetSource::DatasetSource(const PlayerOptions& options)
 
 std::vector<std::string> DatasetSource::warnings() const {
   std::vector<std::string> warnings;
-  for (const std::string& note : dataset_->Notes()) warnings.push_back(fmt::format("{}: {}", dataset_->name(), note));
+  for (const std::string& warning : dataset_->Notes().warnings) {
+    warnings.push_back(fmt::format("{}: {}", dataset_->name(), warning));
+  }
   return warnings;
 }
 

@@ -7,12 +7,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <regex>
 #include <string_view>
 #include <utility>
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/frame_assembler.h"
+#include "core/datasets/calibrations/camera_info.h"
 #include "core/datasets/camera_file.h"
 #include "core/datasets/check_rig.h"
 #include "core/errors/error_text.h"
@@ -43,9 +43,10 @@ void CheckRig(const RigCalibration& rig) {
 
 /// Warns about the baseline of a CameraInfo. The notes of a camera file are printed when it is read.
 void WarnOfLongBaseline(const RigCalibration& rig) {
-  std::vector<std::string> notes;
-  NoteLongBaseline("CameraInfo", rig, "P[3] is in metres times pixels; if it is not, set adapter.camera", &notes);
-  for (const std::string& note : notes) spdlog::warn("{}", note);
+  Notes notes;
+  plslam::WarnOfLongBaseline("CameraInfo", rig,
+                             "P[3] is in metres times pixels; where it is not, give adapter.camera", &notes);
+  for (const std::string& warning : notes.warnings) spdlog::warn("{}", warning);
 }
 
 std::string GivenOr(const std::string& given, const std::string& image_channel) {
@@ -53,11 +54,6 @@ std::string GivenOr(const std::string& given, const std::string& image_channel) 
 }
 
 }  // namespace
-
-bool NamesRectified(const std::string& image_channel) {
-  static const std::regex kRectified("[/_]rect(ified)?([/_#]|$)");
-  return std::regex_search(image_channel, kRectified);
-}
 
 std::string InfoChannelOf(const std::string& image_channel) {
   const size_t hash = image_channel.find('#');
@@ -80,9 +76,10 @@ ImageSource::ImageSource(bus::Process& process, bus::StockLcm& foreign, const Ad
       publisher_(process.bus(), false),
       pairing_(std::llround(options.max_skew_ms * kNsPerMs)) {
   if (!options_.camera.empty()) {
-    std::vector<std::string> notes;
+    Notes notes;
     RigCalibration rig = ReadCalibration({options_.camera}, {}, &notes);
-    for (const std::string& note : notes) spdlog::warn("{}", note);
+    for (const std::string& warning : notes.warnings) spdlog::warn("{}", warning);
+    for (const std::string& remark : notes.remarks) spdlog::info("{}", remark);
     if (rig.kind != RigCalibration::Kind::kStereo) {
       throw DatasetError(options_.camera + ": is for an RGB-D camera, but a stereo rig is required");
     }
@@ -146,7 +143,12 @@ void ImageSource::OnInfo(Side side, MessageBytes bytes) {
   if (!infos_[0] || !infos_[1]) return;
   // Each only once: a new one of one camera does not go with an old one of the other.
   const auto infos = std::exchange(infos_, {});
+  const bool is_first = !rig_;
   UseRig(RigFromRos(InPixelsOfImages(*infos[0], {}), InPixelsOfImages(*infos[1], {}), NamesRectified(options_.left)));
+  if (!is_first) return;
+  Notes notes;
+  WarnOfUnusedDistortion(options_.left, *infos[0], "give adapter.camera", &notes);
+  for (const std::string& warning : notes.warnings) spdlog::warn("{}", warning);
 }
 
 void ImageSource::OnPair(const Pair& pair) {
@@ -167,7 +169,7 @@ void ImageSource::UseWhiteLevel(int largest) {
   has_white_ = true;
   white_ = WhiteLevel(largest);
   if (white_ < kWhiteOf16Bits) {
-    spdlog::warn("the 16-bit images have values up to {}: {} is mapped to white", largest, white_);
+    spdlog::info("the images of 16 bits have values up to {}: {} is taken as white", largest, white_);
   }
 }
 

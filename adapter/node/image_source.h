@@ -89,7 +89,5 @@ class ImageSource {
 /// Returns the CameraInfo channel of an image channel: "/a/left/image_raw#sensor_msgs.Image" has
 /// "/a/left/camera_info#sensor_msgs.CameraInfo", "/left" has "/left/camera_info".
 std::string InfoChannelOf(const std::string& image_channel);
-/// Returns whether the images of that channel are rectified, by its name (image_rect, rect/image).
-bool NamesRectified(const std::string& image_channel);
 
 }  // namespace plslam::adapter

@@ -28,7 +28,8 @@ std::unique_ptr<stream::FrameSource> Open(bus::Process& process, const CameraOpt
   listener.on_frame = [report](const auto& health, const auto& pairing) { report->OnFrame(health, pairing); };
   listener.on_outage = [report](const std::string& why) { report->OnOutage(why); };
   LiveRig rig = ReadRigFile(options.rig);
-  for (const std::string& note : rig.notes) spdlog::warn("{}", note);
+  for (const std::string& warning : rig.notes.warnings) spdlog::warn("{}", warning);
+  for (const std::string& remark : rig.notes.remarks) spdlog::info("{}", remark);
   auto source = std::make_unique<CameraSource>(std::move(rig), !options.resume_after.empty(), listener);
   if (source->is_live() && (pace.lockstep || pace.speed != 1.0)) {
     throw std::runtime_error(

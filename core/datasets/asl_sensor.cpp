@@ -83,6 +83,43 @@ CameraCalibration ReadAslCamera(const std::string& path) {
 
 namespace {
 
+/// Returns whether two poses differ by more than the rounding of a file.
+bool Differ(const SE3& a, const SE3& b) {
+  constexpr double kSamePlace_m = 1e-3, kSameDirection_rad = 2e-3;
+  const SE3 T_a_b = a.Inverse() * b;
+  return T_a_b.translation().norm() > kSamePlace_m || T_a_b.Log().tail<3>().norm() > kSameDirection_rad;
+}
+
+/// "x, y, z m, turned by a deg" of a pose.
+std::string PoseText(const SE3& T) {
+  constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+  const Eigen::Vector3d& t = T.translation();
+  return fmt::format("at {:.4f}, {:.4f}, {:.4f} m, turned by {:.2f} deg", t.x(), t.y(), t.z(),
+                     kDegrees * T.Log().tail<3>().norm());
+}
+
+/// Rejects a camera whose two poses relative to the IMU are not inverse to each other, and warns where T_cn_cnm1 is not
+/// that of the poses.
+void CheckAgreement(const YamlMap& camera, const std::string& name, const SE3& T_b_cam,
+                    const std::optional<SE3>& T_b_before, Notes* notes) {
+  if (camera.Has("T_imu_cam") && camera.Has("T_cam_imu")) {
+    const SE3 other = camera.Transform("T_cam_imu").Inverse();
+    if (Differ(T_b_cam, other)) {
+      camera.Fail("T_cam_imu",
+                  fmt::format("contradicts T_imu_cam: by T_imu_cam the camera is {} from the IMU, by T_cam_imu {}: "
+                              "remove the wrong one",
+                              PoseText(T_b_cam), PoseText(other)));
+    }
+  }
+  if (!T_b_before || !camera.Has("T_cn_cnm1")) return;
+  const SE3 stated = camera.Transform("T_cn_cnm1").Inverse(), used = T_b_before->Inverse() * T_b_cam;
+  if (!Differ(stated, used)) return;
+  notes->Warn(fmt::format(
+      "{}: T_cn_cnm1 of {} contradicts the poses relative to the IMU, which are used: the camera is {} from "
+      "the one before by T_cn_cnm1, and {} by those; remove the wrong one",
+      camera.Place("T_cn_cnm1"), name, PoseText(stated), PoseText(used)));
+}
+
 /// Returns body (the IMU, or else the first camera) from camera, by whichever key the file has. `T_b_before` is the
 /// pose of the camera before, which T_cn_cnm1 continues.
 SE3 PoseInChain(const YamlMap& camera, bool has_imu, const std::optional<SE3>& T_b_before) {
@@ -94,8 +131,7 @@ SE3 PoseInChain(const YamlMap& camera, bool has_imu, const std::optional<SE3>& T
 
 }  // namespace
 
-std::pair<CameraCalibration, CameraCalibration> ReadCamchain(const std::string& path,
-                                                             std::vector<std::string>* notes) {
+std::pair<CameraCalibration, CameraCalibration> ReadCamchain(const std::string& path, Notes* notes) {
   constexpr int kMaxCameras = 16;
   const YamlMap yaml = YamlMap::FromFile(path);
   if (yaml.Has("cam0") && !yaml.Has("cam1")) {
@@ -113,11 +149,13 @@ std::pair<CameraCalibration, CameraCalibration> ReadCamchain(const std::string& 
   std::optional<SE3> T_b_before;
   for (const auto& [name, map] : maps) {
     NamedCamera camera{name, map.Has("rostopic") ? map.Text("rostopic") : "", ReadLens(map, "distortion_coeffs")};
-    T_b_before = camera.camera.T_b_cam = PoseInChain(map, has_imu, T_b_before);
+    const SE3 T_b_cam = PoseInChain(map, has_imu, T_b_before);
+    CheckAgreement(map, name, T_b_cam, T_b_before, notes);
+    T_b_before = camera.camera.T_b_cam = T_b_cam;
     cameras.push_back(std::move(camera));
   }
   const CameraPair pair = ChoosePair(cameras, path);
-  if (!pair.note.empty()) notes->push_back(pair.note);
+  if (!pair.note.empty()) notes->Remark(pair.note);
   return {cameras[pair.left].camera, cameras[pair.right].camera};
 }
 

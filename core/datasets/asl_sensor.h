@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/geometry/calibration.h"
+#include "core/io/files/notes.h"
 
 namespace plslam {
 
@@ -17,7 +18,6 @@ CameraCalibration ReadAslCamera(const std::string& path);
 /// T_BS; T_cn_cnm1, from the camera before, does too; without an IMU the body is cam0) or OpenVINS' T_imu_cam,
 /// distortion_coeffs, and the rest as above. The camera model `ds` (double sphere) is read too. ChoosePair selects two
 /// of several cameras, and `notes` names them. Throws DatasetError.
-std::pair<CameraCalibration, CameraCalibration> ReadCamchain(const std::string& path,
-                                                             std::vector<std::string>* notes);
+std::pair<CameraCalibration, CameraCalibration> ReadCamchain(const std::string& path, Notes* notes);
 
 }  // namespace plslam

@@ -185,16 +185,16 @@ void ReadRightCamera(const YamlMap& yaml, const ImageSize& image_size, RigCalibr
 
 /// Reads files of another program.
 RigCalibration ReadForeign(const std::vector<std::string>& paths, const ImageSize& image_size,
-                           std::optional<double> metres_per_unit, std::vector<std::string>* notes) {
+                           std::optional<double> metres_per_unit, Notes* notes) {
   const ForeignCalibration calibration = ReadForeignCalibration(paths, image_size, metres_per_unit);
-  notes->insert(notes->end(), calibration.notes.begin(), calibration.notes.end());
+  notes->Add(calibration.notes);
   if (!metres_per_unit) {
     const std::string file = fs::path(paths.front()).filename().string();
-    NoteLongBaseline(paths.front(), calibration.rig,
-                     fmt::format("state the unit of its lengths, m, cm or mm, as `unit: cm` beside `from: {}` in a "
-                                 "camera.yaml",
-                                 paths.size() == 1 ? file : fmt::format("[{}, ...]", file)),
-                     notes);
+    WarnOfLongBaseline(paths.front(), calibration.rig,
+                       fmt::format("state the unit of its lengths, m, cm or mm, as `unit: cm` beside `from: {}` in a "
+                                   "camera.yaml",
+                                   paths.size() == 1 ? file : fmt::format("[{}, ...]", file)),
+                       notes);
   }
   return calibration.rig;
 }
@@ -207,7 +207,7 @@ std::optional<double> ReadUnit(const YamlMap& yaml) {
 }
 
 /// `from: FILE` or `from: [LEFT, RIGHT]`: files of another program beside this one.
-RigCalibration ReadFrom(const YamlMap& yaml, const ImageSize& image_size, std::vector<std::string>* notes) {
+RigCalibration ReadFrom(const YamlMap& yaml, const ImageSize& image_size, Notes* notes) {
   yaml.AllowOnly({"from", "unit", "name", "rate_hz", "source"});
   std::vector<std::string> paths;
   for (const std::string& name : yaml.Texts("from")) {
@@ -255,10 +255,9 @@ std::vector<std::string> CalibrationOf(const std::string& folder) {
   return FindForeignCalibration(folder);
 }
 
-RigCalibration ReadCalibration(const std::vector<std::string>& paths, const ImageSize& image_size,
-                               std::vector<std::string>* notes) {
+RigCalibration ReadCalibration(const std::vector<std::string>& paths, const ImageSize& image_size, Notes* notes) {
   if (paths.size() == 1) return ReadCameraFile(paths.front(), image_size, notes);
-  std::vector<std::string> unread;
+  Notes unread;
   return ReadForeign(paths, image_size, std::nullopt, notes == nullptr ? &unread : notes);
 }
 
@@ -285,8 +284,8 @@ RigCalibration MakeRgbdRig(const CameraCalibration& camera, double baseline_m, d
   return rig;
 }
 
-RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_size, std::vector<std::string>* notes) {
-  std::vector<std::string> unread;
+RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_size, Notes* notes) {
+  Notes unread;
   if (notes == nullptr) notes = &unread;
   if (!ForeignFormat(path).empty()) return ReadForeign({path}, image_size, std::nullopt, notes);
   const YamlMap yaml = YamlMap::FromFile(path);
@@ -303,7 +302,7 @@ RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_si
                       PositiveNumber(yaml, "depth_units_per_m", 0.0, 1e6));
   } else {
     ReadRightCamera(yaml, image_size, &rig);
-    NoteLongBaseline(path, rig, kLengthsAreMetres, notes);
+    WarnOfLongBaseline(path, rig, kLengthsAreMetres, notes);
   }
   rig.name = yaml.Has("name") ? yaml.Text("name") : "images";
   rig.rate_hz = ReadRate_hz(yaml, 0.0);

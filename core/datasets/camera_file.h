@@ -6,6 +6,7 @@
 
 #include "core/datasets/yaml_map.h"
 #include "core/geometry/calibration.h"
+#include "core/io/files/notes.h"
 #include "core/io/images/image_file.h"
 
 namespace plslam {
@@ -27,9 +28,8 @@ double ReadRate_hz(const YamlMap& yaml, double fallback);
 /// Reads plslam's own camera file (docs/datasets.md has the keys), `camera.yaml` of a folder of images or of a TUM
 /// RGB-D sequence. Cameras without `resolution_px` get `image_size`. The file may also be one of another program's
 /// (calibrations/foreign_calibration.h), or name such files by `from`, a file or a list of files beside it, with the
-/// `unit` of their lengths. `notes`, if given, receives notes for the user, in whole sentences. Throws DatasetError.
-RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_size,
-                              std::vector<std::string>* notes = nullptr);
+/// `unit` of their lengths. `notes`, if given, receives warnings and remarks. Throws DatasetError.
+RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_size, Notes* notes = nullptr);
 
 /// Returns whether `path` is a camera file whose `source` names the source of live images; readers of datasets ignore
 /// that key. False also if it cannot be read.
@@ -41,7 +41,7 @@ std::vector<std::string> CalibrationOf(const std::string& folder);
 
 /// Reads the files that `CalibrationOf` found.
 RigCalibration ReadCalibration(const std::vector<std::string>& paths, const ImageSize& image_size,
-                               std::vector<std::string>* notes = nullptr);
+                               Notes* notes = nullptr);
 
 /// Returns the text of a camera.yaml of a rig, every number to its last digit. Masks are left out.
 std::string CameraFileText(const RigCalibration& rig);

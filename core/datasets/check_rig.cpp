@@ -16,7 +16,6 @@ constexpr double kMinFocal_px = 1.0;
 constexpr double kMaxFocal_px = 1e5;
 constexpr double kMaxDistortion = 1e4;
 constexpr double kMinBaseline_m = 1e-4;
-constexpr double kMaxBaseline_m = 100.0;
 constexpr double kMaxAngle_rad = 0.785398163397448;
 
 // Comparisons with NaN are false, so the test is for "inside", never for "outside".
@@ -143,10 +142,25 @@ std::string RigComplaint(const RigCalibration& rig) {
                   PlacementComplaint(rig)});
 }
 
-void NoteLongBaseline(const std::string& path, const RigCalibration& rig, const std::string& remedy,
-                      std::vector<std::string>* notes) {
+void WarnOfLongBaseline(const std::string& path, const RigCalibration& rig, const std::string& remedy, Notes* notes) {
   if (rig.kind == RigCalibration::Kind::kRgbd || rig.baseline_m <= kUsualBaseline_m) return;
-  notes->push_back(fmt::format("{}: the cameras are {:.4g} m apart: {}", path, rig.baseline_m, remedy));
+  notes->Warn(fmt::format("{}: the cameras are {:.4g} m apart: {}", path, rig.baseline_m, remedy));
+}
+
+void WarnOfOtherScale(const std::string& what, const RigCalibration& rig, Notes* notes) {
+  constexpr double kLeast = 0.3, kMost = 0.7, kSamePart = 0.1;
+  for (const CameraCalibration* camera : {&rig.left, &rig.right}) {
+    const double x = camera->cx_px / camera->width_px, y = camera->cy_px / camera->height_px;
+    const bool is_far = (x < kLeast && y < kLeast) || (x > kMost && y > kMost);
+    if (!is_far || std::abs(x - y) > kSamePart * (x + y)) continue;
+    notes->Warn(fmt::format(
+        "{}: the principal point of the {} camera, {:.1f}, {:.1f}, is not near the middle of {} x {} pixels: "
+        "it seems to be of images {:.2g} times as large; calibrate with images of this size, or scale focal "
+        "length and principal point",
+        what, camera == &rig.left ? "left" : "right", camera->cx_px, camera->cy_px, camera->width_px,
+        camera->height_px, x + y));
+    return;
+  }
 }
 
 }  // namespace plslam

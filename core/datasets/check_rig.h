@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/geometry/calibration.h"
+#include "core/io/files/notes.h"
 
 namespace plslam {
 
@@ -20,14 +21,18 @@ bool IsImageSide(double side_px);
 /// right of the left one, or above or below it, looking the same way (within 45 degrees).
 std::string RigComplaint(const RigCalibration& rig);
 
-/// Adds a note if the cameras of a stereo rig are more than 1 m apart, most often because of a wrong unit: "FILE: the
+/// Warns if the cameras of a stereo rig are more than 1 m apart, most often because of a wrong unit: "FILE: the
 /// cameras are 6 m apart: REMEDY".
-void NoteLongBaseline(const std::string& path, const RigCalibration& rig, const std::string& remedy,
-                      std::vector<std::string>* notes);
+void WarnOfLongBaseline(const std::string& path, const RigCalibration& rig, const std::string& remedy, Notes* notes);
+/// Warns if the principal point of a camera is far from the middle of its images, by the same part of width and height:
+/// then a calibration is of images of another size. "WHAT: the principal point ...".
+void WarnOfOtherScale(const std::string& what, const RigCalibration& rig, Notes* notes);
 /// The remedy for files whose lengths are in metres by definition.
 inline constexpr const char* kLengthsAreMetres = "lengths must be in metres; are these?";
-/// Larger ones get a note.
+/// Larger ones get a warning.
 inline constexpr double kUsualBaseline_m = 1.0;
+/// Larger ones are errors.
+inline constexpr double kMaxBaseline_m = 100.0;
 
 /// Parts of it for one camera: image size, focal lengths, principal point (needs the size), model, distortion.
 std::string SizeComplaint(const CameraCalibration& camera);

@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "core/geometry/calibration.h"
 #include "core/geometry/se3.h"
 #include "core/io/files/dataset_error.h"
+#include "core/io/files/notes.h"
 #include "core/io/images/image_file.h"
 
 namespace plslam {
@@ -37,9 +37,8 @@ class Dataset {
   virtual std::optional<SE3> GroundTruth(int index) const = 0;
   /// Returns whether there is recorded truth, of whatever frames: if most have none, it is of other times.
   virtual bool HasRecordedTruth() const { return false; }
-  /// Returns sentences for the user about data that were skipped while opening ("3 images of cam0 have no partner in
-  /// cam1").
-  virtual std::vector<std::string> Notes() const { return {}; }
+  /// Returns what opening has found ("3 images of cam0 have no partner in cam1").
+  virtual plslam::Notes Notes() const { return {}; }
   /// Returns the time that it took to read a whole recording that has no usable index, or is truncated, as a note
   /// reports; 0 for others.
   virtual double scan_s() const { return 0.0; }

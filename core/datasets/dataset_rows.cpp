@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "core/io/files/dataset_error.h"
+#include "core/io/trajectories/table_header.h"
 
 namespace plslam {
 namespace {
@@ -22,24 +23,25 @@ void ForEachDatasetRow(const std::string& path, const std::function<void(const T
   AsDatasetError([&] { ForEachRow(path, use); });
 }
 
-TrajectoryFile ReadTruth(const std::string& path, TrajectoryFormat format, std::vector<std::string>* notes) {
+TrajectoryFile ReadTruth(const std::string& path, TrajectoryFormat format, Notes* notes) {
   try {
     TrajectoryFile file = ReadTrajectoryFile(path, format, BadRows::kPassOver);
-    notes->insert(notes->end(), file.notes.begin(), file.notes.end());
+    notes->Add(file.notes);
     return file;
   } catch (const std::runtime_error& error) {
-    notes->push_back(fmt::format("{}; frames have no true poses", error.what()));
+    notes->Warn(fmt::format("{}; frames have no true poses", error.what()));
     return {};
   }
 }
 
-std::vector<std::optional<SE3>> TruthOfEachFrame(const std::string& path, size_t n, std::vector<std::string>* notes) {
+std::vector<std::optional<SE3>> TruthOfEachFrame(const std::string& path, size_t n, Notes* notes) {
   constexpr int64_t kRow_ns = 1'000'000'000;
-  const size_t n_notes = notes->size();
+  const size_t n_warnings = notes->warnings.size();
   const TrajectoryFile file = ReadTruth(path, TrajectoryFormat::kKitti, notes);
   if (file.n_rows != n) {
-    if (notes->size() == n_notes || file.n_rows > 0) {
-      notes->push_back(fmt::format("{}: has {} poses for {} frames, so none of them is used", path, file.n_rows, n));
+    if (notes->warnings.size() == n_warnings || file.n_rows > 0) {
+      notes->Warn(
+          fmt::format("{}: has {} poses for {} frames, which have none for that reason", path, file.n_rows, n));
     }
     return {};
   }
@@ -70,12 +72,8 @@ void CheckUnitOfTime(const std::string& path, int decimals, const std::vector<in
   const auto middle = steps_ns.begin() + static_cast<std::ptrdiff_t>(steps_ns.size() / 2);
   std::nth_element(steps_ns.begin(), middle, steps_ns.end());
   if (*middle >= kMinStep_ns && *middle <= kMaxStep_ns) return;
-  // As if the camera were one of 20 Hz: a step of 50 ms, in whichever unit.
-  const double unit_ns = 50e6 / (static_cast<double>(*middle) / std::pow(10.0, decimals));
-  const std::string_view unit = unit_ns < 30.0  ? "nanoseconds"
-                                : unit_ns < 3e4 ? "microseconds"
-                                : unit_ns < 3e7 ? "milliseconds"
-                                                : "seconds";
+  const std::string_view unit =
+      UnitOfTimeName(LikelyUnitOfStep(static_cast<double>(*middle) / std::pow(10.0, decimals)));
   const std::string_view expected = decimals == 9 ? "seconds" : "nanoseconds";
   throw DatasetError(fmt::format(
       "{}: times must be in {}, but then frames would be {:g} s apart in the median, not 0.0001 to 10 s{}", path,

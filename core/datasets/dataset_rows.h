@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/io/files/notes.h"
 #include "core/io/files/text_rows.h"
 #include "core/io/trajectories/trajectory.h"
 
@@ -17,11 +18,11 @@ void ForEachDatasetRow(const std::string& path, const std::function<void(const T
 
 /// Reads the truth at `path`; errors in it never keep a dataset from opening: invalid rows are skipped, and an
 /// unreadable file counts as empty. `notes` reports this.
-TrajectoryFile ReadTruth(const std::string& path, TrajectoryFormat format, std::vector<std::string>* notes);
+TrajectoryFile ReadTruth(const std::string& path, TrajectoryFormat format, Notes* notes);
 
 /// Reads the poses of a truth in KITTI's format, a row for each of `n` frames; nullopt for invalid rows. Empty, with a
 /// note, if the number of rows differs.
-std::vector<std::optional<SE3>> TruthOfEachFrame(const std::string& path, size_t n, std::vector<std::string>* notes);
+std::vector<std::optional<SE3>> TruthOfEachFrame(const std::string& path, size_t n, Notes* notes);
 
 /// Fails if `row` does not have `n` fields; `what` describes them ("time and file name").
 void RequireColumns(const TextRow& row, size_t n, const char* what);

@@ -23,6 +23,8 @@ namespace fs = std::filesystem;
 
 /// Images with a larger time difference are of two moments, however slow the camera.
 constexpr int64_t kMaxStereoPairing_ns = 500'000'000;
+/// A camera that turns by 60 degrees a second moves its image by several pixels in this time.
+constexpr int64_t kLargeSkew_ns = 5'000'000;
 // The first existing one is used. TUM-VI has truth only within its motion capture room.
 constexpr std::array<const char*, 2> kTruthFolders = {"state_groundtruth_estimate0", "mocap0"};
 
@@ -34,7 +36,7 @@ Shots CameraShots(const fs::path& camera) {
 }
 
 /// The nearest images within half a frame.
-std::vector<ImageList::Entry> Pair(const Shots& left, const Shots& right, std::vector<std::string>* notes) {
+std::vector<ImageList::Entry> Pair(const Shots& left, const Shots& right, Notes* notes) {
   std::vector<ImageList::Entry> entries;
   int64_t largest_ns = 0;
   const int64_t max_ns = std::min(kMaxStereoPairing_ns, MedianStep_ns(left.times_ns) / 2);
@@ -43,14 +45,11 @@ std::vector<ImageList::Entry> Pair(const Shots& left, const Shots& right, std::v
     largest_ns = std::max(largest_ns, std::abs(left.times_ns[l] - right.times_ns[r]));
   }
   if (largest_ns > 0) {
-    notes->push_back(fmt::format("times of cam0 and cam1 differ by up to {:.3f} ms: the nearest images are paired",
-                                 1e-6 * static_cast<double>(largest_ns)));
+    notes->Add(largest_ns > kLargeSkew_ns,
+               fmt::format("times of cam0 and cam1 differ by up to {:.3f} ms: the nearest ones are pairs",
+                           1e-6 * static_cast<double>(largest_ns)));
   }
   return entries;
-}
-
-void NoteUnpairedImages(const char* camera, size_t n, std::vector<std::string>* notes) {
-  if (n > 0) notes->push_back(fmt::format("{} images of {} have no partner in time and are skipped", n, camera));
 }
 
 std::vector<std::optional<SE3>> GroundTruth(const fs::path& mav, const SE3& T_b_l, ImageList* list) {
@@ -74,7 +73,7 @@ std::array<std::string, 2> CalibrationPaths(const fs::path& mav) {
   return {left.string(), right.string()};
 }
 
-RigCalibration ReadRig(const std::array<std::string, 2>& paths, std::vector<std::string>* notes) {
+RigCalibration ReadRig(const std::array<std::string, 2>& paths, Notes* notes) {
   RigCalibration rig;
   rig.name = "euroc";
   if (paths[0] == paths[1]) {
@@ -95,7 +94,7 @@ std::unique_ptr<Dataset> OpenEurocDataset(const std::string& folder) {
   list.name = folder;
   const std::array<std::string, 2> calibrations = CalibrationPaths(mav);
   list.rig = ReadRig(calibrations, &list.notes);
-  NoteLongBaseline(calibrations[1], list.rig, kLengthsAreMetres, &list.notes);
+  WarnOfLongBaseline(calibrations[1], list.rig, kLengthsAreMetres, &list.notes);
   const Shots left = CameraShots(mav / "cam0");
   const Shots right = CameraShots(mav / "cam1");
   list.entries = Pair(left, right, &list.notes);
@@ -104,8 +103,9 @@ std::unique_ptr<Dataset> OpenEurocDataset(const std::string& folder) {
         "{}: no image is within half a frame of an image of cam0; the first times are {} ns (cam0) and {} ns (cam1)",
         (mav / "cam1" / "data.csv").string(), left.times_ns.front(), right.times_ns.front()));
   }
-  NoteUnpairedImages("cam0", left.files.size() - list.entries.size(), &list.notes);
-  NoteUnpairedImages("cam1", right.files.size() - list.entries.size(), &list.notes);
+  for (const auto& [camera, shots] : {std::pair("images of cam0", &left), std::pair("images of cam1", &right)}) {
+    NoteUnpaired(shots->files.size() - list.entries.size(), shots->files.size(), camera, "in time", &list.notes);
+  }
   list.image_size = LearnImageSize(list.entries);
   list.ground_truth = GroundTruth(mav, list.rig.left.T_b_cam, &list);
   return MakeImageListDataset(std::move(list), calibrations[1]);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <tuple>
 #include <utility>
 
@@ -48,6 +49,14 @@ std::vector<std::pair<size_t, size_t>> AssociateTimes(const std::vector<int64_t>
   return pairs;
 }
 
+void NoteUnpaired(size_t n, size_t n_all, const std::string& what, const std::string& where, Notes* notes) {
+  constexpr double kFewUnpaired = 0.05;
+  if (n == 0) return;
+  notes->Add(static_cast<double>(n) > kFewUnpaired * static_cast<double>(n_all),
+             fmt::format("{} of {} {} {} no partner {} and {} passed over", n, n_all, what, n == 1 ? "has" : "have",
+                         where, n == 1 ? "is" : "are"));
+}
+
 int64_t MedianStep_ns(const std::vector<int64_t>& times_ns) {
   constexpr int64_t kOneSecond_ns = 1'000'000'000;
   if (times_ns.size() < 2) return kOneSecond_ns;
@@ -60,18 +69,32 @@ int64_t MedianStep_ns(const std::vector<int64_t>& times_ns) {
 
 namespace {
 
+/// The median of the pixels with a depth; 0 if there are none.
+double MedianDepth(const cv::Mat& depths) {
+  std::vector<uint16_t> values;
+  for (int y = 0; y < depths.rows; ++y) {
+    std::copy_if(depths.ptr<uint16_t>(y), depths.ptr<uint16_t>(y) + depths.cols, std::back_inserter(values),
+                 [](uint16_t depth) { return depth > 0; });
+  }
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + std::ssize(values) / 2;
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 class ImageListDataset : public Dataset {
  public:
   explicit ImageListDataset(ImageList list) : list_(std::move(list)) {
     white_ = WhiteLevelOf(
         size(), [this](int index) { return LargestValues(index); }, &list_.notes);
+    if (list_.rig.kind == RigCalibration::Kind::kRgbd) CheckDepths();
   }
 
   std::string name() const override { return list_.name; }
   const RigCalibration& rig() const override { return list_.rig; }
   int size() const override { return static_cast<int>(list_.entries.size()); }
   int64_t t_ns(int index) const override { return Entry(index).t_ns; }
-  std::vector<std::string> Notes() const override { return list_.notes; }
+  plslam::Notes Notes() const override { return list_.notes; }
   bool HasRecordedTruth() const override { return !list_.ground_truth.empty(); }
 
   StereoImages Read(int index) const override {
@@ -114,6 +137,27 @@ class ImageListDataset : public Dataset {
     return std::max(left, LargestWideValue(entry.right, list_.image_size));
   }
 
+  /// Warns if the depths of the first map are too large for a depth camera.
+  void CheckDepths() {
+    constexpr double kFarthest_m = 50.0;
+    const auto first = std::find_if(list_.entries.begin(), list_.entries.end(),
+                                    [](const ImageList::Entry& entry) { return entry.missing.empty(); });
+    if (first == list_.entries.end()) return;
+    double median = 0.0;
+    try {
+      median = MedianDepth(ReadDepthImage(first->right, list_.image_size));
+    } catch (const DatasetError&) {
+      return;  // an error when it is played
+    }
+    const double median_m = median / list_.rig.depth_units_per_m;
+    if (!(median_m > kFarthest_m)) return;
+    list_.notes.Warn(
+        fmt::format("{}: its depths have a median of {} units, which is {:.4g} m at {:g} units a metre: the factor "
+                    "(depth_units_per_m, "
+                    "DepthMapFactor) is most often 1000 (millimetres) or 5000 (TUM RGB-D)",
+                    first->right, median, median_m, list_.rig.depth_units_per_m));
+  }
+
   ImageList list_;
   int white_ = kWhiteOf16Bits;
 };
@@ -143,6 +187,7 @@ std::unique_ptr<Dataset> MakeImageListDataset(ImageList list, const std::string&
                                    calibration_path, list.rig.left.width_px, list.rig.left.height_px,
                                    list.image_size.width_px, list.image_size.height_px, list.entries.front().left));
   }
+  WarnOfOtherScale(calibration_path, list.rig, &list.notes);
   return std::make_unique<ImageListDataset>(std::move(list));
 }
 
@@ -187,11 +232,15 @@ std::vector<std::optional<SE3>> FrameTruth(const std::string& path, TrajectoryFo
   const auto n =
       static_cast<size_t>(std::count_if(poses.begin(), poses.end(), [](const auto& p) { return p.has_value(); }));
   if (truth.empty()) {
-    if (file.n_rows == 0 && file.format) list->notes.push_back(name + ": has no poses");
+    if (file.n_rows == 0 && file.format) list->notes.Warn(name + ": has no poses");
   } else if (2 * n < poses.size()) {
-    list->notes.push_back(fmt::format("{}: {} poses ({}), {} of {} frames ({}) have a pose", name, truth.size(),
-                                      SpanText(truth.front().t_ns, truth.back().t_ns), n, poses.size(),
-                                      SpanText(list->entries.front().t_ns, list->entries.back().t_ns)));
+    const int64_t first_ns = list->entries.front().t_ns, last_ns = list->entries.back().t_ns;
+    const auto n_outside = static_cast<size_t>(std::count_if(
+        truth.begin(), truth.end(), [&](const TrajectoryPose& p) { return p.t_ns < first_ns || p.t_ns > last_ns; }));
+    const bool is_of_other_times = n == 0 || 2 * n_outside > truth.size();
+    list->notes.Add(is_of_other_times, fmt::format("{}: {} poses ({}), {} of {} frames ({}) have one", name,
+                                                   truth.size(), SpanText(truth.front().t_ns, truth.back().t_ns), n,
+                                                   poses.size(), SpanText(first_ns, last_ns)));
   }
   return poses;
 }

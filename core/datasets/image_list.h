@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/datasets/dataset.h"
+#include "core/io/files/notes.h"
 #include "core/io/images/image_file.h"
 #include "core/io/trajectories/trajectory.h"
 
@@ -20,6 +21,10 @@ namespace plslam {
 /// the nearest b before and after it are considered.
 std::vector<std::pair<size_t, size_t>> AssociateTimes(const std::vector<int64_t>& a_ns,
                                                       const std::vector<int64_t>& b_ns, int64_t max_ns);
+
+/// Reports `n` of `n_all` images (`what`: "images of cam0") without a partner `where` ("in time"), if there are any: a
+/// warning if they are more than 5 %. Cameras that are started one after the other leave a few.
+void NoteUnpaired(size_t n, size_t n_all, const std::string& what, const std::string& where, Notes* notes);
 
 /// Returns the median step of increasing times; 1 s for fewer than two.
 int64_t MedianStep_ns(const std::vector<int64_t>& times_ns);
@@ -39,7 +44,7 @@ struct ImageList {
   std::vector<Entry> entries;
   /// Empty, or one for each entry.
   std::vector<std::optional<SE3>> ground_truth;
-  std::vector<std::string> notes;
+  Notes notes;
 };
 
 /// Sets the rate from the median distance in time. Throws DatasetError where the list is empty, the times do not
@@ -52,8 +57,8 @@ std::unique_ptr<Dataset> MakeImageListDataset(ImageList list, const std::string&
 ImageSize LearnImageSize(const std::vector<ImageList::Entry>& entries);
 
 /// Returns the true pose of each entry of `list` by InterpolatePose, from the file at `path`. If fewer than half of the
-/// frames get one (different clocks, or truth of another part of the sequence), `list` gets a note with both spans of
-/// time.
+/// frames get one, `list` gets a note with both spans of time: a warning if none does, or if most of the truth is of
+/// times outside the sequence (different clocks), and a remark if a part of the sequence has truth.
 std::vector<std::optional<SE3>> FrameTruth(const std::string& path, TrajectoryFormat format, ImageList* list);
 
 }  // namespace plslam

@@ -111,7 +111,7 @@ std::string PosesPath(const fs::path& folder) {
 }
 
 std::vector<std::optional<SE3>> ReadPoses(const std::string& path, size_t n_frames, const SE3& T_0_left,
-                                          std::vector<std::string>* notes) {
+                                          Notes* notes) {
   if (path.empty()) return {};
   std::vector<std::optional<SE3>> poses = TruthOfEachFrame(path, n_frames, notes);
   for (std::optional<SE3>& pose : poses) {
@@ -128,7 +128,7 @@ std::unique_ptr<Dataset> OpenKittiDataset(const std::string& folder) {
   ImageList list;
   list.name = folder;
   list.rig = ReadRig(calibration_path, left);
-  NoteLongBaseline(calibration_path, list.rig, kLengthsAreMetres, &list.notes);
+  WarnOfLongBaseline(calibration_path, list.rig, kLengthsAreMetres, &list.notes);
   const std::vector<int64_t> times_ns = ReadTimes((fs::path(folder) / "times.txt").string());
   const std::string pattern = NamePattern(ImageFolder(folder, left), times_ns.size());
   for (size_t i = 0; i < times_ns.size(); ++i) {

@@ -128,7 +128,7 @@ class LogDataset : public Dataset {
     const auto found = truth_.find(frames_.at(static_cast<size_t>(index)).id);
     return found == truth_.end() ? std::nullopt : std::optional(found->second);
   }
-  std::vector<std::string> Notes() const override { return notes_; }
+  plslam::Notes Notes() const override { return notes_; }
 
  private:
   [[noreturn]] void Fail(const std::string& why) const { throw DatasetError(path_ + ": " + why); }
@@ -152,7 +152,7 @@ class LogDataset : public Dataset {
   RigCalibration rig_;
   std::vector<LogFrame> frames_;
   std::map<int64_t, SE3> truth_;  // by frame id
-  std::vector<std::string> notes_;
+  plslam::Notes notes_;
 };
 
 void LogDataset::IndexStrip(const LogReader::Event& event, LogStream& stream) const {
@@ -259,8 +259,8 @@ void LogDataset::KeepFrames(const std::vector<size_t>& places, const std::string
   if (places.size() == frames_.size()) return;
   size_t first_gone = 0;
   while (first_gone < places.size() && places[first_gone] == first_gone) ++first_gone;
-  notes_.push_back("frames skipped " + why_others_go + ": " + std::to_string(frames_.size() - places.size()) +
-                   " (the first is frame " + std::to_string(frames_[first_gone].id) + ")");
+  notes_.Warn("frames passed over, " + why_others_go + ": " + std::to_string(frames_.size() - places.size()) +
+              " (the first is frame " + std::to_string(frames_[first_gone].id) + ")");
   std::vector<LogFrame> kept;
   kept.reserve(places.size());
   for (const size_t place : places) kept.push_back(std::move(frames_[place]));

@@ -49,7 +49,7 @@ class ShiftedDataset : public Dataset {
   std::string LeftFile(int index) const override { return dataset_->LeftFile(first_ + index); }
   std::optional<SE3> GroundTruth(int index) const override { return dataset_->GroundTruth(first_ + index); }
   bool HasRecordedTruth() const override { return dataset_->HasRecordedTruth(); }
-  std::vector<std::string> Notes() const override { return dataset_->Notes(); }
+  plslam::Notes Notes() const override { return dataset_->Notes(); }
   double scan_s() const override { return dataset_->scan_s(); }
 
  private:
@@ -189,7 +189,9 @@ std::unique_ptr<Dataset> OpenDataset(const std::string& location, const std::str
 }
 
 void PrintNotes(const Dataset& dataset) {
-  for (const std::string& note : dataset.Notes()) fmt::print(stderr, "warning: {}: {}\n", dataset.name(), note);
+  const Notes notes = dataset.Notes();
+  for (const std::string& warning : notes.warnings) fmt::print(stderr, "warning: {}: {}\n", dataset.name(), warning);
+  for (const std::string& remark : notes.remarks) fmt::print(stderr, "note: {}: {}\n", dataset.name(), remark);
 }
 
 std::unique_ptr<Dataset> OpenDatasetAndWarn(const std::string& location, const std::string& kind) {

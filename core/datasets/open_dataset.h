@@ -20,7 +20,7 @@ std::unique_ptr<Dataset> ShiftRightImages(std::unique_ptr<Dataset> dataset, int 
 /// ("synthetic:room?seed=3"). `kind` is the name of one, or empty to detect it. Throws DatasetError.
 std::unique_ptr<Dataset> OpenDataset(const std::string& location, const std::string& kind);
 
-/// Prints the notes of the dataset as warnings on standard error.
+/// Prints the notes of the dataset on standard error.
 void PrintNotes(const Dataset& dataset);
 /// Opens a dataset, and prints its notes.
 std::unique_ptr<Dataset> OpenDatasetAndWarn(const std::string& location, const std::string& kind);

@@ -54,10 +54,6 @@ std::vector<ImageList::Entry> ReadAssociations(const std::string& folder, const 
   return entries;
 }
 
-void NoteUnpairedShots(const char* what, size_t n, std::vector<std::string>* notes) {
-  if (n > 0) notes->push_back(fmt::format("{} {} have no partner within 20 ms and are skipped", n, what));
-}
-
 void PairByTime(const std::string& folder, ImageList* list) {
   const Shots colour = ReadList(folder, "rgb.txt");
   const Shots depth = ReadList(folder, "depth.txt");
@@ -70,8 +66,9 @@ void PairByTime(const std::string& folder, ImageList* list) {
         (fs::path(folder) / "depth.txt").string(), SecondsText(colour.times_ns.front()),
         SecondsText(depth.times_ns.front())));
   }
-  NoteUnpairedShots("colour images", colour.files.size() - list->entries.size(), &list->notes);
-  NoteUnpairedShots("depth maps", depth.files.size() - list->entries.size(), &list->notes);
+  for (const auto& [what, shots] : {std::pair("colour images", &colour), std::pair("depth maps", &depth)}) {
+    NoteUnpaired(shots->files.size() - list->entries.size(), shots->files.size(), what, "within 20 ms", &list->notes);
+  }
 }
 
 /// Returns a camera by the name of the folder; nullptr if the name is none of TUM's.
@@ -103,8 +100,7 @@ RigCalibration KnownRig(const KnownCamera& known, const std::string& folder, con
 
 /// Reads its camera.yaml, or the known calibration for a folder of that name, or the settings of another program.
 /// `path` receives its source.
-RigCalibration ReadRig(const std::string& folder, const ImageSize& size, std::vector<std::string>* notes,
-                       std::string* path) {
+RigCalibration ReadRig(const std::string& folder, const ImageSize& size, Notes* notes, std::string* path) {
   *path = (fs::path(folder) / "camera.yaml").string();
   const KnownCamera* known = CameraByName(folder);
   if (!fs::exists(*path) && known != nullptr) return KnownRig(*known, folder, size);

@@ -175,7 +175,7 @@ std::unique_ptr<Dataset> OpenVslamLabDataset(const std::string& folder) {
   const bool has_depth = ReadTable(folder, &list.entries);
   const std::string calibration = (fs::path(folder) / "calibration.yaml").string();
   list.rig = ReadRig(calibration, has_depth);
-  NoteLongBaseline(calibration, list.rig, kLengthsAreMetres, &list.notes);
+  WarnOfLongBaseline(calibration, list.rig, kLengthsAreMetres, &list.notes);
   list.image_size = LearnImageSize(list.entries);
   const fs::path truth = fs::path(folder) / "groundtruth.csv";
   if (fs::exists(truth)) {

@@ -11,7 +11,7 @@
 
 namespace plslam {
 
-int WhiteLevelOf(int n_frames, const std::function<int(int frame)>& largest, std::vector<std::string>* notes) {
+int WhiteLevelOf(int n_frames, const std::function<int(int frame)>& largest, Notes* notes) {
   constexpr int kQuarters = 4;
   int most = 0;
   for (int i = 0; i <= kQuarters; ++i) {
@@ -25,8 +25,8 @@ int WhiteLevelOf(int n_frames, const std::function<int(int frame)>& largest, std
   }
   const int white = WhiteLevel(most);
   if (white < kWhiteOf16Bits) {
-    notes->push_back(fmt::format("its 16-bit images have values up to {}, as with {} bits: {} is mapped to white",
-                                 most, std::bit_width(static_cast<unsigned>(white)), white));
+    notes->Remark(fmt::format("its images of 16 bits have values up to {}, as of {} bits: {} is taken as white", most,
+                              std::bit_width(static_cast<unsigned>(white)), white));
   }
   return white;
 }

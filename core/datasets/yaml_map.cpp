@@ -21,6 +21,7 @@ namespace plslam {
 namespace {
 
 constexpr size_t kMaxBytes = 1'000'000;
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 // Calibration files give six digits and more.
 constexpr double kOrthogonalityTolerance = 1e-3;
 
@@ -63,6 +64,7 @@ std::string ReadText(const std::string& path) {
   text.resize(static_cast<size_t>(file.gcount()));
   if (text.size() > kMaxBytes) throw DatasetError(fmt::format("{}: has more than {} bytes", path, kMaxBytes));
   if (IsGitLfsPointer(text)) throw DatasetError(path + ": " + kGitLfsPointer);
+  if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
   if (text.starts_with("%YAML")) text.front() = '#';
   return WithBlanksAfterColons(text);
 }

@@ -116,9 +116,10 @@ TEST_F(McapInput, WithoutIndex) {
     Write(options);
     ExpectTheContentOfTheFolder("a.mcap");
     const auto notes = OpenDataset(folder().Path("a.mcap"), "")->Notes();
-    ASSERT_EQ(notes.size(), 1U);
-    EXPECT_THAT(notes.front(), testing::AllOf(testing::HasSubstr("were read to find the messages, which took"),
-                                              testing::HasSubstr("`mcap recover`")));
+    ASSERT_EQ(notes.remarks.size() + notes.warnings.size(), 1U);
+    EXPECT_THAT(notes.warnings.empty() ? notes.remarks.front() : notes.warnings.front(),
+                testing::AllOf(testing::HasSubstr("were read to find the messages, which took"),
+                               testing::HasSubstr("`mcap recover`")));
   }
 }
 
@@ -179,8 +180,8 @@ TEST_F(BagInput, UnclosedFileAfterAKill) {
   Write("none killed");
   ExpectTheContentOfTheFolder("a.bag");
   const auto notes = OpenDataset(folder().Path("a.bag"), "")->Notes();
-  ASSERT_EQ(notes.size(), 1U);
-  EXPECT_THAT(notes.front(), testing::HasSubstr("has no index because it was not closed"));
+  ASSERT_EQ(notes.remarks.size(), 1U);
+  EXPECT_THAT(notes.remarks.front(), testing::HasSubstr("has no index, since it was not closed"));
 }
 
 }  // namespace

@@ -56,11 +56,13 @@ ForeignCalibration ReadWithUnit(const CalibrationOptions& o) {
 }
 
 int Convert(const CalibrationOptions& o) {
-  const ForeignCalibration calibration = ReadWithUnit(o);
+  ForeignCalibration calibration = ReadWithUnit(o);
+  WarnOfOtherScale(o.files.front(), calibration.rig, &calibration.notes);
   const RigCalibration& rig = calibration.rig;
   const Rectification rectification = Rectify(rig);
   fmt::print("{}: {}; {}\n", fmt::join(o.files, ", "), calibration.format, calibration.direction);
-  for (const std::string& note : calibration.notes) fmt::print("note: {}\n", note);
+  for (const std::string& warning : calibration.notes.warnings) fmt::print("warning: {}\n", warning);
+  for (const std::string& remark : calibration.notes.remarks) fmt::print("note: {}\n", remark);
   if (rig.kind == RigCalibration::Kind::kRgbd) {
     fmt::print("lens {}, {} x {} pixels, {} depth units per metre\n", rig.left.model, rig.left.width_px,
                rig.left.height_px, rig.depth_units_per_m);

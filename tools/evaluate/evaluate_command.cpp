@@ -75,8 +75,9 @@ TrajectoryFile Read(const std::string& path, const std::string& format, const st
   std::optional<TrajectoryFormat> named;
   if (format != "auto") named = TrajectoryFormatFromName(format);
   TrajectoryFile file = ReadTrajectoryFile(path, named, bad_rows, times);
-  if (file.poses.empty() && file.n_rows > 0) throw std::runtime_error(file.notes.back());
-  for (const std::string& note : file.notes) fmt::print(stderr, "evaluate: warning: {}\n", note);
+  if (file.poses.empty() && file.n_rows > 0) throw std::runtime_error(file.notes.warnings.back());
+  for (const std::string& warning : file.notes.warnings) fmt::print(stderr, "evaluate: warning: {}\n", warning);
+  for (const std::string& remark : file.notes.remarks) fmt::print(stderr, "evaluate: note: {}\n", remark);
   return file;
 }
 

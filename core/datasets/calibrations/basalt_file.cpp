@@ -66,7 +66,7 @@ ForeignCalibration ReadBasalt(const YamlMap& file) {
   }
   const CameraPair pair = ChoosePair(cameras, value.Place("intrinsics"));
   ForeignCalibration result;
-  if (!pair.note.empty()) result.notes.push_back(pair.note);
+  if (!pair.note.empty()) result.notes.Remark(pair.note);
   result.rig.left = cameras[pair.left].camera;
   result.rig.right = cameras[pair.right].camera;
   result.direction = "T_imu_cam transforms points from each camera to the IMU: used unchanged";

@@ -43,7 +43,9 @@ CameraCalibration CameraFromRos(const RosCameraInfo& info, bool rectified) {
   camera.width_px = info.width_px;
   camera.height_px = info.height_px;
   const Eigen::Matrix3d K = rectified ? Eigen::Matrix3d(info.P.leftCols<3>()) : info.K;
-  if (K(0, 1) != 0.0) throw DatasetError(fmt::format("K[1] of camera_info = {}: skew is not supported", K(0, 1)));
+  if (std::abs(K(0, 1)) > kNoSkew_px) {
+    throw DatasetError(fmt::format("K[1] of camera_info = {}: skew is not supported", K(0, 1)));
+  }
   camera.fx_px = K(0, 0);
   camera.fy_px = K(1, 1);
   camera.cx_px = K(0, 2);
@@ -88,6 +90,27 @@ void RequireRectifiedPair(const RosCameraInfo& left, const RosCameraInfo& right)
   }
 }
 
+/// Drivers without a calibration file publish zeros.
+void RequireCalibrated(const RosCameraInfo& info, const char* side, bool rectified) {
+  const char* zeros = info.P.isZero(0.0) ? "P" : !rectified && info.K.isZero(0.0) ? "K" : nullptr;
+  if (zeros == nullptr) return;
+  throw DatasetError(
+      fmt::format("{} of the {} camera_info is all 0, so that the camera is not calibrated, or not as one of "
+                  "a pair: its driver had no calibration file",
+                  zeros, side));
+}
+
+/// P[3] is -fx b for the right camera of a pair, and 0 for the left one.
+void RequireSignOfBaseline(const RosCameraInfo& left, const RosCameraInfo& right) {
+  const Eigen::Vector3d offset = right.P.col(3) - left.P.col(3);
+  if (std::abs(offset.x()) < std::abs(offset.y()) || !(offset.x() > 0.0)) return;
+  throw DatasetError(
+      fmt::format("P[3] of camera_info is {} on the left and {} on the right, where it is 0 and -fx b (below 0): "
+                  "left and right are "
+                  "exchanged, or it has the wrong sign",
+                  left.P(0, 3), right.P(0, 3)));
+}
+
 /// Returns the position of a camera in the rectified frame of the pair, in which P = K [I | t].
 Eigen::Vector3d PlaceInRectified(const RosCameraInfo& info) {
   const Eigen::Matrix<double, 3, 4>& P = info.P;
@@ -96,6 +119,28 @@ Eigen::Vector3d PlaceInRectified(const RosCameraInfo& info) {
 }
 
 }  // namespace
+
+bool NamesRectified(std::string_view topic) {
+  constexpr std::string_view kBegin = "image_rect";
+  topic = topic.substr(0, topic.find('#'));  // the type of a message, in channels of LCM
+  while (!topic.empty()) {
+    const std::string_view part = topic.substr(0, topic.find('/'));
+    topic.remove_prefix(std::min(topic.size(), part.size() + 1));
+    if (part == "rect" || part == "rectified" || part == kBegin || part == "image_rectified") return true;
+    if (part.starts_with(kBegin) && part[kBegin.size()] == '_') return true;
+  }
+  return false;
+}
+
+void WarnOfUnusedDistortion(const std::string& topic, const RosCameraInfo& info, const std::string& remedy,
+                            Notes* notes) {
+  const std::vector<double>& d = info.distortion;
+  if (!NamesRectified(topic) || std::all_of(d.begin(), d.end(), [](double k) { return k == 0.0; })) return;
+  notes->Warn(
+      fmt::format("D of the camera_info of {} is not 0, and is not applied, since the images of a topic of that "
+                  "name are rectified; if they are not, {}",
+                  topic, remedy));
+}
 
 ImageSize DeliveredSize(const RosCameraInfo& info) {
   const bool is_part = info.roi.width_px > 0 && info.roi.height_px > 0;
@@ -140,6 +185,8 @@ RosCameraInfo InPixelsOfImages(RosCameraInfo info, const ImageSize& images) {
 }
 
 RigCalibration RigFromRos(const RosCameraInfo& left, const RosCameraInfo& right, bool rectified) {
+  RequireCalibrated(left, "left", rectified);
+  RequireCalibrated(right, "right", rectified);
   RigCalibration rig;
   rig.left = CameraFromRos(left, rectified);
   rig.right = CameraFromRos(right, rectified);
@@ -150,6 +197,7 @@ RigCalibration RigFromRos(const RosCameraInfo& left, const RosCameraInfo& right,
         "not as a pair");
   }
   RequireRectifiedPair(left, right);
+  RequireSignOfBaseline(left, right);
   const Eigen::Vector3d right_m = PlaceInRectified(right) - PlaceInRectified(left);
   if (!rectified && (!IsRotation(left.R) || !IsRotation(right.R)))
     throw DatasetError("R of camera_info is not a rotation");

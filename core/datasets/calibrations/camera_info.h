@@ -2,11 +2,13 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "core/geometry/calibration.h"
+#include "core/io/files/notes.h"
 #include "core/io/images/image_file.h"
 
 namespace plslam {
@@ -27,6 +29,15 @@ struct RosCameraInfo {
   Roi roi;
 };
 
+/// Returns whether the name of an image topic says that its images are rectified: a part of the path is "rect" or
+/// "rectified", or begins with "image_rect", as image_proc and drivers have it ("image_rect", "image_rect_color").
+bool NamesRectified(std::string_view topic);
+
+/// Warns if images are rectified by the name of their `topic`, and their camera_info has distortion, which is not
+/// applied then. `remedy` follows "if they are not, ".
+void WarnOfUnusedDistortion(const std::string& topic, const RosCameraInfo& info, const std::string& remedy,
+                            Notes* notes);
+
 /// The images that are delivered: those of the region of interest, binned.
 ImageSize DeliveredSize(const RosCameraInfo& info);
 
@@ -38,8 +49,9 @@ RosCameraInfo InPixelsOfImages(RosCameraInfo info, const ImageSize& images);
 
 /// Returns the rig of two cameras with K and P of their images. Images are `rectified`: then P describes them;
 /// otherwise K and D do, and R is the rotation of the cameras. The baseline is that of P, as in ROS (P[3] = -fx b, P[7]
-/// of cameras one above the other). Throws DatasetError for lenses without an equivalent model here, without a
-/// baseline, and if P is not that of a rectified pair.
+/// of cameras one above the other). Throws DatasetError for cameras that are not calibrated (K or P all 0),
+/// lenses without an equivalent model here, without a baseline or if it has the wrong sign, and if P is not that of a
+/// rectified pair.
 RigCalibration RigFromRos(const RosCameraInfo& left, const RosCameraInfo& right, bool rectified);
 
 }  // namespace plslam

@@ -12,12 +12,21 @@ constexpr double kMetresPerCm = 1e-2;
 /// Sockets of the left and the right camera where the file does not name them.
 constexpr int kLeftSocket = 1, kRightSocket = 2;
 
+/// Returns whether a camera is a fisheye, or else a pinhole. The library writes `cameraType` as a number or a name.
+bool IsFisheye(const YamlMap& file) {
+  const std::string type = file.Text("cameraType");
+  if (type == "1" || type == "Fisheye") return true;
+  if (type == "0" || type == "Perspective") return false;
+  file.Fail("cameraType",
+            fmt::format("= {} is neither 0 (perspective) nor 1 (fisheye): calibrate with one of them", type));
+}
+
 CameraCalibration Lens(const YamlMap& file) {
   CameraCalibration camera;
   camera.width_px = PixelsOf(file, "width");
   camera.height_px = PixelsOf(file, "height");
   SetCameraMatrix(file, "intrinsicMatrix", &camera);
-  if (file.Text("cameraType") == "1") {  // a fisheye
+  if (IsFisheye(file)) {
     std::vector<double> distortion = file.Numbers("distortionCoeff", 4, 14);
     distortion.resize(4);
     camera.model = "equidistant";

@@ -13,6 +13,7 @@
 #include "core/datasets/calibrations/readers.h"
 #include "core/datasets/check_rig.h"
 #include "core/io/files/dataset_error.h"
+#include "core/io/files/git_lfs.h"
 
 namespace plslam {
 namespace {
@@ -156,6 +157,8 @@ ForeignCalibration ReadForeignCalibration(const std::vector<std::string>& paths,
   if (paths.empty()) throw DatasetError("no calibration file is given");
   ForeignCalibration result;
   if (IsZed(paths.front())) {
+    const std::string why = WhyOtherText(paths.front());
+    if (why == kGitLfsPointer) throw DatasetError(paths.front() + ": " + why);
     result = ReadZed(paths.front(), image_size);
     result.format = kZed;
   } else {
@@ -172,6 +175,13 @@ ForeignCalibration ReadForeignCalibration(const std::vector<std::string>& paths,
   if (metres_per_unit) Scale(*metres_per_unit, &rig);
   rig.name = fs::path(paths.front()).stem().string();
   rig.baseline_m = (rig.left.T_b_cam.Inverse() * rig.right.T_b_cam).translation().norm();
+  const bool is_stereo = rig.kind == RigCalibration::Kind::kStereo;
+  if (is_stereo && !metres_per_unit && !result.has_own_unit && rig.baseline_m > kMaxBaseline_m) {
+    throw DatasetError(fmt::format(
+        "{} ({}): the cameras stand {:.4g} m apart, more than {} m: state the unit of its lengths, "
+        "`plslam calibration --unit mm` (or cm), or `unit: mm` beside `from: {}` in a camera.yaml",
+        paths.front(), result.format, rig.baseline_m, kMaxBaseline_m, fs::path(paths.front()).filename().string()));
+  }
   const std::string complaint = RigComplaint(rig);
   if (!complaint.empty()) throw DatasetError(fmt::format("{} ({}): {}", paths.front(), result.format, complaint));
   return result;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/geometry/calibration.h"
+#include "core/io/files/notes.h"
 #include "core/io/images/image_file.h"
 
 namespace plslam {
@@ -18,8 +19,8 @@ struct ForeignCalibration {
   std::string format;
   /// The assumed direction of the file's transforms, in one sentence.
   std::string direction;
-  /// Notes for the user in whole sentences, for example which of several cameras are used.
-  std::vector<std::string> notes;
+  /// For example which of several cameras are used.
+  Notes notes;
   /// The format defines its own unit of length, which is converted: the user may not give another.
   bool has_own_unit = false;
 };

@@ -68,15 +68,34 @@ ImageSize OpenCvSize(const std::vector<YamlMap>& files, const ImageSize& image_s
   return {PixelsOf(wide, NameIn(wide, width)), PixelsOf(wide, NameIn(wide, height))};
 }
 
+/// Four coefficients are of OpenCV's `fisheye` module if the files say so, or else k1, k2, p1, p2.
+void SetOpenCvLens(const std::vector<YamlMap>& files, const YamlMap& file, const char* key, CameraCalibration* camera,
+                   Notes* notes) {
+  const Names model{"distortion_model"};
+  const YamlMap& with_model = FileWith(files, model);
+  const std::string name = HasAny(with_model, model) ? with_model.Text(model.front()) : "";
+  if (name == "fisheye" || name == "equidistant") {
+    camera->model = "equidistant";
+    camera->distortion = file.Matrix(key, 4, 4);
+    return;
+  }
+  SetOpenCvDistortion(file, key, camera);
+  if (notes == nullptr || !name.empty() || camera->distortion.size() != 4) return;
+  notes->Remark(
+      fmt::format("{}: the 4 numbers of {} are read as k1, k2, p1, p2; if cv2.fisheye made them, add a line "
+                  "`distortion_model: fisheye`",
+                  file.Place(key), key));
+}
+
 CameraCalibration OpenCvCamera(const std::vector<YamlMap>& files, const Names& matrix, const Names& distortion,
-                               const ImageSize& size) {
+                               const ImageSize& size, Notes* notes) {
   CameraCalibration camera;
   camera.width_px = size.width_px;
   camera.height_px = size.height_px;
   const YamlMap& with_matrix = FileWith(files, matrix);
   SetCameraMatrix(with_matrix, NameIn(with_matrix, matrix), &camera);
   const YamlMap& with_distortion = FileWith(files, distortion);
-  SetOpenCvDistortion(with_distortion, NameIn(with_distortion, distortion), &camera);
+  SetOpenCvLens(files, with_distortion, NameIn(with_distortion, distortion), &camera, notes);
   return camera;
 }
 
@@ -122,6 +141,9 @@ RosCameraInfo CameraInfoFrom(const YamlMap& file) {
   if (HasAny(file, kRosRotation)) info.R = RotationOf(file, rotation);
   const char* projection = NameIn(file, kRosProjection);
   info.P = Eigen::Map<const Rows34>(file.Matrix(projection, 12, 12).data());
+  if (info.P.isZero(0.0)) {
+    file.Fail(projection, "is all 0: the camera is not calibrated, or not as one of a pair");
+  }
   if (!(info.P(0, 0) >= 1.0 && info.P(1, 1) >= 1.0)) {
     file.Fail(projection,
               fmt::format("has the focal lengths {} and {}, expected 1 pixel or more", info.P(0, 0), info.P(1, 1)));
@@ -165,15 +187,15 @@ ForeignCalibration ReadOpenCv(const std::vector<YamlMap>& files, const ImageSize
   const ImageSize size = OpenCvSize(files, image_size);
   // Some count their cameras from 0.
   const bool from_0 = HasAny(FileWith(files, {"K0"}), {"K0"});
+  ForeignCalibration result;
   const CameraCalibration left = OpenCvCamera(files, from_0 ? Names{"K0"} : kOpenCvLeft.matrix,
-                                              from_0 ? Names{"D0"} : kOpenCvLeft.distortion, size);
+                                              from_0 ? Names{"D0"} : kOpenCvLeft.distortion, size, &result.notes);
   const CameraCalibration right = OpenCvCamera(files, from_0 ? Names{"K1"} : kOpenCvRight.matrix,
-                                               from_0 ? Names{"D1"} : kOpenCvRight.distortion, size);
+                                               from_0 ? Names{"D1"} : kOpenCvRight.distortion, size, nullptr);
   const Names rotation{"R"}, translation{"T", "t"};
   const YamlMap& with_translation = FileWith(files, translation);
   const std::vector<double> t = with_translation.Matrix(NameIn(with_translation, translation), 3, 3);
   const SE3 T_right_left(RotationOf(FileWith(files, rotation), "R"), Eigen::Vector3d(t[0], t[1], t[2]));
-  ForeignCalibration result;
   result.rig = RigOf(left, right, T_right_left.Inverse());
   result.direction = "R and T transform points from the left camera to the right one: inverted";
   return result;

@@ -81,7 +81,7 @@ ForeignCalibration PairOf(const YamlMap& file, CameraCalibration (*read)(const Y
   }
   const CameraPair pair = ChoosePair(cameras, file.Place("cameras"));
   ForeignCalibration result;
-  if (!pair.note.empty()) result.notes.push_back(pair.note);
+  if (!pair.note.empty()) result.notes.Remark(pair.note);
   result.rig.left = cameras[pair.left].camera;
   result.rig.right = cameras[pair.right].camera;
   return result;

@@ -40,6 +40,19 @@ CameraCalibration OrbSlamLens(const YamlMap& file, const std::string& camera, co
   return lens;
 }
 
+/// Settings of a rectified pair may keep the distortion of the raw images, which ORB-SLAM3 does not apply either.
+void WarnOfDistortion(const YamlMap& file, const std::string& camera, Notes* notes) {
+  for (const char* name : {"k1", "k2", "p1", "p2", "k3"}) {
+    const std::string key = In(camera, name);
+    if (!file.Has(key) || file.Number(key) == 0.0) continue;
+    notes->Warn(
+        fmt::format("{}: {} = {} is not applied, since Camera.type is Rectified; if the images are not rectified, "
+                    "they need Camera.type: PinHole, Camera2 and Stereo.T_c1_c2",
+                    file.Place(key), key, file.Number(key)));
+    return;
+  }
+}
+
 ImageSize SizeIn(const YamlMap& file, const char* width, const char* height, const ImageSize& image_size) {
   if (!file.Has(width)) return image_size;
   return {PixelsOf(file, width), PixelsOf(file, height)};
@@ -76,6 +89,7 @@ ForeignCalibration ReadOrbSlam3(const YamlMap& file, const ImageSize& image_size
   left.height_px = size.height_px;
   ForeignCalibration result;
   if (type == "Rectified") {
+    WarnOfDistortion(file, "Camera1", &result.notes);
     result.rig = RigOf(left, left, AlongX(file.Number("Stereo.b")));
     result.direction = "the pair is rectified, Stereo.b is its baseline";
   } else if (file.Has("Camera2.fx")) {
@@ -196,11 +210,39 @@ ForeignCalibration ReadOrbSlam(const YamlMap& file, const ImageSize& image_size)
   return result;
 }
 
+namespace {
+
+/// The depth factor is below `Preprocessing`, or, in earlier versions, below no other key or `Camera`.
+ForeignCalibration ReadStellaRgbd(const YamlMap& file, const ImageSize& image_size) {
+  constexpr const char* kModel = "Camera.model";
+  if (file.Has(kModel) && file.Text(kModel) != "perspective") {
+    file.Fail(kModel, fmt::format("'{}' is not perspective, as depth maps need", file.Text(kModel)));
+  }
+  CameraCalibration camera = OrbSlamLens(file, "Camera", "PinHole");
+  const ImageSize size = SizeIn(file, "Camera.cols", "Camera.rows", image_size);
+  camera.width_px = size.width_px;
+  camera.height_px = size.height_px;
+  const char* factor = "Preprocessing.depthmap_factor";
+  for (const char* key : {"depthmap_factor", "Camera.depthmap_factor"}) {
+    if (!file.Has(factor) && file.Has(key)) factor = key;
+  }
+  const double baseline_m = Quotient(file, "Camera.focal_x_baseline", camera.fx_px);
+  ForeignCalibration result = RgbdCamera(file, camera, factor, baseline_m);
+  if (file.Has("Camera.fps")) result.rig.rate_hz = file.Number("Camera.fps");
+  return result;
+}
+
+}  // namespace
+
 // Keys of later versions are below `Camera:`, those of earlier ones are `Camera.fx:`.
 ForeignCalibration ReadStella(const YamlMap& file, const ImageSize& image_size) {
   const std::string setup = file.Text("Camera.setup");
+  if (setup == "RGBD") return ReadStellaRgbd(file, image_size);
   if (setup != "stereo") {
-    file.Fail("Camera.setup", fmt::format("'{}' is not stereo: the settings of a stereo pair are needed", setup));
+    file.Fail("Camera.setup",
+              fmt::format("'{}' is neither stereo nor RGBD: the settings of a stereo pair or a depth camera "
+                          "are needed",
+                          setup));
   }
   const double baseline_m = Quotient(file, "Camera.focal_x_baseline", file.Number("Camera.fx"));
   ForeignCalibration result;

@@ -30,9 +30,16 @@ struct OtherSettings {
   std::array<const char*, 3> keys;
   const char* what;
 };
-constexpr std::array<OtherSettings, 10> kOtherSettings = {
-    {{{"model_type", "projection_parameters"},
-      "is for one camera (camodocal): give the settings of VINS-Fusion with cam0_calib and cam1_calib"},
+constexpr std::array<OtherSettings, 12> kOtherSettings = {
+    {{{"left.focal_length_px"},
+      "is in plslam's own format already: call it camera.yaml, beside the images, or name it "
+      "(FILE?camera=camera.yaml of a "
+      "recording)"},
+     {{"from", nullptr, nullptr},
+      "is in plslam's own format already, and names other files by `from`: give those, or use it as the camera.yaml "
+      "beside the images"},
+     {{"model_type", "projection_parameters"},
+      "is of one camera (camodocal): give the settings of VINS-Fusion that name both by cam0_calib and cam1_calib"},
      {{"rotation_matrix", "translation_matrix"},
       "is the pose of the pair in RTAB-Map's calibration: give the files of its cameras, NAME_left.yaml and "
       "NAME_right.yaml"},
@@ -52,16 +59,33 @@ constexpr std::array<OtherSettings, 10> kOtherSettings = {
      {{"noise_gyro", "noise_acc"}, "is for an inertial sensor: give the file of the cameras"},
      {{"cam_overlaps", "rostopic"}, "is for one camera of Kalibr: give the complete camchain, with cam0 and cam1"}}};
 
+/// The first line is `[name]`, as in an INI file. A list of YAML or JSON has commas, quotes or braces.
+bool BeginsWithSection(std::string_view begin) {
+  const size_t first = begin.find_first_not_of(" \t\r\n");
+  if (first == begin.npos || begin[first] != '[') return false;
+  const std::string_view line = begin.substr(first, begin.find('\n', first) - first);
+  const size_t end = line.find(']');
+  return end != line.npos && end > 1 && line.find_first_not_of(" \t\r", end + 1) == line.npos &&
+         line.substr(0, end).find_first_of(",\"'{:") == line.npos;
+}
+
 }  // namespace
 
 std::string WhyOtherText(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::array<char, 64> bytes{};
   file.read(bytes.data(), bytes.size());
-  const std::string_view begin(bytes.data(), static_cast<size_t>(file.gcount()));
+  std::string_view begin(bytes.data(), static_cast<size_t>(file.gcount()));
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (begin.starts_with(kByteOrderMark)) begin.remove_prefix(kByteOrderMark.size());
   if (IsGitLfsPointer(begin)) return kGitLfsPointer;
   for (const OtherText& text : kOtherTexts) {
     if (begin.starts_with(text.begin)) return text.what;
+  }
+  if (BeginsWithSection(begin)) {
+    return "is an INI file: ZED's are read, under their own name (SN1234.conf), and those of ROS (ost.ini) as YAML "
+           "(`rosrun camera_calibration_parsers convert ost.ini left.yaml`); write others as a camera.yaml "
+           "(docs/datasets.md)";
   }
   return "";
 }

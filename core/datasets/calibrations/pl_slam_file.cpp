@@ -33,8 +33,8 @@ void ReadTransform(const YamlMap& file, const YamlMap& cam0, const CameraCalibra
   if (!cam0.Has("cam_bl")) return;
   const double distance_m = T_right_left.translation().norm(), baseline_m = cam0.Number("cam_bl");
   if (std::abs(distance_m - baseline_m) <= 1e-3 * distance_m) return;
-  result->notes.push_back(fmt::format("{}: cam_bl = {} is not the length {:.6f} of t, which is used", file.path(),
-                                      baseline_m, distance_m));
+  result->notes.Warn(fmt::format("{}: cam_bl = {} is not the length {:.6f} of t, which is used", file.path(),
+                                 baseline_m, distance_m));
 }
 
 /// One camera matrix: a rectified pair, or two equal lenses that look straight ahead.

@@ -24,6 +24,7 @@ ForeignCalibration ReadOpenCv(const std::vector<YamlMap>& files, const ImageSize
 ForeignCalibration ReadRos(const std::vector<YamlMap>& files, const ImageSize& image_size);
 /// Reads settings of ORB-SLAM2 and 3, of a stereo pair or an RGB-D camera.
 ForeignCalibration ReadOrbSlam(const YamlMap& file, const ImageSize& image_size);
+/// Reads settings of a stereo pair or an RGB-D camera.
 ForeignCalibration ReadStella(const YamlMap& file, const ImageSize& image_size);
 ForeignCalibration ReadBasalt(const YamlMap& file);
 /// Reads settings of OKVIS and OKVIS2.
@@ -39,7 +40,9 @@ bool LooksLikeRos(const YamlMap& file);
 
 // Helpers that several readers share.
 
-/// Reads a camera matrix of 9 numbers, whose skew must be 0.
+/// A smaller skew is the rounding of a solver.
+inline constexpr double kNoSkew_px = 1e-6;
+/// Reads a camera matrix of 9 numbers, whose skew must be 0 (kNoSkew_px).
 void SetCameraMatrix(const YamlMap& yaml, const char* key, CameraCalibration* camera);
 
 /// Reads distortion in OpenCV's order: 4 or 5 numbers are "radtan", 8 "rational" ("radtan" if the divisor's are 0), 12

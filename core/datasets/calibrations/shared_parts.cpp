@@ -40,8 +40,11 @@ bool FormStereoPair(const NamedCamera& left, const NamedCamera& right) {
 
 void SetCameraMatrix(const YamlMap& yaml, const char* key, CameraCalibration* camera) {
   const std::vector<double> K = yaml.Matrix(key, 9, 9);
-  if (K[1] != 0.0 || K[3] != 0.0 || K[6] != 0.0 || K[7] != 0.0 || K[8] != 1.0) {
-    yaml.Fail(key, "is not a camera matrix fx 0 cx, 0 fy cy, 0 0 1 (skew is not supported)");
+  if (std::all_of(K.begin(), K.end(), [](double k) { return k == 0.0; })) {
+    yaml.Fail(key, "is all 0: the camera is not calibrated");
+  }
+  if (!(std::abs(K[1]) <= kNoSkew_px) || K[3] != 0.0 || K[6] != 0.0 || K[7] != 0.0 || K[8] != 1.0) {
+    yaml.Fail(key, "is no camera matrix fx 0 cx, 0 fy cy, 0 0 1 (skew is not supported)");
   }
   camera->fx_px = K[0];
   camera->cx_px = K[2];

@@ -23,7 +23,7 @@ class BagReader : public Recording {
 
   const std::vector<RecordedChannel>& channels() const override { return channels_; }
   std::vector<RecordedMessage> Messages(const std::string& topic) const override;
-  std::vector<std::string> Notes() const override { return scanned_.Notes(); }
+  plslam::Notes Notes() const override { return scanned_.Notes(); }
   double scan_s() const override { return scanned_.taken_s(); }
   std::vector<uint8_t> Read(const RecordedMessage& message) const override;
   std::vector<uint8_t> ReadBegin(const RecordedMessage& message, uint64_t n) const override;

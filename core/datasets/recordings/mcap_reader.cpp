@@ -189,7 +189,7 @@ std::string McapReader::WhatIsMissing(bool all_schemas) const {
     if (chunk.indices.empty()) return "has no index of messages";
     const bool known = std::all_of(chunk.indices.begin(), chunk.indices.end(),
                                    [&](const auto& index) { return ids.contains(index.first); });
-    if (!known || !all_schemas) return "has an index that does not list all topics and types";
+    if (!known || !all_schemas) return "has no index of all topics and types";
   }
   return {};
 }

@@ -25,8 +25,8 @@ class McapReader : public Recording {
   const std::vector<RecordedChannel>& channels() const override { return channels_; }
   std::vector<RecordedMessage> Messages(const std::string& topic) const override;
   /// A file that was closed without messages is whole, and needs no index.
-  std::vector<std::string> Notes() const override {
-    return is_closed_ && !scanned_.has_messages() ? std::vector<std::string>{} : scanned_.Notes();
+  plslam::Notes Notes() const override {
+    return is_closed_ && !scanned_.has_messages() ? plslam::Notes{} : scanned_.Notes();
   }
   double scan_s() const override { return scanned_.taken_s(); }
   std::vector<uint8_t> Read(const RecordedMessage& message) const override;

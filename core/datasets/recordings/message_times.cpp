@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -50,9 +51,8 @@ std::vector<int64_t> StampOffsets(const Messages& messages) {
 bool HasStamp(const RecordedMessage& message) { return message.stamp_ns != RecordedMessage::kNotRead; }
 
 std::vector<RecordedMessage*> InOrderOfFile(std::vector<RecordedMessage*> messages) {
-  std::sort(messages.begin(), messages.end(), [](const RecordedMessage* a, const RecordedMessage* b) {
-    return std::pair(a->chunk, a->offset) < std::pair(b->chunk, b->offset);
-  });
+  std::sort(messages.begin(), messages.end(),
+            [](const RecordedMessage* a, const RecordedMessage* b) { return PlaceOf(*a) < PlaceOf(*b); });
   return messages;
 }
 
@@ -216,11 +216,11 @@ namespace {
 /// Times in the order of the file.
 using Times = std::vector<int64_t>;
 
-/// Number of times that a clock was set back, and the times around the first one.
+/// Times at which a clock was set back, as indices of the messages after them, and the times around the first one.
 struct SetBack {
-  int n = 0;
+  std::vector<size_t> places;
   int64_t before_ns = 0, after_ns = 0;
-  bool repeats = false;  ///< a stretch of time occurs twice
+  bool all_repeat = true;  ///< each makes a stretch of time occur twice
 };
 
 SetBack FindSetBack(const Times& times_ns) {
@@ -238,14 +238,92 @@ SetBack FindSetBack(const Times& times_ns) {
     const auto n = static_cast<double>(end - first);
     const double n_expected = static_cast<double>(back_ns) / static_cast<double>(step_ns) + 1.0;
     const bool repeats = n >= 4.0 && n >= 1.5 * n_expected;
-    found.repeats |= repeats;
     if (!repeats && back_ns <= kLongestDelay_ns) continue;
-    if (found.n++ == 0) {
-      found.before_ns = times_ns[i - 1];
-      found.after_ns = times_ns[i];
-    }
+    found.all_repeat &= repeats;
+    found.places.push_back(i);
+    if (found.places.size() > 1) continue;
+    found.before_ns = times_ns[i - 1];
+    found.after_ns = times_ns[i];
   }
   return found;
+}
+
+std::string NameOf(MessageClock clock) {
+  return clock == MessageClock::kStamp ? "header stamps" : "times of logging";
+}
+
+std::string SetBackText(const SetBack& found, MessageClock clock, const std::string& topic) {
+  const size_t n = found.places.size();
+  return fmt::format("{} of {} go back by {} s at {} s, since a clock was set{}", NameOf(clock), topic,
+                     SecondsText(found.before_ns - found.after_ns), SecondsText(found.before_ns),
+                     n == 1 ? "" : fmt::format(" ({} times)", n));
+}
+
+/// Removes up to three messages in a row whose times are seconds off those before and after them; how many.
+int64_t RemoveStrays(Messages& messages) {
+  constexpr size_t kMostStrays = 3;
+  std::vector<size_t> kept;
+  const auto time = [&](size_t i) { return messages[i].t_ns; };
+  const auto is_behind = [&](size_t i, size_t other) { return time(other) - time(i) > kLongestDelay_ns; };
+  // The number of last messages that are strays, since `i` continues those before them.
+  const auto n_ahead = [&](size_t i) -> size_t {
+    if (kept.size() <= kMostStrays) return messages.size() > 3 * kMostStrays ? kept.size() : 0;
+    for (size_t n = 1; n <= kMostStrays; ++n) {
+      const size_t before = kept[kept.size() - 1 - n];
+      if (time(before) <= time(i) && is_behind(before, kept[kept.size() - n])) return n;
+    }
+    return 0;
+  };
+  const auto returns = [&](size_t i) {
+    const size_t end = std::min(messages.size(), i + kMostStrays + 1);
+    if (i + kMostStrays >= messages.size()) return true;
+    for (size_t next = i + 1; next < end; ++next) {
+      if (time(next) >= time(kept.back())) return true;
+    }
+    return false;
+  };
+  for (size_t i = 0; i < messages.size(); ++i) {
+    if (!kept.empty() && is_behind(i, kept.back())) {
+      const size_t n = n_ahead(i);
+      kept.resize(kept.size() - n);
+      if (n == 0 && messages.size() > 3 * kMostStrays && returns(i)) continue;
+    }
+    kept.push_back(i);
+  }
+  const auto n_removed = static_cast<int64_t>(messages.size() - kept.size());
+  Messages rest;
+  for (const size_t i : kept) rest.push_back(messages[i]);
+  messages = std::move(rest);
+  return n_removed;
+}
+
+/// Messages in the order of the file, whose `t_ns` is the time of a clock.
+struct TimedMessages {
+  Messages messages;
+  int64_t n_zero = 0, n_stray = 0;  ///< removed
+};
+
+TimedMessages WithTimes(Messages messages, MessageClock clock) {
+  TimedMessages timed;
+  const bool by_stamp = clock == MessageClock::kStamp;
+  if (by_stamp) {
+    timed.n_zero = static_cast<int64_t>(
+        std::erase_if(messages, [](const RecordedMessage& message) { return message.stamp_ns == 0; }));
+    StampByLogTime(MedianStampOffset_ns(messages), &messages);
+  }
+  for (RecordedMessage& message : messages) {
+    message.t_ns = by_stamp ? message.stamp_ns : LogTime_ns(message);
+    message.is_estimated &= by_stamp;
+  }
+  timed.n_stray = RemoveStrays(messages);
+  timed.messages = std::move(messages);
+  return timed;
+}
+
+Times TimesOf(const Messages& messages) {
+  Times times_ns;
+  for (const RecordedMessage& message : messages) times_ns.push_back(message.t_ns);
+  return times_ns;
 }
 
 /// Removes messages that are not later than all before them; how many.
@@ -259,6 +337,35 @@ int64_t KeepLatest(Messages& messages) {
   return n;
 }
 
+/// Reports the first step that is far longer than the others: a warning if a clock was set forward, since the messages
+/// were logged one soon after the other, and a remark if there was a pause. `logged` are the same messages, and others,
+/// with their times of logging.
+void NoteJumps(const Messages& messages, const Messages& logged, MessageClock clock, const std::string& topic,
+               Notes* notes) {
+  constexpr int64_t kManySteps = 20;
+  std::map<FilePlace, int64_t> logged_ns;
+  Times times_ns = TimesOf(messages);
+  std::sort(times_ns.begin(), times_ns.end());
+  const int64_t longest_ns = std::max(kLongestDelay_ns, kManySteps * MedianStep_ns(times_ns));
+  for (size_t i = 1; i < messages.size(); ++i) {
+    const int64_t step_ns = messages[i].t_ns - messages[i - 1].t_ns;
+    if (step_ns <= longest_ns) continue;
+    if (logged_ns.empty()) {
+      for (const RecordedMessage& message : logged) logged_ns.emplace(PlaceOf(message), LogTime_ns(message));
+    }
+    const int64_t log_step_ns = logged_ns.at(PlaceOf(messages[i])) - logged_ns.at(PlaceOf(messages[i - 1]));
+    const bool is_set = clock == MessageClock::kStamp && log_step_ns > 0 && log_step_ns < step_ns / 2;
+    const std::string at = SecondsText(messages[i - 1].t_ns), by = SecondsText(step_ns);
+    notes->Add(is_set,
+               is_set
+                   ? fmt::format("header stamps of {} jump forward by {} s at {} s, but the messages were logged {} "
+                                 "s apart: a clock was set",
+                                 topic, by, at, SecondsText(log_step_ns))
+                   : fmt::format("{} has no messages for {} s after {} s", topic, by, at));
+    return;
+  }
+}
+
 /// Removes messages with the time of the one before; how many.
 int64_t RemoveEqual(Messages& messages) {
   const auto end = std::unique(messages.begin(), messages.end(),
@@ -270,33 +377,41 @@ int64_t RemoveEqual(Messages& messages) {
 
 }  // namespace
 
-Messages InOrderOfTime(Messages messages, MessageClock clock, const std::string& topic,
-                       std::vector<std::string>* notes) {
-  const auto note = [&](int64_t n, const char* reason) {
-    if (n > 0) notes->push_back(fmt::format("{} message{} of {} skipped: {}", n, n == 1 ? "" : "s", topic, reason));
+ClockParts PartsByClock(const Messages& messages, MessageClock clock, const std::string& topic) {
+  const Messages timed = WithTimes(messages, clock).messages;
+  const SetBack found = FindSetBack(TimesOf(timed));
+  ClockParts result;
+  result.all_repeat = found.all_repeat;
+  if (found.places.empty()) return result;
+  result.reason = SetBackText(found, clock, topic);
+  std::vector<size_t> bounds = found.places;
+  bounds.insert(bounds.begin(), 0);
+  for (size_t part = 0; part < bounds.size(); ++part) {
+    const bool is_last = part + 1 == bounds.size();
+    const size_t first = bounds[part], end = is_last ? timed.size() : bounds[part + 1];
+    FileRange range;
+    if (part > 0) range.begin = PlaceOf(timed[first]);
+    if (!is_last) range.end = PlaceOf(timed[end]);
+    result.parts.push_back({range, end - first, timed[first].t_ns, timed[end - 1].t_ns});
+  }
+  return result;
+}
+
+Messages InOrderOfTime(Messages messages, MessageClock clock, const std::string& topic, Notes* notes) {
+  const auto note = [&](int64_t n, const std::string& reason) {
+    if (n > 0) notes->Warn(fmt::format("{} message{} of {} passed over: {}", n, n == 1 ? "" : "s", topic, reason));
   };
-  const bool by_stamp = clock == MessageClock::kStamp;
-  if (by_stamp) {
-    const auto n = std::erase_if(messages, [](const RecordedMessage& message) { return message.stamp_ns == 0; });
-    note(static_cast<int64_t>(n), "the header stamp is zero");
+  TimedMessages timed = WithTimes(messages, clock);
+  note(timed.n_zero, "the header stamp is zero");
+  note(timed.n_stray, "more than 2 s before or after their neighbours in the file");
+  NoteJumps(timed.messages, messages, clock, topic, notes);
+  messages = std::move(timed.messages);
+  const SetBack set_back = FindSetBack(TimesOf(messages));
+  if (!set_back.places.empty()) {
+    notes->Warn(fmt::format("{}: play the parts before and after alone (FILE?part=1, FILE?part=2)",
+                            SetBackText(set_back, clock, topic)));
+    if (set_back.all_repeat) note(KeepLatest(messages), "not later than the ones before");
   }
-  if (by_stamp) StampByLogTime(MedianStampOffset_ns(messages), &messages);
-  Times times_ns;
-  for (RecordedMessage& message : messages) {
-    message.t_ns = by_stamp ? message.stamp_ns : LogTime_ns(message);
-    message.is_estimated &= by_stamp;
-    times_ns.push_back(message.t_ns);
-  }
-  const SetBack set_back = FindSetBack(times_ns);
-  if (set_back.n > 0) {
-    notes->push_back(fmt::format(
-        "{} of {} go back by {} s at {} s because a clock was set{}: play the parts before and after separately "
-        "(--start, "
-        "--stop)",
-        by_stamp ? "header stamps" : "log times", topic, SecondsText(set_back.before_ns - set_back.after_ns),
-        SecondsText(set_back.before_ns), set_back.n == 1 ? "" : fmt::format(" ({} times)", set_back.n)));
-  }
-  if (set_back.repeats) note(KeepLatest(messages), "not later than the previous ones");
   std::stable_sort(messages.begin(), messages.end(),
                    [](const RecordedMessage& a, const RecordedMessage& b) { return a.t_ns < b.t_ns; });
   note(RemoveEqual(messages), "another one has the same time");

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/datasets/recordings/recording.h"
+#include "core/io/files/notes.h"
 
 namespace plslam {
 
@@ -41,13 +43,36 @@ void StampByLogTime(int64_t offset_ns, std::vector<RecordedMessage>* messages);
 
 enum class MessageClock { kStamp, kLog };
 
+/// A part of a file.
+struct FileRange {
+  FilePlace begin{0, 0};
+  FilePlace end{std::numeric_limits<uint32_t>::max(), std::numeric_limits<uint64_t>::max()};  ///< not in it
+  bool Contains(const RecordedMessage& message) const { return begin <= PlaceOf(message) && PlaceOf(message) < end; }
+};
+
+/// The messages of a topic between two moments at which a clock was set back.
+struct ClockPart {
+  FileRange range;
+  size_t n_messages = 0;
+  int64_t first_ns = 0, last_ns = 0;
+};
+struct ClockParts {
+  std::vector<ClockPart> parts;  ///< empty if no clock was set back
+  std::string reason;            ///< "header stamps of /left go back by ..."
+  bool all_repeat = true;        ///< each time it was set back to a time within the part before
+};
+
+/// Returns the parts of a topic in the order of the file.
+ClockParts PartsByClock(const std::vector<RecordedMessage>& messages, MessageClock clock, const std::string& topic);
+
 /// Returns the messages in order of the times of that clock, which become their `t_ns` and increase. `messages` are in
 /// the order of the file.
 ///
 /// By stamps, an unreadable message has the time of logging plus `MedianStampOffset_ns`; one with a stamp of zero is
-/// skipped. Also skipped are messages with an equal time and, if a clock was set back, those not later than an earlier
-/// one. `notes` reports this, naming the `topic`.
+/// skipped. Also skipped are messages with an equal time, up to three in a row of quite another time and, if a clock
+/// was set back into the part before, those not later than an earlier one. `notes` reports this, and a clock that was
+/// set forward, naming the `topic`.
 std::vector<RecordedMessage> InOrderOfTime(std::vector<RecordedMessage> messages, MessageClock clock,
-                                           const std::string& topic, std::vector<std::string>* notes);
+                                           const std::string& topic, Notes* notes);
 
 }  // namespace plslam

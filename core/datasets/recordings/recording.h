@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/io/files/notes.h"
+
 namespace plslam {
 
 /// A topic of a recording, as one publisher wrote it.
@@ -53,11 +55,14 @@ inline int64_t StampOf(std::span<const uint8_t> begin) {
   return int64_t{stamp[0]} * 1'000'000'000 + stamp[1];
 }
 
+/// Position of a message in the order of the file: its chunk, and its offset there.
+using FilePlace = std::pair<uint32_t, uint64_t>;
+inline FilePlace PlaceOf(const RecordedMessage& message) { return {message.chunk, message.offset}; }
+
 /// Sorts messages in the order of the file: a recorder writes them in the order of arrival, whatever its clock shows.
 inline void SortByPlace(std::vector<RecordedMessage>& messages) {
-  std::stable_sort(messages.begin(), messages.end(), [](const RecordedMessage& a, const RecordedMessage& b) {
-    return std::pair(a.chunk, a.offset) < std::pair(b.chunk, b.offset);
-  });
+  std::stable_sort(messages.begin(), messages.end(),
+                   [](const RecordedMessage& a, const RecordedMessage& b) { return PlaceOf(a) < PlaceOf(b); });
 }
 
 /// A file of messages with an index: opening reads the summary at the end of the file, `Messages` the index of one
@@ -86,8 +91,8 @@ class Recording {
   /// Returns all messages of the channels with this topic, in the order of the file.
   virtual std::vector<RecordedMessage> Messages(const std::string& topic) const = 0;
 
-  /// Returns sentences for the user about defects of the file.
-  virtual std::vector<std::string> Notes() const = 0;
+  /// Returns what is known of defects of the file.
+  virtual plslam::Notes Notes() const = 0;
   /// Returns the time that it took to read the whole file instead of its index; 0: its index is used.
   virtual double scan_s() const = 0;
 

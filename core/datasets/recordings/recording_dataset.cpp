@@ -43,10 +43,11 @@ Location TakeApart(const std::string& location) {
     const std::string_view option = rest.substr(0, rest.find('&'));
     rest.remove_prefix(std::min(rest.size(), option.size() + 1));
     const std::string key(option.substr(0, option.find('=')));
-    static const std::set<std::string> kKnown{"left", "right", "truth", "camera"};
+    static const std::set<std::string> kKnown{"left", "right", "truth", "camera", "part"};
     if (!kKnown.contains(key) || key.size() == option.size()) {
-      throw DatasetError(fmt::format("{}: '{}' is not one of left=TOPIC, right=TOPIC, truth=TOPIC, camera=FILE",
-                                     parts.file, Shown(option)));
+      throw DatasetError(
+          fmt::format("{}: '{}' is none of left=TOPIC, right=TOPIC, truth=TOPIC, camera=FILE, part=NUMBER",
+                      parts.file, Shown(option)));
     }
     parts.options[key] = option.substr(key.size() + 1);
   }
@@ -80,7 +81,7 @@ class RecordingDataset : public Dataset {
                    std::unique_ptr<Recording> reader)
       : name_(location), options_(parts.options), reader_(std::move(reader)), notes_(reader_->Notes()) {
     ChooseTopics();
-    images_ = PairImages(*reader_, left_.topic, right_.topic, &notes_);
+    images_ = PairImages(*reader_, left_.topic, right_.topic, Part(), &notes_);
     CheckEncodings();
     ReadRig(kind);
     ChooseTruth();
@@ -92,7 +93,7 @@ class RecordingDataset : public Dataset {
   const RigCalibration& rig() const override { return rig_; }
   int size() const override { return static_cast<int>(images_.pairs.size()); }
   int64_t t_ns(int index) const override { return TimeOf(*reader_, images_, static_cast<size_t>(index)); }
-  std::vector<std::string> Notes() const override { return notes_; }
+  plslam::Notes Notes() const override { return notes_; }
   double scan_s() const override { return reader_->scan_s(); }
   bool HasRecordedTruth() const override { return !truth_.empty(); }
 
@@ -201,9 +202,21 @@ class RecordingDataset : public Dataset {
     });
     std::tie(left_, right_) = found.front();
     if (found.back().first.topic != left_.topic) {
-      notes_.push_back(
-          fmt::format("there are several pairs of image topics: {} and {} are played", left_.topic, right_.topic));
+      notes_.Remark(fmt::format("of several pairs of image topics {} and {} are played", left_.topic, right_.topic));
     }
+  }
+
+  /// The part of the file that is played, from 1; 0: all.
+  size_t Part() const {
+    const auto given = options_.find("part");
+    if (given == options_.end()) return 0;
+    const std::string& text = given->second;
+    constexpr size_t kMostDigits = 6;
+    if (text.empty() || text.size() > kMostDigits || text.find_first_not_of("0123456789") != text.npos ||
+        std::stoul(text) == 0) {
+      throw DatasetError(fmt::format("part={}: is no number from 1", Shown(text)));
+    }
+    return std::stoul(text);
   }
 
   /// Rejects unknown encodings of raw images before a run begins.
@@ -252,15 +265,16 @@ class RecordingDataset : public Dataset {
     return {};
   }
 
-  RigCalibration RecordedRig() const {
-    const bool rectified = left_.topic.find("rect") != std::string::npos;
+  RigCalibration RecordedRig() {
+    constexpr const char* kRemedy = "name a camera file (docs/datasets.md), FILE?camera=camera.yaml";
     try {
+      const RosCameraInfo left = CameraInfoOf(left_.topic), right = CameraInfoOf(right_.topic);
       const auto [left_size, right_size] = ImageSizes();
-      return RigFromRos(InPixelsOfImages(CameraInfoOf(left_.topic), left_size),
-                        InPixelsOfImages(CameraInfoOf(right_.topic), right_size), rectified);
+      WarnOfUnusedDistortion(left_.topic, left, kRemedy, &notes_);
+      return RigFromRos(InPixelsOfImages(left, left_size), InPixelsOfImages(right, right_size),
+                        NamesRectified(left_.topic));
     } catch (const DatasetError& error) {
-      throw DatasetError(
-          fmt::format("{}: give a camera file (docs/datasets.md), FILE?camera=camera.yaml", error.what()));
+      throw DatasetError(fmt::format("{}: {}", error.what(), kRemedy));
     }
   }
 
@@ -275,11 +289,12 @@ class RecordingDataset : public Dataset {
       }
     } else {
       rig_ = RecordedRig();
-      NoteLongBaseline("camera_info", rig_,
-                       "P[3] is in metres times pixels; if it is not, give a camera file (docs/datasets.md), "
-                       "FILE?camera=camera.yaml",
-                       &notes_);
+      WarnOfLongBaseline("camera_info", rig_,
+                         "P[3] is in metres times pixels; where it is not, name a camera file (docs/datasets.md), "
+                         "FILE?camera=camera.yaml",
+                         &notes_);
     }
+    WarnOfOtherScale(options_.contains("camera") ? options_.at("camera") : "K of camera_info", rig_, &notes_);
     rig_.name = kind;
     rig_.rate_hz = 1e9 / static_cast<double>(images_.step_ns);
     const std::string complaint = RigComplaint(rig_);
@@ -301,13 +316,14 @@ class RecordingDataset : public Dataset {
     if (chosen.topic.empty()) return;
     truth_channel_ = chosen;
     std::vector<RecordedMessage> messages = reader_->Messages(chosen.topic);
+    std::erase_if(messages, [&](const RecordedMessage& message) { return !images_.range.Contains(message); });
     if (images_.clock == MessageClock::kStamp)
       ReadStamps(*reader_, {&messages}, images_.step_ns / kDelayToleranceShare);
     const std::string complaint = images_.clock == MessageClock::kStamp ? StampComplaint(messages) : "";
     if (!complaint.empty()) {
-      notes_.push_back(
-          fmt::format("header stamps of {} {}: its poses have their log times, plus the {} s by which stamps of {} "
-                      "differ from log times",
+      notes_.Warn(
+          fmt::format("header stamps of {} {}: its poses have the times at which they were logged, plus "
+                      "the {} s by which stamps of {} differ from those",
                       chosen.topic, complaint, SecondsText(images_.stamp_offset_ns), left_.topic));
       for (RecordedMessage& message : messages) message.stamp_ns = RecordedMessage::kNotRead;
       StampByLogTime(images_.stamp_offset_ns, &messages);
@@ -326,7 +342,7 @@ class RecordingDataset : public Dataset {
   RecordedChannel truth_channel_;
   std::vector<RecordedMessage> truth_;
   bool truth_is_estimated_ = false;  ///< some of its stamps
-  std::vector<std::string> notes_;
+  plslam::Notes notes_;
 };
 
 std::optional<SE3> RecordingDataset::GroundTruth(int index) const {
@@ -356,7 +372,7 @@ std::optional<SE3> RecordingDataset::GroundTruth(int index) const {
 template <class Reader>
 std::unique_ptr<Dataset> Open(const std::string& location, std::string_view kind) {
   const Location parts = TakeApart(location);
-  std::vector<std::string> notes;
+  Notes notes;
   const auto open = [&](const std::string& why_scan) {
     auto reader = std::make_unique<Reader>(parts.file, why_scan);
     notes = reader->Notes();
@@ -369,7 +385,8 @@ std::unique_ptr<Dataset> Open(const std::string& location, std::string_view kind
       return open(damage.what());
     }
   } catch (const std::runtime_error& error) {
-    const std::string note = notes.empty() ? "" : fmt::format(" ({})", notes.front());
+    const std::string note =
+        notes.empty() ? "" : fmt::format(" ({})", (notes.warnings.empty() ? notes.remarks : notes.warnings).front());
     throw DatasetError(fmt::format("{}: {}{}", parts.file, error.what(), note));
   }
 }

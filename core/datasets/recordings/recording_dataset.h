@@ -16,6 +16,8 @@ namespace plslam {
 /// only if the stamps of an image topic are zero or constant, or left and right ones are of different clocks, as
 /// `Notes` then reports. Images are read on demand through the index, of which memory holds 40 bytes for each message.
 ///
+/// Where a clock was set back in between, its parts are played alone ("FILE?part=2").
+///
 /// A file without index, or truncated, is played as far as it is complete (recording.h); `Notes` reports this.
 ///
 /// Throws DatasetError naming the file if it has another format or is damaged, if topics or calibration are missing

@@ -62,6 +62,7 @@ void ScannedIndex::Scan(const RecordingFile& file, uint64_t from, const Records&
   const Findings found = ReadRecords(file, from, records);
   taken_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   is_made_ = true;
+  is_damaged_ = !why.starts_with(kNoIndex) || found.whole_bytes < file.size() || found.n_damaged > 0;
   note_ = fmt::format(
       "{}: all of its {} were read to find the messages, which took {:.1f} s each time it is opened; {} writes an "
       "index",
@@ -102,8 +103,10 @@ std::vector<RecordedMessage> ScannedIndex::Messages(const std::string& topic,
   return messages;
 }
 
-std::vector<std::string> ScannedIndex::Notes() const {
-  return is_made_ ? std::vector<std::string>{note_} : std::vector<std::string>{};
+plslam::Notes ScannedIndex::Notes() const {
+  plslam::Notes notes;
+  if (is_made_) notes.Add(is_damaged_, note_);
+  return notes;
 }
 
 }  // namespace plslam

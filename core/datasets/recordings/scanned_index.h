@@ -5,10 +5,12 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/datasets/recordings/chunks.h"
 #include "core/datasets/recordings/recording.h"
+#include "core/io/files/notes.h"
 
 namespace plslam {
 
@@ -25,6 +27,8 @@ class ScannedIndex {
     std::function<bool(uint64_t at, uint64_t end)> take;
   };
 
+  /// A reason that begins so is none of damage: recorders may write no index, or none of a kind.
+  static constexpr std::string_view kNoIndex = "has no index";
   /// `why` the file must be scanned, and the `repair` that avoids it, are quoted in the note.
   void Scan(const RecordingFile& file, uint64_t from, const Records& records, const std::string& why,
             const char* repair);
@@ -41,8 +45,8 @@ class ScannedIndex {
   bool has_messages() const { return !messages_.empty(); }
   /// Returns the messages in the order of the file.
   std::vector<RecordedMessage> Messages(const std::string& topic, const std::vector<RecordedChannel>& channels) const;
-  /// One sentence; empty if nothing was scanned.
-  std::vector<std::string> Notes() const;
+  /// One sentence, a remark if the file is complete, else a warning; empty if nothing was scanned.
+  plslam::Notes Notes() const;
 
  private:
   struct Findings;
@@ -50,6 +54,7 @@ class ScannedIndex {
   void Spend(uint64_t& left, uint64_t n, const char* what);
 
   bool is_made_ = false;
+  bool is_damaged_ = false;  ///< or cut off
   double taken_s_ = 0.0;
   uint64_t kept_left_ = 0, decompressed_left_ = 0;
   bool is_spent_ = false;

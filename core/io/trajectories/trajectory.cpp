@@ -13,6 +13,7 @@
 #include "core/errors/error_text.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/files/text_rows.h"
+#include "core/io/trajectories/row_format.h"
 
 namespace plslam {
 namespace {
@@ -20,23 +21,14 @@ namespace {
 // Tolerance for a quaternion's norm or a matrix product R R^T: files are rounded to five digits and more.
 constexpr double kRotationTolerance = 0.01;
 constexpr int64_t kNsPerS = 1'000'000'000;
-// The year 2115; the difference of two times within it fits 64 bits.
-constexpr int64_t kMaxTime_ns = 4'600'000'000 * kNsPerS;
-
 // 25 times round the Earth. A larger position is a number of another column or of a diverged solver, and would make
 // errors infinite.
 constexpr double kMaxPosition_m = 1e9;
 
-constexpr size_t kTumFields = 8;
-
 void RequireFields(const TextRow& row, size_t n, const char* format) {
   if (row.fields.size() != n) {
-    row.Fail(fmt::format("{} numbers, but a row of the {} format has {}", row.fields.size(), format, n));
+    row.Fail(fmt::format("{} numbers, but a row of {} has {}", row.fields.size(), format, n));
   }
-}
-
-Eigen::Vector3d Position(const TextRow& row, size_t first) {
-  return {row.Number(first), row.Number(first + 1), row.Number(first + 2)};
 }
 
 SE3 UnitPose(const TextRow& row, const Eigen::Quaterniond& q, const Eigen::Vector3d& t) {
@@ -46,47 +38,21 @@ SE3 UnitPose(const TextRow& row, const Eigen::Quaterniond& q, const Eigen::Vecto
   return {q, t};
 }
 
-TrajectoryPose ParseTum(const TextRow& row) {
-  RequireFields(row, kTumFields, "TUM");
-  const int64_t t_ns = row.Scaled(0, 9);
-  const Eigen::Quaterniond q(row.Number(7), row.Number(4), row.Number(5), row.Number(6));
-  return {t_ns, UnitPose(row, q, Position(row, 1))};
-}
-
-TrajectoryPose ParseVslamLab(const TextRow& row) {
-  RequireFields(row, 8, "VSLAM-LAB");
-  const int64_t t_ns = row.Scaled(0, 0);
-  const Eigen::Quaterniond q(row.Number(7), row.Number(4), row.Number(5), row.Number(6));
-  return {t_ns, UnitPose(row, q, Position(row, 1))};
-}
-
-/// Whether a time of a row with commas is in seconds and not in the nanoseconds of EuRoC.
-enum class InSeconds { kNo, kPerhaps, kYes };
-
-/// It has a point, or the ten digits of a second of our time. Nanoseconds of a clock that starts at 0 have ten digits
-/// for some seconds, too.
-InSeconds TimeInSeconds(const TextRow& row) {
-  constexpr double kFirstNs = 1e11;
-  const std::string_view text = row.fields[0];
-  if (text.find('.') != text.npos) return std::abs(row.Number(0)) < kFirstNs ? InSeconds::kYes : InSeconds::kNo;
-  const bool ten_digits = text.size() == 10 && text.find_first_not_of("0123456789") == text.npos;
-  return ten_digits && row.Scaled(0, 0) <= kMaxTime_ns / kNsPerS ? InSeconds::kPerhaps : InSeconds::kNo;
-}
-
-TrajectoryPose ParseEuroc(const TextRow& row) {
-  if (row.fields.size() < 8) {
-    row.Fail(fmt::format("{} columns, but a row of the EuRoC format has at least 8", row.fields.size()));
+TrajectoryPose ParsePose(const TextRow& row, const RowLayout& layout) {
+  const size_t n = layout.n_fields;
+  if (row.fields.size() < n && layout.may_be_longer) {
+    row.Fail(fmt::format("{} columns, but a row of {} has at least {}", row.fields.size(), layout.name, n));
   }
-  if (TimeInSeconds(row) == InSeconds::kYes) {
-    row.Fail(fmt::format("time '{}' is in seconds, but the EuRoC format uses nanoseconds", Shown(row.fields[0])));
-  }
-  const int64_t t_ns = row.Scaled(0, 0);
-  const Eigen::Quaterniond q(row.Number(4), row.Number(5), row.Number(6), row.Number(7));
-  return {t_ns, UnitPose(row, q, Position(row, 1))};
+  if (!layout.may_be_longer) RequireFields(row, n, layout.name);
+  const auto& [x, y, z, w] = layout.quaternion;
+  const auto& [px, py, pz] = layout.position;
+  const int64_t t_ns = row.Scaled(layout.time, layout.time_decimals);
+  const Eigen::Quaterniond q(row.Number(w), row.Number(x), row.Number(y), row.Number(z));
+  return {t_ns, UnitPose(row, q, {row.Number(px), row.Number(py), row.Number(pz)})};
 }
 
 SE3 ParseKitti(const TextRow& row) {
-  RequireFields(row, 12, "KITTI");
+  RequireFields(row, 12, "the KITTI format");
   Eigen::Matrix<double, 3, 4> m;
   for (int i = 0; i < 12; ++i) m(i / 4, i % 4) = row.Number(static_cast<size_t>(i));
   const Eigen::Matrix3d R = m.leftCols<3>();
@@ -95,15 +61,6 @@ SE3 ParseKitti(const TextRow& row) {
     row.Fail(fmt::format("the matrix is not a rotation (determinant {:.6g}, off by {:.3g})", R.determinant(), error));
   }
   return {R, m.col(3)};
-}
-
-TrajectoryFormat Recognise(const TextRow& row) {
-  if (row.has_commas) return TrajectoryFormat::kEuroc;
-  if (row.fields.size() == 12) return TrajectoryFormat::kKitti;
-  if (row.fields.size() == 8) return TrajectoryFormat::kTum;
-  row.Fail(
-      fmt::format("{} numbers do not match any of the formats TUM (8), KITTI (12) and EuRoC (8 or more, with commas)",
-                  row.fields.size()));
 }
 
 std::string BeyondRange(int64_t t_ns) {
@@ -115,17 +72,9 @@ std::string NotAfter(int64_t t_ns, int64_t before_ns) {
   return fmt::format("time {} ns is not after the {} ns of the previous row", t_ns, before_ns);
 }
 
-TrajectoryPose ParseRow(const TextRow& row, TrajectoryFormat format, int64_t index) {
-  TrajectoryPose pose;
-  if (format == TrajectoryFormat::kTum) {
-    pose = ParseTum(row);
-  } else if (format == TrajectoryFormat::kEuroc) {
-    pose = ParseEuroc(row);
-  } else if (format == TrajectoryFormat::kVslamLab) {
-    pose = ParseVslamLab(row);
-  } else {
-    pose = {index * kNsPerS, ParseKitti(row)};
-  }
+/// Parses a row; without a layout, of KITTI.
+TrajectoryPose ParseRow(const TextRow& row, const std::optional<RowLayout>& layout, int64_t index) {
+  const TrajectoryPose pose = layout ? ParsePose(row, *layout) : TrajectoryPose{index * kNsPerS, ParseKitti(row)};
   const std::string complaint = BeyondRange(pose.t_ns);
   if (!complaint.empty()) row.Fail(complaint);
   const double distance_m = pose.T_a_b.translation().stableNorm();
@@ -139,7 +88,7 @@ TrajectoryPose ParseRow(const TextRow& row, TrajectoryFormat format, int64_t ind
 void ApplyTimes(const std::string& path, const std::string& times_path, size_t n_rows, Trajectory& trajectory) {
   std::vector<int64_t> times_ns;
   ForEachRow(times_path, [&](const TextRow& row) {
-    RequireFields(row, 1, "times");
+    RequireFields(row, 1, "the times format");
     const int64_t t_ns = row.Scaled(0, 9);
     const std::string complaint = BeyondRange(t_ns);
     if (!complaint.empty()) row.Fail(complaint);
@@ -226,18 +175,18 @@ Trajectory TakeIncreasing(const std::string& path, const std::vector<PoseRow>& r
   return poses;
 }
 
-/// Parses rows with their lines in one format; an unknown `format` is determined by the first row.
+/// Parses rows with their lines in one format.
 class RowReader {
  public:
-  RowReader(std::optional<TrajectoryFormat> format, BadRows bad_rows) : format_(format), bad_rows_(bad_rows) {}
+  RowReader(const RowFormat& format, BadRows bad_rows) : format_(format), bad_rows_(bad_rows) {}
 
-  /// Reads all rows of a file. `may_be_seconds`: rows with commas may be of TUM.
-  void Read(const std::string& path, bool may_be_seconds) {
+  /// Reads all rows of a file.
+  void Read(const std::string& path) {
     ForEachRow(path, [&](const TextRow& row) {
-      if (row.IsCsvHeader()) return;
+      if (row.IsCsvHeader() || row.line == format_.header_line) return;
       const auto index = static_cast<int64_t>(n_rows_++);
       try {
-        Take(row, index, may_be_seconds);
+        Take(row, index);
       } catch (const std::runtime_error& error) {
         if (bad_rows_ == BadRows::kRefuse) throw;
         passed_.Add(row.line, error.what());
@@ -245,38 +194,21 @@ class RowReader {
     });
   }
 
-  /// Times of ten digits are a day apart and more as seconds: they are nanoseconds.
-  bool HasNanosecondTimes() const {
-    constexpr int64_t kLongestStep_ns = 86'400 * kNsPerS;
-    return in_seconds_ == InSeconds::kPerhaps && rows_.size() >= 2 &&
-           std::abs(rows_[1].pose.t_ns - rows_[0].pose.t_ns) > kLongestStep_ns;
-  }
-
-  std::optional<TrajectoryFormat> format() const { return format_; }
-  bool TookSeconds() const { return in_seconds_ != InSeconds::kNo; }
   size_t n_rows() const { return n_rows_; }
   const std::vector<PoseRow>& rows() const { return rows_; }
   PassedOver& passed() { return passed_; }
 
  private:
-  void Take(const TextRow& row, int64_t index, bool may_be_seconds) {
-    const bool is_first = !format_ || (*format_ == TrajectoryFormat::kEuroc && rows_.empty());
-    if (!format_) format_ = Recognise(row);
-    if (is_first && may_be_seconds && row.has_commas && row.fields.size() == kTumFields) {
-      in_seconds_ = TimeInSeconds(row);
-      if (TookSeconds()) format_ = TrajectoryFormat::kTum;
-    }
-    const TrajectoryPose pose = ParseRow(row, *format_, index);
-    if (bad_rows_ == BadRows::kRefuse && !rows_.empty() && pose.t_ns <= rows_.back().pose.t_ns &&
-        !HasNanosecondTimes()) {
+  void Take(const TextRow& row, int64_t index) {
+    const TrajectoryPose pose = ParseRow(row, format_.layout, index);
+    if (bad_rows_ == BadRows::kRefuse && !rows_.empty() && pose.t_ns <= rows_.back().pose.t_ns) {
       row.Fail(NotAfter(pose.t_ns, rows_.back().pose.t_ns));
     }
     rows_.push_back({row.line, pose});
   }
 
-  std::optional<TrajectoryFormat> format_;
+  RowFormat format_;
   BadRows bad_rows_;
-  InSeconds in_seconds_ = InSeconds::kNo;
   size_t n_rows_ = 0;
   std::vector<PoseRow> rows_;
   PassedOver passed_;
@@ -308,25 +240,18 @@ std::string SecondsText(int64_t t_ns) {
 
 TrajectoryFile ReadTrajectoryFile(const std::string& path, std::optional<TrajectoryFormat> format, BadRows bad_rows,
                                   const std::string& times_path) {
-  RowReader reader(format, bad_rows);
-  reader.Read(path, true);
-  if (reader.HasNanosecondTimes()) {
-    reader = RowReader(format, bad_rows);
-    reader.Read(path, false);
-  }
   TrajectoryFile file;
-  file.format = reader.format();
+  const std::optional<RowFormat> found = FindRowFormat(path, format, &file.notes);
+  file.format = !found ? format : found->layout ? found->layout->format : TrajectoryFormat::kKitti;
+  RowReader reader(found.value_or(RowFormat{}), bad_rows);
+  reader.Read(path);
   file.n_rows = reader.n_rows();
   file.poses = TakeIncreasing(path, reader.rows(), &reader.passed());
   if (file.format == TrajectoryFormat::kKitti && !times_path.empty()) {
     ApplyTimes(path, times_path, file.n_rows, file.poses);
   }
-  if (reader.TookSeconds()) {
-    file.notes.push_back(path +
-                         ": times of rows with commas are in seconds: reading as TUM's t,tx,ty,tz,qx,qy,qz,qw");
-  }
   const std::string note = reader.passed().Note(file.n_rows);
-  if (!note.empty()) file.notes.push_back(note);
+  if (!note.empty()) file.notes.Warn(note);
   return file;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/geometry/se3.h"
+#include "core/io/files/notes.h"
 
 namespace plslam {
 
@@ -27,7 +28,8 @@ enum class TrajectoryFormat {
   kVslamLab,  ///< `t_ns, px, py, pz, qx, qy, qz, qw`, with a header line; never recognised, only named in the code
 };
 
-/// Reads a trajectory, its format recognised by its first data line unless given. KITTI files take their times from
+/// Reads a trajectory, its format recognised by its first data line unless given (row_format.h: a header that names its
+/// columns decides the order of the quaternion and the unit of time). KITTI files take their times from
 /// `times_path` (one second value a line) or, without one, use the frame index as seconds; the other formats contain
 /// times and ignore `times_path`.
 ///
@@ -48,9 +50,9 @@ struct TrajectoryFile {
   std::optional<TrajectoryFormat> format;
   /// Number of rows, including skipped ones.
   size_t n_rows = 0;
-  /// Notes for the user, in whole sentences: the format assumed for rows with commas, and the number of skipped rows,
-  /// with file, line and reason of the first.
-  std::vector<std::string> notes;
+  /// The format assumed for rows with commas as a remark, and the number of skipped rows as a warning, with file, line
+  /// and reason of the first.
+  Notes notes;
 };
 
 /// Reads a trajectory of another program, which may have equal times, or rows of NaN without a measurement. As few rows

@@ -55,13 +55,5 @@ TEST(InfoChannel, IsBesideTheImages) {
             "/l/camera_info#sensor_msgs.CameraInfo");
 }
 
-TEST(NamesRectified, IsAWordOfTheNameAndNotAPartOfOne) {
-  for (const char* name :
-       {"/left/image_rect#sensor_msgs.Image", "/left/image_rect_color", "/rect/left", "/l/rectified"})
-    EXPECT_TRUE(NamesRectified(name)) << name;
-  for (const char* name : {"/direct/left/image_raw", "/left/image_corrected", "/rectangle/left"})
-    EXPECT_FALSE(NamesRectified(name)) << name;
-}
-
 }  // namespace
 }  // namespace plslam::adapter

@@ -58,10 +58,12 @@ class RecordingFileTest : public testing::Test {
       EXPECT_EQ(dataset->GroundTruth(i)->translation(), Eigen::Vector3d(i, 0, 0));
     }
   }
+  /// Its only note, of either kind.
   std::string Note() const {
-    const auto notes = OpenDataset(path_, "")->Notes();
-    EXPECT_EQ(notes.size(), 1U);
-    return notes.empty() ? "" : notes.front();
+    const Notes notes = OpenDataset(path_, "")->Notes();
+    EXPECT_EQ(notes.warnings.size() + notes.remarks.size(), 1U);
+    if (notes.empty()) return "";
+    return notes.warnings.empty() ? notes.remarks.front() : notes.warnings.front();
   }
 
  private:

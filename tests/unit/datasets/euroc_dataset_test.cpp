@@ -94,8 +94,10 @@ TEST_F(EurocDataset, UnpairedImagesAreSkippedAndReported) {
   ASSERT_EQ(dataset->size(), 2);
   EXPECT_EQ(dataset->t_ns(1), 1403636584963555584) << "0.1 ms apart is the same moment";
   EXPECT_EQ(dataset->Read(1).right.at<uint8_t>(5, 7), test::TinyPixel(2, 1, 7, 5));
-  EXPECT_THAT(dataset->Notes(), ElementsAre(HasSubstr("differ by up to 0.100 ms"), HasSubstr("1 images of cam0"),
-                                            HasSubstr("1 images of cam1")));
+  EXPECT_THAT(dataset->Notes().remarks, ElementsAre(HasSubstr("differ by up to 0.100 ms")));
+  EXPECT_THAT(dataset->Notes().warnings,
+              ElementsAre("1 of 3 images of cam0 has no partner in time and is passed over",
+                          "1 of 3 images of cam1 has no partner in time and is passed over"));
   test::WriteText(mav_ / "cam1" / "data.csv", "1,1403636584763555584.png\n");
   EXPECT_THAT(OpenError(), AllOf(HasSubstr(At("cam1/data.csv")),
                                  HasSubstr("no image is within half a frame of an image of cam0")));
@@ -110,8 +112,9 @@ TEST_F(EurocDataset, CamerasTwoMillisecondsApart) {
   ASSERT_EQ(dataset->size(), 3);
   EXPECT_EQ(dataset->t_ns(2), 1403636584963555584);
   EXPECT_EQ(dataset->Read(2).right.at<uint8_t>(5, 7), test::TinyPixel(2, 1, 7, 5));
-  EXPECT_THAT(dataset->Notes(),
-              ElementsAre("times of cam0 and cam1 differ by up to 2.100 ms: the nearest images are paired"));
+  EXPECT_TRUE(dataset->Notes().warnings.empty());
+  EXPECT_THAT(dataset->Notes().remarks,
+              ElementsAre("times of cam0 and cam1 differ by up to 2.100 ms: the nearest ones are pairs"));
 }
 
 TEST_F(EurocDataset, JpegImagesOfTheList) {
@@ -267,7 +270,7 @@ TEST_F(EurocDataset, BadRowsOfTheTruthAreSkipped) {
     const auto dataset = OpenEurocDataset(mav_.parent_path().string());
     EXPECT_EQ(dataset->GroundTruth(0).has_value(), before->GroundTruth(0).has_value());
     EXPECT_EQ(dataset->size(), before->size());
-    return dataset->Notes().empty() ? "" : dataset->Notes().back();
+    return dataset->Notes().warnings.empty() ? "" : dataset->Notes().warnings.back();
   };
   const std::string last = truth_.string() + ":" + std::to_string(std::count(truth.begin(), truth.end(), '\n') + 1);
   EXPECT_THAT(note("1403636584713555584,0,0,1,1,0,0"), AllOf(HasSubstr(last + ": 7 columns"), HasSubstr("; 1 of ")));
@@ -280,10 +283,10 @@ TEST_F(EurocDataset, BadRowsOfTheTruthAreSkipped) {
 TEST_F(EurocDataset, TruthWithoutPosesOpens) {
   const std::string folder = mav_.parent_path().string();
   test::WriteText(truth_, "#h\n1,0,0,1,nan,0,0,0\n2,0,0,1,nan,0,0,0\n");
-  EXPECT_THAT(OpenEurocDataset(folder)->Notes(),
+  EXPECT_THAT(OpenEurocDataset(folder)->Notes().warnings,
               testing::ElementsAre(AllOf(HasSubstr(truth_.string() + ":2: 'nan'"), HasSubstr("2 of 2 rows are"))));
   test::WriteText(truth_, "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n");
-  EXPECT_THAT(OpenEurocDataset(folder)->Notes(), testing::ElementsAre(HasSubstr("is a pointer of Git LFS")));
+  EXPECT_THAT(OpenEurocDataset(folder)->Notes().warnings, testing::ElementsAre(HasSubstr("is a pointer of Git LFS")));
 }
 
 TEST_F(EurocDataset, ImageOfAnotherSizeThanTheSensorFile) {

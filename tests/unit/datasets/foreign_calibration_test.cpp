@@ -22,7 +22,7 @@ TEST_F(ForeignCalibrationFiles, OneRigIsTheSameInEveryFormat) {
     const ForeignCalibration read = ReadForeignCalibration(paths, kSize);
     EXPECT_EQ(read.format, rig.format);
     EXPECT_FALSE(read.direction.empty());
-    EXPECT_TRUE(read.notes.empty()) << read.notes.front();
+    EXPECT_TRUE(read.notes.empty());
     ExpectTheRig(read.rig, rig.files.front().name);
   }
 }
@@ -152,12 +152,13 @@ TEST_F(ForeignCalibrationFiles, UnitsAreGivenOrRequested) {
 
   Write("extrinsics.yml",
         Replaced(opencv[1].text, "-0.118619590656, -0.035, -0.018149179392", "-11.8619590656, -3.5, -1.8149179392"));
-  std::vector<std::string> notes;
+  Notes notes;
   ReadCalibration(paths, kSize, &notes);
-  ASSERT_EQ(notes.size(), 1U);
-  EXPECT_THAT(notes[0], AllOf(HasSubstr("intrinsics.yml: the cameras are 12.5 m apart"), HasSubstr("`unit: cm`")));
+  ASSERT_EQ(notes.warnings.size(), 1U);
+  EXPECT_THAT(notes.warnings[0],
+              AllOf(HasSubstr("intrinsics.yml: the cameras are 12.5 m apart"), HasSubstr("`unit: cm`")));
   const std::string own = Write("camera.yaml", "from: [intrinsics.yml, extrinsics.yml]\nunit: cm\n");
-  notes.clear();
+  notes = {};
   ExpectTheRig(ReadCameraFile(own, kSize, &notes), "unit: cm");
   EXPECT_TRUE(notes.empty());
   Write("camera.yaml", "from: [intrinsics.yml, extrinsics.yml]\nunit: m\n");
@@ -172,12 +173,12 @@ TEST_F(ForeignCalibrationFiles, UnitsAreGivenOrRequested) {
 
 TEST_F(ForeignCalibrationFiles, OurFileAboveAMetreIsNoted) {
   const std::string lens = "left: {focal_length_px: [400, 400], principal_point_px: [330, 190]}\n";
-  std::vector<std::string> notes;
+  Notes notes;
   ReadCameraFile(Write("camera.yaml", lens + "baseline_m: 0.54\n"), kSize, &notes);
   EXPECT_TRUE(notes.empty());
   ReadCameraFile(Write("camera.yaml", lens + "baseline_m: 12\n"), kSize, &notes);
-  ASSERT_EQ(notes.size(), 1U);
-  EXPECT_THAT(notes[0], HasSubstr("are 12 m apart: lengths must be in metres"));
+  ASSERT_EQ(notes.warnings.size(), 1U);
+  EXPECT_THAT(notes.warnings[0], HasSubstr("are 12 m apart: lengths must be in metres"));
 }
 
 }  // namespace

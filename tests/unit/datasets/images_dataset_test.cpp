@@ -72,11 +72,13 @@ TEST_F(ImagesDataset, SparseTruthAtFrameTimesIsUsed) {
 
 TEST_F(ImagesDataset, TruthOfFewFramesIsReported) {
   test::WriteText(folder_ / "groundtruth.txt", "1700000000.5 0 0 0 0 0 0 1\n1700000000.6 1 0 0 0 0 0 1\n");
-  EXPECT_THAT(OpenImagesDataset(folder_.string())->Notes(),
-              testing::ElementsAre("groundtruth.txt: 2 poses (1700000000.500000000 s to 1700000000.600000000 s), 0 "
-                                   "of 3 frames (0.500000000 s to 0.750000000 s) have a pose"));
+  EXPECT_THAT(
+      OpenImagesDataset(folder_.string())->Notes().warnings,
+      testing::ElementsAre("groundtruth.txt: 2 poses (1700000000.500000000 s to 1700000000.600000000 s), 0 of 3 "
+                           "frames (0.500000000 s to 0.750000000 s) have one"));
   test::WriteText(folder_ / "groundtruth.txt", "# nothing yet\n");
-  EXPECT_THAT(OpenImagesDataset(folder_.string())->Notes(), testing::ElementsAre("groundtruth.txt: has no poses"));
+  EXPECT_THAT(OpenImagesDataset(folder_.string())->Notes().warnings,
+              testing::ElementsAre("groundtruth.txt: has no poses"));
 }
 
 TEST_F(ImagesDataset, PosesOfKittiFormat) {
@@ -207,7 +209,7 @@ TEST_F(ImagesDataset, ImplausibleBaselineIsQuestioned) {
   test::ReplaceText(camera_, "baseline_m: 0.25", "baseline_m: 110");
   EXPECT_THAT(OpenError(), AllOf(HasSubstr("baseline 110 m"), HasSubstr("is it in millimetres?")));
   test::ReplaceText(camera_, "baseline_m: 110", "baseline_m: 50");
-  EXPECT_THAT(OpenImagesDataset(folder_.string())->Notes(),
+  EXPECT_THAT(OpenImagesDataset(folder_.string())->Notes().warnings,
               testing::ElementsAre(At("camera.yaml") +
                                    ": the cameras are 50 m apart: lengths must be in metres; are these?"));
   test::ReplaceText(camera_, "baseline_m: 50", "baseline_m: -0.11");
@@ -242,8 +244,9 @@ TEST_F(ImagesDataset, TenBitsInSixteenAreStretched) {
     fs::remove(folder_ / "right" / ("right_00" + std::string(i == 0 ? "0" : "") + std::to_string(9 + i) + ".pgm"));
   }
   const auto dataset = OpenImagesDataset(folder_.string());
-  EXPECT_THAT(dataset->Notes(),
-              testing::ElementsAre(HasSubstr("values up to 1020, as with 10 bits: 1023 is mapped to")));
+  EXPECT_TRUE(dataset->Notes().warnings.empty());
+  EXPECT_THAT(dataset->Notes().remarks,
+              testing::ElementsAre(HasSubstr("values up to 1020, as of 10 bits: 1023 is taken as")));
   for (int i = 0; i < 3; ++i) {
     const int part = i == 0 ? 8 : 1;
     EXPECT_NEAR(dataset->Read(i).left.at<uint8_t>(2, 1), test::TinyPixel(i, 0, 1, 2) / part, 1) << i;

@@ -152,7 +152,7 @@ TEST_F(KittiDataset, BadPosesAreNotedWithTheirLine) {
   const auto note = [&] {
     const auto dataset = OpenKittiDataset(folder_.string());
     EXPECT_EQ(dataset->size(), 3);
-    return dataset->Notes().empty() ? "" : dataset->Notes().back();
+    return dataset->Notes().warnings.empty() ? "" : dataset->Notes().warnings.back();
   };
   test::ReplaceText(folder_ / "poses.txt", "0.5", "nan");
   EXPECT_THAT(note(), AllOf(HasSubstr(At("poses.txt") + ":2: "), HasSubstr("'nan'"), HasSubstr("1 of 3 rows is")));

@@ -27,7 +27,7 @@ class LargeRecording : public Recording {
     }
     return messages;
   }
-  std::vector<std::string> Notes() const override { return {}; }
+  plslam::Notes Notes() const override { return {}; }
   double scan_s() const override { return 0.0; }
   std::vector<uint8_t> Read(const RecordedMessage&) const override { return {}; }
   std::vector<uint8_t> ReadBegin(const RecordedMessage& message, uint64_t n) const override {

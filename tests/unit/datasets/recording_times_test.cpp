@@ -24,7 +24,6 @@ using test::RecordingOptions;
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
 
 constexpr int64_t kMs = 1'000'000;
 constexpr int64_t kSecond = 1'000'000'000;
@@ -40,9 +39,9 @@ const Format kFormats[] = {{"a.mcap", test::MakeMcapFile, {"", "lz4", "zstd"}},
 
 class RecordingTimes : public testing::Test {
  protected:
-  /// `check` sees the recording in each format and compression. The last `cut_bytes` are missing.
-  void ForEachFormat(RecordingOptions options, const std::function<void(const Dataset&)>& check,
-                     size_t cut_bytes = 0) {
+  /// `check` sees the file of the recording in each format and compression. The last `cut_bytes` are missing.
+  void ForEachFile(RecordingOptions options, const std::function<void(const std::string& path)>& check,
+                   size_t cut_bytes = 0) {
     options.n_frames = kFrames;
     for (const Format& format : kFormats) {
       for (const char* compression : format.compressions) {
@@ -51,9 +50,15 @@ class RecordingTimes : public testing::Test {
         format.make(path, options);
         if (cut_bytes > 0) std::filesystem::resize_file(path, std::filesystem::file_size(path) - cut_bytes);
         SCOPED_TRACE(format.name + std::string(" ") + compression);
-        check(*OpenDataset(path, ""));
+        check(path);
       }
     }
+  }
+
+  void ForEachFormat(const RecordingOptions& options, const std::function<void(const Dataset&)>& check,
+                     size_t cut_bytes = 0) {
+    ForEachFile(
+        options, [&](const std::string& path) { check(*OpenDataset(path, "")); }, cut_bytes);
   }
 
   /// All frames, with the pixels of both cameras, the stamps as times, and the poses.
@@ -74,7 +79,7 @@ class RecordingTimes : public testing::Test {
   /// Expects the same dataset as from a recording that was logged at its stamps, without notes.
   void ExpectAsIfLoggedAtOnce(const RecordingOptions& options) {
     ForEachFormat(options, [](const Dataset& dataset) {
-      EXPECT_THAT(dataset.Notes(), IsEmpty());
+      EXPECT_TRUE(dataset.Notes().empty());
       ExpectAllFrames(dataset);
     });
   }
@@ -113,7 +118,11 @@ TEST_F(RecordingTimes, FilesWithoutAnIndex) {
   ForEachFormat(
       {.log_time = late},
       [](const Dataset& dataset) {
-        EXPECT_THAT(dataset.Notes(), ElementsAre(HasSubstr("were read to find the messages")));
+        // Bags end with their index, of which the cut leaves a part.
+        const Notes notes = dataset.Notes();
+        EXPECT_EQ(notes.warnings.size() + notes.remarks.size(), 1U);
+        EXPECT_THAT((notes.remarks.empty() ? notes.warnings : notes.remarks).at(0),
+                    HasSubstr("were read to find the messages"));
         ExpectAllFrames(dataset);
       },
       20);
@@ -134,13 +143,14 @@ TEST_F(RecordingTimes, StampsThatAreZeroOrConstant) {
     const auto constant = [&](uint16_t, int, int64_t) { return stamp_ns; };
     ForEachFormat({.stamp = constant}, [&](const Dataset& dataset) {
       ExpectAllFrames(dataset);
-      EXPECT_THAT(dataset.Notes(), ElementsAre(AllOf(HasSubstr("header stamps of /cam0/image_raw "),
-                                                     HasSubstr(reason), HasSubstr("their log times"))));
+      EXPECT_THAT(dataset.Notes().warnings,
+                  ElementsAre(AllOf(HasSubstr("header stamps of /cam0/image_raw "), HasSubstr(reason),
+                                    HasSubstr("times at which they were logged"))));
     });
     const auto right = [&](uint16_t channel, int, int64_t t_ns) { return channel == test::kRight ? stamp_ns : t_ns; };
     ForEachFormat({.stamp = right}, [&](const Dataset& dataset) {
       ExpectAllFrames(dataset);
-      EXPECT_THAT(dataset.Notes(),
+      EXPECT_THAT(dataset.Notes().warnings,
                   ElementsAre(AllOf(HasSubstr("header stamps of /cam1/image_raw "), HasSubstr(reason))));
     });
   }
@@ -151,9 +161,10 @@ TEST_F(RecordingTimes, SomeStampsThatAreZero) {
   ForEachFormat({.stamp = first}, [](const Dataset& dataset) {
     ASSERT_EQ(dataset.size(), kFrames - 2);
     EXPECT_EQ(dataset.Read(0).right.at<uint8_t>(5, 7), test::TinyPixel(2, 1, 7, 5));
-    EXPECT_THAT(dataset.Notes(), ElementsAre("2 messages of /cam0/image_raw skipped: the header stamp is zero",
-                                             "2 messages of /cam1/image_raw skipped: the header stamp is zero",
-                                             "2 messages of /ground_truth skipped: the header stamp is zero"));
+    EXPECT_THAT(dataset.Notes().warnings,
+                ElementsAre("2 messages of /cam0/image_raw passed over: the header stamp is zero",
+                            "2 messages of /cam1/image_raw passed over: the header stamp is zero",
+                            "2 messages of /ground_truth passed over: the header stamp is zero"));
   });
 }
 
@@ -162,8 +173,8 @@ TEST_F(RecordingTimes, TruthWithoutStamps) {
   const auto log = [](uint16_t, int, int64_t t_ns) { return t_ns + 111 * kSecond; };
   ForEachFormat({.log_time = log, .stamp = stamp}, [](const Dataset& dataset) {
     ExpectAllFrames(dataset);
-    EXPECT_THAT(dataset.Notes(), ElementsAre(AllOf(HasSubstr("header stamps of /ground_truth are all zero"),
-                                                   HasSubstr("plus the -111.000000000 s"))));
+    EXPECT_THAT(dataset.Notes().warnings, ElementsAre(AllOf(HasSubstr("header stamps of /ground_truth are all zero"),
+                                                            HasSubstr("plus the -111.000000000 s"))));
   });
 }
 
@@ -173,7 +184,7 @@ TEST_F(RecordingTimes, StampsOfTwoClocks) {
   };
   ForEachFormat({.stamp = stamp}, [](const Dataset& dataset) {
     ExpectAllFrames(dataset);
-    EXPECT_THAT(dataset.Notes(),
+    EXPECT_THAT(dataset.Notes().warnings,
                 ElementsAre(AllOf(HasSubstr("no header stamp of /cam0/image_raw is near one of /cam1"),
                                   HasSubstr("1.000000000 s and 1001.000000000 s"))));
   });
@@ -190,26 +201,88 @@ TEST_F(RecordingTimes, StampsThatGoBack) {
       ASSERT_EQ(dataset.Read(i).left.at<uint8_t>(5, 7), test::TinyPixel(frame, 0, 7, 5));
       ASSERT_EQ(dataset.Read(i).right.at<uint8_t>(5, 7), test::TinyPixel(frame, 1, 7, 5));
     }
-    EXPECT_THAT(dataset.Notes().at(0), HasSubstr("header stamps of /cam0/image_raw go back by 0.450000000 s at "
-                                                 "2.900000000 s because a clock was set"));
-    EXPECT_EQ(dataset.Notes().at(1), "5 messages of /cam0/image_raw skipped: not later than the previous ones");
+    EXPECT_THAT(dataset.Notes().warnings.at(0),
+                HasSubstr("header stamps of /cam0/image_raw go back by 0.450000000 s at "
+                          "2.900000000 s, since a clock was set"));
+    EXPECT_EQ(dataset.Notes().warnings.at(1),
+              "5 messages of /cam0/image_raw passed over: not later than the ones before");
   });
 }
 
 TEST_F(RecordingTimes, StampsThatGoBackBeforeTheBegin) {
   const auto stamp = [](uint16_t, int frame, int64_t t_ns) { return frame < 10 ? t_ns + 3600 * kSecond : t_ns; };
+  ForEachFile({.stamp = stamp}, [](const std::string& path) {
+    EXPECT_THAT(test::ErrorOf([&] { OpenDataset(path, ""); }),
+                AllOf(HasSubstr("go back by 3599.900000000 s at 3601.900000000 s, since a clock was set"),
+                      HasSubstr("10 images from 3601.000000000 s to 3601.900000000 s (part=1), 30 images from "
+                                "2.000000000 s to 4.900000000 s (part=2)")));
+    for (const int part : {1, 2}) {
+      const auto dataset = OpenDataset(fmt::format("{}?part={}", path, part), "");
+      ASSERT_EQ(dataset->size(), part == 1 ? 10 : 30);
+      for (int i = 0; i < dataset->size(); ++i) {
+        const int frame = part == 1 ? i : 10 + i;
+        EXPECT_EQ(dataset->t_ns(i), kSecond + 100 * kMs * frame + (part == 1 ? 3600 * kSecond : 0));
+        EXPECT_EQ(dataset->Read(i).left.at<uint8_t>(5, 7), test::TinyPixel(frame, 0, 7, 5));
+        EXPECT_EQ(dataset->Read(i).right.at<uint8_t>(5, 7), test::TinyPixel(frame, 1, 7, 5));
+        ASSERT_TRUE(dataset->GroundTruth(i));
+        EXPECT_EQ(dataset->GroundTruth(i)->translation(), Eigen::Vector3d(frame, 0, 0));
+      }
+      EXPECT_TRUE(dataset->Notes().warnings.empty());
+      EXPECT_THAT(dataset->Notes().remarks, ElementsAre(HasSubstr(fmt::format("part {} of 2 is played", part))));
+    }
+    EXPECT_THAT(test::ErrorOf([&] { OpenDataset(path + "?part=3", ""); }), HasSubstr("part=3: it has 2 parts"));
+    EXPECT_THAT(test::ErrorOf([&] { OpenDataset(path + "?part=b", ""); }), HasSubstr("part=b: is no number from 1"));
+  });
+}
+
+TEST_F(RecordingTimes, StampsThatJumpForward) {
+  const auto stamp = [](uint16_t, int frame, int64_t t_ns) { return frame < 20 ? t_ns : t_ns + 3600 * kSecond; };
   ForEachFormat({.stamp = stamp}, [](const Dataset& dataset) {
     ASSERT_EQ(dataset.size(), kFrames);
-    EXPECT_EQ(dataset.Read(0).left.at<uint8_t>(5, 7), test::TinyPixel(10, 0, 7, 5));
-    EXPECT_THAT(dataset.Notes().at(0), HasSubstr("go back by 3599.900000000 s at 3601.900000000 s"));
+    for (int i = 0; i < kFrames; ++i) {
+      EXPECT_EQ(dataset.Read(i).left.at<uint8_t>(5, 7), test::TinyPixel(i, 0, 7, 5));
+    }
+    EXPECT_THAT(
+        dataset.Notes().warnings,
+        testing::Contains("header stamps of /cam0/image_raw jump forward by 3600.100000000 s at 2.900000000 s, but "
+                          "the messages were logged 0.100000000 s apart: a clock was set"));
   });
+}
+
+TEST_F(RecordingTimes, PausedRecordingHasNoWarning) {
+  const auto paused = [](uint16_t, int frame, int64_t t_ns) { return frame < 20 ? t_ns : t_ns + 60 * kSecond; };
+  ForEachFormat({.log_time = paused, .stamp = paused}, [](const Dataset& dataset) {
+    EXPECT_EQ(dataset.size(), kFrames);
+    EXPECT_TRUE(dataset.Notes().warnings.empty());
+    EXPECT_THAT(dataset.Notes().remarks,
+                testing::Contains("/cam0/image_raw has no messages for 60.100000000 s after 2.900000000 s"));
+  });
+}
+
+TEST_F(RecordingTimes, FewMessagesOfAnotherTimeAreSkipped) {
+  for (const int first : {0, 7, 38}) {
+    for (const int64_t off_s : {-900, 900}) {
+      SCOPED_TRACE(fmt::format("frame {}, {} s", first, off_s));
+      const auto stamp = [&](uint16_t, int frame, int64_t t_ns) {
+        return frame == first || frame == first + 1 ? t_ns + (off_s + 1000) * kSecond : t_ns + 1000 * kSecond;
+      };
+      ForEachFormat({.stamp = stamp}, [&](const Dataset& dataset) {
+        if (first == 7) {
+          EXPECT_EQ(dataset.size(), kFrames - 2);
+        }
+        for (int i = 1; i < dataset.size(); ++i) EXPECT_LT(dataset.t_ns(i - 1), dataset.t_ns(i));
+        EXPECT_FALSE(dataset.Notes().warnings.empty());
+      });
+    }
+  }
 }
 
 TEST_F(RecordingTimes, MessagesWithTheStampOfAnotherOne) {
   const auto stamp = [](uint16_t, int frame, int64_t t_ns) { return frame == 8 ? t_ns - 100 * kMs : t_ns; };
   ForEachFormat({.stamp = stamp}, [](const Dataset& dataset) {
     EXPECT_EQ(dataset.size(), kFrames - 1);
-    EXPECT_EQ(dataset.Notes().at(0), "1 message of /cam0/image_raw skipped: another one has the same time");
+    EXPECT_EQ(dataset.Notes().warnings.at(0),
+              "1 message of /cam0/image_raw passed over: another one has the same time");
   });
 }
 
@@ -244,7 +317,7 @@ TEST_F(RecordingTimes, LargeRecordingsHaveTheSameTimes) {
     const std::string path = (folder.path() / format.name).string();
     format.make(path, {.n_frames = kManyFrames, .log_time = log});
     const auto dataset = OpenDataset(path, "");
-    EXPECT_THAT(dataset->Notes(), IsEmpty());
+    EXPECT_TRUE(dataset->Notes().empty());
     ASSERT_EQ(dataset->size(), kManyFrames);
     for (int i = 0; i < kManyFrames; ++i) {
       ASSERT_EQ(dataset->t_ns(i), kSecond + 100 * kMs * i);

@@ -76,7 +76,7 @@ TEST_F(SlamSettingsFile, UnrectifiedStellaSettings) {
   EXPECT_THAT(error("k1: 0.0", "k1: -0.28"), AllOf(HasSubstr(":9: Camera.k1 = -0.28"), HasSubstr("StereoRectifier")));
   EXPECT_THAT(error("perspective", "fisheye"), HasSubstr("Camera.model 'fisheye' is not perspective"));
   EXPECT_THAT(error("perspective", "equirectangular"), HasSubstr("'equirectangular' is not perspective"));
-  EXPECT_THAT(error("setup: stereo", "setup: monocular"), HasSubstr("'monocular' is not stereo"));
+  EXPECT_THAT(error("setup: stereo", "setup: monocular"), HasSubstr("'monocular' is neither stereo nor RGBD"));
 }
 
 TEST_F(SlamSettingsFile, ZedRotationOfItsResolution) {
@@ -114,8 +114,8 @@ TEST_F(SlamSettingsFile, TwoCamerasOfThree) {
                                    std::pair(first + pair, "cam1 and cam2 are used as the stereo pair, cam0 is")}) {
     const ForeignCalibration read = ReadForeignCalibration({Write("three.yaml", text)}, kSize);
     ExpectTheRig(read.rig, note);
-    ASSERT_EQ(read.notes.size(), 1U) << note;
-    EXPECT_THAT(read.notes[0], HasSubstr(note));
+    ASSERT_EQ(read.notes.remarks.size(), 1U) << note;
+    EXPECT_THAT(read.notes.remarks[0], HasSubstr(note));
   }
   std::string alike =
       kalibr + Replaced(Replaced(third, "[600, 600, 320, 240]", "[459, 458, 336, 188]"), "640, 480", "672, 376");
@@ -155,7 +155,7 @@ TEST_F(SlamSettingsFile, LensesOfOtherPrograms) {
   EXPECT_DOUBLE_EQ(ReadForeignCalibration({plain}, {}).rig.baseline_m, 0.537);
   const std::string typed =
       Write("pl.yaml", Replaced(RigCalled("pl_slam.yaml").files[0].text, "cam_bl: 0.125", "cam_bl: 0.13"));
-  EXPECT_THAT(ReadForeignCalibration({typed}, {}).notes,
+  EXPECT_THAT(ReadForeignCalibration({typed}, {}).notes.warnings,
               testing::ElementsAre(HasSubstr("cam_bl = 0.13 is not the length 0.125000 of t")));
 }
 

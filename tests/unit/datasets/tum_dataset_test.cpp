@@ -82,7 +82,8 @@ TEST_F(TumDataset, ImagesWithoutPartnerWithin20MsAreReported) {
   test::ReplaceText(folder_ / "depth.txt", "1305031102.280000", "1305031102.295400");
   const auto dataset = OpenTumDataset(folder_.string());
   EXPECT_EQ(dataset->size(), 2);
-  EXPECT_THAT(dataset->Notes(), ElementsAre(HasSubstr("1 colour images"), HasSubstr("1 depth maps")));
+  EXPECT_THAT(dataset->Notes().warnings, ElementsAre(HasSubstr("1 of 3 colour images has no partner within 20 ms"),
+                                                     HasSubstr("1 of 3 depth maps")));
 }
 
 TEST_F(TumDataset, CameraByNameOrFile) {
@@ -129,8 +130,8 @@ TEST_F(TumDataset, BadListsAreNamedWithTheirLine) {
   EXPECT_THAT(OpenError(), AllOf(HasSubstr(At("depth.txt")), HasSubstr("within 20 ms")));
   test::WriteText(folder_ / "rgb.txt", good);
   test::ReplaceText(folder_ / "groundtruth.txt", "0 0 0 1\n", "0 0 0 1 7\n");
-  EXPECT_THAT(OpenTumDataset(folder_.string())->Notes(),
-              testing::Contains(AllOf(HasSubstr(At("groundtruth.txt") + ":2: "), HasSubstr("skipped"))));
+  EXPECT_THAT(OpenTumDataset(folder_.string())->Notes().warnings,
+              testing::Contains(AllOf(HasSubstr(At("groundtruth.txt") + ":2: "), HasSubstr("passed over"))));
 }
 
 TEST_F(TumDataset, RealSequence) {

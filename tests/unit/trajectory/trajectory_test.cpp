@@ -118,7 +118,7 @@ TEST(Trajectory, ErrorsNameFileLineAndValue) {
 /// The poses that remain of a truth with bad rows, and its notes.
 struct Kept {
   std::vector<int64_t> t_s;
-  std::vector<std::string> notes;
+  Notes notes;
 };
 
 Kept KeptOf(const std::string& path, std::optional<TrajectoryFormat> format = std::nullopt) {
@@ -133,14 +133,13 @@ TEST(TruthRows, BadRowsAreSkippedWithOneNote) {
   const std::string pose = " 0 0 0 0 0 0 1\n";
   const Kept twice = KeptOf(folder.Write("t", "1" + pose + "2" + pose + "2 9 0 0 0 0 0 1\n3" + pose));
   EXPECT_THAT(twice.t_s, testing::ElementsAre(1, 2, 3));
-  EXPECT_THAT(
-      twice.notes,
-      testing::ElementsAre(HasSubstr(
-          "t:3: time 2000000000 ns is not after the 2000000000 ns of the previous row; 1 of 4 rows is skipped")));
+  EXPECT_THAT(twice.notes.warnings,
+              testing::ElementsAre(HasSubstr("t:3: time 2000000000 ns is not after the 2000000000 ns of the "
+                                             "row before; 1 of 4 rows is passed over")));
   EXPECT_EQ(ReadTrajectoryFile(folder.Path("t"), {}, BadRows::kPassOver).poses[1].T_a_b.translation().x(), 0.0);
   const Kept nan = KeptOf(folder.Write("t", "1" + pose + "2 nan nan nan nan nan nan nan\n3 0 0\n4" + pose));
   EXPECT_THAT(nan.t_s, testing::ElementsAre(1, 4));
-  EXPECT_THAT(nan.notes,
+  EXPECT_THAT(nan.notes.warnings,
               testing::ElementsAre(HasSubstr("t:2: 'nan' is not a finite number; 2 of 4 rows are passed")));
   EXPECT_TRUE(KeptOf(folder.Write("t", "1" + pose)).notes.empty());
 }
@@ -150,7 +149,7 @@ TEST(TruthRows, FutureTimeSkipsOneRow) {
   const std::string pose = " 0 0 0 0 0 0 1\n";
   const Kept late = KeptOf(folder.Write("t", "1" + pose + "900" + pose + "2" + pose + "3" + pose));
   EXPECT_THAT(late.t_s, testing::ElementsAre(1, 2, 3));
-  EXPECT_THAT(late.notes, testing::ElementsAre(HasSubstr("t:2: time 900000000000 ns is out of order")));
+  EXPECT_THAT(late.notes.warnings, testing::ElementsAre(HasSubstr("t:2: time 900000000000 ns is out of order")));
   const Kept swapped = KeptOf(folder.Write("t", "1" + pose + "3" + pose + "2" + pose + "4" + pose));
   EXPECT_EQ(swapped.t_s.size(), 3U);
 }
@@ -178,7 +177,7 @@ TEST(TruthRows, CommasWithSecondsAreOfTum) {
          {std::optional<TrajectoryFormat>(), std::optional(TrajectoryFormat::kEuroc)}) {
       const TrajectoryFile file = ReadTrajectoryFile(folder.Write("t", rows), format, BadRows::kRefuse);
       EXPECT_EQ(file.format, TrajectoryFormat::kTum) << rows;
-      EXPECT_THAT(file.notes, note) << rows;
+      EXPECT_THAT(file.notes.remarks, note) << rows;
       ASSERT_EQ(file.poses.size(), 2U) << rows;
       EXPECT_NEAR(file.poses[0].T_a_b.rotation().w(), 0.8, 1e-12) << rows;
     }

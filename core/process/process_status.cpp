@@ -38,6 +38,12 @@ void AddBusCounters(const BusCounters& c, std::map<std::string, double>* counter
   for (const auto& [name, value] : rows) (*counters)[name] = static_cast<double>(value);
 }
 
+/// The line of bus.prefix in a configuration.
+std::string PrefixLine(const std::string& configuration) {
+  const size_t begin = configuration.find("\n  prefix:");
+  return begin == std::string::npos ? "" : configuration.substr(begin, configuration.find('\n', begin + 1) - begin);
+}
+
 double NowUtc_s() {
   return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
@@ -81,6 +87,8 @@ ProcessIdentity StatusPublisher::Identity() const {
 
 /// The start of the other is computed from its status, as others compute ours.
 void StatusPublisher::OnStatus(const status_t& other) {
+  // Robots that share a map hear the statuses of its prefix, too.
+  if (PrefixLine(other.configuration) != PrefixLine(bus_configuration_)) return;
   if (!on_older_ || other.process != process_ || other.state == process_state::kStopping ||
       other.state == process_state::kFailed)
     return;

@@ -26,6 +26,13 @@ TEST(NamesakeWatch, LastStatusOfAnExitedProcessIsNoProof) {
   EXPECT_EQ(watch.OnStatus(Identity(1, 60.0), Identity(2, 0.02), 5.01), Action::kNone);
 }
 
+TEST(NamesakeWatch, CopiesOfAMessageAreNoProof) {
+  NamesakeWatch watch(2);
+  for (int i = 0; i < 50; ++i) {
+    EXPECT_EQ(watch.OnStatus(Identity(1, 900.0), Identity(2, 60.0 + i), 5.0 + i), Action::kNone) << i;
+  }
+}
+
 TEST(NamesakeWatch, OlderProcessRepliesToAStartingOne) {
   NamesakeWatch watch(1);
   EXPECT_EQ(watch.OnStatus(Identity(2, 0.01), Identity(1, 60.0), 5.0), Action::kReply);

@@ -107,7 +107,7 @@ TEST_F(Service, SecondProcessOfANameRefusesToStart) {
   Child second = Spawn("vo_process", {}, "second.log");
   EXPECT_EQ(CodeOf(*second), 1);
   EXPECT_THAT(Log("second.log"),
-              HasSubstr("another vo runs on this bus: process " + std::to_string(children_["vo"]->pid())));
+              HasSubstr("another vo is running on this bus: process " + std::to_string(children_["vo"]->pid())));
   EXPECT_THAT(Log("second.log"), HasSubstr("--prefix"));
   EXPECT_FALSE(children_["vo"]->Poll()) << "the first one continues";
   Child other = Spawn("vo_process", {"--prefix", "two/"}, "other.log");
@@ -116,7 +116,7 @@ TEST_F(Service, SecondProcessOfANameRefusesToStart) {
 
   // A run beside it fails at its start, and names the process.
   EXPECT_EQ(Order({"run", kRoom, "--out", File("out2"), "--quiet"}), 1);
-  EXPECT_THAT(Log("order.log"), HasSubstr("another vo runs on this bus"));
+  EXPECT_THAT(Log("order.log"), HasSubstr("another vo is running on this bus"));
 }
 
 TEST_F(Service, ExistingFilesAreNotReplaced) {

@@ -72,7 +72,7 @@ TEST(NamesakeWatch, ExactlyOneOfTwoStartedTogetherYields) {
 
 TEST(NamesakeWatch, SentenceNamesTheProcess) {
   EXPECT_EQ(NamesakeWatch::Sentence("vo", Identity(7, 12.4)),
-            "another vo runs on this bus: process 107 on robot, for 12 s");
+            "another vo is running on this bus: process 107 on robot, for 12 s");
 }
 
 }  // namespace

@@ -48,6 +48,7 @@
 #include "plslam/track_line_t.hpp"
 #include "plslam/track_point_t.hpp"
 #include "plslam/tracks_t.hpp"
+#include "plslam/warning_t.hpp"
 #include "plslam/withdrawn_t.hpp"
 
 namespace plslam::bus::test {
@@ -77,7 +78,7 @@ const auto& Table() {
               map_request_t, map_totals_t, map_update_t, mask_t, moved_keyframe_t, point_feature_t, polygon_t,
               pose3_t, pose_t, range_t, rectified_camera_t, relocalisation_t, repair_request_t, robot_motion_t,
               same_landmarks_t, observation_t, stage_t, status_t, stream_t, track_line_t, track_point_t, tracks_t,
-              withdrawn_t>();
+              warning_t, withdrawn_t>();
   return table;
 }
 

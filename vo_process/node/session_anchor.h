@@ -22,16 +22,17 @@ class SessionAnchor {
     if (state_ != State::kAnchored) state_ = connected ? State::kAnchored : State::kUnanchored;
   }
 
-  /// After each frame: whether it was lost, whether a relocalisation has moved the session, and whether odometry has
+  /// After each frame: whether it was lost, whether it was found by a relocalisation, and whether odometry has
   /// lost its place. Returns whether the frame has no place in the map.
-  bool OnFrame(int64_t t_ns, bool lost, bool jumped, bool odometry_unanchored) {
-    if (jumped && state_ == State::kUnanchored) state_ = State::kAnchored;
+  bool OnFrame(int64_t t_ns, bool lost, bool relocalised, bool odometry_unanchored) {
+    if (relocalised && state_ == State::kUnanchored) state_ = State::kAnchored;
     const bool unanchored = odometry_unanchored || state_ == State::kUnanchored;
     if (lost || !unanchored) t_ns_ = t_ns;
     return unanchored;
   }
 
   State state() const { return state_; }
+  bool is_anchored() const { return state_ == State::kAnchored; }
   /// Time of the newest frame that had a place or was lost; of the first frame before that.
   int64_t t_ns() const { return t_ns_; }
   /// Whether the camera has been without a place for a short time only. Requests end then: the map may not have the

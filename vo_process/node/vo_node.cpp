@@ -236,29 +236,29 @@ void VoNode::OnMap() {
   const int64_t oldest = awaited ? *awaited : map_->adopted_keyframe_id() + 1;
   const bool takes_effect = odometry_ && (awaited || !session_.lockstep) && map_->Has(oldest);
   if (session_.map_instance == 0) session_.map_instance = map_->map_instance();
-  if (takes_effect && session_.anchor.state() != SessionAnchor::State::kAnchored) {
-    session_.anchor.OnMap(map_->IsConnected());
-  }
   // In lockstep the first keyframe of a map is awaited for its anchor alone.
-  const bool adopts = oldest > 0 || !session_.lockstep || map_->HasOthers();
-  if (takes_effect && adopts) map_->Adopt(*odometry_);
+  if (takes_effect) AdoptMap(oldest > 0 || !session_.lockstep || map_->HasOthers());
   if (awaited && !takes_effect) return;
   map_->wait().End();
   ProcessWaiting();
 }
 
+void VoNode::AdoptMap(bool landmarks) {
+  if (!session_.anchor.is_anchored()) session_.anchor.OnMap(map_->IsConnected());
+  if (landmarks) map_->Adopt(*odometry_);
+}
+
 /// Whether T_w_odom is known. In localisation-only mode no keyframe tells.
 bool VoNode::IsAnchored() const {
-  if (!map_) return true;
-  if (IsLocaliseOnly()) return odometry_->is_in_map() && !odometry_->is_unanchored();
-  return session_.anchor.state() == SessionAnchor::State::kAnchored && !odometry_->is_unanchored();
+  const bool is_in_map = !map_ || (IsLocaliseOnly() ? odometry_->is_in_map() : session_.anchor.is_anchored());
+  return is_in_map && !(map_ && odometry_->is_unanchored());
 }
 
 /// In lockstep the map with the previous keyframe takes effect when this keyframe has been made.
 void VoNode::AwaitMap(int64_t keyframe_id) {
   if (!map_ || !session_.lockstep || keyframe_id == 0) return;
   if (!map_->Has(keyframe_id - 1)) return map_->wait().Begin(keyframe_id - 1, bus::NowS());
-  map_->Adopt(*odometry_);
+  AdoptMap(true);
 }
 
 void VoNode::BeginSession() {
@@ -376,7 +376,8 @@ void VoNode::NoteAnchor(const Frame& frame, const OdometryResult& result) {
   if (result.jumped || (result.state == TrackingState::kRecovered && !odometry_->is_unanchored()))
     relocalisation_.Cancel();
   const bool lost = StateOf(result) == TrackingState::kLost;
-  const bool unanchored = session_.anchor.OnFrame(frame.images.t_ns, lost, result.jumped, odometry_->is_unanchored());
+  const bool unanchored =
+      session_.anchor.OnFrame(frame.images.t_ns, lost, result.relocalised, odometry_->is_unanchored());
   if (unanchored && !IsLocaliseOnly()) report_.Count(kFramesUnanchored, 1);
 }
 
@@ -413,7 +414,8 @@ void VoNode::RequestRelocalisation(const Frame& frame, const OdometryResult& res
 /// Keyframes made since the camera became unanchored say nothing new about its place.
 bool VoNode::IsIndependentOfTracker(const Map& map, int64_t keyframe_id) const {
   const MapKeyframe* keyframe = map.FindKeyframe(keyframe_id);
-  return keyframe == nullptr || keyframe->session != session_.id || keyframe->t_ns <= session_.anchor.t_ns();
+  if (keyframe == nullptr || keyframe->session != session_.id) return true;
+  return session_.anchor.is_anchored() && keyframe->t_ns <= session_.anchor.t_ns();
 }
 
 void VoNode::OnRelocalisation(const relocalisation_t& message) {

@@ -83,6 +83,7 @@ class VoNode {
   void OnStream(const stream_t& message);
   void OnStatus(const status_t& message);
   void OnMap();
+  void AdoptMap(bool landmarks);
   bool IsAnchored() const;
   void AwaitAnchor(const Keyframe& first);
   bool IsLocaliseOnly() const;

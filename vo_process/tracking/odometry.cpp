@@ -301,6 +301,7 @@ void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, 
     landmarks_.Create(alignment.T_odom_c, frame);
   }
   T_odom_c_ = alignment.T_odom_c;
+  result.relocalised = tracked.reference == Reference::kRelocalised;
   result.jumped = tracked.reference == Reference::kPreviousLocalMap || tracked.reference == Reference::kRelocalised;
   result.n_moving = bodies_.CountFeatures(frame);
   LearnMotion(tracked, dt_s, covariance_before, result);

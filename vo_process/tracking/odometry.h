@@ -50,6 +50,8 @@ struct OdometryResult {
   /// one.
   SE3 T_prev_c;
   bool jumped = false;
+  /// Whether the frame was found where a relocalisation said.
+  bool relocalised = false;
   /// Includes errors that frames have in common (`MotionUncertainty`).
   Matrix6d motion_covariance = Matrix6d::Zero();
   double entropy_ratio = 0.0;

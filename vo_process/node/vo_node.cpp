@@ -76,11 +76,7 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
 /// The state is for the next start, except after an exception, which the same state might cause again.
 VoNode::~VoNode() {
   KeepLearned();
-  if (std::uncaught_exceptions() > 0) {
-    checkpoint_.Drop();
-  } else {
-    checkpoint_.Release();
-  }
+  std::uncaught_exceptions() > 0 ? checkpoint_.Drop() : checkpoint_.Release();
 }
 
 void VoNode::OnCamera(const RigCalibration& rig) {
@@ -366,8 +362,7 @@ StereoFeatures VoNode::NoFeatures(const StereoImages& images) {
 
 /// Published state: in localisation-only mode a camera without a known place in the map is lost.
 TrackingState VoNode::StateOf(const OdometryResult& result) const {
-  const bool placed = !IsLocaliseOnly() || (odometry_->is_in_map() && !odometry_->is_unanchored());
-  return placed ? result.state : TrackingState::kLost;
+  return !IsLocaliseOnly() || IsAnchored() ? result.state : TrackingState::kLost;
 }
 
 /// Cancels an open request after a jump, because its result concerns the pose before. While the camera is unanchored,

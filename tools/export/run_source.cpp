@@ -40,8 +40,10 @@ void CheckIsMapOfRun(const RunSource& source) {
   if (!summary.is_object() || !summary.contains("sessions") || !summary["sessions"].is_array()) return;
   const nlohmann::json::json_pointer localises("/configuration/mapping/mapping/localise_only");
   if (summary["sessions"].empty() || (summary.contains(localises) && summary[localises] == true)) return;
-  const bool is_of_run = std::ranges::any_of(source.map->sessions, [&](const auto& session) {
-    return std::ranges::find(summary["sessions"], std::to_string(session.first)) != summary["sessions"].end();
+  const nlohmann::json& sessions = summary["sessions"];
+  const bool is_of_run = std::any_of(sessions.begin(), sessions.end(), [&](const nlohmann::json& session) {
+    const auto of_map = [&](const auto& entry) { return session == std::to_string(entry.first); };
+    return std::ranges::any_of(source.map->sessions, of_map);
   });
   if (is_of_run) return;
   throw std::runtime_error(fmt::format(

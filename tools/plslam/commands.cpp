@@ -155,8 +155,8 @@ void AddFileOrder(CLI::App* app, Command* command, const OrderRow& row, const ch
   sub->footer(fmt::format("Example:\n  plslam {} out/house.plmap --url udpm://239.255.76.67:7667?ttl=0", row.verb));
   sub->callback([=] {
     *command = [options, row] {
-      const std::string file = std::filesystem::absolute(options->argument).string();
-      return GiveOrder(row, (options->force ? command_verb::kForce : "") + file, options->common);
+      const std::string target = std::filesystem::absolute(options->argument).string();
+      return GiveOrder(row, (options->force ? command_verb::kForce : "") + target, options->common);
     };
   });
 }

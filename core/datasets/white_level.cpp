@@ -25,7 +25,7 @@ int WhiteLevelOf(int n_frames, const std::function<int(int frame)>& largest, Not
   }
   const int white = WhiteLevel(most);
   if (white < kWhiteOf16Bits) {
-    notes->Remark(fmt::format("its images of 16 bits have values up to {}, as of {} bits: {} is taken as white", most,
+    notes->Remark(fmt::format("its 16-bit images have values up to {}, as with {} bits: {} is mapped to white", most,
                               std::bit_width(static_cast<unsigned>(white)), white));
   }
   return white;

@@ -189,26 +189,6 @@ TEST(Resources, InterruptAfterTheLastFrame) {
   EXPECT_THAT(HalfWritten(run.out()), testing::IsEmpty());
 }
 
-TEST(Resources, TwoProcessesOfOneNameAreReported) {
-  const WholeRun folder;
-  const RunWatcher watcher;
-  const auto start = [&](const char* log) {
-    return std::make_unique<launcher::ChildProcess>(
-        test::BinaryFolder() / "vo_process", std::vector<std::string>{"--url", watcher.url()}, folder.folder() / log);
-  };
-  const auto first = start("first.log"), second = start("second.log");
-  EXPECT_TRUE(watcher.WaitFor([](const Heard& heard) {
-    return heard.status.contains("vo") &&
-           heard.status.at("vo").reason.find("another vo is running on this bus: process ") == 0;
-  }));
-  const auto told = [&] {
-    return Sentences(ReadFile(folder.folder() / "first.log"), "another vo is running") == 1 &&
-           Sentences(ReadFile(folder.folder() / "second.log"), "another vo is running") == 1;
-  };
-  EXPECT_TRUE(WholeRun::WaitFor(told)) << "once each";
-  EXPECT_FALSE(first->Poll() || second->Poll()) << "both run on";
-}
-
 TEST(Resources, PortOfTheRelayInUseIsOneSentence) {
   WholeRun first, second;
   first.Start({"relay", "--port", "0"});

@@ -125,7 +125,7 @@ Arguments CommonArguments(const RunOptions& options) {
 }
 
 constexpr ProcessRow kTable[] = {
-    {kRecorder, "plslam", "records all traffic in an LCM event log (--record)", Supervisor::Ending::kDispensable,
+    {kRecorder, "plslam", "records all traffic in an LCM event log (--record)", Supervisor::Ending::kWritesAtTheEnd,
      false, Recorded, kFirst, RecorderArguments},
     {kViewer, "viewer_headless", "progress, trajectories, map file and pictures", Supervisor::Ending::kWritesAtTheEnd,
      false, Always, kDrawsPictures, ViewerArguments},

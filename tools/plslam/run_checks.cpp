@@ -82,13 +82,13 @@ void CheckFilesToWrite(const RunOptions& options) {
     CheckWritable(option, file);
     CheckIsNot(option, file, FileOfLocation(options.dataset));
     CheckIsNot(option, file, options.config_file);
+    if (file == options.record) CheckIsNot(option, file, options.map);
     // A map may be saved over the one that the run continues: it is replaced when it is complete.
     const bool continues = file == options.save_map && AreSame(file, options.map);
     if (options.force || continues || !std::filesystem::exists(file)) continue;
     throw std::runtime_error(
         fmt::format("{} {}: exists already; give another name, or --force to replace it", option, file.string()));
   }
-  if (!options.record.empty()) CheckIsNot("--record", options.record, options.map);
 }
 
 void ReadConfiguration(RunOptions* options) {

@@ -122,7 +122,6 @@ void RunSession::Tick() {
   const auto now = Clock::now();
   ReportReadiness(now);
   supervisor_.Tick(now);
-  ReportLosses();
   if (phase_ != Phase::kStopping && !supervisor_.failed().empty()) CheckFailed(now);
   if (!accepted_) CheckAccepted();
   if (phase_ == Phase::kStarting) CheckStarted(now);
@@ -300,17 +299,7 @@ void RunSession::EndStop() {
     reason_ = Joined(reason_, supervisor_.failure());
     completed_ = false;
   }
-  for (const std::string& loss : supervisor_.losses()) {
-    reason_ = Joined(reason_, loss);
-    completed_ = false;
-  }
   bus_.Stop();
-}
-
-void RunSession::ReportLosses() {
-  for (; n_losses_ < supervisor_.losses().size(); ++n_losses_) {
-    progress_line_.PrintSentence(fmt::format("warning: {}; the run continues", supervisor_.losses()[n_losses_]));
-  }
 }
 
 void RunSession::ShowProgress(Clock::time_point now) {

@@ -68,7 +68,6 @@ class RunSession {
   bool HasMap() const;
   /// Returns the reason why an interrupted run has no map to save.
   std::string LackOfMap() const;
-  void ReportLosses();
   bool MapperHasMap() const;
   bool HasResult() const { return completed_ || (interrupted_ && !lacks_map_); }
   void ReportRestart(const std::string& name, const std::string& how, int restart);
@@ -90,7 +89,6 @@ class RunSession {
   Clock::time_point playing_since_;
   StallWatch stall_watch_;
   std::string reason_;
-  size_t n_losses_ = 0;  ///< reported ones
   bool completed_ = false;
   bool interrupted_ = false;
   bool lacks_map_ = false;  ///< it was to be saved, and is not yet

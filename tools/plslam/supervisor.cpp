@@ -11,14 +11,6 @@
 #include "core/process/process_signals.h"
 
 namespace plslam::launcher {
-namespace {
-
-bool Writes(Supervisor::Ending ending) {
-  return ending == Supervisor::Ending::kWritesAtTheEnd || ending == Supervisor::Ending::kDispensable;
-}
-
-}  // namespace
-
 Supervisor::Supervisor(Options options) : options_(std::move(options)) {}
 
 void Supervisor::Start(const std::string& name, const std::string& executable,
@@ -87,7 +79,7 @@ void Supervisor::Tick(TimePoint now) {
 
 void Supervisor::ShortenDeadline(Child* child, TimePoint now) const {
   const auto waited = now - *stopping_since_;
-  const bool writes = Writes(child->ending);
+  const bool writes = child->ending == Ending::kWritesAtTheEnd;
   const auto patience = writes ? options_.patience_with_writers : options_.patience;
   if (!child->process || child->signal == SIGKILL || waited <= patience) return;
   child->process->Signal(SIGKILL);
@@ -107,7 +99,7 @@ bool Supervisor::ExitedNormally(const Child& child, const ChildExit& end) const 
   if (!stopping_since_) return child.ending == Ending::kMayEnd && end.code == 0;
   // A killed process has not written its results, unless it had not even begun. Other processes have nothing left to
   // write.
-  const bool lacks_files = Writes(child.ending) && child.ready;
+  const bool lacks_files = child.ending == Ending::kWritesAtTheEnd && child.ready;
   const bool killed = end.signal == SIGKILL || (end.signal != 0 && end.signal == child.signal);
   return end.code == 0 || (killed && !lacks_files);
 }
@@ -138,17 +130,11 @@ void Supervisor::HandleExit(Child* child, const ChildExit& end, TimePoint now) {
 
 /// Only the first failure is reported: others often follow from it.
 void Supervisor::Fail(const Child& child, pid_t pid) {
-  const bool dispensable = child.ending == Ending::kDispensable && child.ready;
-  if (!failure_.empty() && !dispensable) return;
+  if (!failure_.empty()) return;
   const int signal = child.report.exit_signal;
   const std::string how = signal != 0 && signal == child.signal
                               ? fmt::format("was killed ({}) while it stopped", bus::SignalName(signal))
                               : ExitText({.code = child.report.exit_code.value_or(0), .signal = signal});
-  if (dispensable) {
-    const std::string why = LastLine(LogOf(child.name));
-    losses_.push_back(child.name + " " + how + (why.empty() ? "" : ": " + why));
-    return;
-  }
   failure_ = child.name + " " + how;
   failed_ = child.name;
   failed_pid_ = pid;
@@ -180,7 +166,7 @@ void Supervisor::Stop(TimePoint now) {
   stopping_since_ = now;
   for (Child& child : children_) {
     // A crashed process that waits for its restart will not write its results.
-    if (child.start_at && Writes(child.ending)) Fail(child, -1);
+    if (child.start_at && child.ending == Ending::kWritesAtTheEnd) Fail(child, -1);
     Order(&child);
   }
 }

@@ -64,9 +64,6 @@ class Supervisor {
     /// Must run until stopped, and then still writes the results of the run, which may take long. If a signal ended it,
     /// it is restarted; an error of its own (a full disk) fails the run, since it would recur.
     kWritesAtTheEnd,
-    /// As kWritesAtTheEnd, but the run goes on without it after an error of its own: a robot needs its poses more than
-    /// its recording.
-    kDispensable,
   };
 
   explicit Supervisor(Options options);
@@ -86,8 +83,6 @@ class Supervisor {
   std::string failure() const;
   /// Name of the process that failed.
   const std::string& failed() const { return failed_; }
-  /// Failures of dispensable processes, each with its reason.
-  const std::vector<std::string>& losses() const { return losses_; }
 
   /// Commands one process to stop, and does not restart it.
   void Interrupt(const std::string& name);
@@ -133,7 +128,6 @@ class Supervisor {
   std::vector<Child> children_;
   std::string failure_;  ///< without the reason
   std::string failed_;
-  std::vector<std::string> losses_;
   pid_t failed_pid_ = -1;
   std::optional<TimePoint> stopping_since_;
 };

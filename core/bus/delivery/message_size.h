@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 namespace plslam::bus {
@@ -26,7 +27,7 @@ class MessageSize {
   /// not before.
   bool OnLost(int64_t n, int64_t now) {
     lost_ += n;
-    if (IsSmall(now) || lost_ < kLeastLost || kOneIn * lost_ <= sent_) return false;
+    if (IsSmall(now) || lost_ < kLeastLost || !IsMany()) return false;
     percent_ = std::min<int64_t>(100, 100 * lost_ / std::max<int64_t>(sent_, 1));
     small_until_ = now + period_;
     period_ = std::min(2 * period_, kLongest);
@@ -44,6 +45,12 @@ class MessageSize {
   static constexpr int64_t kMemory = 400;
   static constexpr int64_t kFirst = 30'000'000'000;
   static constexpr int64_t kLongest = 3'600'000'000'000;
+
+  /// More than one in twenty, by three standard deviations: a datagram here and there costs less than many small ones.
+  bool IsMany() const {
+    const double usual = static_cast<double>(sent_) / kOneIn;
+    return static_cast<double>(lost_) > usual + 3.0 * std::sqrt(usual);
+  }
 
   int64_t sent_ = 0;
   int64_t lost_ = 0;

@@ -39,7 +39,7 @@ constexpr std::array<OtherSettings, 12> kOtherSettings = {
       "is in plslam's own format already, and names other files by `from`: give those, or use it as the camera.yaml "
       "beside the images"},
      {{"model_type", "projection_parameters"},
-      "is of one camera (camodocal): give the settings of VINS-Fusion that name both by cam0_calib and cam1_calib"},
+      "is for one camera (camodocal): give the settings of VINS-Fusion that name both by cam0_calib and cam1_calib"},
      {{"rotation_matrix", "translation_matrix"},
       "is the pose of the pair in RTAB-Map's calibration: give the files of its cameras, NAME_left.yaml and "
       "NAME_right.yaml"},

@@ -46,7 +46,7 @@ Location TakeApart(const std::string& location) {
     static const std::set<std::string> kKnown{"left", "right", "truth", "camera", "part"};
     if (!kKnown.contains(key) || key.size() == option.size()) {
       throw DatasetError(
-          fmt::format("{}: '{}' is none of left=TOPIC, right=TOPIC, truth=TOPIC, camera=FILE, part=NUMBER",
+          fmt::format("{}: '{}' is not one of left=TOPIC, right=TOPIC, truth=TOPIC, camera=FILE, part=NUMBER",
                       parts.file, Shown(option)));
     }
     parts.options[key] = option.substr(key.size() + 1);
@@ -266,7 +266,7 @@ class RecordingDataset : public Dataset {
   }
 
   RigCalibration RecordedRig() {
-    constexpr const char* kRemedy = "name a camera file (docs/datasets.md), FILE?camera=camera.yaml";
+    constexpr const char* kRemedy = "give a camera file (docs/datasets.md), FILE?camera=camera.yaml";
     try {
       const RosCameraInfo left = CameraInfoOf(left_.topic), right = CameraInfoOf(right_.topic);
       const auto [left_size, right_size] = ImageSizes();

@@ -73,7 +73,7 @@ TEST_F(CameraInfoFile, CameraInfoOfBinnedImagesAndOfAPart) {
   EXPECT_THAT(ErrorOf([&] {
                 read(binned, {320, 240});
               }),
-              HasSubstr("of 672 x 376 pixels (336 x 188 with its binning and region of interest), but the images "
+              HasSubstr("for 672 x 376 pixels (336 x 188 with its binning and region of interest), but the images "
                         "have 320 x 240"));
   EXPECT_THAT(ErrorOf([&] { read("roi: {x_offset: 400, y_offset: 0, height: 200, width: 400}\n", {}); }),
               HasSubstr("is not within its 672 x 376 pixels"));

@@ -222,7 +222,7 @@ TEST_F(EurocDataset, BadSensorFilesAreNamedWithTheirLine) {
                          Row{", 1.8e-05]", "]", ":15: distortion_coefficients", "has 3 numbers"},
                          Row{"intrinsics:", "intrinsic:", ":2: intrinsics", "is missing"},
                          Row{"rate_hz: 20", "rate_hz: [20", ":11: ", ""},
-                         Row{"rate_hz: 20", "resolution: 20", ":11: key 'resolution'", "twice"}}) {
+                         Row{"rate_hz: 20", "resolution: 20", ":11: key 'resolution'", "is repeated"}}) {
     test::WriteText(sensor, good);
     test::ReplaceText(sensor, row.from, row.to);
     const std::string error = OpenError();

@@ -246,7 +246,7 @@ TEST_F(ImagesDataset, TenBitsInSixteenAreStretched) {
   const auto dataset = OpenImagesDataset(folder_.string());
   EXPECT_TRUE(dataset->Notes().warnings.empty());
   EXPECT_THAT(dataset->Notes().remarks,
-              testing::ElementsAre(HasSubstr("values up to 1020, as of 10 bits: 1023 is taken as")));
+              testing::ElementsAre(HasSubstr("values up to 1020, as with 10 bits: 1023 is mapped to")));
   for (int i = 0; i < 3; ++i) {
     const int part = i == 0 ? 8 : 1;
     EXPECT_NEAR(dataset->Read(i).left.at<uint8_t>(2, 1), test::TinyPixel(i, 0, 1, 2) / part, 1) << i;

@@ -39,7 +39,8 @@ TEST(OpenDataset, ErrorsNameTheKnownFormats) {
   EXPECT_THAT(
       ErrorOf([&] { OpenDataset(folder.path().string(), ""); }),
       AllOf(HasSubstr(folder.path().string()), HasSubstr("kitti: calib.txt"), HasSubstr("images: camera.yaml")));
-  EXPECT_THAT(ErrorOf([] { OpenDataset("/nowhere/at/all", ""); }), HasSubstr("/nowhere/at/all: there is no such"));
+  EXPECT_THAT(ErrorOf([] { OpenDataset("/nowhere/at/all", ""); }),
+              HasSubstr("/nowhere/at/all: the dataset does not exist"));
   EXPECT_THAT(ErrorOf([&] { OpenDataset(folder.path().string(), "rosbag"); }),
               AllOf(HasSubstr("'rosbag'"), HasSubstr("kitti, euroc, tum, images")));
   EXPECT_THAT(ErrorOf([] { OpenDataset("/nowhere/at/all", "euroc"); }), HasSubstr("/nowhere/at/all"));

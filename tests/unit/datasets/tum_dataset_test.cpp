@@ -131,7 +131,7 @@ TEST_F(TumDataset, BadListsAreNamedWithTheirLine) {
   test::WriteText(folder_ / "rgb.txt", good);
   test::ReplaceText(folder_ / "groundtruth.txt", "0 0 0 1\n", "0 0 0 1 7\n");
   EXPECT_THAT(OpenTumDataset(folder_.string())->Notes().warnings,
-              testing::Contains(AllOf(HasSubstr(At("groundtruth.txt") + ":2: "), HasSubstr("passed over"))));
+              testing::Contains(AllOf(HasSubstr(At("groundtruth.txt") + ":2: "), HasSubstr("skipped"))));
 }
 
 TEST_F(TumDataset, RealSequence) {

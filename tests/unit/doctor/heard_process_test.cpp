@@ -98,7 +98,7 @@ TEST(HeardProcess, FailuresLossAndClocks) {
   EXPECT_EQ(Complaints(p), "");
   p.counters = {{"bus.rejected", 3}};
   p.reason = "3 messages rejected: another key";
-  EXPECT_THAT(Complaints(p), HasSubstr("says: 3 messages rejected"));
+  EXPECT_THAT(Complaints(p), HasSubstr("reports: 3 messages rejected"));
   p = Vo();
   p.clock_ahead_s = -2.5;
   EXPECT_THAT(Complaints(p), HasSubstr("the clock of robot differs by -2.50 s from that of this host"));

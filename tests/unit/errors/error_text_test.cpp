@@ -78,7 +78,7 @@ TEST(SentenceOf, ThreadsAndMemoryNameTheLimitAndItsCommand) {
 TEST(WithMemoryFor, NamesTheTooLargeObject) {
   const auto too_much = [] { return WithMemoryFor("room.plmap: 3000 MB", []() -> int { throw std::bad_alloc(); }); };
   EXPECT_THAT(too_much, testing::ThrowsMessage<std::runtime_error>(
-                            testing::StartsWith("room.plmap: 3000 MB: memory is not enough")));
+                            testing::StartsWith("room.plmap: 3000 MB: not enough memory")));
   EXPECT_EQ(WithMemoryFor("x", [] { return 3; }), 3);
   const auto other = [] { return WithMemoryFor("x", []() -> int { throw std::invalid_argument("y"); }); };
   EXPECT_THROW(other(), std::invalid_argument);

@@ -282,7 +282,7 @@ TEST_F(SupervisorTest, OwnStopSignalFailsOnlyReadyWriters) {
     const char* failure;
   };
   for (const Row& row : {Row{Ending::kRestart, true, ""}, Row{Ending::kWritesAtTheEnd, false, ""},
-                         Row{Ending::kWritesAtTheEnd, true, "a was cut off (SIGUSR1) while it stopped"}}) {
+                         Row{Ending::kWritesAtTheEnd, true, "a was killed (SIGUSR1) while it stopped"}}) {
     Script("sleeper", "exec sleep 100");
     Supervisor supervisor = Make();
     supervisor.Start("a", "sleeper", {}, row.ending);

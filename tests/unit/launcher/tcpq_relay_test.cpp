@@ -225,7 +225,7 @@ TEST(ChannelPattern, MatchesWholeNames) {
 TEST(MulticastWorks, ReportsTheReason) {
   std::string reason;
   EXPECT_FALSE(MulticastWorks("udpm://127.0.0.1:7667", &reason));
-  EXPECT_NE(reason.find("is no multicast group"), std::string::npos) << reason;
+  EXPECT_NE(reason.find("is not a multicast group"), std::string::npos) << reason;
   EXPECT_FALSE(MulticastWorks("tcpq://127.0.0.1:7700", &reason));
   EXPECT_TRUE(MulticastWorks(test::PrivateUrl(), &reason)) << reason;
 }

@@ -242,30 +242,30 @@ TEST_P(Correction, InvalidClosureLeavesTheMapUnchanged) {
   const std::vector<Refusal> refusals = {
       {[](LoopClosure& c) { c.poses[5].keyframe_id = 100'000; }, "100000"},
       {[](LoopClosure& c) { c.poses[0].keyframe_id = -1; }, "-1"},
-      {[](LoopClosure& c) { std::swap(c.poses[3], c.poses[4]); }, "ascend"},
+      {[](LoopClosure& c) { std::swap(c.poses[3], c.poses[4]); }, "ascending"},
       {[&](LoopClosure& c) {
          c.poses[7].T_w_kf = SE3::FromUnit({1, 0, 0, 0}, {0, nan, 0});
        },
-       "no pose"},
+       "is invalid"},
       {[](LoopClosure& c) {
          c.poses[7].T_w_kf = SE3::FromUnit({1, 0, 0, 0}, {0, 1e300, 0});
        },
-       "no pose"},
+       "is invalid"},
       {[](LoopClosure& c) {
          c.poses[7].T_w_kf = SE3::FromUnit({0, 0, 0, 0}, {0, 0, 0});
        },
-       "no pose"},
+       "is invalid"},
       {[](LoopClosure& c) {
          c.poses[7].T_w_kf = SE3::FromUnit({2, 0, 0, 0}, {0, 0, 0});
        },
-       "no pose"},
-      {[](LoopClosure& c) { c.edges.clear(); }, "without edges"},
+       "is invalid"},
+      {[](LoopClosure& c) { c.edges.clear(); }, "has no edges"},
       {[](LoopClosure& c) { c.edges[0].keyframe_id = 5'000; }, "5000"},
       {[](LoopClosure& c) { c.edges[0].keyframe_id = c.edges[0].old_keyframe_id; }, "between"},
       {[&](LoopClosure& c) {
          c.edges[0].T_old_kf = SE3::FromUnit({nan, 0, 0, 0}, {0, 0, 0});
        },
-       "no pose"},
+       "is invalid"},
       {[](LoopClosure& c) { c.edges[0].covariance.setZero(); }, "covariance"},
       {[&](LoopClosure& c) { c.edges[0].covariance(2, 2) = nan; }, "covariance"},
       {[](LoopClosure& c) {

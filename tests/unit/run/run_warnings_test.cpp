@@ -50,6 +50,8 @@ TEST(RunWarnings, ConditionsOfEachRow) {
        "none of the 50 frames was tracked (50 init"},
       {"little_tracked", [](RunFindings& f) { f.frames = {.tracked = 12, .initialising = 100, .lost = 8}; },
        "only 12 of 120 frames were tracked (10.0 %; 100 initialising, 8 lost)"},
+      {"not_in_map", [](RunFindings& f) { f.frames_unanchored = 58; },
+       "58 of 100 frames were not recognised in the map"},
       {"few_stereo_matches", [](RunFindings& f) { f.points_matched = 800; },
        "only 1.0 % of the points of the left ones: left and right may be exchanged, not taken at the same time, or "
        "badly calibrated; check with `plslam rectify-check '/data/kitti 03'`"},

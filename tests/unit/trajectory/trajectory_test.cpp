@@ -99,7 +99,7 @@ TEST(Trajectory, ErrorsNameFileLineAndValue) {
   const auto error = [&](const std::string& content) { return ErrorOf(folder.Write("t", content)); };
   const std::string row = "1 0 0 0 0 0 0 1\n";
   EXPECT_EQ(error(row), "");
-  EXPECT_THAT(error("1 2 3\n"), HasSubstr("t:1: 3 numbers do not match any"));
+  EXPECT_THAT(error("1 2 3\n"), HasSubstr("t:1: 3 numbers fit none"));
   EXPECT_THAT(error(row + "2 0 0 0 0 0 0\n"), HasSubstr("t:2: 7 numbers, but a row of the TUM format has 8"));
   EXPECT_THAT(error(row + "# x\n2 0 nan 0 0 0 0 1\n"), HasSubstr("t:3: 'nan' is not a finite number"));
   EXPECT_THAT(error(row + "2 0 1m 0 0 0 0 1\n"), HasSubstr("t:2: '1m'"));
@@ -135,12 +135,12 @@ TEST(TruthRows, BadRowsAreSkippedWithOneNote) {
   EXPECT_THAT(twice.t_s, testing::ElementsAre(1, 2, 3));
   EXPECT_THAT(twice.notes.warnings,
               testing::ElementsAre(HasSubstr("t:3: time 2000000000 ns is not after the 2000000000 ns of the "
-                                             "row before; 1 of 4 rows is passed over")));
+                                             "previous row; 1 of 4 rows is skipped")));
   EXPECT_EQ(ReadTrajectoryFile(folder.Path("t"), {}, BadRows::kPassOver).poses[1].T_a_b.translation().x(), 0.0);
   const Kept nan = KeptOf(folder.Write("t", "1" + pose + "2 nan nan nan nan nan nan nan\n3 0 0\n4" + pose));
   EXPECT_THAT(nan.t_s, testing::ElementsAre(1, 4));
   EXPECT_THAT(nan.notes.warnings,
-              testing::ElementsAre(HasSubstr("t:2: 'nan' is not a finite number; 2 of 4 rows are passed")));
+              testing::ElementsAre(HasSubstr("t:2: 'nan' is not a finite number; 2 of 4 rows are skipped")));
   EXPECT_TRUE(KeptOf(folder.Write("t", "1" + pose)).notes.empty());
 }
 
@@ -168,7 +168,7 @@ TEST(TruthRows, PosesOfKittiKeepTheirNumbers) {
 
 TEST(TruthRows, CommasWithSecondsAreOfTum) {
   const ScratchFolder folder;
-  const auto note = testing::ElementsAre(HasSubstr("in seconds: reading as TUM's t,tx,ty,tz,qx,qy,qz,qw"));
+  const auto note = testing::ElementsAre(HasSubstr("in seconds: read as TUM's t,tx,ty,tz,qx,qy,qz,qw"));
   const std::string end = ",1,2,3,0,0,0.6,0.8\n";
   for (const std::string& rows :
        {"1621218775.0" + end + "1621218776.0" + end, "1621218775" + end + "1621218776" + end,

@@ -206,7 +206,7 @@ TEST(Outputs, ImpossibleFolderIsNamed) {
   EXPECT_THAT([&] { PrepareOutputFolder(file + "/out"); },
               testing::ThrowsMessage<std::runtime_error>(HasSubstr("file/out: the folder cannot be created: ")));
   EXPECT_THAT([&] { PrepareOutputFolder("/proc/plslam"); },
-              testing::ThrowsMessage<std::runtime_error>(HasSubstr("/proc/plslam: cannot be ")));
+              testing::ThrowsMessage<std::runtime_error>(HasSubstr("/proc/plslam: the folder cannot be ")));
 }
 
 TEST(Outputs, FullDiskIsReportedAndLeavesNoPartialFile) {

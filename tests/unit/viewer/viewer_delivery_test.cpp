@@ -75,7 +75,7 @@ TEST_F(ViewerDelivery, UnwritableFileIsReportedOthersAreWritten) {
   }
   EXPECT_EQ(states_.back(), "failed");
   const std::string log = testing::internal::GetCapturedStderr();
-  EXPECT_THAT(log, testing::HasSubstr("viewer: error: " + Out("trajectory.tum") + ": cannot be renamed: "));
+  EXPECT_THAT(log, testing::HasSubstr("viewer: error: " + Out("trajectory.tum") + ": cannot be put in place: "));
   EXPECT_THAT(log, testing::EndsWith("\n"));
   EXPECT_EQ(ReadTrajectory(Out("trajectory.kitti")).size(), 1u);
   EXPECT_TRUE(std::filesystem::exists(Out("poses.csv")));

@@ -76,7 +76,7 @@ TEST_F(TrackerStateFile, TruncatedAndMissingFilesAreNamed) {
   EXPECT_THAT([this] { ReadTrackerState(path_); }, ThrowsMessage<std::runtime_error>(HasSubstr(path_)));
   WriteTrackerState(path_, SomeState());
   std::filesystem::resize_file(path_, std::filesystem::file_size(path_) - 1);
-  EXPECT_THAT([this] { ReadTrackerState(path_); }, ThrowsMessage<std::runtime_error>(HasSubstr("cut off")));
+  EXPECT_THAT([this] { ReadTrackerState(path_); }, ThrowsMessage<std::runtime_error>(HasSubstr("truncated")));
 }
 
 }  // namespace

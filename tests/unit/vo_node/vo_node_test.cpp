@@ -255,7 +255,8 @@ TEST_F(VoNodeTest, LocaliseOnlyRestartsInAReplacedMap) {
   const int64_t session = ShowNext(0).header.session;
   EXPECT_EQ(ShowNext(1).header.session, session);
   MapUpdate other = WholeMap(Map());
-  other.version = other.map_instance = 2;
+  other.version = 2;
+  other.map_instance = 3;
   other.localise_only = true;
   PublishUpdate(other);
   int64_t next = session;

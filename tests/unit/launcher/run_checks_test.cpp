@@ -49,7 +49,9 @@ TEST(FilesToWrite, InputFileIsNotOverwritten) {
   options.record = folder.Path("./a.lcm");
   EXPECT_THAT(WhyNot(options), HasSubstr("this run reads that file and would overwrite it"));
   options.record = folder.Write("old.lcm", "another");
-  EXPECT_EQ(WhyNot(options), "") << "an old recording is replaced";
+  EXPECT_THAT(WhyNot(options), HasSubstr("exists already"));
+  options.force = true;
+  EXPECT_EQ(WhyNot(options), "");
   options.map = options.record;
   EXPECT_NE(WhyNot(options), "");
   options.record.clear();

@@ -261,7 +261,7 @@ TEST_P(Correction, InvalidClosureLeavesTheMapUnchanged) {
        "is invalid"},
       {[](LoopClosure& c) { c.edges.clear(); }, "has no edges"},
       {[](LoopClosure& c) { c.edges[0].keyframe_id = 5'000; }, "5000"},
-      {[](LoopClosure& c) { c.edges[0].keyframe_id = c.edges[0].old_keyframe_id; }, "between"},
+      {[](LoopClosure& c) { c.edges[0].keyframe_id = c.edges[0].old_keyframe_id; }, "its loop joins"},
       {[&](LoopClosure& c) {
          c.edges[0].T_old_kf = SE3::FromUnit({nan, 0, 0, 0}, {0, 0, 0});
        },

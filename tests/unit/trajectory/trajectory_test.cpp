@@ -191,7 +191,7 @@ TEST(TruthRows, CommasWithSecondsAreOfTum) {
   EXPECT_EQ(ReadTrajectoryFile(folder.Write("t", "1403715274312143104" + end), {}, BadRows::kRefuse).format,
             TrajectoryFormat::kEuroc);
   EXPECT_THAT(ErrorOf(folder.Write("t", "1621218775.5,1,2,3,0,0,0.6,0.8,0,0,0\n")),
-              HasSubstr("t:1: time '1621218775.5' is in seconds, but the EuRoC format uses nanoseconds"));
+              HasSubstr("t:1: time '1621218775.5' is in seconds, but in nanoseconds in the EuRoC format"));
 }
 
 TEST(Trajectory, TimesFileMustMatchThePoses) {

@@ -4,6 +4,8 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "core/datasets/dataset.h"
 #include "core/stream/frame_source.h"
@@ -37,6 +39,7 @@ class DatasetSource : public stream::FrameSource {
   std::mutex mutex_;  // of making and stopping `loader_`
   std::optional<FrameLoader> loader_;
   bool stopped_ = false;
+  std::vector<std::string> warned_;  // of the notes of reading
 };
 
 }  // namespace plslam::player

@@ -155,7 +155,7 @@ void ImageSource::OnPair(const Pair& pair) {
   if (!rig_) return;
   if (pair.first.t_ns == last_t_ns_) throw DatasetError("has the stamp of the one before");
   const cv::Size size(rig_->left.width_px, rig_->left.height_px);
-  UseWhiteLevel(std::max(LargestWideValue(pair.first, size), LargestWideValue(pair.second, size)));
+  UseWhiteLevel(std::max(BrightWideValue(pair.first, size), BrightWideValue(pair.second, size)));
   StereoImages images;
   images.t_ns = pair.first.t_ns;
   images.left = GreyOf(pair.first, size, white_);

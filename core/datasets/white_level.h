@@ -10,16 +10,16 @@
 
 namespace plslam {
 
-/// Bright values of the images of a pair (`BrightWideValue` in core/io/images/image_file.h), 0 for 8-bit images. `right`
-/// is that of `left` if it is a depth map.
+/// Bright values of the images of a pair (`BrightWideValue` in core/io/images/image_file.h), 0 for 8-bit images.
+/// `right` is that of `left` if it is a depth map.
 struct BrightValues {
   int left = 0, right = 0;
 };
 
 /// Returns the white level of a sequence of `n_frames` pairs (`WhiteLevel` in core/io/images/image_file.h), one for all
 /// frames and both cameras: that of the brightest of 16 pairs, spread over all of it. `bright_of` returns the values of
-/// a pair; after a pair of 8-bit images no other pair is read, and a pair for which it throws is skipped. If the level is
-/// less than 16 bits, `notes` says so. Throws DatasetError if one image of a pair has 8 bits and the other 16.
+/// a pair; after a pair of 8-bit images no other pair is read, and a pair for which it throws is skipped. If the level
+/// is less than 16 bits, `notes` says so. Throws DatasetError if one image of a pair has 8 bits and the other 16.
 int WhiteLevelOf(int n_frames, const std::function<BrightValues(int frame)>& bright_of, Notes* notes);
 
 /// Counts the frames with more than hot pixels above the white level. May be used by several threads.

@@ -24,8 +24,8 @@ struct RosPixels {
 std::string PixelEncodingComplaint(const std::string& encoding);
 
 /// Returns grey pixels: the luma of YUV, Bayer patterns by OpenCV's demosaicing, all others as in `GreyPixels`. `white`
-/// is the white level of 16 bits, and `clipped`, if given, becomes the part of the pixels above. Throws DatasetError if the encoding is unknown, the image is not of the size
-/// `expected`, or bytes are missing.
+/// is the white level of 16 bits, and `clipped`, if given, becomes the part of the pixels above. Throws DatasetError if
+/// the encoding is unknown, the image is not of the size `expected`, or bytes are missing.
 cv::Mat GreyOfRosPixels(const RosPixels& image, const cv::Size& expected, int white, double* clipped = nullptr);
 
 /// Returns the bright value of 16-bit pixels (image_file.h), at least 1; 0 for others. Throws like `GreyOfRosPixels`.

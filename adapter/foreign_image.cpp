@@ -69,9 +69,9 @@ cv::Mat GreyOf(const ForeignImage& image, const cv::Size& expected, int white) {
   return DecodeGreyImage("the file in it", image.bytes, {expected.width, expected.height}, white);
 }
 
-int LargestWideValue(const ForeignImage& image, const cv::Size& expected) {
-  if (!image.encoding.empty()) return plslam::LargestWideValue(PixelsOf(image), expected);
-  return plslam::LargestWideValue("the file in it", image.bytes, {expected.width, expected.height});
+int BrightWideValue(const ForeignImage& image, const cv::Size& expected) {
+  if (!image.encoding.empty()) return plslam::BrightWideValue(PixelsOf(image), expected);
+  return plslam::BrightWideValue("the file in it", image.bytes, {expected.width, expected.height});
 }
 
 }  // namespace plslam::adapter

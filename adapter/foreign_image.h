@@ -28,6 +28,6 @@ std::string EncodingOfPixelFormat(int32_t pixelformat);
 cv::Mat GreyOf(const ForeignImage& image, const cv::Size& expected, int white);
 
 /// Returns the largest value of 16-bit pixels, at least 1; 0 for others. Throws like `GreyOf`.
-int LargestWideValue(const ForeignImage& image, const cv::Size& expected);
+int BrightWideValue(const ForeignImage& image, const cv::Size& expected);
 
 }  // namespace plslam::adapter

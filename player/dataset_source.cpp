@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/datasets/camera_file.h"
 #include "core/datasets/open_dataset.h"
@@ -88,7 +89,16 @@ int64_t DatasetSource::Begin(const std::optional<stream::ResumePoint>& behind) {
   return behind ? std::max<int64_t>(0, skipped - behind->frame_id - 1) : 0;
 }
 
-std::optional<LoadedFrame> DatasetSource::Next() { return loader_ ? loader_->Next() : std::nullopt; }
+std::optional<LoadedFrame> DatasetSource::Next() {
+  std::optional<LoadedFrame> frame = loader_ ? loader_->Next() : std::nullopt;
+  // The first finding of a kind, and, after the last frame, its count.
+  const std::vector<std::string> warnings = dataset_->NotesOfReading().warnings;
+  if (warnings.size() > warned_.size() || (!frame && warnings != warned_)) {
+    for (const std::string& warning : warnings) spdlog::warn("{}: {}", dataset_->name(), warning);
+    warned_ = warnings;
+  }
+  return frame;
+}
 
 void DatasetSource::Stop() {
   const std::scoped_lock lock(mutex_);

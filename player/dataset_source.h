@@ -41,6 +41,7 @@ class DatasetSource : public stream::FrameSource {
   std::mutex mutex_;  // of making and stopping `loader_`
   std::optional<FrameLoader> loader_;
   bool stopped_ = false;
+  std::vector<std::string> warned_;  // of the notes of reading
 };
 
 }  // namespace plslam::player

@@ -155,7 +155,7 @@ void ImageSource::OnPair(const Pair& pair) {
   if (!rig_) return;
   if (pair.first.t_ns == last_t_ns_) throw DatasetError("has the same stamp as the previous one");
   const cv::Size size(rig_->left.width_px, rig_->left.height_px);
-  UseWhiteLevel(std::max(LargestWideValue(pair.first, size), LargestWideValue(pair.second, size)));
+  UseWhiteLevel(std::max(BrightWideValue(pair.first, size), BrightWideValue(pair.second, size)));
   StereoImages images;
   images.t_ns = pair.first.t_ns;
   images.left = GreyOf(pair.first, size, white_);
@@ -169,7 +169,7 @@ void ImageSource::UseWhiteLevel(int largest) {
   has_white_ = true;
   white_ = WhiteLevel(largest);
   if (white_ < kWhiteOf16Bits) {
-    spdlog::info("the images of 16 bits have values up to {}: {} is taken as white", largest, white_);
+    spdlog::info("the 16-bit images have values up to {}: {} is mapped to white", largest, white_);
   }
 }
 

@@ -93,7 +93,8 @@ bool Differ(const SE3& a, const SE3& b) {
 /// "x, y, z m, turned by a deg" of a pose.
 std::string PoseText(const SE3& T) {
   constexpr double kDegrees = 180.0 / 3.14159265358979323846;
-  const Eigen::Vector3d& t = T.translation();
+  // Without a sign of zeros.
+  const Eigen::Array3d t = (1e4 * T.translation().array()).round() / 1e4 + 0.0;
   return fmt::format("at {:.4f}, {:.4f}, {:.4f} m, turned by {:.2f} deg", t.x(), t.y(), t.z(),
                      kDegrees * T.Log().tail<3>().norm());
 }

@@ -39,6 +39,8 @@ class Dataset {
   virtual bool HasRecordedTruth() const { return false; }
   /// Returns what opening has found ("3 images of cam0 have no partner in cam1").
   virtual plslam::Notes Notes() const { return {}; }
+  /// Returns what `Read` has found so far: values above the white level. The sentences change as their counts grow.
+  virtual plslam::Notes NotesOfReading() const { return {}; }
   /// Returns the time that it took to read a whole recording that has no usable index, or is truncated, as a note
   /// reports; 0 for others.
   virtual double scan_s() const { return 0.0; }

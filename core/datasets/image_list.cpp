@@ -53,7 +53,7 @@ void NoteUnpaired(size_t n, size_t n_all, const std::string& what, const std::st
   constexpr double kFewUnpaired = 0.05;
   if (n == 0) return;
   notes->Add(static_cast<double>(n) > kFewUnpaired * static_cast<double>(n_all),
-             fmt::format("{} of {} {} {} no partner {} and {} passed over", n, n_all, what, n == 1 ? "has" : "have",
+             fmt::format("{} of {} {} {} no partner {} and {} skipped", n, n_all, what, n == 1 ? "has" : "have",
                          where, n == 1 ? "is" : "are"));
 }
 
@@ -85,8 +85,13 @@ double MedianDepth(const cv::Mat& depths) {
 class ImageListDataset : public Dataset {
  public:
   explicit ImageListDataset(ImageList list) : list_(std::move(list)) {
-    white_ = WhiteLevelOf(
-        size(), [this](int index) { return LargestValues(index); }, &list_.notes);
+    try {
+      white_ = WhiteLevelOf(
+          size(), [this](int index) { return BrightValuesOf(index); }, &list_.notes);
+    } catch (const DatasetError& error) {
+      throw DatasetError(fmt::format("{}: {}", list_.name, error.what()));
+    }
+    clipped_.emplace(white_);
     if (list_.rig.kind == RigCalibration::Kind::kRgbd) CheckDepths();
   }
 
@@ -102,9 +107,14 @@ class ImageListDataset : public Dataset {
     if (!entry.missing.empty()) throw DatasetError(entry.missing);
     const ImageSize size{list_.rig.left.width_px, list_.rig.left.height_px};
     const bool rgbd = list_.rig.kind == RigCalibration::Kind::kRgbd;
-    return {index, entry.t_ns, ReadGreyImage(entry.left, size, white_),
-            rgbd ? ReadDepthImage(entry.right, size) : ReadGreyImage(entry.right, size, white_)};
+    double left = 0.0, right = 0.0;
+    StereoImages images{index, entry.t_ns, ReadGreyImage(entry.left, size, white_, &left),
+                        rgbd ? ReadDepthImage(entry.right, size) : ReadGreyImage(entry.right, size, white_, &right)};
+    clipped_->Add(index, left, right);
+    return images;
   }
+
+  plslam::Notes NotesOfReading() const override { return clipped_->Report(); }
 
   std::string LeftFile(int index) const override { return Entry(index).left; }
 
@@ -128,13 +138,12 @@ class ImageListDataset : public Dataset {
  private:
   const ImageList::Entry& Entry(int index) const { return list_.entries.at(static_cast<size_t>(index)); }
 
-  /// Returns the largest value of the images of a pair (without depths) if they have 16 bits, else 0.
-  int LargestValues(int index) const {
+  BrightValues BrightValuesOf(int index) const {
     const ImageList::Entry& entry = Entry(index);
     if (!entry.missing.empty()) throw DatasetError(entry.missing);
-    const int left = LargestWideValue(entry.left, list_.image_size);
-    if (left == 0 || list_.rig.kind == RigCalibration::Kind::kRgbd) return left;
-    return std::max(left, LargestWideValue(entry.right, list_.image_size));
+    const int left = BrightWideValue(entry.left, list_.image_size);
+    if (list_.rig.kind == RigCalibration::Kind::kRgbd) return {left, left};
+    return {left, BrightWideValue(entry.right, list_.image_size)};
   }
 
   /// Warns if the depths of the first map are too large for a depth camera.
@@ -160,6 +169,7 @@ class ImageListDataset : public Dataset {
 
   ImageList list_;
   int white_ = kWhiteOf16Bits;
+  mutable std::optional<ClippedFrames> clipped_;
 };
 
 double MedianRate_hz(const std::vector<ImageList::Entry>& entries, double fallback_hz) {

@@ -259,7 +259,7 @@ void LogDataset::KeepFrames(const std::vector<size_t>& places, const std::string
   if (places.size() == frames_.size()) return;
   size_t first_gone = 0;
   while (first_gone < places.size() && places[first_gone] == first_gone) ++first_gone;
-  notes_.Warn("frames passed over, " + why_others_go + ": " + std::to_string(frames_.size() - places.size()) +
+  notes_.Warn("frames skipped, " + why_others_go + ": " + std::to_string(frames_.size() - places.size()) +
               " (the first is frame " + std::to_string(frames_[first_gone].id) + ")");
   std::vector<LogFrame> kept;
   kept.reserve(places.size());

@@ -50,6 +50,7 @@ class ShiftedDataset : public Dataset {
   std::optional<SE3> GroundTruth(int index) const override { return dataset_->GroundTruth(first_ + index); }
   bool HasRecordedTruth() const override { return dataset_->HasRecordedTruth(); }
   plslam::Notes Notes() const override { return dataset_->Notes(); }
+  plslam::Notes NotesOfReading() const override { return dataset_->NotesOfReading(); }
   double scan_s() const override { return dataset_->scan_s(); }
 
  private:

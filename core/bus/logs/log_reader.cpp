@@ -28,7 +28,7 @@ uint32_t Word(const uint8_t* p) { return static_cast<uint32_t>(ReadInt32(p)); }
 LogReader::LogReader(const std::string& path) : fd_(open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
   struct stat status {};
   if (fd_ < 0 || fstat(fd_, &status) != 0 || !S_ISREG(status.st_mode)) {
-    const std::string why = fd_ < 0 ? ReasonOf(errno) : "no regular file";
+    const std::string why = fd_ < 0 ? ReasonOf(errno) : "not a regular file";
     if (fd_ >= 0) close(fd_);
     throw std::runtime_error(path + ": cannot be read: " + why);
   }

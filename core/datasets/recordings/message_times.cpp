@@ -399,7 +399,7 @@ ClockParts PartsByClock(const Messages& messages, MessageClock clock, const std:
 
 Messages InOrderOfTime(Messages messages, MessageClock clock, const std::string& topic, Notes* notes) {
   const auto note = [&](int64_t n, const std::string& reason) {
-    if (n > 0) notes->Warn(fmt::format("{} message{} of {} passed over: {}", n, n == 1 ? "" : "s", topic, reason));
+    if (n > 0) notes->Warn(fmt::format("{} message{} of {} skipped: {}", n, n == 1 ? "" : "s", topic, reason));
   };
   TimedMessages timed = WithTimes(messages, clock);
   note(timed.n_zero, "the header stamp is zero");

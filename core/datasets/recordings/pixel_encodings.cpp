@@ -148,15 +148,15 @@ std::string PixelEncodingComplaint(const std::string& encoding) {
       Shown(encoding));
 }
 
-cv::Mat GreyOfRosPixels(const RosPixels& image, const cv::Size& expected, int white) {
+cv::Mat GreyOfRosPixels(const RosPixels& image, const cv::Size& expected, int white, double* clipped) {
   const Encoding& encoding = EncodingOf(image.encoding);
-  return GreyPixels(Converted(PixelsOf(image, encoding, expected), encoding.conversion), white);
+  return GreyPixels(Converted(PixelsOf(image, encoding, expected), encoding.conversion), white, clipped);
 }
 
-int LargestWideValue(const RosPixels& image, const cv::Size& expected) {
+int BrightWideValue(const RosPixels& image, const cv::Size& expected) {
   const Encoding& encoding = EncodingOf(image.encoding);
   if (CV_MAT_DEPTH(encoding.type) != CV_16U) return 0;
-  return LargestWideValue(PixelsOf(image, encoding, expected));
+  return BrightWideValue(PixelsOf(image, encoding, expected));
 }
 
 }  // namespace plslam

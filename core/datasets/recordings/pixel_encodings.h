@@ -24,11 +24,11 @@ struct RosPixels {
 std::string PixelEncodingComplaint(const std::string& encoding);
 
 /// Returns grey pixels: the luma of YUV, Bayer patterns by OpenCV's demosaicing, all others as in `GreyPixels`. `white`
-/// is the white level of 16 bits. Throws DatasetError if the encoding is unknown, the image is not of the size
-/// `expected`, or bytes are missing.
-cv::Mat GreyOfRosPixels(const RosPixels& image, const cv::Size& expected, int white);
+/// is the white level of 16 bits, and `clipped`, if given, becomes the part of the pixels above. Throws DatasetError if
+/// the encoding is unknown, the image is not of the size `expected`, or bytes are missing.
+cv::Mat GreyOfRosPixels(const RosPixels& image, const cv::Size& expected, int white, double* clipped = nullptr);
 
-/// Returns the largest value of 16-bit pixels, at least 1; 0 for others. Throws like `GreyOfRosPixels`.
-int LargestWideValue(const RosPixels& image, const cv::Size& expected);
+/// Returns the bright value of 16-bit pixels (image_file.h), at least 1; 0 for others. Throws like `GreyOfRosPixels`.
+int BrightWideValue(const RosPixels& image, const cv::Size& expected);
 
 }  // namespace plslam

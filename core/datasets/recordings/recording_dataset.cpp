@@ -8,6 +8,7 @@
 #include <array>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -86,7 +87,8 @@ class RecordingDataset : public Dataset {
     ReadRig(kind);
     ChooseTruth();
     white_ = WhiteLevelOf(
-        size(), [this](int index) { return LargestValues(index); }, &notes_);
+        size(), [this](int index) { return BrightValuesOf(index); }, &notes_);
+    clipped_.emplace(white_);
   }
 
   std::string name() const override { return name_; }
@@ -94,13 +96,18 @@ class RecordingDataset : public Dataset {
   int size() const override { return static_cast<int>(images_.pairs.size()); }
   int64_t t_ns(int index) const override { return TimeOf(*reader_, images_, static_cast<size_t>(index)); }
   plslam::Notes Notes() const override { return notes_; }
+  plslam::Notes NotesOfReading() const override { return clipped_->Report(); }
   double scan_s() const override { return reader_->scan_s(); }
   bool HasRecordedTruth() const override { return !truth_.empty(); }
 
   StereoImages Read(int index) const override {
     try {
       const auto& [left, right] = Pair(index);
-      return {index, t_ns(index), ReadImage(left_, left, rig_.left), ReadImage(right_, right, rig_.right)};
+      double clipped_left = 0.0, clipped_right = 0.0;
+      StereoImages images{index, t_ns(index), ReadImage(left_, left, rig_.left, &clipped_left),
+                          ReadImage(right_, right, rig_.right, &clipped_right)};
+      clipped_->Add(index, clipped_left, clipped_right);
+      return images;
     } catch (const std::runtime_error& error) {
       throw DatasetError(fmt::format("{}: frame {}: {}", name_, index, error.what()));
     }
@@ -113,23 +120,22 @@ class RecordingDataset : public Dataset {
     return images_.pairs.at(static_cast<size_t>(index));
   }
 
-  cv::Mat ReadImage(const RecordedChannel& channel, const RecordedMessage& message,
-                    const CameraCalibration& camera) const {
+  cv::Mat ReadImage(const RecordedChannel& channel, const RecordedMessage& message, const CameraCalibration& camera,
+                    double* clipped) const {
     try {
       return ParseImage(channel.type, reader_->Read(message), EncodingOf(channel),
-                        {camera.width_px, camera.height_px}, white_);
+                        {camera.width_px, camera.height_px}, white_, clipped);
     } catch (const std::runtime_error& error) {
       throw DatasetError(fmt::format("{}: {}", channel.topic, error.what()));
     }
   }
 
-  /// Returns the largest value of the images of a pair if they have 16 bits, else 0.
-  int LargestValues(int index) const {
-    const auto largest = [&](const RecordedChannel& channel, const RecordedMessage& message) {
-      return LargestWideValue(channel.type, reader_->Read(message), EncodingOf(channel),
-                              {rig_.left.width_px, rig_.left.height_px});
+  BrightValues BrightValuesOf(int index) const {
+    const auto bright = [&](const RecordedChannel& channel, const RecordedMessage& message) {
+      return BrightWideValue(channel.type, reader_->Read(message), EncodingOf(channel),
+                             {rig_.left.width_px, rig_.left.height_px});
     };
-    return std::max(largest(left_, Pair(index).first), largest(right_, Pair(index).second));
+    return {bright(left_, Pair(index).first), bright(right_, Pair(index).second)};
   }
 
   const RecordedChannel* Find(const std::string& topic, bool (*fits)(const RecordedChannel&)) const {
@@ -338,6 +344,7 @@ class RecordingDataset : public Dataset {
   RecordedChannel left_, right_;
   ImagePairs images_;
   int white_ = kWhiteOf16Bits;
+  mutable std::optional<ClippedFrames> clipped_;
   RigCalibration rig_;
   RecordedChannel truth_channel_;
   std::vector<RecordedMessage> truth_;

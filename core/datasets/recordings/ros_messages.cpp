@@ -83,21 +83,21 @@ std::string ImageEncoding(std::string_view type, std::span<const uint8_t> messag
 }
 
 cv::Mat ParseImage(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding,
-                   const cv::Size& expected, int white) {
+                   const cv::Size& expected, int white, double* clipped) {
   RosReader reader(message, encoding);
   reader.SkipHeader();
-  if (type == kRosImage) return GreyOfRosPixels(PixelsOf(reader), expected, white);
+  if (type == kRosImage) return GreyOfRosPixels(PixelsOf(reader), expected, white, clipped);
   const auto [name, file] = FileOf(reader);
-  return DecodeGreyImage(name, file, {expected.width, expected.height}, white);
+  return DecodeGreyImage(name, file, {expected.width, expected.height}, white, clipped);
 }
 
-int LargestWideValue(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding,
-                     const cv::Size& expected) {
+int BrightWideValue(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding,
+                    const cv::Size& expected) {
   RosReader reader(message, encoding);
   reader.SkipHeader();
-  if (type == kRosImage) return LargestWideValue(PixelsOf(reader), expected);
+  if (type == kRosImage) return BrightWideValue(PixelsOf(reader), expected);
   const auto [name, file] = FileOf(reader);
-  return LargestWideValue(name, file, {expected.width, expected.height});
+  return BrightWideValue(name, file, {expected.width, expected.height});
 }
 
 ImageSize SizeOfImage(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding) {

@@ -95,13 +95,14 @@ RosCameraInfo ParseCameraInfo(std::span<const uint8_t> message, RosEncoding enco
 /// The encoding of the pixels of an Image; empty for a CompressedImage (`type`).
 std::string ImageEncoding(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding);
 
-/// Grey pixels of an Image or a CompressedImage (`type`); `white` is the white level of 16 bits.
+/// Grey pixels of an Image or a CompressedImage (`type`); `white` is the white level of 16 bits, and
+/// `clipped`, if given, becomes the part of the pixels above.
 cv::Mat ParseImage(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding,
-                   const cv::Size& expected, int white);
+                   const cv::Size& expected, int white, double* clipped = nullptr);
 
-/// The largest value of one with pixels of 16 bits, else 0.
-int LargestWideValue(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding,
-                     const cv::Size& expected);
+/// The bright value of one with pixels of 16 bits (image_file.h), else 0.
+int BrightWideValue(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding,
+                    const cv::Size& expected);
 
 /// Returns the size of an Image or a CompressedImage by its header; no pixel is decoded. 0 x 0 if it has none.
 ImageSize SizeOfImage(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding);

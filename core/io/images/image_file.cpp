@@ -155,8 +155,8 @@ DecodedImage ReadImage(const std::string& path, const ImageSize& expected) {
   return DecodeWhole(path, ReadBytes(path, kMaxFileBytes), expected);
 }
 
-/// round(255 v / white) in integers, at most 255.
-cv::Mat To8Bit(const cv::Mat& wide, int white) {
+/// round(255 v / white) in integers, at most 255. `clipped`, if given, becomes the part of the pixels above.
+cv::Mat To8Bit(const cv::Mat& wide, int white, double* clipped) {
   std::vector<uint8_t> narrow_of(kWhiteOf16Bits + 1);
   for (int v = 0; v <= kWhiteOf16Bits; ++v) {
     narrow_of[static_cast<size_t>(v)] = static_cast<uint8_t>((std::min(v, white) * 255 + white / 2) / white);
@@ -166,6 +166,9 @@ cv::Mat To8Bit(const cv::Mat& wide, int white) {
     const auto* in = wide.ptr<uint16_t>(y);
     auto* out = narrow.ptr<uint8_t>(y);
     for (int x = 0; x < wide.cols; ++x) out[x] = narrow_of[in[x]];
+  }
+  if (clipped != nullptr && white < kWhiteOf16Bits) {
+    *clipped = static_cast<double>(cv::countNonZero(wide > white)) / static_cast<double>(wide.total());
   }
   return narrow;
 }
@@ -181,9 +184,9 @@ cv::Mat CheckedPixels(const std::string& path, const DecodedImage& decoded) {
   return image;
 }
 
-cv::Mat GreyOf(const std::string& path, const DecodedImage& decoded, std::optional<int> white) {
+cv::Mat GreyOf(const std::string& path, const DecodedImage& decoded, std::optional<int> white, double* clipped) {
   const cv::Mat image = CheckedPixels(path, decoded);
-  return GreyPixels(image, white ? *white : WhiteLevel(LargestWideValue(image)));
+  return GreyPixels(image, white ? *white : WhiteLevel(BrightWideValue(image)), clipped);
 }
 
 }  // namespace
@@ -193,43 +196,53 @@ ImageSize ReadImageSize(const std::string& path) {
   return {static_cast<int>(header.width_px), static_cast<int>(header.height_px)};
 }
 
-int WhiteLevel(int largest) {
-  if (largest <= 1) return kWhiteOf16Bits;
+int WhiteLevel(int bright) {
+  if (bright <= 1) return kWhiteOf16Bits;
   int white = 255;
-  while (white < std::min(largest, kWhiteOf16Bits)) white = 4 * white + 3;
+  while (white < std::min(bright, kWhiteOf16Bits)) white = 4 * white + 3;
   return white;
 }
 
-int LargestWideValue(const cv::Mat& image) {
+int BrightWideValue(const cv::Mat& image) {
   if (image.depth() != CV_16U) return 0;
-  double largest = 0.0;
-  cv::minMaxIdx(image.reshape(1), nullptr, &largest);
-  return std::max(1, static_cast<int>(largest));
+  const cv::Mat values = image.reshape(1);
+  std::vector<int> n_of(kWhiteOf16Bits + 1);
+  for (int y = 0; y < values.rows; ++y) {
+    const auto* row = values.ptr<uint16_t>(y);
+    for (int x = 0; x < values.cols; ++x) ++n_of[row[x]];
+  }
+  auto n_brighter = static_cast<int64_t>(kHotPixels * static_cast<double>(values.total()));
+  int bright = kWhiteOf16Bits;
+  while (bright > 1 && n_of[static_cast<size_t>(bright)] <= n_brighter) {
+    n_brighter -= n_of[static_cast<size_t>(bright--)];
+  }
+  return bright;
 }
 
-int LargestWideValue(const std::string& name, std::span<const uint8_t> file, const ImageSize& expected) {
+int BrightWideValue(const std::string& name, std::span<const uint8_t> file, const ImageSize& expected) {
   if (CheckedHeader(name, file).bits <= 8) return 0;
-  return LargestWideValue(CheckedPixels(name, DecodeWhole(name, file, expected)));
+  return BrightWideValue(CheckedPixels(name, DecodeWhole(name, file, expected)));
 }
 
-int LargestWideValue(const std::string& path, const ImageSize& expected) {
-  return LargestWideValue(path, ReadBytes(path, kMaxFileBytes), expected);
+int BrightWideValue(const std::string& path, const ImageSize& expected) {
+  if (CheckedHeader(path, ReadBytes(path, kMaxHeaderBytes)).bits <= 8) return 0;
+  return BrightWideValue(path, ReadBytes(path, kMaxFileBytes), expected);
 }
 
-cv::Mat GreyPixels(const cv::Mat& image, int white) {
+cv::Mat GreyPixels(const cv::Mat& image, int white, double* clipped) {
   cv::Mat grey = image;
   if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
   if (image.channels() == 4) cv::cvtColor(image, grey, cv::COLOR_BGRA2GRAY);
-  return grey.depth() == CV_16U ? To8Bit(grey, white) : grey;
+  return grey.depth() == CV_16U ? To8Bit(grey, white, clipped) : grey;
 }
 
-cv::Mat ReadGreyImage(const std::string& path, const ImageSize& expected, std::optional<int> white) {
-  return GreyOf(path, ReadImage(path, expected), white);
+cv::Mat ReadGreyImage(const std::string& path, const ImageSize& expected, std::optional<int> white, double* clipped) {
+  return GreyOf(path, ReadImage(path, expected), white, clipped);
 }
 
 cv::Mat DecodeGreyImage(const std::string& name, std::span<const uint8_t> file, const ImageSize& expected,
-                        std::optional<int> white) {
-  return GreyOf(name, DecodeWhole(name, file, expected), white);
+                        std::optional<int> white, double* clipped) {
+  return GreyOf(name, DecodeWhole(name, file, expected), white, clipped);
 }
 
 cv::Mat ReadGreyImage(const std::string& path) { return ReadGreyImage(path, ReadImageSize(path)); }

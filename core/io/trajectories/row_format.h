@@ -37,8 +37,8 @@ struct RowFormat {
 /// Finds the format of a file: `format`, or that of its first row. A header that names columns of quaternions, or the
 /// unit of time, has the last word on both. Without it, the unit of rows with commas follows from the steps between
 /// times: seconds are TUM's, nanoseconds EuRoC's; other units have no order of the quaternion, and throw
-/// std::runtime_error, as does a header that the times contradict. Returns nullopt if there are no rows. `notes` reports
-/// what was assumed.
+/// std::runtime_error, as does a header that the times contradict. Returns nullopt if there are no rows. `notes`
+/// reports what was assumed.
 std::optional<RowFormat> FindRowFormat(const std::string& path, std::optional<TrajectoryFormat> format, Notes* notes);
 
 }  // namespace plslam

@@ -22,8 +22,8 @@ struct TableHeader {
   std::optional<std::array<size_t, 4>> quaternion;
 };
 
-/// Returns the last line before the rows that names a quaternion, or else at least eight columns, of which one is a time
-/// with its unit. Throws std::runtime_error if it names a column of the pose twice.
+/// Returns the last line before the rows that names a quaternion, or else at least eight columns, of which one is a
+/// time with its unit. Throws std::runtime_error if it names a column of the pose twice.
 std::optional<TableHeader> ReadTableHeader(const std::string& path);
 
 /// The name of a unit of 10^`decimals` ns: "nanoseconds".

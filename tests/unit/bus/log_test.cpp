@@ -227,7 +227,7 @@ TEST_F(RecordedLog, FramesWithMissingStripsAreSkipped) {
   const auto dataset = OpenLogDataset(folder_ / "holed");
   ASSERT_EQ(dataset->size(), kFrames - 2);
   EXPECT_THAT(dataset->Notes().warnings,
-              testing::ElementsAre("frames passed over, because strips are missing: 3 (the first is frame 3)"));
+              testing::ElementsAre("frames skipped, because strips are missing: 3 (the first is frame 3)"));
   for (int i = 0; i < dataset->size(); ++i) {
     const int id = i + (i >= 3 ? 1 : 0) + (i >= 4 ? 1 : 0);
     EXPECT_TRUE(Equal(dataset->Read(i).left, FrameOf(id).left)) << i;
@@ -256,7 +256,7 @@ TEST_F(RecordedLog, FramesWithNonIncreasingTimesAreSkipped) {
   ASSERT_EQ(far->size(), kFrames - 2);
   EXPECT_THAT(
       far->Notes().warnings,
-      testing::ElementsAre("frames passed over, because their times would not increase: 2 (the first is frame 0)"));
+      testing::ElementsAre("frames skipped, because their times would not increase: 2 (the first is frame 0)"));
   EXPECT_TRUE(Equal(far->Read(0).left, FrameOf(2).left));
   // One impossible time does not discard all later frames.
   const auto wild = with_times("wild", [](int64_t id, int64_t t) { return id == 1 ? t + (int64_t{1} << 60) : t; });

@@ -10,7 +10,7 @@
 namespace plslam {
 namespace {
 
-constexpr int64_t kMs = 1'000'000;
+constexpr int64_t kMillisecond_ns = 1'000'000;
 constexpr int kMessages = 3000;
 
 /// A recording of two topics in chunks that take long to decompress, of two messages each: one of each topic.
@@ -44,7 +44,7 @@ class LargeRecording : public Recording {
   void WillReadBegin(const RecordedMessage&, uint64_t) const override {}
   uint64_t DecompressionCost(uint32_t) const override { return 1 << 20; }
 
-  static int64_t Stamp(int message) { return 1'700'000'000'000'000'000 + 50 * kMs * message; }
+  static int64_t Stamp(int message) { return 1'700'000'000'000'000'000 + 50 * kMillisecond_ns * message; }
   size_t n_chunks_read() const { return chunks_read_.size(); }
 
  private:
@@ -57,7 +57,7 @@ class LargeRecording : public Recording {
 size_t ChunksRead(int64_t (*delay)(int message), int64_t error_ns) {
   const LargeRecording recording(delay);
   std::vector<RecordedMessage> left = recording.Messages("left"), right = recording.Messages("right");
-  ReadStamps(recording, {&left, &right}, 6 * kMs);
+  ReadStamps(recording, {&left, &right}, 6 * kMillisecond_ns);
   for (const auto& messages : {left, right}) {
     for (int i = 0; i < kMessages; ++i) {
       EXPECT_NEAR(static_cast<double>(messages[static_cast<size_t>(i)].stamp_ns - LargeRecording::Stamp(i)), 0.0,
@@ -69,19 +69,25 @@ size_t ChunksRead(int64_t (*delay)(int message), int64_t error_ns) {
 }
 
 TEST(MessageTimes, StampsOfLargeRecordingsFollowFromAFew) {
-  EXPECT_LT(ChunksRead([](int) { return 7 * kMs; }, 0), 50U);
-  EXPECT_LT(ChunksRead([](int i) { return 111'000 * kMs + i % 5 * kMs; }, 5 * kMs), 50U);
-  EXPECT_LT(ChunksRead([](int i) { return i * kMs / 100; }, 2 * kMs), 50U) << "the clocks drift";
+  EXPECT_LT(ChunksRead([](int) { return 7 * kMillisecond_ns; }, 0), 50U);
+  EXPECT_LT(
+      ChunksRead([](int i) { return 111'000 * kMillisecond_ns + i % 5 * kMillisecond_ns; }, 5 * kMillisecond_ns),
+      50U);
+  EXPECT_LT(ChunksRead([](int i) { return i * kMillisecond_ns / 100; }, 2 * kMillisecond_ns), 50U)
+      << "the clocks drift";
 }
 
 TEST(MessageTimes, StampsAreReadIfTheRecorderWasBusy) {
-  EXPECT_LT(ChunksRead([](int i) { return i > 1500 && i < 1510 ? (1510 - i) * 50 * kMs : 0; }, 0), 100U);
-  EXPECT_LT(ChunksRead([](int i) { return i > 1500 && i < 1600 ? (i - 1500) * 11 * kMs : 0; }, 6 * kMs), 300U);
+  EXPECT_LT(ChunksRead([](int i) { return i > 1500 && i < 1510 ? (1510 - i) * 50 * kMillisecond_ns : 0; }, 0), 100U);
+  EXPECT_LT(ChunksRead([](int i) { return i > 1500 && i < 1600 ? (i - 1500) * 11 * kMillisecond_ns : 0; },
+                       6 * kMillisecond_ns),
+            300U);
 }
 
 TEST(MessageTimes, AllStampsAreReadIfLogTimesAreUseless) {
-  EXPECT_EQ(ChunksRead([](int i) { return i * 13 % 50 * kMs; }, 0), size_t{kMessages});
-  EXPECT_EQ(ChunksRead([](int i) { return -(i * 50 * kMs); }, 0), size_t{kMessages}) << "all are logged at one time";
+  EXPECT_EQ(ChunksRead([](int i) { return i * 13 % 50 * kMillisecond_ns; }, 0), size_t{kMessages});
+  EXPECT_EQ(ChunksRead([](int i) { return -(i * 50 * kMillisecond_ns); }, 0), size_t{kMessages})
+      << "all are logged at one time";
 }
 
 }  // namespace

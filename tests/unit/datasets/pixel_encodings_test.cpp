@@ -92,9 +92,9 @@ TEST(PixelEncodings, SixteenBitsInEitherOrderAndOfFewerBits) {
     EXPECT_EQ(OneValue(Grey(name, little, 0, false, 1023)), 127) << name;
     EXPECT_EQ(OneValue(Grey(name, big, 0, true, 1023)), 127) << name;
     EXPECT_EQ(OneValue(Grey(name, little, 0, false, 255)), 255) << name;
-    EXPECT_EQ(LargestWideValue({kWidth, kHeight, 0, name, false, little}, kSize), 511) << name;
+    EXPECT_EQ(BrightWideValue({kWidth, kHeight, 0, name, false, little}, kSize), 511) << name;
   }
-  EXPECT_EQ(LargestWideValue({kWidth, kHeight, 0, "yuyv", false, little}, kSize), 0);
+  EXPECT_EQ(BrightWideValue({kWidth, kHeight, 0, "yuyv", false, little}, kSize), 0);
 }
 
 TEST(PixelEncodings, WhiteLevelUsesTheFewestBits) {

@@ -162,9 +162,9 @@ TEST_F(RecordingTimes, SomeStampsThatAreZero) {
     ASSERT_EQ(dataset.size(), kFrames - 2);
     EXPECT_EQ(dataset.Read(0).right.at<uint8_t>(5, 7), test::TinyPixel(2, 1, 7, 5));
     EXPECT_THAT(dataset.Notes().warnings,
-                ElementsAre("2 messages of /cam0/image_raw passed over: the header stamp is zero",
-                            "2 messages of /cam1/image_raw passed over: the header stamp is zero",
-                            "2 messages of /ground_truth passed over: the header stamp is zero"));
+                ElementsAre("2 messages of /cam0/image_raw skipped: the header stamp is zero",
+                            "2 messages of /cam1/image_raw skipped: the header stamp is zero",
+                            "2 messages of /ground_truth skipped: the header stamp is zero"));
   });
 }
 
@@ -205,7 +205,7 @@ TEST_F(RecordingTimes, StampsThatGoBack) {
                 HasSubstr("header stamps of /cam0/image_raw go back by 0.450000000 s at "
                           "2.900000000 s, since a clock was set"));
     EXPECT_EQ(dataset.Notes().warnings.at(1),
-              "5 messages of /cam0/image_raw passed over: not later than the ones before");
+              "5 messages of /cam0/image_raw skipped: not later than the ones before");
   });
 }
 
@@ -282,7 +282,7 @@ TEST_F(RecordingTimes, MessagesWithTheStampOfAnotherOne) {
   ForEachFormat({.stamp = stamp}, [](const Dataset& dataset) {
     EXPECT_EQ(dataset.size(), kFrames - 1);
     EXPECT_EQ(dataset.Notes().warnings.at(0),
-              "1 message of /cam0/image_raw passed over: another one has the same time");
+              "1 message of /cam0/image_raw skipped: another one has the same time");
   });
 }
 

@@ -65,12 +65,14 @@ std::string Image(bool is_ros1, int64_t t_ns, int frame, int camera, const std::
 std::string CameraInfo(bool is_ros1, int64_t t_ns, double p1, double p3, const RecordingOptions& o) {
   RosBytes message = Message(is_ros1, t_ns);
   message.Number(o.info_scale * kTinyHeight_px).Number(o.info_scale * kTinyWidth_px);
-  message.Text("plumb_bob").Number(uint32_t{5});
-  for (const double d : {-0.28, 0.07, 0.0002, 1.8e-5, 0.0}) message.Number(d);
-  const double s = o.info_scale;
-  for (const double k : {40 * s, 0.0, 24 * s, 0.0, 40 * s, 16 * s, 0.0, 0.0, 1.0}) message.Number(k);
+  message.Text("plumb_bob").Number(static_cast<uint32_t>(o.distortion.size()));
+  for (const double d : o.distortion) message.Number(d);
+  const double s = o.info_scale, on = o.is_calibrated ? 1.0 : 0.0;
+  for (const double k : {40 * s, 0.0, 24 * s, 0.0, 40 * s, 16 * s, 0.0, 0.0, 1.0}) message.Number(on * k);
   for (const double r : {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}) message.Number(r);
-  for (const double p : {40 * s, p1, 24 * s, p3 * s, 0.0, 40 * s, 16 * s, 0.0, 0.0, 0.0, 1.0, 0.0}) message.Number(p);
+  for (const double p : {40 * s, p1, 24 * s, p3 * s, 0.0, 40 * s, 16 * s, 0.0, 0.0, 0.0, 1.0, 0.0}) {
+    message.Number(on * p);
+  }
   message.Number(o.binning).Number(o.binning);
   for (int i = 0; i < 4; ++i) message.Number(uint32_t{0});  // the whole sensor
   message.Number(uint8_t{0});

@@ -29,6 +29,8 @@ struct RecordingOptions {
   double skew_right = 0.0;  ///< P[1] of the right camera
   uint32_t info_scale = 1;  ///< camera_info is of a sensor so many times as wide and high
   uint32_t binning = 0;
+  std::vector<double> distortion{-0.28, 0.07, 0.0002, 1.8e-5, 0.0};
+  bool is_calibrated = true;  ///< otherwise K and P are 0
 };
 
 /// The channels of a tiny recording, by their ids.

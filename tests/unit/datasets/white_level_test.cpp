@@ -35,7 +35,7 @@ TEST(WhiteLevelOf, IsOfTheBrightestOfManyFrames) {
   EXPECT_EQ(*sampled.begin(), 0);
   EXPECT_EQ(*sampled.rbegin(), 999);
   EXPECT_TRUE(notes.warnings.empty());
-  EXPECT_THAT(notes.remarks, ElementsAre(HasSubstr("values up to 3100, as of 12 bits: 4095 is taken as white")));
+  EXPECT_THAT(notes.remarks, ElementsAre(HasSubstr("values up to 3100, as with 12 bits: 4095 is mapped to white")));
   EXPECT_EQ(WhiteLevelOf(1, bright_of, &notes), 255);
 }
 

@@ -175,6 +175,7 @@ class ImageListDataset : public Dataset {
 double MedianRate_hz(const std::vector<ImageList::Entry>& entries, double fallback_hz) {
   if (entries.size() < 2) return fallback_hz;
   std::vector<int64_t> times_ns;
+  times_ns.reserve(entries.size());
   for (const ImageList::Entry& entry : entries) times_ns.push_back(entry.t_ns);
   return 1e9 / static_cast<double>(MedianStep_ns(times_ns));
 }

@@ -85,7 +85,7 @@ MappingNode::MappingNode(bus::Process& process, const MappingOptions& options)
     AdoptStored(*stored_);
   }
   // Without a file the process that replaces this one would reject the keyframes of the history.
-  if (!restored_ && !options_.state_file.empty()) map_instance_ = process_.bus().source() & ~int64_t{1};
+  if (!restored_ && !options_.state_file.empty()) map_instance_ = BeginningInstance(process_.bus().source());
   worker_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { WorkUntilStopped(); }); });
 }
 

@@ -219,7 +219,7 @@ TEST(RunFailure, MapWithoutKeyframesDoesNotReplaceOldMap) {
   const std::string before = ReadText(map);
   const std::filesystem::path images = run.folder() / "covered";
   WriteImageFolder(*OpenDataset(world, ""), std::vector<test::ChosenFrame>(10, {0, true}), images);
-  EXPECT_EQ(run.Run({"run", images.string(), "--save-map", map}), 1) << run.Logs();
+  EXPECT_EQ(run.Run({"run", images.string(), "--save-map", map, "--force"}), 1) << run.Logs();
   EXPECT_THAT(run.Logs(), HasSubstr("plslam: error: the map could not be saved: " + map + ": is not written: "));
   EXPECT_THAT(run.Logs(), testing::Not(HasSubstr("saved map"))) << "it is not of this run";
   EXPECT_TRUE(ReadText(map) == before);

@@ -89,6 +89,7 @@ void PlayedProcess::AnswerMapRequests() {
   whole.committed = last_update_.committed;
   whole.answer = last_update_.answer;
   whole.adjustment = last_update_.adjustment;
+  whole.map_instance = last_update_.map_instance;
   map_publisher_.Publish(whole);
 }
 

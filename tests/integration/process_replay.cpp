@@ -173,11 +173,13 @@ void ProcessReplay::AwaitReady() {
   });
 }
 
-/// Each process has another name than in the log; sessions are named by the process that began them.
+/// Each process has another source than in the log; sessions and maps are named by the process that began them.
 void ProcessReplay::RenameLog() {
   std::map<int64_t, int64_t> names;
   for (const auto& [name, source] : log_.sources) {
-    names[source] = name == process_.name ? status().header.source : played_.at(name)->source();
+    const int64_t now = name == process_.name ? status().header.source : played_.at(name)->source();
+    names[source] = now;
+    if (name == "mapping") names[BeginningInstance(source)] = BeginningInstance(now);
   }
   messages_ = log_.messages;
   for (LoggedMessage& message : messages_) {

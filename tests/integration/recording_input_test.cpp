@@ -181,7 +181,7 @@ TEST_F(BagInput, UnclosedFileAfterAKill) {
   ExpectTheContentOfTheFolder("a.bag");
   const auto notes = OpenDataset(folder().Path("a.bag"), "")->Notes();
   ASSERT_EQ(notes.remarks.size(), 1U);
-  EXPECT_THAT(notes.remarks.front(), testing::HasSubstr("has no index, since it was not closed"));
+  EXPECT_THAT(notes.remarks.front(), testing::HasSubstr("has no index because it was not closed"));
 }
 
 }  // namespace

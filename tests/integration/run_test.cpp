@@ -278,7 +278,7 @@ TEST(Run, ExchangedImagesAreReported) {
   std::filesystem::rename(images / "exchanged", images / "right");
   ASSERT_EQ(run.Run({"run", images.string()}), 0) << run.Logs();
   EXPECT_THAT(WarningsOf(run.Summary()), testing::Contains("few_stereo_matches"));
-  EXPECT_THAT(run.Logs(), testing::HasSubstr("`plslam rectify-check '" + images.string() + "'` tells"));
+  EXPECT_THAT(run.Logs(), testing::HasSubstr("check with `plslam rectify-check '" + images.string() + "'`"));
 }
 
 }  // namespace

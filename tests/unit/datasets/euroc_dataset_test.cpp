@@ -95,9 +95,8 @@ TEST_F(EurocDataset, UnpairedImagesAreSkippedAndReported) {
   EXPECT_EQ(dataset->t_ns(1), 1403636584963555584) << "0.1 ms apart is the same moment";
   EXPECT_EQ(dataset->Read(1).right.at<uint8_t>(5, 7), test::TinyPixel(2, 1, 7, 5));
   EXPECT_THAT(dataset->Notes().remarks, ElementsAre(HasSubstr("differ by up to 0.100 ms")));
-  EXPECT_THAT(dataset->Notes().warnings,
-              ElementsAre("1 of 3 images of cam0 has no partner in time and is skipped",
-                          "1 of 3 images of cam1 has no partner in time and is skipped"));
+  EXPECT_THAT(dataset->Notes().warnings, ElementsAre("1 of 3 images of cam0 has no partner in time and is skipped",
+                                                     "1 of 3 images of cam1 has no partner in time and is skipped"));
   test::WriteText(mav_ / "cam1" / "data.csv", "1,1403636584763555584.png\n");
   EXPECT_THAT(OpenError(), AllOf(HasSubstr(At("cam1/data.csv")),
                                  HasSubstr("no image is within half a frame of an image of cam0")));

@@ -281,8 +281,7 @@ TEST_F(RecordingTimes, MessagesWithTheStampOfAnotherOne) {
   const auto stamp = [](uint16_t, int frame, int64_t t_ns) { return frame == 8 ? t_ns - 100 * kMs : t_ns; };
   ForEachFormat({.stamp = stamp}, [](const Dataset& dataset) {
     EXPECT_EQ(dataset.size(), kFrames - 1);
-    EXPECT_EQ(dataset.Notes().warnings.at(0),
-              "1 message of /cam0/image_raw skipped: another one has the same time");
+    EXPECT_EQ(dataset.Notes().warnings.at(0), "1 message of /cam0/image_raw skipped: another one has the same time");
   });
 }
 

@@ -51,9 +51,6 @@ inline bool BelongsTo(int64_t session_instance, int64_t map_instance) {
   return session_instance == map_instance || map_instance == 0 || (session_instance == 0 && map_instance % 2 == 0);
 }
 
-/// Returns the instance of a map that begins with the run `source` of mapping_process. No process has it as its source.
-inline int64_t BeginningInstance(int64_t source) { return -(source & ~int64_t{1}); }
-
 /// Changes of the map from one version to the next; the content of `map_update_t`. Changed landmarks and keyframes are
 /// complete; for those that a correction has only moved there are the keyframes' poses.
 struct MapUpdate {

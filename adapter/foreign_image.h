@@ -27,7 +27,8 @@ std::string EncodingOfPixelFormat(int32_t pixelformat);
 /// `expected`, or incomplete; the size is checked before decoding.
 cv::Mat GreyOf(const ForeignImage& image, const cv::Size& expected, int white);
 
-/// Returns the largest value of 16-bit pixels, at least 1; 0 for others. Throws like `GreyOf`.
+/// Returns the bright value of 16-bit pixels (core/io/images/image_file.h), at least 1; 0 for others. Throws like
+/// `GreyOf`.
 int BrightWideValue(const ForeignImage& image, const cv::Size& expected);
 
 }  // namespace plslam::adapter

@@ -163,13 +163,13 @@ void ImageSource::OnPair(const Pair& pair) {
   Publish(std::move(images));
 }
 
-/// Both cameras have that of the first pair, until an image has larger values. `largest` is 0 for images of 8 bits.
-void ImageSource::UseWhiteLevel(int largest) {
-  if (largest == 0 || (has_white_ && largest <= white_)) return;
+/// Both cameras have that of the first pair, until an image has larger values. `bright` is 0 for images of 8 bits.
+void ImageSource::UseWhiteLevel(int bright) {
+  if (bright == 0 || (has_white_ && bright <= white_)) return;
   has_white_ = true;
-  white_ = WhiteLevel(largest);
+  white_ = WhiteLevel(bright);
   if (white_ < kWhiteOf16Bits) {
-    spdlog::info("the 16-bit images have values up to {}: {} is mapped to white", largest, white_);
+    spdlog::info("the 16-bit images have values up to {}: {} is mapped to white", bright, white_);
   }
 }
 

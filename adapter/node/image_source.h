@@ -58,7 +58,7 @@ class ImageSource {
   void OnImage(Side side, MessageBytes bytes);
   void OnInfo(Side side, MessageBytes bytes);
   void OnPair(const Pair& pair);
-  void UseWhiteLevel(int largest);
+  void UseWhiteLevel(int bright);
   void UseRig(RigCalibration rig);
   void PublishRig();
   void Publish(StereoImages images);

@@ -31,8 +31,6 @@ namespace {
 
 // Newest keyframes of a session that are never redundant: the tracker's next frames depend on them.
 constexpr int kNewestKept = 3;
-// Number of most recently active sessions that may still continue.
-constexpr size_t kRunningSessions = 16;
 
 template <class Type>
 void AddObservations(int64_t keyframe_id, const std::vector<int64_t>& association, const KeyframeFeatures& features,
@@ -101,6 +99,8 @@ Mapper::Mapper(const StereoCamera& camera, const MappingOptions& options, Stored
 Mapper::Mapper(const StereoCamera& camera, const MappingOptions& options, MapperState state)
     : Mapper(camera, options, std::move(state.stored)) {
   recent_landmarks_ = std::move(state.recent_landmarks);
+  missed_landmarks_ = std::move(state.missed_landmarks);
+  visits_ = std::move(state.visits);
   tracker_ = std::move(state.tracker);
   figures_ = state.figures;
   committed_ = state.committed != 0;
@@ -117,6 +117,8 @@ StoredMap Mapper::Store() {
 MapperState Mapper::State() const {
   return {.stored = Stored(),
           .recent_landmarks = recent_landmarks_,
+          .missed_landmarks = missed_landmarks_,
+          .visits = visits_,
           .tracker = tracker_,
           .figures = figures_,
           .committed = committed_ ? uint8_t{1} : uint8_t{0},
@@ -225,6 +227,7 @@ bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
                                          options_.insertion, landmark_ids_, map_);
   Append(TriangulateLines(entry.id, features_, camera_, options_, landmark_ids_, map_), created.lines);
   MergeWithNeighbours(entry.id, features_, camera_, options_, map_);
+  missed_landmarks_.Compare(entry.id, visits_, CameraOf(keyframe.features, camera_), map_);
   recent_landmarks_.Begin(created, entry.session);
   tracker_.Learn(keyframe, map_.LandmarksOf(entry.id));
   sessions_[keyframe.session] = {entry.id, keyframe.keyframe_id};
@@ -252,12 +255,13 @@ void Mapper::Put(const Keyframe& keyframe, const MapKeyframe& entry, const Assoc
   const std::vector<Map::Neighbour> neighbours = map_.Neighbours(entry.id, Map::kParent);
   with_parent.parent_id = neighbours.empty() ? entry.previous_id : neighbours.front().keyframe_id;
   if (with_parent.parent_id >= 0) map_.Put(with_parent);
+  visits_.Add(with_parent);
 }
 
 void Mapper::Adjust(const std::atomic<bool>* stop) { AdjustAround(sessions_.at(newest_session_).keyframe_id, stop); }
 
 void Mapper::AdjustAround(int64_t keyframe_id, const std::atomic<bool>* stop) {
-  const MapBundle window = MakeLocalWindow(keyframe_id, map_, features_, camera_, options_.window);
+  const MapBundle window = MakeLocalWindow(keyframe_id, map_, features_, visits_, camera_, options_.window);
   const BundleResult result = Adjusted(window, stop);
   figures_ = ApplyAdjustment(window, result, features_, map_);
   if (result.ok) ExtendAndTrim(window.lines, features_, camera_, map_);
@@ -326,8 +330,9 @@ void Mapper::Cull() {
   for (const Map::Neighbour& neighbour : map_.Neighbours(next_keyframe_id_ - 1, options_.window.min_shared)) {
     if (!IsAmongNewest(*map_.FindKeyframe(neighbour.keyframe_id))) candidates.push_back(neighbour.keyframe_id);
   }
-  std::sort(candidates.begin(), candidates.end());
-  RemoveRedundantKeyframes(candidates, options_.culling, features_, map_);
+  // The newest first: older ones define the place, and newer ones have inherited their errors.
+  std::sort(candidates.begin(), candidates.end(), std::greater<>());
+  for (const int64_t id : RemoveRedundantKeyframes(candidates, options_.culling, features_, map_)) visits_.Remove(id);
   if (options_.max_keyframes > 0) Forget();
 }
 
@@ -344,8 +349,9 @@ void Mapper::Forget() {
     return IsAmongNewest(keyframe) && sessions_.at(keyframe.session).keyframe_id >= newest.back();
   };
   // Removes several at a time, because the selection costs time proportional to the map.
-  for (const int64_t id : KeyframesToForget(map_, max_keyframes - max_keyframes / 50, is_kept)) {
+  for (const int64_t id : KeyframesToForget(map_, visits_, max_keyframes - max_keyframes / 50, is_kept)) {
     TakeOut(id, features_, map_);
+    visits_.Remove(id);
     // Republished keyframes are recognised by the number of the newest one, which therefore remains.
     for (auto& [session, last] : sessions_) {
       if (last.keyframe_id == id) last.keyframe_id = -1;

@@ -18,6 +18,7 @@
 #include "mapping_process/insertion/culling.h"
 #include "mapping_process/insertion/landmark_creation.h"
 #include "mapping_process/insertion/local_window.h"
+#include "mapping_process/insertion/missed_landmarks.h"
 #include "mapping_process/insertion/tracker_landmarks.h"
 #include "mapping_process/mapper_state.h"
 #include "mapping_process/options.h"
@@ -87,7 +88,10 @@ class Mapper {
   /// Returns everything needed to continue with new sessions, except `rig`. Ends recent-landmark culling here, too, so
   /// that this mapper and one that continues the stored map treat new sessions alike.
   StoredMap Store();
-  void AcceptRecentLandmarks() { recent_landmarks_ = {}; }
+  void AcceptRecentLandmarks() {
+    recent_landmarks_ = {};
+    missed_landmarks_ = {};
+  }
   /// Returns the state as of the last update, except `stored.rig`, for a mapper that continues after a crash.
   MapperState State() const;
   /// As `State`, without a copy of the map: `use` borrows it, and may throw.
@@ -147,6 +151,8 @@ class Mapper {
   KeyframeFeatures features_;
   TrackerLandmarks tracker_;
   RecentLandmarks recent_landmarks_;
+  MissedLandmarks missed_landmarks_;
+  Visits visits_;
   LandmarkIds landmark_ids_;
   int64_t next_keyframe_id_ = 0;
   std::map<int64_t, Session> sessions_;

@@ -34,8 +34,9 @@ void Fields(Archive& a, T& answer) {
 /// The scalar fields; keyframes, landmarks and features are written separately.
 template <class Archive, Is<mapping::MapperState> T>
 void Fields(Archive& a, T& state) {
-  a(state.stored, state.stored.sessions, state.recent_landmarks, state.tracker, state.figures, state.committed,
-    state.structural_version, state.localise_only, state.map_instance, state.lockstep, state.closures, state.answer);
+  a(state.stored, state.stored.sessions, state.recent_landmarks, state.missed_landmarks, state.visits, state.tracker,
+    state.figures, state.committed, state.structural_version, state.localise_only, state.map_instance, state.lockstep,
+    state.closures, state.answer);
 }
 
 }  // namespace plslam::archive

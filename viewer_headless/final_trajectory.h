@@ -25,7 +25,8 @@ class LiveAnchors {
 /// T_w_odom by frame.
 using FrameCorrections = std::map<int64_t, SE3>;
 
-/// The map's corrections of odometry at its keyframes, by session: T_w_kf * T_odom_kf^-1.
+/// The map's corrections of odometry at its keyframes, those included that it remembers although they were removed, by
+/// session: T_w_kf * T_odom_kf^-1.
 std::map<int64_t, FrameCorrections> CorrectionsBySession(const Map& map);
 
 /// Poses of frames in the final map: odometry, corrected as the map corrected the neighbouring keyframes.

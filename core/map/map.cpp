@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -200,6 +201,7 @@ void Map::DropObservationsOf(int64_t keyframe_id, Kind<Landmark> kind) {
 void Map::RemoveKeyframe(int64_t id) {
   const MapKeyframe* keyframe = FindKeyframe(id);
   if (keyframe == nullptr) return;
+  if (remembers_removed_) Remember(*keyframe);
   const int64_t parent_id = keyframe->parent_id;
   for (const int64_t child_id : Children(id)) {
     MapKeyframe child = keyframes_.at(child_id);
@@ -222,9 +224,47 @@ void Map::RemoveKeyframe(int64_t id) {
   touched_.keyframes.push_back(id);
 }
 
+int64_t Map::CarrierOf(const MapKeyframe& keyframe) const {
+  const std::vector<Neighbour> neighbours = Neighbours(keyframe.id, 1);
+  if (!neighbours.empty()) return neighbours.front().keyframe_id;
+  if (FindKeyframe(keyframe.parent_id) != nullptr) return keyframe.parent_id;
+  if (FindKeyframe(keyframe.previous_id) != nullptr) return keyframe.previous_id;
+  int64_t nearest_id = -1;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (const auto& [id, other] : keyframes_) {
+    const double distance_m = (other.T_w_kf.translation() - keyframe.T_w_kf.translation()).norm();
+    if (id == keyframe.id || distance_m >= nearest_m) continue;
+    nearest_id = id;
+    nearest_m = distance_m;
+  }
+  return nearest_id;
+}
+
+void Map::Remember(const MapKeyframe& keyframe) {
+  std::vector<RemovedKeyframe> carried;
+  if (const auto own = removed_.extract(keyframe.id)) carried = std::move(own.mapped());
+  carried.push_back({keyframe.session, keyframe.frame_id, keyframe.T_odom_kf, SE3()});
+  const int64_t carrier_id = CarrierOf(keyframe);
+  if (carrier_id < 0) return;
+  const SE3 T_carrier_kf = FindKeyframe(carrier_id)->T_w_kf.Inverse() * keyframe.T_w_kf;
+  std::vector<RemovedKeyframe>& of_carrier = removed_[carrier_id];
+  for (RemovedKeyframe& removed : carried) {
+    removed.T_carrier_kf = T_carrier_kf * removed.T_carrier_kf;
+    of_carrier.push_back(removed);
+  }
+}
+
 void Map::Add(const LoopEdge& loop) { loops_.push_back(loop); }
 
 void Map::Clear() { *this = Map(); }
+
+void Map::ClearButRemoved() {
+  std::map<int64_t, std::vector<RemovedKeyframe>> removed = std::move(removed_);
+  const bool remembers_removed = remembers_removed_;
+  Clear();
+  removed_ = std::move(removed);
+  remembers_removed_ = remembers_removed;
+}
 
 void Map::SetPose(int64_t keyframe_id, const SE3& T_w_kf, const Matrix6d& covariance) {
   MapKeyframe& keyframe = keyframes_.at(keyframe_id);

@@ -73,6 +73,14 @@ struct MapChanges {
   bool empty() const;
 };
 
+/// A keyframe that was removed, carried by one that remains: the map's later corrections of its carrier move it too.
+struct RemovedKeyframe {
+  int64_t session = 0;
+  int64_t frame_id = -1;
+  SE3 T_odom_kf;
+  SE3 T_carrier_kf;
+};
+
 /// Numbers of elements in a map.
 struct MapTotals {
   int64_t keyframes = 0;
@@ -138,8 +146,15 @@ class Map {
   void RemoveKeyframe(int64_t id);
   void RemovePoint(int64_t id);
   void RemoveLine(int64_t id);
+  /// From now on keeps the poses of keyframes that are removed, for final trajectories: each is carried by the keyframe
+  /// with which it shared most landmarks (without one: its parent, its predecessor, or the nearest keyframe).
+  void RememberRemoved() { remembers_removed_ = true; }
+  /// The remembered keyframes by the id of their carrier, in the order of removal.
+  const std::map<int64_t, std::vector<RemovedKeyframe>>& removed_keyframes() const { return removed_; }
   void Add(const LoopEdge& loop);
   void Clear();
+  /// As `Clear`, but keeps the remembered keyframes: the caller puts their carriers again.
+  void ClearButRemoved();
 
   /// Move an element without changing observations.
   void SetPose(int64_t keyframe_id, const SE3& T_w_kf, const Matrix6d& covariance);
@@ -201,6 +216,8 @@ class Map {
   void CountShared(const std::vector<Observation>& observations, const std::vector<Observation>& others, int sign);
   template <class Landmark>
   void MoveLandmarks(const Moves& moves, Kind<Landmark> kind);
+  int64_t CarrierOf(const MapKeyframe& keyframe) const;
+  void Remember(const MapKeyframe& keyframe);
 
   std::optional<StereoCamera> camera_;
   IdMap<MapKeyframe> keyframes_;
@@ -216,6 +233,8 @@ class Map {
   Touched touched_;
   /// Poses of moved keyframes that had not changed otherwise before.
   std::map<int64_t, SE3> moved_;
+  bool remembers_removed_ = false;
+  std::map<int64_t, std::vector<RemovedKeyframe>> removed_;
 };
 
 }  // namespace plslam

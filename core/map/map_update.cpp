@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/map/map_update.h"
 
+#include <set>
+
 namespace plslam {
 namespace {
 
@@ -77,10 +79,30 @@ void MapReplica::Move(const std::vector<MovedKeyframe>& keyframes) {
   map_.SetCovariances(covariances);
 }
 
+/// Empties the map before a complete one. Remembered keyframes of the same map are kept, and so are those that the
+/// complete map lacks.
+void MapReplica::Restart(const MapUpdate& whole) {
+  const bool same_map = whole.map_instance == map_instance_;
+  map_instance_ = whole.map_instance;
+  if (!remembers_removed_ || !same_map) {
+    map_.Clear();
+    if (remembers_removed_) map_.RememberRemoved();
+    return;
+  }
+  std::set<int64_t> remaining;
+  for (const MapKeyframe& keyframe : whole.keyframes) remaining.insert(keyframe.id);
+  std::vector<int64_t> removed;
+  for (const auto& [id, keyframe] : map_.keyframes()) {
+    if (!remaining.contains(id)) removed.push_back(id);
+  }
+  for (const int64_t id : removed) map_.RemoveKeyframe(id);
+  map_.ClearButRemoved();
+}
+
 MapVersion::Step MapReplica::Apply(const MapUpdate& update) {
   const MapVersion::Step step = version_.Advance(update);
   if (step != MapVersion::Step::kNext) return step;
-  if (update.base_version == 0) map_.Clear();
+  if (update.base_version == 0) Restart(update);
   Move(update.moved_keyframes);
   // Removals first: removing a keyframe reassigns its children, and the update has their final parents.
   for (const int64_t id : update.removed_points) map_.RemovePoint(id);

@@ -51,6 +51,13 @@ inline bool BelongsTo(int64_t session_instance, int64_t map_instance) {
   return session_instance == map_instance || map_instance == 0 || (session_instance == 0 && map_instance % 2 == 0);
 }
 
+/// Returns the instance of a map that begins with the run `source` of mapping_process: even, and different from
+/// `source`, so that logs distinguish maps from processes.
+inline int64_t BeginningInstance(int64_t source) {
+  constexpr int64_t kDiffers = int64_t{1} << 40;
+  return (source ^ kDiffers) & ~int64_t{1};
+}
+
 /// Changes of the map from one version to the next; the content of `map_update_t`. Changed landmarks and keyframes are
 /// complete; for those that a correction has only moved there are the keyframes' poses.
 struct MapUpdate {
@@ -129,8 +136,13 @@ class MapVersion {
 /// A copy of a map of another process, kept up to date.
 class MapReplica {
  public:
-  /// A complete map replaces this one.
+  /// A complete map replaces this one. Of the same map, it removes the keyframes that it lacks (`RememberRemoved`).
   MapVersion::Step Apply(const MapUpdate& update);
+  /// `Map::RememberRemoved`, for as long as it is the same map.
+  void RememberRemoved() {
+    remembers_removed_ = true;
+    map_.RememberRemoved();
+  }
 
   const Map& map() const { return map_; }
   int64_t source() const { return version_.source(); }
@@ -138,8 +150,11 @@ class MapReplica {
 
  private:
   void Move(const std::vector<MovedKeyframe>& keyframes);
+  void Restart(const MapUpdate& whole);
 
   Map map_;
+  int64_t map_instance_ = 0;
+  bool remembers_removed_ = false;
   MapVersion version_;
 };
 

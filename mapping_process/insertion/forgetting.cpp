@@ -2,111 +2,117 @@
 #include "mapping_process/insertion/forgetting.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
 #include <map>
+#include <set>
+#include <unordered_map>
+
+#include "core/map/landmark_types.h"
 
 namespace plslam::mapping {
 namespace {
 
-constexpr double kLeastStep_m = 1e-3;
-// Largest angle between the optical axes of views of the same scene.
-constexpr double kSameWay_deg = 15.0;
-// Distance at which a camera has left a place, relative to the step between keyframes.
-constexpr double kElsewhere = 3.0;
+// Mean of 1 / observations over the landmarks of a keyframe, above which it is needed.
+constexpr double kNeeded = 0.5;
 
-// Median length of the motions between consecutive keyframes.
-double Step_m(const Map& map) {
-  std::vector<double> steps_m;
-  for (const auto& [id, keyframe] : map.keyframes()) {
-    if (keyframe.previous_id >= 0) steps_m.push_back(keyframe.T_prevkf_kf.translation().norm());
-  }
-  if (steps_m.empty()) return kLeastStep_m;
-  const auto middle = steps_m.begin() + static_cast<std::ptrdiff_t>(steps_m.size() / 2);
-  std::nth_element(steps_m.begin(), middle, steps_m.end());
-  return std::max(*middle, kLeastStep_m);
-}
-
-double Distance_m(const MapKeyframe& a, const MapKeyframe& b) {
-  return (a.T_w_kf.translation() - b.T_w_kf.translation()).norm();
-}
-
-// Grid of keyframes by position; a cell is as wide as the largest distance between a keyframe and its replacement.
-class KeyframePlaces {
+// The map without the keyframes that were chosen for removal.
+class Remaining {
  public:
-  KeyframePlaces(const Map& map, double near_m) : map_(map), near_m_(near_m) {
-    for (const auto& [id, keyframe] : map.keyframes()) {
-      cells_[CellOf(keyframe)].push_back(id);
-      sessions_[keyframe.session].push_back(id);
-    }
+  Remaining(const Map& map, const Visits& visits) : map_(map), visits_(visits) {}
+
+  // Returns whether an earlier visit observed at least half of the landmarks of the keyframe.
+  bool IsKnown(const MapKeyframe& keyframe) const {
+    std::vector<int64_t> oldest;  // observations of the landmarks
+    AddOldest<PointType>(keyframe.id, oldest);
+    AddOldest<LineType>(keyframe.id, oldest);
+    if (oldest.empty()) return false;
+    const auto middle = oldest.begin() + static_cast<std::ptrdiff_t>(oldest.size() / 2);
+    std::nth_element(oldest.begin(), middle, oldest.end());
+    return visits_.IsBefore(*map_.FindKeyframe(*middle), keyframe);
   }
 
-  bool IsReplaced(const MapKeyframe& keyframe) const {
-    const int64_t left_id = LeftAt(keyframe);
-    const Cell cell = CellOf(keyframe);
-    for (int64_t i = 0; i < 27; ++i) {
-      const auto beside = cells_.find({cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1, cell[2] + i / 9 - 1});
-      if (beside == cells_.end()) continue;
-      // Ids ascend: start from the newest.
-      for (auto id = beside->second.rbegin(); id != beside->second.rend() && *id > keyframe.id; ++id) {
-        const MapKeyframe& newer = *map_.FindKeyframe(*id);
-        const bool is_later = newer.session != keyframe.session || newer.id > left_id;
-        if (is_later && ShowsTheSame(newer, keyframe)) return true;
-      }
-    }
-    return false;
+  // Returns the mean share of the keyframe in the observations of its landmarks.
+  double Loss(const MapKeyframe& keyframe) const {
+    Tally tally;
+    Count<PointType>(keyframe.id, points_, tally);
+    Count<LineType>(keyframe.id, lines_, tally);
+    return tally.landmarks > 0.0 ? tally.shares / tally.landmarks : 0.0;
+  }
+
+  void Remove(int64_t id) {
+    removed_.insert(id);
+    for (const int64_t point_id : PointType::Of(map_, id)) points_[point_id] += 1;
+    for (const int64_t line_id : LineType::Of(map_, id)) lines_[line_id] += 1;
   }
 
  private:
-  using Cell = std::array<int64_t, 3>;
+  // Observations of landmarks by removed keyframes.
+  using Lost = std::unordered_map<int64_t, int>;
+  struct Tally {
+    double landmarks = 0.0;
+    double shares = 0.0;
+  };
 
-  Cell CellOf(const MapKeyframe& keyframe) const {
-    Cell cell{};
-    for (int i = 0; i < 3; ++i)
-      cell[i] = static_cast<int64_t>(std::floor(keyframe.T_w_kf.translation()[i] / near_m_));
-    return cell;
+  template <class Type>
+  void Count(int64_t keyframe_id, const Lost& lost, Tally& tally) const {
+    for (const int64_t id : Type::Of(map_, keyframe_id)) {
+      if (id < 0) continue;
+      const auto gone = lost.find(id);
+      const int left =
+          static_cast<int>(Type::Find(map_, id)->observations.size()) - (gone == lost.end() ? 0 : gone->second);
+      tally.landmarks += 1.0;
+      tally.shares += 1.0 / std::max(left, 1);
+    }
   }
 
-  // Id of the first later keyframe of the session that is elsewhere, or the largest integer.
-  int64_t LeftAt(const MapKeyframe& keyframe) const {
-    const std::vector<int64_t>& session = sessions_.at(keyframe.session);
-    const auto is_elsewhere = [&](int64_t id) {
-      return Distance_m(*map_.FindKeyframe(id), keyframe) > kElsewhere * near_m_;
-    };
-    const auto left =
-        std::find_if(std::upper_bound(session.begin(), session.end(), keyframe.id), session.end(), is_elsewhere);
-    return left == session.end() ? std::numeric_limits<int64_t>::max() : *left;
-  }
-
-  bool ShowsTheSame(const MapKeyframe& a, const MapKeyframe& b) const {
-    static const double kLeastCosine = std::cos(kSameWay_deg * kRadPerDeg);
-    return Distance_m(a, b) <= near_m_ && a.T_w_kf.R().col(2).dot(b.T_w_kf.R().col(2)) >= kLeastCosine;
+  template <class Type>
+  void AddOldest(int64_t keyframe_id, std::vector<int64_t>& oldest) const {
+    for (const int64_t id : Type::Of(map_, keyframe_id)) {
+      if (id < 0) continue;
+      const std::vector<Observation>& observations = Type::Find(map_, id)->observations;
+      const auto left = std::find_if(
+          observations.begin(), observations.end(),
+          [this](const Observation& observation) { return !removed_.contains(observation.keyframe_id); });
+      if (left != observations.end()) oldest.push_back(left->keyframe_id);
+    }
   }
 
   const Map& map_;
-  double near_m_;
-  std::map<Cell, std::vector<int64_t>> cells_;
-  std::map<int64_t, std::vector<int64_t>> sessions_;
+  const Visits& visits_;
+  std::set<int64_t> removed_;
+  Lost points_, lines_;
 };
 
 }  // namespace
 
-std::vector<int64_t> KeyframesToForget(const Map& map, size_t max_keyframes,
+std::vector<int64_t> KeyframesToForget(const Map& map, const Visits& visits, size_t max_keyframes,
                                        const std::function<bool(const MapKeyframe&)>& is_kept) {
   std::vector<int64_t> forgotten;
   if (map.keyframes().size() <= max_keyframes) return forgotten;
   const size_t n = map.keyframes().size() - max_keyframes;
-  const KeyframePlaces places(map, Step_m(map));
-  std::vector<int64_t> not_replaced;
+  Remaining remaining(map, visits);
+  std::map<int64_t, double> losses;  // of the keyframes that may be removed
   for (const auto& [id, keyframe] : map.keyframes()) {
     if (forgotten.size() == n) return forgotten;
     if (is_kept(keyframe)) continue;
-    (places.IsReplaced(keyframe) ? forgotten : not_replaced).push_back(id);
+    if (remaining.IsKnown(keyframe)) {
+      remaining.Remove(id);
+      forgotten.push_back(id);
+    } else {
+      losses[id] = 0.0;
+    }
   }
-  for (const int64_t id : not_replaced) {
-    if (forgotten.size() == n) break;
+  for (auto& [id, loss] : losses) loss = remaining.Loss(*map.FindKeyframe(id));
+  while (forgotten.size() < n && !losses.empty()) {
+    const auto least = std::min_element(losses.begin(), losses.end(),
+                                        [](const auto& a, const auto& b) { return a.second < b.second; });
+    const int64_t id = least->second <= kNeeded ? least->first : losses.begin()->first;
+    remaining.Remove(id);
+    losses.erase(id);
     forgotten.push_back(id);
+    for (const Map::Neighbour& neighbour : map.Neighbours(id, 1)) {
+      const auto changed = losses.find(neighbour.keyframe_id);
+      if (changed != losses.end()) changed->second = remaining.Loss(*map.FindKeyframe(neighbour.keyframe_id));
+    }
   }
   return forgotten;
 }

@@ -2,6 +2,7 @@
 #include "mapping_process/insertion/local_window.h"
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <set>
 #include <span>
@@ -21,6 +22,8 @@ constexpr double kUnknown_m = 100.0;
 // factor of widening.
 constexpr int64_t kSeamKeyframes = 10;
 constexpr int kSeamFactor = 2;
+// Share of the landmarks of the best keyframe from which one of an earlier visit is a constant keyframe.
+constexpr double kWellShared = 0.25;
 
 // Whether a session begins among keyframes of another one: only landmarks connect them, no motion.
 bool IsSeam(std::span<const int64_t> keyframes, const Map& map) {
@@ -52,21 +55,40 @@ std::vector<int64_t> SeenTwice(const std::vector<int64_t>& free, const Map& map,
   return chosen;
 }
 
+using IsEarlierVisit = std::function<bool(int64_t)>;
+
+// The oldest views of earlier visits first, because the errors of newer ones depend on them: without them the place
+// would drift with each visit. Then those that observe most of the landmarks.
 std::vector<int64_t> FixedKeyframes(const std::vector<int64_t>& free, const std::vector<int64_t>& points,
-                                    const std::vector<int64_t>& lines, const Map& map, int max_count) {
+                                    const std::vector<int64_t>& lines, const Map& map,
+                                    const IsEarlierVisit& is_earlier, int max_count) {
   std::map<int64_t, int> counts;
   CountKeyframes<PointType>(points, map, counts);
   CountKeyframes<LineType>(lines, map, counts);
   for (const int64_t id : free) counts.erase(id);
-  return MostCounted(counts, max_count);
+  int most = 0;
+  for (const auto& [id, count] : counts) most = std::max(most, count);
+  std::vector<int64_t> fixed;
+  for (const auto& [id, count] : counts) {
+    if (static_cast<int>(fixed.size()) == max_count) return fixed;
+    if (count >= kWellShared * most && is_earlier(id)) fixed.push_back(id);
+  }
+  for (const int64_t id : fixed) counts.erase(id);
+  const std::vector<int64_t> others = MostCounted(counts, max_count - static_cast<int>(fixed.size()));
+  fixed.insert(fixed.end(), others.begin(), others.end());
+  return fixed;
 }
 
-// Marks constant keyframes of the window: those after the first `n_free`, and the first of the map. If there are none,
-// the oldest is constant, to fix the gauge.
-std::vector<bool> ConstantOnes(const std::vector<int64_t>& keyframes, size_t n_free, const Map& map) {
+// Marks constant keyframes of the window: those after the first `n_free`, those of earlier visits (their place was
+// adjusted then, and one more visit knows no better), and the first of the map. If there are none, the oldest is
+// constant, to fix the gauge.
+std::vector<bool> ConstantOnes(const std::vector<int64_t>& keyframes, size_t n_free, const Map& map,
+                               const IsEarlierVisit& is_earlier) {
   const int64_t first = map.keyframes().begin()->first;
   std::vector<bool> constant(keyframes.size());
-  for (size_t i = 0; i < keyframes.size(); ++i) constant[i] = i >= n_free || keyframes[i] == first;
+  for (size_t i = 0; i < keyframes.size(); ++i) {
+    constant[i] = i >= n_free || keyframes[i] == first || is_earlier(keyframes[i]);
+  }
   if (std::find(constant.begin(), constant.end(), true) == constant.end()) {
     const auto oldest = std::min_element(keyframes.begin(), keyframes.end());
     constant[static_cast<size_t>(oldest - keyframes.begin())] = true;
@@ -134,7 +156,7 @@ void MoveKeyframes(const MapBundle& window, const BundleResult& result, Map& map
 
 }  // namespace
 
-MapBundle MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeFeatures& features,
+MapBundle MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeFeatures& features, const Visits& visits,
                           const StereoCamera& camera, const WindowOptions& options) {
   std::vector<int64_t> keyframes =
       KeyframesAround(keyframe_id, map, options.min_shared, kSeamFactor * options.keyframes);
@@ -149,9 +171,11 @@ MapBundle MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeFea
       SeenTwice<PointType>(keyframes, map, size, options.max_points, factor * options.max_point_observations);
   std::vector<int64_t> lines =
       SeenTwice<LineType>(keyframes, map, size, options.max_lines, factor * options.max_line_observations);
-  const std::vector<int64_t> fixed = FixedKeyframes(keyframes, points, lines, map, n_fixed);
+  const MapKeyframe& newest = *map.FindKeyframe(keyframe_id);
+  const auto is_earlier = [&](int64_t id) { return visits.IsBefore(*map.FindKeyframe(id), newest); };
+  const std::vector<int64_t> fixed = FixedKeyframes(keyframes, points, lines, map, is_earlier, n_fixed);
   keyframes.insert(keyframes.end(), fixed.begin(), fixed.end());
-  const std::vector<bool> constant = ConstantOnes(keyframes, n_free, map);
+  const std::vector<bool> constant = ConstantOnes(keyframes, n_free, map, is_earlier);
   return MakeMapBundle(map, features, camera, std::move(keyframes), constant, std::move(points), std::move(lines),
                        options.relative_sigma);
 }

@@ -25,7 +25,6 @@
 #include "core/run/process_names.h"
 #include "mapping_process/corrections/closure_check.h"
 #include "mapping_process/node/keyframe_queue.h"
-#include "mapping_process/node/map_instance.h"
 #include "plslam/command_t.hpp"
 #include "plslam/status_t.hpp"
 

@@ -259,7 +259,9 @@ int main(int argc, char** argv) {
       const auto opened = plslam::OpenDataset(location, "");
       const plslam::test::WorseImages dataset(*opened, a.worsening);
       if (a.loops) {
-        PrintLoops(LastOf(location, 60), plslam::test::RunLoops(dataset, places, options), a.verbose);
+        const plslam::test::LoopRun run = plslam::test::RunLoops(dataset, places, options);
+        PrintLoops(LastOf(location, 60), run, a.verbose);
+        for (size_t i = 0; a.verbose && i < run.slam.live.size(); ++i) PrintPlaces(i, run.slam);
       } else if (a.mapping) {
         RunMapping(location, dataset, a, options);
       } else {

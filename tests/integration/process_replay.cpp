@@ -10,7 +10,6 @@
 
 #include "core/bus/logs/log_reader.h"
 #include "core/process/process_status.h"
-#include "mapping_process/node/map_instance.h"
 #include "plslam/bodies_t.hpp"
 #include "plslam/command_t.hpp"
 #include "plslam/keyframe_t.hpp"
@@ -180,7 +179,7 @@ void ProcessReplay::RenameLog() {
   for (const auto& [name, source] : log_.sources) {
     const int64_t now = name == process_.name ? status().header.source : played_.at(name)->source();
     names[source] = now;
-    if (name == "mapping") names[mapping::BeginningInstance(source)] = mapping::BeginningInstance(now);
+    if (name == "mapping") names[BeginningInstance(source)] = BeginningInstance(now);
   }
   messages_ = log_.messages;
   for (LoggedMessage& message : messages_) {

@@ -57,14 +57,16 @@ class Run {
         odometry_(front_end_.camera(), options.vo),
         mapper_(front_end_.camera(), options.mapping),
         closer_(front_end_.camera(), places, options.loops),
-        T_l_c_(Rectifier(dataset.rig()).q_l_c(), Eigen::Vector3d::Zero()) {}
+        T_l_c_(Rectifier(dataset.rig()).q_l_c(), Eigen::Vector3d::Zero()) {
+    replica_.RememberRemoved();
+  }
 
   LoopRun Play() {
     for (const Moment& moment : Schedule(dataset_, options_)) Frame(moment);
     run_.slam.keyframes = static_cast<int>(mapper_.map().keyframes().size());
     run_.slam.points = mapper_.map().points().size();
     run_.slam.lines = mapper_.map().lines().size();
-    run_.slam.map = mapper_.map();
+    run_.slam.map = replica_.map();
     run_.slam.final = AsTheMapHasIt();
     CountRevisits();
     return std::move(run_);
@@ -87,6 +89,7 @@ class Run {
   vo::StereoFrontEnd front_end_;
   vo::Odometry odometry_;
   mapping::Mapper mapper_;
+  MapReplica replica_;
   loop::LoopCloser closer_;
   SE3 T_l_c_;
   std::vector<OdometryFrame> in_odom_;
@@ -141,7 +144,7 @@ void Run::TakeKeyframe(Keyframe keyframe) {
   mapper_.Adjust(nullptr);
   const double t2 = NowMs();
   mapper_.Cull();
-  mapper_.TakeUpdate();
+  replica_.Apply(mapper_.TakeUpdate());
   run_.slam.insert_ms.push_back(t1 - t0);
   run_.slam.adjust_ms.push_back(t2 - t1);
   run_.slam.figures.push_back(mapper_.figures());
@@ -170,7 +173,7 @@ void Run::Correct(const LoopClosure& closure) {
   const double t0 = NowMs();
   if (!mapper_.Correct(closure, &reason)) run_.refused.push_back(reason);
   run_.correct_ms.push_back(NowMs() - t0);
-  mapper_.TakeUpdate();
+  replica_.Apply(mapper_.TakeUpdate());
 }
 
 std::optional<SE3> Run::TrueRelation(int64_t old_frame, int64_t frame) const {
@@ -207,7 +210,7 @@ void Run::Note(const LoopClosure& closure) {
   }
 }
 
-std::vector<OdometryFrame> Run::AsTheMapHasIt() const { return CarriedByKeyframes(in_odom_, mapper_.map()); }
+std::vector<OdometryFrame> Run::AsTheMapHasIt() const { return CarriedByKeyframes(in_odom_, replica_.map()); }
 
 // Counts both in the final map.
 void Run::CountRevisits() {

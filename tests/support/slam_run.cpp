@@ -47,6 +47,12 @@ std::vector<OdometryFrame> CarriedByKeyframes(std::vector<OdometryFrame> in_odom
   for (const auto& [id, keyframe] : map.keyframes()) {
     corrections[keyframe.frame_id] = keyframe.T_w_kf * keyframe.T_odom_kf.Inverse();
   }
+  for (const auto& [carrier_id, carried] : map.removed_keyframes()) {
+    const SE3& T_w_carrier = map.FindKeyframe(carrier_id)->T_w_kf;
+    for (const RemovedKeyframe& removed : carried) {
+      corrections[removed.frame_id] = T_w_carrier * removed.T_carrier_kf * removed.T_odom_kf.Inverse();
+    }
+  }
   if (corrections.empty()) return in_odom;
   for (size_t i = 0; i < in_odom.size(); ++i) {
     in_odom[i].T_odom_l = CorrectionAt(static_cast<int64_t>(i), corrections) * in_odom[i].T_odom_l;
@@ -59,6 +65,8 @@ SlamRun RunSlam(const Dataset& dataset, const vo::VoOptions& vo, const mapping::
   vo::StereoFrontEnd front_end(dataset.rig(), vo);
   vo::Odometry odometry(front_end.camera(), vo);
   mapping::Mapper mapper(front_end.camera(), mapping);
+  MapReplica replica;
+  replica.RememberRemoved();
   const SE3 T_c_l(Rectifier(dataset.rig()).q_l_c().conjugate(), Eigen::Vector3d::Zero());
   SlamRun run;
   std::vector<OdometryFrame> in_odom;
@@ -92,13 +100,13 @@ SlamRun RunSlam(const Dataset& dataset, const vo::VoOptions& vo, const mapping::
     mapper.Adjust(nullptr);
     const double t2 = SteadyMs();
     mapper.Cull();
-    mapper.TakeUpdate();
+    replica.Apply(mapper.TakeUpdate());
     run.insert_ms.push_back(t1 - t0);
     run.adjust_ms.push_back(t2 - t1);
     run.figures.push_back(mapper.figures());
   }
-  Summarise(mapper.map(), run);
-  run.final = CarriedByKeyframes(std::move(in_odom), mapper.map());
+  Summarise(replica.map(), run);
+  run.final = CarriedByKeyframes(std::move(in_odom), replica.map());
   return run;
 }
 

@@ -171,6 +171,7 @@ Eigen::Quaterniond RectifiedFrom(const LoggedRobot& robot, const bus::LogReader&
 Map MapOf(const LoggedMessages& updates, const bus::LogReader& log, std::vector<std::string>* lacks) {
   bus::MapUpdateAssembler assembler;
   MapReplica replica;
+  replica.RememberRemoved();
   bool is_last = true;
   updates.ForEach<map_update_t>(log, [&](const map_update_t& page) {
     is_last = assembler.Add(page) == bus::PageOutcome::kComplete &&

@@ -81,6 +81,7 @@ void ViewerNode::Subscribe() {
     quiet_ticks_ = 0;
   });
   map_ = std::make_unique<bus::MapSubscriber>(bus, [this](const MapUpdate& update) { OnMap(update); });
+  map_->RememberRemoved();
   const Map& map = map_->replica().map();
   report_ =
       std::make_unique<ReportNode>(bus, options_, ReportNode::Sources{&recorder_, &map, [this] { return q_l_c(); }});

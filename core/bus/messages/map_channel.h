@@ -48,6 +48,8 @@ class MapSubscriber {
   MapSubscriber(Bus& bus, std::function<void(const MapUpdate&)> handler);
 
   const MapReplica& replica() const { return *replica_; }
+  /// `MapReplica::RememberRemoved`.
+  void RememberRemoved() { replica_->RememberRemoved(); }
 
  private:
   std::shared_ptr<MapReplica> replica_ = std::make_shared<MapReplica>();

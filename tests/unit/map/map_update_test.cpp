@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+#include <set>
+
 #include "tests/unit/map/random_map.h"
 
 namespace plslam {
@@ -173,6 +176,67 @@ MapUpdate Newest(int64_t session, int64_t keyframe_id, bool committed) {
   update.session_keyframe_id = keyframe_id;
   update.committed = committed;
   return update;
+}
+
+/// The remembered poses by frame.
+std::map<int64_t, SE3> Remembered(const Map& map) {
+  std::map<int64_t, SE3> poses;
+  for (const auto& [carrier_id, carried] : map.removed_keyframes()) {
+    for (const RemovedKeyframe& removed : carried) {
+      poses[removed.frame_id] = map.FindKeyframe(carrier_id)->T_w_kf * removed.T_carrier_kf;
+    }
+  }
+  return poses;
+}
+
+/// Version `version` of a map with keyframes 0, 1, 2 and 3 a metre apart along x, except those `removed`.
+MapUpdate WholeRow(int64_t version, const std::set<int64_t>& removed) {
+  Map map;
+  for (int64_t id = 0; id < 4; ++id) {
+    MapKeyframe keyframe;
+    keyframe.id = keyframe.frame_id = id;
+    keyframe.previous_id = keyframe.parent_id = id - 1;
+    keyframe.T_w_kf = SE3(Eigen::Quaterniond::Identity(), {static_cast<double>(id), 0.0, 0.0});
+    map.Put(keyframe);
+  }
+  for (const int64_t id : removed) map.RemoveKeyframe(id);
+  MapUpdate update = WholeMap(map);
+  update.source = 5;
+  update.version = version;
+  update.map_instance = 6;
+  return update;
+}
+
+TEST(MapReplica, RemembersRemovedKeyframesOnRequest) {
+  MapReplica replica, forgetful;
+  replica.RememberRemoved();
+  MapUpdate removal;
+  removal.source = 5;
+  removal.base_version = 1;
+  removal.version = 2;
+  removal.map_instance = 6;
+  removal.removed_keyframes = {1, 2};
+  for (MapReplica* each : {&replica, &forgetful}) {
+    each->Apply(WholeRow(1, {}));
+    EXPECT_EQ(each->Apply(removal), Step::kNext);
+  }
+  const std::map<int64_t, SE3> poses = Remembered(replica.map());
+  ASSERT_EQ(poses.size(), 2U);
+  for (const int64_t id : {1, 2}) EXPECT_NEAR(poses.at(id).translation().x(), static_cast<double>(id), 1e-12);
+  EXPECT_TRUE(forgetful.map().removed_keyframes().empty());
+}
+
+TEST(MapReplica, WholeMapKeepsRememberedKeyframesOfTheSameMap) {
+  MapReplica replica;
+  replica.RememberRemoved();
+  replica.Apply(WholeRow(1, {}));
+  EXPECT_EQ(replica.Apply(WholeRow(7, {1, 2})), Step::kNext) << "versions were missed";
+  EXPECT_EQ(Remembered(replica.map()).size(), 2U);
+  EXPECT_EQ(replica.map().keyframes().size(), 2U);
+  MapUpdate other = WholeRow(9, {3});
+  other.map_instance = 8;
+  EXPECT_EQ(replica.Apply(other), Step::kNext);
+  EXPECT_TRUE(replica.map().removed_keyframes().empty()) << "they were of another map";
 }
 
 TEST(CommittedKeyframes, UpdateCommitsKeyframesOfAllRobots) {

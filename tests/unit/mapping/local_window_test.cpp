@@ -30,7 +30,9 @@ class Window : public testing::Test {
     walk.seed = 2;
     walk.with_ids = false;
     for (const Keyframe& keyframe : test::MakeWalk(world_, path_, walk).keyframes) Insert(keyframe, mapper);
-    stored_ = mapper.State().stored;
+    MapperState state = mapper.State();
+    stored_ = std::move(state.stored);
+    visits_ = std::move(state.visits);
   }
 
   static void Insert(const Keyframe& keyframe, Mapper& mapper) {
@@ -42,7 +44,8 @@ class Window : public testing::Test {
   size_t Around(int64_t session_keyframe_id) const {
     for (const auto& [id, keyframe] : stored_.map.keyframes()) {
       if (keyframe.session != 8 || keyframe.session_keyframe_id != session_keyframe_id) continue;
-      return MakeLocalWindow(id, stored_.map, stored_.features, FeatureWorld::Camera(), options_).keyframes.size();
+      return MakeLocalWindow(id, stored_.map, stored_.features, visits_, FeatureWorld::Camera(), options_)
+          .keyframes.size();
     }
     return 0;
   }
@@ -53,6 +56,7 @@ class Window : public testing::Test {
   FeatureWorld world_{{120, 40}, 7};
   std::vector<SE3> path_ = test::TurningPath(14);
   StoredMap stored_;
+  Visits visits_;
 };
 
 TEST_F(Window, TwiceAsWideAtTheStartOfASession) {
@@ -60,10 +64,24 @@ TEST_F(Window, TwiceAsWideAtTheStartOfASession) {
   EXPECT_EQ(Around(9), 2 * kUsual);
 }
 
+TEST_F(Window, KeyframesOfEarlierVisitsAreConstant) {
+  const int64_t newest = stored_.map.keyframes().rbegin()->first;
+  const MapBundle window =
+      MakeLocalWindow(newest, stored_.map, stored_.features, visits_, FeatureWorld::Camera(), options_);
+  size_t earlier = 0;
+  for (size_t i = 0; i < window.keyframes.size(); ++i) {
+    if (stored_.map.FindKeyframe(window.keyframes[i])->session == 8) continue;
+    EXPECT_TRUE(window.problem.poses[i].fixed) << i;
+    ++earlier;
+  }
+  EXPECT_GE(earlier, static_cast<size_t>(options_.fixed_keyframes));
+  EXPECT_FALSE(window.problem.poses.front().fixed);
+}
+
 TEST_F(Window, FewerPointsIfEachIsSeenOften) {
   const int64_t newest = stored_.map.keyframes().rbegin()->first;
   const auto make = [&] {
-    return MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
+    return MakeLocalWindow(newest, stored_.map, stored_.features, visits_, FeatureWorld::Camera(), options_);
   };
   const MapBundle all = make();
   ASSERT_GT(all.problem.point_observations.size(), 100U);
@@ -78,7 +96,8 @@ TEST_F(Window, FewerPointsIfEachIsSeenOften) {
 // Its poses had not converged, so that outliers could not be distinguished from observations that would have agreed.
 TEST_F(Window, StoppedAdjustmentKeepsAllObservations) {
   const int64_t newest = stored_.map.keyframes().rbegin()->first;
-  MapBundle window = MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
+  MapBundle window =
+      MakeLocalWindow(newest, stored_.map, stored_.features, visits_, FeatureWorld::Camera(), options_);
   for (BundlePose& pose : window.problem.poses) {
     if (!pose.fixed) pose.T_w_c = pose.T_w_c * SE3(Eigen::Quaterniond::Identity(), {0.3, 0.0, 0.0});
   }
@@ -104,7 +123,8 @@ TEST_F(Window, StoppedAdjustmentKeepsAllObservations) {
 // The adjustment gives it a standard deviation of a kilometre.
 TEST_F(Window, KeyframeWithoutObservationsKeepsCovariance) {
   const int64_t newest = stored_.map.keyframes().rbegin()->first;
-  MapBundle window = MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
+  MapBundle window =
+      MakeLocalWindow(newest, stored_.map, stored_.features, visits_, FeatureWorld::Camera(), options_);
   ASSERT_EQ(window.keyframes.front(), newest);
   ASSERT_FALSE(window.problem.relative_poses.empty());
   std::erase_if(window.problem.point_observations,
@@ -115,7 +135,8 @@ TEST_F(Window, KeyframeWithoutObservationsKeepsCovariance) {
   ASSERT_TRUE(result.ok) << result.reason;
   ASSERT_GT(result.pose_covariances[0].trace(), 1e6);
   // As many as the map's own observations, over which `ApplyAdjustment` iterates.
-  const MapBundle whole = MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
+  const MapBundle whole =
+      MakeLocalWindow(newest, stored_.map, stored_.features, visits_, FeatureWorld::Camera(), options_);
   result.point_inliers.assign(whole.problem.point_observations.size(), true);
   result.line_inliers.assign(whole.problem.line_observations.size(), true);
   Map map = stored_.map;

@@ -88,6 +88,17 @@ TEST(FinalPoses, FramesOfACulledKeyframeUseItsNeighbours) {
   EXPECT_LT((blended.translation() - t).norm(), 1e-12);
 }
 
+TEST(FinalPoses, RememberedKeyframeMovesWithItsCarrier) {
+  Map map = SomeMap();
+  map.RememberRemoved();
+  const SE3 T_carrier_kf = map.FindKeyframe(0)->T_w_kf.Inverse() * map.FindKeyframe(1)->T_w_kf;
+  map.RemoveKeyframe(1);
+  ExpectSame(Final(map, 6), map.FindKeyframe(0)->T_w_kf * T_carrier_kf);
+  const SE3 T_w_kf = Pose(3.0, 2.0, 1.0, 0.5);
+  map.Move({{0, T_w_kf}});
+  ExpectSame(Final(map, 6), T_w_kf * T_carrier_kf);
+}
+
 TEST(FinalPoses, NoInterpolationAcrossLostFrames) {
   const Map map = SomeMap();
   Recorder recorder;

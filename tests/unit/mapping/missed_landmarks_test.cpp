@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping_process/insertion/missed_landmarks.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "tests/support/feature_world.h"
+
+namespace plslam::mapping {
+namespace {
+
+using test::FeatureWorld;
+
+/// A camera that comes to the same place again and again and shows some of the points there.
+class Place {
+ public:
+  static constexpr int64_t kPoints = 100;
+
+  /// Looks from 5 m away, then comes and shows all points but these. `n_shown`: at most so many.
+  void Visit(const std::set<int64_t>& gone, int64_t n_shown = kPoints) {
+    for (int i = 0; i < 20; ++i) Add(i < 10 ? 0.5 * i : 5.0 - 0.5 * i);
+    const int64_t id = Add(0.0);
+    int32_t feature = 0;
+    for (int64_t point_id = 0; point_id < kPoints; ++point_id) {
+      if (gone.contains(point_id) || feature == n_shown) continue;
+      MapPoint point;
+      if (map_.FindPoint(point_id) != nullptr) point = *map_.FindPoint(point_id);
+      point.id = point_id;
+      point.p_w = {0.02 * static_cast<double>(point_id % 10), 0.02 * static_cast<double>(point_id / 10), 4.0};
+      point.depth_m = 4.0;
+      point.observations.push_back({id, feature++});
+      map_.Put(point);
+    }
+    missed_.Compare(id, visits_, FeatureWorld::Camera(), map_);
+  }
+  bool Has(int64_t point_id) const { return map_.FindPoint(point_id) != nullptr; }
+
+ private:
+  int64_t Add(double x_m) {
+    MapKeyframe keyframe;
+    keyframe.id = n_++;
+    keyframe.previous_id = keyframe.id - 1;
+    // On the way it looks to the side.
+    const Eigen::Vector3d turn(0.0, x_m > 0.0 ? 2.0 : 0.0, 0.0);
+    keyframe.T_w_kf = SE3(ExpSO3(turn), {x_m, 0.0, 0.0});
+    if (keyframe.id > 0)
+      keyframe.T_prevkf_kf = map_.FindKeyframe(keyframe.id - 1)->T_w_kf.Inverse() * keyframe.T_w_kf;
+    map_.Put(keyframe);
+    visits_.Add(keyframe);
+    return keyframe.id;
+  }
+
+  int64_t n_ = 0;
+  Map map_;
+  Visits visits_;
+  MissedLandmarks missed_;
+};
+
+TEST(MissedLandmarks, RemovedOnceThreeVisitsMissedThem) {
+  Place place;
+  place.Visit({});
+  place.Visit({3, 4});
+  place.Visit({3, 4});
+  EXPECT_TRUE(place.Has(3));
+  place.Visit({3, 4});
+  EXPECT_FALSE(place.Has(3));
+  EXPECT_FALSE(place.Has(4));
+  EXPECT_TRUE(place.Has(5));
+}
+
+TEST(MissedLandmarks, FoundAgainInBetweenIsKept) {
+  Place place;
+  place.Visit({});
+  place.Visit({3});
+  place.Visit({3});
+  place.Visit({});
+  place.Visit({3});
+  place.Visit({3});
+  EXPECT_TRUE(place.Has(3));
+  place.Visit({3});
+  EXPECT_FALSE(place.Has(3));
+}
+
+TEST(MissedLandmarks, DarkImagesProveNothing) {
+  Place place;
+  place.Visit({});
+  for (int i = 0; i < 5; ++i) place.Visit({3}, 20);
+  EXPECT_TRUE(place.Has(3));
+  EXPECT_TRUE(place.Has(99));
+}
+
+}  // namespace
+}  // namespace plslam::mapping

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mapping_process/insertion/visits.h"
+
+#include <gtest/gtest.h>
+
+#include "core/map/map.h"
+
+namespace plslam::mapping {
+namespace {
+
+/// Keyframes of sessions that move along z.
+class Paths {
+ public:
+  const MapKeyframe& Add(double z_m, int64_t session = 1) {
+    MapKeyframe keyframe;
+    keyframe.id = static_cast<int64_t>(map_.keyframes().size());
+    keyframe.session = session;
+    keyframe.T_w_kf = SE3(Eigen::Quaterniond::Identity(), {0.0, 0.0, z_m});
+    for (const auto& [id, other] : map_.keyframes()) {
+      if (other.session == session) keyframe.previous_id = id;
+    }
+    if (keyframe.previous_id >= 0) {
+      keyframe.T_prevkf_kf = map_.FindKeyframe(keyframe.previous_id)->T_w_kf.Inverse() * keyframe.T_w_kf;
+    }
+    map_.Put(keyframe);
+    visits_.Add(keyframe);
+    return *map_.FindKeyframe(keyframe.id);
+  }
+  bool IsBefore(int64_t earlier, int64_t keyframe) const {
+    return visits_.IsBefore(*map_.FindKeyframe(earlier), *map_.FindKeyframe(keyframe));
+  }
+
+ private:
+  Map map_;
+  Visits visits_;
+};
+
+TEST(Visits, OneOnAStraightPath) {
+  Paths paths;
+  for (int i = 0; i < 100; ++i) paths.Add(i);
+  for (int i = 0; i < 99; ++i) EXPECT_FALSE(paths.IsBefore(i, 99)) << i;
+  EXPECT_FALSE(paths.IsBefore(99, 99));
+  EXPECT_FALSE(paths.IsBefore(99, 50)) << "it is later";
+}
+
+TEST(Visits, AnotherOneAfterTheWayBack) {
+  Paths paths;
+  for (int i = 0; i <= 20; ++i) paths.Add(i);
+  for (int i = 19; i >= 0; --i) paths.Add(i);
+  EXPECT_TRUE(paths.IsBefore(0, 40)) << "40 m of path, at the same place";
+  EXPECT_TRUE(paths.IsBefore(10, 30));
+  EXPECT_FALSE(paths.IsBefore(19, 21)) << "a few steps back and forth are one visit";
+  EXPECT_FALSE(paths.IsBefore(39, 40));
+}
+
+TEST(Visits, SessionsAreVisits) {
+  Paths paths;
+  for (int i = 0; i < 3; ++i) paths.Add(i, 1);
+  paths.Add(0.0, 2);
+  paths.Add(3.0, 1);
+  paths.Add(1.0, 2);
+  EXPECT_TRUE(paths.IsBefore(1, 5)) << "older than the session";
+  EXPECT_FALSE(paths.IsBefore(4, 5)) << "of another robot at the same time";
+}
+
+}  // namespace
+}  // namespace plslam::mapping

@@ -47,7 +47,7 @@ namespace {
 using Bytes = std::span<const uint8_t>;
 
 constexpr FileKind kStateRecord{
-    {'P', 'L', 'S', 'L', 'M', 'P', 'S', 'T'}, 6, "state of a mapping_process", Checksum::kPoly1305};
+    {'P', 'L', 'S', 'L', 'M', 'P', 'S', 'T'}, 7, "state of a mapping_process", Checksum::kPoly1305};
 
 enum class RecordKind : uint8_t { kFeatures, kMap, kChanges };
 

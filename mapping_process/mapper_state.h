@@ -16,7 +16,8 @@
 namespace plslam::mapping {
 
 /// The complete state of a `Mapper` as of its last update: a mapper made of it continues bit for bit. A saved map omits
-/// only what concerns running sessions: recent landmarks, and the associations of the tracker's landmarks.
+/// what concerns running sessions (recent landmarks, associations of the tracker's landmarks, paths), and counts of
+/// missed landmarks, which begin again.
 struct MapperState {
   StoredMap stored;
   RecentLandmarks recent_landmarks;

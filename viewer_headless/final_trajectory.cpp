@@ -12,13 +12,8 @@ std::map<int64_t, FrameCorrections> CorrectionsBySession(const Map& map) {
   for (const auto& [id, keyframe] : map.keyframes()) {
     corrections[keyframe.session].insert_or_assign(keyframe.frame_id, keyframe.T_w_kf * keyframe.T_odom_kf.Inverse());
   }
-  for (const auto& [carrier_id, carried] : map.removed_keyframes()) {
-    const MapKeyframe* const carrier = map.FindKeyframe(carrier_id);
-    if (carrier == nullptr) continue;
-    for (const RemovedKeyframe& removed : carried) {
-      const SE3 T_w_kf = carrier->T_w_kf * removed.T_carrier_kf;
-      corrections[removed.session].try_emplace(removed.frame_id, T_w_kf * removed.T_odom_kf.Inverse());
-    }
+  for (const RemovedKeyframe& removed : map.RemovedKeyframes()) {
+    corrections[removed.session].try_emplace(removed.frame_id, removed.T_w_kf * removed.T_odom_kf.Inverse());
   }
   return corrections;
 }

@@ -89,6 +89,8 @@ void Map::Put(const MapKeyframe& keyframe) {
     children_[place->parent_id].erase(keyframe.id);
     *place = keyframe;
   }
+  // A mapper that continues from an older state inserts keyframes again.
+  if (remembers_removed_) removed_.erase(keyframe.id);
   children_[keyframe.parent_id].insert(keyframe.id);
   landmarks_of_.try_emplace(keyframe.id);
   shared_.try_emplace(keyframe.id);
@@ -241,17 +243,37 @@ int64_t Map::CarrierOf(const MapKeyframe& keyframe) const {
 }
 
 void Map::Remember(const MapKeyframe& keyframe) {
-  std::vector<RemovedKeyframe> carried;
-  if (const auto own = removed_.extract(keyframe.id)) carried = std::move(own.mapped());
-  carried.push_back({keyframe.session, keyframe.frame_id, keyframe.T_odom_kf, SE3()});
   const int64_t carrier_id = CarrierOf(keyframe);
   if (carrier_id < 0) return;
   const SE3 T_carrier_kf = FindKeyframe(carrier_id)->T_w_kf.Inverse() * keyframe.T_w_kf;
-  std::vector<RemovedKeyframe>& of_carrier = removed_[carrier_id];
-  for (RemovedKeyframe& removed : carried) {
-    removed.T_carrier_kf = T_carrier_kf * removed.T_carrier_kf;
-    of_carrier.push_back(removed);
+  removed_[keyframe.id] = {keyframe.session, keyframe.frame_id, keyframe.T_odom_kf, carrier_id, T_carrier_kf};
+}
+
+std::vector<RemovedKeyframe> Map::RemovedKeyframes() const {
+  std::map<int64_t, SE3> placed;  // removed keyframes whose chain of carriers ends at a keyframe of the map
+  std::vector<RemovedKeyframe> keyframes;
+  for (const auto& [id, removed] : removed_) {
+    std::vector<int64_t> chain{id};
+    const SE3* T_w_carrier = nullptr;
+    while (T_w_carrier == nullptr) {
+      const int64_t carrier_id = removed_.at(chain.back()).carrier_id;
+      if (const MapKeyframe* const carrier = FindKeyframe(carrier_id)) {
+        T_w_carrier = &carrier->T_w_kf;
+      } else if (const auto known = placed.find(carrier_id); known != placed.end()) {
+        T_w_carrier = &known->second;
+      } else if (removed_.contains(carrier_id)) {
+        chain.push_back(carrier_id);
+      } else {
+        break;
+      }
+    }
+    if (T_w_carrier == nullptr) continue;
+    for (auto link = chain.rbegin(); link != chain.rend(); ++link) {
+      T_w_carrier = &placed.insert_or_assign(*link, *T_w_carrier * removed_.at(*link).T_carrier_kf).first->second;
+    }
+    keyframes.push_back({id, removed.session, removed.frame_id, removed.T_odom_kf, *T_w_carrier});
   }
+  return keyframes;
 }
 
 void Map::Add(const LoopEdge& loop) { loops_.push_back(loop); }
@@ -259,7 +281,7 @@ void Map::Add(const LoopEdge& loop) { loops_.push_back(loop); }
 void Map::Clear() { *this = Map(); }
 
 void Map::ClearButRemoved() {
-  std::map<int64_t, std::vector<RemovedKeyframe>> removed = std::move(removed_);
+  std::map<int64_t, CarriedKeyframe> removed = std::move(removed_);
   const bool remembers_removed = remembers_removed_;
   Clear();
   removed_ = std::move(removed);

@@ -73,12 +73,13 @@ struct MapChanges {
   bool empty() const;
 };
 
-/// A keyframe that was removed, carried by one that remains: the map's later corrections of its carrier move it too.
+/// A keyframe that was removed from the map, at its place in the present map.
 struct RemovedKeyframe {
+  int64_t id = -1;
   int64_t session = 0;
   int64_t frame_id = -1;
   SE3 T_odom_kf;
-  SE3 T_carrier_kf;
+  SE3 T_w_kf;
 };
 
 /// Numbers of elements in a map.
@@ -146,14 +147,15 @@ class Map {
   void RemoveKeyframe(int64_t id);
   void RemovePoint(int64_t id);
   void RemoveLine(int64_t id);
-  /// From now on keeps the poses of keyframes that are removed, for final trajectories: each is carried by the keyframe
-  /// with which it shared most landmarks (without one: its parent, its predecessor, or the nearest keyframe).
+  /// From now on keeps the poses of keyframes that are removed, for final trajectories. Each is carried by the keyframe
+  /// with which it shared most landmarks (without one: its parent, its predecessor, or the nearest keyframe), also when
+  /// the map is corrected.
   void RememberRemoved() { remembers_removed_ = true; }
-  /// The remembered keyframes by the id of their carrier, in the order of removal.
-  const std::map<int64_t, std::vector<RemovedKeyframe>>& removed_keyframes() const { return removed_; }
+  /// Returns the remembered keyframes, ascending by id.
+  std::vector<RemovedKeyframe> RemovedKeyframes() const;
   void Add(const LoopEdge& loop);
   void Clear();
-  /// As `Clear`, but keeps the remembered keyframes: the caller puts their carriers again.
+  /// As `Clear`, but keeps the remembered keyframes. They return with their carriers.
   void ClearButRemoved();
 
   /// Move an element without changing observations.
@@ -200,6 +202,14 @@ class Map {
     std::map<int64_t, SE3> T_new_old;  // displacement in the map frame
     std::set<int64_t> changed_anchors;
   };
+  /// A removed keyframe; its carrier may be removed, too.
+  struct CarriedKeyframe {
+    int64_t session = 0;
+    int64_t frame_id = -1;
+    SE3 T_odom_kf;
+    int64_t carrier_id = -1;
+    SE3 T_carrier_kf;
+  };
   Kind<MapPoint> Points();
   Kind<MapLine> Lines();
 
@@ -234,7 +244,8 @@ class Map {
   /// Poses of moved keyframes that had not changed otherwise before.
   std::map<int64_t, SE3> moved_;
   bool remembers_removed_ = false;
-  std::map<int64_t, std::vector<RemovedKeyframe>> removed_;
+  /// Remembered keyframes by id.
+  std::map<int64_t, CarriedKeyframe> removed_;
 };
 
 }  // namespace plslam

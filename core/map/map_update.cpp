@@ -79,11 +79,8 @@ void MapReplica::Move(const std::vector<MovedKeyframe>& keyframes) {
   map_.SetCovariances(covariances);
 }
 
-/// Empties the map before a complete one. Remembered keyframes of the same map are kept, and so are those that the
-/// complete map lacks.
-void MapReplica::Restart(const MapUpdate& whole) {
-  const bool same_map = whole.map_instance == map_instance_;
-  map_instance_ = whole.map_instance;
+/// Empties the map before a complete one. If it is the same map, remembers its removed keyframes.
+void MapReplica::Restart(const MapUpdate& whole, bool same_map) {
   if (!remembers_removed_ || !same_map) {
     map_.Clear();
     if (remembers_removed_) map_.RememberRemoved();
@@ -100,9 +97,12 @@ void MapReplica::Restart(const MapUpdate& whole) {
 }
 
 MapVersion::Step MapReplica::Apply(const MapUpdate& update) {
+  const bool same_source = update.source == version_.source();
   const MapVersion::Step step = version_.Advance(update);
   if (step != MapVersion::Step::kNext) return step;
-  if (update.base_version == 0) Restart(update);
+  const bool same_map = update.map_instance == map_instance_ && (same_source || map_instance_ != 0);
+  map_instance_ = update.map_instance;
+  if (update.base_version == 0) Restart(update, same_map);
   Move(update.moved_keyframes);
   // Removals first: removing a keyframe reassigns its children, and the update has their final parents.
   for (const int64_t id : update.removed_points) map_.RemovePoint(id);

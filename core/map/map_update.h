@@ -136,9 +136,9 @@ class MapVersion {
 /// A copy of a map of another process, kept up to date.
 class MapReplica {
  public:
-  /// A complete map replaces this one. Of the same map, it removes the keyframes that it lacks (`RememberRemoved`).
+  /// A complete map replaces this one.
   MapVersion::Step Apply(const MapUpdate& update);
-  /// `Map::RememberRemoved`, for as long as it is the same map.
+  /// `Map::RememberRemoved`, until another map replaces this one (`MapUpdate::map_instance`).
   void RememberRemoved() {
     remembers_removed_ = true;
     map_.RememberRemoved();
@@ -150,7 +150,7 @@ class MapReplica {
 
  private:
   void Move(const std::vector<MovedKeyframe>& keyframes);
-  void Restart(const MapUpdate& whole);
+  void Restart(const MapUpdate& whole, bool same_map);
 
   Map map_;
   int64_t map_instance_ = 0;

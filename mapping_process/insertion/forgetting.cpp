@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "core/map/landmark_types.h"
 
@@ -19,7 +19,7 @@ class Remaining {
  public:
   Remaining(const Map& map, const Visits& visits) : map_(map), visits_(visits) {}
 
-  // Returns whether an earlier visit observed at least half of the landmarks of the keyframe.
+  // Returns whether an earlier visit observed more than half of the landmarks of the keyframe.
   bool IsKnown(const MapKeyframe& keyframe) const {
     std::vector<int64_t> oldest;  // observations of the landmarks
     AddOldest<PointType>(keyframe.id, oldest);
@@ -78,7 +78,7 @@ class Remaining {
 
   const Map& map_;
   const Visits& visits_;
-  std::set<int64_t> removed_;
+  std::unordered_set<int64_t> removed_;
   Lost points_, lines_;
 };
 

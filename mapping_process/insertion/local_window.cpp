@@ -79,11 +79,10 @@ std::vector<int64_t> FixedKeyframes(const std::vector<int64_t>& free, const std:
   return fixed;
 }
 
-// Marks constant keyframes of the window: those after the first `n_free`, those of earlier visits (their place was
-// adjusted then, and one more visit knows no better), and the first of the map. If there are none, the oldest is
-// constant, to fix the gauge.
-std::vector<bool> ConstantOnes(const std::vector<int64_t>& keyframes, size_t n_free, const Map& map,
-                               const IsEarlierVisit& is_earlier) {
+// Marks constant keyframes of the window: those after the first `n_free`, those of earlier visits, whose place was
+// adjusted then, and the first of the map. If there are none, the oldest is constant, to fix the gauge.
+std::vector<bool> ConstantKeyframes(const std::vector<int64_t>& keyframes, size_t n_free, const Map& map,
+                                    const IsEarlierVisit& is_earlier) {
   const int64_t first = map.keyframes().begin()->first;
   std::vector<bool> constant(keyframes.size());
   for (size_t i = 0; i < keyframes.size(); ++i) {
@@ -175,7 +174,7 @@ MapBundle MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeFea
   const auto is_earlier = [&](int64_t id) { return visits.IsBefore(*map.FindKeyframe(id), newest); };
   const std::vector<int64_t> fixed = FixedKeyframes(keyframes, points, lines, map, is_earlier, n_fixed);
   keyframes.insert(keyframes.end(), fixed.begin(), fixed.end());
-  const std::vector<bool> constant = ConstantOnes(keyframes, n_free, map, is_earlier);
+  const std::vector<bool> constant = ConstantKeyframes(keyframes, n_free, map, is_earlier);
   return MakeMapBundle(map, features, camera, std::move(keyframes), constant, std::move(points), std::move(lines),
                        options.relative_sigma);
 }

@@ -13,10 +13,9 @@
 namespace plslam::mapping {
 
 /// Returns the local bundle adjustment problem (PL-SLAM §V.B): the keyframe, its best neighbours, and the landmarks
-/// that at least two keyframes observe. Other observing keyframes are constant, as are those of earlier
-/// visits, which define the place, and the first of the map. Twice as
-/// wide for the first keyframes of a session that begins among those of another (docs/reliability.md, "What a kill
-/// costs").
+/// that at least two keyframes observe. Other observing keyframes are constant, as are those of earlier visits, which
+/// define the place, and the first of the map. Twice as wide for the first keyframes of a session that begins among
+/// those of another (docs/reliability.md, "What a kill costs").
 MapBundle MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeFeatures& features, const Visits& visits,
                           const StereoCamera& camera, const WindowOptions& options);
 

@@ -12,7 +12,7 @@ namespace plslam::mapping {
 namespace {
 
 // Largest angle between the optical axes of keyframes that are compared.
-constexpr double kSameWay_deg = 30.0;
+constexpr double kSameDirection_deg = 30.0;
 // Landmarks shared with a keyframe of another session from which the two sessions are connected.
 constexpr int kConnected = 15;
 // Distance from the border of the image from which a landmark counts as in view.
@@ -22,7 +22,8 @@ constexpr double kInside_px = 20.0;
 constexpr double kSameView_deg = 10.0;
 constexpr double kNearest = 0.8;
 constexpr double kFarthest = 1.25;
-// Share of the observations of a keyframe that earlier visits must know, and of their mean number that it must have.
+// Share of a keyframe's landmarks that earlier visits must have observed, and least number of them relative to the
+// earlier keyframe with most.
 constexpr double kKnown = 0.3;
 constexpr double kAsMany = 0.5;
 // Visits in a row that have missed a landmark before the next one that does removes it.
@@ -61,10 +62,10 @@ bool IsSeenFrom(const Eigen::Vector3d& centre_w, const Landmark& landmark, const
   });
 }
 
-// Returns the keyframes of earlier visits that were near this one and looked the same way, ascending. Not by common
-// landmarks: a place that has changed has none.
+// Returns the keyframes of earlier visits that were near this one and looked in the same direction, ascending. Common
+// landmarks are no criterion, because a place that has changed has none.
 std::vector<int64_t> EarlierHere(const MapKeyframe& keyframe, const Visits& visits, const Map& map) {
-  static const double kLeastCosine = std::cos(kSameWay_deg * kRadPerDeg);
+  static const double kLeastCosine = std::cos(kSameDirection_deg * kRadPerDeg);
   std::set<int64_t> sessions{keyframe.session};
   for (const Map::Neighbour& neighbour : map.Neighbours(keyframe.id, kConnected)) {
     sessions.insert(map.FindKeyframe(neighbour.keyframe_id)->session);
@@ -101,17 +102,22 @@ Expected Compared(const MapKeyframe& keyframe, const std::vector<int64_t>& earli
   return expected;
 }
 
-int CountPoints(int64_t keyframe_id, const Map& map) {
-  const std::vector<int64_t>& points = map.LandmarksOf(keyframe_id).points;
-  return static_cast<int>(std::count_if(points.begin(), points.end(), [](int64_t id) { return id >= 0; }));
+template <class Type>
+int CountLandmarks(int64_t keyframe_id, const Map& map) {
+  const std::vector<int64_t>& landmarks = Type::Of(map, keyframe_id);
+  return static_cast<int>(std::count_if(landmarks.begin(), landmarks.end(), [](int64_t id) { return id >= 0; }));
 }
 
-// Whether a keyframe that found so many points of earlier visits shows the place as they did.
+int CountLandmarks(int64_t keyframe_id, const Map& map) {
+  return CountLandmarks<PointType>(keyframe_id, map) + CountLandmarks<LineType>(keyframe_id, map);
+}
+
+// Whether a keyframe that found so many landmarks of earlier visits shows the place as well as they did.
 bool IsComparable(int64_t keyframe_id, int found, const std::vector<int64_t>& earlier, const Map& map) {
-  double sum = 0.0;
-  for (const int64_t id : earlier) sum += CountPoints(id, map);
-  const int own = CountPoints(keyframe_id, map);
-  return found >= kKnown * own && own >= kAsMany * sum / static_cast<double>(earlier.size());
+  int most = 0;
+  for (const int64_t id : earlier) most = std::max(most, CountLandmarks(id, map));
+  const int own = CountLandmarks(keyframe_id, map);
+  return own > 0 && found >= kKnown * own && own >= kAsMany * most;
 }
 
 }  // namespace
@@ -123,8 +129,8 @@ void MissedLandmarks::Compare(int64_t keyframe_id, const Visits& visits, const S
   const std::vector<int64_t> earlier = EarlierHere(keyframe, visits, map);
   if (earlier.empty()) return;
   const Expected points = Compared<PointType>(keyframe, earlier, camera, visits, map);
-  if (!IsComparable(keyframe_id, points.found, earlier, map)) return;
   const Expected lines = Compared<LineType>(keyframe, earlier, camera, visits, map);
+  if (!IsComparable(keyframe_id, points.found + lines.found, earlier, map)) return;
   Update<PointType>(points.missed, keyframe, visits, points_, map);
   Update<LineType>(lines.missed, keyframe, visits, lines_, map);
 }
@@ -137,8 +143,9 @@ void MissedLandmarks::Update(const std::vector<int64_t>& missed, const MapKeyfra
     Entry& entry = table[id];
     // A later search may have found it after all.
     if (Type::Find(map, id)->observations.back().keyframe_id > entry.newest.keyframe_id) entry = {};
-    if (entry.visits == 0 || visits.IsBefore(entry.newest, visits.Near_m(keyframe), keyframe)) ++entry.visits;
-    entry.newest = now;
+    const bool is_new = entry.visits == 0 || visits.IsBefore(entry.newest, visits.Near_m(keyframe), keyframe);
+    if (is_new) ++entry.visits;
+    if (is_new || entry.newest.session == keyframe.session) entry.newest = now;
     if (entry.visits <= kVisits) continue;
     table.erase(id);
     Type::Remove(id, map);

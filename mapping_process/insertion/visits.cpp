@@ -58,7 +58,9 @@ Visits::Moment Visits::MomentOf(const MapKeyframe& keyframe) const {
 bool Visits::IsBefore(const Moment& earlier, double distance_m, const MapKeyframe& keyframe) const {
   if (earlier.keyframe_id >= keyframe.id) return false;
   const auto session = sessions_.find(keyframe.session);
-  if (session == sessions_.end() || earlier.keyframe_id < session->second.first_id) return true;
+  if (session == sessions_.end() || keyframe.id < session->second.first_id)
+    return earlier.session != keyframe.session;
+  if (earlier.keyframe_id < session->second.first_id) return true;
   if (earlier.session != keyframe.session) return false;
   const double path_m = MomentOf(keyframe).travelled_m - earlier.travelled_m;
   return path_m > distance_m + kAway * session->second.Near_m();

@@ -14,7 +14,7 @@ inline constexpr size_t kRunningSessions = 16;
 
 /// Distinguishes the visits of a place: a camera has left it and come back if its path since then is much longer than
 /// the distance between the two keyframes. Keyframes of other sessions belong to an earlier visit if they are older
-/// than the session.
+/// than the session. A session whose paths are unknown, of a loaded map or long ago, is one visit.
 class Visits {
  public:
   /// A keyframe on the path of its session.
@@ -37,7 +37,7 @@ class Visits {
   Moment MomentOf(const MapKeyframe& keyframe) const;
   /// Returns whether `earlier`, at this distance from `keyframe`, belongs to an earlier visit.
   bool IsBefore(const Moment& earlier, double distance_m, const MapKeyframe& keyframe) const;
-  /// Of two keyframes of the map.
+  /// The same of two keyframes of the map.
   bool IsBefore(const MapKeyframe& earlier, const MapKeyframe& keyframe) const;
   /// Distance up to which keyframes are at the place of this one: three mean steps between keyframes of its session.
   double Near_m(const MapKeyframe& keyframe) const;

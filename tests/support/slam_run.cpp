@@ -47,11 +47,8 @@ std::vector<OdometryFrame> CarriedByKeyframes(std::vector<OdometryFrame> in_odom
   for (const auto& [id, keyframe] : map.keyframes()) {
     corrections[keyframe.frame_id] = keyframe.T_w_kf * keyframe.T_odom_kf.Inverse();
   }
-  for (const auto& [carrier_id, carried] : map.removed_keyframes()) {
-    const SE3& T_w_carrier = map.FindKeyframe(carrier_id)->T_w_kf;
-    for (const RemovedKeyframe& removed : carried) {
-      corrections[removed.frame_id] = T_w_carrier * removed.T_carrier_kf * removed.T_odom_kf.Inverse();
-    }
+  for (const RemovedKeyframe& removed : map.RemovedKeyframes()) {
+    corrections.try_emplace(removed.frame_id, removed.T_w_kf * removed.T_odom_kf.Inverse());
   }
   if (corrections.empty()) return in_odom;
   for (size_t i = 0; i < in_odom.size(); ++i) {

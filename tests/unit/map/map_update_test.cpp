@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <map>
 #include <set>
 
 #include "tests/unit/map/random_map.h"
@@ -178,17 +177,6 @@ MapUpdate Newest(int64_t session, int64_t keyframe_id, bool committed) {
   return update;
 }
 
-/// The remembered poses by frame.
-std::map<int64_t, SE3> Remembered(const Map& map) {
-  std::map<int64_t, SE3> poses;
-  for (const auto& [carrier_id, carried] : map.removed_keyframes()) {
-    for (const RemovedKeyframe& removed : carried) {
-      poses[removed.frame_id] = map.FindKeyframe(carrier_id)->T_w_kf * removed.T_carrier_kf;
-    }
-  }
-  return poses;
-}
-
 /// Version `version` of a map with keyframes 0, 1, 2 and 3 a metre apart along x, except those `removed`.
 MapUpdate WholeRow(int64_t version, const std::set<int64_t>& removed) {
   Map map;
@@ -220,10 +208,12 @@ TEST(MapReplica, RemembersRemovedKeyframesOnRequest) {
     each->Apply(WholeRow(1, {}));
     EXPECT_EQ(each->Apply(removal), Step::kNext);
   }
-  const std::map<int64_t, SE3> poses = Remembered(replica.map());
-  ASSERT_EQ(poses.size(), 2U);
-  for (const int64_t id : {1, 2}) EXPECT_NEAR(poses.at(id).translation().x(), static_cast<double>(id), 1e-12);
-  EXPECT_TRUE(forgetful.map().removed_keyframes().empty());
+  const std::vector<RemovedKeyframe> removed = replica.map().RemovedKeyframes();
+  ASSERT_EQ(removed.size(), 2U);
+  for (const RemovedKeyframe& keyframe : removed) {
+    EXPECT_NEAR(keyframe.T_w_kf.translation().x(), static_cast<double>(keyframe.id), 1e-12);
+  }
+  EXPECT_TRUE(forgetful.map().RemovedKeyframes().empty());
 }
 
 TEST(MapReplica, WholeMapKeepsRememberedKeyframesOfTheSameMap) {
@@ -231,12 +221,35 @@ TEST(MapReplica, WholeMapKeepsRememberedKeyframesOfTheSameMap) {
   replica.RememberRemoved();
   replica.Apply(WholeRow(1, {}));
   EXPECT_EQ(replica.Apply(WholeRow(7, {1, 2})), Step::kNext) << "versions were missed";
-  EXPECT_EQ(Remembered(replica.map()).size(), 2U);
+  EXPECT_EQ(replica.map().RemovedKeyframes().size(), 2U);
   EXPECT_EQ(replica.map().keyframes().size(), 2U);
   MapUpdate other = WholeRow(9, {3});
   other.map_instance = 8;
   EXPECT_EQ(replica.Apply(other), Step::kNext);
-  EXPECT_TRUE(replica.map().removed_keyframes().empty()) << "they were of another map";
+  EXPECT_TRUE(replica.map().RemovedKeyframes().empty()) << "they were of another map";
+}
+
+TEST(MapReplica, ProcessOfUnknownMapBeginsAnother) {
+  MapReplica replica;
+  replica.RememberRemoved();
+  MapUpdate first = WholeRow(1, {});
+  first.map_instance = 0;
+  replica.Apply(first);
+  MapUpdate second = WholeRow(1, {1, 2});
+  second.map_instance = 0;
+  second.source = 9;
+  EXPECT_EQ(replica.Apply(second), Step::kNext);
+  EXPECT_TRUE(replica.map().RemovedKeyframes().empty());
+}
+
+TEST(Map, ReturningKeyframeIsNotRememberedTwice) {
+  MapReplica replica;
+  replica.RememberRemoved();
+  replica.Apply(WholeRow(1, {}));
+  replica.Apply(WholeRow(3, {3}));
+  ASSERT_EQ(replica.map().RemovedKeyframes().size(), 1U);
+  replica.Apply(WholeRow(5, {}));
+  EXPECT_TRUE(replica.map().RemovedKeyframes().empty());
 }
 
 TEST(CommittedKeyframes, UpdateCommitsKeyframesOfAllRobots) {

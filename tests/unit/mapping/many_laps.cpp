@@ -80,10 +80,8 @@ class Tracker {
 /// Poses of all frames that were keyframes, in the final map.
 std::vector<SE3> FinalPoses(const Map& map, std::vector<SE3> poses) {
   for (const auto& [id, keyframe] : map.keyframes()) poses[static_cast<size_t>(keyframe.frame_id)] = keyframe.T_w_kf;
-  for (const auto& [carrier_id, carried] : map.removed_keyframes()) {
-    for (const RemovedKeyframe& removed : carried) {
-      poses[static_cast<size_t>(removed.frame_id)] = map.FindKeyframe(carrier_id)->T_w_kf * removed.T_carrier_kf;
-    }
+  for (const RemovedKeyframe& removed : map.RemovedKeyframes()) {
+    poses[static_cast<size_t>(removed.frame_id)] = removed.T_w_kf;
   }
   return poses;
 }

@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "mapping_process/mapper_state.h"
 #include "tests/support/feature_world.h"
 
 namespace plslam::mapping {
@@ -17,10 +18,10 @@ class Place {
  public:
   static constexpr int64_t kPoints = 100;
 
-  /// Looks from 5 m away, then comes and shows all points but these. `n_shown`: at most so many.
+  /// Leaves to 5 m away, looking to the side, comes back, and shows all points but these; at most `n_shown`.
   void Visit(const std::set<int64_t>& gone, int64_t n_shown = kPoints) {
-    for (int i = 0; i < 20; ++i) Add(i < 10 ? 0.5 * i : 5.0 - 0.5 * i);
-    const int64_t id = Add(0.0);
+    for (int i = 1; i <= 20; ++i) Add(i <= 10 ? 0.5 * i : 10.0 - 0.5 * i, true);
+    const int64_t id = Add(0.0, false);
     int32_t feature = 0;
     for (int64_t point_id = 0; point_id < kPoints; ++point_id) {
       if (gone.contains(point_id) || feature == n_shown) continue;
@@ -34,16 +35,23 @@ class Place {
     }
     missed_.Compare(id, visits_, FeatureWorld::Camera(), map_);
   }
+  /// Continues from a state of the two, as bytes.
+  void Restart() {
+    MapperState state;
+    state.visits = visits_;
+    state.missed_landmarks = missed_;
+    state = DecodeState(EncodeState(state));
+    visits_ = state.visits;
+    missed_ = state.missed_landmarks;
+  }
   bool Has(int64_t point_id) const { return map_.FindPoint(point_id) != nullptr; }
 
  private:
-  int64_t Add(double x_m) {
+  int64_t Add(double x_m, bool looks_aside) {
     MapKeyframe keyframe;
     keyframe.id = n_++;
     keyframe.previous_id = keyframe.id - 1;
-    // On the way it looks to the side.
-    const Eigen::Vector3d turn(0.0, x_m > 0.0 ? 2.0 : 0.0, 0.0);
-    keyframe.T_w_kf = SE3(ExpSO3(turn), {x_m, 0.0, 0.0});
+    keyframe.T_w_kf = SE3(ExpSO3({0.0, looks_aside ? 2.0 : 0.0, 0.0}), {x_m, 0.0, 0.0});
     if (keyframe.id > 0)
       keyframe.T_prevkf_kf = map_.FindKeyframe(keyframe.id - 1)->T_w_kf.Inverse() * keyframe.T_w_kf;
     map_.Put(keyframe);
@@ -85,9 +93,19 @@ TEST(MissedLandmarks, FoundAgainInBetweenIsKept) {
 TEST(MissedLandmarks, DarkImagesProveNothing) {
   Place place;
   place.Visit({});
-  for (int i = 0; i < 5; ++i) place.Visit({3}, 20);
+  for (int i = 0; i < 10; ++i) place.Visit({3}, 20);
   EXPECT_TRUE(place.Has(3));
   EXPECT_TRUE(place.Has(99));
+}
+
+TEST(MissedLandmarks, AreCountedInTheState) {
+  Place place;
+  place.Visit({});
+  place.Visit({3});
+  place.Visit({3});
+  place.Restart();
+  place.Visit({3});
+  EXPECT_FALSE(place.Has(3));
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ TEST(Visits, OneOnAStraightPath) {
   EXPECT_FALSE(paths.IsBefore(99, 50)) << "it is later";
 }
 
-TEST(Visits, AnotherOneAfterTheWayBack) {
+TEST(Visits, AnotherOneAfterTheReturn) {
   Paths paths;
   for (int i = 0; i <= 20; ++i) paths.Add(i);
   for (int i = 19; i >= 0; --i) paths.Add(i);
@@ -61,6 +61,19 @@ TEST(Visits, SessionsAreVisits) {
   paths.Add(1.0, 2);
   EXPECT_TRUE(paths.IsBefore(1, 5)) << "older than the session";
   EXPECT_FALSE(paths.IsBefore(4, 5)) << "of another robot at the same time";
+}
+
+TEST(Visits, SessionWithUnknownPathIsOneVisit) {
+  Map map;
+  for (int64_t id = 0; id < 4; ++id) {
+    MapKeyframe keyframe;
+    keyframe.id = id;
+    keyframe.session = id < 2 ? 1 : 2;
+    map.Put(keyframe);
+  }
+  const Visits visits;
+  EXPECT_FALSE(visits.IsBefore(*map.FindKeyframe(0), *map.FindKeyframe(1)));
+  EXPECT_TRUE(visits.IsBefore(*map.FindKeyframe(1), *map.FindKeyframe(3))) << "of another session";
 }
 
 }  // namespace

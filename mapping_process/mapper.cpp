@@ -264,7 +264,12 @@ void Mapper::AdjustAround(int64_t keyframe_id, const std::atomic<bool>* stop) {
   const MapBundle window = MakeLocalWindow(keyframe_id, map_, features_, visits_, camera_, options_.window);
   const BundleResult result = Adjusted(window, stop);
   figures_ = ApplyAdjustment(window, result, features_, map_);
-  if (result.ok) ExtendAndTrim(window.lines, features_, camera_, map_);
+  if (!result.ok) return;
+  ExtendAndTrim(window.lines, features_, camera_, map_);
+  const MapKeyframe& newest = *map_.FindKeyframe(keyframe_id);
+  for (size_t i = 0; i < window.keyframes.size(); ++i) {
+    if (!window.problem.poses[i].fixed) visits_.Adjusted(*map_.FindKeyframe(window.keyframes[i]), newest);
+  }
 }
 
 BundleResult Mapper::Adjusted(const MapBundle& window, const std::atomic<bool>* stop) {
@@ -330,8 +335,14 @@ void Mapper::Cull() {
   for (const Map::Neighbour& neighbour : map_.Neighbours(next_keyframe_id_ - 1, options_.window.min_shared)) {
     if (!IsAmongNewest(*map_.FindKeyframe(neighbour.keyframe_id))) candidates.push_back(neighbour.keyframe_id);
   }
-  // The newest first: older ones define the place, and newer ones have inherited their errors.
-  std::sort(candidates.begin(), candidates.end(), std::greater<>());
+  // Those of this visit first, then earlier ones from the newest on: older ones define the place, and newer ones have
+  // inherited their errors.
+  std::sort(candidates.begin(), candidates.end());
+  const MapKeyframe& newest = *map_.FindKeyframe(next_keyframe_id_ - 1);
+  const auto earlier = std::stable_partition(candidates.begin(), candidates.end(), [&](int64_t id) {
+    return !visits_.IsBefore(*map_.FindKeyframe(id), newest);
+  });
+  std::reverse(earlier, candidates.end());
   for (const int64_t id : RemoveRedundantKeyframes(candidates, options_.culling, features_, map_)) visits_.Remove(id);
   if (options_.max_keyframes > 0) Forget();
 }

@@ -152,7 +152,6 @@ TEST(MapperState, StateBeyondTheSavedMapMatters) {
   EXPECT_EQ(Differences([](MapperState&) {}), 0);
   EXPECT_GT(Differences([](MapperState& state) { state.recent_landmarks = {}; }), 0);
   EXPECT_GT(Differences([](MapperState& state) { state.tracker = {}; }), 0);
-  EXPECT_GT(Differences([](MapperState& state) { state.visits = {}; }), 0);
 }
 
 TEST(MapperState, SameBytesAgain) {

@@ -264,12 +264,7 @@ void Mapper::AdjustAround(int64_t keyframe_id, const std::atomic<bool>* stop) {
   const MapBundle window = MakeLocalWindow(keyframe_id, map_, features_, visits_, camera_, options_.window);
   const BundleResult result = Adjusted(window, stop);
   figures_ = ApplyAdjustment(window, result, features_, map_);
-  if (!result.ok) return;
-  ExtendAndTrim(window.lines, features_, camera_, map_);
-  const MapKeyframe& newest = *map_.FindKeyframe(keyframe_id);
-  for (size_t i = 0; i < window.keyframes.size(); ++i) {
-    if (!window.problem.poses[i].fixed) visits_.Adjusted(*map_.FindKeyframe(window.keyframes[i]), newest);
-  }
+  if (result.ok) ExtendAndTrim(window.lines, features_, camera_, map_);
 }
 
 BundleResult Mapper::Adjusted(const MapBundle& window, const std::atomic<bool>* stop) {

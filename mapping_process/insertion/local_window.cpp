@@ -55,13 +55,13 @@ std::vector<int64_t> SeenTwice(const std::vector<int64_t>& free, const Map& map,
   return chosen;
 }
 
-using IsSettled = std::function<bool(int64_t)>;
+using IsEarlierVisit = std::function<bool(int64_t)>;
 
 // The oldest views of earlier visits first, because the errors of newer ones depend on them: without them the place
 // would drift with each visit. Then those that observe most of the landmarks.
 std::vector<int64_t> FixedKeyframes(const std::vector<int64_t>& free, const std::vector<int64_t>& points,
-                                    const std::vector<int64_t>& lines, const Map& map, const IsSettled& is_settled,
-                                    int max_count) {
+                                    const std::vector<int64_t>& lines, const Map& map,
+                                    const IsEarlierVisit& is_earlier, int max_count) {
   std::map<int64_t, int> counts;
   CountKeyframes<PointType>(points, map, counts);
   CountKeyframes<LineType>(lines, map, counts);
@@ -71,7 +71,7 @@ std::vector<int64_t> FixedKeyframes(const std::vector<int64_t>& free, const std:
   std::vector<int64_t> fixed;
   for (const auto& [id, count] : counts) {
     if (static_cast<int>(fixed.size()) == max_count) return fixed;
-    if (count >= kWellShared * most && is_settled(id)) fixed.push_back(id);
+    if (count >= kWellShared * most && is_earlier(id)) fixed.push_back(id);
   }
   for (const int64_t id : fixed) counts.erase(id);
   const std::vector<int64_t> others = MostCounted(counts, max_count - static_cast<int>(fixed.size()));
@@ -79,13 +79,14 @@ std::vector<int64_t> FixedKeyframes(const std::vector<int64_t>& free, const std:
   return fixed;
 }
 
-// Marks constant keyframes of the window: those after the first `n_free`, settled ones of earlier visits, and the first of the map. If there are none, the oldest is constant, to fix the gauge.
+// Marks constant keyframes of the window: those after the first `n_free`, those of earlier visits, whose place was
+// adjusted then, and the first of the map. If there are none, the oldest is constant, to fix the gauge.
 std::vector<bool> ConstantKeyframes(const std::vector<int64_t>& keyframes, size_t n_free, const Map& map,
-                                    const IsSettled& is_settled) {
+                                    const IsEarlierVisit& is_earlier) {
   const int64_t first = map.keyframes().begin()->first;
   std::vector<bool> constant(keyframes.size());
   for (size_t i = 0; i < keyframes.size(); ++i) {
-    constant[i] = i >= n_free || keyframes[i] == first || is_settled(keyframes[i]);
+    constant[i] = i >= n_free || keyframes[i] == first || is_earlier(keyframes[i]);
   }
   if (std::find(constant.begin(), constant.end(), true) == constant.end()) {
     const auto oldest = std::min_element(keyframes.begin(), keyframes.end());
@@ -170,10 +171,10 @@ MapBundle MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeFea
   std::vector<int64_t> lines =
       SeenTwice<LineType>(keyframes, map, size, options.max_lines, factor * options.max_line_observations);
   const MapKeyframe& newest = *map.FindKeyframe(keyframe_id);
-  const auto is_settled = [&](int64_t id) { return visits.IsSettled(*map.FindKeyframe(id), newest); };
-  const std::vector<int64_t> fixed = FixedKeyframes(keyframes, points, lines, map, is_settled, n_fixed);
+  const auto is_earlier = [&](int64_t id) { return visits.IsBefore(*map.FindKeyframe(id), newest); };
+  const std::vector<int64_t> fixed = FixedKeyframes(keyframes, points, lines, map, is_earlier, n_fixed);
   keyframes.insert(keyframes.end(), fixed.begin(), fixed.end());
-  const std::vector<bool> constant = ConstantKeyframes(keyframes, n_free, map, is_settled);
+  const std::vector<bool> constant = ConstantKeyframes(keyframes, n_free, map, is_earlier);
   return MakeMapBundle(map, features, camera, std::move(keyframes), constant, std::move(points), std::move(lines),
                        options.relative_sigma);
 }

@@ -44,7 +44,6 @@ void Visits::ForgetSessions() {
 
 void Visits::Remove(int64_t keyframe_id) {
   for (auto& [id, session] : sessions_) session.by_keyframe_m.erase(keyframe_id);
-  adjusted_.erase(keyframe_id);
 }
 
 Visits::Moment Visits::MomentOf(const MapKeyframe& keyframe) const {
@@ -70,17 +69,6 @@ bool Visits::IsBefore(const Moment& earlier, double distance_m, const MapKeyfram
 bool Visits::IsBefore(const MapKeyframe& earlier, const MapKeyframe& keyframe) const {
   const double distance_m = (earlier.T_w_kf.translation() - keyframe.T_w_kf.translation()).norm();
   return IsBefore(MomentOf(earlier), distance_m, keyframe);
-}
-
-void Visits::Adjusted(const MapKeyframe& earlier, const MapKeyframe& keyframe) {
-  if (IsBefore(earlier, keyframe)) adjusted_.try_emplace(earlier.id, MomentOf(keyframe));
-}
-
-bool Visits::IsSettled(const MapKeyframe& earlier, const MapKeyframe& keyframe) const {
-  if (!IsBefore(earlier, keyframe)) return false;
-  if (earlier.session != keyframe.session) return true;
-  const auto adjusted = adjusted_.find(earlier.id);
-  return adjusted != adjusted_.end() && IsBefore(adjusted->second, Near_m(keyframe), keyframe);
 }
 
 }  // namespace plslam::mapping

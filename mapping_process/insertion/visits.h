@@ -39,18 +39,12 @@ class Visits {
   bool IsBefore(const Moment& earlier, double distance_m, const MapKeyframe& keyframe) const;
   /// The same of two keyframes of the map.
   bool IsBefore(const MapKeyframe& earlier, const MapKeyframe& keyframe) const;
-  /// Notes that the visit of `keyframe` has adjusted a keyframe of an earlier one; the first one counts.
-  void Adjusted(const MapKeyframe& earlier, const MapKeyframe& keyframe);
-  /// Returns whether `earlier` is of an earlier visit and settled: another visit in between has adjusted it, or it is of
-  /// an older session. A first return still has to distribute the drift of the way since; later ones would only add
-  /// their noise.
-  bool IsSettled(const MapKeyframe& earlier, const MapKeyframe& keyframe) const;
   /// Distance up to which keyframes are at the place of this one: three mean steps between keyframes of its session.
   double Near_m(const MapKeyframe& keyframe) const;
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.sessions_, self.adjusted_);
+    a(self.sessions_);
   }
 
  private:
@@ -73,8 +67,6 @@ class Visits {
 
   /// The newest `kRunningSessions`.
   std::map<int64_t, Session> sessions_;
-  /// First return that adjusted a keyframe, by the keyframe.
-  std::map<int64_t, Moment> adjusted_;
 };
 
 }  // namespace plslam::mapping

@@ -330,8 +330,8 @@ void Mapper::Cull() {
   for (const Map::Neighbour& neighbour : map_.Neighbours(next_keyframe_id_ - 1, options_.window.min_shared)) {
     if (!IsAmongNewest(*map_.FindKeyframe(neighbour.keyframe_id))) candidates.push_back(neighbour.keyframe_id);
   }
-  // Those of this visit first, then earlier ones from the newest on: older ones define the place, and newer ones have
-  // inherited their errors.
+  // Keyframes of this visit first, then earlier ones from the newest on: older ones define the place, and newer ones
+  // have inherited their errors.
   std::sort(candidates.begin(), candidates.end());
   const MapKeyframe& newest = *map_.FindKeyframe(next_keyframe_id_ - 1);
   const auto earlier = std::stable_partition(candidates.begin(), candidates.end(), [&](int64_t id) {

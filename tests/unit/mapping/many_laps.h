@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <vector>
 
 #include "mapping_process/mapper.h"
@@ -51,8 +50,7 @@ struct LapsResult {
   /// Root mean square of the positions of each lap's keyframes against the truth, after the first two laps were
   /// aligned: as estimated at the time, and in the final map.
   std::vector<double> live_m, final_m;
-  /// Keyframes and points of the map after each lap, and the share of these points that are not in the world any more.
-  std::vector<int64_t> keyframes, points;
+  /// Share of the map's points that are not in the world any more, after each lap.
   std::vector<double> gone;
   /// Largest numbers at any time.
   MapTotals most;

@@ -11,7 +11,7 @@ namespace {
 /// Keyframes of sessions that move along z.
 class Paths {
  public:
-  const MapKeyframe& Add(double z_m, int64_t session = 1) {
+  void Add(double z_m, int64_t session = 1) {
     MapKeyframe keyframe;
     keyframe.id = static_cast<int64_t>(map_.keyframes().size());
     keyframe.session = session;
@@ -24,7 +24,6 @@ class Paths {
     }
     map_.Put(keyframe);
     visits_.Add(keyframe);
-    return *map_.FindKeyframe(keyframe.id);
   }
   bool IsBefore(int64_t earlier, int64_t keyframe) const {
     return visits_.IsBefore(*map_.FindKeyframe(earlier), *map_.FindKeyframe(keyframe));

@@ -145,6 +145,7 @@ void Inboxes::DispatchOrdered(Inbox& inbox, const WireHeader& header, ByteView m
   }
   const auto arrival = source->reader.OnMessage(header.seq, message, now);
   if (arrival == OrderedReader::Arrival::kDuplicate) ++counts_.duplicates;
+  Count(*source);  // before the handler: it may compare the counts with what it has received
   Drain(inbox, *source, now);
   PollSource(inbox, header.source, *source, now);
 }

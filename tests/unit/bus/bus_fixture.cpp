@@ -10,7 +10,8 @@ namespace plslam::bus::test {
 std::string PrivateUrl() {
   static std::random_device device;
   const auto part = [&](unsigned from, unsigned n) { return std::to_string(from + device() % n); };
-  return "udpm://239.255." + part(100, 100) + "." + part(1, 250) + ":" + part(20000, 20000) + "?ttl=0";
+  // Ports below those that the system gives to sockets without a port (from 32,768 on): such a socket is exclusive.
+  return "udpm://239.255." + part(100, 100) + "." + part(1, 250) + ":" + part(20000, 12000) + "?ttl=0";
 }
 
 int Shell(const std::string& command) {

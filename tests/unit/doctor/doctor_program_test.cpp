@@ -109,7 +109,7 @@ TEST_F(DoctorProgram, TtlOneOverTheLoopbackDevice) {
 
 TEST_F(DoctorProgram, WrongKeyAndForeignPrefix) {
   bus::BusOptions options;
-  options.url = "udpm://239.255.76.67:" + std::to_string(20000 + getpid() % 20000) + "?ttl=0";
+  options.url = "udpm://239.255.76.67:" + std::to_string(20000 + getpid() % 12000) + "?ttl=0";
   if (Shell(Doctor("--listen 0 --json --url '" + options.url + "'")) != 0)
     GTEST_SKIP() << "no multicast here: " << Text("out");
   options.key_file = KeyFile("key", 'a');

@@ -40,7 +40,7 @@ using testing::HasSubstr;
 // A separate port for each test process.
 bus::BusOptions Loopback() {
   bus::BusOptions options;
-  options.url = fmt::format("udpm://239.255.76.67:{}?ttl=0", 20000 + getpid() % 20000);
+  options.url = fmt::format("udpm://239.255.76.67:{}?ttl=0", 20000 + getpid() % 12000);
   return options;
 }
 

@@ -6,6 +6,7 @@
 #include <exception>
 #include <filesystem>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -21,7 +22,7 @@ std::string ProgressLine(const Recorder& recorder, const ProgressNumbers& number
   if (numbers.announced_frames >= 0) line += fmt::format("/{}", numbers.announced_frames);
   line += fmt::format("  {:.1f}/s", numbers.frames_per_s);
   if (recorder.frames().empty()) return line + "  waiting";
-  const FrameRecord& newest = recorder.frames().rbegin()->second;
+  const FrameRecord newest = recorder.frames().Last().second;
   line += fmt::format("  {} points  {} lines  keyframes {}  {}", newest.counts.tracked_points,
                       newest.counts.tracked_lines, recorder.keyframes(), TrackingStateName(newest.state));
   const FrameTally tally = recorder.Tally(false);
@@ -42,10 +43,6 @@ std::string FrameCaption(const FramePose& pose) {
 
 namespace {
 
-bool IsAfterLast(const Trajectory& trajectory, int64_t t_ns) {
-  return trajectory.empty() || t_ns > trajectory.back().t_ns;
-}
-
 // The covariance of a perturbation in c, for the same perturbation in l, which has the same origin.
 Matrix6d Rotate(const Matrix6d& covariance_c, const Eigen::Matrix3d& R_l_c) {
   Matrix6d A = Matrix6d::Zero();
@@ -55,24 +52,18 @@ Matrix6d Rotate(const Matrix6d& covariance_c, const Eigen::Matrix3d& R_l_c) {
   return 0.5 * (rotated + rotated.transpose());
 }
 
-/// Tries to write files, one after the other.
+/// Files that are written beside each other. The first failure of each is kept, and the others go on.
 class Attempts {
  public:
   template <class Write>
-  void Try(const Write& write) {
+  bool Try(const Write& write) {
     try {
       write();
+      return true;
     } catch (const std::exception& e) {
       failures_.emplace_back(e.what());
+      return false;
     }
-  }
-  void Trajectory(const std::string& path, TrajectoryFormat format, const plslam::Trajectory& trajectory) {
-    Try([&] { WriteTrajectory(path, format, trajectory); });
-  }
-  void AllFormats(const std::string& stem, const plslam::Trajectory& trajectory) {
-    Trajectory(stem + ".tum", TrajectoryFormat::kTum, trajectory);
-    Trajectory(stem + ".kitti", TrajectoryFormat::kKitti, trajectory);
-    Trajectory(stem + ".euroc", TrajectoryFormat::kEuroc, trajectory);
   }
   std::vector<std::string> TakeFailures() { return std::move(failures_); }
 
@@ -80,38 +71,117 @@ class Attempts {
   std::vector<std::string> failures_;
 };
 
-}  // namespace
+/// One of these files, of a type with `PutInPlace`.
+template <class Writer>
+class Attempt {
+ public:
+  template <class... Arguments>
+  explicit Attempt(Attempts& attempts, const Arguments&... arguments) : attempts_(attempts) {
+    attempts_.Try([&] { writer_.emplace(arguments...); });
+  }
+  template <class Row>
+  void Add(const Row& row) {
+    if (writer_ && !attempts_.Try([&] { writer_->Add(row); })) writer_.reset();
+  }
+  void PutInPlace() {
+    if (writer_) attempts_.Try([&] { writer_->PutInPlace(); });
+  }
 
-RunTrajectories BuildTrajectories(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c) {
-  RunTrajectories result;
+ private:
+  Attempts& attempts_;
+  std::optional<Writer> writer_;
+};
+
+/// A trajectory in the three formats.
+class AllFormats {
+ public:
+  AllFormats(Attempts& attempts, const std::string& stem)
+      : tum_(attempts, stem + ".tum", TrajectoryFormat::kTum),
+        kitti_(attempts, stem + ".kitti", TrajectoryFormat::kKitti),
+        euroc_(attempts, stem + ".euroc", TrajectoryFormat::kEuroc) {}
+  void Add(const TrajectoryPose& pose) {
+    tum_.Add(pose);
+    kitti_.Add(pose);
+    euroc_.Add(pose);
+  }
+  void PutInPlace() {
+    tum_.PutInPlace();
+    kitti_.PutInPlace();
+    euroc_.PutInPlace();
+  }
+
+ private:
+  Attempt<TrajectoryWriter> tum_, kitti_, euroc_;
+};
+
+/// A frame that has a pose, in l.
+struct PosedFrame {
+  TrajectoryPose final;  ///< in the final map
+  std::optional<TrajectoryPose> live;
+  bool keyframe = false;
+  PoseCovariance covariance;
+  std::optional<PoseCovariance> motion_covariance;
+};
+
+void VisitPosedFrames(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c,
+                      const std::function<void(const PosedFrame&)>& visit) {
   const SE3 T_c_l(q_l_c.conjugate(), Eigen::Vector3d::Zero());
   const Eigen::Matrix3d R_l_c = q_l_c.toRotationMatrix();
   const FinalPoses final_poses(map, recorder);
   const LiveAnchors anchors(recorder);
-  const FrameRecord* previous = nullptr;
+  std::optional<int64_t> newest_ns;
+  std::optional<int64_t> session_before;
   for (const auto& [frame_id, frame] : recorder.frames()) {
-    const bool usable = HasPose(frame) && IsAfterLast(result.all, frame.t_ns);
+    const bool usable = HasPose(frame) && (!newest_ns || frame.t_ns > *newest_ns);
     if (usable) {
-      result.all.push_back({frame.t_ns, final_poses(frame_id, frame) * T_c_l});
-      if (anchors.Has(frame)) result.live.push_back({frame.t_ns, frame.T_w_odom * frame.T_odom_c * T_c_l});
-      if (frame.keyframe_id >= 0 && map.keyframes().empty()) result.keyframes.push_back(result.all.back());
-      result.covariances.push_back({frame.t_ns, Rotate(frame.covariance.Unpack(), R_l_c)});
-      if (previous != nullptr && previous->session == frame.session) {
-        result.motion_covariances.push_back({frame.t_ns, Rotate(frame.motion_covariance.Unpack(), R_l_c)});
+      PosedFrame posed;
+      posed.final = {frame.t_ns, final_poses(frame_id, frame) * T_c_l};
+      posed.keyframe = frame.keyframe_id >= 0;
+      posed.covariance = {frame.t_ns, Rotate(frame.covariance.Unpack(), R_l_c)};
+      if (anchors.Has(frame)) posed.live = {frame.t_ns, frame.T_w_odom * frame.T_odom_c * T_c_l};
+      if (session_before == frame.session) {
+        posed.motion_covariance = {frame.t_ns, Rotate(frame.motion_covariance.Unpack(), R_l_c)};
       }
+      visit(posed);
+      newest_ns = frame.t_ns;
     }
-    previous = usable ? &frame : nullptr;
+    session_before = usable ? std::optional(frame.session) : std::nullopt;
   }
-  for (const TrajectoryPose& pose : KeyframeTrajectory(map, recorder)) {
-    result.keyframes.push_back({pose.t_ns, pose.T_a_b * T_c_l});
-  }
+}
+
+void VisitTruth(const Recorder& recorder, const std::function<void(const TrajectoryPose&)>& visit) {
+  std::optional<int64_t> newest_ns;
   for (const auto& [frame_id, truth] : recorder.truth()) {
-    if (IsAfterLast(result.truth, truth.t_ns)) result.truth.push_back({truth.t_ns, truth.T_w_l});
+    if (newest_ns && truth.t_ns <= *newest_ns) continue;
+    visit({truth.t_ns, truth.T_w_l});
+    newest_ns = truth.t_ns;
   }
+}
+
+Trajectory MapKeyframes(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c) {
+  Trajectory keyframes = KeyframeTrajectory(map, recorder);
+  const SE3 T_c_l(q_l_c.conjugate(), Eigen::Vector3d::Zero());
+  for (TrajectoryPose& pose : keyframes) pose.T_a_b = pose.T_a_b * T_c_l;
+  return keyframes;
+}
+
+}  // namespace
+
+RunTrajectories BuildTrajectories(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c) {
+  RunTrajectories result;
+  result.keyframes = MapKeyframes(recorder, map, q_l_c);
+  VisitPosedFrames(recorder, map, q_l_c, [&](const PosedFrame& frame) {
+    result.all.push_back(frame.final);
+    if (frame.live) result.live.push_back(*frame.live);
+    if (frame.keyframe && map.keyframes().empty()) result.keyframes.push_back(frame.final);
+    result.covariances.push_back(frame.covariance);
+    if (frame.motion_covariance) result.motion_covariances.push_back(*frame.motion_covariance);
+  });
+  VisitTruth(recorder, [&](const TrajectoryPose& pose) { result.truth.push_back(pose); });
   return result;
 }
 
-std::string PosesCsv(const Recorder& recorder) {
+void WritePosesCsv(const Recorder& recorder, const AppendText& append) {
   std::string text =
       "frame_id,t_s,state,n_points,n_lines,n_tracked_points,n_tracked_lines,keyframe_id,entropy_ratio,skipped_frames,"
       "n_moving";
@@ -122,8 +192,10 @@ std::string PosesCsv(const Recorder& recorder) {
     text += "_ms";
   }
   text += '\n';
+  append(text);
   const auto out = std::back_inserter(text);
   for (const auto& [frame_id, frame] : recorder.frames()) {
+    text.clear();
     const FrameCounts& n = frame.counts;
     fmt::format_to(out, "{},{},{},{},{},{},{},{},{:.6g},{},{}", frame_id, SecondsText(frame.t_ns),
                    TrackingStateName(frame.state), n.points, n.lines, n.tracked_points, n.tracked_lines,
@@ -134,29 +206,26 @@ std::string PosesCsv(const Recorder& recorder) {
       if (known) fmt::format_to(out, "{:.4f}", frame.stages_ms[i]);
     }
     text += '\n';
+    append(text);
   }
-  return text;
 }
 
-std::string BodiesCsv(const Recorder& recorder, const Map& map) {
-  std::string text = "session,body,frame_id,t_s,x_m,y_m,z_m,qx,qy,qz,qw,n_features\n";
-  const auto out = std::back_inserter(text);
+void WriteBodiesCsv(const Recorder& recorder, const Map& map, const AppendText& append) {
+  append("session,body,frame_id,t_s,x_m,y_m,z_m,qx,qy,qz,qw,n_features\n");
   const FinalPoses final_poses(map, recorder);
   for (const auto& [frame_id, seen] : recorder.bodies()) {
-    const auto frame = recorder.frames().find(frame_id);
-    if (frame == recorder.frames().end() || !HasPose(frame->second) || frame->second.session != seen.session)
-      continue;
-    const SE3 T_w_c = final_poses(frame_id, frame->second);
+    const std::optional<FrameRecord> frame = recorder.frames().Find(frame_id);
+    if (!frame || !HasPose(*frame) || frame->session != seen.session) continue;
+    const SE3 T_w_c = final_poses(frame_id, *frame);
     for (const BodyRecord& body : seen.bodies) {
       const SE3 T_w_body = T_w_c * body.T_c_body;
       const Eigen::Vector3d& t = T_w_body.translation();
       const Eigen::Quaterniond& q = T_w_body.rotation();
-      fmt::format_to(out, "{},{},{},{},{:.6f},{:.6f},{:.6f},{:.9f},{:.9f},{:.9f},{:.9f},{}\n", frame->second.session,
-                     body.id, frame_id, SecondsText(frame->second.t_ns), t.x(), t.y(), t.z(), q.x(), q.y(), q.z(),
-                     q.w(), body.n_features);
+      append(fmt::format("{},{},{},{},{:.6f},{:.6f},{:.6f},{:.9f},{:.9f},{:.9f},{:.9f},{}\n", frame->session, body.id,
+                         frame_id, SecondsText(frame->t_ns), t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w(),
+                         body.n_features));
     }
   }
-  return text;
 }
 
 void PrepareOutputFolder(const std::string& folder) {
@@ -166,18 +235,50 @@ void PrepareOutputFolder(const std::string& folder) {
   std::remove(probe.c_str());
 }
 
+namespace {
+
+void WriteTrajectories(const std::string& folder, const Recorder& recorder, const Map& map,
+                       const Eigen::Quaterniond& q_l_c, Attempts& attempts) {
+  AllFormats all(attempts, folder + "/trajectory");
+  Attempt<TrajectoryWriter> live(attempts, folder + "/trajectory_live.tum", TrajectoryFormat::kTum);
+  AllFormats keyframes(attempts, folder + "/keyframes");
+  Attempt<PoseCovarianceWriter> covariances(attempts, folder + "/covariance.txt");
+  Attempt<PoseCovarianceWriter> motion_covariances(attempts, folder + "/motion_covariance.txt");
+  for (const TrajectoryPose& pose : MapKeyframes(recorder, map, q_l_c)) keyframes.Add(pose);
+  VisitPosedFrames(recorder, map, q_l_c, [&](const PosedFrame& frame) {
+    all.Add(frame.final);
+    if (frame.live) live.Add(*frame.live);
+    if (frame.keyframe && map.keyframes().empty()) keyframes.Add(frame.final);
+    covariances.Add(frame.covariance);
+    if (frame.motion_covariance) motion_covariances.Add(*frame.motion_covariance);
+  });
+  all.PutInPlace();
+  live.PutInPlace();
+  keyframes.PutInPlace();
+  covariances.PutInPlace();
+  motion_covariances.PutInPlace();
+}
+
+void WriteText(const std::string& path, const std::function<void(const AppendText&)>& write) {
+  AtomicFile file(path);
+  write([&file](std::string_view text) { file.Append(text); });
+  file.PutInPlace();
+}
+
+}  // namespace
+
 std::vector<std::string> WriteOutputs(const std::string& folder, const Recorder& recorder, const Map& map,
                                       const Eigen::Quaterniond& q_l_c) {
-  const RunTrajectories run = BuildTrajectories(recorder, map, q_l_c);
   Attempts attempts;
-  attempts.AllFormats(folder + "/trajectory", run.all);
-  attempts.Trajectory(folder + "/trajectory_live.tum", TrajectoryFormat::kTum, run.live);
-  attempts.AllFormats(folder + "/keyframes", run.keyframes);
-  if (!run.truth.empty()) attempts.Trajectory(folder + "/groundtruth.tum", TrajectoryFormat::kTum, run.truth);
-  attempts.Try([&] { WritePoseCovariances(folder + "/covariance.txt", run.covariances); });
-  attempts.Try([&] { WritePoseCovariances(folder + "/motion_covariance.txt", run.motion_covariances); });
-  attempts.Try([&] { WriteFileAtomically(folder + "/poses.csv", PosesCsv(recorder)); });
-  attempts.Try([&] { WriteFileAtomically(folder + "/bodies.csv", BodiesCsv(recorder, map)); });
+  WriteTrajectories(folder, recorder, map, q_l_c, attempts);
+  if (!recorder.truth().empty()) {
+    Attempt<TrajectoryWriter> truth(attempts, folder + "/groundtruth.tum", TrajectoryFormat::kTum);
+    VisitTruth(recorder, [&](const TrajectoryPose& pose) { truth.Add(pose); });
+    truth.PutInPlace();
+  }
+  attempts.Try([&] { WriteText(folder + "/poses.csv", [&](const AppendText& to) { WritePosesCsv(recorder, to); }); });
+  attempts.Try(
+      [&] { WriteText(folder + "/bodies.csv", [&](const AppendText& to) { WriteBodiesCsv(recorder, map, to); }); });
   if (!map.keyframes().empty()) attempts.Try([&] { WriteFileAtomically(folder + "/map.ply", MapPly(map)); });
   return attempts.TakeFailures();
 }

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/io/trajectories/pose_covariance.h"
@@ -44,17 +46,20 @@ struct RunTrajectories {
 /// `q_l_c` rotates directions of the rectified left camera c into l. A `map` without keyframes counts as no map.
 RunTrajectories BuildTrajectories(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c);
 
+/// Takes the next part of a text.
+using AppendText = std::function<void(std::string_view)>;
+
 /// One row for each frame, lost ones included: time, state, counts, stage times.
-std::string PosesCsv(const Recorder& recorder);
+void WritePosesCsv(const Recorder& recorder, const AppendText& append);
 
 /// One row for each moving body in each frame: T_w_body in the map as it is at the end; the body's frame as in body_t.
-std::string BodiesCsv(const Recorder& recorder, const Map& map);
+void WriteBodiesCsv(const Recorder& recorder, const Map& map, const AppendText& append);
 
 /// Makes the folder and proves that files can be written there. Throws std::runtime_error.
 void PrepareOutputFolder(const std::string& folder);
 
-/// Writes all files of docs/viewer.md but the pictures, each whole or not at all. Tries each, and returns a sentence
-/// for each that could not be written.
+/// Writes all files of docs/viewer.md but the pictures, each whole or not at all, frame by frame: memory does not grow
+/// with the length of the run. Tries each, and returns a sentence for each that could not be written.
 std::vector<std::string> WriteOutputs(const std::string& folder, const Recorder& recorder, const Map& map,
                                       const Eigen::Quaterniond& q_l_c);
 

@@ -10,7 +10,6 @@ namespace {
 
 // Against a publisher that invents frames or names without end.
 constexpr size_t kMaxFrames = 20'000'000;
-constexpr size_t kMaxStages = 64;
 constexpr size_t kMaxBodiesOfFrame = 64;
 
 }  // namespace
@@ -37,30 +36,73 @@ Matrix6d PackedCovariance::Unpack() const {
   return covariance;
 }
 
+StoredPose::StoredPose(const SE3& T) {
+  const Eigen::Vector3d& t = T.translation();
+  const Eigen::Vector4d& q = T.rotation().coeffs();
+  values_ = {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
+}
+
+SE3 StoredPose::Unpack() const {
+  const auto& v = values_;
+  return SE3::FromUnit(Eigen::Quaterniond(v[6], v[3], v[4], v[5]), Eigen::Vector3d(v[0], v[1], v[2]));
+}
+
+StoredFrame::StoredFrame(const FrameRecord& frame)
+    : t_ns_(frame.t_ns),
+      session_(frame.session),
+      keyframe_id_(frame.keyframe_id),
+      T_odom_c_(frame.T_odom_c),
+      T_w_odom_(frame.T_w_odom),
+      covariance_(frame.covariance),
+      motion_covariance_(frame.motion_covariance),
+      counts_(frame.counts),
+      entropy_ratio_(frame.entropy_ratio),
+      stages_ms_{},
+      n_stages_(static_cast<uint8_t>(std::min(frame.stages_ms.size(), kMaxStages))),
+      state_(static_cast<uint8_t>(frame.state)),
+      anchored_(frame.anchored ? 1 : 0) {
+  std::copy_n(frame.stages_ms.begin(), n_stages_, stages_ms_.begin());
+}
+
+FrameRecord StoredFrame::Unpack() const {
+  return {t_ns_,
+          session_,
+          static_cast<TrackingState>(state_),
+          T_odom_c_.Unpack(),
+          T_w_odom_.Unpack(),
+          anchored_ != 0,
+          covariance_,
+          motion_covariance_,
+          keyframe_id_,
+          entropy_ratio_,
+          counts_,
+          {stages_ms_.begin(), stages_ms_.begin() + n_stages_}};
+}
+
 bool Recorder::AddPose(const FramePose& pose) {
   const bool finite = pose.T_odom_c.IsFinite() && pose.T_w_odom.IsFinite() && pose.covariance.allFinite() &&
                       pose.motion_covariance.allFinite();
   if (!finite || !IsTrackingState(static_cast<int>(pose.state)) || pose.frame_id < 0 ||
       pose.counts.skipped_frames < 0)
     return false;
-  const auto found = frames_.find(pose.frame_id);
-  if (found == frames_.end() && frames_.size() >= kMaxFrames) return false;
-  if (found != frames_.end()) Count(found->second, -1);
-  FrameRecord& record = found != frames_.end() ? found->second : frames_[pose.frame_id];
-  record = {pose.t_ns,
-            pose.session,
-            pose.state,
-            pose.T_odom_c,
-            pose.T_w_odom,
-            pose.anchored,
-            PackedCovariance(pose.covariance),
-            PackedCovariance(pose.motion_covariance),
-            pose.keyframe_id,
-            static_cast<float>(pose.entropy_ratio),
-            pose.counts,
-            {}};
+  const std::optional<FrameRecord> earlier = frames_.Find(pose.frame_id);
+  if (!earlier && frames_.size() >= kMaxFrames) return false;
+  if (earlier) Count(*earlier, -1);
+  FrameRecord record{pose.t_ns,
+                     pose.session,
+                     pose.state,
+                     pose.T_odom_c,
+                     pose.T_w_odom,
+                     pose.anchored,
+                     PackedCovariance(pose.covariance),
+                     PackedCovariance(pose.motion_covariance),
+                     pose.keyframe_id,
+                     static_cast<float>(pose.entropy_ratio),
+                     pose.counts,
+                     {}};
   StoreStages(pose, record);
   Count(record, 1);
+  frames_.Set(pose.frame_id, record);
   return true;
 }
 
@@ -80,7 +122,7 @@ FrameTally Recorder::Tally(bool is_over) const {
 void Recorder::StoreStages(const FramePose& pose, FrameRecord& record) {
   for (const auto& [name, ms] : pose.stages_ms) {
     const auto found = std::find(stage_names_.begin(), stage_names_.end(), name);
-    if (found == stage_names_.end() && stage_names_.size() >= kMaxStages) continue;
+    if (found == stage_names_.end() && stage_names_.size() >= StoredFrame::kMaxStages) continue;
     const auto index = static_cast<size_t>(found - stage_names_.begin());
     if (found == stage_names_.end()) stage_names_.push_back(name);
     if (record.stages_ms.size() <= index) {
@@ -88,12 +130,11 @@ void Recorder::StoreStages(const FramePose& pose, FrameRecord& record) {
     }
     record.stages_ms[index] = static_cast<float>(ms);
   }
-  record.stages_ms.shrink_to_fit();
 }
 
 bool Recorder::AddTruth(int64_t frame_id, const TruthRecord& truth) {
   if (frame_id < 0 || !truth.T_w_l.IsFinite() || truth_.size() >= kMaxFrames) return false;
-  truth_[frame_id] = truth;
+  truth_.Set(frame_id, truth);
   return true;
 }
 
@@ -107,8 +148,9 @@ bool Recorder::AddBodies(int64_t frame_id, BodiesOfFrame seen) {
 }
 
 std::optional<std::pair<int64_t, int64_t>> Recorder::LastKeyframe() const {
-  for (auto frame = frames_.rbegin(); frame != frames_.rend(); ++frame) {
-    if (frame->second.keyframe_id >= 0) return std::pair(frame->second.session, frame->second.keyframe_id);
+  for (auto at = frames_.end(); at != frames_.begin();) {
+    const FrameRecord frame = (*--at).second;
+    if (frame.keyframe_id >= 0) return std::pair(frame.session, frame.keyframe_id);
   }
   return std::nullopt;
 }

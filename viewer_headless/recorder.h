@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/geometry/se3.h"
+#include "core/io/files/disk_map.h"
 #include "core/run/frame_tally.h"
 
 namespace plslam::viewer {
@@ -53,7 +54,18 @@ class PackedCovariance {
   std::array<float, 21> values_{};
 };
 
-/// A frame as it is kept: about 450 bytes with ten stages.
+/// A pose as numbers, bit for bit.
+class StoredPose {
+ public:
+  StoredPose() = default;
+  explicit StoredPose(const SE3& T);
+  SE3 Unpack() const;
+
+ private:
+  std::array<double, 7> values_;
+};
+
+/// A frame as it is kept.
 struct FrameRecord {
   int64_t t_ns = 0;
   int64_t session = 0;
@@ -73,6 +85,25 @@ struct FrameRecord {
 /// IsTracked.
 inline bool HasPose(const FrameRecord& frame) { return IsTracked(frame.state, frame.keyframe_id); }
 
+/// A FrameRecord in the file of frames, with at most `kMaxStages` times.
+class StoredFrame {
+ public:
+  static constexpr size_t kMaxStages = 32;
+
+  StoredFrame() = default;
+  explicit StoredFrame(const FrameRecord& frame);
+  FrameRecord Unpack() const;
+
+ private:
+  int64_t t_ns_, session_, keyframe_id_;
+  StoredPose T_odom_c_, T_w_odom_;
+  PackedCovariance covariance_, motion_covariance_;
+  FrameCounts counts_;
+  float entropy_ratio_;
+  std::array<float, kMaxStages> stages_ms_;
+  uint8_t n_stages_, state_, anchored_;
+};
+
 /// Pose of a moving body in a frame.
 struct BodyRecord {
   int64_t id = 0;
@@ -90,11 +121,29 @@ struct TruthRecord {
   SE3 T_w_l;
 };
 
+class StoredTruth {
+ public:
+  StoredTruth() = default;
+  explicit StoredTruth(const TruthRecord& truth) : t_ns_(truth.t_ns), T_w_l_(truth.T_w_l) {}
+  TruthRecord Unpack() const { return {t_ns_, T_w_l_.Unpack()}; }
+
+ private:
+  int64_t t_ns_;
+  StoredPose T_w_l_;
+};
+
+using Frames = DiskMap<FrameRecord, StoredFrame>;
+using Truths = DiskMap<TruthRecord, StoredTruth>;
+
 /// The record of a run, in order of frames. Messages may arrive in any order and more than once; of two poses of a
 /// frame the later one counts (a restarted tracker publishes some again). Non-finite poses, invalid states and negative
 /// frame ids are rejected.
 class Recorder {
  public:
+  /// Frames are kept in a file without a name in `folder`, about half a kilobyte each; without a folder in memory.
+  Recorder() = default;
+  explicit Recorder(const std::string& folder) : frames_(folder), truth_(folder) {}
+
   /// Returns false if the message is rejected.
   bool AddPose(const FramePose& pose);
   bool AddTruth(int64_t frame_id, const TruthRecord& truth);
@@ -117,8 +166,10 @@ class Recorder {
   /// Session and number there of the newest keyframe.
   std::optional<std::pair<int64_t, int64_t>> LastKeyframe() const;
 
-  const std::map<int64_t, FrameRecord>& frames() const { return frames_; }
-  const std::map<int64_t, TruthRecord>& truth() const { return truth_; }
+  const Frames& frames() const { return frames_; }
+  const Truths& truth() const { return truth_; }
+  /// One sentence if frames that should be in the file are in memory.
+  const std::string& failure() const { return frames_.failure().empty() ? truth_.failure() : frames_.failure(); }
   /// By frame.
   const std::map<int64_t, BodiesOfFrame>& bodies() const { return bodies_; }
   const std::vector<std::string>& stage_names() const { return stage_names_; }
@@ -131,8 +182,8 @@ class Recorder {
   void Count(const FrameRecord& record, int sign);
   void StoreStages(const FramePose& pose, FrameRecord& record);
 
-  std::map<int64_t, FrameRecord> frames_;
-  std::map<int64_t, TruthRecord> truth_;
+  Frames frames_;
+  Truths truth_;
   std::map<int64_t, BodiesOfFrame> bodies_;
   std::vector<std::string> stage_names_;
   std::optional<int64_t> n_frames_;

@@ -71,9 +71,9 @@ int64_t ReportNode::Lag_frames(const status_t& message) {
   if (message.process == process_name::kVo) return behind_;
   if (message.process != process_name::kMapping && message.process != process_name::kLoop) return -1;
   const auto& frames = sources_.recorder->frames();
-  auto frame = frames.rbegin();
+  auto frame = frames.end();
   return LagInFrames(bus::CountOf(message, "queue.keyframes"), static_cast<int64_t>(frames.size()),
-                     [&frame](int64_t) { return (frame++)->second.keyframe_id >= 0; });
+                     [&frame](int64_t) { return (*--frame).second.keyframe_id >= 0; });
 }
 
 void ReportNode::OnMap(const MapUpdate& update) {
@@ -93,7 +93,7 @@ void ReportNode::StartNewRun() {
 }
 
 int64_t ReportNode::NewestFrame() const {
-  return sources_.recorder->frames().empty() ? -1 : sources_.recorder->frames().rbegin()->first;
+  return sources_.recorder->frames().empty() ? -1 : sources_.recorder->frames().Last().first;
 }
 
 std::string ReportNode::Json(const ReportSince& since) const {

@@ -41,6 +41,7 @@ ViewerNode::ViewerNode(bus::Process& process, const ViewerOptions& options)
     : process_(process), options_(options), on_terminal_(!options.quiet && isatty(STDOUT_FILENO) != 0) {
   PrepareOutputFolder(options_.out);
   lock_.emplace(options_.out);
+  recorder_ = Recorder(options_.out);
   if (options_.overlay_every > 0) PrepareOutputFolder(options_.out + "/overlays");
   Subscribe();
 }
@@ -131,7 +132,7 @@ void ViewerNode::OnStream(const stream_t& message) {
 void ViewerNode::StartNewRun() {
   spdlog::info("a new stream begins: the files in {} will describe it", options_.out);
   if (!failure_.empty()) failure_before_ = std::exchange(failure_, "");
-  recorder_ = {};
+  recorder_ = Recorder(options_.out);
   written_ = dirty_ = vo_finished_ = false;
   history_.clear();
   report_->StartNewRun();
@@ -254,6 +255,9 @@ void ViewerNode::ShowProgress(bool last) {
   process_.SetCounter("frames", q_l_c_ ? static_cast<double>(recorder_.frames().size()) : 0.0);
   process_.SetCounter("keyframes", static_cast<double>(recorder_.keyframes()));
   process_.SetCounter("frames.lost", static_cast<double>(recorder_.Tally(false).lost));
+  if (!recorder_.failure().empty()) {
+    process_.Warn("frames_in_memory", recorder_.failure() + "; frames stay in memory, half a kilobyte each");
+  }
   if (!on_terminal_) return;
   const std::string line = ProgressLine(recorder_, {announced_frames_, rate, counters.lost, counters.repaired});
   // Overwrite the previous line and clear its rest.

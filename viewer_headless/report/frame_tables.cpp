@@ -69,6 +69,7 @@ Table FrameTable(const Recorder& recorder, int64_t stride, int64_t first_row) {
   OdometryPath odometry;
   std::map<int64_t, uint8_t> sessions;
   const size_t n_stages = recorder.stage_names().size();
+  const int64_t began_ns = recorder.frames().empty() ? 0 : recorder.frames().First().second.t_ns;
   int64_t i = 0;
   for (const auto& [frame_id, frame] : recorder.frames()) {
     const Eigen::Vector3d p_odom = odometry(frame);
@@ -76,8 +77,7 @@ Table FrameTable(const Recorder& recorder, int64_t stride, int64_t first_row) {
     const int64_t at = i++;
     if (at % stride != 0 || at / stride < first_row) continue;
     columns.Add(frame_id, frame, n_stages);
-    columns.t_s.push_back(
-        static_cast<float>(1e-9 * static_cast<double>(frame.t_ns - recorder.frames().begin()->second.t_ns)));
+    columns.t_s.push_back(static_cast<float>(1e-9 * static_cast<double>(frame.t_ns - began_ns)));
     columns.session.push_back(session);
     Append(p_odom, columns.odom);
   }

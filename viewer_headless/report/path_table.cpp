@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <optional>
+#include <vector>
 
 #include "core/accuracy/association.h"
 #include "core/geometry/similarity.h"
@@ -19,37 +22,38 @@ struct PathFrame {
   SE3 T_w_c;
   SE3 T_w_l;
   SE3 T_w_l_live;
-  const SE3* truth = nullptr;
+  std::optional<SE3> truth;
   bool has_pose = true;
+
+  bool IsMeasured() const { return truth && has_pose; }
 };
 
-std::vector<PathFrame> Frames(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c) {
+void VisitPath(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c,
+               const std::function<void(const PathFrame&)>& visit) {
   const FinalPoses final_poses(map, recorder);
   const SE3 T_c_l(q_l_c.conjugate(), Eigen::Vector3d::Zero());
-  std::vector<PathFrame> frames;
-  frames.reserve(recorder.frames().size());
   for (const auto& [frame_id, frame] : recorder.frames()) {
     PathFrame row;
     row.T_w_c = final_poses(frame_id, frame);
     row.T_w_l = row.T_w_c * T_c_l;
     row.T_w_l_live = frame.T_w_odom * frame.T_odom_c * T_c_l;
     row.has_pose = HasPose(frame);
-    const auto truth = recorder.truth().find(frame_id);
-    if (truth != recorder.truth().end()) row.truth = &truth->second.T_w_l;
-    frames.push_back(row);
+    if (const auto truth = recorder.truth().Find(frame_id)) row.truth = truth->T_w_l;
+    visit(row);
   }
-  return frames;
 }
 
-SE3 Align(const std::vector<PathFrame>& frames, SE3 PathFrame::*pose) {
-  std::vector<SE3> estimated, truth;
-  for (const PathFrame& frame : frames) {
-    if (frame.truth == nullptr || !frame.has_pose) continue;
-    estimated.push_back(frame.*pose);
+/// The frames with a truth, estimated and true.
+struct MeasuredPath {
+  std::vector<SE3> final, live, truth;
+
+  void Add(const PathFrame& frame) {
+    if (!frame.IsMeasured()) return;
+    final.push_back(frame.T_w_l);
+    live.push_back(frame.T_w_l_live);
     truth.push_back(*frame.truth);
   }
-  return AlignPaths(estimated, truth, false).T_a_b;
-}
+};
 
 class RootMeanSquare {
  public:
@@ -66,18 +70,17 @@ class RootMeanSquare {
   int64_t n_ = 0;
 };
 
-double TrueSpread_m(const std::vector<PathFrame>& frames) {
+double TrueSpread_m(const std::vector<SE3>& truth) {
+  if (truth.empty()) return 0.0;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double squares_m2 = 0.0;
-  double n = 0.0;
-  for (const PathFrame& frame : frames) {
-    if (frame.truth == nullptr || !frame.has_pose) continue;
-    const Eigen::Vector3d p = frame.truth->translation() - frames.front().T_w_l.translation();
+  for (const SE3& T_w_l : truth) {
+    const Eigen::Vector3d p = T_w_l.translation() - truth.front().translation();
     sum += p;
     squares_m2 += p.squaredNorm();
-    ++n;
   }
-  return n > 0.0 ? std::sqrt(std::max(0.0, squares_m2 / n - (sum / n).squaredNorm())) : 0.0;
+  const auto n = static_cast<double>(truth.size());
+  return std::sqrt(std::max(0.0, squares_m2 / n - (sum / n).squaredNorm()));
 }
 
 double AngleDeg(const SE3& a, const SE3& b) { return a.rotation().angularDistance(b.rotation()) * 180.0 / M_PI; }
@@ -102,13 +105,11 @@ class PathWriter {
   PathWriter(const SE3& T_w_truth, const SE3& T_live_truth) : T_w_truth_(T_w_truth), T_live_truth_(T_live_truth) {}
 
   void Add(const PathFrame& frame, bool shown) {
-    const bool measured = frame.truth != nullptr && frame.has_pose;
-    const SE3 truth = frame.truth != nullptr ? T_w_truth_ * *frame.truth : SE3();
+    const bool measured = frame.IsMeasured();
+    const SE3 truth = frame.truth ? T_w_truth_ * *frame.truth : SE3();
     const double error_m = (truth.translation() - frame.T_w_l.translation()).norm();
     const double live_error_m =
-        frame.truth == nullptr
-            ? 0.0
-            : ((T_live_truth_ * *frame.truth).translation() - frame.T_w_l_live.translation()).norm();
+        frame.truth ? ((T_live_truth_ * *frame.truth).translation() - frame.T_w_l_live.translation()).norm() : 0.0;
     if (measured) {
       error_.Add(error_m);
       live_error_.Add(live_error_m);
@@ -119,7 +120,7 @@ class PathWriter {
     columns_.error_m.push_back(measured ? static_cast<float>(error_m) : kNone);
     columns_.error_deg.push_back(measured ? static_cast<float>(AngleDeg(truth, frame.T_w_l)) : kNone);
     columns_.live_error_m.push_back(measured ? static_cast<float>(live_error_m) : kNone);
-    if (frame.truth != nullptr) return Append(truth.translation(), columns_.truth);
+    if (frame.truth) return Append(truth.translation(), columns_.truth);
     columns_.truth.insert(columns_.truth.end(), 3, kNone);
   }
 
@@ -143,14 +144,19 @@ Consistency ConsistencyOf(const Recorder& recorder, const Map& map, const Eigen:
 }  // namespace
 
 PathOfRun PathTable(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c, int64_t stride) {
-  const std::vector<PathFrame> frames = Frames(recorder, map, q_l_c);
-  PathWriter writer(Align(frames, &PathFrame::T_w_l), Align(frames, &PathFrame::T_w_l_live));
+  MeasuredPath measured;
+  if (!recorder.truth().empty()) VisitPath(recorder, map, q_l_c, [&](const PathFrame& row) { measured.Add(row); });
+  PathWriter writer(AlignPaths(measured.final, measured.truth, false).T_a_b,
+                    AlignPaths(measured.live, measured.truth, false).T_a_b);
   double length_m = 0.0;
-  for (size_t i = 0; i < frames.size(); ++i) {
-    writer.Add(frames[i], static_cast<int64_t>(i) % stride == 0);
-    if (i > 0) length_m += (frames[i].T_w_c.translation() - frames[i - 1].T_w_c.translation()).norm();
-  }
-  PathOfRun path = writer.Take(length_m, TrueSpread_m(frames));
+  int64_t i = 0;
+  SE3 before;
+  VisitPath(recorder, map, q_l_c, [&](const PathFrame& row) {
+    writer.Add(row, i % stride == 0);
+    if (i++ > 0) length_m += (row.T_w_c.translation() - before.translation()).norm();
+    before = row.T_w_c;
+  });
+  PathOfRun path = writer.Take(length_m, TrueSpread_m(measured.truth));
   path.consistency = ConsistencyOf(recorder, map, q_l_c);
   return path;
 }

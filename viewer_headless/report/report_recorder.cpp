@@ -47,7 +47,7 @@ RunFacts ReportRecorder::Facts(const Recorder& recorder, const Map& map) const {
   facts.lines = totals.lines;
   facts.loops = loops_.closed();
   if (recorder.frames().empty()) return facts;
-  const int64_t t_ns = recorder.frames().rbegin()->second.t_ns - recorder.frames().begin()->second.t_ns;
+  const int64_t t_ns = recorder.frames().Last().second.t_ns - recorder.frames().First().second.t_ns;
   for (const auto& [frame_id, frame] : recorder.frames()) {
     const FrameCounts& n = frame.counts;
     facts.moving.Add(frame_id, n.moving, n.points + n.lines, n.bodies);

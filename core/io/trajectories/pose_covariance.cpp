@@ -42,14 +42,21 @@ std::vector<PoseCovariance> ReadPoseCovariances(const std::string& path) {
   return covariances;
 }
 
+PoseCovarianceWriter::PoseCovarianceWriter(const std::string& path) : file_(path) {
+  file_.Append("# t [s], covariance of [translation_m; rotation_rad] (6x6, row by row), T_true = T * Exp(x)\n");
+}
+
+void PoseCovarianceWriter::Add(const PoseCovariance& row) {
+  std::string text = SecondsText(row.t_ns);
+  for (int i = 0; i < 36; ++i) fmt::format_to(std::back_inserter(text), " {}", row.covariance(i / 6, i % 6));
+  text += '\n';
+  file_.Append(text);
+}
+
 void WritePoseCovariances(const std::string& path, const std::vector<PoseCovariance>& covariances) {
-  std::string text = "# t [s], covariance of [translation_m; rotation_rad] (6x6, row by row), T_true = T * Exp(x)\n";
-  for (const PoseCovariance& row : covariances) {
-    text += SecondsText(row.t_ns);
-    for (int i = 0; i < 36; ++i) fmt::format_to(std::back_inserter(text), " {}", row.covariance(i / 6, i % 6));
-    text += '\n';
-  }
-  WriteFileAtomically(path, text);
+  PoseCovarianceWriter writer(path);
+  for (const PoseCovariance& row : covariances) writer.Add(row);
+  writer.PutInPlace();
 }
 
 }  // namespace plslam

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/geometry/se3.h"
+#include "core/io/files/atomic_file.h"
 
 namespace plslam {
 
@@ -21,7 +22,19 @@ struct PoseCovariance {
 /// symmetric or has a negative variance.
 std::vector<PoseCovariance> ReadPoseCovariances(const std::string& path);
 
-/// Writes beside the file and renames. Numbers are written so that reading gives the same bits.
+/// Writes covariances one by one, as an AtomicFile. Reading gives the same bits. Throws std::runtime_error if the file
+/// cannot be written.
+class PoseCovarianceWriter {
+ public:
+  explicit PoseCovarianceWriter(const std::string& path);
+  void Add(const PoseCovariance& row);
+  void PutInPlace() { file_.PutInPlace(); }
+
+ private:
+  AtomicFile file_;
+};
+
+/// Writes all with a PoseCovarianceWriter.
 void WritePoseCovariances(const std::string& path, const std::vector<PoseCovariance>& covariances);
 
 }  // namespace plslam

@@ -263,18 +263,25 @@ Trajectory ReadTrajectory(const std::string& path, TrajectoryFormat format, cons
   return ReadTrajectoryFile(path, format, BadRows::kRefuse, times_path).poses;
 }
 
+TrajectoryWriter::TrajectoryWriter(const std::string& path, TrajectoryFormat format)
+    : path_(path), format_(format), file_(path) {
+  if (format != TrajectoryFormat::kEuroc) return;
+  file_.Append("#timestamp [ns],p_x [m],p_y [m],p_z [m],q_w [],q_x [],q_y [],q_z []\n");
+}
+
+void TrajectoryWriter::Add(const TrajectoryPose& pose) {
+  if (!pose.T_a_b.IsFinite()) {
+    throw std::runtime_error(fmt::format("{}: the pose at {} ns is not finite", path_, pose.t_ns));
+  }
+  std::string row;
+  FormatRow(format_, pose, std::back_inserter(row));
+  file_.Append(row);
+}
+
 void WriteTrajectory(const std::string& path, TrajectoryFormat format, const Trajectory& trajectory) {
-  std::string text;
-  if (format == TrajectoryFormat::kEuroc) {
-    text = "#timestamp [ns],p_x [m],p_y [m],p_z [m],q_w [],q_x [],q_y [],q_z []\n";
-  }
-  for (const TrajectoryPose& pose : trajectory) {
-    if (!pose.T_a_b.IsFinite()) {
-      throw std::runtime_error(fmt::format("{}: the pose at {} ns is not finite", path, pose.t_ns));
-    }
-    FormatRow(format, pose, std::back_inserter(text));
-  }
-  WriteFileAtomically(path, text);
+  TrajectoryWriter writer(path, format);
+  for (const TrajectoryPose& pose : trajectory) writer.Add(pose);
+  writer.PutInPlace();
 }
 
 TrajectoryFormat TrajectoryFormatFromName(std::string_view name) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/geometry/se3.h"
+#include "core/io/files/atomic_file.h"
 #include "core/io/files/notes.h"
 
 namespace plslam {
@@ -61,9 +62,21 @@ struct TrajectoryFile {
 TrajectoryFile ReadTrajectoryFile(const std::string& path, std::optional<TrajectoryFormat> format, BadRows bad_rows,
                                   const std::string& times_path = "");
 
-/// Writes a file beside it and renames that, so that a reader never sees a partial file. Times of TUM files have nine
-/// decimals, positions nine, quaternions (w >= 0) twelve. Throws std::runtime_error if a pose is not finite or the file
-/// cannot be written.
+/// Writes a trajectory pose by pose, as an AtomicFile. Times of TUM files have nine decimals, positions nine,
+/// quaternions (w >= 0) twelve. Throws std::runtime_error if a pose is not finite or the file cannot be written.
+class TrajectoryWriter {
+ public:
+  TrajectoryWriter(const std::string& path, TrajectoryFormat format);
+  void Add(const TrajectoryPose& pose);
+  void PutInPlace() { file_.PutInPlace(); }
+
+ private:
+  std::string path_;
+  TrajectoryFormat format_;
+  AtomicFile file_;
+};
+
+/// Writes all poses with a TrajectoryWriter.
 void WriteTrajectory(const std::string& path, TrajectoryFormat format, const Trajectory& trajectory);
 
 /// "tum", "kitti" or "euroc"; throws std::runtime_error for any other name.

@@ -52,7 +52,7 @@ Recorder SomeRun(int64_t n_frames) {
 
 SE3 Final(const Map& map, int64_t frame_id, int64_t session = 7) {
   const Recorder recorder = SomeRun(30);
-  FrameRecord frame = recorder.frames().at(frame_id);
+  FrameRecord frame = recorder.frames().Find(frame_id).value();
   frame.session = session;
   return FinalPoses(map, recorder)(frame_id, frame);
 }
@@ -109,10 +109,10 @@ TEST(FinalPoses, NoInterpolationAcrossLostFrames) {
   }
   const FinalPoses final_poses(map, recorder);
   for (const int64_t i : {7, 8}) {
-    ExpectSame(final_poses(i, recorder.frames().at(i)), Correction(1) * SomePose(i).T_odom_c);
+    ExpectSame(final_poses(i, recorder.frames().Find(i).value()), Correction(1) * SomePose(i).T_odom_c);
   }
   for (const int64_t i : {12, 15}) {
-    ExpectSame(final_poses(i, recorder.frames().at(i)), Correction(2) * SomePose(i).T_odom_c);
+    ExpectSame(final_poses(i, recorder.frames().Find(i).value()), Correction(2) * SomePose(i).T_odom_c);
   }
 }
 

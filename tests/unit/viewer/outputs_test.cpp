@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
+#include <string>
+#include <string_view>
+
 #include "tests/support/text_file.h"
 #include "tests/unit/viewer/frame_poses.h"
 #include "viewer_headless/outputs.h"
@@ -48,6 +52,12 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+
+std::string TextOf(const std::function<void(const AppendText&)>& write) {
+  std::string text;
+  write([&text](std::string_view part) { text += part; });
+  return text;
+}
 
 std::vector<int64_t> FramesOf(const Trajectory& trajectory) {
   std::vector<int64_t> frames;
@@ -172,7 +182,7 @@ TEST(Outputs, TableHasLostFramesAndSafeColumnNames) {
   lost.keyframe_id = 12;
   lost.entropy_ratio = 0.875;
   recorder.AddPose(lost);
-  EXPECT_EQ(PosesCsv(recorder),
+  EXPECT_EQ(TextOf([&](const AppendText& to) { WritePosesCsv(recorder, to); }),
             "frame_id,t_s,state,n_points,n_lines,n_tracked_points,n_tracked_lines,keyframe_id,entropy_ratio,"
             "skipped_frames,n_moving,orb_ms,pose_ms,a__b__ms\n"
             "0,1.000000000,tracking,800,120,312,84,-1,0,0,0,4.5000,0.2500,\n"
@@ -193,7 +203,7 @@ TEST(Outputs, BodiesHaveTheirPositionsInTheMap) {
   EXPECT_TRUE(recorder.AddBodies(7, {pose.session, {{3, T_c_body, 42}}})) << "its pose has not come";
   EXPECT_TRUE(recorder.AddBodies(3, {pose.session + 1, {{3, T_c_body, 43}}})) << "its pose is of another session";
   EXPECT_FALSE(recorder.AddBodies(2, {pose.session, {{-1, T_c_body, 40}}}));
-  EXPECT_EQ(BodiesCsv(recorder, Map()),
+  EXPECT_EQ(TextOf([&](const AppendText& to) { WriteBodiesCsv(recorder, Map(), to); }),
             fmt::format("session,body,frame_id,t_s,x_m,y_m,z_m,qx,qy,qz,qw,n_features\n"
                         "{},3,0,1.000000000,10.000000,2.000000,5.000000,0.000000000,0.000000000,0.000000000,"
                         "1.000000000,40\n",

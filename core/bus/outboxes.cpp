@@ -145,7 +145,10 @@ void Outboxes::MoveToLog(Outbox& outbox) {
     lock.unlock();
     const std::optional<int64_t> offset = outbox.log->Write(oldest);
     lock.lock();
-    outbox.writer->Moved(offset);
+    const int64_t needed_from = outbox.writer->Moved(offset);
+    lock.unlock();
+    outbox.log->Release(needed_from);
+    lock.lock();
   }
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/bus/delivery/history.h"
 
+#include <fcntl.h>
+
 #include <cstdio>
 #include <filesystem>
 #include <system_error>
@@ -15,6 +17,13 @@ namespace plslam::bus {
 namespace {
 
 using LogHandle = std::unique_ptr<lcm_eventlog_t, void (*)(lcm_eventlog_t*)>;
+
+/// A history with a log has this part of its memory.
+constexpr int64_t kLoggedShare = 8;
+/// First byte of an event in a log of LCM; zero where the log was released.
+constexpr int kFirstByte = 0xed;
+/// So much is released at a time.
+constexpr int64_t kRelease = 16'000'000;
 
 LogHandle OpenLog(const std::string& path, const char* mode) {
   return LogHandle(lcm_eventlog_create(path.c_str(), mode), &lcm_eventlog_destroy);
@@ -33,20 +42,26 @@ void History::Append(Bytes message) {
 }
 
 Bytes History::ToMove() const {
-  return UsesLog() && bytes_ > memory_limit_ && memory_.size() > 1 ? memory_.front() : nullptr;
+  return UsesLog() && bytes_ > memory_limit_ / kLoggedShare && memory_.size() > 1 ? memory_.front() : nullptr;
 }
 
-void History::Moved(std::optional<int64_t> offset) {
-  if (offset) {
-    moved_.push_back({*offset, memory_.front()->size()});
-    const int64_t first = first_seq_;
+int64_t History::Moved(std::optional<int64_t> offset) {
+  if (!offset) {
+    log_failed_ = true;
+    moved_.clear();
     DropOldest();
-    first_seq_ = first;
-    return;
+    return 0;
   }
-  log_failed_ = true;
-  moved_.clear();
+  moved_.push_back({*offset, memory_.front()->size()});
+  moved_bytes_ += static_cast<int64_t>(moved_.back().bytes);
+  const int64_t first = first_seq_;
   DropOldest();
+  first_seq_ = first;
+  for (; moved_bytes_ > disk_limit_ && moved_.size() > 1; ++first_seq_) {
+    moved_bytes_ -= static_cast<int64_t>(moved_.front().bytes);
+    moved_.pop_front();
+  }
+  return moved_.front().offset;
 }
 
 void History::DropOldest() {
@@ -61,7 +76,7 @@ std::optional<History::Kept> History::Find(int64_t seq) const {
     const Bytes& message = memory_[static_cast<size_t>(seq - memory_first_)];
     return Kept{message, -1, message->size()};
   }
-  const Place& place = moved_[static_cast<size_t>(seq)];
+  const Place& place = moved_[static_cast<size_t>(seq - first_seq_)];
   return Kept{nullptr, place.offset, place.bytes};
 }
 
@@ -111,6 +126,7 @@ void HistoryLog::RemoveFile() const {
 Bytes HistoryLog::Read(int64_t offset) {
   if (files_ == nullptr || files_->reader == nullptr) return nullptr;
   lcm_eventlog_t* reader = files_->reader.get();
+  if (fseeko(reader->f, offset, SEEK_SET) != 0 || fgetc(reader->f) != kFirstByte) return nullptr;
   if (fseeko(reader->f, offset, SEEK_SET) != 0) return nullptr;
   lcm_eventlog_event_t* event = lcm_eventlog_read_next_event(reader);
   if (event == nullptr) return nullptr;
@@ -118,6 +134,13 @@ Bytes HistoryLog::Read(int64_t offset) {
   auto message = std::make_shared<const std::vector<uint8_t>>(data, data + event->datalen);
   lcm_eventlog_free_event(event);
   return message;
+}
+
+void HistoryLog::Release(int64_t offset) {
+  if (files_ == nullptr || files_->writer == nullptr || offset < released_ + kRelease) return;
+  const int file = fileno(files_->writer->f);
+  fallocate(file, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, released_, offset - released_);
+  released_ = offset;
 }
 
 }  // namespace plslam::bus

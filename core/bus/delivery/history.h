@@ -17,10 +17,11 @@ namespace plslam::bus {
 std::string TemporaryFolder(int64_t source);
 
 /// The sent messages of one ordered channel, by number, for repair requests. Memory is bounded: beyond `memory_bytes` a
-/// kAll history requests that its oldest messages be moved to a `HistoryLog`, and a kUnacknowledged one drops them. It
-/// does not access the disk itself, so that its owner holds the mutex that guards it for bookkeeping only:
+/// kUnacknowledged history drops its oldest messages, and a kAll one requests, beyond an eighth of that, that they be
+/// moved to a `HistoryLog`, from which it drops them beyond `disk_bytes`. It does not access the disk itself, so that
+/// its owner holds the mutex that guards it for bookkeeping only:
 ///
-///   Append  ->  while (message = ToMove()) { offset = log.Write(message); Moved(offset); }
+///   Append  ->  while (message = ToMove()) { offset = log.Write(message); log.Release(Moved(offset)); }
 ///   Find    ->  the message, or the offset for log.Read
 class History {
  public:
@@ -31,15 +32,20 @@ class History {
     size_t bytes = 0;
   };
 
-  History(Retention retention, int64_t memory_bytes) : retention_(retention), memory_limit_(memory_bytes) {}
+  /// A day of poses at 20 Hz, or 10,000 keyframes.
+  static constexpr int64_t kDiskBytes = 1'500'000'000;
+
+  History(Retention retention, int64_t memory_bytes, int64_t disk_bytes = kDiskBytes)
+      : retention_(retention), memory_limit_(memory_bytes), disk_limit_(disk_bytes) {}
 
   /// The next message: its number is `next_seq()`.
   void Append(Bytes message);
   /// Returns the oldest message in memory if it is to be moved to the log; nullptr if memory is within its bound.
   Bytes ToMove() const;
   /// Records that this message is stored at `offset` of the log, or could not be written (nullopt). Without a log the
-  /// history begins later from then on, as announcements then state.
-  void Moved(std::optional<int64_t> offset);
+  /// history begins later from then on, as announcements then state. Returns where the part of the log begins that is
+  /// still needed.
+  int64_t Moved(std::optional<int64_t> offset);
 
   /// Returns nullopt if the message was dropped or never sent.
   std::optional<Kept> Find(int64_t seq) const;
@@ -63,11 +69,13 @@ class History {
 
   Retention retention_;
   int64_t memory_limit_;
+  int64_t disk_limit_;
   std::deque<Bytes> memory_;
   int64_t memory_first_ = 0;
   int64_t first_seq_ = 0;
   int64_t bytes_ = 0;
-  std::vector<Place> moved_;  // the messages 0, 1, ... in the log
+  std::deque<Place> moved_;  // the messages from `first_seq_` on in the log
+  int64_t moved_bytes_ = 0;
   bool log_failed_ = false;
 };
 
@@ -85,6 +93,9 @@ class HistoryLog {
   std::optional<int64_t> Write(const Bytes& message);
   /// Returns nullptr if it cannot be read.
   Bytes Read(int64_t offset);
+  /// Returns the disk's space before `offset` to the system, if its file system can do that. Messages there can no
+  /// longer be read.
+  void Release(int64_t offset);
 
  private:
   struct Files;
@@ -94,6 +105,7 @@ class HistoryLog {
   std::string path_;
   bool keep_file_;
   std::unique_ptr<Files> files_;
+  int64_t released_ = 0;
 };
 
 }  // namespace plslam::bus

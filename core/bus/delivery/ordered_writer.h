@@ -63,7 +63,7 @@ class OrderedWriter {
   void Sent(Bytes message, int64_t now);
   /// Returns the oldest messages beyond the bound of memory, as `History::ToMove`.
   Bytes ToMove() const { return history_.ToMove(); }
-  void Moved(std::optional<int64_t> offset) { history_.Moved(offset); }
+  int64_t Moved(std::optional<int64_t> offset) { return history_.Moved(offset); }
 
   /// Handles a reader's acknowledgement and request; returns the messages to resend now, at most a window full. If
   /// `announce` is true, an announcement follows them (or is sent alone).

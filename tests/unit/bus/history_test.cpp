@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/bus/delivery/history.h"
 
+#include <sys/stat.h>
+
 #include <filesystem>
 #include <mutex>
 #include <optional>
@@ -21,12 +23,13 @@ using test::NumberOf;
 
 /// A history and its log, as a bus uses them.
 struct LoggedHistory {
-  LoggedHistory(int64_t memory_bytes, const std::string& path, bool keep_file)
-      : history(Retention::kAll, memory_bytes), log("CHANNEL", path, keep_file) {}
+  LoggedHistory(int64_t memory_bytes, const std::string& path, bool keep_file,
+                int64_t disk_bytes = History::kDiskBytes)
+      : history(Retention::kAll, memory_bytes, disk_bytes), log("CHANNEL", path, keep_file) {}
 
   void Append(Bytes message) {
     history.Append(std::move(message));
-    while (const Bytes oldest = history.ToMove()) history.Moved(log.Write(oldest));
+    while (const Bytes oldest = history.ToMove()) log.Release(history.Moved(log.Write(oldest)));
   }
   Bytes Get(int64_t seq) {
     const std::optional<History::Kept> kept = history.Find(seq);
@@ -98,6 +101,22 @@ TEST(History, KeepsItsLogIfRequested) {
     for (int64_t n = 0; n < 100; ++n) kept.Append(MessageOf(n));
   }
   EXPECT_TRUE(std::filesystem::exists(path));
+}
+
+TEST(History, DiskIsBounded) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder / "CHANNEL.lcmlog";
+  LoggedHistory kept(1'000'000, path, true, 20'000'000);
+  static constexpr int64_t kMessages = 600;
+  for (int64_t n = 0; n < kMessages; ++n) kept.Append(MessageOf(n, 100'000));
+  const int64_t first = kept.history.first_seq();
+  EXPECT_NEAR(static_cast<double>(first), 400.0, 5.0) << "20 of 60 MB are kept";
+  EXPECT_EQ(kept.Get(first - 1), nullptr);
+  for (const int64_t n : {first, first + 100, kMessages - 1}) EXPECT_EQ(NumberOf(kept.Get(n)), n);
+  struct stat status {};
+  ASSERT_EQ(stat(path.c_str(), &status), 0);
+  EXPECT_LT(status.st_blocks * 512, 40'000'000) << "16 MB are released at a time";
+  EXPECT_EQ(kept.log.Read(0), nullptr) << "released";
 }
 
 TEST(History, DropsOldMessagesIfTheDiskIsNotWritable) {

@@ -179,7 +179,7 @@ void VisitFields(Visitor& visit, MaskUseOptions& o) {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, RobotMotionUseOptions& o) {
-  visit("enabled", o.enabled, "predict the motion from the robot's wheels or gyro, published by adapter");
+  visit("enabled", o.enabled, "predict the motion from the robot's odometry, published by adapter");
   visit("wait_s", o.wait_s, Bounds{0, 3600}, "how long a lockstep stream waits if no such poses arrive");
 }
 

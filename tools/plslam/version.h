@@ -5,7 +5,7 @@
 
 namespace plslam::launcher {
 
-/// Returns "0.2.0", with the git commit if it was known when the build was configured: "0.2.0 (1a2b3c4)".
+/// Returns "0.3.0", with the git commit if it was known when the build was configured: "0.3.0 (1a2b3c4)".
 std::string VersionText();
 
 }  // namespace plslam::launcher

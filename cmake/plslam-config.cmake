@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# find_package(plslam): the libraries of core as plslam::core (all), or one by one: plslam::geometry, plslam::features,
-# plslam::motion, plslam::map, plslam::optim, plslam::io, plslam::bus, plslam::lcmtypes, ...
+# find_package(plslam): the libraries of core as plslam::core (all), or one by one (plslam::geometry, plslam::features,
+# plslam::motion, plslam::map, plslam::optim, plslam::io, plslam::bus, plslam::lcmtypes, ...), and the stages of SLAM
+# without the bus: plslam::vo (stereo odometry), plslam::mapping, plslam::loop.
 #
 #   find_package(plslam REQUIRED)
 #   target_link_libraries(mine PRIVATE plslam::bus plslam::geometry)

@@ -40,10 +40,12 @@ install(DIRECTORY ${CMAKE_SOURCE_DIR}/docs DESTINATION share/doc/plslam COMPONEN
 install(CODE "set(PLSLAM_UNITS ${CMAKE_SOURCE_DIR}/scripts/systemd)" COMPONENT runtime)
 install(SCRIPT ${CMAKE_SOURCE_DIR}/cmake/install_units.cmake COMPONENT runtime)
 
-# --- component dev: find_package(plslam), targets plslam::core, plslam::geometry, ...
+# --- component dev: find_package(plslam), targets plslam::core, plslam::geometry, ..., and the stages of SLAM without
+# the bus: plslam::stereo, plslam::vo, plslam::mapping, plslam::loop
+set(stages plslam_stereo plslam_vo plslam_mapping plslam_loop)
 add_library(plslam_core INTERFACE)
 target_link_libraries(plslam_core INTERFACE ${libraries} plslam_lcmtypes)
-foreach(target ${libraries} plslam_lcmtypes plslam_core)
+foreach(target ${libraries} ${stages} plslam_lcmtypes plslam_core)
   string(REPLACE "plslam_" "" exported ${target})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${exported})
   get_target_property(type ${target} TYPE)
@@ -54,11 +56,13 @@ foreach(target ${libraries} plslam_lcmtypes plslam_core)
     target_compile_options(${target} INTERFACE $<INSTALL_INTERFACE:-ffp-contract=off>)
   endif()
 endforeach()
-install(TARGETS ${libraries} plslam_lcmtypes plslam_core EXPORT plslam_targets
+install(TARGETS ${libraries} ${stages} plslam_lcmtypes plslam_core EXPORT plslam_targets
         ARCHIVE DESTINATION lib/plslam COMPONENT dev)
 install(EXPORT plslam_targets FILE plslam-targets.cmake NAMESPACE plslam:: DESTINATION lib/cmake/plslam COMPONENT dev)
-install(DIRECTORY ${CMAKE_SOURCE_DIR}/core ${CMAKE_SOURCE_DIR}/lcmtypes DESTINATION include/plslam COMPONENT dev
-        FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/core ${CMAKE_SOURCE_DIR}/lcmtypes ${CMAKE_SOURCE_DIR}/vo_process
+                  ${CMAKE_SOURCE_DIR}/mapping_process ${CMAKE_SOURCE_DIR}/loop_process
+        DESTINATION include/plslam COMPONENT dev FILES_MATCHING PATTERN "*.h" PATTERN node EXCLUDE)
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/tools/examples/ DESTINATION share/doc/libplslam-dev/examples COMPONENT dev)
 install(DIRECTORY ${CMAKE_BINARY_DIR}/lcmtypes/include/plslam DESTINATION include/plslam COMPONENT dev)
 include(CMakePackageConfigHelpers)
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/plslam-config-version.cmake COMPATIBILITY SameMinorVersion)

@@ -107,12 +107,13 @@ TEST(Memory, DoesNotGrowWithTheLengthOfTheRun) {
   EXPECT_EQ(summary["frames"], frames);
   Samples memory = MemoryOf(test::ReadRecordedRun(run.log()).statuses, frames);
   memory["plslam"] = std::move(launcher);
-  // The viewer stores each frame, half a kilobyte and 0.15 for its true pose, and over the whole run pictures for the
-  // report: 240 with their features, 20 kB each, and of 2000 keyframes, 4 kB each at this size.
+  // The viewer stores over the whole run pictures for the report: 240 with their features, 20 kB each, and of 2000
+  // keyframes, 4 kB each at this size. (Frames are in a file.)
   const double pictures_mb = 240 * 20e-3 + std::min(summary["keyframes"].get<double>(), 2000.0) * 4e-3;
-  // Map and places grow slowly: each lap views the room from new positions in between.
+  // Map and places grow slowly: each lap views the room from new positions in between. The heap of vo varies between 8
+  // and 13 MB from frame to frame, and the allocator keeps the largest so far.
   const std::map<std::string, double> kept_mb{
-      {"viewer", 0.5 * (frames * 650e-6 + pictures_mb)}, {"mapping", 3.0}, {"loop", 3.0}};
+      {"viewer", 0.5 * pictures_mb}, {"mapping", 3.0}, {"loop", 3.0}, {"vo", 1.5}};
   for (const char* process : {"player", "vo", "mapping", "loop", "viewer", "plslam"}) {
     KeepSecondHalf(memory[process]);
     ASSERT_GE(memory[process].size(), 5U) << process;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "tests/package/installed_tree.h"
@@ -13,6 +15,8 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 using Installation = InstalledTree;
+
+auto Lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
 
 TEST_F(Installation, RunsAfterBeingMoved) {
   Install("runtime");
@@ -62,6 +66,29 @@ TEST_F(Installation, ExternalProgramUsesCore) {
             0)
       << output();
   EXPECT_THAT(output(), HasSubstr("channels, 1 bytes, 4.0 m"));
+}
+
+/// Poses of the example with the installed odometry.
+TEST_F(Installation, ExamplesTrackAndListen) {
+  Install("dev");
+  const std::string source = (prefix() / "share" / "doc" / "libplslam-dev" / "examples").string();
+  ASSERT_EQ(Shell(fmt::format("'{0}' -S '{1}' -B examples -DCMAKE_PREFIX_PATH='{2}' && '{0}' --build examples -j 2",
+                              CMAKE_PROGRAM, source, prefix().string())),
+            0)
+      << output();
+  ASSERT_EQ(Shell("examples/stereo_odometry 'synthetic:room?frames=5&size=376x240' > odometry.txt"), 0) << output();
+  EXPECT_EQ(Lines(Text("odometry.txt")), 5);
+  EXPECT_EQ(Shell("examples/stereo_odometry nowhere"), 1);
+  EXPECT_THAT(output(), HasSubstr("stereo_odometry: error: nowhere: "));
+  // A private bus; the listener gets the poses from the first one on, however late it joins.
+  const std::string url = fmt::format("udpm://239.255.76.67:{}?ttl=0", 20000 + getpid() % 12000);
+  EXPECT_EQ(Shell(fmt::format("timeout 60 examples/listen '{0}' 5 > heard.txt & listener=$!; '{1}/plslam' run "
+                              "'synthetic:room?frames=5&size=160x120' "
+                              "--out run --url '{0}' --quiet > run.log 2>&1; wait $listener",
+                              url, (BinaryFolder()).string())),
+            0)
+      << output();
+  EXPECT_EQ(Lines(Text("heard.txt")), 5) << output();
 }
 
 }  // namespace

@@ -46,6 +46,10 @@ Eigen::Matrix3d NearestRotation(const Svd& svd) {
   return svd.matrixU() * Signs(svd).asDiagonal() * svd.matrixV().transpose();
 }
 
+Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& m) {
+  return NearestRotation(Svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV));
+}
+
 // Rotates R about `axis`, which does not move, to agree best with `orientations`: by the angle that maximises
 // trace(Turn(angle) * R * orientations^T).
 Eigen::Matrix3d TurnToOrientations(const Eigen::Matrix3d& R, const Eigen::Vector3d& axis,
@@ -69,7 +73,7 @@ Similarity AlignPaths(const std::vector<SE3>& a, const std::vector<SE3>& b, bool
   const bool still = sigma[0] <= 1e-24 * extent;
   Eigen::Matrix3d R = NearestRotation(svd);
   if (still) {
-    R = NearestRotation(Svd(m.orientations, Eigen::ComputeFullU | Eigen::ComputeFullV));
+    R = NearestRotation(m.orientations);
   } else if (sigma[1] <= kRankTolerance * sigma[0]) {
     R = TurnToOrientations(R, svd.matrixU().col(0), m.orientations);
   }
@@ -77,6 +81,11 @@ Similarity AlignPaths(const std::vector<SE3>& a, const std::vector<SE3>& b, bool
   if (with_scale && !still) result.scale = sigma.dot(Signs(svd)) / m.variance_b;
   result.T_a_b = SE3(R, m.mean_a - result.scale * R * m.mean_b);
   return result;
+}
+
+Eigen::Quaterniond AlignOrientations(const std::vector<SE3>& a, const std::vector<SE3>& b) {
+  if (a.empty()) return Eigen::Quaterniond::Identity();
+  return Eigen::Quaterniond(NearestRotation(ComputeMoments(a, b).orientations));
 }
 
 }  // namespace plslam

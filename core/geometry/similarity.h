@@ -21,4 +21,8 @@ struct Similarity {
 /// length. Identity without poses. Scale 1 if `with_scale` is false, or positions are equal.
 Similarity AlignPaths(const std::vector<SE3>& a, const std::vector<SE3>& b, bool with_scale);
 
+/// Returns the rotation that takes the orientations of poses in b nearest to those of the same poses in a: the chordal
+/// mean of R_a R_b^T (Hartley et al., IJCV 2013). Vectors have equal length. Identity without poses.
+Eigen::Quaterniond AlignOrientations(const std::vector<SE3>& a, const std::vector<SE3>& b);
+
 }  // namespace plslam

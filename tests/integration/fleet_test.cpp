@@ -70,7 +70,8 @@ PosePairs PairsOf(const WholeRun& run) {
 }
 
 double WorstError_m(const PosePairs& pairs, const Similarity& alignment) {
-  return std::ranges::max(evaluate::ComputeAbsoluteErrors(pairs, alignment).translation_m);
+  return std::ranges::max(
+      evaluate::ComputeAbsoluteErrors(pairs, alignment, Eigen::Quaterniond::Identity()).translation_m);
 }
 
 const std::string kCamera = "&size=376x240";

@@ -18,8 +18,8 @@ async function checkTable() {
     return [rows, [plslam.run, ...plslam.run.others].map(({ facts }) => facts)];`);
   check.that(rows.length === 2, `a row for each run: ${rows.length}`);
   rows.forEach((row, i) => {
-    const told = row.Frames.startsWith(`${facts[i].all_frames} `) && row.Path.includes(`${facts[i].keyframes} keyframes`) &&
-      row.Map.includes(`${facts[i].lines} segments`) && /mm|cm/.test(row["Error (ATE)"]);
+    const told = row.Frames.startsWith(`${facts[i].all_frames} `) && row.Path.includes(`${facts[i].keyframes} keyframe`) &&
+      row.Map.includes(`${facts[i].lines} segment`) && /mm|cm/.test(row["Error (ATE)"]);
     check.that(told, `with frames, keyframes, landmarks and error: ${JSON.stringify(row)}`);
   });
   check.that(facts[0].lines > 0 && facts[1].lines === 0, `of each run its own: ${facts.map((f) => f.lines)} segments`);
@@ -58,7 +58,7 @@ async function checkPick(page) {
   const label = await browser.run("return plslam.run.others[0].label");
   const [id, observations] = await browser.run("const run = plslam.run.others[0]; return [run.observersOf('points').ids[arguments[0]], run.map.points.observations[arguments[0]]]", other.row);
   const text = await page.text("#picked");
-  check.that(text.includes(`Point ${id}`) && text.includes(label) && text.includes(`${observations} keyframes`), `one of the other run: '${text}'`);
+  check.that(text.includes(`Point ${id}`) && text.includes(label) && text.includes(`${observations} keyframe`), `one of the other run: '${text}'`);
   await browser.press(own.at, own.at, 1, kShift);
   const [length, wanted] = await browser.run(`
     const { run, view } = plslam;

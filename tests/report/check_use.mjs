@@ -147,6 +147,12 @@ async function checkMeasuring(page, point) {
     const t = Math.min(1, Math.max(0, ((at[0] - ax) * (bx - ax) + (at[1] - ay) * (by - ay)) / ((bx - ax) ** 2 + (by - ay) ** 2)));
     return Math.hypot(at[0] - ax - t * (bx - ax), at[1] - ay - t * (by - ay));`);
   check.that(off < 20, `beside the line: ${off.toFixed(1)} pixels`);
+  const shown = await browser.run(`
+    const { view, run } = plslam;
+    const { selection } = view.parts;
+    selection.measureTo(run, { ...selection.picked });
+    return selection.measure.object.visible;`);
+  check.that(!shown, "nothing has a distance from itself");
 }
 
 /** Checks that a double click makes the clicked object the centre of rotation. */
@@ -173,9 +179,9 @@ async function checkPick(page) {
   const id = await browser.run("return plslam.run.observersOf('points').ids[arguments[0]]", point);
   check.that((await browser.run(rays)) === observations, `a ray to each of the ${observations} keyframes that observe it`);
   const text = await page.text("#picked");
-  check.that(text.includes(`Point ${id}`) && text.includes(`${observations} keyframes`) && /sigma[<.\d ]+ ?[ckm]?m/.test(text), `its box: '${text}'`);
+  check.that(text.includes(`Point ${id}`) && text.includes(`${observations} keyframe`) && /sigma[<.\d ]+ ?[ckm]?m/.test(text), `its box: '${text}'`);
   const life = await browser.run("return plslam.run.map.points.life[arguments[0]]", point);
-  check.that(text.includes(`seen over${life} frames`), `and that it was seen over ${life} frames`);
+  check.that(text.includes(`seen over${life} frame`), `and that it was seen over ${life} frames`);
   check.that(await browser.run("return plslam.view.parts.selection.frusta.visible"), "whose keyframes are marked");
   await checkMeasuring(page, point);
   await browser.key("Escape");

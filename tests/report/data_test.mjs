@@ -6,6 +6,8 @@ import { countUpTo, Run } from "../../viewer_headless/page/data.js";
 import { fitView, worthSeeing } from "../../viewer_headless/page/framing.js";
 import { unpackObservers, unpackSigma } from "../../viewer_headless/page/observers.js";
 import { WallClock } from "../../viewer_headless/page/wall_clock.js";
+import { counted, observedBy } from "../../viewer_headless/page/format.js";
+import { coreUse_percent } from "../../viewer_headless/page/plot_data.js";
 import { matchBlocks } from "../../viewer_headless/page/disparity.js";
 import { cpuTime_s } from "../../viewer_headless/page/processes.js";
 import { notTracked } from "../../viewer_headless/page/summary.js";
@@ -59,6 +61,17 @@ test("another run begins anew, figures of the path stay until the next path", ()
   run.take(message({ whole: true, frames: rows([7], 1, [5]) }));
   assert.deepEqual([...run.frames.id], [7]);
   assert.equal(run.path, null);
+});
+
+test("one is singular", () => {
+  assert.deepEqual([0, 1, 2].map((n) => counted(n, "frame")), ["0 frames", "1 frame", "2 frames"]);
+  assert.deepEqual([1, 3, 255].map(observedBy), ["1 keyframe", "3 keyframes", "255 keyframes or more"]);
+});
+
+test("the use of a core is measured over half a second or more", () => {
+  // The fifth status follows the fourth one at once, and another process takes over after it.
+  const use = coreUse_percent({ uptime_s: [0.1, 0.101, 1.1, 2.1, 2.101, 0.2, 1.2], cpu_s: [0.02, 0.05, 0.55, 1.55, 1.58, 0.1, 0.3] });
+  assert.deepEqual(use.map(Math.round), [0, 0, 50, 100, 103, 0, 20]);
 });
 
 test("rows are found by frame and by time", () => {

@@ -81,8 +81,9 @@ Accuracy EvaluateTrajectory(const Trajectory& estimate, const Trajectory& truth,
   }
   a.alignment_kind = options.alignment;
   a.alignment = Align(a.pairs, options.alignment);
-  a.absolute = ComputeAbsoluteErrors(a.pairs, a.alignment);
+  a.absolute = ComputeAbsoluteErrors(a.pairs, a.alignment, AlignOrientations(a.pairs, options.alignment));
   a.ate_m = Summarise(a.absolute.translation_m);
+  if (IsLeastSquares(options.alignment)) a.roll_sigma_deg = RollSigma_rad(a.pairs, a.ate_m.rmse) * 180.0 / M_PI;
   a.ate_deg = Summarise(Degrees(a.absolute.rotation_rad));
   for (const Delta& delta : options.deltas) {
     const RelativeErrors errors = ComputeRelativeErrors(a.pairs, delta);

@@ -10,6 +10,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// One radian: an arc as long as its radius.
+constexpr double kUnknownRoll_deg = 57.0;
+
 Json StatisticsJson(const Statistics& s) {
   return {{"n", s.n}, {"rmse", s.rmse}, {"mean", s.mean}, {"median", s.median}, {"max", s.max}};
 }
@@ -56,10 +59,12 @@ Json ConsistencyJson(const Consistency& c) {
 Json AlignmentJson(const Accuracy& a) {
   const Eigen::Vector3d& t = a.alignment.T_a_b.translation();
   const Eigen::Quaterniond& q = a.alignment.T_a_b.rotation();
-  return {{"kind", AlignmentName(a.alignment_kind)},
-          {"scale", a.alignment.scale},
-          {"translation_m", {t.x(), t.y(), t.z()}},
-          {"q_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
+  Json json{{"kind", AlignmentName(a.alignment_kind)},
+            {"scale", a.alignment.scale},
+            {"translation_m", {t.x(), t.y(), t.z()}},
+            {"q_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
+  if (a.roll_sigma_deg) json["roll_sigma_deg"] = *a.roll_sigma_deg;
+  return json;
 }
 
 /// A JSON file would have null for them anyway; the object in memory must be equal to it.
@@ -85,6 +90,12 @@ std::string Head(const Accuracy& a) {
   text += fmt::format("alignment   {}", AlignmentName(a.alignment_kind));
   if (a.alignment_kind == Alignment::kSim3) text += fmt::format(", scale {:.6f}", a.alignment.scale);
   text += '\n';
+  if (a.roll_sigma_deg && !a.pairs.empty()) {
+    text += fmt::format("roll        {}; orientations are aligned by their own mean\n",
+                        *a.roll_sigma_deg < kUnknownRoll_deg
+                            ? fmt::format("positions determine it to {:.1f} deg about the path", *a.roll_sigma_deg)
+                            : "positions do not determine it about the path");
+  }
   if (!a.note.empty()) text += fmt::format("note        {}\n", a.note);
   return text;
 }

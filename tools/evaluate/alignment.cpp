@@ -8,9 +8,12 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 #include <vector>
+
+#include <Eigen/Eigenvalues>
 
 #include "core/accuracy/consistency.h"
 #include "tools/evaluate/trajectory_errors.h"
@@ -23,6 +26,18 @@ constexpr std::array<std::pair<std::string_view, Alignment>, 4> kNames{
 
 constexpr int64_t kFineStep_ns = 100'000;
 constexpr int kCoarseSteps = 20;  // to each side
+// Share of the variance along a line below which the variance across it is rounding.
+constexpr double kStraight = 1e-10;
+
+/// True and estimated poses.
+std::pair<std::vector<SE3>, std::vector<SE3>> Split(const PosePairs& pairs) {
+  std::pair<std::vector<SE3>, std::vector<SE3>> poses;
+  for (const PosePair& pair : pairs) {
+    poses.first.push_back(pair.truth);
+    poses.second.push_back(pair.estimate);
+  }
+  return poses;
+}
 
 Trajectory Shifted(Trajectory trajectory, int64_t offset_ns) {
   for (TrajectoryPose& pose : trajectory) pose.t_ns += offset_ns;
@@ -63,12 +78,30 @@ int64_t LeastAround(int64_t center, int64_t step, int n, const std::function<dou
 Similarity Align(const PosePairs& pairs, Alignment alignment) {
   if (pairs.empty() || alignment == Alignment::kNone) return {};
   if (alignment == Alignment::kFirst) return {1.0, pairs[0].truth * pairs[0].estimate.Inverse()};
-  std::vector<SE3> truth, estimate;
-  for (const PosePair& pair : pairs) {
-    truth.push_back(pair.truth);
-    estimate.push_back(pair.estimate);
-  }
+  const auto [truth, estimate] = Split(pairs);
   return AlignPaths(truth, estimate, alignment == Alignment::kSim3);
+}
+
+Eigen::Quaterniond AlignOrientations(const PosePairs& pairs, Alignment alignment) {
+  if (!IsLeastSquares(alignment)) return Align(pairs, alignment).T_a_b.rotation();
+  const auto [truth, estimate] = Split(pairs);
+  return plslam::AlignOrientations(truth, estimate);
+}
+
+double RollSigma_rad(const PosePairs& pairs, double ate_m) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const PosePair& pair : pairs) mean += pair.truth.translation() / static_cast<double>(pairs.size());
+  Eigen::Matrix3d scatter_m2 = Eigen::Matrix3d::Zero();
+  for (const PosePair& pair : pairs) {
+    const Eigen::Vector3d p = pair.truth.translation() - mean;
+    scatter_m2 += p * p.transpose() / static_cast<double>(pairs.size());
+  }
+  // Ascending.
+  const Eigen::Vector3d variances_m2 =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter_m2, Eigen::EigenvaluesOnly).eigenvalues();
+  const double from_line_m2 = variances_m2[0] + variances_m2[1];
+  if (from_line_m2 <= kStraight * variances_m2[2]) return std::numbers::pi / 2.0;
+  return std::atan2(ate_m, std::sqrt(from_line_m2));
 }
 
 std::string AlignmentName(Alignment alignment) {
@@ -97,7 +130,8 @@ std::optional<ClockOffset> FitClockOffset(const Trajectory& estimate, const Traj
   if (paired.size() < 3 || max_ns < kFineStep_ns) return std::nullopt;
   const auto ate_m = [&](int64_t offset_ns) {
     const PosePairs pairs = AssociateInterpolated(Shifted(paired, offset_ns), truth, max_gap_ns);
-    return Summarise(ComputeAbsoluteErrors(pairs, Align(pairs, alignment)).translation_m).rmse;
+    const Eigen::Quaterniond any = Eigen::Quaterniond::Identity();
+    return Summarise(ComputeAbsoluteErrors(pairs, Align(pairs, alignment), any).translation_m).rmse;
   };
   const int64_t coarse_ns = std::max(max_ns / kCoarseSteps, kFineStep_ns);
   const int64_t near_ns = LeastAround(0, coarse_ns, static_cast<int>(max_ns / coarse_ns), ate_m);

@@ -20,9 +20,21 @@ enum class Alignment {
   kSim3,   ///< the same with a scale
 };
 
+inline bool IsLeastSquares(Alignment alignment) {
+  return alignment == Alignment::kSe3 || alignment == Alignment::kSim3;
+}
+
 /// Returns the transform from the estimate (b of the similarity) to the truth (a), by `AlignPaths` for least squares.
 /// No pairs: identity.
 Similarity Align(const PosePairs& pairs, Alignment alignment);
+
+/// Returns the rotation that aligns the orientations. For least squares it is their own mean rotation: on a nearly
+/// straight path, positions leave the roll about it free.
+Eigen::Quaterniond AlignOrientations(const PosePairs& pairs, Alignment alignment);
+
+/// Returns how well positions determine the rotation about the line that fits the true ones best: the angle of an arc of
+/// `ate_m` at their rms distance from this line. 90 degrees if they lie on it.
+double RollSigma_rad(const PosePairs& pairs, double ate_m);
 
 /// "none", "first", "se3", "sim3"; the reverse throws std::runtime_error for any other name.
 std::string AlignmentName(Alignment alignment);

@@ -81,12 +81,13 @@ double AngleBetween(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
   return 2.0 * std::atan2(d.vec().norm(), std::abs(d.w()));
 }
 
-AbsoluteErrors ComputeAbsoluteErrors(const PosePairs& pairs, const Similarity& alignment) {
+AbsoluteErrors ComputeAbsoluteErrors(const PosePairs& pairs, const Similarity& positions,
+                                     const Eigen::Quaterniond& orientations) {
   AbsoluteErrors errors;
   for (const PosePair& pair : pairs) {
-    const SE3 aligned = alignment.Apply(pair.estimate);
-    errors.translation_m.push_back((aligned.translation() - pair.truth.translation()).norm());
-    errors.rotation_rad.push_back(AngleBetween(aligned.rotation(), pair.truth.rotation()));
+    const Eigen::Vector3d aligned = positions.Apply(pair.estimate).translation();
+    errors.translation_m.push_back((aligned - pair.truth.translation()).norm());
+    errors.rotation_rad.push_back(AngleBetween(orientations * pair.estimate.rotation(), pair.truth.rotation()));
   }
   return errors;
 }

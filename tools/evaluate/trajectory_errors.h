@@ -10,14 +10,15 @@
 
 namespace plslam::evaluate {
 
-/// Absolute trajectory error of each pair (Sturm et al. 2012): distance of the positions after alignment, and the
-/// angle between the orientations after the same alignment.
+/// Absolute trajectory error of each pair (Sturm et al. 2012): distance of the positions after their alignment
+/// (`Align`), and the angle between the orientations after theirs (`AlignOrientations`).
 struct AbsoluteErrors {
   std::vector<double> translation_m;
   std::vector<double> rotation_rad;
 };
 
-AbsoluteErrors ComputeAbsoluteErrors(const PosePairs& pairs, const Similarity& alignment);
+AbsoluteErrors ComputeAbsoluteErrors(const PosePairs& pairs, const Similarity& positions,
+                                     const Eigen::Quaterniond& orientations);
 
 /// Angle of the rotation between two orientations, in [0, pi].
 double AngleBetween(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b);

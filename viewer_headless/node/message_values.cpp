@@ -61,6 +61,7 @@ ProcessSample ToProcessSample(const status_t& message, double t_s, int64_t frame
                        .counters = {},
                        .pid = message.pid};
   sample.queue = bus::LongestQueueOf(message);
+  sample.uptime_s = message.uptime_s;
   for (const counter_t& counter : message.counters) sample.counters.emplace_back(counter.name, counter.value);
   return sample;
 }

@@ -9,6 +9,16 @@ export function count(value) {
   return Number.isFinite(value) ? Math.round(value).toLocaleString("en").replaceAll(",", "\u202f") : "–";
 }
 
+/** Returns "1 keyframe", "2 keyframes". */
+export function counted(value, name) {
+  return `${count(value)} ${name}${value === 1 ? "" : "s"}`;
+}
+
+/** The number of keyframes that observe a landmark; it is stored in a byte. */
+export function observedBy(keyframes) {
+  return keyframes === 255 ? "255 keyframes or more" : counted(keyframes, "keyframe");
+}
+
 /** Formats a length with three significant digits and a suitable unit. */
 export function metres(value) {
   if (!Number.isFinite(value)) return "–";

@@ -4,6 +4,7 @@ import { series as colours } from "./colours.js";
 import { countUpTo } from "./data.js";
 
 const kTop = 7;
+const kLeastInterval_s = 0.5;
 
 const numbers = (column) => Array.from(column, (v) => (Number.isFinite(v) ? v : null));
 const any = (values) => values.some((v) => v !== null && v !== 0);
@@ -127,9 +128,23 @@ function repairs(run) {
   return rows.length ? joined("repairs", { title: "Messages lost and repaired", note: "sums over all processes", unit: "messages" }, rows) : null;
 }
 
+/** Returns the use of a core in per cent at each sample, over at least half a second by the clock of the process: a
+ * status that follows a change of state comes milliseconds after the previous one, and a busy viewer receives several at
+ * once. */
+export function coreUse_percent({ uptime_s, cpu_s }) {
+  let start = 0; // of the present process: a restarted one counts from 0
+  return Array.from(cpu_s, (now_s, i) => {
+    if (i && uptime_s[i] < uptime_s[i - 1]) start = i;
+    let before = i;
+    while (before >= start && uptime_s[before] > uptime_s[i] - kLeastInterval_s) --before;
+    const [since_s, used_s] = before >= start ? [uptime_s[before], cpu_s[before]] : [0, 0];
+    const interval_s = uptime_s[i] - since_s;
+    return interval_s >= kLeastInterval_s ? (100 * (now_s - used_s)) / interval_s : 0;
+  });
+}
+
 function processors(run) {
-  return byProcess(run, "cpu", { title: "Processor", unit: "% of a core" }, ({ t_s, cpu_s }) =>
-    Array.from(cpu_s, (s, i) => (i && t_s[i] > t_s[i - 1] ? (100 * (s - cpu_s[i - 1])) / (t_s[i] - t_s[i - 1]) : 0)));
+  return byProcess(run, "cpu", { title: "Processor", unit: "% of a core" }, coreUse_percent);
 }
 
 function memory(run) {

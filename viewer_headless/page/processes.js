@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Table of the processes: lag, time per frame, length of queues, restarts.
 import { byId, element } from "./element.js";
-import { count, fixed, median } from "./format.js";
+import { count, counted, fixed, median } from "./format.js";
 
 // Number of the newest frames or updates for the median time.
 const kNewest = 50;
@@ -36,7 +36,7 @@ function lag(run, frames) {
   if (frames === null || run.facts.finished) return "–";
   const t = run.frames.t_s;
   const period_s = run.rows > 1 ? (t[run.rows - 1] - t[0]) / (run.frames.id[run.rows - 1] - run.frames.id[0]) : NaN;
-  return `${count(frames)} ${frames === 1 ? "frame" : "frames"}${frames && period_s > 0 ? ` (${fixed(frames * period_s, 2)} s)` : ""}`;
+  return `${counted(frames, "frame")}${frames && period_s > 0 ? ` (${fixed(frames * period_s, 2)} s)` : ""}`;
 }
 
 /** Returns [text, style]. After the end of a run every process has ended, independent of its last status. */

@@ -4,7 +4,7 @@ import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments, Matri
 import { themeColour } from "./colours.js";
 import { byId, element } from "./element.js";
 import { FatLine } from "./fat_line.js";
-import { count, metres } from "./format.js";
+import { counted, metres, observedBy } from "./format.js";
 import { frustumOf, kFrustumEdges, putFrustum } from "./keyframes.js";
 import { unpackSigma } from "./observers.js";
 
@@ -77,6 +77,8 @@ export function observationsOf(run, picked) {
   return { observers, rays, seen: { points: seen.points.length, segments: seen.segments.length } };
 }
 
+const isSame = (a, b) => a.type === b?.type && a.row === b.row && (a.of ?? 0) === (b.of ?? 0);
+
 export class Selection {
   constructor(world) {
     this.rays = new FatLine(world, "picked", 1.2, { opacity: 0.55, order: 7 });
@@ -142,9 +144,9 @@ export class Selection {
     this.changed();
   }
 
-  /** Draws a line to another picked object with its length; null removes it. */
+  /** Draws a line to another picked object with its length; null or the same object removes it. */
   measureTo(run, other) {
-    this.other = this.found ? other : null;
+    this.other = this.found && !isSame(this.picked, other) ? other : null;
     this.otherId = this.idOf(run, this.other);
     if (this.other) {
       this.measured = [middleOf(runOf(run, this.picked), this.picked), middleOf(runOf(run, this.other), this.other)];
@@ -237,8 +239,8 @@ export class Selection {
     const { seen, observers } = this.found;
     return [
       ["frame", this.link(run, frame)],
-      ["observes", run.observersKnown ? `${count(seen.points)} points, ${count(seen.segments)} segments` : "not stored (long run)"],
-      ["covisible", `${count(observers.length)} keyframes`],
+      ["observes", run.observersKnown ? `${counted(seen.points, "point")}, ${counted(seen.segments, "segment")}` : "not stored (long run)"],
+      ["covisible", counted(observers.length, "keyframe")],
       ["sigma", metres(run.map.keyframes.sigma_m?.[row])],
     ];
   }
@@ -251,9 +253,9 @@ export class Selection {
     const p = middleOf(run, this.picked);
     const ends = type === "segments" ? endsOf(run, row) : null;
     return [
-      ["observed by", `${count(table.observations[row])}${table.observations[row] === 255 ? " and more" : ""} keyframes`],
+      ["observed by", observedBy(table.observations[row])],
       ["in frames", ...(run.observersKnown ? named : ["not stored (long run)"]), frames.length > kMostNamed ? ` and ${frames.length - kMostNamed} more` : ""],
-      table.life && ["seen over", `${count(table.life[row])} frames`],
+      table.life && ["seen over", counted(table.life[row], "frame")],
       ["sigma", `${metres(unpackSigma(table.sigma?.[row]))}${ends ? " across" : ""}`],
       ["height", metres(up[0] * p[0] + up[1] * p[1] + up[2] * p[2])],
       ends && ["length", metres(Math.hypot(ends[3] - ends[0], ends[4] - ends[1], ends[5] - ends[2]))],

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The head of the page: a summary of the run in a line of numbers.
 import { byId, element } from "./element.js";
-import { count, fixed, median, metres, seconds } from "./format.js";
+import { count, counted, fixed, median, metres, seconds } from "./format.js";
 
 function totalStage(run) {
   const width = run.frameWidths.stages_ms;
@@ -34,9 +34,9 @@ function figures(run) {
   return [
     ["Frames", count(f.all_frames) + announced, seconds(f.duration_s)],
     ["Tracked", `${fixed(tracked, tracked === 100 ? 0 : 1)} %`, notTracked(f)],
-    ["Path", metres(f.length_m), `${count(f.keyframes)} keyframes`],
+    ["Path", metres(f.length_m), counted(f.keyframes, "keyframe")],
     f.ate_m != null && ["Error (ATE)", metres(f.ate_m), `${metres(f.live_ate_m)} as published`],
-    f.points > 0 && ["Map", count(f.points), `points, ${count(f.lines)} segments`],
+    f.points > 0 && ["Map", count(f.points), `points, ${counted(f.lines, "segment")}`],
     f.points > 0 && ["Loops", count(f.loops), f.loops ? "closed" : "none found"],
     f.moving?.bodies > 0 && ["Moving objects", count(f.moving.bodies), `up to ${fixed(f.moving.percent, 0)} % of the ` +
       `features, frames ${f.moving.first_frame} to ${f.moving.last_frame}`],

@@ -28,7 +28,8 @@ Table FrameTable(const Recorder& recorder, int64_t stride, int64_t first_row);
 /// The path of the frames in the current map.
 struct PathOfRun {
   /// `p` and `q` (x, y, z, w) of T_w_c in the final map; if there is truth, `truth` (position of the true camera,
-  /// aligned with the path by a rigid motion), `error_m`, `error_deg`, `live_error_m`; NaN if a frame has none.
+  /// aligned with the path by a rigid motion), `error_m`, `error_deg` (after the mean rotation of the orientations),
+  /// `live_error_m`; NaN if a frame has none.
   Table table;
   std::optional<double> ate_m;
   std::optional<double> live_ate_m;

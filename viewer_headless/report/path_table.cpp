@@ -55,6 +55,17 @@ struct MeasuredPath {
   }
 };
 
+/// Takes true positions and true orientations into w. Orientations have a rotation of their own: on a nearly straight
+/// path, positions leave the roll about it free.
+struct TruthAlignment {
+  SE3 T_w_truth;
+  Eigen::Quaterniond q_w_truth;
+};
+
+TruthAlignment Align(const std::vector<SE3>& estimated, const std::vector<SE3>& truth) {
+  return {AlignPaths(estimated, truth, false).T_a_b, AlignOrientations(estimated, truth)};
+}
+
 class RootMeanSquare {
  public:
   void Add(double value) {
@@ -83,7 +94,9 @@ double TrueSpread_m(const std::vector<SE3>& truth) {
   return std::sqrt(std::max(0.0, squares_m2 / n - (sum / n).squaredNorm()));
 }
 
-double AngleDeg(const SE3& a, const SE3& b) { return a.rotation().angularDistance(b.rotation()) * 180.0 / M_PI; }
+double AngleDeg(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
+  return a.angularDistance(b) * 180.0 / M_PI;
+}
 
 struct PathColumns {
   std::vector<float> p, q, truth, error_m, error_deg, live_error_m;
@@ -102,7 +115,8 @@ struct PathColumns {
 /// Fills the columns row by row; true poses are taken into the map by the two alignments.
 class PathWriter {
  public:
-  PathWriter(const SE3& T_w_truth, const SE3& T_live_truth) : T_w_truth_(T_w_truth), T_live_truth_(T_live_truth) {}
+  PathWriter(const TruthAlignment& final, const TruthAlignment& live)
+      : T_w_truth_(final.T_w_truth), q_w_truth_(final.q_w_truth), T_live_truth_(live.T_w_truth) {}
 
   void Add(const PathFrame& frame, bool shown) {
     const bool measured = frame.IsMeasured();
@@ -118,7 +132,7 @@ class PathWriter {
     Append(frame.T_w_c.translation(), columns_.p);
     Append(frame.T_w_c.rotation().coeffs(), columns_.q);
     columns_.error_m.push_back(measured ? static_cast<float>(error_m) : kNone);
-    columns_.error_deg.push_back(measured ? static_cast<float>(AngleDeg(truth, frame.T_w_l)) : kNone);
+    columns_.error_deg.push_back(measured ? ErrorDeg(frame) : kNone);
     columns_.live_error_m.push_back(measured ? static_cast<float>(live_error_m) : kNone);
     if (frame.truth) return Append(truth.translation(), columns_.truth);
     columns_.truth.insert(columns_.truth.end(), 3, kNone);
@@ -129,7 +143,13 @@ class PathWriter {
   }
 
  private:
-  SE3 T_w_truth_, T_live_truth_;
+  float ErrorDeg(const PathFrame& frame) const {
+    return static_cast<float>(AngleDeg(q_w_truth_ * frame.truth->rotation(), frame.T_w_l.rotation()));
+  }
+
+  SE3 T_w_truth_;
+  Eigen::Quaterniond q_w_truth_;
+  SE3 T_live_truth_;
   PathColumns columns_;
   RootMeanSquare error_, live_error_;
 };
@@ -146,8 +166,7 @@ Consistency ConsistencyOf(const Recorder& recorder, const Map& map, const Eigen:
 PathOfRun PathTable(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c, int64_t stride) {
   MeasuredPath measured;
   if (!recorder.truth().empty()) VisitPath(recorder, map, q_l_c, [&](const PathFrame& row) { measured.Add(row); });
-  PathWriter writer(AlignPaths(measured.final, measured.truth, false).T_a_b,
-                    AlignPaths(measured.live, measured.truth, false).T_a_b);
+  PathWriter writer(Align(measured.final, measured.truth), Align(measured.live, measured.truth));
   double length_m = 0.0;
   int64_t i = 0;
   SE3 before;

@@ -24,7 +24,9 @@ bool IsShown(const std::string& counter) {
 }  // namespace
 
 void ProcessLog::Add(const ProcessSample& sample) {
-  if (!std::isfinite(sample.t_s) || !std::isfinite(sample.cpu_s) || !std::isfinite(sample.memory_mb)) return;
+  for (const double value : {sample.t_s, sample.uptime_s, sample.cpu_s, sample.memory_mb}) {
+    if (!std::isfinite(value)) return;
+  }
   if (processes_.empty()) first_t_s_ = sample.t_s;
   if (!processes_.contains(sample.process) && processes_.size() >= kMaxProcesses) return;
   Series& series = processes_[sample.process];
@@ -45,6 +47,7 @@ void ProcessLog::Add(const ProcessSample& sample) {
 
 void ProcessLog::Append(const ProcessSample& sample, Series& series) {
   series.t_s.push_back(static_cast<float>(sample.t_s));
+  series.uptime_s.push_back(static_cast<float>(sample.uptime_s));
   series.frame.push_back(Clamp32(sample.frame_id));
   series.cpu_s.push_back(static_cast<float>(sample.cpu_s));
   series.memory_mb.push_back(static_cast<float>(sample.memory_mb));
@@ -61,6 +64,7 @@ void ProcessLog::Append(const ProcessSample& sample, Series& series) {
 
 void ProcessLog::Halve(Series& series) {
   KeepEverySecond(series.t_s);
+  KeepEverySecond(series.uptime_s);
   KeepEverySecond(series.frame);
   KeepEverySecond(series.cpu_s);
   KeepEverySecond(series.memory_mb);
@@ -91,6 +95,7 @@ std::vector<ReportProcess> ProcessLog::Processes() const {
                           .restarts = series.restarts,
                           .table = {}};
     process.table = {{"t_s", 1, series.t_s},
+                     {"uptime_s", 1, series.uptime_s},
                      {"frame", 1, series.frame},
                      {"cpu_s", 1, series.cpu_s},
                      {"memory_mb", 1, series.memory_mb}};

@@ -24,6 +24,7 @@ struct ProcessSample {
   double queue = 0.0;       ///< length of its longest queue
   int64_t lag_frames = -1;  ///< as ReportNode counts it; -1: it has none
   int64_t sent_frames = 0;  ///< by the player then
+  double uptime_s = 0.0;    ///< by the clock of the process
 };
 
 /// Stores queues, repairs, times and memory of each process over the run, in bounded memory: at most 16 processes, 32
@@ -44,6 +45,7 @@ class ProcessLog {
     int64_t lag_frames = -1;
     int64_t sent_frames = 0;
     std::vector<float> t_s;
+    std::vector<float> uptime_s;
     std::vector<int32_t> frame;
     std::vector<float> cpu_s;
     std::vector<float> memory_mb;

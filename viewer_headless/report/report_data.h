@@ -73,8 +73,8 @@ struct ReportCorrection {
   Table table;
 };
 
-/// Statistics of a process over time: columns `t_s` (since the first status of any process), `frame`, `cpu_s`,
-/// `memory_mb`, and one for each displayed counter.
+/// Statistics of a process over time: columns `t_s` (since the first status of any process), `uptime_s` (by its own
+/// clock), `frame`, `cpu_s`, `memory_mb`, and one for each displayed counter.
 struct ReportProcess {
   std::string name;
   std::string state;

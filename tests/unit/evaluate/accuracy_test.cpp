@@ -25,6 +25,38 @@ TEST(Accuracy, PerfectEstimateInAnotherFrame) {
   EXPECT_EQ(a.note, "");
 }
 
+// Errors of position across a straight path rotate the alignment of positions about it, by any angle.
+TEST(Accuracy, RollOfAStraightPathIsNoError) {
+  Trajectory truth;
+  Trajectory estimate;
+  for (int i = 0; i < 100; ++i) {
+    const SE3 rolled(ExpSO3({0.0, 0.0, 0.001 * std::sin(i)}), Eigen::Vector3d(0.05 * std::sin(0.2 * i), 0.0, i));
+    truth.push_back({i * 100'000'000LL, Translation(0.0, 0.05 * std::sin(0.2 * i), i)});
+    estimate.push_back({i * 100'000'000LL, rolled});
+  }
+  const Accuracy a = EvaluateTrajectory(estimate, truth, {});
+  EXPECT_LT(a.ate_m.max, 1e-3) << "positions fit after a quarter turn";
+  EXPECT_LT(a.ate_deg.max, 0.1);
+  EXPECT_NEAR(EvaluateTrajectory(truth, truth, {}).roll_sigma_deg.value(), 0.0, 1e-6);
+  for (TrajectoryPose& pose : estimate)
+    pose.T_a_b = SE3(pose.T_a_b.rotation(), {0.0, 0.0, pose.T_a_b.translation().z()});
+  EXPECT_NEAR(EvaluateTrajectory(estimate, truth, {}).roll_sigma_deg.value(), 45.0, 1.0);
+  EXPECT_NEAR(EvaluateTrajectory(truth, estimate, {}).roll_sigma_deg.value(), 90.0, 1e-9);
+}
+
+TEST(Accuracy, OrientationsFollowTheChosenAlignment) {
+  const Trajectory truth = SomePath(50);
+  Trajectory estimate = truth;
+  const SE3 turn(ExpSO3({0.0, 0.2, 0.0}), Eigen::Vector3d::Zero());
+  for (TrajectoryPose& pose : estimate) pose.T_a_b = turn * pose.T_a_b;
+  EvaluateOptions options;
+  options.alignment = Alignment::kNone;
+  EXPECT_NEAR(EvaluateTrajectory(estimate, truth, options).ate_deg.mean, 0.2 * 180.0 / M_PI, 1e-9);
+  EXPECT_FALSE(EvaluateTrajectory(estimate, truth, options).roll_sigma_deg.has_value());
+  options.alignment = Alignment::kFirst;
+  EXPECT_LT(EvaluateTrajectory(estimate, truth, options).ate_deg.max, 1e-6);
+}
+
 TEST(Accuracy, LostFramesShowInTheCoverage) {
   const Trajectory truth = SomePath(100);
   Trajectory estimate(truth.begin(), truth.begin() + 75);

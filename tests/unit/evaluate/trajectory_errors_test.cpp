@@ -15,7 +15,7 @@ namespace {
 
 TEST(AbsoluteError, OffsetAndTurnByHand) {
   const SE3 turned(Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY())), Eigen::Vector3d(3, 4, 0));
-  const AbsoluteErrors errors = ComputeAbsoluteErrors({{0, turned, SE3(), 0}}, {});
+  const AbsoluteErrors errors = ComputeAbsoluteErrors({{0, turned, SE3(), 0}}, {}, Eigen::Quaterniond::Identity());
   EXPECT_DOUBLE_EQ(errors.translation_m.at(0), 5.0);
   EXPECT_NEAR(errors.rotation_rad.at(0), 0.1, 1e-12);
 }

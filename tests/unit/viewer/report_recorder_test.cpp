@@ -123,6 +123,16 @@ TEST(ProcessLog, AnotherProcessOfSameNameIsARestart) {
   EXPECT_EQ(log.Processes()[0].restarts, 2);
 }
 
+TEST(ProcessLog, KeepsTheClockOfTheProcess) {
+  ProcessLog log;
+  ProcessSample sample{"vo", "running", 5.0, 0, 1.0, 1.0, {}};
+  for (const double uptime_s : {3.0, 4.0, static_cast<double>(NAN)}) {
+    sample.uptime_s = uptime_s;
+    log.Add(sample);
+  }
+  EXPECT_THAT(Numbers<float>(log.Processes().at(0).table, "uptime_s"), testing::ElementsAre(3.0F, 4.0F));
+}
+
 TEST(ProcessLog, LagAndSilenceOfTheLastStatus) {
   ProcessLog log;
   ProcessSample vo{"vo", "running", 0.0, 0, 1.0, 1.0, {}};

@@ -87,6 +87,20 @@ TEST(PathTable, ErrorsAreAfterAlignment) {
   EXPECT_NEAR(path.length_m, 39 * 2 * 3.0 * std::sin(0.075), 1e-9);
 }
 
+TEST(PathTable, RollOfAStraightPathIsNoError) {
+  Recorder recorder;
+  for (int64_t id = 0; id < 40; ++id) {
+    FramePose pose = SomePose(id);
+    const double x = 0.05 * std::sin(0.2 * static_cast<double>(id));
+    pose.T_odom_c = SE3(kUnturned, {x, 0, static_cast<double>(id)});
+    recorder.AddPose(pose);
+    recorder.AddTruth(id, {pose.t_ns, SE3(kUnturned, {0, x, static_cast<double>(id)})});
+  }
+  const PathOfRun path = PathTable(recorder, Map(), kUnturned, 1);
+  EXPECT_LT(path.ate_m.value(), 1e-3) << "positions fit after a quarter turn";
+  for (const float error_deg : Numbers<float>(path.table, "error_deg")) EXPECT_LT(error_deg, 0.1F);
+}
+
 TEST(PathTable, WithoutTruthThereAreNoErrors) {
   Recorder recorder;
   for (int64_t id = 0; id < 3; ++id) recorder.AddPose(SomePose(id));

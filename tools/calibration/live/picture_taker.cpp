@@ -134,8 +134,9 @@ std::vector<std::string> PictureTaker::Missing() const {
   if (nearest.scale == farthest.scale)
     missing.emplace_back("all boards are at the same distance: hold it nearer or farther");
   if (pictures_ < kEnoughPictures) {
+    const int more = kEnoughPictures - pictures_;
     missing.push_back(
-        fmt::format("{} more pictures, each at another position, distance or tilt", kEnoughPictures - pictures_));
+        fmt::format("{} more picture{}, each at another position, distance or tilt", more, more == 1 ? "" : "s"));
   }
   return missing;
 }

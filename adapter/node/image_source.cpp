@@ -18,6 +18,7 @@
 #include "core/errors/error_text.h"
 #include "core/geometry/body_frame.h"
 #include "core/run/process_names.h"
+#include "core/run/run_counters.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/intrinsics_t.hpp"
 #include "plslam/stream_t.hpp"
@@ -196,6 +197,7 @@ void ImageSource::Publish(StereoImages images) {
     stream.pace = "realtime";
     stream.n_frames = -1;
     process_.bus().Publish(bus::kStream, std::move(stream));
+    process_.SetCounter(kLiveSource, 1.0);
     process_.SetState(process_state::kRunning);
   }
   images.frame_id = numbers_.Next(images.t_ns);

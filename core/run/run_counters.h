@@ -11,10 +11,9 @@
 namespace plslam {
 
 /// Counters of statuses about the quality of a run's data. From vo: points of the left image, those of them with a
-/// match in the right image, nearly black frames, the vertical disparity in a corner in pixels, the offset of the
-/// disparities with its sigma and the change of lengths by it, the delay of the right images after the left ones, or of
-/// the left ones after the right ones, the same in frames, and the difference of the two cameras' readout times. From
-/// the player, if the dataset has a ground truth: frames with a true pose, and without. From the viewer: frames without
+/// match in the right image, nearly black frames, the vertical disparity in a corner in pixels, the change of lengths
+/// by an offset of the disparities with its sigma, the delay of the right images after the left ones, or of the left
+/// ones after the right ones, the same in frames, and the difference of the two cameras' readout times. From the player, if the dataset has a ground truth: frames with a true pose, and without. From the viewer: frames without
 /// the picture for report, film or overlays. From live cameras: pairs of images, the median time between left and
 /// right, missing frames, images without a partner, pairs that are mostly white or mostly black, and the number of
 /// interruptions.
@@ -23,9 +22,8 @@ inline constexpr const char* kPointsMatched = "points.matched";
 inline constexpr const char* kPointsAmbiguous = "points.ambiguous";
 inline constexpr const char* kFramesDark = "frames.dark";
 inline constexpr const char* kCornerRows = "rows.corner_px";
-inline constexpr const char* kDisparityError = "disparities.error_px";
-inline constexpr const char* kDisparitySigma = "disparities.sigma_px";
 inline constexpr const char* kLengthError = "lengths.error_percent";
+inline constexpr const char* kLengthSigma = "lengths.sigma_percent";
 inline constexpr const char* kTruthFrames = "truth.frames";
 inline constexpr const char* kTruthMissing = "truth.missing";
 inline constexpr const char* kPicturesMissing = "pictures.missing";
@@ -37,6 +35,8 @@ inline constexpr double kMostLateMadeUpFor_frames = 0.3;
 inline constexpr const char* kUnequalReadout = "sync.unequal_readout_ms";
 /// Set by the process that sends frames, beside these: 1 while it is paused.
 inline constexpr const char* kSenderPaused = "paused";
+/// Set by the process that sends frames: 1 if they come from a sensor, which cannot wait.
+inline constexpr const char* kLiveSource = "source.live";
 inline constexpr const char* kFramesCaptured = "frames.captured";
 inline constexpr const char* kSkew = "frames.skew_ms";
 inline constexpr const char* kFramesMissing = "frames.missing";
@@ -49,12 +49,12 @@ inline constexpr const char* kRecordingScan = "recording.scan_s";
 /// From vo: frames after the first keyframe that have no known place in the map.
 inline constexpr const char* kFramesUnanchored = "frames.unanchored";
 inline constexpr std::array<const char*, 25> kRunCounters{
-    kPointsSeen,      kPointsMatched,  kFramesDark,    kCornerRows,
-    kDisparityError,  kTruthFrames,    kTruthMissing,  kPicturesMissing,
-    kRightLate,       kLeftLate,       kLateFrames,    kUnequalReadout,
-    kFramesCaptured,  kSkew,           kFramesMissing, kDroppedLeft,
-    kDroppedRight,    kOverexposed,    kUnderexposed,  kOutages,
-    kRecordingScan,   kDisparitySigma, kLengthError,   kPointsAmbiguous,
+    kPointsSeen,      kPointsMatched, kFramesDark,    kCornerRows,
+    kLengthError,     kTruthFrames,   kTruthMissing,  kPicturesMissing,
+    kRightLate,       kLeftLate,      kLateFrames,    kUnequalReadout,
+    kFramesCaptured,  kSkew,          kFramesMissing, kDroppedLeft,
+    kDroppedRight,    kOverexposed,   kUnderexposed,  kOutages,
+    kRecordingScan,   kLengthSigma,   kLiveSource,    kPointsAmbiguous,
     kFramesUnanchored};
 
 /// The newest values of these counters by process, including exited processes; other counters are ignored.

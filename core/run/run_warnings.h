@@ -34,14 +34,15 @@ struct RunFindings {
   double late_frames = 0.0;
   double unequal_readout_ms = 0.0;
   double points_ambiguous = 0.0;
-  double disparity_error_px = 0.0;
-  double disparity_sigma_px = 0.0;
   double length_error_percent = 0.0;
+  double length_sigma_percent = 0.0;
   double truth_frames = 0.0;
   double truth_missing = 0.0;
   double pictures_missing = 0.0;
   double recording_scan_s = 0.0;
   double frames_unanchored = 0.0;
+  /// Frames come from a sensor, which cannot wait.
+  bool is_live = false;
   /// Of live cameras. Images of either camera without a partner are `frames_dropped`.
   double frames_captured = 0.0;
   double skew_ms = 0.0;

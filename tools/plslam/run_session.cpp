@@ -91,7 +91,7 @@ void RunSession::Interrupt() {
     interrupted_ = true;
     const bool saves = lacks_map_ && HasMap();
     ReportStop(saves ? fmt::format("stopping, and saving the map as {}", options_.save_map.string()) : "stopping");
-    if (phase_ == Phase::kStarting) return BeginStop(lacks_map_ ? LackOfMap() : "interrupted");
+    if (phase_ == Phase::kStarting) return BeginStop(lacks_map_ ? LackOfMap() : kInterrupted);
     if (phase_ != Phase::kPlaying) return;
     supervisor_.Interrupt(SourceOfFrames(options_));
     EndPlaying(Phase::kDraining, Clock::now());
@@ -245,7 +245,7 @@ void RunSession::CheckSaved(Clock::time_point now) {
     if (MapperHasMap())
       save_.Send((options_.force ? command_verb::kForce : "") +
                  std::filesystem::absolute(options_.save_map).string());
-    const std::string interrupted = interrupted_ ? "interrupted" : "";
+    const std::string interrupted = interrupted_ ? kInterrupted : "";
     if (save_.answer()) return BeginStop(Joined(interrupted, "the map could not be saved: " + *save_.answer()));
     if (now - phase_began_ < kRunSaveLimit) return;
     return BeginStop(Joined(
@@ -265,7 +265,7 @@ void RunSession::CheckSaved(Clock::time_point now) {
     return BeginStop(
         fmt::format("the camera was not recognised in {}: is it the map of this place?", options_.map.string()));
   }
-  BeginStop(interrupted_          ? "interrupted"
+  BeginStop(interrupted_          ? kInterrupted
             : failed_at_ && saved ? "the map made so far is saved as " + options_.save_map.string()
                                   : "");
 }

@@ -94,9 +94,8 @@ json DataToJson(const RunCounters& counters) {
           {"points_ambiguous", counters.Sum(kPointsAmbiguous)},
           {"dark_frames", counters.Sum(kFramesDark)},
           {"corner_rows_px", Rounded(counters.Largest(kCornerRows), 1e-3)},
-          {"disparity_error_px", Rounded(counters.Largest(kDisparityError), 1e-3)},
-          {"disparity_sigma_px", Rounded(counters.Largest(kDisparitySigma), 1e-3)},
-          {"length_error_percent", Rounded(counters.Largest(kLengthError), 1e-2)}};
+          {"length_error_percent", Rounded(counters.Largest(kLengthError), 1e-2)},
+          {"length_sigma_percent", Rounded(counters.Largest(kLengthSigma), 1e-2)}};
 }
 
 /// "1 loop", "2 loops".
@@ -197,6 +196,12 @@ json ProcessesToJson(const RunSummary& summary, int64_t frames) {
     if (report.exit_signal != 0) processes[report.name]["exit_signal"] = bus::SignalName(report.exit_signal);
   }
   return processes;
+}
+
+/// A run that the user ends is as good as one that ends by itself: a live camera has no other end.
+std::string OutcomeToText(const json& s) {
+  if (s["completed"]) return "completed";
+  return s["reason"] == kInterrupted ? "ended by the user" : "NOT completed: " + s["reason"].get<std::string>();
 }
 
 /// Returns "ATE 0.012 m, live 0.015 m, ..." from the named results of `evaluate`.
@@ -314,8 +319,7 @@ json SummaryToJson(const RunSummary& summary) {
 
 std::string SummaryToText(const json& s, bool verbose) {
   const auto n_warnings = static_cast<int64_t>(s["warnings"].size());
-  std::string text = fmt::format("{} {}{}\n", s["dataset"].get<std::string>(),
-                                 s["completed"] ? "completed" : "NOT completed: " + s["reason"].get<std::string>(),
+  std::string text = fmt::format("{} {}{}\n", s["dataset"].get<std::string>(), OutcomeToText(s),
                                  n_warnings == 0 ? "" : fmt::format(" ({})", Counted(n_warnings, "warning")));
   text += Line("frames", FramesToText(s));
   text += Line("accuracy", AccuracyToText(s, verbose));

@@ -21,6 +21,9 @@ struct MessageCounts {
   int64_t rejected = 0;
 };
 
+/// Reason of a run that the user ended, with all its results.
+inline constexpr const char* kInterrupted = "interrupted";
+
 /// The content of `summary.json`.
 struct RunSummary {
   std::string dataset;

@@ -114,8 +114,11 @@ void Print(const CheckOptions& o, const RowErrors& e, const RowVerdict& verdict,
              rectifier.IsIdentity() ? " (the pair is assumed to be rectified)" : "");
   fmt::print("row errors of {} points: median {:+.2f} px, 95 % below {:.2f} px\n", e.matches, e.median_px,
              e.p95_abs_px);
-  fmt::print("fitted: offset {:+.2f} px, roll {:+.3f} deg, scale {:+.3f} %\npicture: {}\n", e.offset_px, e.roll_deg,
-             e.scale_percent, o.out);
+  fmt::print("fitted: offset {:+.2f} px, roll {:+.3f} deg, scale {:+.3f} %\n", e.offset_px, e.roll_deg,
+             e.scale_percent);
+  fmt::print(
+      "not measured: an offset of the disparities, which no row shows; `plslam run` reports its effect on lengths\n");
+  fmt::print("picture: {}\n", o.out);
 }
 
 int Check(const CheckOptions& o) {

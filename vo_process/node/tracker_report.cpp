@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/errors/error_text.h"
+#include "core/run/process_names.h"
 #include "core/run/run_counters.h"
 #include "core/run/run_warnings.h"
 
@@ -53,7 +54,15 @@ void TrackerReport::LookAt(const StereoImages& images, const StereoFeatures& fea
 
 void TrackerReport::ReportWarnings() {
   static constexpr int kEvery = 20;
-  if (frames() % kEvery != 0) return;
+  if (frames() % kEvery == 0) UpdateWarnings();
+}
+
+void TrackerReport::Finish() {
+  UpdateWarnings();
+  SetState(process_state::kFinished);
+}
+
+void TrackerReport::UpdateWarnings() {
   RunFindings findings;
   findings.points_seen = counts_[kPointsSeen];
   findings.points_matched = counts_[kPointsMatched];
@@ -65,9 +74,8 @@ void TrackerReport::ReportWarnings() {
   findings.left_late_ms = counts_[kLeftLate];
   findings.late_frames = counts_[kLateFrames];
   findings.unequal_readout_ms = counts_[kUnequalReadout];
-  findings.disparity_error_px = counts_[kDisparityError];
-  findings.disparity_sigma_px = counts_[kDisparitySigma];
   findings.length_error_percent = counts_[kLengthError];
+  findings.length_sigma_percent = counts_[kLengthSigma];
   std::string warnings;
   for (const RunWarning& warning : WarningsOf(findings)) warnings = Joined(warnings, warning.sentence);
   if (warnings == warnings_) return;
@@ -85,10 +93,7 @@ void TrackerReport::ReportVerticalDisparity(const RowField& rows, const StereoCa
     }
   }
   Count(kCornerRows, most_px);
-  spdlog::info(
-      "the vertical disparity in the image corners is up to {:.1f} px: it is corrected, "
-      "but the calibration could be better",
-      most_px);
+  spdlog::info("the vertical disparity in the image corners is up to {:.1f} px: it is corrected", most_px);
 }
 
 void TrackerReport::ReportCameraErrors(const SyncCheck& sync, const DisparityCalibration& calibration) {
@@ -99,11 +104,9 @@ void TrackerReport::ReportCameraErrors(const SyncCheck& sync, const DisparityCal
   tell(kLeftLate, -1e3 * sync.late_s());
   tell(kLateFrames, std::abs(sync.late_frames()));
   tell(kUnequalReadout, 1e3 * std::abs(sync.longer_readout_s()));
-  if (const auto largest = calibration.Largest()) {
-    tell(kDisparityError, std::abs(largest->offset_px));
-    tell(kDisparitySigma, largest->sigma_px);
-    tell(kLengthError, 100.0 * std::abs(largest->length_share));
-  }
+  const auto lengths = calibration.length_error().value_or(DisparityCalibration::LengthError());
+  tell(kLengthError, 100.0 * std::abs(lengths.share));
+  tell(kLengthSigma, 100.0 * lengths.sigma);
 }
 
 }  // namespace plslam::vo

@@ -37,8 +37,12 @@ class TrackerReport {
   void ReportCameraErrors(const SyncCheck& sync, const DisparityCalibration& calibration);
   /// Publishes warnings with the state, every so many frames.
   void ReportWarnings();
+  /// Publishes the end of the stream with the warnings about all of it.
+  void Finish();
 
  private:
+  void UpdateWarnings();
+
   bus::Process& process_;
   std::map<std::string, double> counts_;
   std::string state_;

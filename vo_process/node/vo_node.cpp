@@ -577,8 +577,7 @@ void VoNode::AskAgainForFrames() {
 }
 
 void VoNode::FinishIfDone() {
-  if (announced_frames_ >= 0 && session_.last_frame_id + 1 >= announced_frames_)
-    report_.SetState(process_state::kFinished);
+  if (announced_frames_ >= 0 && session_.last_frame_id + 1 >= announced_frames_) report_.Finish();
 }
 
 bus::ProcessSpec VoSpec() {

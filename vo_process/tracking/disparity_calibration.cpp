@@ -28,9 +28,6 @@ constexpr double kScaleDrift = 0.003;
 constexpr double kBetweenRuns_px = 0.03;
 // Sigma of the offsets of usual rigs (KITTI, EuRoC, TUM VI).
 constexpr double kUsual_px = 0.3;
-// Number of columns searched for the largest offset, and the number of sigmas by which it must differ from zero.
-constexpr int kColumns = 16;
-constexpr double kSureSigmas = 2.0;
 
 }  // namespace
 
@@ -63,36 +60,23 @@ Eigen::Vector4d DisparityCalibration::Row(double u_px, double disparity_px) cons
 double DisparityCalibration::Offset_px(double u_px) const { return applied_ ? Estimate_px(u_px) : 0.0; }
 
 // The covariance contains only noise; half of the difference of the two estimates shows errors that tracks share.
-double DisparityCalibration::EstimateSigma_px(double u_px) const {
-  const Eigen::Vector4d row = Row(u_px, 0.0);
-  const double half_px = applied_ ? 0.5 * (Estimate_px(u_px) - check_.Estimate_px(u_px)) : 0.0;
-  return std::sqrt(row.dot(covariance_ * row) + half_px * half_px);
+double DisparityCalibration::EstimateSigma_px(const Eigen::Vector3d& terms) const {
+  const double variance_px2 = terms.dot(covariance_.topLeftCorner<3, 3>() * terms);
+  const double half_px = applied_ ? 0.5 * terms.dot(state_.head<3>() - check_.estimate_px()) : 0.0;
+  return std::sqrt(variance_px2 + half_px * half_px);
 }
 
 // Posterior with the prior of usual rigs instead of the wide prior of the filter.
 DisparityCalibration::Rest DisparityCalibration::RestAt(double u_px) const {
-  const double sigma_px = EstimateSigma_px(u_px);
+  const double sigma_px = EstimateSigma_px(DisparityErrorTerms(camera_, u_px));
   const double variance = sigma_px * sigma_px;
   const double gain = kUsual_px * kUsual_px / (kUsual_px * kUsual_px + variance);
   return {applied_ ? 0.0 : gain * Estimate_px(u_px), std::sqrt(gain * variance)};
 }
 
-// Searches between the centres of the outer thirds: beyond them a quadratic extrapolates, and columns without points
-// have a large sigma.
-std::optional<DisparityCalibration::LargestOffset> DisparityCalibration::Largest() const {
+std::optional<DisparityCalibration::LengthError> DisparityCalibration::length_error() const {
   if (!applied_) return std::nullopt;
-  LargestOffset largest{0.0, 0.0, length_share_};
-  double most_px = 0.0;
-  for (int i = 0; i < kColumns; ++i) {
-    const double u_px = (1.0 / 6.0 + 2.0 / 3.0 * i / (kColumns - 1)) * camera_.width_px;
-    const double sigma_px = EstimateSigma_px(u_px);
-    const double sure_px = std::abs(Estimate_px(u_px)) - kSureSigmas * sigma_px;
-    if (sure_px <= most_px) continue;
-    most_px = sure_px;
-    largest.offset_px = Estimate_px(u_px);
-    largest.sigma_px = sigma_px;
-  }
-  return largest;
+  return LengthError{-length_terms_.dot(state_.head<3>()), EstimateSigma_px(length_terms_)};
 }
 
 void DisparityCalibration::Correct(StereoFeatures& features) const {
@@ -172,7 +156,8 @@ bool DisparityCalibration::Observe(const SE3& T_odom_c, const TrackedFrame& fram
 
 void DisparityCalibration::MeasureLengths(const TrackedFrame& frame, const std::vector<double>& raw_disparities_px) {
   std::vector<double> sigmas;
-  std::vector<double> shares;
+  std::vector<double> disparities_px;
+  Eigen::Vector3d terms = Eigen::Vector3d::Zero();
   for (size_t i = 0; i < frame.features.points.size(); ++i) {
     const StereoPoint& point = frame.features.points[i];
     const bool is_matched = raw_disparities_px[i] > 0.0 && point.sigma_row_px >= 0.0;
@@ -180,11 +165,13 @@ void DisparityCalibration::MeasureLengths(const TrackedFrame& frame, const std::
     const double u_px = point.left.px.x();
     const Rest rest = RestAt(u_px);
     sigmas.push_back(Hypot(rest.mean_px, rest.sigma_px) / raw_disparities_px[i]);
-    shares.push_back(-Offset_px(u_px) / raw_disparities_px[i]);
+    disparities_px.push_back(raw_disparities_px[i]);
+    terms += DisparityErrorTerms(camera_, u_px);
   }
   if (sigmas.empty()) return;
   length_sigma_ = Median(sigmas);
-  length_share_ = Median(shares);
+  terms /= static_cast<double>(disparities_px.size()) * Median(disparities_px);
+  length_terms_ += (terms - length_terms_) / static_cast<double>(++n_measured_);
 }
 
 void DisparityCalibration::Learn(const std::vector<Measurement>& measurements) {

@@ -32,12 +32,11 @@ namespace plslam::vo {
 /// confirms it. Otherwise its size is part of the uncertainty of lengths (`LengthSigma`).
 class DisparityCalibration {
  public:
-  /// The applied offset in the column where it is largest beyond doubt.
-  struct LargestOffset {
-    double offset_px = 0.0;
-    double sigma_px = 0.0;
-    /// Median relative change of lengths by the offset: 0.1 is 10 %.
-    double length_share = 0.0;
+  /// Relative change of lengths that the applied offset would cause without correction, at the median depths of the
+  /// tracked frames: 0.1 is 10 % too long.
+  struct LengthError {
+    double share = 0.0;
+    double sigma = 0.0;
   };
 
   DisparityCalibration(const StereoCamera& camera, const DisparityCalibrationOptions& options);
@@ -60,7 +59,7 @@ class DisparityCalibration {
   Rest RestAt(double u_px) const;
 
   /// nullopt while none is applied.
-  std::optional<LargestOffset> Largest() const;
+  std::optional<LengthError> length_error() const;
 
   /// Relative sigma of lengths due to the unknown rest, at the depths of the last tracked frame.
   double LengthSigma() const { return length_sigma_; }
@@ -83,8 +82,8 @@ class DisparityCalibration {
   /// The whole state, for `core/io/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.applied_, self.length_sigma_, self.length_share_, self.state_, self.covariance_, self.observations_,
-      self.check_);
+    a(self.applied_, self.length_sigma_, self.length_terms_, self.n_measured_, self.state_, self.covariance_,
+      self.observations_, self.check_);
   }
 
  private:
@@ -114,14 +113,17 @@ class DisparityCalibration {
   void Learn(const std::vector<Measurement>& measurements);
   Eigen::Vector4d Row(double u_px, double disparity_px) const;
   double Estimate_px(double u_px) const { return Row(u_px, 0.0).dot(state_); }
-  double EstimateSigma_px(double u_px) const;
+  /// Sigma of the estimate times the terms: of `DisparityErrorTerms` at a column, or a sum of such.
+  double EstimateSigma_px(const Eigen::Vector3d& terms) const;
   void MeasureLengths(const TrackedFrame& frame, const std::vector<double>& raw_disparities_px);
 
   StereoCamera camera_;
   DisparityCalibrationOptions options_;
   bool applied_ = false;
   double length_sigma_ = 0.0;
-  double length_share_ = 0.0;
+  /// Mean over the tracked frames of the terms of the offset, divided by the median disparity.
+  Eigen::Vector3d length_terms_ = Eigen::Vector3d::Zero();
+  int64_t n_measured_ = 0;
   /// b0, b1, b2 in pixels, and the relative scale error of the tracked motion.
   Eigen::Vector4d state_ = Eigen::Vector4d::Zero();
   Eigen::Matrix4d covariance_ = Eigen::Matrix4d::Zero();

@@ -43,6 +43,9 @@ class DisparityCheck {
 
   Verdict verdict() const { return verdict_; }
 
+  /// Estimated coefficients of the offset.
+  const Eigen::Vector3d& estimate_px() const { return estimate_; }
+
   /// Estimated offset of disparities measured at a column.
   double Estimate_px(double u_px) const;
 

@@ -56,6 +56,7 @@ FrameSender::FrameSender(bus::Process& process, std::unique_ptr<FrameSource> sou
       clock_(options.pace.speed, source_->period_ns()),
       publisher_(process.bus(), options.pace.lockstep) {
   if (source_->size() >= 0) process_.SetCounter("frames.total", static_cast<double>(source_->size()));
+  if (source_->is_live()) process_.SetCounter(kLiveSource, 1.0);
   if (!options_.resume_after.empty() && options_.resume_after != kResumeFromBus) {
     resume_ = ParseResumePoint(options_.resume_after);
   }

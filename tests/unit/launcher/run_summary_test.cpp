@@ -265,6 +265,18 @@ TEST(RunSummary, RunWithoutAFrame) {
   EXPECT_THAT(text, testing::HasSubstr("no ground truth"));
 }
 
+TEST(RunSummary, RunThatTheUserEndedIsNoFailure) {
+  const RunStatistics statistics = TwoFrames();
+  RunSummary summary;
+  summary.dataset = "rig.yaml";
+  summary.statistics = &statistics;
+  summary.frames = statistics.frames();
+  summary.reason = kInterrupted;
+  EXPECT_THAT(SummaryToText(SummaryToJson(summary)), testing::HasSubstr("rig.yaml ended by the user\n"));
+  summary.reason = "interrupted; viewer ended with exit code 1";
+  EXPECT_THAT(SummaryToText(SummaryToJson(summary)), testing::HasSubstr("NOT completed: interrupted; viewer ended"));
+}
+
 TEST(RunSummary, TextHasTheMainFigures) {
   const RunStatistics statistics = TwoFrames();
   RunSummary summary;

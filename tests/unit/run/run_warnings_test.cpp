@@ -73,11 +73,10 @@ TEST(RunWarnings, ConditionsOfEachRow) {
       {"rows_corrected_far", [](RunFindings& f) { f.corner_rows_px = 12.34; }, "by up to 12.3 px in the corners"},
       {"disparities_off",
        [](RunFindings& f) {
-         f.disparity_error_px = 3.44;
-         f.disparity_sigma_px = 0.21;
          f.length_error_percent = 9.06;
+         f.length_sigma_percent = 1.23;
        },
-       "an offset of up to 3.4 px (sigma 0.21 px), which would change lengths by 9.1 %: it is corrected"},
+       "an offset that would change lengths by 9.1 % (sigma 1.2 %): it is corrected"},
       {"dark_images", [](RunFindings& f) { f.dark_frames = 30; }, "30 of 100 frames are nearly black"},
       {"unreadable_frames", [](RunFindings& f) { f.frames.unreadable = 2; }, "2 of 102 frames could not be read"},
       {"skipped_frames", [](RunFindings& f) { f.frames.skipped = 5; }, "5 of 105 frames were skipped"},
@@ -144,7 +143,8 @@ TEST(RunWarnings, BarelyGoodRunHasNone) {
   findings.frames = {.tracked = 90, .lost = 9, .skipped = 1};
   findings.dark_frames = 5;
   findings.corner_rows_px = 2.0;
-  findings.disparity_error_px = 0.5;
+  findings.length_error_percent = 5.0;
+  findings.length_sigma_percent = 0.1;
   findings.truth_frames = 60;
   findings.truth_missing = 40;
   EXPECT_THAT(CodesOf(findings), IsEmpty());
@@ -154,6 +154,34 @@ TEST(RunWarnings, BarelyGoodRunHasNone) {
   findings.points_seen = 300;
   findings.points_matched = 0;
   EXPECT_THAT(CodesOf(findings), IsEmpty()) << "a white wall";
+}
+
+TEST(RunWarnings, UncertainLengthsAreNotReported) {
+  RunFindings findings = GoodRun();
+  findings.length_error_percent = 9.0;
+  findings.length_sigma_percent = 4.0;
+  EXPECT_THAT(CodesOf(findings), IsEmpty());
+}
+
+TEST(RunWarnings, SkippedFramesAreReportedOnce) {
+  RunFindings findings = GoodRun();
+  findings.frames = {.tracked = 88, .skipped = 12};
+  ASSERT_THAT(CodesOf(findings), ElementsAre("skipped_frames"));
+  EXPECT_THAT(WarningsOf(findings)[0].sentence, HasSubstr("slower than the data: use --pace lockstep, "));
+  findings.frames = {.tracked = 60, .lost = 20, .skipped = 12, .unreadable = 8};
+  ASSERT_THAT(CodesOf(findings), ElementsAre("little_tracked", "unreadable_frames", "skipped_frames"));
+  EXPECT_THAT(WarningsOf(findings)[0].sentence, HasSubstr("only 60 of 80 frames were tracked (75.0 %; 20 lost)"));
+}
+
+TEST(RunWarnings, LiveCameraGetsPossibleAdvice) {
+  RunCounters counters;
+  counters.Take(1, kLiveSource, 1.0);
+  RunFindings findings = GoodRun();
+  findings.Take(counters);
+  findings.frames = {.tracked = 88, .skipped = 12};
+  ASSERT_THAT(CodesOf(findings), ElementsAre("skipped_frames"));
+  EXPECT_THAT(WarningsOf(findings)[0].sentence,
+              HasSubstr("slower than the sensor: use a lower frame rate, smaller images or a faster machine"));
 }
 
 TEST(RunWarnings, InfiniteErrorIsReported) {

@@ -60,6 +60,19 @@ Odometry Drive(const Error& error_px, bool enabled = true, int n_frames = 60) {
   return odometry;
 }
 
+// Of true disparities in the frames of a drive.
+double MedianDisparity_px(int n_frames) {
+  const FeatureWorld world({400, 60}, 11);
+  std::vector<double> disparities_px;
+  for (int i = 0; i < n_frames; ++i) {
+    for (const StereoPoint& point : world.Observe(DrivenPoseAt(i), 0.0, static_cast<uint64_t>(i)).points) {
+      if (point.HasDepth()) disparities_px.push_back(point.disparity_px);
+    }
+  }
+  std::ranges::nth_element(disparities_px, disparities_px.begin() + disparities_px.size() / 2);
+  return disparities_px[disparities_px.size() / 2];
+}
+
 double Offset(const Odometry& odometry, double u_px) { return odometry.disparity_calibration().Offset_px(u_px); }
 
 double Nothing(double, double) { return 0.0; }
@@ -68,7 +81,7 @@ double Constant(double, double) { return -0.4; }
 TEST(DisparityCalibration, PerfectRigIsLeftAlone) {
   const Odometry odometry = Drive(Nothing);
   for (const double u_px : {0.0, 320.0, 639.0}) EXPECT_EQ(Offset(odometry, u_px), 0.0);
-  EXPECT_FALSE(odometry.disparity_calibration().Largest().has_value());
+  EXPECT_FALSE(odometry.disparity_calibration().length_error().has_value());
 }
 
 TEST(DisparityCalibration, StartsWithALearnedOffset) {
@@ -92,7 +105,7 @@ TEST(DisparityCalibration, ConstantOffsetIsFound) {
   const Odometry odometry = Drive(Constant, true, 120);
   EXPECT_NEAR(odometry.disparity_calibration().check().Estimate_px(320.0), -0.4, 0.1);
   EXPECT_LT(Offset(odometry, 320.0), -0.1);
-  EXPECT_NEAR(odometry.disparity_calibration().Largest().value().offset_px, -0.4, 0.2);
+  EXPECT_NEAR(Offset(odometry, 320.0), -0.4, 0.2);
 }
 
 TEST(DisparityCalibration, SquareOffsetIsFound) {
@@ -130,14 +143,14 @@ TEST(DisparityCalibration, LengthsAreRightDespiteAnOffset) {
   EXPECT_GT(LengthRatio(offset, false), 1.07) << "without the calibration";
 }
 
-TEST(DisparityCalibration, ReportsOffsetSigmaAndLengths) {
+// Too small a disparity makes everything too far, by the share that it lacks.
+TEST(DisparityCalibration, ReportsTheEffectOnLengths) {
   const Odometry odometry = Drive([](double, double) { return -1.0; }, true, 120);
-  const auto largest = odometry.disparity_calibration().Largest();
-  ASSERT_TRUE(largest.has_value());
-  EXPECT_NEAR(largest->offset_px, -1.0, 0.3);
-  EXPECT_GT(largest->sigma_px, 0.0);
-  EXPECT_LT(largest->sigma_px, 0.3);
-  EXPECT_GT(largest->length_share, 0.02);
+  const auto error = odometry.disparity_calibration().length_error();
+  ASSERT_TRUE(error.has_value());
+  EXPECT_NEAR(error->share, 1.0 / MedianDisparity_px(120), 0.3 / MedianDisparity_px(120));
+  EXPECT_GT(error->share, 3.0 * error->sigma);
+  EXPECT_GT(error->sigma, 0.0);
 }
 
 // Features in the left half of the image only.
@@ -150,9 +163,9 @@ TEST(DisparityCalibration, MaskedHalfIsNotReported) {
     std::erase_if(features.lines, [](const StereoLine& line) { return line.left.segment.p.x() > 320.0; });
     odometry.Track(i * kDriveFrame_ns, WithError(std::move(features), Constant));
   }
-  const auto largest = odometry.disparity_calibration().Largest();
-  if (largest) {
-    EXPECT_LT(std::abs(largest->offset_px), 0.8);
+  const auto error = odometry.disparity_calibration().length_error();
+  if (error) {
+    EXPECT_LT(std::abs(error->share), 0.8 / MedianDisparity_px(120));
   }
 }
 

@@ -13,10 +13,10 @@ namespace plslam {
 /// Counters of statuses about the quality of a run's data. From vo: points of the left image, those of them with a
 /// match in the right image, nearly black frames, the vertical disparity in a corner in pixels, the change of lengths
 /// by an offset of the disparities with its sigma, the delay of the right images after the left ones, or of the left
-/// ones after the right ones, the same in frames, and the difference of the two cameras' readout times. From the player, if the dataset has a ground truth: frames with a true pose, and without. From the viewer: frames without
-/// the picture for report, film or overlays. From live cameras: pairs of images, the median time between left and
-/// right, missing frames, images without a partner, pairs that are mostly white or mostly black, and the number of
-/// interruptions.
+/// ones after the right ones, the same in frames, and the difference of the two cameras' readout times. From the player,
+/// if the dataset has a ground truth: frames with a true pose, and without. From the viewer: frames without the picture
+/// for report, film or overlays. From live cameras: pairs of images, the median time between left and right, missing
+/// frames, images without a partner, pairs that are mostly white or mostly black, and the number of interruptions.
 inline constexpr const char* kPointsSeen = "points.seen";
 inline constexpr const char* kPointsMatched = "points.matched";
 inline constexpr const char* kPointsAmbiguous = "points.ambiguous";

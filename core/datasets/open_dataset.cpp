@@ -22,6 +22,7 @@
 #include "core/datasets/tum_dataset.h"
 #include "core/datasets/vslamlab_dataset.h"
 #include "core/errors/error_text.h"
+#include "core/errors/standard_streams.h"
 #include "core/io/files/git_lfs.h"
 
 namespace plslam {
@@ -191,8 +192,9 @@ std::unique_ptr<Dataset> OpenDataset(const std::string& location, const std::str
 
 void PrintNotes(const Dataset& dataset) {
   const Notes notes = dataset.Notes();
-  for (const std::string& warning : notes.warnings) fmt::print(stderr, "warning: {}: {}\n", dataset.name(), warning);
-  for (const std::string& remark : notes.remarks) fmt::print(stderr, "note: {}: {}\n", dataset.name(), remark);
+  for (const std::string& warning : notes.warnings)
+    PrintError(fmt::format("warning: {}: {}", dataset.name(), warning));
+  for (const std::string& remark : notes.remarks) PrintError(fmt::format("note: {}: {}", dataset.name(), remark));
 }
 
 std::unique_ptr<Dataset> OpenDatasetAndWarn(const std::string& location, const std::string& kind) {

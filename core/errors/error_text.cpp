@@ -195,7 +195,9 @@ std::string SentenceOf(const std::exception& error) {
   if (IsOfMemory(error)) return MemoryReason();
   const auto* system = dynamic_cast<const std::system_error*>(&error);
   if (system != nullptr && system->code() == std::errc::resource_unavailable_try_again) return ReasonOf(EAGAIN);
-  return error.what();
+  static constexpr std::string_view kPrinted = "cannot write to file: ";  // the words of fmt::print
+  const std::string what = error.what();
+  return what.starts_with(kPrinted) ? "standard output: cannot be written: " + what.substr(kPrinted.size()) : what;
 }
 
 std::string Joined(const std::string& a, const std::string& b) {

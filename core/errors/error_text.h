@@ -29,7 +29,7 @@ std::string ReasonOf(int error_number);
 std::string ReasonOf(int error_number, const std::string& path);
 
 /// Returns the sentence of an exception: what() of our own types. Exceptions of the standard library are completed:
-/// with the path and the operation (files), or the limit (threads, memory).
+/// with the path and the operation (files, standard output), or the limit (threads, memory).
 std::string SentenceOf(const std::exception& error);
 
 /// Returns whether the exception reports insufficient memory, in the words of the library or of OpenCV.

@@ -5,6 +5,7 @@
 #include <unistd.h>
 #include <cstdio>
 
+#include "core/errors/standard_streams.h"
 #include "core/process/process_arguments.h"
 #include "core/process/process_impl.h"
 #include "core/run/process_names.h"

@@ -10,7 +10,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
-#include <cstdio>
 #include <cstdlib>
 #include <stdexcept>
 
@@ -58,8 +57,6 @@ void SetUpLogging(const std::string& process) {
   spdlog::set_pattern("%H:%M:%S.%e %n %^%l%$: %v");
   spdlog::flush_on(spdlog::level::trace);
 }
-
-void PrintError(const std::string& line) { std::fputs((line + "\n").c_str(), stderr); }
 
 std::string OneLine(std::string text) {
   while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back())) != 0) text.pop_back();

@@ -39,10 +39,6 @@ inline constexpr int kExitCodeOfNamesake = 4;
 /// Log lines go to stderr, one each; stdout is for results.
 void SetUpLogging(const std::string& process);
 
-/// Prints a line on standard error. If that is a file on a full disk, the line is lost without an exception; fmt::print
-/// would throw.
-void PrintError(const std::string& line);
-
 /// Returns the text of an exception on one line.
 std::string OneLine(std::string text);
 

@@ -14,6 +14,7 @@
 
 #include "core/bus/transport/transport.h"
 #include "core/errors/error_text.h"
+#include "core/errors/standard_streams.h"
 #include "core/process/process_arguments.h"
 #include "core/process/process_impl.h"
 #include "core/process/process_signals.h"
@@ -157,13 +158,14 @@ int RunProcess(int argc, char** argv, const ProcessSpec& spec) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);
+    if (error.get_exit_code() == 0) return FlushOutput(spec.name, app.exit(error));
     PrintError(fmt::format("{}: error: {} (--help lists the options)", spec.name, OneLine(error.what())));
     return 1;
   }
   SetUpLogging(spec.name);
   signal(SIGPIPE, SIG_IGN);
   KeepFreedMemory();
+  IgnoreFileSizeSignal();
   const std::string program = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : spec.name;
   return ProcessRunner(spec, arguments, program).Run();
 }

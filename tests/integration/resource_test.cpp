@@ -9,9 +9,11 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/integration/recorded_run.h"
 #include "tests/integration/run_watcher.h"
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"
+#include "tests/support/shell.h"
 
 namespace plslam {
 namespace {
@@ -64,6 +66,7 @@ TEST(Resources, FullDiskUnderTheOutputs) {
   EXPECT_EQ(*code, 1) << log;
   EXPECT_THAT(log, HasSubstr("No space left on device"));
   EXPECT_EQ(Sentences(log, "plslam: error: "), 1) << log;
+  EXPECT_THAT(log, testing::Not(HasSubstr("SIGABRT"))) << "the log of the viewer is on the full disk, too";
   EXPECT_THAT(HalfWritten(found), testing::IsEmpty());
 }
 
@@ -105,26 +108,51 @@ TEST(Resources, FullDiskUnderTheMapIsTheReportedReason) {
   EXPECT_TRUE(fs::is_empty(found));
 }
 
-TEST(Resources, FullDiskUnderTheRecordingSavesTheMap) {
+TEST(Resources, FullDiskUnderTheRecordingEndsNothing) {
   const WholeRun run;
-  const fs::path disk = run.folder() / "disk", found = run.folder() / "found";
+  const fs::path disk = run.folder() / "disk", found = run.folder() / "found.lcm";
   const std::string map = (run.folder() / "room.plmap").string();
   const auto code = OnASmallDisk(
       disk, 400,
-      // Logs and all are on the disk that gets full.
       fmt::format(
-          "{0} run '{1}' --out '{2}/out' --record '{2}/run.lcm' --save-map '{3}'; code=\\$?; cp -r '{2}' '{4}'; "
+          "{0} run '{1}' --out '{2}' --record '{3}/run.lcm' --save-map '{4}'; code=\\$?; cp '{3}/run.lcm' '{5}'; "
           "exit \\$code",
-          Plslam(), kLongWorld, disk.string(), map, found.string()));
+          Plslam(), kWorld, run.out().string(), disk.string(), map, found.string()));
   if (!code) GTEST_SKIP() << "no file system of its own may be mounted here";
   const std::string log = ReadFile(run.folder() / "disk.sh.log");
   EXPECT_EQ(*code, 1) << log;
-  EXPECT_THAT(log, HasSubstr("recorder ended with exit code 1"));
-  EXPECT_THAT(log, HasSubstr("run.lcm: cannot be written: No space left on device"));
-  EXPECT_THAT(log, HasSubstr("is saved as " + map));
+  EXPECT_EQ(Sentences(log, "plslam: warning: "), 1) << log;
+  EXPECT_THAT(log, HasSubstr("run.lcm: cannot be written: No space left on device: the recording ends here"));
+  EXPECT_THAT(log, HasSubstr("plslam: error: recorder ended with exit code 1"));
+  const nlohmann::json summary = run.Summary();
+  EXPECT_EQ(summary["tracked_frames"], 40) << summary.dump(1);
+  EXPECT_THAT(summary["warnings"].dump(), HasSubstr("recording_stopped"));
   EXPECT_TRUE(fs::exists(map)) << log;
-  EXPECT_FALSE(fs::exists(found / "run.lcm.2"));
-  EXPECT_THAT(HalfWritten(found), testing::IsEmpty());
+  EXPECT_GT(test::ReadRecordedRun(found.string()).Count("POSE"), 0) << "the part before";
+}
+
+TEST(Resources, FullDiskUnderStandardOutput) {
+  const test::ScratchFolder folder;
+  for (const char* command : {"plslam config", "plslam --help", "plslam processes", "evaluate --help",
+                              "pose_graph --help", "vo_process --help", "viewer_headless --version"}) {
+    const std::string line = (test::BinaryFolder() / command).string() + " > /dev/full";
+    const test::ShellResult result = test::Shell(folder, line);
+    EXPECT_EQ(result.exit_code, 1) << command;
+    EXPECT_THAT(result.error, HasSubstr("standard output: cannot be written: No space left on device")) << command;
+    EXPECT_EQ(test::Shell(folder, line + " 2> /dev/full").exit_code, 1) << command;
+  }
+}
+
+TEST(Resources, FullDiskUnderStandardError) {
+  const test::ScratchFolder folder;
+  const std::string early = folder.Write("early.tum", "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n");
+  const std::string late = folder.Write("late.tum", "100 0 0 0 0 0 0 1\n101 1 0 0 0 0 0 1\n");
+  const std::string evaluate = (test::BinaryFolder() / "evaluate").string();
+  EXPECT_EQ(test::Shell(folder, fmt::format("{} {} --truth {} 2> /dev/full", evaluate, early, late)).exit_code, 1);
+  const test::ShellResult run =
+      test::Shell(folder, fmt::format("{} run '{}' --out {} 2> /dev/full", Plslam(), kWorld, folder.Path("out")));
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.out, HasSubstr("completed"));
 }
 
 TEST(Resources, FullDiskUnderTheHistoryEndsNothing) {

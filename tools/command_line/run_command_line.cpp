@@ -7,17 +7,19 @@
 #include <exception>
 
 #include "core/errors/error_text.h"
+#include "core/errors/standard_streams.h"
 
 namespace plslam {
 
 int RunCommandLine(CLI::App& app, int argc, char** argv, const std::function<int()>& work) {
+  IgnoreFileSizeSignal();
   try {
     app.parse(argc, argv);
-    return work();
+    return FlushOutput(app.get_name(), work());
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 1;
+    return FlushOutput(app.get_name(), app.exit(e) == 0 ? 0 : 1);
   } catch (const std::exception& e) {
-    fmt::print(stderr, "{}: {}\n", app.get_name(), SentenceOf(e));
+    PrintError(fmt::format("{}: {}", app.get_name(), SentenceOf(e)));
     return 1;
   }
 }

@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "core/errors/standard_streams.h"
 #include "core/io/files/atomic_file.h"
 #include "plslam_version.h"
 #include "tools/command_line/run_command_line.h"
@@ -76,8 +77,8 @@ TrajectoryFile Read(const std::string& path, const std::string& format, const st
   if (format != "auto") named = TrajectoryFormatFromName(format);
   TrajectoryFile file = ReadTrajectoryFile(path, named, bad_rows, times);
   if (file.poses.empty() && file.n_rows > 0) throw std::runtime_error(file.notes.warnings.back());
-  for (const std::string& warning : file.notes.warnings) fmt::print(stderr, "evaluate: warning: {}\n", warning);
-  for (const std::string& remark : file.notes.remarks) fmt::print(stderr, "evaluate: note: {}\n", remark);
+  for (const std::string& warning : file.notes.warnings) PrintError("evaluate: warning: " + warning);
+  for (const std::string& remark : file.notes.remarks) PrintError("evaluate: note: " + remark);
   return file;
 }
 
@@ -132,7 +133,7 @@ int Evaluate(const Arguments& a) {
   if (!a.json.empty()) WriteFileAtomically(a.json, ToJson(accuracy).dump(2) + "\n");
   if (!a.plot.empty()) WriteDrawing(a.plot, AccuracyFigure(fs::path(a.estimate).filename(), accuracy));
   if (!accuracy.pairs.empty()) return 0;
-  fmt::print(stderr, "evaluate: {}\n", accuracy.note);
+  PrintError("evaluate: " + accuracy.note);
   return 1;
 }
 

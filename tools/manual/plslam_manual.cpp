@@ -79,7 +79,7 @@ int main(int argc, char** argv) {
     plslam::manual::WriteAll(argv[1], argv[2], {argv + 3, argv + argc});
     return 0;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "plslam_manual: error: {}\n", error.what());
+    std::fputs(fmt::format("plslam_manual: error: {}\n", error.what()).c_str(), stderr);
     return 1;
   }
 }

@@ -18,6 +18,7 @@
 #include "core/bus/logs/log_writer.h"
 #include "core/bus/run_loop.h"
 #include "core/bus/transport/transport.h"
+#include "core/errors/standard_streams.h"
 #include "core/process/process_arguments.h"
 #include "core/process/process_signals.h"
 #include "core/process/process_status.h"
@@ -132,7 +133,7 @@ int GiveOrder(const OrderRow& row, const std::string& argument, const bus::Proce
   if (order.needs_key()) failure = "this system uses bus.key_file: give the same file (--set bus.key_file=FILE)";
   if (order.answer()) failure = *order.answer();
   const std::string what = argument.empty() ? row.verb : fmt::format("{} {}", row.verb, argument);
-  bus::PrintError(fmt::format("plslam: error: {}: {}", what, failure));
+  PrintError(fmt::format("plslam: error: {}: {}", what, failure));
   return 1;
 }
 
@@ -214,8 +215,8 @@ int Record(const RecordOptions& options) {
     if (running != nullptr) running->Stop();
   };
   if (!options.force && std::filesystem::exists(options.file)) {
-    bus::PrintError(fmt::format("recorder: error: {}: exists already; give another name, or --force to replace it",
-                                options.file));
+    PrintError(fmt::format("recorder: error: {}: exists already; give another name, or --force to replace it",
+                           options.file));
     return 1;
   }
   const bus::SignalWatcher signals(stop, options.common.parent);
@@ -226,24 +227,30 @@ int Record(const RecordOptions& options) {
     running = &recorder;
     if (interrupted) return 0;
   }
+  recorder.OnFailure([&status](const std::string& sentence) {
+    status.Warn("recording_stopped", sentence + ": the recording ends here, and all else continues");
+  });
   status.SetState(process_state::kReady);
-  const auto end = [&](const char* state, const std::string& reason) {
-    {
-      const std::scoped_lock lock(mutex);
-      running = nullptr;
-    }
-    status.SetState(state, reason);
+  const auto forget = [&] {
+    const std::scoped_lock lock(mutex);
+    running = nullptr;
   };
   try {
     recorder.Run();
-  } catch (const std::exception& error) {
-    // The log of this process may be on the same full disk.
-    end("failed", error.what());
+  } catch (...) {
+    forget();
     throw;
   }
-  end("stopping", "");
+  forget();
   fmt::print("{} events in {}\n", recorder.events(), options.file);
-  return 0;
+  if (recorder.failure().empty()) {
+    status.SetState(process_state::kStopping);
+    return 0;
+  }
+  // Published, too, because the log of this process may be on the same full disk.
+  status.SetState(process_state::kFailed, recorder.failure());
+  PrintError(fmt::format("recorder: error: {}", recorder.failure()));
+  return 1;
 }
 
 }  // namespace
@@ -289,7 +296,7 @@ int Top(const TopOptions& options) {
   const bus::SignalWatcher signals([&](const std::string&) { bus.Stop(); });
   bus.Run();
   if (heard || !options.once) return 0;
-  bus::PrintError(
+  PrintError(
       fmt::format("plslam: error: no process was found on {}; give the --url of the running ones (without --url, "
                   "plslam run uses a private bus)",
                   bus::EffectiveUrl(bus_options.url)));

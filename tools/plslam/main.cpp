@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include "core/errors/error_text.h"
+#include "core/errors/standard_streams.h"
 #include "core/process/process_arguments.h"
 #include "tools/calibration/calibration_command.h"
 #include "tools/doctor/doctor_command.h"
@@ -37,14 +38,15 @@ int main(int argc, char** argv) {
   }
   // Log lines are kept apart from the output of a command.
   plslam::bus::SetUpLogging("plslam");
+  plslam::IgnoreFileSizeSignal();
   try {
     app.parse(argc, argv);
-    return command();
+    return plslam::FlushOutput("plslam", command());
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);
-    plslam::bus::PrintError(fmt::format("plslam: error: {} (--help lists the options)", error.what()));
+    if (error.get_exit_code() == 0) return plslam::FlushOutput("plslam", app.exit(error));
+    plslam::PrintError(fmt::format("plslam: error: {} (--help lists the options)", error.what()));
   } catch (const std::exception& error) {
-    plslam::bus::PrintError(fmt::format("plslam: error: {}", plslam::SentenceOf(error)));
+    plslam::PrintError(fmt::format("plslam: error: {}", plslam::SentenceOf(error)));
   }
   return 1;
 }

@@ -93,8 +93,9 @@ int Report(const RunOptions& options, const RunSession& session, OutputFolder* f
     reason = Joined(reason, error.what());
   }
   const nlohmann::json& warnings = json["warnings"];
-  for (const nlohmann::json& warning : warnings) {
-    Print(stderr, fmt::format("plslam: warning: {}\n", warning["sentence"].get<std::string>()));
+  // The last ones are those of the processes, which the session has printed.
+  for (size_t i = 0; i + summary.warnings.size() < warnings.size(); ++i) {
+    Print(stderr, fmt::format("plslam: warning: {}\n", warnings[i]["sentence"].get<std::string>()));
   }
   if (options.json) {
     Print(stdout, JsonText(json) + "\n");

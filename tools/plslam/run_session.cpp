@@ -9,6 +9,7 @@
 
 #include "core/bus/run_loop.h"
 #include "core/errors/error_text.h"
+#include "core/errors/standard_streams.h"
 #include "core/io/files/shared_file.h"
 #include "core/run/process_names.h"
 #include "tools/plslam/process_table.h"
@@ -72,6 +73,7 @@ void RunSession::Run() {
   RemoveStates();
   StartRows(false);
   bus_.Run();
+  PrintNewWarnings();
   RemoveStates();
   progress_line_.Clear();
 }
@@ -121,6 +123,7 @@ void RunSession::StartRows(bool last) {
 void RunSession::Tick() {
   const auto now = Clock::now();
   ReportReadiness(now);
+  PrintNewWarnings();
   supervisor_.Tick(now);
   if (phase_ != Phase::kStopping && !supervisor_.failed().empty()) CheckFailed(now);
   if (!accepted_) CheckAccepted();
@@ -187,7 +190,7 @@ void RunSession::CheckStarted(Clock::time_point now) {
     stall_watch_.Begin(now);
     // The viewer is ready, so the page is served.
     const bool tells = options_.serve > 0 && !options_.quiet;
-    if (tells) fmt::print(stderr, "live: http://127.0.0.1:{}/\n", options_.serve);
+    if (tells) PrintError(fmt::format("live: http://127.0.0.1:{}/", options_.serve));
     StartRows(true);
   } else if (all_ready && now - phase_began_ > kSharedMapLimit) {
     BeginStop(fmt::format(
@@ -276,6 +279,14 @@ void RunSession::ReportRestart(const std::string& name, const std::string& how, 
   const auto row = std::ranges::find(rows, name, &ProcessRow::name);
   progress_line_.PrintSentence(fmt::format("warning: {} {} and is started again ({} of {})", TitleOf(*row), how,
                                            restart, options_.max_restarts));
+}
+
+/// Warnings of the processes, at once: a run of a robot may take days.
+void RunSession::PrintNewWarnings() {
+  const std::vector<RunWarning>& warnings = monitor_.warnings();
+  for (; printed_warnings_ < warnings.size(); ++printed_warnings_) {
+    progress_line_.PrintSentence("warning: " + warnings[printed_warnings_].sentence);
+  }
 }
 
 void RunSession::ReportStop(const std::string& what) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -72,6 +73,7 @@ class RunSession {
   bool HasResult() const { return completed_ || (interrupted_ && !lacks_map_); }
   void ReportRestart(const std::string& name, const std::string& how, int restart);
   void ReportStop(const std::string& what);
+  void PrintNewWarnings();
   void BeginStop(const std::string& reason);
   void EndStop();
   void ShowProgress(Clock::time_point now);
@@ -83,6 +85,7 @@ class RunSession {
   OrderNode save_;
   Supervisor supervisor_;
   ProgressLine progress_line_;
+  size_t printed_warnings_ = 0;
   Phase phase_ = Phase::kStarting;
   Clock::time_point began_ = Clock::now();
   Clock::time_point phase_began_;

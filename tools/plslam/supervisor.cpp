@@ -86,7 +86,7 @@ void Supervisor::ShortenDeadline(Child* child, TimePoint now) const {
   child->signal = SIGKILL;
 }
 
-/// A player would report the same error of its dataset again, and a recorder its full disk.
+/// A player would report the same error of its dataset again, and a viewer its full disk.
 bool Supervisor::MayRestart(const Child& child, const ChildExit& end) const {
   const bool crashed = end.signal != 0 || (child.ending == Ending::kRestart && child.ready);
   const bool has_namesake = end.signal == 0 && end.code == bus::kExitCodeOfNamesake;

@@ -46,8 +46,8 @@ void AddOptions(CLI::App& app, Arguments& a) {
 /// A line that is written over, on a terminal only.
 void ShowProgress(const std::string& what, double share) {
   if (isatty(STDERR_FILENO) == 0) return;
-  fmt::print(stderr, "\r\033[K{} {:3.0f} %", what, 100.0 * share);
-  if (share >= 1.0) fmt::print(stderr, "\r\033[K");
+  std::fputs(fmt::format("\r\033[K{} {:3.0f} %{}", what, 100.0 * share, share < 1.0 ? "" : "\r\033[K").c_str(),
+             stderr);
   std::fflush(stderr);
 }
 

@@ -13,6 +13,7 @@
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
+#include "core/errors/standard_streams.h"
 #include "core/process/process_status.h"
 #include "core/run/process_names.h"
 #include "core/run/run_counters.h"
@@ -57,7 +58,7 @@ ViewerNode::~ViewerNode() {
   }
   const std::string& failure = failure_.empty() ? failure_before_ : failure_;
   if (failure.empty()) return;
-  fmt::print(stderr, "{}: error: {}\n", process_.name(), failure);
+  PrintError(fmt::format("{}: error: {}", process_.name(), failure));
   process_.Finish(1);
 }
 

@@ -73,7 +73,7 @@ LogRecorder::LogRecorder(const BusOptions& options, const std::string& path)
         [this] { return waiting_bytes_ < kMaxWaitingBytes; },
         [this, name = bus_.WireName(channel)](ByteView data) { Record(name, data); });
   }
-  bus_.Every(std::chrono::seconds(1), [this] { writer_.Flush(); });
+  bus_.Every(std::chrono::seconds(1), [this] { Try([this] { writer_.Flush(); }); });
 }
 
 void LogRecorder::Record(std::string_view channel, ByteView data) {
@@ -82,14 +82,26 @@ void LogRecorder::Record(std::string_view channel, ByteView data) {
   bus_.Post([this, name = std::string(channel), bytes = std::vector<uint8_t>(data.begin(), data.end()),
              time = WallClock_us()] {
     waiting_bytes_ -= static_cast<int64_t>(bytes.size());
-    writer_.Write(name, bytes, time);
-    ++events_;
+    Try([&] {
+      writer_.Write(name, bytes, time);
+      ++events_;
+    });
   });
+}
+
+void LogRecorder::Try(const std::function<void()>& write) {
+  if (!failure_.empty()) return;
+  try {
+    write();
+  } catch (const std::runtime_error& error) {
+    failure_ = error.what();
+    if (on_failure_) on_failure_(failure_);
+  }
 }
 
 void LogRecorder::Run() {
   bus_.Run();
-  writer_.Flush();
+  Try([this] { writer_.Flush(); });
 }
 
 void LogRecorder::Stop() { bus_.StopWhenHandled(); }

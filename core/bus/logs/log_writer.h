@@ -3,9 +3,11 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "core/bus/bus.h"
 #include "core/bus/transport/wire.h"
@@ -38,22 +40,33 @@ class LogWriter {
 /// Records everything on the bus into an LCM log (`plslam record`). Unlike lcm-logger it is a full reader of the
 /// ordered channels: missing messages are resent, and publishers wait for it, so that the log has no gaps. MACs are
 /// checked, and not recorded. Messages of channels that are not in the table are recorded unchecked.
+///
+/// After a failed write (a full disk) it records nothing more, and discards messages instead: publishers need not wait.
 class LogRecorder {
  public:
+  /// Throws std::runtime_error if the file cannot be created.
   LogRecorder(const BusOptions& options, const std::string& path);
 
+  /// `on_failure` gets the sentence of the first failed write, on the thread of the bus. Set it before `Run`.
+  void OnFailure(std::function<void(const std::string& sentence)> on_failure) { on_failure_ = std::move(on_failure); }
   /// Records until `Stop` (from any thread), and then the messages that it has acknowledged.
   void Run();
   void Stop();
 
   int64_t events() const { return events_; }
+  /// Sentence of the failed write; empty if all were written.
+  const std::string& failure() const { return failure_; }
   BusCounters counters() const { return bus_.counters(); }
   Bus& bus() { return bus_; }
 
  private:
   void Record(std::string_view channel, ByteView data);
+  /// Calls it unless a write has failed.
+  void Try(const std::function<void()>& write);
 
   LogWriter writer_;
+  std::string failure_;
+  std::function<void(const std::string& sentence)> on_failure_;
   std::atomic<int64_t> waiting_bytes_ = 0;
   std::atomic<int64_t> events_ = 0;
   Bus bus_;  // last: its thread uses the others

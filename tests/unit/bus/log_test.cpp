@@ -178,6 +178,27 @@ TEST_F(RecordedLog, StoppedRecorderWritesAcknowledgedMessages) {
   EXPECT_GT(written_bytes, kStrips * kStripBytes);
 }
 
+TEST_F(RecordedLog, FullDiskEndsOnlyTheRecording) {
+  const BusOptions options = Options();
+  LogRecorder recorder(options, "/dev/full");
+  Waiter failed;
+  recorder.OnFailure([&](const std::string&) { failed.Add(); });
+  std::thread thread([&] { recorder.Run(); });
+  Bus player(options, "player");
+  EXPECT_TRUE(test::WaitForReaders(player, kStereoFrame, 1));
+  image_strip_t strip{};
+  strip.n_bytes = 50'000;
+  strip.data.assign(50'000, 1);
+  for (int i = 0; i < 5; ++i) player.Publish(kStereoFrame, strip);
+  EXPECT_TRUE(failed.Reaches(1));
+  for (int i = 0; i < 5; ++i) player.Publish(kStereoFrame, strip);
+  EXPECT_TRUE(player.Flush(std::chrono::seconds(10))) << "the recorder still takes messages";
+  recorder.Stop();
+  thread.join();
+  EXPECT_EQ(failed.value(), 1);
+  EXPECT_EQ(recorder.failure(), "/dev/full: cannot be written: No space left on device");
+}
+
 TEST(LogDataset, LiveChannelWithPrefixAndSmallMessages) {
   const TemporaryFolder folder;
   const std::string log = folder / "log";

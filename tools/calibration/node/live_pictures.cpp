@@ -19,6 +19,7 @@
 #include "core/bus/messages/frame_channel.h"
 #include "core/bus/run_loop.h"
 #include "core/errors/error_text.h"
+#include "core/errors/standard_streams.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/files/shared_file.h"
 #include "core/io/images/png_codec.h"
@@ -251,7 +252,7 @@ void TakeLivePictures(const Board& board, const LiveRigFile& rig, const LiveOpti
     throw std::runtime_error(!failure.empty() ? failure : WhyNoPicture(board, session, bus::NowS() - begin_s));
   }
   for (const std::string& warning : {failure, failure_of_page}) {
-    if (!warning.empty()) fmt::print(stderr, "plslam: warning: {}\n", warning);
+    if (!warning.empty()) PrintError("plslam: warning: " + warning);
   }
   fmt::print("{} pictures are kept in {}\n", session.pictures(), options.folder);
   std::fflush(stdout);

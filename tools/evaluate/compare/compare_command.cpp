@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "core/errors/standard_streams.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/trajectories/trajectory.h"
 #include "tools/command_line/run_command_line.h"
@@ -92,8 +93,8 @@ std::vector<RunRecord> RunsOf(const std::vector<std::string>& names) {
         fmt::format("no run to compare (no folder with a summary.json): {}", NamesText(named.others)));
   }
   if (!named.others.empty()) {
-    fmt::print(stderr, "skipped {} that {}: {}\n", named.others.size(),
-               named.others.size() == 1 ? "is not a run" : "are not runs", NamesText(named.others));
+    PrintError(fmt::format("skipped {} that {}: {}", named.others.size(),
+                           named.others.size() == 1 ? "is not a run" : "are not runs", NamesText(named.others)));
   }
   return named.runs;
 }

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "core/errors/standard_streams.h"
 #include "tools/evaluate/compare/run_paths.h"
 #include "viewer_headless/report/report_page.h"
 
@@ -77,8 +78,8 @@ std::string JointMapPage(const std::vector<RunRecord>& runs, const std::string& 
         fmt::format("no other run used the dataset of {}: there is no map to draw into its own", base.folder));
   }
   if (others.size() + 1 < runs.size()) {
-    fmt::print(stderr, "the map shows {} of {} runs: those with the dataset of {}, at most {}\n", others.size() + 1,
-               runs.size(), base.folder, kMaxOthers + 1);
+    PrintError(fmt::format("the map shows {} of {} runs: those with the dataset of {}, at most {}", others.size() + 1,
+                           runs.size(), base.folder, kMaxOthers + 1));
   }
   const Json json = {{"name", NameOf(base, runs)}, {"comparison", comparison_link}, {"others", others}};
   try {

@@ -19,10 +19,11 @@ void PlayerCommandLine::AddTo(void* app) {
       ->expected(2);
   cli.add_option("--pace", pace_, "lockstep (default), realtime, or realtimexN (realtimex2: twice as fast)")
       ->type_name("TEXT:{lockstep,realtime}");
-  cli.add_option("--start", start_, "first frame (0)");
-  cli.add_option("--stop", stop_, "frame before which to stop (-1: the end)");
-  cli.add_option("--stride", stride_, "play every n-th frame (1)");
-  cli.add_option("--loop", loop_, "number of times to play the dataset, with continuous times and frame ids (1)");
+  cli.add_option("--start", start_, "first frame")->default_str("0");
+  cli.add_option("--stop", stop_, "frame before which to stop; -1: the end")->default_str("-1");
+  cli.add_option("--stride", stride_, "play every n-th frame")->default_str("1");
+  cli.add_option("--loop", loop_, "number of times to play the dataset, with continuous times and frame ids")
+      ->default_str("1");
   cli.add_flag("--bounce", bounce_, "play forth and back each time, so that the path closes");
   cli.add_flag("--skip-bad", skip_bad_, "skip unreadable frames, and count them");
   cli.add_flag("--resume", resume_, "continue after the frames that have a pose on the bus: after a crash");

@@ -58,6 +58,22 @@ SE3 FinalPoses::operator()(int64_t frame_id, const FrameRecord& frame) const {
              (1.0 - share) * T_before.translation() + share * T_after.translation());
 }
 
+RunParts::RunParts(const Map& map, const Recorder& recorder) : map_(&map) {
+  std::set<int64_t> sessions;
+  for (const auto& [frame_id, frame] : recorder.frames()) sessions.insert(frame.session);
+  const auto parts = PartsOf(map, [&](const MapKeyframe& keyframe) { return sessions.contains(keyframe.session); });
+  if (parts.size() < 2) return;
+  for (size_t part = 0; part < parts.size(); ++part) {
+    for (const int64_t id : parts[part]) part_of_session_.try_emplace(map.FindKeyframe(id)->session, part);
+    parts_.push_back(PartOf(map, parts[part]));
+  }
+}
+
+size_t RunParts::Of(int64_t session) const {
+  const auto found = part_of_session_.find(session);
+  return found == part_of_session_.end() ? 0 : found->second;
+}
+
 Trajectory KeyframeTrajectory(const Map& map, const Recorder& recorder) {
   std::set<int64_t> sessions;
   for (const auto& [frame_id, frame] : recorder.frames()) sessions.insert(frame.session);

@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <map>
 #include <set>
+#include <vector>
 
 #include "core/io/trajectories/trajectory.h"
 #include "core/map/map.h"
+#include "core/map/map_parts.h"
 #include "viewer_headless/recorder.h"
 
 namespace plslam::viewer {
@@ -43,6 +45,23 @@ class FinalPoses {
  private:
   std::map<int64_t, FrameCorrections> corrections_;
   std::set<int64_t> lost_frames_;
+};
+
+/// The unconnected parts of a map (`PartsOf`), and the sessions of a run in them. The map must outlive it.
+class RunParts {
+ public:
+  RunParts(const Map& map, const Recorder& recorder);
+
+  /// Returns the number of parts, at least 1; the main one is 0.
+  size_t size() const { return parts_.empty() ? 1 : parts_.size(); }
+  /// Returns the part of a session: the main one if the session has no keyframes in the map.
+  size_t Of(int64_t session) const;
+  const Map& MapOf(size_t part) const { return parts_.empty() ? *map_ : parts_[part]; }
+
+ private:
+  const Map* map_;
+  std::vector<Map> parts_;  ///< empty if all is connected
+  std::map<int64_t, size_t> part_of_session_;
 };
 
 /// T_w_c of the map's keyframes of recorded sessions, in the order of time.

@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <iterator>
 #include <optional>
+#include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,6 +16,7 @@
 #include "core/io/files/atomic_file.h"
 #include "core/io/maps/map_ply.h"
 #include "viewer_headless/final_trajectory.h"
+#include "viewer_headless/result_files.h"
 
 namespace plslam::viewer {
 
@@ -123,8 +126,17 @@ struct PosedFrame {
   std::optional<PoseCovariance> motion_covariance;
 };
 
-void VisitPosedFrames(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c,
-                      const std::function<void(const PosedFrame&)>& visit) {
+/// A run with its map, one part of which is visited or written.
+struct RunPart {
+  const Recorder& recorder;
+  const Map& map;
+  const Eigen::Quaterniond& q_l_c;
+  const RunParts& parts;
+  size_t part = 0;
+};
+
+void VisitPosedFrames(const RunPart& run, const std::function<void(const PosedFrame&)>& visit) {
+  const auto& [recorder, map, q_l_c, parts, part] = run;
   const SE3 T_c_l(q_l_c.conjugate(), Eigen::Vector3d::Zero());
   const Eigen::Matrix3d R_l_c = q_l_c.toRotationMatrix();
   const FinalPoses final_poses(map, recorder);
@@ -132,7 +144,8 @@ void VisitPosedFrames(const Recorder& recorder, const Map& map, const Eigen::Qua
   std::optional<int64_t> newest_ns;
   std::optional<int64_t> session_before;
   for (const auto& [frame_id, frame] : recorder.frames()) {
-    const bool usable = HasPose(frame) && (!newest_ns || frame.t_ns > *newest_ns);
+    const bool is_of_part = parts.Of(frame.session) == part;
+    const bool usable = is_of_part && HasPose(frame) && (!newest_ns || frame.t_ns > *newest_ns);
     if (usable) {
       PosedFrame posed;
       posed.final = {frame.t_ns, final_poses(frame_id, frame) * T_c_l};
@@ -158,19 +171,22 @@ void VisitTruth(const Recorder& recorder, const std::function<void(const Traject
   }
 }
 
-Trajectory MapKeyframes(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c) {
-  Trajectory keyframes = KeyframeTrajectory(map, recorder);
-  const SE3 T_c_l(q_l_c.conjugate(), Eigen::Vector3d::Zero());
+Trajectory MapKeyframes(const RunPart& run) {
+  Trajectory keyframes = KeyframeTrajectory(run.parts.MapOf(run.part), run.recorder);
+  const SE3 T_c_l(run.q_l_c.conjugate(), Eigen::Vector3d::Zero());
   for (TrajectoryPose& pose : keyframes) pose.T_a_b = pose.T_a_b * T_c_l;
   return keyframes;
 }
 
 }  // namespace
 
-RunTrajectories BuildTrajectories(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c) {
+RunTrajectories BuildTrajectories(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c,
+                                  size_t part) {
   RunTrajectories result;
-  result.keyframes = MapKeyframes(recorder, map, q_l_c);
-  VisitPosedFrames(recorder, map, q_l_c, [&](const PosedFrame& frame) {
+  const RunParts parts(map, recorder);
+  const RunPart run{recorder, map, q_l_c, parts, part};
+  result.keyframes = MapKeyframes(run);
+  VisitPosedFrames(run, [&](const PosedFrame& frame) {
     result.all.push_back(frame.final);
     if (frame.live) result.live.push_back(*frame.live);
     if (frame.keyframe && map.keyframes().empty()) result.keyframes.push_back(frame.final);
@@ -235,20 +251,61 @@ void PrepareOutputFolder(const std::string& folder) {
   std::remove(probe.c_str());
 }
 
+void CheckHasNoResults(const std::string& folder) {
+  for (const char* name : kResultFiles) {
+    if (!std::filesystem::exists(std::filesystem::path(folder) / name)) continue;
+    throw std::runtime_error(fmt::format(
+        "{}: has results of an earlier run ({}): give another --out, or --force to replace them", folder, name));
+  }
+}
+
+void RemoveResults(const std::string& folder) {
+  const std::filesystem::path all(folder);
+  std::error_code ignored;
+  for (const char* name : kResultFiles) std::filesystem::remove(all / name, ignored);
+  for (const auto& entry : std::filesystem::directory_iterator(all / "overlays", ignored)) {
+    if (entry.path().extension() == ".png") std::filesystem::remove(entry.path(), ignored);
+  }
+}
+
 namespace {
 
-void WriteTrajectories(const std::string& folder, const Recorder& recorder, const Map& map,
-                       const Eigen::Quaterniond& q_l_c, Attempts& attempts) {
+std::string FolderOfPart(const std::string& folder, size_t part) {
+  return fmt::format("{}/part{}", folder, part + 1);
+}
+
+/// Removes the parts of an earlier state of the map, or of an earlier run.
+void RemoveParts(const std::string& folder) {
+  for (size_t part = 1; std::filesystem::is_directory(FolderOfPart(folder, part)); ++part) {
+    RemoveResults(FolderOfPart(folder, part));
+    std::error_code is_not_empty;
+    std::filesystem::remove(FolderOfPart(folder, part), is_not_empty);
+  }
+}
+
+/// A part that is not the main one has a frame of its own, and only trajectories and landmarks.
+void WritePart(const std::string& folder, const RunPart& run, Attempts& attempts) {
+  AllFormats all(attempts, folder + "/trajectory");
+  AllFormats keyframes(attempts, folder + "/keyframes");
+  for (const TrajectoryPose& pose : MapKeyframes(run)) keyframes.Add(pose);
+  VisitPosedFrames(run, [&](const PosedFrame& frame) { all.Add(frame.final); });
+  all.PutInPlace();
+  keyframes.PutInPlace();
+  attempts.Try([&] { WriteFileAtomically(folder + "/map.ply", MapPly(run.parts.MapOf(run.part))); });
+}
+
+void WriteMainPart(const std::string& folder, const RunPart& run, Attempts& attempts) {
   AllFormats all(attempts, folder + "/trajectory");
   Attempt<TrajectoryWriter> live(attempts, folder + "/trajectory_live.tum", TrajectoryFormat::kTum);
   AllFormats keyframes(attempts, folder + "/keyframes");
   Attempt<PoseCovarianceWriter> covariances(attempts, folder + "/covariance.txt");
   Attempt<PoseCovarianceWriter> motion_covariances(attempts, folder + "/motion_covariance.txt");
-  for (const TrajectoryPose& pose : MapKeyframes(recorder, map, q_l_c)) keyframes.Add(pose);
-  VisitPosedFrames(recorder, map, q_l_c, [&](const PosedFrame& frame) {
+  for (const TrajectoryPose& pose : MapKeyframes(run)) keyframes.Add(pose);
+  const bool has_map = !run.map.keyframes().empty();
+  VisitPosedFrames(run, [&](const PosedFrame& frame) {
     all.Add(frame.final);
     if (frame.live) live.Add(*frame.live);
-    if (frame.keyframe && map.keyframes().empty()) keyframes.Add(frame.final);
+    if (frame.keyframe && !has_map) keyframes.Add(frame.final);
     covariances.Add(frame.covariance);
     if (frame.motion_covariance) motion_covariances.Add(*frame.motion_covariance);
   });
@@ -257,6 +314,7 @@ void WriteTrajectories(const std::string& folder, const Recorder& recorder, cons
   keyframes.PutInPlace();
   covariances.PutInPlace();
   motion_covariances.PutInPlace();
+  if (has_map) attempts.Try([&] { WriteFileAtomically(folder + "/map.ply", MapPly(run.parts.MapOf(0))); });
 }
 
 void WriteText(const std::string& path, const std::function<void(const AppendText&)>& write) {
@@ -270,7 +328,8 @@ void WriteText(const std::string& path, const std::function<void(const AppendTex
 std::vector<std::string> WriteOutputs(const std::string& folder, const Recorder& recorder, const Map& map,
                                       const Eigen::Quaterniond& q_l_c) {
   Attempts attempts;
-  WriteTrajectories(folder, recorder, map, q_l_c, attempts);
+  const RunParts parts(map, recorder);
+  WriteMainPart(folder, {recorder, map, q_l_c, parts, 0}, attempts);
   if (!recorder.truth().empty()) {
     Attempt<TrajectoryWriter> truth(attempts, folder + "/groundtruth.tum", TrajectoryFormat::kTum);
     VisitTruth(recorder, [&](const TrajectoryPose& pose) { truth.Add(pose); });
@@ -279,7 +338,11 @@ std::vector<std::string> WriteOutputs(const std::string& folder, const Recorder&
   attempts.Try([&] { WriteText(folder + "/poses.csv", [&](const AppendText& to) { WritePosesCsv(recorder, to); }); });
   attempts.Try(
       [&] { WriteText(folder + "/bodies.csv", [&](const AppendText& to) { WriteBodiesCsv(recorder, map, to); }); });
-  if (!map.keyframes().empty()) attempts.Try([&] { WriteFileAtomically(folder + "/map.ply", MapPly(map)); });
+  RemoveParts(folder);
+  for (size_t part = 1; part < parts.size(); ++part) {
+    const std::string of_part = FolderOfPart(folder, part);
+    if (attempts.Try([&] { MakeFolder(of_part); })) WritePart(of_part, {recorder, map, q_l_c, parts, part}, attempts);
+  }
   return attempts.TakeFailures();
 }
 

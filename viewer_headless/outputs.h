@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -44,7 +45,9 @@ struct RunTrajectories {
 };
 
 /// `q_l_c` rotates directions of the rectified left camera c into l. A `map` without keyframes counts as no map.
-RunTrajectories BuildTrajectories(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c);
+/// Only of one part, if the map has unconnected ones (`RunParts`): the main one is 0.
+RunTrajectories BuildTrajectories(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c,
+                                  size_t part = 0);
 
 /// Takes the next part of a text.
 using AppendText = std::function<void(std::string_view)>;
@@ -57,6 +60,11 @@ void WriteBodiesCsv(const Recorder& recorder, const Map& map, const AppendText& 
 
 /// Makes the folder and proves that files can be written there. Throws std::runtime_error.
 void PrepareOutputFolder(const std::string& folder);
+
+/// Throws std::runtime_error with one sentence if the folder has results of a run (`kResultFiles`).
+void CheckHasNoResults(const std::string& folder);
+/// Removes the results of a run from its folder, with its pictures of features.
+void RemoveResults(const std::string& folder);
 
 /// Writes all files of docs/viewer.md but the pictures, each whole or not at all, frame by frame: memory does not grow
 /// with the length of the run. Tries each, and returns a sentence for each that could not be written.

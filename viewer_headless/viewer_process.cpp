@@ -17,6 +17,7 @@ bus::ProcessSpec ViewerProcess() {
     std::optional<int64_t> overlay_every;
     std::optional<int64_t> serve;
     std::optional<std::string> video;
+    bool force = false;
     bool no_report = false;
     bool quiet = false;
   };
@@ -29,9 +30,13 @@ bus::ProcessSpec ViewerProcess() {
       "  viewer_headless --out out/by_hand\n"
       "  viewer_headless --out out/by_hand --overlay-every 10 --serve 8080";
   spec.add_options = [arguments](CLI::App* app) {
-    app->add_option("--out", arguments->out, "folder of the outputs")->type_name("DIR");
+    app->add_option("--out", arguments->out, "folder of the outputs")
+        ->type_name("DIR")
+        ->default_str(ViewerOptions{}.out);
+    app->add_flag("--force", arguments->force, "replace the results of an earlier run in the folder");
     app->add_option("--overlay-every", arguments->overlay_every, "a picture of the features every N frames; 0: none")
-        ->check(CLI::NonNegativeNumber);
+        ->check(CLI::NonNegativeNumber)
+        ->default_str("0");
     app->add_flag("--no-report", arguments->no_report, "no report.html");
     app->add_option("--serve", arguments->serve, "show the run live at http://127.0.0.1:PORT/ (this machine only)")
         ->check(CLI::Range(1, 65535))
@@ -50,7 +55,9 @@ bus::ProcessSpec ViewerProcess() {
     options.report = options.report && !arguments->no_report;
     options.quiet = options.quiet || arguments->quiet;
     process.SetConfiguration(ToYaml("viewer", options));
-    return std::make_shared<ViewerNode>(process, options);
+    using Earlier = ViewerNode::Earlier;
+    const Earlier by_hand = arguments->force ? Earlier::kReplace : Earlier::kRefuse;
+    return std::make_shared<ViewerNode>(process, options, process.has_launcher() ? Earlier::kKeep : by_hand);
   };
   spec.waits_for = "poses of vo_process";
   spec.results = {{"frames", "frames"}, {"keyframes", "keyframes"}};

@@ -153,7 +153,7 @@ CameraCalibration ReadCamera(const YamlMap& yaml, const ImageSize& image_size) {
 }
 
 /// Masks belong to one camera each; a right camera without lens keys has the lens of the left one.
-CameraCalibration ReadRightLens(const YamlMap& yaml, const CameraCalibration& left, const ImageSize& image_size) {
+CameraCalibration ReadRightLens(const YamlMap& yaml, const CameraCalibration& left) {
   constexpr std::array kLensKeys = {"model", "resolution_px", "focal_length_px", "principal_point_px", "distortion"};
   CameraCalibration camera = left;
   camera.mask.clear();
@@ -161,7 +161,7 @@ CameraCalibration ReadRightLens(const YamlMap& yaml, const CameraCalibration& le
   const YamlMap right = yaml.Map("right");
   const bool has_lens =
       std::any_of(kLensKeys.begin(), kLensKeys.end(), [&](const char* key) { return right.Has(key); });
-  if (has_lens) return ReadCamera(right, image_size);
+  if (has_lens) return ReadCamera(right, {left.width_px, left.height_px});
   right.AllowOnly({"T_b_cam", "mask", "mask_polygons", "borders_px"});
   if (right.Has("T_b_cam")) camera.T_b_cam = right.Transform("T_b_cam");
   ReadMask(right, &camera);
@@ -169,9 +169,9 @@ CameraCalibration ReadRightLens(const YamlMap& yaml, const CameraCalibration& le
 }
 
 // A rectified pair is described by one camera and the baseline; any other by two cameras with their poses.
-void ReadRightCamera(const YamlMap& yaml, const ImageSize& image_size, RigCalibration* rig) {
+void ReadRightCamera(const YamlMap& yaml, RigCalibration* rig) {
   const bool by_baseline = yaml.Has("baseline_m");
-  rig->right = ReadRightLens(yaml, rig->left, image_size);
+  rig->right = ReadRightLens(yaml, rig->left);
   if (by_baseline && yaml.Has("right") && yaml.Map("right").Has("T_b_cam")) {
     yaml.Fail("baseline_m", "contradicts T_b_cam of the right camera: give one of the two");
   }
@@ -294,14 +294,16 @@ RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_si
   const std::string kind = yaml.Has("kind") ? yaml.Text("kind") : "stereo";
   if (kind != "stereo" && kind != "rgbd") yaml.Fail("kind", fmt::format("'{}' is not one of stereo, rgbd", kind));
   RigCalibration rig;
-  rig.left = ReadCamera(yaml.Map("left"), image_size);
+  // A size that only one camera states is that of both.
+  const ImageSize size = yaml.Has("right") ? ReadResolution(yaml.Map("right"), image_size) : image_size;
+  rig.left = ReadCamera(yaml.Map("left"), size);
   if (kind == "rgbd") {
     if (yaml.Has("right")) yaml.Fail("right", "is not allowed in a rig of kind rgbd");
     if (!yaml.Has("depth_units_per_m")) yaml.Fail("depth_units_per_m", "is missing");
     rig = MakeRgbdRig(rig.left, PositiveNumber(yaml, "baseline_m", kVirtualBaseline_m, 100.0),
                       PositiveNumber(yaml, "depth_units_per_m", 0.0, 1e6));
   } else {
-    ReadRightCamera(yaml, image_size, &rig);
+    ReadRightCamera(yaml, &rig);
     WarnOfLongBaseline(path, rig, kLengthsAreMetres, notes);
   }
   rig.name = yaml.Has("name") ? yaml.Text("name") : "images";

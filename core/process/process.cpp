@@ -19,6 +19,8 @@ Process::Process(const std::string& name, const BusOptions& options)
 
 Process::~Process() = default;
 
+bool Process::has_launcher() const { return impl_->has_launcher; }
+
 void Process::SetState(const std::string& state, const std::string& reason) {
   impl_->status.SetState(state, reason);
   impl_->terminal.ReportState(state, reason);

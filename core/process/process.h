@@ -27,6 +27,8 @@ class Process {
 
   Bus& bus() { return *bus_; }
   const std::string& name() const { return name_; }
+  /// Whether a launcher started it (`--parent`), rather than a user or a service.
+  bool has_launcher() const;
 
   /// Sets the state ("ready", "running", "finished"...), which is published at once and at 1 Hz with counters, CPU time
   /// and memory, and printed on the terminal of a process that was started by hand. RunProcess sets "ready" after

@@ -22,7 +22,7 @@ void ProcessArguments::AddTo(CLI::App* app) {
   app->add_option("--set", overrides, "one option, overrides the file: vo.features.orb.max_points=800 (repeatable)")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
-  app->add_option("--url", url, "LCM URL, for example udpm://239.255.76.67:7667?ttl=0");
+  app->add_option("--url", url, "LCM URL, for example udpm://239.255.76.67:7667?ttl=0 [LCM_DEFAULT_URL, or this]");
   app->add_option("--prefix", prefix, "prefix of each channel name");
   app->add_option("--map-prefix", map_prefix, "prefix of the map that is shared with other robots");
   app->add_option("--parent", parent, "exit when the process with this id, which started this one, exits")

@@ -39,6 +39,7 @@ struct Process::Impl {
   StatusPublisher status;
   ProcessTerminal terminal;
   std::atomic<int> exit_code{0};
+  bool has_launcher = false;
   /// Exit code if another process of this name has run for longer.
   int exit_code_of_namesake = 1;
   bool has_yielded = false;

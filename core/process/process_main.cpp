@@ -41,8 +41,9 @@ class ProcessRunner {
       // Constructed before the bus, whose threads must inherit the blocked signals.
       const SignalWatcher signals([this](const std::string& signal) { OnSignal(signal); }, arguments_.parent);
       process.emplace(spec_.name, bus_options);
-      if (arguments_.parent == 0) process->impl_->terminal.Begin(program_);
-      if (arguments_.parent != 0) process->impl_->exit_code_of_namesake = kExitCodeOfNamesake;
+      process->impl_->has_launcher = arguments_.parent != 0;
+      if (!process->has_launcher()) process->impl_->terminal.Begin(program_);
+      if (process->has_launcher()) process->impl_->exit_code_of_namesake = kExitCodeOfNamesake;
       return RunNode(config, *process);
     } catch (const std::exception& error) {
       return Fail(
@@ -164,8 +165,8 @@ int RunProcess(int argc, char** argv, const ProcessSpec& spec) {
   }
   SetUpLogging(spec.name);
   signal(SIGPIPE, SIG_IGN);
-  KeepFreedMemory();
   IgnoreFileSizeSignal();
+  KeepFreedMemory();
   const std::string program = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : spec.name;
   return ProcessRunner(spec, arguments, program).Run();
 }

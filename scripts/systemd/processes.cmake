@@ -35,7 +35,7 @@ function(plslam_process_units folder)
   plslam_process_unit(${folder} vo vo_process "tracking (stereo odometry with points and lines)"
                       MORE "--set vo.state_file=%S/plslam/%i/vo/state")
   plslam_process_unit(${folder} viewer viewer_headless "viewer (trajectories, map and pictures as files)"
-                      MORE "--set viewer.quiet=true --set viewer.out=%S/plslam/%i/viewer/out"
+                      MORE "--force --set viewer.quiet=true --set viewer.out=%S/plslam/%i/viewer/out"
                       NICE 10)
   plslam_process_unit(${folder} adapter adapter "adapter (robots that use LCM: images in, poses and the map out)")
   # A dataset that has ended is not played again.

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/io/maps/map_file.h"
+#include "core/io/trajectories/trajectory.h"
 #include "tests/integration/run_watcher.h"
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"
@@ -143,6 +144,10 @@ TEST(MapOfAnotherPlace, IsReportedAndKeptApart) {
   const std::string other = "synthetic:street?size=376x240&rate=10&frames=40";
   EXPECT_EQ(run.Run({"run", other, "--map", map, "--strict"}), 2) << run.Logs();
   EXPECT_THAT(run.Summary()["warnings"].dump(), HasSubstr("not_in_map"));
+  EXPECT_EQ(ReadTrajectory((run.out() / "trajectory.tum").string()).size(),
+            run.Summary()["tracked_frames"].get<size_t>());
+  EXPECT_FALSE(run.Read("part2/map.ply").empty()) << "the room";
+  EXPECT_FALSE(std::filesystem::exists(run.out() / "part2/trajectory.tum"));
   EXPECT_EQ(run.Run({"run", other, "--map", map, "--localise-only"}), 1) << "no frame has a place";
   EXPECT_THAT(run.Summary()["reason"].dump(), HasSubstr("was not recognised in"));
 }

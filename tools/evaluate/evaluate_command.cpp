@@ -52,20 +52,24 @@ void AddOptions(CLI::App& app, Arguments& a) {
       ->check(formats);
   app.add_option("--times", a.times, "times of trajectories in KITTI format, one value in seconds per line");
   app.add_option("--align", a.align, "alignment: none, first, se3 or sim3")
-      ->check(CLI::IsMember({"none", "first", "se3", "sim3"}));
-  app.add_option("--max-difference", a.max_difference_s, "largest time difference of two poses [s]")
-      ->check(CLI::Range(0.0, 1e6));
+      ->check(CLI::IsMember({"none", "first", "se3", "sim3"}))
+      ->capture_default_str();
+  app.add_option("--max-difference", a.max_difference_s, "largest time difference of two poses, in seconds")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
   app.add_flag("--interpolate", a.interpolate, "interpolate the truth instead of taking the nearest pose");
-  app.add_option("--max-gap", a.max_gap_s, "largest gap of the truth to interpolate across [s]")
-      ->check(CLI::Range(0.0, 1e6));
-  app.add_option("--delta", a.deltas, "intervals of the relative error: 5f, 1s, 2.5m ...");
-  app.add_option("--frames", a.frames, "frames of the sequence, for the coverage (default: true poses)")
+  app.add_option("--max-gap", a.max_gap_s, "largest gap of the truth to interpolate across, in seconds")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  app.add_option("--delta", a.deltas, "intervals of the relative error: 5f, 1s, 2.5m ...")->default_str("1f 1s 1m");
+  app.add_option("--frames", a.frames, "frames of the sequence, for the coverage [the number of true poses]")
       ->check(CLI::Range(int64_t{0}, int64_t{1} << 40));
   app.add_option("--keyframes", a.keyframes, "trajectory of the keyframes only: errors between keyframes");
   app.add_option("--covariance", a.covariance, "covariances of the poses (covariance.txt of the viewer): NEES");
   app.add_option("--motion-covariance", a.motion_covariance, "covariances of the motions: NEES");
-  app.add_option("--clock", a.clock_s, "search for an offset of the clocks up to this [s]")
-      ->check(CLI::Range(0.0, 10.0));
+  app.add_option("--clock", a.clock_s, "search for an offset of the clocks up to this, in seconds")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
   app.add_option("--json", a.json, "write all numbers to this file");
   app.add_option("--plot", a.plot, "draw the paths and errors into this file: .svg, .pdf or .png");
   app.set_version_flag("--version", PLSLAM_VERSION);

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -18,6 +19,7 @@
 #include "core/io/images/png_codec.h"
 #include "core/io/maps/map_camera.h"
 #include "core/io/maps/map_ply.h"
+#include "core/map/map_parts.h"
 #include "tools/export/colmap.h"
 #include "tools/export/map_obj.h"
 #include "tools/export/mcap/export_mcap.h"
@@ -224,6 +226,36 @@ void CheckContent(const ExportRequest& request, const OngoingExport& e) {
   }
 }
 
+void WriteFormats(const ExportRequest& request, OngoingExport& e) {
+  for (const auto& [format, write] : Writers()) {
+    if (request.formats.empty() ? Has(e, format) : IsNamed(request.formats, format.name)) write(e);
+  }
+}
+
+/// The main part of the map is that of the frames. Each other part has a frame and a folder of its own.
+void WriteParts(const ExportRequest& request, OngoingExport& e) {
+  if (!e.source.map) return WriteFormats(request, e);
+  std::set<int64_t> times_ns;
+  for (const TrajectoryPose& pose : e.source.frames) times_ns.insert(pose.t_ns);
+  const auto parts = PartsOf(e.map(), [&](const MapKeyframe& keyframe) { return times_ns.contains(keyframe.t_ns); });
+  if (parts.size() < 2) return WriteFormats(request, e);
+  const Map whole = e.map();
+  for (size_t i = 0; i < parts.size(); ++i) {
+    e.source.map->map = PartOf(whole, parts[i]);
+    e.model.reset();
+    if (i > 0) {
+      e.source.frames.clear();
+      e.source.folder.clear();
+      e.out = fmt::format("{}/part{}", request.out, i + 1);
+      MakeFolder(e.out);
+      e.files.push_back({e.out, fmt::format("{} keyframes that are not connected with those before, in a frame of "
+                                            "their own",
+                                            parts[i].size())});
+    }
+    WriteFormats(request, e);
+  }
+}
+
 }  // namespace
 
 const std::vector<ExportFormat>& ExportFormats() {
@@ -254,9 +286,7 @@ std::vector<ExportedFile> ExportRun(const ExportRequest& request) {
   MakeFolder(request.out);
   try {
     if (run) WriteLog(*run, e);
-    for (const auto& [format, write] : Writers()) {
-      if (request.formats.empty() ? Has(e, format) : IsNamed(request.formats, format.name)) write(e);
-    }
+    WriteParts(request, e);
   } catch (...) {
     std::error_code ignored;
     if (run) std::filesystem::remove_all(e.Path("run"), ignored);

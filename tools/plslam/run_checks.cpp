@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <initializer_list>
@@ -23,16 +22,12 @@
 #include "core/run/process_names.h"
 #include "player/options.h"
 #include "tools/plslam/process_table.h"
+#include "viewer_headless/result_files.h"
 
 namespace plslam::launcher {
 namespace {
 
 using std::filesystem::path;
-
-constexpr std::array<const char*, 15> kOutputs{
-    "summary.json",        "report.html",           "trajectory.tum",  "trajectory.kitti", "trajectory.euroc",
-    "trajectory_live.tum", "keyframes.tum",         "keyframes.kitti", "keyframes.euroc",  "groundtruth.tum",
-    "covariance.txt",      "motion_covariance.txt", "poses.csv",       "bodies.csv",       "map.ply"};
 
 void CheckWritable(const char* option, const path& file) {
   if (std::filesystem::is_directory(file)) {
@@ -153,7 +148,7 @@ std::filesystem::file_time_type FileTimeNow(const RunOptions& options) {
 }
 
 void RemoveOldOutputs(const RunOptions& options, std::filesystem::file_time_type began) {
-  for (const char* name : kOutputs) RemoveIfOld(options.out / name, began);
+  for (const char* name : viewer::kResultFiles) RemoveIfOld(options.out / name, began);
   RemoveOldFiles(options.out / "overlays", ".png", began);
   RemoveOldFiles(options.out / "logs", ".log", began);
   if (options.record.empty()) return;

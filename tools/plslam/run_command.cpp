@@ -146,8 +146,9 @@ void AddOptions(CLI::App* sub, RunOptions* o) {
                   "lockstep (every frame, as fast as possible; default for datasets), realtime (default for "
                   "cameras), realtimexN")
       ->type_name("TEXT:{lockstep,realtime}");
-  sub->add_option("--features", o->features, "points, lines or both (default)")
-      ->check(CLI::IsMember({"points", "lines", "both"}));
+  sub->add_option("--features", o->features, "points, lines or both")
+      ->check(CLI::IsMember({"points", "lines", "both"}))
+      ->default_str("both");
   sub->add_flag("--no-mapping", o->no_mapping, "odometry only: no map is built or tracked against");
   sub->add_flag("--no-loops", o->no_loops, "no loop closing and no relocalisation");
   sub->add_option("--map", o->map, "a saved map to continue")
@@ -165,14 +166,15 @@ void AddOptions(CLI::App* sub, RunOptions* o) {
                   "one option, overrides the file: vo.features.orb.max_points=800 (repeatable)")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
-  sub->add_option("--start", o->start, "first frame")->check(CLI::NonNegativeNumber);
-  sub->add_option("--stop", o->stop, "frame before which to stop")->check(CLI::NonNegativeNumber);
-  sub->add_option("--stride", o->stride, "play every n-th frame")->check(CLI::PositiveNumber);
-  sub->add_option("--loop", o->loop, "number of times to play it")->check(CLI::PositiveNumber);
+  sub->add_option("--start", o->start, "first frame")->check(CLI::NonNegativeNumber)->default_str("0");
+  sub->add_option("--stop", o->stop, "frame before which to stop [the end]")->check(CLI::NonNegativeNumber);
+  sub->add_option("--stride", o->stride, "play every n-th frame")->check(CLI::PositiveNumber)->default_str("1");
+  sub->add_option("--loop", o->loop, "number of times to play it")->check(CLI::PositiveNumber)->default_str("1");
   sub->add_flag("--bounce", o->bounce, "play it forth and back each time");
   sub->add_flag("--skip-bad", o->skip_bad, "skip unreadable frames, and count them");
   sub->add_option("--overlay-every", o->overlay_every, "a picture of the tracked features every N frames; 0: none")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::NonNegativeNumber)
+      ->default_str("0");
   sub->add_option("--serve", o->serve, "show the run live at http://127.0.0.1:PORT/ (this machine only)")
       ->check(CLI::Range(1, 65535))
       ->type_name("PORT");
@@ -186,7 +188,8 @@ void AddOptions(CLI::App* sub, RunOptions* o) {
       ->excludes("--map")
       ->excludes("--save-map");
   sub->add_option("--max-restarts", o->max_restarts, "how often a crashed process is restarted")
-      ->check(CLI::NonNegativeNumber);
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   sub->add_flag("--quiet", o->quiet, "no progress and no summary on the terminal, only warnings and errors");
   sub->add_flag("--verbose", o->verbose,
                 "also the contents of the map, all errors, and tables of times and processes");

@@ -39,13 +39,14 @@ void Declare(CLI::App& app, Arguments& a) {
       ->check(CLI::IsMember({"given", "best"}))
       ->capture_default_str();
   app.add_option("--perturb", a.solve.perturb, "noise added to the initial poses, m and rad")
-      ->check(CLI::Range(0.0, 1e6));
-  app.add_option("--seed", a.solve.seed, "of the noise")->capture_default_str();
-  app.add_option("--max-iterations", a.solve.graph.max_iterations)
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  app.add_option("--seed", a.solve.seed, "seed of the noise")->capture_default_str();
+  app.add_option("--max-iterations", a.solve.graph.max_iterations, "most steps of the solver")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   auto* reject = app.add_option("--reject", a.solve.graph.rejection_chi2,
-                                "remove edges, except odometry, that contradict the rest by this chi-square");
+                                "remove edges, except odometry, that contradict the rest by this chi-square [none]");
   reject->check(CLI::Range(1.0, 1e12));
   app.add_option("--out", a.out, "write the solved graph (g2o)");
   app.add_option("--tum", a.tum,

@@ -33,13 +33,19 @@ void AddOptions(CLI::App& app, Arguments& a) {
       ->check(CLI::IsMember({"points", "lines"}));
   app.add_option("--out", a.out, "file to write")->required();
   app.add_option("sources", a.sources, "folders of images, datasets, built-in worlds (synthetic:room)")->required();
-  app.add_option("--stride", a.stride, "use every n-th image of each source")->check(CLI::Range(1, 1000000));
+  app.add_option("--stride", a.stride, "use every n-th image of each source")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
   app.add_option("--branching", a.training.branching, "number of children of a node")
-      ->check(CLI::Range(2, VocabularyLimits::kMaxBranching));
-  app.add_option("--depth", a.training.depth, "levels")->check(CLI::Range(1, VocabularyLimits::kMaxDepth));
+      ->check(CLI::Range(2, VocabularyLimits::kMaxBranching))
+      ->capture_default_str();
+  app.add_option("--depth", a.training.depth, "levels")
+      ->check(CLI::Range(1, VocabularyLimits::kMaxDepth))
+      ->capture_default_str();
   app.add_option("--min-descriptors", a.training.min_descriptors, "a node with fewer descriptors is not divided")
-      ->check(CLI::Range(2, 1000000));
-  app.add_option("--seed", a.training.seed, "seed of the random numbers");
+      ->check(CLI::Range(2, 1000000))
+      ->capture_default_str();
+  app.add_option("--seed", a.training.seed, "seed of the random numbers")->capture_default_str();
   app.set_version_flag("--version", PLSLAM_VERSION);
 }
 

@@ -38,11 +38,15 @@ constexpr size_t kRateTicks = 12;
 
 }  // namespace
 
-ViewerNode::ViewerNode(bus::Process& process, const ViewerOptions& options)
-    : process_(process), options_(options), on_terminal_(!options.quiet && isatty(STDOUT_FILENO) != 0) {
+ViewerNode::ViewerNode(bus::Process& process, const ViewerOptions& options, Earlier earlier)
+    : process_(process),
+      options_(options),
+      earlier_(earlier),
+      on_terminal_(!options.quiet && isatty(STDOUT_FILENO) != 0) {
   PrepareOutputFolder(options_.out);
   lock_.emplace(options_.out);
   recorder_ = Recorder(options_.out);
+  if (earlier_ == Earlier::kRefuse) CheckHasNoResults(options_.out);
   if (options_.overlay_every > 0) PrepareOutputFolder(options_.out + "/overlays");
   Subscribe();
 }
@@ -130,8 +134,15 @@ void ViewerNode::OnStream(const stream_t& message) {
   }
 }
 
+/// With the first frame, because results of an earlier run are kept until there are others.
+void ViewerNode::BeginRun() {
+  process_.SetState(process_state::kRunning);
+  if (earlier_ == Earlier::kReplace) RemoveResults(options_.out);
+}
+
 void ViewerNode::StartNewRun() {
-  spdlog::info("a new stream begins: the files in {} will describe it", options_.out);
+  spdlog::info("a new stream begins: it replaces the results in {}", options_.out);
+  if (earlier_ == Earlier::kRefuse) earlier_ = Earlier::kReplace;
   if (!failure_.empty()) failure_before_ = std::exchange(failure_, "");
   recorder_ = Recorder(options_.out);
   written_ = dirty_ = vo_finished_ = false;
@@ -144,7 +155,7 @@ void ViewerNode::OnPose(const pose_t& message) {
   const std::optional<FramePose> pose = ToFramePose(message);
   const size_t frames = recorder_.frames().size();
   if (!pose || !recorder_.AddPose(*pose)) return Reject();
-  if (recorder_.frames().size() == 1) process_.SetState(process_state::kRunning);
+  if (recorder_.frames().size() == 1) BeginRun();
   dirty_ = true;
   quiet_ticks_ = 0;
   if (recorder_.frames().size() > frames) pictures_->AddPose(*pose);

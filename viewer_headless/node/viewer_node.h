@@ -33,8 +33,13 @@ namespace plslam::viewer {
 /// depends on it: it only reads ordered channels from their histories.
 class ViewerNode {
  public:
-  /// Throws std::runtime_error if the output folder cannot be written, or another process has it (FolderLock).
-  ViewerNode(bus::Process& process, const ViewerOptions& options);
+  /// Treatment of results of an earlier run in the output folder: the viewer does not start; removes them when its own
+  /// run begins; or leaves that to the launcher.
+  enum class Earlier { kRefuse, kReplace, kKeep };
+
+  /// Throws std::runtime_error if the output folder cannot be written, another process has it (FolderLock), or it has
+  /// results (`kRefuse`).
+  ViewerNode(bus::Process& process, const ViewerOptions& options, Earlier earlier = Earlier::kKeep);
   /// Writes the results that are not yet written. Reports undelivered outputs once more at the end.
   ~ViewerNode();
   ViewerNode(const ViewerNode&) = delete;
@@ -50,6 +55,7 @@ class ViewerNode {
   void OnMap(const MapUpdate& update);
   void OnTick();
 
+  void BeginRun();
   void StartNewRun();
   Eigen::Quaterniond q_l_c() const;
   bool HasPlayed() const;
@@ -66,6 +72,7 @@ class ViewerNode {
 
   bus::Process& process_;
   ViewerOptions options_;
+  Earlier earlier_;
   std::optional<FolderLock> lock_;
   Recorder recorder_;
   std::unique_ptr<bus::MapSubscriber> map_;

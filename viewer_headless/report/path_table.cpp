@@ -31,13 +31,22 @@ struct PathFrame {
 void VisitPath(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c,
                const std::function<void(const PathFrame&)>& visit) {
   const FinalPoses final_poses(map, recorder);
+  const RunParts parts(map, recorder);
   const SE3 T_c_l(q_l_c.conjugate(), Eigen::Vector3d::Zero());
+  SE3 before;
   for (const auto& [frame_id, frame] : recorder.frames()) {
     PathFrame row;
     row.T_w_c = final_poses(frame_id, frame);
     row.T_w_l = row.T_w_c * T_c_l;
     row.T_w_l_live = frame.T_w_odom * frame.T_odom_c * T_c_l;
     row.has_pose = HasPose(frame);
+    if (parts.Of(frame.session) != 0) {
+      // It has a frame of its own: the path stays where it was.
+      row.has_pose = false;
+      row.T_w_c = before;
+      row.T_w_l = row.T_w_c * T_c_l;
+    }
+    before = row.T_w_c;
     if (const auto truth = recorder.truth().Find(frame_id)) row.truth = truth->T_w_l;
     visit(row);
   }

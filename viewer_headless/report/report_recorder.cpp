@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "plslam_version.h"
+#include "viewer_headless/final_trajectory.h"
 #include "viewer_headless/report/map_tables.h"
 
 namespace plslam::viewer {
@@ -119,7 +120,13 @@ ReportData ReportRecorder::Build(const Recorder& recorder, const Map& map, const
   data.facts.length_m = path.length_m;
   data.facts.warnings = Warnings(data.facts, path);
   data.path = std::move(path.table);
-  data.map = MapTables(map, {}, &data.notes);
+  const RunParts parts(map, recorder);
+  if (parts.size() > 1) {
+    data.notes.push_back(fmt::format(
+        "{} unconnected parts of the map are not shown: their place is unknown. Their files are in part2 ...",
+        parts.size() - 1));
+  }
+  data.map = MapTables(parts.MapOf(0), {}, &data.notes);
   data.map_stage_names = map_times_.stage_names();
   data.map_times = map_times_.Times();
   data.loops = loops_.Loops(map, corrections_, pictures_);

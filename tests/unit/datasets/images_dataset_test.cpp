@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <opencv2/core.hpp>
 
+#include "core/datasets/camera_file.h"
 #include "core/geometry/image_mask.h"
 #include "core/io/images/image_folder.h"
 #include "core/io/images/png_codec.h"
@@ -106,6 +107,20 @@ right:
   EXPECT_DOUBLE_EQ(dataset->rig().baseline_m, 0.5);
   EXPECT_EQ(dataset->rig().left.model, "equidistant");
   EXPECT_EQ(dataset->rig().right.model, "pinhole");
+}
+
+TEST_F(ImagesDataset, ResolutionOfOneCameraIsThatOfBoth) {
+  const std::string lens = "  focal_length_px: [40, 40]\n  principal_point_px: [24, 16]\n";
+  const std::string size = "  resolution_px: [48, 32]\n";
+  for (const std::string& text : {"baseline_m: 0.1\nleft:\n" + size + lens + "right:\n" + lens,
+                                  "baseline_m: 0.1\nleft:\n" + lens + "right:\n" + size + lens}) {
+    test::WriteText(camera_, text);
+    const RigCalibration rig = ReadCameraFile(camera_.string(), {});
+    EXPECT_EQ(rig.left.width_px, 48) << text;
+    EXPECT_EQ(rig.right.height_px, 32) << text;
+  }
+  test::WriteText(camera_, "baseline_m: 0.1\nleft:\n" + lens + "right:\n" + lens);
+  EXPECT_THAT(ErrorOf([this] { ReadCameraFile(camera_.string(), {}); }), HasSubstr("resolution_px"));
 }
 
 /// Pixels that a camera leaves out.

@@ -84,6 +84,21 @@ TEST(ExportRun, EachSessionHasAFileOfKeyframes) {
   EXPECT_EQ(sessions[1].keyframes.size(), 1U);
 }
 
+TEST(ExportRun, UnconnectedPartsHaveTheirOwnFolders) {
+  const ScratchFolder folder;
+  StoredMap stored = test::SmallStoredMap();
+  MapKeyframe elsewhere = stored.map.keyframes().begin()->second;
+  elsewhere.id = 1000;
+  elsewhere.session = 3;
+  elsewhere.previous_id = elsewhere.parent_id = -1;
+  stored.map.Put(elsewhere);
+  WriteMapFile(folder.Path("a.plmap"), stored);
+  const auto files = ExportRun({folder.Path("a.plmap"), folder.Path("out"), {"ply", "tum"}, ""});
+  EXPECT_THAT(NamesOf(files), testing::ElementsAre("map.ply", "keyframes.tum", "part2", "map.ply", "keyframes.tum"));
+  EXPECT_EQ(ReadTrajectory(folder.Path("out/keyframes.tum")).size(), 3U);
+  EXPECT_EQ(ReadTrajectory(folder.Path("out/part2/keyframes.tum")).size(), 1U);
+}
+
 TEST(ExportRun, ImagesOfAnotherCameraAreRefused) {
   const ScratchFolder folder;
   WriteMapFile(folder.Path("a.plmap"), test::SmallStoredMap());

@@ -207,6 +207,25 @@ TEST_F(Shell, TroffTakesThePageWithoutWarning) {
   }
 }
 
+TEST_F(Shell, HelpShowsDefaults) {
+  struct Row {
+    std::string command, option, value;
+  };
+  for (const Row& row : std::vector<Row>{{"evaluate", "--align", "se3"},
+                                         {"evaluate", "--max-difference", "0.02"},
+                                         {"evaluate", "--delta", "1f 1s 1m"},
+                                         {"evaluate places", "--distance", "1"},
+                                         {"train_vocabulary", "--stride", "1"},
+                                         {"player", "--start", "0"},
+                                         {"viewer_headless", "--out", "out"},
+                                         {"pose_graph", "--perturb", "0"},
+                                         {"plslam run", "--max-restarts", "5"},
+                                         {"plslam run", "--overlay-every", "0"}}) {
+    const std::string help = Output((test::BinaryFolder() / row.command).string() + " --help");
+    EXPECT_THAT(help, testing::ContainsRegex("  " + row.option + " [^\n]*\\[" + row.value + "\\]")) << row.command;
+  }
+}
+
 /// As built, of the real programs.
 TEST_F(Shell, EveryProgramHasAManualAndCompletion) {
   const fs::path share = test::BinaryFolder().parent_path() / "share";

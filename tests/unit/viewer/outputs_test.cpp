@@ -167,6 +167,33 @@ TEST(Outputs, AllFilesAreWrittenAndReadable) {
   }
 }
 
+TEST(Outputs, UnconnectedSessionsAreKeptApart) {
+  const ScratchFolder folder;
+  Recorder recorder;
+  Map map;
+  for (int i = 0; i < 6; ++i) {
+    FramePose pose = SomePose(i);
+    pose.session = i < 4 ? 7 : 8;
+    pose.keyframe_id = i;
+    recorder.AddPose(pose);
+    MapKeyframe keyframe;
+    keyframe.id = keyframe.session_keyframe_id = keyframe.frame_id = i;
+    keyframe.session = pose.session;
+    keyframe.t_ns = pose.t_ns;
+    map.Put(keyframe);
+  }
+  WriteOutputs(folder.Path(""), recorder, map, Eigen::Quaterniond::Identity());
+  EXPECT_THAT(FramesOf(ReadTrajectory(folder.Path("trajectory.tum"))), ElementsAre(0, 1, 2, 3));
+  EXPECT_THAT(FramesOf(ReadTrajectory(folder.Path("keyframes.tum"))), ElementsAre(0, 1, 2, 3));
+  EXPECT_THAT(FramesOf(ReadTrajectory(folder.Path("part2/trajectory.tum"))), ElementsAre(4, 5));
+  EXPECT_THAT(FramesOf(ReadTrajectory(folder.Path("part2/keyframes.tum"))), ElementsAre(4, 5));
+  EXPECT_TRUE(std::filesystem::exists(folder.Path("part2/map.ply")));
+  map.Add(LoopEdge{.old_keyframe_id = 0, .keyframe_id = 5});
+  WriteOutputs(folder.Path(""), recorder, map, Eigen::Quaterniond::Identity());
+  EXPECT_EQ(ReadTrajectory(folder.Path("trajectory.tum")).size(), 6U) << "recognised later";
+  EXPECT_FALSE(std::filesystem::exists(folder.Path("part2")));
+}
+
 TEST(Outputs, EmptyRunWritesEmptyFilesAndNoGroundTruth) {
   const ScratchFolder folder;
   WriteOutputs(folder.Path(""), {}, {}, Eigen::Quaterniond::Identity());

@@ -19,6 +19,7 @@
 #include "tests/unit/viewer/some_rig.h"
 #include "tests/unit/viewer/viewer_fixture.h"
 #include "viewer_headless/live/http_server.h"
+#include "viewer_headless/outputs.h"
 #include "viewer_headless/report/report_page.h"
 
 namespace plslam::viewer {
@@ -90,6 +91,24 @@ TEST_F(ViewerNodeTest, WaitsUntilTheMapHasTheLastKeyframe) {
   EXPECT_NEAR(ReadTrajectory(Out("trajectory_live.tum")).at(7).T_a_b.translation().x(), 0.0, 1e-9);
   EXPECT_EQ(ReadTrajectory(Out("keyframes.tum")).size(), 3u);
   EXPECT_TRUE(std::filesystem::exists(Out("map.ply")));
+}
+
+TEST_F(ViewerNodeTest, NewRunClearsAllOfTheOldOne) {
+  PrepareOutputFolder(Out("overlays"));
+  for (const char* name : {"summary.json", "map.ply", "overlays/000099.png"})
+    folder_.Write(std::string("out/") + name, "");
+  EXPECT_THROW(ViewerNode(*process_, Options(), ViewerNode::Earlier::kRefuse), std::runtime_error);
+  const ViewerNode node(*process_, Options(), ViewerNode::Earlier::kReplace);
+  EXPECT_TRUE(std::filesystem::exists(Out("summary.json"))) << "no frame has arrived";
+  PublishCamera();
+  PublishStream("begin", 1);
+  PublishPose(0);
+  PublishStream("end", 1);
+  bus().Run();
+  EXPECT_TRUE(std::filesystem::exists(Out("trajectory.tum")));
+  for (const char* name : {"summary.json", "map.ply", "overlays/000099.png"}) {
+    EXPECT_FALSE(std::filesystem::exists(Out(name))) << name;
+  }
 }
 
 TEST_F(ViewerNodeTest, WithoutMappingThereIsNoMapFile) {

@@ -25,6 +25,14 @@ TEST(ViewerProgram, UnwritableFolderIsOneSentenceAndExitCodeOne) {
               HasSubstr("viewer: error: " + file + "/out: the folder cannot be created"));
 }
 
+TEST(ViewerProgram, ResultsOfAnEarlierRunAreKept) {
+  const ScratchFolder folder;
+  folder.Write("trajectory.tum", "0 0 0 0 0 0 0 1\n");
+  EXPECT_EQ(RunViewer(folder, "--out " + folder.Path("")), 1);
+  EXPECT_THAT(ReadText(folder.Path("stderr")), HasSubstr("has results of an earlier run (trajectory.tum)"));
+  EXPECT_EQ(ReadText(folder.Path("trajectory.tum")), "0 0 0 0 0 0 0 1\n");
+}
+
 TEST(ViewerProgram, BadOptionsAreNamed) {
   const ScratchFolder folder;
   EXPECT_EQ(RunViewer(folder, "--overlay-every -3"), 1);

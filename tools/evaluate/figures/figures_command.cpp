@@ -56,8 +56,9 @@ void AddOptions(CLI::App& app, Arguments& a) {
   app.add_option("--pair", a.pair, "two keyframes of the map to show [those of a loop, else neighbours]")
       ->expected(2);
   app.add_option("--points", a.points,
-                 "vocabulary of points, for the similarities: a path, or a file installed with the programs");
-  app.add_option("--lines", a.lines, "vocabulary of lines, likewise");
+                 "vocabulary of points, for the similarities: a path, or a file installed with the programs")
+      ->capture_default_str();
+  app.add_option("--lines", a.lines, "vocabulary of lines, likewise")->capture_default_str();
 }
 
 /// "kitti_03" of a folder, "street" of a built-in world.

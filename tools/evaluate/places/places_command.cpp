@@ -30,19 +30,27 @@ struct Arguments {
 
 void AddOptions(CLI::App& app, Arguments& a) {
   app.add_option("datasets", a.datasets, "sequences with true poses (folders, logs, built-in worlds)")->required();
-  app.add_option("--points", a.points, "vocabulary of points: a path, or a file installed with the programs");
-  app.add_option("--lines", a.lines, "vocabulary of lines, likewise");
-  app.add_option("--stride", a.stride, "play every n-th frame")->check(CLI::Range(1, 1000000));
-  app.add_option("--distance", a.revisit.distance_m, "largest distance of a revisit [m]")
-      ->check(CLI::Range(0.0, 1e6));
-  app.add_option("--angle", a.revisit.angle_deg, "largest angle of a revisit [deg]")->check(CLI::Range(0.0, 180.0));
+  app.add_option("--points", a.points, "vocabulary of points: a path, or a file installed with the programs")
+      ->capture_default_str();
+  app.add_option("--lines", a.lines, "vocabulary of lines, likewise")->capture_default_str();
+  app.add_option("--stride", a.stride, "play every n-th frame")->check(CLI::Range(1, 1000000))->capture_default_str();
+  app.add_option("--distance", a.revisit.distance_m, "largest distance of a revisit, in metres")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  app.add_option("--angle", a.revisit.angle_deg, "largest angle of a revisit, in degrees")
+      ->check(CLI::Range(0.0, 180.0))
+      ->capture_default_str();
   app.add_option("--far-distance", a.revisit.far_distance_m,
-                 "distance above which two frames are at different places [m]")
-      ->check(CLI::Range(0.0, 1e6));
-  app.add_option("--far-angle", a.revisit.far_angle_deg, "angle above which two frames show different places [deg]")
-      ->check(CLI::Range(0.0, 180.0));
-  app.add_option("--min-gap", a.revisit.min_gap_s, "pairs closer in time are ignored [s]")
-      ->check(CLI::Range(0.0, 1e6));
+                 "distance above which two frames are at different places, in metres")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
+  app.add_option("--far-angle", a.revisit.far_angle_deg,
+                 "angle above which two frames show different places, in degrees")
+      ->check(CLI::Range(0.0, 180.0))
+      ->capture_default_str();
+  app.add_option("--min-gap", a.revisit.min_gap_s, "pairs closer in time are ignored, in seconds")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str();
   app.add_option("--out", a.out, "folder for pictures: similarity matrices, precision and recall (PNG)");
   app.add_option("--json", a.json, "write all numbers to this file");
 }

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/map/map_parts.h"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "core/map/map_graph.h"
+
+namespace plslam {
+namespace {
+
+template <class Landmark>
+void PutObserved(const IdMap<Landmark>& landmarks, const std::set<int64_t>& keyframes, Map* part) {
+  for (const auto& [id, landmark] : landmarks) {
+    const bool is_observed = std::ranges::any_of(
+        landmark.observations, [&](const Observation& o) { return keyframes.contains(o.keyframe_id); });
+    if (is_observed) part->Put(landmark);
+  }
+}
+
+/// Sessions that edges connect, each group known by one of them.
+class SessionGroups {
+ public:
+  void Join(int64_t a, int64_t b) { group_[Find(a)] = Find(b); }
+  int64_t Find(int64_t session) const {
+    for (auto next = group_.find(session); next != group_.end() && next->second != session;
+         next = group_.find(session))
+      session = next->second;
+    return session;
+  }
+
+ private:
+  std::map<int64_t, int64_t> group_;
+};
+
+}  // namespace
+
+std::vector<std::set<int64_t>> PartsOf(const Map& map, const std::function<bool(const MapKeyframe&)>& is_of_run) {
+  SessionGroups groups;
+  const MapGraph graph(map);
+  for (const MapEdge& edge : graph.edges()) {
+    groups.Join(map.FindKeyframe(edge.a)->session, map.FindKeyframe(edge.b)->session);
+  }
+  std::map<int64_t, std::set<int64_t>> of_groups;
+  for (const auto& [id, keyframe] : map.keyframes()) of_groups[groups.Find(keyframe.session)].insert(id);
+  std::vector<std::set<int64_t>> parts;
+  for (auto& [group, part] : of_groups) parts.push_back(std::move(part));
+  const auto rank = [&](const std::set<int64_t>& part) {
+    const auto of_run = std::ranges::count_if(part, [&](int64_t id) { return is_of_run(*map.FindKeyframe(id)); });
+    return std::tuple(-of_run, -static_cast<int64_t>(part.size()), *part.begin());
+  };
+  std::ranges::sort(parts, {}, rank);
+  return parts;
+}
+
+Map PartOf(const Map& map, const std::set<int64_t>& keyframes) {
+  Map part;
+  if (map.camera()) part.SetCamera(*map.camera());
+  for (const int64_t id : keyframes) part.Put(*map.FindKeyframe(id));
+  PutObserved(map.points(), keyframes, &part);
+  PutObserved(map.lines(), keyframes, &part);
+  for (const LoopEdge& loop : map.loops()) {
+    if (keyframes.contains(loop.keyframe_id) && keyframes.contains(loop.old_keyframe_id)) part.Add(loop);
+  }
+  return part;
+}
+
+}  // namespace plslam

@@ -132,7 +132,7 @@ TEST(Resources, FullDiskUnderTheRecordingEndsNothing) {
 }
 
 TEST(Resources, FullDiskUnderStandardOutput) {
-  const test::ScratchFolder folder;
+  const ScratchFolder folder;
   for (const char* command : {"plslam config", "plslam --help", "plslam processes", "evaluate --help",
                               "pose_graph --help", "vo_process --help", "viewer_headless --version"}) {
     const std::string line = (test::BinaryFolder() / command).string() + " > /dev/full";
@@ -144,7 +144,7 @@ TEST(Resources, FullDiskUnderStandardOutput) {
 }
 
 TEST(Resources, FullDiskUnderStandardError) {
-  const test::ScratchFolder folder;
+  const ScratchFolder folder;
   const std::string early = folder.Write("early.tum", "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n");
   const std::string late = folder.Write("late.tum", "100 0 0 0 0 0 0 1\n101 1 0 0 0 0 0 1\n");
   const std::string evaluate = (test::BinaryFolder() / "evaluate").string();

@@ -30,7 +30,10 @@ bool All(const MapKeyframe&) { return true; }
 
 TEST(MapParts, ConnectedMapHasOne) {
   Map map = TwoSessions();
-  map.Add(LoopEdge{.old_keyframe_id = 0, .keyframe_id = 4});
+  LoopEdge loop;
+  loop.old_keyframe_id = 0;
+  loop.keyframe_id = 4;
+  map.Add(loop);
   EXPECT_THAT(PartsOf(map, All), ElementsAre(ElementsAre(0, 1, 2, 3, 4)));
 }
 

@@ -188,7 +188,10 @@ TEST(Outputs, UnconnectedSessionsAreKeptApart) {
   EXPECT_THAT(FramesOf(ReadTrajectory(folder.Path("part2/trajectory.tum"))), ElementsAre(4, 5));
   EXPECT_THAT(FramesOf(ReadTrajectory(folder.Path("part2/keyframes.tum"))), ElementsAre(4, 5));
   EXPECT_TRUE(std::filesystem::exists(folder.Path("part2/map.ply")));
-  map.Add(LoopEdge{.old_keyframe_id = 0, .keyframe_id = 5});
+  LoopEdge loop;
+  loop.old_keyframe_id = 0;
+  loop.keyframe_id = 5;
+  map.Add(loop);
   WriteOutputs(folder.Path(""), recorder, map, Eigen::Quaterniond::Identity());
   EXPECT_EQ(ReadTrajectory(folder.Path("trajectory.tum")).size(), 6U) << "recognised later";
   EXPECT_FALSE(std::filesystem::exists(folder.Path("part2")));

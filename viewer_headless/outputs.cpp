@@ -283,10 +283,28 @@ void RemoveParts(const std::string& folder) {
   }
 }
 
+/// A trajectory in the three formats, of which there are no files without poses.
+class FormatsIfAny {
+ public:
+  FormatsIfAny(Attempts& attempts, std::string stem) : attempts_(attempts), stem_(std::move(stem)) {}
+  void Add(const TrajectoryPose& pose) {
+    if (!files_) files_.emplace(attempts_, stem_);
+    files_->Add(pose);
+  }
+  void PutInPlace() {
+    if (files_) files_->PutInPlace();
+  }
+
+ private:
+  Attempts& attempts_;
+  std::string stem_;
+  std::optional<AllFormats> files_;
+};
+
 /// A part that is not the main one has a frame of its own, and only trajectories and landmarks.
 void WritePart(const std::string& folder, const RunPart& run, Attempts& attempts) {
-  AllFormats all(attempts, folder + "/trajectory");
-  AllFormats keyframes(attempts, folder + "/keyframes");
+  FormatsIfAny all(attempts, folder + "/trajectory");
+  FormatsIfAny keyframes(attempts, folder + "/keyframes");
   for (const TrajectoryPose& pose : MapKeyframes(run)) keyframes.Add(pose);
   VisitPosedFrames(run, [&](const PosedFrame& frame) { all.Add(frame.final); });
   all.PutInPlace();

@@ -26,9 +26,10 @@ ImageSize ReadResolution(const YamlMap& yaml, const ImageSize& image_size);
 double ReadRate_hz(const YamlMap& yaml, double fallback);
 
 /// Reads plslam's own camera file (docs/datasets.md has the keys), `camera.yaml` of a folder of images or of a TUM
-/// RGB-D sequence. A camera without `resolution_px` gets that of the other one, else `image_size`. The file may also be one of another program's
-/// (calibrations/foreign_calibration.h), or name such files by `from`, a file or a list of files beside it, with the
-/// `unit` of their lengths. `notes`, if given, receives warnings and remarks. Throws DatasetError.
+/// RGB-D sequence. A camera without `resolution_px` gets that of the other one, else `image_size`. The file may also be
+/// one of another program's (calibrations/foreign_calibration.h), or name such files by `from`, a file or a list of
+/// files beside it, with the `unit` of their lengths. `notes`, if given, receives warnings and remarks. Throws
+/// DatasetError.
 RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_size, Notes* notes = nullptr);
 
 /// Returns whether `path` is a camera file whose `source` names the source of live images; readers of datasets ignore

@@ -46,6 +46,7 @@ std::vector<std::set<int64_t>> PartsOf(const Map& map, const std::function<bool(
   std::map<int64_t, std::set<int64_t>> of_groups;
   for (const auto& [id, keyframe] : map.keyframes()) of_groups[groups.Find(keyframe.session)].insert(id);
   std::vector<std::set<int64_t>> parts;
+  parts.reserve(of_groups.size());
   for (auto& [group, part] : of_groups) parts.push_back(std::move(part));
   const auto rank = [&](const std::set<int64_t>& part) {
     const auto of_run = std::ranges::count_if(part, [&](int64_t id) { return is_of_run(*map.FindKeyframe(id)); });

@@ -11,9 +11,9 @@
 namespace plslam {
 
 /// Returns the parts of a map, sessions that no edge of its `MapGraph` connects, as ids of keyframes. Their relative
-/// poses are unknown: a session that was never recognised in the map has a frame of its own. The main part is the first one: that
-/// with most keyframes for which `is_of_run` holds, then with most keyframes, then with the oldest one. The others
-/// follow in the same order.
+/// poses are unknown: a session that was never recognised in the map has a frame of its own. The main part is the first
+/// one: that with most keyframes for which `is_of_run` holds, then with most keyframes, then with the oldest one. The
+/// others follow in the same order.
 std::vector<std::set<int64_t>> PartsOf(const Map& map, const std::function<bool(const MapKeyframe&)>& is_of_run);
 
 /// Returns a map of these keyframes, the landmarks that they observe, and the loops between them.

@@ -138,7 +138,7 @@ TEST(Resources, FullDiskUnderStandardOutput) {
     const std::string line = (test::BinaryFolder() / command).string() + " > /dev/full";
     const test::ShellResult result = test::Shell(folder, line);
     EXPECT_EQ(result.exit_code, 1) << command;
-    EXPECT_THAT(result.error, HasSubstr("standard output: cannot be written: No space left on device")) << command;
+    EXPECT_THAT(result.error, HasSubstr("standard output: cannot be written")) << command;
     EXPECT_EQ(test::Shell(folder, line + " 2> /dev/full").exit_code, 1) << command;
   }
 }
@@ -150,7 +150,7 @@ TEST(Resources, FullDiskUnderStandardError) {
   const std::string evaluate = (test::BinaryFolder() / "evaluate").string();
   EXPECT_EQ(test::Shell(folder, fmt::format("{} {} --truth {} 2> /dev/full", evaluate, early, late)).exit_code, 1);
   const test::ShellResult run =
-      test::Shell(folder, fmt::format("{} run '{}' --out {} 2> /dev/full", Plslam(), kWorld, folder.Path("out")));
+      test::Shell(folder, fmt::format("{} run '{}' --out {} 2> /dev/full", Plslam(), kWorld, folder.Path("run")));
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_THAT(run.out, HasSubstr("completed"));
 }

@@ -88,7 +88,7 @@ TEST(ExportRun, UnconnectedPartsHaveTheirOwnFolders) {
   const ScratchFolder folder;
   StoredMap stored = test::SmallStoredMap();
   MapKeyframe elsewhere = stored.map.keyframes().begin()->second;
-  elsewhere.id = 1000;
+  elsewhere.id = stored.next_keyframe_id++;
   elsewhere.session = 3;
   elsewhere.previous_id = elsewhere.parent_id = -1;
   stored.map.Put(elsewhere);

@@ -222,7 +222,7 @@ TEST_F(Shell, HelpShowsDefaults) {
                                          {"plslam run", "--max-restarts", "5"},
                                          {"plslam run", "--overlay-every", "0"}}) {
     const std::string help = Output((test::BinaryFolder() / row.command).string() + " --help");
-    EXPECT_THAT(help, testing::ContainsRegex("  " + row.option + " [^\n]*\\[" + row.value + "\\]")) << row.command;
+    EXPECT_THAT(help, testing::ContainsRegex("  " + row.option + " [^\n]*=" + row.value)) << row.command;
   }
 }
 

@@ -15,8 +15,8 @@
 
 #include "core/io/files/atomic_file.h"
 #include "core/io/maps/map_ply.h"
+#include "core/run/result_files.h"
 #include "viewer_headless/final_trajectory.h"
-#include "viewer_headless/result_files.h"
 
 namespace plslam::viewer {
 

@@ -20,9 +20,9 @@
 #include "core/io/maps/map_file.h"
 #include "core/process/process_arguments.h"
 #include "core/run/process_names.h"
+#include "core/run/result_files.h"
 #include "player/options.h"
 #include "tools/plslam/process_table.h"
-#include "viewer_headless/result_files.h"
 
 namespace plslam::launcher {
 namespace {
@@ -148,7 +148,7 @@ std::filesystem::file_time_type FileTimeNow(const RunOptions& options) {
 }
 
 void RemoveOldOutputs(const RunOptions& options, std::filesystem::file_time_type began) {
-  for (const char* name : viewer::kResultFiles) RemoveIfOld(options.out / name, began);
+  for (const char* name : kResultFiles) RemoveIfOld(options.out / name, began);
   RemoveOldFiles(options.out / "overlays", ".png", began);
   RemoveOldFiles(options.out / "logs", ".log", began);
   if (options.record.empty()) return;

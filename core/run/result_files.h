@@ -3,7 +3,7 @@
 
 #include <array>
 
-namespace plslam::viewer {
+namespace plslam {
 
 /// Files of a run in its folder, except for pictures and logs.
 inline constexpr std::array<const char*, 15> kResultFiles{
@@ -11,4 +11,4 @@ inline constexpr std::array<const char*, 15> kResultFiles{
     "trajectory_live.tum", "keyframes.tum",         "keyframes.kitti", "keyframes.euroc",  "groundtruth.tum",
     "covariance.txt",      "motion_covariance.txt", "poses.csv",       "bodies.csv",       "map.ply"};
 
-}  // namespace plslam::viewer
+}  // namespace plslam

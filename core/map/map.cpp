@@ -228,7 +228,14 @@ void Map::RemoveKeyframe(int64_t id) {
 
 int64_t Map::CarrierOf(const MapKeyframe& keyframe) const {
   const std::vector<Neighbour> neighbours = Neighbours(keyframe.id, 1);
-  if (!neighbours.empty()) return neighbours.front().keyframe_id;
+  if (!neighbours.empty()) {
+    // Later adjustments move an old keyframe less than a new one, so what it carries stays where it was.
+    int64_t oldest_id = neighbours.front().keyframe_id;
+    for (const Neighbour& n : neighbours) {
+      if (2 * n.shared >= neighbours.front().shared) oldest_id = std::min(oldest_id, n.keyframe_id);
+    }
+    return oldest_id;
+  }
   if (FindKeyframe(keyframe.parent_id) != nullptr) return keyframe.parent_id;
   if (FindKeyframe(keyframe.previous_id) != nullptr) return keyframe.previous_id;
   int64_t nearest_id = -1;

@@ -147,9 +147,9 @@ class Map {
   void RemoveKeyframe(int64_t id);
   void RemovePoint(int64_t id);
   void RemoveLine(int64_t id);
-  /// From now on keeps the poses of keyframes that are removed, for final trajectories. Each is carried by the keyframe
-  /// with which it shared most landmarks (without one: its parent, its predecessor, or the nearest keyframe), also when
-  /// the map is corrected.
+  /// From now on keeps the poses of keyframes that are removed, for final trajectories. Each is carried by the oldest
+  /// keyframe with which it shared at least half as many landmarks as with any (without one: its parent, its
+  /// predecessor, or the nearest keyframe), also when the map is corrected.
   void RememberRemoved() { remembers_removed_ = true; }
   /// Returns the remembered keyframes, ascending by id.
   std::vector<RemovedKeyframe> RemovedKeyframes() const;

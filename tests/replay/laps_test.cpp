@@ -46,7 +46,7 @@ TEST_P(Laps, LastLapIsAsAccurateAsTheSecond) {
   EXPECT_EQ(LostFrames(run.slam.live), 0);
   EXPECT_LE(MeanOfLast(live_m, 5), 1.2 * live_m[1]);
   EXPECT_LE(MeanOfLast(final_m, 5), 1.2 * live_m[1]);
-  EXPECT_LE(AbsoluteTrajectoryError(run.slam.final), 1.3 * AbsoluteTrajectoryError(run.slam.live));
+  EXPECT_LE(AbsoluteTrajectoryError(run.slam.final), 1.02 * AbsoluteTrajectoryError(run.slam.live));
 }
 
 INSTANTIATE_TEST_SUITE_P(Limit, Laps, testing::Values(0, 80, 30));

@@ -222,7 +222,8 @@ std::string ImageSource::WhatIsMissing() const {
     return fmt::format("waiting for sensor_msgs.CameraInfo on {} and {} (or give a file with --camera)", left_info_,
                        right_info_);
   }
-  return n_rejected_ > 0 ? "no image could be used: see the log" : "no left image has nearly the same stamp as a right one";
+  return n_rejected_ > 0 ? "no image could be used: see the log"
+                         : "no left image has nearly the same stamp as a right one";
 }
 
 }  // namespace plslam::adapter

@@ -104,6 +104,18 @@ TEST_F(McapInput, OtherMessagesAndCompressions) {
   }
 }
 
+// A slow disk or network: messages are logged after their stamps, those of the right camera later than the left ones.
+TEST_F(McapInput, LateLoggingChangesNothing) {
+  for (const std::string options :
+       {R"({"late_ms": 30})", R"({"jitter_ms": 90})", R"({"encoding": "ros1", "late_ms": 90})",
+        R"({"late_ms": 930, "jitter_ms": 70})"}) {
+    SCOPED_TRACE(options);
+    Write(options);
+    ExpectTheContentOfTheFolder("a.mcap");
+  }
+  ExpectTheTrajectoryOfTheFolder({}, "a.mcap", 20);
+}
+
 // Parts of the index that a writer may omit, or that a killed recorder has not written.
 TEST_F(McapInput, WithoutIndex) {
   for (

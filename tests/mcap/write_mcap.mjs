@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // node write_mcap.mjs NODE_MODULES FOLDER FILE.mcap [OPTIONS]: writes a folder of images (camera.yaml of a rectified pair, times.txt, groundtruth.txt) as a recording with the format's own library: raw images, camera_info, and the true poses as PoseStamped.
-// OPTIONS, in JSON: `writer`: options of @mcap/core's McapWriter; `compression` of chunks by the program of that name (zstd, lz4); `encoding` of messages ("cdr" of ROS 2, "ros1"); `png`: CompressedImage; `odometry`: Odometry as truth; `unsorted`: frames from the last to the first; `cut`: the file ends after this part of its bytes.
+// OPTIONS, in JSON: `writer`: options of @mcap/core's McapWriter; `compression` of chunks by the program of that name (zstd, lz4); `encoding` of messages ("cdr" of ROS 2, "ros1"); `png`: CompressedImage; `odometry`: Odometry as truth; `unsorted`: frames from the last to the first; `late_ms`: logging of right images and their camera_info after their stamps; `jitter_ms`: further delays up to this; `cut`: the file ends after this part of its bytes.
 import { execFileSync } from "node:child_process";
 import { ftruncateSync, openSync, readdirSync, readFileSync, writeSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -8,7 +8,7 @@ import { join, resolve } from "node:path";
 import { inflateSync } from "node:zlib";
 
 const [modules, folder, file, json] = process.argv.slice(2);
-const options = { encoding: "cdr", ...JSON.parse(json ?? "{}") };
+const options = { encoding: "cdr", late_ms: 0, jitter_ms: 0, ...JSON.parse(json ?? "{}") };
 const require = createRequire(join(resolve(modules), "x.js"));
 const { McapWriter } = require("@mcap/core");
 const { parse } = require("@foxglove/rosmsg");
@@ -101,7 +101,9 @@ async function write(topic, type, t_ns, value) {
   const sec = Number(t_ns / 1_000_000_000n), nsec = Number(t_ns % 1_000_000_000n);
   const stamp = isRos1 ? { sec, nsec } : { sec, nanosec: nsec };
   const data = channel.bytes.writeMessage({ header: { seq: channel.sequence, stamp, frame_id: "camera" }, ...value });
-  await writer.addMessage({ channelId: channel.id, sequence: channel.sequence++, logTime: t_ns, publishTime: t_ns, data });
+  const late_ms = (topic.includes("/right/") ? options.late_ms : 0) + options.jitter_ms * ((channel.sequence * 37) % 11) / 10;
+  const logTime = t_ns + BigInt(Math.round(1e6 * late_ms));
+  await writer.addMessage({ channelId: channel.id, sequence: channel.sequence++, logTime, publishTime: t_ns, data });
 }
 
 const roi = { x_offset: 0, y_offset: 0, height: 0, width: 0, do_rectify: false };

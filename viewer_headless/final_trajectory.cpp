@@ -58,9 +58,18 @@ SE3 FinalPoses::operator()(int64_t frame_id, const FrameRecord& frame) const {
              (1.0 - share) * T_before.translation() + share * T_after.translation());
 }
 
-RunParts::RunParts(const Map& map, const Recorder& recorder) : map_(&map) {
+namespace {
+
+std::set<int64_t> SessionsOf(const Recorder& recorder) {
   std::set<int64_t> sessions;
   for (const auto& [frame_id, frame] : recorder.frames()) sessions.insert(frame.session);
+  return sessions;
+}
+
+}  // namespace
+
+RunParts::RunParts(const Map& map, const Recorder& recorder) : map_(&map) {
+  const std::set<int64_t> sessions = SessionsOf(recorder);
   const auto parts = PartsOf(map, [&](const MapKeyframe& keyframe) { return sessions.contains(keyframe.session); });
   if (parts.size() < 2) return;
   for (size_t part = 0; part < parts.size(); ++part) {
@@ -75,8 +84,7 @@ size_t RunParts::Of(int64_t session) const {
 }
 
 Trajectory KeyframeTrajectory(const Map& map, const Recorder& recorder) {
-  std::set<int64_t> sessions;
-  for (const auto& [frame_id, frame] : recorder.frames()) sessions.insert(frame.session);
+  const std::set<int64_t> sessions = SessionsOf(recorder);
   Trajectory trajectory;
   for (const auto& [id, keyframe] : map.keyframes()) {
     if (sessions.contains(keyframe.session)) trajectory.push_back({keyframe.t_ns, keyframe.T_w_kf});

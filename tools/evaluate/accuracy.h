@@ -60,7 +60,7 @@ struct Accuracy {
   double duration_s = 0.0;
   Alignment alignment_kind = Alignment::kSe3;
   Similarity alignment;
-  /// Of the alignment by least squares, about the path (`RollSigma_rad`).
+  /// Sigma of the rotation about the path, of the alignment by least squares (`RollSigma_rad`).
   std::optional<double> roll_sigma_deg;
   AbsoluteErrors absolute;  ///< one for each pair
   Statistics ate_m;

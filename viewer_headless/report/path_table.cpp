@@ -28,10 +28,8 @@ struct PathFrame {
   bool IsMeasured() const { return truth && has_pose; }
 };
 
-void VisitPath(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c,
-               const std::function<void(const PathFrame&)>& visit) {
-  const FinalPoses final_poses(map, recorder);
-  const RunParts parts(map, recorder);
+void VisitPath(const Recorder& recorder, const FinalPoses& final_poses, const RunParts& parts,
+               const Eigen::Quaterniond& q_l_c, const std::function<void(const PathFrame&)>& visit) {
   const SE3 T_c_l(q_l_c.conjugate(), Eigen::Vector3d::Zero());
   SE3 before;
   for (const auto& [frame_id, frame] : recorder.frames()) {
@@ -173,13 +171,17 @@ Consistency ConsistencyOf(const Recorder& recorder, const Map& map, const Eigen:
 }  // namespace
 
 PathOfRun PathTable(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c, int64_t stride) {
+  const FinalPoses final_poses(map, recorder);
+  const RunParts parts(map, recorder);
   MeasuredPath measured;
-  if (!recorder.truth().empty()) VisitPath(recorder, map, q_l_c, [&](const PathFrame& row) { measured.Add(row); });
+  if (!recorder.truth().empty()) {
+    VisitPath(recorder, final_poses, parts, q_l_c, [&](const PathFrame& row) { measured.Add(row); });
+  }
   PathWriter writer(Align(measured.final, measured.truth), Align(measured.live, measured.truth));
   double length_m = 0.0;
   int64_t i = 0;
   SE3 before;
-  VisitPath(recorder, map, q_l_c, [&](const PathFrame& row) {
+  VisitPath(recorder, final_poses, parts, q_l_c, [&](const PathFrame& row) {
     writer.Add(row, i % stride == 0);
     if (i++ > 0) length_m += (row.T_w_c.translation() - before.translation()).norm();
     before = row.T_w_c;

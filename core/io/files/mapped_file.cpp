@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "core/errors/error_text.h"
+#include "core/io/files/nameless_file.h"
 
 namespace plslam {
 namespace {
@@ -30,17 +31,6 @@ bool Write(int file, const std::vector<std::span<const std::byte>>& parts) {
     if (!Write(file, part)) return false;
   }
   return true;
-}
-
-/// On a file system without nameless files, a file is created and its name removed.
-int OpenNameless() {
-  const std::string root = TemporaryRoot();
-  const int file = ::open(root.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-  if (file >= 0) return file;
-  std::string name = root + "/plslam-XXXXXX";
-  const int named = ::mkostemp(name.data(), O_CLOEXEC);
-  if (named >= 0) ::unlink(name.c_str());
-  return named;
 }
 
 }  // namespace
@@ -73,7 +63,7 @@ std::shared_ptr<const MappedFile> MappedFile::Open(const std::string& path) {
 std::shared_ptr<const MappedFile> MappedFile::Temporary(const std::vector<std::span<const std::byte>>& parts) {
   size_t size = 0;
   for (const auto& part : parts) size += part.size();
-  const int file = OpenNameless();
+  const int file = OpenNameless(TemporaryRoot());
   if (file < 0) return nullptr;
   auto mapped = Write(file, parts) ? Map(file, size) : nullptr;
   // A full disk of another machine may show only now.

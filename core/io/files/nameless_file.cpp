@@ -11,19 +11,15 @@
 #include <utility>
 
 namespace plslam {
-namespace {
 
-/// Returns a descriptor, or -1 with errno. File systems without O_TMPFILE get a file whose name is removed at once.
 int OpenNameless(const std::string& folder) {
   const int descriptor = open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
   if (descriptor >= 0) return descriptor;
-  std::string pattern = folder + "/.plslam-XXXXXX";
+  std::string pattern = folder + "/plslam-XXXXXX";
   const int named = mkostemp(pattern.data(), O_CLOEXEC);
   if (named >= 0) unlink(pattern.c_str());
   return named;
 }
-
-}  // namespace
 
 NamelessFile::~NamelessFile() {
   if (descriptor_ >= 0) close(descriptor_);

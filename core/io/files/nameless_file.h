@@ -7,6 +7,10 @@
 
 namespace plslam {
 
+/// Opens a new file without a name in the folder. On a file system without such files, one is created and its name
+/// removed. Returns a descriptor to read and write, or -1 with errno.
+int OpenNameless(const std::string& folder);
+
 /// A file without a name in a folder, for what does not fit into memory: the system removes it when the process ends,
 /// however that happens.
 class NamelessFile {

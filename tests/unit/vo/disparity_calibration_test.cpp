@@ -60,7 +60,7 @@ Odometry Drive(const Error& error_px, bool enabled = true, int n_frames = 60) {
   return odometry;
 }
 
-// Of true disparities in the frames of a drive.
+// Returns the median of the true disparities in the frames of a drive.
 double MedianDisparity_px(int n_frames) {
   const FeatureWorld world({400, 60}, 11);
   std::vector<double> disparities_px;

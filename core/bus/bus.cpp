@@ -48,6 +48,12 @@ Bus::Impl::Impl(const BusOptions& options_in, std::string process_in)
     if (std::string name = names.NameForMap(control); !name.empty()) both.insert(std::move(name));
     return both;
   };
+  std::set<std::string, std::less<>> bulky;
+  for (const Channel* channel :
+       {&kStereoFrame, &kStereoFrameLive, &kTracks, &kTracksLive, &kKeyframe, &kMapUpdate, &kMask}) {
+    bulky.merge(names_of(*channel));
+  }
+  transport.SetBulky(std::move(bulky));
   transport.Listen({names_of(kRepairRequest), request_layout_->fingerprint(), source});
   for (const std::string& name : names_of(kAnnounce)) transport.Listen(name);
   transport.ListenToEnding(kStatus.name);
@@ -98,6 +104,7 @@ BusCounters Bus::Impl::counters() const {
   counters.sent = outboxes.sent();
   counters.received = counts.received;
   counters.lost = counts.lost;
+  counters.lost_of = counts.lost_of();
   counters.repaired = counts.repaired;
   counters.resent = outboxes.resent();
   counters.rejected = counts.rejected + nonsense + transport.junk();
@@ -111,6 +118,11 @@ std::string Bus::Impl::Problems() const {
   const std::string loss = outboxes.LossText();
   const std::lock_guard lock(rejections_mutex_);
   return Joined(rejections_.Line(SteadyNow_ns()), loss);
+}
+
+bool Bus::Impl::hears_other_key() const {
+  const std::lock_guard lock(rejections_mutex_);
+  return rejections_.Has(Rejection::kOtherKey, SteadyNow_ns());
 }
 
 Bus::Bus(const BusOptions& options, const std::string& process) : impl_(std::make_unique<Impl>(options, process)) {}
@@ -193,5 +205,6 @@ bool Bus::FlushToSilent(std::chrono::milliseconds limit) { return impl_->outboxe
 int64_t Bus::acknowledged() const { return impl_->outboxes.acknowledged(); }
 BusCounters Bus::counters() const { return impl_->counters(); }
 std::string Bus::Problems() const { return impl_->Problems(); }
+bool Bus::hears_other_key() const { return impl_->hears_other_key(); }
 
 }  // namespace plslam::bus

@@ -27,10 +27,11 @@ namespace plslam::bus {
 struct BusCounters {
   int64_t sent = 0;
   int64_t received = 0;
-  int64_t lost = 0;        ///< messages of ordered channels that were missed on the wire
-  int64_t repaired = 0;    ///< of those, delivered after all
-  int64_t resent = 0;      ///< own messages, on request
-  int64_t rejected = 0;    ///< malformed, foreign schema, unauthenticated, oversized, replayed
+  int64_t lost = 0;                        ///< messages of ordered channels that were missed on the wire
+  std::map<std::string, int64_t> lost_of;  ///< the same by channel; only those with losses
+  int64_t repaired = 0;                    ///< of those, delivered after all
+  int64_t resent = 0;                      ///< own messages, on request
+  int64_t rejected = 0;                    ///< malformed, foreign schema, unauthenticated, oversized, replayed
   int64_t unproven = 0;    ///< with a key: of processes that have not proved yet that they are running
   int64_t duplicates = 0;  ///< replayed or sent twice
   int64_t skipped = 0;     ///< of kLatest channels, overtaken by newer ones
@@ -99,6 +100,8 @@ class Bus {
   /// Returns one line on messages rejected within the last minute, on other prefixes and on lost packets; empty if there
   /// are none.
   std::string Problems() const;
+  /// Whether messages of another key were rejected within the last minute.
+  bool hears_other_key() const;
 
   /// Options as given.
   const BusOptions& options() const;

@@ -36,6 +36,7 @@ struct Bus::Impl {
   void MayReceive();
   BusCounters counters() const;
   std::string Problems() const;
+  bool hears_other_key() const;
 
   const BusOptions options;
   const std::string process;

@@ -125,8 +125,8 @@ Inboxes::Source* Inboxes::SourceOf(Inbox& inbox, int64_t publisher, int64_t now)
 }
 
 /// Adds the reader's counts since the last call.
-void Inboxes::Count(Source& source) {
-  counts_.lost += source.reader.lost() - std::exchange(source.lost, source.reader.lost());
+void Inboxes::Count(const Inbox& inbox, Source& source) {
+  counts_.AddLost(inbox.channel.name, source.reader.lost() - std::exchange(source.lost, source.reader.lost()));
   counts_.repaired += source.reader.repaired() - std::exchange(source.repaired, source.reader.repaired());
 }
 
@@ -134,7 +134,7 @@ void Inboxes::PollSource(const Inbox& inbox, int64_t publisher, Source& source, 
   if (source.reader.poll_time() <= now) {
     if (const auto request = source.reader.Poll(now)) ask_(inbox.channel, publisher, *request);
   }
-  Count(source);
+  Count(inbox, source);
 }
 
 void Inboxes::DispatchOrdered(Inbox& inbox, const WireHeader& header, ByteView message, int64_t now) {
@@ -145,7 +145,7 @@ void Inboxes::DispatchOrdered(Inbox& inbox, const WireHeader& header, ByteView m
   }
   const auto arrival = source->reader.OnMessage(header.seq, message, now);
   if (arrival == OrderedReader::Arrival::kDuplicate) ++counts_.duplicates;
-  Count(*source);  // before the handler: it may compare the counts with what it has received
+  Count(inbox, *source);  // before the handler: it may compare the counts with what it has received
   Drain(inbox, *source, now);
   PollSource(inbox, header.source, *source, now);
 }

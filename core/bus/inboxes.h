@@ -36,6 +36,22 @@ struct ReceiverCounts {
   std::atomic<int64_t> skipped{0};
   std::atomic<int64_t> lost{0};
   std::atomic<int64_t> repaired{0};
+
+  /// `lost` by channel, which is by link: a channel has one publisher, or one on each host.
+  void AddLost(std::string_view channel, int64_t n) {
+    if (n == 0) return;
+    lost += n;
+    const std::scoped_lock lock(mutex_);
+    lost_of_[std::string(channel)] += n;
+  }
+  std::map<std::string, int64_t> lost_of() const {
+    const std::scoped_lock lock(mutex_);
+    return lost_of_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::map<std::string, int64_t> lost_of_;
 };
 
 /// The receiving half of a bus: orders messages for each publisher, acknowledges them, requests missing ones, and
@@ -121,7 +137,7 @@ class Inboxes {
   bool Ready(const Inbox& inbox) const;
   bool Drain(Inbox& inbox, Source& source, int64_t now);
   void PollSource(const Inbox& inbox, int64_t publisher, Source& source, int64_t now);
-  void Count(Source& source);
+  void Count(const Inbox& inbox, Source& source);
 
   const BusOptions& options_;
   bool two_way_;

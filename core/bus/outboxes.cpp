@@ -171,8 +171,12 @@ std::optional<int64_t> Outboxes::Publish(const Channel& channel, header_t& heade
     MoveToLog(outbox);
   }
   ++outbox.seq;
-  transport_.Send(outbox.wire_name, *message);
-  if (for_map != nullptr) transport_.Send(outbox.map_name, *for_map);
+  const bool in_packets = outbox.writer != nullptr && sends_packets();
+  const auto send = [&](const std::string& wire_name, const Bytes& bytes) {
+    in_packets ? transport_.SendInPackets(wire_name, *bytes, header.seq) : transport_.Send(wire_name, *bytes);
+  };
+  send(outbox.wire_name, message);
+  if (for_map != nullptr) send(outbox.map_name, for_map);
   ++sent_;
   const std::lock_guard lock(mutex_);
   outbox.sent = outbox.seq;

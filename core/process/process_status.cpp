@@ -36,6 +36,7 @@ void AddBusCounters(const BusCounters& c, std::map<std::string, double>* counter
       {"bus.repaired", c.repaired}, {"bus.resent", c.resent},         {"bus.rejected", c.rejected},
       {"bus.skipped", c.skipped},   {"bus.duplicates", c.duplicates}, {"bus.unproven", c.unproven}};
   for (const auto& [name, value] : rows) (*counters)[name] = static_cast<double>(value);
+  for (const auto& [channel, n] : c.lost_of) (*counters)[kLostOf + channel] = static_cast<double>(n);
 }
 
 /// The line of bus.prefix in a configuration.

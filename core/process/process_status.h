@@ -71,6 +71,9 @@ class StatusPublisher {
   std::string newest_warning_;
 };
 
+/// Counters of lost messages by channel begin so; the channel's name follows.
+inline constexpr const char* kLostOf = "bus.lost.";
+
 /// Returns a counter of a status; 0 if it has none of this name.
 double CounterOf(const status_t& status, const std::string& name);
 /// Returns it as an integer from 0 to 2^53; 0 for a received value that is not a number.

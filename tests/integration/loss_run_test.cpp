@@ -45,11 +45,10 @@ void PlayHere(const std::vector<std::string>& options, LossyOutcome* outcome) {
   *outcome = OutcomeOf(run, run.Summary()["wall_s"]);
 }
 
-/// Each process on a separate host, one packet a message.
-void PlayOver(const LossyLan& lan, LossyOutcome* outcome) {
+/// Each process on a separate host, with these options for all.
+void PlayOver(const LossyLan& lan, const std::vector<std::string>& options_of_all, LossyOutcome* outcome) {
   ByHand run(kLossyUrl);
-  run.SetCommon({"--set", "bus.max_message_bytes=1200", "--set", "vo.map.wait_s=60", "--set",
-                 "vo.relocalisation.wait_s=60", "--set", "mapping.loops.wait_s=60"});
+  run.SetCommon(options_of_all);
   bus::BusOptions options;
   options.url = kLossyUrl;
   StatusListener listener(lan.host(5), options);
@@ -68,6 +67,11 @@ void PlayOver(const LossyLan& lan, LossyOutcome* outcome) {
   *outcome = OutcomeOf(run, took.count());
 }
 
+/// One packet a message, and waits that last longer than any repair.
+const std::vector<std::string> kPatientPackets = {
+    "--set", "bus.max_message_bytes=1200",  "--set", "vo.map.wait_s=60",
+    "--set", "vo.relocalisation.wait_s=60", "--set", "mapping.loops.wait_s=60"};
+
 /// Percent of packets dropped, and as many doubled, and as many that overtake; all others are 1 ms late.
 class LossyRun : public testing::TestWithParam<int> {};
 
@@ -81,7 +85,7 @@ TEST_P(LossyRun, GivesTheSameBits) {
   const double share = percent / 100.0;
   if (obstacle.empty()) {
     const LossyLan lan(6, {share, share, share, std::chrono::milliseconds(1)});
-    ASSERT_NO_FATAL_FAILURE(PlayOver(lan, &lossy));
+    ASSERT_NO_FATAL_FAILURE(PlayOver(lan, kPatientPackets, &lossy));
     std::cout << fmt::format("{} packets delivered, {} lost\n", lan.delivered(), lan.lost());
     EXPECT_EQ(lan.lost() > 0, percent > 0);
   } else {
@@ -104,6 +108,33 @@ TEST_P(LossyRun, GivesTheSameBits) {
   EXPECT_TRUE(whole.log.poses == lossy.log.poses);
 }
 
+/// Per mille of the packets dropped. The configuration is the default, in which a message is up to 41 packets.
+class LossyDefault : public testing::TestWithParam<int> {};
+
+TEST_P(LossyDefault, TakesAtMostTwiceTheTime) {
+  const std::string obstacle = LossyLan::Obstacle();
+  if (!obstacle.empty()) GTEST_SKIP() << "no network of our own: " << obstacle;
+  if (GetParam() != 30) {
+    PLSLAM_REQUIRE_LONG_TESTS();
+  }
+  LossyOutcome whole, lossy;
+  {
+    const LossyLan lan(6, {.delay = std::chrono::milliseconds(1)});
+    ASSERT_NO_FATAL_FAILURE(PlayOver(lan, {}, &whole));
+  }
+  const LossyLan lan(6, {.lost = GetParam() / 1000.0, .delay = std::chrono::milliseconds(1)});
+  ASSERT_NO_FATAL_FAILURE(PlayOver(lan, {}, &lossy));
+  std::cout << fmt::format("{} of {} packets lost: {:.2f} s instead of {:.2f}\n", lan.lost(),
+                           lan.lost() + lan.delivered(), lossy.seconds, whole.seconds);
+  EXPECT_GT(lan.lost(), 0);
+  EXPECT_LE(lossy.seconds, 2.0 * whole.seconds);
+  EXPECT_EQ(whole.trajectory, lossy.trajectory);
+  EXPECT_EQ(whole.keyframes, lossy.keyframes);
+  EXPECT_TRUE(whole.map == lossy.map);
+  EXPECT_TRUE(whole.log.poses == lossy.log.poses);
+}
+
+INSTANTIATE_TEST_SUITE_P(PerMille, LossyDefault, testing::Values(1, 10, 30));
 INSTANTIATE_TEST_SUITE_P(Percent, LossyRun, testing::Values(0, 1, 5, 20));
 
 }  // namespace

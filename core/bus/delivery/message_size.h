@@ -9,8 +9,8 @@ namespace plslam::bus {
 
 /// Decides how large a publisher's messages may be. A datagram of 60,000 bytes is 41 packets on a network with an MTU of
 /// 1,500, and is lost if one of them is: at 1 % of lost packets that is a third of the datagrams. If more than one in
-/// twenty large messages needs repair, pages and strips become single packets for a while, which doubles each time.
-/// Results do not depend on the size. Time in nanoseconds of any steady clock; not thread-safe.
+/// twenty large messages needs repair, pages and strips become single packets for a while, which doubles each time, and
+/// larger messages are sent, and sent again, in parts of one packet (`PacketParts`). Results do not depend on the size. Time in nanoseconds of any steady clock; not thread-safe.
 class MessageSize {
  public:
   /// A message of this size fits one packet, its key's MAC and LCM's header included.

@@ -21,7 +21,7 @@ class OrderedReader {
   static constexpr int64_t kSilent_ns = 30'000'000'000;
 
   struct Times {
-    int64_t retry_first_ns = 5'000'000;  ///< repeated after this without an answer, then doubled
+    int64_t retry_first_ns = 3'000'000;  ///< repeated after this without an answer, then doubled
     int64_t retry_max_ns = 200'000'000;
     int64_t ack_pause_ns = 2'000'000;      ///< small messages are acknowledged together
     int64_t silent_ns = kSilent_ns;        ///< a publisher silent for longer counts as exited: its gaps are given up

@@ -8,9 +8,6 @@
 namespace plslam::bus {
 namespace {
 
-constexpr uint32_t kPartMagic = 0x4c433033;
-/// Magic, number, length of the message, offset (32 bits each), part, parts (16 bits each).
-constexpr size_t kPartHeadBytes = 20;
 constexpr size_t kMostSenders = 64;
 /// Limit for all incomplete messages together: two pairs of images of the largest size.
 constexpr size_t kMostBytes = 2 * LongMessages::kMaxBytes;
@@ -27,7 +24,7 @@ std::optional<MessagePart> ParsePart(ByteView packet) {
   part.message_bytes = ReadWord(&packet[8]);
   part.offset = ReadWord(&packet[12]);
   part.part = ReadHalf(&packet[16]);
-  const uint16_t n_parts = ReadHalf(&packet[18]);
+  part.n_parts = ReadHalf(&packet[18]);
   part.bytes = packet.subspan(kPartHeadBytes);
   if (part.part == 0) {
     const void* end = std::memchr(part.bytes.data(), 0, std::min(part.bytes.size(), kMaxChannelBytes + 1));
@@ -36,7 +33,7 @@ std::optional<MessagePart> ParsePart(ByteView packet) {
     part.channel = {reinterpret_cast<const char*>(part.bytes.data()), length};
     part.bytes = part.bytes.subspan(length + 1);
   }
-  const bool fits = part.part < n_parts && uint64_t{part.offset} + part.bytes.size() <= part.message_bytes;
+  const bool fits = part.part < part.n_parts && uint64_t{part.offset} + part.bytes.size() <= part.message_bytes;
   return fits ? std::optional(part) : std::nullopt;
 }
 

@@ -17,12 +17,17 @@ namespace plslam::bus {
 /// Longest channel name of LCM, without its terminating zero.
 inline constexpr size_t kMaxChannelBytes = 63;
 
+/// Begin of a part: magic, number, length of the message, offset (32 bits each), part, parts (16 bits each).
+inline constexpr uint32_t kPartMagic = 0x4c433033;
+inline constexpr size_t kPartHeadBytes = 20;
+
 /// A part of a message that LCM has split because it is longer than a datagram. The first one carries the channel.
 struct MessagePart {
   uint32_t number = 0;  ///< of the message, by its sender
   uint32_t message_bytes = 0;
   uint32_t offset = 0;
   uint16_t part = 0;
+  uint16_t n_parts = 0;
   std::string_view channel;  ///< of part 0
   ByteView bytes;
 };

@@ -70,12 +70,17 @@ bool Rejections::OtherPrefix(std::string_view prefix, int64_t now) {
   return true;
 }
 
+bool Rejections::Has(Rejection why, int64_t now) const {
+  const Row& row = rows_[static_cast<size_t>(why)];
+  return row.count > 0 && now - row.last <= kShown;
+}
+
 std::string Rejections::Line(int64_t now) const {
   std::string line;
   const auto add = [&](const std::string& text) { line += (line.empty() ? "messages rejected: " : ", ") + text; };
   for (size_t i = 0; i < rows_.size(); ++i) {
     const Row& row = rows_[i];
-    if (row.count == 0 || now - row.last > kShown) continue;
+    if (!Has(static_cast<Rejection>(i), now)) continue;
     add(fmt::format("{} {} ({})", row.count, Text(static_cast<Rejection>(i)), row.channel));
   }
   for (const auto& [prefix, last] : prefixes_) {

@@ -30,6 +30,8 @@ class Rejections {
   /// Notes a process with another prefix; true for the first message with that prefix.
   bool OtherPrefix(std::string_view prefix, int64_t now);
 
+  /// Whether there was one within the last minute.
+  bool Has(Rejection why, int64_t now) const;
   /// Returns "messages rejected: 1204 altered or with another bus.key_file (POSE), 3 malformed (STATUS)" about the last
   /// minute; empty if none were.
   std::string Line(int64_t now) const;

@@ -142,4 +142,32 @@ bool StockLcm::Publish(const std::string& channel, ByteView bytes) {
   return lcm_publish(lcm_, channel.c_str(), bytes.data(), static_cast<unsigned>(bytes.size())) == 0;
 }
 
+void ReceiveAll(const std::string& url, const std::string& option, std::chrono::milliseconds time,
+                const std::function<void(std::string_view, ByteView)>& take) {
+  struct Listener {
+    const std::function<void(std::string_view, ByteView)>& take;
+    std::exception_ptr failure;
+  } listener{take, nullptr};
+  const std::string effective = UrlOf(url, option);
+  const std::unique_ptr<_lcm_t, void (*)(_lcm_t*)> lcm(lcm_create(effective.c_str()), lcm_destroy);
+  if (lcm == nullptr) throw std::runtime_error(fmt::format("{}: LCM cannot open {}", option, effective));
+  const auto handler = [](const lcm_recv_buf_t* buffer, const char* channel, void* user) {
+    auto& self = *static_cast<Listener*>(user);
+    try {
+      self.take(channel, {static_cast<const uint8_t*>(buffer->data), buffer->data_size});
+    } catch (...) {
+      self.failure = std::current_exception();
+    }
+  };
+  if (lcm_subscribe(lcm.get(), ".*", handler, &listener) == nullptr) {
+    throw std::runtime_error(fmt::format("{}: LCM cannot listen at {}", option, effective));
+  }
+  const auto end = std::chrono::steady_clock::now() + time;
+  while (listener.failure == nullptr) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
+    if (left.count() <= 0 || lcm_handle_timeout(lcm.get(), static_cast<int>(left.count())) < 0) break;
+  }
+  if (listener.failure != nullptr) std::rethrow_exception(listener.failure);
+}
+
 }  // namespace plslam::bus

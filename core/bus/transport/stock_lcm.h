@@ -68,6 +68,11 @@ class StockLcm {
   LongMessages long_messages_;
 };
 
+/// Calls `take` with each message on any channel of `url` that arrives within this time, by LCM's own receiver. Throws the
+/// exceptions of the constructor of `StockLcm`, and those of `take`.
+void ReceiveAll(const std::string& url, const std::string& option, std::chrono::milliseconds time,
+                const std::function<void(std::string_view channel, ByteView bytes)>& take);
+
 /// The message of a foreign type that has this layout; nullopt where its bytes are not one, or lie about their sizes.
 template <class Message>
 std::optional<Message> CheckedMessage(const MessageLayout& layout, ByteView bytes) {

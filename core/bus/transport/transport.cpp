@@ -132,12 +132,16 @@ Transport::Transport(const std::string& url) : url_(EffectiveUrl(url)), kind_(Ki
         fmt::format("bus.url: LCM cannot open {}{}", url_, errno == 0 ? "" : ": " + ReasonOf(errno)));
   }
   if (kind_ == Kind::kTcpRelay) {
+    const int reason = errno;
     const int fd = lcm_get_fileno(lcm_);
     if (fd < 0) {
       lcm_destroy(lcm_);
       const std::string why = WhyUnknownHost(url_);
       if (!why.empty()) throw std::runtime_error(fmt::format("bus.url: {}: {}", url_, why));
-      throw std::runtime_error("bus.url: no relay answers at " + url_ + " (start one with plslam relay)");
+      throw std::runtime_error(
+          fmt::format("bus.url: no relay answers at {}{} (start one with plslam relay; plslam doctor "
+                      "checks the network)",
+                      url_, reason == 0 ? "" : ": " + ReasonOf(reason)));
     }
     // LCM writes a message in five pieces; without this each waits for the acknowledgement of the one before.
     const int on = 1;
@@ -162,18 +166,39 @@ bool Transport::Send(const std::string& channel, ByteView bytes) {
   return lcm_publish(lcm_, channel.c_str(), bytes.data(), static_cast<unsigned>(bytes.size())) == 0;
 }
 
+bool Transport::SendInPackets(const std::string& channel, ByteView bytes, int64_t seq) {
+  if (udp_ == nullptr || bytes.size() <= kPartBytes) return Send(channel, bytes);
+  const std::lock_guard lock(send_mutex_);
+  if (parts_sender_ == nullptr) parts_sender_ = std::make_unique<PartsSender>(url_);
+  return parts_sender_->Send(channel, bytes, seq);
+}
+
 void Transport::Listen(const std::string& channel) {
   {
     const std::lock_guard lock(listen_mutex_);
     if (!names_.insert(channel).second) return;
+    digests_.insert(ChannelDigest(channel));
     if (udp_ != nullptr) {
-      if (!listens_to_all_) FilterDatagrams(udp_->fd(), names_, addressed_);
-      return;
+      return FilterUdp();
     }
     // LCM hands a message to each pattern that matches it.
     if (HasListenedEnding(channel)) return;
   }
   Subscribe(Quoted(channel));
+}
+
+/// With listen_mutex_.
+void Transport::FilterUdp() {
+  if (listens_to_all_) return;
+  std::set<std::string, std::less<>> unwanted;
+  std::ranges::set_difference(bulky_, names_, std::inserter(unwanted, unwanted.end()));
+  FilterDatagrams(udp_->fd(), names_, addressed_, unwanted);
+}
+
+void Transport::SetBulky(std::set<std::string, std::less<>> channels) {
+  const std::lock_guard lock(listen_mutex_);
+  bulky_ = std::move(channels);
+  if (udp_ != nullptr) FilterUdp();
 }
 
 void Transport::Listen(const AddressedChannels& channels) {
@@ -234,6 +259,11 @@ bool Transport::IsListenedTo(std::string_view channel) {
   return listens_to_all_ || names_.contains(channel) || HasListenedEnding(channel);
 }
 
+bool Transport::WantsParts(uint32_t channel_digest) {
+  const std::lock_guard lock(listen_mutex_);
+  return listens_to_all_ || digests_.contains(channel_digest);
+}
+
 bool Transport::ReceiveUdp(int timeout_ms) {
   static constexpr int kBatch = 32;
   if (!WaitReadable(timeout_ms, udp_->fd())) return true;
@@ -241,7 +271,8 @@ bool Transport::ReceiveUdp(int timeout_ms) {
     if (receiver_ && IsListenedTo(channel)) receiver_(channel, bytes);
   };
   for (int i = 0; i < kBatch; ++i) {
-    const UdpReceiver::Outcome outcome = udp_->Receive(take);
+    const UdpReceiver::Outcome outcome =
+        udp_->Receive(take, [this](uint32_t channel_digest) { return WantsParts(channel_digest); });
     if (outcome == UdpReceiver::Outcome::kNothing) break;
     if (outcome == UdpReceiver::Outcome::kJunk) ++junk_;
   }

@@ -56,11 +56,15 @@ class Transport {
 
   /// Returns false if it could not be sent (a closed connection, a log opened for reading).
   bool Send(const std::string& channel, ByteView bytes);
+  /// The same in parts of one packet each (`PacketParts`), where messages are datagrams. `seq`: the message's number.
+  bool SendInPackets(const std::string& channel, ByteView bytes, int64_t seq);
 
   /// Passes all messages of `channel` (a name, no pattern) to the receiver from now on.
   void Listen(const std::string& channel);
   /// Passes messages of these channels to this process or to all; some transports pass others, too. Called once.
   void Listen(const AddressedChannels& channels);
+  /// Channels with so many packets that they are dropped in the kernel unless they are listened to. Called once.
+  void SetBulky(std::set<std::string, std::less<>> channels);
   /// Passes all messages of channels whose name has this ending; over multicast, only small ones (FilterDatagrams).
   void ListenToEnding(std::string_view ending);
   /// Passes all messages of all channels; `Listen` is then not needed.
@@ -81,8 +85,10 @@ class Transport {
   void Subscribe(const std::string& pattern);
   bool ReceiveUdp(int timeout_ms);
   /// With listen_mutex_.
+  void FilterUdp();
   bool HasListenedEnding(std::string_view channel) const;
   bool IsListenedTo(std::string_view channel);
+  bool WantsParts(uint32_t channel_digest);
   bool WaitReadable(int timeout_ms, int fd) const;
 
   std::string url_;
@@ -95,8 +101,11 @@ class Transport {
   bool listens_to_all_ = false;
   bool ended_ = false;  // a log that is read
   std::unique_ptr<UdpReceiver> udp_;
-  std::mutex listen_mutex_;  // guards the following members, and `listens_to_all_`
+  std::unique_ptr<PartsSender> parts_sender_;  // guarded by send_mutex_
+  std::mutex listen_mutex_;                    // guards the following members, and `listens_to_all_`
   std::set<std::string, std::less<>> names_;
+  std::set<uint32_t> digests_;  // of `names_`
+  std::set<std::string, std::less<>> bulky_;
   AddressedChannels addressed_;
   std::vector<std::string> endings_;
   std::atomic<int64_t> junk_{0};

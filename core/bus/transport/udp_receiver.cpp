@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <cstdint>
 #include <cstring>
 #include <stdexcept>
@@ -108,18 +109,44 @@ void AppendAddressed(Program& program, const AddressedChannels& addressed, const
   program.insert(program.end(), rest.begin(), rest.end());
 }
 
+// Answers for a part of a message: other programs' parts are accepted, and those of `names`.
+Program AnswerParts(const std::set<std::string, std::less<>>& names) {
+  Program program;
+  Load(program, BPF_W, kPacketAt + 4);
+  program.push_back({BPF_ALU | BPF_RSH | BPF_K, 0, 0, kDigestShift});
+  std::set<uint32_t> digests;
+  for (const std::string& name : names) digests.insert(PartsNumber(name, 0, 0) >> kDigestShift);
+  // Marked digests are at least this.
+  program.push_back({BPF_JMP | BPF_JGE | BPF_K, 1, 0, kDigestMark});
+  Return(program, kAll);
+  for (const uint32_t digest : digests) {
+    Expect(program, digest, 1);
+    Return(program, kAll);
+  }
+  Return(program, kNone);
+  return program;
+}
+
 }  // namespace
 
-void FilterDatagrams(int fd, const std::set<std::string, std::less<>>& names, const AddressedChannels& addressed) {
+void FilterDatagrams(int fd, const std::set<std::string, std::less<>>& names, const AddressedChannels& addressed,
+                     const std::set<std::string, std::less<>>& unwanted) {
   Program program;
-  const Program keep{{BPF_RET | BPF_K, 0, 0, kAll}};
+  const Program keep{{BPF_RET | BPF_K, 0, 0, kAll}}, drop{{BPF_RET | BPF_K, 0, 0, kNone}};
   program.push_back({BPF_LD | BPF_W | BPF_LEN, 0, 0, 0});
   program.push_back({BPF_JMP | BPF_JGE | BPF_K, 1, 0, kNameAt});
   Return(program, kAll);
   Load(program, BPF_W, kPacketAt);
+  const Program parts = AnswerParts(names);
+  // Too many for a jump: all parts are received.
+  if (parts.size() < 256) {
+    Expect(program, kPartMagic, parts.size());
+    program.insert(program.end(), parts.begin(), parts.end());
+  }
   program.push_back({BPF_JMP | BPF_JEQ | BPF_K, 1, 0, kLcmMagic});
   Return(program, kAll);
   for (const std::string& name : addressed.names) AppendAddressed(program, addressed, name);
+  for (const std::string& name : unwanted) IfChannel(program, name, drop);
   program.push_back({BPF_LD | BPF_W | BPF_LEN, 0, 0, 0});
   program.push_back({BPF_JMP | BPF_JGT | BPF_K, 1, 0, static_cast<uint32_t>(kUnfilteredBytes)});
   Return(program, kAll);
@@ -184,12 +211,14 @@ UdpGroup ParseUdpGroup(const std::string& url) {
   const size_t colon = network.find(':');
   if (const std::string_view address = network.substr(0, colon); !address.empty()) group.address = address;
   if (colon != std::string_view::npos && !ParseNumber(network.substr(colon + 1), &group.port)) fail();
-  static constexpr std::string_view kBuffer = "recv_buf_size=";
-  const size_t at = rest.find(kBuffer);
-  if (at != std::string_view::npos) {
-    const std::string_view value = rest.substr(at + kBuffer.size());
-    if (!ParseNumber(value.substr(0, value.find('&')), &group.buffer_bytes)) fail();
-  }
+  const auto read = [&](std::string_view name, auto* value) {
+    const size_t at = rest.find(name);
+    if (at == std::string_view::npos) return;
+    const std::string_view text = rest.substr(at + name.size());
+    if (!ParseNumber(text.substr(0, text.find('&')), value)) fail();
+  };
+  read("recv_buf_size=", &group.buffer_bytes);
+  read("ttl=", &group.ttl);
   return group;
 }
 
@@ -230,16 +259,48 @@ std::optional<UdpReceiver::Datagram> UdpReceiver::ReceiveDatagram() {
                   ByteView(buffer_).first(static_cast<size_t>(n))};
 }
 
-UdpReceiver::Outcome UdpReceiver::Receive(const Receiver& receiver) {
+UdpReceiver::Outcome UdpReceiver::Receive(const Receiver& receiver, const Wanted& wanted) {
   const std::optional<Datagram> datagram = ReceiveDatagram();
   if (!datagram) return Outcome::kNothing;
   std::string_view channel;
   ByteView bytes;
-  if (!ParsePacket(datagram->bytes, &channel, &bytes)) {
-    return ParsePart(datagram->bytes) ? Outcome::kPart : Outcome::kJunk;
+  if (ParsePacket(datagram->bytes, &channel, &bytes)) {
+    receiver(channel, bytes);
+    return Outcome::kMessage;
   }
-  receiver(channel, bytes);
+  const std::optional<MessagePart> part = ParsePart(datagram->bytes);
+  if (!part) return Outcome::kJunk;
+  const std::optional<uint32_t> digest = DigestOf(part->number);
+  if (!digest || !wanted(*digest)) return Outcome::kPart;
+  const int64_t now = std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
+  const auto message = parts_.Add(datagram->sender, *part, now);
+  if (!message) return Outcome::kPart;
+  receiver(message->channel, message->bytes);
   return Outcome::kMessage;
+}
+
+PartsSender::PartsSender(const std::string& url)
+    : group_(ParseUdpGroup(url)), fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+  const auto ttl = static_cast<unsigned char>(std::clamp(group_.ttl, 0, 255));
+  if (fd_ >= 0 && setsockopt(fd_, IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof ttl) == 0) return;
+  const int reason = errno;
+  if (fd_ >= 0) close(fd_);
+  throw std::runtime_error("bus.url: " + url + ": cannot send there: " + ReasonOf(reason));
+}
+
+PartsSender::~PartsSender() { close(fd_); }
+
+bool PartsSender::Send(std::string_view channel, ByteView message, int64_t seq) {
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(group_.port);
+  if (inet_pton(AF_INET, group_.address.c_str(), &to.sin_addr) != 1) return false;
+  bool sent = true;
+  ForEachPart(channel, message, PartsNumber(channel, seq, attempt_++), [&](ByteView packet) {
+    const ssize_t n = sendto(fd_, packet.data(), packet.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+    sent = sent && n == static_cast<ssize_t>(packet.size());
+  });
+  return sent;
 }
 
 }  // namespace plslam::bus

@@ -324,6 +324,12 @@ TEST(Bus, InvalidOptionsAreRefused) {
   using testing::HasSubstr;
   EXPECT_THAT(error_of(OptionsFor("ftp://x")), HasSubstr("bus.url: ftp://x is not an LCM URL"));
   EXPECT_THAT(error_of(OptionsFor("tcpq://127.0.0.1:1")), HasSubstr("no relay answers"));
+  EXPECT_THAT(error_of(OptionsFor("tcpq://no-such-host.invalid:7700")),
+              HasSubstr("the host no-such-host.invalid is not known"));
+  EXPECT_THAT(error_of(OptionsFor("udpm://239.255.76.67:7667?tll=1")),
+              HasSubstr("has the unknown parameter 'tll' (known: ttl, recv_buf_size)"));
+  EXPECT_THAT(error_of(OptionsFor("tcpq://127.0.0.1:1?ttl=1")),
+              HasSubstr("unknown parameter 'ttl' (there are none)"));
   BusOptions options = OptionsFor("memq://");
   options.key_file = "/nowhere/key";
   EXPECT_THAT(error_of(options), HasSubstr("/nowhere/key cannot be read"));

@@ -17,6 +17,23 @@ TEST(PartnerWait, GivesUpWithoutSignsOfLife) {
   EXPECT_FALSE(wait.GiveUp(110.0)) << "it is told once";
 }
 
+TEST(PartnerWait, SilenceIsReportedOnce) {
+  PartnerWait wait(5.0);
+  EXPECT_FALSE(wait.IsSilent(100.0)) << "nothing is waited for";
+  wait.Begin(1, 100.0);
+  EXPECT_FALSE(wait.IsSilent(101.9));
+  EXPECT_TRUE(wait.IsSilent(102.1));
+  EXPECT_FALSE(wait.IsSilent(103.0));
+  PartnerWait heard(5.0);
+  heard.OnSignOfLife(99.0);
+  heard.Begin(1, 100.0);
+  heard.OnSignOfLife(101.0);
+  EXPECT_FALSE(heard.IsSilent(102.5));
+  PartnerWait impatient(1.0);
+  impatient.Begin(1, 100.0);
+  EXPECT_FALSE(impatient.IsSilent(103.0)) << "the end of the wait is reported";
+}
+
 TEST(PartnerWait, WaitsUntilSignsOfLifeEnd) {
   PartnerWait wait(5.0);
   wait.Begin(3, 0.0);

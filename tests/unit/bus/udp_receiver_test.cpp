@@ -35,6 +35,10 @@ class FilteredSocket {
     ASSERT_TRUE(sender_.Send(channel, bytes));
   }
 
+  void SendInPackets(const std::string& channel, size_t size) {
+    ASSERT_TRUE(sender_.SendInPackets(channel, std::vector<uint8_t>(size), 1));
+  }
+
   /// Returns the channels of the messages that were received so far; `END` is sent, and always arrives.
   std::vector<std::string> Received() {
     EXPECT_TRUE(sender_.Send("END", std::vector<uint8_t>(1)));
@@ -45,7 +49,8 @@ class FilteredSocket {
         ADD_FAILURE() << "nothing comes";
         break;
       }
-      receiver_.Receive([&](std::string_view channel, ByteView) { channels.emplace_back(channel); });
+      receiver_.Receive([&](std::string_view channel, ByteView) { channels.emplace_back(channel); },
+                        [](uint32_t) { return true; });
     }
     if (!channels.empty()) channels.pop_back();
     return channels;
@@ -72,6 +77,23 @@ TEST(DatagramFilter, SmallMessagesOfAnyChannelPass) {
   socket.Send("STATUS", kSmall);
   socket.Send("P", kSmall);
   EXPECT_EQ(socket.Received(), (std::vector<std::string>{"STATUS", "P"}));
+}
+
+TEST(DatagramFilter, UnwantedChannelsAreDroppedAtAnySize) {
+  FilteredSocket socket;
+  FilterDatagrams(socket.fd(), {"POSE"}, {}, {"STEREO_FRAME", "TRACKS"});
+  for (const char* channel : {"STEREO_FRAME", "STATUS", "TRACKS", "STEREO_FRAME_LIVE", "POSE"}) {
+    socket.Send(channel, kSmall);
+  }
+  EXPECT_EQ(socket.Received(), (std::vector<std::string>{"STATUS", "STEREO_FRAME_LIVE", "POSE"}));
+}
+
+TEST(DatagramFilter, PartsOfOtherChannelsAreDropped) {
+  FilteredSocket socket;
+  FilterDatagrams(socket.fd(), {"POSE", "ann/KEYFRAME"});
+  for (const char* channel : {"STEREO_FRAME", "POSE", "ann/KEYFRAME", "bob/KEYFRAME"})
+    socket.SendInPackets(channel, kLarge);
+  EXPECT_EQ(socket.Received(), (std::vector<std::string>{"POSE", "ann/KEYFRAME"}));
 }
 
 /// A request about a channel to a process.

@@ -13,6 +13,7 @@
 #include "core/bus/transport/wire.h"
 #include "core/process/process_status.h"
 #include "lcmtypes/message_layout.h"
+#include "plslam/counter_t.hpp"
 #include "plslam/status_t.hpp"
 
 namespace plslam::launcher {
@@ -43,6 +44,22 @@ std::string Printable(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }, '?');
   return text;
+}
+
+/// Messages that had to be requested again: "lost of STEREO_FRAME: vo 12, viewer 3". Empty if there are none.
+std::string LinksToText(const BusLoad& load) {
+  std::map<std::string, std::string> readers;
+  for (const ProcessLoad& p : load.processes) {
+    for (const auto& [channel, n] : p.lost_of) {
+      std::string& text = readers[channel];
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", p.robot + p.process, n);
+    }
+  }
+  std::string text;
+  for (const auto& [channel, names] : readers) {
+    text += fmt::format("lost of {}: {}\n", Printable(channel), Printable(names));
+  }
+  return text.empty() ? "" : "\n" + text;
 }
 
 std::string OrDash(const std::string& text) { return text.empty() ? "-" : Printable(text); }
@@ -105,6 +122,12 @@ void TopNode::OnStatus(const std::string& robot, const status_t& status) {
   load.reason = status.reason;
   load.memory_mb = status.memory_mb;
   load.lost = count("bus.lost");
+  load.lost_of.clear();
+  for (const counter_t& counter : status.counters) {
+    if (!counter.name.starts_with(bus::kLostOf)) continue;
+    const std::string channel = counter.name.substr(std::string_view(bus::kLostOf).size());
+    load.lost_of[channel] = bus::CountOf(status, counter.name);
+  }
   load.repaired = count("bus.repaired");
   load.rejected = count("bus.rejected");
   load.queue = static_cast<int64_t>(bus::LongestQueueOf(status));
@@ -138,6 +161,7 @@ std::string ToText(const BusLoad& load) {
                         Figure(p.heard_s_ago, 1), Figure(p.rate_hz, 1), Figure(p.cpu_ms, 1), Figure(p.cpu_percent, 0),
                         p.memory_mb, p.queue, p.lost, p.repaired, Printable(p.reason));
   }
+  text += LinksToText(load);
   text += fmt::format("\n{:<32} {:>9} {:>10}\n", "channel", "Hz", "kB/s");
   for (const ChannelLoad& c : load.channels)
     text += fmt::format("{:<32} {:>9.1f} {:>10.1f}\n", Printable(c.name), c.rate_hz, c.kB_per_s);
@@ -162,6 +186,7 @@ std::string ToJson(const BusLoad& load) {
                          {"memory_mb", p.memory_mb},
                          {"queue", p.queue},
                          {"lost", p.lost},
+                         {"lost_of", p.lost_of},
                          {"repaired", p.repaired},
                          {"rejected", p.rejected}});
   }

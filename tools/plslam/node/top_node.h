@@ -33,8 +33,9 @@ struct ProcessLoad {
   double cpu_ms = -1.0;       ///< for one item
   double cpu_percent = -1.0;  ///< of one core
   double memory_mb = 0.0;
-  int64_t queue = 0;  ///< longest of its queues
-  int64_t lost = 0;   ///< messages since its start, and so are these two
+  int64_t queue = 0;                       ///< longest of its queues
+  int64_t lost = 0;                        ///< messages since its start, and so are these two
+  std::map<std::string, int64_t> lost_of;  ///< `lost` by channel; only those with losses
   int64_t repaired = 0;
   int64_t rejected = 0;
 };

@@ -105,7 +105,8 @@ void VisitFields(Visitor& visit, MappingOptions& o) {
   visit("map_file", o.map_file, "saved map to continue; empty: none");
   visit("localise_only", o.localise_only, "localise in a fixed map: insert no keyframes");
   visit("max_keyframes", o.max_keyframes, Bounds{0, 10000000},
-        "largest number of keyframes; above it those are removed that show nothing new; 0: no limit");
+        "largest number of keyframes (three always stay); above it those are removed that show nothing new; 0: no "
+        "limit");
   visit("state_file", o.state_file, "file of the process state, read after a crash; empty: none");
   visit(
       "state_every", o.state_every, Bounds{1, 1000000},

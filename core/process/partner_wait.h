@@ -26,6 +26,17 @@ class PartnerWait {
   }
   void End() { awaited_.reset(); }
 
+  /// True once: a wait lasts, and the partner was not heard of.
+  bool IsSilent(double now_s) {
+    static constexpr double kSilence_s = 2.0;
+    if (!awaited_ || is_reported_ || now_s - began_s_ < kSilence_s) return false;
+    if (last_sign_s_ && now_s - *last_sign_s_ < kSilence_s) return false;
+    is_reported_ = wait_s_ > kSilence_s;
+    return is_reported_;
+  }
+
+  double wait_s() const { return wait_s_; }
+
   /// Ends a wait that has lasted too long without a sign of life; true if so.
   bool GiveUp(double now_s) {
     if (!awaited_ || now_s - began_s_ < wait_s_ || (last_sign_s_ && now_s - *last_sign_s_ < wait_s_)) return false;
@@ -43,6 +54,7 @@ class PartnerWait {
   std::optional<int64_t> awaited_;
   double began_s_ = 0.0;
   bool given_up_ = false;
+  bool is_reported_ = false;
 };
 
 }  // namespace plslam::bus

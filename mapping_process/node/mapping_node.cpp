@@ -115,6 +115,8 @@ void MappingNode::OnKeyframe(const Keyframe& keyframe) {
   Queue([&] {
     if (!BelongsTo(keyframe.map_instance, map_instance_)) {
       process_.SetCounter("keyframes.other_map", static_cast<double>(++n_other_map_));
+      // Its tracker does not know yet that there is another map.
+      if (n_other_map_ == 1) queue_.AskForWhole();
       return;
     }
     const double now_ms = bus::NowMs();
@@ -231,6 +233,7 @@ void MappingNode::PublishKeyframes(const std::optional<std::set<int64_t>>& ids) 
 }
 
 void MappingNode::LogStoredMap(const std::string& file) {
+  if (mapper_->map().keyframes().empty()) return spdlog::info("beginning a new map: that in {} is empty", file);
   spdlog::info("continuing the map in {}: {} keyframes, {} points, {} lines", file, mapper_->map().keyframes().size(),
                mapper_->map().points().size(), mapper_->map().lines().size());
   CountMap();
@@ -276,9 +279,11 @@ void MappingNode::Do(const Work& work) {
       Answer(work.closure, work.accepted);
       return Publish({});
     case Work::Kind::kPublishWhole:
-      // Before the first update there is nothing to publish; that update will be complete.
-      if (mapper_->version() > 0) PublishWhole();
-      return;
+      if (mapper_->version() > 0) return PublishWhole();
+      // Before the first update there is nothing to publish, unless trackers still belong to an earlier map.
+      if (n_other_map_ == 0) return;
+      mapper_->Commit();
+      return Publish({});
     case Work::Kind::kOrder:
       return Execute(work.order);
     case Work::Kind::kKeepState:

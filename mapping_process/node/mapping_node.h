@@ -97,7 +97,7 @@ class MappingNode {
   bus::MapUpdatePublisher publisher_;
 
   // On the thread of the bus.
-  int64_t n_other_map_ = 0;
+  std::atomic<int64_t> n_other_map_ = 0;
 
   // Shared with the worker.
   std::mutex mutex_;

@@ -29,7 +29,7 @@ endfunction()
 
 function(plslam_process_units folder)
   plslam_process_unit(${folder} mapping mapping_process "mapping (keyframes, points and lines, local bundle adjustment)"
-                      MORE "--set mapping.state_file=%S/plslam/%i/mapping/state")
+                      MORE "--set mapping.state_file=%S/plslam/%i/mapping/state --set mapping.state_every=1")
   plslam_process_unit(${folder} loop loop_process "loop closing (place recognition and relocalisation)"
                       NICE 8)
   plslam_process_unit(${folder} vo vo_process "tracking (stereo odometry with points and lines)"

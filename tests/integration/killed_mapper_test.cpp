@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/io/maps/map_file.h"
 #include "tests/integration/run_watcher.h"
+#include "tests/integration/stored_map_bytes.h"
 #include "tests/integration/whole_run.h"
 
 namespace plslam {
@@ -32,21 +32,6 @@ struct MappedRun {
   std::vector<uint8_t> map;
 };
 
-/// Returns the bytes of a map of one session without its random name.
-std::vector<uint8_t> BytesWithoutName(const std::filesystem::path& file) {
-  StoredMap stored = ReadMapFile(file.string());
-  EXPECT_EQ(stored.sessions.size(), 1U);
-  stored.sessions = {{0, stored.sessions.begin()->second}};
-  stored.newest_session = 0;
-  std::vector<MapKeyframe> keyframes;
-  for (const auto& [id, keyframe] : stored.map.keyframes()) keyframes.push_back(keyframe);
-  for (MapKeyframe& keyframe : keyframes) {
-    keyframe.session = 0;
-    stored.map.Put(keyframe);
-  }
-  return EncodeMap(stored);
-}
-
 /// Two laps of a small room with a loop, keyframes culled; each is killed when the one before is back.
 MappedRun Play(const std::string& state_every, const std::vector<Kill>& kills) {
   const RunWatcher watcher;
@@ -66,7 +51,7 @@ MappedRun Play(const std::string& state_every, const std::vector<Kill>& kills) {
   EXPECT_EQ(run.Wait(), 0) << run.Logs();
   EXPECT_EQ(run.Summary()["completed"], true);
   EXPECT_GE(run.Summary()["loops"], 1);
-  return {run.Read("trajectory.tum"), run.Read("keyframes.tum"), BytesWithoutName(map)};
+  return {run.Read("trajectory.tum"), run.Read("keyframes.tum"), test::BytesWithoutName(map)};
 }
 
 void ExpectSame(const MappedRun& a, const MappedRun& b) {

@@ -42,6 +42,11 @@ double Heard::Counter(const std::string& process, const std::string& name) const
   return found == status.end() ? 0.0 : bus::CounterOf(found->second, name);
 }
 
+bool Heard::IsMapOf(pid_t pid) const {
+  const auto found = status.find("mapping");
+  return found != status.end() && found->second.pid == pid && found->second.header.source == map_source;
+}
+
 RunWatcher::RunWatcher() : bus_(On(port_.Url()), "watcher") {
   Listen();
   thread_ = std::thread([this] { bus_.Run(); });
@@ -90,7 +95,10 @@ void RunWatcher::Listen() {
   });
   map_ = std::make_unique<bus::MapSubscriber>(bus_, [this](const MapUpdate&) {
     auto keyframes = KeyframesOf(map_->replica().map());
-    Add([&](Heard& heard) { heard.mapped = std::move(keyframes); });
+    Add([&](Heard& heard) {
+      heard.mapped = std::move(keyframes);
+      heard.map_source = map_->replica().source();
+    });
   });
 }
 

@@ -37,6 +37,7 @@ struct Heard {
   std::map<int64_t, std::set<int64_t>> keyframes;
   /// The same, of those that are in the map.
   std::map<int64_t, std::set<int64_t>> mapped;
+  int64_t map_source = 0;  ///< publisher of that map
   /// Newest status by process name.
   std::map<std::string, status_t> status;
   /// Names and ids of processes that have published "ready" or "running".
@@ -46,6 +47,8 @@ struct Heard {
 
   /// Counter in the newest status of a process; 0 if it has none of this name.
   double Counter(const std::string& process, const std::string& name) const;
+  /// Whether `mapped` is the map of the mapping_process with this id.
+  bool IsMapOf(pid_t pid) const;
 };
 
 /// Listens to a run on its own bus and thread, and lets a test wait for messages.

@@ -55,7 +55,7 @@ ViewerNode::~ViewerNode() {
   try {
     // A run that ends before any frame was answered does not write over the one before, and leaves no empty
     // trajectories.
-    if (dirty_ && HasPlayed()) Write(false);
+    if (dirty_ && HasPlayed() && !StopsBeforeTheRig()) Write(false);
     ShowProgress(true);
   } catch (const std::exception& e) {
     SetFailures({e.what()});
@@ -64,6 +64,15 @@ ViewerNode::~ViewerNode() {
   if (failure.empty()) return;
   PrintError(fmt::format("{}: error: {}", process_.name(), failure));
   process_.Finish(1);
+}
+
+/// A viewer that was restarted and stopped again has the poses of the history, but not yet the rig, which is repeated
+/// every second. What the previous viewer wrote stays.
+bool ViewerNode::StopsBeforeTheRig() const {
+  static constexpr double kRigAfter_s = 2.0;
+  if (q_l_c_ || bus::NowS() - began_s_ > kRigAfter_s) return false;
+  spdlog::warn("stopped before the rig was received: nothing is written to {}", options_.out);
+  return true;
 }
 
 void ViewerNode::Subscribe() {

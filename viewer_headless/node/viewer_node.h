@@ -12,6 +12,7 @@
 
 #include "core/bus/messages/frame_channel.h"
 #include "core/bus/messages/map_channel.h"
+#include "core/bus/run_loop.h"
 #include "core/geometry/rectification.h"
 #include "core/io/files/folder_lock.h"
 #include "core/process/process.h"
@@ -59,6 +60,7 @@ class ViewerNode {
   void StartNewRun();
   Eigen::Quaterniond q_l_c() const;
   bool HasPlayed() const;
+  bool StopsBeforeTheRig() const;
   bool RunIsOver() const;
   bool MapIsComplete() const;
   bool ExpectsPictures() const;
@@ -94,6 +96,7 @@ class ViewerNode {
   bool written_ = false;
   /// One sentence about the outputs that could not be delivered, of this stream and of an earlier one. Empty if there
   /// are none.
+  const double began_s_ = bus::NowS();
   std::string failure_, failure_before_;
   int64_t rejected_ = 0;
   bool on_terminal_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vo_process/node/map_link.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -65,6 +67,15 @@ void MapLink::OnUpdate(const MapUpdate& update) {
 void MapLink::BeginSession(int64_t adopted_keyframe_id) {
   newest_keyframe_id_ = -1;
   adopted_keyframe_id_ = adopted_keyframe_id;
+}
+
+bool MapLink::GiveUp(double now_s) {
+  if (wait_.IsSilent(now_s)) {
+    spdlog::warn("waiting up to {:.0f} s for mapping_process, which is not found (vo.map.wait_s)", wait_.wait_s());
+  }
+  const bool given_up = wait_.GiveUp(now_s);
+  if (given_up) spdlog::warn("no mapping_process is found: continuing as odometry");
+  return given_up;
 }
 
 bool MapLink::Adopt(Odometry& odometry) {

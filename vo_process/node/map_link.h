@@ -52,6 +52,8 @@ class MapLink {
   bool IsConnected() const;
   /// Whether the map has keyframes of other sessions.
   bool HasOthers() const;
+  /// Ends a wait for mapping_process that has lasted too long; true if so. Reports that, and a wait that has begun.
+  bool GiveUp(double now_s);
   /// Lets odometry adopt the landmarks around the newest keyframe of the session in the map. Returns false if odometry
   /// refuses.
   bool Adopt(Odometry& odometry);

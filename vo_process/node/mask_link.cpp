@@ -20,8 +20,7 @@ constexpr std::chrono::milliseconds kTick(5);
 constexpr int kReportAfter = 20;
 constexpr const char* kNoMasks =
     "masks do not arrive (vo.masks.enabled, channel MASK), so frames are tracked without them: does the detector run "
-    "on "
-    "the same bus, with the same prefix?";
+    "on the same bus, with the same prefix?";
 
 }  // namespace
 

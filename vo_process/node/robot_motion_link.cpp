@@ -20,7 +20,7 @@ constexpr std::chrono::milliseconds kRobotTick(100);
 constexpr int kReportAfter = 20;
 constexpr const char* kNoMotion =
     "poses of the robot do not arrive (vo.robot_motion.enabled, channel ROBOT_MOTION), so frames are tracked without "
-    "them: does adapter run with --wheels, and is the channel's name right?";
+    "them: does adapter receive the robot's odometry (adapter.robot_odometry), and has it the same prefix?";
 
 }  // namespace
 

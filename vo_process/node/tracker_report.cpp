@@ -34,6 +34,12 @@ void TrackerReport::Count(const std::string& name, double increment) {
   process_.SetCounter(name, count);
 }
 
+void TrackerReport::CountUnanchored(bool is_unanchored) {
+  if (is_unanchored) Count(kFramesUnanchored, 1);
+  const double now = is_unanchored ? counts_[kUnanchoredNow] + 1 : 0.0;
+  if (now != counts_[kUnanchoredNow]) Count(kUnanchoredNow, now - counts_[kUnanchoredNow]);
+}
+
 void TrackerReport::SetState(const std::string& state) {
   if (state == std::exchange(state_, state)) return;
   process_.SetState(state, warnings_);
@@ -69,6 +75,7 @@ void TrackerReport::UpdateWarnings() {
   findings.points_ambiguous = counts_[kPointsAmbiguous];
   findings.frames.tracked = frames();
   findings.frames_unanchored = counts_[kFramesUnanchored];
+  findings.unanchored_now = counts_[kUnanchoredNow];
   findings.corner_rows_px = counts_[kCornerRows];
   findings.right_late_ms = counts_[kRightLate];
   findings.left_late_ms = counts_[kLeftLate];

@@ -21,6 +21,8 @@ class TrackerReport {
   explicit TrackerReport(bus::Process& process) : process_(process) {}
 
   void Count(const std::string& name, double increment);
+  /// Counts a frame, which has no known place in the map if `is_unanchored`.
+  void CountUnanchored(bool is_unanchored);
   /// Frames counted so far.
   int64_t frames() { return static_cast<int64_t>(counts_["frames"]); }
   /// Publishes the state if it has changed.

@@ -112,9 +112,12 @@ void VoNode::OnFrame(const Frame& frame) {
   }
   const WaitingFrame waiting{frame, bus::NowS()};
   if (WaitsFor() == Wait::kNothing && waiting_.empty() && !AwaitsOthers(waiting)) return Track(frame);
+  if (frame.lockstep && std::ranges::any_of(waiting_, [&](const auto& other) { return other.Is(frame); })) return;
   if (waiting_.size() == kMaxWaitingFrames) {
-    waiting_.erase(waiting_.begin());
     report_.Count(front_end_ ? "frames.dropped_waiting" : "frames.without_camera", 1);
+    // A player in lockstep sends a frame again until it has the pose, and the oldest one is due first.
+    if (frame.lockstep && front_end_) return;
+    waiting_.erase(waiting_.begin());
   }
   waiting_.push_back(waiting);
 }
@@ -167,7 +170,7 @@ void VoNode::ProcessWaiting() {
   while (WaitsFor() == Wait::kNothing && !waiting_.empty() && !AwaitsOthers(waiting_.front())) {
     const Frame frame = std::move(waiting_.front().frame);
     waiting_.erase(waiting_.begin());
-    if (!IsRepeated(frame)) Track(frame);
+    IsRepeated(frame) ? AnswerAgain(frame) : Track(frame);
   }
 }
 
@@ -202,8 +205,7 @@ void VoNode::SubscribeToMap() {
 
 void VoNode::GiveUpWaits() {
   const double now_s = bus::NowS();
-  const bool no_map = map_->wait().GiveUp(now_s);
-  if (no_map) spdlog::warn("no mapping_process is found: continuing as odometry");
+  const bool no_map = map_->GiveUp(now_s);
   const bool no_result = relocalisation_.wait().GiveUp(now_s);
   if (no_result) spdlog::warn("no loop_process is found: a lost camera is not relocalised");
   if (no_map || no_result) ProcessWaiting();
@@ -373,7 +375,7 @@ void VoNode::NoteAnchor(const Frame& frame, const OdometryResult& result) {
   const bool lost = StateOf(result) == TrackingState::kLost;
   const bool unanchored =
       session_.anchor.OnFrame(frame.images.t_ns, lost, result.relocalised, odometry_->is_unanchored());
-  if (unanchored && !IsLocaliseOnly()) report_.Count(kFramesUnanchored, 1);
+  if (!IsLocaliseOnly()) report_.CountUnanchored(unanchored);
 }
 
 /// Requested if the camera is lost; in a growing map, if it has been unanchored for a short time; in localisation-only
@@ -526,11 +528,11 @@ void VoNode::Restore(const TrackerState& state) {
   if (map_) map_->BeginSession(state.adopted_keyframe_id);
   restored_ = true;
   spdlog::info("resuming after frame {} of the session", session_.last_frame_id);
+  // Before the first frame arrives.
+  if (state.keyframe.keyframe_id >= 0) AwaitAnchor(state.keyframe);
+  if (session_.lockstep) frames_asked_s_ = bus::NowS();
   process_.bus().Post([this, keyframe = state.keyframe] {
-    if (keyframe.keyframe_id >= 0) {
-      keyframes_.Publish(keyframe);
-      AwaitAnchor(keyframe);
-    }
+    if (keyframe.keyframe_id >= 0) keyframes_.Publish(keyframe);
     // The last pose of the crashed tracker may be lost, and a restarted player needs it.
     if (!session_.recent.empty()) process_.bus().Publish(bus::kPose, pose_t(session_.recent.back()));
     if (session_.lockstep) AskForFrames();

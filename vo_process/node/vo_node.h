@@ -66,6 +66,10 @@ class VoNode {
   struct WaitingFrame {
     Frame frame;
     double came_s = 0.0;  ///< arrival, steady clock
+
+    bool Is(const Frame& other) const {
+      return frame.source == other.source && frame.images.frame_id == other.images.frame_id;
+    }
   };
 
   /// Conditions for which the next frame waits.

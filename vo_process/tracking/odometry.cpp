@@ -133,69 +133,80 @@ bool Odometry::LearnRows(const StereoFeatures& features) {
 }
 
 OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
-  AddLineModelError(options_.landmarks.line_model_sigma_px, features);
-  const std::vector<double> raw_disparities_px = PointDisparities(features);
-  noise_scale_.Apply(features);
-  calibration_.Correct(features);
-  TrackedFrame frame(std::move(features));
-  frame.point_sigma_scale = noise_scale_.scale();
-  OdometryResult result;
   const double dt_s = SecondsSince(t_ns);
   last_t_ns_ = t_ns;
-  // Added covariance if two motions were equally likely: the result covers both.
-  Matrix6d doubt = Matrix6d::Zero();
-  Matrix6d doubt_of_motion = Matrix6d::Zero();
-  if (!initialised_) {
-    Initialise(frame, result);
+  TrackedFrame frame = Prepare(std::move(features));
+  OdometryResult result;
+  if (initialised_) {
+    Follow(dt_s, frame, result);
   } else {
-    const MotionPrediction prediction = Predict(dt_s);
-    auto tracked = Find(frame, prediction);
-    if (tracked) {
-      SeparateBodies(*tracked, prediction, dt_s, frame);
-      Accept(*tracked, dt_s, frame, result);
-      if (tracked->rival) {
-        doubt = SquareOf(T_odom_c_.Inverse() * tracked->rival->T_odom_c);
-        doubt_of_motion = SquareOf(result.T_prev_c.Inverse() * tracked->rival->T_prev_c);
-      }
-      CalibrateDisparities(frame, raw_disparities_px);
-      CheckSync(frame, result.T_prev_c, dt_s);
-    } else {
-      Miss(prediction, dt_s, frame, result);
-      calibration_.Interrupt();
-      sync_check_.Interrupt();
-    }
-    PublishCovariance(result);
-    if (tracked) LearnAboutRobot(dt_s, result);
+    Initialise(frame, result);
   }
-  robot_model_.Expect(std::nullopt);
   result.T_odom_c = T_odom_c_;
-  result.covariance += doubt;
-  result.motion_covariance += doubt_of_motion;
-  const bool found = result.state != TrackingState::kInitialising && result.state != TrackingState::kLost;
-  const bool means = options_.keyframes.measurements == "mean";
-  if (found && means) keyframe_measurements_.Add(T_odom_c_, frame);
-  if (result.keyframe) {
-    KeyframeContent& content = result.keyframe->content;
-    content = ContentOfWorld(frame);
-    result.keyframe->withdrawn_points = bodies_.TakeWithdrawnPoints();
-    result.keyframe->withdrawn_lines = bodies_.TakeWithdrawnLines();
-    if (means) content = keyframe_measurements_.Take(landmarks_, std::move(content));
-    keyframe_log_.Add(result.keyframe->id, TrackedLandmarkIds(content.point_tracks),
-                      TrackedLandmarkIds(content.line_tracks));
-  }
+  FillKeyframe(frame, result);
   result.n_bodies = static_cast<int>(bodies_.n_met());
   result.bodies = bodies_.Poses();
   corner_budget_.Observe(frame);
+  robot_model_.Expect(std::nullopt);
   result.features = std::move(frame.features);
   result.point_tracks = std::move(frame.point_tracks);
   result.line_tracks = std::move(frame.line_tracks);
   return result;
 }
 
+/// Applies what was learned about the measurements: their noise, and the offset of the disparities.
+TrackedFrame Odometry::Prepare(StereoFeatures features) const {
+  AddLineModelError(options_.landmarks.line_model_sigma_px, features);
+  std::vector<double> raw_disparities_px = PointDisparities(features);
+  noise_scale_.Apply(features);
+  calibration_.Correct(features);
+  TrackedFrame frame(std::move(features));
+  frame.raw_disparities_px = std::move(raw_disparities_px);
+  frame.point_sigma_scale = noise_scale_.scale();
+  return frame;
+}
+
+/// Predicts the motion, finds the frame among the landmarks, and learns from it.
+void Odometry::Follow(double dt_s, TrackedFrame& frame, OdometryResult& result) {
+  const MotionPrediction prediction = Predict(dt_s);
+  auto tracked = Find(frame, prediction);
+  if (!tracked) {
+    Miss(prediction, dt_s, frame, result);
+    calibration_.Interrupt();
+    sync_check_.Interrupt();
+    return PublishCovariance(result);
+  }
+  SeparateBodies(*tracked, prediction, dt_s, frame);
+  Accept(*tracked, dt_s, frame, result);
+  CalibrateDisparities(frame);
+  CheckSync(frame, result.T_prev_c, dt_s);
+  PublishCovariance(result);
+  LearnAboutRobot(dt_s, result);
+  if (!tracked->rival) return;
+  // Two motions were equally likely: the covariance covers both.
+  result.covariance += SquareOf(T_odom_c_.Inverse() * tracked->rival->T_odom_c);
+  result.motion_covariance += SquareOf(result.T_prev_c.Inverse() * tracked->rival->T_prev_c);
+}
+
+/// Takes the frame's measurements for the next keyframe, and fills in the content of the frame's own.
+void Odometry::FillKeyframe(const TrackedFrame& frame, OdometryResult& result) {
+  const bool found = result.state != TrackingState::kInitialising && result.state != TrackingState::kLost;
+  const bool means = options_.keyframes.measurements == "mean";
+  if (found && means) keyframe_measurements_.Add(T_odom_c_, frame);
+  if (!result.keyframe) return;
+  KeyframeContent& content = result.keyframe->content;
+  content = ContentOfWorld(frame);
+  result.keyframe->withdrawn_points = bodies_.TakeWithdrawnPoints();
+  result.keyframe->withdrawn_lines = bodies_.TakeWithdrawnLines();
+  if (means) content = keyframe_measurements_.Take(landmarks_, std::move(content));
+  keyframe_log_.Add(result.keyframe->id, TrackedLandmarkIds(content.point_tracks),
+                    TrackedLandmarkIds(content.line_tracks));
+}
+
 // All measurements so far contain the offset, or lack it, when it is first applied or no longer applied.
-void Odometry::CalibrateDisparities(TrackedFrame& frame, const std::vector<double>& raw_disparities_px) {
+void Odometry::CalibrateDisparities(TrackedFrame& frame) {
   const auto before = calibration_.learned();
-  if (!calibration_.Observe(T_odom_c_, frame, raw_disparities_px)) return;
+  if (!calibration_.Observe(T_odom_c_, frame, frame.raw_disparities_px)) return;
   const auto change_px = [&](double u_px) {
     return before ? -DisparityErrorTerms(camera_, u_px).dot(before->coefficients_px) : calibration_.Offset_px(u_px);
   };

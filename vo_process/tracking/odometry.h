@@ -178,6 +178,9 @@ class Odometry {
 
   double SecondsSince(int64_t t_ns) const;
   MotionPrediction Predict(double dt_s) const;
+  TrackedFrame Prepare(StereoFeatures features) const;
+  void Follow(double dt_s, TrackedFrame& frame, OdometryResult& result);
+  void FillKeyframe(const TrackedFrame& frame, OdometryResult& result);
   std::optional<Tracked> Find(const TrackedFrame& frame, const MotionPrediction& prediction);
   std::optional<Tracked> FindInPreviousLocalMap(const TrackedFrame& frame, const MotionPrediction& prediction);
   std::optional<Tracked> FindRelocalised(const TrackedFrame& frame, const MotionPrediction& prediction);
@@ -192,7 +195,7 @@ class Odometry {
   void PropagateCovariance(const Tracked& tracked, OdometryResult& result);
   void PublishCovariance(OdometryResult& result);
   void Miss(const MotionPrediction& prediction, double dt_s, TrackedFrame& frame, OdometryResult& result);
-  void CalibrateDisparities(TrackedFrame& frame, const std::vector<double>& raw_disparities_px);
+  void CalibrateDisparities(TrackedFrame& frame);
   void CheckSync(TrackedFrame& frame, const SE3& T_prev_c, double dt_s);
   void Initialise(TrackedFrame& frame, OdometryResult& result);
   void ChooseKeyframe(const Tracked& tracked, const TrackedFrame& frame, OdometryResult& result);

@@ -41,6 +41,8 @@ struct TrackedFrame {
         line_tracks(features.lines.size()) {}
 
   StereoFeatures features;
+  /// Disparities of the points as measured; those of `features` are corrected (`DisparityCalibration`).
+  std::vector<double> raw_disparities_px;
   /// Factor already applied to the sigmas of the points (`NoiseScale`).
   double point_sigma_scale = 1.0;
   PointGrid point_grid;

@@ -24,13 +24,15 @@ void CameraCommandLine::AddTo(void* app) {
       [this] {
         if (!rig_) throw CLI::RequiredError("RIG");
         try {
-          fmt::print("{}\n", PipelineText(ReadRigFile(*rig_)));
+          fmt::print("{}\n", PipelineText(ReadRigFileForPipeline(*rig_)));
         } catch (const std::exception& error) {
           throw CLI::ValidationError(SentenceOf(error));
         }
         throw CLI::Success();
       },
-      "print the GStreamer pipeline of the rig file, as a start for a `source.pipeline`, and exit");
+      "print the GStreamer pipeline of the rig file, as a start for a `source.pipeline`, and exit; the cameras need "
+      "no "
+      "calibration for it");
 }
 
 CameraOptions CameraCommandLine::Options(const Config& config) const {

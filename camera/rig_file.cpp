@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/datasets/camera_file.h"
+#include "core/datasets/check_rig.h"
 #include "core/datasets/yaml_map.h"
 
 namespace plslam::camera {
@@ -85,15 +86,31 @@ std::string KeyOf(SourceSpec::Type type) { return RowOf(type).key; }
 
 bool MayEnd(SourceSpec::Type type) { return RowOf(type).may_end; }
 
-LiveRig ReadRigFile(const std::string& path) {
-  const YamlMap yaml = YamlMap::FromFile(path);
-  if (!yaml.Has("source")) yaml.Fail("source", fmt::format("is missing: a map with one of {}", AllKeys()));
-  Notes notes;
-  RigCalibration rig = ReadCameraFile(path, {}, &notes);
-  LiveRig live{path, std::move(rig), ReadSource(yaml.Map("source")), std::move(notes)};
-  if (live.rig.kind != RigCalibration::Kind::kStereo) {
-    yaml.Fail("kind", "= rgbd cannot have a source: two cameras are read, left and right");
+CameraCalibration ReadUncalibratedCamera(const YamlMap& yaml) {
+  if (!yaml.Has("resolution_px")) {
+    yaml.Fail("resolution_px", "is missing: the size of the images, [640, 480]");
   }
+  const ImageSize size = ReadResolution(yaml, {});
+  CameraCalibration camera;
+  camera.width_px = size.width_px;
+  camera.height_px = size.height_px;
+  camera.fx_px = camera.fy_px = size.width_px;
+  camera.cx_px = 0.5 * (size.width_px - 1.0);
+  camera.cy_px = 0.5 * (size.height_px - 1.0);
+  yaml.Require("resolution_px", SizeComplaint(camera));
+  return camera;
+}
+
+namespace {
+
+YamlMap ReadWithSource(const std::string& path) {
+  YamlMap yaml = YamlMap::FromFile(path);
+  if (!yaml.Has("source")) yaml.Fail("source", fmt::format("is missing: a map with one of {}", AllKeys()));
+  return yaml;
+}
+
+LiveRig WithSource(const YamlMap& yaml, const std::string& path, RigCalibration rig, Notes notes) {
+  LiveRig live{path, std::move(rig), ReadSource(yaml.Map("source")), std::move(notes)};
   const CameraCalibration& left = live.rig.left;
   const CameraCalibration& right = live.rig.right;
   if (live.source.type == SourceSpec::Type::kSideBySide &&
@@ -106,6 +123,38 @@ LiveRig ReadRigFile(const std::string& path) {
     }
   }
   return live;
+}
+
+bool HasLens(const YamlMap& camera) {
+  return camera.Has("focal_length_px") || camera.Has("principal_point_px") || camera.Has("distortion");
+}
+
+CameraCalibration ReadSizeOnly(const YamlMap& camera) {
+  camera.AllowOnly({"resolution_px", "model", "T_b_cam", "mask", "mask_polygons", "borders_px"});
+  return ReadUncalibratedCamera(camera);
+}
+
+}  // namespace
+
+LiveRig ReadRigFile(const std::string& path) {
+  const YamlMap yaml = ReadWithSource(path);
+  Notes notes;
+  RigCalibration rig = ReadCameraFile(path, {}, &notes);
+  if (rig.kind != RigCalibration::Kind::kStereo) {
+    yaml.Fail("kind", "= rgbd cannot have a source: two cameras are read, left and right");
+  }
+  return WithSource(yaml, path, std::move(rig), std::move(notes));
+}
+
+LiveRig ReadRigFileForPipeline(const std::string& path) {
+  const YamlMap yaml = ReadWithSource(path);
+  if (yaml.Has("from") || !yaml.Has("left") || HasLens(yaml.Map("left"))) return ReadRigFile(path);
+  yaml.AllowOnly({"name", "kind", "rate_hz", "left", "right", "baseline_m", "source"});
+  RigCalibration rig;
+  rig.left = rig.right = ReadSizeOnly(yaml.Map("left"));
+  if (yaml.Has("right") && yaml.Map("right").Has("resolution_px")) rig.right = ReadSizeOnly(yaml.Map("right"));
+  rig.rate_hz = ReadRate_hz(yaml, 0.0);
+  return WithSource(yaml, path, std::move(rig), {});
 }
 
 }  // namespace plslam::camera

@@ -46,4 +46,12 @@ struct LiveRig {
 /// value.
 LiveRig ReadRigFile(const std::string& path);
 
+/// Reads a rig file whose cameras may have no calibration yet: their lenses are then made up from `resolution_px`. It
+/// suffices for `PipelineText`. Throws as `ReadRigFile`.
+LiveRig ReadRigFileForPipeline(const std::string& path);
+
+/// Returns a camera of the size `resolution_px` with a made-up lens. Throws DatasetError if the size is missing or
+/// invalid.
+CameraCalibration ReadUncalibratedCamera(const YamlMap& yaml);
+
 }  // namespace plslam::camera

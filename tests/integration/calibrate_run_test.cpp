@@ -71,7 +71,7 @@ TEST_F(CalibrateRun, TheTutorialCalibratesAFakeCamera) {
   const std::string tutorial = ReadText(test::SourceFolder() / "docs" / "tutorial.md");
   const size_t begin = tutorial.find("# A camera in fifteen minutes");
   ASSERT_NE(begin, std::string::npos);
-  Render("charuco:11x8:0.03:0.022", kPoses);
+  Render("charuco:11x8:0.023:0.017", kPoses);
   int n_commands = 0;
   std::string out;
   for (const test::CommandBlock& block :

@@ -23,8 +23,8 @@ TEST_F(Installation, RunsAfterBeingMoved) {
   fs::rename(prefix(), folder() / "moved away");
   ExpectThatItRuns(folder() / "moved away" / "bin");
   for (const char* file :
-       {"share/plslam/orb.vocabulary", "share/plslam/config/plslam.yaml", "share/plslam/lcmtypes/pose_t.lcm",
-        "share/man/man1/plslam.1.gz", "share/bash-completion/completions/plslam",
+       {"share/plslam/orb.vocabulary", "share/plslam/config/plslam.yaml", "share/plslam/config/rigs/zed.yaml",
+        "share/plslam/lcmtypes/pose_t.lcm", "share/man/man1/plslam.1.gz", "share/bash-completion/completions/plslam",
         "share/zsh/vendor-completions/_plslam", "share/fish/vendor_completions.d/plslam.fish",
         "share/plslam/systemd/plslam-vo@.service", "share/doc/plslam/README.md"}) {
     EXPECT_TRUE(fs::exists(folder() / "moved away" / file)) << file;

@@ -187,38 +187,4 @@ std::vector<BlackRectangle> BoardPattern(const Board& board) {
   return pattern;
 }
 
-std::string BoardPdf(const Board& board) {
-  constexpr double kPointsPerMetre = 72.0 / 0.0254;
-  constexpr double kMargin_m = 0.015;
-  const double width = (board.width_m() + 2.0 * kMargin_m) * kPointsPerMetre;
-  const double height = (board.height_m() + 2.0 * kMargin_m) * kPointsPerMetre;
-  std::string drawing = "0 g\n";
-  for (const BlackRectangle& r : BoardPattern(board)) {
-    const Eigen::Vector2d at = (r.upper_left_m.array() + kMargin_m) * kPointsPerMetre;
-    const Eigen::Vector2d size = r.size_m * kPointsPerMetre;
-    drawing +=
-        fmt::format("{:.4f} {:.4f} {:.4f} {:.4f} re\n", at.x(), height - at.y() - size.y(), size.x(), size.y());
-  }
-  drawing += fmt::format("f\nBT /F 8 Tf {:.2f} 12 Td (--board {}, {}: print at 100 %) Tj ET\n",
-                         kMargin_m * kPointsPerMetre, BoardText(board), BoardMeasure(board));
-  const std::vector<std::string> objects = {
-      "<< /Type /Catalog /Pages 2 0 R >>", "<< /Type /Pages /Kids [3 0 R] /Count 1 >>",
-      fmt::format(
-          "<< /Type /Page /Parent 2 0 R /MediaBox [0 0 {:.4f} {:.4f}] /Contents 4 0 R /Resources << /Font << /F 5 "
-          "0 R >> >> >>",
-          width, height),
-      fmt::format("<< /Length {} >>\nstream\n{}endstream", drawing.size(), drawing),
-      "<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica >>"};
-  std::string pdf = "%PDF-1.4\n", table;
-  for (size_t i = 0; i < objects.size(); ++i) {
-    table += fmt::format("{:010} 00000 n \n", pdf.size());
-    pdf += fmt::format("{} 0 obj\n{}\nendobj\n", i + 1, objects[i]);
-  }
-  const size_t start = pdf.size();
-  return pdf +
-         fmt::format(
-             "xref\n0 {0}\n0000000000 65535 f \n{1}trailer\n<< /Size {0} /Root 1 0 R >>\nstartxref\n{2}\n%%EOF\n",
-             objects.size() + 1, table, start);
-}
-
 }  // namespace plslam::calibration

@@ -55,8 +55,4 @@ std::string BoardMeasure(const Board& board);
 /// All that is black on the board.
 std::vector<BlackRectangle> BoardPattern(const Board& board);
 
-/// The board as a PDF of one page that is as large as the board with a margin: printed without scaling, squares have
-/// their size.
-std::string BoardPdf(const Board& board);
-
 }  // namespace plslam::calibration

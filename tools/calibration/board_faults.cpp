@@ -8,11 +8,45 @@
 
 namespace plslam::calibration {
 
-std::string BoardFaults::Sentence(const Board& board) const {
+namespace {
+
+/// A board that is held at so few positions may stay partly out of all images.
+constexpr int kEnoughImages = 10;
+
+}  // namespace
+
+void BoardFaults::Count(const BoardView& view) {
+  ++images_;
+  if (view.contradicts) ++contradictions_;
+  if (!view.corners.empty()) ++images_with_board_;
+  for (const int corner : view.corners) {
+    const int row = corner / board_.CornerColumns(), column = corner % board_.CornerColumns();
+    first_row_ = std::min(first_row_, row);
+    last_row_ = std::max(last_row_, row);
+    first_column_ = std::min(first_column_, column);
+    last_column_ = std::max(last_column_, column);
+  }
+}
+
+std::string BoardFaults::Contradiction() const {
   if (4 * contradictions_ <= images_) return "";
   return fmt::format(
       "the markers do not lie as on the board {} (in {} of {} pictures): does the board have other columns and rows?",
-      BoardText(board), contradictions_, images_);
+      BoardText(board_), contradictions_, images_);
+}
+
+std::string BoardFaults::UnseenEdge() const {
+  if (images_with_board_ < kEnoughImages) return "";
+  const char* edge = last_row_ < board_.CornerRows() - 1         ? "lowest row"
+                     : first_row_ > 0                            ? "uppermost row"
+                     : last_column_ < board_.CornerColumns() - 1 ? "rightmost column"
+                     : first_column_ > 0                         ? "leftmost column"
+                                                                 : nullptr;
+  if (edge == nullptr) return "";
+  return fmt::format(
+      "none of {} pictures shows the {} of the board {}: does the board have fewer columns or rows? If not, hold it "
+      "where the whole board is seen",
+      images_with_board_, edge, BoardText(board_));
 }
 
 std::string OtherSizeSeen(const Board& board, const cv::Mat& image) {

@@ -19,6 +19,7 @@
 #include "core/io/images/image_folder.h"
 #include "tools/calibration/board.h"
 #include "tools/calibration/board_faults.h"
+#include "tools/calibration/board_sheet.h"
 #include "tools/calibration/calibration_command.h"
 #include "tools/calibration/coverage.h"
 #include "tools/calibration/live/live_rig.h"
@@ -55,7 +56,7 @@ Seen FindBoards(const std::string& folder, const Board& board) {
   const auto left = ListImages((fs::path(folder) / "left").string());
   const auto right = ListImages((fs::path(folder) / "right").string());
   Seen seen;
-  BoardFaults faults;
+  BoardFaults faults(board);
   cv::Mat first;
   for (const auto& [key, left_path] : left) {
     const auto partner = right.find(key);
@@ -74,7 +75,9 @@ Seen FindBoards(const std::string& folder, const Board& board) {
   }
   if (seen.n_pictures == 0)
     throw DatasetError(folder + ": no picture in left has a picture with the same number in right");
-  if (const std::string fault = faults.Sentence(board); !fault.empty()) throw DatasetError(folder + ": " + fault);
+  for (const std::string& fault : {faults.Contradiction(), faults.UnseenEdge()}) {
+    if (!fault.empty()) throw DatasetError(folder + ": " + fault);
+  }
   if (seen.pairs.empty()) {
     throw DatasetError(fmt::format("{}: the board {} is not seen in any of {} pictures{}", folder, BoardText(board),
                                    seen.n_pictures, OtherSizeSeen(board, first)));
@@ -213,8 +216,9 @@ int Calibrate(const CalibrateOptions& o) {
   const Board board = ParseBoard(o.board);
   if (!o.print_board.empty()) {
     WriteFileAtomically(o.print_board, BoardPdf(board));
-    fmt::print("{}: {} by {} {}; print at 100 % (no fit to page), measure a row and give the true size in --board\n",
-               o.print_board, board.SquareColumns(), board.SquareRows(), BoardMeasure(board));
+    fmt::print(
+        "{}: {} by {} {}; print at 100 % (no fit to page) on {}, measure a row and give the true size in --board\n",
+        o.print_board, board.SquareColumns(), board.SquareRows(), BoardMeasure(board), PaperText(SheetFor(board)));
   }
   if (o.folder.empty()) {
     if (o.print_board.empty()) throw std::runtime_error("give a folder of pictures, or --print-board FILE");
@@ -294,9 +298,9 @@ void AddCalibrateCommand(CLI::App* app, std::function<int()>* command) {
   sub->footer(
       "Hold the board still, near and far, tilted, and into every corner of both images; 30 to 60 pairs are good.\n"
       "Examples:\n"
-      "  plslam calibrate --board charuco:11x8:0.03:0.022 --print-board board.pdf\n"
-      "  plslam calibrate rig.yaml --board charuco:11x8:0.03:0.022 --out camera.yaml\n"
-      "  plslam calibrate pictures --board charuco:11x8:0.03:0.022 --out my_camera/camera.yaml\n"
+      "  plslam calibrate --board charuco:11x8:0.023:0.017 --print-board board.pdf\n"
+      "  plslam calibrate rig.yaml --board charuco:11x8:0.023:0.017 --out camera.yaml\n"
+      "  plslam calibrate pictures --board charuco:11x8:0.023:0.017 --out my_camera/camera.yaml\n"
       "  plslam calibrate pictures --board chess:9x6:0.025 --model equidistant --out my_camera/camera.yaml\n"
       "Exit code 0 if there is a result; plslam rectify-check then checks it on other pictures.");
   sub->callback([=] { *command = [options] { return Calibrate(*options); }; });

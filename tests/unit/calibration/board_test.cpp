@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "tests/unit/calibration/board_pictures.h"
+#include "tools/calibration/board_faults.h"
+#include "tools/calibration/board_sheet.h"
 #include "tools/calibration/markers.h"
 
 namespace plslam::calibration {
@@ -93,16 +96,66 @@ TEST(Board, AprilgridIsKalibrs) {
   EXPECT_NEAR(BoardCorners(board).back().x(), board.width_m() - 0.03, 1e-9);
 }
 
+TEST(BoardSheet, IsTheSmallestPaperWithAMargin) {
+  const auto paper = [](const std::string& board) { return PaperText(SheetFor(ParseBoard(board))); };
+  EXPECT_EQ(paper("charuco:11x8:0.023:0.017"), "A4 or Letter paper") << "as the documents propose";
+  EXPECT_EQ(paper("charuco:8x11:0.023:0.017"), "A4 or Letter paper");
+  EXPECT_EQ(paper("charuco:12x8:0.023:0.017"), "A4 paper");
+  EXPECT_EQ(paper("charuco:10x8:0.0245:0.017"), "Letter paper");
+  EXPECT_EQ(paper("charuco:11x8:0.03:0.022"), "A3 or Tabloid paper");
+  EXPECT_EQ(paper("aprilgrid:6x6:0.088:0.3"), "A0 paper");
+  EXPECT_EQ(paper("chess:12x9:0.1"), "paper of at least 1316 by 1016 mm");
+}
+
+TEST(BoardSheet, LiesAsTheBoardDoes) {
+  const BoardSheet wide = SheetFor(ParseBoard("charuco:11x8:0.023:0.017"));
+  const BoardSheet upright = SheetFor(ParseBoard("charuco:8x11:0.023:0.017"));
+  EXPECT_DOUBLE_EQ(wide.width_m, 0.2794);
+  EXPECT_DOUBLE_EQ(wide.height_m, 0.21);
+  EXPECT_DOUBLE_EQ(upright.width_m, wide.height_m);
+  EXPECT_DOUBLE_EQ(upright.height_m, wide.width_m);
+}
+
 TEST(BoardPdf, HasThePrintSizeAndAllSquares) {
   const std::string pdf = BoardPdf(ParseBoard("chess:9x6:0.025"));
-  // 10 x 7 squares of 25 mm and twice 15 mm: 280 x 205 mm in points.
-  EXPECT_THAT(pdf, HasSubstr("/MediaBox [0 0 793.7008 581.1024]"));
+  // 279.4 x 210 mm in points: what A4 and Letter have in common.
+  EXPECT_THAT(pdf, HasSubstr("/MediaBox [0 0 792.0000 595.2756]"));
   size_t n = 0;
   for (size_t at = 0; (at = pdf.find(" 70.8661 70.8661 re\n", at)) != std::string::npos; ++at) ++n;
   EXPECT_EQ(n, 35U);
+  // The upper left square: (279.4 - 250) / 2 mm from the left, (210 - 175) / 2 + 25 mm from the top.
+  EXPECT_THAT(pdf, HasSubstr("\n41.6693 474.8031 70.8661 70.8661 re\n"));
+  EXPECT_THAT(pdf, HasSubstr("(--board chess:9x6:0.025, squares of 25 mm: print at 100 % on A4 or Letter paper)"));
   EXPECT_THAT(pdf, testing::EndsWith("%%EOF\n"));
   const size_t start = std::stoul(pdf.substr(pdf.find("startxref\n") + 10));
   EXPECT_EQ(pdf.substr(start, 5), "xref\n");
+}
+
+/// A view of some corners, by row and column.
+BoardView ViewOf(const Board& board, const std::vector<std::pair<int, int>>& corners) {
+  BoardView view;
+  for (const auto& [row, column] : corners) view.corners.push_back(row * board.CornerColumns() + column);
+  return view;
+}
+
+std::string UnseenEdge(const Board& board, const std::vector<std::pair<int, int>>& corners, int n_images = 10) {
+  BoardFaults faults(board);
+  faults.Count({});
+  for (int i = 0; i < n_images; ++i) faults.Count(ViewOf(board, corners));
+  EXPECT_EQ(faults.Contradiction(), "");
+  return faults.UnseenEdge();
+}
+
+TEST(BoardFaults, AnEdgeThatNoImageShows) {
+  const Board board = ParseBoard("charuco:5x4:0.03:0.022");  // 4 x 3 corners
+  EXPECT_EQ(UnseenEdge(board, {{0, 3}, {2, 0}}), "");
+  EXPECT_EQ(UnseenEdge(board, {{0, 0}}, 9), "") << "too few images to judge";
+  EXPECT_EQ(UnseenEdge(board, {{0, 0}, {1, 3}}),
+            "none of 10 pictures shows the lowest row of the board charuco:5x4:0.03:0.022: does the board have fewer "
+            "columns or rows? If not, hold it where the whole board is seen");
+  EXPECT_THAT(UnseenEdge(board, {{1, 0}, {2, 3}}), HasSubstr("uppermost row"));
+  EXPECT_THAT(UnseenEdge(board, {{0, 0}, {2, 2}}), HasSubstr("rightmost column"));
+  EXPECT_THAT(UnseenEdge(board, {{0, 1}, {2, 3}}), HasSubstr("leftmost column"));
 }
 
 }  // namespace

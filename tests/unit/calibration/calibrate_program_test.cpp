@@ -66,6 +66,9 @@ TEST_F(CalibrateProgram, RenderedPicturesGiveTheRig) {
 
   EXPECT_EQ(Run("pictures --board charuco:10x8:0.03:0.022"), 1) << Text("out");
   EXPECT_THAT(Text("error"), HasSubstr("does the board have other columns and rows?"));
+  EXPECT_EQ(Run("pictures --board charuco:11x9:0.03:0.022 --out other.yaml"), 1) << Text("out");
+  EXPECT_THAT(Text("error"), HasSubstr("row of the board charuco:11x9:0.03:0.022: does the board have fewer"));
+  EXPECT_FALSE(fs::exists(folder_ / "other.yaml"));
   fs::rename(folder_ / "pictures" / "left", folder_ / "pictures" / "other");
   fs::rename(folder_ / "pictures" / "right", folder_ / "pictures" / "left");
   fs::rename(folder_ / "pictures" / "other", folder_ / "pictures" / "right");
@@ -89,6 +92,8 @@ TEST_F(CalibrateProgram, AprilgridOfKalibr) {
   printf("%s", out.c_str());
   EXPECT_EQ(Run("pictures --board aprilgrid:5x4:0.04:0.3"), 1) << Text("out");
   EXPECT_THAT(Text("error"), HasSubstr("does the board have other columns and rows?"));
+  EXPECT_EQ(Run("pictures --board aprilgrid:6x5:0.04:0.3"), 1) << Text("out");
+  EXPECT_THAT(Text("error"), HasSubstr("uppermost row of the board aprilgrid:6x5:0.04:0.3"));
 }
 
 TEST_F(CalibrateProgram, AChessBoardOfAnotherSize) {
@@ -119,8 +124,11 @@ TEST_F(CalibrateProgram, UnusableRigFilesAreNamed) {
 }
 
 TEST_F(CalibrateProgram, PrintsABoard) {
-  ASSERT_EQ(Run("--board charuco:11x8:0.03:0.022 --print-board board.pdf"), 0) << Text("error");
+  ASSERT_EQ(Run("--board charuco:11x8:0.023:0.017 --print-board board.pdf"), 0) << Text("error");
   EXPECT_THAT(Text("board.pdf"), testing::StartsWith("%PDF-1.4\n"));
+  EXPECT_THAT(Text("out"), HasSubstr("print at 100 % (no fit to page) on A4 or Letter paper"));
+  ASSERT_EQ(Run("--board charuco:11x8:0.03:0.022 --print-board large.pdf"), 0) << Text("error");
+  EXPECT_THAT(Text("out"), HasSubstr("on A3 or Tabloid paper"));
   EXPECT_EQ(Run("--board charuco:11x8:0.03:0.022"), 1);
   EXPECT_THAT(Text("error"), HasSubstr("--print-board"));
 }

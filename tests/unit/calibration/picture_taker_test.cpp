@@ -3,7 +3,10 @@
 
 #include <gmock/gmock.h>
 
+#include <filesystem>
+
 #include "core/io/files/dataset_error.h"
+#include "tests/support/data_folder.h"
 #include "tests/support/text_file.h"
 #include "tests/unit/calibration/board_pictures.h"
 #include "tools/calibration/live/coverage_page.h"
@@ -104,6 +107,14 @@ TEST(LiveRigFile, NeedsNoLens) {
   const LiveRigFile again = ReadLiveRigFile(folder.Write("again.yaml", rig.for_camera));
   EXPECT_EQ(again.source, rig.source);
   EXPECT_EQ(again.rate_hz, 20.0);
+}
+
+TEST(LiveRigFile, ExampleRigsCanBeCalibrated) {
+  for (const auto& entry : std::filesystem::directory_iterator(test::SourceFolder() / "config" / "rigs")) {
+    const LiveRigFile rig = ReadLiveRigFile(entry.path().string());
+    EXPECT_EQ(rig.name, entry.path().stem().string());
+    EXPECT_GT(rig.rate_hz, 0.0) << entry.path();
+  }
 }
 
 TEST(LiveRigFile, NameAndPoseOfTheLeftCameraAreKept) {

@@ -39,6 +39,16 @@ TEST(CameraProgram, PrintsItsPipeline) {
   EXPECT_EQ(result.text, "a ! b\n");
 }
 
+TEST(CameraProgram, PrintsThePipelineBeforeACalibration) {
+  const ScratchFolder folder;
+  const std::string size = "left:\n  resolution_px: [640, 480]\n";
+  const std::string rig = folder.Write("rig.yaml", size + "source:\n  pair: [/dev/video0, /dev/video2]\n");
+  const Result result = Camera(folder, rig + " --print-pipeline");
+  EXPECT_EQ(result.exit_code, 0) << result.text;
+  EXPECT_THAT(result.text, HasSubstr("video/x-raw,width=640,height=480"));
+  EXPECT_THAT(Camera(folder, rig).text, HasSubstr("focal_length_px is missing")) << "a run needs the calibration";
+}
+
 TEST(CameraProgram, ErrorsAreOneSentence) {
   const ScratchFolder folder;
   EXPECT_THAT(Camera(folder, "").text, HasSubstr("camera: error: no rig file is given"));

@@ -5,10 +5,12 @@
 #include <gmock/gmock.h>
 
 #include <filesystem>
+#include <set>
 
 #include "camera/pipeline_text.h"
 #include "core/datasets/camera_file.h"
 #include "core/io/files/dataset_error.h"
+#include "tests/support/data_folder.h"
 #include "tests/support/text_file.h"
 
 namespace plslam::camera {
@@ -66,6 +68,50 @@ TEST(RigFile, ErrorsNameLineKeyAndRemedy) {
   }
   const std::string none = folder.Write("camera.yaml", kCamera);
   EXPECT_THAT([&] { ReadRigFile(none); }, ThrowsMessage<DatasetError>(HasSubstr("camera.yaml:1: source is missing")));
+}
+
+TEST(RigFileForPipeline, NeedsNoCalibration) {
+  const ScratchFolder folder;
+  const std::string left = "left:\n  resolution_px: [640, 480]\n", source = "source:\n  side_by_side: /dev/video0\n";
+  const LiveRig live = ReadRigFileForPipeline(folder.Write("rig.yaml", "rate_hz: 15\n" + left + source));
+  EXPECT_THAT(PipelineText(live),
+              AllOf(HasSubstr("width=1280,height=480,framerate=15/1"), HasSubstr("videocrop right=640")));
+  const std::string calibrated = WriteRig(folder, "pair: [a, b]");
+  EXPECT_EQ(PipelineText(ReadRigFileForPipeline(calibrated)), PipelineText(ReadRigFile(calibrated)));
+}
+
+TEST(RigFileForPipeline, ErrorsNameLineKeyAndRemedy) {
+  const ScratchFolder folder;
+  const std::string left = "left:\n  resolution_px: [640, 480]\n", source = "source:\n  side_by_side: /dev/video0\n";
+  const std::pair<std::string, const char*> cases[] = {
+      {left, "rig.yaml:1: source is missing: a map with one of side_by_side"},
+      {"left: {}\n" + source, "rig.yaml:1: resolution_px is missing: the size of the images, [640, 480]"},
+      {"left:\n  resolution: [640, 480]\n" + source, "rig.yaml:2: resolution is not a known key"},
+      {"left:\n  resolution_px: [4, 480]\n" + source, "rig.yaml:2: resolution_px"},
+      {left + "right:\n  resolution_px: [320, 240]\n" + source, "rig.yaml:6: side_by_side needs a left and a right"},
+      {left + "  distortion: [0, 0, 0, 0]\n" + source, "rig.yaml:2: focal_length_px is missing"},
+      {left + source + "rat_hz: 20\n", "rig.yaml:5: rat_hz is not a known key"},
+  };
+  for (const auto& [text, sentence] : cases) {
+    const std::string path = folder.Write("rig.yaml", text);
+    EXPECT_THAT([&] { ReadRigFileForPipeline(path); }, ThrowsMessage<DatasetError>(HasSubstr(sentence))) << text;
+  }
+}
+
+TEST(ExampleRigs, HavePipelinesBeforeTheirCalibration) {
+  const auto folder = test::SourceFolder() / "config" / "rigs";
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const std::string path = entry.path().string();
+    const LiveRig live = ReadRigFileForPipeline(path);
+    EXPECT_GT(live.rig.left.width_px, 0) << path;
+    EXPECT_GT(live.rig.rate_hz, 0.0) << path;
+    EXPECT_THAT(PipelineText(live), AllOf(HasSubstr("appsink name=left"), HasSubstr("appsink name=right"))) << path;
+    EXPECT_TRUE(NamesSource(path)) << path;
+    EXPECT_THAT(ReadText(path), HasSubstr("NOT TESTED WITH A REAL DEVICE")) << path;
+    names.insert(entry.path().filename().string());
+  }
+  EXPECT_THAT(names, testing::ElementsAre("oak_d.yaml", "realsense_d4xx.yaml", "zed.yaml"));
 }
 
 TEST(PipelineText, TwoDevicesOfTheSizeAndRateOfTheRig) {

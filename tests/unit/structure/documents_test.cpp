@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <filesystem>
+#include <map>
 #include <regex>
 #include <set>
+#include <sstream>
 
 #include "tests/support/data_folder.h"
 #include "tests/unit/structure/source_tree.h"
@@ -39,6 +43,54 @@ TEST(Documents, ScriptsTheyNameExistAndCanBeRun) {
       EXPECT_NE(fs::status(path).permissions() & fs::perms::owner_exec, fs::perms::none) << script;
     }
   }
+}
+
+/// The anchor that GitHub gives to a heading; MkDocs gives the same one unless words are apart by more than one
+/// character.
+std::string AnchorOf(const std::string& heading) {
+  static const std::regex kLink(R"(\[([^\]]*)\]\([^)]*\))");
+  std::string anchor;
+  for (const char c : std::regex_replace(heading, kLink, "$1")) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-') {
+      anchor += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    } else if (c == ' ') {
+      anchor += '-';
+    }
+  }
+  return anchor;
+}
+
+/// Anchors of a document; a heading that is repeated has a number.
+std::set<std::string> AnchorsOf(const fs::path& document) {
+  std::istringstream text(test::ReadText(document));
+  std::set<std::string> anchors;
+  std::map<std::string, int> uses;
+  bool in_block = false;
+  for (std::string line; std::getline(text, line);) {
+    if (line.starts_with("```")) in_block = !in_block;
+    const size_t level = line.find_first_not_of('#');
+    if (in_block || level == 0 || level == std::string::npos || line[level] != ' ') continue;
+    const std::string anchor = AnchorOf(line.substr(level + 1));
+    const int n = uses[anchor]++;
+    anchors.insert(n == 0 ? anchor : fmt::format("{}-{}", anchor, n));
+  }
+  return anchors;
+}
+
+TEST(Documents, LinksLeadToHeadings) {
+  EXPECT_EQ(AnchorOf("KITTI, EuRoC [`warnings`](a.md) x_y"), "kitti-euroc-warnings-x_y");
+  int n_links = 0;
+  for (const fs::path& document : Documents()) {
+    const std::string text = test::ReadText(document);
+    for (const std::string& link : Matches(text, R"(\]\(([^)#:]*#[^)]+)\))")) {
+      const size_t mark = link.find('#');
+      const fs::path target = mark == 0 ? document : document.parent_path() / link.substr(0, mark);
+      if (target.extension() != ".md" || !fs::exists(target)) continue;
+      ++n_links;
+      EXPECT_TRUE(AnchorsOf(target).contains(link.substr(mark + 1))) << document << " links to " << link;
+    }
+  }
+  EXPECT_GT(n_links, 50);
 }
 
 TEST(Documents, LinksLeadToFiles) {

@@ -9,21 +9,10 @@
 
 #include "camera/rig_file.h"
 #include "core/datasets/camera_file.h"
-#include "core/datasets/check_rig.h"
 #include "core/datasets/yaml_map.h"
 
 namespace plslam::calibration {
 namespace {
-
-CameraCalibration MadeUpCamera(const ImageSize& size) {
-  CameraCalibration camera;
-  camera.width_px = size.width_px;
-  camera.height_px = size.height_px;
-  camera.fx_px = camera.fy_px = size.width_px;
-  camera.cx_px = 0.5 * (size.width_px - 1.0);
-  camera.cy_px = 0.5 * (size.height_px - 1.0);
-  return camera;
-}
 
 std::string SourceText(const camera::SourceSpec& spec, const std::string& path) {
   std::vector<std::string> inputs = spec.inputs;
@@ -51,15 +40,6 @@ void CheckCameraKeys(const YamlMap& camera) {
   camera.AllowOnly({"resolution_px", "model", "focal_length_px", "principal_point_px", "distortion", "T_b_cam"});
 }
 
-ImageSize SizeOf(const YamlMap& camera) {
-  if (!camera.Has("resolution_px")) {
-    camera.Fail("resolution_px", "is missing: the size of the images, [640, 480]");
-  }
-  const ImageSize size = ReadResolution(camera, {});
-  camera.Require("resolution_px", SizeComplaint(MadeUpCamera(size)));
-  return size;
-}
-
 }  // namespace
 
 LiveRigFile ReadLiveRigFile(const std::string& path) {
@@ -72,12 +52,13 @@ LiveRigFile ReadLiveRigFile(const std::string& path) {
     yaml.Fail("kind", "is not stereo: two cameras are calibrated");
   const YamlMap left = yaml.Map("left");
   CheckCameraKeys(left);
+  const CameraCalibration made_up = camera::ReadUncalibratedCamera(left);
   LiveRigFile file;
-  file.size = SizeOf(left);
+  file.size = {made_up.width_px, made_up.height_px};
   if (yaml.Has("right")) {
     const YamlMap right = yaml.Map("right");
     CheckCameraKeys(right);
-    if (right.Has("resolution_px") && !(SizeOf(right) == file.size)) {
+    if (right.Has("resolution_px") && !(ReadResolution(right, {}) == file.size)) {
       right.Fail("resolution_px", "differs from that of left: both images must have the same size");
     }
   }
@@ -88,7 +69,7 @@ LiveRigFile ReadLiveRigFile(const std::string& path) {
   RigCalibration rig;
   rig.name = file.name;
   rig.rate_hz = file.rate_hz;
-  rig.left = rig.right = MadeUpCamera(file.size);
+  rig.left = rig.right = made_up;
   rig.left.T_b_cam = file.T_b_left;
   rig.right.T_b_cam = file.T_b_left * SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.1, 0.0, 0.0));
   file.for_camera = CameraFileText(rig) + file.source;

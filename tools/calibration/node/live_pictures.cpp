@@ -113,7 +113,7 @@ class PictureFolder {
 /// Faults of a board that gives no pictures, found in a session's images: each is reported once.
 class BoardWatch {
  public:
-  explicit BoardWatch(const Board& board) : board_(board) {}
+  explicit BoardWatch(const Board& board) : board_(board), faults_(board) {}
 
   void Look(const StereoImages& images, const BoardView& left, const BoardView& right) {
     const bool in_left = !left.corners.empty(), in_right = !right.corners.empty();
@@ -137,7 +137,7 @@ class BoardWatch {
 
  private:
   std::string Fault(const StereoImages& images) const {
-    if (std::string contradiction = faults_.Sentence(board_); !contradiction.empty()) return contradiction;
+    if (std::string contradiction = faults_.Contradiction(); !contradiction.empty()) return contradiction;
     if (looks_at_board_ == 0) {
       const std::string other = OtherSizeSeen(board_, images.left);
       return other.empty() ? "" : fmt::format("the board {} is not seen{}", BoardText(board_), other);

@@ -79,8 +79,9 @@ function(plslam_library name)
   endif()
 endfunction()
 
-# All programs for users, without tests and benchmarks.
+# All programs for users, without tests and benchmarks; and those of a run alone (scripts/demo).
 add_custom_target(plslam_programs)
+add_custom_target(plslam_demo)
 
 # plslam_program(NAME SOURCES main.cpp ... LINK target ...): an executable in build/PRESET/bin. Those of tests/ are for
 # developers: neither among plslam_programs nor installed.

@@ -200,7 +200,7 @@ RunTrajectories BuildTrajectories(const Recorder& recorder, const Map& map, cons
 void WritePosesCsv(const Recorder& recorder, const AppendText& append) {
   std::string text =
       "frame_id,t_s,state,n_points,n_lines,n_tracked_points,n_tracked_lines,keyframe_id,entropy_ratio,skipped_frames,"
-      "n_moving";
+      "n_moving,anchored";
   for (const std::string& name : recorder.stage_names()) {
     text += ',';
     // Names are received from the network; a comma or quote in one must not shift the columns.
@@ -213,9 +213,9 @@ void WritePosesCsv(const Recorder& recorder, const AppendText& append) {
   for (const auto& [frame_id, frame] : recorder.frames()) {
     text.clear();
     const FrameCounts& n = frame.counts;
-    fmt::format_to(out, "{},{},{},{},{},{},{},{},{:.6g},{},{}", frame_id, SecondsText(frame.t_ns),
+    fmt::format_to(out, "{},{},{},{},{},{},{},{},{:.6g},{},{},{:d}", frame_id, SecondsText(frame.t_ns),
                    TrackingStateName(frame.state), n.points, n.lines, n.tracked_points, n.tracked_lines,
-                   frame.keyframe_id, frame.entropy_ratio, n.skipped_frames, n.moving);
+                   frame.keyframe_id, frame.entropy_ratio, n.skipped_frames, n.moving, frame.anchored);
     for (size_t i = 0; i < recorder.stage_names().size(); ++i) {
       text += ',';
       const bool known = i < frame.stages_ms.size() && std::isfinite(frame.stages_ms[i]);

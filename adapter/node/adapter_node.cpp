@@ -24,7 +24,8 @@ AdapterNode::AdapterNode(bus::Process& process, const AdapterOptions& options)
                .on_frame = [this](int64_t t_ns) { poses_.OnFrame(t_ns); }}),
       motions_(options.robot_odometry.empty()
                    ? nullptr
-                   : std::make_unique<MotionSource>(process, images_lcm_, options.robot_odometry)) {
+                   : std::make_unique<MotionSource>(process, images_lcm_, options.robot_odometry,
+                                                    [this] { return images_.n_sent(); })) {
   AdapterOptions shown = options;
   process_.SetConfiguration(ToYaml("adapter", shown));
   listener_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { Listen(); }); });

@@ -2,6 +2,7 @@
 #include "adapter/node/image_source.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include <string_view>
 #include <utility>
 
+#include "adapter/node/image_channels.h"
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/frame_assembler.h"
 #include "core/datasets/calibrations/camera_info.h"
@@ -28,6 +30,9 @@ namespace {
 
 constexpr double kNsPerMs = 1e6;
 constexpr std::chrono::milliseconds kTick{1000};
+/// Silence of the expected channels after which others are listed, and the time of listening to them.
+constexpr std::chrono::seconds kListAfter{3};
+constexpr std::chrono::milliseconds kListTime{1000};
 /// Number of waiting messages: two pairs of images. Older images are of no use to a moving robot.
 constexpr size_t kRoom = 4;
 
@@ -110,6 +115,7 @@ void ImageSource::Subscribe(bus::StockLcm& foreign) {
 
 void ImageSource::Work() {
   auto due = std::chrono::steady_clock::now();
+  list_at_ = due + kListAfter;
   while (!inbox_.stopped()) {
     const auto now = std::chrono::steady_clock::now();
     if (now >= due) {
@@ -210,13 +216,26 @@ void ImageSource::Publish(StereoImages images) {
 void ImageSource::Tick() {
   if (rig_) PublishRig();
   process_.SetCounter("frames.dropped", static_cast<double>(inbox_.dropped()));
+  ListImageChannels();
   if (n_sent_ == 0) process_.SetReason(WhatIsMissing());
+}
+
+/// Once, while the expected channels are silent: a mistyped name is the most likely reason.
+void ImageSource::ListImageChannels() {
+  if (has_listed_ || n_messages_ > 0 || std::chrono::steady_clock::now() < list_at_) return;
+  has_listed_ = true;
+  const std::vector<std::string> channels = ImageChannels(options_.foreign_url, kListTime);
+  image_channels_ = channels.empty() ? "no channel of adapter.foreign_url has images"
+                                     : fmt::format("images are on {}", fmt::join(channels, ", "));
+  spdlog::warn("{}", WhatIsMissing());
 }
 
 std::string ImageSource::WhatIsMissing() const {
   if (n_messages_ == 0) {
-    return options_.images.empty() ? fmt::format("waiting for images on {} and {}", options_.left, options_.right)
-                                   : fmt::format("waiting for images on {}", options_.images);
+    const std::string expected = options_.images.empty()
+                                     ? fmt::format("{} and {}", Shown(options_.left), Shown(options_.right))
+                                     : Shown(options_.images);
+    return Joined(fmt::format("waiting for images on {}", expected), Shown(image_channels_));
   }
   if (!rig_) {
     return fmt::format("waiting for sensor_msgs.CameraInfo on {} and {} (or give a file with --camera)", left_info_,

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -41,6 +43,8 @@ class ImageSource {
   /// Throws where the file of the rig cannot be used.
   ImageSource(bus::Process& process, bus::StockLcm& foreign, const AdapterOptions& options, Listener listener);
 
+  int64_t n_sent() const { return n_sent_; }
+
   /// Handles received messages until `Stop`, which any thread may call.
   void Work();
   void Stop() { inbox_.Stop(); }
@@ -62,6 +66,7 @@ class ImageSource {
   void UseRig(RigCalibration rig);
   void PublishRig();
   void Publish(StereoImages images);
+  void ListImageChannels();
   std::string WhatIsMissing() const;
 
   bus::Process& process_;
@@ -80,8 +85,11 @@ class ImageSource {
   bool has_white_ = false;  ///< a 16-bit image was received
   int white_ = kWhiteOf16Bits;
   std::vector<uint8_t> rig_bytes_;
+  std::chrono::steady_clock::time_point list_at_;
+  bool has_listed_ = false;
+  std::string image_channels_;  ///< what was found instead of the expected ones
   int64_t n_messages_ = 0;
-  int64_t n_sent_ = 0;
+  std::atomic<int64_t> n_sent_ = 0;
   int64_t n_rejected_ = 0;
   int64_t last_t_ns_ = -1;
 };

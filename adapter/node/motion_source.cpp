@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <utility>
 
 #include "adapter/node/foreign_messages.h"
 #include "core/bus/messages/convert.h"
@@ -18,11 +19,14 @@ namespace {
 /// Messages that wait: half a second of fast wheels.
 constexpr size_t kMotionsRoom = 100;
 constexpr std::chrono::milliseconds kMotionsTick{1000};
+/// Wheels may start later than cameras.
+constexpr int64_t kFramesWithoutMotions = 20;
 
 }  // namespace
 
-MotionSource::MotionSource(bus::Process& process, bus::StockLcm& foreign, const std::string& channel)
-    : process_(process), channel_(channel), inbox_(kMotionsRoom) {
+MotionSource::MotionSource(bus::Process& process, bus::StockLcm& foreign, const std::string& channel,
+                           std::function<int64_t()> n_frames)
+    : process_(process), channel_(channel), n_frames_(std::move(n_frames)), inbox_(kMotionsRoom) {
   foreign.Subscribe(channel, [this](MessageBytes bytes) { inbox_.Put(0, bytes); });
   thread_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { Work(); }); });
 }
@@ -34,7 +38,16 @@ MotionSource::~MotionSource() {
 
 void MotionSource::Work() {
   while (!inbox_.stopped()) {
-    if (const auto message = inbox_.Take(kMotionsTick)) Send(*message);
+    if (const auto message = inbox_.Take(kMotionsTick)) {
+      Send(*message);
+    } else if (n_sent_ + n_rejected_ == 0 && n_frames_() >= kFramesWithoutMotions &&
+               !std::exchange(is_reported_, true)) {
+      process_.Warn(
+          "robot_odometry_missing",
+          fmt::format("no message arrives on {} (adapter.robot_odometry), so frames are tracked without the "
+                      "robot's odometry: is the channel's name right?",
+                      Shown(channel_)));
+    }
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <thread>
 
@@ -16,7 +17,9 @@ namespace plslam::adapter {
 /// thread: a slow reader delays no image.
 class MotionSource {
  public:
-  MotionSource(bus::Process& process, bus::StockLcm& foreign, const std::string& channel);
+  /// `n_frames`: number of frames sent so far; from any thread.
+  MotionSource(bus::Process& process, bus::StockLcm& foreign, const std::string& channel,
+               std::function<int64_t()> n_frames);
   ~MotionSource();
   MotionSource(const MotionSource&) = delete;
   MotionSource& operator=(const MotionSource&) = delete;
@@ -27,10 +30,12 @@ class MotionSource {
 
   bus::Process& process_;
   const std::string channel_;
+  const std::function<int64_t()> n_frames_;
   Inbox inbox_;
   // Of the thread.
   SkippedMessages skipped_messages_;
   int64_t n_sent_ = 0, n_rejected_ = 0;
+  bool is_reported_ = false;
   std::thread thread_;
 };
 

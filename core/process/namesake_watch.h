@@ -21,8 +21,9 @@ struct ProcessIdentity {
 /// yield, because two trackers or two maps that publish to the same readers give a mixture of both.
 ///
 /// Input: the statuses of the others. A process that has exited may have left a last status on the way, so only a
-/// second one, later than the first and by as much older, proves that it runs (repeated copies of a message do not); running processes answer a new one at once (`kReply`), so a
-/// starting process knows within `kStartWindow_s` whether it is alone. A value without clock and bus.
+/// second one, later than the first and by as much older, proves that it runs (repeated copies of a message do not).
+/// Running processes answer a new one at once (`kReply`), so a starting process knows within `kStartWindow_s` whether it
+/// is alone. A value without clock and bus.
 class NamesakeWatch {
  public:
   /// How long a starting process waits for namesakes before it does anything else.

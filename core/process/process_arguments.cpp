@@ -26,8 +26,10 @@ void ProcessArguments::AddTo(CLI::App* app) {
   app->add_option("--prefix", prefix, "prefix of each channel name");
   app->add_option("--map-prefix", map_prefix, "prefix of the map that is shared with other robots");
   app->add_option("--parent", parent, "exit when the process with this id, which started this one, exits")
-      ->type_name("PID");
-  app->add_flag("--own-bus", own_bus, "no other run can be on the bus: do not look for processes of the same name");
+      ->type_name("PID")
+      ->group("");  // for plslam
+  app->add_flag("--own-bus", own_bus, "no other run can be on the bus: do not look for processes of the same name")
+      ->group("");
 }
 
 Config ProcessArguments::MakeConfig() const {

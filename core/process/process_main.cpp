@@ -78,6 +78,8 @@ class ProcessRunner {
     std::shared_ptr<void> node;
     const auto start = [&] {
       node = spec_.make_node(process, config);
+      // plslam gives all its processes the same options.
+      if (!process.has_launcher()) ReportOptionsOfOthers();
       if (process.impl_->status.state() == process_state::kStarting) process.SetState(process_state::kReady);
       ReportReady(process);
     };
@@ -105,6 +107,14 @@ class ProcessRunner {
       after(s, [&process] { process.impl_->status.Publish(); });
     }
     after(NamesakeWatch::kStartWindow_s, std::move(start));
+  }
+
+  void ReportOptionsOfOthers() const {
+    for (const std::string& assignment : arguments_.overrides) {
+      const std::string section = assignment.substr(0, assignment.find('.'));
+      if (section == "bus" || section == spec_.name) continue;
+      spdlog::warn("--set {} has no effect here: it is an option of {}", assignment, section);
+    }
   }
 
   void ReportReady(Process& process) const {

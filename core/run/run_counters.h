@@ -48,14 +48,16 @@ inline constexpr const char* kOutages = "cameras.outages";
 inline constexpr const char* kRecordingScan = "recording.scan_s";
 /// From vo: frames after the first keyframe that have no known place in the map.
 inline constexpr const char* kFramesUnanchored = "frames.unanchored";
-inline constexpr std::array<const char*, 25> kRunCounters{
-    kPointsSeen,      kPointsMatched, kFramesDark,    kCornerRows,
-    kLengthError,     kTruthFrames,   kTruthMissing,  kPicturesMissing,
-    kRightLate,       kLeftLate,      kLateFrames,    kUnequalReadout,
-    kFramesCaptured,  kSkew,          kFramesMissing, kDroppedLeft,
-    kDroppedRight,    kOverexposed,   kUnderexposed,  kOutages,
-    kRecordingScan,   kLengthSigma,   kLiveSource,    kPointsAmbiguous,
-    kFramesUnanchored};
+/// Those of them since the last frame with a known place.
+inline constexpr const char* kUnanchoredNow = "frames.unanchored_now";
+inline constexpr std::array<const char*, 26> kRunCounters{
+    kPointsSeen,       kPointsMatched, kFramesDark,    kCornerRows,
+    kLengthError,      kTruthFrames,   kTruthMissing,  kPicturesMissing,
+    kRightLate,        kLeftLate,      kLateFrames,    kUnequalReadout,
+    kFramesCaptured,   kSkew,          kFramesMissing, kDroppedLeft,
+    kDroppedRight,     kOverexposed,   kUnderexposed,  kOutages,
+    kRecordingScan,    kLengthSigma,   kLiveSource,    kPointsAmbiguous,
+    kFramesUnanchored, kUnanchoredNow};
 
 /// The newest values of these counters by process, including exited processes; other counters are ignored.
 class RunCounters {

@@ -23,8 +23,11 @@ constexpr double kEnoughPoints = 2000.0;
 /// ordinary scenes, 0.3 and more at fences and tiles.
 constexpr double kManyAmbiguous = 0.15;
 constexpr double kManyDark = 0.1;
-/// A session that starts somewhere in its own map is recognised within a few frames.
+/// A session that starts somewhere in its own map is recognised within a few frames. More frames than these, or a run
+/// that ends with so many, are reported.
 constexpr double kManyUnanchored = 0.2;
+constexpr double kManyUnanchoredFrames = 60.0;
+constexpr double kManyUnanchoredAtEnd = 10.0;
 constexpr double kManySkipped = 0.01;
 /// At 1 m/s, 1 mm of the baseline.
 constexpr double kFarSkew_ms = 1.0;
@@ -69,6 +72,18 @@ std::string PartsText(const FrameTally& t) {
     if (n > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", n, name);
   }
   return text;
+}
+
+/// Of the frames that were not tracked, by the largest part of them.
+std::string UsualReasons(const FrameTally& t) {
+  if (t.unanswered > std::max(t.initialising, t.lost))
+    return "vo_process did not answer them; its log has the reason";
+  if (t.initialising > t.lost) {
+    return "too few points had a depth to begin with; usual reasons are exchanged or dark images, a covered lens and "
+           "a "
+           "wrong calibration";
+  }
+  return "usual reasons are fast turns, blurred or dark images, a covered lens and walls without texture";
 }
 
 bool IsOutOfStep(const RunFindings& f) { return f.right_late_ms > 0.0 || f.left_late_ms > 0.0; }
@@ -124,8 +139,8 @@ Numbers FrameNumbers(const FrameTally& frames) {
 const Row kRows[] = {
     {"nothing_tracked", [](const RunFindings& f) { return f.frames.all() > 0 && f.frames.tracked == 0; },
      [](const RunFindings& f) {
-       return fmt::format("none of the {} frames was tracked ({}): see docs/troubleshooting.md", f.frames.all(),
-                          PartsText(f.frames));
+       return fmt::format("none of the {} frames was tracked ({}): {}", f.frames.all(), PartsText(f.frames),
+                          UsualReasons(f.frames));
      },
      [](const RunFindings& f) { return FrameNumbers(f.frames); }},
     {"little_tracked",
@@ -134,18 +149,22 @@ const Row kRows[] = {
      },
      [](const RunFindings& f) {
        const FrameTally frames = Processed(f);
-       return fmt::format("only {} of {} frames were tracked ({:.1f} %; {}): see docs/troubleshooting.md",
-                          frames.tracked, frames.all(), *frames.tracked_percent(), PartsText(frames));
+       return fmt::format("only {} of {} frames were tracked ({:.1f} %; {}): {}", frames.tracked, frames.all(),
+                          *frames.tracked_percent(), PartsText(frames), UsualReasons(frames));
      },
      [](const RunFindings& f) { return FrameNumbers(Processed(f)); }},
     {"not_in_map",
-     [](const RunFindings& f) { return f.frames_unanchored > kManyUnanchored * Count(f.frames.answered()); },
+     [](const RunFindings& f) {
+       return f.frames_unanchored > std::min(kManyUnanchored * Count(f.frames.answered()), kManyUnanchoredFrames) ||
+              f.unanchored_now > kManyUnanchoredAtEnd;
+     },
      [](const RunFindings& f) {
        return fmt::format(
-           "{:.0f} of {} frames were not recognised in the map: until a session is recognised its poses have a frame "
-           "of "
+           "{:.0f} of {} frames{} were not recognised in {}: until a session is recognised its poses have a frame of "
            "their own; is this the map of this place?",
-           f.frames_unanchored, f.frames.answered());
+           f.frames_unanchored, f.frames.answered(),
+           f.unanchored_now > 0.0 ? fmt::format(", the last {:.0f} among them,", f.unanchored_now) : "",
+           f.map.empty() ? "the map" : f.map);
      },
      [](const RunFindings& f) {
        return Numbers{{"unanchored", f.frames_unanchored}, {"all", Count(f.frames.answered())}};
@@ -193,8 +212,10 @@ const Row kRows[] = {
      [](const RunFindings& f) {
        return fmt::format(
            "rows of the right images differ from those of the left ones by up to {:.1f} px in the corners: this is "
-           "corrected, but the cameras should be calibrated again; measure it with {}",
-           f.corner_rows_px, CheckText(f));
+           "corrected, but {}; measure it with {}",
+           f.corner_rows_px,
+           f.is_live ? "calibrate the cameras again" : "if the cameras are yours, calibrate them again",
+           CheckText(f));
      },
      [](const RunFindings& f) {
        return Numbers{{"corner_rows_px", f.corner_rows_px}};
@@ -203,8 +224,9 @@ const Row kRows[] = {
      [](const RunFindings& f) {
        return fmt::format(
            "disparities have an offset that would change lengths by {:.1f} % (sigma {:.1f} %): it is corrected while "
-           "there is enough motion, but calibrate the cameras again",
-           f.length_error_percent, f.length_sigma_percent);
+           "there is enough motion, but {}",
+           f.length_error_percent, f.length_sigma_percent,
+           f.is_live ? "calibrate the cameras again" : "if the cameras are yours, calibrate them again");
      },
      [](const RunFindings& f) {
        return Numbers{{"length_error_percent", f.length_error_percent},
@@ -389,6 +411,7 @@ void RunFindings::Take(const RunCounters& counters) {
   outages = counters.Sum(kOutages);
   recording_scan_s = counters.Largest(kRecordingScan);
   frames_unanchored = counters.Sum(kFramesUnanchored);
+  unanchored_now = counters.Largest(kUnanchoredNow);
 }
 
 nlohmann::ordered_json ToJson(const RunWarning& warning) {

@@ -41,6 +41,9 @@ struct RunFindings {
   double pictures_missing = 0.0;
   double recording_scan_s = 0.0;
   double frames_unanchored = 0.0;
+  double unanchored_now = 0.0;
+  /// Map that the run has continued; empty if there is none, or if its name is not known.
+  std::string map;
   /// Frames come from a sensor, which cannot wait.
   bool is_live = false;
   /// Of live cameras. Images of either camera without a partner are `frames_dropped`.

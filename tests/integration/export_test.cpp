@@ -103,6 +103,9 @@ TEST(ComparisonOfRuns, FromTheirFoldersToAPage) {
   const auto missing = Shell(folder, compare + " " + folder.Path("none"));
   EXPECT_EQ(missing.exit_code, 1);
   EXPECT_THAT(missing.error, HasSubstr("none: does not exist"));
+  const auto twice = Shell(folder, compare + " " + Quoted(both.out()));
+  EXPECT_EQ(twice.exit_code, 1);
+  EXPECT_THAT(twice.error, HasSubstr("is given twice; a run counts once"));
 }
 
 TEST(PaperTables, PaperAndOwnNumbersAndAbsentSequences) {

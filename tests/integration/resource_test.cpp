@@ -143,6 +143,45 @@ TEST(Resources, FullDiskUnderStandardOutput) {
   }
 }
 
+// Every program that writes a file of its own reports a full disk.
+TEST(Resources, FullDiskUnderAFileOfATool) {
+  const ScratchFolder folder;
+  const std::string poses = folder.Write("a.tum", "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 1 1 0 0 0 0 1\n");
+  const std::string graph =
+      folder.Write("a.g2o",
+                   "VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\nVERTEX_SE3:QUAT 1 1 0 0 0 0 0 1\n"
+                   "EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1\n");
+  const std::string bin = test::BinaryFolder().string() + "/";
+  // Outputs that are written beside their place, and then moved there, need a folder on the full disk.
+  const fs::path disk = folder.Path("disk");
+  const std::string commands[] = {
+      fmt::format("evaluate {0} --truth {0} --json DISK/a.json", poses),
+      fmt::format("evaluate {0} --truth {0} --plot DISK/a.png", poses),
+      fmt::format("pose_graph {} --out DISK/b.g2o", graph),
+      "plslam calibrate --board chess:9x6:0.025 --print-board DISK/board.pdf",
+  };
+  for (const std::string& command : commands) {
+    std::string line = bin + command;
+    line.replace(line.find("DISK"), 4, "'" + disk.string() + "'");
+    // One file fills the disk.
+    const auto code =
+        OnASmallDisk(disk, 16, fmt::format("head -c 100000 /dev/zero > '{}/full'; {}", disk.string(), line));
+    if (!code) GTEST_SKIP() << "no file system of its own may be mounted here";
+    const std::string log = ReadFile(disk.string() + ".sh.log");
+    EXPECT_EQ(*code, 1) << command << "\n" << log;
+    EXPECT_THAT(log, HasSubstr("No space left on device")) << command;
+  }
+}
+
+TEST(Resources, FullDiskUnderTheLogOfAProcess) {
+  const ScratchFolder folder;
+  // Fails at once when the relay is missing; the other runs until the signal.
+  const std::string viewer = (test::BinaryFolder() / "viewer_headless").string();
+  const test::ShellResult result = test::Shell(
+      folder, fmt::format("timeout -s INT 3 {} --url memq:// --out {} 2> /dev/full", viewer, folder.Path("out")));
+  EXPECT_TRUE(result.exit_code == 0 || result.exit_code == 124) << result.exit_code << result.error;
+}
+
 TEST(Resources, FullDiskUnderStandardError) {
   const ScratchFolder folder;
   const std::string early = folder.Write("early.tum", "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n");

@@ -133,6 +133,9 @@ std::string KeyframeTable(const KeyframeErrors& e) {
 }
 
 std::string ConsistencyRow(const std::string& name, const Consistency& c) {
+  if (c.n == 0 && c.singular == 0) {
+    return fmt::format("\n{:<26}n 0: no covariance has the time of a compared pose (is it of this run?)\n", name);
+  }
   if (c.n == 0) return fmt::format("\n{:<26}n 0, {} singular covariances\n", name, c.singular);
   return fmt::format("\n{:<26}n {}, mean {:.3f} (6 expected, 95 % between {:.3f} and {:.3f}), {:.1f} % above 12.59\n",
                      name, c.n, c.mean_nees, c.lower_bound, c.upper_bound, c.above_95_percent);

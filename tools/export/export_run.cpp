@@ -2,6 +2,7 @@
 #include "tools/export/export_run.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -232,6 +233,18 @@ void WriteFormats(const ExportRequest& request, OngoingExport& e) {
   }
 }
 
+/// Adds the formats that were not named and need a map that is not there.
+void AddLeftOut(const ExportRequest& request, OngoingExport& e) {
+  if (!request.formats.empty()) return;
+  std::vector<std::string> names;
+  for (const ExportFormat& format : ExportFormats()) {
+    if (!Has(e, format)) names.push_back(format.name);
+  }
+  if (names.empty()) return;
+  e.files.push_back({"left out", fmt::format("{}: there is no {}map (plslam run --save-map FILE.plmap writes one)",
+                                             fmt::join(names, ", "), e.source.map ? "saved " : "")});
+}
+
 /// The main part of the map is that of the frames. Each other part has a frame and a folder of its own.
 void WriteParts(const ExportRequest& request, OngoingExport& e) {
   if (!e.source.map) return WriteFormats(request, e);
@@ -287,6 +300,7 @@ std::vector<ExportedFile> ExportRun(const ExportRequest& request) {
   try {
     if (run) WriteLog(*run, e);
     WriteParts(request, e);
+    AddLeftOut(request, e);
   } catch (...) {
     std::error_code ignored;
     if (run) std::filesystem::remove_all(e.Path("run"), ignored);

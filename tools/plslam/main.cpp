@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 
-#include "core/errors/error_text.h"
-#include "core/errors/standard_streams.h"
 #include "core/process/process_arguments.h"
 #include "tools/calibration/calibration_command.h"
+#include "tools/command_line/run_command_line.h"
 #include "tools/doctor/doctor_command.h"
 #include "tools/export/export_command.h"
 #include "tools/plslam/commands.h"
@@ -38,15 +35,5 @@ int main(int argc, char** argv) {
   }
   // Log lines are kept apart from the output of a command.
   plslam::bus::SetUpLogging("plslam");
-  plslam::IgnoreFileSizeSignal();
-  try {
-    app.parse(argc, argv);
-    return plslam::FlushOutput("plslam", command());
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return plslam::FlushOutput("plslam", app.exit(error));
-    plslam::PrintError(fmt::format("plslam: error: {} (--help lists the options)", error.what()));
-  } catch (const std::exception& error) {
-    plslam::PrintError(fmt::format("plslam: error: {}", plslam::SentenceOf(error)));
-  }
-  return 1;
+  return plslam::RunCommandLine(app, argc, argv, [&] { return command(); });
 }

@@ -71,6 +71,7 @@ void RemoveOldFiles(const path& folder, const char* extension, std::filesystem::
 }  // namespace
 
 void CheckFilesToWrite(const RunOptions& options) {
+  if (!options.video.empty()) CheckWritable("--video", options.video);
   using File = std::pair<const char*, path>;
   for (const auto& [option, file] : {File("--record", options.record), File("--save-map", options.save_map)}) {
     if (file.empty()) continue;

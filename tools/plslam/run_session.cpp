@@ -189,8 +189,10 @@ void RunSession::CheckStarted(Clock::time_point now) {
     phase_began_ = playing_since_ = now;
     stall_watch_.Begin(now);
     // The viewer is ready, so the page is served.
-    const bool tells = options_.serve > 0 && !options_.quiet;
-    if (tells) PrintError(fmt::format("live: http://127.0.0.1:{}/", options_.serve));
+    if (options_.serve > 0 && !options_.quiet) PrintError(fmt::format("live: http://127.0.0.1:{}/", options_.serve));
+    if (options_.own_bus && !options_.quiet) {
+      PrintError(fmt::format("bus: --url '{}' for plslam top, pause, save, ...", options_.url));
+    }
     StartRows(true);
   } else if (all_ready && now - phase_began_ > kSharedMapLimit) {
     BeginStop(fmt::format(
@@ -328,6 +330,7 @@ void RunSession::ShowProgress(Clock::time_point now) {
 RunSummary RunSession::Summary() const {
   RunSummary summary;
   summary.dataset = options_.dataset;
+  summary.map_file = options_.map.string();
   summary.completed = completed_;
   summary.reason = reason_;
   summary.wall_s = wall_s_;

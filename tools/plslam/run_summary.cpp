@@ -251,6 +251,7 @@ std::string TablesToText(const json& s) {
 RunFindings FindingsOf(const RunSummary& summary) {
   RunFindings findings;
   findings.dataset = summary.dataset;
+  findings.map = summary.map_file;
   findings.frames = summary.frames;
   findings.Take(summary.counters);
   findings.recordings = summary.recordings;
@@ -293,6 +294,7 @@ json SummaryToJson(const RunSummary& summary) {
           {"lost_frames", frames.lost},
           {"skipped_frames", frames.skipped},
           {"bad_frames", frames.unreadable},
+          {"unanchored_frames", static_cast<int64_t>(summary.counters.Sum(kFramesUnanchored))},
           {"unanswered_frames", frames.unanswered},
           {"missing_pictures", static_cast<int64_t>(summary.counters.Largest(kPicturesMissing))},
           {"all_frames", frames.all()},

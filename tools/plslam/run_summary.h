@@ -27,6 +27,8 @@ inline constexpr const char* kInterrupted = "interrupted";
 /// The content of `summary.json`.
 struct RunSummary {
   std::string dataset;
+  /// Map that the run has continued; empty: none.
+  std::string map_file;
   std::string version;
   /// False if the run was stopped or failed; `reason` is then set.
   bool completed = false;

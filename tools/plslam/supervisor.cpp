@@ -140,8 +140,8 @@ void Supervisor::Fail(const Child& child, pid_t pid) {
   failed_pid_ = pid;
 }
 
-/// The reason is in its log; if that has no error, because the disk is full, in its last status, which arrives a little
-/// later.
+/// The reason is in its log, as "vo: error: SENTENCE"; if that has no error, because the disk is full, in its last status,
+/// which arrives a little later.
 std::string Supervisor::failure() const {
   if (failure_.empty()) return failure_;
   std::string why = LastLine(LogOf(failed_));
@@ -149,6 +149,9 @@ std::string Supervisor::failure() const {
     const std::string word = options_.last_word(failed_pid_);
     if (!word.empty()) why = word;
   }
+  const std::string begin = failed_ + ": error: ";
+  const size_t at = why.find(begin);
+  if (at != std::string::npos) return fmt::format("{}: {}", failed_, why.substr(at + begin.size()));
   return why.empty() ? failure_ : failure_ + ": " + why;
 }
 

@@ -5,9 +5,9 @@
 #include <charconv>
 #include <cmath>
 #include <functional>
-#include <numeric>
 #include <set>
 
+#include "core/config/nearest_key.h"
 #include "core/datasets/dataset.h"
 
 namespace plslam::synthetic {
@@ -54,21 +54,8 @@ const std::vector<NumericOption>& NumericOptions() {
   return options;
 }
 
-int EditDistance(const std::string& a, const std::string& b) {
-  std::vector<int> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0);
-  for (size_t i = 1; i <= a.size(); ++i) {
-    int diagonal = row[0];
-    row[0] = static_cast<int>(i);
-    for (size_t j = 1; j <= b.size(); ++j) {
-      const int above = row[j];
-      const int change = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      row[j] = std::min({change, above + 1, row[j - 1] + 1});
-      diagonal = above;
-    }
-  }
-  return row[b.size()];
-}
+/// Wrong letters in a mistyped name; one with more was meant otherwise.
+constexpr int kTypo = 2;
 
 std::string Nearest(const std::string& name, const std::vector<std::string>& known) {
   return *std::min_element(known.begin(), known.end(), [&name](const std::string& a, const std::string& b) {
@@ -92,8 +79,10 @@ std::string Shown(double value) {
 
 [[noreturn]] void FailUnknown(const std::string& kind, const std::string& name,
                               const std::vector<std::string>& known) {
-  throw DatasetError("synthetic: unknown " + kind + " '" + name.substr(0, 40) + "'; the nearest is '" +
-                     Nearest(name.substr(0, 40), known) + "', known are " + Joined(known));
+  const std::string shown = name.substr(0, 40);
+  const std::string nearest = Nearest(shown, known);
+  const std::string hint = EditDistance(shown, nearest) <= kTypo ? "the nearest is '" + nearest + "', " : "";
+  throw DatasetError("synthetic: unknown " + kind + " '" + shown + "'; " + hint + "known are " + Joined(known));
 }
 
 double ParseNumber(const NumericOption& option, const std::string& value) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/io/files/atomic_file.h"
 
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -41,6 +43,11 @@ void AtomicFile::OverwriteBeginning(std::string_view bytes) {
                     std::fwrite(bytes.data(), 1, bytes.size(), file_) == bytes.size() &&
                     std::fseek(file_, 0, SEEK_END) == 0;
   if (!done) Fail("written", " (it has " + std::to_string(size_) + " bytes)");
+}
+
+void AtomicFile::Sync() {
+  const bool done = std::fflush(file_) == 0 && fsync(fileno(file_)) == 0;
+  if (!done && errno != EINVAL && errno != EROFS) Fail("written", " (it has " + std::to_string(size_) + " bytes)");
 }
 
 void AtomicFile::PutInPlace() {

@@ -22,6 +22,8 @@ class AtomicFile {
   void Append(std::string_view bytes);
   /// Replaces the first bytes.
   void OverwriteBeginning(std::string_view bytes);
+  /// Writes what was appended to the disk itself: from then on it survives a power cut, once it is in place.
+  void Sync();
   void PutInPlace();
 
  private:

@@ -140,11 +140,12 @@ void SealedFileWriter::Append(Bytes content) {
   file_.Append(Text(content.data(), content.size()));
 }
 
-void SealedFileWriter::PutInPlace() {
+void SealedFileWriter::PutInPlace(bool survives_power_cut) {
   if (length_ != seal_.length)
     throw std::logic_error(fmt::format("{} bytes of content instead of {}", length_, seal_.length));
   seal_.checksum = sum_.Take();
   file_.OverwriteBeginning(Text(&seal_, sizeof(seal_)));
+  if (survives_power_cut) file_.Sync();
   file_.PutInPlace();
 }
 

@@ -101,7 +101,8 @@ class SealedFileWriter {
  public:
   SealedFileWriter(const std::string& path, const FileKind& kind, uint64_t length);
   void Append(std::span<const uint8_t> content);
-  void PutInPlace();
+  /// `survives_power_cut`: see `AtomicFile::Sync`.
+  void PutInPlace(bool survives_power_cut = false);
 
  private:
   AtomicFile file_;

@@ -141,7 +141,7 @@ void WriteMapFile(const std::string& path, const StoredMap& stored) {
   archive::Writer write([&](Bytes content) { file.Append(content); });
   WriteContent(stored, images, write);
   write.Flush();
-  file.PutInPlace();
+  file.PutInPlace(/*survives_power_cut=*/true);
 }
 
 StoredMap ReadMapFile(const std::string& path) {

@@ -11,6 +11,7 @@
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
+#include "core/errors/error_text.h"
 #include "core/io/files/dataset_error.h"
 #include "core/process/order.h"
 #include "core/run/process_names.h"
@@ -254,8 +255,9 @@ FrameSender::Sent FrameSender::WaitForPose(const LoadedFrame& frame) {
       ticks_to_resend = ticks_of_doubt;
     }
     if (!std::exchange(waiting, true)) {
-      process_.SetState(process_state::kRunning,
-                        fmt::format("waiting for the pose of frame {}", frame.images.frame_id));
+      process_.SetState(
+          process_state::kRunning,
+          Joined(fmt::format("waiting for the pose of frame {}", frame.images.frame_id), process_.bus().Problems()));
     }
   }
 }

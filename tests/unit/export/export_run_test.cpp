@@ -54,7 +54,7 @@ TEST(ExportRun, AFolderWithoutMapGivesItsTrajectoryOnly) {
   const std::string out = folder.Path("to");
   EXPECT_THAT(NamesOf(ExportRun({folder.Path(""), out, {}, ""})),
               testing::ElementsAre("trajectory.tum", "trajectory.kitti", "trajectory_times.txt", "trajectory.euroc",
-                                   "run.mcap", "foxglove_layout.json"));
+                                   "run.mcap", "foxglove_layout.json", "left out"));
   EXPECT_THAT(ErrorOf({folder.Path(""), out, {"ply"}, ""}), HasSubstr("ply needs a map: plslam run --save-map"));
 }
 

@@ -52,6 +52,12 @@ TEST(RunWarnings, ConditionsOfEachRow) {
        "only 12 of 120 frames were tracked (10.0 %; 100 initialising, 8 lost)"},
       {"not_in_map", [](RunFindings& f) { f.frames_unanchored = 58; },
        "58 of 100 frames were not recognised in the map"},
+      {"not_in_map",
+       [](RunFindings& f) {
+         f.frames_unanchored = f.unanchored_now = 12;
+         f.map = "room.plmap";
+       },
+       "12 of 100 frames, the last 12 among them, were not recognised in room.plmap"},
       {"few_stereo_matches", [](RunFindings& f) { f.points_matched = 800; },
        "only 1.0 % of the points of the left ones: left and right may be exchanged, not taken at the same time, or "
        "badly calibrated; check with `plslam rectify-check '/data/kitti 03'`"},

@@ -214,9 +214,9 @@ TEST(Outputs, TableHasLostFramesAndSafeColumnNames) {
   recorder.AddPose(lost);
   EXPECT_EQ(TextOf([&](const AppendText& to) { WritePosesCsv(recorder, to); }),
             "frame_id,t_s,state,n_points,n_lines,n_tracked_points,n_tracked_lines,keyframe_id,entropy_ratio,"
-            "skipped_frames,n_moving,orb_ms,pose_ms,a__b__ms\n"
-            "0,1.000000000,tracking,800,120,312,84,-1,0,0,0,4.5000,0.2500,\n"
-            "1,1.100000000,lost,800,120,312,84,12,0.875,0,0,,,1.0000\n");
+            "skipped_frames,n_moving,anchored,orb_ms,pose_ms,a__b__ms\n"
+            "0,1.000000000,tracking,800,120,312,84,-1,0,0,0,1,4.5000,0.2500,\n"
+            "1,1.100000000,lost,800,120,312,84,12,0.875,0,0,1,,,1.0000\n");
 }
 
 TEST(Outputs, BodiesHaveTheirPositionsInTheMap) {

@@ -101,7 +101,7 @@ void ImageSource::Subscribe(bus::StockLcm& foreign) {
   };
   if (!options_.images.empty()) {
     listen(options_.images, [this](MessageBytes bytes) {
-      ++n_messages_;
+      ++n_messages_[0];
       OnPair(PairFromBytes(bytes));
     });
     return;
@@ -139,7 +139,7 @@ void ImageSource::Handle(const Inbox::Message& message) {
 }
 
 void ImageSource::OnImage(Side side, MessageBytes bytes) {
-  ++n_messages_;
+  ++n_messages_[static_cast<size_t>(side)];
   const auto pair = pairing_.Add(side, ImageFromBytes(bytes));
   process_.SetCounter("frames.unpaired", static_cast<double>(pairing_.unpaired()));
   if (pair) OnPair(*pair);
@@ -220,9 +220,21 @@ void ImageSource::Tick() {
   if (n_sent_ == 0) process_.SetReason(WhatIsMissing());
 }
 
-/// Once, while the expected channels are silent: a mistyped name is the most likely reason.
+/// Channels of images on which nothing has arrived.
+std::vector<std::string> ImageSource::SilentChannels() const {
+  std::vector<std::string> silent;
+  if (!options_.images.empty()) {
+    if (n_messages_[0] == 0) silent.push_back(Shown(options_.images));
+    return silent;
+  }
+  if (n_messages_[static_cast<size_t>(Side::kLeft)] == 0) silent.push_back(Shown(options_.left));
+  if (n_messages_[static_cast<size_t>(Side::kRight)] == 0) silent.push_back(Shown(options_.right));
+  return silent;
+}
+
+/// Once, while an expected channel is silent: a mistyped name is the most likely reason.
 void ImageSource::ListImageChannels() {
-  if (has_listed_ || n_messages_ > 0 || std::chrono::steady_clock::now() < list_at_) return;
+  if (has_listed_ || SilentChannels().empty() || std::chrono::steady_clock::now() < list_at_) return;
   has_listed_ = true;
   const std::vector<std::string> channels = ImageChannels(options_.foreign_url, kListTime);
   image_channels_ = channels.empty() ? "no channel of adapter.foreign_url has images"
@@ -231,11 +243,9 @@ void ImageSource::ListImageChannels() {
 }
 
 std::string ImageSource::WhatIsMissing() const {
-  if (n_messages_ == 0) {
-    const std::string expected = options_.images.empty()
-                                     ? fmt::format("{} and {}", Shown(options_.left), Shown(options_.right))
-                                     : Shown(options_.images);
-    return Joined(fmt::format("waiting for images on {}", expected), Shown(image_channels_));
+  const std::vector<std::string> silent = SilentChannels();
+  if (!silent.empty()) {
+    return Joined(fmt::format("waiting for images on {}", fmt::join(silent, " and ")), Shown(image_channels_));
   }
   if (!rig_) {
     return fmt::format("waiting for sensor_msgs.CameraInfo on {} and {} (or give a file with --camera)", left_info_,

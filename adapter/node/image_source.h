@@ -66,6 +66,7 @@ class ImageSource {
   void UseRig(RigCalibration rig);
   void PublishRig();
   void Publish(StereoImages images);
+  std::vector<std::string> SilentChannels() const;
   void ListImageChannels();
   std::string WhatIsMissing() const;
 
@@ -87,8 +88,8 @@ class ImageSource {
   std::vector<uint8_t> rig_bytes_;
   std::chrono::steady_clock::time_point list_at_;
   bool has_listed_ = false;
-  std::string image_channels_;  ///< what was found instead of the expected ones
-  int64_t n_messages_ = 0;
+  std::string image_channels_;           ///< what was found instead of the expected ones
+  std::array<int64_t, 2> n_messages_{};  ///< by side; of pairs the first
   std::atomic<int64_t> n_sent_ = 0;
   int64_t n_rejected_ = 0;
   int64_t last_t_ns_ = -1;

@@ -235,7 +235,7 @@ Outboxes::Answer Outboxes::OnRequest(const std::string& channel, int64_t reader,
     Outbox& outbox = *found->second;
     OrderedWriter::Answer words = outbox.writer->OnRequest(reader, delivered, window, ranges, now);
     kept = std::move(words.resend);
-    if (words.n_lost > 0) size_.OnLost(words.n_lost, now);
+    if (words.n_lost > 0 && transport_.leaves_host()) size_.OnLost(words.n_lost, now);
     log = outbox.log.get();
     answer.wire_name = outbox.wire_name;
     if (words.announce && outbox.channel.delivery == Delivery::kEvery) {

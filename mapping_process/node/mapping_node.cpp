@@ -116,7 +116,10 @@ void MappingNode::OnKeyframe(const Keyframe& keyframe) {
     if (!BelongsTo(keyframe.map_instance, map_instance_)) {
       process_.SetCounter("keyframes.other_map", static_cast<double>(++n_other_map_));
       // Its tracker does not know yet that there is another map.
-      if (n_other_map_ == 1) queue_.AskForWhole();
+      static constexpr size_t kMostSessions = 64;
+      if (refused_sessions_.size() < kMostSessions && refused_sessions_.insert(keyframe.session).second) {
+        queue_.AskForWhole();
+      }
       return;
     }
     const double now_ms = bus::NowMs();

@@ -98,6 +98,7 @@ class MappingNode {
 
   // On the thread of the bus.
   std::atomic<int64_t> n_other_map_ = 0;
+  std::set<int64_t> refused_sessions_;  // of keyframes of another map
 
   // Shared with the worker.
   std::mutex mutex_;

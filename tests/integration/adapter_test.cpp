@@ -14,16 +14,20 @@
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
+#include "core/bus/transport/stock_lcm.h"
 #include "core/datasets/camera_file.h"
 #include "core/datasets/open_dataset.h"
 #include "core/geometry/body_frame.h"
 #include "plslam/pose_t.hpp"
 #include "plslam/robot_motion_t.hpp"
 #include "plslam/stage_t.hpp"
+#include "sensor_msgs/Image.hpp"
 #include "tests/integration/by_hand.h"
 #include "tests/integration/lcm_robot.h"
 #include "tests/integration/whole_run.h"
+#include "tests/support/data_folder.h"
 #include "tests/support/sanitized.h"
+#include "tests/support/text_file.h"
 #include "tests/unit/bus/bus_fixture.h"
 
 namespace plslam {
@@ -249,6 +253,22 @@ TEST_P(AdapterInputs, EachImageFormatIsTracked) {
   }
   EXPECT_GE(n_motions, kFew / 2U);
   EXPECT_TRUE(run_->StopAll()) << run_->Logs();
+}
+
+TEST(AdapterChannels, ThoseWithImagesAreListed) {
+  const WholeRun run;
+  const std::string foreign = bus::test::PrivateUrl();
+  const launcher::ChildProcess adapter(test::BinaryFolder() / "adapter",
+                                       {"--url", bus::test::PrivateUrl(), "--set", "adapter.foreign_url=" + foreign,
+                                        "--set", "adapter.left=/lefft", "--set", "adapter.right=/right"},
+                                       run.folder() / "adapter.log");
+  bus::StockLcm robot(foreign, "foreign");
+  const auto log = [&] { return ReadText(run.folder() / "adapter.log"); };
+  EXPECT_TRUE(WholeRun::WaitFor([&] {
+    robot.Publish("/left", bus::Encoded(sensor_msgs::Image()));
+    return log().find("images are on /left") != std::string::npos;
+  })) << log();
+  EXPECT_NE(log().find("waiting for images on /lefft and /right"), std::string::npos) << log();
 }
 
 INSTANTIATE_TEST_SUITE_P(Inputs, AdapterInputs,

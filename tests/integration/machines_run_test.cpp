@@ -97,5 +97,42 @@ TEST(Machines, ThreeWithTheTrackersCableOutFor5s) {
   PlayOnSeveralMachines({3, 0, 1, 2, 0});
 }
 
+TEST(Machines, OfTwoTrackersThatMeetTheOlderStays) {
+  if (!NetworkHost::Obstacle().empty()) GTEST_SKIP() << NetworkHost::Obstacle();
+  const Lan lan(2);
+  lan.SetLink(1, false);
+  ByHand older(kMachinesUrl), younger(kMachinesUrl);
+  StatusListener at_older(lan.host(0), ListenerOptions()), at_younger(lan.host(1), ListenerOptions());
+  older.Start(lan.host(0), "vo_process");
+  // The uptimes decide if they differ by more than 2 s.
+  ASSERT_TRUE(at_older.WaitFor([](const auto& statuses, int64_t) {
+    const auto vo = statuses.find("vo");
+    return vo != statuses.end() && vo->second.uptime_s > 4.0;
+  })) << older.Logs();
+  younger.Start(lan.host(1), "vo_process");
+  ASSERT_TRUE(at_younger.WaitForState("vo", "ready")) << younger.Logs();
+  lan.SetLink(1, true);
+  EXPECT_EQ(younger.Wait("vo_process", 30), 1);
+  EXPECT_NE(younger.Logs().find("another vo is running on this bus"), std::string::npos) << younger.Logs();
+  EXPECT_TRUE(older.StopAll()) << older.Logs();
+}
+
+// Datagrams that the bus's own filter drops are not lost.
+TEST(Machines, DoctorFindsNothingAfterARun) {
+  if (!NetworkHost::Obstacle().empty()) GTEST_SKIP() << NetworkHost::Obstacle();
+  const std::string url = "udpm://239.255.76.67:7667?ttl=0";
+  const NetworkHost host;
+  bus::BusOptions options;
+  options.url = url;
+  ByHand run(url);
+  StatusListener listener(host, options);
+  ASSERT_NO_FATAL_FAILURE(run.StartAll({.viewer = &host, .mapping = &host, .loop = &host, .vo = &host}, &listener));
+  run.StartPlayer(host, "synthetic:room?frames=40&size=376x240");
+  ASSERT_NO_FATAL_FAILURE(run.WaitUntilPlayed(&listener));
+  run.Start(host, "plslam", {"doctor", "--quiet"});
+  run.Wait("plslam");
+  EXPECT_EQ(run.Logs().find("buffers were full"), std::string::npos) << run.Logs();
+}
+
 }  // namespace
 }  // namespace plslam

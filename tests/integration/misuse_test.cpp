@@ -134,5 +134,14 @@ TEST(Misuse, MistypedCommandIsNamed) {
   EXPECT_EQ(outcome.log, "plslam: error: there is no command 'rum'; the nearest is 'run' (--help lists all)\n");
 }
 
+TEST(Misuse, HelpHasDefaultsAndNothingForLaunchers) {
+  const WholeRun run;
+  EXPECT_THAT(RunProgram(run, test::BinaryFolder() / "evaluate", {"--help"}).log, HasSubstr("=0.02"));
+  EXPECT_THAT(Plslam(run, {"run", "--help"}).log, HasSubstr("--max-restarts INT"));
+  for (const char* command : {"save", "top", "doctor"}) {
+    EXPECT_THAT(Plslam(run, {command, "--help"}).log, testing::Not(HasSubstr("--parent"))) << command;
+  }
+}
+
 }  // namespace
 }  // namespace plslam

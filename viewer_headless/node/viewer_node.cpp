@@ -66,12 +66,13 @@ ViewerNode::~ViewerNode() {
   process_.Finish(1);
 }
 
-/// A viewer that was restarted and stopped again has the poses of the history, but not yet the rig, which is repeated
-/// every second. What the previous viewer wrote stays.
+/// A viewer that was restarted and stopped again may have poses of the history, but not yet the rig, which is repeated
+/// every second of a stream. What the previous viewer wrote stays.
 bool ViewerNode::StopsBeforeTheRig() const {
   static constexpr double kRigAfter_s = 2.0;
-  if (q_l_c_ || bus::NowS() - began_s_ > kRigAfter_s) return false;
-  spdlog::warn("stopped before the rig was received: nothing is written to {}", options_.out);
+  if (earlier_ != Earlier::kReplace || q_l_c_) return false;
+  if (!streams_.empty() && bus::NowS() - began_s_ > kRigAfter_s) return false;
+  spdlog::warn("stopped before the rig was received: the earlier results in {} stay", options_.out);
   return true;
 }
 
@@ -115,6 +116,7 @@ void ViewerNode::OnCamera(const RigCalibration& rig) {
     pictures_->SetCamera(rig, rectification);
     report_->SetCamera(rectification.camera);
     q_l_c_ = rectification.q_l_c;
+    RemoveEarlier();
     dirty_ = dirty_ || written_;
     quiet_ticks_ = 0;
   } catch (const std::exception& e) {
@@ -143,10 +145,15 @@ void ViewerNode::OnStream(const stream_t& message) {
   }
 }
 
-/// With the first frame, because results of an earlier run are kept until there are others.
 void ViewerNode::BeginRun() {
   process_.SetState(process_state::kRunning);
-  if (earlier_ == Earlier::kReplace) RemoveResults(options_.out);
+  replaces_ = earlier_ == Earlier::kReplace;
+  RemoveEarlier();
+}
+
+/// With the first frame and the rig, because results of an earlier run are kept until there can be others.
+void ViewerNode::RemoveEarlier() {
+  if (q_l_c_ && std::exchange(replaces_, false)) RemoveResults(options_.out);
 }
 
 void ViewerNode::StartNewRun() {

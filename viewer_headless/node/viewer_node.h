@@ -61,6 +61,7 @@ class ViewerNode {
   Eigen::Quaterniond q_l_c() const;
   bool HasPlayed() const;
   bool StopsBeforeTheRig() const;
+  void RemoveEarlier();
   bool RunIsOver() const;
   bool MapIsComplete() const;
   bool ExpectsPictures() const;
@@ -96,6 +97,7 @@ class ViewerNode {
   bool written_ = false;
   /// One sentence about the outputs that could not be delivered, of this stream and of an earlier one. Empty if there
   /// are none.
+  bool replaces_ = false;  ///< earlier results are to be removed
   const double began_s_ = bus::NowS();
   std::string failure_, failure_before_;
   int64_t rejected_ = 0;

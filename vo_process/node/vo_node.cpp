@@ -114,9 +114,9 @@ void VoNode::OnFrame(const Frame& frame) {
   if (WaitsFor() == Wait::kNothing && waiting_.empty() && !AwaitsOthers(waiting)) return Track(frame);
   if (frame.lockstep && std::ranges::any_of(waiting_, [&](const auto& other) { return other.Is(frame); })) return;
   if (waiting_.size() == kMaxWaitingFrames) {
-    report_.Count(front_end_ ? "frames.dropped_waiting" : "frames.without_camera", 1);
     // A player in lockstep sends a frame again until it has the pose, and the oldest one is due first.
     if (frame.lockstep && front_end_) return;
+    report_.Count(front_end_ ? "frames.dropped_waiting" : "frames.without_camera", 1);
     waiting_.erase(waiting_.begin());
   }
   waiting_.push_back(waiting);
@@ -574,7 +574,8 @@ void VoNode::AskAgainForFrames() {
   if (!frames_asked_s_) return;
   if (bus::NowS() - *frames_asked_s_ < kFramesWait_s) return AskForFrames();
   frames_asked_s_.reset();
-  spdlog::warn("no player resends the frames after {}: they are skipped", session_.last_frame_id);
+  if (!waiting_.empty())
+    spdlog::warn("no player resends the frames after {}: they are skipped", session_.last_frame_id);
   ProcessWaiting();
 }
 

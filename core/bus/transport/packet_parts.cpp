@@ -79,7 +79,7 @@ void ForEachPart(std::string_view channel, ByteView message, uint32_t number,
 
 std::optional<LongMessages::Message> PacketParts::Add(uint64_t sender, const MessagePart& part, int64_t now) {
   if (part.message_bytes > kMaxMessageBytes || part.n_parts == 0) return std::nullopt;
-  while (!open_.empty() && (open_.size() > kMostOpen || now - open_.front().heard > kPatience_ns)) open_.pop_front();
+  while (!open_.empty() && now - open_.front().heard > kPatience_ns) open_.pop_front();
   const uint32_t number = part.number & ~Mask(kAttemptBits);
   auto open = std::find_if(open_.begin(), open_.end(),
                            [&](const Open& o) { return o.sender == sender && o.number == number; });

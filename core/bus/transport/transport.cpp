@@ -169,8 +169,7 @@ bool Transport::Send(const std::string& channel, ByteView bytes) {
 bool Transport::SendInPackets(const std::string& channel, ByteView bytes, int64_t seq) {
   if (udp_ == nullptr || bytes.size() <= kPartBytes) return Send(channel, bytes);
   const std::lock_guard lock(send_mutex_);
-  if (parts_sender_ == nullptr) parts_sender_ = std::make_unique<PartsSender>(url_);
-  return parts_sender_->Send(channel, bytes, seq);
+  return parts_senders_.try_emplace(channel, url_).first->second.Send(channel, bytes, seq);
 }
 
 void Transport::Listen(const std::string& channel) {

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -49,6 +50,8 @@ class Transport {
   Kind kind() const { return kind_; }
   /// URL as given to LCM.
   const std::string& url() const { return url_; }
+  /// Whether messages are datagrams that leave this host. Within it, a datagram of any size is one packet.
+  bool leaves_host() const { return udp_ != nullptr && ParseUdpGroup(url_).ttl > 0; }
   /// Returns whether messages can go both ways, as repair requires.
   bool two_way() const { return kind_ != Kind::kFileRead && kind_ != Kind::kFileWrite; }
   /// Bytes of large datagrams that the receiving socket holds.
@@ -101,8 +104,9 @@ class Transport {
   bool listens_to_all_ = false;
   bool ended_ = false;  // a log that is read
   std::unique_ptr<UdpReceiver> udp_;
-  std::unique_ptr<PartsSender> parts_sender_;  // guarded by send_mutex_
-  std::mutex listen_mutex_;                    // guards the following members, and `listens_to_all_`
+  /// By channel, so that the numbers of two channels' parts never meet; guarded by send_mutex_.
+  std::map<std::string, PartsSender> parts_senders_;
+  std::mutex listen_mutex_;  // guards the following members, and `listens_to_all_`
   std::set<std::string, std::less<>> names_;
   std::set<uint32_t> digests_;  // of `names_`
   std::set<std::string, std::less<>> bulky_;

@@ -86,7 +86,7 @@ TEST(OrderedReader, RepeatsRequestsWithGrowingPauses) {
   for (int64_t now = 0; now < 1000 * kMs; now += kMs) {
     if (const auto request = reader.Poll(now); request && !request->ranges.empty()) times.push_back(now / kMs);
   }
-  EXPECT_EQ(times, (Numbers{0, 5, 15, 35, 75, 155, 315, 515, 715, 915}));
+  EXPECT_EQ(times, (Numbers{0, 3, 9, 21, 45, 93, 189, 381, 581, 781, 981}));
 }
 
 TEST(OrderedReader, CountsRepetitions) {

@@ -88,7 +88,7 @@ TEST(EvaluateProgram, ErrorsAreOneSentenceAndExitCodeOne) {
       {good + " --truth " + kitti, "a.kitti: has no times"},
       {kitti + " --truth " + longer, "a.kitti has 1 poses and " + longer + " has 2, without times"},
       {kitti + " --truth " + longer, "give the estimate with its times (trajectory.tum of a run), and --times"},
-      {good, "--truth is required"}};
+      {good, "evaluate: error: --truth is required"}};
   for (const auto& [arguments, sentence] : cases) {
     const ShellResult run = Evaluate(folder, arguments);
     EXPECT_EQ(run.exit_code, 1) << arguments;

@@ -37,6 +37,9 @@ TEST(FilesToWrite, MissingFolderIsOneSentence) {
   EXPECT_THAT(WhyNot(options), HasSubstr("is a folder, not a file to write"));
   options.save_map = folder.Path("x.plmap");
   EXPECT_EQ(WhyNot(options), "");
+  options.video = folder.Path("no/x.mp4");
+  EXPECT_THAT(WhyNot(options), HasSubstr("--video " + folder.Path("no/x.mp4") + ": the folder"));
+  options.video.clear();
   options.save_map = "/proc/x.plmap";
   EXPECT_THAT(WhyNot(options), testing::AnyOf(HasSubstr("cannot be written"), ""))
       << "root may write anywhere, as far as access() knows";

@@ -126,7 +126,7 @@ TEST(RunWarnings, ConditionsOfEachRow) {
     ASSERT_FALSE(WarningsOf(findings).empty()) << c.code;
     EXPECT_THAT(WarningsOf(findings)[0].sentence, HasSubstr(c.says));
     EXPECT_FALSE(WarningsOf(findings)[0].numbers.empty()) << c.code;
-    codes.emplace_back(c.code);
+    if (codes.empty() || codes.back() != c.code) codes.emplace_back(c.code);
   }
   EXPECT_EQ(codes, WarningCodes()) << "each row is tried";
 }

@@ -161,7 +161,7 @@ void CompleteBodies(const std::set<std::string>& given, Options& options) {
 /// Returns the option's name.
 std::string ParseOption(const std::string& text, Options& options) {
   const size_t equals = text.find('=');
-  const std::string name = text.substr(0, equals);
+  std::string name = text.substr(0, equals);
   const std::vector<std::string> known = OptionNames();
   if (std::find(known.begin(), known.end(), name) == known.end()) {
     FailUnknown("option", name, known);

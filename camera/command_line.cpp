@@ -31,8 +31,7 @@ void CameraCommandLine::AddTo(void* app) {
         throw CLI::Success();
       },
       "print the GStreamer pipeline of the rig file, as a start for a `source.pipeline`, and exit; the cameras need "
-      "no "
-      "calibration for it");
+      "no calibration for it");
 }
 
 CameraOptions CameraCommandLine::Options(const Config& config) const {

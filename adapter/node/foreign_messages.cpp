@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <optional>
@@ -111,6 +112,12 @@ void Append(float value, std::vector<uint8_t>& bytes) {
 }
 
 }  // namespace
+
+bool IsOfImages(MessageBytes bytes) {
+  static constexpr std::string_view kTypes[] = {"bot_core.images_t", "sensor_msgs.Image",
+                                                "sensor_msgs.CompressedImage"};
+  return std::ranges::any_of(kTypes, [&](std::string_view type) { return IsOfType(bytes, type); });
+}
 
 std::pair<ForeignImage, ForeignImage> PairFromBytes(MessageBytes bytes) {
   auto message = Decoded<bot_core::images_t>(bytes, "bot_core.images_t");

@@ -22,6 +22,8 @@ namespace plslam::adapter {
 
 using MessageBytes = std::span<const uint8_t>;
 
+/// Whether they begin as a message of a type that holds images does.
+bool IsOfImages(MessageBytes bytes);
 /// Left and right image of a `bot_core.images_t`, in any order among others.
 std::pair<ForeignImage, ForeignImage> PairFromBytes(MessageBytes bytes);
 /// A `sensor_msgs.Image` or `sensor_msgs.CompressedImage`.

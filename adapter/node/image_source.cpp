@@ -8,10 +8,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <set>
+#include <stdexcept>
 #include <string_view>
 #include <utility>
 
-#include "adapter/node/image_channels.h"
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/frame_assembler.h"
 #include "core/datasets/calibrations/camera_info.h"
@@ -35,6 +36,19 @@ constexpr std::chrono::seconds kListAfter{3};
 constexpr std::chrono::milliseconds kListTime{1000};
 /// Number of waiting messages: two pairs of images. Older images are of no use to a moving robot.
 constexpr size_t kRoom = 4;
+
+/// Returns the channels of `url` on which images arrive within this time, sorted; empty if nothing can be received.
+std::vector<std::string> ImageChannels(const std::string& url, std::chrono::milliseconds time) {
+  std::set<std::string, std::less<>> channels;
+  try {
+    bus::ReceiveAll(url, "adapter.foreign_url", time, [&](std::string_view channel, bus::ByteView bytes) {
+      if (IsOfImages(bytes)) channels.emplace(channel);
+    });
+  } catch (const std::runtime_error&) {
+    // The subscriptions of `ImageSource` report what cannot be received.
+  }
+  return {channels.begin(), channels.end()};
+}
 
 /// Throws DatasetError if vo_process cannot use the rig.
 void CheckRig(const RigCalibration& rig) {
@@ -234,8 +248,7 @@ std::vector<std::string> ImageSource::SilentChannels() const {
 
 /// Once, while an expected channel is silent: a mistyped name is the most likely reason.
 void ImageSource::ListImageChannels() {
-  if (has_listed_ || SilentChannels().empty() || std::chrono::steady_clock::now() < list_at_) return;
-  has_listed_ = true;
+  if (image_channels_ || SilentChannels().empty() || std::chrono::steady_clock::now() < list_at_) return;
   const std::vector<std::string> channels = ImageChannels(options_.foreign_url, kListTime);
   image_channels_ = channels.empty() ? "no channel of adapter.foreign_url has images"
                                      : fmt::format("images are on {}", fmt::join(channels, ", "));
@@ -245,7 +258,8 @@ void ImageSource::ListImageChannels() {
 std::string ImageSource::WhatIsMissing() const {
   const std::vector<std::string> silent = SilentChannels();
   if (!silent.empty()) {
-    return Joined(fmt::format("waiting for images on {}", fmt::join(silent, " and ")), Shown(image_channels_));
+    return Joined(fmt::format("waiting for images on {}", fmt::join(silent, " and ")),
+                  Shown(image_channels_.value_or("")));
   }
   if (!rig_) {
     return fmt::format("waiting for sensor_msgs.CameraInfo on {} and {} (or give a file with --camera)", left_info_,

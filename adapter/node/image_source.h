@@ -87,9 +87,8 @@ class ImageSource {
   int white_ = kWhiteOf16Bits;
   std::vector<uint8_t> rig_bytes_;
   std::chrono::steady_clock::time_point list_at_;
-  bool has_listed_ = false;
-  std::string image_channels_;           ///< what was found instead of the expected ones
-  std::array<int64_t, 2> n_messages_{};  ///< by side; of pairs the first
+  std::optional<std::string> image_channels_;  ///< what was found instead of the expected ones
+  std::array<int64_t, 2> n_messages_{};        ///< by side; of pairs the first
   std::atomic<int64_t> n_sent_ = 0;
   int64_t n_rejected_ = 0;
   int64_t last_t_ns_ = -1;

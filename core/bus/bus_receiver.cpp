@@ -167,11 +167,7 @@ void Bus::Impl::OnRepairRequest(std::string_view wire_name, ByteView bytes, int6
   for (const range_t& range : request.ranges) ranges.push_back({range.first, range.last});
   const Outboxes::Answer answer = outboxes.OnRequest(request.channel, request.header.source, request.delivered,
                                                      request.window_bytes, ranges, now);
-  const bool in_packets = outboxes.sends_packets();
-  for (const Bytes& message : answer.resend) {
-    in_packets ? transport.SendInPackets(answer.wire_name, *message, ReadHeader(*message).seq)
-               : transport.Send(answer.wire_name, *message);
-  }
+  for (const Bytes& message : answer.resend) outboxes.SendRepairable(answer.wire_name, *message);
   if (answer.announcement) Announce(*answer.announcement);
 }
 

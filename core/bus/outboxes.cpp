@@ -171,9 +171,8 @@ std::optional<int64_t> Outboxes::Publish(const Channel& channel, header_t& heade
     MoveToLog(outbox);
   }
   ++outbox.seq;
-  const bool in_packets = outbox.writer != nullptr && sends_packets();
   const auto send = [&](const std::string& wire_name, const Bytes& bytes) {
-    in_packets ? transport_.SendInPackets(wire_name, *bytes, header.seq) : transport_.Send(wire_name, *bytes);
+    outbox.writer != nullptr ? SendRepairable(wire_name, *bytes) : void(transport_.Send(wire_name, *bytes));
   };
   send(outbox.wire_name, message);
   if (for_map != nullptr) send(outbox.map_name, for_map);
@@ -181,6 +180,14 @@ std::optional<int64_t> Outboxes::Publish(const Channel& channel, header_t& heade
   const std::lock_guard lock(mutex_);
   outbox.sent = outbox.seq;
   return announce_time;
+}
+
+void Outboxes::SendRepairable(const std::string& wire_name, ByteView message) {
+  if (sends_packets()) {
+    transport_.SendInPackets(wire_name, message, ReadHeader(message).seq);
+  } else {
+    transport_.Send(wire_name, message);
+  }
 }
 
 bool Outboxes::Flush(std::chrono::milliseconds limit, bool to_silent) {

@@ -66,6 +66,9 @@ class Outboxes {
   int64_t acknowledged() const;
   int64_t sent() const { return sent_; }
   int64_t resent() const { return resent_; }
+  /// Sends a message of a channel that is repaired, in packets while packets are lost.
+  void SendRepairable(const std::string& wire_name, ByteView message);
+
   /// Whether pages and strips are single packets now, because too many larger messages were lost (`MessageSize`).
   bool sends_packets() const;
   /// A line about that, empty if it is not so.

@@ -27,7 +27,7 @@ class PartnerWait {
   void End() { awaited_.reset(); }
 
   /// True once: a wait lasts, and the partner was not heard of.
-  bool IsSilent(double now_s) {
+  bool NoticeSilence(double now_s) {
     static constexpr double kSilence_s = 2.0;
     if (!awaited_ || is_reported_ || now_s - began_s_ < kSilence_s) return false;
     if (last_sign_s_ && now_s - *last_sign_s_ < kSilence_s) return false;

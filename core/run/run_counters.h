@@ -48,7 +48,7 @@ inline constexpr const char* kOutages = "cameras.outages";
 inline constexpr const char* kRecordingScan = "recording.scan_s";
 /// From vo: frames after the first keyframe that have no known place in the map.
 inline constexpr const char* kFramesUnanchored = "frames.unanchored";
-/// Those of them since the last frame with a known place.
+/// The same since the last frame with a known place.
 inline constexpr const char* kUnanchoredNow = "frames.unanchored_now";
 inline constexpr std::array<const char*, 26> kRunCounters{
     kPointsSeen,       kPointsMatched, kFramesDark,    kCornerRows,

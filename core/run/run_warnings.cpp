@@ -74,16 +74,19 @@ std::string PartsText(const FrameTally& t) {
   return text;
 }
 
-/// Of the frames that were not tracked, by the largest part of them.
+/// Usual reasons why frames are not tracked, by the largest part of these frames.
 std::string UsualReasons(const FrameTally& t) {
   if (t.unanswered > std::max(t.initialising, t.lost))
     return "vo_process did not answer them; its log has the reason";
   if (t.initialising > t.lost) {
     return "too few points had a depth to begin with; usual reasons are exchanged or dark images, a covered lens and "
-           "a "
-           "wrong calibration";
+           "a wrong calibration";
   }
   return "usual reasons are fast turns, blurred or dark images, a covered lens and walls without texture";
+}
+
+const char* CalibrationAdvice(const RunFindings& f) {
+  return f.is_live ? "calibrate the cameras again" : "if the cameras are yours, calibrate them again";
 }
 
 bool IsOutOfStep(const RunFindings& f) { return f.right_late_ms > 0.0 || f.left_late_ms > 0.0; }
@@ -213,9 +216,7 @@ const Row kRows[] = {
        return fmt::format(
            "rows of the right images differ from those of the left ones by up to {:.1f} px in the corners: this is "
            "corrected, but {}; measure it with {}",
-           f.corner_rows_px,
-           f.is_live ? "calibrate the cameras again" : "if the cameras are yours, calibrate them again",
-           CheckText(f));
+           f.corner_rows_px, CalibrationAdvice(f), CheckText(f));
      },
      [](const RunFindings& f) {
        return Numbers{{"corner_rows_px", f.corner_rows_px}};
@@ -225,8 +226,7 @@ const Row kRows[] = {
        return fmt::format(
            "disparities have an offset that would change lengths by {:.1f} % (sigma {:.1f} %): it is corrected while "
            "there is enough motion, but {}",
-           f.length_error_percent, f.length_sigma_percent,
-           f.is_live ? "calibrate the cameras again" : "if the cameras are yours, calibrate them again");
+           f.length_error_percent, f.length_sigma_percent, CalibrationAdvice(f));
      },
      [](const RunFindings& f) {
        return Numbers{{"length_error_percent", f.length_error_percent},

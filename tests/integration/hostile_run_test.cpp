@@ -13,6 +13,7 @@
 #include "tests/integration/by_hand.h"
 #include "tests/integration/recorded_run.h"
 #include "tests/support/hostile_sender.h"
+#include "tests/support/key_file.h"
 #include "tests/support/long_tests.h"
 #include "tests/support/network_host.h"
 
@@ -21,6 +22,7 @@ namespace {
 
 using test::ByHand;
 using test::HostileSender;
+using test::KeyFile;
 using test::NetworkHost;
 using test::StatusListener;
 using testing::HasSubstr;
@@ -30,12 +32,6 @@ constexpr uint16_t kPort = 7667;
 constexpr const char* kHostileUrl = "udpm://239.255.76.67:7667?ttl=0";
 constexpr int kHostileFrames = 60;
 const std::string kHostileWorld = fmt::format("synthetic:room?frames={}&size=376x240", kHostileFrames);
-
-std::string KeyFile(const std::filesystem::path& folder, char digit) {
-  const std::filesystem::path path = folder / (std::string("key_") + digit);
-  std::ofstream(path) << std::string(64, digit) << '\n';
-  return path.string();
-}
 
 bus::BusOptions ListenerOptions(const std::string& key_file, const std::string& prefix = "") {
   bus::BusOptions options;

@@ -13,6 +13,7 @@
 #include "tests/integration/run_watcher.h"
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"
+#include "tests/support/key_file.h"
 #include "tests/support/shell.h"
 #include "tests/support/text_file.h"
 #include "tools/plslam/child_process.h"
@@ -20,18 +21,12 @@
 namespace plslam {
 namespace {
 
+using test::KeyFile;
 using test::RunWatcher;
 using test::WholeRun;
 using testing::HasSubstr;
 
 const std::string kShortRoom = "synthetic:room?frames=60&size=376x240";
-
-std::string KeyFile(const std::filesystem::path& folder, char digit) {
-  const std::filesystem::path path = folder / (std::string("key_") + digit);
-  std::ofstream(path) << std::string(64, digit) << '\n';
-  std::filesystem::permissions(path, std::filesystem::perms::owner_read);
-  return path.string();
-}
 
 /// Output and exit code of a program in a test's folder.
 struct Outcome {

@@ -41,7 +41,7 @@ using testing::HasSubstr;
 /// Names of services in the order in which they are stopped or started.
 using Order = std::vector<std::string>;
 
-/// Those whose order matters, sorted.
+/// Services whose order matters, sorted.
 const Order kStateful = {"loop", "mapping", "vo"};
 
 /// Keyframes by session, as in `Heard`.
@@ -125,7 +125,7 @@ std::vector<Moment> RandomMoments(unsigned seed) {
   return moments;
 }
 
-/// What a run leaves for comparison with another one.
+/// Poses and map of a run, for comparison with another one.
 struct Result {
   std::vector<std::vector<uint8_t>> poses;  ///< by frame, as published
   std::vector<uint8_t> map;

@@ -23,7 +23,7 @@ class BoardFaults {
 
   /// A sentence where no image shows a corner of the first or last row or column of corners: markers are numbered row by
   /// row, and those of a board with one row less lie as they should. Empty otherwise, and after too few images of a
-  /// board to judge.
+  /// board.
   std::string UnseenEdge() const;
 
  private:

@@ -130,10 +130,10 @@ int GiveOrder(const OrderRow& row, const std::string& argument, const bus::Proce
                      std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now() - began));
   }
   if (!order.heard() && !bus.Problems().empty()) failure = fmt::format("{} ({})", failure, bus.Problems());
-  if (!order.heard() && bus.hears_other_key()) {
-    failure = "this system uses another bus.key_file: give the same file (--set bus.key_file=FILE)";
+  if (order.needs_key() || (!order.heard() && bus.hears_other_key())) {
+    failure = fmt::format("this system uses {}bus.key_file: give the same file (--set bus.key_file=FILE)",
+                          order.needs_key() ? "" : "another ");
   }
-  if (order.needs_key()) failure = "this system uses bus.key_file: give the same file (--set bus.key_file=FILE)";
   if (order.answer()) failure = *order.answer();
   const std::string what = argument.empty() ? row.verb : fmt::format("{} {}", row.verb, argument);
   PrintError(fmt::format("plslam: error: {}: {}", what, failure));

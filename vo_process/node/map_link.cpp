@@ -70,7 +70,7 @@ void MapLink::BeginSession(int64_t adopted_keyframe_id) {
 }
 
 bool MapLink::GiveUp(double now_s) {
-  if (wait_.IsSilent(now_s)) {
+  if (wait_.NoticeSilence(now_s)) {
     spdlog::warn("waiting up to {:.0f} s for mapping_process, which is not found (vo.map.wait_s)", wait_.wait_s());
   }
   const bool given_up = wait_.GiveUp(now_s);

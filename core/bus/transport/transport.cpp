@@ -123,6 +123,7 @@ Transport::Transport(const std::string& url) : url_(EffectiveUrl(url)), kind_(Ki
   if (kind_ == Kind::kUdpMulticast) {
     url_ = WithReceiveBuffer(url_);
     window_ = UdpWindow(url_);
+    leaves_host_ = ParseUdpGroup(url_).ttl > 0;
     udp_ = std::make_unique<UdpReceiver>(url_);
   }
   errno = 0;

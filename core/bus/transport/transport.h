@@ -51,7 +51,7 @@ class Transport {
   /// URL as given to LCM.
   const std::string& url() const { return url_; }
   /// Whether messages are datagrams that leave this host. Within it, a datagram of any size is one packet.
-  bool leaves_host() const { return udp_ != nullptr && ParseUdpGroup(url_).ttl > 0; }
+  bool leaves_host() const { return leaves_host_; }
   /// Returns whether messages can go both ways, as repair requires.
   bool two_way() const { return kind_ != Kind::kFileRead && kind_ != Kind::kFileWrite; }
   /// Bytes of large datagrams that the receiving socket holds.
@@ -97,6 +97,7 @@ class Transport {
   std::string url_;
   Kind kind_;
   int64_t window_ = 0;
+  bool leaves_host_ = false;
   lcm_t* lcm_ = nullptr;
   int wake_fd_ = -1;
   std::mutex send_mutex_;  // LCM's tcpq writes a message in pieces, without its own lock

@@ -279,10 +279,13 @@ UdpReceiver::Outcome UdpReceiver::Receive(const Receiver& receiver, const Wanted
   return Outcome::kMessage;
 }
 
-PartsSender::PartsSender(const std::string& url)
-    : group_(ParseUdpGroup(url)), fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
-  const auto ttl = static_cast<unsigned char>(std::clamp(group_.ttl, 0, 255));
-  if (fd_ >= 0 && setsockopt(fd_, IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof ttl) == 0) return;
+PartsSender::PartsSender(const std::string& url) : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+  const UdpGroup group = ParseUdpGroup(url);
+  const auto ttl = static_cast<unsigned char>(std::clamp(group.ttl, 0, 255));
+  group_.sin_family = AF_INET;
+  group_.sin_port = htons(group.port);
+  const bool is_address = inet_pton(AF_INET, group.address.c_str(), &group_.sin_addr) == 1;
+  if (is_address && fd_ >= 0 && setsockopt(fd_, IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof ttl) == 0) return;
   const int reason = errno;
   if (fd_ >= 0) close(fd_);
   throw std::runtime_error("bus.url: " + url + ": cannot send there: " + ReasonOf(reason));
@@ -291,13 +294,10 @@ PartsSender::PartsSender(const std::string& url)
 PartsSender::~PartsSender() { close(fd_); }
 
 bool PartsSender::Send(std::string_view channel, ByteView message, int64_t seq) {
-  sockaddr_in to{};
-  to.sin_family = AF_INET;
-  to.sin_port = htons(group_.port);
-  if (inet_pton(AF_INET, group_.address.c_str(), &to.sin_addr) != 1) return false;
   bool sent = true;
   ForEachPart(channel, message, PartsNumber(channel, seq, attempt_++), [&](ByteView packet) {
-    const ssize_t n = sendto(fd_, packet.data(), packet.size(), 0, reinterpret_cast<const sockaddr*>(&to), sizeof to);
+    const ssize_t n =
+        sendto(fd_, packet.data(), packet.size(), 0, reinterpret_cast<const sockaddr*>(&group_), sizeof group_);
     sent = sent && n == static_cast<ssize_t>(packet.size());
   });
   return sent;

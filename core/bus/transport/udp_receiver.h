@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <netinet/in.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -105,7 +107,7 @@ class PartsSender {
   bool Send(std::string_view channel, ByteView message, int64_t seq);
 
  private:
-  UdpGroup group_;
+  sockaddr_in group_{};
   int fd_ = -1;
   uint32_t attempt_ = 0;
 };

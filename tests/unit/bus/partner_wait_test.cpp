@@ -19,19 +19,19 @@ TEST(PartnerWait, GivesUpWithoutSignsOfLife) {
 
 TEST(PartnerWait, SilenceIsReportedOnce) {
   PartnerWait wait(5.0);
-  EXPECT_FALSE(wait.IsSilent(100.0)) << "nothing is waited for";
+  EXPECT_FALSE(wait.NoticeSilence(100.0)) << "nothing is waited for";
   wait.Begin(1, 100.0);
-  EXPECT_FALSE(wait.IsSilent(101.9));
-  EXPECT_TRUE(wait.IsSilent(102.1));
-  EXPECT_FALSE(wait.IsSilent(103.0));
+  EXPECT_FALSE(wait.NoticeSilence(101.9));
+  EXPECT_TRUE(wait.NoticeSilence(102.1));
+  EXPECT_FALSE(wait.NoticeSilence(103.0));
   PartnerWait heard(5.0);
   heard.OnSignOfLife(99.0);
   heard.Begin(1, 100.0);
   heard.OnSignOfLife(101.0);
-  EXPECT_FALSE(heard.IsSilent(102.5));
+  EXPECT_FALSE(heard.NoticeSilence(102.5));
   PartnerWait impatient(1.0);
   impatient.Begin(1, 100.0);
-  EXPECT_FALSE(impatient.IsSilent(103.0)) << "the end of the wait is reported";
+  EXPECT_FALSE(impatient.NoticeSilence(103.0)) << "the end of the wait is reported";
 }
 
 TEST(PartnerWait, WaitsUntilSignsOfLifeEnd) {

@@ -149,7 +149,7 @@ std::string UnseenEdge(const Board& board, const std::vector<std::pair<int, int>
 TEST(BoardFaults, AnEdgeThatNoImageShows) {
   const Board board = ParseBoard("charuco:5x4:0.03:0.022");  // 4 x 3 corners
   EXPECT_EQ(UnseenEdge(board, {{0, 3}, {2, 0}}), "");
-  EXPECT_EQ(UnseenEdge(board, {{0, 0}}, 9), "") << "too few images to judge";
+  EXPECT_EQ(UnseenEdge(board, {{0, 0}}, 9), "") << "too few images to decide";
   EXPECT_EQ(UnseenEdge(board, {{0, 0}, {1, 3}}),
             "none of 10 pictures shows the lowest row of the board charuco:5x4:0.03:0.022: does the board have fewer "
             "columns or rows? If not, hold it where the whole board is seen");

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """to_ros2.py [URL]: publishes the pose of the camera as /odom and /tf of ROS 2, in the axes of REP 103.
 
-All frames have x forward, y left and z up, as the camera was held in its first image. Needs rclpy. NOT TESTED by this project, whose tests run without ROS.
+All frames have x forward, y left and z up, as the camera was held in its first image. Needs rclpy.
+NOT TESTED by this project, whose tests run without ROS.
 """
 
 import sys

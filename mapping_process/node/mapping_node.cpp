@@ -388,14 +388,23 @@ void MappingNode::PublishWhole() {
   publisher_.Publish(update);
 }
 
+/// Writes the state first where it is due: after a crash, listeners must not know more of the map than its owner.
 void MappingNode::Publish(Stages stage_ms) {
   MapUpdate update = mapper_->TakeUpdate();
-  if (!options_.state_file.empty()) state_file_.Note(update);
+  if (!options_.state_file.empty()) {
+    state_file_.Note(update);
+    if (IsStateDue()) KeepState();
+  }
   update.answer = answer_;
   update.stage_ms = std::move(stage_ms);
   publisher_.Publish(update);
   if (update.version == 1) process_.SetState(process_state::kRunning);
   CountMap();
+}
+
+bool MappingNode::IsStateDue() {
+  const std::lock_guard lock(mutex_);
+  return queue_.TakeState(bus::NowS());
 }
 
 void MappingNode::CountMap() {

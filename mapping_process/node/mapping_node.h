@@ -87,6 +87,7 @@ class MappingNode {
   void AddNewest(MapperState& state);
   void MoveOldToFiles();
   void Answer(const LoopClosure& loop, bool accepted);
+  bool IsStateDue();
   void Publish(Stages stage_ms);
   void PublishWhole();
   void CountMap();

@@ -97,9 +97,7 @@ std::optional<WorkQueue::Work> WorkQueue::Take(double now_s) {
     work.kind = Work::Kind::kCommit;
     return work;
   }
-  if (IsStateDue(now_s)) {
-    inserted_since_state_ = 0;
-    saved_since_state_ = false;
+  if (TakeState(now_s)) {
     work.kind = Work::Kind::kKeepState;
     return work;
   }
@@ -107,6 +105,13 @@ std::optional<WorkQueue::Work> WorkQueue::Take(double now_s) {
   work.keyframes = TakeKeyframes(now_s);
   if (work.keyframes.empty()) return std::nullopt;
   return work;
+}
+
+bool WorkQueue::TakeState(double now_s) {
+  if (!IsStateDue(now_s)) return false;
+  inserted_since_state_ = 0;
+  saved_since_state_ = false;
+  return true;
 }
 
 // A state is written when all keyframes in it are committed: messages resent after a crash can then be separated from

@@ -103,6 +103,9 @@ class WorkQueue {
   /// not committed before.
   bool Refused();
 
+  /// Returns whether the state is to be written now, which then counts as done.
+  bool TakeState(double now_s);
+
   /// Records that `count` keyframes were inserted, the last of them `keyframe`.
   void Inserted(const Keyframe& keyframe, int count, double now_s);
 

@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <regex>
+#include <set>
+#include <string>
 
 #include "core/bus/channels.h"
 #include "core/bus/logs/log_reader.h"
@@ -16,6 +19,7 @@
 #include "tests/integration/image_folder_of.h"
 #include "tests/integration/recorded_run.h"
 #include "tests/integration/whole_run.h"
+#include "tests/support/text_file.h"
 
 namespace plslam {
 namespace {
@@ -279,6 +283,29 @@ TEST(Run, ExchangedImagesAreReported) {
   ASSERT_EQ(run.Run({"run", images.string()}), 0) << run.Logs();
   EXPECT_THAT(WarningsOf(run.Summary()), testing::Contains("few_stereo_matches"));
   EXPECT_THAT(run.Logs(), testing::HasSubstr("check with `plslam rectify-check '" + images.string() + "'`"));
+}
+
+/// One and two frames have no path, no aligned truth and hardly a map; small images have no features.
+class FewFrames : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Worlds, FewFrames,
+                         testing::Values("synthetic:room?frames=1&size=376x240",
+                                         "synthetic:room?frames=2&size=376x240",
+                                         "synthetic:whitewall?frames=4&size=64x48"));
+
+TEST_P(FewFrames, NoFileContainsNaN) {
+  WholeRun run;
+  run.Run({"run", GetParam()});
+  const std::regex not_a_number("[-+ ,:;\\[\\t\"](nan|NaN|inf|Infinity)\\b");
+  int n_files = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(run.out())) {
+    static const std::set<std::string> kText = {".csv", ".json", ".ply", ".tum", ".txt", ".yaml"};
+    if (!kText.contains(entry.path().extension().string())) continue;
+    const std::string text = ReadText(entry.path());
+    std::smatch found;
+    EXPECT_FALSE(std::regex_search(text, found, not_a_number)) << entry.path() << ": ..." << found.str();
+    ++n_files;
+  }
+  EXPECT_GE(n_files, 5) << run.Logs();
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -27,6 +28,13 @@ using test::WholeRun;
 using testing::HasSubstr;
 
 constexpr const char* kRoom = "synthetic:room?size=376x240&frames=80";
+
+bool HasNewestKeyframes(const Heard& heard) {
+  return std::ranges::all_of(heard.keyframes, [&](const auto& session) {
+    const auto mapped = heard.mapped.find(session.first);
+    return mapped != heard.mapped.end() && mapped->second.contains(*session.second.rbegin());
+  });
+}
 
 /// Processes started one by one on a private bus, with state files that stay, as services have them.
 class Service : public testing::Test {
@@ -59,6 +67,12 @@ class Service : public testing::Test {
   void Play(const std::string& dataset) {
     Child player = Spawn("player", {dataset, "--exit"}, "player.log");
     ASSERT_EQ(CodeOf(*player), 0) << Log("player.log");
+    // The player ends with the pose of the last frame; its keyframe may still be on its way to the map.
+    ASSERT_TRUE(watcher_.WaitFor([](const Heard& heard) {
+      const auto vo = heard.status.find("vo");
+      return vo != heard.status.end() && vo->second.state == "finished" && HasNewestKeyframes(heard);
+    })) << Log("vo.log")
+        << Log("mapping.log");
   }
   /// Returns the exit code of `plslam ARGUMENTS...`; its output is in `order.log`.
   int Order(const std::vector<std::string>& arguments) {

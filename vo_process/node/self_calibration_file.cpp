@@ -127,9 +127,11 @@ void LoadLearned(const std::string& path, const std::vector<uint8_t>& camera, Od
   }
 }
 
-void KeepLearned(const std::string& path, const std::vector<uint8_t>& camera, const Odometry& odometry) {
-  const SelfCalibration learned = odometry.learned();
-  if (path.empty() || (!learned.rows && !learned.disparities)) return;
+void KeepLearned(const std::string& path, const std::vector<uint8_t>& camera,
+                 const std::optional<Odometry>& odometry) {
+  if (path.empty() || !odometry) return;
+  const SelfCalibration learned = odometry->learned();
+  if (!learned.rows && !learned.disparities) return;
   try {
     WriteSelfCalibration(path, NameOfCalibration(camera), learned);
   } catch (const std::exception& error) {

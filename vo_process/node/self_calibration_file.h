@@ -27,6 +27,7 @@ std::optional<SelfCalibration> ReadSelfCalibration(const std::string& path, cons
 void LoadLearned(const std::string& path, const std::vector<uint8_t>& camera, Odometry& odometry);
 
 /// Writes the current self-calibration; without one, keeps an older file. Logs a warning if writing fails.
-void KeepLearned(const std::string& path, const std::vector<uint8_t>& camera, const Odometry& odometry);
+void KeepLearned(const std::string& path, const std::vector<uint8_t>& camera,
+                 const std::optional<Odometry>& odometry);
 
 }  // namespace plslam::vo

@@ -73,10 +73,13 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
   Restore();
 }
 
-/// The state is for the next start, except after an exception, which the same state might cause again.
+/// The state is for the next start, except after an exception, which the same state might cause again. No player resends
+/// the frames of an ended stream, so the state must contain their last keyframe.
 VoNode::~VoNode() {
-  KeepLearned();
-  std::uncaught_exceptions() > 0 ? checkpoint_.Drop() : checkpoint_.Release();
+  KeepLearned(options_.self_calibration_file, camera_.bytes(), odometry_);
+  const bool failed = std::uncaught_exceptions() > 0;
+  if (!failed && announced_frames_ >= 0) PublishKeyframe();
+  failed ? checkpoint_.Drop() : checkpoint_.Release();
 }
 
 void VoNode::OnCamera(const RigCalibration& rig) {
@@ -172,6 +175,7 @@ void VoNode::ProcessWaiting() {
     waiting_.erase(waiting_.begin());
     IsRepeated(frame) ? AnswerAgain(frame) : Track(frame);
   }
+  FinishIfDone();
 }
 
 void VoNode::EndWaits() {
@@ -204,9 +208,8 @@ void VoNode::SubscribeToMap() {
 }
 
 void VoNode::GiveUpWaits() {
-  const double now_s = bus::NowS();
-  const bool no_map = map_->GiveUp(now_s);
-  const bool no_result = relocalisation_.wait().GiveUp(now_s);
+  const bool no_map = map_->GiveUp(bus::NowS());
+  const bool no_result = relocalisation_.wait().GiveUp(bus::NowS());
   if (no_result) spdlog::warn("no loop_process is found: a lost camera is not relocalised");
   if (no_map || no_result) ProcessWaiting();
 }
@@ -263,7 +266,7 @@ void VoNode::BeginSession() {
   EndWaits();
   PublishKeyframe();
   NameSession();
-  KeepLearned();
+  KeepLearned(options_.self_calibration_file, camera_.bytes(), odometry_);
   odometry_.emplace(front_end_->camera(), options_);
   odometry_->SetLocaliseOnly(IsLocaliseOnly());
   LoadLearned(options_.self_calibration_file, camera_.bytes(), *odometry_);
@@ -288,10 +291,6 @@ void VoNode::NameSession() {
   next.anchor.Begin(session_.last_t_ns);
   session_ = std::move(next);
   if (map_) map_->BeginSession();
-}
-
-void VoNode::KeepLearned() const {
-  if (odometry_) vo::KeepLearned(options_.self_calibration_file, camera_.bytes(), *odometry_);
 }
 
 /// Whether the frame continues the stream, but its time stamp is slightly before the previous one.
@@ -331,7 +330,8 @@ void VoNode::Track(const Frame& frame) {
   session_.follows_keyframe = result.keyframe && !requests;
   report_.SetState(process_state::kRunning);
   report_.Count("frames", 1);
-  if (report_.frames() % kKeepLearnedEvery == 0) KeepLearned();
+  if (report_.frames() % kKeepLearnedEvery == 0)
+    KeepLearned(options_.self_calibration_file, camera_.bytes(), odometry_);
   report_.Count("frames.skipped", frame.skipped);
   if (StateOf(result) == TrackingState::kLost) report_.Count("frames.lost", 1);
   if (result.keyframe) report_.Count("keyframes", 1);
@@ -580,7 +580,7 @@ void VoNode::AskAgainForFrames() {
 }
 
 void VoNode::FinishIfDone() {
-  if (announced_frames_ >= 0 && session_.last_frame_id + 1 >= announced_frames_) report_.Finish();
+  if (announced_frames_ >= 0 && session_.last_frame_id + 1 >= announced_frames_ && !held_keyframe_) report_.Finish();
 }
 
 bus::ProcessSpec VoSpec() {

@@ -106,7 +106,6 @@ class VoNode {
   void AnswerAgain(const Frame& frame);
   void BeginSession();
   void BeginSessionHere();
-  void KeepLearned() const;
   void NameSession();
   bool IsTooEarly(const Frame& frame) const;
 

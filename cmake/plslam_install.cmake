@@ -21,6 +21,13 @@ install(FILES ${documents} DESTINATION share/doc/plslam COMPONENT runtime)
 install(FILES ${documents} ${CMAKE_SOURCE_DIR}/NOTICE DESTINATION share/doc/libplslam-dev COMPONENT dev)
 install(FILES ${documents} DESTINATION share/doc/python3-plslam COMPONENT python)
 
+# --- component dense: dense_process alone has the libraries of volumes
+if(TARGET dense_process)
+  list(REMOVE_ITEM programs dense_process)
+  install(TARGETS dense_process RUNTIME DESTINATION bin COMPONENT dense)
+  install(FILES ${documents} DESTINATION share/doc/plslam-dense COMPONENT dense)
+endif()
+
 # --- component runtime: programs, their data, manual, completion, units, documents
 install(TARGETS ${programs} RUNTIME DESTINATION bin COMPONENT runtime)
 install(DIRECTORY ${CMAKE_BINARY_DIR}/share/plslam/ DESTINATION share/plslam COMPONENT runtime)

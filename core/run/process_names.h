@@ -15,7 +15,8 @@ inline constexpr const char* kVo = "vo";
 inline constexpr const char* kMapping = "mapping";
 inline constexpr const char* kLoop = "loop";
 inline constexpr const char* kViewer = "viewer";
-inline constexpr std::array kAll = {kPlayer, kCamera, kAdapter, kVo, kMapping, kLoop, kViewer};
+inline constexpr const char* kDense = "dense";
+inline constexpr std::array kAll = {kPlayer, kCamera, kAdapter, kVo, kMapping, kLoop, kViewer, kDense};
 inline bool SendsFrames(std::string_view name) { return name == kPlayer || name == kCamera || name == kAdapter; }
 }  // namespace process_name
 

@@ -111,7 +111,9 @@ TEST_F(Service, OrderlyStopKeepsTheMap) {
   ASSERT_EQ(Order({"reset"}), 0);
   EXPECT_EQ(Stop("mapping"), 0);
   ASSERT_NO_FATAL_FAILURE(Start("mapping"));
-  EXPECT_THAT(Log("mapping.log"), HasSubstr("beginning a new map: that in " + File("mapping.state") + " is empty"));
+  const std::string begins = "beginning a new map: that in " + File("mapping.state") + " is empty";
+  EXPECT_TRUE(WholeRun::WaitFor([&] { return Log("mapping.log").find(begins) != std::string::npos; }))
+      << Log("mapping.log");
   EXPECT_EQ(Stop("mapping"), 0);
   std::filesystem::remove(File("mapping.state"));
   for (const char* name : {"vo", "loop"}) EXPECT_EQ(Stop(name), 0);

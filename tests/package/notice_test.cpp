@@ -37,13 +37,13 @@ std::map<std::string, std::string> LicencesOfNotice() {
 }
 
 /// Libraries of a program that is not built everywhere.
-std::set<std::string> LibrariesOfCameraOnly() {
+std::set<std::string> LibrariesOnlyOf(const std::string& program) {
   std::set<std::string> libraries;
   std::istringstream lines(TextOf(SourceFolder() / "NOTICE"));
-  static const std::regex kRow(R"(  (lib\S+\.so) +\S+ +camera only.*)");
+  const std::regex row(R"(  (lib\S+\.so) +\S+ +)" + program + " only.*");
   std::smatch match;
   for (std::string line; std::getline(lines, line);) {
-    if (std::regex_match(line, match, kRow)) libraries.insert(match[1]);
+    if (std::regex_match(line, match, row)) libraries.insert(match[1]);
   }
   return libraries;
 }
@@ -60,6 +60,7 @@ std::set<std::string> Words(const std::string& text) {
 TEST_F(Notice, NamesEveryLibraryThatAnInstalledProgramLinks) {
   if (!Has("readelf")) GTEST_SKIP() << "no readelf here";
   Install("runtime");
+  if (fs::exists(BinaryFolder() / "dense_process")) Install("dense");
   ASSERT_EQ(
       Shell(fmt::format("readelf -d '{}'/bin/* | sed -n 's/.*(NEEDED).*\\[\\(.*\\)\\]/\\1/p'", prefix().string())), 0)
       << output();
@@ -71,8 +72,10 @@ TEST_F(Notice, NamesEveryLibraryThatAnInstalledProgramLinks) {
   EXPECT_GT(linked.size(), 10U) << output();
   const auto licences = LicencesOfNotice();
   for (const std::string& library : linked) EXPECT_TRUE(licences.contains(library)) << library << " is not in NOTICE";
-  const std::set<std::string> optional =
-      fs::exists(prefix() / "bin" / "camera") ? std::set<std::string>() : LibrariesOfCameraOnly();
+  std::set<std::string> optional;
+  for (const char* program : {"camera", "dense_process"}) {
+    if (!fs::exists(prefix() / "bin" / program)) optional.merge(LibrariesOnlyOf(program));
+  }
   for (const auto& [library, licence] : licences) {
     EXPECT_TRUE(linked.contains(library) || optional.contains(library))
         << library << " is in NOTICE, and no program links it";

@@ -8,6 +8,7 @@
 #include "camera/options.h"
 #include "core/bus/options.h"
 #include "core/config/config.h"
+#include "dense_process/options.h"
 #include "loop_process/options.h"
 #include "mapping_process/options.h"
 #include "player/options.h"
@@ -26,6 +27,7 @@ struct AllOptions {
   mapping::MappingOptions mapping;
   loop::LoopOptions loop;
   viewer::ViewerOptions viewer;
+  dense::DenseOptions dense;
 };
 
 struct OptionSection {
@@ -43,7 +45,8 @@ inline std::vector<OptionSection> SectionsOf(AllOptions& all) {
           {"vo", "Odometry (PL-SLAM §IV).", ListFields(all.vo)},
           {"mapping", "The map (PL-SLAM §V).", ListFields(all.mapping)},
           {"loop", "Loop closing and relocalisation (PL-SLAM §VI).", ListFields(all.loop)},
-          {"viewer", "Files and pictures that are written.", ListFields(all.viewer)}};
+          {"viewer", "Files and pictures that are written.", ListFields(all.viewer)},
+          {"dense", "Surfaces and the grid for planning (dense_process).", ListFields(all.dense)}};
 }
 
 }  // namespace plslam::launcher

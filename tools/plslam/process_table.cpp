@@ -13,6 +13,7 @@ using Arguments = std::vector<std::string>;
 
 constexpr const char* kRecorder = "recorder";
 using process_name::kCamera;
+using process_name::kDense;
 using process_name::kLoop;
 using process_name::kMapping;
 using process_name::kPlayer;
@@ -26,6 +27,7 @@ bool OwnMap(const RunOptions& options) { return WithMap(options) && options.map_
 bool OwnLoops(const RunOptions& options) { return WithLoops(options) && options.map_prefix.empty(); }
 bool FromCameras(const RunOptions& options) { return options.from_cameras; }
 bool FromDataset(const RunOptions& options) { return !options.from_cameras; }
+bool WithSurfaces(const RunOptions& options) { return options.dense; }
 bool Recorded(const RunOptions& options) { return !options.record.empty(); }
 
 /// The launcher has checked whether the file may be replaced.
@@ -58,6 +60,12 @@ Arguments ViewerArguments(const RunOptions& options) {
   settings.Add("overlay_every", options.overlay_every);
   settings.Add("serve", options.serve);
   if (!options.video.empty()) settings.Add("video", std::filesystem::absolute(options.video).string());
+  return settings.Take();
+}
+
+Arguments DenseArguments(const RunOptions& options) {
+  Settings settings(kDense);
+  settings.Add("out", std::filesystem::absolute(options.out).string());
   return settings.Take();
 }
 
@@ -133,6 +141,8 @@ constexpr ProcessRow kTable[] = {
      Supervisor::Ending::kRestart, false, OwnMap, kFirst, MappingArguments},
     {kLoop, "loop_process", "place recognition: loop closing and relocalisation", Supervisor::Ending::kRestart, false,
      OwnLoops, kStandsBack, NoArguments},
+    {kDense, "dense_process", "surfaces for planning: mesh, OctoMap and grid (--dense)",
+     Supervisor::Ending::kWritesAtTheEnd, false, WithSurfaces, kStandsBack, DenseArguments},
     {kVo, "vo_process", "stereo odometry with points and lines", Supervisor::Ending::kRestart, false, Always,
      kFirstWhenLive, VoArguments},
     {kPlayer, "player", "datasets and synthetic worlds to stereo frames", Supervisor::Ending::kMayEnd, true,

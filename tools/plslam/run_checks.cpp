@@ -121,6 +121,15 @@ void CheckMapToContinue(const RunOptions& options) {
   MapCamera(ReadMapFile(options.map.string()), options.map.string());
 }
 
+void CheckSurfaces(const RunOptions& options) {
+  if (!options.dense) return;
+  const path program = ProgramFolder() / "dense_process";
+  if (access(program.c_str(), X_OK) == 0) return;
+  throw std::runtime_error(
+      fmt::format("--dense: the program {} is missing: install libopenvdb-dev and liboctomap-dev, and build again",
+                  program.string()));
+}
+
 void CheckCameras(const RunOptions& options) {
   if (!options.from_cameras) return;
   const std::pair<const char*, bool> of_datasets[] = {

@@ -18,6 +18,9 @@ void ReadConfiguration(RunOptions* options);
 /// Checks that the map to continue is a complete map file. Throws std::runtime_error with one sentence.
 void CheckMapToContinue(const RunOptions& options);
 
+/// Checks that dense_process is installed if it is requested. Throws std::runtime_error with one sentence.
+void CheckSurfaces(const RunOptions& options);
+
 /// Checks that the program for a run from cameras is installed, and that no option of datasets is given. Throws
 /// std::runtime_error with one sentence.
 void CheckCameras(const RunOptions& options);

@@ -118,6 +118,7 @@ int Report(const RunOptions& options, const RunSession& session, OutputFolder* f
 int Run(RunOptions options) {
   options.from_cameras = NamesSource(options.dataset);
   CheckCameras(options);
+  CheckSurfaces(options);
   ReadConfiguration(&options);
   options.dataset = WithTopics(options.dataset, options.kind, options.topics);
   if (options.out.empty()) options.out = DefaultOut(options.dataset);
@@ -151,6 +152,8 @@ void AddOptions(CLI::App* sub, RunOptions* o) {
       ->default_str("both");
   sub->add_flag("--no-mapping", o->no_mapping, "odometry only: no map is built or tracked against");
   sub->add_flag("--no-loops", o->no_loops, "no loop closing and no relocalisation");
+  sub->add_flag("--dense", o->dense, "also surfaces, an OctoMap and a grid for planning (dense_process)")
+      ->excludes("--no-mapping");
   sub->add_option("--map", o->map, "a saved map to continue")
       ->type_name("FILE")
       ->check(CLI::ExistingFile)

@@ -20,6 +20,7 @@ struct RunOptions {
   std::string features;
   bool no_mapping = false;
   bool no_loops = false;
+  bool dense = false;
   /// A saved map to continue, and whether it remains unchanged; and the file in which to save the map at the end.
   /// Empty: none.
   std::filesystem::path map;

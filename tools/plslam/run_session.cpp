@@ -206,17 +206,20 @@ void RunSession::CheckStarted(Clock::time_point now) {
 }
 
 void RunSession::CheckPlayed(Clock::time_point now) {
-  if (ViewerIsDone()) return EndPlaying(Phase::kDraining, now);
+  if (WritersAreDone()) return EndPlaying(Phase::kDraining, now);
   const std::string stall =
       stall_watch_.Look(monitor_.Signs(supervisor_.pid(process_name::kViewer), bus::NowS()), now);
   if (!stall.empty()) BeginStop(fmt::format("{}; see {}", stall, (options_.out / "logs").string()));
 }
 
-/// Returns whether it has written its outputs as far as possible. If some could not be written, its exit code reports
-/// that when it is stopped.
-bool RunSession::ViewerIsDone() const {
-  const std::string state = monitor_.StateOf(supervisor_.pid(process_name::kViewer));
-  return state == process_state::kFinished || state == process_state::kFailed;
+/// Returns whether viewer_headless and dense_process have written their outputs as far as possible. If some could not be
+/// written, the exit code reports that when they are stopped.
+bool RunSession::WritersAreDone() const {
+  const auto is_done = [this](const char* name) {
+    const std::string state = monitor_.StateOf(supervisor_.pid(name));
+    return state == process_state::kFinished || state == process_state::kFailed;
+  };
+  return is_done(process_name::kViewer) && (!options_.dense || is_done(process_name::kDense));
 }
 
 /// The outputs must contain all answered frames. A restarted viewer receives earlier messages again; any other may be
@@ -259,7 +262,7 @@ void RunSession::CheckSaved(Clock::time_point now) {
   }
   const bool saved = std::exchange(lacks_map_, false);
   // One that has been killed meanwhile writes its files once more.
-  if (!interrupted_ && !failed_at_ && !ViewerIsDone()) {
+  if (!interrupted_ && !failed_at_ && !WritersAreDone()) {
     phase_ = Phase::kPlaying;
     return;
   }

@@ -64,7 +64,7 @@ class RunSession {
   void CheckPlayed(Clock::time_point now);
   void CheckDrained(Clock::time_point now);
   void CheckSaved(Clock::time_point now);
-  bool ViewerIsDone() const;
+  bool WritersAreDone() const;
   bool ViewerHasCaughtUp() const;
   bool HasMap() const;
   /// Returns the reason why an interrupted run has no map to save.

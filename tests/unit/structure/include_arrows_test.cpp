@@ -71,6 +71,7 @@ const std::vector<Arrow> kArrows = {
     {"mapping_process/corrections/", {"core/", "mapping_process/options.h", "mapping_process/insertion/"}},
     {"loop_process/", {"core/"}},
     {"viewer_headless/", {"core/"}},
+    {"dense_process/", {"core/"}},
     {"tools/command_line/", {"core/errors/", "core/config/nearest_key.h"}},
     {"tools/evaluate/", {"core/", "tools/command_line/"}},
     {"tools/evaluate/compare/",
@@ -85,9 +86,9 @@ const std::vector<Arrow> kArrows = {
     {"tools/plslam/",
      {"core/", "lcmtypes/message_layout.h", "adapter/options.h", "camera/options.h", "player/options.h",
       "vo_process/options.h", "mapping_process/options.h", "loop_process/options.h", "viewer_headless/options.h",
-      "tools/command_line/", "tools/evaluate/", "tools/export/export_command.h", "tools/doctor/doctor_command.h",
-      "tools/rectify_check/rectify_check_command.h", "tools/calibration/calibration_command.h",
-      "viewer_headless/report/report_page.h"}},
+      "dense_process/options.h", "tools/command_line/", "tools/evaluate/", "tools/export/export_command.h",
+      "tools/doctor/doctor_command.h", "tools/rectify_check/rectify_check_command.h",
+      "tools/calibration/calibration_command.h", "viewer_headless/report/report_page.h"}},
     {"tools/calibration/",
      {"core/", "camera/rig_file.h", "tools/rectify_check/row_errors.h", "tools/plslam/child_process.h",
       "tools/plslam/run_bus.h", "tools/plslam/supervisor.h"}},
@@ -95,9 +96,9 @@ const std::vector<Arrow> kArrows = {
     {"tools/pose_graph/", {"core/", "tools/command_line/"}},
 };
 
-const std::vector<std::string> kProductFolders = {"lcmtypes",        "core",       "adapter",         "camera",
-                                                  "player",          "vo_process", "mapping_process", "loop_process",
-                                                  "viewer_headless", "tools"};
+const std::vector<std::string> kProductFolders = {
+    "lcmtypes",        "core",         "adapter",         "camera",        "player", "vo_process",
+    "mapping_process", "loop_process", "viewer_headless", "dense_process", "tools"};
 
 /// Files that connect algorithms to messages: the folders named `node`, and readers of messages in logs. All others use
 /// neither LCM nor its types.

@@ -39,9 +39,9 @@ TEST(Structure, ProcessesAndToolsHaveNamespacesOfTheirOwn) {
       {"vo_process/", "plslam::vo"},          {"mapping_process/", "plslam::mapping"},
       {"loop_process/", "plslam::loop"},      {"player/", "plslam::player"},
       {"adapter/", "plslam::adapter"},        {"camera/", "plslam::camera"},
-      {"viewer_headless/", "plslam::viewer"}, {"tools/plslam/", "plslam::launcher"},
-      {"tools/export/", "plslam::exports"},   {"tools/doctor/", "plslam::doctor"},
-      {"core/stream/", "plslam::stream"}};
+      {"viewer_headless/", "plslam::viewer"}, {"dense_process/", "plslam::dense"},
+      {"tools/plslam/", "plslam::launcher"},  {"tools/export/", "plslam::exports"},
+      {"tools/doctor/", "plslam::doctor"},    {"core/stream/", "plslam::stream"}};
   for (const SourceFile& file : test::AllSourceFiles()) {
     for (const auto& [folder, space] : spaces) {
       if (!file.path.starts_with(folder)) continue;

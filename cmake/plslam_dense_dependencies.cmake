@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# OpenVDB and OctoMap, which dense_process alone links. PLSLAM_DENSE is TRUE if both are installed; without them the rest
+# is built. Debian's OpenVDB has no CMake package.
+find_path(OPENVDB_INCLUDE_DIR openvdb/openvdb.h)
+find_library(OPENVDB_LIBRARY openvdb)
+find_package(TBB QUIET)
+find_package(Imath QUIET)
+find_package(octomap QUIET)
+set(PLSLAM_DENSE FALSE)
+if(OPENVDB_INCLUDE_DIR AND OPENVDB_LIBRARY AND TARGET TBB::tbb AND TARGET Imath::Imath AND octomap_FOUND)
+  set(PLSLAM_DENSE TRUE)
+  add_library(plslam_openvdb INTERFACE IMPORTED)
+  set_target_properties(plslam_openvdb PROPERTIES INTERFACE_INCLUDE_DIRECTORIES ${OPENVDB_INCLUDE_DIR})
+  target_link_libraries(plslam_openvdb INTERFACE ${OPENVDB_LIBRARY} TBB::tbb Imath::Imath)
+  add_library(plslam_octomap INTERFACE IMPORTED)
+  set_target_properties(plslam_octomap PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${OCTOMAP_INCLUDE_DIRS}")
+  target_link_libraries(plslam_octomap INTERFACE ${OCTOMAP_LIBRARIES})
+else()
+  message(STATUS "dense_process (surfaces, OctoMap and grid) is not built: it needs libopenvdb-dev and liboctomap-dev")
+endif()

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/geometry/stereo_camera.h"
+#include "core/map/map.h"
+#include "dense_process/depth.h"
+#include "dense_process/volume.h"
+
+namespace plslam::dense {
+
+/// Session and frame of a keyframe: a name that stays when the map is rebuilt.
+using KeyframeName = std::pair<int64_t, int64_t>;
+using KeyframePoses = std::map<KeyframeName, SE3>;  ///< T_w_kf
+
+/// Returns the poses of the keyframes of the map, and of those that were removed if the map remembers them.
+KeyframePoses PosesOf(const Map& map);
+
+/// Surfaces of a map in submaps of a few keyframes, each anchored to its first one. A correction of the map moves the
+/// submaps rigidly with their anchors, at no cost; within a submap the poses at the time of fusion remain.
+class DenseMap {
+ public:
+  /// `range_m`: largest depth in use; 0: where it is known to 2.5 voxels.
+  DenseMap(double voxel_m, double range_m) : voxel_m_(voxel_m), range_m_(range_m) {}
+
+  double voxel_m() const { return voxel_m_; }
+  size_t n_submaps() const { return submaps_.size(); }
+  size_t n_keyframes() const { return n_keyframes_; }
+  size_t bytes() const;
+
+  /// Fuses the depth of a keyframe. Returns false if `poses` lacks the keyframe.
+  bool Add(const KeyframeName& keyframe, const DepthImage& depth, const cv::Mat& grey, const StereoCamera& camera,
+           const KeyframePoses& poses);
+
+  /// Returns all submaps in one volume, with the anchors at `poses`, in a frame `a`. Submaps whose anchor is unknown are
+  /// left out.
+  Volume Merge(const KeyframePoses& poses, const SE3& T_a_w) const;
+
+ private:
+  struct Submap {
+    KeyframeName anchor;
+    SE3 T_s_anchor;  ///< s: the frame w of the map at the time of the first keyframe
+    int n_keyframes = 0;
+    Volume volume;
+  };
+
+  bool Continues(const KeyframeName& keyframe, const SE3& T_w_kf, const KeyframePoses& poses) const;
+
+  double voxel_m_;
+  double range_m_;
+  size_t n_keyframes_ = 0;
+  std::vector<Submap> submaps_;
+};
+
+}  // namespace plslam::dense

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "dense_process/depth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <unordered_map>
+
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace plslam::dense {
+namespace {
+
+constexpr double kDisparityUnits = 16.0;  // of OpenCV's matcher
+// Margin beyond the largest disparity of the features, since surfaces nearer than all of them are seen, too.
+constexpr double kDisparityMargin = 1.3;
+constexpr double kMoreDisparities = 16.0;
+constexpr int kMostDisparities = 256;
+constexpr int kBlock_px = 5;
+constexpr double kSmooth_px = 1.5;
+constexpr double kLeastDisparity_px = 0.5;
+// Disparities of neighbours that differ by more belong to different surfaces, or are errors.
+constexpr float kJump_px = 1.0F;
+// Mean gradient along the row, in grey levels a pixel, below which a match follows noise and its neighbours: a multiple
+// of the noise, within bounds.
+constexpr int kTextureWindow_px = 11;
+constexpr double kTextureToNoise = 1.4;
+constexpr double kLeastTexture = 0.1;
+constexpr int kRefinement_px = 9;
+// Independent pixels of a window: interpolation correlates neighbours.
+constexpr float kIndependent = 40.0F;
+constexpr float kFloor_px = 0.05F;  // error of the model: surfaces are not plane
+// The matcher's disparity as a prior: variance of the images' noise over that of the prior, for a window.
+constexpr float kPrior = 2.5F;
+constexpr float kLargestStep_px = 0.5F;
+// Fewer compared points tell nothing about the error.
+constexpr size_t kLeastCompared = 20;
+constexpr double kUnknownScale = 2.0;
+constexpr double kSigmaOfMedian = 1.4826;  // of a normal distribution
+// Of a structured-light camera: sigma_z = 0.0028 z^2 (Khoshelham 2012), as in vo_process/stereo/depth_points.h.
+constexpr double kSensorSigma_per_m = 0.0028;
+constexpr float kSensorJump = 0.03F;  // of the depth
+constexpr double kSigmasInVoxels = 2.5;
+
+double MedianOf(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+int DisparityRange(const StereoFeatures& features, int width_px) {
+  double largest_px = 0.0;
+  for (const StereoPoint& point : features.points) largest_px = std::max(largest_px, point.disparity_px);
+  const double range_px = std::min(kDisparityMargin * largest_px + kMoreDisparities, 0.5 * width_px);
+  return std::clamp(16 * static_cast<int>(std::ceil(range_px / 16.0)), 16, kMostDisparities);
+}
+
+/// Standard deviation of the noise of an image, from its difference to a smooth one.
+double NoiseOf(const cv::Mat& image, const cv::Mat& smooth) {
+  std::vector<double> differences;
+  constexpr int kStep = 7;
+  for (int y = 0; y < image.rows; y += kStep) {
+    for (int x = 0; x < image.cols; x += kStep) {
+      differences.push_back(std::abs(image.at<uint8_t>(y, x) - smooth.at<float>(y, x)));
+    }
+  }
+  return kSigmaOfMedian * MedianOf(differences);
+}
+
+/// Whether the mean gradient along the row in a window is more than that of noise.
+cv::Mat HasTexture(const cv::Mat& image) {
+  cv::Mat smooth, gradient, texture;
+  image.convertTo(smooth, CV_32F);
+  cv::GaussianBlur(smooth, smooth, {}, kSmooth_px);
+  cv::Sobel(smooth, gradient, CV_32F, 1, 0, 1, 0.5);
+  cv::blur(cv::abs(gradient), texture, {kTextureWindow_px, kTextureWindow_px});
+  // Mean absolute value of smoothed noise, differentiated.
+  const double noise = NoiseOf(image, smooth) * 0.8 / (5.0 * kSmooth_px * kSmooth_px);
+  return texture > std::max(kTextureToNoise * noise, kLeastTexture);
+}
+
+/// Sets values to 0 at which a neighbour is unknown or differs by more than `jump + jump_share * value`.
+void RemoveBorders(cv::Mat& values, float jump, float jump_share) {
+  cv::Mat least, most;
+  const cv::Mat window = cv::getStructuringElement(cv::MORPH_RECT, {3, 3});
+  cv::erode(values, least, window);
+  cv::dilate(values, most, window);
+  for (int y = 0; y < values.rows; ++y) {
+    auto* const row = values.ptr<float>(y);
+    for (int x = 0; x < values.cols; ++x) {
+      const float low = least.at<float>(y, x);
+      const float high = most.at<float>(y, x);
+      if (low <= 0.0F || high - low > 2.0F * (jump + jump_share * high)) row[x] = 0.0F;
+    }
+  }
+}
+
+/// Improves disparities (0: unknown) by least squares along the row: Lucas and Kanade's step in each window, with the
+/// right image warped by the current disparities, and without the windows' mean difference. The matcher interpolates
+/// costs of whole pixels, whose error is several times as large. Returns the standard deviations, from the residuals in
+/// each window.
+cv::Mat Refine(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity) {
+  const cv::Size window(kRefinement_px, kRefinement_px);
+  cv::Mat left32, right32;
+  left.convertTo(left32, CV_32F);
+  right.convertTo(right32, CV_32F);
+  cv::Mat column(disparity.size(), CV_32F), row(disparity.size(), CV_32F);
+  for (int y = 0; y < disparity.rows; ++y) {
+    const auto* const d = disparity.ptr<float>(y);
+    auto* const x_right = column.ptr<float>(y);
+    row.row(y).setTo(static_cast<float>(y));
+    for (int x = 0; x < disparity.cols; ++x) x_right[x] = static_cast<float>(x) - d[x];
+  }
+  const cv::Mat unknown = disparity <= 0.0F;
+  cv::Mat warped, gradient, mean_gradient, mean_difference, square, product, residual;
+  cv::remap(right32, warped, column, row, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  cv::Sobel(left32 + warped, gradient, CV_32F, 1, 0, 1, 0.25);
+  cv::Mat difference = left32 - warped;
+  gradient.setTo(0.0, unknown);
+  difference.setTo(0.0, unknown);
+  cv::blur(gradient, mean_gradient, window);
+  cv::blur(difference, mean_difference, window);
+  cv::blur(gradient.mul(gradient), square, window);
+  cv::blur(gradient.mul(difference), product, window);
+  cv::blur(difference.mul(difference), residual, window);
+  cv::Mat sigma(disparity.size(), CV_32F, cv::Scalar(0.0));
+  for (int y = 0; y < disparity.rows; ++y) {
+    auto* const d = disparity.ptr<float>(y);
+    for (int x = 0; x < disparity.cols; ++x) {
+      if (d[x] <= 0.0F) continue;
+      const float g = mean_gradient.at<float>(y, x);
+      const float e = mean_difference.at<float>(y, x);
+      const float information = square.at<float>(y, x) - g * g + kPrior;
+      const float step = (product.at<float>(y, x) - g * e) / information;
+      const float variance = std::max(residual.at<float>(y, x) - e * e - step * step * information, 0.1F);
+      d[x] = std::max(0.01F, d[x] - std::clamp(step, -kLargestStep_px, kLargestStep_px));
+      sigma.at<float>(y, x) = std::sqrt(kFloor_px * kFloor_px + variance / (kIndependent * information));
+    }
+  }
+  return sigma;
+}
+
+/// Compares with the keyframe's points, which have smaller errors and include self-calibration.
+void Compare(const cv::Mat& disparity, const cv::Mat& sigma_px, const StereoFeatures& features, DepthImage& depth) {
+  std::vector<double> differences, sigmas;
+  int n_close = 0;
+  for (const StereoPoint& point : features.points) {
+    const cv::Point at(static_cast<int>(std::lround(point.left.px.x())),
+                       static_cast<int>(std::lround(point.left.px.y())));
+    if (!point.HasDepth() || !cv::Rect({}, disparity.size()).contains(at)) continue;
+    const float matched_px = disparity.at<float>(at);
+    if (matched_px <= 0.0F) continue;
+    const double difference = matched_px - point.disparity_px;
+    if (std::abs(difference) < 1.0) ++n_close;
+    differences.push_back(difference);
+    sigmas.push_back(sigma_px.at<float>(at));
+  }
+  depth.n_compared = static_cast<int>(differences.size());
+  depth.sigma_scale = kUnknownScale;
+  if (differences.size() < kLeastCompared) return;
+  depth.agreement = static_cast<double>(n_close) / static_cast<double>(differences.size());
+  std::vector<double> sorted = differences;
+  depth.offset_px = MedianOf(sorted);
+  for (size_t i = 0; i < differences.size(); ++i) {
+    differences[i] = std::abs(differences[i] - depth.offset_px) / sigmas[i];
+  }
+  depth.sigma_scale = std::max(1.0, kSigmaOfMedian * MedianOf(differences));
+}
+
+uint64_t KeyOf(const Eigen::Vector3d& p, double voxel_m) {
+  uint64_t key = 0;
+  for (int i = 0; i < 3; ++i) {
+    key = key << 21 | (static_cast<uint64_t>(static_cast<int64_t>(std::lround(p[i] / voxel_m))) & 0x1FFFFF);
+  }
+  return key;
+}
+
+}  // namespace
+
+DepthImage MatchPair(const cv::Mat& left, const cv::Mat& right, const cv::Mat& in_use, const StereoCamera& camera,
+                     const StereoFeatures& features) {
+  const int range_px = DisparityRange(features, left.cols);
+  constexpr int kArea = kBlock_px * kBlock_px;
+  const cv::Ptr<cv::StereoSGBM> matcher = cv::StereoSGBM::create(0, range_px, kBlock_px, 8 * kArea, 32 * kArea, 1, 31,
+                                                                 10, 100, 2, cv::StereoSGBM::MODE_SGBM_3WAY);
+  // Without the border, the matcher would leave out as many columns as there are disparities.
+  cv::Mat wide_left, wide_right, matched;
+  cv::Mat smooth_left, smooth_right;
+  cv::GaussianBlur(left, smooth_left, {}, kSmooth_px);
+  cv::GaussianBlur(right, smooth_right, {}, kSmooth_px);
+  cv::copyMakeBorder(smooth_left, wide_left, 0, 0, range_px, 0, cv::BORDER_REPLICATE);
+  cv::copyMakeBorder(smooth_right, wide_right, 0, 0, range_px, 0, cv::BORDER_REPLICATE);
+  matcher->compute(wide_left, wide_right, matched);
+  cv::Mat disparity;
+  matched.colRange(range_px, matched.cols).convertTo(disparity, CV_32F, 1.0 / kDisparityUnits);
+  cv::max(disparity, 0.0, disparity);
+  disparity.setTo(0.0, ~HasTexture(left));
+  if (!in_use.empty()) disparity.setTo(0.0, in_use == 0);
+  // A pixel whose match is outside the right image was matched with the border.
+  for (int y = 0; y < disparity.rows; ++y) {
+    auto* const row = disparity.ptr<float>(y);
+    for (int x = 0; x < std::min(range_px, disparity.cols); ++x) {
+      if (row[x] > static_cast<float>(x)) row[x] = 0.0F;
+    }
+  }
+  RemoveBorders(disparity, kJump_px, 0.0F);
+  const cv::Mat sigma_px = Refine(left, right, disparity);
+  DepthImage depth;
+  Compare(disparity, sigma_px, features, depth);
+  depth.z_m = cv::Mat::zeros(disparity.size(), CV_32F);
+  depth.sigma_m = cv::Mat::zeros(disparity.size(), CV_32F);
+  for (int y = 0; y < disparity.rows; ++y) {
+    const auto* const from = disparity.ptr<float>(y);
+    for (int x = 0; x < disparity.cols; ++x) {
+      const double d = from[x] - depth.offset_px;
+      if (from[x] <= 0.0F || d < kLeastDisparity_px) continue;
+      const double z = camera.Depth(d);
+      depth.z_m.at<float>(y, x) = static_cast<float>(z);
+      depth.sigma_m.at<float>(y, x) = static_cast<float>(depth.sigma_scale * sigma_px.at<float>(y, x) * z / d);
+    }
+  }
+  return depth;
+}
+
+DepthImage FromSensor(const cv::Mat& depth16, double units_per_m) {
+  DepthImage depth;
+  depth16.convertTo(depth.z_m, CV_32F, 1.0 / units_per_m);
+  RemoveBorders(depth.z_m, 0.0F, kSensorJump);
+  depth.sigma_m = kSensorSigma_per_m * depth.z_m.mul(depth.z_m);
+  return depth;
+}
+
+std::vector<DepthRay> MakeRays(const DepthImage& depth, const cv::Mat& grey, const StereoCamera& camera,
+                               const SE3& T_s_c, double voxel_m, double range_m) {
+  const double nearest_m = camera.MinDepth();
+  struct Sum {
+    Eigen::Vector3d p = Eigen::Vector3d::Zero();
+    double weight = 0.0;
+    double grey = 0.0;
+    float most = 0.0F;
+  };
+  std::vector<Sum> sums;
+  std::unordered_map<uint64_t, size_t> index_of;
+  const Eigen::Matrix3d R_s_c = T_s_c.R();
+  uint64_t last_key = std::numeric_limits<uint64_t>::max();
+  size_t last = 0;
+  for (int y = 0; y < depth.z_m.rows; ++y) {
+    const auto* const row = depth.z_m.ptr<float>(y);
+    const auto* const sigma = depth.sigma_m.ptr<float>(y);
+    for (int x = 0; x < depth.z_m.cols; ++x) {
+      const double z = row[x];
+      if (z < nearest_m || z > range_m || sigma[x] > kSigmasInVoxels * voxel_m) continue;
+      const Eigen::Vector3d p_c((x - camera.cx_px) / camera.f_px * z, (y - camera.cy_px) / camera.f_px * z, z);
+      const Eigen::Vector3d p = R_s_c * p_c + T_s_c.translation();
+      const uint64_t key = KeyOf(p, voxel_m);
+      if (key != last_key) {
+        last_key = key;
+        last = index_of.try_emplace(key, sums.size()).first->second;
+        if (last == sums.size()) sums.emplace_back();
+      }
+      const double in_voxels = 2.0 * sigma[x] / voxel_m;
+      const double weight = 1.0 / (1.0 + in_voxels * in_voxels);
+      Sum& sum = sums[last];
+      sum.p += weight * p;
+      sum.weight += weight;
+      sum.grey += weight * grey.at<uint8_t>(y, x);
+      sum.most = std::max(sum.most, static_cast<float>(weight));
+    }
+  }
+  std::vector<DepthRay> rays;
+  rays.reserve(sums.size());
+  for (const Sum& sum : sums)
+    rays.push_back({sum.p / sum.weight, sum.most, static_cast<float>(sum.grey / sum.weight)});
+  return rays;
+}
+
+}  // namespace plslam::dense

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "dense_process/ground_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <opencv2/imgproc.hpp>
+
+namespace plslam::dense {
+namespace {
+
+constexpr double kLowestObstacle_m = 0.1;
+constexpr double kLowestInVoxels = 1.5;  // the floor itself is that rough
+constexpr double kLeastHeight_m = 0.1;   // of an obstacle
+constexpr double kLeastFree_m = 0.15;    // of observed free space in a column without a floor
+constexpr double kSmallest_m2 = 0.025;   // ten cells of 5 cm
+
+struct Column {
+  int n_occupied = 0;
+  int n_free = 0;
+  bool has_floor = false;
+  float top_m = 0.0F;
+};
+
+/// Obstacles of fewer cells are ignored.
+void RemoveSmall(cv::Mat& cells, const cv::Mat& free, double cell_m) {
+  const int least = static_cast<int>(std::ceil(kSmallest_m2 / (cell_m * cell_m) - 1e-6));
+  cv::Mat labels, stats, centres;
+  const int n = cv::connectedComponentsWithStats(cells == GroundGrid::kOccupied, labels, stats, centres, 8);
+  for (int y = 0; y < cells.rows; ++y) {
+    for (int x = 0; x < cells.cols; ++x) {
+      const int label = labels.at<int>(y, x);
+      if (label == 0 || label >= n || stats.at<int>(label, cv::CC_STAT_AREA) >= least) continue;
+      cells.at<uint8_t>(y, x) = free.at<uint8_t>(y, x) != 0 ? GroundGrid::kFree : GroundGrid::kUnknown;
+    }
+  }
+}
+
+}  // namespace
+
+Content ContentOf(const Volume::Voxel& voxel, double voxel_m) {
+  if (voxel.weight < kLeastKnown || voxel.distance_m < -voxel_m) return Content::kUnknown;
+  return voxel.distance_m < 0.5 * voxel_m ? Content::kOccupied : Content::kFree;
+}
+
+Eigen::Vector2i GroundGrid::CellAt(double x_m, double y_m) const {
+  return {static_cast<int>(std::floor((x_m - origin_m.x()) / cell_m + 1e-9)),
+          static_cast<int>(std::floor((y_m - origin_m.y()) / cell_m + 1e-9))};
+}
+
+GroundGrid MakeGrid(const Volume& volume, const Floor& floor, double robot_height_m,
+                    std::span<const Eigen::Vector3d> path) {
+  const double v = volume.voxel_m();
+  const double lowest_m = std::max(kLowestObstacle_m, kLowestInVoxels * v);
+  Eigen::Vector2i low = Eigen::Vector2i::Constant(std::numeric_limits<int>::max());
+  Eigen::Vector2i high = Eigen::Vector2i::Constant(std::numeric_limits<int>::min());
+  const auto include = [&](const Eigen::Vector2i& cell) {
+    low = low.cwiseMin(cell);
+    high = high.cwiseMax(cell);
+  };
+  volume.Visit([&](const Volume::Voxel& voxel) { include(voxel.index.head<2>()); });
+  const auto cell_of = [&](const Eigen::Vector3d& p) {
+    return Eigen::Vector2i(static_cast<int>(std::floor(p.x() / v)), static_cast<int>(std::floor(p.y() / v)));
+  };
+  for (const Eigen::Vector3d& p : path) include(cell_of(p));
+  GroundGrid grid;
+  grid.cell_m = v;
+  if (low.x() > high.x()) return grid;
+  const int width = high.x() - low.x() + 1;
+  const int height = high.y() - low.y() + 1;
+  grid.origin_m = v * low.cast<double>();
+  std::vector<Column> columns(static_cast<size_t>(width) * static_cast<size_t>(height));
+  const auto column_at = [&](const Eigen::Vector2i& cell) -> Column& {
+    return columns[static_cast<size_t>(cell.y() - low.y()) * static_cast<size_t>(width) +
+                   static_cast<size_t>(cell.x() - low.x())];
+  };
+  volume.Visit([&](const Volume::Voxel& voxel) {
+    const Content content = ContentOf(voxel, v);
+    if (content == Content::kUnknown) return;
+    const Eigen::Vector3d p = volume.Centre(voxel.index) + Eigen::Vector3d::Constant(0.5 * v);
+    const double above_m = p.z() - floor.HeightAt(p.x(), p.y());
+    Column& column = column_at(voxel.index.head<2>());
+    if (std::abs(above_m) < lowest_m) {
+      column.has_floor = column.has_floor || content == Content::kOccupied;
+    } else if (above_m > 0.0 && above_m <= robot_height_m) {
+      ++(content == Content::kOccupied ? column.n_occupied : column.n_free);
+      if (content == Content::kOccupied) column.top_m = std::max(column.top_m, static_cast<float>(above_m + 0.5 * v));
+    }
+  });
+  grid.cells = cv::Mat(height, width, CV_8UC1, cv::Scalar(GroundGrid::kUnknown));
+  grid.height_m = cv::Mat(height, width, CV_32FC1, cv::Scalar(std::numeric_limits<float>::quiet_NaN()));
+  cv::Mat free = cv::Mat::zeros(height, width, CV_8UC1);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const Column& column = columns[static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)];
+      const bool is_free = column.has_floor || column.n_free * v >= kLeastFree_m - 1e-9;
+      free.at<uint8_t>(y, x) = is_free ? 255 : 0;
+      if (column.n_occupied * v >= kLeastHeight_m - 1e-9) {
+        grid.cells.at<uint8_t>(y, x) = GroundGrid::kOccupied;
+      } else if (is_free) {
+        grid.cells.at<uint8_t>(y, x) = GroundGrid::kFree;
+      }
+    }
+  }
+  for (const Eigen::Vector3d& p : path) {
+    const Eigen::Vector2i cell = cell_of(p) - low;
+    grid.cells.at<uint8_t>(cell.y(), cell.x()) = GroundGrid::kFree;
+  }
+  RemoveSmall(grid.cells, free, v);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const uint8_t cell = grid.cells.at<uint8_t>(y, x);
+      if (cell == GroundGrid::kUnknown) continue;
+      const Column& column = columns[static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)];
+      grid.height_m.at<float>(y, x) = cell == GroundGrid::kOccupied ? column.top_m : 0.0F;
+    }
+  }
+  cv::distanceTransform(grid.cells != GroundGrid::kOccupied, grid.distance_m, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  grid.distance_m *= v;
+  return grid;
+}
+
+}  // namespace plslam::dense

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+
+#include "dense_process/level_frame.h"
+#include "dense_process/volume.h"
+
+namespace plslam::dense {
+
+/// Content of a voxel, for planners.
+enum class Content { kUnknown, kFree, kOccupied };
+
+/// Occupied: within half a voxel in front of a surface and one behind it. Unknown: hardly observed, or deeper inside.
+Content ContentOf(const Volume::Voxel& voxel, double voxel_m);
+
+/// A map of the floor for a robot: columns of voxels between the floor and the robot's height.
+struct GroundGrid {
+  static constexpr uint8_t kUnknown = 205, kFree = 254, kOccupied = 0;  ///< grey values of nav2's map_server
+
+  double cell_m = 0.0;
+  /// Lower left corner of the lower left cell, in the level frame.
+  Eigen::Vector2d origin_m = Eigen::Vector2d::Zero();
+  cv::Mat cells;       ///< CV_8UC1; row 0 has the smallest y
+  cv::Mat height_m;    ///< CV_32FC1: top of the highest obstacle, or the floor, above the floor; NaN in unknown cells
+  cv::Mat distance_m;  ///< CV_32FC1: to the nearest obstacle
+
+  /// Returns the cell that contains a point of the level frame; it may be outside the grid.
+  Eigen::Vector2i CellAt(double x_m, double y_m) const;
+};
+
+/// Makes the grid of a volume whose voxel (i, j, k) has its centre at voxel_m * (i + 0.5, j + 0.5, k + 0.5) of the level
+/// frame. A cell is occupied with obstacles of at least 0.1 m of height between 0.1 m (or 1.5 voxels) above the floor
+/// and `robot_height_m`, and free if its floor, or enough of the space above, was observed free. Obstacles of less than
+/// 25 cm^2 of ground are ignored. Cells of `path` (positions of the camera in the level frame) are free: the robot was
+/// there.
+GroundGrid MakeGrid(const Volume& volume, const Floor& floor, double robot_height_m,
+                    std::span<const Eigen::Vector3d> path);
+
+}  // namespace plslam::dense

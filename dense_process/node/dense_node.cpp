@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "dense_process/node/dense_node.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <filesystem>
+#include <opencv2/core/utility.hpp>
+#include <utility>
+
+#include "core/bus/run_loop.h"
+#include "core/errors/standard_streams.h"
+#include "core/map/vertical.h"
+#include "core/process/order.h"
+#include "core/run/process_names.h"
+#include "dense_process/products.h"
+#include "plslam/command_t.hpp"
+#include "plslam/status_t.hpp"
+#include "plslam/stream_t.hpp"
+#include "plslam/tracks_t.hpp"
+
+namespace plslam::dense {
+namespace {
+
+constexpr std::chrono::milliseconds kTick(250);
+// Ticks without a message after which a run that has ended is complete.
+constexpr int kQuietTicks = 2;
+// Ticks after which the map counts as complete although the last keyframe is not committed: mapping_process has exited.
+constexpr int kQuietTicksForTheMap = 240;
+// A tracker announces the keyframe of a frame before it tracks the next one; live, a few frames later.
+constexpr size_t kMostFrames = 12;
+constexpr size_t kMostWaiting = 24;
+// The median depth of the points of the first keyframe that separates rooms from roads, and the voxels of both.
+constexpr double kIndoors_m = 8.0;
+constexpr double kIndoorVoxel_m = 0.05;
+constexpr double kRoadVoxel_m = 0.2;
+// Below this share of points with the same disparity as in the keyframe the pair does not fit its calibration.
+constexpr double kLeastAgreement = 0.6;
+constexpr int kLeastCompared = 50;
+
+double VoxelFor(const Keyframe& keyframe) {
+  std::vector<double> depths_m;
+  for (const StereoPoint& point : keyframe.features.points) {
+    if (point.HasDepth()) depths_m.push_back(keyframe.camera.Depth(point.disparity_px));
+  }
+  if (depths_m.empty()) return kIndoorVoxel_m;
+  const auto middle = depths_m.begin() + static_cast<ptrdiff_t>(depths_m.size() / 2);
+  std::nth_element(depths_m.begin(), middle, depths_m.end());
+  return *middle < kIndoors_m ? kIndoorVoxel_m : kRoadVoxel_m;
+}
+
+/// Positions of the keyframes in w in their order, with points between those of one session.
+std::vector<Eigen::Vector3d> PathOf(const KeyframePoses& poses, double step_m) {
+  std::vector<Eigen::Vector3d> path;
+  const KeyframePoses::value_type* previous = nullptr;
+  for (const auto& keyframe : poses) {
+    const Eigen::Vector3d& to = keyframe.second.translation();
+    if (previous != nullptr && previous->first.first == keyframe.first.first) {
+      const Eigen::Vector3d from = previous->second.translation();
+      const int n = static_cast<int>(std::ceil((to - from).norm() / step_m));
+      for (int i = 1; i < n; ++i) path.push_back(from + (to - from) * i / n);
+    }
+    path.push_back(to);
+    previous = &keyframe;
+  }
+  return path;
+}
+
+template <class Value>
+void KeepNewest(std::map<int64_t, Value>& values) {
+  while (values.size() > kMostFrames) values.erase(values.begin());
+}
+
+}  // namespace
+
+DenseNode::DenseNode(bus::Process& process, const DenseOptions& options) : process_(process), options_(options) {
+  std::filesystem::create_directories(options_.out);
+  // One thread: the tracker needs the other core.
+  cv::setNumThreads(1);
+  bus::Bus& bus = process_.bus();
+  bus.Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
+  bus.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
+  bus.Subscribe<command_t>(bus::kCommand, [this](const command_t& m) { OnCommand(m); });
+  bus.Subscribe<tracks_t>(bus::kTracks, [this](const tracks_t& m) { OnTracks(m); });
+  bus.Subscribe<tracks_t>(bus::kTracksLive, [this](const tracks_t& m) { OnTracks(m); });
+  sparse_ = std::make_unique<bus::MapSubscriber>(bus, [this](const MapUpdate& update) { OnMap(update); });
+  sparse_->RememberRemoved();
+  camera_channel_.emplace(bus, [this](const RigCalibration& rig) { OnCamera(rig); });
+  keyframes_.emplace(bus, [this](const Keyframe& keyframe) { OnKeyframe(keyframe); });
+  images_.emplace(bus, bus::FrameSubscriber::Mode::kPictures, [this](const auto& frame) { OnFrame(frame); });
+  bus.Every(kTick, [this] { OnTick(); });
+  process_.SetConfiguration(ToYaml("dense", options_));
+}
+
+DenseNode::~DenseNode() {
+  if (dirty_ && std::uncaught_exceptions() == 0) Write();
+  if (failure_.empty()) return;
+  PrintError(fmt::format("{}: error: {}", process_.name(), failure_));
+  process_.Finish(1);
+}
+
+void DenseNode::OnCamera(const RigCalibration& rig) {
+  try {
+    camera_.emplace(Camera{rig, Rectifier(rig)});
+  } catch (const std::exception& error) {
+    spdlog::warn("the rig '{}' cannot be used: {}", rig.name, error.what());
+  }
+  FuseAll();
+}
+
+void DenseNode::OnFrame(const bus::FrameSubscriber::Frame& frame) {
+  quiet_ticks_ = 0;
+  const int64_t frame_id = frame.images.frame_id;
+  for (auto& [name, waiting] : waiting_) {
+    if (!waiting.images && waiting.keyframe.frame_id == frame_id && waiting.keyframe.t_ns == frame.images.t_ns) {
+      waiting.images = frame.images;
+      return FuseAll();
+    }
+  }
+  frames_[frame_id] = frame.images;
+  KeepNewest(frames_);
+}
+
+void DenseNode::OnTracks(const tracks_t& message) {
+  BodyPixels bodies;
+  for (const track_point_t& point : message.points) {
+    if (point.body >= 0) bodies[point.body].emplace_back(point.u_px, point.v_px);
+  }
+  for (const track_line_t& line : message.lines) {
+    if (line.body < 0) continue;
+    bodies[line.body].emplace_back(line.p_px[0], line.p_px[1]);
+    bodies[line.body].emplace_back(line.q_px[0], line.q_px[1]);
+  }
+  bodies_[message.frame_id] = std::move(bodies);
+  KeepNewest(bodies_);
+}
+
+void DenseNode::OnKeyframe(const Keyframe& keyframe) {
+  quiet_ticks_ = 0;
+  newest_ = {keyframe.session, keyframe.keyframe_id};
+  Waiting waiting{keyframe, std::nullopt};
+  const auto frame = frames_.find(keyframe.frame_id);
+  if (frame != frames_.end() && frame->second.t_ns == keyframe.t_ns) {
+    waiting.images = std::move(frame->second);
+    frames_.erase(frame);
+  }
+  waiting_.insert_or_assign({keyframe.session, keyframe.frame_id}, std::move(waiting));
+  DropOldest();
+  FuseAll();
+}
+
+/// Keyframes that were made before this process started have no images.
+void DenseNode::DropOldest() {
+  while (waiting_.size() > kMostWaiting) {
+    const auto without = std::ranges::find_if(waiting_, [](const auto& w) { return !w.second.images.has_value(); });
+    const bool lacks = without != waiting_.end();
+    process_.SetCounter(lacks ? "keyframes.without_images" : "keyframes.dropped",
+                        static_cast<double>(++(lacks ? n_without_images_ : n_dropped_)));
+    waiting_.erase(lacks ? without : waiting_.begin());
+  }
+}
+
+void DenseNode::OnMap(const MapUpdate& update) {
+  quiet_ticks_ = 0;
+  committed_.Add(update);
+  // A correction moves the surfaces.
+  dirty_ = dirty_ || (map_ && map_->n_keyframes() > 0);
+  FuseAll();
+}
+
+void DenseNode::OnStatus(const status_t& message) {
+  if (message.process == process_name::kVo) vo_finished_ = message.state == process_state::kFinished;
+}
+
+void DenseNode::OnStream(const stream_t& message) {
+  ended_ = message.event == "end";
+  quiet_ticks_ = 0;
+}
+
+void DenseNode::OnCommand(const command_t& message) {
+  const std::optional<bus::Order> order = bus::OrderTo(process_, message);
+  if (order && order->verb == command_verb::kFinish) process_.Finish();
+}
+
+/// In lockstep a keyframe is fused as soon as it is committed; live, as soon as the map has it.
+void DenseNode::FuseAll() {
+  if (!camera_) return;
+  const Map& map = sparse_->replica().map();
+  for (auto it = waiting_.begin(); it != waiting_.end();) {
+    const Waiting& waiting = it->second;
+    const bool placed =
+        !waiting.keyframe.lockstep || committed_.Has(waiting.keyframe.session, waiting.keyframe.keyframe_id);
+    if (!waiting.images || !placed || !PosesOf(map).contains(it->first)) {
+      ++it;
+      continue;
+    }
+    Fuse(waiting);
+    it = waiting_.erase(it);
+  }
+}
+
+DepthImage DenseNode::DepthOf(const Waiting& waiting, const cv::Mat& left) const {
+  const Rectifier& rectifier = camera_->rectifier;
+  const StereoImages& images = *waiting.images;
+  if (camera_->rig.kind == RigCalibration::Kind::kRgbd) {
+    return FromSensor(rectifier.RectifyDepth(images.right), camera_->rig.depth_units_per_m);
+  }
+  const auto bodies = bodies_.find(waiting.keyframe.frame_id);
+  const cv::Mat in_use = bodies == bodies_.end() ? rectifier.left_mask()
+                                                 : MaskBodies(rectifier.left_mask(), left.size(), bodies->second);
+  return MatchPair(left, rectifier.RectifyRight(images.right), in_use, rectifier.camera(), waiting.keyframe.features);
+}
+
+void DenseNode::Fuse(const Waiting& waiting) {
+  const double began_ms = bus::NowMs();
+  const Keyframe& keyframe = waiting.keyframe;
+  try {
+    const cv::Mat left = camera_->rectifier.RectifyLeft(waiting.images->left);
+    const DepthImage depth = DepthOf(waiting, left);
+    const double matched_ms = bus::NowMs();
+    if (depth.n_compared >= kLeastCompared && depth.agreement < kLeastAgreement) {
+      process_.Warn(
+          "dense_disagrees",
+          fmt::format("dense depth agrees with {:.0f} % of the points of a keyframe: surfaces will have holes and "
+                      "errors; check the calibration with `plslam rectify-check`",
+                      100.0 * depth.agreement));
+    }
+    if (!map_) map_.emplace(options_.voxel_m > 0.0 ? options_.voxel_m : VoxelFor(keyframe), options_.range_m);
+    map_->Add({keyframe.session, keyframe.frame_id}, depth, left, camera_->rectifier.camera(),
+              PosesOf(sparse_->replica().map()));
+    dirty_ = true;
+    process_.SetCounter("depth_ms", matched_ms - began_ms);
+    process_.SetCounter("fusion_ms", bus::NowMs() - matched_ms);
+    process_.SetCounter("depth.offset_px", depth.offset_px);
+    process_.SetCounter("depth.sigma_scale", depth.sigma_scale);
+    process_.SetCounter("keyframes", static_cast<double>(map_->n_keyframes()));
+    process_.SetCounter("submaps", static_cast<double>(map_->n_submaps()));
+    process_.SetCounter("map_mb", 1e-6 * static_cast<double>(map_->bytes()));
+    process_.SetState(process_state::kRunning);
+  } catch (const std::exception& error) {
+    process_.Warn("dense_frame",
+                  fmt::format("frame {} is not used for surfaces: {}", keyframe.frame_id, error.what()));
+  }
+}
+
+bool DenseNode::IsOver() const {
+  if (!ended_ || quiet_ticks_ <= kQuietTicks) return false;
+  const bool complete = vo_finished_ && newest_ && committed_.Has(newest_->first, newest_->second);
+  return complete || quiet_ticks_ > kQuietTicksForTheMap;
+}
+
+void DenseNode::OnTick() {
+  ++quiet_ticks_;
+  if ((!dirty_ && finished_) || !IsOver()) return;
+  Write();
+  finished_ = true;
+  failure_.empty() ? process_.SetState(process_state::kFinished, "files in " + options_.out)
+                   : process_.SetState(process_state::kFailed, failure_);
+}
+
+void DenseNode::Write() {
+  dirty_ = false;
+  if (!map_) return;
+  try {
+    const Map& map = sparse_->replica().map();
+    const KeyframePoses poses = PosesOf(map);
+    const Products products =
+        MakeProducts(*map_, poses, VerticalOf(map), PathOf(poses, 0.5 * map_->voxel_m()), options_.robot_height_m);
+    WriteProducts(options_.out, products);
+    spdlog::info("surfaces of {} keyframes: {} triangles; grid of {} x {} cells of {} m", map_->n_keyframes(),
+                 products.surface.triangles.size(), products.grid.cells.cols, products.grid.cells.rows,
+                 map_->voxel_m());
+    if (!products.has_floor) {
+      process_.Warn("no_floor", "no grid is written: the map has no horizontal surface that could be the floor");
+    }
+    failure_.clear();
+  } catch (const std::exception& error) {
+    failure_ = error.what();
+  }
+}
+
+bus::ProcessSpec DenseSpec() {
+  bus::ProcessSpec spec;
+  spec.name = process_name::kDense;
+  spec.description = "Surfaces for planning: images of keyframes in, mesh, cloud, OctoMap and grid out.";
+  spec.examples =
+      "  dense_process --set dense.out=map\n"
+      "  dense_process --set dense.voxel_m=0.1 --set dense.robot_height_m=0.5";
+  spec.make_node = bus::NodeWithOptions<DenseNode, DenseOptions>(spec.name);
+  spec.waits_for = "keyframes of vo_process and a map of mapping_process";
+  spec.results = {{"keyframes", "keyframes fused"}, {"submaps", "submaps"}};
+  return spec;
+}
+
+}  // namespace plslam::dense

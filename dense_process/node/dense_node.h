@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/bus/messages/frame_channel.h"
+#include "core/bus/messages/keyframe_channel.h"
+#include "core/bus/messages/map_channel.h"
+#include "core/geometry/rectifier.h"
+#include "core/process/process.h"
+#include "dense_process/body_mask.h"
+#include "dense_process/dense_map.h"
+#include "dense_process/options.h"
+
+namespace plslam {
+class command_t;
+class status_t;
+class stream_t;
+class tracks_t;
+}  // namespace plslam
+
+namespace plslam::dense {
+
+/// Fuses the images of keyframes into surfaces, and writes them when the stream has ended and the map has its last
+/// keyframe (state "finished"); again when it is stopped and something has changed since.
+///
+/// A keyframe waits for its images, its features and its place in the map. In lockstep all are delivered, so results are
+/// repeatable. Live, the oldest waiting keyframes are dropped if too many wait, and counted. No other process waits for
+/// this one.
+class DenseNode {
+ public:
+  DenseNode(bus::Process& process, const DenseOptions& options);
+  ~DenseNode();
+  DenseNode(const DenseNode&) = delete;
+  DenseNode& operator=(const DenseNode&) = delete;
+
+ private:
+  /// The calibration in use.
+  struct Camera {
+    RigCalibration rig;
+    Rectifier rectifier;
+  };
+  /// A keyframe that is not fused yet.
+  struct Waiting {
+    Keyframe keyframe;
+    std::optional<StereoImages> images;
+  };
+
+  void OnCamera(const RigCalibration& rig);
+  void OnFrame(const bus::FrameSubscriber::Frame& frame);
+  void OnTracks(const tracks_t& message);
+  void OnKeyframe(const Keyframe& keyframe);
+  void OnMap(const MapUpdate& update);
+  void OnStatus(const status_t& message);
+  void OnStream(const stream_t& message);
+  void OnCommand(const command_t& message);
+  void OnTick();
+
+  void FuseAll();
+  void Fuse(const Waiting& waiting);
+  DepthImage DepthOf(const Waiting& waiting, const cv::Mat& left) const;
+  void DropOldest();
+  bool IsOver() const;
+  void Write();
+
+  bus::Process& process_;
+  DenseOptions options_;
+  std::optional<Camera> camera_;
+  std::optional<DenseMap> map_;
+  /// Newest images, and pixels of moving bodies, by frame.
+  std::map<int64_t, StereoImages> frames_;
+  std::map<int64_t, BodyPixels> bodies_;
+  std::map<KeyframeName, Waiting> waiting_;
+  CommittedKeyframes committed_;
+  /// Session and number of the newest keyframe.
+  std::optional<std::pair<int64_t, int64_t>> newest_;
+  bool vo_finished_ = false;
+  bool ended_ = false;
+  bool dirty_ = false;
+  bool finished_ = false;
+  int quiet_ticks_ = 0;
+  int64_t n_dropped_ = 0;
+  int64_t n_without_images_ = 0;
+  std::string failure_;
+  std::unique_ptr<bus::MapSubscriber> sparse_;
+  // Last, because their handlers use all of the above.
+  std::optional<bus::CameraSubscriber> camera_channel_;
+  std::optional<bus::KeyframeSubscriber> keyframes_;
+  std::optional<bus::FrameSubscriber> images_;
+};
+
+bus::ProcessSpec DenseSpec();
+
+}  // namespace plslam::dense

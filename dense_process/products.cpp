@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "dense_process/products.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <stdexcept>
+
+#include <octomap/octomap.h>
+#include <opencv2/core.hpp>
+
+#include "core/io/files/atomic_file.h"
+#include "core/io/images/png_codec.h"
+
+namespace plslam::dense {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "PLY is written in the machine's byte order");
+
+template <class Value>
+void Append(std::string& bytes, const Value& value) {
+  const size_t at = bytes.size();
+  bytes.resize(at + sizeof(Value));
+  std::copy_n(reinterpret_cast<const char*>(&value), sizeof(Value), bytes.data() + at);
+}
+
+/// Millimetres in 16 bits; 65535: unknown or farther.
+cv::Mat InMillimetres(const cv::Mat& metres) {
+  cv::Mat millimetres(metres.size(), CV_16UC1, cv::Scalar(std::numeric_limits<uint16_t>::max()));
+  for (int y = 0; y < metres.rows; ++y) {
+    for (int x = 0; x < metres.cols; ++x) {
+      const float value = 1000.0F * metres.at<float>(y, x);
+      if (value >= 0.0F && value < 65534.5F)
+        millimetres.at<uint16_t>(y, x) = static_cast<uint16_t>(std::lround(value));
+    }
+  }
+  return millimetres;
+}
+
+cv::Mat TopDown(const cv::Mat& image) {
+  cv::Mat flipped;
+  cv::flip(image, flipped, 0);
+  return flipped;
+}
+
+octomap::OcTree ToOctree(const Volume& volume) {
+  octomap::OcTree tree(volume.voxel_m());
+  volume.Visit([&](const Volume::Voxel& voxel) {
+    const Content content = ContentOf(voxel, volume.voxel_m());
+    if (content == Content::kUnknown) return;
+    const Eigen::Vector3d p = volume.Centre(voxel.index) + Eigen::Vector3d::Constant(0.5 * volume.voxel_m());
+    const float log_odds =
+        content == Content::kOccupied ? tree.getClampingThresMaxLog() : tree.getClampingThresMinLog();
+    tree.setNodeValue(p.x(), p.y(), p.z(), log_odds, true);
+  });
+  tree.updateInnerOccupancy();
+  return tree;
+}
+
+std::string PathCsv(const std::vector<Eigen::Vector3d>& path) {
+  std::string text = "x,y\n";
+  for (const Eigen::Vector3d& p : path) text += fmt::format("{:.6f},{:.6f}\n", p.x(), p.y());
+  return text;
+}
+
+std::string FramesJson(const Products& products) {
+  const Eigen::Quaterniond& q = products.T_level_w.rotation();
+  const Eigen::Vector3d& t = products.T_level_w.translation();
+  nlohmann::ordered_json json;
+  json["T_level_w"] = {{"q_wxyz", {q.w(), q.x(), q.y(), q.z()}}, {"t_m", {t.x(), t.y(), t.z()}}};
+  json["up_from"] = products.vertical.n_lines > 0 ? "lines" : "cameras";
+  json["up_lines"] = products.vertical.n_lines;
+  if (products.has_floor) json["floor_m"] = products.floor_m;
+  json["voxel_m"] = products.volume.voxel_m();
+  json["w"] = {"cloud.ply", "mesh.ply", "trajectory.tum"};
+  json["level"] = {"map.bt", "map.ot", "map.pgm", "map_distance.png", "map_height.png", "path.csv"};
+  return json.dump(2) + "\n";
+}
+
+}  // namespace
+
+Products MakeProducts(const DenseMap& map, const KeyframePoses& poses, const Vertical& vertical,
+                      const std::vector<Eigen::Vector3d>& path_w, double robot_height_m) {
+  const SE3 T_level_w = LevelFrame(vertical);
+  // Centres of voxels at odd halves, so that a cell of the grid and of OctoMap is a column of voxels.
+  const SE3 T_volume_level(Eigen::Quaterniond::Identity(), Eigen::Vector3d::Constant(-0.5 * map.voxel_m()));
+  Products products{T_level_w, vertical, false, 0.0, {}, map.Merge(poses, T_volume_level * T_level_w), {}, {}};
+  products.surface = ExtractSurface(products.volume);
+  Move(T_volume_level.Inverse(), products.surface);
+  const Floor floor(products.surface, map.voxel_m());
+  for (const Eigen::Vector3d& p : path_w) products.path.push_back(T_level_w * p);
+  products.has_floor = floor.found();
+  products.floor_m = floor.HeightAt(0.0, 0.0);
+  if (products.has_floor) products.grid = MakeGrid(products.volume, floor, robot_height_m, products.path);
+  Move(T_level_w.Inverse(), products.surface);
+  return products;
+}
+
+std::string ToPly(const Surface& surface, bool with_faces) {
+  std::string bytes = fmt::format(
+      "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float "
+      "z\nproperty float nx\nproperty float ny\nproperty float nz\nproperty uchar red\nproperty uchar "
+      "green\nproperty "
+      "uchar blue\n",
+      surface.vertices.size());
+  if (with_faces) {
+    bytes += fmt::format("element face {}\nproperty list uchar int vertex_indices\n", surface.triangles.size());
+  }
+  bytes += "end_header\n";
+  for (const Surface::Vertex& vertex : surface.vertices) {
+    for (const float value : {vertex.p.x(), vertex.p.y(), vertex.p.z()}) Append(bytes, value);
+    for (const float value : {vertex.normal.x(), vertex.normal.y(), vertex.normal.z()}) Append(bytes, value);
+    for (int channel = 0; channel < 3; ++channel) Append(bytes, vertex.grey);
+  }
+  if (!with_faces) return bytes;
+  for (const auto& triangle : surface.triangles) {
+    Append(bytes, uint8_t{3});
+    for (const uint32_t index : triangle) Append(bytes, index);
+  }
+  return bytes;
+}
+
+std::string ToPgm(const GroundGrid& grid) {
+  std::string bytes = fmt::format("P5\n{} {}\n255\n", grid.cells.cols, grid.cells.rows);
+  for (int y = grid.cells.rows - 1; y >= 0; --y) {
+    bytes.append(grid.cells.ptr<char>(y), static_cast<size_t>(grid.cells.cols));
+  }
+  return bytes;
+}
+
+std::string ToMapYaml(const GroundGrid& grid, const std::string& image) {
+  return fmt::format(
+      "image: {}\nmode: trinary\nresolution: {:.17g}\norigin: [{:.17g}, {:.17g}, 0.0]\nnegate: 0\noccupied_thresh: "
+      "0.65\nfree_thresh: 0.196\n",
+      image, grid.cell_m, grid.origin_m.x(), grid.origin_m.y());
+}
+
+void WriteProducts(const std::filesystem::path& folder, const Products& products) {
+  const auto write = [&](const char* name, const std::string& bytes) {
+    WriteFileAtomically((folder / name).string(), bytes);
+  };
+  write("cloud.ply", ToPly(products.surface, false));
+  write("mesh.ply", ToPly(products.surface, true));
+  octomap::OcTree tree = ToOctree(products.volume);
+  std::ostringstream whole, binary;
+  if (!tree.write(whole) || !tree.writeBinary(binary))
+    throw std::runtime_error("map.ot: OctoMap cannot write the tree");
+  write("map.ot", whole.str());
+  write("map.bt", binary.str());
+  if (products.has_floor) {
+    write("map.pgm", ToPgm(products.grid));
+    write("map.yaml", ToMapYaml(products.grid, "map.pgm"));
+    write("map_distance.png", EncodePng(TopDown(InMillimetres(products.grid.distance_m))));
+    write("map_height.png", EncodePng(TopDown(InMillimetres(products.grid.height_m))));
+  }
+  write("path.csv", PathCsv(products.path));
+  write("frames.json", FramesJson(products));
+}
+
+}  // namespace plslam::dense

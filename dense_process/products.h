@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/map/vertical.h"
+#include "dense_process/dense_map.h"
+#include "dense_process/ground_grid.h"
+#include "dense_process/surface.h"
+
+namespace plslam::dense {
+
+/// What is computed from a dense map at one time.
+struct Products {
+  SE3 T_level_w;
+  Vertical vertical;
+  bool has_floor = false;
+  double floor_m = 0.0;  ///< height of the floor below the first camera, in the level frame
+  Surface surface;       ///< in w, the frame of trajectory.tum
+  Volume volume;         ///< of the level frame, its voxels centred at voxel_m * (i + 0.5)
+  GroundGrid grid;
+  std::vector<Eigen::Vector3d> path;  ///< positions of the camera in the level frame
+};
+
+/// `path_w`: positions of the camera in w.
+Products MakeProducts(const DenseMap& map, const KeyframePoses& poses, const Vertical& vertical,
+                      const std::vector<Eigen::Vector3d>& path_w, double robot_height_m);
+
+/// Binary little-endian PLY: vertices with x, y, z, nx, ny, nz, red, green, blue; with faces, or as a cloud.
+std::string ToPly(const Surface& surface, bool with_faces);
+/// PGM as nav2's map_server reads it: row 0 has the largest y.
+std::string ToPgm(const GroundGrid& grid);
+/// Its YAML file; the origin has full precision.
+std::string ToMapYaml(const GroundGrid& grid, const std::string& image);
+
+/// Writes cloud.ply, mesh.ply, map.bt, map.ot, map.pgm, map.yaml, map_distance.png, map_height.png, path.csv and
+/// frames.json to the folder. Each file is written completely or not at all; throws std::runtime_error with one sentence
+/// that names it.
+void WriteProducts(const std::filesystem::path& folder, const Products& products);
+
+}  // namespace plslam::dense

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/integration/whole_run.h"
+
+namespace plslam {
+namespace {
+
+using test::WholeRun;
+using testing::HasSubstr;
+
+constexpr const char* kRoom = "synthetic:room?size=376x240&frames=160";
+
+class DenseRun : public testing::Test {
+ protected:
+  /// Number of occupied cells of the grid.
+  static int Occupied(const WholeRun& run) {
+    const std::string pgm = run.Read("map.pgm");
+    const size_t head = pgm.find("\n255\n") + 5;
+    int n = 0;
+    for (size_t i = head; i < pgm.size(); ++i) n += pgm[i] == '\0' ? 1 : 0;
+    return n;
+  }
+};
+
+TEST_F(DenseRun, SurfacesAndGridAreWritten) {
+  WholeRun run;
+  ASSERT_EQ(run.Run({"run", kRoom, "--dense", "--strict"}), 0) << run.Logs();
+  const std::string cloud = run.Read("cloud.ply");
+  EXPECT_THAT(cloud.substr(0, 400), HasSubstr("element vertex"));
+  EXPECT_GT(cloud.size(), 27U * 3000U);
+  for (const char* file : {"mesh.ply", "map.bt", "map.ot", "map_distance.png", "map_height.png", "path.csv"}) {
+    EXPECT_FALSE(run.Read(file).empty()) << file;
+  }
+  EXPECT_THAT(run.Read("map.yaml"), HasSubstr("image: map.pgm"));
+  EXPECT_GT(Occupied(run), 100);
+  const auto frames = nlohmann::json::parse(run.Read("frames.json"));
+  EXPECT_EQ(frames["up_from"], "lines");
+  EXPECT_EQ(frames["voxel_m"], 0.05);
+  const auto summary = run.Summary();
+  EXPECT_EQ(summary["processes"]["dense"]["exit_code"], 0);
+  EXPECT_TRUE(summary["warnings"].empty()) << summary["warnings"].dump();
+}
+
+TEST_F(DenseRun, SameInputTwiceGivesTheSameBits) {
+  WholeRun one, two;
+  ASSERT_EQ(one.Run({"run", kRoom, "--dense"}), 0) << one.Logs();
+  ASSERT_EQ(two.Run({"run", kRoom, "--dense"}), 0) << two.Logs();
+  for (const char* file : {"mesh.ply", "map.bt", "map.pgm", "frames.json"})
+    EXPECT_EQ(one.Read(file), two.Read(file)) << file;
+  EXPECT_EQ(one.Read("trajectory.tum"), two.Read("trajectory.tum"));
+}
+
+TEST_F(DenseRun, TrajectoryIsThatOfARunWithoutSurfaces) {
+  WholeRun with, without;
+  ASSERT_EQ(with.Run({"run", kRoom, "--dense"}), 0) << with.Logs();
+  ASSERT_EQ(without.Run({"run", kRoom}), 0) << without.Logs();
+  EXPECT_EQ(with.Read("trajectory.tum"), without.Read("trajectory.tum"));
+  EXPECT_FALSE(std::filesystem::exists(without.out() / "cloud.ply"));
+}
+
+}  // namespace
+}  // namespace plslam

@@ -6,16 +6,22 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "core/bus/transport/authenticator.h"
 #include "core/io/maps/map_file.h"
+#include "core/run/process_names.h"
 #include "tests/integration/run_watcher.h"
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"
+#include "tests/support/http_client.h"
+#include "tests/support/key_file.h"
 #include "tests/support/text_file.h"
 #include "tools/plslam/child_process.h"
+#include "viewer_headless/live/order_proof.h"
 
 namespace plslam {
 namespace {
@@ -146,6 +152,87 @@ TEST_F(Orders, LocaliseOnFreezesTheMapUntilOff) {
   EXPECT_EQ(watcher_.Get().poses.size(), 2U) << "keyframes that were not sent are no gap in a session";
   EXPECT_EQ(SessionsOf(File("new.plmap")).size(), 2U);
   EXPECT_EQ(watcher_.Get().lost_frames, 0);
+}
+
+/// A run with a live page, whose buttons are pressed as a browser does.
+class LivePageOrders : public Orders {
+ protected:
+  void Start(std::vector<std::string> more) {
+    std::vector<std::string> arguments = Arguments(kLongWorld);
+    more.insert(more.end(), {"--serve", std::to_string(port_)});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    run_.Start(arguments);
+  }
+  std::string Send(const std::string& method, const std::string& target, const std::string& headers,
+                   const std::string& body = "") const {
+    return test::Ask(port_, method + " " + target + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port_) + "\r\n" +
+                                headers + "Content-Length: " + std::to_string(body.size()) +
+                                "\r\nConnection: close\r\n\r\n" + body);
+  }
+  /// Returns the status and the sentence: "200 paused".
+  std::string Press(const std::string& verb, const std::string& body = "", const std::string& proof = "") const {
+    return Short(Send("POST", "/orders/" + verb, kHeader + "X-PLSLAM-Proof: " + proof + "\r\n", body));
+  }
+  nlohmann::json Description() const {
+    const std::string answer = Send("GET", "/orders", "");
+    return nlohmann::json::parse(answer.substr(answer.find("\r\n\r\n")));
+  }
+  static std::string Short(const std::string& answer) {
+    const size_t body = answer.find("\r\n\r\n");
+    if (body == std::string::npos) return "no answer: " + answer;
+    return answer.substr(9, 4) + answer.substr(body + 4, answer.size() - body - 5);
+  }
+
+  const std::string kHeader = "X-PLSLAM-Order: 1\r\n";
+  const int port_ = test::FreePort();
+};
+
+TEST_F(LivePageOrders, ButtonsDoWhatTheCommandsDo) {
+  Start({});
+  ASSERT_TRUE(watcher_.WaitForFrame(20)) << run_.Logs();
+  EXPECT_EQ(Press("pause"), "200 paused");
+  ASSERT_EQ(Order({"pause"}), 0);
+  EXPECT_EQ(said_, "paused\n") << "the same sentence";
+  const int64_t newest = watcher_.Get().newest_frame;
+  EXPECT_FALSE(watcher_.WaitForFrame(newest + 10, 2)) << "paused";
+
+  const std::string proposed = Description()["file"];
+  EXPECT_EQ(proposed, (run_.out() / "map.plmap").string());
+  EXPECT_EQ(Press("save", proposed), "200 the map is saved in " + proposed);
+  EXPECT_EQ(SessionsOf(proposed).size(), 1U);
+  EXPECT_EQ(Press("save", "map.plmap"), "200 the map is saved in " + proposed) << "an older state of the same map";
+  std::ofstream(run_.out() / "letter.txt") << "Dear reader";
+  EXPECT_THAT(Press("save", "letter.txt"), testing::MatchesRegex("422 .*letter.txt: exists, and is not a map;.*"));
+  EXPECT_EQ(run_.Read("letter.txt"), "Dear reader");
+  EXPECT_EQ(Press("save", "--force letter.txt"), "200 the map is saved in " + (run_.out() / "letter.txt").string());
+
+  EXPECT_THAT(Send("GET", "/orders/reset", kHeader), testing::StartsWith("HTTP/1.1 404"));
+  EXPECT_THAT(Send("POST", "/orders/reset", ""), testing::StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(Send("POST", "/orders/reset", kHeader + "Origin: http://evil.example\r\n"),
+              testing::StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(Send("POST", "/orders/save", kHeader, std::string(5000, 'a')), testing::StartsWith("HTTP/1.1 413"));
+  EXPECT_EQ(Press("resume"), "200 resumed");
+  ASSERT_TRUE(watcher_.WaitForFrame(newest + 10)) << run_.Logs();
+  EXPECT_EQ(watcher_.Get().poses.size(), 1U) << "no rejected order was carried out";
+  EXPECT_EQ(Press("reset"), "200 a new map was started");
+  ASSERT_TRUE(HasSessions(2)) << run_.Logs();
+  ASSERT_EQ(run_.Wait(), 0) << run_.Logs();
+}
+
+TEST_F(LivePageOrders, OrdersNeedTheKeyOfTheBus) {
+  const std::string key = test::KeyFile(run_.folder(), 'a');
+  Start({"--set", "bus.key_file=" + key});
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return !Send("GET", "/", "").empty(); })) << run_.Logs();
+  EXPECT_EQ(Press("pause").substr(0, 3), "401");
+  EXPECT_EQ(Press("pause", "", ReadText(key)).substr(0, 3), "401") << "the key itself is no proof";
+  const nlohmann::json description = Description();
+  EXPECT_EQ(description["needs_key"], true);
+  const std::string proof =
+      viewer::OrderProof::Compute(bus::ReadKey(key), std::string(description["challenge"]), command_verb::kPause, "");
+  EXPECT_EQ(Press("pause", "", proof), "200 paused");
+  EXPECT_EQ(Press("pause", "", proof).substr(0, 3), "401") << "sent again";
+  run_.process().Signal(SIGINT);
+  EXPECT_NE(run_.Wait(), -1) << run_.Logs();
 }
 
 TEST_F(Orders, OrderWithoutReceiverFails) {

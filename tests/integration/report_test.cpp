@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
-#include <netinet/in.h>
 #include <signal.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -13,6 +11,7 @@
 #include "core/io/files/atomic_file.h"
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"
+#include "tests/support/http_client.h"
 #include "tests/support/shell.h"
 #include "tests/support/text_file.h"
 #include "viewer_headless/report/report_json.h"
@@ -98,29 +97,17 @@ void CheckReport(const WholeRun& run, const std::vector<std::string>& names) {
   }
 }
 
-int FreePort() {
-  const int fd = socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  bind(fd, reinterpret_cast<const sockaddr*>(&address), size);
-  getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
-  close(fd);
-  return ntohs(address.sin_port);
-}
-
 TEST(Report, PageAssemblesLiveData) {
   if (Find("node").empty()) GTEST_SKIP() << "no node here: the page of reports is not tested";
   const std::string log = testing::TempDir() + "data_test " + std::to_string(getpid());
-  NodeScript({"--test", Script("data_test.mjs"), Script("live_test.mjs")}, log).Finish();
+  NodeScript({"--test", Script("data_test.mjs"), Script("live_test.mjs"), Script("orders_test.mjs")}, log).Finish();
   std::filesystem::remove(log);
 }
 
 TEST(Report, LivePageThenReportFile) {
   if (const std::string why = Missing(); !why.empty()) GTEST_SKIP() << why;
   WholeRun run;
-  const std::string port = std::to_string(FreePort());
+  const std::string port = std::to_string(test::FreePort());
   // Longer than the page is watched.
   run.Start(
       {"run", "synthetic:room?frames=5000&size=376x240", "--pace", "realtime", "--set", "viewer.serve=" + port});

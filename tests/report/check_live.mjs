@@ -71,6 +71,32 @@ async function checkAddress(page) {
   check.that(following.frame === undefined && following.view === "all", "and one that follows the run goes on doing so");
 }
 
+/** Checks that the buttons pause and resume the run, save its map, and start a new one. */
+async function checkOrders(page) {
+  const result = "return document.getElementById('order-result').textContent";
+  const says = (text, what) => browser.until(`return document.getElementById('order-result').textContent.includes(${JSON.stringify(text)})`, what, 60);
+  await page.click("#order-pause");
+  await says("paused", "a run that is paused");
+  await page.click("#order-save");
+  await browser.until("return document.getElementById('order').open", "the question for a file");
+  const [file, asksKey] = await browser.run("return [document.getElementById('order-file').value, !document.getElementById('order-key-box').hidden]");
+  check.that(file.endsWith("/map.plmap") && !asksKey, `the proposed file: ${file}`);
+  // Keys for the file do not reach the page.
+  const view = await browser.run("document.getElementById('order-file').focus(); return plslam.view.fromAbove");
+  await browser.key("2");
+  await browser.key("Backspace");
+  check.that((await browser.run("return plslam.view.fromAbove")) === view, "a digit of a file name is no key of the page");
+  await browser.run("document.getElementById('order-file').value = arguments[0]", file);
+  await page.click("#order-confirm");
+  await says(`the map is saved in ${file}`, "a map that is saved");
+  await page.click("#order-reset");
+  await browser.until("return document.getElementById('order').open", "a question before a map is lost");
+  await page.click("#order [value=cancel]");
+  check.that(!(await browser.run(result)).includes("new map"), `nothing is lost by Cancel: '${await browser.run(result)}'`);
+  await page.click("#order-resume");
+  await says("resumed", "a run that is resumed");
+}
+
 await runChecks(check, browser, async (page) => {
   await page.open(url);
   const first = await browser.run("return plslam.run.rows");
@@ -98,10 +124,12 @@ await runChecks(check, browser, async (page) => {
   check.that(ids.every((id, i) => i === 0 || id > ids[i - 1]), "each frame once, in order");
   const columns = await browser.run("return Object.entries(plslam.run.frames).map(([name, c]) => [name, c.length / plslam.run.frameWidths[name]])");
   check.that(columns.every(([, n]) => n === columns[0][1]), `columns are equally long: ${columns}`);
+  await checkOrders(page);
   await checkMeasured(page);
   await checkAddress(page);
   await checkLag();
   console.log("watching");
   await browser.until("return document.getElementById('kicker').textContent.includes('finished')", "the page says 'finished'", 30);
   check.that(await browser.run("return plslam.run.facts.finished"), "it has the data of the end");
+  check.that(await browser.run("return document.getElementById('orders').hidden"), "and no buttons any more");
 });

@@ -87,6 +87,11 @@ async function checkLoops(page) {
 }
 
 async function checkPlots() {
+  const folded = await browser.run(`return [...document.querySelectorAll("#more-plots .plot")].map((plot) => [plot.dataset.plot, plot.checkVisibility()])`);
+  check.that(folded.length > 0 && folded.every(([name, visible]) => !visible && !/error|rotation|tracked/.test(name)),
+    `plots for developers are folded: ${JSON.stringify(folded)}`);
+  await browser.run("document.getElementById('more-plots').open = true");
+  await browser.until("return [...document.querySelectorAll('#more-plots .plot')].every((plot) => plot.checkVisibility())", "unfolded plots");
   const plots = await browser.run(`return [...document.querySelectorAll(".plot")].map((plot) => {
     const canvas = plot.querySelector("canvas");
     const pixels = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;

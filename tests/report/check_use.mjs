@@ -64,6 +64,7 @@ const scalesOf = `return Object.fromEntries(["tracked", "entropy"].map((key) => 
 }))`;
 
 async function checkZoom(page) {
+  await browser.run("document.getElementById('more-plots').open = true");
   await browser.run("document.getElementById('plots').scrollIntoView()");
   const box = "return document.querySelector('[data-plot=tracked] .u-over').getBoundingClientRect().toJSON()";
   // Plots are drawn when they become visible.
@@ -298,6 +299,7 @@ async function checkKeys() {
   for (const [key, wanted] of [["2", [true, false]], ["3", [true, true]], ["1", [false, false]]]) {
     await browser.key(key, key);
     check.that(JSON.stringify(await browser.run(views)) === JSON.stringify(wanted), `key ${key}: ${await browser.run(views)} (from above, flying)`);
+    if (key !== "2") check.that(await browser.run("return plslam.replay.playing"), `key ${key}: the replay plays`);
   }
   await browser.run("plslam.replay.pause()");
 }

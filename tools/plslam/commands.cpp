@@ -19,12 +19,12 @@
 #include "core/bus/run_loop.h"
 #include "core/bus/transport/transport.h"
 #include "core/errors/standard_streams.h"
+#include "core/process/order_sender.h"
 #include "core/process/process_arguments.h"
 #include "core/process/process_signals.h"
 #include "core/process/process_status.h"
 #include "core/run/process_names.h"
 #include "tools/plslam/all_options.h"
-#include "tools/plslam/node/order_node.h"
 #include "tools/plslam/node/top_node.h"
 #include "tools/plslam/process_table.h"
 #include "tools/plslam/relay/tcpq_relay.h"
@@ -88,10 +88,6 @@ void AddProcessesCommand(CLI::App* app, Command* command) {
 namespace {
 
 constexpr std::chrono::milliseconds kTick(50);
-constexpr std::chrono::seconds kHearLimit(10);
-constexpr std::chrono::seconds kAnswerLimit(120);
-/// Statuses come once a second: then none of ours was heard, and messages of others were rejected.
-constexpr std::chrono::milliseconds kRejectionLimit(1500);
 
 struct OrderOptions {
   bus::ProcessArguments common;
@@ -99,89 +95,62 @@ struct OrderOptions {
   bool force = false;
 };
 
-/// A command to a process, and the text to print when it is done.
-struct OrderRow {
-  const char* verb;
-  std::vector<std::string> processes;  ///< candidates, of which one is running
-  const char* done;
-};
-
-int GiveOrder(const OrderRow& row, const std::string& argument, const bus::ProcessArguments& arguments) {
+int GiveOrder(const char* verb, const std::string& argument, const bus::ProcessArguments& arguments) {
   bus::BusOptions bus_options;
   arguments.MakeConfig().Read("bus", bus_options);
   bus::Bus bus(bus_options, "plslam");
-  OrderNode order(bus, row.processes, row.verb);
-  order.Send(argument);
-  const auto began = std::chrono::steady_clock::now();
+  bus::OrderSender order(bus);
+  order.Send(*bus::FindOrder(verb), argument);
+  std::optional<bus::OrderResult> result;
   bus.Every(kTick, [&] {
-    const auto passed = std::chrono::steady_clock::now() - began;
-    const bool mute = order.needs_key() || (!order.heard() && passed > kRejectionLimit && !bus.Problems().empty());
-    if (order.answer() || mute || passed > (order.heard() ? kAnswerLimit : kHearLimit)) bus.Stop();
+    result = order.Result();
+    if (result) bus.Stop();
   });
   bus.Run();
-  if (order.answer() && order.answer()->empty()) {
-    fmt::print("{}\n", fmt::format(fmt::runtime(row.done), argument));
+  if (result->done) {
+    fmt::print("{}\n", result->sentence);
     return 0;
   }
-  std::string failure = fmt::format("no answer was received within {} s", kAnswerLimit.count());
-  if (!order.heard()) {
-    failure =
-        NoAnswerText(row.processes, bus_options,
-                     std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now() - began));
-  }
-  if (!order.heard() && !bus.Problems().empty()) failure = fmt::format("{} ({})", failure, bus.Problems());
-  if (order.needs_key() || (!order.heard() && bus.hears_other_key())) {
-    failure = fmt::format("this system uses {}bus.key_file: give the same file (--set bus.key_file=FILE)",
-                          order.needs_key() ? "" : "another ");
-  }
-  if (order.answer()) failure = *order.answer();
-  const std::string what = argument.empty() ? row.verb : fmt::format("{} {}", row.verb, argument);
-  PrintError(fmt::format("plslam: error: {}: {}", what, failure));
+  const std::string what = argument.empty() ? verb : fmt::format("{} {}", verb, argument);
+  PrintError(fmt::format("plslam: error: {}: {}", what, result->sentence));
   return 1;
 }
 
-const OrderRow kSaveRow{command_verb::kSave, {process_name::kMapping}, "the map is saved in {}"};
-const OrderRow kLoadRow{command_verb::kLoad, {process_name::kMapping}, "the map of {} is loaded"};
-const OrderRow kResetRow{command_verb::kReset, {process_name::kMapping}, "a new map was started"};
-const OrderRow kLocaliseRow{command_verb::kLocalise, {process_name::kMapping}, "localisation-only mode is {}"};
-const OrderRow kPauseRow{command_verb::kPause, {process_name::kPlayer, process_name::kCamera}, "paused"};
-const OrderRow kResumeRow{command_verb::kResume, {process_name::kPlayer, process_name::kCamera}, "resumed"};
-
 /// An order about a file on the machine of the process.
-void AddFileOrder(CLI::App* app, Command* command, const OrderRow& row, const char* meaning, const char* file) {
+void AddFileOrder(CLI::App* app, Command* command, const char* verb, const char* meaning, const char* file) {
   auto options = std::make_shared<OrderOptions>();
-  auto* sub = app->add_subcommand(row.verb, meaning);
+  auto* sub = app->add_subcommand(verb, meaning);
   sub->add_option("file", options->argument, file)->required();
-  if (std::string_view(row.verb) == command_verb::kSave) {
+  if (std::string_view(verb) == command_verb::kSave) {
     sub->add_flag("--force", options->force, "replace the file even if it is not an older state of this map");
   }
   options->common.AddTo(sub);
-  sub->footer(fmt::format("Example:\n  plslam {} out/house.plmap --url udpm://239.255.76.67:7667?ttl=0", row.verb));
+  sub->footer(fmt::format("Example:\n  plslam {} out/house.plmap --url udpm://239.255.76.67:7667?ttl=0", verb));
   sub->callback([=] {
-    *command = [options, row] {
+    *command = [options, verb] {
       const std::string target = std::filesystem::absolute(options->argument).string();
-      return GiveOrder(row, (options->force ? command_verb::kForce : "") + target, options->common);
+      return GiveOrder(verb, (options->force ? command_verb::kForce : "") + target, options->common);
     };
   });
 }
 
-void AddBareOrder(CLI::App* app, Command* command, const OrderRow& row, const char* meaning) {
+void AddBareOrder(CLI::App* app, Command* command, const char* verb, const char* meaning) {
   auto options = std::make_shared<OrderOptions>();
-  auto* sub = app->add_subcommand(row.verb, meaning);
+  auto* sub = app->add_subcommand(verb, meaning);
   options->common.AddTo(sub);
-  sub->footer(fmt::format("Example:\n  plslam {} --url udpm://239.255.76.67:7667?ttl=0", row.verb));
-  sub->callback([=] { *command = [options, row] { return GiveOrder(row, "", options->common); }; });
+  sub->footer(fmt::format("Example:\n  plslam {} --url udpm://239.255.76.67:7667?ttl=0", verb));
+  sub->callback([=] { *command = [options, verb] { return GiveOrder(verb, "", options->common); }; });
 }
 
 }  // namespace
 
 void AddOrderCommands(CLI::App* app, Command* command) {
-  AddFileOrder(app, command, kSaveRow, "saves the map of the running mapping_process",
+  AddFileOrder(app, command, command_verb::kSave, "saves the map of the running mapping_process",
                "map file to write, on the machine of mapping_process");
-  AddFileOrder(app, command, kLoadRow,
+  AddFileOrder(app, command, command_verb::kLoad,
                "loads a saved map into the running mapping_process; trackers start new sessions",
                "map file to read, on the machine of mapping_process");
-  AddBareOrder(app, command, kResetRow,
+  AddBareOrder(app, command, command_verb::kReset,
                "starts an empty map in the running mapping_process; trackers start new sessions");
   auto options = std::make_shared<OrderOptions>();
   auto* sub = app->add_subcommand(command_verb::kLocalise, "switches localisation-only mode on or off");
@@ -190,10 +159,11 @@ void AddOrderCommands(CLI::App* app, Command* command) {
       ->check(CLI::IsMember({"on", "off"}));
   options->common.AddTo(sub);
   sub->footer("Example:\n  plslam localise on --url udpm://239.255.76.67:7667?ttl=0");
-  sub->callback(
-      [=] { *command = [options] { return GiveOrder(kLocaliseRow, options->argument, options->common); }; });
-  AddBareOrder(app, command, kPauseRow, "pauses the player or camera");
-  AddBareOrder(app, command, kResumeRow, "resumes a paused player or camera");
+  sub->callback([=] {
+    *command = [options] { return GiveOrder(command_verb::kLocalise, options->argument, options->common); };
+  });
+  AddBareOrder(app, command, command_verb::kPause, "pauses the player or camera");
+  AddBareOrder(app, command, command_verb::kResume, "resumes a paused player or camera");
 }
 
 namespace {

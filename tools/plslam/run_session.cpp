@@ -43,7 +43,7 @@ RunSession::RunSession(const RunOptions& options, bus::Bus& bus)
       bus_(bus),
       monitor_(bus),
       keeper_(bus, options.out),
-      save_(bus, {process_name::kMapping}, command_verb::kSave),
+      save_(bus),
       supervisor_(SupervisorOptions()),
       progress_line_(!options.quiet && !options.json),
       phase_began_(began_),
@@ -250,9 +250,10 @@ void RunSession::CheckDrained(Clock::time_point now) {
 
 void RunSession::CheckSaved(Clock::time_point now) {
   if (lacks_map_ && save_.answer() != "") {
-    if (MapperHasMap())
-      save_.Send((options_.force ? command_verb::kForce : "") +
-                 std::filesystem::absolute(options_.save_map).string());
+    if (MapperHasMap() && !save_.has_sent()) {
+      save_.Send(*bus::FindOrder(command_verb::kSave), (options_.force ? command_verb::kForce : "") +
+                                                           std::filesystem::absolute(options_.save_map).string());
+    }
     const std::string interrupted = interrupted_ ? kInterrupted : "";
     if (save_.answer()) return BeginStop(Joined(interrupted, "the map could not be saved: " + *save_.answer()));
     if (now - phase_began_ < kRunSaveLimit) return;

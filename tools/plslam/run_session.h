@@ -8,9 +8,9 @@
 #include <optional>
 #include <string>
 
+#include "core/process/order_sender.h"
 #include "tools/plslam/node/history_node.h"
 #include "tools/plslam/node/monitor_node.h"
-#include "tools/plslam/node/order_node.h"
 #include "tools/plslam/progress_line.h"
 #include "tools/plslam/run_options.h"
 #include "tools/plslam/stall_watch.h"
@@ -82,7 +82,7 @@ class RunSession {
   bus::Bus& bus_;
   MonitorNode monitor_;
   HistoryKeeper keeper_;
-  OrderNode save_;
+  bus::OrderSender save_;
   Supervisor supervisor_;
   ProgressLine progress_line_;
   size_t printed_warnings_ = 0;

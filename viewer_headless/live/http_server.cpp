@@ -8,14 +8,17 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
 #include <condition_variable>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <thread>
@@ -31,9 +34,11 @@ constexpr unsigned kConnections = 256;
 constexpr unsigned kTimeout_s = 15;
 constexpr std::chrono::seconds kHeadLimit(5);
 constexpr std::chrono::seconds kAnswerLimit(60);
+constexpr std::chrono::seconds kOrderLimit(150);
 constexpr std::chrono::milliseconds kWatchTick(200);
 constexpr size_t kConnectionBytes = 32 * 1024;
 constexpr size_t kMaxSince = 128;
+constexpr size_t kMaxBody = 4096;
 
 std::string_view OrEmpty(const char* text) { return text == nullptr ? std::string_view() : std::string_view(text); }
 
@@ -44,6 +49,44 @@ bool NamesThisMachine(std::string_view host) {
   if (colon != std::string_view::npos && host.find(']', colon) == std::string_view::npos)
     host = host.substr(0, colon);
   return host == "localhost" || host == "127.0.0.1" || host == "[::1]";
+}
+
+std::string_view Header(MHD_Connection* connection, const char* name) {
+  return OrEmpty(MHD_lookup_connection_value(connection, MHD_HEADER_KIND, name));
+}
+
+bool IsOrder(std::string_view method, std::string_view url) {
+  return method == "POST" && url.starts_with(kOrderPath);
+}
+
+/// Returns the reason why an order is rejected by its head; nullopt: it is accepted.
+std::optional<HttpResponse> RefuseOrder(MHD_Connection* connection) {
+  // A page of another origin cannot set this header without a preflight, which no method but GET and POST passes.
+  if (Header(connection, "X-PLSLAM-Order") != "1") {
+    return HttpResponse{MHD_HTTP_FORBIDDEN, "orders need the header X-PLSLAM-Order: 1\n"};
+  }
+  const std::string_view origin = Header(connection, "Origin");
+  const std::string own = "http://" + std::string(Header(connection, "Host"));
+  const std::string_view site = Header(connection, "Sec-Fetch-Site");
+  const bool is_foreign = (!origin.empty() && origin != own) || (!site.empty() && site != "same-origin");
+  if (is_foreign) return HttpResponse{MHD_HTTP_FORBIDDEN, "orders are accepted from this page only\n"};
+  const std::string_view length = Header(connection, "Content-Length");
+  // More digits than the limit has are too many whatever they are.
+  const bool is_large = length.size() > 4 || std::atoi(std::string(length).c_str()) > static_cast<int>(kMaxBody);
+  if (is_large) return HttpResponse{MHD_HTTP_CONTENT_TOO_LARGE, "the order is too long\n"};
+  return std::nullopt;
+}
+
+/// Returns the answer to a request that is rejected by its head; nullopt: it is accepted.
+std::optional<HttpResponse> Refuse(MHD_Connection* connection, const char* url, const char* method) {
+  const bool is_order = IsOrder(OrEmpty(method), OrEmpty(url));
+  if (!is_order && OrEmpty(method) != "GET" && OrEmpty(method) != "HEAD") {
+    return HttpResponse{MHD_HTTP_METHOD_NOT_ALLOWED, "only GET\n"};
+  }
+  if (!NamesThisMachine(Header(connection, "Host"))) {
+    return HttpResponse{MHD_HTTP_FORBIDDEN, "this page is served to this machine only\n"};
+  }
+  return is_order ? RefuseOrder(connection) : std::nullopt;
 }
 
 MHD_Result Send(MHD_Connection* connection, const HttpResponse& answer) {
@@ -64,16 +107,15 @@ MHD_Result Send(MHD_Connection* connection, const HttpResponse& answer) {
   return result;
 }
 
-HttpResponse Answer(MHD_Connection* connection, const char* url, const char* method,
+/// Answers a request whose head was accepted; `body` is that of an order.
+HttpResponse Answer(MHD_Connection* connection, const char* url, const char* method, std::string body,
                     const HttpServer::Handler& handler) {
-  if (OrEmpty(method) != "GET" && OrEmpty(method) != "HEAD") return {MHD_HTTP_METHOD_NOT_ALLOWED, "only GET\n"};
-  if (!NamesThisMachine(OrEmpty(MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "Host")))) {
-    return {MHD_HTTP_FORBIDDEN, "this page is served to this machine only\n"};
-  }
   const std::string_view since = OrEmpty(MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "since"));
   if (since.size() > kMaxSince) return {MHD_HTTP_BAD_REQUEST, "'since' is too long\n"};
+  if (body.size() > kMaxBody) return {MHD_HTTP_CONTENT_TOO_LARGE, "the order is too long\n"};
   try {
-    return handler({std::string(OrEmpty(url)), std::string(since)});
+    return handler({std::string(OrEmpty(url)), std::string(since), IsOrder(OrEmpty(method), OrEmpty(url)),
+                    std::move(body), std::string(Header(connection, "X-PLSLAM-Proof"))});
   } catch (const std::exception& e) {
     return {MHD_HTTP_INTERNAL_SERVER_ERROR, std::string(e.what()) + "\n"};
   }
@@ -142,6 +184,7 @@ struct HttpServer::Impl {
 
   /// State of a request between its head and its end.
   struct Request {
+    std::string body;
     std::function<void()> sent;
   };
 
@@ -153,18 +196,28 @@ struct HttpServer::Impl {
   }
 
   static MHD_Result OnRequest(void* self, MHD_Connection* connection, const char* url, const char* method,
-                              const char*, const char*, size_t*, void** state) {
+                              const char*, const char* bytes, size_t* n_bytes, void** state) {
     auto* impl = static_cast<Impl*>(self);
-    const bool has_begun = *state != nullptr;
-    if (!has_begun) *state = new Request;
     // Called once with the head only; an answer would be dropped if it came before the second call for a GET with a
     // body.
+    const bool has_begun = *state != nullptr;
+    if (!has_begun) *state = new Request;
+    auto* request = static_cast<Request*>(*state);
     const bool may_have_body = OrEmpty(method) != "GET" && OrEmpty(method) != "HEAD";
     if (!has_begun && !may_have_body) return MHD_YES;
-    impl->watch.SetLimit(connection, kAnswerLimit);
-    const HttpResponse answer = Answer(connection, url, method, impl->handler);
-    static_cast<Request*>(*state)->sent = answer.sent;
-    return Send(connection, answer);
+    if (has_begun && may_have_body && *n_bytes > 0) {
+      // One byte above the limit is kept, so that the end knows; the deadline cuts a body without end.
+      request->body.append(bytes, std::min(*n_bytes, kMaxBody + 1 - request->body.size()));
+      *n_bytes = 0;
+      return MHD_YES;
+    }
+    std::optional<HttpResponse> answer;
+    if (!has_begun || !may_have_body) answer = Refuse(connection, url, method);
+    if (!answer && !has_begun) return MHD_YES;
+    impl->watch.SetLimit(connection, may_have_body ? kOrderLimit : kAnswerLimit);
+    if (!answer) answer = Answer(connection, url, method, std::move(request->body), impl->handler);
+    request->sent = answer->sent;
+    return Send(connection, *answer);
   }
 
   static void OnCompleted(void* self, MHD_Connection* connection, void** state, MHD_RequestTerminationCode code) {

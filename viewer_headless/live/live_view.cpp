@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "viewer_headless/live/live_view.h"
 
+#include <algorithm>
+#include <array>
 #include <chrono>
+#include <nlohmann/json.hpp>
+#include <string_view>
 #include <utility>
 #include <vector>
+
+#include "core/run/process_names.h"
 
 namespace plslam::viewer {
 namespace {
@@ -17,10 +23,18 @@ constexpr seconds kPatience(10);
 constexpr seconds kLongestWaitForEnd(25);
 constexpr seconds kLastAnswers(2);
 constexpr milliseconds kLastAnswersTick(10);
+// Longer than the owner waits for an answer (OrderSender).
+constexpr seconds kLongestOrder(140);
+
+constexpr std::array<std::string_view, 4> kVerbs = {command_verb::kPause, command_verb::kResume, command_verb::kSave,
+                                                    command_verb::kReset};
+
+bool IsControl(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }
 
 }  // namespace
 
-LiveView::LiveView(int port, std::string page) : page_(std::move(page)) {
+LiveView::LiveView(int port, std::string page, Orders orders)
+    : page_(std::move(page)), save_file_(std::move(orders.file)), proof_(orders.key) {
   server_.emplace(port, [this](const HttpRequest& request) { return Handle(request); });
 }
 
@@ -34,12 +48,60 @@ LiveView::~LiveView() {
 }
 
 HttpResponse LiveView::Handle(const HttpRequest& request) {
+  if (request.is_order) return HandleOrder(request);
+  if (request.path == "/orders") return DescribeOrders();
   if (request.path == "/" || request.path == "/index.html") return {200, page_, "text/html; charset=utf-8"};
   if (request.path == "/end") return WaitForEnd();
-  if (request.path != "/data.json") return {404, "available: /, /data.json and /end\n"};
+  if (request.path != "/data.json") return {404, "available: /, /data.json, /end and /orders\n"};
   const std::optional<ReportSince> since = ReportSince::Parse(request.since);
   if (!since) return {400, "'since' is not a 'next' value of /data.json\n"};
   return WaitForData(*since);
+}
+
+HttpResponse LiveView::DescribeOrders() const {
+  const nlohmann::json description = {
+      {"needs_key", proof_.needs_key()}, {"challenge", proof_.challenge()}, {"file", save_file_}};
+  // A file name may be no UTF-8.
+  return {200, description.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), "application/json"};
+}
+
+HttpResponse LiveView::HandleOrder(const HttpRequest& request) {
+  const std::string_view verb = std::string_view(request.path).substr(kOrderPath.size());
+  if (std::ranges::find(kVerbs, verb) == kVerbs.end()) {
+    return {404, "available orders: pause, resume, save and reset\n"};
+  }
+  if (std::ranges::any_of(request.body, IsControl) || request.body.empty() == (verb == command_verb::kSave)) {
+    return {400, "the body of 'save' is a file name, and that of other orders is empty\n"};
+  }
+  if (!proof_.Accept(verb, request.body, request.proof)) {
+    return {401, "this system uses bus.key_file: enter the 64 hex digits of that file\n"};
+  }
+  return WaitForOrder({std::string(verb), request.body});
+}
+
+HttpResponse LiveView::WaitForOrder(Order order) {
+  std::unique_lock lock(mutex_);
+  if (order_) return {409, "another order is being carried out\n"};
+  order_ = OpenOrder{std::move(order), false, std::nullopt};
+  changed_.wait_for(lock, kLongestOrder, [this] { return order_->answer.has_value() || closing_; });
+  const std::optional<HttpResponse> answer = std::exchange(order_, std::nullopt)->answer;
+  return answer.value_or(HttpResponse{503, "the run has ended, or the viewer is busy\n"});
+}
+
+std::optional<LiveView::Order> LiveView::TakeOrder() {
+  const std::scoped_lock lock(mutex_);
+  if (!order_ || std::exchange(order_->is_taken, true)) return std::nullopt;
+  return order_->order;
+}
+
+void LiveView::AnswerOrder(bool done, const std::string& sentence) {
+  {
+    const std::scoped_lock lock(mutex_);
+    // The page may have stopped waiting, and another one may have begun to.
+    if (!order_ || !order_->is_taken) return;
+    order_->answer = HttpResponse{done ? 200 : 422, sentence + "\n"};
+  }
+  changed_.notify_all();
 }
 
 HttpResponse LiveView::WaitForData(const ReportSince& since) {

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "viewer_headless/live/http_server.h"
+#include "viewer_headless/live/order_proof.h"
 #include "viewer_headless/report/report_json.h"
 
 namespace plslam::viewer {
@@ -18,10 +19,19 @@ namespace plslam::viewer {
 /// (ReportSince); that request waits until the owner of the data calls `Answer` on its own thread. `/end` waits for the
 /// end of the run and then returns "finished", or "live" after 25 s: a page requests it beside the data, so that it
 /// learns of the end however seldom it requests data.
+///
+/// A POST to `/orders/VERB` gives an order (pause, resume, save, reset), one at a time; the body of "save" is its file, with
+/// "--force " in front to replace any file. The answer is a sentence, with status 200 if the order was carried out. GET
+/// `/orders` describes what an order needs: {"needs_key", "challenge" (OrderProof), "file" (proposed for "save")}.
 class LiveView {
  public:
+  struct Orders {
+    std::optional<OrderKey> key;  ///< orders have to prove that they know it
+    std::string file;             ///< proposed for "save"
+  };
+
   /// `page` is the template, filled without data. Throws std::runtime_error if the port is not available.
-  LiveView(int port, std::string page);
+  LiveView(int port, std::string page, Orders orders = {});
   /// Rejects the waiting requests.
   ~LiveView();
   LiveView(const LiveView&) = delete;
@@ -31,6 +41,16 @@ class LiveView {
 
   /// Answers the waiting requests, if any, with the result of `json` for each. Returns at once if none are waiting.
   void Answer(const std::function<std::string(const ReportSince&)>& json);
+
+  /// An order of a page, checked except for its file.
+  struct Order {
+    std::string verb;
+    std::string argument;
+  };
+  /// Returns the order that a page waits for, once; nullopt: there is none.
+  std::optional<Order> TakeOrder();
+  /// Answers the order that was taken last: whether it was carried out, and a sentence.
+  void AnswerOrder(bool done, const std::string& sentence);
 
   /// Sets whether the run has ended, or another one has begun.
   void SetFinished(bool finished);
@@ -43,16 +63,29 @@ class LiveView {
     std::optional<std::string> answer;
   };
 
+  /// The order of a page between its arrival and its answer.
+  struct OpenOrder {
+    Order order;
+    bool is_taken = false;
+    std::optional<HttpResponse> answer;
+  };
+
   HttpResponse Handle(const HttpRequest& request);
+  HttpResponse DescribeOrders() const;
+  HttpResponse HandleOrder(const HttpRequest& request);
+  HttpResponse WaitForOrder(Order order);
   HttpResponse WaitForData(const ReportSince& since);
   HttpResponse WaitForEnd();
   void CountLastData();
 
   std::string page_;
+  const std::string save_file_;
+  OrderProof proof_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::map<int64_t, Question> questions_;  // by number
   int64_t n_questions_ = 0;
+  std::optional<OpenOrder> order_;
   bool finished_ = false;
   bool closing_ = false;
   int64_t n_waiting_ = 0;  ///< pages that wait for the end

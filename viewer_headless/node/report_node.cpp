@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "core/bus/run_loop.h"
+#include "core/bus/transport/authenticator.h"
 #include "core/io/files/atomic_file.h"
 #include "core/process/process_status.h"
 #include "core/run/lag.h"
@@ -22,6 +23,17 @@ namespace plslam::viewer {
 namespace {
 
 constexpr std::chrono::milliseconds kLiveTick(50);
+/// The file that the live page proposes for a map, beside the results.
+constexpr const char* kMapFile = "map.plmap";
+
+/// Returns the argument of an order of the live page, with its file, if any, from the folder of results on.
+std::string WithAbsoluteFile(const std::string& argument, const std::string& out) {
+  if (argument.empty()) return argument;
+  const std::string force = command_verb::kForce;
+  const bool forced = argument.starts_with(force);
+  const std::filesystem::path file = forced ? argument.substr(force.size()) : argument;
+  return (forced ? force : "") + (std::filesystem::absolute(out) / file).lexically_normal().string();
+}
 
 }  // namespace
 
@@ -39,10 +51,34 @@ ReportNode::ReportNode(bus::Bus& bus, const ViewerOptions& options, Sources sour
   if (!wanted_) return;
   bus.Subscribe<warning_t>(bus::kWarning, [this](const warning_t& m) { report_->AddWarning(m.code, m.sentence); });
   loops_ = std::make_unique<bus::LoopClosureSubscriber>(bus, [this](const LoopClosure& c) { report_->Add(c); });
-  if (options_.serve == 0) return;
-  live_ = std::make_unique<LiveView>(static_cast<int>(options_.serve), FillTemplate(*page_, "null"));
+  if (options_.serve > 0) Serve(bus);
+}
+
+void ReportNode::Serve(bus::Bus& bus) {
+  LiveView::Orders orders;
+  if (!bus.options().key_file.empty()) orders.key = bus::ReadKey(bus.options().key_file);
+  orders.file = (std::filesystem::absolute(options_.out) / kMapFile).lexically_normal().string();
+  live_ = std::make_unique<LiveView>(static_cast<int>(options_.serve), FillTemplate(*page_, "null"), orders);
+  orders_.emplace(bus);
   spdlog::info("live page: http://127.0.0.1:{}/", live_->port());
-  bus.Every(kLiveTick, [this] { live_->Answer([this](const ReportSince& since) { return Json(since); }); });
+  bus.Every(kLiveTick, [this] {
+    live_->Answer([this](const ReportSince& since) { return Json(since); });
+    CarryOutOrders();
+  });
+}
+
+void ReportNode::CarryOutOrders() {
+  if (!waits_for_order_) {
+    const std::optional<LiveView::Order> order = live_->TakeOrder();
+    if (!order) return;
+    spdlog::info("order of the live page: {} {}", order->verb, order->argument);
+    orders_->Send(*bus::FindOrder(order->verb), WithAbsoluteFile(order->argument, options_.out));
+    waits_for_order_ = true;
+  }
+  const std::optional<bus::OrderResult> result = orders_->Result();
+  if (!result) return;
+  waits_for_order_ = false;
+  live_->AnswerOrder(result->done, result->sentence);
 }
 
 ReportNode::~ReportNode() {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/bus/messages/loop_channel.h"
+#include "core/process/order_sender.h"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
 #include "viewer_headless/live/live_view.h"
@@ -16,7 +17,8 @@
 
 namespace plslam::viewer {
 
-/// Collects the data of the report beside poses and map, writes `report.html`, and serves the live page.
+/// Collects the data of the report beside poses and map, writes `report.html`, serves the live page, and sends its
+/// orders.
 class ReportNode {
  public:
   /// The state of the run from which the report is made; it outlives this object and changes during the run.
@@ -49,6 +51,8 @@ class ReportNode {
   /// loop_process, whose lag is independent, LagInFrames; -1 for others.
   int64_t Lag_frames(const status_t& message);
   std::string Json(const ReportSince& since) const;
+  void Serve(bus::Bus& bus);
+  void CarryOutOrders();
 
   ViewerOptions options_;
   Sources sources_;
@@ -60,6 +64,8 @@ class ReportNode {
   std::optional<StereoCamera> camera_;
   std::unique_ptr<ReportRecorder> report_;
   std::unique_ptr<bus::LoopClosureSubscriber> loops_;
+  std::optional<bus::OrderSender> orders_;  ///< of the live page
+  bool waits_for_order_ = false;
   std::unique_ptr<LiveView> live_;
 };
 

@@ -10,6 +10,7 @@ import { layersText, makeLayers, showAvailable, switchLayers } from "./layers.js
 import { follow } from "./live.js";
 import { markLoop, showLoops } from "./loops.js";
 import { MapView } from "./map_view.js";
+import { makeOrders, showOrders } from "./orders.js";
 import { Picture } from "./picture.js";
 import { Plots } from "./plots.js";
 import { Replay } from "./replay.js";
@@ -214,7 +215,7 @@ function chooseNothing() {
 function makeKeys() {
   const buttons = { 1: "view-all", 2: "view-top", 3: "fly", r: "right-image", d: "disparity", "?": "help-button" };
   document.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("select, textarea")) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("select, textarea, #order")) return;
     // A key that is held down acts once.
     if (event.repeat) return;
     if (event.key === "Escape") return close();
@@ -295,8 +296,10 @@ if (data) {
   updateAndRead(run.take(data), null);
 } else {
   let state = "live";
+  makeOrders();
   follow(run, (changed) => updateAndRead(changed, state), (now) => {
     state = now;
+    showOrders(now);
     showKicker(run, now);
   });
 }

@@ -5,6 +5,9 @@ import { Plot } from "./plot.js";
 import { plotsOf } from "./plot_data.js";
 import { WallClock } from "./wall_clock.js";
 
+/** Plots about the result; the others are folded. */
+const kForUsers = new Set(["error", "rotation", "tracked"]);
+
 export class Plots {
   constructor(seek) {
     this.parent = byId("plots");
@@ -27,12 +30,13 @@ export class Plots {
     this.shape = shape;
     for (const plot of this.plots.values()) plot.destroy();
     this.plots.clear();
-    if (!this.parent.querySelector("h2")) this.addHead();
+    if (!this.folded) this.addHead();
     for (const { key, spec, data, wall } of wanted) {
-      const plot = new Plot(this.parent, spec, data, this.linkOf(key, wall));
+      const plot = new Plot(kForUsers.has(key) ? this.parent : this.folded, spec, data, this.linkOf(key, wall));
       plot.figure.dataset.plot = key;
       this.plots.set(key, plot);
     }
+    this.parent.append(this.folded.parentElement);
     this.zoom(this.zoomed);
   }
 
@@ -40,6 +44,9 @@ export class Plots {
     this.whole = element("button", { type: "button", id: "zoom-out", hidden: true, onclick: () => this.zoom(null) }, "Whole run");
     this.parent.append(element("h2", {}, "Figures",
       element("small", {}, "drag to zoom all plots, double-click for the whole run, click to go to a time"), this.whole));
+    this.folded = element("div", { class: "plots" });
+    this.parent.append(element("details", { id: "more-plots" },
+      element("summary", {}, "For developers: keyframe decisions, stages, queues, lost messages, processor and memory"), this.folded));
   }
 
   /** Connects a plot to the others, in the times of its own axis. */

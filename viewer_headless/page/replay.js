@@ -18,7 +18,7 @@ export class Replay {
 
   key(event) {
     // The focused element keeps its own keys; the time slider steps by itself.
-    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("select, textarea")) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("select, textarea, #order")) return;
     if (byId("help").open) return;
     const control = event.target.closest("input, button, tr");
     const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];

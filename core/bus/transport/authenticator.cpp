@@ -21,15 +21,16 @@ void WarnOfReaders(const std::string& path) {
                status.st_mode & 07777, path);
 }
 
-std::array<uint8_t, 32> ReadKey(const std::string& path) {
+}  // namespace
+
+Key ReadKey(const std::string& path) {
   const std::string why = WhyUnreadable(path);
   if (!why.empty()) throw std::runtime_error("bus.key_file: " + path + " " + why);
-  WarnOfReaders(path);
   std::ifstream in(path);
   std::string digits;
   in >> digits;
   std::string rest;
-  std::array<uint8_t, 32> key{};
+  Key key{};
   size_t length = 0;
   const int bad = sodium_hex2bin(key.data(), key.size(), digits.c_str(), digits.size(), nullptr, &length, nullptr);
   if (bad != 0 || length != key.size() || digits.size() != 64 || in >> rest) {
@@ -39,11 +40,11 @@ std::array<uint8_t, 32> ReadKey(const std::string& path) {
   return key;
 }
 
-}  // namespace
-
 Authenticator::Authenticator(const std::string& key_file) {
   if (sodium_init() < 0) throw std::runtime_error("libsodium cannot be initialised");
-  if (!key_file.empty()) key_ = ReadKey(key_file);
+  if (key_file.empty()) return;
+  key_ = ReadKey(key_file);
+  WarnOfReaders(key_file);
 }
 
 Authenticator::Mac Authenticator::Compute(std::string_view channel, ByteView message) const {

@@ -12,6 +12,11 @@
 
 namespace plslam::bus {
 
+using Key = std::array<uint8_t, 32>;
+
+/// Returns the key of a file with 64 hex digits. Throws std::runtime_error if it cannot be read or is no key.
+Key ReadKey(const std::string& path);
+
 /// Appends a keyed MAC to messages and checks it: BLAKE2b-256 (libsodium's crypto_generichash) over the channel name, a
 /// zero byte and the message. Without a key it appends nothing, and accepts messages with or without a MAC.
 ///
@@ -38,7 +43,7 @@ class Authenticator {
   using Mac = std::array<uint8_t, kMacBytes>;
   Mac Compute(std::string_view channel, ByteView message) const;
 
-  std::optional<std::array<uint8_t, 32>> key_;
+  std::optional<Key> key_;
 };
 
 }  // namespace plslam::bus

@@ -73,13 +73,15 @@ TEST_F(ImagesDataset, SparseTruthAtFrameTimesIsUsed) {
 
 TEST_F(ImagesDataset, TruthOfFewFramesIsReported) {
   test::WriteText(folder_ / "groundtruth.txt", "1700000000.5 0 0 0 0 0 0 1\n1700000000.6 1 0 0 0 0 0 1\n");
+  EXPECT_TRUE(OpenImagesDataset(folder_.string())->Notes().warnings.empty()) << "a warning of the run";
   EXPECT_THAT(
-      OpenImagesDataset(folder_.string())->Notes().warnings,
+      OpenImagesDataset(folder_.string())->Notes().remarks,
       testing::ElementsAre("groundtruth.txt: 2 poses (1700000000.500000000 s to 1700000000.600000000 s), 0 of 3 "
                            "frames (0.500000000 s to 0.750000000 s) have one"));
   test::WriteText(folder_ / "groundtruth.txt", "# nothing yet\n");
   EXPECT_THAT(OpenImagesDataset(folder_.string())->Notes().warnings,
               testing::ElementsAre("groundtruth.txt: has no poses"));
+  EXPECT_FALSE(OpenImagesDataset(folder_.string())->HasRecordedTruth());
 }
 
 TEST_F(ImagesDataset, PosesOfKittiFormat) {

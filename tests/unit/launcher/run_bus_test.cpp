@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tools/plslam/node/order_node.h"
+#include "core/process/order_sender.h"
 #include "tools/plslam/run_bus.h"
 
 namespace plslam::launcher {
@@ -42,11 +42,12 @@ TEST(NoAnswerText, NamesUrlPrefixAndRemedy) {
   options.prefix = "team/";
   options.url = "udpm://239.255.76.67:7668?ttl=0";
   EXPECT_THAT(
-      NoAnswerText({"mapping"}, options, std::chrono::seconds(10)),
+      bus::NoAnswerText({"mapping"}, options, std::chrono::seconds(10)),
       testing::StartsWith("no process 'mapping' was found on udpm://239.255.76.67:7668?ttl=0 with prefix 'team/' "
                           "within 10 s; give the --url and --prefix"));
   options.url.clear();
-  EXPECT_THAT(NoAnswerText({"mapping"}, options, std::chrono::seconds(10)), testing::HasSubstr("found on udpm://"))
+  EXPECT_THAT(bus::NoAnswerText({"mapping"}, options, std::chrono::seconds(10)),
+              testing::HasSubstr("found on udpm://"))
       << "the default is named, too";
 }
 

@@ -12,49 +12,15 @@
 #include <thread>
 #include <vector>
 
+#include "tests/support/http_client.h"
+
 namespace plslam::viewer {
 namespace {
 
+using test::Ask;
+using test::HttpSocket;
 using testing::HasSubstr;
 using testing::StartsWith;
-
-/// A client without manners: sends any bytes and reads until the other side has enough.
-class Socket {
- public:
-  explicit Socket(int port) : fd_(socket(AF_INET, SOCK_STREAM, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(static_cast<uint16_t>(port));
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    timeval limit{10, 0};
-    setsockopt(fd_, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
-    connected_ = connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
-  }
-  ~Socket() { close(fd_); }
-  Socket(const Socket&) = delete;
-  Socket& operator=(const Socket&) = delete;
-
-  void Send(const std::string& bytes) { send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL); }
-  void HangUpSending() { shutdown(fd_, SHUT_WR); }
-  std::string ReadAll() {
-    std::string all;
-    char buffer[4096];
-    for (ssize_t n = 0; (n = recv(fd_, buffer, sizeof buffer, 0)) > 0;) all.append(buffer, static_cast<size_t>(n));
-    return all;
-  }
-  bool connected() const { return connected_; }
-
- private:
-  int fd_;
-  bool connected_ = false;
-};
-
-std::string Ask(int port, const std::string& bytes) {
-  Socket socket(port);
-  socket.Send(bytes);
-  socket.HangUpSending();
-  return socket.ReadAll();
-}
 
 std::string Get(const std::string& target, const std::string& host = "localhost") {
   return "GET " + target + " HTTP/1.1\r\nHost: " + host + "\r\nConnection: close\r\n\r\n";
@@ -119,7 +85,7 @@ TEST_F(LiveViewTest, MalformedRequestsAreHarmless) {
   EXPECT_THAT(Ask(port(), Get("/data.json?since")), StartsWith("HTTP/1.1 200"));
   Ask(port(), Get("/" + std::string(200'000, 'a')));
   // The server may wait for the rest of binary garbage until its timeout; this test does not.
-  Socket(port()).Send(std::string("\0\xff\x16\x03\x01 GET\r\n\r\n", 13));
+  HttpSocket(port()).Send(std::string("\0\xff\x16\x03\x01 GET\r\n\r\n", 13));
   Ask(port(), "GET / HTTP/9.9\r\n\r\n");
   Ask(port(), "GET / HTTP/1.1\r\nHost: localhost\r\nContent-Length: -5\r\n\r\n");
   Ask(port(), "GET / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 99999999999999999999\r\n\r\n");
@@ -128,9 +94,9 @@ TEST_F(LiveViewTest, MalformedRequestsAreHarmless) {
 }
 
 TEST_F(LiveViewTest, IdleConnectionsDoNotBlockOthers) {
-  std::vector<std::unique_ptr<Socket>> idle;
+  std::vector<std::unique_ptr<HttpSocket>> idle;
   for (int i = 0; i < 100; ++i) {
-    idle.push_back(std::make_unique<Socket>(port()));
+    idle.push_back(std::make_unique<HttpSocket>(port()));
     idle.back()->Send("GET / HTTP/1.1\r\n");
   }
   EXPECT_THAT(Ask(port(), Get("/")), HasSubstr("<page>"));
@@ -139,8 +105,8 @@ TEST_F(LiveViewTest, IdleConnectionsDoNotBlockOthers) {
 }
 
 TEST_F(LiveViewTest, ManySlowClientsAreDisconnected) {
-  std::vector<std::unique_ptr<Socket>> slow;
-  for (int i = 0; i < 300; ++i) slow.push_back(std::make_unique<Socket>(port()));
+  std::vector<std::unique_ptr<HttpSocket>> slow;
+  for (int i = 0; i < 300; ++i) slow.push_back(std::make_unique<HttpSocket>(port()));
   std::atomic<bool> over = false;
   std::thread dripping([&] {
     const std::string head = "GET /" + std::string(10'000, 'a');
@@ -165,7 +131,7 @@ TEST_F(LiveViewTest, ManySlowClientsAreDisconnected) {
 
 TEST_F(LiveViewTest, ClientsDoNotBlockEachOther) {
   // The first client waits for the end, which does not come.
-  Socket waits(port());
+  HttpSocket waits(port());
   waits.Send(Get("/end"));
   EXPECT_THAT(Ask(port(), Get("/data.json")), HasSubstr("{\"rows\": 0}"));
   EXPECT_THAT(Ask(port(), Get("/")), HasSubstr("<page>"));
@@ -179,7 +145,7 @@ TEST(LiveView, LastDataFollowTheEnd) {
   std::atomic<bool> asked = false;
   // Like the page: new data are requested when the end is known.
   std::thread page([&] {
-    Socket socket(view.port());
+    HttpSocket socket(view.port());
     socket.Send(Get("/end"));
     asked = true;
     end = socket.ReadAll();

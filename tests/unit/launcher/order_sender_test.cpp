@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/plslam/node/order_node.h"
+#include "core/process/order_sender.h"
 
 #include <gtest/gtest.h>
 
@@ -20,9 +20,9 @@ namespace {
 using bus::test::Eventually;
 
 /// A sender of orders, and a stand-in for the process that receives them.
-class OrderNodeTest : public testing::Test {
+class OrderSenderTest : public testing::Test {
  protected:
-  OrderNodeTest() {
+  OrderSenderTest() {
     process_->Subscribe<command_t>(bus::kCommand, [this](const command_t& command) {
       source_ = command.header.source;
       EXPECT_EQ(command.argument, "house.plmap");
@@ -32,7 +32,7 @@ class OrderNodeTest : public testing::Test {
     process_.Start();
     tool_.Start();
   }
-  ~OrderNodeTest() override {
+  ~OrderSenderTest() override {
     tool_.Join();
     process_.Join();
   }
@@ -69,11 +69,11 @@ class OrderNodeTest : public testing::Test {
   std::atomic<int64_t> seq_{0};
   bus::test::RunningBus process_{options_, "mapping"};
   bus::test::RunningBus tool_{options_, "plslam"};
-  OrderNode order_{*tool_, {process_name::kMapping}, command_verb::kSave};
+  bus::OrderSender order_{*tool_};
 };
 
-TEST_F(OrderNodeTest, IsPublishedAgainForARestartedProcess) {
-  tool_->Post([this] { order_.Send("house.plmap"); });
+TEST_F(OrderSenderTest, IsPublishedAgainForARestartedProcess) {
+  tool_->Post([this] { order_.Send(*bus::FindOrder(command_verb::kSave), "house.plmap"); });
   EXPECT_TRUE(Eventually([this] { return n_ == 1; }));
   SayAlive(7, 1000.0);
   SayAlive(7, 1001.0);
@@ -85,15 +85,40 @@ TEST_F(OrderNodeTest, IsPublishedAgainForARestartedProcess) {
   EXPECT_EQ(*order_.answer(), "no room");
 }
 
-TEST_F(OrderNodeTest, IsPublishedOnce) {
+TEST_F(OrderSenderTest, SentenceNamesTheFile) {
   SayAlive(7, 1000.0);
-  tool_->Post([this] { order_.Send("house.plmap"); });
-  tool_->Post([this] { order_.Send("house.plmap"); });
+  tool_->Post([this] { order_.Send(*bus::FindOrder(command_verb::kSave), "house.plmap"); });
   EXPECT_TRUE(Eventually([this] { return n_ >= 1; }));
   SayAnswer(source_, "");
   ASSERT_TRUE(HasAnswer());
-  EXPECT_EQ(*order_.answer(), "");
+  EXPECT_EQ(order_.Result()->sentence, "the map is saved in house.plmap");
+  EXPECT_TRUE(order_.Result()->done);
   EXPECT_EQ(n_, 1);
+}
+
+TEST_F(OrderSenderTest, LateAnswerIsNotOfTheNextOrder) {
+  tool_->Post([this] { order_.Send(*bus::FindOrder(command_verb::kSave), "house.plmap"); });
+  EXPECT_TRUE(Eventually([this] { return n_ == 1; }));
+  const int64_t first = seq_;
+  tool_->Post([this] { order_.Send(*bus::FindOrder(command_verb::kLoad), "house.plmap"); });
+  EXPECT_TRUE(Eventually([this] { return n_ == 2; }));
+  const int64_t second = seq_;
+  seq_ = first;
+  SayAnswer(source_, "of the first");
+  seq_ = second;
+  SayAnswer(source_, "of the second");
+  ASSERT_TRUE(HasAnswer());
+  EXPECT_EQ(order_.Result()->sentence, "of the second");
+  EXPECT_FALSE(order_.Result()->done);
+}
+
+TEST(OrderTable, HasTheVerbsOfUsersOnly) {
+  for (const char* verb : {"save", "load", "reset", "localise", "pause", "resume"}) {
+    EXPECT_NE(bus::FindOrder(verb), nullptr) << verb;
+  }
+  for (const char* verb : {"finish", "go_back", "send_keyframes", "", "Save"}) {
+    EXPECT_EQ(bus::FindOrder(verb), nullptr) << verb;
+  }
 }
 
 }  // namespace

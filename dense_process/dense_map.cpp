@@ -1,7 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "dense_process/dense_map.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <optional>
+#include <stdexcept>
+
+#include "core/io/files/archive.h"
+#include "core/io/files/sealed_file.h"
 
 namespace plslam::dense {
 namespace {
@@ -10,6 +17,33 @@ namespace {
 // is rigid to a fraction of a voxel.
 constexpr int kMostKeyframes = 10;
 constexpr double kLargest = 60.0;
+
+constexpr double kLargestVoxel_m = 1.0;
+constexpr double kUnit = 1e-9;  // rounding of unit quaternions
+
+constexpr FileKind kSurfaces{{'P', 'L', 'S', 'L', 'S', 'U', 'R', 'F'}, 1, "surfaces file"};
+
+/// A submap in a file.
+struct StoredSubmap {
+  KeyframeName anchor;
+  SE3 T_s_anchor;
+  int32_t n_keyframes = 0;
+  std::vector<Volume::Block> blocks;
+
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.anchor, self.T_s_anchor, self.n_keyframes, self.blocks);
+  }
+};
+
+/// The keyframe of `poses` that is nearest to `T_w_kf`.
+std::optional<KeyframeName> Nearest(const KeyframePoses& poses, const SE3& T_w_kf) {
+  const auto distance = [&](const auto& other) {
+    return (other.second.translation() - T_w_kf.translation()).squaredNorm();
+  };
+  const auto nearest = std::ranges::min_element(poses, {}, distance);
+  return nearest == poses.end() ? std::nullopt : std::optional(nearest->first);
+}
 
 }  // namespace
 
@@ -49,7 +83,7 @@ bool DenseMap::Add(const KeyframeName& keyframe, const DepthImage& depth, const 
   const double range_m = range_m_ > 0.0 ? range_m_ : std::numeric_limits<double>::infinity();
   submap.volume.Integrate(T_s_kf.translation(), MakeRays(depth, grey, camera, T_s_kf, voxel_m_, range_m));
   ++submap.n_keyframes;
-  ++n_keyframes_;
+  fused_.insert(keyframe);
   return true;
 }
 
@@ -61,6 +95,44 @@ Volume DenseMap::Merge(const KeyframePoses& poses, const SE3& T_a_w) const {
     merged.Add(submap.volume, T_a_w * anchor->second * submap.T_s_anchor.Inverse());
   }
   return merged;
+}
+
+void DenseMap::Write(const std::string& path, const KeyframePoses& poses, const KeyframePoses& lasting) const {
+  std::vector<StoredSubmap> stored;
+  for (const Submap& submap : submaps_) {
+    StoredSubmap& to = stored.emplace_back();
+    to = {submap.anchor, submap.T_s_anchor, submap.n_keyframes, submap.volume.Blocks()};
+    const auto anchor = poses.find(submap.anchor);
+    if (lasting.contains(submap.anchor) || anchor == poses.end()) continue;
+    const std::optional<KeyframeName> nearest = Nearest(lasting, anchor->second);
+    if (!nearest) continue;
+    to.anchor = *nearest;
+    to.T_s_anchor = submap.T_s_anchor * anchor->second.Inverse() * lasting.at(*nearest);
+  }
+  const std::vector<KeyframeName> fused(fused_.begin(), fused_.end());
+  WriteSealedFile(path, kSurfaces, archive::ToBytes(voxel_m_, fused, stored));
+}
+
+DenseMap DenseMap::Read(const std::string& path, double range_m) {
+  const std::vector<uint8_t> bytes = ReadSealedFile(path, kSurfaces);
+  return NamingFile(path, [&] {
+    double voxel_m = 0.0;
+    std::vector<KeyframeName> fused;
+    std::vector<StoredSubmap> stored;
+    archive::FromBytes(bytes, voxel_m, fused, stored);
+    if (!(voxel_m > 0.0 && voxel_m <= kLargestVoxel_m))
+      throw std::runtime_error("the size of its voxels is impossible");
+    DenseMap map(voxel_m, range_m);
+    map.fused_.insert(fused.begin(), fused.end());
+    for (const StoredSubmap& submap : stored) {
+      const bool is_pose =
+          submap.T_s_anchor.IsFinite() && std::abs(submap.T_s_anchor.rotation().norm() - 1.0) < kUnit;
+      if (!is_pose) throw std::runtime_error("a submap has no valid pose");
+      map.submaps_.push_back(
+          {submap.anchor, submap.T_s_anchor, submap.n_keyframes, Volume::FromBlocks(voxel_m, submap.blocks)});
+    }
+    return map;
+  });
 }
 
 }  // namespace plslam::dense

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -31,12 +33,23 @@ class DenseMap {
 
   double voxel_m() const { return voxel_m_; }
   size_t n_submaps() const { return submaps_.size(); }
-  size_t n_keyframes() const { return n_keyframes_; }
+  size_t n_keyframes() const { return fused_.size(); }
   size_t bytes() const;
 
   /// Fuses the depth of a keyframe. Returns false if `poses` lacks the keyframe.
   bool Add(const KeyframeName& keyframe, const DepthImage& depth, const cv::Mat& grey, const StereoCamera& camera,
            const KeyframePoses& poses);
+
+  /// Returns whether the depth of the keyframe was fused, also by a process before this one.
+  bool Has(const KeyframeName& keyframe) const { return fused_.contains(keyframe); }
+
+  /// Writes a file of surfaces (a sealed file, core/io/files/sealed_file.h) that continues with the map. `lasting`: the
+  /// keyframes that the map will have then; submaps whose anchor is not among them are anchored to the nearest one.
+  /// Throws std::runtime_error that names the file.
+  void Write(const std::string& path, const KeyframePoses& poses, const KeyframePoses& lasting) const;
+  /// Reads such a file. Throws std::runtime_error, in one sentence that names the file, if it is damaged, of another type,
+  /// or has impossible values.
+  static DenseMap Read(const std::string& path, double range_m);
 
   /// Returns all submaps in one volume, with the anchors at `poses`, in a frame `a`. Submaps whose anchor is unknown are
   /// left out.
@@ -54,8 +67,8 @@ class DenseMap {
 
   double voxel_m_;
   double range_m_;
-  size_t n_keyframes_ = 0;
   std::vector<Submap> submaps_;
+  std::set<KeyframeName> fused_;
 };
 
 }  // namespace plslam::dense

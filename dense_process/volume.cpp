@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <stdexcept>
+#include <utility>
 
 #include <openvdb/math/DDA.h>
 #include <openvdb/math/Ray.h>
@@ -136,6 +139,48 @@ void Volume::Visit(const std::function<void(const Voxel&)>& visit) const {
   for (auto voxel = impl_->grid->cbeginValueOn(); voxel; ++voxel) {
     if (voxel->y() >= kLeastWeight) visit(ToVoxel(voxel.getCoord(), *voxel, voxel_m_));
   }
+}
+
+std::vector<Volume::Block> Volume::Blocks() const {
+  std::vector<Block> blocks;
+  for (auto leaf = impl_->grid->tree().cbeginLeaf(); leaf; ++leaf) {
+    Block block;
+    const Coord origin = leaf->origin();
+    block.origin = {origin.x(), origin.y(), origin.z()};
+    for (auto voxel = leaf->cbeginValueOn(); voxel; ++voxel) {
+      block.known[voxel.pos() / 64] |= uint64_t{1} << voxel.pos() % 64;
+      for (int i = 0; i < 3; ++i) block.sums.push_back((*voxel)[i]);
+    }
+    if (!block.sums.empty()) blocks.push_back(std::move(block));
+  }
+  return blocks;
+}
+
+Volume Volume::FromBlocks(double voxel_m, std::span<const Block> blocks) {
+  constexpr int kSize = 8;
+  constexpr int kFarthest = 1 << 20;  // voxels from the origin
+  Volume volume(voxel_m);
+  Grid::Accessor accessor = volume.impl_->grid->getAccessor();
+  for (const Block& block : blocks) {
+    for (const int32_t i : block.origin) {
+      if (i % kSize != 0 || std::abs(i) > kFarthest)
+        throw std::runtime_error("a block of voxels is at no valid place");
+    }
+    const Coord origin(block.origin[0], block.origin[1], block.origin[2]);
+    size_t next = 0;
+    for (uint32_t position = 0; position < 512; ++position) {
+      if ((block.known[position / 64] >> position % 64 & 1) == 0) continue;
+      if (block.sums.size() < next + 3) throw std::runtime_error("a block has fewer voxels than it states");
+      const Sums sums(block.sums[next], block.sums[next + 1], block.sums[next + 2]);
+      next += 3;
+      const bool valid = sums.y() >= 0.0F && sums.y() <= 1.001F * kMostWeight &&
+                         std::abs(sums.x()) <= 1.001F * sums.y() && sums.z() >= 0.0F && sums.z() <= 256.0F * sums.y();
+      if (!valid) throw std::runtime_error("a voxel has impossible values");
+      accessor.setValue(origin + Grid::TreeType::LeafNodeType::offsetToLocalCoord(position), sums);
+    }
+    if (next != block.sums.size()) throw std::runtime_error("a block has more voxels than it states");
+  }
+  return volume;
 }
 
 Volume::Reader::Reader(const Volume& volume)

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -55,6 +58,22 @@ class Volume {
 
   /// Calls `visit` for each known voxel, in a fixed order.
   void Visit(const std::function<void(const Voxel&)>& visit) const;
+
+  /// A block of 8 x 8 x 8 voxels, for files.
+  struct Block {
+    std::array<int32_t, 3> origin{};  ///< of its first voxel; multiples of 8
+    std::array<uint64_t, 8> known{};  ///< a bit for each voxel, in the order of OpenVDB: z fastest
+    std::vector<float> sums;          ///< three for each known voxel: weight * distance, weight, weight * grey
+
+    template <class Archive, class Self>
+    static void Fields(Archive& a, Self& self) {
+      a(self.origin, self.known, self.sums);
+    }
+  };
+  /// The volume as blocks, in a fixed order, and back. `FromBlocks` throws std::runtime_error for values that no volume
+  /// has.
+  std::vector<Block> Blocks() const;
+  static Volume FromBlocks(double voxel_m, std::span<const Block> blocks);
 
   size_t n_voxels() const;
   size_t bytes() const;

@@ -41,6 +41,9 @@ constexpr double kRoadVoxel_m = 0.2;
 // Below this share of points with the same disparity as in the keyframe the pair does not fit its calibration.
 constexpr double kLeastAgreement = 0.6;
 constexpr int kLeastCompared = 50;
+// The state is written after so many keyframes, and when the map has grown by a quarter: its cost is in proportion to the
+// map.
+constexpr size_t kStateEvery = 10;
 
 double VoxelFor(const Keyframe& keyframe) {
   std::vector<double> depths_m;
@@ -94,10 +97,18 @@ DenseNode::DenseNode(bus::Process& process, const DenseOptions& options) : proce
   images_.emplace(bus, bus::FrameSubscriber::Mode::kPictures, [this](const auto& frame) { OnFrame(frame); });
   bus.Every(kTick, [this] { OnTick(); });
   process_.SetConfiguration(ToYaml("dense", options_));
+  const bool has_state = !options_.state_file.empty() && std::filesystem::exists(options_.state_file);
+  const std::string& earlier = has_state ? options_.state_file : options_.map_file;
+  if (earlier.empty()) return;
+  map_ = DenseMap::Read(earlier, options_.range_m);
+  spdlog::info("continuing the surfaces of {} keyframes in {}", map_->n_keyframes(), earlier);
 }
 
 DenseNode::~DenseNode() {
-  if (dirty_ && std::uncaught_exceptions() == 0) Write();
+  if (std::uncaught_exceptions() == 0) {
+    if (dirty_) Write();
+    KeepState();
+  }
   if (failure_.empty()) return;
   PrintError(fmt::format("{}: error: {}", process_.name(), failure_));
   process_.Finish(1);
@@ -142,6 +153,8 @@ void DenseNode::OnTracks(const tracks_t& message) {
 void DenseNode::OnKeyframe(const Keyframe& keyframe) {
   quiet_ticks_ = 0;
   newest_ = {keyframe.session, keyframe.keyframe_id};
+  // The histories resend keyframes that a process before this one has fused.
+  if (map_ && map_->Has({keyframe.session, keyframe.frame_id})) return;
   Waiting waiting{keyframe, std::nullopt};
   const auto frame = frames_.find(keyframe.frame_id);
   if (frame != frames_.end() && frame->second.t_ns == keyframe.t_ns) {
@@ -184,6 +197,31 @@ void DenseNode::OnStream(const stream_t& message) {
 void DenseNode::OnCommand(const command_t& message) {
   const std::optional<bus::Order> order = bus::OrderTo(process_, message);
   if (order && order->verb == command_verb::kFinish) process_.Finish();
+  // An order to mapping_process, which answers it.
+  if (message.verb != command_verb::kSave || message.target != process_name::kMapping || !map_) return;
+  const std::string force = command_verb::kForce;
+  const std::string& path = message.argument;
+  WriteSurfaces((path.starts_with(force) ? path.substr(force.size()) : path) + ".surfaces");
+}
+
+/// Beside a saved map, or as the state.
+void DenseNode::WriteSurfaces(const std::string& path) {
+  const Map& map = sparse_->replica().map();
+  KeyframePoses lasting;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    lasting[{keyframe.session, keyframe.frame_id}] = keyframe.T_w_kf;
+  }
+  try {
+    map_->Write(path, PosesOf(map), lasting);
+  } catch (const std::exception& error) {
+    process_.Warn("surfaces_not_written", fmt::format("the surfaces are not saved: {}", error.what()));
+  }
+}
+
+void DenseNode::KeepState() {
+  if (!map_ || options_.state_file.empty() || n_since_state_ == 0) return;
+  n_since_state_ = 0;
+  WriteSurfaces(options_.state_file);
 }
 
 /// In lockstep a keyframe is fused as soon as it is committed; live, as soon as the map has it.
@@ -233,6 +271,7 @@ void DenseNode::Fuse(const Waiting& waiting) {
     map_->Add({keyframe.session, keyframe.frame_id}, depth, left, camera_->rectifier.camera(),
               PosesOf(sparse_->replica().map()));
     dirty_ = true;
+    if (++n_since_state_ >= std::max<size_t>(kStateEvery, map_->n_keyframes() / 4)) KeepState();
     process_.SetCounter("depth_ms", matched_ms - began_ms);
     process_.SetCounter("fusion_ms", bus::NowMs() - matched_ms);
     process_.SetCounter("depth.offset_px", depth.offset_px);
@@ -278,9 +317,22 @@ void DenseNode::Write() {
       process_.Warn("no_floor", "no grid is written: the map has no horizontal surface that could be the floor");
     }
     failure_.clear();
+    WarnOfMissing();
   } catch (const std::exception& error) {
     failure_ = error.what();
   }
+}
+
+/// Images are not resent to a process that starts late, or replaces one that was killed.
+void DenseNode::WarnOfMissing() {
+  const int64_t n_without = n_without_images_ + std::ranges::count_if(waiting_, [](const auto& waiting) {
+                              return !waiting.second.images.has_value();
+                            });
+  if (n_without + n_dropped_ == 0) return;
+  process_.Warn("surfaces_missing",
+                fmt::format("{} keyframes are not in the surfaces: dense_process did not receive their "
+                            "images (it started later, or was killed), or was too slow for a live stream",
+                            n_without + n_dropped_));
 }
 
 bus::ProcessSpec DenseSpec() {

@@ -67,6 +67,9 @@ class DenseNode {
   void DropOldest();
   bool IsOver() const;
   void Write();
+  void WriteSurfaces(const std::string& path);
+  void KeepState();
+  void WarnOfMissing();
 
   bus::Process& process_;
   DenseOptions options_;
@@ -85,6 +88,7 @@ class DenseNode {
   bool finished_ = false;
   int quiet_ticks_ = 0;
   int64_t n_dropped_ = 0;
+  size_t n_since_state_ = 0;
   int64_t n_without_images_ = 0;
   std::string failure_;
   std::unique_ptr<bus::MapSubscriber> sparse_;

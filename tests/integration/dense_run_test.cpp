@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -62,6 +63,40 @@ TEST_F(DenseRun, TrajectoryIsThatOfARunWithoutSurfaces) {
   ASSERT_EQ(without.Run({"run", kRoom}), 0) << without.Logs();
   EXPECT_EQ(with.Read("trajectory.tum"), without.Read("trajectory.tum"));
   EXPECT_FALSE(std::filesystem::exists(without.out() / "cloud.ply"));
+}
+
+TEST_F(DenseRun, SavedMapContinuesWithItsSurfaces) {
+  const std::string room = "synthetic:room?size=376x240&frames=300";
+  WholeRun run;
+  const std::string map = (run.folder() / "room.plmap").string();
+  ASSERT_EQ(run.Run({"run", room, "--stop", "120", "--dense", "--save-map", map}), 0) << run.Logs();
+  ASSERT_TRUE(std::filesystem::exists(map + ".surfaces"));
+  const int occupied = Occupied(run);
+  ASSERT_EQ(run.Run({"run", room, "--start", "100", "--stop", "200", "--dense", "--map", map, "--strict"}), 0)
+      << run.Logs();
+  EXPECT_THAT(run.Logs(), HasSubstr("continuing the surfaces of"));
+  EXPECT_GT(Occupied(run), occupied) << "the first part is there, too";
+}
+
+TEST_F(DenseRun, KilledProcessContinuesFromItsState) {
+  WholeRun run;
+  run.Start({"run", "synthetic:room?size=376x240&frames=300", "--dense"});
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return std::filesystem::exists(run.out() / ".dense_state"); })) << run.Logs();
+  ASSERT_EQ(kill(run.PidOf("dense_process"), SIGKILL), 0);
+  EXPECT_EQ(run.Wait(), 0) << run.Logs();
+  EXPECT_THAT(run.Logs(), HasSubstr("continuing the surfaces of"));
+  EXPECT_EQ(run.Summary()["processes"]["dense"]["restarts"], 1);
+  EXPECT_GT(Occupied(run), 300);
+  EXPECT_FALSE(std::filesystem::exists(run.out() / ".dense_state")) << "of this run only";
+}
+
+TEST_F(DenseRun, PersonWhoPassesLeavesNoObstacle) {
+  // Nothing else is different.
+  WholeRun with, without;
+  const std::string room = "synthetic:room?size=376x240&frames=300";
+  ASSERT_EQ(with.Run({"run", room + "&bodies=1&body=cross&share=0.2", "--dense"}), 0) << with.Logs();
+  ASSERT_EQ(without.Run({"run", room, "--dense"}), 0) << without.Logs();
+  EXPECT_LT(Occupied(with), 1.05 * Occupied(without));
 }
 
 }  // namespace

@@ -66,6 +66,9 @@ Arguments ViewerArguments(const RunOptions& options) {
 Arguments DenseArguments(const RunOptions& options) {
   Settings settings(kDense);
   settings.Add("out", std::filesystem::absolute(options.out).string());
+  if (options.map.empty()) return settings.Take();
+  const std::string surfaces = std::filesystem::absolute(options.map).string() + ".surfaces";
+  if (std::filesystem::exists(surfaces)) settings.Add("map_file", surfaces);
   return settings.Take();
 }
 
@@ -176,7 +179,7 @@ std::filesystem::path RecordingOf(const RunOptions& options, int restart) {
 std::vector<std::string> ArgumentsOf(const ProcessRow& row, const RunOptions& options) {
   Arguments arguments;
   if (row.name == kRecorder) arguments.emplace_back("record");
-  if (row.name == kVo || row.name == kMapping) {
+  if (row.name == kVo || row.name == kMapping || row.name == kDense) {
     const std::string name(row.name);
     arguments.emplace_back("--set");
     arguments.push_back(fmt::format("{}.state_file={}", name, StateFileOf(options, name).string()));

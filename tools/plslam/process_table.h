@@ -34,7 +34,7 @@ struct ProcessRow {
   std::vector<std::string> (*arguments)(const RunOptions&);
 };
 
-/// File in which "vo" or "mapping" keeps the state to restore after a crash, of this run only.
+/// File in which "vo", "mapping" or "dense" keeps the state to restore after a crash, of this run only.
 std::filesystem::path StateFileOf(const RunOptions& options, const std::string& process);
 
 /// Returns its name for sentences: "mapping_process", but not "plslam" for the recorder.

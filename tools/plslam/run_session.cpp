@@ -79,7 +79,7 @@ void RunSession::Run() {
 }
 
 void RunSession::RemoveStates() const {
-  for (const std::string process : {process_name::kVo, process_name::kMapping}) {
+  for (const std::string process : {process_name::kVo, process_name::kMapping, process_name::kDense}) {
     const std::filesystem::path file = StateFileOf(options_, process);
     std::filesystem::remove(file);
     // A partial file of a process that was killed while it wrote.

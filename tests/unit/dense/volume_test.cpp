@@ -3,10 +3,16 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <limits>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "dense_process/body_mask.h"
+#include "dense_process/dense_map.h"
 #include "dense_process/surface.h"
+#include "tests/support/text_file.h"
 
 namespace plslam::dense {
 namespace {
@@ -85,6 +91,92 @@ TEST(BodyMask, HullOfABodyAndItsMarginAreLeftOut) {
   EXPECT_EQ(in_use.at<uint8_t>(92, 150), 0) << "margin";
   EXPECT_EQ(in_use.at<uint8_t>(60, 150), 255);
   EXPECT_EQ(in_use.at<uint8_t>(20, 300), 255) << "one feature is no body";
+}
+
+/// A map with two submaps of planes.
+DenseMap TwoPlanes() {
+  DenseMap map(kVoxel_m, 0.0);
+  const StereoCamera camera{
+      .f_px = 100.0, .cx_px = 40.0, .cy_px = 30.0, .baseline_m = 0.1, .width_px = 80, .height_px = 60};
+  DepthImage depth;
+  depth.z_m = cv::Mat(60, 80, CV_32F, cv::Scalar(2.0));
+  depth.sigma_m = cv::Mat(60, 80, CV_32F, cv::Scalar(0.01));
+  const cv::Mat grey(60, 80, CV_8U, cv::Scalar(90));
+  KeyframePoses poses{
+      {{1, 0}, SE3()}, {{1, 5}, SE3()}, {{2, 0}, SE3(Eigen::Quaterniond::Identity(), {3.0, 0.0, 0.0})}};
+  for (const auto& [name, pose] : poses) EXPECT_TRUE(map.Add(name, depth, grey, camera, poses));
+  return map;
+}
+
+KeyframePoses PosesOfPlanes() {
+  return {{{1, 0}, SE3()}, {{1, 5}, SE3()}, {{2, 0}, SE3(Eigen::Quaterniond::Identity(), {3.0, 0.0, 0.0})}};
+}
+
+TEST(SurfacesFile, GivesTheSameMap) {
+  const DenseMap map = TwoPlanes();
+  const std::string path = testing::TempDir() + "planes.surfaces";
+  map.Write(path, PosesOfPlanes(), PosesOfPlanes());
+  const DenseMap read = DenseMap::Read(path, 0.0);
+  EXPECT_EQ(read.n_submaps(), 2U);
+  EXPECT_TRUE(read.Has({1, 5}));
+  EXPECT_FALSE(read.Has({3, 5}));
+  const Surface one = ExtractSurface(map.Merge(PosesOfPlanes(), SE3()));
+  const Surface two = ExtractSurface(read.Merge(PosesOfPlanes(), SE3()));
+  ASSERT_FALSE(one.vertices.empty());
+  ASSERT_EQ(one.vertices.size(), two.vertices.size());
+  for (size_t i = 0; i < one.vertices.size(); ++i) EXPECT_EQ(one.vertices[i].p, two.vertices[i].p);
+}
+
+TEST(SurfacesFile, SubmapOfARemovedKeyframeHasAnotherAnchor) {
+  const DenseMap map = TwoPlanes();
+  const std::string path = testing::TempDir() + "removed.surfaces";
+  KeyframePoses lasting = PosesOfPlanes();
+  lasting.erase({1, 0});
+  map.Write(path, PosesOfPlanes(), lasting);
+  const Surface all = ExtractSurface(map.Merge(PosesOfPlanes(), SE3()));
+  EXPECT_EQ(ExtractSurface(DenseMap::Read(path, 0.0).Merge(lasting, SE3())).vertices.size(), all.vertices.size());
+}
+
+TEST(SurfacesFile, DamageIsOneSentence) {
+  const std::string path = testing::TempDir() + "damaged.surfaces";
+  TwoPlanes().Write(path, PosesOfPlanes(), PosesOfPlanes());
+  const std::string bytes = ReadText(path);
+  for (const size_t at : {size_t{3}, size_t{60}, bytes.size() / 2, bytes.size() - 1}) {
+    std::string damaged = bytes;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
+    std::ofstream(path, std::ios::binary) << damaged;
+    EXPECT_THROW(DenseMap::Read(path, 0.0), std::runtime_error) << at;
+    std::ofstream(path, std::ios::binary) << bytes.substr(0, at);
+    EXPECT_THROW(DenseMap::Read(path, 0.0), std::runtime_error) << at;
+  }
+}
+
+TEST(SurfacesFile, ImpossibleVoxelsAreRefused) {
+  Volume::Block block;
+  block.known[0] = 1;
+  block.sums = {0.5F, 1.0F, 20.0F};
+  EXPECT_EQ(Volume::FromBlocks(kVoxel_m, std::vector{block}).n_voxels(), 1U);
+  const auto refused = [](const Volume::Block& bad) {
+    EXPECT_THROW(Volume::FromBlocks(kVoxel_m, std::vector{bad}), std::runtime_error);
+  };
+  Volume::Block bad = block;
+  bad.origin = {1, 0, 0};
+  refused(bad);
+  bad = block;
+  bad.sums.pop_back();
+  refused(bad);
+  bad = block;
+  bad.sums.push_back(1.0F);
+  refused(bad);
+  for (const float value :
+       {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -1.0F, 1e9F}) {
+    bad = block;
+    bad.sums[1] = value;
+    refused(bad);
+    bad = block;
+    bad.sums[0] = value == -1.0F ? -2.0F : value;
+    refused(bad);
+  }
 }
 
 }  // namespace

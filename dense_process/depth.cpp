@@ -42,6 +42,11 @@ constexpr double kSigmaOfMedian = 1.4826;  // of a normal distribution
 // Of a structured-light camera: sigma_z = 0.0028 z^2 (Khoshelham 2012), as in vo_process/stereo/depth_points.h.
 constexpr double kSensorSigma_per_m = 0.0028;
 constexpr float kSensorJump = 0.03F;  // of the depth
+// Windows whose means give the gradient of the disparities, and their least known share.
+constexpr int kNormalWindow_px = 9;
+constexpr float kMostlyKnown = 0.3F;
+constexpr float kUnknownIncidence = 0.7F;
+constexpr float kLeastIncidence = 0.35F;
 constexpr double kSigmasInVoxels = 2.5;
 
 double MedianOf(std::vector<double>& values) {
@@ -169,6 +174,42 @@ void Compare(const cv::Mat& disparity, const cv::Mat& sigma_px, const StereoFeat
   depth.sigma_scale = std::max(1.0, kSigmaOfMedian * MedianOf(differences));
 }
 
+/// Cosine of the angle between each pixel's ray and the normal of its surface, from the gradient of the disparities
+/// 1/z around it: a plane has a linear one, n . p = 1 with n = (a f, b f, c). `kUnknownIncidence` without neighbours.
+cv::Mat IncidenceOf(const cv::Mat& z_m, const StereoCamera& camera) {
+  cv::Mat inverse(z_m.size(), CV_32F), known(z_m.size(), CV_32F);
+  for (int y = 0; y < z_m.rows; ++y) {
+    for (int x = 0; x < z_m.cols; ++x) {
+      const float z = z_m.at<float>(y, x);
+      inverse.at<float>(y, x) = z > 0.0F ? 1.0F / z : 0.0F;
+      known.at<float>(y, x) = z > 0.0F ? 1.0F : 0.0F;
+    }
+  }
+  const cv::Size window(kNormalWindow_px, kNormalWindow_px);
+  cv::blur(inverse, inverse, window);
+  cv::blur(known, known, window);
+  cv::Mat incidence(z_m.size(), CV_32F, cv::Scalar(kUnknownIncidence));
+  const auto is_known = [&](int y, int x) { return known.at<float>(y, x) > kMostlyKnown; };
+  const auto mean = [&](int y, int x) { return inverse.at<float>(y, x) / known.at<float>(y, x); };
+  constexpr int kStep = kNormalWindow_px / 2 + 1;
+  for (int y = kStep; y < z_m.rows - kStep; ++y) {
+    for (int x = kStep; x < z_m.cols - kStep; ++x) {
+      const double z = z_m.at<float>(y, x);
+      const bool all = z > 0.0 && is_known(y, x - kStep) && is_known(y, x + kStep) && is_known(y - kStep, x) &&
+                       is_known(y + kStep, x);
+      if (!all) continue;
+      const double a = (mean(y, x + kStep) - mean(y, x - kStep)) / (2.0 * kStep);
+      const double b = (mean(y + kStep, x) - mean(y - kStep, x)) / (2.0 * kStep);
+      const double u = x - camera.cx_px, v = y - camera.cy_px;
+      const Eigen::Vector3d normal(a * camera.f_px, b * camera.f_px, 1.0 / z - a * u - b * v);
+      const double length = z * std::sqrt(1.0 + (u * u + v * v) / (camera.f_px * camera.f_px));
+      incidence.at<float>(y, x) =
+          std::clamp(static_cast<float>(1.0 / (normal.norm() * length)), kLeastIncidence, 1.0F);
+    }
+  }
+  return incidence;
+}
+
 uint64_t KeyOf(const Eigen::Vector3d& p, double voxel_m) {
   uint64_t key = 0;
   for (int i = 0; i < 3; ++i) {
@@ -239,8 +280,10 @@ std::vector<DepthRay> MakeRays(const DepthImage& depth, const cv::Mat& grey, con
     Eigen::Vector3d p = Eigen::Vector3d::Zero();
     double weight = 0.0;
     double grey = 0.0;
+    double incidence = 0.0;
     float most = 0.0F;
   };
+  const cv::Mat incidence = IncidenceOf(depth.z_m, camera);
   std::vector<Sum> sums;
   std::unordered_map<uint64_t, size_t> index_of;
   const Eigen::Matrix3d R_s_c = T_s_c.R();
@@ -266,13 +309,16 @@ std::vector<DepthRay> MakeRays(const DepthImage& depth, const cv::Mat& grey, con
       sum.p += weight * p;
       sum.weight += weight;
       sum.grey += weight * grey.at<uint8_t>(y, x);
+      sum.incidence += weight * incidence.at<float>(y, x);
       sum.most = std::max(sum.most, static_cast<float>(weight));
     }
   }
   std::vector<DepthRay> rays;
   rays.reserve(sums.size());
-  for (const Sum& sum : sums)
-    rays.push_back({sum.p / sum.weight, sum.most, static_cast<float>(sum.grey / sum.weight)});
+  for (const Sum& sum : sums) {
+    rays.push_back({sum.p / sum.weight, sum.most, static_cast<float>(sum.grey / sum.weight),
+                    static_cast<float>(sum.incidence / sum.weight)});
+  }
   return rays;
 }
 

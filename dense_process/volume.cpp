@@ -79,15 +79,17 @@ void Volume::Integrate(const Eigen::Vector3d& eye, std::span<const DepthRay> ray
     if (!(depth > 1.0)) continue;
     const Eigen::Vector3d direction = (to - from) / depth;
     const double begin = CarvesAll(Nearest(to)) ? 0.0 : kSharedPart * depth;
-    openvdb::math::Ray<double> line(ToVdb(from + half), ToVdb(direction), begin, depth + kTruncation);
-    openvdb::math::DDA<openvdb::math::Ray<double>> dda(line, begin, depth + kTruncation);
+    // Along a ray that grazes the surface, distances from it change slowly.
+    const double end = depth + kTruncation / ray.incidence;
+    openvdb::math::Ray<double> line(ToVdb(from + half), ToVdb(direction), begin, end);
+    openvdb::math::DDA<openvdb::math::Ray<double>> dda(line, begin, end);
     do {
       const Coord ijk = dda.voxel();
-      const double distance = depth - (FromVdb(ijk) - from).dot(direction);
+      const double distance = (depth - (FromVdb(ijk) - from).dot(direction)) * ray.incidence;
       if (distance < -kTruncation) break;
       const auto d = static_cast<float>(std::min(distance / kTruncation, 1.0));
       // Behind the surface the weight falls to zero: another surface may follow.
-      const float w = ray.weight * (d < 0.0F ? 1.0F + d : 1.0F);
+      const float w = ray.weight * ray.incidence * (d < 0.0F ? 1.0F + d : 1.0F);
       accessor.modifyValue(ijk, [&](Sums& sums) { AddTo(sums, Sums(w * d, w, w * ray.grey)); });
     } while (dda.step());
   }

@@ -21,6 +21,8 @@ struct DepthRay {
   Eigen::Vector3d end;
   float weight = 1.0F;  ///< at most 1, for a depth known to a fraction of a voxel
   float grey = 0.0F;
+  /// Cosine of the angle between the ray and the normal of the surface.
+  float incidence = 1.0F;
 };
 
 /// Truncated signed distances in sparse voxels (Curless and Levoy 1996), stored in an OpenVDB tree.

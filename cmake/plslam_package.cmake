@@ -19,9 +19,9 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME plslam)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 # lcm-logger, lcm-logplayer; the text of figures, with any font; lcm-spy with the jar of the types. Plug-ins of
-# GStreamer for camera: devices and formats; more formats, and GigE cameras.
+# GStreamer: devices and formats for camera, H.264 for films; more formats, and GigE cameras.
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS
-    "liblcm-bin, fonts-dejavu-core, gstreamer1.0-plugins-base, gstreamer1.0-plugins-good")
+    "liblcm-bin, fonts-dejavu-core, gstreamer1.0-plugins-base, gstreamer1.0-plugins-good, gstreamer1.0-plugins-ugly")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "liblcm-java, gstreamer1.0-libav, libaravis-0.8-0")
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
     "Tracking, mapping, loop closing, a player of datasets, live cameras and a

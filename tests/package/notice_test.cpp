@@ -40,7 +40,7 @@ std::map<std::string, std::string> LicencesOfNotice() {
 std::set<std::string> LibrariesOnlyOf(const std::string& program) {
   std::set<std::string> libraries;
   std::istringstream lines(TextOf(SourceFolder() / "NOTICE"));
-  const std::regex row(R"(  (lib\S+\.so) +\S+ +)" + program + " only.*");
+  const std::regex row(R"(  (lib\S+\.so) +\S+ +)" + program + "( and plslam_film)? only.*");
   std::smatch match;
   for (std::string line; std::getline(lines, line);) {
     if (std::regex_match(line, match, row)) libraries.insert(match[1]);

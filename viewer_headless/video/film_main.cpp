@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <gst/gst.h>
 #include <signal.h>
 
 #include <CLI/CLI.hpp>
@@ -24,5 +25,6 @@ int main(int argc, char** argv) {
   // It ends when its input ends: a signal to all of a group lets the viewer finish the film. A file that may not grow
   // is an error like a full disk.
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ}) signal(number, SIG_IGN);
+  gst_init(nullptr, nullptr);
   return plslam::viewer::WriteFilm(file, stdin, stdout);
 }

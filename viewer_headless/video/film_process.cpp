@@ -142,6 +142,9 @@ void FilmProcess::Begin(double rate_hz, cv::Size size) {
 
 void FilmProcess::Add(const cv::Mat& picture) {
   if (pid_ < 0) throw std::runtime_error(file_ + ": the film program has exited");
+  char c = 0;
+  // An error, for example of a full disk.
+  if (recv(socket_, &c, 1, MSG_PEEK | MSG_DONTWAIT) > 0) Await(film_stream::kDone);
   Send(&film_stream::kPicture, 1);
   for (int y = 0; y < picture.rows; ++y) Send(picture.ptr(y), static_cast<size_t>(picture.cols) * picture.elemSize());
 }

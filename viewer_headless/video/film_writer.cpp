@@ -2,18 +2,15 @@
 #include "viewer_headless/video/film_writer.h"
 
 #include <fmt/format.h>
+#include <gst/app/gstappsrc.h>
+#include <gst/gst.h>
 
-#include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cmath>
-#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <opencv2/core.hpp>
-#include <opencv2/videoio.hpp>
+#include <memory>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -23,13 +20,22 @@
 namespace plslam::viewer {
 namespace {
 
+/// H.264 by gstreamer1.0-plugins-ugly. MPEG-4 by gstreamer1.0-libav has wrong times, and few players read VP9 in MP4.
+constexpr const char* kPipeline =
+    "appsrc name=pictures ! videoconvert ! video/x-raw,format=I420 ! "
+    "x264enc speed-preset=veryfast pass=quant quantizer=21 ! mp4mux ! filesink name=file";
+/// Pictures that wait for the encoder.
+constexpr uint64_t kWaitingPictures = 4;
+constexpr GstClockTime kTick = 5 * GST_MSECOND;
+
 struct FilmFormat {
-  cv::Size size;
+  int width_px = 0;
+  int height_px = 0;
   double rate_hz = 0.0;
 
   bool IsGood() const {
     const auto is_side = [](int px) { return px >= 2 && px <= film_stream::kMaxSide_px && px % 2 == 0; };
-    return is_side(size.width) && is_side(size.height) && std::isfinite(rate_hz) && rate_hz > 0.0;
+    return is_side(width_px) && is_side(height_px) && std::isfinite(rate_hz) && rate_hz > 0.0;
   }
 };
 
@@ -43,7 +49,8 @@ int Refuse(std::FILE* out, const std::string& why) {
   return 1;
 }
 
-/// Returns the reason why the file cannot be written, by trying: OpenCV does not report it. Empty if it can be written.
+/// Returns the reason why the file cannot be written, by trying: GStreamer reports it in the words of its plug-ins.
+/// Empty if it can be written.
 std::string WhyNotWritable(const std::string& part) {
   const std::vector<char> some(64 * 1024);
   errno = 0;
@@ -53,55 +60,97 @@ std::string WhyNotWritable(const std::string& part) {
   return written && closed ? "" : std::strerror(errno);
 }
 
+template <class T>
+using GstPointer = std::unique_ptr<T, void (*)(gpointer)>;
+
+/// Encodes pictures into an MP4 file.
+class FilmPipeline {
+ public:
+  FilmPipeline(const std::string& file, const FilmFormat& format) : format_(format) {
+    pipeline_.reset(gst_parse_launch_full(kPipeline, nullptr, GST_PARSE_FLAG_FATAL_ERRORS, nullptr));
+    if (!pipeline_) return;
+    GstElement* const source = gst_bin_get_by_name(GST_BIN(pipeline_.get()), "pictures");
+    pictures_.reset(source);
+    int numerator = 20, denominator = 1;
+    gst_util_double_to_fraction(format.rate_hz, &numerator, &denominator);
+    GstCaps* const caps = gst_caps_new_simple("video/x-raw", "format", G_TYPE_STRING, "BGR", "width", G_TYPE_INT,
+                                              format.width_px, "height", G_TYPE_INT, format.height_px, "framerate",
+                                              GST_TYPE_FRACTION, numerator, denominator, nullptr);
+    g_object_set(source, "caps", caps, "format", GST_FORMAT_TIME, "max-bytes", guint64{0}, nullptr);
+    gst_caps_unref(caps);
+    const GstPointer<GstElement> sink(gst_bin_get_by_name(GST_BIN(pipeline_.get()), "file"), gst_object_unref);
+    g_object_set(sink.get(), "location", file.c_str(), nullptr);
+    bus_.reset(gst_element_get_bus(pipeline_.get()));
+  }
+  ~FilmPipeline() {
+    if (pipeline_) gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
+  }
+  FilmPipeline(const FilmPipeline&) = delete;
+  FilmPipeline& operator=(const FilmPipeline&) = delete;
+
+  bool has_encoder() const { return pipeline_ != nullptr; }
+  /// Opens the file. Returns whether that succeeded, as `Add` and `Finish` do.
+  bool Start() { return gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING) != GST_STATE_CHANGE_FAILURE; }
+
+  /// Reads a picture, BGR. `is_whole` becomes false if the input ends within it.
+  bool Add(std::FILE* in, bool* is_whole) {
+    if (!WaitForEncoder()) return false;
+    GstBuffer* const buffer = gst_buffer_new_allocate(nullptr, PictureBytes(), nullptr);
+    GstMapInfo map;
+    gst_buffer_map(buffer, &map, GST_MAP_WRITE);
+    const auto row_bytes = static_cast<size_t>(3 * format_.width_px);
+    for (int y = 0; y < format_.height_px && *is_whole; ++y) {
+      *is_whole = std::fread(map.data + static_cast<size_t>(y) * Stride(), 1, row_bytes, in) == row_bytes;
+    }
+    gst_buffer_unmap(buffer, &map);
+    const auto time = [this](int64_t n) {
+      return static_cast<GstClockTime>(1e9 * static_cast<double>(n) / format_.rate_hz);
+    };
+    GST_BUFFER_PTS(buffer) = time(n_);
+    GST_BUFFER_DURATION(buffer) = time(n_ + 1) - time(n_);
+    ++n_;
+    return gst_app_src_push_buffer(GST_APP_SRC(pictures_.get()), buffer) == GST_FLOW_OK;
+  }
+
+  /// Completes the file.
+  bool Finish() {
+    if (gst_app_src_end_of_stream(GST_APP_SRC(pictures_.get())) != GST_FLOW_OK) return false;
+    constexpr auto kEnds = static_cast<GstMessageType>(GST_MESSAGE_EOS | GST_MESSAGE_ERROR);
+    const GstPointer<GstMessage> end(gst_bus_timed_pop_filtered(bus_.get(), GST_CLOCK_TIME_NONE, kEnds), FreeMessage);
+    const bool complete = GST_MESSAGE_TYPE(end.get()) == GST_MESSAGE_EOS;
+    return gst_element_set_state(pipeline_.get(), GST_STATE_NULL) != GST_STATE_CHANGE_FAILURE && complete;
+  }
+
+ private:
+  static void FreeMessage(gpointer message) { gst_message_unref(static_cast<GstMessage*>(message)); }
+  /// Returns when few pictures wait for the encoder; false if it has failed. (An appsrc that blocks would do so forever
+  /// after a failure.)
+  bool WaitForEncoder() {
+    do {
+      const bool is_full =
+          gst_app_src_get_current_level_bytes(GST_APP_SRC(pictures_.get())) > kWaitingPictures * PictureBytes();
+      const GstPointer<GstMessage> error(
+          gst_bus_timed_pop_filtered(bus_.get(), is_full ? kTick : 0, GST_MESSAGE_ERROR), FreeMessage);
+      if (error) return false;
+      if (!is_full) return true;
+    } while (true);
+  }
+  /// Rows of GStreamer begin at multiples of four bytes.
+  size_t Stride() const { return GST_ROUND_UP_4(static_cast<size_t>(3 * format_.width_px)); }
+  size_t PictureBytes() const { return Stride() * static_cast<size_t>(format_.height_px); }
+
+  const FilmFormat format_;
+  GstPointer<GstElement> pipeline_{nullptr, gst_object_unref};
+  GstPointer<GstElement> pictures_{nullptr, gst_object_unref};
+  GstPointer<GstBus> bus_{nullptr, gst_object_unref};
+  int64_t n_ = 0;
+};
+
 int RefuseToWrite(std::FILE* out, const std::string& file) {
   const std::string part = film_stream::PartOf(file);
   const std::string why = WhyNotWritable(part);
   std::remove(part.c_str());
-  return Refuse(out, fmt::format("{}: cannot be written: {}", file, why.empty() ? "it was truncated" : why));
-}
-
-/// The boxes of an MP4 file follow each other up to its end, and include the index, which is written last. OpenCV and
-/// FFmpeg continue without an error when a disk is full.
-bool IsWholeMp4(const std::string& path) {
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  const auto end = static_cast<uint64_t>(file.tellg());
-  bool has_index = false;
-  for (uint64_t at = 0; file && at < end;) {
-    std::array<unsigned char, 16> head{};
-    file.seekg(static_cast<std::streamoff>(at));
-    file.read(reinterpret_cast<char*>(head.data()), static_cast<std::streamsize>(std::min<uint64_t>(16, end - at)));
-    const auto number = [&head](size_t first, size_t n) {
-      uint64_t value = 0;
-      for (size_t i = 0; i < n; ++i) value = value << 8U | head[first + i];
-      return value;
-    };
-    uint64_t bytes = number(0, 4);
-    if (bytes == 1) bytes = number(8, 8);
-    if (bytes < 8 || bytes > end - at) return false;
-    has_index = has_index || std::equal(head.begin() + 4, head.begin() + 8, "moov");
-    at += bytes;
-  }
-  return has_index;
-}
-
-bool OpenFilm(cv::VideoWriter& writer, const std::string& part, const FilmFormat& format) {
-  for (const char* code : {"avc1", "mp4v"}) {
-    const int fourcc = cv::VideoWriter::fourcc(code[0], code[1], code[2], code[3]);
-    if (writer.open(part, cv::CAP_FFMPEG, fourcc, format.rate_hz, format.size)) return true;
-  }
-  return false;
-}
-
-/// Returns whether the film was completed before the input ended.
-bool CopyPictures(std::FILE* in, cv::VideoWriter& writer, const cv::Size& size) {
-  cv::Mat picture(size, CV_8UC3);
-  const size_t n_bytes = picture.total() * picture.elemSize();
-  int mark = std::fgetc(in);
-  for (; mark == film_stream::kPicture; mark = std::fgetc(in)) {
-    if (std::fread(picture.data, 1, n_bytes, in) != n_bytes) return false;
-    writer.write(picture);
-  }
-  return mark == film_stream::kEnd;
+  return Refuse(out, fmt::format("{}: cannot be written: {}", file, why.empty() ? "the encoder failed" : why));
 }
 
 }  // namespace
@@ -110,26 +159,33 @@ int WriteFilm(const std::string& file, std::FILE* in, std::FILE* out) {
   char line[256];
   if (std::fgets(line, sizeof(line), in) == nullptr) return 0;
   FilmFormat format;
-  if (std::sscanf(line, "%d %d %lf", &format.size.width, &format.size.height, &format.rate_hz) != 3 ||
-      !format.IsGood()) {
+  if (std::sscanf(line, "%d %d %lf", &format.width_px, &format.height_px, &format.rate_hz) != 3 || !format.IsGood()) {
     return Refuse(out, fmt::format("{}: a film needs an even width and height of at most {} pixels, and a rate", file,
                                    film_stream::kMaxSide_px));
   }
   const std::string part = film_stream::PartOf(file);
-  cv::VideoWriter writer;
-  if (!OpenFilm(writer, part, format)) {
-    if (!WhyNotWritable(part).empty()) return RefuseToWrite(out, file);
-    std::remove(part.c_str());
-    Answer(out, film_stream::kUnable + file + ": OpenCV cannot write MP4 files here");
+  FilmPipeline film(part, format);
+  if (!film.has_encoder()) {
+    Answer(out, film_stream::kUnable + file +
+                    ": GStreamer cannot write MP4 files here (packages gstreamer1.0-plugins-good and -ugly)");
     return 1;
   }
+  if (!film.Start()) return RefuseToWrite(out, file);
   Answer(out, film_stream::kReady);
-  if (!CopyPictures(in, writer, format.size)) {
+  int mark = std::fgetc(in);
+  for (bool is_whole = true; mark == film_stream::kPicture; mark = is_whole ? std::fgetc(in) : EOF) {
+    if (film.Add(in, &is_whole)) continue;
+    RefuseToWrite(out, file);
+    // The viewer reads the answer before the next picture, which it must be able to send.
+    while (std::fgetc(in) != EOF) {
+    }
+    return 1;
+  }
+  if (mark != film_stream::kEnd) {
     std::remove(part.c_str());
     return Refuse(out, file + ": the pictures ended before the film was complete");
   }
-  writer.release();
-  if (!IsWholeMp4(part)) return RefuseToWrite(out, file);
+  if (!film.Finish()) return RefuseToWrite(out, file);
   std::error_code error;
   std::filesystem::rename(part, file, error);
   if (error) {

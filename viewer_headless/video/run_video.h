@@ -10,7 +10,7 @@
 
 namespace plslam::viewer {
 
-/// A film of a run, picture by picture: an MP4 file (H.264, else MPEG-4) where OpenCV's FFmpeg can write one
+/// A film of a run, picture by picture: an MP4 file (H.264) where GStreamer can write one
 /// (FilmProcess), and else, or where the name does not end in ".mp4", a folder of numbered PNG files. The first
 /// picture decides the size (made even).
 class RunVideo {

@@ -22,7 +22,7 @@ std::unique_ptr<FilmProcess> Start(const std::string& file) {
   return std::make_unique<FilmProcess>(file, test::BinaryFolder() / "plslam_film");
 }
 
-/// Leaves the test where OpenCV has no FFmpeg that writes MP4.
+/// Leaves the test where GStreamer cannot write MP4.
 #define PLSLAM_REQUIRE_FILM(video) \
   if ((video).is_folder()) GTEST_SKIP() << (video).why_folder()
 
@@ -97,7 +97,8 @@ TEST_P(FilmOnAFullDisk, SystemErrorIsReportedAndNoFileIsLeft) {
     RunVideo video(file, StartWithLimit(folder, file, GetParam()), 10.0, {640, 480});
     cv::Mat noise(480, 640, CV_8UC3);
     cv::RNG random(1);
-    for (int i = 0; i < 12; ++i) {
+    // More than the encoder keeps.
+    for (int i = 0; i < 120; ++i) {
       random.fill(noise, cv::RNG::UNIFORM, 0, 256);
       video.Add(noise);
     }

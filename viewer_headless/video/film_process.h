@@ -19,8 +19,8 @@ class NoFilmsHere : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A film that is written by plslam_film, a separate program, so that a run without a film does not load GStreamer and its
-/// plug-ins. It is started in the constructor, so that its libraries are loaded when the first
+/// A film that is written by plslam_film, a separate program, so that a run without a film does not load GStreamer and
+/// its plug-ins. It is started in the constructor, so that its libraries are loaded when the first
 /// picture arrives. If it exits or reports an error, `Begin`, `Add` and `Finish` throw std::runtime_error with one
 /// sentence, and the film is aborted.
 class FilmProcess {

@@ -155,6 +155,7 @@ void Compare(const cv::Mat& disparity, const cv::Mat& sigma_px, const StereoFeat
     const cv::Point at(static_cast<int>(std::lround(point.left.px.x())),
                        static_cast<int>(std::lround(point.left.px.y())));
     if (!point.HasDepth() || !cv::Rect({}, disparity.size()).contains(at)) continue;
+    ++depth.n_compared;
     const float matched_px = disparity.at<float>(at);
     if (matched_px <= 0.0F) continue;
     const double difference = matched_px - point.disparity_px;
@@ -162,10 +163,9 @@ void Compare(const cv::Mat& disparity, const cv::Mat& sigma_px, const StereoFeat
     differences.push_back(difference);
     sigmas.push_back(sigma_px.at<float>(at));
   }
-  depth.n_compared = static_cast<int>(differences.size());
   depth.sigma_scale = kUnknownScale;
   if (differences.size() < kLeastCompared) return;
-  depth.agreement = static_cast<double>(n_close) / static_cast<double>(differences.size());
+  depth.agreement = static_cast<double>(n_close) / depth.n_compared;
   std::vector<double> sorted = differences;
   depth.offset_px = MedianOf(sorted);
   for (size_t i = 0; i < differences.size(); ++i) {

@@ -16,7 +16,7 @@ namespace plslam::dense {
 struct DepthImage {
   cv::Mat z_m;      ///< CV_32FC1; 0: unknown
   cv::Mat sigma_m;  ///< its standard deviation, where it is known
-  /// Comparison with the disparities of the keyframe's points: their number, the share within 1 px, the median
+  /// Comparison with the disparities of the keyframe's points: their number, the share that has depth within 1 px, the median
   /// difference (matched minus measured, already removed from `z_m`), and the ratio of the differences to the standard
   /// deviations from the images alone, by which those were multiplied. From a depth sensor: no points.
   int n_compared = 0;

@@ -12,13 +12,17 @@
 #include <opencv2/core/utility.hpp>
 #include <utility>
 
+#include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
+#include "core/errors/error_text.h"
 #include "core/errors/standard_streams.h"
+#include "core/geometry/image_mask.h"
 #include "core/map/vertical.h"
 #include "core/process/order.h"
 #include "core/run/process_names.h"
 #include "dense_process/products.h"
 #include "plslam/command_t.hpp"
+#include "plslam/mask_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
 #include "plslam/tracks_t.hpp"
@@ -90,6 +94,7 @@ DenseNode::DenseNode(bus::Process& process, const DenseOptions& options) : proce
   bus.Subscribe<command_t>(bus::kCommand, [this](const command_t& m) { OnCommand(m); });
   bus.Subscribe<tracks_t>(bus::kTracks, [this](const tracks_t& m) { OnTracks(m); });
   bus.Subscribe<tracks_t>(bus::kTracksLive, [this](const tracks_t& m) { OnTracks(m); });
+  bus.Subscribe<mask_t>(bus::kMask, [this](const mask_t& m) { OnMask(m); });
   sparse_ = std::make_unique<bus::MapSubscriber>(bus, [this](const MapUpdate& update) { OnMap(update); });
   sparse_->RememberRemoved();
   camera_channel_.emplace(bus, [this](const RigCalibration& rig) { OnCamera(rig); });
@@ -109,8 +114,9 @@ DenseNode::~DenseNode() {
     if (dirty_) Write();
     KeepState();
   }
-  if (failure_.empty()) return;
-  PrintError(fmt::format("{}: error: {}", process_.name(), failure_));
+  const std::string failure = Joined(failure_, save_failure_);
+  if (failure.empty()) return;
+  PrintError(fmt::format("{}: error: {}", process_.name(), failure));
   process_.Finish(1);
 }
 
@@ -150,6 +156,13 @@ void DenseNode::OnTracks(const tracks_t& message) {
   KeepNewest(bodies_);
 }
 
+void DenseNode::OnMask(const mask_t& message) {
+  const std::optional<FrameMask> mask = bus::FromMessage(message);
+  if (!mask) return process_.bus().CountRejected();
+  masks_[message.frame_id] = *mask;
+  KeepNewest(masks_);
+}
+
 void DenseNode::OnKeyframe(const Keyframe& keyframe) {
   quiet_ticks_ = 0;
   newest_ = {keyframe.session, keyframe.keyframe_id};
@@ -179,10 +192,21 @@ void DenseNode::DropOldest() {
 
 void DenseNode::OnMap(const MapUpdate& update) {
   quiet_ticks_ = 0;
+  FollowMap(update.map_instance);
   committed_.Add(update);
   // A correction moves the surfaces.
   dirty_ = dirty_ || (map_ && map_->n_keyframes() > 0);
   FuseAll();
+}
+
+/// Another map replaces the surfaces, too, if an order replaced the old one (odd instances, see `BelongsTo`); a rebuilt map
+/// has the same keyframes.
+void DenseNode::FollowMap(int64_t map_instance) {
+  const int64_t before = std::exchange(map_instance_, map_instance);
+  if (before == 0 || before == map_instance || map_instance % 2 == 0) return;
+  spdlog::info("the map was replaced: its surfaces are dropped");
+  map_.reset();
+  waiting_.clear();
 }
 
 void DenseNode::OnStatus(const status_t& message) {
@@ -201,7 +225,11 @@ void DenseNode::OnCommand(const command_t& message) {
   if (message.verb != command_verb::kSave || message.target != process_name::kMapping || !map_) return;
   const std::string force = command_verb::kForce;
   const std::string& path = message.argument;
-  WriteSurfaces((path.starts_with(force) ? path.substr(force.size()) : path) + ".surfaces");
+  try {
+    WriteSurfaces((path.starts_with(force) ? path.substr(force.size()) : path) + ".surfaces");
+  } catch (const std::exception& error) {
+    save_failure_ = error.what();
+  }
 }
 
 /// Beside a saved map, or as the state.
@@ -211,17 +239,18 @@ void DenseNode::WriteSurfaces(const std::string& path) {
   for (const auto& [id, keyframe] : map.keyframes()) {
     lasting[{keyframe.session, keyframe.frame_id}] = keyframe.T_w_kf;
   }
-  try {
-    map_->Write(path, PosesOf(map), lasting);
-  } catch (const std::exception& error) {
-    process_.Warn("surfaces_not_written", fmt::format("the surfaces are not saved: {}", error.what()));
-  }
+  map_->Write(path, PosesOf(map), lasting);
 }
 
+/// If writing fails the process continues, with a higher cost of a crash.
 void DenseNode::KeepState() {
   if (!map_ || options_.state_file.empty() || n_since_state_ == 0) return;
   n_since_state_ = 0;
-  WriteSurfaces(options_.state_file);
+  try {
+    WriteSurfaces(options_.state_file);
+  } catch (const std::exception& error) {
+    if (!std::exchange(state_failed_, true)) spdlog::warn("the state for a restart is not written: {}", error.what());
+  }
 }
 
 /// In lockstep a keyframe is fused as soon as it is committed; live, as soon as the map has it.
@@ -241,16 +270,30 @@ void DenseNode::FuseAll() {
   }
 }
 
+/// Without the masks of the rig and of the frame, and without moving bodies.
+cv::Mat DenseNode::PixelsInUse(int64_t frame_id, const cv::Size& size) const {
+  cv::Mat in_use = camera_->rectifier.left_mask();
+  const auto mask = masks_.find(frame_id);
+  if (mask != masks_.end() && !mask->second.left.empty()) {
+    CameraCalibration left = camera_->rig.left;
+    left.mask = mask->second.left;
+    in_use = camera_->rectifier.LeftMask(DrawMask(left));
+  }
+  const auto bodies = bodies_.find(frame_id);
+  return bodies == bodies_.end() ? in_use : MaskBodies(in_use, size, bodies->second);
+}
+
 DepthImage DenseNode::DepthOf(const Waiting& waiting, const cv::Mat& left) const {
   const Rectifier& rectifier = camera_->rectifier;
   const StereoImages& images = *waiting.images;
-  if (camera_->rig.kind == RigCalibration::Kind::kRgbd) {
-    return FromSensor(rectifier.RectifyDepth(images.right), camera_->rig.depth_units_per_m);
+  const cv::Mat in_use = PixelsInUse(waiting.keyframe.frame_id, left.size());
+  if (camera_->rig.kind == RigCalibration::Kind::kStereo) {
+    return MatchPair(left, rectifier.RectifyRight(images.right), in_use, rectifier.camera(),
+                     waiting.keyframe.features);
   }
-  const auto bodies = bodies_.find(waiting.keyframe.frame_id);
-  const cv::Mat in_use = bodies == bodies_.end() ? rectifier.left_mask()
-                                                 : MaskBodies(rectifier.left_mask(), left.size(), bodies->second);
-  return MatchPair(left, rectifier.RectifyRight(images.right), in_use, rectifier.camera(), waiting.keyframe.features);
+  DepthImage depth = FromSensor(rectifier.RectifyDepth(images.right), camera_->rig.depth_units_per_m);
+  if (!in_use.empty()) depth.z_m.setTo(0.0, in_use == 0);
+  return depth;
 }
 
 void DenseNode::Fuse(const Waiting& waiting) {
@@ -281,14 +324,14 @@ void DenseNode::Fuse(const Waiting& waiting) {
     process_.SetCounter("map_mb", 1e-6 * static_cast<double>(map_->bytes()));
     process_.SetState(process_state::kRunning);
   } catch (const std::exception& error) {
-    process_.Warn("dense_frame",
-                  fmt::format("frame {} is not used for surfaces: {}", keyframe.frame_id, error.what()));
+    spdlog::warn("frame {} is not used for surfaces: {}", keyframe.frame_id, error.what());
+    process_.SetCounter("keyframes.bad", static_cast<double>(++n_bad_));
   }
 }
 
 bool DenseNode::IsOver() const {
   if (!ended_ || quiet_ticks_ <= kQuietTicks) return false;
-  const bool complete = vo_finished_ && newest_ && committed_.Has(newest_->first, newest_->second);
+  const bool complete = vo_finished_ && (!newest_ || committed_.Has(newest_->first, newest_->second));
   return complete || quiet_ticks_ > kQuietTicksForTheMap;
 }
 

@@ -19,6 +19,7 @@
 
 namespace plslam {
 class command_t;
+class mask_t;
 class status_t;
 class stream_t;
 class tracks_t;
@@ -54,8 +55,10 @@ class DenseNode {
   void OnCamera(const RigCalibration& rig);
   void OnFrame(const bus::FrameSubscriber::Frame& frame);
   void OnTracks(const tracks_t& message);
+  void OnMask(const mask_t& message);
   void OnKeyframe(const Keyframe& keyframe);
   void OnMap(const MapUpdate& update);
+  void FollowMap(int64_t map_instance);
   void OnStatus(const status_t& message);
   void OnStream(const stream_t& message);
   void OnCommand(const command_t& message);
@@ -63,6 +66,7 @@ class DenseNode {
 
   void FuseAll();
   void Fuse(const Waiting& waiting);
+  cv::Mat PixelsInUse(int64_t frame_id, const cv::Size& size) const;
   DepthImage DepthOf(const Waiting& waiting, const cv::Mat& left) const;
   void DropOldest();
   bool IsOver() const;
@@ -75,9 +79,11 @@ class DenseNode {
   DenseOptions options_;
   std::optional<Camera> camera_;
   std::optional<DenseMap> map_;
-  /// Newest images, and pixels of moving bodies, by frame.
+  int64_t map_instance_ = 0;  ///< of the newest update
+  /// Newest images, pixels of moving bodies, and masks of a detector, by frame.
   std::map<int64_t, StereoImages> frames_;
   std::map<int64_t, BodyPixels> bodies_;
+  std::map<int64_t, FrameMask> masks_;
   std::map<KeyframeName, Waiting> waiting_;
   CommittedKeyframes committed_;
   /// Session and number of the newest keyframe.
@@ -90,7 +96,9 @@ class DenseNode {
   int64_t n_dropped_ = 0;
   size_t n_since_state_ = 0;
   int64_t n_without_images_ = 0;
-  std::string failure_;
+  int64_t n_bad_ = 0;
+  std::string failure_, save_failure_;  ///< of the files of the run, and of surfaces beside a saved map
+  bool state_failed_ = false;
   std::unique_ptr<bus::MapSubscriber> sparse_;
   // Last, because their handlers use all of the above.
   std::optional<bus::CameraSubscriber> camera_channel_;

@@ -3,11 +3,17 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
+#include <Eigen/Core>
+
+#include "core/datasets/synthetic/simulator.h"
 #include "tests/integration/whole_run.h"
+#include "tests/unit/dense/seen_world.h"
 
 namespace plslam {
 namespace {
@@ -78,6 +84,15 @@ TEST_F(DenseRun, SavedMapContinuesWithItsSurfaces) {
   EXPECT_GT(Occupied(run), occupied) << "the first part is there, too";
 }
 
+TEST_F(DenseRun, UnsavedSurfacesAreAnError) {
+  WholeRun run;
+  const std::string map = (run.folder() / "room.plmap").string();
+  std::filesystem::create_directories(map + ".surfaces/in the way");
+  EXPECT_EQ(run.Run({"run", kRoom, "--stop", "60", "--dense", "--save-map", map}), 1) << run.Logs();
+  EXPECT_THAT(run.Summary()["reason"].dump(), HasSubstr("room.plmap.surfaces"));
+  EXPECT_TRUE(std::filesystem::exists(map));
+}
+
 TEST_F(DenseRun, KilledProcessContinuesFromItsState) {
   WholeRun run;
   run.Start({"run", "synthetic:room?size=376x240&frames=300", "--dense"});
@@ -90,6 +105,18 @@ TEST_F(DenseRun, KilledProcessContinuesFromItsState) {
   EXPECT_FALSE(std::filesystem::exists(run.out() / ".dense_state")) << "of this run only";
 }
 
+TEST_F(DenseRun, KeyframesWithoutImagesAreReported) {
+  WholeRun run;
+  run.Start({"run", "synthetic:room?size=376x240&frames=300", "--dense"});
+  const std::filesystem::path state = run.out() / ".dense_state";
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return std::filesystem::exists(state); })) << run.Logs();
+  // Without its state the next process has the keyframes of the histories, but not their images.
+  std::filesystem::remove(state);
+  ASSERT_EQ(kill(run.PidOf("dense_process"), SIGKILL), 0);
+  EXPECT_EQ(run.Wait(), 0) << run.Logs();
+  EXPECT_THAT(run.Summary()["warnings"].dump(), HasSubstr("surfaces_missing"));
+}
+
 TEST_F(DenseRun, PersonWhoPassesLeavesNoObstacle) {
   // Nothing else is different.
   WholeRun with, without;
@@ -97,6 +124,35 @@ TEST_F(DenseRun, PersonWhoPassesLeavesNoObstacle) {
   ASSERT_EQ(with.Run({"run", room + "&bodies=1&body=cross&share=0.2", "--dense"}), 0) << with.Logs();
   ASSERT_EQ(without.Run({"run", room, "--dense"}), 0) << without.Logs();
   EXPECT_LT(Occupied(with), 1.05 * Occupied(without));
+}
+
+/// Every 7th vertex of a binary PLY file as dense_process writes it: 27 bytes each.
+std::vector<Eigen::Vector3d> VerticesOf(const std::string& ply) {
+  const std::string count = "element vertex ";
+  const size_t n = std::stoul(ply.substr(ply.find(count) + count.size()));
+  const size_t begin = ply.find("end_header\n") + 11;
+  std::vector<Eigen::Vector3d> vertices;
+  for (size_t i = 0; i < n; i += 7) {
+    Eigen::Vector3f p;
+    std::memcpy(p.data(), ply.data() + begin + 27 * i, sizeof(p));
+    vertices.push_back(p.cast<double>());
+  }
+  return vertices;
+}
+
+TEST_F(DenseRun, SecondLapDoublesNoWall) {
+  const std::string world = "room?size=376x240&loops=2";
+  WholeRun run;
+  ASSERT_EQ(run.Run({"run", "synthetic:" + world, "--dense"}), 0) << run.Logs();
+  const synthetic::Simulator simulator(synthetic::ParseOptions(world));
+  std::vector<Eigen::Vector3d> vertices = VerticesOf(run.Read("mesh.ply"));
+  for (Eigen::Vector3d& p : vertices) p = simulator.T_w_c(0) * p;
+  const std::vector<double> errors = dense::test::DistancesFrom(simulator.world(), vertices);
+  ASSERT_GT(errors.size(), 1000U);
+  printf("error: median %.4f, 90 %% %.4f, 99 %% %.4f m\n", dense::test::Quantile(errors, 0.5),
+         dense::test::Quantile(errors, 0.9), dense::test::Quantile(errors, 0.99));
+  EXPECT_LT(dense::test::Quantile(errors, 0.5), 0.02);
+  EXPECT_LT(dense::test::Quantile(errors, 0.9), 0.06);
 }
 
 }  // namespace

@@ -11,10 +11,13 @@
 #include <octomap/octomap.h>
 #include <opencv2/imgproc.hpp>
 
+#include "core/geometry/rectifier.h"
 #include "dense_process/products.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/text_file.h"
 #include "tests/unit/dense/seen_world.h"
+#include "vo_process/options.h"
+#include "vo_process/stereo/stereo_front_end.h"
 
 namespace plslam::dense {
 namespace {
@@ -185,6 +188,49 @@ TEST_F(RoomProducts, OctomapReadsTheTree) {
     n_occupied += at != nullptr && tree.isNodeOccupied(at) ? 1 : 0;
   }
   EXPECT_GT(n_occupied, 0.8 * n);
+}
+
+TEST(RoomDepth, RowsThatAreOffDisagree) {
+  const synthetic::Simulator simulator(synthetic::ParseOptions("room"));
+  const StereoImages images = simulator.Render(0);
+  const Rectifier rectifier(simulator.rig());
+  vo::StereoFrontEnd front_end(simulator.rig(), {});
+  vo::StageTimer timer([] { return 0.0; });
+  const StereoFeatures features = front_end.Process(images, timer);
+  const auto agreement = [&](int rows_off) {
+    cv::Mat right;
+    cv::warpAffine(images.right, right, cv::Matx23d(1, 0, 0, 0, 1, rows_off), images.right.size());
+    return MatchPair(images.left, right, {}, rectifier.camera(), features).agreement;
+  };
+  EXPECT_GT(agreement(0), 0.95);
+  EXPECT_LT(agreement(8), 0.6);
+}
+
+TEST(Floor, NeedsAHorizontalSurface) {
+  Surface wall;
+  for (int i = 0; i < 5000; ++i)
+    wall.vertices.push_back({{0.0F, 0.01F * static_cast<float>(i % 100), 0.0F}, {1.0F, 0.0F, 0.0F}, 0});
+  EXPECT_FALSE(Floor(wall, 0.05).found());
+}
+
+/// A level of 4 x 4 m, a ramp of 20 %, a second level, and a table.
+TEST(Floor, FollowsARampAndLeavesOutATable) {
+  Surface ground;
+  const auto add = [&](double x, double y, double z, double slope) {
+    ground.vertices.push_back(
+        {Eigen::Vector3d(x, y, z).cast<float>(), Eigen::Vector3d(-slope, 0.0, 1.0).normalized().cast<float>(), 0});
+  };
+  const auto height = [](double x) { return x < 4.0 ? 0.0 : x < 9.0 ? 0.2 * (x - 4.0) : 1.0; };
+  for (double y = 0.0; y < 4.0; y += 0.05) {
+    for (double x = 0.0; x < 14.0; x += 0.05) add(x, y, height(x), x < 4.0 || x >= 9.0 ? 0.0 : 0.2);
+    for (double x = 1.0; x < 2.0; x += 0.05) add(x, y, 0.75, 0.0);
+  }
+  const Floor floor(ground, 0.05);
+  ASSERT_TRUE(floor.found());
+  EXPECT_NEAR(floor.HeightAt(1.5, 1.0), 0.0, 0.03) << "below the table";
+  EXPECT_NEAR(floor.HeightAt(6.5, 1.0), height(6.5), 0.25) << "in steps of two metres";
+  EXPECT_NEAR(floor.HeightAt(13.0, 1.0), 1.0, 0.05);
+  EXPECT_NEAR(floor.HeightAt(40.0, 1.0), 1.0, 0.05) << "the nearest tile";
 }
 
 }  // namespace

@@ -31,6 +31,16 @@ double Quantile(std::vector<double> values, double share) {
   return *at;
 }
 
+std::vector<double> DistancesFrom(const synthetic::World& world, const std::vector<Eigen::Vector3d>& points) {
+  std::vector<double> distances;
+  for (const Eigen::Vector3d& p : points) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const synthetic::Quad& quad : world.quads()) nearest = std::min(nearest, Distance(quad, p));
+    distances.push_back(nearest);
+  }
+  return distances;
+}
+
 SeenWorld::SeenWorld(const std::string& options, int step, double voxel_m)
     : simulator_(synthetic::ParseOptions(options)), step_(step), map_(voxel_m, 0.0) {
   vo::StereoFrontEnd front_end(simulator_.rig(), {});
@@ -55,15 +65,9 @@ std::vector<Eigen::Vector3d> SeenWorld::Path() const {
 }
 
 std::vector<double> SeenWorld::Errors() const {
-  std::vector<double> errors;
-  for (size_t i = 0; i < surface_.vertices.size(); i += 5) {
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const synthetic::Quad& quad : simulator_.world().quads()) {
-      nearest = std::min(nearest, Distance(quad, surface_.vertices[i].p.cast<double>()));
-    }
-    errors.push_back(nearest);
-  }
-  return errors;
+  std::vector<Eigen::Vector3d> points;
+  for (size_t i = 0; i < surface_.vertices.size(); i += 5) points.push_back(surface_.vertices[i].p.cast<double>());
+  return DistancesFrom(simulator_.world(), points);
 }
 
 double SeenWorld::Completeness(double range_m) const {

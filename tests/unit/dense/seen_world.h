@@ -11,6 +11,8 @@
 namespace plslam::dense::test {
 
 double Quantile(std::vector<double> values, double share);
+/// Distances of points from the surfaces of a world.
+std::vector<double> DistancesFrom(const synthetic::World& world, const std::vector<Eigen::Vector3d>& points);
 
 /// Surfaces of a built-in world, seen from the true poses of every `step`-th frame. The frame w is that of the world.
 class SeenWorld {

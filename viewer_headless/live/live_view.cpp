@@ -44,7 +44,14 @@ LiveView::~LiveView() {
     closing_ = true;
   }
   changed_.notify_all();
+  AwaitRejection();
   server_.reset();
+}
+
+/// The server closes its connections at once, also those whose answer is on its way.
+void LiveView::AwaitRejection() {
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, kLastAnswers, [this] { return !order_ && n_rejected_ == 0; });
 }
 
 HttpResponse LiveView::Handle(const HttpRequest& request) {
@@ -85,7 +92,11 @@ HttpResponse LiveView::WaitForOrder(Order order) {
   order_ = OpenOrder{std::move(order), false, std::nullopt};
   changed_.wait_for(lock, kLongestOrder, [this] { return order_->answer.has_value() || closing_; });
   const std::optional<HttpResponse> answer = std::exchange(order_, std::nullopt)->answer;
-  return answer.value_or(HttpResponse{503, "the run has ended, or the viewer is busy\n"});
+  if (answer) return *answer;
+  ++n_rejected_;
+  HttpResponse rejection{503, "the run has ended, or the viewer is busy\n"};
+  rejection.sent = [this] { CountRejection(); };
+  return rejection;
 }
 
 std::optional<LiveView::Order> LiveView::TakeOrder() {
@@ -124,6 +135,14 @@ HttpResponse LiveView::WaitForEnd() {
   if (!finished_) return {200, "live\n"};
   ++n_notified_;
   return {200, "finished\n"};
+}
+
+void LiveView::CountRejection() {
+  {
+    const std::scoped_lock lock(mutex_);
+    --n_rejected_;
+  }
+  changed_.notify_all();
 }
 
 void LiveView::CountLastData() {

@@ -77,6 +77,8 @@ class LiveView {
   HttpResponse WaitForData(const ReportSince& since);
   HttpResponse WaitForEnd();
   void CountLastData();
+  void CountRejection();
+  void AwaitRejection();
 
   std::string page_;
   const std::string save_file_;
@@ -88,7 +90,8 @@ class LiveView {
   std::optional<OpenOrder> order_;
   bool finished_ = false;
   bool closing_ = false;
-  int64_t n_waiting_ = 0;  ///< pages that wait for the end
+  int64_t n_rejected_ = 0;  ///< orders whose rejection is not sent yet
+  int64_t n_waiting_ = 0;   ///< pages that wait for the end
   /// Counts since the end of the run: pages that were notified of it, and data that were sent.
   int64_t n_notified_ = 0;
   int64_t n_last_data_ = 0;

@@ -11,6 +11,8 @@
 #include <iostream>
 #include <map>
 #include <memory>
+#include <mutex>
+#include <vector>
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
@@ -18,6 +20,7 @@
 #include "core/datasets/camera_file.h"
 #include "core/datasets/open_dataset.h"
 #include "core/geometry/body_frame.h"
+#include "core/run/tracking_state.h"
 #include "plslam/pose_t.hpp"
 #include "plslam/robot_motion_t.hpp"
 #include "plslam/stage_t.hpp"
@@ -26,7 +29,9 @@
 #include "tests/integration/lcm_robot.h"
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"
+#include "tests/support/python.h"
 #include "tests/support/sanitized.h"
+#include "tests/support/shell.h"
 #include "tests/support/text_file.h"
 #include "tests/unit/bus/bus_fixture.h"
 
@@ -269,6 +274,47 @@ TEST(AdapterChannels, ThoseWithImagesAreListed) {
     return log().find("images are on /left") != std::string::npos;
   })) << log();
   EXPECT_NE(log().find("waiting for images on /lefft and /right"), std::string::npos) << log();
+}
+
+/// The example tools/python/examples/send_images.py: a wall 2 m away, passed at 0.4 m/s.
+TEST(AdapterPython, ImagesOfNumpyAreTracked) {
+  const std::string python = test::PythonWithNumpy();
+  if (python.empty()) GTEST_SKIP() << "no Python with numpy here";
+  const std::string url = bus::test::PrivateUrl(), foreign = bus::test::PrivateUrl();
+  ByHand run(url);
+  std::mutex mutex;
+  std::vector<pose_t> poses;
+  bus::BusOptions options;
+  options.url = url;
+  bus::test::RunningBus listener(options, "listener");
+  listener->Subscribe<pose_t>(bus::kPose, [&](const pose_t& pose) {
+    const std::scoped_lock lock(mutex);
+    poses.push_back(pose);
+  });
+  listener.Start();
+  std::ofstream(run.folder() / "camera.yaml")
+      << "rate_hz: 20\nbaseline_m: 0.1\nleft:\n  resolution_px: [376, 240]\n  focal_length_px: [200, 200]\n"
+         "  principal_point_px: [187.5, 119.5]\n";
+  run.StartPlain("vo_process", {"--url", url, "--set", "vo.map.enabled=false"});
+  run.StartPlain("adapter", {"--images", "CAMERA", "--camera", (run.folder() / "camera.yaml").string(), "--url", url,
+                             "--foreign-url", foreign});
+  const ScratchFolder folder;
+  const test::ShellResult sent = test::Shell(
+      folder,
+      fmt::format("PYTHONDONTWRITEBYTECODE=1 PYTHONPATH='{}' {} '{}/tools/python/examples/send_images.py' '{}'",
+                  PLSLAM_PYTHON_FOLDER, python, test::SourceFolder().string(), foreign));
+  ASSERT_EQ(sent.exit_code, 0) << sent.error;
+  ASSERT_TRUE(WholeRun::WaitFor([&] {
+    const std::scoped_lock lock(mutex);
+    return poses.size() > 60;
+  })) << run.Logs();
+  const std::scoped_lock lock(mutex);
+  const pose_t &first = poses[20], &last = poses[60];
+  EXPECT_EQ(last.state, static_cast<int8_t>(TrackingState::kTracking));
+  const double metres = last.T_odom_c.position_m[0] - first.T_odom_c.position_m[0];
+  const double expected = 0.4e-9 * static_cast<double>(last.header.t_ns - first.header.t_ns);
+  EXPECT_NEAR(metres, expected, 0.03 * expected);
+  listener.Join();
 }
 
 INSTANTIATE_TEST_SUITE_P(Inputs, AdapterInputs,

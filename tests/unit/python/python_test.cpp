@@ -483,10 +483,11 @@ TEST_F(Python, TypesPassMypy) {
   // The generated types of messages have none.
   const ShellResult result =
       Shell(folder(),
-            fmt::format("cd '{0}/plslam' && mypy --cache-dir=/dev/null --python-executable /usr/bin/python3 "
-                        "--disallow-untyped-defs --follow-imports=silent __init__.py errors.py log.py map_file.py "
-                        "run.py wire.py",
-                        PLSLAM_PYTHON_FOLDER));
+            fmt::format(
+                "cd '{0}/plslam' && mypy --cache-dir=/dev/null --python-executable /usr/bin/python3 "
+                "--disallow-untyped-defs --follow-imports=silent __init__.py errors.py images.py log.py map_file.py "
+                "run.py wire.py",
+                PLSLAM_PYTHON_FOLDER));
   EXPECT_EQ(result.exit_code, 0) << result.out << result.error;
 }
 

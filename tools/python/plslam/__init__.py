@@ -3,6 +3,7 @@
 
     for message in plslam.listen():            # live messages of the processes
     for message in plslam.read_log("run.lcm"): # recorded messages
+    plslam.ImageSender().send(left, right)     # images for `adapter`
     run = plslam.load_run("out/room")          # trajectories and figures of a run
     map = plslam.load_map("room.plmap")        # keyframes, landmarks and observations as arrays
 
@@ -13,6 +14,7 @@ pixels; T_w_c takes points of c to w. See docs/python.md.
 # The generated types refer to each other as plslam.NAME, so they are imported first.
 from .messages import *  # noqa: F401,F403
 from .errors import FileError
+from .images import ImageSender
 from .log import read_log
 from .map_file import Camera, Features, Keyframes, Lines, Map, Points, load_map
 from .run import Run, Trajectory, load_run, read_covariances, read_trajectory

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "core/map/vertical.h"
@@ -88,7 +89,7 @@ void Film::Finish() {
 void Film::Open(double rate_hz, const cv::Size& size) {
   video_ = std::make_unique<RunVideo>(path_, std::move(program_), rate_hz, size);
   if (!video_->why_folder().empty()) {
-    spdlog::warn("{}; numbered pictures are written to {}", video_->why_folder(), video_->path());
+    note_ = fmt::format("{}; numbered pictures are written to {}", video_->why_folder(), video_->path());
   }
 }
 

@@ -66,6 +66,8 @@ class Film {
   /// Completes the film after the last picture, gives it its final name, and logs it. Throws std::runtime_error if
   /// there is no film.
   void Finish();
+  /// The sentence about a requested file that is a folder of pictures instead; empty if it is as requested.
+  const std::string& note() const { return note_; }
 
  private:
   struct Waiting {
@@ -77,6 +79,7 @@ class Film {
   void Open(double rate_hz, const cv::Size& size);
 
   std::string path_;
+  std::string note_;
   /// Empty after the first picture.
   std::unique_ptr<FilmProcess> program_;
   /// The reason why there is no film.

@@ -197,6 +197,9 @@ std::string LogDataset::WhyNoFrames() const {
     return "is a video: the process camera plays two videos listed in a rig file (source: files: [left.mp4, "
            "right.mp4]; docs/datasets.md, 'A live camera'), with `plslam run rig.yaml --pace lockstep`";
   }
+  if (extension == ".yaml" || extension == ".yml") {
+    return "is a YAML file without `source:`, so no rig file of live cameras (docs/datasets.md, 'A live camera')";
+  }
   const char* hint = start == "PLSLAMAP" ? ": it is a map; give it as --map to the run of a dataset" : "";
   return fmt::format("is not an LCM log: it begins with '{}'{}", Shown(start), hint);
 }

@@ -128,7 +128,7 @@ Findings CheckPrograms() {
     if (access((ProgramFolder() / program).c_str(), X_OK) != 0) missing.emplace_back(program);
   }
   const std::string folder = ProgramFolder().string();
-  if (missing.empty()) return {Good("programs", "all programs are in " + folder)};
+  if (missing.empty()) return {Good("programs", "all programs of a run are in " + folder)};
   return {Problem("programs", fmt::format("not in {}, or not executable: {}", folder, fmt::join(missing, ", ")),
                   "scripts/build release plslam_programs   # or install the package again")};
 }

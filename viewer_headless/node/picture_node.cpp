@@ -55,6 +55,7 @@ void PictureNode::StartNewRun(PictureStore* store) {
   sources_.store = store;
   film_.reset();
   film_problem_.reset();
+  film_note_.clear();
   if (!options_.video.empty() && sources_.map != nullptr) film_ = std::make_unique<Film>(options_.video);
   if (film_ && camera_) film_->SetRate(camera_->rig.rate_hz);
   queue_ = OverlayQueue(Every(options_, store));
@@ -173,6 +174,7 @@ PictureNode::Result PictureNode::Finish(const Recorder& recorder, bool lockstep,
   for (const std::string& failure : {LackOfOverlays(recorder, lockstep, last), LackOfFilm(lockstep, lacking)}) {
     if (!failure.empty()) result.failures.push_back(failure);
   }
+  result.film_note = film_note_;
   return result;
 }
 
@@ -200,6 +202,7 @@ std::string PictureNode::LackOfFilm(bool lockstep, int64_t missing) {
   } else if (n_pictures_ + missing > 0) {
     try {
       film_->Finish();
+      film_note_ = film_->note();
     } catch (const std::exception& e) {
       film_problem_ = e.what();
     }

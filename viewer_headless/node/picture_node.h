@@ -50,6 +50,7 @@ class PictureNode {
     int64_t missing = 0;  ///< requested pictures that do not exist
     /// One sentence for each explicitly requested output (overlays, the film) that is missing.
     std::vector<std::string> failures;
+    std::string film_note;  ///< Film::note
   };
   /// Ends the pictures of this run: the film gets its final name if it is complete. `lockstep`: every picture was
   /// promised. `ended`: the end of the stream has arrived; otherwise frames after the newest picture do not count as
@@ -95,6 +96,7 @@ class PictureNode {
   std::string problem_;
   /// After the end of the film: the reason why it does not exist, or empty.
   std::optional<std::string> film_problem_;
+  std::string film_note_;
   std::unique_ptr<bus::FrameSubscriber> frames_;
 };
 

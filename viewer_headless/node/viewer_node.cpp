@@ -236,6 +236,7 @@ void ViewerNode::Write(bool ended) {
   // Finished first, because the report lists its missing pictures.
   const PictureNode::Result pictures = pictures_->Finish(recorder_, lockstep_, ended);
   process_.SetCounter(kPicturesMissing, static_cast<double>(pictures.missing));
+  if (!pictures.film_note.empty()) process_.Warn("film_as_pictures", pictures.film_note);
   std::vector<std::string> failures = WriteFiles();
   failures.insert(failures.end(), pictures.failures.begin(), pictures.failures.end());
   SetFailures(failures);

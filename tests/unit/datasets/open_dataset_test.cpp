@@ -54,6 +54,13 @@ TEST(OpenDataset, VideosAreSentToTheCameraProcess) {
                                                               HasSubstr("files: [left.mp4, right.mp4]")));
 }
 
+TEST(OpenDataset, YamlThatIsNoRigFileIsExplained) {
+  const test::TemporaryFolder folder;
+  const std::string rig = (folder.path() / "rig.yaml").string();
+  test::WriteText(rig, "devices: [/dev/video0, /dev/video2]\n");
+  EXPECT_THAT(ErrorOf([&] { OpenDataset(rig, ""); }), HasSubstr(rig + ": is a YAML file without `source:`"));
+}
+
 TEST(OpenDataset, TopicsBelongToTheNameOfARecording) {
   const test::TemporaryFolder folder;
   const std::string file = (folder.path() / "a.mcap").string();

@@ -15,6 +15,7 @@
 #include "core/io/trajectories/trajectory.h"
 #include "plslam/ground_truth_t.hpp"
 #include "plslam/tracks_t.hpp"
+#include "plslam/warning_t.hpp"
 #include "tests/support/text_file.h"
 #include "tests/unit/viewer/some_rig.h"
 #include "tests/unit/viewer/viewer_fixture.h"
@@ -244,6 +245,33 @@ TEST_F(ViewerNodeTest, WithoutReportThereIsNone) {
   PublishStream("end", 1);
   bus().Run();
   EXPECT_FALSE(std::filesystem::exists(Out("report.html")));
+}
+
+/// The film program is not beside the program of this test.
+TEST_F(ViewerNodeTest, FilmWithoutEncoderIsAFolder) {
+  std::vector<std::string> warnings;
+  bus().Subscribe<warning_t>(bus::kWarning, [&](const warning_t& m) {
+    warnings.push_back(m.code + ": " + m.sentence);
+    bus().Stop();
+  });
+  ViewerOptions options = Options();
+  options.video = folder_.Path("film.mp4");
+  const ViewerNode node(*process_, options);
+  PublishCamera();
+  PublishStream("begin", 2);
+  int64_t frame = -1;
+  bus().Every(std::chrono::milliseconds(30), [&] {
+    if (++frame == 2) PublishStream("end", 2);
+    if (frame > 1) return;
+    PublishPose(frame);
+    PublishImages(frame);
+    PublishTracks(frame);
+  });
+  bus().Run();
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_THAT(warnings[0], testing::StartsWith("film_as_pictures: "));
+  EXPECT_THAT(warnings[0], testing::HasSubstr("numbered pictures are written to " + folder_.Path("film")));
+  EXPECT_TRUE(std::filesystem::exists(folder_.Path("film/000001.png")));
 }
 
 TEST_F(ViewerNodeTest, FilmsTheRun) {

@@ -9,6 +9,7 @@
 #include "tools/plslam/commands.h"
 #include "tools/plslam/version.h"
 #include "tools/rectify_check/rectify_check_command.h"
+#include "tools/refine/refine_command.h"
 
 int main(int argc, char** argv) {
   CLI::App app("Runs, records and replays stereo visual SLAM with points and lines.", "plslam");
@@ -27,10 +28,11 @@ int main(int argc, char** argv) {
   plslam::launcher::Command command;
   for (const auto add :
        {plslam::launcher::AddRunCommand, plslam::launcher::AddReplayCommand, plslam::launcher::AddRecordCommand,
-        plslam::launcher::AddOrderCommands, plslam::exports::AddExportCommand, plslam::launcher::AddTopCommand,
-        plslam::launcher::AddRelayCommand, plslam::launcher::AddProcessesCommand, plslam::launcher::AddConfigCommand,
-        plslam::doctor::AddDoctorCommand, plslam::rectify_check::AddRectifyCheckCommand,
-        plslam::calibration::AddCalibrationCommand, plslam::calibration::AddCalibrateCommand}) {
+        plslam::launcher::AddOrderCommands, plslam::exports::AddExportCommand, plslam::refine::AddRefineCommand,
+        plslam::launcher::AddTopCommand, plslam::launcher::AddRelayCommand, plslam::launcher::AddProcessesCommand,
+        plslam::launcher::AddConfigCommand, plslam::doctor::AddDoctorCommand,
+        plslam::rectify_check::AddRectifyCheckCommand, plslam::calibration::AddCalibrationCommand,
+        plslam::calibration::AddCalibrateCommand}) {
     add(&app, &command);
   }
   // Log lines are kept apart from the output of a command.

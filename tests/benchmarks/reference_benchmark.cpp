@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Our solvers beside Ceres with the reference cost functions, from the same start to the same tolerance
+// (docs/lab/refine.md).
+#include <benchmark/benchmark.h>
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/optim/pose_graph/pose_graph.h"
+#include "core/optim/pose_graph/pose_graph_check.h"
+#include "core/optim/pose_graph/pose_graph_chordal.h"
+#include "tests/support/data_folder.h"
+#include "tests/unit/optim/bundle_world.h"
+#include "tests/unit/reference/reference_graph.h"
+#include "tests/unit/reference/reference_window.h"
+#include "tools/pose_graph/g2o.h"
+#include "tools/pose_graph/pose_graph_chain.h"
+
+namespace plslam {
+namespace {
+
+constexpr double kTolerance = 1e-6;
+
+test::BundleWorld Window(int poses) {
+  test::BundleWorldSpec spec;
+  spec.fixed_poses = 1;
+  spec.free_poses = poses - 1;
+  spec.points = 100 * poses;
+  spec.lines = 15 * poses;
+  spec.start_m = 0.005;
+  spec.start_rad = 0.001;
+  return test::MakeBundleWorld(spec, 1);
+}
+
+void BM_WindowByOurs(benchmark::State& state) {
+  const test::BundleWorld world = Window(static_cast<int>(state.range(0)));
+  BundleOptions options;
+  options.max_iterations = 50;
+  options.max_refinements = 0;
+  options.function_tolerance = kTolerance;
+  BundleResult result;
+  for (auto _ : state) {
+    result = AdjustBundle(world.problem, options, nullptr, BundleCovariances::kNone);
+    benchmark::DoNotOptimize(result.iterations);
+  }
+  state.counters["iterations"] = result.iterations;
+  state.counters["cost"] = test::ReferenceWindow(world.problem, false, options.huber_delta).CostAt(result, false);
+}
+BENCHMARK(BM_WindowByOurs)->Arg(11)->Arg(50)->Arg(150)->Arg(1342)->Unit(benchmark::kMillisecond);
+
+void WindowByCeres(benchmark::State& state, ceres::LinearSolverType solver) {
+  const test::BundleWorld world = Window(static_cast<int>(state.range(0)));
+  ceres::Solver::Options options;
+  options.linear_solver_type = solver;
+  options.preconditioner_type = ceres::CLUSTER_JACOBI;
+  options.num_threads = static_cast<int>(state.range(1));
+  options.max_num_iterations = 50;
+  options.function_tolerance = kTolerance;
+  ceres::Solver::Summary summary;
+  for (auto _ : state) {
+    state.PauseTiming();
+    test::ReferenceWindow window(world.problem, false, BundleOptions{}.huber_delta);
+    state.ResumeTiming();
+    summary = window.Solve(options);
+  }
+  state.counters["iterations"] = static_cast<double>(summary.iterations.size()) - 1.0;
+  state.counters["cost"] = summary.final_cost;
+}
+void BM_WindowByDenseSchur(benchmark::State& state) { WindowByCeres(state, ceres::DENSE_SCHUR); }
+void BM_WindowBySparseSchur(benchmark::State& state) { WindowByCeres(state, ceres::SPARSE_SCHUR); }
+void BM_WindowByIterativeSchur(benchmark::State& state) { WindowByCeres(state, ceres::ITERATIVE_SCHUR); }
+BENCHMARK(BM_WindowByDenseSchur)->ArgsProduct({{11, 50, 150}, {1, 2}})->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_WindowBySparseSchur)->ArgsProduct({{11, 50, 150, 1342}, {1, 2}})->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_WindowByIterativeSchur)->ArgsProduct({{11, 50, 150, 1342}, {1, 2}})->Unit(benchmark::kMillisecond);
+
+const char* const kGraphs[] = {"parking-garage", "sphere2500", "intel", "manhattan"};
+
+/// The graph at the start that both solvers have: the chordal relaxation.
+template <class Pose>
+std::vector<Pose> ChordalStart(const PoseGraph<Pose>& graph) {
+  const std::vector<bool> none(graph.edges.size(), false);
+  return ChordalPoses(graph, ConstantPoses(graph, none)).value();
+}
+
+template <class Solve>
+void SolveGraph(benchmark::State& state, const Solve& solve) {
+  const std::string name = kGraphs[state.range(0)];
+  state.SetLabel(name);
+  const auto folder = test::DataFolder("posegraphs");
+  if (!folder) return state.SkipWithError("no data");
+  pose_graph::G2oFile file = pose_graph::ReadG2o((*folder / (name + ".g2o")).string());
+  std::visit([&](auto& content) { solve(content.graph, ChordalStart(content.graph)); }, file.content);
+}
+
+void BM_GraphByOurs(benchmark::State& state) {
+  SolveGraph(state, [&state](auto& graph, const auto& start) {
+    for (size_t i = 0; i < start.size(); ++i) graph.poses[i].T_w_kf = start[i];
+    PoseGraphOptions options;
+    options.max_iterations = 50;
+    options.function_tolerance = kTolerance;
+    double cost = 0.0;
+    for (auto _ : state) cost = 0.5 * OptimisePoseGraph(graph, options).chi2_after;
+    state.counters["cost"] = cost;
+  });
+}
+BENCHMARK(BM_GraphByOurs)->DenseRange(0, 3)->Unit(benchmark::kMillisecond);
+
+void BM_GraphByCeres(benchmark::State& state) {
+  SolveGraph(state, [&state]<class Pose>(const PoseGraph<Pose>& graph, const std::vector<Pose>& start) {
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+    options.num_threads = static_cast<int>(state.range(1));
+    options.max_num_iterations = 50;
+    options.function_tolerance = kTolerance;
+    options.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    for (auto _ : state) {
+      state.PauseTiming();
+      test::ReferenceGraph<Pose> reference(graph, start);
+      state.ResumeTiming();
+      ceres::Solve(options, &reference.problem(), &summary);
+    }
+    state.counters["cost"] = summary.final_cost;
+  });
+}
+BENCHMARK(BM_GraphByCeres)->ArgsProduct({{0, 1, 2, 3}, {1, 2}})->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace plslam
+
+BENCHMARK_MAIN();

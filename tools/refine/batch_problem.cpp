@@ -1,0 +1,560 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/refine/batch_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numeric>
+#include <set>
+#include <utility>
+
+#include <ceres/ceres.h>
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "core/optim/bundle/line_cost.h"
+#include "core/optim/bundle/relative_poses.h"
+#include "core/optim/reference/line_functor.h"
+#include "core/optim/reference/motion_functor.h"
+#include "core/optim/reference/point_functor.h"
+#include "tools/refine/batch_state.h"
+
+namespace plslam::refine {
+namespace {
+
+using reference::kPairSize;
+
+// As in the adjustments at run time (core/optim/bundle/options.h).
+constexpr double kHuber = 1.5;
+// Residual, in standard deviations, of a landmark behind a camera: constant, so that one bad landmark does not forbid a
+// step of all.
+constexpr double kBehind = 30.0;
+// A landmark is determined if its position is known to this share of its distance; others get a weak prior.
+constexpr double kDetermined = 0.3;
+// A parameter of the camera is determined if its sigma is at most this share of its prior's.
+constexpr double kPairDetermined = 0.5;
+// Sigmas by which a parameter must differ from the given camera to be changed.
+constexpr double kDiffers = 3.0;
+// Iterations of a solve that starts near its optimum.
+constexpr int kShortSolve = 8;
+// Groups of the jackknife.
+constexpr size_t kGroups = 5;
+// Observations up to which a sparse QR factorisation takes less than about a minute.
+constexpr size_t kMaxQrObservations = 120'000;
+
+/// Replaces the failure of a landmark behind a camera by a constant.
+template <class Functor>
+struct Bounded {
+  Functor functor;
+
+  template <typename T, typename... Rest>
+  bool operator()(const T* first, Rest... rest) const {
+    T* const residuals = std::get<sizeof...(Rest) - 1>(std::tuple<Rest...>(rest...));
+    if (!Call(first, rest...)) std::fill(residuals, residuals + functor.rows(), T(kBehind));
+    return true;
+  }
+
+ private:
+  template <typename... Arguments>
+  bool Call(Arguments... arguments) const {
+    return functor(arguments...);
+  }
+};
+
+template <class Functor, int... kSizes>
+ceres::CostFunction* MakeCost(Functor functor) {
+  const int rows = functor.rows();
+  using Auto = ceres::AutoDiffCostFunction<Bounded<Functor>, ceres::DYNAMIC, kSizes...>;
+  return new Auto(new Bounded<Functor>{std::move(functor)}, rows);  // NOLINT: Ceres owns both.
+}
+
+/// The first pose of each part of the problem that active observations and motions connect, and all poses without any.
+std::vector<bool> ConstantPoses(const BatchProblem& problem) {
+  const BundleProblem& bundle = problem.bundle;
+  const size_t n_poses = bundle.poses.size();
+  const size_t n_points = bundle.points.size();
+  std::vector<int> parent(n_poses + n_points + bundle.lines.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto find = [&parent](size_t i) {
+    auto k = static_cast<int>(i);
+    while (parent[static_cast<size_t>(k)] != k) {
+      k = parent[static_cast<size_t>(k)] = parent[static_cast<size_t>(parent[static_cast<size_t>(k)])];
+    }
+    return k;
+  };
+  const auto join = [&](int a, size_t b) {
+    const int root_a = find(static_cast<size_t>(a));
+    const int root_b = find(b);
+    parent[static_cast<size_t>(std::max(root_a, root_b))] = std::min(root_a, root_b);
+  };
+  for (size_t i = 0; i < bundle.point_observations.size(); ++i) {
+    const PointObservation& seen = bundle.point_observations[i];
+    if (problem.point_active[i] != 0) join(seen.pose, n_poses + static_cast<size_t>(seen.point));
+  }
+  for (size_t i = 0; i < bundle.line_observations.size(); ++i) {
+    const LineObservation& seen = bundle.line_observations[i];
+    if (problem.line_active[i] != 0) join(seen.pose, n_poses + n_points + static_cast<size_t>(seen.line));
+  }
+  for (const RelativePose& motion : bundle.relative_poses) join(motion.a, static_cast<size_t>(motion.b));
+  std::vector<bool> constant(n_poses);
+  for (size_t i = 0; i < n_poses; ++i) constant[i] = find(i) == static_cast<int>(i);
+  return constant;
+}
+
+Eigen::MatrixXd InformationOf(const ceres::CostFunction& cost, const std::vector<double*>& blocks, size_t landmark) {
+  const auto& sizes = cost.parameter_block_sizes();
+  const int rows = cost.num_residuals();
+  Eigen::VectorXd r(rows);
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> J(rows, sizes[landmark]);
+  std::vector<double*> jacobians(blocks.size(), nullptr);
+  jacobians[landmark] = J.data();
+  if (!cost.Evaluate(blocks.data(), r.data(), jacobians.data())) return Eigen::MatrixXd::Zero(J.cols(), J.cols());
+  return J.transpose() * J;
+}
+
+/// A Ceres problem at a state, with the weak priors.
+class CeresProblem {
+ public:
+  CeresProblem(const BatchProblem& problem, State& state, CameraChoice camera,
+               const std::array<bool, kPairSize>& pair_free)
+      : given_(problem), state_(state), with_pair_(camera != CameraChoice::kFixed) {
+    ceres::Problem::Options options;
+    options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    ceres_ = std::make_unique<ceres::Problem>(options);
+    AddPoints();
+    AddLines();
+    AddMotions();
+    AddPair(pair_free);
+    const std::vector<bool> constant = ConstantPoses(problem);
+    for (size_t i = 0; i < constant.size(); ++i) {
+      double* pose = state_.Pose(static_cast<int>(i));
+      if (constant[i] && ceres_->HasParameterBlock(pose)) ceres_->SetParameterBlockConstant(pose);
+    }
+  }
+
+  ceres::Problem& ceres() { return *ceres_; }
+  /// Conditional information of each landmark that is observed.
+  const std::vector<Eigen::Matrix3d>& point_information() const { return point_information_; }
+  const std::vector<Eigen::Matrix4d>& line_information() const { return line_information_; }
+
+  void SetOrdering(ceres::Solver::Options& options) const {
+    auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+    std::vector<double*> blocks;
+    ceres_->GetParameterBlocks(&blocks);
+    std::set<const double*> landmarks;
+    for (size_t i = 0; i < given_.bundle.points.size(); ++i) landmarks.insert(state_.Point(static_cast<int>(i)));
+    for (size_t i = 0; i < given_.bundle.lines.size(); ++i) landmarks.insert(state_.Line(static_cast<int>(i)));
+    for (double* block : blocks) ordering->AddElementToGroup(block, landmarks.contains(block) ? 0 : 1);
+    options.linear_solver_ordering = ordering;
+  }
+
+ private:
+  void AddPoints() {
+    const BundleProblem& bundle = given_.bundle;
+    point_information_.assign(bundle.points.size(), Eigen::Matrix3d::Zero());
+    std::vector<double> nearest(bundle.points.size(), std::numeric_limits<double>::max());
+    for (size_t i = 0; i < bundle.point_observations.size(); ++i) {
+      if (given_.point_active[i] == 0) continue;
+      const PointObservation& seen = bundle.point_observations[i];
+      const auto k = static_cast<size_t>(seen.point);
+      std::vector<double*> blocks{state_.Pose(seen.pose), state_.Point(seen.point)};
+      ceres::CostFunction* cost = nullptr;
+      if (with_pair_) {
+        blocks.push_back(state_.Pair());
+        cost = MakeCost<reference::PairPointFunctor, 6, 3, kPairSize>(state_.PairPointOf(i));
+      } else {
+        cost = MakeCost<reference::PointFunctor, 6, 3>(state_.PointOf(i));
+      }
+      ceres_->AddResidualBlock(cost, &loss_, blocks);
+      point_information_[k] += InformationOf(*cost, blocks, 1);
+      const double distance_m =
+          (state_.T_w_c(seen.pose).translation() - Eigen::Map<Eigen::Vector3d>(state_.Point(seen.point))).norm();
+      nearest[k] = std::min(nearest[k], distance_m);
+    }
+    for (size_t k = 0; k < nearest.size(); ++k) {
+      AddPrior<3>(state_.Point(static_cast<int>(k)), nearest[k], point_information_[k]);
+    }
+  }
+
+  void AddLines() {
+    const BundleProblem& bundle = given_.bundle;
+    line_information_.assign(bundle.lines.size(), Eigen::Matrix4d::Zero());
+    std::vector<double> nearest(bundle.lines.size(), std::numeric_limits<double>::max());
+    for (size_t i = 0; i < bundle.line_observations.size(); ++i) {
+      if (given_.line_active[i] == 0) continue;
+      const LineObservation& seen = bundle.line_observations[i];
+      const auto k = static_cast<size_t>(seen.line);
+      std::vector<double*> blocks{state_.Pose(seen.pose), state_.Line(seen.line)};
+      ceres::CostFunction* cost = nullptr;
+      if (with_pair_) {
+        blocks.push_back(state_.Pair());
+        cost = MakeCost<reference::LineFunctor, 6, 4, kPairSize>(state_.LineOf(i));
+      } else {
+        cost = MakeCost<reference::LineFunctor, 6, 4>(state_.LineOf(i));
+      }
+      ceres_->AddResidualBlock(cost, &loss_, blocks);
+      line_information_[k] += InformationOf(*cost, blocks, 1);
+      const Segment3 segment = state_.SegmentOf(seen.line);
+      const double distance_m = (state_.T_w_c(seen.pose).translation() - 0.5 * (segment.p + segment.q)).norm();
+      nearest[k] = std::min(nearest[k], distance_m);
+    }
+    for (size_t k = 0; k < nearest.size(); ++k) {
+      AddPrior<4>(state_.Line(static_cast<int>(k)), nearest[k], line_information_[k]);
+    }
+  }
+
+  template <int N>
+  void AddPrior(double* block, double distance_m, Eigen::Matrix<double, N, N>& information) {
+    using Vector = Eigen::Matrix<double, N, 1>;
+    using Square = Eigen::Matrix<double, N, N>;
+    if (information.isZero(0.0)) return;
+    const double distance = std::max(distance_m, 1e-3);
+    const double least = 1.0 / (kDetermined * kDetermined * distance * distance);
+    const Eigen::SelfAdjointEigenSolver<Square> eigen(information, Eigen::EigenvaluesOnly);
+    if (eigen.eigenvalues()(0) > least) return;
+    const Square weight = Square::Identity() / distance;
+    information += weight * weight;
+    using Prior = reference::PriorFunctor<N>;
+    auto* prior = new Prior{Eigen::Map<const Vector>(block), weight};  // NOLINT: Ceres owns both.
+    auto* cost = new ceres::AutoDiffCostFunction<Prior, N, N>(prior);  // NOLINT
+    ceres_->AddResidualBlock(cost, nullptr, block);
+  }
+
+  void AddMotions() {
+    for (const RelativePose& motion : given_.bundle.relative_poses) {
+      if (Eigen::LLT<Matrix6d>(motion.covariance).info() != Eigen::Success) continue;
+      const auto start = [this](int i) { return given_.bundle.poses[static_cast<size_t>(i)].T_w_c; };
+      using Motion = reference::MotionFunctor;
+      auto* functor = new Motion(motion, start(motion.a), start(motion.b));    // NOLINT: Ceres owns both.
+      auto* cost = new ceres::AutoDiffCostFunction<Motion, 6, 6, 6>(functor);  // NOLINT
+      ceres_->AddResidualBlock(cost, &motion_loss_, state_.Pose(motion.a), state_.Pose(motion.b));
+    }
+  }
+
+  void AddPair(const std::array<bool, kPairSize>& free) {
+    if (!with_pair_ || !ceres_->HasParameterBlock(state_.Pair())) return;
+    using Prior = reference::PriorFunctor<kPairSize>;
+    auto* prior = new Prior{};  // NOLINT: Ceres owns it.
+    prior->mean.setZero();
+    prior->W.setZero();
+    std::vector<int> constant;
+    for (int i = 0; i < kPairSize; ++i) {
+      prior->W(i, i) = 1.0 / PairParameterRows()[static_cast<size_t>(i)].prior_sigma;
+      if (!free[static_cast<size_t>(i)]) constant.push_back(i);
+    }
+    ceres_->AddResidualBlock(new ceres::AutoDiffCostFunction<Prior, kPairSize, kPairSize>(prior),  // NOLINT
+                             nullptr, state_.Pair());
+    if (constant.size() == static_cast<size_t>(kPairSize)) {
+      ceres_->SetParameterBlockConstant(state_.Pair());
+    } else if (!constant.empty()) {
+      ceres_->SetManifold(state_.Pair(), new ceres::SubsetManifold(kPairSize, constant));  // NOLINT
+    }
+  }
+
+  const BatchProblem& given_;
+  State& state_;
+  bool with_pair_;
+  ceres::SoftLOneLoss loss_{kHuber};
+  ceres::SoftLOneLoss motion_loss_{RelativePoses::kDelta};
+  std::unique_ptr<ceres::Problem> ceres_;
+  std::vector<Eigen::Matrix3d> point_information_;
+  std::vector<Eigen::Matrix4d> line_information_;
+};
+
+class Reporter : public ceres::IterationCallback {
+ public:
+  explicit Reporter(const BatchOptions& options) : options_(options) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
+    if (options_.progress) options_.progress(summary.iteration, summary.cost);
+    const bool stop = options_.stop != nullptr && options_.stop->load();
+    return stop ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  const BatchOptions& options_;
+};
+
+ceres::Solver::Summary Solve(CeresProblem& problem, const BatchOptions& options, bool iterative) {
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = iterative ? ceres::ITERATIVE_SCHUR : ceres::SPARSE_SCHUR;
+  solver.preconditioner_type = ceres::CLUSTER_JACOBI;
+  solver.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
+  solver.use_explicit_schur_complement = false;
+  solver.max_num_iterations = options.max_iterations;
+  solver.num_threads = options.threads;
+  solver.function_tolerance = 1e-6;
+  solver.parameter_tolerance = 1e-10;
+  solver.logging_type = ceres::SILENT;
+  problem.SetOrdering(solver);
+  Reporter reporter(options);
+  solver.callbacks.push_back(&reporter);
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &problem.ceres(), &summary);
+  return summary;
+}
+
+/// Standard deviations of the free parameters of the camera; infinite if the problem is singular or too large.
+PairParameters PairSigmas(CeresProblem& problem, State& state, const std::array<bool, kPairSize>& free, int threads) {
+  PairParameters sigma{};
+  ceres::Covariance::Options options;
+  options.algorithm_type = ceres::SPARSE_QR;
+  options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
+  options.num_threads = threads;
+  ceres::Covariance covariance(options);
+  Eigen::Matrix<double, kPairSize, kPairSize, Eigen::RowMajor> C;
+  const std::vector<std::pair<const double*, const double*>> wanted{{state.Pair(), state.Pair()}};
+  const bool known = covariance.Compute(wanted, &problem.ceres()) &&
+                     covariance.GetCovarianceBlock(state.Pair(), state.Pair(), C.data());
+  for (int i = 0; i < kPairSize; ++i) {
+    const auto k = static_cast<size_t>(i);
+    if (free[k]) sigma[k] = known ? std::sqrt(std::max(0.0, C(i, i))) : std::numeric_limits<double>::infinity();
+  }
+  return sigma;
+}
+
+/// The parameters that a choice of the camera names, of the given ones.
+std::array<bool, kPairSize> FreeParameters(const BatchOptions& options) {
+  std::array<bool, kPairSize> free = options.pair_free;
+  const size_t n = options.camera == CameraChoice::kFixed        ? 0
+                   : options.camera == CameraChoice::kIntrinsics ? reference::kTurnX
+                                                                 : kPairSize;
+  std::fill(free.begin() + static_cast<std::ptrdiff_t>(n), free.end(), false);
+  return free;
+}
+
+/// The problem without the observations of the keyframes of one of `kGroups` successive groups.
+BatchProblem WithoutGroup(const BatchProblem& problem, size_t group) {
+  BatchProblem rest = problem;
+  const auto is_in = [&](int pose) {
+    return static_cast<size_t>(pose) * kGroups / problem.bundle.poses.size() == group;
+  };
+  for (size_t i = 0; i < rest.point_active.size(); ++i) {
+    if (is_in(problem.bundle.point_observations[i].pose)) rest.point_active[i] = 0;
+  }
+  for (size_t i = 0; i < rest.line_active.size(); ++i) {
+    if (is_in(problem.bundle.line_observations[i].pose)) rest.line_active[i] = 0;
+  }
+  return rest;
+}
+
+/// Standard deviations by the delete-a-group jackknife: (K - 1) / K times the sum of squared deviations from the mean.
+PairParameters JackknifeSigmas(const BatchProblem& problem, const BatchOptions& options) {
+  std::vector<PairParameters> estimates;
+  for (size_t group = 0; group < kGroups; ++group) {
+    const BatchResult result = SolveBatch(WithoutGroup(problem, group), options);
+    if (result.ok) estimates.push_back(result.pair);
+  }
+  PairParameters sigma{};
+  const auto n = static_cast<double>(estimates.size());
+  if (n < 2.0) return sigma;
+  for (size_t i = 0; i < kPairSize; ++i) {
+    double mean = 0.0, squares = 0.0;
+    for (const PairParameters& estimate : estimates) mean += estimate[i] / n;
+    for (const PairParameters& estimate : estimates) squares += (estimate[i] - mean) * (estimate[i] - mean);
+    sigma[i] = std::sqrt((n - 1.0) / n * squares);
+  }
+  return sigma;
+}
+
+/// Leaves one parameter as it was: that determined least if it is not determined, else that which differs least from
+/// the given camera if it does not differ. Returns whether there was one.
+bool LeaveOne(PairEstimate& pair) {
+  const auto worst = [&pair](const auto& badness, double limit) {
+    int index = -1;
+    for (size_t i = 0; i < kPairSize; ++i) {
+      if (pair.state[i] != PairState::kEstimated || badness(i) <= limit) continue;
+      limit = badness(i);
+      index = static_cast<int>(i);
+    }
+    return index;
+  };
+  const auto leave = [&pair](int index, PairState state) {
+    const auto i = static_cast<size_t>(index);
+    pair.state[i] = state;
+    pair.value[i] = 0.0;
+    return true;
+  };
+  const int unknown =
+      worst([&pair](size_t i) { return pair.sigma[i] / PairParameterRows()[i].prior_sigma; }, kPairDetermined);
+  if (unknown >= 0) return leave(unknown, PairState::kUndetermined);
+  const int same =
+      worst([&pair](size_t i) { return pair.sigma[i] / std::max(std::abs(pair.value[i]), 1e-300); }, 1.0 / kDiffers);
+  return same >= 0 && leave(same, PairState::kAsGiven);
+}
+
+}  // namespace
+
+const std::array<PairParameterRow, kPairSize>& PairParameterRows() {
+  constexpr double kDeg = 1.0 / kRadPerDeg;
+  static const std::array<PairParameterRow, kPairSize> rows{{
+      {"focal length", "px", 40.0, 1.0},
+      {"principal point x", "px", 20.0, 1.0},
+      {"principal point y", "px", 20.0, 1.0},
+      {"right camera turned about x", "deg", 1.0 * kRadPerDeg, kDeg},
+      {"right camera turned about y", "deg", 1.0 * kRadPerDeg, kDeg},
+      {"right camera turned about z", "deg", 1.0 * kRadPerDeg, kDeg},
+      {"baseline direction y", "deg", 2.0 * kRadPerDeg, kDeg},
+      {"baseline direction z", "deg", 2.0 * kRadPerDeg, kDeg},
+      {"right focal length over left", "%", 0.01, 100.0},
+      {"right image later by", "ms", 0.02, 1e3},
+  }};
+  return rows;
+}
+
+BatchDemand ExpectedDemand(const BatchProblem& problem, const BatchOptions& options) {
+  // Bytes and seconds of one iteration for each observation, block of the pose system and product of two blocks,
+  // measured (docs/lab/refine.md).
+  constexpr double kBytesPerObservation = 900.0;
+  constexpr double kBytesPerPair = 3.0 * 36.0 * 8.0;
+  constexpr double kSecondsPerObservation = 4e-6;
+  constexpr double kSecondsPerProduct = 1.5e-7;
+  constexpr double kFill = 3.0;
+  constexpr double kIterations = 25.0;
+  const BundleProblem& bundle = problem.bundle;
+  std::vector<std::vector<int>> seen_by(bundle.points.size() + bundle.lines.size());
+  for (const PointObservation& seen : bundle.point_observations) {
+    seen_by[static_cast<size_t>(seen.point)].push_back(seen.pose);
+  }
+  for (const LineObservation& seen : bundle.line_observations) {
+    seen_by[bundle.points.size() + static_cast<size_t>(seen.line)].push_back(seen.pose);
+  }
+  std::vector<std::vector<int>> covisible(bundle.poses.size());
+  for (const std::vector<int>& poses : seen_by) {
+    for (const int a : poses) {
+      for (const int b : poses) {
+        if (a < b) covisible[static_cast<size_t>(a)].push_back(b);
+      }
+    }
+  }
+  double pairs = static_cast<double>(bundle.poses.size());
+  for (std::vector<int>& others : covisible) {
+    std::sort(others.begin(), others.end());
+    pairs += static_cast<double>(std::unique(others.begin(), others.end()) - others.begin());
+  }
+  const auto n = static_cast<double>(bundle.poses.size());
+  const double factor = std::min(kFill * pairs, 0.5 * n * (n + 1.0));
+  const auto observations = static_cast<double>(bundle.point_observations.size() + bundle.line_observations.size());
+  BatchDemand demand;
+  demand.iterative = factor * kBytesPerPair > static_cast<double>(options.memory_bytes);
+  const double direct = demand.iterative ? 0.0 : factor;
+  const double more = options.camera == CameraChoice::kFixed ? 1.0 : 2.5;
+  demand.memory_mb = 1e-6 * (more * observations * kBytesPerObservation + direct * kBytesPerPair);
+  const double products = demand.iterative ? 20.0 * pairs : direct * direct / std::max(1.0, n);
+  demand.seconds = kIterations * (more * observations * kSecondsPerObservation + products * kSecondsPerProduct);
+  return demand;
+}
+
+BatchFit FitOf(const BatchProblem& problem) { return State(problem).Fit(); }
+
+BatchResult SolveBatch(const BatchProblem& problem, const BatchOptions& options) {
+  BatchResult result;
+  if (problem.bundle.poses.size() < 2) {
+    result.reason = "it has fewer than two keyframes";
+    return result;
+  }
+  State state(problem);
+  CeresProblem ceres(problem, state, options.camera, FreeParameters(options));
+  if (ceres.ceres().NumResidualBlocks() == 0) {
+    result.reason = "it has no observations of landmarks";
+    return result;
+  }
+  const ceres::Solver::Summary summary = Solve(ceres, options, ExpectedDemand(problem, options).iterative);
+  if (!summary.IsSolutionUsable()) {
+    result.reason = "the solver failed: " + summary.message;
+    return result;
+  }
+  result.cost_before = summary.initial_cost;
+  result.cost_after = summary.final_cost;
+  result.iterations = static_cast<int>(summary.iterations.size()) - 1;
+  result.seconds = summary.total_time_in_seconds;
+  result.converged = summary.termination_type == ceres::CONVERGENCE;
+  result.stopped = options.stop != nullptr && options.stop->load();
+  state.Fill(result);
+  result.after = state.Fit();
+  result.ok = true;
+  return result;
+}
+
+PairEstimate ChoosePair(const BatchProblem& given, const BatchOptions& given_options) {
+  BatchProblem problem = given;
+  BatchOptions options = given_options;
+  options.max_iterations = kShortSolve;
+  PairEstimate pair;
+  pair.value = given.pair;
+  const std::array<bool, kPairSize> free = FreeParameters(options);
+  for (size_t i = 0; i < kPairSize; ++i) pair.state[i] = free[i] ? PairState::kEstimated : PairState::kNotAsked;
+  const PairParameters jackknife = JackknifeSigmas(problem, options);
+  PairParameters share{};  // of the jackknife's sigma in the formal one, once for all subsets of the parameters
+  for (bool first = true;; first = false) {
+    for (size_t i = 0; i < kPairSize; ++i) options.pair_free[i] = pair.state[i] == PairState::kEstimated;
+    problem.pair = pair.value;
+    const BatchResult result = SolveBatch(problem, options);
+    if (!result.ok || result.stopped) return pair;
+    pair.value = result.pair;
+    for (size_t i = 0; i < result.T_w_c.size(); ++i) problem.bundle.poses[i].T_w_c = result.T_w_c[i];
+    for (size_t i = 0; i < result.points.size(); ++i) problem.bundle.points[i].p_w = result.points[i];
+    for (size_t i = 0; i < result.lines.size(); ++i) problem.bundle.lines[i].segment_w = result.lines[i];
+    problem.pair = pair.value;
+    State state(problem);
+    CeresProblem ceres(problem, state, options.camera, options.pair_free);
+    const PairParameters formal = PairSigmas(ceres, state, options.pair_free, options.threads);
+    for (size_t i = 0; i < kPairSize; ++i) {
+      if (first) share[i] = formal[i] > 0.0 ? std::max(1.0, jackknife[i] / formal[i]) : 1.0;
+      if (pair.state[i] == PairState::kEstimated) pair.sigma[i] = share[i] * formal[i];
+    }
+    if (!LeaveOne(pair)) return pair;
+  }
+}
+
+std::vector<Matrix6d> PoseCovariances(const BatchProblem& problem, const BatchOptions& options) {
+  const size_t observations = problem.bundle.point_observations.size() + problem.bundle.line_observations.size();
+  if (observations > kMaxQrObservations) return {};
+  State state(problem);
+  CeresProblem ceres(problem, state, CameraChoice::kFixed, {});
+  std::vector<std::pair<const double*, const double*>> wanted;
+  for (size_t i = 0; i < problem.bundle.poses.size(); ++i) {
+    const double* pose = state.Pose(static_cast<int>(i));
+    if (ceres.ceres().HasParameterBlock(pose)) wanted.emplace_back(pose, pose);
+  }
+  ceres::Covariance::Options covariance_options;
+  covariance_options.algorithm_type = ceres::SPARSE_QR;
+  covariance_options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
+  covariance_options.num_threads = options.threads;
+  ceres::Covariance covariance(covariance_options);
+  if (!covariance.Compute(wanted, &ceres.ceres())) return {};
+  std::vector<Matrix6d> covariances(problem.bundle.poses.size(), Matrix6d::Zero());
+  for (size_t i = 0; i < covariances.size(); ++i) {
+    const double* pose = state.Pose(static_cast<int>(i));
+    if (!ceres.ceres().HasParameterBlock(pose) || ceres.ceres().IsParameterBlockConstant(const_cast<double*>(pose)))
+      continue;
+    Eigen::Matrix<double, 6, 6, Eigen::RowMajor> C;
+    if (!covariance.GetCovarianceBlock(pose, pose, C.data())) return {};
+    // From the parameters [a; w] at zero to the right perturbation.
+    Matrix6d by = Matrix6d::Identity();
+    by.topLeftCorner<3, 3>() = problem.bundle.poses[i].T_w_c.R().transpose();
+    covariances[i] = by * C * by.transpose();
+  }
+  return covariances;
+}
+
+LandmarkCovariances ConditionalCovariances(const BatchProblem& problem) {
+  State state(problem);
+  const CeresProblem ceres(problem, state, CameraChoice::kFixed, {});
+  LandmarkCovariances covariances;
+  for (const Eigen::Matrix3d& information : ceres.point_information()) {
+    const bool seen = !information.isZero(0.0);
+    covariances.points.push_back(seen ? information.inverse().eval() : Eigen::Matrix3d::Zero().eval());
+  }
+  for (size_t i = 0; i < ceres.line_information().size(); ++i) {
+    std::array<Eigen::Matrix3d, 2> ends{Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero()};
+    const Eigen::Matrix4d& information = ceres.line_information()[i];
+    if (!information.isZero(0.0)) ends = AdjustedLine(problem.bundle.lines[i]).EndCovariances(information.inverse());
+    covariances.line_p.push_back(ends[0]);
+    covariances.line_q.push_back(ends[1]);
+  }
+  return covariances;
+}
+
+}  // namespace plslam::refine

@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdio>
 #include <map>
@@ -21,11 +22,15 @@ namespace {
 
 struct RefineArguments {
   RefineRequest request;
+  std::string camera = "fixed";
   bool quiet = false;
 };
 
-const std::map<std::string, CameraChoice> kCameraChoices{
-    {"fixed", CameraChoice::kFixed}, {"intrinsics", CameraChoice::kIntrinsics}, {"all", CameraChoice::kAll}};
+const std::map<std::string, CameraChoice>& CameraChoices() {
+  static const std::map<std::string, CameraChoice> choices{
+      {"fixed", CameraChoice::kFixed}, {"intrinsics", CameraChoice::kIntrinsics}, {"all", CameraChoice::kAll}};
+  return choices;
+}
 
 /// A third of the memory that is free: Ceres has its Jacobian besides, and other programs run.
 uint64_t MemoryForFactor() {
@@ -37,6 +42,7 @@ int Refine(const RefineArguments& arguments) {
   std::atomic<bool> stop = false;
   const bus::SignalWatcher signals([&stop](const std::string&) { stop = true; });
   RefineRequest request = arguments.request;
+  request.options.camera = CameraChoices().at(arguments.camera);
   request.options.stop = &stop;
   request.options.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   request.options.memory_bytes = MemoryForFactor();
@@ -68,12 +74,11 @@ void AddRefineCommand(CLI::App* app, std::function<int()>* command) {
       ->type_name("DIR")
       ->required();
   sub->add_option(
-         "--camera", arguments->request.options.camera,
+         "--camera", arguments->camera,
          "estimate of the camera: fixed, intrinsics (focal length and principal point), or all (also the right "
          "camera relative to the left one)")
-      ->type_name("CHOICE:{fixed,intrinsics,all}")
-      ->transform(CLI::CheckedTransformer(kCameraChoices).description(""))
-      ->default_str("fixed");
+      ->check(CLI::IsMember({"fixed", "intrinsics", "all"}))
+      ->capture_default_str();
   sub->add_flag("--quiet", arguments->quiet, "print nothing");
   sub->footer(
       "Examples:\n"

@@ -63,6 +63,7 @@ std::vector<Vector6d> TwistsOf(const std::vector<int64_t>& keyframes, const Map&
   std::map<int64_t, int64_t> next;
   for (const auto& [id, keyframe] : map.keyframes()) next[keyframe.previous_id] = id;
   std::vector<Vector6d> twists;
+  twists.reserve(keyframes.size());
   for (const int64_t id : keyframes) twists.push_back(TwistOf(*map.FindKeyframe(id), map, next));
   return twists;
 }

@@ -47,12 +47,18 @@ std::optional<KeyframeName> Nearest(const KeyframePoses& poses, const SE3& T_w_k
 
 }  // namespace
 
-KeyframePoses PosesOf(const Map& map) {
+KeyframePoses LastingPosesOf(const Map& map) {
   KeyframePoses poses;
-  for (const RemovedKeyframe& keyframe : map.RemovedKeyframes()) {
-    poses[{keyframe.session, keyframe.frame_id}] = keyframe.T_w_kf;
-  }
   for (const auto& [id, keyframe] : map.keyframes()) poses[{keyframe.session, keyframe.frame_id}] = keyframe.T_w_kf;
+  return poses;
+}
+
+KeyframePoses PosesOf(const Map& map) {
+  KeyframePoses poses = LastingPosesOf(map);
+  for (const RemovedKeyframe& keyframe : map.RemovedKeyframes()) {
+    // The map's own pose stays if a keyframe is in both.
+    poses.try_emplace({keyframe.session, keyframe.frame_id}, keyframe.T_w_kf);
+  }
   return poses;
 }
 

@@ -21,7 +21,9 @@ namespace plslam::dense {
 using KeyframeName = std::pair<int64_t, int64_t>;
 using KeyframePoses = std::map<KeyframeName, SE3>;  ///< T_w_kf
 
-/// Returns the poses of the keyframes of the map, and of those that were removed if the map remembers them.
+/// Returns the poses of the keyframes of the map.
+KeyframePoses LastingPosesOf(const Map& map);
+/// The same, and of those that were removed if the map remembers them.
 KeyframePoses PosesOf(const Map& map);
 
 /// Surfaces of a map in submaps of a few keyframes, each anchored to its first one. A correction of the map moves the

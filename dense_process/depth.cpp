@@ -10,6 +10,8 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "core/motion/robust.h"
+
 namespace plslam::dense {
 namespace {
 
@@ -39,7 +41,7 @@ constexpr float kLargestStep_px = 0.5F;
 constexpr size_t kLeastCompared = 20;
 constexpr double kUnknownScale = 2.0;
 constexpr double kSigmaOfMedian = 1.4826;  // of a normal distribution
-// Of a structured-light camera: sigma_z = 0.0028 z^2 (Khoshelham 2012), as in vo_process/stereo/depth_points.h.
+// Noise of a structured-light camera: sigma_z = 0.0028 z^2 (Khoshelham 2012), as in vo_process/stereo/depth_points.h.
 constexpr double kSensorSigma_per_m = 0.0028;
 constexpr float kSensorJump = 0.03F;  // of the depth
 // Windows whose means give the gradient of the disparities, and their least known share.
@@ -48,12 +50,6 @@ constexpr float kMostlyKnown = 0.3F;
 constexpr float kUnknownIncidence = 0.7F;
 constexpr float kLeastIncidence = 0.35F;
 constexpr double kSigmasInVoxels = 2.5;
-
-double MedianOf(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 int DisparityRange(const StereoFeatures& features, int width_px) {
   double largest_px = 0.0;
@@ -71,7 +67,7 @@ double NoiseOf(const cv::Mat& image, const cv::Mat& smooth) {
       differences.push_back(std::abs(image.at<uint8_t>(y, x) - smooth.at<float>(y, x)));
     }
   }
-  return kSigmaOfMedian * MedianOf(differences);
+  return kSigmaOfMedian * Median(differences);
 }
 
 /// Whether the mean gradient along the row in a window is more than that of noise.
@@ -167,11 +163,11 @@ void Compare(const cv::Mat& disparity, const cv::Mat& sigma_px, const StereoFeat
   if (differences.size() < kLeastCompared) return;
   depth.agreement = static_cast<double>(n_close) / depth.n_compared;
   std::vector<double> sorted = differences;
-  depth.offset_px = MedianOf(sorted);
+  depth.offset_px = Median(sorted);
   for (size_t i = 0; i < differences.size(); ++i) {
     differences[i] = std::abs(differences[i] - depth.offset_px) / sigmas[i];
   }
-  depth.sigma_scale = std::max(1.0, kSigmaOfMedian * MedianOf(differences));
+  depth.sigma_scale = std::max(1.0, kSigmaOfMedian * Median(differences));
 }
 
 /// Cosine of the angle between each pixel's ray and the normal of its surface, from the gradient of the disparities

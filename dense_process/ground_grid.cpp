@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
@@ -18,6 +19,7 @@ constexpr double kLeastFree_m = 0.15;    // of observed free space in a column w
 constexpr double kSmallest_m2 = 0.025;   // ten cells of 5 cm
 
 struct Column {
+  std::optional<double> floor_m;
   int n_occupied = 0;
   int n_free = 0;
   bool has_floor = false;
@@ -80,8 +82,9 @@ GroundGrid MakeGrid(const Volume& volume, const Floor& floor, double robot_heigh
     const Content content = ContentOf(voxel, v);
     if (content == Content::kUnknown) return;
     const Eigen::Vector3d p = volume.Centre(voxel.index) + Eigen::Vector3d::Constant(0.5 * v);
-    const double above_m = p.z() - floor.HeightAt(p.x(), p.y());
     Column& column = column_at(voxel.index.head<2>());
+    if (!column.floor_m) column.floor_m = floor.HeightAt(p.x(), p.y());
+    const double above_m = p.z() - *column.floor_m;
     if (std::abs(above_m) < lowest_m) {
       column.has_floor = column.has_floor || content == Content::kOccupied;
     } else if (above_m > 0.0 && above_m <= robot_height_m) {

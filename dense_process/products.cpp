@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -15,19 +14,11 @@
 #include <opencv2/core.hpp>
 
 #include "core/io/files/atomic_file.h"
+#include "core/io/files/bytes.h"
 #include "core/io/images/png_codec.h"
 
 namespace plslam::dense {
 namespace {
-
-static_assert(std::endian::native == std::endian::little, "PLY is written in the machine's byte order");
-
-template <class Value>
-void Append(std::string& bytes, const Value& value) {
-  const size_t at = bytes.size();
-  bytes.resize(at + sizeof(Value));
-  std::copy_n(reinterpret_cast<const char*>(&value), sizeof(Value), bytes.data() + at);
-}
 
 /// Millimetres in 16 bits; 65535: unknown or farther.
 cv::Mat InMillimetres(const cv::Mat& metres) {
@@ -113,14 +104,15 @@ std::string ToPly(const Surface& surface, bool with_faces) {
   }
   bytes += "end_header\n";
   for (const Surface::Vertex& vertex : surface.vertices) {
-    for (const float value : {vertex.p.x(), vertex.p.y(), vertex.p.z()}) Append(bytes, value);
-    for (const float value : {vertex.normal.x(), vertex.normal.y(), vertex.normal.z()}) Append(bytes, value);
-    for (int channel = 0; channel < 3; ++channel) Append(bytes, vertex.grey);
+    for (const float value : {vertex.p.x(), vertex.p.y(), vertex.p.z()}) AppendLittleEndian(value, bytes);
+    for (const float value : {vertex.normal.x(), vertex.normal.y(), vertex.normal.z()})
+      AppendLittleEndian(value, bytes);
+    for (int channel = 0; channel < 3; ++channel) AppendLittleEndian(vertex.grey, bytes);
   }
   if (!with_faces) return bytes;
   for (const auto& triangle : surface.triangles) {
-    Append(bytes, uint8_t{3});
-    for (const uint32_t index : triangle) Append(bytes, index);
+    AppendLittleEndian(uint8_t{3}, bytes);
+    for (const uint32_t index : triangle) AppendLittleEndian(index, bytes);
   }
   return bytes;
 }

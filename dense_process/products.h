@@ -15,7 +15,7 @@
 
 namespace plslam::dense {
 
-/// What is computed from a dense map at one time.
+/// Results computed from a dense map at one time.
 struct Products {
   SE3 T_level_w;
   Vertical vertical;

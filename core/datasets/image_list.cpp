@@ -250,7 +250,7 @@ std::vector<std::optional<SE3>> FrameTruth(const std::string& path, TrajectoryFo
     const int64_t first_ns = list->entries.front().t_ns, last_ns = list->entries.back().t_ns;
     const auto n_outside = static_cast<size_t>(std::count_if(
         truth.begin(), truth.end(), [&](const TrajectoryPose& p) { return p.t_ns < first_ns || p.t_ns > last_ns; }));
-    // That no frame has one is a warning of the run (truth_of_other_times).
+    // A truth without any pose is a warning of the run (truth_of_other_times).
     const bool is_of_other_times = n > 0 && 2 * n_outside > truth.size();
     list->notes.Add(is_of_other_times, fmt::format("{}: {} poses ({}), {} of {} frames ({}) have one", name,
                                                    truth.size(), SpanText(truth.front().t_ns, truth.back().t_ns), n,

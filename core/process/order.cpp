@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/process/order.h"
 
+#include "core/run/process_names.h"
 #include "plslam/command_answer_t.hpp"
 #include "plslam/command_t.hpp"
 
@@ -14,6 +15,12 @@ constexpr size_t kLongestFailure = 2000;
 std::optional<Order> OrderTo(const Process& process, const command_t& message) {
   if (message.target != process.name() && message.target != "*") return std::nullopt;
   return Order{message.verb, message.argument, message.header.source, message.header.seq};
+}
+
+SaveRequest ToSaveRequest(const std::string& argument) {
+  const std::string force = command_verb::kForce;
+  const bool forced = argument.starts_with(force);
+  return {forced ? argument.substr(force.size()) : argument, forced};
 }
 
 void Answer(Process& process, const Order& order, const std::string& failure) {

@@ -25,6 +25,13 @@ struct Order {
 /// Returns the order in a command; nullopt if it is for another process.
 std::optional<Order> OrderTo(const Process& process, const command_t& message);
 
+/// The argument of "save".
+struct SaveRequest {
+  std::string file;
+  bool forced = false;  ///< whether a file that is not an older state of this map is replaced
+};
+SaveRequest ToSaveRequest(const std::string& argument);
+
 /// Answers the order: success, or the reason of its `failure` in a sentence. Safe from any thread.
 void Answer(Process& process, const Order& order, const std::string& failure = "");
 

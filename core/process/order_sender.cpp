@@ -8,6 +8,7 @@
 
 #include "core/bus/run_loop.h"
 #include "core/bus/transport/transport.h"
+#include "core/process/order.h"
 #include "core/run/process_names.h"
 #include "plslam/command_answer_t.hpp"
 #include "plslam/command_t.hpp"
@@ -95,9 +96,7 @@ void OrderSender::OnAnswer(const command_answer_t& message) {
 std::optional<OrderResult> OrderSender::Result() const {
   if (row_ == nullptr) return std::nullopt;
   if (answer_ && answer_->empty()) {
-    const bool forced = argument_.starts_with(command_verb::kForce);
-    const std::string shown = forced ? argument_.substr(std::string_view(command_verb::kForce).size()) : argument_;
-    return OrderResult{true, fmt::format(fmt::runtime(row_->done), shown)};
+    return OrderResult{true, fmt::format(fmt::runtime(row_->done), ToSaveRequest(argument_).file)};
   }
   if (answer_) return OrderResult{false, *answer_};
   const std::string mute = WhyMute(NowS() - sent_s_);

@@ -18,6 +18,7 @@
 #include "core/errors/standard_streams.h"
 #include "core/geometry/image_mask.h"
 #include "core/map/vertical.h"
+#include "core/motion/robust.h"
 #include "core/process/order.h"
 #include "core/run/process_names.h"
 #include "dense_process/products.h"
@@ -55,9 +56,7 @@ double VoxelFor(const Keyframe& keyframe) {
     if (point.HasDepth()) depths_m.push_back(keyframe.camera.Depth(point.disparity_px));
   }
   if (depths_m.empty()) return kIndoorVoxel_m;
-  const auto middle = depths_m.begin() + static_cast<ptrdiff_t>(depths_m.size() / 2);
-  std::nth_element(depths_m.begin(), middle, depths_m.end());
-  return *middle < kIndoors_m ? kIndoorVoxel_m : kRoadVoxel_m;
+  return Median(depths_m) < kIndoors_m ? kIndoorVoxel_m : kRoadVoxel_m;
 }
 
 /// Positions of the keyframes in w in their order, with points between those of one session.
@@ -223,10 +222,8 @@ void DenseNode::OnCommand(const command_t& message) {
   if (order && order->verb == command_verb::kFinish) process_.Finish();
   // An order to mapping_process, which answers it.
   if (message.verb != command_verb::kSave || message.target != process_name::kMapping || !map_) return;
-  const std::string force = command_verb::kForce;
-  const std::string& path = message.argument;
   try {
-    WriteSurfaces((path.starts_with(force) ? path.substr(force.size()) : path) + ".surfaces");
+    WriteSurfaces(bus::ToSaveRequest(message.argument).file + ".surfaces");
   } catch (const std::exception& error) {
     save_failure_ = error.what();
   }
@@ -235,11 +232,7 @@ void DenseNode::OnCommand(const command_t& message) {
 /// Beside a saved map, or as the state.
 void DenseNode::WriteSurfaces(const std::string& path) {
   const Map& map = sparse_->replica().map();
-  KeyframePoses lasting;
-  for (const auto& [id, keyframe] : map.keyframes()) {
-    lasting[{keyframe.session, keyframe.frame_id}] = keyframe.T_w_kf;
-  }
-  map_->Write(path, PosesOf(map), lasting);
+  map_->Write(path, PosesOf(map), LastingPosesOf(map));
 }
 
 /// If writing fails the process continues, with a higher cost of a crash.
@@ -255,17 +248,17 @@ void DenseNode::KeepState() {
 
 /// In lockstep a keyframe is fused as soon as it is committed; live, as soon as the map has it.
 void DenseNode::FuseAll() {
-  if (!camera_) return;
-  const Map& map = sparse_->replica().map();
+  if (!camera_ || waiting_.empty()) return;
+  const KeyframePoses poses = PosesOf(sparse_->replica().map());
   for (auto it = waiting_.begin(); it != waiting_.end();) {
     const Waiting& waiting = it->second;
     const bool placed =
         !waiting.keyframe.lockstep || committed_.Has(waiting.keyframe.session, waiting.keyframe.keyframe_id);
-    if (!waiting.images || !placed || !PosesOf(map).contains(it->first)) {
+    if (!waiting.images || !placed || !poses.contains(it->first)) {
       ++it;
       continue;
     }
-    Fuse(waiting);
+    Fuse(waiting, poses);
     it = waiting_.erase(it);
   }
 }
@@ -296,7 +289,7 @@ DepthImage DenseNode::DepthOf(const Waiting& waiting, const cv::Mat& left) const
   return depth;
 }
 
-void DenseNode::Fuse(const Waiting& waiting) {
+void DenseNode::Fuse(const Waiting& waiting, const KeyframePoses& poses) {
   const double began_ms = bus::NowMs();
   const Keyframe& keyframe = waiting.keyframe;
   try {
@@ -311,8 +304,7 @@ void DenseNode::Fuse(const Waiting& waiting) {
                       100.0 * depth.agreement));
     }
     if (!map_) map_.emplace(options_.voxel_m > 0.0 ? options_.voxel_m : VoxelFor(keyframe), options_.range_m);
-    map_->Add({keyframe.session, keyframe.frame_id}, depth, left, camera_->rectifier.camera(),
-              PosesOf(sparse_->replica().map()));
+    map_->Add({keyframe.session, keyframe.frame_id}, depth, left, camera_->rectifier.camera(), poses);
     dirty_ = true;
     if (++n_since_state_ >= std::max<size_t>(kStateEvery, map_->n_keyframes() / 4)) KeepState();
     process_.SetCounter("depth_ms", matched_ms - began_ms);

@@ -65,7 +65,7 @@ class DenseNode {
   void OnTick();
 
   void FuseAll();
-  void Fuse(const Waiting& waiting);
+  void Fuse(const Waiting& waiting, const KeyframePoses& poses);
   cv::Mat PixelsInUse(int64_t frame_id, const cv::Size& size) const;
   DepthImage DepthOf(const Waiting& waiting, const cv::Mat& left) const;
   void DropOldest();

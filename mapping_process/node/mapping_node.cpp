@@ -453,16 +453,14 @@ void MappingNode::Execute(const bus::Order& order) {
 }
 
 void MappingNode::Save(const std::string& argument) {
-  const std::string force = command_verb::kForce;
-  const bool forced = argument.starts_with(force);
-  const std::string path = forced ? argument.substr(force.size()) : argument;
-  if (!forced) CheckIsOlderState(path, *mapper_);
+  const bus::SaveRequest request = bus::ToSaveRequest(argument);
+  if (!request.forced) CheckIsOlderState(request.file, *mapper_);
   mapper_->AcceptRecentLandmarks();
   mapper_->LendState([&](MapperState& state) {
     state.stored.rig = CameraBytes(mapper_->camera());
-    WriteMapFile(path, state.stored);
+    WriteMapFile(request.file, state.stored);
   });
-  spdlog::info("the map is saved in {}", path);
+  spdlog::info("the map is saved in {}", request.file);
 }
 
 void MappingNode::SetLocaliseOnly(const std::string& argument) {

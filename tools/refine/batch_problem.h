@@ -29,7 +29,7 @@ struct PairParameterRow {
 };
 const std::array<PairParameterRow, reference::kPairSize>& PairParameterRows();
 
-/// What became of a parameter of the camera.
+/// Outcome of a parameter of the camera.
 enum class PairState {
   kNotAsked,
   kEstimated,

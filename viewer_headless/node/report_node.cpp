@@ -11,6 +11,7 @@
 #include "core/bus/run_loop.h"
 #include "core/bus/transport/authenticator.h"
 #include "core/io/files/atomic_file.h"
+#include "core/process/order.h"
 #include "core/process/process_status.h"
 #include "core/run/lag.h"
 #include "core/run/process_names.h"
@@ -29,10 +30,9 @@ constexpr const char* kMapFile = "map.plmap";
 /// Returns the argument of an order of the live page, with its file, if any, from the folder of results on.
 std::string WithAbsoluteFile(const std::string& argument, const std::string& out) {
   if (argument.empty()) return argument;
-  const std::string force = command_verb::kForce;
-  const bool forced = argument.starts_with(force);
-  const std::filesystem::path file = forced ? argument.substr(force.size()) : argument;
-  return (forced ? force : "") + (std::filesystem::absolute(out) / file).lexically_normal().string();
+  const bus::SaveRequest request = bus::ToSaveRequest(argument);
+  return (request.forced ? command_verb::kForce : "") +
+         (std::filesystem::absolute(out) / request.file).lexically_normal().string();
 }
 
 }  // namespace

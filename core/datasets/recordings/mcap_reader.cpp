@@ -201,7 +201,7 @@ void McapReader::Scan(const std::string& why) {
   const auto add = [&](Fields message, uint32_t chunk, uint64_t offset) {
     const auto channel = message.Get<uint16_t>();
     message.Get<uint32_t>();
-    const auto t_ns = message.Get<int64_t>();
+    const int64_t t_ns = LogTime(message.Get<uint64_t>());
     message.Get<int64_t>();  // of publishing
     scanned_.Add(channel, {t_ns, StampOf(message.rest()), chunk, offset});
   };
@@ -279,7 +279,7 @@ void McapReader::AppendMessages(uint32_t chunk, const RecordedChannel& channel,
   Fields fields = ContentOf(record, McapRecord::kMessageIndex, "an index of messages");
   if (fields.Get<uint16_t>() != channel.id) throw DatasetError("an index of messages is for another channel");
   for (Fields entries(fields.Take(fields.Get<uint32_t>())); !entries.empty();) {
-    const auto t_ns = entries.Get<int64_t>();
+    const int64_t t_ns = LogTime(entries.Get<uint64_t>());
     messages.push_back({t_ns, RecordedMessage::kNotRead, chunk, entries.Get<uint64_t>()});
   }
   // Many chunks of a damaged file may point to the same index, so the number of messages is bounded by the file's size.

@@ -346,10 +346,10 @@ void NoteJumps(const Messages& messages, const Messages& logged, MessageClock cl
   std::map<FilePlace, int64_t> logged_ns;
   Times times_ns = TimesOf(messages);
   std::sort(times_ns.begin(), times_ns.end());
-  const int64_t longest_ns = std::max(kLongestDelay_ns, kManySteps * MedianStep_ns(times_ns));
+  const int64_t median_ns = MedianStep_ns(times_ns);
   for (size_t i = 1; i < messages.size(); ++i) {
     const int64_t step_ns = messages[i].t_ns - messages[i - 1].t_ns;
-    if (step_ns <= longest_ns) continue;
+    if (step_ns <= kLongestDelay_ns || step_ns / kManySteps <= median_ns) continue;
     if (logged_ns.empty()) {
       for (const RecordedMessage& message : logged) logged_ns.emplace(PlaceOf(message), LogTime_ns(message));
     }

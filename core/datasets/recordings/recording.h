@@ -43,6 +43,13 @@ struct RecordedMessage {
   bool is_estimated = false;    ///< its stamp was interpolated between others (message_times.h)
 };
 
+/// Returns the time of logging that a field holds, at most the year 2116: a damaged one may hold any number, and the
+/// difference between a stamp and a time, added to another time, must not overflow.
+inline int64_t LogTime(uint64_t field_ns) {
+  constexpr uint64_t kLatest_ns = uint64_t{1} << 62;
+  return static_cast<int64_t>(std::min(field_ns, kLatest_ns));
+}
+
 /// A stamp lies within this many bytes from the beginning of a message: in ROS 1 after its number, in ROS 2 after the
 /// name of the encoding.
 inline constexpr uint64_t kStampBytes = 12;

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <map>
 #include <random>
 #include <utility>
@@ -96,6 +97,17 @@ TEST_F(RecordingTimes, RightImagesLoggedLate) {
     };
     ExpectAsIfLoggedAtOnce({.log_time = late});
     ExpectAsIfLoggedAtOnce({.log_time = late, .by_log_time = true});
+  }
+}
+
+TEST_F(RecordingTimes, DamagedTimesOfLogging) {
+  test::TemporaryFolder folder;
+  const std::string path = (folder.path() / "a.mcap").string();
+  for (const int64_t nonsense_ns : {std::numeric_limits<int64_t>::max(), int64_t{-2}, int64_t{1} << 61}) {
+    SCOPED_TRACE(nonsense_ns);
+    const auto damaged = [&](uint16_t, int frame, int64_t t_ns) { return frame % 3 == 0 ? nonsense_ns : t_ns; };
+    test::MakeMcapFile(path, {.n_frames = kFrames, .log_time = damaged});
+    ExpectAllFrames(*OpenDataset(path, ""));
   }
 }
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -127,6 +128,19 @@ TEST(Misuse, MistypedCommandIsNamed) {
   const Outcome outcome = Plslam(run, {"rum", kShortRoom});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_EQ(outcome.log, "plslam: error: there is no command 'rum'; the nearest is 'run' (--help lists all)\n");
+}
+
+TEST(Misuse, CommandsOnFilesAreListedByBothPrograms) {
+  const WholeRun run;
+  const std::string listed = Plslam(run, {"--help"}).log;
+  std::istringstream help(RunProgram(run, test::BinaryFolder() / "plslam_offline", {"--help"}).log);
+  int n = 0;
+  for (std::string line; std::getline(help, line);) {
+    if (!line.starts_with("  ") || line.starts_with("  -")) continue;
+    EXPECT_THAT(listed, HasSubstr(line + "\n"));
+    ++n;
+  }
+  EXPECT_GE(n, 6);
 }
 
 TEST(Misuse, HelpHasDefaultsAndNothingForLaunchers) {

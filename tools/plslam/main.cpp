@@ -2,16 +2,13 @@
 #include <CLI/CLI.hpp>
 
 #include "core/process/process_arguments.h"
-#include "tools/calibration/calibration_command.h"
 #include "tools/command_line/run_command_line.h"
-#include "tools/doctor/doctor_command.h"
-#include "tools/export/export_command.h"
 #include "tools/plslam/commands.h"
+#include "tools/plslam/offline_commands.h"
 #include "tools/plslam/version.h"
-#include "tools/rectify_check/rectify_check_command.h"
-#include "tools/refine/refine_command.h"
 
 int main(int argc, char** argv) {
+  if (plslam::launcher::IsOfflineCommand(argc, argv)) return plslam::launcher::RunOfflineCommand(argv);
   CLI::App app("Runs, records and replays stereo visual SLAM with points and lines.", "plslam");
   app.set_version_flag("--version", plslam::launcher::VersionText());
   app.require_subcommand(1);
@@ -28,13 +25,11 @@ int main(int argc, char** argv) {
   plslam::launcher::Command command;
   for (const auto add :
        {plslam::launcher::AddRunCommand, plslam::launcher::AddReplayCommand, plslam::launcher::AddRecordCommand,
-        plslam::launcher::AddOrderCommands, plslam::exports::AddExportCommand, plslam::refine::AddRefineCommand,
-        plslam::launcher::AddTopCommand, plslam::launcher::AddRelayCommand, plslam::launcher::AddProcessesCommand,
-        plslam::launcher::AddConfigCommand, plslam::doctor::AddDoctorCommand,
-        plslam::rectify_check::AddRectifyCheckCommand, plslam::calibration::AddCalibrationCommand,
-        plslam::calibration::AddCalibrateCommand}) {
+        plslam::launcher::AddOrderCommands, plslam::launcher::AddTopCommand, plslam::launcher::AddRelayCommand,
+        plslam::launcher::AddProcessesCommand, plslam::launcher::AddConfigCommand}) {
     add(&app, &command);
   }
+  plslam::launcher::ListOfflineCommands(&app);
   // Log lines are kept apart from the output of a command.
   plslam::bus::SetUpLogging("plslam");
   return plslam::RunCommandLine(app, argc, argv, [&] { return command(); });

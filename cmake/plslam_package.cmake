@@ -29,7 +29,7 @@ viewer without display, as processes that talk over LCM.")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libplslam-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
-    "libeigen3-dev, libopencv-dev, libyaml-cpp-dev, libcli11-dev, libfmt-dev, libspdlog-dev, liblcm-dev, libpng-dev, libdeflate-dev, libjpeg-dev, libsodium-dev, liblz4-dev, libzstd-dev, libbz2-dev, zlib1g-dev")
+    "libeigen3-dev, libopencv-dev, libyaml-cpp-dev, libcli11-dev, libfmt-dev, libspdlog-dev, liblcm-dev, libpng-dev, libdeflate-dev, libjpeg-dev, libsodium-dev, liblz4-dev, libzstd-dev, libbz2-dev, libsqlite3-dev, zlib1g-dev")
 set(CPACK_COMPONENT_DEV_DESCRIPTION "Headers, static libraries and the CMake package of plslam.")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-plslam)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)

@@ -104,6 +104,9 @@ const std::vector<Opener>& Openers() {
        OpenSynthetic},
       {{"mcap", "FILE.mcap", "MCAP file", false}, LooksLikeMcap, OpenMcapDataset},
       {{"bag", "FILE.bag", "ROS 1 bag", false}, LooksLikeBag, OpenBagDataset},
+      {{"ros2bag", "a folder of .db3 or .mcap files, or FILE.db3", "ROS 2 bag"},
+       LooksLikeRos2Bag,
+       OpenRos2BagDataset},
       {{"log", "a file", "LCM log", false}, LooksLikeLog, bus::OpenLogDataset},
       {{"vslamlab", "rgb.csv with calibration.yaml", "VSLAM-LAB"}, LooksLikeVslamLab, OpenVslamLabDataset},
       {{"kitti", "calib.txt with image_0 or image_2", "KITTI odometry"}, LooksLikeKitti, OpenKittiDataset},
@@ -211,8 +214,8 @@ std::string WithTopics(const std::string& location, const std::string& kind, con
   }
   return Translated([&] {
     const auto open = OpenerOf(location, kind).open;
-    if (open != OpenMcapDataset && open != OpenBagDataset) {
-      throw DatasetError(location + ": --topics is only for ROS recordings (FILE.mcap, FILE.bag)");
+    if (open != OpenMcapDataset && open != OpenBagDataset && open != OpenRos2BagDataset) {
+      throw DatasetError(location + ": --topics is only for ROS recordings (FILE.mcap, FILE.bag, ROS 2 bags)");
     }
     const char sign = FileOfLocation(location) == location ? '?' : '&';
     return fmt::format("{}{}left={}&right={}", location, sign, topics.at(0), topics.at(1));

@@ -26,6 +26,7 @@
 #include "tests/support/fuzzing.h"
 #include "tests/unit/datasets/bag_file.h"
 #include "tests/unit/datasets/dataset_folders.h"
+#include "tests/unit/datasets/db3_file.h"
 #include "tests/unit/datasets/mcap_file.h"
 
 namespace plslam {
@@ -110,6 +111,11 @@ void MakeLz4Mcap(const fs::path& folder) {
 void MakePlainBag(const fs::path& folder) { test::MakeBagFile(folder / "a.bag"); }
 void MakeBz2Bag(const fs::path& folder) { test::MakeBagFile(folder / "a.bag", {.compression = "bz2"}); }
 void MakeLz4Bag(const fs::path& folder) { test::MakeBagFile(folder / "a.bag", {.compression = "lz4"}); }
+void MakeDb3(const fs::path& folder) { test::MakeRos2Bag(folder, {.split = true}); }
+void MakeZstdDb3(const fs::path& folder) { test::MakeRos2Bag(folder, {.zstd_messages = true}); }
+void MakeZstdMcapFolder(const fs::path& folder) {
+  test::MakeRos2Bag(folder, {.zstd_files = true, .extension = ".mcap"}, {.checksums = false});
+}
 std::unique_ptr<Dataset> OpenBag(const std::string& folder) { return OpenBagDataset(folder + "/a.bag"); }
 std::unique_ptr<Dataset> OpenMcap(const std::string& folder) { return OpenMcapDataset(folder + "/a.mcap"); }
 
@@ -119,6 +125,9 @@ constexpr Reader kReaders[] = {{"mcap, zstd", MakeMcap, OpenMcap},
                                {"bag", MakePlainBag, OpenBag},
                                {"bag, bz2", MakeBz2Bag, OpenBag},
                                {"bag, lz4", MakeLz4Bag, OpenBag},
+                               {"db3, split", MakeDb3, OpenRos2BagDataset},
+                               {"db3, zstd messages", MakeZstdDb3, OpenRos2BagDataset},
+                               {"mcap folder, zstd files", MakeZstdMcapFolder, OpenRos2BagDataset},
                                {"kitti", test::MakeKittiFolder, OpenKittiDataset},
                                {"euroc, png", MakeEurocPng, OpenEurocDataset},
                                {"euroc, jpg", MakeEurocJpeg, OpenEurocDataset},

@@ -154,6 +154,24 @@ TEST_F(McapInput, CutOffFilesPlayWithAWarning) {
   EXPECT_THAT(run.Read("logs/player.log"), testing::HasSubstr("belong to a record that is truncated"));
 }
 
+// Messages of Foxglove's serializer in a database of Python's SQLite.
+TEST_F(McapInput, BagsOfRos2AsOfTheFolder) {
+  Write(R"({"writer": {"useChunks": false}})");
+  const std::string script = (SourceFolder() / "tests/bag/write_db3.py").string();
+  std::vector<std::string> forms{"", "split"};
+  if (HasProgram("zstd")) forms.insert(forms.end(), {"zstd-files split", "zstd-messages"});
+  for (const std::string& form : forms) {
+    SCOPED_TRACE(form);
+    std::filesystem::remove_all(folder().Path("bag"));
+    const ShellResult written = Shell(
+        folder(), fmt::format("python3 '{}' {} {} {}", script, folder().Path("a.mcap"), folder().Path("bag"), form));
+    ASSERT_EQ(written.exit_code, 0) << written.error;
+    ExpectTheContentOfTheFolder("bag");
+    EXPECT_TRUE(OpenDataset(folder().Path("bag"), "")->Notes().empty());
+  }
+  ExpectTheTrajectoryOfTheFolder({"--start", "2"}, "bag", 18);
+}
+
 class BagInput : public RecordingInput {
  protected:
   // Debian's modules are those of Debian's Python.

@@ -19,6 +19,7 @@
 #include "core/datasets/recordings/mcap_reader.h"
 #include "core/datasets/recordings/message_times.h"
 #include "core/datasets/recordings/pixel_encodings.h"
+#include "core/datasets/recordings/ros2_bag.h"
 #include "core/datasets/recordings/ros_messages.h"
 #include "core/datasets/white_level.h"
 #include "core/errors/error_text.h"
@@ -413,9 +414,15 @@ std::unique_ptr<Dataset> OpenMcapDataset(const std::string& location) { return O
 
 std::unique_ptr<Dataset> OpenBagDataset(const std::string& location) { return Open<BagReader>(location, "bag"); }
 
+std::unique_ptr<Dataset> OpenRos2BagDataset(const std::string& location) {
+  return Open<Ros2Bag>(location, "ros2bag");
+}
+
 bool LooksLikeMcap(const std::string& location) { return IsFile(location, LooksLikeMcapFile, ".mcap"); }
 
 bool LooksLikeBag(const std::string& location) { return IsFile(location, LooksLikeBagFile, ".bag"); }
+
+bool LooksLikeRos2Bag(const std::string& location) { return LooksLikeRos2BagPath(FileOfLocation(location)); }
 
 std::string FileOfLocation(const std::string& location) {
   std::error_code no_such_file;

@@ -8,7 +8,7 @@
 
 namespace plslam {
 
-/// The stereo images of a recording of ROS 2 (MCAP) or ROS 1 (bag): "FILE", or with topics and calibration given,
+/// The stereo images of a recording of ROS 2 (MCAP, .db3 or a folder of either) or ROS 1 (bag): "FILE", or with topics and calibration given,
 /// "FILE?left=/a/image_raw&right=/b/image_raw&truth=/pose&camera=camera.yaml" (docs/datasets.md).
 ///
 /// Without topics they are detected: two of one name except for left and right, cam0 and cam1, infra1 and infra2,
@@ -24,11 +24,14 @@ namespace plslam {
 /// (then with a list of the topics), or if a lens has no equivalent model here.
 std::unique_ptr<Dataset> OpenMcapDataset(const std::string& location);
 std::unique_ptr<Dataset> OpenBagDataset(const std::string& location);
+std::unique_ptr<Dataset> OpenRos2BagDataset(const std::string& location);
 
 /// There is such a file, and it begins as MCAP files do, or as bags of ROS 1 of any version; or it is called FILE.mcap,
 /// or FILE.bag.
 bool LooksLikeMcap(const std::string& location);
 bool LooksLikeBag(const std::string& location);
+/// There is such a .db3 file, or a folder of the files of a bag (ros2_bag.h).
+bool LooksLikeRos2Bag(const std::string& location);
 
 /// Returns the file of a location, without the options after "?", if any.
 std::string FileOfLocation(const std::string& location);

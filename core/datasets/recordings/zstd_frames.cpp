@@ -66,10 +66,22 @@ bool IsZstd(std::span<const uint8_t> bytes) {
 
 std::vector<uint8_t> UnzstdMessage(std::span<const uint8_t> frame) {
   const auto n = ZSTD_getFrameContentSize(frame.data(), frame.size());
-  if (n == ZSTD_CONTENTSIZE_UNKNOWN || n == ZSTD_CONTENTSIZE_ERROR) {
-    throw DatasetError("a message compressed by zstd does not state its length: the file is damaged");
+  if (n == ZSTD_CONTENTSIZE_ERROR) throw DatasetError("a message compressed by zstd is damaged");
+  if (n != ZSTD_CONTENTSIZE_UNKNOWN) return DecompressChunk("zstd", frame, n);
+  // A writer that compressed a stream did not know the length.
+  const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(), ZSTD_freeDCtx);
+  std::vector<uint8_t> part(ZSTD_DStreamOutSize()), content;
+  ZSTD_inBuffer in{frame.data(), frame.size(), 0};
+  for (size_t left = 1; left != 0;) {
+    ZSTD_outBuffer out{part.data(), part.size(), 0};
+    left = ZSTD_decompressStream(context.get(), &out, &in);
+    if (ZSTD_isError(left) != 0 || (left != 0 && in.pos == in.size && out.pos == 0)) {
+      throw DatasetError("a message compressed by zstd is damaged");
+    }
+    CheckChunkSize(content.size() + out.pos);
+    content.insert(content.end(), part.begin(), part.begin() + static_cast<std::ptrdiff_t>(out.pos));
   }
-  return DecompressChunk("zstd", frame, n);
+  return content;
 }
 
 UnzstdFile::UnzstdFile(const std::string& path)

@@ -14,7 +14,7 @@ namespace plslam {
 /// The bytes begin as frames of zstd do. No message of ROS 2 does.
 bool IsZstd(std::span<const uint8_t> bytes);
 
-/// Returns the content of a frame, which states its length; one of more bytes than `kMaxChunkBytes` is rejected.
+/// Returns the content of a frame; one of more bytes than `kMaxChunkBytes` is rejected.
 std::vector<uint8_t> UnzstdMessage(std::span<const uint8_t> frame);
 
 /// Decompresses a file into a temporary one that the destructor removes. Its content may have 1000 times its bytes.

@@ -3,9 +3,9 @@
 
 #include "core/datasets/recordings/ros_messages.h"
 #include "core/io/files/dataset_error.h"
-#include "tools/export/mcap/ros_messages.h"
+#include "core/ros/ros_messages.h"
 
-namespace plslam::exports {
+namespace plslam {
 namespace {
 
 CameraCalibration CameraWith(const std::string& model, const std::vector<double>& distortion) {
@@ -50,4 +50,4 @@ TEST(CameraInfo, DoubleSphereIsRefused) {
 }
 
 }  // namespace
-}  // namespace plslam::exports
+}  // namespace plslam

@@ -48,6 +48,7 @@ const std::vector<Arrow> kArrows = {
     {"core/io/images/", {"core/io/files/"}},
     {"core/io/maps/", {"core/geometry/", "core/map/", "core/features/features.h", "core/io/files/"}},
     {"core/io/trajectories/", {"core/geometry/", "core/io/files/"}},
+    {"core/ros/", {"core/geometry/", "core/io/", "core/map/"}},
     {"core/accuracy/", {"core/geometry/", "core/io/trajectories/"}},
     {"core/bus/",
      {"lcmtypes/", "core/geometry/", "core/config/", "core/io/", "core/map/", "core/features/features.h"}},

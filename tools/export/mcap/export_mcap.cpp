@@ -23,9 +23,11 @@
 #include "core/errors/error_text.h"
 #include "core/io/images/image_header.h"
 #include "core/io/images/jpeg_codec.h"
-#include "core/map/vertical.h"
+#include "core/ros/level_frame.h"
+#include "core/ros/ros_definitions.h"
+#include "core/ros/ros_messages.h"
+#include "core/ros/ros_topics.h"
 #include "tools/export/mcap/mcap_writer.h"
-#include "tools/export/mcap/ros_messages.h"
 #include "tools/export/mcap/run_tables.h"
 #include "tools/pose_graph/export.h"
 
@@ -91,9 +93,10 @@ class Topics {
  public:
   explicit Topics(const std::string& path) : writer_(path) {}
 
-  void Write(const std::string& topic, const std::string& type, int64_t t_ns, const std::string& cdr) {
-    const auto [place, is_new] = channels_.try_emplace(topic, uint16_t{0});
-    if (is_new) place->second = writer_.AddChannel(topic, type, RosDefinition(type));
+  void Write(const RosTopic& topic, int64_t t_ns, const std::string& cdr) {
+    const auto [place, is_new] = channels_.try_emplace(std::string(topic.name), uint16_t{0});
+    const std::string type(topic.type);
+    if (is_new) place->second = writer_.AddChannel(place->first, type, RosDefinition(type));
     writer_.Write(place->second, t_ns, cdr);
   }
   void Close() { writer_.Close(); }
@@ -108,14 +111,6 @@ struct MessageToWrite {
   int64_t t_ns;
   std::function<void()> write;
 };
-
-/// Level, z up: p_world = T_world_map p_w.
-SE3 WorldFromMap(const std::optional<StoredMap>& map) {
-  const Eigen::Quaterniond level = map ? LevelRotation(VerticalOf(map->map).up_w) : Eigen::Quaterniond::Identity();
-  // From x right, y down, z forward to x forward, y left, z up.
-  const Eigen::Quaterniond turn(0.5, -0.5, 0.5, -0.5);
-  return {turn * level, Eigen::Vector3d::Zero()};
-}
 
 /// Velocity in l from the pose before, and the covariance of the motion as one of the velocity.
 void SetVelocity(const TrajectoryPose& before, const Matrix6d& motion_covariance, RosOdometry& odometry) {
@@ -196,9 +191,7 @@ class Exporter {
     AddFrames();
     AddImages();
     for (const RosDiagnostic& frame : tables_.frames) {
-      At(frame.t_ns, [&] {
-        topics_.Write("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", frame.t_ns, RosDiagnosticMessage(frame));
-      });
+      At(frame.t_ns, [&] { topics_.Write(ros_topic::kDiagnostics, frame.t_ns, RosDiagnosticMessage(frame)); });
     }
     std::stable_sort(messages_.begin(), messages_.end(),
                      [](const MessageToWrite& a, const MessageToWrite& b) { return a.t_ns < b.t_ns; });
@@ -220,32 +213,33 @@ class Exporter {
     return begin == INT64_MAX ? 0 : begin;
   }
 
-  void AddPath(const std::string& topic, const Trajectory& trajectory, int64_t t_ns) {
+  void AddPath(const RosTopic& topic, const Trajectory& trajectory, int64_t t_ns) {
     if (trajectory.empty()) return;
-    At(t_ns, [=, this] { topics_.Write(topic, "nav_msgs/msg/Path", t_ns, RosPath(t_ns, trajectory)); });
+    At(t_ns, [=, this] { topics_.Write(topic, t_ns, RosPath(t_ns, trajectory)); });
   }
 
   void AddWhole() {
     const int64_t t = Begin();
     At(t, [=, this] {
-      topics_.Write("/tf_static", "tf2_msgs/msg/TFMessage", t,
-                    RosTransform(t, kRosWorld, kRosMap, WorldFromMap(source_.map)));
+      topics_.Write(
+          ros_topic::kTfStatic, t,
+          RosTransform(t, kRosWorld, kRosMap, source_.map ? LevelFromMap(source_.map->map) : LevelFromCamera()));
     });
-    AddPath("/path", source_.frames, t);
-    AddPath("/path_live", tables_.live, t);
-    AddPath("/path_truth", tables_.truth, t);
+    AddPath(ros_topic::kPath, source_.frames, t);
+    AddPath(ros_topic::kPathLive, tables_.live, t);
+    AddPath(ros_topic::kPathTruth, tables_.truth, t);
     if (!source_.map) return;
     content_.has_map = true;
     At(t, [=, this] { WriteMap(t, source_.map->map); });
   }
 
   void WriteMap(int64_t t, const Map& map) {
-    topics_.Write("/map/points", "sensor_msgs/msg/PointCloud2", t, RosPoints(t, map));
-    topics_.Write("/map/lines", "visualization_msgs/msg/Marker", t, RosLines(t, map));
-    topics_.Write("/loops", "visualization_msgs/msg/Marker", t, RosLoops(t, map));
+    topics_.Write(ros_topic::kMapPoints, t, RosPoints(t, map));
+    topics_.Write(ros_topic::kMapLines, t, RosLines(t, map));
+    topics_.Write(ros_topic::kLoops, t, RosLoops(t, map));
     Trajectory keyframes;
     for (const auto& [id, keyframe] : map.keyframes()) keyframes.push_back({keyframe.t_ns, keyframe.T_w_kf});
-    topics_.Write("/keyframes", "geometry_msgs/msg/PoseArray", t, RosPoseArray(t, keyframes));
+    topics_.Write(ros_topic::kKeyframes, t, RosPoseArray(t, keyframes));
   }
 
   void AddFrames() {
@@ -255,8 +249,7 @@ class Exporter {
 
   void WriteFrame(size_t i) {
     const TrajectoryPose& pose = source_.frames[i];
-    topics_.Write("/tf", "tf2_msgs/msg/TFMessage", pose.t_ns,
-                  RosTransform(pose.t_ns, kRosMap, kRosCamera, pose.T_a_b));
+    topics_.Write(ros_topic::kTf, pose.t_ns, RosTransform(pose.t_ns, kRosMap, kRosCamera, pose.T_a_b));
     RosOdometry odometry{pose.t_ns, pose.T_a_b};
     const auto covariance = tables_.covariances.find(pose.t_ns);
     if (covariance != tables_.covariances.end()) odometry.covariance = covariance->second;
@@ -265,7 +258,7 @@ class Exporter {
     if (i > 0 && motion != tables_.motion_covariances.end()) {
       SetVelocity(source_.frames[i - 1], motion->second, odometry);
     }
-    topics_.Write("/odom", "nav_msgs/msg/Odometry", pose.t_ns, RosOdometryMessage(odometry));
+    topics_.Write(ros_topic::kOdom, pose.t_ns, RosOdometryMessage(odometry));
   }
 
   /// Adds the images that were taken during the run.
@@ -288,10 +281,8 @@ class Exporter {
 
   void WriteImage(int64_t t) {
     const CompressedImage image = images_->Next();
-    topics_.Write("/camera/left/compressed", "sensor_msgs/msg/CompressedImage", t,
-                  RosCompressedImage(t, image.format, image.bytes));
-    topics_.Write("/camera/left/camera_info", "sensor_msgs/msg/CameraInfo", t,
-                  RosCameraInfoMessage(t, dataset_->rig().left));
+    topics_.Write(ros_topic::kLeftImage, t, RosCompressedImage(t, image.format, image.bytes));
+    topics_.Write(ros_topic::kLeftInfo, t, RosCameraInfoMessage(t, dataset_->rig().left));
   }
 
   const RunSource& source_;

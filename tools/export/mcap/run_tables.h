@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/io/trajectories/trajectory.h"
-#include "tools/export/mcap/ros_messages.h"
+#include "core/ros/ros_messages.h"
 
 namespace plslam::exports {
 

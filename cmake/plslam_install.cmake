@@ -28,6 +28,13 @@ if(TARGET dense_process)
   install(FILES ${documents} DESTINATION share/doc/plslam-dense COMPONENT dense)
 endif()
 
+# --- component bridge: plslam_bridge alone has the library of WebSockets
+if(TARGET plslam_bridge)
+  list(REMOVE_ITEM programs plslam_bridge)
+  install(TARGETS plslam_bridge RUNTIME DESTINATION bin COMPONENT bridge)
+  install(FILES ${documents} DESTINATION share/doc/plslam-bridge COMPONENT bridge)
+endif()
+
 # --- component runtime: programs, their data, manual, completion, units, documents
 install(TARGETS ${programs} RUNTIME DESTINATION bin COMPONENT runtime)
 install(DIRECTORY ${CMAKE_BINARY_DIR}/share/plslam/ DESTINATION share/plslam COMPONENT runtime)

@@ -16,7 +16,8 @@ inline constexpr const char* kMapping = "mapping";
 inline constexpr const char* kLoop = "loop";
 inline constexpr const char* kViewer = "viewer";
 inline constexpr const char* kDense = "dense";
-inline constexpr std::array kAll = {kPlayer, kCamera, kAdapter, kVo, kMapping, kLoop, kViewer, kDense};
+inline constexpr const char* kBridge = "bridge";
+inline constexpr std::array kAll = {kPlayer, kCamera, kAdapter, kVo, kMapping, kLoop, kViewer, kDense, kBridge};
 inline bool SendsFrames(std::string_view name) { return name == kPlayer || name == kCamera || name == kAdapter; }
 }  // namespace process_name
 

@@ -12,6 +12,7 @@
 #include "loop_process/options.h"
 #include "mapping_process/options.h"
 #include "player/options.h"
+#include "tools/bridge/options.h"
 #include "viewer_headless/options.h"
 #include "vo_process/options.h"
 
@@ -28,6 +29,7 @@ struct AllOptions {
   loop::LoopOptions loop;
   viewer::ViewerOptions viewer;
   dense::DenseOptions dense;
+  bridge::BridgeOptions bridge;
 };
 
 struct OptionSection {
@@ -46,7 +48,8 @@ inline std::vector<OptionSection> SectionsOf(AllOptions& all) {
           {"mapping", "The map (PL-SLAM §V).", ListFields(all.mapping)},
           {"loop", "Loop closing and relocalisation (PL-SLAM §VI).", ListFields(all.loop)},
           {"viewer", "Files and pictures that are written.", ListFields(all.viewer)},
-          {"dense", "Surfaces and the grid for planning (dense_process).", ListFields(all.dense)}};
+          {"dense", "Surfaces and the grid for planning (dense_process).", ListFields(all.dense)},
+          {"bridge", "The WebSocket of Foxglove (plslam bridge).", ListFields(all.bridge)}};
 }
 
 }  // namespace plslam::launcher

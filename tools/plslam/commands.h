@@ -21,6 +21,8 @@ void AddRecordCommand(CLI::App* app, Command* command);
 void AddOrderCommands(CLI::App* app, Command* command);
 void AddTopCommand(CLI::App* app, Command* command);
 void AddRelayCommand(CLI::App* app, Command* command);
+/// Serves Foxglove, by the program plslam_bridge.
+void AddBridgeCommand(CLI::App* app, Command* command);
 void AddProcessesCommand(CLI::App* app, Command* command);
 void AddConfigCommand(CLI::App* app, Command* command);
 

@@ -41,7 +41,8 @@ TEST(Structure, ProcessesAndToolsHaveNamespacesOfTheirOwn) {
       {"adapter/", "plslam::adapter"},        {"camera/", "plslam::camera"},
       {"viewer_headless/", "plslam::viewer"}, {"dense_process/", "plslam::dense"},
       {"tools/plslam/", "plslam::launcher"},  {"tools/export/", "plslam::exports"},
-      {"tools/doctor/", "plslam::doctor"},    {"core/stream/", "plslam::stream"}};
+      {"tools/doctor/", "plslam::doctor"},    {"tools/bridge/", "plslam::bridge"},
+      {"core/stream/", "plslam::stream"}};
   for (const SourceFile& file : test::AllSourceFiles()) {
     for (const auto& [folder, space] : spaces) {
       if (!file.path.starts_with(folder)) continue;

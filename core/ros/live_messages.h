@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/geometry/calibration.h"
+#include "core/geometry/se3.h"
+#include "core/io/trajectories/trajectory.h"
+#include "core/map/map.h"
+#include "core/ros/ros_messages.h"
+#include "core/ros/ros_topics.h"
+
+namespace plslam {
+
+/// The tracker's pose of a frame. Covariances are those of right perturbations in c.
+struct LivePose {
+  int64_t t_ns = 0;
+  int64_t session = 0;
+  SE3 T_w_c;
+  Matrix6d covariance = Matrix6d::Zero();
+  SE3 T_prev_c;
+  Matrix6d motion_covariance = Matrix6d::Zero();
+  std::optional<double> dt_s;  ///< since the frame of `T_prev_c`; nullopt if it is not known
+};
+
+/// Turns what is known of a running system into messages of the table of topics, as the MCAP export has them: in the
+/// frames map (w) and camera_left (l).
+class LiveMessages {
+ public:
+  using Write = std::function<void(const RosTopic& topic, int64_t t_ns, std::string cdr)>;
+
+  explicit LiveMessages(Write write) : write_(std::move(write)) {}
+
+  /// Sets the rig of what follows: nothing is written before. Throws std::runtime_error if it has no rectification.
+  void SetRig(const RigCalibration& rig);
+  /// Writes transform and odometry. A new session begins a new path.
+  void AddPose(const LivePose& pose);
+  /// Writes the image as a JPEG, and its calibration. `left` has 8 bits.
+  void WriteImage(int64_t t_ns, const cv::Mat& left) const;
+  /// Writes points, lines, loops, keyframes and the level frame.
+  void WriteMap(const Map& map) const;
+  /// Writes the path, of 10,000 poses at most: in longer ones every second pose is removed.
+  void WritePath() const;
+  void WriteDiagnostic(RosDiagnostic diagnostic) const;
+
+ private:
+  /// The time of the newest pose: data without time have this one.
+  int64_t now_ns() const { return path_.empty() ? 0 : path_.back().t_ns; }
+
+  Write write_;
+  std::optional<CameraCalibration> left_;
+  SE3 T_c_l_;
+  int64_t session_ = -1;
+  int64_t n_poses_ = 0;
+  int64_t stride_ = 1;  ///< poses of the session for one of the path
+  Trajectory path_;
+};
+
+}  // namespace plslam

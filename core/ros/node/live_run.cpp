@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/ros/node/live_run.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+#include "core/bus/messages/convert.h"
+#include "core/run/process_names.h"
+#include "core/run/tracking_state.h"
+#include "plslam/counter_t.hpp"
+#include "plslam/pose3_t.hpp"
+#include "plslam/pose_t.hpp"
+#include "plslam/stage_t.hpp"
+#include "plslam/status_t.hpp"
+
+namespace plslam::bus {
+namespace {
+
+/// Of diagnostic_msgs/DiagnosticStatus.
+enum DiagnosticLevel { kOk = 0, kWarn = 1, kError = 2 };
+
+DiagnosticLevel LevelOf(std::string_view state) {
+  if (state == process_state::kFailed) return kError;
+  return state == process_state::kReady || state == process_state::kRunning || state == process_state::kFinished
+             ? kOk
+             : kWarn;
+}
+
+}  // namespace
+
+LiveRun::LiveRun(Bus& bus, LiveMessages::Write write, std::function<bool()> wants_images)
+    : bus_(bus),
+      messages_(std::move(write)),
+      map_(bus, [this](const MapUpdate&) { has_new_map_ = true; }),
+      camera_(bus,
+              [this](const RigCalibration& rig) {
+                try {
+                  messages_.SetRig(rig);
+                } catch (const std::runtime_error& error) {
+                  spdlog::warn("the camera cannot be used: {}", error.what());
+                }
+              }),
+      frames_(
+          bus, FrameSubscriber::Mode::kPictures,
+          [this](const FrameSubscriber::Frame& frame) { messages_.WriteImage(frame.images.t_ns, frame.images.left); },
+          [wants_images = std::move(wants_images)](int64_t) { return wants_images(); }) {
+  bus_.Subscribe<pose_t>(kPose, [this](const pose_t& message) { OnPose(message); });
+  bus_.Subscribe<status_t>(kStatus, [this](const status_t& message) { OnStatus(message); });
+  bus_.Every(std::chrono::milliseconds(1000), [this] { Tick(); });
+}
+
+/// Returns the time since the previous pose, to which the motion refers; nullopt if that pose was not received.
+std::optional<double> LiveRun::SecondsSinceLast(const pose_t& message) {
+  const header_t& header = message.header;
+  const bool follows = header.source == last_source_ && header.session == last_session_ &&
+                       header.seq == last_seq_ + 1 && header.t_ns > last_t_ns_;
+  const double dt_s = 1e-9 * static_cast<double>(header.t_ns - last_t_ns_);
+  last_source_ = header.source;
+  last_session_ = header.session;
+  last_seq_ = header.seq;
+  last_t_ns_ = header.t_ns;
+  return follows ? std::optional(dt_s) : std::nullopt;
+}
+
+void LiveRun::OnPose(const pose_t& message) {
+  const std::optional<double> dt_s = SecondsSinceLast(message);
+  const auto T_odom_c = FromMessage(message.T_odom_c), T_w_odom = FromMessage(message.T_w_odom),
+             T_prev_c = FromMessage(message.T_prev_c);
+  const auto covariance = FromArray(message.covariance), motion_covariance = FromArray(message.motion_covariance);
+  if (!T_odom_c || !T_w_odom || !T_prev_c || !covariance || !motion_covariance) return bus_.CountRejected();
+  // A session that is not part of the map yet has no pose in it, and an initialising one has none before its keyframe.
+  const bool is_initialising =
+      static_cast<TrackingState>(message.state) == TrackingState::kInitialising && message.keyframe_id < 0;
+  if (is_initialising || message.anchored == 0) return;
+  messages_.AddPose({message.header.t_ns, message.header.session, *T_w_odom * *T_odom_c, *covariance, *T_prev_c,
+                     *motion_covariance, dt_s});
+  has_new_poses_ = true;
+}
+
+void LiveRun::OnStatus(const status_t& message) {
+  RosDiagnostic diagnostic{
+      .level = LevelOf(message.state),
+      .name = message.process,
+      .message = message.reason.empty() ? message.state : fmt::format("{}: {}", message.state, message.reason),
+      .values = {}};
+  for (const counter_t& counter : message.counters) {
+    diagnostic.values.emplace_back(counter.name, fmt::format("{}", counter.value));
+  }
+  messages_.WriteDiagnostic(std::move(diagnostic));
+}
+
+void LiveRun::Tick() {
+  if (std::exchange(has_new_poses_, false)) messages_.WritePath();
+  if (std::exchange(has_new_map_, false)) messages_.WriteMap(map_.replica().map());
+}
+
+}  // namespace plslam::bus

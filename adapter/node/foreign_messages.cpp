@@ -86,13 +86,13 @@ geometry_msgs::Quaternion ToQuaternion(const Eigen::Quaterniond& q) {
   return message;
 }
 
-ForeignImage FromBotImage(bot_core::image_t& image, int64_t utime) {
-  ForeignImage out;
+robot::ForeignImage FromBotImage(bot_core::image_t& image, int64_t utime) {
+  robot::ForeignImage out;
   out.t_ns = FromUtime(utime);
   out.width_px = image.width;
   out.height_px = image.height;
   out.step_bytes = image.row_stride;
-  out.encoding = EncodingOfPixelFormat(image.pixelformat);
+  out.encoding = robot::EncodingOfPixelFormat(image.pixelformat);
   out.bytes = std::move(image.data);
   return out;
 }
@@ -119,7 +119,7 @@ bool IsOfImages(MessageBytes bytes) {
   return std::ranges::any_of(kTypes, [&](std::string_view type) { return IsOfType(bytes, type); });
 }
 
-std::pair<ForeignImage, ForeignImage> PairFromBytes(MessageBytes bytes) {
+std::pair<robot::ForeignImage, robot::ForeignImage> PairFromBytes(MessageBytes bytes) {
   auto message = Decoded<bot_core::images_t>(bytes, "bot_core.images_t");
   const auto image_of = [&](int type) {
     for (size_t i = 0; i < message.images.size(); ++i) {
@@ -127,12 +127,12 @@ std::pair<ForeignImage, ForeignImage> PairFromBytes(MessageBytes bytes) {
     }
     throw DatasetError(fmt::format("has no {} image (type {})", type == kLeftImage ? "left" : "right", type));
   };
-  ForeignImage left = image_of(kLeftImage);
+  robot::ForeignImage left = image_of(kLeftImage);
   return {std::move(left), image_of(kRightImage)};
 }
 
-ForeignImage ImageFromBytes(MessageBytes bytes) {
-  ForeignImage out;
+robot::ForeignImage ImageFromBytes(MessageBytes bytes) {
+  robot::ForeignImage out;
   if (IsOfType(bytes, "sensor_msgs.CompressedImage")) {
     auto message = Decoded<sensor_msgs::CompressedImage>(bytes, "sensor_msgs.CompressedImage");
     out.t_ns = FromStamp(message.header);
@@ -185,7 +185,7 @@ RobotPose RobotPoseFromBytes(MessageBytes bytes) {
   return {FromStamp(message.header), SE3(q_robot_b, p_m)};
 }
 
-bot_core::pose_t ToBotPose(const BodyPose& pose) {
+bot_core::pose_t ToBotPose(const robot::BodyPose& pose) {
   bot_core::pose_t message{};
   message.utime = pose.t_ns / kNsPerUs;
   const Vector6d velocity = pose.velocity.value_or(Vector6d::Zero());
@@ -200,7 +200,7 @@ bot_core::pose_t ToBotPose(const BodyPose& pose) {
   return message;
 }
 
-nav_msgs::Odometry ToOdometry(const BodyPose& pose) {
+nav_msgs::Odometry ToOdometry(const robot::BodyPose& pose) {
   nav_msgs::Odometry message{};
   message.header = ToHeader(pose.t_ns, kOdomFrame);
   message.child_frame_id = kBodyFrame;
@@ -215,7 +215,7 @@ nav_msgs::Odometry ToOdometry(const BodyPose& pose) {
   return message;
 }
 
-tf2_msgs::TFMessage ToTransforms(const BodyPose& pose) {
+tf2_msgs::TFMessage ToTransforms(const robot::BodyPose& pose) {
   tf2_msgs::TFMessage message{};
   if (pose.anchored) message.transforms.push_back(ToTransform(pose.t_ns, kMapFrame, kOdomFrame, pose.T_map_odom));
   message.transforms.push_back(ToTransform(pose.t_ns, kOdomFrame, kBodyFrame, pose.T_odom_b));
@@ -235,7 +235,7 @@ sensor_msgs::PointCloud2 ToPointCloud(const SE3& T_b_c, const Map& map, int64_t 
     field.count = 1;
   }
   for (const auto& [id, point] : map.points()) {
-    const Eigen::Vector3d p_map = ToMapFrame(T_b_c, point.p_w);
+    const Eigen::Vector3d p_map = robot::ToMapFrame(T_b_c, point.p_w);
     for (const double value : p_map) Append(static_cast<float>(value), message.data);
     ++message.width;
   }

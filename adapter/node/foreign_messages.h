@@ -6,11 +6,11 @@
 #include <utility>
 #include <vector>
 
-#include "adapter/body_pose.h"
-#include "adapter/foreign_image.h"
 #include "bot_core/pose_t.hpp"
 #include "core/datasets/recordings/ros_messages.h"
 #include "core/map/map.h"
+#include "core/robot/body_pose.h"
+#include "core/robot/foreign_image.h"
 #include "nav_msgs/Odometry.hpp"
 #include "sensor_msgs/PointCloud2.hpp"
 #include "tf2_msgs/TFMessage.hpp"
@@ -25,9 +25,9 @@ using MessageBytes = std::span<const uint8_t>;
 /// Whether they begin as a message of a type that holds images does.
 bool IsOfImages(MessageBytes bytes);
 /// Left and right image of a `bot_core.images_t`, in any order among others.
-std::pair<ForeignImage, ForeignImage> PairFromBytes(MessageBytes bytes);
+std::pair<robot::ForeignImage, robot::ForeignImage> PairFromBytes(MessageBytes bytes);
 /// A `sensor_msgs.Image` or `sensor_msgs.CompressedImage`.
-ForeignImage ImageFromBytes(MessageBytes bytes);
+robot::ForeignImage ImageFromBytes(MessageBytes bytes);
 /// A `sensor_msgs.CameraInfo`.
 RosCameraInfo CameraInfoFromBytes(MessageBytes bytes);
 
@@ -44,11 +44,11 @@ inline constexpr const char* kOdomFrame = "odom";
 inline constexpr const char* kBodyFrame = "base_link";
 
 /// The body in map; velocities in the body's axes. The accelerations are 0.
-bot_core::pose_t ToBotPose(const BodyPose& pose);
+bot_core::pose_t ToBotPose(const robot::BodyPose& pose);
 /// The body in odom. An unknown velocity is 0 with variances of 1e6.
-nav_msgs::Odometry ToOdometry(const BodyPose& pose);
+nav_msgs::Odometry ToOdometry(const robot::BodyPose& pose);
 /// map to odom, and odom to base_link.
-tf2_msgs::TFMessage ToTransforms(const BodyPose& pose);
+tf2_msgs::TFMessage ToTransforms(const robot::BodyPose& pose);
 /// The points of a map in the frame map: x, y, z in 32 bits.
 sensor_msgs::PointCloud2 ToPointCloud(const SE3& T_b_c, const Map& map, int64_t t_ns);
 

@@ -13,18 +13,8 @@
 #include <string_view>
 #include <utility>
 
-#include "core/bus/messages/convert.h"
-#include "core/bus/messages/frame_assembler.h"
-#include "core/datasets/calibrations/camera_info.h"
-#include "core/datasets/camera_file.h"
-#include "core/datasets/check_rig.h"
 #include "core/errors/error_text.h"
-#include "core/geometry/body_frame.h"
 #include "core/run/process_names.h"
-#include "core/run/run_counters.h"
-#include "plslam/camera_t.hpp"
-#include "plslam/intrinsics_t.hpp"
-#include "plslam/stream_t.hpp"
 
 namespace plslam::adapter {
 namespace {
@@ -50,25 +40,6 @@ std::vector<std::string> ImageChannels(const std::string& url, std::chrono::mill
   return {channels.begin(), channels.end()};
 }
 
-/// Throws DatasetError if vo_process cannot use the rig.
-void CheckRig(const RigCalibration& rig) {
-  const std::string complaint = RigComplaint(rig);
-  if (!complaint.empty()) throw DatasetError("describes an invalid rig: " + complaint);
-  if (!bus::FrameAssembler::CanHold(rig.left.width_px, rig.left.height_px, 1)) {
-    throw DatasetError(fmt::format("describes images of {}x{}, more than a message can hold", rig.left.width_px,
-                                   rig.left.height_px));
-  }
-  AsDatasetError([&] { BodyFromCamera(rig); });
-}
-
-/// Warns about the baseline of a CameraInfo. The notes of a camera file are printed when it is read.
-void WarnOfLongBaseline(const RigCalibration& rig) {
-  Notes notes;
-  plslam::WarnOfLongBaseline("CameraInfo", rig,
-                             "P[3] is in metres times pixels; where it is not, give adapter.camera", &notes);
-  for (const std::string& warning : notes.warnings) spdlog::warn("{}", warning);
-}
-
 std::string GivenOr(const std::string& given, const std::string& image_channel) {
   return given.empty() ? InfoChannelOf(image_channel) : given;
 }
@@ -86,25 +57,19 @@ std::string InfoChannelOf(const std::string& image_channel) {
 }
 
 ImageSource::ImageSource(bus::Process& process, bus::StockLcm& foreign, const AdapterOptions& options,
-                         Listener listener)
+                         robot::FrameSource::Listener listener)
     : process_(process),
       options_(options),
       left_info_(GivenOr(options.left_info, options.left)),
       right_info_(GivenOr(options.right_info, options.right)),
-      listener_(std::move(listener)),
       inbox_(options.camera.empty() ? 2 * kRoom : kRoom),  // of images beside their CameraInfo
-      publisher_(process.bus(), false),
-      pairing_(std::llround(options.max_skew_ms * kNsPerMs)) {
-  if (!options_.camera.empty()) {
-    Notes notes;
-    RigCalibration rig = ReadCalibration({options_.camera}, {}, &notes);
-    for (const std::string& warning : notes.warnings) spdlog::warn("{}", warning);
-    for (const std::string& remark : notes.remarks) spdlog::info("{}", remark);
-    if (rig.kind != RigCalibration::Kind::kStereo) {
-      throw DatasetError(options_.camera + ": is for an RGB-D camera, but a stereo rig is required");
-    }
-    UseRig(std::move(rig));
-  }
+      frames_(process,
+              {.process = process_name::kAdapter,
+               .camera_option = "adapter.camera",
+               .camera = options.camera,
+               .left = options.images.empty() ? options.left : options.images,
+               .max_skew_ns = std::llround(options.max_skew_ms * kNsPerMs)},
+              std::move(listener)) {
   Subscribe(foreign);
 }
 
@@ -116,15 +81,17 @@ void ImageSource::Subscribe(bus::StockLcm& foreign) {
   if (!options_.images.empty()) {
     listen(options_.images, [this](MessageBytes bytes) {
       ++n_messages_[0];
-      OnPair(PairFromBytes(bytes));
+      const auto [left, right] = PairFromBytes(bytes);
+      frames_.AddPair(left, right);
     });
     return;
   }
-  listen(options_.left, [this](MessageBytes bytes) { OnImage(Side::kLeft, bytes); });
-  listen(options_.right, [this](MessageBytes bytes) { OnImage(Side::kRight, bytes); });
+  listen(options_.left, [this](MessageBytes bytes) { OnImage(robot::Side::kLeft, bytes); });
+  listen(options_.right, [this](MessageBytes bytes) { OnImage(robot::Side::kRight, bytes); });
   if (!options_.camera.empty()) return;
-  listen(left_info_, [this](MessageBytes bytes) { OnInfo(Side::kLeft, bytes); });
-  listen(right_info_, [this](MessageBytes bytes) { OnInfo(Side::kRight, bytes); });
+  listen(left_info_, [this](MessageBytes bytes) { frames_.AddInfo(robot::Side::kLeft, CameraInfoFromBytes(bytes)); });
+  listen(right_info_,
+         [this](MessageBytes bytes) { frames_.AddInfo(robot::Side::kRight, CameraInfoFromBytes(bytes)); });
 }
 
 void ImageSource::Work() {
@@ -142,7 +109,7 @@ void ImageSource::Work() {
 }
 
 /// An invalid message is not a reason to exit.
-void ImageSource::Handle(const Inbox::Message& message) {
+void ImageSource::Handle(const robot::Inbox::Message& message) {
   const Channel& channel = channels_[message.channel];
   try {
     channel.take(message.bytes);
@@ -152,86 +119,16 @@ void ImageSource::Handle(const Inbox::Message& message) {
   }
 }
 
-void ImageSource::OnImage(Side side, MessageBytes bytes) {
+void ImageSource::OnImage(robot::Side side, MessageBytes bytes) {
   ++n_messages_[static_cast<size_t>(side)];
-  const auto pair = pairing_.Add(side, ImageFromBytes(bytes));
-  process_.SetCounter("frames.unpaired", static_cast<double>(pairing_.unpaired()));
-  if (pair) OnPair(*pair);
-}
-
-void ImageSource::OnInfo(Side side, MessageBytes bytes) {
-  infos_[static_cast<size_t>(side)] = CameraInfoFromBytes(bytes);
-  if (!infos_[0] || !infos_[1]) return;
-  // Each only once: a new one of one camera does not go with an old one of the other.
-  const auto infos = std::exchange(infos_, {});
-  const bool is_first = !rig_;
-  UseRig(RigFromRos(InPixelsOfImages(*infos[0], {}), InPixelsOfImages(*infos[1], {}), NamesRectified(options_.left)));
-  if (!is_first) return;
-  Notes notes;
-  WarnOfUnusedDistortion(options_.left, *infos[0], "give adapter.camera", &notes);
-  for (const std::string& warning : notes.warnings) spdlog::warn("{}", warning);
-}
-
-void ImageSource::OnPair(const Pair& pair) {
-  if (!rig_) return;
-  if (pair.first.t_ns == last_t_ns_) throw DatasetError("has the same stamp as the previous one");
-  const cv::Size size(rig_->left.width_px, rig_->left.height_px);
-  UseWhiteLevel(std::max(BrightWideValue(pair.first, size), BrightWideValue(pair.second, size)));
-  StereoImages images;
-  images.t_ns = pair.first.t_ns;
-  images.left = GreyOf(pair.first, size, white_);
-  images.right = GreyOf(pair.second, size, white_);
-  Publish(std::move(images));
-}
-
-/// Both cameras have that of the first pair, until an image has larger values. `bright` is 0 for images of 8 bits.
-void ImageSource::UseWhiteLevel(int bright) {
-  if (bright == 0 || (has_white_ && bright <= white_)) return;
-  has_white_ = true;
-  white_ = WhiteLevel(bright);
-  if (white_ < kWhiteOf16Bits) {
-    spdlog::info("the 16-bit images have values up to {}: {} is mapped to white", bright, white_);
-  }
-}
-
-void ImageSource::UseRig(RigCalibration rig) {
-  rig.name = process_name::kAdapter;
-  std::vector<uint8_t> bytes = bus::RigBytes(bus::ToMessage(rig));
-  if (bytes == rig_bytes_) return;
-  CheckRig(rig);
-  if (options_.camera.empty()) WarnOfLongBaseline(rig);
-  rig_bytes_ = std::move(bytes);
-  rig_ = std::move(rig);
-  listener_.on_rig(*rig_);
-  PublishRig();
-}
-
-void ImageSource::PublishRig() { process_.bus().Publish(bus::kCamera, bus::ToMessage(*rig_)); }
-
-void ImageSource::Publish(StereoImages images) {
-  if (n_sent_ == 0) {
-    stream_t stream{};
-    stream.header.session = process_.bus().source();
-    stream.dataset = options_.images.empty() ? options_.left : options_.images;
-    stream.event = "begin";
-    stream.pace = "realtime";
-    stream.n_frames = -1;
-    process_.bus().Publish(bus::kStream, std::move(stream));
-    process_.SetCounter(kLiveSource, 1.0);
-    process_.SetState(process_state::kRunning);
-  }
-  images.frame_id = numbers_.Next(images.t_ns);
-  last_t_ns_ = images.t_ns;
-  listener_.on_frame(images.t_ns);
-  publisher_.Publish(images);
-  process_.SetCounter("frames.sent", static_cast<double>(++n_sent_));
+  frames_.AddImage(side, ImageFromBytes(bytes));
 }
 
 void ImageSource::Tick() {
-  if (rig_) PublishRig();
+  frames_.PublishRig();
   process_.SetCounter("frames.dropped", static_cast<double>(inbox_.dropped()));
   ListImageChannels();
-  if (n_sent_ == 0) process_.SetReason(WhatIsMissing());
+  if (n_sent() == 0) process_.SetReason(WhatIsMissing());
 }
 
 /// Channels of images on which nothing has arrived.
@@ -241,8 +138,8 @@ std::vector<std::string> ImageSource::SilentChannels() const {
     if (n_messages_[0] == 0) silent.push_back(Shown(options_.images));
     return silent;
   }
-  if (n_messages_[static_cast<size_t>(Side::kLeft)] == 0) silent.push_back(Shown(options_.left));
-  if (n_messages_[static_cast<size_t>(Side::kRight)] == 0) silent.push_back(Shown(options_.right));
+  if (n_messages_[static_cast<size_t>(robot::Side::kLeft)] == 0) silent.push_back(Shown(options_.left));
+  if (n_messages_[static_cast<size_t>(robot::Side::kRight)] == 0) silent.push_back(Shown(options_.right));
   return silent;
 }
 
@@ -261,7 +158,7 @@ std::string ImageSource::WhatIsMissing() const {
     return Joined(fmt::format("waiting for images on {}", fmt::join(silent, " and ")),
                   Shown(image_channels_.value_or("")));
   }
-  if (!rig_) {
+  if (!frames_.has_rig()) {
     return fmt::format("waiting for sensor_msgs.CameraInfo on {} and {} (or give a file with --camera)", left_info_,
                        right_info_);
   }

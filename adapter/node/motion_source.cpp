@@ -51,7 +51,7 @@ void MotionSource::Work() {
   }
 }
 
-void MotionSource::Send(const Inbox::Message& message) {
+void MotionSource::Send(const robot::Inbox::Message& message) {
   try {
     const RobotPose pose = RobotPoseFromBytes(message.bytes);
     robot_motion_t motion{};

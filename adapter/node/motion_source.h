@@ -6,10 +6,10 @@
 #include <string>
 #include <thread>
 
-#include "adapter/node/inbox.h"
-#include "adapter/node/skipped_messages.h"
 #include "core/bus/transport/stock_lcm.h"
 #include "core/process/process.h"
+#include "core/robot/node/inbox.h"
+#include "core/robot/node/skipped_messages.h"
 
 namespace plslam::adapter {
 
@@ -26,14 +26,14 @@ class MotionSource {
 
  private:
   void Work();
-  void Send(const Inbox::Message& message);
+  void Send(const robot::Inbox::Message& message);
 
   bus::Process& process_;
   const std::string channel_;
   const std::function<int64_t()> n_frames_;
-  Inbox inbox_;
+  robot::Inbox inbox_;
   // Of the thread.
-  SkippedMessages skipped_messages_;
+  robot::SkippedMessages skipped_messages_;
   int64_t n_sent_ = 0, n_rejected_ = 0;
   bool is_reported_ = false;
   std::thread thread_;

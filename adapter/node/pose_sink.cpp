@@ -20,23 +20,23 @@ namespace {
 constexpr size_t kMostFrames = 256;
 constexpr std::chrono::milliseconds kTick{1000};
 
-std::optional<CameraPose> FromMessage(const pose_t& message) {
+std::optional<robot::CameraPose> FromMessage(const pose_t& message) {
   const auto T_odom_c = bus::FromMessage(message.T_odom_c), T_w_odom = bus::FromMessage(message.T_w_odom),
              T_prev_c = bus::FromMessage(message.T_prev_c);
   const auto covariance = bus::FromArray(message.covariance);
   const auto motion_covariance = bus::FromArray(message.motion_covariance);
   if (!T_odom_c || !T_w_odom || !T_prev_c || !covariance || !motion_covariance) return std::nullopt;
-  return CameraPose{message.header.t_ns, *T_w_odom, message.anchored != 0, *T_odom_c,
-                    *covariance,         *T_prev_c, *motion_covariance,    {}};
+  return robot::CameraPose{message.header.t_ns, *T_w_odom, message.anchored != 0, *T_odom_c,
+                           *covariance,         *T_prev_c, *motion_covariance,    {}};
 }
 
 }  // namespace
 
 PoseSink::PoseSink(bus::Process& process, bus::StockLcm& foreign, const AdapterOptions& options)
-    : process_(process), foreign_(foreign), options_(options), inbox_(std::make_shared<Inbox>(kMostFrames)) {
+    : process_(process), foreign_(foreign), options_(options), inbox_(std::make_shared<robot::Inbox>(kMostFrames)) {
   process_.bus().SubscribeBytes(
       bus::kPose, bus::Bus::Reading::kAsItComes, [] { return true; },
-      [weak = std::weak_ptr<Inbox>(inbox_)](bus::ByteView bytes) {
+      [weak = std::weak_ptr<robot::Inbox>(inbox_)](bus::ByteView bytes) {
         if (const auto inbox = weak.lock()) inbox->Put(0, bytes);
       });
   thread_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { Work(); }); });
@@ -75,19 +75,6 @@ std::optional<SE3> PoseSink::BodyOf(const pose_t& message) {
   return T_b_c_;
 }
 
-/// Returns the time since the previous pose, to which the motion refers; nullopt if that pose was not received.
-std::optional<double> PoseSink::SecondsSinceLast(const pose_t& message) {
-  const header_t& header = message.header;
-  const bool follows = header.source == last_source_ && header.session == last_session_ &&
-                       header.seq == last_seq_ + 1 && header.t_ns > last_t_ns_;
-  const double dt_s = 1e-9 * static_cast<double>(header.t_ns - last_t_ns_);
-  last_source_ = header.source;
-  last_session_ = header.session;
-  last_seq_ = header.seq;
-  last_t_ns_ = header.t_ns;
-  return follows ? std::optional(dt_s) : std::nullopt;
-}
-
 template <class Message>
 void PoseSink::Publish(const std::string& channel, const Message& message) {
   if (channel.empty() || foreign_.Publish(channel, bus::Encoded(message))) return;
@@ -99,10 +86,10 @@ void PoseSink::Send(const pose_t& message) {
   const auto state = static_cast<TrackingState>(message.state);
   // Before tracking starts, motion and covariance are zero and carry no information.
   if (!T_b_c || state == TrackingState::kInitialising) return;
-  std::optional<CameraPose> camera = FromMessage(message);
+  std::optional<robot::CameraPose> camera = FromMessage(message);
   if (!camera) return process_.bus().CountRejected();
-  camera->dt_s = SecondsSinceLast(message);
-  const BodyPose pose = ToBody(*T_b_c, *camera);
+  camera->dt_s = steps_.SecondsSinceLast(message);
+  const robot::BodyPose pose = robot::ToBody(*T_b_c, *camera);
   // A bot_core pose has no covariance, so its readers could not distinguish a prediction from an estimate.
   if (state != TrackingState::kLost && pose.anchored) Publish(options_.pose, ToBotPose(pose));
   Publish(options_.odometry, ToOdometry(pose));

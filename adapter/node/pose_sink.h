@@ -9,11 +9,12 @@
 #include <string>
 #include <thread>
 
-#include "adapter/body_pose.h"
-#include "adapter/node/inbox.h"
 #include "adapter/options.h"
 #include "core/bus/transport/stock_lcm.h"
 #include "core/process/process.h"
+#include "core/robot/body_pose.h"
+#include "core/robot/node/inbox.h"
+#include "core/robot/node/pose_steps.h"
 
 namespace plslam {
 class pose_t;
@@ -38,7 +39,6 @@ class PoseSink {
   void Work();
   void Send(const pose_t& message);
   std::optional<SE3> BodyOf(const pose_t& message);
-  std::optional<double> SecondsSinceLast(const pose_t& message);
   template <class Message>
   void Publish(const std::string& channel, const Message& message);
 
@@ -47,13 +47,13 @@ class PoseSink {
   const AdapterOptions options_;
 
   /// The receiving thread of the bus, which puts poses there, may outlive us.
-  const std::shared_ptr<Inbox> inbox_;
+  const std::shared_ptr<robot::Inbox> inbox_;
   std::mutex mutex_;  // guards what follows
   std::optional<SE3> T_b_c_;
   std::deque<int64_t> frames_;
 
   // Of the thread.
-  int64_t last_source_ = 0, last_session_ = 0, last_seq_ = 0, last_t_ns_ = 0;
+  robot::PoseSteps steps_;
   int64_t n_sent_ = 0, n_failed_ = 0;
   std::thread thread_;
 };

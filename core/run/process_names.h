@@ -11,14 +11,18 @@ namespace process_name {
 inline constexpr const char* kPlayer = "player";
 inline constexpr const char* kCamera = "camera";  ///< replaces the player
 inline constexpr const char* kAdapter = "adapter";
+inline constexpr const char* kRos2 = "ros2";
 inline constexpr const char* kVo = "vo";
 inline constexpr const char* kMapping = "mapping";
 inline constexpr const char* kLoop = "loop";
 inline constexpr const char* kViewer = "viewer";
 inline constexpr const char* kDense = "dense";
 inline constexpr const char* kBridge = "bridge";
-inline constexpr std::array kAll = {kPlayer, kCamera, kAdapter, kVo, kMapping, kLoop, kViewer, kDense, kBridge};
-inline bool SendsFrames(std::string_view name) { return name == kPlayer || name == kCamera || name == kAdapter; }
+inline constexpr std::array kAll = {kPlayer, kCamera, kAdapter, kVo,     kMapping,
+                                    kLoop,   kViewer, kDense,   kBridge, kRos2};
+inline bool SendsFrames(std::string_view name) {
+  return name == kPlayer || name == kCamera || name == kAdapter || name == kRos2;
+}
 }  // namespace process_name
 
 /// Values of `status_t.state`, in their usual order; any state may be followed by failed.

@@ -3,13 +3,13 @@
 // with a sentence, or are consistent, within a bound of memory.
 #include <gtest/gtest.h>
 
-#include "adapter/foreign_image.h"
 #include "adapter/node/foreign_layouts.h"
 #include "adapter/node/foreign_messages.h"
 #include "bot_core/images_t.hpp"
 #include "core/bus/transport/stock_lcm.h"
 #include "core/io/files/dataset_error.h"
 #include "core/io/images/jpeg_codec.h"
+#include "core/robot/foreign_image.h"
 #include "sensor_msgs/CameraInfo.hpp"
 #include "sensor_msgs/CompressedImage.hpp"
 #include "sensor_msgs/Image.hpp"
@@ -89,7 +89,9 @@ bool Take(const ByteVector& bytes) {
     }
   };
   constexpr int kWhite = 65535;
-  const auto expect_grey = [](const ForeignImage& image) { ASSERT_EQ(GreyOf(image, kSize, kWhite).size(), kSize); };
+  const auto expect_grey = [](const robot::ForeignImage& image) {
+    ASSERT_EQ(robot::GreyOf(image, kSize, kWhite).size(), kSize);
+  };
   const bool pair = take([&] {
     const auto [left, right] = PairFromBytes(bytes);
     expect_grey(left);

@@ -54,21 +54,8 @@ LiveRun::LiveRun(Bus& bus, LiveMessages::Write write, std::function<bool()> want
   bus_.Every(std::chrono::milliseconds(1000), [this] { Tick(); });
 }
 
-/// Returns the time since the previous pose, to which the motion refers; nullopt if that pose was not received.
-std::optional<double> LiveRun::SecondsSinceLast(const pose_t& message) {
-  const header_t& header = message.header;
-  const bool follows = header.source == last_source_ && header.session == last_session_ &&
-                       header.seq == last_seq_ + 1 && header.t_ns > last_t_ns_;
-  const double dt_s = 1e-9 * static_cast<double>(header.t_ns - last_t_ns_);
-  last_source_ = header.source;
-  last_session_ = header.session;
-  last_seq_ = header.seq;
-  last_t_ns_ = header.t_ns;
-  return follows ? std::optional(dt_s) : std::nullopt;
-}
-
 void LiveRun::OnPose(const pose_t& message) {
-  const std::optional<double> dt_s = SecondsSinceLast(message);
+  const std::optional<double> dt_s = steps_.SecondsSinceLast(message);
   const auto T_odom_c = FromMessage(message.T_odom_c), T_w_odom = FromMessage(message.T_w_odom),
              T_prev_c = FromMessage(message.T_prev_c);
   const auto covariance = FromArray(message.covariance), motion_covariance = FromArray(message.motion_covariance);

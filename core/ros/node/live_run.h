@@ -7,6 +7,7 @@
 
 #include "core/bus/messages/frame_channel.h"
 #include "core/bus/messages/map_channel.h"
+#include "core/robot/node/pose_steps.h"
 #include "core/ros/live_messages.h"
 
 namespace plslam {
@@ -26,12 +27,11 @@ class LiveRun {
  private:
   void OnPose(const pose_t& message);
   void OnStatus(const status_t& message);
-  std::optional<double> SecondsSinceLast(const pose_t& message);
   void Tick();
 
   Bus& bus_;
   LiveMessages messages_;
-  int64_t last_source_ = 0, last_session_ = 0, last_seq_ = 0, last_t_ns_ = 0;
+  robot::PoseSteps steps_;
   bool has_new_poses_ = false;
   bool has_new_map_ = false;
   MapSubscriber map_;

@@ -159,7 +159,7 @@ sensor_msgs::Image RosImage() {
 }
 
 TEST(ForeignMessages, RosImagesByTheirFingerprint) {
-  const ForeignImage image = ImageFromBytes(Encoded(RosImage()));
+  const robot::ForeignImage image = ImageFromBytes(Encoded(RosImage()));
   EXPECT_EQ(image.t_ns, 12'000'000'034);
   EXPECT_EQ(image.encoding, "mono8");
   EXPECT_EQ(image.step_bytes, 4);
@@ -198,8 +198,8 @@ TEST(ForeignMessages, CameraInfosMakeARig) {
   EXPECT_EQ(rig.right.width_px, 376);
 }
 
-BodyPose SomeBody() {
-  BodyPose body;
+robot::BodyPose SomeBody() {
+  robot::BodyPose body;
   body.t_ns = 12'000'000'345'000;
   body.T_map_odom = SE3(Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ())), {1, 2, 3});
   body.T_odom_b = SE3(Eigen::Quaterniond(Eigen::AngleAxisd(0.25, Eigen::Vector3d::UnitX())), {4, 5, 6});
@@ -212,7 +212,7 @@ BodyPose SomeBody() {
 }
 
 TEST(ForeignMessages, BotPoseIsTheBodyInTheMap) {
-  const BodyPose body = SomeBody();
+  const robot::BodyPose body = SomeBody();
   const bot_core::pose_t pose = ToBotPose(body);
   EXPECT_EQ(pose.utime, 12'000'000'345);
   EXPECT_THAT(pose.vel, ElementsAre(1, 2, 3));
@@ -223,7 +223,7 @@ TEST(ForeignMessages, BotPoseIsTheBodyInTheMap) {
 }
 
 TEST(ForeignMessages, OdometryIsTheBodyInOdom) {
-  BodyPose body = SomeBody();
+  robot::BodyPose body = SomeBody();
   nav_msgs::Odometry odometry = ToOdometry(body);
   EXPECT_EQ(odometry.header.frame_id, "odom");
   EXPECT_EQ(odometry.child_frame_id, "base_link");

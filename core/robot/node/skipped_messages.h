@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-namespace plslam::adapter {
+namespace plslam::robot {
 
 /// Warnings about foreign messages: each sentence is logged once, and only a few in total.
 class SkippedMessages {
@@ -21,4 +21,4 @@ class SkippedMessages {
   std::set<std::string> warned_;
 };
 
-}  // namespace plslam::adapter
+}  // namespace plslam::robot

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace plslam::adapter {
+namespace plslam::robot {
 
 /// An image as described by a message of another program; not checked.
 struct ForeignImage {
@@ -31,4 +31,4 @@ cv::Mat GreyOf(const ForeignImage& image, const cv::Size& expected, int white);
 /// `GreyOf`.
 int BrightWideValue(const ForeignImage& image, const cv::Size& expected);
 
-}  // namespace plslam::adapter
+}  // namespace plslam::robot

@@ -10,7 +10,7 @@
 #include <optional>
 #include <utility>
 
-namespace plslam::adapter {
+namespace plslam::robot {
 
 enum class Side { kLeft = 0, kRight = 1 };
 
@@ -60,4 +60,4 @@ class StampPairing {
   int64_t unpaired_ = 0;
 };
 
-}  // namespace plslam::adapter
+}  // namespace plslam::robot

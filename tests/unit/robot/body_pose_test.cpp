@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "adapter/body_pose.h"
+#include "core/robot/body_pose.h"
 
 #include "core/geometry/body_frame.h"
 
@@ -7,7 +7,7 @@
 
 #include <random>
 
-namespace plslam::adapter {
+namespace plslam::robot {
 namespace {
 
 RigCalibration Rig() {
@@ -113,4 +113,4 @@ TEST(BodyPose, TurnedCovarianceFitsTheErrors) {
 }
 
 }  // namespace
-}  // namespace plslam::adapter
+}  // namespace plslam::robot

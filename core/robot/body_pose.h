@@ -6,7 +6,7 @@
 
 #include "core/geometry/se3.h"
 
-namespace plslam::adapter {
+namespace plslam::robot {
 
 /// The tracker's pose of a frame, in the frames of docs/frames.md. Covariances are those of right perturbations.
 struct CameraPose {
@@ -43,4 +43,4 @@ BodyPose ToBody(const SE3& T_b_c, const CameraPose& camera);
 /// A point of the map w in the robot's frame map.
 inline Eigen::Vector3d ToMapFrame(const SE3& T_b_c, const Eigen::Vector3d& p_w) { return T_b_c * p_w; }
 
-}  // namespace plslam::adapter
+}  // namespace plslam::robot

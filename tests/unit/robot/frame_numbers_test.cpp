@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "adapter/frame_numbers.h"
+#include "core/robot/frame_numbers.h"
 
 #include <gtest/gtest.h>
 
-namespace plslam::adapter {
+namespace plslam::robot {
 namespace {
 
 constexpr int64_t kT_ns = 1'764'000'000'000'000'000;
@@ -29,4 +29,4 @@ TEST(FrameNumbers, AscendForRepeatedDecreasingAndLastTimes) {
 }
 
 }  // namespace
-}  // namespace plslam::adapter
+}  // namespace plslam::robot

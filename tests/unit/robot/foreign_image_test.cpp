@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "adapter/foreign_image.h"
+#include "core/robot/foreign_image.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 #include "core/io/images/jpeg_codec.h"
 #include "core/io/images/png_codec.h"
 
-namespace plslam::adapter {
+namespace plslam::robot {
 namespace {
 
 using testing::HasSubstr;
@@ -125,4 +125,4 @@ TEST(ForeignImage, PixelFormatsOfBotCore) {
 }
 
 }  // namespace
-}  // namespace plslam::adapter
+}  // namespace plslam::robot

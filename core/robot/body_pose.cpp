@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "adapter/body_pose.h"
+#include "core/robot/body_pose.h"
 
-namespace plslam::adapter {
+namespace plslam::robot {
 namespace {
 
 /// The covariance of a right perturbation in c, as one in b.
@@ -36,4 +36,4 @@ BodyPose ToBody(const SE3& T_b_c, const CameraPose& camera) {
   return body;
 }
 
-}  // namespace plslam::adapter
+}  // namespace plslam::robot

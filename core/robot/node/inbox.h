@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace plslam::adapter {
+namespace plslam::robot {
 
 /// A queue of messages between the receiving thread and the working thread. If more messages wait than there is room
 /// for, the oldest are dropped and counted. Safe from any thread.
@@ -69,4 +69,4 @@ class Inbox {
   bool stopped_ = false;
 };
 
-}  // namespace plslam::adapter
+}  // namespace plslam::robot

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "adapter/stamp_pairing.h"
+#include "core/robot/stamp_pairing.h"
 
 #include <gtest/gtest.h>
 
-namespace plslam::adapter {
+namespace plslam::robot {
 namespace {
 
 struct Stamped {
@@ -90,4 +90,4 @@ TEST(StampPairing, TimesThatGoBack) {
 }
 
 }  // namespace
-}  // namespace plslam::adapter
+}  // namespace plslam::robot

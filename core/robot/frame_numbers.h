@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
-namespace plslam::adapter {
+namespace plslam::robot {
 
 /// Frame ids that keep ascending when the adapter is killed and restarted, without stored state: they are derived from
 /// the stamps. Readers of the bus take a repeated id for the same frame.
@@ -21,4 +21,4 @@ class FrameNumbers {
   int64_t last_ = -1;
 };
 
-}  // namespace plslam::adapter
+}  // namespace plslam::robot

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "adapter/foreign_image.h"
+#include "core/robot/foreign_image.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include "core/io/files/dataset_error.h"
 #include "core/io/images/image_file.h"
 
-namespace plslam::adapter {
+namespace plslam::robot {
 namespace {
 
 constexpr int32_t FourCharacters(const char (&text)[5]) {
@@ -74,4 +74,4 @@ int BrightWideValue(const ForeignImage& image, const cv::Size& expected) {
   return plslam::BrightWideValue("the file in it", image.bytes, {expected.width, expected.height});
 }
 
-}  // namespace plslam::adapter
+}  // namespace plslam::robot

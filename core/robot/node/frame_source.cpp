@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/robot/node/frame_source.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "core/bus/messages/convert.h"
+#include "core/bus/messages/frame_assembler.h"
+#include "core/datasets/camera_file.h"
+#include "core/datasets/check_rig.h"
+#include "core/geometry/body_frame.h"
+#include "core/io/files/dataset_error.h"
+#include "core/run/process_names.h"
+#include "core/run/run_counters.h"
+#include "plslam/camera_t.hpp"
+#include "plslam/intrinsics_t.hpp"
+#include "plslam/stream_t.hpp"
+
+namespace plslam::robot {
+namespace {
+
+/// Throws DatasetError if vo_process cannot use the rig.
+void CheckRig(const RigCalibration& rig) {
+  const std::string complaint = RigComplaint(rig);
+  if (!complaint.empty()) throw DatasetError("describes an invalid rig: " + complaint);
+  if (!bus::FrameAssembler::CanHold(rig.left.width_px, rig.left.height_px, 1)) {
+    throw DatasetError(fmt::format("describes images of {}x{}, more than a message can hold", rig.left.width_px,
+                                   rig.left.height_px));
+  }
+  AsDatasetError([&] { BodyFromCamera(rig); });
+}
+
+}  // namespace
+
+FrameSource::FrameSource(bus::Process& process, Settings settings, Listener listener)
+    : process_(process),
+      settings_(std::move(settings)),
+      listener_(std::move(listener)),
+      publisher_(process.bus(), false),
+      pairing_(settings_.max_skew_ns) {
+  if (settings_.camera.empty()) return;
+  Notes notes;
+  RigCalibration rig = ReadCalibration({settings_.camera}, {}, &notes);
+  for (const std::string& warning : notes.warnings) spdlog::warn("{}", warning);
+  for (const std::string& remark : notes.remarks) spdlog::info("{}", remark);
+  if (rig.kind != RigCalibration::Kind::kStereo) {
+    throw DatasetError(settings_.camera + ": is for an RGB-D camera, but a stereo rig is required");
+  }
+  UseRig(std::move(rig));
+}
+
+void FrameSource::AddImage(Side side, ForeignImage image) {
+  const auto pair = pairing_.Add(side, std::move(image));
+  process_.SetCounter("frames.unpaired", static_cast<double>(pairing_.unpaired()));
+  if (pair) AddPair(pair->first, pair->second);
+}
+
+void FrameSource::AddInfo(Side side, RosCameraInfo info) {
+  infos_[static_cast<size_t>(side)] = std::move(info);
+  if (!infos_[0] || !infos_[1]) return;
+  // Each only once: a new one of one camera does not go with an old one of the other.
+  const auto infos = std::exchange(infos_, {});
+  const bool is_first = !rig_;
+  UseRig(
+      RigFromRos(InPixelsOfImages(*infos[0], {}), InPixelsOfImages(*infos[1], {}), NamesRectified(settings_.left)));
+  if (!is_first) return;
+  Notes notes;
+  WarnOfUnusedDistortion(settings_.left, *infos[0], "give " + settings_.camera_option, &notes);
+  for (const std::string& warning : notes.warnings) spdlog::warn("{}", warning);
+}
+
+void FrameSource::AddPair(const ForeignImage& left, const ForeignImage& right) {
+  if (!rig_) return;
+  if (left.t_ns == last_t_ns_) throw DatasetError("has the same stamp as the previous one");
+  const cv::Size size(rig_->left.width_px, rig_->left.height_px);
+  UseWhiteLevel(std::max(BrightWideValue(left, size), BrightWideValue(right, size)));
+  StereoImages images;
+  images.t_ns = left.t_ns;
+  images.left = GreyOf(left, size, white_);
+  images.right = GreyOf(right, size, white_);
+  Publish(std::move(images));
+}
+
+/// Both cameras have that of the first pair, until an image has larger values. `bright` is 0 for images of 8 bits.
+void FrameSource::UseWhiteLevel(int bright) {
+  if (bright == 0 || (has_white_ && bright <= white_)) return;
+  has_white_ = true;
+  white_ = WhiteLevel(bright);
+  if (white_ < kWhiteOf16Bits) {
+    spdlog::info("the 16-bit images have values up to {}: {} is mapped to white", bright, white_);
+  }
+}
+
+void FrameSource::UseRig(RigCalibration rig) {
+  rig.name = settings_.process;
+  std::vector<uint8_t> bytes = bus::RigBytes(bus::ToMessage(rig));
+  if (bytes == rig_bytes_) return;
+  CheckRig(rig);
+  if (settings_.camera.empty()) {
+    // Those of a camera file are printed when it is read.
+    Notes notes;
+    const std::string remedy = "P[3] is in metres times pixels; where it is not, give " + settings_.camera_option;
+    WarnOfLongBaseline("CameraInfo", rig, remedy, &notes);
+    for (const std::string& warning : notes.warnings) spdlog::warn("{}", warning);
+  }
+  rig_bytes_ = std::move(bytes);
+  rig_ = std::move(rig);
+  listener_.on_rig(*rig_);
+  PublishRig();
+}
+
+void FrameSource::PublishRig() {
+  if (rig_) process_.bus().Publish(bus::kCamera, bus::ToMessage(*rig_));
+}
+
+void FrameSource::Publish(StereoImages images) {
+  if (n_sent_ == 0) {
+    stream_t stream{};
+    stream.header.session = process_.bus().source();
+    stream.dataset = settings_.left;
+    stream.event = "begin";
+    stream.pace = "realtime";
+    stream.n_frames = -1;
+    process_.bus().Publish(bus::kStream, std::move(stream));
+    process_.SetCounter(kLiveSource, 1.0);
+    process_.SetState(process_state::kRunning);
+  }
+  images.frame_id = numbers_.Next(images.t_ns);
+  last_t_ns_ = images.t_ns;
+  listener_.on_frame(images.t_ns);
+  publisher_.Publish(images);
+  process_.SetCounter("frames.sent", static_cast<double>(++n_sent_));
+}
+
+}  // namespace plslam::robot

@@ -2,7 +2,9 @@
 #include "core/ros/live_messages.h"
 
 #include <utility>
+#include <vector>
 
+#include "core/geometry/body_frame.h"
 #include "core/geometry/rectification.h"
 #include "core/io/images/jpeg_codec.h"
 #include "core/ros/level_frame.h"
@@ -12,38 +14,69 @@ namespace {
 
 constexpr int kJpegQuality = 80;
 constexpr size_t kMostPathPoses = 10'000;
+constexpr double kUnknownVariance = 1e6;
 
 }  // namespace
 
 void LiveMessages::SetRig(const RigCalibration& rig) {
   T_c_l_ = SE3(Rectify(rig).q_l_c.conjugate(), Eigen::Vector3d::Zero());
+  T_b_c_ = BodyFromCamera(rig);
   left_ = rig.left;
 }
 
-void LiveMessages::AddPose(const LivePose& pose) {
+void LiveMessages::AddPose(const robot::CameraPose& pose, int64_t session) {
   if (!left_) return;
-  const SE3 T_l_c = T_c_l_.Inverse();
-  const Matrix6d to_l = T_l_c.Adjoint();
-  RosOdometry odometry{pose.t_ns, pose.T_w_c * T_c_l_};
-  odometry.covariance = to_l * pose.covariance * to_l.transpose();
-  if (pose.dt_s) {
-    odometry.velocity = (T_l_c * pose.T_prev_c * T_c_l_).Log() / *pose.dt_s;
-    odometry.velocity_covariance = to_l * pose.motion_covariance * to_l.transpose() / (*pose.dt_s * *pose.dt_s);
-  }
-  write_(ros_topic::kTf, pose.t_ns, RosTransform(pose.t_ns, kRosMap, kRosCamera, odometry.T_w_l));
-  write_(ros_topic::kOdom, pose.t_ns, RosOdometryMessage(odometry));
-
-  if (pose.session != session_) {
-    session_ = pose.session;
+  if (session != session_) {
+    session_ = session;
     path_.clear();
     n_poses_ = 0;
     stride_ = 1;
   }
+  robot_ ? WriteBodyPose(pose) : WriteCameraPose(pose);
+}
+
+void LiveMessages::WriteCameraPose(const robot::CameraPose& pose) {
+  if (!pose.anchored) return;  // the session is not part of the map yet
+  const SE3 T_l_c = T_c_l_.Inverse();
+  const Matrix6d to_l = T_l_c.Adjoint();
+  RosOdometry odometry;
+  odometry.t_ns = pose.t_ns;
+  odometry.T_parent_child = pose.T_w_odom * pose.T_odom_c * T_c_l_;
+  odometry.covariance = AlongParentAxes(odometry.T_parent_child, to_l * pose.covariance * to_l.transpose());
+  if (pose.dt_s) {
+    odometry.velocity = (T_l_c * pose.T_prev_c * T_c_l_).Log() / *pose.dt_s;
+    odometry.velocity_covariance = to_l * pose.motion_covariance * to_l.transpose() / (*pose.dt_s * *pose.dt_s);
+  }
+  write_(ros_topic::kTf, pose.t_ns, RosTransforms(pose.t_ns, {{kRosMap, kRosCamera, odometry.T_parent_child}}));
+  write_(ros_topic::kOdom, pose.t_ns, RosOdometryMessage(odometry));
+  AddToPath(pose.t_ns, odometry.T_parent_child);
+}
+
+void LiveMessages::WriteBodyPose(const robot::CameraPose& pose) {
+  const robot::BodyPose body = robot::ToBody(T_b_c_, pose);
+  std::vector<RosTransform> transforms;
+  if (robot_->writes_map && body.anchored) transforms.push_back({robot_->map, robot_->odom, body.T_map_odom});
+  if (robot_->writes_odom) transforms.push_back({robot_->odom, robot_->body, body.T_odom_b});
+  if (!transforms.empty()) write_(ros_topic::kTf, pose.t_ns, RosTransforms(pose.t_ns, transforms));
+  RosOdometry odometry;
+  odometry.t_ns = pose.t_ns;
+  odometry.parent = robot_->odom;
+  odometry.child = robot_->body;
+  odometry.T_parent_child = body.T_odom_b;
+  odometry.covariance = body.covariance;
+  odometry.velocity = body.velocity.value_or(Vector6d::Zero());
+  odometry.velocity_covariance =
+      body.velocity ? body.velocity_covariance : Matrix6d(kUnknownVariance * Matrix6d::Identity());
+  write_(ros_topic::kOdom, pose.t_ns, RosOdometryMessage(odometry));
+  if (body.anchored) AddToPath(pose.t_ns, body.T_map_b);
+}
+
+void LiveMessages::AddToPath(int64_t t_ns, const SE3& pose) {
   // The newest pose is always the last one of the path.
   const bool replaces_last = !path_.empty() && (n_poses_ - 1) % stride_ != 0;
   ++n_poses_;
   if (replaces_last) path_.pop_back();
-  path_.push_back({pose.t_ns, odometry.T_w_l});
+  path_.push_back({t_ns, pose});
   if (path_.size() <= kMostPathPoses) return;
   for (size_t i = 0; 2 * i < path_.size(); ++i) path_[i] = path_[2 * i];
   path_.resize((path_.size() + 1) / 2);
@@ -56,19 +89,27 @@ void LiveMessages::WriteImage(int64_t t_ns, const cv::Mat& left) const {
   write_(ros_topic::kLeftInfo, t_ns, RosCameraInfoMessage(t_ns, *left_));
 }
 
+RosView LiveMessages::View() const { return robot_ ? RosView{robot_->map, T_b_c_} : RosView{}; }
+
 void LiveMessages::WriteMap(const Map& map) const {
+  if (!left_) return;
   const int64_t t = now_ns();
-  write_(ros_topic::kTfStatic, t, RosTransform(t, kRosWorld, kRosMap, LevelFromMap(map)));
-  write_(ros_topic::kMapPoints, t, RosPoints(t, map));
-  write_(ros_topic::kMapLines, t, RosLines(t, map));
-  write_(ros_topic::kLoops, t, RosLoops(t, map));
+  const RosView view = View();
+  const RosTransform level{kRosWorld, kRosMap, LevelFromMap(map)};
+  const RosTransform of_robot{robot_ ? std::string_view(robot_->body) : "", kRosCamera, T_b_c_ * T_c_l_};
+  write_(ros_topic::kTfStatic, t, RosTransforms(t, {robot_ ? of_robot : level}));
+  write_(ros_topic::kMapPoints, t, RosPoints(t, map, view));
+  write_(ros_topic::kMapLines, t, RosLines(t, map, view));
+  write_(ros_topic::kLoops, t, RosLoops(t, map, view));
   Trajectory keyframes;
-  for (const auto& [id, keyframe] : map.keyframes()) keyframes.push_back({keyframe.t_ns, keyframe.T_w_kf});
-  write_(ros_topic::kKeyframes, t, RosPoseArray(t, keyframes));
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    keyframes.push_back({keyframe.t_ns, robot_ ? T_b_c_ * keyframe.T_w_kf * T_b_c_.Inverse() : keyframe.T_w_kf});
+  }
+  write_(ros_topic::kKeyframes, t, RosPoseArray(t, view.frame, keyframes));
 }
 
 void LiveMessages::WritePath() const {
-  if (!path_.empty()) write_(ros_topic::kPath, now_ns(), RosPath(now_ns(), path_));
+  if (!path_.empty()) write_(ros_topic::kPath, now_ns(), RosPath(now_ns(), View().frame, path_));
 }
 
 void LiveMessages::WriteDiagnostic(RosDiagnostic diagnostic) const {

@@ -12,37 +12,39 @@
 #include "core/geometry/se3.h"
 #include "core/io/trajectories/trajectory.h"
 #include "core/map/map.h"
+#include "core/robot/body_pose.h"
 #include "core/ros/ros_messages.h"
 #include "core/ros/ros_topics.h"
 
 namespace plslam {
 
-/// The tracker's pose of a frame. Covariances are those of right perturbations in c.
-struct LivePose {
-  int64_t t_ns = 0;
-  int64_t session = 0;
-  SE3 T_w_c;
-  Matrix6d covariance = Matrix6d::Zero();
-  SE3 T_prev_c;
-  Matrix6d motion_covariance = Matrix6d::Zero();
-  std::optional<double> dt_s;  ///< since the frame of `T_prev_c`; nullopt if it is not known
+/// The frames of a robot (REP 105), by the names that it gives them: the map, the odometry and the body, with the axes
+/// of the body (`robot::BodyPose`).
+struct RobotFrames {
+  std::string map = "map";
+  std::string odom = "odom";
+  std::string body = "base_link";
+  /// Which transforms are written: map to odom, odom to the body.
+  bool writes_map = true;
+  bool writes_odom = true;
 };
 
-/// Turns what is known of a running system into messages of the table of topics, as the MCAP export has them: in the
-/// frames map (w) and camera_left (l).
+/// Turns what is known of a running system into messages of the table of topics: as the MCAP export has them, in the
+/// frames map (w) and camera_left (l); or in those of a robot.
 class LiveMessages {
  public:
   using Write = std::function<void(const RosTopic& topic, int64_t t_ns, std::string cdr)>;
 
-  explicit LiveMessages(Write write) : write_(std::move(write)) {}
+  explicit LiveMessages(Write write, std::optional<RobotFrames> robot = {})
+      : write_(std::move(write)), robot_(std::move(robot)) {}
 
   /// Sets the rig of what follows: nothing is written before. Throws std::runtime_error if it has no rectification.
   void SetRig(const RigCalibration& rig);
   /// Writes transform and odometry. A new session begins a new path.
-  void AddPose(const LivePose& pose);
+  void AddPose(const robot::CameraPose& pose, int64_t session);
   /// Writes the image as a JPEG, and its calibration. `left` has 8 bits.
   void WriteImage(int64_t t_ns, const cv::Mat& left) const;
-  /// Writes points, lines, loops, keyframes and the level frame.
+  /// Writes points, lines, loops, keyframes and the static frame.
   void WriteMap(const Map& map) const;
   /// Writes the path, of 10,000 poses at most: in longer ones every second pose is removed.
   void WritePath() const;
@@ -51,10 +53,15 @@ class LiveMessages {
  private:
   /// The time of the newest pose: data without time have this one.
   int64_t now_ns() const { return path_.empty() ? 0 : path_.back().t_ns; }
+  void WriteCameraPose(const robot::CameraPose& pose);
+  void WriteBodyPose(const robot::CameraPose& pose);
+  void AddToPath(int64_t t_ns, const SE3& pose);
+  RosView View() const;
 
   Write write_;
+  std::optional<RobotFrames> robot_;
   std::optional<CameraCalibration> left_;
-  SE3 T_c_l_;
+  SE3 T_c_l_, T_b_c_;
   int64_t session_ = -1;
   int64_t n_poses_ = 0;
   int64_t stride_ = 1;  ///< poses of the session for one of the path

@@ -52,9 +52,14 @@ struct ColouredLine {
   Colour colour;
 };
 
-std::string LineMarker(int64_t t_ns, std::string_view name, double width_m, const std::vector<ColouredLine>& lines) {
+Eigen::Vector3d Seen(const RosView& view, const Eigen::Vector3d& p_w) {
+  return view.T_frame_w ? *view.T_frame_w * p_w : p_w;
+}
+
+std::string LineMarker(int64_t t_ns, std::string_view name, const RosView& view, double width_m,
+                       const std::vector<ColouredLine>& lines) {
   CdrWriter cdr;
-  PutHeader(cdr, t_ns, kRosMap);
+  PutHeader(cdr, t_ns, view.frame);
   cdr.Put(name);
   for (const int32_t value : {0, kLineList, 0}) cdr.Put(value);  // id, type, action: add
   Put(cdr, SE3());
@@ -65,8 +70,8 @@ std::string LineMarker(int64_t t_ns, std::string_view name, double width_m, cons
   cdr.Put(false);
   cdr.PutCount(2 * lines.size());
   for (const ColouredLine& line : lines) {
-    Put(cdr, line.from);
-    Put(cdr, line.to);
+    Put(cdr, Seen(view, line.from));
+    Put(cdr, Seen(view, line.to));
   }
   cdr.PutCount(2 * lines.size());
   for (const ColouredLine& line : lines) {
@@ -101,44 +106,49 @@ void PutField(CdrWriter& cdr, const char* name, uint32_t offset, uint8_t type) {
 
 }  // namespace
 
-std::string RosTransform(int64_t t_ns, std::string_view parent, std::string_view child, const SE3& T_parent_child) {
+std::string RosTransforms(int64_t t_ns, const std::vector<RosTransform>& transforms) {
   CdrWriter cdr;
-  cdr.PutCount(1);
-  PutHeader(cdr, t_ns, parent);
-  cdr.Put(child);
-  Put(cdr, T_parent_child);
+  cdr.PutCount(transforms.size());
+  for (const RosTransform& transform : transforms) {
+    PutHeader(cdr, t_ns, transform.parent);
+    cdr.Put(transform.child);
+    Put(cdr, transform.T_parent_child);
+  }
   return std::move(cdr).Take();
 }
 
-std::string RosOdometryMessage(const RosOdometry& odometry) {
+Matrix6d AlongParentAxes(const SE3& T_parent_child, const Matrix6d& covariance) {
   Matrix6d turn = Matrix6d::Zero();
-  turn.topLeftCorner<3, 3>() = odometry.T_w_l.rotation().toRotationMatrix();
+  turn.topLeftCorner<3, 3>() = T_parent_child.rotation().toRotationMatrix();
   turn.bottomRightCorner<3, 3>() = turn.topLeftCorner<3, 3>();
-  const Matrix6d covariance = turn * odometry.covariance * turn.transpose();
+  return turn * covariance * turn.transpose();
+}
+
+std::string RosOdometryMessage(const RosOdometry& odometry) {
   CdrWriter cdr;
-  PutHeader(cdr, odometry.t_ns, kRosMap);
-  cdr.Put(kRosCamera);
-  Put(cdr, odometry.T_w_l);
-  Put(cdr, covariance);
+  PutHeader(cdr, odometry.t_ns, odometry.parent);
+  cdr.Put(odometry.child);
+  Put(cdr, odometry.T_parent_child);
+  Put(cdr, odometry.covariance);
   for (const double x : odometry.velocity) cdr.Put(x);
   Put(cdr, odometry.velocity_covariance);
   return std::move(cdr).Take();
 }
 
-std::string RosPath(int64_t t_ns, const Trajectory& trajectory) {
+std::string RosPath(int64_t t_ns, std::string_view frame, const Trajectory& trajectory) {
   CdrWriter cdr;
-  PutHeader(cdr, t_ns, kRosMap);
+  PutHeader(cdr, t_ns, frame);
   cdr.PutCount(trajectory.size());
   for (const TrajectoryPose& pose : trajectory) {
-    PutHeader(cdr, pose.t_ns, kRosMap);
+    PutHeader(cdr, pose.t_ns, frame);
     Put(cdr, pose.T_a_b);
   }
   return std::move(cdr).Take();
 }
 
-std::string RosPoseArray(int64_t t_ns, const Trajectory& trajectory) {
+std::string RosPoseArray(int64_t t_ns, std::string_view frame, const Trajectory& trajectory) {
   CdrWriter cdr;
-  PutHeader(cdr, t_ns, kRosMap);
+  PutHeader(cdr, t_ns, frame);
   cdr.PutCount(trajectory.size());
   for (const TrajectoryPose& pose : trajectory) Put(cdr, pose.T_a_b);
   return std::move(cdr).Take();
@@ -171,12 +181,12 @@ std::string RosCameraInfoMessage(int64_t t_ns, const CameraCalibration& camera) 
   return std::move(cdr).Take();
 }
 
-std::string RosPoints(int64_t t_ns, const Map& map) {
+std::string RosPoints(int64_t t_ns, const Map& map, const RosView& view) {
   constexpr uint8_t kUint32 = 6, kFloat32 = 7;
   constexpr uint32_t kPointBytes = 20;
   const auto n = static_cast<uint32_t>(map.points().size());
   CdrWriter cdr;
-  PutHeader(cdr, t_ns, kRosMap);
+  PutHeader(cdr, t_ns, view.frame);
   cdr.Put(uint32_t{1});
   cdr.Put(n);
   cdr.PutCount(5);
@@ -191,7 +201,7 @@ std::string RosPoints(int64_t t_ns, const Map& map) {
   std::string data;
   const HeightColours colour_of(map);
   for (const auto& [id, point] : map.points()) {
-    for (const double value : point.p_w) AppendLittleEndian(static_cast<float>(value), data);
+    for (const double value : Seen(view, point.p_w)) AppendLittleEndian(static_cast<float>(value), data);
     // Bytes of a float that holds no number but a colour: blue, green, red.
     const Colour colour = colour_of(point.p_w);
     for (const uint8_t channel : {colour[2], colour[1], colour[0], uint8_t{0}}) AppendLittleEndian(channel, data);
@@ -202,15 +212,15 @@ std::string RosPoints(int64_t t_ns, const Map& map) {
   return std::move(cdr).Take();
 }
 
-std::string RosLines(int64_t t_ns, const Map& map) {
+std::string RosLines(int64_t t_ns, const Map& map, const RosView& view) {
   std::vector<ColouredLine> lines;
   for (const auto& [id, line] : map.lines()) {
     lines.push_back({line.segment_w.p, line.segment_w.q, ObservationsColour(line.observations.size())});
   }
-  return LineMarker(t_ns, "lines", kLineWidth_m, lines);
+  return LineMarker(t_ns, "lines", view, kLineWidth_m, lines);
 }
 
-std::string RosLoops(int64_t t_ns, const Map& map) {
+std::string RosLoops(int64_t t_ns, const Map& map, const RosView& view) {
   std::vector<ColouredLine> lines;
   for (const LoopEdge& loop : map.loops()) {
     const MapKeyframe* const from = map.FindKeyframe(loop.old_keyframe_id);
@@ -218,7 +228,7 @@ std::string RosLoops(int64_t t_ns, const Map& map) {
     if (from == nullptr || to == nullptr) continue;  // culled since
     lines.push_back({from->T_w_kf.translation(), to->T_w_kf.translation(), kLoopColour});
   }
-  return LineMarker(t_ns, "loops", kLoopWidth_m, lines);
+  return LineMarker(t_ns, "loops", view, kLoopWidth_m, lines);
 }
 
 std::string RosDiagnosticMessage(const RosDiagnostic& diagnostic) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -11,30 +12,45 @@
 #include "core/geometry/se3.h"
 #include "core/io/trajectories/trajectory.h"
 #include "core/map/map.h"
+#include "core/ros/ros_topics.h"
 
 namespace plslam {
 
 // Messages of ROS 2, in CDR. The name in front of each type is that of the C++ function; times are of the data.
 
-/// geometry_msgs/msg/TransformStamped in tf2_msgs/msg/TFMessage: p_parent = T_parent_child p_child.
-std::string RosTransform(int64_t t_ns, std::string_view parent, std::string_view child, const SE3& T_parent_child);
+/// A transform between two frames: p_parent = T_parent_child p_child.
+struct RosTransform {
+  std::string_view parent, child;
+  SE3 T_parent_child;
+};
+/// tf2_msgs/msg/TFMessage.
+std::string RosTransforms(int64_t t_ns, const std::vector<RosTransform>& transforms);
 
-/// Odometry of a frame. Covariances here are of right perturbations [translation; rotation], as everywhere in plslam;
-/// ROS's covariance of the pose is along the axes of the map, and is the same one rotated.
+/// Odometry of a frame. The covariance of the pose is along the axes of the parent frame, as ROS has it; that of the
+/// velocity along those of the child.
 struct RosOdometry {
   int64_t t_ns = 0;
-  SE3 T_w_l;
+  std::string_view parent = kRosMap, child = kRosCamera;
+  SE3 T_parent_child;
   Matrix6d covariance = Matrix6d::Zero();
-  /// Linear and angular, in l, and the covariance.
-  Vector6d velocity = Vector6d::Zero();
+  Vector6d velocity = Vector6d::Zero();  ///< linear and angular, in the child
   Matrix6d velocity_covariance = Matrix6d::Zero();
 };
-/// nav_msgs/msg/Odometry in `map`, of `camera_left`.
+/// nav_msgs/msg/Odometry.
 std::string RosOdometryMessage(const RosOdometry& odometry);
+/// Returns the covariance of a right perturbation [translation; rotation] of a pose with this rotation, as everywhere in
+/// plslam, along the axes of the parent.
+Matrix6d AlongParentAxes(const SE3& T_parent_child, const Matrix6d& covariance);
 
-/// nav_msgs/msg/Path, in `map`, and geometry_msgs/msg/PoseArray of the same poses.
-std::string RosPath(int64_t t_ns, const Trajectory& trajectory);
-std::string RosPoseArray(int64_t t_ns, const Trajectory& trajectory);
+/// The frame in which maps are written: p_frame = T_frame_w p_w.
+struct RosView {
+  std::string_view frame = kRosMap;
+  std::optional<SE3> T_frame_w{};  ///< nullopt: identity, without any rounding
+};
+
+/// nav_msgs/msg/Path, in `frame`, and geometry_msgs/msg/PoseArray of the same poses.
+std::string RosPath(int64_t t_ns, std::string_view frame, const Trajectory& trajectory);
+std::string RosPoseArray(int64_t t_ns, std::string_view frame, const Trajectory& trajectory);
 
 /// sensor_msgs/msg/CompressedImage of an image file; `format` is "jpeg" or "png".
 std::string RosCompressedImage(int64_t t_ns, const std::string& format, std::string_view file);
@@ -43,11 +59,11 @@ std::string RosCameraInfoMessage(int64_t t_ns, const CameraCalibration& camera);
 
 /// sensor_msgs/msg/PointCloud2: x, y, z and colour as in map.ply, and `observations`, the number of keyframes that
 /// see the point.
-std::string RosPoints(int64_t t_ns, const Map& map);
+std::string RosPoints(int64_t t_ns, const Map& map, const RosView& view = {});
 /// visualization_msgs/msg/Marker, LINE_LIST: the segments, coloured as in map.ply.
-std::string RosLines(int64_t t_ns, const Map& map);
+std::string RosLines(int64_t t_ns, const Map& map, const RosView& view = {});
 /// The same: from keyframe to keyframe of each loop that was closed.
-std::string RosLoops(int64_t t_ns, const Map& map);
+std::string RosLoops(int64_t t_ns, const Map& map, const RosView& view = {});
 
 /// diagnostic_msgs/msg/DiagnosticArray of one status: level 0 fine, 1 warning, 2 error.
 struct RosDiagnostic {

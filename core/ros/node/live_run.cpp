@@ -33,9 +33,9 @@ DiagnosticLevel LevelOf(std::string_view state) {
 
 }  // namespace
 
-LiveRun::LiveRun(Bus& bus, LiveMessages::Write write, std::function<bool()> wants_images)
+LiveRun::LiveRun(Bus& bus, LiveMessages messages, std::function<bool()> wants_images)
     : bus_(bus),
-      messages_(std::move(write)),
+      messages_(std::move(messages)),
       map_(bus, [this](const MapUpdate&) { has_new_map_ = true; }),
       camera_(bus,
               [this](const RigCalibration& rig) {
@@ -60,12 +60,13 @@ void LiveRun::OnPose(const pose_t& message) {
              T_prev_c = FromMessage(message.T_prev_c);
   const auto covariance = FromArray(message.covariance), motion_covariance = FromArray(message.motion_covariance);
   if (!T_odom_c || !T_w_odom || !T_prev_c || !covariance || !motion_covariance) return bus_.CountRejected();
-  // A session that is not part of the map yet has no pose in it, and an initialising one has none before its keyframe.
+  // An initialising session has no pose before its first keyframe.
   const bool is_initialising =
       static_cast<TrackingState>(message.state) == TrackingState::kInitialising && message.keyframe_id < 0;
-  if (is_initialising || message.anchored == 0) return;
-  messages_.AddPose({message.header.t_ns, message.header.session, *T_w_odom * *T_odom_c, *covariance, *T_prev_c,
-                     *motion_covariance, dt_s});
+  if (is_initialising) return;
+  messages_.AddPose({message.header.t_ns, *T_w_odom, message.anchored != 0, *T_odom_c, *covariance, *T_prev_c,
+                     *motion_covariance, dt_s},
+                    message.header.session);
   has_new_poses_ = true;
 }
 

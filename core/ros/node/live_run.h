@@ -18,11 +18,11 @@ class status_t;
 namespace plslam::bus {
 
 /// Listens to the run on the bus and writes the live topics of the table: poses as they arrive, images if they are
-/// wanted, map and path at most once a second after changes. On the thread of `Bus::Run`, which calls `write`.
+/// wanted, map and path at most once a second after changes. On the thread of `Bus::Run`.
 class LiveRun {
  public:
   /// `wants_images` is called on the receiving thread of the bus: it must be quick, and safe there.
-  LiveRun(Bus& bus, LiveMessages::Write write, std::function<bool()> wants_images);
+  LiveRun(Bus& bus, LiveMessages messages, std::function<bool()> wants_images);
 
  private:
   void OnPose(const pose_t& message);

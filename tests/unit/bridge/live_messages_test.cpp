@@ -34,11 +34,10 @@ class Live : public testing::Test {
     return ParsePose(kRosOdometry, {reinterpret_cast<const uint8_t*>(cdr.data()), cdr.size()}, RosEncoding::kCdr);
   }
   void Add(int i, int64_t session = 1) {
-    LivePose pose;
+    robot::CameraPose pose;
     pose.t_ns = 100 * (i + 1);
-    pose.session = session;
-    pose.T_w_c = SE3(Eigen::Quaterniond::Identity(), {0.1 * i, 0.0, 0.0});
-    messages_.AddPose(pose);
+    pose.T_odom_c = SE3(Eigen::Quaterniond::Identity(), {0.1 * i, 0.0, 0.0});
+    messages_.AddPose(pose, session);
   }
   /// Number of poses in the last path.
   uint32_t PathSize() {

@@ -48,7 +48,7 @@ const std::vector<Arrow> kArrows = {
     {"core/io/images/", {"core/io/files/"}},
     {"core/io/maps/", {"core/geometry/", "core/map/", "core/features/features.h", "core/io/files/"}},
     {"core/io/trajectories/", {"core/geometry/", "core/io/files/"}},
-    {"core/ros/", {"core/geometry/", "core/io/", "core/map/"}},
+    {"core/ros/", {"core/geometry/", "core/io/", "core/map/", "core/robot/body_pose.h"}},
     {"core/robot/", {"core/geometry/", "core/io/", "core/datasets/"}},
     {"core/robot/node/",
      {"core/robot/", "core/geometry/", "core/io/", "core/datasets/", "core/bus/", "core/process/", "core/run/"}},

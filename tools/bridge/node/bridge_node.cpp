@@ -51,12 +51,10 @@ BridgeNode::BridgeNode(bus::Process& process, const BridgeOptions& options)
                    [this](ServiceCall call) {
                      process_.bus().Post([this, call = std::move(call)] { calls_.push_back(call); });
                    }}),
-      run_(
-          process.bus(),
-          [this](const RosTopic& topic, int64_t t_ns, std::string cdr) {
-            server_.Write(topic, t_ns, std::move(cdr));
-          },
-          [this] { return server_.wants_images(); }),
+      run_(process.bus(), LiveMessages([this](const RosTopic& topic, int64_t t_ns, std::string cdr) {
+             server_.Write(topic, t_ns, std::move(cdr));
+           }),
+           [this] { return server_.wants_images(); }),
       orders_(process.bus()) {
   BridgeOptions shown = options;
   process_.SetConfiguration(ToYaml("bridge", shown));

@@ -115,7 +115,7 @@ struct MessageToWrite {
 /// Velocity in l from the pose before, and the covariance of the motion as one of the velocity.
 void SetVelocity(const TrajectoryPose& before, const Matrix6d& motion_covariance, RosOdometry& odometry) {
   const double seconds = 1e-9 * static_cast<double>(odometry.t_ns - before.t_ns);
-  odometry.velocity = (before.T_a_b.Inverse() * odometry.T_w_l).Log() / seconds;
+  odometry.velocity = (before.T_a_b.Inverse() * odometry.T_parent_child).Log() / seconds;
   odometry.velocity_covariance = motion_covariance / (seconds * seconds);
 }
 
@@ -215,7 +215,7 @@ class Exporter {
 
   void AddPath(const RosTopic& topic, const Trajectory& trajectory, int64_t t_ns) {
     if (trajectory.empty()) return;
-    At(t_ns, [=, this] { topics_.Write(topic, t_ns, RosPath(t_ns, trajectory)); });
+    At(t_ns, [=, this] { topics_.Write(topic, t_ns, RosPath(t_ns, topic.frame, trajectory)); });
   }
 
   void AddWhole() {
@@ -223,7 +223,7 @@ class Exporter {
     At(t, [=, this] {
       topics_.Write(
           ros_topic::kTfStatic, t,
-          RosTransform(t, kRosWorld, kRosMap, source_.map ? LevelFromMap(source_.map->map) : LevelFromCamera()));
+          RosTransforms(t, {{kRosWorld, kRosMap, source_.map ? LevelFromMap(source_.map->map) : LevelFromCamera()}}));
     });
     AddPath(ros_topic::kPath, source_.frames, t);
     AddPath(ros_topic::kPathLive, tables_.live, t);
@@ -239,7 +239,7 @@ class Exporter {
     topics_.Write(ros_topic::kLoops, t, RosLoops(t, map));
     Trajectory keyframes;
     for (const auto& [id, keyframe] : map.keyframes()) keyframes.push_back({keyframe.t_ns, keyframe.T_w_kf});
-    topics_.Write(ros_topic::kKeyframes, t, RosPoseArray(t, keyframes));
+    topics_.Write(ros_topic::kKeyframes, t, RosPoseArray(t, kRosMap, keyframes));
   }
 
   void AddFrames() {
@@ -249,10 +249,14 @@ class Exporter {
 
   void WriteFrame(size_t i) {
     const TrajectoryPose& pose = source_.frames[i];
-    topics_.Write(ros_topic::kTf, pose.t_ns, RosTransform(pose.t_ns, kRosMap, kRosCamera, pose.T_a_b));
-    RosOdometry odometry{pose.t_ns, pose.T_a_b};
+    topics_.Write(ros_topic::kTf, pose.t_ns, RosTransforms(pose.t_ns, {{kRosMap, kRosCamera, pose.T_a_b}}));
+    RosOdometry odometry;
+    odometry.t_ns = pose.t_ns;
+    odometry.T_parent_child = pose.T_a_b;
     const auto covariance = tables_.covariances.find(pose.t_ns);
-    if (covariance != tables_.covariances.end()) odometry.covariance = covariance->second;
+    if (covariance != tables_.covariances.end()) {
+      odometry.covariance = AlongParentAxes(pose.T_a_b, covariance->second);
+    }
     // A frame after a lost one has no motion since the previous frame.
     const auto motion = tables_.motion_covariances.find(pose.t_ns);
     if (i > 0 && motion != tables_.motion_covariances.end()) {

@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ros2/dds/participant.h"
+
+#include <dds/dds.h>
+#include <dds/ddsi/ddsi_cdrstream.h>
+#include <dds/ddsi/q_protocol.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/io/files/dataset_error.h"
+#include "ros2/names.h"
+#include "ros_types.h"
+
+namespace plslam::ros2 {
+namespace {
+
+constexpr int kDepth = 5;
+constexpr uint32_t kTaken = 8;
+
+/// The generated descriptor of each type of the table.
+const dds_topic_descriptor_t& DescriptorOf(std::string_view type) {
+  using Row = std::pair<std::string_view, const dds_topic_descriptor_t*>;
+  static const std::array kRows = {
+      Row{"tf2_msgs/msg/TFMessage", &tf2_msgs_msg_dds__TFMessage__desc},
+      Row{"nav_msgs/msg/Odometry", &nav_msgs_msg_dds__Odometry__desc},
+      Row{"nav_msgs/msg/Path", &nav_msgs_msg_dds__Path__desc},
+      Row{"geometry_msgs/msg/PoseArray", &geometry_msgs_msg_dds__PoseArray__desc},
+      Row{"sensor_msgs/msg/CompressedImage", &sensor_msgs_msg_dds__CompressedImage__desc},
+      Row{"sensor_msgs/msg/CameraInfo", &sensor_msgs_msg_dds__CameraInfo__desc},
+      Row{"sensor_msgs/msg/PointCloud2", &sensor_msgs_msg_dds__PointCloud2__desc},
+      Row{"visualization_msgs/msg/Marker", &visualization_msgs_msg_dds__Marker__desc},
+      Row{"diagnostic_msgs/msg/DiagnosticArray", &diagnostic_msgs_msg_dds__DiagnosticArray__desc}};
+  const auto* const row = std::find_if(kRows.begin(), kRows.end(), [&](const Row& r) { return r.first == type; });
+  if (row == kRows.end()) throw std::logic_error(fmt::format("{} is not in ros_types.idl", type));
+  return *row->second;
+}
+
+/// Returns the entity, or throws with what failed.
+dds_entity_t Checked(dds_entity_t result, const std::string& what) {
+  if (result >= 0) return result;
+  throw std::runtime_error(fmt::format("{}: DDS reports '{}'", what, dds_strretcode(-result)));
+}
+
+struct QosDeleter {
+  void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
+};
+using Qos = std::unique_ptr<dds_qos_t, QosDeleter>;
+
+Qos ReaderQos() {
+  Qos qos(dds_create_qos());
+  dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
+  dds_qset_durability(qos.get(), DDS_DURABILITY_VOLATILE);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, kDepth);
+  return qos;
+}
+
+Qos WriterQos(RosQos kind) {
+  Qos qos(dds_create_qos());
+  const bool is_latched = kind == RosQos::kLatched;
+  // A reliable writer does not wait for slow readers: only its last messages are kept.
+  if (kind == RosQos::kImage) {
+    dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
+  } else {
+    dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
+  }
+  dds_qset_durability(qos.get(), is_latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, is_latched ? 1 : kDepth);
+  if (is_latched) dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, 1, -1, -1, -1);
+  return qos;
+}
+
+const char* PolicyName(uint32_t id) {
+  switch (id) {
+    case DDS_DURABILITY_QOS_POLICY_ID:
+      return "durability";
+    case DDS_DEADLINE_QOS_POLICY_ID:
+      return "deadline";
+    case DDS_OWNERSHIP_QOS_POLICY_ID:
+      return "ownership";
+    case DDS_LIVELINESS_QOS_POLICY_ID:
+      return "liveliness";
+    case DDS_RELIABILITY_QOS_POLICY_ID:
+      return "reliability";
+    default:
+      return "another policy";
+  }
+}
+
+int64_t StampOf(const std_msgs_msg_dds__Header_& header) {
+  constexpr uint32_t kSecond_ns = 1'000'000'000;
+  if (header.stamp.sec < 0 || header.stamp.nanosec >= kSecond_ns) {
+    throw DatasetError(fmt::format("has an invalid stamp: {} s, {} ns", header.stamp.sec, header.stamp.nanosec));
+  }
+  return int64_t{header.stamp.sec} * kSecond_ns + header.stamp.nanosec;
+}
+
+std::string TextOf(const char* text) { return text == nullptr ? "" : text; }
+
+robot::ForeignImage ToImage(const sensor_msgs_msg_dds__Image_& message) {
+  robot::ForeignImage image;
+  image.t_ns = StampOf(message.header);
+  image.width_px = message.width;
+  image.height_px = message.height;
+  image.step_bytes = message.step;
+  image.encoding = TextOf(message.encoding);
+  if (image.encoding.empty()) throw DatasetError("has no encoding");
+  image.is_big_endian = message.is_bigendian != 0;
+  image.bytes.assign(message.data._buffer, message.data._buffer + message.data._length);
+  return image;
+}
+
+robot::ForeignImage ToImage(const sensor_msgs_msg_dds__CompressedImage_& message) {
+  robot::ForeignImage image;
+  image.t_ns = StampOf(message.header);
+  image.bytes.assign(message.data._buffer, message.data._buffer + message.data._length);
+  return image;
+}
+
+RosCameraInfo ToInfo(const sensor_msgs_msg_dds__CameraInfo_& message) {
+  using Rows3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  using Rows34 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
+  RosCameraInfo info;
+  info.width_px = message.width;
+  info.height_px = message.height;
+  info.model = TextOf(message.distortion_model);
+  info.distortion.assign(message.d._buffer, message.d._buffer + message.d._length);
+  info.K = Eigen::Map<const Rows3>(message.k);
+  info.R = Eigen::Map<const Rows3>(message.r);
+  info.P = Eigen::Map<const Rows34>(message.p);
+  info.binning_x = message.binning_x;
+  info.binning_y = message.binning_y;
+  info.roi = {message.roi.x_offset, message.roi.y_offset, message.roi.width, message.roi.height};
+  return info;
+}
+
+}  // namespace
+
+struct Participant::Impl {
+  struct Reader {
+    std::string topic;
+    dds_entity_t entity = 0;
+    std::function<void(const void* sample)> take;
+    int64_t n_messages = 0;
+  };
+  struct Writer {
+    dds_entity_t entity = 0;
+    const dds_topic_descriptor_t* type = nullptr;
+  };
+
+  Impl(const Domain& of, const std::string& configuration) {
+    // Fails if this process has the domain already, which then has its configuration.
+    domain = dds_create_domain(static_cast<dds_domainid_t>(of.id), configuration.c_str());
+    Checked(domain, fmt::format("the DDS domain {} cannot be opened", of.id));
+    try {
+      participant = Checked(dds_create_participant(static_cast<dds_domainid_t>(of.id), nullptr, nullptr),
+                            fmt::format("the DDS domain {} cannot be joined", of.id));
+      waitset = Checked(dds_create_waitset(participant), "no wait set");
+      publications = Checked(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
+                             "discovery cannot be read");
+    } catch (const std::exception&) {
+      dds_delete(domain);
+      throw;
+    }
+  }
+  ~Impl() { dds_delete(domain); }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  dds_entity_t Topic(const std::string& topic, const dds_topic_descriptor_t& type) const {
+    return Checked(dds_create_topic(participant, &type, DdsTopicName(topic).c_str(), nullptr, nullptr),
+                   fmt::format("the topic {} cannot be made", topic));
+  }
+
+  size_t Read(const std::string& topic, const dds_topic_descriptor_t& type,
+              std::function<void(const void* sample)> take) {
+    const Qos qos = ReaderQos();
+    const dds_entity_t entity =
+        Checked(dds_create_reader(participant, Topic(topic, type), qos.get(), nullptr),
+                fmt::format("{} cannot be read", topic));
+    const dds_entity_t condition =
+        Checked(dds_create_readcondition(entity, DDS_ANY_STATE), fmt::format("{} cannot be read", topic));
+    Checked(dds_waitset_attach(waitset, condition, static_cast<dds_attach_t>(readers.size())), "no wait set");
+    readers.push_back({topic, entity, std::move(take)});
+    return readers.size() - 1;
+  }
+
+  /// Returns what `use` returns for the samples that a take has lent; they are returned in any case.
+  template <class Use>
+  static void WithSamples(dds_entity_t reader, Use use, bool keep) {
+    std::array<void*, kTaken> samples{};
+    std::array<dds_sample_info_t, kTaken> infos{};
+    const auto get = keep ? dds_read : dds_take;
+    const dds_return_t n = get(reader, samples.data(), infos.data(), kTaken, kTaken);
+    if (n <= 0) return;
+    struct Loan {
+      dds_entity_t of;
+      std::array<void*, kTaken>& lent;
+      dds_return_t n_lent;
+      ~Loan() { dds_return_loan(of, lent.data(), n_lent); }
+    } loan{reader, samples, n};
+    for (size_t i = 0; i < static_cast<size_t>(n); ++i) {
+      if (infos[i].valid_data) use(samples[i]);
+    }
+  }
+
+  dds_entity_t domain = 0, participant = 0, waitset = 0, publications = 0;
+  std::vector<Reader> readers;
+  std::mutex mutex;  ///< of the writers
+  std::map<std::string, Writer> writers;
+};
+
+Participant::Participant(const Domain& domain, const std::string& configuration)
+    : impl_(std::make_unique<Impl>(domain, configuration)) {}
+
+Participant::~Participant() = default;
+
+size_t Participant::ReadImages(const std::string& topic, bool is_compressed,
+                               std::function<void(robot::ForeignImage)> take) {
+  if (is_compressed) {
+    return impl_->Read(topic, sensor_msgs_msg_dds__CompressedImage__desc, [take = std::move(take)](const void* sample) {
+      take(ToImage(*static_cast<const sensor_msgs_msg_dds__CompressedImage_*>(sample)));
+    });
+  }
+  return impl_->Read(topic, sensor_msgs_msg_dds__Image__desc, [take = std::move(take)](const void* sample) {
+    take(ToImage(*static_cast<const sensor_msgs_msg_dds__Image_*>(sample)));
+  });
+}
+
+size_t Participant::ReadInfos(const std::string& topic, std::function<void(RosCameraInfo)> take) {
+  return impl_->Read(topic, sensor_msgs_msg_dds__CameraInfo__desc, [take = std::move(take)](const void* sample) {
+    take(ToInfo(*static_cast<const sensor_msgs_msg_dds__CameraInfo_*>(sample)));
+  });
+}
+
+void Participant::Receive(
+    std::chrono::milliseconds limit,
+    const std::function<void(const std::string& topic, const std::string& reason)>& on_rejected) {
+  std::array<dds_attach_t, kTaken> ready{};
+  const dds_return_t n =
+      dds_waitset_wait(impl_->waitset, ready.data(), ready.size(), DDS_MSECS(int64_t{limit.count()}));
+  for (size_t i = 0; i < std::min<size_t>(n < 0 ? 0 : static_cast<size_t>(n), ready.size()); ++i) {
+    Impl::Reader& reader = impl_->readers.at(static_cast<size_t>(ready[i]));
+    const auto use = [&](const void* sample) {
+      ++reader.n_messages;
+      try {
+        reader.take(sample);
+      } catch (const DatasetError& error) {
+        on_rejected(reader.topic, error.what());
+      }
+    };
+    Impl::WithSamples(reader.entity, use, false);
+  }
+}
+
+ReaderState Participant::StateOf(size_t number) const {
+  const Impl::Reader& reader = impl_->readers.at(number);
+  ReaderState state;
+  state.n_messages = reader.n_messages;
+  dds_subscription_matched_status_t matched{};
+  if (dds_get_subscription_matched_status(reader.entity, &matched) == DDS_RETCODE_OK) {
+    state.n_publishers = static_cast<int>(matched.current_count);
+  }
+  dds_requested_incompatible_qos_status_t incompatible{};
+  if (dds_get_requested_incompatible_qos_status(reader.entity, &incompatible) == DDS_RETCODE_OK &&
+      incompatible.total_count > 0) {
+    state.incompatible_qos = PolicyName(incompatible.last_policy_id);
+  }
+  dds_sample_lost_status_t lost{};
+  if (dds_get_sample_lost_status(reader.entity, &lost) == DDS_RETCODE_OK) state.n_lost = lost.total_count;
+  return state;
+}
+
+void Participant::Write(const RosTopic& row, const std::string& topic, const std::string& cdr) {
+  constexpr size_t kCdrHeadBytes = 4;
+  const std::scoped_lock lock(impl_->mutex);
+  Impl::Writer& writer = impl_->writers[topic];
+  if (writer.type == nullptr) {
+    const dds_topic_descriptor_t& type = DescriptorOf(row.type);
+    const Qos qos = WriterQos(row.qos);
+    writer.entity = Checked(dds_create_writer(impl_->participant, impl_->Topic(topic, type), qos.get(), nullptr),
+                            fmt::format("{} cannot be published", topic));
+    writer.type = &type;
+  }
+  // The bytes become a sample of the generated type, which DDS writes again: its interface takes no bytes.
+  std::unique_ptr<void, decltype(&std::free)> sample(std::calloc(1, writer.type->m_size), std::free);
+  if (!sample) throw std::bad_alloc();
+  dds_istream_t stream;
+  dds_istream_init(&stream, static_cast<uint32_t>(cdr.size() - kCdrHeadBytes), cdr.data() + kCdrHeadBytes,
+                   CDR_ENC_VERSION_1);
+  dds_stream_read(&stream, static_cast<char*>(sample.get()), writer.type->m_ops);
+  const dds_return_t result = dds_write(writer.entity, sample.get());
+  dds_stream_free_sample(sample.get(), writer.type->m_ops);
+  if (result != DDS_RETCODE_OK && result != DDS_RETCODE_TIMEOUT) Checked(result, topic + " cannot be published");
+}
+
+std::vector<Publisher> Participant::Publishers() const {
+  // Discovery keeps one sample for each endpoint; they are read in portions.
+  std::vector<Publisher> publishers;
+  std::vector<void*> samples(1024, nullptr);
+  std::vector<dds_sample_info_t> infos(samples.size());
+  const dds_return_t n = dds_read_mask(impl_->publications, samples.data(), infos.data(), samples.size(),
+                                       static_cast<uint32_t>(samples.size()), DDS_ANY_STATE);
+  for (size_t i = 0; n > 0 && i < static_cast<size_t>(n); ++i) {
+    const auto& endpoint = *static_cast<const dds_builtintopic_endpoint_t*>(samples[i]);
+    if (!infos[i].valid_data || infos[i].instance_state != DDS_ALIVE_INSTANCE_STATE) continue;
+    dds_guid_t own{};
+    dds_get_guid(impl_->participant, &own);
+    if (std::memcmp(&own, &endpoint.participant_key, sizeof(own)) == 0) continue;
+    Publisher publisher{RosTopicName(TextOf(endpoint.topic_name)), RosTypeName(TextOf(endpoint.type_name))};
+    if (publisher.topic.empty()) continue;
+    dds_reliability_kind_t reliability = DDS_RELIABILITY_BEST_EFFORT;
+    dds_duration_t blocking = 0;
+    dds_qget_reliability(endpoint.qos, &reliability, &blocking);
+    dds_durability_kind_t durability = DDS_DURABILITY_VOLATILE;
+    dds_qget_durability(endpoint.qos, &durability);
+    publisher.is_reliable = reliability == DDS_RELIABILITY_RELIABLE;
+    publisher.is_latched = durability != DDS_DURABILITY_VOLATILE;
+    publishers.push_back(std::move(publisher));
+  }
+  if (n > 0) dds_return_loan(impl_->publications, samples.data(), n);
+  return publishers;
+}
+
+}  // namespace plslam::ros2

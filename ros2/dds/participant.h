@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/datasets/calibrations/camera_info.h"
+#include "core/robot/foreign_image.h"
+#include "core/ros/ros_topics.h"
+#include "ros2/domain.h"
+
+namespace plslam::ros2 {
+
+/// A publisher of a topic of ROS, as discovery describes it.
+struct Publisher {
+  std::string topic;  ///< "/odom"
+  std::string type;   ///< "nav_msgs/msg/Odometry"
+  bool is_reliable = false;
+  bool is_latched = false;  ///< transient local
+};
+
+/// State of a reader.
+struct ReaderState {
+  int n_publishers = 0;          ///< matched ones
+  std::string incompatible_qos;  ///< name of the policy by which others do not match; empty: none
+  int64_t n_messages = 0;
+  int64_t n_lost = 0;  ///< according to DDS
+};
+
+/// A participant of a DDS domain that speaks as ROS 2 does, by Cyclone DDS; the one place that includes it. Readers are
+/// best effort and volatile, which matches every publisher, and keep the last 5. All is of one thread but `Write`, and
+/// all throw std::runtime_error with the reason of DDS.
+class Participant {
+ public:
+  /// `configuration` as `CycloneConfiguration` returns it.
+  Participant(const Domain& domain, const std::string& configuration);
+  ~Participant();
+  Participant(const Participant&) = delete;
+  Participant& operator=(const Participant&) = delete;
+
+  /// Images of this topic: sensor_msgs/msg/Image, or CompressedImage if `is_compressed`. Both return the number of the
+  /// reader. `take` may throw DatasetError, which `on_rejected` of `Receive` gets.
+  size_t ReadImages(const std::string& topic, bool is_compressed, std::function<void(robot::ForeignImage)> take);
+  size_t ReadInfos(const std::string& topic, std::function<void(RosCameraInfo)> take);
+
+  /// Waits for messages and handles them, for so long at most.
+  void Receive(std::chrono::milliseconds limit,
+               const std::function<void(const std::string& topic, const std::string& reason)>& on_rejected);
+  ReaderState StateOf(size_t reader) const;
+
+  /// Publishes a message of this row, in CDR, on `topic`; the writer is made with the first one. Safe from any thread.
+  void Write(const RosTopic& row, const std::string& topic, const std::string& cdr);
+
+  /// Returns all publishers of topics of ROS in the domain but those of this participant.
+  std::vector<Publisher> Publishers() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace plslam::ros2

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ros2/names.h"
+
+#include <cctype>
+
+namespace plslam::ros2 {
+namespace {
+
+constexpr std::string_view kTopicPrefix = "rt";
+constexpr std::string_view kTypeFolder = "dds_::";
+
+std::string Replaced(std::string_view text, std::string_view from, std::string_view to) {
+  std::string result;
+  for (size_t at = 0; at <= text.size();) {
+    const size_t found = std::min(text.find(from, at), text.size());
+    result.append(text.substr(at, found - at));
+    if (found == text.size()) break;
+    result.append(to);
+    at = found + from.size();
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string DdsTopicName(std::string_view topic) { return std::string(kTopicPrefix).append(topic); }
+
+std::string RosTopicName(std::string_view dds_name) {
+  const bool is_topic = dds_name.starts_with("rt/");
+  return is_topic ? std::string(dds_name.substr(kTopicPrefix.size())) : "";
+}
+
+std::string DdsTypeName(std::string_view type) {
+  const size_t slash = type.rfind('/');
+  return Replaced(type.substr(0, slash + 1), "/", "::").append(kTypeFolder).append(type.substr(slash + 1)).append("_");
+}
+
+std::string RosTypeName(std::string_view dds_type) {
+  const size_t folder = dds_type.find(kTypeFolder);
+  if (folder == std::string_view::npos || !dds_type.ends_with("_")) return std::string(dds_type);
+  const std::string_view name = dds_type.substr(folder + kTypeFolder.size());
+  return Replaced(dds_type.substr(0, folder), "::", "/").append(name.substr(0, name.size() - 1));
+}
+
+std::string InfoTopicOf(std::string_view image_topic) {
+  std::string topic(image_topic);
+  constexpr std::string_view kCompressed = "/compressed";
+  if (topic.ends_with(kCompressed)) topic.resize(topic.size() - kCompressed.size());
+  const size_t slash = topic.rfind('/');
+  if (slash != std::string::npos && topic.compare(slash + 1, 5, "image") == 0) topic.resize(slash);
+  return topic + "/camera_info";
+}
+
+std::string InNamespace(std::string_view space, std::string_view topic) {
+  if (topic.starts_with("/") || space.empty()) {
+    return topic.starts_with("/") ? std::string(topic) : std::string("/").append(topic);
+  }
+  return std::string(space).append(space.ends_with("/") ? "" : "/").append(topic);
+}
+
+std::string TopicNameComplaint(std::string_view topic) {
+  if (!topic.starts_with("/")) return "does not begin with /";
+  if (topic.size() == 1 || topic.ends_with("/")) return "ends with /";
+  for (const char c : topic) {
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '/' && c != '_') {
+      return "has another character than letters, digits, _ and /";
+    }
+  }
+  return "";
+}
+
+}  // namespace plslam::ros2

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace plslam::ros2 {
+
+// Names of ROS 2 in DDS: the topic /odom is "rt/odom", and the type nav_msgs/msg/Odometry
+// "nav_msgs::msg::dds_::Odometry_".
+
+/// `topic` begins with "/".
+std::string DdsTopicName(std::string_view topic);
+/// Returns an empty text for names that are no topics of ROS (services and others).
+std::string RosTopicName(std::string_view dds_name);
+
+std::string DdsTypeName(std::string_view type);
+/// Returns the name in DDS for types that are not of ROS.
+std::string RosTypeName(std::string_view dds_type);
+
+/// Returns the CameraInfo topic of an image topic: "/a/left/image_raw" has "/a/left/camera_info".
+std::string InfoTopicOf(std::string_view image_topic);
+
+/// The topic as a node in this namespace names it: "odom" in "/robot" is "/robot/odom", and "/odom" stays.
+std::string InNamespace(std::string_view space, std::string_view topic);
+
+/// Returns the reason why a text is no name of a topic ("has no / at the begin"); empty if it is.
+std::string TopicNameComplaint(std::string_view topic);
+
+}  // namespace plslam::ros2

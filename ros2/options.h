@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "core/config/fields.h"
+
+namespace plslam::ros2 {
+
+/// Section `ros2` of the configuration. Names of topics and frames are those of ROS.
+struct Ros2Options {
+  std::string left;
+  std::string right;
+  std::string left_info;
+  std::string right_info;
+  std::string camera;
+  double max_skew_ms = 0.0;
+  std::string publish_tf = "all";
+  std::string output_namespace = "/plslam";
+  std::string map_frame = "map";
+  std::string odom_frame = "odom";
+  std::string base_frame = "base_link";
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, Ros2Options& o) {
+  visit("left", o.left, "topic of left images: sensor_msgs/Image, or CompressedImage if it ends with /compressed");
+  visit("right", o.right, "topic of right images");
+  visit("left_info", o.left_info, "topic of CameraInfo; empty: camera_info beside the images");
+  visit("right_info", o.right_info, "topic of the right CameraInfo, likewise");
+  visit("camera", o.camera, "rig file; empty: CameraInfo");
+  visit("max_skew_ms", o.max_skew_ms, Bounds{0, 100}, "largest difference between the stamps of a pair; 0: half a frame");
+  visit("publish_tf", o.publish_tf, Choices{"all", "map", "odom", "none"},
+        "transforms: map to odom and odom to the body, one of them, or none");
+  visit("output_namespace", o.output_namespace, "in front of all topics but /tf and /tf_static; empty: none");
+  visit("map_frame", o.map_frame, "frame of the map");
+  visit("odom_frame", o.odom_frame, "frame of the odometry");
+  visit("base_frame", o.base_frame, "frame of the robot's body");
+}
+
+}  // namespace plslam::ros2

@@ -32,7 +32,10 @@ std::string RosTopicName(std::string_view dds_name) {
 
 std::string DdsTypeName(std::string_view type) {
   const size_t slash = type.rfind('/');
-  return Replaced(type.substr(0, slash + 1), "/", "::").append(kTypeFolder).append(type.substr(slash + 1)).append("_");
+  return Replaced(type.substr(0, slash + 1), "/", "::")
+      .append(kTypeFolder)
+      .append(type.substr(slash + 1))
+      .append("_");
 }
 
 std::string RosTypeName(std::string_view dds_type) {

@@ -14,7 +14,7 @@ struct Ros2Options {
   std::string left_info;
   std::string right_info;
   std::string camera;
-  double max_skew_ms = 0.0;
+  double max_skew_ms = 5.0;
   std::string publish_tf = "all";
   std::string output_namespace = "/plslam";
   std::string map_frame = "map";
@@ -29,8 +29,8 @@ void VisitFields(Visitor& visit, Ros2Options& o) {
   visit("left_info", o.left_info, "topic of CameraInfo; empty: camera_info beside the images");
   visit("right_info", o.right_info, "topic of the right CameraInfo, likewise");
   visit("camera", o.camera, "rig file; empty: CameraInfo");
-  visit("max_skew_ms", o.max_skew_ms, Bounds{0, 100}, "largest difference between the stamps of a pair; 0: half a frame");
-  visit("publish_tf", o.publish_tf, Choices{"all", "map", "odom", "none"},
+  visit("max_skew_ms", o.max_skew_ms, Bounds{0, 100}, "largest difference between the stamps of a pair");
+  visit("publish_tf", o.publish_tf, OneOf{"all", "map", "odom", "none"},
         "transforms: map to odom and odom to the body, one of them, or none");
   visit("output_namespace", o.output_namespace, "in front of all topics but /tf and /tf_static; empty: none");
   visit("map_frame", o.map_frame, "frame of the map");

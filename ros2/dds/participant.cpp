@@ -104,6 +104,11 @@ int64_t StampOf(const std_msgs_msg_dds__Header_& header) {
   return int64_t{header.stamp.sec} * kSecond_ns + header.stamp.nanosec;
 }
 
+int ToInt(uint32_t pixels) {
+  if (pixels > INT32_MAX) throw DatasetError(fmt::format("has an invalid size: {} pixels", pixels));
+  return static_cast<int>(pixels);
+}
+
 std::string TextOf(const char* text) { return text == nullptr ? "" : text; }
 
 robot::ForeignImage ToImage(const sensor_msgs_msg_dds__Image_& message) {
@@ -130,16 +135,17 @@ RosCameraInfo ToInfo(const sensor_msgs_msg_dds__CameraInfo_& message) {
   using Rows3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
   using Rows34 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
   RosCameraInfo info;
-  info.width_px = message.width;
-  info.height_px = message.height;
+  info.width_px = ToInt(message.width);
+  info.height_px = ToInt(message.height);
   info.model = TextOf(message.distortion_model);
   info.distortion.assign(message.d._buffer, message.d._buffer + message.d._length);
   info.K = Eigen::Map<const Rows3>(message.k);
   info.R = Eigen::Map<const Rows3>(message.r);
   info.P = Eigen::Map<const Rows34>(message.p);
-  info.binning_x = message.binning_x;
-  info.binning_y = message.binning_y;
-  info.roi = {message.roi.x_offset, message.roi.y_offset, message.roi.width, message.roi.height};
+  info.binning_x = ToInt(message.binning_x);
+  info.binning_y = ToInt(message.binning_y);
+  info.roi = {ToInt(message.roi.x_offset), ToInt(message.roi.y_offset), ToInt(message.roi.width),
+              ToInt(message.roi.height)};
   return info;
 }
 
@@ -184,9 +190,8 @@ struct Participant::Impl {
   size_t Read(const std::string& topic, const dds_topic_descriptor_t& type,
               std::function<void(const void* sample)> take) {
     const Qos qos = ReaderQos();
-    const dds_entity_t entity =
-        Checked(dds_create_reader(participant, Topic(topic, type), qos.get(), nullptr),
-                fmt::format("{} cannot be read", topic));
+    const dds_entity_t entity = Checked(dds_create_reader(participant, Topic(topic, type), qos.get(), nullptr),
+                                        fmt::format("{} cannot be read", topic));
     const dds_entity_t condition =
         Checked(dds_create_readcondition(entity, DDS_ANY_STATE), fmt::format("{} cannot be read", topic));
     Checked(dds_waitset_attach(waitset, condition, static_cast<dds_attach_t>(readers.size())), "no wait set");
@@ -194,13 +199,12 @@ struct Participant::Impl {
     return readers.size() - 1;
   }
 
-  /// Returns what `use` returns for the samples that a take has lent; they are returned in any case.
+  /// Calls `use` for the samples that a take lends; they are given back in any case.
   template <class Use>
-  static void WithSamples(dds_entity_t reader, Use use, bool keep) {
+  static void TakeSamples(dds_entity_t reader, Use use) {
     std::array<void*, kTaken> samples{};
     std::array<dds_sample_info_t, kTaken> infos{};
-    const auto get = keep ? dds_read : dds_take;
-    const dds_return_t n = get(reader, samples.data(), infos.data(), kTaken, kTaken);
+    const dds_return_t n = dds_take(reader, samples.data(), infos.data(), kTaken, kTaken);
     if (n <= 0) return;
     struct Loan {
       dds_entity_t of;
@@ -227,9 +231,10 @@ Participant::~Participant() = default;
 size_t Participant::ReadImages(const std::string& topic, bool is_compressed,
                                std::function<void(robot::ForeignImage)> take) {
   if (is_compressed) {
-    return impl_->Read(topic, sensor_msgs_msg_dds__CompressedImage__desc, [take = std::move(take)](const void* sample) {
-      take(ToImage(*static_cast<const sensor_msgs_msg_dds__CompressedImage_*>(sample)));
-    });
+    return impl_->Read(topic, sensor_msgs_msg_dds__CompressedImage__desc,
+                       [take = std::move(take)](const void* sample) {
+                         take(ToImage(*static_cast<const sensor_msgs_msg_dds__CompressedImage_*>(sample)));
+                       });
   }
   return impl_->Read(topic, sensor_msgs_msg_dds__Image__desc, [take = std::move(take)](const void* sample) {
     take(ToImage(*static_cast<const sensor_msgs_msg_dds__Image_*>(sample)));
@@ -258,7 +263,7 @@ void Participant::Receive(
         on_rejected(reader.topic, error.what());
       }
     };
-    Impl::WithSamples(reader.entity, use, false);
+    Impl::TakeSamples(reader.entity, use);
   }
 }
 

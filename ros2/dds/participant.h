@@ -11,25 +11,10 @@
 #include "core/datasets/calibrations/camera_info.h"
 #include "core/robot/foreign_image.h"
 #include "core/ros/ros_topics.h"
+#include "ros2/diagnosis.h"
 #include "ros2/domain.h"
 
 namespace plslam::ros2 {
-
-/// A publisher of a topic of ROS, as discovery describes it.
-struct Publisher {
-  std::string topic;  ///< "/odom"
-  std::string type;   ///< "nav_msgs/msg/Odometry"
-  bool is_reliable = false;
-  bool is_latched = false;  ///< transient local
-};
-
-/// State of a reader.
-struct ReaderState {
-  int n_publishers = 0;          ///< matched ones
-  std::string incompatible_qos;  ///< name of the policy by which others do not match; empty: none
-  int64_t n_messages = 0;
-  int64_t n_lost = 0;  ///< according to DDS
-};
 
 /// A participant of a DDS domain that speaks as ROS 2 does, by Cyclone DDS; the one place that includes it. Readers are
 /// best effort and volatile, which matches every publisher, and keep the last 5. All is of one thread but `Write`, and

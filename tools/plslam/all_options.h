@@ -12,6 +12,7 @@
 #include "loop_process/options.h"
 #include "mapping_process/options.h"
 #include "player/options.h"
+#include "ros2/options.h"
 #include "tools/bridge/options.h"
 #include "viewer_headless/options.h"
 #include "vo_process/options.h"
@@ -23,6 +24,7 @@ struct AllOptions {
   bus::BusOptions bus;
   player::PlayerOptions player;
   adapter::AdapterOptions adapter;
+  ros2::Ros2Options ros2;
   camera::CameraOptions camera;
   vo::VoOptions vo;
   mapping::MappingOptions mapping;
@@ -43,6 +45,7 @@ inline std::vector<OptionSection> SectionsOf(AllOptions& all) {
   return {{"bus", "Connection of each process to the bus.", ListFields(all.bus)},
           {"player", "Dataset and playback.", ListFields(all.player)},
           {"adapter", "Connection to a robot that uses LCM.", ListFields(all.adapter)},
+          {"ros2", "Connection to a robot that uses ROS 2.", ListFields(all.ros2)},
           {"camera", "Live cameras.", ListFields(all.camera)},
           {"vo", "Odometry (PL-SLAM §IV).", ListFields(all.vo)},
           {"mapping", "The map (PL-SLAM §V).", ListFields(all.mapping)},

@@ -79,6 +79,7 @@ const std::vector<Arrow> kArrows = {
     {"loop_process/", {"core/"}},
     {"viewer_headless/", {"core/"}},
     {"dense_process/", {"core/"}},
+    {"ros2/", {"core/"}},
     {"tools/command_line/", {"core/errors/", "core/config/nearest_key.h"}},
     {"tools/evaluate/", {"core/", "tools/command_line/"}},
     {"tools/evaluate/compare/",
@@ -94,7 +95,7 @@ const std::vector<Arrow> kArrows = {
     {"tools/plslam/",
      {"core/", "lcmtypes/message_layout.h", "adapter/options.h", "camera/options.h", "player/options.h",
       "vo_process/options.h", "mapping_process/options.h", "loop_process/options.h", "viewer_headless/options.h",
-      "dense_process/options.h", "tools/bridge/options.h", "tools/command_line/", "tools/evaluate/", "viewer_headless/report/report_page.h"}},
+      "dense_process/options.h", "ros2/options.h", "tools/bridge/options.h", "tools/command_line/", "tools/evaluate/", "viewer_headless/report/report_page.h"}},
     {"tools/offline/",
      {"core/process/", "tools/command_line/", "tools/plslam/version.h", "tools/export/export_command.h",
       "tools/doctor/doctor_command.h", "tools/rectify_check/rectify_check_command.h",
@@ -111,7 +112,7 @@ const std::vector<Arrow> kArrows = {
 
 const std::vector<std::string> kProductFolders = {
     "lcmtypes",        "core",         "adapter",         "camera",        "player", "vo_process",
-    "mapping_process", "loop_process", "viewer_headless", "dense_process", "tools"};
+    "mapping_process", "loop_process", "viewer_headless", "dense_process", "ros2",   "tools"};
 
 /// Files that connect algorithms to messages: the folders named `node`, and readers of messages in logs. All others use
 /// neither LCM nor its types.

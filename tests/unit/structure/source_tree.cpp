@@ -26,7 +26,7 @@ std::vector<SourceFile> SourceFiles(const std::vector<std::string>& folders) {
 
 std::vector<SourceFile> AllSourceFiles() {
   return SourceFiles({"lcmtypes", "core", "adapter", "camera", "player", "vo_process", "mapping_process",
-                      "loop_process", "viewer_headless", "dense_process", "tools", "tests"});
+                      "loop_process", "viewer_headless", "dense_process", "ros2", "tools", "tests"});
 }
 
 std::string ReadText(const std::filesystem::path& path) {

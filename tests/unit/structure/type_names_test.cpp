@@ -35,14 +35,21 @@ TEST(Structure, ATypeIsDefinedInOneHeader) {
 
 // The namespace of a file names its process or tool; shared files are in plain plslam, or a part of it.
 TEST(Structure, ProcessesAndToolsHaveNamespacesOfTheirOwn) {
-  const std::map<std::string, std::string> spaces = {
-      {"vo_process/", "plslam::vo"},          {"mapping_process/", "plslam::mapping"},
-      {"loop_process/", "plslam::loop"},      {"player/", "plslam::player"},
-      {"adapter/", "plslam::adapter"},        {"camera/", "plslam::camera"},
-      {"viewer_headless/", "plslam::viewer"}, {"dense_process/", "plslam::dense"},
-      {"tools/plslam/", "plslam::launcher"},  {"tools/export/", "plslam::exports"},
-      {"tools/doctor/", "plslam::doctor"},    {"tools/bridge/", "plslam::bridge"},
-      {"core/stream/", "plslam::stream"}};
+  const std::map<std::string, std::string> spaces = {{"vo_process/", "plslam::vo"},
+                                                     {"mapping_process/", "plslam::mapping"},
+                                                     {"loop_process/", "plslam::loop"},
+                                                     {"player/", "plslam::player"},
+                                                     {"adapter/", "plslam::adapter"},
+                                                     {"camera/", "plslam::camera"},
+                                                     {"viewer_headless/", "plslam::viewer"},
+                                                     {"dense_process/", "plslam::dense"},
+                                                     {"tools/plslam/", "plslam::launcher"},
+                                                     {"tools/export/", "plslam::exports"},
+                                                     {"tools/doctor/", "plslam::doctor"},
+                                                     {"tools/bridge/", "plslam::bridge"},
+                                                     {"ros2/", "plslam::ros2"},
+                                                     {"core/robot/", "plslam::robot"},
+                                                     {"core/stream/", "plslam::stream"}};
   for (const SourceFile& file : test::AllSourceFiles()) {
     for (const auto& [folder, space] : spaces) {
       if (!file.path.starts_with(folder)) continue;

@@ -19,7 +19,7 @@ bool ReadsTheWallClock(const test::SourceFile& file) {
 
 TEST(WallClock, IsReadForTimeStampsOfLogsAndByTheDoctorOnly) {
   for (const auto& file : test::SourceFiles({"core", "adapter", "camera", "player", "vo_process", "mapping_process",
-                                             "loop_process", "viewer_headless", "dense_process", "tools"})) {
+                                             "loop_process", "viewer_headless", "dense_process", "ros2", "tools"})) {
     if (!ReadsTheWallClock(file)) continue;
     // process_status publishes it for a comparison of hosts. Live images have the time of day, by an offset that is
     // measured once.

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <string>
+#include <vector>
+
+#include "core/process/process.h"
+#include "ros2/arguments.h"
+#include "ros2/node/ros2_node.h"
+
+int main(int argc, char** argv) {
+  std::vector<std::string> arguments = plslam::ros2::WithoutRosArguments({argv, argv + argc});
+  std::vector<char*> words;
+  for (std::string& argument : arguments) words.push_back(argument.data());
+  words.push_back(nullptr);
+  return plslam::bus::RunProcess(static_cast<int>(arguments.size()), words.data(), plslam::ros2::Ros2Spec());
+}

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ros2/node/ros2_node.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "core/bus/run_loop.h"
+#include "core/run/process_names.h"
+#include "ros2/arguments.h"
+#include "ros2/names.h"
+
+namespace plslam::ros2 {
+namespace {
+
+constexpr double kNsPerMs = 1e6;
+constexpr std::chrono::milliseconds kWait{100};
+/// Time after which a missing input is reported: discovery takes two to three seconds.
+constexpr double kPatience_s = 4.0;
+/// Window of the rates, and the part of the frames that must arrive.
+constexpr double kRateWindow_s = 5.0;
+constexpr double kLeastShare = 0.9;
+
+std::string Environment(const char* name) {
+  const char* const value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+Domain DomainOfEnvironment() {
+  return DomainOf([](const char* name) { return std::getenv(name); });
+}
+
+/// Returns the largest receive buffer that the kernel grants; 0 if it does not tell.
+int64_t LargestReceiveBuffer() {
+  int64_t bytes = 0;
+  std::ifstream("/proc/sys/net/core/rmem_max") >> bytes;
+  return bytes;
+}
+
+RobotFrames FramesOf(const Ros2Options& options) {
+  return {.map = options.map_frame,
+          .odom = options.odom_frame,
+          .body = options.base_frame,
+          .writes_map = options.publish_tf == "all" || options.publish_tf == "map",
+          .writes_odom = options.publish_tf == "all" || options.publish_tf == "odom"};
+}
+
+const char* ImageTypeOf(const std::string& topic) {
+  return topic.ends_with("/compressed") ? "sensor_msgs/msg/CompressedImage" : "sensor_msgs/msg/Image";
+}
+
+}  // namespace
+
+Ros2Node::Ros2Node(bus::Process& process, const Ros2Options& options)
+    : process_(process),
+      options_(options),
+      domain_(DomainOfEnvironment()),
+      participant_(domain_, CycloneConfiguration(domain_, Environment("CYCLONEDDS_URI"))),
+      frames_(process,
+              {.process = process_name::kRos2,
+               .camera_option = "ros2.camera",
+               .camera = options.camera,
+               .left = options.left,
+               .max_skew_ns = std::llround(options.max_skew_ms * kNsPerMs)},
+              {.on_rig = [](const RigCalibration&) {},
+               .on_frame = [this](int64_t t_ns) { first_t_ns_ = std::min(first_t_ns_.load(), t_ns); }}),
+      begin_s_(bus::NowS()),
+      run_(process.bus(),
+           LiveMessages([this](const RosTopic& row, int64_t t_ns, const std::string& cdr) { Write(row, t_ns, cdr); },
+                        FramesOf(options)),
+           [] { return false; }) {
+  Ros2Options shown = options;
+  process_.SetConfiguration(ToYaml("ros2", shown));
+  for (const robot::Side side : {robot::Side::kLeft, robot::Side::kRight}) {
+    const std::string& topic = side == robot::Side::kLeft ? options.left : options.right;
+    Side& own = sides_[static_cast<size_t>(side)];
+    own.input.topic = topic;
+    own.input.type = ImageTypeOf(topic);
+    own.reader =
+        participant_.ReadImages(topic, topic.ends_with("/compressed"),
+                                [this, side](robot::ForeignImage image) { TakeImage(side, std::move(image)); });
+    if (!options.camera.empty()) continue;
+    const std::string& given = side == robot::Side::kLeft ? options.left_info : options.right_info;
+    const std::string info = given.empty() ? InfoTopicOf(topic) : given;
+    const size_t reader = participant_.ReadInfos(
+        info, [this, side](RosCameraInfo message) { frames_.AddInfo(side, std::move(message)); });
+    infos_.push_back({{info, "sensor_msgs/msg/CameraInfo", {}, {}, {}}, reader});
+  }
+  listener_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { Listen(); }); });
+}
+
+Ros2Node::~Ros2Node() {
+  stopped_ = true;
+  listener_.join();
+}
+
+void Ros2Node::Listen() {
+  double due_s = bus::NowS();
+  while (!stopped_) {
+    if (bus::NowS() >= due_s) {
+      Tick();
+      due_s = bus::NowS() + 1.0;
+    }
+    participant_.Receive(kWait,
+                         [this](const std::string& topic, const std::string& reason) { Reject(topic, reason); });
+  }
+}
+
+void Ros2Node::Reject(const std::string& topic, const std::string& reason) {
+  process_.SetCounter("frames.rejected", static_cast<double>(++n_rejected_));
+  skipped_messages_.WarnOnce(fmt::format("a message on {} {}", topic, reason));
+}
+
+void Ros2Node::TakeImage(robot::Side side, robot::ForeignImage image) {
+  Input& input = sides_[static_cast<size_t>(side)].input;
+  input.previous_stamp_ns = std::exchange(input.stamp_ns, image.t_ns);
+  pair_bytes_ = std::max(pair_bytes_, 2 * static_cast<int64_t>(image.bytes.size()));
+  if (side == robot::Side::kLeft) arrivals_.emplace_back(image.t_ns, bus::NowS());
+  frames_.AddImage(side, std::move(image));
+}
+
+void Ros2Node::Write(const RosTopic& row, int64_t t_ns, const std::string& cdr) {
+  // Poses of before are history, which the bus repeats to processes that start.
+  const bool is_of_frame = row.rate == RosRate::kFrame;
+  if (is_of_frame && t_ns < first_t_ns_) return;
+  const bool is_tf = row.name == ros_topic::kTf.name || row.name == ros_topic::kTfStatic.name;
+  const std::string topic =
+      is_tf ? std::string(row.name) : InNamespace(options_.output_namespace, row.name.substr(1));
+  participant_.Write(row, topic, cdr);
+}
+
+void Ros2Node::Tick() {
+  frames_.PublishRig();
+  for (Side& side : sides_) side.input.state = participant_.StateOf(side.reader);
+  for (Side& info : infos_) info.input.state = participant_.StateOf(info.reader);
+  process_.SetCounter("messages.lost",
+                      static_cast<double>(sides_[0].input.state.n_lost + sides_[1].input.state.n_lost));
+  if (frames_.n_sent() > 0) return ReportRate();
+  if (bus::NowS() - begin_s_ < kPatience_s) return;
+  Symptoms symptoms{.domain = domain_.id,
+                    .left = sides_[0].input,
+                    .right = sides_[1].input,
+                    .infos = {},
+                    .publishers = participant_.Publishers(),
+                    .has_rig = frames_.has_rig(),
+                    .n_rejected = n_rejected_,
+                    .max_skew_ms = options_.max_skew_ms};
+  for (const Side& info : infos_) symptoms.infos.push_back(info.input);
+  const std::string why = WhyNoFrames(symptoms);
+  process_.SetReason(why);
+  skipped_messages_.WarnOnce("no frames: " + why);
+}
+
+/// Compares the number of images with the one that their stamps promise: large messages are lost in receive buffers.
+void Ros2Node::ReportRate() {
+  const double now_s = bus::NowS();
+  while (!arrivals_.empty() && arrivals_.front().second < now_s - kRateWindow_s) arrivals_.pop_front();
+  constexpr size_t kLeast = 10;
+  if (arrivals_.size() < kLeast) return;
+  std::vector<int64_t> steps;
+  for (size_t i = 1; i < arrivals_.size(); ++i) steps.push_back(arrivals_[i].first - arrivals_[i - 1].first);
+  const auto tenth = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 10);
+  std::nth_element(steps.begin(), tenth, steps.end());
+  const double sent_hz = *tenth > 0 ? 1e9 / static_cast<double>(*tenth) : 0.0;
+  const double span_s = 1e-9 * static_cast<double>(arrivals_.back().first - arrivals_.front().first);
+  const double arrived_hz = span_s > 0.0 ? static_cast<double>(arrivals_.size() - 1) / span_s : 0.0;
+  process_.SetCounter("images.rate_hz", arrived_hz);
+  process_.SetCounter("images.sent_hz", sent_hz);
+  if (arrived_hz >= kLeastShare * sent_hz) return process_.SetReason("");
+  constexpr double kPerPair = 4.0;  // of both images, while earlier ones are handled
+  const int64_t buffer = LargestReceiveBuffer(), needed = std::llround(kPerPair * static_cast<double>(pair_bytes_));
+  const std::string rates = fmt::format("{:.0f} of {:.0f} Hz arrive", arrived_hz, sent_hz);
+  const std::string sentence =
+      buffer < needed ? fmt::format("{}: receive buffer {} kB, {} kB needed; sudo sysctl -w net.core.rmem_max={}",
+                                    rates, buffer / 1000, needed / 1000, needed)
+                      : fmt::format("{}: images are lost between their driver and here", rates);
+  process_.SetReason(sentence);
+  if (!std::exchange(warned_of_loss_, true)) process_.Warn("ros2_images_lost", options_.left + ": " + sentence);
+}
+
+bus::ProcessSpec Ros2Spec() {
+  const auto line = std::make_shared<Arguments>();
+  bus::ProcessSpec spec;
+  spec.name = process_name::kRos2;
+  spec.description =
+      "Connects a robot that uses ROS 2, of any release, without anything of ROS installed: receives its stereo "
+      "images "
+      "through DDS, publishes poses, transforms and the map.";
+  spec.examples =
+      "  plslam_ros2 --left /stereo/left/image_raw --right /stereo/right/image_raw\n"
+      "  ROS_DOMAIN_ID=7 plslam_ros2 --left /left/compressed --right /right/compressed --camera camera.yaml";
+  spec.add_options = [line](CLI::App* app) { line->AddTo(app); };
+  spec.make_node = [line](bus::Process& process, const Config& config) {
+    Ros2Options options;
+    config.Read("ros2", options);
+    line->Apply(&options);
+    return std::make_shared<Ros2Node>(process, options);
+  };
+  spec.waits_for = "images";
+  spec.results = {{"frames.sent", "frames"}, {"frames.unpaired", "unpaired"}, {"frames.rejected", "rejected"}};
+  return spec;
+}
+
+}  // namespace plslam::ros2

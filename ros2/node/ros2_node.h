@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/process/process.h"
+#include "core/robot/node/frame_source.h"
+#include "core/robot/node/skipped_messages.h"
+#include "core/ros/node/live_run.h"
+#include "ros2/dds/participant.h"
+#include "ros2/options.h"
+
+namespace plslam::ros2 {
+
+/// Connects a robot that speaks ROS 2 to the bus: its images in, poses and the map out, through DDS. It can be killed and
+/// restarted in the middle of a session: `waiting for images` (no frame yet; `WhyNoFrames` is its reason) and `running`
+/// are its states.
+class Ros2Node {
+ public:
+  Ros2Node(bus::Process& process, const Ros2Options& options);
+  ~Ros2Node();
+  Ros2Node(const Ros2Node&) = delete;
+  Ros2Node& operator=(const Ros2Node&) = delete;
+
+ private:
+  struct Side {
+    Input input;
+    size_t reader = 0;
+  };
+
+  void Listen();
+  void Tick();
+  void TakeImage(robot::Side side, robot::ForeignImage image);
+  void Reject(const std::string& topic, const std::string& reason);
+  void Write(const RosTopic& row, int64_t t_ns, const std::string& cdr);
+  void ReportRate();
+
+  bus::Process& process_;
+  const Ros2Options options_;
+  const Domain domain_;
+  Participant participant_;
+  std::array<Side, 2> sides_;
+  std::vector<Side> infos_;
+  robot::FrameSource frames_;
+  robot::SkippedMessages skipped_messages_;
+  int64_t n_rejected_ = 0;
+  /// Stamps of the left images of the last seconds, and when they arrived, by the steady clock.
+  std::deque<std::pair<int64_t, double>> arrivals_;
+  int64_t pair_bytes_ = 0;  ///< largest so far
+  bool warned_of_loss_ = false;
+  double begin_s_ = 0.0;
+  std::atomic<int64_t> first_t_ns_ = INT64_MAX;  ///< of the frames that were sent
+  bus::LiveRun run_;
+  std::atomic<bool> stopped_ = false;
+  std::thread listener_;
+};
+
+bus::ProcessSpec Ros2Spec();
+
+}  // namespace plslam::ros2

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// fast_dds_robot DATASET RATE_HZ N_FRAMES [OPTION...]: a robot of ROS 2 by Fast DDS. After a subscriber is found, it
+// publishes the stereo images of a dataset on /stereo/left/image_raw and right, with CameraInfo; it hears odometry,
+// transforms, path and points, and prints what it heard as JSON. Options: no_info, no_right, other_clock, constant,
+// unsynchronised, lies (sizes that do not fit the data), reliable, jpeg, listen_s=SECONDS (afterwards).
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fastdds/dds/topic/TypeSupport.hpp>
+#include <nlohmann/json.hpp>
+
+#include "core/datasets/open_dataset.h"
+#include "core/io/images/jpeg_codec.h"
+#include "robotPubSubTypes.h"
+
+namespace {
+
+namespace fast = eprosima::fastdds::dds;
+using Clock = std::chrono::steady_clock;
+using nlohmann::json;
+
+class Robot {
+ public:
+  Robot() {
+    const char* const domain = std::getenv("ROS_DOMAIN_ID");
+    participant_ = fast::DomainParticipantFactory::get_instance()->create_participant(
+        domain == nullptr ? 0 : static_cast<uint32_t>(std::atoi(domain)), fast::PARTICIPANT_QOS_DEFAULT);
+    publisher_ = participant_->create_publisher(fast::PUBLISHER_QOS_DEFAULT);
+    subscriber_ = participant_->create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT);
+  }
+
+  template <class Type>
+  fast::Topic* Topic(const std::string& name) {
+    fast::TypeSupport type(new Type());
+    type.register_type(participant_);
+    return participant_->create_topic("rt" + name, type.get_type_name(), fast::TOPIC_QOS_DEFAULT);
+  }
+  template <class Type>
+  fast::DataWriter* Writer(const std::string& name, bool is_reliable) {
+    fast::DataWriterQos qos = fast::DATAWRITER_QOS_DEFAULT;
+    qos.reliability().kind = is_reliable ? fast::RELIABLE_RELIABILITY_QOS : fast::BEST_EFFORT_RELIABILITY_QOS;
+    qos.history().depth = 5;
+    qos.publish_mode().kind = fast::ASYNCHRONOUS_PUBLISH_MODE;
+    return publisher_->create_datawriter(Topic<Type>(name), qos);
+  }
+  template <class Type>
+  fast::DataReader* Reader(const std::string& name, bool is_latched) {
+    fast::DataReaderQos qos = fast::DATAREADER_QOS_DEFAULT;
+    qos.reliability().kind = fast::RELIABLE_RELIABILITY_QOS;
+    qos.history().depth = 200;
+    if (is_latched) qos.durability().kind = fast::TRANSIENT_LOCAL_DURABILITY_QOS;
+    return subscriber_->create_datareader(Topic<Type>(name), qos);
+  }
+
+ private:
+  fast::DomainParticipant* participant_ = nullptr;
+  fast::Publisher* publisher_ = nullptr;
+  fast::Subscriber* subscriber_ = nullptr;
+};
+
+void SetHeader(std_msgs::msg::dds_::Header_& header, int64_t t_ns, const char* frame) {
+  header.stamp().sec(static_cast<int32_t>(t_ns / 1'000'000'000));
+  header.stamp().nanosec(static_cast<uint32_t>(t_ns % 1'000'000'000));
+  header.frame_id(frame);
+}
+
+int64_t StampOf(const std_msgs::msg::dds_::Header_& header) {
+  return int64_t{header.stamp().sec()} * 1'000'000'000 + header.stamp().nanosec();
+}
+
+sensor_msgs::msg::dds_::Image_ ImageOf(const cv::Mat& grey, int64_t t_ns) {
+  sensor_msgs::msg::dds_::Image_ image;
+  SetHeader(image.header(), t_ns, "camera");
+  image.width(static_cast<uint32_t>(grey.cols));
+  image.height(static_cast<uint32_t>(grey.rows));
+  image.step(static_cast<uint32_t>(grey.cols));
+  image.encoding("mono8");
+  image.data(std::vector<uint8_t>(grey.datastart, grey.dataend));
+  return image;
+}
+
+sensor_msgs::msg::dds_::CompressedImage_ JpegOf(const cv::Mat& grey, int64_t t_ns) {
+  sensor_msgs::msg::dds_::CompressedImage_ image;
+  SetHeader(image.header(), t_ns, "camera");
+  image.format("mono8; jpeg compressed ");
+  const std::string file = plslam::EncodeJpeg(grey, 95);
+  image.data(std::vector<uint8_t>(file.begin(), file.end()));
+  return image;
+}
+
+sensor_msgs::msg::dds_::CameraInfo_ InfoOf(const plslam::CameraCalibration& c, double baseline_m, int64_t t_ns) {
+  sensor_msgs::msg::dds_::CameraInfo_ info;
+  SetHeader(info.header(), t_ns, "camera");
+  info.width(static_cast<uint32_t>(c.width_px));
+  info.height(static_cast<uint32_t>(c.height_px));
+  info.distortion_model("plumb_bob");
+  info.d({0, 0, 0, 0, 0});
+  info.k({c.fx_px, 0, c.cx_px, 0, c.fy_px, c.cy_px, 0, 0, 1});
+  info.r({1, 0, 0, 0, 1, 0, 0, 0, 1});
+  info.p({c.fx_px, 0, c.cx_px, -c.fx_px * baseline_m, 0, c.fy_px, c.cy_px, 0, 0, 0, 1, 0});
+  return info;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const auto dataset = plslam::OpenDataset(argv[1], "");
+  const double rate_hz = std::atof(argv[2]);
+  const int n_frames = std::min(std::atoi(argv[3]), dataset->size());
+  std::set<std::string> options(argv + 4, argv + argc);
+  double listen_s = 2.0;
+  for (const std::string& option : options) {
+    if (option.rfind("listen_s=", 0) == 0) listen_s = std::atof(option.c_str() + 9);
+  }
+  const auto has = [&](const char* option) { return options.count(option) > 0; };
+
+  Robot robot;
+  using Image = sensor_msgs::msg::dds_::Image_PubSubType;
+  using Jpeg = sensor_msgs::msg::dds_::CompressedImage_PubSubType;
+  using Info = sensor_msgs::msg::dds_::CameraInfo_PubSubType;
+  fast::DataWriter* images[2] = {nullptr, nullptr};
+  fast::DataWriter* infos[2] = {nullptr, nullptr};
+  for (int i = 0; i < (has("no_right") ? 1 : 2); ++i) {
+    const std::string side = i == 0 ? "/stereo/left" : "/stereo/right";
+    images[i] = has("jpeg") ? robot.Writer<Jpeg>(side + "/image_raw/compressed", has("reliable"))
+                            : robot.Writer<Image>(side + "/image_raw", has("reliable"));
+    if (!has("no_info")) infos[i] = robot.Writer<Info>(side + "/camera_info", true);
+  }
+  auto* const odometry = robot.Reader<nav_msgs::msg::dds_::Odometry_PubSubType>("/plslam/odom", false);
+  auto* const transforms = robot.Reader<tf2_msgs::msg::dds_::TFMessage_PubSubType>("/tf", false);
+  auto* const points = robot.Reader<sensor_msgs::msg::dds_::PointCloud2_PubSubType>("/plslam/map/points", true);
+  auto* const path = robot.Reader<nav_msgs::msg::dds_::Path_PubSubType>("/plslam/path", true);
+
+  json heard{{"sent", 0}, {"odom", json::array()}, {"tf", json::object()}, {"points", 0}, {"path", 0}};
+  std::map<int64_t, double> sent_at, heard_at;
+  std::vector<double> delays_ms;
+  const auto begin = Clock::now();
+  const auto now_s = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
+  const auto listen = [&] {
+    fast::SampleInfo info;
+    nav_msgs::msg::dds_::Odometry_ odom;
+    while (odometry->take_next_sample(&odom, &info) == ReturnCode_t::RETCODE_OK) {
+      if (!info.valid_data) continue;
+      const auto& p = odom.pose().pose().position();
+      const auto& q = odom.pose().pose().orientation();
+      heard["odom"].push_back(
+          {StampOf(odom.header()), p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w(), odom.pose().covariance()[0]});
+      heard["odom_frames"] = {odom.header().frame_id(), odom.child_frame_id()};
+      const auto sent = sent_at.find(StampOf(odom.header()));
+      if (sent != sent_at.end()) delays_ms.push_back(1e3 * (now_s() - sent->second));
+    }
+    tf2_msgs::msg::dds_::TFMessage_ tf;
+    while (transforms->take_next_sample(&tf, &info) == ReturnCode_t::RETCODE_OK) {
+      if (!info.valid_data) continue;
+      for (const auto& one : tf.transforms()) {
+        const std::string name = one.header().frame_id() + " " + one.child_frame_id();
+        heard["tf"][name] = heard["tf"].value(name, 0) + 1;
+      }
+    }
+    sensor_msgs::msg::dds_::PointCloud2_ cloud;
+    while (points->take_next_sample(&cloud, &info) == ReturnCode_t::RETCODE_OK) {
+      if (info.valid_data) heard["points"] = cloud.width();
+    }
+    nav_msgs::msg::dds_::Path_ poses;
+    while (path->take_next_sample(&poses, &info) == ReturnCode_t::RETCODE_OK) {
+      if (info.valid_data) heard["path"] = poses.poses().size();
+    }
+  };
+
+  // Discovery: a frame counts from when all topics have a subscriber.
+  const auto matched = [&](fast::DataWriter* writer) {
+    fast::PublicationMatchedStatus status;
+    return writer == nullptr ||
+           (writer->get_publication_matched_status(status) == ReturnCode_t::RETCODE_OK && status.current_count > 0);
+  };
+  while (now_s() < 10.0 && !(matched(images[0]) && matched(images[1]) && matched(infos[0]) && matched(infos[1]))) {
+    usleep(20'000);
+  }
+  usleep(500'000);
+  heard["discovery_s"] = now_s();
+  const plslam::RigCalibration& rig = dataset->rig();
+  double due_s = now_s();
+  for (int i = 0; i < n_frames; ++i) {
+    const plslam::StereoImages frame = dataset->Read(i);
+    int64_t t_ns[2] = {dataset->t_ns(i) + 1'000'000'000, dataset->t_ns(i) + 1'000'000'000};
+    if (has("other_clock")) t_ns[1] += 3600'000'000'000;
+    if (has("unsynchronised")) t_ns[1] += 20'000'000;
+    if (has("constant")) t_ns[0] = t_ns[1] = 7'000'000'000;
+    while (now_s() < due_s) {
+      listen();
+      usleep(500);
+    }
+    due_s += 1.0 / rate_hz;
+    for (int side = 0; side < 2; ++side) {
+      if (images[side] == nullptr) continue;
+      if (infos[side] != nullptr) {
+        auto info = InfoOf(side == 0 ? rig.left : rig.right, side == 0 ? 0.0 : rig.baseline_m, t_ns[side]);
+        infos[side]->write(&info);
+      }
+      const cv::Mat& pixels = side == 0 ? frame.left : frame.right;
+      if (has("jpeg")) {
+        auto image = JpegOf(pixels, t_ns[side]);
+        images[side]->write(&image);
+      } else {
+        auto image = ImageOf(pixels, t_ns[side]);
+        if (has("lies") && i % 2 == 0) image.height(i % 4 == 0 ? 4'000'000'000U : 10'000U);
+        if (has("lies") && i % 6 == 1) image.encoding("unknown16");
+        images[side]->write(&image);
+      }
+    }
+    sent_at[t_ns[0]] = now_s();
+    heard["sent"] = i + 1;
+  }
+  for (const double end_s = now_s() + listen_s; now_s() < end_s; usleep(1000)) listen();
+  std::sort(delays_ms.begin(), delays_ms.end());
+  if (!delays_ms.empty()) heard["median_delay_ms"] = delays_ms[delays_ms.size() / 2];
+  std::printf("%s\n", heard.dump().c_str());
+  std::fflush(stdout);
+  std::_Exit(0);  // destructors of Fast DDS wait for seconds
+}

@@ -43,6 +43,8 @@ void Arguments::AddTo(CLI::App* app) {
   app->add_option("--frame", frames, "name of a frame: map=NAME, odom=NAME or base=NAME (repeatable)")
       ->type_name("FRAME=NAME")
       ->allow_extra_args(false);
+  app->add_flag_callback(
+      "--topics", [] {}, "list the topics of the domain for four seconds, and exit");
   app->add_option("--remap", remaps, "other name: left:=TOPIC, right:=TOPIC or __ns:=NAMESPACE, as in --ros-args -r")
       ->type_name("FROM:=TO")
       ->allow_extra_args(false);

@@ -33,18 +33,20 @@ std::string Topics(const std::set<std::string>& names) {
 /// Why nothing arrives on a topic; empty if something does.
 std::string WhySilent(const Input& input, const Symptoms& symptoms) {
   if (input.state.n_messages > 0) return "";
-  std::set<std::string> types, images, all;
+  const auto is_like = [&](const std::string& type) {
+    return type == input.type || (IsImageType(type) && IsImageType(input.type));
+  };
+  std::set<std::string> types, likely, all;
   for (const Publisher& publisher : symptoms.publishers) {
     if (publisher.topic == input.topic) types.insert(publisher.type);
-    if (IsImageType(publisher.type)) images.insert(publisher.topic);
+    if (is_like(publisher.type)) likely.insert(publisher.topic);
     all.insert(publisher.topic);
   }
   if (types.empty()) {
-    std::string text = fmt::format("no topic {} in the domain {}", input.topic, symptoms.domain);
-    const std::set<std::string>& others = images.empty() ? all : images;
-    const std::string nearest = NearestKey(input.topic, {others.begin(), others.end()});
-    return text + fmt::format("; {} {}; the nearest name is {}",
-                              images.empty() ? "topics are" : "topics of images are", Topics(others), Shown(nearest));
+    const std::set<std::string>& others = likely.empty() ? all : likely;
+    return fmt::format("no topic {} in the domain {}; {} {}; the nearest name is {}", input.topic, symptoms.domain,
+                       likely.empty() ? "there is none of its type, but" : "topics of its type are", Topics(others),
+                       Shown(NearestKey(input.topic, {others.begin(), others.end()})));
   }
   if (!types.contains(input.type)) {
     return fmt::format("{} has the type {}, not {}", input.topic, Topics(types), input.type);

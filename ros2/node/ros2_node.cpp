@@ -73,7 +73,7 @@ Ros2Node::Ros2Node(bus::Process& process, const Ros2Options& options)
                .max_skew_ns = std::llround(options.max_skew_ms * kNsPerMs)},
               {.on_rig = [](const RigCalibration&) {},
                .on_frame = [this](int64_t t_ns) { first_t_ns_ = std::min(first_t_ns_.load(), t_ns); }}),
-      begin_s_(bus::NowS()),
+      progress_s_(bus::NowS()),
       run_(process.bus(),
            LiveMessages([this](const RosTopic& row, int64_t t_ns, const std::string& cdr) { Write(row, t_ns, cdr); },
                         FramesOf(options)),
@@ -101,6 +101,8 @@ Ros2Node::Ros2Node(bus::Process& process, const Ros2Options& options)
 Ros2Node::~Ros2Node() {
   stopped_ = true;
   listener_.join();
+  // A run ends with its source; a service that is restarted continues its stream.
+  if (process_.has_launcher()) frames_.End();
 }
 
 void Ros2Node::Listen() {
@@ -144,8 +146,22 @@ void Ros2Node::Tick() {
   for (Side& info : infos_) info.input.state = participant_.StateOf(info.reader);
   process_.SetCounter("messages.lost",
                       static_cast<double>(sides_[0].input.state.n_lost + sides_[1].input.state.n_lost));
-  if (frames_.n_sent() > 0) return ReportRate();
-  if (bus::NowS() - begin_s_ < kPatience_s) return;
+  if (frames_.n_sent() > n_sent_) {
+    NoteProgress();
+    ReportRate();
+  } else if (bus::NowS() - progress_s_ >= kPatience_s) {
+    ReportLack();
+  }
+}
+
+void Ros2Node::NoteProgress() {
+  n_sent_ = frames_.n_sent();
+  progress_s_ = bus::NowS();
+  for (Side& side : sides_) side.n_before = side.input.state.n_messages;
+}
+
+/// States why there have been no frames since the last progress.
+void Ros2Node::ReportLack() {
   Symptoms symptoms{.domain = domain_.id,
                     .left = sides_[0].input,
                     .right = sides_[1].input,
@@ -154,10 +170,13 @@ void Ros2Node::Tick() {
                     .has_rig = frames_.has_rig(),
                     .n_rejected = n_rejected_,
                     .max_skew_ms = options_.max_skew_ms};
+  symptoms.left.state.n_messages -= sides_[0].n_before;
+  symptoms.right.state.n_messages -= sides_[1].n_before;
   for (const Side& info : infos_) symptoms.infos.push_back(info.input);
   const std::string why = WhyNoFrames(symptoms);
   process_.SetReason(why);
-  skipped_messages_.WarnOnce("no frames: " + why);
+  if (why == std::exchange(lack_, why)) return;
+  spdlog::warn("no frames: {}", why);
 }
 
 /// Compares the number of images with the one that their stamps promise: large messages are lost in receive buffers.
@@ -175,6 +194,7 @@ void Ros2Node::ReportRate() {
   const double arrived_hz = span_s > 0.0 ? static_cast<double>(arrivals_.size() - 1) / span_s : 0.0;
   process_.SetCounter("images.rate_hz", arrived_hz);
   process_.SetCounter("images.sent_hz", sent_hz);
+  lack_.clear();
   if (arrived_hz >= kLeastShare * sent_hz) return process_.SetReason("");
   constexpr double kPerPair = 4.0;  // of both images, while earlier ones are handled
   const int64_t buffer = LargestReceiveBuffer(), needed = std::llround(kPerPair * static_cast<double>(pair_bytes_));

@@ -32,6 +32,7 @@ class Ros2Node {
   struct Side {
     Input input;
     size_t reader = 0;
+    int64_t n_before = 0;  ///< messages at the last progress
   };
 
   void Listen();
@@ -40,6 +41,8 @@ class Ros2Node {
   void Reject(const std::string& topic, const std::string& reason);
   void Write(const RosTopic& row, int64_t t_ns, const std::string& cdr);
   void ReportRate();
+  void ReportLack();
+  void NoteProgress();
 
   bus::Process& process_;
   const Ros2Options options_;
@@ -54,7 +57,9 @@ class Ros2Node {
   std::deque<std::pair<int64_t, double>> arrivals_;
   int64_t pair_bytes_ = 0;  ///< largest so far
   bool warned_of_loss_ = false;
-  double begin_s_ = 0.0;
+  std::string lack_;                             ///< the last reason for no frames
+  int64_t n_sent_ = 0;                           ///< frames at the last progress
+  double progress_s_ = 0.0;                      ///< when that was
   std::atomic<int64_t> first_t_ns_ = INT64_MAX;  ///< of the frames that were sent
   bus::LiveRun run_;
   std::atomic<bool> stopped_ = false;

@@ -2,7 +2,8 @@
 // fast_dds_robot DATASET RATE_HZ N_FRAMES [OPTION...]: a robot of ROS 2 by Fast DDS. After a subscriber is found, it
 // publishes the stereo images of a dataset on /stereo/left/image_raw and right, with CameraInfo; it hears odometry,
 // transforms, path and points, and prints what it heard as JSON. Options: no_info, no_right, other_clock, constant,
-// unsynchronised, lies (sizes that do not fit the data), reliable, jpeg, listen_s=SECONDS (afterwards).
+// unsynchronised, lies (sizes that do not fit the data), reliable, jpeg, listen_s=SECONDS
+// (afterwards), begin_s=SECONDS (stamp of the first frame).
 #include <unistd.h>
 
 #include <algorithm>
@@ -128,8 +129,10 @@ int main(int argc, char** argv) {
   const int n_frames = std::min(std::atoi(argv[3]), dataset->size());
   std::set<std::string> options(argv + 4, argv + argc);
   double listen_s = 2.0;
+  int64_t begin_ns = 1'000'000'000;
   for (const std::string& option : options) {
     if (option.rfind("listen_s=", 0) == 0) listen_s = std::atof(option.c_str() + 9);
+    if (option.rfind("begin_s=", 0) == 0) begin_ns = std::atoll(option.c_str() + 8) * 1'000'000'000;
   }
   const auto has = [&](const char* option) { return options.count(option) > 0; };
 
@@ -201,7 +204,7 @@ int main(int argc, char** argv) {
   double due_s = now_s();
   for (int i = 0; i < n_frames; ++i) {
     const plslam::StereoImages frame = dataset->Read(i);
-    int64_t t_ns[2] = {dataset->t_ns(i) + 1'000'000'000, dataset->t_ns(i) + 1'000'000'000};
+    int64_t t_ns[2] = {dataset->t_ns(i) + begin_ns, dataset->t_ns(i) + begin_ns};
     if (has("other_clock")) t_ns[1] += 3600'000'000'000;
     if (has("unsynchronised")) t_ns[1] += 20'000'000;
     if (has("constant")) t_ns[0] = t_ns[1] = 7'000'000'000;

@@ -23,6 +23,8 @@ void AddTopCommand(CLI::App* app, Command* command);
 void AddRelayCommand(CLI::App* app, Command* command);
 /// Serves Foxglove, by the program plslam_bridge.
 void AddBridgeCommand(CLI::App* app, Command* command);
+/// Lists topics of ROS 2, by the program plslam_ros2.
+void AddTopicsCommand(CLI::App* app, Command* command);
 void AddProcessesCommand(CLI::App* app, Command* command);
 void AddConfigCommand(CLI::App* app, Command* command);
 

@@ -17,6 +17,7 @@ using process_name::kDense;
 using process_name::kLoop;
 using process_name::kMapping;
 using process_name::kPlayer;
+using process_name::kRos2;
 using process_name::kViewer;
 using process_name::kVo;
 
@@ -26,7 +27,8 @@ bool WithLoops(const RunOptions& options) { return !options.no_mapping && !optio
 bool OwnMap(const RunOptions& options) { return WithMap(options) && options.map_prefix.empty(); }
 bool OwnLoops(const RunOptions& options) { return WithLoops(options) && options.map_prefix.empty(); }
 bool FromCameras(const RunOptions& options) { return options.from_cameras; }
-bool FromDataset(const RunOptions& options) { return !options.from_cameras; }
+bool FromRos2(const RunOptions& options) { return options.from_ros2; }
+bool FromDataset(const RunOptions& options) { return !options.from_cameras && !options.from_ros2; }
 bool WithSurfaces(const RunOptions& options) { return options.dense; }
 bool Recorded(const RunOptions& options) { return !options.record.empty(); }
 
@@ -121,6 +123,15 @@ Arguments CameraArguments(const RunOptions& options) {
   return settings.Take();
 }
 
+Arguments Ros2Arguments(const RunOptions& options) {
+  const std::string topics = options.dataset.substr(kRos2Prefix.size());
+  const size_t comma = topics.find(',');
+  Settings settings(kRos2);
+  settings.Add("left", topics.substr(0, comma));
+  settings.Add("right", topics.substr(comma + 1));
+  return settings.Take();
+}
+
 Arguments CommonArguments(const RunOptions& options) {
   Arguments arguments = {"--url", options.url, "--parent", std::to_string(getpid())};
   if (options.own_bus) arguments.emplace_back("--own-bus");
@@ -152,6 +163,8 @@ constexpr ProcessRow kTable[] = {
      FromDataset, kSourceOfFrames, PlayerArguments},
     {kCamera, "camera", "live cameras to stereo frames", Supervisor::Ending::kMayEnd, true, FromCameras, kFirst,
      CameraArguments},
+    {kRos2, "plslam_ros2", "a robot of ROS 2 to stereo frames", Supervisor::Ending::kMayEnd, true, FromRos2, kFirst,
+     Ros2Arguments},
 };
 
 }  // namespace
@@ -160,7 +173,10 @@ std::span<const ProcessRow> ProcessTable() { return kTable; }
 
 std::string_view TitleOf(const ProcessRow& row) { return row.name == kRecorder ? row.name : row.executable; }
 
-const char* SourceOfFrames(const RunOptions& options) { return options.from_cameras ? kCamera : kPlayer; }
+const char* SourceOfFrames(const RunOptions& options) {
+  if (options.from_ros2) return kRos2;
+  return options.from_cameras ? kCamera : kPlayer;
+}
 
 int NicenessOf(const ProcessRow& row, const RunOptions& options) {
   return options.pace.starts_with("realtime") ? row.niceness.live : row.niceness.lockstep;
@@ -192,12 +208,14 @@ std::vector<std::string> ArgumentsOf(const ProcessRow& row, const RunOptions& op
 std::vector<std::string> ArgumentsOfRestart(const RunOptions& options, const Restart& restart,
                                             std::vector<std::string> arguments) {
   if (restart.name == kRecorder) arguments.back() = RecordingOf(options, restart.number).string();
-  if (process_name::SendsFrames(restart.name) && restart.newest_frame.first >= 0) {
+  // A robot is not resumed where it was: it sends what it sees now.
+  const bool resumes = process_name::SendsFrames(restart.name) && restart.name != kRos2;
+  if (resumes && restart.newest_frame.first >= 0) {
     arguments.emplace_back("--set");
     arguments.push_back(
         fmt::format("{}.resume_after={}@{}", restart.name, restart.newest_frame.first, restart.newest_frame.second));
   }
-  if (process_name::SendsFrames(restart.name) && restart.paused) {
+  if (resumes && restart.paused) {
     arguments.emplace_back("--set");
     arguments.push_back(fmt::format("{}.paused=true", restart.name));
   }

@@ -105,6 +105,7 @@ void ReadConfiguration(RunOptions* options) {
   take(&options->prefix, bus.prefix);
   take(&options->map_prefix, bus.map_prefix);
   take(&options->kind, player.kind);
+  if (options->from_ros2) take(&options->pace, "realtime");
   take(&options->pace, options->from_cameras ? camera.pace : player.pace);
   if (options->map_prefix.empty()) return;
   if (options->url.empty()) {
@@ -130,23 +131,46 @@ void CheckSurfaces(const RunOptions& options) {
                   program.string()));
 }
 
-void CheckCameras(const RunOptions& options) {
-  if (!options.from_cameras) return;
+namespace {
+
+void CheckProgram(const RunOptions& options, const char* what, const char* program, const char* packages) {
+  const path file = ProgramFolder() / program;
+  if (access(file.c_str(), X_OK) == 0) return;
+  throw std::runtime_error(fmt::format("{} names {}, and the program {} is missing: install {}, and build again",
+                                       options.dataset, what, file.string(), packages));
+}
+
+void CheckRos2Topics(const std::string& dataset) {
+  const std::string topics = dataset.substr(kRos2Prefix.size());
+  const size_t comma = topics.find(',');
+  const bool is_pair = comma != std::string::npos && comma > 0 && comma + 1 < topics.size() &&
+                       topics.find(',', comma + 1) == std::string::npos;
+  if (is_pair) return;
+  throw std::runtime_error(fmt::format(
+      "{}: names no two topics: ros2:/stereo/left/image_raw,/stereo/right/image_raw (`plslam topics ros2:` "
+      "lists those of the robot)",
+      dataset));
+}
+
+}  // namespace
+
+void CheckLive(const RunOptions& options) {
+  if (!options.from_cameras && !options.from_ros2) return;
+  const char* const what = options.from_ros2 ? "a robot (ros2:)" : "cameras (source)";
   const std::pair<const char*, bool> of_datasets[] = {
       {"--kind", !options.kind.empty()}, {"--topics", !options.topics.empty()}, {"--start", options.start >= 0},
       {"--stop", options.stop >= 0},     {"--stride", options.stride >= 0},     {"--loop", options.loop >= 0},
       {"--bounce", options.bounce},      {"--skip-bad", options.skip_bad}};
   for (const auto& [option, is_given] : of_datasets) {
     if (!is_given) continue;
-    throw std::runtime_error(
-        fmt::format("{} is for datasets, and {} names cameras (source)", option, options.dataset));
+    throw std::runtime_error(fmt::format("{} is for datasets, and {} names {}", option, options.dataset, what));
   }
-  const path program = ProgramFolder() / process_name::kCamera;
-  if (access(program.c_str(), X_OK) == 0) return;
-  throw std::runtime_error(
-      fmt::format("{} names cameras (source), and the program {} is missing: install libgstreamer1.0-dev and "
-                  "libgstreamer-plugins-base1.0-dev, and build again",
-                  options.dataset, program.string()));
+  if (options.from_ros2) {
+    CheckRos2Topics(options.dataset);
+    CheckProgram(options, what, "plslam_ros2", "the package plslam-ros2 (or cyclonedds-dev and cyclonedds-tools)");
+  } else {
+    CheckProgram(options, what, process_name::kCamera, "libgstreamer1.0-dev and libgstreamer-plugins-base1.0-dev");
+  }
 }
 
 std::filesystem::file_time_type FileTimeNow(const RunOptions& options) {

@@ -21,9 +21,9 @@ void CheckMapToContinue(const RunOptions& options);
 /// Checks that dense_process is installed if it is requested. Throws std::runtime_error with one sentence.
 void CheckSurfaces(const RunOptions& options);
 
-/// Checks that the program for a run from cameras is installed, and that no option of datasets is given. Throws
+/// Checks that the program for a run from cameras, or from a robot, is installed, and that no option of datasets is given. Throws
 /// std::runtime_error with one sentence.
-void CheckCameras(const RunOptions& options);
+void CheckLive(const RunOptions& options);
 
 /// Returns the current time as files in the output folder will have it: file times advance in steps of milliseconds and
 /// lag behind the clock, and a file server has its own clock. The folder must exist. Throws std::runtime_error if no

@@ -116,8 +116,9 @@ int Report(const RunOptions& options, const RunSession& session, OutputFolder* f
 }
 
 int Run(RunOptions options) {
-  options.from_cameras = NamesSource(options.dataset);
-  CheckCameras(options);
+  options.from_ros2 = options.dataset.starts_with(kRos2Prefix);
+  options.from_cameras = !options.from_ros2 && NamesSource(options.dataset);
+  CheckLive(options);
   CheckSurfaces(options);
   ReadConfiguration(&options);
   options.dataset = WithTopics(options.dataset, options.kind, options.topics);

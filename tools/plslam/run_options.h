@@ -4,15 +4,21 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace plslam::launcher {
+
+/// A robot of ROS 2 as a dataset: "ros2:/stereo/left/image_raw,/stereo/right/image_raw".
+inline constexpr std::string_view kRos2Prefix = "ros2:";
 
 /// Options of `plslam run`.
 struct RunOptions {
   std::string dataset;
   /// `dataset` is a rig file: frames come from live cameras, or a substitute for them.
   bool from_cameras = false;
+  /// `dataset` is "ros2:LEFT,RIGHT": frames come from a robot.
+  bool from_ros2 = false;
   std::string kind;
   std::vector<std::string> topics;  ///< left and right, of a recording; empty: found by their names
   std::filesystem::path out;

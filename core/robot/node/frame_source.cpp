@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <chrono>
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/frame_assembler.h"
@@ -117,13 +118,7 @@ void FrameSource::PublishRig() {
 
 void FrameSource::Publish(StereoImages images) {
   if (n_sent_ == 0) {
-    stream_t stream{};
-    stream.header.session = process_.bus().source();
-    stream.dataset = settings_.left;
-    stream.event = "begin";
-    stream.pace = "realtime";
-    stream.n_frames = -1;
-    process_.bus().Publish(bus::kStream, std::move(stream));
+    PublishStream("begin", -1);
     process_.SetCounter(kLiveSource, 1.0);
     process_.SetState(process_state::kRunning);
   }
@@ -132,6 +127,23 @@ void FrameSource::Publish(StereoImages images) {
   listener_.on_frame(images.t_ns);
   publisher_.Publish(images);
   process_.SetCounter("frames.sent", static_cast<double>(++n_sent_));
+}
+
+void FrameSource::PublishStream(const char* event, int64_t n_frames) {
+  stream_t stream{};
+  stream.header.session = process_.bus().source();
+  stream.dataset = settings_.left;
+  stream.event = event;
+  stream.pace = "realtime";
+  stream.n_frames = n_frames;
+  process_.bus().Publish(bus::kStream, std::move(stream));
+}
+
+void FrameSource::End() {
+  constexpr std::chrono::milliseconds kFlush{1000};
+  if (n_sent_ == 0) return;
+  PublishStream("end", n_sent_);
+  process_.bus().Flush(kFlush);
 }
 
 }  // namespace plslam::robot

@@ -48,6 +48,8 @@ class FrameSource {
   void AddPair(const ForeignImage& left, const ForeignImage& right);
   void AddInfo(Side side, RosCameraInfo info);
 
+  /// Publishes the end of the stream, if it has begun: readers then write their results.
+  void End();
   /// Repeats the rig, as readers that start later need it; to be called once a second.
   void PublishRig();
   bool has_rig() const { return rig_.has_value(); }
@@ -58,6 +60,7 @@ class FrameSource {
   void UseWhiteLevel(int bright);
   void UseRig(RigCalibration rig);
   void Publish(StereoImages images);
+  void PublishStream(const char* event, int64_t n_frames);
 
   bus::Process& process_;
   const Settings settings_;

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A robot of ROS 2 by Fast DDS, on a host that has loopback alone.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/datasets/open_dataset.h"
+#include "core/io/trajectories/trajectory.h"
+#include "tests/integration/whole_run.h"
+#include "tests/support/data_folder.h"
+#include "tests/support/network_host.h"
+#include "tests/support/text_file.h"
+#include "tools/plslam/child_process.h"
+
+namespace plslam::test {
+namespace {
+
+using launcher::ChildProcess;
+using nlohmann::json;
+using testing::HasSubstr;
+
+constexpr const char* kWorld = "synthetic:room?size=376x240&frames=80";
+constexpr const char* kTopics = "/stereo/left/image_raw,/stereo/right/image_raw";
+
+class Ros2 : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!NetworkHost::Obstacle().empty()) GTEST_SKIP() << NetworkHost::Obstacle();
+    host_ = std::make_unique<NetworkHost>();
+  }
+
+  std::unique_ptr<ChildProcess> Start(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                                      const std::string& log) {
+    std::unique_ptr<ChildProcess> process;
+    host_->Do([&] { process = std::make_unique<ChildProcess>(program, arguments, folder_.Path(log)); });
+    return process;
+  }
+  /// plslam_ros2 alone: its frames have no readers.
+  std::unique_ptr<ChildProcess> StartProcess(const std::vector<std::string>& options = {}) {
+    std::vector<std::string> arguments{"--left",  "/stereo/left/image_raw",
+                                       "--right", "/stereo/right/image_raw",
+                                       "--url",   "udpm://239.255.76.67:7667?ttl=0"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return Start(BinaryFolder() / "plslam_ros2", arguments, "ros2.log");
+  }
+  std::unique_ptr<ChildProcess> StartRobot(std::vector<std::string> options) {
+    return Start(BinaryFolder().parent_path() / "tests/fast_dds_robot", options, "robot.json");
+  }
+  static void Wait(ChildProcess& process) {
+    ASSERT_TRUE(WholeRun::WaitFor([&] { return process.Poll().has_value(); }));
+  }
+  static void Stop(ChildProcess& process) {
+    process.Signal(SIGINT);
+    Wait(process);
+    EXPECT_EQ(process.Poll()->code, 0);
+  }
+  std::string Log(const std::string& file = "ros2.log") const { return ReadText(folder_.Path(file)); }
+  bool LogHas(const std::string& text) const {
+    return WholeRun::WaitFor([&] { return Log().find(text) != std::string::npos; });
+  }
+  /// What the robot heard; warnings of Fast DDS come before.
+  json Heard() const {
+    const std::string text = Log("robot.json");
+    const size_t begin = text.rfind("\n{") == std::string::npos ? text.find('{') : text.rfind("\n{") + 1;
+    return json::parse(text.substr(std::min(begin, text.size())), nullptr, false);
+  }
+
+  ScratchFolder folder_;
+  std::unique_ptr<NetworkHost> host_;
+};
+
+TEST_F(Ros2, EveryFrameHasAPose) {
+  const std::string out = folder_.Path("out");
+  const auto run =
+      Start(BinaryFolder() / "plslam", {"run", fmt::format("ros2:{}", kTopics), "--out", out}, "run.log");
+  const auto robot = StartRobot({kWorld, "20", "80"});
+  Wait(*robot);
+  run->Signal(SIGINT);
+  Wait(*run);
+  ASSERT_EQ(run->Poll()->code, 0) << Log("run.log");
+  const json heard = Heard();
+  ASSERT_EQ(heard["sent"], 80) << heard;
+  ASSERT_EQ(heard["odom"].size(), 80U) << heard;
+  EXPECT_EQ(heard["odom_frames"], json({"odom", "base_link"}));
+  EXPECT_GE(heard["tf"]["map odom"].get<int>(), 70);
+  EXPECT_GE(heard["tf"]["odom base_link"].get<int>(), 80);
+  EXPECT_GT(heard["points"].get<int>(), 500);
+  EXPECT_GT(heard["path"].get<int>(), 50);
+
+  const Trajectory poses = ReadTrajectory(out + "/trajectory.tum", TrajectoryFormat::kTum);
+  ASSERT_EQ(poses.size(), 80U);
+  const auto world = OpenDataset(kWorld, "");
+  const SE3 T_first = world->GroundTruth(0)->Inverse();
+  for (int i = 0; i < 80; ++i) {
+    const SE3 T_true = T_first * *world->GroundTruth(i);
+    EXPECT_LT((poses[i].T_a_b.translation() - T_true.translation()).norm(), 0.05) << i;
+    // The body looks along x, and its y is to the left: the camera's z, and -x.
+    const Eigen::Vector3d p = T_true.translation(), p_body(p.z(), -p.x(), -p.y());
+    const json& odom = heard["odom"][i];
+    EXPECT_LT((Eigen::Vector3d(odom[1], odom[2], odom[3]) - p_body).norm(), 0.05) << i;
+  }
+}
+
+TEST_F(Ros2, MissingInputIsNamedInFiveSeconds) {
+  const auto process = StartProcess();
+  const auto robot = StartRobot({kWorld, "20", "80", "no_info", "listen_s=4"});
+  EXPECT_TRUE(LogHas("no frames: images arrive without CameraInfo: no topic /stereo/left/camera_info")) << Log();
+  Wait(*robot);
+  Stop(*process);
+  // A minute is the limit of LogHas; the log has the times.
+  EXPECT_THAT(Log(), testing::Not(HasSubstr("frames: 1")));
+}
+
+TEST_F(Ros2, WrongDataAreCountedAndTheRestIsUsed) {
+  const auto process = StartProcess();
+  const auto robot = StartRobot({kWorld, "20", "60", "lies", "reliable", "listen_s=1"});
+  Wait(*robot);
+  Stop(*process);
+  EXPECT_THAT(Log(), HasSubstr("a message on /stereo/right/image_raw has 376 x 4000000000 pixels"));
+  EXPECT_THAT(Log(), HasSubstr("ended: 20 frames, 0 unpaired, 40 rejected"));
+}
+
+TEST_F(Ros2, EitherEndMayRestart) {
+  auto process = StartProcess();
+  auto robot = StartRobot({kWorld, "20", "40", "listen_s=0.5"});
+  Wait(*robot);
+  robot = StartRobot({kWorld, "20", "40", "begin_s=100", "listen_s=0.5"});
+  Wait(*robot);
+  Stop(*process);
+  EXPECT_THAT(Log(), HasSubstr("ended: 80 frames, 0 unpaired, 0 rejected"));
+  process = StartProcess();
+  robot = StartRobot({kWorld, "20", "40", "begin_s=200", "jpeg", "listen_s=0.5"});
+  EXPECT_TRUE(
+      LogHas("no topic /stereo/left/image_raw in the domain 0; topics of its type are "
+             "/stereo/left/image_raw/compressed"))
+      << Log();
+  Wait(*robot);
+  Stop(*process);
+}
+
+TEST_F(Ros2, TopicsAreListedWithTheirCommand) {
+  const auto robot = StartRobot({kWorld, "20", "80"});
+  const auto list = Start(BinaryFolder() / "plslam", {"topics", "ros2:"}, "topics.log");
+  Wait(*list);
+  EXPECT_EQ(list->Poll()->code, 0) << Log("topics.log");
+  EXPECT_THAT(Log("topics.log"), HasSubstr("/stereo/left/camera_info"));
+  EXPECT_THAT(Log("topics.log"), HasSubstr("sensor_msgs/msg/Image  1 publisher, best effort, volatile"));
+  EXPECT_THAT(Log("topics.log"), HasSubstr(fmt::format("plslam run ros2:{}\n", kTopics)));
+  Wait(*robot);
+}
+
+}  // namespace
+}  // namespace plslam::test

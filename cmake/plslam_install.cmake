@@ -35,6 +35,13 @@ if(TARGET plslam_bridge)
   install(FILES ${documents} DESTINATION share/doc/plslam-bridge COMPONENT bridge)
 endif()
 
+# --- component ros2: plslam_ros2 alone has Cyclone DDS
+if(TARGET plslam_ros2)
+  list(REMOVE_ITEM programs plslam_ros2)
+  install(TARGETS plslam_ros2 RUNTIME DESTINATION bin COMPONENT ros2)
+  install(FILES ${documents} DESTINATION share/doc/plslam-ros2 COMPONENT ros2)
+endif()
+
 # --- component runtime: programs, their data, manual, completion, units, documents
 install(TARGETS ${programs} RUNTIME DESTINATION bin COMPONENT runtime)
 install(DIRECTORY ${CMAKE_BINARY_DIR}/share/plslam/ DESTINATION share/plslam COMPONENT runtime)

@@ -17,9 +17,9 @@
 
 #include <fmt/format.h>
 
+#include <ros_types.h>
 #include "core/io/files/dataset_error.h"
 #include "ros2/names.h"
-#include "ros_types.h"
 
 namespace plslam::ros2 {
 namespace {

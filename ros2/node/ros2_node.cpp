@@ -3,12 +3,13 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -26,10 +27,6 @@ constexpr double kNsPerMs = 1e6;
 constexpr std::chrono::milliseconds kWait{100};
 /// Time after which a missing input is reported: discovery takes two to three seconds.
 constexpr double kPatience_s = 4.0;
-/// Window of the rates, and the part of the frames that must arrive.
-constexpr double kRateWindow_s = 5.0;
-constexpr double kLeastShare = 0.9;
-
 std::string Environment(const char* name) {
   const char* const value = std::getenv(name);
   return value == nullptr ? "" : value;
@@ -39,11 +36,16 @@ Domain DomainOfEnvironment() {
   return DomainOf([](const char* name) { return std::getenv(name); });
 }
 
-/// Returns the largest receive buffer that the kernel grants; 0 if it does not tell.
+/// Returns the receive buffer that the kernel grants if 16 MB are requested, as Cyclone DDS does.
 int64_t LargestReceiveBuffer() {
-  int64_t bytes = 0;
-  std::ifstream("/proc/sys/net/core/rmem_max") >> bytes;
-  return bytes;
+  const int descriptor = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (descriptor < 0) return 0;
+  int bytes = 16 << 20;
+  socklen_t n = sizeof(bytes);
+  setsockopt(descriptor, SOL_SOCKET, SO_RCVBUF, &bytes, n);
+  getsockopt(descriptor, SOL_SOCKET, SO_RCVBUF, &bytes, &n);
+  close(descriptor);
+  return bytes / 2;  // the kernel reports twice what is for data
 }
 
 RobotFrames FramesOf(const Ros2Options& options) {
@@ -126,7 +128,7 @@ void Ros2Node::TakeImage(robot::Side side, robot::ForeignImage image) {
   Input& input = sides_[static_cast<size_t>(side)].input;
   input.previous_stamp_ns = std::exchange(input.stamp_ns, image.t_ns);
   pair_bytes_ = std::max(pair_bytes_, 2 * static_cast<int64_t>(image.bytes.size()));
-  if (side == robot::Side::kLeft) arrivals_.emplace_back(image.t_ns, bus::NowS());
+  if (side == robot::Side::kLeft) rate_.Add(image.t_ns, bus::NowS());
   frames_.AddImage(side, std::move(image));
 }
 
@@ -179,32 +181,15 @@ void Ros2Node::ReportLack() {
   spdlog::warn("no frames: {}", why);
 }
 
-/// Compares the number of images with the one that their stamps promise: large messages are lost in receive buffers.
 void Ros2Node::ReportRate() {
-  const double now_s = bus::NowS();
-  while (!arrivals_.empty() && arrivals_.front().second < now_s - kRateWindow_s) arrivals_.pop_front();
-  constexpr size_t kLeast = 10;
-  if (arrivals_.size() < kLeast) return;
-  std::vector<int64_t> steps;
-  for (size_t i = 1; i < arrivals_.size(); ++i) steps.push_back(arrivals_[i].first - arrivals_[i - 1].first);
-  const auto tenth = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 10);
-  std::nth_element(steps.begin(), tenth, steps.end());
-  const double sent_hz = *tenth > 0 ? 1e9 / static_cast<double>(*tenth) : 0.0;
-  const double span_s = 1e-9 * static_cast<double>(arrivals_.back().first - arrivals_.front().first);
-  const double arrived_hz = span_s > 0.0 ? static_cast<double>(arrivals_.size() - 1) / span_s : 0.0;
-  process_.SetCounter("images.rate_hz", arrived_hz);
-  process_.SetCounter("images.sent_hz", sent_hz);
   lack_.clear();
-  if (arrived_hz >= kLeastShare * sent_hz) return process_.SetReason("");
-  constexpr double kPerPair = 4.0;  // of both images, while earlier ones are handled
-  const int64_t buffer = LargestReceiveBuffer(), needed = std::llround(kPerPair * static_cast<double>(pair_bytes_));
-  const std::string rates = fmt::format("{:.0f} of {:.0f} Hz arrive", arrived_hz, sent_hz);
-  const std::string sentence =
-      buffer < needed ? fmt::format("{}: receive buffer {} kB, {} kB needed; sudo sysctl -w net.core.rmem_max={}",
-                                    rates, buffer / 1000, needed / 1000, needed)
-                      : fmt::format("{}: images are lost between their driver and here", rates);
+  const ImageRate::Rates rates = rate_.Of(bus::NowS());
+  process_.SetCounter("images.rate_hz", rates.arrived_hz);
+  process_.SetCounter("images.sent_hz", rates.sent_hz);
+  const std::string sentence = LossSentence(rates, pair_bytes_, LargestReceiveBuffer());
   process_.SetReason(sentence);
-  if (!std::exchange(warned_of_loss_, true)) process_.Warn("ros2_images_lost", options_.left + ": " + sentence);
+  if (sentence.empty() || std::exchange(warned_of_loss_, true)) return;
+  process_.Warn("ros2_images_lost", options_.left + ": " + sentence);
 }
 
 bus::ProcessSpec Ros2Spec() {

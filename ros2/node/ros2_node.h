@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <atomic>
-#include <chrono>
 #include <cstdint>
-#include <deque>
 #include <string>
 #include <thread>
 #include <vector>
@@ -14,6 +13,7 @@
 #include "core/robot/node/skipped_messages.h"
 #include "core/ros/node/live_run.h"
 #include "ros2/dds/participant.h"
+#include "ros2/image_rate.h"
 #include "ros2/options.h"
 
 namespace plslam::ros2 {
@@ -53,8 +53,7 @@ class Ros2Node {
   robot::FrameSource frames_;
   robot::SkippedMessages skipped_messages_;
   int64_t n_rejected_ = 0;
-  /// Stamps of the left images of the last seconds, and when they arrived, by the steady clock.
-  std::deque<std::pair<int64_t, double>> arrivals_;
+  ImageRate rate_;          ///< of left images
   int64_t pair_bytes_ = 0;  ///< largest so far
   bool warned_of_loss_ = false;
   std::string lack_;                             ///< the last reason for no frames

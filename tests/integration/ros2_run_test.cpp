@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -17,6 +18,7 @@
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/network_host.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/text_file.h"
 #include "tools/plslam/child_process.h"
 
@@ -111,12 +113,13 @@ TEST_F(Ros2, EveryFrameHasAPose) {
 
 TEST_F(Ros2, MissingInputIsNamedInFiveSeconds) {
   const auto process = StartProcess();
+  ASSERT_TRUE(LogHas("waiting for images")) << Log();
   const auto robot = StartRobot({kWorld, "20", "80", "no_info", "listen_s=4"});
+  const auto begin = std::chrono::steady_clock::now();
   EXPECT_TRUE(LogHas("no frames: images arrive without CameraInfo: no topic /stereo/left/camera_info")) << Log();
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, Patience(std::chrono::seconds(5)));
   Wait(*robot);
   Stop(*process);
-  // A minute is the limit of LogHas; the log has the times.
-  EXPECT_THAT(Log(), testing::Not(HasSubstr("frames: 1")));
 }
 
 TEST_F(Ros2, WrongDataAreCountedAndTheRestIsUsed) {
@@ -147,12 +150,12 @@ TEST_F(Ros2, EitherEndMayRestart) {
 }
 
 TEST_F(Ros2, TopicsAreListedWithTheirCommand) {
-  const auto robot = StartRobot({kWorld, "20", "80"});
+  const auto robot = StartRobot({kWorld, "20", "80", "no_info"});
   const auto list = Start(BinaryFolder() / "plslam", {"topics", "ros2:"}, "topics.log");
   Wait(*list);
   EXPECT_EQ(list->Poll()->code, 0) << Log("topics.log");
-  EXPECT_THAT(Log("topics.log"), HasSubstr("/stereo/left/camera_info"));
-  EXPECT_THAT(Log("topics.log"), HasSubstr("sensor_msgs/msg/Image  1 publisher, best effort, volatile"));
+  EXPECT_THAT(Log("topics.log"), HasSubstr("sensor_msgs/msg/Image  1 publisher, best effort, transient local, "));
+  EXPECT_THAT(Log("topics.log"), HasSubstr("MB/s, 376 x 240 mono8"));
   EXPECT_THAT(Log("topics.log"), HasSubstr(fmt::format("plslam run ros2:{}\n", kTopics)));
   Wait(*robot);
 }

@@ -62,6 +62,7 @@ TEST_F(Notice, NamesEveryLibraryThatAnInstalledProgramLinks) {
   Install("runtime");
   if (fs::exists(BinaryFolder() / "dense_process")) Install("dense");
   if (fs::exists(BinaryFolder() / "plslam_bridge")) Install("bridge");
+  if (fs::exists(BinaryFolder() / "plslam_ros2")) Install("ros2");
   ASSERT_EQ(
       Shell(fmt::format("readelf -d '{}'/bin/* | sed -n 's/.*(NEEDED).*\\[\\(.*\\)\\]/\\1/p'", prefix().string())), 0)
       << output();
@@ -74,7 +75,7 @@ TEST_F(Notice, NamesEveryLibraryThatAnInstalledProgramLinks) {
   const auto licences = LicencesOfNotice();
   for (const std::string& library : linked) EXPECT_TRUE(licences.contains(library)) << library << " is not in NOTICE";
   std::set<std::string> optional;
-  for (const char* program : {"camera", "dense_process", "plslam_bridge"}) {
+  for (const char* program : {"camera", "dense_process", "plslam_bridge", "plslam_ros2"}) {
     if (!fs::exists(prefix() / "bin" / program)) optional.merge(LibrariesOnlyOf(program));
   }
   for (const auto& [library, licence] : licences) {

@@ -29,9 +29,9 @@
 #include <fastdds/dds/topic/TypeSupport.hpp>
 #include <nlohmann/json.hpp>
 
+#include <robotPubSubTypes.h>
 #include "core/datasets/open_dataset.h"
 #include "core/io/images/jpeg_codec.h"
-#include "robotPubSubTypes.h"
 
 namespace {
 

@@ -37,6 +37,7 @@ constexpr std::array kNotRun = {
            "a camera: tests/integration/calibrate_run_test.cpp has a fake one"},
     NotRun{"plslam (top|pause|resume|localise|save|load|reset)",
            "orders to a run: tests/integration/orders_test.cpp gives them"},
+    NotRun{"plslam_ros2|plslam (topics|run) ros2:", "a robot: tests/integration/ros2_run_test.cpp drives one"},
     NotRun{"plslam bridge", "a viewer: tests/integration/bridge_run_test.cpp is one"},
     NotRun{"adapter", "a robot: tests/integration/adapter_test.cpp drives one"},
     NotRun{".*(--prefix team/|--map-prefix)", "several robots: tests/integration/fleet_test.cpp runs them"},

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <utility>
+
+namespace plslam::ros2 {
+
+/// Compares the number of images that arrive with the one that their stamps promise: large messages over UDP are lost
+/// whole if one of their parts does not fit into the receive buffer.
+class ImageRate {
+ public:
+  /// An image with this stamp arrived at `now_s`.
+  void Add(int64_t t_ns, double now_s);
+
+  struct Rates {
+    double sent_hz = 0.0;     ///< by the smallest tenth of the steps between stamps
+    double arrived_hz = 0.0;  ///< of the last five seconds
+  };
+  /// Both are 0 if fewer than 10 images arrived within the last five seconds.
+  Rates Of(double now_s);
+
+ private:
+  std::deque<std::pair<int64_t, double>> arrivals_;
+};
+
+/// Returns a sentence if less than nine tenths of the images arrive, else an empty text. `pair_bytes` are those of the
+/// images of a frame, `buffer_bytes` what the kernel grants.
+std::string LossSentence(const ImageRate::Rates& rates, int64_t pair_bytes, int64_t buffer_bytes);
+
+}  // namespace plslam::ros2

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ros2/image_rate.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace plslam::ros2 {
+namespace {
+
+/// Ten seconds at 20 Hz, of which every n-th image arrives.
+ImageRate::Rates RatesWithEvery(const std::set<int>& of_five) {
+  ImageRate rate;
+  for (int i = 0; i < 200; ++i) {
+    const int64_t jitter_ns = (i * 37 % 11) * 100'000;
+    if (of_five.contains(i % 5)) rate.Add(50'000'000LL * i + jitter_ns, 0.05 * i);
+  }
+  return rate.Of(10.0);
+}
+
+TEST(Ros2ImageRate, LossesAreReportedWithTheBufferTheyNeed) {
+  ImageRate::Rates rates = RatesWithEvery({0, 1});
+  EXPECT_NEAR(rates.sent_hz, 20.0, 1.0);
+  EXPECT_NEAR(rates.arrived_hz, 8.0, 0.3);
+  EXPECT_EQ(LossSentence({20.0, 8.0}, 2 * 752 * 480, 212'992),
+            "8 of 20 Hz arrive: receive buffer 212 kB, 2887 kB needed (sudo sysctl -w net.core.rmem_max=2887680)");
+  EXPECT_EQ(LossSentence({20.0, 8.0}, 2 * 752 * 480, 16'000'000),
+            "8 of 20 Hz arrive: images are lost between their driver and here");
+}
+
+TEST(Ros2ImageRate, JitterIsNoLoss) {
+  const ImageRate::Rates rates = RatesWithEvery({0, 1, 2, 3, 4});
+  EXPECT_EQ(LossSentence(rates, 1, 0), "") << rates.arrived_hz << " of " << rates.sent_hz;
+  EXPECT_EQ(LossSentence({}, 1, 0), "");
+}
+
+}  // namespace
+}  // namespace plslam::ros2

@@ -2,6 +2,7 @@
 #include "ros2/image_rate.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@ namespace plslam::ros2 {
 namespace {
 
 constexpr double kWindow_s = 5.0;
+constexpr double kGap_s = 2.0;
 constexpr size_t kLeast = 10;
 constexpr double kLeastShare = 0.9;
 /// Room for so many frames: earlier ones are handled while the next one arrives.
@@ -17,7 +19,13 @@ constexpr int64_t kFrames = 4;
 
 }  // namespace
 
-void ImageRate::Add(int64_t t_ns, double now_s) { arrivals_.emplace_back(t_ns, now_s); }
+void ImageRate::Add(int64_t t_ns, double now_s) {
+  // A camera that was restarted, or a clock that was set: steps across it are of no rate.
+  const bool is_apart =
+      !arrivals_.empty() && std::abs(1e-9 * static_cast<double>(t_ns - arrivals_.back().first)) > kGap_s;
+  if (is_apart) arrivals_.clear();
+  arrivals_.emplace_back(t_ns, now_s);
+}
 
 ImageRate::Rates ImageRate::Of(double now_s) {
   while (!arrivals_.empty() && arrivals_.front().second < now_s - kWindow_s) arrivals_.pop_front();

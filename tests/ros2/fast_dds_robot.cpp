@@ -198,7 +198,7 @@ int main(int argc, char** argv) {
   while (now_s() < 10.0 && !(matched(images[0]) && matched(images[1]) && matched(infos[0]) && matched(infos[1]))) {
     usleep(20'000);
   }
-  usleep(500'000);
+  usleep(1'500'000);  // until they know it, too
   heard["discovery_s"] = now_s();
   const plslam::RigCalibration& rig = dataset->rig();
   double due_s = now_s();

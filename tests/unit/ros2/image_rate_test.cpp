@@ -34,5 +34,13 @@ TEST(Ros2ImageRate, JitterIsNoLoss) {
   EXPECT_EQ(LossSentence({}, 1, 0), "");
 }
 
+TEST(Ros2ImageRate, RestartedCameraIsNoLoss) {
+  ImageRate rate;
+  for (int i = 0; i < 60; ++i) rate.Add(50'000'000LL * i + (i < 20 ? 0 : 100'000'000'000LL), 0.05 * i);
+  const ImageRate::Rates rates = rate.Of(3.0);
+  EXPECT_NEAR(rates.sent_hz, 20.0, 0.1);
+  EXPECT_NEAR(rates.arrived_hz, 20.0, 0.1);
+}
+
 }  // namespace
 }  // namespace plslam::ros2

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <map>
@@ -109,6 +110,15 @@ int ToInt(uint32_t pixels) {
   return static_cast<int>(pixels);
 }
 
+/// Quaternions that others have rounded are normalised.
+SE3 ToPose(const geometry_msgs_msg_dds__Transform_& transform) {
+  constexpr double kUnitTolerance = 1e-2;
+  const Eigen::Quaterniond q(transform.rotation.w, transform.rotation.x, transform.rotation.y, transform.rotation.z);
+  const Eigen::Vector3d t(transform.translation.x, transform.translation.y, transform.translation.z);
+  if (!(std::abs(q.norm() - 1.0) < kUnitTolerance) || !t.allFinite()) throw DatasetError("has an invalid transform");
+  return {q, t};
+}
+
 std::string TextOf(const char* text) { return text == nullptr ? "" : text; }
 
 robot::ForeignImage ToImage(const sensor_msgs_msg_dds__Image_& message) {
@@ -187,9 +197,8 @@ struct Participant::Impl {
                    fmt::format("the topic {} cannot be made", topic));
   }
 
-  size_t Read(const std::string& topic, const dds_topic_descriptor_t& type,
+  size_t Read(const std::string& topic, const dds_topic_descriptor_t& type, const Qos& qos,
               std::function<void(const void* sample)> take) {
-    const Qos qos = ReaderQos();
     const dds_entity_t entity = Checked(dds_create_reader(participant, Topic(topic, type), qos.get(), nullptr),
                                         fmt::format("{} cannot be read", topic));
     const dds_entity_t condition =
@@ -231,19 +240,38 @@ Participant::~Participant() = default;
 size_t Participant::ReadImages(const std::string& topic, bool is_compressed,
                                std::function<void(robot::ForeignImage)> take) {
   if (is_compressed) {
-    return impl_->Read(topic, sensor_msgs_msg_dds__CompressedImage__desc,
+    return impl_->Read(topic, sensor_msgs_msg_dds__CompressedImage__desc, ReaderQos(),
                        [take = std::move(take)](const void* sample) {
                          take(ToImage(*static_cast<const sensor_msgs_msg_dds__CompressedImage_*>(sample)));
                        });
   }
-  return impl_->Read(topic, sensor_msgs_msg_dds__Image__desc, [take = std::move(take)](const void* sample) {
-    take(ToImage(*static_cast<const sensor_msgs_msg_dds__Image_*>(sample)));
-  });
+  return impl_->Read(topic, sensor_msgs_msg_dds__Image__desc, ReaderQos(),
+                     [take = std::move(take)](const void* sample) {
+                       take(ToImage(*static_cast<const sensor_msgs_msg_dds__Image_*>(sample)));
+                     });
 }
 
-size_t Participant::ReadInfos(const std::string& topic, std::function<void(RosCameraInfo)> take) {
-  return impl_->Read(topic, sensor_msgs_msg_dds__CameraInfo__desc, [take = std::move(take)](const void* sample) {
-    take(ToInfo(*static_cast<const sensor_msgs_msg_dds__CameraInfo_*>(sample)));
+size_t Participant::ReadInfos(const std::string& topic,
+                              std::function<void(RosCameraInfo, const std::string& frame)> take) {
+  return impl_->Read(topic, sensor_msgs_msg_dds__CameraInfo__desc, ReaderQos(),
+                     [take = std::move(take)](const void* sample) {
+                       const auto& message = *static_cast<const sensor_msgs_msg_dds__CameraInfo_*>(sample);
+                       take(ToInfo(message), TextOf(message.header.frame_id));
+                     });
+}
+
+void Participant::ReadStaticFrames(
+    std::function<void(const std::string& parent, const std::string& child, const SE3&)> take) {
+  const Qos qos = ReaderQos();
+  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, 0);
+  dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 100);
+  impl_->Read("/tf_static", tf2_msgs_msg_dds__TFMessage__desc, qos, [take = std::move(take)](const void* sample) {
+    const auto& message = *static_cast<const tf2_msgs_msg_dds__TFMessage_*>(sample);
+    for (uint32_t i = 0; i < message.transforms._length; ++i) {
+      const auto& transform = message.transforms._buffer[i];
+      take(TextOf(transform.header.frame_id), TextOf(transform.child_frame_id), ToPose(transform.transform));
+    }
   });
 }
 

@@ -17,7 +17,7 @@
 namespace plslam::ros2 {
 
 /// A participant of a DDS domain that speaks as ROS 2 does, by Cyclone DDS; the one place that includes it. Readers are
-/// best effort and volatile, which matches every publisher, and keep the last 5. All is of one thread but `Write`, and
+/// best effort and volatile, which matches every publisher, and keep the last 5, but for /tf_static. All is of one thread but `Write`, and
 /// all throw std::runtime_error with the reason of DDS.
 class Participant {
  public:
@@ -30,7 +30,9 @@ class Participant {
   /// Images of this topic: sensor_msgs/msg/Image, or CompressedImage if `is_compressed`. Both return the number of the
   /// reader. `take` may throw DatasetError, which `on_rejected` of `Receive` gets.
   size_t ReadImages(const std::string& topic, bool is_compressed, std::function<void(robot::ForeignImage)> take);
-  size_t ReadInfos(const std::string& topic, std::function<void(RosCameraInfo)> take);
+  size_t ReadInfos(const std::string& topic, std::function<void(RosCameraInfo, const std::string& frame)> take);
+  /// tf2_msgs/msg/TFMessage of late publishers, too (reliable, transient local): /tf_static.
+  void ReadStaticFrames(std::function<void(const std::string& parent, const std::string& child, const SE3&)> take);
 
   /// Waits for messages and handles them, for so long at most.
   void Receive(std::chrono::milliseconds limit,

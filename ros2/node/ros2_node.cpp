@@ -16,6 +16,8 @@
 #include <utility>
 
 #include "core/bus/run_loop.h"
+#include "core/errors/error_text.h"
+#include "core/io/files/dataset_error.h"
 #include "core/run/process_names.h"
 #include "ros2/arguments.h"
 #include "ros2/names.h"
@@ -27,6 +29,9 @@ constexpr double kNsPerMs = 1e6;
 constexpr std::chrono::milliseconds kWait{100};
 /// Time after which a missing input is reported: discovery takes two to three seconds.
 constexpr double kPatience_s = 4.0;
+/// Time in which /tf_static is awaited after the first CameraInfo.
+constexpr double kPatienceForFrames_s = 1.5;
+
 std::string Environment(const char* name) {
   const char* const value = std::getenv(name);
   return value == nullptr ? "" : value;
@@ -93,9 +98,15 @@ Ros2Node::Ros2Node(bus::Process& process, const Ros2Options& options)
     if (!options.camera.empty()) continue;
     const std::string& given = side == robot::Side::kLeft ? options.left_info : options.right_info;
     const std::string info = given.empty() ? InfoTopicOf(topic) : given;
-    const size_t reader = participant_.ReadInfos(
-        info, [this, side](RosCameraInfo message) { frames_.AddInfo(side, std::move(message)); });
+    const size_t reader = participant_.ReadInfos(info, [this, side](RosCameraInfo message, const std::string& frame) {
+      TakeInfo(side, std::move(message), frame);
+    });
     infos_.push_back({{info, "sensor_msgs/msg/CameraInfo", {}, {}, {}}, reader});
+  }
+  if (options.camera.empty()) {
+    participant_.ReadStaticFrames([this](const std::string& parent, const std::string& child, const SE3& T) {
+      static_frames_.Add(parent, child, T);
+    });
   }
   listener_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { Listen(); }); });
 }
@@ -130,6 +141,33 @@ void Ros2Node::TakeImage(robot::Side side, robot::ForeignImage image) {
   pair_bytes_ = std::max(pair_bytes_, 2 * static_cast<int64_t>(image.bytes.size()));
   if (side == robot::Side::kLeft) rate_.Add(image.t_ns, bus::NowS());
   frames_.AddImage(side, std::move(image));
+}
+
+void Ros2Node::TakeInfo(robot::Side side, RosCameraInfo info, const std::string& frame) {
+  if (side == robot::Side::kLeft) left_frame_ = frame;
+  if (!held_infos_[0] && !held_infos_[1]) held_since_s_ = bus::NowS();
+  held_infos_[static_cast<size_t>(side)] = std::move(info);
+  UseInfos();
+}
+
+/// A rig that changed while it is in use would begin a new session, so /tf_static is awaited for a while.
+void Ros2Node::UseInfos() {
+  if (!held_infos_[0] || !held_infos_[1]) return;
+  const std::optional<SE3> T_b_l = static_frames_.Find(options_.base_frame, left_frame_);
+  if (!T_b_l && !frames_.has_rig() && bus::NowS() - held_since_s_ < kPatienceForFrames_s) {
+    const std::vector<Publisher> publishers = participant_.Publishers();
+    const auto is_tf = [](const Publisher& publisher) { return publisher.topic == ros_topic::kTfStatic.name; };
+    if (std::any_of(publishers.begin(), publishers.end(), is_tf)) return;
+  }
+  if (T_b_l) frames_.SetMounting(*T_b_l);
+  if (!frames_.has_rig()) {
+    const std::string where = T_b_l ? "is on the body where /tf_static has it"
+                                    : "looks along x of the body: /tf_static has no transform of it";
+    spdlog::info("the camera ({}) {}", Shown(left_frame_), where);
+  }
+  auto infos = std::exchange(held_infos_, {});
+  frames_.AddInfo(robot::Side::kLeft, *std::move(infos[0]));
+  frames_.AddInfo(robot::Side::kRight, *std::move(infos[1]));
 }
 
 void Ros2Node::Write(const RosTopic& row, int64_t t_ns, const std::string& cdr) {

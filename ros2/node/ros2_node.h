@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "ros2/dds/participant.h"
 #include "ros2/image_rate.h"
 #include "ros2/options.h"
+#include "ros2/static_frames.h"
 
 namespace plslam::ros2 {
 
@@ -38,6 +40,8 @@ class Ros2Node {
   void Listen();
   void Tick();
   void TakeImage(robot::Side side, robot::ForeignImage image);
+  void TakeInfo(robot::Side side, RosCameraInfo info, const std::string& frame);
+  void UseInfos();
   void Reject(const std::string& topic, const std::string& reason);
   void Write(const RosTopic& row, int64_t t_ns, const std::string& cdr);
   void ReportRate();
@@ -50,6 +54,10 @@ class Ros2Node {
   Participant participant_;
   std::array<Side, 2> sides_;
   std::vector<Side> infos_;
+  StaticFrames static_frames_;
+  std::string left_frame_;  ///< of the left images
+  std::array<std::optional<RosCameraInfo>, 2> held_infos_;
+  double held_since_s_ = 0.0;
   robot::FrameSource frames_;
   robot::SkippedMessages skipped_messages_;
   int64_t n_rejected_ = 0;

@@ -2,12 +2,13 @@
 // fast_dds_robot DATASET RATE_HZ N_FRAMES [OPTION...]: a robot of ROS 2 by Fast DDS. After a subscriber is found, it
 // publishes the stereo images of a dataset on /stereo/left/image_raw and right, with CameraInfo; it hears odometry,
 // transforms, path and points, and prints what it heard as JSON. Options: no_info, no_right, other_clock, constant,
-// unsynchronised, lies (sizes that do not fit the data), reliable, jpeg, listen_s=SECONDS
+// unsynchronised, tf_static (a camera that looks to the left), lies (sizes that do not fit the data), reliable, jpeg, listen_s=SECONDS
 // (afterwards), begin_s=SECONDS (stamp of the first frame).
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -61,6 +62,13 @@ class Robot {
     qos.reliability().kind = is_reliable ? fast::RELIABLE_RELIABILITY_QOS : fast::BEST_EFFORT_RELIABILITY_QOS;
     qos.history().depth = 5;
     qos.publish_mode().kind = fast::ASYNCHRONOUS_PUBLISH_MODE;
+    return publisher_->create_datawriter(Topic<Type>(name), qos);
+  }
+  template <class Type>
+  fast::DataWriter* LatchedWriter(const std::string& name) {
+    fast::DataWriterQos qos = fast::DATAWRITER_QOS_DEFAULT;
+    qos.reliability().kind = fast::RELIABLE_RELIABILITY_QOS;
+    qos.durability().kind = fast::TRANSIENT_LOCAL_DURABILITY_QOS;
     return publisher_->create_datawriter(Topic<Type>(name), qos);
   }
   template <class Type>
@@ -121,6 +129,28 @@ sensor_msgs::msg::dds_::CameraInfo_ InfoOf(const plslam::CameraCalibration& c, d
   return info;
 }
 
+/// The left camera is 0.3 m in front of the body's origin and 0.2 m above it, and looks to the left.
+void PublishMounting(Robot& robot) {
+  tf2_msgs::msg::dds_::TFMessage_ message;
+  message.transforms().resize(2);
+  auto& mast = message.transforms()[0];
+  SetHeader(mast.header(), 0, "base_link");
+  mast.child_frame_id("mast");
+  mast.transform().translation().x(0.3);
+  mast.transform().translation().z(0.2);
+  mast.transform().rotation().z(std::sqrt(0.5));
+  mast.transform().rotation().w(std::sqrt(0.5));
+  auto& optical = message.transforms()[1];
+  SetHeader(optical.header(), 0, "mast");
+  optical.child_frame_id("camera");
+  optical.transform().rotation().x(-0.5);
+  optical.transform().rotation().y(0.5);
+  optical.transform().rotation().z(-0.5);
+  optical.transform().rotation().w(0.5);
+  auto* const writer = robot.LatchedWriter<tf2_msgs::msg::dds_::TFMessage_PubSubType>("/tf_static");
+  writer->write(&message);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -152,6 +182,8 @@ int main(int argc, char** argv) {
   auto* const transforms = robot.Reader<tf2_msgs::msg::dds_::TFMessage_PubSubType>("/tf", false);
   auto* const points = robot.Reader<sensor_msgs::msg::dds_::PointCloud2_PubSubType>("/plslam/map/points", true);
   auto* const path = robot.Reader<nav_msgs::msg::dds_::Path_PubSubType>("/plslam/path", true);
+
+  if (has("tf_static")) PublishMounting(robot);
 
   json heard{{"sent", 0}, {"odom", json::array()}, {"tf", json::object()}, {"points", 0}, {"path", 0}};
   std::map<int64_t, double> sent_at, heard_at;

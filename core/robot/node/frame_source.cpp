@@ -64,8 +64,13 @@ void FrameSource::AddInfo(Side side, RosCameraInfo info) {
   // Each only once: a new one of one camera does not go with an old one of the other.
   const auto infos = std::exchange(infos_, {});
   const bool is_first = !rig_;
-  UseRig(
-      RigFromRos(InPixelsOfImages(*infos[0], {}), InPixelsOfImages(*infos[1], {}), NamesRectified(settings_.left)));
+  RigCalibration rig =
+      RigFromRos(InPixelsOfImages(*infos[0], {}), InPixelsOfImages(*infos[1], {}), NamesRectified(settings_.left));
+  if (T_b_l_) {
+    const SE3 T_b_old = *T_b_l_ * rig.left.T_b_cam.Inverse();
+    for (CameraCalibration* const camera : {&rig.left, &rig.right}) camera->T_b_cam = T_b_old * camera->T_b_cam;
+  }
+  UseRig(std::move(rig));
   if (!is_first) return;
   Notes notes;
   WarnOfUnusedDistortion(settings_.left, *infos[0], "give " + settings_.camera_option, &notes);

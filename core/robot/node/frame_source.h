@@ -47,6 +47,8 @@ class FrameSource {
   void AddImage(Side side, ForeignImage image);
   void AddPair(const ForeignImage& left, const ForeignImage& right);
   void AddInfo(Side side, RosCameraInfo info);
+  /// Sets the pose of the left camera on the body for rigs of CameraInfo, which does not have it.
+  void SetMounting(const SE3& T_b_l) { T_b_l_ = T_b_l; }
 
   /// Publishes the end of the stream, if it has begun: readers then write their results.
   void End();
@@ -69,6 +71,7 @@ class FrameSource {
   StampPairing<ForeignImage> pairing_;
   FrameNumbers numbers_;
   std::array<std::optional<RosCameraInfo>, 2> infos_;
+  std::optional<SE3> T_b_l_;
   std::optional<RigCalibration> rig_;
   bool has_white_ = false;  ///< a 16-bit image was received
   int white_ = kWhiteOf16Bits;

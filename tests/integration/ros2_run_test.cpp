@@ -172,6 +172,27 @@ TEST_F(Ros2, EitherEndMayRestart) {
   Stop(*process);
 }
 
+TEST_F(Ros2, DomainsAreApart) {
+  const auto in_domain = [&](const std::string& domain, const std::string& log) {
+    return Start("/usr/bin/env",
+                 {"ROS_DOMAIN_ID=" + domain, "ROS_LOCALHOST_ONLY=1", (BinaryFolder() / "plslam_ros2").string(),
+                  "--left", "/stereo/left/image_raw", "--right", "/stereo/right/image_raw", "--url",
+                  "udpm://239.255.76.67:77" + domain + "?ttl=0"},
+                 log);
+  };
+  const auto process = in_domain("05", "ros2.log"), other = in_domain("06", "other.log");
+  ASSERT_TRUE(LogHas("waiting for images")) << Log();
+  const auto robot = Start("/usr/bin/env",
+                           {"ROS_DOMAIN_ID=5", (BinaryFolder().parent_path() / "tests/fast_dds_robot").string(),
+                            kWorld, "20", "60", "listen_s=1"},
+                           "robot.json");
+  Wait(*robot);
+  Stop(*process);
+  Stop(*other);
+  EXPECT_THAT(Log(), HasSubstr("ended: 60 frames, 0 unpaired, 0 rejected"));
+  EXPECT_THAT(Log("other.log"), HasSubstr("no publisher of ROS 2 was found in the domain 6"));
+}
+
 TEST_F(Ros2, TopicsAreListedWithTheirCommand) {
   const auto robot = StartRobot({kWorld, "20", "80", "no_info"});
   const auto list = Start(BinaryFolder() / "plslam", {"topics", "ros2:"}, "topics.log");

@@ -22,6 +22,7 @@ int Become(const char* name, const char* packages, std::vector<std::string> argu
   const std::string program = (ProgramFolder() / name).string();
   arguments.insert(arguments.begin(), program);
   std::vector<char*> words;
+  words.reserve(arguments.size() + 1);
   for (std::string& argument : arguments) words.push_back(argument.data());
   words.push_back(nullptr);
   execv(program.c_str(), words.data());

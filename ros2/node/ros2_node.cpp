@@ -29,8 +29,9 @@ constexpr double kNsPerMs = 1e6;
 constexpr std::chrono::milliseconds kWait{100};
 /// Time after which a missing input is reported: discovery takes two to three seconds.
 constexpr double kPatience_s = 4.0;
-/// Time in which /tf_static is awaited after the first CameraInfo.
-constexpr double kPatienceForFrames_s = 1.5;
+/// Time in which /tf_static is awaited after the first CameraInfo, where it has a publisher: some repeat what late
+/// subscribers lack every three seconds.
+constexpr double kPatienceForFrames_s = 5.0;
 
 std::string Environment(const char* name) {
   const char* const value = std::getenv(name);
@@ -216,7 +217,7 @@ void Ros2Node::ReportLack() {
   const std::string why = WhyNoFrames(symptoms);
   process_.SetReason(why);
   if (why == std::exchange(lack_, why)) return;
-  spdlog::warn("no frames: {}", why);
+  process_.Warn("ros2_no_frames", "no frames: " + why);
 }
 
 void Ros2Node::ReportRate() {

@@ -116,21 +116,25 @@ TEST_F(Ros2, CameraIsWhereTfStaticHasIt) {
   const auto run =
       Start(BinaryFolder() / "plslam",
             {"run", fmt::format("ros2:{}", kTopics), "--out", folder_.Path("out"), "--no-loops"}, "run.log");
-  const auto robot = StartRobot({kWorld, "20", "80", "tf_static", "listen_s=1"});
+  const auto robot = StartRobot({"synthetic:room?size=376x240&frames=140", "20", "140", "tf_static", "listen_s=1"});
   Wait(*robot);
   run->Signal(SIGINT);
   Wait(*run);
   ASSERT_EQ(run->Poll()->code, 0) << Log("run.log");
   const json heard = Heard();
-  ASSERT_EQ(heard["odom"].size(), 80U) << heard;
-  const auto world = OpenDataset(kWorld, "");
+  ASSERT_GT(heard["odom"].size(), 20U) << heard;
+  const auto world = OpenDataset("synthetic:room?size=376x240&frames=140", "");
   const SE3 T_b_l(Eigen::Quaterniond(Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitZ())) *
                       Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5),
                   {0.3, 0.0, 0.2});
-  for (const int i : {20, 79}) {
-    const SE3 T_true = T_b_l * world->GroundTruth(0)->Inverse() * *world->GroundTruth(i) * T_b_l.Inverse();
-    const json& odom = heard["odom"][i];
-    EXPECT_LT((Eigen::Vector3d(odom[1], odom[2], odom[3]) - T_true.translation()).norm(), 0.05) << i;
+  const auto index_of = [](const json& odom) {
+    return static_cast<int>((odom[0].get<int64_t>() - 1'000'000'000) / 50'000'000);
+  };
+  // The first frames may pass before /tf_static has arrived.
+  const SE3 T_first = world->GroundTruth(index_of(heard["odom"][0]))->Inverse();
+  for (const json& odom : heard["odom"]) {
+    const SE3 T_true = T_b_l * T_first * *world->GroundTruth(index_of(odom)) * T_b_l.Inverse();
+    EXPECT_LT((Eigen::Vector3d(odom[1], odom[2], odom[3]) - T_true.translation()).norm(), 0.05) << odom;
   }
 }
 

@@ -26,7 +26,8 @@ int main(int argc, char** argv) {
   for (const auto add :
        {plslam::launcher::AddRunCommand, plslam::launcher::AddReplayCommand, plslam::launcher::AddRecordCommand,
         plslam::launcher::AddOrderCommands, plslam::launcher::AddTopCommand, plslam::launcher::AddRelayCommand,
-        plslam::launcher::AddBridgeCommand, plslam::launcher::AddTopicsCommand, plslam::launcher::AddProcessesCommand, plslam::launcher::AddConfigCommand}) {
+        plslam::launcher::AddBridgeCommand, plslam::launcher::AddTopicsCommand, plslam::launcher::AddProcessesCommand,
+        plslam::launcher::AddConfigCommand}) {
     add(&app, &command);
   }
   plslam::launcher::ListOfflineCommands(&app);

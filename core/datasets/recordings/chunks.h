@@ -43,6 +43,8 @@ class RecordingFile {
 bool BeginsWith(const std::string& path, std::string_view magic);
 
 inline constexpr uint64_t kMaxChunkBytes = 128 << 20;
+/// Largest ratio of all that is decompressed to the file.
+inline constexpr uint64_t kMostCompression = 1000;
 /// Rejects a chunk, or a message outside of chunks, of more bytes than `kMaxChunkBytes`.
 void CheckChunkSize(uint64_t n);
 

@@ -12,8 +12,6 @@ namespace {
 constexpr uint64_t kLeastKept = 1 << 20;
 /// A channel that has messages takes as much memory as so many bytes of names.
 constexpr uint64_t kChannelBytes = 100;
-/// Largest ratio of all decompressed chunks to the file.
-constexpr uint64_t kMostCompression = 1000;
 
 std::string Megabytes(uint64_t bytes) { return fmt::format("{:.1f} MB", static_cast<double>(bytes) * 1e-6); }
 

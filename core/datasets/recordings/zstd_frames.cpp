@@ -21,7 +21,6 @@ namespace plslam {
 namespace {
 
 constexpr std::array<uint8_t, 4> kMagic{0x28, 0xb5, 0x2f, 0xfd};
-constexpr uint64_t kMostCompression = 1000;
 
 /// Writes the content of `file` to this descriptor.
 void Unzstd(const RecordingFile& file, int to) {

@@ -144,7 +144,8 @@ TEST_F(RoomProducts, FloorIsLevel) {
 TEST_F(RoomProducts, MapServerReadsTheGrid) {
   const std::filesystem::path folder = testing::TempDir() + "dense_products";
   std::filesystem::create_directories(folder);
-  WriteProducts(folder, *products_);
+  for (const auto& [name, kind] : kProductKinds) WriteProducts(folder, *products_, kind);
+  WriteFrames(folder, *products_);
   const std::string yaml = ReadText(folder / "map.yaml");
   std::smatch found;
   ASSERT_TRUE(std::regex_search(yaml, found, std::regex("origin: \\[([^,]+), ([^,]+), 0.0\\]")));
@@ -171,7 +172,8 @@ TEST_F(RoomProducts, MapServerReadsTheGrid) {
 TEST_F(RoomProducts, OctomapReadsTheTree) {
   const std::filesystem::path folder = testing::TempDir() + "dense_octomap";
   std::filesystem::create_directories(folder);
-  WriteProducts(folder, *products_);
+  for (const auto& [name, kind] : kProductKinds) WriteProducts(folder, *products_, kind);
+  WriteFrames(folder, *products_);
   octomap::OcTree tree(0.1);
   ASSERT_TRUE(tree.readBinary((folder / "map.bt").string()));
   EXPECT_DOUBLE_EQ(tree.getResolution(), 0.05);

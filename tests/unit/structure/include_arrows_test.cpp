@@ -88,6 +88,7 @@ const std::vector<Arrow> kArrows = {
      {"core/", "lcmtypes/message_layout.h", "adapter/options.h", "camera/options.h", "player/options.h",
       "vo_process/options.h", "mapping_process/options.h", "loop_process/options.h", "viewer_headless/options.h",
       "dense_process/options.h", "tools/command_line/", "tools/evaluate/", "viewer_headless/report/report_page.h"}},
+    {"tools/surfaces/", {"core/", "tools/command_line/", "dense_process/dense_map.h", "dense_process/products.h"}},
     {"tools/offline/",
      {"core/process/", "tools/command_line/", "tools/plslam/version.h", "tools/export/export_command.h",
       "tools/doctor/doctor_command.h", "tools/rectify_check/rectify_check_command.h",

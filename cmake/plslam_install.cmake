@@ -23,8 +23,8 @@ install(FILES ${documents} DESTINATION share/doc/python3-plslam COMPONENT python
 
 # --- component dense: dense_process alone has the libraries of volumes
 if(TARGET dense_process)
-  list(REMOVE_ITEM programs dense_process)
-  install(TARGETS dense_process RUNTIME DESTINATION bin COMPONENT dense)
+  list(REMOVE_ITEM programs dense_process plslam_surfaces)
+  install(TARGETS dense_process plslam_surfaces RUNTIME DESTINATION bin COMPONENT dense)
   install(FILES ${documents} DESTINATION share/doc/plslam-dense COMPONENT dense)
 endif()
 

@@ -75,6 +75,22 @@ std::string FramesJson(const Products& products) {
 
 }  // namespace
 
+std::vector<Eigen::Vector3d> PathOf(const KeyframePoses& poses, double step_m) {
+  std::vector<Eigen::Vector3d> path;
+  const KeyframePoses::value_type* previous = nullptr;
+  for (const auto& keyframe : poses) {
+    const Eigen::Vector3d& to = keyframe.second.translation();
+    if (previous != nullptr && previous->first.first == keyframe.first.first) {
+      const Eigen::Vector3d from = previous->second.translation();
+      const int n = static_cast<int>(std::ceil((to - from).norm() / step_m));
+      for (int i = 1; i < n; ++i) path.push_back(from + (to - from) * i / n);
+    }
+    path.push_back(to);
+    previous = &keyframe;
+  }
+  return path;
+}
+
 Products MakeProducts(const DenseMap& map, const KeyframePoses& poses, const Vertical& vertical,
                       const std::vector<Eigen::Vector3d>& path_w, double robot_height_m) {
   const SE3 T_level_w = LevelFrame(vertical);
@@ -132,26 +148,44 @@ std::string ToMapYaml(const GroundGrid& grid, const std::string& image) {
       image, grid.cell_m, grid.origin_m.x(), grid.origin_m.y());
 }
 
-void WriteProducts(const std::filesystem::path& folder, const Products& products) {
+std::vector<std::string> WriteProducts(const std::filesystem::path& folder, const Products& products,
+                                       ProductKind kind) {
+  std::vector<std::string> names;
   const auto write = [&](const char* name, const std::string& bytes) {
     WriteFileAtomically((folder / name).string(), bytes);
+    names.emplace_back(name);
   };
-  write("cloud.ply", ToPly(products.surface, false));
-  write("mesh.ply", ToPly(products.surface, true));
-  octomap::OcTree tree = ToOctree(products.volume);
-  std::ostringstream whole, binary;
-  if (!tree.write(whole) || !tree.writeBinary(binary))
-    throw std::runtime_error("map.ot: OctoMap cannot write the tree");
-  write("map.ot", whole.str());
-  write("map.bt", binary.str());
-  if (products.has_floor) {
-    write("map.pgm", ToPgm(products.grid));
-    write("map.yaml", ToMapYaml(products.grid, "map.pgm"));
-    write("map_distance.png", EncodePng(TopDown(InMillimetres(products.grid.distance_m))));
-    write("map_height.png", EncodePng(TopDown(InMillimetres(products.grid.height_m))));
+  switch (kind) {
+    case ProductKind::kCloud:
+      write("cloud.ply", ToPly(products.surface, false));
+      break;
+    case ProductKind::kMesh:
+      write("mesh.ply", ToPly(products.surface, true));
+      break;
+    case ProductKind::kOctoMap: {
+      octomap::OcTree tree = ToOctree(products.volume);
+      std::ostringstream whole, binary;
+      if (!tree.write(whole) || !tree.writeBinary(binary))
+        throw std::runtime_error("map.ot: OctoMap cannot write the tree");
+      write("map.ot", whole.str());
+      write("map.bt", binary.str());
+      break;
+    }
+    case ProductKind::kGrid:
+      if (products.has_floor) {
+        write("map.pgm", ToPgm(products.grid));
+        write("map.yaml", ToMapYaml(products.grid, "map.pgm"));
+        write("map_distance.png", EncodePng(TopDown(InMillimetres(products.grid.distance_m))));
+        write("map_height.png", EncodePng(TopDown(InMillimetres(products.grid.height_m))));
+      }
+      write("path.csv", PathCsv(products.path));
+      break;
   }
-  write("path.csv", PathCsv(products.path));
-  write("frames.json", FramesJson(products));
+  return names;
+}
+
+void WriteFrames(const std::filesystem::path& folder, const Products& products) {
+  WriteFileAtomically((folder / "frames.json").string(), FramesJson(products));
 }
 
 }  // namespace plslam::dense

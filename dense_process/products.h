@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -27,6 +28,9 @@ struct Products {
   std::vector<Eigen::Vector3d> path;  ///< positions of the camera in the level frame
 };
 
+/// Returns the positions of the keyframes in w in their order, with points every `step_m` between those of one session.
+std::vector<Eigen::Vector3d> PathOf(const KeyframePoses& poses, double step_m);
+
 /// `path_w`: positions of the camera in w.
 Products MakeProducts(const DenseMap& map, const KeyframePoses& poses, const Vertical& vertical,
                       const std::vector<Eigen::Vector3d>& path_w, double robot_height_m);
@@ -38,9 +42,25 @@ std::string ToPgm(const GroundGrid& grid);
 /// Its YAML file; the origin has full precision.
 std::string ToMapYaml(const GroundGrid& grid, const std::string& image);
 
-/// Writes cloud.ply, mesh.ply, map.bt, map.ot, map.pgm, map.yaml, map_distance.png, map_height.png, path.csv and
-/// frames.json to the folder. Each file is written completely or not at all; throws std::runtime_error with one sentence
-/// that names it.
-void WriteProducts(const std::filesystem::path& folder, const Products& products);
+/// Files for one kind of reader.
+enum class ProductKind {
+  kCloud,    ///< cloud.ply
+  kMesh,     ///< mesh.ply
+  kOctoMap,  ///< map.bt, map.ot
+  kGrid,     ///< map.pgm, map.yaml, map_distance.png, map_height.png, if there is a floor; path.csv
+};
+
+/// All kinds, by the names that `plslam export --format` has for them.
+inline constexpr std::pair<const char*, ProductKind> kProductKinds[] = {{"cloud", ProductKind::kCloud},
+                                                                        {"mesh", ProductKind::kMesh},
+                                                                        {"octomap", ProductKind::kOctoMap},
+                                                                        {"grid", ProductKind::kGrid}};
+
+/// Writes the files of one kind to the folder, and returns their names. Each file is written completely or not at all;
+/// throws std::runtime_error with one sentence that names it.
+std::vector<std::string> WriteProducts(const std::filesystem::path& folder, const Products& products,
+                                       ProductKind kind);
+/// Writes the frames of all of them: frames.json.
+void WriteFrames(const std::filesystem::path& folder, const Products& products);
 
 }  // namespace plslam::dense

@@ -59,23 +59,6 @@ double VoxelFor(const Keyframe& keyframe) {
   return Median(depths_m) < kIndoors_m ? kIndoorVoxel_m : kRoadVoxel_m;
 }
 
-/// Positions of the keyframes in w in their order, with points between those of one session.
-std::vector<Eigen::Vector3d> PathOf(const KeyframePoses& poses, double step_m) {
-  std::vector<Eigen::Vector3d> path;
-  const KeyframePoses::value_type* previous = nullptr;
-  for (const auto& keyframe : poses) {
-    const Eigen::Vector3d& to = keyframe.second.translation();
-    if (previous != nullptr && previous->first.first == keyframe.first.first) {
-      const Eigen::Vector3d from = previous->second.translation();
-      const int n = static_cast<int>(std::ceil((to - from).norm() / step_m));
-      for (int i = 1; i < n; ++i) path.push_back(from + (to - from) * i / n);
-    }
-    path.push_back(to);
-    previous = &keyframe;
-  }
-  return path;
-}
-
 template <class Value>
 void KeepNewest(std::map<int64_t, Value>& values) {
   while (values.size() > kMostFrames) values.erase(values.begin());
@@ -344,7 +327,8 @@ void DenseNode::Write() {
     const KeyframePoses poses = PosesOf(map);
     const Products products =
         MakeProducts(*map_, poses, VerticalOf(map), PathOf(poses, 0.5 * map_->voxel_m()), options_.robot_height_m);
-    WriteProducts(options_.out, products);
+    for (const auto& [name, kind] : kProductKinds) WriteProducts(options_.out, products, kind);
+    WriteFrames(options_.out, products);
     spdlog::info("surfaces of {} keyframes: {} triangles; grid of {} x {} cells of {} m", map_->n_keyframes(),
                  products.surface.triangles.size(), products.grid.cells.cols, products.grid.cells.rows,
                  map_->voxel_m());

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -13,6 +16,9 @@
 
 #include "core/datasets/synthetic/simulator.h"
 #include "tests/integration/whole_run.h"
+#include "tests/support/data_folder.h"
+#include "tests/support/shell.h"
+#include "tests/support/text_file.h"
 #include "tests/unit/dense/seen_world.h"
 
 namespace plslam {
@@ -82,6 +88,32 @@ TEST_F(DenseRun, SavedMapContinuesWithItsSurfaces) {
       << run.Logs();
   EXPECT_THAT(run.Logs(), HasSubstr("continuing the surfaces of"));
   EXPECT_GT(Occupied(run), occupied) << "the first part is there, too";
+}
+
+TEST_F(DenseRun, SavedSurfacesAreExported) {
+  WholeRun run;
+  const std::string map = (run.out() / "room.plmap").string(), out = (run.folder() / "export").string();
+  ASSERT_EQ(run.Run({"run", kRoom, "--dense", "--save-map", map}), 0) << run.Logs();
+  const ScratchFolder scratch;
+  const auto exported = [&](const std::string& formats) {
+    return test::Shell(scratch, fmt::format("'{}/plslam' export '{}' --out '{}' --format {}",
+                                            test::BinaryFolder().string(), map, out, formats));
+  };
+  const test::ShellResult done = exported("cloud mesh octomap grid");
+  ASSERT_EQ(done.exit_code, 0) << done.error;
+  for (const char* file : {"cloud.ply", "mesh.ply", "map.bt", "map.ot", "map.pgm", "map.yaml", "frames.json"}) {
+    EXPECT_EQ(ReadText(std::filesystem::path(out) / file), run.Read(file)) << file;
+    EXPECT_THAT(done.out, HasSubstr(file));
+  }
+  std::filesystem::remove(map + ".surfaces");
+  const test::ShellResult without = exported("grid");
+  EXPECT_EQ(without.exit_code, 1);
+  EXPECT_THAT(without.error, HasSubstr("grid needs the surfaces of a saved map: plslam run --dense --save-map"));
+  std::ofstream(map + ".surfaces") << "no surfaces";
+  const test::ShellResult damaged = exported("grid");
+  EXPECT_EQ(damaged.exit_code, 1);
+  EXPECT_THAT(damaged.error, HasSubstr("room.plmap.surfaces"));
+  EXPECT_EQ(std::ranges::count(damaged.error, '\n'), 1) << damaged.error;
 }
 
 TEST_F(DenseRun, UnsavedSurfacesAreAnError) {

@@ -26,6 +26,7 @@
 #include "tools/export/mcap/export_mcap.h"
 #include "tools/export/picture_check.h"
 #include "tools/export/run_source.h"
+#include "tools/export/surface_files.h"
 #include "tools/pose_graph/export.h"
 #include "viewer_headless/node/logged_run.h"
 
@@ -40,7 +41,8 @@ struct OngoingExport {
   std::unique_ptr<KeyframeImages> images;
   std::vector<ExportedFile> files;
   std::optional<ColmapModel> model;
-  bool has_features = true;  ///< of the keyframes, if there is a map
+  bool has_features = true;   ///< of the keyframes, if there is a map
+  bool is_first_part = true;  ///< of a map that is not connected; surfaces are written once for all
 
   const Map& map() const { return source.map->map; }
   std::string Path(const std::string& name) const { return out + "/" + name; }
@@ -149,6 +151,17 @@ void ExportAsMcap(OngoingExport& e) {
   e.AddFile("foxglove_layout.json", "layout for Foxglove and Lichtblick: Layouts, Import from file");
 }
 
+/// Its name is that of the format.
+void ExportSurfaces(const std::string& kind, OngoingExport& e) {
+  if (!e.is_first_part) return;
+  std::vector<std::string> names = WriteSurfaceFiles(e.source.map_path, e.out, kind);
+  const std::string frames = std::move(names.back());
+  names.pop_back();
+  for (const std::string& name : names) e.AddFile(name, "of the surfaces of the map (docs/planning.md)");
+  if (std::ranges::none_of(e.files, [&](const ExportedFile& file) { return file.path == e.Path(frames); }))
+    e.AddFile(frames, "frames of the surfaces");
+}
+
 struct Writer {
   ExportFormat format;
   void (*write)(OngoingExport&);
@@ -167,7 +180,15 @@ const std::vector<Writer>& Writers() {
        [](OngoingExport& e) { ExportPoses(TrajectoryFormat::kKitti, e); }},
       {{"euroc", "poses: t_ns,px,py,pz,qw,qx,qy,qz", false},
        [](OngoingExport& e) { ExportPoses(TrajectoryFormat::kEuroc, e); }},
-      {{"mcap", "messages of ROS 2 (Foxglove, Lichtblick, Rerun, ros2 bag), and a layout", false}, ExportAsMcap}};
+      {{"mcap", "messages of ROS 2 (Foxglove, Lichtblick, Rerun, ros2 bag), and a layout", false}, ExportAsMcap},
+      {{"cloud", "points of the surfaces, PLY (maps saved with --dense)", true, true, true},
+       [](OngoingExport& e) { ExportSurfaces("cloud", e); }},
+      {{"mesh", "the surfaces as triangles, PLY", true, true, true},
+       [](OngoingExport& e) { ExportSurfaces("mesh", e); }},
+      {{"octomap", "free and occupied voxels for OctoMap (map.bt, map.ot)", true, true, true},
+       [](OngoingExport& e) { ExportSurfaces("octomap", e); }},
+      {{"grid", "grid of the floor for nav2 (map.pgm, map.yaml), distances, heights and the path", true, true, true},
+       [](OngoingExport& e) { ExportSurfaces("grid", e); }}};
   return kWriters;
 }
 
@@ -216,12 +237,18 @@ void WriteLog(const viewer::LoggedRun& run, OngoingExport& e) {
 }
 
 bool Has(const OngoingExport& e, const ExportFormat& format) {
+  if (format.needs_surfaces && !HasSurfaces(e.source.map_path)) return false;
   return !format.needs_map || (e.source.map && (e.has_features || !format.needs_features));
 }
 
 void CheckContent(const ExportRequest& request, const OngoingExport& e) {
   for (const ExportFormat& format : ExportFormats()) {
     if (!IsNamed(request.formats, format.name) || Has(e, format)) continue;
+    if (format.needs_surfaces) {
+      throw std::runtime_error(fmt::format(
+          "{}: {} needs the surfaces of a saved map: plslam run --dense --save-map FILE.plmap writes them beside it",
+          request.source, format.name));
+    }
     throw std::runtime_error(fmt::format("{}: {} needs a {}map: plslam run --save-map FILE.plmap writes one",
                                          request.source, format.name, format.needs_features ? "saved " : ""));
   }
@@ -238,7 +265,7 @@ void AddLeftOut(const ExportRequest& request, OngoingExport& e) {
   if (!request.formats.empty()) return;
   std::vector<std::string> names;
   for (const ExportFormat& format : ExportFormats()) {
-    if (!Has(e, format)) names.push_back(format.name);
+    if (!format.needs_surfaces && !Has(e, format)) names.push_back(format.name);
   }
   if (names.empty()) return;
   e.files.push_back({"left out", fmt::format("{}: there is no {}map (plslam run --save-map FILE.plmap writes one)",
@@ -256,7 +283,8 @@ void WriteParts(const ExportRequest& request, OngoingExport& e) {
   for (size_t i = 0; i < parts.size(); ++i) {
     e.source.map->map = PartOf(whole, parts[i]);
     e.model.reset();
-    if (i > 0) {
+    e.is_first_part = i == 0;
+    if (!e.is_first_part) {
       e.source.frames.clear();
       e.source.folder.clear();
       e.out = fmt::format("{}/part{}", request.out, i + 1);

@@ -13,6 +13,8 @@ struct ExportFormat {
   bool needs_map = true;
   /// Needs the features of keyframes, which only a saved map has.
   bool needs_features = false;
+  /// Needs the surfaces beside a saved map.
+  bool needs_surfaces = false;
 };
 
 /// Returns all formats, in the order in which they are written.

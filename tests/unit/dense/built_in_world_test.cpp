@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <regex>
 #include <string>
 #include <vector>
@@ -14,6 +15,8 @@
 #include "core/geometry/rectifier.h"
 #include "dense_process/products.h"
 #include "tests/support/data_folder.h"
+#include "tests/support/python.h"
+#include "tests/support/shell.h"
 #include "tests/support/text_file.h"
 #include "tests/unit/dense/seen_world.h"
 #include "vo_process/options.h"
@@ -144,7 +147,8 @@ TEST_F(RoomProducts, FloorIsLevel) {
 TEST_F(RoomProducts, MapServerReadsTheGrid) {
   const std::filesystem::path folder = testing::TempDir() + "dense_products";
   std::filesystem::create_directories(folder);
-  WriteProducts(folder, *products_);
+  for (const auto& [name, kind] : kProductKinds) WriteProducts(folder, *products_, kind);
+  WriteFrames(folder, *products_);
   const std::string yaml = ReadText(folder / "map.yaml");
   std::smatch found;
   ASSERT_TRUE(std::regex_search(yaml, found, std::regex("origin: \\[([^,]+), ([^,]+), 0.0\\]")));
@@ -168,10 +172,58 @@ TEST_F(RoomProducts, MapServerReadsTheGrid) {
   EXPECT_GT(n_path, 200);
 }
 
+TEST_F(RoomProducts, PythonReadsThemAsArrays) {
+  const std::string python = plslam::test::PythonWithNumpy();
+  if (python.empty()) GTEST_SKIP() << "no Python with numpy here";
+  const ScratchFolder folder;
+  for (const auto& [name, kind] : kProductKinds) WriteProducts(folder.Path(""), *products_, kind);
+  folder.Write("program.py", R"py(
+import json, plslam
+mesh, cloud, grid = plslam.read_surface("mesh.ply"), plslam.read_surface("cloud.ply"), plslam.read_grid(".")
+with open("path.csv") as file:
+    path = [[float(word) for word in line.split(",")] for line in file if line[0] not in "x#"]
+data = open("mesh.ply", "rb").read()
+open("short.ply", "wb").write(data[:-1])
+try:
+    plslam.read_surface("short.ply")
+    error = ""
+except plslam.FileError as caught:
+    error = str(caught)
+print(json.dumps({
+    "points": len(mesh.position_m), "triangles": len(mesh.triangles), "cloud": cloud.triangles is None,
+    "last": mesh.position_m[-1].tolist(), "corner": mesh.triangles[-1].tolist(), "shape": list(grid.cells.shape),
+    "occupied": int((grid.cells == grid.OCCUPIED).sum()), "free": int((grid.cells == grid.FREE).sum()),
+    "path": len(path), "path_free": sum(grid.cell(x, y) == grid.FREE for x, y in path),
+    "outside": grid.cell(1e6, 0.0), "error": error}))
+)py");
+  const plslam::test::ShellResult result =
+      plslam::test::Shell(folder, "cd '" + folder.Path("") + "' && PYTHONDONTWRITEBYTECODE=1 PYTHONPATH='" +
+                                      PLSLAM_PYTHON_FOLDER + "' " + python + " program.py");
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const auto seen = nlohmann::json::parse(result.out);
+  const Surface& surface = products_->surface;
+  const cv::Mat& cells = products_->grid.cells;
+  EXPECT_EQ(seen["points"], surface.vertices.size());
+  EXPECT_EQ(seen["triangles"], surface.triangles.size());
+  EXPECT_EQ(seen["cloud"], true);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(seen["last"][i].get<float>(), surface.vertices.back().p[i]);
+    EXPECT_EQ(seen["corner"][i], surface.triangles.back()[i]);
+  }
+  EXPECT_EQ(seen["shape"], (std::vector<int>{cells.rows, cells.cols}));
+  EXPECT_EQ(seen["occupied"], cv::countNonZero(cells == 0));
+  EXPECT_EQ(seen["free"], cv::countNonZero(cells == 254));
+  EXPECT_GT(seen["path"], 200);
+  EXPECT_EQ(seen["path_free"], seen["path"]);
+  EXPECT_EQ(seen["outside"], -1);
+  EXPECT_NE(seen["error"].get<std::string>().find("short.ply: has"), std::string::npos);
+}
+
 TEST_F(RoomProducts, OctomapReadsTheTree) {
   const std::filesystem::path folder = testing::TempDir() + "dense_octomap";
   std::filesystem::create_directories(folder);
-  WriteProducts(folder, *products_);
+  for (const auto& [name, kind] : kProductKinds) WriteProducts(folder, *products_, kind);
+  WriteFrames(folder, *products_);
   octomap::OcTree tree(0.1);
   ASSERT_TRUE(tree.readBinary((folder / "map.bt").string()));
   EXPECT_DOUBLE_EQ(tree.getResolution(), 0.05);

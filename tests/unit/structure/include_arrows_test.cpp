@@ -97,6 +97,7 @@ const std::vector<Arrow> kArrows = {
       "vo_process/options.h", "mapping_process/options.h", "loop_process/options.h", "viewer_headless/options.h",
       "dense_process/options.h", "ros2/options.h", "tools/bridge/options.h", "tools/command_line/", "tools/evaluate/",
       "viewer_headless/report/report_page.h"}},
+    {"tools/surfaces/", {"core/", "tools/command_line/", "dense_process/dense_map.h", "dense_process/products.h"}},
     {"tools/offline/",
      {"core/process/", "tools/command_line/", "tools/plslam/version.h", "tools/export/export_command.h",
       "tools/doctor/doctor_command.h", "tools/rectify_check/rectify_check_command.h",

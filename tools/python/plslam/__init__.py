@@ -6,6 +6,7 @@
     plslam.ImageSender().send(left, right)     # images for `adapter`
     run = plslam.load_run("out/room")          # trajectories and figures of a run
     map = plslam.load_map("room.plmap")        # keyframes, landmarks and observations as arrays
+    grid = plslam.read_grid("out/room")        # floor and surfaces of dense_process
 
 Message types are generated from the .lcm files: plslam.pose_t, plslam.status_t, ... Everything is metres, radians and
 pixels; T_w_c takes points of c to w. See docs/python.md.
@@ -18,4 +19,5 @@ from .images import ImageSender
 from .log import read_log
 from .map_file import Camera, Features, Keyframes, Lines, Map, Points, load_map
 from .run import Run, Trajectory, load_run, read_covariances, read_trajectory
+from .surfaces import Grid, Surface, read_grid, read_surface
 from .wire import DEFAULT_URL, Message, listen, transform

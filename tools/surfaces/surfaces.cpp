@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/surfaces/surfaces.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/io/maps/map_file.h"
+#include "core/map/vertical.h"
+#include "dense_process/dense_map.h"
+#include "dense_process/products.h"
+
+namespace plslam::surfaces {
+
+std::vector<std::string> WriteSurfaces(const SurfacesRequest& request) {
+  const StoredMap stored = ReadMapFile(request.map);
+  const dense::DenseMap surfaces = dense::DenseMap::Read(request.map + ".surfaces", 0.0);
+  const dense::KeyframePoses poses = dense::PosesOf(stored.map);
+  const std::vector<Eigen::Vector3d> path = dense::PathOf(poses, 0.5 * surfaces.voxel_m());
+  const dense::Products products =
+      dense::MakeProducts(surfaces, poses, VerticalOf(stored.map), path, request.robot_height_m);
+  std::filesystem::create_directories(request.out);
+  std::vector<std::string> names;
+  for (const auto& [name, kind] : dense::kProductKinds) {
+    if (std::ranges::find(request.kinds, std::string_view(name)) == request.kinds.end()) continue;
+    if (kind == dense::ProductKind::kGrid && !products.has_floor) {
+      throw std::runtime_error(fmt::format(
+          "{}: no grid: the map has no horizontal surface that could be the floor; cloud, mesh and octomap need none",
+          request.map));
+    }
+    for (std::string& file : dense::WriteProducts(request.out, products, kind)) names.push_back(std::move(file));
+  }
+  dense::WriteFrames(request.out, products);
+  names.emplace_back("frames.json");
+  return names;
+}
+
+}  // namespace plslam::surfaces

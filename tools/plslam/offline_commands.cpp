@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/plslam/offline_commands.h"
 
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -32,6 +36,13 @@ constexpr OfflineCommand kOfflineCommands[] = {
     {"calibrate", "calibrates a stereo camera from pictures of a board"},
 };
 
+std::string OfflineProgram() { return ProgramFolder() / "plslam_offline"; }
+
+std::string CannotBeStarted(int error) {
+  return fmt::format("{} cannot be started ({}): 'scripts/build release' builds all programs", OfflineProgram(),
+                     std::strerror(error));
+}
+
 }  // namespace
 
 void ListOfflineCommands(CLI::App* app) {
@@ -45,11 +56,38 @@ bool IsOfflineCommand(int argc, char** argv) {
 }
 
 int RunOfflineCommand(char** argv) {
-  const std::string program = ProgramFolder() / "plslam_offline";
-  execv(program.c_str(), argv);
-  PrintError(fmt::format("plslam: error: {} cannot be started ({}): 'scripts/build release' builds all programs",
-                         program, std::strerror(errno)));
+  execv(OfflineProgram().c_str(), argv);
+  PrintError(fmt::format("plslam: error: {}", CannotBeStarted(errno)));
   return 1;
+}
+
+int WaitForOfflineCommand(std::vector<std::string> arguments) {
+  const std::string program = OfflineProgram();
+  arguments.insert(arguments.begin(), "plslam");
+  std::vector<char*> words;
+  for (std::string& argument : arguments) words.push_back(argument.data());
+  words.push_back(nullptr);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t interrupt;
+  sigemptyset(&interrupt);
+  sigaddset(&interrupt, SIGINT);
+  posix_spawnattr_setsigdefault(&attributes, &interrupt);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
+  const auto before = signal(SIGINT, SIG_IGN);
+  pid_t pid = -1;
+  const int error = posix_spawn(&pid, program.c_str(), nullptr, &attributes, words.data(), environ);
+  posix_spawnattr_destroy(&attributes);
+  int status = 0;
+  while (error == 0 && waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+  }
+  signal(SIGINT, before);
+  if (error != 0) throw std::runtime_error(CannotBeStarted(error));
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
+}
+
+void CheckOfflineCommands() {
+  if (access(OfflineProgram().c_str(), X_OK) != 0) throw std::runtime_error(CannotBeStarted(errno));
 }
 
 }  // namespace plslam::launcher

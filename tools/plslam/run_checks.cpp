@@ -22,6 +22,7 @@
 #include "core/run/process_names.h"
 #include "core/run/result_files.h"
 #include "player/options.h"
+#include "tools/plslam/offline_commands.h"
 #include "tools/plslam/process_table.h"
 
 namespace plslam::launcher {
@@ -120,6 +121,17 @@ void ReadConfiguration(RunOptions* options) {
 void CheckMapToContinue(const RunOptions& options) {
   if (options.map.empty()) return;
   MapCamera(ReadMapFile(options.map.string()), options.map.string());
+}
+
+void CheckRefinement(RunOptions* options) {
+  if (options->refine.empty()) return;
+  CheckOfflineCommands();
+  if (options->save_map.empty()) options->save_map = options->out / "map.plmap";
+  if (AreSame(options->save_map.parent_path(), options->out)) return;
+  throw std::runtime_error(
+      fmt::format("--refine: --save-map {} is not in the folder of the run, {}: the frames there "
+                  "would not follow; leave --save-map out",
+                  options->save_map.string(), options->out.string()));
 }
 
 void CheckSurfaces(const RunOptions& options) {

@@ -21,6 +21,10 @@ void CheckMapToContinue(const RunOptions& options);
 /// Checks that dense_process is installed if it is requested. Throws std::runtime_error with one sentence.
 void CheckSurfaces(const RunOptions& options);
 
+/// Checks that a map that is to be refined is saved in the folder of the run, by default as map.plmap. Throws
+/// std::runtime_error with one sentence.
+void CheckRefinement(RunOptions* options);
+
 /// Checks that the program for a run from cameras, or from a robot, is installed, and that no option of datasets is given. Throws
 /// std::runtime_error with one sentence.
 void CheckLive(const RunOptions& options);

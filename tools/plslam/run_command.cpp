@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <memory>
 #include <mutex>
+#include <string>
+#include <vector>
 
 #include "core/datasets/camera_file.h"
 #include "core/datasets/open_dataset.h"
@@ -14,6 +16,7 @@
 #include "core/io/files/atomic_file.h"
 #include "core/process/process_signals.h"
 #include "tools/plslam/commands.h"
+#include "tools/plslam/offline_commands.h"
 #include "tools/plslam/run_bus.h"
 #include "tools/plslam/run_checks.h"
 #include "tools/plslam/run_files.h"
@@ -115,17 +118,7 @@ int Report(const RunOptions& options, const RunSession& session, OutputFolder* f
   return 1;
 }
 
-int Run(RunOptions options) {
-  options.from_ros2 = options.dataset.starts_with(kRos2Prefix);
-  options.from_cameras = !options.from_ros2 && NamesSource(options.dataset);
-  CheckLive(options);
-  CheckSurfaces(options);
-  ReadConfiguration(&options);
-  options.dataset = WithTopics(options.dataset, options.kind, options.topics);
-  if (options.out.empty()) options.out = DefaultOut(options.dataset);
-  CheckMapToContinue(options);
-  OutputFolder folder(options.out);
-  CheckFilesToWrite(options);
+int RunProcesses(RunOptions options, OutputFolder* folder) {
   signal(SIGPIPE, SIG_IGN);
   SessionDoor door;
   // Before anything that starts threads, which must inherit the blocked signals.
@@ -138,7 +131,32 @@ int Run(RunOptions options) {
   door.Open(&session);
   session.Run();
   door.Open(nullptr);
-  return Report(options, session, &folder);
+  return Report(options, session, folder);
+}
+
+int Refine(const RunOptions& options) {
+  std::fflush(stdout);
+  const std::filesystem::path refined = options.out / "refined";
+  std::vector<std::string> arguments{"refine", options.out, "--out", refined, "--camera", options.refine};
+  if (options.quiet || options.json) arguments.emplace_back("--quiet");
+  return WaitForOfflineCommand(arguments);
+}
+
+int Run(RunOptions options) {
+  options.from_ros2 = options.dataset.starts_with(kRos2Prefix);
+  options.from_cameras = !options.from_ros2 && NamesSource(options.dataset);
+  CheckLive(options);
+  CheckSurfaces(options);
+  ReadConfiguration(&options);
+  options.dataset = WithTopics(options.dataset, options.kind, options.topics);
+  if (options.out.empty()) options.out = DefaultOut(options.dataset);
+  CheckMapToContinue(options);
+  OutputFolder folder(options.out);
+  CheckRefinement(&options);
+  CheckFilesToWrite(options);
+  const int code = RunProcesses(options, &folder);
+  if (options.refine.empty() || code == 1) return code;
+  return Refine(options) == 0 ? code : 1;
 }
 
 void AddOptions(CLI::App* sub, RunOptions* o) {
@@ -161,6 +179,12 @@ void AddOptions(CLI::App* sub, RunOptions* o) {
       ->excludes("--no-mapping");
   sub->add_flag("--localise-only", o->localise_only, "localise in the map given by --map without changing it")
       ->needs("--map");
+  sub->add_option(
+         "--refine", o->refine,
+         "afterwards adjust the map as a whole, with the camera fixed, its intrinsics, or all; the results are "
+         "in OUT/refined (plslam refine)")
+      ->check(CLI::IsMember({"fixed", "intrinsics", "all"}))
+      ->excludes("--no-mapping");
   sub->add_option("--save-map", o->save_map, "file for the map, saved at the end or when the run is interrupted")
       ->type_name("FILE")
       ->excludes("--no-mapping");

@@ -32,6 +32,8 @@ struct RunOptions {
   std::filesystem::path map;
   bool localise_only = false;
   std::filesystem::path save_map;
+  /// What the adjustment of the whole map after the run estimates of the camera; empty: no adjustment.
+  std::string refine;
   std::string config_file;
   std::vector<std::string> overrides;
   int64_t start = -1;  ///< -1: not given, as with the next three

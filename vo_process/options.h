@@ -45,6 +45,11 @@ struct RowCalibrationOptions {
   double min_offset_px = 0.5;
 };
 
+/// Cameras that read their rows one after the other (`readout_ms` of the calibration).
+struct RollingShutterOptions {
+  std::string stamp = "first";
+};
+
 /// Matching of landmarks with a frame, and conditions of a tracked frame.
 struct TrackingOptions {
   std::string reference = "landmarks";
@@ -121,6 +126,7 @@ struct VoOptions {
   MotionOptions motion;
   DisparityCalibrationOptions disparity_calibration;
   RowCalibrationOptions row_calibration;
+  RollingShutterOptions rolling_shutter;
   LandmarkOptions landmarks;
   TrackingOptions tracking;
   MaskUseOptions masks;
@@ -142,6 +148,12 @@ void VisitFields(Visitor& visit, DisparityCalibrationOptions& o) {
 template <class Visitor>
 void VisitFields(Visitor& visit, RowCalibrationOptions& o) {
   visit("enabled", o.enabled, "estimate the vertical disparity and correct for it");
+}
+
+template <class Visitor>
+void VisitFields(Visitor& visit, RollingShutterOptions& o) {
+  visit("stamp", o.stamp, OneOf{"first", "middle", "last"},
+        "row of the images that their time stamps, and so the poses, refer to");
 }
 
 template <class Visitor>
@@ -213,6 +225,7 @@ void VisitFields(Visitor& visit, VoOptions& o) {
   visit("motion", o.motion, "motion estimation");
   visit("disparity_calibration", o.disparity_calibration, "self-calibration of the disparities");
   visit("row_calibration", o.row_calibration, "self-calibration of the rows of the right image");
+  visit("rolling_shutter", o.rolling_shutter, "cameras whose calibration states readout_ms");
   visit("tracking", o.tracking, "landmark search, and when a frame counts as tracked");
   visit("masks", o.masks, "masks of single frames");
   visit("robot_motion", o.robot_motion, "prediction by the robot's own odometry");

@@ -121,6 +121,19 @@ void CheckAgreement(const YamlMap& camera, const std::string& name, const SE3& T
       camera.Place("T_cn_cnm1"), name, PoseText(stated), PoseText(used)));
 }
 
+/// Returns the time from the first row to the last by `line_delay`, in seconds; 0 without it.
+double Readout_ms(const YamlMap& camera, int rows) {
+  constexpr double kMostReadout_ms = 1000.0;
+  if (!camera.Has("line_delay")) return 0.0;
+  const double line_delay_s = camera.Number("line_delay");
+  const double readout_ms = 1e3 * line_delay_s * rows;
+  if (!(readout_ms >= 0.0 && readout_ms <= kMostReadout_ms)) {
+    camera.Fail("line_delay", fmt::format("= {} is not within 0 to {} seconds for {} rows: state it in seconds",
+                                          line_delay_s, 1e-3 * kMostReadout_ms / rows, rows));
+  }
+  return readout_ms;
+}
+
 /// Returns body (the IMU, or else the first camera) from camera, by whichever key the file has. `T_b_before` is the
 /// pose of the camera before, which T_cn_cnm1 continues.
 SE3 PoseInChain(const YamlMap& camera, bool has_imu, const std::optional<SE3>& T_b_before) {
@@ -134,6 +147,7 @@ SE3 PoseInChain(const YamlMap& camera, bool has_imu, const std::optional<SE3>& T
 
 std::pair<CameraCalibration, CameraCalibration> ReadCamchain(const std::string& path, Notes* notes) {
   constexpr int kMaxCameras = 16;
+  constexpr double kSameReadout = 0.01;
   const YamlMap yaml = YamlMap::FromFile(path);
   if (yaml.Has("cam0") && !yaml.Has("cam1")) {
     yaml.Fail("cam1", "is missing, so that this is the chain of a single camera: a stereo pair is needed");
@@ -150,12 +164,19 @@ std::pair<CameraCalibration, CameraCalibration> ReadCamchain(const std::string& 
   std::optional<SE3> T_b_before;
   for (const auto& [name, map] : maps) {
     NamedCamera camera{name, map.Has("rostopic") ? map.Text("rostopic") : "", ReadLens(map, "distortion_coeffs")};
+    camera.camera.readout_ms = Readout_ms(map, camera.camera.height_px);
     const SE3 T_b_cam = PoseInChain(map, has_imu, T_b_before);
     CheckAgreement(map, name, T_b_cam, T_b_before, notes);
     T_b_before = camera.camera.T_b_cam = T_b_cam;
     cameras.push_back(std::move(camera));
   }
   const CameraPair pair = ChoosePair(cameras, path);
+  const double left_ms = cameras[pair.left].camera.readout_ms, right_ms = cameras[pair.right].camera.readout_ms;
+  if (std::abs(left_ms - right_ms) > kSameReadout * left_ms) {
+    yaml.Map(cameras[pair.right].name)
+        .Fail("line_delay", fmt::format("is {} ms for all rows, but {} ms in {}: give both cameras the same shutter",
+                                        right_ms, left_ms, cameras[pair.left].name));
+  }
   if (!pair.note.empty()) notes->Remark(pair.note);
   return {cameras[pair.left].camera, cameras[pair.right].camera};
 }

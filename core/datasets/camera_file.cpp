@@ -100,6 +100,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kMaxRate_hz = 100000.0;
+constexpr double kMaxReadout_ms = 1000.0;
 
 double PositiveNumber(const YamlMap& yaml, const char* key, double fallback, double max) {
   if (!yaml.Has(key)) return fallback;
@@ -127,9 +128,31 @@ double ReadRate_hz(const YamlMap& yaml, double fallback) {
 
 namespace {
 
+void ReadReadout(const YamlMap& yaml, CameraCalibration* camera) {
+  if (!yaml.Has("readout_ms")) return;
+  camera->readout_ms = yaml.Number("readout_ms");
+  if (camera->readout_ms >= 0.0 && camera->readout_ms <= kMaxReadout_ms) return;
+  yaml.Fail("readout_ms",
+            fmt::format("= {} is not within 0 (a global shutter) to {} ms", camera->readout_ms, kMaxReadout_ms));
+}
+
+/// Both cameras have one readout, which a frame period contains.
+void CheckReadout(const YamlMap& yaml, const RigCalibration& rig) {
+  const double readout_ms = rig.left.readout_ms;
+  if (rig.right.readout_ms != readout_ms) {
+    yaml.Map("right").Fail("readout_ms", fmt::format("= {} differs from {} of the left camera: give both cameras the "
+                                                     "same shutter",
+                                                     rig.right.readout_ms, readout_ms));
+  }
+  if (rig.rate_hz > 0.0 && readout_ms > 1000.0 / rig.rate_hz) {
+    yaml.Map("left").Fail("readout_ms", fmt::format("= {} is longer than the {} ms between frames of rate_hz = {}",
+                                                    readout_ms, 1000.0 / rig.rate_hz, rig.rate_hz));
+  }
+}
+
 CameraCalibration ReadCamera(const YamlMap& yaml, const ImageSize& image_size) {
   yaml.AllowOnly({"model", "resolution_px", "focal_length_px", "principal_point_px", "distortion", "T_b_cam", "mask",
-                  "mask_polygons", "borders_px"});
+                  "mask_polygons", "borders_px", "readout_ms"});
   CameraCalibration camera;
   const ImageSize size = ReadResolution(yaml, image_size);
   camera.width_px = size.width_px;
@@ -149,6 +172,7 @@ CameraCalibration ReadCamera(const YamlMap& yaml, const ImageSize& image_size) {
   yaml.Require("principal_point_px", CentreComplaint(camera));
   yaml.Require("distortion", DistortionComplaint(camera));
   ReadMask(yaml, &camera);
+  ReadReadout(yaml, &camera);
   return camera;
 }
 
@@ -161,8 +185,13 @@ CameraCalibration ReadRightLens(const YamlMap& yaml, const CameraCalibration& le
   const YamlMap right = yaml.Map("right");
   const bool has_lens =
       std::any_of(kLensKeys.begin(), kLensKeys.end(), [&](const char* key) { return right.Has(key); });
-  if (has_lens) return ReadCamera(right, {left.width_px, left.height_px});
-  right.AllowOnly({"T_b_cam", "mask", "mask_polygons", "borders_px"});
+  if (has_lens) {
+    camera = ReadCamera(right, {left.width_px, left.height_px});
+    if (!right.Has("readout_ms")) camera.readout_ms = left.readout_ms;
+    return camera;
+  }
+  right.AllowOnly({"T_b_cam", "mask", "mask_polygons", "borders_px", "readout_ms"});
+  ReadReadout(right, &camera);
   if (right.Has("T_b_cam")) camera.T_b_cam = right.Transform("T_b_cam");
   ReadMask(right, &camera);
   return camera;
@@ -229,6 +258,7 @@ std::string CameraText(const CameraCalibration& camera) {
       "  model: {}\n  resolution_px: [{}, {}]\n  focal_length_px: [{}, {}]\n  principal_point_px: [{}, {}]\n",
       camera.model, camera.width_px, camera.height_px, camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px);
   if (!camera.distortion.empty()) text += fmt::format("  distortion: [{}]\n", fmt::join(camera.distortion, ", "));
+  if (camera.readout_ms > 0.0) text += fmt::format("  readout_ms: {}\n", camera.readout_ms);
   const Eigen::Matrix4d T = camera.T_b_cam.matrix();
   text += "  T_b_cam: [";
   for (int i = 0; i < 12; ++i) {
@@ -308,6 +338,7 @@ RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_si
   }
   rig.name = yaml.Has("name") ? yaml.Text("name") : "images";
   rig.rate_hz = ReadRate_hz(yaml, 0.0);
+  CheckReadout(yaml, rig);
   return rig;
 }
 

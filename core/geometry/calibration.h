@@ -42,6 +42,8 @@ struct CameraCalibration {
   SE3 T_b_cam;
   /// Masked regions of its images, drawn in order (core/geometry/image_mask.h). Empty if there are none.
   std::vector<MaskPolygon> mask{};
+  /// Time from the first row of its images to the last; 0 for a global shutter.
+  double readout_ms = 0.0;
 };
 
 /// Calibration of a rig as in its dataset; the content of `camera_t`.

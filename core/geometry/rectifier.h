@@ -23,6 +23,7 @@ class Rectifier {
   explicit Rectifier(const RigCalibration& rig);
 
   const StereoCamera& camera() const { return rectification_.camera; }
+  const Rectification& rectification() const { return rectification_; }
   /// Rotation from the rectified left camera (c) to the calibrated left camera (l).
   const Eigen::Quaterniond& q_l_c() const { return rectification_.q_l_c; }
   bool IsIdentity() const { return rectification_.identity; }

@@ -54,7 +54,7 @@ class Run {
       : dataset_(dataset),
         options_(options),
         front_end_(dataset.rig(), options.vo),
-        odometry_(front_end_.camera(), options.vo),
+        odometry_(front_end_.camera(), options.vo, front_end_.shutter()),
         mapper_(front_end_.camera(), options.mapping),
         closer_(front_end_.camera(), places, options.loops),
         T_l_c_(Rectifier(dataset.rig()).q_l_c(), Eigen::Vector3d::Zero()) {

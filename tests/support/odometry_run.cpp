@@ -35,7 +35,7 @@ std::vector<OdometryFrame> RunOdometry(
     const Dataset& dataset, const vo::VoOptions& options, int stride, int max_frames,
     const std::function<void(const StereoImages&, const vo::OdometryResult&)>& visit, int first) {
   vo::StereoFrontEnd front_end(dataset.rig(), options);
-  vo::Odometry odometry(front_end.camera(), options);
+  vo::Odometry odometry(front_end.camera(), options, front_end.shutter());
   const SE3 T_l_c(Rectifier(dataset.rig()).q_l_c(), Eigen::Vector3d::Zero());
   std::vector<OdometryFrame> frames;
   for (int i = first; i < dataset.size() && static_cast<int>(frames.size()) < max_frames; i += stride) {

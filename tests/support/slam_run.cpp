@@ -60,7 +60,7 @@ std::vector<OdometryFrame> CarriedByKeyframes(std::vector<OdometryFrame> in_odom
 SlamRun RunSlam(const Dataset& dataset, const vo::VoOptions& vo, const mapping::MappingOptions& mapping, int stride,
                 int max_frames) {
   vo::StereoFrontEnd front_end(dataset.rig(), vo);
-  vo::Odometry odometry(front_end.camera(), vo);
+  vo::Odometry odometry(front_end.camera(), vo, front_end.shutter());
   mapping::Mapper mapper(front_end.camera(), mapping);
   MapReplica replica;
   replica.RememberRemoved();

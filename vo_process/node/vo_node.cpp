@@ -267,7 +267,7 @@ void VoNode::BeginSession() {
   PublishKeyframe();
   NameSession();
   KeepLearned(options_.self_calibration_file, camera_.bytes(), odometry_);
-  odometry_.emplace(front_end_->camera(), options_);
+  odometry_.emplace(front_end_->camera(), options_, front_end_->shutter());
   odometry_->SetLocaliseOnly(IsLocaliseOnly());
   LoadLearned(options_.self_calibration_file, camera_.bytes(), *odometry_);
 }
@@ -517,7 +517,7 @@ void VoNode::Restore() {
 void VoNode::Restore(const TrackerState& state) {
   camera_.Restore(state.camera);
   if (!front_end_) return;
-  odometry_.emplace(front_end_->camera(), options_);
+  odometry_.emplace(front_end_->camera(), options_, front_end_->shutter());
   archive::FromBytes(state.odometry, *odometry_);
   odometry_->SetLocaliseOnly(IsLocaliseOnly());
   session_ = state.session;

@@ -9,6 +9,7 @@
 #include "core/geometry/rectifier.h"
 #include "core/io/images/image_file.h"
 #include "vo_process/options.h"
+#include "vo_process/stereo/rolling_shutter.h"
 #include "vo_process/stereo/row_field.h"
 #include "vo_process/stereo/side_worker.h"
 #include "vo_process/stereo/stage_timer.h"
@@ -23,6 +24,10 @@ class StereoFrontEnd {
   StereoFrontEnd(const RigCalibration& rig, const VoOptions& options);
 
   const StereoCamera& camera() const { return rectifier_.camera(); }
+  /// The shutter that the rig states.
+  RollingShutter shutter() const {
+    return {rectifier_.rectification(), 1e-3 * rig_.left.readout_ms, options_.rolling_shutter.stamp};
+  }
 
   /// Masks regions of the following pairs, in addition to the rig's masks.
   void SetMask(const FrameMask& mask);

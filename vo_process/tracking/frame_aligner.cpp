@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/features/matching/segment_projection.h"
 #include "core/motion/pose_ransac.h"
 
 namespace plslam::vo {
@@ -151,6 +152,30 @@ Alignment FrameAligner::Refine(const LocalLandmarks& landmarks, const TrackedFra
   if (!fine || fine->matches.Weight() < coarse.matches.Weight()) return coarse;
   fine->weak = coarse.weak;
   return *fine;
+}
+
+void FrameAligner::SetDisparities(const LocalLandmarks& landmarks, const Alignment& alignment,
+                                  RollingFrame& rolling) const {
+  const SE3 T_c_odom = alignment.T_odom_c.Inverse();
+  for (const LandmarkMatch& match : alignment.matches.points) {
+    if (rolling.measured().points[match.feature].HasDepth()) continue;
+    const Eigen::Vector3d p_c = T_c_odom * landmarks.points.landmarks()[match.landmark].p_odom;
+    if (p_c.z() > camera_.MinDepth()) rolling.SetPointDisparity(match.feature, camera_.FocalBaseline() / p_c.z());
+  }
+  for (const LandmarkMatch& match : alignment.matches.lines) {
+    const StereoLine& line = rolling.measured().lines[match.feature];
+    if (line.HasDepth()) continue;
+    const Segment3& segment = landmarks.lines.landmarks()[match.landmark].segment_odom;
+    const Segment3 segment_c{T_c_odom * segment.p, T_c_odom * segment.q};
+    const auto disparity_px = [&](const Eigen::Vector2d& px) {
+      const auto along = AlongLine(segment_c, px, camera_);
+      const double z = along ? (segment_c.p + *along * (segment_c.q - segment_c.p)).z() : 0.0;
+      return z > camera_.MinDepth() ? camera_.FocalBaseline() / z : -1.0;
+    };
+    const double p_px = disparity_px(line.left.segment.p);
+    const double q_px = disparity_px(line.left.segment.q);
+    if (p_px > 0.0 && q_px > 0.0) rolling.SetLineDisparities(match.feature, p_px, q_px);
+  }
 }
 
 bool FrameAligner::IsStrong(const std::optional<Alignment>& alignment, int matched) const {

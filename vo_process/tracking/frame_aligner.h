@@ -6,6 +6,7 @@
 
 #include "core/geometry/stereo_camera.h"
 #include "vo_process/options.h"
+#include "vo_process/stereo/rolling_shutter.h"
 #include "vo_process/tracking/local_landmarks.h"
 #include "vo_process/tracking/motion_model.h"
 
@@ -49,6 +50,9 @@ class FrameAligner {
                                     const std::optional<MotionPrior>& prior) const {
     return Estimate(landmarks, frame, matches, T_odom_initial, prior, options_.motion);
   }
+
+  /// Sets the disparities by which matched features without depth are moved to those of their landmarks.
+  void SetDisparities(const LocalLandmarks& landmarks, const Alignment& alignment, RollingFrame& rolling) const;
 
   /// Matches all landmarks again around an estimated pose; returns `coarse` if the result is not better.
   Alignment Refine(const LocalLandmarks& landmarks, const TrackedFrame& frame, const Alignment& coarse,

@@ -94,7 +94,7 @@ Matrix6d UnknownMotion() {
   return variances.asDiagonal();
 }
 
-Odometry::Odometry(const StereoCamera& camera, const VoOptions& options)
+Odometry::Odometry(const StereoCamera& camera, const VoOptions& options, const RollingShutter& shutter)
     : camera_(camera),
       options_(options),
       aligner_(camera, options),
@@ -105,6 +105,7 @@ Odometry::Odometry(const StereoCamera& camera, const VoOptions& options)
       row_calibration_(camera, options.row_calibration),
       corner_budget_(options.features.orb.max_points),
       sync_check_(camera),
+      shutter_(shutter),
       landmarks_(camera, options),
       bodies_(camera, options),
       keyframe_measurements_(camera) {}
@@ -169,8 +170,16 @@ TrackedFrame Odometry::Prepare(StereoFeatures features) const {
 /// Predicts the motion, finds the frame among the landmarks, and learns from it.
 void Odometry::Follow(double dt_s, TrackedFrame& frame, OdometryResult& result) {
   const MotionPrediction prediction = Predict(dt_s);
+  rolling_.reset();
+  if (!shutter_.is_global()) {
+    rolling_.emplace(shutter_, frame.features);
+    MoveToStamp(prediction.T_prev_c.Log() / dt_s, frame);
+  }
   auto tracked = Find(frame, prediction);
+  const bool first_motion = rolling_ && !motion_model_.knows_motion();
+  if (rolling_ && tracked && !first_motion) EstimateVelocity(dt_s, *tracked, frame);
   if (!tracked) {
+    has_last_velocity_ = false;
     Miss(prediction, dt_s, frame, result);
     calibration_.Interrupt();
     sync_check_.Interrupt();
@@ -178,6 +187,7 @@ void Odometry::Follow(double dt_s, TrackedFrame& frame, OdometryResult& result) 
   }
   SeparateBodies(*tracked, prediction, dt_s, frame);
   Accept(*tracked, dt_s, frame, result);
+  if (first_motion) UseFirstVelocity(result.T_prev_c, dt_s, frame);
   CalibrateDisparities(frame);
   CheckSync(frame, result.T_prev_c, dt_s);
   PublishCovariance(result);
@@ -252,6 +262,48 @@ std::optional<Odometry::Tracked> Odometry::Find(const TrackedFrame& frame, const
   const bool was_lost = previous_local_map_.has_value();
   previous_local_map_.reset();
   return Tracked{std::move(*found), was_lost ? Reference::kCreatedWhileLost : Reference::kCurrent};
+}
+
+/// Moves the features to where a camera of this velocity observes them at the time of the stamp.
+void Odometry::MoveToStamp(const Vector6d& velocity, TrackedFrame& frame) {
+  const StereoFeatures before = std::move(frame.features);
+  frame.features = rolling_->MovedBy(velocity);
+  for (size_t i = 0; i < before.points.size(); ++i) {
+    frame.raw_disparities_px[i] += frame.features.points[i].disparity_px - before.points[i].disparity_px;
+  }
+  frame.point_grid = PointGrid(frame.features.points);
+}
+
+/// Estimates pose and velocity in turn: each needs the other. The velocity at the stamp is the mean since the previous
+/// frame, continued with half of its change.
+void Odometry::EstimateVelocity(double dt_s, Tracked& tracked, TrackedFrame& frame) {
+  constexpr int kPasses = 2;
+  const auto mean_velocity = [&] {
+    return Vector6d((T_odom_c_.Inverse() * tracked.alignment.T_odom_c).Log() / dt_s);
+  };
+  if (tracked.reference != Reference::kCurrent) {
+    has_last_velocity_ = false;
+    return;
+  }
+  Alignment& alignment = tracked.alignment;
+  aligner_.SetDisparities(landmarks_, alignment, *rolling_);
+  for (int pass = 0; pass < kPasses && !alignment.weak; ++pass) {
+    const Vector6d mean = mean_velocity();
+    const Vector6d change = has_last_velocity_ ? Vector6d(mean - last_velocity_) : Vector6d::Zero();
+    MoveToStamp(mean + 0.5 * change, frame);
+    const auto better = aligner_.Estimate(landmarks_, frame, alignment.matches, alignment.T_odom_c, std::nullopt);
+    if (!better) break;
+    alignment.T_odom_c = better->T_odom_c;
+    alignment.covariance = better->covariance;
+  }
+  has_last_velocity_ = true;
+  last_velocity_ = mean_velocity();
+}
+
+/// The first measured motion shows by how much the landmarks created before it were displaced.
+void Odometry::UseFirstVelocity(const SE3& T_prev_c, double dt_s, TrackedFrame& frame) {
+  MoveToStamp(T_prev_c.Log() / dt_s, frame);
+  landmarks_.Initialise(T_odom_c_, frame);
 }
 
 // Without a known velocity all searches are compared: a camera that starts at speed is mostly outside the near window,

@@ -7,6 +7,7 @@
 
 #include "core/geometry/stereo_camera.h"
 #include "core/run/tracking_state.h"
+#include "vo_process/stereo/rolling_shutter.h"
 #include "vo_process/stereo/stereo_front_end.h"
 #include "vo_process/tracking/corner_budget.h"
 #include "vo_process/tracking/disparity_calibration.h"
@@ -75,7 +76,7 @@ Matrix6d UnknownMotion();
 /// messages: features and time stamps in, poses and keyframes out, the same for the same input.
 class Odometry {
  public:
-  Odometry(const StereoCamera& camera, const VoOptions& options);
+  Odometry(const StereoCamera& camera, const VoOptions& options, const RollingShutter& shutter = {});
 
   const DisparityCalibration& disparity_calibration() const { return calibration_; }
 
@@ -153,7 +154,7 @@ class Odometry {
       self.initialised_, self.last_t_ns_, self.T_odom_c_, self.tracked_weight_, self.alignment_covariance_,
       self.is_in_map_, self.is_unanchored_, self.next_keyframe_id_, self.T_odom_kf_, self.covariance_odom_kf_,
       self.covariance_kf_c_, self.alignment_covariance_kf_, self.keyframe_point_id_, self.keyframe_line_id_,
-      self.uncertainty_, self.robot_model_);
+      self.uncertainty_, self.robot_model_, self.has_last_velocity_, self.last_velocity_);
   }
 
  private:
@@ -187,6 +188,9 @@ class Odometry {
   bool KeepOdometry(const TrackedFrame& frame, const MotionPrediction& prediction, Alignment& found,
                     Relocalised& place) const;
   int ExpectedWeight() const;
+  void MoveToStamp(const Vector6d& velocity, TrackedFrame& frame);
+  void EstimateVelocity(double dt_s, Tracked& tracked, TrackedFrame& frame);
+  void UseFirstVelocity(const SE3& T_prev_c, double dt_s, TrackedFrame& frame);
   void SeparateBodies(Tracked& tracked, const MotionPrediction& prediction, double dt_s, TrackedFrame& frame);
   void Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, OdometryResult& result);
   void LearnAboutRobot(double dt_s, const OdometryResult& result);
@@ -214,6 +218,12 @@ class Odometry {
   RowCalibration row_calibration_;
   CornerBudget corner_budget_;
   SyncCheck sync_check_;
+  RollingShutter shutter_;
+  /// The frame being tracked, if its rows are not simultaneous.
+  std::optional<RollingFrame> rolling_;
+  /// Mean velocity over the last interval, if both its frames were tracked; only of a rolling shutter.
+  bool has_last_velocity_ = false;
+  Vector6d last_velocity_ = Vector6d::Zero();
   /// Skew of the predicted pair.
   PairSkew skew_;
   LocalLandmarks landmarks_;

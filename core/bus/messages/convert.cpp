@@ -5,8 +5,12 @@
 #include "core/geometry/distortion.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <initializer_list>
+#include <string_view>
+#include <utility>
 
 #include "plslam/camera_t.hpp"
 #include "plslam/intrinsics_t.hpp"
@@ -63,11 +67,35 @@ std::optional<std::vector<MaskPolygon>> FromPolygons(const std::vector<polygon_t
   return polygons;
 }
 
+// Follows the model of a camera with a rolling shutter; the readout in milliseconds follows it. The layout of the
+// message is that of logs of earlier versions.
+constexpr std::string_view kRolling = " rolling ";
+constexpr double kMaxReadout_ms = 1000.0;
+
+std::string RollingText(double readout_ms) {
+  if (readout_ms == 0.0) return "";
+  std::array<char, 32> digits{};
+  const auto result = std::to_chars(digits.data(), digits.data() + digits.size(), readout_ms);
+  return std::string(kRolling).append(digits.data(), result.ptr);
+}
+
+/// Splits the name of the model from the readout; nullopt for a number that is none.
+std::optional<std::pair<std::string, double>> SplitModel(const std::string& text) {
+  const size_t at = text.find(kRolling);
+  if (at == std::string::npos) return std::pair(text, 0.0);
+  const char* begin = text.data() + at + kRolling.size();
+  const char* end = text.data() + text.size();
+  double readout_ms = 0.0;
+  const auto [last, error] = std::from_chars(begin, end, readout_ms);
+  if (error != std::errc() || last != end || !(readout_ms > 0.0 && readout_ms <= kMaxReadout_ms)) return std::nullopt;
+  return std::pair(text.substr(0, at), readout_ms);
+}
+
 intrinsics_t ToIntrinsics(const CameraCalibration& camera) {
   intrinsics_t message{};
   message.width_px = camera.width_px;
   message.height_px = camera.height_px;
-  message.model = camera.model;
+  message.model = camera.model + RollingText(camera.readout_ms);
   message.fx_px = camera.fx_px;
   message.fy_px = camera.fy_px;
   message.cx_px = camera.cx_px;
@@ -84,16 +112,18 @@ std::optional<CameraCalibration> FromIntrinsics(const intrinsics_t& message) {
   const auto T_b_cam = FromMessage(message.T_b_cam);
   const bool size_ok = message.width_px > 0 && message.height_px > 0 && message.width_px <= kMaxSide_px &&
                        message.height_px <= kMaxSide_px;
+  const auto model = SplitModel(message.model);
   const bool lens_ok =
-      PositiveFinite({message.fx_px, message.fy_px}) && Finite({message.cx_px, message.cy_px}) &&
-      LensModelTakes(message.model, message.distortion.size()) &&
+      model && PositiveFinite({message.fx_px, message.fy_px}) && Finite({message.cx_px, message.cy_px}) &&
+      LensModelTakes(model->first, message.distortion.size()) &&
       std::all_of(message.distortion.begin(), message.distortion.end(), [](double k) { return std::isfinite(k); });
   auto mask = FromPolygons(message.mask);
   if (!T_b_cam || !size_ok || !lens_ok || !mask) return std::nullopt;
   CameraCalibration camera;
   camera.width_px = message.width_px;
   camera.height_px = message.height_px;
-  camera.model = message.model;
+  camera.model = model->first;
+  camera.readout_ms = model->second;
   camera.fx_px = message.fx_px;
   camera.fy_px = message.fy_px;
   camera.cx_px = message.cx_px;

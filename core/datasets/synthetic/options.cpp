@@ -48,6 +48,7 @@ const std::vector<NumericOption>& NumericOptions() {
       {"static_body", {0, 0.8}, false, [](Options& o, double v) { o.static_body = v; }},
       {"right_late_ms", {-1000, 1000}, false, [](Options& o, double v) { o.right_late_ms = v; }},
       {"readout_ms", {0, 1000}, false, [](Options& o, double v) { o.readout_ms = v; }},
+      {"readout_known", {0, 1}, true, [](Options& o, double v) { o.readout_known = v > 0.5; }},
       {"streaks", {0, 5000}, true, [](Options& o, double v) { o.streaks = static_cast<int>(v); }},
       {"dirt", {0, 1000}, true, [](Options& o, double v) { o.dirt = static_cast<int>(v); }},
   };

@@ -34,6 +34,7 @@ struct Options {
   double static_body = 0.0;    ///< share of the height of the image that a bonnet covers
   double right_late_ms = 0.0;  ///< the right image is taken this much later than the left one
   double readout_ms = 0.0;     ///< the time from the first row of an image to its last
+  bool readout_known = false;  ///< the calibration states it
   int streaks = 0;             ///< of snow, in an image
   int dirt = 0;                ///< spots on each lens
   /// Added to all disparities at the centres of the left, middle and right third of the left image.

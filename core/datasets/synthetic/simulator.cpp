@@ -155,6 +155,7 @@ CameraCalibration Simulator::Calibration(const Eye& eye) const {
     camera.distortion.assign(eye.lens.distortion().begin(), eye.lens.distortion().end());
   }
   camera.T_b_cam = SE3(eye.R_l_cam, eye.t_l_cam);
+  if (options_.readout_known) camera.readout_ms = options_.readout_ms;
   return camera;
 }
 

@@ -121,6 +121,21 @@ TEST(Convert, RigSurvivesTheWire) {
   EXPECT_EQ(back->kind, RigCalibration::Kind::kStereo);
 }
 
+TEST(Convert, ReadoutSurvivesTheWire) {
+  RigCalibration rig = SomeRig();
+  rig.left.readout_ms = rig.right.readout_ms = 25.3;
+  camera_t message = ToMessage(rig);
+  EXPECT_EQ(message.left.model, "radtan rolling 25.3");
+  const auto back = FromMessage(message);
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->left.readout_ms, 25.3);
+  EXPECT_EQ(back->right.model, "pinhole");
+  for (const char* model : {"radtan rolling ", "radtan rolling -1", "radtan rolling nan", "radtan rolling 5x"}) {
+    message.left.model = model;
+    EXPECT_FALSE(FromMessage(message)) << model;
+  }
+}
+
 TEST(Convert, MasksSurviveTheWire) {
   RigCalibration rig = SomeRig();
   rig.left.mask = {{{{0.0F, 400.5F}, {751.0F, 380.0F}, {751.0F, 479.0F}}}, {{{1.0F, 2.0F}, {3.0F, 4.0F}}, true}};

@@ -68,6 +68,23 @@ TEST_F(ForeignCalibrationFiles, AFolderOfImagesPlays) {
   EXPECT_EQ(dataset->rig().left.width_px, 48) << "the size of the images, where the file tells none";
 }
 
+TEST_F(ForeignCalibrationFiles, LineDelayOfKalibr) {
+  const std::string kalibr = RigCalled("camchain.yaml").files[0].text;
+  const std::string model = "camera_model: pinhole";
+  const auto with = [&](const std::string& left, const std::string& right) {
+    const std::string line = "\n  line_delay: ";
+    std::string text = Replaced(kalibr, model, "camera_model:  pinhole" + line + left);
+    return Write("rolling.yaml", Replaced(text, model, model + line + right));
+  };
+  const RigCalibration rig = ReadForeignCalibration({with("5e-5", "5e-5")}, kSize).rig;
+  EXPECT_NEAR(rig.left.readout_ms, 0.05 * rig.left.height_px, 1e-9);
+  const auto error = [&](const std::string& left, const std::string& right) {
+    return ErrorOf([&] { ReadForeignCalibration({with(left, right)}, kSize); });
+  };
+  EXPECT_THAT(error("50000", "50000"), AllOf(HasSubstr("line_delay"), HasSubstr("state it in seconds")));
+  EXPECT_THAT(error("5e-5", "4e-5"), AllOf(HasSubstr("line_delay"), HasSubstr("same shutter")));
+}
+
 TEST_F(ForeignCalibrationFiles, OtherLenses) {
   const std::string kalibr = RigCalled("camchain.yaml").files[0].text;
   std::string sphere = kalibr;

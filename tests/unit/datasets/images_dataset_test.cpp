@@ -4,8 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <filesystem>
 #include <opencv2/core.hpp>
+#include <string>
+#include <vector>
 
 #include "core/datasets/camera_file.h"
 #include "core/geometry/image_mask.h"
@@ -219,6 +222,23 @@ TEST_F(ImagesDataset, BadCameraFilesAreNamedWithTheirLine) {
     test::ReplaceText(camera_, row.from, row.to);
     const std::string error = OpenError();
     EXPECT_THAT(error, AllOf(HasSubstr(At("camera.yaml")), HasSubstr(row.line), HasSubstr(row.what))) << row.to;
+  }
+}
+
+TEST_F(ImagesDataset, ReadoutOfARollingShutter) {
+  const std::string good = test::ReadText(camera_);
+  test::WriteText(camera_, good + "  readout_ms: 25\n");
+  const RigCalibration rig = OpenImagesDataset(folder_.string())->rig();
+  EXPECT_EQ(rig.left.readout_ms, 25.0);
+  EXPECT_EQ(rig.right.readout_ms, 25.0) << "that of the left camera";
+  for (const auto& [lines, line, what] : std::vector<std::array<std::string, 3>>{
+           {"  readout_ms: -1\n", ":9: readout_ms", "= -1 is not within 0 (a global shutter) to 1000 ms"},
+           {"  readout_ms: 101\n", ":9: readout_ms",
+            "= 101 is longer than the 100 ms between frames of rate_hz = 10"},
+           {"  readout_ms: 25\nright:\n  readout_ms: 12\n", ":11: readout_ms", "differs from 25"},
+           {"  readout_ms: nan\n", ":9: readout_ms", "'nan'"}}) {
+    test::WriteText(camera_, good + lines);
+    EXPECT_THAT(OpenError(), AllOf(HasSubstr(At("camera.yaml")), HasSubstr(line), HasSubstr(what))) << lines;
   }
 }
 

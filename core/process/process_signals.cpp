@@ -62,9 +62,18 @@ SignalWatcher::~SignalWatcher() {
   while (write(stop_fd_, &one, sizeof one) < 0 && errno == EINTR) {
   }
   thread_.join();
+  if (stopping_) TakePending();
   close(signal_fd_);
   close(stop_fd_);
   pthread_sigmask(SIG_SETMASK, &previous_mask_, nullptr);
+}
+
+/// A second signal of the same moment would end the process when the mask is restored.
+void SignalWatcher::TakePending() const {
+  pollfd wait{signal_fd_, POLLIN, 0};
+  signalfd_siginfo info{};
+  while (poll(&wait, 1, 0) > 0 && read(signal_fd_, &info, sizeof info) == sizeof info) {
+  }
 }
 
 void SignalWatcher::Watch() {

@@ -49,6 +49,7 @@ class SignalWatcher {
   void Watch();
   void Take(int signal);
   void EndAtOnce(int signal) const;
+  void TakePending() const;
 
   std::function<void(const std::string&)> on_stop_;
   pid_t launcher_;

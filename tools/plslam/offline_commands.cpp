@@ -65,6 +65,7 @@ int WaitForOfflineCommand(std::vector<std::string> arguments) {
   const std::string program = OfflineProgram();
   arguments.insert(arguments.begin(), "plslam");
   std::vector<char*> words;
+  words.reserve(arguments.size() + 1);
   for (std::string& argument : arguments) words.push_back(argument.data());
   words.push_back(nullptr);
   posix_spawnattr_t attributes;

@@ -145,8 +145,9 @@ std::string Db3Reader::ReadIndex() {
     if (id <= last || n > most_bytes_) return fmt::format("is damaged after message {}", last);
     last = id;
     if (topic < 0 || topic > std::numeric_limits<uint32_t>::max()) continue;
-    messages_[static_cast<uint32_t>(topic)].push_back({sqlite3_column_int64(rows.get(), 2), RecordedMessage::kNotRead,
-                                                       RecordedMessage::kNoChunk, static_cast<uint64_t>(id)});
+    const int64_t t_ns = LogTime(static_cast<uint64_t>(sqlite3_column_int64(rows.get(), 2)));
+    messages_[static_cast<uint32_t>(topic)].push_back(
+        {t_ns, RecordedMessage::kNotRead, RecordedMessage::kNoChunk, static_cast<uint64_t>(id)});
   }
   if (result == SQLITE_DONE) return "";
   return fmt::format("is damaged after message {} (SQLite reports '{}')", last,

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/process/argument_vector.h"
 #include "core/process/process.h"
 #include "ros2/arguments.h"
 #include "ros2/dds/list_topics.h"
@@ -11,9 +12,6 @@
 int main(int argc, char** argv) {
   std::vector<std::string> arguments = plslam::ros2::WithoutRosArguments({argv, argv + argc});
   if (std::find(arguments.begin(), arguments.end(), "--topics") != arguments.end()) return plslam::ros2::ListTopics();
-  std::vector<char*> words;
-  words.reserve(arguments.size() + 1);
-  for (std::string& argument : arguments) words.push_back(argument.data());
-  words.push_back(nullptr);
-  return plslam::bus::RunProcess(static_cast<int>(arguments.size()), words.data(), plslam::ros2::Ros2Spec());
+  return plslam::bus::RunProcess(static_cast<int>(arguments.size()), plslam::ArgumentVector(arguments).data(),
+                                 plslam::ros2::Ros2Spec());
 }

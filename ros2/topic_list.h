@@ -9,7 +9,7 @@
 
 namespace plslam::ros2 {
 
-/// What was heard of a topic of images within the time of listening.
+/// Images received on a topic within the time of listening.
 struct HeardImages {
   int64_t n = 0;
   int64_t bytes = 0;

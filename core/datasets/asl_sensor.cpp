@@ -123,13 +123,12 @@ void CheckAgreement(const YamlMap& camera, const std::string& name, const SE3& T
 
 /// Returns the time from the first row to the last by `line_delay`, in seconds; 0 without it.
 double Readout_ms(const YamlMap& camera, int rows) {
-  constexpr double kMostReadout_ms = 1000.0;
   if (!camera.Has("line_delay")) return 0.0;
   const double line_delay_s = camera.Number("line_delay");
   const double readout_ms = 1e3 * line_delay_s * rows;
-  if (!(readout_ms >= 0.0 && readout_ms <= kMostReadout_ms)) {
+  if (!(readout_ms >= 0.0 && readout_ms <= kMaxReadout_ms)) {
     camera.Fail("line_delay", fmt::format("= {} is not within 0 to {} seconds for {} rows: state it in seconds",
-                                          line_delay_s, 1e-3 * kMostReadout_ms / rows, rows));
+                                          line_delay_s, 1e-3 * kMaxReadout_ms / rows, rows));
   }
   return readout_ms;
 }

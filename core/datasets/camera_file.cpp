@@ -100,7 +100,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kMaxRate_hz = 100000.0;
-constexpr double kMaxReadout_ms = 1000.0;
 
 double PositiveNumber(const YamlMap& yaml, const char* key, double fallback, double max) {
   if (!yaml.Has(key)) return fallback;

@@ -10,6 +10,9 @@
 
 namespace plslam {
 
+/// Largest time from the first row of an image to the last.
+inline constexpr double kMaxReadout_ms = 1000.0;
+
 /// A region of a raw image, in its pixels: (0, 0) is the centre of the first one.
 struct MaskPolygon {
   std::vector<Eigen::Vector2f> corners_px;

@@ -10,14 +10,13 @@ Matrix6d Moved(const SE3& T_b_c, const Matrix6d& covariance) {
   return A * covariance * A.transpose();
 }
 
-/// From the axes of the moving frame to the fixed ones.
-Matrix6d Turned(const Eigen::Matrix3d& R, const Matrix6d& covariance) {
-  Matrix6d A = Matrix6d::Zero();
-  A.topLeftCorner<3, 3>() = A.bottomRightCorner<3, 3>() = R;
-  return A * covariance * A.transpose();
-}
-
 }  // namespace
+
+Matrix6d AlongParentAxes(const SE3& T_parent_child, const Matrix6d& covariance) {
+  Matrix6d turn = Matrix6d::Zero();
+  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = T_parent_child.R();
+  return turn * covariance * turn.transpose();
+}
 
 BodyPose ToBody(const SE3& T_b_c, const CameraPose& camera) {
   const SE3 T_c_b = T_b_c.Inverse();
@@ -28,7 +27,7 @@ BodyPose ToBody(const SE3& T_b_c, const CameraPose& camera) {
   body.T_map_odom = of_body(camera.T_w_odom);
   body.T_odom_b = of_body(camera.T_odom_c);
   body.T_map_b = body.T_map_odom * body.T_odom_b;
-  body.covariance = Turned(body.T_odom_b.R(), Moved(T_b_c, camera.covariance));
+  body.covariance = AlongParentAxes(body.T_odom_b, Moved(T_b_c, camera.covariance));
   if (!camera.dt_s) return body;
   const double rate = 1.0 / *camera.dt_s;
   body.velocity = rate * of_body(camera.T_prev_c).Log();

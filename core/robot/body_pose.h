@@ -37,6 +37,10 @@ struct BodyPose {
   Matrix6d velocity_covariance = Matrix6d::Zero();
 };
 
+/// Returns the covariance of a right perturbation [translation; rotation] of a pose with this rotation, as everywhere in
+/// plslam, along the axes of the parent.
+Matrix6d AlongParentAxes(const SE3& T_parent_child, const Matrix6d& covariance);
+
 /// `T_b_c` is that of `BodyFromCamera`.
 BodyPose ToBody(const SE3& T_b_c, const CameraPose& camera);
 

@@ -42,7 +42,7 @@ void LiveMessages::WriteCameraPose(const robot::CameraPose& pose) {
   RosOdometry odometry;
   odometry.t_ns = pose.t_ns;
   odometry.T_parent_child = pose.T_w_odom * pose.T_odom_c * T_c_l_;
-  odometry.covariance = AlongParentAxes(odometry.T_parent_child, to_l * pose.covariance * to_l.transpose());
+  odometry.covariance = robot::AlongParentAxes(odometry.T_parent_child, to_l * pose.covariance * to_l.transpose());
   if (pose.dt_s) {
     odometry.velocity = (T_l_c * pose.T_prev_c * T_c_l_).Log() / *pose.dt_s;
     odometry.velocity_covariance = to_l * pose.motion_covariance * to_l.transpose() / (*pose.dt_s * *pose.dt_s);

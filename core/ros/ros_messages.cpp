@@ -117,13 +117,6 @@ std::string RosTransforms(int64_t t_ns, const std::vector<RosTransform>& transfo
   return std::move(cdr).Take();
 }
 
-Matrix6d AlongParentAxes(const SE3& T_parent_child, const Matrix6d& covariance) {
-  Matrix6d turn = Matrix6d::Zero();
-  turn.topLeftCorner<3, 3>() = T_parent_child.rotation().toRotationMatrix();
-  turn.bottomRightCorner<3, 3>() = turn.topLeftCorner<3, 3>();
-  return turn * covariance * turn.transpose();
-}
-
 std::string RosOdometryMessage(const RosOdometry& odometry) {
   CdrWriter cdr;
   PutHeader(cdr, odometry.t_ns, odometry.parent);

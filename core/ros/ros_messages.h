@@ -38,9 +38,6 @@ struct RosOdometry {
 };
 /// nav_msgs/msg/Odometry.
 std::string RosOdometryMessage(const RosOdometry& odometry);
-/// Returns the covariance of a right perturbation [translation; rotation] of a pose with this rotation, as everywhere in
-/// plslam, along the axes of the parent.
-Matrix6d AlongParentAxes(const SE3& T_parent_child, const Matrix6d& covariance);
 
 /// The frame in which maps are written: p_frame = T_frame_w p_w.
 struct RosView {

@@ -68,7 +68,7 @@ class Ros2 : public testing::Test {
   bool LogHas(const std::string& text) const {
     return WholeRun::WaitFor([&] { return Log().find(text) != std::string::npos; });
   }
-  /// What the robot heard; warnings of Fast DDS come before.
+  /// The messages that the robot received; warnings of Fast DDS come before.
   json Heard() const {
     const std::string text = Log("robot.json");
     const size_t begin = text.rfind("\n{") == std::string::npos ? text.find('{') : text.rfind("\n{") + 1;

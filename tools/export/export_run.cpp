@@ -41,8 +41,7 @@ struct OngoingExport {
   std::unique_ptr<KeyframeImages> images;
   std::vector<ExportedFile> files;
   std::optional<ColmapModel> model;
-  bool has_features = true;   ///< of the keyframes, if there is a map
-  bool is_first_part = true;  ///< of a map that is not connected; surfaces are written once for all
+  bool has_features = true;  ///< of the keyframes, if there is a map
 
   const Map& map() const { return source.map->map; }
   std::string Path(const std::string& name) const { return out + "/" + name; }
@@ -151,20 +150,9 @@ void ExportAsMcap(OngoingExport& e) {
   e.AddFile("foxglove_layout.json", "layout for Foxglove and Lichtblick: Layouts, Import from file");
 }
 
-/// Its name is that of the format.
-void ExportSurfaces(const std::string& kind, OngoingExport& e) {
-  if (!e.is_first_part) return;
-  std::vector<std::string> names = WriteSurfaceFiles(e.source.map_path, e.out, kind);
-  const std::string frames = std::move(names.back());
-  names.pop_back();
-  for (const std::string& name : names) e.AddFile(name, "of the surfaces of the map (docs/planning.md)");
-  if (std::ranges::none_of(e.files, [&](const ExportedFile& file) { return file.path == e.Path(frames); }))
-    e.AddFile(frames, "frames of the surfaces");
-}
-
 struct Writer {
   ExportFormat format;
-  void (*write)(OngoingExport&);
+  void (*write)(OngoingExport&);  ///< nullptr: written with all others that need surfaces (ExportSurfaces)
 };
 
 const std::vector<Writer>& Writers() {
@@ -181,14 +169,11 @@ const std::vector<Writer>& Writers() {
       {{"euroc", "poses: t_ns,px,py,pz,qw,qx,qy,qz", false},
        [](OngoingExport& e) { ExportPoses(TrajectoryFormat::kEuroc, e); }},
       {{"mcap", "messages of ROS 2 (Foxglove, Lichtblick, Rerun, ros2 bag), and a layout", false}, ExportAsMcap},
-      {{"cloud", "points of the surfaces, PLY (maps saved with --dense)", true, true, true},
-       [](OngoingExport& e) { ExportSurfaces("cloud", e); }},
-      {{"mesh", "the surfaces as triangles, PLY", true, true, true},
-       [](OngoingExport& e) { ExportSurfaces("mesh", e); }},
-      {{"octomap", "free and occupied voxels for OctoMap (map.bt, map.ot)", true, true, true},
-       [](OngoingExport& e) { ExportSurfaces("octomap", e); }},
+      {{"cloud", "points of the surfaces, PLY (maps saved with --dense)", true, true, true}, nullptr},
+      {{"mesh", "the surfaces as triangles, PLY", true, true, true}, nullptr},
+      {{"octomap", "free and occupied voxels for OctoMap (map.bt, map.ot)", true, true, true}, nullptr},
       {{"grid", "grid of the floor for nav2 (map.pgm, map.yaml), distances, heights and the path", true, true, true},
-       [](OngoingExport& e) { ExportSurfaces("grid", e); }}};
+       nullptr}};
   return kWriters;
 }
 
@@ -254,9 +239,27 @@ void CheckContent(const ExportRequest& request, const OngoingExport& e) {
   }
 }
 
+bool IsWanted(const ExportRequest& request, const OngoingExport& e, const ExportFormat& format) {
+  return request.formats.empty() ? Has(e, format) : IsNamed(request.formats, format.name);
+}
+
 void WriteFormats(const ExportRequest& request, OngoingExport& e) {
   for (const auto& [format, write] : Writers()) {
-    if (request.formats.empty() ? Has(e, format) : IsNamed(request.formats, format.name)) write(e);
+    if (write != nullptr && IsWanted(request, e, format)) write(e);
+  }
+}
+
+/// The surfaces are read and merged once for all their formats, and for all parts of a map.
+void ExportSurfaces(const ExportRequest& request, OngoingExport& e) {
+  std::vector<std::string> kinds;
+  for (const ExportFormat& format : ExportFormats()) {
+    if (format.needs_surfaces && IsWanted(request, e, format)) kinds.push_back(format.name);
+  }
+  if (kinds.empty()) return;
+  for (const std::string& name : WriteSurfaceFiles(e.source.map_path, request.out, kinds)) {
+    const bool is_frames = name == "frames.json";
+    e.files.push_back({request.out + "/" + name,
+                       is_frames ? "frames of the surfaces" : "of the surfaces of the map (docs/planning.md)"});
   }
 }
 
@@ -283,8 +286,7 @@ void WriteParts(const ExportRequest& request, OngoingExport& e) {
   for (size_t i = 0; i < parts.size(); ++i) {
     e.source.map->map = PartOf(whole, parts[i]);
     e.model.reset();
-    e.is_first_part = i == 0;
-    if (!e.is_first_part) {
+    if (i > 0) {
       e.source.frames.clear();
       e.source.folder.clear();
       e.out = fmt::format("{}/part{}", request.out, i + 1);
@@ -328,6 +330,7 @@ std::vector<ExportedFile> ExportRun(const ExportRequest& request) {
   try {
     if (run) WriteLog(*run, e);
     WriteParts(request, e);
+    ExportSurfaces(request, e);
     AddLeftOut(request, e);
   } catch (...) {
     std::error_code ignored;

@@ -11,10 +11,12 @@
 #include <filesystem>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "core/io/files/shared_file.h"
+#include "core/process/argument_vector.h"
 
 namespace plslam::exports {
 namespace {
@@ -35,10 +37,7 @@ Output Run(std::vector<std::string> words) {
   posix_spawn_file_actions_init(&files);
   posix_spawn_file_actions_adddup2(&files, ends[1], STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&files, ends[1], STDERR_FILENO);
-  std::vector<char*> arguments;
-  arguments.reserve(words.size() + 1);
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
+  const std::vector<char*> arguments = ArgumentVector(words);
   pid_t pid = -1;
   const int error = posix_spawn(&pid, arguments[0], &files, nullptr, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&files);
@@ -68,8 +67,10 @@ bool HasSurfaces(const std::string& map_path) {
 }
 
 std::vector<std::string> WriteSurfaceFiles(const std::string& map_path, const std::string& out,
-                                           const std::string& kind) {
-  const Output output = Run({ProgramFolder() / kProgram, map_path, "--out", out, "--format", kind});
+                                           const std::vector<std::string>& kinds) {
+  std::vector<std::string> words{ProgramFolder() / kProgram, map_path, "--out", out, "--format"};
+  words.insert(words.end(), kinds.begin(), kinds.end());
+  const Output output = Run(std::move(words));
   std::istringstream text(output.text);
   std::vector<std::string> lines;
   for (std::string line; std::getline(text, line);) lines.push_back(line);

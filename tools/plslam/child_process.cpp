@@ -14,6 +14,7 @@
 #include <stdexcept>
 
 #include "core/errors/error_text.h"
+#include "core/process/argument_vector.h"
 
 namespace plslam::launcher {
 namespace {
@@ -79,10 +80,7 @@ ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vect
                            const std::filesystem::path& log, int niceness, EndedBy ended_by) {
   std::vector<std::string> words = {program.string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> argv;
-  argv.reserve(words.size() + 1);
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
+  const std::vector<char*> argv = ArgumentVector(words);
   const SpawnWishes wishes(log, ended_by);
   const int error = posix_spawn(&pid_, program.c_str(), &wishes.files, &wishes.attributes, argv.data(), environ);
   if (error != 0) {

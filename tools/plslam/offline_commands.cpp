@@ -18,6 +18,7 @@
 
 #include "core/errors/standard_streams.h"
 #include "core/io/files/shared_file.h"
+#include "core/process/argument_vector.h"
 
 namespace plslam::launcher {
 namespace {
@@ -64,10 +65,7 @@ int RunOfflineCommand(char** argv) {
 int WaitForOfflineCommand(std::vector<std::string> arguments) {
   const std::string program = OfflineProgram();
   arguments.insert(arguments.begin(), "plslam");
-  std::vector<char*> words;
-  words.reserve(arguments.size() + 1);
-  for (std::string& argument : arguments) words.push_back(argument.data());
-  words.push_back(nullptr);
+  const std::vector<char*> words = ArgumentVector(arguments);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   sigset_t interrupt;

@@ -11,6 +11,7 @@
 
 #include "core/errors/standard_streams.h"
 #include "core/io/files/shared_file.h"
+#include "core/process/argument_vector.h"
 #include "tools/plslam/commands.h"
 #include "tools/plslam/run_options.h"
 
@@ -21,11 +22,7 @@ namespace {
 int Become(const char* name, const char* packages, std::vector<std::string> arguments) {
   const std::string program = (ProgramFolder() / name).string();
   arguments.insert(arguments.begin(), program);
-  std::vector<char*> words;
-  words.reserve(arguments.size() + 1);
-  for (std::string& argument : arguments) words.push_back(argument.data());
-  words.push_back(nullptr);
-  execv(program.c_str(), words.data());
+  execv(program.c_str(), ArgumentVector(arguments).data());
   PrintError(fmt::format("plslam: error: the program {} is missing: install the package {}, and build again", program,
                          packages));
   return 1;

@@ -32,7 +32,7 @@ struct RunOptions {
   std::filesystem::path map;
   bool localise_only = false;
   std::filesystem::path save_map;
-  /// What the adjustment of the whole map after the run estimates of the camera; empty: no adjustment.
+  /// The part of the camera that the adjustment of the whole map after the run estimates; empty: no adjustment.
   std::string refine;
   std::string config_file;
   std::vector<std::string> overrides;

@@ -24,6 +24,7 @@ std::vector<std::string> WriteSurfaces(const SurfacesRequest& request) {
   const dense::Products products =
       dense::MakeProducts(surfaces, poses, VerticalOf(stored.map), path, request.robot_height_m);
   std::filesystem::create_directories(request.out);
+  dense::WriteFrames(request.out, products);
   std::vector<std::string> names;
   for (const auto& [name, kind] : dense::kProductKinds) {
     if (std::ranges::find(request.kinds, std::string_view(name)) == request.kinds.end()) continue;
@@ -34,7 +35,6 @@ std::vector<std::string> WriteSurfaces(const SurfacesRequest& request) {
     }
     for (std::string& file : dense::WriteProducts(request.out, products, kind)) names.push_back(std::move(file));
   }
-  dense::WriteFrames(request.out, products);
   names.emplace_back("frames.json");
   return names;
 }

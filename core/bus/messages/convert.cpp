@@ -70,7 +70,6 @@ std::optional<std::vector<MaskPolygon>> FromPolygons(const std::vector<polygon_t
 // Follows the model of a camera with a rolling shutter; the readout in milliseconds follows it. The layout of the
 // message is that of logs of earlier versions.
 constexpr std::string_view kRolling = " rolling ";
-constexpr double kMaxReadout_ms = 1000.0;
 
 std::string RollingText(double readout_ms) {
   if (readout_ms == 0.0) return "";

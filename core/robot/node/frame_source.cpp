@@ -105,7 +105,7 @@ void FrameSource::UseRig(RigCalibration rig) {
   if (bytes == rig_bytes_) return;
   CheckRig(rig);
   if (settings_.camera.empty()) {
-    // Those of a camera file are printed when it is read.
+    // Warnings of a camera file are printed when it is read.
     Notes notes;
     const std::string remedy = "P[3] is in metres times pixels; where it is not, give " + settings_.camera_option;
     WarnOfLongBaseline("CameraInfo", rig, remedy, &notes);

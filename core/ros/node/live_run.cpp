@@ -21,7 +21,7 @@
 namespace plslam::bus {
 namespace {
 
-/// Of diagnostic_msgs/DiagnosticStatus.
+/// The levels of diagnostic_msgs/DiagnosticStatus.
 enum DiagnosticLevel { kOk = 0, kWarn = 1, kError = 2 };
 
 DiagnosticLevel LevelOf(std::string_view state) {

@@ -198,7 +198,7 @@ TEST(ForeignMessages, CameraInfosMakeARig) {
   EXPECT_EQ(rig.right.width_px, 376);
 }
 
-robot::BodyPose SomeBody() {
+robot::BodyPose TurnedBody() {
   robot::BodyPose body;
   body.t_ns = 12'000'000'345'000;
   body.T_map_odom = SE3(Eigen::Quaterniond(Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ())), {1, 2, 3});
@@ -212,7 +212,7 @@ robot::BodyPose SomeBody() {
 }
 
 TEST(ForeignMessages, BotPoseIsTheBodyInTheMap) {
-  const robot::BodyPose body = SomeBody();
+  const robot::BodyPose body = TurnedBody();
   const bot_core::pose_t pose = ToBotPose(body);
   EXPECT_EQ(pose.utime, 12'000'000'345);
   EXPECT_THAT(pose.vel, ElementsAre(1, 2, 3));
@@ -223,7 +223,7 @@ TEST(ForeignMessages, BotPoseIsTheBodyInTheMap) {
 }
 
 TEST(ForeignMessages, OdometryIsTheBodyInOdom) {
-  robot::BodyPose body = SomeBody();
+  robot::BodyPose body = TurnedBody();
   nav_msgs::Odometry odometry = ToOdometry(body);
   EXPECT_EQ(odometry.header.frame_id, "odom");
   EXPECT_EQ(odometry.child_frame_id, "base_link");
@@ -240,7 +240,7 @@ TEST(ForeignMessages, OdometryIsTheBodyInOdom) {
 }
 
 TEST(ForeignMessages, TransformsGoFromMapOverOdomToTheBody) {
-  const tf2_msgs::TFMessage message = ToTransforms(SomeBody());
+  const tf2_msgs::TFMessage message = ToTransforms(TurnedBody());
   ASSERT_EQ(message.transforms_length, 2);
   EXPECT_EQ(message.transforms[0].header.frame_id + ">" + message.transforms[0].child_frame_id, "map>odom");
   EXPECT_EQ(message.transforms[1].header.frame_id + ">" + message.transforms[1].child_frame_id, "odom>base_link");

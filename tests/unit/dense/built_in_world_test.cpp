@@ -94,6 +94,10 @@ class RoomProducts : public testing::Test {
     delete products_;
     delete seen_;
   }
+  static void WriteAll(const std::filesystem::path& folder) {
+    for (const auto& [name, kind] : kProductKinds) WriteProducts(folder, *products_, kind);
+    WriteFrames(folder, *products_);
+  }
 
   static SeenWorld* seen_;
   static Products* products_;
@@ -147,8 +151,7 @@ TEST_F(RoomProducts, FloorIsLevel) {
 TEST_F(RoomProducts, MapServerReadsTheGrid) {
   const std::filesystem::path folder = testing::TempDir() + "dense_products";
   std::filesystem::create_directories(folder);
-  for (const auto& [name, kind] : kProductKinds) WriteProducts(folder, *products_, kind);
-  WriteFrames(folder, *products_);
+  WriteAll(folder);
   const std::string yaml = ReadText(folder / "map.yaml");
   std::smatch found;
   ASSERT_TRUE(std::regex_search(yaml, found, std::regex("origin: \\[([^,]+), ([^,]+), 0.0\\]")));
@@ -176,7 +179,7 @@ TEST_F(RoomProducts, PythonReadsThemAsArrays) {
   const std::string python = plslam::test::PythonWithNumpy();
   if (python.empty()) GTEST_SKIP() << "no Python with numpy here";
   const ScratchFolder folder;
-  for (const auto& [name, kind] : kProductKinds) WriteProducts(folder.Path(""), *products_, kind);
+  WriteAll(folder.Path(""));
   folder.Write("program.py", R"py(
 import json, plslam
 mesh, cloud, grid = plslam.read_surface("mesh.ply"), plslam.read_surface("cloud.ply"), plslam.read_grid(".")
@@ -222,8 +225,7 @@ print(json.dumps({
 TEST_F(RoomProducts, OctomapReadsTheTree) {
   const std::filesystem::path folder = testing::TempDir() + "dense_octomap";
   std::filesystem::create_directories(folder);
-  for (const auto& [name, kind] : kProductKinds) WriteProducts(folder, *products_, kind);
-  WriteFrames(folder, *products_);
+  WriteAll(folder);
   octomap::OcTree tree(0.1);
   ASSERT_TRUE(tree.readBinary((folder / "map.bt").string()));
   EXPECT_DOUBLE_EQ(tree.getResolution(), 0.05);

@@ -23,6 +23,7 @@
 #include "core/errors/error_text.h"
 #include "core/io/images/image_header.h"
 #include "core/io/images/jpeg_codec.h"
+#include "core/robot/body_pose.h"
 #include "core/ros/level_frame.h"
 #include "core/ros/ros_definitions.h"
 #include "core/ros/ros_messages.h"
@@ -255,7 +256,7 @@ class Exporter {
     odometry.T_parent_child = pose.T_a_b;
     const auto covariance = tables_.covariances.find(pose.t_ns);
     if (covariance != tables_.covariances.end()) {
-      odometry.covariance = AlongParentAxes(pose.T_a_b, covariance->second);
+      odometry.covariance = robot::AlongParentAxes(pose.T_a_b, covariance->second);
     }
     // A frame after a lost one has no motion since the previous frame.
     const auto motion = tables_.motion_covariances.find(pose.t_ns);

@@ -306,7 +306,7 @@ void DenseNode::Fuse(const Waiting& waiting, const KeyframePoses& poses) {
 
 bool DenseNode::IsOver() const {
   if (!ended_ || quiet_ticks_ <= kQuietTicks) return false;
-  const bool complete = vo_finished_ && (!newest_ || committed_.Has(newest_->first, newest_->second));
+  const bool complete = vo_finished_ && newest_ && committed_.Has(newest_->first, newest_->second);
   return complete || quiet_ticks_ > kQuietTicksForTheMap;
 }
 
@@ -321,9 +321,14 @@ void DenseNode::OnTick() {
 
 void DenseNode::Write() {
   dirty_ = false;
-  if (!map_) return;
+  const Map& map = sparse_->replica().map();
+  const size_t n_missing = CountMissing(map);
+  if (!map_) {
+    if (n_missing > 0)
+      failure_ = fmt::format("no surfaces: no keyframe of {} was received with its images", n_missing);
+    return;
+  }
   try {
-    const Map& map = sparse_->replica().map();
     const KeyframePoses poses = PosesOf(map);
     const Products products =
         MakeProducts(*map_, poses, VerticalOf(map), PathOf(poses, 0.5 * map_->voxel_m()), options_.robot_height_m);
@@ -336,22 +341,22 @@ void DenseNode::Write() {
       process_.Warn("no_floor", "no grid is written: the map has no horizontal surface that could be the floor");
     }
     failure_.clear();
-    WarnOfMissing();
+    if (n_missing > 0) {
+      process_.Warn(
+          "surfaces_missing",
+          fmt::format("{} keyframes are not in the surfaces: dense_process did not receive their images (it "
+                      "started later, or was killed), or was too slow for a live stream",
+                      n_missing));
+    }
   } catch (const std::exception& error) {
     failure_ = error.what();
   }
 }
 
-/// Images are not resent to a process that starts late, or replaces one that was killed.
-void DenseNode::WarnOfMissing() {
-  const int64_t n_without = n_without_images_ + std::ranges::count_if(waiting_, [](const auto& waiting) {
-                              return !waiting.second.images.has_value();
-                            });
-  if (n_without + n_dropped_ == 0) return;
-  process_.Warn("surfaces_missing",
-                fmt::format("{} keyframes are not in the surfaces: dense_process did not receive their "
-                            "images (it started later, or was killed), or was too slow for a live stream",
-                            n_without + n_dropped_));
+/// Images are not resent to a process that starts late, or replaces one that was killed; live, the oldest are dropped.
+size_t DenseNode::CountMissing(const Map& map) const {
+  return static_cast<size_t>(std::ranges::count_if(
+      LastingPosesOf(map), [this](const auto& keyframe) { return !map_ || !map_->Has(keyframe.first); }));
 }
 
 bus::ProcessSpec DenseSpec() {

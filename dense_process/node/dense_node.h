@@ -73,7 +73,7 @@ class DenseNode {
   void Write();
   void WriteSurfaces(const std::string& path);
   void KeepState();
-  void WarnOfMissing();
+  size_t CountMissing(const Map& map) const;
 
   bus::Process& process_;
   DenseOptions options_;

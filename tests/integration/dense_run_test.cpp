@@ -129,7 +129,7 @@ TEST_F(DenseRun, KilledProcessContinuesFromItsState) {
   WholeRun run;
   run.Start({"run", "synthetic:room?size=376x240&frames=300", "--dense"});
   ASSERT_TRUE(WholeRun::WaitFor([&] { return std::filesystem::exists(run.out() / ".dense_state"); })) << run.Logs();
-  ASSERT_EQ(kill(run.PidOf("dense_process"), SIGKILL), 0);
+  ASSERT_TRUE(run.Signal("dense_process", SIGKILL));
   EXPECT_EQ(run.Wait(), 0) << run.Logs();
   EXPECT_THAT(run.Logs(), HasSubstr("continuing the surfaces of"));
   EXPECT_EQ(run.Summary()["processes"]["dense"]["restarts"], 1);
@@ -139,12 +139,21 @@ TEST_F(DenseRun, KilledProcessContinuesFromItsState) {
 
 TEST_F(DenseRun, KeyframesWithoutImagesAreReported) {
   WholeRun run;
-  run.Start({"run", "synthetic:room?size=376x240&frames=300", "--dense"});
+  run.Start({"run", "synthetic:room?size=376x240&frames=600", "--dense"});
   const std::filesystem::path state = run.out() / ".dense_state";
   ASSERT_TRUE(WholeRun::WaitFor([&] { return std::filesystem::exists(state); })) << run.Logs();
+  // Keyframes follow that the next process receives with their images.
+  ASSERT_TRUE(run.Signal("player", SIGSTOP));
+  const pid_t first = run.PidOf("dense_process");
+  ASSERT_TRUE(run.Signal("dense_process", SIGSTOP));  // otherwise it could write its state again
   // Without its state the next process has the keyframes of the histories, but not their images.
   std::filesystem::remove(state);
-  ASSERT_EQ(kill(run.PidOf("dense_process"), SIGKILL), 0);
+  ASSERT_TRUE(run.Signal("dense_process", SIGKILL));
+  ASSERT_TRUE(WholeRun::WaitFor([&] {
+    const pid_t next = run.PidOf("dense_process");
+    return next != -1 && next != first;
+  })) << run.Logs();
+  ASSERT_TRUE(run.Signal("player", SIGCONT));
   EXPECT_EQ(run.Wait(), 0) << run.Logs();
   EXPECT_THAT(run.Summary()["warnings"].dump(), HasSubstr("surfaces_missing"));
 }

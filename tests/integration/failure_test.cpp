@@ -158,7 +158,7 @@ TEST(RunFailure, InterruptDuringMapperRestartSavesTheMap) {
   const std::string map = (run.folder() / "room.plmap").string();
   run.Start(LongRunSaving(run, map));
   ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
-  ASSERT_EQ(kill(run.PidOf("mapping_process"), SIGKILL), 0);
+  ASSERT_TRUE(run.Signal("mapping_process", SIGKILL));
   ASSERT_TRUE(WholeRun::WaitFor([&] { return HasLine(run, "mapping_process was ended by SIGKILL"); })) << run.Logs();
   run.process().Signal(SIGINT);
   EXPECT_EQ(run.Wait(60), 0) << run.Logs();
@@ -169,7 +169,7 @@ TEST(RunFailure, InterruptDuringViewerRestartWritesTrajectory) {
   WholeRun run;
   run.Start(LongRun(run));
   ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
-  ASSERT_EQ(kill(run.PidOf("viewer_headless"), SIGKILL), 0);
+  ASSERT_TRUE(run.Signal("viewer_headless", SIGKILL));
   ASSERT_TRUE(WholeRun::WaitFor([&] { return HasLine(run, "viewer_headless was ended by SIGKILL"); })) << run.Logs();
   run.process().Signal(SIGINT);
   EXPECT_EQ(run.Wait(60), 0) << run.Logs();
@@ -328,7 +328,7 @@ TEST(RunFailure, TrackerWhoseStateIsDamagedBeginsANewSession) {
   run.Start({"run", "synthetic:room?frames=60&size=376x240", "--url", watcher.url()});
   ASSERT_TRUE(watcher.WaitForFrame(20)) << run.Logs();
   const std::filesystem::path state = run.out() / ".vo_state";
-  ASSERT_EQ(kill(run.PidOf("vo_process"), SIGKILL), 0);
+  ASSERT_TRUE(run.Signal("vo_process", SIGKILL));
   std::filesystem::resize_file(state, std::filesystem::file_size(state) / 2);
   ASSERT_EQ(run.Wait(), 0) << run.Logs();
   EXPECT_THAT(run.Logs(), HasSubstr("starting a new session: "));

@@ -106,7 +106,7 @@ TEST_P(Fleet, TwoRobotsWithTheirOwnPrefixesMakeOneMap) {
   second.Start(Robot(port.Url(), "bob/", *GetParam().second_camera, 80, 240));
   if (GetParam().is_killed) {
     ASSERT_TRUE(shared.WaitForKeyframes(12)) << second.Logs();
-    ASSERT_EQ(kill(second.PidOf("vo_process"), SIGKILL), 0);
+    ASSERT_TRUE(second.Signal("vo_process", SIGKILL));
   }
   EXPECT_EQ(first.Wait(), 0) << first.Logs();
   EXPECT_EQ(second.Wait(), 0) << second.Logs();

@@ -83,6 +83,11 @@ pid_t WholeRun::PidOf(const std::string& executable) const {
   return -1;
 }
 
+bool WholeRun::Signal(const std::string& executable, int signal) const {
+  const pid_t pid = PidOf(executable);
+  return pid > 0 && kill(pid, signal) == 0;
+}
+
 std::vector<pid_t> WholeRun::Pids() const {
   std::vector<pid_t> pids = {process_->pid()};
   const std::string parent = "\nPPid:\t" + std::to_string(process_->pid()) + "\n";

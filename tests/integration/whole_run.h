@@ -43,6 +43,8 @@ class WholeRun {
   bool ended() const { return process_->Poll().has_value(); }
   /// Returns the process id of a running executable that this run started; -1 if there is none.
   pid_t PidOf(const std::string& executable) const;
+  /// Signals the running executable that this run started; false if there is none.
+  bool Signal(const std::string& executable, int signal) const;
   /// Ids of `plslam` itself and of its running child processes.
   std::vector<pid_t> Pids() const;
 

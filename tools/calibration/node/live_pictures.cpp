@@ -118,6 +118,7 @@ class BoardWatch {
   void Look(const StereoImages& images, const BoardView& left, const BoardView& right) {
     const bool in_left = !left.corners.empty(), in_right = !right.corners.empty();
     ++looks_;
+    last_images_ = images;
     if (in_left || in_right || left.contradicts || right.contradicts) {
       ++looks_at_board_;
       faults_.Count(left);
@@ -127,19 +128,20 @@ class BoardWatch {
     }
     const int looks = looks_at_board_ > 0 ? looks_at_board_ : looks_;
     if (!fault_.empty() || looks % kLooksForAFault != 0) return;
-    fault_ = Fault(images);
+    fault_ = Fault();
     if (!fault_.empty()) fmt::print("{}\n", fault_);
     std::fflush(stdout);
   }
 
-  /// A sentence; empty if the only fault is that no board was static.
-  const std::string& fault() const { return fault_; }
+  /// A sentence after the last image, also of a short or slow session; empty if the only fault is that no board was
+  /// static.
+  std::string FaultAtTheEnd() const { return fault_.empty() && looks_ > 0 ? Fault() : fault_; }
 
  private:
-  std::string Fault(const StereoImages& images) const {
+  std::string Fault() const {
     if (std::string contradiction = faults_.Contradiction(); !contradiction.empty()) return contradiction;
     if (looks_at_board_ == 0) {
-      const std::string other = OtherSizeSeen(board_, images.left);
+      const std::string other = OtherSizeSeen(board_, last_images_.left);
       return other.empty() ? "" : fmt::format("the board {} is not seen{}", BoardText(board_), other);
     }
     if (in_both_ > 0) return "";
@@ -152,6 +154,7 @@ class BoardWatch {
   Board board_;
   BoardFaults faults_;
   int looks_ = 0, looks_at_board_ = 0, in_both_ = 0, in_left_ = 0;
+  StereoImages last_images_;
   std::string fault_;
 };
 
@@ -184,7 +187,7 @@ class LiveSession {
   /// Pairs that are written whole.
   int pictures() const { return static_cast<int>(pictures_.size()); }
   std::optional<double> first_frame_s() const { return first_frame_s_; }
-  const std::string& fault() const { return watch_.fault(); }
+  std::string FaultAtTheEnd() const { return watch_.FaultAtTheEnd(); }
 
  private:
   Board board_;
@@ -207,7 +210,7 @@ std::string FailureOf(const std::function<void()>& f) {
 
 std::string WhyNoPicture(const Board& board, const LiveSession& session, double took_s) {
   if (!session.first_frame_s()) return fmt::format("the cameras sent no images within {:.1f} s", took_s);
-  if (!session.fault().empty()) return session.fault();
+  if (const std::string fault = session.FaultAtTheEnd(); !fault.empty()) return fault;
   return fmt::format("the board {} was never held still", BoardText(board));
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/refine/refine_map.h"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -343,15 +345,22 @@ void CorrectFeatures(const PairParameters& pair, const std::vector<int64_t>& key
   }
 }
 
+/// What the map, its features and the problem already take.
+double PeakMemoryOfThisProcess_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1e-3 * static_cast<double>(usage.ru_maxrss);
+}
+
 std::string DemandSentence(const MapProblem& problem, const BatchDemand& demand, const Map& map, bool camera) {
   const MapTotals totals = map.Totals();
   return fmt::format(
       "{} keyframes, {} points, {} lines, {} observations: each of two to eight passes is expected to take about "
       "{:.0f} s "
-      "and {:.0f} MB ({}){}",
+      "and {:.0f} MB in all ({}){}",
       totals.keyframes, totals.points, totals.lines,
       problem.batch.bundle.point_observations.size() + problem.batch.bundle.line_observations.size(),
-      std::ceil(demand.seconds), std::ceil(demand.memory_mb),
+      std::ceil(demand.seconds), std::ceil(PeakMemoryOfThisProcess_mb() + demand.memory_mb),
       demand.iterative ? "conjugate gradients with a cluster preconditioner" : "sparse factorisation",
       camera ? ", and the choice of the camera's parameters as long as five" : "");
 }

@@ -30,12 +30,12 @@ struct Column {
 void RemoveSmall(cv::Mat& cells, const cv::Mat& free, double cell_m) {
   const int least = static_cast<int>(std::ceil(kSmallest_m2 / (cell_m * cell_m) - 1e-6));
   cv::Mat labels, stats, centres;
-  const int n = cv::connectedComponentsWithStats(cells == GroundGrid::kOccupied, labels, stats, centres, 8);
+  const int n = cv::connectedComponentsWithStats(cells == OccupancyGrid::kOccupied, labels, stats, centres, 8);
   for (int y = 0; y < cells.rows; ++y) {
     for (int x = 0; x < cells.cols; ++x) {
       const int label = labels.at<int>(y, x);
       if (label == 0 || label >= n || stats.at<int>(label, cv::CC_STAT_AREA) >= least) continue;
-      cells.at<uint8_t>(y, x) = free.at<uint8_t>(y, x) != 0 ? GroundGrid::kFree : GroundGrid::kUnknown;
+      cells.at<uint8_t>(y, x) = free.at<uint8_t>(y, x) != 0 ? OccupancyGrid::kFree : OccupancyGrid::kUnknown;
     }
   }
 }
@@ -92,7 +92,7 @@ GroundGrid MakeGrid(const Volume& volume, const Floor& floor, double robot_heigh
       if (content == Content::kOccupied) column.top_m = std::max(column.top_m, static_cast<float>(above_m + 0.5 * v));
     }
   });
-  grid.cells = cv::Mat(height, width, CV_8UC1, cv::Scalar(GroundGrid::kUnknown));
+  grid.cells = cv::Mat(height, width, CV_8UC1, cv::Scalar(OccupancyGrid::kUnknown));
   grid.height_m = cv::Mat(height, width, CV_32FC1, cv::Scalar(std::numeric_limits<float>::quiet_NaN()));
   cv::Mat free = cv::Mat::zeros(height, width, CV_8UC1);
   for (int y = 0; y < height; ++y) {
@@ -101,26 +101,26 @@ GroundGrid MakeGrid(const Volume& volume, const Floor& floor, double robot_heigh
       const bool is_free = column.has_floor || column.n_free * v >= kLeastFree_m - 1e-9;
       free.at<uint8_t>(y, x) = is_free ? 255 : 0;
       if (column.n_occupied * v >= kLeastHeight_m - 1e-9) {
-        grid.cells.at<uint8_t>(y, x) = GroundGrid::kOccupied;
+        grid.cells.at<uint8_t>(y, x) = OccupancyGrid::kOccupied;
       } else if (is_free) {
-        grid.cells.at<uint8_t>(y, x) = GroundGrid::kFree;
+        grid.cells.at<uint8_t>(y, x) = OccupancyGrid::kFree;
       }
     }
   }
   for (const Eigen::Vector3d& p : path) {
     const Eigen::Vector2i cell = cell_of(p) - low;
-    grid.cells.at<uint8_t>(cell.y(), cell.x()) = GroundGrid::kFree;
+    grid.cells.at<uint8_t>(cell.y(), cell.x()) = OccupancyGrid::kFree;
   }
   RemoveSmall(grid.cells, free, v);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const uint8_t cell = grid.cells.at<uint8_t>(y, x);
-      if (cell == GroundGrid::kUnknown) continue;
+      if (cell == OccupancyGrid::kUnknown) continue;
       const Column& column = columns[static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)];
-      grid.height_m.at<float>(y, x) = cell == GroundGrid::kOccupied ? column.top_m : 0.0F;
+      grid.height_m.at<float>(y, x) = cell == OccupancyGrid::kOccupied ? column.top_m : 0.0F;
     }
   }
-  cv::distanceTransform(grid.cells != GroundGrid::kOccupied, grid.distance_m, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  cv::distanceTransform(grid.cells != OccupancyGrid::kOccupied, grid.distance_m, cv::DIST_L2, cv::DIST_MASK_PRECISE);
   grid.distance_m *= v;
   return grid;
 }

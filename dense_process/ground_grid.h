@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
+#include "core/map/occupancy_grid.h"
 #include "dense_process/level_frame.h"
 #include "dense_process/volume.h"
 
@@ -20,12 +21,10 @@ Content ContentOf(const Volume::Voxel& voxel, double voxel_m);
 
 /// A map of the floor for a robot: columns of voxels between the floor and the robot's height.
 struct GroundGrid {
-  static constexpr uint8_t kUnknown = 205, kFree = 254, kOccupied = 0;  ///< grey values of nav2's map_server
-
   double cell_m = 0.0;
   /// Lower left corner of the lower left cell, in the level frame.
   Eigen::Vector2d origin_m = Eigen::Vector2d::Zero();
-  cv::Mat cells;       ///< CV_8UC1; row 0 has the smallest y
+  cv::Mat cells;       ///< CV_8UC1, values of OccupancyGrid; row 0 has the smallest y
   cv::Mat height_m;    ///< CV_32FC1: top of the highest obstacle, or the floor, above the floor; NaN in unknown cells
   cv::Mat distance_m;  ///< CV_32FC1: to the nearest obstacle
 

@@ -108,6 +108,15 @@ Products MakeProducts(const DenseMap& map, const KeyframePoses& poses, const Ver
   return products;
 }
 
+OccupancyGrid ToOccupancyGrid(const Products& products) {
+  const GroundGrid& ground = products.grid;
+  const auto cell_of = [&](double x_m) { return static_cast<int>(std::lround(x_m / ground.cell_m)); };
+  OccupancyGrid grid{products.T_level_w.Inverse(), products.floor_m,  ground.cell_m,     cell_of(ground.origin_m.x()),
+                     cell_of(ground.origin_m.y()), ground.cells.cols, ground.cells.rows, {}};
+  if (!ground.cells.empty()) grid.cells.assign(ground.cells.datastart, ground.cells.dataend);
+  return grid;
+}
+
 std::string ToPly(const Surface& surface, bool with_faces) {
   std::string bytes = fmt::format(
       "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float "

@@ -35,6 +35,9 @@ std::vector<Eigen::Vector3d> PathOf(const KeyframePoses& poses, double step_m);
 Products MakeProducts(const DenseMap& map, const KeyframePoses& poses, const Vertical& vertical,
                       const std::vector<Eigen::Vector3d>& path_w, double robot_height_m);
 
+/// The grid of products with a floor, as the bus carries it.
+OccupancyGrid ToOccupancyGrid(const Products& products);
+
 /// Binary little-endian PLY: vertices with x, y, z, nx, ny, nz, red, green, blue; with faces, or as a cloud.
 std::string ToPly(const Surface& surface, bool with_faces);
 /// PGM as nav2's map_server reads it: row 0 has the largest y.

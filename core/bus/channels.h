@@ -118,6 +118,8 @@ inline constexpr Channel kCommand{
     "COMMAND", "command_t", "plslam, vo", Delivery::kEvery, Retention::kUnacknowledged, "commands to processes"};
 inline constexpr Channel kCommandAnswer{"COMMAND_ANSWER", "command_answer_t",         "mapping, player",
                                         Delivery::kEvery, Retention::kUnacknowledged, "results of commands"};
+inline constexpr Channel kGrid{"GRID",           "grid_t",        "dense",
+                               Delivery::kEvery, Retention::kAll, "tiles of the occupancy grid that have changed"};
 inline constexpr Channel kMask{"MASK",
                                "mask_t",
                                "detector of yours",

@@ -108,6 +108,11 @@ void LiveMessages::WriteMap(const Map& map) const {
   write_(ros_topic::kKeyframes, t, RosPoseArray(t, view.frame, keyframes));
 }
 
+void LiveMessages::WriteGrid(const OccupancyGrid& grid) const {
+  if (!left_ || grid.cells.empty()) return;
+  write_(ros_topic::kGrid, now_ns(), RosOccupancyGrid(now_ns(), grid, View()));
+}
+
 void LiveMessages::WritePath() const {
   if (!path_.empty()) write_(ros_topic::kPath, now_ns(), RosPath(now_ns(), View().frame, path_));
 }

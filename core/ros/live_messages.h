@@ -12,6 +12,7 @@
 #include "core/geometry/se3.h"
 #include "core/io/trajectories/trajectory.h"
 #include "core/map/map.h"
+#include "core/map/occupancy_grid.h"
 #include "core/robot/body_pose.h"
 #include "core/ros/ros_messages.h"
 #include "core/ros/ros_topics.h"
@@ -46,6 +47,8 @@ class LiveMessages {
   void WriteImage(int64_t t_ns, const cv::Mat& left) const;
   /// Writes points, lines, loops, keyframes and the static frame.
   void WriteMap(const Map& map) const;
+  /// Writes the occupancy grid, if it has cells.
+  void WriteGrid(const OccupancyGrid& grid) const;
   /// Writes the path, of 10,000 poses at most: in longer ones every second pose is removed.
   void WritePath() const;
   void WriteDiagnostic(RosDiagnostic diagnostic) const;

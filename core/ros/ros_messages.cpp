@@ -19,10 +19,14 @@ constexpr double kLineWidth_m = 0.01;
 constexpr double kLoopWidth_m = 0.03;
 constexpr Colour kLoopColour{220, 40, 40};
 
-void PutHeader(CdrWriter& cdr, int64_t t_ns, std::string_view frame) {
+void PutTime(CdrWriter& cdr, int64_t t_ns) {
   constexpr int64_t kSecond_ns = 1'000'000'000;
   cdr.Put(static_cast<int32_t>(t_ns / kSecond_ns));
   cdr.Put(static_cast<uint32_t>(t_ns % kSecond_ns));
+}
+
+void PutHeader(CdrWriter& cdr, int64_t t_ns, std::string_view frame) {
+  PutTime(cdr, t_ns);
   cdr.Put(frame);
 }
 
@@ -222,6 +226,24 @@ std::string RosLoops(int64_t t_ns, const Map& map, const RosView& view) {
     lines.push_back({from->T_w_kf.translation(), to->T_w_kf.translation(), kLoopColour});
   }
   return LineMarker(t_ns, "loops", view, kLoopWidth_m, lines);
+}
+
+std::string RosOccupancyGrid(int64_t t_ns, const OccupancyGrid& grid, const RosView& view) {
+  const SE3 T_frame_level = view.T_frame_w ? *view.T_frame_w * grid.T_w_level : grid.T_w_level;
+  const Eigen::Vector3d corner(grid.cell_m * grid.first_column, grid.cell_m * grid.first_row, grid.floor_m);
+  CdrWriter cdr;
+  PutHeader(cdr, t_ns, view.frame);
+  PutTime(cdr, t_ns);
+  cdr.Put(static_cast<float>(grid.cell_m));
+  cdr.Put(static_cast<uint32_t>(grid.n_columns));
+  cdr.Put(static_cast<uint32_t>(grid.n_rows));
+  Put(cdr, SE3(T_frame_level.rotation(), T_frame_level * corner));
+  std::string cells(grid.cells.size(), '\0');
+  std::ranges::transform(grid.cells, cells.begin(), [](uint8_t cell) {
+    return static_cast<char>(cell == OccupancyGrid::kUnknown ? -1 : cell == OccupancyGrid::kFree ? 0 : 100);
+  });
+  cdr.PutBytes(cells);
+  return std::move(cdr).Take();
 }
 
 std::string RosDiagnosticMessage(const RosDiagnostic& diagnostic) {

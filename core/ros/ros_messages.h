@@ -12,6 +12,7 @@
 #include "core/geometry/se3.h"
 #include "core/io/trajectories/trajectory.h"
 #include "core/map/map.h"
+#include "core/map/occupancy_grid.h"
 #include "core/ros/ros_topics.h"
 
 namespace plslam {
@@ -61,6 +62,10 @@ std::string RosPoints(int64_t t_ns, const Map& map, const RosView& view = {});
 std::string RosLines(int64_t t_ns, const Map& map, const RosView& view = {});
 /// The same: from keyframe to keyframe of each loop that was closed.
 std::string RosLoops(int64_t t_ns, const Map& map, const RosView& view = {});
+
+/// nav_msgs/msg/OccupancyGrid: 0 free, 100 occupied, -1 unknown. The origin, at the height of the floor, has the
+/// rotation of the level frame.
+std::string RosOccupancyGrid(int64_t t_ns, const OccupancyGrid& grid, const RosView& view = {});
 
 /// diagnostic_msgs/msg/DiagnosticArray of one status: level 0 fine, 1 warning, 2 error.
 struct RosDiagnostic {

@@ -77,6 +77,13 @@ inline constexpr RosTopic kLoops{
 inline constexpr RosTopic kKeyframes{
     "/keyframes", "geometry_msgs/msg/PoseArray", kRosMap, RosRate::kMap, RosQos::kLatched,
     true,         "poses of keyframes"};
+inline constexpr RosTopic kGrid{"/map/grid",
+                                "nav_msgs/msg/OccupancyGrid",
+                                kRosMap,
+                                RosRate::kMap,
+                                RosQos::kLatched,
+                                true,
+                                "occupancy grid of the floor, from dense_process"};
 inline constexpr RosTopic kDiagnostics{
     "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray",           "", RosRate::kStatus, RosQos::kReliable,
     true,           "state of each frame (export) or process (live)"};

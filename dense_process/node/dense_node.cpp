@@ -2,7 +2,6 @@
 #include "dense_process/node/dense_node.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
@@ -15,6 +14,7 @@
 #include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
 #include "core/errors/error_text.h"
+#include "core/errors/log.h"
 #include "core/errors/standard_streams.h"
 #include "core/geometry/image_mask.h"
 #include "core/map/vertical.h"
@@ -49,6 +49,9 @@ constexpr int kLeastCompared = 50;
 // The state is written after so many keyframes, and when the map has grown by a quarter: its cost is in proportion to the
 // map.
 constexpr size_t kStateEvery = 10;
+constexpr double kLeastGridInterval_ms = 2000.0;
+// Cosine of the angle of two verticals that are the same for the published grid: 0.3 degrees.
+constexpr double kSameVertical = 1.0 - 1.4e-5;
 
 double VoxelFor(const Keyframe& keyframe) {
   std::vector<double> depths_m;
@@ -66,7 +69,8 @@ void KeepNewest(std::map<int64_t, Value>& values) {
 
 }  // namespace
 
-DenseNode::DenseNode(bus::Process& process, const DenseOptions& options) : process_(process), options_(options) {
+DenseNode::DenseNode(bus::Process& process, const DenseOptions& options)
+    : process_(process), options_(options), grid_(process.bus()) {
   std::filesystem::create_directories(options_.out);
   // One thread: the tracker needs the other core.
   cv::setNumThreads(1);
@@ -88,7 +92,7 @@ DenseNode::DenseNode(bus::Process& process, const DenseOptions& options) : proce
   const std::string& earlier = has_state ? options_.state_file : options_.map_file;
   if (earlier.empty()) return;
   map_ = DenseMap::Read(earlier, options_.range_m);
-  spdlog::info("continuing the surfaces of {} keyframes in {}", map_->n_keyframes(), earlier);
+  LogInfo("continuing the surfaces of {} keyframes in {}", map_->n_keyframes(), earlier);
 }
 
 DenseNode::~DenseNode() {
@@ -106,7 +110,7 @@ void DenseNode::OnCamera(const RigCalibration& rig) {
   try {
     camera_.emplace(Camera{rig, Rectifier(rig)});
   } catch (const std::exception& error) {
-    spdlog::warn("the rig '{}' cannot be used: {}", rig.name, error.what());
+    LogWarning("the rig '{}' cannot be used: {}", rig.name, error.what());
   }
   FuseAll();
 }
@@ -177,7 +181,7 @@ void DenseNode::OnMap(const MapUpdate& update) {
   FollowMap(update.map_instance);
   committed_.Add(update);
   // A correction moves the surfaces.
-  dirty_ = dirty_ || (map_ && map_->n_keyframes() > 0);
+  if (map_ && map_->n_keyframes() > 0) dirty_ = grid_is_old_ = true;
   FuseAll();
 }
 
@@ -186,7 +190,7 @@ void DenseNode::OnMap(const MapUpdate& update) {
 void DenseNode::FollowMap(int64_t map_instance) {
   const int64_t before = std::exchange(map_instance_, map_instance);
   if (before == 0 || before == map_instance || map_instance % 2 == 0) return;
-  spdlog::info("the map was replaced: its surfaces are dropped");
+  LogInfo("the map was replaced: its surfaces are dropped");
   map_.reset();
   waiting_.clear();
 }
@@ -225,7 +229,7 @@ void DenseNode::KeepState() {
   try {
     WriteSurfaces(options_.state_file);
   } catch (const std::exception& error) {
-    if (!std::exchange(state_failed_, true)) spdlog::warn("the state for a restart is not written: {}", error.what());
+    if (!std::exchange(state_failed_, true)) LogWarning("the state for a restart is not written: {}", error.what());
   }
 }
 
@@ -288,7 +292,7 @@ void DenseNode::Fuse(const Waiting& waiting, const KeyframePoses& poses) {
     }
     if (!map_) map_.emplace(options_.voxel_m > 0.0 ? options_.voxel_m : VoxelFor(keyframe), options_.range_m);
     map_->Add({keyframe.session, keyframe.frame_id}, depth, left, camera_->rectifier.camera(), poses);
-    dirty_ = true;
+    dirty_ = grid_is_old_ = true;
     if (++n_since_state_ >= std::max<size_t>(kStateEvery, map_->n_keyframes() / 4)) KeepState();
     process_.SetCounter("depth_ms", matched_ms - began_ms);
     process_.SetCounter("fusion_ms", bus::NowMs() - matched_ms);
@@ -299,7 +303,7 @@ void DenseNode::Fuse(const Waiting& waiting, const KeyframePoses& poses) {
     process_.SetCounter("map_mb", 1e-6 * static_cast<double>(map_->bytes()));
     process_.SetState(process_state::kRunning);
   } catch (const std::exception& error) {
-    spdlog::warn("frame {} is not used for surfaces: {}", keyframe.frame_id, error.what());
+    LogWarning("frame {} is not used for surfaces: {}", keyframe.frame_id, error.what());
     process_.SetCounter("keyframes.bad", static_cast<double>(++n_bad_));
   }
 }
@@ -311,12 +315,35 @@ bool DenseNode::IsOver() const {
 }
 
 void DenseNode::OnTick() {
+  PublishGrid();
   ++quiet_ticks_;
   if ((!dirty_ && finished_) || !IsOver()) return;
   Write();
   finished_ = true;
   failure_.empty() ? process_.SetState(process_state::kFinished, "files in " + options_.out)
                    : process_.SetState(process_state::kFailed, failure_);
+}
+
+/// Live, for robots and viewers, in at most a tenth of the time of this process.
+void DenseNode::PublishGrid() {
+  const double began_ms = bus::NowMs();
+  if (!grid_is_old_ || !map_ || began_ms < next_grid_ms_) return;
+  grid_is_old_ = false;
+  try {
+    const Map& map = sparse_->replica().map();
+    const KeyframePoses poses = PosesOf(map);
+    // Small changes of the vertical would change all cells.
+    const Vertical vertical = VerticalOf(map);
+    if (!grid_vertical_ || vertical.up_w.dot(grid_vertical_->up_w) < kSameVertical) grid_vertical_ = vertical;
+    const Products products =
+        MakeProducts(*map_, poses, *grid_vertical_, PathOf(poses, 0.5 * map_->voxel_m()), options_.robot_height_m);
+    if (products.has_floor) grid_.Publish(ToOccupancyGrid(products));
+  } catch (const std::exception& error) {
+    LogWarning("no grid is published: {}", error.what());
+  }
+  const double took_ms = bus::NowMs() - began_ms;
+  process_.SetCounter("grid_ms", took_ms);
+  next_grid_ms_ = began_ms + std::max(kLeastGridInterval_ms, 10.0 * took_ms);
 }
 
 void DenseNode::Write() {
@@ -333,10 +360,11 @@ void DenseNode::Write() {
     const Products products =
         MakeProducts(*map_, poses, VerticalOf(map), PathOf(poses, 0.5 * map_->voxel_m()), options_.robot_height_m);
     for (const auto& [name, kind] : kProductKinds) WriteProducts(options_.out, products, kind);
+    if (products.has_floor) grid_.Publish(ToOccupancyGrid(products));
+    grid_is_old_ = false;
     WriteFrames(options_.out, products);
-    spdlog::info("surfaces of {} keyframes: {} triangles; grid of {} x {} cells of {} m", map_->n_keyframes(),
-                 products.surface.triangles.size(), products.grid.cells.cols, products.grid.cells.rows,
-                 map_->voxel_m());
+    LogInfo("surfaces of {} keyframes: {} triangles; grid of {} x {} cells of {} m", map_->n_keyframes(),
+            products.surface.triangles.size(), products.grid.cells.cols, products.grid.cells.rows, map_->voxel_m());
     if (!products.has_floor) {
       process_.Warn("no_floor", "no grid is written: the map has no horizontal surface that could be the floor");
     }

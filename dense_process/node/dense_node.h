@@ -9,9 +9,11 @@
 #include <vector>
 
 #include "core/bus/messages/frame_channel.h"
+#include "core/bus/messages/grid_channel.h"
 #include "core/bus/messages/keyframe_channel.h"
 #include "core/bus/messages/map_channel.h"
 #include "core/geometry/rectifier.h"
+#include "core/map/vertical.h"
 #include "core/process/process.h"
 #include "dense_process/body_mask.h"
 #include "dense_process/dense_map.h"
@@ -71,6 +73,7 @@ class DenseNode {
   void DropOldest();
   bool IsOver() const;
   void Write();
+  void PublishGrid();
   void WriteSurfaces(const std::string& path);
   void KeepState();
   size_t CountMissing(const Map& map) const;
@@ -92,6 +95,11 @@ class DenseNode {
   bool ended_ = false;
   bool dirty_ = false;
   bool finished_ = false;
+  /// The grid that was published does not contain all that was fused. The next one is made at this time.
+  bool grid_is_old_ = false;
+  double next_grid_ms_ = 0.0;
+  std::optional<Vertical> grid_vertical_;
+  bus::GridPublisher grid_;
   int quiet_ticks_ = 0;
   int64_t n_dropped_ = 0;
   size_t n_since_state_ = 0;

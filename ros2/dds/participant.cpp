@@ -35,6 +35,7 @@ const dds_topic_descriptor_t& DescriptorOf(std::string_view type) {
       Row{"tf2_msgs/msg/TFMessage", &tf2_msgs_msg_dds__TFMessage__desc},
       Row{"nav_msgs/msg/Odometry", &nav_msgs_msg_dds__Odometry__desc},
       Row{"nav_msgs/msg/Path", &nav_msgs_msg_dds__Path__desc},
+      Row{"nav_msgs/msg/OccupancyGrid", &nav_msgs_msg_dds__OccupancyGrid__desc},
       Row{"geometry_msgs/msg/PoseArray", &geometry_msgs_msg_dds__PoseArray__desc},
       Row{"sensor_msgs/msg/CompressedImage", &sensor_msgs_msg_dds__CompressedImage__desc},
       Row{"sensor_msgs/msg/CameraInfo", &sensor_msgs_msg_dds__CameraInfo__desc},

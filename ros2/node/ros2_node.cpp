@@ -2,7 +2,6 @@
 #include "ros2/node/ros2_node.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -17,6 +16,7 @@
 
 #include "core/bus/run_loop.h"
 #include "core/errors/error_text.h"
+#include "core/errors/log.h"
 #include "core/io/files/dataset_error.h"
 #include "core/run/process_names.h"
 #include "ros2/arguments.h"
@@ -164,7 +164,7 @@ void Ros2Node::UseInfos() {
   if (!frames_.has_rig()) {
     const std::string where = T_b_l ? "is on the body where /tf_static has it"
                                     : "looks along x of the body: /tf_static has no transform of it";
-    spdlog::info("the camera ({}) {}", Shown(left_frame_), where);
+    LogInfo("the camera ({}) {}", Shown(left_frame_), where);
   }
   auto infos = std::exchange(held_infos_, {});
   frames_.AddInfo(robot::Side::kLeft, *std::move(infos[0]));

@@ -14,12 +14,17 @@
 
 #include <Eigen/Core>
 
+#include "core/bus/channels.h"
+#include "core/bus/logs/log_reader.h"
 #include "core/datasets/synthetic/simulator.h"
+#include "core/map/occupancy_grid.h"
+#include "plslam/grid_t.hpp"
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/shell.h"
 #include "tests/support/text_file.h"
 #include "tests/unit/dense/seen_world.h"
+#include "tools/export/grid_files.h"
 
 namespace plslam {
 namespace {
@@ -58,6 +63,43 @@ TEST_F(DenseRun, SurfacesAndGridAreWritten) {
   const auto summary = run.Summary();
   EXPECT_EQ(summary["processes"]["dense"]["exit_code"], 0);
   EXPECT_TRUE(summary["warnings"].empty()) << summary["warnings"].dump();
+}
+
+TEST_F(DenseRun, GridOnTheBusIsThatOfTheFiles) {
+  WholeRun run;
+  ASSERT_EQ(run.Run({"run", kRoom, "--dense", "--record", run.log()}), 0) << run.Logs();
+  const ScratchFolder scratch;
+  const test::ShellResult exported = test::Shell(
+      scratch, fmt::format("'{}/plslam' export '{}' --format mcap --out '{}'", test::BinaryFolder().string(),
+                           run.out().string(), (run.folder() / "mcap").string()));
+  EXPECT_EQ(exported.exit_code, 0) << exported.error;
+  EXPECT_THAT(exported.out, HasSubstr(", the grid"));
+  const std::optional<OccupancyGrid> written = exports::ReadGridFiles(run.out().string());
+  ASSERT_TRUE(written);
+  GridTiles tiles;
+  int64_t number = 0;
+  bus::LogReader log(run.log());
+  while (const auto event = log.Next()) {
+    grid_t tile;
+    if (event->channel != bus::kGrid.name) continue;
+    const auto data = log.Data(event->data_offset, event->data_bytes);
+    ASSERT_TRUE(data);
+    ASSERT_GE(tile.decode(data->data(), 0, static_cast<int>(data->size())), 0);
+    if (std::exchange(number, tile.grid) != tile.grid) tiles = {};
+    ASSERT_TRUE(tiles.Add({written->T_w_level, tile.floor_m, tile.cell_m, tile.first_column, tile.first_row,
+                           tile.n_columns, tile.n_rows, tile.cells}));
+  }
+  const OccupancyGrid whole = tiles.Whole();
+  EXPECT_EQ(whole.cell_m, written->cell_m);
+  EXPECT_NEAR(whole.floor_m, written->floor_m, whole.cell_m);
+  int n_other = 0;
+  for (int row = 0; row < written->n_rows; ++row) {
+    for (int column = 0; column < written->n_columns; ++column) {
+      const int x = written->first_column + column, y = written->first_row + row;
+      n_other += whole.At(x, y) != written->At(x, y) ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(n_other, 0);
 }
 
 TEST_F(DenseRun, SameInputTwiceGivesTheSameBits) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// node listen_foxglove.mjs NODE_MODULES PORT SECONDS [OPTIONS]: connects to `plslam bridge` as a viewer does, with the protocol's own client, subscribes to all channels, decodes every message by its schema, and prints its findings as JSON, with `failures`.
+// node listen_foxglove.mjs NODE_MODULES PORT SECONDS [OPTIONS]: for so long, or until SIGTERM, connects to `plslam bridge` as a viewer does, with the protocol's own client, subscribes to all channels, decodes every message by its schema, and prints its findings as JSON, with `failures`.
 // OPTIONS, in JSON: `protocol`: the WebSocket protocol; `calls`: services to call, one after the other ({name: request}), `call_after_s`; `stop_reading_s`: takes nothing from the socket for so long; `origin`: of a web page; `topics`: instead of all.
 import { createRequire } from "node:module";
 import { join, resolve } from "node:path";
@@ -97,6 +97,10 @@ client.on("open", () => {
     setTimeout(() => socket.resume(), 500 + 1000 * options.stop_reading_s);
   }
   setTimeout(() => client.setParameters([{ name: "vo.features.use", value: "points" }], "set"), 1000);
-  setTimeout(() => client.getParameters([], "all"), 1000 * seconds - 500);
-  setTimeout(finish, 1000 * seconds);
+  const end = () => {
+    client.getParameters([], "all");
+    setTimeout(finish, 1000);
+  };
+  setTimeout(end, 1000 * seconds);
+  process.on("SIGTERM", end);
 });

@@ -144,8 +144,8 @@ void ExportPoses(TrajectoryFormat format, OngoingExport& e) {
 
 void ExportAsMcap(OngoingExport& e) {
   const McapContent content = ExportMcap(e.source, e.dataset.get(), e.Path("run.mcap"));
-  e.AddFile("run.mcap", fmt::format("{} frames, {} images{}", content.frames, content.images,
-                                    content.has_map ? ", the map" : ""));
+  e.AddFile("run.mcap", fmt::format("{} frames, {} images{}{}", content.frames, content.images,
+                                    content.has_map ? ", the map" : "", content.has_grid ? ", the grid" : ""));
   WriteFileAtomically(e.Path("foxglove_layout.json"), FoxgloveLayout());
   e.AddFile("foxglove_layout.json", "layout for Foxglove and Lichtblick: Layouts, Import from file");
 }

@@ -9,11 +9,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include <spdlog/spdlog.h>
-
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/frame_assembler.h"
 #include "core/bus/transport/wire.h"
+#include "core/errors/log.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/image_strip_t.hpp"
 
@@ -30,7 +29,7 @@ struct CameraSubscriber::State {
     bytes = std::move(heard);
     const std::optional<RigCalibration> rig = FromMessage(message);
     if (rig) return handler(*rig);
-    spdlog::error("the camera '{}' has invalid values: it is not used", message.rig_name);
+    LogError("the camera '{}' has invalid values: it is not used", message.rig_name);
     if (on_rejected) on_rejected();
   }
 };

@@ -2,7 +2,6 @@
 #include "core/ros/node/live_run.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <chrono>
 #include <stdexcept>
@@ -10,6 +9,7 @@
 #include <utility>
 
 #include "core/bus/messages/convert.h"
+#include "core/errors/log.h"
 #include "core/run/process_names.h"
 #include "core/run/tracking_state.h"
 #include "plslam/counter_t.hpp"
@@ -37,12 +37,13 @@ LiveRun::LiveRun(Bus& bus, LiveMessages messages, std::function<bool()> wants_im
     : bus_(bus),
       messages_(std::move(messages)),
       map_(bus, [this](const MapUpdate&) { has_new_map_ = true; }),
+      grid_(bus, [this] { has_new_grid_ = true; }),
       camera_(bus,
               [this](const RigCalibration& rig) {
                 try {
                   messages_.SetRig(rig);
                 } catch (const std::runtime_error& error) {
-                  spdlog::warn("the camera cannot be used: {}", error.what());
+                  LogWarning("the camera cannot be used: {}", error.what());
                 }
               }),
       frames_(
@@ -85,6 +86,7 @@ void LiveRun::OnStatus(const status_t& message) {
 void LiveRun::Tick() {
   if (std::exchange(has_new_poses_, false)) messages_.WritePath();
   if (std::exchange(has_new_map_, false)) messages_.WriteMap(map_.replica().map());
+  if (std::exchange(has_new_grid_, false)) messages_.WriteGrid(grid_.Whole());
 }
 
 }  // namespace plslam::bus

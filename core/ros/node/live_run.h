@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "core/bus/messages/frame_channel.h"
+#include "core/bus/messages/grid_channel.h"
 #include "core/bus/messages/map_channel.h"
 #include "core/robot/node/pose_steps.h"
 #include "core/ros/live_messages.h"
@@ -18,7 +19,7 @@ class status_t;
 namespace plslam::bus {
 
 /// Listens to the run on the bus and writes the live topics of the table: poses as they arrive, images if they are
-/// wanted, map and path at most once a second after changes. On the thread of `Bus::Run`.
+/// wanted, map, grid and path at most once a second after changes. On the thread of `Bus::Run`.
 class LiveRun {
  public:
   /// `wants_images` is called on the receiving thread of the bus: it must be quick, and safe there.
@@ -34,7 +35,9 @@ class LiveRun {
   robot::PoseSteps steps_;
   bool has_new_poses_ = false;
   bool has_new_map_ = false;
+  bool has_new_grid_ = false;
   MapSubscriber map_;
+  GridSubscriber grid_;
   CameraSubscriber camera_;
   FrameSubscriber frames_;
 };

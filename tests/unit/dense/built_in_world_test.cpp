@@ -114,10 +114,10 @@ TEST_F(RoomProducts, CellsAgreeWithTheTruePlan) {
   int n_free = 0, n_occupied = 0, wrong_free = 0, wrong_occupied = 0;
   for (int y = 0; y < cells.rows; ++y) {
     for (int x = 0; x < cells.cols; ++x) {
-      if (cells.at<uint8_t>(y, x) == GroundGrid::kFree) {
+      if (cells.at<uint8_t>(y, x) == OccupancyGrid::kFree) {
         ++n_free;
         wrong_free += obstacles.at<uint8_t>(y, x) != 0 ? 1 : 0;
-      } else if (cells.at<uint8_t>(y, x) == GroundGrid::kOccupied) {
+      } else if (cells.at<uint8_t>(y, x) == OccupancyGrid::kOccupied) {
         ++n_occupied;
         wrong_occupied += near.at<uint8_t>(y, x) == 0 ? 1 : 0;
       }
@@ -132,7 +132,7 @@ TEST_F(RoomProducts, CellsAgreeWithTheTruePlan) {
 TEST_F(RoomProducts, DrivenPathIsFree) {
   for (const Eigen::Vector3d& p : products_->path) {
     const Eigen::Vector2i cell = products_->grid.CellAt(p.x(), p.y());
-    EXPECT_EQ(products_->grid.cells.at<uint8_t>(cell.y(), cell.x()), GroundGrid::kFree);
+    EXPECT_EQ(products_->grid.cells.at<uint8_t>(cell.y(), cell.x()), OccupancyGrid::kFree);
   }
 }
 

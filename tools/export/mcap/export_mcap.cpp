@@ -28,6 +28,7 @@
 #include "core/ros/ros_definitions.h"
 #include "core/ros/ros_messages.h"
 #include "core/ros/ros_topics.h"
+#include "tools/export/grid_files.h"
 #include "tools/export/mcap/mcap_writer.h"
 #include "tools/export/mcap/run_tables.h"
 #include "tools/pose_graph/export.h"
@@ -229,6 +230,10 @@ class Exporter {
     AddPath(ros_topic::kPath, source_.frames, t);
     AddPath(ros_topic::kPathLive, tables_.live, t);
     AddPath(ros_topic::kPathTruth, tables_.truth, t);
+    if (const auto grid = source_.folder.empty() ? std::nullopt : ReadGridFiles(source_.folder)) {
+      content_.has_grid = true;
+      At(t, [=, this] { topics_.Write(ros_topic::kGrid, t, RosOccupancyGrid(t, *grid)); });
+    }
     if (!source_.map) return;
     content_.has_map = true;
     At(t, [=, this] { WriteMap(t, source_.map->map); });

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <utility>
+
+#include "core/bus/bus.h"
+#include "core/map/occupancy_grid.h"
+
+namespace plslam::bus {
+
+/// Publishes an occupancy grid: the tiles that have changed.
+class GridPublisher {
+ public:
+  explicit GridPublisher(Bus& bus) : bus_(bus) {}
+
+  /// A grid whose frame or size of cells differ from those before replaces it: all its tiles are sent.
+  void Publish(const OccupancyGrid& grid);
+
+ private:
+  Bus& bus_;
+  int64_t number_ = 0;
+  OccupancyGrid frame_;
+  GridTiles tiles_;
+};
+
+/// Keeps a copy of the grid. Tiles from the wire are checked; invalid ones are counted in `BusCounters::rejected`.
+class GridSubscriber {
+ public:
+  /// `handler` is called after each tile, on the thread of `Bus::Run`.
+  GridSubscriber(Bus& bus, std::function<void()> handler);
+  GridSubscriber(const GridSubscriber&) = delete;
+  GridSubscriber& operator=(const GridSubscriber&) = delete;
+
+  /// The grid as far as its tiles have arrived.
+  OccupancyGrid Whole() const { return tiles_.Whole(); }
+
+ private:
+  std::pair<int64_t, int64_t> number_;  ///< source and number of the grid
+  GridTiles tiles_;
+};
+
+}  // namespace plslam::bus

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <set>
 
+#include "core/geometry/symmetric.h"
+
 namespace plslam::loop {
 namespace {
 
@@ -17,9 +19,7 @@ constexpr double kPaperInlierShare = 0.5;
 
 double Turn_rad(const SE3& T) { return T.Log().tail<3>().norm(); }
 
-double LargestEigenvalue(const Matrix6d& covariance) {
-  return Eigen::SelfAdjointEigenSolver<Matrix6d>(covariance, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
-}
+double LargestEigenvalue(const Matrix6d& covariance) { return EigenvaluesOf(covariance).maxCoeff(); }
 
 Matrix6d Isotropic(double sigma_m, double sigma_rad) {
   Matrix6d covariance = Matrix6d::Zero();
@@ -212,7 +212,7 @@ bool Verification::IsWithinDrift() {
   const Matrix6d least = Isotropic(move_m, turn_rad) + evidence_.edge.covariance;
   const SE3 T_old_kf = old_.T_w_kf.Inverse() * keyframe_.T_w_kf;
   const Vector6d correction = (T_old_kf.Inverse() * evidence_.edge.T_old_kf).Log();
-  const auto chi2 = [&](const Matrix6d& covariance) { return correction.dot(covariance.llt().solve(correction)); };
+  const auto chi2 = [&](const Matrix6d& covariance) { return SquaredMahalanobis<6>(correction, covariance); };
   evidence_.drift_chi2 = chi2(least);
   if (evidence_.drift_chi2 <= gates_.max_drift_chi2) return true;
   // The covariance of the path can only lower it; it is computed last because its cost grows with the path.

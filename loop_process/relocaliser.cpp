@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/geometry/symmetric.h"
 #include "loop_process/loop_candidates.h"
 #include "loop_process/loop_search.h"
 #include "loop_process/map_path.h"
@@ -20,11 +21,10 @@ struct Answer {
 };
 
 bool IsGood(const FoundPlace& place, const LoopOptions& options) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(place.pose.covariance, Eigen::EigenvaluesOnly);
   return place.inliers >= options.relocalisation.min_inliers &&
          place.landmarks.Share() >= options.relocalisation.min_inlier_share &&
          place.cells >= options.verification.min_cells &&
-         solver.eigenvalues().maxCoeff() <= options.verification.max_eigenvalue;
+         EigenvaluesOf(place.pose.covariance).maxCoeff() <= options.verification.max_eigenvalue;
 }
 
 int32_t CountShown(const std::vector<int64_t>& ids) {

@@ -12,6 +12,7 @@
 #include <set>
 #include <utility>
 
+#include "core/geometry/symmetric.h"
 #include "core/localisation/pose_refinement.h"
 #include "core/map/map_graph.h"
 #include "core/optim/pose_graph/map_pose_graph.h"
@@ -44,7 +45,7 @@ void AddObservations(int64_t keyframe_id, const std::vector<int64_t>& associatio
 // Returns the tracker's covariance of a motion, or the identity (a metre, a radian) if it is not finite or not
 // positive definite.
 Matrix6d UsableCovariance(const Matrix6d& covariance) {
-  const bool usable = covariance.allFinite() && covariance.llt().info() == Eigen::Success;
+  const bool usable = covariance.allFinite() && IsPositiveDefinite<6>(covariance);
   return usable ? covariance : Matrix6d(Matrix6d::Identity());
 }
 
@@ -52,7 +53,7 @@ Matrix6d UsableCovariance(const Matrix6d& covariance) {
 Matrix6d Widened(const Matrix6d& covariance, const SE3& error) {
   constexpr double kDoubted2 = 50.0;
   const Vector6d e = error.Log();
-  const double chi2 = e.dot(covariance.ldlt().solve(e));
+  const double chi2 = SquaredMahalanobis<6>(e, covariance);
   return chi2 <= kDoubted2 ? covariance : Matrix6d(covariance + Matrix6d(e.cwiseAbs2().asDiagonal()));
 }
 
@@ -503,7 +504,7 @@ void Mapper::MergeWithMap(const Keyframe& keyframe, Association& association, Ma
   if (entry.previous_id < 0 || keyframe.state == kRecovered || association.Weight() < kMinWeight) return;
   const SE3 T_w_predicted = map_.FindKeyframe(entry.previous_id)->T_w_kf * entry.T_prevkf_kf;
   const Vector6d error = (T_w_predicted.Inverse() * entry.T_w_kf).Log();
-  if (error.dot(entry.relative_covariance.ldlt().solve(error)) < kElsewhere2) return;
+  if (SquaredMahalanobis<6>(error, entry.relative_covariance) < kElsewhere2) return;
   const MapGraph graph(map_);
   const std::set<int64_t> own = graph.Component(entry.previous_id, MapGraph::Edges::kAll);
   const int64_t seen_id = MostSeen(association, map_);

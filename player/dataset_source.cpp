@@ -2,7 +2,6 @@
 #include "player/dataset_source.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <stdexcept>
@@ -12,6 +11,7 @@
 
 #include "core/datasets/camera_file.h"
 #include "core/datasets/open_dataset.h"
+#include "core/errors/log.h"
 
 namespace plslam::player {
 namespace {
@@ -22,7 +22,7 @@ std::unique_ptr<Dataset> Open(const PlayerOptions& options) {
   if (options.dataset.empty()) throw std::runtime_error("no dataset is given: player DATASET (see --help)");
   std::unique_ptr<Dataset> dataset =
       ShiftRightImages(OpenDataset(options.dataset, options.kind), static_cast<int>(options.right_offset_frames));
-  for (const std::string& remark : dataset->Notes().remarks) spdlog::info("{}: {}", dataset->name(), remark);
+  for (const std::string& remark : dataset->Notes().remarks) LogInfo("{}: {}", dataset->name(), remark);
   return dataset;
 }
 
@@ -62,7 +62,7 @@ void CheckFilesAreThere(const Dataset& dataset, const PlayOrder& order, bool ski
   if (n == 0) return;
   const std::string sentence = fmt::format("{}; {} of {} frames lack an image", first, n, order.pass().size());
   if (!skip_bad) throw DatasetError(sentence + " (--skip-bad skips them)");
-  spdlog::warn("{}", sentence);
+  LogWarning("{}", sentence);
 }
 
 }  // namespace
@@ -94,7 +94,7 @@ std::optional<LoadedFrame> DatasetSource::Next() {
   // The first finding of a kind, and, after the last frame, its count.
   const std::vector<std::string> warnings = dataset_->NotesOfReading().warnings;
   if (warnings.size() > warned_.size() || (!frame && warnings != warned_)) {
-    for (const std::string& warning : warnings) spdlog::warn("{}: {}", dataset_->name(), warning);
+    for (const std::string& warning : warnings) LogWarning("{}: {}", dataset_->name(), warning);
     warned_ = warnings;
   }
   return frame;

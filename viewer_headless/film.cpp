@@ -9,8 +9,8 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
+#include "core/errors/log.h"
 #include "core/map/vertical.h"
 
 namespace plslam::viewer {
@@ -83,7 +83,7 @@ void Film::Finish() {
   }
   if (!video_) throw std::runtime_error(path_ + ": no film: no pictures were received");
   video_->Close();
-  spdlog::info("film of the run: {} ({} pictures)", video_->path(), video_->pictures());
+  LogInfo("film of the run: {} ({} pictures)", video_->path(), video_->pictures());
 }
 
 void Film::Open(double rate_hz, const cv::Size& size) {
@@ -107,7 +107,7 @@ void Film::Add(const FramePose& pose, const cv::Mat& overlay, const Map& map) {
   try {
     Write(pose, Join(overlay, view));
   } catch (const std::runtime_error& e) {
-    spdlog::error("frame {}: {}", pose.frame_id, e.what());
+    LogError("frame {}: {}", pose.frame_id, e.what());
     failure_ = e.what();
     first_.reset();
     video_.reset();

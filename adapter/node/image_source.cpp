@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
@@ -14,6 +13,7 @@
 #include <utility>
 
 #include "core/errors/error_text.h"
+#include "core/errors/log.h"
 #include "core/run/process_names.h"
 
 namespace plslam::adapter {
@@ -149,7 +149,7 @@ void ImageSource::ListImageChannels() {
   const std::vector<std::string> channels = ImageChannels(options_.foreign_url, kListTime);
   image_channels_ = channels.empty() ? "no channel of adapter.foreign_url has images"
                                      : fmt::format("images are on {}", fmt::join(channels, ", "));
-  spdlog::warn("{}", WhatIsMissing());
+  LogWarning("{}", WhatIsMissing());
 }
 
 std::string ImageSource::WhatIsMissing() const {

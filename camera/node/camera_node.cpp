@@ -2,12 +2,12 @@
 #include "camera/node/camera_node.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <stdexcept>
 #include <utility>
 
 #include "camera/rig_file.h"
+#include "core/errors/log.h"
 #include "core/run/run_counters.h"
 #include "core/run/run_warnings.h"
 
@@ -28,8 +28,8 @@ std::unique_ptr<stream::FrameSource> Open(bus::Process& process, const CameraOpt
   listener.on_frame = [report](const auto& health, const auto& pairing) { report->OnFrame(health, pairing); };
   listener.on_outage = [report](const std::string& why) { report->OnOutage(why); };
   LiveRig rig = ReadRigFile(options.rig);
-  for (const std::string& warning : rig.notes.warnings) spdlog::warn("{}", warning);
-  for (const std::string& remark : rig.notes.remarks) spdlog::info("{}", remark);
+  for (const std::string& warning : rig.notes.warnings) LogWarning("{}", warning);
+  for (const std::string& remark : rig.notes.remarks) LogInfo("{}", remark);
   auto source = std::make_unique<CameraSource>(std::move(rig), !options.resume_after.empty(), listener);
   if (source->is_live() && (pace.lockstep || pace.speed != 1.0)) {
     throw std::runtime_error(
@@ -55,7 +55,7 @@ void HealthReport::Count(const CaptureHealth& health, const Pairing& pairing) {
 
 void HealthReport::Warn(const std::string& what, const std::string& sentence) {
   if (!warned_.insert(what).second) return;
-  spdlog::warn("{}", sentence);
+  LogWarning("{}", sentence);
   process_.SetReason(sentence);
 }
 
@@ -74,11 +74,11 @@ void HealthReport::OnFrame(const CaptureHealth& health, const Pairing& pairing) 
 
 void HealthReport::OnOutage(const std::string& why) {
   if (why.empty()) {
-    spdlog::info("receiving frames again");
+    LogInfo("receiving frames again");
     process_.SetReason("");
   } else if (!is_out_) {
     process_.SetCounter(kOutages, static_cast<double>(++outages_));
-    spdlog::warn("no frames: {}; trying again", why);
+    LogWarning("no frames: {}; trying again", why);
     process_.SetReason(fmt::format("no frames: {}", why));
   }
   is_out_ = !why.empty();

@@ -2,9 +2,8 @@
 #include <algorithm>
 #include <utility>
 
-#include <spdlog/spdlog.h>
-
 #include "core/bus/bus_impl.h"
+#include "core/errors/log.h"
 #include "plslam/announce_t.hpp"
 #include "plslam/repair_request_t.hpp"
 
@@ -81,7 +80,7 @@ void Bus::Impl::Reject(Rejection why, std::string_view wire_name, int64_t now) {
     if (!rejections_.Count(why, wire_name, now)) return;
   }
   const bool is_of_version = why == Rejection::kOtherVersion;
-  spdlog::warn(
+  LogWarning(
       "a message on {} was rejected: it is {}{}; later ones are counted only", wire_name, Rejections::Text(why),
       is_of_version ? " of plslam (run the same version everywhere; use `plslam replay` for logs of other versions)"
                     : "");
@@ -143,7 +142,7 @@ void Bus::Impl::NoticePrefix(std::string_view wire_name, int64_t now) {
     const std::lock_guard lock(rejections_mutex_);
     is_new = rejections_.OtherPrefix(prefix, now);
   }
-  if (is_new) spdlog::info("{}", Rejections::PrefixText(prefix));
+  if (is_new) LogInfo("{}", Rejections::PrefixText(prefix));
 }
 
 void Bus::Impl::OnRepairRequest(std::string_view wire_name, ByteView bytes, int64_t now) {

@@ -9,6 +9,8 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
+#include "core/geometry/symmetric.h"
+
 namespace plslam {
 namespace {
 
@@ -69,7 +71,7 @@ std::optional<SE3> AlignLines(const Segment3& first_b, const Segment3& second_b,
   };
   add(first_b, first_a, d1_a);
   add(second_b, second_a, d2_a);
-  return SE3(R, information.ldlt().solve(sum));
+  return SE3(R, SolveSymmetric<3>(information, sum));
 }
 
 }  // namespace plslam

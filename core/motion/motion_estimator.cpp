@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "core/geometry/symmetric.h"
 #include "core/motion/normal_equations.h"
 
 namespace plslam {
@@ -44,7 +45,7 @@ class Estimator {
         prior_(prior),
         options_(options),
         expectations_(ExpectRobust(options.huber_delta, options.gate_sigmas)) {
-    if (prior_) prior_information_ = prior_->covariance.llt().solve(Matrix6d::Identity());
+    if (prior_) prior_information_ = InverseOfPositiveDefinite<6>(prior_->covariance);
   }
 
   std::optional<MotionEstimate> Estimate(const SE3& initial, size_t n_points, size_t n_lines) const;
@@ -123,7 +124,7 @@ Solution Estimator::Solve(const SE3& initial, double stop_step, ActiveSet& activ
     const Matrix6d H = now.equations.H();
     Matrix6d damped = H;
     damped.diagonal() *= 1.0 + damping;
-    const Vector6d x = -damped.ldlt().solve(now.equations.g);
+    const Vector6d x = -SolveSymmetric<6>(damped, now.equations.g);
     now.finite = x.allFinite();
     if (!now.finite) break;
     now.step = x.dot(H * x);
@@ -182,10 +183,9 @@ std::optional<Matrix6d> Estimator::Covariance(const Solution& solution, const Ac
   // Scales to unit diagonal first, because metres and radians differ in size.
   const Vector6d scale = H.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Matrix6d scaled = scale.asDiagonal() * H * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scaled);
-  const Vector6d& values = eigen.eigenvalues();
+  const auto [values, vectors] = EigenOf<6>(scaled);
   if (!values.allFinite() || !(values.minCoeff() > kMinRelativeEigenvalue * values.maxCoeff())) return std::nullopt;
-  const Matrix6d half = scale.asDiagonal() * eigen.eigenvectors();
+  const Matrix6d half = scale.asDiagonal() * vectors;
   const Matrix6d covariance = half * values.cwiseInverse().asDiagonal() * half.transpose();
   if (!covariance.allFinite()) return std::nullopt;
   if (!prior_) {
@@ -246,8 +246,7 @@ std::optional<MotionEstimate> Estimator::Estimate(const SE3& initial, size_t n_p
 }
 
 bool IsUsable(const MotionPrior& prior) {
-  return prior.T_cur_ref.IsFinite() && prior.covariance.allFinite() &&
-         prior.covariance.llt().info() == Eigen::Success;
+  return prior.T_cur_ref.IsFinite() && prior.covariance.allFinite() && IsPositiveDefinite<6>(prior.covariance);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/geometry/symmetric.h"
 #include "core/geometry/triangulation.h"
 #include "core/motion/alignment.h"
 #include "core/motion/normal_equations.h"
@@ -183,7 +184,7 @@ SE3 Ransac::Polished(const SE3& T_cur_ref, const std::vector<PointCorrespondence
   for (int i = 0; i < kMaxPolishing; ++i) {
     Matrix6d damped = sum.H();
     damped.diagonal() *= 1.0 + kDamping;
-    const Vector6d x = damped.ldlt().solve(sum.g);
+    const Vector6d x = SolveSymmetric<6>(damped, sum.g);
     if (!x.allFinite()) break;
     const SE3 trial = SE3::Exp(x) * best;
     const NormalEquations at_trial = BuildNormalEquations(minimal, all, trial, camera_, expectations_, options_);

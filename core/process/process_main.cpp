@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 #include <signal.h>
-#include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -14,6 +13,7 @@
 
 #include "core/bus/transport/transport.h"
 #include "core/errors/error_text.h"
+#include "core/errors/log.h"
 #include "core/errors/standard_streams.h"
 #include "core/process/process_arguments.h"
 #include "core/process/process_impl.h"
@@ -56,7 +56,7 @@ class ProcessRunner {
 
  private:
   void OnSignal(const std::string& signal) {
-    spdlog::info("{}: stopping", signal);
+    LogInfo("{}: stopping", signal);
     const std::scoped_lock lock(mutex_);
     signalled_ = true;
     if (running_ != nullptr) running_->bus().Stop();
@@ -113,7 +113,7 @@ class ProcessRunner {
     for (const std::string& assignment : arguments_.overrides) {
       const std::string section = assignment.substr(0, assignment.find('.'));
       if (section == "bus" || section == spec_.name) continue;
-      spdlog::warn("--set {} has no effect here: it is an option of {}", assignment, section);
+      LogWarning("--set {} has no effect here: it is an option of {}", assignment, section);
     }
   }
 

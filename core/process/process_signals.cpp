@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <pthread.h>
-#include <spdlog/spdlog.h>
 #include <string.h>
 #include <sys/eventfd.h>
 #include <sys/signalfd.h>
@@ -16,6 +15,7 @@
 #include <utility>
 
 #include "core/errors/error_text.h"
+#include "core/errors/log.h"
 
 namespace plslam::bus {
 namespace {
@@ -91,7 +91,7 @@ void SignalWatcher::Watch() {
 void SignalWatcher::Take(int signal) {
   if (launcher_ != 0 && signal != kStopOrder) {
     if (getppid() == launcher_) {
-      spdlog::info("{}: ignored, because the process that started this one ends it", SignalName(signal));
+      LogInfo("{}: ignored, because the process that started this one ends it", SignalName(signal));
       return;
     }
     alarm(kGraceWithoutLauncher_s);

@@ -2,7 +2,6 @@
 #include "core/process/process_status.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,6 +11,7 @@
 #include "core/bus/run_loop.h"
 #include "core/config/config.h"
 #include "core/errors/error_text.h"
+#include "core/errors/log.h"
 #include "core/process/process_usage.h"
 #include "core/run/process_names.h"
 #include "plslam/status_t.hpp"
@@ -117,7 +117,7 @@ void StatusPublisher::Warn(const std::string& code, const std::string& sentence)
     if (warned_.size() == kMaxWarnings || !warned_.emplace(code, sentence).second) return;
     newest_warning_ = sentence;
   }
-  spdlog::warn("{}", sentence);
+  LogWarning("{}", sentence);
   warning_t message{};
   message.process = process_;
   message.code = code;

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "loop_process/node/loop_node.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <chrono>
 #include <utility>
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
+#include "core/errors/log.h"
 #include "core/map/keyframe_in_camera.h"
 #include "core/process/process_usage.h"
 #include "core/run/number_ranges.h"
@@ -142,7 +141,7 @@ LoopService::Output LoopNode::Handle(const Arrival& arrival) {
 
 void LoopNode::MoveOldToFiles() {
   if (service_->MoveOldToFiles() || std::exchange(files_failed_, true)) return;
-  spdlog::warn("{}", CannotLeaveMemory());
+  LogWarning("{}", CannotLeaveMemory());
 }
 
 /// A running adjustment would undo the loop that is being published, or one that is already in the map.
@@ -191,8 +190,8 @@ void LoopNode::Count(const LoopClosure& closure) {
   if (closure.kind != LoopClosure::Kind::kLoop) return;
   process_.SetCounter("loops", static_cast<double>(++n_loops_));
   const LoopEdge& edge = closure.edges.front();
-  spdlog::info("loop: keyframe {} shows the place of keyframe {} ({} points, {} lines)", edge.keyframe_id,
-               edge.old_keyframe_id, edge.n_points, edge.n_lines);
+  LogInfo("loop: keyframe {} shows the place of keyframe {} ({} points, {} lines)", edge.keyframe_id,
+          edge.old_keyframe_id, edge.n_points, edge.n_lines);
 }
 
 void LoopNode::AdjustUntilStopped() {
@@ -232,7 +231,7 @@ void LoopNode::AdjustUntilStopped() {
 
 void LoopNode::CountFailure(const std::string& failure) {
   process_.SetCounter("adjustments.failed", static_cast<double>(++n_failed_));
-  if (n_failed_ == 1) spdlog::warn("a global bundle adjustment failed (later ones are counted only): {}", failure);
+  if (n_failed_ == 1) LogWarning("a global bundle adjustment failed (later ones are counted only): {}", failure);
 }
 
 bus::ProcessSpec LoopSpec() {

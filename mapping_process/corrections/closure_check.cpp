@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/geometry/symmetric.h"
 #include "mapping_process/corrections/loop_edges.h"
 
 namespace plslam::mapping {
@@ -51,7 +52,7 @@ std::string WrongEdges(const std::vector<LoopEdge>& edges, int64_t next_keyframe
                          next_keyframe - 1);
     }
     if (!IsPose(edge.T_old_kf)) return fmt::format("the relative pose of keyframes {} and {} is invalid", a, b);
-    if (!edge.covariance.allFinite() || edge.covariance.llt().info() != Eigen::Success) {
+    if (!edge.covariance.allFinite() || !IsPositiveDefinite<6>(edge.covariance)) {
       return fmt::format("the covariance of its loop between keyframes {} and {} is invalid", a, b);
     }
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping_process/insertion/duplicates.h"
 
+#include "core/geometry/symmetric.h"
 #include "core/localisation/projection_search.h"
 #include "mapping_process/insertion/observations.h"
 
@@ -11,8 +12,7 @@ namespace {
 constexpr double kSamePlaceSigmas2 = 16.0;
 
 bool Within(const Eigen::Vector3d& difference, const Eigen::Matrix3d& covariance) {
-  const Eigen::Vector3d solved = covariance.ldlt().solve(difference);
-  return solved.allFinite() && difference.dot(solved) <= kSamePlaceSigmas2;
+  return SquaredMahalanobis<3>(difference, covariance) <= kSamePlaceSigmas2;
 }
 
 // `slack` is an additional variance in m^2, on each axis.

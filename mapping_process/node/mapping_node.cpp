@@ -2,7 +2,6 @@
 #include "mapping_process/node/mapping_node.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <array>
@@ -16,6 +15,7 @@
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
+#include "core/errors/log.h"
 #include "core/geometry/rectification.h"
 #include "core/io/maps/map_camera.h"
 #include "core/map/keyframe_in_camera.h"
@@ -149,7 +149,7 @@ void MappingNode::OnStatus(const status_t& message) {
 void MappingNode::OnTick() {
   bool given_up = false;
   Queue([&] { given_up = queue_.GiveUp(bus::NowS()); });
-  if (given_up) spdlog::warn("no loop_process is found: continuing without loops");
+  if (given_up) LogWarning("no loop_process is found: continuing without loops");
 }
 
 void MappingNode::OnCommand(const command_t& message) {
@@ -199,7 +199,7 @@ void MappingNode::BeginMap() {
     mapper_.emplace(*camera_, options_);
     mapper_->SetInstance(map_instance_);
     if (options_.state_file.empty()) return;
-    spdlog::info("beginning a new map: there is no {}", options_.state_file);
+    LogInfo("beginning a new map: there is no {}", options_.state_file);
     return KeepState();
   }
   mapper_.emplace(*camera_, options_, *std::exchange(stored_, std::nullopt));
@@ -236,9 +236,9 @@ void MappingNode::PublishKeyframes(const std::optional<std::set<int64_t>>& ids) 
 }
 
 void MappingNode::LogStoredMap(const std::string& file) {
-  if (mapper_->map().keyframes().empty()) return spdlog::info("beginning a new map: that in {} is empty", file);
-  spdlog::info("continuing the map in {}: {} keyframes, {} points, {} lines", file, mapper_->map().keyframes().size(),
-               mapper_->map().points().size(), mapper_->map().lines().size());
+  if (mapper_->map().keyframes().empty()) return LogInfo("beginning a new map: that in {} is empty", file);
+  LogInfo("continuing the map in {}: {} keyframes, {} points, {} lines", file, mapper_->map().keyframes().size(),
+          mapper_->map().points().size(), mapper_->map().lines().size());
   CountMap();
 }
 
@@ -306,7 +306,7 @@ void MappingNode::Insert(const std::vector<WorkQueue::Arrived>& batch) {
       ++count;
       continue;
     }
-    if (!mapper_->localise_only()) spdlog::warn("left out: {}", reason);
+    if (!mapper_->localise_only()) LogWarning("left out: {}", reason);
     process_.SetCounter("keyframes.ignored", static_cast<double>(++n_ignored_));
   }
   if (newest == nullptr) return;
@@ -329,7 +329,7 @@ void MappingNode::Insert(const std::vector<WorkQueue::Arrived>& batch) {
 void MappingNode::MoveOldToFiles() {
   n_since_files_ = 0;
   if (mapper_->MoveOldToFiles() || std::exchange(files_failed_, true)) return;
-  spdlog::warn("{}", CannotLeaveMemory());
+  LogWarning("{}", CannotLeaveMemory());
 }
 
 /// Re-expresses the keyframe in the camera of the map, which is that of its first keyframe.
@@ -346,8 +346,8 @@ bool MappingNode::InsertOne(const Keyframe& keyframe, std::string* reason) {
 
 void MappingNode::WarnOfMissing(const WorkQueue::Arrived& arrived) {
   if (arrived.missing == 0) return;
-  spdlog::warn("session {}: {} keyframes before number {} are missing; continuing without them",
-               arrived.keyframe.session, arrived.missing, arrived.keyframe.keyframe_id);
+  LogWarning("session {}: {} keyframes before number {} are missing; continuing without them",
+             arrived.keyframe.session, arrived.missing, arrived.keyframe.keyframe_id);
   process_.SetCounter("keyframes.missing", static_cast<double>(n_missing_ += arrived.missing));
 }
 
@@ -359,7 +359,7 @@ void MappingNode::Correct(const Work& work) {
   bool commits = work.commits;
   if (work.closure.kind == LoopClosure::Kind::kLoop) Answer(work.closure, corrected);
   if (corrects && !corrected) {
-    spdlog::warn("a correction of the map is rejected: {}", reason);
+    LogWarning("a correction of the map is rejected: {}", reason);
     const std::lock_guard lock(mutex_);
     if (work.closure.kind == LoopClosure::Kind::kLoop) commits |= queue_.Refused();
   }
@@ -419,8 +419,7 @@ void MappingNode::CountMap() {
 void MappingNode::CountFailures() {
   const Mapper::Failures& failures = mapper_->failures();
   if (failures.count == n_failed_) return;
-  if (n_failed_ == 0)
-    spdlog::warn("a local bundle adjustment failed (later ones are counted only): {}", failures.last);
+  if (n_failed_ == 0) LogWarning("a local bundle adjustment failed (later ones are counted only): {}", failures.last);
   process_.SetCounter("adjustments.failed", static_cast<double>(n_failed_ = failures.count));
 }
 
@@ -447,7 +446,7 @@ void MappingNode::Execute(const bus::Order& order) {
     if (order.verb == command_verb::kSave && folder != nullptr) {
       failure += fmt::format("; this service can write in {}", folder);
     }
-    spdlog::error("the command '{}' failed: {}", order.verb, failure);
+    LogError("the command '{}' failed: {}", order.verb, failure);
     bus::Answer(process_, order, failure);
   }
 }
@@ -460,14 +459,14 @@ void MappingNode::Save(const std::string& argument) {
     state.stored.rig = CameraBytes(mapper_->camera());
     WriteMapFile(request.file, state.stored);
   });
-  spdlog::info("the map is saved in {}", request.file);
+  LogInfo("the map is saved in {}", request.file);
 }
 
 void MappingNode::SetLocaliseOnly(const std::string& argument) {
   if (argument != "on" && argument != "off")
     throw std::runtime_error(fmt::format("localise \"{}\": must be on or off", argument));
   mapper_->SetLocaliseOnly(argument == "on");
-  spdlog::info("the map {}", mapper_->localise_only() ? "is fixed" : "can grow");
+  LogInfo("the map {}", mapper_->localise_only() ? "is fixed" : "can grow");
   Publish({});
   // A process killed later restarts in this mode; the newest keyframe is committed here (`WorkQueue::Take`).
   if (!options_.state_file.empty()) KeepState();
@@ -545,7 +544,7 @@ void MappingNode::KeepState() {
     });
     process_.SetCounter("state.written", static_cast<double>(++n_states_));
   } catch (const std::exception& error) {
-    if (!std::exchange(state_failed_, true)) spdlog::warn("the state for a restart is not written: {}", error.what());
+    if (!std::exchange(state_failed_, true)) LogWarning("the state for a restart is not written: {}", error.what());
   }
   MoveOldToFiles();
   bus::GiveBackFreedMemory();

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 #include <libwebsockets.h>
-#include <spdlog/spdlog.h>
 
 #include <array>
 #include <atomic>
@@ -13,6 +12,8 @@
 #include <string_view>
 #include <thread>
 #include <vector>
+
+#include "core/errors/log.h"
 
 namespace plslam::bridge {
 namespace {
@@ -55,7 +56,7 @@ struct WebSocketServer::Impl {
 
   Impl(FoxgloveServer& of, const Place& where) : server(of), place(where) {
     lws_set_log_level(LLL_ERR, [](int, const char* line) {
-      spdlog::debug("libwebsockets: {}", std::string_view(line).substr(0, std::strcspn(line, "\n")));
+      LogDebug("libwebsockets: {}", std::string_view(line).substr(0, std::strcspn(line, "\n")));
     });
     protocols[0].name = kSdkProtocol;
     protocols[1].name = kWebSocketProtocol;
@@ -95,7 +96,7 @@ struct WebSocketServer::Impl {
     try {
       return impl == nullptr ? 0 : impl->Handle(wsi, reason, static_cast<const char*>(in), n);
     } catch (const std::exception& error) {  // no exception may pass through the library
-      spdlog::warn("a client is disconnected: {}", error.what());
+      LogWarning("a client is disconnected: {}", error.what());
       return -1;
     }
   }

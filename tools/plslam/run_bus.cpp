@@ -8,10 +8,10 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include "core/bus/transport/transport.h"
 #include "core/config/config.h"
+#include "core/errors/log.h"
 
 namespace plslam::launcher {
 namespace {
@@ -47,7 +47,7 @@ RunBus::RunBus(const std::string& url) : url_(url) {
   url_ = port_->Url();
   std::string reason;
   if (bus::MulticastWorks(url_, &reason)) return;
-  spdlog::warn("no multicast on this machine ({}): messages go through a relay (tcpq)", reason);
+  LogWarning("no multicast on this machine ({}): messages go through a relay (tcpq)", reason);
   port_.reset();
   relay_ = std::make_unique<BackgroundRelay>();
   url_ = relay_->url();

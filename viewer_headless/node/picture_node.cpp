@@ -2,7 +2,6 @@
 #include "viewer_headless/node/picture_node.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <exception>
@@ -10,6 +9,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/errors/log.h"
 #include "core/io/images/png_codec.h"
 #include "plslam/tracks_t.hpp"
 #include "viewer_headless/node/message_values.h"
@@ -108,7 +108,7 @@ void PictureNode::Use(const OverlayQueue::Ready& ready) {
     if (film_) film_->Add(ready.pose, picture, *sources_.map);
     if (IsOverlay(frame_id)) WriteOverlay(frame_id, picture);
   } catch (const std::exception& e) {
-    spdlog::warn("frame {}: {}", frame_id, e.what());
+    LogWarning("frame {}: {}", frame_id, e.what());
     if (problem_.empty()) problem_ = e.what();
     rejected_();
   }
@@ -170,7 +170,7 @@ PictureNode::Result PictureNode::Finish(const Recorder& recorder, bool lockstep,
     result.missing += stored || overlay || !options_.video.empty() ? 1 : 0;
   }
   if (sources_.store != nullptr) sources_.store->SetMissing(of_report);
-  if (result.missing > 0) spdlog::warn("pictures of {} frames are missing: {}", result.missing, Why());
+  if (result.missing > 0) LogWarning("pictures of {} frames are missing: {}", result.missing, Why());
   for (const std::string& failure : {LackOfOverlays(recorder, lockstep, last), LackOfFilm(lockstep, lacking)}) {
     if (!failure.empty()) result.failures.push_back(failure);
   }

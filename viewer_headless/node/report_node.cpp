@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "viewer_headless/node/report_node.h"
 
-#include <spdlog/spdlog.h>
-
 #include <chrono>
 #include <filesystem>
 #include <stdexcept>
@@ -10,6 +8,7 @@
 
 #include "core/bus/run_loop.h"
 #include "core/bus/transport/authenticator.h"
+#include "core/errors/log.h"
 #include "core/io/files/atomic_file.h"
 #include "core/process/order.h"
 #include "core/process/process_status.h"
@@ -45,7 +44,7 @@ ReportNode::ReportNode(bus::Bus& bus, const ViewerOptions& options, Sources sour
         "the live page cannot be served: plslam was built without node and npm (docs/viewer.md)");
   }
   if (wanted_ && !page_)
-    spdlog::warn("no report.html is written: plslam was built without node and npm (docs/viewer.md)");
+    LogWarning("no report.html is written: plslam was built without node and npm (docs/viewer.md)");
   wanted_ = wanted_ && page_;
   report_ = std::make_unique<ReportRecorder>(options_.report_pictures);
   if (!wanted_) return;
@@ -60,7 +59,7 @@ void ReportNode::Serve(bus::Bus& bus) {
   orders.file = (std::filesystem::absolute(options_.out) / kMapFile).lexically_normal().string();
   live_ = std::make_unique<LiveView>(static_cast<int>(options_.serve), FillTemplate(*page_, "null"), orders);
   orders_.emplace(bus);
-  spdlog::info("live page: http://127.0.0.1:{}/", live_->port());
+  LogInfo("live page: http://127.0.0.1:{}/", live_->port());
   bus.Every(kLiveTick, [this] {
     live_->Answer([this](const ReportSince& since) { return Json(since); });
     CarryOutOrders();
@@ -71,7 +70,7 @@ void ReportNode::CarryOutOrders() {
   if (!waits_for_order_) {
     const std::optional<LiveView::Order> order = live_->TakeOrder();
     if (!order) return;
-    spdlog::info("order of the live page: {} {}", order->verb, order->argument);
+    LogInfo("order of the live page: {} {}", order->verb, order->argument);
     orders_->Send(*bus::FindOrder(order->verb), WithAbsoluteFile(order->argument, options_.out));
     waits_for_order_ = true;
   }

@@ -2,7 +2,6 @@
 #include "viewer_headless/node/viewer_node.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -13,6 +12,7 @@
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
+#include "core/errors/log.h"
 #include "core/errors/standard_streams.h"
 #include "core/process/process_status.h"
 #include "core/run/process_names.h"
@@ -72,7 +72,7 @@ bool ViewerNode::StopsBeforeTheRig() const {
   static constexpr double kRigAfter_s = 2.0;
   if (earlier_ != Earlier::kReplace || q_l_c_) return false;
   if (!streams_.empty() && bus::NowS() - began_s_ > kRigAfter_s) return false;
-  spdlog::warn("stopped before the rig was received: the earlier results in {} stay", options_.out);
+  LogWarning("stopped before the rig was received: the earlier results in {} stay", options_.out);
   return true;
 }
 
@@ -120,7 +120,7 @@ void ViewerNode::OnCamera(const RigCalibration& rig) {
     dirty_ = dirty_ || written_;
     quiet_ticks_ = 0;
   } catch (const std::exception& e) {
-    spdlog::warn("the rig '{}' cannot be used: {}", rig.name, e.what());
+    LogWarning("the rig '{}' cannot be used: {}", rig.name, e.what());
     Reject();
   }
 }
@@ -157,7 +157,7 @@ void ViewerNode::RemoveEarlier() {
 }
 
 void ViewerNode::StartNewRun() {
-  spdlog::info("a new stream begins: it replaces the results in {}", options_.out);
+  LogInfo("a new stream begins: it replaces the results in {}", options_.out);
   if (earlier_ == Earlier::kRefuse) earlier_ = Earlier::kReplace;
   if (!failure_.empty()) failure_before_ = std::exchange(failure_, "");
   recorder_ = Recorder(options_.out);
@@ -259,7 +259,7 @@ std::vector<std::string> ViewerNode::WriteFiles() {
 }
 
 void ViewerNode::SetFailures(const std::vector<std::string>& failures) {
-  for (const std::string& failure : failures) spdlog::error("{}", failure);
+  for (const std::string& failure : failures) LogError("{}", failure);
   failure_ = failures.empty() ? "" : failures.front();
   if (failures.size() > 1) failure_ += fmt::format(" (and {} more, in the log)", failures.size() - 1);
   if (!failure_.empty()) process_.SetState(process_state::kFailed, failure_);

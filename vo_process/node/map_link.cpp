@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vo_process/node/map_link.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <utility>
 
+#include "core/errors/log.h"
 #include "core/map/map_graph.h"
 
 namespace plslam::vo {
@@ -71,10 +70,10 @@ void MapLink::BeginSession(int64_t adopted_keyframe_id) {
 
 bool MapLink::GiveUp(double now_s) {
   if (wait_.NoticeSilence(now_s)) {
-    spdlog::warn("waiting up to {:.0f} s for mapping_process, which is not found (vo.map.wait_s)", wait_.wait_s());
+    LogWarning("waiting up to {:.0f} s for mapping_process, which is not found (vo.map.wait_s)", wait_.wait_s());
   }
   const bool given_up = wait_.GiveUp(now_s);
-  if (given_up) spdlog::warn("no mapping_process is found: continuing as odometry");
+  if (given_up) LogWarning("no mapping_process is found: continuing as odometry");
   return given_up;
 }
 

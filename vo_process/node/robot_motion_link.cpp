@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vo_process/node/robot_motion_link.h"
 
-#include <spdlog/spdlog.h>
-
 #include <chrono>
 #include <utility>
 

@@ -4,7 +4,6 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <spdlog/spdlog.h>
 #include <yaml-cpp/yaml.h>
 
 #include <cmath>
@@ -17,6 +16,8 @@
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/transport/wire.h"
+#include "core/errors/log.h"
+#include "core/geometry/symmetric.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/files/sealed_file.h"
 #include "plslam/camera_t.hpp"
@@ -63,7 +64,7 @@ template <class Matrix>
 Matrix Covariance(const std::string& path, const YAML::Node& map, const std::string& name) {
   Matrix matrix = Numbers<Matrix>(path, map, name, "covariance_px2");
   const bool symmetric = (matrix - matrix.transpose()).norm() <= 1e-9 * matrix.norm();
-  if (!symmetric || matrix.llt().info() != Eigen::Success)
+  if (!symmetric || !IsPositiveDefinite<Matrix::RowsAtCompileTime>(matrix))
     Fail(path, name + ".covariance_px2", "is not a covariance");
   return matrix;
 }
@@ -121,9 +122,9 @@ void LoadLearned(const std::string& path, const std::vector<uint8_t>& camera, Od
     const auto learned = ReadSelfCalibration(path, NameOfCalibration(camera));
     if (!learned) return;
     odometry.Begin(*learned);
-    spdlog::info("starting with the self-calibration of {}", path);
+    LogInfo("starting with the self-calibration of {}", path);
   } catch (const std::exception& error) {
-    spdlog::warn("the self-calibration file is not used: {}", error.what());
+    LogWarning("the self-calibration file is not used: {}", error.what());
   }
 }
 
@@ -135,7 +136,7 @@ void KeepLearned(const std::string& path, const std::vector<uint8_t>& camera,
   try {
     WriteSelfCalibration(path, NameOfCalibration(camera), learned);
   } catch (const std::exception& error) {
-    spdlog::warn("the self-calibration file is not written: {}", error.what());
+    LogWarning("the self-calibration file is not written: {}", error.what());
   }
 }
 

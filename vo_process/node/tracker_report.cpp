@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vo_process/node/tracker_report.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <utility>
 
 #include "core/errors/error_text.h"
+#include "core/errors/log.h"
 #include "core/run/process_names.h"
 #include "core/run/run_counters.h"
 #include "core/run/run_warnings.h"
@@ -100,7 +99,7 @@ void TrackerReport::ReportVerticalDisparity(const RowField& rows, const StereoCa
     }
   }
   Count(kCornerRows, most_px);
-  spdlog::info("the vertical disparity in the image corners is up to {:.1f} px: it is corrected", most_px);
+  LogInfo("the vertical disparity in the image corners is up to {:.1f} px: it is corrected", most_px);
 }
 
 void TrackerReport::ReportCameraErrors(const SyncCheck& sync, const DisparityCalibration& calibration) {

@@ -6,9 +6,8 @@
 #include <stdexcept>
 #include <type_traits>
 
-#include <spdlog/spdlog.h>
-
 #include "core/bus/transport/wire.h"
+#include "core/errors/log.h"
 #include "core/io/files/sealed_file.h"
 #include "core/io/maps/map_file_fields.h"
 
@@ -96,7 +95,7 @@ bool TrackerCheckpoint::Keep(const TrackerState& state) {
     return true;
   } catch (const std::exception& error) {
     Drop();
-    if (!std::exchange(has_failed_, true)) spdlog::warn("the state for a restart is not written: {}", error.what());
+    if (!std::exchange(has_failed_, true)) LogWarning("the state for a restart is not written: {}", error.what());
     return false;
   }
 }
@@ -107,7 +106,7 @@ void TrackerCheckpoint::Release() const {
     TrackerState state = ReadTrackerState(path_);
     if (std::exchange(state.n_restored, 0) > 0) WriteTrackerState(path_, state);
   } catch (const std::exception& error) {
-    spdlog::warn("{}", error.what());
+    LogWarning("{}", error.what());
   }
 }
 

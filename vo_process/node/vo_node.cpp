@@ -2,7 +2,6 @@
 #include "vo_process/node/vo_node.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
@@ -17,6 +16,7 @@
 #include "core/bus/messages/loop_channel.h"
 #include "core/bus/run_loop.h"
 #include "core/bus/transport/wire.h"
+#include "core/errors/log.h"
 #include "core/io/files/archive.h"
 #include "core/run/process_names.h"
 #include "core/run/run_counters.h"
@@ -91,7 +91,7 @@ void VoNode::OnCamera(const RigCalibration& rig) {
     throw;
   }
   if (rig_) {
-    spdlog::info("another camera '{}': starting a new session", rig.name);
+    LogInfo("another camera '{}': starting a new session", rig.name);
     // Waits and waiting frames belong to the old session.
     EndWaits();
     waiting_.clear();
@@ -210,7 +210,7 @@ void VoNode::SubscribeToMap() {
 void VoNode::GiveUpWaits() {
   const bool no_map = map_->GiveUp(bus::NowS());
   const bool no_result = relocalisation_.wait().GiveUp(bus::NowS());
-  if (no_result) spdlog::warn("no loop_process is found: a lost camera is not relocalised");
+  if (no_result) LogWarning("no loop_process is found: a lost camera is not relocalised");
   if (no_map || no_result) ProcessWaiting();
 }
 
@@ -224,7 +224,7 @@ void VoNode::FollowOrders() {
   const bool grows = !map_->localise_only() && odometry_->localise_only();
   odometry_->SetLocaliseOnly(map_->localise_only());
   if (map_->IsOfAnotherMap()) {
-    spdlog::info("the map was replaced: starting a new session");
+    LogInfo("the map was replaced: starting a new session");
     BeginSession();
   } else if (grows) {
     BeginSessionHere();
@@ -346,7 +346,7 @@ StereoFeatures VoNode::SeeFeatures(const StereoImages& images, StageTimer& timer
   try {
     return SeePair(*front_end_, *odometry_, images, timer);
   } catch (const std::exception& error) {
-    spdlog::warn("frame {}: {}", images.frame_id, error.what());
+    LogWarning("frame {}: {}", images.frame_id, error.what());
     report_.Count("frames.bad", 1);
     return {};
   }
@@ -355,8 +355,7 @@ StereoFeatures VoNode::SeeFeatures(const StereoImages& images, StageTimer& timer
 /// Result for a frame with an impossible time stamp: no features.
 StereoFeatures VoNode::NoFeatures(const StereoImages& images) {
   if (!std::exchange(was_too_early_, true)) {
-    spdlog::warn("frame {} is up to a second older than the previous frame: such frames are not used",
-                 images.frame_id);
+    LogWarning("frame {} is up to a second older than the previous frame: such frames are not used", images.frame_id);
   }
   report_.Count("frames.bad", 1);
   return {};
@@ -509,7 +508,7 @@ void VoNode::Restore() {
   try {
     if (const std::optional<TrackerState> state = checkpoint_.Take(settings_)) Restore(*state);
   } catch (const std::exception& error) {
-    spdlog::warn("starting a new session: {}", error.what());
+    LogWarning("starting a new session: {}", error.what());
     odometry_.reset();
   }
 }
@@ -527,7 +526,7 @@ void VoNode::Restore(const TrackerState& state) {
   session_.last_keyframe_id = state.keyframe.keyframe_id;
   if (map_) map_->BeginSession(state.adopted_keyframe_id);
   restored_ = true;
-  spdlog::info("resuming after frame {} of the session", session_.last_frame_id);
+  LogInfo("resuming after frame {} of the session", session_.last_frame_id);
   // Before the first frame arrives.
   if (state.keyframe.keyframe_id >= 0) AwaitAnchor(state.keyframe);
   if (session_.lockstep) frames_asked_s_ = bus::NowS();
@@ -575,7 +574,7 @@ void VoNode::AskAgainForFrames() {
   if (bus::NowS() - *frames_asked_s_ < kFramesWait_s) return AskForFrames();
   frames_asked_s_.reset();
   if (!waiting_.empty())
-    spdlog::warn("no player resends the frames after {}: they are skipped", session_.last_frame_id);
+    LogWarning("no player resends the frames after {}: they are skipped", session_.last_frame_id);
   ProcessWaiting();
 }
 

@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 
 #include "core/geometry/hypot.h"
+#include "core/geometry/symmetric.h"
 #include "core/motion/robust.h"
 #include "vo_process/stereo/row_field.h"
 
@@ -147,7 +148,7 @@ bool DisparityCalibration::Observe(const SE3& T_odom_c, const TrackedFrame& fram
   Learn(measurements);
   const Eigen::Vector3d offset = state_.head<3>();
   const Eigen::Matrix3d covariance = covariance_.topLeftCorner<3, 3>();
-  const bool significant = offset.dot(covariance.ldlt().solve(offset)) > options_.min_chi_square;
+  const bool significant = SquaredMahalanobis<3>(offset, covariance) > options_.min_chi_square;
   const bool applied = significant && check_.Confirms(offset, covariance);
   const bool changed = std::exchange(applied_, applied) != applied;
   MeasureLengths(frame, raw_disparities_px);

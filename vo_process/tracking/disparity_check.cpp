@@ -11,6 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "core/geometry/hypot.h"
+#include "core/geometry/symmetric.h"
 #include "core/motion/robust.h"
 
 namespace plslam::vo {
@@ -183,7 +184,7 @@ Eigen::Matrix3d DisparityCheck::Information(const Evidence& evidence) const {
 }
 
 Eigen::Vector3d DisparityCheck::Solve(const Evidence& evidence) const {
-  return Information(evidence).ldlt().solve(evidence.vector);
+  return SolveSymmetric<3>(Information(evidence), evidence.vector);
 }
 
 void DisparityCheck::Learn(SE3 T_now_before, std::vector<Seen> points) {
@@ -202,8 +203,8 @@ void DisparityCheck::Learn(SE3 T_now_before, std::vector<Seen> points) {
     Evidence all = all_;
     if (!AddWithoutMotion(normal, b, all)) return;
     const Eigen::Vector3d b_new = Solve(all);
-    const Motion step = normal.block<6, 6>(3, 3).ldlt().solve(
-        Motion(normal.block<6, 1>(3, 9) - normal.block<6, 3>(3, 0) * (b_new - b)));
+    const Motion step = SolveSymmetric<6>(normal.block<6, 6>(3, 3),
+                                          Motion(normal.block<6, 1>(3, 9) - normal.block<6, 3>(3, 0) * (b_new - b)));
     T_now_before = SE3(ExpSO3(step.head<3>()) * T_now_before.rotation(), T_now_before.translation() + step.tail<3>());
     b = b_new;
   }

@@ -6,6 +6,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/geometry/symmetric.h"
+
 namespace plslam::vo {
 namespace {
 
@@ -29,7 +31,7 @@ Matrix6d Isotropic(const Eigen::Vector2d& variances) {
 
 double SquaredDeviation(const MotionPrediction& prediction, const SE3& T_odom_predicted, const SE3& T_odom_c) {
   const Vector6d off = (T_odom_predicted.Inverse() * T_odom_c).Log();
-  return off.dot(prediction.covariance.ldlt().solve(off));
+  return SquaredMahalanobis<6>(off, prediction.covariance);
 }
 
 double MotionModel::Horizon_s(double dt_s) const { return std::min(dt_s, kMaxExtrapolation * last_dt_s_); }

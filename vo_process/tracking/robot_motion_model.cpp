@@ -3,6 +3,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/geometry/symmetric.h"
+
 namespace plslam::vo {
 namespace {
 
@@ -25,7 +27,7 @@ Matrix6d Squares(double translation_m, double rotation_rad) {
 
 bool AreAlike(const SE3& a, const SE3& b, const Matrix6d& covariance) {
   const Vector6d off = (a.Inverse() * b).Log();
-  return off.dot(covariance.ldlt().solve(off)) < kExpectedChi2;
+  return SquaredMahalanobis<6>(off, covariance) < kExpectedChi2;
 }
 
 }  // namespace

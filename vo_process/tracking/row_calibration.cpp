@@ -8,6 +8,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/geometry/symmetric.h"
 #include "core/motion/robust.h"
 
 namespace plslam::vo {
@@ -145,7 +146,7 @@ bool RowCalibration::IsSignificant() const {
            median_with_px_ < kMaxResidualShareOfUsed * median_without_px_;
   }
   return state_.norm() > options_.min_offset_px && median_with_px_ < kMaxResidualShare * median_without_px_ &&
-         state_.dot(covariance_.ldlt().solve(state_)) > options_.min_chi_square;
+         SquaredMahalanobis<6>(state_, covariance_) > options_.min_chi_square;
 }
 
 // A pitch moves all rows, and those far from the middle more, by the square of their tangent; a common shift may have

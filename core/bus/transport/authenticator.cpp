@@ -5,10 +5,10 @@
 #include <stdexcept>
 
 #include <sodium.h>
-#include <spdlog/spdlog.h>
 #include <sys/stat.h>
 
 #include "core/errors/error_text.h"
+#include "core/errors/log.h"
 
 namespace plslam::bus {
 namespace {
@@ -17,8 +17,8 @@ namespace {
 void WarnOfReaders(const std::string& path) {
   struct stat status {};
   if (stat(path.c_str(), &status) != 0 || (status.st_mode & (S_IRWXG | S_IRWXO)) == 0) return;
-  spdlog::warn("bus.key_file: {} is accessible to users other than its owner (mode {:04o}): chmod 600 {}", path,
-               status.st_mode & 07777, path);
+  LogWarning("bus.key_file: {} is accessible to users other than its owner (mode {:04o}): chmod 600 {}", path,
+             status.st_mode & 07777, path);
 }
 
 }  // namespace

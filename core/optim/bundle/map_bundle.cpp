@@ -5,6 +5,8 @@
 #include <map>
 #include <utility>
 
+#include "core/geometry/symmetric.h"
+
 namespace plslam {
 namespace {
 
@@ -17,7 +19,7 @@ constexpr size_t kMostInMemory = 256;
 
 bool IsContradicted(const SE3& error, const Matrix6d& covariance) {
   const Vector6d e = error.Log();
-  return e.norm() > kContradicted && e.dot(covariance.ldlt().solve(e)) > kContradicted2;
+  return e.norm() > kContradicted && SquaredMahalanobis<6>(e, covariance) > kContradicted2;
 }
 
 void AddMotions(const Map& map, double relative_sigma, MapBundle& bundle) {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/geometry/symmetric.h"
 #include "core/optim/bundle/observation_group.h"
 
 namespace plslam {
@@ -90,7 +91,7 @@ bool ObservationGroup<Cost>::IsDetermined(size_t landmark, double distance_m) co
   // Positive definite if the information exceeds that of the largest acceptable sigma.
   Information excess = InformationOf(landmark);
   excess.diagonal().array() -= 1.0 / std::pow(kMaxRelativeSigma * distance_m, 2);
-  return excess.llt().info() == Eigen::Success;
+  return IsPositiveDefinite<kSize>(excess);
 }
 
 template <class Cost>

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/symmetric.h"
 #include "core/optim/pose_graph/pose_graph_check.h"
 #include "core/optim/pose_graph/pose_graph_chordal.h"
 #include "core/optim/pose_graph/pose_graph_group.h"
@@ -152,11 +153,10 @@ double PoseGraphChi2(const PoseGraph<SE2>& graph, const std::vector<SE2>& T_w_kf
 std::optional<Matrix6d> InformationFromCovariance(const Matrix6d& covariance) {
   if (!covariance.allFinite()) return std::nullopt;
   const Matrix6d symmetric = 0.5 * (covariance + covariance.transpose());
-  const Eigen::LLT<Matrix6d> cholesky(symmetric);
-  if (cholesky.info() != Eigen::Success) return std::nullopt;
-  const Matrix6d inverse = cholesky.solve(Matrix6d::Identity());
+  if (!IsPositiveDefinite<6>(symmetric)) return std::nullopt;
+  const Matrix6d inverse = InverseOfPositiveDefinite<6>(symmetric);
   const Matrix6d information = 0.5 * (inverse + inverse.transpose());
-  if (!information.allFinite() || information.llt().info() != Eigen::Success) return std::nullopt;
+  if (!information.allFinite() || !IsPositiveDefinite<6>(information)) return std::nullopt;
   return information;
 }
 

@@ -7,6 +7,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/geometry/symmetric.h"
 #include "core/optim/pose_graph/pose_graph_blocks.h"
 
 namespace plslam {
@@ -22,8 +23,7 @@ std::string EdgeObjection(const PoseGraphMotion<Pose>& edge, int n_poses) {
   if (!edge.information.allFinite()) return "has information that is not finite";
   const auto& information = edge.information;
   if (!information.isApprox(information.transpose(), 1e-6)) return "has information that is not symmetric";
-  const Eigen::LLT<PoseMatrix<Pose>> cholesky(information);
-  if (cholesky.info() != Eigen::Success) return "has information that is not positive definite";
+  if (!IsPositiveDefinite<kPoseFreedom<Pose>>(information)) return "has information that is not positive definite";
   return "";
 }
 

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/optim/pose_graph/pose_graph_rejection.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-
+#include "core/geometry/symmetric.h"
 #include "core/optim/pose_graph/pose_graph_marginals.h"
 
 namespace plslam {
@@ -19,15 +17,16 @@ double DeletionGain(const PoseGraphMotion<Pose>& edge, const std::vector<Pose>& 
                     const PoseGraphMarginals<Pose>& marginals) {
   constexpr int kFreedom = kPoseFreedom<Pose>;
   const PoseEdgeError<Pose> error = PoseGroup<Pose>::Error(edge.T_a_b, T_w_kf[edge.a], T_w_kf[edge.b]);
-  const PoseMatrix<Pose> whitening = edge.information.llt().matrixU();
+  // Solved graphs have positive definite information only.
+  const PoseMatrix<Pose> whitening = CholeskyFactor<kFreedom>(edge.information).value().transpose();
   Eigen::Matrix<double, kFreedom, 2 * kFreedom> J;
   J << whitening * error.by_a, whitening * error.by_b;
   const PoseMatrix<Pose> left = PoseMatrix<Pose>::Identity() - J * marginals.OfEdge(edge) * J.transpose();
-  const Eigen::SelfAdjointEigenSolver<PoseMatrix<Pose>> eigen(0.5 * (left + left.transpose()));
-  const auto r = (eigen.eigenvectors().transpose() * whitening * error.e).eval();
+  const auto [values, vectors] = EigenOf<kFreedom>(0.5 * (left + left.transpose()));
+  const auto r = (vectors.transpose() * whitening * error.e).eval();
   double gain = 0.0;
   for (int i = 0; i < kFreedom; ++i) {
-    if (eigen.eigenvalues()[i] > kPredicted) gain += r[i] * r[i] / eigen.eigenvalues()[i];
+    if (values[i] > kPredicted) gain += r[i] * r[i] / values[i];
   }
   return gain;
 }

@@ -2,7 +2,6 @@
 #include "core/robot/node/frame_source.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
@@ -11,6 +10,7 @@
 #include "core/bus/messages/frame_assembler.h"
 #include "core/datasets/camera_file.h"
 #include "core/datasets/check_rig.h"
+#include "core/errors/log.h"
 #include "core/geometry/body_frame.h"
 #include "core/io/files/dataset_error.h"
 #include "core/run/process_names.h"
@@ -44,8 +44,8 @@ FrameSource::FrameSource(bus::Process& process, Settings settings, Listener list
   if (settings_.camera.empty()) return;
   Notes notes;
   RigCalibration rig = ReadCalibration({settings_.camera}, {}, &notes);
-  for (const std::string& warning : notes.warnings) spdlog::warn("{}", warning);
-  for (const std::string& remark : notes.remarks) spdlog::info("{}", remark);
+  for (const std::string& warning : notes.warnings) LogWarning("{}", warning);
+  for (const std::string& remark : notes.remarks) LogInfo("{}", remark);
   if (rig.kind != RigCalibration::Kind::kStereo) {
     throw DatasetError(settings_.camera + ": is for an RGB-D camera, but a stereo rig is required");
   }
@@ -74,7 +74,7 @@ void FrameSource::AddInfo(Side side, RosCameraInfo info) {
   if (!is_first) return;
   Notes notes;
   WarnOfUnusedDistortion(settings_.left, *infos[0], "give " + settings_.camera_option, &notes);
-  for (const std::string& warning : notes.warnings) spdlog::warn("{}", warning);
+  for (const std::string& warning : notes.warnings) LogWarning("{}", warning);
 }
 
 void FrameSource::AddPair(const ForeignImage& left, const ForeignImage& right) {
@@ -95,7 +95,7 @@ void FrameSource::UseWhiteLevel(int bright) {
   has_white_ = true;
   white_ = WhiteLevel(bright);
   if (white_ < kWhiteOf16Bits) {
-    spdlog::info("the 16-bit images have values up to {}: {} is mapped to white", bright, white_);
+    LogInfo("the 16-bit images have values up to {}: {} is mapped to white", bright, white_);
   }
 }
 
@@ -109,7 +109,7 @@ void FrameSource::UseRig(RigCalibration rig) {
     Notes notes;
     const std::string remedy = "P[3] is in metres times pixels; where it is not, give " + settings_.camera_option;
     WarnOfLongBaseline("CameraInfo", rig, remedy, &notes);
-    for (const std::string& warning : notes.warnings) spdlog::warn("{}", warning);
+    for (const std::string& warning : notes.warnings) LogWarning("{}", warning);
   }
   rig_bytes_ = std::move(bytes);
   rig_ = std::move(rig);

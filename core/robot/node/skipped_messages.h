@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <spdlog/spdlog.h>
-
 #include <cstddef>
 #include <set>
 #include <string>
+
+#include "core/errors/log.h"
 
 namespace plslam::robot {
 
@@ -13,7 +13,7 @@ namespace plslam::robot {
 class SkippedMessages {
  public:
   void WarnOnce(const std::string& sentence) {
-    if (warned_.size() < kMost && warned_.insert(sentence).second) spdlog::warn("skipped: {}", sentence);
+    if (warned_.size() < kMost && warned_.insert(sentence).second) LogWarning("skipped: {}", sentence);
   }
 
  private:

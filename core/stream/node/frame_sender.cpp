@@ -2,7 +2,6 @@
 #include "core/stream/node/frame_sender.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
@@ -12,6 +11,7 @@
 #include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
 #include "core/errors/error_text.h"
+#include "core/errors/log.h"
 #include "core/io/files/dataset_error.h"
 #include "core/process/order.h"
 #include "core/run/process_names.h"
@@ -107,7 +107,7 @@ void FrameSender::OnGoBack(const command_t& command) {
   try {
     turn_.OnGoBack(command.header.source, ParseResumePoint(command.argument.substr(space + 1)));
   } catch (const std::exception& error) {
-    spdlog::warn("the command 'go_back' is ignored: {}", error.what());
+    LogWarning("the command 'go_back' is ignored: {}", error.what());
   }
 }
 
@@ -132,7 +132,7 @@ bool FrameSender::Begin(const std::optional<ResumePoint>& resume) {
     n_sent_ = resume->frame_id + 1;
     newest_sent_ = std::max(newest_sent_, resume->frame_id);
     process_.SetCounter("frames.resumed_at", static_cast<double>(n_sent_));
-    spdlog::info("resuming after frame {}", resume->frame_id);
+    LogInfo("resuming after frame {}", resume->frame_id);
   }
   n_bad_ = source_->Begin(resume);
   return !turn_.stopped();
@@ -190,8 +190,8 @@ bool FrameSender::WaitForReaders(bool silent_too) {
     const auto now = Turn::Clock::now();
     if (std::exchange(acknowledged, process_.bus().acknowledged()) != acknowledged) changed = now;
     if (now - changed < patience) continue;
-    spdlog::warn("readers with missing messages have acknowledged none for {} s: continuing without them",
-                 patience.count());
+    LogWarning("readers with missing messages have acknowledged none for {} s: continuing without them",
+               patience.count());
     return true;
   }
   return false;
@@ -275,7 +275,7 @@ void FrameSender::PassOver(const LoadedFrame& frame) {
     PublishEnd();
     throw DatasetError(frame.error + " (--skip-bad skips unreadable frames)");
   }
-  spdlog::warn("skipped: {}", frame.error);
+  LogWarning("skipped: {}", frame.error);
 }
 
 void FrameSender::PublishRig() { process_.bus().Publish(bus::kCamera, bus::ToMessage(source_->rig())); }

@@ -2,7 +2,6 @@
 #include "tools/bridge/node/bridge_node.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 #include <yaml-cpp/yaml.h>
 
 #include <CLI/CLI.hpp>
@@ -12,6 +11,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/errors/log.h"
 #include "core/run/process_names.h"
 #include "plslam/status_t.hpp"
 
@@ -66,7 +66,7 @@ BridgeNode::BridgeNode(bus::Process& process, const BridgeOptions& options)
   });
   socket_.emplace(server_, WebSocketServer::Place{options.address, options.port, options.origin});
   listening_ = &*socket_;
-  spdlog::info("connect Foxglove or Lichtblick to ws://{}:{}", options.address, socket_->port());
+  LogInfo("connect Foxglove or Lichtblick to ws://{}:{}", options.address, socket_->port());
 }
 
 void BridgeNode::OnStatus(const status_t& message) {

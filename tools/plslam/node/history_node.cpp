@@ -3,7 +3,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <array>
@@ -22,6 +21,7 @@
 #include "core/bus/delivery/history.h"
 #include "core/bus/run_loop.h"
 #include "core/bus/transport/wire.h"
+#include "core/errors/log.h"
 #include "core/process/process_usage.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/ground_truth_t.hpp"
@@ -160,8 +160,8 @@ void HistoryKeeper::Store::Fail(const std::string& why) {
   problem = fmt::format("{}: {}", folder, why);
   // The disk space is left to other processes.
   entries.clear();
-  if (file >= 0 && ftruncate(file, 0) != 0) spdlog::warn("{}: {}", folder, std::strerror(errno));
-  spdlog::warn("the history for restarted processes is no longer recorded: {}", problem);
+  if (file >= 0 && ftruncate(file, 0) != 0) LogWarning("{}: {}", folder, std::strerror(errno));
+  LogWarning("the history for restarted processes is no longer recorded: {}", problem);
 }
 
 HistoryKeeper::HistoryKeeper(bus::Bus& bus, const std::filesystem::path& folder)

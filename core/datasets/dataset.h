@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/geometry/calibration.h"
 #include "core/geometry/se3.h"
@@ -35,6 +36,8 @@ class Dataset {
   /// Returns the true pose at the time of the pair; nullopt if unknown. Dense ground truth of another sensor is
   /// interpolated and moved to the left camera here.
   virtual std::optional<SE3> GroundTruth(int index) const = 0;
+  /// All samples of the inertial sensor, in order of increasing time; empty if `rig().imu` is.
+  virtual const std::vector<ImuSample>& ImuSamples() const;
   /// Returns whether there is recorded truth, of whatever frames: if most have none, it is of other times.
   virtual bool HasRecordedTruth() const { return false; }
   /// Returns what opening has found ("3 images of cam0 have no partner in cam1").
@@ -45,5 +48,10 @@ class Dataset {
   /// reports; 0 for others.
   virtual double scan_s() const { return 0.0; }
 };
+
+inline const std::vector<ImuSample>& Dataset::ImuSamples() const {
+  static const std::vector<ImuSample> kNone;
+  return kNone;
+}
 
 }  // namespace plslam

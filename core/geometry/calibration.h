@@ -3,9 +3,11 @@
 
 #include <Eigen/Core>
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/geometry/imu.h"
 #include "core/geometry/se3.h"
 
 namespace plslam {
@@ -61,6 +63,8 @@ struct RigCalibration {
   double depth_units_per_m = 0.0;
   /// Distance between the cameras; for RGB-D the virtual baseline of d = b f / Z.
   double baseline_m = 0.0;
+  /// The inertial sensor, if there is one.
+  std::optional<ImuCalibration> imu{};
 };
 
 }  // namespace plslam

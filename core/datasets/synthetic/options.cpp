@@ -9,6 +9,7 @@
 
 #include "core/config/nearest_key.h"
 #include "core/datasets/dataset.h"
+#include "core/datasets/synthetic/inertial_sensor.h"
 
 namespace plslam::synthetic {
 namespace {
@@ -50,6 +51,7 @@ const std::vector<NumericOption>& NumericOptions() {
       {"readout_ms", {0, 1000}, false, [](Options& o, double v) { o.readout_ms = v; }},
       {"readout_known", {0, 1}, true, [](Options& o, double v) { o.readout_known = v > 0.5; }},
       {"streaks", {0, 5000}, true, [](Options& o, double v) { o.streaks = static_cast<int>(v); }},
+      {"imu", {10, 2000}, false, [](Options& o, double v) { o.imu_rate_hz = v; }},
       {"dirt", {0, 1000}, true, [](Options& o, double v) { o.dirt = static_cast<int>(v); }},
   };
   return options;
@@ -140,6 +142,12 @@ void ParseBody(const std::string& value, Options& options) {
   options.body = static_cast<BodyMotion>(name - names.begin());
 }
 
+void ParseImuClass(const std::string& value, Options& options) {
+  const std::vector<std::string> names = ImuClassNames();
+  if (std::find(names.begin(), names.end(), value) == names.end()) FailUnknown("imu_class", value, names);
+  options.imu_class = value;
+}
+
 /// Derives the options of the bodies that were not given from those that were.
 void CompleteBodies(const std::set<std::string>& given, Options& options) {
   if (!given.contains("bodies")) {
@@ -156,6 +164,19 @@ void CompleteBodies(const std::set<std::string>& given, Options& options) {
         "synthetic: body=lead moves like the camera, which stands still with standing=1; use body=cross, overtake, "
         "stop "
         "or crowd");
+  }
+}
+
+/// Poses of a file are joined by straight lines, which no inertial sensor can measure.
+void CheckImu(const std::set<std::string>& given, const Options& options) {
+  if (given.contains("imu_class") && !given.contains("imu")) {
+    throw DatasetError(
+        "synthetic: option imu_class= is the class of an inertial sensor, but there is none; add imu=200");
+  }
+  if (options.imu_rate_hz > 0.0 && !options.trajectory.empty()) {
+    throw DatasetError(
+        "synthetic: options imu and trajectory exclude each other, because poses of a file have no accelerations; "
+        "leave one out");
   }
 }
 
@@ -177,6 +198,8 @@ std::string ParseOption(const std::string& text, Options& options) {
     ParseDisparityBias(value, options);
   } else if (name == "trajectory") {
     options.trajectory = value;
+  } else if (name == "imu_class") {
+    ParseImuClass(value, options);
   } else if (name == "body") {
     ParseBody(value, options);
   } else {
@@ -199,8 +222,14 @@ const std::vector<std::string>& BodyNames() {
   return names;
 }
 
+std::vector<std::string> ImuClassNames() {
+  std::vector<std::string> names;
+  for (const SensorClass& sensor : SensorClasses()) names.push_back(sensor.name);
+  return names;
+}
+
 std::vector<std::string> OptionNames() {
-  std::vector<std::string> names = {"size", "disparity_bias", "trajectory", "body"};
+  std::vector<std::string> names = {"size", "disparity_bias", "trajectory", "body", "imu_class"};
   for (const NumericOption& option : NumericOptions()) {
     names.emplace_back(option.name);
   }
@@ -223,6 +252,7 @@ Options ParseOptions(const std::string& description) {
     start = end + 1;
   }
   CompleteBodies(given, options);
+  CheckImu(given, options);
   return options;
 }
 

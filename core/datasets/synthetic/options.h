@@ -37,6 +37,8 @@ struct Options {
   bool readout_known = false;  ///< the calibration states it
   int streaks = 0;             ///< of snow, in an image
   int dirt = 0;                ///< spots on each lens
+  double imu_rate_hz = 0.0;    ///< of an inertial sensor; 0: there is none
+  std::string imu_class = "adis16448";
   /// Added to all disparities at the centres of the left, middle and right third of the left image.
   std::array<double, 3> disparity_bias_px{};
   std::string trajectory;
@@ -46,9 +48,10 @@ struct Options {
 /// option, or the bounds of a value.
 Options ParseOptions(const std::string& description);
 
-/// Return the names of the worlds, options and values of `body`, in the order of the documentation.
+/// Return the names of the worlds, options and values of `body` and `imu_class`, in the order of the documentation.
 const std::vector<std::string>& WorldNames();
 std::vector<std::string> OptionNames();
 const std::vector<std::string>& BodyNames();
+std::vector<std::string> ImuClassNames();
 
 }  // namespace plslam::synthetic

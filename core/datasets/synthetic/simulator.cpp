@@ -7,6 +7,7 @@
 
 #include "core/datasets/dataset.h"
 #include "core/datasets/synthetic/exact_math.h"
+#include "core/datasets/synthetic/inertial_sensor.h"
 #include "core/datasets/synthetic/worlds.h"
 
 namespace plslam::synthetic {
@@ -61,6 +62,7 @@ Simulator::Simulator(const Options& options)
   MakeMotion();
   MakeEyes();
   MakeBodies();
+  MakeInertialSensor();
 }
 
 void Simulator::MakeMotion() {
@@ -111,6 +113,17 @@ void Simulator::MakeBodies() {
                     lens.fx,
                     rig_.baseline_m};
   bodies_ = Bodies(options_, stage, &world_);
+}
+
+void Simulator::MakeInertialSensor() {
+  if (options_.imu_rate_hz == 0.0) return;
+  const auto& classes = SensorClasses();
+  const auto sensor = std::find_if(classes.begin(), classes.end(),
+                                   [this](const SensorClass& c) { return c.name == options_.imu_class; });
+  const double end_s = static_cast<double>(t_ns_.back()) * 1e-9;
+  imu_samples_ = SampleMotion({motion_.get(), options_.rate_hz, end_s, world_.up()}, options_.imu_rate_hz, *sensor,
+                              options_.seed);
+  rig_.imu = ImuCalibration{MountedSensor(), sensor->noise, 0.0, options_.imu_rate_hz};
 }
 
 void Simulator::MakeEyes() {
@@ -265,6 +278,7 @@ class SyntheticDataset : public Dataset {
   int size() const override { return simulator_.size(); }
   int64_t t_ns(int index) const override { return simulator_.t_ns(index); }
   StereoImages Read(int index) const override { return simulator_.Render(index); }
+  const std::vector<ImuSample>& ImuSamples() const override { return simulator_.imu_samples(); }
   std::optional<SE3> GroundTruth(int index) const override { return simulator_.T_w_c(index); }
 
  private:

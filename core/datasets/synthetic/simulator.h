@@ -37,6 +37,7 @@ class Simulator {
   /// Frames after which the world's own walk repeats; 0 for a trajectory from a file.
   int frames_per_lap() const { return frames_per_lap_; }
   int64_t t_ns(int index) const { return t_ns_[index]; }
+  const std::vector<ImuSample>& imu_samples() const { return imu_samples_; }
   SE3 T_w_c(int index) const { return motion_->At(index); }
 
   /// The pair as the cameras record it; left and right are rendered in two threads.
@@ -61,6 +62,7 @@ class Simulator {
   void MakeMotion();
   void MakeEyes();
   void MakeBodies();
+  void MakeInertialSensor();
   Scene SceneAt(double frame) const { return {world_, bodies_.At(frame).quads}; }
   CameraCalibration Calibration(const Eye& eye) const;
   View ViewOf(const Eye& eye, const SE3& T_w_c) const;
@@ -79,6 +81,7 @@ class Simulator {
   Eye left_;
   Eye right_;
   RigCalibration rig_;
+  std::vector<ImuSample> imu_samples_;
   Weather weather_;
   Sensor sensor_;
 };

@@ -36,6 +36,7 @@ const std::vector<Arrow> kArrows = {
       "core/features/matching/"}},
     {"core/places/", {"core/geometry/", "core/features/", "core/config/fields.h", "core/io/files/"}},
     {"core/motion/", {"core/geometry/", "core/config/fields.h"}},
+    {"core/inertial/", {"core/geometry/"}},
     {"core/map/",
      {"core/geometry/", "core/features/", "core/motion/", "core/io/files/mapped_file.h", "core/config/fields.h"}},
     {"core/localisation/", {"core/geometry/", "core/features/", "core/motion/", "core/map/", "core/config/fields.h"}},

@@ -56,6 +56,9 @@ TEST(SyntheticOptions, AllAreRead) {
   EXPECT_EQ(o.share, 0.3);
   EXPECT_TRUE(o.standing);
   EXPECT_EQ(o.static_body, 0.2);
+  const Options sensed = ParseOptions("room?imu=250&imu_class=bmi055");
+  EXPECT_EQ(sensed.imu_rate_hz, 250.0);
+  EXPECT_EQ(sensed.imu_class, "bmi055");
 }
 
 TEST(SyntheticOptions, UnknownWorldNamesTheNearest) {

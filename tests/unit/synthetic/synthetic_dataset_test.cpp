@@ -231,5 +231,26 @@ TEST(Synthetic, BlurSmoothes) {
   EXPECT_LT(energy("room?noise=0&blur=1"), 0.9 * energy("room?noise=0"));
 }
 
+TEST(Synthetic, InertialSensor) {
+  const auto exact = OpenSyntheticDataset("room?frames=5&imu=200&imu_class=exact&standing=1");
+  ASSERT_TRUE(exact->rig().imu);
+  EXPECT_EQ(exact->rig().imu->rate_hz, 200.0);
+  EXPECT_LT(exact->ImuSamples().front().t_ns, 0);
+  EXPECT_GT(exact->ImuSamples().back().t_ns, exact->t_ns(4));
+  for (const ImuSample& sample : exact->ImuSamples()) {
+    EXPECT_LT(sample.rate_rad_s.norm(), 1e-12) << "it stands";
+    EXPECT_NEAR(sample.force_m_s2.norm(), 9.81, 1e-9);
+    EXPECT_GT(sample.force_m_s2.z(), 9.7) << "nearly level: z is up";
+  }
+  const auto noisy = OpenSyntheticDataset("room?frames=5&imu=200&standing=1");
+  const auto again = OpenSyntheticDataset("room?frames=5&imu=200&standing=1");
+  EXPECT_EQ(noisy->ImuSamples(), again->ImuSamples());
+  EXPECT_NE(noisy->ImuSamples(), OpenSyntheticDataset("room?frames=5&imu=200&standing=1&seed=2")->ImuSamples());
+  EXPECT_FALSE(OpenSyntheticDataset("room?frames=5")->rig().imu);
+  EXPECT_THROW(OpenSyntheticDataset("room?imu_class=exact"), DatasetError);
+  EXPECT_THROW(OpenSyntheticDataset("room?imu=200&trajectory=poses.txt"), DatasetError);
+  EXPECT_THROW(OpenSyntheticDataset("room?imu=200&imu_class=bmi056"), DatasetError);
+}
+
 }  // namespace
 }  // namespace plslam

@@ -110,6 +110,8 @@ YamlMap ReadWithSource(const std::string& path) {
 }
 
 LiveRig WithSource(const YamlMap& yaml, const std::string& path, RigCalibration rig, Notes notes) {
+  if (rig.imu) notes.Remark(path + ": imu is not used: live cameras have no samples of an inertial sensor");
+  rig.imu.reset();
   LiveRig live{path, std::move(rig), ReadSource(yaml.Map("source")), std::move(notes)};
   const CameraCalibration& left = live.rig.left;
   const CameraCalibration& right = live.rig.right;

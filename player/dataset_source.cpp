@@ -26,7 +26,10 @@ std::unique_ptr<Dataset> Open(const PlayerOptions& options) {
   return dataset;
 }
 
-RigCalibration WithMasks(RigCalibration rig, const PlayerOptions& options) {
+/// The rig of what is played. An inertial sensor without samples is none, and no sensor has measured the way back.
+RigCalibration RigToPlay(const Dataset& dataset, const PlayerOptions& options) {
+  RigCalibration rig = dataset.rig();
+  if (dataset.ImuSamples().empty() || options.bounce) rig.imu.reset();
   const auto add = [](const char* key, const std::string& path, CameraCalibration* camera) {
     if (path.empty()) return;
     try {
@@ -68,7 +71,7 @@ void CheckFilesAreThere(const Dataset& dataset, const PlayOrder& order, bool ski
 }  // namespace
 
 DatasetSource::DatasetSource(const PlayerOptions& options)
-    : dataset_(Open(options)), rig_(WithMasks(dataset_->rig(), options)), order_(Order(*dataset_, options)) {
+    : dataset_(Open(options)), rig_(RigToPlay(*dataset_, options)), order_(Order(*dataset_, options)) {
   CheckFilesAreThere(*dataset_, order_, options.skip_bad);
 }
 
@@ -85,7 +88,10 @@ int64_t DatasetSource::Begin(const std::optional<stream::ResumePoint>& behind) {
   const int64_t skipped = behind ? order.SkipTo(behind->t_ns) : 0;
   const std::scoped_lock lock(mutex_);
   loader_.reset();
-  if (!stopped_) loader_.emplace(*dataset_, std::move(order), kFramesAhead);
+  if (!stopped_) {
+    const std::optional<int64_t> sent_ns = behind ? std::optional(behind->t_ns) : std::nullopt;
+    loader_.emplace(*dataset_, std::move(order), kFramesAhead, sent_ns);
+  }
   return behind ? std::max<int64_t>(0, skipped - behind->frame_id - 1) : 0;
 }
 

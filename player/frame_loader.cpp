@@ -4,22 +4,11 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace plslam::player {
 namespace {
-
-LoadedFrame Load(const Dataset& dataset, const PlayOrder::Item& item) {
-  LoadedFrame frame;
-  try {
-    frame.images = dataset.Read(item.index);
-    frame.T_w_l = dataset.GroundTruth(item.index);
-  } catch (const DatasetError& error) {
-    frame.error = error.what();
-  }
-  frame.images.t_ns = item.t_ns;
-  return frame;
-}
 
 // Frames are loaded ahead, while other processes work on the previous one: reading has a lower priority than that work.
 // (On Linux the priority is the thread's, and any user may lower it.)
@@ -30,12 +19,47 @@ void GiveWay() {
 
 }  // namespace
 
-FrameLoader::FrameLoader(const Dataset& dataset, PlayOrder order, size_t depth)
-    : dataset_(dataset), order_(std::move(order)), depth_(depth), worker_([this] { Work(); }) {}
+FrameLoader::FrameLoader(const Dataset& dataset, PlayOrder order, size_t depth, const std::optional<int64_t>& sent_ns)
+    : dataset_(dataset), order_(std::move(order)), depth_(depth), sent_ns_(sent_ns), worker_([this] { Work(); }) {}
 
 FrameLoader::~FrameLoader() {
   Stop();
   worker_.join();
+}
+
+LoadedFrame FrameLoader::Load(const PlayOrder::Item& item) {
+  LoadedFrame frame;
+  try {
+    frame.images = dataset_.Read(item.index);
+    frame.T_w_l = dataset_.GroundTruth(item.index);
+  } catch (const DatasetError& error) {
+    frame.error = error.what();
+  }
+  frame.images.t_ns = item.t_ns;
+  if (frame.error.empty()) AddImu(item, frame);
+  return frame;
+}
+
+/// The samples since the last readable frame, at the times at which frames are played. Where frames do not follow each
+/// other as in the dataset (backwards, or from its end to its beginning), the sensor did not measure the motion.
+void FrameLoader::AddImu(const PlayOrder::Item& item, LoadedFrame& frame) {
+  const std::vector<ImuSample>& all = dataset_.ImuSamples();
+  const int64_t shift_ns = item.t_ns - dataset_.t_ns(item.index);
+  const bool follows = sent_ns_ && (!shift_ns_ || *shift_ns_ == shift_ns);
+  const int64_t from_ns = sent_ns_.value_or(item.t_ns);
+  frame.imu_from_ns = from_ns;
+  shift_ns_ = shift_ns;
+  sent_ns_ = item.t_ns;
+  if (all.empty() || !follows) return;
+  // In the sensor's clock.
+  const int64_t late_ns = shift_ns + dataset_.rig().imu->offset_ns();
+  const auto is_before = [](const ImuSample& sample, int64_t t_ns) { return sample.t_ns < t_ns; };
+  auto begin = std::lower_bound(all.begin(), all.end(), from_ns - late_ns, is_before);
+  if (begin != all.begin() && (begin == all.end() || begin->t_ns > from_ns - late_ns)) --begin;
+  auto end = std::lower_bound(begin, all.end(), item.t_ns - late_ns, is_before);
+  if (end != all.end()) ++end;
+  frame.imu.assign(begin, end);
+  for (ImuSample& sample : frame.imu) sample.t_ns += shift_ns;
 }
 
 void FrameLoader::Work() {
@@ -43,7 +67,7 @@ void FrameLoader::Work() {
   std::exception_ptr failure;
   try {
     for (auto item = order_.Next(); item; item = order_.Next()) {
-      if (!Push(Load(dataset_, *item))) break;
+      if (!Push(Load(*item))) break;
     }
   } catch (...) {
     failure = std::current_exception();

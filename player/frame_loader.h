@@ -21,8 +21,8 @@ using stream::LoadedFrame;
 /// is always that of `order`.
 class FrameLoader {
  public:
-  /// Keeps at most `depth` frames ready.
-  FrameLoader(const Dataset& dataset, PlayOrder order, size_t depth);
+  /// Keeps at most `depth` frames ready. `sent_ns` is the time of the last frame that was sent before.
+  FrameLoader(const Dataset& dataset, PlayOrder order, size_t depth, const std::optional<int64_t>& sent_ns = {});
   ~FrameLoader();
   FrameLoader(const FrameLoader&) = delete;
   FrameLoader& operator=(const FrameLoader&) = delete;
@@ -36,11 +36,17 @@ class FrameLoader {
 
  private:
   void Work();
+  LoadedFrame Load(const PlayOrder::Item& item);
+  void AddImu(const PlayOrder::Item& item, LoadedFrame& frame);
   bool Push(LoadedFrame frame);
 
   const Dataset& dataset_;
   PlayOrder order_;
   const size_t depth_;
+  /// Time of the last readable frame, and the time since which all frames have followed each other as in the dataset;
+  /// of the worker.
+  std::optional<int64_t> sent_ns_;
+  std::optional<int64_t> shift_ns_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<LoadedFrame> ready_;

@@ -132,6 +132,12 @@ inline constexpr Channel kRobotMotion{"ROBOT_MOTION",
                                       Delivery::kEvery,
                                       Retention::kUnacknowledged,
                                       "poses from the robot's wheels around the time of a frame, for prediction"};
+inline constexpr Channel kImu{"IMU",
+                              "imu_t",
+                              "player",
+                              Delivery::kEvery,
+                              Retention::kUnacknowledged,
+                              "samples of the inertial sensor, sent before the frame that they lead to"};
 inline constexpr Channel kRepairRequest{
     "REPAIR_REQUEST",  "repair_request_t", "all",
     Delivery::kLatest, Retention::kNone,   "acknowledgements and resend requests"};

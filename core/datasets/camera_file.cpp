@@ -13,6 +13,7 @@
 #include "core/datasets/calibrations/foreign_calibration.h"
 #include "core/datasets/calibrations/readers.h"
 #include "core/datasets/check_rig.h"
+#include "core/datasets/imu_files.h"
 #include "core/datasets/yaml_map.h"
 #include "core/geometry/image_mask.h"
 #include "core/io/files/dataset_error.h"
@@ -234,9 +235,17 @@ std::optional<double> ReadUnit(const YamlMap& yaml) {
   return metres;
 }
 
+std::optional<ImuCalibration> ReadImu(const YamlMap& yaml, const RigCalibration& rig) {
+  if (!yaml.Has("imu")) return std::nullopt;
+  const YamlMap imu = yaml.Map("imu");
+  imu.AllowOnly({"T_b_imu", "T_c_imu", "gyroscope_noise_density", "gyroscope_random_walk",
+                 "accelerometer_noise_density", "accelerometer_random_walk", "time_offset_s", "rate_hz"});
+  return ReadImuCalibration(imu, rig.left.T_b_cam);
+}
+
 /// `from: FILE` or `from: [LEFT, RIGHT]`: files of another program beside this one.
 RigCalibration ReadFrom(const YamlMap& yaml, const ImageSize& image_size, Notes* notes) {
-  yaml.AllowOnly({"from", "unit", "name", "rate_hz", "source"});
+  yaml.AllowOnly({"from", "unit", "name", "rate_hz", "source", "imu"});
   std::vector<std::string> paths;
   for (const std::string& name : yaml.Texts("from")) {
     const fs::path file(name);
@@ -249,6 +258,7 @@ RigCalibration ReadFrom(const YamlMap& yaml, const ImageSize& image_size, Notes*
   RigCalibration rig = ReadForeign(paths, image_size, ReadUnit(yaml), notes);
   if (yaml.Has("name")) rig.name = yaml.Text("name");
   rig.rate_hz = ReadRate_hz(yaml, rig.rate_hz);
+  rig.imu = ReadImu(yaml, rig);
   return rig;
 }
 
@@ -293,6 +303,7 @@ RigCalibration ReadCalibration(const std::vector<std::string>& paths, const Imag
 std::string CameraFileText(const RigCalibration& rig) {
   std::string text = fmt::format("name: \"{}\"\n", rig.name);
   if (rig.rate_hz > 0.0) text += fmt::format("rate_hz: {}\n", rig.rate_hz);
+  if (rig.imu) text += ImuFileText(*rig.imu);
   if (rig.kind == RigCalibration::Kind::kRgbd) {
     return text +
            fmt::format("kind: rgbd\ndepth_units_per_m: {}\nbaseline_m: {}\nleft:\n", rig.depth_units_per_m,
@@ -319,7 +330,7 @@ RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_si
   if (!ForeignFormat(path).empty()) return ReadForeign({path}, image_size, std::nullopt, notes);
   const YamlMap yaml = YamlMap::FromFile(path);
   if (yaml.Has("from")) return ReadFrom(yaml, image_size, notes);
-  yaml.AllowOnly({"name", "kind", "rate_hz", "left", "right", "baseline_m", "depth_units_per_m", "source"});
+  yaml.AllowOnly({"name", "kind", "rate_hz", "left", "right", "baseline_m", "depth_units_per_m", "source", "imu"});
   const std::string kind = yaml.Has("kind") ? yaml.Text("kind") : "stereo";
   if (kind != "stereo" && kind != "rgbd") yaml.Fail("kind", fmt::format("'{}' is not one of stereo, rgbd", kind));
   RigCalibration rig;
@@ -338,6 +349,7 @@ RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_si
   rig.name = yaml.Has("name") ? yaml.Text("name") : "images";
   rig.rate_hz = ReadRate_hz(yaml, 0.0);
   CheckReadout(yaml, rig);
+  rig.imu = ReadImu(yaml, rig);
   return rig;
 }
 

@@ -14,6 +14,7 @@
 #include "core/datasets/check_rig.h"
 #include "core/datasets/dataset_rows.h"
 #include "core/datasets/image_list.h"
+#include "core/datasets/imu_files.h"
 #include "core/io/files/shared_file.h"
 
 namespace plslam {
@@ -108,6 +109,7 @@ std::unique_ptr<Dataset> OpenEurocDataset(const std::string& folder) {
   }
   list.image_size = LearnImageSize(list.entries);
   list.ground_truth = GroundTruth(mav, list.rig.left.T_b_cam, &list);
+  AddImu((mav / "imu0" / "data.csv").string(), (mav / "imu0" / "sensor.yaml").string(), &list);
   return MakeImageListDataset(std::move(list), calibrations[1]);
 }
 

@@ -99,6 +99,7 @@ class ImageListDataset : public Dataset {
   const RigCalibration& rig() const override { return list_.rig; }
   int size() const override { return static_cast<int>(list_.entries.size()); }
   int64_t t_ns(int index) const override { return Entry(index).t_ns; }
+  const std::vector<ImuSample>& ImuSamples() const override { return list_.imu_samples; }
   plslam::Notes Notes() const override { return list_.notes; }
   bool HasRecordedTruth() const override { return !list_.ground_truth.empty(); }
 

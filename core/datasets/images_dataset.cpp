@@ -12,6 +12,7 @@
 #include "core/datasets/camera_file.h"
 #include "core/datasets/dataset_rows.h"
 #include "core/datasets/image_list.h"
+#include "core/datasets/imu_files.h"
 #include "core/io/images/image_folder.h"
 
 namespace plslam {
@@ -107,6 +108,7 @@ std::unique_ptr<Dataset> OpenImagesDataset(const std::string& folder) {
   const std::vector<int64_t> times_ns = Times(folder, camera_path, list.entries.size(), list.rig.rate_hz);
   for (size_t i = 0; i < times_ns.size(); ++i) list.entries[i].t_ns = times_ns[i];
   list.ground_truth = GroundTruth(folder, &list);
+  AddImu((fs::path(folder) / "imu.csv").string(), (fs::path(folder) / "imu.yaml").string(), &list);
   return MakeImageListDataset(std::move(list), camera_path);
 }
 

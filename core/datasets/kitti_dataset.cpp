@@ -11,6 +11,7 @@
 #include "core/datasets/check_rig.h"
 #include "core/datasets/dataset_rows.h"
 #include "core/datasets/image_list.h"
+#include "core/datasets/imu_files.h"
 #include "core/io/files/shared_file.h"
 
 namespace plslam {
@@ -143,6 +144,7 @@ std::unique_ptr<Dataset> OpenKittiDataset(const std::string& folder) {
   }
   list.rig.name = "kitti";
   list.ground_truth = ReadPoses(PosesPath(folder), times_ns.size(), list.rig.left.T_b_cam, &list.notes);
+  AddImu((fs::path(folder) / "imu.csv").string(), (fs::path(folder) / "imu.yaml").string(), &list);
   return MakeImageListDataset(std::move(list), calibration_path);
 }
 

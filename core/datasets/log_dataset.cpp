@@ -17,11 +17,13 @@
 #include "core/bus/logs/log_reader.h"
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/frame_assembler.h"
+#include "core/bus/messages/imu_channel.h"
 #include "core/bus/transport/wire.h"
 #include "core/errors/error_text.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/ground_truth_t.hpp"
 #include "plslam/image_strip_t.hpp"
+#include "plslam/imu_t.hpp"
 
 namespace plslam::bus {
 namespace {
@@ -113,6 +115,7 @@ class LogDataset : public Dataset {
     if (prefix) std::erase_if(streams, [&](const auto& stream) { return std::get<0>(stream.first) != *prefix; });
     ChooseStream(streams);
     ReadRig();
+    ReadImuSamples();
     ReadGroundTruth();
     DropFramesWithHoles();
     DropFramesOutOfTime();
@@ -128,6 +131,7 @@ class LogDataset : public Dataset {
     const auto found = truth_.find(frames_.at(static_cast<size_t>(index)).id);
     return found == truth_.end() ? std::nullopt : std::optional(found->second);
   }
+  const std::vector<ImuSample>& ImuSamples() const override { return imu_samples_; }
   plslam::Notes Notes() const override { return notes_; }
 
  private:
@@ -138,6 +142,7 @@ class LogDataset : public Dataset {
   std::string WhyNoFrames() const;
   void ChooseStream(std::map<StreamKey, LogStream>& streams);
   void ReadRig();
+  void ReadImuSamples();
   void ReadGroundTruth();
   void DropFramesWithHoles();
   void DropFramesOutOfTime();
@@ -147,6 +152,8 @@ class LogDataset : public Dataset {
   LogReader log_;
   std::vector<std::pair<std::string, Place>> cameras_;  // with their prefixes
   std::vector<std::pair<std::string, Place>> truths_;
+  std::vector<std::pair<std::string, Place>> imu_batches_;
+  std::vector<ImuSample> imu_samples_;
   std::string prefix_;
   int64_t source_ = 0;
   RigCalibration rig_;
@@ -173,6 +180,7 @@ void LogDataset::Index(std::map<StreamKey, LogStream>& streams) {
     const Place place{event->data_offset, event->data_bytes};
     if (const auto prefix = PrefixOf(event->channel, kCamera)) cameras_.emplace_back(*prefix, place);
     if (const auto prefix = PrefixOf(event->channel, kGroundTruth)) truths_.emplace_back(*prefix, place);
+    if (const auto prefix = PrefixOf(event->channel, kImu)) imu_batches_.emplace_back(*prefix, place);
     for (const Channel& channel : {kStereoFrame, kStereoFrameLive}) {
       const auto prefix = PrefixOf(event->channel, channel);
       const bool is_strip = prefix && event->head.size() >= kStripHeadBytes &&
@@ -232,6 +240,20 @@ void LogDataset::ReadRig() {
         "its rig (channel CAMERA) is from another version of plslam: play the log with the version that recorded it");
   }
   Fail("has stereo frames, but no valid rig of their publisher (channel CAMERA)");
+}
+
+/// The batches of successive frames overlap, and those of frames that were sent again are repeated.
+void LogDataset::ReadImuSamples() {
+  std::map<int64_t, ImuSample> samples;
+  for (const auto& [prefix, place] : imu_batches_) {
+    if (prefix != prefix_ || !rig_.imu) continue;
+    const auto message = Decode<imu_t>(log_, place);
+    if (!message || message->header.source != source_) continue;
+    const auto batch = FromMessage(*message);
+    if (!batch) continue;
+    for (const ImuSample& sample : batch->samples) samples.emplace(sample.t_ns, sample);
+  }
+  for (const auto& [t_ns, sample] : samples) imu_samples_.push_back(sample);
 }
 
 void LogDataset::ReadGroundTruth() {

@@ -48,6 +48,7 @@ class ShiftedDataset : public Dataset {
     return left.empty() ? dataset_->Missing(first_ + index + offset_) : left;
   }
   std::string LeftFile(int index) const override { return dataset_->LeftFile(first_ + index); }
+  const std::vector<ImuSample>& ImuSamples() const override { return dataset_->ImuSamples(); }
   std::optional<SE3> GroundTruth(int index) const override { return dataset_->GroundTruth(first_ + index); }
   bool HasRecordedTruth() const override { return dataset_->HasRecordedTruth(); }
   plslam::Notes Notes() const override { return dataset_->Notes(); }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/geometry/calibration.h"
 #include "core/geometry/se3.h"
@@ -17,6 +18,10 @@ struct LoadedFrame {
   StereoImages images;
   std::optional<SE3> T_w_l;
   std::string error;
+  /// Samples of the inertial sensor from the last one at or before the previous frame, which was at this time, to the
+  /// first one at or after this frame; empty if the sensor has no samples of this motion.
+  std::vector<ImuSample> imu{};
+  int64_t imu_from_ns = 0;
 };
 
 /// A source of stereo frames in order: a dataset or cameras. `Begin` and `Next` are called on one thread, `Stop` on

@@ -17,6 +17,7 @@ class ChangedImages : public Dataset {
   const RigCalibration& rig() const override { return dataset_.rig(); }
   int size() const override { return dataset_.size(); }
   int64_t t_ns(int index) const override { return dataset_.t_ns(index); }
+  const std::vector<ImuSample>& ImuSamples() const override { return dataset_.ImuSamples(); }
   std::optional<SE3> GroundTruth(int index) const override { return dataset_.GroundTruth(index); }
 
  protected:

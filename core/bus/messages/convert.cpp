@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/bus/messages/convert.h"
 
+#include "core/bus/messages/imu_channel.h"
 #include "core/bus/transport/wire.h"
 #include "core/geometry/distortion.h"
 
@@ -70,6 +71,8 @@ std::optional<std::vector<MaskPolygon>> FromPolygons(const std::vector<polygon_t
 // Follows the model of a camera with a rolling shutter; the readout in milliseconds follows it. The layout of the
 // message is that of logs of earlier versions.
 constexpr std::string_view kRolling = " rolling ";
+// Follows the kind of a rig with an inertial sensor, for the same reason; its calibration follows it.
+constexpr std::string_view kWithImu = " imu ";
 
 std::string RollingText(double readout_ms) {
   if (readout_ms == 0.0) return "";
@@ -181,6 +184,7 @@ camera_t ToMessage(const RigCalibration& rig) {
   camera_t message{};
   message.rig_name = rig.name;
   message.kind = rig.kind == RigCalibration::Kind::kRgbd ? "rgbd" : "stereo";
+  if (rig.imu) message.kind.append(kWithImu).append(ImuText(*rig.imu));
   message.rate_hz = rig.rate_hz;
   message.left = ToIntrinsics(rig.left);
   message.right = ToIntrinsics(rig.right);
@@ -192,8 +196,15 @@ camera_t ToMessage(const RigCalibration& rig) {
 std::optional<RigCalibration> FromMessage(const camera_t& message) {
   const auto left = FromIntrinsics(message.left);
   const auto right = FromIntrinsics(message.right);
-  const bool rgbd = message.kind == "rgbd";
-  if (!left || !right || (!rgbd && message.kind != "stereo")) return std::nullopt;
+  const size_t kind_end = std::min(message.kind.find(kWithImu), message.kind.size());
+  const std::string kind = message.kind.substr(0, kind_end);
+  const bool rgbd = kind == "rgbd";
+  if (!left || !right || (!rgbd && kind != "stereo")) return std::nullopt;
+  std::optional<ImuCalibration> imu;
+  if (kind_end < message.kind.size()) {
+    imu = ImuFromText(std::string_view(message.kind).substr(kind_end + kWithImu.size()));
+    if (!imu) return std::nullopt;
+  }
   const bool numbers_ok = std::isfinite(message.rate_hz) && message.rate_hz >= 0.0 &&
                           PositiveFinite({message.baseline_m}) && std::isfinite(message.depth_units_per_m) &&
                           (rgbd ? message.depth_units_per_m > 0.0 : message.depth_units_per_m >= 0.0);
@@ -206,6 +217,7 @@ std::optional<RigCalibration> FromMessage(const camera_t& message) {
   rig.right = *right;
   rig.depth_units_per_m = message.depth_units_per_m;
   rig.baseline_m = message.baseline_m;
+  rig.imu = imu;
   return rig;
 }
 

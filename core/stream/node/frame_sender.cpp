@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/bus/messages/convert.h"
+#include "core/bus/messages/imu_channel.h"
 #include "core/bus/run_loop.h"
 #include "core/errors/error_text.h"
 #include "core/errors/log.h"
@@ -230,7 +231,7 @@ FrameSender::Sent FrameSender::Send(const LoadedFrame& frame) {
   }
   turn_.Expect({frame.images.frame_id, frame.images.t_ns});
   PublishTruth(frame);
-  publisher_.Publish(frame.images);
+  PublishFrame(frame);
   newest_sent_ = std::max(newest_sent_, frame.images.frame_id);
   process_.SetCounter("frames.sent", static_cast<double>(++n_sent_));
   if (!std::exchange(running_, true)) process_.SetState(process_state::kRunning);
@@ -251,7 +252,7 @@ FrameSender::Sent FrameSender::WaitForPose(const LoadedFrame& frame) {
     if (event == Turn::Event::kNewReader) {
       ticks_to_resend = kTicksBeforeResend;
     } else if (--ticks_to_resend == 0) {
-      publisher_.Publish(frame.images);
+      PublishFrame(frame);
       ticks_to_resend = ticks_of_doubt;
     }
     if (!std::exchange(waiting, true)) {
@@ -276,6 +277,12 @@ void FrameSender::PassOver(const LoadedFrame& frame) {
     throw DatasetError(frame.error + " (--skip-bad skips unreadable frames)");
   }
   LogWarning("skipped: {}", frame.error);
+}
+
+/// Samples of an inertial sensor first: the reader needs them for the frame.
+void FrameSender::PublishFrame(const LoadedFrame& frame) {
+  if (source_->rig().imu) bus::PublishImu(process_.bus(), frame.imu_from_ns, frame.images.t_ns, frame.imu);
+  publisher_.Publish(frame.images);
 }
 
 void FrameSender::PublishRig() { process_.bus().Publish(bus::kCamera, bus::ToMessage(source_->rig())); }

@@ -68,6 +68,7 @@ class FrameSender {
   Sent WaitForPose(const LoadedFrame& frame);
   bool WaitUntilDue(int64_t t_ns);
   void PassOver(const LoadedFrame& frame);
+  void PublishFrame(const LoadedFrame& frame);
   void PublishRig();
   void PublishTruth(const LoadedFrame& frame);
   void PublishEnd();

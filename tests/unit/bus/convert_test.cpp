@@ -9,7 +9,10 @@
 
 #include <gtest/gtest.h>
 
+#include "core/bus/messages/imu_channel.h"
 #include "plslam/camera_t.hpp"
+#include "plslam/imu_sample_t.hpp"
+#include "plslam/imu_t.hpp"
 #include "plslam/line_feature_t.hpp"
 #include "plslam/point_feature_t.hpp"
 #include "plslam/pose3_t.hpp"
@@ -134,6 +137,45 @@ TEST(Convert, ReadoutSurvivesTheWire) {
     message.left.model = model;
     EXPECT_FALSE(FromMessage(message)) << model;
   }
+}
+
+TEST(Convert, ImuCalibrationSurvivesTheWire) {
+  RigCalibration rig = SomeRig();
+  EXPECT_EQ(ToMessage(rig).kind, "stereo") << "logs of earlier versions";
+  const SE3 T_b_imu(Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5), Eigen::Vector3d(0.1, -0.2, 1.0 / 3.0));
+  rig.imu = ImuCalibration{T_b_imu, {1.7e-4, 2e-5, 2e-3, 3e-3}, -0.0123, 200.0};
+  camera_t message = ToMessage(rig);
+  const auto back = FromMessage(message);
+  ASSERT_TRUE(back && back->imu);
+  EXPECT_LT((back->imu->T_b_imu.Inverse() * T_b_imu).Log().norm(), 1e-15);
+  EXPECT_EQ(back->imu->noise.gyroscope_rad_s_sqrt_hz, 1.7e-4);
+  EXPECT_EQ(back->imu->noise.accelerometer_walk_m_s3_sqrt_hz, 3e-3);
+  EXPECT_EQ(back->imu->time_offset_s, -0.0123);
+  EXPECT_EQ(back->imu->rate_hz, 200.0);
+  for (const char* kind : {"stereo imu ", "stereo imu 1 2 3", "stereo imu 0 0 0 1 0 0 0 1 1 1 1 2 200",
+                           "stereo imu 0 0 0 1 0 0 0 0 1 1 1 0 200", "stereo imu 0 0 0 1 0 0 0 1 1 1 1 0 nan",
+                           "stereo imu 0 0 0 2 0 0 0 1 1 1 1 0 200", "stereo imu 0 0 0 1 0 0 0 1 1 1 1 0 200 7"}) {
+    message.kind = kind;
+    EXPECT_FALSE(FromMessage(message)) << kind;
+  }
+  message.kind = "stereo imu 0 0 0 1 0 0 0 1 1 1 1 0 200";
+  EXPECT_TRUE(FromMessage(message));
+}
+
+TEST(Convert, ImuSamplesSurviveTheWire) {
+  const ImuBatch batch{3, 9, false, {{4, {0.1, 0.2, 0.3}, {1.0, 2.0, 9.8}}, {8, {0.4, 0.5, 0.6}, {3.0, 4.0, 9.7}}}};
+  imu_t message = ToMessage(batch);
+  const auto back = FromMessage(message);
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->samples, batch.samples);
+  EXPECT_EQ(back->from_ns, 3);
+  EXPECT_EQ(back->t_ns, 9);
+  EXPECT_FALSE(back->complete);
+  message.samples[1].t_ns = 4;
+  EXPECT_FALSE(FromMessage(message)) << "times must increase";
+  message.samples[1].t_ns = 8;
+  message.samples[0].rate_rad_s[2] = std::nan("");
+  EXPECT_FALSE(FromMessage(message));
 }
 
 TEST(Convert, MasksSurviveTheWire) {

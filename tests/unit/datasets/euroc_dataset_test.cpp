@@ -48,6 +48,38 @@ TEST_F(EurocDataset, HandMadeFolder) {
   EXPECT_TRUE(dataset->Notes().empty());
 }
 
+constexpr const char* kSensorYaml =
+    "sensor_type: imu\n"
+    "T_BS:\n  cols: 4\n  rows: 4\n  data: [1, 0, 0, 0.1, 0, 1, 0, 0.2, 0, 0, 1, 0.3, 0, 0, 0, 1]\n"
+    "rate_hz: 200\ngyroscope_noise_density: 1.7e-4\ngyroscope_random_walk: 2.0e-5\n"
+    "accelerometer_noise_density: 2.0e-3\naccelerometer_random_walk: 3.0e-3\n";
+
+TEST_F(EurocDataset, InertialSensor) {
+  fs::create_directories(mav_ / "imu0");
+  test::WriteText(mav_ / "imu0" / "data.csv",
+                  "#timestamp [ns],w_x,w_y,w_z,a_x,a_y,a_z\n"
+                  "1403636584763555584,0.1,0.2,0.3,1,2,9.8\n"
+                  "1403636584768555584,0.4,0.5,0.6,3,4,9.7\n"
+                  "1403636584768555584,0.4,0.5,0.6,3,4,9.7\n");
+  const auto uncalibrated = OpenEurocDataset(folder_.string());
+  EXPECT_FALSE(uncalibrated->rig().imu);
+  EXPECT_TRUE(uncalibrated->ImuSamples().empty());
+  EXPECT_THAT(uncalibrated->Notes().warnings, ElementsAre(HasSubstr("its calibration is missing: write")));
+
+  test::WriteText(mav_ / "imu0" / "sensor.yaml", kSensorYaml);
+  const auto dataset = OpenEurocDataset(folder_.string());
+  ASSERT_TRUE(dataset->rig().imu);
+  EXPECT_EQ(dataset->rig().imu->T_b_imu.translation(), Eigen::Vector3d(0.1, 0.2, 0.3));
+  EXPECT_EQ(dataset->rig().imu->noise.accelerometer_walk_m_s3_sqrt_hz, 3e-3);
+  ASSERT_EQ(dataset->ImuSamples().size(), 2U);
+  EXPECT_EQ(dataset->ImuSamples()[1],
+            (ImuSample{1403636584768555584, Eigen::Vector3d(0.4, 0.5, 0.6), Eigen::Vector3d(3.0, 4.0, 9.7)}));
+  EXPECT_THAT(dataset->Notes().warnings, ElementsAre(HasSubstr("1 samples are not used")));
+
+  test::ReplaceText(mav_ / "imu0" / "sensor.yaml", "2.0e-3", "-1");
+  EXPECT_THAT(OpenError(), AllOf(HasSubstr("sensor.yaml:"), HasSubstr("accelerometer_noise_density = -1")));
+}
+
 TEST_F(EurocDataset, MavFolderItselfIsAccepted) {
   EXPECT_TRUE(LooksLikeEuroc(mav_.string()));
   EXPECT_EQ(OpenEurocDataset(mav_.string())->size(), 3);

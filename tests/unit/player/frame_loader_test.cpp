@@ -48,6 +48,60 @@ TEST(FrameLoader, OrderIsKeptAndBadFramesAreReported) {
   EXPECT_FALSE(loader.Next());
 }
 
+// Samples every 0.3 frames, the first at frame 1.
+class SensedFrames : public Frames {
+ public:
+  SensedFrames() {
+    rig_.imu = ImuCalibration();
+    for (int64_t t = 1000; t < 9500; t += 300) samples_.push_back({t, {}, {}});
+  }
+  const RigCalibration& rig() const override { return rig_; }
+  int64_t t_ns(int index) const override { return 1000 * index; }
+  const std::vector<ImuSample>& ImuSamples() const override { return samples_; }
+
+ private:
+  RigCalibration rig_;
+  std::vector<ImuSample> samples_;
+};
+
+PlayOrder SensedOrder(int64_t loop) {
+  PlayerOptions options;
+  options.loop = loop;
+  return {10, [](int index) { return int64_t{1000} * index; }, options, 10.0};
+}
+
+TEST(FrameLoader, SamplesCoverTheMotionFromFrameToFrame) {
+  const SensedFrames frames;
+  FrameLoader loader(frames, SensedOrder(2), 2);
+  std::vector<LoadedFrame> loaded;
+  while (auto frame = loader.Next()) loaded.push_back(*frame);
+  ASSERT_EQ(loaded.size(), 20U);
+  EXPECT_TRUE(loaded[0].imu.empty()) << "no frame before";
+  EXPECT_EQ(loaded[1].imu.front().t_ns, 1000) << "the sensor begins late";
+  EXPECT_EQ(loaded[2].imu.front().t_ns, 1000);
+  EXPECT_EQ(loaded[2].imu.back().t_ns, 2200);
+  EXPECT_EQ(loaded[2].imu.size(), 5U);
+  EXPECT_EQ(loaded[4].imu_from_ns, 2000) << "frame 3 cannot be read";
+  EXPECT_EQ(loaded[4].imu.front().t_ns, 1900);
+  EXPECT_EQ(loaded[4].imu.back().t_ns, 4000);
+  EXPECT_TRUE(loaded[10].imu.empty()) << "from the end to the beginning";
+  EXPECT_EQ(loaded[12].imu.front().t_ns, 11000) << "on the clock of the second pass";
+  EXPECT_EQ(loaded[12].imu.size(), loaded[2].imu.size());
+}
+
+TEST(FrameLoader, ResumedSamplesFollowTheLastFrame) {
+  const SensedFrames frames;
+  PlayOrder order = SensedOrder(1);
+  order.SkipTo(5000);
+  FrameLoader loader(frames, std::move(order), 2, 5000);
+  const auto frame = loader.Next();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->images.t_ns, 6000);
+  EXPECT_EQ(frame->imu_from_ns, 5000);
+  EXPECT_EQ(frame->imu.front().t_ns, 4900);
+  EXPECT_EQ(frame->imu.back().t_ns, 6100);
+}
+
 TEST(FrameLoader, ReadsNoFurtherAheadThanItsDepth) {
   const Frames frames;
   FrameLoader loader(frames, Order(), 2);

@@ -93,6 +93,13 @@ struct RobotMotionUseOptions {
   double wait_s = 15.0;
 };
 
+/// The inertial sensor (channel IMU), if the rig has one.
+struct ImuUseOptions {
+  bool enabled = true;
+  double wait_s = 15.0;
+  double live_wait_ms = 20.0;
+};
+
 /// Relocalisation in the map by loop_process.
 struct RelocalisationUseOptions {
   bool enabled = true;
@@ -131,6 +138,7 @@ struct VoOptions {
   TrackingOptions tracking;
   MaskUseOptions masks;
   RobotMotionUseOptions robot_motion;
+  ImuUseOptions imu;
   MapUseOptions map;
   RelocalisationUseOptions relocalisation;
   KeyframeOptions keyframes;
@@ -196,6 +204,13 @@ void VisitFields(Visitor& visit, RobotMotionUseOptions& o) {
 }
 
 template <class Visitor>
+void VisitFields(Visitor& visit, ImuUseOptions& o) {
+  visit("enabled", o.enabled, "use the inertial sensor of the rig, if it has one");
+  visit("wait_s", o.wait_s, Bounds{0, 3600}, "how long a lockstep stream waits if no samples arrive");
+  visit("live_wait_ms", o.live_wait_ms, Bounds{0, 1000}, "how long a frame waits in real time");
+}
+
+template <class Visitor>
 void VisitFields(Visitor& visit, RelocalisationUseOptions& o) {
   visit("enabled", o.enabled, "ask loop_process for the pose when tracking is lost");
   visit("wait_s", o.wait_s, Bounds{0, 3600},
@@ -229,6 +244,7 @@ void VisitFields(Visitor& visit, VoOptions& o) {
   visit("tracking", o.tracking, "landmark search, and when a frame counts as tracked");
   visit("masks", o.masks, "masks of single frames");
   visit("robot_motion", o.robot_motion, "prediction by the robot's own odometry");
+  visit("imu", o.imu, "the inertial sensor");
   visit("map", o.map, "use of the map");
   visit("relocalisation", o.relocalisation, "relocalisation after a loss");
   visit("keyframes", o.keyframes, "choice of keyframes");

@@ -7,6 +7,7 @@
 //   accuracy_benchmark DATASET... --mapping | --loops [--forth-and-back] [--noise S] [--darkest F] [--blur S]
 // [--covered F]
 //   accuracy_benchmark DATASET... --mapping --exact
+//   accuracy_benchmark DATASET... --black FIRST COUNT [EVERY]
 
 #include <algorithm>
 #include <cstdio>
@@ -181,6 +182,7 @@ struct Arguments {
   int pieces = 0;
   int first = 0;
   plslam::test::Worsening worsening;
+  std::vector<int> black;
 };
 
 void AddArguments(CLI::App& app, Arguments& a, plslam::test::LoopRunOptions& run) {
@@ -200,6 +202,7 @@ void AddArguments(CLI::App& app, Arguments& a, plslam::test::LoopRunOptions& run
   app.add_option("--noise", a.worsening.noise_sigma, "added to the images, grey values");
   app.add_option("--darkest", a.worsening.darkest, "factor of the grey values, that comes and goes");
   app.add_option("--blur", a.worsening.blur_sigma_px, "of the images, pixels");
+  app.add_option("--black", a.black, "black frames: the first, how many, and again after how many")->expected(2, 3);
   app.add_option("--covered", a.worsening.covered, "side of a black square, as a share of the image's height");
 }
 
@@ -225,6 +228,21 @@ void RunMapping(const std::string& location, const plslam::Dataset& dataset, con
   for (size_t i = 0; a.verbose && i < run.live.size(); ++i) PrintPlaces(i, run);
 }
 
+/// Errors from the last frame before black ones to the last of them, and to the frame after.
+void PrintDarkness(const std::vector<OdometryFrame>& frames, size_t first, size_t count) {
+  const auto print = [&](const char* name, size_t last) {
+    const auto error = plslam::test::ErrorOfMotion(frames, first - 1, last);
+    std::printf("  %s %.4f m (sigma %.4f) %.3f deg chi2 %.1f", name, error.translation_m, error.sigma_m,
+                error.rotation_rad / plslam::kRadPerDeg, error.chi2);
+  };
+  std::printf("    frame %zu:", first);
+  print("half", first + count / 2);
+  print("last", first + count - 1);
+  print("after", first + count);
+  std::printf(" states %d %d\n", static_cast<int>(frames[first + count - 1].state),
+              static_cast<int>(frames[first + count].state));
+}
+
 void RunOdometry(const std::string& location, const plslam::Dataset& dataset, const Arguments& a,
                  const plslam::test::LoopRunOptions& options) {
   const auto frames =
@@ -237,6 +255,12 @@ void RunOdometry(const std::string& location, const plslam::Dataset& dataset, co
               Mean(frames, &OdometryFrame::n_tracked_points), Mean(frames, &OdometryFrame::n_points),
               Mean(frames, &OdometryFrame::n_tracked_lines), Mean(frames, &OdometryFrame::n_lines),
               StageMedians(frames).c_str());
+  const plslam::test::Worsening& w = a.worsening;
+  for (int first = w.black_first; w.black_count > 0; first += w.black_every) {
+    if (first < 1 || first + w.black_count >= static_cast<int>(frames.size())) break;
+    PrintDarkness(frames, static_cast<size_t>(first), static_cast<size_t>(w.black_count));
+    if (w.black_every > static_cast<int>(frames.size())) break;
+  }
   for (int first = 0; a.pieces > 0 && first + a.pieces / 2 <= static_cast<int>(frames.size()); first += a.pieces) {
     const auto piece = plslam::test::RunOdometry(dataset, options.vo, 1, a.pieces, nullptr, first);
     std::printf("    frames %4d to %4d: scale against the whole %.4f\n", first,
@@ -257,6 +281,9 @@ int main(int argc, char** argv) {
     const plslam::PlaceRecogniser places = Places(a.loops, options.loops.places);
     for (const std::string& location : a.datasets) {
       const auto opened = plslam::OpenDataset(location, "");
+      if (a.black.size() > 1) a.worsening.black_first = a.black[0];
+      if (a.black.size() > 1) a.worsening.black_count = a.black[1];
+      if (a.black.size() > 2) a.worsening.black_every = a.black[2];
       const plslam::test::WorseImages dataset(*opened, a.worsening);
       if (a.loops) {
         const plslam::test::LoopRun run = plslam::test::RunLoops(dataset, places, options);

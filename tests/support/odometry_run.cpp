@@ -29,17 +29,32 @@ OdometryFrame Summarise(const vo::OdometryResult& result, const SE3& T_l_c) {
   return frame;
 }
 
+/// The samples between two frames, and some around them.
+void ExpectImu(const Dataset& dataset, int64_t from_ns, int64_t to_ns, vo::Odometry& odometry) {
+  constexpr int64_t kMargin_ns = 50'000'000;
+  const std::vector<ImuSample>& all = dataset.ImuSamples();
+  if (all.empty() || !odometry.inertial().has_sensor()) return;
+  const int64_t offset_ns = dataset.rig().imu->offset_ns();
+  const auto after = [&](int64_t t_ns) {
+    return std::lower_bound(all.begin(), all.end(), t_ns - offset_ns,
+                            [](const ImuSample& sample, int64_t t) { return sample.t_ns < t; });
+  };
+  odometry.ExpectImu({after(from_ns - kMargin_ns), after(to_ns + kMargin_ns)}, from_ns, to_ns);
+}
+
 }  // namespace
 
 std::vector<OdometryFrame> RunOdometry(
     const Dataset& dataset, const vo::VoOptions& options, int stride, int max_frames,
     const std::function<void(const StereoImages&, const vo::OdometryResult&)>& visit, int first) {
   vo::StereoFrontEnd front_end(dataset.rig(), options);
-  vo::Odometry odometry(front_end.camera(), options, front_end.shutter());
+  vo::Odometry odometry(front_end.camera(), options, front_end.shutter(),
+                        options.imu.enabled ? vo::MountedImuOf(dataset.rig()) : std::nullopt);
   const SE3 T_l_c(Rectifier(dataset.rig()).q_l_c(), Eigen::Vector3d::Zero());
   std::vector<OdometryFrame> frames;
   for (int i = first; i < dataset.size() && static_cast<int>(frames.size()) < max_frames; i += stride) {
     const StereoImages images = dataset.Read(i);
+    if (!frames.empty()) ExpectImu(dataset, frames.back().t_ns, images.t_ns, odometry);
     vo::StageTimer timer(SteadyMs);
     vo::OdometryResult result;
     timer.Time("total", [&] {
@@ -135,6 +150,20 @@ double SpanNees(const std::vector<OdometryFrame>& frames, size_t span) {
     ++n;
   }
   return n == 0 ? 0.0 : sum / n;
+}
+
+MotionError ErrorOfMotion(const std::vector<OdometryFrame>& frames, size_t first, size_t last) {
+  SE3 motion;
+  Matrix6d covariance = Matrix6d::Zero();
+  for (size_t i = first + 1; i <= last; ++i) {
+    covariance = ComposeCovariance(covariance, frames[i].T_prev_c, frames[i].motion_covariance);
+    motion = motion * frames[i].T_prev_c;
+  }
+  const SE3 truth =
+      frames[last].T_l_c.Inverse() * (frames[first].T_w_l->Inverse() * *frames[last].T_w_l) * frames[last].T_l_c;
+  const Vector6d error = (motion.Inverse() * truth).Log();
+  return {error.head<3>().norm(), error.tail<3>().norm(), ChiSquare(error, covariance),
+          std::sqrt(covariance.diagonal().head<3>().maxCoeff())};
 }
 
 int LostFrames(const std::vector<OdometryFrame>& frames) {

@@ -57,6 +57,17 @@ double MotionNees(const std::vector<OdometryFrame>& frames);
 /// errors that frames have in common show here.
 double SpanNees(const std::vector<OdometryFrame>& frames, size_t span);
 
+/// Error of the motion over frames `first` to `last`, in metres and radians, and its chi-square (6 if the composed
+/// covariances are correct).
+struct MotionError {
+  double translation_m = 0.0;
+  double rotation_rad = 0.0;
+  double chi2 = 0.0;
+  /// Composed sigma of the translation, the largest of its axes.
+  double sigma_m = 0.0;
+};
+MotionError ErrorOfMotion(const std::vector<OdometryFrame>& frames, size_t first, size_t last);
+
 /// Frames with state lost.
 int LostFrames(const std::vector<OdometryFrame>& frames);
 

@@ -60,6 +60,10 @@ StereoImages WorseImages::Read(int index) const {
     AddSnow(worsening_.streaks, index, 0, images.left);
     AddSnow(worsening_.streaks, index, 1, images.right);
   }
+  if (worsening_.IsBlack(index)) {
+    images.left.setTo(0);
+    images.right.setTo(0);
+  }
   return images;
 }
 

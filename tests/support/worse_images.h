@@ -18,6 +18,12 @@ struct Worsening {
   double covered = 0.0;
   /// Number of bright snow streaks in each image; different ones in every image.
   int streaks = 0;
+  /// Frames from the first one that are black, `black_count` in a row, and again after every `black_every` frames.
+  int black_first = 0;
+  int black_count = 0;
+  int black_every = 1 << 30;
+
+  bool IsBlack(int index) const { return index >= black_first && (index - black_first) % black_every < black_count; }
 };
 
 /// A dataset with degraded images. Noise is seeded by the number of pairs read before: the same in every run, but

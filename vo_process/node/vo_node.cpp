@@ -55,6 +55,7 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
       report_(process),
       keyframes_(process.bus()),
       relocalisation_(process.bus(), options.relocalisation.wait_s),
+      inputs_(process, options, [this] { ProcessWaiting(); }),
       checkpoint_(options.state_file),
       camera_(
           process.bus(), [this](const RigCalibration& rig) { OnCamera(rig); },
@@ -66,9 +67,7 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
   process_.bus().Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
   process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
   if (options_.map.enabled) SubscribeToMap();
-  if (options_.masks.enabled) masks_.emplace(process_, options_.masks, [this] { ProcessWaiting(); });
   WarnOfUnusedInputs(process_, options_);
-  if (options_.robot_motion.enabled) robot_.emplace(process_, options_.robot_motion, [this] { ProcessWaiting(); });
   process_.SetConfiguration(settings_);
   Restore();
 }
@@ -97,7 +96,7 @@ void VoNode::OnCamera(const RigCalibration& rig) {
     waiting_.clear();
   }
   rig_ = rig;
-  if (robot_) robot_->OnCamera(rig);
+  inputs_.OnCamera(rig);
   report_.OnCamera();
   odometry_.reset();  // its self-calibration belongs to the other camera
   ProcessWaiting();
@@ -146,26 +145,9 @@ VoNode::Wait VoNode::WaitsFor() const {
   return frames_asked_s_ ? Wait::kOlderFrames : Wait::kNothing;
 }
 
-/// A frame does not wait for its mask if the queue is full.
 bool VoNode::AwaitsOthers(const WaitingFrame& waiting) {
-  const Frame& frame = waiting.frame;
-  if (robot_ && robot_->Awaits(frame.images.t_ns, frame.lockstep)) return true;
-  return masks_ && (frame.lockstep || waiting_.size() < kMaxWaitingFrames) &&
-         masks_->Awaits({frame.images.frame_id, frame.images.t_ns}, frame.lockstep, waiting.came_s);
-}
-
-void VoNode::UseMask(const Frame& frame) {
-  if (!masks_) return;
-  const std::optional<FrameMask> mask = masks_->Take({frame.images.frame_id, frame.images.t_ns});
-  if (!mask) report_.Count("masks.missing", 1);
-  front_end_->SetMask(mask.value_or(FrameMask()));
-}
-
-void VoNode::UseRobotMotion(int64_t prev_t_ns, int64_t t_ns) {
-  if (!robot_) return;
-  const std::optional<RobotMotion> motion = robot_->Take(prev_t_ns, t_ns);
-  if (!motion) report_.Count("robot_motions.missing", 1);
-  odometry_->ExpectRobot(motion);
+  const std::optional<int64_t> prev_t_ns = odometry_ ? std::optional(session_.last_t_ns) : std::nullopt;
+  return inputs_.Awaits(waiting.frame, waiting.came_s, prev_t_ns, waiting_.size() >= kMaxWaitingFrames);
 }
 
 void VoNode::ProcessWaiting() {
@@ -267,7 +249,7 @@ void VoNode::BeginSession() {
   PublishKeyframe();
   NameSession();
   KeepLearned(options_.self_calibration_file, camera_.bytes(), odometry_);
-  odometry_.emplace(front_end_->camera(), options_, front_end_->shutter());
+  odometry_.emplace(front_end_->camera(), options_, front_end_->shutter(), MountedImuOf(*rig_));
   odometry_->SetLocaliseOnly(IsLocaliseOnly());
   LoadLearned(options_.self_calibration_file, camera_.bytes(), *odometry_);
 }
@@ -309,8 +291,7 @@ void VoNode::Track(const Frame& frame) {
     session_.anchor.Begin(frame.images.t_ns);
   }
   session_.lockstep = frame.lockstep;
-  UseMask(frame);
-  UseRobotMotion(session_.last_t_ns, frame.images.t_ns);
+  inputs_.Use(frame, session_.last_t_ns, *front_end_, *odometry_, report_);
   if (!too_early) session_.last_t_ns = frame.images.t_ns;
   StageTimer timer(bus::NowMs);
   const OdometryResult result = timer.Time("total", [&] {
@@ -334,6 +315,7 @@ void VoNode::Track(const Frame& frame) {
     KeepLearned(options_.self_calibration_file, camera_.bytes(), odometry_);
   report_.Count("frames.skipped", frame.skipped);
   if (StateOf(result) == TrackingState::kLost) report_.Count("frames.lost", 1);
+  if (result.carried) report_.Count("frames.carried", 1);
   if (result.keyframe) report_.Count("keyframes", 1);
   report_.LookAt(frame.images, result.features, rig_->kind == RigCalibration::Kind::kRgbd);
   report_.ReportVerticalDisparity(odometry_->rows(), front_end_->camera());
@@ -516,7 +498,7 @@ void VoNode::Restore() {
 void VoNode::Restore(const TrackerState& state) {
   camera_.Restore(state.camera);
   if (!front_end_) return;
-  odometry_.emplace(front_end_->camera(), options_, front_end_->shutter());
+  odometry_.emplace(front_end_->camera(), options_, front_end_->shutter(), MountedImuOf(*rig_));
   archive::FromBytes(state.odometry, *odometry_);
   odometry_->SetLocaliseOnly(IsLocaliseOnly());
   session_ = state.session;

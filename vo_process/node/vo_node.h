@@ -11,10 +11,9 @@
 #include "core/bus/messages/keyframe_channel.h"
 #include "core/process/process.h"
 #include "core/run/process_names.h"
+#include "vo_process/node/frame_inputs.h"
 #include "vo_process/node/map_link.h"
-#include "vo_process/node/mask_link.h"
 #include "vo_process/node/relocalisation_client.h"
-#include "vo_process/node/robot_motion_link.h"
 #include "vo_process/node/tracker_report.h"
 #include "vo_process/node/tracker_state.h"
 #include "vo_process/options.h"
@@ -36,8 +35,8 @@ namespace plslam::vo {
 /// processes. Outputs: a pose and tracks for each frame; keyframes; relocalisation requests; go_back commands to a
 /// player.
 ///
-/// A frame is tracked when it arrives, unless the tracker waits (`Wait`), or the frame waits for its mask (`vo.masks`)
-/// or the robot's motion (`vo.robot_motion`); then up to eight frames are kept. `Wait` lists what ends each wait.
+/// A frame is tracked when it arrives, unless the tracker waits (`Wait`), or the frame waits for its mask, the robot's
+/// motion or the samples of an inertial sensor (`FrameInputs`); then up to eight frames are kept. `Wait` lists what ends each wait.
 ///
 /// Another camera, or a time stamp that goes back by more than a second (another stream), begins a new session. A frame
 /// that does not fit the camera counts as one without features, as does one of the same stream that is less than a
@@ -95,8 +94,6 @@ class VoNode {
   void OnRelocalisation(const relocalisation_t& message);
   void SubscribeToMap();
   bool AwaitsOthers(const WaitingFrame& waiting);
-  void UseMask(const Frame& frame);
-  void UseRobotMotion(int64_t prev_t_ns, int64_t t_ns);
   void GiveUpWaits();
 
   Wait WaitsFor() const;
@@ -147,8 +144,7 @@ class VoNode {
   /// The newest keyframe, in lockstep held until the map of the previous one is adopted.
   std::optional<Keyframe> held_keyframe_;
   RelocalisationClient relocalisation_;
-  std::optional<MaskLink> masks_;
-  std::optional<RobotMotionLink> robot_;
+  FrameInputs inputs_;
   TrackerCheckpoint checkpoint_;
   /// Whether the state of a crashed tracker was restored, and no frame has arrived since.
   bool restored_ = false;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
+
 #include "core/geometry/se3.h"
 #include "vo_process/options.h"
 
@@ -14,8 +16,18 @@ struct MotionPrediction {
   bool is_reliable = false;
   /// Whether the previous frame was measured, so recently that the camera cannot have turned arbitrarily.
   bool is_near = false;
-  /// Whether it is based on the robot's own odometry (`RobotMotionModel`), not on constant velocity.
+  /// Whether it is based on the robot's own odometry (`RobotMotionModel`) or inertial sensor (`InertialMotionModel`), not
+  /// on constant velocity.
   bool by_robot = false;
+  /// Covariance of the motion since the last measured frame, if the sensor carried the pose of the last frame.
+  std::optional<Matrix6d> since_measured{};
+
+  /// The same for the search of landmarks, from a previous pose that may be carried.
+  MotionPrediction ForSearch() const {
+    MotionPrediction prediction = *this;
+    if (since_measured) prediction.covariance = *since_measured;
+    return prediction;
+  }
 };
 
 /// Bound on `SquaredDeviation` of expected motions (all but one in 3000, 6 degrees of freedom).

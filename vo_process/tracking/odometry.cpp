@@ -8,6 +8,7 @@
 
 #include "core/motion/robust.h"
 #include "vo_process/stereo/row_field.h"
+#include "vo_process/tracking/frame_figures.h"
 #include "vo_process/tracking/noise_scale.h"
 
 namespace plslam::vo {
@@ -22,31 +23,11 @@ constexpr int kSoonFrames = 5;
 // Longest interval between two observations of the same landmarks from which a velocity is computed.
 constexpr double kLongestStep_s = 0.5;
 
-// Landmarks that a frame could create: points with depth, lines with depth twice.
-int CreatableLandmarks(const StereoFeatures& features) {
-  const auto has_depth = [](const auto& feature) { return feature.HasDepth(); };
-  return static_cast<int>(std::count_if(features.points.begin(), features.points.end(), has_depth) +
-                          2 * std::count_if(features.lines.begin(), features.lines.end(), has_depth));
-}
-
 std::vector<double> PointDisparities(const StereoFeatures& features) {
   std::vector<double> disparities;
   disparities.reserve(features.points.size());
   for (const StereoPoint& point : features.points) disparities.push_back(point.disparity_px);
   return disparities;
-}
-
-double MedianDepth(const TrackedFrame& frame, const StereoCamera& camera) {
-  std::vector<double> disparities;
-  for (size_t i = 0; i < frame.features.points.size(); ++i) {
-    const StereoPoint& point = frame.features.points[i];
-    if (point.HasDepth() && frame.point_tracks[i].IsOfWorld()) disparities.push_back(point.disparity_px);
-  }
-  for (size_t i = 0; i < frame.features.lines.size(); ++i) {
-    const StereoLine& line = frame.features.lines[i];
-    if (line.HasDepth() && frame.line_tracks[i].IsOfWorld()) disparities.push_back(line.MiddleDisparity_px());
-  }
-  return disparities.empty() ? 0.0 : camera.Depth(Median(disparities));
 }
 
 // Features of a frame for a keyframe, except those on bodies, which must not enter a map.
@@ -65,22 +46,6 @@ KeyframeContent ContentOfWorld(const TrackedFrame& frame) {
   return content;
 }
 
-// Share of the landmarks matched in the frame, lines counted twice, that so many keyframes of the map observe.
-double KnownShare(const TrackedFrame& frame, int observations) {
-  int found = 0;
-  int known = 0;
-  const auto count = [&](const std::vector<FeatureTrack>& tracks, int weight) {
-    for (const FeatureTrack& track : tracks) {
-      if (track.landmark_id < 0 || track.age == 0 || !track.IsOfWorld()) continue;
-      found += weight;
-      if (track.map_observations >= observations) known += weight;
-    }
-  };
-  count(frame.point_tracks, 1);
-  count(frame.line_tracks, 2);
-  return found == 0 ? 0.0 : static_cast<double>(known) / found;
-}
-
 Matrix6d SquareOf(const SE3& difference) {
   const Vector6d x = difference.Log();
   return x * x.transpose();
@@ -94,11 +59,13 @@ Matrix6d UnknownMotion() {
   return variances.asDiagonal();
 }
 
-Odometry::Odometry(const StereoCamera& camera, const VoOptions& options, const RollingShutter& shutter)
+Odometry::Odometry(const StereoCamera& camera, const VoOptions& options, const RollingShutter& shutter,
+                   const std::optional<MountedImu>& imu)
     : camera_(camera),
       options_(options),
       aligner_(camera, options),
       motion_model_(options.tracking),
+      inertial_(imu),
       noise_scale_(options.landmarks.max_point_scale),
       keyframe_policy_(options.keyframes),
       calibration_(camera, options.disparity_calibration),
@@ -117,7 +84,7 @@ double Odometry::SecondsSince(int64_t t_ns) const {
 }
 
 MotionPrediction Odometry::Predict(double dt_s) const {
-  return robot_model_.Predict(motion_model_.Predict(dt_s), dt_s);
+  return inertial_.Predict(robot_model_.Predict(motion_model_.Predict(dt_s), dt_s));
 }
 
 void Odometry::Expect(int64_t t_ns) {
@@ -149,6 +116,7 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
   result.bodies = bodies_.Poses();
   corner_budget_.Observe(frame);
   robot_model_.Expect(std::nullopt);
+  inertial_.Expect({}, 0, 0);
   result.features = std::move(frame.features);
   result.point_tracks = std::move(frame.point_tracks);
   result.line_tracks = std::move(frame.line_tracks);
@@ -175,23 +143,26 @@ void Odometry::Follow(double dt_s, TrackedFrame& frame, OdometryResult& result) 
     rolling_.emplace(shutter_, frame.features);
     MoveToStamp(prediction.T_prev_c.Log() / dt_s, frame);
   }
-  auto tracked = Find(frame, prediction);
+  auto tracked = Find(frame, prediction.ForSearch());
   const bool first_motion = rolling_ && !motion_model_.knows_motion();
   if (rolling_ && tracked && !first_motion) EstimateVelocity(dt_s, *tracked, frame);
   if (!tracked) {
     has_last_velocity_ = false;
-    Miss(prediction, dt_s, frame, result);
+    const bool carries = !previous_local_map_ && inertial_.CanCarry();
+    carries ? Carry(prediction, dt_s, frame, result) : Miss(prediction, dt_s, frame, result);
     calibration_.Interrupt();
     sync_check_.Interrupt();
     return PublishCovariance(result);
   }
-  SeparateBodies(*tracked, prediction, dt_s, frame);
+  SeparateBodies(*tracked, prediction.ForSearch(), dt_s, frame);
   Accept(*tracked, dt_s, frame, result);
   if (first_motion) UseFirstVelocity(result.T_prev_c, dt_s, frame);
   CalibrateDisparities(frame);
   CheckSync(frame, result.T_prev_c, dt_s);
   PublishCovariance(result);
   LearnAboutRobot(dt_s, result);
+  inertial_.Observe(T_odom_c_, tracked->alignment.covariance, !tracked->alignment.weak && !tracked->rival,
+                    result.jumped);
   if (!tracked->rival) return;
   // Two motions were equally likely: the covariance covers both.
   result.covariance += SquareOf(T_odom_c_.Inverse() * tracked->rival->T_odom_c);
@@ -202,7 +173,7 @@ void Odometry::Follow(double dt_s, TrackedFrame& frame, OdometryResult& result) 
 void Odometry::FillKeyframe(const TrackedFrame& frame, OdometryResult& result) {
   const bool found = result.state != TrackingState::kInitialising && result.state != TrackingState::kLost;
   const bool means = options_.keyframes.measurements == "mean";
-  if (found && means) keyframe_measurements_.Add(T_odom_c_, frame);
+  if (found && !result.carried && means) keyframe_measurements_.Add(T_odom_c_, frame);
   if (!result.keyframe) return;
   KeyframeContent& content = result.keyframe->content;
   content = ContentOfWorld(frame);
@@ -261,7 +232,8 @@ std::optional<Odometry::Tracked> Odometry::Find(const TrackedFrame& frame, const
   if (!found || ((previous_local_map_ || gap) && found->weak)) return std::nullopt;
   const bool was_lost = previous_local_map_.has_value();
   previous_local_map_.reset();
-  return Tracked{std::move(*found), was_lost ? Reference::kCreatedWhileLost : Reference::kCurrent};
+  const Reference not_lost = created_while_carried_ ? Reference::kCreatedWhileCarried : Reference::kCurrent;
+  return Tracked{std::move(*found), was_lost ? Reference::kCreatedWhileLost : not_lost};
 }
 
 /// Moves the features to where a camera of this velocity observes them at the time of the stamp.
@@ -332,7 +304,8 @@ std::optional<Odometry::Tracked> Odometry::FindInPreviousLocalMap(const TrackedF
 
 void Odometry::SeparateBodies(Tracked& tracked, const MotionPrediction& prediction, double dt_s,
                               TrackedFrame& frame) {
-  if (tracked.reference != Reference::kCurrent && tracked.reference != Reference::kLocalised) {
+  if (tracked.reference != Reference::kCurrent && tracked.reference != Reference::kLocalised &&
+      tracked.reference != Reference::kCreatedWhileCarried) {
     return bodies_.SeparateKnown(dt_s, landmarks_, frame, tracked.alignment);
   }
   tracked.rival = bodies_.Separate(T_odom_c_, prediction, dt_s, calibration_, landmarks_, frame, tracked.alignment);
@@ -342,7 +315,9 @@ void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, 
   const Alignment& alignment = tracked.alignment;
   result.state = TrackingState::kTracking;
   if (alignment.weak || tracked.rival || sync_check_.is_far_off()) result.state = TrackingState::kWeak;
-  if (tracked.reference != Reference::kCurrent) {
+  n_carried_ = 0;
+  created_while_carried_ = false;
+  if (tracked.reference != Reference::kCurrent && tracked.reference != Reference::kCreatedWhileCarried) {
     if (tracked.reference != Reference::kLocalised) result.state = TrackingState::kRecovered;
     // Recovered where it was lost, it is anchored in the map as it was before.
     if (tracked.reference != Reference::kPreviousLocalMap)
@@ -399,6 +374,7 @@ void Odometry::PropagateCovariance(const Tracked& tracked, OdometryResult& resul
   const bool frame_to_frame = options_.tracking.reference == "previous_frame";
   // Frame to frame, or among landmarks created in the previous frame, landmarks are exact relative to that frame.
   const bool exact_before = frame_to_frame || tracked.reference == Reference::kCreatedWhileLost ||
+                            tracked.reference == Reference::kCreatedWhileCarried ||
                             tracked.reference == Reference::kRelocalised;
   // Otherwise both ends were measured against the same landmarks, and the motion contains both errors.
   result.motion_covariance =
@@ -418,7 +394,7 @@ void Odometry::PropagateCovariance(const Tracked& tracked, OdometryResult& resul
 // makes a keyframe, the relative pose to the previous keyframe has that keyframe's covariance, whatever was predicted
 // meanwhile.
 void Odometry::PublishCovariance(OdometryResult& result) {
-  const bool measured = result.state != TrackingState::kLost && !result.jumped;
+  const bool measured = result.state != TrackingState::kLost && !result.jumped && !result.carried;
   result.motion_covariance = uncertainty_.Of(result.T_prev_c, result.motion_covariance, measured) +
                              MotionUncertainty::OfLengths(result.T_prev_c, calibration_.LengthSigma());
   const SE3 T_prevkf_c = result.keyframe ? result.keyframe->T_prevkf_kf : T_odom_kf_.Inverse() * T_odom_c_;
@@ -429,6 +405,24 @@ void Odometry::PublishCovariance(OdometryResult& result) {
   if (!result.keyframe) return;
   covariance_odom_kf_ = result.covariance;
   published_kf_c_.setZero();
+}
+
+/// The landmarks stay, and a frame that shows others adds these: it is not lost.
+void Odometry::Carry(const MotionPrediction& prediction, double dt_s, TrackedFrame& frame, OdometryResult& result) {
+  result.state = TrackingState::kWeak;
+  result.carried = true;
+  result.T_prev_c = prediction.T_prev_c;
+  result.motion_covariance = prediction.covariance;
+  covariance_kf_c_ = ComposeCovariance(covariance_kf_c_, prediction.T_prev_c, prediction.covariance);
+  alignment_covariance_ = ComposeCovariance(alignment_covariance_, prediction.T_prev_c, prediction.covariance);
+  T_odom_c_ = T_odom_c_ * prediction.T_prev_c;
+  motion_model_.Slow(dt_s);
+  robot_model_.Miss(dt_s);
+  inertial_.Miss();
+  bodies_.FollowWhileLost(++n_carried_, dt_s, landmarks_, frame);
+  if (CreatableLandmarks(frame.features) < options_.tracking.weak_inliers) return;
+  landmarks_.Create(T_odom_c_, frame);
+  created_while_carried_ = true;
 }
 
 void Odometry::Miss(const MotionPrediction& prediction, double dt_s, TrackedFrame& frame, OdometryResult& result) {
@@ -443,6 +437,7 @@ void Odometry::Miss(const MotionPrediction& prediction, double dt_s, TrackedFram
   previous_local_map_->by_robot = previous_local_map_->by_robot && prediction.by_robot;
   motion_model_.Slow(dt_s);
   robot_model_.Miss(dt_s);
+  inertial_.Miss();
   bodies_.FollowWhileLost(previous_local_map_->n_lost, dt_s, landmarks_, frame);
   // The next frame may match this one even if neither matches the previous landmarks.
   landmarks_.Initialise(T_odom_c_, frame);

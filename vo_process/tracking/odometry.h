@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
@@ -12,6 +13,7 @@
 #include "vo_process/tracking/corner_budget.h"
 #include "vo_process/tracking/disparity_calibration.h"
 #include "vo_process/tracking/frame_aligner.h"
+#include "vo_process/tracking/inertial_motion_model.h"
 #include "vo_process/tracking/keyframe_measurements.h"
 #include "vo_process/tracking/keyframe_policy.h"
 #include "vo_process/tracking/local_landmarks.h"
@@ -53,6 +55,8 @@ struct OdometryResult {
   bool jumped = false;
   /// Whether the frame was found where a relocalisation said.
   bool relocalised = false;
+  /// Whether the pose is the inertial sensor's alone, because the frame showed no known landmarks.
+  bool carried = false;
   /// Includes errors that frames have in common (`MotionUncertainty`).
   Matrix6d motion_covariance = Matrix6d::Zero();
   double entropy_ratio = 0.0;
@@ -76,7 +80,8 @@ Matrix6d UnknownMotion();
 /// messages: features and time stamps in, poses and keyframes out, the same for the same input.
 class Odometry {
  public:
-  Odometry(const StereoCamera& camera, const VoOptions& options, const RollingShutter& shutter = {});
+  Odometry(const StereoCamera& camera, const VoOptions& options, const RollingShutter& shutter = {},
+           const std::optional<MountedImu>& imu = {});
 
   const DisparityCalibration& disparity_calibration() const { return calibration_; }
 
@@ -88,6 +93,11 @@ class Odometry {
 
   /// Sets the robot's measured motion to the next frame; nullopt, or no call, if there is none.
   void ExpectRobot(const std::optional<RobotMotion>& motion) { robot_model_.Expect(motion); }
+  /// Sets the samples of the inertial sensor since the last frame, which was at `from_ns`, to the next one.
+  void ExpectImu(std::span<const ImuSample> samples, int64_t from_ns, int64_t to_ns) {
+    inertial_.Expect(samples, from_ns, to_ns);
+  }
+  const InertialMotionModel& inertial() const { return inertial_; }
   const RobotMotionModel& robot_model() const { return robot_model_; }
 
   /// Predicts the skew of the pair at this time, before it is processed.
@@ -154,14 +164,22 @@ class Odometry {
       self.initialised_, self.last_t_ns_, self.T_odom_c_, self.tracked_weight_, self.alignment_covariance_,
       self.is_in_map_, self.is_unanchored_, self.next_keyframe_id_, self.T_odom_kf_, self.covariance_odom_kf_,
       self.covariance_kf_c_, self.alignment_covariance_kf_, self.keyframe_point_id_, self.keyframe_line_id_,
-      self.uncertainty_, self.robot_model_, self.has_last_velocity_, self.last_velocity_);
+      self.uncertainty_, self.robot_model_, self.inertial_, self.has_last_velocity_, self.last_velocity_);
   }
 
  private:
   /// Landmarks among which a frame was found: usually those of the previous frame; after a loss those of the previous
-  /// local map, those of the map at the relocalised place, or those created by a lost frame. A camera that was not lost
+  /// local map, those of the map at the relocalised place, or those created by a lost frame, or while the inertial sensor carried the
+  /// pose. A camera that was not lost
   /// is localised: found among both, and continues with those of the map.
-  enum class Reference { kCurrent, kPreviousLocalMap, kRelocalised, kLocalised, kCreatedWhileLost };
+  enum class Reference {
+    kCurrent,
+    kPreviousLocalMap,
+    kRelocalised,
+    kLocalised,
+    kCreatedWhileLost,
+    kCreatedWhileCarried
+  };
   struct Tracked {
     Alignment alignment;
     Reference reference = Reference::kCurrent;
@@ -198,6 +216,7 @@ class Odometry {
                    const OdometryResult& result);
   void PropagateCovariance(const Tracked& tracked, OdometryResult& result);
   void PublishCovariance(OdometryResult& result);
+  void Carry(const MotionPrediction& prediction, double dt_s, TrackedFrame& frame, OdometryResult& result);
   void Miss(const MotionPrediction& prediction, double dt_s, TrackedFrame& frame, OdometryResult& result);
   void CalibrateDisparities(TrackedFrame& frame);
   void CheckSync(TrackedFrame& frame, const SE3& T_prev_c, double dt_s);
@@ -211,6 +230,10 @@ class Odometry {
   FrameAligner aligner_;
   MotionModel motion_model_;
   RobotMotionModel robot_model_;
+  InertialMotionModel inertial_;
+  /// Frames in a row whose pose the inertial sensor carried, and whether one of them created landmarks.
+  int n_carried_ = 0;
+  bool created_while_carried_ = false;
   MotionUncertainty uncertainty_;
   NoiseScale noise_scale_;
   KeyframePolicy keyframe_policy_;

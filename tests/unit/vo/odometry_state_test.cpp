@@ -28,8 +28,9 @@ std::vector<uint8_t> Bits(const OdometryResult& result) {
                           result.motion_covariance, result.entropy_ratio, landmarks, measured);
 }
 
-Odometry Restored(const Odometry& odometry, const StereoCamera& camera, const VoOptions& options) {
-  Odometry restored(camera, options);
+Odometry Restored(const Odometry& odometry, const StereoCamera& camera, const VoOptions& options,
+                  const std::optional<MountedImu>& imu) {
+  Odometry restored(camera, options, {}, imu);
   archive::FromBytes(archive::ToBytes(odometry), restored);
   return restored;
 }
@@ -40,12 +41,17 @@ double Zero() { return 0.0; }
 void ExpectSameBits(const Dataset& dataset, int frames, const VoOptions& options) {
   StereoFrontEnd front_end(dataset.rig(), options);
   std::optional<StereoFrontEnd> other_front_end(std::in_place, dataset.rig(), options);
-  Odometry undisturbed(front_end.camera(), options);
-  std::optional<Odometry> restored(std::in_place, front_end.camera(), options);
+  const std::optional<MountedImu> imu = MountedImuOf(dataset.rig());
+  Odometry undisturbed(front_end.camera(), options, RollingShutter(), imu);
+  std::optional<Odometry> restored(std::in_place, front_end.camera(), options, RollingShutter(), imu);
+  int64_t last_t_ns = 0;
   int n_restored = 0;
   for (int i = 0; i < frames; ++i) {
     StageTimer timer(Zero);
     const StereoImages images = dataset.Read(i);
+    undisturbed.ExpectImu(dataset.ImuSamples(), last_t_ns, images.t_ns);
+    restored->ExpectImu(dataset.ImuSamples(), last_t_ns, images.t_ns);
+    last_t_ns = images.t_ns;
     const StereoFeatures features = SeePair(front_end, undisturbed, images, timer);
     const OdometryResult expected = undisturbed.Track(images.t_ns, features);
     const StereoFeatures seen_again = SeePair(*other_front_end, *restored, images, timer);
@@ -53,7 +59,7 @@ void ExpectSameBits(const Dataset& dataset, int frames, const VoOptions& options
     ASSERT_EQ(Bits(result), Bits(expected)) << "frame " << i << ", restored " << n_restored << " times";
     ASSERT_EQ(result.keyframe.has_value(), expected.keyframe.has_value());
     if (!result.keyframe) continue;
-    restored.emplace(Restored(*restored, front_end.camera(), options));
+    restored.emplace(Restored(*restored, front_end.camera(), options, imu));
     other_front_end.emplace(dataset.rig(), options);
     ++n_restored;
   }
@@ -75,6 +81,10 @@ TEST(OdometryState, ContinuesBitForBitInSnowAndOutOfStep) {
 }
 
 TEST(OdometryState, ContinuesBitForBit) { ExpectSameBits("synthetic:room?size=320x240&frames=60", 60, VoOptions()); }
+
+TEST(OdometryState, ContinuesBitForBitWithAnInertialSensor) {
+  ExpectSameBits("synthetic:room?size=320x240&frames=60&imu=200", 60, VoOptions());
+}
 
 TEST(OdometryState, ContinuesBitForBitFrameToFrame) {
   VoOptions options;

@@ -115,4 +115,9 @@ void TrackerReport::ReportCameraErrors(const SyncCheck& sync, const DisparityCal
   tell(kLengthSigma, 100.0 * lengths.sigma);
 }
 
+void TrackerReport::ReportImu(const InertialMotionModel& inertial) {
+  const std::string complaint = inertial.Complaint();
+  if (!complaint.empty() && !std::exchange(imu_reported_, true)) process_.Warn("imu_contradicts", complaint);
+}
+
 }  // namespace plslam::vo

@@ -11,6 +11,7 @@
 #include "core/process/process.h"
 #include "vo_process/stereo/row_field.h"
 #include "vo_process/tracking/disparity_calibration.h"
+#include "vo_process/tracking/inertial_motion_model.h"
 #include "vo_process/tracking/sync_check.h"
 
 namespace plslam::vo {
@@ -37,6 +38,8 @@ class TrackerReport {
   /// Sets counters of the time offset and the disparity offset of the cameras, as estimated so far. Synchronised and
   /// well-calibrated cameras have no such counters.
   void ReportCameraErrors(const SyncCheck& sync, const DisparityCalibration& calibration);
+  /// Publishes a warning once if the inertial sensor contradicts the images.
+  void ReportImu(const InertialMotionModel& inertial);
   /// Publishes warnings with the state, every so many frames.
   void ReportWarnings();
   /// Publishes the end of the stream with the warnings about all of it.
@@ -50,6 +53,7 @@ class TrackerReport {
   std::string state_;
   std::string warnings_;  ///< last published with the state
   bool vertical_disparity_reported_ = false;
+  bool imu_reported_ = false;
 };
 
 }  // namespace plslam::vo

@@ -320,6 +320,7 @@ void VoNode::Track(const Frame& frame) {
   report_.LookAt(frame.images, result.features, rig_->kind == RigCalibration::Kind::kRgbd);
   report_.ReportVerticalDisparity(odometry_->rows(), front_end_->camera());
   report_.ReportCameraErrors(odometry_->sync_check(), odometry_->disparity_calibration());
+  report_.ReportImu(odometry_->inertial());
   report_.ReportWarnings();
   FinishIfDone();
 }

@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "core/geometry/rectification.h"
 
@@ -32,6 +35,13 @@ constexpr double kFarthest_rad = 5.0 * kRadPerDeg;
 // the map is corrected.
 constexpr double kPrediction_m = 0.004;
 constexpr double kPrediction_rad = 0.1 * kRadPerDeg;
+
+// Time of measured motions after which a contradiction is reported, and a rotation in it that tells the unit of rates.
+constexpr double kLeastEvidence_s = 3.0;
+constexpr double kLeastTurn_rad = 0.05;
+constexpr double kManyTurns = 20.0;
+// Mean specific force below which it is in g.
+constexpr double kWeakGravity_m_s2 = 3.0;
 
 Matrix6d Isotropic(double translation_m, double rotation_rad) {
   Vector6d sigma;
@@ -118,6 +128,8 @@ void InertialMotionModel::Observe(const SE3& T_odom_c, const Matrix6d& covarianc
   if (!imu_) return;
   if (!is_sure) return Miss();
   const SE3 T_odom_imu = T_odom_c * imu_->T_imu_c.Inverse();
+  const SE3 T_odom_previous = std::exchange(T_odom_observed_, T_odom_imu);
+  const bool follows = std::exchange(was_observed_, true);
   const Matrix6d A = imu_->T_imu_c.Adjoint();
   const Matrix6d measured = A * (kCommonVariance * covariance + Isotropic(kCommon_m, kCommon_rad)) * A.transpose();
   if (!motion_) {
@@ -126,6 +138,7 @@ void InertialMotionModel::Observe(const SE3& T_odom_c, const Matrix6d& covarianc
     return;
   }
   if (!filter_.has_begun()) return Begin(T_odom_imu, measured);
+  if (follows && !jumped) AddEvidence(T_odom_previous.Inverse() * T_odom_imu);
   filter_.Propagate(*motion_);
   unmeasured_s_ += motion_->dt_s();
   const double innovation = filter_.Innovation(T_odom_imu, measured);
@@ -143,7 +156,33 @@ void InertialMotionModel::Observe(const SE3& T_odom_c, const Matrix6d& covarianc
   unmeasured_s_ = 0.0;
 }
 
+void InertialMotionModel::AddEvidence(const SE3& T_previmu_imu) {
+  evidence_.sensed_turn_rad += SE3(motion_->dR(), Eigen::Vector3d::Zero()).Log().norm();
+  evidence_.seen_turn_rad += T_previmu_imu.Log().tail<3>().norm();
+  evidence_.force_m_s += mean_force_m_s2_.norm() * motion_->dt_s();
+  evidence_.time_s += motion_->dt_s();
+}
+
+std::string InertialMotionModel::Complaint() const {
+  if (!imu_ || evidence_.time_s < kLeastEvidence_s || innovation_ < kHealthy) return {};
+  const double turns = evidence_.sensed_turn_rad / std::max(evidence_.seen_turn_rad, kLeastTurn_rad);
+  const double force_m_s2 = evidence_.force_m_s / evidence_.time_s;
+  std::string sentence = fmt::format(
+      "the inertial sensor contradicts the images, so it is not used: its normalised innovation is {:.1f} (1 is "
+      "healthy)",
+      innovation_);
+  if (force_m_s2 < kWeakGravity_m_s2) {
+    return sentence +
+           fmt::format("; its mean specific force is {:.2f} m/s^2 instead of 9.8: g instead of m/s^2?", force_m_s2);
+  }
+  if (evidence_.seen_turn_rad > kLeastTurn_rad && turns > kManyTurns) {
+    return sentence + fmt::format("; it turns {:.1f} times as fast as the images: degrees instead of rad/s?", turns);
+  }
+  return sentence + "; are T_b_imu, T_b_cam, time_offset_s and the noise densities right?";
+}
+
 void InertialMotionModel::Miss() {
+  was_observed_ = false;
   if (!imu_ || !filter_.has_begun()) return;
   if (!motion_) {
     // Nothing is known of the motion: the next measured frame begins again.

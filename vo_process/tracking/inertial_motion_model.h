@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "core/geometry/calibration.h"
 #include "core/geometry/imu.h"
@@ -21,6 +22,19 @@ struct MountedImu {
 
 /// Returns the sensor of a rig, if it has one. Throws as `Rectify`.
 std::optional<MountedImu> MountedImuOf(const RigCalibration& rig);
+
+/// What shows why a sensor contradicts the images: sums over motions between measured frames.
+struct ImuEvidence {
+  double sensed_turn_rad = 0.0;
+  double seen_turn_rad = 0.0;
+  double force_m_s = 0.0;  ///< mean specific force times time
+  double time_s = 0.0;
+
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.sensed_turn_rad, self.seen_turn_rad, self.force_m_s, self.time_s);
+  }
+};
 
 /// Predicts by an inertial sensor, and carries the pose through frames that see nothing.
 ///
@@ -54,16 +68,21 @@ class InertialMotionModel {
   /// Mean normalised innovation of the last frames over its expectation: 1 for a consistent sensor.
   double normalised_innovation() const { return innovation_; }
   const InertialFilter& filter() const { return filter_; }
+  /// Returns one sentence on a sensor that contradicts the images, with the number that shows it; empty for a healthy
+  /// one, and before some seconds of measured frames.
+  std::string Complaint() const;
 
   /// The state after a frame, for `core/io/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.filter_, self.knows_bias_, self.measured_s_, self.unmeasured_s_, self.innovation_, self.n_contradicting_);
+    a(self.filter_, self.knows_bias_, self.measured_s_, self.unmeasured_s_, self.innovation_, self.n_contradicting_,
+      self.evidence_, self.was_observed_, self.T_odom_observed_);
   }
 
  private:
   bool IsTrusted() const;
   void Begin(const SE3& T_odom_imu, const Matrix6d& covariance);
+  void AddEvidence(const SE3& T_previmu_imu);
   /// Motion of the camera since the last measured frame and its covariance, as of this state of the filter.
   SE3 CameraMotion(const InertialFilter& filter) const;
   Matrix6d CameraCovariance(const InertialFilter& filter) const;
@@ -78,6 +97,9 @@ class InertialMotionModel {
   double unmeasured_s_ = 0.0;  ///< time since the last measured frame
   double innovation_ = 1.0;
   int n_contradicting_ = 0;  ///< successive measured poses that contradict the filter
+  ImuEvidence evidence_;
+  bool was_observed_ = false;  ///< whether the last frame was measured
+  SE3 T_odom_observed_;        ///< pose of the sensor in it
 };
 
 }  // namespace plslam::vo

@@ -53,7 +53,7 @@ class SensedFrames : public Frames {
  public:
   SensedFrames() {
     rig_.imu = ImuCalibration();
-    for (int64_t t = 1000; t < 9500; t += 300) samples_.push_back({t, {}, {}});
+    for (int64_t t = 1000; t < 9500; t += 300) samples_.emplace_back().t_ns = t;
   }
   const RigCalibration& rig() const override { return rig_; }
   int64_t t_ns(int index) const override { return 1000 * index; }

@@ -2,6 +2,7 @@
 // Odometry with an inertial sensor.
 #include "vo_process/tracking/inertial_motion_model.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <string>
@@ -59,28 +60,52 @@ TEST(InertialMotion, WithoutTheSensorBlackFramesAreLost) {
   EXPECT_GE(test::LostFrames(RunInTheDark("room?seed=1", options)), kBlack);
 }
 
+/// A world whose samples were scaled.
+class Scaled : public test::ChangedImages {
+ public:
+  Scaled(const Dataset& dataset, double rate, double force) : ChangedImages(dataset), samples_(dataset.ImuSamples()) {
+    for (ImuSample& sample : samples_) {
+      sample.rate_rad_s *= rate;
+      sample.force_m_s2 *= force;
+    }
+  }
+  StereoImages Read(int index) const override { return dataset_.Read(index); }
+  const std::vector<ImuSample>& ImuSamples() const override { return samples_; }
+
+ private:
+  std::vector<ImuSample> samples_;
+};
+
 // A sensor in degrees a second contradicts the images, and changes nothing.
 TEST(InertialMotion, SensorThatContradictsTheImagesIsNotUsed) {
-  class Degrees : public test::ChangedImages {
-   public:
-    explicit Degrees(const Dataset& dataset) : ChangedImages(dataset), samples_(dataset.ImuSamples()) {
-      for (ImuSample& sample : samples_) sample.rate_rad_s /= kRadPerDeg;
-    }
-    StereoImages Read(int index) const override { return dataset_.Read(index); }
-    const std::vector<ImuSample>& ImuSamples() const override { return samples_; }
-
-   private:
-    std::vector<ImuSample> samples_;
-  };
   const auto dataset = OpenDataset("synthetic:room?imu=200&size=320x240&frames=80", "");
   VoOptions without;
   without.imu.enabled = false;
   const auto expected = test::RunOdometry(*dataset, without);
-  const auto frames = test::RunOdometry(Degrees(*dataset), {});
+  const auto frames = test::RunOdometry(Scaled(*dataset, 1.0 / kRadPerDeg, 1.0), {});
   ASSERT_EQ(frames.size(), expected.size());
   for (size_t i = 0; i < frames.size(); ++i) {
     EXPECT_EQ((frames[i].T_odom_l.Inverse() * expected[i].T_odom_l).Log().norm(), 0.0) << i;
   }
+}
+
+TEST(InertialMotion, FaultsAreNamedWithTheirNumber) {
+  const auto dataset = OpenDataset("synthetic:room?imu=200&size=320x240&frames=100", "");
+  const auto complaint = [&](double rate, double force) {
+    const Scaled scaled(*dataset, rate, force);
+    InertialMotionModel inertial(MountedImuOf(scaled.rig()));
+    for (int i = 1; i < scaled.size(); ++i) {
+      inertial.Expect(scaled.ImuSamples(), scaled.t_ns(i - 1), scaled.t_ns(i));
+      Vector6d sigma;
+      sigma << Eigen::Vector3d::Constant(0.002), Eigen::Vector3d::Constant(0.001);
+      inertial.Observe(scaled.GroundTruth(0)->Inverse() * *scaled.GroundTruth(i), sigma.cwiseAbs2().asDiagonal(),
+                       true, false);
+    }
+    return inertial.Complaint();
+  };
+  EXPECT_EQ(complaint(1.0, 1.0), "");
+  EXPECT_THAT(complaint(1.0 / kRadPerDeg, 1.0), testing::HasSubstr("times as fast as the images: degrees"));
+  EXPECT_THAT(complaint(1.0, 1.0 / 9.81), testing::HasSubstr("g instead of m/s^2?"));
 }
 
 }  // namespace

@@ -80,7 +80,8 @@ void InertialMotionModel::Expect(std::span<const ImuSample> samples, int64_t fro
 }
 
 bool InertialMotionModel::IsTrusted() const {
-  return filter_.has_begun() && measured_s_ >= kFirstUse_s && innovation_ < kHealthy;
+  return filter_.has_begun() && measured_s_ >= kFirstUse_s && innovation_ < kHealthy &&
+         evidence_.force_m_s >= kWeakGravity_m_s2 * evidence_.time_s;
 }
 
 SE3 InertialMotionModel::CameraMotion(const InertialFilter& filter) const {
@@ -120,7 +121,6 @@ bool InertialMotionModel::CanCarry() const {
 void InertialMotionModel::Begin(const SE3& T_odom_imu, const Matrix6d& covariance) {
   filter_.Begin(T_odom_imu, covariance, mean_force_m_s2_, knows_bias_);
   measured_s_ = unmeasured_s_ = 0.0;
-  innovation_ = 1.0;
   n_contradicting_ = 0;
 }
 
@@ -164,9 +164,10 @@ void InertialMotionModel::AddEvidence(const SE3& T_previmu_imu) {
 }
 
 std::string InertialMotionModel::Complaint() const {
-  if (!imu_ || evidence_.time_s < kLeastEvidence_s || innovation_ < kHealthy) return {};
+  if (!imu_ || evidence_.time_s < kLeastEvidence_s) return {};
   const double turns = evidence_.sensed_turn_rad / std::max(evidence_.seen_turn_rad, kLeastTurn_rad);
   const double force_m_s2 = evidence_.force_m_s / evidence_.time_s;
+  if (innovation_ < kHealthy && force_m_s2 >= kWeakGravity_m_s2) return {};
   std::string sentence = fmt::format(
       "the inertial sensor contradicts the images, so it is not used: its normalised innovation is {:.1f} (1 is "
       "healthy)",

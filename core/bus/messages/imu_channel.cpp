@@ -19,7 +19,7 @@ namespace {
 constexpr int64_t kSampleBytes = 7 * 8;
 constexpr size_t kNumbers = 13;
 
-imu_sample_t ToMessage(const ImuSample& sample) {
+imu_sample_t ToSampleMessage(const ImuSample& sample) {
   imu_sample_t message{};
   message.t_ns = sample.t_ns;
   for (int i = 0; i < 3; ++i) message.rate_rad_s[i] = sample.rate_rad_s[i];
@@ -27,7 +27,7 @@ imu_sample_t ToMessage(const ImuSample& sample) {
   return message;
 }
 
-ImuSample FromMessage(const imu_sample_t& message) {
+ImuSample FromSampleMessage(const imu_sample_t& message) {
   return {message.t_ns, Eigen::Map<const Eigen::Vector3d>(&message.rate_rad_s[0]),
           Eigen::Map<const Eigen::Vector3d>(&message.force_m_s2[0])};
 }
@@ -40,7 +40,7 @@ imu_t ToMessage(const ImuBatch& batch) {
   message.from_ns = batch.from_ns;
   message.complete = batch.complete ? 1 : 0;
   message.n_samples = static_cast<int32_t>(batch.samples.size());
-  for (const ImuSample& sample : batch.samples) message.samples.push_back(ToMessage(sample));
+  for (const ImuSample& sample : batch.samples) message.samples.push_back(ToSampleMessage(sample));
   return message;
 }
 
@@ -48,7 +48,7 @@ std::optional<ImuBatch> FromMessage(const imu_t& message) {
   ImuBatch batch{message.from_ns, message.header.t_ns, message.complete != 0, {}};
   batch.samples.reserve(message.samples.size());
   for (const imu_sample_t& sample : message.samples) {
-    const ImuSample next = FromMessage(sample);
+    const ImuSample next = FromSampleMessage(sample);
     const bool is_later = batch.samples.empty() || next.t_ns > batch.samples.back().t_ns;
     if (!is_later || !next.rate_rad_s.allFinite() || !next.force_m_s2.allFinite()) return std::nullopt;
     batch.samples.push_back(next);

@@ -33,6 +33,11 @@ inline constexpr const char* kLateFrames = "sync.late_frames";
 /// The largest part of a delay that is compensated, in frame periods; beyond it, frames are at most weak.
 inline constexpr double kMostLateMadeUpFor_frames = 0.3;
 inline constexpr const char* kUnequalReadout = "sync.unequal_readout_ms";
+/// Readout time of the rows that is not stated but found, the longest way of the camera in it, and the readout time
+/// that contradicts the stated one.
+inline constexpr const char* kReadout = "shutter.readout_ms";
+inline constexpr const char* kReadoutPath = "shutter.path_mm";
+inline constexpr const char* kOtherReadout = "shutter.other_readout_ms";
 /// Set by the process that sends frames, beside these: 1 while it is paused.
 inline constexpr const char* kSenderPaused = "paused";
 /// Set by the process that sends frames: 1 if they come from a sensor, which cannot wait.
@@ -50,14 +55,15 @@ inline constexpr const char* kRecordingScan = "recording.scan_s";
 inline constexpr const char* kFramesUnanchored = "frames.unanchored";
 /// The same since the last frame with a known place.
 inline constexpr const char* kUnanchoredNow = "frames.unanchored_now";
-inline constexpr std::array<const char*, 26> kRunCounters{
+inline constexpr std::array<const char*, 29> kRunCounters{
     kPointsSeen,       kPointsMatched, kFramesDark,    kCornerRows,
     kLengthError,      kTruthFrames,   kTruthMissing,  kPicturesMissing,
     kRightLate,        kLeftLate,      kLateFrames,    kUnequalReadout,
     kFramesCaptured,   kSkew,          kFramesMissing, kDroppedLeft,
     kDroppedRight,     kOverexposed,   kUnderexposed,  kOutages,
     kRecordingScan,    kLengthSigma,   kLiveSource,    kPointsAmbiguous,
-    kFramesUnanchored, kUnanchoredNow};
+    kFramesUnanchored, kUnanchoredNow, kReadout,       kReadoutPath,
+    kOtherReadout};
 
 /// The newest values of these counters by process, including exited processes; other counters are ignored.
 class RunCounters {

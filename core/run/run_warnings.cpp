@@ -210,6 +210,26 @@ const Row kRows[] = {
      [](const RunFindings& f) {
        return Numbers{{"unequal_readout_ms", f.unequal_readout_ms}};
      }},
+    {"rolling_shutter", [](const RunFindings& f) { return f.readout_ms > 0.0; },
+     [](const RunFindings& f) {
+       return fmt::format(
+           "the rows of an image are read within {0:.1f} ms (rolling shutter), in which the camera moves up to {1:.0f} "
+           "mm: this is corrected, but only after it was found: state `readout_ms: {0:.1f}` in the calibration",
+           f.readout_ms, f.readout_path_mm);
+     },
+     [](const RunFindings& f) {
+       return Numbers{{"readout_ms", f.readout_ms}, {"path_mm", f.readout_path_mm}};
+     }},
+    {"readout_contradicted", [](const RunFindings& f) { return f.other_readout_ms > 0.0; },
+     [](const RunFindings& f) {
+       return fmt::format(
+           "the images show that their rows are read within {:.1f} ms, which contradicts `readout_ms` of the "
+           "calibration: measure it again",
+           f.other_readout_ms);
+     },
+     [](const RunFindings& f) {
+       return Numbers{{"readout_ms", f.other_readout_ms}};
+     }},
     // If the cameras are out of step, rows differ by the motion between the two exposures until the offset is known.
     {"rows_corrected_far", [](const RunFindings& f) { return f.corner_rows_px > kFarRows_px && !IsOutOfStep(f); },
      [](const RunFindings& f) {
@@ -397,6 +417,9 @@ void RunFindings::Take(const RunCounters& counters) {
   left_late_ms = counters.Largest(kLeftLate);
   late_frames = counters.Largest(kLateFrames);
   unequal_readout_ms = counters.Largest(kUnequalReadout);
+  readout_ms = counters.Largest(kReadout);
+  readout_path_mm = counters.Largest(kReadoutPath);
+  other_readout_ms = counters.Largest(kOtherReadout);
   length_error_percent = counters.Largest(kLengthError);
   length_sigma_percent = counters.Largest(kLengthSigma);
   truth_frames = counters.Sum(kTruthFrames);

@@ -33,6 +33,9 @@ struct RunFindings {
   double left_late_ms = 0.0;
   double late_frames = 0.0;
   double unequal_readout_ms = 0.0;
+  double readout_ms = 0.0;
+  double readout_path_mm = 0.0;
+  double other_readout_ms = 0.0;
   double points_ambiguous = 0.0;
   double length_error_percent = 0.0;
   double length_sigma_percent = 0.0;

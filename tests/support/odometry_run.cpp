@@ -65,6 +65,7 @@ std::vector<OdometryFrame> RunOdometry(
     frame.t_ns = images.t_ns;
     frame.T_w_l = dataset.GroundTruth(i);
     frame.late_s = odometry.sync_check().late_s();
+    frame.readout_s = odometry.found_readout_s();
     for (int third = 0; third < 3; ++third) {
       const double u_px = (2 * third + 1) / 6.0 * front_end.camera().width_px;
       frame.disparity_offset_px(third) = odometry.disparity_calibration().Offset_px(u_px);

@@ -30,6 +30,8 @@ struct OdometryFrame {
   int n_tracked_lines = 0;
   /// Estimated delay of the right images after the left ones.
   double late_s = 0.0;
+  /// Readout time that was found.
+  double readout_s = 0.0;
   /// Correction subtracted from disparities at the centres of the thirds of the image.
   Eigen::Vector3d disparity_offset_px = Eigen::Vector3d::Zero();
   std::vector<vo::StageTime> stages;

@@ -10,9 +10,8 @@
 #include "core/io/images/image_file.h"
 #include "core/process/process.h"
 #include "vo_process/stereo/row_field.h"
-#include "vo_process/tracking/disparity_calibration.h"
 #include "vo_process/tracking/inertial_motion_model.h"
-#include "vo_process/tracking/sync_check.h"
+#include "vo_process/tracking/odometry.h"
 
 namespace plslam::vo {
 
@@ -35,9 +34,9 @@ class TrackerReport {
   void LookAt(const StereoImages& images, const StereoFeatures& features, bool is_rgbd);
   /// Reports the vertical disparity once for each camera.
   void ReportVerticalDisparity(const RowField& rows, const StereoCamera& camera);
-  /// Sets counters of the time offset and the disparity offset of the cameras, as estimated so far. Synchronised and
-  /// well-calibrated cameras have no such counters.
-  void ReportCameraErrors(const SyncCheck& sync, const DisparityCalibration& calibration);
+  /// Sets counters of the time offset, the disparity offset and the readout of the cameras, as estimated so far.
+  /// Synchronised and well-calibrated cameras have no such counters.
+  void ReportCameraErrors(const Odometry& odometry);
   /// Publishes a warning once if the inertial sensor contradicts the images.
   void ReportImu(const InertialMotionModel& inertial);
   /// Publishes warnings with the state, every so many frames.

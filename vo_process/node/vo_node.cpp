@@ -319,7 +319,7 @@ void VoNode::Track(const Frame& frame) {
   if (result.keyframe) report_.Count("keyframes", 1);
   report_.LookAt(frame.images, result.features, rig_->kind == RigCalibration::Kind::kRgbd);
   report_.ReportVerticalDisparity(odometry_->rows(), front_end_->camera());
-  report_.ReportCameraErrors(odometry_->sync_check(), odometry_->disparity_calibration());
+  report_.ReportCameraErrors(*odometry_);
   report_.ReportImu(odometry_->inertial());
   report_.ReportWarnings();
   FinishIfDone();

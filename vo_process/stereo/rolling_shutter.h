@@ -38,6 +38,10 @@ class RollingShutter {
   RollingShutter(const Rectification& rectification, double readout_s, const std::string& stamp);
 
   bool is_global() const { return readout_s_ == 0.0; }
+  /// Whether the readout can be estimated from the images: of a pair, not of a depth camera, whose depths have times of
+  /// their own.
+  bool can_be_measured() const { return rectification_.has_value() && !has_depth_map_; }
+  void SetDepthMap() { has_depth_map_ = true; }
   /// Time from the first row of an image to the last.
   double readout_s() const { return readout_s_; }
   void SetReadout(double readout_s) { readout_s_ = readout_s; }
@@ -50,11 +54,18 @@ class RollingShutter {
   /// its own frame, [m/s; rad/s]. Points nearer than the pair can see stay.
   Eigen::Vector3d Moved(const Eigen::Vector3d& uvd, const RowShares& shares, const Vector6d& velocity) const;
 
+  /// The estimated state, for `core/io/files/archive.h`.
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.readout_s_);
+  }
+
  private:
   std::optional<Rectification> rectification_;
   StereoCamera camera_;
   double readout_s_ = 0.0;
   double stamp_share_ = 0.0;
+  bool has_depth_map_ = false;
 };
 
 /// The features of a frame as measured, which are moved to the time of its stamp as the estimate of the velocity

@@ -26,7 +26,9 @@ class StereoFrontEnd {
   const StereoCamera& camera() const { return rectifier_.camera(); }
   /// The shutter that the rig states.
   RollingShutter shutter() const {
-    return {rectifier_.rectification(), 1e-3 * rig_.left.readout_ms, options_.rolling_shutter.stamp};
+    RollingShutter shutter(rectifier_.rectification(), 1e-3 * rig_.left.readout_ms, options_.rolling_shutter.stamp);
+    if (rig_.kind == RigCalibration::Kind::kRgbd) shutter.SetDepthMap();
+    return shutter;
   }
 
   /// Masks regions of the following pairs, in addition to the rig's masks.

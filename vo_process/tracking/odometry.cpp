@@ -72,7 +72,9 @@ Odometry::Odometry(const StereoCamera& camera, const VoOptions& options, const R
       row_calibration_(camera, options.row_calibration),
       corner_budget_(options.features.orb.max_points),
       sync_check_(camera),
+      timing_check_(camera, shutter),
       shutter_(shutter),
+      states_readout_(!shutter.is_global()),
       landmarks_(camera, options),
       bodies_(camera, options),
       keyframe_measurements_(camera) {}
@@ -151,12 +153,14 @@ void Odometry::Follow(double dt_s, TrackedFrame& frame, OdometryResult& result) 
     const bool carries = !previous_local_map_ && inertial_.CanCarry();
     carries ? Carry(prediction, dt_s, frame, result) : Miss(prediction, dt_s, frame, result);
     calibration_.Interrupt();
+    timing_check_.Interrupt();
     sync_check_.Interrupt();
     return PublishCovariance(result);
   }
   SeparateBodies(*tracked, prediction.ForSearch(), dt_s, frame);
   Accept(*tracked, dt_s, frame, result);
   if (first_motion) UseFirstVelocity(result.T_prev_c, dt_s, frame);
+  CheckTiming(frame, result, dt_s);
   CalibrateDisparities(frame);
   CheckSync(frame, result.T_prev_c, dt_s);
   PublishCovariance(result);
@@ -182,29 +186,6 @@ void Odometry::FillKeyframe(const TrackedFrame& frame, OdometryResult& result) {
   if (means) content = keyframe_measurements_.Take(landmarks_, std::move(content));
   keyframe_log_.Add(result.keyframe->id, TrackedLandmarkIds(content.point_tracks),
                     TrackedLandmarkIds(content.line_tracks));
-}
-
-// All measurements so far contain the offset, or lack it, when it is first applied or no longer applied.
-void Odometry::CalibrateDisparities(TrackedFrame& frame) {
-  const auto before = calibration_.learned();
-  if (!calibration_.Observe(T_odom_c_, frame, frame.raw_disparities_px)) return;
-  const auto change_px = [&](double u_px) {
-    return before ? -DisparityErrorTerms(camera_, u_px).dot(before->coefficients_px) : calibration_.Offset_px(u_px);
-  };
-  CorrectDisparities(frame.features, [&](const Eigen::Vector2d& left_px, double) { return change_px(left_px.x()); });
-  landmarks_.Initialise(T_odom_c_, frame);
-  keyframe_measurements_ = KeyframeMeasurements(camera_);
-  bodies_.Forget();
-}
-
-// Discards the calibrations and landmarks that were estimated with a wrong time offset.
-void Odometry::CheckSync(TrackedFrame& frame, const SE3& T_prev_c, double dt_s) {
-  if (!sync_check_.Observe(frame, dt_s)) return;
-  row_calibration_ = RowCalibration(camera_, options_.row_calibration);
-  calibration_ = DisparityCalibration(camera_, options_.disparity_calibration);
-  RemoveSkew(sync_check_.SkewOf(T_prev_c, dt_s), frame.features);
-  bodies_.Forget();
-  landmarks_.Initialise(T_odom_c_, frame);
 }
 
 void Odometry::Initialise(TrackedFrame& frame, OdometryResult& result) {
@@ -234,48 +215,6 @@ std::optional<Odometry::Tracked> Odometry::Find(const TrackedFrame& frame, const
   previous_local_map_.reset();
   const Reference not_lost = created_while_carried_ ? Reference::kCreatedWhileCarried : Reference::kCurrent;
   return Tracked{std::move(*found), was_lost ? Reference::kCreatedWhileLost : not_lost};
-}
-
-/// Moves the features to where a camera of this velocity observes them at the time of the stamp.
-void Odometry::MoveToStamp(const Vector6d& velocity, TrackedFrame& frame) {
-  const StereoFeatures before = std::move(frame.features);
-  frame.features = rolling_->MovedBy(velocity);
-  for (size_t i = 0; i < before.points.size(); ++i) {
-    frame.raw_disparities_px[i] += frame.features.points[i].disparity_px - before.points[i].disparity_px;
-  }
-  frame.point_grid = PointGrid(frame.features.points);
-}
-
-/// Estimates pose and velocity in turn: each needs the other. The velocity at the stamp is the mean since the previous
-/// frame, continued with half of its change.
-void Odometry::EstimateVelocity(double dt_s, Tracked& tracked, TrackedFrame& frame) {
-  constexpr int kPasses = 2;
-  const auto mean_velocity = [&] {
-    return Vector6d((T_odom_c_.Inverse() * tracked.alignment.T_odom_c).Log() / dt_s);
-  };
-  if (tracked.reference != Reference::kCurrent) {
-    has_last_velocity_ = false;
-    return;
-  }
-  Alignment& alignment = tracked.alignment;
-  aligner_.SetDisparities(landmarks_, alignment, *rolling_);
-  for (int pass = 0; pass < kPasses && !alignment.weak; ++pass) {
-    const Vector6d mean = mean_velocity();
-    const Vector6d change = has_last_velocity_ ? Vector6d(mean - last_velocity_) : Vector6d::Zero();
-    MoveToStamp(mean + 0.5 * change, frame);
-    const auto better = aligner_.Estimate(landmarks_, frame, alignment.matches, alignment.T_odom_c, std::nullopt);
-    if (!better) break;
-    alignment.T_odom_c = better->T_odom_c;
-    alignment.covariance = better->covariance;
-  }
-  has_last_velocity_ = true;
-  last_velocity_ = mean_velocity();
-}
-
-/// The first measured motion shows by how much the landmarks created before it were displaced.
-void Odometry::UseFirstVelocity(const SE3& T_prev_c, double dt_s, TrackedFrame& frame) {
-  MoveToStamp(T_prev_c.Log() / dt_s, frame);
-  landmarks_.Initialise(T_odom_c_, frame);
 }
 
 // Without a known velocity all searches are compared: a camera that starts at speed is mostly outside the near window,

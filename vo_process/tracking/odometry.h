@@ -24,6 +24,7 @@
 #include "vo_process/tracking/robot_motion_model.h"
 #include "vo_process/tracking/row_calibration.h"
 #include "vo_process/tracking/sync_check.h"
+#include "vo_process/tracking/timing_check.h"
 
 namespace plslam::vo {
 
@@ -86,6 +87,13 @@ class Odometry {
   const DisparityCalibration& disparity_calibration() const { return calibration_; }
 
   const SyncCheck& sync_check() const { return sync_check_; }
+
+  /// Readout time of the rows that was found although the calibration states none; 0 until it is significant.
+  double found_readout_s() const { return states_readout_ ? 0.0 : shutter_.readout_s(); }
+  /// Readout time that the images show, if it contradicts the stated one significantly; 0 otherwise.
+  double contradicting_readout_s() const;
+  /// Distance that the camera moves while the rows of the last image are read.
+  double PathOfReadout_m() const { return shutter_.readout_s() * last_velocity_.head<3>().norm(); }
 
   /// Starts with the self-calibration of another tracker with the same cameras; before the first frame.
   void Begin(const SelfCalibration& learned);
@@ -164,7 +172,8 @@ class Odometry {
       self.initialised_, self.last_t_ns_, self.T_odom_c_, self.tracked_weight_, self.alignment_covariance_,
       self.is_in_map_, self.is_unanchored_, self.next_keyframe_id_, self.T_odom_kf_, self.covariance_odom_kf_,
       self.covariance_kf_c_, self.alignment_covariance_kf_, self.keyframe_point_id_, self.keyframe_line_id_,
-      self.uncertainty_, self.robot_model_, self.inertial_, self.has_last_velocity_, self.last_velocity_);
+      self.uncertainty_, self.robot_model_, self.inertial_, self.has_last_velocity_, self.last_velocity_,
+      self.timing_check_, self.shutter_);
   }
 
  private:
@@ -220,6 +229,8 @@ class Odometry {
   void Miss(const MotionPrediction& prediction, double dt_s, TrackedFrame& frame, OdometryResult& result);
   void CalibrateDisparities(TrackedFrame& frame);
   void CheckSync(TrackedFrame& frame, const SE3& T_prev_c, double dt_s);
+  void CheckTiming(TrackedFrame& frame, const OdometryResult& result, double dt_s);
+  void UseFoundReadout(const Vector6d& velocity, TrackedFrame& frame);
   void Initialise(TrackedFrame& frame, OdometryResult& result);
   void ChooseKeyframe(const Tracked& tracked, const TrackedFrame& frame, OdometryResult& result);
   void MakeKeyframe(KeyframeReason reason, OdometryResult& result);
@@ -241,10 +252,12 @@ class Odometry {
   RowCalibration row_calibration_;
   CornerBudget corner_budget_;
   SyncCheck sync_check_;
+  TimingCheck timing_check_;
   RollingShutter shutter_;
   /// The frame being tracked, if its rows are not simultaneous.
   std::optional<RollingFrame> rolling_;
-  /// Mean velocity over the last interval, if both its frames were tracked; only of a rolling shutter.
+  bool states_readout_ = false;
+  /// Mean velocity over the last interval, if both its frames were tracked.
   bool has_last_velocity_ = false;
   Vector6d last_velocity_ = Vector6d::Zero();
   /// Skew of the predicted pair.

@@ -47,7 +47,7 @@ constexpr double kMinUneven_frames = 0.05;
 }  // namespace
 
 PairSkew SyncCheck::SkewOf(const SE3& T_prev_c, double dt_s) const {
-  if (!is_late_ || !(dt_s > 0.0)) return {};
+  if (late_s() == 0.0 || !(dt_s > 0.0)) return {};
   const double frames = std::clamp(late_s() / dt_s, -kMaxLate_frames, kMaxLate_frames);
   return {camera_, SE3::Exp(-frames * T_prev_c.Log())};
 }
@@ -58,16 +58,27 @@ const SyncCheck::Seen* SyncCheck::FindSeen(int64_t landmark_id) const {
   return found == seen_.end() || found->landmark_id != landmark_id ? nullptr : &*found;
 }
 
-bool SyncCheck::Observe(const TrackedFrame& frame, double dt_s) {
+bool SyncCheck::Observe(const TrackedFrame& frame, double dt_s,
+                        const std::optional<TimingCheck::Estimate>& by_motion) {
   const std::vector<Equation> equations = EquationsOf(frame, dt_s);
   Remember(frame, dt_s);
-  const bool was_late = is_late_;
+  const bool was_late = late_s() != 0.0;
   const auto moves = [dt_s](const Equation& e) { return std::abs(e.terms(kLate)) * dt_s > kMinFlow_px; };
   if (std::count_if(equations.begin(), equations.end(), moves) >= kMinMoving) {
     Learn(equations, dt_s);
     Decide(equations, dt_s);
   }
-  return is_late_ != was_late;
+  if (by_motion) UseMotion(*by_motion, dt_s);
+  return (late_s() != 0.0) != was_late;
+}
+
+// Poses in doubt show no exact motion, so only delays that can be compensated are taken from it.
+void SyncCheck::UseMotion(const TimingCheck::Estimate& by_motion, double dt_s) {
+  const double frames = std::abs(by_motion.value) / dt_s;
+  is_late_by_motion_ = frames > (is_late_by_motion_ ? kMinLateOfUsed_frames : kMinLate_frames) &&
+                       frames < kMostLateMadeUpFor_frames && by_motion.DiffersFrom(0.0, kMinDeviations);
+  late_by_motion_s_ = by_motion.value;
+  if (is_late_by_motion_) interval_s_ = dt_s;
 }
 
 // With a changing motion, the velocity at the time of the left image is between those before and after it, and at the

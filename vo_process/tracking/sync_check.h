@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -10,6 +11,7 @@
 #include "core/geometry/stereo_camera.h"
 #include "core/run/run_counters.h"
 #include "vo_process/stereo/row_field.h"
+#include "vo_process/tracking/timing_check.h"
 #include "vo_process/tracking/tracked_frame.h"
 
 namespace plslam::vo {
@@ -24,13 +26,14 @@ namespace plslam::vo {
 /// where dv/dt is measured by tracking the point over the previous and the next frame. `uneven` is not zero if the two
 /// cameras read their rows at different speeds. The field is constant while motions change, so all are estimated
 /// together by weighted least squares (Huber) with fading memory. The result is applied only if it is large enough to
-/// matter and significant.
+/// matter and significant. Where few corners measure rows, and generally more precisely, motions over several frames
+/// show the delay (`TimingCheck`): that estimate is preferred as soon as it is significant.
 class SyncCheck {
  public:
   explicit SyncCheck(const StereoCamera& camera) : camera_(camera) {}
 
   /// The applied delay; 0 until it is significant, and below a twentieth of a frame.
-  double late_s() const { return is_late_ ? solution_(kLate) : 0.0; }
+  double late_s() const { return is_late_by_motion_ ? late_by_motion_s_ : is_late_ ? solution_(kLate) : 0.0; }
 
   /// The same as a share of the time between the last frames.
   double late_frames() const { return interval_s_ > 0.0 ? late_s() / interval_s_ : 0.0; }
@@ -47,8 +50,10 @@ class SyncCheck {
   PairSkew SkewOf(const SE3& T_prev_c, double dt_s) const;
 
   /// Learns from a tracked frame, `dt_s` after the previous one: from the matches of that one, whose points are now
-  /// seen to move. Returns whether `late_s` has become zero or nonzero.
-  bool Observe(const TrackedFrame& frame, double dt_s);
+  /// seen to move. `by_motion` is the delay that motions show, if known. Returns whether `late_s` has become zero or
+  /// nonzero.
+  bool Observe(const TrackedFrame& frame, double dt_s,
+               const std::optional<TimingCheck::Estimate>& by_motion = std::nullopt);
 
   /// Call after a frame that was not tracked.
   void Interrupt() { seen_.clear(); }
@@ -56,7 +61,7 @@ class SyncCheck {
   /// The state between frames, for `core/io/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.is_late_, self.is_uneven_, self.information_, self.vector_, self.solution_, self.squares_, self.count_,
+    a(self.is_late_, self.is_late_by_motion_, self.late_by_motion_s_, self.is_uneven_, self.information_, self.vector_, self.solution_, self.squares_, self.count_,
       self.late_matched_s_, self.n_frames_, self.interval_s_, self.seen_);
   }
 
@@ -96,11 +101,15 @@ class SyncCheck {
   std::vector<Equation> EquationsOf(const TrackedFrame& frame, double dt_s) const;
   void Learn(const std::vector<Equation>& equations, double dt_s);
   void Remember(const TrackedFrame& frame, double dt_s);
+  void UseMotion(const TimingCheck::Estimate& by_motion, double dt_s);
   /// Decides which estimates are applied.
   void Decide(const std::vector<Equation>& equations, double dt_s);
 
   StereoCamera camera_;
+  /// Whether rows show a delay, and whether motions do.
   bool is_late_ = false;
+  bool is_late_by_motion_ = false;
+  double late_by_motion_s_ = 0.0;
   bool is_uneven_ = false;
   /// Normal equations, and their solution: six coefficients of the field in pixels, lateness and unevenness in seconds.
   Matrix8d information_ = Matrix8d::Zero();

@@ -76,6 +76,13 @@ TEST(RunWarnings, ConditionsOfEachRow) {
        "the right images are taken 93 ms after the left ones: pair them again with `--set "
        "player.right_offset_frames=-1`"},
       {"readout_differs", [](RunFindings& f) { f.unequal_readout_ms = 12.5; }, "takes 12.5 ms longer"},
+      {"rolling_shutter",
+       [](RunFindings& f) {
+         f.readout_ms = 24.96;
+         f.readout_path_mm = 31.4;
+       },
+       "within 25.0 ms (rolling shutter), in which the camera moves up to 31 mm"},
+      {"readout_contradicted", [](RunFindings& f) { f.other_readout_ms = 12.04; }, "are read within 12.0 ms"},
       {"rows_corrected_far", [](RunFindings& f) { f.corner_rows_px = 12.34; }, "by up to 12.3 px in the corners"},
       {"disparities_off",
        [](RunFindings& f) {

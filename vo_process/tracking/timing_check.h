@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/geometry/se3.h"
+#include "core/geometry/stereo_camera.h"
+#include "vo_process/stereo/rolling_shutter.h"
+#include "vo_process/tracking/tracked_frame.h"
+
+namespace plslam::vo {
+
+/// Estimates, with points and lines, how much later than assumed parts of a moving pair are exposed.
+///
+/// Two tracked frames some frames apart determine it: with wrong times no rigid motion explains both. Measurements of
+/// both frames are (u, v, disparity) of points and of the ends of segments; a point of the first frame is predicted in
+/// the second one by the motion in between, and
+///
+///   (u, v, d)_measured = (u, v, d)_true + late e_late + readout e_readout + offset of the disparities,
+///
+/// where e_late and e_readout follow from the velocity of the image at the feature, for segments across their direction
+/// (`RollingShutter` has the times of rows). The motion of each pair of frames is estimated together with these
+/// parameters by robust least squares and eliminated, as in `DisparityCheck`. Pairs of frames are disjoint, and every
+/// second one belongs to the other half of the data: an effect of the cameras is the same in both halves.
+class TimingCheck {
+ public:
+  /// Delay of the right image after the left one and readout time in seconds, then the coefficients of the offset of
+  /// the disparities (`DisparityErrorTerms`).
+  static constexpr int kLate = 0;
+  static constexpr int kReadout = 1;
+  static constexpr int kOffset = 2;
+  using Parameters = Eigen::Matrix<double, 5, 1>;
+  using Information = Eigen::Matrix<double, 5, 5>;
+
+  /// An estimate of one parameter with all data and with each half.
+  struct Estimate {
+    double value = 0.0;
+    double sigma = 0.0;
+    bool halves_agree = false;
+
+    /// Whether the value differs from another one by so many sigmas, and the halves agree about it.
+    bool DiffersFrom(double other, double sigmas) const {
+      return halves_agree && std::abs(value - other) > sigmas * sigma;
+    }
+  };
+
+  TimingCheck(const StereoCamera& camera, const RollingShutter& shutter) : camera_(camera), shutter_(shutter) {}
+
+  /// Adds a tracked frame. `velocity` is that of the camera in its own frame, [m/s; rad/s]; `applied` the parameters
+  /// that the features are already corrected for; `dt_s` the time since the previous frame.
+  void Observe(const TrackedFrame& frame, const SE3& T_odom_c, const Vector6d& velocity, const Parameters& applied,
+               double dt_s);
+
+  /// Ends the pair of frames after a frame that was not tracked.
+  void Interrupt() { begin_ = {}; }
+
+  /// nullopt before the first pairs of frames.
+  std::optional<Estimate> EstimateOf(int parameter) const;
+  int64_t n_pairs() const { return n_pairs_; }
+
+  /// The state between frames, for `core/io/files/archive.h`.
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.halves_[0], self.halves_[1], self.n_pairs_, self.dt_s_, self.begin_);
+  }
+
+ private:
+  /// A measured point or end of a segment, and the effect of each parameter on it.
+  struct Place {
+    Eigen::Vector3d uvd = Eigen::Vector3d::Zero();
+    double sigma_px = 1.0;
+    double sigma_disparity_px = 1.0;
+    /// Change of the disparity by a second of lateness, and of (u, v, disparity) by a second of readout.
+    double by_late_px_s = 0.0;
+    Eigen::Vector3d by_readout_px_s = Eigen::Vector3d::Zero();
+
+    template <class Archive, class Self>
+    static void Fields(Archive& a, Self& self) {
+      a(self.uvd, self.sigma_px, self.sigma_disparity_px, self.by_late_px_s, self.by_readout_px_s);
+    }
+  };
+  using Effects = Eigen::Matrix<double, 3, 5>;
+  struct Point {
+    int64_t landmark_id = -1;
+    Place at;
+
+    template <class Archive, class Self>
+    static void Fields(Archive& a, Self& self) {
+      a(self.landmark_id, self.at);
+    }
+  };
+  struct Line {
+    int64_t landmark_id = -1;
+    Place p;
+    Place q;
+
+    template <class Archive, class Self>
+    static void Fields(Archive& a, Self& self) {
+      a(self.landmark_id, self.p, self.q);
+    }
+  };
+  /// Views of one frame, ordered by landmark.
+  struct View {
+    int64_t n_frames = 0;
+    SE3 T_odom_c;
+    Parameters applied = Parameters::Zero();
+    std::vector<Point> points;
+    std::vector<Line> lines;
+
+    template <class Archive, class Self>
+    static void Fields(Archive& a, Self& self) {
+      a(self.n_frames, self.T_odom_c, self.applied, self.points, self.lines);
+    }
+  };
+  /// Normal equations of the parameters, motions eliminated.
+  struct Evidence {
+    Information information = Information::Zero();
+    Parameters vector = Parameters::Zero();
+    double squares = 0.0;
+    double count = 0.0;
+
+    template <class Archive, class Self>
+    static void Fields(Archive& a, Self& self) {
+      a(self.information, self.vector, self.squares, self.count);
+    }
+  };
+  using Normal = Eigen::Matrix<double, 11, 12>;
+  struct Sum;
+
+  View ViewOf(const TrackedFrame& frame, const SE3& T_odom_c, const Vector6d& velocity,
+              const Parameters& applied) const;
+  Place PlaceOf(const Eigen::Vector3d& uvd, const Vector6d& velocity, const Eigen::Vector2d* along) const;
+  Effects EffectsOn(const Place& place) const;
+  void Learn(const View& now);
+  void Add(const View& now, const SE3& T_now_before, const Parameters& parameters, Sum& sum) const;
+  Information Prior() const;
+
+  StereoCamera camera_;
+  RollingShutter shutter_;
+  std::array<Evidence, 2> halves_;
+  int64_t n_pairs_ = 0;
+  double dt_s_ = 0.0;
+  View begin_;
+};
+
+}  // namespace plslam::vo

@@ -213,7 +213,8 @@ const Row kRows[] = {
     {"rolling_shutter", [](const RunFindings& f) { return f.readout_ms > 0.0; },
      [](const RunFindings& f) {
        return fmt::format(
-           "the rows of an image are read within {0:.1f} ms (rolling shutter), in which the camera moves up to {1:.0f} "
+           "the rows of an image are read within {0:.1f} ms (rolling shutter), in which the camera moves up to "
+           "{1:.0f} "
            "mm: this is corrected, but only after it was found: state `readout_ms: {0:.1f}` in the calibration",
            f.readout_ms, f.readout_path_mm);
      },

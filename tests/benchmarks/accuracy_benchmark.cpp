@@ -67,11 +67,13 @@ double Mean(const std::vector<OdometryFrame>& frames, Member member) {
 }
 
 void PrintFrame(int index, const OdometryFrame& f) {
-  std::printf("  %4d state %d points %d/%d lines %d/%d kf %d late %.1f ms readout %.1f ms  t %.4f %.4f %.4f  d %.2f %.2f %.2f\n",
-              index, static_cast<int>(f.state), f.n_tracked_points, f.n_points, f.n_tracked_lines, f.n_lines,
-              f.keyframe ? 1 : 0, 1e3 * f.late_s, 1e3 * f.readout_s, f.T_odom_l.translation().x(), f.T_odom_l.translation().y(),
-              f.T_odom_l.translation().z(), f.disparity_offset_px(0), f.disparity_offset_px(1),
-              f.disparity_offset_px(2));
+  std::printf(
+      "  %4d state %d points %d/%d lines %d/%d kf %d late %.1f ms readout %.1f ms  t %.4f %.4f %.4f  d %.2f %.2f "
+      "%.2f\n",
+      index, static_cast<int>(f.state), f.n_tracked_points, f.n_points, f.n_tracked_lines, f.n_lines,
+      f.keyframe ? 1 : 0, 1e3 * f.late_s, 1e3 * f.readout_s, f.T_odom_l.translation().x(),
+      f.T_odom_l.translation().y(), f.T_odom_l.translation().z(), f.disparity_offset_px(0), f.disparity_offset_px(1),
+      f.disparity_offset_px(2));
 }
 
 double Quantile(std::vector<double> values, double q) {

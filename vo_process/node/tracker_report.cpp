@@ -117,7 +117,8 @@ void TrackerReport::ReportCameraErrors(const Odometry& odometry) {
   const double readout_s = odometry.found_readout_s();
   if (readout_s > 0.0 && counts_[kReadout] == 0.0) {
     spdlog::info(
-        "the rows of an image are read within {:.1f} ms (rolling shutter), in which the camera moves {:.0f} mm: this is "
+        "the rows of an image are read within {:.1f} ms (rolling shutter), in which the camera moves {:.0f} mm: this "
+        "is "
         "corrected",
         1e3 * readout_s, 1e3 * odometry.PathOfReadout_m());
   }

@@ -12,7 +12,7 @@ namespace {
 
 // A readout that is not stated is applied above this time, and so many standard deviations.
 constexpr double kMinReadout_s = 4e-3;
-constexpr double kMinReadoutSigmas = 8.0;
+constexpr double kMinReadoutSigmas = 10.0;
 // A stated readout is contradicted by so many standard deviations, and so much.
 constexpr double kContradictingSigmas = 3.0;
 constexpr double kContradicting_s = 1e-3;
@@ -56,7 +56,7 @@ void Odometry::CheckTiming(TrackedFrame& frame, const OdometryResult& result, do
   last_velocity_ = mean;
   TimingCheck::Parameters applied = TimingCheck::Parameters::Zero();
   applied(TimingCheck::kLate) = sync_check_.late_s();
-  applied(TimingCheck::kReadout) = shutter_.readout_s();
+  applied(TimingCheck::kReadoutOfTurning) = applied(TimingCheck::kReadoutOfTranslation) = shutter_.readout_s();
   if (const auto learned = calibration_.learned())
     applied.segment<3>(TimingCheck::kOffset) = learned->coefficients_px;
   timing_check_.Observe(frame, T_odom_c_, velocity, applied, dt_s);
@@ -66,7 +66,7 @@ void Odometry::CheckTiming(TrackedFrame& frame, const OdometryResult& result, do
 // Landmarks are created again when the readout is first applied: they are displaced, and so are the disparities that
 // were compared with their motions.
 void Odometry::UseFoundReadout(const Vector6d& velocity, TrackedFrame& frame) {
-  const auto found = timing_check_.EstimateOf(TimingCheck::kReadout);
+  const auto found = timing_check_.EstimateOf(TimingCheck::kReadoutOfTurning);
   if (!found) return;
   if (!shutter_.is_global()) return shutter_.SetReadout(std::max(found->value, kMinReadout_s));
   if (!(found->value > kMinReadout_s) || !found->DiffersFrom(0.0, kMinReadoutSigmas)) return;
@@ -81,7 +81,7 @@ void Odometry::UseFoundReadout(const Vector6d& velocity, TrackedFrame& frame) {
 }
 
 double Odometry::contradicting_readout_s() const {
-  const auto shown = timing_check_.EstimateOf(TimingCheck::kReadout);
+  const auto shown = timing_check_.EstimateOf(TimingCheck::kReadoutOfTurning);
   if (!states_readout_ || !shown) return 0.0;
   const double stated_s = shutter_.readout_s();
   const bool is_large =

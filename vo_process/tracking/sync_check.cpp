@@ -39,6 +39,9 @@ constexpr double kErrorsInCommon = 60.0;
 constexpr double kMinDeviations = 10.0;
 constexpr int64_t kMinFrames = 3;
 constexpr double kMinLate_frames = 0.05;
+// The same for the delay that motions show: while driving straight ahead, grazing ground looks like a small one.
+constexpr double kMinDeviationsOfMotion = 20.0;
+constexpr double kMinLateByMotion_frames = 0.07;
 constexpr double kMinLateOfUsed_frames = 0.03;
 // Longest time over which motions are extrapolated, in frames.
 constexpr double kMaxLate_frames = 1.5;
@@ -75,8 +78,10 @@ bool SyncCheck::Observe(const TrackedFrame& frame, double dt_s,
 // Poses in doubt show no exact motion, so only delays that can be compensated are taken from it.
 void SyncCheck::UseMotion(const TimingCheck::Estimate& by_motion, double dt_s) {
   const double frames = std::abs(by_motion.value) / dt_s;
-  is_late_by_motion_ = frames > (is_late_by_motion_ ? kMinLateOfUsed_frames : kMinLate_frames) &&
-                       frames < kMostLateMadeUpFor_frames && by_motion.DiffersFrom(0.0, kMinDeviations);
+  const bool is_significant =
+      is_late_by_motion_ ? frames > kMinLateOfUsed_frames
+                         : frames > kMinLateByMotion_frames && by_motion.DiffersFrom(0.0, kMinDeviationsOfMotion);
+  is_late_by_motion_ = is_significant && frames < kMostLateMadeUpFor_frames;
   late_by_motion_s_ = by_motion.value;
   if (is_late_by_motion_) interval_s_ = dt_s;
 }

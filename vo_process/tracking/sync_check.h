@@ -61,8 +61,9 @@ class SyncCheck {
   /// The state between frames, for `core/io/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.is_late_, self.is_late_by_motion_, self.late_by_motion_s_, self.is_uneven_, self.information_, self.vector_, self.solution_, self.squares_, self.count_,
-      self.late_matched_s_, self.n_frames_, self.interval_s_, self.seen_);
+    a(self.is_late_, self.is_late_by_motion_, self.late_by_motion_s_, self.is_uneven_, self.information_,
+      self.vector_, self.solution_, self.squares_, self.count_, self.late_matched_s_, self.n_frames_,
+      self.interval_s_, self.seen_);
   }
 
  private:

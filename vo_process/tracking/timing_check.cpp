@@ -13,8 +13,8 @@ namespace plslam::vo {
 namespace {
 
 // Frames from the first to the second one of a pair: enough for parallax, and most features are still seen.
-constexpr int64_t kFramesApart = 6;
-// Fewest equations of a pair of frames, for at most 11 unknowns.
+constexpr int64_t kFramesApart = 5;
+// Fewest equations of a pair of frames, for 12 unknowns.
 constexpr double kMinEquations = 60.0;
 constexpr int kIterations = 4;
 // Norm of the whitened residuals of a point or of both residuals of an end.
@@ -34,8 +34,8 @@ constexpr double kOffsetSigma_px = 0.5;
 constexpr double kMemory = 0.97;
 // Residuals above expectation increase sigmas; those below reduce them at most by this factor.
 constexpr double kMinNoise = 0.7;
-// Pairs before the first estimate.
-constexpr int64_t kMinPairs = 4;
+// Pairs before the first estimate: one in each half.
+constexpr int64_t kMinPairs = 2;
 // Halves differ if their difference exceeds so many of its sigmas.
 constexpr double kDifferSigmas = 3.0;
 
@@ -75,18 +75,18 @@ struct TimingCheck::Sum {
 
   /// Adds whitened residuals: `delta` is predicted minus measured, with its derivatives by parameters and motion.
   template <int N>
-  void Add(const Eigen::Matrix<double, N, 1>& delta, const Eigen::Matrix<double, N, 5>& by_parameters,
+  void Add(const Eigen::Matrix<double, N, 1>& delta, const Eigen::Matrix<double, N, 6>& by_parameters,
            const Eigen::Matrix<double, N, 6>& by_motion, const Eigen::Matrix<double, N, N>& covariance) {
     const Eigen::LLT<Eigen::Matrix<double, N, N>> llt(covariance);
     const Eigen::Matrix<double, N, 1> r = llt.matrixL().solve(delta);
     const double deviation = r.norm();
     if (!(deviation < max_deviation)) return;
-    Eigen::Matrix<double, N, 11> by_all;
+    Eigen::Matrix<double, N, 12> by_all;
     by_all << by_parameters, by_motion;
     by_all = llt.matrixL().solve(by_all);
     const double weight = 1.0 / std::max(1.0, deviation / kHuber);
-    normal.leftCols<11>() += weight * by_all.transpose() * by_all;
-    normal.col(11) -= weight * by_all.transpose() * r;
+    normal.leftCols<12>() += weight * by_all.transpose() * by_all;
+    normal.col(12) -= weight * by_all.transpose() * r;
     squares += weight * r.squaredNorm();
     count += N;
   }
@@ -102,13 +102,23 @@ TimingCheck::Place TimingCheck::PlaceOf(const Eigen::Vector3d& uvd, const Vector
   const double per_m = camera_.f_px / p_c.z();
   const Eigen::Vector2d ray(p_c.x() / p_c.z(), p_c.y() / p_c.z());
   const Eigen::Vector2d left_px_s = per_m * (moves.head<2>() - ray * moves.z());
-  const Eigen::Vector2d right_px_s = left_px_s + Eigen::Vector2d(per_m * camera_.baseline_m / p_c.z() * moves.z(), 0.0);
+  const Eigen::Vector2d right_px_s =
+      left_px_s + Eigen::Vector2d(per_m * camera_.baseline_m / p_c.z() * moves.z(), 0.0);
   // A right segment that moves down by dv crosses a row dv * (direction.x / direction.y) further left.
   const double column_px_s =
       along == nullptr ? right_px_s.x() : right_px_s.x() - right_px_s.y() * along->x() / along->y();
   place.by_late_px_s = -column_px_s;
   const RowShares shares = shutter_.SharesOf(uvd.head<2>(), uvd.z());
-  place.by_readout_px_s << shares.left * left_px_s, shares.left * left_px_s.x() - shares.right * right_px_s.x();
+  const auto by_readout = [&shares](const Eigen::Vector2d& left, double right_u) {
+    return Eigen::Vector3d(shares.left * left.x(), shares.left * left.y(),
+                           shares.left * left.x() - shares.right * right_u);
+  };
+  // Both cameras see the same flow of a turn around the left one, but for its small motion in depth.
+  const Eigen::Vector3d turns = -velocity.tail<3>().cross(p_c);
+  const Eigen::Vector2d turning_px_s = per_m * (turns.head<2>() - ray * turns.z());
+  const double turning_right_px_s = turning_px_s.x() + per_m * camera_.baseline_m / p_c.z() * turns.z();
+  place.by_turning_px_s = by_readout(turning_px_s, turning_right_px_s);
+  place.by_translation_px_s = by_readout(left_px_s - turning_px_s, right_px_s.x() - turning_right_px_s);
   return place;
 }
 
@@ -116,7 +126,8 @@ TimingCheck::Place TimingCheck::PlaceOf(const Eigen::Vector3d& uvd, const Vector
 TimingCheck::Effects TimingCheck::EffectsOn(const Place& place) const {
   Effects effects = Effects::Zero();
   effects(2, kLate) = place.by_late_px_s;
-  effects.col(kReadout) = place.by_readout_px_s;
+  effects.col(kReadoutOfTurning) = place.by_turning_px_s;
+  effects.col(kReadoutOfTranslation) = place.by_translation_px_s;
   effects.block<1, 3>(2, kOffset) = DisparityErrorTerms(camera_, place.uvd.x()).transpose();
   return effects;
 }
@@ -142,8 +153,7 @@ TimingCheck::View TimingCheck::ViewOf(const TrackedFrame& frame, const SE3& T_od
     const FeatureTrack& track = frame.line_tracks[i];
     if (track.landmark_id < 0 || !track.IsOfWorld() || !line.HasDepth()) continue;
     const Segment2& s = line.left.segment;
-    const Eigen::Vector2d along =
-        s.q - s.p - Eigen::Vector2d(line.disparity_q_px - line.disparity_p_px, 0.0);
+    const Eigen::Vector2d along = s.q - s.p - Eigen::Vector2d(line.disparity_q_px - line.disparity_p_px, 0.0);
     if (!(std::abs(along.y()) > kMinSine * along.norm())) continue;
     Line& seen = view.lines.emplace_back();
     seen.landmark_id = track.landmark_id;
@@ -179,7 +189,7 @@ void TimingCheck::Add(const View& now, const SE3& T_now_before, const Parameters
     bool is_valid = false;
     Eigen::Vector3d uvd;
     Eigen::Matrix3d covariance;
-    Eigen::Matrix<double, 3, 5> by_parameters;
+    Effects by_parameters;
     Eigen::Matrix<double, 3, 6> by_motion;
   };
   const Eigen::Matrix3d R = T_now_before.R();
@@ -214,8 +224,7 @@ void TimingCheck::Add(const View& now, const SE3& T_now_before, const Parameters
     if (before == nullptr) continue;
     const Predicted predicted = predict(before->at);
     if (!predicted.is_valid) continue;
-    const Eigen::Matrix3d covariance =
-        predicted.covariance + Eigen::Matrix3d(variances_of(point.at).asDiagonal());
+    const Eigen::Matrix3d covariance = predicted.covariance + Eigen::Matrix3d(variances_of(point.at).asDiagonal());
     const Effects effects = EffectsOn(point.at);
     sum.Add<3>(predicted.uvd - (point.at.uvd - effects * rest_now), predicted.by_parameters + effects,
                predicted.by_motion, covariance);
@@ -236,19 +245,18 @@ void TimingCheck::Add(const View& now, const SE3& T_now_before, const Parameters
       if (!(t > -0.5 && t < 1.5)) continue;
       const Effects effects = (1.0 - t) * EffectsOn(line.p) + t * EffectsOn(line.q);
       const Eigen::Vector3d measured = (1.0 - t) * line.p.uvd + t * line.q.uvd - effects * rest_now;
-      const Eigen::Vector3d variances =
-          (1.0 - t) * (1.0 - t) * variances_of(line.p) + t * t * variances_of(line.q);
+      const Eigen::Vector3d variances = (1.0 - t) * (1.0 - t) * variances_of(line.p) + t * t * variances_of(line.q);
       const Eigen::Matrix3d covariance = predicted.covariance + Eigen::Matrix3d(variances.asDiagonal());
-      sum.Add<2>(across * (predicted.uvd - measured),
-                 across * (predicted.by_parameters + effects), across * predicted.by_motion,
-                 across * covariance * across.transpose());
+      sum.Add<2>(across * (predicted.uvd - measured), across * (predicted.by_parameters + effects),
+                 across * predicted.by_motion, across * covariance * across.transpose());
     }
   }
 }
 
 TimingCheck::Information TimingCheck::Prior() const {
   Parameters sigmas;
-  sigmas << kLateSigma_frames * dt_s_, kReadoutSigma_frames * dt_s_, DisparityErrorSigmas(kOffsetSigma_px);
+  sigmas << kLateSigma_frames * dt_s_, kReadoutSigma_frames * dt_s_, kReadoutSigma_frames * dt_s_,
+      DisparityErrorSigmas(kOffsetSigma_px);
   return Information(sigmas.cwiseAbs2().cwiseInverse().asDiagonal());
 }
 
@@ -266,21 +274,22 @@ void TimingCheck::Learn(const View& now) {
     Add(now, T_now_before, parameters, sum);
     if (sum.count < kMinEquations) return;
     if (i == kIterations - 1) break;
-    Eigen::Matrix<double, 11, 11> normal = sum.normal.leftCols<11>();
-    Eigen::Matrix<double, 11, 1> vector = sum.normal.col(11);
-    normal.topLeftCorner<5, 5>() += prior;
-    vector.head<5>() += prior * (mean - parameters);
-    const Eigen::Matrix<double, 11, 1> step = normal.ldlt().solve(vector);
+    Eigen::Matrix<double, 12, 12> normal = sum.normal.leftCols<12>();
+    Eigen::Matrix<double, 12, 1> vector = sum.normal.col(12);
+    normal.topLeftCorner<6, 6>() += prior;
+    vector.head<6>() += prior * (mean - parameters);
+    const Eigen::Matrix<double, 12, 1> step = normal.ldlt().solve(vector);
     if (!step.allFinite()) return;
-    parameters += step.head<5>();
+    parameters += step.head<6>();
     T_now_before = T_now_before * SE3::Exp(step.tail<6>());
   }
-  const Eigen::LDLT<Matrix6d> motion(Matrix6d(sum.normal.block<6, 6>(5, 5)));
+  const Eigen::LDLT<Matrix6d> motion(Matrix6d(sum.normal.block<6, 6>(6, 6)));
   if (motion.info() != Eigen::Success || !motion.isPositive() || !(motion.rcond() > 1e-12)) return;
-  const Eigen::Matrix<double, 5, 6> cross = sum.normal.block<5, 6>(0, 5);
+  const Matrix6d cross = sum.normal.block<6, 6>(0, 6);
   const Information information =
-      sum.normal.topLeftCorner<5, 5>() - cross * motion.solve(Eigen::Matrix<double, 6, 5>(cross.transpose()));
-  const Parameters vector = sum.normal.col(11).head<5>() - cross * motion.solve(Vector6d(sum.normal.col(11).tail<6>()));
+      sum.normal.topLeftCorner<6, 6>() - cross * motion.solve(Matrix6d(cross.transpose()));
+  const Parameters vector =
+      sum.normal.col(12).head<6>() - cross * motion.solve(Vector6d(sum.normal.col(12).tail<6>()));
   for (Evidence& half : halves_) {
     half.information *= kMemory;
     half.vector *= kMemory;

@@ -18,7 +18,7 @@
 namespace plslam::vo {
 namespace {
 
-constexpr double kInterval_s = 0.05;
+constexpr double kTimingInterval_s = 0.05;
 
 RigCalibration TimingRig() {
   CameraCalibration camera;
@@ -62,7 +62,7 @@ class WindingWorld {
   }
 
   TrackedFrame Frame(int frame, bool with_points, bool with_lines, std::mt19937& random) const {
-    const double t_s = frame * kInterval_s;
+    const double t_s = frame * kTimingInterval_s;
     std::normal_distribution<double> noise(0.0, 0.2);
     StereoFeatures features;
     std::vector<int64_t> point_ids;
@@ -134,9 +134,9 @@ TimingCheck Checked(const WindingWorld& world, bool with_points, bool with_lines
   TimingCheck check(rectification.camera, RollingShutter(rectification, 0.0, "first"));
   std::mt19937 random(7);
   for (int i = 0; i < n_frames; ++i) {
-    const double t_s = i * kInterval_s;
+    const double t_s = i * kTimingInterval_s;
     check.Observe(world.Frame(i, with_points, with_lines, random), WindingWorld::PoseAt(t_s),
-                  WindingWorld::VelocityAt(t_s), TimingCheck::Parameters::Zero(), kInterval_s);
+                  WindingWorld::VelocityAt(t_s), TimingCheck::Parameters::Zero(), kTimingInterval_s);
   }
   return check;
 }
@@ -156,8 +156,8 @@ TEST(TimingCheck, FindsDelayWithEitherFeatureType) {
 TEST(TimingCheck, FindsReadoutWithEitherFeatureType) {
   for (const bool with_points : {true, false}) {
     for (const double readout_s : {0.025, 0.012, 0.0}) {
-      const auto readout =
-          Checked(WindingWorld(0.0, readout_s), with_points, !with_points, 60).EstimateOf(TimingCheck::kReadout);
+      const auto readout = Checked(WindingWorld(0.0, readout_s), with_points, !with_points, 60)
+                               .EstimateOf(TimingCheck::kReadoutOfTurning);
       ASSERT_TRUE(readout.has_value());
       EXPECT_NEAR(readout->value, readout_s, 0.001 + 0.1 * readout_s) << with_points << " sigma " << readout->sigma;
       EXPECT_EQ(readout->DiffersFrom(0.0, 8.0), readout_s != 0.0) << readout->value << " sigma " << readout->sigma;
@@ -173,8 +173,9 @@ TEST(TimingCheck, DepthCamerasAreNotMeasured) {
   const WindingWorld world(0.004, 0.0);
   std::mt19937 random(7);
   for (int i = 0; i < 60; ++i) {
-    check.Observe(world.Frame(i, true, true, random), WindingWorld::PoseAt(i * kInterval_s),
-                  WindingWorld::VelocityAt(i * kInterval_s), TimingCheck::Parameters::Zero(), kInterval_s);
+    check.Observe(world.Frame(i, true, true, random), WindingWorld::PoseAt(i * kTimingInterval_s),
+                  WindingWorld::VelocityAt(i * kTimingInterval_s), TimingCheck::Parameters::Zero(),
+                  kTimingInterval_s);
   }
   EXPECT_FALSE(check.EstimateOf(TimingCheck::kLate).has_value());
 }

@@ -13,6 +13,9 @@ namespace {
 // A readout that is not stated is applied above this time, and so many standard deviations.
 constexpr double kMinReadout_s = 4e-3;
 constexpr double kMinReadoutSigmas = 10.0;
+// It waits for so many pairs of frames, and for a delay of so many sigmas to be applied: few pairs confuse the two.
+constexpr int64_t kMinReadoutPairs = 5;
+constexpr double kPendingDelaySigmas = 4.0;
 // A stated readout is contradicted by so many standard deviations, and so much.
 constexpr double kContradictingSigmas = 3.0;
 constexpr double kContradicting_s = 1e-3;
@@ -68,7 +71,10 @@ void Odometry::CheckTiming(TrackedFrame& frame, const OdometryResult& result, do
 void Odometry::UseFoundReadout(const Vector6d& velocity, TrackedFrame& frame) {
   const auto found = timing_check_.EstimateOf(TimingCheck::kReadoutOfTurning);
   if (!found) return;
-  if (!shutter_.is_global()) return shutter_.SetReadout(std::max(found->value, kMinReadout_s));
+  if (!shutter_.is_global()) return shutter_.SetReadout(found->value > 0.5 * kMinReadout_s ? found->value : 0.0);
+  const auto delay = timing_check_.EstimateOf(TimingCheck::kLate);
+  const bool delay_is_pending = sync_check_.late_s() == 0.0 && delay->DiffersFrom(0.0, kPendingDelaySigmas);
+  if (timing_check_.n_pairs() < kMinReadoutPairs || delay_is_pending) return;
   if (!(found->value > kMinReadout_s) || !found->DiffersFrom(0.0, kMinReadoutSigmas)) return;
   shutter_.SetReadout(found->value);
   rolling_.emplace(shutter_, frame.features);

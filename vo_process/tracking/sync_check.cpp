@@ -75,8 +75,10 @@ bool SyncCheck::Observe(const TrackedFrame& frame, double dt_s,
   return (late_s() != 0.0) != was_late;
 }
 
-// Poses in doubt show no exact motion, so only delays that can be compensated are taken from it.
+// Poses in doubt show no exact motion, so only delays that can be compensated are taken from it. The measure that is
+// significant first remains in use: rows where corners are many, motions where they are few and rows mislead.
 void SyncCheck::UseMotion(const TimingCheck::Estimate& by_motion, double dt_s) {
+  if (is_late_ && !is_late_by_motion_) return;
   const double frames = std::abs(by_motion.value) / dt_s;
   const bool is_significant =
       is_late_by_motion_ ? frames > kMinLateOfUsed_frames

@@ -26,8 +26,8 @@ namespace plslam::vo {
 /// where dv/dt is measured by tracking the point over the previous and the next frame. `uneven` is not zero if the two
 /// cameras read their rows at different speeds. The field is constant while motions change, so all are estimated
 /// together by weighted least squares (Huber) with fading memory. The result is applied only if it is large enough to
-/// matter and significant. Where few corners measure rows, and generally more precisely, motions over several frames
-/// show the delay (`TimingCheck`): that estimate is preferred as soon as it is significant.
+/// matter and significant. Where few corners measure rows, motions over several frames show the delay (`TimingCheck`). The
+/// measure that is significant first is used.
 class SyncCheck {
  public:
   explicit SyncCheck(const StereoCamera& camera) : camera_(camera) {}

@@ -116,7 +116,7 @@ void TrackerReport::ReportCameraErrors(const Odometry& odometry) {
   tell(kUnequalReadout, 1e3 * std::abs(sync.longer_readout_s()));
   const double readout_s = odometry.found_readout_s();
   if (readout_s > 0.0 && counts_[kReadout] == 0.0) {
-    spdlog::info(
+    LogInfo(
         "the rows of an image are read within {:.1f} ms (rolling shutter), in which the camera moves {:.0f} mm: this "
         "is "
         "corrected",

@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
+#include "core/geometry/hypot.h"
 #include "vo_process/tracking/disparity_check.h"
 
 namespace plslam::vo {
@@ -34,8 +35,8 @@ constexpr double kOffsetSigma_px = 0.5;
 constexpr double kMemory = 0.97;
 // Residuals above expectation increase sigmas; those below reduce them at most by this factor.
 constexpr double kMinNoise = 0.7;
-// Pairs before the first estimate: one in each half.
-constexpr int64_t kMinPairs = 2;
+// Pairs before the first estimate: two in one half, since each may mislead.
+constexpr int64_t kMinPairs = 3;
 // Halves differ if their difference exceeds so many of its sigmas.
 constexpr double kDifferSigmas = 3.0;
 
@@ -314,7 +315,7 @@ std::optional<TimingCheck::Estimate> TimingCheck::EstimateOf(int parameter) cons
   const Estimate odd = solve(halves_[0].information, halves_[0].vector);
   const Estimate even = solve(halves_[1].information, halves_[1].vector);
   Estimate both = solve(halves_[0].information + halves_[1].information, halves_[0].vector + halves_[1].vector);
-  both.halves_agree = std::abs(odd.value - even.value) < kDifferSigmas * std::hypot(odd.sigma, even.sigma);
+  both.halves_agree = std::abs(odd.value - even.value) < kDifferSigmas * Hypot(odd.sigma, even.sigma);
   return both;
 }
 

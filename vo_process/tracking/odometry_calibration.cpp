@@ -12,7 +12,7 @@ namespace {
 
 // A readout that is not stated is applied above this time, and so many standard deviations.
 constexpr double kMinReadout_s = 4e-3;
-constexpr double kMinReadoutSigmas = 10.0;
+constexpr double kMinReadoutSigmas = 20.0;
 // It waits for so many pairs of frames, and for a delay of so many sigmas to be applied: few pairs confuse the two.
 constexpr int64_t kMinReadoutPairs = 5;
 constexpr double kPendingDelaySigmas = 4.0;

@@ -44,7 +44,7 @@ struct ImageList {
   std::vector<Entry> entries;
   /// Empty, or one for each entry.
   std::vector<std::optional<SE3>> ground_truth;
-  /// Of the inertial sensor `rig.imu`, in order of increasing time.
+  /// Samples of the inertial sensor `rig.imu`, in order of increasing time.
   std::vector<ImuSample> imu_samples{};
   Notes notes;
 };

@@ -345,7 +345,7 @@ void CorrectFeatures(const PairParameters& pair, const std::vector<int64_t>& key
   }
 }
 
-/// What the map, its features and the problem already take.
+/// Includes the map, its features and the problem.
 double PeakMemoryOfThisProcess_mb() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);

@@ -17,7 +17,7 @@
 
 namespace plslam::vo {
 
-/// What other messages bring for a frame: its mask, the robot's motion and the samples of the inertial sensor since the
+/// The inputs of a frame from other messages: its mask, the robot's motion and the samples of the inertial sensor since the
 /// previous frame. A frame waits for them as `MaskLink`, `RobotMotionLink` and `ImuLink` say.
 class FrameInputs {
  public:
@@ -40,7 +40,7 @@ class FrameInputs {
   std::optional<MaskLink> masks_;
   std::optional<RobotMotionLink> robot_;
   std::optional<ImuLink> imu_;
-  /// Of the sensor in the rig.
+  /// Time offset of the rig's sensor.
   std::optional<int64_t> imu_offset_ns_;
 };
 

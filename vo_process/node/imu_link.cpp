@@ -16,8 +16,7 @@ constexpr size_t kMostSamples = 65536;
 constexpr std::chrono::milliseconds kImuTick(5);
 constexpr const char* kNoSamples =
     "the rig has an inertial sensor, but its samples do not arrive (channel IMU), so frames are tracked without "
-    "them: "
-    "does the program that publishes the frames publish them, too?";
+    "them: does the program that publishes the frames publish them, too?";
 
 }  // namespace
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vo_process/tracking/inertial_motion_model.h"
 
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -10,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/geometry/rectification.h"
+#include "core/geometry/symmetric.h"
 
 namespace plslam::vo {
 namespace {
@@ -51,9 +50,8 @@ Matrix6d Isotropic(double translation_m, double rotation_rad) {
 
 /// The nearest matrix without negative eigenvalues.
 Matrix6d Positive(const Matrix6d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(0.5 * (covariance + covariance.transpose()));
-  const Vector6d values = solver.eigenvalues().cwiseMax(0.0);
-  return solver.eigenvectors() * values.asDiagonal() * solver.eigenvectors().transpose();
+  const auto [values, vectors] = EigenOf<6>(0.5 * (covariance + covariance.transpose()));
+  return vectors * values.cwiseMax(0.0).asDiagonal() * vectors.transpose();
 }
 
 double LargestSigma(const Matrix6d& covariance, int first) {

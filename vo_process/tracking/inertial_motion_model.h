@@ -23,7 +23,7 @@ struct MountedImu {
 /// Returns the sensor of a rig, if it has one. Throws as `Rectify`.
 std::optional<MountedImu> MountedImuOf(const RigCalibration& rig);
 
-/// What shows why a sensor contradicts the images: sums over motions between measured frames.
+/// Evidence of why a sensor contradicts the images: sums over motions between measured frames.
 struct ImuEvidence {
   double sensed_turn_rad = 0.0;
   double seen_turn_rad = 0.0;

@@ -90,7 +90,7 @@ void Map::Put(const MapKeyframe& keyframe) {
     *place = keyframe;
   }
   // A mapper that continues from an older state inserts keyframes again.
-  if (remembers_removed_) removed_.erase(keyframe.id);
+  if (removed_) removed_->Forget(keyframe.id);
   children_[keyframe.parent_id].insert(keyframe.id);
   landmarks_of_.try_emplace(keyframe.id);
   shared_.try_emplace(keyframe.id);
@@ -203,7 +203,7 @@ void Map::DropObservationsOf(int64_t keyframe_id, Kind<Landmark> kind) {
 void Map::RemoveKeyframe(int64_t id) {
   const MapKeyframe* keyframe = FindKeyframe(id);
   if (keyframe == nullptr) return;
-  if (remembers_removed_) Remember(*keyframe);
+  if (removed_) removed_->Add(*keyframe, CarrierOf(*keyframe));
   const int64_t parent_id = keyframe->parent_id;
   for (const int64_t child_id : Children(id)) {
     MapKeyframe child = keyframes_.at(child_id);
@@ -249,50 +249,40 @@ int64_t Map::CarrierOf(const MapKeyframe& keyframe) const {
   return nearest_id;
 }
 
-void Map::Remember(const MapKeyframe& keyframe) {
-  const int64_t carrier_id = CarrierOf(keyframe);
-  if (carrier_id < 0) return;
-  const SE3 T_carrier_kf = FindKeyframe(carrier_id)->T_w_kf.Inverse() * keyframe.T_w_kf;
-  removed_[keyframe.id] = {keyframe.session, keyframe.frame_id, keyframe.T_odom_kf, carrier_id, T_carrier_kf};
+std::vector<RemovedKeyframe> Map::RemovedKeyframes() const {
+  return removed_ ? removed_->Keyframes() : std::vector<RemovedKeyframe>();
 }
 
-std::vector<RemovedKeyframe> Map::RemovedKeyframes() const {
-  std::map<int64_t, SE3> placed;  // removed keyframes whose chain of carriers ends at a keyframe of the map
-  std::vector<RemovedKeyframe> keyframes;
-  for (const auto& [id, removed] : removed_) {
-    std::vector<int64_t> chain{id};
-    const SE3* T_w_carrier = nullptr;
-    while (T_w_carrier == nullptr) {
-      const int64_t carrier_id = removed_.at(chain.back()).carrier_id;
-      if (const MapKeyframe* const carrier = FindKeyframe(carrier_id)) {
-        T_w_carrier = &carrier->T_w_kf;
-      } else if (const auto known = placed.find(carrier_id); known != placed.end()) {
-        T_w_carrier = &known->second;
-      } else if (removed_.contains(carrier_id)) {
-        chain.push_back(carrier_id);
-      } else {
-        break;
-      }
-    }
-    if (T_w_carrier == nullptr) continue;
-    for (auto link = chain.rbegin(); link != chain.rend(); ++link) {
-      T_w_carrier = &placed.insert_or_assign(*link, *T_w_carrier * removed_.at(*link).T_carrier_kf).first->second;
-    }
-    keyframes.push_back({id, removed.session, removed.frame_id, removed.T_odom_kf, *T_w_carrier});
-  }
-  return keyframes;
+void Map::BeginVersion(int64_t version) {
+  if (removed_) removed_->BeginVersion(version);
 }
 
 void Map::Add(const LoopEdge& loop) { loops_.push_back(loop); }
 
 void Map::Clear() { *this = Map(); }
 
-void Map::ClearButRemoved() {
-  std::map<int64_t, CarriedKeyframe> removed = std::move(removed_);
-  const bool remembers_removed = remembers_removed_;
-  Clear();
-  removed_ = std::move(removed);
-  remembers_removed_ = remembers_removed;
+void Map::ContinueAs(Map next, int64_t version) {
+  if (removed_) {
+    if (version < removed_->version()) {
+      removed_->ReturnTo(version, next.keyframes_);
+    } else {
+      removed_->BeginVersion(version);
+      std::vector<int64_t> gone;
+      std::map<int64_t, SE3> T_new_old;
+      for (const auto& [id, keyframe] : keyframes_) {
+        if (const MapKeyframe* const same = next.FindKeyframe(id)) {
+          if (!IsSame(same->T_w_kf, keyframe.T_w_kf)) T_new_old[id] = same->T_w_kf * keyframe.T_w_kf.Inverse();
+        } else {
+          gone.push_back(id);
+        }
+      }
+      for (const int64_t id : gone) RemoveKeyframe(id);
+      removed_->Move(T_new_old);
+    }
+    for (const auto& [id, keyframe] : next.keyframes_) removed_->Forget(id);
+  }
+  next.removed_ = std::move(removed_);
+  *this = std::move(next);
 }
 
 void Map::SetPose(int64_t keyframe_id, const SE3& T_w_kf, const Matrix6d& covariance) {
@@ -339,11 +329,13 @@ void Map::Move(const std::map<int64_t, SE3>& T_w_kf) {
     if (keyframe == nullptr || IsSame(pose, keyframe->T_w_kf)) continue;
     moves.T_new_old[id] = pose * keyframe->T_w_kf.Inverse();
     keyframe->T_w_kf = pose;
-    if (!Has(changed_before, id) && moved_.try_emplace(id, pose).second) continue;
+    const bool first = moved_.insert_or_assign(id, pose).second;
+    if (first && !Has(changed_before, id)) continue;
     moves.changed_anchors.insert(id);
     touched_.keyframes.push_back(id);
   }
   if (moves.T_new_old.empty()) return;
+  if (removed_) removed_->Move(moves.T_new_old);
   MoveLandmarks(moves, Points());
   MoveLandmarks(moves, Lines());
 }

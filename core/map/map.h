@@ -15,6 +15,7 @@
 #include "core/map/keyframe.h"
 #include "core/map/landmarks.h"
 #include "core/map/loop_closure.h"
+#include "core/map/removed_poses.h"
 
 namespace plslam {
 
@@ -71,15 +72,6 @@ struct MapChanges {
   std::vector<LoopEdge> loops;
 
   bool empty() const;
-};
-
-/// A keyframe that was removed from the map, at its place in the present map.
-struct RemovedKeyframe {
-  int64_t id = -1;
-  int64_t session = 0;
-  int64_t frame_id = -1;
-  SE3 T_odom_kf;
-  SE3 T_w_kf;
 };
 
 /// Numbers of elements in a map.
@@ -147,16 +139,21 @@ class Map {
   void RemoveKeyframe(int64_t id);
   void RemovePoint(int64_t id);
   void RemoveLine(int64_t id);
-  /// From now on keeps the poses of keyframes that are removed, for final trajectories. Each is carried by the oldest
-  /// keyframe with which it shared at least half as many landmarks as with any (without one: its parent, its
-  /// predecessor, or the nearest keyframe), also when the map is corrected.
-  void RememberRemoved() { remembers_removed_ = true; }
+  /// From now on keeps the poses of keyframes that are removed, for final trajectories (`RemovedPoses`). The carrier of
+  /// each is the oldest keyframe with which it shared at least half as many landmarks as with any (without one: its
+  /// parent, its predecessor, or the nearest keyframe).
+  void RememberRemoved() {
+    if (!removed_) removed_.emplace();
+  }
   /// Returns the remembered keyframes, ascending by id.
   std::vector<RemovedKeyframe> RemovedKeyframes() const;
+  /// The following changes of remembered keyframes belong to this version.
+  void BeginVersion(int64_t version);
   void Add(const LoopEdge& loop);
   void Clear();
-  /// As `Clear`, but keeps the remembered keyframes. They return with their carriers.
-  void ClearButRemoved();
+  /// Replaces this map by `next`, the same map in the state of `version`, and keeps the remembered keyframes. A keyframe
+  /// in both maps whose pose differs in a later version counts as corrected.
+  void ContinueAs(Map next, int64_t version);
 
   /// Move an element without changing observations.
   void SetPose(int64_t keyframe_id, const SE3& T_w_kf, const Matrix6d& covariance);
@@ -202,14 +199,6 @@ class Map {
     std::map<int64_t, SE3> T_new_old;  // displacement in the map frame
     std::set<int64_t> changed_anchors;
   };
-  /// A removed keyframe; its carrier may be removed, too.
-  struct CarriedKeyframe {
-    int64_t session = 0;
-    int64_t frame_id = -1;
-    SE3 T_odom_kf;
-    int64_t carrier_id = -1;
-    SE3 T_carrier_kf;
-  };
   Kind<MapPoint> Points();
   Kind<MapLine> Lines();
 
@@ -227,7 +216,6 @@ class Map {
   template <class Landmark>
   void MoveLandmarks(const Moves& moves, Kind<Landmark> kind);
   int64_t CarrierOf(const MapKeyframe& keyframe) const;
-  void Remember(const MapKeyframe& keyframe);
 
   std::optional<StereoCamera> camera_;
   IdMap<MapKeyframe> keyframes_;
@@ -243,9 +231,8 @@ class Map {
   Touched touched_;
   /// Poses of moved keyframes that had not changed otherwise before.
   std::map<int64_t, SE3> moved_;
-  bool remembers_removed_ = false;
-  /// Remembered keyframes by id.
-  std::map<int64_t, CarriedKeyframe> removed_;
+  /// nullopt: removed keyframes are not remembered.
+  std::optional<RemovedPoses> removed_;
 };
 
 }  // namespace plslam

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/map/map_update.h"
 
-#include <set>
+#include <utility>
 
 namespace plslam {
 namespace {
@@ -16,6 +16,13 @@ template <class Value>
 void CopyAll(const IdMap<Value>& from, std::vector<Value>& to) {
   to.reserve(from.size());
   for (const auto& [id, value] : from) to.push_back(value);
+}
+
+void Insert(const MapUpdate& update, Map& map) {
+  for (const MapKeyframe& keyframe : update.keyframes) map.Put(keyframe);
+  for (const MapPoint& point : update.points) map.Put(point);
+  for (const MapLine& line : update.lines) map.Put(line);
+  for (const LoopEdge& loop : update.loops) map.Add(loop);
 }
 
 }  // namespace
@@ -79,39 +86,31 @@ void MapReplica::Move(const std::vector<MovedKeyframe>& keyframes) {
   map_.SetCovariances(covariances);
 }
 
-/// Empties the map before a complete one. If it is the same map, remembers its removed keyframes.
-void MapReplica::Restart(const MapUpdate& whole, bool same_map) {
-  if (!remembers_removed_ || !same_map) {
-    map_.Clear();
-    if (remembers_removed_) map_.RememberRemoved();
-    return;
-  }
-  std::set<int64_t> remaining;
-  for (const MapKeyframe& keyframe : whole.keyframes) remaining.insert(keyframe.id);
-  std::vector<int64_t> removed;
-  for (const auto& [id, keyframe] : map_.keyframes()) {
-    if (!remaining.contains(id)) removed.push_back(id);
-  }
-  for (const int64_t id : removed) map_.RemoveKeyframe(id);
-  map_.ClearButRemoved();
-}
-
 MapVersion::Step MapReplica::Apply(const MapUpdate& update) {
   const bool same_source = update.source == version_.source();
   const MapVersion::Step step = version_.Advance(update);
   if (step != MapVersion::Step::kNext) return step;
   const bool same_map = update.map_instance == map_instance_ && (same_source || map_instance_ != 0);
   map_instance_ = update.map_instance;
-  if (update.base_version == 0) Restart(update, same_map);
-  Move(update.moved_keyframes);
-  // Removals first: removing a keyframe reassigns its children, and the update has their final parents.
-  for (const int64_t id : update.removed_points) map_.RemovePoint(id);
-  for (const int64_t id : update.removed_lines) map_.RemoveLine(id);
-  for (const int64_t id : update.removed_keyframes) map_.RemoveKeyframe(id);
-  for (const MapKeyframe& keyframe : update.keyframes) map_.Put(keyframe);
-  for (const MapPoint& point : update.points) map_.Put(point);
-  for (const MapLine& line : update.lines) map_.Put(line);
-  for (const LoopEdge& loop : update.loops) map_.Add(loop);
+  if (update.base_version == 0) {
+    Map whole;
+    Insert(update, whole);
+    if (same_map) {
+      map_.ContinueAs(std::move(whole), update.version);
+    } else {
+      map_ = std::move(whole);
+      if (remembers_removed_) map_.RememberRemoved();
+      map_.BeginVersion(update.version);
+    }
+  } else {
+    map_.BeginVersion(update.version);
+    Move(update.moved_keyframes);
+    // Removals first: removing a keyframe reassigns its children, and the update has their final parents.
+    for (const int64_t id : update.removed_points) map_.RemovePoint(id);
+    for (const int64_t id : update.removed_lines) map_.RemoveLine(id);
+    for (const int64_t id : update.removed_keyframes) map_.RemoveKeyframe(id);
+    Insert(update, map_);
+  }
   if (update.camera) map_.SetCamera(*update.camera);
   map_.ForgetChanges();
   return step;

@@ -150,7 +150,6 @@ class MapReplica {
 
  private:
   void Move(const std::vector<MovedKeyframe>& keyframes);
-  void Restart(const MapUpdate& whole, bool same_map);
 
   Map map_;
   int64_t map_instance_ = 0;

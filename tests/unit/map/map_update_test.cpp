@@ -229,6 +229,114 @@ TEST(MapReplica, WholeMapKeepsRememberedKeyframesOfTheSameMap) {
   EXPECT_TRUE(replica.map().RemovedKeyframes().empty()) << "they were of another map";
 }
 
+SE3 AtX(double x_m, double y_m = 0.0) { return {Eigen::Quaterniond::Identity(), {x_m, y_m, 0.0}}; }
+
+/// A replica, and updates of the row of `WholeRow`.
+class RemovedPosesTest : public testing::Test {
+ protected:
+  RemovedPosesTest() {
+    replica_.RememberRemoved();
+    replica_.Apply(WholeRow(1, {}));
+  }
+
+  MapUpdate Next() const {
+    MapUpdate update;
+    update.source = source_;
+    update.map_instance = 6;
+    update.base_version = replica_.version();
+    update.version = replica_.version() + 1;
+    return update;
+  }
+
+  void Remove(int64_t id) {
+    MapUpdate update = Next();
+    update.removed_keyframes = {id};
+    ASSERT_EQ(replica_.Apply(update), Step::kNext);
+  }
+
+  void AdjustLocally(int64_t id, const SE3& T_w_kf) {
+    MapUpdate update = Next();
+    update.keyframes = {*replica_.map().FindKeyframe(id)};
+    update.keyframes.front().T_w_kf = T_w_kf;
+    ASSERT_EQ(replica_.Apply(update), Step::kNext);
+  }
+
+  void CorrectAll(const SE3& T_new_old) {
+    MapUpdate update = Next();
+    for (const auto& [id, keyframe] : replica_.map().keyframes()) {
+      update.moved_keyframes.push_back({id, T_new_old * keyframe.T_w_kf, keyframe.covariance});
+    }
+    ASSERT_EQ(replica_.Apply(update), Step::kNext);
+  }
+
+  /// Pose of a removed keyframe in the map.
+  SE3 PoseOf(int64_t id) const {
+    for (const RemovedKeyframe& keyframe : replica_.map().RemovedKeyframes()) {
+      if (keyframe.id == id) return keyframe.T_w_kf;
+    }
+    throw std::out_of_range("not among the removed keyframes");
+  }
+
+  MapReplica replica_;
+  int64_t source_ = 5;  ///< process that sends the updates
+};
+
+TEST_F(RemovedPosesTest, LocalAdjustmentsOfCarriersDoNotAddUp) {
+  Remove(3);
+  AdjustLocally(2, AtX(2.0, 0.1));
+  Remove(2);
+  AdjustLocally(1, AtX(1.0, 0.1));
+  Remove(1);
+  AdjustLocally(0, AtX(0.0, 0.1));
+  EXPECT_LT((PoseOf(3).translation() - Eigen::Vector3d(3.0, 0.0, 0.0)).norm(), 1e-12);
+  EXPECT_LT((PoseOf(2).translation() - Eigen::Vector3d(2.0, 0.1, 0.0)).norm(), 1e-12);
+}
+
+TEST_F(RemovedPosesTest, CorrectionMovesThemThroughRemovedCarriers) {
+  CorrectAll(AtX(0.0, 5.0));
+  Remove(3);
+  CorrectAll(AtX(10.0));
+  Remove(2);
+  const SE3 turn(Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitZ()).toRotationMatrix(), {0.0, 1.0, 0.0});
+  CorrectAll(turn);
+  const SE3 expected = turn * AtX(13.0, 5.0);
+  EXPECT_LT((expected.Inverse() * PoseOf(3)).Log().norm(), 1e-12);
+}
+
+TEST_F(RemovedPosesTest, ReturningProcessRepeatsCorrectionsExactly) {
+  const auto first = [this] {
+    Remove(3);
+    CorrectAll(AtX(0.1, 0.7));
+  };
+  const auto rest = [this] {
+    AdjustLocally(2, AtX(2.3, 0.1));
+    CorrectAll(AtX(0.3, 0.1));
+    Remove(2);
+    CorrectAll(AtX(0.9));
+  };
+  first();
+  MapUpdate state = WholeMap(replica_.map());
+  state.map_instance = 6;
+  state.version = replica_.version();
+  rest();
+  const SE3 T_w_2 = PoseOf(2), T_w_3 = PoseOf(3);
+  state.source = 9;
+  ASSERT_EQ(replica_.Apply(state), Step::kNext);
+  EXPECT_LT((PoseOf(3).translation() - Eigen::Vector3d(3.1, 0.7, 0.0)).norm(), 1e-12) << "as in the state";
+  source_ = 9;
+  rest();
+  EXPECT_EQ(PoseOf(2).translation(), T_w_2.translation());
+  EXPECT_EQ(PoseOf(3).translation(), T_w_3.translation());
+}
+
+TEST_F(RemovedPosesTest, MissedCorrectionIsThatOfTheCarrier) {
+  Remove(3);
+  MapUpdate later = WholeRow(9, {3});
+  for (MapKeyframe& keyframe : later.keyframes) keyframe.T_w_kf = AtX(0.0, 2.0) * keyframe.T_w_kf;
+  ASSERT_EQ(replica_.Apply(later), Step::kNext);
+  EXPECT_LT((PoseOf(3).translation() - Eigen::Vector3d(3.0, 2.0, 0.0)).norm(), 1e-12);
+}
+
 TEST(MapReplica, ProcessOfUnknownMapBeginsAnother) {
   MapReplica replica;
   replica.RememberRemoved();

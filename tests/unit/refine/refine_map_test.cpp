@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 
 #include <cmath>
+#include <random>
 #include <stdexcept>
 
 #include "tests/unit/mapping/mapping_world.h"
@@ -14,19 +15,24 @@ namespace {
 
 /// A map of a walk through a shell of landmarks, as mapping leaves it, and its true poses.
 struct MappedWalk {
-  explicit MappedWalk(double noise_px, uint64_t seed = 1) {
+  explicit MappedWalk(double noise_px, uint64_t seed = 1, int keyframes = 14, size_t step = 1) {
     const test::FeatureWorld world({500, 80}, seed);
     test::WalkOptions options;
     options.noise_px = noise_px;
     options.seed = seed;
-    const test::Walk walk = test::MakeWalk(world, test::TurningPath(14), options);
+    std::vector<SE3> path;
+    const std::vector<SE3> fine = test::TurningPath(keyframes * static_cast<int>(step));
+    for (size_t i = 0; i < fine.size(); i += step) path.push_back(fine[i]);
+    const test::Walk walk = test::MakeWalk(world, path, options);
     T_w_c = walk.T_w_c;
+    for (const Keyframe& keyframe : walk.keyframes) t_ns.push_back(keyframe.t_ns);
     mapping::Mapper mapper = test::MapAll(walk.keyframes);
     stored = mapper.Store();
   }
 
   StoredMap stored;
   std::vector<SE3> T_w_c;
+  std::vector<int64_t> t_ns;
   StereoCamera camera = test::FeatureWorld::Camera();
 };
 
@@ -109,26 +115,69 @@ TEST(RefineMap, FindsAWrongFocalLength) {
   EXPECT_NEAR(walk.camera.f_px, 400.0 + report.pair.value[reference::kFocal], 1e-12);
 }
 
-TEST(RefineMap, FindsATurnedRightCamera) {
-  MappedWalk walk(0.3);
-  constexpr double kTurn_rad = 1e-3;
-  const Eigen::Vector2d centre(walk.camera.cx_px, walk.camera.cy_px);
-  const StereoCamera camera = walk.camera;
-  ChangeFeatures(walk.stored.features, [&](const Eigen::Vector2d& px, double& disparity_px) {
-    if (disparity_px <= 0.0) return;
-    PairParameters pair{};
-    pair[reference::kTurnY] = kTurn_rad;
-    const Eigen::Vector3d p_c = camera.Backproject({px.x(), px.y(), disparity_px});
-    const reference::PairPixels<double> pixels(camera, pair.data(), Vector6d::Zero(), p_c);
-    disparity_px = pixels.left.x() - pixels.right.x();
-  });
+/// Changes the right pixels of all features as a pair with these parameters would have seen them.
+void SeeWithPair(const PairParameters& pair, MappedWalk& walk) {
+  const StereoCamera& camera = walk.camera;
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> noise_px(0.0, 0.3);
+  for (auto& [id, kept] : walk.stored.features) {
+    const MapKeyframe& keyframe = *walk.stored.map.FindKeyframe(id);
+    const auto at = static_cast<size_t>(keyframe.session_keyframe_id);
+    const size_t other = at > 0 ? at - 1 : at + 1;
+    const double dt_s = 1e-9 * static_cast<double>(walk.t_ns[other] - walk.t_ns[at]);
+    const Vector6d twist = (walk.T_w_c[at].Inverse() * walk.T_w_c[other]).Log() / dt_s;
+    const auto right_of = [&](const Eigen::Vector2d& px, double disparity_px) {
+      const Eigen::Vector3d p_c = camera.Backproject({px.x(), px.y(), disparity_px});
+      return reference::PairPixels<double>(camera, pair.data(), twist, p_c).right;
+    };
+    StereoFeatures own = OwnFeatures(kept);
+    for (StereoPoint& point : own.points) {
+      if (!point.HasDepth()) continue;
+      const Eigen::Vector2d right = right_of(point.left.px, point.disparity_px);
+      point.disparity_px = point.left.px.x() - right.x();
+      point.row_offset_px = static_cast<float>(right.y() - point.left.px.y() + noise_px(random));
+      point.sigma_row_px = 0.3F;
+    }
+    for (StereoLine& line : own.lines) {
+      if (line.disparity_p_px <= 0.0 || line.disparity_q_px <= 0.0) continue;
+      Segment2& left = line.left.segment;
+      const Eigen::Vector2d p = right_of(left.p, line.disparity_p_px), q = right_of(left.q, line.disparity_q_px);
+      // Disparities of lines are measured in the rows of the left ends. Level lines have none.
+      if (std::abs(q.y() - p.y()) < 1.0) continue;
+      const auto in_row = [&](double y) { return p.x() + (q.x() - p.x()) * (y - p.y()) / (q.y() - p.y()); };
+      line.disparity_p_px = left.p.x() - in_row(left.p.y());
+      line.disparity_q_px = left.q.x() - in_row(left.q.y());
+    }
+    kept = KeptFeatures(std::move(own));
+  }
+}
+
+/// A parameter of the right camera and its true value.
+class FaultyPair : public testing::TestWithParam<std::pair<reference::PairParameter, double>> {};
+
+TEST_P(FaultyPair, IsFoundWithinThreeSigmas) {
+  const auto [parameter, value] = GetParam();
+  // The part of the baseline that points forward takes the most views.
+  MappedWalk walk(0.3, 1, parameter == reference::kDirectionZ ? 28 : 14, 6);
+  PairParameters pair{};
+  pair[parameter] = value;
+  SeeWithPair(pair, walk);
   RefineOptions options;
   options.camera = CameraChoice::kAll;
   const RefineReport report = RefineMap(walk.stored, walk.camera, options);
-  ASSERT_EQ(report.pair.state[reference::kTurnY], PairState::kEstimated);
-  EXPECT_NEAR(report.pair.value[reference::kTurnY], kTurn_rad, 3.0 * report.pair.sigma[reference::kTurnY]);
+  ASSERT_EQ(report.pair.state[parameter], PairState::kEstimated);
+  EXPECT_NEAR(report.pair.value[parameter], value, 3.0 * report.pair.sigma[parameter]);
+  EXPECT_LT(report.pair.sigma[parameter], std::abs(value) / 3.0);
   EXPECT_EQ(test::WrongWith(walk.stored.map), "");
 }
+
+// Rows that differ by 1 px, turns of the right camera, a baseline that points 0.2 degrees aside, and a late right image.
+INSTANTIATE_TEST_SUITE_P(RefineMap, FaultyPair,
+                         testing::Values(std::pair(reference::kTurnX, 2.5e-3), std::pair(reference::kTurnY, 1e-3),
+                                         std::pair(reference::kTurnZ, 3.5e-3),
+                                         std::pair(reference::kDirectionY, 3.5e-3),
+                                         std::pair(reference::kDirectionZ, 3.5e-3),
+                                         std::pair(reference::kTimeSkew, 5e-3)));
 
 TEST(RefineMap, LeavesATrueCameraAsGiven) {
   MappedWalk walk(0.3);

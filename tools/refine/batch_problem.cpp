@@ -321,6 +321,8 @@ std::array<bool, kPairSize> FreeParameters(const BatchOptions& options) {
                    : options.camera == CameraChoice::kIntrinsics ? reference::kTurnX
                                                                  : kPairSize;
   std::fill(free.begin() + static_cast<std::ptrdiff_t>(n), free.end(), false);
+  // Short sequences do not tell distortion from turns of the right camera (docs/lab/refine.md).
+  if (options.camera == CameraChoice::kAll) free[reference::kRadial] = false;
   return free;
 }
 
@@ -392,6 +394,7 @@ const std::array<PairParameterRow, kPairSize>& PairParameterRows() {
       {"focal length", "px", 40.0, 1.0},
       {"principal point x", "px", 20.0, 1.0},
       {"principal point y", "px", 20.0, 1.0},
+      {"radial distortion", "%", 0.05, 100.0},
       {"right camera turned about x", "deg", 1.0 * kRadPerDeg, kDeg},
       {"right camera turned about y", "deg", 1.0 * kRadPerDeg, kDeg},
       {"right camera turned about z", "deg", 1.0 * kRadPerDeg, kDeg},

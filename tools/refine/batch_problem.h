@@ -13,8 +13,9 @@
 
 namespace plslam::refine {
 
-/// Parameters of the camera that are estimated: none; focal length and principal point; or these and the pose, the
-/// focal length and the time of the right camera relative to the left one (`reference::PairParameter`).
+/// Parameters of the camera that are estimated: none; focal length, principal point and radial distortion; or focal
+/// length and principal point together with the pose, the focal length and the time of the right camera relative to the
+/// left one (`reference::PairParameter`).
 enum class CameraChoice { kFixed, kIntrinsics, kAll };
 
 using PairParameters = std::array<double, reference::kPairSize>;

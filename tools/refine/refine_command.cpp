@@ -73,10 +73,10 @@ void AddRefineCommand(CLI::App* app, std::function<int()>* command) {
   sub->add_option("--out", arguments->request.out, "folder for the new map, its trajectory and a summary")
       ->type_name("DIR")
       ->required();
-  sub->add_option(
-         "--camera", arguments->camera,
-         "estimate of the camera: fixed, intrinsics (focal length and principal point), or all (also the right "
-         "camera relative to the left one)")
+  sub->add_option("--camera", arguments->camera,
+                  "estimate of the camera: fixed, intrinsics (focal length, principal point and radial distortion), "
+                  "or all (focal "
+                  "length, principal point, and the right camera relative to the left one)")
       ->check(CLI::IsMember({"fixed", "intrinsics", "all"}))
       ->capture_default_str();
   sub->add_flag("--quiet", arguments->quiet, "print nothing");

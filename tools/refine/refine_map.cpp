@@ -303,17 +303,20 @@ void CheckHasFeatures(const StoredMap& stored) {
   }
 }
 
-/// Disparity by which the ideal pair would see what the estimated pair sees at this pixel; -1 behind the camera.
-double IdealDisparity(const Eigen::Vector2d& px, double disparity_px, const StereoCamera& before,
-                      const StereoCamera& after, const PairParameters& pair, const Vector6d& twist) {
-  double ideal_px = std::max(disparity_px, 1e-3);
+/// Pixel and disparity by which the ideal pair would see what the estimated pair sees at `px`; disparity -1 behind the
+/// camera, and for a feature without depth (`disparity_px` <= 0).
+Eigen::Vector3d IdealPixel(const Eigen::Vector2d& px, double disparity_px, const StereoCamera& before,
+                           const StereoCamera& after, const PairParameters& pair, const Vector6d& twist) {
+  const bool has_depth = disparity_px > 0.0;
+  Eigen::Vector3d ideal(px.x(), px.y(), has_depth ? disparity_px : 1.0);
   for (int i = 0; i < 10; ++i) {
-    const Eigen::Vector3d p_c = after.Backproject({px.x(), px.y(), ideal_px});
-    const reference::PairPixels<double> pixels(before, pair.data(), twist, p_c);
-    ideal_px += disparity_px - (pixels.left.x() - pixels.right.x());
-    if (!(ideal_px > 1e-3)) return -1.0;
+    const reference::PairPixels<double> pixels(before, pair.data(), twist, after.Backproject(ideal));
+    ideal.head<2>() += px - pixels.left;
+    if (has_depth) ideal.z() += disparity_px - (pixels.left.x() - pixels.right.x());
+    if (!(ideal.z() > 1e-3)) break;
   }
-  return ideal_px;
+  if (!has_depth || !(ideal.z() > 1e-3)) ideal.z() = -1.0;
+  return ideal;
 }
 
 /// Re-expresses all features in the ideal pair of the estimate.
@@ -323,22 +326,21 @@ void CorrectFeatures(const PairParameters& pair, const std::vector<int64_t>& key
   for (size_t i = 0; i < keyframes.size(); ++i) {
     const Vector6d twist = twists.empty() ? Vector6d::Zero().eval() : twists[i];
     StereoFeatures own = OwnFeatures(features.at(keyframes[i]));
-    const auto ideal = [&](const Eigen::Vector2d& px, double disparity_px) {
-      return IdealDisparity(px, disparity_px, before, after, pair, twist);
+    const auto correct = [&](Eigen::Vector2d& px, double& disparity_px) {
+      const Eigen::Vector3d ideal = IdealPixel(px, disparity_px, before, after, pair, twist);
+      px = ideal.head<2>();
+      disparity_px = ideal.z();
     };
     for (StereoPoint& point : own.points) {
-      if (!point.HasDepth()) continue;
-      const double was_px = point.disparity_px;
-      point.disparity_px = ideal(point.left.px, was_px);
-      if (point.disparity_px <= 0.0 || point.sigma_row_px <= 0.0) continue;
+      correct(point.left.px, point.disparity_px);
+      if (!point.HasDepth() || point.sigma_row_px <= 0.0) continue;
       const Eigen::Vector3d p_c = after.Backproject({point.left.px.x(), point.left.px.y(), point.disparity_px});
       const reference::PairPixels<double> pixels(before, pair.data(), twist, p_c);
       point.row_offset_px -= pixels.right.y() - pixels.left.y();
     }
     for (StereoLine& line : own.lines) {
-      if (!line.HasDepth()) continue;
-      line.disparity_p_px = ideal(line.left.segment.p, line.disparity_p_px);
-      line.disparity_q_px = ideal(line.left.segment.q, line.disparity_q_px);
+      correct(line.left.segment.p, line.disparity_p_px);
+      correct(line.left.segment.q, line.disparity_q_px);
       if (!line.HasDepth()) line.disparity_p_px = line.disparity_q_px = -1.0;
     }
     features.insert_or_assign(keyframes[i], KeptFeatures(std::move(own)));
@@ -471,9 +473,7 @@ RefineReport RefineMap(StoredMap& given, StereoCamera& camera, const RefineOptio
     camera.f_px += pair[reference::kFocal];
     camera.cx_px += pair[reference::kCentreX];
     camera.cy_px += pair[reference::kCentreY];
-    if (batch_options.camera == CameraChoice::kAll) {
-      CorrectFeatures(pair, problem.ids.keyframes, problem.batch.twists, was, camera, stored.features);
-    }
+    CorrectFeatures(pair, problem.ids.keyframes, problem.batch.twists, was, camera, stored.features);
     stored.map.SetCamera(camera);
     stored.rig = CameraBytes(camera);
   }

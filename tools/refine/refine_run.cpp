@@ -61,6 +61,7 @@ RigCalibration RigOf(const StereoCamera& camera, const PairParameters& pair) {
   rig.left.fx_px = rig.left.fy_px = camera.f_px;
   rig.left.cx_px = camera.cx_px;
   rig.left.cy_px = camera.cy_px;
+  if (pair[reference::kRadial] != 0.0) rig.left.distortion = {pair[reference::kRadial], 0.0, 0.0, 0.0};
   rig.right = rig.left;
   rig.right.fx_px = rig.right.fy_px = camera.f_px * (1.0 + pair[reference::kFocalRatio]);
   const Eigen::Vector3d centre =

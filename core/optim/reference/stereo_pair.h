@@ -13,9 +13,10 @@ namespace plslam::reference {
 
 /// Parameters by which a stereo pair differs from the ideal one of `StereoCamera`; all zero: it is ideal.
 enum PairParameter : int {
-  kFocal = 0,   ///< focal length of both cameras minus the given one [px]
-  kCentreX,     ///< principal point of both minus the given one [px]
-  kCentreY,     ///< [px]
+  kFocal = 0,  ///< focal length of both cameras minus the given one [px]
+  kCentreX,    ///< principal point of both minus the given one [px]
+  kCentreY,    ///< [px]
+  kRadial,  ///< radial distortion of both: pixels are farther from the principal point by 1 + kRadial r^2, r = tan(angle)
   kTurnX,       ///< rotation vector of the right camera [rad]: about x it shifts rows,
   kTurnY,       ///< about y it shifts disparities,
   kTurnZ,       ///< about z both, in proportion to the pixel
@@ -35,7 +36,12 @@ struct PairPixels {
     const T f = camera.f_px + pair[kFocal];
     const T cx = camera.cx_px + pair[kCentreX];
     const T cy = camera.cy_px + pair[kCentreY];
-    left << f * p_c.x() / p_c.z() + cx, f * p_c.y() / p_c.z() + cy;
+    const auto project = [&](const Vector3<T>& p, const T& focal) {
+      const Eigen::Matrix<T, 2, 1> x(p.x() / p.z(), p.y() / p.z());
+      const T scale = focal * (1.0 + pair[kRadial] * x.squaredNorm());
+      return Eigen::Matrix<T, 2, 1>(scale * x.x() + cx, scale * x.y() + cy);
+    };
+    left = project(p_c, f);
     const Vector3<T> v = twist.head<3>().cast<T>();
     const Vector3<T> w = twist.tail<3>().cast<T>();
     const Vector3<T> later = p_c - pair[kTimeSkew] * (v + w.cross(p_c));
@@ -44,8 +50,7 @@ struct PairPixels {
     const Vector3<T> from_right = later - centre;
     Vector3<T> p_r;
     ceres::AngleAxisRotatePoint(pair + kTurnX, from_right.data(), p_r.data());
-    const T f_right = f * (1.0 + pair[kFocalRatio]);
-    right << f_right * p_r.x() / p_r.z() + cx, f_right * p_r.y() / p_r.z() + cy;
+    right = project(p_r, f * (1.0 + pair[kFocalRatio]));
     in_front = p_c.z() > camera.MinDepth() && p_r.z() > camera.MinDepth();
   }
 

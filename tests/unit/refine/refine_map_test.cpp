@@ -115,7 +115,7 @@ TEST(RefineMap, FindsAWrongFocalLength) {
   EXPECT_NEAR(walk.camera.f_px, 400.0 + report.pair.value[reference::kFocal], 1e-12);
 }
 
-/// Changes the right pixels of all features as a pair with these parameters would have seen them.
+/// Changes all features as a pair with these parameters would have seen them.
 void SeeWithPair(const PairParameters& pair, MappedWalk& walk) {
   const StereoCamera& camera = walk.camera;
   std::mt19937_64 random(7);
@@ -130,10 +130,16 @@ void SeeWithPair(const PairParameters& pair, MappedWalk& walk) {
       const Eigen::Vector3d p_c = camera.Backproject({px.x(), px.y(), disparity_px});
       return reference::PairPixels<double>(camera, pair.data(), twist, p_c).right;
     };
+    const auto left_of = [&](const Eigen::Vector2d& px) {
+      const Eigen::Vector3d p_c = camera.Backproject({px.x(), px.y(), 1.0});
+      return reference::PairPixels<double>(camera, pair.data(), twist, p_c).left;
+    };
     StereoFeatures own = OwnFeatures(kept);
     for (StereoPoint& point : own.points) {
+      const Eigen::Vector2d ideal_px = point.left.px;
+      point.left.px = left_of(ideal_px);
       if (!point.HasDepth()) continue;
-      const Eigen::Vector2d right = right_of(point.left.px, point.disparity_px);
+      const Eigen::Vector2d right = right_of(ideal_px, point.disparity_px);
       point.disparity_px = point.left.px.x() - right.x();
       point.row_offset_px = static_cast<float>(right.y() - point.left.px.y() + noise_px(random));
       point.sigma_row_px = 0.3F;
@@ -142,6 +148,7 @@ void SeeWithPair(const PairParameters& pair, MappedWalk& walk) {
       if (line.disparity_p_px <= 0.0 || line.disparity_q_px <= 0.0) continue;
       Segment2& left = line.left.segment;
       const Eigen::Vector2d p = right_of(left.p, line.disparity_p_px), q = right_of(left.q, line.disparity_q_px);
+      left = {left_of(left.p), left_of(left.q)};
       // Disparities of lines are measured in the rows of the left ends. Level lines have none.
       if (std::abs(q.y() - p.y()) < 1.0) continue;
       const auto in_row = [&](double y) { return p.x() + (q.x() - p.x()) * (y - p.y()) / (q.y() - p.y()); };
@@ -152,7 +159,7 @@ void SeeWithPair(const PairParameters& pair, MappedWalk& walk) {
   }
 }
 
-/// A parameter of the right camera and its true value.
+/// A parameter of the pair and its true value.
 class FaultyPair : public testing::TestWithParam<std::pair<reference::PairParameter, double>> {};
 
 TEST_P(FaultyPair, IsFoundWithinThreeSigmas) {
@@ -163,7 +170,7 @@ TEST_P(FaultyPair, IsFoundWithinThreeSigmas) {
   pair[parameter] = value;
   SeeWithPair(pair, walk);
   RefineOptions options;
-  options.camera = CameraChoice::kAll;
+  options.camera = parameter == reference::kRadial ? CameraChoice::kIntrinsics : CameraChoice::kAll;
   const RefineReport report = RefineMap(walk.stored, walk.camera, options);
   ASSERT_EQ(report.pair.state[parameter], PairState::kEstimated);
   EXPECT_NEAR(report.pair.value[parameter], value, 3.0 * report.pair.sigma[parameter]);
@@ -171,10 +178,10 @@ TEST_P(FaultyPair, IsFoundWithinThreeSigmas) {
   EXPECT_EQ(test::WrongWith(walk.stored.map), "");
 }
 
-// Rows that differ by 1 px, turns of the right camera, a baseline that points 0.2 degrees aside, and a late right image.
+// Radial distortion of 2 px at 200 px from the centre, rows that differ by 1 px, turns of the right camera, a baseline that points 0.2 degrees aside, and a late right image.
 INSTANTIATE_TEST_SUITE_P(RefineMap, FaultyPair,
-                         testing::Values(std::pair(reference::kTurnX, 2.5e-3), std::pair(reference::kTurnY, 1e-3),
-                                         std::pair(reference::kTurnZ, 3.5e-3),
+                         testing::Values(std::pair(reference::kRadial, 0.04), std::pair(reference::kTurnX, 2.5e-3),
+                                         std::pair(reference::kTurnY, 1e-3), std::pair(reference::kTurnZ, 3.5e-3),
                                          std::pair(reference::kDirectionY, 3.5e-3),
                                          std::pair(reference::kDirectionZ, 3.5e-3),
                                          std::pair(reference::kTimeSkew, 5e-3)));

@@ -2,6 +2,7 @@
 // Our solvers beside Ceres with the reference cost functions, from the same start to the same tolerance
 // (docs/lab/refine.md).
 #include <benchmark/benchmark.h>
+#include <sys/resource.h>
 
 #include <string>
 #include <variant>
@@ -21,6 +22,13 @@ namespace plslam {
 namespace {
 
 constexpr double kTolerance = 1e-6;
+
+/// Largest memory of this process so far: that of a solver only if it runs alone (--benchmark_filter).
+double PeakMB() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1e-3 * static_cast<double>(usage.ru_maxrss);
+}
 
 test::BundleWorld Window(int poses) {
   test::BundleWorldSpec spec;
@@ -45,9 +53,10 @@ void BM_WindowByOurs(benchmark::State& state) {
     benchmark::DoNotOptimize(result.iterations);
   }
   state.counters["iterations"] = result.iterations;
+  state.counters["peak_MB"] = PeakMB();
   state.counters["cost"] = test::ReferenceWindow(world.problem, false, options.huber_delta).CostAt(result, false);
 }
-BENCHMARK(BM_WindowByOurs)->Arg(11)->Arg(50)->Arg(150)->Arg(1342)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_WindowByOurs)->Arg(11)->Arg(50)->Arg(150)->Arg(1342)->Arg(10000)->Unit(benchmark::kMillisecond);
 
 void WindowByCeres(benchmark::State& state, ceres::LinearSolverType solver) {
   const test::BundleWorld world = Window(static_cast<int>(state.range(0)));
@@ -65,14 +74,15 @@ void WindowByCeres(benchmark::State& state, ceres::LinearSolverType solver) {
     summary = window.Solve(options);
   }
   state.counters["iterations"] = static_cast<double>(summary.iterations.size()) - 1.0;
+  state.counters["peak_MB"] = PeakMB();
   state.counters["cost"] = summary.final_cost;
 }
 void BM_WindowByDenseSchur(benchmark::State& state) { WindowByCeres(state, ceres::DENSE_SCHUR); }
 void BM_WindowBySparseSchur(benchmark::State& state) { WindowByCeres(state, ceres::SPARSE_SCHUR); }
 void BM_WindowByIterativeSchur(benchmark::State& state) { WindowByCeres(state, ceres::ITERATIVE_SCHUR); }
 BENCHMARK(BM_WindowByDenseSchur)->ArgsProduct({{11, 50, 150}, {1, 2}})->Unit(benchmark::kMillisecond);
-BENCHMARK(BM_WindowBySparseSchur)->ArgsProduct({{11, 50, 150, 1342}, {1, 2}})->Unit(benchmark::kMillisecond);
-BENCHMARK(BM_WindowByIterativeSchur)->ArgsProduct({{11, 50, 150, 1342}, {1, 2}})->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_WindowBySparseSchur)->ArgsProduct({{11, 50, 150, 1342, 10000}, {1, 2}})->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_WindowByIterativeSchur)->ArgsProduct({{11, 50, 150, 1342, 10000}, {1, 2}})->Unit(benchmark::kMillisecond);
 
 const char* const kGraphs[] = {"parking-garage", "sphere2500", "intel", "manhattan"};
 

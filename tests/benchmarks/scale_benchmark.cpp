@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Cost of a loop in a large map, stage by stage, by the number of keyframes. The maps are synthetic: keyframes twice
+// Cost of a loop in a large map, stage by stage, and of refining it, by the number of keyframes. The maps are synthetic: keyframes twice
 // round a circle with drifted odometry, each with points and lines that neighbouring keyframes observe, too, measured
 // with noise; the newest keyframe is recognised at the beginning of the first lap.
 //
 //   scale_benchmark 1000 3000 10000
+
+#include <sys/resource.h>
 
 #include <ctime>
 #include <fstream>
@@ -22,6 +24,7 @@
 #include "loop_process/loop_correction.h"
 #include "mapping_process/mapper.h"
 #include "tests/support/feature_world.h"
+#include "tools/refine/refine_map.h"
 
 namespace plslam {
 namespace {
@@ -48,6 +51,12 @@ double ResidentMB() {
     if (line.starts_with("VmRSS:")) return 1e-3 * std::stod(line.substr(6));
   }
   return 0.0;
+}
+
+double PeakMB() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1e-3 * static_cast<double>(usage.ru_maxrss);
 }
 
 class MadeUpMap {
@@ -276,6 +285,17 @@ void Measure(int n) {
   Row("adjustment taken over by the map", correct_ms,
       fmt::format("{:.2f} m off{}", made.Error_m(mapper.map()), reason));
   TellUpdate(mapper, replica);
+
+  StoredMap refined = mapper.Store();
+  StereoCamera camera = kCamera;
+  refine::RefineOptions options;
+  options.memory_bytes = uint64_t{4} << 30;
+  options.announce = [](const std::string& sentence) { fmt::print("  refine: {}\n", sentence); };
+  refine::RefineReport report;
+  const double refine_ms = Cpu([&] { report = refine::RefineMap(refined, camera, options); });
+  Row("refine", refine_ms,
+      fmt::format("{} passes, {:.3f} m off, peak of the whole process {:.0f} MB", report.passes.size(),
+                  made.Error_m(refined.map), PeakMB()));
   fmt::print("  {:<44} {:>9.0f} MB of the map, its features twice, and a copy of the map\n", "resident", resident_MB);
 }
 

@@ -10,7 +10,7 @@
 #include "core/io/images/image_file.h"
 #include "core/process/process.h"
 #include "vo_process/stereo/row_field.h"
-#include "vo_process/tracking/inertial_motion_model.h"
+#include "vo_process/tracking/motion/inertial_motion_model.h"
 #include "vo_process/tracking/odometry.h"
 
 namespace plslam::vo {

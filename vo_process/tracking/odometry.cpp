@@ -8,8 +8,8 @@
 
 #include "core/motion/robust.h"
 #include "vo_process/stereo/row_field.h"
-#include "vo_process/tracking/frame_figures.h"
-#include "vo_process/tracking/noise_scale.h"
+#include "vo_process/tracking/calibration/noise_scale.h"
+#include "vo_process/tracking/landmarks/frame_figures.h"
 
 namespace plslam::vo {
 namespace {

@@ -10,8 +10,8 @@
 #include "core/io/images/image_file.h"
 #include "core/process/process.h"
 #include "vo_process/stereo/row_field.h"
+#include "vo_process/tracking/calibration/self_calibrator.h"
 #include "vo_process/tracking/motion/inertial_motion_model.h"
-#include "vo_process/tracking/odometry.h"
 
 namespace plslam::vo {
 
@@ -36,7 +36,7 @@ class TrackerReport {
   void ReportVerticalDisparity(const RowField& rows, const StereoCamera& camera);
   /// Sets counters of the time offset, the disparity offset and the readout of the cameras, as estimated so far.
   /// Synchronised and well-calibrated cameras have no such counters.
-  void ReportCameraErrors(const Odometry& odometry);
+  void ReportCameraErrors(const SelfCalibrator& calibration);
   /// Publishes a warning once if the inertial sensor contradicts the images.
   void ReportImu(const InertialMotionModel& inertial);
   /// Publishes warnings with the state, every so many frames.

@@ -318,16 +318,16 @@ void VoNode::Track(const Frame& frame) {
   if (result.carried) report_.Count("frames.carried", 1);
   if (result.keyframe) report_.Count("keyframes", 1);
   report_.LookAt(frame.images, result.features, rig_->kind == RigCalibration::Kind::kRgbd);
-  report_.ReportVerticalDisparity(odometry_->rows(), front_end_->camera());
-  report_.ReportCameraErrors(*odometry_);
-  report_.ReportImu(odometry_->inertial());
+  report_.ReportVerticalDisparity(odometry_->calibration().rows(), front_end_->camera());
+  report_.ReportCameraErrors(odometry_->calibration());
+  report_.ReportImu(odometry_->motion().inertial());
   report_.ReportWarnings();
   FinishIfDone();
 }
 
 StereoFeatures VoNode::SeeFeatures(const StereoImages& images, StageTimer& timer) {
   try {
-    return SeePair(*front_end_, *odometry_, images, timer);
+    return odometry_->SeePair(*front_end_, images, timer);
   } catch (const std::exception& error) {
     LogWarning("frame {}: {}", images.frame_id, error.what());
     report_.Count("frames.bad", 1);

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "core/features/features.h"
 #include "core/features/matching/descriptor_matcher.h"
+#include "vo_process/stereo/rolling_shutter.h"
 
 namespace plslam::vo {
 
@@ -40,7 +43,19 @@ struct TrackedFrame {
         point_tracks(features.points.size()),
         line_tracks(features.lines.size()) {}
 
+  /// Moves the features to where a camera of this velocity observes them at the time of the stamp. Requires `rolling`.
+  void MoveToStamp(const Vector6d& velocity) {
+    const StereoFeatures before = std::move(features);
+    features = rolling->MovedBy(velocity);
+    for (size_t i = 0; i < before.points.size(); ++i) {
+      raw_disparities_px[i] += features.points[i].disparity_px - before.points[i].disparity_px;
+    }
+    point_grid = PointGrid(features.points);
+  }
+
   StereoFeatures features;
+  /// The features as measured, if their rows are not simultaneous.
+  std::optional<RollingFrame> rolling;
   /// Disparities of the points as measured; those of `features` are corrected (`DisparityCalibration`).
   std::vector<double> raw_disparities_px;
   /// Factor already applied to the sigmas of the points (`NoiseScale`).

@@ -23,6 +23,8 @@ class TrackerReport {
   void Count(const std::string& name, double increment);
   /// Counts a frame, which has no known place in the map if `is_unanchored`.
   void CountUnanchored(bool is_unanchored);
+  /// Counts a frame whose time stamp is before that of the previous one, and logs the first.
+  void CountTooEarly(int64_t frame_id);
   /// Frames counted so far.
   int64_t frames() { return static_cast<int64_t>(counts_["frames"]); }
   /// Publishes the state if it has changed.
@@ -53,6 +55,7 @@ class TrackerReport {
   std::string warnings_;  ///< last published with the state
   bool vertical_disparity_reported_ = false;
   bool imu_reported_ = false;
+  bool too_early_reported_ = false;
 };
 
 }  // namespace plslam::vo

@@ -99,7 +99,7 @@ class Run {
 void Run::Frame(const Moment& moment) {
   const StereoImages images = dataset_.Read(moment.index);
   vo::StageTimer timer(NowMs);
-  const vo::OdometryResult result = odometry_.Track(moment.t_ns, vo::SeePair(front_end_, odometry_, images, timer));
+  const vo::OdometryResult result = odometry_.Track(moment.t_ns, odometry_.SeePair(front_end_, images, timer));
   OdometryFrame frame;
   frame.t_ns = moment.t_ns;
   frame.state = result.state;

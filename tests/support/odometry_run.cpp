@@ -33,7 +33,7 @@ OdometryFrame Summarise(const vo::OdometryResult& result, const SE3& T_l_c) {
 void ExpectImu(const Dataset& dataset, int64_t from_ns, int64_t to_ns, vo::Odometry& odometry) {
   constexpr int64_t kMargin_ns = 50'000'000;
   const std::vector<ImuSample>& all = dataset.ImuSamples();
-  if (all.empty() || !odometry.inertial().has_sensor()) return;
+  if (all.empty() || !odometry.motion().inertial().has_sensor()) return;
   const int64_t offset_ns = dataset.rig().imu->offset_ns();
   const auto after = [&](int64_t t_ns) {
     return std::lower_bound(all.begin(), all.end(), t_ns - offset_ns,
@@ -58,17 +58,17 @@ std::vector<OdometryFrame> RunOdometry(
     vo::StageTimer timer(SteadyMs);
     vo::OdometryResult result;
     timer.Time("total", [&] {
-      StereoFeatures features = vo::SeePair(front_end, odometry, images, timer);
+      StereoFeatures features = odometry.SeePair(front_end, images, timer);
       result = timer.Time("track", [&] { return odometry.Track(images.t_ns, std::move(features)); });
     });
     OdometryFrame frame = Summarise(result, T_l_c);
     frame.t_ns = images.t_ns;
     frame.T_w_l = dataset.GroundTruth(i);
-    frame.late_s = odometry.sync_check().late_s();
-    frame.readout_s = odometry.found_readout_s();
+    frame.late_s = odometry.calibration().sync().late_s();
+    frame.readout_s = odometry.calibration().found_readout_s();
     for (int third = 0; third < 3; ++third) {
       const double u_px = (2 * third + 1) / 6.0 * front_end.camera().width_px;
-      frame.disparity_offset_px(third) = odometry.disparity_calibration().Offset_px(u_px);
+      frame.disparity_offset_px(third) = odometry.calibration().disparities().Offset_px(u_px);
     }
     frame.stages = timer.stages();
     frames.push_back(frame);

@@ -26,7 +26,7 @@ struct Mapped {
 
 StereoFeatures See(vo::StereoFrontEnd& front_end, const StereoImages& images, vo::Odometry& odometry) {
   vo::StageTimer timer([] { return 0.0; });
-  return vo::SeePair(front_end, odometry, images, timer);
+  return odometry.SeePair(front_end, images, timer);
 }
 
 Mapped MakeMap(const Dataset& dataset, const PlaceRecogniser& places, vo::StereoFrontEnd& front_end,

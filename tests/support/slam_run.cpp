@@ -71,7 +71,7 @@ SlamRun RunSlam(const Dataset& dataset, const vo::VoOptions& vo, const mapping::
   for (int i = 0; i < dataset.size() && static_cast<int>(run.live.size()) < max_frames; i += stride) {
     const StereoImages images = dataset.Read(i);
     vo::StageTimer timer(SteadyMs);
-    const vo::OdometryResult result = odometry.Track(images.t_ns, vo::SeePair(front_end, odometry, images, timer));
+    const vo::OdometryResult result = odometry.Track(images.t_ns, odometry.SeePair(front_end, images, timer));
     OdometryFrame frame;
     frame.t_ns = images.t_ns;
     frame.state = result.state;

@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
       const plslam::StereoImages images = dataset->Read(i);  // grey cv::Mat `left` and `right`, and their time
       plslam::vo::StageTimer timer;
       const plslam::vo::OdometryResult result =
-          odometry.Track(images.t_ns, plslam::vo::SeePair(front_end, odometry, images, timer));
+          odometry.Track(images.t_ns, odometry.SeePair(front_end, images, timer));
       if (!plslam::IsTracked(result.state, result.keyframe ? result.keyframe->id : -1)) continue;
       const auto& t = result.T_odom_c.translation();
       const auto& q = result.T_odom_c.rotation();

@@ -9,8 +9,8 @@
 #include "core/process/partner_wait.h"
 #include "core/process/process.h"
 #include "vo_process/options.h"
-#include "vo_process/tracking/robot_motion_model.h"
-#include "vo_process/tracking/robot_path.h"
+#include "vo_process/tracking/motion/robot_motion_model.h"
+#include "vo_process/tracking/motion/robot_path.h"
 
 namespace plslam::vo {
 

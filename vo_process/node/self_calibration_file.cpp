@@ -131,7 +131,7 @@ void LoadLearned(const std::string& path, const std::vector<uint8_t>& camera, Od
 void KeepLearned(const std::string& path, const std::vector<uint8_t>& camera,
                  const std::optional<Odometry>& odometry) {
   if (path.empty() || !odometry) return;
-  const SelfCalibration learned = odometry->learned();
+  const SelfCalibration learned = odometry->calibration().learned();
   if (!learned.rows && !learned.disparities) return;
   try {
     WriteSelfCalibration(path, NameOfCalibration(camera), learned);

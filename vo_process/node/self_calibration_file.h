@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "vo_process/tracking/calibration/self_calibration.h"
 #include "vo_process/tracking/odometry.h"
-#include "vo_process/tracking/self_calibration.h"
 
 namespace plslam::vo {
 

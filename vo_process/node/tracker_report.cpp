@@ -39,6 +39,12 @@ void TrackerReport::CountUnanchored(bool is_unanchored) {
   if (now != counts_[kUnanchoredNow]) Count(kUnanchoredNow, now - counts_[kUnanchoredNow]);
 }
 
+void TrackerReport::CountTooEarly(int64_t frame_id) {
+  Count("frames.bad", 1);
+  if (std::exchange(too_early_reported_, true)) return;
+  LogWarning("frame {} is up to a second older than the previous frame: such frames are not used", frame_id);
+}
+
 void TrackerReport::SetState(const std::string& state) {
   if (state == std::exchange(state_, state)) return;
   process_.SetState(state, warnings_);
@@ -105,8 +111,8 @@ void TrackerReport::ReportVerticalDisparity(const RowField& rows, const StereoCa
   LogInfo("the vertical disparity in the image corners is up to {:.1f} px: it is corrected", most_px);
 }
 
-void TrackerReport::ReportCameraErrors(const Odometry& odometry) {
-  const SyncCheck& sync = odometry.sync_check();
+void TrackerReport::ReportCameraErrors(const SelfCalibrator& calibration) {
+  const SyncCheck& sync = calibration.sync();
   const auto tell = [this](const char* name, double value) {
     if (value > 0.0 || counts_[name] > 0.0) Count(name, std::max(value, 0.0) - counts_[name]);
   };
@@ -114,18 +120,18 @@ void TrackerReport::ReportCameraErrors(const Odometry& odometry) {
   tell(kLeftLate, -1e3 * sync.late_s());
   tell(kLateFrames, std::abs(sync.late_frames()));
   tell(kUnequalReadout, 1e3 * std::abs(sync.longer_readout_s()));
-  const double readout_s = odometry.found_readout_s();
+  const double readout_s = calibration.found_readout_s();
   if (readout_s > 0.0 && counts_[kReadout] == 0.0) {
     LogInfo(
         "the rows of an image are read within {:.1f} ms (rolling shutter), in which the camera moves {:.0f} mm: this "
         "is "
         "corrected",
-        1e3 * readout_s, 1e3 * odometry.PathOfReadout_m());
+        1e3 * readout_s, 1e3 * calibration.PathOfReadout_m());
   }
   tell(kReadout, 1e3 * readout_s);
-  if (readout_s > 0.0) tell(kReadoutPath, std::max(counts_[kReadoutPath], 1e3 * odometry.PathOfReadout_m()));
-  tell(kOtherReadout, 1e3 * odometry.contradicting_readout_s());
-  const auto lengths = odometry.disparity_calibration().length_error().value_or(DisparityCalibration::LengthError());
+  if (readout_s > 0.0) tell(kReadoutPath, std::max(counts_[kReadoutPath], 1e3 * calibration.PathOfReadout_m()));
+  tell(kOtherReadout, 1e3 * calibration.contradicting_readout_s());
+  const auto lengths = calibration.disparities().length_error().value_or(DisparityCalibration::LengthError());
   tell(kLengthError, 100.0 * std::abs(lengths.share));
   tell(kLengthSigma, 100.0 * lengths.sigma);
 }

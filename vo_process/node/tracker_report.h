@@ -10,8 +10,8 @@
 #include "core/io/images/image_file.h"
 #include "core/process/process.h"
 #include "vo_process/stereo/row_field.h"
-#include "vo_process/tracking/inertial_motion_model.h"
-#include "vo_process/tracking/odometry.h"
+#include "vo_process/tracking/calibration/self_calibrator.h"
+#include "vo_process/tracking/motion/inertial_motion_model.h"
 
 namespace plslam::vo {
 
@@ -23,6 +23,8 @@ class TrackerReport {
   void Count(const std::string& name, double increment);
   /// Counts a frame, which has no known place in the map if `is_unanchored`.
   void CountUnanchored(bool is_unanchored);
+  /// Counts a frame whose time stamp is before that of the previous one, and logs the first.
+  void CountTooEarly(int64_t frame_id);
   /// Frames counted so far.
   int64_t frames() { return static_cast<int64_t>(counts_["frames"]); }
   /// Publishes the state if it has changed.
@@ -36,7 +38,7 @@ class TrackerReport {
   void ReportVerticalDisparity(const RowField& rows, const StereoCamera& camera);
   /// Sets counters of the time offset, the disparity offset and the readout of the cameras, as estimated so far.
   /// Synchronised and well-calibrated cameras have no such counters.
-  void ReportCameraErrors(const Odometry& odometry);
+  void ReportCameraErrors(const SelfCalibrator& calibration);
   /// Publishes a warning once if the inertial sensor contradicts the images.
   void ReportImu(const InertialMotionModel& inertial);
   /// Publishes warnings with the state, every so many frames.
@@ -53,6 +55,7 @@ class TrackerReport {
   std::string warnings_;  ///< last published with the state
   bool vertical_disparity_reported_ = false;
   bool imu_reported_ = false;
+  bool too_early_reported_ = false;
 };
 
 }  // namespace plslam::vo

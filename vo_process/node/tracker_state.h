@@ -36,6 +36,15 @@ struct TrackerSession {
 
   static constexpr size_t kRecentFrames = 16;
 
+  /// Begins the next session of the same stream, without keyframes.
+  void Begin(int64_t next_id) {
+    id = next_id;
+    last_keyframe_id = -1;
+    follows_keyframe = false;
+    anchor.Begin(last_t_ns);
+    recent.clear();
+  }
+
   void Remember(pose_t pose) {
     recent.push_back(std::move(pose));
     if (recent.size() > kRecentFrames) recent.pop_front();

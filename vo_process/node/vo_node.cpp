@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vo_process/node/vo_node.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <chrono>
 #include <exception>
@@ -20,7 +18,6 @@
 #include "core/io/files/archive.h"
 #include "core/run/process_names.h"
 #include "core/run/run_counters.h"
-#include "plslam/command_t.hpp"
 #include "plslam/header_t.hpp"
 #include "plslam/relocalisation_t.hpp"
 #include "plslam/status_t.hpp"
@@ -41,8 +38,6 @@ constexpr std::chrono::milliseconds kWaitTick(200);
 // Least number of features of a relocalisation request.
 constexpr size_t kLeastToAsk = 20;
 constexpr std::chrono::milliseconds kAskPeriod(500);
-// How long to wait for older frames; a player may have to be started first.
-constexpr double kFramesWait_s = 15.0;
 // Number of frames after which the self-calibration is written, because a robot may be switched off.
 constexpr int64_t kKeepLearnedEvery = 500;
 
@@ -57,6 +52,7 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
       relocalisation_(process.bus(), options.relocalisation.wait_s),
       inputs_(process, options, [this] { ProcessWaiting(); }),
       checkpoint_(options.state_file),
+      resend_(process.bus()),
       camera_(
           process.bus(), [this](const RigCalibration& rig) { OnCamera(rig); },
           [this] { report_.Count("cameras.rejected", 1); }),
@@ -104,12 +100,12 @@ void VoNode::OnCamera(const RigCalibration& rig) {
 
 void VoNode::OnFrame(const Frame& frame) {
   if (IsRepeated(frame)) return AnswerAgain(frame);
-  player_ = frame.source;
+  resend_.SetPlayer(frame.source);
   if (MissesFramesBefore(frame)) {
-    if (!frames_asked_s_) AskForFrames();
-  } else if (frames_asked_s_) {
+    if (!resend_.is_open()) resend_.Send(session_);
+  } else if (resend_.is_open()) {
     // Frames that arrived too early are sent again.
-    frames_asked_s_.reset();
+    resend_.End();
     waiting_.clear();
   }
   const WaitingFrame waiting{frame, bus::NowS()};
@@ -142,7 +138,7 @@ VoNode::Wait VoNode::WaitsFor() const {
   if (IsLocaliseOnly() && map_ && !map_->has_map()) return Wait::kFirstMap;
   if (map_ && map_->wait().awaited()) return Wait::kMap;
   if (relocalisation_.wait().awaited()) return Wait::kRelocalisation;
-  return frames_asked_s_ ? Wait::kOlderFrames : Wait::kNothing;
+  return resend_.is_open() ? Wait::kOlderFrames : Wait::kNothing;
 }
 
 bool VoNode::AwaitsOthers(const WaitingFrame& waiting) {
@@ -167,10 +163,7 @@ void VoNode::EndWaits() {
 
 void VoNode::OnStatus(const status_t& message) {
   const double now_s = bus::NowS();
-  if (process_name::SendsFrames(message.process)) {
-    player_ = message.header.source;
-    player_name_ = message.process;
-  }
+  if (process_name::SendsFrames(message.process)) resend_.SetPlayer(message.header.source, message.process);
   if (message.process == process_name::kMapping && map_) map_->wait().OnSignOfLife(now_s);
   if (message.process == process_name::kLoop) relocalisation_.OnLoopProcess(message.header.source, now_s);
 }
@@ -262,16 +255,10 @@ void VoNode::BeginSessionHere() {
 }
 
 void VoNode::NameSession() {
-  TrackerSession next;
   // A session restored from another tracker is not numbered before our own.
-  next.id = session_.last_frame_id >= 0 ? std::max(session_.id + 1, process_.bus().source()) : session_.id;
-  next.map_instance = map_ && map_->map_instance() != 0 ? map_->map_instance() : session_.map_instance;
-  next.lockstep = session_.lockstep;
-  next.last_t_ns = session_.last_t_ns;
-  next.last_frame_id = session_.last_frame_id;
-  next.last_source = session_.last_source;
-  next.anchor.Begin(session_.last_t_ns);
-  session_ = std::move(next);
+  const bool is_first = session_.last_frame_id < 0;
+  session_.Begin(is_first ? session_.id : std::max(session_.id + 1, process_.bus().source()));
+  if (map_ && map_->map_instance() != 0) session_.map_instance = map_->map_instance();
   if (map_) map_->BeginSession();
 }
 
@@ -318,16 +305,16 @@ void VoNode::Track(const Frame& frame) {
   if (result.carried) report_.Count("frames.carried", 1);
   if (result.keyframe) report_.Count("keyframes", 1);
   report_.LookAt(frame.images, result.features, rig_->kind == RigCalibration::Kind::kRgbd);
-  report_.ReportVerticalDisparity(odometry_->rows(), front_end_->camera());
-  report_.ReportCameraErrors(*odometry_);
-  report_.ReportImu(odometry_->inertial());
+  report_.ReportVerticalDisparity(odometry_->calibration().rows(), front_end_->camera());
+  report_.ReportCameraErrors(odometry_->calibration());
+  report_.ReportImu(odometry_->motion().inertial());
   report_.ReportWarnings();
   FinishIfDone();
 }
 
 StereoFeatures VoNode::SeeFeatures(const StereoImages& images, StageTimer& timer) {
   try {
-    return SeePair(*front_end_, *odometry_, images, timer);
+    return odometry_->SeePair(*front_end_, images, timer);
   } catch (const std::exception& error) {
     LogWarning("frame {}: {}", images.frame_id, error.what());
     report_.Count("frames.bad", 1);
@@ -337,10 +324,7 @@ StereoFeatures VoNode::SeeFeatures(const StereoImages& images, StageTimer& timer
 
 /// Result for a frame with an impossible time stamp: no features.
 StereoFeatures VoNode::NoFeatures(const StereoImages& images) {
-  if (!std::exchange(was_too_early_, true)) {
-    LogWarning("frame {} is up to a second older than the previous frame: such frames are not used", images.frame_id);
-  }
-  report_.Count("frames.bad", 1);
+  report_.CountTooEarly(images.frame_id);
   return {};
 }
 
@@ -487,7 +471,7 @@ void VoNode::AwaitAnchor(const Keyframe& first) {
 /// frames are requested again; a live stream continues with a gap.
 void VoNode::Restore() {
   if (!checkpoint_.is_on()) return;
-  process_.bus().Every(kAskPeriod, [this] { AskAgainForFrames(); });
+  process_.bus().Every(kAskPeriod, [this] { RepeatResendRequest(); });
   try {
     if (const std::optional<TrackerState> state = checkpoint_.Take(settings_)) Restore(*state);
   } catch (const std::exception& error) {
@@ -503,7 +487,7 @@ void VoNode::Restore(const TrackerState& state) {
   archive::FromBytes(state.odometry, *odometry_);
   odometry_->SetLocaliseOnly(IsLocaliseOnly());
   session_ = state.session;
-  player_ = session_.last_source;
+  resend_.SetPlayer(session_.last_source);
   if (map_) map_->Restore(state.localise_only != 0, state.map_is_fixed != 0);
   session_.follows_keyframe = true;
   session_.last_keyframe_id = state.keyframe.keyframe_id;
@@ -512,12 +496,12 @@ void VoNode::Restore(const TrackerState& state) {
   LogInfo("resuming after frame {} of the session", session_.last_frame_id);
   // Before the first frame arrives.
   if (state.keyframe.keyframe_id >= 0) AwaitAnchor(state.keyframe);
-  if (session_.lockstep) frames_asked_s_ = bus::NowS();
+  if (session_.lockstep) resend_.Open();
   process_.bus().Post([this, keyframe = state.keyframe] {
     if (keyframe.keyframe_id >= 0) keyframes_.Publish(keyframe);
     // The last pose of the crashed tracker may be lost, and a restarted player needs it.
     if (!session_.recent.empty()) process_.bus().Publish(bus::kPose, pose_t(session_.recent.back()));
-    if (session_.lockstep) AskForFrames();
+    if (session_.lockstep) resend_.Send(session_);
   });
 }
 
@@ -543,19 +527,8 @@ bool VoNode::MissesFramesBefore(const Frame& frame) const {
   return continues && may_go_back && frame.images.frame_id > session_.last_frame_id + 1 && checkpoint_.is_on();
 }
 
-void VoNode::AskForFrames() {
-  if (!frames_asked_s_) frames_asked_s_ = bus::NowS();
-  command_t command{};
-  command.target = player_name_;
-  command.verb = command_verb::kGoBack;
-  command.argument = fmt::format("{} {}@{}", player_, session_.last_frame_id, session_.last_t_ns);
-  process_.bus().Publish(bus::kCommand, command);
-}
-
-void VoNode::AskAgainForFrames() {
-  if (!frames_asked_s_) return;
-  if (bus::NowS() - *frames_asked_s_ < kFramesWait_s) return AskForFrames();
-  frames_asked_s_.reset();
+void VoNode::RepeatResendRequest() {
+  if (!resend_.RepeatOrEnd(session_)) return;
   if (!waiting_.empty())
     LogWarning("no player resends the frames after {}: they are skipped", session_.last_frame_id);
   ProcessWaiting();

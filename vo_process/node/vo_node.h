@@ -10,10 +10,10 @@
 #include "core/bus/messages/frame_channel.h"
 #include "core/bus/messages/keyframe_channel.h"
 #include "core/process/process.h"
-#include "core/run/process_names.h"
 #include "vo_process/node/frame_inputs.h"
 #include "vo_process/node/map_link.h"
 #include "vo_process/node/relocalisation_client.h"
+#include "vo_process/node/resend_request.h"
 #include "vo_process/node/tracker_report.h"
 #include "vo_process/node/tracker_state.h"
 #include "vo_process/options.h"
@@ -126,8 +126,7 @@ class VoNode {
   void Restore(const TrackerState& state);
   void KeepState(const Keyframe& keyframe);
   bool MissesFramesBefore(const Frame& frame) const;
-  void AskForFrames();
-  void AskAgainForFrames();
+  void RepeatResendRequest();
 
   void FinishIfDone();
 
@@ -148,13 +147,8 @@ class VoNode {
   TrackerCheckpoint checkpoint_;
   /// Whether the state of a crashed tracker was restored, and no frame has arrived since.
   bool restored_ = false;
-  /// Time since when older frames are requested, in s of the steady clock.
-  std::optional<double> frames_asked_s_;
-  /// Last process that published frames, or a player's status.
-  int64_t player_ = 0;
-  std::string player_name_ = process_name::kPlayer;  // or another process that sends frames
+  ResendRequest resend_;
   int64_t announced_frames_ = -1;
-  bool was_too_early_ = false;
   std::optional<MapLink> map_;
   // Last, because their handlers use all of the above.
   bus::CameraSubscriber camera_;

@@ -74,6 +74,15 @@ const std::vector<Arrow> kArrows = {
     {"vo_process/", {"core/"}},
     {"vo_process/stereo/", {"core/", "vo_process/options.h"}},
     {"vo_process/tracking/", {"core/", "vo_process/options.h", "vo_process/stereo/"}},
+    {"vo_process/tracking/landmarks/", {"core/", "vo_process/options.h", "vo_process/stereo/"}},
+    {"vo_process/tracking/motion/",
+     {"core/", "vo_process/options.h", "vo_process/stereo/", "vo_process/tracking/landmarks/"}},
+    {"vo_process/tracking/calibration/",
+     {"core/", "vo_process/options.h", "vo_process/stereo/", "vo_process/tracking/landmarks/",
+      "vo_process/tracking/motion/"}},
+    {"vo_process/tracking/bodies/",
+     {"core/", "vo_process/options.h", "vo_process/stereo/", "vo_process/tracking/landmarks/",
+      "vo_process/tracking/motion/", "vo_process/tracking/calibration/"}},
     {"mapping_process/", {"core/"}},
     {"mapping_process/insertion/", {"core/", "mapping_process/options.h"}},
     {"mapping_process/corrections/", {"core/", "mapping_process/options.h", "mapping_process/insertion/"}},
@@ -197,6 +206,8 @@ TEST(Structure, WrongArrowsAreSeen) {
   EXPECT_NE(Objection("core/bus/bus.cpp", "player/node/player_node.h"), "");
   EXPECT_NE(Objection("vo_process/tracking/odometry.cpp", "player/options.h"), "");
   EXPECT_NE(Objection("vo_process/tracking/odometry.cpp", "plslam/pose_t.hpp"), "");
+  EXPECT_NE(Objection("vo_process/tracking/motion/a.cpp", "vo_process/tracking/odometry.h"), "");
+  EXPECT_NE(Objection("vo_process/tracking/motion/a.cpp", "vo_process/tracking/calibration/noise_scale.h"), "");
   EXPECT_NE(Objection("vo_process/node/vo_node.cpp", "lcm/lcm-cpp.hpp"), "");
   EXPECT_EQ(Objection("vo_process/node/vo_node.cpp", "plslam/pose_t.hpp"), "");
   EXPECT_NE(Objection("adapter/body_pose.cpp", "nav_msgs/Odometry.hpp"), "");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "vo_process/tracking/corner_budget.h"
+#include "vo_process/tracking/calibration/corner_budget.h"
 
 #include <gtest/gtest.h>
 

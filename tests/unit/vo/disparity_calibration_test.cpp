@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "vo_process/tracking/disparity_calibration.h"
+#include "vo_process/tracking/calibration/disparity_calibration.h"
 
 #include <gtest/gtest.h>
 
@@ -73,7 +73,7 @@ double MedianDisparity_px(int n_frames) {
   return disparities_px[disparities_px.size() / 2];
 }
 
-double Offset(const Odometry& odometry, double u_px) { return odometry.disparity_calibration().Offset_px(u_px); }
+double Offset(const Odometry& odometry, double u_px) { return odometry.calibration().disparities().Offset_px(u_px); }
 
 double Nothing(double, double) { return 0.0; }
 double Constant(double, double) { return -0.4; }
@@ -81,18 +81,18 @@ double Constant(double, double) { return -0.4; }
 TEST(DisparityCalibration, PerfectRigIsLeftAlone) {
   const Odometry odometry = Drive(Nothing);
   for (const double u_px : {0.0, 320.0, 639.0}) EXPECT_EQ(Offset(odometry, u_px), 0.0);
-  EXPECT_FALSE(odometry.disparity_calibration().length_error().has_value());
+  EXPECT_FALSE(odometry.calibration().disparities().length_error().has_value());
 }
 
 TEST(DisparityCalibration, StartsWithALearnedOffset) {
-  const SelfCalibration learned = Drive(Constant, true, 120).learned();
+  const SelfCalibration learned = Drive(Constant, true, 120).calibration().learned();
   ASSERT_TRUE(learned.disparities.has_value());
   Odometry next(FeatureWorld::Camera(), VoOptions());
   next.Begin(learned);
   EXPECT_NEAR(Offset(next, 320.0), learned.disparities->coefficients_px(0), 1e-9);
   DriveOn(0, 40, Constant, next);
   EXPECT_NEAR(Offset(next, 320.0), -0.4, 0.1);
-  EXPECT_EQ(next.disparity_calibration().check().verdict(), DisparityCheck::Verdict::kAgrees);
+  EXPECT_EQ(next.calibration().disparities().check().verdict(), DisparityCheck::Verdict::kAgrees);
 
   // The camera has been put right, and its calibration file has not been touched.
   Odometry other(FeatureWorld::Camera(), VoOptions());
@@ -103,7 +103,7 @@ TEST(DisparityCalibration, StartsWithALearnedOffset) {
 
 TEST(DisparityCalibration, ConstantOffsetIsFound) {
   const Odometry odometry = Drive(Constant, true, 120);
-  EXPECT_NEAR(odometry.disparity_calibration().check().Estimate_px(320.0), -0.4, 0.1);
+  EXPECT_NEAR(odometry.calibration().disparities().check().Estimate_px(320.0), -0.4, 0.1);
   EXPECT_LT(Offset(odometry, 320.0), -0.1);
   EXPECT_NEAR(Offset(odometry, 320.0), -0.4, 0.2);
 }
@@ -111,7 +111,7 @@ TEST(DisparityCalibration, ConstantOffsetIsFound) {
 TEST(DisparityCalibration, SquareOffsetIsFound) {
   const auto error_px = [](double u_px, double) { return 1.0 * (u_px - 320.0) * (u_px - 320.0) / (400.0 * 400.0); };
   const Odometry odometry = Drive(error_px);
-  const DisparityCalibration& calibration = odometry.disparity_calibration();
+  const DisparityCalibration& calibration = odometry.calibration().disparities();
   EXPECT_NEAR(calibration.check().Estimate_px(600.0) - calibration.check().Estimate_px(320.0), error_px(600.0, 0.0),
               0.2);
 }
@@ -146,7 +146,7 @@ TEST(DisparityCalibration, LengthsAreRightDespiteAnOffset) {
 // Too small a disparity makes everything too far, by the share that it lacks.
 TEST(DisparityCalibration, ReportsTheEffectOnLengths) {
   const Odometry odometry = Drive([](double, double) { return -1.0; }, true, 120);
-  const auto error = odometry.disparity_calibration().length_error();
+  const auto error = odometry.calibration().disparities().length_error();
   ASSERT_TRUE(error.has_value());
   EXPECT_NEAR(error->share, 1.0 / MedianDisparity_px(120), 0.3 / MedianDisparity_px(120));
   EXPECT_GT(error->share, 3.0 * error->sigma);
@@ -163,7 +163,7 @@ TEST(DisparityCalibration, MaskedHalfIsNotReported) {
     std::erase_if(features.lines, [](const StereoLine& line) { return line.left.segment.p.x() > 320.0; });
     odometry.Track(i * kDriveFrame_ns, WithError(std::move(features), Constant));
   }
-  const auto error = odometry.disparity_calibration().length_error();
+  const auto error = odometry.calibration().disparities().length_error();
   if (error) {
     EXPECT_LT(std::abs(error->share), 0.8 / MedianDisparity_px(120));
   }
@@ -171,9 +171,9 @@ TEST(DisparityCalibration, MaskedHalfIsNotReported) {
 
 TEST(DisparityCalibration, UnknownOffsetWidensTheCovariance) {
   const Odometry wrong = Drive([](double, double) { return -1.0; }, true, 3);
-  EXPECT_GT(wrong.disparity_calibration().LengthSigma(), 0.01);
+  EXPECT_GT(wrong.calibration().disparities().LengthSigma(), 0.01);
   const Odometry known = Drive(Nothing, true, 120);
-  EXPECT_LT(known.disparity_calibration().LengthSigma(), 0.01);
+  EXPECT_LT(known.calibration().disparities().LengthSigma(), 0.01);
 }
 
 // Sliding corners and moving objects cause such residuals; an offset of the cameras does not depend on the depth.
@@ -185,7 +185,7 @@ TEST(DisparityCalibration, OffsetThatDependsOnDepthIsRejected) {
 
 TEST(DisparityCalibration, StateRestoresAllBits) {
   Odometry odometry = Drive(Constant, true, 120);
-  const DisparityCalibration& one = odometry.disparity_calibration();
+  const DisparityCalibration& one = odometry.calibration().disparities();
   DisparityCalibration other(FeatureWorld::Camera(), {});
   archive::FromBytes(archive::ToBytes(one), other);
   EXPECT_EQ(archive::ToBytes(other), archive::ToBytes(one));
@@ -200,7 +200,7 @@ TEST(DisparityCalibration, DisabledItChangesNothing) {
 
 TEST(DisparityCalibration, CorrectionToZeroRemovesTheDepth) {
   const Odometry odometry = Drive([](double, double) { return 0.4; });
-  DisparityCalibration calibration = odometry.disparity_calibration();
+  DisparityCalibration calibration = odometry.calibration().disparities();
   StereoFeatures features;
   features.points.resize(3);
   for (StereoPoint& point : features.points) point.left.px = {320.0, 240.0};
@@ -230,9 +230,9 @@ TEST(DisparityCalibration, OffsetOfImagesIsFound) {
   StageTimer timer(test::SteadyMs);
   for (int i = 0; i < dataset->size(); ++i) {
     const StereoImages images = dataset->Read(i);
-    odometry.Track(images.t_ns, SeePair(front_end, odometry, images, timer));
+    odometry.Track(images.t_ns, odometry.SeePair(front_end, images, timer));
   }
-  const DisparityCalibration& calibration = odometry.disparity_calibration();
+  const DisparityCalibration& calibration = odometry.calibration().disparities();
   EXPECT_NEAR(calibration.check().Estimate_px(752.0 / 6.0), 0.0, 0.1);
   EXPECT_NEAR(calibration.check().Estimate_px(752.0 / 2.0), 0.0, 0.1);
   EXPECT_NEAR(calibration.check().Estimate_px(752.0 * 5.0 / 6.0), -0.5, 0.1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "vo_process/tracking/frame_aligner.h"
+#include "vo_process/tracking/motion/frame_aligner.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Odometry with an inertial sensor.
-#include "vo_process/tracking/inertial_motion_model.h"
+#include "vo_process/tracking/motion/inertial_motion_model.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "vo_process/tracking/keyframe_measurements.h"
+#include "vo_process/tracking/landmarks/keyframe_measurements.h"
 
 #include <cmath>
 #include <optional>

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/LU>
 
-#include "vo_process/tracking/keyframe_policy.h"
+#include "vo_process/tracking/motion/keyframe_policy.h"
 
 namespace plslam::vo {
 namespace {

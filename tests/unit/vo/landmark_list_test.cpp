@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/LU>
 
-#include "vo_process/tracking/landmark_list.h"
+#include "vo_process/tracking/landmarks/landmark_list.h"
 
 namespace plslam::vo {
 namespace {

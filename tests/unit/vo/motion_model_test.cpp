@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "vo_process/tracking/motion_model.h"
+#include "vo_process/tracking/motion/motion_model.h"
 
 #include <cmath>
 

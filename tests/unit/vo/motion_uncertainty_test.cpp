@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "vo_process/tracking/motion_uncertainty.h"
+#include "vo_process/tracking/motion/motion_uncertainty.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "vo_process/tracking/moving_bodies.h"
+#include "vo_process/tracking/bodies/moving_bodies.h"
 
 #include <algorithm>
 #include <optional>

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "vo_process/tracking/noise_scale.h"
+#include "vo_process/tracking/calibration/noise_scale.h"
 
 namespace plslam::vo {
 namespace {

@@ -52,9 +52,9 @@ void ExpectSameBits(const Dataset& dataset, int frames, const VoOptions& options
     undisturbed.ExpectImu(dataset.ImuSamples(), last_t_ns, images.t_ns);
     restored->ExpectImu(dataset.ImuSamples(), last_t_ns, images.t_ns);
     last_t_ns = images.t_ns;
-    const StereoFeatures features = SeePair(front_end, undisturbed, images, timer);
+    const StereoFeatures features = undisturbed.SeePair(front_end, images, timer);
     const OdometryResult expected = undisturbed.Track(images.t_ns, features);
-    const StereoFeatures seen_again = SeePair(*other_front_end, *restored, images, timer);
+    const StereoFeatures seen_again = restored->SeePair(*other_front_end, images, timer);
     const OdometryResult result = restored->Track(images.t_ns, seen_again);
     ASSERT_EQ(Bits(result), Bits(expected)) << "frame " << i << ", restored " << n_restored << " times";
     ASSERT_EQ(result.keyframe.has_value(), expected.keyframe.has_value());

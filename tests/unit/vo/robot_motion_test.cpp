@@ -11,8 +11,8 @@
 
 #include "tests/support/feature_world.h"
 #include "tests/unit/vo/feature_path.h"
+#include "vo_process/tracking/motion/robot_motion_model.h"
 #include "vo_process/tracking/odometry.h"
-#include "vo_process/tracking/robot_motion_model.h"
 
 namespace plslam::vo {
 namespace {

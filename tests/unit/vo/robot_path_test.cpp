@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "vo_process/tracking/robot_path.h"
+#include "vo_process/tracking/motion/robot_path.h"
 
 #include <gtest/gtest.h>
 

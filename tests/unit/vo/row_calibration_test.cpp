@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "vo_process/tracking/row_calibration.h"
+#include "vo_process/tracking/calibration/row_calibration.h"
 
 #include <gtest/gtest.h>
 

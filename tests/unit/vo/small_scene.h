@@ -5,7 +5,7 @@
 #include <set>
 #include <vector>
 
-#include "vo_process/tracking/local_landmarks.h"
+#include "vo_process/tracking/landmarks/local_landmarks.h"
 
 namespace plslam::test {
 

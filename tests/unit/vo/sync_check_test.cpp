@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "vo_process/tracking/sync_check.h"
+#include "vo_process/tracking/calibration/sync_check.h"
 
 #include <gtest/gtest.h>
 

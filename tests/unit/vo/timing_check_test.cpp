@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "vo_process/tracking/timing_check.h"
+#include "vo_process/tracking/calibration/timing_check.h"
 
 #include <gtest/gtest.h>
 
@@ -214,13 +214,13 @@ TEST(TimingCheck, WrongReadoutIsContradicted) {
     StageTimer timer;
     for (int i = 0; i < dataset->size(); ++i) {
       const StereoImages images = dataset->Read(i);
-      odometry.Track(images.t_ns, SeePair(front_end, odometry, images, timer));
+      odometry.Track(images.t_ns, odometry.SeePair(front_end, images, timer));
     }
-    EXPECT_EQ(odometry.found_readout_s(), 0.0);
+    EXPECT_EQ(odometry.calibration().found_readout_s(), 0.0);
     if (stated_ms == 20.0) {
-      EXPECT_EQ(odometry.contradicting_readout_s(), 0.0);
+      EXPECT_EQ(odometry.calibration().contradicting_readout_s(), 0.0);
     } else {
-      EXPECT_NEAR(odometry.contradicting_readout_s(), 0.020, 0.003);
+      EXPECT_NEAR(odometry.calibration().contradicting_readout_s(), 0.020, 0.003);
     }
   }
 }

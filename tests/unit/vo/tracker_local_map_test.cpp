@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "vo_process/tracking/tracker_local_map.h"
+#include "vo_process/tracking/landmarks/tracker_local_map.h"
 
 #include <utility>
 #include <vector>

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/stereo_camera.h"
+#include "core/motion/motion_estimator.h"
+#include "vo_process/options.h"
+#include "vo_process/tracking/landmarks/tracked_frame.h"
+#include "vo_process/tracking/landmarks/tracker_local_map.h"
+
+namespace plslam::vo {
+
+/// A line segment tracked by odometry.
+struct LineLandmark {
+  int64_t id = -1;
+  /// In the odometry frame, directed as observed (brighter side on the right); covariances of the endpoints given the
+  /// poses of the observations.
+  Segment3 segment_odom;
+  Eigen::Matrix3d covariance_p = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d covariance_q = Eigen::Matrix3d::Zero();
+  /// Descriptor of the last observation.
+  Descriptor descriptor{};
+
+  /// The same landmark in the map, or -1.
+  int64_t map_id = -1;
+  /// Number of keyframes that observe it, as of the last map update.
+  int map_observations = 0;
+  /// Whether it was created from the map, not by a frame.
+  bool from_map = false;
+  int seen = 1;
+  int unseen_frames = 0;
+  int missed = 0;
+
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.id, self.segment_odom.p, self.segment_odom.q, self.covariance_p, self.covariance_q, self.descriptor,
+      self.map_id, self.map_observations, self.from_map, self.seen, self.unseen_frames, self.missed);
+  }
+};
+
+/// Line segments in and around the view, each fused over the frames that observed it. Sibling of `PointLandmarks`.
+class LineLandmarks {
+ public:
+  LineLandmarks(const StereoCamera& camera, const LandmarkOptions& options) : camera_(camera), options_(options) {}
+
+  const std::vector<LineLandmark>& landmarks() const { return landmarks_; }
+
+  /// Matches landmarks near their projection with the predicted pose.
+  std::vector<LandmarkMatch> MatchByProjection(const SE3& T_c_odom, const TrackedFrame& frame, const Search& search,
+                                               const LineMatchOptions& options) const;
+
+  /// Matches by descriptors alone, for frames whose pose cannot be predicted.
+  std::vector<LandmarkMatch> MatchByDescriptor(const TrackedFrame& frame, int max_unseen_frames,
+                                               const LineMatchOptions& options) const;
+
+  /// Returns the correspondence for the motion estimator of each match.
+  std::vector<LineCorrespondence> Observations(const std::vector<LandmarkMatch>& matches,
+                                               const TrackedFrame& frame) const;
+
+  /// Fuses the frame's observations of the matched landmarks (across the line; along it they are extended), sets their
+  /// ids in the frame's tracks, and ages the other landmarks.
+  void Update(const SE3& T_odom_c, const std::vector<LandmarkMatch>& matches, TrackedFrame& frame);
+
+  /// Adopts landmarks of the map: updates position and covariance of those already here (of several that are the same
+  /// the oldest stays), and adds the others. With `keep_own` those already here keep their position.
+  void Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapLine>>& adopted, bool keep_own, int64_t& next_id);
+
+  /// Re-expresses all landmarks in a new frame.
+  void Move(const SE3& T_new_odom);
+
+  /// Makes all landmarks take part in the next search, as if the last frame had observed them.
+  void CountAsSeen() {
+    for (auto& landmark : landmarks_) landmark.unseen_frames = 0;
+  }
+
+  /// Moves the landmarks flagged in `taken` to a list of their own.
+  LineLandmarks Take(const std::vector<char>& taken);
+
+  /// Returns a list of the landmarks flagged in `chosen`.
+  LineLandmarks Copy(const std::vector<char>& chosen) const;
+
+  /// Appends copies of the landmarks of another list in the same frame.
+  void Append(const LineLandmarks& others);
+
+  /// Creates a landmark for each segment with depth that has none and is on this body (-1: the world), and sets its id
+  /// in the frame's tracks.
+  void Create(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id, int body = -1);
+
+  /// Removes all landmarks, and creates one for each segment of the world with depth; ids in the frame's tracks are
+  /// kept: frame-to-frame odometry.
+  void Initialise(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id);
+
+  /// The state between frames, for `core/io/files/archive.h`.
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.landmarks_);
+  }
+
+ private:
+  void Fuse(const SE3& T_odom_c, const StereoLine& seen, LineLandmark& landmark) const;
+  void Age(const SE3& T_c_odom);
+  void CreateOne(const SE3& T_odom_c, const StereoLine& seen, FeatureTrack& track, int64_t& next_id);
+
+  StereoCamera camera_;
+  LandmarkOptions options_;
+  std::vector<LineLandmark> landmarks_;
+};
+
+}  // namespace plslam::vo

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vo_process/tracking/landmarks/tracker_local_map.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/localisation/local_map.h"
+#include "core/map/landmark_types.h"
+
+namespace plslam::vo {
+namespace {
+
+// Number of logged keyframes; the tracker drops its landmarks much earlier.
+constexpr size_t kKeyframes = 60;
+constexpr int kMinShared = 15;
+
+const MapKeyframe* FindKeyframe(const Map& map, int64_t session, int64_t keyframe_id) {
+  for (auto it = map.keyframes().rbegin(); it != map.keyframes().rend(); ++it) {
+    if (it->second.session == session && it->second.session_keyframe_id == keyframe_id) return &it->second;
+  }
+  return nullptr;
+}
+
+double FocalLength(const Map& map) { return map.camera() ? map.camera()->f_px : 0.0; }
+
+}  // namespace
+
+void KeyframeLog::Add(int64_t keyframe_id, std::vector<int64_t> point_ids, std::vector<int64_t> line_ids) {
+  entries_.push_back({keyframe_id, std::move(point_ids), std::move(line_ids)});
+  if (entries_.size() > kKeyframes) entries_.pop_front();
+}
+
+const KeyframeLog::Entry* KeyframeLog::Find(int64_t keyframe_id) const {
+  const auto found = std::find_if(entries_.begin(), entries_.end(),
+                                  [keyframe_id](const Entry& entry) { return entry.keyframe_id == keyframe_id; });
+  return found == entries_.end() ? nullptr : &*found;
+}
+
+template <class Type>
+std::vector<Adopted<typename Type::Landmark>> KeyframeLog::Adopt(const Map& map, int64_t session,
+                                                                 const std::vector<int64_t>& keyframes,
+                                                                 std::vector<int64_t> Entry::*ids) const {
+  std::vector<Adopted<typename Type::Landmark>> adopted;
+  for (const int64_t landmark_id : SeenBy<Type>(keyframes, map)) {
+    auto& entry = adopted.emplace_back();
+    entry.landmark = Type::Find(map, landmark_id);
+    for (const Observation& observation : entry.landmark->observations) {
+      const MapKeyframe& keyframe = *map.FindKeyframe(observation.keyframe_id);
+      if (keyframe.session != session) continue;
+      const Entry* shown = Find(keyframe.session_keyframe_id);
+      const auto place = static_cast<size_t>(observation.feature);
+      if (shown == nullptr || place >= (shown->*ids).size()) continue;
+      const int64_t id = (shown->*ids)[place];
+      const bool known = std::find(entry.tracker_ids.begin(), entry.tracker_ids.end(), id) != entry.tracker_ids.end();
+      if (id >= 0 && !known) entry.tracker_ids.push_back(id);
+    }
+  }
+  return adopted;
+}
+
+std::optional<TrackerLocalMap> KeyframeLog::LocalMapAround(const Map& map, int64_t session, int64_t keyframe_id,
+                                                           int max_keyframes) const {
+  const MapKeyframe* center = FindKeyframe(map, session, keyframe_id);
+  if (center == nullptr) return std::nullopt;
+  const std::vector<int64_t> keyframes = KeyframesAround(center->id, map, kMinShared, max_keyframes);
+  TrackerLocalMap local_map;
+  local_map.f_px = FocalLength(map);
+  local_map.T_w_odom = center->T_w_kf * center->T_odom_kf.Inverse();
+  local_map.points = Adopt<PointType>(map, session, keyframes, &Entry::point_ids);
+  local_map.lines = Adopt<LineType>(map, session, keyframes, &Entry::line_ids);
+  return local_map;
+}
+
+std::optional<TrackerLocalMap> LocalMapAt(const Map& map, int64_t keyframe_id, const SE3& T_w_odom,
+                                          int max_keyframes) {
+  if (map.FindKeyframe(keyframe_id) == nullptr) return std::nullopt;
+  const std::vector<int64_t> keyframes = KeyframesAround(keyframe_id, map, kMinShared, max_keyframes);
+  TrackerLocalMap local_map;
+  local_map.f_px = FocalLength(map);
+  local_map.T_w_odom = T_w_odom;
+  for (const int64_t id : SeenBy<PointType>(keyframes, map)) local_map.points.push_back({map.FindPoint(id), {}});
+  for (const int64_t id : SeenBy<LineType>(keyframes, map)) local_map.lines.push_back({map.FindLine(id), {}});
+  return local_map;
+}
+
+}  // namespace plslam::vo

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vo_process/tracking/motion/inertial_motion_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/geometry/rectification.h"
+#include "core/geometry/symmetric.h"
+
+namespace plslam::vo {
+namespace {
+
+// Time of measured frames after which velocity, gravity and biases are used.
+constexpr double kFirstUse_s = 1.0;
+// Errors of measured poses that their covariance lacks, because they are the same in successive frames (landmarks,
+// calibration): a filter that takes them for white noise would believe its velocity too much.
+constexpr double kCommonVariance = 4.0;
+constexpr double kCommon_m = 0.001;
+constexpr double kCommon_rad = 0.02 * kRadPerDeg;
+// Bound on the innovation of a single pose, above which it is not used, and number of successive such poses after which
+// the filter begins again.
+constexpr double kGate = 60.0;
+constexpr int kMostContradicting = 5;
+// Bound on the mean normalised innovation over its expectation, and the number of frames of that mean.
+constexpr double kHealthy = 4.0;
+constexpr double kMeanFrames = 20.0;
+// Sigmas up to which the sensor carries a pose.
+constexpr double kFarthest_m = 0.5;
+constexpr double kFarthest_rad = 5.0 * kRadPerDeg;
+// Errors of a prediction, however good the sensor is: stamps are off by a part of a millisecond, and landmarks move when
+// the map is corrected.
+constexpr double kPrediction_m = 0.004;
+constexpr double kPrediction_rad = 0.1 * kRadPerDeg;
+
+// Time of measured motions after which a contradiction is reported, and a rotation in it that tells the unit of rates.
+constexpr double kLeastEvidence_s = 3.0;
+constexpr double kLeastTurn_rad = 0.05;
+constexpr double kManyTurns = 20.0;
+// Mean specific force below which it is in g.
+constexpr double kWeakGravity_m_s2 = 3.0;
+
+Matrix6d Isotropic(double translation_m, double rotation_rad) {
+  Vector6d sigma;
+  sigma << Eigen::Vector3d::Constant(translation_m), Eigen::Vector3d::Constant(rotation_rad);
+  return sigma.cwiseAbs2().asDiagonal();
+}
+
+/// The nearest matrix without negative eigenvalues.
+Matrix6d Positive(const Matrix6d& covariance) {
+  const auto [values, vectors] = EigenOf<6>(0.5 * (covariance + covariance.transpose()));
+  return vectors * values.cwiseMax(0.0).asDiagonal() * vectors.transpose();
+}
+
+double LargestSigma(const Matrix6d& covariance, int first) {
+  return std::sqrt(covariance.diagonal().segment<3>(first).maxCoeff());
+}
+
+}  // namespace
+
+std::optional<MountedImu> MountedImuOf(const RigCalibration& rig) {
+  if (!rig.imu) return std::nullopt;
+  const SE3 T_l_c(Rectify(rig).q_l_c, Eigen::Vector3d::Zero());
+  return MountedImu{rig.imu->T_b_imu.Inverse() * rig.left.T_b_cam * T_l_c, *rig.imu};
+}
+
+void InertialMotionModel::Expect(std::span<const ImuSample> samples, int64_t from_ns, int64_t to_ns) {
+  motion_.reset();
+  if (!imu_) return;
+  const int64_t offset_ns = imu_->calibration.offset_ns();
+  motion_ =
+      Preintegrate(samples, from_ns - offset_ns, to_ns - offset_ns, imu_->calibration.noise, filter_.state().bias);
+  if (!motion_) return;
+  mean_force_m_s2_.setZero();
+  for (const ImuSample& sample : samples) mean_force_m_s2_ += sample.force_m_s2 / static_cast<double>(samples.size());
+}
+
+bool InertialMotionModel::IsTrusted() const {
+  return filter_.has_begun() && measured_s_ >= kFirstUse_s && innovation_ < kHealthy &&
+         evidence_.force_m_s >= kWeakGravity_m_s2 * evidence_.time_s;
+}
+
+SE3 InertialMotionModel::CameraMotion(const InertialFilter& filter) const {
+  return imu_->T_imu_c.Inverse() * filter.Motion() * imu_->T_imu_c;
+}
+
+Matrix6d InertialMotionModel::CameraCovariance(const InertialFilter& filter) const {
+  const Matrix6d A = imu_->T_imu_c.Inverse().Adjoint();
+  return A * filter.MotionCovariance() * A.transpose();
+}
+
+MotionPrediction InertialMotionModel::Predict(const MotionPrediction& own) const {
+  if (!motion_ || !IsTrusted()) return own;
+  InertialFilter next = filter_;
+  next.Propagate(*motion_);
+  const SE3 before = CameraMotion(filter_), after = CameraMotion(next);
+  const Matrix6d covariance_before = CameraCovariance(filter_);
+  MotionPrediction prediction = own;
+  prediction.T_prev_c = before.Inverse() * after;
+  prediction.since_measured = CameraCovariance(next) + Isotropic(kPrediction_m, kPrediction_rad);
+  const Matrix6d grown =
+      *prediction.since_measured - ComposeCovariance(covariance_before, prediction.T_prev_c, Matrix6d::Zero());
+  prediction.covariance = unmeasured_s_ == 0.0 ? *prediction.since_measured : Positive(grown);
+  prediction.is_reliable = prediction.is_near = true;
+  prediction.by_robot = true;
+  return prediction;
+}
+
+bool InertialMotionModel::CanCarry() const {
+  if (!motion_ || !IsTrusted()) return false;
+  InertialFilter next = filter_;
+  next.Propagate(*motion_);
+  const Matrix6d covariance = CameraCovariance(next);
+  return LargestSigma(covariance, 0) < kFarthest_m && LargestSigma(covariance, 3) < kFarthest_rad;
+}
+
+void InertialMotionModel::Begin(const SE3& T_odom_imu, const Matrix6d& covariance) {
+  filter_.Begin(T_odom_imu, covariance, mean_force_m_s2_, knows_bias_);
+  measured_s_ = unmeasured_s_ = 0.0;
+  n_contradicting_ = 0;
+}
+
+void InertialMotionModel::Observe(const SE3& T_odom_c, const Matrix6d& covariance, bool is_sure, bool jumped) {
+  if (!imu_) return;
+  if (!is_sure) return Miss();
+  const SE3 T_odom_imu = T_odom_c * imu_->T_imu_c.Inverse();
+  const SE3 T_odom_previous = std::exchange(T_odom_observed_, T_odom_imu);
+  const bool follows = std::exchange(was_observed_, true);
+  const Matrix6d A = imu_->T_imu_c.Adjoint();
+  const Matrix6d measured = A * (kCommonVariance * covariance + Isotropic(kCommon_m, kCommon_rad)) * A.transpose();
+  if (!motion_) {
+    // The samples of the motion are missing, or this is the first frame; the mean force is that of an earlier motion.
+    if (filter_.has_begun()) Begin(T_odom_imu, measured);
+    return;
+  }
+  if (!filter_.has_begun()) return Begin(T_odom_imu, measured);
+  if (follows && !jumped) AddEvidence(T_odom_previous.Inverse() * T_odom_imu);
+  filter_.Propagate(*motion_);
+  unmeasured_s_ += motion_->dt_s();
+  const double innovation = filter_.Innovation(T_odom_imu, measured);
+  if (innovation > kGate) {
+    if (jumped || ++n_contradicting_ >= kMostContradicting) Begin(T_odom_imu, measured);
+    innovation_ += (kGate / 6.0 - innovation_) / kMeanFrames;
+    return;
+  }
+  n_contradicting_ = 0;
+  innovation_ += (innovation / 6.0 - innovation_) / kMeanFrames;
+  filter_.Update(T_odom_imu, measured);
+  filter_.MeasureFromHere();
+  measured_s_ += motion_->dt_s();
+  knows_bias_ = knows_bias_ || measured_s_ >= kFirstUse_s;
+  unmeasured_s_ = 0.0;
+}
+
+void InertialMotionModel::AddEvidence(const SE3& T_previmu_imu) {
+  evidence_.sensed_turn_rad += SE3(motion_->dR(), Eigen::Vector3d::Zero()).Log().norm();
+  evidence_.seen_turn_rad += T_previmu_imu.Log().tail<3>().norm();
+  evidence_.force_m_s += mean_force_m_s2_.norm() * motion_->dt_s();
+  evidence_.time_s += motion_->dt_s();
+}
+
+std::string InertialMotionModel::Complaint() const {
+  if (!imu_ || evidence_.time_s < kLeastEvidence_s) return {};
+  const double turns = evidence_.sensed_turn_rad / std::max(evidence_.seen_turn_rad, kLeastTurn_rad);
+  const double force_m_s2 = evidence_.force_m_s / evidence_.time_s;
+  if (innovation_ < kHealthy && force_m_s2 >= kWeakGravity_m_s2) return {};
+  std::string sentence = fmt::format(
+      "the inertial sensor contradicts the images, so it is not used: its normalised innovation is {:.1f} (1 is "
+      "healthy)",
+      innovation_);
+  if (force_m_s2 < kWeakGravity_m_s2) {
+    return sentence +
+           fmt::format("; its mean specific force is {:.2f} m/s^2 instead of 9.8: g instead of m/s^2?", force_m_s2);
+  }
+  if (evidence_.seen_turn_rad > kLeastTurn_rad && turns > kManyTurns) {
+    return sentence + fmt::format("; it turns {:.1f} times as fast as the images: degrees instead of rad/s?", turns);
+  }
+  return sentence + "; are T_b_imu, T_b_cam, time_offset_s and the noise densities right?";
+}
+
+void InertialMotionModel::Miss() {
+  was_observed_ = false;
+  if (!imu_ || !filter_.has_begun()) return;
+  if (!motion_) {
+    // Nothing is known of the motion: the next measured frame begins again.
+    measured_s_ = 0.0;
+    return;
+  }
+  filter_.Propagate(*motion_);
+  unmeasured_s_ += motion_->dt_s();
+}
+
+}  // namespace plslam::vo

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "core/geometry/calibration.h"
+#include "core/geometry/imu.h"
+#include "core/inertial/inertial_filter.h"
+#include "core/inertial/preintegration.h"
+#include "vo_process/tracking/motion/motion_model.h"
+
+namespace plslam::vo {
+
+/// An inertial sensor as it is mounted on the rectified left camera c.
+struct MountedImu {
+  SE3 T_imu_c;
+  ImuCalibration calibration;
+};
+
+/// Returns the sensor of a rig, if it has one. Throws as `Rectify`.
+std::optional<MountedImu> MountedImuOf(const RigCalibration& rig);
+
+/// Evidence of why a sensor contradicts the images: sums over motions between measured frames.
+struct ImuEvidence {
+  double sensed_turn_rad = 0.0;
+  double seen_turn_rad = 0.0;
+  double force_m_s = 0.0;  ///< mean specific force times time
+  double time_s = 0.0;
+
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.sensed_turn_rad, self.seen_turn_rad, self.force_m_s, self.time_s);
+  }
+};
+
+/// Predicts by an inertial sensor, and carries the pose through frames that see nothing.
+///
+/// `InertialFilter` estimates velocity, gravity and biases from the measured poses. It is used as soon as a second of
+/// measured frames has determined them, and not while measured poses contradict it: of the last frames' normalised
+/// innovations (6 for a consistent sensor) the mean must be below a bound.
+class InertialMotionModel {
+ public:
+  explicit InertialMotionModel(const std::optional<MountedImu>& imu)
+      : imu_(imu), filter_(imu ? imu->calibration.noise : ImuNoise()) {}
+
+  bool has_sensor() const { return imu_.has_value(); }
+
+  /// Sets the samples since the last frame, which was at `from_ns`, to the next one (both on the clock of the images).
+  void Expect(std::span<const ImuSample> samples, int64_t from_ns, int64_t to_ns);
+
+  /// Returns the prediction for that frame; `own` if the sensor is not used.
+  MotionPrediction Predict(const MotionPrediction& own) const;
+
+  /// The frame was measured, with the covariance of the right perturbation of its pose given the landmarks. `is_sure`:
+  /// by its features alone. `jumped`: the pose does not continue those before.
+  void Observe(const SE3& T_odom_c, const Matrix6d& covariance, bool is_sure, bool jumped);
+
+  /// The frame was not measured.
+  void Miss();
+
+  /// Whether the sensor carries the pose of a frame that sees nothing: its prediction is still good to half a metre and
+  /// five degrees (sigmas).
+  bool CanCarry() const;
+
+  /// Mean normalised innovation of the last frames over its expectation: 1 for a consistent sensor.
+  double normalised_innovation() const { return innovation_; }
+  const InertialFilter& filter() const { return filter_; }
+  /// Returns one sentence on a sensor that contradicts the images, with the number that shows it; empty for a healthy
+  /// one, and before some seconds of measured frames.
+  std::string Complaint() const;
+
+  /// The state after a frame, for `core/io/files/archive.h`.
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.filter_, self.knows_bias_, self.measured_s_, self.unmeasured_s_, self.innovation_, self.n_contradicting_,
+      self.evidence_, self.was_observed_, self.T_odom_observed_);
+  }
+
+ private:
+  bool IsTrusted() const;
+  void Begin(const SE3& T_odom_imu, const Matrix6d& covariance);
+  void AddEvidence(const SE3& T_previmu_imu);
+  /// Motion of the camera since the last measured frame and its covariance, as of this state of the filter.
+  SE3 CameraMotion(const InertialFilter& filter) const;
+  Matrix6d CameraCovariance(const InertialFilter& filter) const;
+
+  std::optional<MountedImu> imu_;
+  InertialFilter filter_;
+  /// The motion to the next frame, and the mean specific force in it.
+  std::optional<Preintegration> motion_;
+  Eigen::Vector3d mean_force_m_s2_ = Eigen::Vector3d::Zero();
+  bool knows_bias_ = false;
+  double measured_s_ = 0.0;    ///< time of measured motions since the filter began
+  double unmeasured_s_ = 0.0;  ///< time since the last measured frame
+  double innovation_ = 1.0;
+  int n_contradicting_ = 0;  ///< successive measured poses that contradict the filter
+  ImuEvidence evidence_;
+  bool was_observed_ = false;  ///< whether the last frame was measured
+  SE3 T_odom_observed_;        ///< pose of the sensor in it
+};
+
+}  // namespace plslam::vo

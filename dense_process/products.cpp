@@ -16,6 +16,7 @@
 #include "core/io/files/atomic_file.h"
 #include "core/io/files/bytes.h"
 #include "core/io/images/png_codec.h"
+#include "core/run/result_files.h"
 
 namespace plslam::dense {
 namespace {
@@ -68,8 +69,9 @@ std::string FramesJson(const Products& products) {
   json["up_lines"] = products.vertical.n_lines;
   if (products.has_floor) json["floor_m"] = products.floor_m;
   json["voxel_m"] = products.volume.voxel_m();
-  json["w"] = {"cloud.ply", "mesh.ply", "trajectory.tum"};
-  json["level"] = {"map.bt", "map.ot", "map.pgm", "map_distance.png", "map_height.png", "path.csv"};
+  json["w"] = {result_file::kCloud, result_file::kMesh, result_file::kTrajectory.tum};
+  json["level"] = {result_file::kOccupiedVoxels, result_file::kVoxels,  result_file::kGrid,
+                   result_file::kDistances,      result_file::kHeights, result_file::kPath};
   return json.dump(2) + "\n";
 }
 
@@ -166,35 +168,35 @@ std::vector<std::string> WriteProducts(const std::filesystem::path& folder, cons
   };
   switch (kind) {
     case ProductKind::kCloud:
-      write("cloud.ply", ToPly(products.surface, false));
+      write(result_file::kCloud, ToPly(products.surface, false));
       break;
     case ProductKind::kMesh:
-      write("mesh.ply", ToPly(products.surface, true));
+      write(result_file::kMesh, ToPly(products.surface, true));
       break;
     case ProductKind::kOctoMap: {
       octomap::OcTree tree = ToOctree(products.volume);
       std::ostringstream whole, binary;
       if (!tree.write(whole) || !tree.writeBinary(binary))
-        throw std::runtime_error("map.ot: OctoMap cannot write the tree");
-      write("map.ot", whole.str());
-      write("map.bt", binary.str());
+        throw std::runtime_error(std::string(result_file::kVoxels) + ": OctoMap cannot write the tree");
+      write(result_file::kVoxels, whole.str());
+      write(result_file::kOccupiedVoxels, binary.str());
       break;
     }
     case ProductKind::kGrid:
       if (products.has_floor) {
-        write("map.pgm", ToPgm(products.grid));
-        write("map.yaml", ToMapYaml(products.grid, "map.pgm"));
-        write("map_distance.png", EncodePng(TopDown(InMillimetres(products.grid.distance_m))));
-        write("map_height.png", EncodePng(TopDown(InMillimetres(products.grid.height_m))));
+        write(result_file::kGrid, ToPgm(products.grid));
+        write(result_file::kGridMetadata, ToMapYaml(products.grid, result_file::kGrid));
+        write(result_file::kDistances, EncodePng(TopDown(InMillimetres(products.grid.distance_m))));
+        write(result_file::kHeights, EncodePng(TopDown(InMillimetres(products.grid.height_m))));
       }
-      write("path.csv", PathCsv(products.path));
+      write(result_file::kPath, PathCsv(products.path));
       break;
   }
   return names;
 }
 
 void WriteFrames(const std::filesystem::path& folder, const Products& products) {
-  WriteFileAtomically((folder / "frames.json").string(), FramesJson(products));
+  WriteFileAtomically((folder / result_file::kSurfaceFrames).string(), FramesJson(products));
 }
 
 }  // namespace plslam::dense

@@ -95,13 +95,15 @@ class Attempt {
   std::optional<Writer> writer_;
 };
 
+std::string PathOf(const std::string& folder, const char* name) { return folder + "/" + name; }
+
 /// A trajectory in the three formats.
 class AllFormats {
  public:
-  AllFormats(Attempts& attempts, const std::string& stem)
-      : tum_(attempts, stem + ".tum", TrajectoryFormat::kTum),
-        kitti_(attempts, stem + ".kitti", TrajectoryFormat::kKitti),
-        euroc_(attempts, stem + ".euroc", TrajectoryFormat::kEuroc) {}
+  AllFormats(Attempts& attempts, const std::string& folder, const result_file::Trajectories& names)
+      : tum_(attempts, PathOf(folder, names.tum), TrajectoryFormat::kTum),
+        kitti_(attempts, PathOf(folder, names.kitti), TrajectoryFormat::kKitti),
+        euroc_(attempts, PathOf(folder, names.euroc), TrajectoryFormat::kEuroc) {}
   void Add(const TrajectoryPose& pose) {
     tum_.Add(pose);
     kitti_.Add(pose);
@@ -286,9 +288,10 @@ void RemoveParts(const std::string& folder) {
 /// A trajectory in the three formats, of which there are no files without poses.
 class FormatsIfAny {
  public:
-  FormatsIfAny(Attempts& attempts, std::string stem) : attempts_(attempts), stem_(std::move(stem)) {}
+  FormatsIfAny(Attempts& attempts, std::string folder, const result_file::Trajectories& names)
+      : attempts_(attempts), folder_(std::move(folder)), names_(names) {}
   void Add(const TrajectoryPose& pose) {
-    if (!files_) files_.emplace(attempts_, stem_);
+    if (!files_) files_.emplace(attempts_, folder_, names_);
     files_->Add(pose);
   }
   void PutInPlace() {
@@ -297,27 +300,29 @@ class FormatsIfAny {
 
  private:
   Attempts& attempts_;
-  std::string stem_;
+  std::string folder_;
+  result_file::Trajectories names_;
   std::optional<AllFormats> files_;
 };
 
 /// A part that is not the main one has a frame of its own, and only trajectories and landmarks.
 void WritePart(const std::string& folder, const RunPart& run, Attempts& attempts) {
-  FormatsIfAny all(attempts, folder + "/trajectory");
-  FormatsIfAny keyframes(attempts, folder + "/keyframes");
+  FormatsIfAny all(attempts, folder, result_file::kTrajectory);
+  FormatsIfAny keyframes(attempts, folder, result_file::kKeyframes);
   for (const TrajectoryPose& pose : MapKeyframes(run)) keyframes.Add(pose);
   VisitPosedFrames(run, [&](const PosedFrame& frame) { all.Add(frame.final); });
   all.PutInPlace();
   keyframes.PutInPlace();
-  attempts.Try([&] { WriteFileAtomically(folder + "/map.ply", MapPly(run.parts.MapOf(run.part))); });
+  attempts.Try(
+      [&] { WriteFileAtomically(PathOf(folder, result_file::kLandmarks), MapPly(run.parts.MapOf(run.part))); });
 }
 
 void WriteMainPart(const std::string& folder, const RunPart& run, Attempts& attempts) {
-  AllFormats all(attempts, folder + "/trajectory");
-  Attempt<TrajectoryWriter> live(attempts, folder + "/trajectory_live.tum", TrajectoryFormat::kTum);
-  AllFormats keyframes(attempts, folder + "/keyframes");
-  Attempt<PoseCovarianceWriter> covariances(attempts, folder + "/covariance.txt");
-  Attempt<PoseCovarianceWriter> motion_covariances(attempts, folder + "/motion_covariance.txt");
+  AllFormats all(attempts, folder, result_file::kTrajectory);
+  Attempt<TrajectoryWriter> live(attempts, PathOf(folder, result_file::kLiveTrajectory), TrajectoryFormat::kTum);
+  AllFormats keyframes(attempts, folder, result_file::kKeyframes);
+  Attempt<PoseCovarianceWriter> covariances(attempts, PathOf(folder, result_file::kCovariances));
+  Attempt<PoseCovarianceWriter> motion_covariances(attempts, PathOf(folder, result_file::kMotionCovariances));
   for (const TrajectoryPose& pose : MapKeyframes(run)) keyframes.Add(pose);
   const bool has_map = !run.map.keyframes().empty();
   VisitPosedFrames(run, [&](const PosedFrame& frame) {
@@ -332,7 +337,8 @@ void WriteMainPart(const std::string& folder, const RunPart& run, Attempts& atte
   keyframes.PutInPlace();
   covariances.PutInPlace();
   motion_covariances.PutInPlace();
-  if (has_map) attempts.Try([&] { WriteFileAtomically(folder + "/map.ply", MapPly(run.parts.MapOf(0))); });
+  if (has_map)
+    attempts.Try([&] { WriteFileAtomically(PathOf(folder, result_file::kLandmarks), MapPly(run.parts.MapOf(0))); });
 }
 
 void WriteText(const std::string& path, const std::function<void(const AppendText&)>& write) {
@@ -349,13 +355,16 @@ std::vector<std::string> WriteOutputs(const std::string& folder, const Recorder&
   const RunParts parts(map, recorder);
   WriteMainPart(folder, {recorder, map, q_l_c, parts, 0}, attempts);
   if (!recorder.truth().empty()) {
-    Attempt<TrajectoryWriter> truth(attempts, folder + "/groundtruth.tum", TrajectoryFormat::kTum);
+    Attempt<TrajectoryWriter> truth(attempts, PathOf(folder, result_file::kTruth), TrajectoryFormat::kTum);
     VisitTruth(recorder, [&](const TrajectoryPose& pose) { truth.Add(pose); });
     truth.PutInPlace();
   }
-  attempts.Try([&] { WriteText(folder + "/poses.csv", [&](const AppendText& to) { WritePosesCsv(recorder, to); }); });
-  attempts.Try(
-      [&] { WriteText(folder + "/bodies.csv", [&](const AppendText& to) { WriteBodiesCsv(recorder, map, to); }); });
+  attempts.Try([&] {
+    WriteText(PathOf(folder, result_file::kFrameTable), [&](const AppendText& to) { WritePosesCsv(recorder, to); });
+  });
+  attempts.Try([&] {
+    WriteText(PathOf(folder, result_file::kBodies), [&](const AppendText& to) { WriteBodiesCsv(recorder, map, to); });
+  });
   RemoveParts(folder);
   for (size_t part = 1; part < parts.size(); ++part) {
     const std::string of_part = FolderOfPart(folder, part);

@@ -11,6 +11,7 @@
 
 #include "core/io/maps/map_file.h"
 #include "core/map/vertical.h"
+#include "core/run/result_files.h"
 #include "dense_process/dense_map.h"
 #include "dense_process/products.h"
 
@@ -35,7 +36,7 @@ std::vector<std::string> WriteSurfaces(const SurfacesRequest& request) {
     }
     for (std::string& file : dense::WriteProducts(request.out, products, kind)) names.push_back(std::move(file));
   }
-  names.emplace_back("frames.json");
+  names.emplace_back(result_file::kSurfaceFrames);
   return names;
 }
 

@@ -14,6 +14,7 @@
 #include "core/process/process_status.h"
 #include "core/run/lag.h"
 #include "core/run/process_names.h"
+#include "core/run/result_files.h"
 #include "plslam/warning_t.hpp"
 #include "viewer_headless/node/message_values.h"
 #include "viewer_headless/report/report_json.h"
@@ -23,8 +24,6 @@ namespace plslam::viewer {
 namespace {
 
 constexpr std::chrono::milliseconds kLiveTick(50);
-/// The file that the live page proposes for a map, beside the results.
-constexpr const char* kMapFile = "map.plmap";
 
 /// Returns the argument of an order of the live page, with its file, if any, from the folder of results on.
 std::string WithAbsoluteFile(const std::string& argument, const std::string& out) {
@@ -56,7 +55,7 @@ ReportNode::ReportNode(bus::Bus& bus, const ViewerOptions& options, Sources sour
 void ReportNode::Serve(bus::Bus& bus) {
   LiveView::Orders orders;
   if (!bus.options().key_file.empty()) orders.key = bus::ReadKey(bus.options().key_file);
-  orders.file = (std::filesystem::absolute(options_.out) / kMapFile).lexically_normal().string();
+  orders.file = (std::filesystem::absolute(options_.out) / result_file::kMap).lexically_normal().string();
   live_ = std::make_unique<LiveView>(static_cast<int>(options_.serve), FillTemplate(*page_, "null"), orders);
   orders_.emplace(bus);
   LogInfo("live page: http://127.0.0.1:{}/", live_->port());
@@ -87,7 +86,7 @@ ReportNode::~ReportNode() {
 void ReportNode::OnStream(const stream_t& message) {
   // A report of an earlier run must not be mistaken for one of this run.
   std::error_code ignored;
-  std::filesystem::remove(options_.out + "/report.html", ignored);
+  std::filesystem::remove(options_.out + "/" + result_file::kReport, ignored);
   report_->Begin({message.dataset, message.pace, message.n_frames});
 }
 
@@ -141,7 +140,7 @@ void ReportNode::Write() {
   if (live_) live_->SetFinished(true);
   if (!options_.report) return;
   const PageAroundData page = AroundData(*page_);
-  WriteFileAtomically(options_.out + "/report.html", {page.before, Json(ReportSince()), page.behind});
+  WriteFileAtomically(options_.out + "/" + result_file::kReport, {page.before, Json(ReportSince()), page.behind});
 }
 
 }  // namespace plslam::viewer

@@ -58,7 +58,7 @@ const std::vector<Arrow> kArrows = {
     {"core/accuracy/", {"core/geometry/", "core/io/trajectories/"}},
     {"core/bus/",
      {"lcmtypes/", "core/geometry/", "core/config/", "core/io/", "core/map/", "core/features/features.h"}},
-    {"core/run/", {}},
+    {"core/run/", {"core/geometry/", "core/io/", "core/map/"}},
     {"core/bus/transport/", {"lcmtypes/", "core/config/", "core/bus/options.h"}},
     {"core/process/", {"core/bus/", "core/config/", "core/run/process_names.h", "lcmtypes/"}},
     {"core/datasets/", {"core/geometry/", "core/io/", "core/bus/", "core/config/"}},
@@ -97,7 +97,7 @@ const std::vector<Arrow> kArrows = {
     {"tools/evaluate/drawing/", {"core/"}},
     {"tools/evaluate/places", {"core/", "tools/command_line/", "tools/evaluate/", "tools/train_vocabulary/"}},
     {"tools/train_vocabulary/", {"core/", "tools/command_line/"}},
-    {"tools/evaluate/figures", {"core/", "tools/command_line/", "tools/evaluate/", "tools/export/run_source.h"}},
+    {"tools/evaluate/figures", {"core/", "tools/command_line/", "tools/evaluate/", "tools/export/keyframe_images.h"}},
     {"tools/export/", {"core/", "tools/pose_graph/export.h", "viewer_headless/node/logged_run.h"}},
     {"tools/doctor/", {"core/", "lcmtypes/"}},
     {"tools/bridge/", {"core/"}},
@@ -116,9 +116,7 @@ const std::vector<Arrow> kArrows = {
      {"core/", "camera/rig_file.h", "tools/rectify_check/row_errors.h", "tools/plslam/child_process.h",
       "tools/plslam/run_bus.h", "tools/plslam/supervisor.h"}},
     {"tools/rectify_check/", {"core/"}},
-    {"tools/refine/",
-     {"core/", "mapping_process/insertion/", "mapping_process/options.h", "tools/evaluate/",
-      "tools/export/run_source.h"}},
+    {"tools/refine/", {"core/", "mapping_process/insertion/", "mapping_process/options.h", "tools/evaluate/"}},
     {"tools/pose_graph/", {"core/", "tools/command_line/"}},
 };
 

@@ -21,11 +21,13 @@
 #include "core/io/maps/map_camera.h"
 #include "core/io/maps/map_ply.h"
 #include "core/map/map_parts.h"
+#include "core/run/result_files.h"
+#include "core/run/run.h"
 #include "tools/export/colmap.h"
+#include "tools/export/keyframe_images.h"
 #include "tools/export/map_obj.h"
 #include "tools/export/mcap/export_mcap.h"
 #include "tools/export/picture_check.h"
-#include "tools/export/run_source.h"
 #include "tools/export/surface_files.h"
 #include "tools/pose_graph/export.h"
 #include "viewer_headless/node/logged_run.h"
@@ -33,9 +35,13 @@
 namespace plslam::exports {
 namespace {
 
+/// Contents of a run that its messages have besides the map.
+constexpr unsigned kTables = run_content::kTrajectory | run_content::kLive | run_content::kTruth |
+                             run_content::kCovariances | run_content::kFrames;
+
 /// State of an export while files are written.
 struct OngoingExport {
-  RunSource source;
+  Run run;
   std::string out;
   std::shared_ptr<const Dataset> dataset;
   std::unique_ptr<KeyframeImages> images;
@@ -43,14 +49,15 @@ struct OngoingExport {
   std::optional<ColmapModel> model;
   bool has_features = true;  ///< of the keyframes, if there is a map
 
-  const Map& map() const { return source.map->map; }
+  const Map& map() const { return run.map->map; }
   std::string Path(const std::string& name) const { return out + "/" + name; }
   void AddFile(const std::string& name, const std::string& what) { files.push_back({Path(name), what}); }
 };
 
 void ExportPly(OngoingExport& e) {
-  WriteFileAtomically(e.Path("map.ply"), MapPly(e.map()));
-  e.AddFile("map.ply", fmt::format("{} points, {} lines", e.map().points().size(), e.map().lines().size()));
+  WriteFileAtomically(e.Path(result_file::kLandmarks), MapPly(e.map()));
+  e.AddFile(result_file::kLandmarks,
+            fmt::format("{} points, {} lines", e.map().points().size(), e.map().lines().size()));
 }
 
 void ExportObj(OngoingExport& e) {
@@ -65,7 +72,7 @@ std::string ModelText(const ColmapModel& model) {
 
 /// Made once: two formats write it.
 const ColmapModel& ModelOf(OngoingExport& e) {
-  if (!e.model) e.model = ColmapOf(*e.source.map, MapCamera(*e.source.map, e.source.map_path));
+  if (!e.model) e.model = ColmapOf(*e.run.map, MapCamera(*e.run.map, e.run.map_path));
   return *e.model;
 }
 
@@ -75,7 +82,7 @@ void ExportImages(OngoingExport& e) {
   std::filesystem::create_directories(folder);
   size_t n = 0, n_others = 0;
   const auto names = KeyframeImageNames(e.map());
-  const KeyframeFeatures& all_features = e.source.map->features;
+  const KeyframeFeatures& all_features = e.run.map->features;
   for (const auto& [id, keyframe] : e.map().keyframes()) {
     const auto image = e.images->At(keyframe.t_ns);
     if (!image) continue;
@@ -133,8 +140,8 @@ void WritePoses(const std::string& name, TrajectoryFormat format, const Trajecto
 }
 
 void ExportPoses(TrajectoryFormat format, OngoingExport& e) {
-  if (!e.source.frames.empty()) WritePoses("trajectory", format, e.source.frames, "frames", e);
-  if (!e.source.map || e.map().keyframes().empty()) return;
+  if (e.run.has_poses()) WritePoses("trajectory", format, *e.run.trajectory, "frames", e);
+  if (!e.run.map || e.map().keyframes().empty()) return;
   const SE3 T_c_l = e.images ? e.images->T_l_c().Inverse() : SE3();
   for (auto& [suffix, keyframes] : pose_graph::TrajectoriesOf(e.map())) {
     for (TrajectoryPose& pose : keyframes) pose.T_a_b = pose.T_a_b * T_c_l;
@@ -143,7 +150,7 @@ void ExportPoses(TrajectoryFormat format, OngoingExport& e) {
 }
 
 void ExportAsMcap(OngoingExport& e) {
-  const McapContent content = ExportMcap(e.source, e.dataset.get(), e.Path("run.mcap"));
+  const McapContent content = ExportMcap(e.run, e.dataset.get(), e.Path("run.mcap"));
   e.AddFile("run.mcap", fmt::format("{} frames, {} images{}{}", content.frames, content.images,
                                     content.has_map ? ", the map" : "", content.has_grid ? ", the grid" : ""));
   WriteFileAtomically(e.Path("foxglove_layout.json"), FoxgloveLayout());
@@ -205,10 +212,10 @@ viewer::LoggedRun ReadLog(const std::string& log, OngoingExport& e) {
   }
   if (run.map.keyframes().empty() || !run.map.camera()) return run;
   e.has_features = false;
-  e.source.map_path = log;
-  e.source.map.emplace();
-  e.source.map->map = run.map;
-  e.source.map->rig = CameraBytes(*run.map.camera());
+  e.run.map_path = log;
+  e.run.map.emplace();
+  e.run.map->map = run.map;
+  e.run.map->rig = CameraBytes(*run.map.camera());
   return run;
 }
 
@@ -216,14 +223,15 @@ viewer::LoggedRun ReadLog(const std::string& log, OngoingExport& e) {
 void WriteLog(const viewer::LoggedRun& run, OngoingExport& e) {
   viewer::WriteLoggedRun(run, e.Path("run"));
   e.AddFile("run", "trajectories and tables of the log" + (run.lack.empty() ? "" : fmt::format(" ({})", run.lack)));
-  RunSource written = ReadRunSource(e.Path("run"));
-  e.source.folder = std::move(written.folder);
-  e.source.frames = std::move(written.frames);
+  Run written = ReadRun(e.Path("run"), kTables);
+  written.map_path = std::move(e.run.map_path);
+  written.map = std::move(e.run.map);
+  e.run = std::move(written);
 }
 
 bool Has(const OngoingExport& e, const ExportFormat& format) {
-  if (format.needs_surfaces && !HasSurfaces(e.source.map_path)) return false;
-  return !format.needs_map || (e.source.map && (e.has_features || !format.needs_features));
+  if (format.needs_surfaces && !HasSurfaces(e.run.map_path)) return false;
+  return !format.needs_map || (e.run.map && (e.has_features || !format.needs_features));
 }
 
 void CheckContent(const ExportRequest& request, const OngoingExport& e) {
@@ -256,8 +264,8 @@ void ExportSurfaces(const ExportRequest& request, OngoingExport& e) {
     if (format.needs_surfaces && IsWanted(request, e, format)) kinds.push_back(format.name);
   }
   if (kinds.empty()) return;
-  for (const std::string& name : WriteSurfaceFiles(e.source.map_path, request.out, kinds)) {
-    const bool is_frames = name == "frames.json";
+  for (const std::string& name : WriteSurfaceFiles(e.run.map_path, request.out, kinds)) {
+    const bool is_frames = name == result_file::kSurfaceFrames;
     e.files.push_back({request.out + "/" + name,
                        is_frames ? "frames of the surfaces" : "of the surfaces of the map (docs/planning.md)"});
   }
@@ -272,23 +280,31 @@ void AddLeftOut(const ExportRequest& request, OngoingExport& e) {
   }
   if (names.empty()) return;
   e.files.push_back({"left out", fmt::format("{}: there is no {}map (plslam run --save-map FILE.plmap writes one)",
-                                             fmt::join(names, ", "), e.source.map ? "saved " : "")});
+                                             fmt::join(names, ", "), e.run.map ? "saved " : "")});
+}
+
+Run MapOnly(Run run) {
+  Run only;
+  only.map_path = std::move(run.map_path);
+  only.map = std::move(run.map);
+  return only;
 }
 
 /// The main part of the map is that of the frames. Each other part has a frame and a folder of its own.
 void WriteParts(const ExportRequest& request, OngoingExport& e) {
-  if (!e.source.map) return WriteFormats(request, e);
+  if (!e.run.map) return WriteFormats(request, e);
   std::set<int64_t> times_ns;
-  for (const TrajectoryPose& pose : e.source.frames) times_ns.insert(pose.t_ns);
+  if (e.run.trajectory) {
+    for (const TrajectoryPose& pose : *e.run.trajectory) times_ns.insert(pose.t_ns);
+  }
   const auto parts = PartsOf(e.map(), [&](const MapKeyframe& keyframe) { return times_ns.contains(keyframe.t_ns); });
   if (parts.size() < 2) return WriteFormats(request, e);
   const Map whole = e.map();
   for (size_t i = 0; i < parts.size(); ++i) {
-    e.source.map->map = PartOf(whole, parts[i]);
+    e.run.map->map = PartOf(whole, parts[i]);
     e.model.reset();
     if (i > 0) {
-      e.source.frames.clear();
-      e.source.folder.clear();
+      e.run = MapOnly(std::move(e.run));
       e.out = fmt::format("{}/part{}", request.out, i + 1);
       MakeFolder(e.out);
       e.files.push_back({e.out, fmt::format("{} keyframes that are not connected with those before, in a frame of "
@@ -319,11 +335,12 @@ std::vector<ExportedFile> ExportRun(const ExportRequest& request) {
   if (bus::LooksLikeLcmLog(request.source)) {
     run = ReadLog(request.source, e);
   } else {
-    e.source = ReadRunSource(request.source);
+    const bool has_mcap = request.formats.empty() || IsNamed(request.formats, "mcap");
+    e.run = ReadRun(request.source, run_content::kMap | (has_mcap ? kTables : run_content::kTrajectory));
   }
   CheckContent(request, e);
-  if (e.dataset && e.source.map) {
-    const StereoCamera camera = MapCamera(*e.source.map, e.source.map_path);
+  if (e.dataset && e.run.map) {
+    const StereoCamera camera = MapCamera(*e.run.map, e.run.map_path);
     e.images = std::make_unique<KeyframeImages>(e.dataset, camera);
   }
   MakeFolder(request.out);

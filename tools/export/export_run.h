@@ -21,7 +21,7 @@ struct ExportFormat {
 const std::vector<ExportFormat>& ExportFormats();
 
 struct ExportRequest {
-  /// Map file or folder of a run (run_source.h), or LCM log of a run, of which the files of viewer_headless are then
+  /// Map file or folder of a run (`ReadRun`), or LCM log of a run, of which the files of viewer_headless are then
   /// written to the folder `run` in `out`.
   std::string source;
   /// Folder to write to; it is made.

@@ -12,6 +12,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "core/errors/error_text.h"
+#include "core/run/result_files.h"
 
 namespace plslam::exports {
 namespace {
@@ -39,7 +40,7 @@ void ReadPgm(const std::string& path, OccupancyGrid& grid) {
 
 std::optional<OccupancyGrid> ReadGridFiles(const std::string& folder) {
   const std::filesystem::path from(folder);
-  const std::string yaml = from / "map.yaml", frames = from / "frames.json";
+  const std::string yaml = from / result_file::kGridMetadata, frames = from / result_file::kSurfaceFrames;
   if (!std::filesystem::exists(yaml)) return std::nullopt;
   OccupancyGrid grid;
   try {

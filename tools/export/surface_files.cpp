@@ -30,7 +30,7 @@ struct Output {
 };
 
 /// Throws std::runtime_error if the program cannot be started.
-Output Run(std::vector<std::string> words) {
+Output RunProgram(std::vector<std::string> words) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error(fmt::format("no pipe: {}", std::strerror(errno)));
   posix_spawn_file_actions_t files;
@@ -70,7 +70,7 @@ std::vector<std::string> WriteSurfaceFiles(const std::string& map_path, const st
                                            const std::vector<std::string>& kinds) {
   std::vector<std::string> words{ProgramFolder() / kProgram, map_path, "--out", out, "--format"};
   words.insert(words.end(), kinds.begin(), kinds.end());
-  const Output output = Run(std::move(words));
+  const Output output = RunProgram(std::move(words));
   std::istringstream text(output.text);
   std::vector<std::string> lines;
   for (std::string line; std::getline(text, line);) lines.push_back(line);

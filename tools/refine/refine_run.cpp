@@ -15,8 +15,9 @@
 #include "core/io/maps/map_camera.h"
 #include "core/io/maps/map_file.h"
 #include "core/io/trajectories/trajectory.h"
+#include "core/run/result_files.h"
+#include "core/run/run.h"
 #include "tools/evaluate/accuracy.h"
-#include "tools/export/run_source.h"
 #include "tools/refine/followed_frames.h"
 
 namespace plslam::refine {
@@ -205,11 +206,9 @@ double AteOf(const Trajectory& estimate, const Trajectory& truth) {
   return evaluate::EvaluateTrajectory(estimate, truth, options).ate_m.rmse;
 }
 
-std::optional<RefineErrors> ErrorsOf(const std::string& folder, const Trajectory& before, const Trajectory& after) {
-  const fs::path path = fs::path(folder) / "groundtruth.tum";
-  if (folder.empty() || before.empty() || !fs::is_regular_file(path)) return std::nullopt;
-  const Trajectory truth = ReadTrajectory(path.string(), TrajectoryFormat::kTum);
-  const RefineErrors errors{AteOf(before, truth), AteOf(after, truth)};
+std::optional<RefineErrors> ErrorsOf(const Run& run, const Trajectory& before, const Trajectory& after) {
+  if (before.empty() || !run.truth) return std::nullopt;
+  const RefineErrors errors{AteOf(before, *run.truth), AteOf(after, *run.truth)};
   if (!(errors.before_m > 0.0) || !std::isfinite(errors.after_m)) return std::nullopt;
   return errors;
 }
@@ -228,11 +227,11 @@ void CheckOut(const RefineRequest& request, const std::string& folder) {
 }  // namespace
 
 RefinedRun RefineRun(const RefineRequest& request) {
-  exports::RunSource source = exports::ReadRunSource(request.source);
+  const Run source = ReadRun(request.source, run_content::kMap | run_content::kTrajectory | run_content::kTruth);
+  const Trajectory before = source.trajectory.value_or(Trajectory());
   if (!source.map) {
-    throw std::runtime_error(
-        fmt::format("{}: has no map (.plmap), which refining needs: run with --save-map {}/map.plmap", request.source,
-                    request.source));
+    throw std::runtime_error(fmt::format("{}: has no map (.plmap), which refining needs: run with --save-map {}/{}",
+                                         request.source, request.source, result_file::kMap));
   }
   CheckOut(request, source.folder);
   StoredMap refined = *source.map;
@@ -244,22 +243,23 @@ RefinedRun RefineRun(const RefineRequest& request) {
     throw std::runtime_error(fmt::format("{}: {}", source.map_path, e.what()));
   }
   const Displacements displacements = DisplacementsOf(source.map->map, refined.map);
-  const Trajectory frames = FollowKeyframes(source.frames, OfTrajectory(displacements, source.frames));
+  const Trajectory frames = FollowKeyframes(before, OfTrajectory(displacements, before));
   const Trajectory keyframes = KeyframesOf(refined.map);
-  run.errors = ErrorsOf(source.folder, source.frames, frames);
+  run.errors = ErrorsOf(source, before, frames);
   run.table = TableOf(run);
 
   MakeFolder(request.out);
   const fs::path out(request.out);
-  WriteMapFile((out / "map.plmap").string(), refined);
-  WriteTrajectory((out / "trajectory.tum").string(), TrajectoryFormat::kTum, frames.empty() ? keyframes : frames);
-  WriteTrajectory((out / "keyframes.tum").string(), TrajectoryFormat::kTum, keyframes);
+  WriteMapFile((out / result_file::kMap).string(), refined);
+  WriteTrajectory((out / result_file::kTrajectory.tum).string(), TrajectoryFormat::kTum,
+                  frames.empty() ? keyframes : frames);
+  WriteTrajectory((out / result_file::kKeyframes.tum).string(), TrajectoryFormat::kTum, keyframes);
   WriteFileAtomically((out / "camera.yaml").string(), CameraText(camera, run.report, request.options.camera));
-  const fs::path truth = fs::path(source.folder) / "groundtruth.tum";
-  if (!source.folder.empty() && fs::is_regular_file(truth)) {
-    fs::copy_file(truth, out / "groundtruth.tum", fs::copy_options::overwrite_existing);
+  if (source.truth) {
+    fs::copy_file(fs::path(source.folder) / result_file::kTruth, out / result_file::kTruth,
+                  fs::copy_options::overwrite_existing);
   }
-  WriteFileAtomically((out / "summary.json").string(), SummaryOf(request, run, refined).dump(2) + "\n");
+  WriteFileAtomically((out / result_file::kSummary).string(), SummaryOf(request, run, refined).dump(2) + "\n");
   return run;
 }
 

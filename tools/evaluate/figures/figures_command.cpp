@@ -10,14 +10,15 @@
 #include "core/datasets/open_dataset.h"
 #include "core/io/files/shared_file.h"
 #include "core/io/maps/map_camera.h"
+#include "core/run/result_files.h"
+#include "core/run/run.h"
 #include "tools/command_line/run_command_line.h"
 #include "tools/evaluate/accuracy.h"
 #include "tools/evaluate/figures/pair_figure.h"
 #include "tools/evaluate/figures/runtime_figure.h"
 #include "tools/evaluate/figures/top_view.h"
 #include "tools/evaluate/places/similarity_figure.h"
-#include "tools/evaluate/run_record.h"
-#include "tools/export/run_source.h"
+#include "tools/export/keyframe_images.h"
 
 namespace plslam::evaluate {
 namespace {
@@ -35,16 +36,14 @@ struct Arguments {
   std::string lines = "lbd.vocabulary";
 };
 
-/// The data of the figures.
+/// A run with the attributes of its figures.
 struct Material {
-  exports::RunSource source;
-  nlohmann::json summary;
-  Trajectory truth;
+  Run run;
   std::string dataset;
   std::string title;
   std::string out;
 
-  bool HasMap() const { return source.map && !source.map->map.keyframes().empty(); }
+  bool HasMap() const { return run.map && !run.map->map.keyframes().empty(); }
 };
 
 void AddOptions(CLI::App& app, Arguments& a) {
@@ -71,10 +70,10 @@ std::string LastPart(const std::string& location) {
 
 Material Collect(const Arguments& a) {
   if (!fs::is_directory(a.run)) throw std::runtime_error(a.run + ": is not the folder of a run");
-  Material m{exports::ReadRunSource(a.run, a.map), nlohmann::json::object(), {}, a.dataset, a.title, a.out};
-  if (fs::exists(a.run + "/summary.json")) m.summary = ReadRunSummary(a.run);
-  if (fs::exists(a.run + "/groundtruth.tum")) m.truth = ReadTrajectory(a.run + "/groundtruth.tum");
-  if (m.dataset.empty()) m.dataset = m.summary.value("dataset", "");
+  constexpr unsigned kContent =
+      run_content::kSummary | run_content::kTrajectory | run_content::kTruth | run_content::kMap;
+  Material m{ReadRun(a.run, kContent, a.map), a.dataset, a.title, a.out};
+  if (m.dataset.empty() && m.run.summary) m.dataset = m.run.summary->value("dataset", "");
   if (m.title.empty()) m.title = LastPart(m.dataset.empty() ? a.run : m.dataset);
   if (m.out.empty()) m.out = (fs::path(a.run) / "figures").string();
   fs::create_directories(m.out);
@@ -89,24 +88,26 @@ void Write(const Drawing& drawing, const std::string& name, const Material& m) {
 void Skip(const std::string& name, const std::string& why) { fmt::print("{}: skipped: {}\n", name, why); }
 
 void DrawTopView(const Material& m) {
-  if (m.source.frames.empty()) return Skip("top_view", "the run has no trajectory.tum");
-  const Accuracy accuracy = EvaluateTrajectory(m.source.frames, m.truth, EvaluateOptions{});
+  if (!m.run.has_poses()) return Skip("top_view", fmt::format("the run has no {}", result_file::kTrajectory.tum));
+  const Trajectory& estimate = *m.run.trajectory;
+  const Trajectory truth = m.run.truth.value_or(Trajectory());
+  const Accuracy accuracy = EvaluateTrajectory(estimate, truth, EvaluateOptions{});
   std::vector<NamedPath> paths;
   std::string title = m.title;
   if (!accuracy.pairs.empty()) {
     const SE3 T_w_truth = accuracy.alignment.T_a_b.Inverse();
-    paths.push_back({"truth", PositionsOf(m.truth, T_w_truth), {{214, 39, 40}, 1.6, false}});
+    paths.push_back({"truth", PositionsOf(truth, T_w_truth), {{214, 39, 40}, 1.6, false}});
     title += fmt::format(": ATE {:.3g} m", accuracy.ate_m.rmse);
   }
-  paths.push_back({"estimate (o start)", PositionsOf(m.source.frames), {{31, 80, 180}, 0.9, false}});
-  Write(TopView(title, paths, m.HasMap() ? &m.source.map->map : nullptr), "top_view", m);
+  paths.push_back({"estimate (o start)", PositionsOf(estimate), {{31, 80, 180}, 0.9, false}});
+  Write(TopView(title, paths, m.HasMap() ? &m.run.map->map : nullptr), "top_view", m);
 }
 
 void DrawCovisibility(const Material& m) {
   if (!m.HasMap()) return Skip("covisibility", "the run has no map (plslam run --save-map)");
-  const MapTotals totals = m.source.map->map.Totals();
+  const MapTotals totals = m.run.map->map.Totals();
   const std::string title = fmt::format("{}: {} keyframes, {} loops", m.title, totals.keyframes, totals.loops);
-  Write(CovisibilityFigure(title, m.source.map->map), "covisibility", m);
+  Write(CovisibilityFigure(title, m.run.map->map), "covisibility", m);
 }
 
 void DrawSimilarity(const Material& m, const Arguments& a) {
@@ -117,7 +118,7 @@ void DrawSimilarity(const Material& m, const Arguments& a) {
   }
   const std::string title = m.title + ": similarity of keyframes";
   const PlaceRecogniser recogniser(Vocabulary::Load(points), Vocabulary::Load(lines), PlaceOptions{});
-  Write(SimilarityFigure(title, KeyframeSimilarities(*m.source.map, recogniser), "keyframes"), "similarity", m);
+  Write(SimilarityFigure(title, KeyframeSimilarities(*m.run.map, recogniser), "keyframes"), "similarity", m);
 }
 
 std::pair<int64_t, int64_t> PairOf(const Arguments& a, const Map& map) {
@@ -132,7 +133,7 @@ std::pair<int64_t, int64_t> PairOf(const Arguments& a, const Map& map) {
 
 void DrawPair(const Material& m, const Arguments& a) {
   if (!m.HasMap()) return Skip("keyframe_pair", "the run has no map (plslam run --save-map)");
-  const StoredMap& stored = *m.source.map;
+  const StoredMap& stored = *m.run.map;
   const auto [first, second] = PairOf(a, stored.map);
   if (first < 0) return Skip("keyframe_pair", "no two keyframes share a landmark");
   if (!stored.features.contains(first) || !stored.features.contains(second)) {
@@ -145,7 +146,7 @@ void DrawPair(const Material& m, const Arguments& a) {
     return PairedImage{fmt::format("keyframe {}, frame {}", id, keyframe.frame_id), *image, &stored.features.at(id)};
   };
   try {
-    const exports::KeyframeImages images(OpenDatasetAndWarn(m.dataset, ""), MapCamera(stored, m.source.map_path));
+    const exports::KeyframeImages images(OpenDatasetAndWarn(m.dataset, ""), MapCamera(stored, m.run.map_path));
     const auto a_shown = shown(images, first), b_shown = shown(images, second);
     if (!a_shown || !b_shown) return Skip("keyframe_pair", m.dataset + " has no images at these times");
     Write(PairFigure(m.title, *a_shown, *b_shown, SharedBy(stored.map, first, second)), "keyframe_pair", m);
@@ -155,8 +156,10 @@ void DrawPair(const Material& m, const Arguments& a) {
 }
 
 void DrawRuntime(const Material& m) {
-  if (m.summary.empty()) return Skip("runtime", "the run has no summary.json");
-  Write(RuntimeFigure(m.title, m.summary), "runtime", m);
+  if (!m.run.summary || m.run.summary->empty()) {
+    return Skip("runtime", fmt::format("the run has no {}", result_file::kSummary));
+  }
+  Write(RuntimeFigure(m.title, *m.run.summary), "runtime", m);
 }
 
 int DrawFigures(const Arguments& a) {

@@ -30,7 +30,6 @@
 #include "core/ros/ros_topics.h"
 #include "tools/export/grid_files.h"
 #include "tools/export/mcap/mcap_writer.h"
-#include "tools/export/mcap/run_tables.h"
 #include "tools/pose_graph/export.h"
 
 namespace plslam::exports {
@@ -180,11 +179,36 @@ class ImagesAhead {
   std::deque<std::future<CompressedImage>> begun_;
 };
 
+int LevelOf(std::string_view state) {
+  if (state == "lost") return 2;
+  return state == "tracking" ? 0 : 1;
+}
+
+std::vector<RosDiagnostic> DiagnosticsOf(const FrameTable& table) {
+  std::vector<RosDiagnostic> frames;
+  for (const FrameTable::Row& row : table.rows) {
+    RosDiagnostic frame{row.t_ns, LevelOf(row.state), "vo_process", row.state, {}};
+    for (size_t i = 0; i < row.values.size(); ++i) frame.values.emplace_back(table.columns[i], row.values[i]);
+    frames.push_back(std::move(frame));
+  }
+  return frames;
+}
+
+/// Returns the covariance of that time; null if there is none.
+const Matrix6d* Find(const std::optional<std::vector<PoseCovariance>>& covariances, int64_t t_ns) {
+  if (!covariances) return nullptr;
+  const auto found = std::ranges::lower_bound(*covariances, t_ns, {}, &PoseCovariance::t_ns);
+  return found != covariances->end() && found->t_ns == t_ns ? &found->covariance : nullptr;
+}
+
 class Exporter {
  public:
-  Exporter(const RunSource& source, const Dataset* dataset, const std::string& path)
-      : source_(source), dataset_(dataset), topics_(path) {
-    if (!source.folder.empty()) tables_ = ReadRunTables(source.folder);
+  Exporter(const Run& run, const Dataset* dataset, const std::string& path)
+      : run_(run),
+        dataset_(dataset),
+        topics_(path),
+        poses_(run.trajectory.value_or(Trajectory())),
+        frames_(run.frames ? DiagnosticsOf(*run.frames) : std::vector<RosDiagnostic>()) {
     if (dataset != nullptr) images_.emplace(*dataset);
   }
 
@@ -192,7 +216,7 @@ class Exporter {
     AddWhole();
     AddFrames();
     AddImages();
-    for (const RosDiagnostic& frame : tables_.frames) {
+    for (const RosDiagnostic& frame : frames_) {
       At(frame.t_ns, [&] { topics_.Write(ros_topic::kDiagnostics, frame.t_ns, RosDiagnosticMessage(frame)); });
     }
     std::stable_sort(messages_.begin(), messages_.end(),
@@ -207,10 +231,10 @@ class Exporter {
 
   /// Returns the time of the first message: data of the whole run are written at the beginning.
   int64_t Begin() const {
-    int64_t begin = source_.frames.empty() ? INT64_MAX : source_.frames.front().t_ns;
-    if (!tables_.frames.empty()) begin = std::min(begin, tables_.frames.front().t_ns);
-    if (begin == INT64_MAX && source_.map && !source_.map->map.keyframes().empty()) {
-      begin = source_.map->map.keyframes().begin()->second.t_ns;
+    int64_t begin = poses_.empty() ? INT64_MAX : poses_.front().t_ns;
+    if (!frames_.empty()) begin = std::min(begin, frames_.front().t_ns);
+    if (begin == INT64_MAX && run_.map && !run_.map->map.keyframes().empty()) {
+      begin = run_.map->map.keyframes().begin()->second.t_ns;
     }
     return begin == INT64_MAX ? 0 : begin;
   }
@@ -225,18 +249,18 @@ class Exporter {
     At(t, [=, this] {
       topics_.Write(
           ros_topic::kTfStatic, t,
-          RosTransforms(t, {{kRosWorld, kRosMap, source_.map ? LevelFromMap(source_.map->map) : LevelFromCamera()}}));
+          RosTransforms(t, {{kRosWorld, kRosMap, run_.map ? LevelFromMap(run_.map->map) : LevelFromCamera()}}));
     });
-    AddPath(ros_topic::kPath, source_.frames, t);
-    AddPath(ros_topic::kPathLive, tables_.live, t);
-    AddPath(ros_topic::kPathTruth, tables_.truth, t);
-    if (const auto grid = source_.folder.empty() ? std::nullopt : ReadGridFiles(source_.folder)) {
+    AddPath(ros_topic::kPath, poses_, t);
+    if (run_.live) AddPath(ros_topic::kPathLive, *run_.live, t);
+    if (run_.truth) AddPath(ros_topic::kPathTruth, *run_.truth, t);
+    if (const auto grid = run_.folder.empty() ? std::nullopt : ReadGridFiles(run_.folder)) {
       content_.has_grid = true;
       At(t, [=, this] { topics_.Write(ros_topic::kGrid, t, RosOccupancyGrid(t, *grid)); });
     }
-    if (!source_.map) return;
+    if (!run_.map) return;
     content_.has_map = true;
-    At(t, [=, this] { WriteMap(t, source_.map->map); });
+    At(t, [=, this] { WriteMap(t, run_.map->map); });
   }
 
   void WriteMap(int64_t t, const Map& map) {
@@ -249,34 +273,30 @@ class Exporter {
   }
 
   void AddFrames() {
-    for (size_t i = 0; i < source_.frames.size(); ++i) At(source_.frames[i].t_ns, [=, this] { WriteFrame(i); });
-    content_.frames = static_cast<int64_t>(source_.frames.size());
+    for (size_t i = 0; i < poses_.size(); ++i) At(poses_[i].t_ns, [=, this] { WriteFrame(i); });
+    content_.frames = static_cast<int64_t>(poses_.size());
   }
 
   void WriteFrame(size_t i) {
-    const TrajectoryPose& pose = source_.frames[i];
+    const TrajectoryPose& pose = poses_[i];
     topics_.Write(ros_topic::kTf, pose.t_ns, RosTransforms(pose.t_ns, {{kRosMap, kRosCamera, pose.T_a_b}}));
     RosOdometry odometry;
     odometry.t_ns = pose.t_ns;
     odometry.T_parent_child = pose.T_a_b;
-    const auto covariance = tables_.covariances.find(pose.t_ns);
-    if (covariance != tables_.covariances.end()) {
-      odometry.covariance = robot::AlongParentAxes(pose.T_a_b, covariance->second);
+    if (const Matrix6d* covariance = Find(run_.covariance, pose.t_ns)) {
+      odometry.covariance = robot::AlongParentAxes(pose.T_a_b, *covariance);
     }
     // A frame after a lost one has no motion since the previous frame.
-    const auto motion = tables_.motion_covariances.find(pose.t_ns);
-    if (i > 0 && motion != tables_.motion_covariances.end()) {
-      SetVelocity(source_.frames[i - 1], motion->second, odometry);
-    }
+    const Matrix6d* motion = Find(run_.motion_covariance, pose.t_ns);
+    if (i > 0 && motion != nullptr) SetVelocity(poses_[i - 1], *motion, odometry);
     topics_.Write(ros_topic::kOdom, pose.t_ns, RosOdometryMessage(odometry));
   }
 
   /// Adds the images that were taken during the run.
   void AddImages() {
-    if (dataset_ == nullptr || source_.frames.empty()) return;
+    if (dataset_ == nullptr || poses_.empty()) return;
     const int64_t first = Begin();
-    const int64_t last =
-        std::max(source_.frames.back().t_ns, tables_.frames.empty() ? 0 : tables_.frames.back().t_ns);
+    const int64_t last = std::max(poses_.back().t_ns, frames_.empty() ? 0 : frames_.back().t_ns);
     for (int i = 0; i < dataset_->size(); ++i) {
       const int64_t t = dataset_->t_ns(i);
       if (t < first || t > last || !dataset_->Missing(i).empty()) continue;
@@ -295,19 +315,20 @@ class Exporter {
     topics_.Write(ros_topic::kLeftInfo, t, RosCameraInfoMessage(t, dataset_->rig().left));
   }
 
-  const RunSource& source_;
+  const Run& run_;
   const Dataset* dataset_;
-  RunTables tables_;
-  std::optional<ImagesAhead> images_;
   Topics topics_;
+  const Trajectory poses_;
+  const std::vector<RosDiagnostic> frames_;
+  std::optional<ImagesAhead> images_;
   std::vector<MessageToWrite> messages_;
   McapContent content_;
 };
 
 }  // namespace
 
-McapContent ExportMcap(const RunSource& source, const Dataset* dataset, const std::string& path) {
-  return Exporter(source, dataset, path).Write();
+McapContent ExportMcap(const Run& run, const Dataset* dataset, const std::string& path) {
+  return Exporter(run, dataset, path).Write();
 }
 
 }  // namespace plslam::exports

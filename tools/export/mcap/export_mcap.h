@@ -4,7 +4,8 @@
 #include <cstdint>
 #include <string>
 
-#include "tools/export/run_source.h"
+#include "core/datasets/dataset.h"
+#include "core/run/run.h"
 
 namespace plslam::exports {
 
@@ -19,7 +20,7 @@ struct McapContent {
 /// Writes a run and its map as messages of ROS 2 (docs/exports.md has the table of topics). Images, as recorded, are
 /// read from `dataset`, unless it is null. Throws std::runtime_error if files of the run are damaged or the file cannot
 /// be written.
-McapContent ExportMcap(const RunSource& source, const Dataset* dataset, const std::string& path);
+McapContent ExportMcap(const Run& run, const Dataset* dataset, const std::string& path);
 
 /// Returns a layout for Foxglove and Lichtblick that shows these topics.
 std::string FoxgloveLayout();

@@ -5,32 +5,13 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <string>
 
 #include <opencv2/core/mat.hpp>
 
 #include "core/datasets/dataset.h"
 #include "core/geometry/rectifier.h"
-#include "core/io/maps/map_file.h"
-#include "core/io/trajectories/trajectory.h"
 
 namespace plslam::exports {
-
-/// Content of a map file, or of the folder of a run.
-struct RunSource {
-  /// Empty if the source is a map file.
-  std::string folder;
-  /// Empty if there is no map.
-  std::string map_path;
-  std::optional<StoredMap> map;
-  /// T_w_l of all frames (`trajectory.tum` of the folder).
-  Trajectory frames;
-};
-
-/// `path` is a map file (.plmap), or a folder with one of them or a `trajectory.tum`, or both. Throws
-/// std::runtime_error if there is neither, or more than one map. `map`, unless empty, is used instead of the map in the
-/// folder.
-RunSource ReadRunSource(const std::string& path, const std::string& map = "");
 
 /// Computes the rectified left images of a map's keyframes again from the dataset.
 class KeyframeImages {

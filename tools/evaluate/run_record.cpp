@@ -5,12 +5,12 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
+#include <filesystem>
 #include <stdexcept>
 
-#include "core/errors/error_text.h"
 #include "core/run/frame_tally.h"
 #include "core/run/process_names.h"
+#include "core/run/run.h"
 
 namespace plslam::evaluate {
 namespace {
@@ -139,16 +139,6 @@ std::string WithoutSeed(const std::string& dataset) {
 
 }  // namespace
 
-nlohmann::json ReadRunSummary(const std::string& folder) {
-  const std::string path = folder + "/summary.json";
-  const std::string why = WhyUnreadable(path);
-  if (!why.empty()) throw std::runtime_error(path + ": " + why + "; is " + folder + " the folder of a run?");
-  std::ifstream file(path);
-  auto summary = nlohmann::json::parse(file, nullptr, false);
-  if (summary.is_discarded() || !summary.is_object()) throw std::runtime_error(path + ": is not readable as JSON");
-  return summary;
-}
-
 std::string NameWithUnit(const Metric& metric) {
   return metric.unit.empty() ? metric.name : fmt::format("{} [{}]", metric.name, metric.unit);
 }
@@ -176,10 +166,11 @@ RunRecord RecordOf(const json& summary, const std::string& folder) {
 }
 
 std::optional<RunRecord> FindRunRecord(const std::string& folder) {
+  if (!std::filesystem::is_directory(folder)) return std::nullopt;
   try {
-    const json summary = ReadRunSummary(folder);
-    if (!summary.contains("completed") || !summary.contains("frames")) return std::nullopt;
-    return RecordOf(summary, folder);
+    const std::optional<json> summary = ReadRun(folder, run_content::kSummary).summary;
+    if (!summary || !summary->contains("completed") || !summary->contains("frames")) return std::nullopt;
+    return RecordOf(*summary, folder);
   } catch (const json::exception&) {
     return std::nullopt;
   } catch (const std::runtime_error&) {

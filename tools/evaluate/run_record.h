@@ -9,9 +9,6 @@
 
 namespace plslam::evaluate {
 
-/// The object in `FOLDER/summary.json` of a run. Throws std::runtime_error, which names the file, if there is none.
-nlohmann::json ReadRunSummary(const std::string& folder);
-
 /// A number that runs are compared by.
 struct Metric {
   std::string key;   ///< in JSON and CSV: "ate_m"

@@ -25,26 +25,32 @@ Trajectory Curve(const SE3& T_frame_curve, int64_t from_ns = 0) {
 
 double Difference(const SE3& a, const SE3& b) { return (a.matrix() - b.matrix()).norm(); }
 
+constexpr int64_t kLater_ns = 1'000'000'000'000;
+
 TEST(RunPaths, JoinedByTheTruthOfBoth) {
-  RunPaths base, other;
-  base.T_truth_w = SE3(ExpSO3({0.0, 0.3, 0.0}), {1.0, 0.0, 0.0});
-  other.T_truth_w = *base.T_truth_w * kT_w_other;
-  EXPECT_LT(Difference(BaseFromOther(base, other), kT_w_other), 1e-12);
+  const SE3 T_truth_base(ExpSO3({0.0, 0.3, 0.0}), {1.0, 0.0, 0.0});
+  plslam::Run base, other;
+  base.trajectory = Curve(SE3());
+  base.truth = Curve(T_truth_base);
+  other.trajectory = Curve(kT_w_other.Inverse(), kLater_ns);
+  other.truth = Curve(T_truth_base, kLater_ns);
+  EXPECT_LT(Difference(*TruthFromMap(base), T_truth_base), 1e-6);
+  EXPECT_LT(Difference(BaseFromOther(base, other), kT_w_other), 1e-6);
 }
 
 TEST(RunPaths, JoinedByTheirOwnPathsWithoutTruth) {
-  RunPaths base, other;
-  base.estimate = Curve(SE3());
-  other.estimate = Curve(kT_w_other.Inverse());
+  plslam::Run base, other;
+  base.trajectory = Curve(SE3());
+  other.trajectory = Curve(kT_w_other.Inverse());
   EXPECT_LT(Difference(BaseFromOther(base, other), kT_w_other), 1e-6);
-  base.T_truth_w = SE3(ExpSO3({0.0, 0.3, 0.0}), {1.0, 0.0, 0.0});
+  base.truth = Curve(SE3(ExpSO3({0.0, 0.3, 0.0}), {1.0, 0.0, 0.0}));
   EXPECT_LT(Difference(BaseFromOther(base, other), kT_w_other), 1e-6) << "the truth of one joins nothing";
 }
 
 TEST(RunPaths, NothingInCommonIsOneStart) {
-  RunPaths base, other;
-  base.estimate = Curve(SE3());
-  other.estimate = Curve(kT_w_other, 1'000'000'000'000);
+  plslam::Run base, other;
+  base.trajectory = Curve(SE3());
+  other.trajectory = Curve(kT_w_other, kLater_ns);
   EXPECT_EQ(Difference(BaseFromOther(base, other), SE3()), 0.0);
 }
 

@@ -16,6 +16,7 @@
 #include "core/errors/standard_streams.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/trajectories/trajectory.h"
+#include "core/run/result_files.h"
 #include "tools/command_line/run_command_line.h"
 #include "tools/evaluate/compare/comparison_page.h"
 #include "tools/evaluate/compare/comparison_text.h"
@@ -66,7 +67,7 @@ void AddRun(const std::string& folder, Named* named) {
 /// A folder without a summary means the runs in it.
 void AddNamed(const std::string& name, Named* named) {
   if (!fs::exists(name)) throw std::runtime_error(name + ": does not exist");
-  if (!fs::is_directory(name) || fs::exists(name + "/summary.json")) return AddRun(name, named);
+  if (!fs::is_directory(name) || fs::exists(fs::path(name) / result_file::kSummary)) return AddRun(name, named);
   std::vector<std::string> within;
   for (const auto& entry : fs::directory_iterator(name)) within.push_back(entry.path());
   std::sort(within.begin(), within.end());
@@ -90,7 +91,7 @@ std::vector<RunRecord> RunsOf(const std::vector<std::string>& names) {
   for (const std::string& name : names) AddNamed(name, &named);
   if (named.runs.empty()) {
     throw std::runtime_error(
-        fmt::format("no run to compare (no folder with a summary.json): {}", NamesText(named.others)));
+        fmt::format("no run to compare (no folder with a {}): {}", result_file::kSummary, NamesText(named.others)));
   }
   if (!named.others.empty()) {
     PrintError(fmt::format("skipped {} that {}: {}", named.others.size(),
@@ -118,7 +119,8 @@ void ConvertTrajectories(const std::vector<RunRecord>& runs, const Arguments& a)
   const std::vector<std::string> names = FileNames(runs);
   for (size_t i = 0; i < runs.size(); ++i) {
     const std::string file = fmt::format("{}/{}.{}", a.out, names[i], a.format);
-    const Trajectory trajectory = ReadTrajectory(runs[i].folder + "/trajectory.tum", TrajectoryFormat::kTum);
+    const Trajectory trajectory =
+        ReadTrajectory(fmt::format("{}/{}", runs[i].folder, result_file::kTrajectory.tum), TrajectoryFormat::kTum);
     WriteTrajectory(file, TrajectoryFormatFromName(a.format), trajectory);
     fmt::print("{}: {} poses\n", file, trajectory.size());
   }

@@ -84,23 +84,24 @@ const RunRecord* RunThatPlayed(const RunGroup& group, const std::string& played)
 /// Everything in the w of the first run (BaseFromOther).
 std::vector<NamedPath> PathsOf(const std::vector<const RunGroup*>& groups) {
   std::vector<NamedPath> paths;
-  std::optional<RunPaths> base;
+  std::optional<Run> base;
   std::string played;
   for (size_t i = 0; i < groups.size(); ++i) {
     const RunRecord* run = RunThatPlayed(*groups[i], played);
     if (run == nullptr) continue;
     played = run->played;
-    const std::optional<RunPaths> read = ReadRunPaths(*run);
+    const std::optional<Run> read = FindRunPaths(run->folder);
     if (!read) continue;
     if (!base) {
       base = read;
-      if (base->T_truth_w) {
-        const SE3 T_w_truth = base->T_truth_w->Inverse();
-        paths.push_back({"truth", Thinned(PositionsOf(base->truth, T_w_truth)), {kTruth, 1.8, false}});
+      if (const auto T_truth_w = TruthFromMap(*base)) {
+        const SE3 T_w_truth = T_truth_w->Inverse();
+        paths.push_back({"truth", Thinned(PositionsOf(*base->truth, T_w_truth)), {kTruth, 1.8, false}});
       }
     }
     const SE3 T_w_estimate = BaseFromOther(*base, *read);
-    paths.push_back({groups[i]->label, Thinned(PositionsOf(read->estimate, T_w_estimate)), {InkOf(i), 0.9, false}});
+    paths.push_back(
+        {groups[i]->label, Thinned(PositionsOf(*read->trajectory, T_w_estimate)), {InkOf(i), 0.9, false}});
   }
   return paths;
 }

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "core/errors/standard_streams.h"
+#include "core/run/result_files.h"
 #include "tools/evaluate/compare/run_paths.h"
 #include "viewer_headless/report/report_page.h"
 
@@ -22,15 +23,17 @@ using Json = nlohmann::ordered_json;
 constexpr size_t kMaxOthers = 6;
 
 std::string ReportOf(const RunRecord& run) {
-  const std::string path = run.folder + "/report.html";
+  const std::string path = run.folder + "/" + result_file::kReport;
   std::ifstream file(path, std::ios::binary);
   if (!file) throw std::runtime_error(path + ": is missing; the map of a run is read from its report");
   return viewer::ReadPage(file);
 }
 
-RunPaths PathsOf(const RunRecord& run) {
-  std::optional<RunPaths> paths = ReadRunPaths(run);
-  if (!paths) throw std::runtime_error(run.folder + "/trajectory.tum: has no readable poses");
+Run PathsOf(const RunRecord& run) {
+  std::optional<Run> paths = FindRunPaths(run.folder);
+  if (!paths) {
+    throw std::runtime_error(fmt::format("{}/{}: has no readable poses", run.folder, result_file::kTrajectory.tum));
+  }
   return *std::move(paths);
 }
 
@@ -61,14 +64,15 @@ Json OtherRun(const RunRecord& run, const std::string& name, const SE3& T_base_w
 
 std::string JointMapPage(const std::vector<RunRecord>& runs, const std::string& comparison_link) {
   const RunRecord& base = runs.front();
-  const RunPaths base_paths = PathsOf(base);
+  const Run base_paths = PathsOf(base);
   Json others = Json::array();
   for (size_t i = 1; i < runs.size() && others.size() < kMaxOthers; ++i) {
     if (runs[i].played != base.played) continue;
     try {
       others.push_back(OtherRun(runs[i], NameOf(runs[i], runs), BaseFromOther(base_paths, PathsOf(runs[i]))));
     } catch (const Json::exception&) {
-      throw std::runtime_error(runs[i].folder + "/report.html: has no map, or is from another version");
+      throw std::runtime_error(
+          fmt::format("{}/{}: has no map, or is from another version", runs[i].folder, result_file::kReport));
     } catch (const std::runtime_error& error) {
       throw std::runtime_error(fmt::format("{}: {}", runs[i].folder, error.what()));
     }
@@ -85,7 +89,7 @@ std::string JointMapPage(const std::vector<RunRecord>& runs, const std::string& 
   try {
     return viewer::FillOtherRuns(ReportOf(base), json.dump(-1, ' ', false, Json::error_handler_t::replace));
   } catch (const std::runtime_error& error) {
-    throw std::runtime_error(fmt::format("{}/report.html: {}", base.folder, error.what()));
+    throw std::runtime_error(fmt::format("{}/{}: {}", base.folder, result_file::kReport, error.what()));
   }
 }
 

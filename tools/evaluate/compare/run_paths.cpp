@@ -1,24 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/evaluate/compare/run_paths.h"
 
-#include <filesystem>
 #include <stdexcept>
-#include <string>
+#include <utility>
 
 #include "core/accuracy/association.h"
 #include "tools/evaluate/accuracy.h"
 
 namespace plslam::evaluate {
 namespace {
-
-Trajectory TryRead(const std::string& path) {
-  if (!std::filesystem::exists(path)) return {};
-  try {
-    return ReadTrajectory(path, TrajectoryFormat::kTum);
-  } catch (const std::runtime_error&) {
-    return {};
-  }
-}
 
 /// Returns the transform from the frame of `estimate` to that of `reference`; nullopt if they have no moment in common.
 std::optional<SE3> Join(const Trajectory& estimate, const Trajectory& reference) {
@@ -28,18 +18,26 @@ std::optional<SE3> Join(const Trajectory& estimate, const Trajectory& reference)
 
 }  // namespace
 
-std::optional<RunPaths> ReadRunPaths(const RunRecord& run) {
-  RunPaths paths;
-  paths.estimate = TryRead(run.folder + "/trajectory.tum");
-  if (paths.estimate.empty()) return std::nullopt;
-  paths.truth = TryRead(run.folder + "/groundtruth.tum");
-  paths.T_truth_w = Join(paths.estimate, paths.truth);
-  return paths;
+std::optional<Run> FindRunPaths(const std::string& folder) {
+  for (const unsigned content : {run_content::kTrajectory | run_content::kTruth, run_content::kTrajectory}) {
+    try {
+      Run run = ReadRun(folder, content);
+      return run.has_poses() ? std::optional(std::move(run)) : std::nullopt;
+    } catch (const std::runtime_error&) {
+      continue;  // The truth may be the damaged one.
+    }
+  }
+  return std::nullopt;
 }
 
-SE3 BaseFromOther(const RunPaths& base, const RunPaths& other) {
-  if (base.T_truth_w && other.T_truth_w) return base.T_truth_w->Inverse() * *other.T_truth_w;
-  return Join(other.estimate, base.estimate).value_or(SE3());
+std::optional<SE3> TruthFromMap(const Run& run) {
+  return run.truth ? Join(*run.trajectory, *run.truth) : std::nullopt;
+}
+
+SE3 BaseFromOther(const Run& base, const Run& other) {
+  const std::optional<SE3> T_truth_base = TruthFromMap(base), T_truth_other = TruthFromMap(other);
+  if (T_truth_base && T_truth_other) return T_truth_base->Inverse() * *T_truth_other;
+  return Join(*other.trajectory, *base.trajectory).value_or(SE3());
 }
 
 }  // namespace plslam::evaluate

@@ -2,25 +2,22 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "core/geometry/se3.h"
-#include "core/io/trajectories/trajectory.h"
-#include "tools/evaluate/run_record.h"
+#include "core/run/run.h"
 
 namespace plslam::evaluate {
 
-/// The files that a run has written about where its camera was. The body is the left camera as calibrated.
-struct RunPaths {
-  Trajectory estimate;           ///< in w, the map of the run; not empty
-  Trajectory truth;              ///< empty if it is unknown
-  std::optional<SE3> T_truth_w;  ///< alignment of both, if there is truth
-};
+/// Reads the trajectory of a run, and the truth. Returns nullopt if the trajectory is missing, empty or unreadable; an
+/// unreadable truth counts as none.
+std::optional<Run> FindRunPaths(const std::string& folder);
 
-/// Returns nullopt if the trajectory is missing, empty or unreadable.
-std::optional<RunPaths> ReadRunPaths(const RunRecord& run);
+/// Returns the alignment of the trajectory with the truth; nullopt if they have no moment in common.
+std::optional<SE3> TruthFromMap(const Run& run);
 
 /// Returns the transform from the map of `other` to that of `base`: through the truth if both have it, else by their
-/// own paths, else as if both had begun at one position.
-SE3 BaseFromOther(const RunPaths& base, const RunPaths& other);
+/// own paths, else as if both had begun at one position. Both have a trajectory.
+SE3 BaseFromOther(const Run& base, const Run& other);
 
 }  // namespace plslam::evaluate

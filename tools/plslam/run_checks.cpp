@@ -126,7 +126,7 @@ void CheckMapToContinue(const RunOptions& options) {
 void CheckRefinement(RunOptions* options) {
   if (options->refine.empty()) return;
   CheckOfflineCommands();
-  if (options->save_map.empty()) options->save_map = options->out / "map.plmap";
+  if (options->save_map.empty()) options->save_map = options->out / result_file::kMap;
   if (AreSame(options->save_map.parent_path(), options->out)) return;
   throw std::runtime_error(
       fmt::format("--refine: --save-map {} is not in the folder of the run, {}: the frames there "

@@ -15,6 +15,8 @@
 #include "core/errors/error_text.h"
 #include "core/io/files/atomic_file.h"
 #include "core/process/process_signals.h"
+#include "core/run/result_files.h"
+#include "core/run/run.h"
 #include "tools/plslam/commands.h"
 #include "tools/plslam/offline_commands.h"
 #include "tools/plslam/run_bus.h"
@@ -57,7 +59,7 @@ void Print(std::FILE* to, const std::string& text) { std::fputs(text.c_str(), to
 
 /// Returns the paths of the results, one line each.
 std::string WhereToLook(const RunOptions& options, const RunSession& session) {
-  const std::filesystem::path report = options.out / "report.html";
+  const std::filesystem::path report = options.out / result_file::kReport;
   std::string text = std::filesystem::exists(report) ? fmt::format("  {:<10} {}\n", "report", report.string())
                                                      : fmt::format("  {:<10} {}\n", "outputs", options.out.string());
   if (session.saved_map()) {
@@ -80,9 +82,11 @@ int Report(const RunOptions& options, const RunSession& session, OutputFolder* f
   const bool keeps_old = !session.accepted() && folder->has_results();
   TakeFolder(options, session, summary, folder);
   if (session.accepted()) {
-    summary.accuracy = EvaluateRunFiles(options.out, summary.frames.all());
-    summary.live_ate_m = LiveError_m(options.out);
-    summary.path_m = PathLength_m(options.out);
+    const Run run = ReadRun(options.out, run_content::kTrajectory | run_content::kLive | run_content::kKeyframes |
+                                             run_content::kTruth | run_content::kCovariances);
+    summary.accuracy = AccuracyOf(run, summary.frames.all());
+    summary.live_ate_m = LiveError_m(run);
+    summary.path_m = PathLength_m(run);
   }
   const nlohmann::json json = SummaryToJson(summary);
   std::string reason = summary.reason;
@@ -142,7 +146,7 @@ int Refine(const RunOptions& options) {
   return WaitForOfflineCommand(arguments);
 }
 
-int Run(RunOptions options) {
+int RunProcesses(RunOptions options) {
   options.from_ros2 = options.dataset.starts_with(kRos2Prefix);
   options.from_cameras = !options.from_ros2 && NamesSource(options.dataset);
   CheckLive(options);
@@ -251,7 +255,7 @@ void AddRunCommand(CLI::App* app, Command* command) {
       "there\n"
       "are warnings, which are on standard error, in summary.json and in the report. A second signal ends everything "
       "at once.");
-  sub->callback([=] { *command = [options] { return Run(*options); }; });
+  sub->callback([=] { *command = [options] { return RunProcesses(*options); }; });
 }
 
 void AddReplayCommand(CLI::App* app, Command* command) {
@@ -262,7 +266,7 @@ void AddReplayCommand(CLI::App* app, Command* command) {
       ->required();
   AddOptions(sub, options.get());
   sub->footer("Example:\n  plslam replay out/mh01.lcm --out out/mh01_again");
-  sub->callback([=] { *command = [options] { return Run(*options); }; });
+  sub->callback([=] { *command = [options] { return RunProcesses(*options); }; });
 }
 
 }  // namespace plslam::launcher

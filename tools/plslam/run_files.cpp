@@ -10,8 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/io/files/atomic_file.h"
-#include "core/io/trajectories/pose_covariance.h"
-#include "core/io/trajectories/trajectory.h"
+#include "core/run/result_files.h"
 #include "tools/evaluate/accuracy.h"
 #include "tools/plslam/process_table.h"
 #include "viewer_headless/report/report_page.h"
@@ -52,7 +51,7 @@ OutputFolder::~OutputFolder() {
   if (!kept_) Remove();
 }
 
-bool OutputFolder::has_results() const { return std::filesystem::exists(folder_ / "summary.json"); }
+bool OutputFolder::has_results() const { return std::filesystem::exists(folder_ / result_file::kSummary); }
 
 void OutputFolder::Remove() const {
   if (!lock_) return;
@@ -68,17 +67,6 @@ void OutputFolder::Remove() const {
 }
 
 namespace {
-
-/// Returns nullopt unless both exist.
-std::optional<std::pair<Trajectory, Trajectory>> EstimateAndTruth(const std::filesystem::path& out,
-                                                                  const char* estimate) {
-  const auto estimate_path = out / estimate, truth_path = out / "groundtruth.tum";
-  if (!std::filesystem::is_regular_file(estimate_path) || !std::filesystem::is_regular_file(truth_path))
-    return std::nullopt;
-  Trajectory truth = ReadTrajectory(truth_path, TrajectoryFormat::kTum);
-  if (truth.empty()) return std::nullopt;
-  return std::pair(ReadTrajectory(estimate_path, TrajectoryFormat::kTum), std::move(truth));
-}
 
 /// FNV-1a, which stays the same from machine to machine.
 uint32_t Hash(const std::string& text) {
@@ -104,46 +92,34 @@ std::filesystem::path DefaultOut(const std::string& dataset) {
   return std::filesystem::path("out") / (whole ? name : fmt::format("{}_{:08x}", name, Hash(location)));
 }
 
-std::optional<double> LiveError_m(const std::filesystem::path& out) {
-  const auto both = EstimateAndTruth(out, "trajectory_live.tum");
-  if (!both) return std::nullopt;
+std::optional<nlohmann::json> AccuracyOf(const Run& run, int64_t n_frames) {
+  if (!run.trajectory || !run.truth || run.truth->empty()) return std::nullopt;
   evaluate::EvaluateOptions options;
   options.max_difference_ns = kSameMoment_ns;
-  const evaluate::Accuracy accuracy = evaluate::EvaluateTrajectory(both->first, both->second, options);
+  options.n_frames = n_frames;
+  for (const TrajectoryPose& pose : run.keyframes.value_or(Trajectory())) options.keyframe_t_ns.push_back(pose.t_ns);
+  if (run.covariance) options.covariances = *run.covariance;
+  if (run.motion_covariance) options.motion_covariances = *run.motion_covariance;
+  return nlohmann::json(evaluate::ToJson(evaluate::EvaluateTrajectory(*run.trajectory, *run.truth, options)));
+}
+
+std::optional<double> LiveError_m(const Run& run) {
+  if (!run.live || !run.truth || run.truth->empty()) return std::nullopt;
+  evaluate::EvaluateOptions options;
+  options.max_difference_ns = kSameMoment_ns;
+  const evaluate::Accuracy accuracy = evaluate::EvaluateTrajectory(*run.live, *run.truth, options);
   const bool known = !accuracy.pairs.empty() && std::isfinite(accuracy.ate_m.rmse);
   return known ? std::optional(accuracy.ate_m.rmse) : std::nullopt;
 }
 
-std::optional<double> PathLength_m(const std::filesystem::path& out) {
-  const auto path = out / "trajectory.tum";
-  if (!std::filesystem::is_regular_file(path)) return std::nullopt;
-  const Trajectory trajectory = ReadTrajectory(path, TrajectoryFormat::kTum);
+std::optional<double> PathLength_m(const Run& run) {
+  if (!run.has_poses()) return std::nullopt;
+  const Trajectory& trajectory = *run.trajectory;
   double length_m = 0.0;
   for (size_t i = 1; i < trajectory.size(); ++i) {
     length_m += (trajectory[i].T_a_b.translation() - trajectory[i - 1].T_a_b.translation()).norm();
   }
-  return !trajectory.empty() && std::isfinite(length_m) ? std::optional(length_m) : std::nullopt;
-}
-
-std::optional<nlohmann::json> EvaluateRunFiles(const std::filesystem::path& out, int64_t n_frames) {
-  const auto both = EstimateAndTruth(out, "trajectory.tum");
-  if (!both) return std::nullopt;
-  const auto keyframes_path = out / "keyframes.tum";
-  evaluate::EvaluateOptions options;
-  options.max_difference_ns = kSameMoment_ns;
-  options.n_frames = n_frames;
-  if (std::filesystem::is_regular_file(keyframes_path)) {
-    for (const TrajectoryPose& pose : ReadTrajectory(keyframes_path, TrajectoryFormat::kTum)) {
-      options.keyframe_t_ns.push_back(pose.t_ns);
-    }
-  }
-  if (std::filesystem::is_regular_file(out / "covariance.txt")) {
-    options.covariances = ReadPoseCovariances(out / "covariance.txt");
-  }
-  if (std::filesystem::is_regular_file(out / "motion_covariance.txt")) {
-    options.motion_covariances = ReadPoseCovariances(out / "motion_covariance.txt");
-  }
-  return nlohmann::json(evaluate::ToJson(evaluate::EvaluateTrajectory(both->first, both->second, options)));
+  return std::isfinite(length_m) ? std::optional(length_m) : std::nullopt;
 }
 
 std::string JsonText(const nlohmann::json& json) {
@@ -151,14 +127,14 @@ std::string JsonText(const nlohmann::json& json) {
 }
 
 void PutWarningsIntoReport(const std::filesystem::path& out, const nlohmann::json& warnings) {
-  const std::filesystem::path report = out / "report.html";
+  const std::filesystem::path report = out / result_file::kReport;
   if (!std::filesystem::is_regular_file(report)) return;
   std::ifstream stream(report, std::ios::binary);
   WriteFileAtomically(report.string(), viewer::FillWarnings(viewer::ReadPage(stream), JsonText(warnings)));
 }
 
 void WriteSummary(const std::filesystem::path& out, const nlohmann::json& summary) {
-  WriteFileAtomically((out / "summary.json").string(), JsonText(summary) + "\n");
+  WriteFileAtomically((out / result_file::kSummary).string(), JsonText(summary) + "\n");
 }
 
 }  // namespace plslam::launcher

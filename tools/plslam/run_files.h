@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/files/folder_lock.h"
+#include "core/run/run.h"
 
 namespace plslam::launcher {
 
@@ -41,17 +42,15 @@ class OutputFolder {
 /// and by a hash of all of it if the name omits possible differences: two datasets share no folder.
 std::filesystem::path DefaultOut(const std::string& dataset);
 
-/// Compares `trajectory.tum` with `groundtruth.tum` in a folder of outputs: errors by name, as in `evaluate`. nullopt
-/// without ground truth.
-std::optional<nlohmann::json> EvaluateRunFiles(const std::filesystem::path& out, int64_t n_frames);
+/// Compares the trajectory of a run with the truth: errors by name, as in `evaluate`. nullopt without either.
+std::optional<nlohmann::json> AccuracyOf(const Run& run, int64_t n_frames);
 
-/// Returns the absolute error of `trajectory_live.tum`, in metres. nullopt without such a file, without ground truth or
+/// Returns the absolute error of the poses as published, in metres. nullopt without them, without ground truth or
 /// associated poses, or if the error is not finite.
-std::optional<double> LiveError_m(const std::filesystem::path& out);
+std::optional<double> LiveError_m(const Run& run);
 
-/// Returns the length of `trajectory.tum`, in metres. nullopt without such a file or without poses, or if the length is
-/// not finite.
-std::optional<double> PathLength_m(const std::filesystem::path& out);
+/// Returns the length of the trajectory, in metres. nullopt without poses, or if the length is not finite.
+std::optional<double> PathLength_m(const Run& run);
 
 /// Returns JSON for users; bytes that are not UTF-8 (names, sentences of others) are replaced.
 std::string JsonText(const nlohmann::json& json);

@@ -12,8 +12,8 @@
 #include <Eigen/Geometry>
 
 #include "core/map/map.h"
-#include "viewer_headless/final_trajectory.h"
-#include "viewer_headless/recorder.h"
+#include "core/run/final_trajectory.h"
+#include "core/run/recorder.h"
 #include "viewer_headless/video/run_video.h"
 #include "viewer_headless/video/top_view.h"
 

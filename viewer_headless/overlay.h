@@ -10,7 +10,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "viewer_headless/recorder.h"
+#include "core/run/recorder.h"
 
 namespace plslam::viewer {
 

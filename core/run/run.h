@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/io/files/notes.h"
 #include "core/io/maps/map_file.h"
 #include "core/io/trajectories/pose_covariance.h"
 #include "core/io/trajectories/trajectory.h"
@@ -38,6 +39,7 @@ struct Run {
   std::optional<std::vector<PoseCovariance>> covariance, motion_covariance;
   std::optional<FrameTable> frames;
   std::optional<StoredMap> map;
+  Notes notes;  ///< about what is missing; files have none
 
   bool has_poses() const { return trajectory && !trajectory->empty(); }
 };

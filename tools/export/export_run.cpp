@@ -10,7 +10,6 @@
 #include <optional>
 #include <set>
 #include <stdexcept>
-#include <system_error>
 #include <utility>
 
 #include "core/bus/logs/log_reader.h"
@@ -21,6 +20,7 @@
 #include "core/io/maps/map_camera.h"
 #include "core/io/maps/map_ply.h"
 #include "core/map/map_parts.h"
+#include "core/run/node/logged_run.h"
 #include "core/run/result_files.h"
 #include "core/run/run.h"
 #include "tools/export/colmap.h"
@@ -30,7 +30,6 @@
 #include "tools/export/picture_check.h"
 #include "tools/export/surface_files.h"
 #include "tools/pose_graph/export.h"
-#include "viewer_headless/node/logged_run.h"
 
 namespace plslam::exports {
 namespace {
@@ -47,7 +46,6 @@ struct OngoingExport {
   std::unique_ptr<KeyframeImages> images;
   std::vector<ExportedFile> files;
   std::optional<ColmapModel> model;
-  bool has_features = true;  ///< of the keyframes, if there is a map
 
   const Map& map() const { return run.map->map; }
   std::string Path(const std::string& name) const { return out + "/" + name; }
@@ -197,7 +195,7 @@ void CheckNames(const std::vector<std::string>& names) {
   }
 }
 
-viewer::LoggedRun ReadLog(const std::string& log, OngoingExport& e) {
+LoggedRun ReadLog(const std::string& log, OngoingExport& e) {
   namespace fs = std::filesystem;
   const std::string folder = e.Path("run");
   if (fs::exists(folder) && !(fs::is_directory(folder) && fs::is_empty(folder))) {
@@ -205,33 +203,22 @@ viewer::LoggedRun ReadLog(const std::string& log, OngoingExport& e) {
         "{}: already exists, and the files of the run would be written there: remove it, or give another --out",
         folder));
   }
-  viewer::LoggedRun run = viewer::ReadLoggedRun(log);
-  if (run.has_frames && !e.dataset) {
-    e.dataset = bus::OpenLogDataset(log, run.prefix);
+  LoggedRun logged = ReadLoggedRun(log);
+  if (logged.has_frames && !e.dataset) {
+    e.dataset = bus::OpenLogDataset(log, logged.prefix);
     PrintNotes(*e.dataset);
   }
-  if (run.map.keyframes().empty() || !run.map.camera()) return run;
-  e.has_features = false;
+  e.run = RunOf(logged);
   e.run.map_path = log;
-  e.run.map.emplace();
-  e.run.map->map = run.map;
-  e.run.map->rig = CameraBytes(*run.map.camera());
-  return run;
-}
-
-/// The run of a log as a folder like that of any run.
-void WriteLog(const viewer::LoggedRun& run, OngoingExport& e) {
-  viewer::WriteLoggedRun(run, e.Path("run"));
-  e.AddFile("run", "trajectories and tables of the log" + (run.lack.empty() ? "" : fmt::format(" ({})", run.lack)));
-  Run written = ReadRun(e.Path("run"), kTables);
-  written.map_path = std::move(e.run.map_path);
-  written.map = std::move(e.run.map);
-  e.run = std::move(written);
+  const auto& lacks = e.run.notes.warnings;
+  e.AddFile("run", fmt::format("trajectories and tables of the log{}",
+                               lacks.empty() ? "" : fmt::format(" ({})", fmt::join(lacks, "; "))));
+  return logged;
 }
 
 bool Has(const OngoingExport& e, const ExportFormat& format) {
   if (format.needs_surfaces && !HasSurfaces(e.run.map_path)) return false;
-  return !format.needs_map || (e.run.map && (e.has_features || !format.needs_features));
+  return !format.needs_map || (e.run.map && (!e.run.map->features.empty() || !format.needs_features));
 }
 
 void CheckContent(const ExportRequest& request, const OngoingExport& e) {
@@ -331,9 +318,9 @@ std::vector<ExportedFile> ExportRun(const ExportRequest& request) {
   OngoingExport e;
   e.out = request.out;
   if (!request.dataset.empty()) e.dataset = OpenDatasetAndWarn(request.dataset, "");
-  std::optional<viewer::LoggedRun> run;
+  std::optional<LoggedRun> logged;
   if (bus::LooksLikeLcmLog(request.source)) {
-    run = ReadLog(request.source, e);
+    logged = ReadLog(request.source, e);
   } else {
     const bool has_mcap = request.formats.empty() || IsNamed(request.formats, "mcap");
     e.run = ReadRun(request.source, run_content::kMap | (has_mcap ? kTables : run_content::kTrajectory));
@@ -344,16 +331,10 @@ std::vector<ExportedFile> ExportRun(const ExportRequest& request) {
     e.images = std::make_unique<KeyframeImages>(e.dataset, camera);
   }
   MakeFolder(request.out);
-  try {
-    if (run) WriteLog(*run, e);
-    WriteParts(request, e);
-    ExportSurfaces(request, e);
-    AddLeftOut(request, e);
-  } catch (...) {
-    std::error_code ignored;
-    if (run) std::filesystem::remove_all(e.Path("run"), ignored);
-    throw;
-  }
+  WriteParts(request, e);
+  ExportSurfaces(request, e);
+  AddLeftOut(request, e);
+  if (logged) WriteLoggedRun(*logged, request.out + "/run");
   return e.files;
 }
 

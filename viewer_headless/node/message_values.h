@@ -1,21 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <optional>
-
-#include "plslam/bodies_t.hpp"
-#include "plslam/pose_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/tracks_t.hpp"
 #include "viewer_headless/overlay.h"
-#include "viewer_headless/recorder.h"
 #include "viewer_headless/report/process_log.h"
 
 namespace plslam::viewer {
 
-/// Conversion of messages to the plain values of this folder; nullopt if poses or covariances are invalid.
-std::optional<FramePose> ToFramePose(const pose_t& message);
-std::optional<BodiesOfFrame> ToBodiesOfFrame(const bodies_t& message);
+/// Conversion of messages to the plain values of this folder.
 OverlayFeatures ToOverlayFeatures(const tracks_t& message);
 /// `t_s` is the time of reception by the listener's clock, when `frame_id` was the newest frame.
 ProcessSample ToProcessSample(const status_t& message, double t_s, int64_t frame_id);

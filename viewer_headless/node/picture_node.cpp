@@ -12,8 +12,8 @@
 #include "core/errors/log.h"
 #include "core/io/images/png_codec.h"
 #include "plslam/tracks_t.hpp"
+#include "viewer_headless/captions.h"
 #include "viewer_headless/node/message_values.h"
-#include "viewer_headless/outputs.h"
 
 namespace plslam::viewer {
 namespace {

@@ -11,10 +11,10 @@
 #include "core/bus/messages/frame_channel.h"
 #include "core/geometry/rectifier.h"
 #include "core/map/map.h"
+#include "core/run/recorder.h"
 #include "viewer_headless/film.h"
 #include "viewer_headless/options.h"
 #include "viewer_headless/overlay.h"
-#include "viewer_headless/recorder.h"
 #include "viewer_headless/report/picture_store.h"
 #include "viewer_headless/report/small_images.h"
 

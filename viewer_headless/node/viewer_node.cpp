@@ -15,11 +15,13 @@
 #include "core/errors/log.h"
 #include "core/errors/standard_streams.h"
 #include "core/process/process_status.h"
+#include "core/run/node/recorded_messages.h"
 #include "core/run/process_names.h"
 #include "core/run/run_counters.h"
+#include "core/run/run_writer.h"
 #include "plslam/ground_truth_t.hpp"
+#include "viewer_headless/captions.h"
 #include "viewer_headless/node/message_values.h"
-#include "viewer_headless/outputs.h"
 
 namespace plslam::viewer {
 namespace {

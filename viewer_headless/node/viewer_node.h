@@ -16,6 +16,7 @@
 #include "core/geometry/rectification.h"
 #include "core/io/files/folder_lock.h"
 #include "core/process/process.h"
+#include "core/run/recorder.h"
 #include "plslam/command_t.hpp"
 #include "plslam/pose_t.hpp"
 #include "plslam/status_t.hpp"
@@ -23,7 +24,6 @@
 #include "viewer_headless/node/picture_node.h"
 #include "viewer_headless/node/report_node.h"
 #include "viewer_headless/options.h"
-#include "viewer_headless/recorder.h"
 
 namespace plslam::viewer {
 

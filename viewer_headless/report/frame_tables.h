@@ -8,7 +8,7 @@
 
 #include "core/accuracy/consistency.h"
 #include "core/map/map.h"
-#include "viewer_headless/recorder.h"
+#include "core/run/recorder.h"
 #include "viewer_headless/report/report_data.h"
 
 namespace plslam::viewer {

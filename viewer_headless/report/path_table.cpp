@@ -8,8 +8,8 @@
 
 #include "core/accuracy/association.h"
 #include "core/geometry/similarity.h"
-#include "viewer_headless/final_trajectory.h"
-#include "viewer_headless/outputs.h"
+#include "core/run/final_trajectory.h"
+#include "core/run/run_writer.h"
 #include "viewer_headless/report/frame_tables.h"
 
 namespace plslam::viewer {
@@ -164,8 +164,8 @@ class PathWriter {
 /// As `plslam run` evaluates the files that are written at the end.
 Consistency ConsistencyOf(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c) {
   if (recorder.truth().empty()) return {};
-  const RunTrajectories run = BuildTrajectories(recorder, map, q_l_c);
-  return PoseConsistency(AssociateNearest(run.all, run.truth, kSameMoment_ns), run.covariances);
+  const Run run = RunOf(recorder, map, q_l_c);
+  return PoseConsistency(AssociateNearest(*run.trajectory, *run.truth, kSameMoment_ns), *run.covariance);
 }
 
 }  // namespace

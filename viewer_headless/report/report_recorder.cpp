@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
+#include "core/run/final_trajectory.h"
 #include "plslam_version.h"
-#include "viewer_headless/final_trajectory.h"
 #include "viewer_headless/report/map_tables.h"
 
 namespace plslam::viewer {

@@ -7,7 +7,7 @@
 
 #include "core/map/map_update.h"
 #include "core/run/published_warnings.h"
-#include "viewer_headless/recorder.h"
+#include "core/run/recorder.h"
 #include "viewer_headless/report/frame_tables.h"
 #include "viewer_headless/report/loop_log.h"
 #include "viewer_headless/report/map_times.h"

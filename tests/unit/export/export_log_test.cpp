@@ -9,6 +9,7 @@
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/map_pages.h"
 #include "core/bus/transport/wire.h"
+#include "core/run/node/logged_run.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/image_strip_t.hpp"
 #include "plslam/pose_t.hpp"
@@ -16,12 +17,13 @@
 #include "tests/support/text_file.h"
 #include "tests/unit/export/small_map.h"
 #include "tools/export/export_run.h"
-#include "viewer_headless/node/logged_run.h"
 
 namespace plslam::exports {
 namespace {
 
+using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
 constexpr int kWidth = 160;
 constexpr int kHeight = 120;
@@ -94,9 +96,9 @@ class ExportLog : public testing::Test {
     ASSERT_GT(pages.size(), missing_pages);
     for (size_t i = 0; i + missing_pages < pages.size(); ++i) Write(prefix, bus::kMapUpdate, pages[i]);
   }
-  viewer::LoggedRun Read() {
+  LoggedRun Read() {
     writer_.Flush();
-    return viewer::ReadLoggedRun(path_);
+    return ReadLoggedRun(path_);
   }
   std::vector<ExportedFile> Export(const std::string& format) {
     writer_.Flush();
@@ -126,7 +128,7 @@ TEST_F(ExportLog, ImagesAreOfTheRobotWithPoses) {
   for (int64_t frame = 10; frame < 14; ++frame) WriteFrame("b/", frame);
   EXPECT_FALSE(Read().has_frames);
   WriteFrame("a/", 1);
-  const viewer::LoggedRun run = Read();
+  const LoggedRun run = Read();
   EXPECT_EQ(run.prefix, "a/");
   EXPECT_TRUE(run.has_frames);
   EXPECT_THAT(Export("mcap").at(1).what, HasSubstr("3 frames, 1 images"));
@@ -137,10 +139,10 @@ TEST_F(ExportLog, MapThatRobotsShareHasAPrefixOfItsOwn) {
   WritePoses("a/", 3);
   WriteMap("team/");
   EXPECT_EQ(Read().map.keyframes().size(), 3U);
-  EXPECT_EQ(Read().lack, "");
+  EXPECT_THAT(Read().notes.warnings, IsEmpty());
   WriteMap("others/");
   EXPECT_TRUE(Read().map.keyframes().empty());
-  EXPECT_EQ(Read().lack, "none of the 2 maps in the log has the prefix of the run");
+  EXPECT_THAT(Read().notes.warnings, ElementsAre("none of the 2 maps in the log has the prefix of the run"));
   WriteMap("a/");
   EXPECT_EQ(Read().map.keyframes().size(), 3U);
 }
@@ -172,14 +174,15 @@ TEST_F(ExportLog, RigOfAnotherVersionIsReported) {
   Write("", bus::kCamera, stream_t{});
   EXPECT_THAT(ErrorOf("tum"), HasSubstr("has poses, but its rig (channel CAMERA) is from another version"));
   WriteCamera("");
-  EXPECT_EQ(Read().lack, "messages from another version of plslam are skipped, on CAMERA") << "nothing to replay";
+  EXPECT_THAT(Read().notes.warnings, ElementsAre("messages from another version of plslam are skipped, on CAMERA"))
+      << "nothing to replay";
 }
 
 TEST_F(ExportLog, IncompleteMapIsReported) {
   WriteCamera("");
   WritePoses("", 2);
   WriteMap("", 1);
-  EXPECT_THAT(Read().lack, HasSubstr("changes of the map are missing"));
+  EXPECT_THAT(Read().notes.warnings, ElementsAre(HasSubstr("changes of the map are missing")));
 }
 
 TEST_F(ExportLog, ExistingFilesStayAndFailuresLeaveNone) {

@@ -14,13 +14,14 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "core/datasets/open_dataset.h"
 #include "core/io/maps/map_file.h"
+#include "core/run/node/logged_run.h"
 #include "plslam_version.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/text_file.h"
-#include "viewer_headless/node/logged_run.h"
 
 namespace plslam {
 namespace {
@@ -84,11 +85,12 @@ TEST(Golden, OldRecordingsAreReadOrNeedAReplay) {
   for (const std::filesystem::path& folder : Releases()) {
     const ScratchFolder to;
     try {
-      const viewer::LoggedRun run = viewer::ReadLoggedRun((folder / "room.lcm").string());
-      viewer::WriteLoggedRun(run, to.Path("run"));
+      const LoggedRun run = ReadLoggedRun((folder / "room.lcm").string());
+      WriteLoggedRun(run, to.Path("run"));
       EXPECT_TRUE(run.has_frames);
-      EXPECT_EQ(run.map.keyframes().empty(), run.lack.find("`plslam replay` recomputes them") != std::string::npos)
-          << folder << ": " << run.lack;
+      const std::string lacks = fmt::format("{}", fmt::join(run.notes.warnings, "; "));
+      EXPECT_EQ(run.map.keyframes().empty(), lacks.find("`plslam replay` recomputes them") != std::string::npos)
+          << folder << ": " << lacks;
     } catch (const std::runtime_error& error) {
       EXPECT_NE(std::string(error.what()).find("`plslam replay "), std::string::npos) << error.what();
     }

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/viewer/frame_poses.h"
+#include "tests/unit/run/frame_poses.h"
 
 namespace plslam::viewer {
 namespace {

@@ -5,10 +5,10 @@
 
 #include <filesystem>
 
+#include "core/run/run_writer.h"
 #include "plslam/tracks_t.hpp"
 #include "tests/support/text_file.h"
 #include "tests/unit/viewer/some_rig.h"
-#include "viewer_headless/outputs.h"
 
 namespace plslam::viewer {
 namespace {

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "core/io/images/jpeg_codec.h"
-#include "tests/unit/viewer/frame_poses.h"
+#include "tests/unit/run/frame_poses.h"
 #include "tests/unit/viewer/report_columns.h"
 
 namespace plslam::viewer {

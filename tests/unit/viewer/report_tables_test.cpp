@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "tests/unit/viewer/frame_poses.h"
+#include "tests/unit/run/frame_poses.h"
 #include "tests/unit/viewer/report_columns.h"
 #include "viewer_headless/report/frame_tables.h"
 #include "viewer_headless/report/map_tables.h"

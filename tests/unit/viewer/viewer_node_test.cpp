@@ -13,6 +13,7 @@
 #include "core/bus/messages/convert.h"
 #include "core/io/images/image_file.h"
 #include "core/io/trajectories/trajectory.h"
+#include "core/run/run_writer.h"
 #include "plslam/ground_truth_t.hpp"
 #include "plslam/tracks_t.hpp"
 #include "plslam/warning_t.hpp"
@@ -20,7 +21,6 @@
 #include "tests/unit/viewer/some_rig.h"
 #include "tests/unit/viewer/viewer_fixture.h"
 #include "viewer_headless/live/http_server.h"
-#include "viewer_headless/outputs.h"
 #include "viewer_headless/report/report_page.h"
 
 namespace plslam::viewer {

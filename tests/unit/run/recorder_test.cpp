@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "viewer_headless/recorder.h"
+#include "core/run/recorder.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "tests/support/text_file.h"
-#include "tests/unit/viewer/frame_poses.h"
+#include "tests/unit/run/frame_poses.h"
 
-namespace plslam::viewer {
+namespace plslam {
 namespace {
 
 TEST(Recorder, KeepsReorderedFramesInOrder) {
@@ -152,4 +152,4 @@ TEST(Recorder, StateNames) {
 }
 
 }  // namespace
-}  // namespace plslam::viewer
+}  // namespace plslam

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "viewer_headless/recorder.h"
+#include "core/run/recorder.h"
 
-namespace plslam::viewer {
+namespace plslam {
 
 /// Frame `id` at 10 Hz, `id` metres ahead.
 inline FramePose SomePose(int64_t id, TrackingState state = TrackingState::kTracking) {
@@ -20,4 +20,4 @@ inline FramePose SomePose(int64_t id, TrackingState state = TrackingState::kTrac
   return pose;
 }
 
-}  // namespace plslam::viewer
+}  // namespace plslam

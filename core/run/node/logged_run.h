@@ -5,10 +5,12 @@
 
 #include <Eigen/Geometry>
 
+#include "core/io/files/notes.h"
 #include "core/map/map.h"
-#include "viewer_headless/recorder.h"
+#include "core/run/recorder.h"
+#include "core/run/run.h"
 
-namespace plslam::viewer {
+namespace plslam {
 
 /// The run that an LCM log holds.
 struct LoggedRun {
@@ -20,8 +22,7 @@ struct LoggedRun {
   Map map;
   /// The log has stereo frames of the robot, so that it can be played.
   bool has_frames = false;
-  /// Sentences about missing messages; empty if none are missing.
-  std::string lack;
+  Notes notes;  ///< warnings about missing messages
 };
 
 /// Reads a log of `plslam run --record`, `plslam record` or lcm-logger. If there are several robots (prefixes of
@@ -32,7 +33,11 @@ struct LoggedRun {
 /// compute one from.
 LoggedRun ReadLoggedRun(const std::string& log);
 
+/// Returns the outputs of the run, as `ReadRun` reads the folder of `WriteLoggedRun`, without the rounding of its files.
+/// The map is without features and is there only with its camera.
+Run RunOf(const LoggedRun& logged);
+
 /// Writes the files that viewer_headless would have written for it. Throws std::runtime_error.
 void WriteLoggedRun(const LoggedRun& run, const std::string& folder);
 
-}  // namespace plslam::viewer
+}  // namespace plslam

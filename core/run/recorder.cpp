@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "viewer_headless/recorder.h"
+#include "core/run/recorder.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-namespace plslam::viewer {
+namespace plslam {
 namespace {
 
 // Against a publisher that invents frames or names without end.
@@ -159,4 +159,4 @@ bool Recorder::IsComplete() const {
   return n_frames_ && static_cast<int64_t>(frames_.size()) + tally_.skipped >= *n_frames_;
 }
 
-}  // namespace plslam::viewer
+}  // namespace plslam

@@ -1,48 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "viewer_headless/outputs.h"
+#include "core/run/run_writer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <iterator>
 #include <optional>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "core/io/files/atomic_file.h"
 #include "core/io/maps/map_ply.h"
+#include "core/run/final_trajectory.h"
 #include "core/run/result_files.h"
-#include "viewer_headless/final_trajectory.h"
 
-namespace plslam::viewer {
-
-std::string ProgressLine(const Recorder& recorder, const ProgressNumbers& numbers) {
-  std::string line = fmt::format("frame {}", recorder.frames().size());
-  if (numbers.announced_frames >= 0) line += fmt::format("/{}", numbers.announced_frames);
-  line += fmt::format("  {:.1f}/s", numbers.frames_per_s);
-  if (recorder.frames().empty()) return line + "  waiting";
-  const FrameRecord newest = recorder.frames().Last().second;
-  line += fmt::format("  {} points  {} lines  keyframes {}  {}", newest.counts.tracked_points,
-                      newest.counts.tracked_lines, recorder.keyframes(), TrackingStateName(newest.state));
-  const FrameTally tally = recorder.Tally(false);
-  if (tally.lost > 0) line += fmt::format("  lost {}", tally.lost);
-  if (tally.skipped > 0) line += fmt::format("  skipped {}", tally.skipped);
-  line += fmt::format("  gaps {}", numbers.gaps);
-  if (numbers.gaps > 0) line += fmt::format(" ({} repaired)", numbers.repaired);
-  return line;
-}
-
-std::string FrameCaption(const FramePose& pose) {
-  std::string caption =
-      fmt::format("frame {}  {}  points {}/{}  lines {}/{}", pose.frame_id, TrackingStateName(pose.state),
-                  pose.counts.tracked_points, pose.counts.points, pose.counts.tracked_lines, pose.counts.lines);
-  if (pose.keyframe_id >= 0) caption += fmt::format("  keyframe {}", pose.keyframe_id);
-  return caption;
-}
+namespace plslam {
 
 namespace {
 
@@ -182,49 +159,79 @@ Trajectory MapKeyframes(const RunPart& run) {
 
 }  // namespace
 
-RunTrajectories BuildTrajectories(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c,
-                                  size_t part) {
-  RunTrajectories result;
+Run RunOf(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c, size_t part) {
+  Trajectory all, live, truth;
+  std::vector<PoseCovariance> covariances, motion_covariances;
   const RunParts parts(map, recorder);
   const RunPart run{recorder, map, q_l_c, parts, part};
-  result.keyframes = MapKeyframes(run);
+  Trajectory keyframes = MapKeyframes(run);
   VisitPosedFrames(run, [&](const PosedFrame& frame) {
-    result.all.push_back(frame.final);
-    if (frame.live) result.live.push_back(*frame.live);
-    if (frame.keyframe && map.keyframes().empty()) result.keyframes.push_back(frame.final);
-    result.covariances.push_back(frame.covariance);
-    if (frame.motion_covariance) result.motion_covariances.push_back(*frame.motion_covariance);
+    all.push_back(frame.final);
+    if (frame.live) live.push_back(*frame.live);
+    if (frame.keyframe && map.keyframes().empty()) keyframes.push_back(frame.final);
+    covariances.push_back(frame.covariance);
+    if (frame.motion_covariance) motion_covariances.push_back(*frame.motion_covariance);
   });
-  VisitTruth(recorder, [&](const TrajectoryPose& pose) { result.truth.push_back(pose); });
+  VisitTruth(recorder, [&](const TrajectoryPose& pose) { truth.push_back(pose); });
+  Run result;
+  result.trajectory = std::move(all);
+  result.live = std::move(live);
+  result.keyframes = std::move(keyframes);
+  if (!recorder.truth().empty()) result.truth = std::move(truth);
+  result.covariance = std::move(covariances);
+  result.motion_covariance = std::move(motion_covariances);
   return result;
 }
 
-void WritePosesCsv(const Recorder& recorder, const AppendText& append) {
-  std::string text =
-      "frame_id,t_s,state,n_points,n_lines,n_tracked_points,n_tracked_lines,keyframe_id,entropy_ratio,skipped_frames,"
-      "n_moving,anchored";
-  for (const std::string& name : recorder.stage_names()) {
-    text += ',';
+namespace {
+
+std::vector<std::string> ColumnsOf(const Recorder& recorder) {
+  std::vector<std::string> columns{"frame_id",        "n_points",    "n_lines",       "n_tracked_points",
+                                   "n_tracked_lines", "keyframe_id", "entropy_ratio", "skipped_frames",
+                                   "n_moving",        "anchored"};
+  for (std::string name : recorder.stage_names()) {
     // Names are received from the network; a comma or quote in one must not shift the columns.
-    for (const char c : name) text += c == ',' || c == '"' || c == '\n' || c == '\r' ? '_' : c;
-    text += "_ms";
+    std::ranges::replace_if(
+        name, [](char c) { return c == ',' || c == '"' || c == '\n' || c == '\r'; }, '_');
+    columns.push_back(name + "_ms");
   }
-  text += '\n';
-  append(text);
-  const auto out = std::back_inserter(text);
+  return columns;
+}
+
+FrameTable::Row RowOf(int64_t frame_id, const FrameRecord& frame, size_t n_stages) {
+  const FrameCounts& n = frame.counts;
+  FrameTable::Row row{
+      frame.t_ns,
+      TrackingStateName(frame.state),
+      {fmt::to_string(frame_id), fmt::to_string(n.points), fmt::to_string(n.lines), fmt::to_string(n.tracked_points),
+       fmt::to_string(n.tracked_lines), fmt::to_string(frame.keyframe_id), fmt::format("{:.6g}", frame.entropy_ratio),
+       fmt::to_string(n.skipped_frames), fmt::to_string(n.moving), fmt::format("{:d}", frame.anchored)}};
+  for (size_t i = 0; i < n_stages; ++i) {
+    const bool known = i < frame.stages_ms.size() && std::isfinite(frame.stages_ms[i]);
+    row.values.push_back(known ? fmt::format("{:.4f}", frame.stages_ms[i]) : "");
+  }
+  return row;
+}
+
+/// Time and state follow the first value.
+std::string CsvLine(const std::vector<std::string>& values, const std::string& time, const std::string& state) {
+  return fmt::format("{},{},{},{}\n", values.front(), time, state, fmt::join(values.begin() + 1, values.end(), ","));
+}
+
+}  // namespace
+
+FrameTable FrameTableOf(const Recorder& recorder) {
+  FrameTable table{ColumnsOf(recorder), {}};
+  for (const auto& [frame_id, frame] : recorder.frames())
+    table.rows.push_back(RowOf(frame_id, frame, recorder.stage_names().size()));
+  return table;
+}
+
+void WritePosesCsv(const Recorder& recorder, const AppendText& append) {
+  append(CsvLine(ColumnsOf(recorder), "t_s", "state"));
   for (const auto& [frame_id, frame] : recorder.frames()) {
-    text.clear();
-    const FrameCounts& n = frame.counts;
-    fmt::format_to(out, "{},{},{},{},{},{},{},{},{:.6g},{},{},{:d}", frame_id, SecondsText(frame.t_ns),
-                   TrackingStateName(frame.state), n.points, n.lines, n.tracked_points, n.tracked_lines,
-                   frame.keyframe_id, frame.entropy_ratio, n.skipped_frames, n.moving, frame.anchored);
-    for (size_t i = 0; i < recorder.stage_names().size(); ++i) {
-      text += ',';
-      const bool known = i < frame.stages_ms.size() && std::isfinite(frame.stages_ms[i]);
-      if (known) fmt::format_to(out, "{:.4f}", frame.stages_ms[i]);
-    }
-    text += '\n';
-    append(text);
+    const FrameTable::Row row = RowOf(frame_id, frame, recorder.stage_names().size());
+    append(CsvLine(row.values, SecondsText(row.t_ns), row.state));
   }
 }
 
@@ -373,4 +380,4 @@ std::vector<std::string> WriteOutputs(const std::string& folder, const Recorder&
   return attempts.TakeFailures();
 }
 
-}  // namespace plslam::viewer
+}  // namespace plslam

@@ -13,7 +13,7 @@
 #include "core/io/files/disk_map.h"
 #include "core/run/frame_tally.h"
 
-namespace plslam::viewer {
+namespace plslam {
 
 /// Numbers of one frame that the tables and captions show.
 struct FrameCounts {
@@ -192,4 +192,4 @@ class Recorder {
   SentFrames sent_;
 };
 
-}  // namespace plslam::viewer
+}  // namespace plslam

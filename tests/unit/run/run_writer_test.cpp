@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "core/run/run_writer.h"
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,46 +10,9 @@
 #include <string_view>
 
 #include "tests/support/text_file.h"
-#include "tests/unit/viewer/frame_poses.h"
-#include "viewer_headless/outputs.h"
+#include "tests/unit/run/frame_poses.h"
 
-namespace plslam::viewer {
-namespace {
-
-TEST(Progress, BeforeTheFirstFrame) {
-  EXPECT_EQ(ProgressLine({}, {}), "frame 0  0.0/s  waiting");
-  EXPECT_EQ(ProgressLine({}, {400, 0.0, 0, 0}), "frame 0/400  0.0/s  waiting");
-}
-
-TEST(Progress, ShowsTheNewestFrame) {
-  Recorder recorder;
-  recorder.AddPose(SomePose(0));
-  FramePose pose = SomePose(1, TrackingState::kWeak);
-  pose.keyframe_id = 0;
-  pose.counts = {900, 100, 20, 3, 0};
-  recorder.AddPose(pose);
-  EXPECT_EQ(ProgressLine(recorder, {400, 18.26, 0, 0}),
-            "frame 2/400  18.3/s  20 points  3 lines  keyframes 1  weak  gaps 0");
-}
-
-TEST(Progress, LossIsVisible) {
-  Recorder recorder;
-  FramePose pose = SomePose(0, TrackingState::kLost);
-  pose.counts.skipped_frames = 4;
-  recorder.AddPose(pose);
-  EXPECT_EQ(ProgressLine(recorder, {-1, 1.0, 3, 2}),
-            "frame 1  1.0/s  312 points  84 lines  keyframes 0  lost  lost 1  skipped 4  gaps 3 (2 repaired)");
-}
-
-TEST(Progress, Caption) {
-  FramePose pose = SomePose(120);
-  EXPECT_EQ(FrameCaption(pose), "frame 120  tracking  points 312/800  lines 84/120");
-  pose.keyframe_id = 9;
-  EXPECT_EQ(FrameCaption(pose), "frame 120  tracking  points 312/800  lines 84/120  keyframe 9");
-}
-
-}  // namespace
-
+namespace plslam {
 namespace {
 
 using testing::ElementsAre;
@@ -72,12 +37,12 @@ TEST(Outputs, LostFramesAndAdjacentMotionsAreLeftOut) {
     pose.keyframe_id = i % 2 == 0 ? i / 2 : -1;
     recorder.AddPose(pose);
   }
-  const RunTrajectories run = BuildTrajectories(recorder, Map(), Eigen::Quaterniond::Identity());
-  EXPECT_THAT(FramesOf(run.all), ElementsAre(0, 1, 2, 4, 5));
-  EXPECT_THAT(FramesOf(run.keyframes), ElementsAre(0, 2, 4));
-  EXPECT_EQ(run.covariances.size(), 5u);
+  const plslam::Run run = RunOf(recorder, Map(), Eigen::Quaterniond::Identity());
+  EXPECT_THAT(FramesOf(*run.trajectory), ElementsAre(0, 1, 2, 4, 5));
+  EXPECT_THAT(FramesOf(*run.keyframes), ElementsAre(0, 2, 4));
+  EXPECT_EQ(run.covariance->size(), 5u);
   std::vector<int64_t> motions;
-  for (const PoseCovariance& row : run.motion_covariances)
+  for (const PoseCovariance& row : *run.motion_covariance)
     motions.push_back((row.t_ns - 1'000'000'000) / 100'000'000);
   EXPECT_THAT(motions, ElementsAre(1, 2, 5));
 }
@@ -89,10 +54,52 @@ TEST(Outputs, InitialisingFramesHaveNoPose) {
     if (i == 2) pose.keyframe_id = 0;
     recorder.AddPose(pose);
   }
-  const RunTrajectories run = BuildTrajectories(recorder, Map(), Eigen::Quaterniond::Identity());
-  EXPECT_THAT(FramesOf(run.all), ElementsAre(2, 3));
-  EXPECT_THAT(FramesOf(run.live), ElementsAre(2, 3));
-  EXPECT_EQ(run.covariances.size(), 2u);
+  const plslam::Run run = RunOf(recorder, Map(), Eigen::Quaterniond::Identity());
+  EXPECT_THAT(FramesOf(*run.trajectory), ElementsAre(2, 3));
+  EXPECT_THAT(FramesOf(*run.live), ElementsAre(2, 3));
+  EXPECT_EQ(run.covariance->size(), 2u);
+}
+
+double Difference(const TrajectoryPose& a, const TrajectoryPose& b) {
+  EXPECT_EQ(a.t_ns, b.t_ns);
+  return (a.T_a_b.matrix() - b.T_a_b.matrix()).norm();
+}
+
+TEST(Outputs, FolderHasTheRunOfTheRecording) {
+  Recorder recorder;
+  for (int i = 0; i < 4; ++i) {
+    FramePose pose = SomePose(i, i == 2 ? TrackingState::kLost : TrackingState::kTracking);
+    pose.T_w_odom = SE3::Exp((Vector6d() << 1, 2, 3, 0.3, 0.2, 0.1 * i).finished());
+    pose.keyframe_id = i == 1 ? 0 : -1;
+    if (i == 3) pose.stages_ms.emplace_back("a,b", 1.5);
+    recorder.AddPose(pose);
+    recorder.AddTruth(i, {pose.t_ns, pose.T_w_odom});
+  }
+  const ScratchFolder folder;
+  WriteOutputs(folder.Path(""), recorder, Map(), Eigen::Quaterniond(0.8, 0.6, 0.0, 0.0));
+  const plslam::Run read =
+      ReadRun(folder.Path(""), run_content::kTrajectory | run_content::kLive | run_content::kKeyframes |
+                                   run_content::kTruth | run_content::kCovariances | run_content::kFrames);
+  const plslam::Run run = RunOf(recorder, Map(), Eigen::Quaterniond(0.8, 0.6, 0.0, 0.0));
+  for (const auto member :
+       {&plslam::Run::trajectory, &plslam::Run::live, &plslam::Run::keyframes, &plslam::Run::truth}) {
+    ASSERT_EQ((read.*member)->size(), (run.*member)->size());
+    for (size_t i = 0; i < (run.*member)->size(); ++i)
+      EXPECT_LT(Difference((read.*member)->at(i), (run.*member)->at(i)), 2e-9) << "files have nine decimals";
+  }
+  for (const auto member : {&plslam::Run::covariance, &plslam::Run::motion_covariance}) {
+    ASSERT_EQ((read.*member)->size(), (run.*member)->size());
+    for (size_t i = 0; i < (run.*member)->size(); ++i)
+      EXPECT_EQ((read.*member)->at(i).covariance, (run.*member)->at(i).covariance);
+  }
+  const FrameTable table = FrameTableOf(recorder);
+  EXPECT_EQ(read.frames->columns, table.columns);
+  ASSERT_EQ(read.frames->rows.size(), 4U);
+  for (size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(read.frames->rows[i].t_ns, table.rows[i].t_ns);
+    EXPECT_EQ(read.frames->rows[i].state, table.rows[i].state);
+    EXPECT_EQ(read.frames->rows[i].values, table.rows[i].values);
+  }
 }
 
 TEST(Outputs, PosesAreOfTheCalibratedLeftCamera) {
@@ -104,7 +111,7 @@ TEST(Outputs, PosesAreOfTheCalibratedLeftCamera) {
   pose.T_w_odom = T_w_odom;
   pose.T_odom_c = T_odom_c;
   recorder.AddPose(pose);
-  const SE3 T_w_l = BuildTrajectories(recorder, Map(), q_l_c).all.at(0).T_a_b;
+  const SE3 T_w_l = RunOf(recorder, Map(), q_l_c).trajectory->at(0).T_a_b;
   // A point of c, expressed in l, must be at the same position of the map.
   const Eigen::Vector3d p_c(0.5, -0.4, 8.0);
   EXPECT_LT((T_w_l * (q_l_c * p_c) - T_w_odom * (T_odom_c * p_c)).norm(), 1e-12);
@@ -117,7 +124,7 @@ TEST(Outputs, CovariancesAreOfTheCalibratedCamera) {
   const Vector6d x_c = (Vector6d() << 1, 2, 3, 4, 5, 6).finished();
   pose.covariance = x_c * x_c.transpose();
   recorder.AddPose(pose);
-  const Matrix6d covariance = BuildTrajectories(recorder, Map(), q_l_c).covariances.at(0).covariance;
+  const Matrix6d covariance = RunOf(recorder, Map(), q_l_c).covariance->at(0).covariance;
   // T * Exp(x_c) * T_c_l == T * T_c_l * Exp(Ad(T_l_c) x_c).
   const Vector6d x_l = SE3(q_l_c, Eigen::Vector3d::Zero()).Adjoint() * x_c;
   EXPECT_LT((covariance - x_l * x_l.transpose()).norm(), 1e-4);
@@ -132,9 +139,9 @@ TEST(Outputs, TimesThatDoNotIncreaseAreLeftOut) {
   recorder.AddPose(SomePose(2));
   recorder.AddTruth(0, {5, SE3()});
   recorder.AddTruth(1, {4, SE3()});
-  const RunTrajectories run = BuildTrajectories(recorder, Map(), Eigen::Quaterniond::Identity());
-  EXPECT_THAT(FramesOf(run.all), ElementsAre(0, 2));
-  EXPECT_EQ(run.truth.size(), 1u);
+  const plslam::Run run = RunOf(recorder, Map(), Eigen::Quaterniond::Identity());
+  EXPECT_THAT(FramesOf(*run.trajectory), ElementsAre(0, 2));
+  EXPECT_EQ(run.truth->size(), 1u);
 }
 
 TEST(Outputs, MotionIntoANewSessionHasNoCovariance) {
@@ -143,7 +150,7 @@ TEST(Outputs, MotionIntoANewSessionHasNoCovariance) {
   FramePose pose = SomePose(1);
   pose.session = 8;
   recorder.AddPose(pose);
-  EXPECT_TRUE(BuildTrajectories(recorder, Map(), Eigen::Quaterniond::Identity()).motion_covariances.empty());
+  EXPECT_TRUE(RunOf(recorder, Map(), Eigen::Quaterniond::Identity()).motion_covariance->empty());
 }
 
 TEST(Outputs, AllFilesAreWrittenAndReadable) {
@@ -264,4 +271,4 @@ TEST(Outputs, FullDiskIsReportedAndLeavesNoPartialFile) {
 }
 
 }  // namespace
-}  // namespace plslam::viewer
+}  // namespace plslam

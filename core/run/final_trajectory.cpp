@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "viewer_headless/final_trajectory.h"
+#include "core/run/final_trajectory.h"
 
 #include <algorithm>
 #include <iterator>
 #include <set>
 
-namespace plslam::viewer {
+namespace plslam {
 
 std::map<int64_t, FrameCorrections> CorrectionsBySession(const Map& map) {
   std::map<int64_t, FrameCorrections> corrections;
@@ -96,4 +96,4 @@ Trajectory KeyframeTrajectory(const Map& map, const Recorder& recorder) {
   return trajectory;
 }
 
-}  // namespace plslam::viewer
+}  // namespace plslam

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "viewer_headless/node/logged_run.h"
+#include "core/run/node/logged_run.h"
 
 #include <algorithm>
 #include <map>
@@ -18,17 +18,18 @@
 #include "core/bus/messages/map_pages.h"
 #include "core/bus/transport/wire.h"
 #include "core/geometry/rectification.h"
+#include "core/io/maps/map_camera.h"
 #include "core/map/map_update.h"
+#include "core/run/node/recorded_messages.h"
+#include "core/run/run_writer.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/ground_truth_t.hpp"
 #include "plslam/image_strip_t.hpp"
 #include "plslam/map_update_t.hpp"
 #include "plslam/pose_t.hpp"
 #include "plslam/stream_t.hpp"
-#include "viewer_headless/node/message_values.h"
-#include "viewer_headless/outputs.h"
 
-namespace plslam::viewer {
+namespace plslam {
 namespace {
 
 /// Position of a message in the log.
@@ -168,7 +169,7 @@ Eigen::Quaterniond RectifiedFrom(const LoggedRobot& robot, const bus::LogReader&
 }
 
 /// Returns the map after the last update that continues the previous one.
-Map MapOf(const LoggedMessages& updates, const bus::LogReader& log, std::vector<std::string>* lacks) {
+Map MapOf(const LoggedMessages& updates, const bus::LogReader& log, Notes* notes) {
   bus::MapUpdateAssembler assembler;
   MapReplica replica;
   replica.RememberRemoved();
@@ -177,31 +178,31 @@ Map MapOf(const LoggedMessages& updates, const bus::LogReader& log, std::vector<
     is_last = assembler.Add(page) == bus::PageOutcome::kComplete &&
               replica.Apply(assembler.Take()) != MapVersion::Step::kGap;
   });
-  if (!is_last) lacks->emplace_back("changes of the map are missing in the log, and so is its final state");
+  if (!is_last) notes->warnings.emplace_back("changes of the map are missing in the log, and so is its final state");
   return replica.map();
 }
 
 /// Returns the updates of the robot's own map, or of the only map: robots may share it. Null if there is none.
-const LoggedMessages* FindMap(const LoggedRobot& robot, const LoggedRobots& robots, std::vector<std::string>* lacks) {
+const LoggedMessages* FindMap(const LoggedRobot& robot, const LoggedRobots& robots, Notes* notes) {
   if (robot.map_updates.size() > 0) return &robot.map_updates;
   std::vector<const LoggedMessages*> maps;
   for (const auto& [prefix, other] : robots) {
     if (other.map_updates.size() > 0) maps.push_back(&other.map_updates);
   }
   if (maps.size() > 1)
-    lacks->push_back(fmt::format("none of the {} maps in the log has the prefix of the run", maps.size()));
+    notes->Warn(fmt::format("none of the {} maps in the log has the prefix of the run", maps.size()));
   return maps.size() == 1 ? maps.front() : nullptr;
 }
 
 /// Adds a sentence about messages of other versions, of the robot and of maps, which may have another prefix.
-void AddOtherVersions(const LoggedRobot& robot, const LoggedRobots& robots, std::vector<std::string>* lacks) {
+void AddOtherVersions(const LoggedRobot& robot, const LoggedRobots& robots, Notes* notes) {
   std::set<std::string_view> names = robot.of_other_versions;
   for (const auto& [prefix, other] : robots) {
     if (other.of_other_versions.contains(bus::kMapUpdate.name)) names.insert(bus::kMapUpdate.name);
   }
   if (names.empty()) return;
-  lacks->push_back(fmt::format("messages from another version of plslam are skipped, on {}{}", fmt::join(names, ", "),
-                               robot.has_frames ? ": `plslam replay` recomputes them" : ""));
+  notes->Warn(fmt::format("messages from another version of plslam are skipped, on {}{}", fmt::join(names, ", "),
+                          robot.has_frames ? ": `plslam replay` recomputes them" : ""));
 }
 
 Recorder RecorderOf(const LoggedRobot& robot, const bus::LogReader& log) {
@@ -230,14 +231,23 @@ LoggedRun ReadLoggedRun(const std::string& path) {
   });
   if (most == robots.end() || most->second.poses.size() == 0) FailWithoutPoses(path, robots);
   const auto& [prefix, robot] = *most;
-  LoggedRun run{prefix, RecorderOf(robot, log), RectifiedFrom(robot, log, path), {}, robot.has_frames, ""};
-  std::vector<std::string> lacks;
-  if (const LoggedMessages* updates = FindMap(robot, robots, &lacks)) run.map = MapOf(*updates, log, &lacks);
-  AddOtherVersions(robot, robots, &lacks);
+  LoggedRun run{prefix, RecorderOf(robot, log), RectifiedFrom(robot, log, path), {}, robot.has_frames, {}};
+  if (const LoggedMessages* updates = FindMap(robot, robots, &run.notes)) run.map = MapOf(*updates, log, &run.notes);
+  AddOtherVersions(robot, robots, &run.notes);
   if (log.skipped_bytes() > 0) {
-    lacks.push_back(fmt::format("{} of its bytes are truncated or damaged", log.skipped_bytes()));
+    run.notes.Warn(fmt::format("{} of its bytes are truncated or damaged", log.skipped_bytes()));
   }
-  run.lack = fmt::format("{}", fmt::join(lacks, "; "));
+  return run;
+}
+
+Run RunOf(const LoggedRun& logged) {
+  Run run = RunOf(logged.recorder, logged.map, logged.q_l_c);
+  run.frames = FrameTableOf(logged.recorder);
+  run.notes = logged.notes;
+  if (logged.map.keyframes().empty() || !logged.map.camera()) return run;
+  run.map.emplace();
+  run.map->map = logged.map;
+  run.map->rig = CameraBytes(*logged.map.camera());
   return run;
 }
 
@@ -247,4 +257,4 @@ void WriteLoggedRun(const LoggedRun& run, const std::string& folder) {
   if (!failures.empty()) throw std::runtime_error(failures.front());
 }
 
-}  // namespace plslam::viewer
+}  // namespace plslam

@@ -9,9 +9,9 @@
 #include "core/io/trajectories/trajectory.h"
 #include "core/map/map.h"
 #include "core/map/map_parts.h"
-#include "viewer_headless/recorder.h"
+#include "core/run/recorder.h"
 
-namespace plslam::viewer {
+namespace plslam {
 
 /// Frames whose published pose has a known place in the map. The first frames of a session are published before the
 /// tracker knows that; they count if their T_w_odom turned out to be right. All frames count if none is anchored.
@@ -67,4 +67,4 @@ class RunParts {
 /// T_w_c of the map's keyframes of recorded sessions, in the order of time.
 Trajectory KeyframeTrajectory(const Map& map, const Recorder& recorder);
 
-}  // namespace plslam::viewer
+}  // namespace plslam

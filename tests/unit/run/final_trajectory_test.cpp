@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "viewer_headless/final_trajectory.h"
+#include "core/run/final_trajectory.h"
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/viewer/frame_poses.h"
-#include "viewer_headless/outputs.h"
+#include "core/run/run_writer.h"
+#include "tests/unit/run/frame_poses.h"
 
-namespace plslam::viewer {
+namespace plslam {
 namespace {
 
 SE3 Pose(double x, double y, double z, double yaw_rad) {
@@ -145,15 +145,15 @@ TEST(KeyframeTrajectory, KeyframesOfRecordedSessionsInTheOrderOfTime) {
 TEST(BuildTrajectories, FinalAndLivePosesOfTheSameFrames) {
   const Eigen::Quaterniond q_l_c(Eigen::AngleAxisd(0.02, Eigen::Vector3d(1, 2, 3).normalized()));
   const SE3 T_c_l(q_l_c.conjugate(), Eigen::Vector3d::Zero());
-  const RunTrajectories run = BuildTrajectories(SomeRun(20), SomeMap(), q_l_c);
-  ASSERT_EQ(run.all.size(), 20U);
-  ASSERT_EQ(run.live.size(), 20U);
-  EXPECT_EQ(run.covariances.size(), 20U);
-  ExpectSame(run.live[6].T_a_b, Pose(9.0, 9.0, 9.0, 1.0) * SomePose(6).T_odom_c * T_c_l);
-  ExpectSame(run.all[6].T_a_b, Correction(1) * SomePose(6).T_odom_c * T_c_l);
-  ASSERT_EQ(run.keyframes.size(), 3U) << "those of the map, not those of the poses";
-  ExpectSame(run.keyframes[1].T_a_b, run.all[6].T_a_b);
+  const plslam::Run run = RunOf(SomeRun(20), SomeMap(), q_l_c);
+  ASSERT_EQ(run.trajectory->size(), 20U);
+  ASSERT_EQ(run.live->size(), 20U);
+  EXPECT_EQ(run.covariance->size(), 20U);
+  ExpectSame(run.live->at(6).T_a_b, Pose(9.0, 9.0, 9.0, 1.0) * SomePose(6).T_odom_c * T_c_l);
+  ExpectSame(run.trajectory->at(6).T_a_b, Correction(1) * SomePose(6).T_odom_c * T_c_l);
+  ASSERT_EQ(run.keyframes->size(), 3U) << "those of the map, not those of the poses";
+  ExpectSame(run.keyframes->at(1).T_a_b, run.trajectory->at(6).T_a_b);
 }
 
 }  // namespace
-}  // namespace plslam::viewer
+}  // namespace plslam

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/bus/channels.h"
+#include "core/bus/logs/log_index.h"
 #include "core/bus/logs/log_reader.h"
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/frame_assembler.h"
@@ -31,19 +32,8 @@ namespace {
 /// Size of the head of a strip: header, `frame_id`, `camera`, `strip` and `n_strips`.
 constexpr size_t kStripHeadBytes = kWireHeaderBytes + 8 + 1 + 4 + 4;
 
-struct Place {
-  int64_t offset = 0;
-  int64_t bytes = 0;
-};
-
-/// Returns the prefix of `name` if it is `channel` after a prefix.
-std::optional<std::string> PrefixOf(const std::string& name, const Channel& channel) {
-  if (!name.ends_with(channel.name)) return std::nullopt;
-  return name.substr(0, name.size() - channel.name.size());
-}
-
 struct LogStrip {
-  Place place;
+  LogPlace place;
   int8_t camera = 0;
   int32_t number = 0;
   int32_t n_strips = 0;  // of its image, as stated in the strip
@@ -98,22 +88,14 @@ struct LogStream {
   int64_t n_strips = 0;
 };
 
-/// Decodes a message at a position of the log; nullopt if it is malformed.
-template <class T>
-std::optional<T> Decode(const LogReader& log, const Place& place) {
-  const auto data = log.Data(place.offset, std::min<int64_t>(place.bytes, kMaxMessageBytes));
-  const MessageLayout* layout = FindMessageLayout(T::getTypeName());
-  if (!data || !MessageLength(*layout, *data)) return std::nullopt;
-  return bus::Decoded<T>(*data);
-}
-
 class LogDataset : public Dataset {
  public:
   LogDataset(const std::string& path, const std::optional<std::string>& prefix) : path_(path), log_(path) {
     std::map<StreamKey, LogStream> streams;
-    Index(streams);
+    std::map<std::string, LoggedRobot> robots = Index(streams);
     if (prefix) std::erase_if(streams, [&](const auto& stream) { return std::get<0>(stream.first) != *prefix; });
     ChooseStream(streams);
+    robot_ = std::move(robots[prefix_]);
     ReadRig();
     ReadImuSamples();
     ReadGroundTruth();
@@ -137,7 +119,7 @@ class LogDataset : public Dataset {
  private:
   [[noreturn]] void Fail(const std::string& why) const { throw DatasetError(path_ + ": " + why); }
 
-  void Index(std::map<StreamKey, LogStream>& streams);
+  std::map<std::string, LoggedRobot> Index(std::map<StreamKey, LogStream>& streams);
   void IndexStrip(const LogReader::Event& event, LogStream& stream) const;
   std::string WhyNoFrames() const;
   void ChooseStream(std::map<StreamKey, LogStream>& streams);
@@ -150,9 +132,7 @@ class LogDataset : public Dataset {
 
   std::string path_;
   LogReader log_;
-  std::vector<std::pair<std::string, Place>> cameras_;  // with their prefixes
-  std::vector<std::pair<std::string, Place>> truths_;
-  std::vector<std::pair<std::string, Place>> imu_batches_;
+  LoggedRobot robot_;
   std::vector<ImuSample> imu_samples_;
   std::string prefix_;
   int64_t source_ = 0;
@@ -175,20 +155,16 @@ void LogDataset::IndexStrip(const LogReader::Event& event, LogStream& stream) co
   ++stream.n_strips;
 }
 
-void LogDataset::Index(std::map<StreamKey, LogStream>& streams) {
-  while (const auto event = log_.Next()) {
-    const Place place{event->data_offset, event->data_bytes};
-    if (const auto prefix = PrefixOf(event->channel, kCamera)) cameras_.emplace_back(*prefix, place);
-    if (const auto prefix = PrefixOf(event->channel, kGroundTruth)) truths_.emplace_back(*prefix, place);
-    if (const auto prefix = PrefixOf(event->channel, kImu)) imu_batches_.emplace_back(*prefix, place);
-    for (const Channel& channel : {kStereoFrame, kStereoFrameLive}) {
-      const auto prefix = PrefixOf(event->channel, channel);
-      const bool is_strip = prefix && event->head.size() >= kStripHeadBytes &&
-                            ReadInt64(event->head.data()) == image_strip_t::getHash();
-      if (!is_strip) continue;
-      IndexStrip(*event, streams[{*prefix, std::string(channel.name), ReadHeader(event->head).source}]);
-    }
-  }
+std::map<std::string, LoggedRobot> LogDataset::Index(std::map<StreamKey, LogStream>& streams) {
+  const std::vector<IndexedChannel> channels{{kCamera, camera_t::getHash()},
+                                             {kGroundTruth, ground_truth_t::getHash()},
+                                             {kImu, imu_t::getHash()},
+                                             {kStereoFrame, image_strip_t::getHash(), false},
+                                             {kStereoFrameLive, image_strip_t::getHash(), false}};
+  return IndexLog(log_, channels, [&](const auto& prefix, const auto& strips, const auto& event, LoggedRobot&) {
+    if (event.head.size() < kStripHeadBytes) return;
+    IndexStrip(event, streams[{prefix, std::string(strips.channel.name), ReadHeader(event.head).source}]);
+  });
 }
 
 std::string LogDataset::WhyNoFrames() const {
@@ -223,46 +199,37 @@ void LogDataset::ChooseStream(std::map<StreamKey, LogStream>& streams) {
 }
 
 void LogDataset::ReadRig() {
-  bool other_version = false;
-  for (const auto& [prefix, place] : cameras_) {
-    if (prefix != prefix_) continue;
-    const auto data = log_.Data(place.offset, std::min<int64_t>(place.bytes, kMaxMessageBytes));
-    other_version |= data && data->size() > kWireHeaderBytes && ReadInt64(data->data()) != camera_t::getHash();
-    const auto message = Decode<camera_t>(log_, place);
-    if (!message || message->header.source != source_) continue;
-    const auto rig = FromMessage(*message);
-    if (!rig) continue;
-    rig_ = *rig;
-    return;
-  }
-  if (other_version) {
+  std::optional<RigCalibration> first;
+  robot_.On(kCamera).ForEach<camera_t>(log_, [&](const camera_t& message) {
+    if (!first && message.header.source == source_) first = FromMessage(message);
+  });
+  if (first) {
+    rig_ = *std::move(first);
+  } else if (robot_.of_other_versions.contains(kCamera.name)) {
     Fail(
         "its rig (channel CAMERA) is from another version of plslam: play the log with the version that recorded it");
+  } else {
+    Fail("has stereo frames, but no valid rig of their publisher (channel CAMERA)");
   }
-  Fail("has stereo frames, but no valid rig of their publisher (channel CAMERA)");
 }
 
 /// The batches of successive frames overlap, and those of frames that were sent again are repeated.
 void LogDataset::ReadImuSamples() {
+  if (!rig_.imu) return;
   std::map<int64_t, ImuSample> samples;
-  for (const auto& [prefix, place] : imu_batches_) {
-    if (prefix != prefix_ || !rig_.imu) continue;
-    const auto message = Decode<imu_t>(log_, place);
-    if (!message || message->header.source != source_) continue;
-    const auto batch = FromMessage(*message);
-    if (!batch) continue;
+  robot_.On(kImu).ForEach<imu_t>(log_, [&](const imu_t& message) {
+    const auto batch = message.header.source == source_ ? FromMessage(message) : std::nullopt;
+    if (!batch) return;
     for (const ImuSample& sample : batch->samples) samples.emplace(sample.t_ns, sample);
-  }
+  });
   for (const auto& [t_ns, sample] : samples) imu_samples_.push_back(sample);
 }
 
 void LogDataset::ReadGroundTruth() {
-  for (const auto& [prefix, place] : truths_) {
-    if (prefix != prefix_) continue;
-    const auto message = Decode<ground_truth_t>(log_, place);
-    if (!message || message->header.source != source_) continue;
-    if (const auto T_w_l = FromMessage(message->T_w_l)) truth_.emplace(message->frame_id, *T_w_l);
-  }
+  robot_.On(kGroundTruth).ForEach<ground_truth_t>(log_, [&](const ground_truth_t& message) {
+    const auto T_w_l = message.header.source == source_ ? FromMessage(message.T_w_l) : std::nullopt;
+    if (T_w_l) truth_.emplace(message.frame_id, *T_w_l);
+  });
 }
 
 void LogDataset::DropFramesWithHoles() {
@@ -296,7 +263,7 @@ StereoImages LogDataset::Read(int index) const {
   const LogFrame& frame = frames_.at(static_cast<size_t>(index));
   FrameAssembler assembler;
   for (const LogStrip& in_log : frame.strips) {
-    const auto strip = Decode<image_strip_t>(log_, in_log.place);
+    const auto strip = DecodeAt<image_strip_t>(log_, in_log.place);
     if (!strip || assembler.Add(*strip) != FrameAssembler::Outcome::kComplete) continue;
     StereoImages images = assembler.TakeFrame().images;
     const auto size_of = [](const CameraCalibration& c) { return cv::Size(c.width_px, c.height_px); };

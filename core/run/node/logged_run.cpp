@@ -13,6 +13,7 @@
 #include <fmt/ranges.h>
 
 #include "core/bus/channels.h"
+#include "core/bus/logs/log_index.h"
 #include "core/bus/logs/log_reader.h"
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/map_pages.h"
@@ -32,105 +33,38 @@
 namespace plslam {
 namespace {
 
-/// Position of a message in the log.
-struct Place {
-  int64_t offset = 0;
-  int64_t bytes = 0;
-};
-
-/// Returns nullopt if the message is malformed.
-template <class Message>
-std::optional<Message> Decode(const bus::LogReader& log, const Place& place) {
-  const auto data = log.Data(place.offset, std::min<int64_t>(place.bytes, bus::kMaxMessageBytes));
-  if (!data || !bus::MessageLength(*FindMessageLayout(Message::getTypeName()), *data)) return std::nullopt;
-  return bus::Decoded<Message>(*data);
-}
-
-/// Messages of one channel without duplicates: by publisher, in the order of their first messages, and by number. In
-/// the log, a repaired message comes after later ones.
-class LoggedMessages {
- public:
-  void Add(const bus::LogReader::Event& event) {
-    const bus::WireHeader header = bus::ReadHeader(event.head);
-    const auto known = std::find(sources_.begin(), sources_.end(), header.source);
-    const auto rank = static_cast<size_t>(known - sources_.begin());
-    if (known == sources_.end()) sources_.push_back(header.source);
-    places_.try_emplace({rank, header.seq}, Place{event.data_offset, event.data_bytes});
-  }
-  size_t size() const { return places_.size(); }
-
-  /// Calls `take` for the well-formed messages, in order.
-  template <class Message, class Take>
-  void ForEach(const bus::LogReader& log, Take take) const {
-    for (const auto& [key, place] : places_) {
-      if (const auto message = Decode<Message>(log, place)) take(*message);
-    }
-  }
-
- private:
-  std::vector<int64_t> sources_;
-  std::map<std::pair<size_t, int64_t>, Place> places_;
-};
-
-/// The messages of a log under one prefix.
-struct LoggedRobot {
-  LoggedMessages cameras, poses, truths, bodies, map_updates;
-  bool has_frames = false;
-  /// Channels with messages of another version of plslam.
-  std::set<std::string_view> of_other_versions;
-  std::set<int64_t> streams;
-
-  /// A stream that begins replaces the previous one (ViewerNode::OnStream).
-  void Take(const stream_t& message) {
-    const int64_t stream = message.header.session != 0 ? message.header.session : message.header.source;
-    const bool begins = message.event == "begin" || message.event == "resume";
-    if (begins && streams.insert(stream).second && message.event == "begin") poses = truths = bodies = {};
-  }
-};
+using bus::LoggedMessages;
+using bus::LoggedRobot;
 using LoggedRobots = std::map<std::string, LoggedRobot>;  // by prefix
 
-/// A channel that is read, with the fingerprint of its messages in this version.
-struct ReadChannel {
-  bus::Channel channel;
-  int64_t fingerprint;
-  LoggedMessages LoggedRobot::*messages;  ///< null: they are not kept
-};
-const std::vector<ReadChannel>& ReadChannels() {
-  static const std::vector<ReadChannel> kChannels{
-      {bus::kCamera, camera_t::getHash(), &LoggedRobot::cameras},
-      {bus::kPose, pose_t::getHash(), &LoggedRobot::poses},
-      {bus::kGroundTruth, ground_truth_t::getHash(), &LoggedRobot::truths},
-      {bus::kBodies, bodies_t::getHash(), &LoggedRobot::bodies},
-      {bus::kMapUpdate, map_update_t::getHash(), &LoggedRobot::map_updates},
-      {bus::kStream, stream_t::getHash(), nullptr},
-      {bus::kStereoFrame, image_strip_t::getHash(), nullptr},
-      {bus::kStereoFrameLive, image_strip_t::getHash(), nullptr}};
-  return kChannels;
+bool HasFrames(const LoggedRobot& robot) {
+  return robot.visited.contains(bus::kStereoFrame.name) || robot.visited.contains(bus::kStereoFrameLive.name);
 }
 
-void Take(const bus::LogReader& log, const bus::LogReader::Event& event, const ReadChannel& read,
-          LoggedRobot& robot) {
-  if (bus::ReadInt64(event.head.data()) != read.fingerprint) {
-    robot.of_other_versions.insert(read.channel.name);
-  } else if (read.messages != nullptr) {
-    (robot.*read.messages).Add(event);
-  } else if (read.channel.name != bus::kStream.name) {
-    robot.has_frames = true;
-  } else if (const auto message = Decode<stream_t>(log, {event.data_offset, event.data_bytes})) {
-    robot.Take(*message);
-  }
+/// A stream that begins replaces the previous one (ViewerNode::OnStream). `streams` are those of the robot so far.
+void OnStream(const stream_t& message, std::set<int64_t>& streams, LoggedRobot& robot) {
+  const int64_t stream = message.header.session != 0 ? message.header.session : message.header.source;
+  const bool begins = message.event == "begin" || message.event == "resume";
+  if (!begins || !streams.insert(stream).second || message.event != "begin") return;
+  for (const bus::Channel& channel : {bus::kPose, bus::kGroundTruth, bus::kBodies})
+    robot.messages.erase(channel.name);
 }
 
 LoggedRobots ReadRobots(bus::LogReader& log) {
-  LoggedRobots robots;
-  while (const auto event = log.Next()) {
-    for (const ReadChannel& read : ReadChannels()) {
-      const std::string_view name = read.channel.name;
-      if (!event->channel.ends_with(name) || event->head.size() < bus::kWireHeaderBytes) continue;
-      Take(log, *event, read, robots[event->channel.substr(0, event->channel.size() - name.size())]);
-    }
-  }
-  return robots;
+  const std::vector<bus::IndexedChannel> channels{{bus::kCamera, camera_t::getHash()},
+                                                  {bus::kPose, pose_t::getHash()},
+                                                  {bus::kGroundTruth, ground_truth_t::getHash()},
+                                                  {bus::kBodies, bodies_t::getHash()},
+                                                  {bus::kMapUpdate, map_update_t::getHash()},
+                                                  {bus::kStream, stream_t::getHash(), false},
+                                                  {bus::kStereoFrame, image_strip_t::getHash(), false},
+                                                  {bus::kStereoFrameLive, image_strip_t::getHash(), false}};
+  std::map<std::string, std::set<int64_t>> streams;  // by prefix
+  return bus::IndexLog(log, channels, [&](const auto& prefix, const auto& visited, const auto& event, auto& robot) {
+    if (visited.channel.name != bus::kStream.name) return;
+    const auto message = bus::DecodeAt<stream_t>(log, {event.data_offset, event.data_bytes});
+    if (message) OnStream(*message, streams[prefix], robot);
+  });
 }
 
 [[noreturn]] void FailWithoutPoses(const std::string& path, const LoggedRobots& robots) {
@@ -141,7 +75,7 @@ LoggedRobots ReadRobots(bus::LogReader& log) {
   if (any([](const LoggedRobot& robot) { return robot.of_other_versions.contains(bus::kPose.name); })) {
     text = "an LCM log from another version of plslam, whose poses cannot be read";
   }
-  const bool has_frames = any([](const LoggedRobot& robot) { return robot.has_frames; });
+  const bool has_frames = any(HasFrames);
   throw std::runtime_error(fmt::format("{}: is {}{}", path, text,
                                        has_frames ? fmt::format(": `plslam replay {} --out DIR` recomputes the run "
                                                                 "from its frames, and `plslam export DIR` exports it",
@@ -152,7 +86,7 @@ LoggedRobots ReadRobots(bus::LogReader& log) {
 /// Returns the rectifying rotation of the last valid rig.
 Eigen::Quaterniond RectifiedFrom(const LoggedRobot& robot, const bus::LogReader& log, const std::string& path) {
   std::vector<RigCalibration> rigs;
-  robot.cameras.ForEach<camera_t>(log, [&](const camera_t& message) {
+  robot.On(bus::kCamera).ForEach<camera_t>(log, [&](const camera_t& message) {
     if (auto rig = bus::FromMessage(message)) rigs.push_back(*std::move(rig));
   });
   std::string why = robot.of_other_versions.contains(bus::kCamera.name)
@@ -184,10 +118,10 @@ Map MapOf(const LoggedMessages& updates, const bus::LogReader& log, Notes* notes
 
 /// Returns the updates of the robot's own map, or of the only map: robots may share it. Null if there is none.
 const LoggedMessages* FindMap(const LoggedRobot& robot, const LoggedRobots& robots, Notes* notes) {
-  if (robot.map_updates.size() > 0) return &robot.map_updates;
+  if (robot.On(bus::kMapUpdate).size() > 0) return &robot.On(bus::kMapUpdate);
   std::vector<const LoggedMessages*> maps;
   for (const auto& [prefix, other] : robots) {
-    if (other.map_updates.size() > 0) maps.push_back(&other.map_updates);
+    if (other.On(bus::kMapUpdate).size() > 0) maps.push_back(&other.On(bus::kMapUpdate));
   }
   if (maps.size() > 1)
     notes->Warn(fmt::format("none of the {} maps in the log has the prefix of the run", maps.size()));
@@ -202,20 +136,20 @@ void AddOtherVersions(const LoggedRobot& robot, const LoggedRobots& robots, Note
   }
   if (names.empty()) return;
   notes->Warn(fmt::format("messages from another version of plslam are skipped, on {}{}", fmt::join(names, ", "),
-                          robot.has_frames ? ": `plslam replay` recomputes them" : ""));
+                          HasFrames(robot) ? ": `plslam replay` recomputes them" : ""));
 }
 
 Recorder RecorderOf(const LoggedRobot& robot, const bus::LogReader& log) {
   Recorder recorder;
-  robot.poses.ForEach<pose_t>(log, [&](const pose_t& message) {
+  robot.On(bus::kPose).ForEach<pose_t>(log, [&](const pose_t& message) {
     if (const auto pose = ToFramePose(message)) recorder.AddPose(*pose);
   });
-  robot.truths.ForEach<ground_truth_t>(log, [&](const ground_truth_t& message) {
+  robot.On(bus::kGroundTruth).ForEach<ground_truth_t>(log, [&](const ground_truth_t& message) {
     if (const auto T_w_l = bus::FromMessage(message.T_w_l)) {
       recorder.AddTruth(message.frame_id, {message.header.t_ns, *T_w_l});
     }
   });
-  robot.bodies.ForEach<bodies_t>(log, [&](const bodies_t& message) {
+  robot.On(bus::kBodies).ForEach<bodies_t>(log, [&](const bodies_t& message) {
     if (const auto seen = ToBodiesOfFrame(message)) recorder.AddBodies(message.frame_id, *seen);
   });
   return recorder;
@@ -227,11 +161,11 @@ LoggedRun ReadLoggedRun(const std::string& path) {
   bus::LogReader log(path);
   const LoggedRobots robots = ReadRobots(log);
   const auto most = std::max_element(robots.begin(), robots.end(), [](const auto& a, const auto& b) {
-    return a.second.poses.size() < b.second.poses.size();
+    return a.second.On(bus::kPose).size() < b.second.On(bus::kPose).size();
   });
-  if (most == robots.end() || most->second.poses.size() == 0) FailWithoutPoses(path, robots);
+  if (most == robots.end() || most->second.On(bus::kPose).size() == 0) FailWithoutPoses(path, robots);
   const auto& [prefix, robot] = *most;
-  LoggedRun run{prefix, RecorderOf(robot, log), RectifiedFrom(robot, log, path), {}, robot.has_frames, {}};
+  LoggedRun run{prefix, RecorderOf(robot, log), RectifiedFrom(robot, log, path), {}, HasFrames(robot), {}};
   if (const LoggedMessages* updates = FindMap(robot, robots, &run.notes)) run.map = MapOf(*updates, log, &run.notes);
   AddOtherVersions(robot, robots, &run.notes);
   if (log.skipped_bytes() > 0) {

@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <opencv2/core.hpp>
 
+#include "core/bus/logs/log_index.h"
 #include "core/bus/logs/log_reader.h"
 #include "core/bus/logs/log_writer.h"
 #include "core/bus/messages/convert.h"
@@ -396,6 +397,37 @@ TEST(StockTools, LoggerRecordsPublishedMessages) {
   EXPECT_GT(count("again_STEREO_FRAME"), 0);
 }
 
+pose_t NumberedPose(int64_t source, int64_t seq) {
+  pose_t pose{};
+  pose.header.schema = kSchemaVersion;
+  pose.header.source = source;
+  pose.header.seq = seq;
+  pose.frame_id = 100 * source + seq;
+  return pose;
+}
+
+TEST(LogIndex, RepairedMessagesAreInOrderAndOnce) {
+  const TemporaryFolder folder;
+  {
+    LogWriter writer(folder / "log");
+    for (const auto& [source, seq] : std::vector<std::pair<int64_t, int64_t>>{{9, 0}, {9, 2}, {7, 0}, {9, 1}, {9, 2}})
+      writer.Write("a/POSE", Encoded(NumberedPose(source, seq)), 1);
+    writer.Write("b/POSE", Encoded(camera_t{}), 2);
+    writer.Write("a/CAMERA", Encoded(camera_t{}), 3);
+  }
+  LogReader log(folder / "log");
+  std::vector<std::string> visited;
+  const auto robots =
+      IndexLog(log, {{kPose, pose_t::getHash()}, {kCamera, camera_t::getHash(), false}},
+               [&](const auto& prefix, const auto&, const auto&, auto&) { visited.push_back(prefix); });
+  std::vector<int64_t> frames;
+  robots.at("a/").On(kPose).ForEach<pose_t>(log, [&](const pose_t& pose) { frames.push_back(pose.frame_id); });
+  EXPECT_THAT(frames, testing::ElementsAre(900, 901, 902, 700));
+  EXPECT_THAT(visited, testing::ElementsAre("a/"));
+  EXPECT_EQ(robots.at("b/").On(kPose).size(), 0U);
+  EXPECT_THAT(robots.at("b/").of_other_versions, testing::ElementsAre("POSE"));
+}
+
 TEST(StockTools, LogplayerFeedsAReader) {
   if (!test::HasProgram("lcm-logplayer")) GTEST_SKIP() << "lcm-logplayer is not installed";
   const TemporaryFolder folder;
@@ -403,20 +435,13 @@ TEST(StockTools, LogplayerFeedsAReader) {
   {
     LogWriter writer(log);
     for (int i = 0; i < 100; ++i) {
-      pose_t pose{};
-      pose.header.schema = kSchemaVersion;
-      pose.header.source = 7;
-      pose.header.seq = i;
-      pose.frame_id = i;
-      std::vector<uint8_t> bytes(static_cast<size_t>(pose.getEncodedSize()));
-      pose.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-      writer.Write("POSE", bytes, 1'000'000 + 2000 * i);
+      writer.Write("POSE", Encoded(NumberedPose(7, i)), 1'000'000 + 2000 * i);
     }
   }
   BusOptions options;
   options.url = PrivateUrl();
   Waiter received;
-  int64_t next = 0;
+  int64_t next = 700;
   RunningBus reader(options, "reader");
   reader->Subscribe<pose_t>(kPose, [&](const pose_t& pose) {
     EXPECT_EQ(pose.frame_id, next++);

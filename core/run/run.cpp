@@ -66,26 +66,16 @@ void CheckIsMapOfRun(const Run& run) {
 Trajectory ReadTum(const std::string& path) { return ReadTrajectory(path, TrajectoryFormat::kTum); }
 
 FrameTable ReadFrameTable(const std::string& path) {
-  // frame_id, t_s and state, then the other values of the frame.
-  constexpr size_t kTime = 1, kState = 2;
   FrameTable table;
-  size_t n_columns = 0;
-  const auto others = [](const TextRow& row) {
-    std::vector<std::string> values;
-    for (size_t i = 0; i < row.fields.size(); ++i) {
-      if (i != kTime && i != kState) values.emplace_back(row.fields[i]);
-    }
-    return values;
-  };
   ForEachRow(path, [&](const TextRow& row) {
-    if (n_columns == 0) {
-      n_columns = row.fields.size();
-      table.columns = others(row);
-      return;
-    }
-    if (row.fields.size() != n_columns || n_columns <= kState)
+    std::vector<std::string> values(row.fields.begin(), row.fields.end());
+    if (table.columns.empty()) {
+      table.columns = std::move(values);
+    } else if (values.size() != table.columns.size() || values.size() <= FrameTable::kState) {
       row.Fail("does not have the columns of the first line");
-    table.rows.push_back({row.Scaled(kTime, 9), std::string(row.fields[kState]), others(row)});
+    } else {
+      table.rows.push_back({row.Scaled(FrameTable::kTime, 9), std::move(values)});
+    }
   });
   return table;
 }

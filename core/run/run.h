@@ -14,14 +14,14 @@
 
 namespace plslam {
 
-/// The frames of a run, lost ones included, as text: the rows of `poses.csv`.
+/// The frames of a run, lost ones included, as text: `poses.csv`.
 struct FrameTable {
+  static constexpr size_t kTime = 1, kState = 2;  ///< columns
   struct Row {
     int64_t t_ns = 0;
-    std::string state;                ///< TrackingStateName
-    std::vector<std::string> values;  ///< of the other columns
+    std::vector<std::string> values;
   };
-  std::vector<std::string> columns;  ///< all but time and state: "frame_id", counts and times of stages
+  std::vector<std::string> columns;  ///< "frame_id", time, state, counts, and times of stages
   std::vector<Row> rows;
 };
 

@@ -186,9 +186,9 @@ Run RunOf(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_
 namespace {
 
 std::vector<std::string> ColumnsOf(const Recorder& recorder) {
-  std::vector<std::string> columns{"frame_id",        "n_points",    "n_lines",       "n_tracked_points",
-                                   "n_tracked_lines", "keyframe_id", "entropy_ratio", "skipped_frames",
-                                   "n_moving",        "anchored"};
+  std::vector<std::string> columns{
+      "frame_id",        "t_s",         "state",         "n_points",       "n_lines",  "n_tracked_points",
+      "n_tracked_lines", "keyframe_id", "entropy_ratio", "skipped_frames", "n_moving", "anchored"};
   for (std::string name : recorder.stage_names()) {
     // Names are received from the network; a comma or quote in one must not shift the columns.
     std::ranges::replace_if(
@@ -202,20 +202,15 @@ FrameTable::Row RowOf(int64_t frame_id, const FrameRecord& frame, size_t n_stage
   const FrameCounts& n = frame.counts;
   FrameTable::Row row{
       frame.t_ns,
-      TrackingStateName(frame.state),
-      {fmt::to_string(frame_id), fmt::to_string(n.points), fmt::to_string(n.lines), fmt::to_string(n.tracked_points),
-       fmt::to_string(n.tracked_lines), fmt::to_string(frame.keyframe_id), fmt::format("{:.6g}", frame.entropy_ratio),
+      {fmt::to_string(frame_id), SecondsText(frame.t_ns), TrackingStateName(frame.state), fmt::to_string(n.points),
+       fmt::to_string(n.lines), fmt::to_string(n.tracked_points), fmt::to_string(n.tracked_lines),
+       fmt::to_string(frame.keyframe_id), fmt::format("{:.6g}", frame.entropy_ratio),
        fmt::to_string(n.skipped_frames), fmt::to_string(n.moving), fmt::format("{:d}", frame.anchored)}};
   for (size_t i = 0; i < n_stages; ++i) {
     const bool known = i < frame.stages_ms.size() && std::isfinite(frame.stages_ms[i]);
     row.values.push_back(known ? fmt::format("{:.4f}", frame.stages_ms[i]) : "");
   }
   return row;
-}
-
-/// Time and state follow the first value.
-std::string CsvLine(const std::vector<std::string>& values, const std::string& time, const std::string& state) {
-  return fmt::format("{},{},{},{}\n", values.front(), time, state, fmt::join(values.begin() + 1, values.end(), ","));
 }
 
 }  // namespace
@@ -228,10 +223,10 @@ FrameTable FrameTableOf(const Recorder& recorder) {
 }
 
 void WritePosesCsv(const Recorder& recorder, const AppendText& append) {
-  append(CsvLine(ColumnsOf(recorder), "t_s", "state"));
+  append(fmt::format("{}\n", fmt::join(ColumnsOf(recorder), ",")));
   for (const auto& [frame_id, frame] : recorder.frames()) {
     const FrameTable::Row row = RowOf(frame_id, frame, recorder.stage_names().size());
-    append(CsvLine(row.values, SecondsText(row.t_ns), row.state));
+    append(fmt::format("{}\n", fmt::join(row.values, ",")));
   }
 }
 

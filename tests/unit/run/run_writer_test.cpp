@@ -97,7 +97,6 @@ TEST(Outputs, FolderHasTheRunOfTheRecording) {
   ASSERT_EQ(read.frames->rows.size(), 4U);
   for (size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(read.frames->rows[i].t_ns, table.rows[i].t_ns);
-    EXPECT_EQ(read.frames->rows[i].state, table.rows[i].state);
     EXPECT_EQ(read.frames->rows[i].values, table.rows[i].values);
   }
 }

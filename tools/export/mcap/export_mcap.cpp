@@ -179,16 +179,16 @@ class ImagesAhead {
   std::deque<std::future<CompressedImage>> begun_;
 };
 
-int LevelOf(std::string_view state) {
-  if (state == "lost") return 2;
-  return state == "tracking" ? 0 : 1;
-}
-
 std::vector<RosDiagnostic> DiagnosticsOf(const FrameTable& table) {
   std::vector<RosDiagnostic> frames;
   for (const FrameTable::Row& row : table.rows) {
-    RosDiagnostic frame{row.t_ns, LevelOf(row.state), "vo_process", row.state, {}};
-    for (size_t i = 0; i < row.values.size(); ++i) frame.values.emplace_back(table.columns[i], row.values[i]);
+    const std::string& state = row.values[FrameTable::kState];
+    const int level = state == "lost" ? 2 : state == "tracking" ? 0 : 1;
+    RosDiagnostic frame{row.t_ns, level, "vo_process", state, {}};
+    for (size_t i = 0; i < row.values.size(); ++i) {
+      if (i != FrameTable::kTime && i != FrameTable::kState)
+        frame.values.emplace_back(table.columns[i], row.values[i]);
+    }
     frames.push_back(std::move(frame));
   }
   return frames;

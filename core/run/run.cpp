@@ -83,7 +83,7 @@ FrameTable ReadFrameTable(const std::string& path) {
 void ReadFolder(Run& run, unsigned content) {
   const auto read = [&](unsigned of, const char* name, const auto& reader, auto& value) {
     const fs::path path = fs::path(run.folder) / name;
-    if ((content & of) != 0 && fs::exists(path)) value = reader(path.string());
+    if ((content & of) != 0 && fs::is_regular_file(path)) value = reader(path.string());
   };
   read(run_content::kSummary, result_file::kSummary, ReadSummary, run.summary);
   read(run_content::kTrajectory, result_file::kTrajectory.tum, ReadTum, run.trajectory);

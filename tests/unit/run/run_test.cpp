@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "core/run/result_files.h"
 #include "tests/support/text_file.h"
 
@@ -44,6 +46,12 @@ TEST_F(ReadRunTest, EmptyFolderHasNothing) {
   const plslam::Run run = Read(kAll);
   EXPECT_FALSE(run.summary || run.trajectory || run.live || run.keyframes || run.truth || run.covariance ||
                run.motion_covariance || run.frames || run.map);
+}
+
+// The launcher reports a full or blocked folder itself.
+TEST_F(ReadRunTest, FolderInPlaceOfAFileIsNoFile) {
+  std::filesystem::create_directories(folder_.Path(result_file::kTrajectory.tum));
+  EXPECT_FALSE(Read(run_content::kTrajectory).trajectory);
 }
 
 TEST_F(ReadRunTest, EachFileFillsItsMember) {

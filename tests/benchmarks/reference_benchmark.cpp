@@ -82,7 +82,9 @@ void BM_WindowBySparseSchur(benchmark::State& state) { WindowByCeres(state, cere
 void BM_WindowByIterativeSchur(benchmark::State& state) { WindowByCeres(state, ceres::ITERATIVE_SCHUR); }
 BENCHMARK(BM_WindowByDenseSchur)->ArgsProduct({{11, 50, 150}, {1, 2}})->Unit(benchmark::kMillisecond);
 BENCHMARK(BM_WindowBySparseSchur)->ArgsProduct({{11, 50, 150, 1342, 10000}, {1, 2}})->Unit(benchmark::kMillisecond);
-BENCHMARK(BM_WindowByIterativeSchur)->ArgsProduct({{11, 50, 150, 1342, 10000}, {1, 2}})->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_WindowByIterativeSchur)
+    ->ArgsProduct({{11, 50, 150, 1342, 10000}, {1, 2}})
+    ->Unit(benchmark::kMillisecond);
 
 const char* const kGraphs[] = {"parking-garage", "sphere2500", "intel", "manhattan"};
 

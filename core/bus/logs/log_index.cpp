@@ -8,7 +8,7 @@ void LoggedMessages::Add(const LogReader::Event& event) {
   const auto known = std::find(sources_.begin(), sources_.end(), header.source);
   const auto rank = static_cast<size_t>(known - sources_.begin());
   if (known == sources_.end()) sources_.push_back(header.source);
-  places_.try_emplace({rank, header.seq}, LogPlace{event.data_offset, event.data_bytes});
+  places_.try_emplace({rank, header.seq, header.t_ns}, LogPlace{event.data_offset, event.data_bytes});
 }
 
 const LoggedMessages& LoggedRobot::On(const Channel& channel) const {

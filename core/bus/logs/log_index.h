@@ -9,6 +9,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -33,8 +34,9 @@ std::optional<Message> DecodeAt(const LogReader& log, const LogPlace& place) {
   return Decoded<Message>(*data);
 }
 
-/// Messages of one channel without duplicates: by publisher, in the order of their first messages, and by number. In
-/// the log, a repaired message comes after later ones.
+/// Messages of one channel without duplicates: by publisher, in the order of their first messages, by number, and by the
+/// time of their data (foreign publishers may leave the number at 0). In the log, a repaired message comes after later
+/// ones.
 class LoggedMessages {
  public:
   void Add(const LogReader::Event& event);
@@ -50,7 +52,7 @@ class LoggedMessages {
 
  private:
   std::vector<int64_t> sources_;
-  std::map<std::pair<size_t, int64_t>, LogPlace> places_;  ///< by index of the source, and number
+  std::map<std::tuple<size_t, int64_t, int64_t>, LogPlace> places_;  ///< by index of the source, number, and time
 };
 
 /// The messages of a log under one prefix.

@@ -428,6 +428,23 @@ TEST(LogIndex, RepairedMessagesAreInOrderAndOnce) {
   EXPECT_THAT(robots.at("b/").of_other_versions, testing::ElementsAre("POSE"));
 }
 
+TEST(LogIndex, MessagesWithoutNumbersAreAllThere) {
+  const TemporaryFolder folder;
+  {
+    LogWriter writer(folder / "log");
+    for (const int64_t t_ns : {30, 10, 20}) {
+      pose_t pose = NumberedPose(9, 0);
+      pose.header.t_ns = pose.frame_id = t_ns;
+      writer.Write("POSE", Encoded(pose), 1);
+    }
+  }
+  LogReader log(folder / "log");
+  const auto robots = IndexLog(log, {{kPose, pose_t::getHash()}}, [](auto&&...) {});
+  std::vector<int64_t> frames;
+  robots.at("").On(kPose).ForEach<pose_t>(log, [&](const pose_t& pose) { frames.push_back(pose.frame_id); });
+  EXPECT_THAT(frames, testing::ElementsAre(10, 20, 30));
+}
+
 TEST(StockTools, LogplayerFeedsAReader) {
   if (!test::HasProgram("lcm-logplayer")) GTEST_SKIP() << "lcm-logplayer is not installed";
   const TemporaryFolder folder;

@@ -7,6 +7,7 @@
 #include <memory>
 #include <numeric>
 #include <set>
+#include <stdexcept>
 #include <utility>
 
 #include <ceres/ceres.h>
@@ -480,7 +481,7 @@ BatchResult SolveBatch(const BatchProblem& problem, const BatchOptions& options)
   return result;
 }
 
-PairEstimate ChoosePair(const BatchProblem& given, const BatchOptions& given_options) {
+std::optional<PairEstimate> ChoosePair(const BatchProblem& given, const BatchOptions& given_options) {
   BatchProblem problem = given;
   BatchOptions options = given_options;
   options.max_iterations = kShortSolve;
@@ -494,7 +495,8 @@ PairEstimate ChoosePair(const BatchProblem& given, const BatchOptions& given_opt
     for (size_t i = 0; i < kPairSize; ++i) options.pair_free[i] = pair.state[i] == PairState::kEstimated;
     problem.pair = pair.value;
     const BatchResult result = SolveBatch(problem, options);
-    if (!result.ok || result.stopped) return pair;
+    if (!result.ok) throw std::runtime_error("the camera cannot be estimated: " + result.reason);
+    if (result.stopped) return std::nullopt;
     pair.value = result.pair;
     for (size_t i = 0; i < result.T_w_c.size(); ++i) problem.bundle.poses[i].T_w_c = result.T_w_c[i];
     for (size_t i = 0; i < result.points.size(); ++i) problem.bundle.points[i].p_w = result.points[i];

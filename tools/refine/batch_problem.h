@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,9 +42,9 @@ enum class PairState {
 };
 
 /// Estimate of the camera's parameters, as deviations from the ideal pair that the map was made with. Sigmas are those
-/// of the residuals, or of the estimates without one fifth of the keyframes each (delete-a-group jackknife), whichever
-/// is larger: errors that observations have in common (a disparity that is wrong in the same way in each view) make the
-/// former too small.
+/// of the residuals, times the factor by which those of the estimates without one fifth of the keyframes each
+/// (delete-a-group jackknife) are larger when all parameters are estimated: errors that observations have in common (a
+/// disparity that is wrong in the same way in each view) make the former too small.
 struct PairEstimate {
   PairParameters value{};
   PairParameters sigma{};
@@ -135,8 +136,9 @@ BatchResult SolveBatch(const BatchProblem& problem, const BatchOptions& options)
 
 /// Estimates the camera at a problem near its optimum, and decides which parameters are kept: the one that is determined
 /// least, or differs least from the given camera in sigmas, is left as it was, and the rest estimated again, until all
-/// are determined and differ. Each of these is a short solve; the jackknife takes five.
-PairEstimate ChoosePair(const BatchProblem& problem, const BatchOptions& options);
+/// are determined and differ. Each of these is a short solve; the jackknife takes five. Returns nullopt if it was stopped
+/// before the choice was complete. Throws std::runtime_error if the solver fails.
+std::optional<PairEstimate> ChoosePair(const BatchProblem& problem, const BatchOptions& options);
 
 /// Covariances at the present state of a problem, given the first pose of each part: of the right perturbations of all
 /// poses. Empty if the information is singular, or the problem too large for a sparse QR factorisation (SuiteSparseQR)

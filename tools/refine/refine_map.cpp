@@ -303,6 +303,13 @@ void CheckHasFeatures(const StoredMap& stored) {
   }
 }
 
+StereoCamera EstimatedCamera(StereoCamera camera, const PairParameters& pair) {
+  camera.f_px += pair[reference::kFocal];
+  camera.cx_px += pair[reference::kCentreX];
+  camera.cy_px += pair[reference::kCentreY];
+  return camera;
+}
+
 /// Pixel and disparity by which the ideal pair would see what the estimated pair sees at `px`; disparity -1 behind the
 /// camera, and for a feature without depth (`disparity_px` <= 0).
 Eigen::Vector3d IdealPixel(const Eigen::Vector2d& px, double disparity_px, const StereoCamera& before,
@@ -428,10 +435,20 @@ RefineReport RefineMap(StoredMap& given, StereoCamera& camera, const RefineOptio
     }
     BatchResult result = SolveOrThrow(problem.batch, batch_options);
     // Once, when gross outliers are gone; the rest of the work estimates what was chosen.
-    if (pass == 1 && options.camera != CameraChoice::kFixed && !result.stopped) {
-      Advance(result, problem.batch);
-      Activate(result.after, false, problem.batch);
-      report.pair = ChoosePair(problem.batch, batch_options);
+    if (pass == 1 && options.camera != CameraChoice::kFixed) {
+      std::optional<PairEstimate> chosen;
+      if (!result.stopped) {
+        Advance(result, problem.batch);
+        Activate(result.after, false, problem.batch);
+        chosen = ChoosePair(problem.batch, batch_options);
+      }
+      if (!chosen) {
+        // Poses so far belong to a camera that was not judged: the best map is the given one.
+        report.after = report.before;
+        report.stopped = true;
+        return report;
+      }
+      report.pair = *chosen;
       for (size_t i = 0; i < reference::kPairSize; ++i) {
         batch_options.pair_free[i] = report.pair.state[i] == PairState::kEstimated;
       }
@@ -447,10 +464,11 @@ RefineReport RefineMap(StoredMap& given, StereoCamera& camera, const RefineOptio
     Advance(result, problem.batch);
     Activate(result.after, false, problem.batch);
     pair = result.pair;
-    report.after = MapFitOf(problem, result.after, stored.map);
     Apply(problem, stored.map);
-    DropOutliers<PointType>(problem, problem.ids.points, problem.batch.point_active, camera, stored);
-    DropOutliers<LineType>(problem, problem.ids.lines, problem.batch.line_active, camera, stored);
+    report.after = MapFitOf(problem, result.after, stored.map);
+    const StereoCamera estimated = EstimatedCamera(camera, pair);
+    DropOutliers<PointType>(problem, problem.ids.points, problem.batch.point_active, estimated, stored);
+    DropOutliers<LineType>(problem, problem.ids.lines, problem.batch.line_active, estimated, stored);
     ObservationSet after = ObservationsOf(stored.map);
     const int64_t changes = Changes(before, after);
     report.passes.push_back({result.cost_before, result.cost_after, result.iterations, result.seconds, changes});
@@ -458,7 +476,7 @@ RefineReport RefineMap(StoredMap& given, StereoCamera& camera, const RefineOptio
     const bool few = pass > 1 && static_cast<double>(changes) <= kFewChanges * static_cast<double>(after.size());
     if (few || result.stopped || pass == kMaxPasses) break;
     before = std::move(after);
-    MergeAll(camera, stored);
+    MergeAll(estimated, stored);
   }
   const MapTotals totals = stored.map.Totals();
   report.after.points = totals.points;
@@ -470,9 +488,7 @@ RefineReport RefineMap(StoredMap& given, StereoCamera& camera, const RefineOptio
   report.pair.value = pair;
   if (batch_options.camera != CameraChoice::kFixed) {
     const StereoCamera was = camera;
-    camera.f_px += pair[reference::kFocal];
-    camera.cx_px += pair[reference::kCentreX];
-    camera.cy_px += pair[reference::kCentreY];
+    camera = EstimatedCamera(camera, pair);
     CorrectFeatures(pair, problem.ids.keyframes, problem.batch.twists, was, camera, stored.features);
     stored.map.SetCamera(camera);
     stored.rig = CameraBytes(camera);

@@ -61,12 +61,13 @@ struct RefineReport {
 };
 
 /// Adjusts a whole map in batch: all keyframe poses, points, lines and, if asked for, the camera. Between passes,
-/// observations that do not fit are dropped, those that fit where their landmark is now expected are added, landmarks
-/// that are the same are fused, and points without inliers are triangulated again, until less than 0.5 % of the
+/// observations that do not fit are dropped, those of the best covisible keyframes that fit where their landmark is now
+/// expected are added, landmarks that are the same are fused, and points without inliers are triangulated again, until less than 0.5 % of the
 /// observations change. The first keyframe of each part of the map keeps its pose.
 ///
 /// If the camera changed, features are re-expressed in the ideal pair that the estimate stands for, so that the map
-/// agrees with its new `camera`. Throws std::runtime_error with one sentence if the map has no features or cannot be
+/// agrees with its new `camera`. If it is stopped before the parameters of the camera are chosen, map and camera are
+/// unchanged. Throws std::runtime_error with one sentence if the map has no features or cannot be
 /// solved; the map is then unchanged.
 RefineReport RefineMap(StoredMap& stored, StereoCamera& camera, const RefineOptions& options);
 

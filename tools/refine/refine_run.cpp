@@ -234,6 +234,7 @@ RefinedRun RefineRun(const RefineRequest& request) {
                                          request.source, request.source, result_file::kMap));
   }
   CheckOut(request, source.folder);
+  MakeFolder(request.out);
   StoredMap refined = *source.map;
   StereoCamera camera = MapCamera(refined, source.map_path);
   RefinedRun run;
@@ -248,7 +249,6 @@ RefinedRun RefineRun(const RefineRequest& request) {
   run.errors = ErrorsOf(source, before, frames);
   run.table = TableOf(run);
 
-  MakeFolder(request.out);
   const fs::path out(request.out);
   WriteMapFile((out / result_file::kMap).string(), refined);
   WriteTrajectory((out / result_file::kTrajectory.tum).string(), TrajectoryFormat::kTum,

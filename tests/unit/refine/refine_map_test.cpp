@@ -77,6 +77,12 @@ TEST(RefineMap, StatesTheErrorsThatRemain) {
     nees += MeanNees(walk.stored.map, walk.T_w_c) / kSeeds;
     EXPECT_LE(report.after.normalised, report.before.normalised * 1.01) << "seed " << seed;
     EXPECT_EQ(test::WrongWith(walk.stored.map), "") << "seed " << seed;
+    double length_m = 0.0;
+    for (const auto& [id, keyframe] : walk.stored.map.keyframes()) {
+      const MapKeyframe* previous = walk.stored.map.FindKeyframe(keyframe.previous_id);
+      if (previous != nullptr) length_m += (keyframe.T_w_kf.translation() - previous->T_w_kf.translation()).norm();
+    }
+    EXPECT_NEAR(report.after.length_m, length_m, 1e-9);
     for (const RefineReport::Pass& pass : report.passes) EXPECT_LE(pass.cost_after, pass.cost_before);
   }
   EXPECT_LT(after_m, 1.1 * before_m);
@@ -214,6 +220,21 @@ TEST(RefineMap, KeepsTheBestOnInterrupt) {
   EXPECT_TRUE(report.stopped);
   EXPECT_EQ(report.passes.size(), 1U);
   EXPECT_EQ(test::WrongWith(walk.stored.map), "");
+}
+
+TEST(RefineMap, InterruptLeavesTheCameraAsGiven) {
+  MappedWalk walk(0.5);
+  const StereoCamera camera = walk.camera;
+  const SE3 T_w_kf = walk.stored.map.keyframes().rbegin()->second.T_w_kf;
+  const std::atomic<bool> stop = true;
+  RefineOptions options;
+  options.camera = CameraChoice::kAll;
+  options.stop = &stop;
+  const RefineReport report = RefineMap(walk.stored, walk.camera, options);
+  EXPECT_TRUE(report.stopped);
+  EXPECT_EQ(walk.camera.f_px, camera.f_px);
+  EXPECT_EQ(walk.stored.map.keyframes().rbegin()->second.T_w_kf.translation(), T_w_kf.translation());
+  for (const double parameter : report.pair.value) EXPECT_EQ(parameter, 0.0);
 }
 
 // Above the limit of memory the pose system is solved by conjugate gradients, with the same result.

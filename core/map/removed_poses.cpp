@@ -32,7 +32,13 @@ void RemovedPoses::Add(const MapKeyframe& keyframe, int64_t carrier_id) {
   D_.erase(keyframe.id);
 }
 
-void RemovedPoses::Forget(int64_t id) { removed_.erase(id); }
+void RemovedPoses::Forget(int64_t id) {
+  const auto returned = removed_.find(id);
+  if (returned == removed_.end()) return;
+  // Keyframes that it carries know it by this product.
+  D_[id] = returned->second.D_kf;
+  removed_.erase(returned);
+}
 
 void RemovedPoses::ReturnTo(int64_t version, const IdMap<MapKeyframe>& keyframes) {
   for (const auto& [id, removed] : removed_) {

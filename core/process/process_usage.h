@@ -21,6 +21,9 @@ struct Usage {
 };
 Usage CurrentUsage();
 
+/// Largest resident memory of this process so far.
+double PeakMemory_mb();
+
 std::string HostName();
 
 }  // namespace plslam::bus

@@ -48,7 +48,8 @@ json ReadSummary(const std::string& path) {
 /// The sessions of a run are in its map, unless it has only localised. Folders without a summary, and of earlier
 /// versions, do not tell.
 void CheckIsMapOfRun(const Run& run) {
-  const json summary = Parse(std::ifstream(fs::path(run.folder) / result_file::kSummary));
+  const json summary =
+      run.summary ? *run.summary : Parse(std::ifstream(fs::path(run.folder) / result_file::kSummary));
   if (summary.is_discarded() || !summary.contains("sessions") || !summary["sessions"].is_array()) return;
   const json::json_pointer localises("/configuration/mapping/mapping/localise_only");
   if (summary["sessions"].empty() || (summary.contains(localises) && summary[localises] == true)) return;

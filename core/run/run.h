@@ -35,7 +35,7 @@ struct Run {
   std::optional<Trajectory> live;  ///< as published
   std::optional<Trajectory> keyframes;
   std::optional<Trajectory> truth;
-  /// Of `trajectory`, and of the motion from the previous pose at the time of the later one.
+  /// Covariances of `trajectory`, and of the motion from the previous pose at the time of the later one.
   std::optional<std::vector<PoseCovariance>> covariance, motion_covariance;
   std::optional<FrameTable> frames;
   std::optional<StoredMap> map;

@@ -2,8 +2,6 @@
 // Our solvers beside Ceres with the reference cost functions, from the same start to the same tolerance
 // (docs/lab/refine.md).
 #include <benchmark/benchmark.h>
-#include <sys/resource.h>
-
 #include <string>
 #include <variant>
 #include <vector>
@@ -11,6 +9,7 @@
 #include "core/optim/pose_graph/pose_graph.h"
 #include "core/optim/pose_graph/pose_graph_check.h"
 #include "core/optim/pose_graph/pose_graph_chordal.h"
+#include "core/process/process_usage.h"
 #include "tests/support/data_folder.h"
 #include "tests/unit/optim/bundle_world.h"
 #include "tests/unit/reference/reference_graph.h"
@@ -22,13 +21,7 @@ namespace plslam {
 namespace {
 
 constexpr double kTolerance = 1e-6;
-
-/// Largest memory of this process so far: that of a solver only if it runs alone (--benchmark_filter).
-double PeakMB() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1e-3 * static_cast<double>(usage.ru_maxrss);
-}
+// `peak_MB` below is that of a solver only if it runs alone (--benchmark_filter).
 
 test::BundleWorld Window(int poses) {
   test::BundleWorldSpec spec;
@@ -53,7 +46,7 @@ void BM_WindowByOurs(benchmark::State& state) {
     benchmark::DoNotOptimize(result.iterations);
   }
   state.counters["iterations"] = result.iterations;
-  state.counters["peak_MB"] = PeakMB();
+  state.counters["peak_MB"] = bus::PeakMemory_mb();
   state.counters["cost"] = test::ReferenceWindow(world.problem, false, options.huber_delta).CostAt(result, false);
 }
 BENCHMARK(BM_WindowByOurs)->Arg(11)->Arg(50)->Arg(150)->Arg(1342)->Arg(10000)->Unit(benchmark::kMillisecond);
@@ -74,7 +67,7 @@ void WindowByCeres(benchmark::State& state, ceres::LinearSolverType solver) {
     summary = window.Solve(options);
   }
   state.counters["iterations"] = static_cast<double>(summary.iterations.size()) - 1.0;
-  state.counters["peak_MB"] = PeakMB();
+  state.counters["peak_MB"] = bus::PeakMemory_mb();
   state.counters["cost"] = summary.final_cost;
 }
 void BM_WindowByDenseSchur(benchmark::State& state) { WindowByCeres(state, ceres::DENSE_SCHUR); }

@@ -5,8 +5,6 @@
 //
 //   scale_benchmark 1000 3000 10000
 
-#include <sys/resource.h>
-
 #include <ctime>
 #include <fstream>
 #include <numbers>
@@ -19,6 +17,7 @@
 #include "core/bus/messages/loop_channel.h"
 #include "core/bus/messages/map_pages.h"
 #include "core/io/maps/map_file.h"
+#include "core/process/process_usage.h"
 #include "loop_process/global_bundle.h"
 #include "loop_process/keyframe_memory.h"
 #include "loop_process/loop_correction.h"
@@ -51,12 +50,6 @@ double ResidentMB() {
     if (line.starts_with("VmRSS:")) return 1e-3 * std::stod(line.substr(6));
   }
   return 0.0;
-}
-
-double PeakMB() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1e-3 * static_cast<double>(usage.ru_maxrss);
 }
 
 class MadeUpMap {
@@ -295,7 +288,7 @@ void Measure(int n) {
   const double refine_ms = Cpu([&] { report = refine::RefineMap(refined, camera, options); });
   Row("refine", refine_ms,
       fmt::format("{} passes, {:.3f} m off, peak of the whole process {:.0f} MB", report.passes.size(),
-                  made.Error_m(refined.map), PeakMB()));
+                  made.Error_m(refined.map), bus::PeakMemory_mb()));
   fmt::print("  {:<44} {:>9.0f} MB of the map, its features twice, and a copy of the map\n", "resident", resident_MB);
 }
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/refine/refine_map.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -24,6 +22,7 @@
 #include "core/optim/bundle/map_bundle.h"
 #include "core/optim/bundle/options.h"
 #include "core/optim/pose_graph/map_pose_graph.h"
+#include "core/process/process_usage.h"
 #include "mapping_process/insertion/duplicates.h"
 #include "mapping_process/insertion/observations.h"
 #include "mapping_process/options.h"
@@ -354,13 +353,6 @@ void CorrectFeatures(const PairParameters& pair, const std::vector<int64_t>& key
   }
 }
 
-/// Includes the map, its features and the problem.
-double PeakMemoryOfThisProcess_mb() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1e-3 * static_cast<double>(usage.ru_maxrss);
-}
-
 std::string DemandSentence(const MapProblem& problem, const BatchDemand& demand, const Map& map, bool camera) {
   const MapTotals totals = map.Totals();
   return fmt::format(
@@ -369,7 +361,7 @@ std::string DemandSentence(const MapProblem& problem, const BatchDemand& demand,
       "and {:.0f} MB in all ({}){}",
       totals.keyframes, totals.points, totals.lines,
       problem.batch.bundle.point_observations.size() + problem.batch.bundle.line_observations.size(),
-      std::ceil(demand.seconds), std::ceil(PeakMemoryOfThisProcess_mb() + demand.memory_mb),
+      std::ceil(demand.seconds), std::ceil(bus::PeakMemory_mb() + demand.memory_mb),
       demand.iterative ? "conjugate gradients with a cluster preconditioner" : "sparse factorisation",
       camera ? ", and the choice of the camera's parameters as long as five" : "");
 }
@@ -443,7 +435,7 @@ RefineReport RefineMap(StoredMap& given, StereoCamera& camera, const RefineOptio
         chosen = ChoosePair(problem.batch, batch_options);
       }
       if (!chosen) {
-        // Poses so far belong to a camera that was not judged: the best map is the given one.
+        // Poses so far belong to a camera whose parameters are not chosen yet, so the result is the given map.
         report.after = report.before;
         report.stopped = true;
         return report;
@@ -489,7 +481,11 @@ RefineReport RefineMap(StoredMap& given, StereoCamera& camera, const RefineOptio
   if (batch_options.camera != CameraChoice::kFixed) {
     const StereoCamera was = camera;
     camera = EstimatedCamera(camera, pair);
-    CorrectFeatures(pair, problem.ids.keyframes, problem.batch.twists, was, camera, stored.features);
+    // Focal length and principal point alone are in the new camera: pixels stay as they are.
+    const auto is_zero = [](double parameter) { return parameter == 0.0; };
+    if (!std::all_of(pair.begin() + reference::kRadial, pair.end(), is_zero)) {
+      CorrectFeatures(pair, problem.ids.keyframes, problem.batch.twists, was, camera, stored.features);
+    }
     stored.map.SetCamera(camera);
     stored.rig = CameraBytes(camera);
   }

@@ -82,7 +82,7 @@ class Recovery {
 
   /// The pose of a frame is carried. Returns the number of such frames in a row.
   int Carry();
-  /// That frame has created landmarks.
+  /// The carried frame has created landmarks.
   void CreatedWhileCarried();
 
   /// The frame is lost, `dt_s` after the previous one, which was at `T_odom_prev` among `landmarks`. `by_robot`: its

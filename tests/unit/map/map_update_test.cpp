@@ -329,6 +329,18 @@ TEST_F(RemovedPosesTest, ReturningProcessRepeatsCorrectionsExactly) {
   EXPECT_EQ(PoseOf(3).translation(), T_w_3.translation());
 }
 
+TEST_F(RemovedPosesTest, CarrierThatReturnsLeavesThemInPlace) {
+  CorrectAll(AtX(0.0, 5.0));
+  Remove(3);
+  MapUpdate back = Next();
+  back.keyframes = {*replica_.map().FindKeyframe(2)};
+  Remove(2);
+  back.base_version = replica_.version();
+  back.version = replica_.version() + 1;
+  ASSERT_EQ(replica_.Apply(back), Step::kNext);
+  EXPECT_LT((PoseOf(3).translation() - Eigen::Vector3d(3.0, 5.0, 0.0)).norm(), 1e-12);
+}
+
 TEST_F(RemovedPosesTest, MissedCorrectionIsThatOfTheCarrier) {
   Remove(3);
   MapUpdate later = WholeRow(9, {3});

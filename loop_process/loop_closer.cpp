@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/geometry/symmetric.h"
 #include "loop_process/keyframe_memory.h"
 #include "loop_process/loop_candidates.h"
 #include "loop_process/loop_correction.h"
@@ -24,6 +25,24 @@ const MapKeyframe* FindByName(const Map& map, int64_t session, int64_t session_k
     if (keyframe.session_keyframe_id < session_keyframe_id) return nullptr;
   }
   return nullptr;
+}
+
+// Whether a third of the keyframes of a map have been removed. Their observations took part in its estimates; an adjustment of
+// the remaining ones alone would lose what they contributed.
+bool KnowsMoreThanItShows(const Map& map) {
+  const auto& keyframes = map.keyframes();
+  return !keyframes.empty() && 2 * keyframes.rbegin()->first >= 3 * static_cast<int64_t>(keyframes.size());
+}
+
+// Squared error of a loop, in its sigmas, below which the map has the measured relation already. Among known landmarks
+// loops differ by up to a quarter of a sigma, after an unmapped way by half a sigma or more.
+constexpr double kAgrees2 = 0.15;
+
+bool Agrees(const Map& map, const LoopEdge& loop) {
+  const SE3 T_old_kf =
+      map.FindKeyframe(loop.old_keyframe_id)->T_w_kf.Inverse() * map.FindKeyframe(loop.keyframe_id)->T_w_kf;
+  const double error2 = SquaredMahalanobis<6>((loop.T_old_kf.Inverse() * T_old_kf).Log(), loop.covariance);
+  return error2 >= 0.0 && error2 < kAgrees2;
 }
 
 }  // namespace
@@ -47,7 +66,7 @@ LoopClosure LoopCloser::Check(const Map& map, int64_t session, int64_t session_k
   auto poses = CloseLoop(map, evidence.edge, options_.correction);
   if (!poses) return closure;
   closure.kind = LoopClosure::Kind::kLoop;
-  closure.more = options_.adjustment.enabled;
+  closure.more = options_.adjustment.enabled && !(KnowsMoreThanItShows(map) && Agrees(map, evidence.edge));
   closure.edges = {evidence.edge};
   closure.points = evidence.points;
   closure.lines = evidence.lines;

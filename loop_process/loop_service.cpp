@@ -51,6 +51,12 @@ LoopService::Output LoopService::OnTick() {
   return output;
 }
 
+void LoopService::OnAdjusted(const LoopClosure& adjustment) {
+  const bool is_last = adjusting_ && adjusting_->session == adjustment.session &&
+                       adjusting_->session_keyframe_id == adjustment.session_keyframe_id;
+  if (is_last) adjusting_.reset();
+}
+
 void LoopService::OnSignOfLife(int64_t source) {
   for (auto& [session, teller] : lockstep_) {
     if (teller.source == source) teller.heard_ms = now_ms_();
@@ -253,7 +259,10 @@ void LoopService::CheckDueKeyframes(Output& output) {
     closure.map_version = replica_.version();
     const double took_ms = now_ms_() - began_ms;
     (closure.kind == LoopClosure::Kind::kLoop ? closure.correct_ms : closure.detect_ms) = took_ms;
-    if (closure.kind == LoopClosure::Kind::kLoop) unanswered_ = HeadOf(closure);
+    if (closure.kind == LoopClosure::Kind::kLoop) {
+      closure.more |= adjusting_.has_value();
+      unanswered_ = HeadOf(closure);
+    }
     output.closures.push_back(std::move(closure));
   }
 }

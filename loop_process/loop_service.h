@@ -28,7 +28,7 @@ PlaceRecogniser LoadPlaces(const VocabularyOptions& files, const PlaceOptions& o
 ///
 /// Each keyframe is checked once, on the map right after its insertion, when its features have arrived. After a loop
 /// has been published, nothing is checked until the map answers it (`MapUpdate::answer`). A global bundle adjustment
-/// follows a loop that was accepted. A request of a lockstep session is answered on a map that is committed up to the
+/// follows a loop that was accepted if it asks for one (`LoopCloser::Check`) or ends a running one. A request of a lockstep session is answered on a map that is committed up to the
 /// tracker's last keyframe.
 ///
 /// A complete map (after a restart of mapping_process or loop_process) is used when the features of all its keyframes
@@ -67,6 +67,8 @@ class LoopService {
   Output OnRequest(const Keyframe& frame);
   /// Called periodically.
   Output OnTick();
+  /// An adjustment has been published, without poses if it failed.
+  void OnAdjusted(const LoopClosure& adjustment);
   /// A process is alive; `source` as in `Keyframe::source`.
   void OnSignOfLife(int64_t source);
 
@@ -122,7 +124,7 @@ class LoopService {
   double requested_ms_ = 0.0;  ///< time of the last request for them
   /// The loop whose global bundle adjustment the previous loop_process did not finish.
   std::optional<LoopClosure> unadjusted_;
-  /// The loop of the last adjustment problem.
+  /// The loop whose adjustment is running.
   std::optional<LoopClosure> adjusting_;
   /// The published loop that the map has not answered yet, without edges and poses.
   std::optional<LoopClosure> unanswered_;

@@ -59,6 +59,8 @@ struct StereoPoint {
   double sigma_row_px = -1.0;
   /// Whether the row has several equally good matches, so that there is no depth.
   bool is_ambiguous = false;
+  /// Whether the right image shows the point at about the same pixel, too far away for a depth.
+  bool is_far = false;
 
   bool HasDepth() const { return disparity_px > 0.0; }
 };

@@ -32,6 +32,8 @@ constexpr double kManySkipped = 0.01;
 /// At 1 m/s, 1 mm of the baseline.
 constexpr double kFarSkew_ms = 1.0;
 /// So much the tracker follows; a calibration that is off by it costs accuracy all the same.
+// Share of the image below which dirt is not worth a warning.
+constexpr double kLeastDirt_percent = 0.1;
 constexpr double kFarRows_px = 4.0;
 /// Harmful change of lengths at the median depth, and the number of sigmas by which it must exceed zero. Near points
 /// count more in a path: without correction, 2.1 % lengthen that of KITTI 03 by 1 %, and 15 % that of KITTI 01 by 10 %.
@@ -231,6 +233,17 @@ const Row kRows[] = {
      [](const RunFindings& f) {
        return Numbers{{"readout_ms", f.other_readout_ms}};
      }},
+    {"dirty_lens", [](const RunFindings& f) { return f.lens_dirt_percent > kLeastDirt_percent; },
+     [](const RunFindings& f) {
+       return fmt::format(
+           "dirt on the left lens, or text burnt into its images, covers {:.2g} % of the image, most of it near "
+           "pixel "
+           "({:.0f}, {:.0f}): features there are ignored; clean the lens, or mask the text",
+           f.lens_dirt_percent, f.lens_dirt_u_px, f.lens_dirt_v_px);
+     },
+     [](const RunFindings& f) {
+       return Numbers{{"percent", f.lens_dirt_percent}, {"u_px", f.lens_dirt_u_px}, {"v_px", f.lens_dirt_v_px}};
+     }},
     // If the cameras are out of step, rows differ by the motion between the two exposures until the offset is known.
     {"rows_corrected_far", [](const RunFindings& f) { return f.corner_rows_px > kFarRows_px && !IsOutOfStep(f); },
      [](const RunFindings& f) {
@@ -421,6 +434,9 @@ void RunFindings::Take(const RunCounters& counters) {
   readout_ms = counters.Largest(kReadout);
   readout_path_mm = counters.Largest(kReadoutPath);
   other_readout_ms = counters.Largest(kOtherReadout);
+  lens_dirt_percent = counters.Largest(kLensDirt);
+  lens_dirt_u_px = counters.Largest(kLensDirtColumn);
+  lens_dirt_v_px = counters.Largest(kLensDirtRow);
   length_error_percent = counters.Largest(kLengthError);
   length_sigma_percent = counters.Largest(kLengthSigma);
   truth_frames = counters.Sum(kTruthFrames);

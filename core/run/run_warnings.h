@@ -36,6 +36,9 @@ struct RunFindings {
   double readout_ms = 0.0;
   double readout_path_mm = 0.0;
   double other_readout_ms = 0.0;
+  double lens_dirt_percent = 0.0;
+  double lens_dirt_u_px = 0.0;
+  double lens_dirt_v_px = 0.0;
   double points_ambiguous = 0.0;
   double length_error_percent = 0.0;
   double length_sigma_percent = 0.0;

@@ -135,6 +135,10 @@ LoopService::Output LoopNode::Handle(const Arrival& arrival) {
     service_->OnSignOfLife(sign->source);
     return service_->OnTick();
   }
+  if (const auto* adjustment = std::get_if<LoopClosure>(&arrival)) {
+    service_->OnAdjusted(*adjustment);
+    return {};
+  }
   const std::optional<Keyframe> local = KeyframeInCamera(map_camera_, std::get<RelocalisationRequest>(arrival).frame);
   return local ? service_->OnRequest(*local) : LoopService::Output();
 }
@@ -224,6 +228,8 @@ void LoopNode::AdjustUntilStopped() {
     }
     progress = {};
     publisher_.Publish(closure);
+    closure.poses.clear();
+    Queue(std::move(closure));
     problem.reset();
     bus::GiveBackFreedMemory();
   }

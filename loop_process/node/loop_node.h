@@ -46,7 +46,7 @@ class LoopNode {
   struct SignOfLife {
     int64_t source = 0;
   };
-  using Arrival = std::variant<Keyframe, MapUpdate, RelocalisationRequest, SignOfLife>;
+  using Arrival = std::variant<Keyframe, MapUpdate, RelocalisationRequest, SignOfLife, LoopClosure>;
 
   void OnUpdate(MapUpdate update);
   void OnStatus(const status_t& message);

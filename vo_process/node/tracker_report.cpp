@@ -89,6 +89,9 @@ void TrackerReport::UpdateWarnings() {
   findings.readout_ms = counts_[kReadout];
   findings.readout_path_mm = counts_[kReadoutPath];
   findings.other_readout_ms = counts_[kOtherReadout];
+  findings.lens_dirt_percent = counts_[kLensDirt];
+  findings.lens_dirt_u_px = counts_[kLensDirtColumn];
+  findings.lens_dirt_v_px = counts_[kLensDirtRow];
   findings.length_error_percent = counts_[kLengthError];
   findings.length_sigma_percent = counts_[kLengthSigma];
   std::string warnings;
@@ -131,6 +134,13 @@ void TrackerReport::ReportCameraErrors(const SelfCalibrator& calibration) {
   tell(kReadout, 1e3 * readout_s);
   if (readout_s > 0.0) tell(kReadoutPath, std::max(counts_[kReadoutPath], 1e3 * calibration.PathOfReadout_m()));
   tell(kOtherReadout, 1e3 * calibration.contradicting_readout_s());
+  const double dirt_percent = 100.0 * calibration.lens_dirt().CoveredShare();
+  if (dirt_percent > counts_[kLensDirt]) {
+    const Eigen::Vector2d px = calibration.lens_dirt().Place_px();
+    tell(kLensDirt, dirt_percent);
+    tell(kLensDirtColumn, px.x());
+    tell(kLensDirtRow, px.y());
+  }
   const auto lengths = calibration.disparities().length_error().value_or(DisparityCalibration::LengthError());
   tell(kLengthError, 100.0 * std::abs(lengths.share));
   tell(kLengthSigma, 100.0 * lengths.sigma);

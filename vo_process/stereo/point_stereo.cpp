@@ -75,10 +75,17 @@ RowRange RowsOf(const PointFeature& left, const PairSkew& skew, const StereoOpti
   return {std::min(far_px, near_px), std::max(far_px, near_px)};
 }
 
-bool Accepted(const PatchAlignment& a, double scale, double min_correlation, const StereoOptions& options) {
+bool IsGood(const PatchAlignment& a, double scale, double min_correlation, const StereoOptions& options) {
   return a.correlation >= min_correlation && a.gain >= kMinGain && a.gain <= kMaxGain &&
-         a.sigma_disparity_px <= options.point_max_sigma_disparity_px * scale &&
-         a.disparity_px >= options.min_disparity_px && a.disparity_px <= options.max_disparity_px;
+         a.sigma_disparity_px <= options.point_max_sigma_disparity_px * scale;
+}
+
+/// Whether an alignment is good and gives a depth. Sets `is_far` of the point if it is good at about zero disparity.
+bool Accept(const PatchAlignment& a, double min_correlation, const StereoOptions& options, StereoPoint& point) {
+  const double scale = point.left.scale;
+  if (!IsGood(a, scale, min_correlation, options)) return false;
+  point.is_far = a.disparity_px < options.min_disparity_px && a.disparity_px > -scale;
+  return a.disparity_px >= options.min_disparity_px && a.disparity_px <= options.max_disparity_px;
 }
 
 /// Whether a match with the first correlation is clearly better than one with the second.
@@ -114,7 +121,7 @@ std::optional<PatchAlignment> FindInRow(StereoPoint& point, RowSearch& search, c
     return std::nullopt;
   }
   std::optional<PatchAlignment> found = aligner.Align(feature.px, feature.scale, match->disparity_px);
-  if (!found || !Accepted(*found, feature.scale, options.point_direct_min_correlation, options)) return std::nullopt;
+  if (!found || !Accept(*found, options.point_direct_min_correlation, options, point)) return std::nullopt;
   point.is_ambiguous = MatchesElsewhere(feature, *found, *match, aligner, options);
   if (point.is_ambiguous) return std::nullopt;
   return found;
@@ -126,7 +133,7 @@ void MatchPoint(StereoPoint& point, const PointFeature* candidate, RowSearch& se
   std::optional<PatchAlignment> found;
   if (candidate != nullptr) {
     found = aligner.Align(feature.px, feature.scale, feature.px.x() - candidate->px.x());
-    if (found && !Accepted(*found, feature.scale, options.point_min_correlation, options)) found.reset();
+    if (found && !Accept(*found, options.point_min_correlation, options, point)) found.reset();
     const auto match = found && options.point_direct ? search.Find(feature.px, feature.scale,
                                                                    options.min_disparity_px, options.max_disparity_px)
                                                      : std::nullopt;

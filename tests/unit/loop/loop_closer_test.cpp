@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -68,6 +69,27 @@ TEST(LoopCloser, ReturningRingIsClosed) {
   EXPECT_LT(PositionError_m(closed.mapper.map(), ring.walk.T_w_c),
             PositionError_m(open.mapper.map(), ring.walk.T_w_c));
   EXPECT_EQ(WrongWith(closed.mapper.map()), "");
+}
+
+// The same loop again, in a map that was corrected by it.
+TEST(LoopCloser, AgreeingLoopOfThinnedMapAsksNoMore) {
+  const Ring ring;
+  Closing closing(PlacesOf(ring.world), {});
+  LoopClosure loop;
+  int shown = 0;
+  while (loop.kind == Kind::kNone && shown < ring.size()) loop = closing.Show(ring.walk.keyframes[shown++]);
+  ASSERT_EQ(loop.kind, Kind::kLoop);
+  EXPECT_TRUE(loop.more);
+  Map map = closing.mapper.map();
+  std::map<int64_t, SE3> poses;
+  for (const CorrectedPose& pose : loop.poses) poses[pose.keyframe_id] = pose.T_w_kf;
+  map.Move(poses);
+  const Keyframe& last = ring.walk.keyframes[shown - 1];
+  ASSERT_GT(2 * map.keyframes().rbegin()->first, 3 * static_cast<int64_t>(map.keyframes().size()))
+      << "it was thinned";
+  const LoopClosure again = closing.closer.Check(map, last.session, last.keyframe_id);
+  ASSERT_EQ(again.kind, Kind::kLoop);
+  EXPECT_FALSE(again.more);
 }
 
 TEST(LoopCloser, ArcThatNeverReturnsHasNoLoop) {

@@ -83,6 +83,13 @@ TEST(RunWarnings, ConditionsOfEachRow) {
        },
        "within 25.0 ms (rolling shutter), in which the camera moves up to 31 mm"},
       {"readout_contradicted", [](RunFindings& f) { f.other_readout_ms = 12.04; }, "are read within 12.0 ms"},
+      {"dirty_lens",
+       [](RunFindings& f) {
+         f.lens_dirt_percent = 3.14;
+         f.lens_dirt_u_px = 412.0;
+         f.lens_dirt_v_px = 133.0;
+       },
+       "covers 3.1 % of the image, most of it near pixel (412, 133)"},
       {"rows_corrected_far", [](RunFindings& f) { f.corner_rows_px = 12.34; }, "by up to 12.3 px in the corners"},
       {"disparities_off",
        [](RunFindings& f) {

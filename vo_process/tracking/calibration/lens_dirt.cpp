@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vo_process/tracking/calibration/lens_dirt.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace plslam::vo {
+namespace {
+
+constexpr int kCell_px = 8;
+// Distance up to which a corner stays: detection repeats corners to about half a pixel.
+constexpr double kSame_px = 0.75;
+// Distance from a dirty corner that counts as dirt.
+constexpr double kReach_px = 10.0;
+constexpr int kReach = 2;  // in cells
+// Number of frames between compared pairs. After the first, they are compared when the camera has moved.
+constexpr int kLeastFrames = 1;
+constexpr int kMostFrames = 20;
+// Share of the matched corners that stay, below which the camera has moved (or half that of the others: a standing
+// camera repeats matched corners better), and the least number of matched corners.
+constexpr double kStandingShare = 0.35;
+constexpr int kMinMatched = 20;
+// Gain of a corner that stays if all unmatched ones do, and none of the matched ones; loss of one that is not seen.
+constexpr double kEvidenceGain = 10.0;
+constexpr float kEvidenceLoss = 0.3F;
+// Standard deviations by which the shares must differ.
+constexpr double kSigmas = 2.0;
+// Evidence above which a corner is dirt, and its bound, which lets a cleaned lens be forgotten.
+constexpr float kDirty = 2.5F;
+constexpr float kMostEvidence = 10.0F;
+// Half the width of the window, in cells, in which the largest spot is searched.
+constexpr int kSpotReach = 3;
+
+bool IsMatched(const StereoPoint& point) { return point.HasDepth() || point.is_far; }
+
+}  // namespace
+
+/// The corners of a pair, by cell.
+class LensDirt::Corners {
+ public:
+  Corners(const LensDirt& grid, const std::vector<StereoPoint>& points)
+      : grid_(grid), points_(points), by_cell_(static_cast<size_t>(grid.columns_ * grid.rows_)) {
+    for (size_t i = 0; i < points.size(); ++i)
+      by_cell_[static_cast<size_t>(grid.CellOf(points[i].left.px))].push_back(static_cast<int>(i));
+  }
+
+  /// Returns a corner that is less than `kSame_px` away; nullptr if there is none.
+  const StereoPoint* At(const Eigen::Vector2d& px) const {
+    const int cell = grid_.CellOf(px);
+    const int row = cell / grid_.columns_;
+    const int column = cell % grid_.columns_;
+    for (int r = std::max(row - 1, 0); r <= std::min(row + 1, grid_.rows_ - 1); ++r) {
+      for (int c = std::max(column - 1, 0); c <= std::min(column + 1, grid_.columns_ - 1); ++c) {
+        for (const int i : by_cell_[static_cast<size_t>(r * grid_.columns_ + c)]) {
+          const StereoPoint& point = points_[static_cast<size_t>(i)];
+          if ((point.left.px - px).squaredNorm() < kSame_px * kSame_px) return &point;
+        }
+      }
+    }
+    return nullptr;
+  }
+
+ private:
+  const LensDirt& grid_;
+  const std::vector<StereoPoint>& points_;
+  std::vector<std::vector<int>> by_cell_;
+};
+
+LensDirt::LensDirt(const StereoCamera& camera)
+    : columns_((camera.width_px + kCell_px - 1) / kCell_px), rows_((camera.height_px + kCell_px - 1) / kCell_px) {}
+
+int LensDirt::CellOf(const Eigen::Vector2d& px) const {
+  const int column = std::clamp(static_cast<int>(px.x()) / kCell_px, 0, columns_ - 1);
+  const int row = std::clamp(static_cast<int>(px.y()) / kCell_px, 0, rows_ - 1);
+  return row * columns_ + column;
+}
+
+void LensDirt::Observe(const StereoFeatures& features) {
+  if (++reference_frames_ < kLeastFrames) return;
+  const Corners corners(*this, features.points);
+  struct Count {
+    int all = 0;
+    int stay = 0;
+    double Share() const { return static_cast<double>(stay) / std::max(all, 1); }
+    double Variance() const { return Share() * (1.0 - Share()) / std::max(all, 1); }
+  };
+  Count matched;
+  Count unmatched;
+  for (const Corner& corner : reference_) {
+    if (IsOnDirt({corner.u_px, corner.v_px})) continue;
+    Count& count = corner.is_matched ? matched : unmatched;
+    ++count.all;
+    count.stay += corners.At({corner.u_px, corner.v_px}) != nullptr;
+  }
+  const bool has_moved =
+      matched.all >= kMinMatched && matched.Share() <= std::max(kStandingShare, 0.5 * unmatched.Share());
+  if (has_moved) {
+    const double excess =
+        unmatched.Share() - matched.Share() - kSigmas * std::sqrt(matched.Variance() + unmatched.Variance());
+    Learn(corners, static_cast<float>(kEvidenceGain * std::max(0.0, excess)));
+  }
+  if (!has_moved && reference_frames_ < kMostFrames && matched.all >= kMinMatched) return;
+  reference_frames_ = 0;
+  reference_.clear();
+  for (const StereoPoint& point : features.points) {
+    reference_.push_back(
+        {static_cast<float>(point.left.px.x()), static_cast<float>(point.left.px.y()), IsMatched(point)});
+  }
+}
+
+/// Updates the evidence of all spots from a pair after the camera has moved.
+void LensDirt::Learn(const Corners& corners, float gain) {
+  for (const Corner& corner : reference_) {
+    const Eigen::Vector2d px(corner.u_px, corner.v_px);
+    const StereoPoint* point = corner.is_matched || IsOnDirt(px) ? nullptr : corners.At(px);
+    if (point != nullptr && !IsMatched(*point)) spots_.try_emplace(CellOf(px), Spot{corner.u_px, corner.v_px});
+  }
+  for (auto& [cell, spot] : spots_) {
+    const StereoPoint* point = corners.At({spot.u_px, spot.v_px});
+    spot.evidence += point != nullptr && !IsMatched(*point) ? gain : -kEvidenceLoss;
+    spot.evidence = std::min(spot.evidence, kMostEvidence);
+    spot.is_dirt |= spot.evidence >= kDirty;
+  }
+  std::erase_if(spots_, [](const auto& entry) { return entry.second.evidence <= 0.0F; });
+}
+
+bool LensDirt::IsOnDirt(const Eigen::Vector2d& px) const {
+  const int cell = CellOf(px);
+  for (int row = std::max(cell / columns_ - kReach, 0); row <= std::min(cell / columns_ + kReach, rows_ - 1); ++row) {
+    const int left = std::max(cell % columns_ - kReach, 0);
+    const int right = std::min(cell % columns_ + kReach, columns_ - 1);
+    const auto end = spots_.upper_bound(row * columns_ + right);
+    for (auto it = spots_.lower_bound(row * columns_ + left); it != end; ++it) {
+      const Spot& spot = it->second;
+      if (spot.is_dirt && (px - Eigen::Vector2d(spot.u_px, spot.v_px)).squaredNorm() < kReach_px * kReach_px)
+        return true;
+    }
+  }
+  return false;
+}
+
+void LensDirt::RemoveFrom(StereoFeatures& features) {
+  n_removed_ = 0;
+  if (CoveredShare() == 0.0) return;
+  n_removed_ = static_cast<int>(
+      std::erase_if(features.points, [this](const StereoPoint& point) { return IsOnDirt(point.left.px); }));
+  std::erase_if(features.lines, [this](const StereoLine& line) {
+    return IsOnDirt(line.left.segment.p) && IsOnDirt(line.left.segment.q);
+  });
+}
+
+double LensDirt::CoveredShare() const {
+  const auto n = std::count_if(spots_.begin(), spots_.end(), [](const auto& entry) { return entry.second.is_dirt; });
+  return static_cast<double>(n) / (columns_ * rows_);
+}
+
+int LensDirt::CountDirtAround(int cell) const {
+  int n = 0;
+  for (int row = cell / columns_ - kSpotReach; row <= cell / columns_ + kSpotReach; ++row) {
+    const int left = std::max(cell % columns_ - kSpotReach, 0);
+    const int right = std::min(cell % columns_ + kSpotReach, columns_ - 1);
+    const auto end = spots_.upper_bound(row * columns_ + right);
+    for (auto it = spots_.lower_bound(row * columns_ + left); it != end; ++it) n += it->second.is_dirt;
+  }
+  return n;
+}
+
+Eigen::Vector2d LensDirt::Place_px() const {
+  const Spot* best = nullptr;
+  int most = 0;
+  for (const auto& [cell, spot] : spots_) {
+    const int n = spot.is_dirt ? CountDirtAround(cell) : 0;
+    if (n > most) {
+      most = n;
+      best = &spot;
+    }
+  }
+  return best == nullptr ? Eigen::Vector2d::Zero() : Eigen::Vector2d(best->u_px, best->v_px);
+}
+
+}  // namespace plslam::vo

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <stdexcept>
 #include <utility>
@@ -19,6 +20,7 @@
 #include "core/run/run.h"
 #include "tools/evaluate/accuracy.h"
 #include "tools/refine/followed_frames.h"
+#include "viewer_headless/report/report_page.h"
 
 namespace plslam::refine {
 namespace {
@@ -109,6 +111,8 @@ nlohmann::ordered_json ToJson(const MapFit& fit) {
           {"rms_normalised", fit.normalised},
           {"rms_points_px", fit.point_px},
           {"rms_lines_px", fit.line_px},
+          {"loops", fit.loops},
+          {"rms_loops_m", fit.loop_m},
           {"length_m", fit.length_m}};
 }
 
@@ -186,6 +190,7 @@ std::string TableOf(const RefinedRun& run) {
   number("residual, in sigmas (rms)", before.normalised, after.normalised, 4);
   number("residual of points, px (rms)", before.point_px, after.point_px, 4);
   number("residual of lines, px (rms)", before.line_px, after.line_px, 4);
+  if (before.loops > 0) number("position at loops, m (rms)", before.loop_m, after.loop_m, 4);
   number("length along keyframes, m", before.length_m, after.length_m, 3);
   if (run.errors) number("error to the ground truth, m (ATE)", run.errors->before_m, run.errors->after_m, 5);
   for (size_t i = 0; i < kPairSize; ++i) text += ParameterText(report.pair, i);
@@ -259,7 +264,16 @@ RefinedRun RefineRun(const RefineRequest& request) {
     fs::copy_file(fs::path(source.folder) / result_file::kTruth, out / result_file::kTruth,
                   fs::copy_options::overwrite_existing);
   }
-  WriteFileAtomically((out / result_file::kSummary).string(), SummaryOf(request, run, refined).dump(2) + "\n");
+  const std::string summary = SummaryOf(request, run, refined).dump(2) + "\n";
+  WriteFileAtomically((out / result_file::kSummary).string(), summary);
+  const fs::path report = fs::path(source.folder) / result_file::kReport;
+  if (!source.folder.empty() && fs::is_regular_file(report)) {
+    std::ifstream stream(report, std::ios::binary);
+    const std::optional<std::string> page = viewer::FillRefinement(viewer::ReadPage(stream), summary);
+    if (page) WriteFileAtomically((out / result_file::kReport).string(), *page);
+    if (!page)
+      run.table += fmt::format("{}: is from an older version, without a place for this table\n", report.string());
+  }
   return run;
 }
 

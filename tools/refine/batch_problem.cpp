@@ -61,8 +61,10 @@ ceres::CostFunction* MakeCost(Functor functor) {
   return new Auto(new Bounded<Functor>{std::move(functor)}, rows);  // NOLINT: Ceres owns both.
 }
 
-/// The first pose of each part of the problem that active observations and motions connect, and all poses without any.
-std::vector<bool> ConstantPoses(const BatchProblem& problem) {
+bool IsUsable(const RelativePose& motion) { return Eigen::LLT<Matrix6d>(motion.covariance).info() == Eigen::Success; }
+
+/// For each pose the first one of its part: of those that active observations and motions connect with it.
+std::vector<size_t> FirstOfPart(const BatchProblem& problem) {
   const BundleProblem& bundle = problem.bundle;
   const size_t n_poses = bundle.poses.size();
   const size_t n_points = bundle.points.size();
@@ -88,10 +90,39 @@ std::vector<bool> ConstantPoses(const BatchProblem& problem) {
     const LineObservation& seen = bundle.line_observations[i];
     if (problem.line_active[i] != 0) join(seen.pose, n_poses + n_points + static_cast<size_t>(seen.line));
   }
-  for (const RelativePose& motion : bundle.relative_poses) join(motion.a, static_cast<size_t>(motion.b));
-  std::vector<bool> constant(n_poses);
-  for (size_t i = 0; i < n_poses; ++i) constant[i] = find(i) == static_cast<int>(i);
-  return constant;
+  for (const RelativePose& motion : bundle.relative_poses) {
+    if (IsUsable(motion)) join(motion.a, static_cast<size_t>(motion.b));
+  }
+  std::vector<size_t> first(n_poses);
+  for (size_t i = 0; i < n_poses; ++i) first[i] = static_cast<size_t>(find(i));
+  return first;
+}
+
+/// Number of poses of the parts whose scale nothing fixes: without a motion, or the depth of a landmark.
+size_t PosesWithoutScale(const BatchProblem& problem) {
+  const BundleProblem& bundle = problem.bundle;
+  const std::vector<size_t> first = FirstOfPart(problem);
+  const auto part_of = [&first](int pose) { return first[static_cast<size_t>(pose)]; };
+  std::vector<size_t> poses(first.size(), 0);
+  for (const size_t part : first) ++poses[part];
+  std::vector<bool> fixed(first.size(), false);
+  for (size_t i = 0; i < bundle.point_observations.size(); ++i) {
+    const PointObservation& seen = bundle.point_observations[i];
+    if (problem.point_active[i] != 0 && seen.uvd.z() >= 0.0) fixed[part_of(seen.pose)] = true;
+  }
+  for (size_t i = 0; i < bundle.line_observations.size(); ++i) {
+    const LineObservation& seen = bundle.line_observations[i];
+    const bool has_depth = seen.disparity_p_px >= 0.0 && seen.disparity_q_px >= 0.0;
+    if (problem.line_active[i] != 0 && has_depth) fixed[part_of(seen.pose)] = true;
+  }
+  for (const RelativePose& motion : bundle.relative_poses) {
+    if (IsUsable(motion)) fixed[part_of(motion.a)] = true;
+  }
+  size_t n = 0;
+  for (size_t part = 0; part < poses.size(); ++part) {
+    if (poses[part] > 1 && !fixed[part]) n += poses[part];
+  }
+  return n;
 }
 
 Eigen::MatrixXd InformationOf(const ceres::CostFunction& cost, const std::vector<double*>& blocks, size_t landmark) {
@@ -118,10 +149,10 @@ class CeresProblem {
     AddLines();
     AddMotions();
     AddPair(pair_free);
-    const std::vector<bool> constant = ConstantPoses(problem);
-    for (size_t i = 0; i < constant.size(); ++i) {
+    const std::vector<size_t> first = FirstOfPart(problem);
+    for (size_t i = 0; i < first.size(); ++i) {
       double* pose = state_.Pose(static_cast<int>(i));
-      if (constant[i] && ceres_->HasParameterBlock(pose)) ceres_->SetParameterBlockConstant(pose);
+      if (first[i] == i && ceres_->HasParameterBlock(pose)) ceres_->SetParameterBlockConstant(pose);
     }
   }
 
@@ -215,7 +246,7 @@ class CeresProblem {
 
   void AddMotions() {
     for (const RelativePose& motion : given_.bundle.relative_poses) {
-      if (Eigen::LLT<Matrix6d>(motion.covariance).info() != Eigen::Success) continue;
+      if (!IsUsable(motion)) continue;
       const auto start = [this](int i) { return given_.bundle.poses[static_cast<size_t>(i)].T_w_c; };
       using Motion = reference::MotionFunctor;
       auto* functor = new Motion(motion, start(motion.a), start(motion.b));    // NOLINT: Ceres owns both.
@@ -367,6 +398,10 @@ BatchResult SolveBatch(const BatchProblem& problem, const BatchOptions& options)
   BatchResult result;
   if (problem.bundle.poses.size() < 2) {
     result.reason = "it has fewer than two keyframes";
+    return result;
+  }
+  if (const size_t n = PosesWithoutScale(problem); n > 0) {
+    result.reason = "neither a depth nor a measured motion fixes the scale of " + std::to_string(n) + " keyframes";
     return result;
   }
   State state(problem);

@@ -15,7 +15,9 @@ enum class PairState {
   /// Its sigma is above half of that of its weak prior: left as it was.
   kUndetermined,
   /// It differs from the given camera by less than three sigmas: left as it was.
-  kAsGiven
+  kAsGiven,
+  /// It differs by more, but keyframes without which it was estimated do not agree better with it: left as it was.
+  kUnconfirmed
 };
 
 /// Estimate of the camera's parameters, as deviations from the ideal pair that the map was made with. Sigmas are those
@@ -30,11 +32,12 @@ struct PairEstimate {
 
 /// Estimates the camera at a problem near its optimum, and decides which parameters are kept: the one that is determined
 /// least, or differs least from the given camera in sigmas, is left as it was, and the rest estimated again, until all
-/// are determined and differ. Each of these is a short solve; the jackknife takes five. Returns nullopt if it was stopped
-/// before the choice was complete. Throws std::runtime_error if the solver fails.
+/// are determined and differ, and keyframes without which they are estimated confirm the change. Each of these is a short
+/// solve; the jackknife takes five, and each confirmation fifteen of parts. Returns nullopt if it was stopped before the
+/// choice was complete. Throws std::runtime_error if the solver fails.
 std::optional<PairEstimate> ChoosePair(const BatchProblem& problem, const BatchOptions& options);
 
-/// Number of solves that `ChoosePair` takes at most.
+/// Usual number of solves of `ChoosePair`.
 int SolvesOfChoice(const BatchOptions& options);
 
 }  // namespace plslam::refine

@@ -86,6 +86,9 @@ std::string ParameterText(const PairEstimate& pair, size_t i) {
       return fmt::format("{}: not determined by these images, left as it was\n", row.name);
     case PairState::kAsGiven:
       return fmt::format("{}: as given, within three sigmas of {:.4f} {}\n", row.name, sigma, row.unit);
+    case PairState::kUnconfirmed:
+      return fmt::format("{}: as given, a change is not confirmed by keyframes without which it was estimated\n",
+                         row.name);
     case PairState::kNotAsked:
       break;
   }
@@ -124,6 +127,8 @@ const char* StateName(PairState state) {
       return "not determined";
     case PairState::kAsGiven:
       return "as given";
+    case PairState::kUnconfirmed:
+      return "not confirmed";
     case PairState::kNotAsked:
       break;
   }

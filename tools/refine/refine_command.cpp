@@ -40,7 +40,7 @@ uint64_t MemoryForFactor() {
 }
 
 std::string ProgressText(const RefineProgress& progress) {
-  const std::string text =
+  std::string text =
       fmt::format("pass {}, iteration {}, cost {:.1f}", progress.pass, progress.iteration, progress.cost);
   const double left_s = std::ceil(progress.remaining_s);
   if (left_s <= 0.0) return text;

@@ -132,6 +132,13 @@ TEST(Report, IsUsedWithMouseAndKeys) {
   CheckReport(run, {"use", "link"});
 }
 
+TEST(Report, ShowsARefinedMap) {
+  if (const std::string why = Missing(); !why.empty()) GTEST_SKIP() << why;
+  WholeRun run;
+  ASSERT_EQ(run.Run({"run", "synthetic:room?frames=60&size=376x240", "--refine", "fixed"}), 0) << run.Logs();
+  CheckReport(run, {"refinement"});
+}
+
 TEST(Report, MapsOfTwoRunsTogether) {
   if (const std::string why = Missing(); !why.empty()) GTEST_SKIP() << why;
   WholeRun both, points;

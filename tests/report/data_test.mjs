@@ -10,6 +10,7 @@ import { counted, observedBy } from "../../viewer_headless/page/format.js";
 import { coreUse_percent } from "../../viewer_headless/page/plot_data.js";
 import { matchBlocks } from "../../viewer_headless/page/disparity.js";
 import { cpuTime_s } from "../../viewer_headless/page/processes.js";
+import { refinementRows } from "../../viewer_headless/page/refinement.js";
 import { notTracked } from "../../viewer_headless/page/summary.js";
 
 function column(Type, name, width, values) {
@@ -190,4 +191,18 @@ test("warnings come with the path, and stay until the next", () => {
   assert.equal(run.facts.warnings.length, 1);
   run.take(message({ first_row: 2, facts: { warnings: [] }, path, map }));
   assert.equal(run.facts.warnings.length, 0);
+});
+
+test("a refinement has a row for each figure of both maps and for each parameter of the camera", () => {
+  const map = { points: 1200, lines: 30, rms_points_px: 0.7, loops: 0, rms_loops_m: 0, length_m: 10 };
+  const camera = [{ name: "focal length", unit: "px", state: "estimated", value: 4.1, sigma: 1 },
+    { name: "principal point x", unit: "px", state: "not determined", value: 0, sigma: null }];
+  const rows = refinementRows({ before: map, after: { ...map, length_m: 9.5 }, camera });
+  assert.deepEqual(rows.map(([name]) => name), ["Points", "Segments", "Residual of points (rms)", "Loops", "Length along keyframes",
+    "Camera: focal length", "Camera: principal point x"]);
+  assert.deepEqual(rows[4].slice(1), ["10.000 m", "9.500 m"]);
+  assert.deepEqual(rows[5].slice(1), ["", "4.1000 px, sigma 1.0000"]);
+  assert.equal(rows[6][2], "not determined");
+  const withLoops = { ...map, loops: 2, rms_loops_m: 0.01 };
+  assert.equal(refinementRows({ before: withLoops, after: withLoops, camera: [] }).length, 6);
 });

@@ -67,6 +67,8 @@ class Run {
     run_.slam.points = mapper_.map().points().size();
     run_.slam.lines = mapper_.map().lines().size();
     run_.slam.map = replica_.map();
+    run_.slam.camera = front_end_.camera();
+    run_.slam.features = mapper_.Store().features;
     run_.slam.final = AsTheMapHasIt();
     CountRevisits();
     return std::move(run_);

@@ -103,6 +103,8 @@ SlamRun RunSlam(const Dataset& dataset, const vo::VoOptions& vo, const mapping::
     run.figures.push_back(mapper.figures());
   }
   Summarise(replica.map(), run);
+  run.camera = front_end.camera();
+  run.features = mapper.Store().features;
   run.final = CarriedByKeyframes(std::move(in_odom), replica.map());
   return run;
 }

@@ -25,6 +25,9 @@ struct SlamRun {
   std::vector<double> adjust_ms;
   std::vector<AdjustmentFigures> figures;
   Map map;
+  StereoCamera camera;
+  /// Of the keyframes of `map`.
+  KeyframeFeatures features;
 };
 
 /// The frames of a run, given in odom, where the map's keyframes carry them.

@@ -143,7 +143,9 @@ int Refine(const RunOptions& options) {
   const std::filesystem::path refined = options.out / "refined";
   std::vector<std::string> arguments{"refine", options.out, "--out", refined, "--camera", options.refine};
   if (options.quiet || options.json) arguments.emplace_back("--quiet");
-  return WaitForOfflineCommand(arguments);
+  const int code = WaitForOfflineCommand(arguments);
+  if (code == 0) PutRefinementIntoReport(options.out, refined / result_file::kSummary);
+  return code;
 }
 
 int RunProcesses(RunOptions options) {

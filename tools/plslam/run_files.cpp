@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <fstream>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -131,6 +132,16 @@ void PutWarningsIntoReport(const std::filesystem::path& out, const nlohmann::jso
   if (!std::filesystem::is_regular_file(report)) return;
   std::ifstream stream(report, std::ios::binary);
   WriteFileAtomically(report.string(), viewer::FillWarnings(viewer::ReadPage(stream), JsonText(warnings)));
+}
+
+void PutRefinementIntoReport(const std::filesystem::path& out, const std::filesystem::path& summary) {
+  const std::filesystem::path report = out / result_file::kReport;
+  if (!std::filesystem::is_regular_file(report)) return;
+  std::ifstream stream(report, std::ios::binary);
+  std::ifstream refinement(summary, std::ios::binary);
+  const std::optional<std::string> page =
+      viewer::FillRefinement(viewer::ReadPage(stream), viewer::ReadPage(refinement));
+  if (page) WriteFileAtomically(report.string(), *page);
 }
 
 void WriteSummary(const std::filesystem::path& out, const nlohmann::json& summary) {

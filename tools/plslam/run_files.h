@@ -58,6 +58,10 @@ std::string JsonText(const nlohmann::json& json);
 /// Puts the warnings of the summary into `report.html`, if there is one. Throws std::runtime_error if that fails.
 void PutWarningsIntoReport(const std::filesystem::path& out, const nlohmann::json& warnings);
 
+/// Puts the summary of a refinement, from its file, into `report.html`, if there is one with a place for it. Throws
+/// std::runtime_error if that fails.
+void PutRefinementIntoReport(const std::filesystem::path& out, const std::filesystem::path& summary);
+
 /// Writes `summary.json` (beside it first, then renamed). Throws std::runtime_error if that fails.
 void WriteSummary(const std::filesystem::path& out, const nlohmann::json& summary);
 

@@ -7,7 +7,6 @@
 #include <memory>
 #include <numeric>
 #include <set>
-#include <stdexcept>
 #include <utility>
 
 #include <ceres/ceres.h>
@@ -33,14 +32,6 @@ constexpr double kHuber = 1.5;
 constexpr double kBehind = 30.0;
 // A landmark is determined if its position is known to this share of its distance; others get a weak prior.
 constexpr double kDetermined = 0.3;
-// A parameter of the camera is determined if its sigma is at most this share of its prior's.
-constexpr double kPairDetermined = 0.5;
-// Sigmas by which a parameter must differ from the given camera to be changed.
-constexpr double kDiffers = 3.0;
-// Iterations of a solve that starts near its optimum.
-constexpr int kShortSolve = 8;
-// Groups of the jackknife.
-constexpr size_t kGroups = 5;
 // Observations up to which a sparse QR factorisation takes less than about a minute.
 constexpr size_t kMaxQrObservations = 120'000;
 
@@ -70,8 +61,10 @@ ceres::CostFunction* MakeCost(Functor functor) {
   return new Auto(new Bounded<Functor>{std::move(functor)}, rows);  // NOLINT: Ceres owns both.
 }
 
-/// The first pose of each part of the problem that active observations and motions connect, and all poses without any.
-std::vector<bool> ConstantPoses(const BatchProblem& problem) {
+bool IsUsable(const RelativePose& motion) { return Eigen::LLT<Matrix6d>(motion.covariance).info() == Eigen::Success; }
+
+/// For each pose the first one of its part: of those that active observations and motions connect with it.
+std::vector<size_t> FirstOfPart(const BatchProblem& problem) {
   const BundleProblem& bundle = problem.bundle;
   const size_t n_poses = bundle.poses.size();
   const size_t n_points = bundle.points.size();
@@ -97,10 +90,39 @@ std::vector<bool> ConstantPoses(const BatchProblem& problem) {
     const LineObservation& seen = bundle.line_observations[i];
     if (problem.line_active[i] != 0) join(seen.pose, n_poses + n_points + static_cast<size_t>(seen.line));
   }
-  for (const RelativePose& motion : bundle.relative_poses) join(motion.a, static_cast<size_t>(motion.b));
-  std::vector<bool> constant(n_poses);
-  for (size_t i = 0; i < n_poses; ++i) constant[i] = find(i) == static_cast<int>(i);
-  return constant;
+  for (const RelativePose& motion : bundle.relative_poses) {
+    if (IsUsable(motion)) join(motion.a, static_cast<size_t>(motion.b));
+  }
+  std::vector<size_t> first(n_poses);
+  for (size_t i = 0; i < n_poses; ++i) first[i] = static_cast<size_t>(find(i));
+  return first;
+}
+
+/// Number of poses of the parts whose scale nothing fixes: without a motion, or the depth of a landmark.
+size_t PosesWithoutScale(const BatchProblem& problem) {
+  const BundleProblem& bundle = problem.bundle;
+  const std::vector<size_t> first = FirstOfPart(problem);
+  const auto part_of = [&first](int pose) { return first[static_cast<size_t>(pose)]; };
+  std::vector<size_t> poses(first.size(), 0);
+  for (const size_t part : first) ++poses[part];
+  std::vector<bool> fixed(first.size(), false);
+  for (size_t i = 0; i < bundle.point_observations.size(); ++i) {
+    const PointObservation& seen = bundle.point_observations[i];
+    if (problem.point_active[i] != 0 && seen.uvd.z() >= 0.0) fixed[part_of(seen.pose)] = true;
+  }
+  for (size_t i = 0; i < bundle.line_observations.size(); ++i) {
+    const LineObservation& seen = bundle.line_observations[i];
+    const bool has_depth = seen.disparity_p_px >= 0.0 && seen.disparity_q_px >= 0.0;
+    if (problem.line_active[i] != 0 && has_depth) fixed[part_of(seen.pose)] = true;
+  }
+  for (const RelativePose& motion : bundle.relative_poses) {
+    if (IsUsable(motion)) fixed[part_of(motion.a)] = true;
+  }
+  size_t n = 0;
+  for (size_t part = 0; part < poses.size(); ++part) {
+    if (poses[part] > 1 && !fixed[part]) n += poses[part];
+  }
+  return n;
 }
 
 Eigen::MatrixXd InformationOf(const ceres::CostFunction& cost, const std::vector<double*>& blocks, size_t landmark) {
@@ -127,10 +149,10 @@ class CeresProblem {
     AddLines();
     AddMotions();
     AddPair(pair_free);
-    const std::vector<bool> constant = ConstantPoses(problem);
-    for (size_t i = 0; i < constant.size(); ++i) {
+    const std::vector<size_t> first = FirstOfPart(problem);
+    for (size_t i = 0; i < first.size(); ++i) {
       double* pose = state_.Pose(static_cast<int>(i));
-      if (constant[i] && ceres_->HasParameterBlock(pose)) ceres_->SetParameterBlockConstant(pose);
+      if (first[i] == i && ceres_->HasParameterBlock(pose)) ceres_->SetParameterBlockConstant(pose);
     }
   }
 
@@ -224,7 +246,7 @@ class CeresProblem {
 
   void AddMotions() {
     for (const RelativePose& motion : given_.bundle.relative_poses) {
-      if (Eigen::LLT<Matrix6d>(motion.covariance).info() != Eigen::Success) continue;
+      if (!IsUsable(motion)) continue;
       const auto start = [this](int i) { return given_.bundle.poses[static_cast<size_t>(i)].T_w_c; };
       using Motion = reference::MotionFunctor;
       auto* functor = new Motion(motion, start(motion.a), start(motion.b));    // NOLINT: Ceres owns both.
@@ -296,26 +318,8 @@ ceres::Solver::Summary Solve(CeresProblem& problem, const BatchOptions& options,
   return summary;
 }
 
-/// Standard deviations of the free parameters of the camera; infinite if the problem is singular or too large.
-PairParameters PairSigmas(CeresProblem& problem, State& state, const std::array<bool, kPairSize>& free, int threads) {
-  PairParameters sigma{};
-  ceres::Covariance::Options options;
-  options.algorithm_type = ceres::SPARSE_QR;
-  options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
-  options.num_threads = threads;
-  ceres::Covariance covariance(options);
-  Eigen::Matrix<double, kPairSize, kPairSize, Eigen::RowMajor> C;
-  const std::vector<std::pair<const double*, const double*>> wanted{{state.Pair(), state.Pair()}};
-  const bool known = covariance.Compute(wanted, &problem.ceres()) &&
-                     covariance.GetCovarianceBlock(state.Pair(), state.Pair(), C.data());
-  for (int i = 0; i < kPairSize; ++i) {
-    const auto k = static_cast<size_t>(i);
-    if (free[k]) sigma[k] = known ? std::sqrt(std::max(0.0, C(i, i))) : std::numeric_limits<double>::infinity();
-  }
-  return sigma;
-}
+}  // namespace
 
-/// The parameters that a choice of the camera names, of the given ones.
 std::array<bool, kPairSize> FreeParameters(const BatchOptions& options) {
   std::array<bool, kPairSize> free = options.pair_free;
   const size_t n = options.camera == CameraChoice::kFixed        ? 0
@@ -326,68 +330,6 @@ std::array<bool, kPairSize> FreeParameters(const BatchOptions& options) {
   if (options.camera == CameraChoice::kAll) free[reference::kRadial] = false;
   return free;
 }
-
-/// The problem without the observations of the keyframes of one of `kGroups` successive groups.
-BatchProblem WithoutGroup(const BatchProblem& problem, size_t group) {
-  BatchProblem rest = problem;
-  const auto is_in = [&](int pose) {
-    return static_cast<size_t>(pose) * kGroups / problem.bundle.poses.size() == group;
-  };
-  for (size_t i = 0; i < rest.point_active.size(); ++i) {
-    if (is_in(problem.bundle.point_observations[i].pose)) rest.point_active[i] = 0;
-  }
-  for (size_t i = 0; i < rest.line_active.size(); ++i) {
-    if (is_in(problem.bundle.line_observations[i].pose)) rest.line_active[i] = 0;
-  }
-  return rest;
-}
-
-/// Standard deviations by the delete-a-group jackknife: (K - 1) / K times the sum of squared deviations from the mean.
-PairParameters JackknifeSigmas(const BatchProblem& problem, const BatchOptions& options) {
-  std::vector<PairParameters> estimates;
-  for (size_t group = 0; group < kGroups; ++group) {
-    const BatchResult result = SolveBatch(WithoutGroup(problem, group), options);
-    if (result.ok) estimates.push_back(result.pair);
-  }
-  PairParameters sigma{};
-  const auto n = static_cast<double>(estimates.size());
-  if (n < 2.0) return sigma;
-  for (size_t i = 0; i < kPairSize; ++i) {
-    double mean = 0.0, squares = 0.0;
-    for (const PairParameters& estimate : estimates) mean += estimate[i] / n;
-    for (const PairParameters& estimate : estimates) squares += (estimate[i] - mean) * (estimate[i] - mean);
-    sigma[i] = std::sqrt((n - 1.0) / n * squares);
-  }
-  return sigma;
-}
-
-/// Leaves one parameter as it was: that determined least if it is not determined, else that which differs least from
-/// the given camera if it does not differ. Returns whether there was one.
-bool LeaveOne(PairEstimate& pair) {
-  const auto worst = [&pair](const auto& badness, double limit) {
-    int index = -1;
-    for (size_t i = 0; i < kPairSize; ++i) {
-      if (pair.state[i] != PairState::kEstimated || badness(i) <= limit) continue;
-      limit = badness(i);
-      index = static_cast<int>(i);
-    }
-    return index;
-  };
-  const auto leave = [&pair](int index, PairState state) {
-    const auto i = static_cast<size_t>(index);
-    pair.state[i] = state;
-    pair.value[i] = 0.0;
-    return true;
-  };
-  const int unknown =
-      worst([&pair](size_t i) { return pair.sigma[i] / PairParameterRows()[i].prior_sigma; }, kPairDetermined);
-  if (unknown >= 0) return leave(unknown, PairState::kUndetermined);
-  const int same =
-      worst([&pair](size_t i) { return pair.sigma[i] / std::max(std::abs(pair.value[i]), 1e-300); }, 1.0 / kDiffers);
-  return same >= 0 && leave(same, PairState::kAsGiven);
-}
-
-}  // namespace
 
 const std::array<PairParameterRow, kPairSize>& PairParameterRows() {
   constexpr double kDeg = 1.0 / kRadPerDeg;
@@ -458,6 +400,10 @@ BatchResult SolveBatch(const BatchProblem& problem, const BatchOptions& options)
     result.reason = "it has fewer than two keyframes";
     return result;
   }
+  if (const size_t n = PosesWithoutScale(problem); n > 0) {
+    result.reason = "neither a depth nor a measured motion fixes the scale of " + std::to_string(n) + " keyframes";
+    return result;
+  }
   State state(problem);
   CeresProblem ceres(problem, state, options.camera, FreeParameters(options));
   if (ceres.ceres().NumResidualBlocks() == 0) {
@@ -481,36 +427,25 @@ BatchResult SolveBatch(const BatchProblem& problem, const BatchOptions& options)
   return result;
 }
 
-std::optional<PairEstimate> ChoosePair(const BatchProblem& given, const BatchOptions& given_options) {
-  BatchProblem problem = given;
-  BatchOptions options = given_options;
-  options.max_iterations = kShortSolve;
-  PairEstimate pair;
-  pair.value = given.pair;
+PairParameters PairSigmas(const BatchProblem& problem, const BatchOptions& options) {
   const std::array<bool, kPairSize> free = FreeParameters(options);
-  for (size_t i = 0; i < kPairSize; ++i) pair.state[i] = free[i] ? PairState::kEstimated : PairState::kNotAsked;
-  const PairParameters jackknife = JackknifeSigmas(problem, options);
-  PairParameters share{};  // of the jackknife's sigma in the formal one, once for all subsets of the parameters
-  for (bool first = true;; first = false) {
-    for (size_t i = 0; i < kPairSize; ++i) options.pair_free[i] = pair.state[i] == PairState::kEstimated;
-    problem.pair = pair.value;
-    const BatchResult result = SolveBatch(problem, options);
-    if (!result.ok) throw std::runtime_error("the camera cannot be estimated: " + result.reason);
-    if (result.stopped) return std::nullopt;
-    pair.value = result.pair;
-    for (size_t i = 0; i < result.T_w_c.size(); ++i) problem.bundle.poses[i].T_w_c = result.T_w_c[i];
-    for (size_t i = 0; i < result.points.size(); ++i) problem.bundle.points[i].p_w = result.points[i];
-    for (size_t i = 0; i < result.lines.size(); ++i) problem.bundle.lines[i].segment_w = result.lines[i];
-    problem.pair = pair.value;
-    State state(problem);
-    CeresProblem ceres(problem, state, options.camera, options.pair_free);
-    const PairParameters formal = PairSigmas(ceres, state, options.pair_free, options.threads);
-    for (size_t i = 0; i < kPairSize; ++i) {
-      if (first) share[i] = formal[i] > 0.0 ? std::max(1.0, jackknife[i] / formal[i]) : 1.0;
-      if (pair.state[i] == PairState::kEstimated) pair.sigma[i] = share[i] * formal[i];
-    }
-    if (!LeaveOne(pair)) return pair;
+  State state(problem);
+  CeresProblem ceres(problem, state, options.camera, free);
+  ceres::Covariance::Options covariance_options;
+  covariance_options.algorithm_type = ceres::SPARSE_QR;
+  covariance_options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
+  covariance_options.num_threads = options.threads;
+  ceres::Covariance covariance(covariance_options);
+  Eigen::Matrix<double, kPairSize, kPairSize, Eigen::RowMajor> C;
+  const std::vector<std::pair<const double*, const double*>> wanted{{state.Pair(), state.Pair()}};
+  const bool known = covariance.Compute(wanted, &ceres.ceres()) &&
+                     covariance.GetCovarianceBlock(state.Pair(), state.Pair(), C.data());
+  PairParameters sigma{};
+  for (int i = 0; i < kPairSize; ++i) {
+    const auto k = static_cast<size_t>(i);
+    if (free[k]) sigma[k] = known ? std::sqrt(std::max(0.0, C(i, i))) : std::numeric_limits<double>::infinity();
   }
+  return sigma;
 }
 
 std::vector<Matrix6d> PoseCovariances(const BatchProblem& problem, const BatchOptions& options) {

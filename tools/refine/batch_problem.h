@@ -5,7 +5,6 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,26 +29,6 @@ struct PairParameterRow {
   double shown_per_unit;
 };
 const std::array<PairParameterRow, reference::kPairSize>& PairParameterRows();
-
-/// Outcome of a parameter of the camera.
-enum class PairState {
-  kNotAsked,
-  kEstimated,
-  /// Its sigma is above half of that of its weak prior: left as it was.
-  kUndetermined,
-  /// It differs from the given camera by less than three sigmas: left as it was.
-  kAsGiven
-};
-
-/// Estimate of the camera's parameters, as deviations from the ideal pair that the map was made with. Sigmas are those
-/// of the residuals, times the factor by which those of the estimates without one fifth of the keyframes each
-/// (delete-a-group jackknife) are larger when all parameters are estimated: errors that observations have in common (a
-/// disparity that is wrong in the same way in each view) make the former too small.
-struct PairEstimate {
-  PairParameters value{};
-  PairParameters sigma{};
-  std::array<PairState, reference::kPairSize> state{};
-};
 
 /// Measured difference of the rows of a point observation (right minus left); a sigma below zero: none.
 struct RowOffset {
@@ -134,11 +113,12 @@ struct BatchResult {
 /// connect is constant.
 BatchResult SolveBatch(const BatchProblem& problem, const BatchOptions& options);
 
-/// Estimates the camera at a problem near its optimum, and decides which parameters are kept: the one that is determined
-/// least, or differs least from the given camera in sigmas, is left as it was, and the rest estimated again, until all
-/// are determined and differ. Each of these is a short solve; the jackknife takes five. Returns nullopt if it was stopped
-/// before the choice was complete. Throws std::runtime_error if the solver fails.
-std::optional<PairEstimate> ChoosePair(const BatchProblem& problem, const BatchOptions& options);
+/// Parameters of the camera that take part: those of `camera`, of `pair_free`.
+std::array<bool, reference::kPairSize> FreeParameters(const BatchOptions& options);
+
+/// Standard deviations of the free parameters of the camera at the present state, as the residuals suggest (SuiteSparseQR);
+/// zero for the others, infinite if the problem is singular or too large.
+PairParameters PairSigmas(const BatchProblem& problem, const BatchOptions& options);
 
 /// Covariances at the present state of a problem, given the first pose of each part: of the right perturbations of all
 /// poses. Empty if the information is singular, or the problem too large for a sparse QR factorisation (SuiteSparseQR)

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -38,6 +39,15 @@ uint64_t MemoryForFactor() {
   return pages * static_cast<uint64_t>(sysconf(_SC_PAGESIZE)) / 3;
 }
 
+std::string ProgressText(const RefineProgress& progress) {
+  std::string text =
+      fmt::format("pass {}, iteration {}, cost {:.1f}", progress.pass, progress.iteration, progress.cost);
+  const double left_s = std::ceil(progress.remaining_s);
+  if (left_s <= 0.0) return text;
+  return left_s < 120.0 ? fmt::format("{}, about {:.0f} s left", text, left_s)
+                        : fmt::format("{}, about {:.0f} min left", text, std::ceil(left_s / 60.0));
+}
+
 int Refine(const RefineArguments& arguments) {
   std::atomic<bool> stop = false;
   const bus::SignalWatcher signals([&stop](const std::string&) { stop = true; });
@@ -51,8 +61,8 @@ int Refine(const RefineArguments& arguments) {
     request.options.announce = [](const std::string& sentence) { fmt::print("{}\n", sentence); };
   }
   if (redraws) {
-    request.options.progress = [](int pass, int iteration, double cost) {
-      fmt::print(stderr, "\rpass {}, iteration {}, cost {:.1f}\x1b[K", pass, iteration, cost);
+    request.options.progress = [](const RefineProgress& progress) {
+      fmt::print(stderr, "\r{}\x1b[K", ProgressText(progress));
       std::fflush(stderr);
     };
   }

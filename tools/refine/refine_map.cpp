@@ -2,6 +2,7 @@
 #include "tools/refine/refine_map.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <iterator>
@@ -26,6 +27,7 @@
 #include "mapping_process/insertion/duplicates.h"
 #include "mapping_process/insertion/observations.h"
 #include "mapping_process/options.h"
+#include "tools/refine/remaining_time.h"
 
 namespace plslam::refine {
 namespace {
@@ -140,6 +142,19 @@ void Activate(const BatchFit& fit, bool first, BatchProblem& batch) {
   }
 }
 
+void AddLoops(const Map& map, MapFit& fit) {
+  double squares_m2 = 0.0;
+  for (const LoopEdge& loop : map.loops()) {
+    const MapKeyframe* old = map.FindKeyframe(loop.old_keyframe_id);
+    const MapKeyframe* keyframe = map.FindKeyframe(loop.keyframe_id);
+    if (old == nullptr || keyframe == nullptr) continue;
+    const SE3 T_old_kf = old->T_w_kf.Inverse() * keyframe->T_w_kf;
+    squares_m2 += (T_old_kf.translation() - loop.T_old_kf.translation()).squaredNorm();
+    ++fit.loops;
+  }
+  fit.loop_m = std::sqrt(squares_m2 / std::max(1.0, static_cast<double>(fit.loops)));
+}
+
 MapFit MapFitOf(const MapProblem& problem, const BatchFit& fit, const Map& map) {
   const BatchProblem& batch = problem.batch;
   MapFit result;
@@ -171,6 +186,7 @@ MapFit MapFitOf(const MapProblem& problem, const BatchFit& fit, const Map& map) 
     if (previous == nullptr) continue;
     result.length_m += (keyframe.T_w_kf.translation() - previous->T_w_kf.translation()).norm();
   }
+  AddLoops(map, result);
   return result;
 }
 
@@ -392,6 +408,12 @@ BatchResult SolveOrThrow(const BatchProblem& problem, const BatchOptions& option
   return result;
 }
 
+/// Solves of a usual refinement: three passes; with the camera also one more, and those of `ChoosePair`.
+int ExpectedSolves(const BatchOptions& options) {
+  constexpr int kPasses = 3;
+  return options.camera == CameraChoice::kFixed ? kPasses : kPasses + 1 + SolvesOfChoice(options);
+}
+
 }  // namespace
 
 RefineReport RefineMap(StoredMap& given, StereoCamera& camera, const RefineOptions& options) {
@@ -412,6 +434,8 @@ RefineReport RefineMap(StoredMap& given, StereoCamera& camera, const RefineOptio
   PairParameters pair{};
   ObservationSet before = ObservationsOf(stored.map);
   MapProblem problem;
+  RemainingTime remaining(ExpectedSolves(batch_options));
+  const auto began = std::chrono::steady_clock::now();
   for (int pass = 1;; ++pass) {
     problem = ProblemOf(stored, camera, pair, batch_options.camera);
     const BatchFit fit = FitOf(problem.batch);
@@ -423,7 +447,10 @@ RefineReport RefineMap(StoredMap& given, StereoCamera& camera, const RefineOptio
         options.announce(DemandSentence(problem, report.demand, stored.map, options.camera != CameraChoice::kFixed));
     }
     if (options.progress) {
-      batch_options.progress = [&](int iteration, double cost) { options.progress(pass, iteration, cost); };
+      batch_options.progress = [&](int iteration, double cost) {
+        const std::chrono::duration<double> elapsed_s = std::chrono::steady_clock::now() - began;
+        options.progress({pass, iteration, cost, remaining.After(iteration, cost, elapsed_s.count())});
+      };
     }
     BatchResult result = SolveOrThrow(problem.batch, batch_options);
     // Once, when gross outliers are gone; the rest of the work estimates what was chosen.

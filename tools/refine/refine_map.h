@@ -10,8 +10,18 @@
 #include "core/geometry/stereo_camera.h"
 #include "core/io/maps/map_file.h"
 #include "tools/refine/batch_problem.h"
+#include "tools/refine/pair_choice.h"
 
 namespace plslam::refine {
+
+struct RefineProgress {
+  /// From 1.
+  int pass = 0;
+  int iteration = 0;
+  double cost = 0.0;
+  /// Until the end of the work, as the iterations so far suggest (`RemainingTime`).
+  double remaining_s = 0.0;
+};
 
 struct RefineOptions {
   CameraChoice camera = CameraChoice::kFixed;
@@ -19,8 +29,8 @@ struct RefineOptions {
   uint64_t memory_bytes = uint64_t{2} << 30;
   /// Receives one sentence before the first solve: expected time and memory.
   std::function<void(const std::string&)> announce;
-  /// Receives the pass (from 1), the iteration in it and the cost.
-  std::function<void(int pass, int iteration, double cost)> progress;
+  /// Called after each iteration.
+  std::function<void(const RefineProgress&)> progress;
   /// Ends the work with the best map so far.
   const std::atomic<bool>* stop = nullptr;
 };
@@ -36,6 +46,9 @@ struct MapFit {
   double normalised = 0.0;
   double point_px = 0.0;
   double line_px = 0.0;
+  int64_t loops = 0;
+  /// Root mean square of the distances between the positions that loops measured and those of the map.
+  double loop_m = 0.0;
   /// Sum of the distances between consecutive keyframes of the sessions.
   double length_m = 0.0;
 };

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <stdexcept>
 #include <utility>
@@ -19,6 +20,7 @@
 #include "core/run/run.h"
 #include "tools/evaluate/accuracy.h"
 #include "tools/refine/followed_frames.h"
+#include "viewer_headless/report/report_page.h"
 
 namespace plslam::refine {
 namespace {
@@ -84,6 +86,9 @@ std::string ParameterText(const PairEstimate& pair, size_t i) {
       return fmt::format("{}: not determined by these images, left as it was\n", row.name);
     case PairState::kAsGiven:
       return fmt::format("{}: as given, within three sigmas of {:.4f} {}\n", row.name, sigma, row.unit);
+    case PairState::kUnconfirmed:
+      return fmt::format("{}: as given, a change is not confirmed by keyframes without which it was estimated\n",
+                         row.name);
     case PairState::kNotAsked:
       break;
   }
@@ -109,6 +114,8 @@ nlohmann::ordered_json ToJson(const MapFit& fit) {
           {"rms_normalised", fit.normalised},
           {"rms_points_px", fit.point_px},
           {"rms_lines_px", fit.line_px},
+          {"loops", fit.loops},
+          {"rms_loops_m", fit.loop_m},
           {"length_m", fit.length_m}};
 }
 
@@ -120,6 +127,8 @@ const char* StateName(PairState state) {
       return "not determined";
     case PairState::kAsGiven:
       return "as given";
+    case PairState::kUnconfirmed:
+      return "not confirmed";
     case PairState::kNotAsked:
       break;
   }
@@ -186,6 +195,7 @@ std::string TableOf(const RefinedRun& run) {
   number("residual, in sigmas (rms)", before.normalised, after.normalised, 4);
   number("residual of points, px (rms)", before.point_px, after.point_px, 4);
   number("residual of lines, px (rms)", before.line_px, after.line_px, 4);
+  if (before.loops > 0) number("position at loops, m (rms)", before.loop_m, after.loop_m, 4);
   number("length along keyframes, m", before.length_m, after.length_m, 3);
   if (run.errors) number("error to the ground truth, m (ATE)", run.errors->before_m, run.errors->after_m, 5);
   for (size_t i = 0; i < kPairSize; ++i) text += ParameterText(report.pair, i);
@@ -259,7 +269,16 @@ RefinedRun RefineRun(const RefineRequest& request) {
     fs::copy_file(fs::path(source.folder) / result_file::kTruth, out / result_file::kTruth,
                   fs::copy_options::overwrite_existing);
   }
-  WriteFileAtomically((out / result_file::kSummary).string(), SummaryOf(request, run, refined).dump(2) + "\n");
+  const std::string summary = SummaryOf(request, run, refined).dump(2) + "\n";
+  WriteFileAtomically((out / result_file::kSummary).string(), summary);
+  const fs::path report = fs::path(source.folder) / result_file::kReport;
+  if (!source.folder.empty() && fs::is_regular_file(report)) {
+    std::ifstream stream(report, std::ios::binary);
+    const std::optional<std::string> page = viewer::FillRefinement(viewer::ReadPage(stream), summary);
+    if (page) WriteFileAtomically((out / result_file::kReport).string(), *page);
+    if (!page)
+      run.table += fmt::format("{}: is from an older version, without a place for this table\n", report.string());
+  }
   return run;
 }
 

@@ -32,7 +32,8 @@ struct RefinedRun {
 };
 
 /// Refines a map or a run and writes the folder `out`: map.plmap, trajectory.tum, keyframes.tum, camera.yaml and
-/// summary.json, and a copy of the run's groundtruth.tum. The source is not changed. Throws std::runtime_error with one
+/// summary.json, and copies of the run's groundtruth.tum and of its report.html, with the table of before and after. The
+/// source is not changed. Throws std::runtime_error with one
 /// sentence if the source has no map, the map cannot be refined, or `out` is the source or cannot be written.
 RefinedRun RefineRun(const RefineRequest& request);
 

@@ -13,6 +13,7 @@ import { MapView } from "./map_view.js";
 import { makeOrders, showOrders } from "./orders.js";
 import { Picture } from "./picture.js";
 import { Plots } from "./plots.js";
+import { embeddedRefinement, showRefinement } from "./refinement.js";
 import { Replay } from "./replay.js";
 import { showProcesses } from "./processes.js";
 import { showKicker, showNotes, showRuns, showSummary, showWarnings } from "./summary.js";
@@ -291,6 +292,7 @@ function updateAndRead(changed, state) {
   else if (changed.has("map")) chooseWanted();
 }
 
+showRefinement(embeddedRefinement());
 const data = embeddedData();
 if (data) {
   updateAndRead(run.take(data), null);

@@ -14,6 +14,7 @@ namespace {
 constexpr std::string_view kDataPlace = "\"PLSLAM_RUN_DATA\"";
 constexpr std::string_view kOthersPlace = "\"PLSLAM_OTHER_RUNS\"";
 constexpr std::string_view kDataBegin = "<script id=\"run-data\" type=\"application/json\">";
+constexpr std::string_view kRefinementBegin = "<script id=\"run-refinement\" type=\"application/json\">";
 constexpr std::string_view kWarningsPlace = "\"PLSLAM_RUN_WARNINGS\"";
 
 PageAroundData Around(std::string_view page, std::string_view place, const char* lacks) {
@@ -64,6 +65,16 @@ std::string FillTemplate(const std::string& page, std::string_view json) { retur
 std::string FillWarnings(const std::string& page, std::string_view json) {
   return Fill(Around(page, kWarningsPlace, "report.html has no placeholder for the warnings of its run"),
               SafeInPage(std::string(json)));
+}
+
+std::optional<std::string> FillRefinement(const std::string& page, std::string_view json) {
+  const size_t at = page.find(kRefinementBegin);
+  const size_t begin = at + kRefinementBegin.size();
+  // Its text has no '<' (SafeInPage).
+  const size_t end = at == std::string::npos ? at : page.find('<', begin);
+  if (end == std::string::npos) return std::nullopt;
+  const std::string_view whole = page;
+  return Fill({whole.substr(0, begin), whole.substr(end)}, SafeInPage(std::string(json)));
 }
 
 std::string DataOfReport(const std::string& page) {

@@ -32,6 +32,10 @@ std::string FillTemplate(const std::string& page, std::string_view json);
 /// run with its evaluated files. Throws std::runtime_error if the page has no slot for them.
 std::string FillWarnings(const std::string& page, std::string_view json);
 
+/// Returns a report with the summary of a refinement (summary.json of `plslam refine`) instead of the one that it may
+/// have; nullopt if the page has no slot for it: it is from an older version.
+std::optional<std::string> FillRefinement(const std::string& page, std::string_view json);
+
 /// Returns the data of a report. Throws std::runtime_error if it has none: it is no report of a completed run.
 std::string DataOfReport(const std::string& page);
 

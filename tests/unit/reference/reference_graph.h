@@ -14,7 +14,7 @@ namespace plslam::test {
 class ReferenceSpaceGraph {
  public:
   ReferenceSpaceGraph(const PoseGraph<SE3>& graph, const std::vector<SE3>& T_w_kf)
-      : x_(T_w_kf.size(), Vector6d::Zero()) {
+      : start_(T_w_kf), x_(T_w_kf.size(), Vector6d::Zero()) {
     for (const auto& edge : graph.edges) {
       const auto a = static_cast<size_t>(edge.a), b = static_cast<size_t>(edge.b);
       using Edge = reference::EdgeFunctor;
@@ -26,8 +26,10 @@ class ReferenceSpaceGraph {
   }
 
   ceres::Problem& problem() { return problem_; }
+  SE3 T_w_kf(size_t i) const { return reference::MovedPose(start_[i], x_[i].data()); }
 
  private:
+  std::vector<SE3> start_;
   std::vector<Vector6d> x_;
   ceres::Problem problem_;
 };
@@ -48,6 +50,7 @@ class ReferencePlanarGraph {
   }
 
   ceres::Problem& problem() { return problem_; }
+  SE2 T_w_kf(size_t i) const { return SE2(x_[i].z(), x_[i].head<2>()); }
 
  private:
   std::vector<Eigen::Vector3d> x_;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <ceres/ceres.h>
+#include <Eigen/Eigenvalues>
 
 #include "core/optim/bundle/bundle.h"
 #include "core/optim/bundle/line_cost.h"
@@ -17,7 +18,8 @@
 
 namespace plslam::test {
 
-/// A window as a Ceres problem: the same cost with line weights and anchors of the start.
+/// A window as a Ceres problem: the same cost with line weights and anchors of the start, and with the weak priors of
+/// landmarks that their observations do not determine there.
 class ReferenceWindow {
  public:
   ReferenceWindow(const BundleProblem& given, bool endpoints, double huber_delta)
@@ -98,26 +100,66 @@ class ReferenceWindow {
   double* Pose(int i) { return poses_[static_cast<size_t>(i)].data(); }
   const SE3& Start(int i) const { return given_.poses[static_cast<size_t>(i)].T_w_c; }
 
+  /// What the observations of a landmark say about it at the start.
+  template <int kSize>
+  struct Knowledge {
+    Eigen::Matrix<double, kSize, kSize> information = Eigen::Matrix<double, kSize, kSize>::Zero();
+    double nearest_m = 1e9;
+  };
+
   template <class Functor, int kSize>
-  void Add(const Functor& functor, int pose, double* landmark) {
+  ceres::CostFunction* Add(const Functor& functor, int pose, double* landmark) {
     using Auto = ceres::AutoDiffCostFunction<Functor, ceres::DYNAMIC, 6, kSize>;
-    problem_->AddResidualBlock(new Auto(new Functor(functor), functor.rows()), &loss_, Pose(pose), landmark);
+    auto* cost = new Auto(new Functor(functor), functor.rows());
+    problem_->AddResidualBlock(cost, &loss_, Pose(pose), landmark);
+    return cost;
+  }
+
+  template <class Functor, int kSize>
+  void Add(const Functor& functor, int pose, double* landmark, const Eigen::Vector3d& middle_w,
+           Knowledge<kSize>& knowledge) {
+    const ceres::CostFunction* cost = Add<Functor, kSize>(functor, pose, landmark);
+    Eigen::VectorXd r(functor.rows());
+    Eigen::Matrix<double, Eigen::Dynamic, kSize, Eigen::RowMajor> J(functor.rows(), kSize);
+    const double* blocks[] = {Pose(pose), landmark};
+    double* jacobians[] = {nullptr, J.data()};
+    if (cost->Evaluate(blocks, r.data(), jacobians)) knowledge.information += J.transpose() * J;
+    knowledge.nearest_m = std::min(knowledge.nearest_m, (Start(pose).translation() - middle_w).norm());
+  }
+
+  // As `ObservationGroup::HoldUndetermined`.
+  template <int kSize>
+  void AddPrior(double* landmark, const Knowledge<kSize>& known) {
+    if (!problem_->HasParameterBlock(landmark)) return;
+    const double largest_m = 0.3 * known.nearest_m;
+    const auto least = known.information.template selfadjointView<Eigen::Lower>().eigenvalues().minCoeff();
+    if (least > 1.0 / (largest_m * largest_m)) return;
+    using Prior = reference::PriorFunctor<kSize>;
+    using Vector = Eigen::Matrix<double, kSize, 1>;
+    auto* prior = new Prior{Vector(landmark), Eigen::Matrix<double, kSize, kSize>::Identity() / known.nearest_m};
+    problem_->AddResidualBlock(new ceres::AutoDiffCostFunction<Prior, kSize, kSize>(prior), nullptr, landmark);
   }
 
   void AddPoints() {
+    std::vector<Knowledge<3>> known(points_.size());
     for (const PointObservation& seen : given_.point_observations) {
+      const auto k = static_cast<size_t>(seen.point);
       const reference::PointFunctor functor{seen, Start(seen.pose), given_.camera};
-      Add<reference::PointFunctor, 3>(functor, seen.pose, points_[static_cast<size_t>(seen.point)].data());
+      Add(functor, seen.pose, points_[k].data(), points_[k], known[k]);
     }
+    for (size_t k = 0; k < known.size(); ++k) AddPrior(points_[k].data(), known[k]);
   }
 
   void AddLines() {
+    std::vector<Knowledge<4>> known(lines_.size());
     for (const LineObservation& seen : given_.line_observations) {
-      const Segment3& segment = given_.lines[static_cast<size_t>(seen.line)].segment_w;
+      const auto k = static_cast<size_t>(seen.line);
+      const Segment3& segment = given_.lines[k].segment_w;
       const reference::LineFunctor functor(seen, {segment, DirectionsAcross(segment)}, Start(seen.pose),
                                            given_.camera);
-      Add<reference::LineFunctor, 4>(functor, seen.pose, lines_[static_cast<size_t>(seen.line)].data());
+      Add(functor, seen.pose, lines_[k].data(), Eigen::Vector3d(0.5 * (segment.p + segment.q)), known[k]);
     }
+    for (size_t k = 0; k < known.size(); ++k) AddPrior(lines_[k].data(), known[k]);
   }
 
   // With the prior along the line that endpoints always have (`AdjustedEndpoints::PriorWeight`).

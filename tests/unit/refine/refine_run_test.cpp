@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -88,6 +89,25 @@ TEST_F(RefineRunTest, RefusesBadSourcesInOneSentence) {
   fs::remove(run() / "map.plmap");
   EXPECT_NE(FailureOf(Request()).find("--save-map"), std::string::npos);
   EXPECT_FALSE(fs::exists(out()));
+}
+
+// A changed byte anywhere is found before anything is written.
+TEST_F(RefineRunTest, RefusesMapsWithDamagedSections) {
+  const fs::path map = run() / "map.plmap";
+  std::string bytes;
+  {
+    std::ifstream file(map, std::ios::binary);
+    bytes.assign(std::istreambuf_iterator<char>(file), {});
+  }
+  for (int i = 1; i < 20; ++i) {
+    std::string damaged = bytes;
+    damaged[bytes.size() * static_cast<size_t>(i) / 20] ^= 0x10;
+    std::ofstream(map, std::ios::binary) << damaged;
+    const std::string sentence = FailureOf(Request());
+    EXPECT_NE(sentence.find("map.plmap"), std::string::npos) << "byte " << bytes.size() * i / 20 << ": " << sentence;
+    EXPECT_EQ(sentence.find('\n'), std::string::npos) << sentence;
+    EXPECT_FALSE(fs::exists(out()));
+  }
 }
 
 }  // namespace

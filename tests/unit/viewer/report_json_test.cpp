@@ -101,6 +101,16 @@ TEST(ReportPage, WarningsReplaceTheirPlaceholder) {
   EXPECT_THROW(FillWarnings("<a></a>", "[]"), std::runtime_error);
 }
 
+// A run can be refined more than once.
+TEST(ReportPage, TakesTheLastRefinement) {
+  const std::string begin = "<script id=\"run-refinement\" type=\"application/json\">";
+  const std::string page = "<a>" + begin + "\"PLSLAM_RUN_REFINEMENT\"</script>";
+  const std::string once = FillRefinement(page, "{\"name\": \"<b>\"}").value();
+  EXPECT_EQ(once, "<a>" + begin + "{\"name\": \"\\u003cb>\"}</script>");
+  EXPECT_EQ(FillRefinement(once, "{}"), "<a>" + begin + "{}</script>");
+  EXPECT_FALSE(FillRefinement("<a></a>", "{}"));
+}
+
 TEST(ReportSince, TextRoundTrip) {
   const ReportSince since{3, 2, 250, 17, 96};
   EXPECT_EQ(since.Text(), "3.2.250.17.96");

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "core/io/trajectories/trajectory.h"
+#include "tests/integration/whole_run.h"
+
+namespace plslam {
+namespace {
+
+using test::WholeRun;
+
+const std::string kWorld = "synthetic:room?frames=60&size=376x240";
+
+TEST(RunRefine, RefinesTheMapOfTheRun) {
+  WholeRun run;
+  ASSERT_EQ(run.Run({"run", kWorld, "--refine", "fixed"}), 0) << run.Logs();
+  const std::filesystem::path refined = run.out() / "refined";
+  for (const char* file : {"map.plmap", "keyframes.tum", "camera.yaml", "groundtruth.tum"}) {
+    EXPECT_TRUE(std::filesystem::exists(refined / file)) << file;
+  }
+  EXPECT_EQ(ReadTrajectory((refined / "trajectory.tum").string()).size(), 60U);
+  const nlohmann::json summary = nlohmann::json::parse(run.Read("refined/summary.json"));
+  // The summary of the run stays, and the one of the refinement starts from the run's result.
+  EXPECT_NEAR(summary["before"]["ate_m"], run.Summary()["accuracy"]["ate_m"], 1e-6);
+  EXPECT_LT(summary["after"]["ate_m"], 1.1 * summary["before"]["ate_m"].get<double>());
+  EXPECT_LE(summary["after"]["rms_normalised"], summary["before"]["rms_normalised"]);
+  EXPECT_GE(summary["passes"].size(), 2U);
+  EXPECT_EQ(summary["interrupted"], false);
+  for (const char* report : {"report.html", "refined/report.html"}) {
+    if (!std::filesystem::exists(run.out() / report)) continue;  // built without pages
+    EXPECT_NE(run.Read(report).find("\"refined_from\":"), std::string::npos) << report;
+  }
+}
+
+// The camera of a built-in world is exact. In this one the direction of the baseline and the right focal length differ
+// from it by four sigmas of a jackknife, in ways that cancel; keyframes that did not estimate them do not confirm them.
+TEST(RunRefine, LeavesATrueCameraAsGiven) {
+  WholeRun run;
+  ASSERT_EQ(run.Run({"run", "synthetic:room?frames=120&size=376x240", "--refine", "all"}), 0) << run.Logs();
+  const nlohmann::json summary = nlohmann::json::parse(run.Read("refined/summary.json"));
+  EXPECT_EQ(summary["camera"].size(), 10U);
+  for (const nlohmann::json& parameter : summary["camera"]) EXPECT_NE(parameter["state"], "estimated") << parameter;
+}
+
+TEST(RunRefine, RefusesAMapElsewhereBeforeTheRun) {
+  WholeRun run;
+  const std::string elsewhere = (run.folder() / "map.plmap").string();
+  EXPECT_EQ(run.Run({"run", kWorld, "--refine", "fixed", "--save-map", elsewhere}), 1);
+  EXPECT_NE(run.Logs().find("is not in the folder of the run"), std::string::npos) << run.Logs();
+  EXPECT_FALSE(std::filesystem::exists(elsewhere));
+}
+
+}  // namespace
+}  // namespace plslam

@@ -258,7 +258,7 @@ const Row kRows[] = {
     {"disparities_off", AreLengthsOff,
      [](const RunFindings& f) {
        return fmt::format(
-           "disparities have an offset that would change lengths by {:.1f} % (sigma {:.1f} %): it is corrected while "
+           "disparities have an offset that would change lengths by {:.0f} % (sigma {:.1g} %): it is corrected while "
            "there is enough motion, but {}",
            f.length_error_percent, f.length_sigma_percent, CalibrationAdvice(f));
      },

@@ -19,6 +19,7 @@
 #include "core/datasets/synthetic/simulator.h"
 #include "core/map/occupancy_grid.h"
 #include "plslam/grid_t.hpp"
+#include "tests/integration/run_watcher.h"
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/shell.h"
@@ -165,6 +166,23 @@ TEST_F(DenseRun, UnsavedSurfacesAreAnError) {
   EXPECT_EQ(run.Run({"run", kRoom, "--stop", "60", "--dense", "--save-map", map}), 1) << run.Logs();
   EXPECT_THAT(run.Summary()["reason"].dump(), HasSubstr("room.plmap.surfaces"));
   EXPECT_TRUE(std::filesystem::exists(map));
+}
+
+TEST_F(DenseRun, FullDiskUnderTheFilesIsAnError) {
+  const WholeRun run;
+  const test::RunWatcher bus;
+  const std::filesystem::path disk = run.folder() / "disk";
+  const std::string bin = test::BinaryFolder().string();
+  // The process alone writes to the full disk.
+  const auto code = test::OnASmallDisk(
+      disk, 16,
+      fmt::format("{0}/dense_process --url {1} --set dense.out='{2}/dense' & {0}/plslam run "
+                  "'synthetic:room?size=160x120&frames=40' --url {1} --out '{3}'; kill -INT \\$!; wait \\$!",
+                  bin, bus.url(), disk.string(), run.out().string()));
+  if (!code) GTEST_SKIP() << "no file system of its own may be mounted here";
+  const std::string log = ReadText(disk.string() + ".sh.log");
+  EXPECT_EQ(*code, 1) << log;
+  EXPECT_THAT(log, testing::ContainsRegex("dense: error: .*cannot be written: No space left on device")) << log;
 }
 
 TEST_F(DenseRun, KilledProcessContinuesFromItsState) {

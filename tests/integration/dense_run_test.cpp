@@ -121,7 +121,7 @@ TEST_F(DenseRun, TrajectoryIsThatOfARunWithoutSurfaces) {
 }
 
 TEST_F(DenseRun, SavedMapContinuesWithItsSurfaces) {
-  const std::string room = "synthetic:room?size=376x240&frames=300";
+  const std::string room = "synthetic:room?size=376x240&frames=150";
   WholeRun run;
   const std::string map = (run.folder() / "room.plmap").string();
   ASSERT_EQ(run.Run({"run", room, "--stop", "120", "--dense", "--save-map", map}), 0) << run.Logs();
@@ -199,7 +199,7 @@ TEST_F(DenseRun, KilledProcessContinuesFromItsState) {
 
 TEST_F(DenseRun, KeyframesWithoutImagesAreReported) {
   WholeRun run;
-  run.Start({"run", "synthetic:room?size=376x240&frames=600", "--dense"});
+  run.Start({"run", "synthetic:room?size=376x240&frames=300", "--dense"});
   const std::filesystem::path state = run.out() / ".dense_state";
   ASSERT_TRUE(WholeRun::WaitFor([&] { return std::filesystem::exists(state); })) << run.Logs();
   // Keyframes follow that the next process receives with their images.
@@ -242,7 +242,7 @@ std::vector<Eigen::Vector3d> VerticesOf(const std::string& ply) {
 }
 
 TEST_F(DenseRun, SecondLapDoublesNoWall) {
-  const std::string world = "room?size=376x240&loops=2";
+  const std::string world = "room?size=376x240&frames=160&loops=2";
   WholeRun run;
   ASSERT_EQ(run.Run({"run", "synthetic:" + world, "--dense"}), 0) << run.Logs();
   const synthetic::Simulator simulator(synthetic::ParseOptions(world));

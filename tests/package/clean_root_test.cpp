@@ -39,8 +39,7 @@ TEST_F(CleanRoot, EachPackageInstallsAndRuns) {
                      "timeout --preserve-status -s INT 2 plslam bridge --url memq:// >log 2>&1\n"
                      "grep -q 'ws://' log"),
            std::pair("plslam-ros2_", "plslam topics ros2: >log 2>&1 || grep -q 'no publisher of ROS 2' log"),
-           std::pair("python3-plslam_",
-                     "python3 -c 'import plslam; plslam.load_map(\"room.plmap\")'"),
+           std::pair("python3-plslam_", "python3 -c 'import plslam; plslam.load_map(\"room.plmap\")'"),
        }) {
     if (Shell(fmt::format("ls '{}'/{}*.deb", packages, package)) != 0) continue;  // built without its libraries
     EXPECT_EQ(Shell(fmt::format("'{}/also_in_root.sh' \"$PWD/root\" '{}'/{}*.deb \"$(cat <<'END'\n{}\nEND\n)\"",

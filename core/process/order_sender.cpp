@@ -19,8 +19,8 @@ namespace {
 
 constexpr std::chrono::seconds kHearLimit(10);
 constexpr std::chrono::seconds kAnswerLimit(120);
-/// Statuses come once a second: then none of ours was heard, and messages of others were rejected.
-constexpr double kRejectionLimit_s = 1.5;
+/// Statuses come once a second: then none of ours was heard, and messages of others were rejected, or there are none.
+constexpr double kStatusLimit_s = 1.5;
 
 /// Whether bus.key_file is set in a process's configuration. Without a key, its messages are read unchecked.
 bool HasKey(const std::string& configuration) {
@@ -103,6 +103,15 @@ std::optional<OrderResult> OrderSender::Result() const {
   return mute.empty() ? std::nullopt : std::optional(OrderResult{false, mute});
 }
 
+std::string OrderSender::Waiting() const {
+  if (row_ == nullptr || pid_ != 0 || answer_ || NowS() - sent_s_ < kStatusLimit_s) return "";
+  return fmt::format(
+      "waiting up to {} s for a process '{}' on {} with prefix '{}'; if it runs elsewhere, give its --url and "
+      "--prefix",
+      kHearLimit.count(), fmt::join(row_->processes, "' or '"), EffectiveUrl(bus_.options().url),
+      bus_.options().prefix);
+}
+
 /// Returns the reason why no answer is expected any more; empty: it may still arrive.
 std::string OrderSender::WhyMute(double passed_s) const {
   static constexpr const char* kGiveKey =
@@ -115,7 +124,7 @@ std::string OrderSender::WhyMute(double passed_s) const {
                : fmt::format("no answer was received within {} s", kAnswerLimit.count());
   }
   const std::string problems = bus_.Problems();
-  const bool is_rejected = passed_s > kRejectionLimit_s && !problems.empty();
+  const bool is_rejected = passed_s > kStatusLimit_s && !problems.empty();
   if (!is_rejected && passed_s < static_cast<double>(kHearLimit.count())) return "";
   if (bus_.hears_other_key()) return fmt::format(kGiveKey, "another ");
   const std::string mute =

@@ -53,6 +53,8 @@ class OrderSender {
   /// Returns the answer as a sentence, or the reason why there will be none; nullopt: wait and call again. The reasons
   /// are a missing process (after 10 s), a missing key, and no answer within 120 s.
   std::optional<OrderResult> Result() const;
+  /// Returns the sentence for a user who waits, from 1.5 s on while no process that could answer was heard; else empty.
+  std::string Waiting() const;
 
  private:
   void OnStatus(const status_t& message);

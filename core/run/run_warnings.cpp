@@ -59,7 +59,11 @@ std::string MetresText(double metres) {
   return std::isfinite(metres) ? fmt::format("{:.3g} m", metres) : "more than can be computed";
 }
 
+/// No player takes part, and the source is no dataset that another command could open.
+bool IsOfSensors(const RunFindings& f) { return f.is_live || f.frames_captured > 0.0; }
+
 std::string CheckText(const RunFindings& f) {
+  if (IsOfSensors(f)) return "`plslam rectify-check` on a recording of it (--record run.lcm)";
   return fmt::format("`plslam rectify-check {}`", f.dataset.empty() ? "DATASET" : Quoted(f.dataset));
 }
 
@@ -116,7 +120,7 @@ std::string OutOfStepText(const RunFindings& f) {
   const int offset = static_cast<int>(std::lround(right ? -f.late_frames : f.late_frames));
   std::string remedy = "this is compensated, but trigger the cameras together";
   if (f.late_frames > kMostLateMadeUpFor_frames) remedy = "too much to be compensated: trigger the cameras together";
-  if (offset != 0) {
+  if (offset != 0 && !IsOfSensors(f)) {
     remedy = fmt::format(
         "pair them again with `--set player.right_offset_frames={}`, or trigger the cameras together", offset);
   }
@@ -258,7 +262,7 @@ const Row kRows[] = {
     {"disparities_off", AreLengthsOff,
      [](const RunFindings& f) {
        return fmt::format(
-           "disparities have an offset that would change lengths by {:.1f} % (sigma {:.1f} %): it is corrected while "
+           "disparities have an offset that would change lengths by {:.0f} % (sigma {:.1g} %): it is corrected while "
            "there is enough motion, but {}",
            f.length_error_percent, f.length_sigma_percent, CalibrationAdvice(f));
      },

@@ -19,6 +19,7 @@
 #include "core/datasets/synthetic/simulator.h"
 #include "core/map/occupancy_grid.h"
 #include "plslam/grid_t.hpp"
+#include "tests/integration/run_watcher.h"
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/shell.h"
@@ -120,7 +121,7 @@ TEST_F(DenseRun, TrajectoryIsThatOfARunWithoutSurfaces) {
 }
 
 TEST_F(DenseRun, SavedMapContinuesWithItsSurfaces) {
-  const std::string room = "synthetic:room?size=376x240&frames=300";
+  const std::string room = "synthetic:room?size=376x240&frames=150";
   WholeRun run;
   const std::string map = (run.folder() / "room.plmap").string();
   ASSERT_EQ(run.Run({"run", room, "--stop", "120", "--dense", "--save-map", map}), 0) << run.Logs();
@@ -167,6 +168,23 @@ TEST_F(DenseRun, UnsavedSurfacesAreAnError) {
   EXPECT_TRUE(std::filesystem::exists(map));
 }
 
+TEST_F(DenseRun, FullDiskUnderTheFilesIsAnError) {
+  const WholeRun run;
+  const test::RunWatcher bus;
+  const std::filesystem::path disk = run.folder() / "disk";
+  const std::string bin = test::BinaryFolder().string();
+  // The process alone writes to the full disk.
+  const auto code = test::OnASmallDisk(
+      disk, 16,
+      fmt::format("{0}/dense_process --url {1} --set dense.out='{2}/dense' & {0}/plslam run "
+                  "'synthetic:room?size=160x120&frames=40' --url {1} --out '{3}'; kill -INT \\$!; wait \\$!",
+                  bin, bus.url(), disk.string(), run.out().string()));
+  if (!code) GTEST_SKIP() << "no file system of its own may be mounted here";
+  const std::string log = ReadText(disk.string() + ".sh.log");
+  EXPECT_EQ(*code, 1) << log;
+  EXPECT_THAT(log, testing::ContainsRegex("dense: error: .*cannot be written: No space left on device")) << log;
+}
+
 TEST_F(DenseRun, KilledProcessContinuesFromItsState) {
   WholeRun run;
   run.Start({"run", "synthetic:room?size=376x240&frames=300", "--dense"});
@@ -181,7 +199,7 @@ TEST_F(DenseRun, KilledProcessContinuesFromItsState) {
 
 TEST_F(DenseRun, KeyframesWithoutImagesAreReported) {
   WholeRun run;
-  run.Start({"run", "synthetic:room?size=376x240&frames=600", "--dense"});
+  run.Start({"run", "synthetic:room?size=376x240&frames=300", "--dense"});
   const std::filesystem::path state = run.out() / ".dense_state";
   ASSERT_TRUE(WholeRun::WaitFor([&] { return std::filesystem::exists(state); })) << run.Logs();
   // Keyframes follow that the next process receives with their images.
@@ -224,7 +242,7 @@ std::vector<Eigen::Vector3d> VerticesOf(const std::string& ply) {
 }
 
 TEST_F(DenseRun, SecondLapDoublesNoWall) {
-  const std::string world = "room?size=376x240&loops=2";
+  const std::string world = "room?size=376x240&frames=160&loops=2";
   WholeRun run;
   ASSERT_EQ(run.Run({"run", "synthetic:" + world, "--dense"}), 0) << run.Logs();
   const synthetic::Simulator simulator(synthetic::ParseOptions(world));

@@ -75,7 +75,10 @@ TEST(Misuse, LogReplayedBesideARunIsReported) {
   live.Start(
       {"run", "synthetic:room?frames=240&size=376x240", "--url", watcher.url(), "--pace", "realtime", "--strict"});
   ASSERT_TRUE(watcher.WaitForFrame(40)) << live.Logs();
-  const Outcome player = RunProgram(live, "/usr/bin/lcm-logplayer", {"-l", watcher.url(), recorded.log()});
+  // Without what announces messages that are missing from the mixture: readers would wait for them for a minute.
+  const Outcome player =
+      RunProgram(live, "/usr/bin/lcm-logplayer",
+                 {"-l", watcher.url(), "-e", "^(STATUS|POSE|STEREO_FRAME|KEYFRAME)$", recorded.log()});
   EXPECT_EQ(player.code, 0) << player.log;
   EXPECT_EQ(live.Wait(), 2) << live.Logs();
   EXPECT_THAT(live.Summary()["warnings"].dump(), HasSubstr("another_process"));

@@ -237,6 +237,7 @@ TEST_F(LivePageOrders, OrdersNeedTheKeyOfTheBus) {
 
 TEST_F(Orders, OrderWithoutReceiverFails) {
   EXPECT_EQ(Order({"pause"}), 1);
+  EXPECT_THAT(said_, HasSubstr("plslam: pause: waiting up to 10 s for a process 'player' or 'camera' on udpm://"));
   EXPECT_THAT(said_, HasSubstr("no process 'player' or 'camera' was found"));
   EXPECT_EQ(Order({"localise", "perhaps"}), 1);
 }

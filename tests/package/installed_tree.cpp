@@ -7,6 +7,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/data_folder.h"
+
 namespace plslam::test {
 
 namespace fs = std::filesystem;
@@ -23,6 +25,21 @@ void InstalledTree::Install(const std::string& component) {
                               PLSLAM_BUILD_DIR, prefix().string(), component)),
             0)
       << output();
+}
+
+std::string InstalledTree::Packages() {
+  const std::string packages = (fs::path(PLSLAM_BUILD_DIR) / "tests" / "packages").string();
+  // The tests of this program run one by one.
+  EXPECT_EQ(Shell(fmt::format(
+                "cd '{0}'\n"
+                "if [ -e '{1}/made' ] && [ -z \"$(find bin share python CPackConfig.cmake cmake_install.cmake "
+                "copyright changelog.gz '{2}/core' '{2}/tools' -newer '{1}/made' -print -quit)\" ]; then "
+                "exit 0; fi\n"
+                "rm -rf '{1}' && '{3}' -B '{1}' -D CPACK_DEBIAN_COMPRESSION_TYPE=gzip && touch '{1}/made'",
+                PLSLAM_BUILD_DIR, packages, SourceFolder().string(), CPACK_PROGRAM)),
+            0)
+      << output();
+  return packages;
 }
 
 int InstalledTree::Shell(const std::string& script) {

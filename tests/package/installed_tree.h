@@ -24,6 +24,9 @@ class InstalledTree : public testing::Test {
   std::string Text(const std::string& file) const;
   static bool Has(const std::string& program);
 
+  /// Makes all Debian packages, unless those of an earlier test are newer than the build, and returns their folder.
+  std::string Packages();
+
   /// Runs a short world with the programs of `bin`, found only by PATH, and checks the results.
   void ExpectThatItRuns(const std::filesystem::path& bin);
 

@@ -6,12 +6,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/accuracy/roll.h"
+
 namespace plslam::evaluate {
 namespace {
 
 std::vector<double> Degrees(std::vector<double> radians) {
   for (double& angle : radians) angle *= 180.0 / M_PI;
   return radians;
+}
+
+std::vector<SE3> TruthOf(const PosePairs& pairs) {
+  std::vector<SE3> truth;
+  truth.reserve(pairs.size());
+  for (const PosePair& pair : pairs) truth.push_back(pair.truth);
+  return truth;
 }
 
 PosePairs Associate(const Trajectory& estimate, const Trajectory& truth, const EvaluateOptions& options) {
@@ -83,7 +92,8 @@ Accuracy EvaluateTrajectory(const Trajectory& estimate, const Trajectory& truth,
   a.alignment = Align(a.pairs, options.alignment);
   a.absolute = ComputeAbsoluteErrors(a.pairs, a.alignment, AlignOrientations(a.pairs, options.alignment));
   a.ate_m = Summarise(a.absolute.translation_m);
-  if (IsLeastSquares(options.alignment)) a.roll_sigma_deg = RollSigma_rad(a.pairs, a.ate_m.rmse) * 180.0 / M_PI;
+  if (IsLeastSquares(options.alignment))
+    a.roll_sigma_deg = RollSigma_rad(TruthOf(a.pairs), a.ate_m.rmse) * 180.0 / M_PI;
   a.ate_deg = Summarise(Degrees(a.absolute.rotation_rad));
   for (const Delta& delta : options.deltas) {
     const RelativeErrors errors = ComputeRelativeErrors(a.pairs, delta);

@@ -5,13 +5,12 @@
 
 #include <cmath>
 
+#include "core/accuracy/roll.h"
+
 namespace plslam::evaluate {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// One radian: an arc as long as its radius.
-constexpr double kUnknownRoll_deg = 57.0;
 
 Json StatisticsJson(const Statistics& s) {
   return {{"n", s.n}, {"rmse", s.rmse}, {"mean", s.mean}, {"median", s.median}, {"max", s.max}};
@@ -91,10 +90,7 @@ std::string Head(const Accuracy& a) {
   if (a.alignment_kind == Alignment::kSim3) text += fmt::format(", scale {:.6f}", a.alignment.scale);
   text += '\n';
   if (a.roll_sigma_deg && !a.pairs.empty()) {
-    text += fmt::format("roll        {}; orientations are aligned by their own mean\n",
-                        *a.roll_sigma_deg < kUnknownRoll_deg
-                            ? fmt::format("positions determine it to {:.1f} deg about the path", *a.roll_sigma_deg)
-                            : "positions do not determine it about the path");
+    text += fmt::format("roll        {}; orientations are aligned by their own mean\n", RollText(*a.roll_sigma_deg));
   }
   if (!a.note.empty()) text += fmt::format("note        {}\n", a.note);
   return text;

@@ -13,8 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
-
 #include "core/accuracy/consistency.h"
 #include "tools/evaluate/trajectory_errors.h"
 
@@ -26,8 +24,6 @@ constexpr std::array<std::pair<std::string_view, Alignment>, 4> kNames{
 
 constexpr int64_t kFineStep_ns = 100'000;
 constexpr int kCoarseSteps = 20;  // to each side
-// Share of the variance along a line below which the variance across it is rounding.
-constexpr double kStraight = 1e-10;
 
 /// True and estimated poses.
 std::pair<std::vector<SE3>, std::vector<SE3>> Split(const PosePairs& pairs) {
@@ -86,22 +82,6 @@ Eigen::Quaterniond AlignOrientations(const PosePairs& pairs, Alignment alignment
   if (!IsLeastSquares(alignment)) return Align(pairs, alignment).T_a_b.rotation();
   const auto [truth, estimate] = Split(pairs);
   return plslam::AlignOrientations(truth, estimate);
-}
-
-double RollSigma_rad(const PosePairs& pairs, double ate_m) {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const PosePair& pair : pairs) mean += pair.truth.translation() / static_cast<double>(pairs.size());
-  Eigen::Matrix3d scatter_m2 = Eigen::Matrix3d::Zero();
-  for (const PosePair& pair : pairs) {
-    const Eigen::Vector3d p = pair.truth.translation() - mean;
-    scatter_m2 += p * p.transpose() / static_cast<double>(pairs.size());
-  }
-  // Ascending.
-  const Eigen::Vector3d variances_m2 =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter_m2, Eigen::EigenvaluesOnly).eigenvalues();
-  const double from_line_m2 = variances_m2[0] + variances_m2[1];
-  if (from_line_m2 <= kStraight * variances_m2[2]) return std::numbers::pi / 2.0;
-  return std::atan2(ate_m, std::sqrt(from_line_m2));
 }
 
 std::string AlignmentName(Alignment alignment) {

@@ -32,10 +32,6 @@ Similarity Align(const PosePairs& pairs, Alignment alignment);
 /// straight path, positions leave the roll about it free.
 Eigen::Quaterniond AlignOrientations(const PosePairs& pairs, Alignment alignment);
 
-/// Returns how well positions determine the rotation about the line that fits the true ones best: the angle of an arc of
-/// `ate_m` at their rms distance from this line. 90 degrees if they lie on it.
-double RollSigma_rad(const PosePairs& pairs, double ate_m);
-
 /// "none", "first", "se3", "sim3"; the reverse throws std::runtime_error for any other name.
 std::string AlignmentName(Alignment alignment);
 Alignment AlignmentFromName(std::string_view name);

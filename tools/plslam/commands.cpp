@@ -100,9 +100,15 @@ int GiveOrder(const char* verb, const std::string& argument, const bus::ProcessA
   bus::Bus bus(bus_options, "plslam");
   bus::OrderSender order(bus);
   order.Send(*bus::FindOrder(verb), argument);
+  const std::string what = argument.empty() ? verb : fmt::format("{} {}", verb, argument);
   std::optional<bus::OrderResult> result;
+  bool is_waiting = false;
   bus.Every(kTick, [&] {
     result = order.Result();
+    const std::string waiting = order.Waiting();
+    if (!result && !waiting.empty() && !std::exchange(is_waiting, true)) {
+      PrintError(fmt::format("plslam: {}: {}", what, waiting));
+    }
     if (result) bus.Stop();
   });
   bus.Run();
@@ -110,7 +116,6 @@ int GiveOrder(const char* verb, const std::string& argument, const bus::ProcessA
     fmt::print("{}\n", result->sentence);
     return 0;
   }
-  const std::string what = argument.empty() ? verb : fmt::format("{} {}", verb, argument);
   PrintError(fmt::format("plslam: error: {}: {}", what, result->sentence));
   return 1;
 }

@@ -18,6 +18,7 @@
 #include "core/features/feature_extractor.h"
 #include "core/geometry/rectifier.h"
 #include "core/io/images/png_codec.h"
+#include "tools/rectify_check/length_error.h"
 #include "tools/rectify_check/rectify_picture.h"
 #include "tools/rectify_check/row_errors.h"
 
@@ -87,23 +88,26 @@ std::vector<int> SpreadFrames(int size, int n) {
   return frames;
 }
 
-void Print(const CheckOptions& o, const RowErrors& e, const RowVerdict& verdict, const Rectifier& rectifier) {
+void Print(const CheckOptions& o, const RowErrors& e, const std::optional<LengthError>& lengths,
+           const RowVerdict& verdict, const Rectifier& rectifier) {
   const StereoCamera& camera = rectifier.camera();
   if (o.json) {
-    const nlohmann::ordered_json json = {{"usable", verdict.usable},
-                                         {"verdict", verdict.sentence},
-                                         {"picture", o.out},
-                                         {"matches", e.matches},
-                                         {"median_px", e.median_px},
-                                         {"median_abs_px", e.median_abs_px},
-                                         {"p95_abs_px", e.p95_abs_px},
-                                         {"offset_px", e.offset_px},
-                                         {"roll_deg", e.roll_deg},
-                                         {"scale_percent", e.scale_percent},
-                                         {"behind", e.behind},
-                                         {"rectified_already", rectifier.IsIdentity()},
-                                         {"focal_length_px", camera.f_px},
-                                         {"baseline_m", camera.baseline_m}};
+    nlohmann::ordered_json json = {{"usable", verdict.usable},
+                                   {"verdict", verdict.sentence},
+                                   {"picture", o.out},
+                                   {"matches", e.matches},
+                                   {"median_px", e.median_px},
+                                   {"median_abs_px", e.median_abs_px},
+                                   {"p95_abs_px", e.p95_abs_px},
+                                   {"offset_px", e.offset_px},
+                                   {"roll_deg", e.roll_deg},
+                                   {"scale_percent", e.scale_percent},
+                                   {"behind", e.behind},
+                                   {"rectified_already", rectifier.IsIdentity()},
+                                   {"focal_length_px", camera.f_px},
+                                   {"baseline_m", camera.baseline_m}};
+    if (lengths && lengths->percent) json["length_error_percent"] = *lengths->percent;
+    if (lengths && lengths->tracked > 0) json["length_sigma_percent"] = lengths->sigma_percent;
     fmt::print("{}\n", json.dump(2));
     return;
   }
@@ -116,8 +120,6 @@ void Print(const CheckOptions& o, const RowErrors& e, const RowVerdict& verdict,
              e.p95_abs_px);
   fmt::print("fitted: offset {:+.2f} px, roll {:+.3f} deg, scale {:+.3f} %\n", e.offset_px, e.roll_deg,
              e.scale_percent);
-  fmt::print(
-      "not measured: an offset of the disparities, which no row shows; `plslam run` reports its effect on lengths\n");
   fmt::print("picture: {}\n", o.out);
 }
 
@@ -149,14 +151,19 @@ int Check(const CheckOptions& o) {
     if (frame == shown) read = std::move(pair);
   }
   const RowErrors errors = MeasureRows(all, reader.rectifier().camera());
-  const RowVerdict verdict = CheckRows(errors);
+  RowVerdict verdict = CheckRows(errors);
+  std::optional<LengthError> lengths;
+  if (verdict.usable) {
+    lengths = MeasureLengthError(*dataset, rig);
+    verdict.sentence += "; " + Sentence(*lengths);
+  }
   const Pair pair = read ? *std::move(read) : reader.Read(shown);
   WritePng(o.out,
            DrawRectification({pair.left, reader.rectifier().left_mask()},
                              {pair.right, reader.rectifier().right_mask()}, pair.matches,
                              fmt::format("frame {}, {} points, rows agree to {:.2f} px (95 %: {:.2f} px)", shown,
                                          pair.matches.size(), errors.median_abs_px, errors.p95_abs_px)));
-  Print(o, errors, verdict, reader.rectifier());
+  Print(o, errors, lengths, verdict, reader.rectifier());
   return verdict.usable ? 0 : 1;
 }
 
@@ -186,6 +193,7 @@ void AddRectifyCheckCommand(CLI::App* app, std::function<int()>* command) {
       "should "
       "meet the\n"
       "same thing on both sides; green points agree to a pixel, red ones are off by more than two.\n"
+      "An offset of the disparities, which rows do not show, is measured by tracking up to 200 frames.\n"
       "Examples:\n"
       "  plslam rectify-check my_camera --out my_camera.png\n"
       "  plslam rectify-check /data/euroc/MH_01 --frame 300 --json\n"

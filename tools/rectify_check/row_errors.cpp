@@ -130,7 +130,7 @@ RowVerdict CheckRows(const RowErrors& e) {
     return {true,
             fmt::format("rows agree to {:.2f} px, which works but loses matches: {}", e.median_abs_px, Cause(e))};
   }
-  return {true, fmt::format("rows agree to {:.2f} px: well rectified", e.median_abs_px)};
+  return {true, fmt::format("rows agree to {:.2f} px, which is good", e.median_abs_px)};
 }
 
 }  // namespace plslam::rectify_check

@@ -33,6 +33,8 @@ struct PathOfRun {
   Table table;
   std::optional<double> ate_m;
   std::optional<double> live_ate_m;
+  /// Sigma of the rotation about the path, of the alignment of the positions.
+  std::optional<double> roll_sigma_deg;
   double length_m = 0.0;
   /// Root mean square of the distances of the true positions that have an estimated one from their mean.
   double true_spread_m = 0.0;

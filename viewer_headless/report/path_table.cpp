@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/accuracy/association.h"
+#include "core/accuracy/roll.h"
 #include "core/geometry/similarity.h"
 #include "core/run/final_trajectory.h"
 #include "core/run/run_writer.h"
@@ -146,7 +147,8 @@ class PathWriter {
   }
 
   PathOfRun Take(double length_m, double true_spread_m) {
-    return {columns_.Take(error_.Get().has_value()), error_.Get(), live_error_.Get(), length_m, true_spread_m, {}};
+    return {
+        columns_.Take(error_.Get().has_value()), error_.Get(), live_error_.Get(), {}, length_m, true_spread_m, {}};
   }
 
  private:
@@ -187,6 +189,7 @@ PathOfRun PathTable(const Recorder& recorder, const Map& map, const Eigen::Quate
     before = row.T_w_c;
   });
   PathOfRun path = writer.Take(length_m, TrueSpread_m(measured.truth));
+  if (path.ate_m) path.roll_sigma_deg = RollSigma_rad(measured.truth, *path.ate_m) * 180.0 / M_PI;
   path.consistency = ConsistencyOf(recorder, map, q_l_c);
   return path;
 }

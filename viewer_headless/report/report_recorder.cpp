@@ -5,7 +5,9 @@
 
 #include <algorithm>
 
+#include "core/accuracy/roll.h"
 #include "core/run/final_trajectory.h"
+#include "core/run/machine.h"
 #include "plslam_version.h"
 #include "viewer_headless/report/map_tables.h"
 
@@ -77,6 +79,7 @@ void ReportRecorder::AddPictures(int64_t after, ReportData* data) const {
 }
 
 void ReportRecorder::AddNotes(const Recorder& recorder, const Map& map, int64_t stride, ReportData* data) const {
+  data->notes.push_back(fmt::format("Times were measured on {}.", MachineText()));
   if (stride > 1)
     data->notes.push_back(fmt::format("Every {} of {} frames is shown.", Ordinal(stride), recorder.frames().size()));
   if (pictures_.stride() > 1) {
@@ -120,6 +123,10 @@ ReportData ReportRecorder::Build(const Recorder& recorder, const Map& map, const
   data.facts.length_m = path.length_m;
   data.facts.warnings = Warnings(data.facts, path);
   data.path = std::move(path.table);
+  if (path.roll_sigma_deg) {
+    data.notes.push_back(
+        fmt::format("Orientations are aligned by their own mean: of the roll, {}.", RollText(*path.roll_sigma_deg)));
+  }
   const RunParts parts(map, recorder);
   if (parts.size() > 1) {
     data.notes.push_back(fmt::format(

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "core/errors/standard_streams.h"
 #include "plslam_version.h"
 #include "viewer_headless/video/film_writer.h"
 
@@ -20,11 +21,11 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 1;
+    return plslam::FlushOutput("plslam_film", app.exit(e) == 0 ? 0 : 1);
   }
   // It ends when its input ends: a signal to all of a group lets the viewer finish the film. A file that may not grow
   // is an error like a full disk.
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ}) signal(number, SIG_IGN);
   gst_init(nullptr, nullptr);
-  return plslam::viewer::WriteFilm(file, stdin, stdout);
+  return plslam::FlushOutput("plslam_film", plslam::viewer::WriteFilm(file, stdin, stdout));
 }

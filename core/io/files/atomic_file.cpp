@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/io/files/atomic_file.h"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -12,8 +13,18 @@
 #include <utility>
 
 namespace plslam {
+namespace {
 
-AtomicFile::AtomicFile(std::string path) : path_(std::move(path)), part_path_(path_ + ".part") {
+/// A device, a pipe or a socket: renaming a file over it would destroy it for all other programs.
+bool IsStream(const std::string& path) {
+  struct stat status = {};
+  return stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(std::string path)
+    : path_(std::move(path)), part_path_(IsStream(path_) ? path_ : path_ + ".part") {
   file_ = std::fopen(part_path_.c_str(), "wb");
   if (file_ == nullptr) Fail("created");
 }
@@ -21,14 +32,18 @@ AtomicFile::AtomicFile(std::string path) : path_(std::move(path)), part_path_(pa
 AtomicFile::~AtomicFile() {
   if (file_ == nullptr) return;
   std::fclose(file_);
-  std::remove(part_path_.c_str());
+  RemovePart();
+}
+
+void AtomicFile::RemovePart() {
+  if (part_path_ != path_) std::remove(part_path_.c_str());
 }
 
 void AtomicFile::Fail(const char* what, const std::string& besides) {
   const int reason = errno;
   if (file_ != nullptr) std::fclose(file_);
   file_ = nullptr;
-  std::remove(part_path_.c_str());
+  RemovePart();
   throw std::runtime_error(path_ + ": cannot be " + what + ": " + std::strerror(reason) + besides);
 }
 
@@ -54,7 +69,7 @@ void AtomicFile::PutInPlace() {
   // A full disk may be reported only when the last buffer is written.
   if (std::fclose(std::exchange(file_, nullptr)) != 0)
     Fail("written", " (it has " + std::to_string(size_) + " bytes)");
-  if (std::rename(part_path_.c_str(), path_.c_str()) != 0) Fail("put in place");
+  if (part_path_ != path_ && std::rename(part_path_.c_str(), path_.c_str()) != 0) Fail("put in place");
 }
 
 void WriteFileAtomically(const std::string& path, std::string_view content) { WriteFileAtomically(path, {content}); }

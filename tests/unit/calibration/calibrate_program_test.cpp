@@ -46,6 +46,11 @@ class CalibrateProgram : public testing::Test {
                test::RenderBoard(board, right, rig.right.T_b_cam.Inverse() * poses[i], 3.0, seed + 1));
     }
   }
+  void KeepPictures(size_t n) {
+    for (const char* side : {"left", "right"}) {
+      for (size_t i = n; fs::remove(folder_ / "pictures" / side / fmt::format("{:03}.png", i)); ++i) continue;
+    }
+  }
   fs::path folder_;
 };
 
@@ -64,6 +69,8 @@ TEST_F(CalibrateProgram, RenderedPicturesGiveTheRig) {
   EXPECT_NEAR(read.baseline_m, rig.right.T_b_cam.translation().norm(), 0.0001) << out;
   printf("%s", out.c_str());
 
+  // A fifth of the pictures shows a wrong board, too.
+  KeepPictures(12);
   EXPECT_EQ(Run("pictures --board charuco:10x8:0.03:0.022"), 1) << Text("out");
   EXPECT_THAT(Text("error"), HasSubstr("does the board have other columns and rows?"));
   EXPECT_EQ(Run("pictures --board charuco:11x9:0.03:0.022 --out other.yaml"), 1) << Text("out");

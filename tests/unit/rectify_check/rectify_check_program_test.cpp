@@ -43,6 +43,16 @@ TEST_F(RectifyCheckProgram, AWorldIsWellRectified) {
   EXPECT_GT(ReadImageSize((folder_ / "a.png").string()).width_px, 2 * 376);
 }
 
+// `All/RealSequence.WarnsOnlyOfWhatIsWrong` expects the same warning of a run.
+TEST_F(RectifyCheckProgram, LengthsAreMeasuredAsInARun) {
+  PLSLAM_REQUIRE_DATA(sequence, "kitti_01");
+  ASSERT_EQ(Run(fmt::format("'{}' --json", sequence.string())), 0) << Text("error");
+  const auto json = nlohmann::json::parse(Text("out"));
+  EXPECT_NEAR(json["length_error_percent"].get<double>(), 15.0, 1.0) << json;
+  EXPECT_NEAR(json["length_sigma_percent"].get<double>(), 1.0, 0.5) << json;
+  EXPECT_THAT(json["verdict"].get<std::string>(), HasSubstr("would change lengths by 15 % (sigma 1 %)"));
+}
+
 TEST_F(RectifyCheckProgram, ErrorsAreOneSentence) {
   EXPECT_EQ(Run("nowhere"), 1);
   EXPECT_THAT(Text("error"), HasSubstr("nowhere"));

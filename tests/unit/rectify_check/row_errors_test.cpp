@@ -43,7 +43,7 @@ TEST(RowErrors, GoodRectification) {
   const RowErrors e = MeasureRows(Matches(500, 0.0, 0.0, 0.0, 0.1), Camera());
   EXPECT_LT(e.median_abs_px, 0.25);
   EXPECT_TRUE(CheckRows(e).usable) << CheckRows(e).sentence;
-  EXPECT_THAT(CheckRows(e).sentence, HasSubstr("well rectified"));
+  EXPECT_THAT(CheckRows(e).sentence, HasSubstr("px, which is good"));
 }
 
 TEST(RowErrors, OffsetRollAndScaleAreSeparated) {

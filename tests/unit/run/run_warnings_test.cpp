@@ -58,7 +58,11 @@ TEST(RunWarnings, ConditionsOfEachRow) {
          f.map = "room.plmap";
        },
        "12 of 100 frames, the last 12 among them, were not recognised in room.plmap"},
-      {"few_stereo_matches", [](RunFindings& f) { f.points_matched = 800; },
+      {"few_stereo_matches",
+       [](RunFindings& f) {
+         f.frames_captured = 0;
+         f.points_matched = 800;
+       },
        "only 1.0 % of the points of the left ones: left and right may be exchanged, not taken at the same time, or "
        "badly calibrated; check with `plslam rectify-check '/data/kitti 03'`"},
       {"repeated_texture",
@@ -69,6 +73,7 @@ TEST(RunWarnings, ConditionsOfEachRow) {
        "34 % of the points have several equally good matches in their row"},
       {"cameras_out_of_step",
        [](RunFindings& f) {
+         f.frames_captured = 0;
          f.right_late_ms = 93.04;
          f.late_frames = 0.9;
          f.corner_rows_px = 12.0;
@@ -96,7 +101,7 @@ TEST(RunWarnings, ConditionsOfEachRow) {
          f.length_error_percent = 9.06;
          f.length_sigma_percent = 1.23;
        },
-       "an offset that would change lengths by 9.1 % (sigma 1.2 %): it is corrected"},
+       "an offset that would change lengths by 9 % (sigma 1 %): it is corrected"},
       {"dark_images", [](RunFindings& f) { f.dark_frames = 30; }, "30 of 100 frames are nearly black"},
       {"unreadable_frames", [](RunFindings& f) { f.frames.unreadable = 2; }, "2 of 102 frames could not be read"},
       {"skipped_frames", [](RunFindings& f) { f.frames.skipped = 5; }, "5 of 105 frames were skipped"},
@@ -202,6 +207,21 @@ TEST(RunWarnings, LiveCameraGetsPossibleAdvice) {
   ASSERT_THAT(CodesOf(findings), ElementsAre("skipped_frames"));
   EXPECT_THAT(WarningsOf(findings)[0].sentence,
               HasSubstr("slower than the sensor: use a lower frame rate, smaller images or a faster machine"));
+}
+
+TEST(RunWarnings, CamerasGetNoAdviceForDatasets) {
+  RunFindings findings = GoodRun();
+  findings.frames_captured = 100.0;
+  findings.left_late_ms = 98.4;
+  findings.late_frames = 0.984;
+  ASSERT_THAT(CodesOf(findings), ElementsAre("cameras_out_of_step"));
+  EXPECT_THAT(WarningsOf(findings)[0].sentence, testing::EndsWith("trigger the cameras together"));
+  EXPECT_THAT(WarningsOf(findings)[0].sentence, testing::Not(HasSubstr("player.")));
+  findings = GoodRun();
+  findings.frames_captured = 100.0;
+  findings.points_matched = 0.0;
+  ASSERT_THAT(CodesOf(findings), ElementsAre("few_stereo_matches"));
+  EXPECT_THAT(WarningsOf(findings)[0].sentence, HasSubstr("`plslam rectify-check` on a recording of it"));
 }
 
 TEST(RunWarnings, InfiniteErrorIsReported) {

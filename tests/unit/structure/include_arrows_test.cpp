@@ -116,10 +116,10 @@ const std::vector<Arrow> kArrows = {
     {"tools/calibration/",
      {"core/", "camera/rig_file.h", "tools/rectify_check/row_errors.h", "tools/plslam/child_process.h",
       "tools/plslam/run_bus.h", "tools/plslam/supervisor.h"}},
-    {"tools/rectify_check/", {"core/"}},
     {"tools/refine/",
      {"core/", "mapping_process/insertion/", "mapping_process/options.h", "tools/evaluate/",
       "viewer_headless/report/report_page.h"}},
+    {"tools/rectify_check/", {"core/", "vo_process/options.h", "vo_process/stereo/", "vo_process/tracking/"}},
     {"tools/pose_graph/", {"core/", "tools/command_line/"}},
 };
 

@@ -285,7 +285,11 @@ TEST_F(ReportRecorderTest, TruthOfAnotherRunGivesAWarning) {
     const double x_m = id % 2 == 0 ? 0.0 : 5.0;
     recorder_.AddTruth(id, {SomePose(id).t_ns, SE3(kNoTurn, {x_m, 0.0, 0.0})});
   }
-  const RunFacts facts = Build("").facts;
+  const ReportData data = Build("");
+  EXPECT_THAT(data.notes,
+              testing::Contains(testing::HasSubstr("of the roll, positions do not determine it about the path")));
+  EXPECT_THAT(data.notes, testing::Contains(testing::StartsWith("Times were measured on ")));
+  const RunFacts& facts = data.facts;
   ASSERT_EQ(facts.warnings.size(), 2U);
   EXPECT_EQ(facts.warnings[0].code, "truth_of_another_run");
   EXPECT_EQ(facts.warnings[1].code, "covariance_not_consistent");

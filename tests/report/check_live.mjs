@@ -92,8 +92,8 @@ async function checkOrders(page) {
   await page.click("#order-reset");
   await browser.until("return document.getElementById('order').open", "a question before a map is lost");
   await page.click("#order [value=cancel]");
-  // Until it is closed, the page takes no clicks.
-  await browser.until("return !document.getElementById('order').open", "the end of the question");
+  // Until it has reacted to the end of the question, after the dialog is closed, the page takes no clicks.
+  await browser.until("return !document.getElementById('order').open && !document.getElementById('order-resume').disabled", "the end of the question");
   check.that(!(await browser.run(result)).includes("new map"), `nothing is lost by Cancel: '${await browser.run(result)}'`);
   await page.click("#order-resume");
   await says("resumed", "a run that is resumed");

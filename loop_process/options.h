@@ -145,7 +145,7 @@ void VisitFields(Visitor& visit, VerificationOptions& o) {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, GlobalBundleOptions& o) {
-  visit("enabled", o.enabled, "global bundle adjustment after each loop");
+  visit("enabled", o.enabled, "global bundle adjustment after loops that may improve the map");
   visit("bundle", o.bundle, "bundle adjustment");
 }
 

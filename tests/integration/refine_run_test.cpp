@@ -8,6 +8,7 @@
 
 #include "core/io/trajectories/trajectory.h"
 #include "tests/integration/whole_run.h"
+#include "tests/support/data_folder.h"
 
 namespace plslam {
 namespace {
@@ -45,6 +46,27 @@ TEST(RunRefine, LeavesATrueCameraAsGiven) {
   const nlohmann::json summary = nlohmann::json::parse(run.Read("refined/summary.json"));
   EXPECT_EQ(summary["camera"].size(), 10U);
   for (const nlohmann::json& parameter : summary["camera"]) EXPECT_NE(parameter["state"], "estimated") << parameter;
+}
+
+// 52 m of a slip road, whose right camera is turned by a tenth of a degree.
+TEST(RunRefine, SlipRoadGetsItsLength) {
+  PLSLAM_REQUIRE_DATA(folder, "kitti_01");
+  WholeRun run;
+  ASSERT_EQ(run.Run({"run", folder.string(), "--refine", "all"}), 0) << run.Logs();
+  const nlohmann::json summary = nlohmann::json::parse(run.Read("refined/summary.json"));
+  EXPECT_GT(summary["before"]["length_m"], 1.01 * 51.681);
+  EXPECT_NEAR(summary["after"]["length_m"], 51.681, 0.005 * 51.681);
+  EXPECT_LT(summary["after"]["ate_m"], 0.1);
+}
+
+// Its rectified camera is left as given.
+TEST(RunRefine, RealStreetStaysAsAccurate) {
+  PLSLAM_REQUIRE_DATA(folder, "kitti_03");
+  WholeRun run;
+  ASSERT_EQ(run.Run({"run", folder.string(), "--refine", "fixed"}), 0) << run.Logs();
+  const nlohmann::json summary = nlohmann::json::parse(run.Read("refined/summary.json"));
+  EXPECT_LE(summary["after"]["ate_m"], 1.01 * summary["before"]["ate_m"].get<double>());
+  EXPECT_NEAR(summary["after"]["length_m"], 48.202, 0.005 * 48.202);
 }
 
 TEST(RunRefine, RefusesAMapElsewhereBeforeTheRun) {

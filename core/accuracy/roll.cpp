@@ -10,7 +10,6 @@
 namespace plslam {
 namespace {
 
-// to each side
 // Share of the variance along a line below which the variance across it is rounding.
 constexpr double kStraight = 1e-10;
 /// A standard deviation of a radian is no knowledge of an angle.

@@ -26,7 +26,7 @@ struct SlamRun {
   std::vector<AdjustmentFigures> figures;
   Map map;
   StereoCamera camera;
-  /// Of the keyframes of `map`.
+  /// Features of the keyframes of `map`.
   KeyframeFeatures features;
 };
 

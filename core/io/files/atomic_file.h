@@ -10,7 +10,8 @@
 namespace plslam {
 
 /// A file that is written beside PATH (`PATH.part`) and replaces it when it is complete, so that a reader sees the old
-/// file or the new one. A device or a pipe (/dev/stdout) is written directly, and never replaced. Throws std::runtime_error, naming the file and the reason of the system.
+/// file or the new one. A device or a pipe (/dev/stdout) is written directly, and never replaced. Throws
+/// std::runtime_error, naming the file and the reason of the system.
 class AtomicFile {
  public:
   explicit AtomicFile(std::string path);

@@ -100,7 +100,7 @@ class ReferenceWindow {
   double* Pose(int i) { return poses_[static_cast<size_t>(i)].data(); }
   const SE3& Start(int i) const { return given_.poses[static_cast<size_t>(i)].T_w_c; }
 
-  /// What the observations of a landmark say about it at the start.
+  /// Information of the observations of a landmark at the start, and its least depth.
   template <int kSize>
   struct Knowledge {
     Eigen::Matrix<double, kSize, kSize> information = Eigen::Matrix<double, kSize, kSize>::Zero();

@@ -14,8 +14,7 @@ constexpr double kSame_px = 0.75;
 // Distance from a dirty corner that counts as dirt.
 constexpr double kReach_px = 10.0;
 constexpr int kReach = 2;  // in cells
-// Number of frames between compared pairs. After the first, they are compared when the camera has moved.
-constexpr int kLeastFrames = 1;
+// Number of frames after which a standing camera gets another reference pair; a moving one gets it with each pair.
 constexpr int kMostFrames = 20;
 // Share of the matched corners that stay, below which the camera has moved (or half that of the others: a standing
 // camera repeats matched corners better), and the least number of matched corners.
@@ -34,38 +33,15 @@ constexpr int kSpotReach = 3;
 
 bool IsMatched(const StereoPoint& point) { return point.HasDepth() || point.is_far; }
 
+/// Returns the first corner within `kSame_px`; nullptr if there is none.
+const StereoPoint* CornerAt(const Eigen::Vector2d& px, const PointGrid& grid,
+                            const std::vector<StereoPoint>& corners) {
+  int first = grid.size();
+  grid.ForEachWithin(px, kSame_px, [&first](const PointGrid::Entry& entry) { first = std::min(first, entry.index); });
+  return first < grid.size() ? &corners[static_cast<size_t>(first)] : nullptr;
+}
+
 }  // namespace
-
-/// The corners of a pair, by cell.
-class LensDirt::Corners {
- public:
-  Corners(const LensDirt& grid, const std::vector<StereoPoint>& points)
-      : grid_(grid), points_(points), by_cell_(static_cast<size_t>(grid.columns_ * grid.rows_)) {
-    for (size_t i = 0; i < points.size(); ++i)
-      by_cell_[static_cast<size_t>(grid.CellOf(points[i].left.px))].push_back(static_cast<int>(i));
-  }
-
-  /// Returns a corner that is less than `kSame_px` away; nullptr if there is none.
-  const StereoPoint* At(const Eigen::Vector2d& px) const {
-    const int cell = grid_.CellOf(px);
-    const int row = cell / grid_.columns_;
-    const int column = cell % grid_.columns_;
-    for (int r = std::max(row - 1, 0); r <= std::min(row + 1, grid_.rows_ - 1); ++r) {
-      for (int c = std::max(column - 1, 0); c <= std::min(column + 1, grid_.columns_ - 1); ++c) {
-        for (const int i : by_cell_[static_cast<size_t>(r * grid_.columns_ + c)]) {
-          const StereoPoint& point = points_[static_cast<size_t>(i)];
-          if ((point.left.px - px).squaredNorm() < kSame_px * kSame_px) return &point;
-        }
-      }
-    }
-    return nullptr;
-  }
-
- private:
-  const LensDirt& grid_;
-  const std::vector<StereoPoint>& points_;
-  std::vector<std::vector<int>> by_cell_;
-};
 
 LensDirt::LensDirt(const StereoCamera& camera)
     : columns_((camera.width_px + kCell_px - 1) / kCell_px), rows_((camera.height_px + kCell_px - 1) / kCell_px) {}
@@ -77,8 +53,8 @@ int LensDirt::CellOf(const Eigen::Vector2d& px) const {
 }
 
 void LensDirt::Observe(const StereoFeatures& features) {
-  if (++reference_frames_ < kLeastFrames) return;
-  const Corners corners(*this, features.points);
+  ++reference_frames_;
+  const PointGrid grid(features.points);
   struct Count {
     int all = 0;
     int stay = 0;
@@ -91,14 +67,14 @@ void LensDirt::Observe(const StereoFeatures& features) {
     if (IsOnDirt({corner.u_px, corner.v_px})) continue;
     Count& count = corner.is_matched ? matched : unmatched;
     ++count.all;
-    count.stay += corners.At({corner.u_px, corner.v_px}) != nullptr;
+    count.stay += CornerAt({corner.u_px, corner.v_px}, grid, features.points) != nullptr;
   }
   const bool has_moved =
       matched.all >= kMinMatched && matched.Share() <= std::max(kStandingShare, 0.5 * unmatched.Share());
   if (has_moved) {
     const double excess =
         unmatched.Share() - matched.Share() - kSigmas * std::sqrt(matched.Variance() + unmatched.Variance());
-    Learn(corners, static_cast<float>(kEvidenceGain * std::max(0.0, excess)));
+    Learn(grid, features.points, static_cast<float>(kEvidenceGain * std::max(0.0, excess)));
   }
   if (!has_moved && reference_frames_ < kMostFrames && matched.all >= kMinMatched) return;
   reference_frames_ = 0;
@@ -110,14 +86,14 @@ void LensDirt::Observe(const StereoFeatures& features) {
 }
 
 /// Updates the evidence of all spots from a pair after the camera has moved.
-void LensDirt::Learn(const Corners& corners, float gain) {
+void LensDirt::Learn(const PointGrid& grid, const std::vector<StereoPoint>& corners, float gain) {
   for (const Corner& corner : reference_) {
     const Eigen::Vector2d px(corner.u_px, corner.v_px);
-    const StereoPoint* point = corner.is_matched || IsOnDirt(px) ? nullptr : corners.At(px);
+    const StereoPoint* point = corner.is_matched || IsOnDirt(px) ? nullptr : CornerAt(px, grid, corners);
     if (point != nullptr && !IsMatched(*point)) spots_.try_emplace(CellOf(px), Spot{corner.u_px, corner.v_px});
   }
   for (auto& [cell, spot] : spots_) {
-    const StereoPoint* point = corners.At({spot.u_px, spot.v_px});
+    const StereoPoint* point = CornerAt({spot.u_px, spot.v_px}, grid, corners);
     spot.evidence += point != nullptr && !IsMatched(*point) ? gain : -kEvidenceLoss;
     spot.evidence = std::min(spot.evidence, kMostEvidence);
     spot.is_dirt |= spot.evidence >= kDirty;
@@ -125,19 +101,25 @@ void LensDirt::Learn(const Corners& corners, float gain) {
   std::erase_if(spots_, [](const auto& entry) { return entry.second.evidence <= 0.0F; });
 }
 
-bool LensDirt::IsOnDirt(const Eigen::Vector2d& px) const {
-  const int cell = CellOf(px);
-  for (int row = std::max(cell / columns_ - kReach, 0); row <= std::min(cell / columns_ + kReach, rows_ - 1); ++row) {
-    const int left = std::max(cell % columns_ - kReach, 0);
-    const int right = std::min(cell % columns_ + kReach, columns_ - 1);
+template <class Visit>
+void LensDirt::ForEachDirtAround(int cell, int reach, const Visit& visit) const {
+  const int left = std::max(cell % columns_ - reach, 0);
+  const int right = std::min(cell % columns_ + reach, columns_ - 1);
+  for (int row = cell / columns_ - reach; row <= cell / columns_ + reach; ++row) {
     const auto end = spots_.upper_bound(row * columns_ + right);
     for (auto it = spots_.lower_bound(row * columns_ + left); it != end; ++it) {
-      const Spot& spot = it->second;
-      if (spot.is_dirt && (px - Eigen::Vector2d(spot.u_px, spot.v_px)).squaredNorm() < kReach_px * kReach_px)
-        return true;
+      if (it->second.is_dirt) visit(it->second);
     }
   }
-  return false;
+}
+
+bool LensDirt::IsOnDirt(const Eigen::Vector2d& px) const {
+  if (spots_.empty()) return false;
+  bool is_near = false;
+  ForEachDirtAround(CellOf(px), kReach, [&](const Spot& spot) {
+    is_near |= (px - Eigen::Vector2d(spot.u_px, spot.v_px)).squaredNorm() < kReach_px * kReach_px;
+  });
+  return is_near;
 }
 
 void LensDirt::RemoveFrom(StereoFeatures& features) {
@@ -155,22 +137,12 @@ double LensDirt::CoveredShare() const {
   return static_cast<double>(n) / (columns_ * rows_);
 }
 
-int LensDirt::CountDirtAround(int cell) const {
-  int n = 0;
-  for (int row = cell / columns_ - kSpotReach; row <= cell / columns_ + kSpotReach; ++row) {
-    const int left = std::max(cell % columns_ - kSpotReach, 0);
-    const int right = std::min(cell % columns_ + kSpotReach, columns_ - 1);
-    const auto end = spots_.upper_bound(row * columns_ + right);
-    for (auto it = spots_.lower_bound(row * columns_ + left); it != end; ++it) n += it->second.is_dirt;
-  }
-  return n;
-}
-
 Eigen::Vector2d LensDirt::Place_px() const {
   const Spot* best = nullptr;
   int most = 0;
   for (const auto& [cell, spot] : spots_) {
-    const int n = spot.is_dirt ? CountDirtAround(cell) : 0;
+    int n = 0;
+    if (spot.is_dirt) ForEachDirtAround(cell, kSpotReach, [&n](const Spot&) { ++n; });
     if (n > most) {
       most = n;
       best = &spot;

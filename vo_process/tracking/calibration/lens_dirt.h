@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "core/features/features.h"
+#include "core/features/matching/descriptor_matcher.h"
 #include "core/geometry/stereo_camera.h"
 
 namespace plslam::vo {
@@ -17,9 +18,9 @@ namespace plslam::vo {
 /// The corners of a pair are compared with those of a reference pair, a few frames before. Corners that stay at their
 /// pixels belong to the lens, unless the camera stands. Two shares tell that: s_m of the corners that the right image
 /// shows, too, and s_u of the others, which stay. A standing camera has a large s_m; a moving one has a small one, and
-/// s_u then is the share of dirt. Each corner of the second kind that stays gains evidence in proportion to s_u - s_m, less
-/// two standard deviations: much dirt is recognised at once, little dirt after some comparisons. A cleaned lens loses the evidence as the camera moves;
-/// while it stands, nothing is learned or forgotten.
+/// s_u then is the share of dirt. Each corner of the second kind that stays gains evidence in proportion to s_u - s_m,
+/// less two standard deviations: much dirt is recognised at once, little dirt after some comparisons. A cleaned lens
+/// loses the evidence as the camera moves; while it stands, nothing is learned or forgotten.
 class LensDirt {
  public:
   explicit LensDirt(const StereoCamera& camera);
@@ -69,12 +70,12 @@ class LensDirt {
     }
   };
 
-  class Corners;
-
-  void Learn(const Corners& corners, float gain);
+  void Learn(const PointGrid& grid, const std::vector<StereoPoint>& corners, float gain);
   int CellOf(const Eigen::Vector2d& px) const;
   bool IsOnDirt(const Eigen::Vector2d& px) const;
-  int CountDirtAround(int cell) const;
+  /// Calls visit(spot) for each spot of dirt up to `reach` cells away.
+  template <class Visit>
+  void ForEachDirtAround(int cell, int reach, const Visit& visit) const;
 
   int columns_;
   int rows_;

@@ -8,6 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <thread>
@@ -35,9 +36,15 @@ WholeRun::WholeRun() {
 }
 
 WholeRun::~WholeRun() {
+  const std::vector<pid_t> pids = process_ && !ended() ? Pids() : std::vector<pid_t>{};
   process_.reset();
+  // Without their launcher they still write their files, into the folder to be removed.
+  EXPECT_TRUE(WaitFor([&] { return Ended(pids); }));
   ExpectNoSanitizerReports(Logs());
-  if (std::getenv("PLSLAM_KEEP_RUNS") == nullptr) std::filesystem::remove_all(folder_);
+  if (std::getenv("PLSLAM_KEEP_RUNS") != nullptr) return;
+  std::error_code error;
+  std::filesystem::remove_all(folder_, error);
+  EXPECT_FALSE(error) << folder_ << ": " << error.message();
 }
 
 void WholeRun::Start(std::vector<std::string> arguments) {
@@ -98,6 +105,13 @@ std::vector<pid_t> WholeRun::Pids() const {
     if (ReadText(entry.path() / "status").find(parent) != std::string::npos) pids.push_back(pid);
   }
   return pids;
+}
+
+bool WholeRun::Ended(const std::vector<pid_t>& pids) {
+  return std::ranges::none_of(pids, [](pid_t pid) {
+    std::error_code ended;
+    return std::filesystem::exists("/proc/" + std::to_string(pid) + "/exe", ended);
+  });
 }
 
 std::optional<int> OnASmallDisk(const std::filesystem::path& folder, int kib, const std::string& command) {

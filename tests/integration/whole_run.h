@@ -47,6 +47,8 @@ class WholeRun {
   bool Signal(const std::string& executable, int signal) const;
   /// Ids of `plslam` itself and of its running child processes.
   std::vector<pid_t> Pids() const;
+  /// Returns whether no process with one of these ids runs any more, except for zombies.
+  static bool Ended(const std::vector<pid_t>& pids);
 
  private:
   std::filesystem::path folder_;

@@ -133,6 +133,22 @@ TEST(Misuse, MistypedCommandIsNamed) {
   EXPECT_EQ(outcome.log, "plslam: error: there is no command 'rum'; the nearest is 'run' (--help lists all)\n");
 }
 
+TEST(Misuse, SettingsWithoutEffectAreRefused) {
+  const auto error_of = [](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"run", "synthetic:room?frames=4&size=160x120"});
+    WholeRun run;
+    EXPECT_EQ(run.Run(arguments), 1);
+    EXPECT_FALSE(std::filesystem::exists(run.out()));
+    return run.Logs();
+  };
+  EXPECT_THAT(error_of({"--no-mapping", "--set", "mapping.state_every=4"}),
+              HasSubstr("--set mapping.state_every=4: this run starts no mapping_process"));
+  EXPECT_THAT(error_of({"--set", "dense.voxel_m=0.1"}), HasSubstr("starts no dense_process"));
+  EXPECT_THAT(error_of({"--set", "adapter.left=/left"}), HasSubstr("starts no adapter"));
+  EXPECT_THAT(error_of({"--stop", "3", "--set", "player.stop=2"}),
+              HasSubstr("--set player.stop=2: another option of `plslam run` sets player.stop=3"));
+}
+
 TEST(Misuse, CommandsOnFilesAreListedByBothPrograms) {
   const WholeRun run;
   const std::string listed = Plslam(run, {"--help"}).log;

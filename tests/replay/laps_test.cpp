@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,16 +27,22 @@ std::vector<double> Errors(const std::vector<OdometryFrame>& frames) {
   return ErrorsOfLaps(estimated, truth, kLap);
 }
 
-/// Limits of the map: none, twice a lap, less than a lap.
-class Laps : public testing::TestWithParam<int> {};
+struct LapsCase {
+  const char* size;
+  int max_keyframes;  ///< 0: no limit
+  int laps;           ///< of the long test
+};
 
-// Everyday tests run ten laps with one of the limits; without it the map would have 112 keyframes.
+class Laps : public testing::TestWithParam<LapsCase> {};
+
+// Without a limit the map would have 112 keyframes. Everyday tests run ten laps of the second case.
 TEST_P(Laps, LastLapIsAsAccurateAsTheSecond) {
-  if (GetParam() != 80) PLSLAM_REQUIRE_LONG_TESTS();
-  const int laps = LongTests() ? 100 : 10;
-  const auto dataset = OpenDataset("synthetic:room?size=376x240&loops=" + std::to_string(laps), "");
+  const LapsCase& test = GetParam();
+  if (test.max_keyframes != 80 || test.laps != 100) PLSLAM_REQUIRE_LONG_TESTS();
+  const int laps = LongTests() ? test.laps : 10;
+  const auto dataset = OpenDataset(fmt::format("synthetic:room?size={}&loops={}", test.size, laps), "");
   LoopRunOptions options;
-  options.mapping.max_keyframes = GetParam();
+  options.mapping.max_keyframes = test.max_keyframes;
   const LoopRun run = RunLoops(*dataset, loop::LoadPlaces({}, {}), options);
   const std::vector<double> live_m = Errors(run.slam.live);
   const std::vector<double> final_m = Errors(run.slam.final);
@@ -44,12 +51,18 @@ TEST_P(Laps, LastLapIsAsAccurateAsTheSecond) {
             << " m; ATE " << AbsoluteTrajectoryError(run.slam.live) << " and "
             << AbsoluteTrajectoryError(run.slam.final) << " m\n";
   EXPECT_EQ(LostFrames(run.slam.live), 0);
+  EXPECT_EQ(run.slam.n_bodies, 0);
   EXPECT_LE(MeanOfLast(live_m, 5), 1.2 * live_m[1]);
   EXPECT_LE(MeanOfLast(final_m, 5), 1.2 * live_m[1]);
   EXPECT_LE(AbsoluteTrajectoryError(run.slam.final), 1.02 * AbsoluteTrajectoryError(run.slam.live));
 }
 
-INSTANTIATE_TEST_SUITE_P(Limit, Laps, testing::Values(0, 80, 30));
+INSTANTIATE_TEST_SUITE_P(Limit, Laps,
+                         testing::Values(LapsCase{"376x240", 0, 100}, LapsCase{"376x240", 80, 100},
+                                         LapsCase{"376x240", 30, 100}, LapsCase{"752x480", 80, 40}),
+                         [](const auto& tested) {
+                           return fmt::format("Of{}Keyframes{}", tested.param.max_keyframes, tested.param.size);
+                         });
 
 }  // namespace
 }  // namespace plslam::test

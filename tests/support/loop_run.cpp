@@ -111,6 +111,7 @@ void Run::Frame(const Moment& moment) {
   in_odom_.push_back(frame);
   frame.T_odom_l = odometry_.T_w_odom() * frame.T_odom_l;
   run_.slam.live.push_back(frame);
+  run_.slam.n_bodies = result.n_bodies;
   const int64_t index = static_cast<int64_t>(in_odom_.size()) - 1;
   if (options_.ask_every > 0 && index % options_.ask_every == options_.ask_every - 1) Ask(result.features, index);
   if (!result.keyframe) return;

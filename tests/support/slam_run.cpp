@@ -84,6 +84,7 @@ SlamRun RunSlam(const Dataset& dataset, const vo::VoOptions& vo, const mapping::
     in_odom.push_back(frame);
     frame.T_odom_l = odometry.T_w_odom() * frame.T_odom_l;
     run.live.push_back(frame);
+    run.n_bodies = result.n_bodies;
     if (!result.keyframe) continue;
     Keyframe keyframe = vo::ToKeyframe(result, front_end.camera());
     keyframe.session = kSession;

@@ -16,6 +16,8 @@ struct SlamRun {
   /// Frames moved with the final poses of the keyframes.
   std::vector<OdometryFrame> final;
   int keyframes = 0;
+  /// Moving bodies that were published.
+  int n_bodies = 0;
   size_t points = 0;
   size_t lines = 0;
   double observations_per_point = 0.0;

@@ -4,12 +4,14 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <initializer_list>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "camera/options.h"
 #include "core/bus/options.h"
@@ -116,6 +118,41 @@ void ReadConfiguration(RunOptions* options) {
     throw std::runtime_error(
         "bus.map_prefix: --map and --save-map are for a map of this run only, and this map is shared");
   }
+}
+
+namespace {
+
+/// Returns the "section.key=value" that options of `plslam run` give the process.
+std::vector<std::string> SettingsOf(const ProcessRow& row, const RunOptions& options) {
+  const std::vector<std::string> arguments = row.arguments(options);
+  std::vector<std::string> settings;
+  for (size_t i = 0; i + 1 < arguments.size(); ++i) {
+    if (arguments[i] == "--set") settings.push_back(arguments[i + 1]);
+  }
+  return settings;
+}
+
+void CheckOverride(const std::string& assignment, const RunOptions& options) {
+  const std::string section = assignment.substr(0, assignment.find('.'));
+  if (std::ranges::find(process_name::kAll, section) == process_name::kAll.end()) return;
+  const auto table = ProcessTable();
+  const auto row = std::ranges::find_if(table, [&](const ProcessRow& other) { return other.name == section; });
+  if (row == table.end() || !row->wanted(options)) {
+    throw std::runtime_error(fmt::format("--set {}: this run starts no {} (`plslam processes`): remove the option",
+                                         assignment, row == table.end() ? section : TitleOf(*row)));
+  }
+  const std::string key = assignment.substr(0, assignment.find('=') + 1);
+  for (const std::string& setting : SettingsOf(*row, options)) {
+    if (!setting.starts_with(key) || setting == assignment) continue;
+    throw std::runtime_error(fmt::format("--set {}: another option of `plslam run` sets {}: remove one of them",
+                                         assignment, setting));
+  }
+}
+
+}  // namespace
+
+void CheckOverrides(const RunOptions& options) {
+  for (const std::string& assignment : options.overrides) CheckOverride(assignment, options);
 }
 
 void CheckMapToContinue(const RunOptions& options) {

@@ -15,6 +15,10 @@ void CheckFilesToWrite(const RunOptions& options);
 /// command line. Throws ConfigError for invalid values, and std::runtime_error for contradictory ones.
 void ReadConfiguration(RunOptions* options);
 
+/// Checks that each `--set` has an effect: this run starts the process, and no other option of `plslam run` overrides
+/// the value. Throws std::runtime_error with one sentence.
+void CheckOverrides(const RunOptions& options);
+
 /// Checks that the map to continue is a complete map file. Throws std::runtime_error with one sentence.
 void CheckMapToContinue(const RunOptions& options);
 

@@ -156,6 +156,7 @@ int RunProcesses(RunOptions options) {
   ReadConfiguration(&options);
   options.dataset = WithTopics(options.dataset, options.kind, options.topics);
   if (options.out.empty()) options.out = DefaultOut(options.dataset);
+  CheckOverrides(options);
   CheckMapToContinue(options);
   OutputFolder folder(options.out);
   CheckRefinement(&options);

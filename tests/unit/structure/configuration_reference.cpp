@@ -10,7 +10,8 @@ std::string ConfigurationReference() {
   std::string text = R"(# Configuration
 
 One YAML file serves all processes (`--config FILE`); each reads its own section and `bus`. Single options are set over
-the file with `--set vo.features.orb.max_points=800`; the last one wins. `config/plslam.yaml` has all of them at their
+the file with `--set vo.features.orb.max_points=800`; the last one wins. `plslam run` refuses a `--set` that has no
+effect, since it starts no such process or another of its options decides. `config/plslam.yaml` has all options at their
 defaults.
 
 Unknown or duplicate keys, wrong types and values out of bounds stop a process with one sentence that names file, line

@@ -26,7 +26,7 @@ constexpr double kFarthest = 1.25;
 // earlier keyframe with most.
 constexpr double kKnown = 0.3;
 constexpr double kAsMany = 0.5;
-// Visits in a row that have missed a landmark before the next one that does removes it.
+// Visits in a row that have missed a landmark that is removed.
 constexpr int64_t kVisits = 2;
 
 struct Expected {
@@ -146,7 +146,7 @@ void MissedLandmarks::Update(const std::vector<int64_t>& missed, const MapKeyfra
     const bool is_new = entry.visits == 0 || visits.IsBefore(entry.newest, visits.Near_m(keyframe), keyframe);
     if (is_new) ++entry.visits;
     if (is_new || entry.newest.session == keyframe.session) entry.newest = now;
-    if (entry.visits <= kVisits) continue;
+    if (entry.visits < kVisits) continue;
     table.erase(id);
     Type::Remove(id, map);
   }

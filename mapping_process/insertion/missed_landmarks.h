@@ -11,12 +11,12 @@
 
 namespace plslam::mapping {
 
-/// Landmarks of earlier visits that later visits do not find where they should. Those that two visits in a row have
-/// missed, and the next one misses too, are not there any more: furniture was moved, a poster replaced.
+/// Landmarks of earlier visits that later visits do not find where they should. One that two visits in a row have missed
+/// is not there any more: furniture was moved, a poster replaced.
 class MissedLandmarks {
  public:
   /// Compares the landmarks that a new keyframe observes with those that earlier visits observed from about the same
-  /// position, and removes those that are missed for the third visit. A keyframe that finds only few of them says
+  /// position, and removes those that are missed for the second visit in a row. A keyframe that finds only few of them says
   /// nothing about them: it is dark, blurred or covered. `camera`: of the keyframe.
   void Compare(int64_t keyframe_id, const Visits& visits, const StereoCamera& camera, Map& map);
 

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
+#include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
 #include "core/features/feature_extractor.h"
+#include "core/features/points/orb_detector.h"
 #include "core/geometry/rectifier.h"
 #include "core/io/images/image_file.h"
 #include "vo_process/options.h"
@@ -39,6 +42,10 @@ class StereoFrontEnd {
   StereoFeatures Process(const StereoImages& images, StageTimer& timer, const RowField& rows = {},
                          std::optional<int> max_points = std::nullopt);
 
+  /// Corners of the right image of the last pair in rectified pixels, at half size: coarse, but cheap. None of depth
+  /// maps, nor if the options exclude points.
+  const std::vector<Eigen::Vector2d>& right_corners() const { return right_corners_; }
+
   /// Returns points for estimating a vertical disparity of several pixels: compares corners of both images with a wide
   /// row tolerance. Their disparities are less accurate for it.
   StereoFeatures LookForRows(const StereoImages& images, const PairSkew& skew = {});
@@ -47,6 +54,7 @@ class StereoFrontEnd {
   bool LeavesOutLeft() const { return !rig_.left.mask.empty() || !mask_.left.empty(); }
   bool LeavesOutRight() const { return !rig_.right.mask.empty() || !mask_.right.empty(); }
   RunBoth OnBothThreads();
+  void FindRightCorners(const std::vector<cv::Mat>& right);
   StereoFeatures ProcessStereo(const StereoImages& images, StageTimer& timer, const RowField& rows,
                                std::optional<int> max_points);
   StereoFeatures ProcessRgbd(const StereoImages& images, StageTimer& timer, std::optional<int> max_points);
@@ -60,6 +68,8 @@ class StereoFrontEnd {
   FrameMask mask_;
   FeatureExtractor left_extractor_;
   FeatureExtractor right_extractor_;
+  CornerDetector right_detector_;
+  std::vector<Eigen::Vector2d> right_corners_;
   SideWorker worker_;
 };
 

@@ -7,8 +7,8 @@
 #include "vo_process/stereo/row_field.h"
 #include "vo_process/stereo/stereo_front_end.h"
 #include "vo_process/tracking/calibration/corner_budget.h"
+#include "vo_process/tracking/calibration/dirty_lenses.h"
 #include "vo_process/tracking/calibration/disparity_calibration.h"
-#include "vo_process/tracking/calibration/lens_dirt.h"
 #include "vo_process/tracking/calibration/noise_scale.h"
 #include "vo_process/tracking/calibration/row_calibration.h"
 #include "vo_process/tracking/calibration/self_calibration.h"
@@ -37,7 +37,7 @@ class SelfCalibrator {
   RowField rows() const { return rows_.field().With(skew_); }
   const DisparityCalibration& disparities() const { return disparities_; }
   const SyncCheck& sync() const { return sync_; }
-  const LensDirt& lens_dirt() const { return lens_dirt_; }
+  const DirtyLenses& lenses() const { return lenses_; }
 
   /// Readout time of the rows that was found although the calibration states none; 0 until it is significant.
   double found_readout_s() const { return states_readout_ ? 0.0 : shutter_.readout_s(); }
@@ -89,7 +89,7 @@ class SelfCalibrator {
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.noise_scale_, self.disparities_, self.rows_, self.corner_budget_, self.sync_, self.velocity_, self.timing_,
-      self.shutter_, self.lens_dirt_);
+      self.shutter_, self.lenses_);
   }
 
  private:
@@ -103,7 +103,7 @@ class SelfCalibrator {
   DisparityCalibration disparities_;
   RowCalibration rows_;
   CornerBudget corner_budget_;
-  LensDirt lens_dirt_;
+  DirtyLenses lenses_;
   SyncCheck sync_;
   TimingCheck timing_;
   RollingShutter shutter_;

@@ -154,7 +154,7 @@ StereoFeatures StereoFrontEnd::ProcessStereo(const StereoImages& images, StageTi
     worker_.RunBoth([&] { matcher.MatchPoints(); },
                     [&] {
                       if (!lines_alone) find_left_lines();
-                      matcher.MatchLines(std::move(left_features.lines), std::move(right_features.lines));
+                      matcher.MatchLines(std::move(left_features.lines), std::move(right_features.lines), dirt_);
                       matcher.MatchPoints();
                     });
     StereoFeatures features = matcher.Finish();

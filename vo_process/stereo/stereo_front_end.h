@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -12,6 +13,7 @@
 #include "core/geometry/rectifier.h"
 #include "core/io/images/image_file.h"
 #include "vo_process/options.h"
+#include "vo_process/stereo/dirt_cells.h"
 #include "vo_process/stereo/rolling_shutter.h"
 #include "vo_process/stereo/row_field.h"
 #include "vo_process/stereo/side_worker.h"
@@ -36,6 +38,9 @@ class StereoFrontEnd {
 
   /// Masks regions of the following pairs, in addition to the rig's masks.
   void SetMask(const FrameMask& mask);
+
+  /// Sets what is known of dirt on the lenses, for the following pairs.
+  void SetDirt(PairDirt dirt) { dirt_ = std::move(dirt); }
 
   /// Returns features in rectified left pixels; `rows` is the known vertical disparity of the pair, `max_points` the
   /// number of corners if it differs from the options. Throws std::runtime_error if the images do not fit the rig.
@@ -66,6 +71,7 @@ class StereoFrontEnd {
   FeatureMask left_mask_;
   FeatureMask right_mask_;
   FrameMask mask_;
+  PairDirt dirt_;
   FeatureExtractor left_extractor_;
   FeatureExtractor right_extractor_;
   CornerDetector right_detector_;

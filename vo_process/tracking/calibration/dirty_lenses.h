@@ -19,6 +19,8 @@ class DirtyLenses {
 
   const LensDirt& left() const { return left_; }
   const LensDirt& right() const { return right_; }
+  bool HasDirt() const { return left_.HasDirt() || right_.HasDirt(); }
+  PairDirt Cells() const { return {left_.Cells(), right_.Cells()}; }
 
   /// Learns from the next pair. `right_corners` are corners of the right image, in rectified pixels; none without a
   /// right image.

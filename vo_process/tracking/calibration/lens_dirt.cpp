@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace plslam::vo {
 namespace {
 
-constexpr int kCell_px = 8;
+constexpr int kCell_px = DirtCells::kCell_px;
 // Distance up to which a corner stays: detection repeats corners to about half a pixel.
 constexpr double kSame_px = 0.75;
 // Distance from a dirty corner that counts as dirt.
@@ -122,6 +123,16 @@ bool LensDirt::IsOnDirt(const Eigen::Vector2d& px) const {
     is_near |= (px - Eigen::Vector2d(spot.u_px, spot.v_px)).squaredNorm() < kReach_px * kReach_px;
   });
   return is_near;
+}
+
+DirtCells LensDirt::Cells() const {
+  if (!HasDirt()) return {};
+  std::vector<char> cells(static_cast<size_t>(columns_) * static_cast<size_t>(rows_));
+  for (int cell = 0; cell < columns_ * rows_; ++cell) {
+    const Eigen::Vector2d middle_px((cell % columns_ + 0.5) * kCell_px, (cell / columns_ + 0.5) * kCell_px);
+    cells[static_cast<size_t>(cell)] = IsOnDirt(middle_px) ? 1 : 0;
+  }
+  return {std::move(cells), columns_};
 }
 
 double LensDirt::CoveredShare() const {

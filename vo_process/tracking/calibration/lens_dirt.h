@@ -9,6 +9,7 @@
 
 #include "core/features/matching/descriptor_matcher.h"
 #include "core/geometry/stereo_camera.h"
+#include "vo_process/stereo/dirt_cells.h"
 
 namespace plslam::vo {
 
@@ -35,6 +36,8 @@ class LensDirt {
 
   bool HasDirt() const { return CoveredShare() > 0.0; }
   bool IsOnDirt(const Eigen::Vector2d& px) const;
+  /// The regions within the reach of dirt; empty without dirt.
+  DirtCells Cells() const;
   /// Share of the image that dirt covers, in cells of 8 x 8 pixels with dirty corners; 0 without dirt.
   double CoveredShare() const;
   /// A pixel on the largest spot; call it only if there is dirt.

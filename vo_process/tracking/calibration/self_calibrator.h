@@ -51,8 +51,8 @@ class SelfCalibrator {
 
   /// Computes the stereo features of the next pair, using and learning its vertical disparity. The first pair is
   /// processed twice, because it creates landmarks: first for vertical disparities that may be large. So are further
-  /// pairs until enough was seen, and a pair that changes whether a vertical disparity is applied. Throws as
-  /// `StereoFrontEnd::Process`.
+  /// pairs until enough was seen, and a pair that changes whether a vertical disparity is applied, or first shows dirt.
+  /// Throws as `StereoFrontEnd::Process`.
   StereoFeatures SeePair(StereoFrontEnd& front_end, const StereoImages& images, StageTimer& timer);
 
   /// Applies what was learned about the measurements: their noise, and the offset of the disparities.
@@ -93,7 +93,6 @@ class SelfCalibrator {
   }
 
  private:
-  StereoFeatures SeeWithDirt(StereoFrontEnd& front_end, const StereoImages& images, StageTimer& timer);
   bool LearnRows(const StereoFeatures& features);
   bool UseFoundReadout(const Vector6d& velocity, TrackedFrame& frame);
 

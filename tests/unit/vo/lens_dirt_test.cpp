@@ -90,6 +90,17 @@ TEST(LensDirt, DirtIsFoundWhileCameraMoves) {
   EXPECT_EQ(features.lines[0].left.segment.q, edge.left.segment.q);
 }
 
+// Their share is within the noise of that of other corners.
+TEST(LensDirt, FewCornersOfDirtAreFoundWithTime) {
+  Drive drive(2);
+  DirtyLenses lenses(kLensCamera);
+  Watch(drive, 5.0, 5, lenses);
+  EXPECT_EQ(lenses.left().CoveredShare(), 0.0);
+  Watch(drive, 5.0, 20, lenses);
+  EXPECT_GT(lenses.left().CoveredShare(), 0.0);
+  EXPECT_LT((lenses.left().Place_px() - Eigen::Vector2d(416.0, 133.0)).norm(), 10.0);
+}
+
 TEST(LensDirt, MuchDirtIsFoundAtOnce) {
   Drive drive(300);
   DirtyLenses lenses(kLensCamera);

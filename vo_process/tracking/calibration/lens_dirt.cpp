@@ -24,6 +24,9 @@ constexpr int kMinMatched = 20;
 // Gain of a corner that stays if all unmatched ones do, and none of the matched ones; loss of one that is not seen.
 constexpr double kEvidenceGain = 10.0;
 constexpr float kEvidenceLoss = 0.3F;
+// Gain, at least, while no more than this share of the matched corners stays: chance repeats no corner for long.
+constexpr double kLeastGain = 0.2;
+constexpr double kClearlyMovingShare = 0.05;
 // Standard deviations by which the shares must differ.
 constexpr double kSigmas = 2.0;
 // Evidence above which a corner is dirt, and its bound, which lets a cleaned lens be forgotten.
@@ -78,7 +81,8 @@ void LensDirt::Observe(const std::vector<LensCorner>& corners) {
   if (has_moved) {
     const double excess =
         unmatched.Share() - matched.Share() - kSigmas * std::sqrt(matched.Variance() + unmatched.Variance());
-    Learn(grid, corners, static_cast<float>(kEvidenceGain * std::max(0.0, excess)));
+    const double least = matched.Share() <= kClearlyMovingShare ? kLeastGain : 0.0;
+    Learn(grid, corners, static_cast<float>(std::max(least, kEvidenceGain * excess)));
   }
   if (!has_moved && reference_frames_ < kMostFrames && matched.all >= kMinMatched) return;
   reference_frames_ = 0;
@@ -127,10 +131,18 @@ bool LensDirt::IsOnDirt(const Eigen::Vector2d& px) const {
 
 DirtCells LensDirt::Cells() const {
   if (!HasDirt()) return {};
-  std::vector<char> cells(static_cast<size_t>(columns_) * static_cast<size_t>(rows_));
-  for (int cell = 0; cell < columns_ * rows_; ++cell) {
-    const Eigen::Vector2d middle_px((cell % columns_ + 0.5) * kCell_px, (cell / columns_ + 0.5) * kCell_px);
-    cells[static_cast<size_t>(cell)] = IsOnDirt(middle_px) ? 1 : 0;
+  std::vector<char> cells(static_cast<size_t>(columns_) * static_cast<size_t>(rows_), 0);
+  for (const auto& [cell, spot] : spots_) {
+    if (!spot.is_dirt) continue;
+    for (int row = std::max(cell / columns_ - kReach, 0); row <= std::min(cell / columns_ + kReach, rows_ - 1);
+         ++row) {
+      for (int column = std::max(cell % columns_ - kReach, 0);
+           column <= std::min(cell % columns_ + kReach, columns_ - 1); ++column) {
+        const Eigen::Vector2d middle_px((column + 0.5) * kCell_px, (row + 0.5) * kCell_px);
+        if ((middle_px - Eigen::Vector2d(spot.u_px, spot.v_px)).squaredNorm() >= kReach_px * kReach_px) continue;
+        cells[static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(column)] = 1;
+      }
+    }
   }
   return {std::move(cells), columns_};
 }

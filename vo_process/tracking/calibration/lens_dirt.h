@@ -25,8 +25,9 @@ struct LensCorner {
 /// their pixels belong to the lens, unless the camera stands. Two shares tell that: s_m of the corners that the other
 /// image shows, too, and s_u of the others, which stay. A standing camera has a large s_m; a moving one has a small one, and
 /// s_u then is the share of dirt. Each corner of the second kind that stays gains evidence in proportion to s_u - s_m,
-/// less two standard deviations: much dirt is recognised at once, little dirt after some comparisons. A cleaned lens
-/// loses the evidence as the camera moves; while it stands, nothing is learned or forgotten.
+/// less two standard deviations: much dirt is recognised at once, little dirt after some comparisons. In motion that
+/// repeats hardly any matched corner, each gains a little in any case: what stays for a second is no chance. A cleaned
+/// lens loses the evidence as the camera moves; while it stands, nothing is learned or forgotten.
 class LensDirt {
  public:
   explicit LensDirt(const StereoCamera& camera);

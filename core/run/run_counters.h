@@ -42,6 +42,10 @@ inline constexpr const char* kOtherReadout = "shutter.other_readout_ms";
 inline constexpr const char* kLensDirt = "lens.dirt_percent";
 inline constexpr const char* kLensDirtColumn = "lens.dirt_u_px";
 inline constexpr const char* kLensDirtRow = "lens.dirt_v_px";
+/// The same of the right image.
+inline constexpr const char* kRightLensDirt = "lens.right_dirt_percent";
+inline constexpr const char* kRightLensDirtColumn = "lens.right_dirt_u_px";
+inline constexpr const char* kRightLensDirtRow = "lens.right_dirt_v_px";
 /// Set by the process that sends frames, beside these: 1 while it is paused.
 inline constexpr const char* kSenderPaused = "paused";
 /// Set by the process that sends frames: 1 if they come from a sensor, which cannot wait.
@@ -59,15 +63,24 @@ inline constexpr const char* kRecordingScan = "recording.scan_s";
 inline constexpr const char* kFramesUnanchored = "frames.unanchored";
 /// The same since the last frame with a known place.
 inline constexpr const char* kUnanchoredNow = "frames.unanchored_now";
-inline constexpr std::array<const char*, 32> kRunCounters{
-    kPointsSeen,       kPointsMatched, kFramesDark,     kCornerRows,
-    kLengthError,      kTruthFrames,   kTruthMissing,   kPicturesMissing,
-    kRightLate,        kLeftLate,      kLateFrames,     kUnequalReadout,
-    kFramesCaptured,   kSkew,          kFramesMissing,  kDroppedLeft,
-    kDroppedRight,     kOverexposed,   kUnderexposed,   kOutages,
-    kRecordingScan,    kLengthSigma,   kLiveSource,     kPointsAmbiguous,
-    kFramesUnanchored, kUnanchoredNow, kReadout,        kReadoutPath,
-    kOtherReadout,     kLensDirt,      kLensDirtColumn, kLensDirtRow};
+inline constexpr std::array<const char*, 35> kRunCounters{kPointsSeen,       kPointsMatched,
+                                                          kFramesDark,       kCornerRows,
+                                                          kLengthError,      kTruthFrames,
+                                                          kTruthMissing,     kPicturesMissing,
+                                                          kRightLate,        kLeftLate,
+                                                          kLateFrames,       kUnequalReadout,
+                                                          kFramesCaptured,   kSkew,
+                                                          kFramesMissing,    kDroppedLeft,
+                                                          kDroppedRight,     kOverexposed,
+                                                          kUnderexposed,     kOutages,
+                                                          kRecordingScan,    kLengthSigma,
+                                                          kLiveSource,       kPointsAmbiguous,
+                                                          kFramesUnanchored, kUnanchoredNow,
+                                                          kReadout,          kReadoutPath,
+                                                          kOtherReadout,     kLensDirt,
+                                                          kLensDirtColumn,   kLensDirtRow,
+                                                          kRightLensDirt,    kRightLensDirtColumn,
+                                                          kRightLensDirtRow};
 
 /// The newest values of these counters by process, including exited processes; other counters are ignored.
 class RunCounters {

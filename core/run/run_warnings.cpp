@@ -115,6 +115,13 @@ bool HasFewStereoMatches(const RunFindings& f) {
 
 /// "the right images are taken 93 ms after the left ones: ..." Beyond half a frame, other pairs are nearer in time;
 /// from `SyncCheck::is_far_off` on, frames remain weak in spite of the compensation.
+std::string DirtText(const char* lens, double percent, double u_px, double v_px) {
+  return fmt::format(
+      "dirt on the {} lens, or text burnt into its images, covers {:.2g} % of the image, most of it near pixel "
+      "({:.0f}, {:.0f}): features there are ignored; clean the lens, or mask the text",
+      lens, percent, u_px, v_px);
+}
+
 std::string OutOfStepText(const RunFindings& f) {
   const bool right = f.right_late_ms > 0.0;
   const int offset = static_cast<int>(std::lround(right ? -f.late_frames : f.late_frames));
@@ -238,15 +245,18 @@ const Row kRows[] = {
        return Numbers{{"readout_ms", f.other_readout_ms}};
      }},
     {"dirty_lens", [](const RunFindings& f) { return f.lens_dirt_percent > kLeastDirt_percent; },
-     [](const RunFindings& f) {
-       return fmt::format(
-           "dirt on the left lens, or text burnt into its images, covers {:.2g} % of the image, most of it near "
-           "pixel "
-           "({:.0f}, {:.0f}): features there are ignored; clean the lens, or mask the text",
-           f.lens_dirt_percent, f.lens_dirt_u_px, f.lens_dirt_v_px);
-     },
+     [](const RunFindings& f) { return DirtText("left", f.lens_dirt_percent, f.lens_dirt_u_px, f.lens_dirt_v_px); },
      [](const RunFindings& f) {
        return Numbers{{"percent", f.lens_dirt_percent}, {"u_px", f.lens_dirt_u_px}, {"v_px", f.lens_dirt_v_px}};
+     }},
+    {"dirty_right_lens", [](const RunFindings& f) { return f.right_lens_dirt_percent > kLeastDirt_percent; },
+     [](const RunFindings& f) {
+       return DirtText("right", f.right_lens_dirt_percent, f.right_lens_dirt_u_px, f.right_lens_dirt_v_px);
+     },
+     [](const RunFindings& f) {
+       return Numbers{{"percent", f.right_lens_dirt_percent},
+                      {"u_px", f.right_lens_dirt_u_px},
+                      {"v_px", f.right_lens_dirt_v_px}};
      }},
     // If the cameras are out of step, rows differ by the motion between the two exposures until the offset is known.
     {"rows_corrected_far", [](const RunFindings& f) { return f.corner_rows_px > kFarRows_px && !IsOutOfStep(f); },
@@ -441,6 +451,9 @@ void RunFindings::Take(const RunCounters& counters) {
   lens_dirt_percent = counters.Largest(kLensDirt);
   lens_dirt_u_px = counters.Largest(kLensDirtColumn);
   lens_dirt_v_px = counters.Largest(kLensDirtRow);
+  right_lens_dirt_percent = counters.Largest(kRightLensDirt);
+  right_lens_dirt_u_px = counters.Largest(kRightLensDirtColumn);
+  right_lens_dirt_v_px = counters.Largest(kRightLensDirtRow);
   length_error_percent = counters.Largest(kLengthError);
   length_sigma_percent = counters.Largest(kLengthSigma);
   truth_frames = counters.Sum(kTruthFrames);

@@ -39,6 +39,9 @@ struct RunFindings {
   double lens_dirt_percent = 0.0;
   double lens_dirt_u_px = 0.0;
   double lens_dirt_v_px = 0.0;
+  double right_lens_dirt_percent = 0.0;
+  double right_lens_dirt_u_px = 0.0;
+  double right_lens_dirt_v_px = 0.0;
   double points_ambiguous = 0.0;
   double length_error_percent = 0.0;
   double length_sigma_percent = 0.0;

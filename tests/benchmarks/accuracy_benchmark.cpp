@@ -5,7 +5,7 @@
 //   accuracy_benchmark DATASET... [--set vo.tracking.reference=previous_frame] [--stride N] [--frames N]
 //   accuracy_benchmark DATASET... --pieces N
 //   accuracy_benchmark DATASET... --mapping | --loops [--forth-and-back] [--noise S] [--darkest F] [--blur S]
-// [--covered F]
+// [--covered F] [--dirt N [--dirt-seed S]]
 //   accuracy_benchmark DATASET... --mapping --exact
 //   accuracy_benchmark DATASET... --black FIRST COUNT [EVERY]
 
@@ -204,6 +204,8 @@ void AddArguments(CLI::App& app, Arguments& a, plslam::test::LoopRunOptions& run
   app.add_option("--noise", a.worsening.noise_sigma, "added to the images, grey values");
   app.add_option("--darkest", a.worsening.darkest, "factor of the grey values, that comes and goes");
   app.add_option("--blur", a.worsening.blur_sigma_px, "of the images, pixels");
+  app.add_option("--dirt", a.worsening.dirt, "number of spots of dirt on each lens");
+  app.add_option("--dirt-seed", a.worsening.dirt_seed, "for their sizes and places");
   app.add_option("--black", a.black, "black frames: the first, how many, and again after how many")->expected(2, 3);
   app.add_option("--covered", a.worsening.covered, "side of a black square, as a share of the image's height");
 }

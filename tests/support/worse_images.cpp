@@ -25,11 +25,13 @@ void Cover(double share, cv::Mat& image) {
   image(middle & cv::Rect(0, 0, image.cols, image.rows)).setTo(0);
 }
 
-void AddSnow(int streaks, int index, int camera, cv::Mat& image) {
+void AddWeather(const Worsening& worsening, int index, int camera, cv::Mat& image) {
+  if (image.type() != CV_8UC1) return;  // depth
   std::vector<float> radiance(image.total());
   cv::Mat grey(image.size(), CV_32F, radiance.data());
   image.convertTo(grey, CV_32F);
-  synthetic::Weather(image.cols, image.rows, streaks, 0, 1).Apply(index, camera, radiance);
+  const auto seed = static_cast<uint64_t>(worsening.dirt_seed);
+  synthetic::Weather(image.cols, image.rows, worsening.streaks, worsening.dirt, seed).Apply(index, camera, radiance);
   grey.convertTo(image, CV_8U);
 }
 
@@ -56,9 +58,9 @@ StereoImages WorseImages::Read(int index) const {
   const uint64_t seed = n_read_++;
   images.left = Worse(images.left, worsening_, gain, 2 * seed + 1);
   images.right = Worse(images.right, worsening_, 0.5 * (1.0 + gain), 2 * seed + 2);
-  if (worsening_.streaks > 0) {
-    AddSnow(worsening_.streaks, index, 0, images.left);
-    AddSnow(worsening_.streaks, index, 1, images.right);
+  if (worsening_.streaks > 0 || worsening_.dirt > 0) {
+    AddWeather(worsening_, index, 0, images.left);
+    AddWeather(worsening_, index, 1, images.right);
   }
   if (worsening_.IsBlack(index)) {
     images.left.setTo(0);

@@ -18,6 +18,9 @@ struct Worsening {
   double covered = 0.0;
   /// Number of bright snow streaks in each image; different ones in every image.
   int streaks = 0;
+  /// Number of spots of dirt on each lens, as in the synthetic worlds; for sizes and places `dirt_seed`.
+  int dirt = 0;
+  int dirt_seed = 1;
   /// Frames from the first one that are black, `black_count` in a row, and again after every `black_every` frames.
   int black_first = 0;
   int black_count = 0;

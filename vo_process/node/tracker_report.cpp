@@ -92,6 +92,9 @@ void TrackerReport::UpdateWarnings() {
   findings.lens_dirt_percent = counts_[kLensDirt];
   findings.lens_dirt_u_px = counts_[kLensDirtColumn];
   findings.lens_dirt_v_px = counts_[kLensDirtRow];
+  findings.right_lens_dirt_percent = counts_[kRightLensDirt];
+  findings.right_lens_dirt_u_px = counts_[kRightLensDirtColumn];
+  findings.right_lens_dirt_v_px = counts_[kRightLensDirtRow];
   findings.length_error_percent = counts_[kLengthError];
   findings.length_sigma_percent = counts_[kLengthSigma];
   std::string warnings;
@@ -134,13 +137,15 @@ void TrackerReport::ReportCameraErrors(const SelfCalibrator& calibration) {
   tell(kReadout, 1e3 * readout_s);
   if (readout_s > 0.0) tell(kReadoutPath, std::max(counts_[kReadoutPath], 1e3 * calibration.PathOfReadout_m()));
   tell(kOtherReadout, 1e3 * calibration.contradicting_readout_s());
-  const double dirt_percent = 100.0 * calibration.lens_dirt().CoveredShare();
-  if (dirt_percent > counts_[kLensDirt]) {
-    const Eigen::Vector2d px = calibration.lens_dirt().Place_px();
-    tell(kLensDirt, dirt_percent);
-    tell(kLensDirtColumn, px.x());
-    tell(kLensDirtRow, px.y());
-  }
+  const auto tell_dirt = [&](const LensDirt& dirt, const char* percent, const char* column, const char* row) {
+    if (100.0 * dirt.CoveredShare() <= counts_[percent]) return;
+    const Eigen::Vector2d px = dirt.Place_px();
+    tell(percent, 100.0 * dirt.CoveredShare());
+    tell(column, px.x());
+    tell(row, px.y());
+  };
+  tell_dirt(calibration.lenses().left(), kLensDirt, kLensDirtColumn, kLensDirtRow);
+  tell_dirt(calibration.lenses().right(), kRightLensDirt, kRightLensDirtColumn, kRightLensDirtRow);
   const auto lengths = calibration.disparities().length_error().value_or(DisparityCalibration::LengthError());
   tell(kLengthError, 100.0 * std::abs(lengths.share));
   tell(kLengthSigma, 100.0 * lengths.sigma);

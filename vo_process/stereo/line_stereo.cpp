@@ -53,7 +53,7 @@ double Correlation(const Strip& a, const Strip& b, size_t count, size_t first, s
 }  // namespace
 
 double StripSimilarity(const cv::Mat& left_image, const cv::Mat& right_image, const Segment2& left,
-                       double disparity_p_px, double disparity_q_px, const RowField& rows) {
+                       double disparity_p_px, double disparity_q_px, const RowField& rows, const PairDirt& dirt) {
   Strip a;
   Strip b;
   size_t count = 0;
@@ -62,6 +62,7 @@ double StripSimilarity(const cv::Mat& left_image, const cv::Mat& right_image, co
     const Eigen::Vector2d at = left.p + t * (left.q - left.p);
     const double right_u = at.x() - disparity_p_px - t * (disparity_q_px - disparity_p_px);
     const double right_v = at.y() + rows.MatchOffset_px(at, at.x() - right_u);
+    if (dirt.left.IsOn(at) || dirt.right.IsOn({right_u, right_v})) continue;
     if (SampleRow(left_image, at.x(), at.y(), a[count]) && SampleRow(right_image, right_u, right_v, b[count])) {
       ++count;
     }
@@ -223,20 +224,25 @@ double DisparitySigma(const LineFeature& left, const LineFeature& right, const R
 /// Compares the two images along a match. Without images it confirms all matches.
 class Appearance {
  public:
-  Appearance(const cv::Mat& left, const cv::Mat& right, const RowField& rows, double min_similarity)
-      : left_(left), right_(right), rows_(rows), min_similarity_(min_similarity) {}
+  Appearance(const cv::Mat& left, const cv::Mat& right, const RowField& rows, const PairDirt& dirt,
+             double min_similarity)
+      : left_(left), right_(right), rows_(rows), dirt_(dirt), min_similarity_(min_similarity) {}
 
   bool Confirms(const Segment2& s, const RowLine& r) const {
-    if (left_.empty() || right_.empty()) return true;
+    return left_.empty() || right_.empty() || SimilarityOf(s, r) >= min_similarity_;
+  }
+
+  double SimilarityOf(const Segment2& s, const RowLine& r) const {
     const double disparity_p = s.p.x() - r.Column(s.p.y());
     const double disparity_q = s.q.x() - r.Column(s.q.y());
-    return StripSimilarity(left_, right_, s, disparity_p, disparity_q, rows_) >= min_similarity_;
+    return StripSimilarity(left_, right_, s, disparity_p, disparity_q, rows_, dirt_);
   }
 
  private:
   const cv::Mat& left_;
   const cv::Mat& right_;
   const RowField& rows_;
+  const PairDirt& dirt_;
   double min_similarity_;
 };
 
@@ -258,6 +264,19 @@ void SetDepth(StereoLine& line, const LineFeature& right, const RowLine& l, cons
   line.sigma_disparity_q_px = sigma_q;
 }
 
+/// Places along a segment at which dirt is looked for.
+constexpr int kDirtPlaces = 16;
+/// Ratio of 1 - similarity of the best candidate to that of the next with another disparity, at most.
+constexpr double kMaxUnlikeness = 0.6;
+constexpr int kUnlike = 256;  ///< distance of a similarity of 0
+
+bool CrossesDirt(const Segment2& s, const DirtCells& dirt) {
+  for (int i = 0; i < kDirtPlaces; ++i) {
+    if (dirt.IsOn(s.p + (i + 0.5) / kDirtPlaces * (s.q - s.p))) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 std::vector<StereoLine> WithoutDepth(std::vector<LineFeature> lines) {
@@ -270,14 +289,16 @@ std::vector<StereoLine> WithoutDepth(std::vector<LineFeature> lines) {
 }
 
 void MatchLinesStereo(std::vector<StereoLine>& left, const std::vector<LineFeature>& right, const cv::Mat& left_image,
-                      const cv::Mat& right_image, const RowField& rows, const StereoOptions& options) {
-  const Appearance appearance(left_image, right_image, rows, options.line_min_similarity);
+                      const cv::Mat& right_image, const RowField& rows, const StereoOptions& options,
+                      const PairDirt& dirt) {
+  const Appearance appearance(left_image, right_image, rows, dirt, options.line_min_similarity);
   const StereoGates gates(options);
   const std::vector<RowLine> left_rows = MakeRowLines(left);
   const std::vector<RowLine> right_rows = MakeRowLines(right);
   const std::vector<Pairing> pairings = AllPairings(left, left_rows, right, right_rows, gates);
   const std::vector<BestPairing> of_left = BestOf(pairings, left.size(), &Pairing::left);
   const std::vector<BestPairing> of_right = BestOf(pairings, right.size(), &Pairing::right);
+  std::vector<bool> is_taken(right.size(), false);
   for (size_t i = 0; i < left.size(); ++i) {
     const Pairing* p = of_left[i].pairing;
     if (p == nullptr || p->distance > options.line_max_descriptor_distance) continue;
@@ -285,6 +306,26 @@ void MatchLinesStereo(std::vector<StereoLine>& left, const std::vector<LineFeatu
     const int rival = std::min(of_left[i].rival_distance, back.rival_distance);
     if (back.pairing->left != i || p->distance > options.line_max_ratio * rival) continue;
     if (!appearance.Confirms(left[i].left.segment, right_rows[p->right])) continue;
+    SetDepth(left[i], right[p->right], left_rows[i], right_rows[p->right], rows.skew(), options);
+    is_taken[p->right] = true;
+  }
+  if (dirt.empty()) return;
+  std::vector<Pairing> beside;
+  for (const Pairing& p : pairings) {
+    const Segment2& s = left[p.left].left.segment;
+    if (left[p.left].HasDepth() || is_taken[p.right]) continue;
+    if (!CrossesDirt(s, dirt.left) && !CrossesDirt(right[p.right].segment, dirt.right)) continue;
+    const double similarity = appearance.SimilarityOf(s, right_rows[p.right]);
+    beside.push_back({p.left, p.right, static_cast<int>(std::lround(kUnlike * (1.0 - similarity))), p.disparity});
+  }
+  const std::vector<BestPairing> beside_left = BestOf(beside, left.size(), &Pairing::left);
+  const std::vector<BestPairing> beside_right = BestOf(beside, right.size(), &Pairing::right);
+  for (size_t i = 0; i < left.size(); ++i) {
+    const Pairing* p = beside_left[i].pairing;
+    if (p == nullptr || p->distance > kUnlike * (1.0 - options.line_min_similarity)) continue;
+    const BestPairing& back = beside_right[p->right];
+    const int rival = std::min(beside_left[i].rival_distance, back.rival_distance);
+    if (back.pairing->left != i || p->distance > kMaxUnlikeness * rival) continue;
     SetDepth(left[i], right[p->right], left_rows[i], right_rows[p->right], rows.skew(), options);
   }
 }

@@ -9,6 +9,7 @@
 #include "core/features/options.h"
 #include "core/geometry/stereo_camera.h"
 #include "core/geometry/triangulation.h"
+#include "vo_process/stereo/dirt_cells.h"
 #include "vo_process/stereo/row_field.h"
 
 namespace plslam::vo {
@@ -18,9 +19,11 @@ namespace plslam::vo {
 /// whose rows differ by `rows`.
 ///
 /// Zero-mean normalised correlation, -1..1, of strips a few pixels wide on each side of the edge; that of the more
-/// similar side, because the background of an object edge may differ. 0 if the strips leave the images.
+/// similar side, because the background of an object edge may differ. Leaves out places on dirt. 0 if few places remain
+/// within the images.
 double StripSimilarity(const cv::Mat& left_image, const cv::Mat& right_image, const Segment2& left,
-                       double disparity_p_px, double disparity_q_px, const RowField& rows = {});
+                       double disparity_p_px, double disparity_q_px, const RowField& rows = {},
+                       const PairDirt& dirt = {});
 
 /// Returns `lines` as stereo lines without depth, with `sigma_px` from the length and contrast of each.
 std::vector<StereoLine> WithoutDepth(std::vector<LineFeature> lines);
@@ -34,8 +37,12 @@ std::vector<StereoLine> WithoutDepth(std::vector<LineFeature> lines);
 /// while `right` has already been corrected to left rows. Disparities are measured where the infinite right line
 /// crosses the rows of the left endpoints, because detectors cut the same edge differently in the two images. Segments
 /// nearly parallel to the baseline, and those without a match, keep negative disparities.
+///
+/// Dirt changes descriptors of the lines that cross it. Where these find no match, the candidate along which the images
+/// are clearly most similar beside the dirt is taken.
 void MatchLinesStereo(std::vector<StereoLine>& left, const std::vector<LineFeature>& right, const cv::Mat& left_image,
-                      const cv::Mat& right_image, const RowField& rows, const StereoOptions& options);
+                      const cv::Mat& right_image, const RowField& rows, const StereoOptions& options,
+                      const PairDirt& dirt = {});
 
 /// The same from a depth map aligned with the left image (16 bits, 0 = unknown): virtual disparities d = b f / Z of
 /// the endpoints, from a robust linear fit of the inverse depths sampled along the segment. Segments with too few known

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/features/points/fast_score.h"
 #include "core/geometry/image_mask.h"
 #include "vo_process/stereo/stereo_matcher.h"
 
@@ -14,6 +15,8 @@ namespace {
 // In pixels of the point's octave: with eight octaves, corners are compared up to 14 pixels apart.
 constexpr double kUnknownRowTolerance_px = 4.0;
 constexpr double kUnknownRowSigma_px = 2.0;
+// Most corners of the right image at half size.
+constexpr int kMostRightCorners = 400;
 
 /// Masked regions may have more corners than the rest, so the detector skips them; the few corners along the edge of a
 /// warped image are removed afterwards.
@@ -105,6 +108,18 @@ RunBoth StereoFrontEnd::OnBothThreads() {
       [this](const std::function<void()>& here, const std::function<void()>& there) { worker_.RunBoth(here, there); };
 }
 
+void StereoFrontEnd::FindRightCorners(const std::vector<cv::Mat>& right) {
+  right_corners_.clear();
+  if (right.size() < 2 || options_.features.features == "lines") return;
+  const cv::Mat& half = right[1];
+  const OrbOptions& orb = options_.features.orb;
+  const auto corners = right_detector_.Detect(half, orb.fast_threshold, orb.min_fast_threshold, kFastRadius_px);
+  for (const Corner& corner : SpreadCorners(corners, kMostRightCorners, half.cols, half.rows)) {
+    const Eigen::Vector2d px = 2.0 * right_detector_.SubPixel(corner);
+    if (!right_mask_.IsOutside(px)) right_corners_.push_back(px);
+  }
+}
+
 /// Left points take as long as right lines, so these run in parallel; then the matching of points in parallel with
 /// left lines and the matching of lines. The thread that has finished the lines helps with the points. Without points,
 /// lines of both images are detected in parallel.
@@ -126,6 +141,7 @@ StereoFeatures StereoFrontEnd::ProcessStereo(const StereoImages& images, StageTi
         [&] {
           right = HalvedImages(rectifier_.RectifyRight(images.right));
           right_features.lines = LinesInside(right_extractor_, right.front(), right_mask_);
+          FindRightCorners(right);
           if (!NeedsRightPoints(rows, options_.stereo)) return;
           right_features.points =
               PointsInside(right_extractor_, right.front(), LeavesOutRight(), right_mask_, max_points);
@@ -138,7 +154,7 @@ StereoFeatures StereoFrontEnd::ProcessStereo(const StereoImages& images, StageTi
     worker_.RunBoth([&] { matcher.MatchPoints(); },
                     [&] {
                       if (!lines_alone) find_left_lines();
-                      matcher.MatchLines(std::move(left_features.lines), std::move(right_features.lines));
+                      matcher.MatchLines(std::move(left_features.lines), std::move(right_features.lines), dirt_);
                       matcher.MatchPoints();
                     });
     StereoFeatures features = matcher.Finish();

@@ -2,13 +2,18 @@
 #pragma once
 
 #include <optional>
+#include <utility>
+#include <vector>
 
+#include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
 #include "core/features/feature_extractor.h"
+#include "core/features/points/orb_detector.h"
 #include "core/geometry/rectifier.h"
 #include "core/io/images/image_file.h"
 #include "vo_process/options.h"
+#include "vo_process/stereo/dirt_cells.h"
 #include "vo_process/stereo/rolling_shutter.h"
 #include "vo_process/stereo/row_field.h"
 #include "vo_process/stereo/side_worker.h"
@@ -34,10 +39,17 @@ class StereoFrontEnd {
   /// Masks regions of the following pairs, in addition to the rig's masks.
   void SetMask(const FrameMask& mask);
 
+  /// Sets what is known of dirt on the lenses, for the following pairs.
+  void SetDirt(PairDirt dirt) { dirt_ = std::move(dirt); }
+
   /// Returns features in rectified left pixels; `rows` is the known vertical disparity of the pair, `max_points` the
   /// number of corners if it differs from the options. Throws std::runtime_error if the images do not fit the rig.
   StereoFeatures Process(const StereoImages& images, StageTimer& timer, const RowField& rows = {},
                          std::optional<int> max_points = std::nullopt);
+
+  /// Corners of the right image of the last pair in rectified pixels, at half size: coarse, but cheap. None of depth
+  /// maps, nor if the options exclude points.
+  const std::vector<Eigen::Vector2d>& right_corners() const { return right_corners_; }
 
   /// Returns points for estimating a vertical disparity of several pixels: compares corners of both images with a wide
   /// row tolerance. Their disparities are less accurate for it.
@@ -47,6 +59,7 @@ class StereoFrontEnd {
   bool LeavesOutLeft() const { return !rig_.left.mask.empty() || !mask_.left.empty(); }
   bool LeavesOutRight() const { return !rig_.right.mask.empty() || !mask_.right.empty(); }
   RunBoth OnBothThreads();
+  void FindRightCorners(const std::vector<cv::Mat>& right);
   StereoFeatures ProcessStereo(const StereoImages& images, StageTimer& timer, const RowField& rows,
                                std::optional<int> max_points);
   StereoFeatures ProcessRgbd(const StereoImages& images, StageTimer& timer, std::optional<int> max_points);
@@ -58,8 +71,11 @@ class StereoFrontEnd {
   FeatureMask left_mask_;
   FeatureMask right_mask_;
   FrameMask mask_;
+  PairDirt dirt_;
   FeatureExtractor left_extractor_;
   FeatureExtractor right_extractor_;
+  CornerDetector right_detector_;
+  std::vector<Eigen::Vector2d> right_corners_;
   SideWorker worker_;
 };
 

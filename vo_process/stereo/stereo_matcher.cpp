@@ -40,7 +40,7 @@ void PairMatcher::MatchPoints() {
   MatchPointsStereo(features_.points, right_points_, candidates_, pair_, rows_, options_, begun_points_);
 }
 
-void PairMatcher::MatchLines(std::vector<LineFeature> left, std::vector<LineFeature> right) {
+void PairMatcher::MatchLines(std::vector<LineFeature> left, std::vector<LineFeature> right, const PairDirt& dirt) {
   if (!rows_.is_zero()) {
     for (LineFeature& line : right) {
       ToLeftRow(rows_, line.segment.p);
@@ -48,7 +48,7 @@ void PairMatcher::MatchLines(std::vector<LineFeature> left, std::vector<LineFeat
     }
   }
   features_.lines = WithoutDepth(std::move(left));
-  MatchLinesStereo(features_.lines, right, pair_.full().left, pair_.full().right, rows_, options_);
+  MatchLinesStereo(features_.lines, right, pair_.full().left, pair_.full().right, rows_, options_, dirt);
 }
 
 StereoFeatures PairMatcher::Finish() {

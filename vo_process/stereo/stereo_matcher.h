@@ -11,6 +11,7 @@
 #include "core/features/features.h"
 #include "core/features/options.h"
 #include "core/geometry/stereo_camera.h"
+#include "vo_process/stereo/dirt_cells.h"
 #include "vo_process/stereo/halved_pair.h"
 #include "vo_process/stereo/point_stereo.h"
 #include "vo_process/stereo/row_field.h"
@@ -33,7 +34,8 @@ class PairMatcher {
   /// May run on any number of threads, in parallel with `MatchLines`; returns when no point is left.
   void MatchPoints();
 
-  void MatchLines(std::vector<LineFeature> left, std::vector<LineFeature> right);
+  /// `dirt` as in `MatchLinesStereo`.
+  void MatchLines(std::vector<LineFeature> left, std::vector<LineFeature> right, const PairDirt& dirt = {});
 
   /// Call after all of the above have returned.
   StereoFeatures Finish();

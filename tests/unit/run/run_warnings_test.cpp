@@ -94,7 +94,16 @@ TEST(RunWarnings, ConditionsOfEachRow) {
          f.lens_dirt_u_px = 412.0;
          f.lens_dirt_v_px = 133.0;
        },
-       "covers 3.1 % of the image, most of it near pixel (412, 133)"},
+       "dirt on the left lens, or text burnt into its images, covers 3.1 % of the image, most of it near pixel (412, "
+       "133)"},
+      {"dirty_right_lens",
+       [](RunFindings& f) {
+         f.right_lens_dirt_percent = 1.26;
+         f.right_lens_dirt_u_px = 17.0;
+         f.right_lens_dirt_v_px = 90.0;
+       },
+       "dirt on the right lens, or text burnt into its images, covers 1.3 % of the image, most of it near pixel (17, "
+       "90)"},
       {"rows_corrected_far", [](RunFindings& f) { f.corner_rows_px = 12.34; }, "by up to 12.3 px in the corners"},
       {"disparities_off",
        [](RunFindings& f) {

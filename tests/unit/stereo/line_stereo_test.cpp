@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vo_process/stereo/line_stereo.h"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
 
 #include "core/features/lines/line_extractor.h"
 #include "core/features/lines/line_sigma.h"
@@ -188,6 +189,30 @@ TEST(LineStereo, UnlikeImagesRefuseTheMatch) {
   const cv::Mat other = test::NoiseImage(kSize, 128, 40, 8);
   MatchLinesStereo(lines, extractor.Extract(pair.right), pair.left, other, RowField(), StereoOptions());
   for (const StereoLine& l : lines) EXPECT_FALSE(l.HasDepth());
+}
+
+// Dirt on the right lens hides a third of the bar, and changes the descriptors of its edges.
+TEST(LineStereo, DirtOnALineIsLeftOut) {
+  Pair pair = RenderPair(SteepBar(8, 0), 20, 20, 1.0, 9);
+  LineExtractor extractor{LineOptions()};
+  const std::vector<StereoLine> left = WithoutDepth(extractor.Extract(pair.left));
+  std::vector<LineFeature> right = extractor.Extract(pair.right);
+  for (LineFeature& line : right) line.descriptor.fill(0x5555555555555555ULL);
+  pair.right.rowRange(56, 88).setTo(20);
+  PairDirt dirt;
+  const int columns = kSize.width / DirtCells::kCell_px + 1;
+  std::vector<char> cells(static_cast<size_t>(columns) * 20, 0);
+  for (int i = 7 * columns; i < 11 * columns; ++i) cells[static_cast<size_t>(i)] = 1;
+  dirt.right = DirtCells(cells, columns);
+  const auto with_depth = [&](const PairDirt& known) {
+    std::vector<StereoLine> lines = left;
+    MatchLinesStereo(lines, right, pair.left, pair.right, RowField(), StereoOptions(), known);
+    return std::count_if(lines.begin(), lines.end(), [](const StereoLine& l) {
+      return l.HasDepth() && std::abs(l.disparity_p_px - 20.0) < 0.5 && std::abs(l.disparity_q_px - 20.0) < 0.5;
+    });
+  };
+  EXPECT_EQ(with_depth({}), 0);
+  EXPECT_EQ(with_depth(dirt), 2);
 }
 
 TEST(LineStereo, IdenticalImagesHaveNoDepth) {

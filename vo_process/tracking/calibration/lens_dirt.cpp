@@ -3,18 +3,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace plslam::vo {
 namespace {
 
-constexpr int kCell_px = 8;
+constexpr int kCell_px = DirtCells::kCell_px;
 // Distance up to which a corner stays: detection repeats corners to about half a pixel.
 constexpr double kSame_px = 0.75;
 // Distance from a dirty corner that counts as dirt.
 constexpr double kReach_px = 10.0;
 constexpr int kReach = 2;  // in cells
-// Number of frames after which a standing camera gets another reference pair; a moving one gets it with each pair.
+// Number of frames after which a standing camera gets another reference; a moving one gets it with each image.
 constexpr int kMostFrames = 20;
 // Share of the matched corners that stay, below which the camera has moved (or half that of the others: a standing
 // camera repeats matched corners better), and the least number of matched corners.
@@ -23,6 +24,9 @@ constexpr int kMinMatched = 20;
 // Gain of a corner that stays if all unmatched ones do, and none of the matched ones; loss of one that is not seen.
 constexpr double kEvidenceGain = 10.0;
 constexpr float kEvidenceLoss = 0.3F;
+// Gain, at least, while no more than this share of the matched corners stays: chance repeats no corner for long.
+constexpr double kLeastGain = 0.2;
+constexpr double kClearlyMovingShare = 0.05;
 // Standard deviations by which the shares must differ.
 constexpr double kSigmas = 2.0;
 // Evidence above which a corner is dirt, and its bound, which lets a cleaned lens be forgotten.
@@ -31,11 +35,14 @@ constexpr float kMostEvidence = 10.0F;
 // Half the width of the window, in cells, in which the largest spot is searched.
 constexpr int kSpotReach = 3;
 
-bool IsMatched(const StereoPoint& point) { return point.HasDepth() || point.is_far; }
+PointGrid GridOf(const std::vector<LensCorner>& corners) {
+  std::vector<PointFeature> points(corners.size());
+  for (size_t i = 0; i < corners.size(); ++i) points[i].px = corners[i].px;
+  return PointGrid(points);
+}
 
 /// Returns the first corner within `kSame_px`; nullptr if there is none.
-const StereoPoint* CornerAt(const Eigen::Vector2d& px, const PointGrid& grid,
-                            const std::vector<StereoPoint>& corners) {
+const LensCorner* CornerAt(const Eigen::Vector2d& px, const PointGrid& grid, const std::vector<LensCorner>& corners) {
   int first = grid.size();
   grid.ForEachWithin(px, kSame_px, [&first](const PointGrid::Entry& entry) { first = std::min(first, entry.index); });
   return first < grid.size() ? &corners[static_cast<size_t>(first)] : nullptr;
@@ -52,9 +59,9 @@ int LensDirt::CellOf(const Eigen::Vector2d& px) const {
   return row * columns_ + column;
 }
 
-void LensDirt::Observe(const StereoFeatures& features) {
+void LensDirt::Observe(const std::vector<LensCorner>& corners) {
   ++reference_frames_;
-  const PointGrid grid(features.points);
+  const PointGrid grid = GridOf(corners);
   struct Count {
     int all = 0;
     int stay = 0;
@@ -67,34 +74,34 @@ void LensDirt::Observe(const StereoFeatures& features) {
     if (IsOnDirt({corner.u_px, corner.v_px})) continue;
     Count& count = corner.is_matched ? matched : unmatched;
     ++count.all;
-    count.stay += CornerAt({corner.u_px, corner.v_px}, grid, features.points) != nullptr;
+    count.stay += CornerAt({corner.u_px, corner.v_px}, grid, corners) != nullptr;
   }
   const bool has_moved =
       matched.all >= kMinMatched && matched.Share() <= std::max(kStandingShare, 0.5 * unmatched.Share());
   if (has_moved) {
     const double excess =
         unmatched.Share() - matched.Share() - kSigmas * std::sqrt(matched.Variance() + unmatched.Variance());
-    Learn(grid, features.points, static_cast<float>(kEvidenceGain * std::max(0.0, excess)));
+    const double least = matched.Share() <= kClearlyMovingShare ? kLeastGain : 0.0;
+    Learn(grid, corners, static_cast<float>(std::max(least, kEvidenceGain * excess)));
   }
   if (!has_moved && reference_frames_ < kMostFrames && matched.all >= kMinMatched) return;
   reference_frames_ = 0;
   reference_.clear();
-  for (const StereoPoint& point : features.points) {
-    reference_.push_back(
-        {static_cast<float>(point.left.px.x()), static_cast<float>(point.left.px.y()), IsMatched(point)});
+  for (const LensCorner& corner : corners) {
+    reference_.push_back({static_cast<float>(corner.px.x()), static_cast<float>(corner.px.y()), corner.is_matched});
   }
 }
 
-/// Updates the evidence of all spots from a pair after the camera has moved.
-void LensDirt::Learn(const PointGrid& grid, const std::vector<StereoPoint>& corners, float gain) {
+/// Updates the evidence of all spots from an image after the camera has moved.
+void LensDirt::Learn(const PointGrid& grid, const std::vector<LensCorner>& corners, float gain) {
   for (const Corner& corner : reference_) {
     const Eigen::Vector2d px(corner.u_px, corner.v_px);
-    const StereoPoint* point = corner.is_matched || IsOnDirt(px) ? nullptr : CornerAt(px, grid, corners);
-    if (point != nullptr && !IsMatched(*point)) spots_.try_emplace(CellOf(px), Spot{corner.u_px, corner.v_px});
+    const LensCorner* now = corner.is_matched || IsOnDirt(px) ? nullptr : CornerAt(px, grid, corners);
+    if (now != nullptr && !now->is_matched) spots_.try_emplace(CellOf(px), Spot{corner.u_px, corner.v_px});
   }
   for (auto& [cell, spot] : spots_) {
-    const StereoPoint* point = CornerAt({spot.u_px, spot.v_px}, grid, corners);
-    spot.evidence += point != nullptr && !IsMatched(*point) ? gain : -kEvidenceLoss;
+    const LensCorner* now = CornerAt({spot.u_px, spot.v_px}, grid, corners);
+    spot.evidence += now != nullptr && !now->is_matched ? gain : -kEvidenceLoss;
     spot.evidence = std::min(spot.evidence, kMostEvidence);
     spot.is_dirt |= spot.evidence >= kDirty;
   }
@@ -122,14 +129,22 @@ bool LensDirt::IsOnDirt(const Eigen::Vector2d& px) const {
   return is_near;
 }
 
-void LensDirt::RemoveFrom(StereoFeatures& features) {
-  n_removed_ = 0;
-  if (CoveredShare() == 0.0) return;
-  n_removed_ = static_cast<int>(
-      std::erase_if(features.points, [this](const StereoPoint& point) { return IsOnDirt(point.left.px); }));
-  std::erase_if(features.lines, [this](const StereoLine& line) {
-    return IsOnDirt(line.left.segment.p) && IsOnDirt(line.left.segment.q);
-  });
+DirtCells LensDirt::Cells() const {
+  if (!HasDirt()) return {};
+  std::vector<char> cells(static_cast<size_t>(columns_) * static_cast<size_t>(rows_), 0);
+  for (const auto& [cell, spot] : spots_) {
+    if (!spot.is_dirt) continue;
+    for (int row = std::max(cell / columns_ - kReach, 0); row <= std::min(cell / columns_ + kReach, rows_ - 1);
+         ++row) {
+      for (int column = std::max(cell % columns_ - kReach, 0);
+           column <= std::min(cell % columns_ + kReach, columns_ - 1); ++column) {
+        const Eigen::Vector2d middle_px((column + 0.5) * kCell_px, (row + 0.5) * kCell_px);
+        if ((middle_px - Eigen::Vector2d(spot.u_px, spot.v_px)).squaredNorm() >= kReach_px * kReach_px) continue;
+        cells[static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(column)] = 1;
+      }
+    }
+  }
+  return {std::move(cells), columns_};
 }
 
 double LensDirt::CoveredShare() const {

@@ -7,32 +7,38 @@
 
 #include <Eigen/Core>
 
-#include "core/features/features.h"
 #include "core/features/matching/descriptor_matcher.h"
 #include "core/geometry/stereo_camera.h"
+#include "vo_process/stereo/dirt_cells.h"
 
 namespace plslam::vo {
 
-/// Pixels of the left image that do not follow the motion: dirt, drops and scratches on the lens, burnt-in text.
+/// A corner of one image, in rectified pixels.
+struct LensCorner {
+  Eigen::Vector2d px = Eigen::Vector2d::Zero();
+  bool is_matched = false;  ///< whether the other image shows it, too
+};
+
+/// Pixels of one image that do not follow the motion: dirt, drops and scratches on the lens, burnt-in text.
 ///
-/// The corners of a pair are compared with those of a reference pair, a few frames before. Corners that stay at their
-/// pixels belong to the lens, unless the camera stands. Two shares tell that: s_m of the corners that the right image
-/// shows, too, and s_u of the others, which stay. A standing camera has a large s_m; a moving one has a small one, and
+/// The corners of an image are compared with those of a reference image, a few frames before. Corners that stay at
+/// their pixels belong to the lens, unless the camera stands. Two shares tell that: s_m of the corners that the other
+/// image shows, too, and s_u of the others, which stay. A standing camera has a large s_m; a moving one has a small one, and
 /// s_u then is the share of dirt. Each corner of the second kind that stays gains evidence in proportion to s_u - s_m,
-/// less two standard deviations: much dirt is recognised at once, little dirt after some comparisons. A cleaned lens
-/// loses the evidence as the camera moves; while it stands, nothing is learned or forgotten.
+/// less two standard deviations: much dirt is recognised at once, little dirt after some comparisons. In motion that
+/// repeats hardly any matched corner, each gains a little in any case: what stays for a second is no chance. A cleaned
+/// lens loses the evidence as the camera moves; while it stands, nothing is learned or forgotten.
 class LensDirt {
  public:
   explicit LensDirt(const StereoCamera& camera);
 
-  /// Learns from the corners of the next pair. Rectified pixels.
-  void Observe(const StereoFeatures& features);
+  /// Learns from the corners of the next image.
+  void Observe(const std::vector<LensCorner>& corners);
 
-  /// Removes points on dirt, and segments with both ends on dirt.
-  void RemoveFrom(StereoFeatures& features);
-
-  /// Number of points removed from the last pair.
-  int n_removed() const { return n_removed_; }
+  bool HasDirt() const { return CoveredShare() > 0.0; }
+  bool IsOnDirt(const Eigen::Vector2d& px) const;
+  /// The regions within the reach of dirt; empty without dirt.
+  DirtCells Cells() const;
   /// Share of the image that dirt covers, in cells of 8 x 8 pixels with dirty corners; 0 without dirt.
   double CoveredShare() const;
   /// A pixel on the largest spot; call it only if there is dirt.
@@ -41,15 +47,15 @@ class LensDirt {
   /// The state between frames, for `core/io/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.reference_, self.reference_frames_, self.spots_, self.n_removed_);
+    a(self.reference_, self.reference_frames_, self.spots_);
   }
 
  private:
-  /// A corner of the reference pair.
+  /// A corner of the reference image.
   struct Corner {
     float u_px = 0.0F;
     float v_px = 0.0F;
-    bool is_matched = false;  ///< with the right image
+    bool is_matched = false;
 
     template <class Archive, class Self>
     static void Fields(Archive& a, Self& self) {
@@ -70,9 +76,8 @@ class LensDirt {
     }
   };
 
-  void Learn(const PointGrid& grid, const std::vector<StereoPoint>& corners, float gain);
+  void Learn(const PointGrid& grid, const std::vector<LensCorner>& corners, float gain);
   int CellOf(const Eigen::Vector2d& px) const;
-  bool IsOnDirt(const Eigen::Vector2d& px) const;
   /// Calls visit(spot) for each spot of dirt up to `reach` cells away.
   template <class Visit>
   void ForEachDirtAround(int cell, int reach, const Visit& visit) const;
@@ -80,9 +85,8 @@ class LensDirt {
   int columns_;
   int rows_;
   std::vector<Corner> reference_;
-  int reference_frames_ = 0;       ///< since the reference pair
+  int reference_frames_ = 0;       ///< since the reference image
   std::map<int32_t, Spot> spots_;  ///< by cell, row by row
-  int n_removed_ = 0;
 };
 
 }  // namespace plslam::vo

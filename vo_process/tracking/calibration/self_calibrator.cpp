@@ -36,7 +36,7 @@ SelfCalibrator::SelfCalibrator(const StereoCamera& camera, const VoOptions& opti
       disparities_(camera, options.disparity_calibration),
       rows_(camera, options.row_calibration),
       corner_budget_(options.features.orb.max_points),
-      lens_dirt_(camera),
+      lenses_(camera),
       sync_(camera),
       timing_(camera, shutter),
       shutter_(shutter),
@@ -61,18 +61,22 @@ void SelfCalibrator::PredictSkew(const SE3& T_prev_c, double dt_s) {
 }
 
 StereoFeatures SelfCalibrator::SeePair(StereoFrontEnd& front_end, const StereoImages& images, StageTimer& timer) {
-  StereoFeatures features = SeeWithDirt(front_end, images, timer);
-  lens_dirt_.Observe(features);
-  lens_dirt_.RemoveFrom(features);
-  return features;
-}
-
-StereoFeatures SelfCalibrator::SeeWithDirt(StereoFrontEnd& front_end, const StereoImages& images, StageTimer& timer) {
+  const bool knew_dirt = lenses_.HasDirt();
+  front_end.SetDirt(lenses_.Cells());
   const bool looks = rows_.needs_look();
   if (looks) timer.Time("rows", [&] { LearnRows(front_end.LookForRows(images, skew_)); });
-  const int max_points = corner_budget_.max_points() + lens_dirt_.n_removed();
-  StereoFeatures features = front_end.Process(images, timer, rows(), max_points);
-  if (!looks && LearnRows(features)) features = front_end.Process(images, timer, rows(), max_points);
+  const auto see = [&] {
+    return front_end.Process(images, timer, rows(), corner_budget_.max_points() + lenses_.n_removed());
+  };
+  StereoFeatures features = see();
+  if (!looks && LearnRows(features)) features = see();
+  lenses_.Observe(features, front_end.right_corners());
+  if (!knew_dirt && lenses_.HasDirt()) {
+    lenses_.RemoveFrom(features);
+    front_end.SetDirt(lenses_.Cells());
+    features = see();
+  }
+  lenses_.RemoveFrom(features);
   return features;
 }
 

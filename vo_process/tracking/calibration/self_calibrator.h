@@ -7,8 +7,8 @@
 #include "vo_process/stereo/row_field.h"
 #include "vo_process/stereo/stereo_front_end.h"
 #include "vo_process/tracking/calibration/corner_budget.h"
+#include "vo_process/tracking/calibration/dirty_lenses.h"
 #include "vo_process/tracking/calibration/disparity_calibration.h"
-#include "vo_process/tracking/calibration/lens_dirt.h"
 #include "vo_process/tracking/calibration/noise_scale.h"
 #include "vo_process/tracking/calibration/row_calibration.h"
 #include "vo_process/tracking/calibration/self_calibration.h"
@@ -37,7 +37,7 @@ class SelfCalibrator {
   RowField rows() const { return rows_.field().With(skew_); }
   const DisparityCalibration& disparities() const { return disparities_; }
   const SyncCheck& sync() const { return sync_; }
-  const LensDirt& lens_dirt() const { return lens_dirt_; }
+  const DirtyLenses& lenses() const { return lenses_; }
 
   /// Readout time of the rows that was found although the calibration states none; 0 until it is significant.
   double found_readout_s() const { return states_readout_ ? 0.0 : shutter_.readout_s(); }
@@ -51,8 +51,8 @@ class SelfCalibrator {
 
   /// Computes the stereo features of the next pair, using and learning its vertical disparity. The first pair is
   /// processed twice, because it creates landmarks: first for vertical disparities that may be large. So are further
-  /// pairs until enough was seen, and a pair that changes whether a vertical disparity is applied. Throws as
-  /// `StereoFrontEnd::Process`.
+  /// pairs until enough was seen, and a pair that changes whether a vertical disparity is applied, or first shows dirt.
+  /// Throws as `StereoFrontEnd::Process`.
   StereoFeatures SeePair(StereoFrontEnd& front_end, const StereoImages& images, StageTimer& timer);
 
   /// Applies what was learned about the measurements: their noise, and the offset of the disparities.
@@ -89,11 +89,10 @@ class SelfCalibrator {
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.noise_scale_, self.disparities_, self.rows_, self.corner_budget_, self.sync_, self.velocity_, self.timing_,
-      self.shutter_, self.lens_dirt_);
+      self.shutter_, self.lenses_);
   }
 
  private:
-  StereoFeatures SeeWithDirt(StereoFrontEnd& front_end, const StereoImages& images, StageTimer& timer);
   bool LearnRows(const StereoFeatures& features);
   bool UseFoundReadout(const Vector6d& velocity, TrackedFrame& frame);
 
@@ -103,7 +102,7 @@ class SelfCalibrator {
   DisparityCalibration disparities_;
   RowCalibration rows_;
   CornerBudget corner_budget_;
-  LensDirt lens_dirt_;
+  DirtyLenses lenses_;
   SyncCheck sync_;
   TimingCheck timing_;
   RollingShutter shutter_;

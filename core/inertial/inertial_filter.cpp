@@ -123,10 +123,14 @@ Vector6d InertialFilter::Residual(const SE3& T_odom_imu) const {
   return residual;
 }
 
-double InertialFilter::Innovation(const SE3& T_odom_imu, const Matrix6d& covariance) const {
-  const Matrix6d S = P_.topLeftCorner<6, 6>() + Rotated(covariance);
+InertialFilter::Agreement InertialFilter::AgreementWith(const SE3& T_odom_imu, const Matrix6d& covariance) const {
+  const Matrix6d N = Rotated(covariance);
+  const Matrix6d S = P_.topLeftCorner<6, 6>() + N;
   const Vector6d residual = Residual(T_odom_imu);
-  return residual.dot(S.ldlt().solve(residual));
+  const auto factors = S.ldlt();
+  const auto log_determinant = [](const auto& ldlt) { return ldlt.vectorD().array().abs().log().sum(); };
+  const double innovation = residual.dot(factors.solve(residual));
+  return {innovation, innovation + log_determinant(factors) - log_determinant(N.ldlt())};
 }
 
 void InertialFilter::Update(const SE3& T_odom_imu, const Matrix6d& covariance) {

@@ -113,9 +113,9 @@ TEST(InertialFilter, InnovationOfAWrongPoseIsLarge) {
   FilteredMotion run(SmoothMotion{1.0}, {});
   run.Follow(2.0);
   run.Propagate();
-  EXPECT_LT(run.filter().Innovation(run.Truth(), PoseCovariance()), 25.0);
+  EXPECT_LT(run.filter().AgreementWith(run.Truth(), PoseCovariance()).innovation, 25.0);
   const SE3 wrong = run.Truth() * SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.1, 0.0, 0.0));
-  EXPECT_GT(run.filter().Innovation(wrong, PoseCovariance()), 100.0);
+  EXPECT_GT(run.filter().AgreementWith(wrong, PoseCovariance()).innovation, 100.0);
 }
 
 }  // namespace

@@ -77,6 +77,42 @@ void InertialMotionModel::Expect(std::span<const ImuSample> samples, int64_t fro
   for (const ImuSample& sample : samples) mean_force_m_s2_ += sample.force_m_s2 / static_cast<double>(samples.size());
 }
 
+void InertialMotionModel::ExpectAs(const InertialMotionModel& other) {
+  motion_ = other.motion_;
+  mean_force_m_s2_ = other.mean_force_m_s2_;
+}
+
+void InertialMotionModel::Start(const SE3& T_odom_c) {
+  if (!imu_) return;
+  T_odom_observed_ = T_odom_c * imu_->T_imu_c.Inverse();
+  was_observed_ = true;
+}
+
+InertialMotionModel InertialMotionModel::For(const SE3& T_frame_prev) const {
+  InertialMotionModel other = *this;
+  if (!imu_ || !motion_) return other;
+  other.Start(T_frame_prev);
+  other.Begin(other.T_odom_observed_, MeasuredCovariance(Matrix6d::Zero()));
+  other.innovation_ = 1.0;
+  return other;
+}
+
+/// Covariance of a measured pose of the sensor from that of the camera's.
+Matrix6d InertialMotionModel::MeasuredCovariance(const Matrix6d& covariance) const {
+  const Matrix6d A = imu_->T_imu_c.Adjoint();
+  return A * (kCommonVariance * covariance + Isotropic(kCommon_m, kCommon_rad)) * A.transpose();
+}
+
+std::optional<InertialFilter::Agreement> InertialMotionModel::AgreementWith(const SE3& T_odom_c,
+                                                                            const Matrix6d& covariance) const {
+  if (!imu_ || !motion_ || innovation_ >= kHealthy) return std::nullopt;
+  const bool is_first = !filter_.has_begun();
+  if (is_first && !was_observed_) return std::nullopt;
+  InertialFilter next = is_first ? For(T_odom_observed_ * imu_->T_imu_c).filter_ : filter_;
+  next.Propagate(*motion_);
+  return next.AgreementWith(T_odom_c * imu_->T_imu_c.Inverse(), MeasuredCovariance(covariance));
+}
+
 bool InertialMotionModel::IsTrusted() const {
   return filter_.has_begun() && measured_s_ >= kFirstUse_s && innovation_ < kHealthy &&
          evidence_.force_m_s >= kWeakGravity_m_s2 * evidence_.time_s;
@@ -128,18 +164,20 @@ void InertialMotionModel::Observe(const SE3& T_odom_c, const Matrix6d& covarianc
   const SE3 T_odom_imu = T_odom_c * imu_->T_imu_c.Inverse();
   const SE3 T_odom_previous = std::exchange(T_odom_observed_, T_odom_imu);
   const bool follows = std::exchange(was_observed_, true);
-  const Matrix6d A = imu_->T_imu_c.Adjoint();
-  const Matrix6d measured = A * (kCommonVariance * covariance + Isotropic(kCommon_m, kCommon_rad)) * A.transpose();
+  const Matrix6d measured = MeasuredCovariance(covariance);
   if (!motion_) {
     // The samples of the motion are missing, or this is the first frame; the mean force is that of an earlier motion.
     if (filter_.has_begun()) Begin(T_odom_imu, measured);
     return;
   }
-  if (!filter_.has_begun()) return Begin(T_odom_imu, measured);
+  if (!filter_.has_begun()) {
+    if (!follows) return Begin(T_odom_imu, measured);
+    Begin(T_odom_previous, measured);
+  }
   if (follows && !jumped) AddEvidence(T_odom_previous.Inverse() * T_odom_imu);
   filter_.Propagate(*motion_);
   unmeasured_s_ += motion_->dt_s();
-  const double innovation = filter_.Innovation(T_odom_imu, measured);
+  const double innovation = filter_.AgreementWith(T_odom_imu, measured).innovation;
   if (innovation > kGate) {
     if (jumped || ++n_contradicting_ >= kMostContradicting) Begin(T_odom_imu, measured);
     innovation_ += (kGate / 6.0 - innovation_) / kMeanFrames;

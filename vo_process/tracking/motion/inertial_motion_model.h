@@ -50,6 +50,19 @@ class InertialMotionModel {
 
   /// Sets the samples since the last frame, which was at `from_ns`, to the next one (both on the clock of the images).
   void Expect(std::span<const ImuSample> samples, int64_t from_ns, int64_t to_ns);
+  /// Sets those of another model of this sensor.
+  void ExpectAs(const InertialMotionModel& other);
+
+  /// The first frame is at this pose.
+  void Start(const SE3& T_odom_c);
+
+  /// Returns a model of the same sensor, with what is known of its biases, for another frame than odom in which the
+  /// camera may move: `T_frame_prev` is the pose of the last frame in it.
+  InertialMotionModel For(const SE3& T_frame_prev) const;
+
+  /// Agreement of the next frame's pose, measured with this covariance, with the sensor; nullopt without samples, and
+  /// while the sensor contradicts the images.
+  std::optional<InertialFilter::Agreement> AgreementWith(const SE3& T_odom_c, const Matrix6d& covariance) const;
 
   /// Returns the prediction for that frame; `own` if the sensor is not used.
   MotionPrediction Predict(const MotionPrediction& own) const;
@@ -83,6 +96,7 @@ class InertialMotionModel {
   bool IsTrusted() const;
   void Begin(const SE3& T_odom_imu, const Matrix6d& covariance);
   void AddEvidence(const SE3& T_previmu_imu);
+  Matrix6d MeasuredCovariance(const Matrix6d& covariance) const;
   /// Motion of the camera since the last measured frame and its covariance, as of this state of the filter.
   SE3 CameraMotion(const InertialFilter& filter) const;
   Matrix6d CameraCovariance(const InertialFilter& filter) const;

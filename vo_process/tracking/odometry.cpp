@@ -61,6 +61,7 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
   if (tracked) {
     EstimateVelocity(dt_s, *tracked, frame);
     SeparateBodies(*tracked, prediction.ForSearch(), dt_s, frame);
+    UseInertial(frame, *tracked);
     Accept(*tracked, dt_s, result);
     UpdateLandmarks(*tracked, frame, result);
     ChooseKeyframe(*tracked, frame, result);
@@ -117,6 +118,15 @@ void Odometry::SeparateBodies(Tracked& tracked, const MotionPrediction& predicti
   if (!separation.confirmed) return;
   tracked.reference = Reference::kConfirmedBody;
   tracked.confirmed = std::move(separation.confirmed);
+}
+
+/// Estimates the pose again with the inertial sensor's motion as a further measurement.
+void Odometry::UseInertial(const TrackedFrame& frame, Tracked& tracked) const {
+  Alignment& alignment = tracked.alignment;
+  tracked.seen = {alignment.T_odom_c, alignment.covariance};
+  if (tracked.reference != Reference::kCurrent || alignment.weak || tracked.rival) return;
+  const auto prior = motion_.inertial().PriorFrom({T_odom_c_, covariance_.alignment()}, tracked.seen);
+  if (prior) alignment = aligner_.WithPrior(landmarks_, frame, alignment, *prior);
 }
 
 /// Moves the camera to the pose that was found.
@@ -255,7 +265,8 @@ void Odometry::Publish(const std::optional<Tracked>& tracked, double dt_s, Odome
   if (tracked->confirmed) {
     motion_.inertial() = tracked->confirmed->inertial;
   } else {
-    motion_.inertial().Observe(T_odom_c_, tracked->alignment.covariance, !tracked->alignment.weak, result.jumped);
+    motion_.inertial().Observe(tracked->seen.T_odom_c, tracked->seen.covariance, !tracked->alignment.weak,
+                               result.jumped);
   }
   if (!tracked->rival) return;
   // Two motions were equally likely: the covariance covers both.

@@ -39,6 +39,8 @@ struct Tracked {
   std::optional<SE3> T_w_odom{};
   /// The pose by the other motion, if only geometry decided which of two is the world's.
   std::optional<RivalMotion> rival{};
+  /// The pose by features alone.
+  InertialMotionModel::MeasuredPose seen{};
   /// kConfirmedBody.
   std::optional<ConfirmedWorld> confirmed{};
   /// Whether no velocity was known before.

@@ -9,6 +9,7 @@
 
 #include "core/geometry/rectification.h"
 #include "core/geometry/symmetric.h"
+#include "core/motion/robust.h"
 
 namespace plslam::vo {
 namespace {
@@ -34,6 +35,12 @@ constexpr double kFarthest_rad = 5.0 * kRadPerDeg;
 // the map is corrected.
 constexpr double kPrediction_m = 0.004;
 constexpr double kPrediction_rad = 0.1 * kRadPerDeg;
+// Errors of the motion between two frames as a measurement. The translation contains the velocity, which comes from the
+// poses themselves, with the errors that they have in common: given more weight, it makes paths worse (docs/lab/imu.md).
+constexpr double kMotion_m = 0.02;
+constexpr double kMotion_rad = 0.002 * kRadPerDeg;
+// Norm of the normalised residual of that measurement at which its loss becomes linear: its expectation.
+constexpr double kPriorDelta = 2.45;
 
 // Time of measured motions after which a contradiction is reported, and a rotation in it that tells the unit of rates.
 constexpr double kLeastEvidence_s = 3.0;
@@ -142,6 +149,21 @@ MotionPrediction InertialMotionModel::Predict(const MotionPrediction& own) const
   prediction.is_reliable = prediction.is_near = true;
   prediction.by_robot = true;
   return prediction;
+}
+
+std::optional<MotionPrior> InertialMotionModel::PriorFrom(const MeasuredPose& before,
+                                                          const MeasuredPose& seen) const {
+  if (!motion_ || !IsTrusted() || unmeasured_s_ > 0.0) return std::nullopt;
+  InertialFilter next = filter_;
+  next.Propagate(*motion_);
+  const SE3 T_prev_c = CameraMotion(filter_).Inverse() * CameraMotion(next);
+  const SE3 T_odom_predicted = before.T_odom_c * T_prev_c;
+  const Matrix6d covariance =
+      ComposeCovariance(before.covariance, T_prev_c, CameraCovariance(next)) + Isotropic(kMotion_m, kMotion_rad);
+  const Vector6d off = (T_odom_predicted.Inverse() * seen.T_odom_c).Log();
+  const double chi2 = off.dot((covariance + seen.covariance).ldlt().solve(off));
+  if (chi2 > kExpectedChi2) return std::nullopt;
+  return MotionPrior{T_odom_predicted.Inverse(), covariance / PseudoHuberWeight(chi2, kPriorDelta)};
 }
 
 bool InertialMotionModel::CanCarry() const {

@@ -10,6 +10,7 @@
 #include "core/geometry/imu.h"
 #include "core/inertial/inertial_filter.h"
 #include "core/inertial/preintegration.h"
+#include "core/motion/motion_estimator.h"
 #include "vo_process/tracking/motion/motion_model.h"
 
 namespace plslam::vo {
@@ -73,6 +74,15 @@ class InertialMotionModel {
 
   /// The frame was not measured.
   void Miss();
+
+  /// A pose of the camera in odom, with the covariance of its right perturbation given the landmarks.
+  struct MeasuredPose {
+    SE3 T_odom_c;
+    Matrix6d covariance = Matrix6d::Zero();
+  };
+  /// Returns the pose of the next frame by the sensor alone as a prior for its estimation. `before` is the estimated pose
+  /// of the last frame; nullopt if the sensor is not used, or if `seen`, the pose by its features, contradicts it.
+  std::optional<MotionPrior> PriorFrom(const MeasuredPose& before, const MeasuredPose& seen) const;
 
   /// Whether the sensor carries the pose of a frame that sees nothing: its prediction is still good to half a metre and
   /// five degrees (sigmas).

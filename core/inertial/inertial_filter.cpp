@@ -146,6 +146,20 @@ void InertialFilter::Update(const SE3& T_odom_imu, const Matrix6d& covariance) {
   UseMagnitude();
 }
 
+void InertialFilter::StandStill(double sigma_m_s) {
+  const Eigen::Matrix3d N = Square(sigma_m_s) * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d S = P_.block<3, 3>(kV, kV) + N;
+  const Eigen::Matrix<double, kSize, 3> K = S.ldlt().solve(P_.middleRows<3>(kV)).transpose();
+  const Error d = -K * state_.velocity_m_s;
+  Covariance A = Covariance::Identity();
+  A.middleCols<3>(kV) -= K;
+  for (Covariance* const P : {&P_, &P_since_}) {
+    *P = (A * *P * A.transpose() + K * N * K.transpose()).eval();
+    Symmetrise(*P);
+  }
+  Correct(d);
+}
+
 void InertialFilter::Correct(const Error& d) {
   state_.T_odom_imu = SE3(state_.T_odom_imu.rotation() * ExpSO3(d.segment<3>(kR)),
                           state_.T_odom_imu.translation() + d.segment<3>(kP));

@@ -60,6 +60,9 @@ class InertialFilter {
   /// Takes the measured pose.
   void Update(const SE3& T_odom_imu, const Matrix6d& covariance);
 
+  /// The sensor stands, up to this sigma of its velocity.
+  void StandStill(double sigma_m_s);
+
   bool has_begun() const { return has_begun_; }
   const InertialState& state() const { return state_; }
   const Covariance& covariance() const { return P_; }

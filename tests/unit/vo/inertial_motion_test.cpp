@@ -84,6 +84,14 @@ TEST(InertialMotion, AHundredDarkFrames) {
   }
 }
 
+TEST(InertialMotion, StandingCameraDoesNotDriftInTheDark) {
+  const std::vector<OdometryFrame> frames = RunInTheDark("room?standing=1", {}, 100);
+  const test::MotionError error = ErrorOfMotion(frames, kFirstBlack - 1, kFirstBlack + 99);
+  EXPECT_LT(error.translation_m, 0.01);
+  EXPECT_LT(error.rotation_rad, 0.1 * kRadPerDeg);
+  EXPECT_LT(error.chi2, kExpectedChi2);
+}
+
 double Error(const std::string& world, bool with_sensor) {
   VoOptions options;
   options.imu.enabled = with_sensor;

@@ -42,6 +42,15 @@ constexpr double kMotion_rad = 0.002 * kRadPerDeg;
 // Norm of the normalised residual of that measurement at which its loss becomes linear: its expectation.
 constexpr double kPriorDelta = 2.45;
 
+// Motion between two frames below which the camera is seen standing, the time for which it must, and the sigma of its
+// velocity then.
+constexpr double kStanding_m = 0.003;
+constexpr double kStanding_rad = 0.05 * kRadPerDeg;
+constexpr double kStandingSeen_s = 0.5;
+constexpr double kStanding_m_s = 0.003;
+// Sigmas of the white noise, of means over a frame, within which samples are those of a standing sensor.
+constexpr double kQuietSigmas = 5.0;
+
 // Time of measured motions after which a contradiction is reported, and a rotation in it that tells the unit of rates.
 constexpr double kLeastEvidence_s = 3.0;
 constexpr double kLeastTurn_rad = 0.05;
@@ -196,7 +205,10 @@ void InertialMotionModel::Observe(const SE3& T_odom_c, const Matrix6d& covarianc
     if (!follows) return Begin(T_odom_imu, measured);
     Begin(T_odom_previous, measured);
   }
-  if (follows && !jumped) AddEvidence(T_odom_previous.Inverse() * T_odom_imu);
+  if (follows && !jumped) {
+    AddEvidence(T_odom_previous.Inverse() * T_odom_imu);
+    LearnStanding(T_odom_previous.Inverse() * T_odom_imu);
+  }
   filter_.Propagate(*motion_);
   unmeasured_s_ += motion_->dt_s();
   const double innovation = filter_.AgreementWith(T_odom_imu, measured).innovation;
@@ -212,6 +224,23 @@ void InertialMotionModel::Observe(const SE3& T_odom_c, const Matrix6d& covarianc
   measured_s_ += motion_->dt_s();
   knows_bias_ = knows_bias_ || measured_s_ >= kFirstUse_s;
   unmeasured_s_ = 0.0;
+}
+
+void InertialMotionModel::LearnStanding(const SE3& T_previmu_imu) {
+  const Vector6d motion = T_previmu_imu.Log();
+  const bool stands = motion.head<3>().norm() < kStanding_m && motion.tail<3>().norm() < kStanding_rad;
+  if (standing_s_ == 0.0) standing_force_m_s2_ = mean_force_m_s2_;
+  standing_s_ = stands && IsQuiet() ? standing_s_ + motion_->dt_s() : 0.0;
+  standing_force_m_s2_ += motion_->dt_s() / kFirstUse_s * (mean_force_m_s2_ - standing_force_m_s2_);
+}
+
+bool InertialMotionModel::IsQuiet() const {
+  const ImuNoise& noise = imu_->calibration.noise;
+  const double root_s = std::sqrt(motion_->dt_s());
+  const Eigen::Vector3d rate_rad_s =
+      SE3(motion_->RotationWith(filter_.state().bias), Eigen::Vector3d::Zero()).Log().tail<3>() / motion_->dt_s();
+  return rate_rad_s.norm() < kQuietSigmas * noise.gyroscope_rad_s_sqrt_hz / root_s + kStanding_rad &&
+         (mean_force_m_s2_ - standing_force_m_s2_).norm() < kQuietSigmas * noise.accelerometer_m_s2_sqrt_hz / root_s;
 }
 
 void InertialMotionModel::AddEvidence(const SE3& T_previmu_imu) {
@@ -250,6 +279,8 @@ void InertialMotionModel::Miss() {
   }
   filter_.Propagate(*motion_);
   unmeasured_s_ += motion_->dt_s();
+  if (!IsQuiet()) standing_s_ = 0.0;
+  if (standing_s_ >= kStandingSeen_s) filter_.StandStill(kStanding_m_s);
 }
 
 }  // namespace plslam::vo

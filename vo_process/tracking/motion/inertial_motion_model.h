@@ -42,6 +42,9 @@ struct ImuEvidence {
 /// `InertialFilter` estimates velocity, gravity and biases from the measured poses. It is used as soon as a second of
 /// measured frames has determined them, and not while measured poses contradict it: of the last frames' normalised
 /// innovations (6 for a consistent sensor) the mean must be below a bound.
+///
+/// A sensor that has been seen standing is assumed to stand in the dark as long as its samples are those of a standing
+/// one: within the white noise of the angular rate that is its bias, and of the specific force while it was seen.
 class InertialMotionModel {
  public:
   explicit InertialMotionModel(const std::optional<MountedImu>& imu)
@@ -99,13 +102,15 @@ class InertialMotionModel {
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.filter_, self.knows_bias_, self.measured_s_, self.unmeasured_s_, self.innovation_, self.n_contradicting_,
-      self.evidence_, self.was_observed_, self.T_odom_observed_);
+      self.evidence_, self.was_observed_, self.T_odom_observed_, self.standing_s_, self.standing_force_m_s2_);
   }
 
  private:
   bool IsTrusted() const;
   void Begin(const SE3& T_odom_imu, const Matrix6d& covariance);
   void AddEvidence(const SE3& T_previmu_imu);
+  void LearnStanding(const SE3& T_previmu_imu);
+  bool IsQuiet() const;
   Matrix6d MeasuredCovariance(const Matrix6d& covariance) const;
   /// Motion of the camera since the last measured frame and its covariance, as of this state of the filter.
   SE3 CameraMotion(const InertialFilter& filter) const;
@@ -122,6 +127,9 @@ class InertialMotionModel {
   double innovation_ = 1.0;
   int n_contradicting_ = 0;  ///< successive measured poses that contradict the filter
   ImuEvidence evidence_;
+  /// Time for which the sensor has been seen standing, and the mean specific force in it.
+  double standing_s_ = 0.0;
+  Eigen::Vector3d standing_force_m_s2_ = Eigen::Vector3d::Zero();
   bool was_observed_ = false;  ///< whether the last frame was measured
   SE3 T_odom_observed_;        ///< pose of the sensor in it
 };

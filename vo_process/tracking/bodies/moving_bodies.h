@@ -192,6 +192,9 @@ class MovingBodies {
   }
 
  private:
+  /// Least exclusive inliers (points + 2 x lines) of a second motion.
+  static constexpr int kMinWeight = 25;
+
   /// Features that are already associated.
   struct Claims {
     std::vector<char> points;

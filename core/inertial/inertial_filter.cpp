@@ -123,10 +123,14 @@ Vector6d InertialFilter::Residual(const SE3& T_odom_imu) const {
   return residual;
 }
 
-double InertialFilter::Innovation(const SE3& T_odom_imu, const Matrix6d& covariance) const {
-  const Matrix6d S = P_.topLeftCorner<6, 6>() + Rotated(covariance);
+InertialFilter::Agreement InertialFilter::AgreementWith(const SE3& T_odom_imu, const Matrix6d& covariance) const {
+  const Matrix6d N = Rotated(covariance);
+  const Matrix6d S = P_.topLeftCorner<6, 6>() + N;
   const Vector6d residual = Residual(T_odom_imu);
-  return residual.dot(S.ldlt().solve(residual));
+  const auto factors = S.ldlt();
+  const auto log_determinant = [](const auto& ldlt) { return ldlt.vectorD().array().abs().log().sum(); };
+  const double innovation = residual.dot(factors.solve(residual));
+  return {innovation, innovation + log_determinant(factors) - log_determinant(N.ldlt())};
 }
 
 void InertialFilter::Update(const SE3& T_odom_imu, const Matrix6d& covariance) {
@@ -140,6 +144,20 @@ void InertialFilter::Update(const SE3& T_odom_imu, const Matrix6d& covariance) {
   Symmetrise(P_);
   Correct(d);
   UseMagnitude();
+}
+
+void InertialFilter::StandStill(double sigma_m_s) {
+  const Eigen::Matrix3d N = Square(sigma_m_s) * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d S = P_.block<3, 3>(kV, kV) + N;
+  const Eigen::Matrix<double, kSize, 3> K = S.ldlt().solve(P_.middleRows<3>(kV)).transpose();
+  const Error d = -K * state_.velocity_m_s;
+  Covariance A = Covariance::Identity();
+  A.middleCols<3>(kV) -= K;
+  for (Covariance* const P : {&P_, &P_since_}) {
+    *P = (A * *P * A.transpose() + K * N * K.transpose()).eval();
+    Symmetrise(*P);
+  }
+  Correct(d);
 }
 
 void InertialFilter::Correct(const Error& d) {

@@ -49,10 +49,19 @@ class InertialFilter {
   /// Moves the state over the interval of a motion, which must have been integrated with about the bias of the state.
   void Propagate(const Preintegration& motion);
 
-  /// Normalised innovation (6 degrees of freedom) of a measured pose with the covariance of its right perturbation.
-  double Innovation(const SE3& T_odom_imu, const Matrix6d& covariance) const;
+  /// Agreement of a measured pose, with the covariance of its right perturbation, with the state.
+  struct Agreement {
+    double innovation = 0.0;  ///< squared and normalised, of 6 degrees of freedom
+    /// Twice the negative logarithm of the ratio of likelihoods of the measurement, by this state and by the measured
+    /// pose itself: an inaccurate pose agrees with every state.
+    double surprise = 0.0;
+  };
+  Agreement AgreementWith(const SE3& T_odom_imu, const Matrix6d& covariance) const;
   /// Takes the measured pose.
   void Update(const SE3& T_odom_imu, const Matrix6d& covariance);
+
+  /// The sensor stands, up to this sigma of its velocity.
+  void StandStill(double sigma_m_s);
 
   bool has_begun() const { return has_begun_; }
   const InertialState& state() const { return state_; }

@@ -29,7 +29,8 @@ OdometryFrame Summarise(const vo::OdometryResult& result, const SE3& T_l_c) {
   return frame;
 }
 
-/// The samples between two frames, and some around them.
+}  // namespace
+
 void ExpectImu(const Dataset& dataset, int64_t from_ns, int64_t to_ns, vo::Odometry& odometry) {
   constexpr int64_t kMargin_ns = 50'000'000;
   const std::vector<ImuSample>& all = dataset.ImuSamples();
@@ -41,8 +42,6 @@ void ExpectImu(const Dataset& dataset, int64_t from_ns, int64_t to_ns, vo::Odome
   };
   odometry.ExpectImu({after(from_ns - kMargin_ns), after(to_ns + kMargin_ns)}, from_ns, to_ns);
 }
-
-}  // namespace
 
 std::vector<OdometryFrame> RunOdometry(
     const Dataset& dataset, const vo::VoOptions& options, int stride, int max_frames,

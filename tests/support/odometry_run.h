@@ -43,6 +43,9 @@ std::vector<OdometryFrame> RunOdometry(
     const Dataset& dataset, const vo::VoOptions& options, int stride = 1, int max_frames = 1 << 30,
     const std::function<void(const StereoImages&, const vo::OdometryResult&)>& visit = nullptr, int first = 0);
 
+/// Hands the inertial samples between two frames, and some around them, to odometry that has such a sensor.
+void ExpectImu(const Dataset& dataset, int64_t from_ns, int64_t to_ns, vo::Odometry& odometry);
+
 /// Root mean square of the position error after the best rigid alignment, over frames that are not lost and have a
 /// truth. Negative for fewer than 3.
 double AbsoluteTrajectoryError(const std::vector<OdometryFrame>& frames);

@@ -60,7 +60,8 @@ std::vector<OdometryFrame> CarriedByKeyframes(std::vector<OdometryFrame> in_odom
 SlamRun RunSlam(const Dataset& dataset, const vo::VoOptions& vo, const mapping::MappingOptions& mapping, int stride,
                 int max_frames) {
   vo::StereoFrontEnd front_end(dataset.rig(), vo);
-  vo::Odometry odometry(front_end.camera(), vo, front_end.shutter());
+  vo::Odometry odometry(front_end.camera(), vo, front_end.shutter(),
+                        vo.imu.enabled ? vo::MountedImuOf(dataset.rig()) : std::nullopt);
   mapping::Mapper mapper(front_end.camera(), mapping);
   MapReplica replica;
   replica.RememberRemoved();
@@ -70,6 +71,7 @@ SlamRun RunSlam(const Dataset& dataset, const vo::VoOptions& vo, const mapping::
   constexpr int64_t kSession = 1;
   for (int i = 0; i < dataset.size() && static_cast<int>(run.live.size()) < max_frames; i += stride) {
     const StereoImages images = dataset.Read(i);
+    if (!in_odom.empty()) ExpectImu(dataset, in_odom.back().t_ns, images.t_ns, odometry);
     vo::StageTimer timer(SteadyMs);
     const vo::OdometryResult result = odometry.Track(images.t_ns, odometry.SeePair(front_end, images, timer));
     OdometryFrame frame;

@@ -144,8 +144,8 @@ void CheckOverride(const std::string& assignment, const RunOptions& options) {
   const std::string key = assignment.substr(0, assignment.find('=') + 1);
   for (const std::string& setting : SettingsOf(*row, options)) {
     if (!setting.starts_with(key) || setting == assignment) continue;
-    throw std::runtime_error(fmt::format("--set {}: another option of `plslam run` sets {}: remove one of them",
-                                         assignment, setting));
+    throw std::runtime_error(
+        fmt::format("--set {}: another option of `plslam run` sets {}: remove one of them", assignment, setting));
   }
 }
 

@@ -28,7 +28,7 @@ Odometry::Odometry(const StereoCamera& camera, const VoOptions& options, const R
       motion_(options.tracking, imu),
       calibrator_(camera, options, shutter),
       landmarks_(camera, options),
-      bodies_(camera, options),
+      bodies_(camera, options, imu),
       recovery_(camera, options),
       keyframes_(camera, options.keyframes) {}
 
@@ -61,6 +61,7 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
   if (tracked) {
     EstimateVelocity(dt_s, *tracked, frame);
     SeparateBodies(*tracked, prediction.ForSearch(), dt_s, frame);
+    UseInertial(frame, *tracked);
     Accept(*tracked, dt_s, result);
     UpdateLandmarks(*tracked, frame, result);
     ChooseKeyframe(*tracked, frame, result);
@@ -78,6 +79,7 @@ void Odometry::Initialise(TrackedFrame& frame, OdometryResult& result) {
   result.state = TrackingState::kInitialising;
   if (CreatableLandmarks(frame.features) < options_.tracking.weak_inliers) return;
   landmarks_.Create(T_odom_c_, frame);
+  motion_.inertial().Start(T_odom_c_);
   initialised_ = true;
   result.state = TrackingState::kTracking;
   MakeKeyframe(KeyframeReason::kFirst, result);
@@ -107,9 +109,24 @@ void Odometry::EstimateVelocity(double dt_s, Tracked& tracked, TrackedFrame& fra
 
 void Odometry::SeparateBodies(Tracked& tracked, const MotionPrediction& prediction, double dt_s,
                               TrackedFrame& frame) {
-  if (!tracked.ContinuesMotion()) return bodies_.SeparateKnown(dt_s, landmarks_, frame, tracked.alignment);
-  tracked.rival =
-      bodies_.Separate(T_odom_c_, prediction, dt_s, calibrator_.disparities(), landmarks_, frame, tracked.alignment);
+  if (!tracked.ContinuesMotion()) {
+    return bodies_.SeparateKnown(dt_s, motion_.inertial(), landmarks_, frame, tracked.alignment);
+  }
+  Separation separation = bodies_.Separate(T_odom_c_, prediction, dt_s, calibrator_.disparities(), motion_.inertial(),
+                                           landmarks_, frame, tracked.alignment);
+  tracked.rival = separation.rival;
+  if (!separation.confirmed) return;
+  tracked.reference = Reference::kConfirmedBody;
+  tracked.confirmed = std::move(separation.confirmed);
+}
+
+/// Estimates the pose again with the inertial sensor's motion as a further measurement.
+void Odometry::UseInertial(const TrackedFrame& frame, Tracked& tracked) const {
+  Alignment& alignment = tracked.alignment;
+  tracked.seen = {alignment.T_odom_c, alignment.covariance};
+  if (tracked.reference != Reference::kCurrent || alignment.weak || tracked.rival) return;
+  const auto prior = motion_.inertial().PriorFrom({T_odom_c_, covariance_.alignment()}, tracked.seen);
+  if (prior) alignment = aligner_.WithPrior(landmarks_, frame, alignment, *prior);
 }
 
 /// Moves the camera to the pose that was found.
@@ -145,6 +162,10 @@ void Odometry::LearnVelocity(const Tracked& tracked, double dt_s, const Matrix6d
   MotionModel& velocity = motion_.velocity();
   if (!result.jumped) {
     if (dt_s > kMinInterval_s) velocity.Observe(result.T_prev_c, dt_s, result.motion_covariance);
+    return;
+  }
+  if (tracked.confirmed) {
+    velocity = tracked.confirmed->motion;
     return;
   }
   const double unseen_s = tracked.before_s + dt_s;
@@ -210,7 +231,7 @@ void Odometry::Carry(const MotionPrediction& prediction, double dt_s, TrackedFra
   result.carried = true;
   covariance_.Carry(prediction);
   Predict(prediction, dt_s, result);
-  bodies_.FollowWhileLost(recovery_.Carry(), dt_s, landmarks_, frame);
+  bodies_.FollowWhileLost(recovery_.Carry(), dt_s, motion_.inertial(), landmarks_, frame);
   if (CreatableLandmarks(frame.features) < options_.tracking.weak_inliers) return;
   landmarks_.Create(T_odom_c_, frame);
   recovery_.CreatedWhileCarried();
@@ -221,7 +242,7 @@ void Odometry::Miss(const MotionPrediction& prediction, double dt_s, TrackedFram
   const int n_lost = recovery_.Miss(T_odom_c_, dt_s, prediction.by_robot, landmarks_);
   covariance_.Miss(prediction);
   Predict(prediction, dt_s, result);
-  bodies_.FollowWhileLost(n_lost, dt_s, landmarks_, frame);
+  bodies_.FollowWhileLost(n_lost, dt_s, motion_.inertial(), landmarks_, frame);
   // The next frame may match this one even if neither matches the previous landmarks.
   landmarks_.Initialise(T_odom_c_, frame);
 }
@@ -241,8 +262,12 @@ void Odometry::Publish(const std::optional<Tracked>& tracked, double dt_s, Odome
   // Other sensors are compared only with motions measured without their prediction and without doubt.
   const bool is_sure = result.state == TrackingState::kTracking && !result.jumped;
   motion_.robot().Observe(result.T_prev_c, result.motion_covariance, dt_s, is_sure);
-  motion_.inertial().Observe(T_odom_c_, tracked->alignment.covariance, !tracked->alignment.weak && !tracked->rival,
-                             result.jumped);
+  if (tracked->confirmed) {
+    motion_.inertial() = tracked->confirmed->inertial;
+  } else {
+    motion_.inertial().Observe(tracked->seen.T_odom_c, tracked->seen.covariance, !tracked->alignment.weak,
+                               result.jumped);
+  }
   if (!tracked->rival) return;
   // Two motions were equally likely: the covariance covers both.
   result.covariance += SquareOf(T_odom_c_.Inverse() * tracked->rival->T_odom_c);

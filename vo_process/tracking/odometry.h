@@ -102,6 +102,7 @@ class Odometry {
   std::optional<Tracked> Find(const MotionPrediction& prediction, double dt_s, TrackedFrame& frame);
   void EstimateVelocity(double dt_s, Tracked& tracked, TrackedFrame& frame) const;
   void SeparateBodies(Tracked& tracked, const MotionPrediction& prediction, double dt_s, TrackedFrame& frame);
+  void UseInertial(const TrackedFrame& frame, Tracked& tracked) const;
   void Accept(const Tracked& tracked, double dt_s, OdometryResult& result);
   void UpdateLandmarks(const Tracked& tracked, TrackedFrame& frame, OdometryResult& result);
   void ChooseKeyframe(const Tracked& tracked, const TrackedFrame& frame, OdometryResult& result);

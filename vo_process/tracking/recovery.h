@@ -16,14 +16,16 @@ namespace plslam::vo {
 
 /// Landmarks among which a frame was found: usually those of the previous frame; after a loss those of the previous
 /// local map, those of the map at the relocalised place, or those created by a lost frame, or while the inertial sensor
-/// carried the pose. A camera that was not lost is localised: found among both, and continues with those of the map.
+/// carried the pose. A camera that was not lost is localised: found among both, and continues with those of the map; or
+/// the landmarks of a body turn out to be the world's (`MovingBodies`).
 enum class Reference {
   kCurrent,
   kPreviousLocalMap,
   kRelocalised,
   kLocalised,
   kCreatedWhileLost,
-  kCreatedWhileCarried
+  kCreatedWhileCarried,
+  kConfirmedBody
 };
 
 /// A frame that was found.
@@ -37,6 +39,10 @@ struct Tracked {
   std::optional<SE3> T_w_odom{};
   /// The pose by the other motion, if only geometry decided which of two is the world's.
   std::optional<RivalMotion> rival{};
+  /// The pose by features alone.
+  InertialMotionModel::MeasuredPose seen{};
+  /// kConfirmedBody.
+  std::optional<ConfirmedWorld> confirmed{};
   /// Whether no velocity was known before.
   bool is_first_motion = false;
 
@@ -46,7 +52,10 @@ struct Tracked {
            reference == Reference::kCreatedWhileCarried;
   }
   /// Whether the difference to the previous pose is no motion.
-  bool Jumped() const { return reference == Reference::kPreviousLocalMap || reference == Reference::kRelocalised; }
+  bool Jumped() const {
+    return reference == Reference::kPreviousLocalMap || reference == Reference::kRelocalised ||
+           reference == Reference::kConfirmedBody;
+  }
   /// Whether the landmarks were created at the previous pose, and are exact relative to it.
   bool IsExactBefore() const {
     return reference == Reference::kCreatedWhileLost || reference == Reference::kCreatedWhileCarried ||

@@ -164,6 +164,13 @@ SE3 WalkMotion::At(double frame) const {
           Eigen::Vector3d(on_path + Value(sideways_, share) * right)};
 }
 
+SE3 TurningMotion::At(double frame) const {
+  const double half = 0.5 * frame * turn_per_frame_w_.norm();
+  const Eigen::Vector3d axis = turn_per_frame_w_.normalized();
+  const Eigen::Quaterniond turn(Cos(half), Sin(half) * axis.x(), Sin(half) * axis.y(), Sin(half) * axis.z());
+  return {turn * T_w_c_.rotation(), T_w_c_.translation()};
+}
+
 SE3 ListedMotion::At(double frame) const {
   const double last = static_cast<double>(poses_.size()) - 1.0;
   const double bounded = std::clamp(frame, 0.0, last);

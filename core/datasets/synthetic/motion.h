@@ -91,6 +91,18 @@ class WalkMotion : public Motion {
   Waves sideways_, vertical_, yaw_, pitch_, roll_;
 };
 
+/// Turns on the spot about an axis through a pose of the camera.
+class TurningMotion : public Motion {
+ public:
+  TurningMotion(const SE3& T_w_c, const Eigen::Vector3d& turn_per_frame_w)
+      : T_w_c_(T_w_c), turn_per_frame_w_(turn_per_frame_w) {}
+  SE3 At(double frame) const override;
+
+ private:
+  SE3 T_w_c_;
+  Eigen::Vector3d turn_per_frame_w_;  ///< rad
+};
+
 /// Poses of a file, as they are.
 class ListedMotion : public Motion {
  public:

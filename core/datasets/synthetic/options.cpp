@@ -44,6 +44,7 @@ const std::vector<NumericOption>& NumericOptions() {
       {"speed", {0.01, 50}, false, [](Options& o, double v) { o.speed = v; }},
       {"distorted", {0, 1}, true, [](Options& o, double v) { o.distorted = v > 0.5; }},
       {"standing", {0, 1}, true, [](Options& o, double v) { o.standing = v > 0.5; }},
+      {"turning", {-180, 180}, false, [](Options& o, double v) { o.turning_deg_s = v; }},
       {"bodies", {0, 100}, true, [](Options& o, double v) { o.bodies = static_cast<int>(v); }},
       {"share", {0.05, 1}, false, [](Options& o, double v) { o.share = v; }},
       {"static_body", {0, 0.8}, false, [](Options& o, double v) { o.static_body = v; }},

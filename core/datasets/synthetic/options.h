@@ -27,8 +27,9 @@ struct Options {
   double rate_hz = 20.0;
   double speed = 0.0;  ///< metres a second along the path
   bool distorted = false;
-  bool standing = false;  ///< the camera keeps its pose of frame 0
-  int bodies = 0;         ///< number of moving boxes
+  bool standing = false;       ///< the camera keeps its pose of frame 0
+  double turning_deg_s = 0.0;  ///< the camera keeps its place, and turns to the left about the vertical
+  int bodies = 0;              ///< number of moving boxes
   BodyMotion body = BodyMotion::kLead;
   double share = 0.45;         ///< of the width of the image that a body covers, all together of a crowd
   double static_body = 0.0;    ///< share of the height of the image that a bonnet covers

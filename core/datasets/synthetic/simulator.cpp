@@ -103,6 +103,10 @@ void Simulator::MakeBodies() {
   if (options_.standing) {
     motion_ = std::make_unique<ListedMotion>(std::vector<SE3>{motion_->At(0.0)});
   }
+  if (options_.turning_deg_s != 0.0) {
+    const double rad = options_.turning_deg_s * kPi / 180.0 / options_.rate_hz;
+    motion_ = std::make_unique<TurningMotion>(motion_->At(0.0), rad * world_.up());
+  }
   const Lens::Intrinsics& lens = left_.lens.recorded();
   const Stage stage{motion_.get(),
                     static_cast<double>(size()),

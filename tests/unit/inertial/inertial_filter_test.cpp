@@ -113,9 +113,33 @@ TEST(InertialFilter, InnovationOfAWrongPoseIsLarge) {
   FilteredMotion run(SmoothMotion{1.0}, {});
   run.Follow(2.0);
   run.Propagate();
-  EXPECT_LT(run.filter().Innovation(run.Truth(), PoseCovariance()), 25.0);
+  EXPECT_LT(run.filter().AgreementWith(run.Truth(), PoseCovariance()).innovation, 25.0);
   const SE3 wrong = run.Truth() * SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.1, 0.0, 0.0));
-  EXPECT_GT(run.filter().Innovation(wrong, PoseCovariance()), 100.0);
+  EXPECT_GT(run.filter().AgreementWith(wrong, PoseCovariance()).innovation, 100.0);
+}
+
+// Two motions are compared by how surprising their poses are: an inaccurate pose decides nothing.
+TEST(InertialFilter, SurpriseIsThatOfAccuratePoses) {
+  FilteredMotion run(SmoothMotion{1.0}, {});
+  run.Follow(2.0);
+  run.Propagate();
+  const SE3 wrong = run.Truth() * SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.1, 0.0, 0.0));
+  const double right_surprise = run.filter().AgreementWith(run.Truth(), PoseCovariance()).surprise;
+  EXPECT_GT(run.filter().AgreementWith(wrong, PoseCovariance()).surprise, right_surprise + 50.0);
+  const Matrix6d vague = 1e4 * Matrix6d::Identity();
+  EXPECT_NEAR(run.filter().AgreementWith(wrong, vague).surprise, 0.0, 0.1);
+}
+
+TEST(InertialFilter, StandStillEndsVelocityOnly) {
+  FilteredMotion run(SmoothMotion{1.0}, {});
+  run.Follow(2.0);
+  InertialFilter filter = run.filter();
+  const SE3 before = filter.state().T_odom_imu;
+  ASSERT_GT(filter.state().velocity_m_s.norm(), 0.1);
+  filter.StandStill(1e-4);
+  EXPECT_LT(filter.state().velocity_m_s.norm(), 0.01);
+  EXPECT_LT(filter.covariance().diagonal().segment<3>(6).maxCoeff(), 1e-7);
+  EXPECT_LT((before.Inverse() * filter.state().T_odom_imu).translation().norm(), 0.2);
 }
 
 }  // namespace

@@ -72,6 +72,16 @@ TEST(Worlds, LapsHaveTheDocumentedLength) {
   EXPECT_NEAR(PathLength(Simulator(ParseOptions("whitewall?size=32x32"))), 13.5, 0.6);
 }
 
+TEST(Worlds, CameraTurnsOnTheSpot) {
+  const Simulator simulator(ParseOptions("room?size=32x32&frames=101&turning=40&imu=200&imu_class=exact"));
+  const SE3 T_first_last = simulator.T_w_c(0).Inverse() * simulator.T_w_c(100);  // after 5 s
+  EXPECT_LT(T_first_last.translation().norm(), 1e-9);
+  EXPECT_NEAR(T_first_last.Log().tail<3>().norm(), 160.0 * kPi / 180.0, 1e-6) << "200 degrees";
+  const Eigen::Vector3d rate_rad_s = simulator.imu_samples().at(500).rate_rad_s;
+  EXPECT_NEAR(rate_rad_s.norm(), 40.0 * kPi / 180.0, 1e-6);
+  EXPECT_GT(rate_rad_s.z(), 0.6) << "to the left";
+}
+
 TEST(Worlds, GroundTruthHoldsPointsAndSegments) {
   for (const WorldKind& kind : WorldKinds()) {
     const Simulator simulator(ParseOptions(std::string(kind.name) + "?size=32x32&frames=1"));

@@ -21,11 +21,15 @@ using test::OdometryFrame;
 constexpr int kFirstBlack = 60;
 constexpr int kBlack = 20;  // one second
 
-std::vector<OdometryFrame> RunInTheDark(const std::string& world, const VoOptions& options = {}) {
-  const auto dataset = OpenDataset("synthetic:" + world + "&imu=200&size=320x240&frames=100", "");
+std::vector<OdometryFrame> RunInTheDark(const std::string& world, const VoOptions& options = {}, int n_black = kBlack,
+                                        int every = 1 << 30) {
+  const int frames = every < 1000 ? kFirstBlack + 2 * every : kFirstBlack + n_black + 20;
+  const auto dataset =
+      OpenDataset("synthetic:" + world + "&imu=200&size=320x240&frames=" + std::to_string(frames), "");
   test::Worsening worsening;
   worsening.black_first = kFirstBlack;
-  worsening.black_count = kBlack;
+  worsening.black_count = n_black;
+  worsening.black_every = every;
   return test::RunOdometry(test::WorseImages(*dataset, worsening), options);
 }
 
@@ -53,6 +57,79 @@ TEST(InertialMotion, ASecondOfBlackFramesAtWalkingSpeed) {
 }
 
 TEST(InertialMotion, ASecondOfBlackFramesAtTenMetresASecond) { ExpectCarried("street?speed=10", 0.3); }
+
+// Two of a longer path; docs/lab/imu.md has a minute.
+TEST(InertialMotion, DarkSecondsAreRepeated) {
+  constexpr int kEvery = 60;
+  const std::vector<OdometryFrame> frames = RunInTheDark("room?seed=1", {}, kBlack, kEvery);
+  EXPECT_EQ(test::LostFrames(frames), 0);
+  for (const size_t first : {kFirstBlack, kFirstBlack + kEvery}) {
+    EXPECT_LT(ErrorOfMotion(frames, first - 1, first + kBlack - 1).translation_m, 0.03) << first;
+    EXPECT_EQ(frames[first + kBlack].state, TrackingState::kTracking) << first;
+  }
+  EXPECT_LT(test::AbsoluteTrajectoryError(frames), 0.03);
+}
+
+// The camera sees another part of the room afterwards, and that is not mistaken for where it was.
+TEST(InertialMotion, AHundredDarkFrames) {
+  constexpr size_t kHundred = 100;
+  for (const std::string world : {"room?turning=40", "room?seed=1"}) {
+    const std::vector<OdometryFrame> frames = RunInTheDark(world, {}, kHundred);
+    EXPECT_EQ(test::LostFrames(frames), 0) << world;
+    const test::MotionError error = ErrorOfMotion(frames, kFirstBlack - 1, frames.size() - 1);
+    EXPECT_LT(error.rotation_rad, kRadPerDeg) << world;
+    EXPECT_LT(error.translation_m, 0.5) << world;
+    EXPECT_LT(error.chi2, kExpectedChi2) << world;
+    EXPECT_EQ(frames.back().state, TrackingState::kTracking) << world;
+  }
+}
+
+TEST(InertialMotion, StandingCameraDoesNotDriftInTheDark) {
+  const std::vector<OdometryFrame> frames = RunInTheDark("room?standing=1", {}, 100);
+  const test::MotionError error = ErrorOfMotion(frames, kFirstBlack - 1, kFirstBlack + 99);
+  EXPECT_LT(error.translation_m, 0.01);
+  EXPECT_LT(error.rotation_rad, 0.1 * kRadPerDeg);
+  EXPECT_LT(error.chi2, kExpectedChi2);
+}
+
+double Error(const std::string& world, bool with_sensor) {
+  VoOptions options;
+  options.imu.enabled = with_sensor;
+  const auto dataset = OpenDataset("synthetic:" + world + "&imu=200&size=320x240&frames=120", "");
+  return test::AbsoluteTrajectoryError(test::RunOdometry(*dataset, options));
+}
+
+// The measured ratios are 0.6 to 0.85; docs/lab/imu.md has them for more worlds.
+TEST(InertialMotion, GyroscopeMakesPathsMoreAccurate) {
+  for (const std::string world : {"whitewall?seed=1", "room?turning=40"}) {
+    const double without_m = Error(world, false), with_m = Error(world, true);
+    EXPECT_LT(with_m, 0.95 * without_m) << world << ", without " << without_m;
+  }
+}
+
+TEST(InertialMotion, MotionIsAMeasurementUnlessImagesContradictIt) {
+  const auto dataset = OpenDataset("synthetic:room?imu=200&size=320x240&frames=60", "");
+  InertialMotionModel inertial(MountedImuOf(dataset->rig()));
+  const Matrix6d covariance = 1e-8 * Matrix6d::Identity();
+  const auto pose = [&](int i) { return dataset->GroundTruth(0)->Inverse() * *dataset->GroundTruth(i); };
+  const auto prior = [&](int i, const SE3& T_odom_c) {
+    inertial.Expect(dataset->ImuSamples(), dataset->t_ns(i - 1), dataset->t_ns(i));
+    return inertial.PriorFrom({pose(i - 1), covariance}, {T_odom_c, covariance});
+  };
+  for (int i = 1; i < 59; ++i) {
+    if (i < 15) {
+      EXPECT_FALSE(prior(i, pose(i))) << "not known yet, frame " << i;
+    }
+    inertial.Expect(dataset->ImuSamples(), dataset->t_ns(i - 1), dataset->t_ns(i));
+    inertial.Observe(pose(i), covariance, true, false);
+  }
+  const auto measured = prior(59, pose(59));
+  ASSERT_TRUE(measured);
+  const Vector6d error = (measured->T_cur_ref * pose(59)).Log();
+  EXPECT_LT(error.tail<3>().norm(), 0.02 * kRadPerDeg);
+  EXPECT_LT(std::sqrt(measured->covariance(5, 5)), 0.02 * kRadPerDeg);
+  EXPECT_FALSE(prior(59, pose(59) * SE3(ExpSO3(Eigen::Vector3d(0.0, 0.01, 0.0)), Eigen::Vector3d::Zero())));
+}
 
 TEST(InertialMotion, WithoutTheSensorBlackFramesAreLost) {
   VoOptions options;

@@ -2,6 +2,8 @@
 #include "vo_process/tracking/bodies/moving_bodies.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <optional>
 #include <random>
 #include <utility>
@@ -189,6 +191,70 @@ TEST(MovingBodies, FirstPairIsNoMixture) {
       EXPECT_LT(error.dot(result.covariance.ldlt().solve(error)), 25.0) << "seed " << seed;
     }
   }
+}
+
+/// An inertial sensor at the camera's place with biases that are not known, sampled at 200 Hz from the path.
+struct PathSensor {
+  MountedImu mounted{SE3(), {SE3(), {1.7e-4, 1.9e-5, 2e-3, 1e-3}, 0.0, 200.0}};
+
+  /// Sets the samples up to a frame.
+  static void Expect(int frame, Odometry& odometry) {
+    constexpr double kStep = 0.1;  // frames
+    constexpr double kStep_s = 1e-9 * kFrame_ns * kStep;
+    std::vector<ImuSample> samples;
+    for (double f = frame - 1.5; f < frame + 0.5; f += kStep) {
+      const SE3 before = PathAt(f - kStep), now = PathAt(f), after = PathAt(f + kStep);
+      const Eigen::Vector3d acceleration =
+          (after.translation() - 2.0 * now.translation() + before.translation()) / (kStep_s * kStep_s);
+      const Eigen::Vector3d turn = (before.Inverse() * after).Log().tail<3>();
+      samples.push_back({std::llround(f * static_cast<double>(kFrame_ns)),
+                         turn / (2.0 * kStep_s) + Eigen::Vector3d(0.01, -0.02, 0.01),
+                         now.rotation().conjugate() * (acceleration - Eigen::Vector3d(0.0, 9.81, 0.0)) +
+                             Eigen::Vector3d(0.05, 0.05, -0.05)});
+    }
+    odometry.ExpectImu(samples, (frame - 1) * kFrame_ns, frame * kFrame_ns);
+  }
+};
+
+// The box drives through a bend at 34 degrees/s.
+TEST(MovingBodies, SensorFindsTheWorldInTheFirstPair) {
+  const auto box = [](int i) {
+    return AheadBy(0.6 + 0.2 * i) * SE3(ExpSO3(Eigen::Vector3d(0.0, 0.03 * i, 0.0)), Eigen::Vector3d::Zero());
+  };
+  for (uint64_t seed = 0; seed < 40; ++seed) {
+    Scene scene{Box(200, 100 + seed, AheadBy(-1.0).translation()), Box(200, 200 + seed)};
+    Odometry odometry(FeatureWorld::Camera(), VoOptions(), {}, PathSensor().mounted);
+    for (int i = 0; i < 2; ++i) {
+      const SE3 T_w_b = box(i);
+      if (i > 0) PathSensor::Expect(i, odometry);
+      const OdometryResult result = odometry.Track(i * kFrame_ns, scene.See(PathAt(i), &T_w_b, i));
+      if (i == 0) continue;
+      EXPECT_LT(PositionError(result, i), 0.03) << "seed " << seed;
+      EXPECT_EQ(result.state, TrackingState::kTracking) << "seed " << seed;
+    }
+  }
+}
+
+// The box drives straight on at first, so that it may be the world, and then brakes.
+TEST(MovingBodies, SensorReplacesAWrongWorld) {
+  int n_wrong = 0, n_right = 0;
+  for (uint64_t seed = 0; seed < 10; ++seed) {
+    Scene scene{Box(80, 100 + seed, AheadBy(-1.0).translation()), Box(300, 200 + seed)};
+    Odometry odometry(FeatureWorld::Camera(), VoOptions(), {}, PathSensor().mounted);
+    OdometryResult result;
+    for (int i = 0; i < 25; ++i) {
+      const double braking_s = 0.05 * std::max(0, i - 5);
+      const SE3 T_w_b = AheadBy(0.2 + 0.1 * i - braking_s * braking_s);
+      if (i > 0) PathSensor::Expect(i, odometry);
+      result = odometry.Track(i * kFrame_ns, scene.See(PathAt(i), &T_w_b, i));
+      if (i == 5 && PositionError(result, i) > 0.05) ++n_wrong;
+    }
+    EXPECT_EQ(result.state, TrackingState::kTracking) << "seed " << seed;
+    EXPECT_LT(PositionError(result, 24), 0.3) << "seed " << seed;
+    n_right += PositionError(result, 24) < 0.02 ? 1 : 0;
+  }
+  EXPECT_GE(n_right, 9) << "one is lost in the first pair";
+  EXPECT_GT(n_wrong, 1) << "otherwise nothing is replaced";
 }
 
 // One of the two leaves: the other one is a world again, whichever was taken for it.

@@ -114,6 +114,10 @@ int FeaturePlaces::Owner(const StereoLine& line, int times) const {
   return owners[1] == owners[2] ? owners[1] : -1;
 }
 
+bool IsExpected(const SE3& T_odom_c, const SE3& T_odom_prev, const MotionPrediction& prediction) {
+  return SquaredDeviation(prediction, T_odom_prev * prediction.T_prev_c, T_odom_c) <= kExpectedChi2;
+}
+
 // An offset b of the disparities scales the translation from points at disparity d by 1 - b / d. Two motions in the
 // same direction determine b, which explains them if it is within the uncertainty of the calibration.
 bool IsDisparityOffset(const SE3& T_odom_prev, const LocalLandmarks& world, const TrackedFrame& frame,

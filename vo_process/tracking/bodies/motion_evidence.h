@@ -10,6 +10,7 @@
 #include "vo_process/tracking/landmarks/local_landmarks.h"
 #include "vo_process/tracking/landmarks/tracked_frame.h"
 #include "vo_process/tracking/motion/frame_aligner.h"
+#include "vo_process/tracking/motion/motion_model.h"
 
 namespace plslam::vo {
 
@@ -57,6 +58,9 @@ class FeaturePlaces {
 
   std::vector<Place> places_;
 };
+
+/// Whether a pose continues the predicted motion.
+bool IsExpected(const SE3& T_odom_c, const SE3& T_odom_prev, const MotionPrediction& prediction);
 
 /// Whether an unknown offset of the disparities, within its uncertainty, explains two motions: points at different
 /// depths then give translations in the same direction with different lengths.

@@ -15,8 +15,7 @@
 namespace plslam::vo {
 namespace {
 
-// Least exclusive inliers (points + 2 x lines) of a second motion, and of a known body to be followed.
-constexpr int kMinWeight = 25;
+// Least exclusive inliers (points + 2 x lines) of a known body to be followed.
 constexpr int kMinFollowedWeight = 15;
 constexpr double kMinInlierRatio = 0.5;
 // Share of the features of two groups that must agree on one motion to be one body.
@@ -42,16 +41,8 @@ constexpr int kStandingFrames = 10;
 // Least motion in the image, if the body moved with the camera, that shows whether it stands.
 constexpr double kShownMotion_px = 2.0;
 constexpr double kStandingMotion_px = 0.7;
-// Least cells of the image with features that agree on an expected motion.
-constexpr int kMinCells = 4;
-constexpr double kMoreSpread = 2.25;
-// Ratio of spread that confirms a choice based on spread alone, and the number of frames in which it must.
-constexpr double kClearlyMoreSpread = 3.0;
+// Frames in which the spread of the world must confirm a choice that is based on spread alone.
 constexpr int kDoubtfulFrames = 5;
-
-bool IsExpected(const SE3& T_odom_c, const SE3& T_odom_prev, const MotionPrediction& prediction) {
-  return SquaredDeviation(prediction, T_odom_prev * prediction.T_prev_c, T_odom_c) <= kExpectedChi2;
-}
 
 /// Returns the difference in the image between two motions of the camera since the previous frame, relative to two
 /// bodies: the median over the matches of the second.
@@ -88,12 +79,13 @@ struct MovingBodies::Rest {
   TrackedFrame frame;
 };
 
-MovingBodies::MovingBodies(const StereoCamera& camera, const VoOptions& options)
+MovingBodies::MovingBodies(const StereoCamera& camera, const VoOptions& options, const std::optional<MountedImu>& imu)
     : camera_(camera),
       aligner_(camera, options),
-      bodies_(kMaxBodies, Body(camera, options)),
+      bodies_(kMaxBodies, Body(camera, options, imu)),
       matches_(kMaxBodies),
-      T_b_prev_(kMaxBodies) {}
+      T_b_prev_(kMaxBodies),
+      covariances_(kMaxBodies, Matrix6d::Zero()) {}
 
 void MovingBodies::Forget() {
   for (Body& body : bodies_) body.id = -1;
@@ -103,63 +95,57 @@ bool MovingBodies::AnyIsThere() const {
   return std::any_of(bodies_.begin(), bodies_.end(), [](const Body& body) { return body.IsThere(); });
 }
 
-std::optional<RivalMotion> MovingBodies::Separate(const SE3& T_odom_prev, const MotionPrediction& prediction,
-                                                  double dt_s, const DisparityCalibration& calibration,
-                                                  LocalLandmarks& world, TrackedFrame& frame, Alignment& found) {
-  Claims claims = Follow(dt_s, frame, found.matches);
+Separation MovingBodies::Separate(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s,
+                                  const DisparityCalibration& calibration, const InertialMotionModel& inertial,
+                                  LocalLandmarks& world, TrackedFrame& frame, Alignment& found) {
+  Claims claims = Follow(dt_s, inertial, frame, found.matches);
+  Separation result;
+  SE3 T_world_prev = T_odom_prev;
+  if (const auto confirmed = CompareWithSensor(inertial, found)) {
+    T_world_prev = T_b_prev_[*confirmed];
+    result.confirmed = Exchange(*confirmed, T_odom_prev, dt_s, inertial, world, found);
+  }
   // Without a prediction (as after a long gap), a second motion proves little; but in the first pair of frames the
   // motion found may be that of a body.
-  const bool is_asked = prediction.is_reliable || is_first_pair_;
+  const bool is_asked = !result.confirmed && (prediction.is_reliable || is_first_pair_);
   is_first_pair_ = false;
-  while (is_asked && FindNew(T_odom_prev, prediction, dt_s, calibration, world, frame, claims, found)) {
+  while (is_asked && FindNew(T_odom_prev, prediction, dt_s, calibration, inertial, world, frame, claims, found)) {
   }
-  if (!AnyIsThere()) return std::nullopt;
+  if (!AnyIsThere()) return result;
   const FeaturePlaces places = AllPlaces(found.matches, frame);
   AssignToBodies(world, frame, places, found);
   // The remaining features of the world may not determine its motion: the predicted motion then takes part.
-  if (!found.weak && found.matches.Weight() < kMinWeight) {
+  if (!result.confirmed && !found.weak && found.matches.Weight() < kMinWeight) {
     const MotionPrior prior{(T_odom_prev * prediction.T_prev_c).Inverse(), prediction.covariance};
     if (auto held = aligner_.Estimate(world, frame, found.matches, found.T_odom_c, prior)) found = std::move(*held);
     found.weak = true;
   }
   NameFeatures(places, found.matches, frame);
   CreateLandmarksOnBodies(world, frame);
-  std::optional<RivalMotion> rival = FindRival(found.matches, frame);
-  ReleaseStandingBodies(T_odom_prev, found.T_odom_c, world, frame);
-  return rival;
+  result.rival = FindRival(found.matches, frame);
+  ReleaseStandingBodies(T_world_prev, found.T_odom_c, world, frame);
+  return result;
 }
 
-void MovingBodies::SeparateKnown(double dt_s, LocalLandmarks& world, TrackedFrame& frame, Alignment& found) {
+void MovingBodies::SeparateKnown(double dt_s, const InertialMotionModel& inertial, LocalLandmarks& world,
+                                 TrackedFrame& frame, Alignment& found) {
   if (!AnyIsThere()) return;
-  Follow(dt_s, frame, found.matches);
+  Follow(dt_s, inertial, frame, found.matches);
   const FeaturePlaces places = AllPlaces(found.matches, frame);
   AssignToBodies(world, frame, places, found);
   NameFeatures(places, found.matches, frame);
   CreateLandmarksOnBodies(world, frame);
 }
 
-void MovingBodies::FollowWhileLost(int n_lost, double dt_s, LocalLandmarks& world, TrackedFrame& frame) {
+void MovingBodies::FollowWhileLost(int n_lost, double dt_s, const InertialMotionModel& inertial,
+                                   LocalLandmarks& world, TrackedFrame& frame) {
   if (!AnyIsThere()) return;
   const auto may_be_world = [](const Body& body) { return body.IsThere() && body.doubtful_frames > 0; };
   if (n_lost > kMaxUnseenFrames || std::any_of(bodies_.begin(), bodies_.end(), may_be_world)) return Forget();
   const FrameMatches none;
-  Follow(dt_s, frame, none);
+  Follow(dt_s, inertial, frame, none);
   NameFeatures(AllPlaces(none, frame), none, frame);
   CreateLandmarksOnBodies(world, frame);
-}
-
-// A body's frame was the odometry frame when the choice was made.
-std::optional<RivalMotion> MovingBodies::FindRival(const FrameMatches& of_world, const TrackedFrame& frame) {
-  std::optional<RivalMotion> rival;
-  for (size_t k = 0; k < kMaxBodies; ++k) {
-    Body& body = bodies_[k];
-    if (!body.IsThere() || body.doubtful_frames == 0) continue;
-    rival = RivalMotion{body.T_b_c, T_b_prev_[k].Inverse() * body.T_b_c};
-    if (body.unseen_frames > 0) continue;
-    const int of_body = SpreadOf(matches_[k], frame, camera_).Score();
-    if (SpreadOf(of_world, frame, camera_).Score() > kClearlyMoreSpread * of_body) --body.doubtful_frames;
-  }
-  return rival;
 }
 
 void MovingBodies::CreateLandmarksOnBodies(LocalLandmarks& world, TrackedFrame& frame) {
@@ -175,7 +161,8 @@ void MovingBodies::CreateLandmarksOnBodies(LocalLandmarks& world, TrackedFrame& 
   }
 }
 
-MovingBodies::Claims MovingBodies::Follow(double dt_s, const TrackedFrame& frame, const FrameMatches& of_world) {
+MovingBodies::Claims MovingBodies::Follow(double dt_s, const InertialMotionModel& inertial, const TrackedFrame& frame,
+                                          const FrameMatches& of_world) {
   Claims claims{FlagsOf(of_world.points, &LandmarkMatch::feature, frame.features.points.size()),
                 FlagsOf(of_world.lines, &LandmarkMatch::feature, frame.features.lines.size())};
   for (size_t k = 0; k < kMaxBodies; ++k) {
@@ -185,6 +172,7 @@ MovingBodies::Claims MovingBodies::Follow(double dt_s, const TrackedFrame& frame
   for (size_t k = 0; k < kMaxBodies; ++k) {
     Body& body = bodies_[k];
     if (!body.IsThere()) continue;
+    body.as_world.ExpectAs(inertial);
     const Rest rest(frame, claims);
     const MotionPrediction prediction = body.motion.Predict(dt_s);
     const auto found = aligner_.Align(body.landmarks, rest.frame, body.T_b_c, prediction, 0);
@@ -193,6 +181,7 @@ MovingBodies::Claims MovingBodies::Follow(double dt_s, const TrackedFrame& frame
       body.T_b_c = found->T_odom_c;
       body.unseen_frames = 0;
       matches_[k] = rest.InWhole(found->matches);
+      covariances_[k] = found->covariance;
       if (++body.found_frames == kMetFrames) {
         ++n_met_;
         body.middle_b = MiddleOf(body.landmarks, matches_[k]);
@@ -201,6 +190,7 @@ MovingBodies::Claims MovingBodies::Follow(double dt_s, const TrackedFrame& frame
       Mark(matches_[k].lines, claims.lines);
     } else {
       body.T_b_c = body.T_b_c * prediction.T_prev_c;
+      body.as_world.Miss();
       if (++body.unseen_frames > kMaxUnseenFrames) body.id = -1;
     }
   }
@@ -317,26 +307,9 @@ std::optional<Alignment> MovingBodies::FindSecond(const SE3& T_odom_prev, const 
   return second;
 }
 
-// Whether the first of two motions is the world's.
-bool MovingBodies::IsWorld(const Alignment& found, const FrameMatches& own, const Alignment& second,
-                           const SE3& T_odom_prev, const MotionPrediction& prediction, const TrackedFrame& frame,
-                           bool& guessed) const {
-  const Spread first_spread = SpreadOf(own, frame, camera_);
-  const Spread second_spread = SpreadOf(second.matches, frame, camera_);
-  const auto continues = [&](const Alignment& alignment) {
-    return prediction.is_reliable && IsExpected(alignment.T_odom_c, T_odom_prev, prediction);
-  };
-  const bool first_continues = continues(found);
-  const bool second_continues = continues(second) && second_spread.cells >= kMinCells;
-  if (first_continues != second_continues) return first_continues;
-  guessed = !first_continues;
-  const double more = guessed ? 1.0 : kMoreSpread;
-  return second_spread.Score() <= more * first_spread.Score();
-}
-
 bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s,
-                           const DisparityCalibration& calibration, LocalLandmarks& world, const TrackedFrame& frame,
-                           Claims& claims, Alignment& found) {
+                           const DisparityCalibration& calibration, const InertialMotionModel& inertial,
+                           LocalLandmarks& world, const TrackedFrame& frame, Claims& claims, Alignment& found) {
   const auto slot = std::find_if(bodies_.begin(), bodies_.end(), [](const Body& body) { return !body.IsThere(); });
   if (slot == bodies_.end()) return false;
   const auto second = FindSecond(T_odom_prev, prediction, world, frame, claims, found);
@@ -345,7 +318,7 @@ bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& predi
   if (IsDisparityOffset(T_odom_prev, world, frame, found, own, *second, calibration, camera_)) return false;
   bool guessed = false;
   const bool first_is_world =
-      own.Weight() < kMinWeight || IsWorld(found, own, *second, T_odom_prev, prediction, frame, guessed);
+      own.Weight() < kMinWeight || IsWorld(found, own, *second, T_odom_prev, prediction, inertial, frame, guessed);
   const FrameMatches& of_body = first_is_world ? second->matches : own;
   const int known = first_is_world ? BodyAround(of_body, found.matches, frame) : -1;
   const std::vector<char> points = FlagsOf(of_body.points, &LandmarkMatch::landmark, world.points.landmarks().size());
@@ -378,6 +351,10 @@ bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& predi
   body.unseen_frames = 0;
   body.standing_frames = 0;
   if (!continues) body.doubtful_frames = guessed ? kDoubtfulFrames : 0;
+  covariances_[k] = first_is_world ? second->covariance : found.covariance;
+  body.as_world = inertial.For(T_odom_prev);
+  body.as_world.Observe(body.T_b_c, covariances_[k], true, false);
+  body.evidence = 0.0;
   T_b_prev_[k] = T_odom_prev;
   matches_[k] = taken_matches;
   body.middle_b = MiddleOf(body.landmarks, matches_[k]);

@@ -15,6 +15,7 @@
 #include "vo_process/tracking/landmarks/local_landmarks.h"
 #include "vo_process/tracking/landmarks/tracker_local_map.h"
 #include "vo_process/tracking/motion/frame_aligner.h"
+#include "vo_process/tracking/motion/inertial_motion_model.h"
 #include "vo_process/tracking/motion/motion_model.h"
 
 namespace plslam::vo {
@@ -22,7 +23,8 @@ namespace plslam::vo {
 /// A rigid object that moves in the world: its landmarks are in a frame of its own, which was the odometry frame when
 /// it was found, and the camera moves in that frame as it does in the world.
 struct Body {
-  Body(const StereoCamera& camera, const VoOptions& options) : landmarks(camera, options), motion(options.tracking) {}
+  Body(const StereoCamera& camera, const VoOptions& options, const std::optional<MountedImu>& imu)
+      : landmarks(camera, options), motion(options.tracking), as_world(imu) {}
 
   bool IsThere() const { return id >= 0; }
 
@@ -39,11 +41,15 @@ struct Body {
   int standing_frames = 0;
   /// Frames that must still confirm the choice between it and the world, if only geometry decided it.
   int doubtful_frames = 0;
+  /// The inertial sensor, if the body were the world.
+  InertialMotionModel as_world;
+  /// Twice the logarithm of the ratio of likelihoods, by the sensor, that the body is the world.
+  double evidence = 0.0;
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.id, self.landmarks, self.T_b_c, self.motion, self.middle_b, self.found_frames, self.unseen_frames,
-      self.standing_frames, self.doubtful_frames);
+      self.standing_frames, self.doubtful_frames, self.as_world, self.evidence);
   }
 };
 
@@ -51,6 +57,20 @@ struct Body {
 struct RivalMotion {
   SE3 T_odom_c;
   SE3 T_prev_c;
+};
+
+/// A body took the place of the world, because the inertial sensor confirms it: its motion, and the sensor in its
+/// frame, which is odom from now on.
+struct ConfirmedWorld {
+  MotionModel motion;
+  InertialMotionModel inertial;
+};
+
+/// Result of the separation of a frame.
+struct Separation {
+  /// The other motion, if only geometry decided which is the world's and later frames have not confirmed it.
+  std::optional<RivalMotion> rival{};
+  std::optional<ConfirmedWorld> confirmed{};
 };
 
 /// Pose of a body in a frame: the body's frame is at its middle, with the axes that odometry had when the body was
@@ -118,30 +138,36 @@ class OwnedIds {
 /// The bodies in view, up to three.
 ///
 /// A second consensus is searched among the features that contradict the pose found for a frame. The world's motion is
-/// the one of the two that was not a body's before, that continues the predicted motion, or, if that does not decide,
-/// that is spread over more of the image and more depths; never merely the one with more features. Features on a body,
-/// or nearer to it than to the world at the same depth, create landmarks of that body. A body that stands while the
-/// camera moves returns to the world. (Label persistence as in Multimotion Visual Odometry, Judd, Gammell and Newman
-/// 2018; choosing the world by prediction instead of size is ours.)
+/// the one of the two that was not a body's before, that the inertial sensor confirms, that continues the predicted
+/// motion, or, if that does not decide, that is spread over more of the image and more depths; never merely the one with
+/// more features. Features on a body, or nearer to it than to the world at the same depth, create landmarks of that body.
+/// A body that stands while the camera moves returns to the world. (Label persistence as in Multimotion Visual Odometry,
+/// Judd, Gammell and Newman 2018; choosing the world by prediction and inertial sensor instead of size is ours.)
+///
+/// With an inertial sensor the choice is reviewed: the poses by the world and by each body are compared with the samples,
+/// frame after frame, and a body that agrees so much better that the sensor confirms it and contradicts the world takes
+/// the world's place. No sensor distinguishes a body that neither turns nor accelerates from the world.
 class MovingBodies {
  public:
-  MovingBodies(const StereoCamera& camera, const VoOptions& options);
+  MovingBodies(const StereoCamera& camera, const VoOptions& options, const std::optional<MountedImu>& imu);
 
   /// Separates bodies from the world in a frame that was aligned at `found`. Corrects `found` if it was a body's
   /// motion, or if features of a body took part; moves the landmarks of bodies out of `world`; sets the body in the
-  /// frame's tracks. Returns the other motion if only geometry decided which is the world's and later frames have not
-  /// confirmed it. Two motions that an unknown disparity offset explains count as one.
-  std::optional<RivalMotion> Separate(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s,
-                                      const DisparityCalibration& calibration, LocalLandmarks& world,
-                                      TrackedFrame& frame, Alignment& found);
+  /// frame's tracks. Two motions that an unknown disparity offset explains count as one. If a body takes the world's
+  /// place, `found` is its pose, and does not continue `T_odom_prev`.
+  Separation Separate(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s,
+                      const DisparityCalibration& calibration, const InertialMotionModel& inertial,
+                      LocalLandmarks& world, TrackedFrame& frame, Alignment& found);
 
   /// The same for a frame that was found at an unexpected pose: the motion since the previous frame is unknown, so
   /// known bodies are followed and no others are searched.
-  void SeparateKnown(double dt_s, LocalLandmarks& world, TrackedFrame& frame, Alignment& found);
+  void SeparateKnown(double dt_s, const InertialMotionModel& inertial, LocalLandmarks& world, TrackedFrame& frame,
+                     Alignment& found);
 
   /// Follows bodies in a lost frame, the `n_lost`th in a row, so that their landmarks do not start a new world. Forgets
   /// them after some frames, and if one of them may be the world.
-  void FollowWhileLost(int n_lost, double dt_s, LocalLandmarks& world, TrackedFrame& frame);
+  void FollowWhileLost(int n_lost, double dt_s, const InertialMotionModel& inertial, LocalLandmarks& world,
+                       TrackedFrame& frame);
 
   /// Discards all bodies.
   void Forget();
@@ -166,6 +192,9 @@ class MovingBodies {
   }
 
  private:
+  /// Least exclusive inliers (points + 2 x lines) of a second motion.
+  static constexpr int kMinWeight = 25;
+
   /// Features that are already associated.
   struct Claims {
     std::vector<char> points;
@@ -176,11 +205,16 @@ class MovingBodies {
 
   bool AnyIsThere() const;
   /// Follows known bodies among the features that are not matched with the world.
-  Claims Follow(double dt_s, const TrackedFrame& frame, const FrameMatches& of_world);
+  Claims Follow(double dt_s, const InertialMotionModel& inertial, const TrackedFrame& frame,
+                const FrameMatches& of_world);
+  /// Compares the poses by the world and by each body with the inertial sensor. Returns the body that is the world.
+  std::optional<size_t> CompareWithSensor(const InertialMotionModel& inertial, const Alignment& found);
+  ConfirmedWorld Exchange(size_t k, const SE3& T_odom_prev, double dt_s, const InertialMotionModel& inertial,
+                          LocalLandmarks& world, Alignment& found);
   void JoinParts(size_t first, size_t second, const TrackedFrame& frame);
   bool FindNew(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s,
-               const DisparityCalibration& calibration, LocalLandmarks& world, const TrackedFrame& frame,
-               Claims& claims, Alignment& found);
+               const DisparityCalibration& calibration, const InertialMotionModel& inertial, LocalLandmarks& world,
+               const TrackedFrame& frame, Claims& claims, Alignment& found);
   std::optional<RivalMotion> FindRival(const FrameMatches& of_world, const TrackedFrame& frame);
   /// Finds a second motion: matches of landmarks of the world with features of the frame, all of which contradict the
   /// first.
@@ -193,7 +227,8 @@ class MovingBodies {
   FrameMatches Contradicting(const LocalLandmarks& landmarks, const TrackedFrame& frame, const FrameMatches& matches,
                              const SE3& T_odom_c) const;
   bool IsWorld(const Alignment& found, const FrameMatches& own, const Alignment& second, const SE3& T_odom_prev,
-               const MotionPrediction& prediction, const TrackedFrame& frame, bool& guessed) const;
+               const MotionPrediction& prediction, const InertialMotionModel& inertial, const TrackedFrame& frame,
+               bool& guessed) const;
   void AssignToBodies(const LocalLandmarks& world, const TrackedFrame& frame, const FeaturePlaces& places,
                       Alignment& found) const;
   void NameFeatures(const FeaturePlaces& places, const FrameMatches& of_world, TrackedFrame& frame) const;
@@ -207,9 +242,11 @@ class MovingBodies {
   FrameAligner aligner_;
   /// One for each slot; `FeatureTrack::body` is an index into it.
   std::vector<Body> bodies_;
-  /// Matches, and pose of the previous camera in the body's frame, for the current frame, by slot.
+  /// Matches, pose of the previous camera in the body's frame, and covariance of the pose, for the current frame, by
+  /// slot.
   std::vector<FrameMatches> matches_;
   std::vector<SE3> T_b_prev_;
+  std::vector<Matrix6d> covariances_;
   bool is_first_pair_ = true;
   int64_t next_body_id_ = 0;
   int64_t n_met_ = 0;

@@ -154,6 +154,17 @@ Alignment FrameAligner::Refine(const LocalLandmarks& landmarks, const TrackedFra
   return *fine;
 }
 
+Alignment FrameAligner::WithPrior(const LocalLandmarks& landmarks, const TrackedFrame& frame, const Alignment& found,
+                                  const MotionPrior& prior) const {
+  // The inliers are known, and the start is near: one refinement is enough.
+  const auto both = Estimate(landmarks, frame, found.matches, found.T_odom_c, prior, Coarse(options_.motion));
+  if (!both) return found;
+  Alignment with_prior = found;
+  with_prior.T_odom_c = both->T_odom_c;
+  with_prior.covariance = both->covariance;
+  return with_prior;
+}
+
 void FrameAligner::SetDisparities(const LocalLandmarks& landmarks, const Alignment& alignment,
                                   RollingFrame& rolling) const {
   const SE3 T_c_odom = alignment.T_odom_c.Inverse();

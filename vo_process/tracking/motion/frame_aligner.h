@@ -51,6 +51,10 @@ class FrameAligner {
     return Estimate(landmarks, frame, matches, T_odom_initial, prior, options_.motion);
   }
 
+  /// Estimates the pose of an alignment again with a prior. Returns `found` if that fails.
+  Alignment WithPrior(const LocalLandmarks& landmarks, const TrackedFrame& frame, const Alignment& found,
+                      const MotionPrior& prior) const;
+
   /// Sets the disparities by which matched features without depth are moved to those of their landmarks.
   void SetDisparities(const LocalLandmarks& landmarks, const Alignment& alignment, RollingFrame& rolling) const;
 

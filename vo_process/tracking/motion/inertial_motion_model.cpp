@@ -9,6 +9,7 @@
 
 #include "core/geometry/rectification.h"
 #include "core/geometry/symmetric.h"
+#include "core/motion/robust.h"
 
 namespace plslam::vo {
 namespace {
@@ -34,6 +35,21 @@ constexpr double kFarthest_rad = 5.0 * kRadPerDeg;
 // the map is corrected.
 constexpr double kPrediction_m = 0.004;
 constexpr double kPrediction_rad = 0.1 * kRadPerDeg;
+// Errors of the motion between two frames as a measurement. The translation contains the velocity, which comes from the
+// poses themselves, with the errors that they have in common: given more weight, it makes paths worse (docs/lab/imu.md).
+constexpr double kMotion_m = 0.02;
+constexpr double kMotion_rad = 0.002 * kRadPerDeg;
+// Norm of the normalised residual of that measurement at which its loss becomes linear: its expectation.
+constexpr double kPriorDelta = 2.45;
+
+// Motion between two frames below which the camera is seen standing, the time for which it must, and the sigma of its
+// velocity then.
+constexpr double kStanding_m = 0.003;
+constexpr double kStanding_rad = 0.05 * kRadPerDeg;
+constexpr double kStandingSeen_s = 0.5;
+constexpr double kStanding_m_s = 0.003;
+// Sigmas of the white noise, of means over a frame, within which samples are those of a standing sensor.
+constexpr double kQuietSigmas = 5.0;
 
 // Time of measured motions after which a contradiction is reported, and a rotation in it that tells the unit of rates.
 constexpr double kLeastEvidence_s = 3.0;
@@ -77,6 +93,42 @@ void InertialMotionModel::Expect(std::span<const ImuSample> samples, int64_t fro
   for (const ImuSample& sample : samples) mean_force_m_s2_ += sample.force_m_s2 / static_cast<double>(samples.size());
 }
 
+void InertialMotionModel::ExpectAs(const InertialMotionModel& other) {
+  motion_ = other.motion_;
+  mean_force_m_s2_ = other.mean_force_m_s2_;
+}
+
+void InertialMotionModel::Start(const SE3& T_odom_c) {
+  if (!imu_) return;
+  T_odom_observed_ = T_odom_c * imu_->T_imu_c.Inverse();
+  was_observed_ = true;
+}
+
+InertialMotionModel InertialMotionModel::For(const SE3& T_frame_prev) const {
+  InertialMotionModel other = *this;
+  if (!imu_ || !motion_) return other;
+  other.Start(T_frame_prev);
+  other.Begin(other.T_odom_observed_, MeasuredCovariance(Matrix6d::Zero()));
+  other.innovation_ = 1.0;
+  return other;
+}
+
+/// Covariance of a measured pose of the sensor from that of the camera's.
+Matrix6d InertialMotionModel::MeasuredCovariance(const Matrix6d& covariance) const {
+  const Matrix6d A = imu_->T_imu_c.Adjoint();
+  return A * (kCommonVariance * covariance + Isotropic(kCommon_m, kCommon_rad)) * A.transpose();
+}
+
+std::optional<InertialFilter::Agreement> InertialMotionModel::AgreementWith(const SE3& T_odom_c,
+                                                                            const Matrix6d& covariance) const {
+  if (!imu_ || !motion_ || innovation_ >= kHealthy) return std::nullopt;
+  const bool is_first = !filter_.has_begun();
+  if (is_first && !was_observed_) return std::nullopt;
+  InertialFilter next = is_first ? For(T_odom_observed_ * imu_->T_imu_c).filter_ : filter_;
+  next.Propagate(*motion_);
+  return next.AgreementWith(T_odom_c * imu_->T_imu_c.Inverse(), MeasuredCovariance(covariance));
+}
+
 bool InertialMotionModel::IsTrusted() const {
   return filter_.has_begun() && measured_s_ >= kFirstUse_s && innovation_ < kHealthy &&
          evidence_.force_m_s >= kWeakGravity_m_s2 * evidence_.time_s;
@@ -108,6 +160,21 @@ MotionPrediction InertialMotionModel::Predict(const MotionPrediction& own) const
   return prediction;
 }
 
+std::optional<MotionPrior> InertialMotionModel::PriorFrom(const MeasuredPose& before,
+                                                          const MeasuredPose& seen) const {
+  if (!motion_ || !IsTrusted() || unmeasured_s_ > 0.0) return std::nullopt;
+  InertialFilter next = filter_;
+  next.Propagate(*motion_);
+  const SE3 T_prev_c = CameraMotion(filter_).Inverse() * CameraMotion(next);
+  const SE3 T_odom_predicted = before.T_odom_c * T_prev_c;
+  const Matrix6d covariance =
+      ComposeCovariance(before.covariance, T_prev_c, CameraCovariance(next)) + Isotropic(kMotion_m, kMotion_rad);
+  const Vector6d off = (T_odom_predicted.Inverse() * seen.T_odom_c).Log();
+  const double chi2 = off.dot((covariance + seen.covariance).ldlt().solve(off));
+  if (chi2 > kExpectedChi2) return std::nullopt;
+  return MotionPrior{T_odom_predicted.Inverse(), covariance / PseudoHuberWeight(chi2, kPriorDelta)};
+}
+
 bool InertialMotionModel::CanCarry() const {
   if (!motion_ || !IsTrusted()) return false;
   InertialFilter next = filter_;
@@ -128,18 +195,23 @@ void InertialMotionModel::Observe(const SE3& T_odom_c, const Matrix6d& covarianc
   const SE3 T_odom_imu = T_odom_c * imu_->T_imu_c.Inverse();
   const SE3 T_odom_previous = std::exchange(T_odom_observed_, T_odom_imu);
   const bool follows = std::exchange(was_observed_, true);
-  const Matrix6d A = imu_->T_imu_c.Adjoint();
-  const Matrix6d measured = A * (kCommonVariance * covariance + Isotropic(kCommon_m, kCommon_rad)) * A.transpose();
+  const Matrix6d measured = MeasuredCovariance(covariance);
   if (!motion_) {
     // The samples of the motion are missing, or this is the first frame; the mean force is that of an earlier motion.
     if (filter_.has_begun()) Begin(T_odom_imu, measured);
     return;
   }
-  if (!filter_.has_begun()) return Begin(T_odom_imu, measured);
-  if (follows && !jumped) AddEvidence(T_odom_previous.Inverse() * T_odom_imu);
+  if (!filter_.has_begun()) {
+    if (!follows) return Begin(T_odom_imu, measured);
+    Begin(T_odom_previous, measured);
+  }
+  if (follows && !jumped) {
+    AddEvidence(T_odom_previous.Inverse() * T_odom_imu);
+    LearnStanding(T_odom_previous.Inverse() * T_odom_imu);
+  }
   filter_.Propagate(*motion_);
   unmeasured_s_ += motion_->dt_s();
-  const double innovation = filter_.Innovation(T_odom_imu, measured);
+  const double innovation = filter_.AgreementWith(T_odom_imu, measured).innovation;
   if (innovation > kGate) {
     if (jumped || ++n_contradicting_ >= kMostContradicting) Begin(T_odom_imu, measured);
     innovation_ += (kGate / 6.0 - innovation_) / kMeanFrames;
@@ -152,6 +224,23 @@ void InertialMotionModel::Observe(const SE3& T_odom_c, const Matrix6d& covarianc
   measured_s_ += motion_->dt_s();
   knows_bias_ = knows_bias_ || measured_s_ >= kFirstUse_s;
   unmeasured_s_ = 0.0;
+}
+
+void InertialMotionModel::LearnStanding(const SE3& T_previmu_imu) {
+  const Vector6d motion = T_previmu_imu.Log();
+  const bool stands = motion.head<3>().norm() < kStanding_m && motion.tail<3>().norm() < kStanding_rad;
+  if (standing_s_ == 0.0) standing_force_m_s2_ = mean_force_m_s2_;
+  standing_s_ = stands && IsQuiet() ? standing_s_ + motion_->dt_s() : 0.0;
+  standing_force_m_s2_ += motion_->dt_s() / kFirstUse_s * (mean_force_m_s2_ - standing_force_m_s2_);
+}
+
+bool InertialMotionModel::IsQuiet() const {
+  const ImuNoise& noise = imu_->calibration.noise;
+  const double root_s = std::sqrt(motion_->dt_s());
+  const Eigen::Vector3d rate_rad_s =
+      SE3(motion_->RotationWith(filter_.state().bias), Eigen::Vector3d::Zero()).Log().tail<3>() / motion_->dt_s();
+  return rate_rad_s.norm() < kQuietSigmas * noise.gyroscope_rad_s_sqrt_hz / root_s + kStanding_rad &&
+         (mean_force_m_s2_ - standing_force_m_s2_).norm() < kQuietSigmas * noise.accelerometer_m_s2_sqrt_hz / root_s;
 }
 
 void InertialMotionModel::AddEvidence(const SE3& T_previmu_imu) {
@@ -190,6 +279,8 @@ void InertialMotionModel::Miss() {
   }
   filter_.Propagate(*motion_);
   unmeasured_s_ += motion_->dt_s();
+  if (!IsQuiet()) standing_s_ = 0.0;
+  if (standing_s_ >= kStandingSeen_s) filter_.StandStill(kStanding_m_s);
 }
 
 }  // namespace plslam::vo

@@ -10,6 +10,7 @@
 #include "core/geometry/imu.h"
 #include "core/inertial/inertial_filter.h"
 #include "core/inertial/preintegration.h"
+#include "core/motion/motion_estimator.h"
 #include "vo_process/tracking/motion/motion_model.h"
 
 namespace plslam::vo {
@@ -41,6 +42,9 @@ struct ImuEvidence {
 /// `InertialFilter` estimates velocity, gravity and biases from the measured poses. It is used as soon as a second of
 /// measured frames has determined them, and not while measured poses contradict it: of the last frames' normalised
 /// innovations (6 for a consistent sensor) the mean must be below a bound.
+///
+/// A sensor that has been seen standing is assumed to stand in the dark as long as its samples are those of a standing
+/// one: within the white noise of the angular rate that is its bias, and of the specific force while it was seen.
 class InertialMotionModel {
  public:
   explicit InertialMotionModel(const std::optional<MountedImu>& imu)
@@ -50,6 +54,19 @@ class InertialMotionModel {
 
   /// Sets the samples since the last frame, which was at `from_ns`, to the next one (both on the clock of the images).
   void Expect(std::span<const ImuSample> samples, int64_t from_ns, int64_t to_ns);
+  /// Sets those of another model of this sensor.
+  void ExpectAs(const InertialMotionModel& other);
+
+  /// The first frame is at this pose.
+  void Start(const SE3& T_odom_c);
+
+  /// Returns a model of the same sensor, with what is known of its biases, for another frame than odom in which the
+  /// camera may move: `T_frame_prev` is the pose of the last frame in it.
+  InertialMotionModel For(const SE3& T_frame_prev) const;
+
+  /// Agreement of the next frame's pose, measured with this covariance, with the sensor; nullopt without samples, and
+  /// while the sensor contradicts the images.
+  std::optional<InertialFilter::Agreement> AgreementWith(const SE3& T_odom_c, const Matrix6d& covariance) const;
 
   /// Returns the prediction for that frame; `own` if the sensor is not used.
   MotionPrediction Predict(const MotionPrediction& own) const;
@@ -60,6 +77,15 @@ class InertialMotionModel {
 
   /// The frame was not measured.
   void Miss();
+
+  /// A pose of the camera in odom, with the covariance of its right perturbation given the landmarks.
+  struct MeasuredPose {
+    SE3 T_odom_c;
+    Matrix6d covariance = Matrix6d::Zero();
+  };
+  /// Returns the pose of the next frame by the sensor alone as a prior for its estimation. `before` is the estimated pose
+  /// of the last frame; nullopt if the sensor is not used, or if `seen`, the pose by its features, contradicts it.
+  std::optional<MotionPrior> PriorFrom(const MeasuredPose& before, const MeasuredPose& seen) const;
 
   /// Whether the sensor carries the pose of a frame that sees nothing: its prediction is still good to half a metre and
   /// five degrees (sigmas).
@@ -76,13 +102,16 @@ class InertialMotionModel {
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.filter_, self.knows_bias_, self.measured_s_, self.unmeasured_s_, self.innovation_, self.n_contradicting_,
-      self.evidence_, self.was_observed_, self.T_odom_observed_);
+      self.evidence_, self.was_observed_, self.T_odom_observed_, self.standing_s_, self.standing_force_m_s2_);
   }
 
  private:
   bool IsTrusted() const;
   void Begin(const SE3& T_odom_imu, const Matrix6d& covariance);
   void AddEvidence(const SE3& T_previmu_imu);
+  void LearnStanding(const SE3& T_previmu_imu);
+  bool IsQuiet() const;
+  Matrix6d MeasuredCovariance(const Matrix6d& covariance) const;
   /// Motion of the camera since the last measured frame and its covariance, as of this state of the filter.
   SE3 CameraMotion(const InertialFilter& filter) const;
   Matrix6d CameraCovariance(const InertialFilter& filter) const;
@@ -98,6 +127,9 @@ class InertialMotionModel {
   double innovation_ = 1.0;
   int n_contradicting_ = 0;  ///< successive measured poses that contradict the filter
   ImuEvidence evidence_;
+  /// Time for which the sensor has been seen standing, and the mean specific force in it.
+  double standing_s_ = 0.0;
+  Eigen::Vector3d standing_force_m_s2_ = Eigen::Vector3d::Zero();
   bool was_observed_ = false;  ///< whether the last frame was measured
   SE3 T_odom_observed_;        ///< pose of the sensor in it
 };

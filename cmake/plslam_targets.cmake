@@ -62,8 +62,9 @@ endif()
 include(plslam_precompiled)
 
 # The headers of other libraries take longer to compile than most sources, so the sources of a target are compiled eight
-# at a time: half the time for all, more for the change of one. The other presets compile them one by one, and so do
-# scripts/lint and the tests with sanitizers: a source that uses a name of another file by accident fails there.
+# at a time: half the time for all, more for the change of one. The debug preset compiles them one by one, and so does
+# scripts/lint, also for the recent sources among the tests: a source that uses a name of another file by accident fails
+# there.
 option(PLSLAM_UNITY "Compile eight sources of a target at a time" OFF)
 
 # plslam_compile_together(NAME [ALONE a.cpp ...]): those named have a name for another thing than their neighbours.

@@ -51,6 +51,10 @@ class StereoFrontEnd {
   /// maps, nor if the options exclude points.
   const std::vector<Eigen::Vector2d>& right_corners() const { return right_corners_; }
 
+  /// Regions of the rectified images in which features are found.
+  const FeatureMask& left_mask() const { return left_mask_; }
+  const FeatureMask& right_mask() const { return right_mask_; }
+
   /// Returns points for estimating a vertical disparity of several pixels: compares corners of both images with a wide
   /// row tolerance. Their disparities are less accurate for it.
   StereoFeatures LookForRows(const StereoImages& images, const PairSkew& skew = {});

@@ -67,8 +67,13 @@ class Drive {
   double shift_px_ = 0.0;
 };
 
-void Watch(Drive& drive, double shift_px, int frames, DirtyLenses& lenses) {
-  for (int i = 0; i < frames; ++i) lenses.Observe(drive.See(shift_px), drive.RightCorners());
+const FeatureMask kNoMask{cv::Mat()};
+
+void Watch(Drive& drive, double shift_px, int frames, DirtyLenses& lenses, const FeatureMask& left_mask = kNoMask,
+           const FeatureMask& right_mask = kNoMask) {
+  for (int i = 0; i < frames; ++i) {
+    lenses.Observe(drive.See(shift_px), drive.RightCorners(), left_mask, right_mask);
+  }
 }
 
 TEST(LensDirt, DirtIsFoundWhileCameraMoves) {
@@ -158,7 +163,7 @@ TEST(LensDirt, DirtThatMatchesOtherDirtIsFound) {
     }
     return features;
   };
-  for (int i = 0; i < 10; ++i) lenses.Observe(see(), drive.RightCorners());
+  for (int i = 0; i < 10; ++i) lenses.Observe(see(), drive.RightCorners(), kNoMask, kNoMask);
   EXPECT_GT(lenses.left().CoveredShare() - share, 20.0 / 4800.0);
 }
 
@@ -179,6 +184,22 @@ TEST(LensDirt, DistantCornersAreNoDirt) {
   DirtyLenses lenses(kLensCamera);
   Watch(drive, 5.0, 50, lenses);
   EXPECT_EQ(lenses.left().CoveredShare(), 0.0);
+}
+
+// A part of the scene that only one image shows may stand still while the rest moves.
+TEST(LensDirt, CornersWhosePartnerIsMaskedProveNothing) {
+  cv::Mat left = cv::Mat(480, 640, CV_8UC1, cv::Scalar(255)), right = left.clone();
+  left.colRange(200, 320).setTo(0);
+  right.colRange(340, 460).setTo(0);
+  Drive drive(20);
+  drive.n_right_dirt = 60;
+  DirtyLenses lenses(kLensCamera);
+  Watch(drive, 5.0, 30, lenses, FeatureMask(left), FeatureMask(right));
+  EXPECT_EQ(lenses.left().CoveredShare(), 0.0);
+  EXPECT_EQ(lenses.right().CoveredShare(), 0.0);
+  Watch(drive, 5.0, 30, lenses);
+  EXPECT_GT(lenses.left().CoveredShare(), 0.0);
+  EXPECT_GT(lenses.right().CoveredShare(), 0.0);
 }
 
 TEST(LensDirt, CleanLensKeepsAllFeatures) {

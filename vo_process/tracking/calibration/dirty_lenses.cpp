@@ -11,6 +11,9 @@ namespace {
 // Distance from a partner within which a corner of the right image is the same: detectors differ.
 constexpr double kPartner_px = 4.0;
 
+// Largest disparity at which a partner is expected, as a share of the image's width.
+constexpr double kMostDisparity = 0.125;
+
 bool IsMatched(const StereoPoint& point) { return point.HasDepth() || point.is_far; }
 
 /// Pixel of the partner in the right image, of a point that has one.
@@ -18,19 +21,34 @@ Eigen::Vector2d PartnerOf(const StereoPoint& point) {
   return point.left.px + Eigen::Vector2d(-std::max(point.disparity_px, 0.0), point.row_offset_px);
 }
 
+/// Whether the mask of the other image may hide the partner of a corner: at no, a middle or a large disparity.
+/// `side`: 1 for a corner of the right image, -1 for one of the left image.
+bool IsPartnerHidden(const Eigen::Vector2d& px, const FeatureMask& other_mask, double side) {
+  const int width_px = other_mask.inside().cols;
+  for (const double share : {0.0, 0.5, 1.0}) {
+    const Eigen::Vector2d partner = px + Eigen::Vector2d(side * share * kMostDisparity * width_px, 0.0);
+    if (partner.x() >= 0.0 && partner.x() < width_px - 1 && other_mask.IsOutside(partner)) return true;
+  }
+  return false;
+}
+
 // Dirt on one lens matches dirt on the other, so a partner on known dirt is none.
 
-std::vector<LensCorner> LeftCorners(const StereoFeatures& features, const LensDirt& right_dirt) {
+std::vector<LensCorner> LeftCorners(const StereoFeatures& features, const LensDirt& right_dirt,
+                                    const FeatureMask& right_mask) {
   std::vector<LensCorner> corners;
   corners.reserve(features.points.size());
   for (const StereoPoint& point : features.points) {
-    corners.push_back({point.left.px, IsMatched(point) && !right_dirt.IsOnDirt(PartnerOf(point))});
+    const bool is_matched = IsMatched(point) && !right_dirt.IsOnDirt(PartnerOf(point));
+    if (is_matched || !IsPartnerHidden(point.left.px, right_mask, -1.0))
+      corners.push_back({point.left.px, is_matched});
   }
   return corners;
 }
 
 std::vector<LensCorner> RightCorners(const StereoFeatures& features,
-                                     const std::vector<Eigen::Vector2d>& right_corners, const LensDirt& left_dirt) {
+                                     const std::vector<Eigen::Vector2d>& right_corners, const LensDirt& left_dirt,
+                                     const FeatureMask& left_mask) {
   std::vector<LensCorner> corners;
   std::vector<PointFeature> partners;
   for (const StereoPoint& point : features.points) {
@@ -40,16 +58,17 @@ std::vector<LensCorner> RightCorners(const StereoFeatures& features,
   }
   const PointGrid grid(partners);
   for (const Eigen::Vector2d& px : right_corners) {
-    if (grid.Within(px, kPartner_px).empty()) corners.push_back({px, false});
+    if (grid.Within(px, kPartner_px).empty() && !IsPartnerHidden(px, left_mask, 1.0)) corners.push_back({px, false});
   }
   return corners;
 }
 
 }  // namespace
 
-void DirtyLenses::Observe(const StereoFeatures& features, const std::vector<Eigen::Vector2d>& right_corners) {
-  if (!right_corners.empty()) right_.Observe(RightCorners(features, right_corners, left_));
-  left_.Observe(LeftCorners(features, right_));
+void DirtyLenses::Observe(const StereoFeatures& features, const std::vector<Eigen::Vector2d>& right_corners,
+                          const FeatureMask& left_mask, const FeatureMask& right_mask) {
+  if (!right_corners.empty()) right_.Observe(RightCorners(features, right_corners, left_, left_mask));
+  left_.Observe(LeftCorners(features, right_, right_mask));
 }
 
 void DirtyLenses::RemoveFrom(StereoFeatures& features) {

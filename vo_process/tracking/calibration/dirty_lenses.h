@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "core/features/feature_extractor.h"
 #include "core/features/features.h"
 #include "core/geometry/stereo_camera.h"
 #include "vo_process/tracking/calibration/lens_dirt.h"
@@ -23,8 +24,10 @@ class DirtyLenses {
   PairDirt Cells() const { return {left_.Cells(), right_.Cells()}; }
 
   /// Learns from the next pair. `right_corners` are corners of the right image, in rectified pixels; none without a
-  /// right image.
-  void Observe(const StereoFeatures& features, const std::vector<Eigen::Vector2d>& right_corners);
+  /// right image. Corners whose partner a mask hides are left out: their part of the scene may move in another way than
+  /// the one that both images show.
+  void Observe(const StereoFeatures& features, const std::vector<Eigen::Vector2d>& right_corners,
+               const FeatureMask& left_mask, const FeatureMask& right_mask);
 
   /// Removes points on the left lens's dirt, and segments with both ends there; and depths from partners on the right
   /// lens's dirt.

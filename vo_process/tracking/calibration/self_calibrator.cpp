@@ -70,7 +70,7 @@ StereoFeatures SelfCalibrator::SeePair(StereoFrontEnd& front_end, const StereoIm
   };
   StereoFeatures features = see();
   if (!looks && LearnRows(features)) features = see();
-  lenses_.Observe(features, front_end.right_corners());
+  lenses_.Observe(features, front_end.right_corners(), front_end.left_mask(), front_end.right_mask());
   if (!knew_dirt && lenses_.HasDirt()) {
     lenses_.RemoveFrom(features);
     front_end.SetDirt(lenses_.Cells());

@@ -113,8 +113,6 @@ bool HasFewStereoMatches(const RunFindings& f) {
   return f.points_seen >= kEnoughPoints && f.points_matched < kFewMatched * f.points_seen;
 }
 
-/// "the right images are taken 93 ms after the left ones: ..." Beyond half a frame, other pairs are nearer in time;
-/// from `SyncCheck::is_far_off` on, frames remain weak in spite of the compensation.
 std::string DirtText(const char* lens, double percent, double u_px, double v_px) {
   return fmt::format(
       "dirt on the {} lens, or text burnt into its images, covers {:.2g} % of the image, most of it near pixel "
@@ -122,6 +120,8 @@ std::string DirtText(const char* lens, double percent, double u_px, double v_px)
       lens, percent, u_px, v_px);
 }
 
+/// "the right images are taken 93 ms after the left ones: ..." Beyond half a frame, other pairs are nearer in time;
+/// from `SyncCheck::is_far_off` on, frames remain weak in spite of the compensation.
 std::string OutOfStepText(const RunFindings& f) {
   const bool right = f.right_late_ms > 0.0;
   const int offset = static_cast<int>(std::lround(right ? -f.late_frames : f.late_frames));

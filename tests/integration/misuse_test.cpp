@@ -146,7 +146,7 @@ TEST(Misuse, SettingsWithoutEffectAreRefused) {
   EXPECT_THAT(error_of({"--set", "dense.voxel_m=0.1"}), HasSubstr("starts no dense_process"));
   EXPECT_THAT(error_of({"--set", "adapter.left=/left"}), HasSubstr("starts no adapter"));
   EXPECT_THAT(error_of({"--stop", "3", "--set", "player.stop=2"}),
-              HasSubstr("--set player.stop=2: another option of `plslam run` sets player.stop=3"));
+              HasSubstr("--set player.stop=2: the arguments of `plslam run` decide, with player.stop=3"));
 }
 
 TEST(Misuse, CommandsOnFilesAreListedByBothPrograms) {

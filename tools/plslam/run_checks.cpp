@@ -145,7 +145,8 @@ void CheckOverride(const std::string& assignment, const RunOptions& options) {
   for (const std::string& setting : SettingsOf(*row, options)) {
     if (!setting.starts_with(key) || setting == assignment) continue;
     throw std::runtime_error(
-        fmt::format("--set {}: another option of `plslam run` sets {}: remove one of them", assignment, setting));
+        fmt::format("--set {}: the arguments of `plslam run` decide, with {}: remove this option, or change them",
+                    assignment, setting));
   }
 }
 

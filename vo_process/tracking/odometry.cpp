@@ -259,7 +259,8 @@ void Odometry::Predict(const MotionPrediction& prediction, double dt_s, Odometry
 void Odometry::Publish(const std::optional<Tracked>& tracked, double dt_s, OdometryResult& result) {
   covariance_.Publish(calibrator_.disparities().LengthSigma(), keyframes_.SinceKeyframe(T_odom_c_), result);
   if (!tracked) return;
-  // Other sensors are compared only with motions measured without their prediction and without doubt.
+  // The robot's own odometry is compared only with motions that are measured without doubt; the inertial sensor observes
+  // doubtful ones, too, because it is what decides between two.
   const bool is_sure = result.state == TrackingState::kTracking && !result.jumped;
   motion_.robot().Observe(result.T_prev_c, result.motion_covariance, dt_s, is_sure);
   if (tracked->confirmed) {

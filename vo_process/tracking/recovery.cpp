@@ -79,11 +79,11 @@ std::optional<Tracked> Recovery::FindCurrent(const Query& query, const LocalLand
   // After many dark frames the camera may see another part of a world whose parts look alike, but it is where the
   // inertial sensor carried it.
   const Carried* carried = std::get_if<Carried>(&state_);
-  MotionPrediction comparable = query.prediction;
-  comparable.covariance += found->covariance;
-  const SE3 T_odom_predicted = query.T_odom_prev * query.prediction.T_prev_c;
-  if (carried != nullptr && SquaredDeviation(comparable, T_odom_predicted, found->T_odom_c) > kExpectedChi2) {
-    return std::nullopt;
+  if (carried != nullptr && query.prediction.since_measured) {
+    MotionPrediction comparable = query.prediction;
+    comparable.covariance += found->covariance;
+    const SE3 T_odom_predicted = query.T_odom_prev * query.prediction.T_prev_c;
+    if (SquaredDeviation(comparable, T_odom_predicted, found->T_odom_c) > kExpectedChi2) return std::nullopt;
   }
   const bool is_new = carried != nullptr && carried->created_landmarks;
   return Tracked{std::move(*found), is_new ? Reference::kCreatedWhileCarried : Reference::kCurrent};

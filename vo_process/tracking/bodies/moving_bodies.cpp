@@ -35,8 +35,6 @@ constexpr int kSurroundedTimes = 3;
 // forgotten.
 constexpr int kGuardedFrames = 5;
 constexpr int kMaxUnseenFrames = 10;
-// Frames in which a body must be found before it is published; parts found one by one have been joined by then.
-constexpr int kMetFrames = 5;
 constexpr int kStandingFrames = 10;
 // Least motion in the image, if the body moved with the camera, that shows whether it stands.
 constexpr double kShownMotion_px = 2.0;
@@ -85,7 +83,8 @@ MovingBodies::MovingBodies(const StereoCamera& camera, const VoOptions& options,
       bodies_(kMaxBodies, Body(camera, options, imu)),
       matches_(kMaxBodies),
       T_b_prev_(kMaxBodies),
-      covariances_(kMaxBodies, Matrix6d::Zero()) {}
+      covariances_(kMaxBodies, Matrix6d::Zero()),
+      agreements_(kMaxBodies) {}
 
 void MovingBodies::Forget() {
   for (Body& body : bodies_) body.id = -1;
@@ -167,6 +166,7 @@ MovingBodies::Claims MovingBodies::Follow(double dt_s, const InertialMotionModel
                 FlagsOf(of_world.lines, &LandmarkMatch::feature, frame.features.lines.size())};
   for (size_t k = 0; k < kMaxBodies; ++k) {
     matches_[k] = {};
+    agreements_[k].reset();
     T_b_prev_[k] = bodies_[k].T_b_c;
   }
   for (size_t k = 0; k < kMaxBodies; ++k) {
@@ -182,6 +182,8 @@ MovingBodies::Claims MovingBodies::Follow(double dt_s, const InertialMotionModel
       body.unseen_frames = 0;
       matches_[k] = rest.InWhole(found->matches);
       covariances_[k] = found->covariance;
+      agreements_[k] = body.as_world.AgreementWith(body.T_b_c, covariances_[k]);
+      body.as_world.Observe(body.T_b_c, covariances_[k], true, false);
       if (++body.found_frames == kMetFrames) {
         ++n_met_;
         body.middle_b = MiddleOf(body.landmarks, matches_[k]);

@@ -91,6 +91,7 @@ class OwnedIds {
   void Remove(int64_t id, int64_t map_id) {
     Erase(id, ids_);
     Erase(map_id, map_ids_);
+    std::erase_if(new_, [id](const Withdrawn& landmark) { return landmark.landmark_id == id; });
   }
   bool Has(int64_t id) const { return std::binary_search(ids_.begin(), ids_.end(), id); }
   bool HasOfMap(int64_t map_id) const { return std::binary_search(map_ids_.begin(), map_ids_.end(), map_id); }
@@ -194,6 +195,8 @@ class MovingBodies {
  private:
   /// Least exclusive inliers (points + 2 x lines) of a second motion.
   static constexpr int kMinWeight = 25;
+  /// Frames in which a body must be found before it is published; parts found one by one have been joined by then.
+  static constexpr int kMetFrames = 5;
 
   /// Features that are already associated.
   struct Claims {
@@ -247,6 +250,9 @@ class MovingBodies {
   std::vector<FrameMatches> matches_;
   std::vector<SE3> T_b_prev_;
   std::vector<Matrix6d> covariances_;
+  /// Agreement of the inertial sensor with the pose of the current frame, before the sensor's model observed it, by
+  /// slot.
+  std::vector<std::optional<InertialFilter::Agreement>> agreements_;
   bool is_first_pair_ = true;
   int64_t next_body_id_ = 0;
   int64_t n_met_ = 0;

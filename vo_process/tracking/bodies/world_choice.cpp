@@ -70,10 +70,10 @@ std::optional<size_t> MovingBodies::CompareWithSensor(const InertialMotionModel&
   for (size_t k = 0; k < kMaxBodies; ++k) {
     Body& body = bodies_[k];
     if (!body.IsThere() || body.unseen_frames > 0) continue;
-    const auto of_body = body.as_world.AgreementWith(body.T_b_c, covariances_[k]);
-    body.as_world.Observe(body.T_b_c, covariances_[k], true, false);
-    // A sensor that contradicts the world's poses is compared no longer, unless it confirms the body's.
-    if (!of_body || found.weak) continue;
+    const auto& of_body = agreements_[k];
+    // A sensor that contradicts the world's poses is compared no longer, unless it has confirmed the body's for as long
+    // as it takes to trust it.
+    if (!of_body || found.weak || (!of_world && !body.as_world.IsTrusted())) continue;
     const double difference = of_world ? of_world->surprise - of_body->surprise : kMostOfOneFrame;
     body.evidence = std::max(-kDecisive, body.evidence + std::clamp(difference, -kMostOfOneFrame, kMostOfOneFrame));
     if (body.evidence <= -kDecisive) body.doubtful_frames = 0;
@@ -109,6 +109,8 @@ ConfirmedWorld MovingBodies::Exchange(size_t k, const SE3& T_odom_prev, double d
   body.motion.Forget();
   body.motion.Observe(T_odom_prev.Inverse() * body.T_b_c, dt_s, of_world.covariance);
   body.as_world = inertial;
+  body.as_world.Observe(body.T_b_c, of_world.covariance, true, false);
+  if (body.found_frames >= kMetFrames) --n_met_;
   body.found_frames = 1;
   body.standing_frames = body.doubtful_frames = 0;
   body.evidence = -kDecisive;

@@ -46,6 +46,7 @@ constexpr double kPriorDelta = 2.45;
 // velocity then.
 constexpr double kStanding_m = 0.003;
 constexpr double kStanding_rad = 0.05 * kRadPerDeg;
+constexpr double kStandingRate_rad_s = 0.05 * kRadPerDeg;
 constexpr double kStandingSeen_s = 0.5;
 constexpr double kStanding_m_s = 0.003;
 // Sigmas of the white noise, of means over a frame, within which samples are those of a standing sensor.
@@ -185,7 +186,7 @@ bool InertialMotionModel::CanCarry() const {
 
 void InertialMotionModel::Begin(const SE3& T_odom_imu, const Matrix6d& covariance) {
   filter_.Begin(T_odom_imu, covariance, mean_force_m_s2_, knows_bias_);
-  measured_s_ = unmeasured_s_ = 0.0;
+  measured_s_ = unmeasured_s_ = standing_s_ = 0.0;
   n_contradicting_ = 0;
 }
 
@@ -239,7 +240,7 @@ bool InertialMotionModel::IsQuiet() const {
   const double root_s = std::sqrt(motion_->dt_s());
   const Eigen::Vector3d rate_rad_s =
       SE3(motion_->RotationWith(filter_.state().bias), Eigen::Vector3d::Zero()).Log().tail<3>() / motion_->dt_s();
-  return rate_rad_s.norm() < kQuietSigmas * noise.gyroscope_rad_s_sqrt_hz / root_s + kStanding_rad &&
+  return rate_rad_s.norm() < kQuietSigmas * noise.gyroscope_rad_s_sqrt_hz / root_s + kStandingRate_rad_s &&
          (mean_force_m_s2_ - standing_force_m_s2_).norm() < kQuietSigmas * noise.accelerometer_m_s2_sqrt_hz / root_s;
 }
 
@@ -274,7 +275,7 @@ void InertialMotionModel::Miss() {
   if (!imu_ || !filter_.has_begun()) return;
   if (!motion_) {
     // Nothing is known of the motion: the next measured frame begins again.
-    measured_s_ = 0.0;
+    measured_s_ = standing_s_ = 0.0;
     return;
   }
   filter_.Propagate(*motion_);

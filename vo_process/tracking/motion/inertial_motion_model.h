@@ -93,6 +93,8 @@ class InertialMotionModel {
 
   /// Mean normalised innovation of the last frames over its expectation: 1 for a consistent sensor.
   double normalised_innovation() const { return innovation_; }
+  /// Returns whether the sensor has agreed with measured poses for long enough to predict motions.
+  bool IsTrusted() const;
   const InertialFilter& filter() const { return filter_; }
   /// Returns one sentence on a sensor that contradicts the images, with the number that shows it; empty for a healthy
   /// one, and before some seconds of measured frames.
@@ -102,11 +104,11 @@ class InertialMotionModel {
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.filter_, self.knows_bias_, self.measured_s_, self.unmeasured_s_, self.innovation_, self.n_contradicting_,
-      self.evidence_, self.was_observed_, self.T_odom_observed_, self.standing_s_, self.standing_force_m_s2_);
+      self.evidence_, self.was_observed_, self.T_odom_observed_, self.mean_force_m_s2_, self.standing_s_,
+      self.standing_force_m_s2_);
   }
 
  private:
-  bool IsTrusted() const;
   void Begin(const SE3& T_odom_imu, const Matrix6d& covariance);
   void AddEvidence(const SE3& T_previmu_imu);
   void LearnStanding(const SE3& T_previmu_imu);

@@ -15,6 +15,13 @@ namespace plslam::vo {
 /// Returns `points` as stereo points without depth, with `sigma_px` from their scales.
 std::vector<StereoPoint> WithoutDepth(std::vector<PointFeature> points, const StereoOptions& options);
 
+/// Removes the partner of a point, and so its depth.
+inline void ForgetPartner(StereoPoint& point) {
+  point.disparity_px = -1.0;
+  point.row_offset_px = 0.0;
+  point.sigma_row_px = -1.0;
+}
+
 /// The right point most similar to a left one; `index` is negative if there is none.
 struct PointCandidate {
   int index = -1;

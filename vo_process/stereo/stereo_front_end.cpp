@@ -7,6 +7,7 @@
 
 #include "core/features/points/fast_score.h"
 #include "core/geometry/image_mask.h"
+#include "vo_process/stereo/point_stereo.h"
 #include "vo_process/stereo/stereo_matcher.h"
 
 namespace plslam::vo {
@@ -44,11 +45,8 @@ bool NeedsRightPoints(const RowField& rows, const StereoOptions& options) {
 /// Removes depths from matches in masked regions of the right image, to which the search along the row may lead.
 void ForgetPartnersOutside(const FeatureMask& right_mask, StereoFeatures& features) {
   for (StereoPoint& point : features.points) {
-    if (!point.HasDepth() || !right_mask.IsOutside(point.left.px - Eigen::Vector2d(point.disparity_px, 0.0)))
-      continue;
-    point.disparity_px = -1.0;
-    point.row_offset_px = 0.0;
-    point.sigma_row_px = -1.0;
+    if (!point.HasDepth()) continue;
+    if (right_mask.IsOutside(point.left.px - Eigen::Vector2d(point.disparity_px, 0.0))) ForgetPartner(point);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/features/matching/descriptor_matcher.h"
+#include "vo_process/stereo/point_stereo.h"
 
 namespace plslam::vo {
 namespace {
@@ -79,10 +80,7 @@ void DirtyLenses::RemoveFrom(StereoFeatures& features) {
   });
   if (!right_.HasDirt()) return;
   for (StereoPoint& point : features.points) {
-    if (!point.HasDepth() || !right_.IsOnDirt(PartnerOf(point))) continue;
-    point.disparity_px = -1.0;
-    point.row_offset_px = 0.0;
-    point.sigma_row_px = -1.0;
+    if (point.HasDepth() && right_.IsOnDirt(PartnerOf(point))) ForgetPartner(point);
   }
   for (StereoLine& line : features.lines) {
     if (!line.HasDepth()) continue;

@@ -114,6 +114,11 @@ InertialMotionModel InertialMotionModel::For(const SE3& T_frame_prev) const {
   return other;
 }
 
+InertialFilter InertialMotionModel::Propagated(InertialFilter filter) const {
+  filter.Propagate(*motion_);
+  return filter;
+}
+
 /// Covariance of a measured pose of the sensor from that of the camera's.
 Matrix6d InertialMotionModel::MeasuredCovariance(const Matrix6d& covariance) const {
   const Matrix6d A = imu_->T_imu_c.Adjoint();
@@ -125,8 +130,7 @@ std::optional<InertialFilter::Agreement> InertialMotionModel::AgreementWith(cons
   if (!imu_ || !motion_ || innovation_ >= kHealthy) return std::nullopt;
   const bool is_first = !filter_.has_begun();
   if (is_first && !was_observed_) return std::nullopt;
-  InertialFilter next = is_first ? For(T_odom_observed_ * imu_->T_imu_c).filter_ : filter_;
-  next.Propagate(*motion_);
+  const InertialFilter next = Propagated(is_first ? For(T_odom_observed_ * imu_->T_imu_c).filter_ : filter_);
   return next.AgreementWith(T_odom_c * imu_->T_imu_c.Inverse(), MeasuredCovariance(covariance));
 }
 
@@ -146,8 +150,7 @@ Matrix6d InertialMotionModel::CameraCovariance(const InertialFilter& filter) con
 
 MotionPrediction InertialMotionModel::Predict(const MotionPrediction& own) const {
   if (!motion_ || !IsTrusted()) return own;
-  InertialFilter next = filter_;
-  next.Propagate(*motion_);
+  const InertialFilter next = Propagated(filter_);
   const SE3 before = CameraMotion(filter_), after = CameraMotion(next);
   const Matrix6d covariance_before = CameraCovariance(filter_);
   MotionPrediction prediction = own;
@@ -164,22 +167,20 @@ MotionPrediction InertialMotionModel::Predict(const MotionPrediction& own) const
 std::optional<MotionPrior> InertialMotionModel::PriorFrom(const MeasuredPose& before,
                                                           const MeasuredPose& seen) const {
   if (!motion_ || !IsTrusted() || unmeasured_s_ > 0.0) return std::nullopt;
-  InertialFilter next = filter_;
-  next.Propagate(*motion_);
+  const InertialFilter next = Propagated(filter_);
   const SE3 T_prev_c = CameraMotion(filter_).Inverse() * CameraMotion(next);
   const SE3 T_odom_predicted = before.T_odom_c * T_prev_c;
   const Matrix6d covariance =
       ComposeCovariance(before.covariance, T_prev_c, CameraCovariance(next)) + Isotropic(kMotion_m, kMotion_rad);
   const Vector6d off = (T_odom_predicted.Inverse() * seen.T_odom_c).Log();
-  const double chi2 = off.dot((covariance + seen.covariance).ldlt().solve(off));
+  const double chi2 = SquaredMahalanobis<6>(off, covariance + seen.covariance);
   if (chi2 > kExpectedChi2) return std::nullopt;
   return MotionPrior{T_odom_predicted.Inverse(), covariance / PseudoHuberWeight(chi2, kPriorDelta)};
 }
 
 bool InertialMotionModel::CanCarry() const {
   if (!motion_ || !IsTrusted()) return false;
-  InertialFilter next = filter_;
-  next.Propagate(*motion_);
+  const InertialFilter next = Propagated(filter_);
   const Matrix6d covariance = CameraCovariance(next);
   return LargestSigma(covariance, 0) < kFarthest_m && LargestSigma(covariance, 3) < kFarthest_rad;
 }

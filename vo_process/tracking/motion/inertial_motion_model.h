@@ -113,6 +113,8 @@ class InertialMotionModel {
   void AddEvidence(const SE3& T_previmu_imu);
   void LearnStanding(const SE3& T_previmu_imu);
   bool IsQuiet() const;
+  /// Returns a state of the filter after the motion to the next frame, which must be known.
+  InertialFilter Propagated(InertialFilter filter) const;
   Matrix6d MeasuredCovariance(const Matrix6d& covariance) const;
   /// Motion of the camera since the last measured frame and its covariance, as of this state of the filter.
   SE3 CameraMotion(const InertialFilter& filter) const;

@@ -67,8 +67,6 @@ struct TrackingOptions {
   double accepted_ratio = 0.7;
   /// Ratio to the inliers at an expected pose above which an unexpected pose is accepted instead.
   double elsewhere_ratio = 1.5;
-  double max_acceleration_m_s2 = 10.0;
-  double max_angular_acceleration_rad_s2 = 20.0;
 };
 
 /// Use of the map of mapping_process.
@@ -121,7 +119,6 @@ struct KeyframeOptions {
   double known_share = 0.5;
   /// Number of keyframes that observe a well-known landmark.
   int known_observations = 6;
-  std::string measurements = "mean";
 };
 
 /// All options of vo_process.
@@ -170,10 +167,6 @@ void VisitFields(Visitor& visit, TrackingOptions& o) {
         "landmarks: positions fused over frames; previous_frame: frame to frame, as in the paper");
   visit("min_inliers", o.min_inliers, Bounds{3, 1000}, "inliers (points + 2 x lines) below which a frame is lost");
   visit("weak_inliers", o.weak_inliers, Bounds{3, 1000}, "the same below which tracking is weak and the prior helps");
-  visit("max_acceleration_m_s2", o.max_acceleration_m_s2, Bounds{0.01, 1000},
-        "standard deviation of the change of velocity that the motion prior allows");
-  visit("max_angular_acceleration_rad_s2", o.max_angular_acceleration_rad_s2, Bounds{0.01, 1000},
-        "standard deviation of the change of velocity that the motion prior allows");
 }
 
 template <class Visitor>
@@ -228,9 +221,6 @@ void VisitFields(Visitor& visit, KeyframeOptions& o) {
   visit("known_share", o.known_share, Bounds{0, 1.01},
         "if more than this share of the tracked landmarks is well observed in the map, translation, rotation and age "
         "make no keyframe; above 1: they always do");
-  visit(
-      "measurements", o.measurements, OneOf{"mean", "frame"},
-      "measurements stored in a keyframe: means over the frames since the last keyframe, or those of its own frame");
 }
 
 template <class Visitor>

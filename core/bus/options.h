@@ -8,7 +8,7 @@
 
 namespace plslam::bus {
 
-/// How a process joins the bus.
+/// How a process joins the bus. Users set those of `VisitFields`; tests change the others.
 struct BusOptions {
   /// Any LCM URL: udpm, tcpq, file, memq. Empty: LCM_DEFAULT_URL, or LCM's default.
   std::string url;
@@ -45,14 +45,11 @@ void VisitFields(Visitor& visit, BusOptions& o) {
   visit("max_message_bytes", o.max_message_bytes, Bounds{1000, 60000}, "largest message; 1200 on lossy links");
   visit("key_file", o.key_file, "file with a shared key of 64 hex digits; empty: no authentication");
   visit("history_dir", o.history_dir, "folder for the history of ordered channels; empty: under TMPDIR");
-  visit("max_wait_ms", o.max_wait_ms, Bounds{0, 60000}, "longest wait of a publisher for a slow reader");
   visit("give_up_s", o.give_up_s, Bounds{0.1, 3600},
         "how long a silent publisher is considered disconnected, not dead");
   visit("history_bytes", o.history_bytes, Bounds{200000, 4e9}, "memory for repair, of each ordered channel");
-  visit("queue_bytes", o.queue_bytes, Bounds{200000, 4e9}, "memory for messages that wait for handlers");
   visit("drop_fraction", o.drop_fraction, Bounds{0, 0.9},
         "share of received datagrams dropped on purpose, for tests");
-  visit("drop_seed", o.drop_seed, Bounds{0, 1e15}, "seed of the dropped datagrams");
 }
 
 }  // namespace plslam::bus

@@ -63,7 +63,10 @@ inline constexpr const char* kRecordingScan = "recording.scan_s";
 inline constexpr const char* kFramesUnanchored = "frames.unanchored";
 /// The same since the last frame with a known place.
 inline constexpr const char* kUnanchoredNow = "frames.unanchored_now";
-inline constexpr std::array<const char*, 35> kRunCounters{kPointsSeen,       kPointsMatched,
+/// From vo: frames that were lost, and whose pose the inertial sensor carried.
+inline constexpr const char* kFramesLost = "frames.lost";
+inline constexpr const char* kFramesCarried = "frames.carried";
+inline constexpr std::array<const char*, 36> kRunCounters{kPointsSeen,       kPointsMatched,
                                                           kFramesDark,       kCornerRows,
                                                           kLengthError,      kTruthFrames,
                                                           kTruthMissing,     kPicturesMissing,
@@ -80,7 +83,7 @@ inline constexpr std::array<const char*, 35> kRunCounters{kPointsSeen,       kPo
                                                           kOtherReadout,     kLensDirt,
                                                           kLensDirtColumn,   kLensDirtRow,
                                                           kRightLensDirt,    kRightLensDirtColumn,
-                                                          kRightLensDirtRow};
+                                                          kRightLensDirtRow, kFramesCarried};
 
 /// The newest values of these counters by process, including exited processes; other counters are ignored.
 class RunCounters {

@@ -31,9 +31,9 @@ constexpr double kManyUnanchoredAtEnd = 10.0;
 constexpr double kManySkipped = 0.01;
 /// At 1 m/s, 1 mm of the baseline.
 constexpr double kFarSkew_ms = 1.0;
-/// So much the tracker follows; a calibration that is off by it costs accuracy all the same.
 // Share of the image below which dirt is not worth a warning.
 constexpr double kLeastDirt_percent = 0.1;
+/// The tracker corrects rows that differ by this; a calibration that is off by it costs accuracy nevertheless.
 constexpr double kFarRows_px = 4.0;
 /// Harmful change of lengths at the median depth, and the number of sigmas by which it must exceed zero. Near points
 /// count more in a path: without correction, 2.1 % lengthen that of KITTI 03 by 1 %, and 15 % that of KITTI 01 by 10 %.
@@ -113,6 +113,14 @@ bool HasFewStereoMatches(const RunFindings& f) {
   return f.points_seen >= kEnoughPoints && f.points_matched < kFewMatched * f.points_seen;
 }
 
+std::string FewStereoMatchesText(const RunFindings& f) {
+  return fmt::format(
+      "the right images have only {:.1f} % of the points of the left ones: left and right may be exchanged, not "
+      "taken "
+      "at the same time, or badly calibrated (check with {}), or each image shows rain, snow or dirt of its own",
+      100.0 * f.points_matched / f.points_seen, CheckText(f));
+}
+
 std::string DirtText(const char* lens, double percent, double u_px, double v_px) {
   return fmt::format(
       "dirt on the {} lens, or text burnt into its images, covers {:.2g} % of the image, most of it near pixel "
@@ -185,13 +193,7 @@ const Row kRows[] = {
      [](const RunFindings& f) {
        return Numbers{{"unanchored", f.frames_unanchored}, {"all", Count(f.frames.answered())}};
      }},
-    {"few_stereo_matches", HasFewStereoMatches,
-     [](const RunFindings& f) {
-       return fmt::format(
-           "the right images have only {:.1f} % of the points of the left ones: left and right may be "
-           "exchanged, not taken at the same time, or badly calibrated; check with {}",
-           100.0 * f.points_matched / f.points_seen, CheckText(f));
-     },
+    {"few_stereo_matches", HasFewStereoMatches, FewStereoMatchesText,
      [](const RunFindings& f) {
        return Numbers{{"points", f.points_seen}, {"matched", f.points_matched}};
      }},

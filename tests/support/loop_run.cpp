@@ -110,6 +110,7 @@ void Run::Frame(const Moment& moment) {
   frame.keyframe = result.keyframe.has_value();
   in_odom_.push_back(frame);
   frame.T_odom_l = odometry_.T_w_odom() * frame.T_odom_l;
+  frame.n_bodies = result.n_bodies;
   run_.slam.live.push_back(frame);
   run_.slam.n_bodies = result.n_bodies;
   const int64_t index = static_cast<int64_t>(in_odom_.size()) - 1;

@@ -28,6 +28,8 @@ struct OdometryFrame {
   int n_lines = 0;
   int n_tracked_points = 0;
   int n_tracked_lines = 0;
+  /// Moving bodies that were published so far.
+  int n_bodies = 0;
   /// Estimated delay of the right images after the left ones.
   double late_s = 0.0;
   /// Readout time that was found.

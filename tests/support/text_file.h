@@ -2,6 +2,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -10,12 +11,13 @@
 
 namespace plslam {
 
-/// A folder of one test, removed with it.
+/// A folder of one test, removed with it; other processes that run the same test have their own.
 class ScratchFolder {
  public:
   ScratchFolder() {
     const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::path(testing::TempDir()) / (std::string(test->test_suite_name()) + "." + test->name());
+    folder_ = std::filesystem::path(testing::TempDir()) /
+              (std::string(test->test_suite_name()) + "." + test->name() + "." + std::to_string(getpid()));
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
   }

@@ -137,6 +137,12 @@ std::string WithoutSeed(const std::string& dataset) {
   return dataset.substr(0, question) + kept;
 }
 
+/// Of a dataset that is no file, its name.
+std::filesystem::path CanonicalPath(const std::string& name) {
+  std::error_code unknown;
+  return std::filesystem::weakly_canonical(name, unknown);
+}
+
 }  // namespace
 
 std::string NameWithUnit(const Metric& metric) {
@@ -157,12 +163,33 @@ RunRecord RecordOf(const json& summary, const std::string& folder) {
   record.folder = folder;
   record.played = summary.value("dataset", "");
   record.dataset = WithoutSeed(record.played);
+  record.recordings = summary.value("recordings", std::vector<std::string>());
   record.completed = summary.value("completed", false);
   record.untracked = IsUntracked(summary);
   record.reason = summary.value("reason", "");
   record.options = OptionsOf(summary);
   for (const MetricRow& row : Rows()) record.values.push_back(row.read(summary));
   return record;
+}
+
+void ResolveRecordings(std::vector<RunRecord>* runs) {
+  const auto recorded_by = [&](const std::string& played) -> const RunRecord* {
+    for (const RunRecord& run : *runs) {
+      for (const std::string& recording : run.recordings) {
+        if (CanonicalPath(recording) == CanonicalPath(played)) return &run;
+      }
+    }
+    return nullptr;
+  };
+  for (RunRecord& run : *runs) {
+    const RunRecord* origin = recorded_by(run.played);
+    // A recording may be of a replay, too.
+    for (size_t i = 0; origin != nullptr && origin != &run && i < runs->size(); ++i) {
+      run.played = origin->played;
+      run.dataset = origin->dataset;
+      origin = recorded_by(run.played);
+    }
+  }
 }
 
 std::optional<RunRecord> FindRunRecord(const std::string& folder) {

@@ -33,6 +33,8 @@ struct RunRecord {
   /// The dataset of the run, with and without the seed of a built-in world; seeds do not distinguish groups.
   std::string played;
   std::string dataset;
+  /// The LCM logs that it recorded.
+  std::vector<std::string> recordings;
   bool completed = false;
   /// There is a truth but no pose to compare with it: the run has no errors, which must not be mistaken for a good
   /// result.
@@ -48,6 +50,9 @@ struct RunRecord {
 
 /// From a `summary.json`. `folder` is for the record only.
 RunRecord RecordOf(const nlohmann::json& summary, const std::string& folder);
+
+/// Gives a run that played a recording of another one the dataset of the latter: both processed the same frames.
+void ResolveRecordings(std::vector<RunRecord>* runs);
 
 /// Reads `FOLDER/summary.json`; nullopt if that is not the summary of a run.
 std::optional<RunRecord> FindRunRecord(const std::string& folder);

@@ -294,6 +294,7 @@ json SummaryToJson(const RunSummary& summary) {
           {"lost_frames", frames.lost},
           {"skipped_frames", frames.skipped},
           {"bad_frames", frames.unreadable},
+          {"carried_frames", static_cast<int64_t>(summary.counters.Sum(kFramesCarried))},
           {"unanchored_frames", static_cast<int64_t>(summary.counters.Sum(kFramesUnanchored))},
           {"unanswered_frames", frames.unanswered},
           {"missing_pictures", static_cast<int64_t>(summary.counters.Largest(kPicturesMissing))},

@@ -301,8 +301,8 @@ void VoNode::Track(const Frame& frame) {
   if (report_.frames() % kKeepLearnedEvery == 0)
     KeepLearned(options_.self_calibration_file, camera_.bytes(), odometry_);
   report_.Count("frames.skipped", frame.skipped);
-  if (StateOf(result) == TrackingState::kLost) report_.Count("frames.lost", 1);
-  if (result.carried) report_.Count("frames.carried", 1);
+  if (StateOf(result) == TrackingState::kLost) report_.Count(kFramesLost, 1);
+  if (result.carried) report_.Count(kFramesCarried, 1);
   if (result.keyframe) report_.Count("keyframes", 1);
   report_.LookAt(frame.images, result.features, rig_->kind == RigCalibration::Kind::kRgbd);
   report_.ReportVerticalDisparity(odometry_->calibration().rows(), front_end_->camera());
@@ -547,7 +547,7 @@ bus::ProcessSpec VoSpec() {
       "  vo_process --config config/plslam.yaml --set vo.features.features=points\n"
       "  vo_process --url udpm://239.255.76.67:7667?ttl=1 --prefix front/";
   spec.waits_for = "a camera and frames of a player";
-  spec.results = {{"frames", "frames tracked"}, {"frames.lost", "of them lost"}, {"keyframes", "keyframes"}};
+  spec.results = {{"frames", "frames tracked"}, {kFramesLost, "of them lost"}, {"keyframes", "keyframes"}};
   spec.make_node = bus::NodeWithOptions<VoNode, VoOptions>(spec.name);
   return spec;
 }

@@ -28,11 +28,7 @@ KeyframeContent ContentOfWorld(const TrackedFrame& frame) {
 }  // namespace
 
 KeyframeMaker::KeyframeMaker(const StereoCamera& camera, const KeyframeOptions& options)
-    : camera_(camera),
-      options_(options),
-      takes_means_(options.measurements == "mean"),
-      policy_(options),
-      measurements_(camera) {}
+    : camera_(camera), options_(options), policy_(options), measurements_(camera) {}
 
 void KeyframeMaker::BeginSession() {
   next_id_ = 0;
@@ -82,14 +78,11 @@ KeyframeStep KeyframeMaker::Make(KeyframeReason reason, const SE3& T_odom_c, con
   return step;
 }
 
-void KeyframeMaker::Add(const SE3& T_odom_c, const TrackedFrame& frame) {
-  if (takes_means_) measurements_.Add(T_odom_c, frame);
-}
+void KeyframeMaker::Add(const SE3& T_odom_c, const TrackedFrame& frame) { measurements_.Add(T_odom_c, frame); }
 
 KeyframeContent KeyframeMaker::TakeContent(int64_t keyframe_id, const TrackedFrame& frame,
                                            const LocalLandmarks& landmarks) {
-  KeyframeContent content = ContentOfWorld(frame);
-  if (takes_means_) content = measurements_.Take(landmarks, std::move(content));
+  KeyframeContent content = measurements_.Take(landmarks, ContentOfWorld(frame));
   log_.Add(keyframe_id, TrackedLandmarkIds(content.point_tracks), TrackedLandmarkIds(content.line_tracks));
   return content;
 }

@@ -61,7 +61,6 @@ class KeyframeMaker {
 
   StereoCamera camera_;
   KeyframeOptions options_;
-  bool takes_means_;  ///< whether a keyframe has the means of the measurements since the previous one
   KeyframePolicy policy_;
   KeyframeMeasurements measurements_;
   KeyframeLog log_;

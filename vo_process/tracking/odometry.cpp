@@ -25,7 +25,7 @@ Odometry::Odometry(const StereoCamera& camera, const VoOptions& options, const R
                    const std::optional<MountedImu>& imu)
     : options_(options),
       aligner_(camera, options),
-      motion_(options.tracking, imu),
+      motion_(imu),
       calibrator_(camera, options, shutter),
       landmarks_(camera, options),
       bodies_(camera, options, imu),

@@ -35,6 +35,7 @@ const std::vector<NumericOption>& NumericOptions() {
       {"seed", {0, 4294967295.0}, true, [](Options& o, double v) { o.seed = static_cast<uint64_t>(v); }},
       {"frames", {1, 1000000}, true, [](Options& o, double v) { o.frames = static_cast<int>(v); }},
       {"loops", {1, 1000}, true, [](Options& o, double v) { o.loops = static_cast<int>(v); }},
+      {"changed_after", {1, 1000}, true, [](Options& o, double v) { o.changed_after = static_cast<int>(v); }},
       {"noise", {0, 50}, false, [](Options& o, double v) { o.noise = v; }},
       {"blur", {0, 1}, false, [](Options& o, double v) { o.blur = v; }},
       {"exposure", {0, 3}, false, [](Options& o, double v) { o.exposure = v; }},
@@ -168,6 +169,14 @@ void CompleteBodies(const std::set<std::string>& given, Options& options) {
   }
 }
 
+void CheckChange(const Options& options) {
+  if (options.changed_after == 0) return;
+  if (options.world != "room") throw DatasetError("synthetic: option changed_after is of the world room");
+  if (options.bodies > 0 || options.static_body > 0.0 || !options.trajectory.empty()) {
+    throw DatasetError("synthetic: option changed_after excludes bodies, body, static_body and trajectory");
+  }
+}
+
 /// Poses of a file are joined by straight lines, which no inertial sensor can measure.
 void CheckImu(const std::set<std::string>& given, const Options& options) {
   if (given.contains("imu_class") && !given.contains("imu")) {
@@ -254,6 +263,7 @@ Options ParseOptions(const std::string& description) {
   }
   CompleteBodies(given, options);
   CheckImu(given, options);
+  CheckChange(options);
   return options;
 }
 

@@ -17,6 +17,7 @@ struct Options {
   uint64_t seed = 1;
   int frames = 0;
   int loops = 1;
+  int changed_after = 0;  ///< laps after which things in a room are replaced or moved; 0: never
   int width_px = 752;
   int height_px = 480;
   double noise = 2.0;     ///< standard deviation, grey levels

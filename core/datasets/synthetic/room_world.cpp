@@ -13,6 +13,8 @@ class RoomBuilder {
  public:
   explicit RoomBuilder(const WorldRequest& request)
       : random_(Hash(request.seed, 0x726f6f6dULL)),
+        changes_(Hash(request.seed, 0x6368616eULL)),
+        is_changed_(request.is_changed),
         seed_(request.seed),
         hall_(HallFor(request.path, request.from_file, {8.0, 6.0, 3.0}, {2.5, 2.5, 1.5})),
         builder_(RoomLight(hall_), request.path, 0.6) {
@@ -25,6 +27,12 @@ class RoomBuilder {
       posters_.push_back(builder_.Fitted(PaintPoster(seed_ * 31 + 100 + i)));
       books_.push_back(builder_.Fitted(PaintBooks(seed_ * 31 + 200 + i)));
       boxes_.push_back(builder_.Fitted(PaintBox(seed_ * 31 + 300 + i)));
+    }
+    if (!is_changed_) return;
+    for (int i = 0; i < 6; ++i) {
+      new_posters_.push_back(builder_.Fitted(PaintPoster(seed_ * 31 + 400 + i)));
+      new_books_.push_back(builder_.Fitted(PaintBooks(seed_ * 31 + 500 + i)));
+      new_boxes_.push_back(builder_.Fitted(PaintBox(seed_ * 31 + 600 + i)));
     }
   }
 
@@ -51,8 +59,18 @@ class RoomBuilder {
   }
 
   const Material& Any(const std::vector<Material>& materials) {
-    return materials[random_.Int(static_cast<int>(materials.size()))];
+    const int i = random_.Int(static_cast<int>(materials.size()));
+    if (!IsReplaced()) return materials[i];
+    return (&materials == &posters_ ? new_posters_ : &materials == &books_ ? new_books_ : new_boxes_)[i];
   }
+
+  /// Draws whether the next thing is replaced, or moved. Everything else is that of the unchanged room.
+  bool IsReplaced() {
+    constexpr double kShare = 0.3;
+    return is_changed_ && changes_.Uniform(0.0, 1.0) < kShare;
+  }
+  /// Returns how far the next thing is moved along its wall.
+  double Moved() { return IsReplaced() ? changes_.Uniform(0.05, 0.15) : 0.0; }
 
   void AddShell() {
     builder_.AddFace(hall_.Floor(), builder_.Tiled(PaintPlanks(seed_ + 6, 135.0F), 384.0), 1.5);
@@ -150,6 +168,7 @@ class RoomBuilder {
 
   void AddCrates(const Face& wall, double x, double height, double width) {
     double top = height;
+    x += Moved();
     for (int layer = 0; layer < 3; ++layer) {
       const double rise = random_.Uniform(0.3, 0.5);
       const double wide = width * random_.Uniform(0.55, 0.95);
@@ -187,7 +206,7 @@ class RoomBuilder {
         const Eigen::Vector3d at = centre + Eigen::Vector3d(-0.55 + 0.55 * i, random_.Uniform(-0.12, 0.12), 0.75);
         const Material& lid = Any(boxes_);
         const Material& sides = Any(boxes_);
-        const double angle = random_.Uniform(0.0, 1.5);
+        const double angle = random_.Uniform(0.0, 1.5) + 4.0 * Moved();
         builder_.AddBox(at, {0.3, 0.22, random_.Uniform(0.2, 0.45)}, angle, sides, lid);
       }
     }
@@ -196,11 +215,14 @@ class RoomBuilder {
   }
 
   Random random_;
+  Random changes_;
+  bool is_changed_;
   uint64_t seed_;
   Hall hall_;
   WorldBuilder builder_;
   Material white_, wood_, dark_, door_, outside_;
   std::vector<Material> posters_, books_, boxes_;
+  std::vector<Material> new_posters_, new_books_, new_boxes_;
 };
 
 }  // namespace

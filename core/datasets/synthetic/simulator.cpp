@@ -80,6 +80,10 @@ void Simulator::MakeMotion() {
     t_ns_ = RegularTimes(frames, options_.rate_hz);
     motion_ = std::move(motion);
     world_ = kind.build(request);
+    if (options_.changed_after > 0) {
+      request.is_changed = true;
+      changed_world_ = kind.build(request);
+    }
     return;
   }
   FilePoses file = ReadPoses(options_.trajectory);
@@ -97,6 +101,11 @@ void Simulator::MakeMotion() {
   t_ns_ = file.t_ns.empty() ? RegularTimes(poses, options_.rate_hz) : file.t_ns;
   t_ns_.resize(options_.frames == 0 ? poses : options_.frames);
   motion_ = std::make_unique<ListedMotion>(std::move(file.T_w_c));
+}
+
+const World& Simulator::WorldAt(double frame) const {
+  const bool is_changed = options_.changed_after > 0 && frame >= options_.changed_after * frames_per_lap_;
+  return is_changed ? changed_world_ : world_;
 }
 
 void Simulator::MakeBodies() {

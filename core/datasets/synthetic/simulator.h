@@ -28,7 +28,7 @@ class Simulator {
   /// Throws DatasetError if the trajectory file cannot be used.
   explicit Simulator(const Options& options);
 
-  /// The static part of the scene.
+  /// The static part of the scene, before it changes.
   const World& world() const { return world_; }
   /// The bodies that move, or move with the camera.
   const Bodies& bodies() const { return bodies_; }
@@ -63,7 +63,8 @@ class Simulator {
   void MakeEyes();
   void MakeBodies();
   void MakeInertialSensor();
-  Scene SceneAt(double frame) const { return {world_, bodies_.At(frame).quads}; }
+  Scene SceneAt(double frame) const { return {WorldAt(frame), bodies_.At(frame).quads}; }
+  const World& WorldAt(double frame) const;
   CameraCalibration Calibration(const Eye& eye) const;
   View ViewOf(const Eye& eye, const SE3& T_w_c) const;
   /// `frame` is a time in frames and may be fractional.
@@ -77,6 +78,7 @@ class Simulator {
   std::unique_ptr<Motion> motion_;
   std::vector<int64_t> t_ns_;
   World world_;
+  World changed_world_;  ///< after `Options::changed_after` laps
   Bodies bodies_;
   Eye left_;
   Eye right_;

@@ -38,6 +38,8 @@ struct WorldRequest {
   std::vector<Eigen::Vector3d> path;
   /// The path is from a file and determines the size of the world. Otherwise it is the world's own path.
   bool from_file = false;
+  /// A room after some of its posters, books and boxes were replaced or moved.
+  bool is_changed = false;
 };
 
 /// One row for each built-in world. All are built with z upwards.

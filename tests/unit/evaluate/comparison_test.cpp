@@ -110,6 +110,20 @@ TEST(Compare, FailedRunsAreCountedWithoutFigures) {
   EXPECT_THAT(ComparisonText(none), HasSubstr("1 (1 failed)"));
 }
 
+TEST(Compare, ReplaysHaveTheDatasetOfTheirRecording) {
+  json recorded = Summary("synthetic:room?seed=3", "both", 1.0), again = Summary("/x/a.lcm", "both", 1.0);
+  recorded["recordings"] = {"/x/a.lcm"};
+  again["recordings"] = {"/x/b.lcm"};
+  std::vector<RunRecord> runs = {RecordOf(Summary("/x/y/../b.lcm", "both", 1.0), "3"), RecordOf(again, "2"),
+                                 RecordOf(recorded, "1"), RecordOf(Summary("/x/c.lcm", "both", 1.0), "4")};
+  ResolveRecordings(&runs);
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(runs[i].played, "synthetic:room?seed=3") << i;
+    EXPECT_EQ(runs[i].dataset, "synthetic:room") << i;
+  }
+  EXPECT_EQ(runs[3].played, "/x/c.lcm");
+}
+
 TEST(Compare, ProcessesAndVersionsMakeGroups) {
   json odometry = Summary("a", "both", 1.0), other = Summary("a", "both", 1.0);
   odometry["configuration"].erase("mapping");

@@ -64,7 +64,8 @@ TEST(RunWarnings, ConditionsOfEachRow) {
          f.points_matched = 800;
        },
        "only 1.0 % of the points of the left ones: left and right may be exchanged, not taken at the same time, or "
-       "badly calibrated; check with `plslam rectify-check '/data/kitti 03'`"},
+       "badly calibrated (check with `plslam rectify-check '/data/kitti 03'`), or each image shows rain, snow or "
+       "dirt"},
       {"repeated_texture",
        [](RunFindings& f) {
          f.points_seen = 10'000;

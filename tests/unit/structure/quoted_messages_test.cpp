@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Messages that docs/troubleshooting.md quotes, compared with the strings of the sources.
+// Messages that the documents quote, compared with the strings of the sources.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <filesystem>
+#include <iterator>
 #include <regex>
 #include <set>
 #include <string>
@@ -177,6 +179,19 @@ std::set<std::string> QuotedIn(const std::string& document) {
   return quotes;
 }
 
+/// Text of three words or more between double quotes, outside of code.
+std::set<std::string> SentencesIn(const std::string& document) {
+  static const std::regex kCode(R"(```[^]*?```|`[^`]*`)"), kQuote(R"re("([^"]*)")re"), kBlanks(R"(\s+)"),
+      kWord("[A-Za-z]{2,}");
+  const std::string prose = std::regex_replace(document, kCode, "code");
+  std::set<std::string> sentences;
+  for (std::sregex_iterator quote(prose.begin(), prose.end(), kQuote), end; quote != end; ++quote) {
+    const std::string text = std::regex_replace((*quote)[1].str(), kBlanks, " ");
+    if (std::distance(std::sregex_iterator(text.begin(), text.end(), kWord), end) >= 3) sentences.insert(text);
+  }
+  return sentences;
+}
+
 std::vector<Message> AllMessages() {
   std::vector<Message> messages;
   for (const test::SourceFile& file : test::AllSourceFiles()) {
@@ -199,6 +214,8 @@ TEST(QuotedMessages, FixedTextIsCompared) {
   EXPECT_FALSE(IsPrinted("no process 'mapping' was found on udpm://", messages));
   EXPECT_EQ(QuotedIn("x\n* **`a b`**, **c `d e`**: `f`\n* `g`\n* **h**: **`i`**\n"),
             (std::set<std::string>{"a b", "d e", "i"}));
+  EXPECT_EQ(SentencesIn("x \"ab cd\n  ef\" `\"in code it is\"` \"two words\"\n```\n\"also in code\"\n```\n"),
+            (std::set<std::string>{"ab cd ef"}));
 }
 
 TEST(QuotedMessages, TroubleshootingQuotesWhatIsPrinted) {
@@ -211,6 +228,21 @@ TEST(QuotedMessages, TroubleshootingQuotesWhatIsPrinted) {
     EXPECT_TRUE(IsPrinted(quote, messages)) << "docs/troubleshooting.md quotes: " << quote;
   }
   EXPECT_GE(n_compared, 50);
+}
+
+TEST(QuotedMessages, AllPagesQuoteWhatIsPrinted) {
+  const std::vector<Message> messages = AllMessages();
+  int n_compared = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(test::SourceFolder() / "docs")) {
+    if (!entry.is_regular_file() || entry.path().extension() != ".md") continue;
+    // Written by scripts/results, without messages.
+    if (entry.path().filename() == "results.md") continue;
+    for (const std::string& quote : SentencesIn(test::ReadText(entry.path()))) {
+      ++n_compared;
+      EXPECT_TRUE(IsPrinted(quote, messages)) << entry.path() << " quotes: " << quote;
+    }
+  }
+  EXPECT_GE(n_compared, 3);
 }
 
 }  // namespace

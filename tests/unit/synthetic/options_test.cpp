@@ -59,6 +59,7 @@ TEST(SyntheticOptions, AllAreRead) {
   const Options sensed = ParseOptions("room?imu=250&imu_class=bmi055");
   EXPECT_EQ(sensed.imu_rate_hz, 250.0);
   EXPECT_EQ(sensed.imu_class, "bmi055");
+  EXPECT_EQ(ParseOptions("room?changed_after=3").changed_after, 3);
 }
 
 TEST(SyntheticOptions, UnknownWorldNamesTheNearest) {
@@ -86,6 +87,8 @@ TEST(SyntheticOptions, BadValuesNameTheirBounds) {
     EXPECT_THAT(ErrorOf(std::string("room?disparity_bias=") + bad), HasSubstr("three numbers of pixels from -5 to 5"))
         << bad;
   }
+  EXPECT_THAT(ErrorOf("street?changed_after=1"), HasSubstr("is of the world room"));
+  EXPECT_THAT(ErrorOf("room?changed_after=1&bodies=1"), HasSubstr("changed_after excludes bodies"));
   EXPECT_THAT(ErrorOf("room?seed="), HasSubstr("has no value"));
   EXPECT_THAT(ErrorOf("room?seed"), HasSubstr("has no value"));
 }

@@ -99,6 +99,23 @@ TEST(Synthetic, StreaksChangeInEveryImageAndDirtStays) {
   EXPECT_LT(common(changed("&dirt=5", 3, false), changed("&dirt=5", 3, true)), 0.6);
 }
 
+TEST(Synthetic, ChangedRoomKeepsMostOfItself) {
+  const std::string world = "room?size=160x120&noise=0&exposure=0&loops=2";
+  const auto same = OpenSyntheticDataset(world);
+  const auto changed = OpenSyntheticDataset(world + "&changed_after=1");
+  EXPECT_EQ(HashOfPair(changed->Read(299)), HashOfPair(same->Read(299)));
+  double different = 0.0;
+  constexpr int kStep = 30;
+  for (int frame = 300; frame < 600; frame += kStep) {
+    cv::Mat difference;
+    cv::absdiff(changed->Read(frame).left, same->Read(frame).left, difference);
+    different += static_cast<double>(cv::countNonZero(difference > 10)) / static_cast<double>(difference.total());
+  }
+  different /= 300 / kStep;
+  EXPECT_GT(different, 0.02);
+  EXPECT_LT(different, 0.4);
+}
+
 TEST(Synthetic, SeedsDiffer) {
   EXPECT_NE(HashOfPair(OpenSyntheticDataset("room?size=160x120&noise=0&seed=1")->Read(0)),
             HashOfPair(OpenSyntheticDataset("room?size=160x120&noise=0&seed=2")->Read(0)));

@@ -168,21 +168,26 @@ TEST(InertialMotion, SensorThatContradictsTheImagesIsNotUsed) {
 
 TEST(InertialMotion, FaultsAreNamedWithTheirNumber) {
   const auto dataset = OpenDataset("synthetic:room?imu=200&size=320x240&frames=100", "");
-  const auto complaint = [&](double rate, double force) {
+  const auto complaint = [&](double rate, double force, double shake_m = 0.0, double mounting_deg = 0.0) {
     const Scaled scaled(*dataset, rate, force);
-    InertialMotionModel inertial(MountedImuOf(scaled.rig()));
+    MountedImu imu = MountedImuOf(scaled.rig()).value();
+    imu.T_imu_c = SE3(ExpSO3({0.0, 0.0, mounting_deg * kRadPerDeg}), Eigen::Vector3d::Zero()) * imu.T_imu_c;
+    InertialMotionModel inertial(imu);
     for (int i = 1; i < scaled.size(); ++i) {
       inertial.Expect(scaled.ImuSamples(), scaled.t_ns(i - 1), scaled.t_ns(i));
       Vector6d sigma;
       sigma << Eigen::Vector3d::Constant(0.002), Eigen::Vector3d::Constant(0.001);
-      inertial.Observe(scaled.GroundTruth(0)->Inverse() * *scaled.GroundTruth(i), sigma.cwiseAbs2().asDiagonal(),
-                       true, false);
+      const SE3 shaken(Eigen::Quaterniond::Identity(), {0.0, i % 2 == 0 ? shake_m : -shake_m, 0.0});
+      const SE3 T_odom_c = scaled.GroundTruth(0)->Inverse() * *scaled.GroundTruth(i) * shaken;
+      inertial.Observe(T_odom_c, sigma.cwiseAbs2().asDiagonal(), true, false);
     }
     return inertial.Complaint();
   };
   EXPECT_EQ(complaint(1.0, 1.0), "");
   EXPECT_THAT(complaint(1.0 / kRadPerDeg, 1.0), testing::HasSubstr("times as fast as the images: degrees"));
   EXPECT_THAT(complaint(1.0, 1.0 / 9.81), testing::HasSubstr("g instead of m/s^2?"));
+  EXPECT_THAT(complaint(1.0, 1.0, 0.0, 180.0), testing::HasSubstr("are T_b_imu, T_b_cam"));
+  EXPECT_THAT(complaint(1.0, 1.0, 0.024), testing::HasSubstr("are its noise densities too small"));
 }
 
 }  // namespace

@@ -89,7 +89,6 @@ TEST(OdometryState, ContinuesBitForBitWithAnInertialSensor) {
 TEST(OdometryState, ContinuesBitForBitFrameToFrame) {
   VoOptions options;
   options.tracking.reference = "previous_frame";
-  options.keyframes.measurements = "frame";
   ExpectSameBits("synthetic:corridor?size=320x240&frames=40", 40, options);
 }
 

@@ -98,7 +98,7 @@ TEST(RobotMotionModel, NotUsedIfTheCameraContradictsIt) {
   RobotMotion motion = Wheels(21, 1.0);
   motion.T_prevb_b = motion.T_prevb_b * SE3(Eigen::Quaterniond::Identity(), {1.0, 0.0, 0.0});
   model.Expect(motion);
-  MotionModel own{TrackingOptions()};
+  MotionModel own;
   own.Observe(Step(20), kFrame_s, Matrix6d::Zero());
   EXPECT_FALSE(model.Predict(own.Predict(kFrame_s), kFrame_s).by_robot);
 }

@@ -97,6 +97,7 @@ std::vector<RunRecord> RunsOf(const std::vector<std::string>& names) {
     PrintError(fmt::format("skipped {} that {}: {}", named.others.size(),
                            named.others.size() == 1 ? "is not a run" : "are not runs", NamesText(named.others)));
   }
+  ResolveRecordings(&named.runs);
   return named.runs;
 }
 

@@ -24,7 +24,7 @@ namespace plslam::vo {
 /// it was found, and the camera moves in that frame as it does in the world.
 struct Body {
   Body(const StereoCamera& camera, const VoOptions& options, const std::optional<MountedImu>& imu)
-      : landmarks(camera, options), motion(options.tracking), as_world(imu) {}
+      : landmarks(camera, options), as_world(imu) {}
 
   bool IsThere() const { return id >= 0; }
 

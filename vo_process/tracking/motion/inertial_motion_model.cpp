@@ -56,6 +56,8 @@ constexpr double kQuietSigmas = 5.0;
 constexpr double kLeastEvidence_s = 3.0;
 constexpr double kLeastTurn_rad = 0.05;
 constexpr double kManyTurns = 20.0;
+// Difference between sensed and seen rotations, over the latter, below which a sensor is mounted as stated.
+constexpr double kSameTurn = 0.05;
 // Mean specific force below which it is in g.
 constexpr double kWeakGravity_m_s2 = 3.0;
 
@@ -246,6 +248,11 @@ bool InertialMotionModel::IsQuiet() const {
 }
 
 void InertialMotionModel::AddEvidence(const SE3& T_previmu_imu) {
+  if (knows_bias_) {
+    const SE3 sensed(motion_->RotationWith(filter_.state().bias), Eigen::Vector3d::Zero());
+    evidence_.compared_turn_rad += T_previmu_imu.Log().tail<3>().norm();
+    evidence_.turn_difference_rad += (sensed.Inverse() * T_previmu_imu).Log().tail<3>().norm();
+  }
   evidence_.sensed_turn_rad += SE3(motion_->dR(), Eigen::Vector3d::Zero()).Log().norm();
   evidence_.seen_turn_rad += T_previmu_imu.Log().tail<3>().norm();
   evidence_.force_m_s += mean_force_m_s2_.norm() * motion_->dt_s();
@@ -267,6 +274,13 @@ std::string InertialMotionModel::Complaint() const {
   }
   if (evidence_.seen_turn_rad > kLeastTurn_rad && turns > kManyTurns) {
     return sentence + fmt::format("; it turns {:.1f} times as fast as the images: degrees instead of rad/s?", turns);
+  }
+  if (evidence_.compared_turn_rad > kLeastTurn_rad &&
+      evidence_.turn_difference_rad < kSameTurn * evidence_.compared_turn_rad) {
+    return sentence + fmt::format(
+                          "; its rotations agree with those of the images to {:.1f} %, so its mounting and "
+                          "units are right: are its noise densities too small, or time_offset_s wrong?",
+                          100.0 * evidence_.turn_difference_rad / evidence_.compared_turn_rad);
   }
   return sentence + "; are T_b_imu, T_b_cam, time_offset_s and the noise densities right?";
 }

@@ -30,10 +30,14 @@ struct ImuEvidence {
   double seen_turn_rad = 0.0;
   double force_m_s = 0.0;  ///< mean specific force times time
   double time_s = 0.0;
+  /// Rotations that were seen since the gyroscope's bias is known, and the angles by which the sensed ones differ.
+  double compared_turn_rad = 0.0;
+  double turn_difference_rad = 0.0;
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.sensed_turn_rad, self.seen_turn_rad, self.force_m_s, self.time_s);
+    a(self.sensed_turn_rad, self.seen_turn_rad, self.force_m_s, self.time_s, self.compared_turn_rad,
+      self.turn_difference_rad);
   }
 };
 

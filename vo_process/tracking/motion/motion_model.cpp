@@ -13,6 +13,9 @@ namespace {
 
 // Largest interval over which constant velocity is extrapolated, relative to the interval of its measurement.
 constexpr double kMaxExtrapolation = 2.0;
+// Sigmas of the accelerations of a camera.
+constexpr double kAcceleration_m_s2 = 10.0;
+constexpr double kAcceleration_rad_s2 = 20.0;
 // Sigmas of the unknown initial velocity: a car on a motorway, a rotating hand-held camera.
 constexpr double kAnySpeed_m_s = 30.0;
 constexpr double kAnyTurn_rad_s = 2.0;
@@ -43,7 +46,7 @@ MotionModel::Extent MotionModel::PositionUncertaintyAfter(double dt_s) const {
 MotionPrediction MotionModel::Predict(double dt_s) const {
   const double before_s = unmeasured_s_;
   const double after_s = unmeasured_s_ + dt_s;
-  const Extent acceleration(options_.max_acceleration_m_s2, options_.max_angular_acceleration_rad_s2);
+  const Extent acceleration(kAcceleration_m_s2, kAcceleration_rad_s2);
   const Extent accelerated = 0.5 * dt_s * dt_s * acceleration;
   // Difference of (a t^2 / 2)^2 between end and beginning, because an acceleration persists: its effect grows as t^2.
   const Extent since = 0.25 * (std::pow(after_s, 4) - std::pow(before_s, 4)) * acceleration.cwiseAbs2();

@@ -4,7 +4,6 @@
 #include <optional>
 
 #include "core/geometry/se3.h"
-#include "vo_process/options.h"
 
 namespace plslam::vo {
 
@@ -41,8 +40,6 @@ double SquaredDeviation(const MotionPrediction& prediction, const SE3& T_odom_pr
 /// last measured frame, and the covariances of consecutive frames add up to that.
 class MotionModel {
  public:
-  explicit MotionModel(const TrackingOptions& options) : options_(options) {}
-
   /// `dt_s` > 0. Across a gap much longer than the last interval the velocity is not extrapolated fully.
   MotionPrediction Predict(double dt_s) const;
 
@@ -50,7 +47,7 @@ class MotionModel {
   void Observe(const SE3& T_prev_c, double dt_s, const Matrix6d& covariance);
 
   /// Discards the velocity.
-  void Forget() { *this = MotionModel(options_); }
+  void Forget() { *this = MotionModel(); }
 
   /// Whether a motion was measured, so that predictions are informative.
   bool knows_motion() const { return last_dt_s_ > 0.0; }
@@ -72,7 +69,6 @@ class MotionModel {
   Extent PositionUncertaintyAfter(double dt_s) const;
   double Horizon_s(double dt_s) const;
 
-  TrackingOptions options_;
   Vector6d velocity_ = Vector6d::Zero();
   /// Interval and covariance of the last measured motion.
   double last_dt_s_ = 0.0;

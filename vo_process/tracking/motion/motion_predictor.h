@@ -15,8 +15,7 @@ namespace plslam::vo {
 /// odometry if that agrees with the images, otherwise by constant velocity.
 class MotionPredictor {
  public:
-  MotionPredictor(const TrackingOptions& options, const std::optional<MountedImu>& imu)
-      : velocity_(options), inertial_(imu) {}
+  explicit MotionPredictor(const std::optional<MountedImu>& imu) : inertial_(imu) {}
 
   /// Set the measurements of other sensors for the next frame, as in the models.
   void ExpectRobot(const std::optional<RobotMotion>& motion) { robot_.Expect(motion); }

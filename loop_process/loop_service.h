@@ -42,7 +42,7 @@ class LoopService {
   /// Without an arrival for this time, missing features are requested: their tracker has exited.
   static constexpr double kRequestAfter_ms = 1000.0;
   /// The same for a lockstep session, since the last message of the process that publishes its keyframes; equal to the
-  /// other processes' wait in lockstep (`wait_s` by default).
+  /// other processes' wait in lockstep (`bus.partner_wait_s` by default).
   static constexpr double kLockstepPatience_ms = 15000.0;
 
   /// Messages to publish, and the adjustment to run meanwhile.

@@ -54,7 +54,6 @@ struct CullingOptions {
 /// Use of closures of loop_process.
 struct LoopUseOptions {
   bool enabled = true;
-  double wait_s = 15.0;
 };
 
 /// All options of mapping_process.
@@ -92,8 +91,6 @@ void VisitFields(Visitor& visit, CullingOptions& o) {
 template <class Visitor>
 void VisitFields(Visitor& visit, LoopUseOptions& o) {
   visit("enabled", o.enabled, "apply corrections by loop_process");
-  visit("wait_s", o.wait_s, Bounds{0, 3600},
-        "how long a lockstep stream waits for its answer if no loop_process is found");
 }
 
 template <class Visitor>

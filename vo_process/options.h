@@ -72,36 +72,30 @@ struct TrackingOptions {
 /// Use of the map of mapping_process.
 struct MapUseOptions {
   bool enabled = true;
-  std::string landmarks = "all";
   int local_keyframes = 20;
-  double wait_s = 15.0;
   bool localise_only = false;
 };
 
 /// Masks of single frames from another program (channel MASK).
 struct MaskUseOptions {
   bool enabled = false;
-  double wait_s = 15.0;
   double live_wait_ms = 20.0;
 };
 
 /// The robot's own odometry (channel ROBOT_MOTION).
 struct RobotMotionUseOptions {
   bool enabled = false;
-  double wait_s = 15.0;
 };
 
 /// The inertial sensor (channel IMU), if the rig has one.
 struct ImuUseOptions {
   bool enabled = true;
-  double wait_s = 15.0;
   double live_wait_ms = 20.0;
 };
 
 /// Relocalisation in the map by loop_process.
 struct RelocalisationUseOptions {
   bool enabled = true;
-  double wait_s = 15.0;
 };
 
 /// Keyframe selection (PL-SLAM §IV.D) and its floors.
@@ -172,12 +166,8 @@ void VisitFields(Visitor& visit, TrackingOptions& o) {
 template <class Visitor>
 void VisitFields(Visitor& visit, MapUseOptions& o) {
   visit("enabled", o.enabled, "track frames against the map as well");
-  visit("landmarks", o.landmarks, OneOf{"unknown", "all"},
-        "landmarks taken from the map: those unknown to the tracker, or all");
   visit("local_keyframes", o.local_keyframes, Bounds{1, 10000},
         "keyframes of the local map, whose landmarks are searched in each frame");
-  visit("wait_s", o.wait_s, Bounds{0, 3600},
-        "how long a lockstep stream waits for the map if no mapping_process is found");
   visit("localise_only", o.localise_only,
         "localise in a fixed map: publish no keyframes; valid until mapping_process publishes "
         "its own setting");
@@ -186,28 +176,23 @@ void VisitFields(Visitor& visit, MapUseOptions& o) {
 template <class Visitor>
 void VisitFields(Visitor& visit, MaskUseOptions& o) {
   visit("enabled", o.enabled, "wait for the masks of each frame, which another program publishes");
-  visit("wait_s", o.wait_s, Bounds{0, 3600}, "how long a lockstep stream waits if no such program is found");
   visit("live_wait_ms", o.live_wait_ms, Bounds{0, 1000}, "how long a frame waits in real time");
 }
 
 template <class Visitor>
 void VisitFields(Visitor& visit, RobotMotionUseOptions& o) {
   visit("enabled", o.enabled, "predict the motion from the robot's odometry, published by adapter");
-  visit("wait_s", o.wait_s, Bounds{0, 3600}, "how long a lockstep stream waits if no such poses arrive");
 }
 
 template <class Visitor>
 void VisitFields(Visitor& visit, ImuUseOptions& o) {
   visit("enabled", o.enabled, "use the inertial sensor of the rig, if it has one");
-  visit("wait_s", o.wait_s, Bounds{0, 3600}, "how long a lockstep stream waits if no samples arrive");
   visit("live_wait_ms", o.live_wait_ms, Bounds{0, 1000}, "how long a frame waits in real time");
 }
 
 template <class Visitor>
 void VisitFields(Visitor& visit, RelocalisationUseOptions& o) {
   visit("enabled", o.enabled, "ask loop_process for the pose when tracking is lost");
-  visit("wait_s", o.wait_s, Bounds{0, 3600},
-        "how long a lockstep stream waits for the result if no loop_process is found");
 }
 
 template <class Visitor>

@@ -27,6 +27,8 @@ struct BusOptions {
   /// Time after which gaps in the messages of a silent publisher are given up (a link may be cut). Publishers keep
   /// messages twice as long for readers that have fallen silent.
   double give_up_s = 30.0;
+  /// Time after which a lockstep stream continues without a process, or an input, of which nothing is heard.
+  double partner_wait_s = 15.0;
   /// Memory of an ordered channel's history for repair; messages beyond it go to disk (kAll) or are dropped
   /// (kUnacknowledged).
   int64_t history_bytes = 32'000'000;
@@ -47,6 +49,8 @@ void VisitFields(Visitor& visit, BusOptions& o) {
   visit("history_dir", o.history_dir, "folder for the history of ordered channels; empty: under TMPDIR");
   visit("give_up_s", o.give_up_s, Bounds{0.1, 3600},
         "how long a silent publisher is considered disconnected, not dead");
+  visit("partner_wait_s", o.partner_wait_s, Bounds{0, 3600},
+        "how long a lockstep stream waits for a process, or an input, of which nothing is heard");
   visit("history_bytes", o.history_bytes, Bounds{200000, 4e9}, "memory for repair, of each ordered channel");
   visit("drop_fraction", o.drop_fraction, Bounds{0, 0.9},
         "share of received datagrams dropped on purpose, for tests");

@@ -30,7 +30,7 @@ void WorkQueue::Restore(const std::map<int64_t, int64_t>& newest_by_session, con
   if (newest.committed) return;
   newest_ = newest;
   --restored_[newest.session];
-  if (options_.enabled) wait_.Begin(newest.keyframe_id, now_s);
+  if (awaits_loops_) wait_.Begin(newest.keyframe_id, now_s);
 }
 
 bool WorkQueue::IsLockstep(double now_s) const {
@@ -39,7 +39,7 @@ bool WorkQueue::IsLockstep(double now_s) const {
 }
 
 void WorkQueue::Reset(const std::map<int64_t, int64_t>& newest_by_session, int64_t newest_session) {
-  WorkQueue next(options_, state_every_);
+  WorkQueue next(awaits_loops_, wait_.wait_s(), state_every_);
   next.wait_ = wait_;
   next.wait_.End();
   next.orders_ = std::move(orders_);
@@ -49,7 +49,7 @@ void WorkQueue::Reset(const std::map<int64_t, int64_t>& newest_by_session, int64
 }
 
 void WorkQueue::Add(const LoopClosure& closure) {
-  if (!options_.enabled) return;
+  if (!awaits_loops_) return;
   const auto restored = restored_.find(closure.session);
   if (restored != restored_.end() && closure.session_keyframe_id <= restored->second) return;
   // Resent for a loop_process that has exited: one keyframe may have several closures, each of another map version.
@@ -134,7 +134,7 @@ void WorkQueue::Inserted(const Keyframe& keyframe, int count, double now_s) {
   publishers_[keyframe.session] = keyframe.source;
   newest_ = {keyframe.session, keyframe.keyframe_id, keyframe.lockstep, false, {}};
   wait_.End();
-  if (options_.enabled) wait_.Begin(keyframe.keyframe_id, now_s);
+  if (awaits_loops_) wait_.Begin(keyframe.keyframe_id, now_s);
 }
 
 bool WorkQueue::Refused() {

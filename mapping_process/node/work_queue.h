@@ -58,8 +58,9 @@ class WorkQueue {
 
   /// `state_every`: number of keyframes after which the state is written. It is also written after the map was saved,
   /// before a new session, and before another publisher continues a session. 0: never.
-  explicit WorkQueue(const LoopUseOptions& options, int state_every = 0)
-      : options_(options), wait_(options.wait_s), state_every_(state_every) {}
+  /// `awaits_loops`: lockstep keyframes wait for the answer of loop_process, or for `partner_wait_s` without any.
+  WorkQueue(bool awaits_loops, double partner_wait_s, int state_every = 0)
+      : awaits_loops_(awaits_loops), wait_(partner_wait_s), state_every_(state_every) {}
 
   /// The newest keyframe in the map, and whether its closures are still awaited; a restarted process continues from it.
   struct Newest {
@@ -125,7 +126,7 @@ class WorkQueue {
   std::vector<Arrived> TakeKeyframes(double now_s);
   bool IsStateDue(double now_s) const;
 
-  LoopUseOptions options_;
+  bool awaits_loops_;
   bus::PartnerWait wait_;
   KeyframeQueue keyframes_;
   std::deque<LoopClosure> closures_;

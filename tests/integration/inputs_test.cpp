@@ -67,12 +67,12 @@ void WriteHalfOfTheRightImages(const Dataset& dataset, const fs::path& folder) {
 }
 
 TEST(MissingInput, MasksWithoutADetector) {
-  ExpectTheOnlyWarning({kInputsWorld, "--set", "vo.masks.enabled=true", "--set", "vo.masks.wait_s=1"},
+  ExpectTheOnlyWarning({kInputsWorld, "--set", "vo.masks.enabled=true", "--set", "bus.partner_wait_s=1"},
                        "masks_missing", "does the detector run on the same bus");
 }
 
 TEST(MissingInput, MotionOfTheRobot) {
-  ExpectTheOnlyWarning({kInputsWorld, "--set", "vo.robot_motion.enabled=true", "--set", "vo.robot_motion.wait_s=1"},
+  ExpectTheOnlyWarning({kInputsWorld, "--set", "vo.robot_motion.enabled=true", "--set", "bus.partner_wait_s=1"},
                        "robot_motion_missing", "adapter.robot_odometry");
 }
 
@@ -97,11 +97,12 @@ TEST(MissingInput, OptionOfAnotherProcess) {
   WholeRun run;
   const launcher::ChildProcess player(
       test::BinaryFolder() / "player",
-      {kInputsWorld, "--url", "memq://", "--set", "player.pace=realtime", "--set", "vo.map.wait_s=1"},
+      {kInputsWorld, "--url", "memq://", "--set", "player.pace=realtime", "--set", "vo.map.local_keyframes=10"},
       run.folder() / "player.log");
   const auto log = [&] { return ReadText(run.folder() / "player.log"); };
   EXPECT_TRUE(WholeRun::WaitFor([&] {
-    return log().find("--set vo.map.wait_s=1 has no effect here: it is an option of vo") != std::string::npos;
+    return log().find("--set vo.map.local_keyframes=10 has no effect here: it is an option of vo") !=
+           std::string::npos;
   })) << log();
   EXPECT_EQ(log().find("--set player.pace=realtime has no effect"), std::string::npos);
 }

@@ -68,9 +68,8 @@ void PlayOver(const LossyLan& lan, const std::vector<std::string>& options_of_al
 }
 
 /// One packet a message, and waits that last longer than any repair.
-const std::vector<std::string> kPatientPackets = {
-    "--set", "bus.max_message_bytes=1200",  "--set", "vo.map.wait_s=60",
-    "--set", "vo.relocalisation.wait_s=60", "--set", "mapping.loops.wait_s=60"};
+const std::vector<std::string> kPatientPackets = {"--set", "bus.max_message_bytes=1200", "--set",
+                                                  "bus.partner_wait_s=60"};
 
 /// Percent of packets dropped, and as many doubled, and as many that overtake; all others are 1 ms late.
 class LossyRun : public testing::TestWithParam<int> {};

@@ -40,7 +40,7 @@ bus::BusOptions ListenerOptions() {
 }
 
 /// Pulls the cable in the middle of the run, for less than partners in lockstep wait for one that is out of reach
-/// (`wait_s`).
+/// (`bus.partner_wait_s`).
 void CutFor5s(const Lan& lan, int host, StatusListener* listener) {
   if (host < 0) return;
   ASSERT_TRUE(listener->WaitForFrame(kMachinesFrames / 3));

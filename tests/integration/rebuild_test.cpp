@@ -86,9 +86,8 @@ class Rebuild : public testing::Test {
   }
   /// Waits once, and briefly, for a loop_process that has not been started yet.
   std::unique_ptr<launcher::ChildProcess> StartMapper() const {
-    return Start("mapping_process",
-                 {"--set", "mapping.loops.wait_s=2", "--set", "mapping.culling.redundant_share=1.01", "--set",
-                  "mapping.state_file=" + StateFile()});
+    return Start("mapping_process", {"--set", "bus.partner_wait_s=2", "--set", "mapping.culling.redundant_share=1.01",
+                                     "--set", "mapping.state_file=" + StateFile()});
   }
   std::string StateFile() const { return (run_.folder() / "state.plmap").string(); }
 

@@ -150,9 +150,9 @@ TEST_P(Missing, PosesContinueWithoutAKilledProcess) {
   };
   std::map<std::string, std::unique_ptr<launcher::ChildProcess>> processes;
   processes["viewer_headless"] = start("viewer_headless", {"--out", folder.out().string(), "--quiet"});
-  processes["mapping_process"] = start("mapping_process", {"--set", "mapping.loops.wait_s=1"});
+  processes["mapping_process"] = start("mapping_process", {"--set", "bus.partner_wait_s=1"});
   processes["loop_process"] = start("loop_process", {});
-  processes["vo_process"] = start("vo_process", {"--set", "vo.map.wait_s=1", "--set", "vo.relocalisation.wait_s=1"});
+  processes["vo_process"] = start("vo_process", {"--set", "bus.partner_wait_s=1"});
   for (const char* each : {"viewer", "mapping", "loop", "vo"}) {
     ASSERT_TRUE(watcher.WaitFor([&](const Heard& heard) { return heard.status.contains(each); })) << each;
   }

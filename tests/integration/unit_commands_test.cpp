@@ -53,9 +53,8 @@ constexpr int kFrames = 80;
 /// Processes wait for a stopped one however busy the machine is.
 std::string Configuration(const std::string& url, int frames) {
   return fmt::format(
-      "bus:\n  url: \"{}\"\n"
-      "vo:\n  map:\n    wait_s: 120\n  relocalisation:\n    wait_s: 120\n"
-      "mapping:\n  culling:\n    redundant_share: 1.01\n  loops:\n    wait_s: 120\n"
+      "bus:\n  url: \"{}\"\n  partner_wait_s: 120\n"
+      "mapping:\n  culling:\n    redundant_share: 1.01\n"
       "player:\n  dataset: \"synthetic:room?size=376x240&frames={}\"\n  exit: true\n",
       url, frames);
 }

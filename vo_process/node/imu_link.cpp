@@ -21,7 +21,10 @@ constexpr const char* kNoSamples =
 }  // namespace
 
 ImuLink::ImuLink(bus::Process& process, const ImuUseOptions& options, std::function<void()> on_arrival)
-    : process_(process), options_(options), on_arrival_(std::move(on_arrival)), wait_(options.wait_s) {
+    : process_(process),
+      options_(options),
+      on_arrival_(std::move(on_arrival)),
+      wait_(process.bus().options().partner_wait_s) {
   process.bus().Subscribe<imu_t>(bus::kImu, [this, &process](const imu_t& message) {
     const auto batch = bus::FromMessage(message);
     if (!batch) return process.bus().CountRejected();

@@ -21,13 +21,13 @@ int64_t NewestOf(int64_t session, const Map& map) {
 
 }  // namespace
 
-MapLink::MapLink(bus::Bus& bus, double wait_s, bool localise_only, const TrackerSession& session,
-                 std::function<void()> on_order, std::function<void()> on_map)
+MapLink::MapLink(bus::Bus& bus, bool localise_only, const TrackerSession& session, std::function<void()> on_order,
+                 std::function<void()> on_map)
     : session_(session),
       on_order_(std::move(on_order)),
       on_map_(std::move(on_map)),
       localise_only_(localise_only),
-      wait_(wait_s),
+      wait_(bus.options().partner_wait_s),
       subscriber_(bus, [this](const MapUpdate& update) { OnUpdate(update); }) {}
 
 bool MapLink::IsOfAnotherMap() const { return !BelongsTo(session_.map_instance, map_instance_); }
@@ -70,7 +70,7 @@ void MapLink::BeginSession(int64_t adopted_keyframe_id) {
 
 bool MapLink::GiveUp(double now_s) {
   if (wait_.NoticeSilence(now_s)) {
-    LogWarning("waiting up to {:.0f} s for mapping_process, which is not found (vo.map.wait_s)", wait_.wait_s());
+    LogWarning("waiting up to {:.0f} s for mapping_process, which is not found (bus.partner_wait_s)", wait_.wait_s());
   }
   const bool given_up = wait_.GiveUp(now_s);
   if (given_up) LogWarning("no mapping_process is found: continuing as odometry");

@@ -17,13 +17,13 @@ namespace plslam::vo {
 ///
 /// Input: MAP_UPDATE; in lockstep only committed updates take effect, so that results do not depend on timing (except
 /// for commands to mapping_process: `on_order`). Output: landmarks of the map for odometry. The wait for a keyframe
-/// ends when the map has it, or when mapping_process has not been heard of for `vo.map.wait_s`.
+/// ends when the map has it, or when mapping_process has not been heard of for `bus.partner_wait_s`.
 class MapLink {
  public:
   /// `on_map` is called after each update that takes effect, `on_order` before it if the update changes `localise_only`
   /// or belongs to another map than that with which the session began. `session` must outlive this.
-  MapLink(bus::Bus& bus, double wait_s, bool localise_only, const TrackerSession& session,
-          std::function<void()> on_order, std::function<void()> on_map);
+  MapLink(bus::Bus& bus, bool localise_only, const TrackerSession& session, std::function<void()> on_order,
+          std::function<void()> on_map);
 
   const Map& map() const { return subscriber_.replica().map(); }
   /// Whether a map was received; it may have no keyframes.

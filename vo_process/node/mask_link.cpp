@@ -23,7 +23,10 @@ constexpr const char* kNoMasks =
 }  // namespace
 
 MaskLink::MaskLink(bus::Process& process, const MaskUseOptions& options, std::function<void()> on_arrival)
-    : process_(process), options_(options), on_arrival_(std::move(on_arrival)), wait_(options.wait_s) {
+    : process_(process),
+      options_(options),
+      on_arrival_(std::move(on_arrival)),
+      wait_(process.bus().options().partner_wait_s) {
   process.bus().Subscribe<mask_t>(bus::kMask, [this, &process](const mask_t& message) {
     const auto mask = bus::FromMessage(message);
     if (!mask) return process.bus().CountRejected();

@@ -12,8 +12,8 @@ constexpr double kAskAgain_s = 2.0;
 
 }  // namespace
 
-RelocalisationClient::RelocalisationClient(bus::Bus& bus, double wait_s)
-    : publisher_(bus, bus::kRelocalisationRequest), wait_(wait_s) {}
+RelocalisationClient::RelocalisationClient(bus::Bus& bus)
+    : publisher_(bus, bus::kRelocalisationRequest), wait_(bus.options().partner_wait_s) {}
 
 bool RelocalisationClient::IsDue(bool lockstep, double now_s) const {
   return !request_ || lockstep || now_s - request_->asked_s >= kAskAgain_s;

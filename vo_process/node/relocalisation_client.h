@@ -16,11 +16,11 @@ namespace plslam::vo {
 ///
 /// Inputs: the features of a frame, RELOCALISATION, status of loop_process. Output: RELOCALISATION_REQUEST. A request
 /// is open from `Ask` until its result arrives, `Cancel` or `End`. In lockstep the tracker waits until the result
-/// arrives, or loop_process has not been heard of for `vo.relocalisation.wait_s`. The open request is resent to a
+/// arrives, or loop_process has not been heard of for `bus.partner_wait_s`. The open request is resent to a
 /// restarted loop_process.
 class RelocalisationClient {
  public:
-  RelocalisationClient(bus::Bus& bus, double wait_s);
+  explicit RelocalisationClient(bus::Bus& bus);
 
   /// Whether a new request may be sent: in real time not while one is open that is younger than two seconds.
   bool IsDue(bool lockstep, double now_s) const;

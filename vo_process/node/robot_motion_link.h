@@ -15,7 +15,7 @@
 namespace plslam::vo {
 
 /// A tracker's link to the robot's own odometry (channel ROBOT_MOTION). In lockstep a frame waits until a pose at its
-/// time or later arrives, or none has been received for `wait_s`; a live frame is tracked with the poses received.
+/// time or later arrives, or none has been received for `bus.partner_wait_s`; a live frame is tracked with the poses received.
 class RobotMotionLink {
  public:
   /// `on_arrival` is called when a pose has arrived, or a wait may be over.

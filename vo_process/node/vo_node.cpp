@@ -49,7 +49,7 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
       settings_(ToYaml("vo", options_)),
       report_(process),
       keyframes_(process.bus()),
-      relocalisation_(process.bus(), options.relocalisation.wait_s),
+      relocalisation_(process.bus()),
       inputs_(process, options, [this] { ProcessWaiting(); }),
       checkpoint_(options.state_file),
       resend_(process.bus()),
@@ -175,8 +175,7 @@ void VoNode::OnStream(const stream_t& message) {
 
 void VoNode::SubscribeToMap() {
   map_.emplace(
-      process_.bus(), options_.map.wait_s, options_.map.localise_only, session_, [this] { FollowOrders(); },
-      [this] { OnMap(); });
+      process_.bus(), options_.map.localise_only, session_, [this] { FollowOrders(); }, [this] { OnMap(); });
   process_.bus().Subscribe<relocalisation_t>(bus::kRelocalisation,
                                              [this](const relocalisation_t& m) { OnRelocalisation(m); });
   process_.bus().Every(kWaitTick, [this] { GiveUpWaits(); });

@@ -304,7 +304,7 @@ bool Odometry::Adopt(const Map& map, int64_t session, int64_t keyframe_id) {
   T_w_odom_ = local_map->T_w_odom;
   is_in_map_ = true;
   covariance_.Learn(map, session);
-  recovery_.Adopt(*local_map, options_.map.landmarks == "unknown", landmarks_);
+  recovery_.Adopt(*local_map, landmarks_);
   return true;
 }
 

@@ -117,12 +117,12 @@ int Recovery::Miss(const SE3& T_odom_prev, double dt_s, bool by_robot, const Loc
   return ++lost.n_frames;
 }
 
-void Recovery::Adopt(const TrackerLocalMap& local_map, bool keep_own, LocalLandmarks& landmarks) {
+void Recovery::Adopt(const TrackerLocalMap& local_map, LocalLandmarks& landmarks) {
   Lost* lost = std::get_if<Lost>(&state_);
-  if (lost == nullptr) return landmarks.Adopt(local_map, keep_own);
+  if (lost == nullptr) return landmarks.Adopt(local_map);
   // Both lists draw ids from one sequence.
   lost->landmarks.ContinueNumbering(landmarks);
-  lost->landmarks.Adopt(local_map, keep_own);
+  lost->landmarks.Adopt(local_map);
   landmarks.ContinueNumbering(lost->landmarks);
 }
 
@@ -130,7 +130,7 @@ void Recovery::Relocalise(const TrackerLocalMap& local_map, LocalLandmarks& land
   relocalised_ = Relocalised{LocalLandmarks(camera_, options_), local_map.T_w_odom};
   LocalLandmarks& there = relocalised_->landmarks;
   there.ContinueNumbering(landmarks);
-  there.Adopt(local_map, false);
+  there.Adopt(local_map);
   there.CountAsSeen();
   landmarks.ContinueNumbering(there);
 }

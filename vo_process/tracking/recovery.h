@@ -99,7 +99,7 @@ class Recovery {
   int Miss(const SE3& T_odom_prev, double dt_s, bool by_robot, const LocalLandmarks& landmarks);
 
   /// Adopts landmarks of the map; while the camera is lost, they belong to the previous local map.
-  void Adopt(const TrackerLocalMap& local_map, bool keep_own, LocalLandmarks& landmarks);
+  void Adopt(const TrackerLocalMap& local_map, LocalLandmarks& landmarks);
 
   /// Searches the next frame also among the landmarks of the map around a relocalisation result.
   void Relocalise(const TrackerLocalMap& local_map, LocalLandmarks& landmarks);

@@ -34,12 +34,12 @@ TEST(NearestKey, FirstOfEqualsAndNothing) {
 }
 
 TEST(NearestKey, DottedKeysAreComparedPartByPart) {
-  const std::vector<std::string> known = {"vo.map.wait_s",
+  const std::vector<std::string> known = {"vo.map.local_keyframes",
                                           "vo.features.orb.max_points",
                                           "vo.features.orb.levels",
                                           "vo.features.lines.min_length_px",
                                           "vo.odometry.keyframes.max_frames",
-                                          "vo.relocalisation.wait_s",
+                                          "vo.relocalisation.enabled",
                                           "vo.state_file"};
   struct Row {
     const char* written;
@@ -52,9 +52,11 @@ TEST(NearestKey, DottedKeysAreComparedPartByPart) {
         Row{"vo.features.orb.maxpoints", "vo.features.orb.max_points"},
         Row{"vo.orb.max_points", "vo.features.orb.max_points"}, Row{"vo.max_points", "vo.features.orb.max_points"},
         Row{"vo.features.max_points", "vo.features.orb.max_points"},
-        Row{"vo.features.lines.length_px", "vo.features.lines.min_length_px"}, Row{"vo.map.wait", "vo.map.wait_s"},
-        Row{"vo.maps.wait_s", "vo.map.wait_s"}, Row{"vo.relocalization.wait_s", "vo.relocalisation.wait_s"},
-        Row{"vo.statefile", "vo.state_file"}, Row{"vo.odometry.max_frames", "vo.odometry.keyframes.max_frames"}}) {
+        Row{"vo.features.lines.length_px", "vo.features.lines.min_length_px"},
+        Row{"vo.map.local_keyframe", "vo.map.local_keyframes"},
+        Row{"vo.maps.local_keyframes", "vo.map.local_keyframes"},
+        Row{"vo.relocalization.enabled", "vo.relocalisation.enabled"}, Row{"vo.statefile", "vo.state_file"},
+        Row{"vo.odometry.max_frames", "vo.odometry.keyframes.max_frames"}}) {
     EXPECT_EQ(NearestKey(row.written, known), row.meant) << row.written;
   }
 }

@@ -43,7 +43,7 @@ class WorkQueueTest : public testing::Test {
   void ExpectNothing() { EXPECT_FALSE(queue_.Take(now_s_)); }
 
   double now_s_ = 100.0;
-  WorkQueue queue_{{.enabled = true, .wait_s = 5.0}};
+  WorkQueue queue_{true, 5.0};
 };
 
 TEST_F(WorkQueueTest, LockstepKeyframeWaitsForThePreviousAnswer) {
@@ -120,7 +120,7 @@ TEST_F(WorkQueueTest, LockstepContinuesWithoutALoopProcess) {
 }
 
 TEST_F(WorkQueueTest, DisabledLoopsAreNotAwaited) {
-  WorkQueue queue({.enabled = false, .wait_s = 5.0});
+  WorkQueue queue(false, 5.0);
   queue.Add(KeyframeOf(0, true), 0.0);
   queue.Add(ClosureOf(0, LoopClosure::Kind::kLoop));
   ASSERT_EQ(queue.Take(now_s_)->kind, Kind::kInsert);
@@ -341,7 +341,7 @@ TEST_F(WorkQueueTest, SaveAfterARestartWaitsForEarlierKeyframes) {
 }
 
 TEST(WorkQueueState, WrittenPeriodicallyAndBeforeANewSession) {
-  WorkQueue queue({.enabled = true, .wait_s = 5.0}, 2);
+  WorkQueue queue(true, 5.0, 2);
   const auto insert = [&](const Keyframe& keyframe) {
     queue.Add(keyframe, 0.0);
     const auto work = queue.Take(0.0);
@@ -369,7 +369,7 @@ TEST(WorkQueueState, WrittenPeriodicallyAndBeforeANewSession) {
 }
 
 TEST(WorkQueueState, WrittenBeforeAnotherPublisherContinues) {
-  WorkQueue queue({.enabled = false, .wait_s = 5.0}, 100);
+  WorkQueue queue(false, 5.0, 100);
   const auto of = [](int64_t source, int64_t id) {
     Keyframe keyframe = KeyframeOf(id, true);
     keyframe.source = source;
@@ -394,7 +394,7 @@ TEST(WorkQueueState, WrittenBeforeAnotherPublisherContinues) {
 }
 
 TEST(WorkQueueState, EachKeyframeOfABatchCounts) {
-  WorkQueue queue({.enabled = false, .wait_s = 5.0}, 2);
+  WorkQueue queue(false, 5.0, 2);
   queue.Add(KeyframeOf(0, false), 0.0);
   queue.Add(KeyframeOf(1, false), 0.0);
   const auto work = queue.Take(0.0);

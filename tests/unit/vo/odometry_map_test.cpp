@@ -26,12 +26,6 @@ double DistanceTo(const SE3& T, const SE3& expected) { return (T.translation() -
 
 SE3 Expected(int frame) { return PoseAt(0).Inverse() * PoseAt(frame); }
 
-VoOptions OptionsWith(const std::string& landmarks) {
-  VoOptions options;
-  options.map.landmarks = landmarks;
-  return options;
-}
-
 TEST(OdometryAndMap, KeyframeMissingFromTheMapChangesNothing) {
   const FeatureWorld world({300, 60}, 4);
   Odometry with(FeatureWorld::Camera(), VoOptions());
@@ -68,11 +62,9 @@ TEST(OdometryAndMap, NewSessionContinuesTrackingInTheMap) {
   }
 }
 
-class OdometryAndMapBy : public testing::TestWithParam<const char*> {};
-
-TEST_P(OdometryAndMapBy, PosesInOdomDoNotJumpAndMapFromOdometryIsFound) {
+TEST(OdometryAndMap, PosesInOdomDoNotJumpAndMapFromOdometryIsFound) {
   const FeatureWorld world({300, 60}, 4);
-  Odometry with(FeatureWorld::Camera(), OptionsWith(GetParam()));
+  Odometry with(FeatureWorld::Camera(), VoOptions());
   Odometry without(FeatureWorld::Camera(), VoOptions());
   PerfectMap map(world);
   int adopted = 0;
@@ -93,26 +85,20 @@ TEST_P(OdometryAndMapBy, PosesInOdomDoNotJumpAndMapFromOdometryIsFound) {
   EXPECT_LT(worst_with, 0.015);
 }
 
-INSTANTIATE_TEST_SUITE_P(Landmarks, OdometryAndMapBy, testing::Values("all", "unknown"),
-                         [](const auto& landmarks) { return std::string(landmarks.param); });
-
-// A map with an offset of 3 cm: tracking follows it with all of its landmarks, and not only with the unknown ones.
-TEST(OdometryAndMap, OwnLandmarksStayIfOnlyUnknownAreAdopted) {
+// A map with an offset of 3 cm.
+TEST(OdometryAndMap, LandmarksOfTheMapReplaceOwnOnes) {
   const FeatureWorld world({300, 60}, 4);
   const Eigen::Vector3d shift_w(0.03, 0.0, 0.0);
-  for (const std::string kind : {"all", "unknown"}) {
-    Odometry odometry(FeatureWorld::Camera(), OptionsWith(kind));
-    PerfectMap map(world, shift_w);
-    const OdometryResult first = odometry.Track(0, See(world, 0, 0.0));
-    ASSERT_TRUE(first.keyframe);
-    map.Add(1, 0, first);
-    ASSERT_TRUE(odometry.Adopt(map.map(), 1, 0));
-    const OdometryResult next = odometry.Track(kMappedFrame_ns, See(world, 1, 0.0));
-    const SE3 T_w_c = odometry.T_w_odom() * next.T_odom_c;
-    const Eigen::Vector3d off = T_w_c.translation() - (kT_w_world * PoseAt(1)).translation();
-    const Eigen::Vector3d expected = kind == "all" ? shift_w : Eigen::Vector3d(0.0, 0.0, 0.0);
-    EXPECT_LT((off - expected).norm(), 0.002) << kind << " " << off.transpose();
-  }
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  PerfectMap map(world, shift_w);
+  const OdometryResult first = odometry.Track(0, See(world, 0, 0.0));
+  ASSERT_TRUE(first.keyframe);
+  map.Add(1, 0, first);
+  ASSERT_TRUE(odometry.Adopt(map.map(), 1, 0));
+  const OdometryResult next = odometry.Track(kMappedFrame_ns, See(world, 1, 0.0));
+  const SE3 T_w_c = odometry.T_w_odom() * next.T_odom_c;
+  const Eigen::Vector3d off = T_w_c.translation() - (kT_w_world * PoseAt(1)).translation();
+  EXPECT_LT((off - shift_w).norm(), 0.002) << off.transpose();
 }
 
 // Session 1 has mapped the path; session 2 begins at its middle and goes back, where it has not been.

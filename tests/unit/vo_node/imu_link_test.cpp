@@ -30,11 +30,12 @@ std::vector<ImuSample> SamplesBetween(int64_t from_ns, int64_t to_ns) {
 /// A tracker's link on the test's thread, and a player on another.
 class Link : public testing::Test {
  protected:
-  Link() { player_.Start(); }
+  explicit Link(double partner_wait_s = 15.0) : process_{"vo", Options(url_, partner_wait_s)} { player_.Start(); }
   ~Link() override { player_.Join(); }
-  static bus::BusOptions Options(const std::string& url) {
+  static bus::BusOptions Options(const std::string& url, double partner_wait_s = 15.0) {
     bus::BusOptions options;
     options.url = url;
+    options.partner_wait_s = partner_wait_s;
     return options;
   }
   /// Runs until the frame need not wait any more.
@@ -48,12 +49,17 @@ class Link : public testing::Test {
 
   const std::string url_ = bus::test::PrivateUrl();
   bus::test::RunningBus player_{Options(url_), "player"};
-  bus::Process process_{"vo", Options(url_)};
+  bus::Process process_;
   std::function<void()> check_;
   std::optional<ImuLink> link_;
 };
 
-TEST_F(Link, MissingSamplesAreReportedOnce) {
+class ImpatientLink : public Link {
+ protected:
+  ImpatientLink() : Link(0.05) {}
+};
+
+TEST_F(ImpatientLink, MissingSamplesAreReportedOnce) {
   std::mutex mutex;
   std::vector<std::string> codes;
   bus::test::RunningBus listener(Options(url_), "listener");
@@ -62,7 +68,7 @@ TEST_F(Link, MissingSamplesAreReportedOnce) {
     codes.push_back(message.code);
   });
   listener.Start();
-  link_.emplace(process_, ImuUseOptions{.wait_s = 0.05}, [&] { check_(); });
+  link_.emplace(process_, ImuUseOptions(), [&] { check_(); });
   RunUntilDone(0, kPeriod_ns, 7);
   EXPECT_FALSE(link_->Awaits(7, kPeriod_ns, 2 * kPeriod_ns, true, bus::NowS())) << "it waits only once";
   EXPECT_TRUE(bus::test::Eventually([&] {

@@ -317,7 +317,7 @@ TEST_F(VoNodeTest, CoveredCameraFollowsTheWheels) {
 
 TEST_F(VoNodeTest, ACoveredCameraWithoutWheelsIsFarOff) {
   VoOptions options = WithRobot();
-  options.robot_motion.wait_s = 0.5;
+  bus_options_.partner_wait_s = 0.5;
   Start(options, true);
   EXPECT_GT(ErrorAfterTheDark_m(false), 0.7);
   EXPECT_TRUE(Says([](const status_t& s) { return bus::CounterOf(s, "robot_motions.missing") >= 40.0; }));

@@ -162,11 +162,9 @@ void LineLandmarks::Age(const SE3& T_c_odom) {
   DropStale(options_, landmarks_);
 }
 
-void LineLandmarks::Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapLine>>& adopted, bool keep_own,
-                          int64_t& next_id) {
+void LineLandmarks::Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapLine>>& adopted, int64_t& next_id) {
   const Eigen::Matrix3d R = T_odom_w.R();
   AdoptEach(adopted, next_id, landmarks_, [&](const MapLine& known, bool is_new, LineLandmark& landmark) {
-    if (!is_new && keep_own && !landmark.from_map) return;
     landmark.segment_odom = Transform(T_odom_w, known.segment_w);
     landmark.covariance_p = RotateCovariance(R, known.covariance_p);
     landmark.covariance_q = RotateCovariance(R, known.covariance_q);

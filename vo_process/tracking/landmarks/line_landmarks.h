@@ -64,8 +64,8 @@ class LineLandmarks {
   void Update(const SE3& T_odom_c, const std::vector<LandmarkMatch>& matches, TrackedFrame& frame);
 
   /// Adopts landmarks of the map: updates position and covariance of those already here (of several that are the same
-  /// the oldest stays), and adds the others. With `keep_own` those already here keep their position.
-  void Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapLine>>& adopted, bool keep_own, int64_t& next_id);
+  /// the oldest stays), and adds the others.
+  void Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapLine>>& adopted, int64_t& next_id);
 
   /// Re-expresses all landmarks in a new frame.
   void Move(const SE3& T_new_odom);

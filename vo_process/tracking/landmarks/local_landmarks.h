@@ -40,10 +40,10 @@ struct LocalLandmarks {
     points.Update(T_odom_c, matches.points, frame);
     lines.Update(T_odom_c, matches.lines, frame);
   }
-  void Adopt(const TrackerLocalMap& local_map, bool keep_own) {
+  void Adopt(const TrackerLocalMap& local_map) {
     const SE3 T_odom_w = local_map.T_w_odom.Inverse();
-    points.Adopt(T_odom_w, local_map.points, local_map.f_px, keep_own, next_point_id);
-    lines.Adopt(T_odom_w, local_map.lines, keep_own, next_line_id);
+    points.Adopt(T_odom_w, local_map.points, local_map.f_px, next_point_id);
+    lines.Adopt(T_odom_w, local_map.lines, next_line_id);
   }
   void Move(const SE3& T_new_odom) {
     points.Move(T_new_odom);

@@ -111,12 +111,11 @@ void PointLandmarks::Age(const SE3& T_c_odom) {
 }
 
 void PointLandmarks::Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapPoint>>& adopted, double map_f_px,
-                           bool keep_own, int64_t& next_id) {
+                           int64_t& next_id) {
   // Scales the distance so that both cameras see the octave at the same size.
   const double nearer = map_f_px > 0.0 ? camera_.f_px / map_f_px : 1.0;
   const Eigen::Matrix3d R = T_odom_w.R();
   AdoptEach(adopted, next_id, landmarks_, [&](const MapPoint& known, bool is_new, PointLandmark& landmark) {
-    if (!is_new && keep_own && !landmark.from_map) return;
     landmark.p_odom = T_odom_w * known.p_w;
     landmark.covariance = RotateCovariance(R, known.covariance);
     if (!is_new) return;

@@ -66,9 +66,8 @@ class PointLandmarks {
   void Update(const SE3& T_odom_c, const std::vector<LandmarkMatch>& matches, TrackedFrame& frame);
 
   /// Adopts landmarks of the map: updates position and covariance of those already here (of several that are the same
-  /// the oldest stays), and adds the others. With `keep_own` those already here keep their position.
-  void Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapPoint>>& adopted, double map_f_px, bool keep_own,
-             int64_t& next_id);
+  /// the oldest stays), and adds the others.
+  void Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapPoint>>& adopted, double map_f_px, int64_t& next_id);
 
   /// Re-expresses all landmarks in a new frame.
   void Move(const SE3& T_new_odom);

@@ -2,6 +2,7 @@
 #include "ros2/arguments.h"
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <stdexcept>
 #include <utility>
 
@@ -43,6 +44,7 @@ void Arguments::AddTo(CLI::App* app) {
   app->add_option("--frame", frames, "name of a frame: map=NAME, odom=NAME or base=NAME (repeatable)")
       ->type_name("FRAME=NAME")
       ->allow_extra_args(false);
+  app->add_option("--map-file", map_file, "map file of the services save and load");
   app->add_flag_callback(
       "--topics", [] {}, "list the topics of the domain for four seconds, and exit");
   app->add_option("--remap", remaps, "other name: left:=TOPIC, right:=TOPIC or __ns:=NAMESPACE, as in --ros-args -r")
@@ -57,6 +59,8 @@ void Arguments::Apply(Ros2Options* options) const {
   if (camera) options->camera = *camera;
   if (publish_tf) options->publish_tf = *publish_tf;
   if (space) options->output_namespace = *space;
+  if (map_file) options->map_file = *map_file;
+  if (!options->map_file.empty()) options->map_file = std::filesystem::absolute(options->map_file).string();
   for (const std::string& frame : frames) {
     const size_t sign = frame.find('=');
     const std::string name = frame.substr(0, sign);

@@ -15,7 +15,7 @@ namespace plslam::ros2 {
 
 /// The command line, which overrides the configuration.
 struct Arguments {
-  std::optional<std::string> left, right, camera, publish_tf, space;
+  std::optional<std::string> left, right, camera, publish_tf, space, map_file;
   std::vector<std::string> frames;  ///< "base=base_link"
   std::vector<std::string> remaps;  ///< "left:=/a/left"
 

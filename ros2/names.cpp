@@ -38,6 +38,14 @@ std::string DdsTypeName(std::string_view type) {
       .append("_");
 }
 
+ServiceNames DdsServiceNames(std::string_view service, std::string_view type) {
+  const std::string dds_type = DdsTypeName(type);
+  return {.request = std::string("rq").append(service).append("Request"),
+          .request_type = dds_type + "Request_",
+          .reply = std::string("rr").append(service).append("Reply"),
+          .reply_type = dds_type + "Response_"};
+}
+
 std::string RosTypeName(std::string_view dds_type) {
   const size_t folder = dds_type.find(kTypeFolder);
   if (folder == std::string_view::npos || !dds_type.ends_with("_")) return std::string(dds_type);

@@ -18,6 +18,13 @@ std::string DdsTypeName(std::string_view type);
 /// Returns the name in DDS for types that are not of ROS.
 std::string RosTypeName(std::string_view dds_type);
 
+/// Names of a service: /save of std_srvs/srv/Trigger has the topics "rq/saveRequest" and "rr/saveReply", of the types
+/// "std_srvs::srv::dds_::Trigger_Request_" and "..._Response_".
+struct ServiceNames {
+  std::string request, request_type, reply, reply_type;
+};
+ServiceNames DdsServiceNames(std::string_view service, std::string_view type);
+
 /// Returns the CameraInfo topic of an image topic: "/a/left/image_raw" has "/a/left/camera_info".
 std::string InfoTopicOf(std::string_view image_topic);
 

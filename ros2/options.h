@@ -20,6 +20,8 @@ struct Ros2Options {
   std::string map_frame = "map";
   std::string odom_frame = "odom";
   std::string base_frame = "base_link";
+  std::string map_file;
+  std::string robot_odometry;
 };
 
 template <class Visitor>
@@ -36,6 +38,10 @@ void VisitFields(Visitor& visit, Ros2Options& o) {
   visit("map_frame", o.map_frame, "frame of the map");
   visit("odom_frame", o.odom_frame, "frame of the odometry");
   visit("base_frame", o.base_frame, "frame of the robot's body");
+  visit("map_file", o.map_file,
+        "map file of the services save and load, on the machine of mapping_process; empty: none");
+  visit("robot_odometry", o.robot_odometry,
+        "topic of nav_msgs/Odometry of the robot's wheels, for prediction (vo.robot_motion.enabled); empty: none");
 }
 
 }  // namespace plslam::ros2

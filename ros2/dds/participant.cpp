@@ -98,6 +98,18 @@ const char* PolicyName(uint32_t id) {
   }
 }
 
+Guid ToGuid(const dds_guid_t& guid) {
+  Guid bytes{};
+  std::copy_n(std::begin(guid.v), bytes.size(), bytes.begin());
+  return bytes;
+}
+
+Guid GuidOf(dds_entity_t entity) {
+  dds_guid_t guid{};
+  Checked(dds_get_guid(entity, &guid), "an identity");
+  return ToGuid(guid);
+}
+
 int64_t StampOf(const std_msgs_msg_dds__Header_& header) {
   constexpr uint32_t kSecond_ns = 1'000'000'000;
   if (header.stamp.sec < 0 || header.stamp.nanosec >= kSecond_ns) {
@@ -112,11 +124,16 @@ int ToInt(uint32_t pixels) {
 }
 
 /// Quaternions that others have rounded are normalised.
-SE3 ToPose(const geometry_msgs_msg_dds__Transform_& transform) {
+template <class Translation>
+SE3 ToPose(const Translation& translation, const geometry_msgs_msg_dds__Quaternion_& rotation) {
   constexpr double kUnitTolerance = 1e-2;
-  const Eigen::Quaterniond q(transform.rotation.w, transform.rotation.x, transform.rotation.y, transform.rotation.z);
-  const Eigen::Vector3d t(transform.translation.x, transform.translation.y, transform.translation.z);
-  if (!(std::abs(q.norm() - 1.0) < kUnitTolerance) || !t.allFinite()) throw DatasetError("has an invalid transform");
+  constexpr double kFarthest_m = 4e7;  // around the Earth
+  const Eigen::Quaterniond q(rotation.w, rotation.x, rotation.y, rotation.z);
+  const Eigen::Vector3d t(translation.x, translation.y, translation.z);
+  // A NaN is not near 1, either.
+  if (!(std::abs(q.norm() - 1.0) < kUnitTolerance) || !(t.norm() < kFarthest_m)) {
+    throw DatasetError("has an invalid pose");
+  }
   return {q, t};
 }
 
@@ -227,6 +244,9 @@ struct Participant::Impl {
     }
   }
 
+  template <class Use>
+  void ForEachPublication(Use use) const;
+
   dds_entity_t domain = 0, participant = 0, waitset = 0, publications = 0;
   std::vector<Reader> readers;
   std::mutex mutex;  ///< of the writers
@@ -271,8 +291,19 @@ void Participant::ReadStaticFrames(
     const auto& message = *static_cast<const tf2_msgs_msg_dds__TFMessage_*>(sample);
     for (uint32_t i = 0; i < message.transforms._length; ++i) {
       const auto& transform = message.transforms._buffer[i];
-      take(TextOf(transform.header.frame_id), TextOf(transform.child_frame_id), ToPose(transform.transform));
+      take(TextOf(transform.header.frame_id), TextOf(transform.child_frame_id),
+           ToPose(transform.transform.translation, transform.transform.rotation));
     }
+  });
+}
+
+size_t Participant::ReadOdometry(const std::string& topic,
+                                 std::function<void(int64_t t_ns, const SE3& T_robot_b)> take) {
+  const Qos qos = ReaderQos();
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 100);  // half a second of fast wheels
+  return impl_->Read(topic, nav_msgs_msg_dds__Odometry__desc, qos, [take = std::move(take)](const void* sample) {
+    const auto& message = *static_cast<const nav_msgs_msg_dds__Odometry_*>(sample);
+    take(StampOf(message.header), ToPose(message.pose.pose.position, message.pose.pose.orientation));
   });
 }
 
@@ -337,21 +368,55 @@ void Participant::Write(const RosTopic& row, const std::string& topic, const std
   if (result != DDS_RETCODE_OK && result != DDS_RETCODE_TIMEOUT) Checked(result, topic + " cannot be published");
 }
 
-std::vector<Publisher> Participant::Publishers() const {
+std::vector<Guid> Participant::Readers() const {
+  std::vector<Guid> guids;
+  for (const Impl::Reader& reader : impl_->readers) guids.push_back(GuidOf(reader.entity));
+  return guids;
+}
+
+std::vector<Guid> Participant::Writers() const {
+  const std::scoped_lock lock(impl_->mutex);
+  std::vector<Guid> guids;
+  for (const auto& [topic, writer] : impl_->writers) guids.push_back(GuidOf(writer.entity));
+  return guids;
+}
+
+/// Calls `use` for the endpoints that publish in the domain.
+template <class Use>
+void Participant::Impl::ForEachPublication(Use use) const {
   // Discovery keeps one sample for each endpoint; they are read in portions.
-  std::vector<Publisher> publishers;
   std::vector<void*> samples(1024, nullptr);
   std::vector<dds_sample_info_t> infos(samples.size());
-  const dds_return_t n = dds_read_mask(impl_->publications, samples.data(), infos.data(), samples.size(),
+  const dds_return_t n = dds_read_mask(publications, samples.data(), infos.data(), samples.size(),
                                        static_cast<uint32_t>(samples.size()), DDS_ANY_STATE);
   for (size_t i = 0; n > 0 && i < static_cast<size_t>(n); ++i) {
     const auto& endpoint = *static_cast<const dds_builtintopic_endpoint_t*>(samples[i]);
-    if (!infos[i].valid_data || infos[i].instance_state != DDS_ALIVE_INSTANCE_STATE) continue;
-    dds_guid_t own{};
-    dds_get_guid(impl_->participant, &own);
-    if (std::memcmp(&own, &endpoint.participant_key, sizeof(own)) == 0) continue;
+    if (infos[i].valid_data && infos[i].instance_state == DDS_ALIVE_INSTANCE_STATE) use(endpoint);
+  }
+  if (n > 0) dds_return_loan(publications, samples.data(), n);
+}
+
+std::optional<size_t> Participant::GidBytes(const Guid& own) const {
+  std::optional<size_t> gid_bytes;
+  impl_->ForEachPublication([&](const dds_builtintopic_endpoint_t& endpoint) {
+    if (TextOf(endpoint.topic_name) != kNodeInfoTopic || ToGuid(endpoint.participant_key) == own) return;
+    void* data = nullptr;
+    size_t n_bytes = 0;
+    dds_qget_userdata(endpoint.qos, &data, &n_bytes);
+    const std::string text(static_cast<const char*>(data), n_bytes);
+    dds_free(data);
+    gid_bytes = text.find("typehash=") == std::string::npos ? kGidBytesBeforeIron : kGidBytes;
+  });
+  return gid_bytes;
+}
+
+std::vector<Publisher> Participant::Publishers() const {
+  std::vector<Publisher> publishers;
+  const Guid own = GuidOf(impl_->participant);
+  impl_->ForEachPublication([&](const dds_builtintopic_endpoint_t& endpoint) {
+    if (ToGuid(endpoint.participant_key) == own) return;
     Publisher publisher{RosTopicName(TextOf(endpoint.topic_name)), RosTypeName(TextOf(endpoint.type_name))};
-    if (publisher.topic.empty()) continue;
+    if (publisher.topic.empty()) return;
     dds_reliability_kind_t reliability = DDS_RELIABILITY_BEST_EFFORT;
     dds_duration_t blocking = 0;
     dds_qget_reliability(endpoint.qos, &reliability, &blocking);
@@ -360,8 +425,7 @@ std::vector<Publisher> Participant::Publishers() const {
     publisher.is_reliable = reliability == DDS_RELIABILITY_RELIABLE;
     publisher.is_latched = durability != DDS_DURABILITY_VOLATILE;
     publishers.push_back(std::move(publisher));
-  }
-  if (n > 0) dds_return_loan(impl_->publications, samples.data(), n);
+  });
   return publishers;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "core/ros/ros_topics.h"
 #include "ros2/diagnosis.h"
 #include "ros2/domain.h"
+#include "ros2/graph/node_info.h"
 
 namespace plslam::ros2 {
 
@@ -34,6 +36,9 @@ class Participant {
   /// tf2_msgs/msg/TFMessage of late publishers, too (reliable, transient local): /tf_static.
   void ReadStaticFrames(std::function<void(const std::string& parent, const std::string& child, const SE3&)> take);
 
+  /// Poses of a robot's body in nav_msgs/msg/Odometry.
+  size_t ReadOdometry(const std::string& topic, std::function<void(int64_t t_ns, const SE3& T_robot_b)> take);
+
   /// Waits for messages and handles them, for so long at most.
   void Receive(std::chrono::milliseconds limit,
                const std::function<void(const std::string& topic, const std::string& reason)>& on_rejected);
@@ -41,6 +46,14 @@ class Participant {
 
   /// Publishes a message of this row, in CDR, on `topic`; the writer is made with the first one. Safe from any thread.
   void Write(const RosTopic& row, const std::string& topic, const std::string& cdr);
+
+  /// Returns the identities of its readers and writers of topics of ROS.
+  std::vector<Guid> Readers() const;
+  std::vector<Guid> Writers() const;
+
+  /// Returns the bytes of an identity in the release of ROS of another node than that of the participant `own`: since
+  /// Iron, endpoints name the hash of their type. nullopt: there is no other node.
+  std::optional<size_t> GidBytes(const Guid& own) const;
 
   /// Returns all publishers of topics of ROS in the domain but those of this participant.
   std::vector<Publisher> Publishers() const;

@@ -14,11 +14,13 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
 #include "core/errors/error_text.h"
 #include "core/errors/log.h"
 #include "core/io/files/dataset_error.h"
 #include "core/run/process_names.h"
+#include "plslam/robot_motion_t.hpp"
 #include "ros2/arguments.h"
 #include "ros2/names.h"
 
@@ -32,6 +34,8 @@ constexpr double kPatience_s = 4.0;
 /// Time in which /tf_static is awaited after the first CameraInfo, where it has a publisher: some repeat what late
 /// subscribers lack every three seconds.
 constexpr double kPatienceForFrames_s = 5.0;
+/// Wheels may start later than cameras.
+constexpr int64_t kFramesWithoutMotions = 20;
 
 std::string Environment(const char* name) {
   const char* const value = std::getenv(name);
@@ -85,7 +89,8 @@ Ros2Node::Ros2Node(bus::Process& process, const Ros2Options& options)
       run_(process.bus(),
            LiveMessages([this](const RosTopic& row, int64_t t_ns, const std::string& cdr) { Write(row, t_ns, cdr); },
                         FramesOf(options)),
-           [] { return false; }) {
+           [] { return false; }),
+      services_(process, domain_, options) {
   Ros2Options shown = options;
   process_.SetConfiguration(ToYaml("ros2", shown));
   for (const robot::Side side : {robot::Side::kLeft, robot::Side::kRight}) {
@@ -108,6 +113,15 @@ Ros2Node::Ros2Node(bus::Process& process, const Ros2Options& options)
     participant_.ReadStaticFrames([this](const std::string& parent, const std::string& child, const SE3& T) {
       static_frames_.Add(parent, child, T);
     });
+  }
+  if (!options.robot_odometry.empty()) {
+    motions_ = participant_.ReadOdometry(options.robot_odometry,
+                                         [this](int64_t t_ns, const SE3& T_robot_b) { TakeMotion(t_ns, T_robot_b); });
+  }
+  if (!OffersOrders(process.bus().options(), domain_)) {
+    LogInfo(
+        "services are not offered: the bus has a key (bus.key_file), and DDS no proof of it; ROS_LOCALHOST_ONLY=1 "
+        "offers them on this machine");
   }
   listener_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { Listen(); }); });
 }
@@ -132,7 +146,11 @@ void Ros2Node::Listen() {
 }
 
 void Ros2Node::Reject(const std::string& topic, const std::string& reason) {
-  process_.SetCounter("frames.rejected", static_cast<double>(++n_rejected_));
+  if (motions_ && topic == options_.robot_odometry) {
+    process_.SetCounter("motions.rejected", static_cast<double>(++n_motions_rejected_));
+  } else {
+    process_.SetCounter("frames.rejected", static_cast<double>(++n_rejected_));
+  }
   skipped_messages_.WarnOnce(fmt::format("a message on {} {}", topic, reason));
 }
 
@@ -183,6 +201,8 @@ void Ros2Node::Write(const RosTopic& row, int64_t t_ns, const std::string& cdr) 
 
 void Ros2Node::Tick() {
   frames_.PublishRig();
+  ReportMotions();
+  AnnounceNode();
   for (Side& side : sides_) side.input.state = participant_.StateOf(side.reader);
   for (Side& info : infos_) info.input.state = participant_.StateOf(info.reader);
   process_.SetCounter("messages.lost",
@@ -199,6 +219,37 @@ void Ros2Node::NoteProgress() {
   n_sent_ = frames_.n_sent();
   progress_s_ = bus::NowS();
   for (Side& side : sides_) side.n_before = side.input.state.n_messages;
+}
+
+void Ros2Node::TakeMotion(int64_t t_ns, const SE3& T_robot_b) {
+  robot_motion_t motion{};
+  motion.header.t_ns = t_ns;
+  motion.T_robot_b = bus::ToMessage(T_robot_b);
+  process_.bus().Publish(bus::kRobotMotion, motion);
+  ++n_motions_;
+}
+
+void Ros2Node::ReportMotions() {
+  if (!motions_) return;
+  process_.SetCounter("motions.sent", static_cast<double>(n_motions_));
+  if (n_motions_ > 0 || frames_.n_sent() < kFramesWithoutMotions || std::exchange(warned_of_motions_, true)) return;
+  process_.Warn(
+      "robot_odometry_missing",
+      fmt::format("no message arrives on {} (ros2.robot_odometry), so frames are tracked without the robot's "
+                  "odometry: `plslam topics ros2:` lists the topics of nav_msgs/msg/Odometry",
+                  Shown(options_.robot_odometry)));
+}
+
+void Ros2Node::AnnounceNode() {
+  const std::optional<size_t> gid_bytes = participant_.GidBytes(services_.node().id());
+  if (!gid_bytes) return;
+  const std::string& space = options_.output_namespace;
+  services_.node().Announce({.participant = {},
+                             .space = space.empty() ? "/" : space,
+                             .name = "plslam_ros2",
+                             .readers = participant_.Readers(),
+                             .writers = participant_.Writers()},
+                            *gid_bytes);
 }
 
 /// States why there have been no frames since the last progress.

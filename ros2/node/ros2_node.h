@@ -15,6 +15,7 @@
 #include "core/ros/node/live_run.h"
 #include "ros2/dds/participant.h"
 #include "ros2/image_rate.h"
+#include "ros2/node/order_services.h"
 #include "ros2/options.h"
 #include "ros2/static_frames.h"
 
@@ -47,6 +48,9 @@ class Ros2Node {
   void ReportRate();
   void ReportLack();
   void NoteProgress();
+  void TakeMotion(int64_t t_ns, const SE3& T_robot_b);
+  void ReportMotions();
+  void AnnounceNode();
 
   bus::Process& process_;
   const Ros2Options options_;
@@ -64,11 +68,15 @@ class Ros2Node {
   ImageRate rate_;          ///< of left images
   int64_t pair_bytes_ = 0;  ///< largest so far
   bool warned_of_loss_ = false;
+  std::optional<size_t> motions_;  ///< reader of the robot's odometry
+  int64_t n_motions_ = 0, n_motions_rejected_ = 0;
+  bool warned_of_motions_ = false;
   std::string lack_;                             ///< the last reason for no frames
   int64_t n_sent_ = 0;                           ///< frames at the last progress
   double progress_s_ = 0.0;                      ///< when that was
   std::atomic<int64_t> first_t_ns_ = INT64_MAX;  ///< of the frames that were sent
   bus::LiveRun run_;
+  OrderServices services_;
   std::atomic<bool> stopped_ = false;
   std::thread listener_;
 };

@@ -71,9 +71,18 @@ class Ros2 : public testing::Test {
   bool LogHas(const std::string& text) const {
     return WholeRun::WaitFor([&] { return Log().find(text) != std::string::npos; });
   }
+  /// The answer of a program of tests/ros2.
+  json Call(std::vector<std::string> arguments) {
+    const std::string program = arguments.front();
+    arguments.erase(arguments.begin());
+    const auto caller = Start(BinaryFolder().parent_path() / "tests" / program, arguments, "caller.json");
+    Wait(*caller);
+    return LastJson("caller.json");
+  }
   /// The messages that the robot received; warnings of Fast DDS come before.
-  json Heard() const {
-    const std::string text = Log("robot.json");
+  json Heard() const { return LastJson("robot.json"); }
+  json LastJson(const std::string& file) const {
+    const std::string text = Log(file);
     const size_t begin = text.rfind("\n{") == std::string::npos ? text.find('{') : text.rfind("\n{") + 1;
     return json::parse(text.substr(std::min(begin, text.size())), nullptr, false);
   }
@@ -152,10 +161,11 @@ TEST_F(Ros2, MissingInputIsNamedInFiveSeconds) {
 }
 
 TEST_F(Ros2, WrongDataAreCountedAndTheRestIsUsed) {
-  const auto process = StartProcess();
-  const auto robot = StartRobot({kWorld, "20", "60", "lies", "reliable", "listen_s=1"});
+  const auto process = StartProcess({"--set", "ros2.robot_odometry=/wheels"});
+  const auto robot = StartRobot({kWorld, "20", "60", "lies", "reliable", "wheels", "listen_s=1"});
   Wait(*robot);
   Stop(*process);
+  EXPECT_THAT(Log(), HasSubstr("a message on /wheels has an invalid pose"));
   EXPECT_THAT(Log(), HasSubstr("a message on /stereo/right/image_raw has 376 x 4000000000 pixels"));
   EXPECT_THAT(Log(), HasSubstr("ended: 20 frames, 0 unpaired, 40 rejected"));
 }
@@ -197,6 +207,74 @@ TEST_F(Ros2, DomainsAreApart) {
   Stop(*other);
   EXPECT_THAT(Log(), HasSubstr("ended: 60 frames, 0 unpaired, 0 rejected"));
   EXPECT_THAT(Log("other.log"), HasSubstr("no publisher of ROS 2 was found in the domain 6"));
+}
+
+// Wheels carry the pose while the camera is covered for a second.
+TEST_F(Ros2, WheelsPredictAndNothingElse) {
+  const auto run = Start(BinaryFolder() / "plslam",
+                         {"run", fmt::format("ros2:{}", kTopics), "--out", folder_.Path("out"), "--no-loops", "--set",
+                          "ros2.robot_odometry=/wheels", "--set", "vo.robot_motion.enabled=true"},
+                         "run.log");
+  const auto robot = StartRobot({"synthetic:room?size=376x240&frames=100", "20", "100", "wheels", "covered"});
+  Wait(*robot);
+  run->Signal(SIGINT);
+  Wait(*run);
+  ASSERT_EQ(run->Poll()->code, 0) << Log("run.log");
+  const json heard = Heard();
+  const auto world = OpenDataset("synthetic:room?size=376x240&frames=100", "");
+  const SE3 T_first = world->GroundTruth(0)->Inverse();
+  int n_covered = 0;
+  for (const json& odom : heard["odom"]) {
+    const int i = IndexOf(odom);
+    n_covered += i >= 40 && i < 60;
+    const SE3 T_true = T_first * *world->GroundTruth(i);
+    const Eigen::Vector3d p = T_true.translation(), p_body(p.z(), -p.x(), -p.y());
+    EXPECT_LT((Eigen::Vector3d(odom[1], odom[2], odom[3]) - p_body).norm(), 0.05) << i;
+  }
+  EXPECT_GT(n_covered, 10) << heard;
+}
+
+// By clients of both middlewares of ROS, which have no code in common with the process but DDS itself.
+TEST_F(Ros2, ServicesAreOrders) {
+  const std::string map = folder_.Path("house.plmap");
+  const auto run = Start(BinaryFolder() / "plslam",
+                         {"run", fmt::format("ros2:{}", kTopics), "--out", folder_.Path("out"), "--set",
+                          "ros2.map_file=" + map, "--no-loops"},
+                         "run.log");
+  const auto robot = StartRobot({"synthetic:room?size=376x240&frames=140", "20", "140", "listen_s=1"});
+  Wait(*robot);
+  EXPECT_EQ(Call({"fast_dds_caller", "call", "/plslam/save"}),
+            json({{"success", true}, {"message", fmt::format("the map is saved in {}", map)}}));
+  EXPECT_TRUE(std::filesystem::exists(map));
+  EXPECT_EQ(Call({"fast_dds_caller", "call", "/plslam/localise_only", "true"})["success"], true);
+  const json extend = Call({"cyclone_caller", "/plslam/localise_only", "false"});
+  EXPECT_EQ(extend["success"], true) << extend;
+  EXPECT_EQ(Call({"fast_dds_caller", "call", "/plslam/reset"})["success"], true);
+  // Only a player can pause.
+  const json pause = Call({"cyclone_caller", "/plslam/pause", "true"});
+  EXPECT_EQ(pause["success"], false) << pause;
+  EXPECT_THAT(pause["message"].get<std::string>(), HasSubstr("player")) << pause;
+  run->Signal(SIGINT);
+  Wait(*run);
+  EXPECT_EQ(run->Poll()->code, 0) << Log("run.log");
+}
+
+// The other node decides on the form.
+TEST_F(Ros2, NodeIsListedInBothFormsOfRos) {
+  for (const auto& [old, n_digits] : {std::pair("1", 48U), std::pair("0", 32U)}) {
+    const auto process = StartProcess({"--namespace", "/robot"});
+    ASSERT_TRUE(LogHas("waiting for images")) << Log();
+    const json heard = Call({"fast_dds_caller", "nodes", old});
+    Stop(*process);
+    ASSERT_EQ(heard["nodes"].size(), 1U) << heard;
+    const json& node = heard["nodes"][0];
+    EXPECT_EQ(node["name"], "plslam_ros2");
+    EXPECT_EQ(node["namespace"], "/robot");
+    // Images and CameraInfo of both sides, /tf_static, and five services.
+    EXPECT_EQ(node["readers"].size(), 10U) << heard;
+    EXPECT_GE(node["writers"].size(), 5U) << heard;
+    EXPECT_EQ(heard["gid"].get<std::string>().size(), n_digits);
+  }
 }
 
 TEST_F(Ros2, TopicsAreListedWithTheirCommand) {

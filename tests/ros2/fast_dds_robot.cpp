@@ -2,8 +2,9 @@
 // fast_dds_robot DATASET RATE_HZ N_FRAMES [OPTION...]: a robot of ROS 2 by Fast DDS. After a subscriber is found, it
 // publishes the stereo images of a dataset on /stereo/left/image_raw and right, with CameraInfo; it hears odometry,
 // transforms, path and points, and prints what it heard as JSON. Options: no_info, no_right, other_clock, constant,
-// unsynchronised, tf_static (a camera that looks to the left), lies (sizes that do not fit the data), reliable, jpeg, listen_s=SECONDS
-// (afterwards), begin_s=SECONDS (stamp of the first frame).
+// unsynchronised, tf_static (a camera that looks to the left), lies (sizes that do not fit the data), reliable, jpeg, wheels (true
+// odometry on /wheels), covered (black images for a second), listen_s=SECONDS (afterwards), begin_s=SECONDS (stamp of
+// the first frame).
 #include <unistd.h>
 
 #include <algorithm>
@@ -39,6 +40,8 @@ namespace {
 namespace fast = eprosima::fastdds::dds;
 using Clock = std::chrono::steady_clock;
 using nlohmann::json;
+
+constexpr int kCoveredFrom = 40, kCoveredTo = 60;
 
 class Robot {
  public:
@@ -129,6 +132,24 @@ sensor_msgs::msg::dds_::CameraInfo_ InfoOf(const plslam::CameraCalibration& c, d
   return info;
 }
 
+/// The pose of a body whose camera looks along x, relative to that of the first frame; from true poses.
+nav_msgs::msg::dds_::Odometry_ OdometryOf(const plslam::SE3& T_first_c, int64_t t_ns) {
+  const plslam::SE3 T_b_c(Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5), Eigen::Vector3d::Zero());
+  const plslam::SE3 T_robot_b = T_b_c * T_first_c * T_b_c.Inverse();
+  nav_msgs::msg::dds_::Odometry_ odometry;
+  SetHeader(odometry.header(), t_ns, "wheels");
+  odometry.child_frame_id("base_link");
+  auto& pose = odometry.pose().pose();
+  pose.position().x(T_robot_b.translation().x());
+  pose.position().y(T_robot_b.translation().y());
+  pose.position().z(T_robot_b.translation().z());
+  pose.orientation().x(T_robot_b.rotation().x());
+  pose.orientation().y(T_robot_b.rotation().y());
+  pose.orientation().z(T_robot_b.rotation().z());
+  pose.orientation().w(T_robot_b.rotation().w());
+  return odometry;
+}
+
 /// The left camera is 0.3 m in front of the body's origin and 0.2 m above it, and looks to the left.
 void PublishMounting(Robot& robot) {
   tf2_msgs::msg::dds_::TFMessage_ message;
@@ -183,6 +204,8 @@ int main(int argc, char** argv) {
   auto* const points = robot.Reader<sensor_msgs::msg::dds_::PointCloud2_PubSubType>("/plslam/map/points", true);
   auto* const path = robot.Reader<nav_msgs::msg::dds_::Path_PubSubType>("/plslam/path", true);
 
+  auto* const wheels =
+      has("wheels") ? robot.Writer<nav_msgs::msg::dds_::Odometry_PubSubType>("/wheels", true) : nullptr;
   if (has("tf_static")) PublishMounting(robot);
 
   json heard{{"sent", 0}, {"odom", json::array()}, {"tf", json::object()}, {"points", 0}, {"path", 0}};
@@ -245,13 +268,20 @@ int main(int argc, char** argv) {
       usleep(500);
     }
     due_s += 1.0 / rate_hz;
+    if (wheels != nullptr) {
+      auto wheel_odometry = OdometryOf(dataset->GroundTruth(0)->Inverse() * *dataset->GroundTruth(i), t_ns[0]);
+      if (has("lies") && i % 10 == 0) wheel_odometry.pose().pose().position().x(NAN);
+      wheels->write(&wheel_odometry);
+    }
     for (int side = 0; side < 2; ++side) {
       if (images[side] == nullptr) continue;
       if (infos[side] != nullptr) {
         auto info = InfoOf(side == 0 ? rig.left : rig.right, side == 0 ? 0.0 : rig.baseline_m, t_ns[side]);
         infos[side]->write(&info);
       }
-      const cv::Mat& pixels = side == 0 ? frame.left : frame.right;
+      cv::Mat pixels = side == 0 ? frame.left : frame.right;
+      if (has("covered") && i >= kCoveredFrom && i < kCoveredTo)
+        pixels = cv::Mat::zeros(pixels.size(), pixels.type());
       if (has("jpeg")) {
         auto image = JpegOf(pixels, t_ns[side]);
         images[side]->write(&image);

@@ -14,7 +14,6 @@
 #include "core/io/files/bytes.h"
 #include "core/ros/cdr_writer.h"
 #include "core/ros/ros_definitions.h"
-#include "core/run/process_names.h"
 
 namespace plslam::bridge {
 namespace {
@@ -29,32 +28,17 @@ enum StatusLevel { kInfo = 0, kWarning = 1, kError = 2 };
 constexpr size_t kMostTextBytes = 64 << 10;
 constexpr size_t kMostSubscriptions = 256;
 
-/// A service of ROS for an order of users.
-struct ServiceRow {
-  const char* name;
-  const char* verb;         ///< as in `command_verb`; of a switch: when it is on
-  const char* verb_of_off;  ///< nullptr: the service is no switch (std_srvs/srv/Trigger)
-  bool has_file = false;    ///< its argument is the map file
-  bool has_on_off = false;  ///< its argument is "on" or "off"
-};
-constexpr auto kServices = std::to_array<ServiceRow>({
-    {"/plslam/save", command_verb::kSave, nullptr, true},
-    {"/plslam/load", command_verb::kLoad, nullptr, true},
-    {"/plslam/reset", command_verb::kReset, nullptr},
-    {"/plslam/pause", command_verb::kPause, command_verb::kResume},
-    {"/plslam/localise_only", command_verb::kLocalise, command_verb::kLocalise, false, true},
-});
+constexpr std::string_view kNamespace = "/plslam/";
 
-json ServiceJson(uint32_t id, const ServiceRow& row) {
-  const bool is_switch = row.verb_of_off != nullptr;
-  const std::string type = is_switch ? "std_srvs/srv/SetBool" : "std_srvs/srv/Trigger";
-  const std::string request = is_switch ? "bool data\n" : "", response = "bool success\nstring message\n";
+json ServiceJson(uint32_t id, const RosService& row) {
+  const std::string type(row.type()), request = row.is_switch() ? "bool data\n" : "";
+  const std::string response = "bool success\nstring message\n";
   const auto described = [&](const char* part, const std::string& schema) {
     return json{{"encoding", "cdr"}, {"schemaName", type + part}, {"schemaEncoding", "ros2msg"}, {"schema", schema}};
   };
   // Older viewers read the two schemas alone.
   return {{"id", id},
-          {"name", row.name},
+          {"name", std::string(kNamespace).append(row.name)},
           {"type", type},
           {"request", described("_Request", request)},
           {"response", described("_Response", response)},
@@ -141,8 +125,8 @@ void FoxgloveServer::Open(int64_t id) {
     client.queue.PutEvery(TextFrame({{"op", "advertise"}, {"channels", ChannelsJson()}}));
     if (offers_orders_) {
       json services = json::array();
-      for (size_t i = 0; i < kServices.size(); ++i) {
-        services.push_back(ServiceJson(static_cast<uint32_t>(i), kServices[i]));
+      for (size_t i = 0; i < RosServices().size(); ++i) {
+        services.push_back(ServiceJson(static_cast<uint32_t>(i), RosServices()[i]));
       }
       client.queue.PutEvery(TextFrame({{"op", "advertiseServices"}, {"services", services}}));
     }
@@ -232,21 +216,17 @@ void FoxgloveServer::CountImageSubscriptions() {
 /// Completes the call; returns the reason why it cannot be carried out, or an empty text.
 std::string FoxgloveServer::FailureOf(ServiceCall& call, std::string_view encoding,
                                       std::span<const uint8_t> payload) const {
-  constexpr size_t kBoolAt = 4;  // after the encoding of CDR
-  if (!offers_orders_ || call.service >= kServices.size()) return fmt::format("there is no service {}", call.service);
+  constexpr size_t kCdrHeadBytes = 4;
+  if (!offers_orders_ || call.service >= RosServices().size()) {
+    return fmt::format("there is no service {}", call.service);
+  }
   if (encoding != "cdr") return fmt::format("requests are in cdr, not in '{}'", Shown(encoding));
-  const ServiceRow& row = kServices[call.service];
-  call.verb = row.verb;
-  if (row.verb_of_off != nullptr) {
-    if (payload.size() <= kBoolAt) return "the request has no data";
-    const bool is_on = payload[kBoolAt] != 0;
-    if (!is_on) call.verb = row.verb_of_off;
-    if (row.has_on_off) call.argument = is_on ? "on" : "off";
+  try {
+    call.order = OrderOf(RosServices()[call.service], payload.subspan(std::min(kCdrHeadBytes, payload.size())),
+                         map_file_, "plslam bridge");
+  } catch (const std::runtime_error& error) {
+    return error.what();
   }
-  if (row.has_file && map_file_.empty()) {
-    return fmt::format("{} has no file: start plslam bridge with --map-file FILE", row.name);
-  }
-  if (row.has_file) call.argument = map_file_;
   return "";
 }
 
@@ -260,7 +240,7 @@ void FoxgloveServer::TakeBinary(int64_t id, std::span<const uint8_t> bytes) {
     try {
       if (bytes.empty() || bytes[0] != kServiceRequest) throw std::runtime_error("its opcode is not offered here");
       bytes = bytes.subspan(1);
-      ServiceCall call{id, GetUint32(bytes), GetUint32(bytes), "", ""};
+      ServiceCall call{id, GetUint32(bytes), GetUint32(bytes), {}};
       const uint32_t n_encoding = GetUint32(bytes);
       if (n_encoding > bytes.size()) throw std::runtime_error("a message ends before its last field");
       const std::string_view encoding(reinterpret_cast<const char*>(bytes.data()), n_encoding);

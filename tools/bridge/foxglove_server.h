@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/ros/ros_services.h"
 #include "core/ros/ros_topics.h"
 #include "tools/bridge/client_queue.h"
 
@@ -21,8 +22,7 @@ namespace plslam::bridge {
 struct ServiceCall {
   int64_t client = 0;
   uint32_t service = 0, call = 0;
-  std::string verb;      ///< as in `command_verb`
-  std::string argument;  ///< of the order
+  ServiceOrder order;
 };
 
 /// The server's side of the Foxglove WebSocket protocol (foxglove.websocket.v1, and foxglove.sdk.v1, which has the same

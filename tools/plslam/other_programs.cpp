@@ -57,7 +57,8 @@ void AddTopicsCommand(CLI::App* app, Command* command) {
       "  ROS_DOMAIN_ID=7 plslam topics ros2:");
   sub->callback([=] {
     *command = [source] {
-      return Become("plslam_ros2", "plslam-ros2 (or cyclonedds-dev and cyclonedds-tools)", {"--topics"});
+      return Become("plslam_ros2", "plslam-ros2 (or cyclonedds-dev, cyclonedds-tools and libfastrtps-dev)",
+                    {"--topics"});
     };
   });
 }

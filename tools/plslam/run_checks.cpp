@@ -217,7 +217,8 @@ void CheckLive(const RunOptions& options) {
   }
   if (options.from_ros2) {
     CheckRos2Topics(options.dataset);
-    CheckProgram(options, what, "plslam_ros2", "the package plslam-ros2 (or cyclonedds-dev and cyclonedds-tools)");
+    CheckProgram(options, what, "plslam_ros2",
+                 "the package plslam-ros2 (or cyclonedds-dev, cyclonedds-tools and libfastrtps-dev)");
   } else {
     CheckProgram(options, what, process_name::kCamera, "libgstreamer1.0-dev and libgstreamer-plugins-base1.0-dev");
   }

@@ -87,10 +87,10 @@ TEST_F(Foxglove, ServicesBecomeOrders) {
   Call(Request(4, "cdr", head + '\1'));
   Call(Request(2, "cdr", head));
   ASSERT_EQ(calls_.size(), 4U);
-  EXPECT_EQ(calls_[0].verb, "pause");
-  EXPECT_EQ(calls_[1].verb, "resume");
-  EXPECT_EQ(calls_[2].verb + calls_[2].argument, "localiseon");
-  EXPECT_EQ(calls_[3].verb, "reset");
+  EXPECT_EQ(calls_[0].order.verb, "pause");
+  EXPECT_EQ(calls_[1].order.verb, "resume");
+  EXPECT_EQ(calls_[2].order.verb + calls_[2].order.argument, "localiseon");
+  EXPECT_EQ(calls_[3].order.verb, "reset");
   server_.Answer(calls_[0], true, "paused");
   EXPECT_THAT(*server_.Next(1)->payload, HasSubstr("paused"));
   for (const std::string& wrong : {Request(0, "cdr", head), Request(3, "cdr", head), Request(3, "json", "{}"),

@@ -30,6 +30,14 @@ TEST(Ros2Names, TopicsAndTypesInDds) {
   EXPECT_EQ(RosTypeName("Other::Type"), "Other::Type");
 }
 
+TEST(Ros2Names, ServiceIsTwoTopics) {
+  const ServiceNames names = DdsServiceNames("/plslam/save", "std_srvs/srv/Trigger");
+  EXPECT_EQ(names.request, "rq/plslam/saveRequest");
+  EXPECT_EQ(names.reply, "rr/plslam/saveReply");
+  EXPECT_EQ(names.request_type, "std_srvs::srv::dds_::Trigger_Request_");
+  EXPECT_EQ(names.reply_type, "std_srvs::srv::dds_::Trigger_Response_");
+}
+
 TEST(Ros2Names, CameraInfoBesideTheImages) {
   EXPECT_EQ(InfoTopicOf("/a/left/image_raw"), "/a/left/camera_info");
   EXPECT_EQ(InfoTopicOf("/a/left/image_raw/compressed"), "/a/left/camera_info");

@@ -49,7 +49,9 @@ BridgeNode::BridgeNode(bus::Process& process, const BridgeOptions& options)
                    },
                .on_call =
                    [this](ServiceCall call) {
-                     process_.bus().Post([this, call = std::move(call)] { calls_.push_back(call); });
+                     orders_.Give(call.order, [this, call](bool done, const std::string& sentence) {
+                       server_.Answer(call, done, sentence);
+                     });
                    }}),
       run_(process.bus(), LiveMessages([this](const RosTopic& topic, int64_t t_ns, std::string cdr) {
              server_.Write(topic, t_ns, std::move(cdr));
@@ -59,7 +61,6 @@ BridgeNode::BridgeNode(bus::Process& process, const BridgeOptions& options)
   BridgeOptions shown = options;
   process_.SetConfiguration(ToYaml("bridge", shown));
   process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& message) { OnStatus(message); });
-  process_.bus().Every(std::chrono::milliseconds(50), [this] { GiveOrders(); });
   process_.bus().Every(std::chrono::milliseconds(1000), [this] {
     process_.SetCounter("clients", static_cast<double>(server_.n_clients()));
     process_.SetCounter("messages.skipped", static_cast<double>(server_.n_dropped()));
@@ -79,18 +80,6 @@ void BridgeNode::OnStatus(const status_t& message) {
   // All processes have the section of the bus.
   std::erase_if(values, [&](const auto& value) { return value.first.starts_with("bus."); });
   server_.SetParameters(message.process, std::move(values));
-}
-
-void BridgeNode::GiveOrders() {
-  if (calls_.empty()) return;
-  const ServiceCall& call = calls_.front();
-  if (!is_sent_) orders_.Send(*bus::FindOrder(call.verb), call.argument);
-  is_sent_ = true;
-  const std::optional<bus::OrderResult> result = orders_.Result();
-  if (!result) return;
-  server_.Answer(call, result->done, result->sentence);
-  calls_.pop_front();
-  is_sent_ = false;
 }
 
 bus::ProcessSpec BridgeSpec() {

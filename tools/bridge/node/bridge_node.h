@@ -2,13 +2,12 @@
 #pragma once
 
 #include <atomic>
-#include <deque>
 #include <optional>
 #include <string>
 
-#include "core/process/order_sender.h"
 #include "core/process/process.h"
 #include "core/ros/node/live_run.h"
+#include "core/ros/node/service_orders.h"
 #include "tools/bridge/options.h"
 #include "tools/bridge/web_socket_server.h"
 
@@ -23,14 +22,11 @@ class BridgeNode {
 
  private:
   void OnStatus(const status_t& message);
-  void GiveOrders();
 
   bus::Process& process_;
   FoxgloveServer server_;
   bus::LiveRun run_;
-  bus::OrderSender orders_;
-  std::deque<ServiceCall> calls_;  ///< the first one is being carried out; on the thread of the bus
-  bool is_sent_ = false;           ///< its order
+  bus::ServiceOrders orders_;
   std::atomic<WebSocketServer*> listening_ = nullptr;  ///< `socket_`, whose thread uses it too
   std::optional<WebSocketServer> socket_;
 };

@@ -40,6 +40,7 @@ if(TARGET plslam_ros2)
   list(REMOVE_ITEM programs plslam_ros2)
   install(TARGETS plslam_ros2 RUNTIME DESTINATION bin COMPONENT ros2)
   install(FILES ${documents} DESTINATION share/doc/plslam-ros2 COMPONENT ros2)
+  install(DIRECTORY ${CMAKE_SOURCE_DIR}/ros2/examples/ DESTINATION share/doc/plslam-ros2/examples COMPONENT ros2)
 endif()
 
 # --- component runtime: programs, their data, manual, completion, units, documents

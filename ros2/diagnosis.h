@@ -21,7 +21,6 @@ struct ReaderState {
   int n_publishers = 0;          ///< matched ones
   std::string incompatible_qos;  ///< name of the policy by which others do not match; empty: none
   int64_t n_messages = 0;
-  int64_t n_lost = 0;  ///< according to DDS
 };
 
 /// A topic that is read, and what was received.

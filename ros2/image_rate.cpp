@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include <fmt/format.h>
 
@@ -24,6 +23,7 @@ void ImageRate::Add(int64_t t_ns, double now_s) {
   const bool is_apart =
       !arrivals_.empty() && std::abs(1e-9 * static_cast<double>(t_ns - arrivals_.back().first)) > kGap_s;
   if (is_apart) arrivals_.clear();
+  if (!arrivals_.empty()) new_steps_ns_.push_back(t_ns - arrivals_.back().first);
   arrivals_.emplace_back(t_ns, now_s);
 }
 
@@ -36,8 +36,22 @@ ImageRate::Rates ImageRate::Of(double now_s) {
   std::nth_element(steps.begin(), tenth, steps.end());
   const int64_t span_ns = arrivals_.back().first - arrivals_.front().first;
   if (*tenth <= 0 || span_ns <= 0) return {};
-  return {.sent_hz = 1e9 / static_cast<double>(*tenth),
+  // Steps without a gap: those that are not much longer than the shortest ones.
+  double sum_ns = 0.0;
+  int n_whole = 0;
+  for (const int64_t step_ns : steps) {
+    if (step_ns > *tenth + *tenth / 2) continue;
+    sum_ns += static_cast<double>(step_ns);
+    ++n_whole;
+  }
+  return {.sent_hz = 1e9 * n_whole / sum_ns,
           .arrived_hz = 1e9 * static_cast<double>(steps.size()) / static_cast<double>(span_ns)};
+}
+
+void ImageRate::CountMissing(double sent_hz) {
+  for (const int64_t step_ns : std::exchange(new_steps_ns_, {})) {
+    n_missing_ += std::max(std::llround(1e-9 * static_cast<double>(step_ns) * sent_hz) - 1, 0LL);
+  }
 }
 
 std::string LossSentence(const ImageRate::Rates& rates, int64_t pair_bytes, int64_t buffer_bytes) {

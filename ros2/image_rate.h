@@ -5,6 +5,7 @@
 #include <deque>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace plslam::ros2 {
 
@@ -16,13 +17,21 @@ class ImageRate {
   void Add(int64_t t_ns, double now_s);
 
   struct Rates {
-    double sent_hz = 0.0;     ///< by the smallest tenth of the steps between stamps
+    double sent_hz = 0.0;     ///< by the steps between stamps that are without a gap
     double arrived_hz = 0.0;  ///< of the last five seconds
   };
   /// Both are 0 if fewer than 10 images arrived within the last five seconds.
   Rates Of(double now_s);
 
+  /// Counts the images that are missing between those that have arrived, by the gaps of their stamps at this rate. DDS
+  /// does not count what best-effort readers miss. Gaps of more than two seconds do not count: the camera may have been
+  /// off.
+  void CountMissing(double sent_hz);
+  int64_t n_missing() const { return n_missing_; }
+
  private:
+  std::vector<int64_t> new_steps_ns_;  ///< between stamps, not counted yet
+  int64_t n_missing_ = 0;
   std::deque<std::pair<int64_t, double>> arrivals_;
 };
 

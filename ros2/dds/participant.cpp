@@ -340,8 +340,6 @@ ReaderState Participant::StateOf(size_t number) const {
       incompatible.total_count > 0) {
     state.incompatible_qos = PolicyName(incompatible.last_policy_id);
   }
-  dds_sample_lost_status_t lost{};
-  if (dds_get_sample_lost_status(reader.entity, &lost) == DDS_RETCODE_OK) state.n_lost = lost.total_count;
   return state;
 }
 

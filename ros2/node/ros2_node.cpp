@@ -129,6 +129,7 @@ Ros2Node::Ros2Node(bus::Process& process, const Ros2Options& options)
 Ros2Node::~Ros2Node() {
   stopped_ = true;
   listener_.join();
+  ReadStates();
   // A run ends with its source; a service that is restarted continues its stream.
   if (process_.has_launcher()) frames_.End();
 }
@@ -158,7 +159,7 @@ void Ros2Node::TakeImage(robot::Side side, robot::ForeignImage image) {
   Input& input = sides_[static_cast<size_t>(side)].input;
   input.previous_stamp_ns = std::exchange(input.stamp_ns, image.t_ns);
   pair_bytes_ = std::max(pair_bytes_, 2 * static_cast<int64_t>(image.bytes.size()));
-  if (side == robot::Side::kLeft) rate_.Add(image.t_ns, bus::NowS());
+  rates_[static_cast<size_t>(side)].Add(image.t_ns, bus::NowS());
   frames_.AddImage(side, std::move(image));
 }
 
@@ -203,16 +204,25 @@ void Ros2Node::Tick() {
   frames_.PublishRig();
   ReportMotions();
   AnnounceNode();
-  for (Side& side : sides_) side.input.state = participant_.StateOf(side.reader);
-  for (Side& info : infos_) info.input.state = participant_.StateOf(info.reader);
-  process_.SetCounter("messages.lost",
-                      static_cast<double>(sides_[0].input.state.n_lost + sides_[1].input.state.n_lost));
+  ReadStates();
   if (frames_.n_sent() > n_sent_) {
     NoteProgress();
     ReportRate();
   } else if (bus::NowS() - progress_s_ >= kPatience_s) {
     ReportLack();
   }
+}
+
+void Ros2Node::ReadStates() {
+  for (Side& side : sides_) side.input.state = participant_.StateOf(side.reader);
+  for (Side& info : infos_) info.input.state = participant_.StateOf(info.reader);
+  // Both cameras have one rate; a side that misses many images does not show it.
+  double sent_hz = 0.0;
+  for (ImageRate& rate : rates_) sent_hz = std::max(sent_hz, rate.Of(bus::NowS()).sent_hz);
+  if (sent_hz > 0.0) {
+    for (ImageRate& rate : rates_) rate.CountMissing(sent_hz);
+  }
+  process_.SetCounter("images.lost", static_cast<double>(rates_[0].n_missing() + rates_[1].n_missing()));
 }
 
 void Ros2Node::NoteProgress() {
@@ -273,7 +283,7 @@ void Ros2Node::ReportLack() {
 
 void Ros2Node::ReportRate() {
   lack_.clear();
-  const ImageRate::Rates rates = rate_.Of(bus::NowS());
+  const ImageRate::Rates rates = rates_[0].Of(bus::NowS());
   process_.SetCounter("images.rate_hz", rates.arrived_hz);
   process_.SetCounter("images.sent_hz", rates.sent_hz);
   const std::string sentence = LossSentence(rates, pair_bytes_, LargestReceiveBuffer());
@@ -301,7 +311,10 @@ bus::ProcessSpec Ros2Spec() {
     return std::make_shared<Ros2Node>(process, options);
   };
   spec.waits_for = "images";
-  spec.results = {{"frames.sent", "frames"}, {"frames.unpaired", "unpaired"}, {"frames.rejected", "rejected"}};
+  spec.results = {{"frames.sent", "frames"},
+                  {"frames.unpaired", "unpaired"},
+                  {"frames.rejected", "rejected"},
+                  {"images.lost", "images lost"}};
   return spec;
 }
 

@@ -40,6 +40,7 @@ class Ros2Node {
 
   void Listen();
   void Tick();
+  void ReadStates();
   void TakeImage(robot::Side side, robot::ForeignImage image);
   void TakeInfo(robot::Side side, RosCameraInfo info, const std::string& frame);
   void UseInfos();
@@ -65,8 +66,8 @@ class Ros2Node {
   robot::FrameSource frames_;
   robot::SkippedMessages skipped_messages_;
   int64_t n_rejected_ = 0;
-  ImageRate rate_;          ///< of left images
-  int64_t pair_bytes_ = 0;  ///< largest so far
+  std::array<ImageRate, 2> rates_;  ///< by side
+  int64_t pair_bytes_ = 0;          ///< largest so far
   bool warned_of_loss_ = false;
   std::optional<size_t> motions_;  ///< reader of the robot's odometry
   int64_t n_motions_ = 0, n_motions_rejected_ = 0;

@@ -2,94 +2,28 @@
 // A robot of ROS 2 by Fast DDS, on a host that has loopback alone.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <signal.h>
 
 #include <chrono>
 #include <filesystem>
-#include <memory>
 #include <nlohmann/json.hpp>
-#include <set>
+#include <regex>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "core/datasets/open_dataset.h"
 #include "core/io/trajectories/trajectory.h"
-#include "tests/integration/whole_run.h"
-#include "tests/support/data_folder.h"
-#include "tests/support/network_host.h"
+#include "tests/integration/ros2_robot.h"
 #include "tests/support/sanitized.h"
-#include "tests/support/text_file.h"
-#include "tools/plslam/child_process.h"
 
 namespace plslam::test {
 namespace {
 
-using launcher::ChildProcess;
 using nlohmann::json;
 using testing::HasSubstr;
 
-constexpr const char* kWorld = "synthetic:room?size=376x240&frames=80";
-constexpr const char* kTopics = "/stereo/left/image_raw,/stereo/right/image_raw";
-
 /// The frame of the world whose time a pose has.
 int IndexOf(const json& odom) { return static_cast<int>((odom[0].get<int64_t>() - 1'000'000'000) / 50'000'000); }
-
-class Ros2 : public testing::Test {
- protected:
-  void SetUp() override {
-    if (!NetworkHost::Obstacle().empty()) GTEST_SKIP() << NetworkHost::Obstacle();
-    host_ = std::make_unique<NetworkHost>();
-  }
-
-  std::unique_ptr<ChildProcess> Start(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                                      const std::string& log) {
-    std::unique_ptr<ChildProcess> process;
-    host_->Do([&] { process = std::make_unique<ChildProcess>(program, arguments, folder_.Path(log)); });
-    return process;
-  }
-  /// plslam_ros2 alone: its frames have no readers.
-  std::unique_ptr<ChildProcess> StartProcess(const std::vector<std::string>& options = {}) {
-    std::vector<std::string> arguments{"--left",  "/stereo/left/image_raw",
-                                       "--right", "/stereo/right/image_raw",
-                                       "--url",   "udpm://239.255.76.67:7667?ttl=0"};
-    arguments.insert(arguments.end(), options.begin(), options.end());
-    return Start(BinaryFolder() / "plslam_ros2", arguments, "ros2.log");
-  }
-  std::unique_ptr<ChildProcess> StartRobot(std::vector<std::string> options) {
-    return Start(BinaryFolder().parent_path() / "tests/fast_dds_robot", options, "robot.json");
-  }
-  static void Wait(ChildProcess& process) {
-    ASSERT_TRUE(WholeRun::WaitFor([&] { return process.Poll().has_value(); }));
-  }
-  static void Stop(ChildProcess& process) {
-    process.Signal(SIGINT);
-    Wait(process);
-    EXPECT_EQ(process.Poll()->code, 0);
-  }
-  std::string Log(const std::string& file = "ros2.log") const { return ReadText(folder_.Path(file)); }
-  bool LogHas(const std::string& text) const {
-    return WholeRun::WaitFor([&] { return Log().find(text) != std::string::npos; });
-  }
-  /// The answer of a program of tests/ros2.
-  json Call(std::vector<std::string> arguments) {
-    const std::string program = arguments.front();
-    arguments.erase(arguments.begin());
-    const auto caller = Start(BinaryFolder().parent_path() / "tests" / program, arguments, "caller.json");
-    Wait(*caller);
-    return LastJson("caller.json");
-  }
-  /// The messages that the robot received; warnings of Fast DDS come before.
-  json Heard() const { return LastJson("robot.json"); }
-  json LastJson(const std::string& file) const {
-    const std::string text = Log(file);
-    const size_t begin = text.rfind("\n{") == std::string::npos ? text.find('{') : text.rfind("\n{") + 1;
-    return json::parse(text.substr(std::min(begin, text.size())), nullptr, false);
-  }
-
-  ScratchFolder folder_;
-  std::unique_ptr<NetworkHost> host_;
-};
 
 TEST_F(Ros2, EveryFrameHasAPose) {
   const std::string out = folder_.Path("out");
@@ -97,10 +31,13 @@ TEST_F(Ros2, EveryFrameHasAPose) {
       Start(BinaryFolder() / "plslam", {"run", fmt::format("ros2:{}", kTopics), "--out", out}, "run.log");
   const auto robot = StartRobot({kWorld, "20", "80"});
   Wait(*robot);
+  const json heard = Heard();
+  const auto late = StartRobot({kWorld, "20", "0"});
+  Wait(*late);
+  EXPECT_GT(Heard()["points"].get<int>(), 500) << "a late subscriber";
   run->Signal(SIGINT);
   Wait(*run);
   ASSERT_EQ(run->Poll()->code, 0) << Log("run.log");
-  const json heard = Heard();
   ASSERT_EQ(heard["sent"], 80) << heard;
   // A machine that is busy otherwise may skip frames.
   const size_t n = heard["odom"].size();
@@ -275,6 +212,43 @@ TEST_F(Ros2, NodeIsListedInBothFormsOfRos) {
     EXPECT_GE(node["writers"].size(), 5U) << heard;
     EXPECT_EQ(heard["gid"].get<std::string>().size(), n_digits);
   }
+}
+
+TEST_F(Ros2, RobotsInTwoNamespacesAreApart) {
+  const auto of_robot = [&](const std::string& space, const char* url, const std::string& log) {
+    return Start(BinaryFolder() / "plslam_ros2",
+                 {"--left", space + "/stereo/left/image_raw", "--right", space + "/stereo/right/image_raw",
+                  "--namespace", space + "/plslam", "--url", url},
+                 log);
+  };
+  const auto one = of_robot("/one", "udpm://239.255.76.67:7701?ttl=0", "one.log"),
+             two = of_robot("/two", "udpm://239.255.76.67:7702?ttl=0", "two.log");
+  const auto first = StartRobot({kWorld, "20", "40", "space=/one", "listen_s=1"});
+  const auto second = StartRobot({kWorld, "20", "60", "space=/two", "listen_s=1"});
+  Wait(*first);
+  Wait(*second);
+  Stop(*one);
+  Stop(*two);
+  EXPECT_THAT(Log("one.log"), HasSubstr("ended: 40 frames, 0 unpaired, 0 rejected"));
+  EXPECT_THAT(Log("two.log"), HasSubstr("ended: 60 frames, 0 unpaired, 0 rejected"));
+}
+
+// The robot sends for 12 s.
+TEST_F(Ros2, FiveSecondsWithoutANetwork) {
+  const auto process = StartProcess();
+  const auto robot = StartRobot({"synthetic:room?size=376x240&frames=240", "20", "240", "listen_s=1"});
+  ASSERT_TRUE(LogHas("plslam_ros2: running")) << Log();
+  host_->Shell("ip link set lo down");
+  std::this_thread::sleep_for(std::chrono::seconds(5));
+  host_->Shell("ip link set lo up multicast on && ip route replace 224.0.0.0/4 dev lo");
+  Wait(*robot);
+  Stop(*process);
+  std::smatch ended;
+  const std::string log = Log();
+  ASSERT_TRUE(std::regex_search(log, ended, std::regex(R"(ended: (\d+) frames, (\d+) unpaired, 0 rejected)"))) << log;
+  // Without the outage there are 240.
+  EXPECT_GE(std::stoi(ended[1]), 100) << log;
+  EXPECT_LE(std::stoi(ended[1]), 160) << log;
 }
 
 TEST_F(Ros2, TopicsAreListedWithTheirCommand) {

@@ -3,8 +3,9 @@
 // publishes the stereo images of a dataset on /stereo/left/image_raw and right, with CameraInfo; it hears odometry,
 // transforms, path and points, and prints what it heard as JSON. Options: no_info, no_right, other_clock, constant,
 // unsynchronised, tf_static (a camera that looks to the left), lies (sizes that do not fit the data), reliable, jpeg, wheels (true
-// odometry on /wheels), covered (black images for a second), listen_s=SECONDS (afterwards), begin_s=SECONDS (stamp of
-// the first frame).
+// odometry on /wheels), covered (black images for a second),
+// synchronous (a written image has been sent; they are rendered before), listen_s=SECONDS (afterwards), begin_s=SECONDS (stamp of
+// the first frame), space=/NAME (before all topics but /tf).
 #include <unistd.h>
 
 #include <algorithm>
@@ -59,12 +60,14 @@ class Robot {
     type.register_type(participant_);
     return participant_->create_topic("rt" + name, type.get_type_name(), fast::TOPIC_QOS_DEFAULT);
   }
+  bool is_synchronous = false;
+
   template <class Type>
   fast::DataWriter* Writer(const std::string& name, bool is_reliable) {
     fast::DataWriterQos qos = fast::DATAWRITER_QOS_DEFAULT;
     qos.reliability().kind = is_reliable ? fast::RELIABLE_RELIABILITY_QOS : fast::BEST_EFFORT_RELIABILITY_QOS;
     qos.history().depth = 5;
-    qos.publish_mode().kind = fast::ASYNCHRONOUS_PUBLISH_MODE;
+    qos.publish_mode().kind = is_synchronous ? fast::SYNCHRONOUS_PUBLISH_MODE : fast::ASYNCHRONOUS_PUBLISH_MODE;
     return publisher_->create_datawriter(Topic<Type>(name), qos);
   }
   template <class Type>
@@ -180,29 +183,36 @@ int main(int argc, char** argv) {
   const int n_frames = std::min(std::atoi(argv[3]), dataset->size());
   std::set<std::string> options(argv + 4, argv + argc);
   double listen_s = 2.0;
+  std::string space;
   int64_t begin_ns = 1'000'000'000;
   for (const std::string& option : options) {
     if (option.rfind("listen_s=", 0) == 0) listen_s = std::atof(option.c_str() + 9);
+    if (option.rfind("space=", 0) == 0) space = option.substr(6);
     if (option.rfind("begin_s=", 0) == 0) begin_ns = std::atoll(option.c_str() + 8) * 1'000'000'000;
   }
   const auto has = [&](const char* option) { return options.count(option) > 0; };
 
+  std::vector<plslam::StereoImages> ready;
+  for (int i = 0; has("synchronous") && i < n_frames; ++i) ready.push_back(dataset->Read(i));
+
   Robot robot;
+  robot.is_synchronous = has("synchronous");
   using Image = sensor_msgs::msg::dds_::Image_PubSubType;
   using Jpeg = sensor_msgs::msg::dds_::CompressedImage_PubSubType;
   using Info = sensor_msgs::msg::dds_::CameraInfo_PubSubType;
   fast::DataWriter* images[2] = {nullptr, nullptr};
   fast::DataWriter* infos[2] = {nullptr, nullptr};
   for (int i = 0; i < (has("no_right") ? 1 : 2); ++i) {
-    const std::string side = i == 0 ? "/stereo/left" : "/stereo/right";
+    const std::string side = space + (i == 0 ? "/stereo/left" : "/stereo/right");
     images[i] = has("jpeg") ? robot.Writer<Jpeg>(side + "/image_raw/compressed", has("reliable"))
                             : robot.Writer<Image>(side + "/image_raw", has("reliable"));
     if (!has("no_info")) infos[i] = robot.Writer<Info>(side + "/camera_info", true);
   }
-  auto* const odometry = robot.Reader<nav_msgs::msg::dds_::Odometry_PubSubType>("/plslam/odom", false);
+  auto* const odometry = robot.Reader<nav_msgs::msg::dds_::Odometry_PubSubType>(space + "/plslam/odom", false);
   auto* const transforms = robot.Reader<tf2_msgs::msg::dds_::TFMessage_PubSubType>("/tf", false);
-  auto* const points = robot.Reader<sensor_msgs::msg::dds_::PointCloud2_PubSubType>("/plslam/map/points", true);
-  auto* const path = robot.Reader<nav_msgs::msg::dds_::Path_PubSubType>("/plslam/path", true);
+  auto* const points =
+      robot.Reader<sensor_msgs::msg::dds_::PointCloud2_PubSubType>(space + "/plslam/map/points", true);
+  auto* const path = robot.Reader<nav_msgs::msg::dds_::Path_PubSubType>(space + "/plslam/path", true);
 
   auto* const wheels =
       has("wheels") ? robot.Writer<nav_msgs::msg::dds_::Odometry_PubSubType>("/wheels", true) : nullptr;
@@ -258,7 +268,7 @@ int main(int argc, char** argv) {
   const plslam::RigCalibration& rig = dataset->rig();
   double due_s = now_s();
   for (int i = 0; i < n_frames; ++i) {
-    const plslam::StereoImages frame = dataset->Read(i);
+    const plslam::StereoImages frame = ready.empty() ? dataset->Read(i) : ready[static_cast<size_t>(i)];
     int64_t t_ns[2] = {dataset->t_ns(i) + begin_ns, dataset->t_ns(i) + begin_ns};
     if (has("other_clock")) t_ns[1] += 3600'000'000'000;
     if (has("unsynchronised")) t_ns[1] += 20'000'000;
@@ -293,6 +303,8 @@ int main(int argc, char** argv) {
       }
     }
     sent_at[t_ns[0]] = now_s();
+    // Of the clock of all processes of this machine.
+    heard["sent_at_s"].push_back({t_ns[0], std::chrono::duration<double>(Clock::now().time_since_epoch()).count()});
     heard["sent"] = i + 1;
   }
   for (const double end_s = now_s() + listen_s; now_s() < end_s; usleep(1000)) listen();

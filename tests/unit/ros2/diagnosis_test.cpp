@@ -19,10 +19,9 @@ constexpr const char* kInfo = "sensor_msgs/msg/CameraInfo";
 /// A robot that is well, and that a test makes ill.
 Symptoms Well() {
   Symptoms s;
-  s.left = {"/left/image_raw", kImage, {1, "", 50, 0}, 1'000'000'000, 950'000'000};
-  s.right = {"/right/image_raw", kImage, {1, "", 50, 0}, 1'020'000'000, 970'000'000};
-  s.infos = {{"/left/camera_info", kInfo, {1, "", 50, 0}, {}, {}},
-             {"/right/camera_info", kInfo, {1, "", 50, 0}, {}, {}}};
+  s.left = {"/left/image_raw", kImage, {1, "", 50}, 1'000'000'000, 950'000'000};
+  s.right = {"/right/image_raw", kImage, {1, "", 50}, 1'020'000'000, 970'000'000};
+  s.infos = {{"/left/camera_info", kInfo, {1, "", 50}, {}, {}}, {"/right/camera_info", kInfo, {1, "", 50}, {}, {}}};
   s.publishers = {
       {"/left/image_raw", kImage}, {"/right/image_raw", kImage}, {"/left/camera_info", kInfo}, {"/tf", "x"}};
   s.max_skew_ms = 5.0;
@@ -46,7 +45,7 @@ TEST(Ros2Diagnosis, EveryCauseHasItsSentence) {
   s.right.state.n_messages = 0;
   EXPECT_THAT(WhyNoFrames(s), HasSubstr("/left/image_raw arrives without right images: /right/image_raw has a "
                                         "publisher, but nothing arrives"));
-  s.right.state = {0, "reliability", 0, 0};
+  s.right.state = {0, "reliability", 0};
   EXPECT_THAT(WhyNoFrames(s), HasSubstr("has an incompatible quality of service (reliability)"));
   s.publishers[1].type = "sensor_msgs/msg/PointCloud2";
   EXPECT_THAT(WhyNoFrames(s),

@@ -28,6 +28,17 @@ TEST(Ros2ImageRate, LossesAreReportedWithTheBufferTheyNeed) {
             "8 of 20 Hz arrive: images are lost between their driver and here");
 }
 
+TEST(Ros2ImageRate, MissingImagesAreCounted) {
+  ImageRate rate;
+  const std::set<int> missing{3, 4, 30, 77, 78, 79, 120};
+  for (int i = 0; i < 200; ++i) {
+    const int64_t jitter_ns = (i * 37 % 11) * 1'000'000;
+    if (!missing.contains(i)) rate.Add(50'000'000LL * i + jitter_ns, 0.05 * i);
+    if (i % 20 == 19) rate.CountMissing(rate.Of(0.05 * i).sent_hz);
+  }
+  EXPECT_EQ(rate.n_missing(), 7);
+}
+
 TEST(Ros2ImageRate, JitterIsNoLoss) {
   const ImageRate::Rates rates = RatesWithEvery({0, 1, 2, 3, 4});
   EXPECT_EQ(LossSentence(rates, 1, 0), "") << rates.arrived_hz << " of " << rates.sent_hz;

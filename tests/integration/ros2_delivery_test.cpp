@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How images of a robot of ROS 2 reach the bus: none is lost without a report, soon, and at a small cost.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "core/bus/messages/frame_channel.h"
+#include "core/bus/run_loop.h"
+#include "tests/integration/ros2_robot.h"
+#include "tests/unit/bus/bus_fixture.h"
+
+namespace plslam::test {
+namespace {
+
+using nlohmann::json;
+
+/// Arrival times of complete frames on the bus, by their stamps.
+class Frames {
+ public:
+  Frames()
+      : bus_(Options()),
+        frames_(*bus_, bus::FrameSubscriber::Mode::kReliable, [this](const bus::FrameSubscriber::Frame& frame) {
+          const std::scoped_lock lock(mutex_);
+          at_s_.emplace(frame.images.t_ns, bus::NowS());
+        }) {
+    bus_.Start();
+  }
+  ~Frames() { bus_.Join(); }
+
+  std::map<int64_t, double> at_s() const {
+    const std::scoped_lock lock(mutex_);
+    return at_s_;
+  }
+
+ private:
+  static bus::BusOptions Options() {
+    bus::BusOptions options;
+    options.url = kBusUrl;
+    return options;
+  }
+
+  mutable std::mutex mutex_;
+  std::map<int64_t, double> at_s_;
+  bus::test::RunningBus bus_;
+  bus::FrameSubscriber frames_;
+};
+
+/// Milliseconds of processor time that a process has used.
+double CpuMs(pid_t pid) {
+  std::istringstream fields(ReadText(fmt::format("/proc/{}/stat", pid)));
+  constexpr int kUser = 13, kSystem = 14;
+  std::string word;
+  double ticks = 0.0;
+  for (int i = 0; i <= kSystem && fields >> word; ++i) ticks += i >= kUser ? std::stod(word) : 0.0;
+  return 1e3 * ticks / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
+class Ros2Delivery : public Ros2 {
+ protected:
+  /// Sends images of this world at this rate, and reads the frames as vo_process does.
+  void Deliver(const std::string& world, int rate_hz, int n_frames, std::vector<std::string> options = {}) {
+    std::unique_ptr<Frames> frames;
+    host_->Do([&] { frames = std::make_unique<Frames>(); });
+    const auto process = StartProcess();
+    ASSERT_TRUE(LogHas("waiting for images")) << Log();
+    options.insert(options.begin(), {world, std::to_string(rate_hz), std::to_string(n_frames), "synchronous"});
+    const double before_ms = CpuMs(process->pid());
+    const auto robot = StartRobot(options);
+    Wait(*robot);
+    cpu_ms_ = (CpuMs(process->pid()) - before_ms) / n_frames;
+    Stop(*process);
+    const auto at_s = frames->at_s();
+    n_frames_ = at_s.size();
+    const json heard = Heard();
+    for (const json& sent : heard["sent_at_s"]) {
+      const auto found = at_s.find(sent[0].get<int64_t>());
+      if (found != at_s.end()) delays_ms_.push_back(1e3 * (found->second - sent[1].get<double>()));
+    }
+    std::sort(delays_ms_.begin(), delays_ms_.end());
+    ASSERT_FALSE(delays_ms_.empty()) << Log();
+    fmt::print("{}: {} of {} frames; {:.2f} ms median, {:.2f} ms 95 % after the last byte; CPU {:.2f} ms a frame\n",
+               world, n_frames_, n_frames, median_ms(), delays_ms_[delays_ms_.size() * 95 / 100], cpu_ms_);
+  }
+
+  double median_ms() const { return delays_ms_[delays_ms_.size() / 2]; }
+
+  size_t n_frames_ = 0;
+  double cpu_ms_ = 0.0;            ///< of plslam_ros2, for a frame
+  std::vector<double> delays_ms_;  ///< from the last byte of the right image to the reader of the frame, sorted
+};
+
+TEST_F(Ros2Delivery, EveryFrameSoonAndCheaply) {
+  ASSERT_NO_FATAL_FAILURE(Deliver("synthetic:room?size=752x480&frames=200", 20, 200));
+  EXPECT_EQ(n_frames_, 200U) << Log();
+  EXPECT_LT(median_ms(), 3.0);
+  EXPECT_LT(cpu_ms_, 2.5);
+}
+
+// The buffer that a kernel grants by default.
+TEST_F(Ros2Delivery, LargeImagesAreLostWithAReport) {
+  setenv(
+      "CYCLONEDDS_URI",
+      "<CycloneDDS><Domain><Internal><SocketReceiveBufferSize min=\"default\" max=\"212992B\"/></Internal></Domain>"
+      "</CycloneDDS>",
+      1);
+  Deliver("synthetic:room?size=1280x720&frames=150", 30, 150);
+  unsetenv("CYCLONEDDS_URI");
+  ASSERT_FALSE(HasFatalFailure());
+  const std::string log = Log();
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(log, found,
+                                std::regex(R"(ended: (\d+) frames, (\d+) unpaired, 0 rejected, (\d+) images lost)")))
+      << log;
+  const int n_frames = std::stoi(found[1]), n_unpaired = std::stoi(found[2]), n_lost = std::stoi(found[3]);
+  // Images that wait for their partner at the end, and gaps of more than two seconds, are not counted.
+  const int n_known = 2 * n_frames + n_unpaired + n_lost;
+  EXPECT_LE(n_known, 300) << log;
+  EXPECT_GE(n_known, 180) << log;
+  const bool is_warned = log.find(" Hz arrive: ") != std::string::npos;
+  EXPECT_TRUE(is_warned || n_frames > 120) << log;
+}
+
+}  // namespace
+}  // namespace plslam::test

@@ -107,6 +107,22 @@ TEST_F(Ros2, WrongDataAreCountedAndTheRestIsUsed) {
   EXPECT_THAT(Log(), HasSubstr("ended: 20 frames, 0 unpaired, 40 rejected"));
 }
 
+// By the right types' names, with other bytes: lengths of 4 GB, ends too soon, the other endianness. The wheels' topic,
+// CameraInfo and /tf_static, too.
+TEST_F(Ros2, DamagedMessagesLeaveTheRobotAlone) {
+  const auto process = StartProcess({"--set", "ros2.robot_odometry=/wheels"});
+  ASSERT_TRUE(LogHas("waiting for images")) << Log();
+  const auto robot = StartRobot({kWorld, "20", "40", "hostile=1500", "wheels", "listen_s=1"});
+  Wait(*robot);
+  Stop(*process);
+  std::smatch ended;
+  const std::string log = Log();
+  ASSERT_TRUE(std::regex_search(log, ended, std::regex(R"(ended: (\d+) frames, \d+ unpaired, (\d+) rejected)")))
+      << log;
+  EXPECT_GE(std::stoi(ended[1]), 35) << log;
+  EXPECT_GT(std::stoi(ended[2]), 100) << log;
+}
+
 TEST_F(Ros2, EitherEndMayRestart) {
   auto process = StartProcess();
   auto robot = StartRobot({kWorld, "20", "40", "listen_s=0.5"});

@@ -5,7 +5,8 @@
 // unsynchronised, tf_static (a camera that looks to the left), lies (sizes that do not fit the data), reliable, jpeg, wheels (true
 // odometry on /wheels), covered (black images for a second),
 // synchronous (a written image has been sent; they are rendered before), listen_s=SECONDS (afterwards), begin_s=SECONDS (stamp of
-// the first frame), space=/NAME (before all topics but /tf).
+// the first frame), space=/NAME (before all topics but /tf), hostile=N (first N damaged
+// messages to each topic that plslam_ros2 reads, of the right types).
 #include <unistd.h>
 
 #include <algorithm>
@@ -17,6 +18,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <random>
 #include <set>
 #include <string>
 #include <thread>
@@ -175,6 +177,84 @@ void PublishMounting(Robot& robot) {
   writer->write(&message);
 }
 
+/// Messages as they are, under the name of a type.
+class RawType : public fast::TopicDataType {
+ public:
+  explicit RawType(const std::string& name) {
+    setName(name.c_str());
+    m_typeSize = kMostBytes;
+    auto_fill_type_object(false);
+    auto_fill_type_information(false);
+  }
+  bool serialize(void* data, eprosima::fastrtps::rtps::SerializedPayload_t* payload) override {
+    const auto& bytes = *static_cast<std::vector<uint8_t>*>(data);
+    std::copy(bytes.begin(), bytes.end(), payload->data);
+    payload->length = static_cast<uint32_t>(bytes.size());
+    payload->encapsulation = bytes.size() > 1 ? bytes[1] : 0;
+    return true;
+  }
+  bool deserialize(eprosima::fastrtps::rtps::SerializedPayload_t* /*payload*/, void* /*data*/) override {
+    return false;
+  }
+  std::function<uint32_t()> getSerializedSizeProvider(void* data) override {
+    return [data] { return static_cast<uint32_t>(static_cast<std::vector<uint8_t>*>(data)->size()); };
+  }
+  void* createData() override { return new std::vector<uint8_t>(); }
+  void deleteData(void* data) override { delete static_cast<std::vector<uint8_t>*>(data); }
+  bool getKey(void* /*data*/, eprosima::fastrtps::rtps::InstanceHandle_t* /*handle*/, bool /*md5*/) override {
+    return false;
+  }
+
+  static constexpr uint32_t kMostBytes = 200'000;
+};
+
+/// Sends damaged copies of a valid message: other bytes, lengths of 4 GB, the other endianness, and shorter ones.
+template <class Type>
+void SendDamaged(const std::string& dds_topic, const typename Type::type& valid, int n) {
+  Type type;
+  eprosima::fastrtps::rtps::SerializedPayload_t payload(RawType::kMostBytes);
+  auto message = valid;
+  type.serialize(&message, &payload);
+  auto* const participant =
+      fast::DomainParticipantFactory::get_instance()->create_participant(0, fast::PARTICIPANT_QOS_DEFAULT);
+  const fast::TypeSupport raw(new RawType(type.getName()));
+  raw.register_type(participant);
+  fast::DataWriterQos qos = fast::DATAWRITER_QOS_DEFAULT;
+  qos.reliability().kind = fast::RELIABLE_RELIABILITY_QOS;
+  qos.durability().kind = fast::TRANSIENT_LOCAL_DURABILITY_QOS;
+  auto* const writer =
+      participant->create_publisher(fast::PUBLISHER_QOS_DEFAULT)
+          ->create_datawriter(participant->create_topic(dds_topic, type.getName(), fast::TOPIC_QOS_DEFAULT), qos);
+  fast::PublicationMatchedStatus status;
+  for (int i = 0; i < 500 && status.current_count == 0; ++i) {
+    usleep(10'000);
+    writer->get_publication_matched_status(status);
+  }
+  std::mt19937 random(11);
+  for (int i = 0; i < n; ++i) {
+    std::vector<uint8_t> bytes(payload.data, payload.data + payload.length);
+    // Most of a message are pixels, which say nothing.
+    const size_t n_head = std::min<size_t>(bytes.size(), 120);
+    for (int k = 0; k < 1 + i % 4; ++k) bytes[4 + random() % (n_head - 4)] = static_cast<uint8_t>(random());
+    const size_t word = 4 + 4 * (random() % (n_head / 4 - 1));
+    if (i % 3 == 0) std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(word), 4, uint8_t{0xff});
+    if (i % 7 == 0) bytes[1] = 0;
+    if (i % 5 == 0) bytes.resize(4 + random() % (bytes.size() - 4));
+    writer->write(&bytes);
+    usleep(1000);
+  }
+}
+
+void SendDamagedMessages(const plslam::RigCalibration& rig, const cv::Mat& grey, int n) {
+  using namespace sensor_msgs::msg::dds_;
+  SendDamaged<Image_PubSubType>("rt/stereo/left/image_raw", ImageOf(grey, 1'000'000), n);
+  SendDamaged<CameraInfo_PubSubType>("rt/stereo/left/camera_info", InfoOf(rig.left, 0.0, 1'000'000), n);
+  SendDamaged<nav_msgs::msg::dds_::Odometry_PubSubType>("rt/wheels", OdometryOf(plslam::SE3(), 1'000'000), n);
+  tf2_msgs::msg::dds_::TFMessage_ frames;
+  frames.transforms().resize(2);
+  SendDamaged<tf2_msgs::msg::dds_::TFMessage_PubSubType>("rt/tf_static", frames, n);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -183,11 +263,13 @@ int main(int argc, char** argv) {
   const int n_frames = std::min(std::atoi(argv[3]), dataset->size());
   std::set<std::string> options(argv + 4, argv + argc);
   double listen_s = 2.0;
+  int n_hostile = 0;
   std::string space;
   int64_t begin_ns = 1'000'000'000;
   for (const std::string& option : options) {
     if (option.rfind("listen_s=", 0) == 0) listen_s = std::atof(option.c_str() + 9);
     if (option.rfind("space=", 0) == 0) space = option.substr(6);
+    if (option.rfind("hostile=", 0) == 0) n_hostile = std::atoi(option.c_str() + 8);
     if (option.rfind("begin_s=", 0) == 0) begin_ns = std::atoll(option.c_str() + 8) * 1'000'000'000;
   }
   const auto has = [&](const char* option) { return options.count(option) > 0; };
@@ -266,6 +348,7 @@ int main(int argc, char** argv) {
   usleep(1'500'000);  // until they know it, too
   heard["discovery_s"] = now_s();
   const plslam::RigCalibration& rig = dataset->rig();
+  if (n_hostile > 0) SendDamagedMessages(rig, dataset->Read(0).left, n_hostile);
   double due_s = now_s();
   for (int i = 0; i < n_frames; ++i) {
     const plslam::StereoImages frame = ready.empty() ? dataset->Read(i) : ready[static_cast<size_t>(i)];

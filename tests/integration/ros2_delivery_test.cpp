@@ -67,6 +67,14 @@ double CpuMs(pid_t pid) {
 
 class Ros2Delivery : public Ros2 {
  protected:
+  void SetUp() override {
+#ifdef PLSLAM_SANITIZED
+    GTEST_SKIP() << "times, of a program that is slower";
+#else
+    Ros2::SetUp();
+#endif
+  }
+
   /// Sends images of this world at this rate, and reads the frames as vo_process does.
   void Deliver(const std::string& world, int rate_hz, int n_frames, std::vector<std::string> options = {}) {
     std::unique_ptr<Frames> frames;

@@ -2,11 +2,12 @@
 #include "ros2/graph/ros_node.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 #include <deque>
 #include <iterator>
+#include <map>
 #include <mutex>
-#include <set>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -33,9 +34,13 @@ namespace {
 
 namespace dds = eprosima::fastdds::dds;
 namespace rtps = eprosima::fastrtps::rtps;
+using Clock = std::chrono::steady_clock;
 
 /// Calls and answers that wait, as services of ROS have by default.
 constexpr size_t kDepth = 10;
+/// Answers wait for so long after the discovery of the client's reader: readers of Cyclone DDS ignore what a writer sends
+/// before its first heartbeat, and ask for one only once in a while.
+constexpr std::chrono::milliseconds kSettling{1000};
 /// Larger messages are not accepted: the encoding, the numbers of rmw_cyclonedds, and the content.
 constexpr uint32_t kMostRequestBytes = 64, kMostReplyBytes = 64 + kLongestSentence;
 
@@ -143,37 +148,39 @@ struct RosNode::Impl {
       if (named != rtps::GUID_t::unknown()) client.writer_guid(named);
       const std::vector<uint8_t> body = request.body;
       impl.listener.on_call(index, body, [this, client, request](bool done, const std::string& sentence) {
-        Send({client, ServiceReply(request, done, sentence)});
+        Keep({client, ServiceReply(request, done, sentence)});
       });
     }
 
-    /// Sends the answer, at the latest when the client's reader is discovered: DDS drops what a reader came too late for.
-    void Send(Reply reply) {
-      {
-        const std::scoped_lock lock(mutex);
-        if (!matched.contains(reply.client.writer_guid().guidPrefix)) {
-          if (waiting.size() >= kDepth) waiting.pop_front();
-          return waiting.push_back(std::move(reply));
-        }
-      }
-      Write(reply);
+    void Keep(Reply reply) {
+      const std::scoped_lock lock(mutex);
+      if (waiting.size() >= kDepth) waiting.pop_front();
+      waiting.push_back(std::move(reply));
     }
 
-    void on_publication_matched(dds::DataWriter* /*writer*/, const dds::PublicationMatchedStatus& status) override {
-      const rtps::GuidPrefix_t client = iHandle2GUID(status.last_subscription_handle).guidPrefix;
+    /// Sends the answers to clients whose reader was discovered `kSettling` ago.
+    void SendAnswers() {
       std::deque<Reply> due;
       {
         const std::scoped_lock lock(mutex);
-        if (status.current_count_change <= 0) {
-          matched.erase(client);
-          return;
-        }
-        matched.insert(client);
-        const auto is_due = [&](const Reply& reply) { return reply.client.writer_guid().guidPrefix == client; };
+        const auto is_due = [&, now = Clock::now()](const Reply& reply) {
+          const auto found = matched.find(reply.client.writer_guid().guidPrefix);
+          return found != matched.end() && now - found->second >= kSettling;
+        };
         std::copy_if(waiting.begin(), waiting.end(), std::back_inserter(due), is_due);
         std::erase_if(waiting, is_due);
       }
       for (Reply& reply : due) Write(reply);
+    }
+
+    void on_publication_matched(dds::DataWriter* /*writer*/, const dds::PublicationMatchedStatus& status) override {
+      const rtps::GuidPrefix_t client = iHandle2GUID(status.last_subscription_handle).guidPrefix;
+      const std::scoped_lock lock(mutex);
+      if (status.current_count_change > 0) {
+        matched.emplace(client, Clock::now());
+      } else {
+        matched.erase(client);
+      }
     }
 
     void Write(Reply& reply) const {
@@ -188,7 +195,7 @@ struct RosNode::Impl {
     dds::DataWriter* writer = nullptr;
     dds::DataReader* reader = nullptr;
     std::mutex mutex;
-    std::set<rtps::GuidPrefix_t> matched;  ///< participants whose readers of answers are known
+    std::map<rtps::GuidPrefix_t, Clock::time_point> matched;  ///< when readers of answers were discovered, by client
     std::deque<Reply> waiting;
   };
 
@@ -246,6 +253,10 @@ RosNode::RosNode(const Domain& domain, const std::vector<Service>& services, Lis
 RosNode::~RosNode() = default;
 
 Guid RosNode::id() const { return ToGuid(impl_->participant->guid()); }
+
+void RosNode::SendAnswers() {
+  for (const auto& one : impl_->services) one->SendAnswers();
+}
 
 void RosNode::Announce(NodeInfo node, size_t gid_bytes) {
   node.participant = id();

@@ -22,7 +22,7 @@ class RosNode {
     std::string name;  ///< "/plslam/save"
     std::string type;  ///< std_srvs/srv/Trigger or SetBool
   };
-  /// Sends the answer of a call. Safe from any thread, while the server lives.
+  /// Hands over the answer of a call, for `SendAnswers`. Safe from any thread, while the node lives.
   using Answer = std::function<void(bool done, const std::string& sentence)>;
   struct Listener {
     /// A call of a service (its index), with its request in CDR without the bytes of its encoding.
@@ -36,6 +36,9 @@ class RosNode {
   ~RosNode();
   RosNode(const RosNode&) = delete;
   RosNode& operator=(const RosNode&) = delete;
+
+  /// Sends the answers whose clients can receive them; to be called several times a second.
+  void SendAnswers();
 
   /// Identity of its participant.
   Guid id() const;

@@ -36,7 +36,12 @@ OrderServices::OrderServices(bus::Process& process, const Domain& domain, const 
 void OrderServices::TakeCall(size_t service, std::span<const uint8_t> request, RosNode::Answer answer) {
   process_.SetCounter("calls", static_cast<double>(++n_calls_));
   try {
-    orders_.Give(OrderOf(RosServices()[service], request, map_file_, "plslam_ros2"), std::move(answer));
+    ServiceOrder order = OrderOf(RosServices()[service], request, map_file_, "plslam_ros2");
+    LogInfo("called: {} {}", order.verb, order.argument);
+    orders_.Give(std::move(order), [answer = std::move(answer)](bool done, const std::string& sentence) {
+      LogInfo("answered: {}, {}", done ? "done" : "failed", sentence);
+      answer(done, sentence);
+    });
   } catch (const std::runtime_error& error) {
     answer(false, error.what());
   }

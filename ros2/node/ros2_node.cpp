@@ -143,6 +143,7 @@ void Ros2Node::Listen() {
     }
     participant_.Receive(kWait,
                          [this](const std::string& topic, const std::string& reason) { Reject(topic, reason); });
+    services_.node().SendAnswers();
   }
 }
 

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/ids/ids.h"
 #include "core/map/keyframe.h"
 #include "core/map/loop_closure.h"
 #include "core/map/map_update.h"
@@ -77,10 +78,9 @@ class LoopService {
   const MapReplica& replica() const { return replica_; }
 
  private:
-  /// A keyframe to be checked, numbered within its session, and the time since when.
+  /// A keyframe to be checked, and the time since when.
   struct Due {
-    int64_t session = 0;
-    int64_t keyframe_id = -1;
+    KeyframeName keyframe;
     double since_ms = 0.0;
   };
 
@@ -112,14 +112,13 @@ class LoopService {
   MapReplica replica_;
   int64_t map_instance_ = 0;  ///< of the replica's map
   /// Newest keyframe by session: checked (or queued), in the map, committed.
-  std::map<int64_t, int64_t> checked_;
-  std::map<int64_t, int64_t> newest_;
-  std::map<int64_t, int64_t> committed_;
+  std::map<SessionId, int64_t> checked_;
+  std::map<SessionId, int64_t> newest_;
+  std::map<SessionId, int64_t> committed_;
   std::deque<Due> due_;
-  std::map<int64_t, LockstepSession> lockstep_;  // by session
-  /// Keyframes of a complete map, (session, number within it), whose features are missing, and the time of the last
-  /// arrival among them.
-  std::set<std::pair<int64_t, int64_t>> lacking_;
+  std::map<SessionId, LockstepSession> lockstep_;  // by session
+  /// Keyframes of a complete map whose features are missing, and the time of the last arrival among them.
+  std::set<KeyframeName> lacking_;
   double lacking_since_ms_ = 0.0;
   double requested_ms_ = 0.0;  ///< time of the last request for them
   /// The loop whose global bundle adjustment the previous loop_process did not finish.

@@ -28,7 +28,7 @@ void Fields(Archive& a, T& f) {
 
 template <class Archive, Is<LoopAnswer> T>
 void Fields(Archive& a, T& answer) {
-  a(answer.session, answer.session_keyframe_id, answer.map_version, answer.accepted);
+  a(answer.keyframe, answer.map_version, answer.accepted);
 }
 
 /// The scalar fields; keyframes, landmarks and features are written separately.

@@ -5,17 +5,16 @@
 #include <vector>
 
 #include "core/geometry/se3.h"
+#include "core/ids/ids.h"
 
 namespace plslam {
 
-/// Names a keyframe independently of its id: a map that is rebuilt after a crash may assign other ids, but session and
-/// number within the session stay.
-struct KeyframeName {
+/// A keyframe by its id, and its name, which stays when a map that is rebuilt after a crash assigns other ids.
+struct NamedKeyframe {
   int64_t keyframe_id = -1;
-  int64_t session = 0;
-  int64_t session_keyframe_id = -1;
+  KeyframeName name;
 
-  bool operator==(const KeyframeName&) const = default;
+  bool operator==(const NamedKeyframe&) const = default;
 };
 
 /// New pose of a keyframe of the map.
@@ -54,9 +53,8 @@ struct LoopClosure {
 
   int64_t source = 0;  ///< publisher; set by the receiver
   Kind kind = Kind::kNone;
-  /// The keyframe, numbered within its session, and its time.
-  int64_t session = 0;
-  int64_t session_keyframe_id = -1;
+  /// The keyframe, and its time.
+  KeyframeName keyframe;
   int64_t t_ns = 0;
   /// Publisher and version of the map on which it was computed.
   int64_t map_source = 0;
@@ -71,7 +69,7 @@ struct LoopClosure {
   /// Ascending by keyframe; keyframes that are not listed move with their parent in the spanning tree.
   std::vector<CorrectedPose> poses;
   /// Names of all keyframes in edges and poses, ascending by id.
-  std::vector<KeyframeName> names;
+  std::vector<NamedKeyframe> names;
   /// For reports: similarity of the images, and times in ms: of a check without a result, or of detecting a loop and
   /// computing the correction.
   double score = 0.0;
@@ -83,7 +81,7 @@ struct LoopClosure {
 struct Relocalisation {
   int64_t source = 0;  ///< publisher; set by the receiver
   /// The request: session, frame and time.
-  int64_t session = 0;
+  SessionId session;
   int64_t frame_id = -1;
   int64_t t_ns = 0;
   bool found = false;

@@ -55,13 +55,13 @@ MapUpdate WholeMap(const Map& map) {
 
 void CommittedKeyframes::Add(const MapUpdate& update) {
   // Not the maximum: a rebuilt map begins at the first keyframe.
-  newest_[update.session] = update.session_keyframe_id;
+  newest_[update.newest.session] = update.newest.number;
   if (update.committed) committed_ = newest_;
 }
 
-bool CommittedKeyframes::Has(int64_t session, int64_t session_keyframe_id) const {
-  const auto found = committed_.find(session);
-  return found != committed_.end() && found->second >= session_keyframe_id;
+bool CommittedKeyframes::Has(const KeyframeName& keyframe) const {
+  const auto found = committed_.find(keyframe.session);
+  return found != committed_.end() && found->second >= keyframe.number;
 }
 
 MapVersion::Step MapVersion::Advance(const MapUpdate& update) {

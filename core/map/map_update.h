@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
+#include "core/ids/ids.h"
 #include "core/map/map.h"
 
 namespace plslam {
@@ -29,8 +30,7 @@ struct AdjustmentFigures {
 
 /// Decision about a loop of loop_process, identified by keyframe and map version as in its `LoopClosure`.
 struct LoopAnswer {
-  int64_t session = 0;
-  int64_t session_keyframe_id = -1;  ///< -1: no loop was decided yet
+  KeyframeName keyframe;  ///< without a number: no loop was decided yet
   int64_t map_version = 0;
   bool accepted = false;
 
@@ -39,8 +39,7 @@ struct LoopAnswer {
 
 /// Whether it answers that loop.
 inline bool IsAnswerTo(const LoopAnswer& answer, const LoopClosure& loop) {
-  return answer.session == loop.session && answer.session_keyframe_id == loop.session_keyframe_id &&
-         answer.map_version == loop.map_version;
+  return answer.keyframe == loop.keyframe && answer.map_version == loop.map_version;
 }
 
 /// Whether keyframes of a session whose tracker knows its map as `session_instance` belong to the map
@@ -67,9 +66,8 @@ struct MapUpdate {
   int64_t base_version = 0;
   /// `Map::camera`.
   std::optional<StereoCamera> camera;
-  /// The newest keyframe of vo_process in it.
-  int64_t session = 0;
-  int64_t session_keyframe_id = -1;
+  /// The newest keyframe of vo_process in it, and its time.
+  KeyframeName newest;
   int64_t t_ns = 0;
   /// Whether the newest keyframe is final: all closures about it are applied, or there is no loop_process.
   bool committed = false;
@@ -107,11 +105,11 @@ class CommittedKeyframes {
  public:
   /// The head of an update suffices.
   void Add(const MapUpdate& update);
-  bool Has(int64_t session, int64_t session_keyframe_id) const;
+  bool Has(const KeyframeName& keyframe) const;
 
  private:
-  std::map<int64_t, int64_t> newest_;  // by session
-  std::map<int64_t, int64_t> committed_;
+  std::map<SessionId, int64_t> newest_;
+  std::map<SessionId, int64_t> committed_;
 };
 
 /// Publisher and version of a map that follows its updates.

@@ -151,16 +151,16 @@ void DenseNode::OnMask(const mask_t& message) {
 
 void DenseNode::OnKeyframe(const Keyframe& keyframe) {
   quiet_ticks_ = 0;
-  newest_ = {keyframe.session, keyframe.keyframe_id};
+  newest_ = keyframe.name;
   // The histories resend keyframes that a process before this one has fused.
-  if (map_ && map_->Has({keyframe.session, keyframe.frame_id})) return;
+  if (map_ && map_->Has({keyframe.name.session, keyframe.frame_id})) return;
   Waiting waiting{keyframe, std::nullopt};
   const auto frame = frames_.find(keyframe.frame_id);
   if (frame != frames_.end() && frame->second.t_ns == keyframe.t_ns) {
     waiting.images = std::move(frame->second);
     frames_.erase(frame);
   }
-  waiting_.insert_or_assign({keyframe.session, keyframe.frame_id}, std::move(waiting));
+  waiting_.insert_or_assign({keyframe.name.session, keyframe.frame_id}, std::move(waiting));
   DropOldest();
   FuseAll();
 }
@@ -239,8 +239,7 @@ void DenseNode::FuseAll() {
   const KeyframePoses poses = PosesOf(sparse_->replica().map());
   for (auto it = waiting_.begin(); it != waiting_.end();) {
     const Waiting& waiting = it->second;
-    const bool placed =
-        !waiting.keyframe.lockstep || committed_.Has(waiting.keyframe.session, waiting.keyframe.keyframe_id);
+    const bool placed = !waiting.keyframe.lockstep || committed_.Has(waiting.keyframe.name);
     if (!waiting.images || !placed || !poses.contains(it->first)) {
       ++it;
       continue;
@@ -291,7 +290,7 @@ void DenseNode::Fuse(const Waiting& waiting, const KeyframePoses& poses) {
                       100.0 * depth.agreement));
     }
     if (!map_) map_.emplace(options_.voxel_m > 0.0 ? options_.voxel_m : VoxelFor(keyframe), options_.range_m);
-    map_->Add({keyframe.session, keyframe.frame_id}, depth, left, camera_->rectifier.camera(), poses);
+    map_->Add({keyframe.name.session, keyframe.frame_id}, depth, left, camera_->rectifier.camera(), poses);
     dirty_ = grid_is_old_ = true;
     if (++n_since_state_ >= std::max<size_t>(kStateEvery, map_->n_keyframes() / 4)) KeepState();
     process_.SetCounter("depth_ms", matched_ms - began_ms);
@@ -310,7 +309,7 @@ void DenseNode::Fuse(const Waiting& waiting, const KeyframePoses& poses) {
 
 bool DenseNode::IsOver() const {
   if (!ended_ || quiet_ticks_ <= kQuietTicks) return false;
-  const bool complete = vo_finished_ && newest_ && committed_.Has(newest_->first, newest_->second);
+  const bool complete = vo_finished_ && newest_ && committed_.Has(*newest_);
   return complete || quiet_ticks_ > kQuietTicksForTheMap;
 }
 

@@ -13,6 +13,7 @@
 #include "core/bus/messages/keyframe_channel.h"
 #include "core/bus/messages/map_channel.h"
 #include "core/geometry/rectifier.h"
+#include "core/ids/ids.h"
 #include "core/map/vertical.h"
 #include "core/process/process.h"
 #include "dense_process/body_mask.h"
@@ -87,10 +88,10 @@ class DenseNode {
   std::map<int64_t, StereoImages> frames_;
   std::map<int64_t, BodyPixels> bodies_;
   std::map<int64_t, FrameMask> masks_;
-  std::map<KeyframeName, Waiting> waiting_;
+  std::map<KeyframeFrame, Waiting> waiting_;
   CommittedKeyframes committed_;
   /// Session and number of the newest keyframe.
-  std::optional<std::pair<int64_t, int64_t>> newest_;
+  std::optional<KeyframeName> newest_;
   bool vo_finished_ = false;
   bool ended_ = false;
   bool dirty_ = false;

@@ -127,7 +127,7 @@ LoopService::Output LoopNode::Handle(const Arrival& arrival) {
     const std::optional<Keyframe> local = KeyframeInCamera(map_camera_, *keyframe);
     if (!local) return {};
     LoopService::Output output = service_->OnKeyframe(*local);
-    if (keyframe->keyframe_id % kFilesEvery == 0) MoveOldToFiles();
+    if (keyframe->name.number % kFilesEvery == 0) MoveOldToFiles();
     return output;
   }
   if (const auto* update = std::get_if<MapUpdate>(&arrival)) return Follow(*update);
@@ -188,7 +188,7 @@ void LoopNode::Send(LoopService::Output output) {
 }
 
 void LoopNode::Count(const LoopClosure& closure) {
-  if (closure.session_keyframe_id == 0) process_.SetState(process_state::kRunning);
+  if (closure.keyframe.number == 0) process_.SetState(process_state::kRunning);
   process_.SetCounter("loop.keyframes", static_cast<double>(service_->replica().map().keyframes().size()));
   process_.SetCounter("loop.detect_ms", closure.detect_ms);
   if (closure.kind != LoopClosure::Kind::kLoop) return;

@@ -104,8 +104,8 @@ class MadeUpMap {
 
   void AddKeyframe(int i) {
     MapKeyframe keyframe;
-    keyframe.id = keyframe.session_keyframe_id = keyframe.frame_id = i;
-    keyframe.session = 1;
+    keyframe.id = keyframe.name.number = keyframe.frame_id = i;
+    keyframe.name.session = 1;
     Vector6d sigma;
     sigma << Eigen::Vector3d::Constant(kMotionSigma_m), Eigen::Vector3d::Constant(kMotionSigma_rad);
     if (i == 0) {
@@ -251,8 +251,8 @@ void Measure(int n) {
   if (!poses) return fmt::print("  the loop is not believed\n");
   LoopClosure loop;
   loop.kind = LoopClosure::Kind::kLoop;
-  loop.session = 1;
-  loop.session_keyframe_id = n - 1;
+  loop.keyframe.session = 1;
+  loop.keyframe.number = n - 1;
   loop.edges = {edge};
   loop.poses = *poses;
   loop.map_version = mapper.version();
@@ -268,8 +268,8 @@ void Measure(int n) {
       Cpu([&] { problem = loop::MakeGlobalBundleProblem(replica.map(), features, kCamera, {}); });
   Row("global bundle adjustment: problem", problem_ms,
       fmt::format("{} points, {} lines", problem->bundle.points.size(), problem->bundle.lines.size()));
-  problem->session = 1;
-  problem->session_keyframe_id = n - 1;
+  problem->keyframe.session = 1;
+  problem->keyframe.number = n - 1;
   problem->map_version = mapper.version();
   LoopClosure adjusted;
   const double adjust_ms = Cpu([&] { adjusted = loop::AdjustGlobally(*problem, {}, nullptr, &reason); });

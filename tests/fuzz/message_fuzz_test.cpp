@@ -129,7 +129,7 @@ TEST(MessageFuzz, StripsMakeCompleteFramesOrNone) {
 
 TEST(MessageFuzz, KeyframesAreRefusedOrSound) {
   Keyframe keyframe;
-  keyframe.keyframe_id = 3;
+  keyframe.name.number = 3;
   keyframe.camera = {400.0, 320.0, 240.0, 0.12, 640, 480};
   for (int i = 0; i < 30; ++i) {
     keyframe.features.points.emplace_back();
@@ -182,7 +182,7 @@ TEST(MessageFuzz, MapUpdatesAreRefusedOrSound) {
 TEST(MessageFuzz, LoopClosuresAreRefusedOrSound) {
   LoopClosure closure;
   closure.kind = LoopClosure::Kind::kLoop;
-  closure.session_keyframe_id = 40;
+  closure.keyframe.number = 40;
   closure.edges.push_back({1, 40, SE3(), Matrix6d::Identity(), 50, 5});
   for (int64_t i = 0; i < 60; ++i) {
     closure.points.push_back({i, i + 1});

@@ -23,7 +23,7 @@ void Anonymise(Message* message) {
 void SetMap(const MapFollower& follower, RecordedRun* run) {
   run->map_totals = follower.map().Totals();
   MapUpdate whole = follower.Whole();
-  for (MapKeyframe& keyframe : whole.keyframes) keyframe.session = 0;
+  for (MapKeyframe& keyframe : whole.keyframes) keyframe.name.session = 0;
   for (const map_update_t& page : bus::CutIntoPages(whole, 60'000)) {
     const auto bytes = bus::Encoded(page);
     run->map_bytes.insert(run->map_bytes.end(), bytes.begin(), bytes.end());

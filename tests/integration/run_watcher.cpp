@@ -27,10 +27,10 @@ std::vector<uint8_t> Content(pose_t pose) {
   return bus::Encoded(pose);
 }
 
-std::map<int64_t, std::set<int64_t>> KeyframesOf(const Map& map) {
-  std::map<int64_t, std::set<int64_t>> keyframes;
+std::map<SessionId, std::set<int64_t>> KeyframesOf(const Map& map) {
+  std::map<SessionId, std::set<int64_t>> keyframes;
   for (const auto& [id, keyframe] : map.keyframes()) {
-    keyframes[keyframe.session].insert(keyframe.session_keyframe_id);
+    keyframes[keyframe.name.session].insert(keyframe.name.number);
   }
   return keyframes;
 }
@@ -91,7 +91,7 @@ void RunWatcher::Listen() {
     });
   });
   keyframes_ = std::make_unique<bus::KeyframeSubscriber>(bus_, [this](const Keyframe& keyframe) {
-    Add([&](Heard& heard) { heard.keyframes[keyframe.session].insert(keyframe.keyframe_id); });
+    Add([&](Heard& heard) { heard.keyframes[keyframe.name.session].insert(keyframe.name.number); });
   });
   map_ = std::make_unique<bus::MapSubscriber>(bus_, [this](const MapUpdate&) {
     auto keyframes = KeyframesOf(map_->replica().map());

@@ -34,9 +34,9 @@ struct Heard {
   int64_t newest_frame = -1;
   int64_t lost_frames = 0;
   /// Numbers of the keyframes by session.
-  std::map<int64_t, std::set<int64_t>> keyframes;
+  std::map<SessionId, std::set<int64_t>> keyframes;
   /// The same, of those that are in the map.
-  std::map<int64_t, std::set<int64_t>> mapped;
+  std::map<SessionId, std::set<int64_t>> mapped;
   int64_t map_source = 0;  ///< publisher of that map
   /// Newest status by process name.
   std::map<std::string, status_t> status;

@@ -14,7 +14,7 @@
 namespace plslam::test {
 namespace {
 
-constexpr int64_t kSession = 1;
+constexpr SessionId kSession = 1;
 // A revisit is within this of an older keyframe that is at least as many metres of path earlier.
 constexpr double kNear_m = 1.0;
 constexpr double kNear_rad = 20.0 * std::numbers::pi / 180.0;
@@ -117,11 +117,11 @@ void Run::Frame(const Moment& moment) {
   if (options_.ask_every > 0 && index % options_.ask_every == options_.ask_every - 1) Ask(result.features, index);
   if (!result.keyframe) return;
   Keyframe keyframe = vo::ToKeyframe(result, front_end_.camera());
-  keyframe.session = kSession;
+  keyframe.name.session = kSession;
   keyframe.t_ns = moment.t_ns;
   keyframe.frame_id = static_cast<int64_t>(in_odom_.size()) - 1;
-  if (keyframe.keyframe_id > 0 && options_.vo.map.enabled) {
-    odometry_.Adopt(mapper_.map(), kSession, keyframe.keyframe_id - 1);
+  if (keyframe.name.number > 0 && options_.vo.map.enabled) {
+    odometry_.Adopt(mapper_.map(), {kSession, keyframe.name.number - 1});
   }
   TakeKeyframe(std::move(keyframe));
 }
@@ -155,7 +155,7 @@ void Run::TakeKeyframe(Keyframe keyframe) {
   if (!options_.loops.enabled) return;
   closer_.AddKeyframe(keyframe);
   const double t3 = NowMs();
-  const LoopClosure loop = closer_.Check(mapper_.map(), kSession, keyframe.keyframe_id);
+  const LoopClosure loop = closer_.Check(mapper_.map(), {kSession, keyframe.name.number});
   run_.check_ms.push_back(NowMs() - t3);
   Note(loop);
   if (loop.kind != LoopClosure::Kind::kLoop) return;
@@ -193,7 +193,7 @@ LoopOfRun Run::Describe(const loop::LoopEvidence& evidence) const {
   const MapKeyframe* keyframe = mapper_.map().FindKeyframe(evidence.edge.keyframe_id);
   const MapKeyframe* old = mapper_.map().FindKeyframe(evidence.edge.old_keyframe_id);
   if (keyframe == nullptr || old == nullptr) return loop;
-  loop.session_keyframe_id = keyframe->session_keyframe_id;
+  loop.keyframe = keyframe->name;
   loop.frame = keyframe->frame_id;
   loop.old_frame = old->frame_id;
   const auto truth = TrueRelation(old->frame_id, keyframe->frame_id);

@@ -227,7 +227,7 @@ bool ViewerNode::RunIsOver() const {
 bool ViewerNode::MapIsComplete() const {
   if (!mapping_heard_) return true;
   const auto last = recorder_.LastKeyframe();
-  return !last || committed_.Has(last->first, last->second);
+  return !last || committed_.Has(*last);
 }
 
 bool ViewerNode::ExpectsPictures() const { return lockstep_ && pictures_->MayCome(); }

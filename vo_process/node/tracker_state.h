@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/ids/ids.h"
 #include "core/map/keyframe.h"
 #include "plslam/pose_t.hpp"
 #include "vo_process/node/session_anchor.h"
@@ -19,7 +20,7 @@ namespace plslam::vo {
 /// The stream that a tracker is tracking, as of its newest frame. Another camera, or a time stamp that goes back,
 /// begins another session.
 struct TrackerSession {
-  int64_t id = 0;
+  SessionId id;
   bool lockstep = false;
   /// Time, number and publisher of the newest frame.
   int64_t last_t_ns = 0;
@@ -37,7 +38,7 @@ struct TrackerSession {
   static constexpr size_t kRecentFrames = 16;
 
   /// Begins the next session of the same stream, without keyframes.
-  void Begin(int64_t next_id) {
+  void Begin(SessionId next_id) {
     id = next_id;
     last_keyframe_id = -1;
     follows_keyframe = false;

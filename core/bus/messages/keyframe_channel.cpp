@@ -18,9 +18,9 @@ constexpr size_t kMaxKeyframePublishers = 64;
 
 keyframe_t HeadPage(const Keyframe& keyframe) {
   keyframe_t page{};
-  page.header.session = keyframe.session;
+  page.header.session = keyframe.name.session.value;
   page.header.t_ns = keyframe.t_ns;
-  page.keyframe_id = keyframe.keyframe_id;
+  page.keyframe_id = keyframe.name.number;
   page.frame_id = keyframe.frame_id;
   page.previous_keyframe_id = keyframe.previous_keyframe_id;
   page.map_instance = keyframe.map_instance;
@@ -57,9 +57,9 @@ std::optional<Keyframe> Head(const keyframe_t& page) {
   if (!T_prevkf_kf || !covariance || !T_odom_kf || !camera || !ids_ok) return std::nullopt;
   Keyframe keyframe;
   keyframe.source = page.header.source;
-  keyframe.session = page.header.session;
+  keyframe.name.session = SessionId(page.header.session);
   keyframe.t_ns = page.header.t_ns;
-  keyframe.keyframe_id = page.keyframe_id;
+  keyframe.name.number = page.keyframe_id;
   keyframe.frame_id = page.frame_id;
   keyframe.previous_keyframe_id = page.previous_keyframe_id;
   keyframe.map_instance = page.map_instance;
@@ -73,7 +73,7 @@ std::optional<Keyframe> Head(const keyframe_t& page) {
 }
 
 bool SameHead(const keyframe_t& page, const Keyframe& keyframe) {
-  return page.keyframe_id == keyframe.keyframe_id && page.header.session == keyframe.session;
+  return page.keyframe_id == keyframe.name.number && page.header.session == keyframe.name.session.value;
 }
 
 bool Append(const std::vector<withdrawn_t>& messages, std::vector<Withdrawn>& withdrawn) {
@@ -110,7 +110,7 @@ std::vector<keyframe_t> CutIntoPages(const Keyframe& keyframe, int64_t page_byte
   const StereoFeatures& features = keyframe.features;
   if (!AsMany(keyframe.point_landmark_ids, keyframe.point_map_ids, features.points.size()) ||
       !AsMany(keyframe.line_landmark_ids, keyframe.line_map_ids, features.lines.size())) {
-    throw std::invalid_argument("keyframe " + std::to_string(keyframe.keyframe_id) +
+    throw std::invalid_argument("keyframe " + std::to_string(keyframe.name.number) +
                                 ": the numbers of landmark ids and features differ");
   }
   const keyframe_t head = HeadPage(keyframe);

@@ -25,8 +25,8 @@ MapUpdate SomeUpdate() {
   MapUpdate update = ChangedPart(random.map(), random.map().TakeChanges());
   update.version = 7;
   update.base_version = 6;
-  update.session = 5;
-  update.session_keyframe_id = 12;
+  update.newest.session = 5;
+  update.newest.number = 12;
   update.t_ns = 99;
   update.answer = {4, 11, 5, true};
   update.adjustment = {3, 4, 5, 6, 7, 1.5, 1.25, 0.75, 0.5};
@@ -56,8 +56,7 @@ TEST_P(MapPages, AreSmallEnoughAndGiveTheSameUpdate) {
   ASSERT_TRUE(back);
   EXPECT_EQ(back->version, 7);
   EXPECT_EQ(back->base_version, 6);
-  EXPECT_EQ(back->session, 5);
-  EXPECT_EQ(back->session_keyframe_id, 12);
+  EXPECT_EQ(back->newest, (KeyframeName{5, 12}));
   EXPECT_EQ(back->t_ns, 99);
   EXPECT_EQ(back->answer, update.answer);
   EXPECT_EQ(back->totals, update.totals);

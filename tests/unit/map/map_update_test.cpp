@@ -169,10 +169,10 @@ TEST(MapReplica, MapOfARestartedMapperReplacesIt) {
   ExpectSame(after.map(), replica.map());
 }
 
-MapUpdate Newest(int64_t session, int64_t keyframe_id, bool committed) {
+MapUpdate Newest(SessionId session, int64_t keyframe_id, bool committed) {
   MapUpdate update;
-  update.session = session;
-  update.session_keyframe_id = keyframe_id;
+  update.newest.session = session;
+  update.newest.number = keyframe_id;
   update.committed = committed;
   return update;
 }
@@ -374,23 +374,23 @@ TEST(Map, ReturningKeyframeIsNotRememberedTwice) {
 
 TEST(CommittedKeyframes, UpdateCommitsKeyframesOfAllRobots) {
   CommittedKeyframes committed;
-  EXPECT_FALSE(committed.Has(1, 0));
+  EXPECT_FALSE(committed.Has({1, 0}));
   committed.Add(Newest(1, 4, false));
-  EXPECT_FALSE(committed.Has(1, 4));
+  EXPECT_FALSE(committed.Has({1, 4}));
   committed.Add(Newest(2, 7, true));
-  EXPECT_TRUE(committed.Has(1, 4));
-  EXPECT_TRUE(committed.Has(2, 7));
-  EXPECT_FALSE(committed.Has(1, 5));
+  EXPECT_TRUE(committed.Has({1, 4}));
+  EXPECT_TRUE(committed.Has({2, 7}));
+  EXPECT_FALSE(committed.Has({1, 5}));
   committed.Add(Newest(1, 5, false));
-  EXPECT_FALSE(committed.Has(1, 5));
+  EXPECT_FALSE(committed.Has({1, 5}));
 }
 
 TEST(CommittedKeyframes, RebuiltMapIsNotCommittedUntilComplete) {
   CommittedKeyframes committed;
   committed.Add(Newest(1, 9, true));
-  EXPECT_TRUE(committed.Has(1, 9));
+  EXPECT_TRUE(committed.Has({1, 9}));
   committed.Add(Newest(1, 0, true));
-  EXPECT_FALSE(committed.Has(1, 9));
+  EXPECT_FALSE(committed.Has({1, 9}));
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/ids/ids.h"
+#include "core/io/images/image_file.h"
 #include "core/map/keyframe.h"
 #include "plslam/pose_t.hpp"
 #include "vo_process/node/session_anchor.h"
@@ -52,9 +53,9 @@ struct TrackerSession {
   }
 
   /// Returns the pose that was published for a frame, if it is one of the newest; nullptr otherwise.
-  const pose_t* FindPose(int64_t frame_id, int64_t t_ns) const {
+  const pose_t* FindPose(const StereoImages& frame) const {
     const auto found = std::find_if(recent.begin(), recent.end(), [&](const pose_t& pose) {
-      return pose.frame_id == frame_id && pose.header.t_ns == t_ns;
+      return pose.frame_id == frame.frame_id && pose.header.t_ns == frame.t_ns;
     });
     return found == recent.end() ? nullptr : &*found;
   }

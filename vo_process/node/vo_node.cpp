@@ -123,13 +123,13 @@ void VoNode::OnFrame(const Frame& frame) {
 bool VoNode::IsRepeated(const Frame& frame) const {
   if (frame.source == session_.last_source) return frame.images.frame_id <= session_.last_frame_id;
   // A restarted player may not have received the last poses.
-  return frame.images.frame_id > 0 && session_.FindPose(frame.images.frame_id, frame.images.t_ns) != nullptr;
+  return frame.images.frame_id > 0 && session_.FindPose(frame.images) != nullptr;
 }
 
 /// The player did not receive the pose, or has gone back for a tracker that did not need it.
 void VoNode::AnswerAgain(const Frame& frame) {
   report_.Count("frames.repeated", 1);
-  const pose_t* pose = frame.lockstep ? session_.FindPose(frame.images.frame_id, frame.images.t_ns) : nullptr;
+  const pose_t* pose = frame.lockstep ? session_.FindPose(frame.images) : nullptr;
   if (pose != nullptr) process_.bus().Publish(bus::kPose, pose_t(*pose));
 }
 

@@ -63,19 +63,14 @@ void LoopService::OnSignOfLife(int64_t source) {
 
 LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
   Output output;
-  const int64_t source = replica_.source();
-  if (replica_.Apply(update) != MapVersion::Step::kNext) return output;
-  const bool is_replaced = update.map_instance != 0 && update.map_instance != map_instance_;
-  map_instance_ = update.map_instance;
-  if (is_replaced) {
+  if (follower_.Apply(update) != MapVersion::Step::kNext) return output;
+  if (follower_.change() == MapFollower::Change::kReplaced) {
     output.ends_adjustment = true;
     requests_.clear();
     closer_.ForgetSessions();
   }
-  if (replica_.source() != source || is_replaced) {
+  if (follower_.change() != MapFollower::Change::kContinued) {
     checked_.clear();
-    newest_.clear();
-    committed_.clear();
     due_.clear();
     unanswered_.reset();
     unadjusted_.reset();
@@ -99,13 +94,15 @@ LoopService::Output LoopService::OnRequest(const Keyframe& frame) {
 
 /// Updates the queue of keyframes to check after a map update.
 void LoopService::Follow(const MapUpdate& update, Output& output) {
-  NoteNewest(update);
   EndAdjustmentOfCommitted(output);
   FollowAnswer(update.answer, output);
   if (update.newest.number < 0) return;
   const bool begins = update.base_version == 0 && !checked_.contains(update.newest.session);
   // After a complete map, all keyframes but the newest of this session count as checked, by a previous loop_process.
-  if (update.base_version == 0) checked_.insert(newest_.begin(), newest_.end());
+  if (update.base_version == 0) {
+    const auto& in_map = follower_.newest().in_map();
+    checked_.insert(in_map.begin(), in_map.end());
+  }
   int64_t checked = begins ? update.newest.number - 1 : Newest(checked_, update.newest.session);
   const auto newest =
       std::find_if(due_.begin(), due_.end(), [&update](const Due& due) { return due.keyframe == update.newest; });
@@ -137,7 +134,7 @@ void LoopService::AddDue(const MapUpdate& update, int64_t checked) {
   if (update.newest.number <= checked) return;
   const double now_ms = now_ms_();
   std::vector<Due> newest_first{{update.newest, now_ms}};
-  const auto& keyframes = replica_.map().keyframes();
+  const auto& keyframes = follower_.map().keyframes();
   for (auto entry = keyframes.rbegin(); entry != keyframes.rend(); ++entry) {
     const MapKeyframe& keyframe = entry->second;
     if (keyframe.name.session != update.newest.session) continue;
@@ -148,28 +145,18 @@ void LoopService::AddDue(const MapUpdate& update, int64_t checked) {
   due_.insert(due_.end(), newest_first.rbegin(), newest_first.rend());
 }
 
-/// A committed update commits the newest keyframes of all robots.
-void LoopService::NoteNewest(const MapUpdate& update) {
-  if (update.base_version == 0) {
-    for (const auto& [id, keyframe] : replica_.map().keyframes())
-      newest_[keyframe.name.session] = keyframe.name.number;
-  }
-  if (update.newest.number >= 0) newest_[update.newest.session] = update.newest.number;
-  if (update.committed) committed_ = newest_;
-}
-
 void LoopService::Adjust(const LoopClosure& loop, Output& output) {
-  closer_.Follow(replica_.map());
-  output.adjustment = closer_.MakeGlobalBundle(replica_.map(), loop);
-  output.adjustment->map_source = replica_.source();
-  output.adjustment->map_version = replica_.version();
+  closer_.Follow(follower_.map());
+  output.adjustment = closer_.MakeGlobalBundle(follower_.map(), loop);
+  output.adjustment->map_source = follower_.source();
+  output.adjustment->map_version = follower_.version();
   adjusting_ = HeadOf(loop);
 }
 
 /// The previous loop_process has adjusted this loop: an adjustment of a later loop must not start from its progress.
 void LoopService::EndAdjustmentOfCommitted(Output& output) {
   const bool is_committed = adjusting_ && lockstep_.contains(adjusting_->keyframe.session) &&
-                            Newest(committed_, adjusting_->keyframe.session) >= adjusting_->keyframe.number;
+                            follower_.newest().HasCommitted(adjusting_->keyframe);
   if (!is_committed) return;
   adjusting_.reset();
   output.ends_adjustment = true;
@@ -177,16 +164,16 @@ void LoopService::EndAdjustmentOfCommitted(Output& output) {
 
 /// Whether a loop ends at the newest keyframe of the update, and it is not committed.
 bool LoopService::AwaitsAdjustment(const MapUpdate& update) const {
-  const std::vector<LoopEdge>& loops = replica_.map().loops();
+  const std::vector<LoopEdge>& loops = follower_.map().loops();
   if (update.committed || loops.empty() || !closer_.options().adjustment.enabled) return false;
-  const MapKeyframe* keyframe = replica_.map().FindKeyframe(loops.back().keyframe_id);
+  const MapKeyframe* keyframe = follower_.map().FindKeyframe(loops.back().keyframe_id);
   return keyframe != nullptr && keyframe->name == update.newest;
 }
 
 /// After a complete map: all keyframes whose features are missing. Later: those of them that are still in the map.
 void LoopService::UpdateMissingFeatures(bool whole) {
   const auto before = std::exchange(lacking_, {});
-  for (const auto& [id, keyframe] : replica_.map().keyframes()) {
+  for (const auto& [id, keyframe] : follower_.map().keyframes()) {
     const bool is_missing = !closer_.Contains(keyframe.name);
     if (is_missing && (whole || before.contains(keyframe.name))) lacking_.insert(keyframe.name);
   }
@@ -197,7 +184,7 @@ void LoopService::RequestMissing(Output& output) {
   const double now_ms = now_ms_();
   if (lacking_.empty() || now_ms - std::max(lacking_since_ms_, requested_ms_) < kRequestAfter_ms) return;
   requested_ms_ = now_ms;
-  for (const auto& [id, keyframe] : replica_.map().keyframes()) {
+  for (const auto& [id, keyframe] : follower_.map().keyframes()) {
     if (lacking_.contains(keyframe.name)) output.missing_keyframes.push_back(id);
   }
 }
@@ -220,8 +207,7 @@ bool LoopService::HasWaited(const Due& due) const {
 /// features. The current map is not the one on which to check it.
 void LoopService::DropCommitted() {
   std::erase_if(due_, [this](const Due& due) {
-    const auto& [session, number] = due.keyframe;
-    return lockstep_.contains(session) && Newest(committed_, session) >= number;
+    return lockstep_.contains(due.keyframe.session) && follower_.newest().HasCommitted(due.keyframe);
   });
 }
 
@@ -249,9 +235,9 @@ void LoopService::CheckDueKeyframes(Output& output) {
     const KeyframeName keyframe = next->keyframe;
     due_.erase(next);
     const double began_ms = now_ms_();
-    LoopClosure closure = closer_.Check(replica_.map(), keyframe);
-    closure.map_source = replica_.source();
-    closure.map_version = replica_.version();
+    LoopClosure closure = closer_.Check(follower_.map(), keyframe);
+    closure.map_source = follower_.source();
+    closure.map_version = follower_.version();
     const double took_ms = now_ms_() - began_ms;
     (closure.kind == LoopClosure::Kind::kLoop ? closure.correct_ms : closure.detect_ms) = took_ms;
     if (closure.kind == LoopClosure::Kind::kLoop) {
@@ -265,8 +251,8 @@ void LoopService::CheckDueKeyframes(Output& output) {
 bool LoopService::IsAnswerable(const Keyframe& frame) {
   // The tracker that sent the request has the map, so its updates are on their way here, too.
   if (!frame.lockstep) return true;
-  return replica_.version() > 0 && IsComplete() &&
-         Newest(committed_, frame.name.session) >= frame.previous_keyframe_id;
+  return follower_.version() > 0 && IsComplete() &&
+         follower_.newest().HasCommitted({frame.name.session, frame.previous_keyframe_id});
 }
 
 void LoopService::AnswerDueKeyframes(Output& output) {
@@ -275,13 +261,13 @@ void LoopService::AnswerDueKeyframes(Output& output) {
       ++frame;
       continue;
     }
-    closer_.Follow(replica_.map());
-    Relocalisation answer = closer_.Relocalise(replica_.map(), frame->features);
+    closer_.Follow(follower_.map());
+    Relocalisation answer = closer_.Relocalise(follower_.map(), frame->features);
     answer.session = frame->name.session;
     answer.frame_id = frame->frame_id;
     answer.t_ns = frame->t_ns;
-    answer.map_source = replica_.source();
-    answer.map_version = replica_.version();
+    answer.map_source = follower_.source();
+    answer.map_version = follower_.version();
     output.answers.push_back(answer);
     frame = requests_.erase(frame);
   }

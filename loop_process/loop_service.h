@@ -13,6 +13,7 @@
 #include "core/ids/ids.h"
 #include "core/map/keyframe.h"
 #include "core/map/loop_closure.h"
+#include "core/map/map_follower.h"
 #include "core/map/map_update.h"
 #include "core/places/place_recogniser.h"
 #include "loop_process/loop_closer.h"
@@ -75,7 +76,7 @@ class LoopService {
 
   bool MoveOldToFiles() { return closer_.MoveOldToFiles(); }
 
-  const MapReplica& replica() const { return replica_; }
+  const MapFollower& follower() const { return follower_; }
 
  private:
   /// A keyframe to be checked, and the time since when.
@@ -92,7 +93,6 @@ class LoopService {
 
   void Follow(const MapUpdate& update, Output& output);
   void FollowAnswer(const LoopAnswer& answer, Output& output);
-  void NoteNewest(const MapUpdate& update);
   void AddDue(const MapUpdate& update, int64_t checked);
   void Adjust(const LoopClosure& loop, Output& output);
   bool AwaitsAdjustment(const MapUpdate& update) const;
@@ -109,12 +109,9 @@ class LoopService {
 
   LoopCloser closer_;
   std::function<double()> now_ms_;
-  MapReplica replica_;
-  int64_t map_instance_ = 0;  ///< of the replica's map
-  /// Newest keyframe by session: checked (or queued), in the map, committed.
+  MapFollower follower_;
+  /// Newest keyframe that was checked, or is queued.
   std::map<SessionId, int64_t> checked_;
-  std::map<SessionId, int64_t> newest_;
-  std::map<SessionId, int64_t> committed_;
   std::deque<Due> due_;
   std::map<SessionId, LockstepSession> lockstep_;  // by session
   /// Keyframes of a complete map whose features are missing, and the time of the last arrival among them.

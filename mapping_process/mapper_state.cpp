@@ -140,7 +140,7 @@ void ReadMap(archive::Reader& read, MapperState& state) {
   map_file::ReadLoops(read, state.stored.map);
 }
 
-/// Removes before it inserts, as `MapReplica::Apply` does.
+/// Removes before it inserts, as `MapFollower::Apply` does.
 void ReadChanges(archive::Reader& read, MapperState& state) {
   std::vector<int64_t> keyframes, points, lines;
   read(points, lines, keyframes);

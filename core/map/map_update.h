@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -98,61 +97,5 @@ struct MapUpdate {
 MapUpdate ChangedPart(const Map& map, const MapChanges& changes);
 /// Returns the complete map, with base version 0.
 MapUpdate WholeMap(const Map& map);
-
-/// Keyframes that are committed. Several robots may share the map: an update names the newest keyframe of one of them,
-/// and a committed update commits all keyframes then in the map.
-class CommittedKeyframes {
- public:
-  /// The head of an update suffices.
-  void Add(const MapUpdate& update);
-  bool Has(const KeyframeName& keyframe) const;
-
- private:
-  std::map<SessionId, int64_t> newest_;
-  std::map<SessionId, int64_t> committed_;
-};
-
-/// Publisher and version of a map that follows its updates.
-class MapVersion {
- public:
-  /// kNext: the update applies, and this is now that version. kKnown: it was applied before. kGap: versions are
-  /// missing, request the complete map.
-  enum class Step { kNext, kKnown, kGap };
-
-  /// Accepts an update of another publisher only if it is a complete map.
-  Step Advance(const MapUpdate& update);
-
-  int64_t source() const { return source_; }
-  /// 0: no update was received.
-  int64_t number() const { return number_; }
-
- private:
-  int64_t source_ = 0;
-  int64_t number_ = 0;
-};
-
-/// A copy of a map of another process, kept up to date.
-class MapReplica {
- public:
-  /// A complete map replaces this one.
-  MapVersion::Step Apply(const MapUpdate& update);
-  /// `Map::RememberRemoved`, until another map replaces this one (`MapUpdate::map_instance`).
-  void RememberRemoved() {
-    remembers_removed_ = true;
-    map_.RememberRemoved();
-  }
-
-  const Map& map() const { return map_; }
-  int64_t source() const { return version_.source(); }
-  int64_t version() const { return version_.number(); }
-
- private:
-  void Move(const std::vector<MovedKeyframe>& keyframes);
-
-  Map map_;
-  int64_t map_instance_ = 0;
-  bool remembers_removed_ = false;
-  MapVersion version_;
-};
 
 }  // namespace plslam

@@ -179,7 +179,6 @@ void DenseNode::DropOldest() {
 void DenseNode::OnMap(const MapUpdate& update) {
   quiet_ticks_ = 0;
   FollowMap(update.map_instance);
-  committed_.Add(update);
   // A correction moves the surfaces.
   if (map_ && map_->n_keyframes() > 0) dirty_ = grid_is_old_ = true;
   FuseAll();
@@ -218,7 +217,7 @@ void DenseNode::OnCommand(const command_t& message) {
 
 /// Beside a saved map, or as the state.
 void DenseNode::WriteSurfaces(const std::string& path) {
-  const Map& map = sparse_->replica().map();
+  const Map& map = sparse_->follower().map();
   map_->Write(path, PosesOf(map), LastingPosesOf(map));
 }
 
@@ -236,10 +235,10 @@ void DenseNode::KeepState() {
 /// In lockstep a keyframe is fused as soon as it is committed; live, as soon as the map has it.
 void DenseNode::FuseAll() {
   if (!camera_ || waiting_.empty()) return;
-  const KeyframePoses poses = PosesOf(sparse_->replica().map());
+  const KeyframePoses poses = PosesOf(sparse_->follower().map());
   for (auto it = waiting_.begin(); it != waiting_.end();) {
     const Waiting& waiting = it->second;
-    const bool placed = !waiting.keyframe.lockstep || committed_.Has(waiting.keyframe.name);
+    const bool placed = !waiting.keyframe.lockstep || sparse_->follower().newest().HasCommitted(waiting.keyframe.name);
     if (!waiting.images || !placed || !poses.contains(it->first)) {
       ++it;
       continue;
@@ -309,7 +308,7 @@ void DenseNode::Fuse(const Waiting& waiting, const KeyframePoses& poses) {
 
 bool DenseNode::IsOver() const {
   if (!ended_ || quiet_ticks_ <= kQuietTicks) return false;
-  const bool complete = vo_finished_ && newest_ && committed_.Has(*newest_);
+  const bool complete = vo_finished_ && newest_ && sparse_->follower().newest().HasCommitted(*newest_);
   return complete || quiet_ticks_ > kQuietTicksForTheMap;
 }
 
@@ -329,7 +328,7 @@ void DenseNode::PublishGrid() {
   if (!grid_is_old_ || !map_ || began_ms < next_grid_ms_) return;
   grid_is_old_ = false;
   try {
-    const Map& map = sparse_->replica().map();
+    const Map& map = sparse_->follower().map();
     const KeyframePoses poses = PosesOf(map);
     // Small changes of the vertical would change all cells.
     const Vertical vertical = VerticalOf(map);
@@ -347,7 +346,7 @@ void DenseNode::PublishGrid() {
 
 void DenseNode::Write() {
   dirty_ = false;
-  const Map& map = sparse_->replica().map();
+  const Map& map = sparse_->follower().map();
   const size_t n_missing = CountMissing(map);
   if (!map_) {
     if (n_missing > 0)

@@ -89,7 +89,6 @@ class DenseNode {
   std::map<int64_t, BodyPixels> bodies_;
   std::map<int64_t, FrameMask> masks_;
   std::map<KeyframeFrame, Waiting> waiting_;
-  CommittedKeyframes committed_;
   /// Session and number of the newest keyframe.
   std::optional<KeyframeName> newest_;
   bool vo_finished_ = false;

@@ -189,7 +189,7 @@ void LoopNode::Send(LoopService::Output output) {
 
 void LoopNode::Count(const LoopClosure& closure) {
   if (closure.keyframe.number == 0) process_.SetState(process_state::kRunning);
-  process_.SetCounter("loop.keyframes", static_cast<double>(service_->replica().map().keyframes().size()));
+  process_.SetCounter("loop.keyframes", static_cast<double>(service_->follower().map().keyframes().size()));
   process_.SetCounter("loop.detect_ms", closure.detect_ms);
   if (closure.kind != LoopClosure::Kind::kLoop) return;
   process_.SetCounter("loops", static_cast<double>(++n_loops_));

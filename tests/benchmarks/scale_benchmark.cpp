@@ -17,6 +17,7 @@
 #include "core/bus/messages/loop_channel.h"
 #include "core/bus/messages/map_pages.h"
 #include "core/io/maps/map_file.h"
+#include "core/map/map_follower.h"
 #include "core/process/process_usage.h"
 #include "loop_process/global_bundle.h"
 #include "loop_process/keyframe_memory.h"
@@ -212,7 +213,7 @@ double MegabytesOf(const Pages& pages) {
 }
 
 /// Sends the last update of the mapper to a copy of the map.
-void TellUpdate(mapping::Mapper& mapper, MapReplica& replica) {
+void TellUpdate(mapping::Mapper& mapper, MapFollower& replica) {
   const MapUpdate update = mapper.TakeUpdate();
   std::vector<map_update_t> pages;
   const double cut_ms = Cpu([&] { pages = bus::CutIntoPages(update, 60'000); });
@@ -238,7 +239,7 @@ void Measure(int n) {
   const double encode_ms = Cpu([&] { file_bytes = EncodeMap(stored).size(); });
   Row("map encoded", encode_ms, fmt::format("{:.1f} MB", 1e-6 * static_cast<double>(file_bytes)));
   mapping::Mapper mapper(kCamera, {}, std::move(stored));
-  MapReplica replica;
+  MapFollower replica;
   MapUpdate whole = mapper.Whole();
   whole.base_version = 0;
   Row("whole map taken over by a reader", Cpu([&] { replica.Apply(whole); }),

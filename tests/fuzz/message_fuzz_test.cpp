@@ -15,6 +15,7 @@
 #include "core/bus/messages/map_pages.h"
 #include "core/bus/transport/wire.h"
 #include "core/datasets/log_dataset.h"
+#include "core/map/map_follower.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/image_strip_t.hpp"
 #include "plslam/keyframe_t.hpp"
@@ -160,7 +161,7 @@ TEST(MessageFuzz, MapUpdatesAreRefusedOrSound) {
   for (int i = 0; i < 6; ++i) versions.push_back(CutIntoPages(owner.Next(60), 3000));
   Fuzz([&](Random& random) {
     MapUpdateAssembler assembler;
-    MapReplica replica;
+    MapFollower replica;
     for (const auto& pages : versions) {
       for (const map_update_t& page : pages) {
         ByteVector bytes = Encoded(page);

@@ -357,7 +357,7 @@ void ProcessReplay::Compare(const Said& said) {
 }
 
 void ProcessReplay::CompareMaps() {
-  MapFollower logged;
+  PublishedMap logged;
   for (const LoggedMessage& message : messages_) {
     if (message.channel->name == bus::kMapUpdate.name) logged.Add(MessageOf<map_update_t>(message.bytes));
   }

@@ -94,10 +94,10 @@ void RunWatcher::Listen() {
     Add([&](Heard& heard) { heard.keyframes[keyframe.name.session].insert(keyframe.name.number); });
   });
   map_ = std::make_unique<bus::MapSubscriber>(bus_, [this](const MapUpdate&) {
-    auto keyframes = KeyframesOf(map_->replica().map());
+    auto keyframes = KeyframesOf(map_->follower().map());
     Add([&](Heard& heard) {
       heard.mapped = std::move(keyframes);
-      heard.map_source = map_->replica().source();
+      heard.map_source = map_->follower().source();
     });
   });
 }

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/map/map_follower.h"
 #include "vo_process/node/vo_messages.h"
 #include "vo_process/tracking/odometry.h"
 
@@ -58,7 +59,7 @@ class Run {
         mapper_(front_end_.camera(), options.mapping),
         closer_(front_end_.camera(), places, options.loops),
         T_l_c_(Rectifier(dataset.rig()).q_l_c(), Eigen::Vector3d::Zero()) {
-    replica_.RememberRemoved();
+    follower_.RememberRemoved();
   }
 
   LoopRun Play() {
@@ -66,7 +67,7 @@ class Run {
     run_.slam.keyframes = static_cast<int>(mapper_.map().keyframes().size());
     run_.slam.points = mapper_.map().points().size();
     run_.slam.lines = mapper_.map().lines().size();
-    run_.slam.map = replica_.map();
+    run_.slam.map = follower_.map();
     run_.slam.camera = front_end_.camera();
     run_.slam.features = mapper_.Store().features;
     run_.slam.final = AsTheMapHasIt();
@@ -91,7 +92,7 @@ class Run {
   vo::StereoFrontEnd front_end_;
   vo::Odometry odometry_;
   mapping::Mapper mapper_;
-  MapReplica replica_;
+  MapFollower follower_;
   loop::LoopCloser closer_;
   SE3 T_l_c_;
   std::vector<OdometryFrame> in_odom_;
@@ -148,7 +149,7 @@ void Run::TakeKeyframe(Keyframe keyframe) {
   mapper_.Adjust(nullptr);
   const double t2 = NowMs();
   mapper_.Cull();
-  replica_.Apply(mapper_.TakeUpdate());
+  follower_.Apply(mapper_.TakeUpdate());
   run_.slam.insert_ms.push_back(t1 - t0);
   run_.slam.adjust_ms.push_back(t2 - t1);
   run_.slam.figures.push_back(mapper_.figures());
@@ -177,7 +178,7 @@ void Run::Correct(const LoopClosure& closure) {
   const double t0 = NowMs();
   if (!mapper_.Correct(closure, &reason)) run_.refused.push_back(reason);
   run_.correct_ms.push_back(NowMs() - t0);
-  replica_.Apply(mapper_.TakeUpdate());
+  follower_.Apply(mapper_.TakeUpdate());
 }
 
 std::optional<SE3> Run::TrueRelation(int64_t old_frame, int64_t frame) const {
@@ -214,7 +215,7 @@ void Run::Note(const LoopClosure& closure) {
   }
 }
 
-std::vector<OdometryFrame> Run::AsTheMapHasIt() const { return CarriedByKeyframes(in_odom_, replica_.map()); }
+std::vector<OdometryFrame> Run::AsTheMapHasIt() const { return CarriedByKeyframes(in_odom_, follower_.map()); }
 
 // Counts both in the final map.
 void Run::CountRevisits() {

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "core/map/map_follower.h"
 #include "tests/support/steady_ms.h"
 #include "vo_process/node/vo_messages.h"
 #include "vo_process/tracking/odometry.h"
@@ -63,7 +64,7 @@ SlamRun RunSlam(const Dataset& dataset, const vo::VoOptions& vo, const mapping::
   vo::Odometry odometry(front_end.camera(), vo, front_end.shutter(),
                         vo.imu.enabled ? vo::MountedImuOf(dataset.rig()) : std::nullopt);
   mapping::Mapper mapper(front_end.camera(), mapping);
-  MapReplica replica;
+  MapFollower replica;
   replica.RememberRemoved();
   const SE3 T_c_l(Rectifier(dataset.rig()).q_l_c().conjugate(), Eigen::Vector3d::Zero());
   SlamRun run;

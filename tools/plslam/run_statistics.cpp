@@ -72,7 +72,7 @@ void MapStatistics::Add(const MapUpdate& head) {
   if (head.source == source_ && head.version <= version_) return;
   source_ = head.source;
   version_ = head.version;
-  committed_.Add(head);
+  newest_.Add(head);
   totals_ = head.totals;
   for (const auto& [stage, ms] : head.stage_ms) stage_ms_.Add(stage, ms);
   if (head.adjustment.n_points == 0) return;

@@ -14,6 +14,7 @@
 
 #include "core/ids/ids.h"
 #include "core/map/loop_closure.h"
+#include "core/map/map_follower.h"
 #include "core/map/map_update.h"
 #include "core/run/frame_tally.h"
 
@@ -104,7 +105,7 @@ class MapStatistics {
   int64_t version() const { return version_; }
   /// Totals of the newest version.
   const MapTotals& totals() const { return totals_; }
-  const CommittedKeyframes& committed() const { return committed_; }
+  const NewestKeyframes& newest() const { return newest_; }
 
   /// Mean number of keyframes that observe a landmark; 0 without landmarks.
   double ObservationsPerPoint() const;
@@ -123,7 +124,7 @@ class MapStatistics {
 
   int64_t source_ = 0;
   int64_t version_ = 0;
-  CommittedKeyframes committed_;
+  NewestKeyframes newest_;
   MapTotals totals_;
   StageTimes stage_ms_;
   int64_t n_adjustments_ = 0;

@@ -25,9 +25,9 @@ class MapLink {
   MapLink(bus::Bus& bus, double wait_s, bool localise_only, const TrackerSession& session,
           std::function<void()> on_order, std::function<void()> on_map);
 
-  const Map& map() const { return subscriber_.replica().map(); }
+  const Map& map() const { return subscriber_.follower().map(); }
   /// Whether a map was received; it may have no keyframes.
-  bool has_map() const { return subscriber_.replica().version() != 0; }
+  bool has_map() const { return subscriber_.follower().version() != 0; }
   /// Localisation-only mode, in which no keyframes are published: as last changed by mapping_process (committed or
   /// not), initially as configured.
   bool localise_only() const { return localise_only_; }

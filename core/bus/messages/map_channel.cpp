@@ -132,7 +132,7 @@ MapUpdateSubscriber::MapUpdateSubscriber(Bus& bus, std::function<void(MapUpdate)
 }
 
 MapSubscriber::MapSubscriber(Bus& bus, std::function<void(const MapUpdate&)> handler)
-    : updates_(bus, [replica = replica_, handler = std::move(handler)](const MapUpdate& update) {
+    : updates_(bus, [replica = follower_, handler = std::move(handler)](const MapUpdate& update) {
         replica->Apply(update);
         handler(update);
       }) {}

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/map/map_follower.h"
 #include "plslam/map_update_t.hpp"
 #include "tests/unit/bus/map_owner.h"
 
@@ -84,7 +85,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, MapPages, testing::Values(968, 1200, 5000, 60'00
 TEST(MapPages, ReplicaOfThePagesEqualsTheMap) {
   for (uint64_t seed = 1; seed <= 10; ++seed) {
     test::MapOwner owner(seed);
-    MapReplica replica;
+    MapFollower replica;
     for (int i = 0; i < 20; ++i) {
       const auto update = Assemble(CutIntoPages(owner.Next(40), 3000));
       ASSERT_TRUE(update);

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/map/map_follower.h"
 #include "mapping_process/mapper.h"
 #include "tests/unit/mapping/mapping_world.h"
 
@@ -160,14 +161,14 @@ TEST_P(MapperWalk, EqualInputGivesEqualBytes) {
 
 TEST_P(MapperWalk, AReplicaFedWithAllUpdatesIsTheWholeMap) {
   Mapper mapper(FeatureWorld::Camera(), MappingOptions());
-  MapReplica replica;
+  MapFollower replica;
   for (const Keyframe& keyframe : walk_.keyframes) {
     ASSERT_TRUE(MapOne(keyframe, mapper));
     ASSERT_EQ(replica.Apply(mapper.TakeUpdate()), MapVersion::Step::kNext);
     ASSERT_EQ(replica.version(), mapper.version());
     ASSERT_EQ(Encoded(replica.map()), Encoded(mapper.map())) << "keyframe " << keyframe.name.number;
   }
-  MapReplica late;
+  MapFollower late;
   ASSERT_EQ(late.Apply(mapper.Whole()), MapVersion::Step::kNext);
   EXPECT_EQ(Encoded(late.map()), Encoded(replica.map()));
   EXPECT_EQ(mapper.Whole().newest.number, 19);

@@ -126,7 +126,7 @@ FrameTally MonitorNode::frames() const {
 bool MonitorNode::has_all() const {
   const bool has_frames = sent_.ended() && frames().unanswered == 0;
   const KeyframeName keyframe = statistics_.last_keyframe();
-  const bool has_map = map_.version() == 0 || keyframe.number < 0 || map_.committed().Has(keyframe);
+  const bool has_map = map_.version() == 0 || map_.newest().HasCommitted(keyframe);
   return has_frames && has_map;
 }
 

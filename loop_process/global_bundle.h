@@ -22,7 +22,7 @@ struct GlobalBundleProblem {
   /// Copied from the loop that it follows.
   KeyframeName keyframe;
   int64_t t_ns = 0;
-  int64_t map_source = 0;
+  SourceId map_source;
   int64_t map_version = 0;
   std::vector<NamedKeyframe> keyframes;
   BundleProblem bundle;
@@ -45,7 +45,7 @@ class AdjustmentProgress {
   void Add(const GlobalBundleProblem& problem, const std::vector<CorrectedPose>& poses);
 
  private:
-  int64_t map_source_ = 0;
+  SourceId map_source_;
   std::map<int64_t, SE3> T_before_now_;
 };
 

@@ -55,7 +55,7 @@ void LoopService::OnAdjusted(const LoopClosure& adjustment) {
   if (is_last) adjusting_.reset();
 }
 
-void LoopService::OnSignOfLife(int64_t source) {
+void LoopService::OnSignOfLife(SourceId source) {
   for (auto& [session, teller] : lockstep_) {
     if (teller.source == source) teller.heard_ms = now_ms_();
   }

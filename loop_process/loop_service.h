@@ -72,7 +72,7 @@ class LoopService {
   /// An adjustment has been published, without poses if it failed.
   void OnAdjusted(const LoopClosure& adjustment);
   /// A process is alive; `source` as in `Keyframe::source`.
-  void OnSignOfLife(int64_t source);
+  void OnSignOfLife(SourceId source);
 
   bool MoveOldToFiles() { return closer_.MoveOldToFiles(); }
 
@@ -87,7 +87,7 @@ class LoopService {
 
   /// The process that publishes the keyframes of a lockstep session, and the time of its last message.
   struct LockstepSession {
-    int64_t source = 0;
+    SourceId source;
     double heard_ms = 0.0;
   };
 

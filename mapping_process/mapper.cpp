@@ -71,12 +71,12 @@ void Append(const std::vector<int64_t>& more, std::vector<int64_t>& ids) {
 }
 
 /// Returns the instance of a map that replaces another one.
-int64_t ReplacingInstance(int64_t replaced, int64_t version) {
+MapId ReplacingInstance(MapId replaced, int64_t version) {
   // The finaliser of SplitMix64: maps that replace each other in a replay have the same instances again.
-  auto x = static_cast<uint64_t>(replaced) + 0x9e3779b97f4a7c15U * static_cast<uint64_t>(version);
+  auto x = static_cast<uint64_t>(replaced.value) + 0x9e3779b97f4a7c15U * static_cast<uint64_t>(version);
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9U;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebU;
-  return static_cast<int64_t>(((x ^ (x >> 31)) >> 1) | 1U);
+  return MapId(((x ^ (x >> 31)) >> 1) | 1U);
 }
 
 }  // namespace

@@ -72,7 +72,7 @@ class Mapper {
   bool HasSession(SessionId session) const { return sessions_.contains(session); }
 
   /// `MapUpdate::map_instance`, for a map that begins.
-  void SetInstance(int64_t map_instance) { map_instance_ = map_instance; }
+  void SetInstance(MapId map_instance) { map_instance_ = map_instance; }
 
   /// Localisation-only mode: `Insert` and `Correct` refuse everything, the map does not change.
   void SetLocaliseOnly(bool localise_only) { options_.localise_only = localise_only; }
@@ -159,7 +159,7 @@ class Mapper {
   int64_t version_ = 0;
   /// The version in which the map last applied a loop or joined two parts.
   int64_t structural_version_ = 0;
-  int64_t map_instance_ = 0;
+  MapId map_instance_;
   bool committed_ = false;
   AdjustmentFigures figures_;
   Failures failures_;

@@ -20,7 +20,7 @@
 #include "core/bus/transport/live_peers.h"
 #include "core/bus/transport/rejections.h"
 #include "core/bus/transport/transport.h"
-#include "core/ids/source_id.h"
+#include "core/ids/ids.h"
 
 namespace plslam::bus {
 

@@ -165,8 +165,8 @@ void Bus::Impl::OnRepairRequest(std::string_view wire_name, ByteView bytes, int6
   if (request.publisher != source) return;
   std::vector<SeqRange> ranges;
   for (const range_t& range : request.ranges) ranges.push_back({range.first, range.last});
-  const Outboxes::Answer answer = outboxes.OnRequest(request.channel, SourceId(request.header.source), request.delivered,
-                                                     request.window_bytes, ranges, now);
+  const Outboxes::Answer answer = outboxes.OnRequest(request.channel, SourceId(request.header.source),
+                                                     request.delivered, request.window_bytes, ranges, now);
   for (const Bytes& message : answer.resend) outboxes.SendRepairable(answer.wire_name, *message);
   if (answer.announcement) Announce(*answer.announcement);
 }
@@ -177,8 +177,8 @@ void Bus::Impl::OnAnnounce(std::string_view wire_name, ByteView bytes, int64_t n
   const announce_t& announce = *decoded;
   const Channel* channel = FindChannel(announce.channel);
   if (channel == nullptr || !names.IsAbout(*channel, wire_name, kAnnounce)) return;
-  inboxes.OnAnnounce(names.WireName(*channel), SourceId(announce.header.source), announce.first_seq, announce.next_seq,
-                     announce.join_seq, now);
+  inboxes.OnAnnounce(names.WireName(*channel), SourceId(announce.header.source), announce.first_seq,
+                     announce.next_seq, announce.join_seq, now);
 }
 
 /// "Do you live?" (a question) or "I do": names the other, which is proof enough for it.

@@ -16,7 +16,7 @@
 #include "core/bus/options.h"
 #include "core/bus/run_loop.h"
 #include "core/bus/transport/wire.h"
-#include "core/ids/source_id.h"
+#include "core/ids/ids.h"
 
 namespace plslam::bus {
 

@@ -19,7 +19,7 @@
 #include "core/bus/options.h"
 #include "core/bus/transport/authenticator.h"
 #include "core/bus/transport/transport.h"
-#include "core/ids/source_id.h"
+#include "core/ids/ids.h"
 
 namespace plslam {
 class header_t;
@@ -126,7 +126,7 @@ class Outboxes {
   MessageSize size_;                                                      // guarded by `mutex_`
   std::condition_variable acknowledged_;                                  // an acknowledgement has arrived
   std::map<std::string, std::unique_ptr<Outbox>, std::less<>> outboxes_;  // by channel name
-  std::map<std::string, std::map<SourceId, Hello>, std::less<>> hellos_;   // by channel name, of the whole table
+  std::map<std::string, std::map<SourceId, Hello>, std::less<>> hellos_;  // by channel name, of the whole table
 };
 
 /// Nanoseconds of the steady clock, in which everything on the bus is timed, and a millisecond of them.

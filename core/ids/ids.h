@@ -53,6 +53,18 @@ struct SessionKind {
 /// An odometry session: keyframes and frames between two restarts of tracking, or two maps. A random number.
 using SessionId = Id<SessionKind>;
 
+struct SourceKind {
+  static constexpr int64_t kNone = 0;
+};
+/// A process that publishes or reads, from its start to its end (`header_t.source`). A random number; 0: none, or all.
+using SourceId = Id<SourceKind>;
+
+struct MapKind {
+  static constexpr int64_t kNone = 0;
+};
+/// A map, from its beginning until another one replaces it (`BelongsTo`). A random number, never negative; 0: unknown.
+using MapId = Id<MapKind>;
+
 /// A keyframe as every process can name it: by its session and its number there (0, 1, 2, ...; -1: none). The name
 /// survives restarts, while a map that is rebuilt may assign other ids.
 struct KeyframeName {

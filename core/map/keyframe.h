@@ -26,7 +26,7 @@ struct Withdrawn {
 
 /// A keyframe as vo_process publishes it; the content of `keyframe_t`.
 struct Keyframe {
-  int64_t source = 0;  ///< publisher; set by the receiver
+  SourceId source;  ///< publisher; set by the receiver
   KeyframeName name{.session = {}, .number = 0};
   int64_t t_ns = 0;
   int64_t frame_id = 0;
@@ -34,7 +34,7 @@ struct Keyframe {
   int64_t previous_keyframe_id = -1;
   /// `MapUpdate::map_instance` of the map that the session is part of; 0: not known yet. The keyframe belongs to no other
   /// map.
-  int64_t map_instance = 0;
+  MapId map_instance;
   SE3 T_prevkf_kf;
   /// Covariance of T_prevkf_kf, right perturbation in kf.
   Matrix6d covariance = Matrix6d::Zero();

@@ -51,13 +51,13 @@ struct LoopClosure {
     kAdjustment = 2,  ///< the poses after the global bundle adjustment that followed a loop
   };
 
-  int64_t source = 0;  ///< publisher; set by the receiver
+  SourceId source;  ///< publisher; set by the receiver
   Kind kind = Kind::kNone;
   /// The keyframe, and its time.
   KeyframeName keyframe;
   int64_t t_ns = 0;
   /// Publisher and version of the map on which it was computed.
-  int64_t map_source = 0;
+  SourceId map_source;
   int64_t map_version = 0;
   /// Whether another message about the same keyframe follows (an adjustment is running).
   bool more = false;
@@ -79,7 +79,7 @@ struct LoopClosure {
 
 /// The result of a tracker's relocalisation request; the content of `relocalisation_t`.
 struct Relocalisation {
-  int64_t source = 0;  ///< publisher; set by the receiver
+  SourceId source;  ///< publisher; set by the receiver
   /// The request: session, frame and time.
   SessionId session;
   int64_t frame_id = -1;
@@ -87,7 +87,7 @@ struct Relocalisation {
   bool found = false;
   /// The map in which it was found, the keyframe of the recognised place, and the pose with the covariance of its right
   /// perturbation given the landmarks.
-  int64_t map_source = 0;
+  SourceId map_source;
   int64_t map_version = 0;
   int64_t keyframe_id = -1;
   SE3 T_w_c;

@@ -39,12 +39,12 @@ class MapVersion {
   /// Accepts an update of another publisher only if it is a complete map.
   Step Advance(const MapUpdate& update);
 
-  int64_t source() const { return source_; }
+  SourceId source() const { return source_; }
   /// 0: no update was received.
   int64_t number() const { return number_; }
 
  private:
-  int64_t source_ = 0;
+  SourceId source_;
   int64_t number_ = 0;
 };
 
@@ -68,7 +68,7 @@ class MapFollower {
   }
 
   const Map& map() const { return map_; }
-  int64_t source() const { return version_.source(); }
+  SourceId source() const { return version_.source(); }
   int64_t version() const { return version_.number(); }
   Change change() const { return change_; }
   /// Since the last change that was not kContinued.
@@ -80,7 +80,7 @@ class MapFollower {
   void Move(const std::vector<MovedKeyframe>& keyframes);
 
   Map map_;
-  int64_t map_instance_ = 0;
+  MapId map_instance_;
   bool remembers_removed_ = false;
   MapVersion version_;
   Change change_ = Change::kContinued;

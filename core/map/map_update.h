@@ -41,25 +41,26 @@ inline bool IsAnswerTo(const LoopAnswer& answer, const LoopClosure& loop) {
   return answer.keyframe == loop.keyframe && answer.map_version == loop.map_version;
 }
 
-/// Whether keyframes of a session whose tracker knows its map as `session_instance` belong to the map
-/// `map_instance`. Instances are random numbers, drawn when a map begins: even if it began with its process, odd if it
-/// replaced another one by an order. 0: unknown. A session without one has used no landmarks of any map, and belongs to
-/// a map that has not replaced another one.
-inline bool BelongsTo(int64_t session_instance, int64_t map_instance) {
-  return session_instance == map_instance || map_instance == 0 || (session_instance == 0 && map_instance % 2 == 0);
+/// Whether a keyframe or session whose tracker knows its map as `member.map_instance` belongs to `map`. An id is drawn
+/// when a map begins: even if it began with its process, odd if it replaced another one by an order. A session without
+/// one has used no landmarks of any map, and belongs to a map that has not replaced another one.
+template <class Member>
+bool BelongsTo(const Member& member, MapId map) {
+  const MapId of_member = member.map_instance;
+  return of_member == map || map == 0 || (of_member == 0 && map.value % 2 == 0);
 }
 
-/// Returns the instance of a map that begins with the run `source` of mapping_process: even, and different from
-/// `source`, so that logs distinguish maps from processes.
-inline int64_t BeginningInstance(int64_t source) {
+/// Returns the id of a map that begins with the run `source` of mapping_process: even, and different from `source`, so
+/// that logs distinguish maps from processes.
+inline MapId BeginningInstance(SourceId source) {
   constexpr int64_t kDiffers = int64_t{1} << 40;
-  return (source ^ kDiffers) & ~int64_t{1};
+  return MapId((source.value ^ kDiffers) & ~int64_t{1});
 }
 
 /// Changes of the map from one version to the next; the content of `map_update_t`. Changed landmarks and keyframes are
 /// complete; for those that a correction has only moved there are the keyframes' poses.
 struct MapUpdate {
-  int64_t source = 0;  ///< publisher: the run of mapping_process that owns the map; set by the receiver
+  SourceId source;  ///< publisher: the run of mapping_process that owns the map; set by the receiver
   int64_t version = 0;
   /// The version to which it applies. 0: none, this is the complete map.
   int64_t base_version = 0;
@@ -75,7 +76,7 @@ struct MapUpdate {
   /// Localisation-only mode: the map does not change.
   bool localise_only = false;
   /// Which of all maps this is (`BelongsTo`). Repeated in each update.
-  int64_t map_instance = 0;
+  MapId map_instance;
   /// Applied to the map of the base version before all other changes (`Map::Move`).
   std::vector<MovedKeyframe> moved_keyframes;
   std::vector<MapKeyframe> keyframes;

@@ -186,9 +186,9 @@ void DenseNode::OnMap(const MapUpdate& update) {
 
 /// Another map replaces the surfaces, too, if an order replaced the old one (odd instances, see `BelongsTo`); a rebuilt map
 /// has the same keyframes.
-void DenseNode::FollowMap(int64_t map_instance) {
-  const int64_t before = std::exchange(map_instance_, map_instance);
-  if (before == 0 || before == map_instance || map_instance % 2 == 0) return;
+void DenseNode::FollowMap(MapId map_instance) {
+  const MapId before = std::exchange(map_instance_, map_instance);
+  if (before == 0 || before == map_instance || map_instance.value % 2 == 0) return;
   LogInfo("the map was replaced: its surfaces are dropped");
   map_.reset();
   waiting_.clear();
@@ -238,7 +238,8 @@ void DenseNode::FuseAll() {
   const KeyframePoses poses = PosesOf(sparse_->follower().map());
   for (auto it = waiting_.begin(); it != waiting_.end();) {
     const Waiting& waiting = it->second;
-    const bool placed = !waiting.keyframe.lockstep || sparse_->follower().newest().HasCommitted(waiting.keyframe.name);
+    const bool placed =
+        !waiting.keyframe.lockstep || sparse_->follower().newest().HasCommitted(waiting.keyframe.name);
     if (!waiting.images || !placed || !poses.contains(it->first)) {
       ++it;
       continue;

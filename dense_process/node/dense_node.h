@@ -61,7 +61,7 @@ class DenseNode {
   void OnMask(const mask_t& message);
   void OnKeyframe(const Keyframe& keyframe);
   void OnMap(const MapUpdate& update);
-  void FollowMap(int64_t map_instance);
+  void FollowMap(MapId map_instance);
   void OnStatus(const status_t& message);
   void OnStream(const stream_t& message);
   void OnCommand(const command_t& message);
@@ -83,7 +83,7 @@ class DenseNode {
   DenseOptions options_;
   std::optional<Camera> camera_;
   std::optional<DenseMap> map_;
-  int64_t map_instance_ = 0;  ///< of the newest update
+  MapId map_instance_;  ///< of the newest update
   /// Newest images, pixels of moving bodies, and masks of a detector, by frame.
   std::map<int64_t, StereoImages> frames_;
   std::map<int64_t, BodyPixels> bodies_;

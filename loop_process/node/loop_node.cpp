@@ -65,7 +65,7 @@ void LoopNode::OnUpdate(MapUpdate update) {
 
 void LoopNode::OnStatus(const status_t& message) {
   // Without a map everything waits.
-  if (has_camera_) Queue(SignOfLife{message.header.source});
+  if (has_camera_) Queue(SignOfLife{SourceId(message.header.source)});
 }
 
 /// If the worker is far behind, this blocks the thread of the bus, which then accepts no more: publishers keep their

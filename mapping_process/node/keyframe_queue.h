@@ -67,7 +67,7 @@ class KeyframeQueue {
 
   std::map<SessionId, Session> sessions_;
   /// By publisher: sessions in the order of their first keyframes.
-  std::map<int64_t, std::vector<SessionId>> published_;
+  std::map<SourceId, std::vector<SessionId>> published_;
 };
 
 }  // namespace plslam::mapping

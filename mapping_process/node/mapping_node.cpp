@@ -85,7 +85,8 @@ MappingNode::MappingNode(bus::Process& process, const MappingOptions& options)
     AdoptStored(*stored_);
   }
   // Without a file the process that replaces this one would reject the keyframes of the history.
-  if (!restored_ && !options_.state_file.empty()) map_instance_ = BeginningInstance(process_.bus().source());
+  if (!restored_ && !options_.state_file.empty())
+    map_instance_ = BeginningInstance(SourceId(process_.bus().source()));
   worker_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { WorkUntilStopped(); }); });
 }
 
@@ -111,9 +112,9 @@ void MappingNode::OnCamera(const RigCalibration& rig) {
 }
 
 void MappingNode::OnKeyframe(const Keyframe& keyframe) {
-  if (keyframe.source == process_.bus().source()) return;  // our own, of a loaded map
+  if (keyframe.source == SourceId(process_.bus().source())) return;  // our own, of a loaded map
   Queue([&] {
-    if (!BelongsTo(keyframe.map_instance, map_instance_)) {
+    if (!BelongsTo(keyframe, map_instance_)) {
       process_.SetCounter("keyframes.other_map", static_cast<double>(++n_other_map_));
       // Its tracker does not know yet that there is another map.
       static constexpr size_t kMostSessions = 64;
@@ -371,7 +372,7 @@ void MappingNode::Correct(const Work& work) {
 /// Re-expresses a closure of the map of another mapping_process, whose versions do not apply. A map rebuilt in lockstep
 /// has the same ids; a live one, in which timing decides what is inserted together, has other landmark ids.
 LoopClosure MappingNode::OfThisMap(const Work& work) const {
-  if (work.closure.map_source == process_.bus().source()) return InIdsOf(mapper_->map(), work.closure);
+  if (work.closure.map_source == SourceId(process_.bus().source())) return InIdsOf(mapper_->map(), work.closure);
   LoopClosure closure = InIdsOf(mapper_->map(), work.closure, work.lockstep ? MapIds::kPerhapsSame : MapIds::kOthers);
   closure.map_version = 0;
   return closure;

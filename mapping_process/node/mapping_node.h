@@ -107,7 +107,7 @@ class MappingNode {
   std::condition_variable changed_;
   WorkQueue queue_;
   /// `Mapper`'s; keyframes for another map are ignored.
-  int64_t map_instance_ = 0;
+  MapId map_instance_;
   /// Camera with which the map begins.
   std::optional<StereoCamera> camera_;
   bool stopping_ = false;

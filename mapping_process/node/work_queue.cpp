@@ -60,7 +60,7 @@ void WorkQueue::Add(const LoopClosure& closure) {
 }
 
 WorkQueue::Answer WorkQueue::AnswerOf(const LoopClosure& closure) {
-  return {closure.keyframe, closure.map_source, closure.map_version, static_cast<int>(closure.kind)};
+  return {closure.keyframe, closure.map_source, closure.map_version, closure.kind};
 }
 
 /// Drops the oldest closure whose keyframe has not arrived; it may be resent.

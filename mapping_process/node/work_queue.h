@@ -115,7 +115,7 @@ class WorkQueue {
 
  private:
   /// Keyframe, publisher and version of the map, and kind of a closure.
-  using Answer = std::tuple<KeyframeName, int64_t, int64_t, int>;
+  using Answer = std::tuple<KeyframeName, SourceId, int64_t, LoopClosure::Kind>;
 
   static Answer AnswerOf(const LoopClosure& closure);
   void DropOldest();
@@ -140,7 +140,7 @@ class WorkQueue {
   /// The same at the time of `Restore`.
   std::map<SessionId, int64_t> restored_;
   /// Publisher of the newest keyframe of each session, since then.
-  std::map<SessionId, int64_t> publishers_;
+  std::map<SessionId, SourceId> publishers_;
   std::set<Answer> answers_;
   int state_every_;
   int inserted_since_state_ = 0;

@@ -44,7 +44,7 @@ double Heard::Counter(const std::string& process, const std::string& name) const
 
 bool Heard::IsMapOf(pid_t pid) const {
   const auto found = status.find("mapping");
-  return found != status.end() && found->second.pid == pid && found->second.header.source == map_source;
+  return found != status.end() && found->second.pid == pid && SourceId(found->second.header.source) == map_source;
 }
 
 RunWatcher::RunWatcher() : bus_(On(port_.Url()), "watcher") {

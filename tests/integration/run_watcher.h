@@ -37,7 +37,7 @@ struct Heard {
   std::map<SessionId, std::set<int64_t>> keyframes;
   /// The same, of those that are in the map.
   std::map<SessionId, std::set<int64_t>> mapped;
-  int64_t map_source = 0;  ///< publisher of that map
+  SourceId map_source;  ///< publisher of that map
   /// Newest status by process name.
   std::map<std::string, status_t> status;
   /// Names and ids of processes that have published "ready" or "running".

@@ -122,7 +122,7 @@ class MapStatistics {
     return n_adjustments_ > 0 ? std::optional(sum / static_cast<double>(n_adjustments_)) : std::nullopt;
   }
 
-  int64_t source_ = 0;
+  SourceId source_;
   int64_t version_ = 0;
   NewestKeyframes newest_;
   MapTotals totals_;

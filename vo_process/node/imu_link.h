@@ -9,7 +9,7 @@
 
 #include "core/bus/messages/imu_channel.h"
 #include "core/geometry/imu.h"
-#include "core/ids/source_id.h"
+#include "core/ids/ids.h"
 #include "core/process/partner_wait.h"
 #include "core/process/process.h"
 #include "vo_process/options.h"

@@ -30,7 +30,7 @@ MapLink::MapLink(bus::Bus& bus, double wait_s, bool localise_only, const Tracker
       wait_(wait_s),
       subscriber_(bus, [this](const MapUpdate& update) { OnUpdate(update); }) {}
 
-bool MapLink::IsOfAnotherMap() const { return !BelongsTo(session_.map_instance, map_instance_); }
+bool MapLink::IsOfAnotherMap() const { return !BelongsTo(session_, map_instance_); }
 
 bool MapLink::IsConnected() const {
   const IdMap<MapKeyframe>& keyframes = map().keyframes();

@@ -34,7 +34,7 @@ class MapLink {
   /// Whether another map has replaced that with which the session began.
   bool IsOfAnotherMap() const;
   /// `MapUpdate::map_instance` of the last update.
-  int64_t map_instance() const { return map_instance_; }
+  MapId map_instance() const { return map_instance_; }
   /// Restores the values of a tracker state.
   void Restore(bool localise_only, bool map_is_fixed) {
     localise_only_ = localise_only;
@@ -71,7 +71,7 @@ class MapLink {
   std::function<void()> on_map_;
   bool localise_only_;
   std::optional<bool> last_localise_only_;  ///< `localise_only` of the last update
-  int64_t map_instance_ = 0;
+  MapId map_instance_;
   bus::PartnerWait wait_;
   /// The newest keyframe of the session in the map, which may contain keyframes of other robots.
   int64_t newest_keyframe_id_ = -1;

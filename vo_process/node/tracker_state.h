@@ -32,7 +32,7 @@ struct TrackerSession {
   bool follows_keyframe = false;
   SessionAnchor anchor;
   /// `Keyframe::map_instance`.
-  int64_t map_instance = 0;
+  MapId map_instance;
   /// Poses of the newest frames, which a player may request again.
   std::deque<pose_t> recent;
 

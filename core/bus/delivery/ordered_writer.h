@@ -9,7 +9,7 @@
 
 #include "core/bus/delivery/history.h"
 #include "core/bus/delivery/message_size.h"
-#include "core/ids/source_id.h"
+#include "core/ids/ids.h"
 
 namespace plslam::bus {
 

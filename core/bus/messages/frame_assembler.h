@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/ids/source_id.h"
+#include "core/ids/ids.h"
 #include "core/io/images/image_file.h"
 
 namespace plslam {

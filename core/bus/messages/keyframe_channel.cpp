@@ -23,7 +23,7 @@ keyframe_t HeadPage(const Keyframe& keyframe) {
   page.keyframe_id = keyframe.name.number;
   page.frame_id = keyframe.frame_id;
   page.previous_keyframe_id = keyframe.previous_keyframe_id;
-  page.map_instance = keyframe.map_instance;
+  page.map_instance = keyframe.map_instance.value;
   page.T_prevkf_kf = ToMessage(keyframe.T_prevkf_kf);
   ToArray(keyframe.covariance, page.covariance);
   page.T_odom_kf = ToMessage(keyframe.T_odom_kf);
@@ -44,7 +44,7 @@ bool AsMany(const std::vector<int64_t>& ids, const std::vector<int64_t>& map_ids
   return ids.size() == n && (map_ids.empty() || map_ids.size() == n);
 }
 
-int64_t MapId(const std::vector<int64_t>& ids, size_t i) { return ids.empty() ? -1 : ids[i]; }
+int64_t LandmarkOfMap(const std::vector<int64_t>& ids, size_t i) { return ids.empty() ? -1 : ids[i]; }
 
 std::optional<Keyframe> Head(const keyframe_t& page) {
   const auto T_prevkf_kf = FromMessage(page.T_prevkf_kf);
@@ -56,13 +56,13 @@ std::optional<Keyframe> Head(const keyframe_t& page) {
   const auto camera = FromMessage(page.camera);
   if (!T_prevkf_kf || !covariance || !T_odom_kf || !camera || !ids_ok) return std::nullopt;
   Keyframe keyframe;
-  keyframe.source = page.header.source;
+  keyframe.source = SourceId(page.header.source);
   keyframe.name.session = SessionId(page.header.session);
   keyframe.t_ns = page.header.t_ns;
   keyframe.name.number = page.keyframe_id;
   keyframe.frame_id = page.frame_id;
   keyframe.previous_keyframe_id = page.previous_keyframe_id;
-  keyframe.map_instance = page.map_instance;
+  keyframe.map_instance = MapId(page.map_instance);
   keyframe.T_prevkf_kf = *T_prevkf_kf;
   keyframe.covariance = *covariance;
   keyframe.T_odom_kf = *T_odom_kf;
@@ -117,14 +117,14 @@ std::vector<keyframe_t> CutIntoPages(const Keyframe& keyframe, int64_t page_byte
   Pager<keyframe_t> pager(head, head, page_bytes, "keyframes");
   for (size_t i = 0; i < features.points.size(); ++i) {
     const point_feature_t point =
-        ToMessage(features.points[i], keyframe.point_landmark_ids[i], MapId(keyframe.point_map_ids, i));
+        ToMessage(features.points[i], keyframe.point_landmark_ids[i], LandmarkOfMap(keyframe.point_map_ids, i));
     keyframe_t& page = pager.PageFor(point._getEncodedSizeNoHash());
     page.points.push_back(point);
     ++page.n_points;
   }
   for (size_t i = 0; i < features.lines.size(); ++i) {
     const line_feature_t line =
-        ToMessage(features.lines[i], keyframe.line_landmark_ids[i], MapId(keyframe.line_map_ids, i));
+        ToMessage(features.lines[i], keyframe.line_landmark_ids[i], LandmarkOfMap(keyframe.line_map_ids, i));
     keyframe_t& page = pager.PageFor(line._getEncodedSizeNoHash());
     page.lines.push_back(line);
     ++page.n_lines;

@@ -26,7 +26,7 @@ loop_closure_t HeadPage(const LoopClosure& closure) {
   page.kind = static_cast<int8_t>(closure.kind);
   page.more = closure.more ? 1 : 0;
   page.session_keyframe_id = closure.keyframe.number;
-  page.map_source = closure.map_source;
+  page.map_source = closure.map_source.value;
   page.map_version = closure.map_version;
   page.score = closure.score;
   page.detect_ms = closure.detect_ms;
@@ -41,11 +41,11 @@ std::optional<LoopClosure> Head(const loop_closure_t& page) {
                       page.session_keyframe_id >= 0 && page.map_version >= 0;
   if (!numbers_ok || !ids_ok) return std::nullopt;
   LoopClosure closure;
-  closure.source = page.header.source;
+  closure.source = SourceId(page.header.source);
   closure.kind = static_cast<LoopClosure::Kind>(page.kind);
   closure.keyframe = {SessionId(page.header.session), page.session_keyframe_id};
   closure.t_ns = page.header.t_ns;
-  closure.map_source = page.map_source;
+  closure.map_source = SourceId(page.map_source);
   closure.map_version = page.map_version;
   closure.more = page.more != 0;
   closure.score = page.score;
@@ -182,7 +182,7 @@ relocalisation_t ToMessage(const Relocalisation& relocalisation) {
   message.header.t_ns = relocalisation.t_ns;
   message.frame_id = relocalisation.frame_id;
   message.found = relocalisation.found ? 1 : 0;
-  message.map_source = relocalisation.map_source;
+  message.map_source = relocalisation.map_source.value;
   message.map_version = relocalisation.map_version;
   message.keyframe_id = relocalisation.keyframe_id;
   message.T_w_c = ToMessage(relocalisation.T_w_c);
@@ -200,12 +200,12 @@ std::optional<Relocalisation> FromMessage(const relocalisation_t& message) {
                   message.map_version >= 0;
   if (!ok) return std::nullopt;
   Relocalisation relocalisation;
-  relocalisation.source = message.header.source;
+  relocalisation.source = SourceId(message.header.source);
   relocalisation.session = SessionId(message.header.session);
   relocalisation.frame_id = message.frame_id;
   relocalisation.t_ns = message.header.t_ns;
   relocalisation.found = message.found != 0;
-  relocalisation.map_source = message.map_source;
+  relocalisation.map_source = SourceId(message.map_source);
   relocalisation.map_version = message.map_version;
   relocalisation.keyframe_id = message.keyframe_id;
   relocalisation.T_w_c = *T_w_c;

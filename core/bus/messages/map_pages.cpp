@@ -37,7 +37,7 @@ map_update_t HeadPage(const MapUpdate& update) {
   page.answer.map_version = update.answer.map_version;
   page.answer.accepted = update.answer.accepted ? 1 : 0;
   page.localise_only = update.localise_only ? 1 : 0;
-  page.map_instance = update.map_instance;
+  page.map_instance = update.map_instance.value;
   if (update.camera) page.camera = ToMessage(*update.camera);
   page.totals = ToMessage(update.totals);
   page.adjustment = ToMessage(update.adjustment);
@@ -219,7 +219,7 @@ std::optional<MapUpdate> HeadOf(const map_update_t& page) {
   const bool camera_ok = camera || page.camera.f_px == 0.0;
   if (!totals || !adjustment || !numbers_ok || !camera_ok) return std::nullopt;
   MapUpdate update;
-  update.source = page.header.source;
+  update.source = SourceId(page.header.source);
   update.version = page.version;
   update.base_version = page.base_version;
   update.newest = {SessionId(page.header.session), page.session_keyframe_id};
@@ -229,7 +229,7 @@ std::optional<MapUpdate> HeadOf(const map_update_t& page) {
                    page.answer.map_version,
                    page.answer.accepted != 0};
   update.localise_only = page.localise_only != 0;
-  update.map_instance = page.map_instance;
+  update.map_instance = MapId(page.map_instance);
   update.camera = camera;
   update.totals = *totals;
   update.adjustment = *adjustment;

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <map>
 
-#include "core/ids/source_id.h"
+#include "core/ids/ids.h"
 
 namespace plslam::bus {
 

@@ -169,7 +169,7 @@ TEST(KeyframeChannel, LateReaderGetsAllKeyframesOverALossyNetwork) {
   reader.Join();
   for (int id = 0; id < 10; ++id) {
     ExpectEqual(keyframes[static_cast<size_t>(id)], KeyframeOf(id, 200, 50));
-    EXPECT_EQ(keyframes[static_cast<size_t>(id)].source, publisher->source());
+    EXPECT_EQ(keyframes[static_cast<size_t>(id)].source, SourceId(publisher->source()));
   }
   EXPECT_EQ(reader->counters().rejected, 0);
 }

@@ -66,7 +66,7 @@ class Listener {
       : bus_(options, "viewer"), subscriber_(*bus_, [this](const MapUpdate& update) {
           const MapFollower& replica = subscriber_.follower();
           EXPECT_EQ(update.totals, replica.map().Totals());
-          source_ = replica.source();
+          source_ = replica.source().value;
           version_ = replica.version();
         }) {
     bus_.Start();

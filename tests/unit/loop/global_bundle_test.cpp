@@ -66,7 +66,7 @@ TEST(AdjustmentProgress, ContinuesAfterEarlierAdjustments) {
   for (const auto& [id, keyframe] : mapper.map().keyframes()) {
     features[id] = ring.walk.keyframes.at(static_cast<size_t>(keyframe.name.number)).features;
   }
-  const auto make = [&](int64_t source) {
+  const auto make = [&](SourceId source) {
     loop::GlobalBundleProblem problem =
         loop::MakeGlobalBundleProblem(Perturbed(mapper.map()), features, FeatureWorld::Camera(), {});
     problem.map_source = source;

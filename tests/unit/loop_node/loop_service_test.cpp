@@ -45,7 +45,7 @@ class Service : public testing::Test {
     update.version = version_;
     return update;
   }
-  MapUpdate Whole(int64_t keyframe_id, bool committed, int64_t source) {
+  MapUpdate Whole(int64_t keyframe_id, bool committed, SourceId source) {
     MapUpdate update = WholeMap(map_);
     Sign(update, keyframe_id, committed);
     update.version = version_;
@@ -90,7 +90,7 @@ class Service : public testing::Test {
   int64_t next_id_ = 0;
   int64_t next_other_ = 0;
   int64_t version_ = 0;
-  int64_t source_ = 1;
+  SourceId source_ = 1;
   double now_ms_ = 0.0;
   LoopService service_{LoopCloser(FeatureWorld::Camera(),
                                   PlaceRecogniser(test::SmallVocabulary(FeatureType::kPoints),
@@ -133,7 +133,7 @@ TEST_F(Service, WaitsForMissingFeaturesUntilATimeout) {
 
 // A cable that is disconnected for seconds does not change the result.
 TEST_F(Service, LockstepWaitsForFeaturesOfALiveTracker) {
-  constexpr int64_t kTracker = 77;
+  constexpr SourceId kTracker = 77;
   Keyframe first = KeyframeOf(0);
   first.source = kTracker;
   service_.OnKeyframe(first);
@@ -143,7 +143,7 @@ TEST_F(Service, LockstepWaitsForFeaturesOfALiveTracker) {
   EXPECT_EQ(Checked(service_.OnTick()), Ids{});
   service_.OnSignOfLife(kTracker);
   now_ms_ += LoopService::kLockstepPatience_ms - 1.0;
-  service_.OnSignOfLife(kTracker + 1);
+  service_.OnSignOfLife(78);
   EXPECT_EQ(Checked(service_.OnTick()), Ids{});
   now_ms_ += 1.0;
   EXPECT_EQ(Checked(service_.OnTick()), Ids{1}) << "it is dead";

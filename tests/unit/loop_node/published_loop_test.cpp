@@ -101,7 +101,8 @@ TEST_F(PublishedLoop, NotAwaitedAfterTheMapWasReplaced) {
   EXPECT_TRUE(Show(next_).closures.empty());
   const StereoCamera camera = FeatureWorld::Camera();
   mapping::MapperState empty;
-  empty.stored.version = empty.map_instance = mapper_.version() + 1;
+  empty.stored.version = mapper_.version() + 1;
+  empty.map_instance = MapId(empty.stored.version);
   mapper_ = mapping::Mapper(camera, mapping::MappingOptions(), std::move(empty));
   MapUpdate reset = mapper_.Whole();
   reset.source = 1;

@@ -48,7 +48,7 @@ void ExpectSame(const Map& a, const Map& b) {
 /// The owner's side: versions one after another.
 class Owner {
  public:
-  Owner(int64_t source, uint64_t seed) : source_(source), random_(seed) {}
+  Owner(SourceId source, uint64_t seed) : source_(source), random_(seed) {}
 
   MapUpdate Next(int steps) {
     random_.Steps(steps);
@@ -69,7 +69,7 @@ class Owner {
   const Map& map() const { return random_.map(); }
 
  private:
-  int64_t source_;
+  SourceId source_;
   test::RandomMap random_;
   int64_t version_ = 0;
 };
@@ -278,7 +278,7 @@ class RemovedPosesTest : public testing::Test {
   }
 
   MapFollower follower_;
-  int64_t source_ = 5;  ///< process that sends the updates
+  SourceId source_ = 5;  ///< process that sends the updates
 };
 
 TEST_F(RemovedPosesTest, LocalAdjustmentsOfCarriersDoNotAddUp) {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kLater_ms = KeyframeQueue::kPatience_ms + 1.0;
 
-Keyframe KeyframeOf(SessionId session, int64_t id, int64_t source, int64_t t_ns = 0) {
+Keyframe KeyframeOf(SessionId session, int64_t id, SourceId source, int64_t t_ns = 0) {
   Keyframe keyframe;
   keyframe.name.session = session;
   keyframe.name.number = id;
@@ -53,11 +53,12 @@ TEST(KeyframeQueue, RandomOrderFromSeveralPublishers) {
     std::vector<std::vector<Keyframe>> told;
     for (const SessionId session : {7, 8}) {
       const int64_t cut = random() % 10;
-      for (int64_t source = 1; source <= 4; ++source) {
+      for (int source = 1; source <= 4; ++source) {
         std::vector<Keyframe>& of = told.emplace_back();
         const int64_t begin = source % 2 == 0 ? 0 : cut;
         const int64_t end = source % 2 == 0 ? cut + 1 : 10;
-        for (int64_t id = begin; id < end; ++id) of.push_back(KeyframeOf(session, id, 10 * session.value + source));
+        for (int64_t id = begin; id < end; ++id)
+          of.push_back(KeyframeOf(session, id, SourceId(10 * session.value + source)));
       }
     }
     KeyframeQueue queue;

@@ -145,7 +145,7 @@ TEST_F(WorkQueueTest, LiveKeyframesAreInsertedTogetherAndNeverWait) {
 TEST_F(WorkQueueTest, EachBatchIsOfOneSession) {
   const auto of = [](SessionId session, int64_t id, int64_t t_ns) {
     Keyframe keyframe = KeyframeOf(id, false);
-    keyframe.source = session.value;
+    keyframe.source = SourceId(session.value);
     keyframe.name.session = session;
     keyframe.t_ns = t_ns;
     return keyframe;
@@ -247,7 +247,7 @@ TEST_F(WorkQueueTest, RepeatedMessagesAreIgnored) {
 // The mapper exited between a loop and the following adjustment: loop_process checks the keyframe again, on the map of
 // the restarted mapper, which has the loop from the history.
 TEST_F(WorkQueueTest, LockstepLoopFoundOnTwoMapsIsAppliedOnce) {
-  const auto found_on = [](int64_t source, LoopClosure::Kind kind, bool more) {
+  const auto found_on = [](SourceId source, LoopClosure::Kind kind, bool more) {
     LoopClosure closure = ClosureOf(0, kind, more);
     closure.map_source = source;
     return closure;
@@ -286,7 +286,7 @@ TEST_F(WorkQueueTest, RepeatedLiveLoopIsAppliedOnce) {
 }
 
 TEST_F(WorkQueueTest, OldestKeyframeOfSeveralPublishersFirst) {
-  const auto of = [](int64_t source, SessionId session, int64_t id, int64_t t_ns) {
+  const auto of = [](SourceId source, SessionId session, int64_t id, int64_t t_ns) {
     Keyframe keyframe = KeyframeOf(id, true);
     keyframe.source = source;
     keyframe.name.session = session;
@@ -371,7 +371,7 @@ TEST(WorkQueueState, WrittenPeriodicallyAndBeforeANewSession) {
 
 TEST(WorkQueueState, WrittenBeforeAnotherPublisherContinues) {
   WorkQueue queue({.enabled = false, .wait_s = 5.0}, 100);
-  const auto of = [](int64_t source, int64_t id) {
+  const auto of = [](SourceId source, int64_t id) {
     Keyframe keyframe = KeyframeOf(id, true);
     keyframe.source = source;
     return keyframe;

@@ -20,9 +20,8 @@ const std::map<std::string, std::string> kExchangeable = {
     {"tools/evaluate/figures/pair_figure.h: a, b", "symmetric"},
     {"core/run/frame_tally.h: frame_id, n_moving", "an id and a count"},
     {"core/run/frame_tally.h: keyframe_id, sign", "an id and a sign"},
-    // Ids of keyframes and landmarks of a map are not types yet, nor are the names of maps.
+    // Ids of keyframes and landmarks of a map are not types yet.
     {"core/bus/messages/convert.h: landmark_id, map_id", "ids of landmarks in the tracker and in the map"},
-    {"core/map/map_update.h: session_instance, map_instance", "names of maps"},
     {"loop_process/loop_verification.h: old_keyframe_id, keyframe_id", "ids of keyframes"},
     {"mapping_process/insertion/observations.h: landmark_id, keyframe_id", "ids of a landmark and a keyframe"},
     {"vo_process/tracking/bodies/moving_bodies.h: id, map_id", "ids of landmarks in the tracker and in the map"}};
@@ -37,8 +36,10 @@ std::string Declarations(const SourceFile& file) {
 // A function of two ids of one type, or of an id that is a mere number beside another number, can be called with both
 // exchanged, and compiles. Ids are types of their own (core/ids).
 TEST(Structure, NoTwoIdsOfOneTypeInARow) {
-  static const std::regex kPair(R"((?:const )?\b(int64_t|\w+Id)\b&? (\w+)(?: = [^,()]+)?,\s*(?:const )?(?=\1&? (\w+)\b))");
-  static const std::regex kIdName(R"(a|b|id|source|session|publisher|reader|keyframe|landmark|\w+_(?:id|session|instance))");
+  static const std::regex kPair(
+      R"((?:const )?\b(int64_t|\w+Id)\b&? (\w+)(?: = [^,()]+)?,\s*(?:const )?(?=\1&? (\w+)\b))");
+  static const std::regex kIdName(
+      R"(a|b|id|source|session|publisher|reader|keyframe|landmark|\w+_(?:id|session|instance))");
   std::map<std::string, int> found;
   for (const SourceFile& file : test::AllSourceFiles()) {
     if (!file.path.ends_with(".h") || file.path.starts_with("tests/")) continue;

@@ -79,7 +79,8 @@ TEST_F(Link, FrameWaitsForItsSamples) {
   process_.bus().Subscribe<imu_t>(bus::kImu, [&](const imu_t& message) { source = message.header.source; });
   bus::PublishImu(*player_, 0, kPeriod_ns, SamplesBetween(0, kPeriod_ns + kSamplePeriod_ns));
   check_ = [&] {
-    if (source != 0 && !link_->Awaits(SourceId(source.load()), 0, kPeriod_ns, true, bus::NowS())) process_.bus().Stop();
+    if (source != 0 && !link_->Awaits(SourceId(source.load()), 0, kPeriod_ns, true, bus::NowS()))
+      process_.bus().Stop();
   };
   process_.bus().Run();
   const std::vector<ImuSample> taken = link_->Take(0, kPeriod_ns, 0);

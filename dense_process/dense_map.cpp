@@ -25,7 +25,7 @@ constexpr FileKind kSurfaces{{'P', 'L', 'S', 'L', 'S', 'U', 'R', 'F'}, 1, "surfa
 
 /// A submap in a file.
 struct StoredSubmap {
-  KeyframeName anchor;
+  KeyframeFrame anchor;
   SE3 T_s_anchor;
   int32_t n_keyframes = 0;
   std::vector<Volume::Block> blocks;
@@ -37,7 +37,7 @@ struct StoredSubmap {
 };
 
 /// The keyframe of `poses` that is nearest to `T_w_kf`.
-std::optional<KeyframeName> Nearest(const KeyframePoses& poses, const SE3& T_w_kf) {
+std::optional<KeyframeFrame> Nearest(const KeyframePoses& poses, const SE3& T_w_kf) {
   const auto distance = [&](const auto& other) {
     return (other.second.translation() - T_w_kf.translation()).squaredNorm();
   };
@@ -49,7 +49,8 @@ std::optional<KeyframeName> Nearest(const KeyframePoses& poses, const SE3& T_w_k
 
 KeyframePoses LastingPosesOf(const Map& map) {
   KeyframePoses poses;
-  for (const auto& [id, keyframe] : map.keyframes()) poses[{keyframe.session, keyframe.frame_id}] = keyframe.T_w_kf;
+  for (const auto& [id, keyframe] : map.keyframes())
+    poses[{keyframe.name.session, keyframe.frame_id}] = keyframe.T_w_kf;
   return poses;
 }
 
@@ -68,7 +69,7 @@ size_t DenseMap::bytes() const {
   return bytes;
 }
 
-bool DenseMap::Continues(const KeyframeName& keyframe, const SE3& T_w_kf, const KeyframePoses& poses) const {
+bool DenseMap::Continues(const KeyframeFrame& keyframe, const SE3& T_w_kf, const KeyframePoses& poses) const {
   if (submaps_.empty()) return false;
   const Submap& newest = submaps_.back();
   const auto anchor = poses.find(newest.anchor);
@@ -78,7 +79,7 @@ bool DenseMap::Continues(const KeyframeName& keyframe, const SE3& T_w_kf, const 
   return (T_w_kf.translation() - anchor->second.translation()).norm() < kLargest * voxel_m_;
 }
 
-bool DenseMap::Add(const KeyframeName& keyframe, const DepthImage& depth, const cv::Mat& grey,
+bool DenseMap::Add(const KeyframeFrame& keyframe, const DepthImage& depth, const cv::Mat& grey,
                    const StereoCamera& camera, const KeyframePoses& poses) {
   const auto pose = poses.find(keyframe);
   if (pose == poses.end()) return false;
@@ -110,12 +111,12 @@ void DenseMap::Write(const std::string& path, const KeyframePoses& poses, const 
     to = {submap.anchor, submap.T_s_anchor, submap.n_keyframes, submap.volume.Blocks()};
     const auto anchor = poses.find(submap.anchor);
     if (lasting.contains(submap.anchor) || anchor == poses.end()) continue;
-    const std::optional<KeyframeName> nearest = Nearest(lasting, anchor->second);
+    const std::optional<KeyframeFrame> nearest = Nearest(lasting, anchor->second);
     if (!nearest) continue;
     to.anchor = *nearest;
     to.T_s_anchor = submap.T_s_anchor * anchor->second.Inverse() * lasting.at(*nearest);
   }
-  const std::vector<KeyframeName> fused(fused_.begin(), fused_.end());
+  const std::vector<KeyframeFrame> fused(fused_.begin(), fused_.end());
   WriteSealedFile(path, kSurfaces, archive::ToBytes(voxel_m_, fused, stored));
 }
 
@@ -123,7 +124,7 @@ DenseMap DenseMap::Read(const std::string& path, double range_m) {
   const std::vector<uint8_t> bytes = ReadSealedFile(path, kSurfaces);
   return NamingFile(path, [&] {
     double voxel_m = 0.0;
-    std::vector<KeyframeName> fused;
+    std::vector<KeyframeFrame> fused;
     std::vector<StoredSubmap> stored;
     archive::FromBytes(bytes, voxel_m, fused, stored);
     if (!(voxel_m > 0.0 && voxel_m <= kLargestVoxel_m))

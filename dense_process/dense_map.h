@@ -11,6 +11,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "core/geometry/stereo_camera.h"
+#include "core/ids/ids.h"
 #include "core/map/map.h"
 #include "dense_process/depth.h"
 #include "dense_process/volume.h"
@@ -18,8 +19,8 @@
 namespace plslam::dense {
 
 /// Session and frame of a keyframe: a name that stays when the map is rebuilt.
-using KeyframeName = std::pair<int64_t, int64_t>;
-using KeyframePoses = std::map<KeyframeName, SE3>;  ///< T_w_kf
+using KeyframeFrame = std::pair<SessionId, int64_t>;
+using KeyframePoses = std::map<KeyframeFrame, SE3>;  ///< T_w_kf
 
 /// Returns the poses of the keyframes of the map.
 KeyframePoses LastingPosesOf(const Map& map);
@@ -39,11 +40,11 @@ class DenseMap {
   size_t bytes() const;
 
   /// Fuses the depth of a keyframe. Returns false if `poses` lacks the keyframe.
-  bool Add(const KeyframeName& keyframe, const DepthImage& depth, const cv::Mat& grey, const StereoCamera& camera,
+  bool Add(const KeyframeFrame& keyframe, const DepthImage& depth, const cv::Mat& grey, const StereoCamera& camera,
            const KeyframePoses& poses);
 
   /// Returns whether the depth of the keyframe was fused, also by a process before this one.
-  bool Has(const KeyframeName& keyframe) const { return fused_.contains(keyframe); }
+  bool Has(const KeyframeFrame& keyframe) const { return fused_.contains(keyframe); }
 
   /// Writes a file of surfaces (a sealed file, core/io/files/sealed_file.h) that continues with the map. `lasting`: the
   /// keyframes that the map will have then; submaps whose anchor is not among them are anchored to the nearest one.
@@ -59,18 +60,18 @@ class DenseMap {
 
  private:
   struct Submap {
-    KeyframeName anchor;
+    KeyframeFrame anchor;
     SE3 T_s_anchor;  ///< s: the frame w of the map at the time of the first keyframe
     int n_keyframes = 0;
     Volume volume;
   };
 
-  bool Continues(const KeyframeName& keyframe, const SE3& T_w_kf, const KeyframePoses& poses) const;
+  bool Continues(const KeyframeFrame& keyframe, const SE3& T_w_kf, const KeyframePoses& poses) const;
 
   double voxel_m_;
   double range_m_;
   std::vector<Submap> submaps_;
-  std::set<KeyframeName> fused_;
+  std::set<KeyframeFrame> fused_;
 };
 
 }  // namespace plslam::dense

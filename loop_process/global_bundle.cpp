@@ -67,7 +67,7 @@ GlobalBundleProblem MakeGlobalBundleProblem(const Map& map, const KeyframeFeatur
     if (!features.contains(id)) continue;
     poses[id] = static_cast<int>(keyframes.size());
     keyframes.push_back(id);
-    problem.keyframes.push_back({id, keyframe.session, keyframe.session_keyframe_id});
+    problem.keyframes.push_back({id, keyframe.name});
   }
   std::vector<bool> fixed(keyframes.size());
   if (!fixed.empty()) fixed.front() = true;
@@ -121,8 +121,7 @@ LoopClosure AdjustGlobally(const GlobalBundleProblem& problem, const GlobalBundl
                            const std::atomic<bool>* stop, std::string* failure) {
   LoopClosure closure;
   closure.kind = LoopClosure::Kind::kAdjustment;
-  closure.session = problem.session;
-  closure.session_keyframe_id = problem.session_keyframe_id;
+  closure.keyframe = problem.keyframe;
   closure.t_ns = problem.t_ns;
   closure.map_source = problem.map_source;
   closure.map_version = problem.map_version;

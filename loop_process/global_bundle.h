@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/ids/ids.h"
 #include "core/map/landmark_types.h"
 #include "core/map/loop_closure.h"
 #include "core/map/map.h"
@@ -19,12 +20,11 @@ namespace plslam::loop {
 /// the same indices.
 struct GlobalBundleProblem {
   /// Copied from the loop that it follows.
-  int64_t session = 0;
-  int64_t session_keyframe_id = -1;
+  KeyframeName keyframe;
   int64_t t_ns = 0;
-  int64_t map_source = 0;
+  SourceId map_source;
   int64_t map_version = 0;
-  std::vector<KeyframeName> keyframes;
+  std::vector<NamedKeyframe> keyframes;
   BundleProblem bundle;
 };
 
@@ -45,7 +45,7 @@ class AdjustmentProgress {
   void Add(const GlobalBundleProblem& problem, const std::vector<CorrectedPose>& poses);
 
  private:
-  int64_t map_source_ = 0;
+  SourceId map_source_;
   std::map<int64_t, SE3> T_before_now_;
 };
 

@@ -13,15 +13,15 @@
 
 namespace plslam::loop {
 
-std::vector<KeyframeName> NamesIn(const Map& map, const LoopClosure& closure) {
+std::vector<NamedKeyframe> NamesIn(const Map& map, const LoopClosure& closure) {
   std::set<int64_t> ids;
   for (const LoopEdge& edge : closure.edges) ids.insert({edge.old_keyframe_id, edge.keyframe_id});
   for (const CorrectedPose& pose : closure.poses) ids.insert(pose.keyframe_id);
-  std::vector<KeyframeName> names;
+  std::vector<NamedKeyframe> names;
   names.reserve(ids.size());
   for (const int64_t id : ids) {
     const MapKeyframe* keyframe = map.FindKeyframe(id);
-    if (keyframe != nullptr) names.push_back({id, keyframe->session, keyframe->session_keyframe_id});
+    if (keyframe != nullptr) names.push_back({id, keyframe->name});
   }
   return names;
 }
@@ -41,27 +41,27 @@ PlaceDescription DescribePlace(const PlaceRecogniser& places, const FeaturesView
 }
 
 bool KeyframeMemory::Add(const Keyframe& keyframe) {
-  const Name name{keyframe.session, keyframe.keyframe_id};
+  const KeyframeName& name = keyframe.name;
   if (!known_.insert(name).second) return false;
   waiting_[name] = keyframe.features;
-  if (has_map_) DropUntaken(name.first);
+  if (has_map_) DropUntaken(name.session);
   return true;
 }
 
 /// Drops the oldest first: a map that later receives the session starts with its newest keyframes.
-void KeyframeMemory::DropUntaken(int64_t session) {
+void KeyframeMemory::DropUntaken(SessionId session) {
   if (taken_.contains(session)) return;
   auto oldest = waiting_.lower_bound({session, kLowest});
   const auto end = std::find_if_not(oldest, waiting_.end(),
-                                    [session](const auto& waiting) { return waiting.first.first == session; });
+                                    [session](const auto& waiting) { return waiting.first.session == session; });
   for (auto n = std::distance(oldest, end); n > kMostUntaken; --n) {
     known_.erase(oldest->first);
     oldest = waiting_.erase(oldest);
   }
 }
 
-void KeyframeMemory::Enter(int64_t id, const Name& name, KeptFeatures features) {
-  taken_.insert(name.first);
+void KeyframeMemory::Enter(int64_t id, const KeyframeName& name, KeptFeatures features) {
+  taken_.insert(name.session);
   places_.Add(id, DescribePlace(places_, features, point_nodes_[id]));
   features_[id] = std::move(features);
   const std::pair entered(id, name);
@@ -70,7 +70,7 @@ void KeyframeMemory::Enter(int64_t id, const Name& name, KeptFeatures features) 
   if (!again) names_.insert(place, entered);
 }
 
-void KeyframeMemory::Leave(int64_t id, const Name& name) {
+void KeyframeMemory::Leave(int64_t id, const KeyframeName& name) {
   places_.Remove(id);
   waiting_[name] = std::move(features_.at(id));
   features_.erase(id);
@@ -79,12 +79,12 @@ void KeyframeMemory::Leave(int64_t id, const Name& name) {
 
 void KeyframeMemory::Follow(const Map& map) {
   // Both ascend by id. A new map may give the same id to another keyframe.
-  std::vector<std::pair<int64_t, Name>> gone;
+  std::vector<std::pair<int64_t, KeyframeName>> gone;
   auto known = names_.begin();
   for (const auto& [id, keyframe] : map.keyframes()) {
     for (; known != names_.end() && known->first < id; ++known) gone.push_back(*known);
     if (known == names_.end() || known->first != id) continue;
-    if (known->second != Name{keyframe.session, keyframe.session_keyframe_id}) gone.push_back(*known);
+    if (known->second != keyframe.name) gone.push_back(*known);
     ++known;
   }
   for (; known != names_.end(); ++known) gone.push_back(*known);
@@ -93,26 +93,26 @@ void KeyframeMemory::Follow(const Map& map) {
   }
   for (const auto& [id, name] : gone) Leave(id, name);
 
-  std::map<int64_t, int64_t> newest;  // of each session
+  std::map<SessionId, int64_t> newest;  // of each session
   for (auto entry = map.keyframes().rbegin(); entry != map.keyframes().rend() && !waiting_.empty(); ++entry) {
-    const Name name{entry->second.session, entry->second.session_keyframe_id};
-    newest.try_emplace(name.first, name.second);
+    const KeyframeName& name = entry->second.name;
+    newest.try_emplace(name.session, name.number);
     const auto found = waiting_.find(name);
     if (found == waiting_.end()) continue;
     Enter(entry->first, name, std::move(found->second));
     waiting_.erase(found);
   }
   std::erase_if(waiting_, [&](const auto& waiting) {
-    const auto session = newest.find(waiting.first.first);
-    const bool for_good = session != newest.end() && waiting.first.second < session->second;
+    const auto session = newest.find(waiting.first.session);
+    const bool for_good = session != newest.end() && waiting.first.number < session->second;
     if (for_good) known_.erase(waiting.first);
     return for_good;
   });
   has_map_ = has_map_ || !map.keyframes().empty();
   if (!has_map_) return;
-  std::set<int64_t> sessions;
-  for (const auto& [name, features] : waiting_) sessions.insert(name.first);
-  for (const int64_t session : sessions) DropUntaken(session);
+  std::set<SessionId> sessions;
+  for (const auto& [name, features] : waiting_) sessions.insert(name.session);
+  for (const SessionId session : sessions) DropUntaken(session);
 }
 
 }  // namespace plslam::loop

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/ids/ids.h"
 #include "core/map/keyframe.h"
 #include "core/map/landmark_types.h"
 #include "core/map/map.h"
@@ -15,7 +16,7 @@
 namespace plslam::loop {
 
 /// Returns the names of the keyframes in the edges and poses of the closure that the map has, ascending by id.
-std::vector<KeyframeName> NamesIn(const Map& map, const LoopClosure& closure);
+std::vector<NamedKeyframe> NamesIn(const Map& map, const LoopClosure& closure);
 
 /// Returns the layout and the words of an image; `point_nodes` receives the vocabulary node of each point.
 PlaceDescription DescribePlace(const PlaceRecogniser& places, const FeaturesView& features,
@@ -35,7 +36,7 @@ class KeyframeMemory {
   bool Add(const Keyframe& keyframe);
 
   /// Whether the features of a keyframe are stored. False for a keyframe that was dropped.
-  bool Contains(int64_t session, int64_t keyframe_id) const { return known_.contains({session, keyframe_id}); }
+  bool Contains(const KeyframeName& keyframe) const { return known_.contains(keyframe); }
 
   /// Applies `kMostUntaken` again to sessions that are not in the next map passed to `Follow`.
   void ForgetSessions() { taken_.clear(); }
@@ -55,22 +56,19 @@ class KeyframeMemory {
   const PlaceRecogniser& places() const { return places_; }
 
  private:
-  /// Session, and number within it.
-  using Name = std::pair<int64_t, int64_t>;
-
-  void Enter(int64_t id, const Name& name, KeptFeatures features);
-  void Leave(int64_t id, const Name& name);
-  void DropUntaken(int64_t session);
+  void Enter(int64_t id, const KeyframeName& name, KeptFeatures features);
+  void Leave(int64_t id, const KeyframeName& name);
+  void DropUntaken(SessionId session);
 
   PlaceRecogniser places_;
-  std::set<Name> known_;  // keyframes whose features are stored, waiting or not
-  std::map<Name, KeptFeatures> waiting_;
-  std::set<int64_t> taken_;  // sessions that have had a keyframe in a map
+  std::set<KeyframeName> known_;  // keyframes whose features are stored, waiting or not
+  std::map<KeyframeName, KeptFeatures> waiting_;
+  std::set<SessionId> taken_;  // sessions that have had a keyframe in a map
   bool has_map_ = false;
   KeyframeFeatures features_;
   std::map<int64_t, FeatureNodes> point_nodes_;
   // Keyframes that have entered, ascending by id; contiguous, because `Follow` reads all of them.
-  std::vector<std::pair<int64_t, Name>> names_;
+  std::vector<std::pair<int64_t, KeyframeName>> names_;
 };
 
 }  // namespace plslam::loop

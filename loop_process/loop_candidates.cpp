@@ -74,10 +74,10 @@ std::vector<LoopCandidate> Best(std::vector<LoopCandidate> groups, int max_count
   return groups;
 }
 
-const LoopEdge* LastLoop(const Map& map, int64_t session) {
+const LoopEdge* LastLoop(const Map& map, SessionId session) {
   for (auto loop = map.loops().rbegin(); loop != map.loops().rend(); ++loop) {
     const MapKeyframe* keyframe = map.FindKeyframe(loop->keyframe_id);
-    if (keyframe != nullptr && keyframe->session == session) return &*loop;
+    if (keyframe != nullptr && keyframe->name.session == session) return &*loop;
   }
   return nullptr;
 }
@@ -101,7 +101,7 @@ std::vector<LoopCandidate> FindLoopCandidates(const Map& map, const PlaceRecogni
 
 std::optional<LoopCandidate> FindSecondLook(const Map& map, int64_t keyframe_id, const CandidateOptions& options) {
   const MapKeyframe& keyframe = *map.FindKeyframe(keyframe_id);
-  const LoopEdge* last = LastLoop(map, keyframe.session);
+  const LoopEdge* last = LastLoop(map, keyframe.name.session);
   if (last == nullptr || last->keyframe_id >= keyframe_id) return std::nullopt;
   const double last_m = Apart(last->T_old_kf);
   std::optional<LoopCandidate> nearest;
@@ -109,7 +109,7 @@ std::optional<LoopCandidate> FindSecondLook(const Map& map, int64_t keyframe_id,
   for (const Map::Neighbour& n : map.Neighbours(keyframe_id, options.min_shared)) {
     // Older than the new side of the loop, and not one of its predecessors.
     const MapKeyframe& old = *map.FindKeyframe(n.keyframe_id);
-    if (old.session == keyframe.session && old.session_keyframe_id + kBehind > keyframe.session_keyframe_id) continue;
+    if (old.name.session == keyframe.name.session && old.name.number + kBehind > keyframe.name.number) continue;
     if (n.keyframe_id + kBehind > last->keyframe_id) continue;
     const double apart_m = Apart(old.T_w_kf.Inverse() * keyframe.T_w_kf);
     if (apart_m > nearest_m) continue;

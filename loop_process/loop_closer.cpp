@@ -17,12 +17,12 @@ namespace plslam::loop {
 namespace {
 
 // Searches from the newest keyframe, which is the usual one.
-const MapKeyframe* FindByName(const Map& map, int64_t session, int64_t session_keyframe_id) {
+const MapKeyframe* FindByName(const Map& map, const KeyframeName& name) {
   for (auto entry = map.keyframes().rbegin(); entry != map.keyframes().rend(); ++entry) {
     const MapKeyframe& keyframe = entry->second;
-    if (keyframe.session != session) continue;
-    if (keyframe.session_keyframe_id == session_keyframe_id) return &keyframe;
-    if (keyframe.session_keyframe_id < session_keyframe_id) return nullptr;
+    if (keyframe.name.session != name.session) continue;
+    if (keyframe.name == name) return &keyframe;
+    if (keyframe.name.number < name.number) return nullptr;
   }
   return nullptr;
 }
@@ -50,13 +50,12 @@ bool Agrees(const Map& map, const LoopEdge& loop) {
 LoopCloser::LoopCloser(const StereoCamera& camera, PlaceRecogniser places, const LoopOptions& options)
     : camera_(camera), options_(options), memory_(std::move(places)) {}
 
-LoopClosure LoopCloser::Check(const Map& map, int64_t session, int64_t session_keyframe_id) {
+LoopClosure LoopCloser::Check(const Map& map, const KeyframeName& name) {
   LoopClosure closure;
-  closure.session = session;
-  closure.session_keyframe_id = session_keyframe_id;
+  closure.keyframe = name;
   last_ = {};
   Follow(map);
-  const MapKeyframe* keyframe = FindByName(map, session, session_keyframe_id);
+  const MapKeyframe* keyframe = FindByName(map, name);
   if (keyframe == nullptr) return closure;
   closure.t_ns = keyframe->t_ns;
   if (!options_.enabled || !memory_.places().Has(keyframe->id)) return closure;
@@ -78,8 +77,7 @@ LoopClosure LoopCloser::Check(const Map& map, int64_t session, int64_t session_k
 
 GlobalBundleProblem LoopCloser::MakeGlobalBundle(const Map& map, const LoopClosure& loop) const {
   GlobalBundleProblem problem = MakeGlobalBundleProblem(map, memory_.features(), camera_, options_.adjustment);
-  problem.session = loop.session;
-  problem.session_keyframe_id = loop.session_keyframe_id;
+  problem.keyframe = loop.keyframe;
   problem.t_ns = loop.t_ns;
   return problem;
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "core/geometry/stereo_camera.h"
+#include "core/ids/ids.h"
 #include "core/map/keyframe.h"
 #include "core/map/loop_closure.h"
 #include "core/map/map.h"
@@ -28,7 +29,7 @@ class LoopCloser {
   bool AddKeyframe(const Keyframe& keyframe) { return memory_.Add(keyframe); }
   /// Called when another map replaces the current one: sessions that it does not contain have ended.
   void ForgetSessions() { memory_.ForgetSessions(); }
-  bool Contains(int64_t session, int64_t keyframe_id) const { return memory_.Contains(session, keyframe_id); }
+  bool Contains(const KeyframeName& keyframe) const { return memory_.Contains(keyframe); }
 
   /// Updates the index of places to the keyframes of the map. `Check` calls it; call it for a map that was loaded, or
   /// before `Relocalise` on a map without loops to check.
@@ -40,7 +41,7 @@ class LoopCloser {
   /// the edge, the pairs of landmarks to merge and the corrected poses; `more` then requests a global bundle
   /// adjustment, except in a map that agrees with the edge and has removed a third of its keyframes. The caller fills in the map's source and version and the times. Returns kNone also for a keyframe that
   /// is not in the map or whose features are missing.
-  LoopClosure Check(const Map& map, int64_t session, int64_t session_keyframe_id);
+  LoopClosure Check(const Map& map, const KeyframeName& name);
 
   /// Returns the global bundle adjustment problem of the map, to be called after the map has applied `loop`, whose
   /// session and keyframe it carries.

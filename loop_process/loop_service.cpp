@@ -16,7 +16,7 @@ namespace {
 
 constexpr int64_t kNone = -1;
 
-int64_t Newest(const std::map<int64_t, int64_t>& by_session, int64_t session) {
+int64_t Newest(const std::map<SessionId, int64_t>& by_session, SessionId session) {
   const auto found = by_session.find(session);
   return found == by_session.end() ? kNone : found->second;
 }
@@ -25,8 +25,7 @@ int64_t Newest(const std::map<int64_t, int64_t>& by_session, int64_t session) {
 LoopClosure HeadOf(const LoopClosure& closure) {
   LoopClosure head;
   head.more = closure.more;
-  head.session = closure.session;
-  head.session_keyframe_id = closure.session_keyframe_id;
+  head.keyframe = closure.keyframe;
   head.t_ns = closure.t_ns;
   head.map_version = closure.map_version;
   return head;
@@ -36,10 +35,10 @@ LoopClosure HeadOf(const LoopClosure& closure) {
 
 LoopService::Output LoopService::OnKeyframe(const Keyframe& keyframe) {
   Output output;
-  if (keyframe.lockstep) lockstep_[keyframe.session] = {keyframe.source, now_ms_()};
+  if (keyframe.lockstep) lockstep_[keyframe.name.session] = {keyframe.source, now_ms_()};
   // Republished for a tracker that has exited, or by a restarted mapping_process.
   if (!closer_.AddKeyframe(keyframe)) return output;
-  if (lacking_.erase({keyframe.session, keyframe.keyframe_id}) > 0) lacking_since_ms_ = now_ms_();
+  if (lacking_.erase(keyframe.name) > 0) lacking_since_ms_ = now_ms_();
   return OnTick();
 }
 
@@ -52,12 +51,11 @@ LoopService::Output LoopService::OnTick() {
 }
 
 void LoopService::OnAdjusted(const LoopClosure& adjustment) {
-  const bool is_last = adjusting_ && adjusting_->session == adjustment.session &&
-                       adjusting_->session_keyframe_id == adjustment.session_keyframe_id;
+  const bool is_last = adjusting_ && adjusting_->keyframe == adjustment.keyframe;
   if (is_last) adjusting_.reset();
 }
 
-void LoopService::OnSignOfLife(int64_t source) {
+void LoopService::OnSignOfLife(SourceId source) {
   for (auto& [session, teller] : lockstep_) {
     if (teller.source == source) teller.heard_ms = now_ms_();
   }
@@ -65,19 +63,14 @@ void LoopService::OnSignOfLife(int64_t source) {
 
 LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
   Output output;
-  const int64_t source = replica_.source();
-  if (replica_.Apply(update) != MapVersion::Step::kNext) return output;
-  const bool is_replaced = update.map_instance != 0 && update.map_instance != map_instance_;
-  map_instance_ = update.map_instance;
-  if (is_replaced) {
+  if (follower_.Apply(update) != MapVersion::Step::kNext) return output;
+  if (follower_.change() == MapFollower::Change::kReplaced) {
     output.ends_adjustment = true;
     requests_.clear();
     closer_.ForgetSessions();
   }
-  if (replica_.source() != source || is_replaced) {
+  if (follower_.change() != MapFollower::Change::kContinued) {
     checked_.clear();
-    newest_.clear();
-    committed_.clear();
     due_.clear();
     unanswered_.reset();
     unadjusted_.reset();
@@ -93,7 +86,7 @@ LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
 LoopService::Output LoopService::OnRequest(const Keyframe& frame) {
   Output output;
   // A tracker sends a second request only after it has given up the first.
-  std::erase_if(requests_, [&frame](const Keyframe& asked) { return asked.session == frame.session; });
+  std::erase_if(requests_, [&frame](const Keyframe& asked) { return asked.name.session == frame.name.session; });
   requests_.push_back(frame);
   AnswerDueKeyframes(output);
   return output;
@@ -101,31 +94,32 @@ LoopService::Output LoopService::OnRequest(const Keyframe& frame) {
 
 /// Updates the queue of keyframes to check after a map update.
 void LoopService::Follow(const MapUpdate& update, Output& output) {
-  NoteNewest(update);
   EndAdjustmentOfCommitted(output);
   FollowAnswer(update.answer, output);
-  if (update.session_keyframe_id < 0) return;
-  const bool begins = update.base_version == 0 && !checked_.contains(update.session);
+  if (update.newest.number < 0) return;
+  const bool begins = update.base_version == 0 && !checked_.contains(update.newest.session);
   // After a complete map, all keyframes but the newest of this session count as checked, by a previous loop_process.
-  if (update.base_version == 0) checked_.insert(newest_.begin(), newest_.end());
-  int64_t checked = begins ? update.session_keyframe_id - 1 : Newest(checked_, update.session);
-  const auto newest = std::find_if(due_.begin(), due_.end(), [&update](const Due& due) {
-    return due.session == update.session && due.keyframe_id == update.session_keyframe_id;
-  });
-  const bool is_unchecked = newest != due_.end() || checked < update.session_keyframe_id;
+  if (update.base_version == 0) {
+    const auto& in_map = follower_.newest().in_map();
+    checked_.insert(in_map.begin(), in_map.end());
+  }
+  int64_t checked = begins ? update.newest.number - 1 : Newest(checked_, update.newest.session);
+  const auto newest =
+      std::find_if(due_.begin(), due_.end(), [&update](const Due& due) { return due.keyframe == update.newest; });
+  const bool is_unchecked = newest != due_.end() || checked < update.newest.number;
   if (is_unchecked && AwaitsAdjustment(update)) {
     if (newest != due_.end()) due_.erase(newest);
     unadjusted_.emplace();
-    unadjusted_->session = update.session;
-    unadjusted_->session_keyframe_id = checked = update.session_keyframe_id;
+    unadjusted_->keyframe = update.newest;
+    checked = update.newest.number;
     unadjusted_->t_ns = update.t_ns;
   }
   if (update.committed) {
-    checked = std::max(checked, update.session_keyframe_id);
+    checked = std::max(checked, update.newest.number);
     unadjusted_.reset();
   }
   AddDue(update, checked);
-  checked_[update.session] = std::max(checked, update.session_keyframe_id);
+  checked_[update.newest.session] = std::max(checked, update.newest.number);
 }
 
 void LoopService::FollowAnswer(const LoopAnswer& answer, Output& output) {
@@ -137,42 +131,32 @@ void LoopService::FollowAnswer(const LoopAnswer& answer, Output& output) {
 /// Queues the unchecked keyframes of the session that are in the map, and the newest, which is answered in any case.
 /// (An update with a wrong, large number must not queue many.)
 void LoopService::AddDue(const MapUpdate& update, int64_t checked) {
-  if (update.session_keyframe_id <= checked) return;
+  if (update.newest.number <= checked) return;
   const double now_ms = now_ms_();
-  std::vector<Due> newest_first{{update.session, update.session_keyframe_id, now_ms}};
-  const auto& keyframes = replica_.map().keyframes();
+  std::vector<Due> newest_first{{update.newest, now_ms}};
+  const auto& keyframes = follower_.map().keyframes();
   for (auto entry = keyframes.rbegin(); entry != keyframes.rend(); ++entry) {
     const MapKeyframe& keyframe = entry->second;
-    if (keyframe.session != update.session) continue;
-    if (keyframe.session_keyframe_id <= checked) break;
-    if (keyframe.session_keyframe_id >= update.session_keyframe_id) continue;
-    newest_first.push_back({update.session, keyframe.session_keyframe_id, now_ms});
+    if (keyframe.name.session != update.newest.session) continue;
+    if (keyframe.name.number <= checked) break;
+    if (keyframe.name.number >= update.newest.number) continue;
+    newest_first.push_back({keyframe.name, now_ms});
   }
   due_.insert(due_.end(), newest_first.rbegin(), newest_first.rend());
 }
 
-/// A committed update commits the newest keyframes of all robots.
-void LoopService::NoteNewest(const MapUpdate& update) {
-  if (update.base_version == 0) {
-    for (const auto& [id, keyframe] : replica_.map().keyframes())
-      newest_[keyframe.session] = keyframe.session_keyframe_id;
-  }
-  if (update.session_keyframe_id >= 0) newest_[update.session] = update.session_keyframe_id;
-  if (update.committed) committed_ = newest_;
-}
-
 void LoopService::Adjust(const LoopClosure& loop, Output& output) {
-  closer_.Follow(replica_.map());
-  output.adjustment = closer_.MakeGlobalBundle(replica_.map(), loop);
-  output.adjustment->map_source = replica_.source();
-  output.adjustment->map_version = replica_.version();
+  closer_.Follow(follower_.map());
+  output.adjustment = closer_.MakeGlobalBundle(follower_.map(), loop);
+  output.adjustment->map_source = follower_.source();
+  output.adjustment->map_version = follower_.version();
   adjusting_ = HeadOf(loop);
 }
 
 /// The previous loop_process has adjusted this loop: an adjustment of a later loop must not start from its progress.
 void LoopService::EndAdjustmentOfCommitted(Output& output) {
-  const bool is_committed = adjusting_ && lockstep_.contains(adjusting_->session) &&
-                            Newest(committed_, adjusting_->session) >= adjusting_->session_keyframe_id;
+  const bool is_committed = adjusting_ && lockstep_.contains(adjusting_->keyframe.session) &&
+                            follower_.newest().HasCommitted(adjusting_->keyframe);
   if (!is_committed) return;
   adjusting_.reset();
   output.ends_adjustment = true;
@@ -180,19 +164,18 @@ void LoopService::EndAdjustmentOfCommitted(Output& output) {
 
 /// Whether a loop ends at the newest keyframe of the update, and it is not committed.
 bool LoopService::AwaitsAdjustment(const MapUpdate& update) const {
-  const std::vector<LoopEdge>& loops = replica_.map().loops();
+  const std::vector<LoopEdge>& loops = follower_.map().loops();
   if (update.committed || loops.empty() || !closer_.options().adjustment.enabled) return false;
-  const MapKeyframe* keyframe = replica_.map().FindKeyframe(loops.back().keyframe_id);
-  return keyframe != nullptr && keyframe->session == update.session &&
-         keyframe->session_keyframe_id == update.session_keyframe_id;
+  const MapKeyframe* keyframe = follower_.map().FindKeyframe(loops.back().keyframe_id);
+  return keyframe != nullptr && keyframe->name == update.newest;
 }
 
 /// After a complete map: all keyframes whose features are missing. Later: those of them that are still in the map.
 void LoopService::UpdateMissingFeatures(bool whole) {
   const auto before = std::exchange(lacking_, {});
-  for (const auto& [id, keyframe] : replica_.map().keyframes()) {
-    const std::pair name(keyframe.session, keyframe.session_keyframe_id);
-    if (!closer_.Contains(name.first, name.second) && (whole || before.contains(name))) lacking_.insert(name);
+  for (const auto& [id, keyframe] : follower_.map().keyframes()) {
+    const bool is_missing = !closer_.Contains(keyframe.name);
+    if (is_missing && (whole || before.contains(keyframe.name))) lacking_.insert(keyframe.name);
   }
   if (whole) lacking_since_ms_ = now_ms_();
 }
@@ -201,8 +184,8 @@ void LoopService::RequestMissing(Output& output) {
   const double now_ms = now_ms_();
   if (lacking_.empty() || now_ms - std::max(lacking_since_ms_, requested_ms_) < kRequestAfter_ms) return;
   requested_ms_ = now_ms;
-  for (const auto& [id, keyframe] : replica_.map().keyframes()) {
-    if (lacking_.contains({keyframe.session, keyframe.session_keyframe_id})) output.missing_keyframes.push_back(id);
+  for (const auto& [id, keyframe] : follower_.map().keyframes()) {
+    if (lacking_.contains(keyframe.name)) output.missing_keyframes.push_back(id);
   }
 }
 
@@ -215,7 +198,7 @@ bool LoopService::IsComplete() {
 /// In lockstep the result must not depend on the length of a network failure.
 bool LoopService::HasWaited(const Due& due) const {
   const double now_ms = now_ms_();
-  const auto teller = lockstep_.find(due.session);
+  const auto teller = lockstep_.find(due.keyframe.session);
   if (teller == lockstep_.end()) return now_ms - due.since_ms >= kPatience_ms;
   return now_ms - std::max(due.since_ms, teller->second.heard_ms) >= kLockstepPatience_ms;
 }
@@ -224,17 +207,17 @@ bool LoopService::HasWaited(const Due& due) const {
 /// features. The current map is not the one on which to check it.
 void LoopService::DropCommitted() {
   std::erase_if(due_, [this](const Due& due) {
-    return lockstep_.contains(due.session) && Newest(committed_, due.session) >= due.keyframe_id;
+    return lockstep_.contains(due.keyframe.session) && follower_.newest().HasCommitted(due.keyframe);
   });
 }
 
 /// Keeps the order within a session; a robot whose keyframes are late does not delay the others.
 std::deque<LoopService::Due>::iterator LoopService::NextDue() {
-  std::set<int64_t> late;
+  std::set<SessionId> late;
   return std::find_if(due_.begin(), due_.end(), [&](const Due& due) {
-    const bool here = closer_.Contains(due.session, due.keyframe_id) || HasWaited(due);
-    if (here && !late.contains(due.session)) return true;
-    late.insert(due.session);
+    const bool here = closer_.Contains(due.keyframe) || HasWaited(due);
+    if (here && !late.contains(due.keyframe.session)) return true;
+    late.insert(due.keyframe.session);
     return false;
   });
 }
@@ -249,14 +232,12 @@ void LoopService::CheckDueKeyframes(Output& output) {
   while (!unanswered_) {
     const auto next = NextDue();
     if (next == due_.end()) return;
-    const auto [session, keyframe_id, since_ms] = *next;
+    const KeyframeName keyframe = next->keyframe;
     due_.erase(next);
     const double began_ms = now_ms_();
-    LoopClosure closure = closer_.Check(replica_.map(), session, keyframe_id);
-    closure.session = session;
-    closure.session_keyframe_id = keyframe_id;
-    closure.map_source = replica_.source();
-    closure.map_version = replica_.version();
+    LoopClosure closure = closer_.Check(follower_.map(), keyframe);
+    closure.map_source = follower_.source();
+    closure.map_version = follower_.version();
     const double took_ms = now_ms_() - began_ms;
     (closure.kind == LoopClosure::Kind::kLoop ? closure.correct_ms : closure.detect_ms) = took_ms;
     if (closure.kind == LoopClosure::Kind::kLoop) {
@@ -270,7 +251,8 @@ void LoopService::CheckDueKeyframes(Output& output) {
 bool LoopService::IsAnswerable(const Keyframe& frame) {
   // The tracker that sent the request has the map, so its updates are on their way here, too.
   if (!frame.lockstep) return true;
-  return replica_.version() > 0 && IsComplete() && Newest(committed_, frame.session) >= frame.previous_keyframe_id;
+  return follower_.version() > 0 && IsComplete() &&
+         follower_.newest().HasCommitted({frame.name.session, frame.previous_keyframe_id});
 }
 
 void LoopService::AnswerDueKeyframes(Output& output) {
@@ -279,13 +261,13 @@ void LoopService::AnswerDueKeyframes(Output& output) {
       ++frame;
       continue;
     }
-    closer_.Follow(replica_.map());
-    Relocalisation answer = closer_.Relocalise(replica_.map(), frame->features);
-    answer.session = frame->session;
+    closer_.Follow(follower_.map());
+    Relocalisation answer = closer_.Relocalise(follower_.map(), frame->features);
+    answer.session = frame->name.session;
     answer.frame_id = frame->frame_id;
     answer.t_ns = frame->t_ns;
-    answer.map_source = replica_.source();
-    answer.map_version = replica_.version();
+    answer.map_source = follower_.source();
+    answer.map_version = follower_.version();
     output.answers.push_back(answer);
     frame = requests_.erase(frame);
   }

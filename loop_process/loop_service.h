@@ -10,8 +10,10 @@
 #include <utility>
 #include <vector>
 
+#include "core/ids/ids.h"
 #include "core/map/keyframe.h"
 #include "core/map/loop_closure.h"
+#include "core/map/map_follower.h"
 #include "core/map/map_update.h"
 #include "core/places/place_recogniser.h"
 #include "loop_process/loop_closer.h"
@@ -70,29 +72,27 @@ class LoopService {
   /// An adjustment has been published, without poses if it failed.
   void OnAdjusted(const LoopClosure& adjustment);
   /// A process is alive; `source` as in `Keyframe::source`.
-  void OnSignOfLife(int64_t source);
+  void OnSignOfLife(SourceId source);
 
   bool MoveOldToFiles() { return closer_.MoveOldToFiles(); }
 
-  const MapReplica& replica() const { return replica_; }
+  const MapFollower& follower() const { return follower_; }
 
  private:
-  /// A keyframe to be checked, numbered within its session, and the time since when.
+  /// A keyframe to be checked, and the time since when.
   struct Due {
-    int64_t session = 0;
-    int64_t keyframe_id = -1;
+    KeyframeName keyframe;
     double since_ms = 0.0;
   };
 
   /// The process that publishes the keyframes of a lockstep session, and the time of its last message.
   struct LockstepSession {
-    int64_t source = 0;
+    SourceId source;
     double heard_ms = 0.0;
   };
 
   void Follow(const MapUpdate& update, Output& output);
   void FollowAnswer(const LoopAnswer& answer, Output& output);
-  void NoteNewest(const MapUpdate& update);
   void AddDue(const MapUpdate& update, int64_t checked);
   void Adjust(const LoopClosure& loop, Output& output);
   bool AwaitsAdjustment(const MapUpdate& update) const;
@@ -109,17 +109,13 @@ class LoopService {
 
   LoopCloser closer_;
   std::function<double()> now_ms_;
-  MapReplica replica_;
-  int64_t map_instance_ = 0;  ///< of the replica's map
-  /// Newest keyframe by session: checked (or queued), in the map, committed.
-  std::map<int64_t, int64_t> checked_;
-  std::map<int64_t, int64_t> newest_;
-  std::map<int64_t, int64_t> committed_;
+  MapFollower follower_;
+  /// Newest keyframe that was checked, or is queued.
+  std::map<SessionId, int64_t> checked_;
   std::deque<Due> due_;
-  std::map<int64_t, LockstepSession> lockstep_;  // by session
-  /// Keyframes of a complete map, (session, number within it), whose features are missing, and the time of the last
-  /// arrival among them.
-  std::set<std::pair<int64_t, int64_t>> lacking_;
+  std::map<SessionId, LockstepSession> lockstep_;  // by session
+  /// Keyframes of a complete map whose features are missing, and the time of the last arrival among them.
+  std::set<KeyframeName> lacking_;
   double lacking_since_ms_ = 0.0;
   double requested_ms_ = 0.0;  ///< time of the last request for them
   /// The loop whose global bundle adjustment the previous loop_process did not finish.

@@ -71,12 +71,12 @@ void Append(const std::vector<int64_t>& more, std::vector<int64_t>& ids) {
 }
 
 /// Returns the instance of a map that replaces another one.
-int64_t ReplacingInstance(int64_t replaced, int64_t version) {
+MapId ReplacingInstance(MapId replaced, int64_t version) {
   // The finaliser of SplitMix64: maps that replace each other in a replay have the same instances again.
-  auto x = static_cast<uint64_t>(replaced) + 0x9e3779b97f4a7c15U * static_cast<uint64_t>(version);
+  auto x = static_cast<uint64_t>(replaced.value) + 0x9e3779b97f4a7c15U * static_cast<uint64_t>(version);
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9U;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebU;
-  return static_cast<int64_t>(((x ^ (x >> 31)) >> 1) | 1U);
+  return MapId(((x ^ (x >> 31)) >> 1) | 1U);
 }
 
 }  // namespace
@@ -180,18 +180,17 @@ StoredMap Mapper::Stored() const {
 MapKeyframe Mapper::Prepare(const Keyframe& keyframe) const {
   MapKeyframe entry;
   entry.id = next_keyframe_id_;
-  entry.session = keyframe.session;
-  entry.session_keyframe_id = keyframe.keyframe_id;
+  entry.name = keyframe.name;
   entry.frame_id = keyframe.frame_id;
   entry.t_ns = keyframe.t_ns;
   entry.T_odom_kf = keyframe.T_odom_kf;
-  const auto session = sessions_.find(keyframe.session);
+  const auto session = sessions_.find(keyframe.name.session);
   if (session != sessions_.end() && session->second.keyframe_id >= 0) {
     const MapKeyframe& previous = *map_.FindKeyframe(session->second.keyframe_id);
     entry.previous_id = previous.id;
     entry.T_prevkf_kf = previous.T_odom_kf.Inverse() * keyframe.T_odom_kf;
     // The message's covariance is of the last step only; steps of missing keyframes count as equal.
-    const auto steps = static_cast<double>(keyframe.keyframe_id - session->second.session_keyframe_id);
+    const auto steps = static_cast<double>(keyframe.name.number - session->second.session_keyframe_id);
     entry.relative_covariance = std::max(1.0, steps) * UsableCovariance(keyframe.covariance);
     entry.T_w_kf = previous.T_w_kf * entry.T_prevkf_kf;
     entry.covariance = ComposeCovariance(previous.covariance, entry.T_prevkf_kf, entry.relative_covariance);
@@ -206,13 +205,14 @@ MapKeyframe Mapper::Prepare(const Keyframe& keyframe) const {
 
 bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
   if (options_.localise_only) {
-    *reason = fmt::format("keyframe {} of session {}: the map is fixed (mapping.localise_only)", keyframe.keyframe_id,
-                          keyframe.session);
+    *reason = fmt::format("keyframe {} of session {}: the map is fixed (mapping.localise_only)", keyframe.name.number,
+                          keyframe.name.session);
     return false;
   }
-  const auto session = sessions_.find(keyframe.session);
-  if (session != sessions_.end() && keyframe.keyframe_id <= session->second.session_keyframe_id) {
-    *reason = fmt::format("keyframe {} of session {} is in the map already", keyframe.keyframe_id, keyframe.session);
+  const auto session = sessions_.find(keyframe.name.session);
+  if (session != sessions_.end() && keyframe.name.number <= session->second.session_keyframe_id) {
+    *reason =
+        fmt::format("keyframe {} of session {} is in the map already", keyframe.name.number, keyframe.name.session);
     return false;
   }
   Withdraw(keyframe);
@@ -229,10 +229,10 @@ bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
   Append(TriangulateLines(entry.id, features_, camera_, options_, landmark_ids_, map_), created.lines);
   MergeWithNeighbours(entry.id, features_, camera_, options_, map_);
   missed_landmarks_.Compare(entry.id, visits_, CameraOf(keyframe.features, camera_), map_);
-  recent_landmarks_.Begin(created, entry.session);
+  recent_landmarks_.Begin(created, entry.name.session);
   tracker_.Learn(keyframe, map_.LandmarksOf(entry.id));
-  sessions_[keyframe.session] = {entry.id, keyframe.keyframe_id};
-  newest_session_ = keyframe.session;
+  sessions_[keyframe.name.session] = {entry.id, keyframe.name.number};
+  newest_session_ = keyframe.name.session;
   newest_t_ns_ = keyframe.t_ns;
   next_keyframe_id_ = entry.id + 1;
   committed_ = false;
@@ -316,7 +316,7 @@ void Mapper::CloseLoop(const LoopClosure& closure) {
 }
 
 bool Mapper::IsAmongNewest(const MapKeyframe& keyframe) const {
-  const auto session = sessions_.find(keyframe.session);
+  const auto session = sessions_.find(keyframe.name.session);
   const MapKeyframe* newest = session == sessions_.end() ? nullptr : map_.FindKeyframe(session->second.keyframe_id);
   for (int i = 0; i < kNewestKept && newest != nullptr; ++i) {
     if (newest->id == keyframe.id) return true;
@@ -353,7 +353,7 @@ void Mapper::Forget() {
   std::sort(newest.begin(), newest.end(), std::greater<>());
   if (newest.size() > kRunningSessions) newest.resize(kRunningSessions);
   const auto is_kept = [&](const MapKeyframe& keyframe) {
-    return IsAmongNewest(keyframe) && sessions_.at(keyframe.session).keyframe_id >= newest.back();
+    return IsAmongNewest(keyframe) && sessions_.at(keyframe.name.session).keyframe_id >= newest.back();
   };
   // Removes several at a time, because the selection costs time proportional to the map.
   for (const int64_t id : KeyframesToForget(map_, visits_, max_keyframes - max_keyframes / 50, is_kept)) {
@@ -383,9 +383,8 @@ void Mapper::Sign(MapUpdate& update) const {
   // The first keyframe determines the camera.
   if (map_.keyframes().empty()) update.camera.reset();
   update.version = version_;
-  update.session = newest_session_;
   const auto newest = sessions_.find(newest_session_);
-  update.session_keyframe_id = newest == sessions_.end() ? -1 : newest->second.session_keyframe_id;
+  update.newest = {newest_session_, newest == sessions_.end() ? -1 : newest->second.session_keyframe_id};
   update.t_ns = newest_t_ns_;
   update.committed = committed_;
   update.localise_only = options_.localise_only;

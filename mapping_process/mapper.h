@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core/geometry/stereo_camera.h"
+#include "core/ids/ids.h"
 #include "core/io/maps/map_file.h"
 #include "core/map/keyframe.h"
 #include "core/map/landmark_types.h"
@@ -68,10 +69,10 @@ class Mapper {
   void Precede(MapperState& next) const;
 
   /// Whether keyframes of the session have been inserted.
-  bool HasSession(int64_t session) const { return sessions_.contains(session); }
+  bool HasSession(SessionId session) const { return sessions_.contains(session); }
 
   /// `MapUpdate::map_instance`, for a map that begins.
-  void SetInstance(int64_t map_instance) { map_instance_ = map_instance; }
+  void SetInstance(MapId map_instance) { map_instance_ = map_instance; }
 
   /// Localisation-only mode: `Insert` and `Correct` refuse everything, the map does not change.
   void SetLocaliseOnly(bool localise_only) { options_.localise_only = localise_only; }
@@ -152,13 +153,13 @@ class Mapper {
   Visits visits_;
   LandmarkIds landmark_ids_;
   int64_t next_keyframe_id_ = 0;
-  std::map<int64_t, Session> sessions_;
-  int64_t newest_session_ = 0;
+  std::map<SessionId, Session> sessions_;
+  SessionId newest_session_;
   int64_t newest_t_ns_ = 0;
   int64_t version_ = 0;
   /// The version in which the map last applied a loop or joined two parts.
   int64_t structural_version_ = 0;
-  int64_t map_instance_ = 0;
+  MapId map_instance_;
   bool committed_ = false;
   AdjustmentFigures figures_;
   Failures failures_;

@@ -28,7 +28,7 @@ void Fields(Archive& a, T& f) {
 
 template <class Archive, Is<LoopAnswer> T>
 void Fields(Archive& a, T& answer) {
-  a(answer.session, answer.session_keyframe_id, answer.map_version, answer.accepted);
+  a(answer.keyframe, answer.map_version, answer.accepted);
 }
 
 /// The scalar fields; keyframes, landmarks and features are written separately.
@@ -140,7 +140,7 @@ void ReadMap(archive::Reader& read, MapperState& state) {
   map_file::ReadLoops(read, state.stored.map);
 }
 
-/// Removes before it inserts, as `MapReplica::Apply` does.
+/// Removes before it inserts, as `MapFollower::Apply` does.
 void ReadChanges(archive::Reader& read, MapperState& state) {
   std::vector<int64_t> keyframes, points, lines;
   read(points, lines, keyframes);

@@ -28,7 +28,7 @@ void FilmPath::Add(const FramePose& pose) {
 }
 
 std::vector<Eigen::Vector3d> FilmPath::In(const Map& map) const {
-  const std::map<int64_t, FrameCorrections> sessions = CorrectionsBySession(map);
+  const std::map<SessionId, FrameCorrections> sessions = CorrectionsBySession(map);
   std::vector<Eigen::Vector3d> path;
   path.reserve(steps_.size());
   for (const Step& step : steps_) {

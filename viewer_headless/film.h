@@ -11,6 +11,7 @@
 
 #include <Eigen/Geometry>
 
+#include "core/ids/ids.h"
 #include "core/map/map.h"
 #include "core/run/final_trajectory.h"
 #include "core/run/recorder.h"
@@ -35,7 +36,7 @@ class FilmPath {
  private:
   struct Step {
     int64_t frame_id = 0;
-    int64_t session = 0;
+    SessionId session;
     Eigen::Vector3d p_odom;
     Eigen::Vector3d p_w;  ///< as published
   };

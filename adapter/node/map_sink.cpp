@@ -26,7 +26,7 @@ void MapSink::Tick() {
   lock.unlock();
   if (!T_b_c || !changed_t_ns_) return;
   const bool sent =
-      foreign_.Publish(channel_, bus::Encoded(ToPointCloud(*T_b_c, map_.replica().map(), *changed_t_ns_)));
+      foreign_.Publish(channel_, bus::Encoded(ToPointCloud(*T_b_c, map_.follower().map(), *changed_t_ns_)));
   if (!sent) return;
   changed_t_ns_.reset();
   process_.SetCounter("maps.sent", static_cast<double>(++n_sent_));

@@ -35,7 +35,7 @@ Bus::Impl::Impl(const BusOptions& options_in, std::string process_in)
       transport(options.url),
       outboxes(options, names, authenticator, transport, source),
       inboxes(options, transport.two_way(), loop, counts,
-              [this](const Channel& channel, int64_t publisher, const OrderedReader::Request& request) {
+              [this](const Channel& channel, SourceId publisher, const OrderedReader::Request& request) {
                 Request(channel, publisher, request);
               }),
       request_layout_(FindMessageLayout(kRepairRequest.type)),

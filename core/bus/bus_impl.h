@@ -20,6 +20,7 @@
 #include "core/bus/transport/live_peers.h"
 #include "core/bus/transport/rejections.h"
 #include "core/bus/transport/transport.h"
+#include "core/ids/ids.h"
 
 namespace plslam::bus {
 
@@ -67,8 +68,8 @@ struct Bus::Impl {
   void OnRepairRequest(std::string_view wire_name, ByteView message, int64_t now);
   void OnAnnounce(std::string_view wire_name, ByteView message, int64_t now);
   void Announce(const Outboxes::Announcement& what);
-  void Request(const Channel& channel, int64_t publisher, const OrderedReader::Request& request);
-  void SendHello(int64_t peer, bool question);
+  void Request(const Channel& channel, SourceId publisher, const OrderedReader::Request& request);
+  void SendHello(SourceId peer, bool question);
   template <class T>
   void SendControl(const Channel& channel, Scope scope, T message);
 

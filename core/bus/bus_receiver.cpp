@@ -118,17 +118,18 @@ ByteView Bus::Impl::Checked(std::string_view wire_name, const MessageLayout& lay
 bool Bus::Impl::IsAlive(std::string_view wire_name, ByteView message, int64_t now) {
   const WireHeader header = ReadHeader(message);
   if (!authenticator.has_key() || !transport.two_way() || header.source == source) return true;
+  const SourceId sender(header.source);
   const bool is_request = names.IsNamed(wire_name, kRepairRequest);
   const bool is_announce = names.IsNamed(wire_name, kAnnounce);
-  if ((is_request && !peers_.TakeRequest(header.source, header.seq, now)) ||
-      (is_announce && !peers_.TakeAnnouncement(header.source, header.seq, now))) {
+  if ((is_request && !peers_.TakeRequest(sender, header.seq, now)) ||
+      (is_announce && !peers_.TakeAnnouncement(sender, header.seq, now))) {
     ++counts.duplicates;
     return false;
   }
-  if (is_request && PublisherOf(message) == source) peers_.Prove(header.source, now);
-  if (peers_.IsAlive(header.source)) return true;
-  const LivePeers::Doubt doubt = peers_.OnSignOfLife(header.source, now);
-  if (doubt.ask) SendHello(header.source, true);
+  if (is_request && PublisherOf(message) == source) peers_.Prove(sender, now);
+  if (peers_.IsAlive(sender)) return true;
+  const LivePeers::Doubt doubt = peers_.OnSignOfLife(sender, now);
+  if (doubt.ask) SendHello(sender, true);
   ++counts.unproven;
   if (doubt.is_overdue) Reject(Rejection::kReplayed, wire_name, now);
   return false;
@@ -151,21 +152,21 @@ void Bus::Impl::OnRepairRequest(std::string_view wire_name, ByteView bytes, int6
   const repair_request_t& request = *decoded;
   if (request.channel.empty()) {
     const bool asks_us = request.publisher == source && request.delivered == kQuestion;
-    if (asks_us && authenticator.has_key()) SendHello(request.header.source, false);
+    if (asks_us && authenticator.has_key()) SendHello(SourceId(request.header.source), false);
     return;
   }
   const Channel* channel = FindChannel(request.channel);
   if (channel == nullptr || !names.IsAbout(*channel, wire_name, kRepairRequest)) return;
   if (request.publisher == 0) {
-    const auto due = outboxes.OnHello(*channel, request.header.source, request.window_bytes, now);
+    const auto due = outboxes.OnHello(*channel, SourceId(request.header.source), request.window_bytes, now);
     if (due) Announce(*due);
     return;
   }
   if (request.publisher != source) return;
   std::vector<SeqRange> ranges;
   for (const range_t& range : request.ranges) ranges.push_back({range.first, range.last});
-  const Outboxes::Answer answer = outboxes.OnRequest(request.channel, request.header.source, request.delivered,
-                                                     request.window_bytes, ranges, now);
+  const Outboxes::Answer answer = outboxes.OnRequest(request.channel, SourceId(request.header.source),
+                                                     request.delivered, request.window_bytes, ranges, now);
   for (const Bytes& message : answer.resend) outboxes.SendRepairable(answer.wire_name, *message);
   if (answer.announcement) Announce(*answer.announcement);
 }
@@ -176,14 +177,14 @@ void Bus::Impl::OnAnnounce(std::string_view wire_name, ByteView bytes, int64_t n
   const announce_t& announce = *decoded;
   const Channel* channel = FindChannel(announce.channel);
   if (channel == nullptr || !names.IsAbout(*channel, wire_name, kAnnounce)) return;
-  inboxes.OnAnnounce(names.WireName(*channel), announce.header.source, announce.first_seq, announce.next_seq,
-                     announce.join_seq, now);
+  inboxes.OnAnnounce(names.WireName(*channel), SourceId(announce.header.source), announce.first_seq,
+                     announce.next_seq, announce.join_seq, now);
 }
 
 /// "Do you live?" (a question) or "I do": names the other, which is proof enough for it.
-void Bus::Impl::SendHello(int64_t peer, bool question) {
+void Bus::Impl::SendHello(SourceId peer, bool question) {
   repair_request_t message{};
-  message.publisher = peer;
+  message.publisher = peer.value;
   message.delivered = question ? kQuestion : kAnswer;
   // Sent under the map's prefix, to which all processes that can exchange messages listen.
   SendControl(kRepairRequest, Scope::kMap, message);
@@ -198,10 +199,10 @@ void Bus::Impl::Announce(const Outboxes::Announcement& what) {
   if (transport.two_way()) SendControl(kAnnounce, what.channel.scope, announce);
 }
 
-void Bus::Impl::Request(const Channel& channel, int64_t publisher, const OrderedReader::Request& request) {
+void Bus::Impl::Request(const Channel& channel, SourceId publisher, const OrderedReader::Request& request) {
   repair_request_t message{};
   message.channel = channel.name;
-  message.publisher = publisher;
+  message.publisher = publisher.value;
   message.delivered = request.delivered;
   message.window_bytes = static_cast<int32_t>(std::min<int64_t>(transport.receive_window(), 1 << 30));
   for (const SeqRange& range : request.ranges) {

@@ -101,18 +101,19 @@ void Inboxes::Dispatch(std::string_view wire_name, const WireHeader& header, Byt
 }
 
 void Inboxes::DispatchPaced(Inbox& inbox, const WireHeader& header, ByteView message) {
+  const SourceId publisher(header.source);
   static constexpr int64_t kAcknowledgedCost = 28'000;
-  if (!inbox.unacknowledged.contains(header.source) && inbox.unacknowledged.size() >= kMaxSources) {
+  if (!inbox.unacknowledged.contains(publisher) && inbox.unacknowledged.size() >= kMaxSources) {
     inbox.unacknowledged.clear();
   }
-  int64_t& cost = inbox.unacknowledged[header.source];
+  int64_t& cost = inbox.unacknowledged[publisher];
   cost += WireCost(message.size());
   if (cost < kAcknowledgedCost) return;
   cost = 0;
-  ask_(inbox.channel, header.source, {header.seq, {}});
+  ask_(inbox.channel, publisher, {header.seq, {}});
 }
 
-Inboxes::Source* Inboxes::SourceOf(Inbox& inbox, int64_t publisher, int64_t now) {
+Inboxes::Source* Inboxes::SourceOf(Inbox& inbox, SourceId publisher, int64_t now) {
   const auto found = inbox.sources.find(publisher);
   if (found != inbox.sources.end()) return &found->second;
   if (inbox.sources.size() >= kMaxSources) {
@@ -130,7 +131,7 @@ void Inboxes::Count(const Inbox& inbox, Source& source) {
   counts_.repaired += source.reader.repaired() - std::exchange(source.repaired, source.reader.repaired());
 }
 
-void Inboxes::PollSource(const Inbox& inbox, int64_t publisher, Source& source, int64_t now) {
+void Inboxes::PollSource(const Inbox& inbox, SourceId publisher, Source& source, int64_t now) {
   if (source.reader.poll_time() <= now) {
     if (const auto request = source.reader.Poll(now)) ask_(inbox.channel, publisher, *request);
   }
@@ -138,7 +139,8 @@ void Inboxes::PollSource(const Inbox& inbox, int64_t publisher, Source& source, 
 }
 
 void Inboxes::DispatchOrdered(Inbox& inbox, const WireHeader& header, ByteView message, int64_t now) {
-  Source* source = SourceOf(inbox, header.source, now);
+  const SourceId publisher(header.source);
+  Source* source = SourceOf(inbox, publisher, now);
   if (source == nullptr) {
     ++counts_.rejected;
     return;
@@ -147,7 +149,7 @@ void Inboxes::DispatchOrdered(Inbox& inbox, const WireHeader& header, ByteView m
   if (arrival == OrderedReader::Arrival::kDuplicate) ++counts_.duplicates;
   Count(inbox, *source);  // before the handler: it may compare the counts with what it has received
   Drain(inbox, *source, now);
-  PollSource(inbox, header.source, *source, now);
+  PollSource(inbox, publisher, *source, now);
 }
 
 bool Inboxes::Ready(const Inbox& inbox) const {
@@ -178,7 +180,8 @@ void Inboxes::DispatchLatest(Inbox& inbox, const WireHeader& header, ByteView me
   using Kind = Subscription::Kind;
   const auto wants = [](const auto& s) { return s->kind == Kind::kNewest || s->kind == Kind::kAsItComes; };
   if (std::none_of(inbox.subscriptions.begin(), inbox.subscriptions.end(), wants)) return;
-  if (!inbox.latest.contains(header.source) && inbox.latest.size() >= kMaxSources) {
+  const SourceId publisher(header.source);
+  if (!inbox.latest.contains(publisher) && inbox.latest.size() >= kMaxSources) {
     const auto old = Forgettable(inbox.latest, now, [](const Latest& l) { return l.heard; });
     if (old == inbox.latest.end()) {
       ++counts_.rejected;
@@ -186,7 +189,7 @@ void Inboxes::DispatchLatest(Inbox& inbox, const WireHeader& header, ByteView me
     }
     inbox.latest.erase(old);
   }
-  Latest& latest = inbox.latest[header.source];
+  Latest& latest = inbox.latest[publisher];
   latest.heard = now;
   if (header.seq <= latest.seq) {
     counts_.duplicates += inbox.ordered ? 0 : 1;
@@ -226,7 +229,7 @@ void Inboxes::PostNewest(Latest& latest, size_t subscription, const std::shared_
   });
 }
 
-void Inboxes::OnAnnounce(std::string_view wire_name, int64_t publisher, int64_t first_seq, int64_t next_seq,
+void Inboxes::OnAnnounce(std::string_view wire_name, SourceId publisher, int64_t first_seq, int64_t next_seq,
                          int64_t join_seq, int64_t now) {
   const auto found = inboxes_.find(wire_name);
   if (found == inboxes_.end() || !found->second.ordered) return;

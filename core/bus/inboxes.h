@@ -16,6 +16,7 @@
 #include "core/bus/options.h"
 #include "core/bus/run_loop.h"
 #include "core/bus/transport/wire.h"
+#include "core/ids/ids.h"
 
 namespace plslam::bus {
 
@@ -60,7 +61,7 @@ struct ReceiverCounts {
 class Inboxes {
  public:
   /// Sends an acknowledgement and request about `channel` to `publisher` (0: to all, as a new reader).
-  using Ask = std::function<void(const Channel& channel, int64_t publisher, const OrderedReader::Request& request)>;
+  using Ask = std::function<void(const Channel& channel, SourceId publisher, const OrderedReader::Request& request)>;
   using Rest = std::function<void(std::string_view wire_name, ByteView bytes)>;
 
   /// All references must outlive this object. `two_way`: publishers can be reached.
@@ -83,7 +84,7 @@ class Inboxes {
   /// A checked message of a name that has a layout.
   void Dispatch(std::string_view wire_name, const WireHeader& header, ByteView message, int64_t now);
   /// Handles the announcement of `publisher` about the messages that it has of the channel `wire_name`.
-  void OnAnnounce(std::string_view wire_name, int64_t publisher, int64_t first_seq, int64_t next_seq,
+  void OnAnnounce(std::string_view wire_name, SourceId publisher, int64_t first_seq, int64_t next_seq,
                   int64_t join_seq, int64_t now);
   /// Sends due requests and delivers messages as far as handlers can take them; lowers `next` to the time of the next
   /// poll.
@@ -114,10 +115,10 @@ class Inboxes {
     const MessageLayout* layout = nullptr;
     std::vector<std::shared_ptr<Subscription>> subscriptions;
     bool ordered = false;  // a subscriber needs order and repair
-    std::map<int64_t, Source> sources;
-    std::map<int64_t, Latest> latest;
+    std::map<SourceId, Source> sources;
+    std::map<SourceId, Latest> latest;
     bool paced = false;
-    std::map<int64_t, int64_t> unacknowledged;  // cost by publisher, if paced
+    std::map<SourceId, int64_t> unacknowledged;  // cost by publisher, if paced
     int64_t next_hello = 0;
   };
   struct Addition {
@@ -128,7 +129,7 @@ class Inboxes {
   };
 
   void TakeOrders();
-  Source* SourceOf(Inbox& inbox, int64_t publisher, int64_t now);
+  Source* SourceOf(Inbox& inbox, SourceId publisher, int64_t now);
   void DispatchPaced(Inbox& inbox, const WireHeader& header, ByteView message);
   void DispatchOrdered(Inbox& inbox, const WireHeader& header, ByteView message, int64_t now);
   void DispatchLatest(Inbox& inbox, const WireHeader& header, ByteView message, int64_t now);
@@ -136,7 +137,7 @@ class Inboxes {
   void Post(const std::shared_ptr<Subscription>& subscription, Bytes message);
   bool Ready(const Inbox& inbox) const;
   bool Drain(Inbox& inbox, Source& source, int64_t now);
-  void PollSource(const Inbox& inbox, int64_t publisher, Source& source, int64_t now);
+  void PollSource(const Inbox& inbox, SourceId publisher, Source& source, int64_t now);
   void Count(const Inbox& inbox, Source& source);
 
   const BusOptions& options_;

@@ -215,10 +215,10 @@ Outboxes::Announcement Outboxes::AnnouncementOf(const Outbox& outbox, int64_t no
           std::min(outbox.writer->join_seq(now), outbox.sent)};
 }
 
-std::optional<Outboxes::Announcement> Outboxes::OnHello(const Channel& channel, int64_t reader, int64_t window,
+std::optional<Outboxes::Announcement> Outboxes::OnHello(const Channel& channel, SourceId reader, int64_t window,
                                                         int64_t now) {
   const std::lock_guard lock(mutex_);
-  std::map<int64_t, Hello>& known = hellos_[std::string(channel.name)];
+  std::map<SourceId, Hello>& known = hellos_[std::string(channel.name)];
   std::erase_if(known, [&](const auto& e) { return now - e.second.heard > kRemembered_ns; });
   if (known.size() < kMaxReaders || known.contains(reader)) known[reader] = {now, window};
   const auto found = outboxes_.find(channel.name);
@@ -230,7 +230,7 @@ std::optional<Outboxes::Announcement> Outboxes::OnHello(const Channel& channel, 
   return AnnouncementOf(outbox, now);
 }
 
-Outboxes::Answer Outboxes::OnRequest(const std::string& channel, int64_t reader, int64_t delivered, int64_t window,
+Outboxes::Answer Outboxes::OnRequest(const std::string& channel, SourceId reader, int64_t delivered, int64_t window,
                                      const std::vector<SeqRange>& ranges, int64_t now) {
   Answer answer;
   HistoryLog* log = nullptr;

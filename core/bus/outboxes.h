@@ -19,6 +19,7 @@
 #include "core/bus/options.h"
 #include "core/bus/transport/authenticator.h"
 #include "core/bus/transport/transport.h"
+#include "core/ids/ids.h"
 
 namespace plslam {
 class header_t;
@@ -77,9 +78,9 @@ class Outboxes {
   // The following functions are called on the receiving thread.
 
   /// Handles a new reader of this channel, even if this process does not publish it (yet).
-  std::optional<Announcement> OnHello(const Channel& channel, int64_t reader, int64_t window, int64_t now);
+  std::optional<Announcement> OnHello(const Channel& channel, SourceId reader, int64_t window, int64_t now);
   /// Handles a reader's acknowledgement and request; empty if this process does not publish the channel.
-  Answer OnRequest(const std::string& channel, int64_t reader, int64_t delivered, int64_t window,
+  Answer OnRequest(const std::string& channel, SourceId reader, int64_t delivered, int64_t window,
                    const std::vector<SeqRange>& ranges, int64_t now);
   /// Returns the due announcements; lowers `next` to the time of the next one.
   std::vector<Announcement> Poll(int64_t now, int64_t& next);
@@ -125,7 +126,7 @@ class Outboxes {
   MessageSize size_;                                                      // guarded by `mutex_`
   std::condition_variable acknowledged_;                                  // an acknowledgement has arrived
   std::map<std::string, std::unique_ptr<Outbox>, std::less<>> outboxes_;  // by channel name
-  std::map<std::string, std::map<int64_t, Hello>, std::less<>> hellos_;   // by channel name, of the whole table
+  std::map<std::string, std::map<SourceId, Hello>, std::less<>> hellos_;  // by channel name, of the whole table
 };
 
 /// Nanoseconds of the steady clock, in which everything on the bus is timed, and a millisecond of them.

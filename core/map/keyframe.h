@@ -8,6 +8,7 @@
 #include "core/features/features.h"
 #include "core/geometry/se3.h"
 #include "core/geometry/stereo_camera.h"
+#include "core/ids/ids.h"
 
 namespace plslam {
 
@@ -25,17 +26,15 @@ struct Withdrawn {
 
 /// A keyframe as vo_process publishes it; the content of `keyframe_t`.
 struct Keyframe {
-  int64_t source = 0;   ///< publisher; set by the receiver
-  int64_t session = 0;  ///< odometry session
+  SourceId source;  ///< publisher; set by the receiver
+  KeyframeName name{.session = {}, .number = 0};
   int64_t t_ns = 0;
-  /// 0, 1, 2, ... in each session.
-  int64_t keyframe_id = 0;
   int64_t frame_id = 0;
   /// -1 for the first keyframe of a session; then `T_prevkf_kf` is identity and `covariance` zero.
   int64_t previous_keyframe_id = -1;
   /// `MapUpdate::map_instance` of the map that the session is part of; 0: not known yet. The keyframe belongs to no other
   /// map.
-  int64_t map_instance = 0;
+  MapId map_instance;
   SE3 T_prevkf_kf;
   /// Covariance of T_prevkf_kf, right perturbation in kf.
   Matrix6d covariance = Matrix6d::Zero();
@@ -69,9 +68,8 @@ struct Keyframe {
 struct MapKeyframe {
   /// 0, 1, 2, ... in the order of insertion, over all sessions; never assigned again.
   int64_t id = -1;
-  /// Its odometry session, and its number and frame in that session.
-  int64_t session = 0;
-  int64_t session_keyframe_id = -1;
+  KeyframeName name;
+  /// Its frame in that session.
   int64_t frame_id = -1;
   int64_t t_ns = 0;
   /// Pose, and covariance of its right perturbation relative to the first keyframe of the map.

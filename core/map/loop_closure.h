@@ -5,17 +5,16 @@
 #include <vector>
 
 #include "core/geometry/se3.h"
+#include "core/ids/ids.h"
 
 namespace plslam {
 
-/// Names a keyframe independently of its id: a map that is rebuilt after a crash may assign other ids, but session and
-/// number within the session stay.
-struct KeyframeName {
+/// A keyframe by its id, and its name, which stays when a map that is rebuilt after a crash assigns other ids.
+struct NamedKeyframe {
   int64_t keyframe_id = -1;
-  int64_t session = 0;
-  int64_t session_keyframe_id = -1;
+  KeyframeName name;
 
-  bool operator==(const KeyframeName&) const = default;
+  bool operator==(const NamedKeyframe&) const = default;
 };
 
 /// New pose of a keyframe of the map.
@@ -52,14 +51,13 @@ struct LoopClosure {
     kAdjustment = 2,  ///< the poses after the global bundle adjustment that followed a loop
   };
 
-  int64_t source = 0;  ///< publisher; set by the receiver
+  SourceId source;  ///< publisher; set by the receiver
   Kind kind = Kind::kNone;
-  /// The keyframe, numbered within its session, and its time.
-  int64_t session = 0;
-  int64_t session_keyframe_id = -1;
+  /// The keyframe, and its time.
+  KeyframeName keyframe;
   int64_t t_ns = 0;
   /// Publisher and version of the map on which it was computed.
-  int64_t map_source = 0;
+  SourceId map_source;
   int64_t map_version = 0;
   /// Whether another message about the same keyframe follows (an adjustment is running).
   bool more = false;
@@ -71,7 +69,7 @@ struct LoopClosure {
   /// Ascending by keyframe; keyframes that are not listed move with their parent in the spanning tree.
   std::vector<CorrectedPose> poses;
   /// Names of all keyframes in edges and poses, ascending by id.
-  std::vector<KeyframeName> names;
+  std::vector<NamedKeyframe> names;
   /// For reports: similarity of the images, and times in ms: of a check without a result, or of detecting a loop and
   /// computing the correction.
   double score = 0.0;
@@ -81,15 +79,15 @@ struct LoopClosure {
 
 /// The result of a tracker's relocalisation request; the content of `relocalisation_t`.
 struct Relocalisation {
-  int64_t source = 0;  ///< publisher; set by the receiver
+  SourceId source;  ///< publisher; set by the receiver
   /// The request: session, frame and time.
-  int64_t session = 0;
+  SessionId session;
   int64_t frame_id = -1;
   int64_t t_ns = 0;
   bool found = false;
   /// The map in which it was found, the keyframe of the recognised place, and the pose with the covariance of its right
   /// perturbation given the landmarks.
-  int64_t map_source = 0;
+  SourceId map_source;
   int64_t map_version = 0;
   int64_t keyframe_id = -1;
   SE3 T_w_c;

@@ -23,8 +23,8 @@ void PutObserved(const IdMap<Landmark>& landmarks, const std::set<int64_t>& keyf
 /// Sessions that edges connect, each group known by one of them.
 class SessionGroups {
  public:
-  void Join(int64_t a, int64_t b) { group_[Find(a)] = Find(b); }
-  int64_t Find(int64_t session) const {
+  void Join(SessionId a, SessionId b) { group_[Find(a)] = Find(b); }
+  SessionId Find(SessionId session) const {
     for (auto next = group_.find(session); next != group_.end() && next->second != session;
          next = group_.find(session))
       session = next->second;
@@ -32,7 +32,7 @@ class SessionGroups {
   }
 
  private:
-  std::map<int64_t, int64_t> group_;
+  std::map<SessionId, SessionId> group_;
 };
 
 }  // namespace
@@ -41,10 +41,10 @@ std::vector<std::set<int64_t>> PartsOf(const Map& map, const std::function<bool(
   SessionGroups groups;
   const MapGraph graph(map);
   for (const MapEdge& edge : graph.edges()) {
-    groups.Join(map.FindKeyframe(edge.a)->session, map.FindKeyframe(edge.b)->session);
+    groups.Join(map.FindKeyframe(edge.a)->name.session, map.FindKeyframe(edge.b)->name.session);
   }
-  std::map<int64_t, std::set<int64_t>> of_groups;
-  for (const auto& [id, keyframe] : map.keyframes()) of_groups[groups.Find(keyframe.session)].insert(id);
+  std::map<SessionId, std::set<int64_t>> of_groups;
+  for (const auto& [id, keyframe] : map.keyframes()) of_groups[groups.Find(keyframe.name.session)].insert(id);
   std::vector<std::set<int64_t>> parts;
   parts.reserve(of_groups.size());
   for (auto& [group, part] : of_groups) parts.push_back(std::move(part));

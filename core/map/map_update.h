@@ -2,13 +2,13 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
+#include "core/ids/ids.h"
 #include "core/map/map.h"
 
 namespace plslam {
@@ -29,8 +29,7 @@ struct AdjustmentFigures {
 
 /// Decision about a loop of loop_process, identified by keyframe and map version as in its `LoopClosure`.
 struct LoopAnswer {
-  int64_t session = 0;
-  int64_t session_keyframe_id = -1;  ///< -1: no loop was decided yet
+  KeyframeName keyframe;  ///< without a number: no loop was decided yet
   int64_t map_version = 0;
   bool accepted = false;
 
@@ -39,37 +38,36 @@ struct LoopAnswer {
 
 /// Whether it answers that loop.
 inline bool IsAnswerTo(const LoopAnswer& answer, const LoopClosure& loop) {
-  return answer.session == loop.session && answer.session_keyframe_id == loop.session_keyframe_id &&
-         answer.map_version == loop.map_version;
+  return answer.keyframe == loop.keyframe && answer.map_version == loop.map_version;
 }
 
-/// Whether keyframes of a session whose tracker knows its map as `session_instance` belong to the map
-/// `map_instance`. Instances are random numbers, drawn when a map begins: even if it began with its process, odd if it
-/// replaced another one by an order. 0: unknown. A session without one has used no landmarks of any map, and belongs to
-/// a map that has not replaced another one.
-inline bool BelongsTo(int64_t session_instance, int64_t map_instance) {
-  return session_instance == map_instance || map_instance == 0 || (session_instance == 0 && map_instance % 2 == 0);
+/// Whether a keyframe or session whose tracker knows its map as `member.map_instance` belongs to `map`. An id is drawn
+/// when a map begins: even if it began with its process, odd if it replaced another one by an order. A session without
+/// one has used no landmarks of any map, and belongs to a map that has not replaced another one.
+template <class Member>
+bool BelongsTo(const Member& member, MapId map) {
+  const MapId of_member = member.map_instance;
+  return of_member == map || map == 0 || (of_member == 0 && map.value % 2 == 0);
 }
 
-/// Returns the instance of a map that begins with the run `source` of mapping_process: even, and different from
-/// `source`, so that logs distinguish maps from processes.
-inline int64_t BeginningInstance(int64_t source) {
+/// Returns the id of a map that begins with the run `source` of mapping_process: even, and different from `source`, so
+/// that logs distinguish maps from processes.
+inline MapId BeginningInstance(SourceId source) {
   constexpr int64_t kDiffers = int64_t{1} << 40;
-  return (source ^ kDiffers) & ~int64_t{1};
+  return MapId((source.value ^ kDiffers) & ~int64_t{1});
 }
 
 /// Changes of the map from one version to the next; the content of `map_update_t`. Changed landmarks and keyframes are
 /// complete; for those that a correction has only moved there are the keyframes' poses.
 struct MapUpdate {
-  int64_t source = 0;  ///< publisher: the run of mapping_process that owns the map; set by the receiver
+  SourceId source;  ///< publisher: the run of mapping_process that owns the map; set by the receiver
   int64_t version = 0;
   /// The version to which it applies. 0: none, this is the complete map.
   int64_t base_version = 0;
   /// `Map::camera`.
   std::optional<StereoCamera> camera;
-  /// The newest keyframe of vo_process in it.
-  int64_t session = 0;
-  int64_t session_keyframe_id = -1;
+  /// The newest keyframe of vo_process in it, and its time.
+  KeyframeName newest;
   int64_t t_ns = 0;
   /// Whether the newest keyframe is final: all closures about it are applied, or there is no loop_process.
   bool committed = false;
@@ -78,7 +76,7 @@ struct MapUpdate {
   /// Localisation-only mode: the map does not change.
   bool localise_only = false;
   /// Which of all maps this is (`BelongsTo`). Repeated in each update.
-  int64_t map_instance = 0;
+  MapId map_instance;
   /// Applied to the map of the base version before all other changes (`Map::Move`).
   std::vector<MovedKeyframe> moved_keyframes;
   std::vector<MapKeyframe> keyframes;
@@ -100,61 +98,5 @@ struct MapUpdate {
 MapUpdate ChangedPart(const Map& map, const MapChanges& changes);
 /// Returns the complete map, with base version 0.
 MapUpdate WholeMap(const Map& map);
-
-/// Keyframes that are committed. Several robots may share the map: an update names the newest keyframe of one of them,
-/// and a committed update commits all keyframes then in the map.
-class CommittedKeyframes {
- public:
-  /// The head of an update suffices.
-  void Add(const MapUpdate& update);
-  bool Has(int64_t session, int64_t session_keyframe_id) const;
-
- private:
-  std::map<int64_t, int64_t> newest_;  // by session
-  std::map<int64_t, int64_t> committed_;
-};
-
-/// Publisher and version of a map that follows its updates.
-class MapVersion {
- public:
-  /// kNext: the update applies, and this is now that version. kKnown: it was applied before. kGap: versions are
-  /// missing, request the complete map.
-  enum class Step { kNext, kKnown, kGap };
-
-  /// Accepts an update of another publisher only if it is a complete map.
-  Step Advance(const MapUpdate& update);
-
-  int64_t source() const { return source_; }
-  /// 0: no update was received.
-  int64_t number() const { return number_; }
-
- private:
-  int64_t source_ = 0;
-  int64_t number_ = 0;
-};
-
-/// A copy of a map of another process, kept up to date.
-class MapReplica {
- public:
-  /// A complete map replaces this one.
-  MapVersion::Step Apply(const MapUpdate& update);
-  /// `Map::RememberRemoved`, until another map replaces this one (`MapUpdate::map_instance`).
-  void RememberRemoved() {
-    remembers_removed_ = true;
-    map_.RememberRemoved();
-  }
-
-  const Map& map() const { return map_; }
-  int64_t source() const { return version_.source(); }
-  int64_t version() const { return version_.number(); }
-
- private:
-  void Move(const std::vector<MovedKeyframe>& keyframes);
-
-  Map map_;
-  int64_t map_instance_ = 0;
-  bool remembers_removed_ = false;
-  MapVersion version_;
-};
 
 }  // namespace plslam

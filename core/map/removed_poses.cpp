@@ -27,7 +27,7 @@ void RemovedPoses::Move(const std::map<int64_t, SE3>& T_new_old) {
 }
 
 void RemovedPoses::Add(const MapKeyframe& keyframe, int64_t carrier_id) {
-  removed_[keyframe.id] = {version_,        keyframe.session,          keyframe.frame_id, keyframe.T_odom_kf,
+  removed_[keyframe.id] = {version_,        keyframe.name.session,     keyframe.frame_id, keyframe.T_odom_kf,
                            keyframe.T_w_kf, CorrectionOf(keyframe.id), carrier_id,        CorrectionOf(carrier_id)};
   D_.erase(keyframe.id);
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/geometry/se3.h"
+#include "core/ids/ids.h"
 #include "core/map/id_map.h"
 #include "core/map/keyframe.h"
 
@@ -15,7 +16,7 @@ namespace plslam {
 /// A keyframe that was removed from the map, at its place in the present map.
 struct RemovedKeyframe {
   int64_t id = -1;
-  int64_t session = 0;
+  SessionId session;
   int64_t frame_id = -1;
   SE3 T_odom_kf;
   SE3 T_w_kf;
@@ -55,7 +56,7 @@ class RemovedPoses {
 
   struct Removed {
     int64_t version = 0;
-    int64_t session = 0;
+    SessionId session;
     int64_t frame_id = -1;
     SE3 T_odom_kf;
     SE3 T_w_kf;

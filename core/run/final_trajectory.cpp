@@ -7,10 +7,11 @@
 
 namespace plslam {
 
-std::map<int64_t, FrameCorrections> CorrectionsBySession(const Map& map) {
-  std::map<int64_t, FrameCorrections> corrections;
+std::map<SessionId, FrameCorrections> CorrectionsBySession(const Map& map) {
+  std::map<SessionId, FrameCorrections> corrections;
   for (const auto& [id, keyframe] : map.keyframes()) {
-    corrections[keyframe.session].insert_or_assign(keyframe.frame_id, keyframe.T_w_kf * keyframe.T_odom_kf.Inverse());
+    corrections[keyframe.name.session].insert_or_assign(keyframe.frame_id,
+                                                        keyframe.T_w_kf * keyframe.T_odom_kf.Inverse());
   }
   for (const RemovedKeyframe& removed : map.RemovedKeyframes()) {
     corrections[removed.session].try_emplace(removed.frame_id, removed.T_w_kf * removed.T_odom_kf.Inverse());
@@ -60,8 +61,8 @@ SE3 FinalPoses::operator()(int64_t frame_id, const FrameRecord& frame) const {
 
 namespace {
 
-std::set<int64_t> SessionsOf(const Recorder& recorder) {
-  std::set<int64_t> sessions;
+std::set<SessionId> SessionsOf(const Recorder& recorder) {
+  std::set<SessionId> sessions;
   for (const auto& [frame_id, frame] : recorder.frames()) sessions.insert(frame.session);
   return sessions;
 }
@@ -69,25 +70,26 @@ std::set<int64_t> SessionsOf(const Recorder& recorder) {
 }  // namespace
 
 RunParts::RunParts(const Map& map, const Recorder& recorder) : map_(&map) {
-  const std::set<int64_t> sessions = SessionsOf(recorder);
-  const auto parts = PartsOf(map, [&](const MapKeyframe& keyframe) { return sessions.contains(keyframe.session); });
+  const std::set<SessionId> sessions = SessionsOf(recorder);
+  const auto parts =
+      PartsOf(map, [&](const MapKeyframe& keyframe) { return sessions.contains(keyframe.name.session); });
   if (parts.size() < 2) return;
   for (size_t part = 0; part < parts.size(); ++part) {
-    for (const int64_t id : parts[part]) part_of_session_.try_emplace(map.FindKeyframe(id)->session, part);
+    for (const int64_t id : parts[part]) part_of_session_.try_emplace(map.FindKeyframe(id)->name.session, part);
     parts_.push_back(PartOf(map, parts[part]));
   }
 }
 
-size_t RunParts::Of(int64_t session) const {
+size_t RunParts::Of(SessionId session) const {
   const auto found = part_of_session_.find(session);
   return found == part_of_session_.end() ? 0 : found->second;
 }
 
 Trajectory KeyframeTrajectory(const Map& map, const Recorder& recorder) {
-  const std::set<int64_t> sessions = SessionsOf(recorder);
+  const std::set<SessionId> sessions = SessionsOf(recorder);
   Trajectory trajectory;
   for (const auto& [id, keyframe] : map.keyframes()) {
-    if (sessions.contains(keyframe.session)) trajectory.push_back({keyframe.t_ns, keyframe.T_w_kf});
+    if (sessions.contains(keyframe.name.session)) trajectory.push_back({keyframe.t_ns, keyframe.T_w_kf});
   }
   const auto earlier = [](const TrajectoryPose& a, const TrajectoryPose& b) { return a.t_ns < b.t_ns; };
   const auto same = [](const TrajectoryPose& a, const TrajectoryPose& b) { return a.t_ns == b.t_ns; };

@@ -6,6 +6,7 @@
 #include <set>
 #include <vector>
 
+#include "core/ids/ids.h"
 #include "core/io/trajectories/trajectory.h"
 #include "core/map/map.h"
 #include "core/map/map_parts.h"
@@ -21,7 +22,7 @@ class LiveAnchors {
   bool Has(const FrameRecord& frame) const;
 
  private:
-  std::map<int64_t, SE3> first_;  ///< T_w_odom of the first anchored frame, by session
+  std::map<SessionId, SE3> first_;  ///< T_w_odom of the first anchored frame, by session
 };
 
 /// T_w_odom by frame.
@@ -29,7 +30,7 @@ using FrameCorrections = std::map<int64_t, SE3>;
 
 /// The map's corrections of odometry at its keyframes, those included that it remembers although they were removed, by
 /// session: T_w_kf * T_odom_kf^-1.
-std::map<int64_t, FrameCorrections> CorrectionsBySession(const Map& map);
+std::map<SessionId, FrameCorrections> CorrectionsBySession(const Map& map);
 
 /// Poses of frames in the final map: odometry, corrected as the map corrected the neighbouring keyframes.
 class FinalPoses {
@@ -43,7 +44,7 @@ class FinalPoses {
   SE3 operator()(int64_t frame_id, const FrameRecord& frame) const;
 
  private:
-  std::map<int64_t, FrameCorrections> corrections_;
+  std::map<SessionId, FrameCorrections> corrections_;
   std::set<int64_t> lost_frames_;
 };
 
@@ -55,13 +56,13 @@ class RunParts {
   /// Returns the number of parts, at least 1; the main one is 0.
   size_t size() const { return parts_.empty() ? 1 : parts_.size(); }
   /// Returns the part of a session: the main one if the session has no keyframes in the map.
-  size_t Of(int64_t session) const;
+  size_t Of(SessionId session) const;
   const Map& MapOf(size_t part) const { return parts_.empty() ? *map_ : parts_[part]; }
 
  private:
   const Map* map_;
   std::vector<Map> parts_;  ///< empty if all is connected
-  std::map<int64_t, size_t> part_of_session_;
+  std::map<SessionId, size_t> part_of_session_;
 };
 
 /// T_w_c of the map's keyframes of recorded sessions, in the order of time.

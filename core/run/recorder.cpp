@@ -49,8 +49,8 @@ SE3 StoredPose::Unpack() const {
 
 StoredFrame::StoredFrame(const FrameRecord& frame)
     : t_ns_(frame.t_ns),
-      session_(frame.session),
       keyframe_id_(frame.keyframe_id),
+      session_(frame.session),
       T_odom_c_(frame.T_odom_c),
       T_w_odom_(frame.T_w_odom),
       covariance_(frame.covariance),
@@ -147,10 +147,10 @@ bool Recorder::AddBodies(int64_t frame_id, BodiesOfFrame seen) {
   return true;
 }
 
-std::optional<std::pair<int64_t, int64_t>> Recorder::LastKeyframe() const {
+std::optional<KeyframeName> Recorder::LastKeyframe() const {
   for (auto at = frames_.end(); at != frames_.begin();) {
     const FrameRecord frame = (*--at).second;
-    if (frame.keyframe_id >= 0) return std::pair(frame.session, frame.keyframe_id);
+    if (frame.keyframe_id >= 0) return KeyframeName{frame.session, frame.keyframe_id};
   }
   return std::nullopt;
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/geometry/se3.h"
+#include "core/ids/ids.h"
 #include "core/io/files/disk_map.h"
 #include "core/run/frame_tally.h"
 
@@ -30,7 +31,7 @@ struct FrameCounts {
 struct FramePose {
   int64_t frame_id = 0;
   int64_t t_ns = 0;
-  int64_t session = 0;
+  SessionId session;
   TrackingState state = TrackingState::kInitialising;
   SE3 T_odom_c;
   SE3 T_w_odom;
@@ -68,7 +69,7 @@ class StoredPose {
 /// A frame as it is kept.
 struct FrameRecord {
   int64_t t_ns = 0;
-  int64_t session = 0;
+  SessionId session;
   TrackingState state = TrackingState::kInitialising;
   SE3 T_odom_c;
   SE3 T_w_odom;
@@ -95,7 +96,8 @@ class StoredFrame {
   FrameRecord Unpack() const;
 
  private:
-  int64_t t_ns_, session_, keyframe_id_;
+  int64_t t_ns_, keyframe_id_;
+  SessionId session_;
   StoredPose T_odom_c_, T_w_odom_;
   PackedCovariance covariance_, motion_covariance_;
   FrameCounts counts_;
@@ -112,7 +114,7 @@ struct BodyRecord {
 };
 
 struct BodiesOfFrame {
-  int64_t session = 0;
+  SessionId session;
   std::vector<BodyRecord> bodies;
 };
 
@@ -163,8 +165,8 @@ class Recorder {
   /// Returns whether every frame of the ended stream has a pose or was skipped by the tracker.
   bool IsComplete() const;
 
-  /// Session and number there of the newest keyframe.
-  std::optional<std::pair<int64_t, int64_t>> LastKeyframe() const;
+  /// The newest keyframe.
+  std::optional<KeyframeName> LastKeyframe() const;
 
   const Frames& frames() const { return frames_; }
   const Truths& truth() const { return truth_; }

@@ -55,7 +55,9 @@ void CheckIsMapOfRun(const Run& run) {
   if (summary["sessions"].empty() || (summary.contains(localises) && summary[localises] == true)) return;
   const bool is_of_run = std::ranges::any_of(summary["sessions"], [&](const json& session) {
     const auto* name = session.get_ptr<const std::string*>();
-    const auto is_same = [&](const auto& of_map) { return name != nullptr && *name == std::to_string(of_map.first); };
+    const auto is_same = [&](const auto& of_map) {
+      return name != nullptr && *name == std::to_string(of_map.first.value);
+    };
     return std::ranges::any_of(run.map->sessions, is_same);
   });
   if (is_of_run) return;

@@ -121,7 +121,7 @@ void VisitPosedFrames(const RunPart& run, const std::function<void(const PosedFr
   const FinalPoses final_poses(map, recorder);
   const LiveAnchors anchors(recorder);
   std::optional<int64_t> newest_ns;
-  std::optional<int64_t> session_before;
+  std::optional<SessionId> session_before;
   for (const auto& [frame_id, frame] : recorder.frames()) {
     const bool is_of_part = parts.Of(frame.session) == part;
     const bool usable = is_of_part && HasPose(frame) && (!newest_ns || frame.t_ns > *newest_ns);

@@ -151,16 +151,16 @@ void DenseNode::OnMask(const mask_t& message) {
 
 void DenseNode::OnKeyframe(const Keyframe& keyframe) {
   quiet_ticks_ = 0;
-  newest_ = {keyframe.session, keyframe.keyframe_id};
+  newest_ = keyframe.name;
   // The histories resend keyframes that a process before this one has fused.
-  if (map_ && map_->Has({keyframe.session, keyframe.frame_id})) return;
+  if (map_ && map_->Has({keyframe.name.session, keyframe.frame_id})) return;
   Waiting waiting{keyframe, std::nullopt};
   const auto frame = frames_.find(keyframe.frame_id);
   if (frame != frames_.end() && frame->second.t_ns == keyframe.t_ns) {
     waiting.images = std::move(frame->second);
     frames_.erase(frame);
   }
-  waiting_.insert_or_assign({keyframe.session, keyframe.frame_id}, std::move(waiting));
+  waiting_.insert_or_assign({keyframe.name.session, keyframe.frame_id}, std::move(waiting));
   DropOldest();
   FuseAll();
 }
@@ -179,7 +179,6 @@ void DenseNode::DropOldest() {
 void DenseNode::OnMap(const MapUpdate& update) {
   quiet_ticks_ = 0;
   FollowMap(update.map_instance);
-  committed_.Add(update);
   // A correction moves the surfaces.
   if (map_ && map_->n_keyframes() > 0) dirty_ = grid_is_old_ = true;
   FuseAll();
@@ -187,9 +186,9 @@ void DenseNode::OnMap(const MapUpdate& update) {
 
 /// Another map replaces the surfaces, too, if an order replaced the old one (odd instances, see `BelongsTo`); a rebuilt map
 /// has the same keyframes.
-void DenseNode::FollowMap(int64_t map_instance) {
-  const int64_t before = std::exchange(map_instance_, map_instance);
-  if (before == 0 || before == map_instance || map_instance % 2 == 0) return;
+void DenseNode::FollowMap(MapId map_instance) {
+  const MapId before = std::exchange(map_instance_, map_instance);
+  if (before == 0 || before == map_instance || map_instance.value % 2 == 0) return;
   LogInfo("the map was replaced: its surfaces are dropped");
   map_.reset();
   waiting_.clear();
@@ -218,7 +217,7 @@ void DenseNode::OnCommand(const command_t& message) {
 
 /// Beside a saved map, or as the state.
 void DenseNode::WriteSurfaces(const std::string& path) {
-  const Map& map = sparse_->replica().map();
+  const Map& map = sparse_->follower().map();
   map_->Write(path, PosesOf(map), LastingPosesOf(map));
 }
 
@@ -236,11 +235,11 @@ void DenseNode::KeepState() {
 /// In lockstep a keyframe is fused as soon as it is committed; live, as soon as the map has it.
 void DenseNode::FuseAll() {
   if (!camera_ || waiting_.empty()) return;
-  const KeyframePoses poses = PosesOf(sparse_->replica().map());
+  const KeyframePoses poses = PosesOf(sparse_->follower().map());
   for (auto it = waiting_.begin(); it != waiting_.end();) {
     const Waiting& waiting = it->second;
     const bool placed =
-        !waiting.keyframe.lockstep || committed_.Has(waiting.keyframe.session, waiting.keyframe.keyframe_id);
+        !waiting.keyframe.lockstep || sparse_->follower().newest().HasCommitted(waiting.keyframe.name);
     if (!waiting.images || !placed || !poses.contains(it->first)) {
       ++it;
       continue;
@@ -291,7 +290,7 @@ void DenseNode::Fuse(const Waiting& waiting, const KeyframePoses& poses) {
                       100.0 * depth.agreement));
     }
     if (!map_) map_.emplace(options_.voxel_m > 0.0 ? options_.voxel_m : VoxelFor(keyframe), options_.range_m);
-    map_->Add({keyframe.session, keyframe.frame_id}, depth, left, camera_->rectifier.camera(), poses);
+    map_->Add({keyframe.name.session, keyframe.frame_id}, depth, left, camera_->rectifier.camera(), poses);
     dirty_ = grid_is_old_ = true;
     if (++n_since_state_ >= std::max<size_t>(kStateEvery, map_->n_keyframes() / 4)) KeepState();
     process_.SetCounter("depth_ms", matched_ms - began_ms);
@@ -310,7 +309,7 @@ void DenseNode::Fuse(const Waiting& waiting, const KeyframePoses& poses) {
 
 bool DenseNode::IsOver() const {
   if (!ended_ || quiet_ticks_ <= kQuietTicks) return false;
-  const bool complete = vo_finished_ && newest_ && committed_.Has(newest_->first, newest_->second);
+  const bool complete = vo_finished_ && newest_ && sparse_->follower().newest().HasCommitted(*newest_);
   return complete || quiet_ticks_ > kQuietTicksForTheMap;
 }
 
@@ -330,7 +329,7 @@ void DenseNode::PublishGrid() {
   if (!grid_is_old_ || !map_ || began_ms < next_grid_ms_) return;
   grid_is_old_ = false;
   try {
-    const Map& map = sparse_->replica().map();
+    const Map& map = sparse_->follower().map();
     const KeyframePoses poses = PosesOf(map);
     // Small changes of the vertical would change all cells.
     const Vertical vertical = VerticalOf(map);
@@ -348,7 +347,7 @@ void DenseNode::PublishGrid() {
 
 void DenseNode::Write() {
   dirty_ = false;
-  const Map& map = sparse_->replica().map();
+  const Map& map = sparse_->follower().map();
   const size_t n_missing = CountMissing(map);
   if (!map_) {
     if (n_missing > 0)

@@ -13,6 +13,7 @@
 #include "core/bus/messages/keyframe_channel.h"
 #include "core/bus/messages/map_channel.h"
 #include "core/geometry/rectifier.h"
+#include "core/ids/ids.h"
 #include "core/map/vertical.h"
 #include "core/process/process.h"
 #include "dense_process/body_mask.h"
@@ -60,7 +61,7 @@ class DenseNode {
   void OnMask(const mask_t& message);
   void OnKeyframe(const Keyframe& keyframe);
   void OnMap(const MapUpdate& update);
-  void FollowMap(int64_t map_instance);
+  void FollowMap(MapId map_instance);
   void OnStatus(const status_t& message);
   void OnStream(const stream_t& message);
   void OnCommand(const command_t& message);
@@ -82,15 +83,14 @@ class DenseNode {
   DenseOptions options_;
   std::optional<Camera> camera_;
   std::optional<DenseMap> map_;
-  int64_t map_instance_ = 0;  ///< of the newest update
+  MapId map_instance_;  ///< of the newest update
   /// Newest images, pixels of moving bodies, and masks of a detector, by frame.
   std::map<int64_t, StereoImages> frames_;
   std::map<int64_t, BodyPixels> bodies_;
   std::map<int64_t, FrameMask> masks_;
-  std::map<KeyframeName, Waiting> waiting_;
-  CommittedKeyframes committed_;
+  std::map<KeyframeFrame, Waiting> waiting_;
   /// Session and number of the newest keyframe.
-  std::optional<std::pair<int64_t, int64_t>> newest_;
+  std::optional<KeyframeName> newest_;
   bool vo_finished_ = false;
   bool ended_ = false;
   bool dirty_ = false;

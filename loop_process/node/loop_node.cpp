@@ -65,7 +65,7 @@ void LoopNode::OnUpdate(MapUpdate update) {
 
 void LoopNode::OnStatus(const status_t& message) {
   // Without a map everything waits.
-  if (has_camera_) Queue(SignOfLife{message.header.source});
+  if (has_camera_) Queue(SignOfLife{SourceId(message.header.source)});
 }
 
 /// If the worker is far behind, this blocks the thread of the bus, which then accepts no more: publishers keep their
@@ -127,7 +127,7 @@ LoopService::Output LoopNode::Handle(const Arrival& arrival) {
     const std::optional<Keyframe> local = KeyframeInCamera(map_camera_, *keyframe);
     if (!local) return {};
     LoopService::Output output = service_->OnKeyframe(*local);
-    if (keyframe->keyframe_id % kFilesEvery == 0) MoveOldToFiles();
+    if (keyframe->name.number % kFilesEvery == 0) MoveOldToFiles();
     return output;
   }
   if (const auto* update = std::get_if<MapUpdate>(&arrival)) return Follow(*update);
@@ -188,8 +188,8 @@ void LoopNode::Send(LoopService::Output output) {
 }
 
 void LoopNode::Count(const LoopClosure& closure) {
-  if (closure.session_keyframe_id == 0) process_.SetState(process_state::kRunning);
-  process_.SetCounter("loop.keyframes", static_cast<double>(service_->replica().map().keyframes().size()));
+  if (closure.keyframe.number == 0) process_.SetState(process_state::kRunning);
+  process_.SetCounter("loop.keyframes", static_cast<double>(service_->follower().map().keyframes().size()));
   process_.SetCounter("loop.detect_ms", closure.detect_ms);
   if (closure.kind != LoopClosure::Kind::kLoop) return;
   process_.SetCounter("loops", static_cast<double>(++n_loops_));

@@ -44,7 +44,7 @@ class LoopNode {
     Keyframe frame;
   };
   struct SignOfLife {
-    int64_t source = 0;
+    SourceId source;
   };
   using Arrival = std::variant<Keyframe, MapUpdate, RelocalisationRequest, SignOfLife, LoopClosure>;
 

@@ -98,21 +98,19 @@ std::string WhyNotOfMap(const LoopClosure& closure, const GivenNames& given, con
 
 namespace {
 
-using Name = std::pair<int64_t, int64_t>;
-
 /// Maps keyframe ids of a closure to ids of this map.
 class Ids {
  public:
-  Ids(const std::vector<KeyframeName>& names, const Map& map) {
-    std::map<Name, int64_t> by_name;
-    for (const auto& [id, keyframe] : map.keyframes()) by_name[{keyframe.session, keyframe.session_keyframe_id}] = id;
-    for (const KeyframeName& name : names) {
-      const auto here = by_name.find({name.session, name.session_keyframe_id});
-      if (here != by_name.end()) ids_[name.keyframe_id] = here->second;
+  Ids(const std::vector<NamedKeyframe>& names, const Map& map) {
+    std::map<KeyframeName, int64_t> by_name;
+    for (const auto& [id, keyframe] : map.keyframes()) by_name[keyframe.name] = id;
+    for (const NamedKeyframe& named : names) {
+      const auto here = by_name.find(named.name);
+      if (here != by_name.end()) ids_[named.keyframe_id] = here->second;
       const int64_t id_here = here != by_name.end() ? here->second : -1;
       // A keyframe that was culled has no id here; its id in the closure remains valid unless another keyframe has it.
-      differ_ =
-          differ_ || (id_here != name.keyframe_id && (id_here >= 0 || map.FindKeyframe(name.keyframe_id) != nullptr));
+      differ_ = differ_ ||
+                (id_here != named.keyframe_id && (id_here >= 0 || map.FindKeyframe(named.keyframe_id) != nullptr));
     }
   }
 
@@ -155,10 +153,10 @@ LoopClosure InIdsOf(const Map& map, const LoopClosure& closure, MapIds map_ids) 
   }
   std::sort(translated.poses.begin(), translated.poses.end(),
             [](const CorrectedPose& a, const CorrectedPose& b) { return a.keyframe_id < b.keyframe_id; });
-  for (KeyframeName& name : translated.names) name.keyframe_id = ids.Here(name.keyframe_id).value_or(-1);
-  std::erase_if(translated.names, [](const KeyframeName& name) { return name.keyframe_id < 0; });
+  for (NamedKeyframe& named : translated.names) named.keyframe_id = ids.Here(named.keyframe_id).value_or(-1);
+  std::erase_if(translated.names, [](const NamedKeyframe& named) { return named.keyframe_id < 0; });
   std::sort(translated.names.begin(), translated.names.end(),
-            [](const KeyframeName& a, const KeyframeName& b) { return a.keyframe_id < b.keyframe_id; });
+            [](const NamedKeyframe& a, const NamedKeyframe& b) { return a.keyframe_id < b.keyframe_id; });
   translated.points.clear();
   translated.lines.clear();
   translated.map_version = 0;

@@ -18,11 +18,10 @@ struct Substitute {
 /// Returns the keyframe of the session with the nearest number; keyframes near in space may belong to the other end.
 const MapKeyframe* NextInSession(const KeyframeName& culled, const Map& map) {
   const MapKeyframe* next = nullptr;
-  const auto steps = [&](const MapKeyframe& keyframe) {
-    return std::abs(keyframe.session_keyframe_id - culled.session_keyframe_id);
-  };
+  const auto steps = [&](const MapKeyframe& keyframe) { return std::abs(keyframe.name.number - culled.number); };
   for (const auto& [id, keyframe] : map.keyframes()) {
-    if (keyframe.session == culled.session && (next == nullptr || steps(keyframe) < steps(*next))) next = &keyframe;
+    if (keyframe.name.session == culled.session && (next == nullptr || steps(keyframe) < steps(*next)))
+      next = &keyframe;
   }
   return next;
 }
@@ -30,9 +29,9 @@ const MapKeyframe* NextInSession(const KeyframeName& culled, const Map& map) {
 std::optional<Substitute> SubstituteOf(int64_t culled_id, const LoopClosure& closure, const Map& map) {
   const auto is_it = [culled_id](const auto& of) { return of.keyframe_id == culled_id; };
   const auto pose = std::find_if(closure.poses.begin(), closure.poses.end(), is_it);
-  const auto name = std::find_if(closure.names.begin(), closure.names.end(), is_it);
-  if (pose == closure.poses.end() || name == closure.names.end()) return std::nullopt;
-  const MapKeyframe* next = NextInSession(*name, map);
+  const auto named = std::find_if(closure.names.begin(), closure.names.end(), is_it);
+  if (pose == closure.poses.end() || named == closure.names.end()) return std::nullopt;
+  const MapKeyframe* next = NextInSession(named->name, map);
   if (next == nullptr) return std::nullopt;
   return Substitute{next->id, next->T_w_kf.Inverse() * pose->T_w_kf};
 }

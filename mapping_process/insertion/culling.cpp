@@ -63,7 +63,7 @@ void BridgeOver(int64_t id, Map& map) {
 
 }  // namespace
 
-void RecentLandmarks::Begin(const NewLandmarks& landmarks, int64_t session) {
+void RecentLandmarks::Begin(const NewLandmarks& landmarks, SessionId session) {
   Session& of = sessions_[session];
   of.by_keyframe[++of.begun] = landmarks;
 }

@@ -5,6 +5,7 @@
 #include <map>
 #include <vector>
 
+#include "core/ids/ids.h"
 #include "core/map/landmark_types.h"
 #include "mapping_process/insertion/landmark_creation.h"
 #include "mapping_process/options.h"
@@ -16,7 +17,7 @@ namespace plslam::mapping {
 class RecentLandmarks {
  public:
   /// Adds landmarks created with the next keyframe of the session.
-  void Begin(const NewLandmarks& landmarks, int64_t session);
+  void Begin(const NewLandmarks& landmarks, SessionId session);
 
   /// Finishes the checks that are due: removes landmarks seen by too few keyframes.
   void Cull(const CullingOptions& options, Map& map);
@@ -36,7 +37,7 @@ class RecentLandmarks {
       a(self.begun, self.by_keyframe);
     }
   };
-  std::map<int64_t, Session> sessions_;
+  std::map<SessionId, Session> sessions_;
 };
 
 /// Removes a keyframe and its features, and connects its successor in the session with its predecessor.

@@ -28,9 +28,9 @@ constexpr double kWellShared = 0.25;
 // Whether a session begins among keyframes of another one: only landmarks connect them, no motion.
 bool IsSeam(std::span<const int64_t> keyframes, const Map& map) {
   const MapKeyframe& newest = *map.FindKeyframe(keyframes.front());
-  return newest.session_keyframe_id < kSeamKeyframes &&
-         std::any_of(keyframes.begin(), keyframes.end(),
-                     [&](int64_t id) { return map.FindKeyframe(id)->session != newest.session; });
+  return newest.name.number < kSeamKeyframes && std::any_of(keyframes.begin(), keyframes.end(), [&](int64_t id) {
+           return map.FindKeyframe(id)->name.session != newest.name.session;
+         });
 }
 
 // Landmarks that at least two keyframes observe, one of them free. If they, or their observations in a window of this

@@ -66,16 +66,16 @@ bool IsSeenFrom(const Eigen::Vector3d& centre_w, const Landmark& landmark, const
 // landmarks are no criterion, because a place that has changed has none.
 std::vector<int64_t> EarlierHere(const MapKeyframe& keyframe, const Visits& visits, const Map& map) {
   static const double kLeastCosine = std::cos(kSameDirection_deg * kRadPerDeg);
-  std::set<int64_t> sessions{keyframe.session};
+  std::set<SessionId> sessions{keyframe.name.session};
   for (const Map::Neighbour& neighbour : map.Neighbours(keyframe.id, kConnected)) {
-    sessions.insert(map.FindKeyframe(neighbour.keyframe_id)->session);
+    sessions.insert(map.FindKeyframe(neighbour.keyframe_id)->name.session);
   }
   const double near_m = visits.Near_m(keyframe);
   std::vector<int64_t> earlier;
   for (const auto& [id, other] : map.keyframes()) {
     if ((other.T_w_kf.translation() - keyframe.T_w_kf.translation()).norm() > near_m) continue;
     if (other.T_w_kf.R().col(2).dot(keyframe.T_w_kf.R().col(2)) < kLeastCosine) continue;
-    if (sessions.contains(other.session) && visits.IsBefore(other, keyframe)) earlier.push_back(id);
+    if (sessions.contains(other.name.session) && visits.IsBefore(other, keyframe)) earlier.push_back(id);
   }
   return earlier;
 }
@@ -145,7 +145,7 @@ void MissedLandmarks::Update(const std::vector<int64_t>& missed, const MapKeyfra
     if (Type::Find(map, id)->observations.back().keyframe_id > entry.newest.keyframe_id) entry = {};
     const bool is_new = entry.visits == 0 || visits.IsBefore(entry.newest, visits.Near_m(keyframe), keyframe);
     if (is_new) ++entry.visits;
-    if (is_new || entry.newest.session == keyframe.session) entry.newest = now;
+    if (is_new || entry.newest.session == keyframe.name.session) entry.newest = now;
     if (entry.visits < kVisits) continue;
     table.erase(id);
     Type::Remove(id, map);

@@ -33,7 +33,7 @@ std::vector<int64_t> AssociationsOf(size_t n, const std::vector<int64_t>& given,
 
 const TrackerLandmarks::Session& TrackerLandmarks::SessionOf(const Keyframe& keyframe) const {
   static const Session kNone;
-  const auto known = sessions_.find(keyframe.session);
+  const auto known = sessions_.find(keyframe.name.session);
   return known == sessions_.end() ? kNone : known->second;
 }
 
@@ -69,10 +69,10 @@ Association TrackerLandmarks::Given(const Keyframe& keyframe, const Map& map) {
 }
 
 void TrackerLandmarks::Learn(const Keyframe& keyframe, const Map::FeatureLandmarks& shown) {
-  Session& session = sessions_[keyframe.session];
+  Session& session = sessions_[keyframe.name.session];
   session.learned = ++n_learned_;
-  session.points.Learn(keyframe.point_landmark_ids, shown.points, keyframe.keyframe_id);
-  session.lines.Learn(keyframe.line_landmark_ids, shown.lines, keyframe.keyframe_id);
+  session.points.Learn(keyframe.point_landmark_ids, shown.points, keyframe.name.number);
+  session.lines.Learn(keyframe.line_landmark_ids, shown.lines, keyframe.name.number);
   ForgetSessions();
 }
 

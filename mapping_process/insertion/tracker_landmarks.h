@@ -5,6 +5,7 @@
 #include <map>
 #include <vector>
 
+#include "core/ids/ids.h"
 #include "core/localisation/local_map.h"
 #include "core/map/keyframe.h"
 
@@ -76,7 +77,7 @@ class TrackerLandmarks {
   void ForgetSessions();
 
   /// By session, because several robots may be active.
-  std::map<int64_t, Session> sessions_;
+  std::map<SessionId, Session> sessions_;
   int64_t n_learned_ = 0;
 };
 

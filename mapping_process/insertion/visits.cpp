@@ -19,12 +19,12 @@ double Visits::Session::Near_m() const {
 }
 
 double Visits::Near_m(const MapKeyframe& keyframe) const {
-  const auto session = sessions_.find(keyframe.session);
+  const auto session = sessions_.find(keyframe.name.session);
   return session == sessions_.end() ? 0.0 : session->second.Near_m();
 }
 
 void Visits::Add(const MapKeyframe& keyframe) {
-  Session& session = sessions_[keyframe.session];
+  Session& session = sessions_[keyframe.name.session];
   if (session.first_id < 0) session.first_id = keyframe.id;
   if (keyframe.previous_id >= 0) {
     session.travelled_m += keyframe.T_prevkf_kf.translation().norm();
@@ -47,8 +47,8 @@ void Visits::Remove(int64_t keyframe_id) {
 }
 
 Visits::Moment Visits::MomentOf(const MapKeyframe& keyframe) const {
-  Moment moment{keyframe.session, keyframe.id, 0.0};
-  const auto session = sessions_.find(keyframe.session);
+  Moment moment{keyframe.name.session, keyframe.id, 0.0};
+  const auto session = sessions_.find(keyframe.name.session);
   if (session == sessions_.end()) return moment;
   const auto travelled = session->second.by_keyframe_m.find(keyframe.id);
   if (travelled != session->second.by_keyframe_m.end()) moment.travelled_m = travelled->second;
@@ -57,11 +57,11 @@ Visits::Moment Visits::MomentOf(const MapKeyframe& keyframe) const {
 
 bool Visits::IsBefore(const Moment& earlier, double distance_m, const MapKeyframe& keyframe) const {
   if (earlier.keyframe_id >= keyframe.id) return false;
-  const auto session = sessions_.find(keyframe.session);
+  const auto session = sessions_.find(keyframe.name.session);
   if (session == sessions_.end() || keyframe.id < session->second.first_id)
-    return earlier.session != keyframe.session;
+    return earlier.session != keyframe.name.session;
   if (earlier.keyframe_id < session->second.first_id) return true;
-  if (earlier.session != keyframe.session) return false;
+  if (earlier.session != keyframe.name.session) return false;
   const double path_m = MomentOf(keyframe).travelled_m - earlier.travelled_m;
   return path_m > distance_m + kAway * session->second.Near_m();
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 
+#include "core/ids/ids.h"
 #include "core/map/map.h"
 
 namespace plslam::mapping {
@@ -19,7 +20,7 @@ class Visits {
  public:
   /// A keyframe on the path of its session.
   struct Moment {
-    int64_t session = 0;
+    SessionId session;
     int64_t keyframe_id = -1;
     double travelled_m = 0.0;
 
@@ -66,7 +67,7 @@ class Visits {
   void ForgetSessions();
 
   /// The newest `kRunningSessions`.
-  std::map<int64_t, Session> sessions_;
+  std::map<SessionId, Session> sessions_;
 };
 
 }  // namespace plslam::mapping

@@ -12,12 +12,11 @@ Keyframe KeyframeOf(const MapKeyframe& entry, const FeaturesView& features, cons
                     const Map& map) {
   Keyframe keyframe;
   keyframe.camera = CameraOf(features, camera);
-  keyframe.session = entry.session;
+  keyframe.name = entry.name;
   keyframe.t_ns = entry.t_ns;
-  keyframe.keyframe_id = entry.session_keyframe_id;
   keyframe.frame_id = entry.frame_id;
   const MapKeyframe* previous = map.FindKeyframe(entry.previous_id);
-  if (previous != nullptr) keyframe.previous_keyframe_id = previous->session_keyframe_id;
+  if (previous != nullptr) keyframe.previous_keyframe_id = previous->name.number;
   keyframe.T_prevkf_kf = entry.T_prevkf_kf;
   keyframe.covariance = entry.relative_covariance;
   keyframe.T_odom_kf = entry.T_odom_kf;
@@ -26,18 +25,18 @@ Keyframe KeyframeOf(const MapKeyframe& entry, const FeaturesView& features, cons
   return keyframe;
 }
 
-void KeyframeQueue::Restore(const std::map<int64_t, int64_t>& newest_by_session) {
+void KeyframeQueue::Restore(const std::map<SessionId, int64_t>& newest_by_session) {
   for (const auto& [session, newest] : newest_by_session) sessions_[session].next = newest + 1;
 }
 
 bool KeyframeQueue::Add(const Keyframe& keyframe, double now_ms) {
-  if (keyframe.keyframe_id > kLast) return false;
-  Session& session = sessions_[keyframe.session];
-  if (keyframe.keyframe_id < session.next) return false;
-  if (!session.waiting.try_emplace(keyframe.keyframe_id, Arrived{keyframe, now_ms}).second) return false;
-  std::vector<int64_t>& published = published_[keyframe.source];
-  if (std::find(published.begin(), published.end(), keyframe.session) == published.end())
-    published.push_back(keyframe.session);
+  if (keyframe.name.number > kLast) return false;
+  Session& session = sessions_[keyframe.name.session];
+  if (keyframe.name.number < session.next) return false;
+  if (!session.waiting.try_emplace(keyframe.name.number, Arrived{keyframe, now_ms}).second) return false;
+  std::vector<SessionId>& published = published_[keyframe.source];
+  if (std::find(published.begin(), published.end(), keyframe.name.session) == published.end())
+    published.push_back(keyframe.name.session);
   return true;
 }
 
@@ -47,10 +46,10 @@ bool KeyframeQueue::IsReady(const Session& session, double now_ms) {
 }
 
 /// Returns the sessions that wait for another one of the same publisher, ascending.
-std::vector<int64_t> KeyframeQueue::Held() const {
-  std::vector<int64_t> held;
+std::vector<SessionId> KeyframeQueue::Held() const {
+  std::vector<SessionId> held;
   for (const auto& [publisher, published] : published_) {
-    const auto waits = [this](int64_t session) { return !sessions_.at(session).waiting.empty(); };
+    const auto waits = [this](SessionId session) { return !sessions_.at(session).waiting.empty(); };
     const auto first = std::find_if(published.begin(), published.end(), waits);
     if (first != published.end()) held.insert(held.end(), first + 1, published.end());
   }
@@ -58,20 +57,20 @@ std::vector<int64_t> KeyframeQueue::Held() const {
   return held;
 }
 
-std::optional<int64_t> KeyframeQueue::NextSession(double now_ms) const {
-  const std::vector<int64_t> held = Held();
-  std::optional<int64_t> next;
-  std::optional<int64_t> next_of_held;
+std::optional<SessionId> KeyframeQueue::NextSession(double now_ms) const {
+  const std::vector<SessionId> held = Held();
+  std::optional<SessionId> next;
+  std::optional<SessionId> next_of_held;
   bool all_held = true;
-  const auto is_older = [this](int64_t session, const std::optional<int64_t>& other) {
-    const auto t_ns = [this](int64_t of) { return sessions_.at(of).waiting.begin()->second.keyframe.t_ns; };
+  const auto is_older = [this](SessionId session, const std::optional<SessionId>& other) {
+    const auto t_ns = [this](SessionId of) { return sessions_.at(of).waiting.begin()->second.keyframe.t_ns; };
     return !other || t_ns(session) < t_ns(*other);
   };
   for (const auto& [id, session] : sessions_) {
     if (session.waiting.empty()) continue;
     const bool is_held = std::binary_search(held.begin(), held.end(), id);
     all_held = all_held && is_held;
-    std::optional<int64_t>& candidate = is_held ? next_of_held : next;
+    std::optional<SessionId>& candidate = is_held ? next_of_held : next;
     if (IsReady(session, now_ms) && is_older(id, candidate)) candidate = id;
   }
   // If publishers name sessions in contradictory orders, all are held: ignore the order then.

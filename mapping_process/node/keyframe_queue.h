@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/ids/ids.h"
 #include "core/map/keyframe.h"
 #include "core/map/map.h"
 
@@ -41,7 +42,7 @@ class KeyframeQueue {
   };
 
   /// Sets the newest keyframe taken of each session.
-  void Restore(const std::map<int64_t, int64_t>& newest_by_session);
+  void Restore(const std::map<SessionId, int64_t>& newest_by_session);
 
   /// Returns false for a keyframe that was added before, or with an impossible number (beyond `kLast`).
   bool Add(const Keyframe& keyframe, double now_ms);
@@ -61,12 +62,12 @@ class KeyframeQueue {
   };
 
   static bool IsReady(const Session& session, double now_ms);
-  std::vector<int64_t> Held() const;
-  std::optional<int64_t> NextSession(double now_ms) const;
+  std::vector<SessionId> Held() const;
+  std::optional<SessionId> NextSession(double now_ms) const;
 
-  std::map<int64_t, Session> sessions_;
+  std::map<SessionId, Session> sessions_;
   /// By publisher: sessions in the order of their first keyframes.
-  std::map<int64_t, std::vector<int64_t>> published_;
+  std::map<SourceId, std::vector<SessionId>> published_;
 };
 
 }  // namespace plslam::mapping

@@ -42,7 +42,7 @@ constexpr int kClosureKinds = 3;
 void CheckIsOlderState(const std::string& path, const Mapper& mapper) {
   if (!std::filesystem::exists(path)) return;
   const char* const remedy = "give another name, or --force to replace it";
-  std::map<int64_t, StoredSession> sessions;
+  std::map<SessionId, StoredSession> sessions;
   try {
     sessions = ReadMapFile(path).sessions;
   } catch (const std::exception&) {
@@ -53,8 +53,8 @@ void CheckIsOlderState(const std::string& path, const Mapper& mapper) {
 }
 
 /// Returns the newest keyframe number of each session.
-std::map<int64_t, int64_t> NewestBySession(const StoredMap& stored) {
-  std::map<int64_t, int64_t> newest;
+std::map<SessionId, int64_t> NewestBySession(const StoredMap& stored) {
+  std::map<SessionId, int64_t> newest;
   for (const auto& [id, session] : stored.sessions) newest[id] = session.session_keyframe_id;
   return newest;
 }
@@ -86,7 +86,8 @@ MappingNode::MappingNode(bus::Process& process, const MappingOptions& options)
     AdoptStored(*stored_);
   }
   // Without a file the process that replaces this one would reject the keyframes of the history.
-  if (!restored_ && !options_.state_file.empty()) map_instance_ = BeginningInstance(process_.bus().source());
+  if (!restored_ && !options_.state_file.empty())
+    map_instance_ = BeginningInstance(SourceId(process_.bus().source()));
   worker_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { WorkUntilStopped(); }); });
 }
 
@@ -112,13 +113,13 @@ void MappingNode::OnCamera(const RigCalibration& rig) {
 }
 
 void MappingNode::OnKeyframe(const Keyframe& keyframe) {
-  if (keyframe.source == process_.bus().source()) return;  // our own, of a loaded map
+  if (keyframe.source == SourceId(process_.bus().source())) return;  // our own, of a loaded map
   Queue([&] {
-    if (!BelongsTo(keyframe.map_instance, map_instance_)) {
+    if (!BelongsTo(keyframe, map_instance_)) {
       process_.SetCounter("keyframes.other_map", static_cast<double>(++n_other_map_));
       // Its tracker does not know yet that there is another map.
       static constexpr size_t kMostSessions = 64;
-      if (refused_sessions_.size() < kMostSessions && refused_sessions_.insert(keyframe.session).second) {
+      if (refused_sessions_.size() < kMostSessions && refused_sessions_.insert(keyframe.name.session).second) {
         queue_.AskForWhole();
       }
       return;
@@ -340,7 +341,7 @@ bool MappingNode::InsertOne(const Keyframe& keyframe, std::string* reason) {
     return mapper_->Insert(*local, reason);
   *reason = fmt::format(
       "keyframe {} of session {}: its camera ({} px, {} m) differs too much from that of the map ({} px, {} m)",
-      keyframe.keyframe_id, keyframe.session, keyframe.camera.f_px, keyframe.camera.baseline_m,
+      keyframe.name.number, keyframe.name.session, keyframe.camera.f_px, keyframe.camera.baseline_m,
       mapper_->camera().f_px, mapper_->camera().baseline_m);
   return false;
 }
@@ -348,7 +349,7 @@ bool MappingNode::InsertOne(const Keyframe& keyframe, std::string* reason) {
 void MappingNode::WarnOfMissing(const WorkQueue::Arrived& arrived) {
   if (arrived.missing == 0) return;
   LogWarning("session {}: {} keyframes before number {} are missing; continuing without them",
-             arrived.keyframe.session, arrived.missing, arrived.keyframe.keyframe_id);
+             arrived.keyframe.name.session, arrived.missing, arrived.keyframe.name.number);
   process_.SetCounter("keyframes.missing", static_cast<double>(n_missing_ += arrived.missing));
 }
 
@@ -372,7 +373,7 @@ void MappingNode::Correct(const Work& work) {
 /// Re-expresses a closure of the map of another mapping_process, whose versions do not apply. A map rebuilt in lockstep
 /// has the same ids; a live one, in which timing decides what is inserted together, has other landmark ids.
 LoopClosure MappingNode::OfThisMap(const Work& work) const {
-  if (work.closure.map_source == process_.bus().source()) return InIdsOf(mapper_->map(), work.closure);
+  if (work.closure.map_source == SourceId(process_.bus().source())) return InIdsOf(mapper_->map(), work.closure);
   LoopClosure closure = InIdsOf(mapper_->map(), work.closure, work.lockstep ? MapIds::kPerhapsSame : MapIds::kOthers);
   closure.map_version = 0;
   return closure;
@@ -380,7 +381,7 @@ LoopClosure MappingNode::OfThisMap(const Work& work) const {
 
 /// Publishes the answer with the next update, and with each one after it.
 void MappingNode::Answer(const LoopClosure& loop, bool accepted) {
-  answer_ = {loop.session, loop.session_keyframe_id, loop.map_version, accepted};
+  answer_ = {loop.keyframe, loop.map_version, accepted};
 }
 
 void MappingNode::PublishWhole() {
@@ -511,10 +512,10 @@ void MappingNode::ReadState() {
   map_instance_ = state_->map_instance;
   const std::lock_guard lock(mutex_);
   const StoredMap& stored = state_->stored;
-  WorkQueue::Newest newest{stored.newest_session, -1, state_->lockstep != 0, state_->committed != 0, {}};
+  WorkQueue::Newest newest{{.session = stored.newest_session}, state_->lockstep != 0, state_->committed != 0, {}};
   const auto session = stored.sessions.find(stored.newest_session);
   if (session == stored.sessions.end()) newest.committed = true;
-  if (session != stored.sessions.end()) newest.keyframe_id = session->second.session_keyframe_id;
+  if (session != stored.sessions.end()) newest.keyframe.number = session->second.session_keyframe_id;
   for (int kind = 0; kind < kClosureKinds; ++kind) {
     if ((state_->closures >> kind & 1) != 0) newest.taken.insert(static_cast<LoopClosure::Kind>(kind));
   }

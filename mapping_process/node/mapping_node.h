@@ -17,6 +17,7 @@
 #include "core/bus/messages/keyframe_channel.h"
 #include "core/bus/messages/loop_channel.h"
 #include "core/bus/messages/map_channel.h"
+#include "core/ids/ids.h"
 #include "core/process/process.h"
 #include "mapping_process/mapper.h"
 #include "mapping_process/node/work_queue.h"
@@ -99,14 +100,14 @@ class MappingNode {
 
   // On the thread of the bus.
   std::atomic<int64_t> n_other_map_ = 0;
-  std::set<int64_t> refused_sessions_;  // of keyframes of another map
+  std::set<SessionId> refused_sessions_;  // of keyframes of another map
 
   // Shared with the worker.
   std::mutex mutex_;
   std::condition_variable changed_;
   WorkQueue queue_;
   /// `Mapper`'s; keyframes for another map are ignored.
-  int64_t map_instance_ = 0;
+  MapId map_instance_;
   /// Camera with which the map begins.
   std::optional<StereoCamera> camera_;
   bool stopping_ = false;

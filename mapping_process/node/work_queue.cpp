@@ -18,19 +18,19 @@ size_t PartsOf(const LoopClosure& closure) {
 
 }  // namespace
 
-void WorkQueue::Restore(const std::map<int64_t, int64_t>& newest_by_session, int64_t newest_session) {
+void WorkQueue::Restore(const std::map<SessionId, int64_t>& newest_by_session, SessionId newest_session) {
   restored_ = inserted_ = newest_by_session;
   keyframes_.Restore(newest_by_session);
   const auto newest = inserted_.find(newest_session);
-  if (newest != inserted_.end()) newest_ = {newest_session, newest->second, false, true, {}};
+  if (newest != inserted_.end()) newest_ = {{newest_session, newest->second}, false, true, {}};
 }
 
-void WorkQueue::Restore(const std::map<int64_t, int64_t>& newest_by_session, const Newest& newest, double now_s) {
-  Restore(newest_by_session, newest.session);
+void WorkQueue::Restore(const std::map<SessionId, int64_t>& newest_by_session, const Newest& newest, double now_s) {
+  Restore(newest_by_session, newest.keyframe.session);
   if (newest.committed) return;
   newest_ = newest;
-  --restored_[newest.session];
-  if (awaits_loops_) wait_.Begin(newest.keyframe_id, now_s);
+  --restored_[newest.keyframe.session];
+  if (awaits_loops_) wait_.Begin(newest.keyframe.number, now_s);
 }
 
 bool WorkQueue::IsLockstep(double now_s) const {
@@ -38,7 +38,7 @@ bool WorkQueue::IsLockstep(double now_s) const {
   return newest_.lockstep || (next != nullptr && next->lockstep);
 }
 
-void WorkQueue::Reset(const std::map<int64_t, int64_t>& newest_by_session, int64_t newest_session) {
+void WorkQueue::Reset(const std::map<SessionId, int64_t>& newest_by_session, SessionId newest_session) {
   WorkQueue next(awaits_loops_, wait_.wait_s(), state_every_);
   next.wait_ = wait_;
   next.wait_.End();
@@ -50,8 +50,8 @@ void WorkQueue::Reset(const std::map<int64_t, int64_t>& newest_by_session, int64
 
 void WorkQueue::Add(const LoopClosure& closure) {
   if (!awaits_loops_) return;
-  const auto restored = restored_.find(closure.session);
-  if (restored != restored_.end() && closure.session_keyframe_id <= restored->second) return;
+  const auto restored = restored_.find(closure.keyframe.session);
+  if (restored != restored_.end() && closure.keyframe.number <= restored->second) return;
   // Resent for a loop_process that has exited: one keyframe may have several closures, each of another map version.
   if (!answers_.insert(AnswerOf(closure)).second) return;
   closures_.push_back(closure);
@@ -60,8 +60,7 @@ void WorkQueue::Add(const LoopClosure& closure) {
 }
 
 WorkQueue::Answer WorkQueue::AnswerOf(const LoopClosure& closure) {
-  return {closure.session, closure.session_keyframe_id, closure.map_source, closure.map_version,
-          static_cast<int>(closure.kind)};
+  return {closure.keyframe, closure.map_source, closure.map_version, closure.kind};
 }
 
 /// Drops the oldest closure whose keyframe has not arrived; it may be resent.
@@ -124,17 +123,18 @@ bool WorkQueue::IsStateDue(double now_s) const {
   if (inserted_since_state_ >= state_every_) return true;
   const Keyframe* next = keyframes_.Next(kMsPerS * now_s);
   if (next == nullptr) return false;
-  const auto publisher = publishers_.find(next->session);
-  return !inserted_.contains(next->session) || (publisher != publishers_.end() && publisher->second != next->source);
+  const auto publisher = publishers_.find(next->name.session);
+  return !inserted_.contains(next->name.session) ||
+         (publisher != publishers_.end() && publisher->second != next->source);
 }
 
 void WorkQueue::Inserted(const Keyframe& keyframe, int count, double now_s) {
   inserted_since_state_ += count;
-  inserted_[keyframe.session] = keyframe.keyframe_id;
-  publishers_[keyframe.session] = keyframe.source;
-  newest_ = {keyframe.session, keyframe.keyframe_id, keyframe.lockstep, false, {}};
+  inserted_[keyframe.name.session] = keyframe.name.number;
+  publishers_[keyframe.name.session] = keyframe.source;
+  newest_ = {keyframe.name, keyframe.lockstep, false, {}};
   wait_.End();
-  if (awaits_loops_) wait_.Begin(keyframe.keyframe_id, now_s);
+  if (awaits_loops_) wait_.Begin(keyframe.name.number, now_s);
 }
 
 bool WorkQueue::Refused() {
@@ -143,13 +143,11 @@ bool WorkQueue::Refused() {
 }
 
 bool WorkQueue::IsInserted(const LoopClosure& closure) const {
-  const auto session = inserted_.find(closure.session);
-  return session != inserted_.end() && session->second >= closure.session_keyframe_id;
+  const auto session = inserted_.find(closure.keyframe.session);
+  return session != inserted_.end() && session->second >= closure.keyframe.number;
 }
 
-bool WorkQueue::IsAboutNewest(const LoopClosure& closure) const {
-  return closure.session == newest_.session && closure.session_keyframe_id == newest_.keyframe_id;
-}
+bool WorkQueue::IsAboutNewest(const LoopClosure& closure) const { return closure.keyframe == newest_.keyframe; }
 
 std::optional<WorkQueue::Work> WorkQueue::TakeClosure(double now_s) {
   for (;;) {
@@ -178,7 +176,7 @@ std::optional<WorkQueue::Work> WorkQueue::TakeClosure(double now_s) {
       newest_.committed = true;
       wait_.End();
     } else if (IsAboutNewest(work.closure)) {
-      wait_.Begin(newest_.keyframe_id, now_s);
+      wait_.Begin(newest_.keyframe.number, now_s);
     }
     return work;
   }
@@ -190,7 +188,7 @@ std::vector<WorkQueue::Arrived> WorkQueue::TakeKeyframes(double now_s) {
   while (const Keyframe* next = keyframes_.Next(now_ms)) {
     const bool lockstep = next->lockstep;
     // An update names the newest keyframe of one session, for its tracker.
-    const bool same = taken.empty() || next->session == taken.front().keyframe.session;
+    const bool same = taken.empty() || next->name.session == taken.front().keyframe.name.session;
     if (!same || (lockstep && !taken.empty())) break;
     taken.push_back(*keyframes_.Take(now_ms));
     if (lockstep) break;

@@ -10,6 +10,7 @@
 #include <tuple>
 #include <vector>
 
+#include "core/ids/ids.h"
 #include "core/map/keyframe.h"
 #include "core/map/loop_closure.h"
 #include "core/process/order.h"
@@ -64,17 +65,16 @@ class WorkQueue {
 
   /// The newest keyframe in the map, and whether its closures are still awaited; a restarted process continues from it.
   struct Newest {
-    int64_t session = 0;
-    int64_t keyframe_id = -1;
+    KeyframeName keyframe;
     bool lockstep = false;
     bool committed = true;
     std::set<LoopClosure::Kind> taken;  ///< closures about it
   };
 
   /// Sets the newest keyframe of each session in the map. All of them are committed.
-  void Restore(const std::map<int64_t, int64_t>& newest_by_session, int64_t newest_session);
+  void Restore(const std::map<SessionId, int64_t>& newest_by_session, SessionId newest_session);
   /// The same; closures about `newest` are still accepted if it is not committed.
-  void Restore(const std::map<int64_t, int64_t>& newest_by_session, const Newest& newest, double now_s);
+  void Restore(const std::map<SessionId, int64_t>& newest_by_session, const Newest& newest, double now_s);
   const Newest& newest() const { return newest_; }
   /// Returns whether lockstep keyframes are next; otherwise all that have arrived can be inserted before a stop.
   bool IsLockstep(double now_s) const;
@@ -90,7 +90,7 @@ class WorkQueue {
   void Add(const bus::Order& order) { orders_.push_back(order); }
 
   /// Another map has replaced this one: keyframes and closures of the old one are dropped.
-  void Reset(const std::map<int64_t, int64_t>& newest_by_session, int64_t newest_session);
+  void Reset(const std::map<SessionId, int64_t>& newest_by_session, SessionId newest_session);
 
   /// loop_process is alive.
   void OnSignOfLife(double now_s) { wait_.OnSignOfLife(now_s); }
@@ -115,8 +115,8 @@ class WorkQueue {
   size_t n_waiting() const { return keyframes_.size() + closures_.size(); }
 
  private:
-  /// Session, keyframe, publisher and version of the map, and kind of a closure.
-  using Answer = std::tuple<int64_t, int64_t, int64_t, int64_t, int>;
+  /// Keyframe, publisher and version of the map, and kind of a closure.
+  using Answer = std::tuple<KeyframeName, SourceId, int64_t, LoopClosure::Kind>;
 
   static Answer AnswerOf(const LoopClosure& closure);
   void DropOldest();
@@ -136,12 +136,12 @@ class WorkQueue {
   /// Whether no keyframes were waiting at some time since the start.
   bool caught_up_ = false;
   /// Newest keyframe in the map, by session.
-  std::map<int64_t, int64_t> inserted_;
+  std::map<SessionId, int64_t> inserted_;
   Newest newest_;
   /// The same at the time of `Restore`.
-  std::map<int64_t, int64_t> restored_;
+  std::map<SessionId, int64_t> restored_;
   /// Publisher of the newest keyframe of each session, since then.
-  std::map<int64_t, int64_t> publishers_;
+  std::map<SessionId, SourceId> publishers_;
   std::set<Answer> answers_;
   int state_every_;
   int inserted_since_state_ = 0;

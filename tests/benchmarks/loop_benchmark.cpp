@@ -49,8 +49,8 @@ struct MadeUpMap {
 
   void AddKeyframe(int i, int n) {
     MapKeyframe entry;
-    entry.id = entry.session_keyframe_id = i;
-    entry.session = 1;
+    entry.id = entry.name.number = i;
+    entry.name.session = 1;
     entry.T_w_kf = entry.T_odom_kf = OnCircle(i, n);
     if (i > 0) {
       entry.previous_id = entry.parent_id = i - 1;
@@ -59,8 +59,8 @@ struct MadeUpMap {
     }
     map.Put(entry);
     Keyframe keyframe;
-    keyframe.session = 1;
-    keyframe.keyframe_id = i;
+    keyframe.name.session = 1;
+    keyframe.name.number = i;
     keyframes.push_back(keyframe);
   }
 
@@ -163,7 +163,7 @@ void BM_Check(benchmark::State& state, bool closes) {
   for (auto _ : state) {
     // The keyframe is added again each time, so that it is described each time.
     shown.closer.AddKeyframe(shown.last);
-    benchmark::DoNotOptimize(shown.closer.Check(shown.world.map, 1, shown.last.keyframe_id));
+    benchmark::DoNotOptimize(shown.closer.Check(shown.world.map, shown.last.name));
   }
   const loop::LoopSearch& search = shown.closer.last_search();
   state.counters["looked_at"] = static_cast<double>(search.evidence.size());

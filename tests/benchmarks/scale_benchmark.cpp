@@ -17,6 +17,7 @@
 #include "core/bus/messages/loop_channel.h"
 #include "core/bus/messages/map_pages.h"
 #include "core/io/maps/map_file.h"
+#include "core/map/map_follower.h"
 #include "core/process/process_usage.h"
 #include "loop_process/global_bundle.h"
 #include "loop_process/keyframe_memory.h"
@@ -104,8 +105,8 @@ class MadeUpMap {
 
   void AddKeyframe(int i) {
     MapKeyframe keyframe;
-    keyframe.id = keyframe.session_keyframe_id = keyframe.frame_id = i;
-    keyframe.session = 1;
+    keyframe.id = keyframe.name.number = keyframe.frame_id = i;
+    keyframe.name.session = 1;
     Vector6d sigma;
     sigma << Eigen::Vector3d::Constant(kMotionSigma_m), Eigen::Vector3d::Constant(kMotionSigma_rad);
     if (i == 0) {
@@ -212,7 +213,7 @@ double MegabytesOf(const Pages& pages) {
 }
 
 /// Sends the last update of the mapper to a copy of the map.
-void TellUpdate(mapping::Mapper& mapper, MapReplica& replica) {
+void TellUpdate(mapping::Mapper& mapper, MapFollower& replica) {
   const MapUpdate update = mapper.TakeUpdate();
   std::vector<map_update_t> pages;
   const double cut_ms = Cpu([&] { pages = bus::CutIntoPages(update, 60'000); });
@@ -238,7 +239,7 @@ void Measure(int n) {
   const double encode_ms = Cpu([&] { file_bytes = EncodeMap(stored).size(); });
   Row("map encoded", encode_ms, fmt::format("{:.1f} MB", 1e-6 * static_cast<double>(file_bytes)));
   mapping::Mapper mapper(kCamera, {}, std::move(stored));
-  MapReplica replica;
+  MapFollower replica;
   MapUpdate whole = mapper.Whole();
   whole.base_version = 0;
   Row("whole map taken over by a reader", Cpu([&] { replica.Apply(whole); }),
@@ -251,8 +252,8 @@ void Measure(int n) {
   if (!poses) return fmt::print("  the loop is not believed\n");
   LoopClosure loop;
   loop.kind = LoopClosure::Kind::kLoop;
-  loop.session = 1;
-  loop.session_keyframe_id = n - 1;
+  loop.keyframe.session = 1;
+  loop.keyframe.number = n - 1;
   loop.edges = {edge};
   loop.poses = *poses;
   loop.map_version = mapper.version();
@@ -268,8 +269,8 @@ void Measure(int n) {
       Cpu([&] { problem = loop::MakeGlobalBundleProblem(replica.map(), features, kCamera, {}); });
   Row("global bundle adjustment: problem", problem_ms,
       fmt::format("{} points, {} lines", problem->bundle.points.size(), problem->bundle.lines.size()));
-  problem->session = 1;
-  problem->session_keyframe_id = n - 1;
+  problem->keyframe.session = 1;
+  problem->keyframe.number = n - 1;
   problem->map_version = mapper.version();
   LoopClosure adjusted;
   const double adjust_ms = Cpu([&] { adjusted = loop::AdjustGlobally(*problem, {}, nullptr, &reason); });

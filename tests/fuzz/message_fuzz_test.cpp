@@ -15,6 +15,7 @@
 #include "core/bus/messages/map_pages.h"
 #include "core/bus/transport/wire.h"
 #include "core/datasets/log_dataset.h"
+#include "core/map/map_follower.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/image_strip_t.hpp"
 #include "plslam/keyframe_t.hpp"
@@ -129,7 +130,7 @@ TEST(MessageFuzz, StripsMakeCompleteFramesOrNone) {
 
 TEST(MessageFuzz, KeyframesAreRefusedOrSound) {
   Keyframe keyframe;
-  keyframe.keyframe_id = 3;
+  keyframe.name.number = 3;
   keyframe.camera = {400.0, 320.0, 240.0, 0.12, 640, 480};
   for (int i = 0; i < 30; ++i) {
     keyframe.features.points.emplace_back();
@@ -160,7 +161,7 @@ TEST(MessageFuzz, MapUpdatesAreRefusedOrSound) {
   for (int i = 0; i < 6; ++i) versions.push_back(CutIntoPages(owner.Next(60), 3000));
   Fuzz([&](Random& random) {
     MapUpdateAssembler assembler;
-    MapReplica replica;
+    MapFollower replica;
     for (const auto& pages : versions) {
       for (const map_update_t& page : pages) {
         ByteVector bytes = Encoded(page);
@@ -182,7 +183,7 @@ TEST(MessageFuzz, MapUpdatesAreRefusedOrSound) {
 TEST(MessageFuzz, LoopClosuresAreRefusedOrSound) {
   LoopClosure closure;
   closure.kind = LoopClosure::Kind::kLoop;
-  closure.session_keyframe_id = 40;
+  closure.keyframe.number = 40;
   closure.edges.push_back({1, 40, SE3(), Matrix6d::Identity(), 50, 5});
   for (int64_t i = 0; i < 60; ++i) {
     closure.points.push_back({i, i + 1});

@@ -72,10 +72,10 @@ class Orders : public testing::Test {
     return watcher_.WaitFor([n](const Heard& heard) { return heard.poses.size() >= n; });
   }
 
-  std::set<int64_t> SessionsOf(const std::filesystem::path& map) const {
-    std::set<int64_t> sessions;
+  std::set<SessionId> SessionsOf(const std::filesystem::path& map) const {
+    std::set<SessionId> sessions;
     const StoredMap stored = ReadMapFile(map.string());
-    for (const auto& [id, keyframe] : stored.map.keyframes()) sessions.insert(keyframe.session);
+    for (const auto& [id, keyframe] : stored.map.keyframes()) sessions.insert(keyframe.name.session);
     return sessions;
   }
 
@@ -112,7 +112,7 @@ TEST_F(Orders, ResetMapSurvivesAMapperKill) {
   Kill("mapping", "mapping_process");
   ASSERT_EQ(run_.Wait(), 0) << run_.Logs();
   EXPECT_EQ(watcher_.Get().poses.size(), 2U);
-  EXPECT_EQ(SessionsOf(File("new.plmap")), std::set{watcher_.Get().poses.rbegin()->first});
+  EXPECT_EQ(SessionsOf(File("new.plmap")), std::set{SessionId(watcher_.Get().poses.rbegin()->first)});
 }
 
 TEST_F(Orders, LoadContinuesInASavedMap) {
@@ -128,9 +128,9 @@ TEST_F(Orders, LoadContinuesInASavedMap) {
   ASSERT_EQ(Order({"load", File("old.plmap").string()}), 0) << said_;
   ASSERT_EQ(Order({"resume"}), 0) << said_;
   ASSERT_EQ(run_.Wait(), 0) << run_.Logs();
-  const std::set<int64_t> old = SessionsOf(File("old.plmap"));
-  std::set<int64_t> expected = old;
-  expected.insert(watcher_.Get().poses.rbegin()->first);
+  const std::set<SessionId> old = SessionsOf(File("old.plmap"));
+  std::set<SessionId> expected = old;
+  expected.insert(SessionId(watcher_.Get().poses.rbegin()->first));
   EXPECT_EQ(SessionsOf(File("new.plmap")), expected);
 }
 

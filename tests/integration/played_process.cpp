@@ -83,8 +83,7 @@ void PlayedProcess::AnswerMapRequests() {
   if (!map_is_asked_for_.exchange(false)) return;
   MapUpdate whole = WholeMap(map_.map());
   whole.version = last_update_.version;
-  whole.session = last_update_.session;
-  whole.session_keyframe_id = last_update_.session_keyframe_id;
+  whole.newest = last_update_.newest;
   whole.t_ns = last_update_.t_ns;
   whole.committed = last_update_.committed;
   whole.answer = last_update_.answer;

@@ -16,6 +16,7 @@
 #include "core/bus/messages/map_channel.h"
 #include "core/bus/messages/map_pages.h"
 #include "core/bus/transport/transport.h"
+#include "core/map/map_follower.h"
 #include "core/map/map_update.h"
 #include "plslam/map_update_t.hpp"
 
@@ -59,7 +60,7 @@ class PlayedProcess {
   std::atomic<bool> map_is_asked_for_{false};
   bus::MapUpdatePublisher map_publisher_;
   bus::MapUpdateAssembler assembler_;
-  MapReplica map_;
+  MapFollower map_;
   MapUpdate last_update_;
   std::thread thread_;
 };

@@ -179,7 +179,7 @@ void ProcessReplay::RenameLog() {
   for (const auto& [name, source] : log_.sources) {
     const int64_t now = name == process_.name ? status().header.source : played_.at(name)->source();
     names[source] = now;
-    if (name == "mapping") names[BeginningInstance(source)] = BeginningInstance(now);
+    if (name == "mapping") names[BeginningInstance(SourceId(source)).value] = BeginningInstance(SourceId(now)).value;
   }
   messages_ = log_.messages;
   for (LoggedMessage& message : messages_) {
@@ -357,7 +357,7 @@ void ProcessReplay::Compare(const Said& said) {
 }
 
 void ProcessReplay::CompareMaps() {
-  MapFollower logged;
+  PublishedMap logged;
   for (const LoggedMessage& message : messages_) {
     if (message.channel->name == bus::kMapUpdate.name) logged.Add(MessageOf<map_update_t>(message.bytes));
   }

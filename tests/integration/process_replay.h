@@ -134,7 +134,7 @@ class ProcessReplay {
   std::map<std::string, std::vector<std::string>> order_;                         ///< keys by channel
   std::map<std::string, size_t> n_said_;
   std::set<std::pair<std::string, std::string>> said_keys_;
-  MapFollower map_;
+  PublishedMap map_;
 
   std::map<std::string, std::unique_ptr<PlayedProcess>> played_;
   std::unique_ptr<Doubler> doubler_;

@@ -20,10 +20,10 @@ void Anonymise(Message* message) {
   message->header.session = 0;
 }
 
-void SetMap(const MapFollower& follower, RecordedRun* run) {
+void SetMap(const PublishedMap& follower, RecordedRun* run) {
   run->map_totals = follower.map().Totals();
   MapUpdate whole = follower.Whole();
-  for (MapKeyframe& keyframe : whole.keyframes) keyframe.session = 0;
+  for (MapKeyframe& keyframe : whole.keyframes) keyframe.name.session = 0;
   for (const map_update_t& page : bus::CutIntoPages(whole, 60'000)) {
     const auto bytes = bus::Encoded(page);
     run->map_bytes.insert(run->map_bytes.end(), bytes.begin(), bytes.end());
@@ -31,7 +31,7 @@ void SetMap(const MapFollower& follower, RecordedRun* run) {
 }
 
 /// Adds one message; returns false if it cannot be decoded.
-bool Add(const std::string& channel, const std::vector<uint8_t>& bytes, RecordedRun* run, MapFollower* map) {
+bool Add(const std::string& channel, const std::vector<uint8_t>& bytes, RecordedRun* run, PublishedMap* map) {
   const auto number = [&](const header_t& header) {
     run->sequence_numbers[{channel, header.source}].push_back(header.seq);
   };
@@ -68,8 +68,8 @@ bool Add(const std::string& channel, const std::vector<uint8_t>& bytes, Recorded
 
 }  // namespace
 
-MapUpdate MapFollower::Whole() const {
-  MapUpdate whole = WholeMap(replica_.map());
+MapUpdate PublishedMap::Whole() const {
+  MapUpdate whole = WholeMap(follower_.map());
   whole.version = 1;
   return whole;
 }
@@ -91,7 +91,7 @@ int RecordedRun::Gaps(const std::string& channel) const {
 RecordedRun ReadRecordedRun(const std::string& log) {
   bus::LogReader reader(log);
   RecordedRun run;
-  MapFollower map;
+  PublishedMap map;
   while (const auto event = reader.Next()) {
     const auto bytes = reader.Data(event->data_offset, event->data_bytes);
     ++run.counts[event->channel];

@@ -10,6 +10,7 @@
 
 #include "core/bus/messages/map_pages.h"
 #include "core/map/map.h"
+#include "core/map/map_follower.h"
 #include "core/map/map_update.h"
 #include "plslam/map_update_t.hpp"
 #include "plslam/status_t.hpp"
@@ -18,18 +19,18 @@
 namespace plslam::test {
 
 /// Follows the map as it is published.
-class MapFollower {
+class PublishedMap {
  public:
   void Add(const map_update_t& page) {
-    if (assembler_.Add(page) == bus::PageOutcome::kComplete) replica_.Apply(assembler_.Take());
+    if (assembler_.Add(page) == bus::PageOutcome::kComplete) follower_.Apply(assembler_.Take());
   }
-  const Map& map() const { return replica_.map(); }
+  const Map& map() const { return follower_.map(); }
   /// All of it, as if it were the first version.
   MapUpdate Whole() const;
 
  private:
   bus::MapUpdateAssembler assembler_;
-  MapReplica replica_;
+  MapFollower follower_;
 };
 
 /// Content of the LCM log of a run.

@@ -213,7 +213,7 @@ class BigRun {
 
   static MapKeyframe Keyframe(int64_t id, double drift) {
     MapKeyframe keyframe;
-    keyframe.id = keyframe.session_keyframe_id = id;
+    keyframe.id = keyframe.name.number = id;
     keyframe.frame_id = 5 * id;
     keyframe.parent_id = id - 1;
     keyframe.T_w_kf = Pose(5 * id, drift);

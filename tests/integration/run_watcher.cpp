@@ -27,10 +27,10 @@ std::vector<uint8_t> Content(pose_t pose) {
   return bus::Encoded(pose);
 }
 
-std::map<int64_t, std::set<int64_t>> KeyframesOf(const Map& map) {
-  std::map<int64_t, std::set<int64_t>> keyframes;
+std::map<SessionId, std::set<int64_t>> KeyframesOf(const Map& map) {
+  std::map<SessionId, std::set<int64_t>> keyframes;
   for (const auto& [id, keyframe] : map.keyframes()) {
-    keyframes[keyframe.session].insert(keyframe.session_keyframe_id);
+    keyframes[keyframe.name.session].insert(keyframe.name.number);
   }
   return keyframes;
 }
@@ -44,7 +44,7 @@ double Heard::Counter(const std::string& process, const std::string& name) const
 
 bool Heard::IsMapOf(pid_t pid) const {
   const auto found = status.find("mapping");
-  return found != status.end() && found->second.pid == pid && found->second.header.source == map_source;
+  return found != status.end() && found->second.pid == pid && SourceId(found->second.header.source) == map_source;
 }
 
 RunWatcher::RunWatcher() : bus_(On(port_.Url()), "watcher") {
@@ -91,13 +91,13 @@ void RunWatcher::Listen() {
     });
   });
   keyframes_ = std::make_unique<bus::KeyframeSubscriber>(bus_, [this](const Keyframe& keyframe) {
-    Add([&](Heard& heard) { heard.keyframes[keyframe.session].insert(keyframe.keyframe_id); });
+    Add([&](Heard& heard) { heard.keyframes[keyframe.name.session].insert(keyframe.name.number); });
   });
   map_ = std::make_unique<bus::MapSubscriber>(bus_, [this](const MapUpdate&) {
-    auto keyframes = KeyframesOf(map_->replica().map());
+    auto keyframes = KeyframesOf(map_->follower().map());
     Add([&](Heard& heard) {
       heard.mapped = std::move(keyframes);
-      heard.map_source = map_->replica().source();
+      heard.map_source = map_->follower().source();
     });
   });
 }

@@ -34,10 +34,10 @@ struct Heard {
   int64_t newest_frame = -1;
   int64_t lost_frames = 0;
   /// Numbers of the keyframes by session.
-  std::map<int64_t, std::set<int64_t>> keyframes;
+  std::map<SessionId, std::set<int64_t>> keyframes;
   /// The same, of those that are in the map.
-  std::map<int64_t, std::set<int64_t>> mapped;
-  int64_t map_source = 0;  ///< publisher of that map
+  std::map<SessionId, std::set<int64_t>> mapped;
+  SourceId map_source;  ///< publisher of that map
   /// Newest status by process name.
   std::map<std::string, status_t> status;
   /// Names and ids of processes that have published "ready" or "running".

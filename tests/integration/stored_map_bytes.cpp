@@ -16,7 +16,7 @@ std::vector<uint8_t> BytesWithoutName(const std::filesystem::path& file) {
   std::vector<MapKeyframe> keyframes;
   for (const auto& [id, keyframe] : stored.map.keyframes()) keyframes.push_back(keyframe);
   for (MapKeyframe& keyframe : keyframes) {
-    keyframe.session = 0;
+    keyframe.name.session = 0;
     stored.map.Put(keyframe);
   }
   return EncodeMap(stored);

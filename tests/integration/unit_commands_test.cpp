@@ -45,7 +45,7 @@ using Order = std::vector<std::string>;
 const Order kStateful = {"loop", "mapping", "vo"};
 
 /// Keyframes by session, as in `Heard`.
-using Keyframes = std::map<int64_t, std::set<int64_t>>;
+using Keyframes = std::map<SessionId, std::set<int64_t>>;
 
 constexpr int kFrames = 80;
 

@@ -8,13 +8,14 @@
 #include <numbers>
 #include <utility>
 
+#include "core/map/map_follower.h"
 #include "vo_process/node/vo_messages.h"
 #include "vo_process/tracking/odometry.h"
 
 namespace plslam::test {
 namespace {
 
-constexpr int64_t kSession = 1;
+constexpr SessionId kSession = 1;
 // A revisit is within this of an older keyframe that is at least as many metres of path earlier.
 constexpr double kNear_m = 1.0;
 constexpr double kNear_rad = 20.0 * std::numbers::pi / 180.0;
@@ -58,7 +59,7 @@ class Run {
         mapper_(front_end_.camera(), options.mapping),
         closer_(front_end_.camera(), places, options.loops),
         T_l_c_(Rectifier(dataset.rig()).q_l_c(), Eigen::Vector3d::Zero()) {
-    replica_.RememberRemoved();
+    follower_.RememberRemoved();
   }
 
   LoopRun Play() {
@@ -66,7 +67,7 @@ class Run {
     run_.slam.keyframes = static_cast<int>(mapper_.map().keyframes().size());
     run_.slam.points = mapper_.map().points().size();
     run_.slam.lines = mapper_.map().lines().size();
-    run_.slam.map = replica_.map();
+    run_.slam.map = follower_.map();
     run_.slam.camera = front_end_.camera();
     run_.slam.features = mapper_.Store().features;
     run_.slam.final = AsTheMapHasIt();
@@ -91,7 +92,7 @@ class Run {
   vo::StereoFrontEnd front_end_;
   vo::Odometry odometry_;
   mapping::Mapper mapper_;
-  MapReplica replica_;
+  MapFollower follower_;
   loop::LoopCloser closer_;
   SE3 T_l_c_;
   std::vector<OdometryFrame> in_odom_;
@@ -117,11 +118,11 @@ void Run::Frame(const Moment& moment) {
   if (options_.ask_every > 0 && index % options_.ask_every == options_.ask_every - 1) Ask(result.features, index);
   if (!result.keyframe) return;
   Keyframe keyframe = vo::ToKeyframe(result, front_end_.camera());
-  keyframe.session = kSession;
+  keyframe.name.session = kSession;
   keyframe.t_ns = moment.t_ns;
   keyframe.frame_id = static_cast<int64_t>(in_odom_.size()) - 1;
-  if (keyframe.keyframe_id > 0 && options_.vo.map.enabled) {
-    odometry_.Adopt(mapper_.map(), kSession, keyframe.keyframe_id - 1);
+  if (keyframe.name.number > 0 && options_.vo.map.enabled) {
+    odometry_.Adopt(mapper_.map(), {kSession, keyframe.name.number - 1});
   }
   TakeKeyframe(std::move(keyframe));
 }
@@ -148,14 +149,14 @@ void Run::TakeKeyframe(Keyframe keyframe) {
   mapper_.Adjust(nullptr);
   const double t2 = NowMs();
   mapper_.Cull();
-  replica_.Apply(mapper_.TakeUpdate());
+  follower_.Apply(mapper_.TakeUpdate());
   run_.slam.insert_ms.push_back(t1 - t0);
   run_.slam.adjust_ms.push_back(t2 - t1);
   run_.slam.figures.push_back(mapper_.figures());
   if (!options_.loops.enabled) return;
   closer_.AddKeyframe(keyframe);
   const double t3 = NowMs();
-  const LoopClosure loop = closer_.Check(mapper_.map(), kSession, keyframe.keyframe_id);
+  const LoopClosure loop = closer_.Check(mapper_.map(), {kSession, keyframe.name.number});
   run_.check_ms.push_back(NowMs() - t3);
   Note(loop);
   if (loop.kind != LoopClosure::Kind::kLoop) return;
@@ -177,7 +178,7 @@ void Run::Correct(const LoopClosure& closure) {
   const double t0 = NowMs();
   if (!mapper_.Correct(closure, &reason)) run_.refused.push_back(reason);
   run_.correct_ms.push_back(NowMs() - t0);
-  replica_.Apply(mapper_.TakeUpdate());
+  follower_.Apply(mapper_.TakeUpdate());
 }
 
 std::optional<SE3> Run::TrueRelation(int64_t old_frame, int64_t frame) const {
@@ -193,7 +194,7 @@ LoopOfRun Run::Describe(const loop::LoopEvidence& evidence) const {
   const MapKeyframe* keyframe = mapper_.map().FindKeyframe(evidence.edge.keyframe_id);
   const MapKeyframe* old = mapper_.map().FindKeyframe(evidence.edge.old_keyframe_id);
   if (keyframe == nullptr || old == nullptr) return loop;
-  loop.session_keyframe_id = keyframe->session_keyframe_id;
+  loop.keyframe = keyframe->name;
   loop.frame = keyframe->frame_id;
   loop.old_frame = old->frame_id;
   const auto truth = TrueRelation(old->frame_id, keyframe->frame_id);
@@ -214,7 +215,7 @@ void Run::Note(const LoopClosure& closure) {
   }
 }
 
-std::vector<OdometryFrame> Run::AsTheMapHasIt() const { return CarriedByKeyframes(in_odom_, replica_.map()); }
+std::vector<OdometryFrame> Run::AsTheMapHasIt() const { return CarriedByKeyframes(in_odom_, follower_.map()); }
 
 // Counts both in the final map.
 void Run::CountRevisits() {

@@ -12,7 +12,7 @@ namespace plslam::test {
 
 /// Two keyframes whose relative pose loop_process measured, and its error.
 struct LoopOfRun {
-  int64_t session_keyframe_id = -1;
+  KeyframeName keyframe;
   int64_t frame = -1;
   int64_t old_frame = -1;
   loop::LoopEvidence evidence;

@@ -14,7 +14,7 @@
 namespace plslam::test {
 namespace {
 
-constexpr int64_t kMapSession = 1;
+constexpr SessionId kMapSession = 1;
 
 /// State of the three processes after the dataset.
 struct Mapped {
@@ -40,21 +40,21 @@ Mapped MakeMap(const Dataset& dataset, const PlaceRecogniser& places, vo::Stereo
     const vo::OdometryResult result = odometry.Track(images.t_ns, See(front_end, images, odometry));
     if (!result.keyframe) continue;
     Keyframe keyframe = vo::ToKeyframe(result, front_end.camera());
-    keyframe.session = kMapSession;
+    keyframe.name.session = kMapSession;
     keyframe.t_ns = images.t_ns;
     keyframe.frame_id = i;
-    newest = keyframe.keyframe_id;
-    if (newest > 0) odometry.Adopt(mapper.map(), kMapSession, newest - 1);
+    newest = keyframe.name.number;
+    if (newest > 0) odometry.Adopt(mapper.map(), {kMapSession, newest - 1});
     std::string reason;
     mapper.Insert(keyframe, &reason);
     mapper.Adjust(nullptr);
     mapper.Cull();
     closer.AddKeyframe(keyframe);
-    const LoopClosure loop = closer.Check(mapper.map(), kMapSession, keyframe.keyframe_id);
+    const LoopClosure loop = closer.Check(mapper.map(), {kMapSession, keyframe.name.number});
     if (loop.kind == LoopClosure::Kind::kLoop) mapper.Correct(loop, &reason);
   }
   closer.Follow(mapper.map());
-  odometry.Adopt(mapper.map(), kMapSession, newest);
+  odometry.Adopt(mapper.map(), {kMapSession, newest});
   const int last = dataset.size() - 1;
   return {std::move(odometry), mapper.map(), std::move(closer), dataset.t_ns(last)};
 }

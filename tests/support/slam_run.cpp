@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "core/map/map_follower.h"
 #include "tests/support/steady_ms.h"
 #include "vo_process/node/vo_messages.h"
 #include "vo_process/tracking/odometry.h"
@@ -63,12 +64,12 @@ SlamRun RunSlam(const Dataset& dataset, const vo::VoOptions& vo, const mapping::
   vo::Odometry odometry(front_end.camera(), vo, front_end.shutter(),
                         vo.imu.enabled ? vo::MountedImuOf(dataset.rig()) : std::nullopt);
   mapping::Mapper mapper(front_end.camera(), mapping);
-  MapReplica replica;
+  MapFollower replica;
   replica.RememberRemoved();
   const SE3 T_c_l(Rectifier(dataset.rig()).q_l_c().conjugate(), Eigen::Vector3d::Zero());
   SlamRun run;
   std::vector<OdometryFrame> in_odom;
-  constexpr int64_t kSession = 1;
+  constexpr SessionId kSession = 1;
   for (int i = 0; i < dataset.size() && static_cast<int>(run.live.size()) < max_frames; i += stride) {
     const StereoImages images = dataset.Read(i);
     if (!in_odom.empty()) ExpectImu(dataset, in_odom.back().t_ns, images.t_ns, odometry);
@@ -89,10 +90,11 @@ SlamRun RunSlam(const Dataset& dataset, const vo::VoOptions& vo, const mapping::
     run.n_bodies = result.n_bodies;
     if (!result.keyframe) continue;
     Keyframe keyframe = vo::ToKeyframe(result, front_end.camera());
-    keyframe.session = kSession;
+    keyframe.name.session = kSession;
     keyframe.t_ns = images.t_ns;
     keyframe.frame_id = static_cast<int64_t>(in_odom.size()) - 1;
-    if (keyframe.keyframe_id > 0 && vo.map.enabled) odometry.Adopt(mapper.map(), kSession, keyframe.keyframe_id - 1);
+    if (keyframe.name.number > 0 && vo.map.enabled)
+      odometry.Adopt(mapper.map(), {kSession, keyframe.name.number - 1});
     std::string reason;
     const double t0 = SteadyMs();
     mapper.Insert(keyframe, &reason);

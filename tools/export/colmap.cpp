@@ -87,7 +87,7 @@ std::map<int64_t, std::string> KeyframeImageNames(const Map& map) {
   for (const auto& [id, keyframe] : map.keyframes()) {
     const bool first = taken.insert(keyframe.frame_id).second;
     names[id] = first ? fmt::format("{:06}.png", keyframe.frame_id)
-                      : fmt::format("{:06}_s{}.png", keyframe.frame_id, keyframe.session);
+                      : fmt::format("{:06}_s{}.png", keyframe.frame_id, keyframe.name.session);
   }
   return names;
 }

@@ -51,10 +51,10 @@ void AddLines(const Map& map, ObjText& obj) {
 }
 
 void AddPaths(const Map& map, ObjText& obj) {
-  std::map<int64_t, std::vector<size_t>> ways;
+  std::map<SessionId, std::vector<size_t>> ways;
   obj.Name("keyframes");
   for (const auto& [id, keyframe] : map.keyframes()) {
-    ways[keyframe.session].push_back(obj.AddVertex(keyframe.T_w_kf.translation(), {0, 0, 0}));
+    ways[keyframe.name.session].push_back(obj.AddVertex(keyframe.T_w_kf.translation(), {0, 0, 0}));
   }
   for (const auto& [session, way] : ways) {
     if (way.size() > 1) obj.AddElement('l', way);

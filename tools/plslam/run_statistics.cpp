@@ -6,7 +6,7 @@
 
 namespace plslam::launcher {
 
-void IdCounter::Add(int64_t session, int64_t id) {
+void IdCounter::Add(SessionId session, int64_t id) {
   if (id < 0) return;
   const std::pair block(session, id / kBlock);
   if (blocks_.size() >= kMaxBlocks && !blocks_.contains(block)) return;
@@ -72,7 +72,7 @@ void MapStatistics::Add(const MapUpdate& head) {
   if (head.source == source_ && head.version <= version_) return;
   source_ = head.source;
   version_ = head.version;
-  committed_.Add(head);
+  newest_.Add(head);
   totals_ = head.totals;
   for (const auto& [stage, ms] : head.stage_ms) stage_ms_.Add(stage, ms);
   if (head.adjustment.n_points == 0) return;
@@ -103,7 +103,7 @@ void RunStatistics::AddFrame(const FrameReport& frame) {
   frames_.Count(frame.state, frame.keyframe_id);
 }
 
-void RunStatistics::AddLandmark(int64_t session, int64_t landmark_id, bool is_line) {
+void RunStatistics::AddLandmark(SessionId session, int64_t landmark_id, bool is_line) {
   (is_line ? lines_ : points_).Add(session, landmark_id);
 }
 

@@ -12,7 +12,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/ids/ids.h"
 #include "core/map/loop_closure.h"
+#include "core/map/map_follower.h"
 #include "core/map/map_update.h"
 #include "core/run/frame_tally.h"
 
@@ -23,7 +25,7 @@ namespace plslam::launcher {
 class IdCounter {
  public:
   /// Negative ones do not count.
-  void Add(int64_t session, int64_t id);
+  void Add(SessionId session, int64_t id);
   int64_t count() const { return count_; }
   /// Memory of the counted ids, in bytes; at most 40 MB: other programs may forge ids.
   int64_t bytes() const;
@@ -32,7 +34,7 @@ class IdCounter {
   static constexpr int64_t kBlock = 4096;
   static constexpr size_t kMaxBlocks = 65536;
 
-  std::map<std::pair<int64_t, int64_t>, std::bitset<kBlock>> blocks_;  // by session and id / kBlock
+  std::map<std::pair<SessionId, int64_t>, std::bitset<kBlock>> blocks_;  // by session and id / kBlock
   int64_t count_ = 0;
 };
 
@@ -103,7 +105,7 @@ class MapStatistics {
   int64_t version() const { return version_; }
   /// Totals of the newest version.
   const MapTotals& totals() const { return totals_; }
-  const CommittedKeyframes& committed() const { return committed_; }
+  const NewestKeyframes& newest() const { return newest_; }
 
   /// Mean number of keyframes that observe a landmark; 0 without landmarks.
   double ObservationsPerPoint() const;
@@ -120,9 +122,9 @@ class MapStatistics {
     return n_adjustments_ > 0 ? std::optional(sum / static_cast<double>(n_adjustments_)) : std::nullopt;
   }
 
-  int64_t source_ = 0;
+  SourceId source_;
   int64_t version_ = 0;
-  CommittedKeyframes committed_;
+  NewestKeyframes newest_;
   MapTotals totals_;
   StageTimes stage_ms_;
   int64_t n_adjustments_ = 0;
@@ -132,7 +134,7 @@ class MapStatistics {
 
 /// Content of a frame's pose message.
 struct FrameReport {
-  int64_t session = 0;
+  SessionId session;
   int64_t frame_id = 0;
   int64_t t_ns = 0;
   TrackingState state = TrackingState::kInitialising;
@@ -150,7 +152,7 @@ struct FrameReport {
 class RunStatistics {
  public:
   void AddFrame(const FrameReport& frame);
-  void AddLandmark(int64_t session, int64_t landmark_id, bool is_line);
+  void AddLandmark(SessionId session, int64_t landmark_id, bool is_line);
 
   /// Frames with a pose message, and the skipped frames in those messages; a frame that a restarted tracker repeats is
   /// counted once.
@@ -161,11 +163,11 @@ class RunStatistics {
   int64_t landmark_lines() const { return lines_.count(); }
   const FrameReport& last() const { return last_; }
   /// Sessions of the frames: the first ones of very many.
-  const std::set<int64_t>& sessions() const { return sessions_; }
+  const std::set<SessionId>& sessions() const { return sessions_; }
   /// Number and time of the newest frame that has a pose; -1: none.
   std::pair<int64_t, int64_t> newest_frame() const { return {newest_frame_id_, newest_t_ns_}; }
   /// Session and number there of the newest keyframe; -1: none.
-  std::pair<int64_t, int64_t> last_keyframe() const { return last_keyframe_; }
+  KeyframeName last_keyframe() const { return last_keyframe_; }
   const std::map<std::string, QuantileSketch>& stage_ms() const { return stage_ms_.by_name(); }
 
  private:
@@ -175,8 +177,8 @@ class RunStatistics {
   int64_t newest_frame_id_ = -1;
   int64_t newest_t_ns_ = 0;
   FrameReport last_;
-  std::set<int64_t> sessions_;
-  std::pair<int64_t, int64_t> last_keyframe_{0, -1};
+  std::set<SessionId> sessions_;
+  KeyframeName last_keyframe_;
   StageTimes stage_ms_;
   IdCounter points_;
   IdCounter lines_;

@@ -280,7 +280,7 @@ json SummaryToJson(const RunSummary& summary) {
   json configuration = json::object();
   for (const auto& [process, yaml] : summary.configurations) configuration[process] = YamlToJson(yaml);
   json sessions = json::array();
-  for (const int64_t session : s.sessions()) sessions.push_back(std::to_string(session));
+  for (const SessionId session : s.sessions()) sessions.push_back(std::to_string(session.value));
   return {{"dataset", summary.dataset},
           {"sessions", sessions},
           {"version", summary.version},

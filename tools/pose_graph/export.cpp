@@ -38,10 +38,10 @@ Trajectory TrajectoryOf(const G2oGraph<SE2>& graph) { return Convert(graph); }
 
 std::vector<SessionTrajectory> TrajectoriesOf(const Map& map) {
   std::vector<SessionTrajectory> sessions;
-  std::map<int64_t, size_t> place_of;
+  std::map<SessionId, size_t> place_of;
   for (const auto& [id, keyframe] : map.keyframes()) {
-    const auto [place, is_new] = place_of.try_emplace(keyframe.session, sessions.size());
-    if (is_new) sessions.push_back({sessions.empty() ? "" : fmt::format("_s{}", keyframe.session), {}});
+    const auto [place, is_new] = place_of.try_emplace(keyframe.name.session, sessions.size());
+    if (is_new) sessions.push_back({sessions.empty() ? "" : fmt::format("_s{}", keyframe.name.session), {}});
     sessions[place->second].keyframes.push_back({keyframe.t_ns, keyframe.T_w_kf});
   }
   const auto earlier = [](const TrajectoryPose& a, const TrajectoryPose& b) { return a.t_ns < b.t_ns; };

@@ -156,7 +156,7 @@ nlohmann::ordered_json SummaryOf(const RefineRequest& request, const RefinedRun&
   nlohmann::ordered_json summary;
   summary["refined_from"] = request.source;
   summary["sessions"] = nlohmann::ordered_json::array();
-  for (const auto& [session, newest] : stored.sessions) summary["sessions"].push_back(std::to_string(session));
+  for (const auto& [session, newest] : stored.sessions) summary["sessions"].push_back(std::to_string(session.value));
   summary["before"] = ToJson(report.before);
   summary["after"] = ToJson(report.after);
   if (run.errors) {

@@ -100,7 +100,7 @@ void ViewerNode::Subscribe() {
   });
   map_ = std::make_unique<bus::MapSubscriber>(bus, [this](const MapUpdate& update) { OnMap(update); });
   map_->RememberRemoved();
-  const Map& map = map_->replica().map();
+  const Map& map = map_->follower().map();
   report_ =
       std::make_unique<ReportNode>(bus, options_, ReportNode::Sources{&recorder_, &map, [this] { return q_l_c(); }});
   pictures_ = std::make_unique<PictureNode>(
@@ -191,7 +191,6 @@ void ViewerNode::OnStatus(const status_t& message) {
 void ViewerNode::OnMap(const MapUpdate& update) {
   mapping_heard_ = true;
   report_->OnMap(update);
-  committed_.Add(update);
   dirty_ = true;
   quiet_ticks_ = 0;
 }
@@ -227,7 +226,7 @@ bool ViewerNode::RunIsOver() const {
 bool ViewerNode::MapIsComplete() const {
   if (!mapping_heard_) return true;
   const auto last = recorder_.LastKeyframe();
-  return !last || committed_.Has(last->first, last->second);
+  return !last || map_->follower().newest().HasCommitted(*last);
 }
 
 bool ViewerNode::ExpectsPictures() const { return lockstep_ && pictures_->MayCome(); }
@@ -251,7 +250,7 @@ std::vector<std::string> ViewerNode::WriteFiles() {
         "second); without it poses of the rectified camera cannot be converted to the left camera",
         options_.out)};
   }
-  std::vector<std::string> failures = WriteOutputs(options_.out, recorder_, map_->replica().map(), q_l_c());
+  std::vector<std::string> failures = WriteOutputs(options_.out, recorder_, map_->follower().map(), q_l_c());
   try {
     report_->Write();
   } catch (const std::exception& e) {

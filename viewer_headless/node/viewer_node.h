@@ -90,7 +90,6 @@ class ViewerNode {
   bool lockstep_ = false;
   bool vo_finished_ = false;
   bool mapping_heard_ = false;
-  CommittedKeyframes committed_;
   /// Whether a message has arrived since the files were written, and ticks since the last message.
   bool dirty_ = false;
   int quiet_ticks_ = 0;

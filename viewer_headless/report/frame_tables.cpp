@@ -16,7 +16,7 @@ class OdometryPath {
   }
 
  private:
-  std::map<int64_t, SE3> T_w_odom_;
+  std::map<SessionId, SE3> T_w_odom_;
 };
 
 /// Columns under construction.
@@ -67,7 +67,7 @@ int64_t FrameStride(const Recorder& recorder) {
 Table FrameTable(const Recorder& recorder, int64_t stride, int64_t first_row) {
   FrameColumns columns;
   OdometryPath odometry;
-  std::map<int64_t, uint8_t> sessions;
+  std::map<SessionId, uint8_t> sessions;
   const size_t n_stages = recorder.stage_names().size();
   const int64_t began_ns = recorder.frames().empty() ? 0 : recorder.frames().First().second.t_ns;
   int64_t i = 0;

@@ -79,7 +79,7 @@ int64_t FrameOf(const Map& map, int64_t keyframe_id) {
 
 void LoopLog::Add(const LoopClosure& closure) {
   if (closure.kind != LoopClosure::Kind::kLoop || figures_.size() > 10 * kMaxLoops) return;
-  closed_.emplace(closure.session, closure.session_keyframe_id);
+  closed_.insert(closure.keyframe);
   for (const LoopEdge& edge : closure.edges) {
     figures_[{edge.old_keyframe_id, edge.keyframe_id}] = {closure.score, closure.detect_ms, closure.correct_ms};
   }

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/ids/ids.h"
 #include "core/map/loop_closure.h"
 #include "core/map/map.h"
 #include "core/map/map_update.h"
@@ -58,7 +59,7 @@ class LoopLog {
   };
 
   std::map<std::pair<int64_t, int64_t>, Figures> figures_;  // by the keyframes of the edge
-  std::set<std::pair<int64_t, int64_t>> closed_;            // session, and keyframe there
+  std::set<KeyframeName> closed_;
 };
 
 /// Largest number of loops with pictures.

@@ -29,7 +29,7 @@ ImuLink::ImuLink(bus::Process& process, const ImuUseOptions& options, std::funct
     const auto batch = bus::FromMessage(message);
     if (!batch) return process.bus().CountRejected();
     wait_.OnSignOfLife(bus::NowS());
-    OnBatch(message.header.source, *batch);
+    OnBatch(SourceId(message.header.source), *batch);
     on_arrival_();
   });
   process.bus().Every(kImuTick, [this] {
@@ -40,7 +40,7 @@ ImuLink::ImuLink(bus::Process& process, const ImuUseOptions& options, std::funct
 
 /// Batches of another publisher are of another stream, or continue one whose publisher was killed with all samples
 /// since the last frame that has a pose.
-void ImuLink::OnBatch(int64_t source, const bus::ImuBatch& batch) {
+void ImuLink::OnBatch(SourceId source, const bus::ImuBatch& batch) {
   if (std::exchange(source_, source) != source) {
     samples_.clear();
     from_ns_ = to_ns_ = batch.from_ns;
@@ -54,11 +54,11 @@ void ImuLink::OnBatch(int64_t source, const bus::ImuBatch& batch) {
   if (!continues || batch.t_ns > to_ns_) to_ns_ = batch.t_ns;
 }
 
-bool ImuLink::Covers(int64_t source, int64_t prev_t_ns, int64_t t_ns) const {
+bool ImuLink::Covers(SourceId source, int64_t prev_t_ns, int64_t t_ns) const {
   return source == source_ && from_ns_ <= prev_t_ns && to_ns_ >= t_ns;
 }
 
-bool ImuLink::Awaits(int64_t source, int64_t prev_t_ns, int64_t t_ns, bool lockstep, double came_s) {
+bool ImuLink::Awaits(SourceId source, int64_t prev_t_ns, int64_t t_ns, bool lockstep, double came_s) {
   if (Covers(source, prev_t_ns, t_ns)) return false;
   const double now_s = bus::NowS();
   if (!lockstep) return now_s - came_s < 1e-3 * options_.live_wait_ms;

@@ -9,6 +9,7 @@
 
 #include "core/bus/messages/imu_channel.h"
 #include "core/geometry/imu.h"
+#include "core/ids/ids.h"
 #include "core/process/partner_wait.h"
 #include "core/process/process.h"
 #include "vo_process/options.h"
@@ -25,14 +26,14 @@ class ImuLink {
 
   /// Whether the frame at this time of the stream of `source`, which arrived at `came_s` of the steady clock, has to
   /// wait for the samples since `prev_t_ns`.
-  bool Awaits(int64_t source, int64_t prev_t_ns, int64_t t_ns, bool lockstep, double came_s);
+  bool Awaits(SourceId source, int64_t prev_t_ns, int64_t t_ns, bool lockstep, double came_s);
   /// Returns the samples received, in order of increasing time, for a frame whose wait is over, and drops those that
   /// later frames do not need. `offset_ns` is the time offset of the sensor.
   std::vector<ImuSample> Take(int64_t prev_t_ns, int64_t t_ns, int64_t offset_ns);
 
  private:
-  void OnBatch(int64_t source, const bus::ImuBatch& batch);
-  bool Covers(int64_t source, int64_t prev_t_ns, int64_t t_ns) const;
+  void OnBatch(SourceId source, const bus::ImuBatch& batch);
+  bool Covers(SourceId source, int64_t prev_t_ns, int64_t t_ns) const;
 
   bus::Process& process_;
   ImuUseOptions options_;
@@ -40,7 +41,7 @@ class ImuLink {
   bus::PartnerWait wait_;
   int64_t awaited_t_ns_ = 0;
   /// Publisher of the samples, and the interval of frames of which all have arrived.
-  int64_t source_ = 0;
+  SourceId source_;
   int64_t from_ns_ = 0;
   int64_t to_ns_ = 0;
   std::map<int64_t, ImuSample> samples_;  ///< by their times

@@ -11,10 +11,10 @@ namespace plslam::vo {
 namespace {
 
 /// Returns the newest keyframe of the session in the map, numbered within the session; -1: none.
-int64_t NewestOf(int64_t session, const Map& map) {
+int64_t NewestOf(SessionId session, const Map& map) {
   int64_t newest = -1;
   for (const auto& [id, keyframe] : map.keyframes()) {
-    if (keyframe.session == session) newest = std::max(newest, keyframe.session_keyframe_id);
+    if (keyframe.name.session == session) newest = std::max(newest, keyframe.name.number);
   }
   return newest;
 }
@@ -30,12 +30,12 @@ MapLink::MapLink(bus::Bus& bus, bool localise_only, const TrackerSession& sessio
       wait_(bus.options().partner_wait_s),
       subscriber_(bus, [this](const MapUpdate& update) { OnUpdate(update); }) {}
 
-bool MapLink::IsOfAnotherMap() const { return !BelongsTo(session_.map_instance, map_instance_); }
+bool MapLink::IsOfAnotherMap() const { return !BelongsTo(session_, map_instance_); }
 
 bool MapLink::IsConnected() const {
   const IdMap<MapKeyframe>& keyframes = map().keyframes();
   const auto is_newest = [&](const auto& entry) {
-    return entry.second.session == session_.id && entry.second.session_keyframe_id == newest_keyframe_id_;
+    return entry.second.name == KeyframeName{session_.id, newest_keyframe_id_};
   };
   const auto newest = std::find_if(keyframes.rbegin(), keyframes.rend(), is_newest);
   if (newest == keyframes.rend()) return false;
@@ -44,7 +44,7 @@ bool MapLink::IsConnected() const {
 }
 
 bool MapLink::HasOthers() const {
-  return std::ranges::any_of(map().keyframes(), [&](const auto& k) { return k.second.session != session_.id; });
+  return std::ranges::any_of(map().keyframes(), [&](const auto& k) { return k.second.name.session != session_.id; });
 }
 
 void MapLink::OnUpdate(const MapUpdate& update) {
@@ -55,8 +55,8 @@ void MapLink::OnUpdate(const MapUpdate& update) {
   const bool was_localise_only = std::exchange(localise_only_, changes ? update.localise_only : localise_only_);
   if (localise_only_ != was_localise_only || IsOfAnotherMap()) on_order_();
   if (session_.lockstep && !update.committed) return;
-  if (update.session == session_.id) {
-    newest_keyframe_id_ = update.session_keyframe_id;
+  if (update.newest.session == session_.id) {
+    newest_keyframe_id_ = update.newest.number;
   } else if (newest_keyframe_id_ < 0) {
     newest_keyframe_id_ = NewestOf(session_.id, map());
   }
@@ -78,7 +78,7 @@ bool MapLink::GiveUp(double now_s) {
 }
 
 bool MapLink::Adopt(Odometry& odometry) {
-  if (!odometry.Adopt(map(), session_.id, newest_keyframe_id_)) return false;
+  if (!odometry.Adopt(map(), {session_.id, newest_keyframe_id_})) return false;
   adopted_keyframe_id_ = newest_keyframe_id_;
   return true;
 }

@@ -20,9 +20,9 @@ void Fields(Archive& a, T& c) {
 
 template <class Archive, Is<Keyframe> T>
 void Fields(Archive& a, T& k) {
-  a(k.session, k.t_ns, k.keyframe_id, k.frame_id, k.previous_keyframe_id, k.T_prevkf_kf, k.covariance, k.T_odom_kf,
-    k.state, k.lockstep, k.camera, k.features, k.point_landmark_ids, k.line_landmark_ids, k.point_map_ids,
-    k.line_map_ids, k.withdrawn_points, k.withdrawn_lines, k.map_instance);
+  a(k.name.session, k.t_ns, k.name.number, k.frame_id, k.previous_keyframe_id, k.T_prevkf_kf, k.covariance,
+    k.T_odom_kf, k.state, k.lockstep, k.camera, k.features, k.point_landmark_ids, k.line_landmark_ids,
+    k.point_map_ids, k.line_map_ids, k.withdrawn_points, k.withdrawn_lines, k.map_instance);
 }
 
 /// The poses as encoded messages.

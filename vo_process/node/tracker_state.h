@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/ids/ids.h"
+#include "core/io/images/image_file.h"
 #include "core/map/keyframe.h"
 #include "plslam/pose_t.hpp"
 #include "vo_process/node/session_anchor.h"
@@ -19,7 +21,7 @@ namespace plslam::vo {
 /// The stream that a tracker is tracking, as of its newest frame. Another camera, or a time stamp that goes back,
 /// begins another session.
 struct TrackerSession {
-  int64_t id = 0;
+  SessionId id;
   bool lockstep = false;
   /// Time, number and publisher of the newest frame.
   int64_t last_t_ns = 0;
@@ -30,14 +32,14 @@ struct TrackerSession {
   bool follows_keyframe = false;
   SessionAnchor anchor;
   /// `Keyframe::map_instance`.
-  int64_t map_instance = 0;
+  MapId map_instance;
   /// Poses of the newest frames, which a player may request again.
   std::deque<pose_t> recent;
 
   static constexpr size_t kRecentFrames = 16;
 
   /// Begins the next session of the same stream, without keyframes.
-  void Begin(int64_t next_id) {
+  void Begin(SessionId next_id) {
     id = next_id;
     last_keyframe_id = -1;
     follows_keyframe = false;
@@ -51,9 +53,9 @@ struct TrackerSession {
   }
 
   /// Returns the pose that was published for a frame, if it is one of the newest; nullptr otherwise.
-  const pose_t* FindPose(int64_t frame_id, int64_t t_ns) const {
+  const pose_t* FindPose(const StereoImages& frame) const {
     const auto found = std::find_if(recent.begin(), recent.end(), [&](const pose_t& pose) {
-      return pose.frame_id == frame_id && pose.header.t_ns == t_ns;
+      return pose.frame_id == frame.frame_id && pose.header.t_ns == frame.t_ns;
     });
     return found == recent.end() ? nullptr : &*found;
   }

@@ -118,7 +118,7 @@ bodies_t ToBodiesMessage(const std::vector<BodyPose>& bodies) {
 Keyframe ToKeyframe(const OdometryResult& result, const StereoCamera& camera) {
   Keyframe keyframe;
   keyframe.camera = camera;
-  keyframe.keyframe_id = result.keyframe->id;
+  keyframe.name.number = result.keyframe->id;
   keyframe.previous_keyframe_id = result.keyframe->previous_id;
   keyframe.T_prevkf_kf = result.keyframe->T_prevkf_kf;
   keyframe.covariance = result.keyframe->covariance;

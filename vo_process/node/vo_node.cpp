@@ -57,7 +57,7 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
           process.bus(), [this](const RigCalibration& rig) { OnCamera(rig); },
           [this] { report_.Count("cameras.rejected", 1); }),
       frames_(process.bus(), bus::FrameSubscriber::Mode::kReliable, [this](const Frame& f) { OnFrame(f); }) {
-  session_.id = process.bus().source();
+  session_.id = SessionId(process.bus().source());
   // The left and the right image have a thread each; more threads inside OpenCV would slow them down.
   cv::setNumThreads(1);
   process_.bus().Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
@@ -123,13 +123,13 @@ void VoNode::OnFrame(const Frame& frame) {
 bool VoNode::IsRepeated(const Frame& frame) const {
   if (frame.source == session_.last_source) return frame.images.frame_id <= session_.last_frame_id;
   // A restarted player may not have received the last poses.
-  return frame.images.frame_id > 0 && session_.FindPose(frame.images.frame_id, frame.images.t_ns) != nullptr;
+  return frame.images.frame_id > 0 && session_.FindPose(frame.images) != nullptr;
 }
 
 /// The player did not receive the pose, or has gone back for a tracker that did not need it.
 void VoNode::AnswerAgain(const Frame& frame) {
   report_.Count("frames.repeated", 1);
-  const pose_t* pose = frame.lockstep ? session_.FindPose(frame.images.frame_id, frame.images.t_ns) : nullptr;
+  const pose_t* pose = frame.lockstep ? session_.FindPose(frame.images) : nullptr;
   if (pose != nullptr) process_.bus().Publish(bus::kPose, pose_t(*pose));
 }
 
@@ -256,7 +256,7 @@ void VoNode::BeginSessionHere() {
 void VoNode::NameSession() {
   // A session restored from another tracker is not numbered before our own.
   const bool is_first = session_.last_frame_id < 0;
-  session_.Begin(is_first ? session_.id : std::max(session_.id + 1, process_.bus().source()));
+  session_.Begin(is_first ? session_.id : SessionId(std::max(session_.id.value + 1, process_.bus().source())));
   if (map_ && map_->map_instance() != 0) session_.map_instance = map_->map_instance();
   if (map_) map_->BeginSession();
 }
@@ -361,11 +361,11 @@ void VoNode::RequestRelocalisation(const Frame& frame, const OdometryResult& res
   if (!relocalisation_.IsDue(frame.lockstep, now_s)) return;
   if (result.features.points.size() + result.features.lines.size() < kLeastToAsk) return;
   Keyframe asked;
-  asked.session = session_.id;
+  asked.name.session = session_.id;
   asked.t_ns = frame.images.t_ns;
   asked.frame_id = frame.images.frame_id;
   asked.previous_keyframe_id = IsLocaliseOnly() ? -1 : session_.last_keyframe_id;
-  asked.keyframe_id = asked.previous_keyframe_id + 1;
+  asked.name.number = asked.previous_keyframe_id + 1;
   asked.lockstep = frame.lockstep;
   asked.camera = front_end_->camera();
   asked.SetFeatures(result.features);
@@ -376,7 +376,7 @@ void VoNode::RequestRelocalisation(const Frame& frame, const OdometryResult& res
 /// Keyframes made since the camera became unanchored say nothing new about its place.
 bool VoNode::IsIndependentOfTracker(const Map& map, int64_t keyframe_id) const {
   const MapKeyframe* keyframe = map.FindKeyframe(keyframe_id);
-  if (keyframe == nullptr || keyframe->session != session_.id) return true;
+  if (keyframe == nullptr || keyframe->name.session != session_.id) return true;
   return session_.anchor.is_anchored() && keyframe->t_ns <= session_.anchor.t_ns();
 }
 
@@ -394,7 +394,7 @@ void VoNode::OnRelocalisation(const relocalisation_t& message) {
 }
 
 void VoNode::SetHeader(const Frame& frame, header_t& header) const {
-  header.session = session_.id;
+  header.session = session_.id.value;
   header.t_ns = frame.images.t_ns;
 }
 
@@ -433,18 +433,18 @@ void VoNode::MakeKeyframe(const Frame& frame, const OdometryResult& result, bool
     if (map_) odometry_->AdoptAround(map_->map());
     if (StateOf(result) == TrackingState::kLost) return checkpoint_.Drop();
     Keyframe none;
-    none.keyframe_id = -1;
+    none.name.number = -1;
     // The state contains no open request: a tracker that crashes after this request continues from an older keyframe.
     if (!requests) KeepState(none);
     return;
   }
   Keyframe keyframe = ToKeyframe(result, front_end_->camera());
-  keyframe.session = session_.id;
+  keyframe.name.session = session_.id;
   keyframe.t_ns = frame.images.t_ns;
   keyframe.frame_id = frame.images.frame_id;
   keyframe.lockstep = frame.lockstep;
   keyframe.map_instance = session_.map_instance;
-  AwaitMap(keyframe.keyframe_id);
+  AwaitMap(keyframe.name.number);
   held_keyframe_ = std::move(keyframe);
   if (!map_ || !map_->wait().awaited()) PublishKeyframe();
 }
@@ -462,7 +462,7 @@ void VoNode::PublishKeyframe() {
 
 /// In lockstep the frames after the first keyframe wait until it is in the map: the camera may be somewhere in it.
 void VoNode::AwaitAnchor(const Keyframe& first) {
-  if (!map_ || !session_.lockstep || first.keyframe_id != 0 || map_->Has(0)) return;
+  if (!map_ || !session_.lockstep || first.name.number != 0 || map_->Has(0)) return;
   map_->wait().Begin(0, bus::NowS());
 }
 
@@ -489,15 +489,15 @@ void VoNode::Restore(const TrackerState& state) {
   resend_.SetPlayer(session_.last_source);
   if (map_) map_->Restore(state.localise_only != 0, state.map_is_fixed != 0);
   session_.follows_keyframe = true;
-  session_.last_keyframe_id = state.keyframe.keyframe_id;
+  session_.last_keyframe_id = state.keyframe.name.number;
   if (map_) map_->BeginSession(state.adopted_keyframe_id);
   restored_ = true;
   LogInfo("resuming after frame {} of the session", session_.last_frame_id);
   // Before the first frame arrives.
-  if (state.keyframe.keyframe_id >= 0) AwaitAnchor(state.keyframe);
+  if (state.keyframe.name.number >= 0) AwaitAnchor(state.keyframe);
   if (session_.lockstep) resend_.Open();
   process_.bus().Post([this, keyframe = state.keyframe] {
-    if (keyframe.keyframe_id >= 0) keyframes_.Publish(keyframe);
+    if (keyframe.name.number >= 0) keyframes_.Publish(keyframe);
     // The last pose of the crashed tracker may be lost, and a restarted player needs it.
     if (!session_.recent.empty()) process_.bus().Publish(bus::kPose, pose_t(session_.recent.back()));
     if (session_.lockstep) resend_.Send(session_);

@@ -6,6 +6,7 @@
 
 #include "core/geometry/se3.h"
 #include "core/geometry/stereo_camera.h"
+#include "core/ids/ids.h"
 #include "core/map/map.h"
 #include "vo_process/options.h"
 #include "vo_process/tracking/landmarks/keyframe_measurements.h"
@@ -45,9 +46,9 @@ class KeyframeMaker {
   KeyframeContent TakeContent(int64_t keyframe_id, const TrackedFrame& frame, const LocalLandmarks& landmarks);
 
   /// Returns the landmarks of the map around a keyframe, as in `KeyframeLog`.
-  std::optional<TrackerLocalMap> LocalMapAround(const Map& map, int64_t session, int64_t keyframe_id,
+  std::optional<TrackerLocalMap> LocalMapAround(const Map& map, const KeyframeName& keyframe,
                                                 int max_keyframes) const {
-    return log_.LocalMapAround(map, session, keyframe_id, max_keyframes);
+    return log_.LocalMapAround(map, keyframe, max_keyframes);
   }
 
   /// The state after a keyframe, for `core/io/files/archive.h`.

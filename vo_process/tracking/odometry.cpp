@@ -297,13 +297,13 @@ OdometryResult Odometry::Completed(TrackedFrame frame, OdometryResult result) {
 
 // Adoption of the map's landmarks, and relocalisation.
 
-bool Odometry::Adopt(const Map& map, int64_t session, int64_t keyframe_id) {
-  auto local_map = keyframes_.LocalMapAround(map, session, keyframe_id, options_.map.local_keyframes);
+bool Odometry::Adopt(const Map& map, const KeyframeName& keyframe) {
+  auto local_map = keyframes_.LocalMapAround(map, keyframe, options_.map.local_keyframes);
   if (!local_map) return false;
   bodies_.LeaveOut(*local_map);
   T_w_odom_ = local_map->T_w_odom;
   is_in_map_ = true;
-  covariance_.Learn(map, session);
+  covariance_.Learn(map, keyframe.session);
   recovery_.Adopt(*local_map, landmarks_);
   return true;
 }

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "core/geometry/stereo_camera.h"
+#include "core/ids/ids.h"
 #include "vo_process/options.h"
 #include "vo_process/stereo/rolling_shutter.h"
 #include "vo_process/stereo/stereo_front_end.h"
@@ -52,7 +53,7 @@ class Odometry {
   /// Adopts the landmarks of the map around a keyframe of this session, and T_w_odom with them. Poses in odom do not
   /// jump; later frames are aligned with those landmarks. Returns false and does nothing if the map does not have the
   /// keyframe.
-  bool Adopt(const Map& map, int64_t session, int64_t keyframe_id);
+  bool Adopt(const Map& map, const KeyframeName& keyframe);
 
   /// Adopts the landmarks of a map that no longer grows, around the keyframe that observes most of those tracked in the
   /// last frame; T_w_odom stays. Returns false and does nothing if none of the map's landmarks was tracked.

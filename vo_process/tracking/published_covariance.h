@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "core/geometry/se3.h"
+#include "core/ids/ids.h"
 #include "core/map/map.h"
 #include "vo_process/tracking/motion/motion_model.h"
 #include "vo_process/tracking/motion/motion_uncertainty.h"
@@ -23,7 +24,7 @@ Matrix6d UnknownMotion();
 class PublishedCovariance {
  public:
   /// Compares the covariances with the map of a session.
-  void Learn(const Map& map, int64_t session) { uncertainty_.Learn(map, session); }
+  void Learn(const Map& map, SessionId session) { uncertainty_.Learn(map, session); }
 
   /// Adds a tracked frame. `T_kf_c` is the motion since the last keyframe; `frame_to_frame`: landmarks are created
   /// again in each frame. Returns the covariance of the motion since the previous frame.

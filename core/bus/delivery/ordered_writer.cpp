@@ -54,7 +54,7 @@ void OrderedWriter::Sent(Bytes message, int64_t now) {
   next_announce_ = std::min(next_announce_, soon);
 }
 
-OrderedWriter::Reader& OrderedWriter::Heard(int64_t id, int64_t window, int64_t now) {
+OrderedWriter::Reader& OrderedWriter::Heard(SourceId id, int64_t window, int64_t now) {
   auto found = readers_.find(id);
   if (found == readers_.end()) {
     if (readers_.size() >= kMaxReaders) {
@@ -72,13 +72,13 @@ OrderedWriter::Reader& OrderedWriter::Heard(int64_t id, int64_t window, int64_t 
   return found->second;
 }
 
-void OrderedWriter::OnHello(int64_t reader, int64_t window, int64_t now) {
+void OrderedWriter::OnHello(SourceId reader, int64_t window, int64_t now) {
   const bool is_new = !readers_.contains(reader);
   Heard(reader, window, now);
   if (is_new && history_.next_seq() > 0) next_announce_ = std::min(next_announce_, now);
 }
 
-OrderedWriter::Answer OrderedWriter::OnRequest(int64_t id, int64_t delivered, int64_t window,
+OrderedWriter::Answer OrderedWriter::OnRequest(SourceId id, int64_t delivered, int64_t window,
                                                const std::vector<SeqRange>& ranges, int64_t now) {
   Reader& reader = Heard(id, window, now);
   // An acknowledgement of unsent messages is ignored, and so is an older one that arrives late.

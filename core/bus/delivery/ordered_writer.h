@@ -9,6 +9,7 @@
 
 #include "core/bus/delivery/history.h"
 #include "core/bus/delivery/message_size.h"
+#include "core/ids/ids.h"
 
 namespace plslam::bus {
 
@@ -74,10 +75,10 @@ class OrderedWriter {
     int64_t n_lost = 0;
     bool announce = false;
   };
-  Answer OnRequest(int64_t reader, int64_t delivered, int64_t window, const std::vector<SeqRange>& ranges,
+  Answer OnRequest(SourceId reader, int64_t delivered, int64_t window, const std::vector<SeqRange>& ranges,
                    int64_t now);
   /// "I read this channel".
-  void OnHello(int64_t reader, int64_t window, int64_t now);
+  void OnHello(SourceId reader, int64_t window, int64_t now);
 
   /// The next time to call `AnnounceDue`.
   int64_t announce_time() const { return next_announce_; }
@@ -101,7 +102,7 @@ class OrderedWriter {
   };
 
   bool Alive(const Reader& reader, int64_t now) const { return now - reader.heard <= times_.reader_alive_ns; }
-  Reader& Heard(int64_t id, int64_t window, int64_t now);
+  Reader& Heard(SourceId id, int64_t window, int64_t now);
   /// Returns the cost of the messages after `delivered`; nullopt if they are too old to be known.
   std::optional<int64_t> InFlight(int64_t delivered) const;
   bool Blocks(const Reader& reader, int64_t cost, int64_t now) const;
@@ -110,7 +111,7 @@ class OrderedWriter {
 
   Times times_;
   History history_;
-  std::map<int64_t, Reader> readers_;
+  std::map<SourceId, Reader> readers_;
   std::deque<int64_t> cost_before_;  // total cost of all messages before each of the last ones
   int64_t total_cost_ = 0;
   int64_t acknowledged_ = 0;

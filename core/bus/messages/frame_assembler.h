@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/ids/ids.h"
 #include "core/io/images/image_file.h"
 
 namespace plslam {
@@ -43,7 +44,7 @@ class FrameAssembler {
   AssembledFrame TakeFrame();
 
   /// Gives up unfinished frames of `source` up to `frame_id`.
-  void Forget(int64_t source, int64_t frame_id);
+  void Forget(SourceId source, int64_t frame_id);
   size_t partial() const { return partials_.size(); }
 
  private:
@@ -62,7 +63,7 @@ class FrameAssembler {
     bool Tiled() const;
   };
   struct Partial {
-    int64_t source = 0;
+    SourceId source;
     int64_t frame_id = 0;
     int64_t t_ns = 0;
     int64_t left_seq = 0;  // number of the first left strip

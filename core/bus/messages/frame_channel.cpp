@@ -194,7 +194,7 @@ void FrameSubscriber::Impl::OnFrame(Lane& lane, AssembledFrame frame) {
   if (lane.completed.size() >= kMaxSources) lane.completed.clear();
   lane.completed[frame.source] = frame.images.frame_id;
   // Older unfinished frames will not be completed: their strips are lost or, in lockstep, given up.
-  lane.assembler.Forget(frame.source, frame.images.frame_id);
+  lane.assembler.Forget(SourceId(frame.source), frame.images.frame_id);
   if (lane.lockstep) return Queue(std::move(frame), true);
   if (mode == Mode::kReliable) return OfferNewest(std::move(frame));
   if (Ready()) Queue(std::move(frame), false);

@@ -18,12 +18,12 @@ constexpr size_t kMaxKeyframePublishers = 64;
 
 keyframe_t HeadPage(const Keyframe& keyframe) {
   keyframe_t page{};
-  page.header.session = keyframe.session;
+  page.header.session = keyframe.name.session.value;
   page.header.t_ns = keyframe.t_ns;
-  page.keyframe_id = keyframe.keyframe_id;
+  page.keyframe_id = keyframe.name.number;
   page.frame_id = keyframe.frame_id;
   page.previous_keyframe_id = keyframe.previous_keyframe_id;
-  page.map_instance = keyframe.map_instance;
+  page.map_instance = keyframe.map_instance.value;
   page.T_prevkf_kf = ToMessage(keyframe.T_prevkf_kf);
   ToArray(keyframe.covariance, page.covariance);
   page.T_odom_kf = ToMessage(keyframe.T_odom_kf);
@@ -44,7 +44,7 @@ bool AsMany(const std::vector<int64_t>& ids, const std::vector<int64_t>& map_ids
   return ids.size() == n && (map_ids.empty() || map_ids.size() == n);
 }
 
-int64_t MapId(const std::vector<int64_t>& ids, size_t i) { return ids.empty() ? -1 : ids[i]; }
+int64_t LandmarkOfMap(const std::vector<int64_t>& ids, size_t i) { return ids.empty() ? -1 : ids[i]; }
 
 std::optional<Keyframe> Head(const keyframe_t& page) {
   const auto T_prevkf_kf = FromMessage(page.T_prevkf_kf);
@@ -56,13 +56,13 @@ std::optional<Keyframe> Head(const keyframe_t& page) {
   const auto camera = FromMessage(page.camera);
   if (!T_prevkf_kf || !covariance || !T_odom_kf || !camera || !ids_ok) return std::nullopt;
   Keyframe keyframe;
-  keyframe.source = page.header.source;
-  keyframe.session = page.header.session;
+  keyframe.source = SourceId(page.header.source);
+  keyframe.name.session = SessionId(page.header.session);
   keyframe.t_ns = page.header.t_ns;
-  keyframe.keyframe_id = page.keyframe_id;
+  keyframe.name.number = page.keyframe_id;
   keyframe.frame_id = page.frame_id;
   keyframe.previous_keyframe_id = page.previous_keyframe_id;
-  keyframe.map_instance = page.map_instance;
+  keyframe.map_instance = MapId(page.map_instance);
   keyframe.T_prevkf_kf = *T_prevkf_kf;
   keyframe.covariance = *covariance;
   keyframe.T_odom_kf = *T_odom_kf;
@@ -73,7 +73,7 @@ std::optional<Keyframe> Head(const keyframe_t& page) {
 }
 
 bool SameHead(const keyframe_t& page, const Keyframe& keyframe) {
-  return page.keyframe_id == keyframe.keyframe_id && page.header.session == keyframe.session;
+  return page.keyframe_id == keyframe.name.number && page.header.session == keyframe.name.session.value;
 }
 
 bool Append(const std::vector<withdrawn_t>& messages, std::vector<Withdrawn>& withdrawn) {
@@ -110,21 +110,21 @@ std::vector<keyframe_t> CutIntoPages(const Keyframe& keyframe, int64_t page_byte
   const StereoFeatures& features = keyframe.features;
   if (!AsMany(keyframe.point_landmark_ids, keyframe.point_map_ids, features.points.size()) ||
       !AsMany(keyframe.line_landmark_ids, keyframe.line_map_ids, features.lines.size())) {
-    throw std::invalid_argument("keyframe " + std::to_string(keyframe.keyframe_id) +
+    throw std::invalid_argument("keyframe " + std::to_string(keyframe.name.number) +
                                 ": the numbers of landmark ids and features differ");
   }
   const keyframe_t head = HeadPage(keyframe);
   Pager<keyframe_t> pager(head, head, page_bytes, "keyframes");
   for (size_t i = 0; i < features.points.size(); ++i) {
     const point_feature_t point =
-        ToMessage(features.points[i], keyframe.point_landmark_ids[i], MapId(keyframe.point_map_ids, i));
+        ToMessage(features.points[i], keyframe.point_landmark_ids[i], LandmarkOfMap(keyframe.point_map_ids, i));
     keyframe_t& page = pager.PageFor(point._getEncodedSizeNoHash());
     page.points.push_back(point);
     ++page.n_points;
   }
   for (size_t i = 0; i < features.lines.size(); ++i) {
     const line_feature_t line =
-        ToMessage(features.lines[i], keyframe.line_landmark_ids[i], MapId(keyframe.line_map_ids, i));
+        ToMessage(features.lines[i], keyframe.line_landmark_ids[i], LandmarkOfMap(keyframe.line_map_ids, i));
     keyframe_t& page = pager.PageFor(line._getEncodedSizeNoHash());
     page.lines.push_back(line);
     ++page.n_lines;

@@ -21,12 +21,12 @@ constexpr size_t kMaxClosureEntries = 2'000'000;
 
 loop_closure_t HeadPage(const LoopClosure& closure) {
   loop_closure_t page{};
-  page.header.session = closure.session;
+  page.header.session = closure.keyframe.session.value;
   page.header.t_ns = closure.t_ns;
   page.kind = static_cast<int8_t>(closure.kind);
   page.more = closure.more ? 1 : 0;
-  page.session_keyframe_id = closure.session_keyframe_id;
-  page.map_source = closure.map_source;
+  page.session_keyframe_id = closure.keyframe.number;
+  page.map_source = closure.map_source.value;
   page.map_version = closure.map_version;
   page.score = closure.score;
   page.detect_ms = closure.detect_ms;
@@ -41,12 +41,11 @@ std::optional<LoopClosure> Head(const loop_closure_t& page) {
                       page.session_keyframe_id >= 0 && page.map_version >= 0;
   if (!numbers_ok || !ids_ok) return std::nullopt;
   LoopClosure closure;
-  closure.source = page.header.source;
+  closure.source = SourceId(page.header.source);
   closure.kind = static_cast<LoopClosure::Kind>(page.kind);
-  closure.session = page.header.session;
-  closure.session_keyframe_id = page.session_keyframe_id;
+  closure.keyframe = {SessionId(page.header.session), page.session_keyframe_id};
   closure.t_ns = page.header.t_ns;
-  closure.map_source = page.map_source;
+  closure.map_source = SourceId(page.map_source);
   closure.map_version = page.map_version;
   closure.more = page.more != 0;
   closure.score = page.score;
@@ -56,7 +55,7 @@ std::optional<LoopClosure> Head(const loop_closure_t& page) {
 }
 
 bool SameHead(const loop_closure_t& page, const LoopClosure& closure) {
-  return page.header.session == closure.session && page.session_keyframe_id == closure.session_keyframe_id &&
+  return KeyframeName{SessionId(page.header.session), page.session_keyframe_id} == closure.keyframe &&
          page.kind == static_cast<int8_t>(closure.kind) && page.map_version == closure.map_version;
 }
 
@@ -74,11 +73,11 @@ corrected_pose_t ToMessage(const CorrectedPose& pose) {
   return message;
 }
 
-keyframe_name_t ToMessage(const KeyframeName& name) {
+keyframe_name_t ToMessage(const NamedKeyframe& keyframe) {
   keyframe_name_t message{};
-  message.keyframe_id = name.keyframe_id;
-  message.session = name.session;
-  message.session_keyframe_id = name.session_keyframe_id;
+  message.keyframe_id = keyframe.keyframe_id;
+  message.session = keyframe.name.session.value;
+  message.session_keyframe_id = keyframe.name.number;
   return message;
 }
 
@@ -111,12 +110,12 @@ bool AppendPoses(const std::vector<corrected_pose_t>& messages, std::vector<Corr
   return true;
 }
 
-bool AppendNames(const std::vector<keyframe_name_t>& messages, std::vector<KeyframeName>& to) {
+bool AppendNames(const std::vector<keyframe_name_t>& messages, std::vector<NamedKeyframe>& to) {
   if (to.size() + messages.size() > kMaxClosureEntries) return false;
   for (const keyframe_name_t& message : messages) {
     const bool ascends = message.keyframe_id > (to.empty() ? -1 : to.back().keyframe_id);
     if (!ascends || message.session_keyframe_id < 0) return false;
-    to.push_back({message.keyframe_id, message.session, message.session_keyframe_id});
+    to.push_back({message.keyframe_id, {SessionId(message.session), message.session_keyframe_id}});
   }
   return true;
 }
@@ -145,7 +144,7 @@ void Check(const std::vector<loop_closure_t>& pages, const LoopClosure& closure)
     if (Head(page) && Append(page, read)) continue;
     throw std::invalid_argument(fmt::format(
         "loop closure of keyframe {}: invalid: numbers are not finite, or keyframes are not in ascending order",
-        closure.session_keyframe_id));
+        closure.keyframe.number));
   }
 }
 
@@ -179,11 +178,11 @@ LoopClosureSubscriber::LoopClosureSubscriber(Bus& bus, std::function<void(const 
 
 relocalisation_t ToMessage(const Relocalisation& relocalisation) {
   relocalisation_t message{};
-  message.header.session = relocalisation.session;
+  message.header.session = relocalisation.session.value;
   message.header.t_ns = relocalisation.t_ns;
   message.frame_id = relocalisation.frame_id;
   message.found = relocalisation.found ? 1 : 0;
-  message.map_source = relocalisation.map_source;
+  message.map_source = relocalisation.map_source.value;
   message.map_version = relocalisation.map_version;
   message.keyframe_id = relocalisation.keyframe_id;
   message.T_w_c = ToMessage(relocalisation.T_w_c);
@@ -201,12 +200,12 @@ std::optional<Relocalisation> FromMessage(const relocalisation_t& message) {
                   message.map_version >= 0;
   if (!ok) return std::nullopt;
   Relocalisation relocalisation;
-  relocalisation.source = message.header.source;
-  relocalisation.session = message.header.session;
+  relocalisation.source = SourceId(message.header.source);
+  relocalisation.session = SessionId(message.header.session);
   relocalisation.frame_id = message.frame_id;
   relocalisation.t_ns = message.header.t_ns;
   relocalisation.found = message.found != 0;
-  relocalisation.map_source = message.map_source;
+  relocalisation.map_source = SourceId(message.map_source);
   relocalisation.map_version = message.map_version;
   relocalisation.keyframe_id = message.keyframe_id;
   relocalisation.T_w_c = *T_w_c;

@@ -21,18 +21,18 @@ constexpr size_t kMaxMapPublishers = 64;
 
 struct MapUpdatePublisher::State {
   std::function<void()> asked;
-  int64_t source = 0;
+  SourceId source;
   std::atomic<int64_t> version = 0;
 };
 
 MapUpdatePublisher::MapUpdatePublisher(Bus& bus, std::function<void()> asked)
     : bus_(bus), state_(std::make_shared<State>()) {
   state_->asked = std::move(asked);
-  state_->source = bus.source();
+  state_->source = SourceId(bus.source());
   bus.Subscribe<map_request_t>(kMapRequest, [weak = std::weak_ptr<State>(state_)](const map_request_t& request) {
     const auto state = weak.lock();
-    if (state == nullptr || (request.publisher != 0 && request.publisher != state->source)) return;
-    const int64_t known = request.publisher == state->source ? request.version : 0;
+    if (state == nullptr || (request.publisher != 0 && SourceId(request.publisher) != state->source)) return;
+    const int64_t known = SourceId(request.publisher) == state->source ? request.version : 0;
     if (known < state->version) state->asked();
   });
 }
@@ -52,21 +52,23 @@ struct MapUpdateSubscriber::State {
   void OnTick();
   void Lack();
   void Ask();
-  bool IsOld(int64_t source);
+  bool IsOld(SourceId source);
 
   Bus& bus;
   std::function<void(MapUpdate)> handler;
   MapUpdateAssembler assembler;
   MapVersion known;
   /// In the order of their first messages.
-  std::vector<int64_t> publishers;
+  std::vector<SourceId> publishers;
   bool lacking = true;
   /// Pages of a complete map have arrived since the last tick.
   bool being_served = false;
 };
 
-bool MapUpdateSubscriber::State::IsOld(int64_t source) {
-  const auto place = [this](int64_t publisher) { return std::find(publishers.begin(), publishers.end(), publisher); };
+bool MapUpdateSubscriber::State::IsOld(SourceId source) {
+  const auto place = [this](SourceId publisher) {
+    return std::find(publishers.begin(), publishers.end(), publisher);
+  };
   if (place(source) == publishers.end()) {
     if (publishers.size() >= kMaxMapPublishers) publishers.erase(publishers.begin());
     publishers.push_back(source);
@@ -76,9 +78,9 @@ bool MapUpdateSubscriber::State::IsOld(int64_t source) {
 }
 
 void MapUpdateSubscriber::State::OnPage(const map_update_t& page) {
-  if (IsOld(page.header.source)) return;
+  if (IsOld(SourceId(page.header.source))) return;
   being_served = being_served || page.base_version == 0;
-  const bool is_news = page.header.source != known.source() || page.version > known.number();
+  const bool is_news = SourceId(page.header.source) != known.source() || page.version > known.number();
   switch (assembler.Add(page)) {
     case PageOutcome::kTaken:
       return;
@@ -114,8 +116,9 @@ void MapUpdateSubscriber::State::OnTick() {
 
 void MapUpdateSubscriber::State::Ask() {
   map_request_t request{};
-  request.publisher = publishers.empty() ? 0 : publishers.back();
-  request.version = request.publisher == known.source() ? known.number() : 0;
+  const SourceId newest = publishers.empty() ? SourceId() : publishers.back();
+  request.publisher = newest.value;
+  request.version = newest == known.source() ? known.number() : 0;
   bus.Publish(kMapRequest, request);
 }
 
@@ -132,7 +135,7 @@ MapUpdateSubscriber::MapUpdateSubscriber(Bus& bus, std::function<void(MapUpdate)
 }
 
 MapSubscriber::MapSubscriber(Bus& bus, std::function<void(const MapUpdate&)> handler)
-    : updates_(bus, [replica = replica_, handler = std::move(handler)](const MapUpdate& update) {
+    : updates_(bus, [replica = follower_, handler = std::move(handler)](const MapUpdate& update) {
         replica->Apply(update);
         handler(update);
       }) {}

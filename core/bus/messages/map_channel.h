@@ -7,6 +7,7 @@
 
 #include "core/bus/bus.h"
 #include "core/bus/messages/map_pages.h"
+#include "core/map/map_follower.h"
 
 namespace plslam::bus {
 
@@ -47,12 +48,12 @@ class MapSubscriber {
   /// `handler` gets each update after the copy has taken it over.
   MapSubscriber(Bus& bus, std::function<void(const MapUpdate&)> handler);
 
-  const MapReplica& replica() const { return *replica_; }
-  /// `MapReplica::RememberRemoved`.
-  void RememberRemoved() { replica_->RememberRemoved(); }
+  const MapFollower& follower() const { return *follower_; }
+  /// `MapFollower::RememberRemoved`.
+  void RememberRemoved() { follower_->RememberRemoved(); }
 
  private:
-  std::shared_ptr<MapReplica> replica_ = std::make_shared<MapReplica>();
+  std::shared_ptr<MapFollower> follower_ = std::make_shared<MapFollower>();
   MapUpdateSubscriber updates_;
 };
 

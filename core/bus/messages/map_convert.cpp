@@ -94,8 +94,8 @@ std::optional<std::vector<Observation>> FromMessages(const std::vector<observati
 map_keyframe_t ToMessage(const MapKeyframe& keyframe) {
   map_keyframe_t message{};
   message.id = keyframe.id;
-  message.session = keyframe.session;
-  message.session_keyframe_id = keyframe.session_keyframe_id;
+  message.session = keyframe.name.session.value;
+  message.session_keyframe_id = keyframe.name.number;
   message.frame_id = keyframe.frame_id;
   message.t_ns = keyframe.t_ns;
   message.T_w_kf = ToMessage(keyframe.T_w_kf);
@@ -121,8 +121,7 @@ std::optional<MapKeyframe> FromMessage(const map_keyframe_t& message) {
                       message.parent_id < message.id;
   if (!values_ok || !ids_ok) return std::nullopt;
   return MapKeyframe{.id = message.id,
-                     .session = message.session,
-                     .session_keyframe_id = message.session_keyframe_id,
+                     .name = {SessionId(message.session), message.session_keyframe_id},
                      .frame_id = message.frame_id,
                      .t_ns = message.t_ns,
                      .T_w_kf = *T_w_kf,

@@ -26,18 +26,18 @@ constexpr size_t kMaxStages = 64;
 
 map_update_t HeadPage(const MapUpdate& update) {
   map_update_t page{};
-  page.header.session = update.session;
+  page.header.session = update.newest.session.value;
   page.header.t_ns = update.t_ns;
   page.version = update.version;
   page.base_version = update.base_version;
-  page.session_keyframe_id = update.session_keyframe_id;
+  page.session_keyframe_id = update.newest.number;
   page.committed = update.committed ? 1 : 0;
-  page.answer.session = update.answer.session;
-  page.answer.session_keyframe_id = update.answer.session_keyframe_id;
+  page.answer.session = update.answer.keyframe.session.value;
+  page.answer.session_keyframe_id = update.answer.keyframe.number;
   page.answer.map_version = update.answer.map_version;
   page.answer.accepted = update.answer.accepted ? 1 : 0;
   page.localise_only = update.localise_only ? 1 : 0;
-  page.map_instance = update.map_instance;
+  page.map_instance = update.map_instance.value;
   if (update.camera) page.camera = ToMessage(*update.camera);
   page.totals = ToMessage(update.totals);
   page.adjustment = ToMessage(update.adjustment);
@@ -201,8 +201,8 @@ void CutLandmarks(const char* kind, const std::vector<Landmark>& landmarks, int3
 
 bool SameHead(const map_update_t& page, const MapUpdate& update) {
   return page.version == update.version && page.base_version == update.base_version &&
-         page.header.session == update.session && page.session_keyframe_id == update.session_keyframe_id &&
-         (page.committed != 0) == update.committed;
+         SessionId(page.header.session) == update.newest.session &&
+         page.session_keyframe_id == update.newest.number && (page.committed != 0) == update.committed;
 }
 
 }  // namespace
@@ -219,17 +219,17 @@ std::optional<MapUpdate> HeadOf(const map_update_t& page) {
   const bool camera_ok = camera || page.camera.f_px == 0.0;
   if (!totals || !adjustment || !numbers_ok || !camera_ok) return std::nullopt;
   MapUpdate update;
-  update.source = page.header.source;
+  update.source = SourceId(page.header.source);
   update.version = page.version;
   update.base_version = page.base_version;
-  update.session = page.header.session;
-  update.session_keyframe_id = page.session_keyframe_id;
+  update.newest = {SessionId(page.header.session), page.session_keyframe_id};
   update.t_ns = page.header.t_ns;
   update.committed = page.committed != 0;
-  update.answer = {page.answer.session, page.answer.session_keyframe_id, page.answer.map_version,
+  update.answer = {{SessionId(page.answer.session), page.answer.session_keyframe_id},
+                   page.answer.map_version,
                    page.answer.accepted != 0};
   update.localise_only = page.localise_only != 0;
-  update.map_instance = page.map_instance;
+  update.map_instance = MapId(page.map_instance);
   update.camera = camera;
   update.totals = *totals;
   update.adjustment = *adjustment;

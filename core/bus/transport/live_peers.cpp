@@ -29,7 +29,7 @@ bool ReplayWindow::Take(int64_t seq) {
   return true;
 }
 
-LivePeers::Peer& LivePeers::PeerOf(int64_t source, int64_t now) {
+LivePeers::Peer& LivePeers::PeerOf(SourceId source, int64_t now) {
   auto found = peers_.find(source);
   if (found == peers_.end()) {
     if (peers_.size() >= kMaxPeers) {
@@ -46,14 +46,14 @@ LivePeers::Peer& LivePeers::PeerOf(int64_t source, int64_t now) {
   return found->second;
 }
 
-void LivePeers::Prove(int64_t source, int64_t now) { PeerOf(source, now).lives = true; }
+void LivePeers::Prove(SourceId source, int64_t now) { PeerOf(source, now).lives = true; }
 
-bool LivePeers::IsAlive(int64_t source) const {
+bool LivePeers::IsAlive(SourceId source) const {
   const auto found = peers_.find(source);
   return found != peers_.end() && found->second.lives;
 }
 
-LivePeers::Doubt LivePeers::OnSignOfLife(int64_t source, int64_t now) {
+LivePeers::Doubt LivePeers::OnSignOfLife(SourceId source, int64_t now) {
   Peer& peer = PeerOf(source, now);
   Doubt doubt;
   doubt.is_overdue = now - peer.first > kAmpleTime;

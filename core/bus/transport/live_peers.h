@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <map>
 
+#include "core/ids/ids.h"
+
 namespace plslam::bus {
 
 /// Distinguishes message numbers that have been received before from new ones. The newest 64 may arrive out of order;
@@ -28,19 +30,19 @@ class LivePeers {
   static constexpr size_t kMaxPeers = 256;
 
   /// A genuine message of `source` named us.
-  void Prove(int64_t source, int64_t now);
-  bool IsAlive(int64_t source) const;
+  void Prove(SourceId source, int64_t now);
+  bool IsAlive(SourceId source) const;
 
   /// A genuine message of a source that has not named this process yet.
   struct Doubt {
     bool ask = false;         ///< request now a message that names us (at most 100 such requests in a second, in all)
     bool is_overdue = false;  ///< it has had ample time to answer
   };
-  Doubt OnSignOfLife(int64_t source, int64_t now);
+  Doubt OnSignOfLife(SourceId source, int64_t now);
 
   /// Returns whether this request or announcement of `source` is a new one.
-  bool TakeRequest(int64_t source, int64_t seq, int64_t now) { return PeerOf(source, now).requests.Take(seq); }
-  bool TakeAnnouncement(int64_t source, int64_t seq, int64_t now) {
+  bool TakeRequest(SourceId source, int64_t seq, int64_t now) { return PeerOf(source, now).requests.Take(seq); }
+  bool TakeAnnouncement(SourceId source, int64_t seq, int64_t now) {
     return PeerOf(source, now).announcements.Take(seq);
   }
 
@@ -54,9 +56,9 @@ class LivePeers {
     ReplayWindow requests;
     ReplayWindow announcements;
   };
-  Peer& PeerOf(int64_t source, int64_t now);
+  Peer& PeerOf(SourceId source, int64_t now);
 
-  std::map<int64_t, Peer> peers_;
+  std::map<SourceId, Peer> peers_;
   int64_t second_began_ = 0;  // in which `asked_` requests were sent
   int asked_ = 0;
 };

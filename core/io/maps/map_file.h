@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/ids/ids.h"
 #include "core/map/keyframe_features.h"
 #include "core/map/map.h"
 
@@ -31,8 +32,8 @@ struct StoredMap {
   int64_t next_keyframe_id = 0;
   int64_t next_point_id = 0;
   int64_t next_line_id = 0;
-  std::map<int64_t, StoredSession> sessions;
-  int64_t newest_session = 0;
+  std::map<SessionId, StoredSession> sessions;
+  SessionId newest_session;
   int64_t newest_t_ns = 0;
   int64_t version = 0;
 };

@@ -68,7 +68,7 @@ int64_t LastId(const IdMap<Landmark>& landmarks) {
 }  // namespace
 
 void Check(const MapKeyframe& k) {
-  Demand(k.id >= 0 && k.session_keyframe_id >= 0 && k.frame_id >= 0, "keyframe {} has a negative number", k.id);
+  Demand(k.id >= 0 && k.name.number >= 0 && k.frame_id >= 0, "keyframe {} has a negative number", k.id);
   Demand(k.previous_id >= -1 && k.previous_id < k.id && k.parent_id >= -1 && k.parent_id < k.id,
          "keyframe {} follows keyframe {} and is attached to {}, which must be older", k.id, k.previous_id,
          k.parent_id);
@@ -141,7 +141,7 @@ void CheckWhole(const StoredMap& stored) {
   for (const auto& [session, newest] : stored.sessions) {
     if (newest.keyframe_id < 0 && session != stored.newest_session) continue;
     const MapKeyframe* keyframe = map.FindKeyframe(newest.keyframe_id);
-    Demand(keyframe != nullptr && keyframe->session == session,
+    Demand(keyframe != nullptr && keyframe->name.session == session,
            "session {} ends with keyframe {}, which is not in the map or not of this session", session,
            newest.keyframe_id);
   }

@@ -19,8 +19,8 @@ void Fields(Archive& a, T& session) {
 
 template <class Archive, Is<MapKeyframe> T>
 void Fields(Archive& a, T& k) {
-  a(k.id, k.session, k.session_keyframe_id, k.frame_id, k.t_ns, k.T_w_kf, k.covariance, k.T_odom_kf, k.previous_id,
-    k.T_prevkf_kf, k.relative_covariance, k.parent_id);
+  a(k.id, k.name, k.frame_id, k.t_ns, k.T_w_kf, k.covariance, k.T_odom_kf, k.previous_id, k.T_prevkf_kf,
+    k.relative_covariance, k.parent_id);
 }
 
 template <class Archive, Is<StereoPoint> T>

@@ -29,10 +29,10 @@ void WriteValues(archive::Writer& write, const IdMap<Value>& values, const std::
 }
 
 /// Values by number, ascending.
-template <class Value>
-void ReadByNumber(archive::Reader& read, std::map<int64_t, Value>& values) {
+template <class Key, class Value>
+void ReadByNumber(archive::Reader& read, std::map<Key, Value>& values) {
   for (uint64_t n = read.ReadCount(sizeof(int64_t) + archive::MinBytes<Value>()); n > 0; --n) {
-    int64_t id = 0;
+    Key id{};
     read(id);
     if (!values.empty() && id <= values.rbegin()->first)
       throw std::runtime_error("numbers are not in ascending order");

@@ -85,7 +85,7 @@ void LiveRun::OnStatus(const status_t& message) {
 
 void LiveRun::Tick() {
   if (std::exchange(has_new_poses_, false)) messages_.WritePath();
-  if (std::exchange(has_new_map_, false)) messages_.WriteMap(map_.replica().map());
+  if (std::exchange(has_new_map_, false)) messages_.WriteMap(map_.follower().map());
   if (std::exchange(has_new_grid_, false)) messages_.WriteGrid(grid_.Whole());
 }
 

@@ -20,6 +20,7 @@
 #include "core/bus/transport/wire.h"
 #include "core/geometry/rectification.h"
 #include "core/io/maps/map_camera.h"
+#include "core/map/map_follower.h"
 #include "core/map/map_update.h"
 #include "core/run/node/recorded_messages.h"
 #include "core/run/run_writer.h"
@@ -105,7 +106,7 @@ Eigen::Quaterniond RectifiedFrom(const LoggedRobot& robot, const bus::LogReader&
 /// Returns the map after the last update that continues the previous one.
 Map MapOf(const LoggedMessages& updates, const bus::LogReader& log, Notes* notes) {
   bus::MapUpdateAssembler assembler;
-  MapReplica replica;
+  MapFollower replica;
   replica.RememberRemoved();
   bool is_last = true;
   updates.ForEach<map_update_t>(log, [&](const map_update_t& page) {

@@ -13,7 +13,7 @@ std::optional<FramePose> ToFramePose(const pose_t& message) {
   if (!T_odom_c || !T_w_odom || !covariance || !motion_covariance) return std::nullopt;
   FramePose pose{.frame_id = message.frame_id,
                  .t_ns = message.header.t_ns,
-                 .session = message.header.session,
+                 .session = SessionId(message.header.session),
                  .state = static_cast<TrackingState>(message.state),
                  .T_odom_c = *T_odom_c,
                  .T_w_odom = *T_w_odom,
@@ -30,7 +30,7 @@ std::optional<FramePose> ToFramePose(const pose_t& message) {
 }
 
 std::optional<BodiesOfFrame> ToBodiesOfFrame(const bodies_t& message) {
-  BodiesOfFrame seen{message.header.session, {}};
+  BodiesOfFrame seen{SessionId(message.header.session), {}};
   for (const body_t& body : message.bodies) {
     const std::optional<SE3> T_c_body = bus::FromMessage(body.T_c_body);
     if (!T_c_body) return std::nullopt;

@@ -16,9 +16,9 @@ using Outcome = PageOutcome;
 Keyframe KeyframeOf(int64_t id, int n_points, int n_lines) {
   std::mt19937_64 random(static_cast<uint64_t>(id));
   Keyframe keyframe;
-  keyframe.session = 5;
+  keyframe.name.session = 5;
   keyframe.t_ns = 1000 + id;
-  keyframe.keyframe_id = id;
+  keyframe.name.number = id;
   keyframe.frame_id = 3 * id;
   keyframe.previous_keyframe_id = id - 1;
   keyframe.covariance = 1e-4 * Matrix6d::Identity();
@@ -49,9 +49,8 @@ Keyframe KeyframeOf(int64_t id, int n_points, int n_lines) {
 }
 
 void ExpectEqual(const Keyframe& a, const Keyframe& b) {
-  EXPECT_EQ(a.keyframe_id, b.keyframe_id);
+  EXPECT_EQ(a.name, b.name);
   EXPECT_EQ(a.frame_id, b.frame_id);
-  EXPECT_EQ(a.session, b.session);
   EXPECT_EQ(a.t_ns, b.t_ns);
   EXPECT_EQ(a.covariance, b.covariance);
   EXPECT_EQ(a.camera, b.camera);
@@ -170,7 +169,7 @@ TEST(KeyframeChannel, LateReaderGetsAllKeyframesOverALossyNetwork) {
   reader.Join();
   for (int id = 0; id < 10; ++id) {
     ExpectEqual(keyframes[static_cast<size_t>(id)], KeyframeOf(id, 200, 50));
-    EXPECT_EQ(keyframes[static_cast<size_t>(id)].source, publisher->source());
+    EXPECT_EQ(keyframes[static_cast<size_t>(id)].source, SourceId(publisher->source()));
   }
   EXPECT_EQ(reader->counters().rejected, 0);
 }

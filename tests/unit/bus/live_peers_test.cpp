@@ -63,7 +63,7 @@ TEST(LivePeers, ManyUnknownSourcesDoNotEvictProvenPeers) {
   LivePeers peers;
   peers.Prove(7, 0);
   int asked = 0;
-  for (int64_t source = 100; source < 100'000; ++source) asked += peers.OnSignOfLife(source, kMs).ask ? 1 : 0;
+  for (int source = 100; source < 100'000; ++source) asked += peers.OnSignOfLife(SourceId(source), kMs).ask ? 1 : 0;
   EXPECT_TRUE(peers.IsAlive(7));
   EXPECT_EQ(asked, 100);
 }

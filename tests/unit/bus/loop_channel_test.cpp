@@ -21,8 +21,8 @@ SE3 PoseOf(int64_t i) {
 LoopClosure ClosureOf(int64_t keyframe_id, int n_poses) {
   LoopClosure closure;
   closure.kind = LoopClosure::Kind::kLoop;
-  closure.session = 5;
-  closure.session_keyframe_id = keyframe_id;
+  closure.keyframe.session = 5;
+  closure.keyframe.number = keyframe_id;
   closure.t_ns = 77 * keyframe_id;
   closure.map_source = -3;
   closure.map_version = 12;
@@ -35,15 +35,14 @@ LoopClosure ClosureOf(int64_t keyframe_id, int n_poses) {
     closure.points.push_back({2 * i, 2 * i + 1});
     closure.lines.push_back({i + 1, i});
     closure.poses.push_back({3 * i, PoseOf(i)});
-    closure.names.push_back({3 * i, i % 2 - 7, i});
+    closure.names.push_back({3 * i, {i % 2 - 7, i}});
   }
   return closure;
 }
 
 void ExpectEqual(const LoopClosure& a, const LoopClosure& b) {
   EXPECT_EQ(a.kind, b.kind);
-  EXPECT_EQ(a.session, b.session);
-  EXPECT_EQ(a.session_keyframe_id, b.session_keyframe_id);
+  EXPECT_EQ(a.keyframe, b.keyframe);
   EXPECT_EQ(a.t_ns, b.t_ns);
   EXPECT_EQ(a.map_source, b.map_source);
   EXPECT_EQ(a.map_version, b.map_version);

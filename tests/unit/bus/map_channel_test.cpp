@@ -64,9 +64,9 @@ class Listener {
  public:
   explicit Listener(const BusOptions& options)
       : bus_(options, "viewer"), subscriber_(*bus_, [this](const MapUpdate& update) {
-          const MapReplica& replica = subscriber_.replica();
+          const MapFollower& replica = subscriber_.follower();
           EXPECT_EQ(update.totals, replica.map().Totals());
-          source_ = replica.source();
+          source_ = replica.source().value;
           version_ = replica.version();
         }) {
     bus_.Start();
@@ -80,7 +80,7 @@ class Listener {
   /// Ends the listening.
   std::vector<uint8_t> Map() {
     bus_.Join();
-    return EncodedMap(subscriber_.replica().map());
+    return EncodedMap(subscriber_.follower().map());
   }
 
   Bus& bus() { return *bus_; }

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/map/map_follower.h"
 #include "plslam/map_update_t.hpp"
 #include "tests/unit/bus/map_owner.h"
 
@@ -25,8 +26,8 @@ MapUpdate SomeUpdate() {
   MapUpdate update = ChangedPart(random.map(), random.map().TakeChanges());
   update.version = 7;
   update.base_version = 6;
-  update.session = 5;
-  update.session_keyframe_id = 12;
+  update.newest.session = 5;
+  update.newest.number = 12;
   update.t_ns = 99;
   update.answer = {4, 11, 5, true};
   update.adjustment = {3, 4, 5, 6, 7, 1.5, 1.25, 0.75, 0.5};
@@ -56,8 +57,7 @@ TEST_P(MapPages, AreSmallEnoughAndGiveTheSameUpdate) {
   ASSERT_TRUE(back);
   EXPECT_EQ(back->version, 7);
   EXPECT_EQ(back->base_version, 6);
-  EXPECT_EQ(back->session, 5);
-  EXPECT_EQ(back->session_keyframe_id, 12);
+  EXPECT_EQ(back->newest, (KeyframeName{5, 12}));
   EXPECT_EQ(back->t_ns, 99);
   EXPECT_EQ(back->answer, update.answer);
   EXPECT_EQ(back->totals, update.totals);
@@ -85,7 +85,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, MapPages, testing::Values(968, 1200, 5000, 60'00
 TEST(MapPages, ReplicaOfThePagesEqualsTheMap) {
   for (uint64_t seed = 1; seed <= 10; ++seed) {
     test::MapOwner owner(seed);
-    MapReplica replica;
+    MapFollower replica;
     for (int i = 0; i < 20; ++i) {
       const auto update = Assemble(CutIntoPages(owner.Next(40), 3000));
       ASSERT_TRUE(update);

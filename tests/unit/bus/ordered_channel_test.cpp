@@ -177,7 +177,7 @@ class LossyNetwork {
       for (size_t r = 0; r < readers.size(); ++r) {
         if (now >= hello[r]) {
           hello[r] = now + 300 * kMs;
-          ToWriter(now, [&, r, now] { writer.OnHello(static_cast<int64_t>(r) + 1, 133'120, now); });
+          ToWriter(now, [&, r, now] { writer.OnHello(SourceId(r + 1), 133'120, now); });
         }
       }
       if (writer.next_seq() < n && writer.WindowOpen(60'000, now)) {
@@ -233,8 +233,7 @@ class LossyNetwork {
     const auto request = readers[r].Poll(now);
     if (!request) return;
     ToWriter(now, [this, &readers, &writer, r, request] {
-      const auto answer =
-          writer.OnRequest(static_cast<int64_t>(r) + 1, request->delivered, 133'120, request->ranges, now_);
+      const auto answer = writer.OnRequest(SourceId(r + 1), request->delivered, 133'120, request->ranges, now_);
       for (const History::Kept& kept : answer.resend) Multicast(now_, readers, NumberOf(kept.message), kept.message);
       if (answer.announce) Announce(now_, readers, writer);
     });

@@ -82,7 +82,7 @@ TEST(ColmapModel, FramesOfTwoSessionsWithOneNumberHaveTwoNames) {
   MapKeyframe keyframe;
   for (const auto& [id, session, frame] : {std::tuple{0, 0, 7}, {1, 5, 7}, {2, 5, 8}}) {
     keyframe.id = id;
-    keyframe.session = session;
+    keyframe.name.session = session;
     keyframe.frame_id = frame;
     map.Put(keyframe);
   }

@@ -74,7 +74,7 @@ TEST(ExportRun, EachSessionHasAFileOfKeyframes) {
   StoredMap stored = test::SmallStoredMap();
   MapKeyframe again = stored.map.keyframes().begin()->second;  // another robot's, at the same time
   again.id = 1000;
-  again.session = 3;
+  again.name.session = 3;
   stored.map.Put(again);
   const auto sessions = pose_graph::TrajectoriesOf(stored.map);
   ASSERT_EQ(sessions.size(), 2U);
@@ -89,7 +89,7 @@ TEST(ExportRun, UnconnectedPartsHaveTheirOwnFolders) {
   StoredMap stored = test::SmallStoredMap();
   MapKeyframe elsewhere = stored.map.keyframes().begin()->second;
   elsewhere.id = stored.next_keyframe_id++;
-  elsewhere.session = 3;
+  elsewhere.name.session = 3;
   elsewhere.previous_id = elsewhere.parent_id = -1;
   stored.map.Put(elsewhere);
   WriteMapFile(folder.Path("a.plmap"), stored);

@@ -78,10 +78,10 @@ TEST(RunStatistics, LandmarksOfSessionsAreDistinct) {
 
 TEST(IdCounter, AgreesWithASet) {
   std::mt19937 random(3);
-  std::set<std::pair<int64_t, int64_t>> all;
+  std::set<std::pair<SessionId, int64_t>> all;
   IdCounter counter;
   for (int i = 0; i < 20000; ++i) {
-    const auto session = static_cast<int64_t>(random() % 3);
+    const SessionId session(random() % 3);
     const auto id = static_cast<int64_t>(random() % 30000);
     all.insert({session, id});
     counter.Add(session, id);

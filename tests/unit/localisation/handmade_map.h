@@ -16,7 +16,7 @@ struct HandmadeMap {
   int64_t AddKeyframe(const SE3& T_w_kf, StereoFeatures seen = {}) {
     MapKeyframe keyframe;
     keyframe.id = static_cast<int64_t>(features.size());
-    keyframe.session_keyframe_id = keyframe.id;
+    keyframe.name.number = keyframe.id;
     keyframe.previous_id = keyframe.id - 1;
     keyframe.parent_id = keyframe.id - 1;
     keyframe.T_w_kf = T_w_kf;

@@ -28,7 +28,7 @@ Map Perturbed(const Map& map) {
 double Error_m(const LoopClosure& adjusted, const std::vector<SE3>& T_w_c, const Map& map) {
   double sum = 0.0;
   for (const CorrectedPose& pose : adjusted.poses) {
-    const auto number = static_cast<size_t>(map.FindKeyframe(pose.keyframe_id)->session_keyframe_id);
+    const auto number = static_cast<size_t>(map.FindKeyframe(pose.keyframe_id)->name.number);
     sum += (pose.T_w_kf.translation() - T_w_c.at(number).translation()).squaredNorm();
   }
   return std::sqrt(sum / static_cast<double>(adjusted.poses.size()));
@@ -39,17 +39,17 @@ TEST(AdjustGlobally, PerturbedKeyframesAreRecovered) {
   const mapping::Mapper mapper = MapAll(ring.walk.keyframes);
   KeyframeFeatures features;
   for (const auto& [id, keyframe] : mapper.map().keyframes()) {
-    features[id] = ring.walk.keyframes.at(static_cast<size_t>(keyframe.session_keyframe_id)).features;
+    features[id] = ring.walk.keyframes.at(static_cast<size_t>(keyframe.name.number)).features;
   }
   const Map perturbed = Perturbed(mapper.map());
   loop::GlobalBundleProblem problem = loop::MakeGlobalBundleProblem(perturbed, features, FeatureWorld::Camera(), {});
-  problem.session = 7;
-  problem.session_keyframe_id = 24;
+  problem.keyframe.session = 7;
+  problem.keyframe.number = 24;
   ASSERT_EQ(problem.keyframes.size(), mapper.map().keyframes().size());
   EXPECT_TRUE(problem.bundle.poses.front().fixed);
   const LoopClosure adjusted = loop::AdjustGlobally(problem, {}, nullptr);
   EXPECT_EQ(adjusted.kind, LoopClosure::Kind::kAdjustment);
-  EXPECT_EQ(adjusted.session_keyframe_id, 24);
+  EXPECT_EQ(adjusted.keyframe.number, 24);
   ASSERT_EQ(adjusted.poses.size(), problem.keyframes.size());
   const double before_m = PositionError_m(perturbed, ring.walk.T_w_c);
   const double after_m = Error_m(adjusted, ring.walk.T_w_c, perturbed);
@@ -64,9 +64,9 @@ TEST(AdjustmentProgress, ContinuesAfterEarlierAdjustments) {
   const mapping::Mapper mapper = MapAll(ring.walk.keyframes);
   KeyframeFeatures features;
   for (const auto& [id, keyframe] : mapper.map().keyframes()) {
-    features[id] = ring.walk.keyframes.at(static_cast<size_t>(keyframe.session_keyframe_id)).features;
+    features[id] = ring.walk.keyframes.at(static_cast<size_t>(keyframe.name.number)).features;
   }
-  const auto make = [&](int64_t source) {
+  const auto make = [&](SourceId source) {
     loop::GlobalBundleProblem problem =
         loop::MakeGlobalBundleProblem(Perturbed(mapper.map()), features, FeatureWorld::Camera(), {});
     problem.map_source = source;
@@ -112,7 +112,7 @@ TEST(MakeGlobalBundleProblem, LandmarkAndObservationLimits) {
   const mapping::Mapper mapper = MapAll(ring.walk.keyframes);
   KeyframeFeatures features;
   for (const auto& [id, keyframe] : mapper.map().keyframes()) {
-    features[id] = ring.walk.keyframes.at(static_cast<size_t>(keyframe.session_keyframe_id)).features;
+    features[id] = ring.walk.keyframes.at(static_cast<size_t>(keyframe.name.number)).features;
   }
   loop::GlobalBundleOptions options;
   options.points_per_keyframe = 15;
@@ -132,7 +132,7 @@ TEST(AdjustGlobally, StoppedAtOnceChangesNothing) {
   const mapping::Mapper mapper = MapAll(ring.walk.keyframes);
   KeyframeFeatures features;
   for (const auto& [id, keyframe] : mapper.map().keyframes()) {
-    features[id] = ring.walk.keyframes.at(static_cast<size_t>(keyframe.session_keyframe_id)).features;
+    features[id] = ring.walk.keyframes.at(static_cast<size_t>(keyframe.name.number)).features;
   }
   const std::atomic<bool> stop = true;
   const LoopClosure adjusted = loop::AdjustGlobally(

@@ -19,21 +19,21 @@ PlaceRecogniser SmallPlaces() {
           train_vocabulary::TrainVocabulary(images, FeatureType::kLines, options), PlaceOptions()};
 }
 
-Keyframe Named(int64_t session, int64_t number) {
+Keyframe Named(SessionId session, int64_t number) {
   Keyframe keyframe;
-  keyframe.session = session;
-  keyframe.keyframe_id = number;
+  keyframe.name.session = session;
+  keyframe.name.number = number;
   StereoPoint point;
-  point.left.descriptor = DescriptorOf(static_cast<uint64_t>(10 * session + number));
+  point.left.descriptor = DescriptorOf(static_cast<uint64_t>(10 * session.value + number));
   keyframe.features.points.assign(static_cast<size_t>(number + 1), point);
   return keyframe;
 }
 
-MapKeyframe InMap(int64_t id, int64_t session, int64_t number) {
+MapKeyframe InMap(int64_t id, SessionId session, int64_t number) {
   MapKeyframe keyframe;
   keyframe.id = id;
-  keyframe.session = session;
-  keyframe.session_keyframe_id = number;
+  keyframe.name.session = session;
+  keyframe.name.number = number;
   return keyframe;
 }
 
@@ -81,22 +81,22 @@ TEST(KeyframeMemory, UnmappedSessionKeepsOnlyItsNewest) {
   constexpr int64_t kMost = loop::KeyframeMemory::kMostUntaken;
   loop::KeyframeMemory memory(SmallPlaces());
   Map map;
-  const auto add = [&memory](int64_t session, int64_t number) {
+  const auto add = [&memory](SessionId session, int64_t number) {
     Keyframe keyframe = Named(session, 0);
-    keyframe.keyframe_id = number;
+    keyframe.name.number = number;
     memory.Add(keyframe);
   };
   for (int64_t i = 0; i < kMost + 2; ++i) add(2, i);
   memory.Follow(map);
-  EXPECT_TRUE(memory.Contains(2, 0)) << "there is no map yet";
+  EXPECT_TRUE(memory.Contains({2, 0})) << "there is no map yet";
   map.Put(InMap(0, 1, 0));
   memory.Add(Named(1, 0));
   memory.Follow(map);
-  EXPECT_FALSE(memory.Contains(2, 1));
-  EXPECT_TRUE(memory.Contains(2, 2));
+  EXPECT_FALSE(memory.Contains({2, 1}));
+  EXPECT_TRUE(memory.Contains({2, 2}));
   add(2, kMost + 2);
-  EXPECT_FALSE(memory.Contains(2, 2)) << "nor do they grow while the map stays as it is";
-  EXPECT_TRUE(memory.Contains(2, kMost + 2));
+  EXPECT_FALSE(memory.Contains({2, 2})) << "nor do they grow while the map stays as it is";
+  EXPECT_TRUE(memory.Contains({2, kMost + 2}));
   map.Put(InMap(1, 2, kMost + 2));
   memory.Follow(map);
   EXPECT_EQ(PointsOf(memory, 1), 1U);
@@ -108,7 +108,7 @@ TEST(KeyframeMemory, MappedSessionIsKeptForARestartedMap) {
   Map map;
   for (int64_t i = 0; i < kMany; ++i) {
     Keyframe keyframe = Named(1, 0);
-    keyframe.keyframe_id = i;
+    keyframe.name.number = i;
     memory.Add(keyframe);
     map.Put(InMap(i, 1, i));
   }
@@ -116,7 +116,7 @@ TEST(KeyframeMemory, MappedSessionIsKeptForARestartedMap) {
   Map anew;
   anew.Put(InMap(0, 2, 0));
   memory.Follow(anew);
-  EXPECT_TRUE(memory.Contains(1, 0));
+  EXPECT_TRUE(memory.Contains({1, 0}));
   anew.Put(InMap(1, 1, 0));
   memory.Follow(anew);
   EXPECT_EQ(PointsOf(memory, 1), 1U);

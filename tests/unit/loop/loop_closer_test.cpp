@@ -87,7 +87,7 @@ TEST(LoopCloser, AgreeingLoopOfThinnedMapAsksNoMore) {
   const Keyframe& last = ring.walk.keyframes[shown - 1];
   ASSERT_GT(2 * map.keyframes().rbegin()->first, 3 * static_cast<int64_t>(map.keyframes().size()))
       << "it was thinned";
-  const LoopClosure again = closing.closer.Check(map, last.session, last.keyframe_id);
+  const LoopClosure again = closing.closer.Check(map, last.name);
   ASSERT_EQ(again.kind, Kind::kLoop);
   EXPECT_FALSE(again.more);
 }
@@ -109,9 +109,9 @@ TEST(LoopCloser, RestartedCloserFindsTheSameLoop) {
   // After a restart everything arrives at once, the map first.
   loop::LoopCloser anew(FeatureWorld::Camera(), places, {});
   const Keyframe& last = ring.walk.keyframes[shown - 1];
-  EXPECT_EQ(anew.Check(closing.mapper.map(), last.session, last.keyframe_id).kind, Kind::kNone);
+  EXPECT_EQ(anew.Check(closing.mapper.map(), last.name).kind, Kind::kNone);
   for (int i = 0; i < shown; ++i) anew.AddKeyframe(ring.walk.keyframes[i]);
-  ExpectSame(anew.Check(closing.mapper.map(), last.session, last.keyframe_id), loop);
+  ExpectSame(anew.Check(closing.mapper.map(), last.name), loop);
 }
 
 TEST(LoopCloser, UnanchoredSessionIsJoined) {
@@ -146,7 +146,7 @@ TEST(LoopCloser, UnanchoredSessionIsJoined) {
   EXPECT_EQ(loop.poses.front().keyframe_id, 0);
   for (const CorrectedPose& pose : loop.poses) {
     const MapKeyframe& keyframe = *closing.mapper.map().FindKeyframe(pose.keyframe_id);
-    if (keyframe.session == 8) continue;
+    if (keyframe.name.session == 8) continue;
     EXPECT_LT((keyframe.T_w_kf.Inverse() * pose.T_w_kf).translation().norm(), 1e-6) << pose.keyframe_id;
   }
   EXPECT_LT((Corrected(loop, edge.old_keyframe_id, edge.keyframe_id).Inverse() * edge.T_old_kf).translation().norm(),
@@ -162,7 +162,7 @@ TEST(LoopCloser, OldEndOfALoopIsOlderThanTheNewEnd) {
   ASSERT_GT(found, 0);
   const Map& map = open.mapper.map();
   for (const Keyframe& keyframe : ring.walk.keyframes) {
-    const LoopClosure loop = open.closer.Check(map, keyframe.session, keyframe.keyframe_id);
+    const LoopClosure loop = open.closer.Check(map, keyframe.name);
     for (const LoopEdge& edge : loop.edges) EXPECT_LT(edge.old_keyframe_id, edge.keyframe_id);
   }
 }
@@ -177,8 +177,8 @@ TEST(LoopCloser, EqualImagesAtTheSamePlace) {
     const Keyframe& before = keyframes.back();
     const SE3 T_step = i == 0 ? ring.walk.T_w_c[62].Inverse() * ring.walk.T_w_c[0]
                               : ring.walk.T_w_c[i - 1].Inverse() * ring.walk.T_w_c[i];
-    again.keyframe_id = before.keyframe_id + 1;
-    again.previous_keyframe_id = before.keyframe_id;
+    again.name.number = before.name.number + 1;
+    again.previous_keyframe_id = before.name.number;
     again.T_odom_kf = before.T_odom_kf * T_step;
     again.T_prevkf_kf = T_step;
     again.covariance = before.covariance;
@@ -213,8 +213,8 @@ TEST(LoopCloser, EmptyAndInvalidKeyframes) {
     EXPECT_EQ(closing.Show(*keyframe).kind, Kind::kNone);
     EXPECT_FALSE(closing.closer.Relocalise(closing.mapper.map(), keyframe->features).found);
   }
-  EXPECT_EQ(closing.closer.Check(closing.mapper.map(), 99, 0).kind, Kind::kNone);
-  EXPECT_EQ(closing.closer.Check(Map(), 7, 0).kind, Kind::kNone);
+  EXPECT_EQ(closing.closer.Check(closing.mapper.map(), {99, 0}).kind, Kind::kNone);
+  EXPECT_EQ(closing.closer.Check(Map(), {7, 0}).kind, Kind::kNone);
 }
 
 TEST(LoopCloser, DisabledFindsNoLoop) {
@@ -236,7 +236,7 @@ TEST(Relocaliser, FramesNearThePathAreFoundOthersAreNot) {
     if (!answer.found) continue;
     ++found;
     const MapKeyframe& near = *map.FindKeyframe(answer.keyframe_id);
-    const SE3 T_kf_c = ring.walk.T_w_c.at(static_cast<size_t>(near.session_keyframe_id)).Inverse() * T_w_c;
+    const SE3 T_kf_c = ring.walk.T_w_c.at(static_cast<size_t>(near.name.number)).Inverse() * T_w_c;
     const SE3 error = T_kf_c.Inverse() * (near.T_w_kf.Inverse() * answer.T_w_c);
     EXPECT_LT(error.translation().norm(), 0.05) << "trial " << i;
     EXPECT_LT(error.Log().tail<3>().norm(), 0.02) << "trial " << i;
@@ -256,7 +256,7 @@ TEST(Relocaliser, FramesNearThePathAreFoundOthersAreNot) {
 namespace plslam::test {
 namespace {
 
-constexpr int64_t kOtherSession = 8;
+constexpr SessionId kOtherSession = 8;
 // Number of keyframes of the other part of which the earlier part is a copy.
 constexpr int64_t kCopied = 12;
 // First ids of the rest of the map.
@@ -270,12 +270,12 @@ std::vector<Observation> ShiftedObservations(std::vector<Observation> observatio
   return observations;
 }
 
-void PutKeyframes(const Map& from, int64_t n, int64_t shift, int64_t session, const SE3& T_new_old, Map& to) {
+void PutKeyframes(const Map& from, int64_t n, int64_t shift, SessionId session, const SE3& T_new_old, Map& to) {
   for (const auto& [id, keyframe] : from.keyframes()) {
     if (id >= n) break;
     MapKeyframe put = keyframe;
     put.id += shift;
-    put.session = session;
+    put.name.session = session;
     put.previous_id = Shifted(put.previous_id, shift);
     put.parent_id = Shifted(put.parent_id, shift);
     put.T_w_kf = T_new_old * keyframe.T_w_kf;
@@ -314,17 +314,17 @@ struct TwoParts {
     Closing lap(PlacesOf(ring.world), {});
     for (const Keyframe& keyframe : ring.walk.keyframes) {
       closer.AddKeyframe(keyframe);
-      newest = keyframe.keyframe_id;
+      newest = keyframe.name.number;
       if (lap.Show(keyframe).kind == LoopClosure::Kind::kLoop) break;
     }
     for (Keyframe keyframe : std::vector(ring.walk.keyframes.begin(), ring.walk.keyframes.begin() + kCopied)) {
-      keyframe.session = kOtherSession;
+      keyframe.name.session = kOtherSession;
       closer.AddKeyframe(keyframe);
     }
     const Map& whole = lap.mapper.map();
     const SE3 T_own_w(ExpSO3({0.1, 0.7, 0.0}), {3.0, 1.0, -2.0});
     PutKeyframes(whole, kCopied, 0, kOtherSession, T_own_w, map);
-    PutKeyframes(whole, newest + 1, kFirstId, ring.walk.keyframes.front().session, SE3(), map);
+    PutKeyframes(whole, newest + 1, kFirstId, ring.walk.keyframes.front().name.session, SE3(), map);
     PutLandmarks(whole, kCopied, 0, 0, T_own_w, map);
     PutLandmarks(whole, newest + 1, kFirstId, kFirstLandmark, SE3(), map);
   }
@@ -335,7 +335,7 @@ bool SeesFirstPart(const loop::LoopEvidence& evidence) { return evidence.edge.ol
 TEST(SeparateParts, LoopDespiteCandidatesInAnotherPart) {
   const Ring ring;
   TwoParts parts(ring);
-  const LoopClosure loop = parts.closer.Check(parts.map, ring.walk.keyframes.front().session, parts.newest);
+  const LoopClosure loop = parts.closer.Check(parts.map, {ring.walk.keyframes.front().name.session, parts.newest});
   const loop::LoopSearch& search = parts.closer.last_search();
   ASSERT_TRUE(std::any_of(search.evidence.begin(), search.evidence.end(), [](const loop::LoopEvidence& evidence) {
     return SeesFirstPart(evidence) && evidence.place.inliers > 40;
@@ -354,7 +354,7 @@ TEST(SeparateParts, ACameraIsFoundInEither) {
   const Relocalisation answer = parts.closer.Relocalise(parts.map, ring.world.Observe(T_w_c, 0.4, 77));
   ASSERT_TRUE(answer.found);
   const MapKeyframe& near = *parts.map.FindKeyframe(answer.keyframe_id);
-  const SE3 T_kf_c = ring.walk.T_w_c.at(static_cast<size_t>(near.session_keyframe_id)).Inverse() * T_w_c;
+  const SE3 T_kf_c = ring.walk.T_w_c.at(static_cast<size_t>(near.name.number)).Inverse() * T_w_c;
   EXPECT_LT((T_kf_c.Inverse() * (near.T_w_kf.Inverse() * answer.T_w_c)).translation().norm(), 0.05);
 }
 

@@ -20,15 +20,15 @@ struct Lap {
   Map map;
   std::vector<SE3> truth;
 
-  Lap(int n, const Vector6d& error, int64_t first_id = 0, int64_t session = 1) {
+  Lap(int n, const Vector6d& error, int64_t first_id = 0, SessionId session = 1) {
     for (int i = 0; i < n; ++i) Add(i, n, error, first_id, session);
   }
 
-  void Add(int i, int n, const Vector6d& error, int64_t first_id, int64_t session) {
+  void Add(int i, int n, const Vector6d& error, int64_t first_id, SessionId session) {
     MapKeyframe keyframe;
     keyframe.id = first_id + i;
-    keyframe.session = session;
-    keyframe.session_keyframe_id = i;
+    keyframe.name.session = session;
+    keyframe.name.number = i;
     truth.push_back(OnCircle(i, n));
     keyframe.T_w_kf = truth.back();
     if (i > 0) {

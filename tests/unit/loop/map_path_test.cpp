@@ -20,7 +20,7 @@ SE3 RandomStep(std::mt19937_64& generator) {
 
 MapKeyframe After(const Map& map, int64_t id, const SE3& T_step) {
   MapKeyframe keyframe;
-  keyframe.id = keyframe.session_keyframe_id = id;
+  keyframe.id = keyframe.name.number = id;
   if (id == 0) return keyframe;
   keyframe.previous_id = keyframe.parent_id = id - 1;
   keyframe.T_prevkf_kf = T_step;
@@ -124,7 +124,7 @@ TEST(MapPaths, NoPathBetweenUnconnectedParts) {
   Map map = RandomMap(4, 1);
   MapKeyframe stranger;
   stranger.id = 4;
-  stranger.session = 2;
+  stranger.name.session = 2;
   map.Put(stranger);
   EXPECT_FALSE(loop::MapPaths(map, 4).From(0).has_value());
   EXPECT_FALSE(loop::MapPaths(map, 0).From(99).has_value());

@@ -48,7 +48,7 @@ Closing::Closing(const PlaceRecogniser& places, const loop::LoopOptions& options
 LoopClosure Closing::Show(const Keyframe& keyframe) {
   EXPECT_TRUE(MapOne(keyframe, mapper));
   closer.AddKeyframe(keyframe);
-  return closer.Check(mapper.map(), keyframe.session, keyframe.keyframe_id);
+  return closer.Check(mapper.map(), keyframe.name);
 }
 
 void Closing::TakeOver(const LoopClosure& loop) {

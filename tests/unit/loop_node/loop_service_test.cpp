@@ -13,12 +13,12 @@ namespace {
 
 using test::FeatureWorld;
 
-constexpr int64_t kSession = 7;
+constexpr SessionId kSession = 7;
 
 Keyframe KeyframeOf(int64_t id, bool lockstep = true) {
   Keyframe keyframe;
-  keyframe.session = kSession;
-  keyframe.keyframe_id = id;
+  keyframe.name.session = kSession;
+  keyframe.name.number = id;
   keyframe.frame_id = 10 * id;
   keyframe.lockstep = lockstep;
   keyframe.previous_keyframe_id = id - 1;
@@ -33,8 +33,8 @@ class Service : public testing::Test {
     while (next_id_ <= keyframe_id) {
       MapKeyframe keyframe;
       keyframe.id = next_id_;
-      keyframe.session = kSession;
-      keyframe.session_keyframe_id = next_id_;
+      keyframe.name.session = kSession;
+      keyframe.name.number = next_id_;
       keyframe.previous_id = keyframe.parent_id = next_id_ - 1;
       map_.Put(keyframe);
       ++next_id_;
@@ -45,7 +45,7 @@ class Service : public testing::Test {
     update.version = version_;
     return update;
   }
-  MapUpdate Whole(int64_t keyframe_id, bool committed, int64_t source) {
+  MapUpdate Whole(int64_t keyframe_id, bool committed, SourceId source) {
     MapUpdate update = WholeMap(map_);
     Sign(update, keyframe_id, committed);
     update.version = version_;
@@ -54,8 +54,8 @@ class Service : public testing::Test {
   }
   void Sign(MapUpdate& update, int64_t keyframe_id, bool committed) const {
     update.source = source_;
-    update.session = kSession;
-    update.session_keyframe_id = keyframe_id;
+    update.newest.session = kSession;
+    update.newest.number = keyframe_id;
     update.committed = committed;
   }
   /// Adds keyframes 0 to this one of another session to the map, unless they are in it.
@@ -63,23 +63,23 @@ class Service : public testing::Test {
     for (; next_other_ <= keyframe_id; ++next_other_) {
       MapKeyframe keyframe;
       keyframe.id = kOtherIds + next_other_;
-      keyframe.session = kSession + 1;
-      keyframe.session_keyframe_id = next_other_;
+      keyframe.name.session = SessionId(kSession.value + 1);
+      keyframe.name.number = next_other_;
       if (next_other_ > 0) keyframe.previous_id = keyframe.parent_id = keyframe.id - 1;
       map_.Put(keyframe);
     }
   }
   static Keyframe OfOther(int64_t id) {
     Keyframe keyframe = KeyframeOf(id);
-    keyframe.session = kSession + 1;
+    keyframe.name.session = SessionId(kSession.value + 1);
     return keyframe;
   }
   static std::vector<int64_t> Checked(const LoopService::Output& output) {
     std::vector<int64_t> ids;
     for (const LoopClosure& closure : output.closures) {
-      EXPECT_EQ(closure.session, kSession);
+      EXPECT_EQ(closure.keyframe.session, kSession);
       EXPECT_EQ(closure.kind, LoopClosure::Kind::kNone);
-      ids.push_back(closure.session_keyframe_id);
+      ids.push_back(closure.keyframe.number);
     }
     return ids;
   }
@@ -90,7 +90,7 @@ class Service : public testing::Test {
   int64_t next_id_ = 0;
   int64_t next_other_ = 0;
   int64_t version_ = 0;
-  int64_t source_ = 1;
+  SourceId source_ = 1;
   double now_ms_ = 0.0;
   LoopService service_{LoopCloser(FeatureWorld::Camera(),
                                   PlaceRecogniser(test::SmallVocabulary(FeatureType::kPoints),
@@ -133,7 +133,7 @@ TEST_F(Service, WaitsForMissingFeaturesUntilATimeout) {
 
 // A cable that is disconnected for seconds does not change the result.
 TEST_F(Service, LockstepWaitsForFeaturesOfALiveTracker) {
-  constexpr int64_t kTracker = 77;
+  constexpr SourceId kTracker = 77;
   Keyframe first = KeyframeOf(0);
   first.source = kTracker;
   service_.OnKeyframe(first);
@@ -143,7 +143,7 @@ TEST_F(Service, LockstepWaitsForFeaturesOfALiveTracker) {
   EXPECT_EQ(Checked(service_.OnTick()), Ids{});
   service_.OnSignOfLife(kTracker);
   now_ms_ += LoopService::kLockstepPatience_ms - 1.0;
-  service_.OnSignOfLife(kTracker + 1);
+  service_.OnSignOfLife(78);
   EXPECT_EQ(Checked(service_.OnTick()), Ids{});
   now_ms_ += 1.0;
   EXPECT_EQ(Checked(service_.OnTick()), Ids{1}) << "it is dead";
@@ -209,8 +209,8 @@ TEST_F(Service, UnfinishedAdjustmentIsDoneAfterARestart) {
   const auto output = service_.OnKeyframe(KeyframeOf(3));
   ASSERT_TRUE(output.adjustment) << "when all features are there";
   EXPECT_EQ(Checked(output), Ids{}) << "that is not checked again";
-  EXPECT_EQ(output.adjustment->session, kSession);
-  EXPECT_EQ(output.adjustment->session_keyframe_id, 3);
+  EXPECT_EQ(output.adjustment->keyframe.session, kSession);
+  EXPECT_EQ(output.adjustment->keyframe.number, 3);
   EXPECT_EQ(output.adjustment->map_source, 2);
   EXPECT_EQ(output.adjustment->keyframes.size(), 4U);
   EXPECT_FALSE(service_.OnUpdate(Update(3, true)).adjustment);
@@ -233,7 +233,7 @@ TEST_F(Service, UnfinishedAdjustmentFromRepeatedUpdates) {
   const auto output = service_.OnKeyframe(KeyframeOf(0));
   EXPECT_EQ(Checked(output), Ids{});
   ASSERT_TRUE(output.adjustment);
-  EXPECT_EQ(output.adjustment->session_keyframe_id, 1);
+  EXPECT_EQ(output.adjustment->keyframe.number, 1);
   EXPECT_EQ(output.adjustment->map_version, 4);
   EXPECT_TRUE(service_.OnUpdate(Update(1, true)).ends_adjustment) << "the other had come to its end";
   EXPECT_FALSE(service_.OnUpdate(Update(2, false)).ends_adjustment);
@@ -284,11 +284,11 @@ TEST_F(Service, RestartWithSeveralSessionsChecksTheNewest) {
   EXPECT_EQ(Checked(service_.OnUpdate(Whole(20, false, 5))), Ids{20});
   PutOther(11);
   MapUpdate of_other = Update(20, false);
-  of_other.session = kSession + 1;
-  of_other.session_keyframe_id = 11;
+  of_other.newest.session = SessionId(kSession.value + 1);
+  of_other.newest.number = 11;
   const auto output = service_.OnUpdate(of_other);
   ASSERT_EQ(output.closures.size(), 1U);
-  EXPECT_EQ(output.closures[0].session_keyframe_id, 11);
+  EXPECT_EQ(output.closures[0].keyframe.number, 11);
 }
 
 // Versions were missed meanwhile: all keyframes of a known session are checked.
@@ -316,7 +316,7 @@ TEST_F(Service, ForgedKeyframeIdIsHarmless) {
   service_.OnKeyframe(KeyframeOf(0));
   service_.OnUpdate(Update(0, false));
   MapUpdate forged = Update(0, false);
-  forged.session_keyframe_id = std::numeric_limits<int64_t>::max();
+  forged.newest.number = std::numeric_limits<int64_t>::max();
   service_.OnUpdate(forged);
   now_ms_ += LoopService::kPatience_ms;
   EXPECT_LE(service_.OnTick().closures.size(), 1U);
@@ -333,7 +333,7 @@ TEST_F(Service, LateFeaturesDoNotDelayOtherRobots) {
   EXPECT_EQ(Checked(service_.OnUpdate(Update(0, false))), Ids{0});
   PutOther(0);
   MapUpdate of_other = Update(0, false);
-  of_other.session = kSession + 1;
+  of_other.newest.session = SessionId(kSession.value + 1);
   service_.OnUpdate(of_other);
   EXPECT_EQ(Checked(service_.OnUpdate(Update(1, false))), Ids{});
   EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(1))), Ids{1});

@@ -16,7 +16,7 @@ Map Row(int keyframes, int lost = -1) {
   Map map;
   for (int i = 0; i < keyframes; ++i) {
     MapKeyframe keyframe;
-    keyframe.id = keyframe.session_keyframe_id = i;
+    keyframe.id = keyframe.name.number = i;
     keyframe.previous_id = keyframe.parent_id = i - 1;
     keyframe.T_prevkf_kf = SE3(Eigen::Quaterniond::Identity(), {1.0, 0.0, 0.0});
     keyframe.T_w_kf = SE3(Eigen::Quaterniond::Identity(), {1.0 * i, 0.0, 0.0});

@@ -15,7 +15,7 @@ Map TwoSessions() {
   for (int i = 0; i < 5; ++i) {
     MapKeyframe keyframe;
     keyframe.id = i;
-    keyframe.session = i < 3 ? 1 : 2;
+    keyframe.name.session = i < 3 ? 1 : 2;
     keyframe.previous_id = keyframe.parent_id = i == 0 || i == 3 ? -1 : i - 1;
     map.Put(keyframe);
     MapPoint point;
@@ -40,7 +40,7 @@ TEST(MapParts, ConnectedMapHasOne) {
 TEST(MapParts, LargestFirstUnlessOfTheRun) {
   const Map map = TwoSessions();
   EXPECT_THAT(PartsOf(map, All), ElementsAre(ElementsAre(0, 1, 2), ElementsAre(3, 4)));
-  const auto of_the_second = [](const MapKeyframe& keyframe) { return keyframe.session == 2; };
+  const auto of_the_second = [](const MapKeyframe& keyframe) { return keyframe.name.session == 2; };
   EXPECT_THAT(PartsOf(map, of_the_second), ElementsAre(ElementsAre(3, 4), ElementsAre(0, 1, 2)));
   EXPECT_THAT(PartsOf(Map(), All), ElementsAre());
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/map/map_update.h"
+#include "core/map/map_follower.h"
 
 #include <gtest/gtest.h>
 
@@ -48,7 +48,7 @@ void ExpectSame(const Map& a, const Map& b) {
 /// The owner's side: versions one after another.
 class Owner {
  public:
-  Owner(int64_t source, uint64_t seed) : source_(source), random_(seed) {}
+  Owner(SourceId source, uint64_t seed) : source_(source), random_(seed) {}
 
   MapUpdate Next(int steps) {
     random_.Steps(steps);
@@ -69,16 +69,16 @@ class Owner {
   const Map& map() const { return random_.map(); }
 
  private:
-  int64_t source_;
+  SourceId source_;
   test::RandomMap random_;
   int64_t version_ = 0;
 };
 
-TEST(MapReplica, FollowsRandomChanges) {
+TEST(MapFollower, FollowsRandomChanges) {
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Owner owner(1, seed);
-    MapReplica replica;
+    MapFollower replica;
     for (int i = 0; i < 40; ++i) {
       const MapUpdate update = owner.Next(1 + i);
       ASSERT_EQ(replica.Apply(update), Step::kNext);
@@ -89,13 +89,13 @@ TEST(MapReplica, FollowsRandomChanges) {
   }
 }
 
-TEST(MapReplica, CorrectionIsSentAsPosesOnly) {
+TEST(MapFollower, CorrectionIsSentAsPosesOnly) {
   test::RandomMap random(3);
   random.Steps(400);
   Map& map = random.map();
   MapUpdate whole = WholeMap(map);
   whole.version = 1;
-  MapReplica replica;
+  MapFollower replica;
   replica.Apply(whole);
   map.ForgetChanges();
   std::map<int64_t, SE3> poses;
@@ -133,9 +133,9 @@ TEST(Map, LandmarksMoveWithTheirMedianKeyframe) {
   EXPECT_EQ(map.FindPoint(0)->p_w, Eigen::Vector3d(2.0, 2.0, 3.0));
 }
 
-TEST(MapReplica, GapIsDetectedAndFilledByTheWholeMap) {
+TEST(MapFollower, GapIsDetectedAndFilledByTheWholeMap) {
   Owner owner(1, 5);
-  MapReplica replica;
+  MapFollower replica;
   replica.Apply(owner.Next(50));
   owner.Next(50);
   EXPECT_EQ(replica.Apply(owner.Next(50)), Step::kGap);
@@ -147,19 +147,19 @@ TEST(MapReplica, GapIsDetectedAndFilledByTheWholeMap) {
   ExpectSame(owner.map(), replica.map());
 }
 
-TEST(MapReplica, LateReplicaNeedsTheWholeMap) {
+TEST(MapFollower, LateReplicaNeedsTheWholeMap) {
   Owner owner(1, 6);
   owner.Next(50);
-  MapReplica replica;
+  MapFollower replica;
   EXPECT_EQ(replica.Apply(owner.Next(50)), Step::kGap);
   EXPECT_TRUE(replica.map().keyframes().empty());
   EXPECT_EQ(replica.Apply(owner.Whole()), Step::kNext);
   ExpectSame(owner.map(), replica.map());
 }
 
-TEST(MapReplica, MapOfARestartedMapperReplacesIt) {
+TEST(MapFollower, MapOfARestartedMapperReplacesIt) {
   Owner before(1, 7), after(2, 8);
-  MapReplica replica;
+  MapFollower replica;
   replica.Apply(before.Next(100));
   replica.Apply(before.Next(100));
   EXPECT_EQ(replica.Apply(after.Next(20)), Step::kNext) << "its first version stands on nothing";
@@ -169,10 +169,10 @@ TEST(MapReplica, MapOfARestartedMapperReplacesIt) {
   ExpectSame(after.map(), replica.map());
 }
 
-MapUpdate Newest(int64_t session, int64_t keyframe_id, bool committed) {
+MapUpdate Newest(SessionId session, int64_t keyframe_id, bool committed) {
   MapUpdate update;
-  update.session = session;
-  update.session_keyframe_id = keyframe_id;
+  update.newest.session = session;
+  update.newest.number = keyframe_id;
   update.committed = committed;
   return update;
 }
@@ -195,8 +195,8 @@ MapUpdate WholeRow(int64_t version, const std::set<int64_t>& removed) {
   return update;
 }
 
-TEST(MapReplica, RemembersRemovedKeyframesOnRequest) {
-  MapReplica replica, forgetful;
+TEST(MapFollower, RemembersRemovedKeyframesOnRequest) {
+  MapFollower replica, forgetful;
   replica.RememberRemoved();
   MapUpdate removal;
   removal.source = 5;
@@ -204,7 +204,7 @@ TEST(MapReplica, RemembersRemovedKeyframesOnRequest) {
   removal.version = 2;
   removal.map_instance = 6;
   removal.removed_keyframes = {1, 2};
-  for (MapReplica* each : {&replica, &forgetful}) {
+  for (MapFollower* each : {&replica, &forgetful}) {
     each->Apply(WholeRow(1, {}));
     EXPECT_EQ(each->Apply(removal), Step::kNext);
   }
@@ -216,8 +216,8 @@ TEST(MapReplica, RemembersRemovedKeyframesOnRequest) {
   EXPECT_TRUE(forgetful.map().RemovedKeyframes().empty());
 }
 
-TEST(MapReplica, WholeMapKeepsRememberedKeyframesOfTheSameMap) {
-  MapReplica replica;
+TEST(MapFollower, WholeMapKeepsRememberedKeyframesOfTheSameMap) {
+  MapFollower replica;
   replica.RememberRemoved();
   replica.Apply(WholeRow(1, {}));
   EXPECT_EQ(replica.Apply(WholeRow(7, {1, 2})), Step::kNext) << "versions were missed";
@@ -235,50 +235,50 @@ SE3 AtX(double x_m, double y_m = 0.0) { return {Eigen::Quaterniond::Identity(), 
 class RemovedPosesTest : public testing::Test {
  protected:
   RemovedPosesTest() {
-    replica_.RememberRemoved();
-    replica_.Apply(WholeRow(1, {}));
+    follower_.RememberRemoved();
+    follower_.Apply(WholeRow(1, {}));
   }
 
   MapUpdate Next() const {
     MapUpdate update;
     update.source = source_;
     update.map_instance = 6;
-    update.base_version = replica_.version();
-    update.version = replica_.version() + 1;
+    update.base_version = follower_.version();
+    update.version = follower_.version() + 1;
     return update;
   }
 
   void Remove(int64_t id) {
     MapUpdate update = Next();
     update.removed_keyframes = {id};
-    ASSERT_EQ(replica_.Apply(update), Step::kNext);
+    ASSERT_EQ(follower_.Apply(update), Step::kNext);
   }
 
   void AdjustLocally(int64_t id, const SE3& T_w_kf) {
     MapUpdate update = Next();
-    update.keyframes = {*replica_.map().FindKeyframe(id)};
+    update.keyframes = {*follower_.map().FindKeyframe(id)};
     update.keyframes.front().T_w_kf = T_w_kf;
-    ASSERT_EQ(replica_.Apply(update), Step::kNext);
+    ASSERT_EQ(follower_.Apply(update), Step::kNext);
   }
 
   void CorrectAll(const SE3& T_new_old) {
     MapUpdate update = Next();
-    for (const auto& [id, keyframe] : replica_.map().keyframes()) {
+    for (const auto& [id, keyframe] : follower_.map().keyframes()) {
       update.moved_keyframes.push_back({id, T_new_old * keyframe.T_w_kf, keyframe.covariance});
     }
-    ASSERT_EQ(replica_.Apply(update), Step::kNext);
+    ASSERT_EQ(follower_.Apply(update), Step::kNext);
   }
 
   /// Pose of a removed keyframe in the map.
   SE3 PoseOf(int64_t id) const {
-    for (const RemovedKeyframe& keyframe : replica_.map().RemovedKeyframes()) {
+    for (const RemovedKeyframe& keyframe : follower_.map().RemovedKeyframes()) {
       if (keyframe.id == id) return keyframe.T_w_kf;
     }
     throw std::out_of_range("not among the removed keyframes");
   }
 
-  MapReplica replica_;
-  int64_t source_ = 5;  ///< process that sends the updates
+  MapFollower follower_;
+  SourceId source_ = 5;  ///< process that sends the updates
 };
 
 TEST_F(RemovedPosesTest, LocalAdjustmentsOfCarriersDoNotAddUp) {
@@ -315,13 +315,13 @@ TEST_F(RemovedPosesTest, ReturningProcessRepeatsCorrectionsExactly) {
     CorrectAll(AtX(0.9));
   };
   first();
-  MapUpdate state = WholeMap(replica_.map());
+  MapUpdate state = WholeMap(follower_.map());
   state.map_instance = 6;
-  state.version = replica_.version();
+  state.version = follower_.version();
   rest();
   const SE3 T_w_2 = PoseOf(2), T_w_3 = PoseOf(3);
   state.source = 9;
-  ASSERT_EQ(replica_.Apply(state), Step::kNext);
+  ASSERT_EQ(follower_.Apply(state), Step::kNext);
   EXPECT_LT((PoseOf(3).translation() - Eigen::Vector3d(3.1, 0.7, 0.0)).norm(), 1e-12) << "as in the state";
   source_ = 9;
   rest();
@@ -333,11 +333,11 @@ TEST_F(RemovedPosesTest, CarrierThatReturnsLeavesThemInPlace) {
   CorrectAll(AtX(0.0, 5.0));
   Remove(3);
   MapUpdate back = Next();
-  back.keyframes = {*replica_.map().FindKeyframe(2)};
+  back.keyframes = {*follower_.map().FindKeyframe(2)};
   Remove(2);
-  back.base_version = replica_.version();
-  back.version = replica_.version() + 1;
-  ASSERT_EQ(replica_.Apply(back), Step::kNext);
+  back.base_version = follower_.version();
+  back.version = follower_.version() + 1;
+  ASSERT_EQ(follower_.Apply(back), Step::kNext);
   EXPECT_LT((PoseOf(3).translation() - Eigen::Vector3d(3.0, 5.0, 0.0)).norm(), 1e-12);
 }
 
@@ -345,12 +345,12 @@ TEST_F(RemovedPosesTest, MissedCorrectionIsThatOfTheCarrier) {
   Remove(3);
   MapUpdate later = WholeRow(9, {3});
   for (MapKeyframe& keyframe : later.keyframes) keyframe.T_w_kf = AtX(0.0, 2.0) * keyframe.T_w_kf;
-  ASSERT_EQ(replica_.Apply(later), Step::kNext);
+  ASSERT_EQ(follower_.Apply(later), Step::kNext);
   EXPECT_LT((PoseOf(3).translation() - Eigen::Vector3d(3.0, 2.0, 0.0)).norm(), 1e-12);
 }
 
-TEST(MapReplica, ProcessOfUnknownMapBeginsAnother) {
-  MapReplica replica;
+TEST(MapFollower, ProcessOfUnknownMapBeginsAnother) {
+  MapFollower replica;
   replica.RememberRemoved();
   MapUpdate first = WholeRow(1, {});
   first.map_instance = 0;
@@ -363,7 +363,7 @@ TEST(MapReplica, ProcessOfUnknownMapBeginsAnother) {
 }
 
 TEST(Map, ReturningKeyframeIsNotRememberedTwice) {
-  MapReplica replica;
+  MapFollower replica;
   replica.RememberRemoved();
   replica.Apply(WholeRow(1, {}));
   replica.Apply(WholeRow(3, {3}));
@@ -372,25 +372,25 @@ TEST(Map, ReturningKeyframeIsNotRememberedTwice) {
   EXPECT_TRUE(replica.map().RemovedKeyframes().empty());
 }
 
-TEST(CommittedKeyframes, UpdateCommitsKeyframesOfAllRobots) {
-  CommittedKeyframes committed;
-  EXPECT_FALSE(committed.Has(1, 0));
+TEST(NewestKeyframes, UpdateCommitsKeyframesOfAllRobots) {
+  NewestKeyframes committed;
+  EXPECT_FALSE(committed.HasCommitted({1, 0}));
   committed.Add(Newest(1, 4, false));
-  EXPECT_FALSE(committed.Has(1, 4));
+  EXPECT_FALSE(committed.HasCommitted({1, 4}));
   committed.Add(Newest(2, 7, true));
-  EXPECT_TRUE(committed.Has(1, 4));
-  EXPECT_TRUE(committed.Has(2, 7));
-  EXPECT_FALSE(committed.Has(1, 5));
+  EXPECT_TRUE(committed.HasCommitted({1, 4}));
+  EXPECT_TRUE(committed.HasCommitted({2, 7}));
+  EXPECT_FALSE(committed.HasCommitted({1, 5}));
   committed.Add(Newest(1, 5, false));
-  EXPECT_FALSE(committed.Has(1, 5));
+  EXPECT_FALSE(committed.HasCommitted({1, 5}));
 }
 
-TEST(CommittedKeyframes, RebuiltMapIsNotCommittedUntilComplete) {
-  CommittedKeyframes committed;
+TEST(NewestKeyframes, RebuiltMapIsNotCommittedUntilComplete) {
+  NewestKeyframes committed;
   committed.Add(Newest(1, 9, true));
-  EXPECT_TRUE(committed.Has(1, 9));
+  EXPECT_TRUE(committed.HasCommitted({1, 9}));
   committed.Add(Newest(1, 0, true));
-  EXPECT_FALSE(committed.Has(1, 9));
+  EXPECT_FALSE(committed.HasCommitted({1, 9}));
 }
 
 }  // namespace

@@ -47,8 +47,8 @@ std::vector<Observation> RandomMap::DrawObservations() {
 void RandomMap::AddKeyframe() {
   MapKeyframe keyframe;
   keyframe.id = next_keyframe_++;
-  keyframe.session = 7;
-  keyframe.session_keyframe_id = keyframe.id;
+  keyframe.name.session = 7;
+  keyframe.name.number = keyframe.id;
   keyframe.frame_id = 5 * keyframe.id;
   keyframe.t_ns = 1000 * keyframe.id;
   keyframe.T_w_kf = DrawPose();

@@ -126,7 +126,7 @@ TEST(MapFile, MapWithoutKeyframesDoesNotReplaceAnother) {
 TEST(MapFile, NearlyUnitQuaternionsKeepTheirBits) {
   StoredMap stored;
   MapKeyframe keyframe;
-  keyframe.id = keyframe.session_keyframe_id = keyframe.frame_id = 0;
+  keyframe.id = keyframe.name.number = keyframe.frame_id = 0;
   keyframe.T_w_kf = SE3::FromUnit(Eigen::Quaterniond(0.6 + 1e-16, 0.0, -0.8, 1e-17), {0.1, -0.0, 1e-300});
   stored.map.Put(keyframe);
   stored.next_keyframe_id = 1;
@@ -226,7 +226,7 @@ TEST(MapFile, MapsThatCouldNotBeLoadedAreNotSaved) {
   bad.sessions[bad.newest_session].keyframe_id = -1;
   EXPECT_THAT(EncodeError(bad), HasSubstr("ends with keyframe -1"));
   bad = good;
-  bad.sessions[bad.newest_session + 1].keyframe_id = some_keyframe;
+  bad.sessions[SessionId(bad.newest_session.value + 1)].keyframe_id = some_keyframe;
   EXPECT_THAT(EncodeError(bad), HasSubstr("which is not in the map or not of this session"));
   bad = good;
   LoopEdge loop;

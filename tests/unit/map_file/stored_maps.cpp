@@ -62,8 +62,8 @@ void SetRest(StoredMap& stored, std::mt19937_64& random) {
   stored.version = static_cast<int64_t>(random() % 1000);
   stored.newest_t_ns = static_cast<int64_t>(random() >> 1);
   for (const auto& [id, keyframe] : stored.map.keyframes()) {
-    stored.sessions[keyframe.session] = {id, keyframe.session_keyframe_id};
-    stored.newest_session = keyframe.session;
+    stored.sessions[keyframe.name.session] = {id, keyframe.name.number};
+    stored.newest_session = keyframe.name.session;
   }
   for (uint64_t i = random() % 200; i > 0; --i) stored.rig.push_back(static_cast<uint8_t>(random()));
   stored.map.TakeChanges();
@@ -111,7 +111,7 @@ StoredMap LongStoredMap(int keyframes, int points, int lines) {
   for (int i = 0; i < keyframes; ++i) {
     MapKeyframe keyframe;
     keyframe.id = i;
-    keyframe.session_keyframe_id = keyframe.frame_id = i;
+    keyframe.name.number = keyframe.frame_id = i;
     keyframe.parent_id = keyframe.previous_id = i - 1;
     stored.map.Put(keyframe);
     stored.features[i] = RandomFeatures(random, points, lines);

@@ -18,24 +18,23 @@ SE3 PoseOf(int64_t i) {
   return SE3::Exp(static_cast<double>(i) * twist);
 }
 
-Map MapOf(const std::vector<KeyframeName>& names) {
+Map MapOf(const std::vector<NamedKeyframe>& names) {
   Map map;
-  for (const KeyframeName& name : names) {
+  for (const NamedKeyframe& named : names) {
     MapKeyframe keyframe;
-    keyframe.id = name.keyframe_id;
-    keyframe.session = name.session;
-    keyframe.session_keyframe_id = name.session_keyframe_id;
-    keyframe.T_w_kf = PoseOf(name.keyframe_id);
+    keyframe.id = named.keyframe_id;
+    keyframe.name = named.name;
+    keyframe.T_w_kf = PoseOf(named.keyframe_id);
     map.Put(keyframe);
   }
   return map;
 }
 
 /// Two keyframes of a tracker that was killed, and then the first one of its replacement.
-Map Before() { return MapOf({{0, 7, 0}, {1, 7, 1}, {2, 8, 0}}); }
+Map Before() { return MapOf({{0, {7, 0}}, {1, {7, 1}}, {2, {8, 0}}}); }
 
 /// The same, received again in another order.
-Map After() { return MapOf({{0, 7, 0}, {1, 8, 0}, {2, 7, 1}}); }
+Map After() { return MapOf({{0, {7, 0}}, {1, {8, 0}}, {2, {7, 1}}}); }
 
 LoopClosure ClosureOn(const Map& map) {
   LoopClosure closure;
@@ -59,9 +58,10 @@ SE3 PoseOf(const LoopClosure& closure, int64_t id) {
 
 TEST(ClosureNames, NamesAllKeyframesInTheClosure) {
   LoopClosure closure = ClosureOn(Before());
-  EXPECT_THAT(closure.names, ElementsAre(KeyframeName{0, 7, 0}, KeyframeName{1, 7, 1}, KeyframeName{2, 8, 0}));
+  EXPECT_THAT(closure.names,
+              ElementsAre(NamedKeyframe{0, {7, 0}}, NamedKeyframe{1, {7, 1}}, NamedKeyframe{2, {8, 0}}));
   closure.poses.clear();
-  EXPECT_THAT(loop::NamesIn(Before(), closure), ElementsAre(KeyframeName{1, 7, 1}, KeyframeName{2, 8, 0}));
+  EXPECT_THAT(loop::NamesIn(Before(), closure), ElementsAre(NamedKeyframe{1, {7, 1}}, NamedKeyframe{2, {8, 0}}));
 }
 
 TEST(ClosureNames, UnchangedOnItsOwnMap) {
@@ -96,7 +96,7 @@ TEST(ClosureNames, KeyframesAreFoundInARebuiltMap) {
   EXPECT_EQ(PoseOf(here, 0).translation(), PoseOf(10).translation());
   EXPECT_EQ(PoseOf(here, 1).translation(), PoseOf(12).translation()) << "session 8";
   EXPECT_EQ(PoseOf(here, 2).translation(), PoseOf(11).translation()) << "session 7";
-  EXPECT_THAT(here.names, ElementsAre(KeyframeName{0, 7, 0}, KeyframeName{1, 8, 0}, KeyframeName{2, 7, 1}));
+  EXPECT_THAT(here.names, ElementsAre(NamedKeyframe{0, {7, 0}}, NamedKeyframe{1, {8, 0}}, NamedKeyframe{2, {7, 1}}));
   EXPECT_EQ(here.map_version, 0);
   EXPECT_TRUE(here.points.empty()) << "landmarks have other ids there";
   EXPECT_TRUE(here.lines.empty());
@@ -128,7 +128,7 @@ TEST(ClosureNames, RebuiltMapDropsMissingAndUnnamedKeyframes) {
   EXPECT_TRUE(here.edges.empty());
   ASSERT_EQ(here.poses.size(), 1U);
   EXPECT_EQ(here.poses[0].keyframe_id, 2);
-  EXPECT_THAT(here.names, ElementsAre(KeyframeName{2, 7, 1}));
+  EXPECT_THAT(here.names, ElementsAre(NamedKeyframe{2, {7, 1}}));
 }
 
 // It was found in the milliseconds before: its edge may still be useful for the replacement of the culled keyframe.

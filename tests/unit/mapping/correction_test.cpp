@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/map/map_follower.h"
 #include "mapping_process/corrections/correction.h"
 #include "mapping_process/mapper_state.h"
 #include "tests/unit/mapping/loop_world.h"
@@ -193,7 +194,7 @@ TEST_P(Correction, KeyframesCulledSinceAreLeftOut) {
 }
 
 TEST_P(Correction, ReplicaOfTheUpdatesIsEqual) {
-  MapReplica replica;
+  MapFollower replica;
   ASSERT_EQ(replica.Apply(mapper_.TakeUpdate()), MapVersion::Step::kNext);
   ASSERT_TRUE(mapper_.Correct(Loop(), &reason_)) << reason_;
   ASSERT_EQ(replica.Apply(mapper_.TakeUpdate()), MapVersion::Step::kNext);

@@ -13,7 +13,7 @@ using test::DescriptorOf;
 using test::HandmadeMap;
 
 constexpr double kNever = 1.01;
-constexpr int64_t kSession = 7;
+constexpr SessionId kSession = 7;
 
 SE3 Pose(int i) {
   return {ExpSO3(Eigen::Vector3d(0.01 * i, 0.02 * i, -0.01 * i)), Eigen::Vector3d(0.1 * i, -0.02 * i, 0.05 * i)};
@@ -81,7 +81,7 @@ TEST_F(Culling, OtherSessionsDoNotAgeRecentLandmarks) {
   m_.Tie({1, 2}, 1, 0, descriptors_);
   RecentLandmarks trial;
   trial.Begin({{0}, {}}, kSession);
-  for (int i = 0; i < 20; ++i) trial.Begin({}, kSession + 1);
+  for (int i = 0; i < 20; ++i) trial.Begin({}, SessionId(kSession.value + 1));
   trial.Cull(options_, m_.map);
   EXPECT_NE(m_.map.FindPoint(0), nullptr);
   for (int i = 0; i < 3; ++i) trial.Begin({}, kSession);

@@ -43,7 +43,7 @@ class Window : public testing::Test {
   /// Keyframes that take part around one of the second session, free or constant.
   size_t Around(int64_t session_keyframe_id) const {
     for (const auto& [id, keyframe] : stored_.map.keyframes()) {
-      if (keyframe.session != 8 || keyframe.session_keyframe_id != session_keyframe_id) continue;
+      if (keyframe.name.session != 8 || keyframe.name.number != session_keyframe_id) continue;
       return MakeLocalWindow(id, stored_.map, stored_.features, visits_, FeatureWorld::Camera(), options_)
           .keyframes.size();
     }
@@ -68,7 +68,7 @@ TEST_F(Window, KeyframesOfEarlierVisitsAreConstant) {
   const int64_t newest = stored_.map.keyframes().rbegin()->first;
   const MapBundle window =
       MakeLocalWindow(newest, stored_.map, stored_.features, visits_, FeatureWorld::Camera(), options_);
-  const auto is_earlier = [&](size_t i) { return stored_.map.FindKeyframe(window.keyframes[i])->session != 8; };
+  const auto is_earlier = [&](size_t i) { return stored_.map.FindKeyframe(window.keyframes[i])->name.session != 8; };
   size_t neighbours = 0;  // of the newest, which would be free otherwise
   for (size_t i = 0; i < window.keyframes.size(); ++i) {
     if (!is_earlier(i)) continue;

@@ -24,8 +24,8 @@ Map MapWithout(const std::vector<int64_t>& culled) {
   for (int64_t id = 0; id < 10; ++id) {
     MapKeyframe keyframe;
     keyframe.id = id;
-    keyframe.session = 5;
-    keyframe.session_keyframe_id = 2 * id;
+    keyframe.name.session = 5;
+    keyframe.name.number = 2 * id;
     keyframe.T_w_kf = PoseOf(id);
     if (std::find(culled.begin(), culled.end(), id) == culled.end()) map.Put(keyframe);
   }
@@ -80,7 +80,7 @@ TEST(LoopEdges, CulledEndsMoveToTheirNeighbours) {
 
 TEST(LoopEdges, CulledEndWithoutPoseOrNameDropsTheEdge) {
   LoopClosure closure = Loop();
-  closure.names[2].session = 6;
+  closure.names[2].name.session = 6;
   EXPECT_TRUE(EdgesInMap(closure, MapWithout({2})).empty());
   closure = Loop();
   closure.poses.erase(closure.poses.begin() + 2);

@@ -24,7 +24,7 @@ SE3 OnRing(double radius_m, double angle_rad) {
 }
 
 const SE3& Truth(const MapKeyframe& keyframe, const std::vector<SE3>& T_w_c) {
-  return T_w_c.at(static_cast<size_t>(keyframe.session_keyframe_id));
+  return T_w_c.at(static_cast<size_t>(keyframe.name.number));
 }
 
 template <class Type>
@@ -84,10 +84,10 @@ std::vector<CorrectedPose> SharedOut(const Map& map, const LoopEdge& edge) {
 }
 
 template <class Type>
-std::vector<int64_t> MapIds(const Map& map, int64_t session, const StereoFeatures& features) {
+std::vector<int64_t> MapIds(const Map& map, SessionId session, const StereoFeatures& features) {
   std::map<Descriptor, int64_t> known;
   for (const auto& [id, landmark] : Type::Landmarks(map)) {
-    if (map.FindKeyframe(landmark.observations.front().keyframe_id)->session == session)
+    if (map.FindKeyframe(landmark.observations.front().keyframe_id)->name.session == session)
       known[landmark.descriptor] = id;
   }
   std::vector<int64_t> ids;
@@ -100,7 +100,7 @@ std::vector<int64_t> MapIds(const Map& map, int64_t session, const StereoFeature
 
 }  // namespace
 
-void GiveMapIds(const Map& map, int64_t session, Keyframe& keyframe) {
+void GiveMapIds(const Map& map, SessionId session, Keyframe& keyframe) {
   keyframe.point_map_ids = MapIds<PointType>(map, session, keyframe.features);
   keyframe.line_map_ids = MapIds<LineType>(map, session, keyframe.features);
 }
@@ -173,8 +173,7 @@ LoopClosure CloseByTruth(const Map& map, const Revisit& revisit, const std::vect
   const MapKeyframe& new_end = *map.FindKeyframe(revisit.keyframe_id);
   LoopClosure closure;
   closure.kind = LoopClosure::Kind::kLoop;
-  closure.session = new_end.session;
-  closure.session_keyframe_id = new_end.session_keyframe_id;
+  closure.keyframe = new_end.name;
   LoopEdge edge{old_end.id, new_end.id, Truth(old_end, T_w_c).Inverse() * Truth(new_end, T_w_c)};
   edge.covariance = 1e-4 * Matrix6d::Identity();
   closure.edges.push_back(edge);
@@ -200,7 +199,7 @@ double Reprojection_px(const Map& map, const std::vector<Keyframe>& keyframes) {
   for (const auto& [id, point] : map.points()) {
     for (const Observation& observation : point.observations) {
       const MapKeyframe& keyframe = *map.FindKeyframe(observation.keyframe_id);
-      const auto& seen = keyframes.at(static_cast<size_t>(keyframe.session_keyframe_id)).features.points;
+      const auto& seen = keyframes.at(static_cast<size_t>(keyframe.name.number)).features.points;
       const Eigen::Vector2d px = camera.Project(keyframe.T_w_kf.Inverse() * point.p_w);
       sum += (px - seen.at(static_cast<size_t>(observation.feature)).left.px).squaredNorm();
     }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/ids/ids.h"
 #include "tests/unit/mapping/mapping_world.h"
 
 namespace plslam::test {
@@ -15,7 +16,7 @@ std::vector<SE3> RingPath(double radius_m, double step_m, int n);
 
 /// Names the landmarks of the map that the features show, as a tracker would that was given them: those that the
 /// session created.
-void GiveMapIds(const Map& map, int64_t session, Keyframe& keyframe);
+void GiveMapIds(const Map& map, SessionId session, Keyframe& keyframe);
 
 /// Newest keyframe of the map, and the first one that is nearest in truth.
 struct Revisit {

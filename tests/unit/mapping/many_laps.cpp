@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/map/map_follower.h"
 #include "tests/support/lap_errors.h"
 #include "tests/unit/mapping/mapping_world.h"
 
@@ -112,7 +113,7 @@ void ChangingWorld::Change(double share, uint64_t seed) {
 LapsResult RunLaps(const LapsOptions& options) {
   ChangingWorld changing;
   mapping::Mapper mapper(FeatureWorld::Camera(), options.mapping);
-  MapReplica replica;
+  MapFollower replica;
   replica.RememberRemoved();
   Tracker tracker(options);
   std::vector<SE3> live, truth;

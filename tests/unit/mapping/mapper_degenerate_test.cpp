@@ -29,9 +29,9 @@ class Degenerate : public testing::TestWithParam<bool> {
   void Map(const Keyframe& keyframe) {
     std::string reason;
     ASSERT_TRUE(test::MapOne(keyframe, mapper_, &reason)) << reason;
-    ASSERT_EQ(test::WrongWith(mapper_.map()), "") << "after keyframe " << keyframe.keyframe_id;
-    ASSERT_EQ(test::ExactlyKnown(mapper_.map()), 0) << "after keyframe " << keyframe.keyframe_id;
-    ASSERT_NO_THROW(test::Encoded(mapper_.TakeUpdate())) << "keyframe " << keyframe.keyframe_id;
+    ASSERT_EQ(test::WrongWith(mapper_.map()), "") << "after keyframe " << keyframe.name.number;
+    ASSERT_EQ(test::ExactlyKnown(mapper_.map()), 0) << "after keyframe " << keyframe.name.number;
+    ASSERT_NO_THROW(test::Encoded(mapper_.TakeUpdate())) << "keyframe " << keyframe.name.number;
   }
   void MapFrom(size_t from, size_t to) {
     for (size_t i = from; i < to; ++i) ASSERT_NO_FATAL_FAILURE(Map(walk_.keyframes[i]));
@@ -45,7 +45,7 @@ class Degenerate : public testing::TestWithParam<bool> {
   }
   const MapKeyframe& Newest() const { return mapper_.map().keyframes().rbegin()->second; }
   double NewestError_m() const {
-    const SE3& truth = walk_.T_w_c[static_cast<size_t>(Newest().session_keyframe_id)];
+    const SE3& truth = walk_.T_w_c[static_cast<size_t>(Newest().name.number)];
     return (Newest().T_w_kf.translation() - truth.translation()).norm();
   }
   int SharedByNewest() const {
@@ -93,7 +93,7 @@ TEST_P(Degenerate, KeyframeWithNothingInCommon) {
 
 TEST_P(Degenerate, TwoIdenticalKeyframesHaveOnePose) {
   walk_.keyframes[5] = walk_.keyframes[4];
-  walk_.keyframes[5].keyframe_id = 5;
+  walk_.keyframes[5].name.number = 5;
   walk_.keyframes[5].previous_keyframe_id = 4;
   walk_.keyframes[5].T_prevkf_kf = SE3();
   MapFrom(0, 6);

@@ -26,21 +26,21 @@ class Relocation : public testing::Test {
  protected:
   /// A session along keyframes `begin` to `end` of the ring. The frame of its odometry is the world's if it is the
   /// first.
-  Walk Session(int64_t session, int begin, int end) const {
+  Walk Session(SessionId session, int begin, int end) const {
     WalkOptions options;
     options.session = session;
-    options.seed = static_cast<uint64_t>(session);
+    options.seed = static_cast<uint64_t>(session.value);
     Walk walk = test::MakeWalk(world_, {path_.begin() + begin, path_.begin() + end}, options);
     // The tracker's numbers are its own.
     for (Keyframe& keyframe : walk.keyframes) {
-      for (int64_t& id : keyframe.point_landmark_ids) id += 10'000 * session;
-      for (int64_t& id : keyframe.line_landmark_ids) id += 10'000 * session;
+      for (int64_t& id : keyframe.point_landmark_ids) id += 10'000 * session.value;
+      for (int64_t& id : keyframe.line_landmark_ids) id += 10'000 * session.value;
     }
     return walk;
   }
   void Insert(const Keyframe& keyframe) {
     ASSERT_TRUE(test::MapOne(keyframe, mapper_, &reason_)) << reason_;
-    ASSERT_EQ(test::WrongWith(mapper_.map()), "") << keyframe.session << ", keyframe " << keyframe.keyframe_id;
+    ASSERT_EQ(test::WrongWith(mapper_.map()), "") << keyframe.name.session << ", keyframe " << keyframe.name.number;
   }
   void Insert(const Walk& walk) {
     for (const Keyframe& keyframe : walk.keyframes) ASSERT_NO_FATAL_FAILURE(Insert(keyframe));
@@ -58,11 +58,11 @@ class Relocation : public testing::Test {
     return (keyframe.T_w_kf.translation() - path_[static_cast<size_t>(place)].translation()).norm();
   }
   /// Largest error of a session that began at `begin`.
-  double Error_m(int64_t session, int begin) const {
+  double Error_m(SessionId session, int begin) const {
     double most_m = 0.0;
     for (const auto& [id, keyframe] : mapper_.map().keyframes()) {
-      if (keyframe.session != session) continue;
-      most_m = std::max(most_m, Error_m(keyframe, begin + static_cast<int>(keyframe.session_keyframe_id)));
+      if (keyframe.name.session != session) continue;
+      most_m = std::max(most_m, Error_m(keyframe, begin + static_cast<int>(keyframe.name.number)));
     }
     return most_m;
   }
@@ -154,7 +154,7 @@ TEST_F(Relocation, RepeatedFurnitureDoesNotJoinASessionToTheMap) {
     if (line.left.segment.p.x() < middle_px) seen.lines.push_back(line);
   }
   Keyframe first = test::MakeKeyframe(nullptr, T_wrong_, seen);
-  first.session = 8;
+  first.name.session = 8;
   ASSERT_NO_FATAL_FAILURE(Insert(first));
   EXPECT_LT(Newest().parent_id, 0);
   EXPECT_EQ(MapGraph(mapper_.map()).Component(Newest().id, MapGraph::Edges::kAll).size(), 1U);

@@ -42,11 +42,11 @@ TEST_F(Stored, RestoredMapperMapsTheNextSessionAlike) {
   Mapper restored(FeatureWorld::Camera(), MappingOptions(), DecodeMap(file));
   EXPECT_EQ(Encoded(restored.map()), Encoded(mapper_.map()));
   EXPECT_EQ(restored.version(), mapper_.version());
-  EXPECT_EQ(restored.Whole().session_keyframe_id, mapper_.Whole().session_keyframe_id);
+  EXPECT_EQ(restored.Whole().newest.number, mapper_.Whole().newest.number);
   for (const Keyframe& keyframe : Second().keyframes) {
     ASSERT_TRUE(test::MapOne(keyframe, mapper_, &reason_)) << reason_;
     ASSERT_TRUE(test::MapOne(keyframe, restored, &reason_)) << reason_;
-    ASSERT_EQ(Encoded(restored.TakeUpdate()), Encoded(mapper_.TakeUpdate())) << "keyframe " << keyframe.keyframe_id;
+    ASSERT_EQ(Encoded(restored.TakeUpdate()), Encoded(mapper_.TakeUpdate())) << "keyframe " << keyframe.name.number;
   }
   EXPECT_EQ(EncodeMap(restored.Store()), EncodeMap(mapper_.Store()));
 }
@@ -78,7 +78,7 @@ TEST_F(Stored, KeyframesOfTheStoredMapAreKnown) {
 TEST_F(Stored, EmptyMapIsStoredAndRestored) {
   Mapper empty(FeatureWorld::Camera(), MappingOptions());
   Mapper restored(FeatureWorld::Camera(), MappingOptions(), DecodeMap(EncodeMap(empty.Store())));
-  EXPECT_EQ(restored.Whole().session_keyframe_id, -1);
+  EXPECT_EQ(restored.Whole().newest.number, -1);
   for (const Keyframe& keyframe : first_.keyframes) {
     ASSERT_TRUE(test::MapOne(keyframe, empty, &reason_)) << reason_;
     ASSERT_TRUE(test::MapOne(keyframe, restored, &reason_)) << reason_;

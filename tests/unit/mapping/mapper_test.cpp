@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/map/map_follower.h"
 #include "mapping_process/mapper.h"
 #include "tests/unit/mapping/mapping_world.h"
 
@@ -99,13 +100,13 @@ TEST_P(MapperWalk, AdjustmentReducesErrorWithinItsLimits) {
   for (const Keyframe& keyframe : walk_.keyframes) {
     ASSERT_TRUE(MapOne(keyframe, mapper));
     const AdjustmentFigures& figures = mapper.figures();
-    EXPECT_LE(figures.rms_after, figures.rms_before + 1e-9) << keyframe.keyframe_id;
+    EXPECT_LE(figures.rms_after, figures.rms_before + 1e-9) << keyframe.name.number;
     EXPECT_LE(figures.n_keyframes, window.keyframes);
     EXPECT_LE(figures.n_fixed_keyframes, window.fixed_keyframes + 1);
     EXPECT_LE(figures.n_points, window.max_points);
     EXPECT_LE(figures.n_lines, window.max_lines);
-    if (keyframe.keyframe_id < 4) continue;
-    EXPECT_LT(figures.rms_after, 1.5) << keyframe.keyframe_id;
+    if (keyframe.name.number < 4) continue;
+    EXPECT_LT(figures.rms_after, 1.5) << keyframe.name.number;
   }
 }
 
@@ -142,8 +143,8 @@ TEST_P(MapperWalk, AdjustmentThatIsStoppedAtOnceLeavesAMap) {
     ASSERT_TRUE(mapper.Insert(keyframe, &reason)) << reason;
     mapper.Adjust(&stop);
     mapper.Cull();
-    ASSERT_EQ(test::WrongWith(mapper.map()), "") << keyframe.keyframe_id;
-    ASSERT_EQ(test::ExactlyKnown(mapper.map()), 0) << keyframe.keyframe_id;
+    ASSERT_EQ(test::WrongWith(mapper.map()), "") << keyframe.name.number;
+    ASSERT_EQ(test::ExactlyKnown(mapper.map()), 0) << keyframe.name.number;
   }
   EXPECT_LT(test::PositionError_m(mapper.map(), walk_.T_w_c), test::OdometryError_m(walk_));
 }
@@ -154,23 +155,23 @@ TEST_P(MapperWalk, EqualInputGivesEqualBytes) {
   for (const Keyframe& keyframe : walk_.keyframes) {
     ASSERT_TRUE(MapOne(keyframe, a));
     ASSERT_TRUE(MapOne(keyframe, b));
-    ASSERT_EQ(Encoded(a.TakeUpdate()), Encoded(b.TakeUpdate())) << "keyframe " << keyframe.keyframe_id;
+    ASSERT_EQ(Encoded(a.TakeUpdate()), Encoded(b.TakeUpdate())) << "keyframe " << keyframe.name.number;
   }
 }
 
 TEST_P(MapperWalk, AReplicaFedWithAllUpdatesIsTheWholeMap) {
   Mapper mapper(FeatureWorld::Camera(), MappingOptions());
-  MapReplica replica;
+  MapFollower replica;
   for (const Keyframe& keyframe : walk_.keyframes) {
     ASSERT_TRUE(MapOne(keyframe, mapper));
     ASSERT_EQ(replica.Apply(mapper.TakeUpdate()), MapVersion::Step::kNext);
     ASSERT_EQ(replica.version(), mapper.version());
-    ASSERT_EQ(Encoded(replica.map()), Encoded(mapper.map())) << "keyframe " << keyframe.keyframe_id;
+    ASSERT_EQ(Encoded(replica.map()), Encoded(mapper.map())) << "keyframe " << keyframe.name.number;
   }
-  MapReplica late;
+  MapFollower late;
   ASSERT_EQ(late.Apply(mapper.Whole()), MapVersion::Step::kNext);
   EXPECT_EQ(Encoded(late.map()), Encoded(replica.map()));
-  EXPECT_EQ(mapper.Whole().session_keyframe_id, 19);
+  EXPECT_EQ(mapper.Whole().newest.number, 19);
 }
 
 std::string NameOfWalk(const testing::TestParamInfo<WalkSituation>& situation) { return situation.param.name; }
@@ -208,9 +209,10 @@ class Sessions : public testing::Test {
     for (const Keyframe& keyframe : keyframes) {
       std::string reason;
       ASSERT_TRUE(test::MapOne(keyframe, mapper_, &reason)) << reason;
-      ASSERT_EQ(test::WrongWith(mapper_.map()), "") << keyframe.session << ", keyframe " << keyframe.keyframe_id;
+      ASSERT_EQ(test::WrongWith(mapper_.map()), "") << keyframe.name.session << ", keyframe " << keyframe.name.number;
       ASSERT_NO_THROW(test::Encoded(mapper_.TakeUpdate()));
-      ASSERT_EQ(test::ExactlyKnown(mapper_.map()), 0) << keyframe.session << ", keyframe " << keyframe.keyframe_id;
+      ASSERT_EQ(test::ExactlyKnown(mapper_.map()), 0)
+          << keyframe.name.session << ", keyframe " << keyframe.name.number;
     }
   }
   double Error_m(int64_t keyframe_id, const SE3& truth) const {
@@ -296,7 +298,7 @@ TEST_F(Sessions, RobotsInDifferentPlacesDoNotInteract) {
   for (size_t i = 0; i < path.size(); ++i) {
     for (const Walk& walk : walks) ASSERT_NO_FATAL_FAILURE(Map({walk.keyframes[i]}));
   }
-  const auto is_of_first = [this](int64_t id) { return mapper_.map().FindKeyframe(id)->session == 100; };
+  const auto is_of_first = [this](int64_t id) { return mapper_.map().FindKeyframe(id)->name.session == 100; };
   size_t points = 0;
   for (const auto& [id, point] : mapper_.map().points())
     points += is_of_first(point.observations.front().keyframe_id);
@@ -305,7 +307,7 @@ TEST_F(Sessions, RobotsInDifferentPlacesDoNotInteract) {
   for (const auto& [id, keyframe] : mapper_.map().keyframes()) {
     if (!is_of_first(id)) continue;
     ++keyframes;
-    const auto number = static_cast<size_t>(keyframe.session_keyframe_id);
+    const auto number = static_cast<size_t>(keyframe.name.number);
     EXPECT_LT(Error_m(id, path[number]), 0.02) << number;
   }
   EXPECT_EQ(keyframes, alone.map().keyframes().size());
@@ -319,9 +321,10 @@ TEST_F(Sessions, TwoSessionsAlternate) {
     ASSERT_NO_FATAL_FAILURE(Map({second.keyframes[i]}));
   }
   for (const auto& [id, keyframe] : mapper_.map().keyframes()) {
-    EXPECT_LT(Error_m(id, begin_[static_cast<size_t>(keyframe.session_keyframe_id)]), 0.03) << "keyframe " << id;
+    EXPECT_LT(Error_m(id, begin_[static_cast<size_t>(keyframe.name.number)]), 0.03) << "keyframe " << id;
     if (keyframe.previous_id < 0) continue;
-    EXPECT_EQ(mapper_.map().FindKeyframe(keyframe.previous_id)->session, keyframe.session) << "keyframe " << id;
+    EXPECT_EQ(mapper_.map().FindKeyframe(keyframe.previous_id)->name.session, keyframe.name.session)
+        << "keyframe " << id;
   }
 }
 

@@ -101,12 +101,12 @@ Descriptor DescriptorOf(uint64_t seed) {
 Keyframe MakeKeyframe(const Keyframe* previous, const SE3& T_odom_kf, StereoFeatures features) {
   Keyframe keyframe;
   keyframe.camera = FeatureWorld::Camera();
-  keyframe.session = previous == nullptr ? 7 : previous->session;
+  keyframe.name.session = previous == nullptr ? 7 : previous->name.session;
   keyframe.T_odom_kf = T_odom_kf;
   keyframe.SetFeatures(std::move(features));
   if (previous == nullptr) return keyframe;
-  keyframe.keyframe_id = previous->keyframe_id + 1;
-  keyframe.previous_keyframe_id = previous->keyframe_id;
+  keyframe.name.number = previous->name.number + 1;
+  keyframe.previous_keyframe_id = previous->name.number;
   keyframe.frame_id = previous->frame_id + 5;
   keyframe.t_ns = previous->t_ns + 250'000'000;
   keyframe.T_prevkf_kf = previous->T_odom_kf.Inverse() * T_odom_kf;
@@ -136,7 +136,7 @@ Walk MakeWalk(const FeatureWorld& world, const std::vector<SE3>& path, const Wal
     }
     Keyframe keyframe = MakeKeyframe(i == 0 ? nullptr : &walk.keyframes.back(), T_odom_kf,
                                      world.Observe(path[i], options.noise_px, 1000 * options.seed + i));
-    keyframe.session = options.session;
+    keyframe.name.session = options.session;
     if (i > 0) keyframe.covariance = MotionCovariance(options);
     if (options.with_ids) {
       keyframe.point_landmark_ids = IdsOfFeatures(keyframe.features.points, point_ids);
@@ -241,7 +241,7 @@ std::vector<uint8_t> Encoded(const Map& map) {
 double PositionError_m(const Map& map, const std::vector<SE3>& T_w_c) {
   double sum = 0.0;
   for (const auto& [id, keyframe] : map.keyframes()) {
-    const SE3& truth = T_w_c.at(static_cast<size_t>(keyframe.session_keyframe_id));
+    const SE3& truth = T_w_c.at(static_cast<size_t>(keyframe.name.number));
     sum += (keyframe.T_w_kf.translation() - truth.translation()).squaredNorm();
   }
   return std::sqrt(sum / static_cast<double>(map.keyframes().size()));

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/ids/ids.h"
 #include "core/map/keyframe.h"
 #include "core/map/map.h"
 #include "mapping_process/mapper.h"
@@ -20,7 +21,7 @@ struct WalkOptions {
   double motion_sigma_rad = 0.004;
   /// Features have the tracker's ids (those of the world), or none.
   bool with_ids = true;
-  int64_t session = 7;
+  SessionId session = 7;
   uint64_t seed = 1;
 };
 

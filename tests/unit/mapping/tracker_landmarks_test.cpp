@@ -27,10 +27,10 @@ class AssociationTest : public testing::Test {
     m_.Tie({1, 2}, 30, 30, descriptors_);
     m_.Tie({3}, 10, 60, descriptors_);
   }
-  static Keyframe WithPoints(int64_t session, int64_t keyframe_id, const Ids& tracker_ids, const Ids& map_ids) {
+  static Keyframe WithPoints(SessionId session, int64_t keyframe_id, const Ids& tracker_ids, const Ids& map_ids) {
     Keyframe keyframe;
-    keyframe.session = session;
-    keyframe.keyframe_id = keyframe_id;
+    keyframe.name.session = session;
+    keyframe.name.number = keyframe_id;
     keyframe.features.points.resize(tracker_ids.size());
     keyframe.point_landmark_ids = tracker_ids;
     keyframe.point_map_ids = map_ids;
@@ -80,7 +80,7 @@ TEST_F(AssociationTest, RobotsLearnInTurn) {
   tracker.Learn(WithPoints(2, 0, {500}, {}), {{20}, {}});
   EXPECT_EQ(tracker.Associations(WithPoints(1, 1, {500}, {}), m_.map).points, (Ids{10}));
   EXPECT_EQ(tracker.Associations(WithPoints(2, 1, {500}, {}), m_.map).points, (Ids{20}));
-  for (int64_t session = 3; session < 40; ++session) tracker.Learn(WithPoints(session, 0, {500}, {}), {{30}, {}});
+  for (SessionId session = 3; session < 40; ++session) tracker.Learn(WithPoints(session, 0, {500}, {}), {{30}, {}});
   EXPECT_EQ(tracker.Associations(WithPoints(1, 1, {500}, {}), m_.map).points, (Ids{-1})) << "sessions of long ago";
 }
 

@@ -11,13 +11,13 @@ namespace {
 /// Keyframes of sessions that move along z.
 class Paths {
  public:
-  void Add(double z_m, int64_t session = 1) {
+  void Add(double z_m, SessionId session = 1) {
     MapKeyframe keyframe;
     keyframe.id = static_cast<int64_t>(map_.keyframes().size());
-    keyframe.session = session;
+    keyframe.name.session = session;
     keyframe.T_w_kf = SE3(Eigen::Quaterniond::Identity(), {0.0, 0.0, z_m});
     for (const auto& [id, other] : map_.keyframes()) {
-      if (other.session == session) keyframe.previous_id = id;
+      if (other.name.session == session) keyframe.previous_id = id;
     }
     if (keyframe.previous_id >= 0) {
       keyframe.T_prevkf_kf = map_.FindKeyframe(keyframe.previous_id)->T_w_kf.Inverse() * keyframe.T_w_kf;
@@ -67,7 +67,7 @@ TEST(Visits, SessionWithUnknownPathIsOneVisit) {
   for (int64_t id = 0; id < 4; ++id) {
     MapKeyframe keyframe;
     keyframe.id = id;
-    keyframe.session = id < 2 ? 1 : 2;
+    keyframe.name.session = id < 2 ? 1 : 2;
     map.Put(keyframe);
   }
   const Visits visits;

@@ -14,10 +14,10 @@ namespace {
 
 constexpr double kLater_ms = KeyframeQueue::kPatience_ms + 1.0;
 
-Keyframe KeyframeOf(int64_t session, int64_t id, int64_t source, int64_t t_ns = 0) {
+Keyframe KeyframeOf(SessionId session, int64_t id, SourceId source, int64_t t_ns = 0) {
   Keyframe keyframe;
-  keyframe.session = session;
-  keyframe.keyframe_id = id;
+  keyframe.name.session = session;
+  keyframe.name.number = id;
   keyframe.source = source;
   keyframe.t_ns = t_ns;
   return keyframe;
@@ -28,7 +28,8 @@ std::string TakeAll(KeyframeQueue& queue, double now_ms) {
   std::string taken;
   while (const auto next = queue.Take(now_ms)) {
     if (next->missing > 0) taken += "(" + std::to_string(next->missing) + ") ";
-    taken += std::to_string(next->keyframe.session) + "." + std::to_string(next->keyframe.keyframe_id) + " ";
+    taken +=
+        std::to_string(next->keyframe.name.session.value) + "." + std::to_string(next->keyframe.name.number) + " ";
   }
   return taken;
 }
@@ -50,20 +51,21 @@ TEST(KeyframeQueue, RandomOrderFromSeveralPublishers) {
   for (int trial = 0; trial < 200; ++trial) {
     // Two sessions, each divided at a keyframe that both publishers have; both parts of each are published twice.
     std::vector<std::vector<Keyframe>> told;
-    for (const int64_t session : {7, 8}) {
+    for (const SessionId session : {7, 8}) {
       const int64_t cut = random() % 10;
-      for (int64_t source = 1; source <= 4; ++source) {
+      for (int source = 1; source <= 4; ++source) {
         std::vector<Keyframe>& of = told.emplace_back();
         const int64_t begin = source % 2 == 0 ? 0 : cut;
         const int64_t end = source % 2 == 0 ? cut + 1 : 10;
-        for (int64_t id = begin; id < end; ++id) of.push_back(KeyframeOf(session, id, 10 * session + source));
+        for (int64_t id = begin; id < end; ++id)
+          of.push_back(KeyframeOf(session, id, SourceId(10 * session.value + source)));
       }
     }
     KeyframeQueue queue;
     std::vector<int64_t> next = {0, 0};
     const auto take = [&] {
       while (const auto taken = queue.Take(0.0)) {
-        ASSERT_EQ(taken->keyframe.keyframe_id, next[static_cast<size_t>(taken->keyframe.session - 7)]++);
+        ASSERT_EQ(taken->keyframe.name.number, next[static_cast<size_t>(taken->keyframe.name.session.value - 7)]++);
       }
     };
     while (!told.empty()) {

@@ -10,12 +10,12 @@ namespace {
 
 using Kind = WorkQueue::Work::Kind;
 
-constexpr int64_t kSession = 7;
+constexpr SessionId kSession = 7;
 
 Keyframe KeyframeOf(int64_t id, bool lockstep) {
   Keyframe keyframe;
-  keyframe.session = kSession;
-  keyframe.keyframe_id = id;
+  keyframe.name.session = kSession;
+  keyframe.name.number = id;
   keyframe.lockstep = lockstep;
   return keyframe;
 }
@@ -23,8 +23,8 @@ Keyframe KeyframeOf(int64_t id, bool lockstep) {
 LoopClosure ClosureOf(int64_t keyframe_id, LoopClosure::Kind kind = LoopClosure::Kind::kNone, bool more = false) {
   LoopClosure closure;
   closure.kind = kind;
-  closure.session = kSession;
-  closure.session_keyframe_id = keyframe_id;
+  closure.keyframe.session = kSession;
+  closure.keyframe.number = keyframe_id;
   closure.more = more;
   return closure;
 }
@@ -53,7 +53,7 @@ TEST_F(WorkQueueTest, LockstepKeyframeWaitsForThePreviousAnswer) {
   ExpectNothing();
   queue_.Add(ClosureOf(0));
   EXPECT_TRUE(Take(Kind::kCorrect).commits);
-  EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.keyframe_id, 1);
+  EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.name.number, 1);
   ExpectNothing();
 }
 
@@ -78,7 +78,7 @@ TEST_F(WorkQueueTest, RefusedLoopDoesNotBlock) {
   EXPECT_FALSE(Take(Kind::kCorrect).commits);
   EXPECT_TRUE(queue_.Refused()) << "to be told";
   EXPECT_FALSE(queue_.Refused());
-  EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.keyframe_id, 1);
+  EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.name.number, 1);
   ExpectNothing();
 }
 
@@ -89,15 +89,15 @@ TEST_F(WorkQueueTest, ClosuresOfMissingKeyframesAreBounded) {
   queue_.Add(large);
   large.points.resize(WorkQueue::kMostParts / 4);
   for (int64_t id = 1; id < 20; ++id) {
-    large.session_keyframe_id = id;
+    large.keyframe.number = id;
     queue_.Add(large);
     EXPECT_LE(queue_.n_waiting(), 4U);
   }
-  EXPECT_EQ(Take(Kind::kCorrect).closure.session_keyframe_id, 0) << "that of a keyframe that has come is not dropped";
+  EXPECT_EQ(Take(Kind::kCorrect).closure.keyframe.number, 0) << "that of a keyframe that has come is not dropped";
   queue_.Add(KeyframeOf(19, false), 0.0);
   now_s_ += KeyframeQueue::kPatience_ms;
   Take(Kind::kInsert);
-  EXPECT_EQ(Take(Kind::kCorrect).closure.session_keyframe_id, 17) << "the latest are kept";
+  EXPECT_EQ(Take(Kind::kCorrect).closure.keyframe.number, 17) << "the latest are kept";
 }
 
 TEST_F(WorkQueueTest, LockstepContinuesWithoutALoopProcess) {
@@ -143,19 +143,20 @@ TEST_F(WorkQueueTest, LiveKeyframesAreInsertedTogetherAndNeverWait) {
 }
 
 TEST_F(WorkQueueTest, EachBatchIsOfOneSession) {
-  const auto of = [](int64_t session, int64_t id, int64_t t_ns) {
+  const auto of = [](SessionId session, int64_t id, int64_t t_ns) {
     Keyframe keyframe = KeyframeOf(id, false);
-    keyframe.source = keyframe.session = session;
+    keyframe.source = SourceId(session.value);
+    keyframe.name.session = session;
     keyframe.t_ns = t_ns;
     return keyframe;
   };
   queue_.Add(of(kSession, 0, 10), 0.0);
   queue_.Add(of(kSession, 1, 20), 0.0);
-  queue_.Add(of(kSession + 1, 0, 30), 0.0);
+  queue_.Add(of(SessionId(kSession.value + 1), 0, 30), 0.0);
   queue_.Add(of(kSession, 2, 40), 0.0);
   EXPECT_EQ(Take(Kind::kInsert).keyframes.size(), 2U);
-  EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.session, kSession + 1);
-  EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.keyframe_id, 2);
+  EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.name.session, SessionId(kSession.value + 1));
+  EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.name.number, 2);
 }
 
 TEST_F(WorkQueueTest, HistoriesAfterARestartGiveTheSameOrder) {
@@ -166,12 +167,12 @@ TEST_F(WorkQueueTest, HistoriesAfterARestartGiveTheSameOrder) {
   ExpectNothing();
   for (int64_t id = 0; id < 3; ++id) queue_.Add(KeyframeOf(id, true), 0.0);
   Take(Kind::kInsert);
-  EXPECT_EQ(Take(Kind::kCorrect).closure.session_keyframe_id, 0);
+  EXPECT_EQ(Take(Kind::kCorrect).closure.keyframe.number, 0);
   Take(Kind::kInsert);
   EXPECT_EQ(Take(Kind::kCorrect).closure.kind, LoopClosure::Kind::kLoop);
   EXPECT_EQ(Take(Kind::kCorrect).closure.kind, LoopClosure::Kind::kAdjustment);
-  EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.keyframe_id, 2);
-  EXPECT_EQ(Take(Kind::kCorrect).closure.session_keyframe_id, 2);
+  EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.name.number, 2);
+  EXPECT_EQ(Take(Kind::kCorrect).closure.keyframe.number, 2);
   ExpectNothing();
 }
 
@@ -225,7 +226,7 @@ TEST_F(WorkQueueTest, NewMapDiscardsTheQueueOfTheOldMap) {
   ExpectNothing();
   EXPECT_EQ(queue_.n_waiting(), 0U);
   queue_.Add(KeyframeOf(0, true), 0.0);
-  EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.keyframe_id, 0);
+  EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.name.number, 0);
 }
 
 TEST_F(WorkQueueTest, RepeatedMessagesAreIgnored) {
@@ -246,7 +247,7 @@ TEST_F(WorkQueueTest, RepeatedMessagesAreIgnored) {
 // The mapper exited between a loop and the following adjustment: loop_process checks the keyframe again, on the map of
 // the restarted mapper, which has the loop from the history.
 TEST_F(WorkQueueTest, LockstepLoopFoundOnTwoMapsIsAppliedOnce) {
-  const auto found_on = [](int64_t source, LoopClosure::Kind kind, bool more) {
+  const auto found_on = [](SourceId source, LoopClosure::Kind kind, bool more) {
     LoopClosure closure = ClosureOf(0, kind, more);
     closure.map_source = source;
     return closure;
@@ -285,10 +286,10 @@ TEST_F(WorkQueueTest, RepeatedLiveLoopIsAppliedOnce) {
 }
 
 TEST_F(WorkQueueTest, OldestKeyframeOfSeveralPublishersFirst) {
-  const auto of = [](int64_t source, int64_t session, int64_t id, int64_t t_ns) {
+  const auto of = [](SourceId source, SessionId session, int64_t id, int64_t t_ns) {
     Keyframe keyframe = KeyframeOf(id, true);
     keyframe.source = source;
-    keyframe.session = session;
+    keyframe.name.session = session;
     keyframe.t_ns = t_ns;
     return keyframe;
   };
@@ -303,8 +304,8 @@ TEST_F(WorkQueueTest, OldestKeyframeOfSeveralPublishersFirst) {
     ASSERT_EQ(work.keyframes.size(), 1U);
     const Keyframe& keyframe = work.keyframes[0].keyframe;
     EXPECT_EQ(keyframe.t_ns, t_ns);
-    LoopClosure said = ClosureOf(keyframe.keyframe_id);
-    said.session = keyframe.session;
+    LoopClosure said = ClosureOf(keyframe.name.number);
+    said.keyframe = keyframe.name;
     queue_.Add(said);
     Take(Kind::kCorrect);
   }
@@ -315,10 +316,10 @@ TEST_F(WorkQueueTest, OldestKeyframeOfSeveralPublishersFirst) {
 }
 
 TEST_F(WorkQueueTest, OnlyNewKeyframesAfterARestart) {
-  queue_.Restore({{kSession, 4}, {kSession - 1, 9}}, kSession);
+  queue_.Restore({{kSession, 4}, {SessionId(kSession.value - 1), 9}}, kSession);
   for (int64_t id = 0; id < 6; ++id) queue_.Add(KeyframeOf(id, true), 0.0);
   for (int64_t id = 0; id < 5; ++id) queue_.Add(ClosureOf(id, LoopClosure::Kind::kLoop));
-  EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.keyframe_id, 5);
+  EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.name.number, 5);
   ExpectNothing();
   queue_.Add(ClosureOf(5));
   EXPECT_TRUE(Take(Kind::kCorrect).commits);
@@ -333,8 +334,8 @@ TEST_F(WorkQueueTest, SaveAfterARestartWaitsForEarlierKeyframes) {
     queue_.Add(ClosureOf(id));
   }
   for (int64_t id = 5; id < 7; ++id) {
-    EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.keyframe_id, id);
-    EXPECT_EQ(Take(Kind::kCorrect).closure.session_keyframe_id, id);
+    EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.name.number, id);
+    EXPECT_EQ(Take(Kind::kCorrect).closure.keyframe.number, id);
   }
   Take(Kind::kOrder);
   ExpectNothing();
@@ -362,7 +363,7 @@ TEST(WorkQueueState, WrittenPeriodicallyAndBeforeANewSession) {
   queue.Add(ClosureOf(2));
   EXPECT_EQ(queue.Take(0.0)->kind, Kind::kCorrect);
   Keyframe other = KeyframeOf(0, true);
-  other.session = kSession + 1;
+  other.name.session = SessionId(kSession.value + 1);
   queue.Add(other, 0.0);
   EXPECT_EQ(queue.Take(0.0)->kind, Kind::kKeepState) << "before the new session";
   EXPECT_EQ(queue.Take(0.0)->kind, Kind::kInsert);
@@ -370,7 +371,7 @@ TEST(WorkQueueState, WrittenPeriodicallyAndBeforeANewSession) {
 
 TEST(WorkQueueState, WrittenBeforeAnotherPublisherContinues) {
   WorkQueue queue(false, 5.0, 100);
-  const auto of = [](int64_t source, int64_t id) {
+  const auto of = [](SourceId source, int64_t id) {
     Keyframe keyframe = KeyframeOf(id, true);
     keyframe.source = source;
     return keyframe;
@@ -378,7 +379,7 @@ TEST(WorkQueueState, WrittenBeforeAnotherPublisherContinues) {
   const auto insert = [&](const Keyframe& keyframe) {
     const auto work = queue.Take(0.0);
     ASSERT_TRUE(work && work->kind == Kind::kInsert);
-    ASSERT_EQ(work->keyframes.front().keyframe.keyframe_id, keyframe.keyframe_id);
+    ASSERT_EQ(work->keyframes.front().keyframe.name.number, keyframe.name.number);
     queue.Inserted(keyframe, 1, 0.0);
     EXPECT_EQ(queue.Take(0.0)->kind, Kind::kCommit);
   };

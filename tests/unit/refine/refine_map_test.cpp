@@ -56,7 +56,7 @@ double MeanNees(const Map& map, const std::vector<SE3>& T_w_c) {
   int n = 0;
   for (const auto& [id, keyframe] : map.keyframes()) {
     if (id == 0) continue;
-    const Vector6d e = (keyframe.T_w_kf.Inverse() * T_w_c[static_cast<size_t>(keyframe.session_keyframe_id)]).Log();
+    const Vector6d e = (keyframe.T_w_kf.Inverse() * T_w_c[static_cast<size_t>(keyframe.name.number)]).Log();
     sum += e.dot(keyframe.covariance.ldlt().solve(e)) / 6.0;
     ++n;
   }
@@ -128,7 +128,7 @@ void SeeWithPair(const PairParameters& pair, MappedWalk& walk) {
   std::normal_distribution<double> noise_px(0.0, 0.3);
   for (auto& [id, kept] : walk.stored.features) {
     const MapKeyframe& keyframe = *walk.stored.map.FindKeyframe(id);
-    const auto at = static_cast<size_t>(keyframe.session_keyframe_id);
+    const auto at = static_cast<size_t>(keyframe.name.number);
     const size_t other = at > 0 ? at - 1 : at + 1;
     const double dt_s = 1e-9 * static_cast<double>(walk.t_ns[other] - walk.t_ns[at]);
     const Vector6d twist = (walk.T_w_c[at].Inverse() * walk.T_w_c[other]).Log() / dt_s;

@@ -35,7 +35,7 @@ class RefineRunTest : public testing::Test {
     for (const auto& [id, keyframe] : stored.map.keyframes()) {
       frames.push_back({keyframe.t_ns, keyframe.T_w_kf});
       frames.push_back({keyframe.t_ns + 1000, keyframe.T_w_kf});
-      truth.push_back({keyframe.t_ns, walk.T_w_c[static_cast<size_t>(keyframe.session_keyframe_id)]});
+      truth.push_back({keyframe.t_ns, walk.T_w_c[static_cast<size_t>(keyframe.name.number)]});
     }
     WriteTrajectory((run() / "trajectory.tum").string(), TrajectoryFormat::kTum, frames);
     WriteTrajectory((run() / "groundtruth.tum").string(), TrajectoryFormat::kTum, truth);

@@ -14,15 +14,15 @@
 namespace plslam::refine {
 namespace {
 
-constexpr int64_t kFirst = 7;
-constexpr int64_t kSecond = 8;
+constexpr SessionId kFirst = 7;
+constexpr SessionId kSecond = 8;
 
 /// A session, whose odometry begins at `T_odom_w` times the path.
-test::Walk Session(const test::FeatureWorld& world, const std::vector<SE3>& path, int64_t session,
+test::Walk Session(const test::FeatureWorld& world, const std::vector<SE3>& path, SessionId session,
                    const SE3& T_odom_w, double noise_px) {
   test::WalkOptions options;
   options.session = session;
-  options.seed = static_cast<uint64_t>(session);
+  options.seed = static_cast<uint64_t>(session.value);
   options.noise_px = noise_px;
   test::Walk walk = test::MakeWalk(world, path, options);
   for (Keyframe& keyframe : walk.keyframes) keyframe.T_odom_kf = T_odom_w * keyframe.T_odom_kf;
@@ -51,19 +51,19 @@ void Move(StoredMap& stored, const std::vector<int64_t>& except) {
 }
 
 /// Largest distance of the keyframes of a session from T_w_true times their true poses.
-double Error_m(const Map& map, int64_t session, const SE3& T_w_true, const std::vector<SE3>& truth) {
+double Error_m(const Map& map, SessionId session, const SE3& T_w_true, const std::vector<SE3>& truth) {
   double worst_m = 0.0;
   for (const auto& [id, keyframe] : map.keyframes()) {
-    if (keyframe.session != session) continue;
-    const SE3 T_w_kf = T_w_true * truth[static_cast<size_t>(keyframe.session_keyframe_id)];
+    if (keyframe.name.session != session) continue;
+    const SE3 T_w_kf = T_w_true * truth[static_cast<size_t>(keyframe.name.number)];
     worst_m = std::max(worst_m, (keyframe.T_w_kf.translation() - T_w_kf.translation()).norm());
   }
   return worst_m;
 }
 
-int64_t FirstOf(const Map& map, int64_t session) {
+int64_t FirstOf(const Map& map, SessionId session) {
   for (const auto& [id, keyframe] : map.keyframes()) {
-    if (keyframe.session == session) return id;
+    if (keyframe.name.session == session) return id;
   }
   return -1;
 }

@@ -27,8 +27,8 @@ Map SomeMap() {
   for (int i = 0; i < 3; ++i) {
     MapKeyframe keyframe;
     keyframe.id = i;
-    keyframe.session = 7;
-    keyframe.session_keyframe_id = i;
+    keyframe.name.session = 7;
+    keyframe.name.number = i;
     keyframe.frame_id = kKeyframes[i];
     keyframe.t_ns = SomePose(keyframe.frame_id).t_ns;
     keyframe.T_odom_kf = SomePose(keyframe.frame_id).T_odom_c;
@@ -50,7 +50,7 @@ Recorder SomeRun(int64_t n_frames) {
   return recorder;
 }
 
-SE3 Final(const Map& map, int64_t frame_id, int64_t session = 7) {
+SE3 Final(const Map& map, int64_t frame_id, SessionId session = 7) {
   const Recorder recorder = SomeRun(30);
   FrameRecord frame = recorder.frames().Find(frame_id).value();
   frame.session = session;
@@ -125,10 +125,10 @@ TEST(KeyframeTrajectory, KeyframesOfRecordedSessionsInTheOrderOfTime) {
   Map map = SomeMap();
   MapKeyframe other = *map.FindKeyframe(0);
   other.id = 3;
-  other.session = 99;
+  other.name.session = 99;
   map.Put(other);
   other.id = 4;
-  other.session = 7;
+  other.name.session = 7;
   other.t_ns = 5;
   map.Put(other);
   other.id = 5;

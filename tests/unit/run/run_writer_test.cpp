@@ -183,8 +183,8 @@ TEST(Outputs, UnconnectedSessionsAreKeptApart) {
     pose.keyframe_id = i;
     recorder.AddPose(pose);
     MapKeyframe keyframe;
-    keyframe.id = keyframe.session_keyframe_id = keyframe.frame_id = i;
-    keyframe.session = pose.session;
+    keyframe.id = keyframe.name.number = keyframe.frame_id = i;
+    keyframe.name.session = pose.session;
     keyframe.t_ns = pose.t_ns;
     map.Put(keyframe);
   }
@@ -237,7 +237,8 @@ TEST(Outputs, BodiesHaveTheirPositionsInTheMap) {
   EXPECT_TRUE(recorder.AddBodies(0, {pose.session, {{3, T_c_body, 40}}}));
   EXPECT_TRUE(recorder.AddBodies(1, {pose.session, {{3, T_c_body, 41}}})) << "a lost frame has no place in the map";
   EXPECT_TRUE(recorder.AddBodies(7, {pose.session, {{3, T_c_body, 42}}})) << "its pose has not come";
-  EXPECT_TRUE(recorder.AddBodies(3, {pose.session + 1, {{3, T_c_body, 43}}})) << "its pose is of another session";
+  EXPECT_TRUE(recorder.AddBodies(3, {SessionId(pose.session.value + 1), {{3, T_c_body, 43}}}))
+      << "its pose is of another session";
   EXPECT_FALSE(recorder.AddBodies(2, {pose.session, {{-1, T_c_body, 40}}}));
   EXPECT_EQ(TextOf([&](const AppendText& to) { WriteBodiesCsv(recorder, Map(), to); }),
             fmt::format("session,body,frame_id,t_s,x_m,y_m,z_m,qx,qy,qz,qw,n_features\n"

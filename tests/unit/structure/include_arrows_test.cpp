@@ -13,7 +13,8 @@ namespace {
 using test::SourceFile;
 
 /// Permitted includes: `folder` itself and paths that start with one of `may_include`. The longest folder that contains
-/// a file applies. Configuration's field lists and the sentences of errors (core/errors) may be included everywhere.
+/// a file applies. Ids (core/ids), configuration's field lists and the sentences of errors (core/errors) may be included
+/// everywhere.
 struct Arrow {
   std::string folder;
   std::vector<std::string> may_include;
@@ -23,6 +24,7 @@ const std::vector<Arrow> kArrows = {
     {"lcmtypes/", {}},
     {"core/errors/", {}},
     {"core/geometry/", {}},
+    {"core/ids/", {}},
     {"core/config/", {"core/errors/"}},
     {"core/features/", {"core/geometry/", "core/config/fields.h"}},
     {"core/features/image/", {}},
@@ -170,7 +172,8 @@ std::string Objection(const std::string& file, const std::string& include) {
   if (!IsOfTree(include)) return "";
   const Arrow* arrow = ArrowOf(file);
   if (arrow == nullptr) return "this folder stands in no row of kArrows";
-  if (StartsWith(include, arrow->folder) || StartsWith(include, "core/errors/")) return "";
+  const bool is_everywhere = StartsWith(include, "core/errors/") || StartsWith(include, "core/ids/");
+  if (StartsWith(include, arrow->folder) || is_everywhere) return "";
   const auto& allowed = arrow->may_include;
   const bool may = std::any_of(allowed.begin(), allowed.end(), [&](const auto& a) { return StartsWith(include, a); });
   return may ? "" : "this arrow points the wrong way";

@@ -391,14 +391,14 @@ TEST_F(ReportRecorderTest, LoopsOfTheLoadedMapAreNotCounted) {
   EXPECT_EQ(Build("").loops.size(), 1U) << "the map shows it";
   LoopClosure closure;
   closure.kind = LoopClosure::Kind::kLoop;
-  closure.session = 7;
-  closure.session_keyframe_id = 3;
+  closure.keyframe.session = 7;
+  closure.keyframe.number = 3;
   closure.edges = {{.old_keyframe_id = 0, .keyframe_id = 3, .T_old_kf = SE3()}};
   report_.Add(closure);
   report_.Add(closure);
   EXPECT_EQ(Build("").facts.loops, 1) << "said again";
   closure.kind = LoopClosure::Kind::kAdjustment;
-  closure.session_keyframe_id = 4;
+  closure.keyframe.number = 4;
   report_.Add(closure);
   EXPECT_EQ(Build("").facts.loops, 1) << "an adjustment is no loop";
 }

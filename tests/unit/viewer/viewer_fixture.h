@@ -109,7 +109,7 @@ class ViewerFixture : public testing::Test {
     for (int64_t id = 0; id <= last; ++id) {
       MapKeyframe keyframe;
       keyframe.id = id;
-      keyframe.session_keyframe_id = id;
+      keyframe.name.number = id;
       keyframe.frame_id = 4 * id;
       keyframe.t_ns = Time(4 * id);
       keyframe.T_odom_kf = TruePose(4 * id);
@@ -118,7 +118,7 @@ class ViewerFixture : public testing::Test {
     }
     MapUpdate update = WholeMap(map);
     update.version = last + 1;
-    update.session_keyframe_id = last;
+    update.newest.number = last;
     update.committed = true;
     return update;
   }

@@ -8,7 +8,7 @@
 namespace plslam::vo {
 namespace {
 
-constexpr int64_t kSession = 7;
+constexpr SessionId kSession = 7;
 
 Matrix6d Claimed() {
   Vector6d sigma;
@@ -24,12 +24,12 @@ Map MovedMap(double factor, int keyframes) {
   const SE3 step = SE3::Exp((Vector6d() << 0.0, 0.0, 0.3, 0.0, 0.02, 0.0).finished());
   Map map;
   MapKeyframe keyframe;
-  keyframe.session = kSession;
+  keyframe.name.session = kSession;
   keyframe.T_prevkf_kf = step;
   for (int i = 0; i < keyframes; ++i) {
     Vector6d x;
     for (double& value : x) value = normal(random);
-    keyframe.id = keyframe.session_keyframe_id = i;
+    keyframe.id = keyframe.name.number = i;
     keyframe.previous_id = i - 1;
     if (i > 0) {
       keyframe.relative_covariance = Claimed();
@@ -40,7 +40,7 @@ Map MovedMap(double factor, int keyframes) {
   return map;
 }
 
-double LearnedScale(double factor, int64_t session = kSession) {
+double LearnedScale(double factor, SessionId session = kSession) {
   MotionUncertainty uncertainty;
   uncertainty.Learn(MovedMap(factor, 40), session);
   return uncertainty.variance_scale();
@@ -59,7 +59,9 @@ TEST(MotionUncertainty, IsBounded) {
   EXPECT_GE(LearnedScale(0.0), 0.04);
 }
 
-TEST(MotionUncertainty, LearnsNothingOfOtherSessions) { EXPECT_EQ(LearnedScale(3.0, kSession + 1), 1.0); }
+TEST(MotionUncertainty, LearnsNothingOfOtherSessions) {
+  EXPECT_EQ(LearnedScale(3.0, SessionId(kSession.value + 1)), 1.0);
+}
 
 TEST(MotionUncertainty, OneOutlierMotionDoesNotChangeTheMean) {
   Map map = MovedMap(0.5, 40);

@@ -38,8 +38,8 @@ TEST(OdometryAndMap, KeyframeMissingFromTheMapChangesNothing) {
     const Eigen::Matrix4d B = b.T_odom_c.matrix();
     ASSERT_EQ(std::memcmp(A.data(), B.data(), 16 * sizeof(double)), 0) << "frame " << i;
     if (a.keyframe) map.Add(1, i, a);
-    EXPECT_FALSE(with.Adopt(map.map(), 2, 0));
-    EXPECT_FALSE(with.Adopt(map.map(), 1, 1000));
+    EXPECT_FALSE(with.Adopt(map.map(), {2, 0}));
+    EXPECT_FALSE(with.Adopt(map.map(), {1, 1000}));
     EXPECT_LT(with.T_w_odom().Log().norm(), 1e-15);
   }
 }
@@ -77,7 +77,7 @@ TEST(OdometryAndMap, PosesInOdomDoNotJumpAndMapFromOdometryIsFound) {
     worst_with = std::max(worst_with, DistanceTo(result.T_odom_c, Expected(i)));
     if (!result.keyframe) continue;
     map.Add(1, i, result);
-    ASSERT_TRUE(with.Adopt(map.map(), 1, result.keyframe->id));
+    ASSERT_TRUE(with.Adopt(map.map(), {1, result.keyframe->id}));
     ++adopted;
     EXPECT_LT((with.T_w_odom() * result.T_odom_c * (kT_w_world * PoseAt(i)).Inverse()).Log().norm(), 1e-9);
   }
@@ -94,7 +94,7 @@ TEST(OdometryAndMap, LandmarksOfTheMapReplaceOwnOnes) {
   const OdometryResult first = odometry.Track(0, See(world, 0, 0.0));
   ASSERT_TRUE(first.keyframe);
   map.Add(1, 0, first);
-  ASSERT_TRUE(odometry.Adopt(map.map(), 1, 0));
+  ASSERT_TRUE(odometry.Adopt(map.map(), {1, 0}));
   const OdometryResult next = odometry.Track(kMappedFrame_ns, See(world, 1, 0.0));
   const SE3 T_w_c = odometry.T_w_odom() * next.T_odom_c;
   const Eigen::Vector3d off = T_w_c.translation() - (kT_w_world * PoseAt(1)).translation();
@@ -116,7 +116,7 @@ TEST(OdometryAndMap, LandmarksOfTheMapAreTracked) {
   const OdometryResult first = odometry.Track(0, See(world, 40, 0.3));
   ASSERT_TRUE(first.keyframe);
   map.Add(2, 40, first);
-  ASSERT_TRUE(odometry.Adopt(map.map(), 2, 0));
+  ASSERT_TRUE(odometry.Adopt(map.map(), {2, 0}));
   EXPECT_LT((odometry.T_w_odom().Inverse() * kT_w_world * PoseAt(40)).Log().norm(), 1e-9);
   std::set<Descriptor> own;
   for (const StereoPoint& point : first.features.points) own.insert(point.left.descriptor);
@@ -164,7 +164,7 @@ std::vector<int> KeyframesOfWays(int ways, const VoOptions& options) {
     if (!result.keyframe) continue;
     ++keyframes.back();
     map.Add(1, place, result);
-    odometry.Adopt(map.map(), 1, result.keyframe->id);
+    odometry.Adopt(map.map(), {1, result.keyframe->id});
   }
   return keyframes;
 }
@@ -203,7 +203,7 @@ TEST(OdometryAndMap, MapIsAdoptedWhileLost) {
     ASSERT_TRUE(last_keyframe);
     const OdometryResult lost = odometry.Track(20 * kMappedFrame_ns, dark ? StereoFeatures() : See(strange, 20, 0.3));
     ASSERT_EQ(lost.state, TrackingState::kLost);
-    EXPECT_TRUE(odometry.Adopt(map.map(), 1, *last_keyframe));
+    EXPECT_TRUE(odometry.Adopt(map.map(), {1, *last_keyframe}));
     for (int i = 21; i < 30; ++i) {
       const OdometryResult back = odometry.Track(i * kMappedFrame_ns, See(world, i, 0.3));
       EXPECT_EQ(back.state, i == 21 ? TrackingState::kRecovered : TrackingState::kTracking) << "frame " << i;
@@ -227,7 +227,7 @@ TEST(OdometryAndMap, IdsStayUniqueInAnUnknownPlace) {
   std::set<int64_t> before;
   for (const FeatureTrack& track : first.point_tracks) before.insert(track.landmark_id);
   ASSERT_EQ(odometry.Track(kMappedFrame_ns, See(strange, 1, 0.3)).state, TrackingState::kLost);
-  ASSERT_TRUE(odometry.Adopt(map.map(), 1, 0));
+  ASSERT_TRUE(odometry.Adopt(map.map(), {1, 0}));
   const OdometryResult entered = odometry.Track(2 * kMappedFrame_ns, See(strange, 2, 0.3));
   ASSERT_EQ(entered.state, TrackingState::kRecovered);
   ExpectNamesAreUnique(entered, 2);

@@ -25,7 +25,7 @@ class Relocalisation : public testing::Test {
       const OdometryResult result = Track(See(world_, i, 0.3));
       if (!result.keyframe) continue;
       map_.Add(1, i, result);
-      odometry_.Adopt(map_.map(), 1, result.keyframe->id);
+      odometry_.Adopt(map_.map(), {1, result.keyframe->id});
     }
   }
   OdometryResult Track(StereoFeatures features) {

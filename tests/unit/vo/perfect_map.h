@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/ids/ids.h"
 #include "tests/support/feature_world.h"
 #include "vo_process/tracking/odometry.h"
 
@@ -30,11 +31,11 @@ class PerfectMap {
   explicit PerfectMap(const FeatureWorld& world, const Eigen::Vector3d& shift_w = Eigen::Vector3d::Zero())
       : world_(world), shift_w_(shift_w) {}
 
-  void Add(int64_t session, int frame, const vo::OdometryResult& result) {
+  void Add(SessionId session, int frame, const vo::OdometryResult& result) {
     MapKeyframe keyframe;
     keyframe.id = next_id_++;
-    keyframe.session = session;
-    keyframe.session_keyframe_id = result.keyframe->id;
+    keyframe.name.session = session;
+    keyframe.name.number = result.keyframe->id;
     keyframe.T_w_kf = kT_w_world * PoseAt(frame);
     keyframe.T_odom_kf = result.T_odom_c;
     map_.Put(keyframe);

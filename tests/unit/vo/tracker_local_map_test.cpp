@@ -13,14 +13,14 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-constexpr int64_t kSession = 3;
-constexpr int64_t kOtherSession = 8;
+constexpr SessionId kSession = 3;
+constexpr SessionId kOtherSession = 8;
 
-MapKeyframe KeyframeOf(int64_t id, int64_t session, int64_t session_keyframe_id) {
+MapKeyframe KeyframeOf(int64_t id, SessionId session, int64_t session_keyframe_id) {
   MapKeyframe keyframe;
   keyframe.id = id;
-  keyframe.session = session;
-  keyframe.session_keyframe_id = session_keyframe_id;
+  keyframe.name.session = session;
+  keyframe.name.number = session_keyframe_id;
   const auto k = static_cast<double>(id);
   keyframe.T_w_kf = SE3(ExpSO3(Eigen::Vector3d(0.1, 0.2 * k, 0.0)), Eigen::Vector3d(1.0, k, 0.5));
   keyframe.T_odom_kf = SE3(ExpSO3(Eigen::Vector3d(0.0, 0.1 * k, 0.1)), Eigen::Vector3d(k, 0.0, 2.0));
@@ -50,17 +50,17 @@ std::vector<int64_t> PointIds(const TrackerLocalMap& patch) {
 TEST(KeyframeLog, KeyframesMissingFromTheMapGiveNoLocalMap) {
   KeyframeLog log;
   Map map;
-  EXPECT_FALSE(log.LocalMapAround(map, kSession, 0, 20));
+  EXPECT_FALSE(log.LocalMapAround(map, {kSession, 0}, 20));
   map.Put(KeyframeOf(0, kOtherSession, 5));
   log.Add(5, {1}, {});
-  EXPECT_FALSE(log.LocalMapAround(map, kSession, 5, 20)) << "the same number in another session";
-  EXPECT_TRUE(log.LocalMapAround(map, kOtherSession, 5, 20));
+  EXPECT_FALSE(log.LocalMapAround(map, {kSession, 5}, 20)) << "the same number in another session";
+  EXPECT_TRUE(log.LocalMapAround(map, {kOtherSession, 5}, 20));
 }
 
 TEST(KeyframeLog, MapFromOdometryAsTheKeyframeHasIt) {
   Map map;
   map.Put(KeyframeOf(4, kSession, 2));
-  const auto patch = KeyframeLog().LocalMapAround(map, kSession, 2, 20);
+  const auto patch = KeyframeLog().LocalMapAround(map, {kSession, 2}, 20);
   ASSERT_TRUE(patch);
   const MapKeyframe expected = KeyframeOf(4, kSession, 2);
   EXPECT_LT((patch->T_w_odom * expected.T_odom_kf * expected.T_w_kf.Inverse()).Log().norm(), 1e-12);
@@ -81,7 +81,7 @@ TEST(KeyframeLog, LandmarksHaveTheirTrackerIds) {
   PutPoint(104, {{2, 50}}, map);         // no such feature
   PutLine(200, {{0, 0}, {2, 1}}, map);
   PutLine(201, {{2, 0}}, map);
-  const auto patch = log.LocalMapAround(map, kSession, 1, 20);
+  const auto patch = log.LocalMapAround(map, {kSession, 1}, 20);
   ASSERT_TRUE(patch);
   EXPECT_THAT(PointIds(*patch), ElementsAre(100, 102, 103, 104)) << "101 is not seen by keyframe 1";
   EXPECT_THAT(patch->points[0].tracker_ids, ElementsAre(7, 9));
@@ -91,7 +91,7 @@ TEST(KeyframeLog, LandmarksHaveTheirTrackerIds) {
   ASSERT_EQ(patch->lines.size(), 2u);
   EXPECT_THAT(patch->lines[0].tracker_ids, ElementsAre(70)) << "once, though seen twice";
   EXPECT_THAT(patch->lines[1].tracker_ids, ElementsAre(71));
-  const auto before = log.LocalMapAround(map, kSession, 0, 20);
+  const auto before = log.LocalMapAround(map, {kSession, 0}, 20);
   ASSERT_TRUE(before);
   EXPECT_THAT(PointIds(*before), ElementsAre(100, 101, 102));
   EXPECT_THAT(before->points[1].tracker_ids, ElementsAre(8));
@@ -112,7 +112,7 @@ Map StarOfKeyframes(int neighbours) {
 TEST(KeyframeLog, BestNeighboursComeFirst) {
   const Map map = StarOfKeyframes(4);
   const auto own_points_of = [&](int max_keyframes) {
-    const auto patch = KeyframeLog().LocalMapAround(map, kSession, 0, max_keyframes);
+    const auto patch = KeyframeLog().LocalMapAround(map, {kSession, 0}, max_keyframes);
     std::vector<int64_t> own;
     for (const int64_t id : PointIds(*patch)) {
       if (id % 1000 == 999) own.push_back(id / 1000);
@@ -131,9 +131,9 @@ TEST(KeyframeLog, OldKeyframesAreForgotten) {
   map.Put(KeyframeOf(0, kSession, 0));
   PutPoint(1, {{0, 0}}, map);
   log.Add(0, {7}, {});
-  EXPECT_THAT(log.LocalMapAround(map, kSession, 0, 20)->points[0].tracker_ids, ElementsAre(7));
+  EXPECT_THAT(log.LocalMapAround(map, {kSession, 0}, 20)->points[0].tracker_ids, ElementsAre(7));
   for (int64_t k = 1; k <= 60; ++k) log.Add(k, {}, {});
-  EXPECT_THAT(log.LocalMapAround(map, kSession, 0, 20)->points[0].tracker_ids, IsEmpty());
+  EXPECT_THAT(log.LocalMapAround(map, {kSession, 0}, 20)->points[0].tracker_ids, IsEmpty());
 }
 
 }  // namespace

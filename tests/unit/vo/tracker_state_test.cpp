@@ -34,7 +34,7 @@ TrackerState SomeState() {
   state.session.anchor.OnMap(false);
   state.adopted_keyframe_id = 6;
   state.odometry = {9, 8, 7};
-  state.keyframe.keyframe_id = 7;
+  state.keyframe.name.number = 7;
   state.keyframe.T_odom_kf = SE3::Exp(Vector6d::Constant(0.1));
   state.keyframe.features.points.resize(2);
   state.keyframe.features.points[1].disparity_px = 12.5;
@@ -62,7 +62,7 @@ TEST_F(TrackerStateFile, RoundTrip) {
   EXPECT_EQ(back.session.anchor.state(), SessionAnchor::State::kUnanchored);
   EXPECT_EQ(back.adopted_keyframe_id, state.adopted_keyframe_id);
   EXPECT_EQ(back.odometry, state.odometry);
-  EXPECT_EQ(back.keyframe.keyframe_id, 7);
+  EXPECT_EQ(back.keyframe.name.number, 7);
   EXPECT_EQ(back.keyframe.T_odom_kf.translation(), state.keyframe.T_odom_kf.translation());
   EXPECT_EQ(back.keyframe.features.points.at(1).disparity_px, 12.5);
   EXPECT_EQ(back.keyframe.features.lines.size(), 1U);

@@ -39,7 +39,7 @@ class Link : public testing::Test {
     return options;
   }
   /// Runs until the frame need not wait any more.
-  void RunUntilDone(int64_t prev_t_ns, int64_t t_ns, int64_t source) {
+  void RunUntilDone(int64_t prev_t_ns, int64_t t_ns, SourceId source) {
     const auto check = [&, prev_t_ns, t_ns, source] {
       if (!link_->Awaits(source, prev_t_ns, t_ns, true, bus::NowS())) process_.bus().Stop();
     };
@@ -85,14 +85,15 @@ TEST_F(Link, FrameWaitsForItsSamples) {
   process_.bus().Subscribe<imu_t>(bus::kImu, [&](const imu_t& message) { source = message.header.source; });
   bus::PublishImu(*player_, 0, kPeriod_ns, SamplesBetween(0, kPeriod_ns + kSamplePeriod_ns));
   check_ = [&] {
-    if (source != 0 && !link_->Awaits(source, 0, kPeriod_ns, true, bus::NowS())) process_.bus().Stop();
+    if (source != 0 && !link_->Awaits(SourceId(source.load()), 0, kPeriod_ns, true, bus::NowS()))
+      process_.bus().Stop();
   };
   process_.bus().Run();
   const std::vector<ImuSample> taken = link_->Take(0, kPeriod_ns, 0);
   ASSERT_EQ(taken.size(), 11U);
   EXPECT_EQ(taken.front().t_ns, 0);
   EXPECT_EQ(taken.back().t_ns, kPeriod_ns) << "one at or after the frame ends the interval";
-  EXPECT_TRUE(link_->Awaits(source, kPeriod_ns, 2 * kPeriod_ns, true, bus::NowS()));
+  EXPECT_TRUE(link_->Awaits(SourceId(source.load()), kPeriod_ns, 2 * kPeriod_ns, true, bus::NowS()));
 }
 
 }  // namespace

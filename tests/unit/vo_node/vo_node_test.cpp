@@ -95,7 +95,7 @@ class VoNodeTest : public testing::Test {
     {
       const std::lock_guard lock(mutex_);
       if (!asked_) return;
-      answer.session = asked_->session;
+      answer.session = asked_->name.session;
       answer.frame_id = asked_->frame_id;
     }
     const int index = shown_.at(static_cast<size_t>(answer.frame_id));

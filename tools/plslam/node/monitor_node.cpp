@@ -28,7 +28,7 @@ constexpr size_t kMaxShownProcesses = 4096;
 
 FrameReport FromMessage(const pose_t& message) {
   FrameReport report;
-  report.session = message.header.session;
+  report.session = SessionId(message.header.session);
   report.frame_id = message.frame_id;
   report.t_ns = message.header.t_ns;
   report.state = static_cast<TrackingState>(message.state);
@@ -71,8 +71,8 @@ MonitorNode::MonitorNode(bus::Bus& bus) : host_(bus::HostName()) {
   });
   bus.Subscribe<warning_t>(bus::kWarning, [this](const warning_t& m) { warnings_.Add(m.code, m.sentence); });
   bus.Subscribe<keyframe_t>(bus::kKeyframe, [this](const keyframe_t& m) {
-    for (const auto& point : m.points) statistics_.AddLandmark(m.header.session, point.landmark_id, false);
-    for (const auto& line : m.lines) statistics_.AddLandmark(m.header.session, line.landmark_id, true);
+    for (const auto& point : m.points) statistics_.AddLandmark(SessionId(m.header.session), point.landmark_id, false);
+    for (const auto& line : m.lines) statistics_.AddLandmark(SessionId(m.header.session), line.landmark_id, true);
   });
   bus.Subscribe<map_update_t>(bus::kMapUpdate, [this](const map_update_t& m) {
     const auto head = m.page == 0 ? bus::HeadOf(m) : std::nullopt;
@@ -125,8 +125,8 @@ FrameTally MonitorNode::frames() const {
 
 bool MonitorNode::has_all() const {
   const bool has_frames = sent_.ended() && frames().unanswered == 0;
-  const auto [session, keyframe_id] = statistics_.last_keyframe();
-  const bool has_map = map_.version() == 0 || keyframe_id < 0 || map_.committed().Has(session, keyframe_id);
+  const KeyframeName keyframe = statistics_.last_keyframe();
+  const bool has_map = map_.version() == 0 || map_.newest().HasCommitted(keyframe);
   return has_frames && has_map;
 }
 

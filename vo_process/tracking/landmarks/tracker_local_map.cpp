@@ -14,9 +14,9 @@ namespace {
 constexpr size_t kKeyframes = 60;
 constexpr int kMinShared = 15;
 
-const MapKeyframe* FindKeyframe(const Map& map, int64_t session, int64_t keyframe_id) {
+const MapKeyframe* FindKeyframe(const Map& map, const KeyframeName& keyframe) {
   for (auto it = map.keyframes().rbegin(); it != map.keyframes().rend(); ++it) {
-    if (it->second.session == session && it->second.session_keyframe_id == keyframe_id) return &it->second;
+    if (it->second.name == keyframe) return &it->second;
   }
   return nullptr;
 }
@@ -37,7 +37,7 @@ const KeyframeLog::Entry* KeyframeLog::Find(int64_t keyframe_id) const {
 }
 
 template <class Type>
-std::vector<Adopted<typename Type::Landmark>> KeyframeLog::Adopt(const Map& map, int64_t session,
+std::vector<Adopted<typename Type::Landmark>> KeyframeLog::Adopt(const Map& map, SessionId session,
                                                                  const std::vector<int64_t>& keyframes,
                                                                  std::vector<int64_t> Entry::*ids) const {
   std::vector<Adopted<typename Type::Landmark>> adopted;
@@ -46,8 +46,8 @@ std::vector<Adopted<typename Type::Landmark>> KeyframeLog::Adopt(const Map& map,
     entry.landmark = Type::Find(map, landmark_id);
     for (const Observation& observation : entry.landmark->observations) {
       const MapKeyframe& keyframe = *map.FindKeyframe(observation.keyframe_id);
-      if (keyframe.session != session) continue;
-      const Entry* shown = Find(keyframe.session_keyframe_id);
+      if (keyframe.name.session != session) continue;
+      const Entry* shown = Find(keyframe.name.number);
       const auto place = static_cast<size_t>(observation.feature);
       if (shown == nullptr || place >= (shown->*ids).size()) continue;
       const int64_t id = (shown->*ids)[place];
@@ -58,16 +58,16 @@ std::vector<Adopted<typename Type::Landmark>> KeyframeLog::Adopt(const Map& map,
   return adopted;
 }
 
-std::optional<TrackerLocalMap> KeyframeLog::LocalMapAround(const Map& map, int64_t session, int64_t keyframe_id,
+std::optional<TrackerLocalMap> KeyframeLog::LocalMapAround(const Map& map, const KeyframeName& keyframe,
                                                            int max_keyframes) const {
-  const MapKeyframe* center = FindKeyframe(map, session, keyframe_id);
+  const MapKeyframe* center = FindKeyframe(map, keyframe);
   if (center == nullptr) return std::nullopt;
   const std::vector<int64_t> keyframes = KeyframesAround(center->id, map, kMinShared, max_keyframes);
   TrackerLocalMap local_map;
   local_map.f_px = FocalLength(map);
   local_map.T_w_odom = center->T_w_kf * center->T_odom_kf.Inverse();
-  local_map.points = Adopt<PointType>(map, session, keyframes, &Entry::point_ids);
-  local_map.lines = Adopt<LineType>(map, session, keyframes, &Entry::line_ids);
+  local_map.points = Adopt<PointType>(map, keyframe.session, keyframes, &Entry::point_ids);
+  local_map.lines = Adopt<LineType>(map, keyframe.session, keyframes, &Entry::line_ids);
   return local_map;
 }
 

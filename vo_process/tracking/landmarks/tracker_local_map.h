@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/ids/ids.h"
 #include "core/map/map.h"
 
 namespace plslam::vo {
@@ -38,7 +39,7 @@ class KeyframeLog {
 
   /// Returns the landmarks observed by the keyframe of the session and its best neighbours, with their poses in the
   /// map. Returns nullopt if the map does not have the keyframe.
-  std::optional<TrackerLocalMap> LocalMapAround(const Map& map, int64_t session, int64_t keyframe_id,
+  std::optional<TrackerLocalMap> LocalMapAround(const Map& map, const KeyframeName& keyframe,
                                                 int max_keyframes) const;
 
   /// The state between frames, for `core/io/files/archive.h`.
@@ -60,7 +61,7 @@ class KeyframeLog {
   };
   const Entry* Find(int64_t keyframe_id) const;
   template <class Type>
-  std::vector<Adopted<typename Type::Landmark>> Adopt(const Map& map, int64_t session,
+  std::vector<Adopted<typename Type::Landmark>> Adopt(const Map& map, SessionId session,
                                                       const std::vector<int64_t>& keyframes,
                                                       std::vector<int64_t> Entry::*ids) const;
 

@@ -38,12 +38,12 @@ Matrix6d Drift(const SE3& T_prev_c) {
 
 }  // namespace
 
-void MotionUncertainty::Learn(const Map& map, int64_t session) {
+void MotionUncertainty::Learn(const Map& map, SessionId session) {
   double sum = kStepsBefore;
   double n = kStepsBefore;
   for (auto it = map.keyframes().rbegin(); it != map.keyframes().rend() && n < kStepsBefore + kSteps; ++it) {
     const MapKeyframe& keyframe = it->second;
-    const MapKeyframe* previous = keyframe.session == session ? map.FindKeyframe(keyframe.previous_id) : nullptr;
+    const MapKeyframe* previous = keyframe.name.session == session ? map.FindKeyframe(keyframe.previous_id) : nullptr;
     if (previous == nullptr || !IsKnownStep(keyframe)) continue;
     const Eigen::LDLT<Matrix6d> claimed(keyframe.relative_covariance);
     if (claimed.info() != Eigen::Success || !claimed.isPositive()) continue;

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "core/geometry/se3.h"
+#include "core/ids/ids.h"
 #include "core/map/map.h"
 
 namespace plslam::vo {
@@ -21,7 +22,7 @@ namespace plslam::vo {
 class MotionUncertainty {
  public:
   /// Updates `variance_scale` from the newest motions between keyframes of a session in the map.
-  void Learn(const Map& map, int64_t session);
+  void Learn(const Map& map, SessionId session);
 
   /// Returns the published covariance of a motion, given the tracker's covariance of its right perturbation. A motion
   /// that was not measured, but predicted or a jump, keeps at least its covariance.

@@ -7,7 +7,7 @@ namespace plslam::vo {
 
 FrameInputs::FrameInputs(bus::Process& process, const VoOptions& options, const std::function<void()>& on_arrival) {
   if (options.masks.enabled) masks_.emplace(process, options.masks, on_arrival);
-  if (options.robot_motion.enabled) robot_.emplace(process, options.robot_motion, on_arrival);
+  if (options.robot_motion.enabled) robot_.emplace(process, on_arrival);
   if (options.imu.enabled) imu_.emplace(process, options.imu, on_arrival);
 }
 

@@ -22,8 +22,7 @@ constexpr const char* kNoMotion =
 
 }  // namespace
 
-RobotMotionLink::RobotMotionLink(bus::Process& process, const RobotMotionUseOptions& options,
-                                 std::function<void()> on_arrival)
+RobotMotionLink::RobotMotionLink(bus::Process& process, std::function<void()> on_arrival)
     : process_(process), on_arrival_(std::move(on_arrival)), wait_(process.bus().options().partner_wait_s) {
   process.bus().Subscribe<robot_motion_t>(bus::kRobotMotion, [this, &process](const robot_motion_t& message) {
     const std::optional<SE3> T_robot_b = bus::FromMessage(message.T_robot_b);

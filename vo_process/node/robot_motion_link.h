@@ -8,7 +8,6 @@
 #include "core/geometry/calibration.h"
 #include "core/process/partner_wait.h"
 #include "core/process/process.h"
-#include "vo_process/options.h"
 #include "vo_process/tracking/motion/robot_motion_model.h"
 #include "vo_process/tracking/motion/robot_path.h"
 
@@ -19,7 +18,7 @@ namespace plslam::vo {
 class RobotMotionLink {
  public:
   /// `on_arrival` is called when a pose has arrived, or a wait may be over.
-  RobotMotionLink(bus::Process& process, const RobotMotionUseOptions& options, std::function<void()> on_arrival);
+  RobotMotionLink(bus::Process& process, std::function<void()> on_arrival);
 
   void OnCamera(const RigCalibration& rig);
   /// Whether the frame at this time has to wait.

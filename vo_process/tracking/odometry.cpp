@@ -324,7 +324,7 @@ bool Odometry::AdoptAround(const Map& map) {
   auto local_map = LocalMapAt(map, best->first, T_w_odom_, options_.map.local_keyframes);
   if (!local_map) return false;
   bodies_.LeaveOut(*local_map);
-  landmarks_.Adopt(*local_map, false);
+  landmarks_.Adopt(*local_map);
   return true;
 }
 

@@ -97,7 +97,7 @@ TYPED_TEST_SUITE(LandmarkAdoption, Kinds);
 TYPED_TEST(LandmarkAdoption, OwnLandmarksTakeThePositionOfTheMap) {
   const auto before = this->Now();
   this->map_.Add(TypeParam::In(this->scene_)[4], {4});
-  this->landmarks_.Adopt(this->map_.patch, false);
+  this->landmarks_.Adopt(this->map_.patch);
   ASSERT_EQ(this->Now().size(), before.size());
   for (size_t i = 0; i < before.size(); ++i) {
     const auto& now = this->Now()[i];
@@ -109,28 +109,10 @@ TYPED_TEST(LandmarkAdoption, OwnLandmarksTakeThePositionOfTheMap) {
     EXPECT_EQ(now.seen, before[i].seen);
     EXPECT_EQ(now.unseen_frames, before[i].unseen_frames);
     EXPECT_EQ(now.descriptor, before[i].descriptor) << "as last seen, which the map cannot know better";
-    EXPECT_FALSE(now.from_map);
   }
   const Eigen::Matrix3d R = kT_w_odom.R();
   const Eigen::Matrix3d expected = R.transpose() * kCovariance_w * R;
   EXPECT_LT((TypeParam::Covariance(this->Now()[4]) - expected).norm(), 1e-6 * expected.norm());
-}
-
-TYPED_TEST(LandmarkAdoption, OwnLandmarksStayIfOnlyUnknownAreAdopted) {
-  const auto before = this->Now();
-  this->map_.Add(TypeParam::In(this->scene_)[4], {4});
-  this->map_.Add(TypeParam::In(this->scene_)[5], {});
-  this->landmarks_.Adopt(this->map_.patch, true);
-  ASSERT_EQ(this->Now().size(), before.size() + 1);
-  EXPECT_EQ(TypeParam::Place(this->Now()[4]), TypeParam::Place(before[4]));
-  EXPECT_EQ(TypeParam::Covariance(this->Now()[4]), TypeParam::Covariance(before[4]));
-  EXPECT_EQ(this->Now()[4].map_id, kFirstMapId) << "it is known by name all the same";
-  // Landmarks from the map follow the map.
-  const Eigen::Vector3d place = TypeParam::Place(this->Now().back());
-  this->map_.patch.T_w_odom = SE3(Eigen::Quaterniond::Identity(), {0.0, 0.0, 1.0}) * kT_w_odom;
-  this->landmarks_.Adopt(this->map_.patch, true);
-  EXPECT_NEAR((TypeParam::Place(this->Now().back()) - place).norm(), 1.0, 1e-9);
-  EXPECT_EQ(TypeParam::Place(this->Now()[4]), TypeParam::Place(before[4]));
 }
 
 TYPED_TEST(LandmarkAdoption, UnknownLandmarksAreAddedAsNotSeenLately) {
@@ -138,19 +120,18 @@ TYPED_TEST(LandmarkAdoption, UnknownLandmarksAreAddedAsNotSeenLately) {
   const int64_t next_id = TypeParam::NextId(this->landmarks_);
   this->map_.Add(TypeParam::In(this->scene_)[5], {});
   this->map_.Add(TypeParam::In(this->scene_)[6], {777});  // dropped by the tracker since
-  this->landmarks_.Adopt(this->map_.patch, false);
+  this->landmarks_.Adopt(this->map_.patch);
   ASSERT_EQ(this->Now().size(), before + 2);
   EXPECT_EQ(TypeParam::NextId(this->landmarks_), next_id + 2);
   const auto& added = this->Now()[before];
   EXPECT_EQ(added.id, next_id);
   EXPECT_EQ(added.map_id, kFirstMapId);
-  EXPECT_TRUE(added.from_map);
   EXPECT_GT(added.unseen_frames, 1);
   EXPECT_EQ(added.descriptor, (Descriptor{1, 2, 3, 4}));
   const auto& own = *this->Find(5);
   EXPECT_LT((TypeParam::Place(added) - TypeParam::Place(own) - kOffset).norm(), 1e-9);
   // A second time they are here already.
-  this->landmarks_.Adopt(this->map_.patch, false);
+  this->landmarks_.Adopt(this->map_.patch);
   EXPECT_EQ(this->Now().size(), before + 2);
   EXPECT_EQ(TypeParam::NextId(this->landmarks_), next_id + 2);
 }
@@ -163,7 +144,7 @@ TEST(PointAdoption, OctaveDepthScalesWithTheFocalLength) {
     AdoptedPatch map;
     map.Add(scene.points[4], {});
     map.patch.f_px = kCamera.f_px / ratio;
-    landmarks.Adopt(map.patch, false);
+    landmarks.Adopt(map.patch);
     const PointLandmark& added = landmarks.points.landmarks().back();
     EXPECT_EQ(added.octave, 2);
     EXPECT_DOUBLE_EQ(added.depth_m, ratio * 3.5);
@@ -173,7 +154,7 @@ TEST(PointAdoption, OctaveDepthScalesWithTheFocalLength) {
 TYPED_TEST(LandmarkAdoption, OldestOfIdenticalLandmarksIsKept) {
   const size_t before = this->Now().size();
   this->map_.Add(TypeParam::In(this->scene_)[4], {9, 4, 7});
-  this->landmarks_.Adopt(this->map_.patch, false);
+  this->landmarks_.Adopt(this->map_.patch);
   ASSERT_EQ(this->Now().size(), before - 2);
   EXPECT_EQ(this->Find(9), nullptr);
   EXPECT_EQ(this->Find(7), nullptr);
@@ -186,14 +167,14 @@ TYPED_TEST(LandmarkAdoption, OldestOfIdenticalLandmarksIsKept) {
 TYPED_TEST(LandmarkAdoption, NewLandmarkIsFusedWithThatOfTheMap) {
   const size_t before = this->Now().size();
   this->map_.Add(TypeParam::In(this->scene_)[5], {});
-  this->landmarks_.Adopt(this->map_.patch, false);
+  this->landmarks_.Adopt(this->map_.patch);
   ASSERT_EQ(this->Now().size(), before + 1);
   // A keyframe has shown since that the tracker's number 5 is the same.
   this->map_.patch.points.clear();
   this->map_.patch.lines.clear();
   AdoptedPatch later;
   later.Add(TypeParam::In(this->scene_)[5], {5});
-  this->landmarks_.Adopt(later.patch, false);
+  this->landmarks_.Adopt(later.patch);
   EXPECT_EQ(this->Now().size(), before);
   ASSERT_NE(this->Find(5), nullptr);
   EXPECT_EQ(this->FindByMapId(kFirstMapId), this->Find(5));
@@ -202,24 +183,25 @@ TYPED_TEST(LandmarkAdoption, NewLandmarkIsFusedWithThatOfTheMap) {
 // Keyframes may have observed one of the tracker's landmarks as two of the map (a wrong match, corrected since): each
 // then has its own.
 TYPED_TEST(LandmarkAdoption, LandmarkOfTwoMapLandmarksGoesToTheFirst) {
+  const int64_t next_id = TypeParam::NextId(this->landmarks_);
   const auto& places = TypeParam::In(this->scene_);
   this->map_.Add(places[1], {1, 2});
   this->map_.Add(places[0], {0, 1});
   this->map_.Add(places[2], {2});
-  this->landmarks_.Adopt(this->map_.patch, false);
+  this->landmarks_.Adopt(this->map_.patch);
   const auto* first = this->FindByMapId(kFirstMapId);
   const auto* second = this->FindByMapId(kFirstMapId + 1);
   const auto* third = this->FindByMapId(kFirstMapId + 2);
   ASSERT_TRUE(first != nullptr && second != nullptr && third != nullptr);
   EXPECT_EQ(first->id, 1);
   EXPECT_EQ(second->id, 0);
-  EXPECT_TRUE(third->from_map);
+  EXPECT_GE(third->id, next_id) << "its own landmark went to the second";
   EXPECT_EQ(this->Find(2), nullptr);
 }
 
 TYPED_TEST(LandmarkAdoption, EmptyLocalMapChangesNothing) {
   const auto before = this->Now();
-  this->landmarks_.Adopt(this->map_.patch, false);
+  this->landmarks_.Adopt(this->map_.patch);
   ASSERT_EQ(this->Now().size(), before.size());
   EXPECT_EQ(TypeParam::Place(this->Now()[3]), TypeParam::Place(before[3]));
 }

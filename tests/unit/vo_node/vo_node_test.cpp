@@ -185,6 +185,8 @@ class VoNodeTest : public testing::Test {
     return changed_.wait_for(lock, limit, [&] { return status_ && what(*status_); });
   }
 
+  bus::BusOptions bus_options_;
+
  private:
   template <class F>
   void Keep(F f) {
@@ -193,7 +195,6 @@ class VoNodeTest : public testing::Test {
     changed_.notify_all();
   }
 
-  bus::BusOptions bus_options_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<pose_t> pose_;

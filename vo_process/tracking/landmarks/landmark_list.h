@@ -111,7 +111,6 @@ void AdoptEach(const std::vector<Adopted<Known>>& adopted, int64_t& next_id, std
     if (is_new) {
       Landmark& landmark = landmarks.emplace_back();
       landmark.id = next_id++;
-      landmark.from_map = true;
       landmark.unseen_frames = kAdoptedUnseenFrames;
     }
     Landmark& landmark = is_new ? landmarks.back() : landmarks[first];

@@ -27,8 +27,6 @@ struct LineLandmark {
   int64_t map_id = -1;
   /// Number of keyframes that observe it, as of the last map update.
   int map_observations = 0;
-  /// Whether it was created from the map, not by a frame.
-  bool from_map = false;
   int seen = 1;
   int unseen_frames = 0;
   int missed = 0;
@@ -36,7 +34,7 @@ struct LineLandmark {
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.id, self.segment_odom.p, self.segment_odom.q, self.covariance_p, self.covariance_q, self.descriptor,
-      self.map_id, self.map_observations, self.from_map, self.seen, self.unseen_frames, self.missed);
+      self.map_id, self.map_observations, self.seen, self.unseen_frames, self.missed);
   }
 };
 

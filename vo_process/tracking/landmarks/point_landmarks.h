@@ -28,8 +28,6 @@ struct PointLandmark {
   int64_t map_id = -1;
   /// Number of keyframes that observe it, as of the last map update.
   int map_observations = 0;
-  /// Whether it was created from the map, not by a frame.
-  bool from_map = false;
   int seen = 1;
   int unseen_frames = 0;
   int missed = 0;
@@ -37,7 +35,7 @@ struct PointLandmark {
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.id, self.p_odom, self.covariance, self.descriptor, self.angle_rad, self.octave, self.depth_m, self.map_id,
-      self.map_observations, self.from_map, self.seen, self.unseen_frames, self.missed);
+      self.map_observations, self.seen, self.unseen_frames, self.missed);
   }
 };
 

@@ -146,8 +146,7 @@ struct RosNode::Impl {
       rtps::SampleIdentity client = info.sample_identity;
       const rtps::GUID_t& named = info.related_sample_identity.writer_guid();
       if (named != rtps::GUID_t::unknown()) client.writer_guid(named);
-      const std::vector<uint8_t> body = request.body;
-      impl.listener.on_call(index, body, [this, client, request](bool done, const std::string& sentence) {
+      impl.listener.on_call(index, request.body, [this, client, request](bool done, const std::string& sentence) {
         Keep({client, ServiceReply(request, done, sentence)});
       });
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -8,6 +9,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/integration/whole_run.h"
@@ -19,7 +21,7 @@
 namespace plslam::test {
 
 inline constexpr const char* kWorld = "synthetic:room?size=376x240&frames=80";
-/// Of the bus.
+/// URL of the bus.
 inline constexpr const char* kBusUrl = "udpm://239.255.76.67:7667?ttl=0";
 inline constexpr const char* kTopics = "/stereo/left/image_raw,/stereo/right/image_raw";
 
@@ -46,6 +48,18 @@ class Ros2 : public testing::Test {
   }
   std::unique_ptr<launcher::ChildProcess> StartRobot(std::vector<std::string> options) {
     return Start(BinaryFolder().parent_path() / "tests/fast_dds_robot", options, "robot.json");
+  }
+  /// Runs `plslam run` without loops, and ends it after the robot.
+  void RunWithRobot(const std::vector<std::string>& options, std::vector<std::string> robot_options) {
+    std::vector<std::string> arguments{"run", fmt::format("ros2:{}", kTopics), "--out", folder_.Path("out"),
+                                       "--no-loops"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const auto run = Start(BinaryFolder() / "plslam", arguments, "run.log");
+    const auto robot = StartRobot(std::move(robot_options));
+    Wait(*robot);
+    run->Signal(SIGINT);
+    Wait(*run);
+    ASSERT_EQ(run->Poll()->code, 0) << Log("run.log");
   }
   static void Wait(launcher::ChildProcess& process) {
     ASSERT_TRUE(WholeRun::WaitFor([&] { return process.Poll().has_value(); }));

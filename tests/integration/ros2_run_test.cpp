@@ -64,14 +64,8 @@ TEST_F(Ros2, EveryFrameHasAPose) {
 
 // The body moves to its right where the camera moves forward.
 TEST_F(Ros2, CameraIsWhereTfStaticHasIt) {
-  const auto run =
-      Start(BinaryFolder() / "plslam",
-            {"run", fmt::format("ros2:{}", kTopics), "--out", folder_.Path("out"), "--no-loops"}, "run.log");
-  const auto robot = StartRobot({"synthetic:room?size=376x240&frames=140", "20", "140", "tf_static", "listen_s=1"});
-  Wait(*robot);
-  run->Signal(SIGINT);
-  Wait(*run);
-  ASSERT_EQ(run->Poll()->code, 0) << Log("run.log");
+  RunWithRobot({}, {"synthetic:room?size=376x240&frames=140", "20", "140", "tf_static", "listen_s=1"});
+  if (HasFatalFailure()) return;
   const json heard = Heard();
   ASSERT_GT(heard["odom"].size(), 20U) << heard;
   const auto world = OpenDataset("synthetic:room?size=376x240&frames=140", "");
@@ -164,15 +158,9 @@ TEST_F(Ros2, DomainsAreApart) {
 
 // Wheels carry the pose while the camera is covered for a second.
 TEST_F(Ros2, WheelsPredictAndNothingElse) {
-  const auto run = Start(BinaryFolder() / "plslam",
-                         {"run", fmt::format("ros2:{}", kTopics), "--out", folder_.Path("out"), "--no-loops", "--set",
-                          "ros2.robot_odometry=/wheels", "--set", "vo.robot_motion.enabled=true"},
-                         "run.log");
-  const auto robot = StartRobot({"synthetic:room?size=376x240&frames=100", "20", "100", "wheels", "covered"});
-  Wait(*robot);
-  run->Signal(SIGINT);
-  Wait(*run);
-  ASSERT_EQ(run->Poll()->code, 0) << Log("run.log");
+  RunWithRobot({"--set", "ros2.robot_odometry=/wheels", "--set", "vo.robot_motion.enabled=true"},
+               {"synthetic:room?size=376x240&frames=100", "20", "100", "wheels", "covered"});
+  if (HasFatalFailure()) return;
   const json heard = Heard();
   const auto world = OpenDataset("synthetic:room?size=376x240&frames=100", "");
   const SE3 T_first = world->GroundTruth(0)->Inverse();

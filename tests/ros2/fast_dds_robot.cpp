@@ -386,7 +386,7 @@ int main(int argc, char** argv) {
       }
     }
     sent_at[t_ns[0]] = now_s();
-    // Of the clock of all processes of this machine.
+    // Stamped by the clock that all processes of this machine share.
     heard["sent_at_s"].push_back({t_ns[0], std::chrono::duration<double>(Clock::now().time_since_epoch()).count()});
     heard["sent"] = i + 1;
   }

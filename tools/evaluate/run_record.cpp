@@ -137,7 +137,7 @@ std::string WithoutSeed(const std::string& dataset) {
   return dataset.substr(0, question) + kept;
 }
 
-/// Of a dataset that is no file, its name.
+/// Returns the path without links and ".."; the name of a dataset that is no file.
 std::filesystem::path CanonicalPath(const std::string& name) {
   std::error_code unknown;
   return std::filesystem::weakly_canonical(name, unknown);
@@ -174,9 +174,10 @@ RunRecord RecordOf(const json& summary, const std::string& folder) {
 
 void ResolveRecordings(std::vector<RunRecord>* runs) {
   const auto recorded_by = [&](const std::string& played) -> const RunRecord* {
+    const std::filesystem::path wanted = CanonicalPath(played);
     for (const RunRecord& run : *runs) {
       for (const std::string& recording : run.recordings) {
-        if (CanonicalPath(recording) == CanonicalPath(played)) return &run;
+        if (CanonicalPath(recording) == wanted) return &run;
       }
     }
     return nullptr;

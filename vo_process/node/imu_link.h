@@ -17,8 +17,8 @@
 namespace plslam::vo {
 
 /// A tracker's link to the inertial sensor (channel IMU). In lockstep a frame waits until all samples since the
-/// previous frame have arrived, or none have been received for `bus.partner_wait_s`; a live frame waits for `live_wait_ms` after its
-/// arrival, and is then tracked with the samples received.
+/// previous frame have arrived, or none have been received for `bus.partner_wait_s`; a live frame waits for
+/// `live_wait_ms` after its arrival, and is then tracked with the samples received.
 class ImuLink {
  public:
   /// `on_arrival` is called when samples have arrived, or a wait may be over.

@@ -15,8 +15,8 @@
 namespace plslam::vo {
 
 /// A tracker's link to the program that masks regions of single frames (channel MASK); masks that do not arrive are
-/// reported once. In lockstep a frame waits until
-/// its mask arrives, or no mask has been received for `bus.partner_wait_s`; live for `live_wait_ms` after the frame arrived.
+/// reported once. In lockstep a frame waits until its mask arrives, or no mask has been received for
+/// `bus.partner_wait_s`; live for `live_wait_ms` after the frame arrived.
 class MaskLink {
  public:
   /// Frame number and time.

@@ -24,15 +24,15 @@ class RoomBuilder {
     door_ = builder_.Fitted(PaintDoor(seed_ + 4, 150.0F));
     outside_ = builder_.Fitted(PaintPoster(seed_ + 5));
     for (int i = 0; i < 6; ++i) {
-      posters_.push_back(builder_.Fitted(PaintPoster(seed_ * 31 + 100 + i)));
-      books_.push_back(builder_.Fitted(PaintBooks(seed_ * 31 + 200 + i)));
-      boxes_.push_back(builder_.Fitted(PaintBox(seed_ * 31 + 300 + i)));
+      posters_.usual.push_back(builder_.Fitted(PaintPoster(seed_ * 31 + 100 + i)));
+      books_.usual.push_back(builder_.Fitted(PaintBooks(seed_ * 31 + 200 + i)));
+      boxes_.usual.push_back(builder_.Fitted(PaintBox(seed_ * 31 + 300 + i)));
     }
     if (!is_changed_) return;
     for (int i = 0; i < 6; ++i) {
-      new_posters_.push_back(builder_.Fitted(PaintPoster(seed_ * 31 + 400 + i)));
-      new_books_.push_back(builder_.Fitted(PaintBooks(seed_ * 31 + 500 + i)));
-      new_boxes_.push_back(builder_.Fitted(PaintBox(seed_ * 31 + 600 + i)));
+      posters_.other.push_back(builder_.Fitted(PaintPoster(seed_ * 31 + 400 + i)));
+      books_.other.push_back(builder_.Fitted(PaintBooks(seed_ * 31 + 500 + i)));
+      boxes_.other.push_back(builder_.Fitted(PaintBox(seed_ * 31 + 600 + i)));
     }
   }
 
@@ -58,10 +58,14 @@ class RoomBuilder {
     return light;
   }
 
-  const Material& Any(const std::vector<Material>& materials) {
-    const int i = random_.Int(static_cast<int>(materials.size()));
-    if (!IsReplaced()) return materials[i];
-    return (&materials == &posters_ ? new_posters_ : &materials == &books_ ? new_books_ : new_boxes_)[i];
+  /// Materials of things of one kind, and of those that replace some of them.
+  struct Materials {
+    std::vector<Material> usual, other;
+  };
+
+  const Material& Any(const Materials& materials) {
+    const int i = random_.Int(static_cast<int>(materials.usual.size()));
+    return (IsReplaced() ? materials.other : materials.usual)[i];
   }
 
   /// Draws whether the next thing is replaced, or moved. Everything else is that of the unchanged room.
@@ -211,7 +215,7 @@ class RoomBuilder {
       }
     }
     builder_.AddFace({{centre.x() - 1.3, centre.y() + 0.8, centre.z() + 0.01}, {2.6, 0.0, 0.0}, {0.0, -1.6, 0.0}},
-                     posters_[0]);  // a rug
+                     posters_.usual[0]);  // a rug
   }
 
   Random random_;
@@ -221,8 +225,7 @@ class RoomBuilder {
   Hall hall_;
   WorldBuilder builder_;
   Material white_, wood_, dark_, door_, outside_;
-  std::vector<Material> posters_, books_, boxes_;
-  std::vector<Material> new_posters_, new_books_, new_boxes_;
+  Materials posters_, books_, boxes_;
 };
 
 }  // namespace

@@ -113,12 +113,12 @@ TEST(KeyframeMemory, MappedSessionIsKeptForARestartedMap) {
     map.Put(InMap(i, 1, i));
   }
   memory.Follow(map);
-  Map anew;
-  anew.Put(InMap(0, 2, 0));
-  memory.Follow(anew);
+  Map rebuilt;
+  rebuilt.Put(InMap(0, 2, 0));
+  memory.Follow(rebuilt);
   EXPECT_TRUE(memory.Contains({1, 0}));
-  anew.Put(InMap(1, 1, 0));
-  memory.Follow(anew);
+  rebuilt.Put(InMap(1, 1, 0));
+  memory.Follow(rebuilt);
   EXPECT_EQ(PointsOf(memory, 1), 1U);
 }
 
@@ -130,16 +130,16 @@ TEST(KeyframeMemory, RestartedMapUsesKeyframesUnderOtherIds) {
     memory.Add(Named(1, i));
   }
   memory.Follow(map);
-  Map anew;
-  anew.Put(InMap(0, 1, 0));
-  memory.Follow(anew);
+  Map rebuilt;
+  rebuilt.Put(InMap(0, 1, 0));
+  memory.Follow(rebuilt);
   EXPECT_EQ(memory.features().size(), 1U);
-  anew.Put(InMap(1, 1, 2));
-  memory.Follow(anew);
+  rebuilt.Put(InMap(1, 1, 2));
+  memory.Follow(rebuilt);
   ASSERT_EQ(memory.features().size(), 2U);
   EXPECT_EQ(PointsOf(memory, 1), 3U) << "id 1 is another keyframe now";
-  anew.Put(InMap(2, 1, 4));
-  memory.Follow(anew);
+  rebuilt.Put(InMap(2, 1, 4));
+  memory.Follow(rebuilt);
   EXPECT_EQ(PointsOf(memory, 2), 5U);
 }
 

@@ -107,11 +107,11 @@ TEST(LoopCloser, RestartedCloserFindsTheSameLoop) {
   while (loop.kind == Kind::kNone && shown < ring.size()) loop = closing.Show(ring.walk.keyframes[shown++]);
   ASSERT_EQ(loop.kind, Kind::kLoop);
   // After a restart everything arrives at once, the map first.
-  loop::LoopCloser anew(FeatureWorld::Camera(), places, {});
+  loop::LoopCloser fresh(FeatureWorld::Camera(), places, {});
   const Keyframe& last = ring.walk.keyframes[shown - 1];
-  EXPECT_EQ(anew.Check(closing.mapper.map(), last.name).kind, Kind::kNone);
-  for (int i = 0; i < shown; ++i) anew.AddKeyframe(ring.walk.keyframes[i]);
-  ExpectSame(anew.Check(closing.mapper.map(), last.name), loop);
+  EXPECT_EQ(fresh.Check(closing.mapper.map(), last.name).kind, Kind::kNone);
+  for (int i = 0; i < shown; ++i) fresh.AddKeyframe(ring.walk.keyframes[i]);
+  ExpectSame(fresh.Check(closing.mapper.map(), last.name), loop);
 }
 
 TEST(LoopCloser, UnanchoredSessionIsJoined) {

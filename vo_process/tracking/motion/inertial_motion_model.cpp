@@ -248,13 +248,14 @@ bool InertialMotionModel::IsQuiet() const {
 }
 
 void InertialMotionModel::AddEvidence(const SE3& T_previmu_imu) {
+  const double seen_rad = T_previmu_imu.Log().tail<3>().norm();
   if (knows_bias_) {
     const SE3 sensed(motion_->RotationWith(filter_.state().bias), Eigen::Vector3d::Zero());
-    evidence_.compared_turn_rad += T_previmu_imu.Log().tail<3>().norm();
+    evidence_.compared_turn_rad += seen_rad;
     evidence_.turn_difference_rad += (sensed.Inverse() * T_previmu_imu).Log().tail<3>().norm();
   }
   evidence_.sensed_turn_rad += SE3(motion_->dR(), Eigen::Vector3d::Zero()).Log().norm();
-  evidence_.seen_turn_rad += T_previmu_imu.Log().tail<3>().norm();
+  evidence_.seen_turn_rad += seen_rad;
   evidence_.force_m_s += mean_force_m_s2_.norm() * motion_->dt_s();
   evidence_.time_s += motion_->dt_s();
 }

@@ -9,34 +9,34 @@
 namespace plslam::loop {
 namespace {
 
-using Places = IdMap<int>;
+using Places = IdMap<KeyframeId, int>;
 
 // Counts the observations of a landmark by keyframes that take part.
 template <class Landmark>
 int CountObservations(const Landmark& landmark, const Places& poses) {
   return static_cast<int>(
       std::count_if(landmark.observations.begin(), landmark.observations.end(),
-                    [&poses](const Observation& observation) { return poses.contains(observation.keyframe_id); }));
+                    [&poses](const Observation& observation) { return poses.contains(observation.keyframe_id()); }));
 }
 
 // Chooses for each keyframe the landmarks seen by most keyframes, up to `per_keyframe`, including those already
 // chosen for another keyframe.
 template <class Type>
-std::vector<int64_t> Choose(const Map& map, const Places& poses, int min_observations, int per_keyframe) {
+std::vector<LandmarkId> Choose(const Map& map, const Places& poses, int min_observations, int per_keyframe) {
   struct Candidate {
     int observations = 0;
     bool is_chosen = false;
   };
-  IdMap<Candidate> candidates;
+  IdMap<LandmarkId, Candidate> candidates;
   for (const auto& [id, landmark] : Type::Landmarks(map)) {
     const int count = CountObservations(landmark, poses);
     if (count >= min_observations) candidates[id].observations = count;
   }
-  std::vector<std::pair<int64_t, Candidate*>> seen;
+  std::vector<std::pair<LandmarkId, Candidate*>> seen;
   for (const auto& [keyframe_id, place] : poses) {
     seen.clear();
     int taken = 0;
-    for (const int64_t id : Type::Of(map, keyframe_id)) {
+    for (const LandmarkId id : Type::Of(map, keyframe_id)) {
       Candidate* candidate = id < 0 ? nullptr : candidates.Find(id);
       if (candidate == nullptr) continue;
       if (candidate->is_chosen) {
@@ -49,7 +49,7 @@ std::vector<int64_t> Choose(const Map& map, const Places& poses, int min_observa
                      [](const auto& a, const auto& b) { return a.second->observations > b.second->observations; });
     for (size_t i = 0; i < seen.size() && taken < per_keyframe; ++i, ++taken) seen[i].second->is_chosen = true;
   }
-  std::vector<int64_t> chosen;
+  std::vector<LandmarkId> chosen;
   for (const auto& [id, candidate] : candidates) {
     if (candidate.is_chosen) chosen.push_back(id);
   }
@@ -61,7 +61,7 @@ std::vector<int64_t> Choose(const Map& map, const Places& poses, int min_observa
 GlobalBundleProblem MakeGlobalBundleProblem(const Map& map, const KeyframeFeatures& features,
                                             const StereoCamera& camera, const GlobalBundleOptions& options) {
   GlobalBundleProblem problem;
-  std::vector<int64_t> keyframes;
+  std::vector<KeyframeId> keyframes;
   Places poses;
   for (const auto& [id, keyframe] : map.keyframes()) {
     if (!features.contains(id)) continue;

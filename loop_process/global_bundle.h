@@ -46,7 +46,7 @@ class AdjustmentProgress {
 
  private:
   SourceId map_source_;
-  std::map<int64_t, SE3> T_before_now_;
+  std::map<KeyframeId, SE3> T_before_now_;
 };
 
 /// Runs the global bundle adjustment (it follows PL-SLAM §VI.B, which stops at the pose graph). Returns kAdjustment

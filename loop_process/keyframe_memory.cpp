@@ -14,12 +14,12 @@
 namespace plslam::loop {
 
 std::vector<NamedKeyframe> NamesIn(const Map& map, const LoopClosure& closure) {
-  std::set<int64_t> ids;
+  std::set<KeyframeId> ids;
   for (const LoopEdge& edge : closure.edges) ids.insert({edge.old_keyframe_id, edge.keyframe_id});
   for (const CorrectedPose& pose : closure.poses) ids.insert(pose.keyframe_id);
   std::vector<NamedKeyframe> names;
   names.reserve(ids.size());
-  for (const int64_t id : ids) {
+  for (const KeyframeId id : ids) {
     const MapKeyframe* keyframe = map.FindKeyframe(id);
     if (keyframe != nullptr) names.push_back({id, keyframe->name});
   }
@@ -60,7 +60,7 @@ void KeyframeMemory::DropUntaken(SessionId session) {
   }
 }
 
-void KeyframeMemory::Enter(int64_t id, const KeyframeName& name, KeptFeatures features) {
+void KeyframeMemory::Enter(KeyframeId id, const KeyframeName& name, KeptFeatures features) {
   taken_.insert(name.session);
   places_.Add(id, DescribePlace(places_, features, point_nodes_[id]));
   features_[id] = std::move(features);
@@ -70,7 +70,7 @@ void KeyframeMemory::Enter(int64_t id, const KeyframeName& name, KeptFeatures fe
   if (!again) names_.insert(place, entered);
 }
 
-void KeyframeMemory::Leave(int64_t id, const KeyframeName& name) {
+void KeyframeMemory::Leave(KeyframeId id, const KeyframeName& name) {
   places_.Remove(id);
   waiting_[name] = std::move(features_.at(id));
   features_.erase(id);
@@ -79,7 +79,7 @@ void KeyframeMemory::Leave(int64_t id, const KeyframeName& name) {
 
 void KeyframeMemory::Follow(const Map& map) {
   // Both ascend by id. A new map may give the same id to another keyframe.
-  std::vector<std::pair<int64_t, KeyframeName>> gone;
+  std::vector<std::pair<KeyframeId, KeyframeName>> gone;
   auto known = names_.begin();
   for (const auto& [id, keyframe] : map.keyframes()) {
     for (; known != names_.end() && known->first < id; ++known) gone.push_back(*known);

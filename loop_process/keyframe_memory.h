@@ -52,12 +52,12 @@ class KeyframeMemory {
   /// Features of the map's keyframes, as of the last `Follow`, by keyframe id.
   const KeyframeFeatures& features() const { return features_; }
   /// Vocabulary nodes of their points, by the same ids.
-  const std::map<int64_t, FeatureNodes>& point_nodes() const { return point_nodes_; }
+  const std::map<KeyframeId, FeatureNodes>& point_nodes() const { return point_nodes_; }
   const PlaceRecogniser& places() const { return places_; }
 
  private:
-  void Enter(int64_t id, const KeyframeName& name, KeptFeatures features);
-  void Leave(int64_t id, const KeyframeName& name);
+  void Enter(KeyframeId id, const KeyframeName& name, KeptFeatures features);
+  void Leave(KeyframeId id, const KeyframeName& name);
   void DropUntaken(SessionId session);
 
   PlaceRecogniser places_;
@@ -66,9 +66,9 @@ class KeyframeMemory {
   std::set<SessionId> taken_;  // sessions that have had a keyframe in a map
   bool has_map_ = false;
   KeyframeFeatures features_;
-  std::map<int64_t, FeatureNodes> point_nodes_;
+  std::map<KeyframeId, FeatureNodes> point_nodes_;
   // Keyframes that have entered, ascending by id; contiguous, because `Follow` reads all of them.
-  std::vector<std::pair<int64_t, KeyframeName>> names_;
+  std::vector<std::pair<KeyframeId, KeyframeName>> names_;
 };
 
 }  // namespace plslam::loop

@@ -13,7 +13,7 @@ namespace plslam::loop {
 
 /// A group of similar keyframes that see the same landmarks, represented by the most similar one.
 struct LoopCandidate {
-  int64_t keyframe_id = -1;
+  KeyframeId keyframe_id = -1;
   /// Similarity of that keyframe, and the sum over its group.
   double score = 0.0;
   double group_score = 0.0;
@@ -23,12 +23,12 @@ struct LoopCandidate {
 /// landmarks with it, their neighbours and the newest of its session are excluded, as are keyframes much less similar
 /// than its predecessor, and keyframes that entered the map later (of another robot): these find this one. A group
 /// counts once, with its best keyframe.
-std::vector<LoopCandidate> FindLoopCandidates(const Map& map, const PlaceRecogniser& places, int64_t keyframe_id,
+std::vector<LoopCandidate> FindLoopCandidates(const Map& map, const PlaceRecogniser& places, KeyframeId keyframe_id,
                                               const CandidateOptions& options);
 
 /// Returns the keyframe with which to measure again, from near, a loop that was closed from afar: the old keyframe
 /// nearest to this one that shares landmarks with it, at most half as far away as in the last loop of the session.
-std::optional<LoopCandidate> FindSecondLook(const Map& map, int64_t keyframe_id, const CandidateOptions& options);
+std::optional<LoopCandidate> FindSecondLook(const Map& map, KeyframeId keyframe_id, const CandidateOptions& options);
 
 /// As `FindLoopCandidates`, for an image that is not in the map: nothing is excluded, and there is no least
 /// similarity.

@@ -31,7 +31,7 @@ const MapKeyframe* FindByName(const Map& map, const KeyframeName& name) {
 // the remaining ones alone would lose what they contributed.
 bool KnowsMoreThanItShows(const Map& map) {
   const auto& keyframes = map.keyframes();
-  return !keyframes.empty() && 2 * keyframes.rbegin()->first >= 3 * static_cast<int64_t>(keyframes.size());
+  return !keyframes.empty() && 2 * keyframes.rbegin()->first.value >= 3 * static_cast<int64_t>(keyframes.size());
 }
 
 // Squared error of a loop, in its sigmas, below which the map has the measured relation already. Among known landmarks

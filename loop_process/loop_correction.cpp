@@ -13,8 +13,8 @@ namespace plslam::loop {
 namespace {
 
 // Keyframes of the parts of the map that the loop joins, connected by known or unknown steps.
-std::set<int64_t> Touched(const LoopEdge& loop, const MapGraph& graph) {
-  std::set<int64_t> touched = graph.Component(loop.old_keyframe_id, MapGraph::Edges::kAll);
+std::set<KeyframeId> Touched(const LoopEdge& loop, const MapGraph& graph) {
+  std::set<KeyframeId> touched = graph.Component(loop.old_keyframe_id, MapGraph::Edges::kAll);
   if (!touched.contains(loop.keyframe_id)) {
     touched.merge(graph.Component(loop.keyframe_id, MapGraph::Edges::kAll));
   }
@@ -22,15 +22,15 @@ std::set<int64_t> Touched(const LoopEdge& loop, const MapGraph& graph) {
 }
 
 // Start poses: if no known step connects the two sides of the loop, the side that began later is moved as a whole.
-std::map<int64_t, SE3> Joined(const Map& map, const LoopEdge& loop, const MapGraph& graph) {
-  std::map<int64_t, SE3> T_w_kf;
-  for (const int64_t id : Touched(loop, graph)) T_w_kf[id] = map.FindKeyframe(id)->T_w_kf;
-  const std::set<int64_t> old_side = graph.Component(loop.old_keyframe_id, MapGraph::Edges::kKnown);
+std::map<KeyframeId, SE3> Joined(const Map& map, const LoopEdge& loop, const MapGraph& graph) {
+  std::map<KeyframeId, SE3> T_w_kf;
+  for (const KeyframeId id : Touched(loop, graph)) T_w_kf[id] = map.FindKeyframe(id)->T_w_kf;
+  const std::set<KeyframeId> old_side = graph.Component(loop.old_keyframe_id, MapGraph::Edges::kKnown);
   if (old_side.contains(loop.keyframe_id)) return T_w_kf;
-  const std::set<int64_t> new_side = graph.Component(loop.keyframe_id, MapGraph::Edges::kKnown);
+  const std::set<KeyframeId> new_side = graph.Component(loop.keyframe_id, MapGraph::Edges::kKnown);
   const SE3 T_moved_w = T_w_kf.at(loop.old_keyframe_id) * loop.T_old_kf * T_w_kf.at(loop.keyframe_id).Inverse();
   const bool old_first = *old_side.begin() < *new_side.begin();
-  for (const int64_t id : old_first ? new_side : old_side) {
+  for (const KeyframeId id : old_first ? new_side : old_side) {
     T_w_kf[id] = (old_first ? T_moved_w : T_moved_w.Inverse()) * T_w_kf[id];
   }
   return T_w_kf;

@@ -33,14 +33,14 @@ bool AreTwoPlaces(const FoundPlace& a, const FoundPlace& b) {
 
 }  // namespace
 
-bool IsRival(const FoundPlace& best, const FoundPlace& other, int64_t other_keyframe_id, MapPaths& paths_to_best,
+bool IsRival(const FoundPlace& best, const FoundPlace& other, KeyframeId other_keyframe_id, MapPaths& paths_to_best,
              const RelocalisationOptions& options) {
   return other.inliers > options.max_rival_share * best.inliers && AreTwoPlaces(best, other) &&
          paths_to_best.From(other_keyframe_id).has_value();
 }
 
 LoopSearch FindLoop(const Map& map, const KeyframeMemory& memory, const StereoCamera& camera,
-                    const LoopOptions& options, int64_t keyframe_id) {
+                    const LoopOptions& options, KeyframeId keyframe_id) {
   LoopSearch search;
   search.candidates = FindLoopCandidates(map, memory.places(), keyframe_id, options.candidates);
   if (const auto again = FindSecondLook(map, keyframe_id, options.candidates)) search.candidates.push_back(*again);

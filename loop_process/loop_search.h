@@ -29,12 +29,12 @@ struct LoopSearch {
 /// those that a path in the map connects with the keyframe. There is none if a rival puts the camera elsewhere: another
 /// accepted candidate, or, if the best is not connected, any candidate.
 LoopSearch FindLoop(const Map& map, const KeyframeMemory& memory, const StereoCamera& camera,
-                    const LoopOptions& options, int64_t keyframe_id);
+                    const LoopOptions& options, KeyframeId keyframe_id);
 
 /// Whether a camera was found at another place nearly as well as at the best. `paths_to_best` lead to the keyframe of
 /// the best place: poses of parts of the map without a connecting path cannot be compared, and both may show the same
 /// place.
-bool IsRival(const FoundPlace& best, const FoundPlace& other, int64_t other_keyframe_id, MapPaths& paths_to_best,
+bool IsRival(const FoundPlace& best, const FoundPlace& other, KeyframeId other_keyframe_id, MapPaths& paths_to_best,
              const RelocalisationOptions& options);
 
 }  // namespace plslam::loop

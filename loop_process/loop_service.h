@@ -53,7 +53,7 @@ class LoopService {
     std::vector<Relocalisation> answers;
     std::optional<GlobalBundleProblem> adjustment;
     /// Keyframes of the map whose features no publisher has resent: request them from mapping_process.
-    std::vector<int64_t> missing_keyframes;
+    std::vector<KeyframeId> missing_keyframes;
     /// The running adjustment is obsolete, as is its progress.
     bool ends_adjustment = false;
   };

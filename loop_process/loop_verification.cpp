@@ -32,7 +32,7 @@ Matrix6d Isotropic(double sigma_m, double sigma_rad) {
 template <class Landmark>
 bool MayBeOne(const Landmark& a, const Landmark& b) {
   return std::none_of(a.observations.begin(), a.observations.end(),
-                      [&b](const Observation& observation) { return IsSeenBy(b, observation.keyframe_id); });
+                      [&b](const Observation& observation) { return IsSeenBy(b, observation.keyframe_id()); });
 }
 
 // Pairs of landmarks seen by one feature from both sides; each landmark at most once, the first pair wins.
@@ -41,7 +41,7 @@ class Pairs {
  public:
   explicit Pairs(const Map& map) : map_(map) {}
 
-  void Add(int64_t a, int64_t b) {
+  void Add(LandmarkId a, LandmarkId b) {
     if (a < 0 || b < 0 || a == b || taken_a_.contains(a) || taken_b_.contains(b)) return;
     if (!MayBeOne(*Type::Find(map_, a), *Type::Find(map_, b))) return;
     taken_a_.insert(a);
@@ -57,14 +57,14 @@ class Pairs {
  private:
   const Map& map_;
   std::vector<SameLandmarks> pairs_;
-  std::set<int64_t> taken_a_;
-  std::set<int64_t> taken_b_;
+  std::set<LandmarkId> taken_a_;
+  std::set<LandmarkId> taken_b_;
 };
 
 class Verification {
  public:
   Verification(const Map& map, const KeyframeMemory& memory, const StereoCamera& camera, const LoopOptions& options,
-               MapPaths& paths, int64_t old_id, int64_t id)
+               MapPaths& paths, KeyframeId old_id, KeyframeId id)
       : map_(map),
         memory_(memory),
         camera_(camera),
@@ -78,7 +78,7 @@ class Verification {
   LoopEvidence Run();
 
  private:
-  DescribedImage ImageOf(int64_t id) const { return {memory_.features().at(id), memory_.point_nodes().at(id)}; }
+  DescribedImage ImageOf(KeyframeId id) const { return {memory_.features().at(id), memory_.point_nodes().at(id)}; }
   void Measure(const KeyframePose& pose);
   bool Guess();
   bool Find();
@@ -90,8 +90,8 @@ class Verification {
   bool IsWithinDrift();
   bool Agree(const SE3& predicted, const SE3& found) const;
   template <class Type>
-  std::vector<SameLandmarks> PairUp(const std::vector<int64_t>& seen_now,
-                                    const std::vector<int64_t>& seen_then) const;
+  std::vector<SameLandmarks> PairUp(const std::vector<LandmarkId>& seen_now,
+                                    const std::vector<LandmarkId>& seen_then) const;
 
   const Map& map_;
   const KeyframeMemory& memory_;
@@ -125,8 +125,8 @@ bool Verification::Find() {
   Measure(place->pose);
   evidence_.place = *place;
   evidence_.confirming = 1;
-  const auto count = [](const std::vector<int64_t>& ids) {
-    return static_cast<int32_t>(std::count_if(ids.begin(), ids.end(), [](int64_t id) { return id >= 0; }));
+  const auto count = [](const std::vector<LandmarkId>& ids) {
+    return static_cast<int32_t>(std::count_if(ids.begin(), ids.end(), [](LandmarkId id) { return id >= 0; }));
   };
   evidence_.edge.n_points = count(place->association.points);
   evidence_.edge.n_lines = count(place->association.lines);
@@ -171,8 +171,8 @@ bool Verification::IsSeenFromOldSide() {
 }
 
 template <class Type>
-std::vector<SameLandmarks> Verification::PairUp(const std::vector<int64_t>& seen_now,
-                                                const std::vector<int64_t>& seen_then) const {
+std::vector<SameLandmarks> Verification::PairUp(const std::vector<LandmarkId>& seen_now,
+                                                const std::vector<LandmarkId>& seen_then) const {
   Pairs<Type> pairs(map_);
   for (int32_t i = 0; i < static_cast<int32_t>(seen_now.size()); ++i) {
     pairs.Add(seen_now[static_cast<size_t>(i)], LandmarkAt<Type>(map_, {keyframe_.id, i}));
@@ -266,7 +266,8 @@ const char* LoopVerdictName(LoopVerdict verdict) {
 }
 
 LoopEvidence VerifyLoop(const Map& map, const KeyframeMemory& memory, const StereoCamera& camera,
-                        const LoopOptions& options, MapPaths& paths, int64_t old_keyframe_id, int64_t keyframe_id) {
+                        const LoopOptions& options, MapPaths& paths, KeyframeId old_keyframe_id,
+                        KeyframeId keyframe_id) {
   const bool known = map.FindKeyframe(old_keyframe_id) != nullptr && map.FindKeyframe(keyframe_id) != nullptr &&
                      memory.places().Has(old_keyframe_id) && memory.places().Has(keyframe_id);
   if (!known) return {};

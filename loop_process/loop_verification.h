@@ -56,6 +56,7 @@ struct LoopEvidence {
 /// landmarks (a larger one without a path); the old keyframe is found from the landmarks of the new one at the same
 /// relative pose; and previous keyframes are found where odometry predicts them, unless there are very many inliers.
 LoopEvidence VerifyLoop(const Map& map, const KeyframeMemory& memory, const StereoCamera& camera,
-                        const LoopOptions& options, MapPaths& paths, int64_t old_keyframe_id, int64_t keyframe_id);
+                        const LoopOptions& options, MapPaths& paths, KeyframeId old_keyframe_id,
+                        KeyframeId keyframe_id);
 
 }  // namespace plslam::loop

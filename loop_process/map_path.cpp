@@ -23,10 +23,10 @@ double Length(const MapKeyframe& a, const MapKeyframe& b) {
 
 }  // namespace
 
-int MapPaths::IndexOf(int64_t id) const {
+int MapPaths::IndexOf(KeyframeId id) const {
   // The guess is exact if no id is missing in between; otherwise the index is smaller.
   if (ids_.empty() || id < ids_.front() || id > ids_.back()) return -1;
-  const uint64_t guess = static_cast<uint64_t>(id) - static_cast<uint64_t>(ids_.front());
+  const uint64_t guess = static_cast<uint64_t>(id.value) - static_cast<uint64_t>(ids_.front().value);
   const auto last = ids_.begin() + static_cast<std::ptrdiff_t>(std::min<uint64_t>(guess, ids_.size() - 1));
   const auto found = std::lower_bound(ids_.begin(), last, id);
   return *found == id ? static_cast<int>(found - ids_.begin()) : -1;
@@ -59,7 +59,7 @@ void MapPaths::MakeGraph() {
   open_.emplace(0.0, to_);
 }
 
-void MapPaths::Connect(int64_t a, int64_t b, int loop) {
+void MapPaths::Connect(KeyframeId a, KeyframeId b, int loop) {
   const int at_a = IndexOf(a);
   const int at_b = IndexOf(b);
   if (at_a < 0 || at_b < 0 || at_a == at_b) return;
@@ -125,7 +125,7 @@ Matrix6d MapPaths::StepCovariance(int from) const {
   return covariance;
 }
 
-int MapPaths::Reached(int64_t id) {
+int MapPaths::Reached(KeyframeId id) {
   if (nodes_.empty()) MakeGraph();
   const int place = IndexOf(id);
   if (place < 0) return -1;
@@ -133,13 +133,13 @@ int MapPaths::Reached(int64_t id) {
   return nodes_[place].settled ? place : -1;
 }
 
-std::optional<MapPath> MapPaths::From(int64_t keyframe_id) {
+std::optional<MapPath> MapPaths::From(KeyframeId keyframe_id) {
   const int from = Reached(keyframe_id);
   if (from < 0) return std::nullopt;
   return MapPath{nodes_[from].distance_m, nodes_[from].reach_m};
 }
 
-Matrix6d MapPaths::CovarianceFrom(int64_t keyframe_id) {
+Matrix6d MapPaths::CovarianceFrom(KeyframeId keyframe_id) {
   int place = Reached(keyframe_id);
   if (place < 0) return Matrix6d::Zero();
   std::vector<int> path;

@@ -27,15 +27,15 @@ struct MapPath {
 /// no farther than needed: in a large map it takes milliseconds, and most keyframes need none.
 class MapPaths {
  public:
-  MapPaths(const Map& map, int64_t to) : map_(map), to_id_(to) {}
+  MapPaths(const Map& map, KeyframeId to) : map_(map), to_id_(to) {}
 
   /// Returns nullopt if no chain of known steps (`IsKnownStep`) and loops connects the two keyframes: their relative
   /// pose is then unknown.
-  std::optional<MapPath> From(int64_t keyframe_id);
+  std::optional<MapPath> From(KeyframeId keyframe_id);
 
   /// Returns the covariance of T_from_to, right perturbation, accumulated from the motions between keyframes as first
   /// measured. Zero without a path. Results are cached, because paths share most of their steps.
-  Matrix6d CovarianceFrom(int64_t keyframe_id);
+  Matrix6d CovarianceFrom(KeyframeId keyframe_id);
 
  private:
   /// An undirected edge between nodes a and b (indices). `loop` is the index of the map's loop, -1 if it is none.
@@ -57,10 +57,10 @@ class MapPaths {
   // Entry of the priority queue: distance in metres, index of the node.
   using Open = std::pair<double, int>;
 
-  int IndexOf(int64_t id) const;
-  int Reached(int64_t id);
+  int IndexOf(KeyframeId id) const;
+  int Reached(KeyframeId id);
   void MakeGraph();
-  void Connect(int64_t a, int64_t b, int loop);
+  void Connect(KeyframeId a, KeyframeId b, int loop);
   void SortEdgesByNode();
   void SearchUntil(int place);
   void Leave(int place);
@@ -68,10 +68,10 @@ class MapPaths {
   Matrix6d StepCovariance(int from) const;
 
   const Map& map_;
-  int64_t to_id_;
+  KeyframeId to_id_;
   int to_ = -1;
-  std::vector<Node> nodes_;   // ascending by id
-  std::vector<int64_t> ids_;  // of the nodes, sorted: ids may have large gaps
+  std::vector<Node> nodes_;      // ascending by id
+  std::vector<KeyframeId> ids_;  // of the nodes, sorted: ids may have large gaps
   std::vector<Edge> edges_;
   // Ends of edges grouped by node; ends 2 e and 2 e + 1 belong to edge e.
   Buckets<int> ends_of_;

@@ -20,12 +20,12 @@ constexpr size_t kFewPairs = 100'000;
 // Features of a keyframe that observe a landmark: landmark ids, indices of the features, and their descriptors.
 template <class Feature>
 struct Shown {
-  std::vector<int64_t> ids;
+  std::vector<LandmarkId> ids;
   std::vector<size_t> places;
   std::vector<Descriptor> descriptors;
 
-  std::vector<int64_t> Named(const std::vector<int>& matches) const {
-    std::vector<int64_t> named;
+  std::vector<LandmarkId> Named(const std::vector<int>& matches) const {
+    std::vector<LandmarkId> named;
     named.reserve(matches.size());
     for (const int match : matches) named.push_back(match < 0 ? -1 : ids[static_cast<size_t>(match)]);
     return named;
@@ -33,9 +33,9 @@ struct Shown {
 };
 
 template <class Type>
-Shown<typename Type::Feature> ThatShow(const Map& map, int64_t keyframe_id, const FeaturesView& features) {
+Shown<typename Type::Feature> ThatShow(const Map& map, KeyframeId keyframe_id, const FeaturesView& features) {
   Shown<typename Type::Feature> shown;
-  const std::vector<int64_t>& ids = Type::Of(map, keyframe_id);
+  const std::vector<LandmarkId>& ids = Type::Of(map, keyframe_id);
   const auto& of_type = Type::Features(features);
   for (size_t i = 0; i < ids.size() && i < of_type.size(); ++i) {
     if (ids[i] < 0) continue;
@@ -51,7 +51,7 @@ Eigen::Vector2d Middle(const StereoLine& line) { return 0.5 * (line.left.segment
 
 template <class Type>
 void Spread(const Map& map, const SE3& T_c_w, const StereoCamera& camera,
-            std::span<const typename Type::Feature> features, const std::vector<int64_t>& association,
+            std::span<const typename Type::Feature> features, const std::vector<LandmarkId>& association,
             std::array<bool, kViewCells>& cells, std::vector<double>& depths) {
   for (size_t i = 0; i < association.size(); ++i) {
     if (association[i] < 0) continue;
@@ -60,7 +60,7 @@ void Spread(const Map& map, const SE3& T_c_w, const StereoCamera& camera,
   }
 }
 
-void Weigh(const Map& map, int64_t keyframe_id, const FeaturesView& features, const StereoCamera& camera,
+void Weigh(const Map& map, KeyframeId keyframe_id, const FeaturesView& features, const StereoCamera& camera,
            FoundPlace& place) {
   const SE3 T_c_w = place.pose.T_w_kf.Inverse();
   place.inliers = place.association.Weight();
@@ -75,12 +75,12 @@ void Weigh(const Map& map, int64_t keyframe_id, const FeaturesView& features, co
 
 }  // namespace
 
-Place PlaceAround(const Map& map, int64_t keyframe_id, int max_keyframes) {
-  const std::vector<int64_t> keyframes = KeyframesAround(keyframe_id, map, Map::kCovisible, max_keyframes);
+Place PlaceAround(const Map& map, KeyframeId keyframe_id, int max_keyframes) {
+  const std::vector<KeyframeId> keyframes = KeyframesAround(keyframe_id, map, Map::kCovisible, max_keyframes);
   return {keyframe_id, {SeenBy<PointType>(keyframes, map), SeenBy<LineType>(keyframes, map)}};
 }
 
-std::optional<KeyframePose> GuessPose(const Map& map, int64_t keyframe_id, const DescribedImage& keyframe,
+std::optional<KeyframePose> GuessPose(const Map& map, KeyframeId keyframe_id, const DescribedImage& keyframe,
                                       const DescribedImage& image, const StereoCamera& camera,
                                       const LocalisationOptions& options, int min_matches) {
   const Shown<StereoPoint> points = ThatShow<PointType>(map, keyframe_id, keyframe.features);
@@ -106,8 +106,8 @@ std::optional<FoundPlace> FindPlace(const Map& map, const Place& place, const SE
   found.pose.T_w_kf = T_w_c;
   for (int round = 0; round < 2; ++round) {
     // Starts without associations in each round: matches from a worse pose are no evidence.
-    found.association = {std::vector<int64_t>(features.points.size(), -1),
-                         std::vector<int64_t>(features.lines.size(), -1)};
+    found.association = {std::vector<LandmarkId>(features.points.size(), -1),
+                         std::vector<LandmarkId>(features.lines.size(), -1)};
     SearchByProjection(map, place.landmarks, found.pose.T_w_kf, features, camera, options, found.association);
     found.matches = found.association.Weight();
     const auto pose = RefinePose(map, features, camera, found.pose.T_w_kf, options.motion, found.association);

@@ -28,11 +28,11 @@ struct FoundPlace {
 
 /// A keyframe and the landmarks that it and its best neighbours see.
 struct Place {
-  int64_t keyframe_id = -1;
+  KeyframeId keyframe_id = -1;
   LocalMap landmarks;
 };
 
-Place PlaceAround(const Map& map, int64_t keyframe_id, int max_keyframes);
+Place PlaceAround(const Map& map, KeyframeId keyframe_id, int max_keyframes);
 
 /// Features of an image and the vocabulary nodes of its points.
 struct DescribedImage {
@@ -44,7 +44,7 @@ struct DescribedImage {
 /// by descriptor with those of the keyframe that observe a landmark (points within a vocabulary node, or all pairs if
 /// there are few), then a pose from minimal sets and the robust estimator of §IV.C. Returns nullopt if fewer than
 /// `min_matches` agree.
-std::optional<KeyframePose> GuessPose(const Map& map, int64_t keyframe_id, const DescribedImage& keyframe,
+std::optional<KeyframePose> GuessPose(const Map& map, KeyframeId keyframe_id, const DescribedImage& keyframe,
                                       const DescribedImage& image, const StereoCamera& camera,
                                       const LocalisationOptions& options, int min_matches);
 

@@ -16,7 +16,7 @@ namespace plslam::loop {
 namespace {
 
 struct Answer {
-  int64_t keyframe_id = -1;
+  KeyframeId keyframe_id = -1;
   FoundPlace place;
 };
 
@@ -27,8 +27,8 @@ bool IsGood(const FoundPlace& place, const LoopOptions& options) {
          EigenvaluesOf(place.pose.covariance).maxCoeff() <= options.verification.max_eigenvalue;
 }
 
-int32_t CountShown(const std::vector<int64_t>& ids) {
-  return static_cast<int32_t>(std::count_if(ids.begin(), ids.end(), [](int64_t id) { return id >= 0; }));
+int32_t CountShown(const std::vector<LandmarkId>& ids) {
+  return static_cast<int32_t>(std::count_if(ids.begin(), ids.end(), [](LandmarkId id) { return id >= 0; }));
 }
 
 Relocalisation ToRelocalisation(const Answer& answer) {
@@ -53,7 +53,7 @@ Relocalisation FindCamera(const Map& map, const KeyframeMemory& memory, const Fe
   for (const LoopCandidate& candidate :
        FindPlaceCandidates(map, memory.places(), description, options.candidates, options.relocalisation.max_queried,
                            options.relocalisation.max_candidates)) {
-    const int64_t id = candidate.keyframe_id;
+    const KeyframeId id = candidate.keyframe_id;
     const DescribedImage then{memory.features().at(id), memory.point_nodes().at(id)};
     const auto guess =
         GuessPose(map, id, then, {features, nodes}, camera, options.localisation, options.verification.min_matches);

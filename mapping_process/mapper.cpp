@@ -34,10 +34,10 @@ namespace {
 constexpr int kNewestKept = 3;
 
 template <class Type>
-void AddObservations(int64_t keyframe_id, const std::vector<int64_t>& association, const KeyframeFeatures& features,
-                     Map& map) {
+void AddObservations(KeyframeId keyframe_id, const std::vector<LandmarkId>& association,
+                     const KeyframeFeatures& features, Map& map) {
   for (int32_t i = 0; i < static_cast<int32_t>(association.size()); ++i) {
-    const int64_t id = association[static_cast<size_t>(i)];
+    const LandmarkId id = association[static_cast<size_t>(i)];
     if (id >= 0) AddObservation<Type>(id, {keyframe_id, i}, features, map);
   }
 }
@@ -58,15 +58,15 @@ Matrix6d Widened(const Matrix6d& covariance, const SE3& error) {
 }
 
 template <class Type>
-void RemoveUnlessBelieved(const std::vector<int64_t>& ids, Map& map) {
+void RemoveUnlessBelieved(const std::vector<LandmarkId>& ids, Map& map) {
   constexpr size_t kBelievedObservations = 8;
-  for (const int64_t id : ids) {
+  for (const LandmarkId id : ids) {
     const auto* const landmark = Type::Find(map, id);
     if (landmark != nullptr && landmark->observations.size() < kBelievedObservations) Type::Remove(id, map);
   }
 }
 
-void Append(const std::vector<int64_t>& more, std::vector<int64_t>& ids) {
+void Append(const std::vector<LandmarkId>& more, std::vector<LandmarkId>& ids) {
   ids.insert(ids.end(), more.begin(), more.end());
 }
 
@@ -234,7 +234,8 @@ bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
   sessions_[keyframe.name.session] = {entry.id, keyframe.name.number};
   newest_session_ = keyframe.name.session;
   newest_t_ns_ = keyframe.t_ns;
-  next_keyframe_id_ = entry.id + 1;
+  next_keyframe_id_ = entry.id;
+  ++next_keyframe_id_;
   committed_ = false;
   return true;
 }
@@ -261,7 +262,7 @@ void Mapper::Put(const Keyframe& keyframe, const MapKeyframe& entry, const Assoc
 
 void Mapper::Adjust(const std::atomic<bool>* stop) { AdjustAround(sessions_.at(newest_session_).keyframe_id, stop); }
 
-void Mapper::AdjustAround(int64_t keyframe_id, const std::atomic<bool>* stop) {
+void Mapper::AdjustAround(KeyframeId keyframe_id, const std::atomic<bool>* stop) {
   const MapBundle window = MakeLocalWindow(keyframe_id, map_, features_, visits_, camera_, options_.window);
   const BundleResult result = Adjusted(window, stop);
   figures_ = ApplyAdjustment(window, result, features_, map_);
@@ -327,19 +328,21 @@ bool Mapper::IsAmongNewest(const MapKeyframe& keyframe) const {
 
 void Mapper::Cull() {
   recent_landmarks_.Cull(options_.culling, map_);
-  std::vector<int64_t> candidates;
-  for (const Map::Neighbour& neighbour : map_.Neighbours(next_keyframe_id_ - 1, options_.window.min_shared)) {
+  std::vector<KeyframeId> candidates;
+  for (const Map::Neighbour& neighbour :
+       map_.Neighbours(KeyframeId(next_keyframe_id_.value - 1), options_.window.min_shared)) {
     if (!IsAmongNewest(*map_.FindKeyframe(neighbour.keyframe_id))) candidates.push_back(neighbour.keyframe_id);
   }
   // Keyframes of this visit first, then earlier ones from the newest on: older ones define the place, and newer ones
   // have inherited their errors.
   std::sort(candidates.begin(), candidates.end());
-  const MapKeyframe& newest = *map_.FindKeyframe(next_keyframe_id_ - 1);
-  const auto earlier = std::stable_partition(candidates.begin(), candidates.end(), [&](int64_t id) {
+  const MapKeyframe& newest = *map_.FindKeyframe(KeyframeId(next_keyframe_id_.value - 1));
+  const auto earlier = std::stable_partition(candidates.begin(), candidates.end(), [&](KeyframeId id) {
     return !visits_.IsBefore(*map_.FindKeyframe(id), newest);
   });
   std::reverse(earlier, candidates.end());
-  for (const int64_t id : RemoveRedundantKeyframes(candidates, options_.culling, features_, map_)) visits_.Remove(id);
+  for (const KeyframeId id : RemoveRedundantKeyframes(candidates, options_.culling, features_, map_))
+    visits_.Remove(id);
   if (options_.max_keyframes > 0) Forget();
 }
 
@@ -348,7 +351,7 @@ void Mapper::Forget() {
   const auto max_keyframes = static_cast<size_t>(options_.max_keyframes);
   if (map_.keyframes().size() <= max_keyframes) return;
   const auto last_of = [](const auto& session) { return session.second.keyframe_id; };
-  std::vector<int64_t> newest;
+  std::vector<KeyframeId> newest;
   std::transform(sessions_.begin(), sessions_.end(), std::back_inserter(newest), last_of);
   std::sort(newest.begin(), newest.end(), std::greater<>());
   if (newest.size() > kRunningSessions) newest.resize(kRunningSessions);
@@ -356,7 +359,7 @@ void Mapper::Forget() {
     return IsAmongNewest(keyframe) && sessions_.at(keyframe.name.session).keyframe_id >= newest.back();
   };
   // Removes several at a time, because the selection costs time proportional to the map.
-  for (const int64_t id : KeyframesToForget(map_, visits_, max_keyframes - max_keyframes / 50, is_kept)) {
+  for (const KeyframeId id : KeyframesToForget(map_, visits_, max_keyframes - max_keyframes / 50, is_kept)) {
     TakeOut(id, features_, map_);
     visits_.Remove(id);
     // Republished keyframes are recognised by the number of the newest one, which therefore remains.
@@ -409,14 +412,14 @@ constexpr double kElsewhere2 = 400.0;
 
 // Number of features associated with different landmarks by two sources; lines count twice.
 int Contradicting(const Association& a, const Association& b) {
-  const auto differ = [](int64_t of_a, int64_t of_b) { return of_a >= 0 && of_b >= 0 && of_a != of_b ? 1 : 0; };
+  const auto differ = [](LandmarkId of_a, LandmarkId of_b) { return of_a >= 0 && of_b >= 0 && of_a != of_b ? 1 : 0; };
   return std::transform_reduce(a.points.begin(), a.points.end(), b.points.begin(), 0, std::plus<>(), differ) +
          2 * std::transform_reduce(a.lines.begin(), a.lines.end(), b.lines.begin(), 0, std::plus<>(), differ);
 }
 
 template <class Type>
 void DropFarOf(const Map& map, std::span<const typename Type::Feature> features, const SE3& T_kf_w,
-               const StereoCamera& camera, std::vector<int64_t>& association) {
+               const StereoCamera& camera, std::vector<LandmarkId>& association) {
   for (size_t i = 0; i < association.size(); ++i) {
     if (association[i] < 0) continue;
     const auto& landmark = *Type::Find(map, association[i]);
@@ -433,16 +436,16 @@ void DropFar(const Map& map, const FeaturesView& features, const SE3& T_w_kf, co
 }
 
 // The keyframe that observes most of the landmarks; `association` must not be empty.
-int64_t MostSeen(const Association& association, const Map& map) {
-  std::map<int64_t, int> counts;
+KeyframeId MostSeen(const Association& association, const Map& map) {
+  std::map<KeyframeId, int> counts;
   CountKeyframes<PointType>(association.points, map, counts);
   CountKeyframes<LineType>(association.lines, map, counts);
   return MostCounted(counts, 1).front();
 }
 
 template <class Type>
-void ForgetGone(const Map& map, std::vector<int64_t>& ids) {
-  for (int64_t& id : ids) {
+void ForgetGone(const Map& map, std::vector<LandmarkId>& ids) {
+  for (LandmarkId& id : ids) {
     if (id >= 0 && Type::Find(map, id) == nullptr) id = -1;
   }
 }
@@ -505,15 +508,15 @@ void Mapper::MergeWithMap(const Keyframe& keyframe, Association& association, Ma
   const Vector6d error = (T_w_predicted.Inverse() * entry.T_w_kf).Log();
   if (SquaredMahalanobis<6>(error, entry.relative_covariance) < kElsewhere2) return;
   const MapGraph graph(map_);
-  const std::set<int64_t> own = graph.Component(entry.previous_id, MapGraph::Edges::kAll);
-  const int64_t seen_id = MostSeen(association, map_);
+  const std::set<KeyframeId> own = graph.Component(entry.previous_id, MapGraph::Edges::kAll);
+  const KeyframeId seen_id = MostSeen(association, map_);
   if (own.contains(seen_id)) return;
-  const std::set<int64_t> seen = graph.Component(seen_id, MapGraph::Edges::kAll);
+  const std::set<KeyframeId> seen = graph.Component(seen_id, MapGraph::Edges::kAll);
   const bool own_moves = *own.begin() > *seen.begin();
   const SE3 T_w_fixed = own_moves ? entry.T_w_kf : T_w_predicted;
   const SE3 T_w_moving = own_moves ? T_w_predicted : entry.T_w_kf;
-  std::map<int64_t, SE3> poses;
-  for (const int64_t id : own_moves ? own : seen) {
+  std::map<KeyframeId, SE3> poses;
+  for (const KeyframeId id : own_moves ? own : seen) {
     poses[id] = T_w_fixed * (T_w_moving.Inverse() * map_.FindKeyframe(id)->T_w_kf);
   }
   MoveKeyframes(poses, features_, camera_, map_);

@@ -121,7 +121,7 @@ class Mapper {
   static constexpr int kRecovered = static_cast<int>(TrackingState::kRecovered);
 
   struct Session {
-    int64_t keyframe_id = -1;          ///< newest, in the map; -1: removed
+    KeyframeId keyframe_id = -1;       ///< newest, in the map; -1: removed
     int64_t session_keyframe_id = -1;  ///< its number within the session
   };
 
@@ -137,7 +137,7 @@ class Mapper {
   void Withdraw(const Keyframe& keyframe);
   void Put(const Keyframe& keyframe, const MapKeyframe& entry, const Association& association);
   BundleResult Adjusted(const MapBundle& window, const std::atomic<bool>* stop);
-  void AdjustAround(int64_t keyframe_id, const std::atomic<bool>* stop);
+  void AdjustAround(KeyframeId keyframe_id, const std::atomic<bool>* stop);
   void CloseLoop(const LoopClosure& closure);
   bool IsAmongNewest(const MapKeyframe& keyframe) const;
   void Forget();
@@ -152,7 +152,7 @@ class Mapper {
   MissedLandmarks missed_landmarks_;
   Visits visits_;
   LandmarkIds landmark_ids_;
-  int64_t next_keyframe_id_ = 0;
+  KeyframeId next_keyframe_id_ = 0;
   std::map<SessionId, Session> sessions_;
   SessionId newest_session_;
   int64_t newest_t_ns_ = 0;

@@ -63,7 +63,7 @@ uint64_t WriteRecord(archive::Writer&& write, const Sink& sink) {
 }
 
 /// Writes the features of keyframes after `newest`, a bounded number in each record.
-uint64_t WriteFeatures(const KeyframeFeatures& features, int64_t newest, const Sink& sink) {
+uint64_t WriteFeatures(const KeyframeFeatures& features, KeyframeId newest, const Sink& sink) {
   constexpr uint64_t kMost = 16;
   uint64_t length = 0;
   auto next = features.upper_bound(newest);
@@ -73,7 +73,7 @@ uint64_t WriteFeatures(const KeyframeFeatures& features, int64_t newest, const S
     n_left -= n;
     archive::Writer write;
     write(RecordKind::kFeatures, n);
-    std::map<int64_t, TakenImage> images;
+    std::map<KeyframeId, TakenImage> images;
     for (uint64_t i = 0; i < n; ++i, ++next) {
       write(next->first, static_cast<const FeaturesView&>(next->second));
       if (next->second.image) images[next->first] = *next->second.image;
@@ -104,25 +104,26 @@ uint64_t WriteMap(const MapperState& state, const Sink& sink) {
 }
 
 /// Removes duplicates from `ids`, and moves ids that are no longer in `values` to `gone`.
-template <class Value>
-void SplitByPresence(const IdMap<Value>& values, std::vector<int64_t>& ids, std::vector<int64_t>& gone) {
+template <class AnId, class Value>
+void SplitByPresence(const IdMap<AnId, Value>& values, std::vector<AnId>& ids, std::vector<AnId>& gone) {
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   const auto first_gone =
-      std::stable_partition(ids.begin(), ids.end(), [&values](int64_t id) { return values.contains(id); });
+      std::stable_partition(ids.begin(), ids.end(), [&values](AnId id) { return values.contains(id); });
   gone.assign(first_gone, ids.end());
   ids.erase(first_gone, ids.end());
 }
 
 template <class Value>
-std::vector<int64_t> IdsOf(const std::vector<Value>& values) {
-  std::vector<int64_t> ids;
+auto IdsOf(const std::vector<Value>& values) {
+  std::vector<decltype(Value::id)> ids;
   ids.reserve(values.size());
   for (const Value& value : values) ids.push_back(value.id);
   return ids;
 }
 
-void AppendTo(std::vector<int64_t>& ids, const std::vector<int64_t>& more) {
+template <class AnId>
+void AppendTo(std::vector<AnId>& ids, const std::vector<AnId>& more) {
   ids.insert(ids.end(), more.begin(), more.end());
 }
 
@@ -142,11 +143,12 @@ void ReadMap(archive::Reader& read, MapperState& state) {
 
 /// Removes before it inserts, as `MapFollower::Apply` does.
 void ReadChanges(archive::Reader& read, MapperState& state) {
-  std::vector<int64_t> keyframes, points, lines;
+  std::vector<KeyframeId> keyframes;
+  std::vector<LandmarkId> points, lines;
   read(points, lines, keyframes);
-  for (const int64_t id : points) state.stored.map.RemovePoint(id);
-  for (const int64_t id : lines) state.stored.map.RemoveLine(id);
-  for (const int64_t id : keyframes) state.stored.map.RemoveKeyframe(id);
+  for (const LandmarkId id : points) state.stored.map.RemovePoint(id);
+  for (const LandmarkId id : lines) state.stored.map.RemoveLine(id);
+  for (const KeyframeId id : keyframes) state.stored.map.RemoveKeyframe(id);
   map_file::ReadKeyframes(read, state.stored);
   map_file::ReadLandmarks<MapPoint>(read, state.stored);
   map_file::ReadLandmarks<MapLine>(read, state.stored);
@@ -217,7 +219,9 @@ void StateFile::Note(const MapUpdate& update) {
 
 void StateFile::ForgetNotes() {
   has_moved_ = false;
-  for (auto* ids : {&keyframes_, &points_, &lines_}) ids->clear();
+  keyframes_.clear();
+  points_.clear();
+  lines_.clear();
 }
 
 void StateFile::Reset() {
@@ -267,7 +271,8 @@ void StateFile::Append(const MapperState& state) {
     map_length_ = WriteMap(state, sink);
   } else {
     const Map& map = state.stored.map;
-    std::vector<int64_t> keyframes, points, lines;
+    std::vector<KeyframeId> keyframes;
+    std::vector<LandmarkId> points, lines;
     SplitByPresence(map.keyframes(), keyframes_, keyframes);
     SplitByPresence(map.points(), points_, points);
     SplitByPresence(map.lines(), lines_, lines);

@@ -72,11 +72,12 @@ class StateFile {
   /// Whether a correction moved the map, which is then written completely.
   bool has_moved_ = false;
   /// Changed ids, possibly repeated, including removed ones.
-  std::vector<int64_t> keyframes_, points_, lines_;
-  size_t n_loops_ = 0;            ///< in the file
-  int64_t newest_features_ = -1;  ///< newest keyframe with features in the file
-  uint64_t length_ = 0;           ///< of the file, in bytes
-  uint64_t map_length_ = 0;       ///< of the last complete map without features, in bytes
+  std::vector<KeyframeId> keyframes_;
+  std::vector<LandmarkId> points_, lines_;
+  size_t n_loops_ = 0;               ///< in the file
+  KeyframeId newest_features_ = -1;  ///< newest keyframe with features in the file
+  uint64_t length_ = 0;              ///< of the file, in bytes
+  uint64_t map_length_ = 0;          ///< of the last complete map without features, in bytes
 };
 
 }  // namespace plslam::mapping

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <ostream>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -65,6 +66,24 @@ struct MapKind {
 /// A map, from its beginning until another one replaces it (`BelongsTo`). A random number, never negative; 0: unknown.
 using MapId = Id<MapKind>;
 
+struct KeyframeKind {
+  static constexpr int64_t kNone = -1;
+};
+/// A keyframe of a map: 0, 1, 2, ... in the order of insertion, over all sessions; never assigned again.
+using KeyframeId = Id<KeyframeKind>;
+
+struct LandmarkKind {
+  static constexpr int64_t kNone = -1;
+};
+/// A landmark of a map: 0, 1, 2, ... among points, and among lines; never assigned again.
+using LandmarkId = Id<LandmarkKind>;
+
+struct TrackKind {
+  static constexpr int64_t kNone = -1;
+};
+/// A landmark of a tracker, which the map may know by another id: 0, 1, 2, ... among points, and among lines.
+using TrackId = Id<TrackKind>;
+
 /// A keyframe as every process can name it: by its session and its number there (0, 1, 2, ...; -1: none). The name
 /// survives restarts, while a map that is rebuilt may assign other ids.
 struct KeyframeName {
@@ -78,6 +97,24 @@ struct KeyframeName {
     a(self.session, self.number);
   }
 };
+
+/// Returns the numbers of ids, as messages have them.
+template <class Kind>
+std::vector<int64_t> Values(const std::vector<Id<Kind>>& ids) {
+  std::vector<int64_t> values;
+  values.reserve(ids.size());
+  for (const Id<Kind>& id : ids) values.push_back(id.value);
+  return values;
+}
+
+/// Returns the ids with these numbers.
+template <class AnId>
+std::vector<AnId> IdsFrom(const std::vector<int64_t>& values) {
+  std::vector<AnId> ids;
+  ids.reserve(values.size());
+  for (const int64_t value : values) ids.push_back(AnId(value));
+  return ids;
+}
 
 }  // namespace plslam
 

@@ -11,17 +11,17 @@ namespace plslam {
 namespace {
 
 template <class Type>
-std::vector<int64_t> Unassociated(const std::vector<int64_t>& keyframes, const std::vector<int64_t>& associated,
-                                  const Map& map) {
-  const std::set<int64_t> known(associated.begin(), associated.end());
-  std::vector<int64_t> ids = SeenBy<Type>(keyframes, map);
-  std::erase_if(ids, [&known](int64_t id) { return known.contains(id); });
+std::vector<LandmarkId> Unassociated(const std::vector<KeyframeId>& keyframes,
+                                     const std::vector<LandmarkId>& associated, const Map& map) {
+  const std::set<LandmarkId> known(associated.begin(), associated.end());
+  std::vector<LandmarkId> ids = SeenBy<Type>(keyframes, map);
+  std::erase_if(ids, [&known](LandmarkId id) { return known.contains(id); });
   return ids;
 }
 
 // A keyframe and its predecessors in its session, each counted once.
-std::map<int64_t, int> Before(int64_t keyframe_id, const Map& map, int max_keyframes) {
-  std::map<int64_t, int> counts;
+std::map<KeyframeId, int> Before(KeyframeId keyframe_id, const Map& map, int max_keyframes) {
+  std::map<KeyframeId, int> counts;
   const MapKeyframe* keyframe = map.FindKeyframe(keyframe_id);
   while (keyframe != nullptr && static_cast<int>(counts.size()) < max_keyframes) {
     counts[keyframe->id] = 1;
@@ -30,13 +30,14 @@ std::map<int64_t, int> Before(int64_t keyframe_id, const Map& map, int max_keyfr
   return counts;
 }
 
-std::vector<char> WithoutLandmark(const std::vector<int64_t>& association) {
+std::vector<char> WithoutLandmark(const std::vector<LandmarkId>& association) {
   std::vector<char> eligible(association.size());
-  std::transform(association.begin(), association.end(), eligible.begin(), [](int64_t id) { return id < 0 ? 1 : 0; });
+  std::transform(association.begin(), association.end(), eligible.begin(),
+                 [](LandmarkId id) { return id < 0 ? 1 : 0; });
   return eligible;
 }
 
-void Add(const std::vector<LandmarkFeature>& found, std::vector<int64_t>& association) {
+void Add(const std::vector<LandmarkFeature>& found, std::vector<LandmarkId>& association) {
   for (const LandmarkFeature& pair : found) association[static_cast<size_t>(pair.feature)] = pair.landmark_id;
 }
 
@@ -51,10 +52,10 @@ using Cells = std::array<Cell, kViewCells>;
 
 // Adds the landmarks of one type with this weight.
 template <class Type>
-void Count(const Map& map, int64_t keyframe_id, const SE3& T_c_w, const StereoCamera& camera,
-           std::vector<int64_t> association, int weight, Cells& cells) {
+void Count(const Map& map, KeyframeId keyframe_id, const SE3& T_c_w, const StereoCamera& camera,
+           std::vector<LandmarkId> association, int weight, Cells& cells) {
   std::sort(association.begin(), association.end());
-  for (const int64_t id : Type::Of(map, keyframe_id)) {
+  for (const LandmarkId id : Type::Of(map, keyframe_id)) {
     if (id < 0) continue;
     const Eigen::Vector3d p_c = T_c_w * Middle(*Type::Find(map, id));
     if (p_c.z() < camera.MinDepth()) continue;
@@ -69,13 +70,13 @@ void Count(const Map& map, int64_t keyframe_id, const SE3& T_c_w, const StereoCa
 }  // namespace
 
 int Association::Weight() const {
-  const auto has = [](int64_t id) { return id >= 0; };
+  const auto has = [](LandmarkId id) { return id >= 0; };
   return static_cast<int>(std::count_if(points.begin(), points.end(), has) +
                           2 * std::count_if(lines.begin(), lines.end(), has));
 }
 
-std::vector<int64_t> KeyframesAround(int64_t keyframe_id, const Map& map, int min_shared, int max_keyframes) {
-  std::vector<int64_t> keyframes{keyframe_id};
+std::vector<KeyframeId> KeyframesAround(KeyframeId keyframe_id, const Map& map, int min_shared, int max_keyframes) {
+  std::vector<KeyframeId> keyframes{keyframe_id};
   for (const Map::Neighbour& neighbour : map.Neighbours(keyframe_id, min_shared)) {
     if (static_cast<int>(keyframes.size()) >= max_keyframes) break;
     keyframes.push_back(neighbour.keyframe_id);
@@ -83,12 +84,12 @@ std::vector<int64_t> KeyframesAround(int64_t keyframe_id, const Map& map, int mi
   return keyframes;
 }
 
-LocalMap LocalMapOf(const Association& association, int64_t previous_id, const Map& map, int max_keyframes) {
-  std::map<int64_t, int> counts;
+LocalMap LocalMapOf(const Association& association, KeyframeId previous_id, const Map& map, int max_keyframes) {
+  std::map<KeyframeId, int> counts;
   CountKeyframes<PointType>(association.points, map, counts);
   CountKeyframes<LineType>(association.lines, map, counts);
   if (counts.empty()) counts = Before(previous_id, map, max_keyframes);
-  std::vector<int64_t> keyframes = MostCounted(counts, max_keyframes);
+  std::vector<KeyframeId> keyframes = MostCounted(counts, max_keyframes);
   // Adds their neighbours while there is room: places that the tracker has not shown to the map yet.
   const size_t n_direct = keyframes.size();
   for (size_t i = 0; i < n_direct; ++i) {
@@ -123,7 +124,7 @@ size_t ViewCell(const Eigen::Vector2d& px, const StereoCamera& camera) {
                              index(px.x(), camera.left_px, camera.width_px));
 }
 
-ExpectedLandmarks CountExpected(const Map& map, int64_t keyframe_id, const SE3& T_w_c, const StereoCamera& camera,
+ExpectedLandmarks CountExpected(const Map& map, KeyframeId keyframe_id, const SE3& T_w_c, const StereoCamera& camera,
                                 const Association& association) {
   Cells cells;
   const SE3 T_c_w = T_w_c.Inverse();

@@ -13,8 +13,8 @@ namespace plslam {
 
 /// Landmark of the map of each feature of a keyframe, or -1; each landmark at most once. Same length as the features.
 struct Association {
-  std::vector<int64_t> points;
-  std::vector<int64_t> lines;
+  std::vector<LandmarkId> points;
+  std::vector<LandmarkId> lines;
 
   /// Inlier score: lines count twice, because each has two endpoints.
   int Weight() const;
@@ -22,18 +22,18 @@ struct Association {
 
 /// Returns the keyframe and its best neighbours that share at least `min_shared` landmarks with it; most shared first,
 /// at most `max_keyframes` (>= 1) in total.
-std::vector<int64_t> KeyframesAround(int64_t keyframe_id, const Map& map, int min_shared, int max_keyframes);
+std::vector<KeyframeId> KeyframesAround(KeyframeId keyframe_id, const Map& map, int min_shared, int max_keyframes);
 
 /// Ids of the landmarks to search for.
 struct LocalMap {
-  std::vector<int64_t> points;
-  std::vector<int64_t> lines;
+  std::vector<LandmarkId> points;
+  std::vector<LandmarkId> lines;
 };
 
 /// Returns the landmarks observed by the best-connected keyframes of the associated landmarks (PL-SLAM §V.A), except
 /// those already associated. Without associations (the tracker was lost, or sends no ids), the landmarks observed by
 /// `previous_id` (-1: none) and its predecessors in the session.
-LocalMap LocalMapOf(const Association& association, int64_t previous_id, const Map& map, int max_keyframes);
+LocalMap LocalMapOf(const Association& association, KeyframeId previous_id, const Map& map, int max_keyframes);
 
 /// Guided matching by projection: searches the landmarks among the features without landmark, and adds the matches to
 /// the association.
@@ -61,7 +61,7 @@ struct ExpectedLandmarks {
 
 /// Counts the landmarks of a keyframe of the map that a camera at `T_w_c` should see (projected into the image, in
 /// front of the camera), and those among them that are associated. `camera` is that of the features (`CameraOf`).
-ExpectedLandmarks CountExpected(const Map& map, int64_t keyframe_id, const SE3& T_w_c, const StereoCamera& camera,
+ExpectedLandmarks CountExpected(const Map& map, KeyframeId keyframe_id, const SE3& T_w_c, const StereoCamera& camera,
                                 const Association& association);
 
 }  // namespace plslam

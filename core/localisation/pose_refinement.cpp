@@ -19,7 +19,7 @@ struct Observed {
 };
 
 void ObservePoints(const Map& map, std::span<const StereoPoint> features, const SE3& T_ref_w,
-                   const std::vector<int64_t>& association, Observed& observed) {
+                   const std::vector<LandmarkId>& association, Observed& observed) {
   const Eigen::Matrix3d R = T_ref_w.R();
   for (size_t i = 0; i < association.size(); ++i) {
     if (association[i] < 0) continue;
@@ -30,7 +30,7 @@ void ObservePoints(const Map& map, std::span<const StereoPoint> features, const 
 }
 
 void ObserveLines(const Map& map, std::span<const StereoLine> features, const SE3& T_ref_w,
-                  const std::vector<int64_t>& association, Observed& observed) {
+                  const std::vector<LandmarkId>& association, Observed& observed) {
   const Eigen::Matrix3d R = T_ref_w.R();
   for (size_t i = 0; i < association.size(); ++i) {
     if (association[i] < 0) continue;
@@ -54,15 +54,15 @@ constexpr double kRecognised_px = 4.0;
 constexpr uint64_t kSeed = 1;
 
 template <class Type>
-std::vector<Descriptor> DescriptorsOf(const Map& map, const std::vector<int64_t>& ids) {
+std::vector<Descriptor> DescriptorsOf(const Map& map, const std::vector<LandmarkId>& ids) {
   std::vector<Descriptor> descriptors;
   descriptors.reserve(ids.size());
-  for (const int64_t id : ids) descriptors.push_back(Type::Find(map, id)->descriptor);
+  for (const LandmarkId id : ids) descriptors.push_back(Type::Find(map, id)->descriptor);
   return descriptors;
 }
 
-std::vector<int64_t> Named(const std::vector<int>& match, const std::vector<int64_t>& ids) {
-  std::vector<int64_t> named;
+std::vector<LandmarkId> Named(const std::vector<int>& match, const std::vector<LandmarkId>& ids) {
+  std::vector<LandmarkId> named;
   named.reserve(match.size());
   for (const int place : match) named.push_back(place < 0 ? -1 : ids[static_cast<size_t>(place)]);
   return named;

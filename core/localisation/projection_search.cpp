@@ -26,7 +26,7 @@ LineSubset Eligible(std::span<const StereoLine> features, const std::vector<char
 
 // `place_of` returns the index among all features of a match.
 template <class PlaceOf>
-std::vector<LandmarkFeature> PairUp(const std::vector<int64_t>& owners, const std::vector<int>& found,
+std::vector<LandmarkFeature> PairUp(const std::vector<LandmarkId>& owners, const std::vector<int>& found,
                                     const PlaceOf& place_of) {
   std::vector<LandmarkFeature> pairs;
   for (size_t i = 0; i < found.size(); ++i) {
@@ -37,15 +37,15 @@ std::vector<LandmarkFeature> PairUp(const std::vector<int64_t>& owners, const st
 
 }  // namespace
 
-std::vector<LandmarkFeature> SearchPoints(const Map& map, const std::vector<int64_t>& ids, const SE3& T_w_kf,
+std::vector<LandmarkFeature> SearchPoints(const Map& map, const std::vector<LandmarkId>& ids, const SE3& T_w_kf,
                                           std::span<const StereoPoint> features, const std::vector<char>& eligible,
                                           double radius_px, const StereoCamera& camera,
                                           const LocalisationOptions& options) {
   const SE3 T_kf_w = T_w_kf.Inverse();
   const double octave_scale = camera.OctaveScale();
   std::vector<PointQuery> queries;
-  std::vector<int64_t> owners;
-  for (const int64_t id : ids) {
+  std::vector<LandmarkId> owners;
+  for (const LandmarkId id : ids) {
     const MapPoint& point = *map.FindPoint(id);
     const Eigen::Vector3d p_c = T_kf_w * point.p_w;
     if (p_c.z() < camera.MinDepth()) continue;
@@ -62,14 +62,14 @@ std::vector<LandmarkFeature> SearchPoints(const Map& map, const std::vector<int6
   return PairUp(owners, found, [](int feature) { return feature; });
 }
 
-std::vector<LandmarkFeature> SearchLines(const Map& map, const std::vector<int64_t>& ids, const SE3& T_w_kf,
+std::vector<LandmarkFeature> SearchLines(const Map& map, const std::vector<LandmarkId>& ids, const SE3& T_w_kf,
                                          std::span<const StereoLine> features, const std::vector<char>& eligible,
                                          double radius_px, const StereoCamera& camera,
                                          const LocalisationOptions& options) {
   const SE3 T_kf_w = T_w_kf.Inverse();
   std::vector<PredictedLine> predicted;
-  std::vector<int64_t> owners;
-  for (const int64_t id : ids) {
+  std::vector<LandmarkId> owners;
+  for (const LandmarkId id : ids) {
     const MapLine& line = *map.FindLine(id);
     const auto segment = ProjectSegment({T_kf_w * line.segment_w.p, T_kf_w * line.segment_w.q}, camera, 0.0);
     if (!segment) continue;

@@ -15,17 +15,17 @@
 
 namespace plslam {
 
-/// An ordered map from dense, ascending ids to values. As std::map, but lookup usually takes one step, and increment
+/// An ordered map from dense, ascending ids (`Id`) to values. As std::map, but lookup usually takes one step, and increment
 /// needs no walk through a tree, which in large maps waits for memory at each level. Ids far apart cost a page each
 /// (half a kilobyte), so that forged ids cannot make it allocate much.
 ///
 /// Values keep their address until they are erased; iterators are valid until the next insertion or erasure.
-template <class Value>
+template <class Key, class Value>
 class IdMap {
  public:
-  using key_type = int64_t;
+  using key_type = Key;
   using mapped_type = Value;
-  using value_type = std::pair<const int64_t, Value>;
+  using value_type = std::pair<const Key, Value>;
 
  private:
   static constexpr int kPageBits = 6;
@@ -111,41 +111,43 @@ class IdMap {
   const_reverse_iterator rend() const { return const_reverse_iterator(begin()); }
 
   /// Returns nullptr if there is none.
-  const Value* Find(int64_t id) const {
-    const size_t place = PageIndex(id >> kPageBits);
-    if (!HasPage(place, id >> kPageBits)) return nullptr;
+  const Value* Find(Key id) const {
+    const int64_t number = PageOf(id);
+    const size_t place = PageIndex(number);
+    if (!HasPage(place, number)) return nullptr;
     const value_type* value = pages_[place].page->slots[SlotOf(id)].get();
     return value ? &value->second : nullptr;
   }
-  Value* Find(int64_t id) { return const_cast<Value*>(std::as_const(*this).Find(id)); }
-  bool contains(int64_t id) const { return Find(id) != nullptr; }
+  Value* Find(Key id) { return const_cast<Value*>(std::as_const(*this).Find(id)); }
+  bool contains(Key id) const { return Find(id) != nullptr; }
 
   /// Throws std::out_of_range if there is none.
-  const Value& at(int64_t id) const {
+  const Value& at(Key id) const {
     const Value* value = Find(id);
-    if (value == nullptr) throw std::out_of_range("no value has the id " + std::to_string(id));
+    if (value == nullptr) throw std::out_of_range("no value has the id " + std::to_string(id.value));
     return *value;
   }
-  Value& at(int64_t id) { return const_cast<Value&>(std::as_const(*this).at(id)); }
+  Value& at(Key id) { return const_cast<Value&>(std::as_const(*this).at(id)); }
 
   /// Returns the value of the id, constructed from `arguments` if there was none; and whether there was none.
   template <class... Arguments>
-  std::pair<Value*, bool> try_emplace(int64_t id, Arguments&&... arguments) {
+  std::pair<Value*, bool> try_emplace(Key id, Arguments&&... arguments) {
     if (Value* value = Find(id)) return {value, false};
     auto value = std::make_unique<value_type>(std::piecewise_construct, std::forward_as_tuple(id),
                                               std::forward_as_tuple(std::forward<Arguments>(arguments)...));
-    Page& page = PageFor(id >> kPageBits);
+    Page& page = PageFor(PageOf(id));
     page.used |= uint64_t{1} << SlotOf(id);
     ++size_;
     page.slots[SlotOf(id)] = std::move(value);
     return {&page.slots[SlotOf(id)]->second, true};
   }
-  Value& operator[](int64_t id) { return *try_emplace(id).first; }
+  Value& operator[](Key id) { return *try_emplace(id).first; }
 
   /// Returns the number of erased values: one or none.
-  size_t erase(int64_t id) {
-    const size_t place = PageIndex(id >> kPageBits);
-    if (!HasPage(place, id >> kPageBits)) return 0;
+  size_t erase(Key id) {
+    const int64_t number = PageOf(id);
+    const size_t place = PageIndex(number);
+    if (!HasPage(place, number)) return 0;
     Page& page = *pages_[place].page;
     if (page.slots[SlotOf(id)] == nullptr) return 0;
     page.slots[SlotOf(id)].reset();
@@ -156,7 +158,8 @@ class IdMap {
   }
 
  private:
-  static size_t SlotOf(int64_t id) { return static_cast<size_t>(id & (kPageSize - 1)); }
+  static int64_t PageOf(Key id) { return id.value >> kPageBits; }
+  static size_t SlotOf(Key id) { return static_cast<size_t>(id.value & (kPageSize - 1)); }
 
   static std::unique_ptr<Page> Copy(const Page& page) {
     auto copy = std::make_unique<Page>();

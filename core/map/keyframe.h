@@ -15,8 +15,8 @@ namespace plslam {
 /// A landmark of earlier keyframes that turned out to be on a moving body: its id in vo_process and, if known, in the
 /// map; -1 if it has none.
 struct Withdrawn {
-  int64_t landmark_id = -1;
-  int64_t map_id = -1;
+  TrackId landmark_id;
+  LandmarkId map_id;
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
@@ -47,12 +47,12 @@ struct Keyframe {
   StereoCamera camera;
   StereoFeatures features;
   /// Landmark of vo_process that each feature was tracked from or created, or -1. Same length as `features`.
-  std::vector<int64_t> point_landmark_ids;
-  std::vector<int64_t> line_landmark_ids;
+  std::vector<TrackId> point_landmark_ids;
+  std::vector<TrackId> line_landmark_ids;
   /// Landmark of the map as which each feature was tracked, or -1. Same length as `features`, or empty if there are
   /// none.
-  std::vector<int64_t> point_map_ids;
-  std::vector<int64_t> line_map_ids;
+  std::vector<LandmarkId> point_map_ids;
+  std::vector<LandmarkId> line_map_ids;
   std::vector<Withdrawn> withdrawn_points;
   std::vector<Withdrawn> withdrawn_lines;
 
@@ -67,7 +67,7 @@ struct Keyframe {
 /// A keyframe of the map. Its features are stored elsewhere (`KeyframeFeatures`).
 struct MapKeyframe {
   /// 0, 1, 2, ... in the order of insertion, over all sessions; never assigned again.
-  int64_t id = -1;
+  KeyframeId id = -1;
   KeyframeName name;
   /// Its frame in that session.
   int64_t frame_id = -1;
@@ -79,12 +79,12 @@ struct MapKeyframe {
   SE3 T_odom_kf;
   /// The previous keyframe of its session (-1: none) and the motion from it as first measured, with the covariance of
   /// its right perturbation.
-  int64_t previous_id = -1;
+  KeyframeId previous_id = -1;
   SE3 T_prevkf_kf;
   Matrix6d relative_covariance = Matrix6d::Zero();
   /// Parent in the spanning tree: the keyframe with most shared landmarks at insertion (at least `Map::kParent`), or
   /// else the previous one; -1 for the first, and for one that shares too little with any.
-  int64_t parent_id = -1;
+  KeyframeId parent_id = -1;
 };
 
 }  // namespace plslam

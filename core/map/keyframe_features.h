@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/features/features.h"
+#include "core/ids/ids.h"
 #include "core/io/files/mapped_file.h"
 
 namespace plslam {
@@ -36,7 +37,7 @@ class KeptFeatures : public FeaturesView {
 };
 
 /// Features of the keyframes in the map, by keyframe id.
-using KeyframeFeatures = std::map<int64_t, KeptFeatures>;
+using KeyframeFeatures = std::map<KeyframeId, KeptFeatures>;
 
 /// Moves the features of all but the newest keyframes, which are in use by trackers, to files, and releases memory that
 /// reading older files has occupied. Takes time in proportion to the map: call it after every `kFilesEvery` keyframes,

@@ -5,11 +5,12 @@
 
 namespace plslam {
 
-std::vector<int64_t> MostCounted(const std::map<int64_t, int>& counts, int max_count) {
-  std::vector<int64_t> ids;
+std::vector<KeyframeId> MostCounted(const std::map<KeyframeId, int>& counts, int max_count) {
+  std::vector<KeyframeId> ids;
   ids.reserve(counts.size());
   for (const auto& [id, count] : counts) ids.push_back(id);
-  std::stable_sort(ids.begin(), ids.end(), [&counts](int64_t a, int64_t b) { return counts.at(a) > counts.at(b); });
+  std::stable_sort(ids.begin(), ids.end(),
+                   [&counts](KeyframeId a, KeyframeId b) { return counts.at(a) > counts.at(b); });
   if (static_cast<int>(ids.size()) > max_count) ids.resize(static_cast<size_t>(std::max(0, max_count)));
   return ids;
 }

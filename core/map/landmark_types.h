@@ -19,12 +19,12 @@ struct PointType {
   using Landmark = MapPoint;
   using Feature = StereoPoint;
   static std::span<const StereoPoint> Features(const FeaturesView& features) { return features.points; }
-  static const IdMap<MapPoint>& Landmarks(const Map& map) { return map.points(); }
-  static const MapPoint* Find(const Map& map, int64_t id) { return map.FindPoint(id); }
-  static const std::vector<int64_t>& Of(const Map& map, int64_t keyframe_id) {
+  static const IdMap<LandmarkId, MapPoint>& Landmarks(const Map& map) { return map.points(); }
+  static const MapPoint* Find(const Map& map, LandmarkId id) { return map.FindPoint(id); }
+  static const std::vector<LandmarkId>& Of(const Map& map, KeyframeId keyframe_id) {
     return map.LandmarksOf(keyframe_id).points;
   }
-  static void Remove(int64_t id, Map& map) { map.RemovePoint(id); }
+  static void Remove(LandmarkId id, Map& map) { map.RemovePoint(id); }
 };
 
 /// Lines as a template argument; sibling of `PointType`.
@@ -32,12 +32,12 @@ struct LineType {
   using Landmark = MapLine;
   using Feature = StereoLine;
   static std::span<const StereoLine> Features(const FeaturesView& features) { return features.lines; }
-  static const IdMap<MapLine>& Landmarks(const Map& map) { return map.lines(); }
-  static const MapLine* Find(const Map& map, int64_t id) { return map.FindLine(id); }
-  static const std::vector<int64_t>& Of(const Map& map, int64_t keyframe_id) {
+  static const IdMap<LandmarkId, MapLine>& Landmarks(const Map& map) { return map.lines(); }
+  static const MapLine* Find(const Map& map, LandmarkId id) { return map.FindLine(id); }
+  static const std::vector<LandmarkId>& Of(const Map& map, KeyframeId keyframe_id) {
     return map.LandmarksOf(keyframe_id).lines;
   }
-  static void Remove(int64_t id, Map& map) { map.RemoveLine(id); }
+  static void Remove(LandmarkId id, Map& map) { map.RemoveLine(id); }
 };
 
 /// Returns the position of a point, or of the midpoint of a line, in the map.
@@ -46,18 +46,18 @@ inline Eigen::Vector3d Middle(const MapLine& line) { return 0.5 * (line.segment_
 
 /// Returns the landmark of a feature, -1 if there is none.
 template <class Type>
-int64_t LandmarkAt(const Map& map, const Observation& observation) {
-  const std::vector<int64_t>& of = Type::Of(map, observation.keyframe_id);
+LandmarkId LandmarkAt(const Map& map, const Observation& observation) {
+  const std::vector<LandmarkId>& of = Type::Of(map, observation.keyframe_id());
   const auto place = static_cast<size_t>(observation.feature);
   return place < of.size() ? of[place] : -1;
 }
 
 /// Returns the landmarks observed by any of the keyframes, each once, ascending.
 template <class Type>
-std::vector<int64_t> SeenBy(const std::vector<int64_t>& keyframes, const Map& map) {
-  std::vector<int64_t> ids;
-  for (const int64_t keyframe_id : keyframes) {
-    for (const int64_t id : Type::Of(map, keyframe_id)) {
+std::vector<LandmarkId> SeenBy(const std::vector<KeyframeId>& keyframes, const Map& map) {
+  std::vector<LandmarkId> ids;
+  for (const KeyframeId keyframe_id : keyframes) {
+    for (const LandmarkId id : Type::Of(map, keyframe_id)) {
       if (id >= 0) ids.push_back(id);
     }
   }
@@ -68,27 +68,27 @@ std::vector<int64_t> SeenBy(const std::vector<int64_t>& keyframes, const Map& ma
 
 /// Removes the landmarks that the keyframe observes, and negative ids.
 template <class Type>
-void LeaveOutSeen(int64_t keyframe_id, const Map& map, std::vector<int64_t>& ids) {
-  const std::vector<int64_t> seen = SeenBy<Type>({keyframe_id}, map);
-  std::erase_if(ids, [&seen](int64_t id) { return id < 0 || std::binary_search(seen.begin(), seen.end(), id); });
+void LeaveOutSeen(KeyframeId keyframe_id, const Map& map, std::vector<LandmarkId>& ids) {
+  const std::vector<LandmarkId> seen = SeenBy<Type>({keyframe_id}, map);
+  std::erase_if(ids, [&seen](LandmarkId id) { return id < 0 || std::binary_search(seen.begin(), seen.end(), id); });
 }
 
 /// Adds to `counts`, by keyframe, how many of the landmarks it observes; ignores negative ids.
 template <class Type>
-void CountKeyframes(const std::vector<int64_t>& landmarks, const Map& map, std::map<int64_t, int>& counts) {
-  for (const int64_t id : landmarks) {
+void CountKeyframes(const std::vector<LandmarkId>& landmarks, const Map& map, std::map<KeyframeId, int>& counts) {
+  for (const LandmarkId id : landmarks) {
     if (id < 0) continue;
-    for (const Observation& observation : Type::Find(map, id)->observations) ++counts[observation.keyframe_id];
+    for (const Observation& observation : Type::Find(map, id)->observations) ++counts[observation.keyframe_id()];
   }
 }
 
 /// Returns at most `max_count` of the counted keyframes, by descending count, then by id.
-std::vector<int64_t> MostCounted(const std::map<int64_t, int>& counts, int max_count);
+std::vector<KeyframeId> MostCounted(const std::map<KeyframeId, int>& counts, int max_count);
 
 template <class Landmark>
-bool IsSeenBy(const Landmark& landmark, int64_t keyframe_id) {
+bool IsSeenBy(const Landmark& landmark, KeyframeId keyframe_id) {
   for (const Observation& observation : landmark.observations) {
-    if (observation.keyframe_id == keyframe_id) return true;
+    if (observation.keyframe_id() == keyframe_id) return true;
   }
   return false;
 }

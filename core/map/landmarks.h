@@ -14,6 +14,7 @@
 #include "core/features/features.h"
 #include "core/geometry/se3.h"
 #include "core/geometry/triangulation.h"
+#include "core/ids/ids.h"
 
 namespace plslam {
 
@@ -24,20 +25,24 @@ struct Observation {
   static constexpr int64_t kMaxId = (int64_t{1} << (kIdBits - 1)) - 1;
   static constexpr int32_t kMaxFeature = (1 << (63 - kIdBits)) - 1;
 
-  int64_t keyframe_id : kIdBits = -1;
-  int32_t feature : 64 - kIdBits = -1;
-
   Observation() = default;
   /// Neither number may exceed its maximum.
-  Observation(int64_t of_keyframe, int32_t of_feature) {
+  Observation(KeyframeId of_keyframe, int32_t of_feature) {
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wconversion"
-    keyframe_id = of_keyframe;
+    keyframe_id_ = of_keyframe.value;
     feature = of_feature;
 #pragma GCC diagnostic pop
   }
 
+  KeyframeId keyframe_id() const { return KeyframeId(int64_t{keyframe_id_}); }
+
   bool operator==(const Observation&) const = default;
+
+  int32_t feature : 64 - kIdBits = -1;
+
+ private:
+  int64_t keyframe_id_ : kIdBits = -1;  // A bit field cannot be a KeyframeId.
 };
 static_assert(sizeof(Observation) == sizeof(int64_t));
 
@@ -78,14 +83,14 @@ class LandmarkCovariance {
 
 /// The keyframe with which a landmark moves in a correction: the middle one of its observers, which is nearest to all
 /// of them; -1 without observations.
-inline int64_t AnchorOf(const std::vector<Observation>& observations) {
-  return observations.empty() ? -1 : observations[observations.size() / 2].keyframe_id;
+inline KeyframeId AnchorOf(const std::vector<Observation>& observations) {
+  return observations.empty() ? -1 : observations[observations.size() / 2].keyframe_id();
 }
 
 /// A point of the map. Sibling of `MapLine`.
 struct MapPoint {
   /// 0, 1, 2, ... among points; never assigned again.
-  int64_t id = -1;
+  LandmarkId id = -1;
   /// Position in the map frame, and its covariance given the poses of the observing keyframes.
   Eigen::Vector3d p_w = Eigen::Vector3d::Zero();
   LandmarkCovariance covariance;
@@ -102,7 +107,7 @@ struct MapPoint {
 /// A line segment of the map. Sibling of `MapPoint`.
 struct MapLine {
   /// 0, 1, 2, ... among lines; never assigned again.
-  int64_t id = -1;
+  LandmarkId id = -1;
   /// Endpoints in the map frame, directed with the brighter side on the right in the image; covariances given the poses
   /// of the observing keyframes. The endpoints show the observed extent; only directions across the line are measured.
   Segment3 segment_w;
@@ -114,8 +119,8 @@ struct MapLine {
 
 /// Ids of points and lines, ascending.
 struct LandmarksNamed {
-  std::vector<int64_t> points;
-  std::vector<int64_t> lines;
+  std::vector<LandmarkId> points;
+  std::vector<LandmarkId> lines;
 };
 
 /// Moves a landmark by T_new_old, a displacement of the map frame; rotates covariances, too.

@@ -11,7 +11,7 @@ namespace plslam {
 
 /// A keyframe by its id, and its name, which stays when a map that is rebuilt after a crash assigns other ids.
 struct NamedKeyframe {
-  int64_t keyframe_id = -1;
+  KeyframeId keyframe_id = -1;
   KeyframeName name;
 
   bool operator==(const NamedKeyframe&) const = default;
@@ -19,14 +19,14 @@ struct NamedKeyframe {
 
 /// New pose of a keyframe of the map.
 struct CorrectedPose {
-  int64_t keyframe_id = -1;
+  KeyframeId keyframe_id = -1;
   SE3 T_w_kf;
 };
 
 /// Two landmarks of the map that are the same.
 struct SameLandmarks {
-  int64_t a = -1;
-  int64_t b = -1;
+  LandmarkId a = -1;
+  LandmarkId b = -1;
 
   bool operator==(const SameLandmarks&) const = default;
 };
@@ -34,8 +34,8 @@ struct SameLandmarks {
 /// Two keyframes that see the same place, and their relative pose (PL-SLAM §VI.A.2) with the covariance of the right
 /// perturbation of T_old_kf. A permanent edge of the pose graph.
 struct LoopEdge {
-  int64_t old_keyframe_id = -1;
-  int64_t keyframe_id = -1;
+  KeyframeId old_keyframe_id = -1;
+  KeyframeId keyframe_id = -1;
   SE3 T_old_kf;
   Matrix6d covariance = Matrix6d::Zero();
   int32_t n_points = 0;  ///< inliers of each feature type
@@ -89,7 +89,7 @@ struct Relocalisation {
   /// perturbation given the landmarks.
   SourceId map_source;
   int64_t map_version = 0;
-  int64_t keyframe_id = -1;
+  KeyframeId keyframe_id = -1;
   SE3 T_w_c;
   Matrix6d covariance = Matrix6d::Zero();
   int32_t n_points = 0;  ///< inliers of each feature type

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/map/map.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <functional>
 #include <limits>
@@ -11,20 +13,20 @@
 namespace plslam {
 namespace {
 
-void SetLandmark(std::vector<int64_t>& of, int32_t feature, int64_t landmark_id) {
+void SetLandmark(std::vector<LandmarkId>& of, int32_t feature, LandmarkId landmark_id) {
   const auto place = static_cast<size_t>(feature);
   if (of.size() <= place) of.resize(place + 1, -1);
   of[place] = landmark_id;
 }
 
-void CheckObservations(const char* kind, int64_t id, const std::vector<Observation>& observations) {
+void CheckObservations(const char* kind, LandmarkId id, const std::vector<Observation>& observations) {
   for (size_t i = 0; i < observations.size(); ++i) {
-    const bool ascends = i == 0 || observations[i - 1].keyframe_id < observations[i].keyframe_id;
+    const bool ascends = i == 0 || observations[i - 1].keyframe_id() < observations[i].keyframe_id();
     if (ascends && observations[i].feature >= 0) continue;
-    throw std::invalid_argument(std::string(kind) + " " + std::to_string(id) + ": observation " + std::to_string(i) +
-                                " is of keyframe " + std::to_string(observations[i].keyframe_id) + ", feature " +
-                                std::to_string(observations[i].feature) +
-                                ", but observations must be in ascending order of keyframes");
+    throw std::invalid_argument(fmt::format(
+        "{} {}: observation {} is of keyframe {}, feature {}, but observations must be in ascending order of "
+        "keyframes",
+        kind, id, i, observations[i].keyframe_id(), int32_t{observations[i].feature}));
   }
 }
 
@@ -33,19 +35,21 @@ template <class Visit>
 void ForEachBeside(const std::vector<Observation>& a, const std::vector<Observation>& b, const Visit& visit) {
   auto other = b.begin();
   for (const Observation& observation : a) {
-    while (other != b.end() && other->keyframe_id < observation.keyframe_id) ++other;
-    const bool has_other = other != b.end() && other->keyframe_id == observation.keyframe_id;
+    while (other != b.end() && other->keyframe_id() < observation.keyframe_id()) ++other;
+    const bool has_other = other != b.end() && other->keyframe_id() == observation.keyframe_id();
     visit(observation, has_other ? &*other : nullptr);
   }
 }
 
-std::vector<int64_t> SortedOnce(std::vector<int64_t> ids) {
+template <class AnId>
+std::vector<AnId> SortedOnce(std::vector<AnId> ids) {
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   return ids;
 }
 
-bool Has(const std::vector<int64_t>& ascending, int64_t id) {
+template <class AnId>
+bool Has(const std::vector<AnId>& ascending, AnId id) {
   return std::binary_search(ascending.begin(), ascending.end(), id);
 }
 
@@ -57,10 +61,10 @@ bool IsSame(const SE3& a, const SE3& b) {
 }
 
 /// Splits touched ids into those in `values`, which have changed, and the others, which were removed.
-template <class Value>
-void CollectChanges(std::vector<int64_t> touched, const IdMap<Value>& values, std::vector<int64_t>& changed,
-                    std::vector<int64_t>& removed) {
-  for (const int64_t id : SortedOnce(std::move(touched))) (values.contains(id) ? changed : removed).push_back(id);
+template <class AnId, class Value>
+void CollectChanges(std::vector<AnId> touched, const IdMap<AnId, Value>& values, std::vector<AnId>& changed,
+                    std::vector<AnId>& removed) {
+  for (const AnId id : SortedOnce(std::move(touched))) (values.contains(id) ? changed : removed).push_back(id);
 }
 
 }  // namespace
@@ -70,9 +74,9 @@ bool MapChanges::empty() const {
          removed_points.empty() && lines.empty() && removed_lines.empty() && loops.empty();
 }
 
-const MapKeyframe* Map::FindKeyframe(int64_t id) const { return keyframes_.Find(id); }
-const MapPoint* Map::FindPoint(int64_t id) const { return points_.Find(id); }
-const MapLine* Map::FindLine(int64_t id) const { return lines_.Find(id); }
+const MapKeyframe* Map::FindKeyframe(KeyframeId id) const { return keyframes_.Find(id); }
+const MapPoint* Map::FindPoint(LandmarkId id) const { return points_.Find(id); }
+const MapLine* Map::FindLine(LandmarkId id) const { return lines_.Find(id); }
 
 MapTotals Map::Totals() const {
   return {static_cast<int64_t>(keyframes_.size()),
@@ -118,10 +122,10 @@ void Map::FollowObservations(const std::vector<Observation>& old, const Landmark
   CountShared(old, now, -1);
   CountShared(now, old, 1);
   const auto set_where_new = [&](const std::vector<Observation>& observations, const std::vector<Observation>& others,
-                                 int64_t id) {
+                                 LandmarkId id) {
     ForEachBeside(observations, others, [&](const Observation& observation, const Observation* other) {
       if (other != nullptr && other->feature == observation.feature) return;
-      SetLandmark(landmarks_of_[observation.keyframe_id].*kind.of, observation.feature, id);
+      SetLandmark(landmarks_of_[observation.keyframe_id()].*kind.of, observation.feature, id);
     });
   };
   set_where_new(old, now, -1);
@@ -131,7 +135,7 @@ void Map::FollowObservations(const std::vector<Observation>& old, const Landmark
 template <class Landmark>
 void Map::PutLandmark(const Landmark& landmark, Kind<Landmark> kind) {
   const auto is_of_keyframe = [this](const Observation& observation) {
-    return keyframes_.contains(observation.keyframe_id);
+    return keyframes_.contains(observation.keyframe_id());
   };
   if (!std::all_of(landmark.observations.begin(), landmark.observations.end(), is_of_keyframe)) {
     Landmark rest = landmark;
@@ -145,9 +149,9 @@ void Map::PutLandmark(const Landmark& landmark, Kind<Landmark> kind) {
     return;
   }
   for (const Observation& observation : landmark.observations) {
-    const std::vector<int64_t>& of_keyframe = landmarks_of_[observation.keyframe_id].*kind.of;
+    const std::vector<LandmarkId>& of_keyframe = landmarks_of_[observation.keyframe_id()].*kind.of;
     const auto feature = static_cast<size_t>(observation.feature);
-    const int64_t owner = feature < of_keyframe.size() ? of_keyframe[feature] : -1;
+    const LandmarkId owner = feature < of_keyframe.size() ? of_keyframe[feature] : -1;
     if (owner < 0 || owner == landmark.id) continue;
     Landmark& robbed = kind.landmarks.at(owner);
     std::vector<Observation> rest = robbed.observations;
@@ -171,7 +175,7 @@ void Map::Put(const MapLine& line) {
 }
 
 template <class Landmark>
-void Map::RemoveLandmark(int64_t id, Kind<Landmark> kind) {
+void Map::RemoveLandmark(LandmarkId id, Kind<Landmark> kind) {
   Landmark* landmark = kind.landmarks.Find(id);
   if (landmark == nullptr) return;
   SetObservations(*landmark, {}, kind);
@@ -179,18 +183,18 @@ void Map::RemoveLandmark(int64_t id, Kind<Landmark> kind) {
   kind.touched.push_back(id);
 }
 
-void Map::RemovePoint(int64_t id) { RemoveLandmark(id, Points()); }
-void Map::RemoveLine(int64_t id) { RemoveLandmark(id, Lines()); }
+void Map::RemovePoint(LandmarkId id) { RemoveLandmark(id, Points()); }
+void Map::RemoveLine(LandmarkId id) { RemoveLandmark(id, Lines()); }
 
 template <class Landmark>
-void Map::DropObservationsOf(int64_t keyframe_id, Kind<Landmark> kind) {
-  const std::vector<int64_t> seen = landmarks_of_[keyframe_id].*kind.of;
-  for (const int64_t id : seen) {
+void Map::DropObservationsOf(KeyframeId keyframe_id, Kind<Landmark> kind) {
+  const std::vector<LandmarkId> seen = landmarks_of_[keyframe_id].*kind.of;
+  for (const LandmarkId id : seen) {
     if (id < 0) continue;
     Landmark& landmark = kind.landmarks.at(id);
     std::vector<Observation> rest = landmark.observations;
     std::erase_if(rest,
-                  [keyframe_id](const Observation& observation) { return observation.keyframe_id == keyframe_id; });
+                  [keyframe_id](const Observation& observation) { return observation.keyframe_id() == keyframe_id; });
     if (rest.empty()) {
       RemoveLandmark(id, kind);
     } else {
@@ -200,12 +204,12 @@ void Map::DropObservationsOf(int64_t keyframe_id, Kind<Landmark> kind) {
   }
 }
 
-void Map::RemoveKeyframe(int64_t id) {
+void Map::RemoveKeyframe(KeyframeId id) {
   const MapKeyframe* keyframe = FindKeyframe(id);
   if (keyframe == nullptr) return;
   if (removed_) removed_->Add(*keyframe, CarrierOf(*keyframe));
-  const int64_t parent_id = keyframe->parent_id;
-  for (const int64_t child_id : Children(id)) {
+  const KeyframeId parent_id = keyframe->parent_id;
+  for (const KeyframeId child_id : Children(id)) {
     MapKeyframe child = keyframes_.at(child_id);
     child.parent_id = parent_id;
     // Choosing an older neighbour avoids cycles in the spanning tree.
@@ -226,11 +230,11 @@ void Map::RemoveKeyframe(int64_t id) {
   touched_.keyframes.push_back(id);
 }
 
-int64_t Map::CarrierOf(const MapKeyframe& keyframe) const {
+KeyframeId Map::CarrierOf(const MapKeyframe& keyframe) const {
   const std::vector<Neighbour> neighbours = Neighbours(keyframe.id, 1);
   if (!neighbours.empty()) {
     // Later adjustments move an old keyframe less than a new one, so what it carries stays where it was.
-    int64_t oldest_id = neighbours.front().keyframe_id;
+    KeyframeId oldest_id = neighbours.front().keyframe_id;
     for (const Neighbour& n : neighbours) {
       if (2 * n.shared >= neighbours.front().shared) oldest_id = std::min(oldest_id, n.keyframe_id);
     }
@@ -238,7 +242,7 @@ int64_t Map::CarrierOf(const MapKeyframe& keyframe) const {
   }
   if (FindKeyframe(keyframe.parent_id) != nullptr) return keyframe.parent_id;
   if (FindKeyframe(keyframe.previous_id) != nullptr) return keyframe.previous_id;
-  int64_t nearest_id = -1;
+  KeyframeId nearest_id = -1;
   double nearest_m = std::numeric_limits<double>::infinity();
   for (const auto& [id, other] : keyframes_) {
     const double distance_m = (other.T_w_kf.translation() - keyframe.T_w_kf.translation()).norm();
@@ -267,8 +271,8 @@ void Map::ContinueAs(Map next, int64_t version) {
       removed_->ReturnTo(version, next.keyframes_);
     } else {
       removed_->BeginVersion(version);
-      std::vector<int64_t> gone;
-      std::map<int64_t, SE3> T_new_old;
+      std::vector<KeyframeId> gone;
+      std::map<KeyframeId, SE3> T_new_old;
       for (const auto& [id, keyframe] : keyframes_) {
         if (const MapKeyframe* const same = next.FindKeyframe(id)) {
           if (!IsSame(same->T_w_kf, keyframe.T_w_kf)) T_new_old[id] = same->T_w_kf * keyframe.T_w_kf.Inverse();
@@ -276,7 +280,7 @@ void Map::ContinueAs(Map next, int64_t version) {
           gone.push_back(id);
         }
       }
-      for (const int64_t id : gone) RemoveKeyframe(id);
+      for (const KeyframeId id : gone) RemoveKeyframe(id);
       removed_->Move(T_new_old);
     }
     for (const auto& [id, keyframe] : next.keyframes_) removed_->Forget(id);
@@ -285,21 +289,21 @@ void Map::ContinueAs(Map next, int64_t version) {
   *this = std::move(next);
 }
 
-void Map::SetPose(int64_t keyframe_id, const SE3& T_w_kf, const Matrix6d& covariance) {
+void Map::SetPose(KeyframeId keyframe_id, const SE3& T_w_kf, const Matrix6d& covariance) {
   MapKeyframe& keyframe = keyframes_.at(keyframe_id);
   keyframe.T_w_kf = T_w_kf;
   keyframe.covariance = covariance;
   touched_.keyframes.push_back(keyframe_id);
 }
 
-void Map::SetPosition(int64_t point_id, const Eigen::Vector3d& p_w, const Eigen::Matrix3d& covariance) {
+void Map::SetPosition(LandmarkId point_id, const Eigen::Vector3d& p_w, const Eigen::Matrix3d& covariance) {
   MapPoint& point = points_.at(point_id);
   point.p_w = p_w;
   point.covariance = covariance;
   touched_.points.push_back(point_id);
 }
 
-void Map::SetSegment(int64_t line_id, const Segment3& segment_w, const Eigen::Matrix3d& covariance_p,
+void Map::SetSegment(LandmarkId line_id, const Segment3& segment_w, const Eigen::Matrix3d& covariance_p,
                      const Eigen::Matrix3d& covariance_q) {
   MapLine& line = lines_.at(line_id);
   line.segment_w = segment_w;
@@ -310,9 +314,9 @@ void Map::SetSegment(int64_t line_id, const Segment3& segment_w, const Eigen::Ma
 
 template <class Landmark>
 void Map::MoveLandmarks(const Moves& moves, Kind<Landmark> kind) {
-  const std::vector<int64_t> changed_before = SortedOnce(kind.touched);
+  const std::vector<LandmarkId> changed_before = SortedOnce(kind.touched);
   for (const auto& [id, unmoved] : kind.landmarks) {
-    const int64_t anchor = AnchorOf(unmoved.observations);
+    const KeyframeId anchor = AnchorOf(unmoved.observations);
     const auto move = moves.T_new_old.find(anchor);
     if (move == moves.T_new_old.end()) continue;
     Landmark& landmark = kind.landmarks.at(id);
@@ -321,8 +325,8 @@ void Map::MoveLandmarks(const Moves& moves, Kind<Landmark> kind) {
   }
 }
 
-void Map::Move(const std::map<int64_t, SE3>& T_w_kf) {
-  const std::vector<int64_t> changed_before = SortedOnce(touched_.keyframes);
+void Map::Move(const std::map<KeyframeId, SE3>& T_w_kf) {
+  const std::vector<KeyframeId> changed_before = SortedOnce(touched_.keyframes);
   Moves moves;
   for (const auto& [id, pose] : T_w_kf) {
     MapKeyframe* keyframe = keyframes_.Find(id);
@@ -340,8 +344,8 @@ void Map::Move(const std::map<int64_t, SE3>& T_w_kf) {
   MoveLandmarks(moves, Lines());
 }
 
-void Map::SetCovariances(const std::map<int64_t, Matrix6d>& covariances) {
-  const std::vector<int64_t> changed_before = SortedOnce(touched_.keyframes);
+void Map::SetCovariances(const std::map<KeyframeId, Matrix6d>& covariances) {
+  const std::vector<KeyframeId> changed_before = SortedOnce(touched_.keyframes);
   for (const auto& [id, covariance] : covariances) {
     MapKeyframe& keyframe = keyframes_.at(id);
     keyframe.covariance = covariance;
@@ -355,9 +359,9 @@ void Map::CountShared(const std::vector<Observation>& observations, const std::v
                       int sign) {
   ForEachBeside(observations, others, [&](const Observation& observation, const Observation* same) {
     if (same != nullptr) return;
-    const int64_t a = observation.keyframe_id;
+    const KeyframeId a = observation.keyframe_id();
     ForEachBeside(observations, others, [&](const Observation& partner, const Observation* common) {
-      const int64_t b = partner.keyframe_id;
+      const KeyframeId b = partner.keyframe_id();
       // A pair of which neither is in `others` occurs twice: count it once.
       if (b == a || (common == nullptr && b > a)) return;
       shared_[a].Add(b, sign);
@@ -366,14 +370,14 @@ void Map::CountShared(const std::vector<Observation>& observations, const std::v
   });
 }
 
-const Map::FeatureLandmarks& Map::LandmarksOf(int64_t keyframe_id) const { return landmarks_of_.at(keyframe_id); }
+const Map::FeatureLandmarks& Map::LandmarksOf(KeyframeId keyframe_id) const { return landmarks_of_.at(keyframe_id); }
 
-int Map::Shared(int64_t a, int64_t b) const {
+int Map::Shared(KeyframeId a, KeyframeId b) const {
   const SharedCounts* row = shared_.Find(a);
   return row == nullptr ? 0 : row->Of(b);
 }
 
-std::vector<Map::Neighbour> Map::Neighbours(int64_t keyframe_id, int min_shared) const {
+std::vector<Map::Neighbour> Map::Neighbours(KeyframeId keyframe_id, int min_shared) const {
   std::vector<Neighbour> neighbours;
   const SharedCounts* row = shared_.Find(keyframe_id);
   if (row == nullptr) return neighbours;
@@ -385,8 +389,8 @@ std::vector<Map::Neighbour> Map::Neighbours(int64_t keyframe_id, int min_shared)
   return neighbours;
 }
 
-std::vector<int64_t> Map::Children(int64_t keyframe_id) const {
-  const std::set<int64_t>* children = children_.Find(keyframe_id);
+std::vector<KeyframeId> Map::Children(KeyframeId keyframe_id) const {
+  const std::set<KeyframeId>* children = children_.Find(keyframe_id);
   if (children == nullptr) return {};
   return {children->begin(), children->end()};
 }

@@ -24,9 +24,9 @@ namespace plslam {
 class SharedCounts {
  public:
   /// The other keyframe and the count (>= 1), ascending by keyframe.
-  using Count = std::pair<int64_t, int>;
+  using Count = std::pair<KeyframeId, int>;
 
-  void Add(int64_t keyframe_id, int n) {
+  void Add(KeyframeId keyframe_id, int n) {
     const auto place = Place(counts_, keyframe_id);
     if (place == counts_.end() || place->first != keyframe_id) {
       counts_.insert(place, {keyframe_id, n});
@@ -35,7 +35,7 @@ class SharedCounts {
     }
   }
 
-  int Of(int64_t keyframe_id) const {
+  int Of(KeyframeId keyframe_id) const {
     const auto place = Place(counts_, keyframe_id);
     return place == counts_.end() || place->first != keyframe_id ? 0 : place->second;
   }
@@ -46,9 +46,9 @@ class SharedCounts {
  private:
   /// Returns the position of the keyframe's count, or the position at which to insert it.
   template <class Counts>
-  static auto Place(Counts& counts, int64_t keyframe_id) -> decltype(counts.begin()) {
+  static auto Place(Counts& counts, KeyframeId keyframe_id) -> decltype(counts.begin()) {
     return std::lower_bound(counts.begin(), counts.end(), keyframe_id,
-                            [](const Count& count, int64_t id) { return count.first < id; });
+                            [](const Count& count, KeyframeId id) { return count.first < id; });
   }
 
   std::vector<Count> counts_;
@@ -56,7 +56,7 @@ class SharedCounts {
 
 /// A keyframe moved by a correction, together with its landmarks (`Map::Move`).
 struct MovedKeyframe {
-  int64_t id = -1;
+  KeyframeId id = -1;
   SE3 T_w_kf;
   Matrix6d covariance = Matrix6d::Zero();
 };
@@ -66,9 +66,9 @@ struct MovedKeyframe {
 struct MapChanges {
   /// Applied before all other changes.
   std::vector<MovedKeyframe> moved_keyframes;
-  std::vector<int64_t> keyframes, removed_keyframes;
-  std::vector<int64_t> points, removed_points;
-  std::vector<int64_t> lines, removed_lines;
+  std::vector<KeyframeId> keyframes, removed_keyframes;
+  std::vector<LandmarkId> points, removed_points;
+  std::vector<LandmarkId> lines, removed_lines;
   std::vector<LoopEdge> loops;
 
   bool empty() const;
@@ -102,7 +102,7 @@ class Map {
   static constexpr int kParent = 15;
 
   struct Neighbour {
-    int64_t keyframe_id = -1;
+    KeyframeId keyframe_id = -1;
     int shared = 0;
 
     bool operator==(const Neighbour&) const = default;
@@ -110,21 +110,21 @@ class Map {
 
   /// Landmark of each feature of a keyframe, or -1; also -1 for features beyond the end of the vectors.
   struct FeatureLandmarks {
-    std::vector<int64_t> points;
-    std::vector<int64_t> lines;
+    std::vector<LandmarkId> points;
+    std::vector<LandmarkId> lines;
   };
 
   /// The rectified camera in which the features of all keyframes are expressed. nullopt if unknown.
   const std::optional<StereoCamera>& camera() const { return camera_; }
   void SetCamera(const StereoCamera& camera) { camera_ = camera; }
 
-  const IdMap<MapKeyframe>& keyframes() const { return keyframes_; }
-  const IdMap<MapPoint>& points() const { return points_; }
-  const IdMap<MapLine>& lines() const { return lines_; }
+  const IdMap<KeyframeId, MapKeyframe>& keyframes() const { return keyframes_; }
+  const IdMap<LandmarkId, MapPoint>& points() const { return points_; }
+  const IdMap<LandmarkId, MapLine>& lines() const { return lines_; }
   /// Return nullptr if there is none.
-  const MapKeyframe* FindKeyframe(int64_t id) const;
-  const MapPoint* FindPoint(int64_t id) const;
-  const MapLine* FindLine(int64_t id) const;
+  const MapKeyframe* FindKeyframe(KeyframeId id) const;
+  const MapPoint* FindPoint(LandmarkId id) const;
+  const MapLine* FindLine(LandmarkId id) const;
   MapTotals Totals() const;
   /// Closed loops in that order. They are kept when one of their keyframes is removed.
   const std::vector<LoopEdge>& loops() const { return loops_; }
@@ -136,9 +136,9 @@ class Map {
   void Put(const MapLine& line);
   /// Removes a keyframe and its observations, and landmarks that lose their last observation. Its children in the
   /// spanning tree move to their best neighbour (`kParent`), or to its parent if they have none.
-  void RemoveKeyframe(int64_t id);
-  void RemovePoint(int64_t id);
-  void RemoveLine(int64_t id);
+  void RemoveKeyframe(KeyframeId id);
+  void RemovePoint(LandmarkId id);
+  void RemoveLine(LandmarkId id);
   /// From now on keeps the poses of keyframes that are removed, for final trajectories (`RemovedPoses`). The carrier of
   /// each is the oldest keyframe with which it shared at least half as many landmarks as with any (without one: its
   /// parent, its predecessor, or the nearest keyframe).
@@ -156,24 +156,24 @@ class Map {
   void ContinueAs(Map next, int64_t version);
 
   /// Move an element without changing observations.
-  void SetPose(int64_t keyframe_id, const SE3& T_w_kf, const Matrix6d& covariance);
-  void SetPosition(int64_t point_id, const Eigen::Vector3d& p_w, const Eigen::Matrix3d& covariance);
-  void SetSegment(int64_t line_id, const Segment3& segment_w, const Eigen::Matrix3d& covariance_p,
+  void SetPose(KeyframeId keyframe_id, const SE3& T_w_kf, const Matrix6d& covariance);
+  void SetPosition(LandmarkId point_id, const Eigen::Vector3d& p_w, const Eigen::Matrix3d& covariance);
+  void SetSegment(LandmarkId line_id, const Segment3& segment_w, const Eigen::Matrix3d& covariance_p,
                   const Eigen::Matrix3d& covariance_q);
 
   /// Applies a correction: moves keyframes, and each landmark rigidly with its anchor (`AnchorOf`), rotating
   /// covariances. Keyframes not changed otherwise since the last `TakeChanges` count as moved, so that the poses alone
   /// describe the correction of a large map. Ignores keyframes that are not in the map, or have that pose already.
-  void Move(const std::map<int64_t, SE3>& T_w_kf);
+  void Move(const std::map<KeyframeId, SE3>& T_w_kf);
   /// Sets covariances without moving keyframes.
-  void SetCovariances(const std::map<int64_t, Matrix6d>& covariances);
+  void SetCovariances(const std::map<KeyframeId, Matrix6d>& covariances);
 
-  const FeatureLandmarks& LandmarksOf(int64_t keyframe_id) const;
-  int Shared(int64_t a, int64_t b) const;
+  const FeatureLandmarks& LandmarksOf(KeyframeId keyframe_id) const;
+  int Shared(KeyframeId a, KeyframeId b) const;
   /// Returns the keyframes that share at least `min_shared` (>= 1) landmarks with this one: most shared first, then by
   /// id.
-  std::vector<Neighbour> Neighbours(int64_t keyframe_id, int min_shared) const;
-  std::vector<int64_t> Children(int64_t keyframe_id) const;
+  std::vector<Neighbour> Neighbours(KeyframeId keyframe_id, int min_shared) const;
+  std::vector<KeyframeId> Children(KeyframeId keyframe_id) const;
 
   /// Returns the changes since the last call.
   MapChanges TakeChanges();
@@ -184,20 +184,21 @@ class Map {
   /// The members of `Map` for one feature type.
   template <class Landmark>
   struct Kind {
-    IdMap<Landmark>& landmarks;
-    std::vector<int64_t> FeatureLandmarks::*of;
-    std::vector<int64_t>& touched;
+    IdMap<LandmarkId, Landmark>& landmarks;
+    std::vector<LandmarkId> FeatureLandmarks::*of;
+    std::vector<LandmarkId>& touched;
     int64_t& n_observations;
   };
   /// Ids that were inserted, changed or removed, possibly repeated: those in the map have changed, the others are gone.
   struct Touched {
-    std::vector<int64_t> keyframes, points, lines;
+    std::vector<KeyframeId> keyframes;
+    std::vector<LandmarkId> points, lines;
   };
   /// Working data of `Move`: displacements of the moved keyframes, and those keyframes whose landmarks must be listed
   /// individually, because they had changed before.
   struct Moves {
-    std::map<int64_t, SE3> T_new_old;  // displacement in the map frame
-    std::set<int64_t> changed_anchors;
+    std::map<KeyframeId, SE3> T_new_old;  // displacement in the map frame
+    std::set<KeyframeId> changed_anchors;
   };
   Kind<MapPoint> Points();
   Kind<MapLine> Lines();
@@ -205,32 +206,32 @@ class Map {
   template <class Landmark>
   void PutLandmark(const Landmark& landmark, Kind<Landmark> kind);
   template <class Landmark>
-  void RemoveLandmark(int64_t id, Kind<Landmark> kind);
+  void RemoveLandmark(LandmarkId id, Kind<Landmark> kind);
   template <class Landmark>
   void SetObservations(Landmark& landmark, std::vector<Observation> observations, Kind<Landmark> kind);
   template <class Landmark>
   void FollowObservations(const std::vector<Observation>& old, const Landmark& landmark, Kind<Landmark> kind);
   template <class Landmark>
-  void DropObservationsOf(int64_t keyframe_id, Kind<Landmark> kind);
+  void DropObservationsOf(KeyframeId keyframe_id, Kind<Landmark> kind);
   void CountShared(const std::vector<Observation>& observations, const std::vector<Observation>& others, int sign);
   template <class Landmark>
   void MoveLandmarks(const Moves& moves, Kind<Landmark> kind);
-  int64_t CarrierOf(const MapKeyframe& keyframe) const;
+  KeyframeId CarrierOf(const MapKeyframe& keyframe) const;
 
   std::optional<StereoCamera> camera_;
-  IdMap<MapKeyframe> keyframes_;
-  IdMap<MapPoint> points_;
-  IdMap<MapLine> lines_;
-  IdMap<FeatureLandmarks> landmarks_of_;
-  IdMap<SharedCounts> shared_;
-  IdMap<std::set<int64_t>> children_;
+  IdMap<KeyframeId, MapKeyframe> keyframes_;
+  IdMap<LandmarkId, MapPoint> points_;
+  IdMap<LandmarkId, MapLine> lines_;
+  IdMap<KeyframeId, FeatureLandmarks> landmarks_of_;
+  IdMap<KeyframeId, SharedCounts> shared_;
+  IdMap<KeyframeId, std::set<KeyframeId>> children_;
   int64_t n_point_observations_ = 0;
   int64_t n_line_observations_ = 0;
   std::vector<LoopEdge> loops_;
   size_t n_reported_loops_ = 0;
   Touched touched_;
   /// Poses of moved keyframes that had not changed otherwise before.
-  std::map<int64_t, SE3> moved_;
+  std::map<KeyframeId, SE3> moved_;
   /// nullopt: removed keyframes are not remembered.
   std::optional<RemovedPoses> removed_;
 };

@@ -42,8 +42,8 @@ MapVersion::Step MapVersion::Advance(const MapUpdate& update) {
 }
 
 void MapFollower::Move(const std::vector<MovedKeyframe>& keyframes) {
-  std::map<int64_t, SE3> poses;
-  std::map<int64_t, Matrix6d> covariances;
+  std::map<KeyframeId, SE3> poses;
+  std::map<KeyframeId, Matrix6d> covariances;
   for (const MovedKeyframe& keyframe : keyframes) {
     if (map_.FindKeyframe(keyframe.id) == nullptr) continue;
     poses[keyframe.id] = keyframe.T_w_kf;
@@ -69,9 +69,9 @@ void MapFollower::TakeChanges(const MapUpdate& update) {
   map_.BeginVersion(update.version);
   Move(update.moved_keyframes);
   // Removals first: removing a keyframe reassigns its children, and the update has their final parents.
-  for (const int64_t id : update.removed_points) map_.RemovePoint(id);
-  for (const int64_t id : update.removed_lines) map_.RemoveLine(id);
-  for (const int64_t id : update.removed_keyframes) map_.RemoveKeyframe(id);
+  for (const LandmarkId id : update.removed_points) map_.RemovePoint(id);
+  for (const LandmarkId id : update.removed_lines) map_.RemoveLine(id);
+  for (const KeyframeId id : update.removed_keyframes) map_.RemoveKeyframe(id);
   Insert(update, map_);
 }
 

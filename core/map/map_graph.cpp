@@ -20,10 +20,10 @@ class EdgesByPair {
   explicit EdgesByPair(const Map& map) : map_(map) {}
 
   // Returns nullptr if one of them is not in the map.
-  MapEdge* Between(int64_t a, int64_t b) {
+  MapEdge* Between(KeyframeId a, KeyframeId b) {
     if (a == b || map_.FindKeyframe(a) == nullptr || map_.FindKeyframe(b) == nullptr) return nullptr;
     const auto pair = std::minmax(a, b);
-    const auto [entry, is_new] = edges_.try_emplace(std::pair<int64_t, int64_t>(pair));
+    const auto [entry, is_new] = edges_.try_emplace(std::pair<KeyframeId, KeyframeId>(pair));
     if (is_new) entry->second = {pair.first, pair.second, map_.Shared(a, b)};
     return &entry->second;
   }
@@ -37,7 +37,7 @@ class EdgesByPair {
 
  private:
   const Map& map_;
-  std::map<std::pair<int64_t, int64_t>, MapEdge> edges_;
+  std::map<std::pair<KeyframeId, KeyframeId>, MapEdge> edges_;
 };
 
 }  // namespace
@@ -76,19 +76,19 @@ MapGraph::MapGraph(const Map& map) {
   edges_ = edges.All();
 }
 
-std::set<int64_t> MapGraph::Component(int64_t keyframe_id, Edges which) const {
-  std::map<int64_t, std::vector<int64_t>> neighbours;
+std::set<KeyframeId> MapGraph::Component(KeyframeId keyframe_id, Edges which) const {
+  std::map<KeyframeId, std::vector<KeyframeId>> neighbours;
   for (const MapEdge& edge : edges_) {
     if (which == Edges::kKnown && !edge.known) continue;
     neighbours[edge.a].push_back(edge.b);
     neighbours[edge.b].push_back(edge.a);
   }
-  std::set<int64_t> component{keyframe_id};
-  std::vector<int64_t> open{keyframe_id};
+  std::set<KeyframeId> component{keyframe_id};
+  std::vector<KeyframeId> open{keyframe_id};
   while (!open.empty()) {
-    const int64_t at = open.back();
+    const KeyframeId at = open.back();
     open.pop_back();
-    for (const int64_t next : neighbours[at]) {
+    for (const KeyframeId next : neighbours[at]) {
       if (component.insert(next).second) open.push_back(next);
     }
   }

@@ -12,8 +12,8 @@ namespace plslam {
 /// Connection of two keyframes of a map, a < b: consecutive in a session, parent and child, many shared landmarks, or a
 /// closed loop; often several of these.
 struct MapEdge {
-  int64_t a = -1;
-  int64_t b = -1;
+  KeyframeId a = -1;
+  KeyframeId b = -1;
   /// Landmarks that both observe.
   int shared = 0;
   /// Consecutive in a session.
@@ -48,7 +48,7 @@ class MapGraph {
 
   /// Returns the ids of the keyframes connected with `keyframe_id`, including itself. A session that began unconnected
   /// is a component of its own until an edge connects it.
-  std::set<int64_t> Component(int64_t keyframe_id, Edges which) const;
+  std::set<KeyframeId> Component(KeyframeId keyframe_id, Edges which) const;
 
  private:
   std::vector<MapEdge> edges_;

@@ -14,9 +14,9 @@ namespace plslam {
 /// poses are unknown: a session that was never recognised in the map has a frame of its own. The main part is the first
 /// one: that with most keyframes for which `is_of_run` holds, then with most keyframes, then with the oldest one. The
 /// others follow in the same order.
-std::vector<std::set<int64_t>> PartsOf(const Map& map, const std::function<bool(const MapKeyframe&)>& is_of_run);
+std::vector<std::set<KeyframeId>> PartsOf(const Map& map, const std::function<bool(const MapKeyframe&)>& is_of_run);
 
 /// Returns a map of these keyframes, the landmarks that they observe, and the loops between them.
-Map PartOf(const Map& map, const std::set<int64_t>& keyframes);
+Map PartOf(const Map& map, const std::set<KeyframeId>& keyframes);
 
 }  // namespace plslam

@@ -6,14 +6,14 @@
 namespace plslam {
 namespace {
 
-template <class Value>
-void Copy(const IdMap<Value>& from, const std::vector<int64_t>& ids, std::vector<Value>& to) {
+template <class AnId, class Value>
+void Copy(const IdMap<AnId, Value>& from, const std::vector<AnId>& ids, std::vector<Value>& to) {
   to.reserve(ids.size());
-  for (const int64_t id : ids) to.push_back(from.at(id));
+  for (const AnId id : ids) to.push_back(from.at(id));
 }
 
-template <class Value>
-void CopyAll(const IdMap<Value>& from, std::vector<Value>& to) {
+template <class AnId, class Value>
+void CopyAll(const IdMap<AnId, Value>& from, std::vector<Value>& to) {
   to.reserve(from.size());
   for (const auto& [id, value] : from) to.push_back(value);
 }

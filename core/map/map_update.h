@@ -80,11 +80,11 @@ struct MapUpdate {
   /// Applied to the map of the base version before all other changes (`Map::Move`).
   std::vector<MovedKeyframe> moved_keyframes;
   std::vector<MapKeyframe> keyframes;
-  std::vector<int64_t> removed_keyframes;
+  std::vector<KeyframeId> removed_keyframes;
   std::vector<MapPoint> points;
-  std::vector<int64_t> removed_points;
+  std::vector<LandmarkId> removed_points;
   std::vector<MapLine> lines;
-  std::vector<int64_t> removed_lines;
+  std::vector<LandmarkId> removed_lines;
   /// Loops closed since the base version.
   std::vector<LoopEdge> loops;
   /// Totals of the resulting map.

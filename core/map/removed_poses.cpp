@@ -11,12 +11,12 @@ void RemovedPoses::BeginVersion(int64_t version) {
   while (!corrections_.empty() && corrections_.front().version < version_ - kKept) corrections_.pop_front();
 }
 
-SE3 RemovedPoses::CorrectionOf(int64_t id) const {
+SE3 RemovedPoses::CorrectionOf(KeyframeId id) const {
   const auto found = D_.find(id);
   return found == D_.end() ? SE3() : found->second;
 }
 
-void RemovedPoses::Move(const std::map<int64_t, SE3>& T_new_old) {
+void RemovedPoses::Move(const std::map<KeyframeId, SE3>& T_new_old) {
   Correction correction{version_, {}};
   for (const auto& [id, displacement] : T_new_old) {
     const SE3 before = CorrectionOf(id);
@@ -26,13 +26,13 @@ void RemovedPoses::Move(const std::map<int64_t, SE3>& T_new_old) {
   corrections_.push_back(std::move(correction));
 }
 
-void RemovedPoses::Add(const MapKeyframe& keyframe, int64_t carrier_id) {
+void RemovedPoses::Add(const MapKeyframe& keyframe, KeyframeId carrier_id) {
   removed_[keyframe.id] = {version_,        keyframe.name.session,     keyframe.frame_id, keyframe.T_odom_kf,
                            keyframe.T_w_kf, CorrectionOf(keyframe.id), carrier_id,        CorrectionOf(carrier_id)};
   D_.erase(keyframe.id);
 }
 
-void RemovedPoses::Forget(int64_t id) {
+void RemovedPoses::Forget(KeyframeId id) {
   const auto returned = removed_.find(id);
   if (returned == removed_.end()) return;
   // Keyframes that it carries know it by this product.
@@ -40,7 +40,7 @@ void RemovedPoses::Forget(int64_t id) {
   removed_.erase(returned);
 }
 
-void RemovedPoses::ReturnTo(int64_t version, const IdMap<MapKeyframe>& keyframes) {
+void RemovedPoses::ReturnTo(int64_t version, const IdMap<KeyframeId, MapKeyframe>& keyframes) {
   for (const auto& [id, removed] : removed_) {
     if (removed.version > version) D_[id] = removed.D_kf;
   }
@@ -54,13 +54,13 @@ void RemovedPoses::ReturnTo(int64_t version, const IdMap<MapKeyframe>& keyframes
 }
 
 std::vector<RemovedKeyframe> RemovedPoses::Keyframes() const {
-  std::map<int64_t, SE3> D;  // of removed keyframes
+  std::map<KeyframeId, SE3> D;  // of removed keyframes
   std::vector<RemovedKeyframe> keyframes;
   keyframes.reserve(removed_.size());
   for (const auto& [id, newest] : removed_) {
-    std::vector<int64_t> chain;
+    std::vector<KeyframeId> chain;
     SE3 D_carrier;
-    for (int64_t next = id;; next = removed_.at(next).carrier_id) {
+    for (KeyframeId next = id;; next = removed_.at(next).carrier_id) {
       if (const auto known = D.find(next); known != D.end()) {
         D_carrier = known->second;
         break;

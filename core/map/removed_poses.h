@@ -15,7 +15,7 @@ namespace plslam {
 
 /// A keyframe that was removed from the map, at its place in the present map.
 struct RemovedKeyframe {
-  int64_t id = -1;
+  KeyframeId id = -1;
   SessionId session;
   int64_t frame_id = -1;
   SE3 T_odom_kf;
@@ -38,14 +38,14 @@ class RemovedPoses {
   int64_t version() const { return version_; }
 
   /// A correction has moved keyframes of the map; `T_new_old` is the displacement of each in the map frame.
-  void Move(const std::map<int64_t, SE3>& T_new_old);
+  void Move(const std::map<KeyframeId, SE3>& T_new_old);
   /// The keyframe is being removed from the map. `carrier_id` is in the map, or -1: no correction moves the keyframe.
-  void Add(const MapKeyframe& keyframe, int64_t carrier_id);
+  void Add(const MapKeyframe& keyframe, KeyframeId carrier_id);
   /// The keyframe is in the map again.
-  void Forget(int64_t id);
+  void Forget(KeyframeId id);
   /// Undoes what has happened since that version, when the map had `keyframes`: a mapping process that was killed
   /// continues from an older state, and repeats the rest. Corrections of more than `kKept` versions ago cannot be undone.
-  void ReturnTo(int64_t version, const IdMap<MapKeyframe>& keyframes);
+  void ReturnTo(int64_t version, const IdMap<KeyframeId, MapKeyframe>& keyframes);
 
   /// Ascending by id.
   std::vector<RemovedKeyframe> Keyframes() const;
@@ -61,20 +61,20 @@ class RemovedPoses {
     SE3 T_odom_kf;
     SE3 T_w_kf;
     SE3 D_kf;
-    int64_t carrier_id = -1;
+    KeyframeId carrier_id = -1;
     SE3 D_carrier;
   };
   struct Correction {
     int64_t version = 0;
-    std::map<int64_t, SE3> D_before;
+    std::map<KeyframeId, SE3> D_before;
   };
 
-  SE3 CorrectionOf(int64_t id) const;
+  SE3 CorrectionOf(KeyframeId id) const;
 
   int64_t version_ = 0;
-  std::map<int64_t, Removed> removed_;
+  std::map<KeyframeId, Removed> removed_;
   /// Product of the corrections of each keyframe of the map that was corrected.
-  std::map<int64_t, SE3> D_;
+  std::map<KeyframeId, SE3> D_;
   std::deque<Correction> corrections_;
 };
 

@@ -22,7 +22,7 @@ bool Worse(const PlaceMatch& a, const PlaceMatch& b) {
 }
 
 /// Returns the best `max_results` that are not excluded, best first. A heap sorts only those that are examined.
-std::vector<PlaceMatch> Best(std::vector<PlaceMatch> matches, const std::function<bool(int64_t)>& excluded,
+std::vector<PlaceMatch> Best(std::vector<PlaceMatch> matches, const std::function<bool(KeyframeId)>& excluded,
                              int max_results) {
   std::vector<PlaceMatch> best;
   std::make_heap(matches.begin(), matches.end(), Worse);
@@ -42,7 +42,7 @@ PlaceDescription DescribeWith(const Features& features, const Vocabulary& points
   return description;
 }
 
-PlaceMatch MatchOf(int64_t keyframe_id, const PlaceWeights& weights, double points, double lines) {
+PlaceMatch MatchOf(KeyframeId keyframe_id, const PlaceWeights& weights, double points, double lines) {
   return {keyframe_id, weights.points * points + weights.lines * lines, points, lines};
 }
 
@@ -77,7 +77,7 @@ int PlaceRecogniser::FreePlace() {
   return place;
 }
 
-void PlaceRecogniser::Add(int64_t keyframe_id, PlaceDescription description) {
+void PlaceRecogniser::Add(KeyframeId keyframe_id, PlaceDescription description) {
   Remove(keyframe_id);
   const int place = FreePlace();
   point_index_.Add(place, description.points);
@@ -87,7 +87,7 @@ void PlaceRecogniser::Add(int64_t keyframe_id, PlaceDescription description) {
   place_of_[keyframe_id] = place;
 }
 
-bool PlaceRecogniser::Remove(int64_t keyframe_id) {
+bool PlaceRecogniser::Remove(KeyframeId keyframe_id) {
   const auto found = place_of_.find(keyframe_id);
   if (found == place_of_.end()) return false;
   const int place = found->second;
@@ -100,7 +100,7 @@ bool PlaceRecogniser::Remove(int64_t keyframe_id) {
   return true;
 }
 
-const PlaceDescription& PlaceRecogniser::Of(int64_t keyframe_id) const {
+const PlaceDescription& PlaceRecogniser::Of(KeyframeId keyframe_id) const {
   return descriptions_[place_of_.at(keyframe_id)];
 }
 
@@ -109,7 +109,8 @@ std::vector<float> PlaceRecogniser::Weights(const PlaceIndex& index, const BagOf
 }
 
 std::vector<PlaceMatch> PlaceRecogniser::Query(const PlaceDescription& query,
-                                               const std::function<bool(int64_t)>& excluded, int max_results) const {
+                                               const std::function<bool(KeyframeId)>& excluded,
+                                               int max_results) const {
   std::vector<float> points(keyframe_ids_.size(), 0.0F);
   std::vector<float> lines(keyframe_ids_.size(), 0.0F);
   point_index_.Score(query.points, Weights(point_index_, query.points), points);

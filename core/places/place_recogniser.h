@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/features/features.h"
+#include "core/ids/ids.h"
 #include "core/places/options.h"
 #include "core/places/place_description.h"
 #include "core/places/place_index.h"
@@ -16,7 +17,7 @@ namespace plslam {
 
 /// A keyframe similar to the query.
 struct PlaceMatch {
-  int64_t keyframe_id = 0;
+  KeyframeId keyframe_id = 0;
   /// Score of the configured merge of `score_points` and `score_lines`, the weighted similarities, 0 to 1.
   double score = 0.0;
   double score_points = 0.0;
@@ -38,17 +39,17 @@ class PlaceRecogniser {
   PlaceDescription Describe(const ImageFeatures& features) const;
 
   /// Adds a keyframe, or replaces its description.
-  void Add(int64_t keyframe_id, PlaceDescription description);
+  void Add(KeyframeId keyframe_id, PlaceDescription description);
   /// Returns whether the keyframe was present.
-  bool Remove(int64_t keyframe_id);
-  bool Has(int64_t keyframe_id) const { return place_of_.contains(keyframe_id); }
+  bool Remove(KeyframeId keyframe_id);
+  bool Has(KeyframeId keyframe_id) const { return place_of_.contains(keyframe_id); }
   /// Throws std::out_of_range if the keyframe is not present.
-  const PlaceDescription& Of(int64_t keyframe_id) const;
+  const PlaceDescription& Of(KeyframeId keyframe_id) const;
   int size() const { return static_cast<int>(place_of_.size()); }
 
   /// Returns the keyframes most similar to `query`, best first, equal scores by id; at most `max_results`, none with
   /// score 0, none for which `excluded` (may be empty) returns true. `excluded` is called for the best ones only.
-  std::vector<PlaceMatch> Query(const PlaceDescription& query, const std::function<bool(int64_t)>& excluded,
+  std::vector<PlaceMatch> Query(const PlaceDescription& query, const std::function<bool(KeyframeId)>& excluded,
                                 int max_results) const;
 
   /// Returns the score of `other`, which need not be a keyframe, for the query `query`; the scores of `Query` are
@@ -66,11 +67,11 @@ class PlaceRecogniser {
   PlaceIndex point_index_;
   PlaceIndex line_index_;
   // By place; separate, because a query reads all ids and few descriptions.
-  std::vector<int64_t> keyframe_ids_;
+  std::vector<KeyframeId> keyframe_ids_;
   std::vector<PlaceDescription> descriptions_;
   // Places freed by Remove, reused in reverse order.
   std::vector<int> free_;
-  std::map<int64_t, int> place_of_;
+  std::map<KeyframeId, int> place_of_;
 };
 
 }  // namespace plslam

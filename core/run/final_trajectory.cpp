@@ -75,7 +75,7 @@ RunParts::RunParts(const Map& map, const Recorder& recorder) : map_(&map) {
       PartsOf(map, [&](const MapKeyframe& keyframe) { return sessions.contains(keyframe.name.session); });
   if (parts.size() < 2) return;
   for (size_t part = 0; part < parts.size(); ++part) {
-    for (const int64_t id : parts[part]) part_of_session_.try_emplace(map.FindKeyframe(id)->name.session, part);
+    for (const KeyframeId id : parts[part]) part_of_session_.try_emplace(map.FindKeyframe(id)->name.session, part);
     parts_.push_back(PartOf(map, parts[part]));
   }
 }

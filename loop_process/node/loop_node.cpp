@@ -174,7 +174,7 @@ void LoopNode::Send(LoopService::Output output) {
     command_t command{};
     command.target = process_name::kMapping;
     command.verb = command_verb::kSendKeyframes;
-    command.argument = NumberRanges(output.missing_keyframes);
+    command.argument = NumberRanges(Values(output.missing_keyframes));
     process_.bus().Publish(bus::kCommand, command);
   }
   if (!output.adjustment) return;

@@ -26,14 +26,17 @@ bool IsPose(const SE3& T) {
          std::abs(T.rotation().norm() - 1.0) < kUnit;
 }
 
-bool IsGiven(int64_t id, int64_t next) { return id >= 0 && id < next; }
+template <class AnId>
+bool IsGiven(AnId id, AnId next) {
+  return id >= 0 && id < next;
+}
 
-std::string WrongPoses(const std::vector<CorrectedPose>& poses, int64_t next_keyframe) {
-  int64_t last = -1;
+std::string WrongPoses(const std::vector<CorrectedPose>& poses, KeyframeId next_keyframe) {
+  KeyframeId last = -1;
   for (const CorrectedPose& pose : poses) {
     if (!IsGiven(pose.keyframe_id, next_keyframe)) {
       return fmt::format("it moves keyframe {}, but the newest id of this map is {}", pose.keyframe_id,
-                         next_keyframe - 1);
+                         next_keyframe.value - 1);
     }
     if (pose.keyframe_id <= last)
       return fmt::format("its poses are not in ascending order at keyframe {}", pose.keyframe_id);
@@ -43,13 +46,13 @@ std::string WrongPoses(const std::vector<CorrectedPose>& poses, int64_t next_key
   return {};
 }
 
-std::string WrongEdges(const std::vector<LoopEdge>& edges, int64_t next_keyframe) {
+std::string WrongEdges(const std::vector<LoopEdge>& edges, KeyframeId next_keyframe) {
   for (const LoopEdge& edge : edges) {
-    const int64_t a = edge.old_keyframe_id;
-    const int64_t b = edge.keyframe_id;
+    const KeyframeId a = edge.old_keyframe_id;
+    const KeyframeId b = edge.keyframe_id;
     if (!IsGiven(a, next_keyframe) || !IsGiven(b, next_keyframe) || a == b) {
       return fmt::format("its loop joins keyframes {} and {}, but the newest id of this map is {}", a, b,
-                         next_keyframe - 1);
+                         next_keyframe.value - 1);
     }
     if (!IsPose(edge.T_old_kf)) return fmt::format("the relative pose of keyframes {} and {} is invalid", a, b);
     if (!edge.covariance.allFinite() || !IsPositiveDefinite<6>(edge.covariance)) {
@@ -59,10 +62,11 @@ std::string WrongEdges(const std::vector<LoopEdge>& edges, int64_t next_keyframe
   return {};
 }
 
-std::string WrongPairs(const char* kind, const std::vector<SameLandmarks>& pairs, int64_t next) {
+std::string WrongPairs(const char* kind, const std::vector<SameLandmarks>& pairs, LandmarkId next) {
   for (const SameLandmarks& pair : pairs) {
     if (IsGiven(pair.a, next) && IsGiven(pair.b, next)) continue;
-    return fmt::format("it joins {} {} and {}, but the newest id of this map is {}", kind, pair.a, pair.b, next - 1);
+    return fmt::format("it joins {} {} and {}, but the newest id of this map is {}", kind, pair.a, pair.b,
+                       next.value - 1);
   }
   return {};
 }
@@ -102,12 +106,12 @@ namespace {
 class Ids {
  public:
   Ids(const std::vector<NamedKeyframe>& names, const Map& map) {
-    std::map<KeyframeName, int64_t> by_name;
+    std::map<KeyframeName, KeyframeId> by_name;
     for (const auto& [id, keyframe] : map.keyframes()) by_name[keyframe.name] = id;
     for (const NamedKeyframe& named : names) {
       const auto here = by_name.find(named.name);
       if (here != by_name.end()) ids_[named.keyframe_id] = here->second;
-      const int64_t id_here = here != by_name.end() ? here->second : -1;
+      const KeyframeId id_here = here != by_name.end() ? here->second : -1;
       // A keyframe that was culled has no id here; its id in the closure remains valid unless another keyframe has it.
       differ_ = differ_ ||
                 (id_here != named.keyframe_id && (id_here >= 0 || map.FindKeyframe(named.keyframe_id) != nullptr));
@@ -117,13 +121,13 @@ class Ids {
   /// Whether a keyframe has another id in this map, or its id belongs to another keyframe.
   bool differ() const { return differ_; }
 
-  std::optional<int64_t> Here(int64_t id) const {
+  std::optional<KeyframeId> Here(KeyframeId id) const {
     const auto here = ids_.find(id);
     return here == ids_.end() ? std::nullopt : std::optional(here->second);
   }
 
  private:
-  std::map<int64_t, int64_t> ids_;
+  std::map<KeyframeId, KeyframeId> ids_;
   bool differ_ = false;
 };
 

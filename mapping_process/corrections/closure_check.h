@@ -11,7 +11,7 @@ namespace plslam::mapping {
 
 /// Ids that a map has assigned so far, and its version.
 struct GivenNames {
-  int64_t next_keyframe = 0;
+  KeyframeId next_keyframe = 0;
   LandmarkIds next_landmark;
   int64_t version = 0;
   /// The version in which the map last applied a loop or joined two parts.

@@ -19,7 +19,7 @@ constexpr size_t kTried = 4;
 // compared to measurement noise.
 constexpr double kUnnoticed = 1.0;
 
-using Poses = std::map<int64_t, SE3>;
+using Poses = std::map<KeyframeId, SE3>;
 
 // A keyframe before and after a correction.
 struct Moved {
@@ -29,11 +29,11 @@ struct Moved {
   SE3 T_kf_w;
   bool moves = false;
 };
-using Moves = IdMap<Moved>;
+using Moves = IdMap<KeyframeId, Moved>;
 
-int64_t CarrierOf(const MapKeyframe& keyframe, const Poses& named, const Poses& poses) {
+KeyframeId CarrierOf(const MapKeyframe& keyframe, const Poses& named, const Poses& poses) {
   for (const Poses* found : {&named, &poses}) {
-    for (const int64_t id : {keyframe.parent_id, keyframe.previous_id}) {
+    for (const KeyframeId id : {keyframe.parent_id, keyframe.previous_id}) {
       if (found->contains(id)) return id;
     }
   }
@@ -70,8 +70,8 @@ MapLine GeometryOf(const MapLine& line) {
   return place;
 }
 
-void Place(int64_t id, const MapPoint& place, Map& map) { map.SetPosition(id, place.p_w, place.covariance); }
-void Place(int64_t id, const MapLine& place, Map& map) {
+void Place(LandmarkId id, const MapPoint& place, Map& map) { map.SetPosition(id, place.p_w, place.covariance); }
+void Place(LandmarkId id, const MapLine& place, Map& map) {
   map.SetSegment(id, place.segment_w, place.covariance_p, place.covariance_q);
 }
 
@@ -92,7 +92,7 @@ void ForEachOnAllProcessors(size_t n, const Visit& visit) {
 std::vector<const Moved*> MovesOfObservations(const std::vector<Observation>& observations, const Moves& moves) {
   std::vector<const Moved*> of_observations;
   of_observations.reserve(observations.size());
-  for (const Observation& observation : observations) of_observations.push_back(&moves.at(observation.keyframe_id));
+  for (const Observation& observation : observations) of_observations.push_back(&moves.at(observation.keyframe_id()));
   return of_observations;
 }
 
@@ -104,7 +104,7 @@ class Corrected {
       : moves_(moves), features_(features), camera_(camera), map_(map) {
     std::vector<const Landmark*> landmarks;
     landmarks.reserve(Type::Landmarks(map).size());
-    const auto moved = [&moves](const Observation& observation) { return moves.at(observation.keyframe_id).moves; };
+    const auto moved = [&moves](const Observation& observation) { return moves.at(observation.keyframe_id()).moves; };
     for (const auto& [id, landmark] : Type::Landmarks(map)) {
       // A landmark with one observation moves with its keyframe: its error does not change.
       if (landmark.observations.size() < 2) continue;
@@ -121,9 +121,9 @@ class Corrected {
   }
 
   // Called after the map has moved: places landmarks whose error has grown where it is least. Returns their ids.
-  std::vector<int64_t> RepositionDegraded() {
+  std::vector<LandmarkId> RepositionDegraded() {
     std::vector<std::optional<Landmark>> better(before_.size());
-    std::vector<std::vector<int64_t>> impossible(before_.size());
+    std::vector<std::vector<KeyframeId>> impossible(before_.size());
     ForEachOnAllProcessors(before_.size(), [&](size_t i) {
       const auto& [id, place, error] = before_[i];
       const Landmark& landmark = *Type::Find(map_, id);
@@ -133,27 +133,27 @@ class Corrected {
       const Landmark& now = better[i] ? *better[i] : landmark;
       for (size_t k = 0; k < of_observations.size(); ++k) {
         if (IsBehind(now, of_observations[k]->T_kf_w, camera_))
-          impossible[i].push_back(landmark.observations[k].keyframe_id);
+          impossible[i].push_back(landmark.observations[k].keyframe_id());
       }
     });
-    std::vector<int64_t> worse;
+    std::vector<LandmarkId> worse;
     for (size_t i = 0; i < before_.size(); ++i) {
       if (!better[i]) continue;
       worse.push_back(before_[i].id);
       Place(before_[i].id, *better[i], map_);
     }
     for (size_t i = 0; i < before_.size(); ++i) {
-      for (const int64_t keyframe_id : impossible[i])
+      for (const KeyframeId keyframe_id : impossible[i])
         DropObservation<Type>(before_[i].id, keyframe_id, features_, map_);
     }
-    std::erase_if(worse, [this](int64_t id) { return Type::Find(map_, id) == nullptr; });
+    std::erase_if(worse, [this](LandmarkId id) { return Type::Find(map_, id) == nullptr; });
     return worse;
   }
 
  private:
   using Landmark = typename Type::Landmark;
   struct Before {
-    int64_t id = -1;
+    LandmarkId id = -1;
     Landmark place;
     double error = 0.0;
   };
@@ -194,7 +194,7 @@ class Corrected {
 
 }  // namespace
 
-std::map<int64_t, SE3> PosesAfter(const std::vector<CorrectedPose>& corrected, const Map& map) {
+std::map<KeyframeId, SE3> PosesAfter(const std::vector<CorrectedPose>& corrected, const Map& map) {
   Poses named;
   for (const CorrectedPose& pose : corrected) named[pose.keyframe_id] = pose.T_w_kf;
   Poses poses;
@@ -211,7 +211,7 @@ std::map<int64_t, SE3> PosesAfter(const std::vector<CorrectedPose>& corrected, c
   return poses;
 }
 
-LandmarksNamed MoveKeyframes(const std::map<int64_t, SE3>& poses, const KeyframeFeatures& features,
+LandmarksNamed MoveKeyframes(const std::map<KeyframeId, SE3>& poses, const KeyframeFeatures& features,
                              const StereoCamera& camera, Map& map) {
   const Moves moves = MovesOf(poses, features, map);
   Corrected<PointType> points(moves, features, camera, map);

@@ -11,7 +11,7 @@ namespace {
 
 /// A keyframe of the map that replaces a culled one, and their relative pose.
 struct Substitute {
-  int64_t keyframe_id = -1;
+  KeyframeId keyframe_id = -1;
   SE3 T_substitute_culled;
 };
 
@@ -26,7 +26,7 @@ const MapKeyframe* NextInSession(const KeyframeName& culled, const Map& map) {
   return next;
 }
 
-std::optional<Substitute> SubstituteOf(int64_t culled_id, const LoopClosure& closure, const Map& map) {
+std::optional<Substitute> SubstituteOf(KeyframeId culled_id, const LoopClosure& closure, const Map& map) {
   const auto is_it = [culled_id](const auto& of) { return of.keyframe_id == culled_id; };
   const auto pose = std::find_if(closure.poses.begin(), closure.poses.end(), is_it);
   const auto named = std::find_if(closure.names.begin(), closure.names.end(), is_it);

@@ -16,8 +16,8 @@ constexpr size_t kSide = 10;
 constexpr double kRadius = 2.0;  // relative to the radius for neighbours
 
 // Breadth-first over neighbours, the best of each keyframe first.
-std::vector<int64_t> Around(int64_t keyframe_id, int min_shared, const Map& map) {
-  std::vector<int64_t> ids{keyframe_id};
+std::vector<KeyframeId> Around(KeyframeId keyframe_id, int min_shared, const Map& map) {
+  std::vector<KeyframeId> ids{keyframe_id};
   for (size_t i = 0; i < ids.size(); ++i) {
     for (const Map::Neighbour& neighbour : map.Neighbours(ids[i], min_shared)) {
       if (ids.size() == kSide) return ids;
@@ -29,22 +29,23 @@ std::vector<int64_t> Around(int64_t keyframe_id, int min_shared, const Map& map)
 
 template <class Type>
 void FuseType(const std::vector<SameLandmarks>& pairs, const KeyframeFeatures& features, Map& map) {
-  std::map<int64_t, int64_t> became;
-  const auto now = [&became](int64_t id) {
+  std::map<LandmarkId, LandmarkId> became;
+  const auto now = [&became](LandmarkId id) {
     for (auto next = became.find(id); next != became.end(); next = became.find(id)) id = next->second;
     return id;
   };
   for (const SameLandmarks& pair : pairs) {
-    const int64_t a = now(pair.a);
-    const int64_t b = now(pair.b);
+    const LandmarkId a = now(pair.a);
+    const LandmarkId b = now(pair.b);
     if (Fuse<Type>(a, b, features, map)) became[std::max(a, b)] = std::min(a, b);
   }
 }
 
-void MergeOneWay(const std::vector<int64_t>& to, const std::vector<int64_t>& from, const KeyframeFeatures& features,
-                 const StereoCamera& camera, const MappingOptions& options, Map& map) {
+void MergeOneWay(const std::vector<KeyframeId>& to, const std::vector<KeyframeId>& from,
+                 const KeyframeFeatures& features, const StereoCamera& camera, const MappingOptions& options,
+                 Map& map) {
   const double radius_px = kRadius * options.insertion.fuse_radius_px;
-  for (const int64_t keyframe_id : to) {
+  for (const KeyframeId keyframe_id : to) {
     LocalMap landmarks{SeenBy<PointType>(from, map), SeenBy<LineType>(from, map)};
     LeaveOutSeen<PointType>(keyframe_id, map, landmarks.points);
     LeaveOutSeen<LineType>(keyframe_id, map, landmarks.lines);
@@ -53,7 +54,7 @@ void MergeOneWay(const std::vector<int64_t>& to, const std::vector<int64_t>& fro
 }
 
 // Choosing an older parent avoids cycles in the spanning tree.
-void Reparent(int64_t keyframe_id, Map& map) {
+void Reparent(KeyframeId keyframe_id, Map& map) {
   MapKeyframe keyframe = *map.FindKeyframe(keyframe_id);
   if (keyframe.parent_id >= 0) return;
   for (const Map::Neighbour& neighbour : map.Neighbours(keyframe_id, Map::kParent)) {
@@ -68,7 +69,7 @@ void Reparent(int64_t keyframe_id, Map& map) {
 LoopSides SidesOf(const LoopEdge& edge, int min_shared, const Map& map) {
   if (map.FindKeyframe(edge.old_keyframe_id) == nullptr || map.FindKeyframe(edge.keyframe_id) == nullptr) return {};
   LoopSides sides{Around(edge.old_keyframe_id, min_shared, map), Around(edge.keyframe_id, min_shared, map)};
-  std::erase_if(sides.new_side, [&sides](int64_t id) {
+  std::erase_if(sides.new_side, [&sides](KeyframeId id) {
     return std::find(sides.old_side.begin(), sides.old_side.end(), id) != sides.old_side.end();
   });
   return sides;
@@ -84,8 +85,8 @@ void MergeSides(const LoopSides& sides, const KeyframeFeatures& features, const 
                 const MappingOptions& options, Map& map) {
   MergeOneWay(sides.new_side, sides.old_side, features, camera, options, map);
   MergeOneWay(sides.old_side, sides.new_side, features, camera, options, map);
-  for (const std::vector<int64_t>* side : {&sides.new_side, &sides.old_side}) {
-    for (const int64_t id : *side) Reparent(id, map);
+  for (const std::vector<KeyframeId>* side : {&sides.new_side, &sides.old_side}) {
+    for (const KeyframeId id : *side) Reparent(id, map);
   }
 }
 

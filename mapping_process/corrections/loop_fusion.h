@@ -14,8 +14,8 @@ namespace plslam::mapping {
 /// Keyframes around both ends of a loop: the end, its best neighbours (sharing `min_shared` landmarks) and their
 /// neighbours, up to a number, none on both sides. Empty if an end is no longer in the map.
 struct LoopSides {
-  std::vector<int64_t> old_side;
-  std::vector<int64_t> new_side;
+  std::vector<KeyframeId> old_side;
+  std::vector<KeyframeId> new_side;
 };
 
 /// Call this before anything is fused: afterwards both sides are neighbours.

@@ -8,8 +8,8 @@ namespace plslam::mapping {
 namespace {
 
 template <class Type>
-void CheckFeatureType(const std::vector<int64_t>& ids, int min_observations, Map& map) {
-  for (const int64_t id : ids) {
+void CheckFeatureType(const std::vector<LandmarkId>& ids, int min_observations, Map& map) {
+  for (const LandmarkId id : ids) {
     const auto* landmark = Type::Find(map, id);
     if (landmark != nullptr && static_cast<int>(landmark->observations.size()) < min_observations)
       Type::Remove(id, map);
@@ -22,8 +22,8 @@ struct Share {
 };
 
 template <class Type>
-void CountRedundant(int64_t keyframe_id, int min_others, const Map& map, Share& share) {
-  for (const int64_t id : Type::Of(map, keyframe_id)) {
+void CountRedundant(KeyframeId keyframe_id, int min_others, const Map& map, Share& share) {
+  for (const LandmarkId id : Type::Of(map, keyframe_id)) {
     if (id < 0) continue;
     ++share.landmarks;
     if (static_cast<int>(Type::Find(map, id)->observations.size()) > min_others) ++share.redundant;
@@ -31,7 +31,7 @@ void CountRedundant(int64_t keyframe_id, int min_others, const Map& map, Share& 
 }
 
 // Removing it would remove the loop, perhaps the only connection between the two places.
-bool IsEndOfLoop(int64_t id, const Map& map) {
+bool IsEndOfLoop(KeyframeId id, const Map& map) {
   return std::any_of(map.loops().begin(), map.loops().end(),
                      [id](const LoopEdge& loop) { return loop.old_keyframe_id == id || loop.keyframe_id == id; });
 }
@@ -46,7 +46,7 @@ bool IsRedundant(const MapKeyframe& keyframe, const CullingOptions& options, con
 }
 
 // Connects the successor of a removed keyframe with its predecessor.
-void BridgeOver(int64_t id, Map& map) {
+void BridgeOver(KeyframeId id, Map& map) {
   const MapKeyframe gone = *map.FindKeyframe(id);
   for (const auto& [next_id, keyframe] : map.keyframes()) {
     if (keyframe.previous_id != id) continue;
@@ -80,16 +80,17 @@ void RecentLandmarks::Cull(const CullingOptions& options, Map& map) {
   }
 }
 
-void TakeOut(int64_t keyframe_id, KeyframeFeatures& features, Map& map) {
+void TakeOut(KeyframeId keyframe_id, KeyframeFeatures& features, Map& map) {
   BridgeOver(keyframe_id, map);
   map.RemoveKeyframe(keyframe_id);
   features.erase(keyframe_id);
 }
 
-std::vector<int64_t> RemoveRedundantKeyframes(const std::vector<int64_t>& candidates, const CullingOptions& options,
-                                              KeyframeFeatures& features, Map& map) {
-  std::vector<int64_t> removed;
-  for (const int64_t id : candidates) {
+std::vector<KeyframeId> RemoveRedundantKeyframes(const std::vector<KeyframeId>& candidates,
+                                                 const CullingOptions& options, KeyframeFeatures& features,
+                                                 Map& map) {
+  std::vector<KeyframeId> removed;
+  for (const KeyframeId id : candidates) {
     const MapKeyframe* keyframe = map.FindKeyframe(id);
     if (keyframe == nullptr || !IsRedundant(*keyframe, options, map)) continue;
     TakeOut(id, features, map);

@@ -41,13 +41,13 @@ class RecentLandmarks {
 };
 
 /// Removes a keyframe and its features, and connects its successor in the session with its predecessor.
-void TakeOut(int64_t keyframe_id, KeyframeFeatures& features, Map& map);
+void TakeOut(KeyframeId keyframe_id, KeyframeFeatures& features, Map& map);
 
 /// Removes redundant keyframes among `candidates` and returns their ids. A keyframe is redundant if a share of
 /// `redundant_share` of its landmarks is seen by at least `redundant_observations` others. The first keyframe of the
 /// map and of a session is never redundant, nor is the end of a loop. Keyframes are removed one by one, so each check
 /// counts the remaining ones only.
-std::vector<int64_t> RemoveRedundantKeyframes(const std::vector<int64_t>& candidates, const CullingOptions& options,
-                                              KeyframeFeatures& features, Map& map);
+std::vector<KeyframeId> RemoveRedundantKeyframes(const std::vector<KeyframeId>& candidates,
+                                                 const CullingOptions& options, KeyframeFeatures& features, Map& map);
 
 }  // namespace plslam::mapping

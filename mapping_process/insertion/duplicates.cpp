@@ -32,20 +32,20 @@ bool SamePlace(const MapLine& a, const MapLine& b, double slack) {
 
 // Landmarks of one keyframe that another does not observe.
 template <class Type>
-std::vector<int64_t> UnseenBy(int64_t other_id, int64_t keyframe_id, const Map& map) {
-  std::vector<int64_t> ids = Type::Of(map, keyframe_id);
+std::vector<LandmarkId> UnseenBy(KeyframeId other_id, KeyframeId keyframe_id, const Map& map) {
+  std::vector<LandmarkId> ids = Type::Of(map, keyframe_id);
   LeaveOutSeen<Type>(other_id, map, ids);
   return ids;
 }
 
 // `spread_m` is the additional standard deviation at a distance of one metre.
 template <class Type>
-void Merge(const std::vector<LandmarkFeature>& found, int64_t keyframe_id, double spread_m,
+void Merge(const std::vector<LandmarkFeature>& found, KeyframeId keyframe_id, double spread_m,
            const KeyframeFeatures& features, Map& map) {
   const Eigen::Vector3d centre_w = map.FindKeyframe(keyframe_id)->T_w_kf.translation();
   for (const LandmarkFeature& pair : found) {
     const Observation observation{keyframe_id, pair.feature};
-    const int64_t shown = LandmarkAt<Type>(map, observation);
+    const LandmarkId shown = LandmarkAt<Type>(map, observation);
     if (shown < 0) {
       AddObservation<Type>(pair.landmark_id, observation, features, map);
       continue;
@@ -60,7 +60,7 @@ void Merge(const std::vector<LandmarkFeature>& found, int64_t keyframe_id, doubl
 
 }  // namespace
 
-void MergeInto(int64_t keyframe_id, const LocalMap& landmarks, const MergeWindow& window,
+void MergeInto(KeyframeId keyframe_id, const LocalMap& landmarks, const MergeWindow& window,
                const KeyframeFeatures& features, const StereoCamera& camera, const LocalisationOptions& options,
                Map& map) {
   const FeaturesView& seen = features.at(keyframe_id);
@@ -75,10 +75,10 @@ void MergeInto(int64_t keyframe_id, const LocalMap& landmarks, const MergeWindow
                   keyframe_id, spread_m, features, map);
 }
 
-void MergeWithNeighbours(int64_t keyframe_id, const KeyframeFeatures& features, const StereoCamera& camera,
+void MergeWithNeighbours(KeyframeId keyframe_id, const KeyframeFeatures& features, const StereoCamera& camera,
                          const MappingOptions& options, Map& map) {
   const MergeWindow window{options.insertion.fuse_radius_px, 0.0};
-  const auto merge = [&](int64_t to, int64_t from) {
+  const auto merge = [&](KeyframeId to, KeyframeId from) {
     const LocalMap unseen{UnseenBy<PointType>(to, from, map), UnseenBy<LineType>(to, from, map)};
     MergeInto(to, unseen, window, features, camera, options.localisation, map);
   };

@@ -10,7 +10,7 @@ namespace plslam::mapping {
 /// Looks for a keyframe's landmarks in its neighbours and for the neighbours' landmarks in it (PL-SLAM §V.A), by
 /// projection. A feature without a landmark becomes an observation; if it observes another landmark near by, the two
 /// landmarks are fused.
-void MergeWithNeighbours(int64_t keyframe_id, const KeyframeFeatures& features, const StereoCamera& camera,
+void MergeWithNeighbours(KeyframeId keyframe_id, const KeyframeFeatures& features, const StereoCamera& camera,
                          const MappingOptions& options, Map& map);
 
 /// Search window for landmarks seen from another part of the map.
@@ -21,7 +21,7 @@ struct MergeWindow {
 };
 
 /// Looks for landmarks in a keyframe that does not observe them yet, as above.
-void MergeInto(int64_t keyframe_id, const LocalMap& landmarks, const MergeWindow& window,
+void MergeInto(KeyframeId keyframe_id, const LocalMap& landmarks, const MergeWindow& window,
                const KeyframeFeatures& features, const StereoCamera& camera, const LocalisationOptions& options,
                Map& map);
 

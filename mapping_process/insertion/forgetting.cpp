@@ -21,7 +21,7 @@ class Remaining {
 
   // Returns whether an earlier visit observed more than half of the landmarks of the keyframe.
   bool IsKnown(const MapKeyframe& keyframe) const {
-    std::vector<int64_t> oldest;  // observations of the landmarks
+    std::vector<KeyframeId> oldest;  // observations of the landmarks
     AddOldest<PointType>(keyframe.id, oldest);
     AddOldest<LineType>(keyframe.id, oldest);
     if (oldest.empty()) return false;
@@ -38,23 +38,23 @@ class Remaining {
     return tally.landmarks > 0.0 ? tally.shares / tally.landmarks : 0.0;
   }
 
-  void Remove(int64_t id) {
+  void Remove(KeyframeId id) {
     removed_.insert(id);
-    for (const int64_t point_id : PointType::Of(map_, id)) points_[point_id] += 1;
-    for (const int64_t line_id : LineType::Of(map_, id)) lines_[line_id] += 1;
+    for (const LandmarkId point_id : PointType::Of(map_, id)) points_[point_id] += 1;
+    for (const LandmarkId line_id : LineType::Of(map_, id)) lines_[line_id] += 1;
   }
 
  private:
   // Observations of landmarks by removed keyframes.
-  using Lost = std::unordered_map<int64_t, int>;
+  using Lost = std::unordered_map<LandmarkId, int>;
   struct Tally {
     double landmarks = 0.0;
     double shares = 0.0;
   };
 
   template <class Type>
-  void Count(int64_t keyframe_id, const Lost& lost, Tally& tally) const {
-    for (const int64_t id : Type::Of(map_, keyframe_id)) {
+  void Count(KeyframeId keyframe_id, const Lost& lost, Tally& tally) const {
+    for (const LandmarkId id : Type::Of(map_, keyframe_id)) {
       if (id < 0) continue;
       const auto gone = lost.find(id);
       const int left =
@@ -65,32 +65,32 @@ class Remaining {
   }
 
   template <class Type>
-  void AddOldest(int64_t keyframe_id, std::vector<int64_t>& oldest) const {
-    for (const int64_t id : Type::Of(map_, keyframe_id)) {
+  void AddOldest(KeyframeId keyframe_id, std::vector<KeyframeId>& oldest) const {
+    for (const LandmarkId id : Type::Of(map_, keyframe_id)) {
       if (id < 0) continue;
       const std::vector<Observation>& observations = Type::Find(map_, id)->observations;
       const auto left = std::find_if(
           observations.begin(), observations.end(),
-          [this](const Observation& observation) { return !removed_.contains(observation.keyframe_id); });
-      if (left != observations.end()) oldest.push_back(left->keyframe_id);
+          [this](const Observation& observation) { return !removed_.contains(observation.keyframe_id()); });
+      if (left != observations.end()) oldest.push_back(left->keyframe_id());
     }
   }
 
   const Map& map_;
   const Visits& visits_;
-  std::unordered_set<int64_t> removed_;
+  std::unordered_set<KeyframeId> removed_;
   Lost points_, lines_;
 };
 
 }  // namespace
 
-std::vector<int64_t> KeyframesToForget(const Map& map, const Visits& visits, size_t max_keyframes,
-                                       const std::function<bool(const MapKeyframe&)>& is_kept) {
-  std::vector<int64_t> forgotten;
+std::vector<KeyframeId> KeyframesToForget(const Map& map, const Visits& visits, size_t max_keyframes,
+                                          const std::function<bool(const MapKeyframe&)>& is_kept) {
+  std::vector<KeyframeId> forgotten;
   if (map.keyframes().size() <= max_keyframes) return forgotten;
   const size_t n = map.keyframes().size() - max_keyframes;
   Remaining remaining(map, visits);
-  std::map<int64_t, double> losses;  // of the keyframes that may be removed
+  std::map<KeyframeId, double> losses;  // of the keyframes that may be removed
   for (const auto& [id, keyframe] : map.keyframes()) {
     if (forgotten.size() == n) return forgotten;
     if (is_kept(keyframe)) continue;
@@ -105,7 +105,7 @@ std::vector<int64_t> KeyframesToForget(const Map& map, const Visits& visits, siz
   while (forgotten.size() < n && !losses.empty()) {
     const auto least = std::min_element(losses.begin(), losses.end(),
                                         [](const auto& a, const auto& b) { return a.second < b.second; });
-    const int64_t id = least->second <= kNeeded ? least->first : losses.begin()->first;
+    const KeyframeId id = least->second <= kNeeded ? least->first : losses.begin()->first;
     remaining.Remove(id);
     losses.erase(id);
     forgotten.push_back(id);

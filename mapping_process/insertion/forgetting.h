@@ -19,7 +19,7 @@ namespace plslam::mapping {
 /// keyframes whose landmarks have most other observations. Once a landmark has fewer than two observations on average,
 /// the oldest: the map then loses places. Keyframes for which `is_kept` is true are never removed; more than
 /// `max_keyframes` may then be left.
-std::vector<int64_t> KeyframesToForget(const Map& map, const Visits& visits, size_t max_keyframes,
-                                       const std::function<bool(const MapKeyframe&)>& is_kept);
+std::vector<KeyframeId> KeyframesToForget(const Map& map, const Visits& visits, size_t max_keyframes,
+                                          const std::function<bool(const MapKeyframe&)>& is_kept);
 
 }  // namespace plslam::mapping

@@ -49,9 +49,9 @@ std::optional<MapLine> MakeLine(const StereoLine& seen, const SE3& T_w_kf, const
 }
 
 template <class Type, class Make>
-std::vector<int64_t> CreateKind(int64_t keyframe_id, const FeaturesView& features, const Make& make, int64_t& next_id,
-                                Map& map) {
-  std::vector<int64_t> created;
+std::vector<LandmarkId> CreateKind(KeyframeId keyframe_id, const FeaturesView& features, const Make& make,
+                                   LandmarkId& next_id, Map& map) {
+  std::vector<LandmarkId> created;
   const auto& list = Type::Features(features);
   for (int32_t i = 0; i < static_cast<int32_t>(list.size()); ++i) {
     const Observation observation{keyframe_id, i};
@@ -68,7 +68,7 @@ std::vector<int64_t> CreateKind(int64_t keyframe_id, const FeaturesView& feature
 
 }  // namespace
 
-NewLandmarks CreateLandmarks(int64_t keyframe_id, const FeaturesView& features, const StereoCamera& camera,
+NewLandmarks CreateLandmarks(KeyframeId keyframe_id, const FeaturesView& features, const StereoCamera& camera,
                              const InsertionOptions& options, LandmarkIds& ids, Map& map) {
   const SE3 T_w_kf = map.FindKeyframe(keyframe_id)->T_w_kf;
   const auto make_point = [&](const StereoPoint& seen) { return MakePoint(seen, T_w_kf, camera, options); };

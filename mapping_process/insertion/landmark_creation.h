@@ -12,14 +12,14 @@ namespace plslam::mapping {
 
 /// Next ids of new landmarks: 0, 1, 2, ... for each feature type.
 struct LandmarkIds {
-  int64_t next_point = 0;
-  int64_t next_line = 0;
+  LandmarkId next_point = 0;
+  LandmarkId next_line = 0;
 };
 
 /// Ids of the landmarks created with a keyframe.
 struct NewLandmarks {
-  std::vector<int64_t> points;
-  std::vector<int64_t> lines;
+  std::vector<LandmarkId> points;
+  std::vector<LandmarkId> lines;
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
@@ -29,7 +29,7 @@ struct NewLandmarks {
 
 /// Creates a landmark, with its covariance, for each feature of the keyframe that observes none and whose depth is
 /// accurate enough. Skips segments without length.
-NewLandmarks CreateLandmarks(int64_t keyframe_id, const FeaturesView& features, const StereoCamera& camera,
+NewLandmarks CreateLandmarks(KeyframeId keyframe_id, const FeaturesView& features, const StereoCamera& camera,
                              const InsertionOptions& options, LandmarkIds& ids, Map& map);
 
 }  // namespace plslam::mapping

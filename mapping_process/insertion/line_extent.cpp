@@ -28,9 +28,9 @@ bool AtBorder(const Eigen::Vector2d& px, const StereoCamera& camera) { return !c
 Ends CollectEnds(const MapLine& line, const KeyframeFeatures& features, const StereoCamera& camera, const Map& map) {
   Ends ends;
   for (const Observation& observation : line.observations) {
-    const SE3 T_kf_w = map.FindKeyframe(observation.keyframe_id)->T_w_kf.Inverse();
+    const SE3 T_kf_w = map.FindKeyframe(observation.keyframe_id())->T_w_kf.Inverse();
     const Segment3 in_camera{T_kf_w * line.segment_w.p, T_kf_w * line.segment_w.q};
-    const FeaturesView& of_keyframe = features.at(observation.keyframe_id);
+    const FeaturesView& of_keyframe = features.at(observation.keyframe_id());
     const Segment2& seen = of_keyframe.lines[static_cast<size_t>(observation.feature)].left.segment;
     const StereoCamera looked = CameraOf(of_keyframe, camera);
     const auto s_p = AlongLine(in_camera, seen.p, camera);
@@ -71,9 +71,9 @@ Eigen::Matrix3d CovarianceAt(const MapLine& line, double s) {
 
 }  // namespace
 
-void ExtendAndTrim(const std::vector<int64_t>& line_ids, const KeyframeFeatures& features, const StereoCamera& camera,
-                   Map& map) {
-  for (const int64_t id : line_ids) {
+void ExtendAndTrim(const std::vector<LandmarkId>& line_ids, const KeyframeFeatures& features,
+                   const StereoCamera& camera, Map& map) {
+  for (const LandmarkId id : line_ids) {
     const MapLine* found = map.FindLine(id);
     if (found == nullptr || found->observations.size() < 2) continue;
     const MapLine line = *found;

@@ -56,7 +56,7 @@ Eigen::Matrix3d EndpointCovariance(const Eigen::Vector2d& px, double depth_m, co
 }
 
 // Marks the lines of a keyframe without landmark and without stereo depth.
-std::vector<char> WithoutDepth(int64_t keyframe_id, const FeaturesView& features, const Map& map) {
+std::vector<char> WithoutDepth(KeyframeId keyframe_id, const FeaturesView& features, const Map& map) {
   std::vector<char> eligible;
   for (int32_t i = 0; i < static_cast<int32_t>(features.lines.size()); ++i) {
     const bool open = LandmarkAt<LineType>(map, {keyframe_id, i}) < 0;
@@ -81,12 +81,12 @@ std::vector<Descriptor> Descriptors(const std::vector<int>& places, std::span<co
 }
 
 SegmentView ViewOf(const Observation& observation, const KeyframeFeatures& features, const Map& map) {
-  const StereoLine& line = features.at(observation.keyframe_id).lines[static_cast<size_t>(observation.feature)];
-  return {map.FindKeyframe(observation.keyframe_id)->T_w_kf, line.left.segment, line.sigma_px};
+  const StereoLine& line = features.at(observation.keyframe_id()).lines[static_cast<size_t>(observation.feature)];
+  return {map.FindKeyframe(observation.keyframe_id())->T_w_kf, line.left.segment, line.sigma_px};
 }
 
-std::vector<int64_t> NeighbourIds(int64_t keyframe_id, const Map& map) {
-  std::vector<int64_t> ids;
+std::vector<KeyframeId> NeighbourIds(KeyframeId keyframe_id, const Map& map) {
+  std::vector<KeyframeId> ids;
   for (const Map::Neighbour& neighbour : map.Neighbours(keyframe_id, Map::kCovisible)) {
     if (static_cast<int>(ids.size()) == kNeighbours) break;
     ids.push_back(neighbour.keyframe_id);
@@ -100,7 +100,7 @@ struct LikePair {
   Observation other;
 };
 
-std::vector<LikePair> FindLikePairs(int64_t keyframe_id, int64_t neighbour_id, const KeyframeFeatures& features,
+std::vector<LikePair> FindLikePairs(KeyframeId keyframe_id, KeyframeId neighbour_id, const KeyframeFeatures& features,
                                     const LineMatchOptions& options, const Map& map) {
   const std::vector<int> own = Places(WithoutDepth(keyframe_id, features.at(keyframe_id), map));
   const std::vector<int> theirs = Places(WithoutDepth(neighbour_id, features.at(neighbour_id), map));
@@ -114,7 +114,7 @@ std::vector<LikePair> FindLikePairs(int64_t keyframe_id, int64_t neighbour_id, c
   return pairs;
 }
 
-MapLine MakeLandmark(int64_t id, const TriangulatedLine& triangulated, const Observation& observation,
+MapLine MakeLandmark(LandmarkId id, const TriangulatedLine& triangulated, const Observation& observation,
                      const KeyframeFeatures& features) {
   MapLine line;
   line.id = id;
@@ -122,15 +122,16 @@ MapLine MakeLandmark(int64_t id, const TriangulatedLine& triangulated, const Obs
   line.covariance_p = triangulated.covariance_p;
   line.covariance_q = triangulated.covariance_q;
   line.descriptor =
-      features.at(observation.keyframe_id).lines[static_cast<size_t>(observation.feature)].left.descriptor;
+      features.at(observation.keyframe_id()).lines[static_cast<size_t>(observation.feature)].left.descriptor;
   line.observations = {observation};
   return line;
 }
 
 // Adds observations of other keyframes: unassociated segments near the projected line.
-void AddObservationsOfOthers(int64_t line_id, const std::vector<int64_t>& keyframes, const KeyframeFeatures& features,
-                             const StereoCamera& camera, const MappingOptions& options, Map& map) {
-  for (const int64_t id : keyframes) {
+void AddObservationsOfOthers(LandmarkId line_id, const std::vector<KeyframeId>& keyframes,
+                             const KeyframeFeatures& features, const StereoCamera& camera,
+                             const MappingOptions& options, Map& map) {
+  for (const KeyframeId id : keyframes) {
     if (IsSeenBy(*map.FindLine(line_id), id)) continue;
     const FeaturesView& seen = features.at(id);
     for (const LandmarkFeature& found :
@@ -164,19 +165,19 @@ std::optional<TriangulatedLine> TriangulateLine(const SegmentView& first, const 
   return line;
 }
 
-std::vector<int64_t> TriangulateLines(int64_t keyframe_id, const KeyframeFeatures& features,
-                                      const StereoCamera& camera, const MappingOptions& options, LandmarkIds& ids,
-                                      Map& map) {
-  std::vector<int64_t> created;
-  const std::vector<int64_t> neighbours = NeighbourIds(keyframe_id, map);
+std::vector<LandmarkId> TriangulateLines(KeyframeId keyframe_id, const KeyframeFeatures& features,
+                                         const StereoCamera& camera, const MappingOptions& options, LandmarkIds& ids,
+                                         Map& map) {
+  std::vector<LandmarkId> created;
+  const std::vector<KeyframeId> neighbours = NeighbourIds(keyframe_id, map);
   const double min_angle_rad = options.insertion.min_plane_angle_deg * std::numbers::pi / 180.0;
-  for (const int64_t neighbour_id : neighbours) {
+  for (const KeyframeId neighbour_id : neighbours) {
     for (const LikePair& pair :
          FindLikePairs(keyframe_id, neighbour_id, features, options.localisation.line_matching, map)) {
       const auto triangulated =
           TriangulateLine(ViewOf(pair.own, features, map), ViewOf(pair.other, features, map), camera, min_angle_rad);
       if (!triangulated) continue;
-      const int64_t id = ids.next_line++;
+      const LandmarkId id = ids.next_line++;
       map.Put(MakeLandmark(id, *triangulated, pair.own, features));
       AddObservation<LineType>(id, pair.other, features, map);
       AddObservationsOfOthers(id, neighbours, features, camera, options, map);

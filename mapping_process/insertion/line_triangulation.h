@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
+#include "core/ids/ids.h"
 #include "mapping_process/insertion/landmark_creation.h"
 
 namespace plslam::mapping {
@@ -32,8 +33,8 @@ std::optional<TriangulatedLine> TriangulateLine(const SegmentView& first, const 
 /// Creates landmarks from segments without stereo depth (nearly parallel to the baseline): triangulates pairs of
 /// segments of the keyframe and its neighbours with similar descriptors, and keeps those that a third keyframe
 /// observes, too. Returns their ids.
-std::vector<int64_t> TriangulateLines(int64_t keyframe_id, const KeyframeFeatures& features,
-                                      const StereoCamera& camera, const MappingOptions& options, LandmarkIds& ids,
-                                      Map& map);
+std::vector<LandmarkId> TriangulateLines(KeyframeId keyframe_id, const KeyframeFeatures& features,
+                                         const StereoCamera& camera, const MappingOptions& options, LandmarkIds& ids,
+                                         Map& map);
 
 }  // namespace plslam::mapping

@@ -26,9 +26,9 @@ constexpr int kSeamFactor = 2;
 constexpr double kWellShared = 0.25;
 
 // Whether a session begins among keyframes of another one: only landmarks connect them, no motion.
-bool IsSeam(std::span<const int64_t> keyframes, const Map& map) {
+bool IsSeam(std::span<const KeyframeId> keyframes, const Map& map) {
   const MapKeyframe& newest = *map.FindKeyframe(keyframes.front());
-  return newest.name.number < kSeamKeyframes && std::any_of(keyframes.begin(), keyframes.end(), [&](int64_t id) {
+  return newest.name.number < kSeamKeyframes && std::any_of(keyframes.begin(), keyframes.end(), [&](KeyframeId id) {
            return map.FindKeyframe(id)->name.session != newest.name.session;
          });
 }
@@ -36,15 +36,15 @@ bool IsSeam(std::span<const int64_t> keyframes, const Map& map) {
 // Landmarks that at least two keyframes observe, one of them free. If they, or their observations in a window of this
 // size, exceed the maximum, those with most observations.
 template <class Type>
-std::vector<int64_t> SeenTwice(const std::vector<int64_t>& free, const Map& map, size_t window_size, int max_count,
-                               int max_observations) {
-  std::vector<std::pair<size_t, int64_t>> ranked;
-  for (const int64_t id : SeenBy<Type>(free, map)) {
+std::vector<LandmarkId> SeenTwice(const std::vector<KeyframeId>& free, const Map& map, size_t window_size,
+                                  int max_count, int max_observations) {
+  std::vector<std::pair<size_t, LandmarkId>> ranked;
+  for (const LandmarkId id : SeenBy<Type>(free, map)) {
     const size_t n_observations = Type::Find(map, id)->observations.size();
     if (n_observations >= 2) ranked.emplace_back(n_observations, id);
   }
   std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  std::vector<int64_t> chosen;
+  std::vector<LandmarkId> chosen;
   size_t total = 0;
   for (const auto& [n_observations, id] : ranked) {
     total += std::min(n_observations, window_size);
@@ -55,35 +55,35 @@ std::vector<int64_t> SeenTwice(const std::vector<int64_t>& free, const Map& map,
   return chosen;
 }
 
-using IsEarlierVisit = std::function<bool(int64_t)>;
+using IsEarlierVisit = std::function<bool(KeyframeId)>;
 
 // The oldest views of earlier visits first, because the errors of newer ones depend on them: without them the place
 // would drift with each visit. Then those that observe most of the landmarks.
-std::vector<int64_t> FixedKeyframes(const std::vector<int64_t>& free, const std::vector<int64_t>& points,
-                                    const std::vector<int64_t>& lines, const Map& map,
-                                    const IsEarlierVisit& is_earlier, int max_count) {
-  std::map<int64_t, int> counts;
+std::vector<KeyframeId> FixedKeyframes(const std::vector<KeyframeId>& free, const std::vector<LandmarkId>& points,
+                                       const std::vector<LandmarkId>& lines, const Map& map,
+                                       const IsEarlierVisit& is_earlier, int max_count) {
+  std::map<KeyframeId, int> counts;
   CountKeyframes<PointType>(points, map, counts);
   CountKeyframes<LineType>(lines, map, counts);
-  for (const int64_t id : free) counts.erase(id);
+  for (const KeyframeId id : free) counts.erase(id);
   int most = 0;
   for (const auto& [id, count] : counts) most = std::max(most, count);
-  std::vector<int64_t> fixed;
+  std::vector<KeyframeId> fixed;
   for (const auto& [id, count] : counts) {
     if (static_cast<int>(fixed.size()) == max_count) return fixed;
     if (count >= kWellShared * most && is_earlier(id)) fixed.push_back(id);
   }
-  for (const int64_t id : fixed) counts.erase(id);
-  const std::vector<int64_t> others = MostCounted(counts, max_count - static_cast<int>(fixed.size()));
+  for (const KeyframeId id : fixed) counts.erase(id);
+  const std::vector<KeyframeId> others = MostCounted(counts, max_count - static_cast<int>(fixed.size()));
   fixed.insert(fixed.end(), others.begin(), others.end());
   return fixed;
 }
 
 // Marks constant keyframes of the window: those after the first `n_free`, those of earlier visits, whose place was
 // adjusted then, and the first of the map. If there are none, the oldest is constant, to fix the gauge.
-std::vector<bool> ConstantKeyframes(const std::vector<int64_t>& keyframes, size_t n_free, const Map& map,
+std::vector<bool> ConstantKeyframes(const std::vector<KeyframeId>& keyframes, size_t n_free, const Map& map,
                                     const IsEarlierVisit& is_earlier) {
-  const int64_t first = map.keyframes().begin()->first;
+  const KeyframeId first = map.keyframes().begin()->first;
   std::vector<bool> constant(keyframes.size());
   for (size_t i = 0; i < keyframes.size(); ++i) {
     constant[i] = i >= n_free || keyframes[i] == first || is_earlier(keyframes[i]);
@@ -97,20 +97,20 @@ std::vector<bool> ConstantKeyframes(const std::vector<int64_t>& keyframes, size_
 
 // Whether a landmark that is not adjusted moves with this keyframe, its newest observer.
 template <class Landmark>
-bool GoesWith(const Landmark& landmark, int64_t keyframe_id, const std::vector<int64_t>& adjusted) {
-  return landmark.observations.back().keyframe_id == keyframe_id &&
+bool GoesWith(const Landmark& landmark, KeyframeId keyframe_id, const std::vector<LandmarkId>& adjusted) {
+  return landmark.observations.back().keyframe_id() == keyframe_id &&
          !std::binary_search(adjusted.begin(), adjusted.end(), landmark.id);
 }
 
 // Landmarks that are not adjusted keep their position relative to their newest keyframe.
-void MoveOthers(int64_t keyframe_id, const SE3& T_new_old, const MapBundle& window, Map& map) {
+void MoveOthers(KeyframeId keyframe_id, const SE3& T_new_old, const MapBundle& window, Map& map) {
   const Eigen::Matrix3d R = T_new_old.R();
-  for (const int64_t id : PointType::Of(map, keyframe_id)) {
+  for (const LandmarkId id : PointType::Of(map, keyframe_id)) {
     if (id < 0 || !GoesWith(*map.FindPoint(id), keyframe_id, window.points)) continue;
     const MapPoint& point = *map.FindPoint(id);
     map.SetPosition(id, T_new_old * point.p_w, RotateCovariance(R, point.covariance));
   }
-  for (const int64_t id : LineType::Of(map, keyframe_id)) {
+  for (const LandmarkId id : LineType::Of(map, keyframe_id)) {
     if (id < 0 || !GoesWith(*map.FindLine(id), keyframe_id, window.lines)) continue;
     const MapLine& line = *map.FindLine(id);
     map.SetSegment(id, {T_new_old * line.segment_w.p, T_new_old * line.segment_w.q},
@@ -119,12 +119,12 @@ void MoveOthers(int64_t keyframe_id, const SE3& T_new_old, const MapBundle& wind
 }
 
 template <class Type>
-int DropOutliers(const MapBundle& window, const std::vector<int64_t>& ids, const std::vector<bool>& inliers,
+int DropOutliers(const MapBundle& window, const std::vector<LandmarkId>& ids, const std::vector<bool>& inliers,
                  const KeyframeFeatures& features, Map& map) {
-  std::vector<std::pair<int64_t, int64_t>> outliers;
+  std::vector<std::pair<LandmarkId, KeyframeId>> outliers;
   size_t i = 0;
   ForEachObservation<Type>(window, ids, map, features, [&](int, int landmark, const Observation& observation) {
-    if (!inliers[i++]) outliers.emplace_back(ids[static_cast<size_t>(landmark)], observation.keyframe_id);
+    if (!inliers[i++]) outliers.emplace_back(ids[static_cast<size_t>(landmark)], observation.keyframe_id());
   });
   for (const auto& [landmark_id, keyframe_id] : outliers)
     DropObservation<Type>(landmark_id, keyframe_id, features, map);
@@ -142,7 +142,7 @@ void MoveKeyframes(const MapBundle& window, const BundleResult& result, Map& map
   const MapKeyframe anchor = *map.FindKeyframe(window.keyframes[static_cast<size_t>(fixed - poses.begin())]);
   for (size_t i = 0; i < window.keyframes.size(); ++i) {
     if (window.problem.poses[i].fixed) continue;
-    const int64_t id = window.keyframes[i];
+    const KeyframeId id = window.keyframes[i];
     const SE3 T_new_old = result.T_w_c[i] * window.problem.poses[i].T_w_c.Inverse();
     MoveOthers(id, T_new_old, window, map);
     const SE3 T_anchor_kf = anchor.T_w_kf.Inverse() * result.T_w_c[i];
@@ -155,9 +155,9 @@ void MoveKeyframes(const MapBundle& window, const BundleResult& result, Map& map
 
 }  // namespace
 
-MapBundle MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeFeatures& features, const Visits& visits,
-                          const StereoCamera& camera, const WindowOptions& options) {
-  std::vector<int64_t> keyframes =
+MapBundle MakeLocalWindow(KeyframeId keyframe_id, const Map& map, const KeyframeFeatures& features,
+                          const Visits& visits, const StereoCamera& camera, const WindowOptions& options) {
+  std::vector<KeyframeId> keyframes =
       KeyframesAround(keyframe_id, map, options.min_shared, kSeamFactor * options.keyframes);
   const size_t usual = std::min(keyframes.size(), static_cast<size_t>(options.keyframes));
   const bool at_seam = IsSeam({keyframes.data(), usual}, map);
@@ -166,13 +166,13 @@ MapBundle MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeFea
   const int factor = at_seam ? kSeamFactor : 1;
   const int n_fixed = factor * options.fixed_keyframes;
   const size_t size = n_free + static_cast<size_t>(n_fixed);
-  std::vector<int64_t> points =
+  std::vector<LandmarkId> points =
       SeenTwice<PointType>(keyframes, map, size, options.max_points, factor * options.max_point_observations);
-  std::vector<int64_t> lines =
+  std::vector<LandmarkId> lines =
       SeenTwice<LineType>(keyframes, map, size, options.max_lines, factor * options.max_line_observations);
   const MapKeyframe& newest = *map.FindKeyframe(keyframe_id);
-  const auto is_earlier = [&](int64_t id) { return visits.IsBefore(*map.FindKeyframe(id), newest); };
-  const std::vector<int64_t> fixed = FixedKeyframes(keyframes, points, lines, map, is_earlier, n_fixed);
+  const auto is_earlier = [&](KeyframeId id) { return visits.IsBefore(*map.FindKeyframe(id), newest); };
+  const std::vector<KeyframeId> fixed = FixedKeyframes(keyframes, points, lines, map, is_earlier, n_fixed);
   keyframes.insert(keyframes.end(), fixed.begin(), fixed.end());
   const std::vector<bool> constant = ConstantKeyframes(keyframes, n_free, map, is_earlier);
   return MakeMapBundle(map, features, camera, std::move(keyframes), constant, std::move(points), std::move(lines),
@@ -181,13 +181,13 @@ MapBundle MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeFea
 
 MapBundle MakeLandmarkWindow(const LandmarksNamed& landmarks, const Map& map, const KeyframeFeatures& features,
                              const StereoCamera& camera) {
-  std::set<int64_t> seeing;
+  std::set<KeyframeId> seeing;
   const auto see = [&seeing](const std::vector<Observation>& observations) {
-    for (const Observation& observation : observations) seeing.insert(observation.keyframe_id);
+    for (const Observation& observation : observations) seeing.insert(observation.keyframe_id());
   };
-  for (const int64_t id : landmarks.points) see(map.FindPoint(id)->observations);
-  for (const int64_t id : landmarks.lines) see(map.FindLine(id)->observations);
-  std::vector<int64_t> keyframes(seeing.begin(), seeing.end());
+  for (const LandmarkId id : landmarks.points) see(map.FindPoint(id)->observations);
+  for (const LandmarkId id : landmarks.lines) see(map.FindLine(id)->observations);
+  std::vector<KeyframeId> keyframes(seeing.begin(), seeing.end());
   const std::vector<bool> constant(keyframes.size(), true);
   return MakeMapBundle(map, features, camera, std::move(keyframes), constant, landmarks.points, landmarks.lines, 0.0);
 }

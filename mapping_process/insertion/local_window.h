@@ -16,8 +16,8 @@ namespace plslam::mapping {
 /// that at least two keyframes observe. Other observing keyframes are constant, as are those of earlier visits, which
 /// define the place, and the first of the map. Twice as wide for the first keyframes of a session that begins among
 /// those of another (docs/reliability.md, "What a kill costs").
-MapBundle MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeFeatures& features, const Visits& visits,
-                          const StereoCamera& camera, const WindowOptions& options);
+MapBundle MakeLocalWindow(KeyframeId keyframe_id, const Map& map, const KeyframeFeatures& features,
+                          const Visits& visits, const StereoCamera& camera, const WindowOptions& options);
 
 /// Returns the problem of these landmarks with constant keyframes, for use after a global bundle adjustment, which
 /// gives poses but no landmarks.

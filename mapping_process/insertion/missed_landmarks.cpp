@@ -30,7 +30,7 @@ constexpr double kAsMany = 0.5;
 constexpr int64_t kVisits = 2;
 
 struct Expected {
-  std::vector<int64_t> missed;
+  std::vector<LandmarkId> missed;
   int found = 0;
 };
 
@@ -49,14 +49,14 @@ bool IsInView(const MapLine& line, const SE3& T_c_w, const StereoCamera& camera)
 
 // Whether one of these keyframes observes the landmark from about the position `centre_w`.
 template <class Landmark>
-bool IsSeenFrom(const Eigen::Vector3d& centre_w, const Landmark& landmark, const std::vector<int64_t>& keyframes,
+bool IsSeenFrom(const Eigen::Vector3d& centre_w, const Landmark& landmark, const std::vector<KeyframeId>& keyframes,
                 const Map& map) {
   static const double kLeastCosine = std::cos(kSameView_deg * kRadPerDeg);
   const Eigen::Vector3d ray_w = Middle(landmark) - centre_w;
   return std::any_of(landmark.observations.begin(), landmark.observations.end(), [&](const Observation& observation) {
-    if (!std::binary_search(keyframes.begin(), keyframes.end(), observation.keyframe_id)) return false;
+    if (!std::binary_search(keyframes.begin(), keyframes.end(), observation.keyframe_id())) return false;
     const Eigen::Vector3d other_w =
-        Middle(landmark) - map.FindKeyframe(observation.keyframe_id)->T_w_kf.translation();
+        Middle(landmark) - map.FindKeyframe(observation.keyframe_id())->T_w_kf.translation();
     const double ratio = ray_w.norm() / other_w.norm();
     return ratio > kNearest && ratio < kFarthest && ray_w.dot(other_w) > kLeastCosine * ray_w.norm() * other_w.norm();
   });
@@ -64,14 +64,14 @@ bool IsSeenFrom(const Eigen::Vector3d& centre_w, const Landmark& landmark, const
 
 // Returns the keyframes of earlier visits that were near this one and looked in the same direction, ascending. Common
 // landmarks are no criterion, because a place that has changed has none.
-std::vector<int64_t> EarlierHere(const MapKeyframe& keyframe, const Visits& visits, const Map& map) {
+std::vector<KeyframeId> EarlierHere(const MapKeyframe& keyframe, const Visits& visits, const Map& map) {
   static const double kLeastCosine = std::cos(kSameDirection_deg * kRadPerDeg);
   std::set<SessionId> sessions{keyframe.name.session};
   for (const Map::Neighbour& neighbour : map.Neighbours(keyframe.id, kConnected)) {
     sessions.insert(map.FindKeyframe(neighbour.keyframe_id)->name.session);
   }
   const double near_m = visits.Near_m(keyframe);
-  std::vector<int64_t> earlier;
+  std::vector<KeyframeId> earlier;
   for (const auto& [id, other] : map.keyframes()) {
     if ((other.T_w_kf.translation() - keyframe.T_w_kf.translation()).norm() > near_m) continue;
     if (other.T_w_kf.R().col(2).dot(keyframe.T_w_kf.R().col(2)) < kLeastCosine) continue;
@@ -82,13 +82,13 @@ std::vector<int64_t> EarlierHere(const MapKeyframe& keyframe, const Visits& visi
 
 // `earlier`: keyframes of earlier visits, ascending.
 template <class Type>
-Expected Compared(const MapKeyframe& keyframe, const std::vector<int64_t>& earlier, const StereoCamera& camera,
+Expected Compared(const MapKeyframe& keyframe, const std::vector<KeyframeId>& earlier, const StereoCamera& camera,
                   const Visits& visits, const Map& map) {
   const SE3 T_c_w = keyframe.T_w_kf.Inverse();
   Expected expected;
-  for (const int64_t id : SeenBy<Type>(earlier, map)) {
+  for (const LandmarkId id : SeenBy<Type>(earlier, map)) {
     const typename Type::Landmark& landmark = *Type::Find(map, id);
-    const int64_t newest_id = landmark.observations.back().keyframe_id;
+    const KeyframeId newest_id = landmark.observations.back().keyframe_id();
     const bool found = newest_id == keyframe.id;
     if (!found && !visits.IsBefore(*map.FindKeyframe(newest_id), keyframe)) continue;
     if (!IsInView(landmark, T_c_w, camera)) continue;
@@ -103,30 +103,30 @@ Expected Compared(const MapKeyframe& keyframe, const std::vector<int64_t>& earli
 }
 
 template <class Type>
-int CountLandmarks(int64_t keyframe_id, const Map& map) {
-  const std::vector<int64_t>& landmarks = Type::Of(map, keyframe_id);
-  return static_cast<int>(std::count_if(landmarks.begin(), landmarks.end(), [](int64_t id) { return id >= 0; }));
+int CountLandmarks(KeyframeId keyframe_id, const Map& map) {
+  const std::vector<LandmarkId>& landmarks = Type::Of(map, keyframe_id);
+  return static_cast<int>(std::count_if(landmarks.begin(), landmarks.end(), [](LandmarkId id) { return id >= 0; }));
 }
 
-int CountLandmarks(int64_t keyframe_id, const Map& map) {
+int CountLandmarks(KeyframeId keyframe_id, const Map& map) {
   return CountLandmarks<PointType>(keyframe_id, map) + CountLandmarks<LineType>(keyframe_id, map);
 }
 
 // Whether a keyframe that found so many landmarks of earlier visits shows the place as well as they did.
-bool IsComparable(int64_t keyframe_id, int found, const std::vector<int64_t>& earlier, const Map& map) {
+bool IsComparable(KeyframeId keyframe_id, int found, const std::vector<KeyframeId>& earlier, const Map& map) {
   int most = 0;
-  for (const int64_t id : earlier) most = std::max(most, CountLandmarks(id, map));
+  for (const KeyframeId id : earlier) most = std::max(most, CountLandmarks(id, map));
   const int own = CountLandmarks(keyframe_id, map);
   return own > 0 && found >= kKnown * own && own >= kAsMany * most;
 }
 
 }  // namespace
 
-void MissedLandmarks::Compare(int64_t keyframe_id, const Visits& visits, const StereoCamera& camera, Map& map) {
-  for (const int64_t id : PointType::Of(map, keyframe_id)) points_.erase(id);
-  for (const int64_t id : LineType::Of(map, keyframe_id)) lines_.erase(id);
+void MissedLandmarks::Compare(KeyframeId keyframe_id, const Visits& visits, const StereoCamera& camera, Map& map) {
+  for (const LandmarkId id : PointType::Of(map, keyframe_id)) points_.erase(id);
+  for (const LandmarkId id : LineType::Of(map, keyframe_id)) lines_.erase(id);
   const MapKeyframe& keyframe = *map.FindKeyframe(keyframe_id);
-  const std::vector<int64_t> earlier = EarlierHere(keyframe, visits, map);
+  const std::vector<KeyframeId> earlier = EarlierHere(keyframe, visits, map);
   if (earlier.empty()) return;
   const Expected points = Compared<PointType>(keyframe, earlier, camera, visits, map);
   const Expected lines = Compared<LineType>(keyframe, earlier, camera, visits, map);
@@ -136,13 +136,13 @@ void MissedLandmarks::Compare(int64_t keyframe_id, const Visits& visits, const S
 }
 
 template <class Type>
-void MissedLandmarks::Update(const std::vector<int64_t>& missed, const MapKeyframe& keyframe, const Visits& visits,
+void MissedLandmarks::Update(const std::vector<LandmarkId>& missed, const MapKeyframe& keyframe, const Visits& visits,
                              Table& table, Map& map) {
   const Visits::Moment now = visits.MomentOf(keyframe);
-  for (const int64_t id : missed) {
+  for (const LandmarkId id : missed) {
     Entry& entry = table[id];
     // A later search may have found it after all.
-    if (Type::Find(map, id)->observations.back().keyframe_id > entry.newest.keyframe_id) entry = {};
+    if (Type::Find(map, id)->observations.back().keyframe_id() > entry.newest.keyframe_id) entry = {};
     const bool is_new = entry.visits == 0 || visits.IsBefore(entry.newest, visits.Near_m(keyframe), keyframe);
     if (is_new) ++entry.visits;
     if (is_new || entry.newest.session == keyframe.name.session) entry.newest = now;

@@ -18,7 +18,7 @@ class MissedLandmarks {
   /// Compares the landmarks that a new keyframe observes with those that earlier visits observed from about the same
   /// position, and removes those that are missed for the second visit in a row. A keyframe that finds only few of them says
   /// nothing about them: it is dark, blurred or covered. `camera`: of the keyframe.
-  void Compare(int64_t keyframe_id, const Visits& visits, const StereoCamera& camera, Map& map);
+  void Compare(KeyframeId keyframe_id, const Visits& visits, const StereoCamera& camera, Map& map);
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
@@ -36,10 +36,10 @@ class MissedLandmarks {
     }
   };
   /// By landmark.
-  using Table = std::map<int64_t, Entry>;
+  using Table = std::map<LandmarkId, Entry>;
 
   template <class Type>
-  void Update(const std::vector<int64_t>& missed, const MapKeyframe& keyframe, const Visits& visits, Table& table,
+  void Update(const std::vector<LandmarkId>& missed, const MapKeyframe& keyframe, const Visits& visits, Table& table,
               Map& map);
 
   Table points_;

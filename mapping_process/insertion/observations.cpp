@@ -17,7 +17,7 @@ namespace {
 
 template <class Type>
 const typename Type::Feature& FeatureAt(const KeyframeFeatures& features, const Observation& observation) {
-  return Type::Features(features.at(observation.keyframe_id))[static_cast<size_t>(observation.feature)];
+  return Type::Features(features.at(observation.keyframe_id()))[static_cast<size_t>(observation.feature)];
 }
 
 /// Returns the observation with the least sum of descriptor distances to all others, the newer one of equal ones.
@@ -47,9 +47,9 @@ void Represent(const Observation& observation, const KeyframeFeatures& features,
   point.descriptor = seen.left.descriptor;
   point.angle_rad = seen.left.angle_rad;
   point.octave = seen.left.octave;
-  const SE3& T_w_kf = map.FindKeyframe(observation.keyframe_id)->T_w_kf;
+  const SE3& T_w_kf = map.FindKeyframe(observation.keyframe_id())->T_w_kf;
   const double depth_m = (T_w_kf.rotation().conjugate() * (point.p_w - T_w_kf.translation())).z();
-  const std::optional<TakenImage>& image = features.at(observation.keyframe_id).image;
+  const std::optional<TakenImage>& image = features.at(observation.keyframe_id()).image;
   const double octave_scale = image ? map.camera()->f_px / image->f_px : 1.0;
   if (depth_m > 0.0) point.depth_m = octave_scale * depth_m;
 }
@@ -64,14 +64,15 @@ void PutWithDescriptor(typename Type::Landmark landmark, const KeyframeFeatures&
   map.Put(std::move(landmark));
 }
 
-bool ByKeyframe(const Observation& a, const Observation& b) { return a.keyframe_id < b.keyframe_id; }
+bool ByKeyframe(const Observation& a, const Observation& b) { return a.keyframe_id() < b.keyframe_id(); }
 
 }  // namespace
 
 template <class Type>
-bool AddObservation(int64_t landmark_id, const Observation& observation, const KeyframeFeatures& features, Map& map) {
+bool AddObservation(LandmarkId landmark_id, const Observation& observation, const KeyframeFeatures& features,
+                    Map& map) {
   const auto* known = Type::Find(map, landmark_id);
-  if (known == nullptr || IsSeenBy(*known, observation.keyframe_id) || LandmarkAt<Type>(map, observation) >= 0)
+  if (known == nullptr || IsSeenBy(*known, observation.keyframe_id()) || LandmarkAt<Type>(map, observation) >= 0)
     return false;
   typename Type::Landmark landmark = *known;
   landmark.observations.insert(
@@ -82,23 +83,23 @@ bool AddObservation(int64_t landmark_id, const Observation& observation, const K
 }
 
 template <class Type>
-void DropObservation(int64_t landmark_id, int64_t keyframe_id, const KeyframeFeatures& features, Map& map) {
+void DropObservation(LandmarkId landmark_id, KeyframeId keyframe_id, const KeyframeFeatures& features, Map& map) {
   const auto* known = Type::Find(map, landmark_id);
   if (known == nullptr) return;
   typename Type::Landmark landmark = *known;
   std::erase_if(landmark.observations,
-                [keyframe_id](const Observation& observation) { return observation.keyframe_id == keyframe_id; });
+                [keyframe_id](const Observation& observation) { return observation.keyframe_id() == keyframe_id; });
   if (landmark.observations.empty()) return Type::Remove(landmark_id, map);
   PutWithDescriptor<Type>(std::move(landmark), features, map);
 }
 
 template <class Type>
-bool Fuse(int64_t a, int64_t b, const KeyframeFeatures& features, Map& map) {
+bool Fuse(LandmarkId a, LandmarkId b, const KeyframeFeatures& features, Map& map) {
   const auto* first = Type::Find(map, std::min(a, b));
   const auto* second = Type::Find(map, std::max(a, b));
   if (first == nullptr || second == nullptr || first == second) return false;
   for (const Observation& observation : second->observations) {
-    if (IsSeenBy(*first, observation.keyframe_id)) return false;
+    if (IsSeenBy(*first, observation.keyframe_id())) return false;
   }
   // Keeps the position of the landmark with more observations.
   typename Type::Landmark fused = first->observations.size() >= second->observations.size() ? *first : *second;
@@ -111,12 +112,12 @@ bool Fuse(int64_t a, int64_t b, const KeyframeFeatures& features, Map& map) {
   return true;
 }
 
-template bool AddObservation<PointType>(int64_t, const Observation&, const KeyframeFeatures&, Map&);
-template bool AddObservation<LineType>(int64_t, const Observation&, const KeyframeFeatures&, Map&);
-template void DropObservation<PointType>(int64_t, int64_t, const KeyframeFeatures&, Map&);
-template void DropObservation<LineType>(int64_t, int64_t, const KeyframeFeatures&, Map&);
-template bool Fuse<PointType>(int64_t, int64_t, const KeyframeFeatures&, Map&);
-template bool Fuse<LineType>(int64_t, int64_t, const KeyframeFeatures&, Map&);
+template bool AddObservation<PointType>(LandmarkId, const Observation&, const KeyframeFeatures&, Map&);
+template bool AddObservation<LineType>(LandmarkId, const Observation&, const KeyframeFeatures&, Map&);
+template void DropObservation<PointType>(LandmarkId, KeyframeId, const KeyframeFeatures&, Map&);
+template void DropObservation<LineType>(LandmarkId, KeyframeId, const KeyframeFeatures&, Map&);
+template bool Fuse<PointType>(LandmarkId, LandmarkId, const KeyframeFeatures&, Map&);
+template bool Fuse<LineType>(LandmarkId, LandmarkId, const KeyframeFeatures&, Map&);
 
 namespace {
 

@@ -12,15 +12,16 @@ namespace plslam::mapping {
 /// Adds an observation to a landmark. Returns false if the keyframe already observes the landmark, or the feature
 /// another one. Selects the landmark's descriptor again (PL-SLAM §V.A: the most representative one).
 template <class Type>
-bool AddObservation(int64_t landmark_id, const Observation& observation, const KeyframeFeatures& features, Map& map);
+bool AddObservation(LandmarkId landmark_id, const Observation& observation, const KeyframeFeatures& features,
+                    Map& map);
 
 /// Removes an observation, and the landmark with its last one.
 template <class Type>
-void DropObservation(int64_t landmark_id, int64_t keyframe_id, const KeyframeFeatures& features, Map& map);
+void DropObservation(LandmarkId landmark_id, KeyframeId keyframe_id, const KeyframeFeatures& features, Map& map);
 
 /// Fuses two landmarks under the smaller id. Returns false and does nothing if one keyframe observes both.
 template <class Type>
-bool Fuse(int64_t a, int64_t b, const KeyframeFeatures& features, Map& map);
+bool Fuse(LandmarkId a, LandmarkId b, const KeyframeFeatures& features, Map& map);
 
 /// Returns the sum of squared residuals of a feature in both images, in variances, at most `kMostObservationError`,
 /// which is also the value for a point behind the camera. Never NaN.

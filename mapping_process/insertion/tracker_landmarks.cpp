@@ -15,11 +15,11 @@ constexpr int64_t kRememberedKeyframes = 60;
 constexpr size_t kRememberedSessions = 16;
 
 template <class Type, class Table>
-std::vector<int64_t> AssociationsOf(size_t n, const std::vector<int64_t>& given,
-                                    const std::vector<int64_t>& tracker_ids, const Table& table, const Map& map) {
-  std::vector<int64_t> from_tracker(n, -1);
-  std::set<int64_t> taken;
-  const auto associate = [&](size_t i, int64_t id) {
+std::vector<LandmarkId> AssociationsOf(size_t n, const std::vector<LandmarkId>& given,
+                                       const std::vector<TrackId>& tracker_ids, const Table& table, const Map& map) {
+  std::vector<LandmarkId> from_tracker(n, -1);
+  std::set<LandmarkId> taken;
+  const auto associate = [&](size_t i, LandmarkId id) {
     if (from_tracker[i] < 0 && Type::Find(map, id) != nullptr && taken.insert(id).second) from_tracker[i] = id;
   };
   for (size_t i = 0; i < tracker_ids.size(); ++i) {
@@ -37,21 +37,21 @@ const TrackerLandmarks::Session& TrackerLandmarks::SessionOf(const Keyframe& key
   return known == sessions_.end() ? kNone : known->second;
 }
 
-std::vector<int64_t> TrackerLandmarks::InMap(const std::vector<Withdrawn>& withdrawn, const Table& table) {
-  std::vector<int64_t> map_ids;
+std::vector<LandmarkId> TrackerLandmarks::InMap(const std::vector<Withdrawn>& withdrawn, const Table& table) {
+  std::vector<LandmarkId> map_ids;
   for (const Withdrawn& landmark : withdrawn) {
-    for (const int64_t id : {landmark.map_id, table.Find(landmark.landmark_id)}) {
+    for (const LandmarkId id : {landmark.map_id, table.Find(landmark.landmark_id)}) {
       if (id >= 0) map_ids.push_back(id);
     }
   }
   return map_ids;
 }
 
-std::vector<int64_t> TrackerLandmarks::WithdrawnPoints(const Keyframe& keyframe) const {
+std::vector<LandmarkId> TrackerLandmarks::WithdrawnPoints(const Keyframe& keyframe) const {
   return InMap(keyframe.withdrawn_points, SessionOf(keyframe).points);
 }
 
-std::vector<int64_t> TrackerLandmarks::WithdrawnLines(const Keyframe& keyframe) const {
+std::vector<LandmarkId> TrackerLandmarks::WithdrawnLines(const Keyframe& keyframe) const {
   return InMap(keyframe.withdrawn_lines, SessionOf(keyframe).lines);
 }
 
@@ -82,27 +82,27 @@ void TrackerLandmarks::ForgetSessions() {
                                    [](const auto& a, const auto& b) { return a.second.learned < b.second.learned; }));
 }
 
-int64_t TrackerLandmarks::Table::Find(int64_t tracker_id) const {
+LandmarkId TrackerLandmarks::Table::Find(TrackId tracker_id) const {
   const auto known = entries_.find(tracker_id);
   return known == entries_.end() ? -1 : known->second.map_id;
 }
 
-void TrackerLandmarks::Table::Learn(const std::vector<int64_t>& tracker_ids, const std::vector<int64_t>& shown,
-                                    int64_t keyframe_id) {
-  std::vector<int64_t>& shown_now = shown_in_[keyframe_id];
+void TrackerLandmarks::Table::Learn(const std::vector<TrackId>& tracker_ids, const std::vector<LandmarkId>& shown,
+                                    int64_t number) {
+  std::vector<TrackId>& shown_now = shown_in_[number];
   for (size_t i = 0; i < std::min(tracker_ids.size(), shown.size()); ++i) {
     if (tracker_ids[i] < 0 || shown[i] < 0) continue;
-    entries_[tracker_ids[i]] = {shown[i], keyframe_id};
+    entries_[tracker_ids[i]] = {shown[i], number};
     shown_now.push_back(tracker_ids[i]);
   }
-  ForgetBefore(keyframe_id - kRememberedKeyframes);
+  ForgetBefore(number - kRememberedKeyframes);
 }
 
-void TrackerLandmarks::Table::ForgetBefore(int64_t keyframe_id) {
-  while (!shown_in_.empty() && shown_in_.begin()->first < keyframe_id) {
-    for (const int64_t id : shown_in_.begin()->second) {
+void TrackerLandmarks::Table::ForgetBefore(int64_t number) {
+  while (!shown_in_.empty() && shown_in_.begin()->first < number) {
+    for (const TrackId id : shown_in_.begin()->second) {
       const auto entry = entries_.find(id);
-      if (entry != entries_.end() && entry->second.keyframe_id < keyframe_id) entries_.erase(entry);
+      if (entry != entries_.end() && entry->second.number < number) entries_.erase(entry);
     }
     shown_in_.erase(shown_in_.begin());
   }

@@ -22,8 +22,8 @@ class TrackerLandmarks {
   static Association Given(const Keyframe& keyframe, const Map& map);
 
   /// Returns the landmarks of the map that the keyframe withdraws.
-  std::vector<int64_t> WithdrawnPoints(const Keyframe& keyframe) const;
-  std::vector<int64_t> WithdrawnLines(const Keyframe& keyframe) const;
+  std::vector<LandmarkId> WithdrawnPoints(const Keyframe& keyframe) const;
+  std::vector<LandmarkId> WithdrawnLines(const Keyframe& keyframe) const;
 
   /// Stores the final landmarks of a keyframe's features, and forgets those not observed for long.
   void Learn(const Keyframe& keyframe, const Map::FeatureLandmarks& shown);
@@ -38,8 +38,8 @@ class TrackerLandmarks {
   class Table {
    public:
     /// Returns -1 if unknown.
-    int64_t Find(int64_t tracker_id) const;
-    void Learn(const std::vector<int64_t>& tracker_ids, const std::vector<int64_t>& shown, int64_t keyframe_id);
+    LandmarkId Find(TrackId tracker_id) const;
+    void Learn(const std::vector<TrackId>& tracker_ids, const std::vector<LandmarkId>& shown, int64_t number);
 
     template <class Archive, class Self>
     static void Fields(Archive& a, Self& self) {
@@ -48,19 +48,19 @@ class TrackerLandmarks {
 
    private:
     struct Entry {
-      int64_t map_id = -1;
-      int64_t keyframe_id = -1;
+      LandmarkId map_id = -1;
+      int64_t number = -1;
 
       template <class Archive, class Self>
       static void Fields(Archive& a, Self& self) {
-        a(self.map_id, self.keyframe_id);
+        a(self.map_id, self.number);
       }
     };
-    void ForgetBefore(int64_t keyframe_id);
+    void ForgetBefore(int64_t number);
 
-    std::map<int64_t, Entry> entries_;
-    /// Tracker ids by keyframe, so that forgetting visits old ones only.
-    std::map<int64_t, std::vector<int64_t>> shown_in_;
+    std::map<TrackId, Entry> entries_;
+    /// Tracker ids by keyframe number, so that forgetting visits old ones only.
+    std::map<int64_t, std::vector<TrackId>> shown_in_;
   };
   struct Session {
     Table points;
@@ -72,7 +72,7 @@ class TrackerLandmarks {
       a(self.points, self.lines, self.learned);
     }
   };
-  static std::vector<int64_t> InMap(const std::vector<Withdrawn>& withdrawn, const Table& table);
+  static std::vector<LandmarkId> InMap(const std::vector<Withdrawn>& withdrawn, const Table& table);
   const Session& SessionOf(const Keyframe& keyframe) const;
   void ForgetSessions();
 

@@ -42,7 +42,7 @@ void Visits::ForgetSessions() {
   }));
 }
 
-void Visits::Remove(int64_t keyframe_id) {
+void Visits::Remove(KeyframeId keyframe_id) {
   for (auto& [id, session] : sessions_) session.by_keyframe_m.erase(keyframe_id);
 }
 

@@ -21,7 +21,7 @@ class Visits {
   /// A keyframe on the path of its session.
   struct Moment {
     SessionId session;
-    int64_t keyframe_id = -1;
+    KeyframeId keyframe_id = -1;
     double travelled_m = 0.0;
 
     template <class Archive, class Self>
@@ -33,7 +33,7 @@ class Visits {
   /// Adds a new keyframe.
   void Add(const MapKeyframe& keyframe);
   /// The keyframe is not in the map any more.
-  void Remove(int64_t keyframe_id);
+  void Remove(KeyframeId keyframe_id);
 
   Moment MomentOf(const MapKeyframe& keyframe) const;
   /// Returns whether `earlier`, at this distance from `keyframe`, belongs to an earlier visit.
@@ -50,11 +50,11 @@ class Visits {
 
  private:
   struct Session {
-    int64_t first_id = -1;
-    int64_t newest_id = -1;
+    KeyframeId first_id = -1;
+    KeyframeId newest_id = -1;
     double travelled_m = 0.0;
     int64_t n_steps = 0;
-    std::map<int64_t, double> by_keyframe_m;
+    std::map<KeyframeId, double> by_keyframe_m;
 
     double Near_m() const;
 

@@ -227,7 +227,7 @@ void MappingNode::RestoreState() {
 
 /// Publishes the keyframes of the map, or those with the given ids, as trackers do, for listeners that need their
 /// features.
-void MappingNode::PublishKeyframes(const std::optional<std::set<int64_t>>& ids) {
+void MappingNode::PublishKeyframes(const std::optional<std::set<KeyframeId>>& ids) {
   bus::KeyframePublisher publisher(process_.bus());
   for (const auto& [id, entry] : mapper_->map().keyframes()) {
     if (ids && !ids->contains(id)) continue;
@@ -427,7 +427,11 @@ void MappingNode::CountFailures() {
 
 /// An order that fails changes nothing.
 void MappingNode::Execute(const bus::Order& order) {
-  if (order.verb == command_verb::kSendKeyframes) return PublishKeyframes(NumbersInRanges(order.argument));
+  if (order.verb == command_verb::kSendKeyframes) {
+    std::set<KeyframeId> ids;
+    for (const int64_t number : NumbersInRanges(order.argument)) ids.insert(KeyframeId(number));
+    return PublishKeyframes(ids);
+  }
   try {
     if (order.verb == command_verb::kSave) Save(order.argument);
     if (order.verb == command_verb::kLocalise) SetLocaliseOnly(order.argument);

@@ -71,7 +71,7 @@ class MappingNode {
   void WorkBeforeStop();
   void BeginMap();
   void RestoreState();
-  void PublishKeyframes(const std::optional<std::set<int64_t>>& ids = std::nullopt);
+  void PublishKeyframes(const std::optional<std::set<KeyframeId>>& ids = std::nullopt);
   void LogStoredMap(const std::string& file);
   void AwaitHistories();
   void Do(const Work& work);

@@ -84,7 +84,8 @@ BENCHMARK(BM_Adjustment)->Unit(benchmark::kMillisecond)->Iterations(3);
 void BM_Move(benchmark::State& state) {
   const LoopClosure closure = test::AdjustByTruth(MapOnce().mapper.map(), MapOnce().walk.T_w_c);
   KeyframeFeatures features;
-  for (const Keyframe& keyframe : MapOnce().walk.keyframes) features[keyframe.name.number] = keyframe.features;
+  for (const Keyframe& keyframe : MapOnce().walk.keyframes)
+    features[KeyframeId(keyframe.name.number)] = keyframe.features;
   for (auto _ : state) {
     state.PauseTiming();
     plslam::Map map = MapOnce().mapper.map();

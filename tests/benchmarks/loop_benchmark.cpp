@@ -49,7 +49,8 @@ struct MadeUpMap {
 
   void AddKeyframe(int i, int n) {
     MapKeyframe entry;
-    entry.id = entry.name.number = i;
+    entry.name.number = i;
+    entry.id = KeyframeId(entry.name.number);
     entry.name.session = 1;
     entry.T_w_kf = entry.T_odom_kf = OnCircle(i, n);
     if (i > 0) {
@@ -70,7 +71,7 @@ struct MadeUpMap {
     std::uniform_real_distribution<double> across(-1.0, 1.0);
     for (int k = 0; k < kPoints / kSeenBy; ++k) {
       MapPoint point;
-      point.id = next_point++;
+      point.id = LandmarkId(next_point++);
       point.p_w =
           OnCircle(i, n) * Eigen::Vector3d{3.5 * across(generator), 2.0 * across(generator), 6.0 + across(generator)};
       point.covariance = 1e-4 * Eigen::Matrix3d::Identity();
@@ -97,10 +98,10 @@ struct MadeUpMap {
   void SeeBeginning(int j) {
     std::vector<MapPoint> seen;
     for (const auto& [id, point] : map.points()) {
-      if (point.observations.front().keyframe_id < kSeenBy) seen.push_back(point);
+      if (point.observations.front().keyframe_id() < kSeenBy) seen.push_back(point);
     }
     for (MapPoint& point : seen) {
-      point.id = next_point++;
+      point.id = LandmarkId(next_point++);
       point.observations = {{j, static_cast<int32_t>(keyframes[static_cast<size_t>(j)].features.points.size())}};
       point.depth_m = See(j, point);
       map.Put(point);

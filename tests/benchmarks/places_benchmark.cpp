@@ -118,7 +118,7 @@ std::vector<PlaceDescription> Queries(World& world) {
 std::vector<PlaceMatch> Ask(const World& world, const PlaceDescription& query) {
   const int64_t newest = world.places.size();
   return world.places.Query(
-      query, [newest](int64_t id) { return id > newest - 20; }, 10);
+      query, [newest](KeyframeId id) { return id.value > newest - 20; }, 10);
 }
 
 void Query(benchmark::State& state) {
@@ -132,12 +132,12 @@ void Query(benchmark::State& state) {
 void RemoveAndAdd(benchmark::State& state) {
   World& world = TheWorld();
   world.GrowTo(static_cast<int>(state.range(0)));
-  int64_t id = 0;
+  int id = 0;
   for (auto _ : state) {
     const PlaceDescription description = world.places.Of(id);
     world.places.Remove(id);
     world.places.Add(id, description);
-    id = (id + 37) % state.range(0);
+    id = (id + 37) % static_cast<int>(state.range(0));
   }
 }
 

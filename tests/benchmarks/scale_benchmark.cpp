@@ -64,8 +64,8 @@ class MadeUpMap {
     map_.ForgetChanges();
     StoredMap stored;
     stored.next_keyframe_id = n_;
-    stored.next_point_id = next_point_;
-    stored.next_line_id = next_line_;
+    stored.next_point_id = LandmarkId(next_point_);
+    stored.next_line_id = LandmarkId(next_line_);
     stored.sessions[1] = {n_ - 1, n_ - 1};
     stored.newest_session = 1;
     stored.version = 1;
@@ -88,7 +88,7 @@ class MadeUpMap {
   double Error_m(const Map& map) const {
     double sum = 0.0;
     for (const auto& [id, keyframe] : map.keyframes()) {
-      sum += (keyframe.T_w_kf.translation() - TruePose(static_cast<int>(id)).translation()).squaredNorm();
+      sum += (keyframe.T_w_kf.translation() - TruePose(static_cast<int>(id.value)).translation()).squaredNorm();
     }
     return std::sqrt(sum / static_cast<double>(map.keyframes().size()));
   }
@@ -105,7 +105,8 @@ class MadeUpMap {
 
   void AddKeyframe(int i) {
     MapKeyframe keyframe;
-    keyframe.id = keyframe.name.number = keyframe.frame_id = i;
+    keyframe.name.number = keyframe.frame_id = i;
+    keyframe.id = KeyframeId(keyframe.name.number);
     keyframe.name.session = 1;
     Vector6d sigma;
     sigma << Eigen::Vector3d::Constant(kMotionSigma_m), Eigen::Vector3d::Constant(kMotionSigma_rad);
@@ -139,7 +140,7 @@ class MadeUpMap {
     for (int k = 0; k < kNewPoints; ++k) {
       const Eigen::Vector3d p_kf = in_view(5.0 + kSeenBy * kStep_m + 4.0 * std::abs(Across()));
       MapPoint point;
-      point.id = next_point_++;
+      point.id = LandmarkId(next_point_++);
       point.p_w = map_.FindKeyframe(i)->T_w_kf * p_kf;
       point.covariance = 1e-4 * Eigen::Matrix3d::Identity();
       point.descriptor = {random_(), random_(), random_(), random_()};
@@ -161,7 +162,7 @@ class MadeUpMap {
       const Eigen::Vector3d p_kf = in_view(5.0 + kSeenBy * kStep_m + 4.0 * std::abs(Across()));
       const Eigen::Vector3d q_kf = p_kf + Eigen::Vector3d(0.5 * Across(), 1.0, 0.2 * Across());
       MapLine line;
-      line.id = next_line_++;
+      line.id = LandmarkId(next_line_++);
       line.segment_w = {map_.FindKeyframe(i)->T_w_kf * p_kf, map_.FindKeyframe(i)->T_w_kf * q_kf};
       line.covariance_p = line.covariance_q = 1e-4 * Eigen::Matrix3d::Identity();
       line.descriptor = {random_(), random_(), random_(), random_()};
@@ -188,7 +189,7 @@ class MadeUpMap {
   std::normal_distribution<double> gauss_;
   std::uniform_real_distribution<double> across_{-1.0, 1.0};
   Map map_;
-  std::map<int64_t, StereoFeatures> features_;
+  std::map<KeyframeId, StereoFeatures> features_;
   int64_t next_point_ = 0;
   int64_t next_line_ = 0;
 };

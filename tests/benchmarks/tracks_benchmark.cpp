@@ -89,7 +89,7 @@ class TrackScore {
     Eigen::Vector2d px;
   };
 
-  void Found(const SE3& T_w_c, int64_t id, const StereoPoint& seen) {
+  void Found(const SE3& T_w_c, plslam::TrackId id, const StereoPoint& seen) {
     const Eigen::Vector3d ray_c((seen.left.px.x() - camera_.cx_px) / camera_.f_px,
                                 (seen.left.px.y() - camera_.cy_px) / camera_.f_px, 1.0);
     const Eigen::Vector3d ray_w = T_w_c.R() * ray_c;
@@ -135,7 +135,7 @@ class TrackScore {
 
   const plslam::synthetic::Simulator* simulator_;
   StereoCamera camera_;
-  std::map<int64_t, Place> places_;
+  std::map<plslam::TrackId, Place> places_;
   std::map<double, Bin> bins_;
 };
 

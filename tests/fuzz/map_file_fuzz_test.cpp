@@ -67,7 +67,8 @@ bool DecodesSoundly(const ByteVector& bytes) {
   for (const auto& [id, point] : stored.map.points()) {
     EXPECT_TRUE(point.p_w.allFinite());
     for (const Observation& observation : point.observations) {
-      EXPECT_LT(static_cast<size_t>(observation.feature), stored.features.at(observation.keyframe_id).points.size());
+      EXPECT_LT(static_cast<size_t>(observation.feature),
+                stored.features.at(observation.keyframe_id()).points.size());
     }
   }
   // Covariances of landmarks are rounded to single precision, once.

@@ -185,7 +185,7 @@ TEST(MessageFuzz, LoopClosuresAreRefusedOrSound) {
   closure.kind = LoopClosure::Kind::kLoop;
   closure.keyframe.number = 40;
   closure.edges.push_back({1, 40, SE3(), Matrix6d::Identity(), 50, 5});
-  for (int64_t i = 0; i < 60; ++i) {
+  for (int i = 0; i < 60; ++i) {
     closure.points.push_back({i, i + 1});
     closure.poses.push_back({i, SE3()});
   }

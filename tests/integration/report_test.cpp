@@ -213,9 +213,10 @@ class BigRun {
 
   static MapKeyframe Keyframe(int64_t id, double drift) {
     MapKeyframe keyframe;
-    keyframe.id = keyframe.name.number = id;
+    keyframe.id = KeyframeId(id);
+    keyframe.name.number = id;
     keyframe.frame_id = 5 * id;
-    keyframe.parent_id = id - 1;
+    keyframe.parent_id = KeyframeId(id - 1);
     keyframe.T_w_kf = Pose(5 * id, drift);
     keyframe.T_odom_kf = Pose(5 * id, 1.0);
     return keyframe;
@@ -229,14 +230,14 @@ class BigRun {
   std::vector<Observation> Observations(int64_t keyframe_id, int64_t id) {
     std::vector<Observation> observations;
     for (int64_t k = keyframe_id; k < std::min(kKeyframes, keyframe_id + 2 + id % 9); ++k) {
-      observations.push_back({k, feature_[static_cast<size_t>(k)]++});
+      observations.push_back({KeyframeId(k), feature_[static_cast<size_t>(k)]++});
     }
     return observations;
   }
 
   void AddPoint(int64_t id) {
     MapPoint point;
-    point.id = id;
+    point.id = LandmarkId(id);
     point.p_w = Near(id % kKeyframes);
     point.observations = Observations(id % kKeyframes, id);
     map_.Put(point);
@@ -244,7 +245,7 @@ class BigRun {
 
   void AddSegment(int64_t id) {
     MapLine line;
-    line.id = id;
+    line.id = LandmarkId(id);
     line.segment_w.p = Near(id % kKeyframes);
     line.segment_w.q = line.segment_w.p + Eigen::Vector3d(0, id % 3 == 0 ? 0 : 2.5, id % 3 == 0 ? 1.5 : 0);
     const std::vector<Observation> observations = Observations(id % kKeyframes, id);
@@ -253,9 +254,12 @@ class BigRun {
   }
 
   void Close() {
-    map_.Add(LoopEdge{
-        .old_keyframe_id = 0, .keyframe_id = kKeyframes - 1, .T_old_kf = SE3(), .n_points = 90, .n_lines = 12});
-    for (int64_t id = 0; id < kKeyframes; ++id) map_.SetPose(id, Pose(5 * id, 0.0), Matrix6d::Zero());
+    map_.Add(LoopEdge{.old_keyframe_id = 0,
+                      .keyframe_id = KeyframeId(kKeyframes - 1),
+                      .T_old_kf = SE3(),
+                      .n_points = 90,
+                      .n_lines = 12});
+    for (int64_t id = 0; id < kKeyframes; ++id) map_.SetPose(KeyframeId(id), Pose(5 * id, 0.0), Matrix6d::Zero());
     MapUpdate update = ChangedPart(map_, map_.TakeChanges());
     update.version = 2;
     update.base_version = 1;

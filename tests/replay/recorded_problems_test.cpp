@@ -95,7 +95,7 @@ TEST_P(RecordedWindows, EndInTheSameOptimum) {
     const MapBundle window =
         mapping::MakeLocalWindow(id, run.map, run.features, mapping::Visits(), run.camera, mapping.window);
     if (window.problem.poses.size() < 5) continue;
-    ExpectTheSameOptimum(window.problem, "window of keyframe " + std::to_string(id));
+    ExpectTheSameOptimum(window.problem, "window of keyframe " + std::to_string(id.value));
     ++n;
   }
   EXPECT_GE(n, 8);
@@ -117,14 +117,15 @@ TEST_P(RecordedMaps, EndInTheSameOptimum) {
   const LoopRun run = RunLoops(*OpenDataset(dataset, ""), loop::LoadPlaces({}, {}), {});
   EXPECT_GE(run.revisits.closed, 1);
   const Map& map = run.slam.map;
-  std::vector<int64_t> keyframes, points, lines;
+  std::vector<KeyframeId> keyframes;
+  std::vector<LandmarkId> points, lines;
   for (const auto& [id, keyframe] : map.keyframes()) keyframes.push_back(id);
   for (const auto& [id, point] : map.points()) points.push_back(id);
   for (const auto& [id, line] : map.lines()) lines.push_back(id);
   std::vector<bool> fixed(keyframes.size(), false);
   fixed[0] = true;
   MapBundle bundle = MakeMapBundle(map, run.slam.features, run.slam.camera, keyframes, fixed, points, lines, 1.0);
-  const auto index = [&](int64_t id) {
+  const auto index = [&](KeyframeId id) {
     return static_cast<int>(std::distance(keyframes.begin(), std::ranges::lower_bound(keyframes, id)));
   };
   for (const LoopEdge& loop : map.loops()) {

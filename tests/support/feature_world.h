@@ -16,7 +16,7 @@ namespace plslam::test {
 
 /// `change` gets the features of a keyframe and may leave others.
 template <class Change>
-void ChangeFeatures(KeyframeFeatures& features, int64_t keyframe_id, const Change& change) {
+void ChangeFeatures(KeyframeFeatures& features, KeyframeId keyframe_id, const Change& change) {
   StereoFeatures changed = OwnFeatures(features.at(keyframe_id));
   change(changed);
   features.at(keyframe_id) = std::move(changed);

@@ -220,9 +220,9 @@ std::vector<OdometryFrame> Run::AsTheMapHasIt() const { return CarriedByKeyframe
 // Counts both in the final map.
 void Run::CountRevisits() {
   const Map& map = mapper_.map();
-  std::map<int64_t, double> path_m;
+  std::map<KeyframeId, double> path_m;
   double total_m = 0.0;
-  int64_t before = -1;
+  KeyframeId before = -1;
   bool in_visit = false;
   bool closed = false;
   for (const auto& [id, keyframe] : map.keyframes()) {

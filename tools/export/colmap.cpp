@@ -32,7 +32,7 @@ size_t CameraWith(const StereoCamera& camera, std::vector<StereoCamera>& cameras
 ColmapImage ImageOf(const MapKeyframe& keyframe, const std::string& name, const FeaturesView& features,
                     std::vector<StereoCamera>& cameras) {
   const size_t camera = features.image ? CameraWith(CameraOf(features, cameras.front()), cameras) : 0;
-  ColmapImage image{keyframe.id + 1, camera, keyframe.T_w_kf.Inverse(), name, {}};
+  ColmapImage image{keyframe.id.value + 1, camera, keyframe.T_w_kf.Inverse(), name, {}};
   image.features.reserve(features.points.size());
   const Eigen::Vector2d shift = kHalfPixel - Begin(cameras[camera]);
   for (const StereoPoint& point : features.points) image.features.push_back({point.left.px + shift, -1});
@@ -41,10 +41,10 @@ ColmapImage ImageOf(const MapKeyframe& keyframe, const std::string& name, const 
 
 /// The views of a point by images that have the feature.
 std::vector<ColmapView> TrackOf(const MapPoint& point, const std::vector<ColmapImage>& images,
-                                const std::map<int64_t, size_t>& place_of) {
+                                const std::map<KeyframeId, size_t>& place_of) {
   std::vector<ColmapView> track;
   for (const Observation& observation : point.observations) {
-    const auto place = place_of.find(observation.keyframe_id);
+    const auto place = place_of.find(observation.keyframe_id());
     if (place == place_of.end()) continue;
     const ColmapImage& image = images[place->second];
     if (observation.feature < static_cast<int64_t>(image.features.size()))
@@ -53,11 +53,11 @@ std::vector<ColmapView> TrackOf(const MapPoint& point, const std::vector<ColmapI
   return track;
 }
 
-double ErrorOf(const ColmapPoint& point, const ColmapModel& model, const std::map<int64_t, size_t>& place_of) {
+double ErrorOf(const ColmapPoint& point, const ColmapModel& model, const std::map<KeyframeId, size_t>& place_of) {
   double sum = 0.0;
   int n = 0;
   for (const ColmapView& view : point.track) {
-    const ColmapImage& image = model.images[place_of.at(view.image_id - 1)];
+    const ColmapImage& image = model.images[place_of.at(KeyframeId(view.image_id - 1))];
     const Eigen::Vector3d p_c = image.T_c_w * point.p_w;
     if (p_c.z() < kLeastDepth_m) continue;
     const size_t feature = static_cast<size_t>(view.feature);
@@ -68,21 +68,22 @@ double ErrorOf(const ColmapPoint& point, const ColmapModel& model, const std::ma
   return n > 0 ? sum / n : 0.0;
 }
 
-void AddPoint(const MapPoint& point, const Colour& colour, const std::map<int64_t, size_t>& place_of,
+void AddPoint(const MapPoint& point, const Colour& colour, const std::map<KeyframeId, size_t>& place_of,
               ColmapModel& model) {
-  ColmapPoint entry{point.id + 1, point.p_w, colour, 0.0, TrackOf(point, model.images, place_of)};
+  ColmapPoint entry{point.id.value + 1, point.p_w, colour, 0.0, TrackOf(point, model.images, place_of)};
   if (entry.track.size() < 2) return;
   entry.error_px = ErrorOf(entry, model, place_of);
   for (const ColmapView& view : entry.track) {
-    model.images[place_of.at(view.image_id - 1)].features[static_cast<size_t>(view.feature)].point_id = entry.id;
+    model.images[place_of.at(KeyframeId(view.image_id - 1))].features[static_cast<size_t>(view.feature)].point_id =
+        entry.id;
   }
   model.points.push_back(std::move(entry));
 }
 
 }  // namespace
 
-std::map<int64_t, std::string> KeyframeImageNames(const Map& map) {
-  std::map<int64_t, std::string> names;
+std::map<KeyframeId, std::string> KeyframeImageNames(const Map& map) {
+  std::map<KeyframeId, std::string> names;
   std::set<int64_t> taken;
   for (const auto& [id, keyframe] : map.keyframes()) {
     const bool first = taken.insert(keyframe.frame_id).second;
@@ -96,7 +97,7 @@ ColmapModel ColmapOf(const StoredMap& stored, const StereoCamera& camera) {
   ColmapModel model{{camera}, {}, {}};
   const auto names = KeyframeImageNames(stored.map);
   const KeptFeatures none;
-  std::map<int64_t, size_t> place_of;
+  std::map<KeyframeId, size_t> place_of;
   for (const auto& [id, keyframe] : stored.map.keyframes()) {
     const auto features = stored.features.find(id);
     place_of[id] = model.images.size();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
+#include "core/ids/ids.h"
 #include "core/io/maps/map_file.h"
 #include "core/io/maps/map_ply.h"
 
@@ -52,7 +53,7 @@ struct ColmapModel {
 
 /// Returns the file names of the keyframes' images, by keyframe: the frame id, `000012.png`; followed by the session
 /// (`000012_s3.png`) if an earlier keyframe has that name.
-std::map<int64_t, std::string> KeyframeImageNames(const Map& map);
+std::map<KeyframeId, std::string> KeyframeImageNames(const Map& map);
 
 /// The keyframes become images, with the points observed by two keyframes or more; COLMAP has no line segments, and no
 /// stereo for a point observed by one. Ids are those of the map, plus one. Points lie in the w of the map, in metres.

@@ -103,8 +103,8 @@ void RunStatistics::AddFrame(const FrameReport& frame) {
   frames_.Count(frame.state, frame.keyframe_id);
 }
 
-void RunStatistics::AddLandmark(SessionId session, int64_t landmark_id, bool is_line) {
-  (is_line ? lines_ : points_).Add(session, landmark_id);
+void RunStatistics::AddLandmark(SessionId session, TrackId landmark_id, bool is_line) {
+  (is_line ? lines_ : points_).Add(session, landmark_id.value);
 }
 
 }  // namespace plslam::launcher

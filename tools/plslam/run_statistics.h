@@ -152,7 +152,7 @@ struct FrameReport {
 class RunStatistics {
  public:
   void AddFrame(const FrameReport& frame);
-  void AddLandmark(SessionId session, int64_t landmark_id, bool is_line);
+  void AddLandmark(SessionId session, TrackId landmark_id, bool is_line);
 
   /// Frames with a pose message, and the skipped frames in those messages; a frame that a restarted tracker repeats is
   /// counted once.

@@ -56,7 +56,7 @@ std::vector<SessionTrajectory> TrajectoriesOf(const Map& map) {
 G2oGraph<SE3> G2oOf(const Map& map) {
   MapPoseGraph of_map = PoseGraphOf(map);
   const size_t n = of_map.keyframe_ids.size();
-  return {std::move(of_map.keyframe_ids), std::move(of_map.problem), std::vector<bool>(n, true)};
+  return {Values(of_map.keyframe_ids), std::move(of_map.problem), std::vector<bool>(n, true)};
 }
 
 }  // namespace plslam::pose_graph

@@ -47,7 +47,7 @@ struct MapProblem {
 };
 
 /// Velocity of a keyframe from its neighbours in the session, in its own frame.
-Vector6d TwistOf(const MapKeyframe& keyframe, const Map& map, const std::map<int64_t, int64_t>& next) {
+Vector6d TwistOf(const MapKeyframe& keyframe, const Map& map, const std::map<KeyframeId, KeyframeId>& next) {
   const MapKeyframe* before = map.FindKeyframe(keyframe.previous_id);
   const auto found = next.find(keyframe.id);
   const MapKeyframe* after = found == next.end() ? nullptr : map.FindKeyframe(found->second);
@@ -62,12 +62,12 @@ Vector6d TwistOf(const MapKeyframe& keyframe, const Map& map, const std::map<int
   return n > 0 ? (sum / n).eval() : sum;
 }
 
-std::vector<Vector6d> TwistsOf(const std::vector<int64_t>& keyframes, const Map& map) {
-  std::map<int64_t, int64_t> next;
+std::vector<Vector6d> TwistsOf(const std::vector<KeyframeId>& keyframes, const Map& map) {
+  std::map<KeyframeId, KeyframeId> next;
   for (const auto& [id, keyframe] : map.keyframes()) next[keyframe.previous_id] = id;
   std::vector<Vector6d> twists;
   twists.reserve(keyframes.size());
-  for (const int64_t id : keyframes) twists.push_back(TwistOf(*map.FindKeyframe(id), map, next));
+  for (const KeyframeId id : keyframes) twists.push_back(TwistOf(*map.FindKeyframe(id), map, next));
   return twists;
 }
 
@@ -75,15 +75,15 @@ std::vector<Vector6d> TwistsOf(const std::vector<int64_t>& keyframes, const Map&
 /// used only between keyframes that share too few landmarks, and so are loops in any case: the landmarks that both sides
 /// share express a loop better.
 void ChooseMotions(const Map& map, CameraChoice camera, MapBundle& bundle) {
-  const std::vector<int64_t>& ids = bundle.keyframes;
-  const auto shares = [&](int64_t a, int64_t b) { return map.Shared(a, b) >= Map::kCovisible; };
+  const std::vector<KeyframeId>& ids = bundle.keyframes;
+  const auto shares = [&](KeyframeId a, KeyframeId b) { return map.Shared(a, b) >= Map::kCovisible; };
   std::vector<RelativePose>& motions = bundle.problem.relative_poses;
   if (camera != CameraChoice::kFixed) {
     std::erase_if(motions, [&](const RelativePose& motion) {
       return shares(ids[static_cast<size_t>(motion.a)], ids[static_cast<size_t>(motion.b)]);
     });
   }
-  const auto index = [&ids](int64_t id) {
+  const auto index = [&ids](KeyframeId id) {
     const auto at = std::lower_bound(ids.begin(), ids.end(), id);
     return at != ids.end() && *at == id ? static_cast<int>(at - ids.begin()) : -1;
   };
@@ -98,7 +98,8 @@ void ChooseMotions(const Map& map, CameraChoice camera, MapBundle& bundle) {
 MapProblem ProblemOf(const StoredMap& stored, const StereoCamera& camera, const PairParameters& pair,
                      CameraChoice choice) {
   const Map& map = stored.map;
-  std::vector<int64_t> keyframes, points, lines;
+  std::vector<KeyframeId> keyframes;
+  std::vector<LandmarkId> points, lines;
   for (const auto& [id, keyframe] : map.keyframes()) keyframes.push_back(id);
   for (const auto& [id, point] : map.points()) points.push_back(id);
   for (const auto& [id, line] : map.lines()) lines.push_back(id);
@@ -191,12 +192,12 @@ MapFit MapFitOf(const MapProblem& problem, const BatchFit& fit, const Map& map) 
 }
 
 /// Observations by feature type, landmark, keyframe and feature.
-using ObservationSet = std::set<std::tuple<int, int64_t, int64_t, int32_t>>;
+using ObservationSet = std::set<std::tuple<int, LandmarkId, KeyframeId, int32_t>>;
 
 template <class Type>
 void Collect(int type, const Map& map, ObservationSet& all) {
   for (const auto& [id, landmark] : Type::Landmarks(map)) {
-    for (const Observation& seen : landmark.observations) all.emplace(type, id, seen.keyframe_id, seen.feature);
+    for (const Observation& seen : landmark.observations) all.emplace(type, id, seen.keyframe_id(), seen.feature);
   }
 }
 
@@ -221,16 +222,16 @@ std::optional<Eigen::Vector3d> TriangulateAgain(const MapPoint& point, const Sto
   int best_count = 1;
   MapPoint candidate = point;
   const auto feature = [&](const Observation& seen) -> const StereoPoint& {
-    return stored.features.at(seen.keyframe_id).points[static_cast<size_t>(seen.feature)];
+    return stored.features.at(seen.keyframe_id()).points[static_cast<size_t>(seen.feature)];
   };
   for (const Observation& from : point.observations) {
     if (!feature(from).HasDepth()) continue;
     const StereoPoint& seen = feature(from);
-    candidate.p_w = stored.map.FindKeyframe(from.keyframe_id)->T_w_kf *
+    candidate.p_w = stored.map.FindKeyframe(from.keyframe_id())->T_w_kf *
                     camera.Backproject({seen.left.px.x(), seen.left.px.y(), seen.disparity_px});
     int count = 0;
     for (const Observation& other : point.observations) {
-      const SE3 T_kf_w = stored.map.FindKeyframe(other.keyframe_id)->T_w_kf.Inverse();
+      const SE3 T_kf_w = stored.map.FindKeyframe(other.keyframe_id())->T_w_kf.Inverse();
       count += mapping::ObservationError(candidate, feature(other), T_kf_w, camera) <= 3.0 * Gate(3) / 2.0 ? 1 : 0;
     }
     if (count <= best_count) continue;
@@ -243,18 +244,18 @@ std::optional<Eigen::Vector3d> TriangulateAgain(const MapPoint& point, const Sto
 /// Drops the observations `outliers` (indices of observations, in the order of the problem); landmarks that keep none,
 /// or only one without depth, are removed. A point without any inlier is triangulated again first.
 template <class Type>
-void DropOutliers(const MapProblem& problem, const std::vector<int64_t>& ids, const std::vector<char>& active,
+void DropOutliers(const MapProblem& problem, const std::vector<LandmarkId>& ids, const std::vector<char>& active,
                   const StereoCamera& camera, StoredMap& stored) {
-  std::map<int64_t, std::vector<int64_t>> outliers;
-  std::map<int64_t, int> inliers;
+  std::map<LandmarkId, std::vector<KeyframeId>> outliers;
+  std::map<LandmarkId, int> inliers;
   size_t i = 0;
   ForEachObservation<Type>(problem.ids, ids, stored.map, stored.features,
                            [&](int, int landmark, const Observation& observation) {
-                             const int64_t id = ids[static_cast<size_t>(landmark)];
+                             const LandmarkId id = ids[static_cast<size_t>(landmark)];
                              if (active[i++] != 0) {
                                ++inliers[id];
                              } else {
-                               outliers[id].push_back(observation.keyframe_id);
+                               outliers[id].push_back(observation.keyframe_id());
                              }
                            });
   for (const auto& [id, keyframes] : outliers) {
@@ -267,13 +268,13 @@ void DropOutliers(const MapProblem& problem, const std::vector<int64_t>& ids, co
         }
       }
     }
-    for (const int64_t keyframe : keyframes) {
+    for (const KeyframeId keyframe : keyframes) {
       mapping::DropObservation<Type>(id, keyframe, stored.features, stored.map);
     }
     const auto* left = Type::Find(stored.map, id);
     if (left == nullptr || left->observations.size() > 1) continue;
     const Observation& last = left->observations.front();
-    const auto& feature = Type::Features(stored.features.at(last.keyframe_id))[static_cast<size_t>(last.feature)];
+    const auto& feature = Type::Features(stored.features.at(last.keyframe_id()))[static_cast<size_t>(last.feature)];
     if (!feature.HasDepth()) Type::Remove(id, stored.map);
   }
 }
@@ -283,16 +284,16 @@ void Apply(const MapProblem& problem, Map& map) {
   const LandmarkCovariances covariances = ConditionalCovariances(problem.batch);
   const BundleProblem& bundle = problem.batch.bundle;
   for (size_t i = 0; i < bundle.poses.size(); ++i) {
-    const int64_t id = problem.ids.keyframes[i];
+    const KeyframeId id = problem.ids.keyframes[i];
     map.SetPose(id, bundle.poses[i].T_w_c, map.FindKeyframe(id)->covariance);
   }
   for (size_t i = 0; i < bundle.points.size(); ++i) {
-    const int64_t id = problem.ids.points[i];
+    const LandmarkId id = problem.ids.points[i];
     const bool known = !covariances.points[i].isZero(0.0) && covariances.points[i].allFinite();
     map.SetPosition(id, bundle.points[i].p_w, known ? covariances.points[i] : map.FindPoint(id)->covariance.matrix());
   }
   for (size_t i = 0; i < bundle.lines.size(); ++i) {
-    const int64_t id = problem.ids.lines[i];
+    const LandmarkId id = problem.ids.lines[i];
     const MapLine& line = *map.FindLine(id);
     const bool known =
         !covariances.line_p[i].isZero(0.0) && covariances.line_p[i].allFinite() && covariances.line_q[i].allFinite();
@@ -342,7 +343,7 @@ Eigen::Vector3d IdealPixel(const Eigen::Vector2d& px, double disparity_px, const
 }
 
 /// Re-expresses all features in the ideal pair of the estimate.
-void CorrectFeatures(const PairParameters& pair, const std::vector<int64_t>& keyframes,
+void CorrectFeatures(const PairParameters& pair, const std::vector<KeyframeId>& keyframes,
                      const std::vector<Vector6d>& twists, const StereoCamera& before, const StereoCamera& after,
                      KeyframeFeatures& features) {
   for (size_t i = 0; i < keyframes.size(); ++i) {
@@ -384,16 +385,16 @@ std::string DemandSentence(const MapProblem& problem, const BatchDemand& demand,
 
 void MergeAll(const StereoCamera& camera, StoredMap& stored) {
   const mapping::MappingOptions options;
-  std::vector<int64_t> keyframes;
+  std::vector<KeyframeId> keyframes;
   for (const auto& [id, keyframe] : stored.map.keyframes()) keyframes.push_back(id);
-  for (const int64_t id : keyframes) {
+  for (const KeyframeId id : keyframes) {
     mapping::MergeWithNeighbours(id, stored.features, camera, options, stored.map);
   }
 }
 
 void SetCovariances(const MapProblem& problem, const BatchOptions& options, StoredMap& stored, RefineReport& report) {
   const std::vector<Matrix6d> poses = PoseCovariances(problem.batch, options);
-  std::map<int64_t, Matrix6d> covariances;
+  std::map<KeyframeId, Matrix6d> covariances;
   for (size_t i = 0; i < poses.size(); ++i) {
     if (poses[i].allFinite()) covariances[problem.ids.keyframes[i]] = poses[i];
   }

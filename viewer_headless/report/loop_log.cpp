@@ -34,7 +34,7 @@ void CorrectionLog::Compare(const Map& map, int64_t frame_id) {
     const MapKeyframe* keyframe = map.FindKeyframe(id);
     if (keyframe == nullptr) continue;
     const Eigen::Vector3d p_after = keyframe->T_w_kf.translation();
-    ids.push_back(static_cast<int32_t>(id));
+    ids.push_back(static_cast<int32_t>(id.value));
     Append(p_before, before);
     Append(p_after, after);
     correction.moved_m = std::max(correction.moved_m, (p_after - p_before).norm());
@@ -55,7 +55,7 @@ void CorrectionLog::Follow(const MapUpdate& update) {
   for (const MovedKeyframe& keyframe : update.moved_keyframes) {
     positions_.insert_or_assign(keyframe.id, keyframe.T_w_kf.translation());
   }
-  for (const int64_t id : update.removed_keyframes) positions_.erase(id);
+  for (const KeyframeId id : update.removed_keyframes) positions_.erase(id);
   for (const MapKeyframe& keyframe : update.keyframes) {
     positions_.insert_or_assign(keyframe.id, keyframe.T_w_kf.translation());
   }
@@ -70,7 +70,7 @@ namespace {
 
 constexpr size_t kMaxLoops = 2000;
 
-int64_t FrameOf(const Map& map, int64_t keyframe_id) {
+int64_t FrameOf(const Map& map, KeyframeId keyframe_id) {
   const MapKeyframe* keyframe = map.FindKeyframe(keyframe_id);
   return keyframe == nullptr ? -1 : keyframe->frame_id;
 }

@@ -34,8 +34,8 @@ class CorrectionLog {
   void Follow(const MapUpdate& update);
 
   /// Keyframes as they were before the next update.
-  std::map<int64_t, Eigen::Vector3d> positions_;
-  std::map<std::pair<int64_t, int64_t>, double> moved_m_;
+  std::map<KeyframeId, Eigen::Vector3d> positions_;
+  std::map<std::pair<KeyframeId, KeyframeId>, double> moved_m_;
   std::vector<ReportCorrection> corrections_;
   int64_t dropped_ = 0;
 };
@@ -58,7 +58,7 @@ class LoopLog {
     double correct_ms = 0.0;
   };
 
-  std::map<std::pair<int64_t, int64_t>, Figures> figures_;  // by the keyframes of the edge
+  std::map<std::pair<KeyframeId, KeyframeId>, Figures> figures_;  // by the keyframes of the edge
   std::set<KeyframeName> closed_;
 };
 

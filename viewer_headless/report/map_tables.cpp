@@ -27,14 +27,14 @@ void AppendDifference(int64_t difference, std::string& bytes) {
 template <class Landmark>
 std::string PackObservers(const std::vector<const Landmark*>& landmarks, const RowOfKeyframe& rows) {
   std::string bytes;
-  int64_t last_id = -1;
+  LandmarkId last_id;
   int32_t last_first = 0;
   for (const Landmark* landmark : landmarks) {
     std::vector<int32_t> observers;
     for (const Observation& observation : landmark->observations) {
-      if (const auto row = rows.find(observation.keyframe_id); row != rows.end()) observers.push_back(row->second);
+      if (const auto row = rows.find(observation.keyframe_id()); row != rows.end()) observers.push_back(row->second);
     }
-    AppendNumber(static_cast<uint64_t>(landmark->id - last_id), bytes);
+    AppendNumber(static_cast<uint64_t>(landmark->id.value - last_id.value), bytes);
     last_id = landmark->id;
     AppendNumber(observers.size(), bytes);
     if (observers.empty()) continue;
@@ -61,7 +61,7 @@ namespace {
 /// The frame of the first keyframe that sees it and is still there; -1: none.
 int32_t FirstSeen(const Map& map, const std::vector<Observation>& observations) {
   for (const Observation& observation : observations) {
-    if (const MapKeyframe* keyframe = map.FindKeyframe(observation.keyframe_id)) return Clamp32(keyframe->frame_id);
+    if (const MapKeyframe* keyframe = map.FindKeyframe(observation.keyframe_id())) return Clamp32(keyframe->frame_id);
   }
   return -1;
 }
@@ -69,7 +69,7 @@ int32_t FirstSeen(const Map& map, const std::vector<Observation>& observations) 
 /// From there to the frame of the last keyframe that observes the landmark.
 uint16_t Life_frames(const Map& map, const std::vector<Observation>& observations, int32_t first) {
   for (auto observation = observations.rbegin(); observation != observations.rend(); ++observation) {
-    const MapKeyframe* keyframe = map.FindKeyframe(observation->keyframe_id);
+    const MapKeyframe* keyframe = map.FindKeyframe(observation->keyframe_id());
     if (keyframe != nullptr) return static_cast<uint16_t>(std::clamp<int64_t>(keyframe->frame_id - first, 0, 65535));
   }
   return 0;
@@ -77,7 +77,7 @@ uint16_t Life_frames(const Map& map, const std::vector<Observation>& observation
 
 /// Returns the displayed landmarks, by id; those with most observations if there are too many.
 template <class Landmark>
-std::vector<const Landmark*> Choose(const IdMap<Landmark>& landmarks, size_t limit) {
+std::vector<const Landmark*> Choose(const IdMap<LandmarkId, Landmark>& landmarks, size_t limit) {
   std::vector<const Landmark*> chosen;
   chosen.reserve(landmarks.size());
   for (const auto& [id, landmark] : landmarks) chosen.push_back(&landmark);
@@ -128,7 +128,7 @@ Table KeyframeTable(const Map& map, const RowOfKeyframe& rows) {
   std::vector<int32_t> id, frame, parent;
   std::vector<float> p, q, sigma_m;
   for (const auto& [keyframe_id, keyframe] : map.keyframes()) {
-    id.push_back(Clamp32(keyframe_id));
+    id.push_back(Clamp32(keyframe_id.value));
     frame.push_back(Clamp32(keyframe.frame_id));
     const auto row = rows.find(keyframe.parent_id);
     parent.push_back(row == rows.end() ? -1 : row->second);

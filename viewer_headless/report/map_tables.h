@@ -12,7 +12,7 @@
 namespace plslam::viewer {
 
 /// The row of each keyframe in the tables of a page, by id.
-using RowOfKeyframe = std::map<int64_t, int32_t>;
+using RowOfKeyframe = std::map<KeyframeId, int32_t>;
 
 /// Ids of landmarks and the keyframes that observe them, packed: a landmark of ten observations takes about thirteen
 /// bytes. For each landmark, in ascending order of ids, these numbers: the difference of its id to the previous one (of

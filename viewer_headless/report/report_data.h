@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
+#include "core/ids/ids.h"
 #include "core/map/vertical.h"
 #include "core/run/run_warnings.h"
 #include "viewer_headless/overlay.h"
@@ -50,8 +51,8 @@ struct ReportPicture {
 
 /// Two keyframes at the same place; frames are -1 if the keyframe is not in the map any more.
 struct ReportLoop {
-  int64_t old_keyframe_id = -1;
-  int64_t keyframe_id = -1;
+  KeyframeId old_keyframe_id = -1;
+  KeyframeId keyframe_id = -1;
   int64_t old_frame_id = -1;
   int64_t frame_id = -1;
   int n_points = 0;

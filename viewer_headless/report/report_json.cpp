@@ -149,8 +149,8 @@ Json ToJson(const ReportPicture& p) {
 }
 
 Json ToJson(const ReportLoop& l) {
-  return {{"old_keyframe", l.old_keyframe_id},
-          {"keyframe", l.keyframe_id},
+  return {{"old_keyframe", l.old_keyframe_id.value},
+          {"keyframe", l.keyframe_id.value},
           {"old_frame", l.old_frame_id},
           {"frame", l.frame_id},
           {"points", l.n_points},

@@ -33,13 +33,13 @@ MapLink::MapLink(bus::Bus& bus, bool localise_only, const TrackerSession& sessio
 bool MapLink::IsOfAnotherMap() const { return !BelongsTo(session_, map_instance_); }
 
 bool MapLink::IsConnected() const {
-  const IdMap<MapKeyframe>& keyframes = map().keyframes();
+  const IdMap<KeyframeId, MapKeyframe>& keyframes = map().keyframes();
   const auto is_newest = [&](const auto& entry) {
     return entry.second.name == KeyframeName{session_.id, newest_keyframe_id_};
   };
   const auto newest = std::find_if(keyframes.rbegin(), keyframes.rend(), is_newest);
   if (newest == keyframes.rend()) return false;
-  const int64_t first = keyframes.begin()->first;
+  const KeyframeId first = keyframes.begin()->first;
   return newest->first == first || MapGraph(map()).Component(newest->first, MapGraph::Edges::kAll).contains(first);
 }
 

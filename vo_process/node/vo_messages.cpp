@@ -97,8 +97,8 @@ tracks_t ToTracksMessage(const OdometryResult& result, int64_t max_bytes) {
 
 namespace {
 
-std::vector<int64_t> MapIds(const std::vector<FeatureTrack>& tracks) {
-  std::vector<int64_t> ids;
+std::vector<LandmarkId> MapIds(const std::vector<FeatureTrack>& tracks) {
+  std::vector<LandmarkId> ids;
   ids.reserve(tracks.size());
   for (const FeatureTrack& track : tracks) ids.push_back(track.map_id);
   return ids;

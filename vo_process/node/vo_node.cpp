@@ -374,7 +374,7 @@ void VoNode::RequestRelocalisation(const Frame& frame, const OdometryResult& res
 }
 
 /// Keyframes made since the camera became unanchored say nothing new about its place.
-bool VoNode::IsIndependentOfTracker(const Map& map, int64_t keyframe_id) const {
+bool VoNode::IsIndependentOfTracker(const Map& map, KeyframeId keyframe_id) const {
   const MapKeyframe* keyframe = map.FindKeyframe(keyframe_id);
   if (keyframe == nullptr || keyframe->name.session != session_.id) return true;
   return session_.anchor.is_anchored() && keyframe->t_ns <= session_.anchor.t_ns();

@@ -9,6 +9,7 @@
 
 #include "core/bus/messages/frame_channel.h"
 #include "core/bus/messages/keyframe_channel.h"
+#include "core/ids/ids.h"
 #include "core/process/process.h"
 #include "vo_process/node/frame_inputs.h"
 #include "vo_process/node/map_link.h"
@@ -113,7 +114,7 @@ class VoNode {
   void NoteAnchor(const Frame& frame, const OdometryResult& result);
   bool NeedsRelocalisation(const Frame& frame, const OdometryResult& result) const;
   void RequestRelocalisation(const Frame& frame, const OdometryResult& result);
-  bool IsIndependentOfTracker(const Map& map, int64_t keyframe_id) const;
+  bool IsIndependentOfTracker(const Map& map, KeyframeId keyframe_id) const;
   void AwaitMap(int64_t keyframe_id);
 
   void SetHeader(const Frame& frame, header_t& header) const;

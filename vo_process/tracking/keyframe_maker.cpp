@@ -48,7 +48,7 @@ KeyframeDecision KeyframeMaker::Decide(const TrackedFrame& frame, const SE3& T_o
 }
 
 int KeyframeMaker::TrackedFromKeyframe(const TrackedFrame& frame) const {
-  const auto known_below = [](int64_t limit) {
+  const auto known_below = [](TrackId limit) {
     return [limit](const FeatureTrack& track) {
       return track.landmark_id >= 0 && track.landmark_id < limit && track.IsOfWorld();
     };

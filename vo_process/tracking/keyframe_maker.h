@@ -69,8 +69,8 @@ class KeyframeMaker {
   bool begins_session_ = false;
   SE3 T_odom_kf_;
   /// Landmarks with smaller ids were known to the last keyframe.
-  int64_t first_unknown_point_ = 0;
-  int64_t first_unknown_line_ = 0;
+  TrackId first_unknown_point_ = 0;
+  TrackId first_unknown_line_ = 0;
 };
 
 }  // namespace plslam::vo

@@ -309,15 +309,15 @@ bool Odometry::Adopt(const Map& map, const KeyframeName& keyframe) {
 }
 
 bool Odometry::AdoptAround(const Map& map) {
-  std::map<int64_t, int> counts;
+  std::map<KeyframeId, int> counts;
   const auto count = [&](const auto& landmarks, const auto& find) {
     for (const auto& landmark : landmarks) {
       if (landmark.map_id < 0 || landmark.unseen_frames > 0 || find(landmark.map_id) == nullptr) continue;
-      for (const Observation& observation : find(landmark.map_id)->observations) ++counts[observation.keyframe_id];
+      for (const Observation& observation : find(landmark.map_id)->observations) ++counts[observation.keyframe_id()];
     }
   };
-  count(landmarks_.points.landmarks(), [&map](int64_t id) { return map.FindPoint(id); });
-  count(landmarks_.lines.landmarks(), [&map](int64_t id) { return map.FindLine(id); });
+  count(landmarks_.points.landmarks(), [&map](LandmarkId id) { return map.FindPoint(id); });
+  count(landmarks_.lines.landmarks(), [&map](LandmarkId id) { return map.FindLine(id); });
   const auto fewer = [](const auto& a, const auto& b) { return a.second < b.second; };
   const auto best = std::max_element(counts.begin(), counts.end(), fewer);
   if (recovery_.is_lost() || best == counts.end()) return false;
@@ -328,7 +328,7 @@ bool Odometry::AdoptAround(const Map& map) {
   return true;
 }
 
-bool Odometry::Relocalise(const Map& map, int64_t map_keyframe_id, const SE3& T_w_odom) {
+bool Odometry::Relocalise(const Map& map, KeyframeId map_keyframe_id, const SE3& T_w_odom) {
   auto local_map = LocalMapAt(map, map_keyframe_id, T_w_odom, options_.map.local_keyframes);
   if (!local_map) return false;
   bodies_.LeaveOut(*local_map);

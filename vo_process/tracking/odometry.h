@@ -63,7 +63,7 @@ class Odometry {
   /// landmarks there, and `T_w_odom` is adopted if it is found. If the camera was lost, the motion in between becomes
   /// unknown; if not, odometry continues and T_w_odom absorbs the difference. Returns false and does nothing if the map
   /// does not have the keyframe.
-  bool Relocalise(const Map& map, int64_t map_keyframe_id, const SE3& T_w_odom);
+  bool Relocalise(const Map& map, KeyframeId map_keyframe_id, const SE3& T_w_odom);
 
   /// Begins another session: the next tracked frame becomes its first keyframe. Landmarks and their poses in the map
   /// stay.

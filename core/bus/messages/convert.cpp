@@ -224,10 +224,10 @@ std::optional<RigCalibration> FromMessage(const camera_t& message) {
   return rig;
 }
 
-point_feature_t ToMessage(const StereoPoint& point, int64_t landmark_id, int64_t map_id) {
+point_feature_t ToMessage(const StereoPoint& point, TrackId landmark_id, LandmarkId map_id) {
   point_feature_t message{};
-  message.landmark_id = landmark_id;
-  message.map_id = map_id;
+  message.landmark_id = landmark_id.value;
+  message.map_id = map_id.value;
   message.u_px = ToFloat(point.left.px.x());
   message.v_px = ToFloat(point.left.px.y());
   message.disparity_px = ToFloat(point.HasDepth() ? point.disparity_px : -1.0);
@@ -255,10 +255,10 @@ std::optional<StereoPoint> FromMessage(const point_feature_t& message) {
   return point;
 }
 
-line_feature_t ToMessage(const StereoLine& line, int64_t landmark_id, int64_t map_id) {
+line_feature_t ToMessage(const StereoLine& line, TrackId landmark_id, LandmarkId map_id) {
   line_feature_t message{};
-  message.landmark_id = landmark_id;
-  message.map_id = map_id;
+  message.landmark_id = landmark_id.value;
+  message.map_id = map_id.value;
   for (int i = 0; i < 2; ++i) {
     message.p_px[i] = ToFloat(line.left.segment.p[i]);
     message.q_px[i] = ToFloat(line.left.segment.q[i]);

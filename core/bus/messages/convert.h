@@ -9,6 +9,7 @@
 #include "core/geometry/calibration.h"
 #include "core/geometry/se3.h"
 #include "core/geometry/stereo_camera.h"
+#include "core/ids/ids.h"
 
 namespace plslam {
 class camera_t;
@@ -57,9 +58,9 @@ std::optional<FrameMask> FromMessage(const mask_t& message);
 std::vector<uint8_t> RigBytes(camera_t message);
 
 /// `landmark_id` of vo_process and `map_id` of the map; -1: none. They are not part of the decoded feature.
-point_feature_t ToMessage(const StereoPoint& point, int64_t landmark_id, int64_t map_id);
+point_feature_t ToMessage(const StereoPoint& point, TrackId landmark_id, LandmarkId map_id);
 std::optional<StereoPoint> FromMessage(const point_feature_t& message);
-line_feature_t ToMessage(const StereoLine& line, int64_t landmark_id, int64_t map_id);
+line_feature_t ToMessage(const StereoLine& line, TrackId landmark_id, LandmarkId map_id);
 std::optional<StereoLine> FromMessage(const line_feature_t& message);
 
 }  // namespace plslam::bus

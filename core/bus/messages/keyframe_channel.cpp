@@ -35,16 +35,16 @@ keyframe_t HeadPage(const Keyframe& keyframe) {
 
 withdrawn_t ToMessage(const Withdrawn& landmark) {
   withdrawn_t message;
-  message.landmark_id = landmark.landmark_id;
-  message.map_id = landmark.map_id;
+  message.landmark_id = landmark.landmark_id.value;
+  message.map_id = landmark.map_id.value;
   return message;
 }
 
-bool AsMany(const std::vector<int64_t>& ids, const std::vector<int64_t>& map_ids, size_t n) {
+bool AsMany(const std::vector<TrackId>& ids, const std::vector<LandmarkId>& map_ids, size_t n) {
   return ids.size() == n && (map_ids.empty() || map_ids.size() == n);
 }
 
-int64_t LandmarkOfMap(const std::vector<int64_t>& ids, size_t i) { return ids.empty() ? -1 : ids[i]; }
+LandmarkId LandmarkOfMap(const std::vector<LandmarkId>& ids, size_t i) { return ids.empty() ? -1 : ids[i]; }
 
 std::optional<Keyframe> Head(const keyframe_t& page) {
   const auto T_prevkf_kf = FromMessage(page.T_prevkf_kf);
@@ -78,7 +78,8 @@ bool SameHead(const keyframe_t& page, const Keyframe& keyframe) {
 
 bool Append(const std::vector<withdrawn_t>& messages, std::vector<Withdrawn>& withdrawn) {
   if (withdrawn.size() + messages.size() > kMaxFeatures) return false;
-  for (const withdrawn_t& message : messages) withdrawn.push_back({message.landmark_id, message.map_id});
+  for (const withdrawn_t& message : messages)
+    withdrawn.push_back({TrackId(message.landmark_id), LandmarkId(message.map_id)});
   return true;
 }
 
@@ -90,15 +91,15 @@ bool Append(const keyframe_t& page, Keyframe& keyframe) {
     auto point = FromMessage(message);
     if (!point) return false;
     features.points.push_back(*point);
-    keyframe.point_landmark_ids.push_back(message.landmark_id);
-    keyframe.point_map_ids.push_back(message.map_id);
+    keyframe.point_landmark_ids.push_back(TrackId(message.landmark_id));
+    keyframe.point_map_ids.push_back(LandmarkId(message.map_id));
   }
   for (const line_feature_t& message : page.lines) {
     auto line = FromMessage(message);
     if (!line) return false;
     features.lines.push_back(*line);
-    keyframe.line_landmark_ids.push_back(message.landmark_id);
-    keyframe.line_map_ids.push_back(message.map_id);
+    keyframe.line_landmark_ids.push_back(TrackId(message.landmark_id));
+    keyframe.line_map_ids.push_back(LandmarkId(message.map_id));
   }
   return Append(page.withdrawn_points, keyframe.withdrawn_points) &&
          Append(page.withdrawn_lines, keyframe.withdrawn_lines);

@@ -61,21 +61,21 @@ bool SameHead(const loop_closure_t& page, const LoopClosure& closure) {
 
 same_landmarks_t ToMessage(const SameLandmarks& same) {
   same_landmarks_t message{};
-  message.a = same.a;
-  message.b = same.b;
+  message.a = same.a.value;
+  message.b = same.b.value;
   return message;
 }
 
 corrected_pose_t ToMessage(const CorrectedPose& pose) {
   corrected_pose_t message{};
-  message.keyframe_id = pose.keyframe_id;
+  message.keyframe_id = pose.keyframe_id.value;
   message.T_w_kf = bus::ToMessage(pose.T_w_kf);
   return message;
 }
 
 keyframe_name_t ToMessage(const NamedKeyframe& keyframe) {
   keyframe_name_t message{};
-  message.keyframe_id = keyframe.keyframe_id;
+  message.keyframe_id = keyframe.keyframe_id.value;
   message.session = keyframe.name.session.value;
   message.session_keyframe_id = keyframe.name.number;
   return message;
@@ -95,7 +95,7 @@ bool AppendSame(const std::vector<same_landmarks_t>& messages, std::vector<SameL
   if (to.size() + messages.size() > kMaxClosureEntries) return false;
   for (const same_landmarks_t& message : messages) {
     if (message.a < 0 || message.b < 0 || message.a == message.b) return false;
-    to.push_back({message.a, message.b});
+    to.push_back({LandmarkId(message.a), LandmarkId(message.b)});
   }
   return true;
 }
@@ -104,8 +104,9 @@ bool AppendPoses(const std::vector<corrected_pose_t>& messages, std::vector<Corr
   if (to.size() + messages.size() > kMaxClosureEntries) return false;
   for (const corrected_pose_t& message : messages) {
     const auto T_w_kf = FromMessage(message.T_w_kf);
-    if (!T_w_kf || message.keyframe_id <= (to.empty() ? -1 : to.back().keyframe_id)) return false;
-    to.push_back({message.keyframe_id, *T_w_kf});
+    const KeyframeId keyframe_id(message.keyframe_id);
+    if (!T_w_kf || keyframe_id <= (to.empty() ? -1 : to.back().keyframe_id)) return false;
+    to.push_back({keyframe_id, *T_w_kf});
   }
   return true;
 }
@@ -113,9 +114,10 @@ bool AppendPoses(const std::vector<corrected_pose_t>& messages, std::vector<Corr
 bool AppendNames(const std::vector<keyframe_name_t>& messages, std::vector<NamedKeyframe>& to) {
   if (to.size() + messages.size() > kMaxClosureEntries) return false;
   for (const keyframe_name_t& message : messages) {
-    const bool ascends = message.keyframe_id > (to.empty() ? -1 : to.back().keyframe_id);
+    const KeyframeId keyframe_id(message.keyframe_id);
+    const bool ascends = keyframe_id > (to.empty() ? -1 : to.back().keyframe_id);
     if (!ascends || message.session_keyframe_id < 0) return false;
-    to.push_back({message.keyframe_id, {SessionId(message.session), message.session_keyframe_id}});
+    to.push_back({keyframe_id, {SessionId(message.session), message.session_keyframe_id}});
   }
   return true;
 }
@@ -184,7 +186,7 @@ relocalisation_t ToMessage(const Relocalisation& relocalisation) {
   message.found = relocalisation.found ? 1 : 0;
   message.map_source = relocalisation.map_source.value;
   message.map_version = relocalisation.map_version;
-  message.keyframe_id = relocalisation.keyframe_id;
+  message.keyframe_id = relocalisation.keyframe_id.value;
   message.T_w_c = ToMessage(relocalisation.T_w_c);
   ToArray(relocalisation.covariance, message.covariance);
   message.n_points = relocalisation.n_points;
@@ -207,7 +209,7 @@ std::optional<Relocalisation> FromMessage(const relocalisation_t& message) {
   relocalisation.found = message.found != 0;
   relocalisation.map_source = SourceId(message.map_source);
   relocalisation.map_version = message.map_version;
-  relocalisation.keyframe_id = message.keyframe_id;
+  relocalisation.keyframe_id = KeyframeId(message.keyframe_id);
   relocalisation.T_w_c = *T_w_c;
   relocalisation.covariance = *covariance;
   relocalisation.n_points = message.n_points;

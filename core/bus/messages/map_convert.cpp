@@ -69,7 +69,7 @@ std::optional<Eigen::Vector3d> PositionFromArray(const double (&values)[3]) {
 std::vector<observation_t> ToMessages(const std::vector<Observation>& observations) {
   std::vector<observation_t> messages(observations.size());
   for (size_t i = 0; i < observations.size(); ++i) {
-    messages[i].keyframe_id = observations[i].keyframe_id;
+    messages[i].keyframe_id = observations[i].keyframe_id().value;
     messages[i].feature = observations[i].feature;
   }
   return messages;
@@ -84,7 +84,7 @@ std::optional<std::vector<Observation>> FromMessages(const std::vector<observati
                     message.feature >= 0 && message.feature < kMaxFeature;
     if (!ok) return std::nullopt;
     last = message.keyframe_id;
-    observations.push_back({message.keyframe_id, message.feature});
+    observations.push_back({KeyframeId(message.keyframe_id), message.feature});
   }
   return observations;
 }
@@ -93,7 +93,7 @@ std::optional<std::vector<Observation>> FromMessages(const std::vector<observati
 
 map_keyframe_t ToMessage(const MapKeyframe& keyframe) {
   map_keyframe_t message{};
-  message.id = keyframe.id;
+  message.id = keyframe.id.value;
   message.session = keyframe.name.session.value;
   message.session_keyframe_id = keyframe.name.number;
   message.frame_id = keyframe.frame_id;
@@ -101,10 +101,10 @@ map_keyframe_t ToMessage(const MapKeyframe& keyframe) {
   message.T_w_kf = ToMessage(keyframe.T_w_kf);
   TriangleToArray<6>(keyframe.covariance, message.covariance);
   message.T_odom_kf = ToMessage(keyframe.T_odom_kf);
-  message.previous_id = keyframe.previous_id;
+  message.previous_id = keyframe.previous_id.value;
   message.T_prevkf_kf = ToMessage(keyframe.T_prevkf_kf);
   TriangleToArray<6>(keyframe.relative_covariance, message.relative_covariance);
-  message.parent_id = keyframe.parent_id;
+  message.parent_id = keyframe.parent_id.value;
   return message;
 }
 
@@ -120,22 +120,22 @@ std::optional<MapKeyframe> FromMessage(const map_keyframe_t& message) {
                       message.previous_id >= -1 && message.previous_id < message.id && message.parent_id >= -1 &&
                       message.parent_id < message.id;
   if (!values_ok || !ids_ok) return std::nullopt;
-  return MapKeyframe{.id = message.id,
+  return MapKeyframe{.id = KeyframeId(message.id),
                      .name = {SessionId(message.session), message.session_keyframe_id},
                      .frame_id = message.frame_id,
                      .t_ns = message.t_ns,
                      .T_w_kf = *T_w_kf,
                      .covariance = *covariance,
                      .T_odom_kf = *T_odom_kf,
-                     .previous_id = message.previous_id,
+                     .previous_id = KeyframeId(message.previous_id),
                      .T_prevkf_kf = *T_prevkf_kf,
                      .relative_covariance = *relative_covariance,
-                     .parent_id = message.parent_id};
+                     .parent_id = KeyframeId(message.parent_id)};
 }
 
 moved_keyframe_t ToMessage(const MovedKeyframe& keyframe) {
   moved_keyframe_t message{};
-  message.id = keyframe.id;
+  message.id = keyframe.id.value;
   message.T_w_kf = ToMessage(keyframe.T_w_kf);
   TriangleToArray<6>(keyframe.covariance, message.covariance);
   return message;
@@ -145,12 +145,12 @@ std::optional<MovedKeyframe> FromMessage(const moved_keyframe_t& message) {
   const auto T_w_kf = FromMessage(message.T_w_kf);
   const auto covariance = TriangleFromArray<6>(message.covariance);
   if (!T_w_kf || !covariance || message.id < 0) return std::nullopt;
-  return MovedKeyframe{message.id, *T_w_kf, *covariance};
+  return MovedKeyframe{KeyframeId(message.id), *T_w_kf, *covariance};
 }
 
 map_point_t ToMessage(const MapPoint& point) {
   map_point_t message{};
-  message.id = point.id;
+  message.id = point.id.value;
   PositionToArray(point.p_w, message.p_w_m);
   TriangleToArray<3>(point.covariance, message.covariance_m2);
   message.angle_rad = point.angle_rad;
@@ -169,7 +169,7 @@ std::optional<MapPoint> FromMessage(const map_point_t& message) {
   const bool rest_ok = message.id >= 0 && std::isfinite(message.angle_rad) && message.octave >= 0 &&
                        message.octave <= kMaxOctave && std::isfinite(message.depth_m) && message.depth_m > 0.0;
   if (!p_w || !covariance || !observations || !rest_ok) return std::nullopt;
-  return MapPoint{.id = message.id,
+  return MapPoint{.id = LandmarkId(message.id),
                   .p_w = *p_w,
                   .covariance = *covariance,
                   .descriptor = FromBytes(message.descriptor),
@@ -181,7 +181,7 @@ std::optional<MapPoint> FromMessage(const map_point_t& message) {
 
 map_line_t ToMessage(const MapLine& line) {
   map_line_t message{};
-  message.id = line.id;
+  message.id = line.id.value;
   PositionToArray(line.segment_w.p, message.p_w_m);
   PositionToArray(line.segment_w.q, message.q_w_m);
   TriangleToArray<3>(line.covariance_p, message.covariance_p_m2);
@@ -199,7 +199,7 @@ std::optional<MapLine> FromMessage(const map_line_t& message) {
   const auto covariance_q = TriangleFromArray<3>(message.covariance_q_m2);
   auto observations = FromMessages(message.observations);
   if (!p || !q || !covariance_p || !covariance_q || !observations || message.id < 0) return std::nullopt;
-  return MapLine{.id = message.id,
+  return MapLine{.id = LandmarkId(message.id),
                  .segment_w = {*p, *q},
                  .covariance_p = *covariance_p,
                  .covariance_q = *covariance_q,
@@ -252,8 +252,8 @@ std::optional<AdjustmentFigures> FromMessage(const map_adjustment_t& m) {
 
 loop_edge_t ToMessage(const LoopEdge& loop) {
   loop_edge_t message{};
-  message.old_keyframe_id = loop.old_keyframe_id;
-  message.keyframe_id = loop.keyframe_id;
+  message.old_keyframe_id = loop.old_keyframe_id.value;
+  message.keyframe_id = loop.keyframe_id.value;
   message.T_old_kf = ToMessage(loop.T_old_kf);
   TriangleToArray<6>(loop.covariance, message.covariance);
   message.n_points = loop.n_points;
@@ -267,8 +267,12 @@ std::optional<LoopEdge> FromMessage(const loop_edge_t& message) {
   const bool ids_ok = message.old_keyframe_id >= 0 && message.keyframe_id > message.old_keyframe_id;
   const bool ok = T_old_kf && covariance && ids_ok && message.n_points >= 0 && message.n_lines >= 0;
   if (!ok) return std::nullopt;
-  return LoopEdge{message.old_keyframe_id, message.keyframe_id, *T_old_kf, *covariance,
-                  message.n_points,        message.n_lines};
+  return LoopEdge{KeyframeId(message.old_keyframe_id),
+                  KeyframeId(message.keyframe_id),
+                  *T_old_kf,
+                  *covariance,
+                  message.n_points,
+                  message.n_lines};
 }
 
 }  // namespace plslam::bus

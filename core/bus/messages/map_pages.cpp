@@ -53,9 +53,10 @@ void AddStages(const MapUpdate& update, map_update_t& page) {
   page.n_stages = static_cast<int32_t>(page.stages.size());
 }
 
-bool AppendRemoved(const std::vector<int64_t>& ids, std::vector<int64_t>& to) {
+template <class AnId>
+bool AppendRemoved(const std::vector<int64_t>& ids, std::vector<AnId>& to) {
   if (to.size() + ids.size() > kMaxMapEntries) return false;
-  for (const int64_t id : ids) {
+  for (const AnId id : IdsFrom<AnId>(ids)) {
     if (id <= (to.empty() ? -1 : to.back())) return false;
     to.push_back(id);
   }
@@ -80,7 +81,7 @@ bool AppendOne(const map_keyframe_t& message, std::vector<MapKeyframe>& to) { re
 template <class Message, class Landmark>
 bool AppendOne(const Message& message, std::vector<Landmark>& to) {
   auto landmark = FromMessage(message);
-  const int64_t last_id = to.empty() ? -1 : to.back().id;
+  const LandmarkId last_id = to.empty() ? -1 : to.back().id;
   if (!landmark || landmark->id < last_id) return false;
   if (landmark->id > last_id) {
     to.push_back(std::move(*landmark));
@@ -88,7 +89,7 @@ bool AppendOne(const Message& message, std::vector<Landmark>& to) {
   }
   std::vector<Observation>& observations = to.back().observations;
   const bool continues = !landmark->observations.empty() && !observations.empty() &&
-                         landmark->observations.front().keyframe_id > observations.back().keyframe_id;
+                         landmark->observations.front().keyframe_id() > observations.back().keyframe_id();
   if (!continues) return false;
   observations.insert(observations.end(), landmark->observations.begin(), landmark->observations.end());
   return true;
@@ -119,18 +120,19 @@ bool Append(const map_update_t& page, MapUpdate& update) {
 
 using UpdatePager = Pager<map_update_t>;
 
-void CutRemoved(const std::vector<int64_t>& ids, int32_t map_update_t::*count,
-                std::vector<int64_t> map_update_t::*list, UpdatePager& pager) {
-  for (const int64_t id : ids) {
-    map_update_t& page = pager.PageFor(sizeof(id));
-    (page.*list).push_back(id);
+template <class AnId>
+void CutRemoved(const std::vector<AnId>& ids, int32_t map_update_t::*count, std::vector<int64_t> map_update_t::*list,
+                UpdatePager& pager) {
+  for (const AnId id : ids) {
+    map_update_t& page = pager.PageFor(sizeof(id.value));
+    (page.*list).push_back(id.value);
     ++(page.*count);
   }
 }
 
 template <class Value>
 std::string NameOf(const Value& value) {
-  return std::to_string(value.id);
+  return std::to_string(value.id.value);
 }
 std::string NameOf(const LoopEdge& loop) {
   return fmt::format("from keyframe {} to {}", loop.old_keyframe_id, loop.keyframe_id);

@@ -24,7 +24,7 @@ constexpr FileKind kMapFile{
     {'P', 'L', 'S', 'L', 'A', 'M', 'A', 'P'}, 2, "map file", Checksum::kBlake2b, kWithoutImages};
 constexpr FileKind kMapFileWithoutImages{{'P', 'L', 'S', 'L', 'A', 'M', 'A', 'P'}, kWithoutImages, "map file"};
 
-using Images = std::map<int64_t, TakenImage>;
+using Images = std::map<KeyframeId, TakenImage>;
 
 Images ImagesOf(const StoredMap& stored) {
   Images images;

@@ -15,7 +15,7 @@ namespace plslam {
 
 /// The newest keyframe of a session that is in the map: its number there and as the session counts.
 struct StoredSession {
-  int64_t keyframe_id = -1;  ///< -1: it has been forgotten
+  KeyframeId keyframe_id = -1;  ///< -1: it has been forgotten
   int64_t session_keyframe_id = -1;
 
   bool operator==(const StoredSession&) const = default;
@@ -29,9 +29,9 @@ struct StoredMap {
   /// Features of the map's keyframes, by keyframe id. They include every observation.
   KeyframeFeatures features;
   /// Greater than all ids that were ever assigned.
-  int64_t next_keyframe_id = 0;
-  int64_t next_point_id = 0;
-  int64_t next_line_id = 0;
+  KeyframeId next_keyframe_id = 0;
+  LandmarkId next_point_id = 0;
+  LandmarkId next_line_id = 0;
   std::map<SessionId, StoredSession> sessions;
   SessionId newest_session;
   int64_t newest_t_ns = 0;

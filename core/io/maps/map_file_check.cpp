@@ -45,24 +45,25 @@ bool IsFeature(const StereoLine& l) {
 }
 
 template <class Feature>
-void CheckObservations(const char* kind, int64_t id, const std::vector<Observation>& observations,
+void CheckObservations(const char* kind, LandmarkId id, const std::vector<Observation>& observations,
                        const KeyframeFeatures& features, std::span<const Feature> FeaturesView::*of) {
-  int64_t last = -1;
+  KeyframeId last;
   for (const Observation& observation : observations) {
-    Demand(observation.keyframe_id > last, "{} {} has observations not in ascending order of keyframes ({} after {})",
-           kind, id, observation.keyframe_id, last);
-    last = observation.keyframe_id;
-    const auto found = features.find(observation.keyframe_id);
+    Demand(observation.keyframe_id() > last,
+           "{} {} has observations not in ascending order of keyframes ({} after {})", kind, id,
+           observation.keyframe_id(), last);
+    last = observation.keyframe_id();
+    const auto found = features.find(observation.keyframe_id());
     const auto n = found == features.end() ? 0 : static_cast<int64_t>((found->second.*of).size());
     Demand(observation.feature >= 0 && observation.feature < n,
            "{} {} is observed as feature {} of keyframe {}, which has {}", kind, id, observation.feature,
-           observation.keyframe_id, n);
+           observation.keyframe_id(), n);
   }
 }
 
-template <class Landmark>
-int64_t LastId(const IdMap<Landmark>& landmarks) {
-  return landmarks.empty() ? -1 : landmarks.rbegin()->first;
+template <class AnId, class Value>
+AnId LastId(const IdMap<AnId, Value>& values) {
+  return values.empty() ? -1 : values.rbegin()->first;
 }
 
 }  // namespace
@@ -78,14 +79,14 @@ void Check(const MapKeyframe& k) {
          "keyframe {} has an invalid covariance", k.id);
 }
 
-void Check(int64_t keyframe_id, const FeaturesView& features) {
+void Check(KeyframeId keyframe_id, const FeaturesView& features) {
   const auto is_feature = [](const auto& feature) { return IsFeature(feature); };
   Demand(std::all_of(features.points.begin(), features.points.end(), is_feature) &&
              std::all_of(features.lines.begin(), features.lines.end(), is_feature),
          "keyframe {} has a feature with invalid values", keyframe_id);
 }
 
-void Check(int64_t keyframe_id, const TakenImage& image, const KeyframeFeatures& features) {
+void Check(KeyframeId keyframe_id, const TakenImage& image, const KeyframeFeatures& features) {
   Demand(features.contains(keyframe_id), "an image belongs to keyframe {}, which has no features", keyframe_id);
   const auto is_place = [](int px) { return std::abs(px) <= kMaxPixel; };
   const auto is_size = [](int px) { return px >= 1 && px <= kMaxPixel; };
@@ -125,7 +126,7 @@ void CheckObservationsOnce(const Map& map, int64_t point_observations, int64_t l
 
 void CheckWhole(const StoredMap& stored) {
   const Map& map = stored.map;
-  Demand(stored.next_keyframe_id <= Observation::kMaxId,
+  Demand(stored.next_keyframe_id.value <= Observation::kMaxId,
          "the next keyframe would be {}, but no map can have more than {}", stored.next_keyframe_id,
          Observation::kMaxId);
   Demand(stored.next_keyframe_id > LastId(map.keyframes()), "the next keyframe would be {}, but keyframe {} exists",

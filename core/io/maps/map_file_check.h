@@ -3,6 +3,7 @@
 
 #include <map>
 
+#include "core/ids/ids.h"
 #include "core/io/maps/map_file.h"
 
 namespace plslam::map_file {
@@ -10,9 +11,9 @@ namespace plslam::map_file {
 // Checks of the values of a map file. Each throws std::runtime_error that names the culprit.
 
 void Check(const MapKeyframe& keyframe);
-void Check(int64_t keyframe_id, const FeaturesView& features);
+void Check(KeyframeId keyframe_id, const FeaturesView& features);
 /// An image has valid pixels and belongs to a keyframe with features.
-void Check(int64_t keyframe_id, const TakenImage& image, const KeyframeFeatures& features);
+void Check(KeyframeId keyframe_id, const TakenImage& image, const KeyframeFeatures& features);
 /// Observations ascend and refer to existing features.
 void Check(const MapPoint& point, const KeyframeFeatures& features);
 void Check(const MapLine& line, const KeyframeFeatures& features);

@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "core/features/features.h"
+#include "core/ids/ids.h"
 #include "core/io/files/archive.h"
 #include "core/io/maps/map_file.h"
 
@@ -47,11 +48,11 @@ void Fields(Archive& a, T& features) { a(features.points, features.lines); }
 
 template <class Archive, Is<Observation> T>
 void Fields(Archive& a, T& observation) {
-  int64_t keyframe_id = observation.keyframe_id;
+  KeyframeId keyframe_id = observation.keyframe_id();
   int32_t feature = observation.feature;
   a(keyframe_id, feature);
   if constexpr (!std::is_const_v<T>) {
-    if (std::abs(keyframe_id) > Observation::kMaxId || std::abs(int64_t{feature}) > Observation::kMaxFeature)
+    if (std::abs(keyframe_id.value) > Observation::kMaxId || std::abs(int64_t{feature}) > Observation::kMaxFeature)
       throw std::runtime_error("an observation has an invalid keyframe or feature");
     observation = {keyframe_id, feature};
   }

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/ids/ids.h"
 #include "core/io/files/archive.h"
 #include "core/io/maps/map_file_check.h"
 #include "core/io/maps/map_file_fields.h"
@@ -15,17 +16,17 @@
 // checked when it is read. Throw std::runtime_error, in a sentence without its subject.
 namespace plslam::map_file {
 
-template <class Value>
-void WriteValues(archive::Writer& write, const IdMap<Value>& values) {
+template <class AnId, class Value>
+void WriteValues(archive::Writer& write, const IdMap<AnId, Value>& values) {
   write(static_cast<uint64_t>(values.size()));
   for (const auto& [id, value] : values) write(value);
 }
 
 /// Writes the values with these ids, which must exist.
-template <class Value>
-void WriteValues(archive::Writer& write, const IdMap<Value>& values, const std::vector<int64_t>& ids) {
+template <class AnId, class Value>
+void WriteValues(archive::Writer& write, const IdMap<AnId, Value>& values, const std::vector<AnId>& ids) {
   write(static_cast<uint64_t>(ids.size()));
-  for (const int64_t id : ids) write(values.at(id));
+  for (const AnId id : ids) write(values.at(id));
 }
 
 /// Values by number, ascending.
@@ -43,7 +44,7 @@ void ReadByNumber(archive::Reader& read, std::map<Key, Value>& values) {
 /// Calls take(value) for each.
 template <class Value, class Take>
 void ReadValues(archive::Reader& read, const Take& take) {
-  int64_t last_id = -1;
+  decltype(Value::id) last_id = -1;
   for (uint64_t n = read.ReadCount(archive::MinBytes<Value>()); n > 0; --n) {
     Value value;
     read(value);
@@ -73,7 +74,7 @@ int64_t ReadLandmarks(archive::Reader& read, StoredMap& stored) {
 }
 
 inline void ReadFeatures(archive::Reader& read, KeyframeFeatures& features) {
-  std::map<int64_t, StereoFeatures> values;
+  std::map<KeyframeId, StereoFeatures> values;
   ReadByNumber(read, values);
   for (auto& [id, of_keyframe] : values) {
     Check(id, of_keyframe);
@@ -82,7 +83,7 @@ inline void ReadFeatures(archive::Reader& read, KeyframeFeatures& features) {
 }
 
 inline void ReadImages(archive::Reader& read, KeyframeFeatures& features) {
-  std::map<int64_t, TakenImage> images;
+  std::map<KeyframeId, TakenImage> images;
   ReadByNumber(read, images);
   for (const auto& [id, image] : images) {
     Check(id, image, features);

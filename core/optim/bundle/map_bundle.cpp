@@ -23,7 +23,7 @@ bool IsContradicted(const SE3& error, const Matrix6d& covariance) {
 }
 
 void AddMotions(const Map& map, double relative_sigma, MapBundle& bundle) {
-  std::map<int64_t, int> poses;
+  std::map<KeyframeId, int> poses;
   for (size_t i = 0; i < bundle.keyframes.size(); ++i) poses[bundle.keyframes[i]] = static_cast<int>(i);
   for (const auto& [id, pose] : poses) {
     const MapKeyframe& keyframe = *map.FindKeyframe(id);
@@ -37,7 +37,7 @@ void AddMotions(const Map& map, double relative_sigma, MapBundle& bundle) {
 }
 
 template <class Type, class BundleObservation>
-void AddObservations(const std::vector<int64_t>& ids, const Map& map, const KeyframeFeatures& features,
+void AddObservations(const std::vector<LandmarkId>& ids, const Map& map, const KeyframeFeatures& features,
                      const MapBundle& bundle, std::vector<BundleObservation>& observations) {
   struct Seen {
     size_t place;
@@ -65,16 +65,16 @@ void AddObservations(const std::vector<int64_t>& ids, const Map& map, const Keyf
 }  // namespace
 
 MapBundle MakeMapBundle(const Map& map, const KeyframeFeatures& features, const StereoCamera& camera,
-                        std::vector<int64_t> keyframes, const std::vector<bool>& fixed, std::vector<int64_t> points,
-                        std::vector<int64_t> lines, double relative_sigma) {
+                        std::vector<KeyframeId> keyframes, const std::vector<bool>& fixed,
+                        std::vector<LandmarkId> points, std::vector<LandmarkId> lines, double relative_sigma) {
   MapBundle bundle{std::move(keyframes), std::move(points), std::move(lines), {}};
   BundleProblem& problem = bundle.problem;
   problem.camera = camera;
   for (size_t i = 0; i < bundle.keyframes.size(); ++i) {
     problem.poses.push_back({map.FindKeyframe(bundle.keyframes[i])->T_w_kf, fixed[i]});
   }
-  for (const int64_t id : bundle.points) problem.points.push_back({map.FindPoint(id)->p_w});
-  for (const int64_t id : bundle.lines) problem.lines.push_back({map.FindLine(id)->segment_w});
+  for (const LandmarkId id : bundle.points) problem.points.push_back({map.FindPoint(id)->p_w});
+  for (const LandmarkId id : bundle.lines) problem.lines.push_back({map.FindLine(id)->segment_w});
   AddObservations<PointType>(bundle.points, map, features, bundle, problem.point_observations);
   AddObservations<LineType>(bundle.lines, map, features, bundle, problem.line_observations);
   if (relative_sigma > 0.0) AddMotions(map, relative_sigma, bundle);

@@ -33,9 +33,9 @@ inline LineObservation ObservationOf(int pose, int line, const StereoLine& seen)
 /// A map, or a part of it, as a bundle problem: `problem.poses[i]` belongs to `keyframes[i]`; likewise for points and
 /// lines. Used by the local adjustment of mapping_process and the global one of loop_process.
 struct MapBundle {
-  std::vector<int64_t> keyframes;
-  std::vector<int64_t> points;
-  std::vector<int64_t> lines;
+  std::vector<KeyframeId> keyframes;
+  std::vector<LandmarkId> points;
+  std::vector<LandmarkId> lines;
   BundleProblem problem;
 };
 
@@ -47,15 +47,15 @@ struct MapBundle {
 /// map contradicts by more than 30 standard deviations and more than 0.1 m or rad is left out, because the tracker was
 /// lost.
 MapBundle MakeMapBundle(const Map& map, const KeyframeFeatures& features, const StereoCamera& camera,
-                        std::vector<int64_t> keyframes, const std::vector<bool>& fixed, std::vector<int64_t> points,
-                        std::vector<int64_t> lines, double relative_sigma);
+                        std::vector<KeyframeId> keyframes, const std::vector<bool>& fixed,
+                        std::vector<LandmarkId> points, std::vector<LandmarkId> lines, double relative_sigma);
 
 /// Calls visit(pose, landmark, observation) for each observation of the landmarks `ids` (points or lines of the
 /// bundle), in the problem's order of observations.
 template <class Type, class Visit>
-void ForEachObservation(const MapBundle& bundle, const std::vector<int64_t>& ids, const Map& map,
+void ForEachObservation(const MapBundle& bundle, const std::vector<LandmarkId>& ids, const Map& map,
                         const KeyframeFeatures& features, const Visit& visit) {
-  IdMap<int> poses;
+  IdMap<KeyframeId, int> poses;
   std::vector<size_t> n_features;
   for (size_t i = 0; i < bundle.keyframes.size(); ++i) {
     poses[bundle.keyframes[i]] = static_cast<int>(i);
@@ -63,7 +63,7 @@ void ForEachObservation(const MapBundle& bundle, const std::vector<int64_t>& ids
   }
   for (size_t k = 0; k < ids.size(); ++k) {
     for (const Observation& observation : Type::Find(map, ids[k])->observations) {
-      const int* pose = poses.Find(observation.keyframe_id);
+      const int* pose = poses.Find(observation.keyframe_id());
       if (pose == nullptr) continue;
       if (static_cast<size_t>(observation.feature) < n_features[static_cast<size_t>(*pose)])
         visit(*pose, static_cast<int>(k), observation);

@@ -30,12 +30,12 @@ Matrix6d EdgeCovariance(const Map& map, const MapEdge& edge, const SE3& T_a_b, c
 
 }  // namespace
 
-int MapPoseGraph::IndexOf(int64_t keyframe_id) const {
+int MapPoseGraph::IndexOf(KeyframeId keyframe_id) const {
   return static_cast<int>(std::lower_bound(keyframe_ids.begin(), keyframe_ids.end(), keyframe_id) -
                           keyframe_ids.begin());
 }
 
-MapPoseGraph PoseGraphOf(const Map& map, const MapGraph& graph, const std::map<int64_t, SE3>& T_w_kf,
+MapPoseGraph PoseGraphOf(const Map& map, const MapGraph& graph, const std::map<KeyframeId, SE3>& T_w_kf,
                          const MapDrift& drift) {
   MapPoseGraph result;
   PoseGraphProblem& problem = result.problem;
@@ -58,16 +58,16 @@ MapPoseGraph PoseGraphOf(const Map& map, const MapGraph& graph, const std::map<i
 }
 
 MapPoseGraph PoseGraphOf(const Map& map, const MapDrift& drift) {
-  std::map<int64_t, SE3> T_w_kf;
+  std::map<KeyframeId, SE3> T_w_kf;
   for (const auto& [id, keyframe] : map.keyframes()) T_w_kf[id] = keyframe.T_w_kf;
   return PoseGraphOf(map, MapGraph(map), T_w_kf, drift);
 }
 
-std::map<int64_t, Matrix6d> CovariancesAround(int64_t keyframe_id, const Map& map, const MapDrift& drift) {
+std::map<KeyframeId, Matrix6d> CovariancesAround(KeyframeId keyframe_id, const Map& map, const MapDrift& drift) {
   const MapGraph graph(map);
-  std::map<int64_t, SE3> T_w_kf;
+  std::map<KeyframeId, SE3> T_w_kf;
   PoseGraphResult as_it_is;
-  for (const int64_t id : graph.Component(keyframe_id, MapGraph::Edges::kAll)) {
+  for (const KeyframeId id : graph.Component(keyframe_id, MapGraph::Edges::kAll)) {
     T_w_kf[id] = map.FindKeyframe(id)->T_w_kf;
     as_it_is.T_w_kf.push_back(T_w_kf[id]);
   }
@@ -76,9 +76,9 @@ std::map<int64_t, Matrix6d> CovariancesAround(int64_t keyframe_id, const Map& ma
   as_it_is.rejected.assign(poses.problem.edges.size(), false);
   const std::vector<Matrix6d> marginals = PoseGraphCovariances(poses.problem, as_it_is);
   const MapKeyframe& first = *map.FindKeyframe(poses.keyframe_ids.front());
-  std::map<int64_t, Matrix6d> covariances;
+  std::map<KeyframeId, Matrix6d> covariances;
   for (size_t i = 1; i < marginals.size(); ++i) {
-    const int64_t id = poses.keyframe_ids[i];
+    const KeyframeId id = poses.keyframe_ids[i];
     if (marginals[i].isZero(0.0) || !marginals[i].allFinite()) return {};
     covariances[id] = ComposeCovariance(first.covariance, first.T_w_kf.Inverse() * T_w_kf[id], marginals[i]);
   }

@@ -19,11 +19,11 @@ struct MapDrift {
 
 struct MapPoseGraph {
   /// Ascending; same length as `problem.poses`.
-  std::vector<int64_t> keyframe_ids;
+  std::vector<KeyframeId> keyframe_ids;
   PoseGraphProblem problem;
 
   /// Returns the index of a keyframe among the poses, which must contain it.
-  int IndexOf(int64_t keyframe_id) const;
+  int IndexOf(KeyframeId keyframe_id) const;
 };
 
 /// Returns the pose graph of a map (PL-SLAM §VI.B), for loop correction and export: the keyframes of `T_w_kf` with
@@ -32,7 +32,7 @@ struct MapPoseGraph {
 /// An edge measures the relative pose of two keyframes in the map, which is more accurate than the motion first
 /// measured by odometry. Its covariance follows from `drift`, smaller if the two share many landmarks and larger if
 /// few; a closed loop has its measured covariance. An unknown edge measures the relative pose in `T_w_kf`.
-MapPoseGraph PoseGraphOf(const Map& map, const MapGraph& graph, const std::map<int64_t, SE3>& T_w_kf,
+MapPoseGraph PoseGraphOf(const Map& map, const MapGraph& graph, const std::map<KeyframeId, SE3>& T_w_kf,
                          const MapDrift& drift);
 
 /// As above, for all keyframes of a map at their poses.
@@ -42,6 +42,6 @@ MapPoseGraph PoseGraphOf(const Map& map, const MapDrift& drift = {});
 /// perturbations in the pose graph, composed with the covariance of the first. They include the information of loops,
 /// which covariances composed along odometry lack. Empty if the graph is singular. Costs about as much as one step of
 /// the optimisation.
-std::map<int64_t, Matrix6d> CovariancesAround(int64_t keyframe_id, const Map& map, const MapDrift& drift = {});
+std::map<KeyframeId, Matrix6d> CovariancesAround(KeyframeId keyframe_id, const Map& map, const MapDrift& drift = {});
 
 }  // namespace plslam

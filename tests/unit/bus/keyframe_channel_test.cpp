@@ -145,8 +145,8 @@ TEST(CutIntoPages, NoIdsOfTheMapArriveAsNone) {
   KeyframeAssembler assembler;
   ASSERT_EQ(assembler.Add(CutIntoPages(keyframe, 60'000)[0]), Outcome::kComplete);
   const Keyframe received = assembler.Take();
-  EXPECT_EQ(received.point_map_ids, std::vector<int64_t>(2, -1));
-  EXPECT_EQ(received.line_map_ids, std::vector<int64_t>(3, -1));
+  EXPECT_EQ(received.point_map_ids, std::vector<LandmarkId>(2, -1));
+  EXPECT_EQ(received.line_map_ids, std::vector<LandmarkId>(3, -1));
 }
 
 TEST(KeyframeChannel, LateReaderGetsAllKeyframesOverALossyNetwork) {

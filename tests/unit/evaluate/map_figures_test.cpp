@@ -40,14 +40,14 @@ TEST(TopView, PathsLandmarksAndEmptyPaths) {
 
 TEST(PairWorthShowing, LoopsBeforeNeighbours) {
   StoredMap stored = test::SmallStoredMap();
-  EXPECT_EQ(PairWorthShowing(stored.map), (std::pair<int64_t, int64_t>{0, 1}));
+  EXPECT_EQ(PairWorthShowing(stored.map), (std::pair<KeyframeId, KeyframeId>{0, 1}));
   LoopEdge loop;
   loop.old_keyframe_id = 0;
   loop.keyframe_id = 2;
   stored.map.Add(loop);
   loop.keyframe_id = 77;
   stored.map.Add(loop);
-  EXPECT_EQ(PairWorthShowing(stored.map), (std::pair<int64_t, int64_t>{0, 2}))
+  EXPECT_EQ(PairWorthShowing(stored.map), (std::pair<KeyframeId, KeyframeId>{0, 2}))
       << "the newest whose keyframes are there";
   EXPECT_EQ(PairWorthShowing(Map()), std::nullopt);
 }

@@ -16,7 +16,8 @@ constexpr int kAlone = 100;
 
 MapKeyframe KeyframeAt(int i) {
   MapKeyframe keyframe;
-  keyframe.id = keyframe.name.number = i;
+  keyframe.name.number = i;
+  keyframe.id = KeyframeId(keyframe.name.number);
   keyframe.frame_id = 10 * i;
   keyframe.t_ns = 1'000'000'000LL * i + 5;
   keyframe.T_w_kf = SE3(ExpSO3({0.02 * i, 0.05 * i, -0.01 * i}), {0.3 * i, -0.05 * i, 0.4 * i});

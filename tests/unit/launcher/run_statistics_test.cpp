@@ -69,7 +69,7 @@ TEST(RunStatistics, NoMoreFramesAreSkippedThanThereAre) {
 
 TEST(RunStatistics, LandmarksOfSessionsAreDistinct) {
   RunStatistics s;
-  for (const int64_t id : {4, 4, 5, -1}) s.AddLandmark(1, id, false);
+  for (const TrackId id : {4, 4, 5, -1}) s.AddLandmark(1, id, false);
   s.AddLandmark(2, 4, false);
   s.AddLandmark(1, 4, true);
   EXPECT_EQ(s.landmark_points(), 3);

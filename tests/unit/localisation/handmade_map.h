@@ -13,15 +13,14 @@ struct HandmadeMap {
   Map map;
   KeyframeFeatures features;
 
-  int64_t AddKeyframe(const SE3& T_w_kf, StereoFeatures seen = {}) {
+  KeyframeId AddKeyframe(const SE3& T_w_kf, StereoFeatures seen = {}) {
     MapKeyframe keyframe;
-    keyframe.id = static_cast<int64_t>(features.size());
-    keyframe.name.number = keyframe.id;
-    keyframe.previous_id = keyframe.id - 1;
-    keyframe.parent_id = keyframe.id - 1;
+    keyframe.id = KeyframeId(features.size());
+    keyframe.name.number = keyframe.id.value;
+    keyframe.previous_id = keyframe.parent_id = KeyframeId(keyframe.id.value - 1);
     keyframe.T_w_kf = T_w_kf;
     if (keyframe.id > 0) {
-      keyframe.T_prevkf_kf = map.FindKeyframe(keyframe.id - 1)->T_w_kf.Inverse() * T_w_kf;
+      keyframe.T_prevkf_kf = map.FindKeyframe(keyframe.previous_id)->T_w_kf.Inverse() * T_w_kf;
       keyframe.relative_covariance = 1e-4 * Matrix6d::Identity();
     }
     map.Put(keyframe);
@@ -30,7 +29,7 @@ struct HandmadeMap {
   }
 
   /// A new feature of the keyframe where the point or segment is seen without noise.
-  Observation SeePoint(int64_t keyframe_id, const Eigen::Vector3d& p_w, const Descriptor& descriptor) {
+  Observation SeePoint(KeyframeId keyframe_id, const Eigen::Vector3d& p_w, const Descriptor& descriptor) {
     const Eigen::Vector3d uvd =
         FeatureWorld::Camera().ProjectStereo(map.FindKeyframe(keyframe_id)->T_w_kf.Inverse() * p_w);
     StereoPoint seen;
@@ -41,7 +40,7 @@ struct HandmadeMap {
     ChangeFeatures(features, keyframe_id, [&](StereoFeatures& of) { of.points.push_back(seen); });
     return {keyframe_id, static_cast<int32_t>(features[keyframe_id].points.size()) - 1};
   }
-  Observation SeeLine(int64_t keyframe_id, const Segment3& segment_w, const Descriptor& descriptor) {
+  Observation SeeLine(KeyframeId keyframe_id, const Segment3& segment_w, const Descriptor& descriptor) {
     const SE3 T_kf_w = map.FindKeyframe(keyframe_id)->T_w_kf.Inverse();
     const Eigen::Vector3d p = FeatureWorld::Camera().ProjectStereo(T_kf_w * segment_w.p);
     const Eigen::Vector3d q = FeatureWorld::Camera().ProjectStereo(T_kf_w * segment_w.q);
@@ -55,18 +54,18 @@ struct HandmadeMap {
     return {keyframe_id, static_cast<int32_t>(features[keyframe_id].lines.size()) - 1};
   }
 
-  void PutPoint(int64_t id, const Eigen::Vector3d& p_w, const Descriptor& descriptor,
+  void PutPoint(LandmarkId id, const Eigen::Vector3d& p_w, const Descriptor& descriptor,
                 std::vector<Observation> observations) {
     MapPoint point;
     point.id = id;
     point.p_w = p_w;
     point.covariance = 1e-4 * Eigen::Matrix3d::Identity();
     point.descriptor = descriptor;
-    point.depth_m = (map.FindKeyframe(observations.back().keyframe_id)->T_w_kf.Inverse() * p_w).z();
+    point.depth_m = (map.FindKeyframe(observations.back().keyframe_id())->T_w_kf.Inverse() * p_w).z();
     point.observations = std::move(observations);
     map.Put(point);
   }
-  void PutLine(int64_t id, const Segment3& segment_w, const Descriptor& descriptor,
+  void PutLine(LandmarkId id, const Segment3& segment_w, const Descriptor& descriptor,
                std::vector<Observation> observations) {
     MapLine line;
     line.id = id;
@@ -78,13 +77,13 @@ struct HandmadeMap {
   }
 
   /// `n` points in front of the keyframes that see them, which ties these together; ids from `first_id`.
-  void Tie(const std::vector<int64_t>& keyframes, int n, int64_t first_id,
+  void Tie(const std::vector<KeyframeId>& keyframes, int n, int first_id,
            const std::vector<Descriptor>& descriptors) {
     for (int i = 0; i < n; ++i) {
       const Eigen::Vector3d p_w(0.2 * (i % 10) - 0.9, 0.2 * (i / 10 % 8) - 0.7, 4.0 + 0.1 * (i % 7));
       const Descriptor& descriptor = descriptors[static_cast<size_t>(first_id + i)];
       std::vector<Observation> observations;
-      for (const int64_t id : keyframes) observations.push_back(SeePoint(id, p_w, descriptor));
+      for (const KeyframeId id : keyframes) observations.push_back(SeePoint(id, p_w, descriptor));
       PutPoint(first_id + i, p_w, descriptor, observations);
     }
   }

@@ -17,7 +17,7 @@ class PoseRefinement : public testing::TestWithParam<FeatureWorld::Counts> {
   PoseRefinement() {
     for (size_t i = 0; i < world_.points().size(); ++i) {
       MapPoint point;
-      point.id = static_cast<int64_t>(i);
+      point.id = LandmarkId(i);
       point.p_w = world_.points()[i].p_w;
       point.covariance = 1e-4 * Eigen::Matrix3d::Identity();
       point.descriptor = world_.points()[i].descriptor;
@@ -26,7 +26,7 @@ class PoseRefinement : public testing::TestWithParam<FeatureWorld::Counts> {
     }
     for (size_t i = 0; i < world_.lines().size(); ++i) {
       MapLine line;
-      line.id = static_cast<int64_t>(i);
+      line.id = LandmarkId(i);
       line.segment_w = world_.lines()[i].segment_w;
       line.covariance_p = line.covariance_q = 1e-4 * Eigen::Matrix3d::Identity();
       line.descriptor = world_.lines()[i].descriptor;
@@ -38,7 +38,7 @@ class PoseRefinement : public testing::TestWithParam<FeatureWorld::Counts> {
     for (const StereoLine& seen : features_.lines) truth_.lines.push_back(IdOf(seen.left.descriptor, map_.lines()));
   }
   template <class Landmark>
-  static int64_t IdOf(const Descriptor& descriptor, const IdMap<Landmark>& landmarks) {
+  static LandmarkId IdOf(const Descriptor& descriptor, const IdMap<LandmarkId, Landmark>& landmarks) {
     for (const auto& [id, landmark] : landmarks) {
       if (landmark.descriptor == descriptor) return id;
     }
@@ -139,7 +139,7 @@ TEST_P(PoseRefinement, ExpectedLandmarksAreThoseInView) {
   const Map unseen = map_;
   const auto observe = [this](const auto& of_id) {
     auto landmark = of_id.second;
-    landmark.observations = {{0, static_cast<int32_t>(of_id.first)}};
+    landmark.observations = {{0, static_cast<int32_t>(of_id.first.value)}};
     map_.Put(landmark);
   };
   for (const auto& of_id : unseen.points()) observe(of_id);

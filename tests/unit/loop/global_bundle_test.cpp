@@ -17,7 +17,7 @@ Map Perturbed(const Map& map) {
   for (const auto& [id, keyframe] : map.keyframes()) {
     if (id == map.keyframes().begin()->first) continue;
     Vector6d x;
-    const auto s = static_cast<double>(id);
+    const auto s = static_cast<double>(id.value);
     x << 0.02 * std::sin(s), 0.02 * std::cos(2.0 * s), 0.02 * std::sin(3.0 * s), 0.003 * std::cos(s),
         0.003 * std::sin(5.0 * s), 0.003 * std::cos(3.0 * s);
     perturbed.SetPose(id, keyframe.T_w_kf * SE3::Exp(x), keyframe.covariance);

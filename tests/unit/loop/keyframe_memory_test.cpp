@@ -29,7 +29,7 @@ Keyframe Named(SessionId session, int64_t number) {
   return keyframe;
 }
 
-MapKeyframe InMap(int64_t id, SessionId session, int64_t number) {
+MapKeyframe InMap(KeyframeId id, SessionId session, int64_t number) {
   MapKeyframe keyframe;
   keyframe.id = id;
   keyframe.name.session = session;
@@ -37,7 +37,7 @@ MapKeyframe InMap(int64_t id, SessionId session, int64_t number) {
   return keyframe;
 }
 
-size_t PointsOf(const loop::KeyframeMemory& memory, int64_t id) { return memory.features().at(id).points.size(); }
+size_t PointsOf(const loop::KeyframeMemory& memory, KeyframeId id) { return memory.features().at(id).points.size(); }
 
 TEST(KeyframeMemory, FeaturesBeforeTheMapAndAfterIt) {
   loop::KeyframeMemory memory(SmallPlaces());
@@ -61,7 +61,7 @@ TEST(KeyframeMemory, FeaturesBeforeTheMapAndAfterIt) {
 TEST(KeyframeMemory, RemovedKeyframesAreDropped) {
   loop::KeyframeMemory memory(SmallPlaces());
   Map map;
-  for (int64_t i = 0; i < 4; ++i) {
+  for (int i = 0; i < 4; ++i) {
     map.Put(InMap(i, 1, i));
     memory.Add(Named(1, i));
   }
@@ -106,7 +106,7 @@ TEST(KeyframeMemory, MappedSessionIsKeptForARestartedMap) {
   constexpr int64_t kMany = loop::KeyframeMemory::kMostUntaken + 10;
   loop::KeyframeMemory memory(SmallPlaces());
   Map map;
-  for (int64_t i = 0; i < kMany; ++i) {
+  for (int i = 0; i < kMany; ++i) {
     Keyframe keyframe = Named(1, 0);
     keyframe.name.number = i;
     memory.Add(keyframe);
@@ -125,7 +125,7 @@ TEST(KeyframeMemory, MappedSessionIsKeptForARestartedMap) {
 TEST(KeyframeMemory, RestartedMapUsesKeyframesUnderOtherIds) {
   loop::KeyframeMemory memory(SmallPlaces());
   Map map;
-  for (int64_t i = 0; i < 5; ++i) {
+  for (int i = 0; i < 5; ++i) {
     map.Put(InMap(i, 1, i));
     memory.Add(Named(1, i));
   }

@@ -18,12 +18,12 @@ using Kind = LoopClosure::Kind;
 
 // In a single session the map numbers keyframes as the session does.
 SE3 TrueRelation(const LoopEdge& edge, const std::vector<SE3>& T_w_c) {
-  return T_w_c.at(static_cast<size_t>(edge.old_keyframe_id)).Inverse() *
-         T_w_c.at(static_cast<size_t>(edge.keyframe_id));
+  return T_w_c.at(static_cast<size_t>(edge.old_keyframe_id.value)).Inverse() *
+         T_w_c.at(static_cast<size_t>(edge.keyframe_id.value));
 }
 
 // Returns the relative pose of two keyframes after the closure.
-SE3 Corrected(const LoopClosure& loop, int64_t a, int64_t b) {
+SE3 Corrected(const LoopClosure& loop, KeyframeId a, KeyframeId b) {
   SE3 T_w_a;
   SE3 T_w_b;
   for (const CorrectedPose& pose : loop.poses) {
@@ -81,11 +81,11 @@ TEST(LoopCloser, AgreeingLoopOfThinnedMapAsksNoMore) {
   ASSERT_EQ(loop.kind, Kind::kLoop);
   EXPECT_TRUE(loop.more);
   Map map = closing.mapper.map();
-  std::map<int64_t, SE3> poses;
+  std::map<KeyframeId, SE3> poses;
   for (const CorrectedPose& pose : loop.poses) poses[pose.keyframe_id] = pose.T_w_kf;
   map.Move(poses);
   const Keyframe& last = ring.walk.keyframes[shown - 1];
-  ASSERT_GT(2 * map.keyframes().rbegin()->first, 3 * static_cast<int64_t>(map.keyframes().size()))
+  ASSERT_GT(2 * map.keyframes().rbegin()->first.value, 3 * static_cast<int64_t>(map.keyframes().size()))
       << "it was thinned";
   const LoopClosure again = closing.closer.Check(map, last.name);
   ASSERT_EQ(again.kind, Kind::kLoop);
@@ -140,7 +140,7 @@ TEST(LoopCloser, UnanchoredSessionIsJoined) {
   }
   ASSERT_EQ(loop.kind, Kind::kLoop) << told;
   const LoopEdge& edge = loop.edges.front();
-  const SE3 T_old_kf = ring.walk.T_w_c.at(edge.old_keyframe_id).Inverse() * beside.at(shown - 1);
+  const SE3 T_old_kf = ring.walk.T_w_c.at(edge.old_keyframe_id.value).Inverse() * beside.at(shown - 1);
   EXPECT_LT((T_old_kf.Inverse() * edge.T_old_kf).translation().norm(), 0.03);
   // The older part of the map is unchanged, the newer one is moved to it.
   EXPECT_EQ(loop.poses.front().keyframe_id, 0);
@@ -258,23 +258,27 @@ namespace {
 
 constexpr SessionId kOtherSession = 8;
 // Number of keyframes of the other part of which the earlier part is a copy.
-constexpr int64_t kCopied = 12;
+constexpr int kCopied = 12;
 // First ids of the rest of the map.
-constexpr int64_t kFirstId = 1000;
+constexpr int kFirstId = 1000;
 constexpr int64_t kFirstLandmark = 1000000;
 
-int64_t Shifted(int64_t id, int64_t by) { return id < 0 ? -1 : id + by; }
+template <class AnId>
+AnId Shifted(AnId id, int64_t by) {
+  return id < 0 ? AnId() : AnId(id.value + by);
+}
 
 std::vector<Observation> ShiftedObservations(std::vector<Observation> observations, int64_t by) {
-  for (Observation& observation : observations) observation = {observation.keyframe_id + by, observation.feature};
+  for (Observation& observation : observations)
+    observation = {Shifted(observation.keyframe_id(), by), observation.feature};
   return observations;
 }
 
 void PutKeyframes(const Map& from, int64_t n, int64_t shift, SessionId session, const SE3& T_new_old, Map& to) {
   for (const auto& [id, keyframe] : from.keyframes()) {
-    if (id >= n) break;
+    if (id.value >= n) break;
     MapKeyframe put = keyframe;
-    put.id += shift;
+    put.id = Shifted(put.id, shift);
     put.name.session = session;
     put.previous_id = Shifted(put.previous_id, shift);
     put.parent_id = Shifted(put.parent_id, shift);
@@ -285,10 +289,10 @@ void PutKeyframes(const Map& from, int64_t n, int64_t shift, SessionId session, 
 
 // Copies the landmarks that keyframes below `n` observe, with these observations.
 void PutLandmarks(const Map& from, int64_t n, int64_t shift, int64_t landmark_shift, const SE3& T_new_old, Map& to) {
-  const auto is_of_others = [n](const Observation& observation) { return observation.keyframe_id >= n; };
+  const auto is_of_others = [n](const Observation& observation) { return observation.keyframe_id().value >= n; };
   for (const auto& [id, point] : from.points()) {
     MapPoint put = point;
-    put.id += landmark_shift;
+    put.id = Shifted(put.id, landmark_shift);
     std::erase_if(put.observations, is_of_others);
     put.observations = ShiftedObservations(put.observations, shift);
     put.p_w = T_new_old * point.p_w;
@@ -296,7 +300,7 @@ void PutLandmarks(const Map& from, int64_t n, int64_t shift, int64_t landmark_sh
   }
   for (const auto& [id, line] : from.lines()) {
     MapLine put = line;
-    put.id += landmark_shift;
+    put.id = Shifted(put.id, landmark_shift);
     std::erase_if(put.observations, is_of_others);
     put.observations = ShiftedObservations(put.observations, shift);
     put.segment_w = {T_new_old * line.segment_w.p, T_new_old * line.segment_w.q};

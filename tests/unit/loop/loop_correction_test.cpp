@@ -26,16 +26,16 @@ struct Lap {
 
   void Add(int i, int n, const Vector6d& error, int64_t first_id, SessionId session) {
     MapKeyframe keyframe;
-    keyframe.id = first_id + i;
+    keyframe.id = KeyframeId(first_id + i);
     keyframe.name.session = session;
     keyframe.name.number = i;
     truth.push_back(OnCircle(i, n));
     keyframe.T_w_kf = truth.back();
     if (i > 0) {
-      keyframe.previous_id = keyframe.parent_id = keyframe.id - 1;
+      keyframe.previous_id = keyframe.parent_id = KeyframeId(keyframe.id.value - 1);
       keyframe.T_prevkf_kf = OnCircle(i - 1, n).Inverse() * OnCircle(i, n) * SE3::Exp(error);
       keyframe.relative_covariance = 1e-4 * Matrix6d::Identity();
-      keyframe.T_w_kf = map.FindKeyframe(keyframe.id - 1)->T_w_kf * keyframe.T_prevkf_kf;
+      keyframe.T_w_kf = map.FindKeyframe(keyframe.previous_id)->T_w_kf * keyframe.T_prevkf_kf;
     }
     map.Put(keyframe);
   }
@@ -55,7 +55,7 @@ Vector6d SmallDrift() {
   return x;
 }
 
-LoopEdge EdgeBetween(int64_t a, int64_t b, const SE3& T_a_b) {
+LoopEdge EdgeBetween(KeyframeId a, KeyframeId b, const SE3& T_a_b) {
   LoopEdge edge;
   edge.old_keyframe_id = a;
   edge.keyframe_id = b;

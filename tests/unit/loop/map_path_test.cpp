@@ -18,9 +18,10 @@ SE3 RandomStep(std::mt19937_64& generator) {
   return {ExpSO3(0.2 * Eigen::Vector3d{value(generator), value(generator), value(generator)}), t};
 }
 
-MapKeyframe After(const Map& map, int64_t id, const SE3& T_step) {
+MapKeyframe After(const Map& map, int id, const SE3& T_step) {
   MapKeyframe keyframe;
-  keyframe.id = keyframe.name.number = id;
+  keyframe.name.number = id;
+  keyframe.id = KeyframeId(keyframe.name.number);
   if (id == 0) return keyframe;
   keyframe.previous_id = keyframe.parent_id = id - 1;
   keyframe.T_prevkf_kf = T_step;
@@ -32,15 +33,15 @@ MapKeyframe After(const Map& map, int64_t id, const SE3& T_step) {
 Map RandomMap(int n, uint64_t seed) {
   std::mt19937_64 generator(seed);
   Map map;
-  for (int64_t i = 0; i < n; ++i) {
+  for (int i = 0; i < n; ++i) {
     MapKeyframe keyframe = After(map, i, RandomStep(generator));
-    if (i > 0) keyframe.parent_id = static_cast<int64_t>(generator() % static_cast<uint64_t>(i));
+    if (i > 0) keyframe.parent_id = KeyframeId(generator() % static_cast<uint64_t>(i));
     map.Put(keyframe);
   }
   return map;
 }
 
-double Length(const Map& map, int64_t a, int64_t b) {
+double Length(const Map& map, KeyframeId a, KeyframeId b) {
   const SE3 T = map.FindKeyframe(a)->T_w_kf.Inverse() * map.FindKeyframe(b)->T_w_kf;
   return T.translation().norm() + T.Log().tail<3>().norm();
 }
@@ -49,11 +50,11 @@ double Length(const Map& map, int64_t a, int64_t b) {
 std::vector<std::vector<double>> AllLengths(const Map& map) {
   const size_t n = map.keyframes().size();
   std::vector<std::vector<double>> d(n, std::vector<double>(n, std::numeric_limits<double>::infinity()));
-  const auto edge = [&](int64_t a, int64_t b) {
-    if (a >= 0 && b >= 0) d[a][b] = d[b][a] = Length(map, a, b);
+  const auto edge = [&](KeyframeId a, KeyframeId b) {
+    if (a >= 0 && b >= 0) d[a.value][b.value] = d[b.value][a.value] = Length(map, a, b);
   };
   for (const auto& [id, keyframe] : map.keyframes()) {
-    d[id][id] = 0.0;
+    d[id.value][id.value] = 0.0;
     edge(keyframe.previous_id, id);
     edge(keyframe.parent_id, id);
   }
@@ -70,9 +71,9 @@ TEST(MapPaths, AreTheShortest) {
   Map map = RandomMap(30, 3);
   map.Add({2, 27, SE3(), 1e-4 * Matrix6d::Identity(), 10, 10});
   const auto lengths = AllLengths(map);
-  for (const int64_t to : {0, 13, 29}) {
+  for (const int to : {0, 13, 29}) {
     loop::MapPaths paths(map, to);
-    for (int64_t from = 0; from < 30; ++from) {
+    for (int from = 0; from < 30; ++from) {
       const auto path = paths.From(from);
       ASSERT_TRUE(path.has_value());
       EXPECT_NEAR(path->length_m, lengths[from][to], 1e-9) << from << " to " << to;
@@ -83,9 +84,9 @@ TEST(MapPaths, AreTheShortest) {
 TEST(MapPaths, ChainCovarianceIsComposedStepByStep) {
   std::mt19937_64 generator(5);
   Map map;
-  for (int64_t i = 0; i < 12; ++i) map.Put(After(map, i, RandomStep(generator)));
+  for (int i = 0; i < 12; ++i) map.Put(After(map, i, RandomStep(generator)));
   Matrix6d forwards = Matrix6d::Zero();
-  for (int64_t i = 1; i < 12; ++i) {
+  for (int i = 1; i < 12; ++i) {
     const MapKeyframe& keyframe = *map.FindKeyframe(i);
     forwards = ComposeCovariance(forwards, keyframe.T_prevkf_kf, keyframe.relative_covariance);
   }
@@ -101,7 +102,7 @@ TEST(MapPaths, CovarianceIsIndependentOfQueryOrder) {
   Map map = RandomMap(30, 3);
   map.Add({2, 27, SE3(), 1e-4 * Matrix6d::Identity(), 10, 10});
   loop::MapPaths paths(map, 13);
-  for (const int64_t from : {0, 29, 5, 13, 28, 1}) {
+  for (const KeyframeId from : {0, 29, 5, 13, 28, 1}) {
     const Matrix6d alone = loop::MapPaths(map, 13).CovarianceFrom(from);
     EXPECT_EQ(alone, paths.CovarianceFrom(from)) << from;
     EXPECT_EQ(alone.isZero(), from == 13);
@@ -110,7 +111,7 @@ TEST(MapPaths, CovarianceIsIndependentOfQueryOrder) {
 
 TEST(MapPaths, ReachIsTheFarthestPointOfThePath) {
   Map map;
-  for (int64_t i = 0; i < 5; ++i) {
+  for (int i = 0; i < 5; ++i) {
     map.Put(After(map, i, SE3(Eigen::Quaterniond::Identity(), {i < 3 ? 1.0 : -1.0, 0.0, 0.0})));
   }
   // Out two metres and back: 0, 1, 2, 1, 0.
@@ -136,23 +137,23 @@ TEST(MapPaths, NoPathBetweenUnconnectedParts) {
 // For example with a forged id.
 TEST(MapPaths, IdsFarApartAndMissingOnes) {
   Map map = RandomMap(30, 3);
-  for (const int64_t id : {0, 7, 8, 20}) map.RemoveKeyframe(id);
+  for (const KeyframeId id : {0, 7, 8, 20}) map.RemoveKeyframe(id);
   MapKeyframe far = *map.FindKeyframe(29);
-  far.id = int64_t{1} << 61;
+  far.id = KeyframeId(int64_t{1} << 61);
   far.previous_id = far.parent_id = 29;
   map.Put(far);
   loop::MapPaths paths(map, far.id);
-  for (int64_t id = 0; id < 40; ++id) {
+  for (int id = 0; id < 40; ++id) {
     EXPECT_EQ(paths.From(id).has_value(), map.FindKeyframe(id) != nullptr && id > 0) << id;
   }
   EXPECT_NEAR(paths.From(29)->length_m, 0.0, 1e-12);
-  EXPECT_FALSE(paths.From(far.id - 1).has_value());
+  EXPECT_FALSE(paths.From(KeyframeId(far.id.value - 1)).has_value());
 }
 
 // A straight line of steps of a metre; odometry of one step is uncertain.
-Map ChainWithStep(int64_t id, double sigma_m, double sigma_rad, double length_m = 1.0) {
+Map ChainWithStep(int id, double sigma_m, double sigma_rad, double length_m = 1.0) {
   Map map;
-  for (int64_t i = 0; i < 6; ++i) {
+  for (int i = 0; i < 6; ++i) {
     const double x_m = i == id ? length_m : 1.0;
     MapKeyframe keyframe = After(map, i, SE3(Eigen::Quaterniond::Identity(), {x_m, 0.0, 0.0}));
     if (i == id) keyframe.relative_covariance.diagonal().head<3>().setConstant(sigma_m * sigma_m);
@@ -162,7 +163,7 @@ Map ChainWithStep(int64_t id, double sigma_m, double sigma_rad, double length_m 
   return map;
 }
 
-void ShareLandmarks(Map& map, int64_t a, int64_t b, int n) {
+void ShareLandmarks(Map& map, KeyframeId a, KeyframeId b, int n) {
   for (int32_t i = 0; i < n; ++i) {
     MapPoint point;
     point.id = i;
@@ -192,7 +193,7 @@ TEST(MapPaths, LongerStepMayHaveALargerError) {
 }
 
 TEST(MapPaths, SharedLandmarksBridgeAnUnknownStep) {
-  for (const int64_t parent_id : {2, 1}) {
+  for (const KeyframeId parent_id : {2, 1}) {
     Map map = ChainWithStep(3, 10.0, 1.0);
     MapKeyframe keyframe = *map.FindKeyframe(3);
     keyframe.parent_id = parent_id;

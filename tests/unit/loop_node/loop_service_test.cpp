@@ -28,44 +28,44 @@ Keyframe KeyframeOf(int64_t id, bool lockstep = true) {
 /// A map whose keyframes have no common features: no loop can be found, only the order is tested.
 class Service : public testing::Test {
  protected:
-  /// The version of the map with keyframes up to this one.
-  MapUpdate Update(int64_t keyframe_id, bool committed) {
-    while (next_id_ <= keyframe_id) {
+  /// The version of the map with keyframes up to this one of the session.
+  MapUpdate Update(int64_t number, bool committed) {
+    while (next_id_ <= number) {
       MapKeyframe keyframe;
-      keyframe.id = next_id_;
+      keyframe.id = KeyframeId(next_id_);
       keyframe.name.session = kSession;
       keyframe.name.number = next_id_;
-      keyframe.previous_id = keyframe.parent_id = next_id_ - 1;
+      keyframe.previous_id = keyframe.parent_id = KeyframeId(next_id_ - 1);
       map_.Put(keyframe);
       ++next_id_;
     }
     MapUpdate update = ChangedPart(map_, map_.TakeChanges());
-    Sign(update, keyframe_id, committed);
+    Sign(update, number, committed);
     update.base_version = version_++;
     update.version = version_;
     return update;
   }
-  MapUpdate Whole(int64_t keyframe_id, bool committed, SourceId source) {
+  MapUpdate Whole(int64_t number, bool committed, SourceId source) {
     MapUpdate update = WholeMap(map_);
-    Sign(update, keyframe_id, committed);
+    Sign(update, number, committed);
     update.version = version_;
     update.source = source_ = source;
     return update;
   }
-  void Sign(MapUpdate& update, int64_t keyframe_id, bool committed) const {
+  void Sign(MapUpdate& update, int64_t number, bool committed) const {
     update.source = source_;
     update.newest.session = kSession;
-    update.newest.number = keyframe_id;
+    update.newest.number = number;
     update.committed = committed;
   }
   /// Adds keyframes 0 to this one of another session to the map, unless they are in it.
-  void PutOther(int64_t keyframe_id) {
-    for (; next_other_ <= keyframe_id; ++next_other_) {
+  void PutOther(int64_t number) {
+    for (; next_other_ <= number; ++next_other_) {
       MapKeyframe keyframe;
-      keyframe.id = kOtherIds + next_other_;
+      keyframe.id = KeyframeId(kOtherIds + next_other_);
       keyframe.name.session = SessionId(kSession.value + 1);
       keyframe.name.number = next_other_;
-      if (next_other_ > 0) keyframe.previous_id = keyframe.parent_id = keyframe.id - 1;
+      if (next_other_ > 0) keyframe.previous_id = keyframe.parent_id = KeyframeId(keyframe.id.value - 1);
       map_.Put(keyframe);
     }
   }
@@ -179,7 +179,7 @@ TEST_F(Service, WholeMapWithMissingFeaturesTimesOut) {
 // mapping_process was restarted, and its map has a keyframe that had been removed: its features are published again,
 // too.
 TEST_F(Service, KeyframeRestoredByAnOlderMapIsUsedAgain) {
-  for (int64_t id = 0; id < 3; ++id) {
+  for (int id = 0; id < 3; ++id) {
     service_.OnKeyframe(KeyframeOf(id));
     service_.OnUpdate(Update(id, false));
   }
@@ -241,7 +241,7 @@ TEST_F(Service, UnfinishedAdjustmentFromRepeatedUpdates) {
 
 // A keyframe would be checked on a map that is newer than the one into which it was inserted.
 TEST_F(Service, CommittedKeyframesInRepeatedUpdates) {
-  for (int64_t id = 0; id < 3; ++id) {
+  for (int id = 0; id < 3; ++id) {
     EXPECT_EQ(Checked(service_.OnUpdate(Update(id, false))), Ids{});
     if (id < 2) service_.OnUpdate(Update(id, true));
   }
@@ -341,7 +341,7 @@ TEST_F(Service, LateFeaturesDoNotDelayOtherRobots) {
 }
 
 TEST_F(Service, RebuiltMapIsCheckedAgain) {
-  for (int64_t id = 0; id < 3; ++id) {
+  for (int id = 0; id < 3; ++id) {
     service_.OnKeyframe(KeyframeOf(id));
     service_.OnUpdate(Update(id, false));
     service_.OnUpdate(Update(id, true));

@@ -79,7 +79,7 @@ TEST_F(PublishedLoop, RefusedLoopIsNotAdjusted) {
 TEST_F(PublishedLoop, AdjustmentIncludesNewerKeyframes) {
   Show(next_);
   Show(next_ + 1);
-  const int64_t newest = mapper_.map().keyframes().rbegin()->first;
+  const KeyframeId newest = mapper_.map().keyframes().rbegin()->first;
   const auto output = TakeOver();
   ASSERT_TRUE(output.adjustment.has_value());
   EXPECT_EQ(output.adjustment->keyframes.back().keyframe_id, newest);

@@ -11,20 +11,23 @@
 #include <utility>
 #include <vector>
 
+#include "core/ids/ids.h"
+
 namespace plslam {
 namespace {
 
 using testing::ElementsAre;
 
-using Plain = std::map<int64_t, std::string>;
+using Texts = IdMap<KeyframeId, std::string>;
+using Plain = std::map<KeyframeId, std::string>;
 
-std::vector<int64_t> IdsOf(const IdMap<std::string>& values) {
-  std::vector<int64_t> ids;
+std::vector<KeyframeId> IdsOf(const Texts& values) {
+  std::vector<KeyframeId> ids;
   for (const auto& [id, value] : values) ids.push_back(id);
   return ids;
 }
 
-void ExpectSame(const IdMap<std::string>& values, const Plain& plain) {
+void ExpectSame(const Texts& values, const Plain& plain) {
   EXPECT_EQ(Plain(values.begin(), values.end()), plain);
   EXPECT_EQ(values.size(), plain.size());
   EXPECT_EQ(values.empty(), plain.empty());
@@ -55,10 +58,10 @@ int64_t DrawId(std::mt19937_64& generator, int step) {
 
 TEST(IdMap, AgreesWithStdMap) {
   std::mt19937_64 generator(3);
-  IdMap<std::string> values;
+  Texts values;
   Plain plain;
   for (int step = 0; step < 3000; ++step) {
-    const int64_t id = DrawId(generator, step / 4);
+    const KeyframeId id(DrawId(generator, step / 4));
     ASSERT_EQ(values.contains(id), plain.contains(id)) << id;
     switch (generator() % 4) {
       case 0:
@@ -84,7 +87,7 @@ TEST(IdMap, AgreesWithStdMap) {
 }
 
 TEST(IdMap, EmptyMapHasNoBegin) {
-  IdMap<std::string> values;
+  Texts values;
   EXPECT_EQ(values.begin(), values.end());
   EXPECT_EQ(values.rbegin(), values.rend());
   EXPECT_EQ(values.Find(0), nullptr);
@@ -93,8 +96,8 @@ TEST(IdMap, EmptyMapHasNoBegin) {
 }
 
 TEST(IdMap, IsWalkedInBothDirectionsOverGaps) {
-  IdMap<std::string> values;
-  for (const int64_t id : {1000, 63, 64, 0, -1, 127}) values[id];
+  Texts values;
+  for (const KeyframeId id : {1000, 63, 64, 0, -1, 127}) values[id];
   EXPECT_THAT(IdsOf(values), ElementsAre(-1, 0, 63, 64, 127, 1000));
   auto at = values.end();
   EXPECT_EQ((--at)->first, 1000);
@@ -104,30 +107,30 @@ TEST(IdMap, IsWalkedInBothDirectionsOverGaps) {
 }
 
 TEST(IdMap, ValuesKeepTheirAddress) {
-  IdMap<std::string> values;
+  Texts values;
   values[5] = "five";
   const std::string* five = values.Find(5);
-  for (int64_t id = 2000; id > -2000; --id) values[id == 5 ? 6 : id];
-  for (int64_t id = -1000; id < 5; ++id) values.erase(id);
+  for (int id = 2000; id > -2000; --id) values[id == 5 ? 6 : id];
+  for (int id = -1000; id < 5; ++id) values.erase(id);
   EXPECT_EQ(values.Find(5), five);
   EXPECT_EQ(*five, "five");
 }
 
 TEST(IdMap, CopyIsIndependent) {
-  IdMap<std::string> values;
+  Texts values;
   values[1] = "one";
   values[100] = "hundred";
-  IdMap<std::string> copy = values;
+  Texts copy = values;
   copy[1] = "other";
   copy.erase(100);
   EXPECT_EQ(values.at(1), "one");
-  EXPECT_EQ(IdsOf(values), (std::vector<int64_t>{1, 100}));
-  const IdMap<std::string> moved = std::move(copy);
+  EXPECT_EQ(IdsOf(values), (std::vector<KeyframeId>{1, 100}));
+  const Texts moved = std::move(copy);
   EXPECT_EQ(moved.at(1), "other");
   EXPECT_TRUE(copy.empty());  // NOLINT(bugprone-use-after-move): it may be used again
   copy[3] = "three";
   EXPECT_THAT(IdsOf(copy), ElementsAre(3));
-  static_assert(std::is_nothrow_move_constructible_v<IdMap<std::string>>);
+  static_assert(std::is_nothrow_move_constructible_v<Texts>);
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ TEST(MoveOldToFiles, LeavesTheNewestInMemory) {
     int n_in_file = 0;
     for (const auto& [id, of_keyframe] : features) {
       n_in_file += of_keyframe.IsInFile() ? 1 : 0;
-      ExpectAsMade(of_keyframe, static_cast<int>(id), 5);
+      ExpectAsMade(of_keyframe, static_cast<int>(id.value), 5);
     }
     EXPECT_EQ(n_in_file, 36);
     EXPECT_TRUE(features.begin()->second.IsInFile());
@@ -80,7 +80,7 @@ TEST(MoveOldToFiles, AllStayInMemoryWithoutAFolder) {
   KeyframeFeatures features;
   for (int id = 0; id < 70; ++id) features[id] = FeaturesOf(id, 5);
   EXPECT_FALSE(MoveOldToFiles(features));
-  for (const auto& [id, of_keyframe] : features) ExpectAsMade(of_keyframe, static_cast<int>(id), 5);
+  for (const auto& [id, of_keyframe] : features) ExpectAsMade(of_keyframe, static_cast<int>(id.value), 5);
   EXPECT_NE(CannotLeaveMemory().find("/no/such/folder"), std::string::npos);
   if (was != nullptr) {
     ::setenv("TMPDIR", before.c_str(), 1);

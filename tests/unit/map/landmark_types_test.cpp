@@ -8,7 +8,8 @@
 namespace plslam {
 namespace {
 
-using Ids = std::vector<int64_t>;
+using Ids = std::vector<LandmarkId>;
+using Keyframes = std::vector<KeyframeId>;
 
 class SeenByKeyframes : public testing::Test {
  protected:
@@ -28,7 +29,7 @@ class SeenByKeyframes : public testing::Test {
 };
 
 TEST_F(SeenByKeyframes, EachOnceAscendingForAnyQueryOrder) {
-  for (const Ids& keyframes : {Ids{0, 1}, Ids{1, 0}, Ids{1, 0, 1}}) {
+  for (const Keyframes& keyframes : {Keyframes{0, 1}, Keyframes{1, 0}, Keyframes{1, 0, 1}}) {
     EXPECT_EQ(SeenBy<PointType>(keyframes, world_.map), (Ids{2, 5, 7})) << testing::PrintToString(keyframes);
     EXPECT_EQ(SeenBy<LineType>(keyframes, world_.map), Ids{3}) << testing::PrintToString(keyframes);
   }

@@ -16,7 +16,8 @@ Map Row(int keyframes, int lost = -1) {
   Map map;
   for (int i = 0; i < keyframes; ++i) {
     MapKeyframe keyframe;
-    keyframe.id = keyframe.name.number = i;
+    keyframe.name.number = i;
+    keyframe.id = KeyframeId(keyframe.name.number);
     keyframe.previous_id = keyframe.parent_id = i - 1;
     keyframe.T_prevkf_kf = SE3(Eigen::Quaterniond::Identity(), {1.0, 0.0, 0.0});
     keyframe.T_w_kf = SE3(Eigen::Quaterniond::Identity(), {1.0 * i, 0.0, 0.0});
@@ -26,18 +27,18 @@ Map Row(int keyframes, int lost = -1) {
   return map;
 }
 
-void Share(int64_t a, int64_t b, int landmarks, Map& map) {
+void Share(int a, int b, int landmarks, Map& map) {
   for (int k = 0; k < landmarks; ++k) {
     MapPoint point;
     point.id = 1000 * (a + 1) + 100'000 * (b + 1) + k;
-    point.observations = {{a, 2000 * static_cast<int>(b) + k}, {b, 2000 * static_cast<int>(a) + k}};
+    point.observations = {{a, 2000 * b + k}, {b, 2000 * a + k}};
     map.Put(point);
   }
 }
 
 std::vector<std::pair<int64_t, int64_t>> Pairs(const MapGraph& graph) {
   std::vector<std::pair<int64_t, int64_t>> pairs;
-  for (const MapEdge& edge : graph.edges()) pairs.emplace_back(edge.a, edge.b);
+  for (const MapEdge& edge : graph.edges()) pairs.emplace_back(edge.a.value, edge.b.value);
   return pairs;
 }
 

@@ -13,21 +13,21 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-MapKeyframe KeyframeOf(int64_t id, int64_t parent_id) {
+MapKeyframe KeyframeOf(KeyframeId id, KeyframeId parent_id) {
   MapKeyframe keyframe;
   keyframe.id = id;
   keyframe.parent_id = parent_id;
   return keyframe;
 }
 
-MapPoint PointOf(int64_t id, std::vector<Observation> observations) {
+MapPoint PointOf(LandmarkId id, std::vector<Observation> observations) {
   MapPoint point;
   point.id = id;
   point.observations = std::move(observations);
   return point;
 }
 
-MapLine LineOf(int64_t id, std::vector<Observation> observations) {
+MapLine LineOf(LandmarkId id, std::vector<Observation> observations) {
   MapLine line;
   line.id = id;
   line.observations = std::move(observations);
@@ -37,19 +37,19 @@ MapLine LineOf(int64_t id, std::vector<Observation> observations) {
 /// Keyframes 0, 1, 2, each the parent of the next.
 Map Chain() {
   Map map;
-  for (int64_t id = 0; id < 3; ++id) map.Put(KeyframeOf(id, id - 1));
+  for (int id = 0; id < 3; ++id) map.Put(KeyframeOf(id, id - 1));
   return map;
 }
 
-using PairCounts = std::map<std::pair<int64_t, int64_t>, int>;
+using PairCounts = std::map<std::pair<KeyframeId, KeyframeId>, int>;
 
 /// Slow twin of the covisibility counts: every pair of observations of every landmark.
 template <class Landmark>
-void Recount(const IdMap<Landmark>& landmarks, PairCounts& counts) {
+void Recount(const IdMap<LandmarkId, Landmark>& landmarks, PairCounts& counts) {
   for (const auto& [id, landmark] : landmarks) {
     for (const Observation& a : landmark.observations) {
       for (const Observation& b : landmark.observations) {
-        if (a.keyframe_id != b.keyframe_id) ++counts[{a.keyframe_id, b.keyframe_id}];
+        if (a.keyframe_id() != b.keyframe_id()) ++counts[{a.keyframe_id(), b.keyframe_id()}];
       }
     }
   }
@@ -57,22 +57,22 @@ void Recount(const IdMap<Landmark>& landmarks, PairCounts& counts) {
 
 /// Slow twin of the tables from features to landmarks, and of the number of observations.
 template <class Landmark>
-void ExpectTables(const Map& map, const IdMap<Landmark>& landmarks, std::vector<int64_t> Map::FeatureLandmarks::*of,
-                  int64_t n_observations) {
-  std::map<Observation, int64_t, decltype([](const Observation& a, const Observation& b) {
-             return std::pair(a.keyframe_id, a.feature) < std::pair(b.keyframe_id, b.feature);
+void ExpectTables(const Map& map, const IdMap<LandmarkId, Landmark>& landmarks,
+                  std::vector<LandmarkId> Map::FeatureLandmarks::*of, int64_t n_observations) {
+  std::map<Observation, LandmarkId, decltype([](const Observation& a, const Observation& b) {
+             return std::pair(a.keyframe_id(), a.feature) < std::pair(b.keyframe_id(), b.feature);
            })>
       owners;
   for (const auto& [id, landmark] : landmarks) {
     for (const Observation& observation : landmark.observations) {
       ASSERT_TRUE(owners.emplace(observation, id).second)
-          << "feature " << observation.feature << " of keyframe " << observation.keyframe_id << " belongs to two";
+          << "feature " << observation.feature << " of keyframe " << observation.keyframe_id() << " belongs to two";
     }
   }
   ASSERT_EQ(static_cast<int64_t>(owners.size()), n_observations);
   size_t found = 0;
   for (const auto& [keyframe_id, keyframe] : map.keyframes()) {
-    const std::vector<int64_t>& table = map.LandmarksOf(keyframe_id).*of;
+    const std::vector<LandmarkId>& table = map.LandmarksOf(keyframe_id).*of;
     for (size_t feature = 0; feature < table.size(); ++feature) {
       const auto owner = owners.find({keyframe_id, static_cast<int32_t>(feature)});
       ASSERT_EQ(table[feature], owner == owners.end() ? -1 : owner->second) << keyframe_id << " " << feature;
@@ -105,7 +105,7 @@ void ExpectTree(const Map& map) {
       ASSERT_LT(keyframe.parent_id, id);
       ASSERT_NE(map.FindKeyframe(keyframe.parent_id), nullptr) << id << " hangs on " << keyframe.parent_id;
     }
-    std::vector<int64_t> children;
+    std::vector<KeyframeId> children;
     for (const auto& [other_id, other] : map.keyframes()) {
       if (other.parent_id == id) children.push_back(other_id);
     }
@@ -237,7 +237,7 @@ Counts All(const SharedCounts& counts) { return {counts.begin(), counts.end()}; 
 
 TEST(SharedCounts, AscendByKeyframeForAnyOrder) {
   SharedCounts counts;
-  for (const int64_t id : {7, 3, 9, 3, 7, 3}) counts.Add(id, 1);
+  for (const int id : {7, 3, 9, 3, 7, 3}) counts.Add(id, 1);
   EXPECT_EQ(All(counts), (Counts{{3, 3}, {7, 2}, {9, 1}}));
   EXPECT_EQ(counts.Of(3), 3);
   EXPECT_EQ(counts.Of(4), 0);

@@ -13,7 +13,7 @@ namespace {
 using Step = MapVersion::Step;
 
 template <class Landmark>
-void ExpectSameObservations(const IdMap<Landmark>& a, const IdMap<Landmark>& b) {
+void ExpectSameObservations(const IdMap<LandmarkId, Landmark>& a, const IdMap<LandmarkId, Landmark>& b) {
   ASSERT_EQ(a.size(), b.size());
   for (auto x = a.begin(), y = b.begin(); x != a.end(); ++x, ++y) {
     ASSERT_EQ(x->first, y->first);
@@ -98,10 +98,10 @@ TEST(MapFollower, CorrectionIsSentAsPosesOnly) {
   MapFollower replica;
   replica.Apply(whole);
   map.ForgetChanges();
-  std::map<int64_t, SE3> poses;
-  std::map<int64_t, Matrix6d> covariances;
+  std::map<KeyframeId, SE3> poses;
+  std::map<KeyframeId, Matrix6d> covariances;
   for (const auto& [id, keyframe] : map.keyframes()) {
-    poses[id] = SE3(ExpSO3({0.01, 0.2, 0.0}), {1.0, 0.1 * static_cast<double>(id), 0.0}) * keyframe.T_w_kf;
+    poses[id] = SE3(ExpSO3({0.01, 0.2, 0.0}), {1.0, 0.1 * static_cast<double>(id.value), 0.0}) * keyframe.T_w_kf;
     covariances[id] = 0.01 * Matrix6d::Identity();
   }
   map.Move(poses);
@@ -117,7 +117,7 @@ TEST(MapFollower, CorrectionIsSentAsPosesOnly) {
 
 TEST(Map, LandmarksMoveWithTheirMedianKeyframe) {
   Map map;
-  for (int64_t id = 0; id < 3; ++id) {
+  for (int id = 0; id < 3; ++id) {
     MapKeyframe keyframe;
     keyframe.id = id;
     map.Put(keyframe);
@@ -169,25 +169,26 @@ TEST(MapFollower, MapOfARestartedMapperReplacesIt) {
   ExpectSame(after.map(), replica.map());
 }
 
-MapUpdate Newest(SessionId session, int64_t keyframe_id, bool committed) {
+MapUpdate Newest(SessionId session, int64_t number, bool committed) {
   MapUpdate update;
   update.newest.session = session;
-  update.newest.number = keyframe_id;
+  update.newest.number = number;
   update.committed = committed;
   return update;
 }
 
 /// Version `version` of a map with keyframes 0, 1, 2 and 3 a metre apart along x, except those `removed`.
-MapUpdate WholeRow(int64_t version, const std::set<int64_t>& removed) {
+MapUpdate WholeRow(int64_t version, const std::set<KeyframeId>& removed) {
   Map map;
-  for (int64_t id = 0; id < 4; ++id) {
+  for (int id = 0; id < 4; ++id) {
     MapKeyframe keyframe;
-    keyframe.id = keyframe.frame_id = id;
+    keyframe.id = id;
+    keyframe.frame_id = id;
     keyframe.previous_id = keyframe.parent_id = id - 1;
-    keyframe.T_w_kf = SE3(Eigen::Quaterniond::Identity(), {static_cast<double>(id), 0.0, 0.0});
+    keyframe.T_w_kf = SE3(Eigen::Quaterniond::Identity(), {1.0 * id, 0.0, 0.0});
     map.Put(keyframe);
   }
-  for (const int64_t id : removed) map.RemoveKeyframe(id);
+  for (const KeyframeId id : removed) map.RemoveKeyframe(id);
   MapUpdate update = WholeMap(map);
   update.source = 5;
   update.version = version;
@@ -211,7 +212,7 @@ TEST(MapFollower, RemembersRemovedKeyframesOnRequest) {
   const std::vector<RemovedKeyframe> removed = replica.map().RemovedKeyframes();
   ASSERT_EQ(removed.size(), 2U);
   for (const RemovedKeyframe& keyframe : removed) {
-    EXPECT_NEAR(keyframe.T_w_kf.translation().x(), static_cast<double>(keyframe.id), 1e-12);
+    EXPECT_NEAR(keyframe.T_w_kf.translation().x(), static_cast<double>(keyframe.id.value), 1e-12);
   }
   EXPECT_TRUE(forgetful.map().RemovedKeyframes().empty());
 }
@@ -248,13 +249,13 @@ class RemovedPosesTest : public testing::Test {
     return update;
   }
 
-  void Remove(int64_t id) {
+  void Remove(KeyframeId id) {
     MapUpdate update = Next();
     update.removed_keyframes = {id};
     ASSERT_EQ(follower_.Apply(update), Step::kNext);
   }
 
-  void AdjustLocally(int64_t id, const SE3& T_w_kf) {
+  void AdjustLocally(KeyframeId id, const SE3& T_w_kf) {
     MapUpdate update = Next();
     update.keyframes = {*follower_.map().FindKeyframe(id)};
     update.keyframes.front().T_w_kf = T_w_kf;
@@ -270,7 +271,7 @@ class RemovedPosesTest : public testing::Test {
   }
 
   /// Pose of a removed keyframe in the map.
-  SE3 PoseOf(int64_t id) const {
+  SE3 PoseOf(KeyframeId id) const {
     for (const RemovedKeyframe& keyframe : follower_.map().RemovedKeyframes()) {
       if (keyframe.id == id) return keyframe.T_w_kf;
     }

@@ -25,8 +25,8 @@ Eigen::Matrix3d RandomMap::DrawCovariance() {
   return root * root.transpose();
 }
 
-template <class Value>
-const Value& RandomMap::DrawFrom(const IdMap<Value>& values) {
+template <class AnId, class Value>
+const Value& RandomMap::DrawFrom(const IdMap<AnId, Value>& values) {
   return std::next(values.begin(), static_cast<std::ptrdiff_t>(Draw(values.size())))->second;
 }
 
@@ -39,7 +39,7 @@ std::vector<Observation> RandomMap::DrawObservations() {
   }
   if (observations.empty())
     observations.push_back({map_.keyframes().rbegin()->first, static_cast<int32_t>(Draw(kFeatures))});
-  if (observations.front().keyframe_id > observations.back().keyframe_id)
+  if (observations.front().keyframe_id() > observations.back().keyframe_id())
     std::reverse(observations.begin(), observations.end());
   return observations;
 }
@@ -48,9 +48,9 @@ void RandomMap::AddKeyframe() {
   MapKeyframe keyframe;
   keyframe.id = next_keyframe_++;
   keyframe.name.session = 7;
-  keyframe.name.number = keyframe.id;
-  keyframe.frame_id = 5 * keyframe.id;
-  keyframe.t_ns = 1000 * keyframe.id;
+  keyframe.name.number = keyframe.id.value;
+  keyframe.frame_id = 5 * keyframe.id.value;
+  keyframe.t_ns = 1000 * keyframe.id.value;
   keyframe.T_w_kf = DrawPose();
   keyframe.T_odom_kf = DrawPose();
   keyframe.T_prevkf_kf = DrawPose();
@@ -81,7 +81,7 @@ void RandomMap::Place(MapLine& line) {
 
 /// A new landmark, or another state of an old one.
 template <class Landmark>
-void RandomMap::Change(const IdMap<Landmark>& landmarks, int64_t& next_id) {
+void RandomMap::Change(const IdMap<LandmarkId, Landmark>& landmarks, LandmarkId& next_id) {
   Landmark landmark;
   if (landmarks.empty() || Draw(2) == 0) {
     landmark.id = next_id++;
@@ -95,16 +95,16 @@ void RandomMap::Change(const IdMap<Landmark>& landmarks, int64_t& next_id) {
 
 /// One of two takes the observations of both; in a keyframe that has both, its own.
 template <class Landmark>
-void RandomMap::Fuse(const IdMap<Landmark>& landmarks) {
+void RandomMap::Fuse(const IdMap<LandmarkId, Landmark>& landmarks) {
   if (landmarks.size() < 2) return;
   const Landmark gone = DrawFrom(landmarks);
   Landmark stays = DrawFrom(landmarks);
   if (gone.id == stays.id) return;
-  std::map<int64_t, int32_t> observations;
+  std::map<KeyframeId, int32_t> observations;
   for (const Observation& observation : stays.observations)
-    observations.emplace(observation.keyframe_id, observation.feature);
+    observations.emplace(observation.keyframe_id(), observation.feature);
   for (const Observation& observation : gone.observations)
-    observations.emplace(observation.keyframe_id, observation.feature);
+    observations.emplace(observation.keyframe_id(), observation.feature);
   stays.observations.clear();
   for (const auto& [keyframe_id, feature] : observations) stays.observations.push_back({keyframe_id, feature});
   if (Draw(2) == 0) {
@@ -117,20 +117,20 @@ void RandomMap::Fuse(const IdMap<Landmark>& landmarks) {
 }
 
 void RandomMap::CloseLoop() {
-  const int64_t newest = map_.keyframes().rbegin()->first;
+  const KeyframeId newest = map_.keyframes().rbegin()->first;
   if (newest == 0) return;
-  map_.Add({static_cast<int64_t>(Draw(static_cast<uint64_t>(newest))), newest, DrawPose(),
-            1e-4 * Matrix6d::Identity(), static_cast<int32_t>(Draw(100)), static_cast<int32_t>(Draw(20))});
+  map_.Add({KeyframeId(Draw(static_cast<uint64_t>(newest.value))), newest, DrawPose(), 1e-4 * Matrix6d::Identity(),
+            static_cast<int32_t>(Draw(100)), static_cast<int32_t>(Draw(20))});
 }
 
 /// Some keyframes, some of them to their current pose, and some that do not exist.
 void RandomMap::Move() {
-  std::map<int64_t, SE3> poses{{next_keyframe_ + 5, DrawPose()}};
+  std::map<KeyframeId, SE3> poses{{KeyframeId(next_keyframe_.value + 5), DrawPose()}};
   for (const auto& [id, keyframe] : map_.keyframes()) {
     if (Draw(3) == 0) poses[id] = Draw(4) == 0 ? keyframe.T_w_kf : DrawPose();
   }
   map_.Move(poses);
-  std::map<int64_t, Matrix6d> covariances;
+  std::map<KeyframeId, Matrix6d> covariances;
   for (const auto& [id, keyframe] : map_.keyframes()) {
     if (Draw(3) == 0) covariances[id] = 1e-3 * static_cast<double>(Draw(100)) * Matrix6d::Identity();
   }
@@ -154,7 +154,7 @@ void RandomMap::Step() {
       if (!map_.lines().empty()) Remove(DrawFrom(map_.lines()));
       return;
     case 6: {
-      const int64_t id = DrawFrom(map_.keyframes()).id;
+      const KeyframeId id = DrawFrom(map_.keyframes()).id;
       if (id != 0 && Draw(3) == 0) map_.RemoveKeyframe(id);
       return;
     }

@@ -28,9 +28,9 @@ class RandomMap {
   void CloseLoop();
   void Move();
   template <class Landmark>
-  void Change(const IdMap<Landmark>& landmarks, int64_t& next_id);
+  void Change(const IdMap<LandmarkId, Landmark>& landmarks, LandmarkId& next_id);
   template <class Landmark>
-  void Fuse(const IdMap<Landmark>& landmarks);
+  void Fuse(const IdMap<LandmarkId, Landmark>& landmarks);
   void Remove(const MapPoint& point) { map_.RemovePoint(point.id); }
   void Remove(const MapLine& line) { map_.RemoveLine(line.id); }
   void Place(MapPoint& point);
@@ -40,14 +40,14 @@ class RandomMap {
   SE3 DrawPose();
   Eigen::Matrix3d DrawCovariance();
   std::vector<Observation> DrawObservations();
-  template <class Value>
-  const Value& DrawFrom(const IdMap<Value>& values);
+  template <class AnId, class Value>
+  const Value& DrawFrom(const IdMap<AnId, Value>& values);
 
   std::mt19937_64 random_;
   Map map_;
-  int64_t next_keyframe_ = 0;
-  int64_t next_point_ = 0;
-  int64_t next_line_ = 0;
+  KeyframeId next_keyframe_ = 0;
+  LandmarkId next_point_ = 0;
+  LandmarkId next_line_ = 0;
 };
 
 }  // namespace plslam::test

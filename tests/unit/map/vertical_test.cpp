@@ -15,7 +15,7 @@ constexpr double kDeg = M_PI / 180.0;
 class LeaningMap {
  public:
   explicit LeaningMap(const Eigen::Quaterniond& q_w_level, double lean_deg = 8.0) : q_w_level_(q_w_level) {
-    for (int64_t id = 0; id < 30; ++id) {
+    for (int id = 0; id < 30; ++id) {
       MapKeyframe keyframe;
       keyframe.id = id;
       const Eigen::Quaterniond heading = ExpSO3({0, 0.2 * static_cast<double>(id), 0});
@@ -49,13 +49,13 @@ class LeaningMap {
     line.id = next_id_++;
     line.segment_w.p = Eigen::Vector3d{10.0 * Normal(), Normal(), 10.0 * Normal()};
     // Upwards and downwards, as the brighter side has it.
-    line.segment_w.q = line.segment_w.p + (line.id % 2 == 0 ? 1.0 : -1.0) * (q_w_level_ * v_level);
+    line.segment_w.q = line.segment_w.p + (line.id.value % 2 == 0 ? 1.0 : -1.0) * (q_w_level_ * v_level);
     map_.Put(line);
   }
 
   Eigen::Quaterniond q_w_level_;
   Map map_;
-  int64_t next_id_ = 0;
+  LandmarkId next_id_ = 0;
   std::mt19937 random_{11};
 };
 
@@ -98,7 +98,7 @@ TEST(Vertical, NoUprightLinesGiveNone) {
 TEST(Vertical, EmptyMapAndInvalidLines) {
   EXPECT_EQ(VerticalOf(Map()).up_w, Eigen::Vector3d(0, -1, 0));
   Map map;
-  for (int64_t id = 0; id < 20; ++id) {
+  for (int id = 0; id < 20; ++id) {
     MapLine line;
     line.id = id;
     if (id % 2 == 0) line.segment_w.q = {0, std::nan(""), 0};

@@ -126,7 +126,8 @@ TEST(MapFile, MapWithoutKeyframesDoesNotReplaceAnother) {
 TEST(MapFile, NearlyUnitQuaternionsKeepTheirBits) {
   StoredMap stored;
   MapKeyframe keyframe;
-  keyframe.id = keyframe.name.number = keyframe.frame_id = 0;
+  keyframe.name.number = keyframe.frame_id = 0;
+  keyframe.id = KeyframeId(keyframe.name.number);
   keyframe.T_w_kf = SE3::FromUnit(Eigen::Quaterniond(0.6 + 1e-16, 0.0, -0.8, 1e-17), {0.1, -0.0, 1e-300});
   stored.map.Put(keyframe);
   stored.next_keyframe_id = 1;
@@ -189,7 +190,7 @@ TEST(MapFile, LengthBeyondTheFileIsRefused) {
 
 TEST(MapFile, MapsThatCouldNotBeLoadedAreNotSaved) {
   const StoredMap good = RandomStoredMap(7, 200);
-  const int64_t some_keyframe = good.map.keyframes().begin()->first;
+  const KeyframeId some_keyframe = good.map.keyframes().begin()->first;
   StoredMap bad = good;
   bad.next_keyframe_id = 0;
   EXPECT_THAT(EncodeError(bad), HasSubstr("the next keyframe would be 0"));

@@ -47,18 +47,19 @@ StereoFeatures RandomFeatures(std::mt19937_64& random, int points, int lines) {
   return features;
 }
 
-template <class Values>
-int64_t After(const Values& values) {
-  return values.empty() ? 0 : values.rbegin()->first + 1;
+template <class AnId, class Value>
+AnId After(const IdMap<AnId, Value>& values) {
+  return AnId(values.empty() ? 0 : values.rbegin()->first.value + 1);
 }
 
 void SetRest(StoredMap& stored, std::mt19937_64& random) {
-  stored.next_keyframe_id = After(stored.map.keyframes()) + static_cast<int64_t>(random() % 3);
+  stored.next_keyframe_id = KeyframeId(After(stored.map.keyframes()).value + static_cast<int64_t>(random() % 3));
   for (const LoopEdge& loop : stored.map.loops()) {
-    stored.next_keyframe_id = std::max({stored.next_keyframe_id, loop.old_keyframe_id + 1, loop.keyframe_id + 1});
+    stored.next_keyframe_id = std::max({stored.next_keyframe_id, KeyframeId(loop.old_keyframe_id.value + 1),
+                                        KeyframeId(loop.keyframe_id.value + 1)});
   }
   stored.next_point_id = After(stored.map.points());
-  stored.next_line_id = After(stored.map.lines()) + 5;
+  stored.next_line_id = LandmarkId(After(stored.map.lines()).value + 5);
   stored.version = static_cast<int64_t>(random() % 1000);
   stored.newest_t_ns = static_cast<int64_t>(random() >> 1);
   for (const auto& [id, keyframe] : stored.map.keyframes()) {
@@ -74,7 +75,7 @@ void PutLandmarks(Map& map, int keyframe, int per_keyframe, int features, std::m
   constexpr int kLength = 6;
   for (int i = 0; i < per_keyframe; ++i) {
     Landmark landmark;
-    landmark.id = static_cast<int64_t>(keyframe) * per_keyframe + i;
+    landmark.id = keyframe * per_keyframe + i;
     landmark.descriptor = RandomDescriptor(random);
     // Each of the keyframes has its share of features for each of the keyframes before it.
     for (int step = 0; step < kLength && keyframe + step < static_cast<int>(map.keyframes().size()); ++step) {
@@ -100,7 +101,7 @@ StoredMap RandomStoredMap(uint64_t seed, int steps) {
 StoredMap OfTwoCameras(uint64_t seed, int steps) {
   StoredMap stored = RandomStoredMap(seed, steps);
   for (auto& [id, features] : stored.features) {
-    if (id % 2 == 1) features.image = TakenImage{-40, 3, 700 + static_cast<int>(id), 500, 320.5};
+    if (id.value % 2 == 1) features.image = TakenImage{-40, 3, 700 + static_cast<int>(id.value), 500, 320.5};
   }
   return stored;
 }

@@ -24,7 +24,7 @@ Map MapOf(const std::vector<NamedKeyframe>& names) {
     MapKeyframe keyframe;
     keyframe.id = named.keyframe_id;
     keyframe.name = named.name;
-    keyframe.T_w_kf = PoseOf(named.keyframe_id);
+    keyframe.T_w_kf = PoseOf(static_cast<int>(named.keyframe_id.value));
     map.Put(keyframe);
   }
   return map;
@@ -42,14 +42,14 @@ LoopClosure ClosureOn(const Map& map) {
   closure.map_version = 31;
   closure.edges.push_back({1, 2, PoseOf(4), 1e-4 * Matrix6d::Identity(), 80, 9});
   closure.edges.back().covariance(0, 0) = 0.5;
-  for (int64_t id = 0; id < 3; ++id) closure.poses.push_back({id, PoseOf(10 + id)});
+  for (int id = 0; id < 3; ++id) closure.poses.push_back({id, PoseOf(10 + id)});
   closure.points = {{3, 4}};
   closure.lines = {{5, 6}};
   closure.names = loop::NamesIn(map, closure);
   return closure;
 }
 
-SE3 PoseOf(const LoopClosure& closure, int64_t id) {
+SE3 PoseOf(const LoopClosure& closure, KeyframeId id) {
   for (const CorrectedPose& pose : closure.poses) {
     if (pose.keyframe_id == id) return pose.T_w_kf;
   }
@@ -72,7 +72,7 @@ TEST(ClosureNames, UnchangedOnItsOwnMap) {
   EXPECT_EQ(here.lines, closure.lines);
   EXPECT_EQ(here.map_version, 31);
   ASSERT_EQ(here.poses.size(), 3U);
-  for (int64_t id = 0; id < 3; ++id) EXPECT_EQ(PoseOf(here, id).translation(), PoseOf(10 + id).translation());
+  for (int id = 0; id < 3; ++id) EXPECT_EQ(PoseOf(here, id).translation(), PoseOf(10 + id).translation());
   ASSERT_EQ(here.edges.size(), 1U);
   EXPECT_EQ(here.edges[0].covariance, closure.edges[0].covariance);
 }

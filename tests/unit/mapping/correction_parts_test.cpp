@@ -63,7 +63,7 @@ class MovedLandmarks : public testing::Test {
   MovedLandmarks() {
     for (int i = 0; i < 3; ++i) m_.AddKeyframe(At(0.1 * i));
   }
-  void Move(const std::map<int64_t, SE3>& poses) {
+  void Move(const std::map<KeyframeId, SE3>& poses) {
     MoveKeyframes(poses, m_.features, FeatureWorld::Camera(), m_.map);
     EXPECT_EQ(test::WrongWith(m_.map), "");
   }
@@ -96,8 +96,8 @@ TEST_F(MovedLandmarks, MoveRigidlyWithRotatedCovariances) {
 TEST_F(MovedLandmarks, MoveWithTheSideOfMoreObservations) {
   std::vector<Observation> of_point;
   std::vector<Observation> of_line;
-  for (int64_t id = 0; id < 3; ++id) {
-    of_point.push_back(m_.SeePoint(id, p_, DescriptorOf(1)));
+  for (int id = 0; id < 3; ++id) {
+    of_point.push_back(m_.SeePoint(KeyframeId(id), p_, DescriptorOf(1)));
     of_line.push_back(m_.SeeLine(id, segment_, DescriptorOf(2)));
   }
   m_.PutPoint(0, p_, DescriptorOf(1), of_point);
@@ -171,9 +171,9 @@ TEST(ObservationErrors, LinesAreEndpointDistances) {
 }
 
 TEST_F(MovedLandmarks, PairsOfALoopAreFusedAlsoInAChain) {
-  for (int64_t id = 0; id < 3; ++id) {
-    m_.PutPoint(id, p_, DescriptorOf(1), {m_.SeePoint(id, p_, DescriptorOf(1))});
-    m_.PutLine(id, segment_, DescriptorOf(2), {m_.SeeLine(id, segment_, DescriptorOf(2))});
+  for (int id = 0; id < 3; ++id) {
+    m_.PutPoint(LandmarkId(id), p_, DescriptorOf(1), {m_.SeePoint(KeyframeId(id), p_, DescriptorOf(1))});
+    m_.PutLine(LandmarkId(id), segment_, DescriptorOf(2), {m_.SeeLine(id, segment_, DescriptorOf(2))});
   }
   const std::vector<SameLandmarks> pairs = {{1, 2}, {2, 0}, {0, 1}, {1, 99}, {2, 2}};
   FusePairs(pairs, pairs, m_.features, m_.map);
@@ -190,10 +190,10 @@ TEST(MapParts, AreConnectedByTreeSessionAndLoops) {
   MapKeyframe begins = *m.map.FindKeyframe(3);
   begins.previous_id = begins.parent_id = -1;
   m.map.Put(begins);
-  EXPECT_EQ(MapGraph(m.map).Component(1, MapGraph::Edges::kAll), (std::set<int64_t>{0, 1, 2}));
-  EXPECT_EQ(MapGraph(m.map).Component(5, MapGraph::Edges::kAll), (std::set<int64_t>{3, 4, 5}));
+  EXPECT_EQ(MapGraph(m.map).Component(1, MapGraph::Edges::kAll), (std::set<KeyframeId>{0, 1, 2}));
+  EXPECT_EQ(MapGraph(m.map).Component(5, MapGraph::Edges::kAll), (std::set<KeyframeId>{3, 4, 5}));
   m.map.Add(LoopEdge{99, 4, SE3()});
-  EXPECT_EQ(MapGraph(m.map).Component(5, MapGraph::Edges::kAll), (std::set<int64_t>{3, 4, 5}));
+  EXPECT_EQ(MapGraph(m.map).Component(5, MapGraph::Edges::kAll), (std::set<KeyframeId>{3, 4, 5}));
   m.map.Add(LoopEdge{0, 4, SE3()});
   EXPECT_EQ(MapGraph(m.map).Component(5, MapGraph::Edges::kAll).size(), 6U);
 }

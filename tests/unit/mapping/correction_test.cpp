@@ -48,8 +48,8 @@ struct Drifted {
         mapper(FeatureWorld::Camera(), WithoutCulling()) {
     // The tracker has long dropped its first landmarks.
     for (size_t i = kDriftedRound / 2; i < walk.keyframes.size(); ++i) {
-      for (int64_t& id : walk.keyframes[i].point_landmark_ids) id += 1'000'000;
-      for (int64_t& id : walk.keyframes[i].line_landmark_ids) id += 1'000'000;
+      for (TrackId& id : walk.keyframes[i].point_landmark_ids) id.value += 1'000'000;
+      for (TrackId& id : walk.keyframes[i].line_landmark_ids) id.value += 1'000'000;
     }
     for (size_t i = 0; i < kDriftedRound + kBeyond; ++i) test::MapOne(walk.keyframes[i], mapper);
     std::string reason;
@@ -73,8 +73,8 @@ class Correction : public testing::TestWithParam<DriftedWorld> {
   LoopClosure Loop() const { return test::CloseByTruth(mapper_.map(), revisit_, walk_.T_w_c); }
   double Error_m() const { return test::PositionError_m(mapper_.map(), walk_.T_w_c); }
   double Reprojection_px() const { return test::Reprojection_px(mapper_.map(), walk_.keyframes); }
-  const MapKeyframe& KeyframeOf(int64_t id) const { return *mapper_.map().FindKeyframe(id); }
-  int64_t Newest() const { return mapper_.map().keyframes().rbegin()->first; }
+  const MapKeyframe& KeyframeOf(KeyframeId id) const { return *mapper_.map().FindKeyframe(id); }
+  KeyframeId Newest() const { return mapper_.map().keyframes().rbegin()->first; }
 
   const FeatureWorld& world_ = DriftedMap(GetParam()).world;
   const Walk& walk_ = DriftedMap(GetParam()).walk;
@@ -98,8 +98,9 @@ TEST_P(Correction, ALoopIsClosed) {
   EXPECT_LT(Reprojection_px(), 1.5);
   EXPECT_GE(mapper_.map().Shared(revisit_.old_keyframe_id, revisit_.keyframe_id), Map::kCovisible);
   // Both sides are one neighbourhood, not only the two keyframes of the edge.
-  EXPECT_GE(mapper_.map().Shared(revisit_.old_keyframe_id, revisit_.keyframe_id - 1), Map::kCovisible);
-  EXPECT_GE(mapper_.map().Shared(revisit_.old_keyframe_id + 1, revisit_.keyframe_id), 15);
+  EXPECT_GE(mapper_.map().Shared(revisit_.old_keyframe_id, KeyframeId(revisit_.keyframe_id.value - 1)),
+            Map::kCovisible);
+  EXPECT_GE(mapper_.map().Shared(KeyframeId(revisit_.old_keyframe_id.value + 1), revisit_.keyframe_id), 15);
   ASSERT_EQ(mapper_.map().loops().size(), 1U);
   EXPECT_EQ(mapper_.map().loops().front().keyframe_id, revisit_.keyframe_id);
 }
@@ -131,7 +132,7 @@ TEST_P(Correction, KeyframesAfterALoopMatchTheOldPart) {
     ASSERT_EQ(test::WrongWith(mapper_.map()), "");
     const auto neighbours = mapper_.map().Neighbours(Newest(), 15);
     const auto old = [](const Map::Neighbour& neighbour) {
-      return neighbour.keyframe_id < int64_t{kDriftedRound / 2};
+      return neighbour.keyframe_id.value < int64_t{kDriftedRound / 2};
     };
     EXPECT_TRUE(std::any_of(neighbours.begin(), neighbours.end(), old)) << Newest();
   }
@@ -146,12 +147,12 @@ TEST_P(Correction, NewerKeyframesAreCorrectedToo) {
   const double error_m = Error_m();
   std::vector<SE3> before;
   for (int i = 0; i < 3; ++i) {
-    const MapKeyframe& keyframe = KeyframeOf(revisit_.keyframe_id + 1 + i);
+    const MapKeyframe& keyframe = KeyframeOf(KeyframeId(revisit_.keyframe_id.value + 1 + i));
     before.push_back(KeyframeOf(keyframe.parent_id).T_w_kf.Inverse() * keyframe.T_w_kf);
   }
-  const std::map<int64_t, SE3> poses = PosesAfter(closure.poses, mapper_.map());
+  const std::map<KeyframeId, SE3> poses = PosesAfter(closure.poses, mapper_.map());
   for (int i = 0; i < 3; ++i) {
-    const MapKeyframe& keyframe = KeyframeOf(revisit_.keyframe_id + 1 + i);
+    const MapKeyframe& keyframe = KeyframeOf(KeyframeId(revisit_.keyframe_id.value + 1 + i));
     const SE3 after = poses.at(keyframe.parent_id).Inverse() * poses.at(keyframe.id);
     EXPECT_LT((before[static_cast<size_t>(i)].Inverse() * after).Log().norm(), 1e-12);
   }

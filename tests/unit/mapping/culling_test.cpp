@@ -91,7 +91,7 @@ TEST_F(Culling, OtherSessionsDoNotAgeRecentLandmarks) {
 
 TEST_F(Culling, RedundantKeyframeIsCulled) {
   m_.Tie({2, 3, 4, 5}, 30, 0, descriptors_);
-  EXPECT_EQ(RemoveRedundantKeyframes({2}, options_, m_.features, m_.map), (std::vector<int64_t>{2}));
+  EXPECT_EQ(RemoveRedundantKeyframes({2}, options_, m_.features, m_.map), (std::vector<KeyframeId>{2}));
   EXPECT_EQ(m_.map.FindKeyframe(2), nullptr);
   EXPECT_FALSE(m_.features.contains(2));
   EXPECT_EQ(m_.map.points().size(), 30U);
@@ -125,13 +125,14 @@ TEST_F(Culling, EndsOfALoopStay) {
   loop.old_keyframe_id = 1;
   loop.keyframe_id = 2;
   m_.map.Add(loop);
-  EXPECT_EQ(RemoveRedundantKeyframes({1, 2, 3}, options_, m_.features, m_.map), (std::vector<int64_t>{3}));
+  EXPECT_EQ(RemoveRedundantKeyframes({1, 2, 3}, options_, m_.features, m_.map), (std::vector<KeyframeId>{3}));
 }
 
 // Five observe everything: after two have been removed, the rest have fewer than three others.
 TEST_F(Culling, RedundancyIsCheckedAfterEachRemoval) {
   m_.Tie({1, 2, 3, 4, 5}, 30, 0, descriptors_);
-  EXPECT_EQ(RemoveRedundantKeyframes({1, 2, 3, 4, 5}, options_, m_.features, m_.map), (std::vector<int64_t>{1, 2}));
+  EXPECT_EQ(RemoveRedundantKeyframes({1, 2, 3, 4, 5}, options_, m_.features, m_.map),
+            (std::vector<KeyframeId>{1, 2}));
 }
 
 TEST_F(Culling, RedundantShareAboveOneKeepsAll) {
@@ -146,7 +147,7 @@ TEST_F(Culling, OdometryEdgeSpansACulledKeyframe) {
   // Motions as measured, with their own covariances; not computed from the poses.
   std::vector<SE3> motion;
   std::vector<Matrix6d> covariance;
-  for (const int64_t id : {2, 3, 4}) {
+  for (const int id : {2, 3, 4}) {
     MapKeyframe keyframe = *m_.map.FindKeyframe(id);
     keyframe.T_prevkf_kf = Pose(static_cast<int>(id)) * SE3(ExpSO3(Eigen::Vector3d(0.3, 0.2, 0.1)), {1.0, 2.0, 3.0});
     Matrix6d A = Matrix6d::Random();
@@ -155,7 +156,7 @@ TEST_F(Culling, OdometryEdgeSpansACulledKeyframe) {
     motion.push_back(keyframe.T_prevkf_kf);
     covariance.push_back(keyframe.relative_covariance);
   }
-  ASSERT_EQ(RemoveRedundantKeyframes({2, 3}, options_, m_.features, m_.map), (std::vector<int64_t>{2, 3}));
+  ASSERT_EQ(RemoveRedundantKeyframes({2, 3}, options_, m_.features, m_.map), (std::vector<KeyframeId>{2, 3}));
   const MapKeyframe& after = *m_.map.FindKeyframe(4);
   EXPECT_EQ(after.previous_id, 1);
   EXPECT_LT((after.T_prevkf_kf.Inverse() * motion[0] * motion[1] * motion[2]).Log().norm(), 1e-12);

@@ -15,7 +15,7 @@ using test::HandmadeMap;
 
 const Eigen::Vector3d kPoint(0.33, 0.81, 3.0);
 const Segment3 kSegment{{-1.0, -0.9, 3.0}, {-1.05, 0.8, 3.3}};
-constexpr int64_t kFirst = 100;
+constexpr int kFirst = 100;
 
 /// Two neighbours that share 30 points, and a point for which each has a separate landmark.
 class Duplicates : public testing::Test {
@@ -26,10 +26,10 @@ class Duplicates : public testing::Test {
     m_.AddKeyframe({ExpSO3(Eigen::Vector3d(0.0, 0.02, 0.0)), Eigen::Vector3d(0.1, 0.0, 0.05)});
     m_.Tie({0, 1}, 30, 0, descriptors_);
   }
-  void PutPointAt(int64_t id, int64_t keyframe_id, const Eigen::Vector3d& p_w) {
+  void PutPointAt(LandmarkId id, KeyframeId keyframe_id, const Eigen::Vector3d& p_w) {
     m_.PutPoint(id, p_w, look_, {m_.SeePoint(keyframe_id, p_w, look_)});
   }
-  void PutLineAt(int64_t id, int64_t keyframe_id, const Segment3& segment_w) {
+  void PutLineAt(LandmarkId id, KeyframeId keyframe_id, const Segment3& segment_w) {
     m_.PutLine(id, segment_w, look_, {m_.SeeLine(keyframe_id, segment_w, look_)});
   }
   void Merge() {

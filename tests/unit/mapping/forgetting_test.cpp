@@ -41,8 +41,8 @@ class Path {
     ++n_;
   }
 
-  std::vector<int64_t> Forgotten(size_t max_keyframes, const std::set<int64_t>& kept = {}) {
-    int64_t id = 0;
+  std::vector<KeyframeId> Forgotten(size_t max_keyframes, const std::set<KeyframeId>& kept = {}) {
+    int id = 0;
     for (const auto& [place, observations] : observations_) {
       MapPoint point;
       point.id = id++;
@@ -56,7 +56,7 @@ class Path {
   }
 
  private:
-  int64_t n_ = 0;
+  int n_ = 0;
   Map map_;
   Visits visits_;
   std::map<std::pair<int, int>, std::vector<Observation>> observations_;
@@ -84,7 +84,7 @@ TEST(KeyframesToForget, OldestOfThoseThatShowNothingNew) {
 }
 
 TEST(KeyframesToForget, AChangedPlaceIsNew) {
-  const std::vector<int64_t> forgotten = ThereAndBack(1).Forgotten(30);
+  const std::vector<KeyframeId> forgotten = ThereAndBack(1).Forgotten(30);
   EXPECT_THAT(forgotten, testing::Not(testing::Contains(21)));
   EXPECT_EQ(forgotten.size(), 3U);
 }
@@ -92,10 +92,10 @@ TEST(KeyframesToForget, AChangedPlaceIsNew) {
 TEST(KeyframesToForget, ViewsOfOneVisitAreThinnedEvenly) {
   Path path;
   for (int i = 0; i < 12; ++i) path.Add(0.5 * i);
-  const std::vector<int64_t> forgotten = path.Forgotten(8);
+  const std::vector<KeyframeId> forgotten = path.Forgotten(8);
   ASSERT_EQ(forgotten.size(), 4U);
-  std::set<int64_t> removed(forgotten.begin(), forgotten.end());
-  for (const int64_t id : forgotten) EXPECT_FALSE(removed.contains(id + 1)) << id;
+  std::set<KeyframeId> removed(forgotten.begin(), forgotten.end());
+  for (const KeyframeId id : forgotten) EXPECT_FALSE(removed.contains(KeyframeId(id.value + 1))) << id;
 }
 
 TEST(KeyframesToForget, OldestIfEachIsNeeded) {

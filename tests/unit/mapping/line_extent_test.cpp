@@ -23,7 +23,8 @@ class LineExtent : public testing::Test {
     std::vector<Observation> observations;
     for (const Segment3& part : seen) {
       const double n = static_cast<double>(observations.size());
-      const int64_t id = m_.AddKeyframe({Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.05 * n, -0.1 * n, 0.0)});
+      const KeyframeId id =
+          m_.AddKeyframe({Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.05 * n, -0.1 * n, 0.0)});
       observations.push_back(m_.SeeLine(id, part, look_));
     }
     m_.PutLine(0, landmark, look_, observations);
@@ -108,7 +109,7 @@ TEST_F(LineExtent, LineThroughACameraCentre) {
   std::vector<Observation> observations;
   for (const double x : {0.0, 0.0, 0.5}) {
     m_.AddKeyframe({Eigen::Quaterniond::Identity(), Eigen::Vector3d(x, 0.0, 0.0)});
-    observations.push_back(m_.SeeLine(static_cast<int64_t>(observations.size()), through, look_));
+    observations.push_back(m_.SeeLine(KeyframeId(observations.size()), through, look_));
   }
   test::ChangeFeatures(m_.features, 0, [](StereoFeatures& of) { of.lines[0].left.segment.q.y() += 30.0; });
   m_.PutLine(0, through, look_, observations);

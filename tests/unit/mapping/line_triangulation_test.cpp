@@ -153,13 +153,13 @@ class TriangulateLines : public testing::Test {
     m_.Tie({0, 1, 2}, 30, 0, descriptors_);
   }
   // As a front end must: no depth along the baseline.
-  void See(int64_t keyframe_id, const Segment3& segment_w) {
+  void See(KeyframeId keyframe_id, const Segment3& segment_w) {
     m_.SeeLine(keyframe_id, segment_w, look_);
     test::ChangeFeatures(m_.features, keyframe_id, [](StereoFeatures& of) {
       of.lines.back().disparity_p_px = of.lines.back().disparity_q_px = -1.0;
     });
   }
-  std::vector<int64_t> Triangulate() {
+  std::vector<LandmarkId> Triangulate() {
     return plslam::mapping::TriangulateLines(2, m_.features, FeatureWorld::Camera(), MappingOptions(), ids_, m_.map);
   }
 
@@ -170,8 +170,8 @@ class TriangulateLines : public testing::Test {
 };
 
 TEST_F(TriangulateLines, ThreeViewsMakeALandmark) {
-  for (const int64_t id : {0, 1, 2}) See(id, kHorizontal);
-  const std::vector<int64_t> created = Triangulate();
+  for (const int id : {0, 1, 2}) See(id, kHorizontal);
+  const std::vector<LandmarkId> created = Triangulate();
   ASSERT_EQ(created.size(), 1U);
   const MapLine& line = *m_.map.FindLine(created[0]);
   EXPECT_EQ(line.observations.size(), 3U);
@@ -181,7 +181,7 @@ TEST_F(TriangulateLines, ThreeViewsMakeALandmark) {
 }
 
 TEST_F(TriangulateLines, TwoViewsAreNotEnough) {
-  for (const int64_t id : {0, 2}) See(id, kHorizontal);
+  for (const int id : {0, 2}) See(id, kHorizontal);
   m_.map.TakeChanges();
   EXPECT_TRUE(Triangulate().empty());
   EXPECT_TRUE(m_.map.lines().empty());
@@ -191,14 +191,14 @@ TEST_F(TriangulateLines, ThirdViewRejectsAMismatch) {
   See(0, kHorizontal);
   See(2, {{-0.6, 0.45, 3.0}, {0.6, 0.45, 3.0}});
   See(1, kHorizontal);
-  for (const int64_t id : Triangulate()) {
+  for (const LandmarkId id : Triangulate()) {
     ADD_FAILURE() << "line at y " << m_.map.FindLine(id)->segment_w.p.y() << ", z "
                   << m_.map.FindLine(id)->segment_w.p.z();
   }
 }
 
 TEST_F(TriangulateLines, LinesWithDepthAreSkipped) {
-  for (const int64_t id : {0, 1, 2}) m_.SeeLine(id, kHorizontal, look_);
+  for (const int id : {0, 1, 2}) m_.SeeLine(id, kHorizontal, look_);
   EXPECT_TRUE(Triangulate().empty());
 }
 

@@ -65,7 +65,7 @@ TEST_F(Window, TwiceAsWideAtTheStartOfASession) {
 }
 
 TEST_F(Window, KeyframesOfEarlierVisitsAreConstant) {
-  const int64_t newest = stored_.map.keyframes().rbegin()->first;
+  const KeyframeId newest = stored_.map.keyframes().rbegin()->first;
   const MapBundle window =
       MakeLocalWindow(newest, stored_.map, stored_.features, visits_, FeatureWorld::Camera(), options_);
   const auto is_earlier = [&](size_t i) { return stored_.map.FindKeyframe(window.keyframes[i])->name.session != 8; };
@@ -80,7 +80,7 @@ TEST_F(Window, KeyframesOfEarlierVisitsAreConstant) {
 }
 
 TEST_F(Window, FewerPointsIfEachIsSeenOften) {
-  const int64_t newest = stored_.map.keyframes().rbegin()->first;
+  const KeyframeId newest = stored_.map.keyframes().rbegin()->first;
   const auto make = [&] {
     return MakeLocalWindow(newest, stored_.map, stored_.features, visits_, FeatureWorld::Camera(), options_);
   };
@@ -96,7 +96,7 @@ TEST_F(Window, FewerPointsIfEachIsSeenOften) {
 
 // Its poses had not converged, so that outliers could not be distinguished from observations that would have agreed.
 TEST_F(Window, StoppedAdjustmentKeepsAllObservations) {
-  const int64_t newest = stored_.map.keyframes().rbegin()->first;
+  const KeyframeId newest = stored_.map.keyframes().rbegin()->first;
   MapBundle window =
       MakeLocalWindow(newest, stored_.map, stored_.features, visits_, FeatureWorld::Camera(), options_);
   for (BundlePose& pose : window.problem.poses) {
@@ -123,7 +123,7 @@ TEST_F(Window, StoppedAdjustmentKeepsAllObservations) {
 
 // The adjustment gives it a standard deviation of a kilometre.
 TEST_F(Window, KeyframeWithoutObservationsKeepsCovariance) {
-  const int64_t newest = stored_.map.keyframes().rbegin()->first;
+  const KeyframeId newest = stored_.map.keyframes().rbegin()->first;
   MapBundle window =
       MakeLocalWindow(newest, stored_.map, stored_.features, visits_, FeatureWorld::Camera(), options_);
   ASSERT_EQ(window.keyframes.front(), newest);

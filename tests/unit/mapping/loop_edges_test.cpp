@@ -17,17 +17,17 @@ SE3 At(double x_m, double yaw_rad) {
 }
 
 /// Keyframes 0 to 9, a metre from one to the next.
-SE3 PoseOf(int64_t id) { return At(static_cast<double>(id), 0.1 * static_cast<double>(id)); }
+SE3 PoseOf(KeyframeId id) { return At(static_cast<double>(id.value), 0.1 * static_cast<double>(id.value)); }
 
-Map MapWithout(const std::vector<int64_t>& culled) {
+Map MapWithout(const std::vector<KeyframeId>& culled) {
   Map map;
-  for (int64_t id = 0; id < 10; ++id) {
+  for (int id = 0; id < 10; ++id) {
     MapKeyframe keyframe;
     keyframe.id = id;
     keyframe.name.session = 5;
     keyframe.name.number = 2 * id;
     keyframe.T_w_kf = PoseOf(id);
-    if (std::find(culled.begin(), culled.end(), id) == culled.end()) map.Put(keyframe);
+    if (std::find(culled.begin(), culled.end(), keyframe.id) == culled.end()) map.Put(keyframe);
   }
   return map;
 }
@@ -36,9 +36,9 @@ Map MapWithout(const std::vector<int64_t>& culled) {
 LoopClosure Loop() {
   LoopClosure closure;
   closure.kind = LoopClosure::Kind::kLoop;
-  for (int64_t id = 0; id < 10; ++id) {
+  for (int id = 0; id < 10; ++id) {
     closure.poses.push_back({id, PoseOf(id)});
-    closure.names.push_back({id, 5, 2 * id});
+    closure.names.push_back({id, {5, 2 * id}});
   }
   Matrix6d covariance = 1e-4 * Matrix6d::Identity();
   covariance(0, 0) = 4e-4;
@@ -60,7 +60,7 @@ TEST(LoopEdges, UnchangedBetweenKeyframesOfTheMap) {
 }
 
 TEST(LoopEdges, CulledEndsMoveToTheirNeighbours) {
-  for (const auto& [culled, old_id, id] : std::vector<std::tuple<std::vector<int64_t>, int64_t, int64_t>>{
+  for (const auto& [culled, old_id, id] : std::vector<std::tuple<std::vector<KeyframeId>, KeyframeId, KeyframeId>>{
            {{2, 3}, 1, 7}, {{7, 6}, 2, 8}, {{2, 3, 7, 6}, 1, 8}, {{2, 0, 1, 3, 4, 5, 6}, 7, 7}}) {
     const auto edges = EdgesInMap(Loop(), MapWithout(culled));
     if (old_id == id) {

@@ -29,12 +29,12 @@ const SE3& Truth(const MapKeyframe& keyframe, const std::vector<SE3>& T_w_c) {
 
 template <class Type>
 std::vector<SameLandmarks> SameSeen(const Map& map, const Revisit& revisit) {
-  std::map<Descriptor, int64_t> seen;
-  for (const int64_t id : Type::Of(map, revisit.old_keyframe_id)) {
+  std::map<Descriptor, LandmarkId> seen;
+  for (const LandmarkId id : Type::Of(map, revisit.old_keyframe_id)) {
     if (id >= 0) seen[Type::Find(map, id)->descriptor] = id;
   }
   std::vector<SameLandmarks> same;
-  for (const int64_t id : Type::Of(map, revisit.keyframe_id)) {
+  for (const LandmarkId id : Type::Of(map, revisit.keyframe_id)) {
     if (id < 0) continue;
     const auto known = seen.find(Type::Find(map, id)->descriptor);
     if (known != seen.end() && known->second != id) same.push_back({known->second, id});
@@ -68,7 +68,7 @@ std::vector<CorrectedPose> SharedOut(const Map& map, const LoopEdge& edge) {
     std::vector<Matrix6d> K_At;
     for (size_t i = 0; i < poses.size(); ++i) {
       const Matrix6d A = (T_end_w * poses[i].T_w_kf).Adjoint();
-      const int64_t length = i == 0 ? 0 : poses[i].keyframe_id - poses[i - 1].keyframe_id;
+      const int64_t length = i == 0 ? 0 : poses[i].keyframe_id.value - poses[i - 1].keyframe_id.value;
       K_At.emplace_back(static_cast<double>(length) * kShare.asDiagonal() * A.transpose());
       sum += A * K_At.back();
     }
@@ -84,13 +84,13 @@ std::vector<CorrectedPose> SharedOut(const Map& map, const LoopEdge& edge) {
 }
 
 template <class Type>
-std::vector<int64_t> MapIds(const Map& map, SessionId session, const StereoFeatures& features) {
-  std::map<Descriptor, int64_t> known;
+std::vector<LandmarkId> MapIds(const Map& map, SessionId session, const StereoFeatures& features) {
+  std::map<Descriptor, LandmarkId> known;
   for (const auto& [id, landmark] : Type::Landmarks(map)) {
-    if (map.FindKeyframe(landmark.observations.front().keyframe_id)->name.session == session)
+    if (map.FindKeyframe(landmark.observations.front().keyframe_id())->name.session == session)
       known[landmark.descriptor] = id;
   }
-  std::vector<int64_t> ids;
+  std::vector<LandmarkId> ids;
   for (const auto& feature : Type::Features(features)) {
     const auto found = known.find(feature.left.descriptor);
     ids.push_back(found == known.end() ? -1 : found->second);
@@ -114,7 +114,8 @@ LoopClosure Drift(const Map& map) {
     if (!closure.poses.empty()) {
       const CorrectedPose& before = closure.poses.back();
       const SE3 T_before_kf = map.FindKeyframe(before.keyframe_id)->T_w_kf.Inverse() * T_w_kf;
-      T_w_kf = before.T_w_kf * T_before_kf * SE3::Exp(static_cast<double>(id - before.keyframe_id) * wrong);
+      T_w_kf =
+          before.T_w_kf * T_before_kf * SE3::Exp(static_cast<double>(id.value - before.keyframe_id.value) * wrong);
     }
     closure.poses.push_back({id, T_w_kf});
   }
@@ -159,7 +160,7 @@ Revisit RevisitOf(const Map& map, const std::vector<SE3>& T_w_c) {
   Revisit revisit{-1, newest.id};
   double nearest_m = 1e9;
   for (const auto& [id, keyframe] : map.keyframes()) {
-    if (2 * id > newest.id) break;
+    if (2 * id.value > newest.id.value) break;
     const SE3 T_old_new = Truth(keyframe, T_w_c).Inverse() * Truth(newest, T_w_c);
     if (T_old_new.translation().norm() >= nearest_m) continue;
     nearest_m = T_old_new.translation().norm();
@@ -198,7 +199,7 @@ double Reprojection_px(const Map& map, const std::vector<Keyframe>& keyframes) {
   double sum = 0.0;
   for (const auto& [id, point] : map.points()) {
     for (const Observation& observation : point.observations) {
-      const MapKeyframe& keyframe = *map.FindKeyframe(observation.keyframe_id);
+      const MapKeyframe& keyframe = *map.FindKeyframe(observation.keyframe_id());
       const auto& seen = keyframes.at(static_cast<size_t>(keyframe.name.number)).features.points;
       const Eigen::Vector2d px = camera.Project(keyframe.T_w_kf.Inverse() * point.p_w);
       sum += (px - seen.at(static_cast<size_t>(observation.feature)).left.px).squaredNorm();

@@ -20,8 +20,8 @@ void GiveMapIds(const Map& map, SessionId session, Keyframe& keyframe);
 
 /// Newest keyframe of the map, and the first one that is nearest in truth.
 struct Revisit {
-  int64_t old_keyframe_id = -1;
-  int64_t keyframe_id = -1;
+  KeyframeId old_keyframe_id = -1;
+  KeyframeId keyframe_id = -1;
 };
 Revisit RevisitOf(const Map& map, const std::vector<SE3>& T_w_c);
 

@@ -17,8 +17,8 @@ namespace plslam::test {
 namespace {
 
 template <class Landmarks>
-std::map<Descriptor, int64_t> ByDescriptor(const Landmarks& landmarks) {
-  std::map<Descriptor, int64_t> ids;
+std::map<Descriptor, LandmarkId> ByDescriptor(const Landmarks& landmarks) {
+  std::map<Descriptor, LandmarkId> ids;
   for (const auto& [id, landmark] : landmarks) ids[landmark.descriptor] = id;
   return ids;
 }
@@ -60,8 +60,8 @@ class Tracker {
   bool Happens(double probability) { return std::uniform_real_distribution<double>()(random_) < probability; }
 
   template <class Feature>
-  std::vector<int64_t> Named(const std::vector<Feature>& features, const std::map<Descriptor, int64_t>& ids) {
-    std::vector<int64_t> named;
+  std::vector<LandmarkId> Named(const std::vector<Feature>& features, const std::map<Descriptor, LandmarkId>& ids) {
+    std::vector<LandmarkId> named;
     for (const Feature& feature : features) {
       const auto known = ids.find(feature.left.descriptor);
       named.push_back(known == ids.end() || Happens(options_.unnamed) ? -1 : known->second);

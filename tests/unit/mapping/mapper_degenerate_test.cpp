@@ -124,7 +124,7 @@ TEST_P(Degenerate, NoDisparityAtAllFollowsOdometry) {
   EXPECT_TRUE(mapper_.map().points().empty());
   EXPECT_EQ(mapper_.map().keyframes().size(), 10U);
   for (const auto& [id, keyframe] : mapper_.map().keyframes()) {
-    const SE3& T_odom_kf = walk_.keyframes[static_cast<size_t>(id)].T_odom_kf;
+    const SE3& T_odom_kf = walk_.keyframes[static_cast<size_t>(id.value)].T_odom_kf;
     EXPECT_LT((T_odom_kf.Inverse() * keyframe.T_w_kf).Log().norm(), 1e-9) << id;
   }
 }
@@ -173,7 +173,7 @@ TEST_P(Degenerate, CertainPointsFiftyKilometresAway) {
 // The tracker claims to observe landmarks behind the camera.
 TEST_P(Degenerate, LandmarksBehindTheCameraAfterATurn) {
   MapFrom(0, 5);
-  const std::vector<int64_t> seen_before = mapper_.map().LandmarksOf(4).points;
+  const std::vector<LandmarkId> seen_before = mapper_.map().LandmarksOf(4).points;
   const SE3 turn(ExpSO3(Eigen::Vector3d(0.0, M_PI, 0.0)), Eigen::Vector3d::Zero());
   Keyframe turned = MakeKeyframe(&walk_.keyframes[4], walk_.keyframes[4].T_odom_kf * turn,
                                  world_.Observe(walk_.T_w_c[4] * turn, 0.4, 55));
@@ -183,7 +183,7 @@ TEST_P(Degenerate, LandmarksBehindTheCameraAfterATurn) {
   }
   ASSERT_NO_FATAL_FAILURE(Map(turned));
   int behind = 0;
-  for (const int64_t id : mapper_.map().LandmarksOf(Newest().id).points) {
+  for (const LandmarkId id : mapper_.map().LandmarksOf(Newest().id).points) {
     if (id >= 0 && (Newest().T_w_kf.Inverse() * mapper_.map().FindPoint(id)->p_w).z() <= 0.0) ++behind;
   }
   EXPECT_EQ(behind, 0);
@@ -234,7 +234,7 @@ TEST_P(Degenerate, InvalidCovarianceIsReplacedByALargeOne) {
   walk_.keyframes[7].covariance(1, 1) = std::numeric_limits<double>::infinity();
   MapFrom(0, 10);
   EXPECT_LT(NewestError_m(), 0.02);
-  for (const int64_t id : {3, 5, 6, 7}) {
+  for (const int id : {3, 5, 6, 7}) {
     const MapKeyframe* keyframe = mapper_.map().FindKeyframe(id);
     if (keyframe == nullptr) continue;
     EXPECT_GE(keyframe->relative_covariance.diagonal().minCoeff(), 0.5) << id;

@@ -33,8 +33,8 @@ class Relocation : public testing::Test {
     Walk walk = test::MakeWalk(world_, {path_.begin() + begin, path_.begin() + end}, options);
     // The tracker's numbers are its own.
     for (Keyframe& keyframe : walk.keyframes) {
-      for (int64_t& id : keyframe.point_landmark_ids) id += 10'000 * session.value;
-      for (int64_t& id : keyframe.line_landmark_ids) id += 10'000 * session.value;
+      for (TrackId& id : keyframe.point_landmark_ids) id.value += 10'000 * session.value;
+      for (TrackId& id : keyframe.line_landmark_ids) id.value += 10'000 * session.value;
     }
     return walk;
   }
@@ -167,7 +167,7 @@ TEST_F(Relocation, WrongAssociationsMoveNothing) {
   Keyframe next = Carried(walk.keyframes.back(), 25, path_[24].Inverse() * path_[25]);
   next.state = kTracking;
   next.point_landmark_ids = Session(7, 25, 26).keyframes.front().point_landmark_ids;
-  std::vector<int64_t> ids;
+  std::vector<LandmarkId> ids;
   for (const auto& [id, point] : mapper_.map().points()) ids.push_back(id);
   for (size_t i = 0; i < next.point_map_ids.size(); ++i) next.point_map_ids[i] = ids[(37 * i) % ids.size()];
   next.line_map_ids.clear();
@@ -186,7 +186,7 @@ TEST_F(Relocation, FalseLandmarkDoesNotMoveAKeyframe) {
   next.point_map_ids.assign(next.features.points.size(), -1);
   // A landmark that the first keyframe observes, and that projects to the feature.
   const SE3 T_kf_w = (Newest().T_w_kf * T_wrong_).Inverse();
-  for (const int64_t id : mapper_.map().LandmarksOf(0).points) {
+  for (const LandmarkId id : mapper_.map().LandmarksOf(0).points) {
     if (id < 0) continue;
     const Eigen::Vector3d p_kf = T_kf_w * mapper_.map().FindPoint(id)->p_w;
     if (p_kf.z() < 1.0) continue;
@@ -250,13 +250,13 @@ TEST_F(Parts, LoopJoinsTwoParts) {
   ASSERT_NO_FATAL_FAILURE(Insert(Session(8, 65, 80)));
   const MapKeyframe newest = Newest();
   ASSERT_LT(SizeOfPart(), mapper_.map().keyframes().size());
-  const int64_t old_id = mapper_.map().FindKeyframe(4) != nullptr ? 4 : 3;
+  const KeyframeId old_id = mapper_.map().FindKeyframe(4) != nullptr ? 4 : 3;
   LoopClosure closure;
   closure.kind = LoopClosure::Kind::kLoop;
-  closure.edges.push_back({old_id, newest.id, path_[static_cast<size_t>(old_id)].Inverse() * path_[79]});
+  closure.edges.push_back({old_id, newest.id, path_[static_cast<size_t>(old_id.value)].Inverse() * path_[79]});
   closure.edges.front().covariance = 1e-4 * Matrix6d::Identity();
   const SE3 T_w_kf = mapper_.map().FindKeyframe(old_id)->T_w_kf * closure.edges.front().T_old_kf;
-  for (const int64_t id : MapGraph(mapper_.map()).Component(newest.id, MapGraph::Edges::kAll)) {
+  for (const KeyframeId id : MapGraph(mapper_.map()).Component(newest.id, MapGraph::Edges::kAll)) {
     const SE3& T_w_before = mapper_.map().FindKeyframe(id)->T_w_kf;
     closure.poses.push_back({id, T_w_kf * (newest.T_w_kf.Inverse() * T_w_before)});
   }

@@ -55,8 +55,8 @@ struct Stream {
   Stream() {
     Walk walk = test::MakeWalk(world, path, {.noise_px = 1.0});
     for (size_t i = kRound / 2; i < walk.keyframes.size(); ++i) {
-      for (int64_t& id : walk.keyframes[i].point_landmark_ids) id += 1'000'000;
-      for (int64_t& id : walk.keyframes[i].line_landmark_ids) id += 1'000'000;
+      for (TrackId& id : walk.keyframes[i].point_landmark_ids) id.value += 1'000'000;
+      for (TrackId& id : walk.keyframes[i].line_landmark_ids) id.value += 1'000'000;
     }
     for (size_t i = 0; i < walk.keyframes.size(); ++i) {
       Tell({walk.keyframes[i], {}});

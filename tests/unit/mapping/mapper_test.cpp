@@ -78,7 +78,7 @@ TEST_P(MapperWalk, ObservationsGrowAndEverythingIsConnected) {
   Mapper mapper(FeatureWorld::Camera(), MappingOptions());
   for (const Keyframe& keyframe : walk_.keyframes) {
     ASSERT_TRUE(MapOne(keyframe, mapper));
-    const int64_t id = mapper.map().keyframes().rbegin()->first;
+    const KeyframeId id = mapper.map().keyframes().rbegin()->first;
     if (id == 5) {
       EXPECT_GT(MeanObservations(mapper.map()), 2.0);
     }
@@ -215,7 +215,7 @@ class Sessions : public testing::Test {
           << keyframe.name.session << ", keyframe " << keyframe.name.number;
     }
   }
-  double Error_m(int64_t keyframe_id, const SE3& truth) const {
+  double Error_m(KeyframeId keyframe_id, const SE3& truth) const {
     return (mapper_.map().FindKeyframe(keyframe_id)->T_w_kf.translation() - truth.translation()).norm();
   }
 
@@ -247,8 +247,8 @@ TEST_F(Sessions, IdsOfTheTrackerMeanNothingInAnotherSession) {
   const Walk second = Second(elsewhere, end_, T_odom_w_, true);
   ASSERT_NO_FATAL_FAILURE(Map(second.keyframes));
   for (const auto& [id, point] : mapper_.map().points()) {
-    const bool of_first = point.observations.front().keyframe_id < 10;
-    EXPECT_EQ(point.observations.back().keyframe_id < 10, of_first) << "point " << id;
+    const bool of_first = point.observations.front().keyframe_id() < 10;
+    EXPECT_EQ(point.observations.back().keyframe_id() < 10, of_first) << "point " << id;
   }
 }
 
@@ -274,7 +274,7 @@ TEST_F(Sessions, LocalisedSessionIsPlacedByItsLandmarks) {
   ASSERT_NO_FATAL_FAILURE(Map(first_.keyframes));
   Walk second = Second(world_, end_, T_odom_w_, false);
   Keyframe& keyframe = second.keyframes.front();
-  std::map<Descriptor, int64_t> by_descriptor;
+  std::map<Descriptor, LandmarkId> by_descriptor;
   for (const auto& [id, point] : mapper_.map().points()) by_descriptor[point.descriptor] = id;
   for (const StereoPoint& point : keyframe.features.points) {
     const auto known = by_descriptor.find(point.left.descriptor);
@@ -298,10 +298,10 @@ TEST_F(Sessions, RobotsInDifferentPlacesDoNotInteract) {
   for (size_t i = 0; i < path.size(); ++i) {
     for (const Walk& walk : walks) ASSERT_NO_FATAL_FAILURE(Map({walk.keyframes[i]}));
   }
-  const auto is_of_first = [this](int64_t id) { return mapper_.map().FindKeyframe(id)->name.session == 100; };
+  const auto is_of_first = [this](KeyframeId id) { return mapper_.map().FindKeyframe(id)->name.session == 100; };
   size_t points = 0;
   for (const auto& [id, point] : mapper_.map().points())
-    points += is_of_first(point.observations.front().keyframe_id);
+    points += is_of_first(point.observations.front().keyframe_id());
   EXPECT_EQ(points, alone.map().points().size());
   size_t keyframes = 0;
   for (const auto& [id, keyframe] : mapper_.map().keyframes()) {

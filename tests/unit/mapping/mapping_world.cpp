@@ -14,18 +14,18 @@
 namespace plslam::test {
 namespace {
 
-using Ids = std::map<Descriptor, int64_t>;
+using Ids = std::map<Descriptor, TrackId>;
 
 template <class Landmark>
 Ids IdsOf(const std::vector<Landmark>& landmarks) {
   Ids ids;
-  for (const Landmark& landmark : landmarks) ids.emplace(landmark.descriptor, static_cast<int64_t>(ids.size()));
+  for (const Landmark& landmark : landmarks) ids.emplace(landmark.descriptor, TrackId(ids.size()));
   return ids;
 }
 
 template <class Feature>
-std::vector<int64_t> IdsOfFeatures(const std::vector<Feature>& features, const Ids& ids) {
-  std::vector<int64_t> of;
+std::vector<TrackId> IdsOfFeatures(const std::vector<Feature>& features, const Ids& ids) {
+  std::vector<TrackId> of;
   for (const Feature& feature : features) of.push_back(ids.at(feature.left.descriptor));
   return of;
 }
@@ -71,10 +71,10 @@ template <class Type>
 std::string WrongObservations(const typename Type::Landmark& landmark, const Map& map) {
   if (landmark.observations.empty()) return "no observations";
   for (const Observation& observation : landmark.observations) {
-    if (map.FindKeyframe(observation.keyframe_id) == nullptr)
-      return fmt::format("observation of no keyframe {}", observation.keyframe_id);
-    const int64_t shown = LandmarkAt<Type>(map, observation);
-    if (shown != landmark.id) return fmt::format("its observation in {} shows {}", observation.keyframe_id, shown);
+    if (map.FindKeyframe(observation.keyframe_id()) == nullptr)
+      return fmt::format("observation of no keyframe {}", observation.keyframe_id());
+    const LandmarkId shown = LandmarkAt<Type>(map, observation);
+    if (shown != landmark.id) return fmt::format("its observation in {} shows {}", observation.keyframe_id(), shown);
   }
   return {};
 }
@@ -259,7 +259,7 @@ std::vector<double> PointErrors_m(const Map& map, const FeatureWorld& world) {
   const Ids ids = IdsOf(world.points());
   std::vector<double> errors;
   for (const auto& [id, point] : map.points()) {
-    const auto& truth = world.points()[static_cast<size_t>(ids.at(point.descriptor))];
+    const auto& truth = world.points()[static_cast<size_t>(ids.at(point.descriptor).value)];
     errors.push_back((point.p_w - truth.p_w).norm());
   }
   std::sort(errors.begin(), errors.end());
@@ -270,7 +270,7 @@ std::vector<double> LineErrors_m(const Map& map, const FeatureWorld& world) {
   const Ids ids = IdsOf(world.lines());
   std::vector<double> errors;
   for (const auto& [id, line] : map.lines()) {
-    const Segment3& truth = world.lines()[static_cast<size_t>(ids.at(line.descriptor))].segment_w;
+    const Segment3& truth = world.lines()[static_cast<size_t>(ids.at(line.descriptor).value)].segment_w;
     const Eigen::Vector3d along = (truth.q - truth.p).normalized();
     const double of_p = along.cross(line.segment_w.p - truth.p).norm();
     const double of_q = along.cross(line.segment_w.q - truth.p).norm();

@@ -16,19 +16,19 @@ using test::FeatureWorld;
 /// A camera that comes to the same place again and again and shows some of the points there.
 class Place {
  public:
-  static constexpr int64_t kPoints = 100;
+  static constexpr int kPoints = 100;
 
   /// Leaves to 5 m away, looking to the side, comes back, and shows all points but these; at most `n_shown`.
-  void Visit(const std::set<int64_t>& gone, int64_t n_shown = kPoints) {
+  void Visit(const std::set<int>& gone, int n_shown = kPoints) {
     for (int i = 1; i <= 20; ++i) Add(i <= 10 ? 0.5 * i : 10.0 - 0.5 * i, true);
-    const int64_t id = Add(0.0, false);
+    const KeyframeId id = Add(0.0, false);
     int32_t feature = 0;
-    for (int64_t point_id = 0; point_id < kPoints; ++point_id) {
+    for (int point_id = 0; point_id < kPoints; ++point_id) {
       if (gone.contains(point_id) || feature == n_shown) continue;
       MapPoint point;
       if (map_.FindPoint(point_id) != nullptr) point = *map_.FindPoint(point_id);
       point.id = point_id;
-      point.p_w = {0.02 * static_cast<double>(point_id % 10), 0.02 * static_cast<double>(point_id / 10), 4.0};
+      point.p_w = {0.02 * (point_id % 10), 0.02 * (point_id / 10), 4.0};
       point.depth_m = 4.0;
       point.observations.push_back({id, feature++});
       map_.Put(point);
@@ -44,22 +44,22 @@ class Place {
     visits_ = state.visits;
     missed_ = state.missed_landmarks;
   }
-  bool Has(int64_t point_id) const { return map_.FindPoint(point_id) != nullptr; }
+  bool Has(LandmarkId point_id) const { return map_.FindPoint(point_id) != nullptr; }
 
  private:
-  int64_t Add(double x_m, bool looks_aside) {
+  KeyframeId Add(double x_m, bool looks_aside) {
     MapKeyframe keyframe;
     keyframe.id = n_++;
-    keyframe.previous_id = keyframe.id - 1;
+    keyframe.previous_id = n_ - 2;
     keyframe.T_w_kf = SE3(ExpSO3({0.0, looks_aside ? 2.0 : 0.0, 0.0}), {x_m, 0.0, 0.0});
     if (keyframe.id > 0)
-      keyframe.T_prevkf_kf = map_.FindKeyframe(keyframe.id - 1)->T_w_kf.Inverse() * keyframe.T_w_kf;
+      keyframe.T_prevkf_kf = map_.FindKeyframe(keyframe.previous_id)->T_w_kf.Inverse() * keyframe.T_w_kf;
     map_.Put(keyframe);
     visits_.Add(keyframe);
     return keyframe.id;
   }
 
-  int64_t n_ = 0;
+  int n_ = 0;
   Map map_;
   Visits visits_;
   MissedLandmarks missed_;

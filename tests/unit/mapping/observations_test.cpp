@@ -23,19 +23,19 @@ const Segment3 kSeenSegment{{-0.5, -0.5, 4.0}, {-0.5, 0.5, 4.0}};
 /// The feature types side by side.
 struct Points {
   using Kind = PointType;
-  static Observation See(HandmadeMap& m, int64_t keyframe_id, const Descriptor& d) {
+  static Observation See(HandmadeMap& m, KeyframeId keyframe_id, const Descriptor& d) {
     return m.SeePoint(keyframe_id, kSeenPoint, d);
   }
-  static void Put(HandmadeMap& m, int64_t id, const Descriptor& d, std::vector<Observation> observations) {
+  static void Put(HandmadeMap& m, LandmarkId id, const Descriptor& d, std::vector<Observation> observations) {
     m.PutPoint(id, kSeenPoint, d, std::move(observations));
   }
 };
 struct Lines {
   using Kind = LineType;
-  static Observation See(HandmadeMap& m, int64_t keyframe_id, const Descriptor& d) {
+  static Observation See(HandmadeMap& m, KeyframeId keyframe_id, const Descriptor& d) {
     return m.SeeLine(keyframe_id, kSeenSegment, d);
   }
-  static void Put(HandmadeMap& m, int64_t id, const Descriptor& d, std::vector<Observation> observations) {
+  static void Put(HandmadeMap& m, LandmarkId id, const Descriptor& d, std::vector<Observation> observations) {
     m.PutLine(id, kSeenSegment, d, std::move(observations));
   }
 };
@@ -47,16 +47,20 @@ class Observations : public testing::Test {
     for (int i = 0; i < 6; ++i) m_.AddKeyframe(StandingAt(0.1 * i));
   }
   // Puts a landmark that these keyframes observe with different descriptors.
-  void Put(int64_t id, const std::vector<int64_t>& keyframes) {
+  void Put(LandmarkId id, const std::vector<KeyframeId>& keyframes) {
     std::vector<Observation> observations;
-    for (const int64_t k : keyframes) observations.push_back(Of::See(m_, k, DescriptorOf(100 * k + id)));
-    Of::Put(m_, id, DescriptorOf(100 * keyframes.front() + id), observations);
+    for (const KeyframeId k : keyframes) observations.push_back(Of::See(m_, k, DescriptorOf(Seed(k, id))));
+    Of::Put(m_, id, DescriptorOf(Seed(keyframes.front(), id)), observations);
   }
-  std::vector<int64_t> SeenBy(int64_t id) const {
-    std::vector<int64_t> keyframes;
+  std::vector<KeyframeId> SeenBy(LandmarkId id) const {
+    std::vector<KeyframeId> keyframes;
     for (const Observation& observation : Of::Kind::Find(m_.map, id)->observations)
-      keyframes.push_back(observation.keyframe_id);
+      keyframes.push_back(observation.keyframe_id());
     return keyframes;
+  }
+
+  static uint64_t Seed(KeyframeId keyframe_id, LandmarkId id) {
+    return static_cast<uint64_t>(100 * keyframe_id.value + id.value);
   }
 
   HandmadeMap m_;
@@ -70,7 +74,7 @@ TYPED_TEST(Observations, AddedInOrderOfKeyframes) {
   this->Put(0, {0, 4});
   EXPECT_TRUE(AddObservation<Kind>(0, TypeParam::See(this->m_, 2, DescriptorOf(1)), this->m_.features, this->m_.map));
   EXPECT_TRUE(AddObservation<Kind>(0, TypeParam::See(this->m_, 5, DescriptorOf(2)), this->m_.features, this->m_.map));
-  EXPECT_EQ(this->SeenBy(0), (std::vector<int64_t>{0, 2, 4, 5}));
+  EXPECT_EQ(this->SeenBy(0), (std::vector<KeyframeId>{0, 2, 4, 5}));
 }
 
 TYPED_TEST(Observations, RefusedForASeenLandmarkOrAUsedFeature) {
@@ -83,17 +87,17 @@ TYPED_TEST(Observations, RefusedForASeenLandmarkOrAUsedFeature) {
       AddObservation<Kind>(0, Kind::Find(this->m_.map, 1)->observations[0], this->m_.features, this->m_.map));
   EXPECT_FALSE(
       AddObservation<Kind>(77, TypeParam::See(this->m_, 1, DescriptorOf(1)), this->m_.features, this->m_.map));
-  EXPECT_EQ(this->SeenBy(0), (std::vector<int64_t>{0, 1}));
-  EXPECT_EQ(this->SeenBy(1), (std::vector<int64_t>{2}));
+  EXPECT_EQ(this->SeenBy(0), (std::vector<KeyframeId>{0, 1}));
+  EXPECT_EQ(this->SeenBy(1), (std::vector<KeyframeId>{2}));
 }
 
 TYPED_TEST(Observations, LandmarkIsRemovedWithItsLastObservation) {
   using Kind = typename TypeParam::Kind;
   this->Put(0, {0, 1, 3});
   DropObservation<Kind>(0, 1, this->m_.features, this->m_.map);
-  EXPECT_EQ(this->SeenBy(0), (std::vector<int64_t>{0, 3}));
+  EXPECT_EQ(this->SeenBy(0), (std::vector<KeyframeId>{0, 3}));
   DropObservation<Kind>(0, 1, this->m_.features, this->m_.map);
-  EXPECT_EQ(this->SeenBy(0), (std::vector<int64_t>{0, 3})) << "an observation that is not there";
+  EXPECT_EQ(this->SeenBy(0), (std::vector<KeyframeId>{0, 3})) << "an observation that is not there";
   DropObservation<Kind>(0, 0, this->m_.features, this->m_.map);
   EXPECT_EQ(Kind::Find(this->m_.map, 0)->descriptor, DescriptorOf(300)) << "of the observation that is left";
   DropObservation<Kind>(0, 3, this->m_.features, this->m_.map);
@@ -107,7 +111,7 @@ TYPED_TEST(Observations, FusedUnderTheSmallerId) {
     this->Put(10, {0, 3});
     this->Put(11, {1, 2, 4});
     ASSERT_TRUE(Fuse<Kind>(swapped ? 11 : 10, swapped ? 10 : 11, this->m_.features, this->m_.map));
-    EXPECT_EQ(this->SeenBy(10), (std::vector<int64_t>{0, 1, 2, 3, 4}));
+    EXPECT_EQ(this->SeenBy(10), (std::vector<KeyframeId>{0, 1, 2, 3, 4}));
     EXPECT_EQ(Kind::Find(this->m_.map, 11), nullptr);
     EXPECT_EQ(test::WrongWith(this->m_.map), "");
   }
@@ -120,8 +124,8 @@ TYPED_TEST(Observations, NotFusedIfAKeyframeSeesBoth) {
   EXPECT_FALSE(Fuse<Kind>(0, 1, this->m_.features, this->m_.map));
   EXPECT_FALSE(Fuse<Kind>(0, 0, this->m_.features, this->m_.map));
   EXPECT_FALSE(Fuse<Kind>(0, 5, this->m_.features, this->m_.map));
-  EXPECT_EQ(this->SeenBy(0), (std::vector<int64_t>{0, 1}));
-  EXPECT_EQ(this->SeenBy(1), (std::vector<int64_t>{1, 2}));
+  EXPECT_EQ(this->SeenBy(0), (std::vector<KeyframeId>{0, 1}));
+  EXPECT_EQ(this->SeenBy(1), (std::vector<KeyframeId>{1, 2}));
 }
 
 // All sums of distances, the smallest, and of equal ones the newest.

@@ -13,7 +13,8 @@ using test::DescriptorOf;
 using test::FeatureWorld;
 using test::HandmadeMap;
 
-using Ids = std::vector<int64_t>;
+using Ids = std::vector<LandmarkId>;
+using TrackIds = std::vector<TrackId>;
 
 /// Keyframes in a row: 0 and 1 see points 0..29, 1 and 2 points 30..59, 3 points 60..69.
 class AssociationTest : public testing::Test {
@@ -27,18 +28,18 @@ class AssociationTest : public testing::Test {
     m_.Tie({1, 2}, 30, 30, descriptors_);
     m_.Tie({3}, 10, 60, descriptors_);
   }
-  static Keyframe WithPoints(SessionId session, int64_t keyframe_id, const Ids& tracker_ids, const Ids& map_ids) {
+  static Keyframe WithPoints(SessionId session, int64_t number, const TrackIds& tracker_ids, const Ids& map_ids) {
     Keyframe keyframe;
     keyframe.name.session = session;
-    keyframe.name.number = keyframe_id;
+    keyframe.name.number = number;
     keyframe.features.points.resize(tracker_ids.size());
     keyframe.point_landmark_ids = tracker_ids;
     keyframe.point_map_ids = map_ids;
     return keyframe;
   }
-  static Ids Range(int64_t from, int64_t to) {
+  static Ids Range(int from, int to) {
     Ids ids;
-    for (int64_t id = from; id < to; ++id) ids.push_back(id);
+    for (int id = from; id < to; ++id) ids.push_back(id);
     return ids;
   }
 
@@ -87,7 +88,7 @@ TEST_F(AssociationTest, RobotsLearnInTurn) {
 TEST_F(AssociationTest, LandmarksNotObservedAnyMoreAreForgotten) {
   TrackerLandmarks tracker;
   tracker.Learn(WithPoints(1, 0, {500, 501}, {}), {{10, 11}, {}});
-  for (int64_t k = 1; k < 200; ++k) tracker.Learn(WithPoints(1, k, {501}, {}), {{11}, {}});
+  for (int k = 1; k < 200; ++k) tracker.Learn(WithPoints(1, k, {501}, {}), {{11}, {}});
   EXPECT_EQ(tracker.Associations(WithPoints(1, 200, {500, 501}, {}), m_.map).points, (Ids{-1, 11}));
 }
 
@@ -122,8 +123,8 @@ TEST_F(AssociationTest, LocalMapAroundThePreviousKeyframe) {
 }
 
 TEST_F(AssociationTest, SearchAddsToExistingAssociations) {
-  const int64_t id = m_.AddKeyframe({Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.2, 0.0, 0.0)});
-  for (const int64_t seen : {0, 7, 8})
+  const KeyframeId id = m_.AddKeyframe({Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.2, 0.0, 0.0)});
+  for (const int seen : {0, 7, 8})
     m_.SeePoint(id, m_.map.FindPoint(seen)->p_w, descriptors_[static_cast<size_t>(seen)]);
   Association association{{-1, 42, -1}, {}};
   SearchByProjection(m_.map, {{0, 7, 8}, {}}, m_.map.FindKeyframe(id)->T_w_kf, m_.features[id],

@@ -13,7 +13,7 @@ class Paths {
  public:
   void Add(double z_m, SessionId session = 1) {
     MapKeyframe keyframe;
-    keyframe.id = static_cast<int64_t>(map_.keyframes().size());
+    keyframe.id = KeyframeId(map_.keyframes().size());
     keyframe.name.session = session;
     keyframe.T_w_kf = SE3(Eigen::Quaterniond::Identity(), {0.0, 0.0, z_m});
     for (const auto& [id, other] : map_.keyframes()) {
@@ -25,7 +25,7 @@ class Paths {
     map_.Put(keyframe);
     visits_.Add(keyframe);
   }
-  bool IsBefore(int64_t earlier, int64_t keyframe) const {
+  bool IsBefore(int earlier, int keyframe) const {
     return visits_.IsBefore(*map_.FindKeyframe(earlier), *map_.FindKeyframe(keyframe));
   }
 
@@ -64,7 +64,7 @@ TEST(Visits, SessionsAreVisits) {
 
 TEST(Visits, SessionWithUnknownPathIsOneVisit) {
   Map map;
-  for (int64_t id = 0; id < 4; ++id) {
+  for (int id = 0; id < 4; ++id) {
     MapKeyframe keyframe;
     keyframe.id = id;
     keyframe.name.session = id < 2 ? 1 : 2;

@@ -20,11 +20,11 @@ Keyframe KeyframeOf(int64_t id, bool lockstep) {
   return keyframe;
 }
 
-LoopClosure ClosureOf(int64_t keyframe_id, LoopClosure::Kind kind = LoopClosure::Kind::kNone, bool more = false) {
+LoopClosure ClosureOf(int64_t number, LoopClosure::Kind kind = LoopClosure::Kind::kNone, bool more = false) {
   LoopClosure closure;
   closure.kind = kind;
   closure.keyframe.session = kSession;
-  closure.keyframe.number = keyframe_id;
+  closure.keyframe.number = number;
   closure.more = more;
   return closure;
 }
@@ -318,7 +318,7 @@ TEST_F(WorkQueueTest, OldestKeyframeOfSeveralPublishersFirst) {
 TEST_F(WorkQueueTest, OnlyNewKeyframesAfterARestart) {
   queue_.Restore({{kSession, 4}, {SessionId(kSession.value - 1), 9}}, kSession);
   for (int64_t id = 0; id < 6; ++id) queue_.Add(KeyframeOf(id, true), 0.0);
-  for (int64_t id = 0; id < 5; ++id) queue_.Add(ClosureOf(id, LoopClosure::Kind::kLoop));
+  for (int id = 0; id < 5; ++id) queue_.Add(ClosureOf(id, LoopClosure::Kind::kLoop));
   EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.name.number, 5);
   ExpectNothing();
   queue_.Add(ClosureOf(5));
@@ -329,7 +329,7 @@ TEST_F(WorkQueueTest, OnlyNewKeyframesAfterARestart) {
 TEST_F(WorkQueueTest, SaveAfterARestartWaitsForEarlierKeyframes) {
   queue_.Restore({{kSession, 4}}, kSession);
   queue_.Add(bus::Order{command_verb::kSave, "a.plmap"});
-  for (int64_t id = 5; id < 7; ++id) {
+  for (int id = 5; id < 7; ++id) {
     queue_.Add(KeyframeOf(id, true), 0.0);
     queue_.Add(ClosureOf(id));
   }

@@ -29,7 +29,7 @@ Map Corridor(int keyframes) {
   for (int i = 0; i + 1 < keyframes; ++i) {
     for (int k = 0; k < 120; ++k) {
       MapPoint point;
-      point.id = next_point++;
+      point.id = LandmarkId(next_point++);
       point.observations = {{10 * i, k}, {10 * (i + 1), 200 + k}};
       map.Put(point);
     }
@@ -45,7 +45,7 @@ std::set<std::pair<int, int>> Pairs(const PoseGraphProblem& graph) {
 
 TEST(MapPoseGraph, PairWithSeveralReasonsHasOneEdge) {
   const MapPoseGraph result = PoseGraphOf(Corridor(5));
-  EXPECT_EQ(result.keyframe_ids, (std::vector<int64_t>{0, 10, 20, 30, 40}));
+  EXPECT_EQ(result.keyframe_ids, (std::vector<KeyframeId>{0, 10, 20, 30, 40}));
   EXPECT_EQ(result.problem.edges.size(), 4U);
   EXPECT_EQ(Pairs(result.problem), (std::set<std::pair<int, int>>{{0, 1}, {1, 2}, {2, 3}, {3, 4}}));
   EXPECT_TRUE(result.problem.poses[0].fixed);
@@ -89,7 +89,7 @@ TEST(MapPoseGraph, ALoopIsAsCertainAsItWasMeasured) {
   map.Add(loop);
   map.RemoveKeyframe(20);
   const MapPoseGraph result = PoseGraphOf(map);
-  ASSERT_EQ(result.keyframe_ids, (std::vector<int64_t>{0, 10, 30, 40}));
+  ASSERT_EQ(result.keyframe_ids, (std::vector<KeyframeId>{0, 10, 30, 40}));
   const auto closed = std::find_if(result.problem.edges.begin(), result.problem.edges.end(),
                                    [](const PoseGraphEdge& edge) { return edge.a == 0 && edge.b == 3; });
   ASSERT_NE(closed, result.problem.edges.end());
@@ -113,7 +113,7 @@ TEST(MapPoseGraph, NothingAndOneKeyframe) {
   EXPECT_FALSE(OptimisePoseGraph(one.problem, PoseGraphOptions()).ok);
 }
 
-double Sigma_m(const std::map<int64_t, Matrix6d>& covariances, int64_t id) {
+double Sigma_m(const std::map<KeyframeId, Matrix6d>& covariances, KeyframeId id) {
   return std::sqrt(covariances.at(id).topLeftCorner<3, 3>().trace());
 }
 

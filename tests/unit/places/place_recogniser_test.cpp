@@ -18,8 +18,8 @@ PlaceRecogniser SmallRecogniser(Merge merge = Merge::kBalanced) {
   return {test::SmallVocabulary(FeatureType::kPoints), test::SmallVocabulary(FeatureType::kLines), options};
 }
 
-std::vector<int64_t> Ids(const std::vector<PlaceMatch>& matches) {
-  std::vector<int64_t> ids;
+std::vector<KeyframeId> Ids(const std::vector<PlaceMatch>& matches) {
+  std::vector<KeyframeId> ids;
   for (const PlaceMatch& match : matches) ids.push_back(match.keyframe_id);
   return ids;
 }
@@ -29,7 +29,7 @@ TEST(PlaceRecogniser, FindsThePlaceSeenAgainByEveryMerge) {
     PlaceRecogniser places = SmallRecogniser(merge);
     std::mt19937_64 random(3);
     std::vector<ImageFeatures> images;
-    for (int64_t id = 0; id < 50; ++id) {
+    for (int id = 0; id < 50; ++id) {
       images.push_back(test::RandomFeatures(40, 20, random));
       places.Add(100 + id, places.Describe(images.back()));
     }
@@ -46,14 +46,14 @@ TEST(PlaceRecogniser, QueryEqualsComparingWithEach) {
   for (const auto& [name, merge] : ChoicesOf(Merge())) {
     PlaceRecogniser places = SmallRecogniser(merge);
     std::mt19937_64 random(4);
-    for (int64_t id = 0; id < 60; ++id) {
-      places.Add(id, places.Describe(test::RandomFeatures(100, static_cast<int>(id % 30), random)));
+    for (int id = 0; id < 60; ++id) {
+      places.Add(id, places.Describe(test::RandomFeatures(100, id % 30, random)));
     }
-    for (int64_t id = 0; id < 60; id += 4) places.Remove(id);
+    for (int id = 0; id < 60; id += 4) places.Remove(id);
     const PlaceDescription query = places.Describe(test::RandomFeatures(90, 20, random));
     const auto matches = places.Query(query, {}, 1000);
     size_t expected_matches = 0;
-    for (int64_t id = 0; id < 60; ++id) {
+    for (int id = 0; id < 60; ++id) {
       EXPECT_EQ(places.Has(id), id % 4 != 0);
       if (places.Has(id) && places.Score(query, places.Of(id)) > 0.0) ++expected_matches;
     }
@@ -72,7 +72,7 @@ TEST(PlaceRecogniser, IdenticalImagesScoreOneAndComeById) {
   PlaceRecogniser places = SmallRecogniser();
   std::mt19937_64 random(5);
   const PlaceDescription description = places.Describe(test::RandomFeatures(150, 40, random));
-  for (const int64_t id : {9, 2, 30, 4}) places.Add(id, description);
+  for (const KeyframeId id : {9, 2, 30, 4}) places.Add(id, description);
   const auto matches = places.Query(description, {}, 3);
   EXPECT_THAT(Ids(matches), ElementsAre(2, 4, 9));
   EXPECT_NEAR(matches[0].score, 1.0, 1e-3);
@@ -83,14 +83,14 @@ TEST(PlaceRecogniser, ExcludedKeyframesAreReplacedByTheNext) {
   PlaceRecogniser places = SmallRecogniser();
   std::mt19937_64 random(6);
   const ImageFeatures image = test::RandomFeatures(150, 40, random);
-  for (int64_t id = 0; id < 6; ++id) {
-    places.Add(id, places.Describe(test::SeenAgain(image, static_cast<int>(4 * id), random)));
+  for (int id = 0; id < 6; ++id) {
+    places.Add(id, places.Describe(test::SeenAgain(image, 4 * id, random)));
   }
-  const auto excluded = [](int64_t id) { return id < 3; };
+  const auto excluded = [](KeyframeId id) { return id < 3; };
   EXPECT_THAT(Ids(places.Query(places.Describe(image), excluded, 2)), ElementsAre(3, 4));
   EXPECT_THAT(places.Query(places.Describe(image), {}, 0), testing::IsEmpty());
   EXPECT_THAT(places.Query(
-                  places.Describe(image), [](int64_t) { return true; }, 5),
+                  places.Describe(image), [](KeyframeId) { return true; }, 5),
               testing::IsEmpty());
 }
 
@@ -228,7 +228,7 @@ TEST(PlaceRecogniser, AdaptiveMergeDownweightsCommonWords) {
     ImageFeatures query = door;
     take(own, 0, 20, query);
     places.Add(0, places.Describe(own));
-    for (int64_t id = 1; id < 40; ++id) places.Add(id, places.Describe(door));
+    for (int id = 1; id < 40; ++id) places.Add(id, places.Describe(door));
     const PlaceDescription description = places.Describe(query);
     return places.Score(description, places.Of(0)) / places.Score(description, places.Of(1));
   };

@@ -109,9 +109,9 @@ print(json.dumps({
   ASSERT_GT(map["ids"].size(), 3U);
   size_t i = 0;
   for (const auto& [id, keyframe] : stored.map.keyframes()) {
-    EXPECT_EQ(map["ids"][i], id);
+    EXPECT_EQ(map["ids"][i], id.value);
     EXPECT_EQ(map["t_ns"][i], keyframe.t_ns);
-    EXPECT_EQ(map["parents"][i], keyframe.parent_id);
+    EXPECT_EQ(map["parents"][i], keyframe.parent_id.value);
     ExpectNear(map["T_w_kf"][i], Rows(MatrixOf(keyframe.T_w_kf)), 1e-12);
     ExpectNear(map["covariance"][i], Numbers(keyframe.covariance), 0.0);
     ++i;
@@ -120,13 +120,13 @@ print(json.dumps({
   i = 0;
   for (const auto& [id, point] : stored.map.points()) {
     const json& read = map["points"][i++];
-    EXPECT_EQ(read["id"], id);
+    EXPECT_EQ(read["id"], id.value);
     ExpectNear(read["p_w"], Numbers(point.p_w), 0.0);
     const auto* bytes = reinterpret_cast<const uint8_t*>(point.descriptor.data());
     EXPECT_EQ(read["descriptor"], fmt::format("{:02x}", fmt::join(bytes, bytes + 32, "")));
     ASSERT_EQ(read["observations"].size(), point.observations.size());
     for (size_t k = 0; k < point.observations.size(); ++k) {
-      EXPECT_EQ(read["observations"][k][0], point.observations[k].keyframe_id);
+      EXPECT_EQ(read["observations"][k][0], point.observations[k].keyframe_id().value);
       EXPECT_EQ(read["observations"][k][1], point.observations[k].feature);
     }
   }
@@ -139,7 +139,7 @@ print(json.dumps({
     EXPECT_EQ(read["observations"].size(), line.observations.size());
   }
   for (const auto& [id, features] : stored.features) {
-    const json& read = map["features"][std::to_string(id)];
+    const json& read = map["features"][std::to_string(id.value)];
     ASSERT_EQ(read[0].size(), features.points.size());
     ASSERT_EQ(read[1].size(), features.lines.size());
     ASSERT_EQ(read[3].is_null(), !features.image);

@@ -93,7 +93,7 @@ TEST(RefineMap, StatesTheErrorsThatRemain) {
 // Without the noise of features the truth is the optimum, from anywhere near it.
 TEST(RefineMap, FindsTheTruthOfExactFeatures) {
   MappedWalk walk(0.0);
-  std::map<int64_t, SE3> moved;
+  std::map<KeyframeId, SE3> moved;
   for (const auto& [id, keyframe] : walk.stored.map.keyframes()) {
     if (id > 0) moved[id] = keyframe.T_w_kf * SE3::Exp(0.005 * Vector6d::Ones());
   }

@@ -41,8 +41,8 @@ StoredMap MapOf(const std::vector<const test::Walk*>& walks) {
 }
 
 /// Moves all keyframes but those given by the same step.
-void Move(StoredMap& stored, const std::vector<int64_t>& except) {
-  std::map<int64_t, SE3> moved;
+void Move(StoredMap& stored, const std::vector<KeyframeId>& except) {
+  std::map<KeyframeId, SE3> moved;
   for (const auto& [id, keyframe] : stored.map.keyframes()) {
     if (std::ranges::find(except, id) == except.end())
       moved[id] = keyframe.T_w_kf * SE3::Exp(0.002 * Vector6d::Ones());
@@ -61,7 +61,7 @@ double Error_m(const Map& map, SessionId session, const SE3& T_w_true, const std
   return worst_m;
 }
 
-int64_t FirstOf(const Map& map, SessionId session) {
+KeyframeId FirstOf(const Map& map, SessionId session) {
   for (const auto& [id, keyframe] : map.keyframes()) {
     if (keyframe.name.session == session) return id;
   }
@@ -96,7 +96,7 @@ TEST(RefineSessions, PartsThatNothingConnects) {
   const test::Walk first = Session(test::FeatureWorld({300, 60}, 3), path, kFirst, SE3(), 0.0);
   const test::Walk second = Session(test::FeatureWorld({300, 60}, 4), path, kSecond, kElsewhere, 0.0);
   StoredMap stored = MapOf({&first, &second});
-  const int64_t first_of_second = FirstOf(stored.map, kSecond);
+  const KeyframeId first_of_second = FirstOf(stored.map, kSecond);
   ASSERT_GT(first_of_second, 0);
   const SE3 T_w_start = stored.map.FindKeyframe(first_of_second)->T_w_kf;
   Move(stored, {0, first_of_second});

@@ -183,7 +183,8 @@ TEST(Outputs, UnconnectedSessionsAreKeptApart) {
     pose.keyframe_id = i;
     recorder.AddPose(pose);
     MapKeyframe keyframe;
-    keyframe.id = keyframe.name.number = keyframe.frame_id = i;
+    keyframe.name.number = keyframe.frame_id = i;
+    keyframe.id = KeyframeId(keyframe.name.number);
     keyframe.name.session = pose.session;
     keyframe.t_ns = pose.t_ns;
     map.Put(keyframe);

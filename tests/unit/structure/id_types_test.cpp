@@ -20,11 +20,7 @@ const std::map<std::string, std::string> kExchangeable = {
     {"tools/evaluate/figures/pair_figure.h: a, b", "symmetric"},
     {"core/run/frame_tally.h: frame_id, n_moving", "an id and a count"},
     {"core/run/frame_tally.h: keyframe_id, sign", "an id and a sign"},
-    // Ids of keyframes and landmarks of a map are not types yet.
-    {"core/bus/messages/convert.h: landmark_id, map_id", "ids of landmarks in the tracker and in the map"},
-    {"loop_process/loop_verification.h: old_keyframe_id, keyframe_id", "ids of keyframes"},
-    {"mapping_process/insertion/observations.h: landmark_id, keyframe_id", "ids of a landmark and a keyframe"},
-    {"vo_process/tracking/bodies/moving_bodies.h: id, map_id", "ids of landmarks in the tracker and in the map"}};
+    {"loop_process/loop_verification.h: old_keyframe_id, keyframe_id", "both are keyframes; the older one is first"}};
 
 /// Returns the text of a file in one line, without comments.
 std::string Declarations(const SourceFile& file) {

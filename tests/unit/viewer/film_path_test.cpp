@@ -9,7 +9,7 @@ namespace plslam::viewer {
 namespace {
 
 /// Keyframe `id` of the session of SomePose at a frame, moved sideways.
-MapKeyframe MovedKeyframe(int64_t id, int64_t frame_id, double sideways_m) {
+MapKeyframe MovedKeyframe(KeyframeId id, int64_t frame_id, double sideways_m) {
   MapKeyframe keyframe;
   keyframe.id = id;
   keyframe.name.session = 7;

@@ -14,10 +14,10 @@ using testing::ElementsAre;
 
 const Eigen::Quaterniond kNoTurn = Eigen::Quaterniond::Identity();
 
-MapKeyframe Keyframe(int64_t id, double x_m) {
+MapKeyframe Keyframe(KeyframeId id, double x_m) {
   MapKeyframe keyframe;
   keyframe.id = id;
-  keyframe.frame_id = 10 * id;
+  keyframe.frame_id = 10 * id.value;
   keyframe.T_w_kf = SE3(kNoTurn, {x_m, 0, 0});
   return keyframe;
 }
@@ -41,7 +41,7 @@ class MapOwner {
 TEST(CorrectionLog, KeepsPosesOfKeyframesBeforeALoop) {
   MapOwner owner;
   CorrectionLog log;
-  for (int64_t id = 0; id < 3; ++id) owner.map.Put(Keyframe(id, 1.0 * static_cast<double>(id)));
+  for (int id = 0; id < 3; ++id) owner.map.Put(Keyframe(id, 1.0 * static_cast<double>(id)));
   log.Add(owner.Next(), owner.map, 20);
   owner.map.Put(Keyframe(3, 3.0));
   log.Add(owner.Next(), owner.map, 30);
@@ -352,7 +352,7 @@ TEST_F(ReportRecorderTest, AnotherStreamIsSentWhole) {
 TEST_F(ReportRecorderTest, LoopsHaveFramesFiguresAndPictures) {
   AddFrames(0, 30);
   const cv::Mat image(48, 64, CV_8UC1, cv::Scalar(80));
-  for (int64_t id = 0; id < 4; ++id) {
+  for (int id = 0; id < 4; ++id) {
     owner_.map.Put(Keyframe(id, 1.0 * static_cast<double>(id)));
     if (id != 3) report_.pictures().AddKeyframe(10 * id, image);
   }
@@ -383,7 +383,7 @@ TEST_F(ReportRecorderTest, LoopsHaveFramesFiguresAndPictures) {
 }
 
 TEST_F(ReportRecorderTest, LoopsOfTheLoadedMapAreNotCounted) {
-  for (int64_t id = 0; id < 4; ++id) owner_.map.Put(Keyframe(id, 1.0 * static_cast<double>(id)));
+  for (int id = 0; id < 4; ++id) owner_.map.Put(Keyframe(id, 1.0 * static_cast<double>(id)));
   const LoopEdge old{.old_keyframe_id = 0, .keyframe_id = 2, .T_old_kf = SE3()};
   owner_.map.Add(old);
   report_.Add(owner_.Next(), owner_.map, 0);

@@ -129,7 +129,7 @@ TEST(PathTable, FramesWithoutTruthAndLostOnesHaveNone) {
 /// Three keyframes at frames 0, 10, 20; point i is seen by the first 1 + i % 3 of them.
 Map SmallMap(int n_points) {
   Map map;
-  for (int64_t id = 0; id < 3; ++id) {
+  for (int id = 0; id < 3; ++id) {
     MapKeyframe keyframe;
     keyframe.id = id;
     keyframe.frame_id = 10 * id;
@@ -141,7 +141,7 @@ Map SmallMap(int n_points) {
     MapPoint point;
     point.id = i;
     point.p_w = {1.0 * i, 2, 3};
-    for (int64_t id = 0; id <= i % 3; ++id) point.observations.push_back({id, i});
+    for (int id = 0; id <= i % 3; ++id) point.observations.push_back({id, i});
     map.Put(point);
   }
   MapLine line;

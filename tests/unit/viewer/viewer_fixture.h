@@ -106,7 +106,7 @@ class ViewerFixture : public testing::Test {
   /// A map of the keyframes 0 .. `last` of session 0, each moved by `x_m`.
   static MapUpdate MapOf(int64_t last, double x_m) {
     Map map;
-    for (int64_t id = 0; id <= last; ++id) {
+    for (int id = 0; id <= last; ++id) {
       MapKeyframe keyframe;
       keyframe.id = id;
       keyframe.name.number = id;

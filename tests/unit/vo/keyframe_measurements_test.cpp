@@ -154,7 +154,7 @@ TEST(KeyframeMeasurements, AddsFeaturesMissedInTheKeyframe) {
   ASSERT_EQ(content.line_tracks.size(), content.features.lines.size());
   for (const size_t added : {0u, 1u}) {
     const size_t place = last.features.points.size() + added;
-    const int64_t id = added == 0 ? 3 : 7;
+    const int id = added == 0 ? 3 : 7;
     EXPECT_EQ(content.point_tracks[place].landmark_id, id);
     const StereoPoint& seen = content.features.points[place];
     EXPECT_LT(PointError(seen, scene.points[static_cast<size_t>(id)], TrueAt(4)).norm(), 1e-9) << "point " << id;
@@ -198,8 +198,8 @@ TEST(KeyframeMeasurements, FeaturesWithoutALandmarkAreUnchanged) {
   for (int k = 1; k <= 4; ++k) {
     last = See(scene, TrueAt(k), {.noise_px = 1.0, .seed = static_cast<uint32_t>(k)});
     // Without a landmark, or of one that has been dropped since.
-    for (FeatureTrack& track : last->point_tracks) track.landmark_id = track.landmark_id % 2 == 0 ? -1 : 1000;
-    for (FeatureTrack& track : last->line_tracks) track.landmark_id = track.landmark_id % 2 == 0 ? -1 : 1000;
+    for (FeatureTrack& track : last->point_tracks) track.landmark_id = track.landmark_id.value % 2 == 0 ? -1 : 1000;
+    for (FeatureTrack& track : last->line_tracks) track.landmark_id = track.landmark_id.value % 2 == 0 ? -1 : 1000;
     measurements.Add(TrueAt(k), *last);
   }
   const KeyframeContent content = measurements.Take(landmarks, ContentOf(*last));
@@ -288,7 +288,7 @@ TEST(KeyframeMeasurements, EndsOfAddedLinesStayInTheImageAndOnTheLine) {
     const KeyframeContent content = measurements.Take(landmarks, ContentOf(last));
     for (size_t i = 0; i < content.features.lines.size(); ++i) {
       const StereoLine& seen = content.features.lines[i];
-      const Segment3& truth = scene.lines[static_cast<size_t>(content.line_tracks[i].landmark_id)];
+      const Segment3& truth = scene.lines[static_cast<size_t>(content.line_tracks[i].landmark_id.value)];
       EXPECT_TRUE(kCamera.InImage(seen.left.segment.p, 0.0)) << seen.left.segment.p.transpose();
       EXPECT_TRUE(kCamera.InImage(seen.left.segment.q, 0.0)) << seen.left.segment.q.transpose();
       EXPECT_LT(LineError(seen, truth, T_odom_c).head<2>().norm(), 1e-8) << "turn " << turn << " line " << i;

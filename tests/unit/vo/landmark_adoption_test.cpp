@@ -17,7 +17,7 @@ using test::Scene;
 const SE3 kT_w_odom(ExpSO3(Eigen::Vector3d(0.3, -0.5, 0.2)), Eigen::Vector3d(3.0, -1.0, 2.0));
 const Eigen::Vector3d kOffset(0.05, -0.02, 0.03);
 const Eigen::Matrix3d kCovariance_w = Eigen::Vector3d(1e-4, 4e-4, 9e-4).asDiagonal();
-constexpr int64_t kFirstMapId = 500;
+constexpr int kFirstMapId = 500;
 
 /// A map that has landmarks of the scene `kOffset` from where the tracker has them.
 struct AdoptedPatch {
@@ -25,9 +25,9 @@ struct AdoptedPatch {
   std::deque<MapLine> map_lines;
   TrackerLocalMap patch{kT_w_odom, 0.0, {}, {}};
 
-  void Add(const Eigen::Vector3d& p_odom, std::vector<int64_t> tracker_ids) {
+  void Add(const Eigen::Vector3d& p_odom, std::vector<TrackId> tracker_ids) {
     MapPoint& point = map_points.emplace_back();
-    point.id = kFirstMapId + static_cast<int64_t>(map_points.size()) - 1;
+    point.id = LandmarkId(kFirstMapId + map_points.size() - 1);
     point.p_w = kT_w_odom * (p_odom + kOffset);
     point.covariance = kCovariance_w;
     point.descriptor = {1, 2, 3, 4};
@@ -36,9 +36,9 @@ struct AdoptedPatch {
     point.observations = {{0, 1}, {1, 1}, {4, 1}};
     patch.points.push_back({&point, std::move(tracker_ids)});
   }
-  void Add(const Segment3& segment_odom, std::vector<int64_t> tracker_ids) {
+  void Add(const Segment3& segment_odom, std::vector<TrackId> tracker_ids) {
     MapLine& line = map_lines.emplace_back();
-    line.id = kFirstMapId + static_cast<int64_t>(map_lines.size()) - 1;
+    line.id = LandmarkId(kFirstMapId + map_lines.size() - 1);
     line.segment_w = {kT_w_odom * (segment_odom.p + kOffset), kT_w_odom * (segment_odom.q + kOffset)};
     line.covariance_p = kCovariance_w;
     line.covariance_q = 4.0 * kCovariance_w;
@@ -53,7 +53,7 @@ struct Points {
   using Landmark = PointLandmark;
   static const std::vector<Landmark>& Of(const LocalLandmarks& landmarks) { return landmarks.points.landmarks(); }
   static const auto& In(const Scene& scene) { return scene.points; }
-  static int64_t NextId(const LocalLandmarks& landmarks) { return landmarks.next_point_id; }
+  static TrackId NextId(const LocalLandmarks& landmarks) { return landmarks.next_point_id; }
   static Eigen::Vector3d Place(const Landmark& landmark) { return landmark.p_odom; }
   static Eigen::Matrix3d Covariance(const Landmark& landmark) { return landmark.covariance; }
 };
@@ -61,7 +61,7 @@ struct Lines {
   using Landmark = LineLandmark;
   static const std::vector<Landmark>& Of(const LocalLandmarks& landmarks) { return landmarks.lines.landmarks(); }
   static const auto& In(const Scene& scene) { return scene.lines; }
-  static int64_t NextId(const LocalLandmarks& landmarks) { return landmarks.next_line_id; }
+  static TrackId NextId(const LocalLandmarks& landmarks) { return landmarks.next_line_id; }
   static Eigen::Vector3d Place(const Landmark& landmark) { return landmark.segment_odom.p; }
   static Eigen::Matrix3d Covariance(const Landmark& landmark) { return landmark.covariance_p; }
 };
@@ -74,13 +74,13 @@ class LandmarkAdoption : public testing::Test {
   AdoptedPatch map_;
 
   const std::vector<typename Type::Landmark>& Now() const { return Type::Of(landmarks_); }
-  const typename Type::Landmark* Find(int64_t id) const {
+  const typename Type::Landmark* Find(TrackId id) const {
     for (const auto& landmark : Now()) {
       if (landmark.id == id) return &landmark;
     }
     return nullptr;
   }
-  const typename Type::Landmark* FindByMapId(int64_t map_id) const {
+  const typename Type::Landmark* FindByMapId(LandmarkId map_id) const {
     const typename Type::Landmark* found = nullptr;
     for (const auto& landmark : Now()) {
       if (landmark.map_id != map_id) continue;
@@ -117,12 +117,12 @@ TYPED_TEST(LandmarkAdoption, OwnLandmarksTakeThePositionOfTheMap) {
 
 TYPED_TEST(LandmarkAdoption, UnknownLandmarksAreAddedAsNotSeenLately) {
   const size_t before = this->Now().size();
-  const int64_t next_id = TypeParam::NextId(this->landmarks_);
+  const TrackId next_id = TypeParam::NextId(this->landmarks_);
   this->map_.Add(TypeParam::In(this->scene_)[5], {});
   this->map_.Add(TypeParam::In(this->scene_)[6], {777});  // dropped by the tracker since
   this->landmarks_.Adopt(this->map_.patch);
   ASSERT_EQ(this->Now().size(), before + 2);
-  EXPECT_EQ(TypeParam::NextId(this->landmarks_), next_id + 2);
+  EXPECT_EQ(TypeParam::NextId(this->landmarks_).value, next_id.value + 2);
   const auto& added = this->Now()[before];
   EXPECT_EQ(added.id, next_id);
   EXPECT_EQ(added.map_id, kFirstMapId);
@@ -133,7 +133,7 @@ TYPED_TEST(LandmarkAdoption, UnknownLandmarksAreAddedAsNotSeenLately) {
   // A second time they are here already.
   this->landmarks_.Adopt(this->map_.patch);
   EXPECT_EQ(this->Now().size(), before + 2);
-  EXPECT_EQ(TypeParam::NextId(this->landmarks_), next_id + 2);
+  EXPECT_EQ(TypeParam::NextId(this->landmarks_).value, next_id.value + 2);
 }
 
 // Octaves are of the pixels of the camera that found them.
@@ -183,7 +183,7 @@ TYPED_TEST(LandmarkAdoption, NewLandmarkIsFusedWithThatOfTheMap) {
 // Keyframes may have observed one of the tracker's landmarks as two of the map (a wrong match, corrected since): each
 // then has its own.
 TYPED_TEST(LandmarkAdoption, LandmarkOfTwoMapLandmarksGoesToTheFirst) {
-  const int64_t next_id = TypeParam::NextId(this->landmarks_);
+  const TrackId next_id = TypeParam::NextId(this->landmarks_);
   const auto& places = TypeParam::In(this->scene_);
   this->map_.Add(places[1], {1, 2});
   this->map_.Add(places[0], {0, 1});

@@ -29,7 +29,8 @@ Map MovedMap(double factor, int keyframes) {
   for (int i = 0; i < keyframes; ++i) {
     Vector6d x;
     for (double& value : x) value = normal(random);
-    keyframe.id = keyframe.name.number = i;
+    keyframe.name.number = i;
+    keyframe.id = KeyframeId(keyframe.name.number);
     keyframe.previous_id = i - 1;
     if (i > 0) {
       keyframe.relative_covariance = Claimed();

@@ -141,7 +141,7 @@ TEST(OdometryAndMap, LandmarksOfTheMapAreTracked) {
 
 void ExpectNamesAreUnique(const OdometryResult& result, int frame) {
   for (const auto* tracks : {&result.point_tracks, &result.line_tracks}) {
-    std::set<int64_t> ids;
+    std::set<TrackId> ids;
     for (const FeatureTrack& track : *tracks) {
       if (track.landmark_id >= 0) {
         EXPECT_TRUE(ids.insert(track.landmark_id).second) << "frame " << frame << " id " << track.landmark_id;
@@ -192,7 +192,7 @@ TEST(OdometryAndMap, MapIsAdoptedWhileLost) {
     Odometry odometry(FeatureWorld::Camera(), VoOptions());
     PerfectMap map(world);
     std::optional<int64_t> last_keyframe;
-    int64_t largest_id = 0;
+    TrackId largest_id = 0;
     for (int i = 0; i < 20; ++i) {
       const OdometryResult result = odometry.Track(i * kMappedFrame_ns, See(world, i, 0.3));
       for (const FeatureTrack& track : result.point_tracks) largest_id = std::max(largest_id, track.landmark_id);
@@ -224,7 +224,7 @@ TEST(OdometryAndMap, IdsStayUniqueInAnUnknownPlace) {
   PerfectMap map(world);
   const OdometryResult first = odometry.Track(0, See(world, 0, 0.3));
   map.Add(1, 0, first);
-  std::set<int64_t> before;
+  std::set<TrackId> before;
   for (const FeatureTrack& track : first.point_tracks) before.insert(track.landmark_id);
   ASSERT_EQ(odometry.Track(kMappedFrame_ns, See(strange, 1, 0.3)).state, TrackingState::kLost);
   ASSERT_TRUE(odometry.Adopt(map.map(), {1, 0}));

@@ -35,7 +35,7 @@ class Relocalisation : public testing::Test {
   /// Answers as loop_process does for a frame with the view of frame `i`, with an error of a centimetre.
   bool Answer(int i, const SE3& T_odom_c) {
     const SE3 error(ExpSO3(Eigen::Vector3d(0.001, 0.0, 0.0)), Eigen::Vector3d(0.01, 0.0, 0.0));
-    int64_t keyframe_id = -1;
+    KeyframeId keyframe_id = -1;
     double nearest = 1e9;
     for (const auto& [id, keyframe] : map_.map().keyframes()) {
       const double distance = (keyframe.T_w_kf.Inverse() * kT_w_world * PoseAt(i)).Log().norm();

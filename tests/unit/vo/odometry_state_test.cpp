@@ -18,7 +18,7 @@ namespace plslam::vo {
 namespace {
 
 std::vector<uint8_t> Bits(const OdometryResult& result) {
-  std::vector<int64_t> landmarks = TrackedLandmarkIds(result.point_tracks);
+  std::vector<TrackId> landmarks = TrackedLandmarkIds(result.point_tracks);
   for (const FeatureTrack& track : result.line_tracks) landmarks.push_back(track.landmark_id);
   std::vector<double> measured;
   for (const StereoPoint& point : result.features.points) {

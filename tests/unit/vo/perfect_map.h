@@ -60,13 +60,13 @@ class PerfectMap {
     const auto [known, is_new] = points_.try_emplace(exact.left.descriptor);
     MapPoint& point = known->second;
     if (is_new) {
-      point.id = static_cast<int64_t>(points_.size()) - 1;
+      point.id = LandmarkId(points_.size() - 1);
       point.p_w = shift_w_ + keyframe.T_w_kf * Backproject(exact.left.px, exact.disparity_px);
       point.covariance = 1e-6 * Eigen::Matrix3d::Identity();
       point.descriptor = exact.left.descriptor;
       point.depth_m = FeatureWorld::Camera().Depth(exact.disparity_px);
     }
-    if (!point.observations.empty() && point.observations.back().keyframe_id == keyframe.id) return;
+    if (!point.observations.empty() && point.observations.back().keyframe_id() == keyframe.id) return;
     point.observations.push_back({keyframe.id, static_cast<int32_t>(feature)});
     map_.Put(point);
   }
@@ -75,13 +75,13 @@ class PerfectMap {
     const auto [known, is_new] = lines_.try_emplace(exact.left.descriptor);
     MapLine& line = known->second;
     if (is_new) {
-      line.id = static_cast<int64_t>(lines_.size()) - 1;
+      line.id = LandmarkId(lines_.size() - 1);
       line.segment_w.p = shift_w_ + keyframe.T_w_kf * Backproject(exact.left.segment.p, exact.disparity_p_px);
       line.segment_w.q = shift_w_ + keyframe.T_w_kf * Backproject(exact.left.segment.q, exact.disparity_q_px);
       line.covariance_p = line.covariance_q = 1e-6 * Eigen::Matrix3d::Identity();
       line.descriptor = exact.left.descriptor;
     }
-    if (!line.observations.empty() && line.observations.back().keyframe_id == keyframe.id) return;
+    if (!line.observations.empty() && line.observations.back().keyframe_id() == keyframe.id) return;
     line.observations.push_back({keyframe.id, static_cast<int32_t>(feature)});
     map_.Put(line);
   }
@@ -94,7 +94,7 @@ class PerfectMap {
   Map map_;
   std::map<Descriptor, MapPoint> points_;
   std::map<Descriptor, MapLine> lines_;
-  int64_t next_id_ = 0;
+  KeyframeId next_id_ = 0;
 };
 
 }  // namespace plslam::test

@@ -54,7 +54,7 @@ vo::TrackedFrame See(const Scene& scene, const SE3& T_odom_c, const View& view) 
     const StereoPoint seen = SeePoint(measure(scene.points[i]), view.depth);
     if (view.missed_points.contains(id)) continue;
     features.points.push_back(seen);
-    point_tracks.push_back({id, 1, 100 + id});
+    point_tracks.push_back({TrackId(id), 1, LandmarkId(100 + id)});
   }
   for (size_t i = 0; i < scene.lines.size(); ++i) {
     const auto id = static_cast<int64_t>(i);
@@ -65,7 +65,7 @@ vo::TrackedFrame See(const Scene& scene, const SE3& T_odom_c, const View& view) 
         SeeLine(measure(line.p + from * (line.q - line.p)), measure(line.p + to * (line.q - line.p)), view.depth);
     if (view.missed_lines.contains(id)) continue;
     features.lines.push_back(seen);
-    line_tracks.push_back({id, 1, 100 + id});
+    line_tracks.push_back({TrackId(id), 1, LandmarkId(100 + id)});
   }
   vo::TrackedFrame frame(std::move(features));
   frame.point_tracks = std::move(point_tracks);

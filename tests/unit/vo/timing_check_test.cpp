@@ -65,8 +65,8 @@ class WindingWorld {
     const double t_s = frame * kTimingInterval_s;
     std::normal_distribution<double> noise(0.0, 0.2);
     StereoFeatures features;
-    std::vector<int64_t> point_ids;
-    std::vector<int64_t> line_ids;
+    std::vector<TrackId> point_ids;
+    std::vector<TrackId> line_ids;
     for (size_t i = 0; with_points && i < points_.size(); ++i) {
       const auto uvd = Measure(points_[i], nullptr, t_s);
       if (!uvd) continue;
@@ -75,7 +75,7 @@ class WindingWorld {
       point.disparity_px = uvd->z() + noise(random);
       point.sigma_px = point.sigma_disparity_px = 0.2;
       point.sigma_row_px = 0.1;
-      point_ids.push_back(static_cast<int64_t>(i));
+      point_ids.push_back(TrackId(i));
     }
     for (size_t i = 0; with_lines && i < lines_.size(); ++i) {
       const auto p = Measure(lines_[i].p, &lines_[i].q, t_s);
@@ -86,7 +86,7 @@ class WindingWorld {
       line.disparity_p_px = p->z() + noise(random);
       line.disparity_q_px = q->z() + noise(random);
       line.sigma_px = line.sigma_disparity_p_px = line.sigma_disparity_q_px = 0.2;
-      line_ids.push_back(static_cast<int64_t>(i));
+      line_ids.push_back(TrackId(i));
     }
     TrackedFrame tracked(features);
     for (size_t i = 0; i < point_ids.size(); ++i) tracked.point_tracks[i] = {.landmark_id = point_ids[i], .age = 5};

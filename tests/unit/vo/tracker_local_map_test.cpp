@@ -16,33 +16,33 @@ using testing::IsEmpty;
 constexpr SessionId kSession = 3;
 constexpr SessionId kOtherSession = 8;
 
-MapKeyframe KeyframeOf(int64_t id, SessionId session, int64_t session_keyframe_id) {
+MapKeyframe KeyframeOf(KeyframeId id, SessionId session, int64_t session_keyframe_id) {
   MapKeyframe keyframe;
   keyframe.id = id;
   keyframe.name.session = session;
   keyframe.name.number = session_keyframe_id;
-  const auto k = static_cast<double>(id);
+  const auto k = static_cast<double>(id.value);
   keyframe.T_w_kf = SE3(ExpSO3(Eigen::Vector3d(0.1, 0.2 * k, 0.0)), Eigen::Vector3d(1.0, k, 0.5));
   keyframe.T_odom_kf = SE3(ExpSO3(Eigen::Vector3d(0.0, 0.1 * k, 0.1)), Eigen::Vector3d(k, 0.0, 2.0));
   return keyframe;
 }
 
-void PutPoint(int64_t id, std::vector<Observation> observations, Map& map) {
+void PutPoint(LandmarkId id, std::vector<Observation> observations, Map& map) {
   MapPoint point;
   point.id = id;
   point.observations = std::move(observations);
   map.Put(point);
 }
 
-void PutLine(int64_t id, std::vector<Observation> observations, Map& map) {
+void PutLine(LandmarkId id, std::vector<Observation> observations, Map& map) {
   MapLine line;
   line.id = id;
   line.observations = std::move(observations);
   map.Put(line);
 }
 
-std::vector<int64_t> PointIds(const TrackerLocalMap& patch) {
-  std::vector<int64_t> ids;
+std::vector<LandmarkId> PointIds(const TrackerLocalMap& patch) {
+  std::vector<LandmarkId> ids;
   for (const auto& adopted : patch.points) ids.push_back(adopted.landmark->id);
   return ids;
 }
@@ -114,8 +114,8 @@ TEST(KeyframeLog, BestNeighboursComeFirst) {
   const auto own_points_of = [&](int max_keyframes) {
     const auto patch = KeyframeLog().LocalMapAround(map, {kSession, 0}, max_keyframes);
     std::vector<int64_t> own;
-    for (const int64_t id : PointIds(*patch)) {
-      if (id % 1000 == 999) own.push_back(id / 1000);
+    for (const LandmarkId id : PointIds(*patch)) {
+      if (id.value % 1000 == 999) own.push_back(id.value / 1000);
     }
     return own;
   };

@@ -121,14 +121,14 @@ void DrawSimilarity(const Material& m, const Arguments& a) {
   Write(SimilarityFigure(title, KeyframeSimilarities(*m.run.map, recogniser), "keyframes"), "similarity", m);
 }
 
-std::pair<int64_t, int64_t> PairOf(const Arguments& a, const Map& map) {
+std::pair<KeyframeId, KeyframeId> PairOf(const Arguments& a, const Map& map) {
   if (!a.pair.empty()) {
-    for (const int64_t id : a.pair) {
+    for (const KeyframeId id : IdsFrom<KeyframeId>(a.pair)) {
       if (map.FindKeyframe(id) == nullptr) throw std::runtime_error(fmt::format("the map has no keyframe {}", id));
     }
-    return {a.pair[0], a.pair[1]};
+    return {KeyframeId(a.pair[0]), KeyframeId(a.pair[1])};
   }
-  return PairWorthShowing(map).value_or(std::pair<int64_t, int64_t>{-1, -1});
+  return PairWorthShowing(map).value_or(std::pair<KeyframeId, KeyframeId>());
 }
 
 void DrawPair(const Material& m, const Arguments& a) {
@@ -139,7 +139,7 @@ void DrawPair(const Material& m, const Arguments& a) {
   if (!stored.features.contains(first) || !stored.features.contains(second)) {
     return Skip("keyframe_pair", "the map has no features of the keyframes");
   }
-  const auto shown = [&](const exports::KeyframeImages& images, int64_t id) -> std::optional<PairedImage> {
+  const auto shown = [&](const exports::KeyframeImages& images, KeyframeId id) -> std::optional<PairedImage> {
     const MapKeyframe& keyframe = stored.map.keyframes().at(id);
     const auto image = images.At(keyframe.t_ns);
     if (!image) return std::nullopt;

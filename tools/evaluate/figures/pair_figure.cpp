@@ -101,8 +101,8 @@ void DrawSame(const Frame& first, const Frame& second, const SameFeatures& same,
   }
 }
 
-std::vector<std::pair<int, int>> SameIds(const std::vector<int64_t>& a, const std::vector<int64_t>& b) {
-  std::map<int64_t, int> place_of;
+std::vector<std::pair<int, int>> SameIds(const std::vector<LandmarkId>& a, const std::vector<LandmarkId>& b) {
+  std::map<LandmarkId, int> place_of;
   for (size_t i = 0; i < a.size(); ++i) {
     if (a[i] >= 0) place_of[a[i]] = static_cast<int>(i);
   }
@@ -116,7 +116,7 @@ std::vector<std::pair<int, int>> SameIds(const std::vector<int64_t>& a, const st
 
 }  // namespace
 
-std::optional<std::pair<int64_t, int64_t>> PairWorthShowing(const Map& map) {
+std::optional<std::pair<KeyframeId, KeyframeId>> PairWorthShowing(const Map& map) {
   for (size_t i = map.loops().size(); i-- > 0;) {
     const LoopEdge& loop = map.loops()[i];
     if (map.FindKeyframe(loop.old_keyframe_id) != nullptr && map.FindKeyframe(loop.keyframe_id) != nullptr) {
@@ -128,15 +128,16 @@ std::optional<std::pair<int64_t, int64_t>> PairWorthShowing(const Map& map) {
   std::advance(middle, static_cast<std::ptrdiff_t>(map.keyframes().size() / 2));
   const auto neighbours = map.Neighbours(middle->first, 1);
   if (neighbours.empty()) return std::nullopt;
-  int64_t best = neighbours.front().keyframe_id;
+  const auto steps = [&middle](KeyframeId id) { return std::abs(id.value - middle->first.value); };
+  KeyframeId best = neighbours.front().keyframe_id;
   for (const Map::Neighbour& other : neighbours) {
     if (other.shared < Map::kEssential) break;
-    if (std::abs(other.keyframe_id - middle->first) > std::abs(best - middle->first)) best = other.keyframe_id;
+    if (steps(other.keyframe_id) > steps(best)) best = other.keyframe_id;
   }
   return std::pair{std::min(best, middle->first), std::max(best, middle->first)};
 }
 
-SameFeatures SharedBy(const Map& map, int64_t a, int64_t b) {
+SameFeatures SharedBy(const Map& map, KeyframeId a, KeyframeId b) {
   const Map::FeatureLandmarks &of_a = map.LandmarksOf(a), &of_b = map.LandmarksOf(b);
   return {SameIds(of_a.points, of_b.points), SameIds(of_a.lines, of_b.lines)};
 }

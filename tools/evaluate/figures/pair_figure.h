@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/ids/ids.h"
 #include "core/io/maps/map_file.h"
 #include "tools/evaluate/drawing/drawing.h"
 
@@ -14,7 +15,7 @@ namespace plslam::evaluate {
 /// Returns two keyframes for a picture: those of the last closed loop; if there is none, one in the middle of the map
 /// and the neighbour farthest from it with 100 shared landmarks (or its best). nullopt: no two keyframes share a
 /// landmark.
-std::optional<std::pair<int64_t, int64_t>> PairWorthShowing(const Map& map);
+std::optional<std::pair<KeyframeId, KeyframeId>> PairWorthShowing(const Map& map);
 
 /// A keyframe of the figure: its rectified left image and its features.
 struct PairedImage {
@@ -29,7 +30,7 @@ struct SameFeatures {
   std::vector<std::pair<int, int>> lines;
 };
 
-SameFeatures SharedBy(const Map& map, int64_t a, int64_t b);
+SameFeatures SharedBy(const Map& map, KeyframeId a, KeyframeId b);
 
 /// Draws both images with their features, one above the other if they are wide, else side by side. Features of the same
 /// landmark have the same colour in both, by its position in the first; the others are small and grey. Some of them are

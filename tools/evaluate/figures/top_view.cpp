@@ -91,7 +91,7 @@ Edges SharedEdges(const Map& map, const ViewDirections& view, int min_shared, in
 }
 
 Edges EdgesBetween(const Map& map, const ViewDirections& view,
-                   const std::vector<std::pair<int64_t, int64_t>>& pairs) {
+                   const std::vector<std::pair<KeyframeId, KeyframeId>>& pairs) {
   Edges edges;
   for (const auto& [a, b] : pairs) {
     const MapKeyframe *first = map.FindKeyframe(a), *second = map.FindKeyframe(b);
@@ -102,13 +102,13 @@ Edges EdgesBetween(const Map& map, const ViewDirections& view,
 }
 
 Edges TreeEdges(const Map& map, const ViewDirections& view) {
-  std::vector<std::pair<int64_t, int64_t>> pairs;
+  std::vector<std::pair<KeyframeId, KeyframeId>> pairs;
   for (const auto& [id, keyframe] : map.keyframes()) pairs.emplace_back(id, keyframe.parent_id);
   return EdgesBetween(map, view, pairs);
 }
 
 Edges LoopEdges(const Map& map, const ViewDirections& view) {
-  std::vector<std::pair<int64_t, int64_t>> pairs;
+  std::vector<std::pair<KeyframeId, KeyframeId>> pairs;
   for (const LoopEdge& loop : map.loops()) pairs.emplace_back(loop.old_keyframe_id, loop.keyframe_id);
   return EdgesBetween(map, view, pairs);
 }

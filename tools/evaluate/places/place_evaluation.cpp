@@ -48,12 +48,14 @@ std::vector<ScoredProposal> BestMatches(const std::vector<PlaceFrame>& frames, c
                                         PlaceRecogniser recogniser) {
   std::vector<ScoredProposal> proposals;
   for (size_t i = 0; i < frames.size(); ++i) {
-    const auto ignored = [&](int64_t j) { return truth.At(i, static_cast<size_t>(j)) == PairTruth::kIgnored; };
+    const auto ignored = [&](KeyframeId j) {
+      return truth.At(i, static_cast<size_t>(j.value)) == PairTruth::kIgnored;
+    };
     for (const PlaceMatch& match : recogniser.Query(frames[i].description, ignored, 1)) {
-      const PairTruth what = truth.At(i, static_cast<size_t>(match.keyframe_id));
+      const PairTruth what = truth.At(i, static_cast<size_t>(match.keyframe_id.value));
       proposals.push_back({match.score, what == PairTruth::kRevisit});
     }
-    recogniser.Add(static_cast<int64_t>(i), frames[i].description);
+    recogniser.Add(KeyframeId(i), frames[i].description);
   }
   return proposals;
 }
@@ -68,7 +70,7 @@ std::vector<ScoredProposal> AllPairs(const std::vector<PlaceFrame>& frames, cons
       proposals.push_back(
           {recogniser.Score(frames[i].description, frames[j].description), what == PairTruth::kRevisit});
     }
-    recogniser.Add(static_cast<int64_t>(i), frames[i].description);
+    recogniser.Add(KeyframeId(i), frames[i].description);
   }
   return proposals;
 }

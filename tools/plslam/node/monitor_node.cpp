@@ -71,8 +71,10 @@ MonitorNode::MonitorNode(bus::Bus& bus) : host_(bus::HostName()) {
   });
   bus.Subscribe<warning_t>(bus::kWarning, [this](const warning_t& m) { warnings_.Add(m.code, m.sentence); });
   bus.Subscribe<keyframe_t>(bus::kKeyframe, [this](const keyframe_t& m) {
-    for (const auto& point : m.points) statistics_.AddLandmark(SessionId(m.header.session), point.landmark_id, false);
-    for (const auto& line : m.lines) statistics_.AddLandmark(SessionId(m.header.session), line.landmark_id, true);
+    for (const auto& point : m.points)
+      statistics_.AddLandmark(SessionId(m.header.session), TrackId(point.landmark_id), false);
+    for (const auto& line : m.lines)
+      statistics_.AddLandmark(SessionId(m.header.session), TrackId(line.landmark_id), true);
   });
   bus.Subscribe<map_update_t>(bus::kMapUpdate, [this](const map_update_t& m) {
     const auto head = m.page == 0 ? bus::HeadOf(m) : std::nullopt;

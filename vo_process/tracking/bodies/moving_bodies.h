@@ -84,23 +84,23 @@ struct BodyPose {
 /// Landmarks on bodies: their ids in the tracker and, if known, in the map.
 class OwnedIds {
  public:
-  void Add(int64_t id, int64_t map_id) {
+  void Add(TrackId id, LandmarkId map_id) {
     const bool is_new = Insert(id, ids_);
     if (Insert(map_id, map_ids_) || is_new) new_.push_back({id, map_id});
   }
-  void Remove(int64_t id, int64_t map_id) {
+  void Remove(TrackId id, LandmarkId map_id) {
     Erase(id, ids_);
     Erase(map_id, map_ids_);
     std::erase_if(new_, [id](const Withdrawn& landmark) { return landmark.landmark_id == id; });
   }
-  bool Has(int64_t id) const { return std::binary_search(ids_.begin(), ids_.end(), id); }
-  bool HasOfMap(int64_t map_id) const { return std::binary_search(map_ids_.begin(), map_ids_.end(), map_id); }
+  bool Has(TrackId id) const { return std::binary_search(ids_.begin(), ids_.end(), id); }
+  bool HasOfMap(LandmarkId map_id) const { return std::binary_search(map_ids_.begin(), map_ids_.end(), map_id); }
   /// Removes landmarks on bodies from adopted landmarks of the map, and learns their ids in the map.
   template <class Landmark>
   void LeaveOut(std::vector<Adopted<Landmark>>& adopted) {
     std::erase_if(adopted, [this](const Adopted<Landmark>& entry) {
       const auto& ids = entry.tracker_ids;
-      const auto on_body = std::find_if(ids.begin(), ids.end(), [this](int64_t id) { return Has(id); });
+      const auto on_body = std::find_if(ids.begin(), ids.end(), [this](TrackId id) { return Has(id); });
       const bool is_owned = on_body != ids.end() || HasOfMap(entry.landmark->id);
       if (on_body != ids.end()) Add(*on_body, entry.landmark->id);
       return is_owned;
@@ -118,21 +118,23 @@ class OwnedIds {
   // The oldest are removed first; the tracker has dropped these landmarks.
   static constexpr size_t kMaxIds = 20'000;
 
-  static bool Insert(int64_t id, std::vector<int64_t>& ids) {
+  template <class AnId>
+  static bool Insert(AnId id, std::vector<AnId>& ids) {
     const auto place = std::lower_bound(ids.begin(), ids.end(), id);
     if (id < 0 || (place != ids.end() && *place == id)) return false;
     ids.insert(place, id);
     if (ids.size() > kMaxIds) ids.erase(ids.begin());
     return true;
   }
-  static void Erase(int64_t id, std::vector<int64_t>& ids) {
+  template <class AnId>
+  static void Erase(AnId id, std::vector<AnId>& ids) {
     const auto place = std::lower_bound(ids.begin(), ids.end(), id);
     if (place != ids.end() && *place == id) ids.erase(place);
   }
 
   /// Ascending.
-  std::vector<int64_t> ids_;
-  std::vector<int64_t> map_ids_;
+  std::vector<TrackId> ids_;
+  std::vector<LandmarkId> map_ids_;
   std::vector<Withdrawn> new_;
 };
 

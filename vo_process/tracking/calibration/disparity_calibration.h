@@ -9,6 +9,7 @@
 
 #include "core/geometry/se3.h"
 #include "core/geometry/stereo_camera.h"
+#include "core/ids/ids.h"
 #include "vo_process/options.h"
 #include "vo_process/tracking/calibration/disparity_check.h"
 #include "vo_process/tracking/calibration/self_calibration.h"
@@ -89,7 +90,7 @@ class DisparityCalibration {
  private:
   /// Measurement of a point at the beginning of its present stretch.
   struct Observation {
-    int64_t landmark_id = -1;
+    TrackId landmark_id = -1;
     SE3 T_odom_c;
     Eigen::Vector2d px = Eigen::Vector2d::Zero();
     double disparity_px = 0.0;

@@ -215,7 +215,7 @@ void DisparityCheck::Learn(SE3 T_now_before, std::vector<Seen> points) {
     Normal one = Normal::Zero();
     if (!Linearise(T_now_before, b, kMaxDeviation, point, one)) continue;
     all += one;
-    if (point.before.landmark_id % 2 != 0) odd += one;
+    if (point.before.landmark_id.value % 2 != 0) odd += one;
     if (point.disparity_px > median_px) near += one;
   }
   const auto add = [&b](const Normal& first, const Normal& second, Division& division) {

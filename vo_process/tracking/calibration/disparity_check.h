@@ -8,6 +8,7 @@
 
 #include "core/geometry/se3.h"
 #include "core/geometry/stereo_camera.h"
+#include "core/ids/ids.h"
 #include "vo_process/options.h"
 #include "vo_process/tracking/landmarks/tracked_frame.h"
 
@@ -68,7 +69,7 @@ class DisparityCheck {
  private:
   /// Measurement of a point in one stereo pair.
   struct PairView {
-    int64_t landmark_id = -1;
+    TrackId landmark_id = -1;
     Eigen::Vector2d px = Eigen::Vector2d::Zero();
     double disparity_px = 0.0;
     double sigma_px = 1.0;

@@ -55,8 +55,8 @@ PairSkew SyncCheck::SkewOf(const SE3& T_prev_c, double dt_s) const {
   return {camera_, SE3::Exp(-frames * T_prev_c.Log())};
 }
 
-const SyncCheck::Seen* SyncCheck::FindSeen(int64_t landmark_id) const {
-  const auto before = [](const Seen& s, int64_t id) { return s.landmark_id < id; };
+const SyncCheck::Seen* SyncCheck::FindSeen(TrackId landmark_id) const {
+  const auto before = [](const Seen& s, TrackId id) { return s.landmark_id < id; };
   const auto found = std::lower_bound(seen_.begin(), seen_.end(), landmark_id, before);
   return found == seen_.end() || found->landmark_id != landmark_id ? nullptr : &*found;
 }
@@ -166,7 +166,7 @@ void SyncCheck::Remember(const TrackedFrame& frame, double dt_s) {
   std::vector<Seen> now;
   std::vector<size_t> place_of(frame.point_tracks.size(), frame.point_tracks.size());
   for (size_t i = 0; i < frame.point_tracks.size(); ++i) {
-    const int64_t id = frame.point_tracks[i].landmark_id;
+    const TrackId id = frame.point_tracks[i].landmark_id;
     if (id < 0) continue;
     place_of[i] = now.size();
     Seen& seen = now.emplace_back();

@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "core/geometry/stereo_camera.h"
+#include "core/ids/ids.h"
 #include "core/run/run_counters.h"
 #include "vo_process/stereo/row_field.h"
 #include "vo_process/tracking/calibration/timing_check.h"
@@ -74,7 +75,7 @@ class SyncCheck {
 
   /// A landmark in the previous frame.
   struct Seen {
-    int64_t landmark_id = -1;
+    TrackId landmark_id = -1;
     Eigen::Vector2d px = Eigen::Vector2d::Zero();
     /// Downward velocity in pixels per second, from the frame before that, and whether it was seen there.
     double down_px_s = 0.0;
@@ -98,7 +99,7 @@ class SyncCheck {
     double sharing = 1.0;
   };
 
-  const Seen* FindSeen(int64_t landmark_id) const;
+  const Seen* FindSeen(TrackId landmark_id) const;
   std::vector<Equation> EquationsOf(const TrackedFrame& frame, double dt_s) const;
   void Learn(const std::vector<Equation>& equations, double dt_s);
   void Remember(const TrackedFrame& frame, double dt_s);

@@ -41,8 +41,8 @@ constexpr int64_t kMinPairs = 3;
 constexpr double kDifferSigmas = 3.0;
 
 template <class Seen>
-const Seen* Find(const std::vector<Seen>& seen, int64_t id) {
-  const auto before = [](const Seen& s, int64_t of) { return s.landmark_id < of; };
+const Seen* Find(const std::vector<Seen>& seen, TrackId id) {
+  const auto before = [](const Seen& s, TrackId of) { return s.landmark_id < of; };
   const auto found = std::lower_bound(seen.begin(), seen.end(), id, before);
   return found == seen.end() || found->landmark_id != id ? nullptr : &*found;
 }

@@ -11,6 +11,7 @@
 
 #include "core/geometry/se3.h"
 #include "core/geometry/stereo_camera.h"
+#include "core/ids/ids.h"
 #include "vo_process/stereo/rolling_shutter.h"
 #include "vo_process/tracking/landmarks/tracked_frame.h"
 
@@ -95,7 +96,7 @@ class TimingCheck {
   using Effects = Eigen::Matrix<double, 3, 6>;
   using Information = Eigen::Matrix<double, 6, 6>;
   struct Point {
-    int64_t landmark_id = -1;
+    TrackId landmark_id = -1;
     Place at;
 
     template <class Archive, class Self>
@@ -104,7 +105,7 @@ class TimingCheck {
     }
   };
   struct Line {
-    int64_t landmark_id = -1;
+    TrackId landmark_id = -1;
     Place p;
     Place q;
 

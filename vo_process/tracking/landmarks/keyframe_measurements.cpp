@@ -90,11 +90,11 @@ void KeyframeMeasurements::Add(const SE3& T_odom_c, const TrackedFrame& frame) {
   Frame& added = frames_.emplace_back();
   added.T_c_odom = T_odom_c.Inverse();
   for (size_t i = 0; i < frame.point_tracks.size(); ++i) {
-    const int64_t id = frame.point_tracks[i].landmark_id;
+    const TrackId id = frame.point_tracks[i].landmark_id;
     if (id >= 0 && frame.point_tracks[i].IsOfWorld()) added.points.push_back({id, frame.features.points[i]});
   }
   for (size_t i = 0; i < frame.line_tracks.size(); ++i) {
-    const int64_t id = frame.line_tracks[i].landmark_id;
+    const TrackId id = frame.line_tracks[i].landmark_id;
     if (id >= 0 && frame.line_tracks[i].IsOfWorld()) added.lines.push_back({id, frame.features.lines[i]});
   }
   if (frames_.size() > kMaxFrames) frames_.pop_front();
@@ -108,11 +108,11 @@ KeyframeContent KeyframeMeasurements::Take(const LocalLandmarks& landmarks, Keyf
 }
 
 template <class Feature>
-IdIndex<KeyframeMeasurements::Seen<Feature>> KeyframeMeasurements::Collect(
+IdIndex<TrackId, KeyframeMeasurements::Seen<Feature>> KeyframeMeasurements::Collect(
     std::vector<Named<Feature>> Frame::*of) const {
   size_t n = 0;
   for (const Frame& frame : frames_) n += (frame.*of).size();
-  std::vector<std::pair<int64_t, Seen<Feature>>> seen;
+  std::vector<std::pair<TrackId, Seen<Feature>>> seen;
   seen.reserve(n);
   for (const Frame& frame : frames_) {
     for (const Named<Feature>& named : frame.*of) {
@@ -123,9 +123,10 @@ IdIndex<KeyframeMeasurements::Seen<Feature>> KeyframeMeasurements::Collect(
 }
 
 template <class Landmark, class Feature>
-void KeyframeMeasurements::ImproveAll(const std::vector<Landmark>& landmarks, const IdIndex<Seen<Feature>>& collected,
+void KeyframeMeasurements::ImproveAll(const std::vector<Landmark>& landmarks,
+                                      const IdIndex<TrackId, Seen<Feature>>& collected,
                                       std::vector<Feature>& features, std::vector<FeatureTrack>& tracks) const {
-  const IdIndex<size_t> feature_of = IndicesBy(&FeatureTrack::landmark_id, tracks);
+  const IdIndex<TrackId, size_t> feature_of = IndicesBy(&FeatureTrack::landmark_id, tracks);
   for (const Landmark& landmark : landmarks) {
     const Observations<Feature> seen = collected.Find(landmark.id);
     if (seen.size() < kMinObservations) continue;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
+#include "core/ids/ids.h"
 #include "vo_process/tracking/landmarks/landmark_list.h"
 #include "vo_process/tracking/landmarks/local_landmarks.h"
 
@@ -44,7 +45,7 @@ class KeyframeMeasurements {
  private:
   template <class Feature>
   struct Named {
-    int64_t landmark_id = -1;
+    TrackId landmark_id = -1;
     Feature feature;
   };
   struct Frame {
@@ -59,7 +60,7 @@ class KeyframeMeasurements {
     const Feature* feature = nullptr;
   };
   template <class Feature>
-  using Observations = std::span<const std::pair<int64_t, Seen<Feature>>>;
+  using Observations = std::span<const std::pair<TrackId, Seen<Feature>>>;
 
   /// Sets `feature` of the last frame to the mean over `seen`; the appearance stays. Returns false and does nothing if
   /// they do not determine it.
@@ -72,9 +73,9 @@ class KeyframeMeasurements {
   bool Expect(const LineLandmark& landmark, StereoLine& feature) const;
   /// By landmark, in the order of the frames.
   template <class Feature>
-  IdIndex<Seen<Feature>> Collect(std::vector<Named<Feature>> Frame::*of) const;
+  IdIndex<TrackId, Seen<Feature>> Collect(std::vector<Named<Feature>> Frame::*of) const;
   template <class Landmark, class Feature>
-  void ImproveAll(const std::vector<Landmark>& landmarks, const IdIndex<Seen<Feature>>& collected,
+  void ImproveAll(const std::vector<Landmark>& landmarks, const IdIndex<TrackId, Seen<Feature>>& collected,
                   std::vector<Feature>& features, std::vector<FeatureTrack>& tracks) const;
 
   StereoCamera camera_;

@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "core/features/features.h"
+#include "core/ids/ids.h"
 #include "vo_process/options.h"
 #include "vo_process/tracking/landmarks/tracked_frame.h"
 #include "vo_process/tracking/landmarks/tracker_local_map.h"
@@ -19,10 +20,10 @@ namespace plslam::vo {
 
 /// Values by id, those of one id in their given order: built once, then only queried. It uses one block of memory,
 /// where std::multimap uses one for each value.
-template <class Value>
+template <class AnId, class Value>
 class IdIndex {
  public:
-  using Entry = std::pair<int64_t, Value>;
+  using Entry = std::pair<AnId, Value>;
 
   explicit IdIndex(std::vector<Entry> entries) : entries_(std::move(entries)) {
     std::stable_sort(entries_.begin(), entries_.end(),
@@ -30,7 +31,7 @@ class IdIndex {
   }
 
   /// Returns an empty span if there is none.
-  std::span<const Entry> Find(int64_t id) const {
+  std::span<const Entry> Find(AnId id) const {
     const auto [first, last] = std::equal_range(entries_.begin(), entries_.end(), Entry(id, Value()),
                                                 [](const Entry& a, const Entry& b) { return a.first < b.first; });
     return {first, last};
@@ -41,9 +42,9 @@ class IdIndex {
 };
 
 /// Returns the indices in `list` by id; skips negative ids.
-template <class Element>
-IdIndex<size_t> IndicesBy(int64_t Element::*id, const std::vector<Element>& list) {
-  std::vector<std::pair<int64_t, size_t>> places;
+template <class AnId, class Element>
+IdIndex<AnId, size_t> IndicesBy(AnId Element::*id, const std::vector<Element>& list) {
+  std::vector<std::pair<AnId, size_t>> places;
   places.reserve(list.size());
   for (size_t i = 0; i < list.size(); ++i) {
     if (list[i].*id >= 0) places.emplace_back(list[i].*id, i);
@@ -89,21 +90,21 @@ KnownDescriptors RecentDescriptors(const std::vector<Landmark>& landmarks, int m
 /// so that they are searched once the pose is known), and of those that are the same in the map keeps only one. If two
 /// landmarks of the map have the same tracker id, the first one gets it.
 template <class Known, class Landmark, class Set>
-void AdoptEach(const std::vector<Adopted<Known>>& adopted, int64_t& next_id, std::vector<Landmark>& landmarks,
+void AdoptEach(const std::vector<Adopted<Known>>& adopted, TrackId& next_id, std::vector<Landmark>& landmarks,
                const Set& set) {
-  const IdIndex<size_t> by_id = IndicesBy(&Landmark::id, landmarks);
-  const IdIndex<size_t> by_map_id = IndicesBy(&Landmark::map_id, landmarks);
+  const IdIndex<TrackId, size_t> by_id = IndicesBy(&Landmark::id, landmarks);
+  const IdIndex<LandmarkId, size_t> by_map_id = IndicesBy(&Landmark::map_id, landmarks);
   std::vector<char> taken(landmarks.size(), 0);
   std::vector<char> drop(landmarks.size(), 0);
   std::vector<size_t> same;
   for (const Adopted<Known>& entry : adopted) {
     same.clear();
-    const auto add = [&](std::span<const std::pair<int64_t, size_t>> found) {
+    const auto add = [&](auto found) {
       if (found.empty() || taken[found.back().second]) return;
       same.push_back(found.back().second);
       taken[same.back()] = 1;
     };
-    for (const int64_t id : entry.tracker_ids) add(by_id.Find(id));
+    for (const TrackId id : entry.tracker_ids) add(by_id.Find(id));
     add(by_map_id.Find(entry.landmark->id));
     const bool is_new = same.empty();
     const size_t first = is_new ? 0 : *std::min_element(same.begin(), same.end());

@@ -162,7 +162,7 @@ void LineLandmarks::Age(const SE3& T_c_odom) {
   DropStale(options_, landmarks_);
 }
 
-void LineLandmarks::Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapLine>>& adopted, int64_t& next_id) {
+void LineLandmarks::Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapLine>>& adopted, TrackId& next_id) {
   const Eigen::Matrix3d R = T_odom_w.R();
   AdoptEach(adopted, next_id, landmarks_, [&](const MapLine& known, bool is_new, LineLandmark& landmark) {
     landmark.segment_odom = Transform(T_odom_w, known.segment_w);
@@ -197,14 +197,14 @@ void LineLandmarks::Append(const LineLandmarks& others) {
   landmarks_.insert(landmarks_.end(), others.landmarks_.begin(), others.landmarks_.end());
 }
 
-void LineLandmarks::Create(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id, int body) {
+void LineLandmarks::Create(const SE3& T_odom_c, TrackedFrame& frame, TrackId& next_id, int body) {
   for (size_t i = 0; i < frame.features.lines.size(); ++i) {
     FeatureTrack& track = frame.line_tracks[i];
     if (track.landmark_id < 0 && track.body == body) CreateOne(T_odom_c, frame.features.lines[i], track, next_id);
   }
 }
 
-void LineLandmarks::Initialise(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id) {
+void LineLandmarks::Initialise(const SE3& T_odom_c, TrackedFrame& frame, TrackId& next_id) {
   landmarks_.clear();
   for (size_t i = 0; i < frame.features.lines.size(); ++i) {
     FeatureTrack& track = frame.line_tracks[i];
@@ -212,7 +212,7 @@ void LineLandmarks::Initialise(const SE3& T_odom_c, TrackedFrame& frame, int64_t
   }
 }
 
-void LineLandmarks::CreateOne(const SE3& T_odom_c, const StereoLine& seen, FeatureTrack& track, int64_t& next_id) {
+void LineLandmarks::CreateOne(const SE3& T_odom_c, const StereoLine& seen, FeatureTrack& track, TrackId& next_id) {
   if (!seen.HasDepth()) return;
   const double limit = options_.max_relative_depth_sigma;
   if (seen.sigma_disparity_p_px > limit * seen.disparity_p_px) return;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
+#include "core/ids/ids.h"
 #include "core/motion/motion_estimator.h"
 #include "vo_process/options.h"
 #include "vo_process/tracking/landmarks/tracked_frame.h"
@@ -14,7 +15,7 @@ namespace plslam::vo {
 
 /// A line segment tracked by odometry.
 struct LineLandmark {
-  int64_t id = -1;
+  TrackId id = -1;
   /// In the odometry frame, directed as observed (brighter side on the right); covariances of the endpoints given the
   /// poses of the observations.
   Segment3 segment_odom;
@@ -24,7 +25,7 @@ struct LineLandmark {
   Descriptor descriptor{};
 
   /// The same landmark in the map, or -1.
-  int64_t map_id = -1;
+  LandmarkId map_id = -1;
   /// Number of keyframes that observe it, as of the last map update.
   int map_observations = 0;
   int seen = 1;
@@ -63,7 +64,7 @@ class LineLandmarks {
 
   /// Adopts landmarks of the map: updates position and covariance of those already here (of several that are the same
   /// the oldest stays), and adds the others.
-  void Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapLine>>& adopted, int64_t& next_id);
+  void Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapLine>>& adopted, TrackId& next_id);
 
   /// Re-expresses all landmarks in a new frame.
   void Move(const SE3& T_new_odom);
@@ -84,11 +85,11 @@ class LineLandmarks {
 
   /// Creates a landmark for each segment with depth that has none and is on this body (-1: the world), and sets its id
   /// in the frame's tracks.
-  void Create(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id, int body = -1);
+  void Create(const SE3& T_odom_c, TrackedFrame& frame, TrackId& next_id, int body = -1);
 
   /// Removes all landmarks, and creates one for each segment of the world with depth; ids in the frame's tracks are
   /// kept: frame-to-frame odometry.
-  void Initialise(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id);
+  void Initialise(const SE3& T_odom_c, TrackedFrame& frame, TrackId& next_id);
 
   /// The state between frames, for `core/io/files/archive.h`.
   template <class Archive, class Self>
@@ -99,7 +100,7 @@ class LineLandmarks {
  private:
   void Fuse(const SE3& T_odom_c, const StereoLine& seen, LineLandmark& landmark) const;
   void Age(const SE3& T_c_odom);
-  void CreateOne(const SE3& T_odom_c, const StereoLine& seen, FeatureTrack& track, int64_t& next_id);
+  void CreateOne(const SE3& T_odom_c, const StereoLine& seen, FeatureTrack& track, TrackId& next_id);
 
   StereoCamera camera_;
   LandmarkOptions options_;

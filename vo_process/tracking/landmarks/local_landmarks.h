@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/ids/ids.h"
 #include "vo_process/tracking/landmarks/line_landmarks.h"
 #include "vo_process/tracking/landmarks/point_landmarks.h"
 
@@ -27,8 +28,8 @@ struct LocalLandmarks {
 
   PointLandmarks points;
   LineLandmarks lines;
-  int64_t next_point_id = 0;
-  int64_t next_line_id = 0;
+  TrackId next_point_id = 0;
+  TrackId next_line_id = 0;
 
   /// Continues the numbering of new landmarks after that of `others`.
   void ContinueNumbering(const LocalLandmarks& others) {

@@ -111,7 +111,7 @@ void PointLandmarks::Age(const SE3& T_c_odom) {
 }
 
 void PointLandmarks::Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapPoint>>& adopted, double map_f_px,
-                           int64_t& next_id) {
+                           TrackId& next_id) {
   // Scales the distance so that both cameras see the octave at the same size.
   const double nearer = map_f_px > 0.0 ? camera_.f_px / map_f_px : 1.0;
   const Eigen::Matrix3d R = T_odom_w.R();
@@ -150,14 +150,14 @@ void PointLandmarks::Append(const PointLandmarks& others) {
   landmarks_.insert(landmarks_.end(), others.landmarks_.begin(), others.landmarks_.end());
 }
 
-void PointLandmarks::Create(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id, int body) {
+void PointLandmarks::Create(const SE3& T_odom_c, TrackedFrame& frame, TrackId& next_id, int body) {
   for (size_t i = 0; i < frame.features.points.size(); ++i) {
     FeatureTrack& track = frame.point_tracks[i];
     if (track.landmark_id < 0 && track.body == body) CreateOne(T_odom_c, frame.features.points[i], track, next_id);
   }
 }
 
-void PointLandmarks::Initialise(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id) {
+void PointLandmarks::Initialise(const SE3& T_odom_c, TrackedFrame& frame, TrackId& next_id) {
   landmarks_.clear();
   for (size_t i = 0; i < frame.features.points.size(); ++i) {
     FeatureTrack& track = frame.point_tracks[i];
@@ -165,7 +165,7 @@ void PointLandmarks::Initialise(const SE3& T_odom_c, TrackedFrame& frame, int64_
   }
 }
 
-void PointLandmarks::CreateOne(const SE3& T_odom_c, const StereoPoint& seen, FeatureTrack& track, int64_t& next_id) {
+void PointLandmarks::CreateOne(const SE3& T_odom_c, const StereoPoint& seen, FeatureTrack& track, TrackId& next_id) {
   if (!seen.HasDepth() || seen.sigma_disparity_px > options_.max_relative_depth_sigma * seen.disparity_px) return;
   const Eigen::Vector3d uvd = Measurement(seen);
   const Eigen::Vector3d p_c = camera_.Backproject(uvd);

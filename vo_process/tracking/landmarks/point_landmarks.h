@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
+#include "core/ids/ids.h"
 #include "core/motion/motion_estimator.h"
 #include "vo_process/options.h"
 #include "vo_process/tracking/landmarks/tracked_frame.h"
@@ -14,7 +15,7 @@ namespace plslam::vo {
 
 /// A point tracked by odometry.
 struct PointLandmark {
-  int64_t id = -1;
+  TrackId id = -1;
   /// Position in the odometry frame, and its covariance given the poses of the observations.
   Eigen::Vector3d p_odom = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
@@ -25,7 +26,7 @@ struct PointLandmark {
   double depth_m = 0.0;
 
   /// The same landmark in the map, or -1.
-  int64_t map_id = -1;
+  LandmarkId map_id = -1;
   /// Number of keyframes that observe it, as of the last map update.
   int map_observations = 0;
   int seen = 1;
@@ -65,7 +66,7 @@ class PointLandmarks {
 
   /// Adopts landmarks of the map: updates position and covariance of those already here (of several that are the same
   /// the oldest stays), and adds the others.
-  void Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapPoint>>& adopted, double map_f_px, int64_t& next_id);
+  void Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapPoint>>& adopted, double map_f_px, TrackId& next_id);
 
   /// Re-expresses all landmarks in a new frame.
   void Move(const SE3& T_new_odom);
@@ -86,11 +87,11 @@ class PointLandmarks {
 
   /// Creates a landmark for each feature with depth that has none and is on this body (-1: the world), and sets its id
   /// in the frame's tracks.
-  void Create(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id, int body = -1);
+  void Create(const SE3& T_odom_c, TrackedFrame& frame, TrackId& next_id, int body = -1);
 
   /// Removes all landmarks, and creates one for each feature of the world with depth; ids in the frame's tracks are
   /// kept: frame-to-frame odometry.
-  void Initialise(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id);
+  void Initialise(const SE3& T_odom_c, TrackedFrame& frame, TrackId& next_id);
 
   /// The state between frames, for `core/io/files/archive.h`.
   template <class Archive, class Self>
@@ -101,7 +102,7 @@ class PointLandmarks {
  private:
   void Fuse(const SE3& T_odom_c, const StereoPoint& seen, PointLandmark& landmark) const;
   void Age(const SE3& T_c_odom);
-  void CreateOne(const SE3& T_odom_c, const StereoPoint& seen, FeatureTrack& track, int64_t& next_id);
+  void CreateOne(const SE3& T_odom_c, const StereoPoint& seen, FeatureTrack& track, TrackId& next_id);
 
   StereoCamera camera_;
   OrbOptions orb_;

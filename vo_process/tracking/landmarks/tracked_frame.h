@@ -9,17 +9,18 @@
 
 #include "core/features/features.h"
 #include "core/features/matching/descriptor_matcher.h"
+#include "core/ids/ids.h"
 #include "vo_process/stereo/rolling_shutter.h"
 
 namespace plslam::vo {
 
 /// Landmark of a feature.
 struct FeatureTrack {
-  int64_t landmark_id = -1;
+  TrackId landmark_id = -1;
   /// Frames in which the landmark has been observed; 0 for one created by this feature.
   int age = 0;
   /// The same landmark in the map, or -1, and the number of keyframes that observe it there.
-  int64_t map_id = -1;
+  LandmarkId map_id = -1;
   int map_observations = 0;
   /// The moving body that the feature is on (`MovingBodies`), or -1 for the world.
   int body = -1;
@@ -28,8 +29,8 @@ struct FeatureTrack {
 };
 
 /// Landmark ids of features, in their order.
-inline std::vector<int64_t> TrackedLandmarkIds(const std::vector<FeatureTrack>& tracks) {
-  std::vector<int64_t> ids;
+inline std::vector<TrackId> TrackedLandmarkIds(const std::vector<FeatureTrack>& tracks) {
+  std::vector<TrackId> ids;
   ids.reserve(tracks.size());
   for (const FeatureTrack& track : tracks) ids.push_back(track.landmark_id);
   return ids;

@@ -25,7 +25,7 @@ double FocalLength(const Map& map) { return map.camera() ? map.camera()->f_px : 
 
 }  // namespace
 
-void KeyframeLog::Add(int64_t keyframe_id, std::vector<int64_t> point_ids, std::vector<int64_t> line_ids) {
+void KeyframeLog::Add(int64_t keyframe_id, std::vector<TrackId> point_ids, std::vector<TrackId> line_ids) {
   entries_.push_back({keyframe_id, std::move(point_ids), std::move(line_ids)});
   if (entries_.size() > kKeyframes) entries_.pop_front();
 }
@@ -38,19 +38,19 @@ const KeyframeLog::Entry* KeyframeLog::Find(int64_t keyframe_id) const {
 
 template <class Type>
 std::vector<Adopted<typename Type::Landmark>> KeyframeLog::Adopt(const Map& map, SessionId session,
-                                                                 const std::vector<int64_t>& keyframes,
-                                                                 std::vector<int64_t> Entry::*ids) const {
+                                                                 const std::vector<KeyframeId>& keyframes,
+                                                                 std::vector<TrackId> Entry::*ids) const {
   std::vector<Adopted<typename Type::Landmark>> adopted;
-  for (const int64_t landmark_id : SeenBy<Type>(keyframes, map)) {
+  for (const LandmarkId landmark_id : SeenBy<Type>(keyframes, map)) {
     auto& entry = adopted.emplace_back();
     entry.landmark = Type::Find(map, landmark_id);
     for (const Observation& observation : entry.landmark->observations) {
-      const MapKeyframe& keyframe = *map.FindKeyframe(observation.keyframe_id);
+      const MapKeyframe& keyframe = *map.FindKeyframe(observation.keyframe_id());
       if (keyframe.name.session != session) continue;
       const Entry* shown = Find(keyframe.name.number);
       const auto place = static_cast<size_t>(observation.feature);
       if (shown == nullptr || place >= (shown->*ids).size()) continue;
-      const int64_t id = (shown->*ids)[place];
+      const TrackId id = (shown->*ids)[place];
       const bool known = std::find(entry.tracker_ids.begin(), entry.tracker_ids.end(), id) != entry.tracker_ids.end();
       if (id >= 0 && !known) entry.tracker_ids.push_back(id);
     }
@@ -62,7 +62,7 @@ std::optional<TrackerLocalMap> KeyframeLog::LocalMapAround(const Map& map, const
                                                            int max_keyframes) const {
   const MapKeyframe* center = FindKeyframe(map, keyframe);
   if (center == nullptr) return std::nullopt;
-  const std::vector<int64_t> keyframes = KeyframesAround(center->id, map, kMinShared, max_keyframes);
+  const std::vector<KeyframeId> keyframes = KeyframesAround(center->id, map, kMinShared, max_keyframes);
   TrackerLocalMap local_map;
   local_map.f_px = FocalLength(map);
   local_map.T_w_odom = center->T_w_kf * center->T_odom_kf.Inverse();
@@ -71,15 +71,15 @@ std::optional<TrackerLocalMap> KeyframeLog::LocalMapAround(const Map& map, const
   return local_map;
 }
 
-std::optional<TrackerLocalMap> LocalMapAt(const Map& map, int64_t keyframe_id, const SE3& T_w_odom,
+std::optional<TrackerLocalMap> LocalMapAt(const Map& map, KeyframeId keyframe_id, const SE3& T_w_odom,
                                           int max_keyframes) {
   if (map.FindKeyframe(keyframe_id) == nullptr) return std::nullopt;
-  const std::vector<int64_t> keyframes = KeyframesAround(keyframe_id, map, kMinShared, max_keyframes);
+  const std::vector<KeyframeId> keyframes = KeyframesAround(keyframe_id, map, kMinShared, max_keyframes);
   TrackerLocalMap local_map;
   local_map.f_px = FocalLength(map);
   local_map.T_w_odom = T_w_odom;
-  for (const int64_t id : SeenBy<PointType>(keyframes, map)) local_map.points.push_back({map.FindPoint(id), {}});
-  for (const int64_t id : SeenBy<LineType>(keyframes, map)) local_map.lines.push_back({map.FindLine(id), {}});
+  for (const LandmarkId id : SeenBy<PointType>(keyframes, map)) local_map.points.push_back({map.FindPoint(id), {}});
+  for (const LandmarkId id : SeenBy<LineType>(keyframes, map)) local_map.lines.push_back({map.FindLine(id), {}});
   return local_map;
 }
 

@@ -15,7 +15,7 @@ namespace plslam::vo {
 template <class Landmark>
 struct Adopted {
   const Landmark* landmark = nullptr;
-  std::vector<int64_t> tracker_ids;
+  std::vector<TrackId> tracker_ids;
 };
 
 /// The part of the map around a keyframe; points into that map.
@@ -29,13 +29,13 @@ struct TrackerLocalMap {
 
 /// Returns the landmarks observed by a keyframe of the map and its best neighbours; `T_w_odom` is copied. Returns
 /// nullopt if the map does not have the keyframe.
-std::optional<TrackerLocalMap> LocalMapAt(const Map& map, int64_t keyframe_id, const SE3& T_w_odom,
+std::optional<TrackerLocalMap> LocalMapAt(const Map& map, KeyframeId keyframe_id, const SE3& T_w_odom,
                                           int max_keyframes);
 
 /// Landmarks of the tracker's last keyframes, by feature: the link between its landmarks and those of the map.
 class KeyframeLog {
  public:
-  void Add(int64_t keyframe_id, std::vector<int64_t> point_ids, std::vector<int64_t> line_ids);
+  void Add(int64_t keyframe_id, std::vector<TrackId> point_ids, std::vector<TrackId> line_ids);
 
   /// Returns the landmarks observed by the keyframe of the session and its best neighbours, with their poses in the
   /// map. Returns nullopt if the map does not have the keyframe.
@@ -51,8 +51,8 @@ class KeyframeLog {
  private:
   struct Entry {
     int64_t keyframe_id = -1;
-    std::vector<int64_t> point_ids;
-    std::vector<int64_t> line_ids;
+    std::vector<TrackId> point_ids;
+    std::vector<TrackId> line_ids;
 
     template <class Archive, class Self>
     static void Fields(Archive& a, Self& self) {
@@ -62,8 +62,8 @@ class KeyframeLog {
   const Entry* Find(int64_t keyframe_id) const;
   template <class Type>
   std::vector<Adopted<typename Type::Landmark>> Adopt(const Map& map, SessionId session,
-                                                      const std::vector<int64_t>& keyframes,
-                                                      std::vector<int64_t> Entry::*ids) const;
+                                                      const std::vector<KeyframeId>& keyframes,
+                                                      std::vector<TrackId> Entry::*ids) const;
 
   std::deque<Entry> entries_;
 };

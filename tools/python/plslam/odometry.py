@@ -3,9 +3,10 @@
 
 import ctypes
 import ctypes.util
+import functools
 import os
 from dataclasses import dataclass
-from typing import Optional
+from typing import Optional, Tuple
 
 import numpy as np
 
@@ -51,6 +52,7 @@ class TrackedPose:
     motion_covariance: np.ndarray
 
 
+@functools.lru_cache(maxsize=None)
 def _load() -> ctypes.CDLL:
     here = os.path.dirname(os.path.abspath(__file__))
     name = "libplslam_odometry.so"
@@ -94,25 +96,22 @@ class Odometry:
     them; `options`: section vo of a configuration, as text. Errors are ValueError with one sentence.
     """
 
-    _library: Optional[ctypes.CDLL] = None
-
-    def __init__(self, calibration: str, options: Optional[str] = None, size: tuple = (0, 0)):
-        if Odometry._library is None:
-            Odometry._library = _load()
+    def __init__(self, calibration: str, options: Optional[str] = None, size: Tuple[int, int] = (0, 0)) -> None:
+        self._library = _load()
         error = ctypes.create_string_buffer(1024)
-        self._handle = Odometry._library.plslam_odometry_create(
+        self._handle = self._library.plslam_odometry_create(
             os.fsencode(calibration), size[0], size[1], options.encode() if options else None, error, len(error)
         )
         if not self._handle:
             raise ValueError(error.value.decode(errors="replace"))
 
-    def __del__(self):
+    def __del__(self) -> None:
         if getattr(self, "_handle", None):
-            Odometry._library.plslam_odometry_destroy(self._handle)
+            self._library.plslam_odometry_destroy(self._handle)
 
     def record(self, folder: Optional[str]) -> None:
         """Writes the following pairs into a new folder, a dataset that reproduces the run; None ends it."""
-        self._check(Odometry._library.plslam_odometry_record(self._handle, os.fsencode(folder) if folder else None))
+        self._check(self._library.plslam_odometry_record(self._handle, os.fsencode(folder) if folder else None))
 
     def track(self, left: np.ndarray, right: np.ndarray, t_ns: int) -> TrackedPose:
         """Tracks the next pair, exposed at `t_ns`, later than the previous one."""
@@ -120,7 +119,7 @@ class Odometry:
         left, right = np.ascontiguousarray(left), np.ascontiguousarray(right)
         pose = _Pose()
         self._check(
-            Odometry._library.plslam_odometry_track(
+            self._library.plslam_odometry_track(
                 self._handle,
                 int(t_ns),
                 ctypes.byref(self._image(left)),
@@ -152,4 +151,4 @@ class Odometry:
 
     def _check(self, code: int) -> None:
         if code != 0:
-            raise ValueError(Odometry._library.plslam_odometry_error(self._handle).decode(errors="replace"))
+            raise ValueError(self._library.plslam_odometry_error(self._handle).decode(errors="replace"))

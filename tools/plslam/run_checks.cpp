@@ -178,7 +178,8 @@ void CheckSurfaces(const RunOptions& options) {
   const path program = ProgramFolder() / "dense_process";
   if (access(program.c_str(), X_OK) == 0) return;
   throw std::runtime_error(
-      fmt::format("--dense: the program {} is missing: install libopenvdb-dev and liboctomap-dev, and build again",
+      fmt::format("--dense: the program {} is missing: 'scripts/build release' builds it, with libopenvdb-dev and "
+                  "liboctomap-dev",
                   program.string()));
 }
 
@@ -187,8 +188,9 @@ namespace {
 void CheckProgram(const RunOptions& options, const char* what, const char* program, const char* packages) {
   const path file = ProgramFolder() / program;
   if (access(file.c_str(), X_OK) == 0) return;
-  throw std::runtime_error(fmt::format("{} names {}, and the program {} is missing: install {}, and build again",
-                                       options.dataset, what, file.string(), packages));
+  throw std::runtime_error(
+      fmt::format("{} names {}, and the program {} is missing: 'scripts/build release' builds it, with {}",
+                  options.dataset, what, file.string(), packages));
 }
 
 void CheckRos2Topics(const std::string& dataset) {

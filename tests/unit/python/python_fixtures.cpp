@@ -57,12 +57,12 @@ json Bytes(const Descriptor& descriptor) {
 template <class Landmark>
 json Observations(const Landmark& landmark) {
   json rows = json::array();
-  for (const Observation& of : landmark.observations) rows.push_back({int64_t{of.keyframe_id}, int32_t{of.feature}});
+  for (const Observation& of : landmark.observations) rows.push_back({of.keyframe_id().value, int32_t{of.feature}});
   return rows;
 }
 
 json Values(const MapKeyframe& k) {
-  return {{"id", k.id},
+  return {{"id", k.id.value},
           {"session", k.name.session.value},
           {"session_keyframe_id", k.name.number},
           {"frame_id", k.frame_id},
@@ -70,14 +70,14 @@ json Values(const MapKeyframe& k) {
           {"T_w_kf", Rows(k.T_w_kf)},
           {"covariance", Rows(k.covariance)},
           {"T_odom_kf", Rows(k.T_odom_kf)},
-          {"previous_id", k.previous_id},
+          {"previous_id", k.previous_id.value},
           {"T_prevkf_kf", Rows(k.T_prevkf_kf)},
           {"relative_covariance", Rows(k.relative_covariance)},
-          {"parent_id", k.parent_id}};
+          {"parent_id", k.parent_id.value}};
 }
 
 json Values(const MapPoint& p) {
-  return {{"id", p.id},
+  return {{"id", p.id.value},
           {"p_w", Rows(p.p_w)},
           {"covariance", Rows(p.covariance)},
           {"descriptor", Bytes(p.descriptor)},
@@ -87,7 +87,7 @@ json Values(const MapPoint& p) {
 }
 
 json Values(const MapLine& l) {
-  return {{"id", l.id},
+  return {{"id", l.id.value},
           {"p_w", Rows(l.segment_w.p)},
           {"q_w", Rows(l.segment_w.q)},
           {"covariance_p", Rows(l.covariance_p)},
@@ -122,8 +122,8 @@ json Values(const StereoLine& l) {
 }
 
 json Values(const LoopEdge& loop) {
-  return {{"old_keyframe_id", loop.old_keyframe_id},
-          {"keyframe_id", loop.keyframe_id},
+  return {{"old_keyframe_id", loop.old_keyframe_id.value},
+          {"keyframe_id", loop.keyframe_id.value},
           {"position", Rows(loop.T_old_kf.translation())},
           {"q_xyzw", Rows(loop.T_old_kf.rotation().coeffs())},
           {"covariance", Rows(loop.covariance)},
@@ -156,7 +156,7 @@ json WriteMap(const std::string& path, uint64_t seed, int steps) {
       const TakenImage& i = *of.image;
       image = {i.left_px, i.top_px, i.width_px, i.height_px, i.f_px};
     }
-    features[std::to_string(id)] = {{"points", All(of.points)}, {"lines", All(of.lines)}, {"image", image}};
+    features[std::to_string(id.value)] = {{"points", All(of.points)}, {"lines", All(of.lines)}, {"image", image}};
   }
   return {{"version", stored.version},
           {"camera",

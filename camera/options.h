@@ -4,13 +4,14 @@
 #include <string>
 
 #include "core/config/fields.h"
+#include "core/run/process_names.h"
 
 namespace plslam::camera {
 
 /// The cameras to read, and the pace; all other settings are in the rig file.
 struct CameraOptions {
   std::string rig;
-  std::string pace = "realtime";
+  std::string pace = stream_pace::kRealtime;
   bool exit = false;
   /// Resume after this frame, "ID@T_NS" as in its pose, or "bus", the newest frame that has a pose on the bus. Empty:
   /// from the start.

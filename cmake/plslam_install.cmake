@@ -45,6 +45,7 @@ endif()
 
 # --- component runtime: programs, their data, manual, completion, units, documents
 install(TARGETS ${programs} RUNTIME DESTINATION bin COMPONENT runtime)
+install(TARGETS plslam_odometry LIBRARY DESTINATION lib COMPONENT runtime)
 install(DIRECTORY ${CMAKE_BINARY_DIR}/share/plslam/ DESTINATION share/plslam COMPONENT runtime)
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/config/ DESTINATION share/plslam/config COMPONENT runtime
         FILES_MATCHING PATTERN "*.yaml")
@@ -84,6 +85,7 @@ install(EXPORT plslam_targets FILE plslam-targets.cmake NAMESPACE plslam:: DESTI
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/core ${CMAKE_SOURCE_DIR}/lcmtypes ${CMAKE_SOURCE_DIR}/vo_process
                   ${CMAKE_SOURCE_DIR}/mapping_process ${CMAKE_SOURCE_DIR}/loop_process
         DESTINATION include/plslam COMPONENT dev FILES_MATCHING PATTERN "*.h" PATTERN node EXCLUDE)
+install(FILES ${CMAKE_SOURCE_DIR}/tools/odometry_library/plslam_odometry.h DESTINATION include COMPONENT dev)
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/tools/examples/ DESTINATION share/doc/libplslam-dev/examples COMPONENT dev)
 install(DIRECTORY ${CMAKE_BINARY_DIR}/lcmtypes/include/plslam DESTINATION include/plslam COMPONENT dev)
 include(CMakePackageConfigHelpers)
@@ -95,7 +97,8 @@ install(FILES ${CMAKE_SOURCE_DIR}/cmake/plslam-config.cmake ${CMAKE_SOURCE_DIR}/
 # --- component python: `import plslam`, where Debian's Python looks for packages
 install(DIRECTORY ${CMAKE_BINARY_DIR}/python/plslam DESTINATION lib/python3/dist-packages COMPONENT python
         PATTERN __pycache__ EXCLUDE)
-install(PROGRAMS ${CMAKE_SOURCE_DIR}/tools/python/examples/live_plot.py
+install(PROGRAMS ${CMAKE_SOURCE_DIR}/tools/python/examples/compute_odometry.py
+                 ${CMAKE_SOURCE_DIR}/tools/python/examples/live_plot.py
                  ${CMAKE_SOURCE_DIR}/tools/python/examples/map_to_arrays.py
                  ${CMAKE_SOURCE_DIR}/tools/python/examples/to_ros2.py
         DESTINATION share/doc/python3-plslam/examples COMPONENT python)

@@ -4,11 +4,13 @@ add_library(plslam_flags INTERFACE)
 target_include_directories(plslam_flags INTERFACE ${CMAKE_SOURCE_DIR})
 # The presets make warnings errors; a plain build with another compiler does not fail because of new warnings.
 option(PLSLAM_WARNINGS_AS_ERRORS "Warnings are errors" OFF)
+# -fPIC, but calls within a library are direct: the odometry is also a shared library (tools/odometry_library).
 # -ffp-contract=off: the same floating-point result on machines with and without fused multiply-add. The other two do
 # not change results either: roots and roundings need no call that sets errno, and loops over floating-point numbers can
 # be vectorised.
 target_compile_options(plslam_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor
                        -Wold-style-cast -Wconversion -Wno-sign-conversion $<$<BOOL:${PLSLAM_WARNINGS_AS_ERRORS}>:-Werror> -ffp-contract=off -fno-math-errno
+                       -fPIC -fno-semantic-interposition
                        -fno-trapping-math)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")
   # The same results as on amd64: char is signed, and Eigen does not fuse.

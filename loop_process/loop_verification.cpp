@@ -228,7 +228,7 @@ LoopEvidence Verification::Run() {
     evidence_.verdict = verdict;
     return evidence_;
   };
-  const bool paper = gates_.gates == "paper";
+  const bool paper = gates_.gates == LoopGates::kPaper;
   if (!Guess()) return conclude(LoopVerdict::kNotFound);
   if (!IsWithinDrift() && !paper) return conclude(LoopVerdict::kBeyondDrift);
   if (!Find()) return conclude(LoopVerdict::kNotFound);

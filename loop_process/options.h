@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <string>
 
+#include "core/config/choices.h"
 #include "core/config/fields.h"
 #include "core/localisation/options.h"
 #include "core/optim/bundle/options.h"
@@ -36,9 +38,15 @@ struct CandidateOptions {
   double near_m = 1.0;
 };
 
+/// Tests of a loop candidate: those of this project, or the paper's three.
+enum class LoopGates { kDefault, kPaper };
+constexpr auto ChoicesOf(LoopGates) {
+  return std::array{Choice{"default", LoopGates::kDefault}, Choice{"paper", LoopGates::kPaper}};
+}
+
 /// Tests that a loop candidate must pass (PL-SLAM §VI.A.2).
 struct VerificationOptions {
-  std::string gates = "default";
+  LoopGates gates = LoopGates::kDefault;
   /// Keyframes whose landmarks form the place.
   int local_keyframes = 8;
   /// Least matches by descriptor (points + 2 x lines) for a pose.
@@ -137,7 +145,7 @@ void VisitFields(Visitor& visit, VocabularyOptions& o) {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, VerificationOptions& o) {
-  visit("gates", o.gates, OneOf{"default", "paper"},
+  visit("gates", o.gates,
         "default, or the paper's three tests: eigenvalues of the covariance below 0.01, at most 0.50 m and 3.00 deg "
         "apart, more than half of the matches inliers");
   visit("min_inliers", o.min_inliers, Bounds{3, 10000}, "inliers (points + 2 x lines) required for a loop");

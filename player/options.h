@@ -3,11 +3,10 @@
 
 #include <cstdint>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "core/config/fields.h"
 #include "core/datasets/dataset_kinds.h"
+#include "core/run/process_names.h"
 
 namespace plslam::player {
 
@@ -15,7 +14,7 @@ namespace plslam::player {
 struct PlayerOptions {
   std::string dataset;
   std::string kind;
-  std::string pace = "lockstep";
+  std::string pace = stream_pace::kLockstep;
   int64_t start = 0;
   int64_t stop = -1;
   int64_t stride = 1;
@@ -35,9 +34,9 @@ struct PlayerOptions {
 };
 
 inline OneOf KindOrNone() {
-  std::vector<std::string> names{""};
-  for (const DatasetKind& kind : DatasetKinds()) names.push_back(kind.name);
-  return OneOf(std::move(names));
+  OneOf names{{""}};
+  for (const DatasetKind& kind : DatasetKinds()) names.values.emplace_back(kind.name);
+  return names;
 }
 
 template <class Visitor>

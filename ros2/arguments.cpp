@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/errors/error_text.h"
+#include "core/process/choice_argument.h"
 #include "ros2/names.h"
 
 namespace plslam::ros2 {
@@ -38,8 +39,7 @@ void Arguments::AddTo(CLI::App* app) {
   app->add_option("--left", left, "topic of left images (sensor_msgs/Image, or CompressedImage: .../compressed)");
   app->add_option("--right", right, "topic of right images");
   app->add_option("--camera", camera, "rig file (without one: CameraInfo beside the images)");
-  app->add_option("--publish-tf", publish_tf, "map to odom and odom to the body: all, map, odom or none")
-      ->check(CLI::IsMember({"all", "map", "odom", "none"}));
+  AddChoice(app, "--publish-tf", publish_tf, "map to odom and odom to the body: all, map, odom or none");
   app->add_option("--namespace", space, "in front of the topics that are published (/plslam)");
   app->add_option("--frame", frames, "name of a frame: map=NAME, odom=NAME or base=NAME (repeatable)")
       ->type_name("FRAME=NAME")

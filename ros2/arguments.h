@@ -15,7 +15,8 @@ namespace plslam::ros2 {
 
 /// The command line, which overrides the configuration.
 struct Arguments {
-  std::optional<std::string> left, right, camera, publish_tf, space, map_file;
+  std::optional<std::string> left, right, camera, space, map_file;
+  std::optional<PublishedTf> publish_tf;
   std::vector<std::string> frames;  ///< "base=base_link"
   std::vector<std::string> remaps;  ///< "left:=/a/left"
 

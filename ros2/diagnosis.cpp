@@ -2,7 +2,6 @@
 #include "ros2/diagnosis.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <set>
 #include <string_view>
@@ -109,24 +108,12 @@ std::string WhyNoFrames(const Symptoms& symptoms) {
   return OfStamps(symptoms);
 }
 
-std::vector<std::pair<std::string, std::string>> StereoPairs(const std::vector<Publisher>& publishers) {
-  static constexpr auto kSides = std::to_array<std::pair<std::string_view, std::string_view>>(
-      {{"left", "right"}, {"cam0", "cam1"}, {"infra1", "infra2"}, {"image_0", "image_1"}});
+std::set<std::string> ImageTopics(const std::vector<Publisher>& publishers) {
   std::set<std::string> images;
   for (const Publisher& publisher : publishers) {
     if (IsImageType(publisher.type)) images.insert(publisher.topic);
   }
-  std::vector<std::pair<std::string, std::string>> pairs;
-  for (const std::string& topic : images) {
-    for (const auto& [left, right] : kSides) {
-      const size_t at = topic.find(left);
-      if (at == std::string::npos) continue;
-      std::string partner = topic;
-      partner.replace(at, left.size(), right);
-      if (images.contains(partner)) pairs.emplace_back(topic, partner);
-    }
-  }
-  return pairs;
+  return images;
 }
 
 }  // namespace plslam::ros2

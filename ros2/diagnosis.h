@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -49,8 +50,8 @@ struct Symptoms {
 /// right stamps of two clocks; unpaired stamps; images that cannot be used.
 std::string WhyNoFrames(const Symptoms& symptoms);
 
-/// Returns the pairs of topics that look like a stereo camera: images whose names differ by left and right, and so on.
-std::vector<std::pair<std::string, std::string>> StereoPairs(const std::vector<Publisher>& publishers);
+/// Returns the topics of images.
+std::set<std::string> ImageTopics(const std::vector<Publisher>& publishers);
 
 bool IsImageType(const std::string& type);
 

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ros2/names.h"
 
+#include <algorithm>
+#include <array>
 #include <cctype>
 
 namespace plslam::ros2 {
 namespace {
 
 constexpr std::string_view kTopicPrefix = "rt";
+constexpr auto kCompressed = std::to_array<std::string_view>({"/compressed", "/compressedDepth"});
 constexpr std::string_view kTypeFolder = "dds_::";
 
 std::string Replaced(std::string_view text, std::string_view from, std::string_view to) {
@@ -53,10 +56,14 @@ std::string RosTypeName(std::string_view dds_type) {
   return Replaced(dds_type.substr(0, folder), "::", "/").append(name.substr(0, name.size() - 1));
 }
 
+bool IsCompressedTopic(std::string_view topic) {
+  return std::any_of(kCompressed.begin(), kCompressed.end(),
+                     [&](std::string_view end) { return topic.ends_with(end); });
+}
+
 std::string InfoTopicOf(std::string_view image_topic) {
   std::string topic(image_topic);
-  constexpr std::string_view kCompressed = "/compressed";
-  if (topic.ends_with(kCompressed)) topic.resize(topic.size() - kCompressed.size());
+  if (IsCompressedTopic(topic)) topic.resize(topic.rfind('/'));
   const size_t slash = topic.rfind('/');
   if (slash != std::string::npos && topic.compare(slash + 1, 5, "image") == 0) topic.resize(slash);
   return topic + "/camera_info";

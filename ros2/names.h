@@ -25,6 +25,9 @@ struct ServiceNames {
 };
 ServiceNames DdsServiceNames(std::string_view service, std::string_view type);
 
+/// Whether a topic has CompressedImage instead of Image: it ends with "/compressed" or "/compressedDepth".
+bool IsCompressedTopic(std::string_view topic);
+
 /// Returns the CameraInfo topic of an image topic: "/a/left/image_raw" has "/a/left/camera_info".
 std::string InfoTopicOf(std::string_view image_topic);
 

@@ -1,11 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <string>
 
+#include "core/config/choices.h"
 #include "core/config/fields.h"
 
 namespace plslam::ros2 {
+
+/// Transforms that are published: map to odom, odom to the body, both, or none.
+enum class PublishedTf { kAll, kMap, kOdom, kNone };
+constexpr auto ChoicesOf(PublishedTf) {
+  return std::array{Choice{"all", PublishedTf::kAll}, Choice{"map", PublishedTf::kMap},
+                    Choice{"odom", PublishedTf::kOdom}, Choice{"none", PublishedTf::kNone}};
+}
 
 /// Section `ros2` of the configuration. Names of topics and frames are those of ROS.
 struct Ros2Options {
@@ -15,7 +24,7 @@ struct Ros2Options {
   std::string right_info;
   std::string camera;
   double max_skew_ms = 5.0;
-  std::string publish_tf = "all";
+  PublishedTf publish_tf = PublishedTf::kAll;
   std::string output_namespace = "/plslam";
   std::string map_frame = "map";
   std::string odom_frame = "odom";
@@ -32,8 +41,7 @@ void VisitFields(Visitor& visit, Ros2Options& o) {
   visit("right_info", o.right_info, "topic of the right CameraInfo, likewise");
   visit("camera", o.camera, "rig file; empty: CameraInfo");
   visit("max_skew_ms", o.max_skew_ms, Bounds{0, 100}, "largest difference between the stamps of a pair");
-  visit("publish_tf", o.publish_tf, OneOf{"all", "map", "odom", "none"},
-        "transforms: map to odom and odom to the body, one of them, or none");
+  visit("publish_tf", o.publish_tf, "transforms: map to odom and odom to the body, one of them, or none");
   visit("output_namespace", o.output_namespace, "in front of all topics but /tf and /tf_static; empty: none");
   visit("map_frame", o.map_frame, "frame of the map");
   visit("odom_frame", o.odom_frame, "frame of the odometry");

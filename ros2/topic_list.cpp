@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/datasets/recordings/topic_names.h"
 #include "core/errors/error_text.h"
 
 namespace plslam::ros2 {
@@ -34,9 +35,14 @@ std::string TopicTable(const std::vector<Publisher>& publishers, const std::map<
     }
     text += "\n";
   }
-  const auto pairs = StereoPairs(publishers);
-  if (!pairs.empty()) text += "\nStereo cameras:\n";
-  for (const auto& [left, right] : pairs) text += fmt::format("  plslam run ros2:{},{}\n", Shown(left), Shown(right));
+  const std::set<std::string> images = ImageTopics(publishers);
+  const auto list = [&](const char* title, const std::vector<std::pair<std::string, std::string>>& pairs) {
+    if (!pairs.empty()) text += title;
+    for (const auto& [left, right] : pairs)
+      text += fmt::format("  plslam run ros2:{},{}\n", Shown(left), Shown(right));
+  };
+  list("\nStereo cameras:\n", StereoTopics(images));
+  list("\nRGB-D cameras:\n", RgbdTopics(images));
   return text;
 }
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <string>
 
+#include "core/config/choices.h"
 #include "core/config/fields.h"
 #include "core/features/options.h"
 #include "core/motion/options.h"
@@ -45,14 +47,29 @@ struct RowCalibrationOptions {
   double min_offset_px = 0.5;
 };
 
+/// Row of an image that time stamps, and so poses, refer to.
+enum class StampRow { kFirst, kMiddle, kLast };
+constexpr auto ChoicesOf(StampRow) {
+  return std::array{Choice{"first", StampRow::kFirst}, Choice{"middle", StampRow::kMiddle},
+                    Choice{"last", StampRow::kLast}};
+}
+
 /// Cameras that read their rows one after the other (`readout_ms` of the calibration).
 struct RollingShutterOptions {
-  std::string stamp = "first";
+  StampRow stamp = StampRow::kFirst;
 };
+
+/// Origin of the positions that frames are aligned to: landmarks fused over frames, or the previous frame alone, as in
+/// the paper.
+enum class TrackingReference { kLandmarks, kPreviousFrame };
+constexpr auto ChoicesOf(TrackingReference) {
+  return std::array{Choice{"landmarks", TrackingReference::kLandmarks},
+                    Choice{"previous_frame", TrackingReference::kPreviousFrame}};
+}
 
 /// Matching of landmarks with a frame, and conditions of a tracked frame.
 struct TrackingOptions {
-  std::string reference = "landmarks";
+  TrackingReference reference = TrackingReference::kLandmarks;
   /// Radius of the search around predictions.
   double search_radius_px = 18.0;
   /// The same if the first search fails.
@@ -151,13 +168,12 @@ void VisitFields(Visitor& visit, RowCalibrationOptions& o) {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, RollingShutterOptions& o) {
-  visit("stamp", o.stamp, OneOf{"first", "middle", "last"},
-        "row of the images that their time stamps, and so the poses, refer to");
+  visit("stamp", o.stamp, "row of the images that their time stamps, and so the poses, refer to");
 }
 
 template <class Visitor>
 void VisitFields(Visitor& visit, TrackingOptions& o) {
-  visit("reference", o.reference, OneOf{"landmarks", "previous_frame"},
+  visit("reference", o.reference,
         "landmarks: positions fused over frames; previous_frame: frame to frame, as in the paper");
   visit("min_inliers", o.min_inliers, Bounds{3, 1000}, "inliers (points + 2 x lines) below which a frame is lost");
   visit("weak_inliers", o.weak_inliers, Bounds{3, 1000}, "the same below which tracking is weak and the prior helps");

@@ -136,6 +136,7 @@ robot::ForeignImage ImageFromBytes(MessageBytes bytes) {
   if (IsOfType(bytes, "sensor_msgs.CompressedImage")) {
     auto message = Decoded<sensor_msgs::CompressedImage>(bytes, "sensor_msgs.CompressedImage");
     out.t_ns = FromStamp(message.header);
+    out.format = std::move(message.format);
     out.bytes = std::move(message.data);
     return out;
   }

@@ -68,6 +68,7 @@ ImageSource::ImageSource(bus::Process& process, bus::StockLcm& foreign, const Ad
                .camera_option = "adapter.camera",
                .camera = options.camera,
                .left = options.images.empty() ? options.left : options.images,
+               .right = options.images.empty() ? options.right : "",
                .max_skew_ns = std::llround(options.max_skew_ms * kNsPerMs)},
               std::move(listener)) {
   Subscribe(foreign);

@@ -13,8 +13,9 @@
 namespace plslam {
 
 /// First-level keys of a configuration file, one for each process or shared part.
-inline constexpr std::string_view kConfigSections[] = {"bus",  "player", "camera", "adapter", "vo",  "mapping",
-                                                       "loop", "viewer", "dense",  "bridge",  "ros2"};
+inline constexpr const char* kBusSection = "bus";
+inline constexpr std::string_view kConfigSections[] = {kBusSection, "player", "camera", "adapter", "vo",  "mapping",
+                                                       "loop",      "viewer", "dense",  "bridge",  "ros2"};
 
 /// A bad configuration, in one sentence that names file, line, key, value and bound (or the nearest known key).
 class ConfigError : public std::runtime_error {

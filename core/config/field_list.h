@@ -2,22 +2,32 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
+#include "core/config/choices.h"
 #include "core/config/fields.h"
 
 namespace plslam {
+
+/// An option that is an enum, by the names of its values.
+struct NamedValue {
+  std::function<std::string()> name;
+  /// Takes one of the names.
+  std::function<void(const std::string&)> set;
+};
 
 /// One option: the address of its value, its bounds, and its meaning.
 struct Field {
   /// Dotted, without the section ("orb.max_points").
   std::string key;
-  std::variant<bool*, int*, int64_t*, double*, std::string*, std::vector<double>*> value;
+  std::variant<bool*, int*, int64_t*, double*, std::string*, std::vector<double>*, NamedValue> value;
   Bounds bounds;
-  /// Values a text may take; empty: any.
+  /// Texts that are allowed; empty: any.
   std::vector<std::string> choices;
   std::string help;
 };
@@ -29,6 +39,10 @@ class FieldLister {
   void operator()(const char* name, T& value, const char* help) {
     if constexpr (std::is_constructible_v<decltype(Field::value), T*>) {
       fields_.push_back({prefix_ + name, &value, {}, {}, help});
+    } else if constexpr (std::is_enum_v<T>) {
+      NamedValue named{[&value] { return NameOf(value); },
+                       [&value](const std::string& text) { value = ChoiceFromName<T>(text).value(); }};
+      fields_.push_back({prefix_ + name, std::move(named), {}, ChoiceNames<T>(), help});
     } else {
       const std::string outer = prefix_;
       prefix_ += std::string(name) + ".";

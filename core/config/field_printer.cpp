@@ -23,9 +23,14 @@ std::string Print(const std::string& value) {
   return emitter.c_str();
 }
 std::string Print(const std::vector<double>& values) { return fmt::format("[{}]", fmt::join(values, ", ")); }
+std::string Print(const NamedValue& value) { return Print(value.name()); }
+template <class T>
+std::string Print(T* value) {
+  return Print(*value);
+}
 
 std::string PrintValue(const Field& field) {
-  return std::visit([](auto* value) { return Print(*value); }, field.value);
+  return std::visit([](const auto& value) { return Print(value); }, field.value);
 }
 
 /// "0 to 100", "at least 3", "one of a, b", or empty.

@@ -36,7 +36,7 @@ class FieldReader {
 
   void Into(const Field& field) {
     field_ = &field;
-    std::visit([this](auto* value) { Set(value); }, field.value);
+    std::visit([this](const auto& value) { Set(value); }, field.value);
   }
 
  private:
@@ -72,13 +72,16 @@ class FieldReader {
   void Set(int64_t* value) const { *value = Number<int64_t>(Scalar("a whole number"), "a whole number"); }
   void Set(double* value) const { *value = Number<double>(Scalar("a number"), "a number"); }
 
-  void Set(std::string* value) const {
+  void Set(std::string* value) const { *value = Text(); }
+  void Set(const NamedValue& value) const { value.set(Text()); }
+
+  const std::string& Text() const {
     const std::string& text = Scalar("a text");
     const auto& choices = field_->choices;
     if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end()) {
       Fail(fmt::format("is '{}'; it must be one of {}", Shown(text), fmt::join(choices, ", ")));
     }
-    *value = text;
+    return text;
   }
 
   void Set(std::vector<double>* value) const {

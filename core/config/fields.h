@@ -1,19 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <initializer_list>
 #include <limits>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace plslam {
 
-/// The values a text option may take.
+/// The values of a text option that are known only at run time.
 struct OneOf {
   std::vector<std::string> values;
-  OneOf(std::initializer_list<const char*> list) : values(list.begin(), list.end()) {}
-  explicit OneOf(std::vector<std::string> list) : values(std::move(list)) {}
 };
 
 /// Closed interval of the values an option may take.
@@ -26,17 +22,17 @@ struct Bounds {
 //
 //   struct OrbOptions {
 //     int max_points = 1000;
-//     std::string score = "harris";
+//     Corners score = Corners::kHarris;
 //   };
 //
 //   template <class Visitor>
 //   void VisitFields(Visitor& visit, OrbOptions& o) {
 //     visit("max_points", o.max_points, Bounds{0, 10000}, "largest number of points per image");
-//     visit("score", o.score, OneOf{"harris", "fast"}, "what ranks the corners");
+//     visit("score", o.score, "what ranks the corners");
 //     visit("nested", o.nested, "a struct that has VisitFields itself");
 //   }
 //
-// Field types: bool, int, int64_t, double, std::string, std::vector<double>, and structs with VisitFields. Reading,
-// checking, printing, and the generated reference all go through this one list.
+// Field types: bool, int, int64_t, double, std::string, std::vector<double>, enums with names (choices.h), and structs
+// with VisitFields. Reading, checking, printing, and the generated reference all go through this one list.
 
 }  // namespace plslam

@@ -62,12 +62,13 @@ CameraCalibration ReadLens(const YamlMap& yaml, const char* distortion) {
   camera.fy_px = intrinsics[1];
   camera.cx_px = intrinsics[2];
   camera.cy_px = intrinsics[3];
-  camera.model = is_sphere ? "double_sphere" : Model(yaml);
-  if (!is_sphere && camera.model != "pinhole") camera.distortion = yaml.Numbers(distortion, 4, 5);
+  camera.model = is_sphere ? lens_model::kDoubleSphere : Model(yaml);
+  if (!is_sphere && camera.model != lens_model::kPinhole) camera.distortion = yaml.Numbers(distortion, 4, 5);
   yaml.Require("resolution", SizeComplaint(camera));
   yaml.Require("intrinsics", FocalComplaint(camera));
   yaml.Require("intrinsics", CentreComplaint(camera));
-  if (camera.model != "pinhole") yaml.Require(is_sphere ? "intrinsics" : distortion, DistortionComplaint(camera));
+  if (camera.model != lens_model::kPinhole)
+    yaml.Require(is_sphere ? "intrinsics" : distortion, DistortionComplaint(camera));
   return camera;
 }
 

@@ -69,14 +69,15 @@ std::string DistortionComplaint(const CameraCalibration& camera) {
   const size_t n = camera.distortion.size();
   const LensModel* model = FindLensModel(camera.model);
   if (model == nullptr) return ModelComplaint(camera);
-  if (camera.model == "pinhole" && n != 0) return fmt::format("model pinhole has no distortion, but {} are given", n);
+  if (camera.model == lens_model::kPinhole && n != 0)
+    return fmt::format("model pinhole has no distortion, but {} are given", n);
   if (!LensModelTakes(camera.model, n)) {
     const std::string bound = model->min_coefficients == model->max_coefficients
                                   ? fmt::format("{}", model->min_coefficients)
                                   : fmt::format("{} or {}", model->min_coefficients, model->max_coefficients);
     return fmt::format("model {} has {} distortions ({}), not {}", camera.model, bound, model->coefficients, n);
   }
-  if (camera.model == "double_sphere") {
+  if (camera.model == lens_model::kDoubleSphere) {
     if (!Inside(camera.distortion[0], -0.99, 10.0)) {
       return fmt::format("xi {} is not within -0.99 to 10", camera.distortion[0]);
     }

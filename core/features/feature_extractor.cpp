@@ -42,8 +42,8 @@ void FeatureMask::RemoveOutside(ImageFeatures& features) const {
 
 struct FeatureExtractor::Impl {
   explicit Impl(const FeatureOptions& options)
-      : with_points(options.features != "lines"),
-        with_lines(options.features != "points"),
+      : with_points(options.features != FeatureTypes::kLines),
+        with_lines(options.features != FeatureTypes::kPoints),
         orb(options.orb),
         lines(options.lines) {}
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <string>
+#include <array>
 
+#include "core/config/choices.h"
 #include "core/config/fields.h"
 
 namespace plslam {
@@ -20,10 +21,15 @@ struct OrbOptions {
   double min_corner_ratio = 0.1;
 };
 
+/// Detectors of line segments: this project's, which is fast, or the paper's.
+enum class Segments { kEdgeChain, kLsd };
+constexpr auto ChoicesOf(Segments) {
+  return std::array{Choice{"edgechain", Segments::kEdgeChain}, Choice{"lsd", Segments::kLsd}};
+}
+
 /// Line segments and their descriptors (PL-SLAM §IV.B).
 struct LineOptions {
-  /// "edgechain" (of this project, fast) or "lsd" (the paper's).
-  std::string detector = "edgechain";
+  Segments detector = Segments::kEdgeChain;
   int max_lines = 200;
   double min_length_px = 20.0;
   /// Least contrast across a segment, grey levels; edgechain only.
@@ -109,9 +115,15 @@ struct MatchOptions {
   bool check_rotation = false;
 };
 
-/// "points" gives the paper's P-SLAM, "lines" L-SLAM, "both" PL-SLAM.
+/// Feature types in use: points are the paper's P-SLAM, lines L-SLAM, both PL-SLAM.
+enum class FeatureTypes { kPoints, kLines, kBoth };
+constexpr auto ChoicesOf(FeatureTypes) {
+  return std::array{Choice{"points", FeatureTypes::kPoints}, Choice{"lines", FeatureTypes::kLines},
+                    Choice{"both", FeatureTypes::kBoth}};
+}
+
 struct FeatureOptions {
-  std::string features = "both";
+  FeatureTypes features = FeatureTypes::kBoth;
   OrbOptions orb;
   LineOptions lines;
 };
@@ -125,7 +137,7 @@ void VisitFields(Visitor& visit, OrbOptions& o) {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, LineOptions& o) {
-  visit("detector", o.detector, OneOf{"edgechain", "lsd"}, "line segment detector");
+  visit("detector", o.detector, "line segment detector");
   visit("max_lines", o.max_lines, Bounds{0, 5000},
         "largest number of segments per image: the longest ones, spread over the image");
   visit("min_length_px", o.min_length_px, Bounds{8, 1000}, "shortest segment kept");
@@ -141,7 +153,7 @@ void VisitFields(Visitor& visit, StereoOptions& o) {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, FeatureOptions& o) {
-  visit("features", o.features, OneOf{"points", "lines", "both"}, "feature types in use");
+  visit("features", o.features, "feature types in use");
   visit("orb", o.orb, "ORB points");
   visit("lines", o.lines, "line segments");
 }

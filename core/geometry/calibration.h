@@ -32,12 +32,20 @@ struct FrameMask {
 /// Largest number of corners of all polygons of a camera: the masks of both cameras fit one datagram.
 inline constexpr size_t kMaxMaskCorners = 2000;
 
-/// Calibration of one camera. `model` is a name in core/geometry/distortion.h: "pinhole" (no distortion), "radtan",
-/// "rational", "equidistant" or "double_sphere".
+/// Names of the lens models (formulas: core/geometry/distortion.h).
+namespace lens_model {
+inline constexpr const char* kPinhole = "pinhole";  ///< no distortion
+inline constexpr const char* kRadtan = "radtan";
+inline constexpr const char* kRational = "rational";
+inline constexpr const char* kEquidistant = "equidistant";
+inline constexpr const char* kDoubleSphere = "double_sphere";
+}  // namespace lens_model
+
+/// Calibration of one camera. `model` is one of `lens_model`.
 struct CameraCalibration {
   int width_px = 0;
   int height_px = 0;
-  std::string model = "pinhole";
+  std::string model = lens_model::kPinhole;
   double fx_px = 0.0;
   double fy_px = 0.0;
   double cx_px = 0.0;

@@ -13,11 +13,11 @@ namespace plslam {
 namespace {
 
 // Coefficients are in OpenCV's order for the first three models, in Kalibr's for the other two.
-constexpr std::array<LensModel, 5> kModels = {{{"pinhole", 0, 0, "none"},
-                                               {"radtan", 4, 5, "k1 k2 p1 p2 [k3]"},
-                                               {"rational", 8, 8, "k1 k2 p1 p2 k3 k4 k5 k6"},
-                                               {"equidistant", 4, 4, "k1 k2 k3 k4"},
-                                               {"double_sphere", 2, 2, "xi alpha"}}};
+constexpr std::array<LensModel, 5> kModels = {{{lens_model::kPinhole, 0, 0, "none"},
+                                               {lens_model::kRadtan, 4, 5, "k1 k2 p1 p2 [k3]"},
+                                               {lens_model::kRational, 8, 8, "k1 k2 p1 p2 k3 k4 k5 k6"},
+                                               {lens_model::kEquidistant, 4, 4, "k1 k2 k3 k4"},
+                                               {lens_model::kDoubleSphere, 2, 2, "xi alpha"}}};
 
 }  // namespace
 
@@ -53,10 +53,10 @@ void RequireKnown(const CameraCalibration& c) {
   }
   // A pinhole may keep zero coefficients of a former model.
   const bool zeros = std::all_of(c.distortion.begin(), c.distortion.end(), [](double k) { return k == 0.0; });
-  if (c.model == "pinhole" && !zeros) {
+  if (c.model == lens_model::kPinhole && !zeros) {
     throw std::runtime_error("distortion model \"pinhole\" has coefficients that are not zero");
   }
-  if (c.model != "pinhole" && !LensModelTakes(c.model, c.distortion.size())) {
+  if (c.model != lens_model::kPinhole && !LensModelTakes(c.model, c.distortion.size())) {
     throw std::runtime_error("distortion model \"" + c.model + "\" takes the coefficients " +
                              std::string(model->coefficients) + ", not " + std::to_string(c.distortion.size()));
   }
@@ -77,19 +77,19 @@ Distortion::Distortion(const CameraCalibration& c) {
   RequireKnown(c);
   const std::vector<double>& d = c.distortion;
   double end = kLargestRadius;
-  if (c.model == "radtan" || c.model == "rational") {
-    model_ = c.model == "radtan" ? Model::kRadtan : Model::kRational;
+  if (c.model == lens_model::kRadtan || c.model == lens_model::kRational) {
+    model_ = c.model == lens_model::kRadtan ? Model::kRadtan : Model::kRational;
     k_[0] = d[0];
     k_[1] = d[1];
     p_[0] = d[2];
     p_[1] = d[3];
     if (d.size() > 4) k_[2] = d[4];
     if (model_ == Model::kRational) std::copy(d.begin() + 5, d.end(), divisor_);
-  } else if (c.model == "equidistant") {
+  } else if (c.model == lens_model::kEquidistant) {
     model_ = Model::kEquidistant;
     std::copy(d.begin(), d.end(), k_);
     end = std::atan(kLargestRadius);
-  } else if (c.model == "double_sphere") {
+  } else if (c.model == lens_model::kDoubleSphere) {
     model_ = Model::kDoubleSphere;
     xi_ = d[0];
     alpha_ = d[1];

@@ -19,19 +19,29 @@ double Share(double part, double other) { return part + other > 0.0 ? part / (pa
 double WeightOfPoints(const PlaceDescription& query, const PlaceOptions& options) {
   const double strength = Share(query.n_points, query.n_lines);
   const double dispersion = Share(query.dispersion_points_px, query.dispersion_lines_px);
-  if (options.merge == "balanced") return Share(query.n_points, options.line_weight * query.n_lines);
-  if (options.merge == "paper") return 0.5 * (strength + dispersion);
-  if (options.merge == "strength") return strength;
-  if (options.merge == "dispersion") return dispersion;
-  if (options.merge == "points") return 1.0;
-  if (options.merge == "lines") return 0.0;
-  throw std::invalid_argument("unknown merge of similarities: " + options.merge);
+  switch (options.merge) {
+    case Merge::kBalanced:
+      return Share(query.n_points, options.line_weight * query.n_lines);
+    case Merge::kPaper:
+      return 0.5 * (strength + dispersion);
+    case Merge::kStrength:
+      return strength;
+    case Merge::kDispersion:
+      return dispersion;
+    case Merge::kPoints:
+      return 1.0;
+    case Merge::kLines:
+      return 0.0;
+    case Merge::kAdaptive:
+      break;
+  }
+  throw std::logic_error("the weights of an adaptive merge do not add up to one");
 }
 
 }  // namespace
 
 PlaceWeights WeightsFor(const PlaceDescription& query, const PlaceOptions& options) {
-  if (options.merge == "adaptive") {
+  if (options.merge == Merge::kAdaptive) {
     const double lines = options.line_weight * query.n_lines;
     const double all = query.n_points + lines + kUnsharedPoints;
     return {query.n_points / all, lines / all};
@@ -42,7 +52,7 @@ PlaceWeights WeightsFor(const PlaceDescription& query, const PlaceOptions& optio
 
 std::vector<float> WordWeights(const std::vector<int>& places_with, int places, const PlaceOptions& options) {
   std::vector<float> word_weights(places_with.size(), 1.0F);
-  if (options.merge != "adaptive") return word_weights;
+  if (options.merge != Merge::kAdaptive) return word_weights;
   for (size_t i = 0; i < word_weights.size(); ++i) {
     const double without = 1.0 - places_with[i] / (places + kPlacesWithoutWords);
     word_weights[i] = static_cast<float>(std::pow(without, options.idf_exponent));

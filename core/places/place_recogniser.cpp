@@ -13,8 +13,8 @@ namespace {
 
 void CheckType(const Vocabulary& vocabulary, FeatureType type) {
   if (vocabulary.type() == type) return;
-  throw std::invalid_argument(std::string("a vocabulary of ") + FeatureTypeName(vocabulary.type()) +
-                              " was given where one of " + FeatureTypeName(type) + " is needed");
+  throw std::invalid_argument(std::string("a vocabulary of ") + NameOf(vocabulary.type()) +
+                              " was given where one of " + NameOf(type) + " is needed");
 }
 
 bool Worse(const PlaceMatch& a, const PlaceMatch& b) {
@@ -42,7 +42,7 @@ PlaceDescription DescribeWith(const Features& features, const Vocabulary& points
   return description;
 }
 
-PlaceMatch Merge(KeyframeId keyframe_id, const PlaceWeights& weights, double points, double lines) {
+PlaceMatch MatchOf(KeyframeId keyframe_id, const PlaceWeights& weights, double points, double lines) {
   return {keyframe_id, weights.points * points + weights.lines * lines, points, lines};
 }
 
@@ -56,7 +56,6 @@ PlaceRecogniser::PlaceRecogniser(Vocabulary points, Vocabulary lines, const Plac
       line_index_(lines_.words()) {
   CheckType(points_, FeatureType::kPoints);
   CheckType(lines_, FeatureType::kLines);
-  WeightsFor({}, options_);
 }
 
 PlaceDescription PlaceRecogniser::Describe(const FeaturesView& features) const {
@@ -120,16 +119,16 @@ std::vector<PlaceMatch> PlaceRecogniser::Query(const PlaceDescription& query,
   std::vector<PlaceMatch> matches;
   matches.reserve(keyframe_ids_.size());
   for (size_t i = 0; i < keyframe_ids_.size(); ++i) {
-    const PlaceMatch match = Merge(keyframe_ids_[i], weights, points[i], lines[i]);
+    const PlaceMatch match = MatchOf(keyframe_ids_[i], weights, points[i], lines[i]);
     if (match.score > 0.0) matches.push_back(match);
   }
   return Best(std::move(matches), excluded, max_results);
 }
 
 PlaceMatch PlaceRecogniser::Compare(const PlaceDescription& query, const PlaceDescription& other) const {
-  return Merge(-1, WeightsFor(query, options_),
-               BagSimilarity(query.points, Weights(point_index_, query.points), other.points),
-               BagSimilarity(query.lines, Weights(line_index_, query.lines), other.lines));
+  return MatchOf(-1, WeightsFor(query, options_),
+                 BagSimilarity(query.points, Weights(point_index_, query.points), other.points),
+                 BagSimilarity(query.lines, Weights(line_index_, query.lines), other.lines));
 }
 
 double PlaceRecogniser::Score(const PlaceDescription& query, const PlaceDescription& other) const {

@@ -22,8 +22,6 @@ int DepthOf(const std::vector<int32_t>& child_begin) {
 
 }  // namespace
 
-const char* FeatureTypeName(FeatureType type) { return type == FeatureType::kPoints ? "points" : "lines"; }
-
 std::string LinkNodes(const std::vector<uint8_t>& children, VocabularyTree& tree) {
   const auto nodes = static_cast<int64_t>(children.size());
   tree.child_begin.assign(1, 1);

@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "core/config/choices.h"
 #include "core/features/features.h"
 
 namespace plslam {
 
 /// Feature type of a vocabulary: ORB of points or LBD of lines.
 enum class FeatureType : uint8_t { kPoints = 0, kLines = 1 };
-
-/// Returns "points" or "lines".
-const char* FeatureTypeName(FeatureType type);
+constexpr auto ChoicesOf(FeatureType) {
+  return std::array{Choice{"points", FeatureType::kPoints}, Choice{"lines", FeatureType::kLines}};
+}
 
 /// Bounds of a vocabulary; a file beyond them is rejected.
 struct VocabularyLimits {

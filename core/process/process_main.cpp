@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "core/bus/transport/transport.h"
+#include "core/config/config.h"
 #include "core/errors/error_text.h"
 #include "core/errors/log.h"
 #include "core/errors/standard_streams.h"
@@ -37,7 +38,7 @@ class ProcessRunner {
       arguments_.EndWithParent();
       const Config config = arguments_.MakeConfig();
       BusOptions bus_options;
-      config.Read("bus", bus_options);
+      config.Read(kBusSection, bus_options);
       // Constructed before the bus, whose threads must inherit the blocked signals.
       const SignalWatcher signals([this](const std::string& signal) { OnSignal(signal); }, arguments_.parent);
       process.emplace(spec_.name, bus_options);
@@ -112,7 +113,7 @@ class ProcessRunner {
   void ReportOptionsOfOthers() const {
     for (const std::string& assignment : arguments_.overrides) {
       const std::string section = assignment.substr(0, assignment.find('.'));
-      if (section == "bus" || section == spec_.name) continue;
+      if (section == kBusSection || section == spec_.name) continue;
       LogWarning("--set {} has no effect here: it is an option of {}", assignment, section);
     }
   }

@@ -74,7 +74,7 @@ StatusPublisher::StatusPublisher(const std::string& process, const BusOptions& o
       namesakes_(bus.source()),
       on_older_(std::move(on_older)) {
   BusOptions shown = options;
-  bus_configuration_ = ToYaml("bus", shown);
+  bus_configuration_ = ToYaml(kBusSection, shown);
   const auto limit = static_cast<size_t>(options.max_message_bytes);
   max_configuration_bytes_ = limit > kStatusBytes ? limit - kStatusBytes : 0;
   bus_.Every(std::chrono::milliseconds(1000), [this] { Publish(); });

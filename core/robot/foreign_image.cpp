@@ -6,6 +6,7 @@
 #include <array>
 #include <string_view>
 
+#include "core/datasets/recordings/depth_images.h"
 #include "core/datasets/recordings/pixel_encodings.h"
 #include "core/io/files/dataset_error.h"
 #include "core/io/images/image_file.h"
@@ -67,6 +68,11 @@ std::string EncodingOfPixelFormat(int32_t pixelformat) {
 cv::Mat GreyOf(const ForeignImage& image, const cv::Size& expected, int white) {
   if (!image.encoding.empty()) return GreyOfRosPixels(PixelsOf(image), expected, white);
   return DecodeGreyImage("the file in it", image.bytes, {expected.width, expected.height}, white);
+}
+
+cv::Mat DepthsOf(const ForeignImage& image, const cv::Size& expected, double units_per_m) {
+  if (!image.encoding.empty()) return DepthsOfRosPixels(PixelsOf(image), expected, units_per_m);
+  return DepthsOfCompressed(image.format, image.bytes, expected, units_per_m);
 }
 
 int BrightWideValue(const ForeignImage& image, const cv::Size& expected) {

@@ -97,8 +97,8 @@ std::string LineMarker(int64_t t_ns, std::string_view name, const RosView& view,
 
 /// ROS has no name for the double sphere: a reader that does not know our name rejects it.
 std::string_view RosLensName(std::string_view model) {
-  if (model == "pinhole" || model == "radtan") return "plumb_bob";
-  return model == "rational" ? "rational_polynomial" : model;
+  if (model == lens_model::kPinhole || model == lens_model::kRadtan) return "plumb_bob";
+  return model == lens_model::kRational ? "rational_polynomial" : model;
 }
 
 void PutField(CdrWriter& cdr, const char* name, uint32_t offset, uint8_t type) {
@@ -165,7 +165,7 @@ std::string RosCameraInfoMessage(int64_t t_ns, const CameraCalibration& camera) 
   cdr.Put(static_cast<uint32_t>(camera.height_px));
   cdr.Put(static_cast<uint32_t>(camera.width_px));
   std::vector<double> distortion = camera.distortion;
-  if (camera.model == "pinhole" || camera.model == "radtan") distortion.resize(5);
+  if (camera.model == lens_model::kPinhole || camera.model == lens_model::kRadtan) distortion.resize(5);
   cdr.Put(RosLensName(camera.model));
   cdr.PutCount(distortion.size());
   for (const double value : distortion) cdr.Put(value);

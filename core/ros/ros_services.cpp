@@ -28,7 +28,7 @@ ServiceOrder OrderOf(const RosService& service, std::span<const uint8_t> request
     if (request.empty()) throw std::runtime_error("the request has no data");
     const bool is_on = request[0] != 0;
     if (!is_on) order.verb = service.verb_of_off;
-    if (service.has_on_off) order.argument = is_on ? "on" : "off";
+    if (service.has_on_off) order.argument = is_on ? localise_mode::kOn : localise_mode::kOff;
   }
   if (service.has_file) {
     if (map_file.empty()) {

@@ -18,6 +18,8 @@ inline constexpr const char* kLoop = "loop";
 inline constexpr const char* kViewer = "viewer";
 inline constexpr const char* kDense = "dense";
 inline constexpr const char* kBridge = "bridge";
+inline constexpr const char* kRecorder =
+    "recorder";  ///< plslam run --record; outside of `kAll`, since it takes no orders
 inline constexpr std::array kAll = {kPlayer, kCamera, kAdapter, kVo,     kMapping,
                                     kLoop,   kViewer, kDense,   kBridge, kRos2};
 inline bool SendsFrames(std::string_view name) {
@@ -35,6 +37,32 @@ inline constexpr const char* kStopping = "stopping";
 inline constexpr const char* kFailed = "failed";
 inline constexpr std::array kAll = {kStarting, kReady, kRunning, kFinished, kStopping, kFailed};
 }  // namespace process_state
+
+/// Stages of processes (`stage_t.name`) that reports treat as sums.
+namespace stage_name {
+inline constexpr const char* kTotal = "total";    ///< a frame in vo_process
+inline constexpr const char* kUpdate = "update";  ///< a keyframe in mapping_process
+inline constexpr const char* kAdjust = "adjust";  ///< local bundle adjustment
+}  // namespace stage_name
+
+/// Arguments of `command_verb::kLocalise`.
+namespace localise_mode {
+inline constexpr const char* kOn = "on";    ///< the map is fixed
+inline constexpr const char* kOff = "off";  ///< the map grows
+}  // namespace localise_mode
+
+/// Values of `stream_t.event`.
+namespace stream_event {
+inline constexpr const char* kBegin = "begin";
+inline constexpr const char* kResume = "resume";  ///< by a player that continues after one that was killed
+inline constexpr const char* kEnd = "end";
+}  // namespace stream_event
+
+/// Values of `stream_t.pace`, and of the options `pace`.
+namespace stream_pace {
+inline constexpr const char* kLockstep = "lockstep";
+inline constexpr const char* kRealtime = "realtime";  ///< as an option, a speed may follow: "realtimex2"
+}  // namespace stream_pace
 
 /// Values of `command_t.verb`; documented in lcmtypes/command_t.lcm.
 namespace command_verb {

@@ -7,17 +7,19 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "core/run/process_names.h"
+
 namespace plslam::stream {
 namespace {
 
-constexpr std::string_view kRealtime = "realtime";
+constexpr std::string_view kRealtime = stream_pace::kRealtime;
 constexpr double kMinSpeed = 1e-3;
 constexpr double kMaxSpeed = 1e3;
 
 }  // namespace
 
 Pace ParsePace(const std::string& text) {
-  if (text == "lockstep") return {true, 1.0};
+  if (text == stream_pace::kLockstep) return {true, 1.0};
   if (text == kRealtime) return {false, 1.0};
   if (text.starts_with(kRealtime) && text.size() > kRealtime.size() + 1 && text[kRealtime.size()] == 'x') {
     double speed = 0.0;

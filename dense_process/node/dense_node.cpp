@@ -165,14 +165,17 @@ void DenseNode::OnKeyframe(const Keyframe& keyframe) {
   FuseAll();
 }
 
-/// Keyframes that were made before this process started have no images.
+/// Keyframes that were made before this process started have no images. In lockstep all others stay: they wait for the
+/// map alone, and the results of a run do not depend on its times.
 void DenseNode::DropOldest() {
   while (waiting_.size() > kMostWaiting) {
-    const auto without = std::ranges::find_if(waiting_, [](const auto& w) { return !w.second.images.has_value(); });
-    const bool lacks = without != waiting_.end();
+    auto dropped = std::ranges::find_if(waiting_, [](const auto& w) { return !w.second.images.has_value(); });
+    const bool lacks = dropped != waiting_.end();
+    if (!lacks) dropped = std::ranges::find_if(waiting_, [](const auto& w) { return !w.second.keyframe.lockstep; });
+    if (dropped == waiting_.end()) return;
     process_.SetCounter(lacks ? "keyframes.without_images" : "keyframes.dropped",
                         static_cast<double>(++(lacks ? n_without_images_ : n_dropped_)));
-    waiting_.erase(lacks ? without : waiting_.begin());
+    waiting_.erase(dropped);
   }
 }
 
@@ -199,7 +202,7 @@ void DenseNode::OnStatus(const status_t& message) {
 }
 
 void DenseNode::OnStream(const stream_t& message) {
-  ended_ = message.event == "end";
+  ended_ = message.event == stream_event::kEnd;
   quiet_ticks_ = 0;
 }
 

@@ -322,9 +322,9 @@ void MappingNode::Insert(const std::vector<WorkQueue::Arrived>& batch) {
   }
   const double done_ms = bus::NowMs();
   Publish({{"insert", inserted_ms - began_ms},
-           {"adjust", adjusted_ms - inserted_ms},
+           {stage_name::kAdjust, adjusted_ms - inserted_ms},
            {"cull", done_ms - adjusted_ms},
-           {"update", done_ms - batch.front().received_ms}});
+           {stage_name::kUpdate, done_ms - batch.front().received_ms}});
   if ((n_since_files_ += count) >= kFilesEvery) MoveOldToFiles();
 }
 
@@ -469,9 +469,10 @@ void MappingNode::Save(const std::string& argument) {
 }
 
 void MappingNode::SetLocaliseOnly(const std::string& argument) {
-  if (argument != "on" && argument != "off")
+  const bool fixes = argument == localise_mode::kOn;
+  if (!fixes && argument != localise_mode::kOff)
     throw std::runtime_error(fmt::format("localise \"{}\": must be on or off", argument));
-  mapper_->SetLocaliseOnly(argument == "on");
+  mapper_->SetLocaliseOnly(fixes);
   LogInfo("the map {}", mapper_->localise_only() ? "is fixed" : "can grow");
   Publish({});
   // A process killed later restarts in this mode; the newest keyframe is committed here (`WorkQueue::Take`).

@@ -155,6 +155,7 @@ robot::ForeignImage ToImage(const sensor_msgs_msg_dds__Image_& message) {
 robot::ForeignImage ToImage(const sensor_msgs_msg_dds__CompressedImage_& message) {
   robot::ForeignImage image;
   image.t_ns = StampOf(message.header);
+  image.format = TextOf(message.format);
   image.bytes.assign(message.data._buffer, message.data._buffer + message.data._length);
   return image;
 }

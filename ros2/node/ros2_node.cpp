@@ -16,6 +16,7 @@
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
+#include "core/datasets/recordings/topic_names.h"
 #include "core/errors/error_text.h"
 #include "core/errors/log.h"
 #include "core/io/files/dataset_error.h"
@@ -62,12 +63,12 @@ RobotFrames FramesOf(const Ros2Options& options) {
   return {.map = options.map_frame,
           .odom = options.odom_frame,
           .body = options.base_frame,
-          .writes_map = options.publish_tf == "all" || options.publish_tf == "map",
-          .writes_odom = options.publish_tf == "all" || options.publish_tf == "odom"};
+          .writes_map = options.publish_tf == PublishedTf::kAll || options.publish_tf == PublishedTf::kMap,
+          .writes_odom = options.publish_tf == PublishedTf::kAll || options.publish_tf == PublishedTf::kOdom};
 }
 
 const char* ImageTypeOf(const std::string& topic) {
-  return topic.ends_with("/compressed") ? "sensor_msgs/msg/CompressedImage" : "sensor_msgs/msg/Image";
+  return IsCompressedTopic(topic) ? "sensor_msgs/msg/CompressedImage" : "sensor_msgs/msg/Image";
 }
 
 }  // namespace
@@ -75,6 +76,7 @@ const char* ImageTypeOf(const std::string& topic) {
 Ros2Node::Ros2Node(bus::Process& process, const Ros2Options& options)
     : process_(process),
       options_(options),
+      is_rgbd_(NamesDepth(options.right)),
       domain_(DomainOfEnvironment()),
       participant_(domain_, CycloneConfiguration(domain_, Environment("CYCLONEDDS_URI"))),
       frames_(process,
@@ -82,6 +84,7 @@ Ros2Node::Ros2Node(bus::Process& process, const Ros2Options& options)
                .camera_option = "ros2.camera",
                .camera = options.camera,
                .left = options.left,
+               .right = options.right,
                .max_skew_ns = std::llround(options.max_skew_ms * kNsPerMs)},
               {.on_rig = [](const RigCalibration&) {},
                .on_frame = [this](int64_t t_ns) { first_t_ns_ = std::min(first_t_ns_.load(), t_ns); }}),
@@ -98,10 +101,11 @@ Ros2Node::Ros2Node(bus::Process& process, const Ros2Options& options)
     Side& own = sides_[static_cast<size_t>(side)];
     own.input.topic = topic;
     own.input.type = ImageTypeOf(topic);
-    own.reader =
-        participant_.ReadImages(topic, topic.ends_with("/compressed"),
-                                [this, side](robot::ForeignImage image) { TakeImage(side, std::move(image)); });
-    if (!options.camera.empty()) continue;
+    own.reader = participant_.ReadImages(topic, IsCompressedTopic(topic), [this, side](robot::ForeignImage image) {
+      TakeImage(side, std::move(image));
+    });
+    // Depths have the camera of the colour image.
+    if (!options.camera.empty() || (side == robot::Side::kRight && is_rgbd_)) continue;
     const std::string& given = side == robot::Side::kLeft ? options.left_info : options.right_info;
     const std::string info = given.empty() ? InfoTopicOf(topic) : given;
     const size_t reader = participant_.ReadInfos(info, [this, side](RosCameraInfo message, const std::string& frame) {
@@ -173,7 +177,7 @@ void Ros2Node::TakeInfo(robot::Side side, RosCameraInfo info, const std::string&
 
 /// A rig that changed while it is in use would begin a new session, so /tf_static is awaited for a while.
 void Ros2Node::UseInfos() {
-  if (!held_infos_[0] || !held_infos_[1]) return;
+  if (!held_infos_[0] || (!held_infos_[1] && !is_rgbd_)) return;
   const std::optional<SE3> T_b_l = static_frames_.Find(options_.base_frame, left_frame_);
   if (!T_b_l && !frames_.has_rig() && bus::NowS() - held_since_s_ < kPatienceForFrames_s) {
     const std::vector<Publisher> publishers = participant_.Publishers();
@@ -188,7 +192,7 @@ void Ros2Node::UseInfos() {
   }
   auto infos = std::exchange(held_infos_, {});
   frames_.AddInfo(robot::Side::kLeft, *std::move(infos[0]));
-  frames_.AddInfo(robot::Side::kRight, *std::move(infos[1]));
+  if (infos[1]) frames_.AddInfo(robot::Side::kRight, *std::move(infos[1]));
 }
 
 void Ros2Node::Write(const RosTopic& row, int64_t t_ns, const std::string& cdr) {

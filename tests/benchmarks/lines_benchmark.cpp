@@ -55,13 +55,13 @@ cv::Mat Load(const Scene& scene, bool left) {
   return image.empty() ? Drawn(scene.size, left ? 0 : 15) : image;
 }
 
-LineOptions WithDetector(const std::string& name) {
+LineOptions WithDetector(Segments detector) {
   LineOptions options;
-  options.detector = name;
+  options.detector = detector;
   return options;
 }
 
-void Detect(benchmark::State& state, const Scene& scene, const std::string& detector) {
+void Detect(benchmark::State& state, const Scene& scene, Segments detector) {
   const cv::Mat image = Load(scene, true);
   const auto lines = MakeLineDetector(WithDetector(detector));
   Gradients gradients;
@@ -73,7 +73,7 @@ void Detect(benchmark::State& state, const Scene& scene, const std::string& dete
   state.counters["segments"] = static_cast<double>(found);
 }
 
-void Extract(benchmark::State& state, const Scene& scene, const std::string& detector) {
+void Extract(benchmark::State& state, const Scene& scene, Segments detector) {
   const cv::Mat image = Load(scene, true);
   LineExtractor extractor(WithDetector(detector));
   size_t found = 0;
@@ -123,10 +123,12 @@ void Median(benchmark::internal::Benchmark* b) {
 
 void RegisterScene(const Scene& scene) {
   const std::string suffix = std::string("/") + scene.name;
-  for (const std::string detector : {"edgechain", "lsd"}) {
-    Median(benchmark::RegisterBenchmark(("LineDetect/" + detector + suffix).c_str(),
+  for (const Choice<Segments>& choice : ChoicesOf(Segments())) {
+    const Segments detector = choice.value;
+    const std::string name = choice.name + suffix;
+    Median(benchmark::RegisterBenchmark(("LineDetect/" + name).c_str(),
                                         [&scene, detector](auto& state) { Detect(state, scene, detector); }));
-    Median(benchmark::RegisterBenchmark(("LineExtract/" + detector + suffix).c_str(),
+    Median(benchmark::RegisterBenchmark(("LineExtract/" + name).c_str(),
                                         [&scene, detector](auto& state) { Extract(state, scene, detector); }));
   }
   Median(benchmark::RegisterBenchmark(("LineDescribe" + suffix).c_str(),

@@ -20,7 +20,7 @@ test::BundleWorldSpec LocalMap() {
   return spec;
 }
 
-void Adjust(benchmark::State& state, const test::BundleWorldSpec& spec, const char* lines) {
+void Adjust(benchmark::State& state, const test::BundleWorldSpec& spec, LineParameters lines) {
   const test::BundleWorld world = test::MakeBundleWorld(spec, 1);
   BundleOptions options;
   options.lines = lines;
@@ -35,10 +35,10 @@ void Adjust(benchmark::State& state, const test::BundleWorldSpec& spec, const ch
   state.counters["pose_mm"] = 1e3 * errors.translation_m;
 }
 
-void BM_LocalMap(benchmark::State& state) { Adjust(state, LocalMap(), "minimal"); }
+void BM_LocalMap(benchmark::State& state) { Adjust(state, LocalMap(), LineParameters::kMinimal); }
 BENCHMARK(BM_LocalMap)->Unit(benchmark::kMillisecond);
 
-void BM_LocalMapByEndpoints(benchmark::State& state) { Adjust(state, LocalMap(), "endpoints"); }
+void BM_LocalMapByEndpoints(benchmark::State& state) { Adjust(state, LocalMap(), LineParameters::kEndpoints); }
 BENCHMARK(BM_LocalMapByEndpoints)->Unit(benchmark::kMillisecond);
 
 void BM_WholeMap(benchmark::State& state) {
@@ -47,7 +47,7 @@ void BM_WholeMap(benchmark::State& state) {
   spec.free_poses = static_cast<int>(state.range(0));
   spec.points = 100 * spec.free_poses;
   spec.lines = 15 * spec.free_poses;
-  Adjust(state, spec, "minimal");
+  Adjust(state, spec, LineParameters::kMinimal);
 }
 BENCHMARK(BM_WholeMap)->Arg(100)->Arg(300)->Unit(benchmark::kMillisecond);
 

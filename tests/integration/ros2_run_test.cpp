@@ -5,13 +5,16 @@
 
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <random>
 #include <regex>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "core/datasets/open_dataset.h"
+#include "core/io/images/png_codec.h"
 #include "core/io/trajectories/trajectory.h"
 #include "tests/integration/ros2_robot.h"
 #include "tests/support/sanitized.h"
@@ -78,6 +81,46 @@ TEST_F(Ros2, CameraIsWhereTfStaticHasIt) {
     const SE3 T_true = T_b_l * T_first * *world->GroundTruth(IndexOf(odom)) * T_b_l.Inverse();
     EXPECT_LT((Eigen::Vector3d(odom[1], odom[2], odom[3]) - T_true.translation()).norm(), 0.05) << odom;
   }
+}
+
+/// A wall 2 m away, along which the camera moves by 2 cm a frame, as colour and depth.
+std::string WallOfAnRgbdCamera(const ScratchFolder& folder, int n_frames) {
+  const std::filesystem::path wall = folder.Path("wall");
+  for (const char* name : {"rgb", "depth"}) std::filesystem::create_directories(wall / name);
+  std::ofstream(wall / "camera.yaml")
+      << "kind: rgbd\nrate_hz: 20\ndepth_units_per_m: 1000\nleft:\n  resolution_px: [376, 240]\n"
+         "  focal_length_px: [200, 200]\n  principal_point_px: [187.5, 119.5]\n";
+  cv::Mat grains(40, 120, CV_8UC1);
+  std::mt19937 random(5);
+  for (int i = 0; i < grains.rows * grains.cols; ++i) grains.data[i] = static_cast<uint8_t>(random());
+  for (int i = 0; i < n_frames; ++i) {
+    cv::Mat image(240, 376, CV_8UC1);
+    for (int y = 0; y < image.rows; ++y) {
+      for (int x = 0; x < image.cols; ++x) image.at<uint8_t>(y, x) = grains.at<uint8_t>(y / 6, (x + 2 * i) / 6);
+    }
+    WritePng((wall / "rgb" / fmt::format("{:04}.png", i)).string(), image);
+    WritePng((wall / "depth" / fmt::format("{:04}.png", i)).string(), cv::Mat(240, 376, CV_16UC1, cv::Scalar(2000)));
+  }
+  return wall.string();
+}
+
+TEST_F(Ros2, ColourAndDepthAreTracked) {
+  const std::string wall = WallOfAnRgbdCamera(folder_, 60);
+  const auto run = Start(BinaryFolder() / "plslam",
+                         {"run", "ros2:/camera/color/image_raw,/camera/aligned_depth_to_color/image_raw", "--out",
+                          folder_.Path("out"), "--no-loops"},
+                         "run.log");
+  const auto robot = StartRobot({wall, "20", "60", "listen_s=1"});
+  Wait(*robot);
+  run->Signal(SIGINT);
+  Wait(*run);
+  ASSERT_EQ(run->Poll()->code, 0) << Log("run.log");
+  const json odom = Heard()["odom"];
+  ASSERT_GT(odom.size(), 40U) << Heard();
+  // The camera looks along x of the body, so that its right is -y.
+  const int first = IndexOf(odom.front()), last = IndexOf(odom.back());
+  const double moved_m = odom.front()[2].get<double>() - odom.back()[2].get<double>();
+  EXPECT_NEAR(moved_m, 0.02 * (last - first), 0.02);
 }
 
 TEST_F(Ros2, MissingInputIsNamedInFiveSeconds) {

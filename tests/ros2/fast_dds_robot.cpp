@@ -104,13 +104,14 @@ int64_t StampOf(const std_msgs::msg::dds_::Header_& header) {
   return int64_t{header.stamp().sec()} * 1'000'000'000 + header.stamp().nanosec();
 }
 
+/// A grey image, or depths in millimetres.
 sensor_msgs::msg::dds_::Image_ ImageOf(const cv::Mat& grey, int64_t t_ns) {
   sensor_msgs::msg::dds_::Image_ image;
   SetHeader(image.header(), t_ns, "camera");
   image.width(static_cast<uint32_t>(grey.cols));
   image.height(static_cast<uint32_t>(grey.rows));
-  image.step(static_cast<uint32_t>(grey.cols));
-  image.encoding("mono8");
+  image.step(static_cast<uint32_t>(grey.step));
+  image.encoding(grey.type() == CV_8UC1 ? "mono8" : "16UC1");
   image.data(std::vector<uint8_t>(grey.datastart, grey.dataend));
   return image;
 }
@@ -285,7 +286,9 @@ int main(int argc, char** argv) {
   fast::DataWriter* images[2] = {nullptr, nullptr};
   fast::DataWriter* infos[2] = {nullptr, nullptr};
   for (int i = 0; i < (has("no_right") ? 1 : 2); ++i) {
-    const std::string side = space + (i == 0 ? "/stereo/left" : "/stereo/right");
+    const bool rgbd = dataset->rig().kind == plslam::RigCalibration::Kind::kRgbd;
+    const std::string side = space + (rgbd ? (i == 0 ? "/camera/color" : "/camera/aligned_depth_to_color")
+                                           : (i == 0 ? "/stereo/left" : "/stereo/right"));
     images[i] = has("jpeg") ? robot.Writer<Jpeg>(side + "/image_raw/compressed", has("reliable"))
                             : robot.Writer<Image>(side + "/image_raw", has("reliable"));
     if (!has("no_info")) infos[i] = robot.Writer<Info>(side + "/camera_info", true);

@@ -40,7 +40,7 @@ constexpr double kGoodTilt_deg = 20.0;
 struct CalibrateOptions {
   std::string folder;
   std::string board;
-  std::string model = "radtan";
+  std::string model = lens_model::kRadtan;
   std::string out;
   std::string print_board;
   double seconds = 0.0;
@@ -290,7 +290,8 @@ void AddCalibrateCommand(CLI::App* app, std::function<int()>* command) {
          "aprilgrid:COLUMNSxROWS:TAG:SPACING (tags; spacing in tags)")
       ->required();
   sub->add_option("--model", options->model, "lens model of both cameras")
-      ->check(CLI::IsMember({"radtan", "rational", "equidistant", "double_sphere"}))
+      ->check(CLI::IsMember(
+          {lens_model::kRadtan, lens_model::kRational, lens_model::kEquidistant, lens_model::kDoubleSphere}))
       ->capture_default_str();
   sub->add_option("--out", options->out, "camera.yaml to write [the result is only printed]")->type_name("FILE");
   sub->add_option("--print-board", options->print_board, "write the board as a PDF in the size to print")

@@ -15,6 +15,8 @@ namespace plslam::calibration {
 namespace {
 
 constexpr int kMinCorners = 8;
+/// Markers in an image whose numbers may be misread.
+constexpr size_t kMostMisread = 2;
 /// Cells along the side of a marker with its border.
 constexpr int kMarkerCells = 7;
 constexpr int kTagBorder = 2;
@@ -53,7 +55,8 @@ BoardView FindChess(const Board& board, const cv::Mat& image) {
   return view;
 }
 
-/// Returns whether markers contradict the board: most of their corners do not fit one homography, to `bound_m`.
+/// Returns whether markers contradict the board: some have higher numbers than it has, as on a board with more rows, or
+/// most of their corners do not fit one homography, to `bound_m`.
 bool Contradicts(const std::vector<std::vector<cv::Point3f>>& board, double bound_m, const FoundMarkers& read) {
   std::vector<cv::Point2f> on_board, seen;
   size_t n_unknown = 0;
@@ -68,7 +71,7 @@ bool Contradicts(const std::vector<std::vector<cv::Point3f>>& board, double boun
       seen.push_back(read.corners[i][k]);
     }
   }
-  if (2 * n_unknown > read.ids.size()) return true;
+  if (n_unknown > kMostMisread || 2 * n_unknown > read.ids.size()) return true;
   if (on_board.size() < 16) return false;
   cv::Mat inliers;
   cv::findHomography(seen, on_board, inliers, cv::RANSAC, bound_m);

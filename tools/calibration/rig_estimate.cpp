@@ -36,9 +36,10 @@ struct Prior {
   double mean;
   double sigma;
 };
-constexpr std::array kPriors = {Prior{"rational", 9, 0.0, 0.5}, Prior{"rational", 10, 0.0, 0.5},
-                                Prior{"rational", 11, 0.0, 0.5}, Prior{"double_sphere", 4, -0.1, 0.2},
-                                Prior{"double_sphere", 5, 0.55, 0.2}};
+constexpr std::array kPriors = {Prior{lens_model::kRational, 9, 0.0, 0.5}, Prior{lens_model::kRational, 10, 0.0, 0.5},
+                                Prior{lens_model::kRational, 11, 0.0, 0.5},
+                                Prior{lens_model::kDoubleSphere, 4, -0.1, 0.2},
+                                Prior{lens_model::kDoubleSphere, 5, 0.55, 0.2}};
 
 using Pose = std::array<double, 6>;  ///< angle and axis, then translation: T_camera_board or T_right_left
 using Lens = std::vector<double>;    ///< fx fy cx cy and coefficients
@@ -362,7 +363,7 @@ double FocalInCentreSigma_px(const CameraCalibration& camera, const Eigen::Matri
   Eigen::RowVectorXd J = Eigen::RowVectorXd::Zero(covariance.cols());
   J[0] = Distortion(camera).CentreScale();
   // f / (1 + xi).
-  if (camera.model == "double_sphere") J[4] = -J[0] * FocalInCentre_px(camera);
+  if (camera.model == lens_model::kDoubleSphere) J[4] = -J[0] * FocalInCentre_px(camera);
   return std::sqrt((J * covariance * J.transpose())(0, 0));
 }
 

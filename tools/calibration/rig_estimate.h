@@ -27,9 +27,9 @@ bool ProjectLens(std::string_view model, const T* parameters, const T* p, T* pix
   const T* k = parameters + 4;
   T x = p[0] / p[2], y = p[1] / p[2];
   const T r2 = x * x + y * y;
-  if (model == "radtan" || model == "rational") {
+  if (model == lens_model::kRadtan || model == lens_model::kRational) {
     T radial = 1.0 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
-    if (model == "rational") {
+    if (model == lens_model::kRational) {
       const T divisor = 1.0 + r2 * (k[5] + r2 * (k[6] + r2 * k[7]));
       if (!(divisor > T(1e-3))) return false;
       radial /= divisor;
@@ -37,7 +37,7 @@ bool ProjectLens(std::string_view model, const T* parameters, const T* p, T* pix
     const T xd = x * radial + 2.0 * k[2] * x * y + k[3] * (r2 + 2.0 * x * x);
     y = y * radial + k[2] * (r2 + 2.0 * y * y) + 2.0 * k[3] * x * y;
     x = xd;
-  } else if (model == "double_sphere") {
+  } else if (model == lens_model::kDoubleSphere) {
     const T depth = 1.0 + k[0] * sqrt(r2 + 1.0);
     const T divisor = k[1] * sqrt(r2 + depth * depth) + (1.0 - k[1]) * depth;
     if (!(divisor > T(1e-3))) return false;

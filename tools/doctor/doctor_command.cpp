@@ -12,6 +12,7 @@
 
 #include "core/bus/channels.h"
 #include "core/bus/options.h"
+#include "core/config/config.h"
 #include "core/io/files/mapped_file.h"
 #include "core/process/process_arguments.h"
 #include "core/process/process_usage.h"
@@ -83,7 +84,7 @@ struct Diagnosis {
 Diagnosis Examine(const DoctorOptions& options) {
   bus::BusOptions bus_options;
   const Config config = options.common.MakeConfig();
-  config.Read("bus", bus_options);
+  config.Read(kBusSection, bus_options);
   const BusAddress address = ParseBusAddress(bus_options.url);
   Diagnosis diagnosis;
   diagnosis.findings = CheckNetwork(address);

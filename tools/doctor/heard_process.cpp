@@ -81,7 +81,7 @@ void CheckHealth(const HeardProcess& p, const OwnSide& own, Findings* findings) 
 void CheckDoubles(const Heard& heard, const OwnSide& own, Findings* findings) {
   std::map<std::tuple<std::string, std::string>, const HeardProcess*> first;
   for (const HeardProcess& p : heard.processes) {
-    if (p.process != "mapping" && p.process != "loop") continue;
+    if (p.process != process_name::kMapping && p.process != process_name::kLoop) continue;
     const auto [it, fresh] = first.insert({{p.prefix, p.process}, &p});
     if (fresh || it->second->source == p.source) continue;
     findings->push_back(Problem("process",

@@ -58,7 +58,7 @@ Json ConsistencyJson(const Consistency& c) {
 Json AlignmentJson(const Accuracy& a) {
   const Eigen::Vector3d& t = a.alignment.T_a_b.translation();
   const Eigen::Quaterniond& q = a.alignment.T_a_b.rotation();
-  Json json{{"kind", AlignmentName(a.alignment_kind)},
+  Json json{{"kind", NameOf(a.alignment_kind)},
             {"scale", a.alignment.scale},
             {"translation_m", {t.x(), t.y(), t.z()}},
             {"q_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
@@ -86,7 +86,7 @@ std::string Head(const Accuracy& a) {
                                  a.estimated_poses, a.true_poses, a.pairs.size(), a.coverage_percent);
   text += fmt::format("true path   {} m in {:.3f} s\n",
                       std::isfinite(a.true_path_m) ? fmt::format("{:.3f}", a.true_path_m) : "-", a.duration_s);
-  text += fmt::format("alignment   {}", AlignmentName(a.alignment_kind));
+  text += fmt::format("alignment   {}", NameOf(a.alignment_kind));
   if (a.alignment_kind == Alignment::kSim3) text += fmt::format(", scale {:.6f}", a.alignment.scale);
   text += '\n';
   if (a.roll_sigma_deg && !a.pairs.empty()) {

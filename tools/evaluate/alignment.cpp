@@ -19,9 +19,6 @@
 namespace plslam::evaluate {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Alignment>, 4> kNames{
-    {{"none", Alignment::kNone}, {"first", Alignment::kFirst}, {"se3", Alignment::kSe3}, {"sim3", Alignment::kSim3}}};
-
 constexpr int64_t kFineStep_ns = 100'000;
 constexpr int kCoarseSteps = 20;  // to each side
 
@@ -82,20 +79,6 @@ Eigen::Quaterniond AlignOrientations(const PosePairs& pairs, Alignment alignment
   if (!IsLeastSquares(alignment)) return Align(pairs, alignment).T_a_b.rotation();
   const auto [truth, estimate] = Split(pairs);
   return plslam::AlignOrientations(truth, estimate);
-}
-
-std::string AlignmentName(Alignment alignment) {
-  for (const auto& [name, value] : kNames) {
-    if (value == alignment) return std::string(name);
-  }
-  throw std::logic_error("alignment without a name");
-}
-
-Alignment AlignmentFromName(std::string_view name) {
-  for (const auto& [known, value] : kNames) {
-    if (known == name) return value;
-  }
-  throw std::runtime_error(fmt::format("unknown alignment '{}' (none, first, se3, sim3)", name));
 }
 
 std::optional<ClockOffset> FitClockOffset(const Trajectory& estimate, const Trajectory& truth, Alignment alignment,

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "core/accuracy/association.h"
+#include "core/config/choices.h"
 #include "core/geometry/similarity.h"
 #include "core/io/trajectories/trajectory.h"
 
@@ -19,6 +20,10 @@ enum class Alignment {
   kSe3,    ///< rotation and translation of least squares of the positions
   kSim3,   ///< the same with a scale
 };
+constexpr auto ChoicesOf(Alignment) {
+  return std::array{Choice{"none", Alignment::kNone}, Choice{"first", Alignment::kFirst},
+                    Choice{"se3", Alignment::kSe3}, Choice{"sim3", Alignment::kSim3}};
+}
 
 inline bool IsLeastSquares(Alignment alignment) {
   return alignment == Alignment::kSe3 || alignment == Alignment::kSim3;
@@ -31,10 +36,6 @@ Similarity Align(const PosePairs& pairs, Alignment alignment);
 /// Returns the rotation that aligns the orientations. For least squares it is their own mean rotation: on a nearly
 /// straight path, positions leave the roll about it free.
 Eigen::Quaterniond AlignOrientations(const PosePairs& pairs, Alignment alignment);
-
-/// "none", "first", "se3", "sim3"; the reverse throws std::runtime_error for any other name.
-std::string AlignmentName(Alignment alignment);
-Alignment AlignmentFromName(std::string_view name);
 
 /// Offset between the clocks of an estimate and of the truth, as far as the paths determine it. Truth from another
 /// sensor than the images is often some milliseconds early or late, which appears as an error of position when the

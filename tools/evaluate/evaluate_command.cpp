@@ -12,6 +12,7 @@
 
 #include "core/errors/standard_streams.h"
 #include "core/io/files/atomic_file.h"
+#include "core/process/choice_argument.h"
 #include "plslam_version.h"
 #include "tools/command_line/run_command_line.h"
 #include "tools/evaluate/accuracy.h"
@@ -24,11 +25,11 @@ namespace fs = std::filesystem;
 
 struct Arguments {
   std::string estimate;
-  std::string estimate_format = "auto";
+  std::optional<TrajectoryFormat> estimate_format;
   std::string truth;
-  std::string truth_format = "auto";
+  std::optional<TrajectoryFormat> truth_format;
   std::string times;
-  std::string align = "se3";
+  Alignment align = Alignment::kSe3;
   double max_difference_s = 0.02;
   bool interpolate = false;
   double max_gap_s = 0.5;
@@ -43,17 +44,12 @@ struct Arguments {
 };
 
 void AddOptions(CLI::App& app, Arguments& a) {
-  const CLI::IsMember formats({"auto", "tum", "kitti", "euroc"});
   app.add_option("estimate", a.estimate, "estimated trajectory (TUM, KITTI or EuRoC format)")->required();
   app.add_option("--truth", a.truth, "true trajectory, in any of these formats")->required();
-  app.add_option("--estimate-format", a.estimate_format, "format of the estimate [recognised from its content]")
-      ->check(formats);
-  app.add_option("--truth-format", a.truth_format, "format of the truth [recognised from its content]")
-      ->check(formats);
+  AddChoice(&app, "--estimate-format", a.estimate_format, "format of the estimate [recognised from its content]");
+  AddChoice(&app, "--truth-format", a.truth_format, "format of the truth [recognised from its content]");
   app.add_option("--times", a.times, "times of trajectories in KITTI format, one value in seconds per line");
-  app.add_option("--align", a.align, "alignment: none, first, se3 or sim3")
-      ->check(CLI::IsMember({"none", "first", "se3", "sim3"}))
-      ->capture_default_str();
+  AddChoice(&app, "--align", a.align, "alignment: none, first, se3 or sim3");
   app.add_option("--max-difference", a.max_difference_s, "largest time difference of two poses, in seconds")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
@@ -76,10 +72,9 @@ void AddOptions(CLI::App& app, Arguments& a) {
 }
 
 /// Reads a file and prints its notes. All rows of an estimate must be valid.
-TrajectoryFile Read(const std::string& path, const std::string& format, const std::string& times, BadRows bad_rows) {
-  std::optional<TrajectoryFormat> named;
-  if (format != "auto") named = TrajectoryFormatFromName(format);
-  TrajectoryFile file = ReadTrajectoryFile(path, named, bad_rows, times);
+TrajectoryFile Read(const std::string& path, std::optional<TrajectoryFormat> format, const std::string& times,
+                    BadRows bad_rows) {
+  TrajectoryFile file = ReadTrajectoryFile(path, format, bad_rows, times);
   if (file.poses.empty() && file.n_rows > 0) throw std::runtime_error(file.notes.warnings.back());
   for (const std::string& warning : file.notes.warnings) PrintError("evaluate: warning: " + warning);
   for (const std::string& remark : file.notes.remarks) PrintError("evaluate: note: " + remark);
@@ -110,7 +105,7 @@ int64_t ToNs(double seconds) { return std::llround(1e9 * seconds); }
 
 EvaluateOptions ToOptions(const Arguments& a) {
   EvaluateOptions options;
-  options.alignment = AlignmentFromName(a.align);
+  options.alignment = a.align;
   options.max_difference_ns = ToNs(a.max_difference_s);
   options.interpolate_truth = a.interpolate;
   options.max_gap_ns = ToNs(a.max_gap_s);

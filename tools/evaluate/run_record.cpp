@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "core/config/config.h"
 #include "core/run/frame_tally.h"
 #include "core/run/process_names.h"
 #include "core/run/run.h"
@@ -115,7 +116,7 @@ std::map<std::string, std::string> OptionsOf(const json& summary) {
     if (process == process_name::kViewer || !sections.is_object()) continue;
     if (!process_name::SendsFrames(process)) processes += (processes.empty() ? "" : "+") + process;
     for (const auto& [section, values] : sections.items()) {
-      if (section != "bus") Flatten(values, section, options);
+      if (section != kBusSection) Flatten(values, section, options);
     }
   }
   options["processes"] = processes;

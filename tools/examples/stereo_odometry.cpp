@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
     const plslam::vo::VoOptions options;
     // A rig of your own is filled into a plslam::RigCalibration.
     plslam::vo::StereoFrontEnd front_end(dataset->rig(), options);
-    plslam::vo::Odometry odometry(front_end.camera(), options);
+    plslam::vo::Odometry odometry(front_end.camera(), options, front_end.shutter());
     for (int i = 0; i < dataset->size(); ++i) {
       const plslam::StereoImages images = dataset->Read(i);  // grey cv::Mat `left` and `right`, and their time
       plslam::vo::StageTimer timer;

@@ -42,7 +42,7 @@ struct OptionSection {
 };
 
 inline std::vector<OptionSection> SectionsOf(AllOptions& all) {
-  return {{"bus", "Connection of each process to the bus.", ListFields(all.bus)},
+  return {{kBusSection, "Connection of each process to the bus.", ListFields(all.bus)},
           {"player", "Dataset and playback.", ListFields(all.player)},
           {"adapter", "Connection to a robot that uses LCM.", ListFields(all.adapter)},
           {"ros2", "Connection to a robot that uses ROS 2.", ListFields(all.ros2)},

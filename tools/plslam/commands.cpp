@@ -17,6 +17,7 @@
 #include "core/bus/logs/log_writer.h"
 #include "core/bus/run_loop.h"
 #include "core/bus/transport/transport.h"
+#include "core/config/config.h"
 #include "core/errors/standard_streams.h"
 #include "core/process/order_sender.h"
 #include "core/process/process_arguments.h"
@@ -96,7 +97,7 @@ struct OrderOptions {
 
 int GiveOrder(const char* verb, const std::string& argument, const bus::ProcessArguments& arguments) {
   bus::BusOptions bus_options;
-  arguments.MakeConfig().Read("bus", bus_options);
+  arguments.MakeConfig().Read(kBusSection, bus_options);
   bus::Bus bus(bus_options, "plslam");
   bus::OrderSender order(bus);
   order.Send(*bus::FindOrder(verb), argument);
@@ -160,7 +161,7 @@ void AddOrderCommands(CLI::App* app, Command* command) {
   auto* sub = app->add_subcommand(command_verb::kLocalise, "switches localisation-only mode on or off");
   sub->add_option("on_or_off", options->argument, "on: localise in a fixed map; off: extend the map")
       ->required()
-      ->check(CLI::IsMember({"on", "off"}));
+      ->check(CLI::IsMember({localise_mode::kOn, localise_mode::kOff}));
   options->common.AddTo(sub);
   sub->footer("Example:\n  plslam localise on --url udpm://239.255.76.67:7667?ttl=0");
   sub->callback([=] {
@@ -179,10 +180,10 @@ struct RecordOptions {
 };
 
 int Record(const RecordOptions& options) {
-  bus::SetUpLogging("recorder");
+  bus::SetUpLogging(process_name::kRecorder);
   options.common.EndWithParent();
   bus::BusOptions bus_options;
-  options.common.MakeConfig().Read("bus", bus_options);
+  options.common.MakeConfig().Read(kBusSection, bus_options);
   std::mutex mutex;
   bus::LogRecorder* running = nullptr;
   bool interrupted = false;
@@ -198,7 +199,7 @@ int Record(const RecordOptions& options) {
   }
   const bus::SignalWatcher signals(stop, options.common.parent);
   bus::LogRecorder recorder(bus_options, options.file);
-  bus::StatusPublisher status("recorder", bus_options, recorder.bus());
+  bus::StatusPublisher status(process_name::kRecorder, bus_options, recorder.bus());
   {
     const std::scoped_lock lock(mutex);
     running = &recorder;
@@ -256,7 +257,7 @@ constexpr std::chrono::milliseconds kShowEvery(1000);
 
 int Top(const TopOptions& options) {
   bus::BusOptions bus_options;
-  options.common.MakeConfig().Read("bus", bus_options);
+  options.common.MakeConfig().Read(kBusSection, bus_options);
   bus::Bus bus(bus_options, "top");
   TopNode node(bus);
   bool heard = false;

@@ -23,8 +23,8 @@ int Become(const char* name, const char* packages, std::vector<std::string> argu
   const std::string program = (ProgramFolder() / name).string();
   arguments.insert(arguments.begin(), program);
   execv(program.c_str(), ArgumentVector(arguments).data());
-  PrintError(fmt::format("plslam: error: the program {} is missing: install the package {}, and build again", program,
-                         packages));
+  PrintError(fmt::format("plslam: error: the program {} is missing: 'scripts/build release' builds it, with {}",
+                         program, packages));
   return 1;
 }
 

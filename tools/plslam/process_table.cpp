@@ -11,7 +11,6 @@ namespace {
 
 using Arguments = std::vector<std::string>;
 
-constexpr const char* kRecorder = "recorder";
 using process_name::kCamera;
 using process_name::kDense;
 using process_name::kLoop;
@@ -147,8 +146,8 @@ Arguments CommonArguments(const RunOptions& options) {
 }
 
 constexpr ProcessRow kTable[] = {
-    {kRecorder, "plslam", "records all traffic in an LCM event log (--record)", Supervisor::Ending::kWritesAtTheEnd,
-     false, Recorded, kFirst, RecorderArguments},
+    {process_name::kRecorder, "plslam", "records all traffic in an LCM event log (--record)",
+     Supervisor::Ending::kWritesAtTheEnd, false, Recorded, kFirst, RecorderArguments},
     {kViewer, "viewer_headless", "progress, trajectories, map file and pictures", Supervisor::Ending::kWritesAtTheEnd,
      false, Always, kDrawsPictures, ViewerArguments},
     {kMapping, "mapping_process", "mapping: keyframes, points and lines, local bundle adjustment",
@@ -171,7 +170,9 @@ constexpr ProcessRow kTable[] = {
 
 std::span<const ProcessRow> ProcessTable() { return kTable; }
 
-std::string_view TitleOf(const ProcessRow& row) { return row.name == kRecorder ? row.name : row.executable; }
+std::string_view TitleOf(const ProcessRow& row) {
+  return row.name == process_name::kRecorder ? row.name : row.executable;
+}
 
 const char* SourceOfFrames(const RunOptions& options) {
   if (options.from_ros2) return kRos2;
@@ -179,7 +180,7 @@ const char* SourceOfFrames(const RunOptions& options) {
 }
 
 int NicenessOf(const ProcessRow& row, const RunOptions& options) {
-  return options.pace.starts_with("realtime") ? row.niceness.live : row.niceness.lockstep;
+  return options.pace.starts_with(stream_pace::kRealtime) ? row.niceness.live : row.niceness.lockstep;
 }
 
 std::filesystem::path StateFileOf(const RunOptions& options, const std::string& process) {
@@ -194,7 +195,7 @@ std::filesystem::path RecordingOf(const RunOptions& options, int restart) {
 
 std::vector<std::string> ArgumentsOf(const ProcessRow& row, const RunOptions& options) {
   Arguments arguments;
-  if (row.name == kRecorder) arguments.emplace_back("record");
+  if (row.name == process_name::kRecorder) arguments.emplace_back("record");
   if (row.name == kVo || row.name == kMapping || row.name == kDense) {
     const std::string name(row.name);
     arguments.emplace_back("--set");
@@ -207,7 +208,7 @@ std::vector<std::string> ArgumentsOf(const ProcessRow& row, const RunOptions& op
 
 std::vector<std::string> ArgumentsOfRestart(const RunOptions& options, const Restart& restart,
                                             std::vector<std::string> arguments) {
-  if (restart.name == kRecorder) arguments.back() = RecordingOf(options, restart.number).string();
+  if (restart.name == process_name::kRecorder) arguments.back() = RecordingOf(options, restart.number).string();
   // A robot is not resumed where it was: it sends what it sees now.
   const bool resumes = process_name::SendsFrames(restart.name) && restart.name != kRos2;
   if (resumes && restart.newest_frame.first >= 0) {

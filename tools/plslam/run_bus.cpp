@@ -57,7 +57,7 @@ bus::BusOptions RunBus::OptionsFor(const RunOptions& options) const {
   Config config = options.config_file.empty() ? Config() : Config::FromFile(options.config_file);
   for (const std::string& assignment : options.overrides) config.Override(assignment);
   bus::BusOptions result;
-  config.Read("bus", result);
+  config.Read(kBusSection, result);
   result.url = url_;
   if (!options.prefix.empty()) result.prefix = options.prefix;
   if (!options.map_prefix.empty()) result.map_prefix = options.map_prefix;

@@ -15,6 +15,7 @@
 
 #include "camera/options.h"
 #include "core/bus/options.h"
+#include "core/config/config.h"
 #include "core/datasets/recordings/recording_dataset.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/files/shared_file.h"
@@ -97,7 +98,7 @@ void ReadConfiguration(RunOptions* options) {
   const Config config = arguments.MakeConfig();
   bus::BusOptions bus;
   player::PlayerOptions player;
-  config.Read("bus", bus);
+  config.Read(kBusSection, bus);
   camera::CameraOptions camera;
   config.Read("player", player);
   config.Read("camera", camera);
@@ -108,7 +109,7 @@ void ReadConfiguration(RunOptions* options) {
   take(&options->prefix, bus.prefix);
   take(&options->map_prefix, bus.map_prefix);
   take(&options->kind, player.kind);
-  if (options->from_ros2) take(&options->pace, "realtime");
+  if (options->from_ros2) take(&options->pace, stream_pace::kRealtime);
   take(&options->pace, options->from_cameras ? camera.pace : player.pace);
   if (options->map_prefix.empty()) return;
   if (options->url.empty()) {
@@ -177,7 +178,8 @@ void CheckSurfaces(const RunOptions& options) {
   const path program = ProgramFolder() / "dense_process";
   if (access(program.c_str(), X_OK) == 0) return;
   throw std::runtime_error(
-      fmt::format("--dense: the program {} is missing: install libopenvdb-dev and liboctomap-dev, and build again",
+      fmt::format("--dense: the program {} is missing: 'scripts/build release' builds it, with libopenvdb-dev and "
+                  "liboctomap-dev",
                   program.string()));
 }
 
@@ -186,8 +188,9 @@ namespace {
 void CheckProgram(const RunOptions& options, const char* what, const char* program, const char* packages) {
   const path file = ProgramFolder() / program;
   if (access(file.c_str(), X_OK) == 0) return;
-  throw std::runtime_error(fmt::format("{} names {}, and the program {} is missing: install {}, and build again",
-                                       options.dataset, what, file.string(), packages));
+  throw std::runtime_error(
+      fmt::format("{} names {}, and the program {} is missing: 'scripts/build release' builds it, with {}",
+                  options.dataset, what, file.string(), packages));
 }
 
 void CheckRos2Topics(const std::string& dataset) {

@@ -348,7 +348,7 @@ RunSummary RunSession::Summary() const {
   summary.processes = supervisor_.reports();
   const Lag lag = monitor_.LagAt(bus::NowS());
   for (ProcessReport& report : summary.processes) {
-    for (int i = 0; report.name == "recorder" && i <= report.restarts; ++i) {
+    for (int i = 0; report.name == process_name::kRecorder && i <= report.restarts; ++i) {
       summary.recordings.push_back(RecordingOf(options_, i).string());
     }
     const auto longest = lag.longest_queue.find(report.name);

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "core/process/process_signals.h"
+#include "core/run/process_names.h"
 #include "tools/plslam/yaml_to_json.h"
 
 namespace plslam::launcher {
@@ -59,7 +60,7 @@ json MapToJson(const RunSummary& summary) {
                  {"reprojection_before_px", RoundedOrNull(map.ReprojectionBefore_px(), 1e-4)},
                  {"reprojection_after_px", RoundedOrNull(map.ReprojectionAfter_px(), 1e-4)}};
   for (const auto& [stage, samples] : map.stage_ms()) {
-    result[stage == "adjust" ? "adjustment_ms" : stage + "_ms"] = QuantilesToJson(samples);
+    result[stage == stage_name::kAdjust ? "adjustment_ms" : stage + "_ms"] = QuantilesToJson(samples);
   }
   return result;
 }
@@ -109,9 +110,14 @@ std::string FramesToText(const json& s) {
   std::string text =
       fmt::format("{} of {} tracked{}", s["tracked_frames"].get<int64_t>(), s["all_frames"].get<int64_t>(),
                   percent.is_number() ? fmt::format(" ({:.1f} %)", percent.get<double>()) : "");
-  for (const char* part : {"initialising", "lost", "skipped", "bad", "unanswered"}) {
-    const auto n = s[fmt::format("{}_frames", part)].get<int64_t>();
-    if (n > 0) text += fmt::format(", {} {}", n, std::string_view(part) == "bad" ? "unreadable" : part);
+  constexpr std::pair<const char*, const char*> kOthers[] = {{"initialising_frames", "initialising"},
+                                                             {"lost_frames", "lost"},
+                                                             {"skipped_frames", "skipped"},
+                                                             {"bad_frames", "unreadable"},
+                                                             {"unanswered_frames", "unanswered"}};
+  for (const auto& [member, word] : kOthers) {
+    const auto n = s[member].get<int64_t>();
+    if (n > 0) text += fmt::format(", {} {}", n, word);
   }
   return text;
 }
@@ -126,9 +132,10 @@ std::string MovingToText(const json& moving) {
 std::string SpeedToText(const json& s) {
   const auto wall_s = s["wall_s"].get<double>();
   const json& stages = s["stage_ms"];
-  if (!stages.contains("total")) return fmt::format("{:.1f} s in total", wall_s);
+  if (!stages.contains(stage_name::kTotal)) return fmt::format("{:.1f} s in total", wall_s);
   return fmt::format("{:.1f} ms per frame (95 % below {:.1f}), {:.1f} s in total",
-                     stages["total"]["median"].get<double>(), stages["total"]["p95"].get<double>(), wall_s);
+                     stages[stage_name::kTotal]["median"].get<double>(),
+                     stages[stage_name::kTotal]["p95"].get<double>(), wall_s);
 }
 
 std::string MapToText(const json& s, bool verbose) {

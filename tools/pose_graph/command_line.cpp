@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/maps/map_file.h"
+#include "core/process/choice_argument.h"
 #include "tools/command_line/run_command_line.h"
 #include "tools/pose_graph/export.h"
 #include "tools/pose_graph/solve.h"
@@ -31,13 +32,10 @@ void Declare(CLI::App& app, Arguments& a) {
   auto* file = app.add_option("FILE", a.file, "pose graph in g2o format, 2D or 3D");
   app.add_option("--from-map", a.map, "write the pose graph of this map file unchanged, instead of solving one")
       ->excludes(file);
-  app.add_option("--initial", a.solve.initial,
-                 "initial poses: those of the file, chained odometry, or chordal relaxation")
-      ->check(CLI::IsMember({"file", "odometry", "chordal"}))
-      ->capture_default_str();
-  app.add_option("--start", a.solve.graph.start, "given: start from these only; best: also from chordal relaxation")
-      ->check(CLI::IsMember({"given", "best"}))
-      ->capture_default_str();
+  AddChoice(&app, "--initial", a.solve.initial,
+            "initial poses: those of the file, chained odometry, or chordal relaxation");
+  AddChoice(&app, "--start", a.solve.graph.start,
+            "given: start from these only; chordal: from chordal relaxation; best: from both");
   app.add_option("--perturb", a.solve.perturb, "noise added to the initial poses, m and rad")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();

@@ -29,15 +29,15 @@ void Perturb(PoseGraph<Pose>& graph, double sigma, uint64_t seed) {
 
 /// Empty where the relaxation cannot be solved.
 template <class Pose>
-std::vector<Pose> InitialPoses(const G2oGraph<Pose>& file, const std::string& initial) {
-  if (initial == "odometry") return ChainedPoses(file.graph);
-  if (initial == "file") return ChainedPoses(file.graph, file.given);
+std::vector<Pose> PosesFrom(InitialPoses initial, const G2oGraph<Pose>& file) {
+  if (initial == InitialPoses::kOdometry) return ChainedPoses(file.graph);
+  if (initial == InitialPoses::kFile) return ChainedPoses(file.graph, file.given);
   return ChordalPoses(file.graph, ConstantPoses(file.graph, {})).value_or(std::vector<Pose>());
 }
 
 template <class Pose>
 bool SetStart(G2oGraph<Pose>& file, const SolveOptions& options) {
-  const std::vector<Pose> poses = InitialPoses(file, options.initial);
+  const std::vector<Pose> poses = PosesFrom(options.initial, file);
   if (poses.size() != file.graph.poses.size()) return false;
   for (size_t i = 0; i < poses.size(); ++i) file.graph.poses[i].T_w_kf = poses[i];
   file.given.assign(poses.size(), true);
@@ -55,7 +55,7 @@ SolveReport Solve(G2oGraph<Pose>& file, const SolveOptions& options) {
     edge.robust = options.reject && std::abs(edge.a - edge.b) != 1;
   }
   PoseGraphOptions graph = options.graph;
-  if (options.initial == "chordal") graph.start = "given";
+  if (options.initial == InitialPoses::kChordal) graph.start = GraphStart::kGiven;
   PoseGraphSolution<Pose> solution = OptimisePoseGraph(file.graph, graph);
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begin;
   for (size_t i = 0; i < file.graph.poses.size(); ++i) file.graph.poses[i].T_w_kf = solution.T_w_kf[i];

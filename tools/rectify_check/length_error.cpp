@@ -36,7 +36,8 @@ std::string Sentence(const LengthError& error) {
   findings.length_sigma_percent = error.sigma_percent;
   for (const RunWarning& warning : WarningsOf(findings)) return warning.sentence;
   return fmt::format(
-      "disparities have an offset that would change lengths by {:.0f} % (sigma {:.1g} %): it is corrected",
+      "disparities have an offset that would change lengths at the median depth by {:.0f} % (sigma {:.1g} %): it is "
+      "corrected",
       *error.percent, error.sigma_percent);
 }
 

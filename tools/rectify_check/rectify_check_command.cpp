@@ -68,7 +68,7 @@ class PairReader {
  private:
   static FeatureOptions PointsOnly() {
     FeatureOptions options;
-    options.features = "points";
+    options.features = FeatureTypes::kPoints;
     return options;
   }
 

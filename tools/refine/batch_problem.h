@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/config/choices.h"
 #include "core/optim/bundle/bundle.h"
 #include "core/optim/reference/stereo_pair.h"
 
@@ -17,6 +18,10 @@ namespace plslam::refine {
 /// length and principal point together with the pose, the focal length and the time of the right camera relative to the
 /// left one (`reference::PairParameter`).
 enum class CameraChoice { kFixed, kIntrinsics, kAll };
+constexpr auto ChoicesOf(CameraChoice) {
+  return std::array{Choice{"fixed", CameraChoice::kFixed}, Choice{"intrinsics", CameraChoice::kIntrinsics},
+                    Choice{"all", CameraChoice::kAll}};
+}
 
 using PairParameters = std::array<double, reference::kPairSize>;
 

@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "core/process/choice_argument.h"
 #include "core/process/process_signals.h"
 #include "tools/refine/refine_run.h"
 
@@ -23,15 +24,8 @@ namespace {
 
 struct RefineArguments {
   RefineRequest request;
-  std::string camera = "fixed";
   bool quiet = false;
 };
-
-const std::map<std::string, CameraChoice>& CameraChoices() {
-  static const std::map<std::string, CameraChoice> choices{
-      {"fixed", CameraChoice::kFixed}, {"intrinsics", CameraChoice::kIntrinsics}, {"all", CameraChoice::kAll}};
-  return choices;
-}
 
 /// A third of the memory that is free: Ceres has its Jacobian besides, and other programs run.
 uint64_t MemoryForFactor() {
@@ -52,7 +46,6 @@ int Refine(const RefineArguments& arguments) {
   std::atomic<bool> stop = false;
   const bus::SignalWatcher signals([&stop](const std::string&) { stop = true; });
   RefineRequest request = arguments.request;
-  request.options.camera = CameraChoices().at(arguments.camera);
   request.options.stop = &stop;
   request.options.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   request.options.memory_bytes = MemoryForFactor();
@@ -83,12 +76,9 @@ void AddRefineCommand(CLI::App* app, std::function<int()>* command) {
   sub->add_option("--out", arguments->request.out, "folder for the new map, its trajectory and a summary")
       ->type_name("DIR")
       ->required();
-  sub->add_option("--camera", arguments->camera,
-                  "estimate of the camera: fixed, intrinsics (focal length, principal point and radial distortion), "
-                  "or all (focal "
-                  "length, principal point, and the right camera relative to the left one)")
-      ->check(CLI::IsMember({"fixed", "intrinsics", "all"}))
-      ->capture_default_str();
+  AddChoice(sub, "--camera", arguments->request.options.camera,
+            "estimate of the camera: fixed, intrinsics (focal length, principal point and radial distortion), or all "
+            "(focal length, principal point, and the right camera relative to the left one)");
   sub->add_flag("--quiet", arguments->quiet, "print nothing");
   sub->footer(
       "Examples:\n"

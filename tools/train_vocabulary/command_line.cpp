@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/features/matching/hamming.h"
+#include "core/process/choice_argument.h"
 #include "plslam_version.h"
 #include "tools/command_line/run_command_line.h"
 #include "tools/train_vocabulary/left_features.h"
@@ -20,7 +21,7 @@ namespace plslam::train_vocabulary {
 namespace {
 
 struct Arguments {
-  std::string kind;
+  FeatureType kind = FeatureType::kPoints;
   std::string out;
   std::vector<std::string> sources;
   int stride = 1;
@@ -28,9 +29,9 @@ struct Arguments {
 };
 
 void AddOptions(CLI::App& app, Arguments& a) {
-  app.add_option("--kind", a.kind, "points (ORB) or lines (LBD)")
-      ->required()
-      ->check(CLI::IsMember({"points", "lines"}));
+  AddChoice<FeatureType>(&app, "--kind", "points (ORB) or lines (LBD)", [&a](FeatureType kind) {
+    a.kind = kind;
+  })->required();
   app.add_option("--out", a.out, "file to write")->required();
   app.add_option("sources", a.sources, "folders of images, datasets, built-in worlds (synthetic:room)")->required();
   app.add_option("--stride", a.stride, "use every n-th image of each source")
@@ -59,12 +60,12 @@ void ShowProgress(const std::string& what, double share) {
 
 std::vector<std::vector<Descriptor>> ReadDescriptors(const Arguments& a) {
   FeatureOptions options;
-  options.features = a.kind;
+  options.features = a.kind == FeatureType::kPoints ? FeatureTypes::kPoints : FeatureTypes::kLines;
   std::vector<std::vector<Descriptor>> images;
   for (const std::string& source : a.sources) {
     const size_t before = images.size();
     const auto use = [&](const ImageFeatures& f) {
-      images.push_back(a.kind == "points" ? DescriptorsOf(f.points) : DescriptorsOf(f.lines));
+      images.push_back(a.kind == FeatureType::kPoints ? DescriptorsOf(f.points) : DescriptorsOf(f.lines));
     };
     ForEachImageOf(source, a.stride, options, use, [&](int i, int n) { ShowProgress(source, 1.0 * i / n); });
     size_t descriptors = 0;
@@ -77,9 +78,8 @@ std::vector<std::vector<Descriptor>> ReadDescriptors(const Arguments& a) {
 
 int Train(const Arguments& a) {
   const std::vector<std::vector<Descriptor>> images = ReadDescriptors(a);
-  const FeatureType type = a.kind == "points" ? FeatureType::kPoints : FeatureType::kLines;
   const Vocabulary vocabulary =
-      TrainVocabulary(images, type, a.training, [](double share) { ShowProgress("training", share); });
+      TrainVocabulary(images, a.kind, a.training, [](double share) { ShowProgress("training", share); });
   if (vocabulary.words() < 2) throw std::runtime_error("these images have too few descriptors for a vocabulary");
   vocabulary.Save(a.out);
   fmt::print("{}: {} words from {} images, {} bytes, checksum {}\n", a.out, vocabulary.words(),

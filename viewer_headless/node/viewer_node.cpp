@@ -128,18 +128,18 @@ void ViewerNode::OnCamera(const RigCalibration& rig) {
 }
 
 void ViewerNode::OnStream(const stream_t& message) {
-  if (message.event == "end") {
+  if (message.event == stream_event::kEnd) {
     recorder_.SetEnd(message.n_frames, message.n_bad);
     quiet_ticks_ = 0;
-  } else if (message.event == "begin" || message.event == "resume") {
+  } else if (message.event == stream_event::kBegin || message.event == stream_event::kResume) {
     // The history keeper may republish STREAM messages of a player that has exited, even after another one has resumed.
     const int64_t stream = message.header.session != 0 ? message.header.session : message.header.source;
     if (!streams_.insert(stream).second) return;
     // Written files are kept: after "resume" no earlier part of the stream may be available, and after "begin" all
     // files are written again.
-    if (written_ && message.event == "resume") return;
+    if (written_ && message.event == stream_event::kResume) return;
     if (written_) StartNewRun();
-    lockstep_ = message.pace == "lockstep";
+    lockstep_ = message.pace == stream_pace::kLockstep;
     announced_frames_ = message.n_frames;
     report_->OnStream(message);
   } else {

@@ -73,7 +73,8 @@ FilmProcess::FilmProcess(const std::string& file, const std::filesystem::path& p
   }
   if (error == 0) return;
   pid_ = -1;
-  start_error_ = fmt::format("{} cannot be started: {}", program_, std::strerror(error));
+  start_error_ = fmt::format("{} cannot be started: {}{}", program_, std::strerror(error),
+                             error == ENOENT ? " ('scripts/build release' builds it)" : "");
 }
 
 FilmProcess::~FilmProcess() {

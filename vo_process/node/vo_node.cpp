@@ -169,7 +169,7 @@ void VoNode::OnStatus(const status_t& message) {
 }
 
 void VoNode::OnStream(const stream_t& message) {
-  announced_frames_ = message.event == "end" ? message.n_frames : -1;
+  announced_frames_ = message.event == stream_event::kEnd ? message.n_frames : -1;
   FinishIfDone();
 }
 
@@ -280,7 +280,7 @@ void VoNode::Track(const Frame& frame) {
   inputs_.Use(frame, session_.last_t_ns, *front_end_, *odometry_, report_);
   if (!too_early) session_.last_t_ns = frame.images.t_ns;
   StageTimer timer(bus::NowMs);
-  const OdometryResult result = timer.Time("total", [&] {
+  const OdometryResult result = timer.Time(stage_name::kTotal, [&] {
     StereoFeatures features = too_early ? NoFeatures(frame.images) : SeeFeatures(frame.images, timer);
     return timer.Time("track", [&] { return odometry_->Track(session_.last_t_ns, std::move(features)); });
   });

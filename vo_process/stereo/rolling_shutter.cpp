@@ -9,7 +9,7 @@
 namespace plslam::vo {
 namespace {
 
-double StampShare(const std::string& stamp) { return stamp == "first" ? 0.0 : stamp == "middle" ? 0.5 : 1.0; }
+double StampShare(StampRow stamp) { return stamp == StampRow::kFirst ? 0.0 : stamp == StampRow::kMiddle ? 0.5 : 1.0; }
 
 /// Median disparity of a frame's points and lines; 0 (infinitely far) without any.
 double TypicalDisparity(const StereoFeatures& features) {
@@ -33,7 +33,7 @@ RowShares Mean(const RowShares& a, const RowShares& b) {
 
 }  // namespace
 
-RollingShutter::RollingShutter(const Rectification& rectification, double readout_s, const std::string& stamp)
+RollingShutter::RollingShutter(const Rectification& rectification, double readout_s, StampRow stamp)
     : rectification_(rectification),
       camera_(rectification.camera),
       readout_s_(readout_s),

@@ -12,6 +12,7 @@
 #include "core/geometry/rectification.h"
 #include "core/geometry/se3.h"
 #include "core/geometry/stereo_camera.h"
+#include "vo_process/options.h"
 
 namespace plslam::vo {
 
@@ -34,8 +35,8 @@ class RollingShutter {
  public:
   /// All rows at once.
   RollingShutter() = default;
-  /// `stamp` is "first", "middle" or "last": the row that time stamps refer to. A readout of 0 is a global shutter.
-  RollingShutter(const Rectification& rectification, double readout_s, const std::string& stamp);
+  /// `stamp`: the row that time stamps refer to. A readout of 0 is a global shutter.
+  RollingShutter(const Rectification& rectification, double readout_s, StampRow stamp);
 
   bool is_global() const { return readout_s_ == 0.0; }
   /// Whether the readout can be estimated from the images: of a pair, not of a depth camera, whose depths have times of

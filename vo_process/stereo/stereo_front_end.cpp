@@ -78,7 +78,7 @@ StereoFeatures StereoFrontEnd::Process(const StereoImages& images, StageTimer& t
 }
 
 StereoFeatures StereoFrontEnd::LookForRows(const StereoImages& images, const PairSkew& skew) {
-  if (rig_.kind == RigCalibration::Kind::kRgbd || options_.features.features == "lines") return {};
+  if (rig_.kind == RigCalibration::Kind::kRgbd || options_.features.features == FeatureTypes::kLines) return {};
   StereoOptions options = options_.stereo;
   options.row_sigma_px = std::max(options.row_sigma_px, kUnknownRowSigma_px);
   options.point_row_tolerance_px = std::max(options.point_row_tolerance_px, kUnknownRowTolerance_px);
@@ -108,7 +108,7 @@ RunBoth StereoFrontEnd::OnBothThreads() {
 
 void StereoFrontEnd::FindRightCorners(const std::vector<cv::Mat>& right) {
   right_corners_.clear();
-  if (right.size() < 2 || options_.features.features == "lines") return;
+  if (right.size() < 2 || options_.features.features == FeatureTypes::kLines) return;
   const cv::Mat& half = right[1];
   const OrbOptions& orb = options_.features.orb;
   const auto corners = right_detector_.Detect(half, orb.fast_threshold, orb.min_fast_threshold, kFastRadius_px);
@@ -127,7 +127,7 @@ StereoFeatures StereoFrontEnd::ProcessStereo(const StereoImages& images, StageTi
   std::vector<cv::Mat> right;
   ImageFeatures left_features;
   ImageFeatures right_features;
-  const bool lines_alone = options_.features.features == "lines";
+  const bool lines_alone = options_.features.features == FeatureTypes::kLines;
   const auto find_left_lines = [&] { left_features.lines = LinesInside(left_extractor_, left.front(), left_mask_); };
   timer.Time("features", [&] {
     worker_.RunBoth(

@@ -96,7 +96,7 @@ class Odometry {
 
  private:
   double SecondsSince(int64_t t_ns) const;
-  bool IsFrameToFrame() const { return options_.tracking.reference == "previous_frame"; }
+  bool IsFrameToFrame() const { return options_.tracking.reference == TrackingReference::kPreviousFrame; }
 
   // The steps of `Track`.
   void Initialise(TrackedFrame& frame, OdometryResult& result);

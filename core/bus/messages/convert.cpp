@@ -71,6 +71,9 @@ std::optional<std::vector<MaskPolygon>> FromPolygons(const std::vector<polygon_t
 // Follows the model of a camera with a rolling shutter; the readout in milliseconds follows it. The layout of the
 // message is that of logs of earlier versions.
 constexpr std::string_view kRolling = " rolling ";
+// Kinds of rigs.
+constexpr const char* kStereo = "stereo";
+constexpr const char* kRgbd = "rgbd";
 // Follows the kind of a rig with an inertial sensor, for the same reason; its calibration follows it.
 constexpr std::string_view kWithImu = " imu ";
 
@@ -183,7 +186,7 @@ Descriptor FromBytes(const uint8_t (&bytes)[32]) {
 camera_t ToMessage(const RigCalibration& rig) {
   camera_t message{};
   message.rig_name = rig.name;
-  message.kind = rig.kind == RigCalibration::Kind::kRgbd ? "rgbd" : "stereo";
+  message.kind = rig.kind == RigCalibration::Kind::kRgbd ? kRgbd : kStereo;
   if (rig.imu) message.kind.append(kWithImu).append(ImuText(*rig.imu));
   message.rate_hz = rig.rate_hz;
   message.left = ToIntrinsics(rig.left);
@@ -198,8 +201,8 @@ std::optional<RigCalibration> FromMessage(const camera_t& message) {
   const auto right = FromIntrinsics(message.right);
   const size_t kind_end = std::min(message.kind.find(kWithImu), message.kind.size());
   const std::string kind = message.kind.substr(0, kind_end);
-  const bool rgbd = kind == "rgbd";
-  if (!left || !right || (!rgbd && kind != "stereo")) return std::nullopt;
+  const bool rgbd = kind == kRgbd;
+  if (!left || !right || (!rgbd && kind != kStereo)) return std::nullopt;
   std::optional<ImuCalibration> imu;
   if (kind_end < message.kind.size()) {
     imu = ImuFromText(std::string_view(message.kind).substr(kind_end + kWithImu.size()));

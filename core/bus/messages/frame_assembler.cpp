@@ -16,8 +16,8 @@ constexpr int64_t kMinStripBytes = 256;
 
 /// Returns the OpenCV type of an encoding for that camera; -1 if it is invalid.
 int PixelType(const image_strip_t& strip) {
-  if (strip.encoding == "mono8") return CV_8UC1;
-  return strip.encoding == "depth16" && strip.camera == 1 ? CV_16UC1 : -1;
+  if (strip.encoding == strip_encoding::kGrey) return CV_8UC1;
+  return strip.encoding == strip_encoding::kDepth && strip.camera == 1 ? CV_16UC1 : -1;
 }
 
 }  // namespace

@@ -17,6 +17,12 @@ class image_strip_t;
 
 namespace plslam::bus {
 
+/// Values of `image_strip_t.encoding`.
+namespace strip_encoding {
+inline constexpr const char* kGrey = "mono8";
+inline constexpr const char* kDepth = "depth16";  ///< of the right image only
+}  // namespace strip_encoding
+
 /// A frame put together from strips.
 struct AssembledFrame {
   StereoImages images;

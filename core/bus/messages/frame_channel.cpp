@@ -52,8 +52,8 @@ void CameraSubscriber::Restore(const std::vector<uint8_t>& bytes) {
 namespace {
 
 const char* EncodingOf(const cv::Mat& image, bool is_right) {
-  if (image.type() == CV_8UC1) return "mono8";
-  if (image.type() == CV_16UC1 && is_right) return "depth16";
+  if (image.type() == CV_8UC1) return strip_encoding::kGrey;
+  if (image.type() == CV_16UC1 && is_right) return strip_encoding::kDepth;
   throw std::invalid_argument("a frame needs 8-bit grey images, or a 16-bit depth map on the right; OpenCV type " +
                               std::to_string(image.type()) + " is neither");
 }

@@ -18,13 +18,13 @@ CameraCalibration BasaltCamera(const YamlMap& file) {
   SetFocalAndCentre(values, "", &camera);
   std::vector<const char*> coefficients;
   if (type == "ds") {
-    camera.model = "double_sphere";
+    camera.model = lens_model::kDoubleSphere;
     coefficients = {"xi", "alpha"};
   } else if (type == "kb4") {
-    camera.model = "equidistant";
+    camera.model = lens_model::kEquidistant;
     coefficients = {"k1", "k2", "k3", "k4"};
   } else if (type == "pinhole-radtan8") {
-    camera.model = "rational";
+    camera.model = lens_model::kRational;
     coefficients = {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
   } else if (type != "pinhole") {
     file.Fail("camera_type",

@@ -24,7 +24,7 @@ void SetLens(const RosCameraInfo& info, CameraCalibration& camera) {
   const bool is_radtan = (info.model == "plumb_bob" || info.model.empty()) && (d.size() == 4 || d.size() == 5);
   const bool is_rational = info.model == "rational_polynomial" && d.size() >= 4;
   if (is_fisheye && d.size() == 4) {
-    camera.model = "equidistant";
+    camera.model = lens_model::kEquidistant;
     camera.distortion = d;
     return;
   }
@@ -38,7 +38,7 @@ void SetLens(const RosCameraInfo& info, CameraCalibration& camera) {
   if (!complaint.empty()) throw DatasetError("D of camera_info " + complaint);
 }
 
-CameraCalibration CameraFromRos(const RosCameraInfo& info, bool rectified) {
+CameraCalibration UncheckedCamera(const RosCameraInfo& info, bool rectified) {
   CameraCalibration camera;
   camera.width_px = info.width_px;
   camera.height_px = info.height_px;
@@ -184,12 +184,21 @@ RosCameraInfo InPixelsOfImages(RosCameraInfo info, const ImageSize& images) {
   return info;
 }
 
+CameraCalibration CameraFromRos(const RosCameraInfo& info, bool rectified) {
+  if (rectified ? info.P.isZero(0.0) : info.K.isZero(0.0)) {
+    throw DatasetError(fmt::format(
+        "{} of camera_info is all 0, so that the camera is not calibrated: its driver had no calibration file",
+        rectified ? "P" : "K"));
+  }
+  return UncheckedCamera(info, rectified);
+}
+
 RigCalibration RigFromRos(const RosCameraInfo& left, const RosCameraInfo& right, bool rectified) {
   RequireCalibrated(left, "left", rectified);
   RequireCalibrated(right, "right", rectified);
   RigCalibration rig;
-  rig.left = CameraFromRos(left, rectified);
-  rig.right = CameraFromRos(right, rectified);
+  rig.left = UncheckedCamera(left, rectified);
+  rig.right = UncheckedCamera(right, rectified);
   const Eigen::Vector3d offset = left.P.col(3) - right.P.col(3);
   if (!offset.allFinite() || offset.isZero(0.0)) {
     throw DatasetError(

@@ -47,6 +47,10 @@ ImageSize DeliveredSize(const RosCameraInfo& info);
 /// invalid, or `images` have neither size.
 RosCameraInfo InPixelsOfImages(RosCameraInfo info, const ImageSize& images);
 
+/// Returns one camera with K of its images (P if they are `rectified`), as that of an RGB-D camera. Throws DatasetError
+/// if it is not calibrated (K or P all 0), or for lenses without an equivalent model here.
+CameraCalibration CameraFromRos(const RosCameraInfo& info, bool rectified);
+
 /// Returns the rig of two cameras with K and P of their images. Images are `rectified`: then P describes them;
 /// otherwise K and D do, and R is the rotation of the cameras. The baseline is that of P, as in ROS (P[3] = -fx b, P[7]
 /// of cameras one above the other). Throws DatasetError for cameras that are not calibrated (K or P all 0),

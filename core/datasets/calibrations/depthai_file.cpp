@@ -29,7 +29,7 @@ CameraCalibration Lens(const YamlMap& file) {
   if (IsFisheye(file)) {
     std::vector<double> distortion = file.Numbers("distortionCoeff", 4, 14);
     distortion.resize(4);
-    camera.model = "equidistant";
+    camera.model = lens_model::kEquidistant;
     camera.distortion = distortion;
   } else {
     SetOpenCvDistortion(file, "distortionCoeff", &camera);

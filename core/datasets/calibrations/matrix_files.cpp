@@ -75,7 +75,7 @@ void SetOpenCvLens(const std::vector<YamlMap>& files, const YamlMap& file, const
   const YamlMap& with_model = FileWith(files, model);
   const std::string name = HasAny(with_model, model) ? with_model.Text(model.front()) : "";
   if (name == "fisheye" || name == "equidistant") {
-    camera->model = "equidistant";
+    camera->model = lens_model::kEquidistant;
     camera->distortion = file.Matrix(key, 4, 4);
     return;
   }

@@ -30,7 +30,7 @@ void SetDistortion(const YamlMap& file, const char* type, const char* coefficien
   for (const Distortion& distortion : kDistortions) {
     if (name != distortion.theirs) continue;
     camera->model = distortion.ours;
-    if (camera->model == "pinhole") return;
+    if (camera->model == lens_model::kPinhole) return;
     camera->distortion = file.Matrix(coefficients, distortion.min_count, distortion.max_count);
     file.Require(coefficients, DistortionComplaint(*camera));
     return;

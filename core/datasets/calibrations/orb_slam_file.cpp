@@ -23,7 +23,7 @@ CameraCalibration OrbSlamLens(const YamlMap& file, const std::string& camera, co
   SetFocalAndCentre(file, In(camera, ""), &lens);
   if (type == "Rectified" || !file.Has(In(camera, "k1"))) return lens;
   if (type == "KannalaBrandt8") {
-    lens.model = "equidistant";
+    lens.model = lens_model::kEquidistant;
     for (const char* key : {"k1", "k2", "k3", "k4"}) lens.distortion.push_back(file.Number(In(camera, key)));
     return lens;
   }
@@ -193,7 +193,7 @@ CameraCalibration StellaLens(const YamlMap& file, const std::string& side, const
   const std::string matrix = "StereoRectifier.K_" + side, distortion = "StereoRectifier.D_" + side;
   SetCameraMatrix(file, matrix.c_str(), &camera);
   if (model == "fisheye") {
-    camera.model = "equidistant";
+    camera.model = lens_model::kEquidistant;
     camera.distortion = file.Matrix(distortion, 4, 4);
   } else {
     SetOpenCvDistortion(file, distortion.c_str(), &camera);

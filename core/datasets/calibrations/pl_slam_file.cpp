@@ -66,7 +66,7 @@ CameraCalibration AirSlamCamera(const YamlMap& file, const char* name) {
   const int type = TypeOf(file, "distortion_type", 2);
   if (type == 1) SetOpenCvDistortion(map, "distortion_coeffs", &camera);
   if (type == 2) {
-    camera.model = "equidistant";
+    camera.model = lens_model::kEquidistant;
     camera.distortion = map.Numbers("distortion_coeffs", 4, 5);
     camera.distortion.resize(4);
   }
@@ -82,7 +82,7 @@ ForeignCalibration ReadEarlyAirSlam(const YamlMap& file) {
     const std::string side = camera == &left ? "LEFT." : "RIGHT.", matrix = side + "K", distortion = side + "D";
     SetCameraMatrix(file, matrix.c_str(), camera);
     if (file.Has("distortion_type") && TypeOf(file, "distortion_type", 1) == 1) {
-      camera->model = "equidistant";
+      camera->model = lens_model::kEquidistant;
       camera->distortion = file.Matrix(distortion, 4, 5);
       camera->distortion.resize(4);
     } else {

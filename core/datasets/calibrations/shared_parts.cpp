@@ -67,7 +67,9 @@ std::string SetOpenCvDistortion(std::vector<double> d, CameraCalibration* camera
   d.resize(std::min(d.size(), kRational));
   if (d.size() == kRational && zeros_from(5)) d.resize(5);
   if (zeros_from(0)) d.clear();
-  camera->model = d.empty() ? "pinhole" : d.size() == kRational ? "rational" : "radtan";
+  camera->model = d.empty()               ? lens_model::kPinhole
+                  : d.size() == kRational ? lens_model::kRational
+                                          : lens_model::kRadtan;
   camera->distortion = std::move(d);
   return "";
 }

@@ -32,7 +32,7 @@ CameraCalibration CamodocalLens(const YamlMap& file) {
     return camera;
   }
   if (type == "KANNALA_BRANDT") {
-    camera.model = "equidistant";
+    camera.model = lens_model::kEquidistant;
     for (const char* key : {"k2", "k3", "k4", "k5"}) camera.distortion.push_back(projection.Number(key));
     camera.fx_px = projection.Number("mu");
     camera.fy_px = projection.Number("mv");

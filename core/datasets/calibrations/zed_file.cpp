@@ -117,13 +117,13 @@ CameraCalibration ZedCamera(const Sections& file, const std::string& side, const
   camera.cx_px = file.Number(section, "cx");
   camera.cy_px = file.Number(section, "cy");
   const std::string distortion = !file.Has(section, "k1") && file.Has(shared, "k1") ? shared : section;
-  camera.model = "radtan";
+  camera.model = lens_model::kRadtan;
   camera.distortion = {file.Number(distortion, "k1"), file.Number(distortion, "k2")};
   for (const char* key : {"p1", "p2", "k3"}) camera.distortion.push_back(file.NumberOr(distortion, key, 0.0));
   std::vector<double> divisor;
   for (const char* key : {"k4", "k5", "k6"}) divisor.push_back(file.NumberOr(distortion, key, 0.0));
   if (std::any_of(divisor.begin(), divisor.end(), [](double k) { return k != 0.0; })) {
-    camera.model = "rational";
+    camera.model = lens_model::kRational;
     camera.distortion.insert(camera.distortion.end(), divisor.begin(), divisor.end());
   }
   return camera;

@@ -76,12 +76,32 @@ const Encoding& EncodingOf(const std::string& name) {
 }
 
 void SwapBytes(cv::Mat& pixels) {
+  const size_t n = pixels.elemSize1();
   for (int y = 0; y < pixels.rows; ++y) {
     auto* row = pixels.ptr(y);
-    for (size_t i = 0; i + 1 < static_cast<size_t>(pixels.cols) * pixels.elemSize(); i += 2) {
-      std::swap(row[i], row[i + 1]);
+    for (size_t i = 0; i + n <= static_cast<size_t>(pixels.cols) * pixels.elemSize(); i += n) {
+      std::reverse(row + i, row + i + n);
     }
   }
+}
+
+/// `rows_for_two`: rows of the data for two rows of the image.
+cv::Mat WithoutPadding(const RosPixels& image, const cv::Size& expected, int type, int rows_for_two) {
+  const int64_t row_bytes = int64_t{expected.width} * CV_ELEM_SIZE(type);
+  const int64_t step_bytes = image.step_bytes != 0 ? image.step_bytes : row_bytes;
+  const int64_t n_rows = int64_t{expected.height} * rows_for_two / 2;
+  const auto n_bytes = static_cast<int64_t>(image.data.size());
+  if (expected.empty() || step_bytes < row_bytes || step_bytes > n_bytes ||
+      n_bytes < step_bytes * (n_rows - 1) + row_bytes) {
+    throw DatasetError(fmt::format("has {} bytes in rows of {} for {} x {} pixels of {}", n_bytes, step_bytes,
+                                   image.width_px, image.height_px, Shown(image.encoding)));
+  }
+  cv::Mat pixels(expected, type);
+  for (int y = 0; y < expected.height; ++y) {
+    std::copy_n(image.data.data() + step_bytes * y, row_bytes, pixels.ptr(y));
+  }
+  if (image.is_big_endian && pixels.elemSize1() > 1) SwapBytes(pixels);
+  return pixels;
 }
 
 /// The pixels as they are, without padding.
@@ -90,21 +110,7 @@ cv::Mat PixelsOf(const RosPixels& image, const Encoding& encoding, const cv::Siz
     throw DatasetError(fmt::format("has {} x {} pixels instead of {} x {}", image.width_px, image.height_px,
                                    expected.width, expected.height));
   }
-  const int64_t row_bytes = int64_t{expected.width} * CV_ELEM_SIZE(encoding.type);
-  const int64_t step_bytes = image.step_bytes != 0 ? image.step_bytes : row_bytes;
-  const int64_t n_rows = int64_t{expected.height} * encoding.rows_for_two / 2;
-  const auto n_bytes = static_cast<int64_t>(image.data.size());
-  if (expected.empty() || step_bytes < row_bytes || step_bytes > n_bytes ||
-      n_bytes < step_bytes * (n_rows - 1) + row_bytes) {
-    throw DatasetError(fmt::format("has {} bytes in rows of {} for {} x {} pixels of {}", n_bytes, step_bytes,
-                                   image.width_px, image.height_px, encoding.name));
-  }
-  cv::Mat pixels(expected, encoding.type);
-  for (int y = 0; y < expected.height; ++y) {
-    std::copy_n(image.data.data() + step_bytes * y, row_bytes, pixels.ptr(y));
-  }
-  if (image.is_big_endian && CV_MAT_DEPTH(encoding.type) == CV_16U) SwapBytes(pixels);
-  return pixels;
+  return WithoutPadding(image, expected, encoding.type, encoding.rows_for_two);
 }
 
 cv::Mat Converted(const cv::Mat& pixels, Conversion conversion) {
@@ -151,6 +157,10 @@ std::string PixelEncodingComplaint(const std::string& encoding) {
 cv::Mat GreyOfRosPixels(const RosPixels& image, const cv::Size& expected, int white, double* clipped) {
   const Encoding& encoding = EncodingOf(image.encoding);
   return GreyPixels(Converted(PixelsOf(image, encoding, expected), encoding.conversion), white, clipped);
+}
+
+cv::Mat PixelsAsTheyAre(const RosPixels& image, const cv::Size& size, int type) {
+  return WithoutPadding(image, size, type, 2);
 }
 
 int BrightWideValue(const RosPixels& image, const cv::Size& expected) {

@@ -28,6 +28,10 @@ std::string PixelEncodingComplaint(const std::string& encoding);
 /// the encoding is unknown, the image is not of the size `expected`, or bytes are missing.
 cv::Mat GreyOfRosPixels(const RosPixels& image, const cv::Size& expected, int white, double* clipped = nullptr);
 
+/// Returns the pixels without padding, in the byte order of this machine; `type` is OpenCV's. Throws DatasetError if
+/// bytes are missing.
+cv::Mat PixelsAsTheyAre(const RosPixels& image, const cv::Size& size, int type);
+
 /// Returns the bright value of 16-bit pixels (image_file.h), at least 1; 0 for others. Throws like `GreyOfRosPixels`.
 int BrightWideValue(const RosPixels& image, const cv::Size& expected);
 

@@ -15,12 +15,14 @@
 #include "core/datasets/camera_file.h"
 #include "core/datasets/check_rig.h"
 #include "core/datasets/recordings/bag_reader.h"
+#include "core/datasets/recordings/depth_images.h"
 #include "core/datasets/recordings/image_pairs.h"
 #include "core/datasets/recordings/mcap_reader.h"
 #include "core/datasets/recordings/message_times.h"
 #include "core/datasets/recordings/pixel_encodings.h"
 #include "core/datasets/recordings/ros2_bag.h"
 #include "core/datasets/recordings/ros_messages.h"
+#include "core/datasets/recordings/topic_names.h"
 #include "core/datasets/white_level.h"
 #include "core/errors/error_text.h"
 #include "core/io/trajectories/trajectory.h"
@@ -28,8 +30,6 @@
 namespace plslam {
 namespace {
 
-constexpr auto kSides = std::to_array<std::pair<std::string_view, std::string_view>>(
-    {{"left", "right"}, {"cam0", "cam1"}, {"infra1", "infra2"}, {"image_0", "image_1"}});
 constexpr auto kTruthNames = std::to_array<std::string_view>({"truth", "/gt", "mocap", "vicon"});
 
 /// A location taken apart: "FILE?key=value&...".
@@ -106,7 +106,7 @@ class RecordingDataset : public Dataset {
       const auto& [left, right] = Pair(index);
       double clipped_left = 0.0, clipped_right = 0.0;
       StereoImages images{index, t_ns(index), ReadImage(left_, left, rig_.left, &clipped_left),
-                          ReadImage(right_, right, rig_.right, &clipped_right)};
+                          is_rgbd() ? ReadDepths(right) : ReadImage(right_, right, rig_.right, &clipped_right)};
       clipped_->Add(index, clipped_left, clipped_right);
       return images;
     } catch (const std::runtime_error& error) {
@@ -131,12 +131,25 @@ class RecordingDataset : public Dataset {
     }
   }
 
+  /// Whether the right images are depth maps.
+  bool is_rgbd() const { return NamesDepth(right_.topic); }
+
+  cv::Mat ReadDepths(const RecordedMessage& message) const {
+    try {
+      return ParseDepths(right_.type, reader_->Read(message), EncodingOf(right_),
+                         {rig_.left.width_px, rig_.left.height_px}, rig_.depth_units_per_m);
+    } catch (const std::runtime_error& error) {
+      throw DatasetError(fmt::format("{}: {}", right_.topic, error.what()));
+    }
+  }
+
   BrightValues BrightValuesOf(int index) const {
     const auto bright = [&](const RecordedChannel& channel, const RecordedMessage& message) {
       return BrightWideValue(channel.type, reader_->Read(message), EncodingOf(channel),
                              {rig_.left.width_px, rig_.left.height_px});
     };
-    return {bright(left_, Pair(index).first), bright(right_, Pair(index).second)};
+    const auto left = bright(left_, Pair(index).first);
+    return {left, is_rgbd() ? left : bright(right_, Pair(index).second)};
   }
 
   const RecordedChannel* Find(const std::string& topic, bool (*fits)(const RecordedChannel&)) const {
@@ -181,27 +194,22 @@ class RecordingDataset : public Dataset {
       right_ = Given("right", IsImage, "images");
       return;
     }
-    std::vector<std::pair<RecordedChannel, RecordedChannel>> found;
+    std::set<std::string> images;
     for (const RecordedChannel& channel : reader_->channels()) {
-      for (const auto& [left, right] : kSides) {
-        const size_t at = channel.topic.find(left);
-        if (!IsImage(channel) || at == std::string::npos) continue;
-        std::string partner = channel.topic;
-        if (const RecordedChannel* other = Find(partner.replace(at, left.size(), right), IsImage)) {
-          found.emplace_back(channel, *other);
-        }
-      }
+      if (IsImage(channel)) images.insert(channel.topic);
     }
-    if (found.empty()) {
-      const auto is_image = [](const RecordedChannel& channel) { return IsImage(channel); };
-      if (std::none_of(reader_->channels().begin(), reader_->channels().end(), is_image)) {
-        throw DatasetError("has nothing to play: " + TopicsThatAreThere());
-      }
+    if (images.empty()) throw DatasetError("has nothing to play: " + TopicsThatAreThere());
+    auto pairs = StereoTopics(images);
+    if (pairs.empty()) pairs = RgbdTopics(images);
+    if (pairs.empty()) {
       throw DatasetError(fmt::format(
-          "no two image topics are named left and right, cam0 and cam1, infra1 and infra2, or image_0 and image_1; "
-          "{}: give two of them, --topics LEFT RIGHT (or FILE?left=LEFT&right=RIGHT)",
+          "no two image topics are named left and right, cam0 and cam1, infra1 and infra2, or image_0 and image_1, "
+          "and "
+          "none color or rgb beside depth; {}: give two of them, --topics LEFT RIGHT (or FILE?left=LEFT&right=RIGHT)",
           TopicsThatAreThere()));
     }
+    std::vector<std::pair<RecordedChannel, RecordedChannel>> found;
+    for (const auto& [left, right] : pairs) found.emplace_back(*Find(left, IsImage), *Find(right, IsImage));
     // Prefer images without lossy compression.
     std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
       return std::pair(a.first.type != kRosImage, a.first.topic) <
@@ -237,7 +245,8 @@ class RecordingDataset : public Dataset {
       } catch (const DatasetError&) {
         continue;  // a damaged message is an error when it is played
       }
-      const std::string complaint = PixelEncodingComplaint(encoding);
+      const bool is_depth = channel == &right_ && is_rgbd();
+      const std::string complaint = is_depth ? DepthEncodingComplaint(encoding) : PixelEncodingComplaint(encoding);
       if (!complaint.empty()) throw DatasetError(fmt::format("{}: {}", channel->topic, complaint));
     }
   }
@@ -265,7 +274,7 @@ class RecordingDataset : public Dataset {
       try {
         const auto& [left, right] = images_.pairs[i];
         return {SizeOfImage(left_.type, reader_->Read(left), EncodingOf(left_)),
-                SizeOfImage(right_.type, reader_->Read(right), EncodingOf(right_))};
+                is_rgbd() ? ImageSize() : SizeOfImage(right_.type, reader_->Read(right), EncodingOf(right_))};
       } catch (const std::runtime_error&) {  // reported when the frame is read
       }
     }
@@ -275,9 +284,14 @@ class RecordingDataset : public Dataset {
   RigCalibration RecordedRig() {
     constexpr const char* kRemedy = "give a camera file (docs/datasets.md), FILE?camera=camera.yaml";
     try {
-      const RosCameraInfo left = CameraInfoOf(left_.topic), right = CameraInfoOf(right_.topic);
+      const RosCameraInfo left = CameraInfoOf(left_.topic);
       const auto [left_size, right_size] = ImageSizes();
       WarnOfUnusedDistortion(left_.topic, left, kRemedy, &notes_);
+      if (is_rgbd()) {
+        return MakeRgbdRig(CameraFromRos(InPixelsOfImages(left, left_size), NamesRectified(left_.topic)),
+                           kVirtualBaseline_m, kRosDepthUnits_per_m);
+      }
+      const RosCameraInfo right = CameraInfoOf(right_.topic);
       return RigFromRos(InPixelsOfImages(left, left_size), InPixelsOfImages(right, right_size),
                         NamesRectified(left_.topic));
     } catch (const DatasetError& error) {
@@ -289,6 +303,11 @@ class RecordingDataset : public Dataset {
     if (const auto given = options_.find("camera"); given != options_.end()) {
       const ImageSize size = ImageSizes().first;
       rig_ = ReadCameraFile(given->second, size, &notes_);
+      if ((rig_.kind == RigCalibration::Kind::kRgbd) != is_rgbd()) {
+        throw DatasetError(fmt::format("{} is for {}, but {} has {}", given->second,
+                                       is_rgbd() ? "a stereo camera" : "an RGB-D camera", right_.topic,
+                                       is_rgbd() ? "depths by its name (kind: rgbd)" : "no depths by its name"));
+      }
       if (size != ImageSize{} && size != ImageSize{rig_.left.width_px, rig_.left.height_px}) {
         throw DatasetError(fmt::format("{} is for {} x {} pixels, but the images of {} have {} x {}", given->second,
                                        rig_.left.width_px, rig_.left.height_px, left_.topic, size.width_px,

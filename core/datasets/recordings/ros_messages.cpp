@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "core/datasets/recordings/depth_images.h"
 #include "core/datasets/recordings/pixel_encodings.h"
 #include "core/errors/error_text.h"
 #include "core/io/images/image_header.h"
@@ -89,6 +90,15 @@ cv::Mat ParseImage(std::string_view type, std::span<const uint8_t> message, RosE
   if (type == kRosImage) return GreyOfRosPixels(PixelsOf(reader), expected, white, clipped);
   const auto [name, file] = FileOf(reader);
   return DecodeGreyImage(name, file, {expected.width, expected.height}, white, clipped);
+}
+
+cv::Mat ParseDepths(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding,
+                    const cv::Size& expected, double units_per_m) {
+  RosReader reader(message, encoding);
+  reader.SkipHeader();
+  if (type == kRosImage) return DepthsOfRosPixels(PixelsOf(reader), expected, units_per_m);
+  const std::string format = reader.Text();
+  return DepthsOfCompressed(format, reader.Bytes(), expected, units_per_m);
 }
 
 int BrightWideValue(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding,

@@ -100,6 +100,10 @@ std::string ImageEncoding(std::string_view type, std::span<const uint8_t> messag
 cv::Mat ParseImage(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding,
                    const cv::Size& expected, int white, double* clipped = nullptr);
 
+/// Depths of an Image or a CompressedImage (`type`), as in depth_images.h.
+cv::Mat ParseDepths(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding,
+                    const cv::Size& expected, double units_per_m);
+
 /// The bright value of one with pixels of 16 bits (image_file.h), else 0.
 int BrightWideValue(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding,
                     const cv::Size& expected);

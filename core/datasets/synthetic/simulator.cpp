@@ -177,7 +177,7 @@ CameraCalibration Simulator::Calibration(const Eye& eye) const {
   camera.cx_px = lens.cx;
   camera.cy_px = lens.cy;
   if (eye.lens.is_distorted()) {
-    camera.model = "radtan";
+    camera.model = lens_model::kRadtan;
     camera.distortion.assign(eye.lens.distortion().begin(), eye.lens.distortion().end());
   }
   camera.T_b_cam = SE3(eye.R_l_cam, eye.t_l_cam);

@@ -15,9 +15,7 @@
 namespace plslam {
 
 std::unique_ptr<LineDetector> MakeLineDetector(const LineOptions& options) {
-  if (options.detector == "edgechain") return MakeEdgeChainDetector(options);
-  if (options.detector == "lsd") return MakeLsdDetector(options);
-  throw std::invalid_argument("unknown line detector '" + options.detector + "': edgechain or lsd");
+  return options.detector == Segments::kLsd ? MakeLsdDetector(options) : MakeEdgeChainDetector(options);
 }
 
 DetectedSegment Direct(const Segment2& segment, const Gradients& gradients) {

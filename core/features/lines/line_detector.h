@@ -32,7 +32,7 @@ class LineDetector {
   virtual std::vector<DetectedSegment> Detect(const cv::Mat& image, const Gradients& gradients) = 0;
 };
 
-/// Returns the detector named by `options.detector`. Throws std::invalid_argument for an unknown name.
+/// Returns the detector `options.detector`.
 std::unique_ptr<LineDetector> MakeLineDetector(const LineOptions& options);
 
 /// Return one of the two detectors.

@@ -284,13 +284,6 @@ void WriteTrajectory(const std::string& path, TrajectoryFormat format, const Tra
   writer.PutInPlace();
 }
 
-TrajectoryFormat TrajectoryFormatFromName(std::string_view name) {
-  if (name == "tum") return TrajectoryFormat::kTum;
-  if (name == "kitti") return TrajectoryFormat::kKitti;
-  if (name == "euroc") return TrajectoryFormat::kEuroc;
-  throw std::runtime_error(fmt::format("unknown trajectory format '{}' (tum, kitti, euroc)", name));
-}
-
 namespace {
 
 // Unsigned, since hostile times may be further apart than a signed number holds.

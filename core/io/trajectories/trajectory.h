@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "core/config/choices.h"
 #include "core/geometry/se3.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/files/notes.h"
@@ -28,6 +30,11 @@ enum class TrajectoryFormat {
               ///< commas and times in seconds are `kTum`
   kVslamLab,  ///< `t_ns, px, py, pz, qx, qy, qz, qw`, with a header line; never recognised, only named in the code
 };
+/// The formats that users can name.
+constexpr auto ChoicesOf(TrajectoryFormat) {
+  return std::array{Choice{"tum", TrajectoryFormat::kTum}, Choice{"kitti", TrajectoryFormat::kKitti},
+                    Choice{"euroc", TrajectoryFormat::kEuroc}};
+}
 
 /// Reads a trajectory, its format recognised by its first data line unless given (row_format.h: a header that names its
 /// columns decides the order of the quaternion and the unit of time). KITTI files take their times from
@@ -78,9 +85,6 @@ class TrajectoryWriter {
 
 /// Writes all poses with a TrajectoryWriter.
 void WriteTrajectory(const std::string& path, TrajectoryFormat format, const Trajectory& trajectory);
-
-/// "tum", "kitti" or "euroc"; throws std::runtime_error for any other name.
-TrajectoryFormat TrajectoryFormatFromName(std::string_view name);
 
 /// Seconds with nine decimals, exactly ("1403636579.763555584").
 std::string SecondsText(int64_t t_ns);

@@ -234,7 +234,9 @@ BundleResult AdjustBundle(const BundleProblem& problem, const BundleOptions& opt
     result.reason = fault;
     return result;
   }
-  if (options.lines == "endpoints") return Adjustment<LineEndpointCost>(problem, options).Run(stop, covariances);
+  if (options.lines == LineParameters::kEndpoints) {
+    return Adjustment<LineEndpointCost>(problem, options).Run(stop, covariances);
+  }
   return Adjustment<LineCost>(problem, options).Run(stop, covariances);
 }
 

@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <string>
+#include <array>
 
+#include "core/config/choices.h"
 #include "core/config/fields.h"
 
 namespace plslam {
 
+/// Parameters of a line: four (its endpoints move across it only), or two endpoints, as in the paper.
+enum class LineParameters { kMinimal, kEndpoints };
+constexpr auto ChoicesOf(LineParameters) {
+  return std::array{Choice{"minimal", LineParameters::kMinimal}, Choice{"endpoints", LineParameters::kEndpoints}};
+}
+
 /// Bundle adjustment (PL-SLAM §V.B).
 struct BundleOptions {
-  std::string lines = "minimal";
+  LineParameters lines = LineParameters::kMinimal;
   /// Levenberg-Marquardt iterations of each pass.
   int max_iterations = 6;
   /// Passes after the first, each without the outliers found.
@@ -27,7 +34,7 @@ struct BundleOptions {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, BundleOptions& o) {
-  visit("lines", o.lines, OneOf{"minimal", "endpoints"},
+  visit("lines", o.lines,
         "parameters of a line: minimal (four: endpoints move across the line only) or its two endpoints, as in the "
         "paper");
 }

@@ -74,11 +74,11 @@ class Optimiser {
 
   PoseGraphSolve<Pose> SolveFromStart(const std::vector<bool>& rejected) {
     PoseGraphSolve<Pose> solve;
-    if (options_.start != "given") {
+    if (options_.start != GraphStart::kGiven) {
       const auto chordal = ChordalPoses(graph_, ConstantPoses(graph_, rejected));
       if (chordal) solve = Solve(rejected, *chordal);
     }
-    if (solve.ok && options_.start == "chordal") return solve;
+    if (solve.ok && options_.start == GraphStart::kChordal) return solve;
     const PoseGraphSolve<Pose> from_given = Solve(rejected, given_);
     const bool lower = from_given.ok && (!solve.ok || from_given.chi2 < solve.chi2);
     return lower ? from_given : solve;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -9,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/config/choices.h"
 #include "core/geometry/se3.h"
 
 namespace plslam {
@@ -45,11 +47,17 @@ class SE2 {
   Eigen::Vector2d t_ = Eigen::Vector2d::Zero();
 };
 
+/// Start of the iterations: the poses as given, the chordal relaxation of the rotations with the resulting translations
+/// (Carlone et al. 2015), or whichever of the two ends lower.
+enum class GraphStart { kGiven, kChordal, kBest };
+constexpr auto ChoicesOf(GraphStart) {
+  return std::array{Choice{"given", GraphStart::kGiven}, Choice{"chordal", GraphStart::kChordal},
+                    Choice{"best", GraphStart::kBest}};
+}
+
 /// Pose graph (PL-SLAM §VI.B). The defaults are for closing a loop in a map that is nearly correct.
 struct PoseGraphOptions {
-  /// Start of the iterations: the poses as given, the chordal relaxation of the rotations with the resulting
-  /// translations (Carlone et al. 2015), or whichever of the two ends lower.
-  std::string start = "given";
+  GraphStart start = GraphStart::kGiven;
   /// Levenberg-Marquardt iterations of each solve.
   int max_iterations = 30;
   /// Share of the chi-square that a step must gain for another one to follow.

@@ -10,6 +10,8 @@
 #include "core/bus/messages/frame_assembler.h"
 #include "core/datasets/camera_file.h"
 #include "core/datasets/check_rig.h"
+#include "core/datasets/recordings/depth_images.h"
+#include "core/datasets/recordings/topic_names.h"
 #include "core/errors/log.h"
 #include "core/geometry/body_frame.h"
 #include "core/io/files/dataset_error.h"
@@ -46,11 +48,16 @@ FrameSource::FrameSource(bus::Process& process, Settings settings, Listener list
   RigCalibration rig = ReadCalibration({settings_.camera}, {}, &notes);
   for (const std::string& warning : notes.warnings) LogWarning("{}", warning);
   for (const std::string& remark : notes.remarks) LogInfo("{}", remark);
-  if (rig.kind != RigCalibration::Kind::kStereo) {
-    throw DatasetError(settings_.camera + ": is for an RGB-D camera, but a stereo rig is required");
+  if ((rig.kind == RigCalibration::Kind::kRgbd) != is_rgbd()) {
+    throw DatasetError(fmt::format(
+        "{}: is for {}", settings_.camera,
+        is_rgbd() ? fmt::format("a stereo camera, but {} has depths by its name (kind: rgbd)", settings_.right)
+                  : "an RGB-D camera, but the right images are no depths by their name"));
   }
   UseRig(std::move(rig));
 }
+
+bool FrameSource::is_rgbd() const { return NamesDepth(settings_.right); }
 
 void FrameSource::AddImage(Side side, ForeignImage image) {
   const auto pair = pairing_.Add(side, std::move(image));
@@ -60,12 +67,15 @@ void FrameSource::AddImage(Side side, ForeignImage image) {
 
 void FrameSource::AddInfo(Side side, RosCameraInfo info) {
   infos_[static_cast<size_t>(side)] = std::move(info);
-  if (!infos_[0] || !infos_[1]) return;
+  if (!infos_[0] || (!infos_[1] && !is_rgbd())) return;
   // Each only once: a new one of one camera does not go with an old one of the other.
   const auto infos = std::exchange(infos_, {});
   const bool is_first = !rig_;
-  RigCalibration rig =
-      RigFromRos(InPixelsOfImages(*infos[0], {}), InPixelsOfImages(*infos[1], {}), NamesRectified(settings_.left));
+  const RosCameraInfo left = InPixelsOfImages(*infos[0], {});
+  const bool rectified = NamesRectified(settings_.left);
+  RigCalibration rig = is_rgbd()
+                           ? MakeRgbdRig(CameraFromRos(left, rectified), kVirtualBaseline_m, kRosDepthUnits_per_m)
+                           : RigFromRos(left, InPixelsOfImages(*infos[1], {}), rectified);
   if (T_b_l_) {
     const SE3 T_b_old = *T_b_l_ * rig.left.T_b_cam.Inverse();
     for (CameraCalibration* const camera : {&rig.left, &rig.right}) camera->T_b_cam = T_b_old * camera->T_b_cam;
@@ -81,11 +91,11 @@ void FrameSource::AddPair(const ForeignImage& left, const ForeignImage& right) {
   if (!rig_) return;
   if (left.t_ns == last_t_ns_) throw DatasetError("has the same stamp as the previous one");
   const cv::Size size(rig_->left.width_px, rig_->left.height_px);
-  UseWhiteLevel(std::max(BrightWideValue(left, size), BrightWideValue(right, size)));
+  UseWhiteLevel(std::max(BrightWideValue(left, size), is_rgbd() ? 0 : BrightWideValue(right, size)));
   StereoImages images;
   images.t_ns = left.t_ns;
   images.left = GreyOf(left, size, white_);
-  images.right = GreyOf(right, size, white_);
+  images.right = is_rgbd() ? DepthsOf(right, size, rig_->depth_units_per_m) : GreyOf(right, size, white_);
   Publish(std::move(images));
 }
 
@@ -123,7 +133,7 @@ void FrameSource::PublishRig() {
 
 void FrameSource::Publish(StereoImages images) {
   if (n_sent_ == 0) {
-    PublishStream("begin", -1);
+    PublishStream(stream_event::kBegin, -1);
     process_.SetCounter(kLiveSource, 1.0);
     process_.SetState(process_state::kRunning);
   }
@@ -139,7 +149,7 @@ void FrameSource::PublishStream(const char* event, int64_t n_frames) {
   stream.header.session = process_.bus().source();
   stream.dataset = settings_.left;
   stream.event = event;
-  stream.pace = "realtime";
+  stream.pace = stream_pace::kRealtime;
   stream.n_frames = n_frames;
   process_.bus().Publish(bus::kStream, std::move(stream));
 }
@@ -147,7 +157,7 @@ void FrameSource::PublishStream(const char* event, int64_t n_frames) {
 void FrameSource::End() {
   constexpr std::chrono::milliseconds kFlush{1000};
   if (n_sent_ == 0) return;
-  PublishStream("end", n_sent_);
+  PublishStream(stream_event::kEnd, n_sent_);
   process_.bus().Flush(kFlush);
 }
 

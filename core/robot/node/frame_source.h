@@ -32,6 +32,7 @@ class FrameSource {
     std::string camera_option;  ///< the option of a camera file: "adapter.camera"
     std::string camera;         ///< the camera file; empty: CameraInfo
     std::string left;           ///< name of the left images, or of the pairs
+    std::string right;          ///< name of the right images; if it names depths, the camera is an RGB-D camera
     int64_t max_skew_ns = 0;    ///< largest difference between the stamps of a pair
   };
   struct Listener {
@@ -59,6 +60,7 @@ class FrameSource {
   int64_t n_sent() const { return n_sent_; }
 
  private:
+  bool is_rgbd() const;
   void UseWhiteLevel(int bright);
   void UseRig(RigCalibration rig);
   void Publish(StereoImages images);

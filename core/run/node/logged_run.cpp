@@ -23,6 +23,7 @@
 #include "core/map/map_follower.h"
 #include "core/map/map_update.h"
 #include "core/run/node/recorded_messages.h"
+#include "core/run/process_names.h"
 #include "core/run/run_writer.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/ground_truth_t.hpp"
@@ -45,8 +46,8 @@ bool HasFrames(const LoggedRobot& robot) {
 /// A stream that begins replaces the previous one (ViewerNode::OnStream). `streams` are those of the robot so far.
 void OnStream(const stream_t& message, std::set<int64_t>& streams, LoggedRobot& robot) {
   const int64_t stream = message.header.session != 0 ? message.header.session : message.header.source;
-  const bool begins = message.event == "begin" || message.event == "resume";
-  if (!begins || !streams.insert(stream).second || message.event != "begin") return;
+  const bool begins = message.event == stream_event::kBegin || message.event == stream_event::kResume;
+  if (!begins || !streams.insert(stream).second || message.event != stream_event::kBegin) return;
   for (const bus::Channel& channel : {bus::kPose, bus::kGroundTruth, bus::kBodies})
     robot.messages.erase(channel.name);
 }

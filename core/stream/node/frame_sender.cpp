@@ -143,10 +143,10 @@ void FrameSender::SendAll() {
   const std::optional<ResumePoint> resume = WhereToResume();
   if (resume) turn_.Resume();
   if (!Begin(resume)) return;
-  PublishStream(resume ? "resume" : "begin", source_->size());
+  PublishStream(resume ? stream_event::kResume : stream_event::kBegin, source_->size());
   do {
     if (!SendRest()) return;
-    PublishStream("end", n_sent_);
+    PublishStream(stream_event::kEnd, n_sent_);
   } while (IsRewound());
 }
 
@@ -161,7 +161,7 @@ std::optional<LoadedFrame> FrameSender::NextFrame() {
 }
 
 void FrameSender::PublishEnd() {
-  PublishStream("end", n_sent_);
+  PublishStream(stream_event::kEnd, n_sent_);
   process_.bus().Flush(kFlushTick);
 }
 
@@ -307,7 +307,7 @@ void FrameSender::PublishStream(const char* event, int64_t n_frames) {
   message.header.session = process_.bus().source();
   message.dataset = source_->name();
   message.event = event;
-  message.pace = options_.pace.lockstep ? "lockstep" : "realtime";
+  message.pace = options_.pace.lockstep ? stream_pace::kLockstep : stream_pace::kRealtime;
   message.n_frames = n_frames;
   message.n_bad = n_bad_;
   process_.bus().Publish(bus::kStream, std::move(message));

@@ -73,6 +73,8 @@ TEST_F(CalibrateProgram, RenderedPicturesGiveTheRig) {
   KeepPictures(12);
   EXPECT_EQ(Run("pictures --board charuco:10x8:0.03:0.022"), 1) << Text("out");
   EXPECT_THAT(Text("error"), HasSubstr("does the board have other columns and rows?"));
+  EXPECT_EQ(Run("pictures --board charuco:11x7:0.03:0.022"), 1) << Text("out");
+  EXPECT_THAT(Text("error"), HasSubstr("does the board have other columns and rows?"));
   EXPECT_EQ(Run("pictures --board charuco:11x9:0.03:0.022 --out other.yaml"), 1) << Text("out");
   EXPECT_THAT(Text("error"), HasSubstr("row of the board charuco:11x9:0.03:0.022: does the board have fewer"));
   EXPECT_FALSE(fs::exists(folder_ / "other.yaml"));

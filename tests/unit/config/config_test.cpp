@@ -54,7 +54,7 @@ vo:
   EXPECT_FALSE(o.enabled);
   EXPECT_EQ(o.max_points, 12);
   EXPECT_EQ(o.seed, 123456789012);
-  EXPECT_EQ(o.score, "fast");
+  EXPECT_EQ(o.score, test::Corners::kFast);
   EXPECT_EQ(o.folder, "a b: c");
   EXPECT_EQ(o.inner.scale, 1.5);
   EXPECT_THAT(o.inner.sigmas, testing::ElementsAre(3.0, 4.5, 1e-3));

@@ -49,14 +49,16 @@ RosBytes Message(bool is_ros1, int64_t t_ns) {
 std::string Image(bool is_ros1, int64_t t_ns, int frame, int camera, const std::string& encoding) {
   RosBytes message = Message(is_ros1, t_ns);
   message.Number(uint32_t{kTinyHeight_px}).Number(uint32_t{kTinyWidth_px}).Text(encoding).Number(uint8_t{0});
-  const bool is_wide = encoding == "mono16";  // of 10 bits
-  const uint32_t bytes = encoding == "rgb8" ? 3 : is_wide ? 2 : 1;
+  const bool is_wide = encoding == "mono16" || encoding == "16UC1";  // of 10 bits
+  const bool is_float = encoding == "32FC1";                         // hundredths
+  const uint32_t bytes = encoding == "rgb8" ? 3 : is_wide ? 2 : is_float ? 4 : 1;
   message.Number(uint32_t{kTinyWidth_px} * bytes).Number(uint32_t{kTinyWidth_px} * kTinyHeight_px * bytes);
   for (int y = 0; y < kTinyHeight_px; ++y) {
     for (int x = 0; x < kTinyWidth_px; ++x) {
       const int pixel = TinyPixel(frame, camera, x, y), ten_bits = 4 * pixel + 2;
       if (is_wide) message.Number(static_cast<uint8_t>(ten_bits & 255)).Number(static_cast<uint8_t>(ten_bits >> 8));
-      for (uint32_t c = 0; !is_wide && c < bytes; ++c) message.Number(static_cast<uint8_t>(pixel));
+      if (is_float) message.Number(0.01F * static_cast<float>(pixel));
+      for (uint32_t c = 0; !is_wide && !is_float && c < bytes; ++c) message.Number(static_cast<uint8_t>(pixel));
     }
   }
   return message.bytes();
@@ -96,7 +98,9 @@ std::vector<std::vector<TinyMessage>> TinyChunks(const RecordingOptions& o, bool
       const int64_t stamp_ns = o.stamp ? o.stamp(channel, frame, t_ns) : t_ns;
       std::string bytes;
       if (channel == kLeft || channel == kRight) {
-        bytes = Image(is_ros1, stamp_ns, frame, channel == kRight ? 1 : 0, o.encoding);
+        const bool is_right = channel == kRight;
+        const bool is_other = is_right && !o.right_encoding.empty();
+        bytes = Image(is_ros1, stamp_ns, frame, is_right ? 1 : 0, is_other ? o.right_encoding : o.encoding);
       } else if (channel == kTruth) {
         bytes = Pose(is_ros1, stamp_ns, frame);
       } else {

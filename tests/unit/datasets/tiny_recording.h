@@ -24,6 +24,7 @@ struct RecordingOptions {
   std::string left = "/cam0/image_raw";
   std::string right = "/cam1/image_raw";
   std::string encoding = "mono8";
+  std::string right_encoding{};  ///< empty: that of the left images
   std::string image_type = "Image";
   double p_right = -5.0;    ///< P[3] of the right camera: baseline 0.125 m
   double skew_right = 0.0;  ///< P[1] of the right camera

@@ -118,8 +118,9 @@ TEST(Alignment, OnePoseIsAlignedExactly) {
 }
 
 TEST(Alignment, NamesRoundTrip) {
-  for (const char* name : {"none", "first", "se3", "sim3"}) EXPECT_EQ(AlignmentName(AlignmentFromName(name)), name);
-  EXPECT_THROW(AlignmentFromName("rigid"), std::runtime_error);
+  for (const char* name : {"none", "first", "se3", "sim3"})
+    EXPECT_STREQ(NameOf(*ChoiceFromName<Alignment>(name)), name);
+  EXPECT_FALSE(ChoiceFromName<Alignment>("rigid").has_value());
 }
 
 constexpr int64_t kMaxClockGap_ns = 50'000'000;

@@ -113,7 +113,7 @@ cv::Mat Scene(double disparity_px) {
   return image;
 }
 
-FeatureOptions Only(const std::string& features) {
+FeatureOptions Only(FeatureTypes features) {
   FeatureOptions options;
   options.features = features;
   return options;
@@ -121,9 +121,9 @@ FeatureOptions Only(const std::string& features) {
 
 TEST(FeatureExtractor, ExtractsTheRequestedFeatureTypes) {
   const cv::Mat image = Scene(0.0);
-  const ImageFeatures points = FeatureExtractor(Only("points")).Extract(image);
-  const ImageFeatures lines = FeatureExtractor(Only("lines")).Extract(image);
-  const ImageFeatures both = FeatureExtractor(Only("both")).Extract(image);
+  const ImageFeatures points = FeatureExtractor(Only(FeatureTypes::kPoints)).Extract(image);
+  const ImageFeatures lines = FeatureExtractor(Only(FeatureTypes::kLines)).Extract(image);
+  const ImageFeatures both = FeatureExtractor(Only(FeatureTypes::kBoth)).Extract(image);
   EXPECT_GT(points.points.size(), 50U);
   EXPECT_TRUE(points.lines.empty());
   EXPECT_TRUE(lines.points.empty());
@@ -135,7 +135,7 @@ TEST(FeatureExtractor, ExtractsTheRequestedFeatureTypes) {
 TEST(MatchStereo, KeepsEveryLeftFeatureAtItsIndex) {
   const cv::Mat left = Scene(0.0);
   const cv::Mat right = Scene(10.0);
-  FeatureExtractor extractor(Only("both"));
+  FeatureExtractor extractor(Only(FeatureTypes::kBoth));
   const ImageFeatures features = extractor.Extract(left);
   const StereoFeatures stereo = MatchStereo(features, extractor.Extract(right), left, right, RowField(), {});
   ASSERT_EQ(stereo.points.size(), features.points.size());
@@ -153,7 +153,7 @@ TEST(MatchStereo, KeepsEveryLeftFeatureAtItsIndex) {
 
 TEST(MatchStereo, ImagesOfOnePixel) {
   const cv::Mat pixel(1, 1, CV_8UC1, cv::Scalar(9));
-  FeatureExtractor extractor(Only("both"));
+  FeatureExtractor extractor(Only(FeatureTypes::kBoth));
   const StereoFeatures stereo = MatchStereo(extractor.Extract(pixel), {}, pixel, pixel, RowField(), {});
   EXPECT_TRUE(stereo.points.empty());
   EXPECT_TRUE(stereo.lines.empty());
@@ -163,7 +163,7 @@ TEST(AttachDepth, GivesPointsAndLinesTheirDisparity) {
   const cv::Mat image = Scene(0.0);
   const cv::Mat depth(240, 320, CV_16UC1, cv::Scalar(3000));
   const StereoFeatures stereo =
-      AttachDepth(FeatureExtractor(Only("both")).Extract(image), depth, 1000.0, kExtractorCamera, {});
+      AttachDepth(FeatureExtractor(Only(FeatureTypes::kBoth)).Extract(image), depth, 1000.0, kExtractorCamera, {});
   ASSERT_FALSE(stereo.points.empty());
   ASSERT_FALSE(stereo.lines.empty());
   for (const StereoPoint& p : stereo.points) EXPECT_NEAR(p.disparity_px, 10.0, 1e-9);

@@ -34,9 +34,9 @@ cv::Mat ManyBars() {
 
 TEST(LineExtractor, EqualImagesGiveEqualLines) {
   const cv::Mat image = ManyBars();
-  for (const char* name : {"edgechain", "lsd"}) {
+  for (const auto& [name, detector] : ChoicesOf(Segments())) {
     LineOptions options;
-    options.detector = name;
+    options.detector = detector;
     LineExtractor fresh(options);
     LineExtractor used(options);
     used.Extract(test::NoiseImage({333, 222}, 100, 30, 1));

@@ -16,7 +16,7 @@ size_t CountLong(const std::vector<LineFeature>& lines) {
   return count;
 }
 
-std::vector<LineFeature> ExtractAll(const std::string& detector, const cv::Mat& image) {
+std::vector<LineFeature> ExtractAll(Segments detector, const cv::Mat& image) {
   LineOptions options;
   options.detector = detector;
   options.max_lines = 5000;
@@ -27,8 +27,8 @@ TEST(LinesOnRealImages, EdgeChainFindsAtLeastAsManyAsLsd) {
   PLSLAM_REQUIRE_DATA(folder, "kitti_03");
   const cv::Mat image = ReadGreyImage(folder / "image_0/000010.png");
   ASSERT_FALSE(image.empty());
-  const size_t own = CountLong(ExtractAll("edgechain", image));
-  const size_t lsd = CountLong(ExtractAll("lsd", image));
+  const size_t own = CountLong(ExtractAll(Segments::kEdgeChain, image));
+  const size_t lsd = CountLong(ExtractAll(Segments::kLsd, image));
   EXPECT_GE(own, lsd);
   EXPECT_GE(own, 60U);
 }

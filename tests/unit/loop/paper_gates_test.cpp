@@ -14,14 +14,14 @@ namespace {
 
 constexpr double kPaperTurn_rad = 3.0 * std::numbers::pi / 180.0;
 
-loop::LoopOptions WithGates(const std::string& gates) {
+loop::LoopOptions WithGates(loop::LoopGates gates) {
   loop::LoopOptions options;
   options.verification.gates = gates;
   return options;
 }
 
 /// Returns all verified candidates of a walk along the ring, without applying any loop.
-std::vector<loop::LoopEvidence> LookedAt(const Ring& ring, const std::string& gates) {
+std::vector<loop::LoopEvidence> LookedAt(const Ring& ring, loop::LoopGates gates) {
   Closing closing(PlacesOf(ring.world), WithGates(gates));
   std::vector<loop::LoopEvidence> all;
   for (const Keyframe& keyframe : ring.walk.keyframes) {
@@ -34,7 +34,7 @@ std::vector<loop::LoopEvidence> LookedAt(const Ring& ring, const std::string& ga
 
 TEST(PaperGates, ReturningRingIsClosedFromNearby) {
   const Ring ring;
-  const Closing closing = CloseLoops(ring, WithGates("paper"));
+  const Closing closing = CloseLoops(ring, WithGates(loop::LoopGates::kPaper));
   ASSERT_FALSE(closing.loops.empty());
   for (const LoopClosure& loop : closing.loops) {
     const LoopEdge& edge = loop.edges.front();
@@ -48,7 +48,7 @@ TEST(PaperGates, ReturningRingIsClosedFromNearby) {
 TEST(PaperGates, EqualTheThreeTestsOfThePaper) {
   int accepted = 0;
   int refused = 0;
-  for (const loop::LoopEvidence& e : LookedAt(Ring(), "paper")) {
+  for (const loop::LoopEvidence& e : LookedAt(Ring(), loop::LoopGates::kPaper)) {
     if (e.verdict == loop::LoopVerdict::kNotFound) continue;
     const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(e.place.pose.covariance);
     const bool passes = eigen.eigenvalues().maxCoeff() < 0.01 && e.edge.T_old_kf.translation().norm() <= 0.5 &&
@@ -65,11 +65,11 @@ TEST(PaperGates, EqualTheThreeTestsOfThePaper) {
 // A loop seen from farther away is a loop, too.
 TEST(PaperGates, RefuseDistantLoopsOfTheDefaultGates) {
   int far = 0;
-  for (const loop::LoopEvidence& e : LookedAt(Ring(), "default")) {
+  for (const loop::LoopEvidence& e : LookedAt(Ring(), loop::LoopGates::kDefault)) {
     if (e.verdict == loop::LoopVerdict::kAccepted && e.edge.T_old_kf.translation().norm() > 0.5) ++far;
   }
   EXPECT_GT(far, 0);
-  for (const loop::LoopEvidence& e : LookedAt(Ring(), "paper")) {
+  for (const loop::LoopEvidence& e : LookedAt(Ring(), loop::LoopGates::kPaper)) {
     if (e.edge.T_old_kf.translation().norm() <= 0.5) continue;
     EXPECT_NE(e.verdict, loop::LoopVerdict::kAccepted) << e.edge.T_old_kf.translation().norm() << " m";
   }

@@ -16,7 +16,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Parameters of lines, and free poses above which their system is sparse.
-class AdjustBundleDegenerate : public testing::TestWithParam<std::tuple<const char*, int>> {
+class AdjustBundleDegenerate : public testing::TestWithParam<std::tuple<LineParameters, int>> {
  protected:
   AdjustBundleDegenerate() { std::tie(options_.lines, options_.max_dense_poses) = GetParam(); }
 
@@ -57,7 +57,8 @@ class AdjustBundleDegenerate : public testing::TestWithParam<std::tuple<const ch
 };
 
 INSTANTIATE_TEST_SUITE_P(LinesAndSolvers, AdjustBundleDegenerate,
-                         testing::Combine(testing::Values("minimal", "endpoints"), testing::Values(1000, 0)));
+                         testing::Combine(testing::Values(LineParameters::kMinimal, LineParameters::kEndpoints),
+                                          testing::Values(1000, 0)));
 
 TEST_P(AdjustBundleDegenerate, EmptyProblem) {
   BundleProblem problem;

@@ -16,7 +16,7 @@ struct Kind {
   const char* name;
   int points;
   int lines;
-  const char* parameters;
+  LineParameters parameters;
 };
 
 class AdjustBundleOf : public testing::TestWithParam<Kind> {
@@ -32,10 +32,11 @@ class AdjustBundleOf : public testing::TestWithParam<Kind> {
 };
 
 INSTANTIATE_TEST_SUITE_P(Kinds, AdjustBundleOf,
-                         testing::Values(Kind{"points", 200, 0, "minimal"}, Kind{"lines", 0, 120, "minimal"},
-                                         Kind{"both", 150, 60, "minimal"},
-                                         Kind{"lines_by_endpoints", 0, 120, "endpoints"},
-                                         Kind{"both_by_endpoints", 150, 60, "endpoints"}),
+                         testing::Values(Kind{"points", 200, 0, LineParameters::kMinimal},
+                                         Kind{"lines", 0, 120, LineParameters::kMinimal},
+                                         Kind{"both", 150, 60, LineParameters::kMinimal},
+                                         Kind{"lines_by_endpoints", 0, 120, LineParameters::kEndpoints},
+                                         Kind{"both_by_endpoints", 150, 60, LineParameters::kEndpoints}),
                          [](const auto& instance) { return instance.param.name; });
 
 TEST_P(AdjustBundleOf, ExactMeasurementsBringBackTheTruth) {

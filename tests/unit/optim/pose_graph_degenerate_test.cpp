@@ -20,7 +20,7 @@ PoseGraphProblem Pair() {
 }
 
 void ExpectRefused(const PoseGraphProblem& graph, const std::string& part_of_reason) {
-  for (const char* start : {"given", "chordal", "best"}) {
+  for (const auto& [name, start] : ChoicesOf(GraphStart())) {
     PoseGraphOptions options;
     options.start = start;
     const PoseGraphResult result = OptimisePoseGraph(graph, options);
@@ -95,7 +95,7 @@ TEST(PoseGraphDegenerate, AllPosesAndEdgesAreIdentity) {
   PoseGraphProblem graph;
   graph.poses.resize(10);
   for (int i = 1; i < 10; ++i) graph.edges.push_back(test::MakeEdge<SE3>({}, i - 1, i, SE3(), i % 2 == 0));
-  for (const char* start : {"given", "chordal", "best"}) {
+  for (const auto& [name, start] : ChoicesOf(GraphStart())) {
     PoseGraphOptions options;
     options.start = start;
     const PoseGraphResult result = OptimisePoseGraph(graph, options);
@@ -115,13 +115,14 @@ TEST(PoseGraphDegenerate, FirstPoseOfEachPartIsFixedByDefault) {
   const SE3 step(Eigen::Quaterniond::Identity(), {1.0, 0.0, 0.0});
   graph.edges = {test::MakeEdge<SE3>({}, 0, 1, step, false), test::MakeEdge<SE3>({}, 5, 2, step, false),
                  test::MakeEdge<SE3>({}, 3, 4, step, false)};
-  for (const char* start : {"given", "chordal"}) {
+  for (const GraphStart start : {GraphStart::kGiven, GraphStart::kChordal}) {
     PoseGraphOptions options;
     options.start = start;
     const PoseGraphResult result = OptimisePoseGraph(graph, options);
     ASSERT_TRUE(result.ok) << result.reason;
     const double expected[] = {0.0, 1.0, 20.0, 39.0, 40.0, 19.0, 60.0};
-    for (int i = 0; i < 7; ++i) EXPECT_NEAR(result.T_w_kf[i].translation().x(), expected[i], 1e-6) << start << i;
+    for (int i = 0; i < 7; ++i)
+      EXPECT_NEAR(result.T_w_kf[i].translation().x(), expected[i], 1e-6) << NameOf(start) << i;
     for (const int constant : {0, 2, 4, 6}) {
       EXPECT_EQ(result.T_w_kf[constant].translation(), graph.poses[constant].T_w_kf.translation());
     }

@@ -153,11 +153,11 @@ TYPED_TEST(PoseGraphTest, ChordalStartReachesTheSameMinimum) {
   for (size_t i = 1; i < world.graph.poses.size(); ++i) {
     world.graph.poses[i].T_w_kf = RandomPose<TypeParam>(random, 2.0);
   }
-  options.start = "chordal";
+  options.start = GraphStart::kChordal;
   const auto chordal = OptimisePoseGraph(world.graph, options);
   ASSERT_TRUE(chordal.ok) << chordal.reason;
   EXPECT_NEAR(chordal.chi2_after, from_odometry.chi2_after, 1e-9 * chordal.chi2_after);
-  options.start = "best";
+  options.start = GraphStart::kBest;
   const auto best = OptimisePoseGraph(world.graph, options);
   EXPECT_LE(best.chi2_after, chordal.chi2_after);
 }

@@ -19,7 +19,7 @@ struct Setting {
   const char* name;
   int points;
   int lines;
-  const char* parameters;
+  LineParameters parameters;
   bool all_poses_fixed;
 };
 
@@ -82,11 +82,11 @@ class SolversOf : public testing::TestWithParam<Setting> {
 };
 
 INSTANTIATE_TEST_SUITE_P(Settings, SolversOf,
-                         testing::Values(Setting{"points", 150, 0, "minimal", false},
-                                         Setting{"lines", 0, 80, "minimal", false},
-                                         Setting{"both", 100, 50, "minimal", false},
-                                         Setting{"both_by_endpoints", 100, 50, "endpoints", false},
-                                         Setting{"landmarks_alone", 100, 50, "minimal", true}),
+                         testing::Values(Setting{"points", 150, 0, LineParameters::kMinimal, false},
+                                         Setting{"lines", 0, 80, LineParameters::kMinimal, false},
+                                         Setting{"both", 100, 50, LineParameters::kMinimal, false},
+                                         Setting{"both_by_endpoints", 100, 50, LineParameters::kEndpoints, false},
+                                         Setting{"landmarks_alone", 100, 50, LineParameters::kMinimal, true}),
                          [](const auto& instance) { return instance.param.name; });
 
 // Step for step, with the passes and the outliers of a local adjustment.

@@ -102,12 +102,12 @@ TEST(PlaceEvaluation, TwoLapsAreRecognisedOnlyIfSimilar) {
   ASSERT_EQ(alike.merges.size(), 7U);
   EXPECT_EQ(alike.merges[0].merge, PlaceOptions().merge);
   for (const MergeEvaluation& m : alike.merges) {
-    EXPECT_DOUBLE_EQ(m.best_match.area, 1.0) << m.merge;
-    EXPECT_DOUBLE_EQ(m.all_pairs.recall_at_full_precision, 1.0) << m.merge;
+    EXPECT_DOUBLE_EQ(m.best_match.area, 1.0) << NameOf(m.merge);
+    EXPECT_DOUBLE_EQ(m.all_pairs.recall_at_full_precision, 1.0) << NameOf(m.merge);
   }
   EXPECT_NEAR(alike.similarities.points.At(3, 3), 1.0, 1e-5);
   EXPECT_GT(alike.similarities.points.At(13, 3), 2.0F * alike.similarities.points.At(13, 4));
-  for (const MergeEvaluation& m : evaluate(200).merges) EXPECT_LT(m.all_pairs.area, 0.6) << m.merge;
+  for (const MergeEvaluation& m : evaluate(200).merges) EXPECT_LT(m.all_pairs.area, 0.6) << NameOf(m.merge);
 }
 
 TEST(PlaceEvaluation, NoFramesAndOneFrame) {

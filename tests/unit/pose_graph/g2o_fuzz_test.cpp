@@ -80,7 +80,7 @@ TEST(G2oFuzz, DamagedFilesAreRefusedOrSolved) {
     Mutate(text, random);
     SolveOptions options;
     options.graph.max_iterations = 20;
-    options.initial = random() % 2 == 0 ? "file" : "chordal";
+    options.initial = random() % 2 == 0 ? InitialPoses::kFile : InitialPoses::kChordal;
     options.reject = random() % 2 == 0;
     return IsRefusedOrFinite(path, text, options);
   });

@@ -20,7 +20,7 @@ struct PublicGraph {
 
 class PublicPoseGraphs : public testing::TestWithParam<PublicGraph> {};
 
-SolveReport SolveFrom(const std::string& path, const std::string& initial, double perturb) {
+SolveReport SolveFrom(const std::string& path, InitialPoses initial, double perturb) {
   G2oFile file = ReadG2o(path);
   SolveOptions options;
   options.initial = initial;
@@ -31,15 +31,17 @@ SolveReport SolveFrom(const std::string& path, const std::string& initial, doubl
 TEST_P(PublicPoseGraphs, EndInTheSameMinimumFromEveryStart) {
   PLSLAM_REQUIRE_DATA(folder, "posegraphs");
   const std::string path = (folder / (std::string(GetParam().name) + ".g2o")).string();
-  const SolveReport chordal = SolveFrom(path, "chordal", 0.0);
+  const SolveReport chordal = SolveFrom(path, InitialPoses::kChordal, 0.0);
   ASSERT_TRUE(chordal.ok) << chordal.reason;
   EXPECT_EQ(chordal.poses, GetParam().poses);
   EXPECT_EQ(chordal.edges, GetParam().edges);
-  const std::pair<const char*, double> starts[] = {{"file", 0.0}, {"odometry", 0.0}, {"file", 0.1}};
+  const std::pair<InitialPoses, double> starts[] = {
+      {InitialPoses::kFile, 0.0}, {InitialPoses::kOdometry, 0.0}, {InitialPoses::kFile, 0.1}};
   for (const auto& [initial, perturb] : starts) {
     const SolveReport report = SolveFrom(path, initial, perturb);
     ASSERT_TRUE(report.ok) << report.reason;
-    EXPECT_NEAR(report.chi2_after, chordal.chi2_after, 1e-6 * chordal.chi2_after) << initial << " " << perturb;
+    EXPECT_NEAR(report.chi2_after, chordal.chi2_after, 1e-6 * chordal.chi2_after)
+        << NameOf(initial) << " " << perturb;
     EXPECT_LT(report.chi2_after, report.chi2_before);
   }
 }
@@ -47,14 +49,14 @@ TEST_P(PublicPoseGraphs, EndInTheSameMinimumFromEveryStart) {
 TEST_P(PublicPoseGraphs, SolvedWrittenAndReadAgainAreAtTheMinimum) {
   PLSLAM_REQUIRE_DATA(folder, "posegraphs");
   G2oFile file = ReadG2o((folder / (std::string(GetParam().name) + ".g2o")).string());
-  const SolveReport report = SolveG2o(file, {.initial = "chordal"});
+  const SolveReport report = SolveG2o(file, {.initial = InitialPoses::kChordal});
   ASSERT_TRUE(report.ok) << report.reason;
   const test::TemporaryFolder out;
   const std::string path = (out.path() / "solved.g2o").string();
   std::visit([&](const auto& graph) { WriteG2o(path, graph); }, file.content);
   G2oFile again = ReadG2o(path);
   SolveOptions options;
-  options.graph.start = "given";
+  options.graph.start = GraphStart::kGiven;
   const SolveReport second = SolveG2o(again, options);
   ASSERT_TRUE(second.ok) << second.reason;
   EXPECT_NEAR(second.chi2_before, report.chi2_after, 1e-12 * report.chi2_after);

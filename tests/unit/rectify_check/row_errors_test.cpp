@@ -93,7 +93,7 @@ TEST(RowErrors, ImagesThatAreShiftedByThreeRows) {
   const cv::Mat shift = (cv::Mat_<double>(2, 3) << 1, 0, -7, 0, 1, 3);
   cv::warpAffine(left, right, shift, left.size());
   FeatureOptions options;
-  options.features = "points";
+  options.features = FeatureTypes::kPoints;
   FeatureExtractor extractor(options);
   const auto matches = MatchAcrossRows(extractor.Extract(left), extractor.Extract(right), left.rows);
   const RowErrors e = MeasureRows(matches, {200.0, 160.0, 120.0, 0.1, 320, 240});

@@ -10,11 +10,11 @@
 namespace plslam {
 namespace {
 
-class ReferenceBundle : public testing::TestWithParam<const char*> {};
+class ReferenceBundle : public testing::TestWithParam<LineParameters> {};
 
 // One pass to the end: lines keep the anchors of the start, and no observation is removed.
 TEST_P(ReferenceBundle, EndsInTheSameOptimum) {
-  const bool endpoints = std::string(GetParam()) == "endpoints";
+  const bool endpoints = GetParam() == LineParameters::kEndpoints;
   for (uint32_t seed = 1; seed <= 3; ++seed) {
     test::BundleWorldSpec spec;
     spec.points = 120;
@@ -43,8 +43,9 @@ TEST_P(ReferenceBundle, EndsInTheSameOptimum) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Lines, ReferenceBundle, testing::Values("minimal", "endpoints"),
-                         [](const auto& instance) { return std::string(instance.param); });
+INSTANTIATE_TEST_SUITE_P(Lines, ReferenceBundle,
+                         testing::Values(LineParameters::kMinimal, LineParameters::kEndpoints),
+                         [](const auto& instance) { return std::string(NameOf(instance.param)); });
 
 }  // namespace
 }  // namespace plslam

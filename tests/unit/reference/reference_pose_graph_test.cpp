@@ -70,7 +70,7 @@ class ReferencePoseGraph : public testing::TestWithParam<const char*> {};
 TEST_P(ReferencePoseGraph, EndsInTheSameOptimum) {
   PLSLAM_REQUIRE_DATA(folder, "posegraphs");
   pose_graph::G2oFile file = pose_graph::ReadG2o((folder / (std::string(GetParam()) + ".g2o")).string());
-  pose_graph::SolveOptions options{.initial = "chordal"};
+  pose_graph::SolveOptions options{.initial = pose_graph::InitialPoses::kChordal};
   options.graph.function_tolerance = 1e-16;
   const pose_graph::SolveReport report = pose_graph::SolveG2o(file, options);
   ASSERT_TRUE(report.ok) << report.reason;

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/datasets/recordings/topic_names.h"
 #include "ros2/topic_list.h"
 
 namespace plslam::ros2 {
@@ -65,7 +66,7 @@ TEST(Ros2Diagnosis, StereoCamerasAreFoundByTheirNames) {
                                           {"/zed/right/image", kImage},
                                           {"/left/alone", kImage},
                                           {"/right/alone", "x"}};
-  EXPECT_THAT(StereoPairs(publishers),
+  EXPECT_THAT(StereoTopics(ImageTopics(publishers)),
               ElementsAre(Pair("/camera/infra1/image_rect_raw", "/camera/infra2/image_rect_raw"),
                           Pair("/zed/left/image", "/zed/right/image")));
 }
@@ -77,7 +78,12 @@ TEST(Ros2Diagnosis, TableOfTopics) {
   EXPECT_THAT(table, HasSubstr("2 topics in the domain 3"));
   EXPECT_THAT(table, HasSubstr("1 publisher, reliable, volatile, 20.0 Hz, 7.2 MB/s, 752 x 480 mono8"));
   EXPECT_THAT(table, HasSubstr("best effort, volatile, nothing heard"));
-  EXPECT_THAT(table, HasSubstr("plslam run ros2:/left/image_raw,/right/image_raw"));
+  EXPECT_THAT(table, HasSubstr("Stereo cameras:\n  plslam run ros2:/left/image_raw,/right/image_raw\n"));
+  const std::string rgbd = TopicTable({{"/camera/color/image_raw", kImage, true, false},
+                                       {"/camera/aligned_depth_to_color/image_raw", kImage, true, false}},
+                                      {}, 2.0, 0);
+  EXPECT_THAT(rgbd, HasSubstr("RGB-D cameras:\n  plslam run "
+                              "ros2:/camera/color/image_raw,/camera/aligned_depth_to_color/image_raw\n"));
 }
 
 }  // namespace

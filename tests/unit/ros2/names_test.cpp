@@ -41,6 +41,7 @@ TEST(Ros2Names, ServiceIsTwoTopics) {
 TEST(Ros2Names, CameraInfoBesideTheImages) {
   EXPECT_EQ(InfoTopicOf("/a/left/image_raw"), "/a/left/camera_info");
   EXPECT_EQ(InfoTopicOf("/a/left/image_raw/compressed"), "/a/left/camera_info");
+  EXPECT_EQ(InfoTopicOf("/a/depth/image_raw/compressedDepth"), "/a/depth/camera_info");
   EXPECT_EQ(InfoTopicOf("/left"), "/left/camera_info");
 }
 

@@ -222,9 +222,9 @@ TEST(Trajectory, UnwritableFolderIsNamed) {
   }
 }
 
-TEST(Trajectory, UnknownFormatNameIsRefused) {
-  EXPECT_EQ(TrajectoryFormatFromName("kitti"), TrajectoryFormat::kKitti);
-  EXPECT_THROW(TrajectoryFormatFromName("KITTI"), std::runtime_error);
+TEST(Trajectory, UsersNameThreeFormats) {
+  EXPECT_EQ(ChoiceFromName<TrajectoryFormat>("kitti"), TrajectoryFormat::kKitti);
+  EXPECT_EQ(ChoiceFromName<TrajectoryFormat>("KITTI"), std::nullopt);
 }
 
 TEST(Trajectory, RealTrajectoriesSurviveAllFormats) {

@@ -29,7 +29,8 @@ TEST(RunVideo, FolderOfPicturesIfTheEncoderIsMissing) {
                  std::make_unique<FilmProcess>(folder.Path("film.mp4"), "/nowhere/plslam_film"), 10.0, {64, 48});
   EXPECT_TRUE(video.is_folder());
   EXPECT_EQ(video.path(), folder.Path("film"));
-  EXPECT_EQ(video.why_folder(), "/nowhere/plslam_film cannot be started: No such file or directory");
+  EXPECT_EQ(video.why_folder(),
+            "/nowhere/plslam_film cannot be started: No such file or directory ('scripts/build release' builds it)");
   video.Add(cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(9)));
   EXPECT_TRUE(std::filesystem::exists(folder.Path("film/000000.png")));
 }

@@ -88,7 +88,7 @@ TEST(OdometryState, ContinuesBitForBitWithAnInertialSensor) {
 
 TEST(OdometryState, ContinuesBitForBitFrameToFrame) {
   VoOptions options;
-  options.tracking.reference = "previous_frame";
+  options.tracking.reference = TrackingReference::kPreviousFrame;
   ExpectSameBits("synthetic:corridor?size=320x240&frames=40", 40, options);
 }
 

@@ -73,7 +73,7 @@ TEST(Odometry, RigOfMillimetresTracksLikeOneOfMetres) {
 TEST(Odometry, FrameToFrameDriftsMoreThanLandmarks) {
   const FeatureWorld world({300, 60}, 3);
   VoOptions paper;
-  paper.tracking.reference = "previous_frame";
+  paper.tracking.reference = TrackingReference::kPreviousFrame;
   Odometry landmarks(FeatureWorld::Camera(), VoOptions());
   Odometry frame_to_frame(FeatureWorld::Camera(), paper);
   double error_landmarks = 0.0;

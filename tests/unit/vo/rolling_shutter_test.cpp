@@ -46,35 +46,35 @@ Eigen::Vector3d Observe(const RollingShutter& shutter, const StereoCamera& camer
 
 TEST(RollingShutter, MovesPointsToTheStamp) {
   const Rectification rectification = Rectify(Rig());
-  for (const char* stamp : {"first", "middle", "last"}) {
+  for (const auto& [name, stamp] : ChoicesOf(StampRow())) {
     const RollingShutter shutter(rectification, kReadout_s, stamp);
     for (const Eigen::Vector3d& p : {Eigen::Vector3d(1.0, 1.2, 4.0), Eigen::Vector3d(-2.0, -1.0, 9.0)}) {
       const Eigen::Vector3d uvd = Observe(shutter, rectification.camera, p);
       const Eigen::Vector3d moved = shutter.Moved(uvd, shutter.SharesOf(uvd.head<2>(), uvd.z()), Velocity());
-      EXPECT_LT((moved - rectification.camera.ProjectStereo(p)).norm(), 1e-6) << stamp;
+      EXPECT_LT((moved - rectification.camera.ProjectStereo(p)).norm(), 1e-6) << name;
     }
   }
 }
 
 TEST(RollingShutter, StampIsTheTimeOfItsRow) {
   const Rectification rectification = Rectify(Rig());
-  EXPECT_EQ(RollingShutter(rectification, kReadout_s, "first").SharesOf({100.0, 0.0}, 5.0).left, 0.0);
-  EXPECT_EQ(RollingShutter(rectification, kReadout_s, "middle").SharesOf({100.0, 240.0}, 5.0).left, 0.0);
-  EXPECT_EQ(RollingShutter(rectification, kReadout_s, "last").SharesOf({100.0, 480.0}, 5.0).left, 0.0);
+  EXPECT_EQ(RollingShutter(rectification, kReadout_s, StampRow::kFirst).SharesOf({100.0, 0.0}, 5.0).left, 0.0);
+  EXPECT_EQ(RollingShutter(rectification, kReadout_s, StampRow::kMiddle).SharesOf({100.0, 240.0}, 5.0).left, 0.0);
+  EXPECT_EQ(RollingShutter(rectification, kReadout_s, StampRow::kLast).SharesOf({100.0, 480.0}, 5.0).left, 0.0);
 }
 
 TEST(RollingShutter, RightImageIsReadInItsOwnRows) {
   RigCalibration rig = Rig();
   rig.right.cy_px += 24.0;
   const Rectification rectification = Rectify(rig);
-  const RowShares shares = RollingShutter(rectification, kReadout_s, "first").SharesOf({320.0, 240.0}, 20.0);
+  const RowShares shares = RollingShutter(rectification, kReadout_s, StampRow::kFirst).SharesOf({320.0, 240.0}, 20.0);
   EXPECT_NEAR(shares.right - shares.left, 24.0 / 480.0, 0.01);
 }
 
 TEST(RollingShutter, EndsOfBentLinesMoveToTheEdge) {
   const Rectification rectification = Rectify(Rig());
   const StereoCamera& camera = rectification.camera;
-  const RollingShutter shutter(rectification, kReadout_s, "first");
+  const RollingShutter shutter(rectification, kReadout_s, StampRow::kFirst);
   const Eigen::Vector3d a(0.8, -1.0, 3.0);
   const Eigen::Vector3d b(0.8, 1.2, 3.0);
   // The least-squares line u(v), d(v) through observations of the edge.

@@ -131,7 +131,7 @@ class WindingWorld {
 
 TimingCheck Checked(const WindingWorld& world, bool with_points, bool with_lines, int n_frames) {
   const Rectification rectification = Rectify(TimingRig());
-  TimingCheck check(rectification.camera, RollingShutter(rectification, 0.0, "first"));
+  TimingCheck check(rectification.camera, RollingShutter(rectification, 0.0, StampRow::kFirst));
   std::mt19937 random(7);
   for (int i = 0; i < n_frames; ++i) {
     const double t_s = i * kTimingInterval_s;
@@ -168,7 +168,7 @@ TEST(TimingCheck, FindsReadoutWithEitherFeatureType) {
 
 TEST(TimingCheck, DepthCamerasAreNotMeasured) {
   const Rectification rectification = Rectify(TimingRig());
-  RollingShutter shutter(rectification, 0.0, "first");
+  RollingShutter shutter(rectification, 0.0, StampRow::kFirst);
   shutter.SetDepthMap();
   TimingCheck check(rectification.camera, shutter);
   const WindingWorld world(0.004, 0.0);

@@ -220,8 +220,8 @@ void TakeLivePictures(const Board& board, const LiveRigFile& rig, const LiveOpti
   const fs::path camera = ProgramFolder() / process_name::kCamera;
   if (access(camera.c_str(), X_OK) != 0) {
     throw std::runtime_error(
-        fmt::format("the program {} is missing: install libgstreamer1.0-dev and libgstreamer-plugins-base1.0-dev, "
-                    "and build again",
+        fmt::format("the program {} is missing: 'scripts/build release' builds it, with libgstreamer1.0-dev and "
+                    "libgstreamer-plugins-base1.0-dev",
                     camera.string()));
   }
   PictureFolder folder(options.folder);

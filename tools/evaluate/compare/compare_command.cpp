@@ -16,6 +16,7 @@
 #include "core/errors/standard_streams.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/trajectories/trajectory.h"
+#include "core/process/choice_argument.h"
 #include "core/run/result_files.h"
 #include "tools/command_line/run_command_line.h"
 #include "tools/evaluate/compare/comparison_page.h"
@@ -27,9 +28,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Output: a table, or converted trajectories.
+enum class Output { kText, kMarkdown, kLatex, kCsv, kJson, kTum, kKitti };
+constexpr auto ChoicesOf(Output) {
+  return std::array{Choice{"text", Output::kText},   Choice{"markdown", Output::kMarkdown},
+                    Choice{"latex", Output::kLatex}, Choice{"csv", Output::kCsv},
+                    Choice{"json", Output::kJson},   Choice{"tum", Output::kTum},
+                    Choice{"kitti", Output::kKitti}};
+}
+
 struct Arguments {
   std::vector<std::string> runs;
-  std::string format = "text";
+  Output format = Output::kText;
   std::string out;
   std::string html;
   std::string map;
@@ -38,10 +48,8 @@ struct Arguments {
 void AddOptions(CLI::App& app, Arguments& a) {
   app.add_option("runs", a.runs, "folders of runs, or folders that contain such folders; other files are skipped")
       ->required();
-  app.add_option("--format", a.format,
-                 "output format: text, markdown, latex, csv, json; tum or kitti: converted trajectories, in --out")
-      ->check(CLI::IsMember({"text", "markdown", "latex", "csv", "json", "tum", "kitti"}))
-      ->capture_default_str();
+  AddChoice(&app, "--format", a.format,
+            "output format: text, markdown, latex, csv, json; tum or kitti: converted trajectories, in --out");
   app.add_option("--out", a.out, "write to this file instead (tum and kitti: folder)");
   app.add_option("--html", a.html, "also write a page with tables and plots")->type_name("FILE");
   app.add_option("--map", a.map,
@@ -115,23 +123,25 @@ std::vector<std::string> FileNames(const std::vector<RunRecord>& runs) {
 }
 
 void ConvertTrajectories(const std::vector<RunRecord>& runs, const Arguments& a) {
-  if (a.out.empty()) throw std::runtime_error("--format " + a.format + " needs --out, the folder to write to");
+  const char* const name = NameOf(a.format);
+  if (a.out.empty()) throw std::runtime_error(fmt::format("--format {} needs --out, the folder to write to", name));
+  const TrajectoryFormat format = a.format == Output::kTum ? TrajectoryFormat::kTum : TrajectoryFormat::kKitti;
   fs::create_directories(a.out);
   const std::vector<std::string> names = FileNames(runs);
   for (size_t i = 0; i < runs.size(); ++i) {
-    const std::string file = fmt::format("{}/{}.{}", a.out, names[i], a.format);
+    const std::string file = fmt::format("{}/{}.{}", a.out, names[i], name);
     const Trajectory trajectory =
         ReadTrajectory(fmt::format("{}/{}", runs[i].folder, result_file::kTrajectory.tum), TrajectoryFormat::kTum);
-    WriteTrajectory(file, TrajectoryFormatFromName(a.format), trajectory);
+    WriteTrajectory(file, format, trajectory);
     fmt::print("{}: {} poses\n", file, trajectory.size());
   }
 }
 
-std::string Formatted(const std::vector<RunGroup>& groups, const std::string& format) {
-  if (format == "markdown") return ComparisonMarkdown(groups);
-  if (format == "latex") return ComparisonLatex(groups);
-  if (format == "csv") return ComparisonCsv(groups);
-  if (format == "json") return ComparisonJson(groups).dump(2) + "\n";
+std::string Formatted(const std::vector<RunGroup>& groups, Output format) {
+  if (format == Output::kMarkdown) return ComparisonMarkdown(groups);
+  if (format == Output::kLatex) return ComparisonLatex(groups);
+  if (format == Output::kCsv) return ComparisonCsv(groups);
+  if (format == Output::kJson) return ComparisonJson(groups).dump(2) + "\n";
   return ComparisonText(groups);
 }
 
@@ -170,7 +180,7 @@ int CompareRuns(const Arguments& a) {
     if (folders.insert(fs::weakly_canonical(run.folder)).second) continue;
     throw std::runtime_error(fmt::format("{}: is given twice; a run counts once", run.folder));
   }
-  const bool converts = a.format == "tum" || a.format == "kitti";
+  const bool converts = a.format == Output::kTum || a.format == Output::kKitti;
   if (converts) ConvertTrajectories(runs, a);
   const std::vector<RunGroup> groups = Compare(runs);
   const std::string text = converts ? "" : Formatted(groups, a.format);

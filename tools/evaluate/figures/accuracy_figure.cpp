@@ -101,8 +101,8 @@ Drawing AccuracyFigure(const std::string& title, const Accuracy& accuracy) {
     return drawing;
   }
   AddText(drawing, {2.0, 21.0},
-          fmt::format("ATE {:.4f} m ({}), coverage {:.1f} %", accuracy.ate_m.rmse,
-                      AlignmentName(accuracy.alignment_kind), accuracy.coverage_percent));
+          fmt::format("ATE {:.4f} m ({}), coverage {:.1f} %", accuracy.ate_m.rmse, NameOf(accuracy.alignment_kind),
+                      accuracy.coverage_percent));
   const Box paths = DrawPaths(accuracy, drawing);
   const Box position{{paths.corner.x(), paths.Bottom() + kBetween_pt}, {paths.size.x(), kErrorHeight_pt}};
   const Box orientation{{paths.corner.x(), position.Bottom() + kBetween_pt}, position.size};

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/run/process_names.h"
 #include "tools/evaluate/drawing/axes.h"
 
 namespace plslam::evaluate {
@@ -50,7 +51,7 @@ std::vector<Row> QuantileRows(const json& summary, const char* part) {
   }
   // Sums last.
   std::stable_partition(rows.begin(), rows.end(),
-                        [](const Row& r) { return r.name != "total" && r.name != "update"; });
+                        [](const Row& r) { return r.name != stage_name::kTotal && r.name != stage_name::kUpdate; });
   return rows;
 }
 

@@ -38,7 +38,7 @@ class TruthTable {
   std::vector<PairTruth> truth_;
 };
 
-PlaceRecogniser RecogniserFor(const Vocabulary& points, const Vocabulary& lines, const std::string& merge) {
+PlaceRecogniser RecogniserFor(const Vocabulary& points, const Vocabulary& lines, Merge merge) {
   PlaceOptions options;
   options.merge = merge;
   return {points, lines, options};
@@ -87,17 +87,6 @@ SimilarityMatrix MatrixOf(const std::vector<PlaceFrame>& frames, PlaceRecogniser
   return matrix;
 }
 
-/// A field visitor that returns the values of one option.
-struct ValuesOf {
-  std::string field;
-  std::vector<std::string> values;
-  void operator()(const char* name, const std::string&, const OneOf& allowed, const char*) {
-    if (name == field) values = allowed.values;
-  }
-  template <class... Any>
-  void operator()(const Any&...) {}
-};
-
 }  // namespace
 
 PairTruth ClassifyPair(const TimedPose& a, const TimedPose& b, const RevisitOptions& options) {
@@ -130,13 +119,6 @@ PrecisionRecall ComputePrecisionRecall(std::vector<ScoredProposal> proposals, in
   return result;
 }
 
-std::vector<std::string> MergeNames() {
-  ValuesOf merges{"merge", {}};
-  PlaceOptions options;
-  VisitFields(merges, options);
-  return merges.values;
-}
-
 PlaceEvaluation EvaluatePlaces(const std::string& name, const std::vector<PlaceFrame>& frames,
                                const Vocabulary& points, const Vocabulary& lines, const RevisitOptions& options) {
   const TruthTable truth(frames, options);
@@ -146,14 +128,14 @@ PlaceEvaluation EvaluatePlaces(const std::string& name, const std::vector<PlaceF
   result.revisiting_frames = truth.RevisitingFrames();
   result.revisits = truth.Count(PairTruth::kRevisit);
   result.other_places = truth.Count(PairTruth::kOtherPlace);
-  for (const std::string& merge : MergeNames()) {
+  for (const auto& [name_of_merge, merge] : ChoicesOf(Merge())) {
     const PlaceRecogniser recogniser = RecogniserFor(points, lines, merge);
     result.merges.push_back({merge,
                              ComputePrecisionRecall(BestMatches(frames, truth, recogniser), result.revisiting_frames),
                              ComputePrecisionRecall(AllPairs(frames, truth, recogniser), result.revisits)});
   }
-  result.similarities.points = MatrixOf(frames, RecogniserFor(points, lines, "points"));
-  result.similarities.lines = MatrixOf(frames, RecogniserFor(points, lines, "lines"));
+  result.similarities.points = MatrixOf(frames, RecogniserFor(points, lines, Merge::kPoints));
+  result.similarities.lines = MatrixOf(frames, RecogniserFor(points, lines, Merge::kLines));
   result.similarities.merged = MatrixOf(frames, RecogniserFor(points, lines, PlaceOptions().merge));
   return result;
 }

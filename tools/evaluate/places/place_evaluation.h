@@ -68,7 +68,7 @@ struct PlaceFrame {
 
 /// Results of one rule to merge the scores.
 struct MergeEvaluation {
-  std::string merge;
+  Merge merge = Merge::kAdaptive;
   /// One proposal for each frame: the best of the earlier ones, as loop detection queries. Positives: frames at a
   /// revisited place.
   PrecisionRecall best_match;
@@ -86,9 +86,6 @@ struct PlaceEvaluation {
   std::vector<MergeEvaluation> merges;
   Similarities similarities;  ///< of all frames; `merged` by the default merge
 };
-
-/// Names of all merges, the default first.
-std::vector<std::string> MergeNames();
 
 /// Runs the frames through a recogniser in their order, once for each merge.
 PlaceEvaluation EvaluatePlaces(const std::string& name, const std::vector<PlaceFrame>& frames,

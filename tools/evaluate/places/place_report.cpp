@@ -23,7 +23,7 @@ Json ToJson(const PrecisionRecall& result) {
 Json ToJson(const PlaceEvaluation& evaluation) {
   Json merges;
   for (const MergeEvaluation& m : evaluation.merges) {
-    merges[m.merge] = {{"best_match", ToJson(m.best_match)}, {"all_pairs", ToJson(m.all_pairs)}};
+    merges[NameOf(m.merge)] = {{"best_match", ToJson(m.best_match)}, {"all_pairs", ToJson(m.all_pairs)}};
   }
   return {{"sequence", evaluation.name},
           {"frames", evaluation.frames},
@@ -69,7 +69,7 @@ std::string PlaceTable(const PlaceEvaluation& e) {
                       "all pairs: area", "recall at precision 1");
   for (const MergeEvaluation& m : e.merges) {
     text +=
-        fmt::format("  {:<12}{:>16.4f}{:>24.4f}{:>16.4f}{:>24.4f}\n", m.merge, m.best_match.area,
+        fmt::format("  {:<12}{:>16.4f}{:>24.4f}{:>16.4f}{:>24.4f}\n", NameOf(m.merge), m.best_match.area,
                     m.best_match.recall_at_full_precision, m.all_pairs.area, m.all_pairs.recall_at_full_precision);
   }
   return text;
@@ -92,7 +92,8 @@ Drawing PrecisionRecallFigure(const PlaceEvaluation& evaluation) {
   Drawing drawing;
   AddTitle(drawing, evaluation.name);
   std::vector<LegendEntry> legend;
-  for (size_t i = 0; i < evaluation.merges.size(); ++i) legend.push_back({evaluation.merges[i].merge, StrokeOf(i)});
+  for (size_t i = 0; i < evaluation.merges.size(); ++i)
+    legend.push_back({NameOf(evaluation.merges[i].merge), StrokeOf(i)});
   const double top = AddLegend(drawing, {2.0, 22.0}, kColumn_pt - 4.0, legend) + 6.0;
   const Box left{{kLeft_pt, top}, {kSide_pt, kSide_pt}}, right{{left.Right() + kGap_pt, top}, left.size};
   drawing.size = {kColumn_pt, left.Bottom() + 23.0};

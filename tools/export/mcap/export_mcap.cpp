@@ -28,6 +28,7 @@
 #include "core/ros/ros_definitions.h"
 #include "core/ros/ros_messages.h"
 #include "core/ros/ros_topics.h"
+#include "core/run/tracking_state.h"
 #include "tools/export/grid_files.h"
 #include "tools/export/mcap/mcap_writer.h"
 #include "tools/pose_graph/export.h"
@@ -183,7 +184,9 @@ std::vector<RosDiagnostic> DiagnosticsOf(const FrameTable& table) {
   std::vector<RosDiagnostic> frames;
   for (const FrameTable::Row& row : table.rows) {
     const std::string& state = row.values[FrameTable::kState];
-    const int level = state == "lost" ? 2 : state == "tracking" ? 0 : 1;
+    const int level = state == TrackingStateName(TrackingState::kLost)       ? 2
+                      : state == TrackingStateName(TrackingState::kTracking) ? 0
+                                                                             : 1;
     RosDiagnostic frame{row.t_ns, level, "vo_process", state, {}};
     for (size_t i = 0; i < row.values.size(); ++i) {
       if (i != FrameTable::kTime && i != FrameTable::kState)

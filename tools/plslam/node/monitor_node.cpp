@@ -66,8 +66,8 @@ MonitorNode::MonitorNode(bus::Bus& bus) : host_(bus::HostName()) {
   bus.Subscribe<stream_t>(bus::kStream, [this, own](const stream_t& m) {
     if (m.header.source == own) return;
     total_frames_ = m.n_frames;
-    sent_.OnStream(m.event == "end", m.n_frames, m.n_bad);
-    lockstep_ = m.pace == "lockstep";
+    sent_.OnStream(m.event == stream_event::kEnd, m.n_frames, m.n_bad);
+    lockstep_ = m.pace == stream_pace::kLockstep;
   });
   bus.Subscribe<warning_t>(bus::kWarning, [this](const warning_t& m) { warnings_.Add(m.code, m.sentence); });
   bus.Subscribe<keyframe_t>(bus::kKeyframe, [this](const keyframe_t& m) {
@@ -139,7 +139,7 @@ std::string MonitorNode::StateOf(int64_t pid) const {
 
 std::string MonitorNode::FailureOf(int64_t pid) const {
   const auto found = processes_.find({host_, pid});
-  return found == processes_.end() || found->second.state != "failed" ? "" : found->second.reason;
+  return found == processes_.end() || found->second.state != process_state::kFailed ? "" : found->second.reason;
 }
 
 int64_t MonitorNode::FramesOf(int64_t pid) const {

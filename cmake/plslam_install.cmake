@@ -45,7 +45,7 @@ endif()
 
 # --- component runtime: programs, their data, manual, completion, units, documents
 install(TARGETS ${programs} RUNTIME DESTINATION bin COMPONENT runtime)
-install(TARGETS plslam_odometry LIBRARY DESTINATION lib COMPONENT runtime)
+install(TARGETS plslam_odometry LIBRARY DESTINATION lib/plslam COMPONENT runtime)
 install(DIRECTORY ${CMAKE_BINARY_DIR}/share/plslam/ DESTINATION share/plslam COMPONENT runtime)
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/config/ DESTINATION share/plslam/config COMPONENT runtime
         FILES_MATCHING PATTERN "*.yaml")

@@ -54,3 +54,11 @@ std::vector<std::string> ChoiceNames() {
 }
 
 }  // namespace plslam
+
+#ifdef __clang__
+namespace plslam {
+// Clang deduces aggregates, as C++20 does, from version 17 on.
+template <class E>
+Choice(const char*, E) -> Choice<E>;
+}  // namespace plslam
+#endif

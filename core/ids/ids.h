@@ -28,7 +28,7 @@ struct Id {
   template <std::integral T>
   requires(!std::same_as<T, int>) constexpr explicit Id(T id) : value(static_cast<int64_t>(id)) {}
 
-  friend constexpr auto operator<=>(const Id&, const Id&) = default;
+  friend constexpr auto operator<=>(const Id&, const Id&) = default;  // NOLINT(modernize-use-nullptr)
   /// The next id that is assigned.
   constexpr Id& operator++() {
     ++value;

@@ -392,7 +392,7 @@ TEST(RunFailure, ViewerKilledAtTheEndReportsLostPictures) {
   }
   EXPECT_THAT(run.Logs(),
               testing::ContainsRegex("plslam: error: viewer: .* of 4 pictures are missing in .*/overlays: "));
-  EXPECT_THAT(run.Logs(), testing::ContainsRegex("plslam: warning: [0-9]+ frames have no picture"));
+  EXPECT_THAT(run.Logs(), testing::ContainsRegex("plslam: warning: [0-9]+ of [0-9]+ frames have no picture"));
   EXPECT_GT(run.Summary()["missing_pictures"], 20);
   EXPECT_THAT(run.Read("report.html"), HasSubstr("pictures of frames are missing"));
 }

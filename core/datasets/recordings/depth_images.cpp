@@ -31,7 +31,7 @@ cv::Mat DecodeDepthPng(std::span<const uint8_t> file, const cv::Size& expected) 
     throw DatasetError(fmt::format("has {} x {} pixels instead of {} x {}: {}", header->width_px, header->height_px,
                                    expected.width, expected.height, kRegistered));
   }
-  cv::Mat depths = DecodePng(file, expected);
+  cv::Mat depths = AsDatasetError([&] { return DecodePng(file, expected); });
   if (depths.type() != CV_16UC1) throw DatasetError("has a PNG file of 8 bits or of colours, not of 16-bit depths");
   return depths;
 }

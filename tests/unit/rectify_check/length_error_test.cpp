@@ -18,7 +18,8 @@ TEST(LengthError, SentenceIsThatOfTheWarning) {
   ASSERT_EQ(WarningsOf(findings).size(), 1U);
   EXPECT_EQ(Sentence({15.11, 1.12, 50, 51}), WarningsOf(findings)[0].sentence);
   EXPECT_EQ(Sentence({2.13, 0.21, 75, 75}),
-            "disparities have an offset that would change lengths by 2 % (sigma 0.2 %): it is corrected");
+            "disparities have an offset that would change lengths at the median depth by 2 % (sigma 0.2 %): it is "
+            "corrected");
   EXPECT_THAT(Sentence({std::nullopt, 0.31, 75, 75}), HasSubstr("no offset of the disparities was found"));
   EXPECT_THAT(Sentence({std::nullopt, 0.0, 1, 12}), HasSubstr("only 1 of 12 frames could be tracked"));
 }

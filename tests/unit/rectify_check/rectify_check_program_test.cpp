@@ -50,7 +50,8 @@ TEST_F(RectifyCheckProgram, LengthsAreMeasuredAsInARun) {
   const auto json = nlohmann::json::parse(Text("out"));
   EXPECT_NEAR(json["length_error_percent"].get<double>(), 15.0, 1.0) << json;
   EXPECT_NEAR(json["length_sigma_percent"].get<double>(), 1.0, 0.5) << json;
-  EXPECT_THAT(json["verdict"].get<std::string>(), HasSubstr("would change lengths by 15 % (sigma 1 %)"));
+  EXPECT_THAT(json["verdict"].get<std::string>(),
+              HasSubstr("would change lengths at the median depth by 15 % (sigma 1 %)"));
 }
 
 TEST_F(RectifyCheckProgram, ErrorsAreOneSentence) {

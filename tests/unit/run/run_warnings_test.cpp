@@ -111,11 +111,11 @@ TEST(RunWarnings, ConditionsOfEachRow) {
          f.length_error_percent = 9.06;
          f.length_sigma_percent = 1.23;
        },
-       "an offset that would change lengths by 9 % (sigma 1 %): it is corrected"},
+       "an offset that would change lengths at the median depth by 9 % (sigma 1 %): it is corrected"},
       {"dark_images", [](RunFindings& f) { f.dark_frames = 30; }, "30 of 100 frames are nearly black"},
       {"unreadable_frames", [](RunFindings& f) { f.frames.unreadable = 2; }, "2 of 102 frames could not be read"},
       {"skipped_frames", [](RunFindings& f) { f.frames.skipped = 5; }, "5 of 105 frames were skipped"},
-      {"missing_pictures", [](RunFindings& f) { f.pictures_missing = 3; }, "3 frames have no picture"},
+      {"missing_pictures", [](RunFindings& f) { f.pictures_missing = 3; }, "3 of 100 frames have no picture"},
       {"truth_of_other_times",
        [](RunFindings& f) {
          f.truth_frames = 0;

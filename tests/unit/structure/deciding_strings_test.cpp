@@ -15,6 +15,7 @@ namespace {
 /// constant of core/run/process_names.h.
 const std::vector<std::string> kReadersOfForeignText = {
     "core/config/",                                // YAML
+    "lcmtypes/generate_layouts.cpp",               // types of LCM
     "core/datasets/",                              // files and recordings of other programs
     "ros2/arguments.cpp",                          // ROS command lines
     "ros2/domain.cpp",                             // ROS environment variables

@@ -210,7 +210,7 @@ std::string FailureOf(const std::function<void()>& f) {
 
 std::string WhyNoPicture(const Board& board, const LiveSession& session, double took_s) {
   if (!session.first_frame_s()) return fmt::format("the cameras sent no images within {:.1f} s", took_s);
-  if (const std::string fault = session.FaultAtTheEnd(); !fault.empty()) return fault;
+  if (std::string fault = session.FaultAtTheEnd(); !fault.empty()) return fault;
   return fmt::format("the board {} was never held still", BoardText(board));
 }
 

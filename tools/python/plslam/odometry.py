@@ -57,7 +57,7 @@ def _load() -> ctypes.CDLL:
     here = os.path.dirname(os.path.abspath(__file__))
     name = "libplslam_odometry.so"
     # In a build folder, in an installed tree, and where the system has its libraries.
-    candidates = [os.path.join(here, "..", "..", "lib", name), os.path.join(here, "..", "..", "..", name)]
+    candidates = [os.path.join(here, "..", "..", "lib", name), os.path.join(here, "..", "..", "..", "plslam", name)]
     path = next((p for p in candidates if os.path.exists(p)), None) or ctypes.util.find_library("plslam_odometry")
     if path is None:
         raise OSError(f"{name} is missing: install the package plslam, or build the target plslam_odometry")

@@ -15,7 +15,7 @@
 
 namespace plslam {
 
-/// An ordered map from dense, ascending ids (`Id`) to values. As std::map, but lookup usually takes one step, and increment
+/// An ordered map from dense, ascending ids to values. As std::map, but lookup usually takes one step, and increment
 /// needs no walk through a tree, which in large maps waits for memory at each level. Ids far apart cost a page each
 /// (half a kilobyte), so that forged ids cannot make it allocate much.
 ///

@@ -157,7 +157,8 @@ LoopClosure InIdsOf(const Map& map, const LoopClosure& closure, MapIds map_ids) 
   }
   std::sort(translated.poses.begin(), translated.poses.end(),
             [](const CorrectedPose& a, const CorrectedPose& b) { return a.keyframe_id < b.keyframe_id; });
-  for (NamedKeyframe& named : translated.names) named.keyframe_id = ids.Here(named.keyframe_id).value_or(-1);
+  for (NamedKeyframe& named : translated.names)
+    named.keyframe_id = ids.Here(named.keyframe_id).value_or(KeyframeId());
   std::erase_if(translated.names, [](const NamedKeyframe& named) { return named.keyframe_id < 0; });
   std::sort(translated.names.begin(), translated.names.end(),
             [](const NamedKeyframe& a, const NamedKeyframe& b) { return a.keyframe_id < b.keyframe_id; });

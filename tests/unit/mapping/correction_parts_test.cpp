@@ -97,7 +97,7 @@ TEST_F(MovedLandmarks, MoveWithTheSideOfMoreObservations) {
   std::vector<Observation> of_point;
   std::vector<Observation> of_line;
   for (int id = 0; id < 3; ++id) {
-    of_point.push_back(m_.SeePoint(KeyframeId(id), p_, DescriptorOf(1)));
+    of_point.push_back(m_.SeePoint(id, p_, DescriptorOf(1)));
     of_line.push_back(m_.SeeLine(id, segment_, DescriptorOf(2)));
   }
   m_.PutPoint(0, p_, DescriptorOf(1), of_point);
@@ -172,8 +172,8 @@ TEST(ObservationErrors, LinesAreEndpointDistances) {
 
 TEST_F(MovedLandmarks, PairsOfALoopAreFusedAlsoInAChain) {
   for (int id = 0; id < 3; ++id) {
-    m_.PutPoint(LandmarkId(id), p_, DescriptorOf(1), {m_.SeePoint(KeyframeId(id), p_, DescriptorOf(1))});
-    m_.PutLine(LandmarkId(id), segment_, DescriptorOf(2), {m_.SeeLine(id, segment_, DescriptorOf(2))});
+    m_.PutPoint(id, p_, DescriptorOf(1), {m_.SeePoint(id, p_, DescriptorOf(1))});
+    m_.PutLine(id, segment_, DescriptorOf(2), {m_.SeeLine(id, segment_, DescriptorOf(2))});
   }
   const std::vector<SameLandmarks> pairs = {{1, 2}, {2, 0}, {0, 1}, {1, 99}, {2, 2}};
   FusePairs(pairs, pairs, m_.features, m_.map);

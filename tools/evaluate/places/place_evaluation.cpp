@@ -77,7 +77,7 @@ std::vector<ScoredProposal> AllPairs(const std::vector<PlaceFrame>& frames, cons
 
 SimilarityMatrix MatrixOf(const std::vector<PlaceFrame>& frames, PlaceRecogniser recogniser) {
   SimilarityMatrix matrix;
-  for (const PlaceFrame& frame : frames) recogniser.Add(recogniser.size(), frame.description);
+  for (const PlaceFrame& frame : frames) recogniser.Add(KeyframeId(recogniser.size()), frame.description);
   matrix.size = static_cast<int>(frames.size());
   for (const PlaceFrame& row : frames) {
     for (const PlaceFrame& column : frames) {

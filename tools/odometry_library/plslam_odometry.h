@@ -1,4 +1,6 @@
-/* SPDX-License-Identifier: BSD-3-Clause */
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
 /* Stereo odometry for C, and for all languages that call C: pairs of images in, poses out; no bus, no other process.
  *
  *   char error[512];
@@ -11,9 +13,6 @@
  *
  * The same pairs give the same bits as vo_process without a map. An odometry is used by one thread at a time; several
  * are independent. No function ends the program or throws. */
-#ifndef PLSLAM_ODOMETRY_H
-#define PLSLAM_ODOMETRY_H
-
 #include <stddef.h>
 #include <stdint.h>
 
@@ -78,6 +77,4 @@ const char* plslam_odometry_error(const plslam_odometry* odometry);
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

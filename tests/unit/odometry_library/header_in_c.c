@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: BSD-3-Clause */
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tests/unit/odometry_library/header_in_c.h"
 
 #include "tools/odometry_library/plslam_odometry.h"

@@ -1,6 +1,5 @@
-/* SPDX-License-Identifier: BSD-3-Clause */
-#ifndef PLSLAM_TESTS_HEADER_IN_C_H
-#define PLSLAM_TESTS_HEADER_IN_C_H
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
 
 #ifdef __cplusplus
 extern "C" {
@@ -11,6 +10,4 @@ int TrackOnePairInC(const char* calibration, const void* left, const void* right
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

@@ -21,8 +21,6 @@ TEST(Structure, HeadersAreIncludedOnce) {
     if (!file.path.ends_with(".h")) continue;
     // After the line of the licence.
     ASSERT_GE(file.lines.size(), 2U) << file.path;
-    // Headers of C begin with a comment of C.
-    if (file.lines[0].starts_with("/*")) continue;
     EXPECT_EQ(file.lines[1], "#pragma once") << file.path;
   }
 }

@@ -59,7 +59,7 @@ cv::Mat DepthsOfRosPixels(const RosPixels& image, const cv::Size& expected, doub
                                    expected.width, expected.height, kRegistered));
   }
   const bool is_float = image.encoding == kMetres;
-  const cv::Mat pixels = PixelsAsTheyAre(image, expected, is_float ? CV_32FC1 : CV_16UC1);
+  cv::Mat pixels = PixelsAsTheyAre(image, expected, is_float ? CV_32FC1 : CV_16UC1);
   if (!is_float) return pixels;
   cv::Mat depths(expected, CV_16UC1);
   for (int y = 0; y < depths.rows; ++y) {

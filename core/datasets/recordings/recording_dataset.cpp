@@ -209,6 +209,7 @@ class RecordingDataset : public Dataset {
           TopicsThatAreThere()));
     }
     std::vector<std::pair<RecordedChannel, RecordedChannel>> found;
+    found.reserve(pairs.size());
     for (const auto& [left, right] : pairs) found.emplace_back(*Find(left, IsImage), *Find(right, IsImage));
     // Prefer images without lossy compression.
     std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) {

@@ -90,7 +90,7 @@ struct KeyframeName {
   SessionId session;
   int64_t number = -1;
 
-  friend auto operator<=>(const KeyframeName&, const KeyframeName&) = default;
+  friend auto operator<=>(const KeyframeName&, const KeyframeName&) = default;  // NOLINT(modernize-use-nullptr)
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {

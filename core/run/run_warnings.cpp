@@ -275,8 +275,7 @@ const Row kRows[] = {
      [](const RunFindings& f) {
        return fmt::format(
            "disparities have an offset that would change lengths at the median depth by {:.0f} % (sigma {:.1g} %): "
-           "it is "
-           "corrected while there is enough motion, but {}",
+           "it is corrected while there is enough motion, but {}",
            f.length_error_percent, f.length_sigma_percent, CalibrationAdvice(f));
      },
      [](const RunFindings& f) {

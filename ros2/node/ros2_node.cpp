@@ -16,7 +16,6 @@
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
-#include "core/datasets/recordings/topic_names.h"
 #include "core/errors/error_text.h"
 #include "core/errors/log.h"
 #include "core/io/files/dataset_error.h"
@@ -76,7 +75,6 @@ const char* ImageTypeOf(const std::string& topic) {
 Ros2Node::Ros2Node(bus::Process& process, const Ros2Options& options)
     : process_(process),
       options_(options),
-      is_rgbd_(NamesDepth(options.right)),
       domain_(DomainOfEnvironment()),
       participant_(domain_, CycloneConfiguration(domain_, Environment("CYCLONEDDS_URI"))),
       frames_(process,
@@ -105,7 +103,7 @@ Ros2Node::Ros2Node(bus::Process& process, const Ros2Options& options)
       TakeImage(side, std::move(image));
     });
     // Depths have the camera of the colour image.
-    if (!options.camera.empty() || (side == robot::Side::kRight && is_rgbd_)) continue;
+    if (!options.camera.empty() || (side == robot::Side::kRight && frames_.is_rgbd())) continue;
     const std::string& given = side == robot::Side::kLeft ? options.left_info : options.right_info;
     const std::string info = given.empty() ? InfoTopicOf(topic) : given;
     const size_t reader = participant_.ReadInfos(info, [this, side](RosCameraInfo message, const std::string& frame) {
@@ -177,7 +175,7 @@ void Ros2Node::TakeInfo(robot::Side side, RosCameraInfo info, const std::string&
 
 /// A rig that changed while it is in use would begin a new session, so /tf_static is awaited for a while.
 void Ros2Node::UseInfos() {
-  if (!held_infos_[0] || (!held_infos_[1] && !is_rgbd_)) return;
+  if (!held_infos_[0] || (!held_infos_[1] && !frames_.is_rgbd())) return;
   const std::optional<SE3> T_b_l = static_frames_.Find(options_.base_frame, left_frame_);
   if (!T_b_l && !frames_.has_rig() && bus::NowS() - held_since_s_ < kPatienceForFrames_s) {
     const std::vector<Publisher> publishers = participant_.Publishers();

@@ -55,7 +55,6 @@ class Ros2Node {
 
   bus::Process& process_;
   const Ros2Options options_;
-  const bool is_rgbd_;  ///< the right images are depths
   const Domain domain_;
   Participant participant_;
   std::array<Side, 2> sides_;

@@ -55,12 +55,13 @@ class FrameSource {
   void End();
   /// Repeats the rig, as readers that start later need it; to be called once a second.
   void PublishRig();
+  /// Whether the right images are depths, by their name.
+  bool is_rgbd() const;
   bool has_rig() const { return rig_.has_value(); }
   /// Safe from any thread.
   int64_t n_sent() const { return n_sent_; }
 
  private:
-  bool is_rgbd() const;
   void UseWhiteLevel(int bright);
   void UseRig(RigCalibration rig);
   void Publish(StereoImages images);

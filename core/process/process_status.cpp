@@ -147,7 +147,8 @@ void StatusPublisher::Publish() {
   for (const auto& [name, value] : all) status.counters.push_back({name, value});
   status.n_counters = static_cast<int32_t>(status.counters.size());
   status.state = state_;
-  status.reason = Joined(Joined(reason_, problems), newest_warning_);
+  // A failure is stated alone: its cause was often published as a warning, too.
+  status.reason = state_ == process_state::kFailed ? reason_ : Joined(Joined(reason_, problems), newest_warning_);
   status.reason.resize(std::min(status.reason.size(), kReasonBytes));
   status.configuration = CutToFit(bus_configuration_ + configuration_, max_configuration_bytes_);
   bus_.Publish(kStatus, std::move(status));

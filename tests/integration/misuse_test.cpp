@@ -133,6 +133,22 @@ TEST(Misuse, MistypedCommandIsNamed) {
   EXPECT_EQ(outcome.log, "plslam: error: there is no command 'rum'; the nearest is 'run' (--help lists all)\n");
 }
 
+TEST(Misuse, MistypedOptionIsNamed) {
+  const WholeRun run;
+  const Outcome outcome = Plslam(run, {"run", kShortRoom, "--feature=points"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.log,
+            "plslam: error: there is no option '--feature'; the nearest is '--features' (--help lists all)\n");
+  EXPECT_THAT(Plslam(run, {"export", "--fromat", "ply"}).log, HasSubstr("the nearest is '--format'"));
+}
+
+TEST(Misuse, HelpIsACommand) {
+  const WholeRun run;
+  EXPECT_THAT(Plslam(run, {"help"}).log, HasSubstr("plslam replay"));
+  EXPECT_THAT(Plslam(run, {"help", "run"}).log, HasSubstr("--features"));
+  EXPECT_THAT(Plslam(run, {"help", "export"}).log, HasSubstr("--format"));
+}
+
 TEST(Misuse, SettingsWithoutEffectAreRefused) {
   const auto error_of = [](std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), {"run", "synthetic:room?frames=4&size=160x120"});

@@ -31,6 +31,39 @@ std::string UnknownCommand(const CLI::App& app, int argc, char** argv) {
                      is_typo ? fmt::format("; the nearest is '{}'", nearest) : "");
 }
 
+/// The command on whose arguments the parser stopped: the last one that was named.
+const CLI::App& NamedCommand(const CLI::App& app) {
+  const std::vector<const CLI::App*> named = app.get_subcommands(
+      [](const CLI::App* command) { return command->count_all() > 0 || command->parsed(); });
+  return named.empty() ? app : NamedCommand(*named.back());
+}
+
+/// Returns a sentence about the first argument that is an option of no such name; empty if there is none.
+std::string UnknownOption(const CLI::App& app) {
+  const CLI::App& command = NamedCommand(app);
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  for (const std::string& argument : app.remaining(true)) {
+    if (!argument.starts_with("--") || argument.size() == 2) continue;
+    const std::string option = argument.substr(0, argument.find('='));
+    const std::string nearest = NearestKey(option, names);
+    return fmt::format("there is no option '{}'{} (--help lists all)", Shown(option),
+                       EditDistance(option, nearest) <= kTypo ? fmt::format("; the nearest is '{}'", nearest) : "");
+  }
+  return "";
+}
+
+/// Returns the sentence for an error of the parser.
+std::string ParseErrorText(const CLI::App& app, int argc, char** argv, const CLI::ParseError& error) {
+  if (const std::string unknown = UnknownCommand(app, argc, argv); !unknown.empty()) return unknown;
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
+    if (const std::string unknown = UnknownOption(app); !unknown.empty()) return unknown;
+  }
+  return fmt::format("{} (--help lists the options)", error.what());
+}
+
 }  // namespace
 
 int RunCommandLine(CLI::App& app, int argc, char** argv, const std::function<int()>& work) {
@@ -40,9 +73,7 @@ int RunCommandLine(CLI::App& app, int argc, char** argv, const std::function<int
     return FlushOutput(app.get_name(), work());
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return FlushOutput(app.get_name(), app.exit(e));
-    const std::string unknown = UnknownCommand(app, argc, argv);
-    PrintError(fmt::format("{}: error: {}", app.get_name(),
-                           unknown.empty() ? fmt::format("{} (--help lists the options)", e.what()) : unknown));
+    PrintError(fmt::format("{}: error: {}", app.get_name(), ParseErrorText(app, argc, argv, e)));
   } catch (const std::exception& e) {
     PrintError(fmt::format("{}: error: {}", app.get_name(), SentenceOf(e)));
   }

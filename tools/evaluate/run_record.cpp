@@ -90,9 +90,10 @@ const std::vector<MetricRow>& Rows() {
   return kRows;
 }
 
-/// Names of inputs and outputs that do not influence the result, by the last part of an option's name.
+/// Names of inputs and outputs that do not influence the result or belong to the dataset, by the last part of an option's
+/// name.
 bool IsIncidental(const std::string& name) {
-  static const std::array<const char*, 12> kEnds{".dataset",       ".out",         ".seed",       ".drop_seed",
+  static const std::array<const char*, 13> kEnds{".dataset", ".kind", ".out",         ".seed",       ".drop_seed",
                                                  ".file",          ".load",        ".save",       ".map_file",
                                                  ".overlay_every", ".history_dir", ".state_file", ".resume_after"};
   return std::any_of(kEnds.begin(), kEnds.end(), [&](const char* end) { return name.ends_with(end); });
@@ -119,7 +120,7 @@ std::map<std::string, std::string> OptionsOf(const json& summary) {
       if (section != kBusSection) Flatten(values, section, options);
     }
   }
-  options["processes"] = processes;
+  options[kProcesses] = processes;
   options["version"] = summary.value("version", "");
   return options;
 }

@@ -27,6 +27,9 @@ std::string NameWithUnit(const Metric& metric);
 /// Returns all metrics, in the order of the columns; docs/metrics.md defines them.
 const std::vector<Metric>& Metrics();
 
+/// The entry of RunRecord::options with the processes of the run: "loop+mapping+vo".
+inline constexpr char kProcesses[] = "processes";
+
 /// The compared values of a run.
 struct RunRecord {
   std::string folder;
@@ -42,7 +45,7 @@ struct RunRecord {
   /// The reason why it is not completed.
   std::string reason;
   /// Options by full name ("vo.features.features"), and the processes and version under `processes` and `version`.
-  /// Options that differ between equivalent runs are left out: bus, folders, map files, seeds.
+  /// Options that differ between equivalent runs are left out: bus, folders, map files, seeds, the format of the dataset.
   std::map<std::string, std::string> options;
   /// In the order of Metrics(); nullopt: the run does not have the value.
   std::vector<std::optional<double>> values;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
+#include <string_view>
 
 #include "core/process/process_arguments.h"
 #include "tools/command_line/run_command_line.h"
@@ -7,7 +8,22 @@
 #include "tools/plslam/offline_commands.h"
 #include "tools/plslam/version.h"
 
+namespace {
+
+constexpr std::string_view kHelp = "help";
+
+/// `plslam help COMMAND` means `plslam COMMAND --help`, and `plslam help` means `plslam --help`.
+void HelpIsAnOption(int argc, char** argv) {
+  static char option[] = "--help";
+  if (argc < 2 || argc > 3 || std::string_view(argv[1]) != kHelp) return;
+  if (argc == 3) argv[1] = argv[2];
+  argv[argc - 1] = option;
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
+  HelpIsAnOption(argc, argv);
   if (plslam::launcher::IsOfflineCommand(argc, argv)) return plslam::launcher::RunOfflineCommand(argv);
   CLI::App app("Runs, records and replays stereo visual SLAM with points and lines.", "plslam");
   app.set_version_flag("--version", plslam::launcher::VersionText());

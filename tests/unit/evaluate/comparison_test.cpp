@@ -136,6 +136,17 @@ TEST(Compare, ProcessesAndVersionsMakeGroups) {
   EXPECT_EQ(groups[2].label, "processes=mapping+vo, version=2");
 }
 
+TEST(Compare, OptionsOfAMissingProcessAreNoDifference) {
+  json odometry = Summary("a", "both", 1.0), lines = Summary("a", "lines", 1.0);
+  odometry["configuration"].erase("mapping");
+  odometry["configuration"]["player"]["player"]["kind"] = "kitti";
+  const auto groups =
+      Compare({RecordOf(Summary("a", "both", 1.0), "1"), RecordOf(odometry, "2"), RecordOf(lines, "3")});
+  ASSERT_EQ(groups.size(), 3U);
+  EXPECT_EQ(groups[0].label, "processes=mapping+vo, features=both");
+  EXPECT_EQ(groups[1].label, "processes=vo, features=both");
+}
+
 TEST(Compare, RestartedPlayerIsNotAnotherOption) {
   json restarted = Summary("a", "both", 1.0);
   restarted["configuration"]["player"]["player"]["resume_after"] = "17@1700000000";

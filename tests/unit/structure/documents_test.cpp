@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <regex>
@@ -120,6 +121,67 @@ TEST(Documents, FirstScreenOfTheReadmeHasTwoCommands) {
   for (std::string line; std::getline(block, line);)
     commands.push_back(line.substr(0, line.find_last_not_of(' ', line.find('#') - 1) + 1));
   EXPECT_THAT(commands, testing::ElementsAre("scripts/demo", "scripts/test"));
+}
+
+/// Cells of a row of a table in Markdown, without spaces around them and without bold marks.
+std::vector<std::string> CellsOf(const std::string& line) {
+  std::vector<std::string> cells;
+  std::istringstream text(line);
+  std::string cell;
+  std::getline(text, cell, '|');
+  while (std::getline(text, cell, '|')) {
+    std::erase(cell, '*');
+    const size_t begin = cell.find_first_not_of(' ');
+    cells.push_back(begin == std::string::npos ? "" : cell.substr(begin, cell.find_last_not_of(' ') + 1 - begin));
+  }
+  return cells;
+}
+
+/// The rows of the tables of a document that begin with this cell, in their order.
+std::vector<std::vector<std::string>> RowsOf(const std::string& document, const std::string& first_cell) {
+  std::vector<std::vector<std::string>> rows;
+  std::istringstream text(document);
+  for (std::string line; std::getline(text, line);) {
+    if (line.starts_with("| " + first_cell)) rows.push_back(CellsOf(line));
+  }
+  return rows;
+}
+
+/// The number of the README, with as many digits as it has, is that of the results.
+void ExpectRounded(const std::string& shown, const std::string& exact, const std::string& of) {
+  const size_t point = shown.find('.');
+  const int digits = point == std::string::npos ? 0 : static_cast<int>(shown.size() - point) - 1;
+  EXPECT_NEAR(std::stod(shown), std::stod(exact), 0.5001 * std::pow(10.0, -digits)) << of;
+}
+
+TEST(Documents, ReadmeHasTheFiguresOfTheResults) {
+  const std::string readme = test::ReadText(test::SourceFolder() / "README.md");
+  const std::string results = test::ReadText(test::SourceFolder() / "docs/results.md");
+  const std::vector<std::string> head = RowsOf(readme, "sequence").at(0);
+  for (const auto& [name, sequence] : {std::pair{"KITTI 03", "kitti_03"}, std::pair{"EuRoC MH_01", "euroc_MH_01_a"},
+                                       std::pair{"TartanAir P000", "tartanair2_10"}}) {
+    const std::vector<std::string> row = RowsOf(readme, name).at(0);
+    const std::vector<std::vector<std::string>> found = RowsOf(results, std::string(sequence) + " |");
+    const std::vector<std::string>& errors = found.at(0);
+    const std::vector<std::string>& times = found.at(1);
+    std::smatch ours;
+    ASSERT_TRUE(std::regex_search(row[1], ours, std::regex(R"(^([\d.]+) m, (\d+) \+ (\d+) ms$)"))) << row[1];
+    ExpectRounded(ours[1], errors.at(4), row[0] + ", ATE");
+    ExpectRounded(ours[2], times.at(1), row[0] + ", tracking");
+    ExpectRounded(ours[3], times.at(7), row[0] + ", player");
+    for (size_t i = 2; i < row.size(); ++i) {
+      const std::string peer = head[i].substr(0, head[i].find(" ("));
+      std::smatch shown, exact;
+      if (row[i] == "lost") {
+        EXPECT_THAT(errors.at(9), testing::HasSubstr(peer + " lost")) << row[0];
+        continue;
+      }
+      ASSERT_TRUE(std::regex_search(row[i], shown, std::regex(R"(^([\d.]+) m(?:, (\d+) ms)?$)"))) << row[i];
+      ASSERT_TRUE(std::regex_search(errors.at(9), exact, std::regex(peer + R"( ([\d.]+)(?: · (\d+))?)"))) << peer;
+      ExpectRounded(shown[1], exact[1], row[0] + ", " + peer);
+      EXPECT_TRUE(!shown[2].matched || shown[2] == exact[2]) << row[0] << ", " << peer;
+    }
+  }
 }
 
 }  // namespace

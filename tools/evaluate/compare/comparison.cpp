@@ -139,9 +139,13 @@ std::vector<std::string> DifferingOptions(const std::vector<const RunRecord*>& r
   }
   std::vector<std::string> differing;
   for (const std::string& name : names) {
-    const auto differs = [&](const RunRecord* run) { return ValueOf(*run, name) != ValueOf(*runs.front(), name); };
-    if (std::any_of(runs.begin(), runs.end(), differs)) differing.push_back(name);
+    std::set<std::string> values;
+    for (const RunRecord* run : runs) {
+      if (run->options.contains(name)) values.insert(run->options.at(name));
+    }
+    if (values.size() > 1) differing.push_back(name);
   }
+  std::stable_partition(differing.begin(), differing.end(), [](const std::string& name) { return name == kProcesses; });
   return differing;
 }
 

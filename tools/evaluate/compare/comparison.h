@@ -45,7 +45,8 @@ std::vector<size_t> KnownMetrics(const std::vector<const RunGroup*>& groups);
 
 /// Returns the value of an option; "-" if the run has no such option.
 std::string ValueOf(const RunRecord& run, const std::string& option);
-/// Names of the options that are not the same in all runs, in their order.
+/// Names of the options that differ between the runs that have them, in their order, after kProcesses: a run without a
+/// process does not have its options.
 std::vector<std::string> DifferingOptions(const std::vector<const RunRecord*>& runs);
 
 }  // namespace plslam::evaluate

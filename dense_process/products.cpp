@@ -65,8 +65,9 @@ std::string FramesJson(const Products& products) {
   const Eigen::Vector3d& t = products.T_level_w.translation();
   nlohmann::ordered_json json;
   json["T_level_w"] = {{"q_wxyz", {q.w(), q.x(), q.y(), q.z()}}, {"t_m", {t.x(), t.y(), t.z()}}};
-  json["up_from"] = products.vertical.n_lines > 0 ? "lines" : "cameras";
-  json["up_lines"] = products.vertical.n_lines;
+  json["up_from"] = NameOf(products.vertical.source);
+  json["up_n"] = products.vertical.n;
+  json["up_sigma_deg"] = products.vertical.sigma_rad / kRadPerDeg;
   if (products.has_floor) json["floor_m"] = products.floor_m;
   json["voxel_m"] = products.volume.voxel_m();
   json["w"] = {result_file::kCloud, result_file::kMesh, result_file::kTrajectory.tum};

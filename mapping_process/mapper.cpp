@@ -184,6 +184,7 @@ MapKeyframe Mapper::Prepare(const Keyframe& keyframe) const {
   entry.frame_id = keyframe.frame_id;
   entry.t_ns = keyframe.t_ns;
   entry.T_odom_kf = keyframe.T_odom_kf;
+  entry.up = keyframe.up;
   const auto session = sessions_.find(keyframe.name.session);
   if (session != sessions_.end() && session->second.keyframe_id >= 0) {
     const MapKeyframe& previous = *map_.FindKeyframe(session->second.keyframe_id);

@@ -47,7 +47,7 @@ namespace {
 using Bytes = std::span<const uint8_t>;
 
 constexpr FileKind kStateRecord{
-    {'P', 'L', 'S', 'L', 'M', 'P', 'S', 'T'}, 7, "state of a mapping_process", Checksum::kPoly1305};
+    {'P', 'L', 'S', 'L', 'M', 'P', 'S', 'T'}, 8, "state of a mapping_process", Checksum::kPoly1305};
 
 enum class RecordKind : uint8_t { kFeatures, kMap, kChanges };
 
@@ -99,7 +99,7 @@ uint64_t WriteMap(const MapperState& state, const Sink& sink) {
   map_file::WriteValues(write, map.keyframes());
   map_file::WriteValues(write, map.points());
   map_file::WriteValues(write, map.lines());
-  write(map.loops());
+  write(map.loops(), map_file::UpDirectionsOf(map));
   return WriteRecord(std::move(write), sink);
 }
 
@@ -139,6 +139,7 @@ void ReadMap(archive::Reader& read, MapperState& state) {
   const int64_t line_observations = map_file::ReadLandmarks<MapLine>(read, state.stored);
   map_file::CheckObservationsOnce(state.stored.map, point_observations, line_observations);
   map_file::ReadLoops(read, state.stored.map);
+  map_file::ReadUpDirections(read, state.stored.map);
 }
 
 /// Removes before it inserts, as `MapFollower::Apply` does.
@@ -153,6 +154,7 @@ void ReadChanges(archive::Reader& read, MapperState& state) {
   map_file::ReadLandmarks<MapPoint>(read, state.stored);
   map_file::ReadLandmarks<MapLine>(read, state.stored);
   map_file::ReadLoops(read, state.stored.map);
+  map_file::ReadUpDirections(read, state.stored.map);
 }
 
 /// Applies a record. Returns whether it completes a state; false for features, which belong to the next state.
@@ -282,6 +284,7 @@ void StateFile::Append(const MapperState& state) {
     map_file::WriteValues(write, map.points(), points_);
     map_file::WriteValues(write, map.lines(), lines_);
     write(std::vector<LoopEdge>(map.loops().begin() + static_cast<std::ptrdiff_t>(n_loops_), map.loops().end()));
+    write(map_file::UpDirectionsOf(map, keyframes_));
     WriteRecord(std::move(write), sink);
   }
   if (std::fflush(file.get()) != 0) fail();

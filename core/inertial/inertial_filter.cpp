@@ -2,8 +2,10 @@
 #include "core/inertial/inertial_filter.h"
 
 #include <Eigen/Cholesky>
-
+#include <algorithm>
 #include <cmath>
+
+#include "core/geometry/symmetric.h"
 
 namespace plslam {
 namespace {
@@ -181,6 +183,20 @@ void InertialFilter::UseMagnitude() {
   P_ = (A * P_ * A.transpose() + Square(kMagnitude_m_s2) * K * K.transpose()).eval();
   Symmetrise(P_);
   Correct(d);
+}
+
+std::optional<UpDirection> InertialFilter::Up() const {
+  if (!has_begun_ || !knows_magnitude_) return std::nullopt;
+  const Eigen::Matrix3d R_imu_odom = state_.T_odom_imu.R().transpose();
+  const Eigen::Vector3d up = -state_.gravity_m_s2.normalized();
+  const Eigen::Vector3d up_imu = R_imu_odom * up;
+  // An error of gravity along itself does not turn it.
+  Eigen::Matrix<double, 3, kSize> J = Eigen::Matrix<double, 3, kSize>::Zero();
+  J.middleCols<3>(kR) = Skew(up_imu);
+  J.middleCols<3>(kG) =
+      -R_imu_odom * (Eigen::Matrix3d::Identity() - up * up.transpose()) / state_.gravity_m_s2.norm();
+  const auto [values, vectors] = EigenOf<3>(J * P_ * J.transpose());
+  return UpDirection{up_imu, std::sqrt(std::max(values.maxCoeff(), 0.0))};
 }
 
 void InertialFilter::MeasureFromHere() {

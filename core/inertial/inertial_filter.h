@@ -2,9 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 #include "core/geometry/imu.h"
 #include "core/geometry/se3.h"
+#include "core/geometry/up_direction.h"
 #include "core/inertial/preintegration.h"
 
 namespace plslam {
@@ -62,6 +64,10 @@ class InertialFilter {
 
   /// The sensor stands, up to this sigma of its velocity.
   void StandStill(double sigma_m_s);
+
+  /// The vertical in the frame of the sensor, with the larger sigma of its two angles: errors of gravity, and of the
+  /// pose's roll and pitch. nullopt until the magnitude of gravity is known.
+  std::optional<UpDirection> Up() const;
 
   bool has_begun() const { return has_begun_; }
   const InertialState& state() const { return state_; }

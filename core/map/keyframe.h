@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "core/features/features.h"
 #include "core/geometry/se3.h"
 #include "core/geometry/stereo_camera.h"
+#include "core/geometry/up_direction.h"
 #include "core/ids/ids.h"
 
 namespace plslam {
@@ -39,6 +41,8 @@ struct Keyframe {
   /// Covariance of T_prevkf_kf, right perturbation in kf.
   Matrix6d covariance = Matrix6d::Zero();
   SE3 T_odom_kf;
+  /// The vertical from the keyframe, if the session has an inertial sensor that knows it.
+  std::optional<UpDirection> up;
   /// Tracking state, as in `pose_t.state`.
   int state = 0;
   /// Whether the stream waits for the map: each keyframe is adjusted to the end before the next (repeatable results).
@@ -77,6 +81,8 @@ struct MapKeyframe {
   Matrix6d covariance = Matrix6d::Zero();
   /// Pose by odometry alone.
   SE3 T_odom_kf;
+  /// The vertical as measured at the time, from the keyframe.
+  std::optional<UpDirection> up;
   /// The previous keyframe of its session (-1: none) and the motion from it as first measured, with the covariance of
   /// its right perturbation.
   KeyframeId previous_id = -1;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/geometry/hypot.h"
 #include "core/geometry/se3.h"
 
 namespace plslam {
@@ -22,6 +23,12 @@ constexpr int kMeans = 10;
 constexpr size_t kMaxCandidates = 300;
 constexpr int64_t kLeastLines = 8;
 constexpr double kLeastShare = 0.2;
+/// Segments that an edge of the scene has in the map, about.
+constexpr double kLinesOfAnEdge = 4.0;
+/// Sigma of the vertical of buildings.
+constexpr double kBuilding_rad = 0.1 * kRadPerDeg;
+/// Sigma up to which gravity decides alone.
+constexpr double kKnown_rad = 1.0 * kRadPerDeg;
 
 struct Direction {
   Eigen::Vector3d d;
@@ -103,20 +110,51 @@ std::optional<Vertical> VerticalFromLines(const Map& map, const Eigen::Vector3d&
   if (directions.empty()) return std::nullopt;
   Vertical vertical;
   vertical.up_w = Refine(directions, MostVoted(directions));
-  double all = 0.0, agreeing = 0.0;
+  vertical.source = VerticalSource::kLines;
+  double all = 0.0, agreeing = 0.0, squares = 0.0;
   for (const Direction& direction : directions) {
     all += direction.weight;
-    if (Angle(direction.d, vertical.up_w) > kAgreeing_rad) continue;
+    const double angle = Angle(direction.d, vertical.up_w);
+    if (angle > kAgreeing_rad) continue;
     agreeing += direction.weight;
-    ++vertical.n_lines;
+    squares += direction.weight * angle * angle;
+    ++vertical.n;
   }
-  if (vertical.n_lines < kLeastLines || agreeing < kLeastShare * all) return std::nullopt;
+  if (vertical.n < kLeastLines || agreeing < kLeastShare * all) return std::nullopt;
+  // Half the mean square, for each of two angles; a line's neighbours on the same edge have the same error.
+  const auto n = static_cast<double>(vertical.n) / kLinesOfAnEdge;
+  vertical.sigma_rad = Hypot(std::sqrt(0.5 * squares / agreeing / n), kBuilding_rad);
+  return vertical;
+}
+
+std::optional<Vertical> VerticalFromGravity(const Map& map) {
+  std::vector<Direction> directions;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double weights = 0.0;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    if (!keyframe.up) continue;
+    const double weight = 1.0 / (keyframe.up->sigma_rad * keyframe.up->sigma_rad);
+    directions.push_back({keyframe.T_w_kf.rotation() * keyframe.up->direction, weight});
+    sum += weight * directions.back().d;
+    weights += weight;
+  }
+  if (directions.empty() || sum.norm() < 0.5 * weights) return std::nullopt;
+  Vertical vertical{sum.normalized(), VerticalSource::kGravity, 0.0, static_cast<int64_t>(directions.size())};
+  const auto n = static_cast<double>(directions.size());
+  double chi2 = 0.0;
+  for (const Direction& direction : directions) {
+    const double angle = Angle(direction.d, vertical.up_w);
+    chi2 += direction.weight * angle * angle;
+  }
+  vertical.sigma_rad = std::sqrt(n / weights * std::max(1.0, 0.5 * chi2 / n));
   return vertical;
 }
 
 Vertical VerticalOf(const Map& map) {
-  const Eigen::Vector3d mean_w = MeanUpOfCameras(map);
-  return VerticalFromLines(map, mean_w).value_or(Vertical{mean_w, 0});
+  const std::optional<Vertical> gravity = VerticalFromGravity(map);
+  if (gravity && gravity->sigma_rad < kKnown_rad) return *gravity;
+  const Vertical rough = gravity.value_or(Vertical{MeanUpOfCameras(map)});
+  return VerticalFromLines(map, rough.up_w).value_or(rough);
 }
 
 Eigen::Quaterniond LevelRotation(const Eigen::Vector3d& up_w) {

@@ -3,18 +3,34 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
 #include <cstdint>
 #include <optional>
 
+#include "core/config/choices.h"
 #include "core/map/map.h"
 
 namespace plslam {
 
+/// The measurements that a vertical comes from.
+enum class VerticalSource {
+  kCameras,  ///< the mean up direction of the cameras: a guess
+  kLines,    ///< vertical lines of the map
+  kGravity   ///< an inertial sensor
+};
+constexpr auto ChoicesOf(VerticalSource) {
+  return std::array{Choice{"cameras", VerticalSource::kCameras}, Choice{"lines", VerticalSource::kLines},
+                    Choice{"gravity", VerticalSource::kGravity}};
+}
+
 /// The up direction in the map frame, which has the axes of the first keyframe and is tilted like that camera.
 struct Vertical {
   Eigen::Vector3d up_w = -Eigen::Vector3d::UnitY();  ///< unit length
-  /// Lines of the map that agree, within 3 degrees of `up_w`; 0: `up_w` comes from the cameras (MeanUpOfCameras).
-  int64_t n_lines = 0;
+  VerticalSource source = VerticalSource::kCameras;
+  /// Sigma of each of its two angles; 0: not known (kCameras).
+  double sigma_rad = 0.0;
+  /// Lines that agree, within 3 degrees (kLines), or keyframes that measured it (kGravity).
+  int64_t n = 0;
 };
 
 /// Returns the mean up direction (-y of c) of the keyframes; -y of w without keyframes, or if they cancel each other.
@@ -26,7 +42,13 @@ Eigen::Vector3d MeanUpOfCameras(const Map& map);
 /// a fifth of the votes, agree.
 std::optional<Vertical> VerticalFromLines(const Map& map, const Eigen::Vector3d& about_w);
 
-/// Returns the direction of the lines near the mean up of the cameras if there is one, else that mean.
+/// Returns the mean of the verticals that an inertial sensor measured from the keyframes. Their errors have common causes
+/// (bias, mounting), so its variance is their harmonic mean, not less for more keyframes, and scaled by their scatter if
+/// that exceeds the sigmas. Returns nullopt if no keyframe has measured one, or they cancel each other.
+std::optional<Vertical> VerticalFromGravity(const Map& map);
+
+/// Returns the vertical by gravity if its sigma is below 1 degree; else the direction of the lines near it, or near the
+/// mean up of the cameras; else the vertical by gravity, or that mean.
 Vertical VerticalOf(const Map& map);
 
 /// Returns the shortest rotation from w to the levelled frame, in which up is -y (x right, y down, z forward, as in w).

@@ -20,6 +20,7 @@ Keyframe KeyframeOf(const MapKeyframe& entry, const FeaturesView& features, cons
   keyframe.T_prevkf_kf = entry.T_prevkf_kf;
   keyframe.covariance = entry.relative_covariance;
   keyframe.T_odom_kf = entry.T_odom_kf;
+  keyframe.up = entry.up;
   keyframe.state = 1;
   keyframe.SetFeatures(OwnFeatures(features));
   return keyframe;

@@ -20,6 +20,7 @@ OdometryFrame Summarise(const vo::OdometryResult& result, const SE3& T_l_c) {
   frame.covariance = result.covariance;
   frame.T_prev_c = result.T_prev_c;
   frame.motion_covariance = result.motion_covariance;
+  frame.up = result.up;
   frame.T_l_c = T_l_c;
   frame.keyframe = result.keyframe.has_value();
   frame.n_points = static_cast<int>(result.features.points.size());

@@ -22,6 +22,8 @@ struct OdometryFrame {
   SE3 T_prev_c;
   Matrix6d motion_covariance = Matrix6d::Zero();
   std::optional<SE3> T_w_l;
+  /// The vertical by the inertial sensor, in c.
+  std::optional<UpDirection> up;
   SE3 T_l_c;
   bool keyframe = false;
   int n_points = 0;

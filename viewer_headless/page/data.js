@@ -91,7 +91,7 @@ export class Run {
     this.path = decodeTable(json.path);
     const { vertical, observers, ...tables } = json.map;
     this.map = Object.fromEntries(Object.entries(tables).map(([name, table]) => [name, decodeTable(table)]));
-    this.map.vertical = vertical ?? { up: [0, -1, 0], lines: 0 };
+    this.map.vertical = vertical ?? { up: [0, -1, 0], from: "cameras" };
     this.packedObservers = observers ?? null;
     this.observersKnown = !!observers && !observers.only_ids;
     this.observers = {};

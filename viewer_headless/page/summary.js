@@ -97,9 +97,14 @@ export function showKicker(run, state) {
 
 /** Returns a sentence about the vertical direction. */
 function upright(run) {
-  const lines = run.map?.vertical.lines ?? 0;
-  return lines > 0 ? `Up is the direction that ${count(lines)} upright segments of the map share; heights are measured along it from the first camera.`
-    : "Up is the mean of the cameras (the map has no upright segments that agree); heights are measured along it from the first camera.";
+  const vertical = run.map?.vertical ?? { from: "cameras" };
+  const sigma = `(sigma ${vertical.sigma_deg?.toPrecision(2)} degrees)`;
+  const source = {
+    gravity: () => `Up is against gravity, as the inertial sensor measured it from ${count(vertical.n)} keyframes ${sigma}`,
+    lines: () => `Up is the direction that ${count(vertical.n)} upright segments of the map share ${sigma}`,
+    cameras: () => "Up is the mean of the cameras (the map has no upright segments that agree)",
+  }[vertical.from]();
+  return `${source}; heights are measured along it from the first camera.`;
 }
 
 export function showNotes(run) {

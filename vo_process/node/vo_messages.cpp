@@ -26,6 +26,7 @@ pose_t ToPoseMessage(const OdometryResult& result, const SE3& T_w_odom, bool anc
   bus::ToArray(result.covariance, message.covariance);
   message.T_prev_c = bus::ToMessage(result.T_prev_c);
   bus::ToArray(result.motion_covariance, message.motion_covariance);
+  bus::ToArray(result.up, message.up_c, message.up_sigma_rad);
   message.keyframe_id = result.keyframe ? result.keyframe->id : -1;
   message.entropy_ratio = result.entropy_ratio;
   message.n_points = static_cast<int32_t>(result.features.points.size());
@@ -123,6 +124,7 @@ Keyframe ToKeyframe(const OdometryResult& result, const StereoCamera& camera) {
   keyframe.T_prevkf_kf = result.keyframe->T_prevkf_kf;
   keyframe.covariance = result.keyframe->covariance;
   keyframe.T_odom_kf = result.T_odom_c;
+  keyframe.up = result.up;
   keyframe.state = static_cast<int>(result.state);
   const KeyframeContent& content = result.keyframe->content;
   keyframe.features = content.features;

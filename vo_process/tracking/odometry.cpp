@@ -287,6 +287,7 @@ OdometryResult Odometry::Completed(TrackedFrame frame, OdometryResult result) {
   calibrator_.ObserveCorners(frame);
   motion_.ExpectNothing();
   result.T_odom_c = T_odom_c_;
+  result.up = motion_.inertial().Up();
   result.n_bodies = static_cast<int>(bodies_.n_met());
   result.bodies = bodies_.Poses();
   result.features = std::move(frame.features);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/geometry/se3.h"
+#include "core/geometry/up_direction.h"
 #include "core/run/tracking_state.h"
 #include "vo_process/tracking/bodies/moving_bodies.h"
 #include "vo_process/tracking/landmarks/keyframe_measurements.h"
@@ -45,6 +46,8 @@ struct OdometryResult {
   bool carried = false;
   /// Includes errors that frames have in common (`MotionUncertainty`).
   Matrix6d motion_covariance = Matrix6d::Zero();
+  /// The vertical by the inertial sensor, if it is used.
+  std::optional<UpDirection> up;
   double entropy_ratio = 0.0;
   std::optional<KeyframeStep> keyframe;
   int n_tracked_points = 0;

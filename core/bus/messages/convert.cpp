@@ -173,6 +173,20 @@ std::optional<Matrix6d> FromArray(const double (&values)[36]) {
   return asymmetry <= 1e-6 * scale ? std::optional(covariance) : std::nullopt;
 }
 
+void ToArray(const std::optional<UpDirection>& up, double (&up_c)[3], double& sigma_rad) {
+  Eigen::Map<Eigen::Vector3d>(up_c) = up ? up->direction : Eigen::Vector3d::Zero();
+  sigma_rad = up ? up->sigma_rad : 0.0;
+}
+
+bool FromArray(const double (&up_c)[3], double sigma_rad, std::optional<UpDirection>& up) {
+  const Eigen::Vector3d direction(up_c[0], up_c[1], up_c[2]);
+  up.reset();
+  if (sigma_rad == 0.0 && direction.isZero(0.0)) return true;
+  const bool is_ok = std::isfinite(sigma_rad) && sigma_rad > 0.0 && std::abs(direction.norm() - 1.0) < 1e-6;
+  if (is_ok) up = UpDirection{direction, sigma_rad};
+  return is_ok;
+}
+
 void ToBytes(const Descriptor& descriptor, uint8_t (&bytes)[32]) {
   for (size_t i = 0; i < 32; ++i) bytes[i] = static_cast<uint8_t>(descriptor[i / 8] >> (8 * (i % 8)));
 }

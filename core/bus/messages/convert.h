@@ -9,6 +9,7 @@
 #include "core/geometry/calibration.h"
 #include "core/geometry/se3.h"
 #include "core/geometry/stereo_camera.h"
+#include "core/geometry/up_direction.h"
 #include "core/ids/ids.h"
 
 namespace plslam {
@@ -43,6 +44,11 @@ std::optional<StereoCamera> FromMessage(const rectified_camera_t& message);
 void ToArray(const Matrix6d& covariance, double (&values)[36]);
 /// Finite, with a diagonal that is not negative, symmetric to rounding.
 std::optional<Matrix6d> FromArray(const double (&values)[36]);
+
+/// The direction, and its sigma; zeros for nullopt.
+void ToArray(const std::optional<UpDirection>& up, double (&up_c)[3], double& sigma_rad);
+/// False if the vector is not unit (to 1e-6), or the sigma not positive and finite; zeros give nullopt.
+bool FromArray(const double (&up_c)[3], double sigma_rad, std::optional<UpDirection>& up);
 
 /// Least significant byte of the first word first.
 void ToBytes(const Descriptor& descriptor, uint8_t (&bytes)[32]);

@@ -27,6 +27,7 @@ keyframe_t HeadPage(const Keyframe& keyframe) {
   page.T_prevkf_kf = ToMessage(keyframe.T_prevkf_kf);
   ToArray(keyframe.covariance, page.covariance);
   page.T_odom_kf = ToMessage(keyframe.T_odom_kf);
+  ToArray(keyframe.up, page.up_kf, page.up_sigma_rad);
   page.state = static_cast<int8_t>(keyframe.state);
   page.lockstep = keyframe.lockstep ? 1 : 0;
   page.camera = ToMessage(keyframe.camera);
@@ -54,8 +55,9 @@ std::optional<Keyframe> Head(const keyframe_t& page) {
                       page.previous_keyframe_id < page.keyframe_id && page.state >= 0 && page.state <= 4 &&
                       (page.lockstep == 0 || page.lockstep == 1) && page.map_instance >= 0;
   const auto camera = FromMessage(page.camera);
-  if (!T_prevkf_kf || !covariance || !T_odom_kf || !camera || !ids_ok) return std::nullopt;
   Keyframe keyframe;
+  const bool up_ok = FromArray(page.up_kf, page.up_sigma_rad, keyframe.up);
+  if (!T_prevkf_kf || !covariance || !T_odom_kf || !up_ok || !camera || !ids_ok) return std::nullopt;
   keyframe.source = SourceId(page.header.source);
   keyframe.name.session = SessionId(page.header.session);
   keyframe.t_ns = page.header.t_ns;

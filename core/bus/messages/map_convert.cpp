@@ -101,6 +101,7 @@ map_keyframe_t ToMessage(const MapKeyframe& keyframe) {
   message.T_w_kf = ToMessage(keyframe.T_w_kf);
   TriangleToArray<6>(keyframe.covariance, message.covariance);
   message.T_odom_kf = ToMessage(keyframe.T_odom_kf);
+  ToArray(keyframe.up, message.up_kf, message.up_sigma_rad);
   message.previous_id = keyframe.previous_id.value;
   message.T_prevkf_kf = ToMessage(keyframe.T_prevkf_kf);
   TriangleToArray<6>(keyframe.relative_covariance, message.relative_covariance);
@@ -114,7 +115,9 @@ std::optional<MapKeyframe> FromMessage(const map_keyframe_t& message) {
   const auto T_odom_kf = FromMessage(message.T_odom_kf);
   const auto T_prevkf_kf = FromMessage(message.T_prevkf_kf);
   const auto relative_covariance = TriangleFromArray<6>(message.relative_covariance);
-  const bool values_ok = T_w_kf && covariance && T_odom_kf && T_prevkf_kf && relative_covariance;
+  std::optional<UpDirection> up;
+  const bool values_ok = T_w_kf && covariance && T_odom_kf && FromArray(message.up_kf, message.up_sigma_rad, up) &&
+                         T_prevkf_kf && relative_covariance;
   // Parents and predecessors are older, so that the map can build a tree of them.
   const bool ids_ok = message.id >= 0 && message.session_keyframe_id >= 0 && message.frame_id >= 0 &&
                       message.previous_id >= -1 && message.previous_id < message.id && message.parent_id >= -1 &&
@@ -127,6 +130,7 @@ std::optional<MapKeyframe> FromMessage(const map_keyframe_t& message) {
                      .T_w_kf = *T_w_kf,
                      .covariance = *covariance,
                      .T_odom_kf = *T_odom_kf,
+                     .up = up,
                      .previous_id = KeyframeId(message.previous_id),
                      .T_prevkf_kf = *T_prevkf_kf,
                      .relative_covariance = *relative_covariance,

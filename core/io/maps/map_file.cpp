@@ -17,21 +17,33 @@ namespace plslam {
 namespace {
 
 using Bytes = std::span<const uint8_t>;
-/// Format 2 ends with the images of keyframes that another camera has seen. Without such images, format 1 is written,
-/// which older programs can read.
-constexpr uint64_t kWithoutImages = 1;
-constexpr FileKind kMapFile{
-    {'P', 'L', 'S', 'L', 'A', 'M', 'A', 'P'}, 2, "map file", Checksum::kBlake2b, kWithoutImages};
-constexpr FileKind kMapFileWithoutImages{{'P', 'L', 'S', 'L', 'A', 'M', 'A', 'P'}, kWithoutImages, "map file"};
+/// Format 2 ends with the images of keyframes that another camera has seen, format 3 with these and the verticals of
+/// keyframes. The lowest format that holds the map is written, because older programs can read it.
+constexpr uint64_t kPlain = 1, kWithImages = 2, kWithUps = 3;
 
-using Images = std::map<KeyframeId, TakenImage>;
+constexpr FileKind KindOf(uint64_t format) {
+  return {{'P', 'L', 'S', 'L', 'A', 'M', 'A', 'P'}, format, "map file", Checksum::kBlake2b, kPlain};
+}
+constexpr FileKind kMapFile = KindOf(kWithUps);
 
-Images ImagesOf(const StoredMap& stored) {
-  Images images;
-  for (const auto& [id, features] : stored.features) {
-    if (features.image) images[id] = *features.image;
+/// What only some maps have.
+struct Extras {
+  std::map<KeyframeId, TakenImage> images;
+  std::map<KeyframeId, UpDirection> ups;
+
+  uint64_t Format() const {
+    if (!ups.empty()) return kWithUps;
+    return images.empty() ? kPlain : kWithImages;
   }
-  return images;
+};
+
+Extras ExtrasOf(const StoredMap& stored) {
+  Extras extras;
+  for (const auto& [id, features] : stored.features) {
+    if (features.image) extras.images[id] = *features.image;
+  }
+  extras.ups = map_file::UpDirectionsOf(stored.map);
+  return extras;
 }
 
 StoredMap ReadContent(uint64_t format, Bytes content) {
@@ -44,7 +56,8 @@ StoredMap ReadContent(uint64_t format, Bytes content) {
   const int64_t point_observations = map_file::ReadLandmarks<MapPoint>(read, stored);
   const int64_t line_observations = map_file::ReadLandmarks<MapLine>(read, stored);
   map_file::ReadLoops(read, stored.map);
-  if (format != kWithoutImages) map_file::ReadImages(read, stored.features);
+  if (format >= kWithImages) map_file::ReadImages(read, stored.features);
+  if (format >= kWithUps) map_file::ReadUpDirections(read, stored.map);
   if (!read.AtEnd()) throw std::runtime_error("the content is longer than stated in its header");
   map_file::CheckObservationsOnce(stored.map, point_observations, line_observations);
   map_file::CheckWhole(stored);
@@ -67,7 +80,10 @@ StoredMap ReadAndCheck(const Seal& seal, Bytes content) {
 }
 
 void CheckAll(const StoredMap& stored) {
-  for (const auto& [id, keyframe] : stored.map.keyframes()) map_file::Check(keyframe);
+  for (const auto& [id, keyframe] : stored.map.keyframes()) {
+    map_file::Check(keyframe);
+    if (keyframe.up) map_file::Check(id, *keyframe.up, stored.map);
+  }
   for (const auto& [id, features] : stored.features) {
     map_file::Check(id, features);
     if (features.image) map_file::Check(id, *features.image, stored.features);
@@ -79,7 +95,7 @@ void CheckAll(const StoredMap& stored) {
   map_file::CheckWhole(stored);
 }
 
-void WriteContent(const StoredMap& stored, const Images& images, archive::Writer& write) {
+void WriteContent(const StoredMap& stored, const Extras& extras, archive::Writer& write) {
   write(stored, stored.sessions);
   map_file::WriteValues(write, stored.map.keyframes());
   write(static_cast<uint64_t>(stored.features.size()));
@@ -90,11 +106,12 @@ void WriteContent(const StoredMap& stored, const Images& images, archive::Writer
   map_file::WriteValues(write, stored.map.points());
   map_file::WriteValues(write, stored.map.lines());
   write(stored.map.loops());
-  if (!images.empty()) write(images);
+  if (extras.Format() >= kWithImages) write(extras.images);
+  if (extras.Format() >= kWithUps) write(extras.ups);
 }
 
 /// Returns the number of bytes that `WriteContent` writes.
-size_t LengthOf(const StoredMap& stored, const Images& images) {
+size_t LengthOf(const StoredMap& stored, const Extras& extras) {
   using archive::MinBytes;
   constexpr size_t kNumber = sizeof(int64_t);
   archive::Writer head;
@@ -109,21 +126,21 @@ size_t LengthOf(const StoredMap& stored, const Images& images) {
     n += kNumber + MinBytes<StereoFeatures>() + features.points.size() * MinBytes<StereoPoint>() +
          features.lines.size() * MinBytes<StereoLine>();
   }
-  return images.empty() ? n : n + kNumber + images.size() * (kNumber + MinBytes<TakenImage>());
+  if (extras.Format() >= kWithImages) n += kNumber + extras.images.size() * (kNumber + MinBytes<TakenImage>());
+  if (extras.Format() >= kWithUps) n += kNumber + extras.ups.size() * (kNumber + MinBytes<UpDirection>());
+  return n;
 }
-
-const FileKind& KindOf(const Images& images) { return images.empty() ? kMapFileWithoutImages : kMapFile; }
 
 }  // namespace
 
 std::vector<uint8_t> EncodeMap(const StoredMap& stored) {
   CheckAll(stored);
-  const Images images = ImagesOf(stored);
-  archive::Writer write(sizeof(Seal) + LengthOf(stored, images));
+  const Extras extras = ExtrasOf(stored);
+  archive::Writer write(sizeof(Seal) + LengthOf(stored, extras));
   // Reserves space for the seal, which is computed at the end.
   write(std::array<uint8_t, sizeof(Seal)>());
-  WriteContent(stored, images, write);
-  const Seal seal = MakeSeal(KindOf(images), write.Written().subspan(sizeof(Seal)));
+  WriteContent(stored, extras, write);
+  const Seal seal = MakeSeal(KindOf(extras.Format()), write.Written().subspan(sizeof(Seal)));
   write.Overwrite(0, &seal, sizeof(Seal));
   return std::move(write).Take();
 }
@@ -136,10 +153,10 @@ StoredMap DecodeMap(std::span<const uint8_t> bytes) {
 void WriteMapFile(const std::string& path, const StoredMap& stored) {
   if (stored.map.keyframes().empty()) throw std::runtime_error(path + ": is not written: the map has no keyframes");
   NamingFile(path, [&] { CheckAll(stored); });
-  const Images images = ImagesOf(stored);
-  SealedFileWriter file(path, KindOf(images), LengthOf(stored, images));
+  const Extras extras = ExtrasOf(stored);
+  SealedFileWriter file(path, KindOf(extras.Format()), LengthOf(stored, extras));
   archive::Writer write([&](Bytes content) { file.Append(content); });
-  WriteContent(stored, images, write);
+  WriteContent(stored, extras, write);
   write.Flush();
   file.PutInPlace(/*survives_power_cut=*/true);
 }

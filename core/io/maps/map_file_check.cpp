@@ -86,6 +86,13 @@ void Check(KeyframeId keyframe_id, const FeaturesView& features) {
          "keyframe {} has a feature with invalid values", keyframe_id);
 }
 
+void Check(KeyframeId keyframe_id, const UpDirection& up, const Map& map) {
+  Demand(map.FindKeyframe(keyframe_id) != nullptr, "there is a vertical for keyframe {}, which does not exist",
+         keyframe_id);
+  Demand(std::abs(up.direction.norm() - 1.0) < 1e-6 && up.sigma_rad > 0.0 && std::isfinite(up.sigma_rad),
+         "the vertical of keyframe {} is not a unit vector with a positive sigma", keyframe_id);
+}
+
 void Check(KeyframeId keyframe_id, const TakenImage& image, const KeyframeFeatures& features) {
   Demand(features.contains(keyframe_id), "an image belongs to keyframe {}, which has no features", keyframe_id);
   const auto is_place = [](int px) { return std::abs(px) <= kMaxPixel; };

@@ -14,6 +14,7 @@ void Check(const MapKeyframe& keyframe);
 void Check(KeyframeId keyframe_id, const FeaturesView& features);
 /// An image has valid pixels and belongs to a keyframe with features.
 void Check(KeyframeId keyframe_id, const TakenImage& image, const KeyframeFeatures& features);
+void Check(KeyframeId keyframe_id, const UpDirection& up, const Map& map);
 /// Observations ascend and refer to existing features.
 void Check(const MapPoint& point, const KeyframeFeatures& features);
 void Check(const MapLine& line, const KeyframeFeatures& features);

@@ -91,6 +91,36 @@ inline void ReadImages(archive::Reader& read, KeyframeFeatures& features) {
   }
 }
 
+/// The verticals measured from the keyframes that have one.
+inline std::map<KeyframeId, UpDirection> UpDirectionsOf(const Map& map) {
+  std::map<KeyframeId, UpDirection> ups;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    if (keyframe.up) ups[id] = *keyframe.up;
+  }
+  return ups;
+}
+
+/// Those from keyframes with these ids, which must exist.
+inline std::map<KeyframeId, UpDirection> UpDirectionsOf(const Map& map, const std::vector<KeyframeId>& ids) {
+  std::map<KeyframeId, UpDirection> ups;
+  for (const KeyframeId id : ids) {
+    if (const MapKeyframe& keyframe = map.keyframes().at(id); keyframe.up) ups[id] = *keyframe.up;
+  }
+  return ups;
+}
+
+/// After the keyframes.
+inline void ReadUpDirections(archive::Reader& read, Map& map) {
+  std::map<KeyframeId, UpDirection> ups;
+  ReadByNumber(read, ups);
+  for (const auto& [id, up] : ups) {
+    Check(id, up, map);
+    MapKeyframe keyframe = *map.FindKeyframe(id);
+    keyframe.up = up;
+    map.Put(keyframe);
+  }
+}
+
 inline void ReadLoops(archive::Reader& read, Map& map) {
   std::vector<LoopEdge> loops;
   read(loops);

@@ -22,6 +22,7 @@ Keyframe KeyframeOf(int64_t id, int n_points, int n_lines) {
   keyframe.frame_id = 3 * id;
   keyframe.previous_keyframe_id = id - 1;
   keyframe.covariance = 1e-4 * Matrix6d::Identity();
+  if (id % 2 == 1) keyframe.up = UpDirection{Eigen::Vector3d(0.6, -0.8, 0.0), 0.01};
   keyframe.state = 1;
   keyframe.lockstep = id % 2 == 1;
   keyframe.camera = {400.0, 320.5, 240.25, 0.12, 640, 480, -3, 5, 250.5};
@@ -54,6 +55,8 @@ void ExpectEqual(const Keyframe& a, const Keyframe& b) {
   EXPECT_EQ(a.t_ns, b.t_ns);
   EXPECT_EQ(a.covariance, b.covariance);
   EXPECT_EQ(a.camera, b.camera);
+  ASSERT_EQ(a.up.has_value(), b.up.has_value());
+  EXPECT_TRUE(!a.up || (a.up->direction == b.up->direction && a.up->sigma_rad == b.up->sigma_rad));
   EXPECT_EQ(a.point_landmark_ids, b.point_landmark_ids);
   EXPECT_EQ(a.line_landmark_ids, b.line_landmark_ids);
   EXPECT_EQ(a.point_map_ids, b.point_map_ids);
@@ -122,6 +125,8 @@ TEST(KeyframeAssembler, RefusesHostilePages) {
   expect_refused([](keyframe_t& p) { p.state = 17; });
   expect_refused([](keyframe_t& p) { p.covariance[0] = -1.0; });
   expect_refused([](keyframe_t& p) { p.T_odom_kf.q_wxyz[0] = 5.0; });
+  expect_refused([](keyframe_t& p) { p.up_kf[0] = 0.5; });
+  expect_refused([](keyframe_t& p) { p.up_sigma_rad = -1.0; });
   expect_refused([](keyframe_t& p) { p.lockstep = 2; });
   expect_refused([](keyframe_t& p) { p.points[0].u_px = 1e30F; });
   expect_refused([](keyframe_t& p) { p.points[0].map_id = -2; });

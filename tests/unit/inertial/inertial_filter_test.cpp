@@ -88,6 +88,25 @@ TEST(InertialFilter, FindsVelocityGravityAndGyroBiasInASecond) {
   }
 }
 
+TEST(InertialFilter, VerticalHasAnHonestSigma) {
+  EXPECT_FALSE(FilteredMotion(SmoothMotion{1.0}, {}).filter().Up()) << "the first sample contains the acceleration";
+  for (const double speed_m_s : {0.0, 10.0}) {
+    FilteredMotion run(SmoothMotion{speed_m_s}, {{0.02, -0.08, 0.05}, {0.05, -0.1, 0.08}});
+    run.Follow(1.0);
+    double sigma_rad = 1.0;
+    for (int i = 0; i < 8; ++i) {
+      const auto up = run.filter().Up();
+      ASSERT_TRUE(up) << i;
+      const Eigen::Vector3d truth = -(run.Truth().rotation().conjugate() * run.Gravity().normalized());
+      EXPECT_LT(Angle(up->direction, truth), 3.5 * up->sigma_rad) << speed_m_s << " m/s, second " << i;
+      EXPECT_LT(up->sigma_rad, sigma_rad * 1.05);
+      sigma_rad = up->sigma_rad;
+      run.Follow(1.0);
+    }
+    EXPECT_LT(sigma_rad, 0.3 * kDegree) << speed_m_s;
+  }
+}
+
 TEST(InertialFilter, CarriesThePoseWithAnHonestCovariance) {
   FilteredMotion run(SmoothMotion{1.0}, {{0.02, -0.08, 0.05}, {0.05, -0.1, 0.08}});
   run.Follow(2.0);

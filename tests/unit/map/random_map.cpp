@@ -60,6 +60,7 @@ void RandomMap::AddKeyframe() {
     keyframe.previous_id = map_.keyframes().rbegin()->first;
     keyframe.parent_id = DrawFrom(map_.keyframes()).id;
   }
+  if (keyframe.id.value % 3 == 0) keyframe.up = UpDirection{DrawPose().rotation() * Eigen::Vector3d::UnitX(), 0.01};
   map_.Put(keyframe);
 }
 

@@ -37,6 +37,17 @@ class LeaningMap {
     for (int i = 0; i < n; ++i) AddLine(Eigen::Vector3d{Normal(), Normal(), Normal()}.normalized());
   }
 
+  /// Gives each keyframe a measured vertical, wrong by a random angle of this standard deviation besides a common one.
+  void MeasureUp(double sigma_deg, double random_deg, double common_deg) {
+    const Eigen::Quaterniond common = ExpSO3({common_deg * kDeg, 0, 0});
+    for (int id = 0; id < 30; ++id) {
+      MapKeyframe keyframe = *map_.FindKeyframe(id);
+      const Eigen::Quaterniond error = ExpSO3(random_deg * kDeg * Eigen::Vector3d{Normal(), Normal(), Normal()});
+      keyframe.up = UpDirection{keyframe.T_w_kf.rotation().conjugate() * (common * error * up_w()), sigma_deg * kDeg};
+      map_.Put(keyframe);
+    }
+  }
+
   Eigen::Vector3d up_w() const { return q_w_level_ * -Eigen::Vector3d::UnitY(); }
   const Map& map() const { return map_; }
 
@@ -71,7 +82,8 @@ TEST(Vertical, TiltedMapIsRecoveredFromItsLines) {
     leaning.AddLines(60, {0.3, 1, 0}, 1.0);  // a slanted roof, 17 degrees off
     leaning.AddLinesAnywhere(100);
     const Vertical vertical = VerticalOf(leaning.map());
-    EXPECT_GT(vertical.n_lines, 80) << tilt_deg;
+    EXPECT_EQ(vertical.source, VerticalSource::kLines) << tilt_deg;
+    EXPECT_GT(vertical.n, 80) << tilt_deg;
     EXPECT_LT(AngleDeg(vertical.up_w, leaning.up_w()), 0.3) << "tilted by " << tilt_deg << " degrees";
     EXPECT_GT(AngleDeg(MeanUpOfCameras(leaning.map()), leaning.up_w()), 1.0) << "the cameras alone would be worse";
   }
@@ -81,7 +93,7 @@ TEST(Vertical, WithoutLinesFromTheCameras) {
   const LeaningMap leaning(ExpSO3({0.3, 0, 0}), 0.0);
   EXPECT_FALSE(VerticalFromLines(leaning.map(), leaning.up_w()));
   const Vertical vertical = VerticalOf(leaning.map());
-  EXPECT_EQ(vertical.n_lines, 0);
+  EXPECT_EQ(vertical.source, VerticalSource::kCameras);
   EXPECT_LT(AngleDeg(vertical.up_w, leaning.up_w()), 1e-5);
 }
 
@@ -93,6 +105,47 @@ TEST(Vertical, NoUprightLinesGiveNone) {
   LeaningMap cloud(Eigen::Quaterniond::Identity());
   cloud.AddLinesAnywhere(3000);
   EXPECT_FALSE(VerticalFromLines(cloud.map(), cloud.up_w())) << "no direction stands out";
+}
+
+TEST(Vertical, GravityIsUsedWhereItIsKnown) {
+  LeaningMap leaning(ExpSO3({0.3, 0, 0.2}));
+  leaning.AddLines(120, {0, 1, 0.1}, 0.7);  // a leaning tower
+  leaning.MeasureUp(0.3, 0.2, 0.1);
+  const Vertical vertical = VerticalOf(leaning.map());
+  EXPECT_EQ(vertical.source, VerticalSource::kGravity);
+  EXPECT_EQ(vertical.n, 30);
+  EXPECT_LT(AngleDeg(vertical.up_w, leaning.up_w()), 0.3);
+  EXPECT_NEAR(vertical.sigma_rad, 0.3 * kDeg, 1e-6) << "errors in common are not averaged";
+}
+
+TEST(Vertical, ScatterOfGravityIsInItsSigma) {
+  LeaningMap leaning(ExpSO3({0.3, 0, 0.2}));
+  leaning.MeasureUp(0.1, 0.8, 0.0);
+  const auto vertical = VerticalFromGravity(leaning.map());
+  ASSERT_TRUE(vertical);
+  EXPECT_GT(vertical->sigma_rad, 0.6 * kDeg);
+  EXPECT_LT(vertical->sigma_rad, 1.0 * kDeg);
+}
+
+TEST(Vertical, UncertainGravityChoosesTheLines) {
+  LeaningMap leaning(ExpSO3({0.3, 0, 0.2}), 50.0);
+  leaning.AddLines(120, {0, 1, 0}, 0.7);
+  leaning.AddLines(150, {0, 1, 1.4}, 0.7);
+  leaning.MeasureUp(3.0, 0.1, 5.0);
+  const Vertical vertical = VerticalOf(leaning.map());
+  EXPECT_EQ(vertical.source, VerticalSource::kLines);
+  EXPECT_LT(AngleDeg(vertical.up_w, leaning.up_w()), 4.0 * vertical.sigma_rad / kDeg);
+}
+
+TEST(Vertical, SigmaOfLinesCoversTheirError) {
+  int covered = 0;
+  for (int seed = 0; seed < 20; ++seed) {
+    LeaningMap leaning(ExpSO3({0.02 * seed, 0, 0.2}));
+    leaning.AddLines(40 + seed, {0, 1, 0}, 0.8);
+    const Vertical vertical = VerticalOf(leaning.map());
+    covered += AngleDeg(vertical.up_w, leaning.up_w()) < 3.0 * vertical.sigma_rad / kDeg ? 1 : 0;
+  }
+  EXPECT_GE(covered, 19);
 }
 
 TEST(Vertical, EmptyMapAndInvalidLines) {

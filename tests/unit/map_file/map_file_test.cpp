@@ -170,13 +170,44 @@ TEST(MapFile, ForeignAndNewerFilesAreRefusedByName) {
   bytes[8] = 9;
   test::Sign(bytes);
   file.Write(bytes);
-  EXPECT_THAT(read(), HasSubstr("foreign.plmap: is a map file of format 9, but this program reads formats 1 to 2"));
+  EXPECT_THAT(read(), HasSubstr("foreign.plmap: is a map file of format 9, but this program reads formats 1 to 3"));
   EXPECT_THAT(ErrorOf([] { ReadMapFile(testing::TempDir()); }), HasSubstr("cannot be"));
 }
 
-TEST(MapFile, NewFormatOnlyForSeveralCameras) {
-  EXPECT_EQ(EncodeMap(RandomStoredMap(6, 10))[8], 1) << "older programs read it";
-  EXPECT_EQ(EncodeMap(test::OfTwoCameras(6, 30))[8], 2);
+StoredMap WithoutVerticals(StoredMap stored) {
+  const auto keyframes = stored.map.keyframes();
+  for (const auto& [id, keyframe] : keyframes) {
+    MapKeyframe blind = keyframe;
+    blind.up.reset();
+    stored.map.Put(blind);
+  }
+  return stored;
+}
+
+TEST(MapFile, LowestFormatThatHoldsTheMap) {
+  EXPECT_EQ(EncodeMap(WithoutVerticals(RandomStoredMap(6, 10)))[8], 1) << "older programs read it";
+  EXPECT_EQ(EncodeMap(WithoutVerticals(test::OfTwoCameras(6, 30)))[8], 2);
+  EXPECT_EQ(EncodeMap(RandomStoredMap(6, 10))[8], 3);
+}
+
+TEST(MapFile, VerticalsAreKept) {
+  const StoredMap stored = RandomStoredMap(6, 100);
+  const StoredMap again = DecodeMap(EncodeMap(stored));
+  int n = 0;
+  for (const auto& [id, keyframe] : stored.map.keyframes()) {
+    const auto& up = again.map.FindKeyframe(id)->up;
+    ASSERT_EQ(up.has_value(), keyframe.up.has_value()) << id;
+    if (!up) continue;
+    ++n;
+    EXPECT_EQ(up->direction, keyframe.up->direction) << id;
+    EXPECT_EQ(up->sigma_rad, keyframe.up->sigma_rad) << id;
+  }
+  EXPECT_GT(n, 0);
+  StoredMap bad = stored;
+  MapKeyframe keyframe = bad.map.keyframes().begin()->second;
+  keyframe.up = UpDirection{Eigen::Vector3d(0.0, 2.0, 0.0), 0.1};
+  bad.map.Put(keyframe);
+  EXPECT_THAT(EncodeError(bad), HasSubstr("is not a unit vector with a positive sigma"));
 }
 
 TEST(MapFile, LengthBeyondTheFileIsRefused) {

@@ -73,7 +73,9 @@ json Values(const MapKeyframe& k) {
           {"previous_id", k.previous_id.value},
           {"T_prevkf_kf", Rows(k.T_prevkf_kf)},
           {"relative_covariance", Rows(k.relative_covariance)},
-          {"parent_id", k.parent_id.value}};
+          {"parent_id", k.parent_id.value},
+          {"up_c", Rows(k.up ? k.up->direction : Eigen::Vector3d::Zero())},
+          {"up_sigma_rad", k.up ? k.up->sigma_rad : 0.0}};
 }
 
 json Values(const MapPoint& p) {

@@ -92,6 +92,27 @@ TEST(InertialMotion, StandingCameraDoesNotDriftInTheDark) {
   EXPECT_LT(error.chi2, kExpectedChi2);
 }
 
+TEST(InertialMotion, VerticalIsKnownAfterTwoSeconds) {
+  constexpr size_t kTwoSeconds = 40;
+  for (const std::string world : {"room?seed=1", "street?speed=10", "room?standing=1"}) {
+    const auto dataset = OpenDataset("synthetic:" + world + "&imu=200&size=320x240&frames=160", "");
+    const std::vector<OdometryFrame> frames = test::RunOdometry(*dataset, VoOptions());
+    for (size_t i = kTwoSeconds; i < frames.size(); ++i) {
+      ASSERT_TRUE(frames[i].up) << world << ", frame " << i;
+      const SE3 T_w_c = *frames[i].T_w_l * frames[i].T_l_c;
+      const Eigen::Vector3d truth = T_w_c.rotation().conjugate() * -Eigen::Vector3d::UnitY();
+      const double angle_rad = std::acos(std::min(1.0, truth.dot(frames[i].up->direction)));
+      EXPECT_LT(angle_rad, kRadPerDeg) << world << ", frame " << i;
+      EXPECT_LT(angle_rad, 3.5 * frames[i].up->sigma_rad) << world << ", frame " << i;
+    }
+    EXPECT_LT(frames.back().up->sigma_rad, kRadPerDeg) << world;
+  }
+  VoOptions options;
+  options.imu.enabled = false;
+  const auto dataset = OpenDataset("synthetic:room?imu=200&size=320x240&frames=30", "");
+  EXPECT_FALSE(test::RunOdometry(*dataset, options).back().up);
+}
+
 double Error(const std::string& world, bool with_sensor) {
   VoOptions options;
   options.imu.enabled = with_sensor;

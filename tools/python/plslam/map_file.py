@@ -12,7 +12,7 @@ from .errors import FileError
 from .wire import matrices
 
 _MAGIC = b"PLSLAMAP"
-_FORMATS = (1, 2)
+_FORMATS = (1, 2, 3)
 _SEAL = struct.Struct("<8sQQ32s")
 _SUMMED = 24
 
@@ -53,6 +53,10 @@ _IMAGE = np.dtype(
 )
 
 
+# The vertical that an inertial sensor measured from a keyframe.
+_UP = np.dtype([("keyframe_id", "<i8"), ("up_c", "<f8", 3), ("sigma_rad", "<f8")])
+
+
 @dataclass
 class Camera:
     """The rectified pair: f in pixels, principal point, baseline, image size."""
@@ -81,6 +85,8 @@ class Keyframes:
     T_prevkf_kf: np.ndarray  # (n, 4, 4)
     relative_covariance: np.ndarray  # (n, 6, 6)
     parent_id: np.ndarray  # in the spanning tree; -1: none
+    up_c: np.ndarray  # (n, 3), against gravity, seen from the keyframe; zeros: not measured
+    up_sigma_rad: np.ndarray  # 0: not measured
 
 
 @dataclass
@@ -223,7 +229,8 @@ def _read_camera(content: _Content) -> Camera:
 def _read_keyframes(content: _Content) -> Keyframes:
     rows = content.list(_KEYFRAME)
     poses = ("T_w_kf", "T_odom_kf", "T_prevkf_kf")
-    return Keyframes(**{name: _matrices(rows[name]) if name in poses else rows[name] for name in _KEYFRAME.names or ()})
+    columns = {name: _matrices(rows[name]) if name in poses else rows[name] for name in _KEYFRAME.names or ()}
+    return Keyframes(**columns, up_c=np.zeros((len(rows), 3)), up_sigma_rad=np.zeros(len(rows)))
 
 
 def _read_map(file_format: int, content: _Content) -> Map:
@@ -246,5 +253,12 @@ def _read_map(file_format: int, content: _Content) -> Map:
             if keyframe_id not in features:
                 raise FileError(f"an image belongs to keyframe {keyframe_id}, which has no features")
             features[keyframe_id].image = (left, top, width, height, f)
+    if file_format > 2:
+        ups = content.list(_UP)
+        rows_of_ups = np.searchsorted(keyframes.id, ups["keyframe_id"])
+        if not np.isin(ups["keyframe_id"], keyframes.id).all():
+            raise FileError("there is a vertical for a keyframe that does not exist")
+        keyframes.up_c[rows_of_ups] = ups["up_c"]
+        keyframes.up_sigma_rad[rows_of_ups] = ups["sigma_rad"]
     content.end()
     return Map(version, camera, keyframes, points, lines, features, loops)

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "core/geometry/hypot.h"
 #include "core/geometry/rectification.h"
 #include "core/geometry/symmetric.h"
 #include "core/motion/robust.h"
@@ -51,6 +52,9 @@ constexpr double kStandingSeen_s = 0.5;
 constexpr double kStanding_m_s = 0.003;
 // Sigmas of the white noise, of means over a frame, within which samples are those of a standing sensor.
 constexpr double kQuietSigmas = 5.0;
+
+// Sigma of the orientation of a sensor relative to the camera.
+constexpr double kMounting_rad = 0.1 * kRadPerDeg;
 
 // Time of measured motions after which a contradiction is reported, and a rotation in it that tells the unit of rates.
 constexpr double kLeastEvidence_s = 3.0;
@@ -185,6 +189,13 @@ bool InertialMotionModel::CanCarry() const {
   const InertialFilter next = Propagated(filter_);
   const Matrix6d covariance = CameraCovariance(next);
   return LargestSigma(covariance, 0) < kFarthest_m && LargestSigma(covariance, 3) < kFarthest_rad;
+}
+
+std::optional<UpDirection> InertialMotionModel::Up() const {
+  if (!IsTrusted()) return std::nullopt;
+  const auto up = filter_.Up();
+  if (!up) return std::nullopt;
+  return UpDirection{imu_->T_imu_c.R().transpose() * up->direction, Hypot(up->sigma_rad, kMounting_rad)};
 }
 
 void InertialMotionModel::Begin(const SE3& T_odom_imu, const Matrix6d& covariance) {

@@ -8,6 +8,7 @@
 
 #include "core/geometry/calibration.h"
 #include "core/geometry/imu.h"
+#include "core/geometry/up_direction.h"
 #include "core/inertial/inertial_filter.h"
 #include "core/inertial/preintegration.h"
 #include "core/motion/motion_estimator.h"
@@ -94,6 +95,9 @@ class InertialMotionModel {
   /// Whether the sensor carries the pose of a frame that sees nothing: its prediction is still good to half a metre and
   /// five degrees (sigmas).
   bool CanCarry() const;
+
+  /// The vertical from the camera at the last frame, with the error of the mounting; nullopt if the sensor is not used.
+  std::optional<UpDirection> Up() const;
 
   /// Mean normalised innovation of the last frames over its expectation: 1 for a consistent sensor.
   double normalised_innovation() const { return innovation_; }

@@ -62,6 +62,10 @@ class InertialFilter {
   /// Takes the measured pose.
   void Update(const SE3& T_odom_imu, const Matrix6d& covariance);
 
+  /// Odom has turned, as all odometry drifts, by an angle of this covariance (in the frame of the sensor) since the last
+  /// measured pose: gravity is no longer what it was there.
+  void Drift(const Eigen::Matrix3d& covariance);
+
   /// The sensor stands, up to this sigma of its velocity.
   void StandStill(double sigma_m_s);
 

@@ -185,6 +185,7 @@ struct Arguments {
   int first = 0;
   plslam::test::Worsening worsening;
   std::vector<int> black;
+  std::vector<double> up;
 };
 
 void AddArguments(CLI::App& app, Arguments& a, plslam::test::LoopRunOptions& run) {
@@ -207,6 +208,7 @@ void AddArguments(CLI::App& app, Arguments& a, plslam::test::LoopRunOptions& run
   app.add_option("--dirt", a.worsening.dirt, "number of spots of dirt on each lens");
   app.add_option("--dirt-seed", a.worsening.dirt_seed, "for their sizes and places");
   app.add_option("--black", a.black, "black frames: the first, how many, and again after how many")->expected(2, 3);
+  app.add_option("--up", a.up, "up in the frame of the truth: errors of the vertical by the inertial sensor")->expected(3);
   app.add_option("--covered", a.worsening.covered, "side of a black square, as a share of the image's height");
 }
 
@@ -247,6 +249,24 @@ void PrintDarkness(const std::vector<OdometryFrame>& frames, size_t first, size_
               static_cast<int>(frames[first + count].state));
 }
 
+/// Errors of the vertical in degrees and in sigmas, of the frames after 2, 5, 10, ... seconds.
+void PrintVerticals(const std::vector<OdometryFrame>& frames, const Eigen::Vector3d& up) {
+  double most_sigmas = 0.0, next_s = 2.0;
+  for (const OdometryFrame& frame : frames) {
+    if (!frame.up || !frame.T_w_l) continue;
+    const Eigen::Vector3d truth = (*frame.T_w_l * frame.T_l_c).rotation().conjugate() * up;
+    const double angle_rad = std::atan2(truth.cross(frame.up->direction).norm(), truth.dot(frame.up->direction));
+    if (getenv("V")) std::printf("%.2f %d %.3f %.3f motion %.4f deg\n", 1e-9*double(frame.t_ns-frames.front().t_ns), int(frame.state), angle_rad*57.3, frame.up->sigma_rad*57.3, 57.3*std::sqrt(frame.motion_covariance.diagonal().tail<3>().maxCoeff()));
+    most_sigmas = std::max(most_sigmas, angle_rad / frame.up->sigma_rad);
+    const double t_s = 1e-9 * static_cast<double>(frame.t_ns - frames.front().t_ns);
+    if (t_s < next_s && &frame != &frames.back()) continue;
+    next_s = t_s < 5.0 ? 5.0 : 2.0 * next_s;
+    std::printf("    vertical after %.1f s: %.3f deg, sigma %.3f deg\n", t_s, angle_rad / plslam::kRadPerDeg,
+                frame.up->sigma_rad / plslam::kRadPerDeg);
+  }
+  std::printf("    vertical at worst: %.2f sigmas\n", most_sigmas);
+}
+
 void RunOdometry(const std::string& location, const plslam::Dataset& dataset, const Arguments& a,
                  const plslam::test::LoopRunOptions& options) {
   const auto frames =
@@ -259,6 +279,7 @@ void RunOdometry(const std::string& location, const plslam::Dataset& dataset, co
               Mean(frames, &OdometryFrame::n_tracked_points), Mean(frames, &OdometryFrame::n_points),
               Mean(frames, &OdometryFrame::n_tracked_lines), Mean(frames, &OdometryFrame::n_lines),
               StageMedians(frames).c_str());
+  if (!a.up.empty()) PrintVerticals(frames, Eigen::Vector3d(a.up[0], a.up[1], a.up[2]).normalized());
   const plslam::test::Worsening& w = a.worsening;
   for (int first = w.black_first; w.black_count > 0; first += w.black_every) {
     if (first < 1 || first + w.black_count >= static_cast<int>(frames.size())) break;

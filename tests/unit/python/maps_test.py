@@ -15,8 +15,9 @@ FORMAT_AT, LENGTH_AT, CHECKSUM_AT, CONTENT_AT = 8, 16, 24, 56
 CAMERA_AT, CAMERA_BYTES = 8, 48
 # Five numbers are between the camera and the list of sessions.
 SESSIONS_AT = CAMERA_AT + 8 + CAMERA_BYTES + 5 * 8
-# The images of other cameras are last, with 32 bytes each.
+# The images of other cameras are the last but one, with 32 bytes each; verticals are last, with 40 bytes each.
 IMAGE_BYTES = 32
+UP_BYTES = 40
 
 
 @pytest.fixture(scope="module")
@@ -156,8 +157,8 @@ def test_every_truncation_is_detected(load, small):
 
 
 def test_a_newer_format_is_named(load, small):
-    newer = small[:FORMAT_AT] + bytes([3]) + small[FORMAT_AT + 1 :]
-    with pytest.raises(plslam.FileError, match="^bad.plmap: .* of format 3, but this package reads formats 1 to 2$"):
+    newer = small[:FORMAT_AT] + bytes([4]) + small[FORMAT_AT + 1 :]
+    with pytest.raises(plslam.FileError, match="^bad.plmap: .* of format 4, but this package reads formats 1 to 3$"):
         load(newer)
 
 
@@ -196,8 +197,17 @@ def test_a_map_without_camera_is_refused(load, small):
 
 def test_an_image_of_no_keyframe_is_refused(load, small):
     content = small[CONTENT_AT:]
-    foreign = content[:-IMAGE_BYTES] + (77).to_bytes(8, "little") + content[8 - IMAGE_BYTES :]
+    end = len(content) - 8 - UP_BYTES * int((load(small).keyframes.up_sigma_rad > 0).sum())
+    at = end - IMAGE_BYTES
+    foreign = content[:at] + (77).to_bytes(8, "little") + content[at + 8 :]
     with pytest.raises(plslam.FileError, match="^bad.plmap: an image belongs to keyframe 77, which has no features$"):
+        load(signed(small, foreign))
+
+
+def test_a_vertical_of_no_keyframe_is_refused(load, small):
+    content = small[CONTENT_AT:]
+    foreign = content[:-UP_BYTES] + (77).to_bytes(8, "little") + content[8 - UP_BYTES :]
+    with pytest.raises(plslam.FileError, match="^bad.plmap: there is a vertical for a keyframe that does not exist$"):
         load(signed(small, foreign))
 
 

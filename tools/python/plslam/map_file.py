@@ -255,9 +255,9 @@ def _read_map(file_format: int, content: _Content) -> Map:
             features[keyframe_id].image = (left, top, width, height, f)
     if file_format > 2:
         ups = content.list(_UP)
-        rows_of_ups = np.searchsorted(keyframes.id, ups["keyframe_id"])
         if not np.isin(ups["keyframe_id"], keyframes.id).all():
             raise FileError("there is a vertical for a keyframe that does not exist")
+        rows_of_ups = np.searchsorted(keyframes.id, ups["keyframe_id"])
         keyframes.up_c[rows_of_ups] = ups["up_c"]
         keyframes.up_sigma_rad[rows_of_ups] = ups["sigma_rad"]
     content.end()

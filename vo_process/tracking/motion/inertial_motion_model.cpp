@@ -53,6 +53,11 @@ constexpr double kStanding_m_s = 0.003;
 // Sigmas of the white noise, of means over a frame, within which samples are those of a standing sensor.
 constexpr double kQuietSigmas = 5.0;
 
+// Rotation by an error of the bias up to which a motion is linear in it, and the number of times that a motion is
+// integrated.
+constexpr double kLinear_rad = 0.01;
+constexpr int kMostPasses = 4;
+
 // Sigma of the orientation of a sensor relative to the camera.
 constexpr double kMounting_rad = 0.1 * kRadPerDeg;
 
@@ -93,15 +98,20 @@ void InertialMotionModel::Expect(std::span<const ImuSample> samples, int64_t fro
   motion_.reset();
   if (!imu_) return;
   const int64_t offset_ns = imu_->calibration.offset_ns();
-  motion_ =
-      Preintegrate(samples, from_ns - offset_ns, to_ns - offset_ns, imu_->calibration.noise, filter_.state().bias);
+  interval_ = {{samples.begin(), samples.end()}, from_ns - offset_ns, to_ns - offset_ns};
+  Integrate(filter_.state().bias);
   if (!motion_) return;
   mean_force_m_s2_.setZero();
   for (const ImuSample& sample : samples) mean_force_m_s2_ += sample.force_m_s2 / static_cast<double>(samples.size());
 }
 
+void InertialMotionModel::Integrate(const ImuBias& bias) {
+  motion_ = Preintegrate(interval_.samples, interval_.from_ns, interval_.to_ns, imu_->calibration.noise, bias);
+}
+
 void InertialMotionModel::ExpectAs(const InertialMotionModel& other) {
   motion_ = other.motion_;
+  interval_ = other.interval_;
   mean_force_m_s2_ = other.mean_force_m_s2_;
 }
 
@@ -224,21 +234,35 @@ void InertialMotionModel::Observe(const SE3& T_odom_c, const Matrix6d& covarianc
     AddEvidence(T_odom_previous.Inverse() * T_odom_imu);
     LearnStanding(T_odom_previous.Inverse() * T_odom_imu);
   }
-  filter_.Propagate(*motion_);
   unmeasured_s_ += motion_->dt_s();
-  const double innovation = filter_.AgreementWith(T_odom_imu, measured).innovation;
+  const double innovation = Propagated(filter_).AgreementWith(T_odom_imu, measured).innovation;
   if (innovation > kGate) {
+    filter_.Propagate(*motion_);
     if (jumped || ++n_contradicting_ >= kMostContradicting) Begin(T_odom_imu, measured);
     innovation_ += (kGate / 6.0 - innovation_) / kMeanFrames;
     return;
   }
   n_contradicting_ = 0;
   innovation_ += (innovation / 6.0 - innovation_) / kMeanFrames;
-  filter_.Update(T_odom_imu, measured);
-  filter_.MeasureFromHere();
+  Measure(T_odom_imu, measured);
   measured_s_ += motion_->dt_s();
   knows_bias_ = knows_bias_ || measured_s_ >= kFirstUse_s;
   unmeasured_s_ = 0.0;
+}
+
+/// Moves the filter over the motion and takes the pose of the sensor. Rotations are linear in the bias over a small angle
+/// only: a motion that reveals a large error of the bias is integrated again with the better one (an iterated Kalman
+/// filter).
+void InertialMotionModel::Measure(const SE3& T_odom_imu, const Matrix6d& covariance) {
+  const InertialFilter before = filter_;
+  for (int pass = 0; pass < kMostPasses && motion_; ++pass) {
+    filter_ = Propagated(before);
+    filter_.Update(T_odom_imu, covariance);
+    const ImuBias& bias = filter_.state().bias;
+    if ((bias.rate_rad_s - motion_->bias().rate_rad_s).norm() * motion_->dt_s() < kLinear_rad) break;
+    Integrate(bias);
+  }
+  filter_.MeasureFromHere();
 }
 
 void InertialMotionModel::LearnStanding(const SE3& T_previmu_imu) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/geometry/calibration.h"
 #include "core/geometry/imu.h"
@@ -118,6 +119,8 @@ class InertialMotionModel {
 
  private:
   void Begin(const SE3& T_odom_imu, const Matrix6d& covariance);
+  void Integrate(const ImuBias& bias);
+  void Measure(const SE3& T_odom_imu, const Matrix6d& covariance);
   void AddEvidence(const SE3& T_previmu_imu);
   void LearnStanding(const SE3& T_previmu_imu);
   bool IsQuiet() const;
@@ -130,8 +133,13 @@ class InertialMotionModel {
 
   std::optional<MountedImu> imu_;
   InertialFilter filter_;
-  /// The motion to the next frame, and the mean specific force in it.
+  /// The motion to the next frame, the samples that it is integrated from, and their mean specific force.
   std::optional<Preintegration> motion_;
+  struct Interval {
+    std::vector<ImuSample> samples;
+    int64_t from_ns = 0;  ///< on the clock of the sensor
+    int64_t to_ns = 0;
+  } interval_;
   Eigen::Vector3d mean_force_m_s2_ = Eigen::Vector3d::Zero();
   bool knows_bias_ = false;
   double measured_s_ = 0.0;    ///< time of measured motions since the filter began

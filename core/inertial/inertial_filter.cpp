@@ -19,14 +19,14 @@ constexpr int kP = 0, kR = 3, kV = 6, kBg = 9, kBa = 12, kG = 15;
 // accelerometers by 0.015 g; the first mean specific force contains the acceleration.
 constexpr double kAnySpeed_m_s = 30.0;
 constexpr double kGyroBias_rad_s = 0.1;
-constexpr double kAccelerometerBias_m_s2 = 0.2;
+constexpr double kAccelerometerBias_m_s2 = 0.15;
 constexpr double kFirstGravity_m_s2 = 4.0;
 // Sigmas that return to velocity and biases at a new beginning with the earlier bias.
 constexpr double kKeptGyroBias_rad_s = 0.005;
 constexpr double kKeptAccelerometerBias_m_s2 = 0.1;
 // Sigma of gravity below which its direction is known well enough for its magnitude: the curvature of the sphere then
 // costs 2 mm/s^2.
-constexpr double kRoughGravity_m_s2 = 0.45;
+constexpr double kRoughGravity_m_s2 = 0.35;
 // Sigma of the magnitude: latitude, and the scale error of accelerometers.
 constexpr double kMagnitude_m_s2 = 0.03;
 

@@ -256,7 +256,6 @@ void PrintVerticals(const std::vector<OdometryFrame>& frames, const Eigen::Vecto
     if (!frame.up || !frame.T_w_l) continue;
     const Eigen::Vector3d truth = (*frame.T_w_l * frame.T_l_c).rotation().conjugate() * up;
     const double angle_rad = std::atan2(truth.cross(frame.up->direction).norm(), truth.dot(frame.up->direction));
-    if (getenv("V")) std::printf("%.2f %d %.3f %.3f motion %.4f deg\n", 1e-9*double(frame.t_ns-frames.front().t_ns), int(frame.state), angle_rad*57.3, frame.up->sigma_rad*57.3, 57.3*std::sqrt(frame.motion_covariance.diagonal().tail<3>().maxCoeff()));
     most_sigmas = std::max(most_sigmas, angle_rad / frame.up->sigma_rad);
     const double t_s = 1e-9 * static_cast<double>(frame.t_ns - frames.front().t_ns);
     if (t_s < next_s && &frame != &frames.back()) continue;

@@ -268,6 +268,7 @@ void Odometry::Publish(const std::optional<Tracked>& tracked, double dt_s, Odome
   } else {
     motion_.inertial().Observe(tracked->seen.T_odom_c, tracked->seen.covariance, !tracked->alignment.weak,
                                result.jumped);
+    motion_.inertial().Drift(result.motion_covariance);
   }
   if (!tracked->rival) return;
   // Two motions were equally likely: the covariance covers both.

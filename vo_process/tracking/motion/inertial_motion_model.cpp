@@ -30,7 +30,7 @@ constexpr int kMostContradicting = 5;
 constexpr double kHealthy = 4.0;
 constexpr double kMeanFrames = 20.0;
 // Sigmas up to which the sensor carries a pose.
-constexpr double kFarthest_m = 0.5;
+constexpr double kFarthest_m = 1.0;
 constexpr double kFarthest_rad = 5.0 * kRadPerDeg;
 // Errors of a prediction, however good the sensor is: stamps are off by a part of a millisecond, and landmarks move when
 // the map is corrected.
@@ -248,6 +248,13 @@ void InertialMotionModel::Observe(const SE3& T_odom_c, const Matrix6d& covarianc
   measured_s_ += motion_->dt_s();
   knows_bias_ = knows_bias_ || measured_s_ >= kFirstUse_s;
   unmeasured_s_ = 0.0;
+}
+
+void InertialMotionModel::Drift(const Matrix6d& motion_covariance) {
+  if (!imu_ || !filter_.has_begun() || unmeasured_s_ > 0.0) return;
+  const Eigen::Matrix3d R = imu_->T_imu_c.R();
+  filter_.Drift(R * motion_covariance.bottomRightCorner<3, 3>() * R.transpose());
+  filter_.MeasureFromHere();
 }
 
 /// Moves the filter over the motion and takes the pose of the sensor. Rotations are linear in the bias over a small angle

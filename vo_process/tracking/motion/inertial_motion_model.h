@@ -81,6 +81,9 @@ class InertialMotionModel {
   /// by its features alone. `jumped`: the pose does not continue those before.
   void Observe(const SE3& T_odom_c, const Matrix6d& covariance, bool is_sure, bool jumped);
 
+  /// Odom may have turned by the error of the motion to the measured frame, whose covariance is this.
+  void Drift(const Matrix6d& motion_covariance);
+
   /// The frame was not measured.
   void Miss();
 
@@ -93,7 +96,7 @@ class InertialMotionModel {
   /// of the last frame; nullopt if the sensor is not used, or if `seen`, the pose by its features, contradicts it.
   std::optional<MotionPrior> PriorFrom(const MeasuredPose& before, const MeasuredPose& seen) const;
 
-  /// Whether the sensor carries the pose of a frame that sees nothing: its prediction is still good to half a metre and
+  /// Whether the sensor carries the pose of a frame that sees nothing: its prediction is still good to a metre and
   /// five degrees (sigmas).
   bool CanCarry() const;
 

@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/geometry/static_frames.h"
 #include "core/process/process.h"
 #include "core/robot/node/frame_source.h"
 #include "core/robot/node/skipped_messages.h"
@@ -17,7 +18,6 @@
 #include "ros2/image_rate.h"
 #include "ros2/node/order_services.h"
 #include "ros2/options.h"
-#include "ros2/static_frames.h"
 
 namespace plslam::ros2 {
 

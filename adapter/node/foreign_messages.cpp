@@ -221,7 +221,7 @@ ImuSample FromAnyImu(MessageBytes bytes) {
 }  // namespace
 
 ImuSample ImuSampleFromBytes(MessageBytes bytes) {
-  const ImuSample sample = FromAnyImu(bytes);
+  ImuSample sample = FromAnyImu(bytes);
   if (!sample.rate_rad_s.allFinite() || !sample.force_m_s2.allFinite()) {
     throw DatasetError("has numbers that are not finite");
   }

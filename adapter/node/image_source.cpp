@@ -70,9 +70,10 @@ ImageSource::ImageSource(bus::Process& process, bus::StockLcm& foreign, const Ad
                .left = options.images.empty() ? options.left : options.images,
                .right = options.images.empty() ? options.right : "",
                .max_skew_ns = std::llround(options.max_skew_ms * kNsPerMs),
-               .imu = options.imu,
-               .imu_option = "adapter.imu",
-               .imu_calibration = options.imu_calibration},
+               .imu = {.name = options.imu,
+                       .option = "adapter.imu",
+                       .calibration = options.imu_calibration,
+                       .camera = options.camera}},
               std::move(listener)) {
   Subscribe(foreign);
 }
@@ -133,7 +134,7 @@ void ImageSource::OnImage(robot::Side side, MessageBytes bytes) {
 /// A sample is small, and frames wait for it: it passes by the images in the inbox.
 void ImageSource::OnImu(MessageBytes bytes) {
   try {
-    frames_.AddImu(ImuSampleFromBytes(bytes));
+    frames_.imu().Add(ImuSampleFromBytes(bytes));
   } catch (const DatasetError& error) {
     process_.SetCounter("imu.rejected", static_cast<double>(++n_imu_rejected_));
     skipped_samples_.WarnOnce(fmt::format("a message on {} {}", Shown(options_.imu), error.what()));

@@ -53,7 +53,7 @@ bool ImuQueue::Covers(int64_t t_ns) const {
 std::vector<ImuSample> ImuQueue::Take(int64_t from_ns, int64_t to_ns) {
   const std::scoped_lock lock(mutex_);
   const std::span<const ImuSample> motion = SamplesOfMotion(samples_, from_ns, to_ns);
-  const std::vector<ImuSample> taken(motion.begin(), motion.end());
+  std::vector<ImuSample> taken(motion.begin(), motion.end());
   taken_ns_ = to_ns;
   // The next motion begins at `to_ns`.
   const std::span<const ImuSample> next = SamplesOfMotion(samples_, to_ns, to_ns);

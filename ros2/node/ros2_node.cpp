@@ -85,9 +85,10 @@ Ros2Node::Ros2Node(bus::Process& process, const Ros2Options& options)
                .left = options.left,
                .right = options.right,
                .max_skew_ns = std::llround(options.max_skew_ms * kNsPerMs),
-               .imu = options.imu,
-               .imu_option = "ros2.imu",
-               .imu_calibration = options.imu_calibration},
+               .imu = {.name = options.imu,
+                       .option = "ros2.imu",
+                       .calibration = options.imu_calibration,
+                       .camera = options.camera}},
               {.on_rig = [](const RigCalibration&) {},
                .on_frame = [this](int64_t t_ns) { first_t_ns_ = std::min(first_t_ns_.load(), t_ns); }}),
       progress_s_(bus::NowS()),
@@ -195,9 +196,9 @@ void Ros2Node::UseInfos() {
   const std::optional<SE3> T_b_l = static_frames_.Find(options_.base_frame, left_frame_);
   const bool have_names = !left_frame_.empty() && !imu_frame_.empty();
   const std::optional<SE3> T_l_imu = have_names ? static_frames_.Between(left_frame_, imu_frame_) : std::nullopt;
-  if (AwaitsFrames(T_b_l && (T_l_imu || !frames_.needs_imu_mounting()))) return;
+  if (AwaitsFrames(T_b_l && (T_l_imu || !frames_.imu().needs_mounting()))) return;
   if (T_b_l) frames_.SetMounting(*T_b_l);
-  if (T_l_imu && !frames_.has_rig()) frames_.SetImuMounting(*T_l_imu);
+  if (T_l_imu && !frames_.has_rig()) frames_.imu().SetMounting(*T_l_imu);
   if (!frames_.has_rig()) {
     const std::string where = T_b_l ? "is on the body where /tf_static has it"
                                     : "looks along x of the body: /tf_static has no transform of it";
@@ -267,11 +268,11 @@ void Ros2Node::TakeImu(const RosImu& message, bool has_rate, bool has_force) {
   if (has_rate && imu_frame_.empty()) imu_frame_ = message.frame;
   const ImuSample& sample = message.sample;
   if (has_rate && has_force) {
-    frames_.AddImu(sample);
+    frames_.imu().Add(sample);
   } else if (has_rate) {
-    frames_.AddRate(sample.t_ns, sample.rate_rad_s);
+    frames_.imu().AddRate(sample.t_ns, sample.rate_rad_s);
   } else {
-    frames_.AddForce(sample.t_ns, sample.force_m_s2);
+    frames_.imu().AddForce(sample.t_ns, sample.force_m_s2);
   }
 }
 

@@ -81,11 +81,12 @@ std::vector<ImuSample> ReadMessages(const Recording& recording, const std::strin
           samples.push_back(imu.sample);
         }
       });
-  const auto time = [](const ImuSample& sample) { return sample.t_ns; };
-  std::ranges::stable_sort(samples, {}, time);
-  const auto repeated = std::ranges::unique(samples, {}, time);
-  const size_t n_repeated = repeated.size();
-  samples.erase(repeated.begin(), repeated.end());
+  std::stable_sort(samples.begin(), samples.end(),
+                   [](const ImuSample& x, const ImuSample& y) { return x.t_ns < y.t_ns; });
+  const auto end = std::unique(samples.begin(), samples.end(),
+                               [](const ImuSample& x, const ImuSample& y) { return x.t_ns == y.t_ns; });
+  const auto n_repeated = static_cast<size_t>(samples.end() - end);
+  samples.erase(end, samples.end());
   const auto note = [&](size_t n, const char* reason) {
     if (n > 0) {
       notes->Warn(fmt::format("{} message{} of {} {} skipped: {}", n, n == 1 ? "" : "s", topic, n == 1 ? "is" : "are",

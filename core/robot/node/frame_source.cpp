@@ -5,16 +5,12 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <filesystem>
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/frame_assembler.h"
-#include "core/bus/messages/imu_channel.h"
 #include "core/bus/run_loop.h"
 #include "core/datasets/camera_file.h"
 #include "core/datasets/check_rig.h"
-#include "core/datasets/imu_files.h"
 #include "core/datasets/recordings/depth_images.h"
 #include "core/datasets/recordings/topic_names.h"
 #include "core/errors/log.h"
@@ -47,8 +43,8 @@ FrameSource::FrameSource(bus::Process& process, Settings settings, Listener list
       settings_(std::move(settings)),
       listener_(std::move(listener)),
       publisher_(process.bus(), false),
-      pairing_(settings_.max_skew_ns) {
-  if (!settings_.imu_calibration.empty()) ReadImuFile();
+      pairing_(settings_.max_skew_ns),
+      imu_(process, settings_.imu) {
   if (settings_.camera.empty()) return;
   Notes notes;
   RigCalibration rig = ReadCalibration({settings_.camera}, {}, &notes);
@@ -61,16 +57,6 @@ FrameSource::FrameSource(bus::Process& process, Settings settings, Listener list
                   : "an RGB-D camera, but the right images are no depths by their name"));
   }
   UseRig(std::move(rig));
-}
-
-/// An invalid file ends the process when it starts.
-void FrameSource::ReadImuFile() {
-  const std::string& file = settings_.imu_calibration;
-  if (!std::filesystem::exists(file)) {
-    throw DatasetError(fmt::format("{}_calibration = {}: there is no such file", settings_.imu_option, file));
-  }
-  Notes notes;
-  imu_file_has_pose_ = FindImuCalibration(settings_.imu, {}, {file, std::nullopt, false}, &notes).has_value();
 }
 
 bool FrameSource::is_rgbd() const { return NamesDepth(settings_.right); }
@@ -129,7 +115,7 @@ void FrameSource::UseWhiteLevel(int bright) {
 
 void FrameSource::UseRig(RigCalibration rig) {
   rig.name = settings_.process;
-  AddImuTo(rig);
+  imu_.AddTo(rig);
   std::vector<uint8_t> bytes = bus::RigBytes(bus::ToMessage(rig));
   if (bytes == rig_bytes_) return;
   CheckRig(rig);
@@ -151,60 +137,10 @@ void FrameSource::PublishRig() {
   if (rig_) process_.bus().Publish(bus::kCamera, bus::ToMessage(*rig_));
 }
 
-/// The sensor of the first rig is that of later ones: its file is read again only if the left camera has moved.
-void FrameSource::AddImuTo(RigCalibration& rig) {
-  const bool is_in_camera_file = rig.imu.has_value();
-  rig.imu.reset();
-  if (settings_.imu.empty()) return;
-  const SE3& T_b_l = rig.left.T_b_cam;
-  if (imu_calibration_ && imu_T_b_l_.matrix() == T_b_l.matrix()) {
-    rig.imu = *imu_calibration_;
-    return;
-  }
-  const std::string file = !settings_.imu_calibration.empty() ? settings_.imu_calibration
-                           : is_in_camera_file                ? settings_.camera
-                                                              : "";
-  const bool is_first = !imu_calibration_;
-  Notes notes;
-  rig.imu = FindImuCalibration(settings_.imu, rig, {file, T_c_imu_, !settings_.camera.empty()}, &notes);
-  imu_calibration_ = rig.imu;
-  imu_T_b_l_ = T_b_l;
-  for (const std::string& remark : notes.remarks) {
-    if (is_first && (file.empty() || file != settings_.camera)) LogInfo("{}", remark);
-  }
-  if (rig.imu || !is_first) return;
-  process_.Warn("imu_uncalibrated",
-                fmt::format("{}: the inertial sensor is not used, because its pose is not known: write T_c_imu "
-                            "(docs/imu.md) to a file, and give {}_calibration=FILE",
-                            settings_.imu, settings_.imu_option));
-}
-
-void FrameSource::AddImu(const ImuSample& sample) {
-  imu_.Add(sample);
-  imu_at_s_ = bus::NowS();
-}
-
-void FrameSource::AddRate(int64_t t_ns, const Eigen::Vector3d& rate_rad_s) {
-  imu_.AddRate(t_ns, rate_rad_s);
-  imu_at_s_ = bus::NowS();
-}
-
-void FrameSource::AddForce(int64_t t_ns, const Eigen::Vector3d& force_m_s2) {
-  imu_.AddForce(t_ns, force_m_s2);
-  imu_at_s_ = bus::NowS();
-}
-
-/// A sensor that is silent delays no frame.
-bool FrameSource::AwaitsImu(int64_t t_ns) const {
-  constexpr double kSilence_s = 0.5;
-  if (!rig_->imu || bus::NowS() - imu_at_s_ > kSilence_s) return false;
-  return !imu_.Covers(t_ns - rig_->imu->offset_ns());
-}
-
 void FrameSource::SendDue() {
   while (!waiting_.empty()) {
     Waiting& first = waiting_.front();
-    if (bus::NowS() < first.until_s && AwaitsImu(first.images.t_ns)) return;
+    if (bus::NowS() < first.until_s && imu_.Awaits(*rig_, first.images.t_ns)) return;
     StereoImages images = std::move(first.images);
     waiting_.pop_front();
     Publish(std::move(images));
@@ -221,45 +157,6 @@ std::chrono::milliseconds FrameSource::Wait(std::chrono::milliseconds limit) con
   return waiting_.empty() ? limit : std::min(limit, kPoll);
 }
 
-/// Publishes the samples since the previous frame, if there is a sensor.
-void FrameSource::PublishImu(int64_t t_ns) {
-  if (!rig_->imu) return;
-  const int64_t offset_ns = rig_->imu->offset_ns();
-  // After a clock was set back, this frame is the first one of its time.
-  const int64_t from_ns = sent_t_ns_ && *sent_t_ns_ < t_ns ? *sent_t_ns_ : t_ns;
-  const bool has_end = imu_.Covers(t_ns - offset_ns);
-  const std::vector<ImuSample> samples = imu_.Take(from_ns - offset_ns, t_ns - offset_ns);
-  const bool is_complete = has_end && (samples.size() > 1 || from_ns == t_ns);
-  bus::PublishImu(process_.bus(), from_ns, t_ns, samples);
-  n_in_a_row_ = is_complete ? 0 : n_in_a_row_ + 1;
-  n_incomplete_ += !is_complete;
-  const ImuQueue::Counts counts = imu_.counts();
-  process_.SetCounter("imu.samples", static_cast<double>(counts.n));
-  process_.SetCounter("imu.late", static_cast<double>(counts.n_late));
-  process_.SetCounter("imu.repeated", static_cast<double>(counts.n_repeated));
-  process_.SetCounter("imu.incomplete", static_cast<double>(n_incomplete_));
-  // Sensors may start later than cameras.
-  constexpr int64_t kFramesWithoutImu = 20;
-  if (n_in_a_row_ < kFramesWithoutImu || std::exchange(warned_of_imu_, true)) return;
-  process_.Warn("imu_missing", ImuComplaint(t_ns));
-}
-
-std::string FrameSource::ImuComplaint(int64_t t_ns) const {
-  constexpr double kSecond_ns = 1e9;
-  const std::optional<int64_t> newest_ns = imu_.newest_ns();
-  if (!newest_ns) {
-    return fmt::format(
-        "no sample of the inertial sensor arrives on {} ({}), so frames are tracked without them: is its name right, "
-        "and has its type rates and forces?",
-        settings_.imu, settings_.imu_option);
-  }
-  const double age_s = static_cast<double>(t_ns - *newest_ns) / kSecond_ns;
-  return fmt::format(
-      "samples on {} ({}) are {:.3f} s {} than the images when these arrive, so frames are tracked without them: "
-      "give both one clock, or their difference as time_offset_s",
-      settings_.imu, settings_.imu_option, std::abs(age_s), age_s < 0.0 ? "newer" : "older");
-}
-
 void FrameSource::Publish(StereoImages images) {
   if (n_sent_ == 0) {
     PublishStream(stream_event::kBegin, -1);
@@ -268,8 +165,7 @@ void FrameSource::Publish(StereoImages images) {
   }
   images.frame_id = numbers_.Next(images.t_ns);
   listener_.on_frame(images.t_ns);
-  PublishImu(images.t_ns);
-  sent_t_ns_ = images.t_ns;
+  imu_.Publish(*rig_, images.t_ns);
   publisher_.Publish(images);
   process_.SetCounter("frames.sent", static_cast<double>(++n_sent_));
 }

@@ -80,14 +80,15 @@ class FrameSourceImu : public testing::Test {
                               .left = "/pair",
                               .right = "",
                               .max_skew_ns = 0,
-                              .imu = "/imu",
-                              .imu_option = "adapter.imu",
-                              .imu_calibration = imu_calibration.empty() ? "" : folder_ / "imu.yaml"},
+                              .imu = {.name = "/imu",
+                                      .option = "adapter.imu",
+                                      .calibration = imu_calibration.empty() ? "" : folder_ / "imu.yaml",
+                                      .camera = folder_ / "camera.yaml"}},
         FrameSource::Listener{[](const RigCalibration&) {}, [](int64_t) {}});
   }
   void Write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
   void AddSamples(int64_t from_ns, int64_t to_ns) {
-    for (int64_t t = from_ns; t <= to_ns; t += kSample_ns) source_->AddImu({.t_ns = t});
+    for (int64_t t = from_ns; t <= to_ns; t += kSample_ns) source_->imu().Add({.t_ns = t});
   }
   void AddPair(int64_t t_ns) { source_->AddPair(Image(t_ns), Image(t_ns)); }
   std::vector<imu_t> Imu() const {
@@ -170,7 +171,7 @@ TEST_F(FrameSourceImu, SilentSensorDelaysNothingAndIsReported) {
 TEST_F(FrameSourceImu, OtherClockIsReported) {
   Start(kCamera, kPose);
   for (int i = 1; i <= 30; ++i) {
-    source_->AddImu({.t_ns = i * kFrame_ns});
+    source_->imu().Add({.t_ns = i * kFrame_ns});
     AddPair(100 * kFrame_ns + i * kFrame_ns);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
@@ -184,7 +185,7 @@ TEST_F(FrameSourceImu, OtherClockIsReported) {
 TEST_F(FrameSourceImu, ClockAheadIsReported) {
   Start(kCamera, kPose);
   for (int i = 1; i <= 30; ++i) {
-    source_->AddImu({.t_ns = 100 * kFrame_ns + i * kFrame_ns});
+    source_->imu().Add({.t_ns = 100 * kFrame_ns + i * kFrame_ns});
     AddPair(i * kFrame_ns);
     ASSERT_EQ(source_->n_sent(), i);
   }
@@ -211,8 +212,8 @@ TEST_F(FrameSourceImu, FileThatIsMissingOrWrongEndsTheStart) {
   Write("camera.yaml", kCamera);
   FrameSource::Settings settings;
   settings.camera = folder_ / "camera.yaml";
-  settings.imu = "/imu";
-  settings.imu_calibration = folder_ / "imu.yaml";
+  settings.imu.name = "/imu";
+  settings.imu.calibration = folder_ / "imu.yaml";
   EXPECT_THROW(FrameSource(*process_, settings, {}), DatasetError);
 }
 

@@ -2,8 +2,10 @@
 #include "core/datasets/recordings/recorded_imu.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <functional>
 #include <set>
+#include <span>
 #include <string_view>
 
 #include <fmt/format.h>

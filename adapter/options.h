@@ -19,6 +19,8 @@ struct AdapterOptions {
   std::string right_info;
   double max_skew_ms = 5.0;
   std::string robot_odometry;
+  std::string imu;
+  std::string imu_calibration;
   std::string pose = "POSE_BODY";
   std::string odometry = "/odom#nav_msgs.Odometry";
   std::string tf = "/tf#tf2_msgs.TFMessage";
@@ -37,6 +39,8 @@ void VisitFields(Visitor& visit, AdapterOptions& o) {
   visit("max_skew_ms", o.max_skew_ms, Bounds{0, 100}, "largest difference between the stamps of a pair");
   visit("robot_odometry", o.robot_odometry,
         "channel of nav_msgs.Odometry of the wheels, for prediction; empty: none");
+  visit("imu", o.imu, "channel of sensor_msgs.Imu, bot_core.ins_t or microstrain.ins_t; empty: none");
+  visit("imu_calibration", o.imu_calibration, "file with the keys of `imu` (docs/imu.md); empty: the rig file");
   visit("pose", o.pose, "channel for bot_core.pose_t; empty: none");
   visit("odometry", o.odometry, "channel for nav_msgs.Odometry");
   visit("tf", o.tf, "channel for tf2_msgs.TFMessage");

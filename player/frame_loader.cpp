@@ -4,7 +4,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <algorithm>
+#include <span>
 #include <utility>
 
 namespace plslam::player {
@@ -53,12 +53,8 @@ void FrameLoader::AddImu(const PlayOrder::Item& item, LoadedFrame& frame) {
   if (all.empty() || !follows) return;
   // In the sensor's clock.
   const int64_t late_ns = shift_ns + dataset_.rig().imu->offset_ns();
-  const auto is_before = [](const ImuSample& sample, int64_t t_ns) { return sample.t_ns < t_ns; };
-  auto begin = std::lower_bound(all.begin(), all.end(), from_ns - late_ns, is_before);
-  if (begin != all.begin() && (begin == all.end() || begin->t_ns > from_ns - late_ns)) --begin;
-  auto end = std::lower_bound(begin, all.end(), item.t_ns - late_ns, is_before);
-  if (end != all.end()) ++end;
-  frame.imu.assign(begin, end);
+  const std::span<const ImuSample> motion = SamplesOfMotion(all, from_ns - late_ns, item.t_ns - late_ns);
+  frame.imu.assign(motion.begin(), motion.end());
   for (ImuSample& sample : frame.imu) sample.t_ns += shift_ns;
 }
 

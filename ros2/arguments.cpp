@@ -73,6 +73,11 @@ void Arguments::Apply(Ros2Options* options) const {
     }
     *known = frame.substr(sign + 1);
   }
+  if (!options->imu.empty()) {
+    const std::string complaint = TopicNameComplaint(options->imu);
+    if (!complaint.empty())
+      throw std::runtime_error(fmt::format("ros2.imu = {}: {}", Shown(options->imu), complaint));
+  }
   for (const auto& [option, topic] : {std::pair("--left", options->left), std::pair("--right", options->right)}) {
     if (topic.empty()) {
       throw std::runtime_error(

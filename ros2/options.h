@@ -31,6 +31,8 @@ struct Ros2Options {
   std::string base_frame = "base_link";
   std::string map_file;
   std::string robot_odometry;
+  std::string imu;
+  std::string imu_calibration;
 };
 
 template <class Visitor>
@@ -50,6 +52,9 @@ void VisitFields(Visitor& visit, Ros2Options& o) {
         "map file of the services save and load, on the machine of mapping_process; empty: none");
   visit("robot_odometry", o.robot_odometry,
         "topic of nav_msgs/Odometry of the robot's wheels, for prediction (vo.robot_motion.enabled); empty: none");
+  visit("imu", o.imu, "topic of sensor_msgs/Imu, or .../gyro/sample beside .../accel/sample; empty: none");
+  visit("imu_calibration", o.imu_calibration,
+        "file with the keys of `imu` (docs/imu.md); empty: the rig file, and /tf_static");
 }
 
 }  // namespace plslam::ros2

@@ -2,14 +2,30 @@
 #include "ros2/topic_list.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "core/datasets/imu_topics.h"
+#include "core/datasets/recordings/ros_messages.h"
 #include "core/datasets/recordings/topic_names.h"
 #include "core/errors/error_text.h"
 
 namespace plslam::ros2 {
+namespace {
+
+/// Returns the option for the inertial sensor beside these images, after a blank; empty if there is none.
+std::string ImuOption(const std::vector<Publisher>& publishers, const std::string& left) {
+  std::set<std::string> topics;
+  for (const Publisher& publisher : publishers) {
+    if (publisher.type == kRosImu) topics.insert(publisher.topic);
+  }
+  const std::vector<ImuTopics> sensors = ImuTopicsAmong(topics);
+  return sensors.empty() ? "" : fmt::format(" --set ros2.imu={}", Shown(NearestImu(sensors, left).rates));
+}
+
+}  // namespace
 
 std::string TopicTable(const std::vector<Publisher>& publishers, const std::map<std::string, HeardImages>& heard,
                        double listened_s, int domain) {
@@ -39,7 +55,7 @@ std::string TopicTable(const std::vector<Publisher>& publishers, const std::map<
   const auto list = [&](const char* title, const std::vector<std::pair<std::string, std::string>>& pairs) {
     if (!pairs.empty()) text += title;
     for (const auto& [left, right] : pairs)
-      text += fmt::format("  plslam run ros2:{},{}\n", Shown(left), Shown(right));
+      text += fmt::format("  plslam run ros2:{},{}{}\n", Shown(left), Shown(right), ImuOption(publishers, left));
   };
   list("\nStereo cameras:\n", StereoTopics(images));
   list("\nRGB-D cameras:\n", RgbdTopics(images));

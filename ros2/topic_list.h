@@ -18,7 +18,7 @@ struct HeardImages {
 };
 
 /// Returns a table of the topics, with rates of images, and the commands that use the pairs that look like stereo
-/// cameras.
+/// cameras, with the inertial sensor beside them.
 std::string TopicTable(const std::vector<Publisher>& publishers, const std::map<std::string, HeardImages>& heard,
                        double listened_s, int domain);
 

@@ -11,12 +11,15 @@
 
 #include "adapter/node/foreign_layouts.h"
 #include "bot_core/images_t.hpp"
+#include "bot_core/ins_t.hpp"
 #include "core/bus/messages/convert.h"
 #include "core/bus/transport/stock_lcm.h"
 #include "core/io/files/dataset_error.h"
+#include "microstrain/ins_t.hpp"
 #include "sensor_msgs/CameraInfo.hpp"
 #include "sensor_msgs/CompressedImage.hpp"
 #include "sensor_msgs/Image.hpp"
+#include "sensor_msgs/Imu.hpp"
 
 namespace plslam::adapter {
 namespace {
@@ -184,6 +187,45 @@ RobotPose RobotPoseFromBytes(MessageBytes bytes) {
     throw DatasetError("has an invalid pose");
   }
   return {FromStamp(message.header), SE3(q_robot_b, p_m)};
+}
+
+namespace {
+
+constexpr std::string_view kRosImuType = "sensor_msgs.Imu";
+constexpr std::string_view kBotInsType = "bot_core.ins_t";
+constexpr std::string_view kMicrostrainType = "microstrain.ins_t";
+
+ImuSample FromRosImu(const sensor_msgs::Imu& message) {
+  constexpr double kNotMeasured = -1.0;
+  const bool is_measured = message.angular_velocity_covariance[0] != kNotMeasured &&
+                           message.linear_acceleration_covariance[0] != kNotMeasured;
+  if (!is_measured) throw DatasetError("has a covariance that begins with -1, and so nothing was measured");
+  const geometry_msgs::Vector3 &rate = message.angular_velocity, &force = message.linear_acceleration;
+  return {FromStamp(message.header), {rate.x, rate.y, rate.z}, {force.x, force.y, force.z}};
+}
+
+template <class Message>
+ImuSample FromIns(const Message& message) {
+  return {FromUtime(message.utime),
+          {message.gyro[0], message.gyro[1], message.gyro[2]},
+          {message.accel[0], message.accel[1], message.accel[2]}};
+}
+
+ImuSample FromAnyImu(MessageBytes bytes) {
+  if (IsOfType(bytes, kRosImuType)) return FromRosImu(Decoded<sensor_msgs::Imu>(bytes, kRosImuType));
+  if (IsOfType(bytes, kBotInsType)) return FromIns(Decoded<bot_core::ins_t>(bytes, kBotInsType));
+  if (IsOfType(bytes, kMicrostrainType)) return FromIns(Decoded<microstrain::ins_t>(bytes, kMicrostrainType));
+  throw DatasetError(fmt::format("is none of {}, {} and {}", kRosImuType, kBotInsType, kMicrostrainType));
+}
+
+}  // namespace
+
+ImuSample ImuSampleFromBytes(MessageBytes bytes) {
+  ImuSample sample = FromAnyImu(bytes);
+  if (!sample.rate_rad_s.allFinite() || !sample.force_m_s2.allFinite()) {
+    throw DatasetError("has numbers that are not finite");
+  }
+  return sample;
 }
 
 bot_core::pose_t ToBotPose(const robot::BodyPose& pose) {

@@ -8,6 +8,7 @@
 
 #include "bot_core/pose_t.hpp"
 #include "core/datasets/recordings/ros_messages.h"
+#include "core/geometry/imu.h"
 #include "core/map/map.h"
 #include "core/robot/body_pose.h"
 #include "core/robot/foreign_image.h"
@@ -37,6 +38,9 @@ struct RobotPose {
   SE3 T_robot_b;
 };
 RobotPose RobotPoseFromBytes(MessageBytes bytes);
+
+/// A sample of an inertial sensor: sensor_msgs.Imu, bot_core.ins_t or microstrain.ins_t.
+ImuSample ImuSampleFromBytes(MessageBytes bytes);
 
 /// Names of frames in messages, those of ROS (REP 105).
 inline constexpr const char* kMapFrame = "map";

@@ -69,7 +69,11 @@ ImageSource::ImageSource(bus::Process& process, bus::StockLcm& foreign, const Ad
                .camera = options.camera,
                .left = options.images.empty() ? options.left : options.images,
                .right = options.images.empty() ? options.right : "",
-               .max_skew_ns = std::llround(options.max_skew_ms * kNsPerMs)},
+               .max_skew_ns = std::llround(options.max_skew_ms * kNsPerMs),
+               .imu = {.name = options.imu,
+                       .option = "adapter.imu",
+                       .calibration = options.imu_calibration,
+                       .camera = options.camera}},
               std::move(listener)) {
   Subscribe(foreign);
 }
@@ -79,6 +83,7 @@ void ImageSource::Subscribe(bus::StockLcm& foreign) {
     foreign.Subscribe(name, [this, i = channels_.size()](MessageBytes bytes) { inbox_.Put(i, bytes); });
     channels_.push_back({name, std::move(take)});
   };
+  if (!options_.imu.empty()) foreign.Subscribe(options_.imu, [this](MessageBytes bytes) { OnImu(bytes); });
   if (!options_.images.empty()) {
     listen(options_.images, [this](MessageBytes bytes) {
       ++n_messages_[0];
@@ -105,7 +110,8 @@ void ImageSource::Work() {
       due = now + kTick;
     }
     const auto limit = std::chrono::ceil<std::chrono::milliseconds>(due - now);
-    if (const auto message = inbox_.Take(limit)) Handle(*message);
+    if (const auto message = inbox_.Take(frames_.Wait(limit))) Handle(*message);
+    frames_.SendDue();
   }
 }
 
@@ -123,6 +129,16 @@ void ImageSource::Handle(const robot::Inbox::Message& message) {
 void ImageSource::OnImage(robot::Side side, MessageBytes bytes) {
   ++n_messages_[static_cast<size_t>(side)];
   frames_.AddImage(side, ImageFromBytes(bytes));
+}
+
+/// A sample is small, and frames wait for it: it passes by the images in the inbox.
+void ImageSource::OnImu(MessageBytes bytes) {
+  try {
+    frames_.imu().Add(ImuSampleFromBytes(bytes));
+  } catch (const DatasetError& error) {
+    process_.SetCounter("imu.rejected", static_cast<double>(++n_imu_rejected_));
+    skipped_samples_.WarnOnce(fmt::format("a message on {} {}", Shown(options_.imu), error.what()));
+  }
 }
 
 void ImageSource::Tick() {

@@ -23,8 +23,8 @@ namespace plslam::adapter {
 /// live stream, together with the rig, from a file or from the robot's own messages.
 ///
 /// An invalid foreign message is counted (`frames.rejected`, `frames.unpaired`) and ignored, and so is one that has
-/// waited too long because others arrived (`frames.dropped`). The thread of `StockLcm::Handle` only receives; `Work`
-/// runs on a separate one.
+/// waited too long because others arrived (`frames.dropped`). The thread of `StockLcm::Handle` only receives, and adds
+/// samples of an inertial sensor (`imu.rejected`: invalid ones); `Work` runs on a separate one.
 class ImageSource {
  public:
   /// Throws where the file of the rig cannot be used.
@@ -47,6 +47,7 @@ class ImageSource {
   void Handle(const robot::Inbox::Message& message);
   void Tick();
   void OnImage(robot::Side side, MessageBytes bytes);
+  void OnImu(MessageBytes bytes);
   std::vector<std::string> SilentChannels() const;
   void ListImageChannels();
   std::string WhatIsMissing() const;
@@ -59,6 +60,9 @@ class ImageSource {
   robot::Inbox inbox_;
   robot::FrameSource frames_;
   robot::SkippedMessages skipped_messages_;
+  // Of the thread of `StockLcm::Handle`.
+  robot::SkippedMessages skipped_samples_;
+  int64_t n_imu_rejected_ = 0;
   std::chrono::steady_clock::time_point list_at_;
   std::optional<std::string> image_channels_;  ///< what was found instead of the expected ones
   std::array<int64_t, 2> n_messages_{};        ///< by side; of pairs the first

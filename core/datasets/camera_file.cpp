@@ -235,12 +235,12 @@ std::optional<double> ReadUnit(const YamlMap& yaml) {
   return metres;
 }
 
-std::optional<ImuCalibration> ReadImu(const YamlMap& yaml, const RigCalibration& rig) {
+std::optional<ImuCalibration> ReadImu(const YamlMap& yaml, const RigCalibration& rig, Notes* notes) {
   if (!yaml.Has("imu")) return std::nullopt;
   const YamlMap imu = yaml.Map("imu");
   imu.AllowOnly({"T_b_imu", "T_c_imu", "gyroscope_noise_density", "gyroscope_random_walk",
                  "accelerometer_noise_density", "accelerometer_random_walk", "time_offset_s", "rate_hz"});
-  return ReadImuCalibration(imu, rig.left.T_b_cam);
+  return ReadImuCalibration(imu, rig.left.T_b_cam, notes);
 }
 
 /// `from: FILE` or `from: [LEFT, RIGHT]`: files of another program beside this one.
@@ -258,7 +258,7 @@ RigCalibration ReadFrom(const YamlMap& yaml, const ImageSize& image_size, Notes*
   RigCalibration rig = ReadForeign(paths, image_size, ReadUnit(yaml), notes);
   if (yaml.Has("name")) rig.name = yaml.Text("name");
   rig.rate_hz = ReadRate_hz(yaml, rig.rate_hz);
-  rig.imu = ReadImu(yaml, rig);
+  rig.imu = ReadImu(yaml, rig, notes);
   return rig;
 }
 
@@ -349,7 +349,7 @@ RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_si
   rig.name = yaml.Has("name") ? yaml.Text("name") : "images";
   rig.rate_hz = ReadRate_hz(yaml, 0.0);
   CheckReadout(yaml, rig);
-  rig.imu = ReadImu(yaml, rig);
+  rig.imu = ReadImu(yaml, rig, notes);
   return rig;
 }
 

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 
@@ -26,12 +28,24 @@ double ReadNoise(const YamlMap& yaml, const char* key) {
   return value;
 }
 
-SE3 ReadImuPose(const YamlMap& yaml, const SE3& T_b_left) {
+std::optional<SE3> ReadImuPose(const YamlMap& yaml, const SE3& T_b_left) {
   for (const char* key : {"T_b_imu", "T_BS"}) {
     if (yaml.Has(key)) return yaml.Transform(key);
   }
-  return yaml.Has("T_c_imu") ? T_b_left * yaml.Transform("T_c_imu") : SE3();
+  return yaml.Has("T_c_imu") ? std::optional(T_b_left * yaml.Transform("T_c_imu")) : std::nullopt;
 }
+
+/// Returns nullopt if none of the densities is stated.
+std::optional<ImuNoise> ReadImuNoise(const YamlMap& yaml) {
+  constexpr std::array kKeys = {"gyroscope_noise_density", "gyroscope_random_walk", "accelerometer_noise_density",
+                                "accelerometer_random_walk"};
+  if (std::none_of(kKeys.begin(), kKeys.end(), [&](const char* key) { return yaml.Has(key); })) return std::nullopt;
+  return ImuNoise{ReadNoise(yaml, kKeys[0]), ReadNoise(yaml, kKeys[1]), ReadNoise(yaml, kKeys[2]),
+                  ReadNoise(yaml, kKeys[3])};
+}
+
+constexpr const char* kDefaultNoise =
+    "has no noise densities: those of a sensor without a data sheet are used (docs/imu.md)";
 
 double ReadImuRate(const YamlMap& yaml) {
   for (const char* key : {"rate_hz", "update_rate"}) {
@@ -52,15 +66,41 @@ double ReadTimeOffset(const YamlMap& yaml) {
 
 }  // namespace
 
-ImuCalibration ReadImuCalibration(const YamlMap& yaml, const SE3& T_b_left) {
+ImuCalibration ReadImuCalibration(const YamlMap& yaml, const SE3& T_b_left, Notes* notes) {
   ImuCalibration imu;
-  imu.T_b_imu = ReadImuPose(yaml, T_b_left);
-  imu.noise.gyroscope_rad_s_sqrt_hz = ReadNoise(yaml, "gyroscope_noise_density");
-  imu.noise.gyroscope_walk_rad_s2_sqrt_hz = ReadNoise(yaml, "gyroscope_random_walk");
-  imu.noise.accelerometer_m_s2_sqrt_hz = ReadNoise(yaml, "accelerometer_noise_density");
-  imu.noise.accelerometer_walk_m_s3_sqrt_hz = ReadNoise(yaml, "accelerometer_random_walk");
+  imu.T_b_imu = ReadImuPose(yaml, T_b_left).value_or(SE3());
+  const std::optional<ImuNoise> noise = ReadImuNoise(yaml);
+  if (noise) {
+    imu.noise = *noise;
+  } else {
+    notes->Remark(fmt::format("{}: the inertial sensor {}", yaml.path(), kDefaultNoise));
+  }
   imu.time_offset_s = ReadTimeOffset(yaml);
   imu.rate_hz = ReadImuRate(yaml);
+  return imu;
+}
+
+std::optional<ImuCalibration> FindImuCalibration(const std::string& name, const RigCalibration& rig,
+                                                 const ImuSources& sources, Notes* notes) {
+  const SE3& T_b_left = rig.left.T_b_cam;
+  ImuCalibration imu;
+  std::optional<SE3> T_b_imu;
+  std::optional<ImuNoise> noise;
+  if (!sources.file.empty() && fs::exists(sources.file)) {
+    const YamlMap whole = YamlMap::FromFile(sources.file);
+    const YamlMap yaml = whole.IsMap("imu") ? whole.Map("imu") : whole;
+    T_b_imu = ReadImuPose(yaml, T_b_left);
+    noise = ReadImuNoise(yaml);
+    imu.time_offset_s = ReadTimeOffset(yaml);
+    imu.rate_hz = ReadImuRate(yaml);
+    const bool left_has_pose = sources.has_camera_file && !T_b_left.matrix().isIdentity();
+    if (!T_b_imu && !sources.T_c_imu && left_has_pose) T_b_imu = SE3();
+  }
+  if (!T_b_imu && sources.T_c_imu) T_b_imu = T_b_left * *sources.T_c_imu;
+  if (!T_b_imu) return std::nullopt;
+  if (!noise) notes->Remark(fmt::format("{} {}", name, kDefaultNoise));
+  imu.T_b_imu = *T_b_imu;
+  imu.noise = noise.value_or(ImuNoise());
   return imu;
 }
 
@@ -94,7 +134,7 @@ std::vector<ImuSample> ReadImuSamples(const std::string& path, Notes* notes) {
 void AddImu(const std::string& csv, const std::string& yaml, ImageList* list) {
   if (!fs::exists(csv)) return;
   if (!list->rig.imu && fs::exists(yaml)) {
-    list->rig.imu = ReadImuCalibration(YamlMap::FromFile(yaml), list->rig.left.T_b_cam);
+    list->rig.imu = ReadImuCalibration(YamlMap::FromFile(yaml), list->rig.left.T_b_cam, &list->notes);
   }
   if (!list->rig.imu) {
     list->notes.Warn(

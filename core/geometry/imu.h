@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <span>
 
 #include <Eigen/Core>
 
@@ -48,6 +50,18 @@ inline constexpr double kMaxImuOffset_s = 1.0;
 
 inline int64_t ImuCalibration::offset_ns() const {
   return static_cast<int64_t>(time_offset_s * 1e9 + (time_offset_s < 0.0 ? -0.5 : 0.5));
+}
+
+/// Returns the samples of a motion between two times of the sensor's clock, of samples in order of increasing time:
+/// from the last one at or before `from_ns` to the first one at or after `to_ns`, as far as there are such.
+inline std::span<const ImuSample> SamplesOfMotion(std::span<const ImuSample> samples, int64_t from_ns,
+                                                  int64_t to_ns) {
+  const auto is_before = [](const ImuSample& sample, int64_t t_ns) { return sample.t_ns < t_ns; };
+  auto begin = std::lower_bound(samples.begin(), samples.end(), from_ns, is_before);
+  if (begin != samples.begin() && (begin == samples.end() || begin->t_ns > from_ns)) --begin;
+  auto end = std::lower_bound(begin, samples.end(), to_ns, is_before);
+  if (end != samples.end()) ++end;
+  return {begin, end};
 }
 
 }  // namespace plslam

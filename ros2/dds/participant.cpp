@@ -178,6 +178,20 @@ RosCameraInfo ToInfo(const sensor_msgs_msg_dds__CameraInfo_& message) {
   return info;
 }
 
+RosImu ToImu(const sensor_msgs_msg_dds__Imu_& message) {
+  constexpr double kNotMeasured = -1.0;
+  const geometry_msgs_msg_dds__Vector3_ &rate = message.angular_velocity, &force = message.linear_acceleration;
+  RosImu imu;
+  imu.sample = {StampOf(message.header), {rate.x, rate.y, rate.z}, {force.x, force.y, force.z}};
+  imu.frame = TextOf(message.header.frame_id);
+  imu.has_rate = message.angular_velocity_covariance[0] != kNotMeasured;
+  imu.has_force = message.linear_acceleration_covariance[0] != kNotMeasured;
+  if (!imu.sample.rate_rad_s.allFinite() || !imu.sample.force_m_s2.allFinite()) {
+    throw DatasetError("has numbers that are not finite");
+  }
+  return imu;
+}
+
 }  // namespace
 
 struct Participant::Impl {
@@ -295,6 +309,14 @@ void Participant::ReadStaticFrames(
       take(TextOf(transform.header.frame_id), TextOf(transform.child_frame_id),
            ToPose(transform.transform.translation, transform.transform.rotation));
     }
+  });
+}
+
+size_t Participant::ReadImu(const std::string& topic, std::function<void(const RosImu& message)> take) {
+  const Qos qos = ReaderQos();
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 500);  // half a second of a fast sensor
+  return impl_->Read(topic, sensor_msgs_msg_dds__Imu__desc, qos, [take = std::move(take)](const void* sample) {
+    take(ToImu(*static_cast<const sensor_msgs_msg_dds__Imu_*>(sample)));
   });
 }
 

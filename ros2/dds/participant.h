@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/datasets/calibrations/camera_info.h"
+#include "core/datasets/recordings/ros_messages.h"
 #include "core/robot/foreign_image.h"
 #include "core/ros/ros_topics.h"
 #include "ros2/diagnosis.h"
@@ -18,9 +19,9 @@
 
 namespace plslam::ros2 {
 
-/// A participant of a DDS domain that speaks as ROS 2 does, by Cyclone DDS; the one place that includes it. Readers are
-/// best effort and volatile, which matches every publisher, and keep the last 5, but for /tf_static. All is of one thread but `Write`, and
-/// all throw std::runtime_error with the reason of DDS.
+/// A participant of a DDS domain that speaks as ROS 2 does, by Cyclone DDS; the one place that includes it. Readers
+/// are best effort and volatile, which matches every publisher, and keep the last 5, but for /tf_static, wheels and
+/// inertial sensors. All is of one thread but `Write`, and all throw std::runtime_error with the reason of DDS.
 class Participant {
  public:
   /// `configuration` as `CycloneConfiguration` returns it.
@@ -35,6 +36,9 @@ class Participant {
   size_t ReadInfos(const std::string& topic, std::function<void(RosCameraInfo, const std::string& frame)> take);
   /// tf2_msgs/msg/TFMessage of late publishers, too (reliable, transient local): /tf_static.
   void ReadStaticFrames(std::function<void(const std::string& parent, const std::string& child, const SE3&)> take);
+
+  /// Samples of an inertial sensor in sensor_msgs/msg/Imu.
+  size_t ReadImu(const std::string& topic, std::function<void(const RosImu& message)> take);
 
   /// Poses of a robot's body in nav_msgs/msg/Odometry.
   size_t ReadOdometry(const std::string& topic, std::function<void(int64_t t_ns, const SE3& T_robot_b)> take);

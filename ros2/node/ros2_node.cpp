@@ -16,6 +16,7 @@
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
+#include "core/datasets/imu_topics.h"
 #include "core/errors/error_text.h"
 #include "core/errors/log.h"
 #include "core/io/files/dataset_error.h"
@@ -83,7 +84,11 @@ Ros2Node::Ros2Node(bus::Process& process, const Ros2Options& options)
                .camera = options.camera,
                .left = options.left,
                .right = options.right,
-               .max_skew_ns = std::llround(options.max_skew_ms * kNsPerMs)},
+               .max_skew_ns = std::llround(options.max_skew_ms * kNsPerMs),
+               .imu = {.name = options.imu,
+                       .option = "ros2.imu",
+                       .calibration = options.imu_calibration,
+                       .camera = options.camera}},
               {.on_rig = [](const RigCalibration&) {},
                .on_frame = [this](int64_t t_ns) { first_t_ns_ = std::min(first_t_ns_.load(), t_ns); }}),
       progress_s_(bus::NowS()),
@@ -116,6 +121,7 @@ Ros2Node::Ros2Node(bus::Process& process, const Ros2Options& options)
       static_frames_.Add(parent, child, T);
     });
   }
+  if (!options.imu.empty()) ReadImu();
   if (!options.robot_odometry.empty()) {
     motions_ = participant_.ReadOdometry(options.robot_odometry,
                                          [this](int64_t t_ns, const SE3& T_robot_b) { TakeMotion(t_ns, T_robot_b); });
@@ -143,8 +149,9 @@ void Ros2Node::Listen() {
       Tick();
       due_s = bus::NowS() + 1.0;
     }
-    participant_.Receive(kWait,
+    participant_.Receive(frames_.Wait(kWait),
                          [this](const std::string& topic, const std::string& reason) { Reject(topic, reason); });
+    frames_.SendDue();
     services_.node().SendAnswers();
   }
 }
@@ -152,6 +159,8 @@ void Ros2Node::Listen() {
 void Ros2Node::Reject(const std::string& topic, const std::string& reason) {
   if (motions_ && topic == options_.robot_odometry) {
     process_.SetCounter("motions.rejected", static_cast<double>(++n_motions_rejected_));
+  } else if (imu_topics_.contains(topic)) {
+    process_.SetCounter("imu.rejected", static_cast<double>(++n_imu_rejected_));
   } else {
     process_.SetCounter("frames.rejected", static_cast<double>(++n_rejected_));
   }
@@ -173,16 +182,23 @@ void Ros2Node::TakeInfo(robot::Side side, RosCameraInfo info, const std::string&
   UseInfos();
 }
 
+/// Returns whether the first rig waits for /tf_static, which somebody publishes.
+bool Ros2Node::AwaitsFrames(bool knows_mounting) const {
+  if (knows_mounting || frames_.has_rig() || bus::NowS() - held_since_s_ >= kPatienceForFrames_s) return false;
+  const std::vector<Publisher> publishers = participant_.Publishers();
+  return std::ranges::any_of(publishers,
+                             [](const Publisher& publisher) { return publisher.topic == ros_topic::kTfStatic.name; });
+}
+
 /// A rig that changed while it is in use would begin a new session, so /tf_static is awaited for a while.
 void Ros2Node::UseInfos() {
   if (!held_infos_[0] || (!held_infos_[1] && !frames_.is_rgbd())) return;
   const std::optional<SE3> T_b_l = static_frames_.Find(options_.base_frame, left_frame_);
-  if (!T_b_l && !frames_.has_rig() && bus::NowS() - held_since_s_ < kPatienceForFrames_s) {
-    const std::vector<Publisher> publishers = participant_.Publishers();
-    const auto is_tf = [](const Publisher& publisher) { return publisher.topic == ros_topic::kTfStatic.name; };
-    if (std::any_of(publishers.begin(), publishers.end(), is_tf)) return;
-  }
+  const bool have_names = !left_frame_.empty() && !imu_frame_.empty();
+  const std::optional<SE3> T_l_imu = have_names ? static_frames_.Between(left_frame_, imu_frame_) : std::nullopt;
+  if (AwaitsFrames(T_b_l && (T_l_imu || !frames_.imu().needs_mounting()))) return;
   if (T_b_l) frames_.SetMounting(*T_b_l);
+  if (T_l_imu && !frames_.has_rig()) frames_.imu().SetMounting(*T_l_imu);
   if (!frames_.has_rig()) {
     const std::string where = T_b_l ? "is on the body where /tf_static has it"
                                     : "looks along x of the body: /tf_static has no transform of it";
@@ -232,6 +248,32 @@ void Ros2Node::NoteProgress() {
   n_sent_ = frames_.n_sent();
   progress_s_ = bus::NowS();
   for (Side& side : sides_) side.n_before = side.input.state.n_messages;
+}
+
+void Ros2Node::ReadImu() {
+  const ImuTopics topics = ImuTopicsOf(options_.imu);
+  imu_topics_ = {topics.rates, topics.forces};
+  for (const std::string& topic : imu_topics_) {
+    const bool has_rate = topic == topics.rates, has_force = topic == topics.forces;
+    participant_.ReadImu(
+        topic, [this, has_rate, has_force](const RosImu& message) { TakeImu(message, has_rate, has_force); });
+  }
+}
+
+/// `has_rate` and `has_force` are what the topic is for.
+void Ros2Node::TakeImu(const RosImu& message, bool has_rate, bool has_force) {
+  if ((has_rate && !message.has_rate) || (has_force && !message.has_force)) {
+    throw DatasetError("has a covariance that begins with -1, and so nothing was measured");
+  }
+  if (has_rate && imu_frame_.empty()) imu_frame_ = message.frame;
+  const ImuSample& sample = message.sample;
+  if (has_rate && has_force) {
+    frames_.imu().Add(sample);
+  } else if (has_rate) {
+    frames_.imu().AddRate(sample.t_ns, sample.rate_rad_s);
+  } else {
+    frames_.imu().AddForce(sample.t_ns, sample.force_m_s2);
+  }
 }
 
 void Ros2Node::TakeMotion(int64_t t_ns, const SE3& T_robot_b) {

@@ -5,10 +5,13 @@
 #include <atomic>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "core/datasets/recordings/ros_messages.h"
+#include "core/geometry/static_frames.h"
 #include "core/process/process.h"
 #include "core/robot/node/frame_source.h"
 #include "core/robot/node/skipped_messages.h"
@@ -17,7 +20,6 @@
 #include "ros2/image_rate.h"
 #include "ros2/node/order_services.h"
 #include "ros2/options.h"
-#include "ros2/static_frames.h"
 
 namespace plslam::ros2 {
 
@@ -49,6 +51,9 @@ class Ros2Node {
   void ReportRate();
   void ReportLack();
   void NoteProgress();
+  void ReadImu();
+  void TakeImu(const RosImu& message, bool has_rate, bool has_force);
+  bool AwaitsFrames(bool knows_mounting) const;
   void TakeMotion(int64_t t_ns, const SE3& T_robot_b);
   void ReportMotions();
   void AnnounceNode();
@@ -69,6 +74,9 @@ class Ros2Node {
   std::array<ImageRate, 2> rates_;  ///< by side
   int64_t pair_bytes_ = 0;          ///< largest so far
   bool warned_of_loss_ = false;
+  std::string imu_frame_;  ///< of the inertial sensor; empty before its first message
+  std::set<std::string> imu_topics_;
+  int64_t n_imu_rejected_ = 0;
   std::optional<size_t> motions_;  ///< reader of the robot's odometry
   int64_t n_motions_ = 0, n_motions_rejected_ = 0;
   bool warned_of_motions_ = false;

@@ -101,14 +101,24 @@ void MakeAssociated(const fs::path& folder) {
                   "1305031102.275304 rgb/1305031102.275304.png 1305031102.280000 depth/1.png\n");
 }
 
+std::vector<ImuSample> Samples() {
+  std::vector<ImuSample> samples;
+  for (int64_t i = 0; i < 20; ++i) samples.push_back({.t_ns = 990'000'000 + 10'000'000 * i});
+  return samples;
+}
+
 void MakeMcap(const fs::path& folder) {
   test::MakeMcapFile(folder / "a.mcap", {.compression = "zstd", .checksums = false});
 }
-void MakePlainMcap(const fs::path& folder) { test::MakeMcapFile(folder / "a.mcap", {.checksums = false}); }
+void MakePlainMcap(const fs::path& folder) {
+  test::MakeMcapFile(folder / "a.mcap", {.checksums = false, .imus = {{"/imu0", Samples()}}, .T_camera_imu = SE3()});
+}
 void MakeLz4Mcap(const fs::path& folder) {
   test::MakeMcapFile(folder / "a.mcap", {.compression = "lz4", .checksums = false});
 }
-void MakePlainBag(const fs::path& folder) { test::MakeBagFile(folder / "a.bag"); }
+void MakePlainBag(const fs::path& folder) {
+  test::MakeBagFile(folder / "a.bag", {.imus = {{"/imu0", Samples()}}, .T_camera_imu = SE3()});
+}
 void MakeBz2Bag(const fs::path& folder) { test::MakeBagFile(folder / "a.bag", {.compression = "bz2"}); }
 void MakeLz4Bag(const fs::path& folder) { test::MakeBagFile(folder / "a.bag", {.compression = "lz4"}); }
 void MakeDb3(const fs::path& folder) { test::MakeRos2Bag(folder, {.split = true}); }

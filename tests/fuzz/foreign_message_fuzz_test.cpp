@@ -103,6 +103,7 @@ bool Take(const ByteVector& bytes) {
     RigFromRos(InPixelsOfImages(info, {}), InPixelsOfImages(info, {}), false);
   });
   take([&] { ASSERT_TRUE(RobotPoseFromBytes(bytes).T_robot_b.IsFinite()); });
+  take([&] { ASSERT_TRUE(ImuSampleFromBytes(bytes).force_m_s2.allFinite()); });
   return pair || image;
 }
 

@@ -21,6 +21,7 @@
 #include "core/datasets/open_dataset.h"
 #include "core/geometry/body_frame.h"
 #include "core/run/tracking_state.h"
+#include "plslam/imu_t.hpp"
 #include "plslam/pose_t.hpp"
 #include "plslam/robot_motion_t.hpp"
 #include "plslam/stage_t.hpp"
@@ -63,6 +64,10 @@ class OwnPoses {
       const std::scoped_lock lock(mutex_);
       motions_.emplace(motion.header.t_ns, *bus::FromMessage(motion.T_robot_b));
     });
+    bus_->Subscribe<imu_t>(bus::kImu, [this](const imu_t& message) {
+      const std::scoped_lock lock(mutex_);
+      if (message.complete != 0) n_samples_[message.header.t_ns] = message.n_samples;
+    });
     bus_.Start();
   }
   ~OwnPoses() { bus_.Join(); }
@@ -70,6 +75,12 @@ class OwnPoses {
   std::map<int64_t, double> at_s() const {
     const std::scoped_lock lock(mutex_);
     return at_s_;
+  }
+
+  /// Numbers of samples of the inertial sensor in front of a frame, by its stamp.
+  std::map<int64_t, int> n_samples() const {
+    const std::scoped_lock lock(mutex_);
+    return n_samples_;
   }
 
   /// The robot's own odometry.
@@ -88,6 +99,7 @@ class OwnPoses {
   mutable std::mutex mutex_;
   std::map<int64_t, double> at_s_;
   std::map<int64_t, SE3> motions_;
+  std::map<int64_t, int> n_samples_;
   bus::test::RunningBus bus_;
 };
 
@@ -107,8 +119,9 @@ class Adapter : public testing::Test {
       run_->StartPlain("loop_process", {"--url", url_});
       run_->StartPlain("vo_process", {"--url", url_});
     } else {
-      run_->StartPlain("vo_process",
-                       {"--url", url_, "--set", "vo.map.enabled=false", "--set", "vo.robot_motion.enabled=true"});
+      const char* const wheels = world_->rig().imu ? "false" : "true";
+      run_->StartPlain("vo_process", {"--url", url_, "--set", "vo.map.enabled=false", "--set",
+                                      std::string("vo.robot_motion.enabled=") + wheels});
     }
     StartAdapter();
   }
@@ -117,6 +130,9 @@ class Adapter : public testing::Test {
     std::vector<std::string> arguments = robot_->AdapterArguments((run_->folder() / "camera.yaml").string());
     arguments.insert(arguments.end(), {"--foreign-url", foreign_url_, "--url", url_, "--set",
                                        std::string("adapter.robot_odometry=") + test::kWheelsChannel});
+    if (world_->rig().imu) {
+      arguments.insert(arguments.end(), {"--set", std::string("adapter.imu=") + test::kImuChannel});
+    }
     run_->StartPlain("adapter", arguments);
   }
 
@@ -257,6 +273,27 @@ TEST_P(AdapterInputs, EachImageFormatIsTracked) {
     EXPECT_LT((motion->second.Inverse() * Truth(i)).Log().norm(), 1e-6) << i;
   }
   EXPECT_GE(n_motions, kFew / 2U);
+  EXPECT_TRUE(run_->StopAll()) << run_->Logs();
+}
+
+/// The images are black for 15 frames, in which the sensor carries the pose.
+TEST_F(Adapter, InertialSensorCarriesThroughDarkness) {
+  constexpr int kMany = 120, kDark = 80, kLight = 95;
+  Start(fmt::format("synthetic:room?size=376x240&frames={}&rate=20&imu=200", kMany), RobotImages::kBotGrey, false,
+        false);
+  robot_->Cover(kDark, kLight);
+  ASSERT_NO_FATAL_FAILURE(WaitForTheFirstPose());
+  robot_->Drive(1, kMany, kRate_hz);
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return HasPoseOfLast(kMany); })) << run_->Logs();
+  int n_complete = 0;
+  const std::map<int64_t, int> n_samples = own_->n_samples();
+  for (int i = 1; i < kMany; ++i) {
+    const auto found = n_samples.find(robot_->t_ns(i));
+    // 200 Hz between frames of 20 Hz, and around both ends.
+    n_complete += found != n_samples.end() && (found->second == 11 || found->second == 12);
+  }
+  EXPECT_GE(n_complete, kMany * 3 / 4) << testing::PrintToString(n_samples);
+  EXPECT_LT(Rmse_m(kDark, kLight, (kLight - kDark) / 3), 0.05);
   EXPECT_TRUE(run_->StopAll()) << run_->Logs();
 }
 

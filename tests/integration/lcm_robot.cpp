@@ -14,6 +14,7 @@
 #include "sensor_msgs/CameraInfo.hpp"
 #include "sensor_msgs/CompressedImage.hpp"
 #include "sensor_msgs/Image.hpp"
+#include "sensor_msgs/Imu.hpp"
 
 namespace plslam::test {
 namespace {
@@ -98,8 +99,39 @@ void LcmRobot::Drive(int begin, int end, double rate_hz) {
     due = std::max(due + std::chrono::nanoseconds(std::llround(1e9 / rate_hz)), std::chrono::steady_clock::now());
     stamps_ns_[static_cast<size_t>(i)] =
         std::chrono::duration_cast<std::chrono::microseconds>(Clock::now().time_since_epoch()).count() * 1000;
+    if (world_.rig().imu) PublishImu(i);
     PublishWheels(i);
     Publish(i);
+  }
+}
+
+void LcmRobot::Cover(int begin, int end) {
+  for (int i = begin; i < end; ++i) {
+    StereoImages& images = frames_[static_cast<size_t>(i)];
+    images.left = cv::Mat::zeros(images.left.size(), images.left.type());
+    images.right = images.left;
+  }
+}
+
+void LcmRobot::PublishImu(int frame) {
+  const std::vector<ImuSample>& samples = world_.ImuSamples();
+  if (frame == 0) {
+    world_begin_ns_ = t_ns(0) - world_.t_ns(0);
+    next_sample_ = 0;
+  }
+  stamps_ns_[static_cast<size_t>(frame)] = world_begin_ns_ + world_.t_ns(frame);
+  for (bool is_after = false; next_sample_ < samples.size() && !is_after; ++next_sample_) {
+    const ImuSample& sample = samples[next_sample_];
+    is_after = sample.t_ns >= world_.t_ns(frame);
+    sensor_msgs::Imu message{};
+    message.header = Header(world_begin_ns_ + sample.t_ns, "imu");
+    message.angular_velocity.x = sample.rate_rad_s.x();
+    message.angular_velocity.y = sample.rate_rad_s.y();
+    message.angular_velocity.z = sample.rate_rad_s.z();
+    message.linear_acceleration.x = sample.force_m_s2.x();
+    message.linear_acceleration.y = sample.force_m_s2.y();
+    message.linear_acceleration.z = sample.force_m_s2.z();
+    out_.publish(kImuChannel, &message);
   }
 }
 

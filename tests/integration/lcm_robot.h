@@ -20,6 +20,9 @@ namespace plslam::test {
 /// Message types of a robot's camera driver.
 enum class RobotImages { kBotGrey, kBotJpeg, kRosColour, kRosCompressed };
 
+/// The channel of the inertial sensor, of worlds that have one.
+inline constexpr const char* kImuChannel = "/imu#sensor_msgs.Imu";
+
 /// The channel of the robot's own odometry.
 inline constexpr const char* kWheelsChannel = "/wheels#nav_msgs.Odometry";
 
@@ -42,8 +45,12 @@ class LcmRobot {
   /// Returns the options of the adapter for these images.
   std::vector<std::string> AdapterArguments(const std::string& camera_file) const;
 
-  /// Publishes frames [begin, end) at `rate_hz`, stamped with times of day that continue from call to call.
+  /// Publishes frames [begin, end) at `rate_hz`, stamped with times of day that continue from call to call. In a world
+  /// with an inertial sensor stamps are those of the world, since frame 0 was published, and the samples that lead to
+  /// a frame are published before it.
   void Drive(int begin, int end, double rate_hz);
+  /// Makes the images of frames [begin, end) black.
+  void Cover(int begin, int end);
   /// The stamp of a published frame.
   int64_t t_ns(int frame) const { return stamps_ns_.at(static_cast<size_t>(frame)); }
 
@@ -63,11 +70,14 @@ class LcmRobot {
   void Publish(int frame);
   void PublishInfo();
   void PublishWheels(int frame);
+  void PublishImu(int frame);
 
   const Dataset& world_;
   const RobotImages images_;
   std::vector<StereoImages> frames_;
   std::vector<int64_t> stamps_ns_;
+  int64_t world_begin_ns_ = 0;  ///< time of day of the world's begin
+  size_t next_sample_ = 0;
   lcm::LCM in_;
   lcm::LCM out_;
   mutable std::mutex mutex_;

@@ -145,9 +145,9 @@ TEST_F(Ros2, WrongDataAreCountedAndTheRestIsUsed) {
 }
 
 // By the right types' names, with other bytes: lengths of 4 GB, ends too soon, the other endianness. The wheels' topic,
-// CameraInfo and /tf_static, too.
+// the inertial sensor, CameraInfo and /tf_static, too.
 TEST_F(Ros2, DamagedMessagesLeaveTheRobotAlone) {
-  const auto process = StartProcess({"--set", "ros2.robot_odometry=/wheels"});
+  const auto process = StartProcess({"--set", "ros2.robot_odometry=/wheels", "--set", "ros2.imu=/imu/data"});
   ASSERT_TRUE(LogHas("waiting for images")) << Log();
   const auto robot = StartRobot({kWorld, "20", "40", "hostile=1500", "wheels", "listen_s=1"});
   Wait(*robot);
@@ -217,6 +217,37 @@ TEST_F(Ros2, WheelsPredictAndNothingElse) {
   }
   EXPECT_GT(n_covered, 10) << heard;
 }
+
+/// Runs with an inertial sensor, whose mounting is on /tf_static, through a second of darkness.
+class Ros2Imu : public Ros2 {
+ protected:
+  void ExpectCarriedFrames(const std::string& topic, const std::string& robot_option) {
+    constexpr const char* kRoom = "synthetic:room?size=376x240&frames=100&imu=200";
+    RunWithRobot({"--set", "ros2.imu=" + topic}, {kRoom, "20", "100", robot_option, "tf_static", "covered"});
+    if (HasFatalFailure()) return;
+    EXPECT_THAT(Log("out/logs/ros2.log"), HasSubstr(topic + " has no noise densities"));
+    const json summary = json::parse(ReadText(folder_.Path("out/summary.json")));
+    EXPECT_GT(summary["carried_frames"].get<int>(), 10) << Log("run.log");
+    const json heard = Heard();
+    const auto world = OpenDataset(kRoom, "");
+    const SE3 T_b_l(Eigen::Quaterniond(Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitZ())) *
+                        Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5),
+                    {0.3, 0.0, 0.2});
+    ASSERT_GT(heard["odom"].size(), 60U) << heard;
+    const SE3 T_first = world->GroundTruth(IndexOf(heard["odom"][0]))->Inverse();
+    int n_covered = 0;
+    for (const json& odom : heard["odom"]) {
+      n_covered += IndexOf(odom) >= 40 && IndexOf(odom) < 60;
+      const SE3 T_true = T_b_l * T_first * *world->GroundTruth(IndexOf(odom)) * T_b_l.Inverse();
+      EXPECT_LT((Eigen::Vector3d(odom[1], odom[2], odom[3]) - T_true.translation()).norm(), 0.05) << odom;
+    }
+    EXPECT_GT(n_covered, 10) << heard;
+  }
+};
+
+TEST_F(Ros2Imu, CarriesThroughDarkness) { ExpectCarriedFrames("/imu/data", "imu"); }
+
+TEST_F(Ros2Imu, RatesAndForcesApart) { ExpectCarriedFrames("/camera/gyro/sample", "imu_apart"); }
 
 // By clients of both middlewares of ROS, which have no code in common with the process but DDS itself.
 TEST_F(Ros2, ServicesAreOrders) {

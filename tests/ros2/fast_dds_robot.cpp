@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// fast_dds_robot DATASET RATE_HZ N_FRAMES [OPTION...]: a robot of ROS 2 by Fast DDS. After a subscriber is found, it
-// publishes the stereo images of a dataset on /stereo/left/image_raw and right, with CameraInfo; it hears odometry,
-// transforms, path and points, and prints what it heard as JSON. Options: no_info, no_right, other_clock, constant,
-// unsynchronised, tf_static (a camera that looks to the left), lies (sizes that do not fit the data), reliable, jpeg, wheels (true
-// odometry on /wheels), covered (black images for a second),
-// synchronous (a written image has been sent; they are rendered before), listen_s=SECONDS (afterwards), begin_s=SECONDS (stamp of
-// the first frame), space=/NAME (before all topics but /tf), hostile=N (first N damaged
-// messages to each topic that plslam_ros2 reads, of the right types).
+// fast_dds_robot DATASET RATE_HZ N_FRAMES [OPTION...]: a robot of ROS 2 by Fast
+// DDS. After a subscriber is found, it publishes the stereo images of a dataset on /stereo/left/image_raw and right,
+// with CameraInfo; it hears odometry, transforms, path and points, and prints what it heard as JSON. Options: no_info,
+// no_right, other_clock, constant, unsynchronised, tf_static (a camera that looks to the left), lies (sizes that do
+// not fit the data), reliable, jpeg, wheels (true odometry on /wheels), imu (samples of the dataset on /imu/data; with
+// tf_static its frame is beside the camera), imu_apart (the same on /camera/gyro/sample and /camera/accel/sample),
+// covered (black images for a second), synchronous (a written image has been sent; they are rendered before),
+// listen_s=SECONDS (afterwards), begin_s=SECONDS (stamp of the first frame), space=/NAME (before all topics but /tf),
+// hostile=N (first N damaged messages to each topic that plslam_ros2 reads, of the right types).
 #include <unistd.h>
 
 #include <algorithm>
@@ -70,6 +71,15 @@ class Robot {
     qos.reliability().kind = is_reliable ? fast::RELIABLE_RELIABILITY_QOS : fast::BEST_EFFORT_RELIABILITY_QOS;
     qos.history().depth = 5;
     qos.publish_mode().kind = is_synchronous ? fast::SYNCHRONOUS_PUBLISH_MODE : fast::ASYNCHRONOUS_PUBLISH_MODE;
+    return publisher_->create_datawriter(Topic<Type>(name), qos);
+  }
+  /// Of a sensor whose samples come in bursts.
+  template <class Type>
+  fast::DataWriter* FastWriter(const std::string& name) {
+    fast::DataWriterQos qos = fast::DATAWRITER_QOS_DEFAULT;
+    qos.reliability().kind = fast::RELIABLE_RELIABILITY_QOS;
+    qos.history().depth = 500;
+    qos.publish_mode().kind = fast::SYNCHRONOUS_PUBLISH_MODE;
     return publisher_->create_datawriter(Topic<Type>(name), qos);
   }
   template <class Type>
@@ -156,10 +166,71 @@ nav_msgs::msg::dds_::Odometry_ OdometryOf(const plslam::SE3& T_first_c, int64_t 
   return odometry;
 }
 
+sensor_msgs::msg::dds_::Imu_ ImuOf(const plslam::ImuSample& sample, int64_t t_ns) {
+  sensor_msgs::msg::dds_::Imu_ imu;
+  SetHeader(imu.header(), t_ns, "imu_link");
+  imu.orientation_covariance()[0] = -1.0;
+  imu.angular_velocity().x(sample.rate_rad_s.x());
+  imu.angular_velocity().y(sample.rate_rad_s.y());
+  imu.angular_velocity().z(sample.rate_rad_s.z());
+  imu.linear_acceleration().x(sample.force_m_s2.x());
+  imu.linear_acceleration().y(sample.force_m_s2.y());
+  imu.linear_acceleration().z(sample.force_m_s2.z());
+  return imu;
+}
+
+/// The inertial sensor of a dataset: its samples in order, on one topic or on two.
+class ImuDriver {
+ public:
+  using Type = sensor_msgs::msg::dds_::Imu_PubSubType;
+  ImuDriver(Robot& robot, const std::vector<plslam::ImuSample>& samples, bool apart) : samples_(samples) {
+    rates_ = robot.FastWriter<Type>(apart ? "/camera/gyro/sample" : "/imu/data");
+    if (apart) forces_ = robot.FastWriter<Type>("/camera/accel/sample");
+  }
+  bool HasReaders() const {
+    fast::PublicationMatchedStatus status;
+    return rates_->get_publication_matched_status(status) == ReturnCode_t::RETCODE_OK && status.current_count > 0;
+  }
+  /// Publishes all up to the first one at or after `t_ns`. Every second force is left out where they are apart.
+  void PublishUntil(int64_t t_ns, int64_t begin_ns) {
+    for (bool is_after = false; next_ < samples_.size() && !is_after; ++next_) {
+      const plslam::ImuSample& sample = samples_[next_];
+      is_after = sample.t_ns >= t_ns && (forces_ == nullptr || next_ % 2 == 0);
+      auto message = ImuOf(sample, sample.t_ns + begin_ns);
+      if (forces_ != nullptr) {
+        auto force = message;
+        force.angular_velocity({});
+        message.linear_acceleration({});
+        if (next_ % 2 == 0) forces_->write(&force);
+      }
+      rates_->write(&message);
+    }
+  }
+
+ private:
+  const std::vector<plslam::ImuSample>& samples_;
+  fast::DataWriter* rates_ = nullptr;
+  fast::DataWriter* forces_ = nullptr;
+  size_t next_ = 0;
+};
+
 /// The left camera is 0.3 m in front of the body's origin and 0.2 m above it, and looks to the left.
-void PublishMounting(Robot& robot) {
+void PublishMounting(Robot& robot, const plslam::RigCalibration& rig) {
   tf2_msgs::msg::dds_::TFMessage_ message;
-  message.transforms().resize(2);
+  message.transforms().resize(rig.imu ? 3 : 2);
+  if (rig.imu) {
+    const plslam::SE3 T = rig.left.T_b_cam.Inverse() * rig.imu->T_b_imu;
+    auto& imu = message.transforms()[2];
+    SetHeader(imu.header(), 0, "camera");
+    imu.child_frame_id("imu_link");
+    imu.transform().translation().x(T.translation().x());
+    imu.transform().translation().y(T.translation().y());
+    imu.transform().translation().z(T.translation().z());
+    imu.transform().rotation().x(T.rotation().x());
+    imu.transform().rotation().y(T.rotation().y());
+    imu.transform().rotation().z(T.rotation().z());
+    imu.transform().rotation().w(T.rotation().w());
+  }
   auto& mast = message.transforms()[0];
   SetHeader(mast.header(), 0, "base_link");
   mast.child_frame_id("mast");
@@ -251,6 +322,7 @@ void SendDamagedMessages(const plslam::RigCalibration& rig, const cv::Mat& grey,
   SendDamaged<Image_PubSubType>("rt/stereo/left/image_raw", ImageOf(grey, 1'000'000), n);
   SendDamaged<CameraInfo_PubSubType>("rt/stereo/left/camera_info", InfoOf(rig.left, 0.0, 1'000'000), n);
   SendDamaged<nav_msgs::msg::dds_::Odometry_PubSubType>("rt/wheels", OdometryOf(plslam::SE3(), 1'000'000), n);
+  SendDamaged<Imu_PubSubType>("rt/imu/data", ImuOf({}, 1'000'000), n);
   tf2_msgs::msg::dds_::TFMessage_ frames;
   frames.transforms().resize(2);
   SendDamaged<tf2_msgs::msg::dds_::TFMessage_PubSubType>("rt/tf_static", frames, n);
@@ -301,7 +373,11 @@ int main(int argc, char** argv) {
 
   auto* const wheels =
       has("wheels") ? robot.Writer<nav_msgs::msg::dds_::Odometry_PubSubType>("/wheels", true) : nullptr;
-  if (has("tf_static")) PublishMounting(robot);
+  if (has("tf_static")) PublishMounting(robot, dataset->rig());
+  std::unique_ptr<ImuDriver> imu;
+  if (has("imu") || has("imu_apart")) {
+    imu = std::make_unique<ImuDriver>(robot, dataset->ImuSamples(), has("imu_apart"));
+  }
 
   json heard{{"sent", 0}, {"odom", json::array()}, {"tf", json::object()}, {"points", 0}, {"path", 0}};
   std::map<int64_t, double> sent_at, heard_at;
@@ -345,7 +421,8 @@ int main(int argc, char** argv) {
     return writer == nullptr ||
            (writer->get_publication_matched_status(status) == ReturnCode_t::RETCODE_OK && status.current_count > 0);
   };
-  while (now_s() < 10.0 && !(matched(images[0]) && matched(images[1]) && matched(infos[0]) && matched(infos[1]))) {
+  while (now_s() < 10.0 && !(matched(images[0]) && matched(images[1]) && matched(infos[0]) && matched(infos[1]) &&
+                             (!imu || imu->HasReaders()))) {
     usleep(20'000);
   }
   usleep(1'500'000);  // until they know it, too
@@ -364,6 +441,7 @@ int main(int argc, char** argv) {
       usleep(500);
     }
     due_s += 1.0 / rate_hz;
+    if (imu) imu->PublishUntil(dataset->t_ns(i), begin_ns);
     if (wheels != nullptr) {
       auto wheel_odometry = OdometryOf(dataset->GroundTruth(0)->Inverse() * *dataset->GroundTruth(i), t_ns[0]);
       if (has("lies") && i % 10 == 0) wheel_odometry.pose().pose().position().x(NAN);

@@ -14,12 +14,15 @@
 
 #include "core/datasets/camera_file.h"
 #include "core/datasets/check_rig.h"
+#include "core/datasets/imu_files.h"
+#include "core/datasets/imu_topics.h"
 #include "core/datasets/recordings/bag_reader.h"
 #include "core/datasets/recordings/depth_images.h"
 #include "core/datasets/recordings/image_pairs.h"
 #include "core/datasets/recordings/mcap_reader.h"
 #include "core/datasets/recordings/message_times.h"
 #include "core/datasets/recordings/pixel_encodings.h"
+#include "core/datasets/recordings/recorded_imu.h"
 #include "core/datasets/recordings/ros2_bag.h"
 #include "core/datasets/recordings/ros_messages.h"
 #include "core/datasets/recordings/topic_names.h"
@@ -30,6 +33,8 @@
 namespace plslam {
 namespace {
 
+/// Name of no sensor: "FILE?imu=none".
+constexpr std::string_view kNoImu = "none";
 constexpr auto kTruthNames = std::to_array<std::string_view>({"truth", "/gt", "mocap", "vicon"});
 
 /// A location taken apart: "FILE?key=value&...".
@@ -45,10 +50,11 @@ Location TakeApart(const std::string& location) {
     const std::string_view option = rest.substr(0, rest.find('&'));
     rest.remove_prefix(std::min(rest.size(), option.size() + 1));
     const std::string key(option.substr(0, option.find('=')));
-    static const std::set<std::string> kKnown{"left", "right", "truth", "camera", "part"};
+    static const std::set<std::string> kKnown{"left", "right", "truth", "camera", "part", "imu"};
     if (!kKnown.contains(key) || key.size() == option.size()) {
       throw DatasetError(
-          fmt::format("{}: '{}' is not one of left=TOPIC, right=TOPIC, truth=TOPIC, camera=FILE, part=NUMBER",
+          fmt::format("{}: '{}' is not one of left=TOPIC, right=TOPIC, truth=TOPIC, imu=TOPIC, camera=FILE, "
+                      "part=NUMBER",
                       parts.file, Shown(option)));
     }
     parts.options[key] = option.substr(key.size() + 1);
@@ -81,11 +87,16 @@ class RecordingDataset : public Dataset {
  public:
   RecordingDataset(const std::string& location, const Location& parts, std::string_view kind,
                    std::unique_ptr<Recording> reader)
-      : name_(location), options_(parts.options), reader_(std::move(reader)), notes_(reader_->Notes()) {
+      : name_(location),
+        file_(parts.file),
+        options_(parts.options),
+        reader_(std::move(reader)),
+        notes_(reader_->Notes()) {
     ChooseTopics();
     images_ = PairImages(*reader_, left_.topic, right_.topic, Part(), &notes_);
     CheckEncodings();
     ReadRig(kind);
+    ReadImu();
     ChooseTruth();
     white_ = WhiteLevelOf(
         size(), [this](int index) { return BrightValuesOf(index); }, &notes_);
@@ -100,6 +111,7 @@ class RecordingDataset : public Dataset {
   plslam::Notes NotesOfReading() const override { return clipped_->Report(); }
   double scan_s() const override { return reader_->scan_s(); }
   bool HasRecordedTruth() const override { return !truth_.empty(); }
+  const std::vector<ImuSample>& ImuSamples() const override { return imu_samples_; }
 
   StereoImages Read(int index) const override {
     try {
@@ -328,6 +340,97 @@ class RecordingDataset : public Dataset {
     if (!complaint.empty()) throw DatasetError(fmt::format("camera of {}: {}", left_.topic, complaint));
   }
 
+  /// Returns the sensor that the location names, or else the nearest one to the left images; nullopt if there is none.
+  std::optional<ImuTopics> ChooseImu() {
+    const std::vector<ImuTopics> sensors = ImuTopicsOf(*reader_);
+    if (const auto given = options_.find("imu"); given != options_.end()) {
+      if (given->second == kNoImu) return std::nullopt;
+      const ImuTopics named = plslam::ImuTopicsOf(given->second);
+      if (std::ranges::find(sensors, named) != sensors.end()) return named;
+      std::set<std::string> names;
+      for (const ImuTopics& sensor : sensors) names.insert(sensor.rates);
+      throw DatasetError(fmt::format("has no samples (sensor_msgs/Imu) on the topic imu={}; {}", Shown(given->second),
+                                     names.empty() ? "it has none at all" : "they are on " + ListOf(names)));
+    }
+    if (sensors.empty()) return std::nullopt;
+    const ImuTopics chosen = NearestImu(sensors, left_.topic);
+    if (sensors.size() > 1) {
+      notes_.Remark(fmt::format("of {} inertial sensors that of {} is used (FILE?imu=TOPIC names another one)",
+                                sensors.size(), chosen.rates));
+    }
+    return chosen;
+  }
+
+  /// Finds the calibration of a sensor; without a mounting a warning says what to write.
+  std::optional<ImuCalibration> CalibrationOfImu(const ImuTopics& topics, const std::string& frame) {
+    const std::filesystem::path file(file_);
+    const std::string beside =
+        ((std::filesystem::is_directory(file) ? file : file.parent_path()) / "imu.yaml").string();
+    ImuSources sources{rig_.imu ? options_.at("camera") : beside, std::nullopt, options_.contains("camera")};
+    const std::string left_frame = FrameOfLeftImages();
+    sources.T_c_imu = RecordedTransform(*reader_, left_frame, frame);
+    plslam::Notes of_camera_file;  // known since that was read
+    std::optional<ImuCalibration> imu =
+        FindImuCalibration(topics.rates, rig_, sources, rig_.imu ? &of_camera_file : &notes_);
+    if (!imu) {
+      WarnOfUnusedImu(topics.rates,
+                      fmt::format("its pose is not known, since /tf_static does not connect its frame '{}' with '{}' "
+                                  "of the left images: write T_c_imu (docs/imu.md) to {}",
+                                  Shown(frame), Shown(left_frame), sources.file));
+    }
+    return imu;
+  }
+
+  std::string FrameOfLeftImages() const {
+    try {
+      return FrameOf(reader_->Read(images_.pairs.front().first), EncodingOf(left_));
+    } catch (const DatasetError&) {
+      return "";  // a damaged message is an error when it is played
+    }
+  }
+
+  /// Reads the samples of a calibrated sensor; without any that can be used, a warning says why.
+  void ReadImu() {
+    const std::optional<ImuTopics> topics = ChooseImu();
+    std::optional<ImuCalibration> calibration;
+    if (topics && images_.clock == MessageClock::kLog) {
+      WarnOfUnusedImu(topics->rates, "images are played by the times at which they were logged");
+    } else if (topics) {
+      calibration = CalibrationOfImu(*topics, FrameOfImu(*reader_, *topics));
+    }
+    rig_.imu = calibration;
+    if (!rig_.imu) return;
+    try {
+      imu_samples_ = ReadRecordedImu(*reader_, *topics, images_.range, &notes_);
+      CheckTimesOfImu();
+    } catch (const DatasetError& error) {
+      if (options_.contains("imu")) throw;
+      WarnOfUnusedImu(topics->rates, error.what());
+      imu_samples_.clear();
+      rig_.imu.reset();
+    }
+  }
+
+  void WarnOfUnusedImu(const std::string& topic, const std::string& reason) {
+    notes_.Warn(fmt::format("{}: the inertial sensor is not used: {}", topic, reason));
+  }
+
+  /// Fails if no sample is of the time of the images. Sets an unknown rate.
+  void CheckTimesOfImu() {
+    const int64_t first_ns = imu_samples_.front().t_ns + rig_.imu->offset_ns();
+    const int64_t last_ns = imu_samples_.back().t_ns + rig_.imu->offset_ns();
+    const int64_t begin_ns = t_ns(0), end_ns = t_ns(size() - 1);
+    if (last_ns < begin_ns || first_ns > end_ns) {
+      throw DatasetError(fmt::format("its samples are of {} s to {} s, but the images of {} s to {} s",
+                                     SecondsText(first_ns), SecondsText(last_ns), SecondsText(begin_ns),
+                                     SecondsText(end_ns)));
+    }
+    const auto n_steps = static_cast<double>(imu_samples_.size() - 1);
+    if (rig_.imu->rate_hz == 0.0 && last_ns > first_ns) {
+      rig_.imu->rate_hz = 1e9 * n_steps / static_cast<double>(last_ns - first_ns);
+    }
+  }
+
   void ChooseTruth() {
     RecordedChannel chosen;
     if (options_.contains("truth")) {
@@ -360,6 +463,7 @@ class RecordingDataset : public Dataset {
   }
 
   std::string name_;
+  std::string file_;
   std::map<std::string, std::string> options_;
   std::unique_ptr<Recording> reader_;
   RecordedChannel left_, right_;
@@ -367,6 +471,7 @@ class RecordingDataset : public Dataset {
   int white_ = kWhiteOf16Bits;
   mutable std::optional<ClippedFrames> clipped_;
   RigCalibration rig_;
+  std::vector<ImuSample> imu_samples_;
   RecordedChannel truth_channel_;
   std::vector<RecordedMessage> truth_;
   bool truth_is_estimated_ = false;  ///< some of its stamps

@@ -9,12 +9,15 @@
 namespace plslam {
 
 /// The stereo images of a recording of ROS 2 (MCAP, .db3 or a folder of either) or ROS 1 (bag): "FILE", or with topics and calibration given,
-/// "FILE?left=/a/image_raw&right=/b/image_raw&truth=/pose&camera=camera.yaml" (docs/datasets.md).
+/// "FILE?left=/a/image_raw&right=/b/image_raw&truth=/pose&imu=/imu&camera=camera.yaml" (docs/datasets.md).
 ///
 /// Without topics they are detected: two of one name except for left and right, cam0 and cam1, infra1 and infra2,
 /// image_0 and image_1. The rig is that of their camera_info. Times are header stamps (message_times.h); logging times
 /// only if the stamps of an image topic are zero or constant, or left and right ones are of different clocks, as
 /// `Notes` then reports. Images are read on demand through the index, of which memory holds 40 bytes for each message.
+///
+/// The inertial sensor is that of sensor_msgs/Imu; all its samples are read at opening. Its calibration is `imu` of the
+/// camera file, imu.yaml beside the recording, and the transforms on /tf_static.
 ///
 /// Where a clock was set back in between, its parts are played alone ("FILE?part=2").
 ///

@@ -124,6 +124,62 @@ ImageSize SizeOfImage(std::string_view type, std::span<const uint8_t> message, R
   return {static_cast<int>(header->width_px), static_cast<int>(header->height_px)};
 }
 
+namespace {
+
+/// Frames of ROS 1 may begin with a slash.
+std::string FrameName(std::string name) { return name.starts_with('/') ? name.substr(1) : name; }
+
+Eigen::Vector3d GetVector(RosReader& reader) {
+  const auto x = reader.Get<double>(), y = reader.Get<double>(), z = reader.Get<double>();
+  return {x, y, z};
+}
+
+Eigen::Quaterniond GetQuaternion(RosReader& reader) {
+  const auto x = reader.Get<double>(), y = reader.Get<double>(), z = reader.Get<double>(), w = reader.Get<double>();
+  return {w, x, y, z};
+}
+
+constexpr double kUnitTolerance = 1e-2;
+
+}  // namespace
+
+RosImu ParseImu(std::span<const uint8_t> message, RosEncoding encoding) {
+  constexpr double kNotMeasured = -1.0;
+  RosReader reader(message, encoding);
+  RosReader::Header header = reader.ReadHeader();
+  RosImu imu;
+  imu.frame = FrameName(std::move(header.frame));
+  imu.sample.t_ns = header.t_ns;
+  GetQuaternion(reader);
+  GetRows<Eigen::Matrix3d>(reader);
+  imu.sample.rate_rad_s = GetVector(reader);
+  imu.has_rate = GetRows<Eigen::Matrix3d>(reader)(0, 0) != kNotMeasured;
+  imu.sample.force_m_s2 = GetVector(reader);
+  imu.has_force = GetRows<Eigen::Matrix3d>(reader)(0, 0) != kNotMeasured;
+  if (!imu.sample.rate_rad_s.allFinite() || !imu.sample.force_m_s2.allFinite()) {
+    throw DatasetError("has numbers that are not finite");
+  }
+  return imu;
+}
+
+void ParseTransforms(std::span<const uint8_t> message, RosEncoding encoding, StaticFrames* frames) {
+  RosReader reader(message, encoding);
+  for (auto n = reader.Get<uint32_t>(); n > 0; --n) {
+    const std::string parent = FrameName(reader.ReadHeader().frame);
+    const std::string child = FrameName(reader.Text());
+    const Eigen::Vector3d t = GetVector(reader);
+    const Eigen::Quaterniond q = GetQuaternion(reader);
+    if (!t.allFinite() || !(std::abs(q.norm() - 1.0) < kUnitTolerance)) {
+      throw DatasetError(fmt::format("has an invalid transform of {}", Shown(child)));
+    }
+    frames->Add(parent, child, SE3(q, t));
+  }
+}
+
+std::string FrameOf(std::span<const uint8_t> message, RosEncoding encoding) {
+  return FrameName(RosReader(message, encoding).ReadHeader().frame);
+}
+
 SE3 ParsePose(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding) {
   RosReader reader(message, encoding);
   reader.SkipHeader();

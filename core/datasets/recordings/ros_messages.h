@@ -13,7 +13,9 @@
 #include <opencv2/core/mat.hpp>
 
 #include "core/datasets/calibrations/camera_info.h"
+#include "core/geometry/imu.h"
 #include "core/geometry/se3.h"
+#include "core/geometry/static_frames.h"
 #include "core/io/files/dataset_error.h"
 #include "core/io/images/image_file.h"
 
@@ -38,12 +40,16 @@ class RosReader {
   }
 
   /// std_msgs/Header, which begins most messages.
-  void SkipHeader() {
+  struct Header {
+    int64_t t_ns = 0;
+    std::string frame;
+  };
+  Header ReadHeader() {
     if (!is_cdr_) Get<uint32_t>();  // ROS 1 counts messages
-    Get<uint32_t>();
-    Get<uint32_t>();
-    Text();
+    const int64_t seconds = Get<uint32_t>(), nanoseconds = Get<uint32_t>();
+    return {seconds * 1'000'000'000 + nanoseconds, Text()};
   }
+  void SkipHeader() { ReadHeader(); }
 
   template <class Number>
   Number Get() {
@@ -88,6 +94,8 @@ inline constexpr std::string_view kRosCompressedImage = "sensor_msgs/msg/Compres
 inline constexpr std::string_view kRosCameraInfo = "sensor_msgs/msg/CameraInfo";
 inline constexpr std::string_view kRosOdometry = "nav_msgs/msg/Odometry";
 inline constexpr std::string_view kRosPose = "geometry_msgs/msg/PoseStamped";
+inline constexpr std::string_view kRosImu = "sensor_msgs/msg/Imu";
+inline constexpr std::string_view kRosTransforms = "tf2_msgs/msg/TFMessage";
 
 /// sensor_msgs/msg/CameraInfo.
 RosCameraInfo ParseCameraInfo(std::span<const uint8_t> message, RosEncoding encoding);
@@ -110,6 +118,22 @@ int BrightWideValue(std::string_view type, std::span<const uint8_t> message, Ros
 
 /// Returns the size of an Image or a CompressedImage by its header; no pixel is decoded. 0 x 0 if it has none.
 ImageSize SizeOfImage(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding);
+
+/// A sensor_msgs/msg/Imu. A covariance that begins with -1 means that its quantity was not measured.
+struct RosImu {
+  ImuSample sample;
+  std::string frame;
+  bool has_rate = true;
+  bool has_force = true;
+};
+/// Throws DatasetError also for numbers that are not finite.
+RosImu ParseImu(std::span<const uint8_t> message, RosEncoding encoding);
+
+/// Adds the transforms of a TFMessage. Names of frames have no slash at their begin, as in ROS 2.
+void ParseTransforms(std::span<const uint8_t> message, RosEncoding encoding, StaticFrames* frames);
+
+/// Returns the frame of the header of a message.
+std::string FrameOf(std::span<const uint8_t> message, RosEncoding encoding);
 
 /// Returns the pose of an Odometry or a PoseStamped (`type`).
 SE3 ParsePose(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding);

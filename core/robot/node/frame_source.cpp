@@ -8,6 +8,7 @@
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/frame_assembler.h"
+#include "core/bus/run_loop.h"
 #include "core/datasets/camera_file.h"
 #include "core/datasets/check_rig.h"
 #include "core/datasets/recordings/depth_images.h"
@@ -42,7 +43,8 @@ FrameSource::FrameSource(bus::Process& process, Settings settings, Listener list
       settings_(std::move(settings)),
       listener_(std::move(listener)),
       publisher_(process.bus(), false),
-      pairing_(settings_.max_skew_ns) {
+      pairing_(settings_.max_skew_ns),
+      imu_(process, settings_.imu) {
   if (settings_.camera.empty()) return;
   Notes notes;
   RigCalibration rig = ReadCalibration({settings_.camera}, {}, &notes);
@@ -96,7 +98,9 @@ void FrameSource::AddPair(const ForeignImage& left, const ForeignImage& right) {
   images.t_ns = left.t_ns;
   images.left = GreyOf(left, size, white_);
   images.right = is_rgbd() ? DepthsOf(right, size, rig_->depth_units_per_m) : GreyOf(right, size, white_);
-  Publish(std::move(images));
+  last_t_ns_ = images.t_ns;
+  waiting_.push_back({std::move(images), bus::NowS() + kImuWait_s});
+  SendDue();
 }
 
 /// Both cameras have that of the first pair, until an image has larger values. `bright` is 0 for images of 8 bits.
@@ -111,6 +115,7 @@ void FrameSource::UseWhiteLevel(int bright) {
 
 void FrameSource::UseRig(RigCalibration rig) {
   rig.name = settings_.process;
+  imu_.AddTo(rig);
   std::vector<uint8_t> bytes = bus::RigBytes(bus::ToMessage(rig));
   if (bytes == rig_bytes_) return;
   CheckRig(rig);
@@ -121,6 +126,7 @@ void FrameSource::UseRig(RigCalibration rig) {
     WarnOfLongBaseline("CameraInfo", rig, remedy, &notes);
     for (const std::string& warning : notes.warnings) LogWarning("{}", warning);
   }
+  SendAll();
   rig_bytes_ = std::move(bytes);
   rig_ = std::move(rig);
   listener_.on_rig(*rig_);
@@ -131,6 +137,26 @@ void FrameSource::PublishRig() {
   if (rig_) process_.bus().Publish(bus::kCamera, bus::ToMessage(*rig_));
 }
 
+void FrameSource::SendDue() {
+  while (!waiting_.empty()) {
+    Waiting& first = waiting_.front();
+    if (bus::NowS() < first.until_s && imu_.Awaits(*rig_, first.images.t_ns)) return;
+    StereoImages images = std::move(first.images);
+    waiting_.pop_front();
+    Publish(std::move(images));
+  }
+}
+
+void FrameSource::SendAll() {
+  for (Waiting& waiting : waiting_) waiting.until_s = 0.0;
+  SendDue();
+}
+
+std::chrono::milliseconds FrameSource::Wait(std::chrono::milliseconds limit) const {
+  constexpr std::chrono::milliseconds kPoll{1};
+  return waiting_.empty() ? limit : std::min(limit, kPoll);
+}
+
 void FrameSource::Publish(StereoImages images) {
   if (n_sent_ == 0) {
     PublishStream(stream_event::kBegin, -1);
@@ -138,8 +164,8 @@ void FrameSource::Publish(StereoImages images) {
     process_.SetState(process_state::kRunning);
   }
   images.frame_id = numbers_.Next(images.t_ns);
-  last_t_ns_ = images.t_ns;
   listener_.on_frame(images.t_ns);
+  imu_.Publish(*rig_, images.t_ns);
   publisher_.Publish(images);
   process_.SetCounter("frames.sent", static_cast<double>(++n_sent_));
 }
@@ -156,6 +182,7 @@ void FrameSource::PublishStream(const char* event, int64_t n_frames) {
 
 void FrameSource::End() {
   constexpr std::chrono::milliseconds kFlush{1000};
+  SendAll();
   if (n_sent_ == 0) return;
   PublishStream(stream_event::kEnd, n_sent_);
   process_.bus().Flush(kFlush);

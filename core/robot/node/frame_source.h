@@ -3,7 +3,9 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <optional>
 #include <string>
@@ -16,6 +18,7 @@
 #include "core/process/process.h"
 #include "core/robot/foreign_image.h"
 #include "core/robot/frame_numbers.h"
+#include "core/robot/node/imu_input.h"
 #include "core/robot/stamp_pairing.h"
 
 namespace plslam::robot {
@@ -24,7 +27,10 @@ namespace plslam::robot {
 /// pairs them, converts them to grey and numbers them.
 ///
 /// Unpaired images are counted (`frames.unpaired`). An invalid image or rig throws DatasetError, with a phrase to follow
-/// the name of its source ("has no ..."). Of one thread.
+/// the name of its source ("has no ..."). Of one thread, but for the samples of an inertial sensor.
+///
+/// A frame waits for the first sample of the inertial sensor after it, for `kImuWait_s` at most and only while samples
+/// arrive, and is then published with those that have arrived.
 class FrameSource {
  public:
   struct Settings {
@@ -34,6 +40,7 @@ class FrameSource {
     std::string left;           ///< name of the left images, or of the pairs
     std::string right;          ///< name of the right images; if it names depths, the camera is an RGB-D camera
     int64_t max_skew_ns = 0;    ///< largest difference between the stamps of a pair
+    ImuInput::Settings imu;
   };
   struct Listener {
     /// The rig in use, before the first frame and when it changes.
@@ -51,6 +58,14 @@ class FrameSource {
   /// Sets the pose of the left camera on the body for rigs of CameraInfo, which does not have it.
   void SetMounting(const SE3& T_b_l) { T_b_l_ = T_b_l; }
 
+  /// The inertial sensor, whose samples may be added on any thread.
+  ImuInput& imu() { return imu_; }
+  /// Publishes frames whose samples have arrived, or whose wait is over; to be called after messages were added, and
+  /// after `Wait`.
+  void SendDue();
+  /// Returns how long to wait for messages before the next call of `SendDue`, at most `limit`.
+  std::chrono::milliseconds Wait(std::chrono::milliseconds limit) const;
+
   /// Publishes the end of the stream, if it has begun: readers then write their results.
   void End();
   /// Repeats the rig, as readers that start later need it; to be called once a second.
@@ -61,10 +76,14 @@ class FrameSource {
   /// Safe from any thread.
   int64_t n_sent() const { return n_sent_; }
 
+  /// How long a frame waits for its samples: a period of a slow accelerometer, and its way here.
+  static constexpr double kImuWait_s = 0.02;
+
  private:
   void UseWhiteLevel(int bright);
   void UseRig(RigCalibration rig);
   void Publish(StereoImages images);
+  void SendAll();
   void PublishStream(const char* event, int64_t n_frames);
 
   bus::Process& process_;
@@ -73,6 +92,12 @@ class FrameSource {
   bus::FramePublisher publisher_;
   StampPairing<ForeignImage> pairing_;
   FrameNumbers numbers_;
+  struct Waiting {
+    StereoImages images;
+    double until_s = 0.0;
+  };
+  ImuInput imu_;
+  std::deque<Waiting> waiting_;  ///< frames that wait for samples
   std::array<std::optional<RosCameraInfo>, 2> infos_;
   std::optional<SE3> T_b_l_;
   std::optional<RigCalibration> rig_;
@@ -80,7 +105,7 @@ class FrameSource {
   int white_ = kWhiteOf16Bits;
   std::vector<uint8_t> rig_bytes_;
   std::atomic<int64_t> n_sent_ = 0;
-  int64_t last_t_ns_ = -1;
+  int64_t last_t_ns_ = -1;  ///< of a pair
 };
 
 }  // namespace plslam::robot

@@ -11,13 +11,16 @@
 
 #include "adapter/node/foreign_layouts.h"
 #include "bot_core/images_t.hpp"
+#include "bot_core/ins_t.hpp"
 #include "core/bus/transport/stock_lcm.h"
 #include "core/io/files/dataset_error.h"
 #include "geometry_msgs/Vector3.hpp"
+#include "microstrain/ins_t.hpp"
 #include "nav_msgs/Odometry.hpp"
 #include "sensor_msgs/CameraInfo.hpp"
 #include "sensor_msgs/CompressedImage.hpp"
 #include "sensor_msgs/Image.hpp"
+#include "sensor_msgs/Imu.hpp"
 
 namespace plslam::adapter {
 namespace {
@@ -27,7 +30,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 // Fingerprints from the public definitions: a wrong name, type or order of a member changes them. The fingerprint of
-// bot_core.images_t is computed by our own code.
+// bot_core.images_t and of both ins_t are computed by our own code.
 TEST(ForeignTypes, HaveTheFingerprintsOfOtherPrograms) {
   const std::map<std::string, uint64_t> known = {
       {"bot_core.pose_t", 0x2e16efb052b0105e},
@@ -53,6 +56,9 @@ TEST(ForeignTypes, HaveTheFingerprintsOfOtherPrograms) {
       {"sensor_msgs.PointField", 0xe05c1c07e0850bae},
       {"sensor_msgs.PointCloud2", 0xf5eb3da1c2853175},
       {"tf2_msgs.TFMessage", 0xc2b8a1c33a8923ec},
+      {"sensor_msgs.Imu", 0x31ab205c8dd57aa8},
+      {"bot_core.ins_t", 0x88a7df61422b0840},
+      {"microstrain.ins_t", 0xc4ed03e76b12d79a},
   };
   std::set<std::string> seen;
   for (const MessageLayout& layout : ForeignLayouts()) {
@@ -143,6 +149,42 @@ TEST(ForeignMessages, InvalidOdometryIsNamed) {
   bad.header.stamp.sec = -1;
   EXPECT_THAT(Complaint([&] { RobotPoseFromBytes(Encoded(bad)); }), HasSubstr("invalid stamp"));
   EXPECT_THAT(Complaint([&] { RobotPoseFromBytes(Encoded(BotPair())); }), HasSubstr("is not a nav_msgs.Odometry"));
+}
+
+sensor_msgs::Imu RosImu() {
+  sensor_msgs::Imu imu{};
+  imu.header.stamp.sec = 12;
+  imu.header.stamp.nsec = 34;
+  imu.orientation_covariance[0] = -1.0;
+  imu.angular_velocity.y = 0.25;
+  imu.linear_acceleration.z = 9.75;
+  return imu;
+}
+
+TEST(ForeignMessages, SamplesOfEachInertialType) {
+  const ImuSample expected{12'000'000'034, {0.0, 0.25, 0.0}, {0.0, 0.0, 9.75}};
+  EXPECT_EQ(ImuSampleFromBytes(Encoded(RosImu())), expected);
+  bot_core::ins_t bot{};
+  bot.utime = 5;
+  bot.gyro[0] = 0.5;
+  bot.accel[2] = 9.5;
+  EXPECT_EQ(ImuSampleFromBytes(Encoded(bot)), (ImuSample{5000, {0.5, 0.0, 0.0}, {0.0, 0.0, 9.5}}));
+  microstrain::ins_t microstrain{};
+  microstrain.utime = 6;
+  microstrain.gyro[1] = 0.5;
+  microstrain.accel[0] = 1.5;
+  EXPECT_EQ(ImuSampleFromBytes(Encoded(microstrain)), (ImuSample{6000, {0.0, 0.5, 0.0}, {1.5, 0.0, 0.0}}));
+
+  sensor_msgs::Imu bad = RosImu();
+  bad.linear_acceleration_covariance[0] = -1.0;
+  EXPECT_THAT(Complaint([&] { ImuSampleFromBytes(Encoded(bad)); }), HasSubstr("nothing was measured"));
+  bad = RosImu();
+  bad.angular_velocity.x = std::nan("");
+  EXPECT_THAT(Complaint([&] { ImuSampleFromBytes(Encoded(bad)); }), HasSubstr("not finite"));
+  bot.utime = -1;
+  EXPECT_THAT(Complaint([&] { ImuSampleFromBytes(Encoded(bot)); }), HasSubstr("invalid utime"));
+  EXPECT_THAT(Complaint([&] { ImuSampleFromBytes(Encoded(BotPair())); }),
+              HasSubstr("is none of sensor_msgs.Imu, bot_core.ins_t and microstrain.ins_t"));
 }
 
 sensor_msgs::Image RosImage() {

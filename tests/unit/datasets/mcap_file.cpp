@@ -79,10 +79,14 @@ void MakeMcapFile(const std::filesystem::path& path, const RecordingOptions& o) 
   const uint64_t summary_at = file.size();
   const auto n_channels = static_cast<uint32_t>(TinyTopics(o).size());
   RecordBytes statistics, counts;
-  for (uint16_t id = 0; id < n_channels; ++id) counts.Add(id).Add(static_cast<uint64_t>(o.n_frames));
-  statistics.Add(static_cast<uint64_t>(o.n_frames) * n_channels)
-      .Add(static_cast<uint16_t>(n_channels))
-      .Add(n_channels);
+  std::map<uint16_t, uint64_t> n_messages;
+  uint64_t n_all = 0;
+  for (const std::vector<TinyMessage>& chunk : chunks) {
+    for (const TinyMessage& message : chunk) ++n_messages[message.channel];
+    n_all += chunk.size();
+  }
+  for (uint16_t id = 0; id < n_channels; ++id) counts.Add(id).Add(n_messages[id]);
+  statistics.Add(n_all).Add(static_cast<uint16_t>(n_channels)).Add(n_channels);
   statistics.Add(0U)
       .Add(0U)
       .Add(static_cast<uint32_t>(chunks.size()))

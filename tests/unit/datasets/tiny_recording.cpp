@@ -38,11 +38,15 @@ class RosBytes {
   std::string bytes_;
 };
 
-RosBytes Message(bool is_ros1, int64_t t_ns) {
-  RosBytes message(is_ros1);
+void AddHeader(bool is_ros1, int64_t t_ns, const std::string& frame, RosBytes& message) {
   if (is_ros1) message.Number(uint32_t{7});  // which of them it is
   message.Number(static_cast<uint32_t>(t_ns / 1'000'000'000)).Number(static_cast<uint32_t>(t_ns % 1'000'000'000));
-  message.Text("camera");
+  message.Text(frame);
+}
+
+RosBytes Message(bool is_ros1, int64_t t_ns, const std::string& frame = "camera") {
+  RosBytes message(is_ros1);
+  AddHeader(is_ros1, t_ns, frame, message);
   return message;
 }
 
@@ -87,6 +91,49 @@ std::string Pose(bool is_ros1, int64_t t_ns, int frame) {
   return message.bytes();
 }
 
+std::string Imu(bool is_ros1, const TinyImuTopic& topic, const ImuSample& sample) {
+  RosBytes message = Message(is_ros1, sample.t_ns, topic.frame);
+  const auto add_covariance = [&](bool is_measured) {
+    for (int i = 0; i < 9; ++i) message.Number(i == 0 && !is_measured ? -1.0 : 0.0);
+  };
+  for (const double q : {0.0, 0.0, 0.0, 1.0}) message.Number(q);
+  add_covariance(false);
+  for (const double rate : sample.rate_rad_s) message.Number(rate);
+  add_covariance(topic.has_rate);
+  for (const double force : sample.force_m_s2) message.Number(force);
+  add_covariance(topic.has_force);
+  return message.bytes();
+}
+
+/// The camera is at the origin of the frame "mast". Names of frames of ROS 1 begin with a slash, as in old bags.
+std::string StaticTransforms(bool is_ros1, const SE3& T_camera_imu) {
+  RosBytes message(is_ros1);
+  const std::string slash = is_ros1 ? "/" : "";
+  message.Number(uint32_t{2});
+  for (const auto& [child, T] : {std::pair("camera", SE3()), std::pair("imu", T_camera_imu)}) {
+    AddHeader(is_ros1, 0, slash + "mast", message);
+    message.Text(slash + child);
+    for (const double x : T.translation()) message.Number(x);
+    const Eigen::Quaterniond& q = T.rotation();
+    for (const double x : {q.x(), q.y(), q.z(), q.w()}) message.Number(x);
+  }
+  return message.bytes();
+}
+
+/// The messages beside those of the cameras.
+std::vector<TinyMessage> SensorMessages(const RecordingOptions& o, bool is_ros1) {
+  std::vector<TinyMessage> messages;
+  uint16_t channel = kTruth + 1;
+  if (o.T_camera_imu) messages.push_back({channel++, 1'000'000'000, StaticTransforms(is_ros1, *o.T_camera_imu)});
+  for (const TinyImuTopic& topic : o.imus) {
+    for (const ImuSample& sample : topic.samples) {
+      messages.push_back({channel, sample.t_ns, Imu(is_ros1, topic, sample)});
+    }
+    ++channel;
+  }
+  return messages;
+}
+
 }  // namespace
 
 std::vector<std::vector<TinyMessage>> TinyChunks(const RecordingOptions& o, bool is_ros1) {
@@ -110,6 +157,7 @@ std::vector<std::vector<TinyMessage>> TinyChunks(const RecordingOptions& o, bool
       all.push_back({channel, o.log_time ? o.log_time(channel, frame, t_ns) : t_ns, std::move(bytes)});
     }
   }
+  for (TinyMessage& message : SensorMessages(o, is_ros1)) all.push_back(std::move(message));
   if (o.by_log_time) {
     std::stable_sort(all.begin(), all.end(),
                      [](const TinyMessage& a, const TinyMessage& b) { return a.log_ns < b.log_ns; });
@@ -122,11 +170,14 @@ std::vector<std::vector<TinyMessage>> TinyChunks(const RecordingOptions& o, bool
 std::vector<TinyTopic> TinyTopics(const RecordingOptions& o) {
   const std::string left_space = o.left.substr(0, o.left.rfind('/'));
   const std::string right_space = o.right.substr(0, o.right.rfind('/'));
-  return {{o.left, "sensor_msgs", o.image_type},
-          {o.right, "sensor_msgs", o.image_type},
-          {left_space + "/camera_info", "sensor_msgs", "CameraInfo"},
-          {right_space + "/camera_info", "sensor_msgs", "CameraInfo"},
-          {"/ground_truth", "geometry_msgs", "PoseStamped"}};
+  std::vector<TinyTopic> topics{{o.left, "sensor_msgs", o.image_type},
+                                {o.right, "sensor_msgs", o.image_type},
+                                {left_space + "/camera_info", "sensor_msgs", "CameraInfo"},
+                                {right_space + "/camera_info", "sensor_msgs", "CameraInfo"},
+                                {"/ground_truth", "geometry_msgs", "PoseStamped"}};
+  if (o.T_camera_imu) topics.push_back({"/tf_static", "tf2_msgs", "TFMessage"});
+  for (const TinyImuTopic& imu : o.imus) topics.push_back({imu.topic, "sensor_msgs", "Imu"});
+  return topics;
 }
 
 std::string CompressedChunk(const std::string& in, const std::string& compression) {

@@ -3,12 +3,23 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/geometry/imu.h"
+#include "core/geometry/se3.h"
 #include "core/io/files/bytes.h"
 
 namespace plslam::test {
+
+/// The messages of a topic of sensor_msgs/Imu, in this order.
+struct TinyImuTopic {
+  std::string topic;
+  std::vector<ImuSample> samples;
+  std::string frame = "imu";
+  bool has_rate = true, has_force = true;
+};
 
 /// Format of a tiny recording.
 struct RecordingOptions {
@@ -32,9 +43,13 @@ struct RecordingOptions {
   uint32_t binning = 0;
   std::vector<double> distortion{-0.28, 0.07, 0.0002, 1.8e-5, 0.0};
   bool is_calibrated = true;  ///< otherwise K and P are 0
+  std::vector<TinyImuTopic> imus{};
+  /// Pose of the frame "imu" in the frame "camera", over a frame between them on /tf_static; none without.
+  std::optional<SE3> T_camera_imu{};
 };
 
-/// The channels of a tiny recording, by their ids.
+/// The channels of a tiny recording, by their ids; those of /tf_static and of inertial sensors follow, if there are
+/// any.
 enum TinyChannel : uint16_t { kLeft, kRight, kLeftInfo, kRightInfo, kTruth };
 
 /// Bytes of a record or of a message, one value after the other.

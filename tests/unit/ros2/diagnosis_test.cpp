@@ -80,10 +80,14 @@ TEST(Ros2Diagnosis, TableOfTopics) {
   EXPECT_THAT(table, HasSubstr("best effort, volatile, nothing heard"));
   EXPECT_THAT(table, HasSubstr("Stereo cameras:\n  plslam run ros2:/left/image_raw,/right/image_raw\n"));
   const std::string rgbd = TopicTable({{"/camera/color/image_raw", kImage, true, false},
-                                       {"/camera/aligned_depth_to_color/image_raw", kImage, true, false}},
+                                       {"/camera/aligned_depth_to_color/image_raw", kImage, true, false},
+                                       {"/arm/imu", "sensor_msgs/msg/Imu", true, false},
+                                       {"/camera/accel/sample", "sensor_msgs/msg/Imu", true, false},
+                                       {"/camera/gyro/sample", "sensor_msgs/msg/Imu", true, false}},
                                       {}, 2.0, 0);
   EXPECT_THAT(rgbd, HasSubstr("RGB-D cameras:\n  plslam run "
-                              "ros2:/camera/color/image_raw,/camera/aligned_depth_to_color/image_raw\n"));
+                              "ros2:/camera/color/image_raw,/camera/aligned_depth_to_color/image_raw --set "
+                              "ros2.imu=/camera/gyro/sample\n"));
 }
 
 }  // namespace

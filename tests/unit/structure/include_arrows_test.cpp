@@ -161,7 +161,7 @@ bool IsOfTree(const std::string& include) {
 
 /// Ours, and those of lcmtypes/foreign/.
 bool IsMessage(const std::string& include) {
-  static const std::regex kMessage(R"(plslam/\w+_t\.hpp|bot_core/\w+_t\.hpp|(\w+_msgs)/\w+\.hpp)");
+  static const std::regex kMessage(R"(plslam/\w+_t\.hpp|(bot_core|microstrain)/\w+_t\.hpp|(\w+_msgs)/\w+\.hpp)");
   return std::regex_match(include, kMessage);
 }
 

@@ -65,6 +65,9 @@ std::vector<OdometryFrame> RunOdometry(
     frame.t_ns = images.t_ns;
     frame.T_w_l = dataset.GroundTruth(i);
     frame.late_s = odometry.calibration().sync().late_s();
+    frame.uses_imu = odometry.motion().inertial().IsTrusted();
+    frame.imu_contradiction = odometry.motion().ImuContradiction();
+    frame.imu_sample_faults = odometry.motion().ImuSampleFaults();
     frame.readout_s = odometry.calibration().found_readout_s();
     for (int third = 0; third < 3; ++third) {
       const double u_px = (2 * third + 1) / 6.0 * front_end.camera().width_px;

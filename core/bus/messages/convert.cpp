@@ -174,7 +174,7 @@ std::optional<Matrix6d> FromArray(const double (&values)[36]) {
 }
 
 void ToArray(const std::optional<UpDirection>& up, double (&up_c)[3], double& sigma_rad) {
-  Eigen::Map<Eigen::Vector3d>(up_c) = up ? up->direction : Eigen::Vector3d::Zero();
+  for (int i = 0; i < 3; ++i) up_c[i] = up ? up->direction[i] : 0.0;
   sigma_rad = up ? up->sigma_rad : 0.0;
 }
 

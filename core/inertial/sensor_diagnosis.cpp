@@ -24,11 +24,11 @@ constexpr double kMoves_rad = 0.05 * kRadPerDeg;
 
 // Penalties of `TurnAlignment`: inverse extrinsics are the most frequent mistake, and a mounting can only be a rotation;
 // reflections come from drivers.
-constexpr double kInversePenalty = 40.0;
-constexpr double kRotatedPenalty = 44.0;
-constexpr double kReflectedPenalty = 46.0;
+constexpr double kInversePenalty = 60.0;
+constexpr double kRotatedPenalty = 64.0;
+constexpr double kReflectedPenalty = 66.0;
 // Evidence that is enough for a finding.
-constexpr double kSureEvidence = 20.0;
+constexpr double kSureEvidence = 5.0;
 // Rms of seen turns over their sigma, below which the camera stands, and shows nothing.
 constexpr double kLeastExcitation = 2.0;
 // Turn of the mounting, scale and delay up to which a sensor is useful as it is.
@@ -97,7 +97,8 @@ SensorDiagnosis::SensorDiagnosis(const ImuCalibration& stated, const SE3& T_imu_
   }
 }
 
-void SensorDiagnosis::Add(std::span<const ImuSample> samples, int64_t frame_ns) {
+bool SensorDiagnosis::Add(std::span<const ImuSample> samples, int64_t frame_ns) {
+  const int n_before = samples_.MostSaturated().n_samples;
   for (const ImuSample& sample : samples) {
     if (!has_samples_ || sample.t_ns > newest_ns_) {
       samples_.Add(sample);
@@ -107,7 +108,11 @@ void SensorDiagnosis::Add(std::span<const ImuSample> samples, int64_t frame_ns) 
     }
     if (sample.t_ns >= frame_ns) break;
   }
+  const bool is_saturated = n_before > 0 && samples_.MostSaturated().n_samples > n_before;
+  return !is_saturated && !(moves_ && IsStuck());
 }
+
+bool SensorDiagnosis::IsStuck() const { return std::max(samples_.RatesStuck_s(), samples_.ForcesStuck_s()) > 0.0; }
 
 void SensorDiagnosis::Add(int64_t from_ns, int64_t to_ns, const SE3& T_prev_c, const Matrix6d& covariance) {
   if (to_ns <= from_ns) return;
@@ -164,7 +169,9 @@ void SensorDiagnosis::CheckTurns() {
   }
   const bool is_turned = fit_.matrix.determinant() < 0.0 || AngleOf(fit_.matrix) > kMounted_rad;
   if (is_turned) Report(SensorFinding::Fault::kAxes, true, AxesText());
-  if (std::abs(fit_.delay_s) > std::max(kDelay_s, kDelaySigmas * fit_.delay_sigma_s)) {
+  // A constant rate shows no delay.
+  if (fit_.variation > kLeastExcitation &&
+      std::abs(fit_.delay_s) > std::max(kDelay_s, kDelaySigmas * fit_.delay_sigma_s)) {
     Report(SensorFinding::Fault::kTimeOffset, true,
            fmt::format("its stamps are {:.1f} +- {:.1f} ms {}: time_offset_s: {:.4f}?", 1e3 * std::abs(fit_.delay_s),
                        1e3 * fit_.delay_sigma_s, fit_.delay_s > 0.0 ? "late" : "early",
@@ -228,7 +235,7 @@ void SensorDiagnosis::CheckSamples() {
   }
   const SampleChecks::Saturation saturation = samples_.MostSaturated();
   if (!is_stuck && saturation.n_samples > 0) {
-    Report(SensorFinding::Fault::kSaturation, false,
+    Report(SensorFinding::Fault::kSaturation, true,
            fmt::format("{} samples end at {:.3g} {} about {}: the range of the {} is too small", saturation.n_samples,
                        saturation.bound, saturation.of_rate ? "rad/s" : "m/s^2", "xyz"[saturation.axis],
                        saturation.of_rate ? "gyroscope" : "accelerometer"));

@@ -42,8 +42,9 @@ class SensorDiagnosis {
   SensorDiagnosis(const ImuCalibration& stated, const SE3& T_imu_c);
 
   /// Takes the samples up to a frame, in order of time, on the clock of the sensor; earlier ones and those after the
-  /// first one that is not before the frame are ignored.
-  void Add(std::span<const ImuSample> samples, int64_t frame_ns);
+  /// first one that is not before the frame are ignored. Returns whether they are measurements: neither stuck nor at
+  /// the end of a range.
+  bool Add(std::span<const ImuSample> samples, int64_t frame_ns);
   /// Takes the motion of the camera between two frames (clock of the sensor as its stated offset gives it), measured by
   /// the images alone, with the covariance of its right perturbation.
   void Add(int64_t from_ns, int64_t to_ns, const SE3& T_prev_c, const Matrix6d& covariance);
@@ -72,6 +73,7 @@ class SensorDiagnosis {
   void CheckForces();
   void CheckTurns();
   void CheckSamples();
+  bool IsStuck() const;
   void Report(SensorFinding::Fault fault, bool is_harmful, std::string text);
   std::string AxesText() const;
 

@@ -30,11 +30,13 @@ constexpr double kBias_rad_s = 0.1;
 // Twice the negative logarithms of prior probabilities: of degrees, of another unit, of a delay, and of any other rotation.
 constexpr double kDegreesPenalty = 40.0;
 constexpr double kScalePenalty = 150.0;
-constexpr double kDelayPenalty = 40.0;
-constexpr double kRotationPenalty = 60.0;
+constexpr double kDelayPenalty = 20.0;
+constexpr double kRotationPenalty = 80.0;
 // Difference of probabilities (as before) up to which two hypotheses are about as likely.
 constexpr double kRival = 20.0;
 constexpr double kFewestPairs = 10.0;
+// Bound on how much too large the variances of seen turns are.
+constexpr double kLeastVariance = 0.05;
 // Stamps beyond are no times, and differences of those within do not overflow.
 constexpr int64_t kMostTime_ns = int64_t{1} << 61;
 
@@ -84,7 +86,7 @@ class TurnAlignment::Search {
         least = std::min(least, best.chi2 / Variance(best.scale));
       }
     }
-    variance_ = std::max(1.0, least / (3.0 * pairs_));
+    variance_ = std::max(kLeastVariance, least / (3.0 * pairs_));
   }
 
   /// Cost of a matrix at one delay.
@@ -95,6 +97,9 @@ class TurnAlignment::Search {
     best.lag = lag;
     best.matrix = matrix;
     if (any_scale && product > 0.0) best.scale = BestScale(m, product);
+    // Noise alone has any scale, but the magnitudes of both turns do not agree with it.
+    const double magnitudes2 = best.scale * best.scale / std::max(m.ratio2, 1e-300);
+    if (magnitudes2 < 0.25 || magnitudes2 > 4.0) best.scale = 1.0;
     best.chi2 = std::max(0.0, m.sensed2 - 2.0 * best.scale * product + best.scale * best.scale * m.seen2);
     best.cost = best.chi2 / (variance_ * Variance(best.scale)) + (any_scale ? ScalePenalty(best.scale) : 0.0) +
                 (lag == kHalf ? 0.0 : kDelayPenalty);
@@ -223,7 +228,8 @@ TurnAlignment::Moments TurnAlignment::At(size_t lag) const {
   const Lag& sums = lags_[lag];
   const double dt2 = dt2_ + 1.0 / (kBias_rad_s * kBias_rad_s);
   return {sums.sensed_seen - sums.sensed_dt * seen_dt_.transpose() / dt2,
-          sums.sensed2 - sums.sensed_dt.squaredNorm() / dt2, seen2_ - seen_dt_.squaredNorm() / dt2};
+          sums.sensed2 - sums.sensed_dt.squaredNorm() / dt2, seen2_ - seen_dt_.squaredNorm() / dt2,
+          sums.sensed2 / std::max(seen2_, 1e-300)};
 }
 
 TurnFit TurnAlignment::Fit(const std::vector<AxisHypothesis>& axes, double noise_rad_s_sqrt_hz) const {
@@ -245,6 +251,7 @@ TurnFit TurnAlignment::Fit(const std::vector<AxisHypothesis>& axes, double noise
   }
   for (size_t i = 0; i < axes.size(); ++i) fit.n_rivals += i != fit.axes && costs[i] < best.cost + kRival ? 1 : 0;
   fit.excitation = std::sqrt(seen2_ / (3.0 * pairs_));
+  fit.variation = std::sqrt(std::max(0.0, At(kHalf).seen2) / (3.0 * pairs_));
   fit.matrix = best.matrix;
   fit.scale = best.scale;
   fit.evidence = stated - best.cost;
@@ -262,8 +269,7 @@ TurnFit TurnAlignment::Fit(const std::vector<AxisHypothesis>& axes, double noise
   if (!(curvature > 0.0)) return fit;
   const double step_s = 1e-9 * static_cast<double>(kStep_ns);
   fit.delay_s += step_s * std::clamp(0.5 * (before - after) / curvature, -1.0, 1.0);
-  fit.delay_sigma_s =
-      step_s * std::sqrt(2.0 * search.variance() * search.Variance(best.scale) / curvature);
+  fit.delay_sigma_s = step_s * std::sqrt(2.0 * search.variance() * search.Variance(best.scale) / curvature);
   return fit;
 }
 

@@ -52,13 +52,14 @@ struct TurnFit {
   double residual_rad_sqrt_s = 0.0;
   /// Twice the logarithm of the ratio of probabilities of this explanation and of the description as stated.
   double evidence = 0.0;
-  /// Rms of the seen turns over their sigma.
+  /// Rms of the seen turns over their sigma, and of their differences from a constant rate.
   double excitation = 0.0;
+  double variation = 0.0;
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.axes, self.matrix, self.n_rivals, self.scale, self.delay_s, self.delay_sigma_s, self.bias_rad_s,
-      self.pairs, self.residual_rad_sqrt_s, self.evidence, self.excitation);
+      self.pairs, self.residual_rad_sqrt_s, self.evidence, self.excitation, self.variation);
   }
 };
 
@@ -122,6 +123,7 @@ class TurnAlignment {
     Eigen::Matrix3d sensed_seen = Eigen::Matrix3d::Zero();
     double sensed2 = 0.0;
     double seen2 = 0.0;
+    double ratio2 = 0.0;  ///< of sensed over seen turns with the bias, squared
   };
   class Search;
 

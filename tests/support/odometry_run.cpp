@@ -41,7 +41,12 @@ void ExpectImu(const Dataset& dataset, int64_t from_ns, int64_t to_ns, vo::Odome
     return std::lower_bound(all.begin(), all.end(), t_ns - offset_ns,
                             [](const ImuSample& sample, int64_t t) { return sample.t_ns < t; });
   };
-  odometry.ExpectImu({after(from_ns - kMargin_ns), after(to_ns + kMargin_ns)}, from_ns, to_ns);
+  // In order and once each, as vo_process has them.
+  std::vector<ImuSample> samples(after(from_ns - kMargin_ns), after(to_ns + kMargin_ns));
+  std::stable_sort(samples.begin(), samples.end(), [](const auto& a, const auto& b) { return a.t_ns < b.t_ns; });
+  const auto same = [](const auto& a, const auto& b) { return a.t_ns == b.t_ns; };
+  samples.erase(std::unique(samples.begin(), samples.end(), same), samples.end());
+  odometry.ExpectImu(samples, from_ns, to_ns);
 }
 
 std::vector<OdometryFrame> RunOdometry(

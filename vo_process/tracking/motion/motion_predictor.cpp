@@ -26,12 +26,12 @@ MotionPredictor::MotionPredictor(const std::optional<MountedImu>& imu) : inertia
 }
 
 void MotionPredictor::ExpectImu(std::span<const ImuSample> samples, int64_t from_ns, int64_t to_ns) {
-  inertial_.Expect(samples, from_ns, to_ns);
   from_ns_ = to_ns_ = 0;
-  if (!diagnosis_ || from_ns >= to_ns) return;
+  if (!diagnosis_ || from_ns >= to_ns) return inertial_.Expect({}, from_ns, to_ns);
   from_ns_ = from_ns - imu_offset_ns_;
   to_ns_ = to_ns - imu_offset_ns_;
-  diagnosis_->Add(samples, to_ns_);
+  const bool are_measured = diagnosis_->Add(samples, to_ns_);
+  inertial_.Expect(are_measured ? samples : samples.first(0), from_ns, to_ns);
 }
 
 void MotionPredictor::ExpectNothing() {

@@ -21,6 +21,7 @@ class MotionPredictor {
 
   /// Set the measurements of other sensors for the next frame, as in the models.
   void ExpectRobot(const std::optional<RobotMotion>& motion) { robot_.Expect(motion); }
+  /// Samples that are stuck or saturated count as missing.
   void ExpectImu(std::span<const ImuSample> samples, int64_t from_ns, int64_t to_ns);
   /// Discards them after that frame.
   void ExpectNothing();

@@ -36,7 +36,7 @@ void SampleChecks::Add(const ImuSample& sample) {
                                                                    static_cast<uint64_t>(newest_.back().t_ns));
   if (n_samples_ == 0) mean_ = most_ = least_ = value.values;
   ++n_samples_;
-  force_sum_m_s2_ += sample.force_m_s2.norm();
+  force2_sum_ += sample.force_m_s2.squaredNorm();
   mean_ += (value.values - mean_) / static_cast<double>(n_samples_);
   if (!newest_.empty()) {
     CountInterval(dt_s);
@@ -98,6 +98,13 @@ void SampleChecks::AddScatter() {
 double SampleChecks::NoiseOfSample(int channel) const {
   if (n_scatter_ == 0) return 0.0;
   return std::sqrt(scatter2_[channel] / (kScatterVariance * static_cast<double>(n_scatter_)));
+}
+
+double SampleChecks::Force_m_s2() const {
+  if (n_samples_ == 0) return 0.0;
+  double noise2 = 0.0;
+  for (int i = 3; i < kChannels; ++i) noise2 += NoiseOfSample(i) * NoiseOfSample(i);
+  return std::sqrt(std::max(0.0, force2_sum_ / static_cast<double>(n_samples_) - noise2));
 }
 
 double SampleChecks::Noise(int first) const {

@@ -40,13 +40,13 @@ class SampleChecks {
   };
   /// The channel with most such samples; none has `n_samples` 0.
   Saturation MostSaturated() const;
-  /// Mean of the norm of the specific force, m/s^2; 0 without samples.
-  double MeanForce_m_s2() const { return n_samples_ > 0 ? force_sum_m_s2_ / static_cast<double>(n_samples_) : 0.0; }
+  /// Rms of the norm of the specific force without its noise, m/s^2; 0 without samples.
+  double Force_m_s2() const;
 
   /// The state, for `core/io/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.n_samples_, self.newest_, self.intervals_s_, self.n_gaps_, self.longest_gap_s_, self.force_sum_m_s2_,
+    a(self.n_samples_, self.newest_, self.intervals_s_, self.n_gaps_, self.longest_gap_s_, self.force2_sum_,
       self.n_scatter_, self.scatter2_, self.mean_, self.run_, self.run_s_, self.most_, self.least_, self.n_most_,
       self.n_least_);
   }
@@ -76,7 +76,7 @@ class SampleChecks {
   std::deque<double> intervals_s_;
   int n_gaps_ = 0;
   double longest_gap_s_ = 0.0;
-  double force_sum_m_s2_ = 0.0;
+  double force2_sum_ = 0.0;
   int64_t n_scatter_ = 0;
   Channels scatter2_ = Channels::Zero();  ///< sums of squares of fourth differences
   Channels mean_ = Channels::Zero();

@@ -149,7 +149,7 @@ void SensorDiagnosis::Diagnose() {
 }
 
 void SensorDiagnosis::CheckForces() {
-  const double force_m_s2 = samples_.MeanForce_m_s2();
+  const double force_m_s2 = samples_.Force_m_s2();
   if (force_m_s2 > kLeastForce_m_s2 && force_m_s2 < kMostForce_m_s2) return;
   const bool in_g = force_m_s2 > kLeastForce_m_s2 / kGravity_m_s2 && force_m_s2 < kMostForce_m_s2 / kGravity_m_s2;
   Report(SensorFinding::Fault::kForceUnit, true,

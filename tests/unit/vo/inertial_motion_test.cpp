@@ -100,7 +100,7 @@ TEST(InertialMotion, VerticalIsKnownAfterTwoSeconds) {
     for (size_t i = kTwoSeconds; i < frames.size(); ++i) {
       ASSERT_TRUE(frames[i].up) << world << ", frame " << i;
       const SE3 T_w_c = *frames[i].T_w_l * frames[i].T_l_c;
-      const Eigen::Vector3d truth = T_w_c.rotation().conjugate() * -Eigen::Vector3d::UnitY();
+      const Eigen::Vector3d truth = T_w_c.rotation().conjugate() * Eigen::Vector3d::UnitZ();
       const double angle_rad = std::acos(std::min(1.0, truth.dot(frames[i].up->direction)));
       EXPECT_LT(angle_rad, kRadPerDeg) << world << ", frame " << i;
       EXPECT_LT(angle_rad, 3.5 * frames[i].up->sigma_rad) << world << ", frame " << i;

@@ -8,10 +8,12 @@
 // [--covered F] [--dirt N [--dirt-seed S]]
 //   accuracy_benchmark DATASET... --mapping --exact
 //   accuracy_benchmark DATASET... --black FIRST COUNT [EVERY]
+//   accuracy_benchmark DATASET... --imu-fault NAME [--imu-fault-size X]
 
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +23,7 @@
 #include "core/config/config.h"
 #include "core/datasets/open_dataset.h"
 #include "loop_process/loop_service.h"
+#include "tests/support/faulty_sensor.h"
 #include "tests/support/loop_run.h"
 #include "tests/support/odometry_run.h"
 #include "tests/support/slam_run.h"
@@ -186,6 +189,8 @@ struct Arguments {
   plslam::test::Worsening worsening;
   std::vector<int> black;
   std::vector<double> up;
+  std::string imu_fault;
+  double imu_fault_size = 0.0;
 };
 
 void AddArguments(CLI::App& app, Arguments& a, plslam::test::LoopRunOptions& run) {
@@ -209,6 +214,8 @@ void AddArguments(CLI::App& app, Arguments& a, plslam::test::LoopRunOptions& run
   app.add_option("--dirt-seed", a.worsening.dirt_seed, "for their sizes and places");
   app.add_option("--black", a.black, "black frames: the first, how many, and again after how many")->expected(2, 3);
   app.add_option("--up", a.up, "up in the frame of the truth: errors of the vertical by the inertial sensor")->expected(3);
+  app.add_option("--imu-fault", a.imu_fault, "a fault of the inertial sensor, as in synthetic worlds");
+  app.add_option("--imu-fault-size", a.imu_fault_size, "its size");
   app.add_option("--covered", a.worsening.covered, "side of a black square, as a share of the image's height");
 }
 
@@ -232,6 +239,23 @@ void RunMapping(const std::string& location, const plslam::Dataset& dataset, con
   if (a.exact) return;
   PrintSlam(LastOf(location, 40), run);
   for (size_t i = 0; a.verbose && i < run.live.size(); ++i) PrintPlaces(i, run);
+}
+
+/// The frames at which the inertial sensor is used, and the first sentences about it.
+void PrintSensor(const std::vector<OdometryFrame>& frames) {
+  const auto n_used = std::count_if(frames.begin(), frames.end(), [](const auto& f) { return f.uses_imu; });
+  std::printf("    inertial sensor used in %td frames", n_used);
+  for (size_t i = 1; i < frames.size(); ++i) {
+    if (frames[i].uses_imu != frames[i - 1].uses_imu) std::printf(" %c%zu", frames[i].uses_imu ? '+' : '-', i);
+  }
+  std::printf("\n");
+  for (std::string OdometryFrame::*sentence :
+       {&OdometryFrame::imu_contradiction, &OdometryFrame::imu_sample_faults}) {
+    const auto first =
+        std::find_if(frames.begin(), frames.end(), [&](const auto& f) { return !(f.*sentence).empty(); });
+    if (first != frames.end())
+      std::printf("    frame %td: %s\n", first - frames.begin(), ((*first).*sentence).c_str());
+  }
 }
 
 /// Errors from the last frame before black ones to the last of them, and to the frame after.
@@ -279,6 +303,7 @@ void RunOdometry(const std::string& location, const plslam::Dataset& dataset, co
               Mean(frames, &OdometryFrame::n_tracked_lines), Mean(frames, &OdometryFrame::n_lines),
               StageMedians(frames).c_str());
   if (!a.up.empty()) PrintVerticals(frames, Eigen::Vector3d(a.up[0], a.up[1], a.up[2]).normalized());
+  if (dataset.rig().imu && options.vo.imu.enabled) PrintSensor(frames);
   const plslam::test::Worsening& w = a.worsening;
   for (int first = w.black_first; w.black_count > 0; first += w.black_every) {
     if (first < 1 || first + w.black_count >= static_cast<int>(frames.size())) break;
@@ -308,7 +333,10 @@ int main(int argc, char** argv) {
       if (a.black.size() > 1) a.worsening.black_first = a.black[0];
       if (a.black.size() > 1) a.worsening.black_count = a.black[1];
       if (a.black.size() > 2) a.worsening.black_every = a.black[2];
-      const plslam::test::WorseImages dataset(*opened, a.worsening);
+      const plslam::test::WorseImages worse(*opened, a.worsening);
+      std::optional<plslam::test::FaultySensor> faulty;
+      if (!a.imu_fault.empty()) faulty.emplace(worse, a.imu_fault, a.imu_fault_size);
+      const plslam::Dataset& dataset = faulty ? static_cast<const plslam::Dataset&>(*faulty) : worse;
       if (a.loops) {
         const plslam::test::LoopRun run = plslam::test::RunLoops(dataset, places, options);
         PrintLoops(LastOf(location, 60), run, a.verbose);

@@ -41,7 +41,12 @@ void ExpectImu(const Dataset& dataset, int64_t from_ns, int64_t to_ns, vo::Odome
     return std::lower_bound(all.begin(), all.end(), t_ns - offset_ns,
                             [](const ImuSample& sample, int64_t t) { return sample.t_ns < t; });
   };
-  odometry.ExpectImu({after(from_ns - kMargin_ns), after(to_ns + kMargin_ns)}, from_ns, to_ns);
+  // In order and once each, as vo_process has them.
+  std::vector<ImuSample> samples(after(from_ns - kMargin_ns), after(to_ns + kMargin_ns));
+  std::stable_sort(samples.begin(), samples.end(), [](const auto& a, const auto& b) { return a.t_ns < b.t_ns; });
+  const auto same = [](const auto& a, const auto& b) { return a.t_ns == b.t_ns; };
+  samples.erase(std::unique(samples.begin(), samples.end(), same), samples.end());
+  odometry.ExpectImu(samples, from_ns, to_ns);
 }
 
 std::vector<OdometryFrame> RunOdometry(
@@ -65,6 +70,9 @@ std::vector<OdometryFrame> RunOdometry(
     frame.t_ns = images.t_ns;
     frame.T_w_l = dataset.GroundTruth(i);
     frame.late_s = odometry.calibration().sync().late_s();
+    frame.uses_imu = odometry.motion().inertial().IsTrusted();
+    frame.imu_contradiction = odometry.motion().ImuContradiction();
+    frame.imu_sample_faults = odometry.motion().ImuSampleFaults();
     frame.readout_s = odometry.calibration().found_readout_s();
     for (int third = 0; third < 3; ++third) {
       const double u_px = (2 * third + 1) / 6.0 * front_end.camera().width_px;

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/datasets/dataset.h"
@@ -38,6 +39,10 @@ struct OdometryFrame {
   double readout_s = 0.0;
   /// Correction subtracted from disparities at the centres of the thirds of the image.
   Eigen::Vector3d disparity_offset_px = Eigen::Vector3d::Zero();
+  /// Whether the inertial sensor is used after this frame, and the sentences that vo_process would publish about it.
+  bool uses_imu = false;
+  std::string imu_contradiction;
+  std::string imu_sample_faults;
   std::vector<vo::StageTime> stages;
 };
 

@@ -151,9 +151,11 @@ void TrackerReport::ReportCameraErrors(const SelfCalibrator& calibration) {
   tell(kLengthSigma, 100.0 * lengths.sigma);
 }
 
-void TrackerReport::ReportImu(const InertialMotionModel& inertial) {
-  const std::string complaint = inertial.Complaint();
-  if (!complaint.empty() && !std::exchange(imu_reported_, true)) process_.Warn("imu_contradicts", complaint);
+void TrackerReport::ReportImu(const MotionPredictor& motion) {
+  const std::string contradiction = motion.ImuContradiction();
+  if (!contradiction.empty() && !std::exchange(imu_reported_, true)) process_.Warn("imu_contradicts", contradiction);
+  const std::string faults = motion.ImuSampleFaults();
+  if (!faults.empty() && !std::exchange(imu_samples_reported_, true)) process_.Warn("imu_samples", faults);
 }
 
 }  // namespace plslam::vo

@@ -11,7 +11,7 @@
 #include "core/process/process.h"
 #include "vo_process/stereo/row_field.h"
 #include "vo_process/tracking/calibration/self_calibrator.h"
-#include "vo_process/tracking/motion/inertial_motion_model.h"
+#include "vo_process/tracking/motion/motion_predictor.h"
 
 namespace plslam::vo {
 
@@ -39,8 +39,8 @@ class TrackerReport {
   /// Sets counters of the time offset, the disparity offset and the readout of the cameras, as estimated so far.
   /// Synchronised and well-calibrated cameras have no such counters.
   void ReportCameraErrors(const SelfCalibrator& calibration);
-  /// Publishes a warning once if the inertial sensor contradicts the images.
-  void ReportImu(const InertialMotionModel& inertial);
+  /// Publishes a warning once if the inertial sensor contradicts the images, and once if its samples are faulty.
+  void ReportImu(const MotionPredictor& motion);
   /// Publishes warnings with the state, every so many frames.
   void ReportWarnings();
   /// Publishes the end of the stream with the warnings about all of it.
@@ -55,6 +55,7 @@ class TrackerReport {
   std::string warnings_;  ///< last published with the state
   bool vertical_disparity_reported_ = false;
   bool imu_reported_ = false;
+  bool imu_samples_reported_ = false;
   bool too_early_reported_ = false;
 };
 

@@ -306,7 +306,7 @@ void VoNode::Track(const Frame& frame) {
   report_.LookAt(frame.images, result.features, rig_->kind == RigCalibration::Kind::kRgbd);
   report_.ReportVerticalDisparity(odometry_->calibration().rows(), front_end_->camera());
   report_.ReportCameraErrors(odometry_->calibration());
-  report_.ReportImu(odometry_->motion().inertial());
+  report_.ReportImu(odometry_->motion());
   report_.ReportWarnings();
   FinishIfDone();
 }

@@ -79,7 +79,7 @@ void Odometry::Initialise(TrackedFrame& frame, OdometryResult& result) {
   result.state = TrackingState::kInitialising;
   if (CreatableLandmarks(frame.features) < options_.tracking.weak_inliers) return;
   landmarks_.Create(T_odom_c_, frame);
-  motion_.inertial().Start(T_odom_c_);
+  motion_.StartInertial(T_odom_c_);
   initialised_ = true;
   result.state = TrackingState::kTracking;
   MakeKeyframe(KeyframeReason::kFirst, result);
@@ -264,11 +264,11 @@ void Odometry::Publish(const std::optional<Tracked>& tracked, double dt_s, Odome
   const bool is_sure = result.state == TrackingState::kTracking && !result.jumped;
   motion_.robot().Observe(result.T_prev_c, result.motion_covariance, dt_s, is_sure);
   if (tracked->confirmed) {
-    motion_.inertial() = tracked->confirmed->inertial;
+    motion_.ReplaceInertial(tracked->confirmed->inertial);
   } else {
-    motion_.inertial().Observe(tracked->seen.T_odom_c, tracked->seen.covariance, !tracked->alignment.weak,
-                               result.jumped);
-    motion_.inertial().Drift(result.motion_covariance);
+    motion_.ObserveInertial(tracked->seen.T_odom_c, tracked->seen.covariance, !tracked->alignment.weak,
+                            result.jumped);
+    motion_.DriftInertial(result.motion_covariance);
   }
   if (!tracked->rival) return;
   // Two motions were equally likely: the covariance covers both.

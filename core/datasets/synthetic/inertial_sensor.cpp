@@ -8,16 +8,8 @@
 namespace plslam::synthetic {
 namespace {
 
-constexpr double kGravity_m_s2 = 9.81;
 // Samples and frames have different phases in practice: a share of the period of the samples.
 constexpr double kPhase = 0.3;
-
-/// Normal distribution: a sum of twelve uniform ones.
-double Normal(Random& random) {
-  double sum = -6.0;
-  for (int i = 0; i < 12; ++i) sum += random.Uniform();
-  return sum;
-}
 
 Eigen::Vector3d NormalVector(Random& random, double sigma) {
   Eigen::Vector3d v;
@@ -33,6 +25,12 @@ Eigen::Vector3d SmallRotation(const Eigen::Quaterniond& q) {
 }
 
 }  // namespace
+
+double Normal(Random& random) {
+  double sum = -6.0;
+  for (int i = 0; i < 12; ++i) sum += random.Uniform();
+  return sum;
+}
 
 const std::vector<SensorClass>& SensorClasses() {
   static const std::vector<SensorClass> kClasses = {

@@ -7,10 +7,17 @@
 
 #include <Eigen/Core>
 
+#include "core/datasets/synthetic/exact_math.h"
 #include "core/datasets/synthetic/motion.h"
 #include "core/geometry/imu.h"
 
 namespace plslam::synthetic {
+
+/// Gravity of all worlds.
+inline constexpr double kGravity_m_s2 = 9.81;
+
+/// Returns a number of the standard normal distribution: a sum of twelve uniform ones.
+double Normal(Random& random);
 
 /// An inertial sensor by its data sheet: white noise, random walks, and the sigma of the biases at the start.
 struct SensorClass {

@@ -10,6 +10,7 @@
 #include "core/config/nearest_key.h"
 #include "core/datasets/dataset.h"
 #include "core/datasets/synthetic/inertial_sensor.h"
+#include "core/datasets/synthetic/sensor_faults.h"
 
 namespace plslam::synthetic {
 namespace {
@@ -54,6 +55,7 @@ const std::vector<NumericOption>& NumericOptions() {
       {"readout_known", {0, 1}, true, [](Options& o, double v) { o.readout_known = v > 0.5; }},
       {"streaks", {0, 5000}, true, [](Options& o, double v) { o.streaks = static_cast<int>(v); }},
       {"imu", {10, 2000}, false, [](Options& o, double v) { o.imu_rate_hz = v; }},
+      {"imu_fault_size", {-20000, 20000}, false, [](Options& o, double v) { o.imu_fault_size = v; }},
       {"dirt", {0, 1000}, true, [](Options& o, double v) { o.dirt = static_cast<int>(v); }},
   };
   return options;
@@ -150,6 +152,11 @@ void ParseImuClass(const std::string& value, Options& options) {
   options.imu_class = value;
 }
 
+void ParseImuFault(const std::string& value, Options& options) {
+  if (FindSensorFault(value) == nullptr) FailUnknown("imu_fault", value, ImuFaultNames());
+  options.imu_fault = value;
+}
+
 /// Derives the options of the bodies that were not given from those that were.
 void CompleteBodies(const std::set<std::string>& given, Options& options) {
   if (!given.contains("bodies")) {
@@ -190,6 +197,25 @@ void CheckImu(const std::set<std::string>& given, const Options& options) {
   }
 }
 
+void CompleteImuFault(const std::set<std::string>& given, Options& options) {
+  if (given.contains("imu_fault") && !given.contains("imu")) {
+    throw DatasetError(
+        "synthetic: option imu_fault= is a fault of an inertial sensor, but there is none; add imu=200");
+  }
+  const bool has_size = given.contains("imu_fault_size");
+  if (has_size && options.imu_fault.empty()) {
+    throw DatasetError(
+        "synthetic: option imu_fault_size= is the size of a fault, but there is none; add imu_fault=offset");
+  }
+  if (options.imu_fault.empty()) return;
+  const SensorFault& fault = *FindSensorFault(options.imu_fault);
+  if (!has_size) options.imu_fault_size = fault.size;
+  if (options.imu_fault_size < fault.low || options.imu_fault_size > fault.high) {
+    throw DatasetError("synthetic: option imu_fault_size='" + Shown(options.imu_fault_size) + "' of imu_fault=" +
+                       fault.name + " must be from " + Shown(fault.low) + " to " + Shown(fault.high));
+  }
+}
+
 /// Returns the option's name.
 std::string ParseOption(const std::string& text, Options& options) {
   const size_t equals = text.find('=');
@@ -210,6 +236,8 @@ std::string ParseOption(const std::string& text, Options& options) {
     options.trajectory = value;
   } else if (name == "imu_class") {
     ParseImuClass(value, options);
+  } else if (name == "imu_fault") {
+    ParseImuFault(value, options);
   } else if (name == "body") {
     ParseBody(value, options);
   } else {
@@ -238,8 +266,14 @@ std::vector<std::string> ImuClassNames() {
   return names;
 }
 
+std::vector<std::string> ImuFaultNames() {
+  std::vector<std::string> names;
+  for (const SensorFault& fault : SensorFaults()) names.push_back(fault.name);
+  return names;
+}
+
 std::vector<std::string> OptionNames() {
-  std::vector<std::string> names = {"size", "disparity_bias", "trajectory", "body", "imu_class"};
+  std::vector<std::string> names = {"size", "disparity_bias", "trajectory", "body", "imu_class", "imu_fault"};
   for (const NumericOption& option : NumericOptions()) {
     names.emplace_back(option.name);
   }
@@ -263,6 +297,7 @@ Options ParseOptions(const std::string& description) {
   }
   CompleteBodies(given, options);
   CheckImu(given, options);
+  CompleteImuFault(given, options);
   CheckChange(options);
   return options;
 }

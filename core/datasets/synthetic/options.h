@@ -41,6 +41,8 @@ struct Options {
   int dirt = 0;                ///< spots on each lens
   double imu_rate_hz = 0.0;    ///< of an inertial sensor; 0: there is none
   std::string imu_class = "adis16448";
+  std::string imu_fault;        ///< name of a fault of that sensor; empty: it is healthy
+  double imu_fault_size = 0.0;  ///< the fault's own default if it is not given
   /// Added to all disparities at the centres of the left, middle and right third of the left image.
   std::array<double, 3> disparity_bias_px{};
   std::string trajectory;
@@ -50,10 +52,11 @@ struct Options {
 /// option, or the bounds of a value.
 Options ParseOptions(const std::string& description);
 
-/// Return the names of the worlds, options and values of `body` and `imu_class`, in the order of the documentation.
+/// Return the names of the worlds, options and values of `body`, `imu_class` and `imu_fault`, in the order of the documentation.
 const std::vector<std::string>& WorldNames();
 std::vector<std::string> OptionNames();
 const std::vector<std::string>& BodyNames();
 std::vector<std::string> ImuClassNames();
+std::vector<std::string> ImuFaultNames();
 
 }  // namespace plslam::synthetic

@@ -8,6 +8,7 @@
 #include "core/datasets/dataset.h"
 #include "core/datasets/synthetic/exact_math.h"
 #include "core/datasets/synthetic/inertial_sensor.h"
+#include "core/datasets/synthetic/sensor_faults.h"
 #include "core/datasets/synthetic/worlds.h"
 
 namespace plslam::synthetic {
@@ -137,6 +138,9 @@ void Simulator::MakeInertialSensor() {
   imu_samples_ = SampleMotion({motion_.get(), options_.rate_hz, end_s, world_.up()}, options_.imu_rate_hz, *sensor,
                               options_.seed);
   rig_.imu = ImuCalibration{MountedSensor(), sensor->noise, 0.0, options_.imu_rate_hz};
+  if (const SensorFault* fault = FindSensorFault(options_.imu_fault)) {
+    fault->apply(options_.imu_fault_size, options_.seed, imu_samples_, *rig_.imu);
+  }
 }
 
 void Simulator::MakeEyes() {

@@ -109,6 +109,16 @@ TEST(SyntheticOptions, BodiesThatMakeNoSenseAreRefused) {
   EXPECT_THAT(ErrorOf("street?standing=1&body=lead"), AllOf(HasSubstr("standing=1"), HasSubstr("body=cross")));
 }
 
+TEST(SyntheticOptions, FaultsOfTheSensorHaveTheirOwnSizes) {
+  EXPECT_EQ(ParseOptions("room?imu=200").imu_fault, "");
+  EXPECT_EQ(ParseOptions("room?imu=200&imu_fault=offset").imu_fault_size, 20.0);
+  EXPECT_EQ(ParseOptions("room?imu_fault_size=-100&imu=200&imu_fault=offset").imu_fault_size, -100.0);
+  EXPECT_THAT(ErrorOf("room?imu_fault=gaps"), HasSubstr("add imu=200"));
+  EXPECT_THAT(ErrorOf("room?imu=200&imu_fault_size=1"), HasSubstr("add imu_fault=offset"));
+  EXPECT_THAT(ErrorOf("room?imu=200&imu_fault=gap"), HasSubstr("the nearest is 'gaps'"));
+  EXPECT_THAT(ErrorOf("room?imu=200&imu_fault=gaps&imu_fault_size=3"), HasSubstr("must be from 0 to 2"));
+}
+
 TEST(SyntheticOptions, OpeningReportsTheSameError) { EXPECT_THROW(OpenSyntheticDataset("nowhere"), DatasetError); }
 
 }  // namespace

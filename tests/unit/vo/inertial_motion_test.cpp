@@ -187,21 +187,24 @@ TEST(InertialMotion, LongMotionsFindALargeBias) {
   EXPECT_LT(std::acos(std::min(1.0, truth.dot(inertial.Up()->direction))), kRadPerDeg);
 }
 
-/// A world whose samples were scaled.
-class Scaled : public test::ChangedImages {
- public:
-  Scaled(const Dataset& dataset, double rate, double force) : ChangedImages(dataset), samples_(dataset.ImuSamples()) {
-    for (ImuSample& sample : samples_) {
-      sample.rate_rad_s *= rate;
-      sample.force_m_s2 *= force;
-    }
-  }
-  StereoImages Read(int index) const override { return dataset_.Read(index); }
-  const std::vector<ImuSample>& ImuSamples() const override { return samples_; }
-
- private:
-  std::vector<ImuSample> samples_;
+/// Frames, and the first sentence about a sensor that is not used.
+struct Sensed {
+  std::vector<OdometryFrame> frames;
+  std::string contradiction;
+  std::string samples;
 };
+
+Sensed RunWith(const std::string& world, const std::string& fault, int frames) {
+  const auto dataset = OpenDataset("synthetic:" + world + "&imu=200&size=320x240&frames=" + std::to_string(frames) +
+                                       (fault.empty() ? "" : "&imu_fault=" + fault),
+                                   "");
+  Sensed sensed{test::RunOdometry(*dataset, VoOptions()), "", ""};
+  for (const OdometryFrame& frame : sensed.frames) {
+    if (sensed.contradiction.empty()) sensed.contradiction = frame.imu_contradiction;
+    if (sensed.samples.empty()) sensed.samples = frame.imu_sample_faults;
+  }
+  return sensed;
+}
 
 // A sensor in degrees a second contradicts the images, and changes nothing.
 TEST(InertialMotion, SensorThatContradictsTheImagesIsNotUsed) {
@@ -209,35 +212,36 @@ TEST(InertialMotion, SensorThatContradictsTheImagesIsNotUsed) {
   VoOptions without;
   without.imu.enabled = false;
   const auto expected = test::RunOdometry(*dataset, without);
-  const auto frames = test::RunOdometry(Scaled(*dataset, 1.0 / kRadPerDeg, 1.0), {});
-  ASSERT_EQ(frames.size(), expected.size());
-  for (size_t i = 0; i < frames.size(); ++i) {
-    EXPECT_EQ((frames[i].T_odom_l.Inverse() * expected[i].T_odom_l).Log().norm(), 0.0) << i;
+  for (const std::string fault : {"degrees", "extrinsics"}) {
+    const Sensed sensed = RunWith("room?seed=1", fault, 80);
+    ASSERT_EQ(sensed.frames.size(), expected.size());
+    for (size_t i = 0; i < expected.size(); ++i) {
+      EXPECT_EQ((sensed.frames[i].T_odom_l.Inverse() * expected[i].T_odom_l).Log().norm(), 0.0) << i;
+    }
+    EXPECT_THAT(sensed.contradiction, testing::HasSubstr(fault == "degrees" ? "degrees instead of rad/s?"
+                                                                            : "is T_b_imu the wrong way round?"));
   }
 }
 
-TEST(InertialMotion, FaultsAreNamedWithTheirNumber) {
-  const auto dataset = OpenDataset("synthetic:room?imu=200&size=320x240&frames=100", "");
-  const auto complaint = [&](double rate, double force, double shake_m = 0.0, double mounting_deg = 0.0) {
-    const Scaled scaled(*dataset, rate, force);
-    MountedImu imu = MountedImuOf(scaled.rig()).value();
-    imu.T_imu_c = SE3(ExpSO3({0.0, 0.0, mounting_deg * kRadPerDeg}), Eigen::Vector3d::Zero()) * imu.T_imu_c;
-    InertialMotionModel inertial(imu);
-    for (int i = 1; i < scaled.size(); ++i) {
-      inertial.Expect(scaled.ImuSamples(), scaled.t_ns(i - 1), scaled.t_ns(i));
-      Vector6d sigma;
-      sigma << Eigen::Vector3d::Constant(0.002), Eigen::Vector3d::Constant(0.001);
-      const SE3 shaken(Eigen::Quaterniond::Identity(), {0.0, i % 2 == 0 ? shake_m : -shake_m, 0.0});
-      const SE3 T_odom_c = scaled.GroundTruth(0)->Inverse() * *scaled.GroundTruth(i) * shaken;
-      inertial.Observe(T_odom_c, sigma.cwiseAbs2().asDiagonal(), true, false);
-    }
-    return inertial.Complaint();
-  };
-  EXPECT_EQ(complaint(1.0, 1.0), "");
-  EXPECT_THAT(complaint(1.0 / kRadPerDeg, 1.0), testing::HasSubstr("times as fast as the images: degrees"));
-  EXPECT_THAT(complaint(1.0, 1.0 / 9.81), testing::HasSubstr("g instead of m/s^2?"));
-  EXPECT_THAT(complaint(1.0, 1.0, 0.0, 180.0), testing::HasSubstr("are T_b_imu, T_b_cam"));
-  EXPECT_THAT(complaint(1.0, 1.0, 0.024), testing::HasSubstr("are its noise densities too small"));
+// SensorDiagnosis has tests of all faults; here they are found by measured poses.
+TEST(InertialMotion, LateSamplesAreNotUsed) {
+  const Sensed sensed = RunWith("whitewall?seed=1", "offset", 80);
+  EXPECT_THAT(sensed.contradiction, testing::HasSubstr("ms late: time_offset_s: -0.0"));
+  for (size_t i = 30; i < sensed.frames.size(); ++i) EXPECT_FALSE(sensed.frames[i].uses_imu) << i;
+}
+
+TEST(InertialMotion, HealthySensorHasNoSentence) {
+  for (const std::string world : {"street?speed=10", "room?standing=1", "room?turning=40"}) {
+    const Sensed sensed = RunWith(world, "", 100);
+    EXPECT_EQ(sensed.contradiction + sensed.samples, "") << world;
+    EXPECT_TRUE(sensed.frames.back().uses_imu) << world;
+  }
+}
+
+TEST(InertialMotion, StuckSensorIsMissingAtOnce) {
+  const Sensed sensed = RunWith("room?seed=1", "stuck&imu_fault_size=2", 80);
+  EXPECT_THAT(sensed.contradiction, testing::HasSubstr("while the images move: it is stuck"));
+  for (size_t i = 44; i < sensed.frames.size(); ++i) EXPECT_FALSE(sensed.frames[i].uses_imu) << i;
 }
 
 }  // namespace

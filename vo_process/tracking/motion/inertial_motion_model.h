@@ -28,8 +28,6 @@ std::optional<MountedImu> MountedImuOf(const RigCalibration& rig);
 
 /// Evidence of why a sensor contradicts the images: sums over motions between measured frames.
 struct ImuEvidence {
-  double sensed_turn_rad = 0.0;
-  double seen_turn_rad = 0.0;
   double force_m_s = 0.0;  ///< mean specific force times time
   double time_s = 0.0;
   /// Rotations that were seen since the gyroscope's bias is known, and the angles by which the sensed ones differ.
@@ -38,8 +36,7 @@ struct ImuEvidence {
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.sensed_turn_rad, self.seen_turn_rad, self.force_m_s, self.time_s, self.compared_turn_rad,
-      self.turn_difference_rad);
+    a(self.force_m_s, self.time_s, self.compared_turn_rad, self.turn_difference_rad);
   }
 };
 
@@ -87,6 +84,9 @@ class InertialMotionModel {
   /// The frame was not measured.
   void Miss();
 
+  /// The sensor is not used while it is known to be faulty.
+  void SetFaulty(bool is_faulty) { is_faulty_ = is_faulty; }
+
   /// A pose of the camera in odom, with the covariance of its right perturbation given the landmarks.
   struct MeasuredPose {
     SE3 T_odom_c;
@@ -108,8 +108,8 @@ class InertialMotionModel {
   /// Returns whether the sensor has agreed with measured poses for long enough to predict motions.
   bool IsTrusted() const;
   const InertialFilter& filter() const { return filter_; }
-  /// Returns one sentence on a sensor that contradicts the images, with the number that shows it; empty for a healthy
-  /// one, and before some seconds of measured frames.
+  /// Returns one sentence on a sensor that contradicts the images without a known fault, with the number that shows it;
+  /// empty for a healthy one, and before some seconds of measured frames.
   std::string Complaint() const;
 
   /// The state after a frame, for `core/io/files/archive.h`.
@@ -117,7 +117,7 @@ class InertialMotionModel {
   static void Fields(Archive& a, Self& self) {
     a(self.filter_, self.knows_bias_, self.measured_s_, self.unmeasured_s_, self.innovation_, self.n_contradicting_,
       self.evidence_, self.was_observed_, self.T_odom_observed_, self.mean_force_m_s2_, self.standing_s_,
-      self.standing_force_m_s2_);
+      self.standing_force_m_s2_, self.is_faulty_);
   }
 
  private:
@@ -153,6 +153,7 @@ class InertialMotionModel {
   /// Time for which the sensor has been seen standing, and the mean specific force in it.
   double standing_s_ = 0.0;
   Eigen::Vector3d standing_force_m_s2_ = Eigen::Vector3d::Zero();
+  bool is_faulty_ = false;
   bool was_observed_ = false;  ///< whether the last frame was measured
   SE3 T_odom_observed_;        ///< pose of the sensor in it
 };

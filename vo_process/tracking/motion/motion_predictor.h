@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 
+#include "core/inertial/sensor_diagnosis.h"
 #include "vo_process/tracking/motion/inertial_motion_model.h"
 #include "vo_process/tracking/motion/motion_model.h"
 #include "vo_process/tracking/motion/robot_motion_model.h"
@@ -12,21 +14,17 @@
 namespace plslam::vo {
 
 /// Predicts the motion to the next frame: by the inertial sensor if it is trusted, otherwise by the robot's own
-/// odometry if that agrees with the images, otherwise by constant velocity.
+/// odometry if that agrees with the images, otherwise by constant velocity. An inertial sensor is diagnosed meanwhile.
 class MotionPredictor {
  public:
-  explicit MotionPredictor(const std::optional<MountedImu>& imu) : inertial_(imu) {}
+  explicit MotionPredictor(const std::optional<MountedImu>& imu);
 
   /// Set the measurements of other sensors for the next frame, as in the models.
   void ExpectRobot(const std::optional<RobotMotion>& motion) { robot_.Expect(motion); }
-  void ExpectImu(std::span<const ImuSample> samples, int64_t from_ns, int64_t to_ns) {
-    inertial_.Expect(samples, from_ns, to_ns);
-  }
+  /// Samples that are stuck or saturated count as missing.
+  void ExpectImu(std::span<const ImuSample> samples, int64_t from_ns, int64_t to_ns);
   /// Discards them after that frame.
-  void ExpectNothing() {
-    ExpectRobot(std::nullopt);
-    ExpectImu({}, 0, 0);
-  }
+  void ExpectNothing();
 
   /// `dt_s` > 0.
   MotionPrediction Predict(double dt_s) const {
@@ -41,26 +39,45 @@ class MotionPredictor {
   MotionModel& velocity() { return velocity_; }
   RobotMotionModel& robot() { return robot_; }
   const RobotMotionModel& robot() const { return robot_; }
-  InertialMotionModel& inertial() { return inertial_; }
   const InertialMotionModel& inertial() const { return inertial_; }
 
+  /// The first frame is at this pose.
+  void StartInertial(const SE3& T_odom_c);
+  /// The frame was measured, as in `InertialMotionModel::Observe`; a sensor with a harmful fault is not used from then on.
+  void ObserveInertial(const SE3& T_odom_c, const Matrix6d& covariance, bool is_sure, bool jumped);
+  /// As `InertialMotionModel::Drift`.
+  void DriftInertial(const Matrix6d& motion_covariance) { inertial_.Drift(motion_covariance); }
+  /// The frame was measured in the frame of another body, which is the world; `inertial` is that body's model.
+  void ReplaceInertial(const InertialMotionModel& inertial);
   /// The frame was not measured.
-  void Miss(double dt_s) {
-    velocity_.Slow(dt_s);
-    robot_.Miss(dt_s);
-    inertial_.Miss();
-  }
+  void Miss(double dt_s);
+
+  /// What is wrong with the inertial sensor; nullptr if there is none.
+  const SensorDiagnosis* diagnosis() const { return diagnosis_ ? &*diagnosis_ : nullptr; }
+  /// Returns one sentence on an inertial sensor that is not used, with the number that shows why; empty for a healthy
+  /// one, and before that is certain.
+  std::string ImuContradiction() const;
+  /// Returns one sentence on samples of an inertial sensor that is used: gaps, saturation, another rate.
+  std::string ImuSampleFaults() const;
 
   /// The state after a measured frame, for `core/io/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.velocity_, self.robot_, self.inertial_);
+    a(self.velocity_, self.robot_, self.inertial_, self.T_odom_seen_, self.was_seen_);
+    if (self.diagnosis_) a(*self.diagnosis_);
   }
 
  private:
   MotionModel velocity_;
   RobotMotionModel robot_;
   InertialMotionModel inertial_;
+  int64_t imu_offset_ns_ = 0;
+  std::optional<SensorDiagnosis> diagnosis_;
+  /// The interval to the next frame; empty without samples.
+  int64_t from_ns_ = 0;
+  int64_t to_ns_ = 0;
+  SE3 T_odom_seen_;  ///< pose of the last frame by the images alone
+  bool was_seen_ = false;
 };
 
 }  // namespace plslam::vo

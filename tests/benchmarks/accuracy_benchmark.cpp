@@ -213,7 +213,8 @@ void AddArguments(CLI::App& app, Arguments& a, plslam::test::LoopRunOptions& run
   app.add_option("--dirt", a.worsening.dirt, "number of spots of dirt on each lens");
   app.add_option("--dirt-seed", a.worsening.dirt_seed, "for their sizes and places");
   app.add_option("--black", a.black, "black frames: the first, how many, and again after how many")->expected(2, 3);
-  app.add_option("--up", a.up, "up in the frame of the truth: errors of the vertical by the inertial sensor")->expected(3);
+  app.add_option("--up", a.up, "up in the frame of the truth: errors of the vertical by the inertial sensor")
+      ->expected(3);
   app.add_option("--imu-fault", a.imu_fault, "a fault of the inertial sensor, as in synthetic worlds");
   app.add_option("--imu-fault-size", a.imu_fault_size, "its size");
   app.add_option("--covered", a.worsening.covered, "side of a black square, as a share of the image's height");

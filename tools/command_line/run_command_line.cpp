@@ -33,8 +33,8 @@ std::string UnknownCommand(const CLI::App& app, int argc, char** argv) {
 
 /// The command on whose arguments the parser stopped: the last one that was named.
 const CLI::App& NamedCommand(const CLI::App& app) {
-  const std::vector<const CLI::App*> named = app.get_subcommands(
-      [](const CLI::App* command) { return command->count_all() > 0 || command->parsed(); });
+  const std::vector<const CLI::App*> named =
+      app.get_subcommands([](const CLI::App* command) { return command->count_all() > 0 || command->parsed(); });
   return named.empty() ? app : NamedCommand(*named.back());
 }
 

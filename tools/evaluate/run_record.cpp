@@ -93,9 +93,9 @@ const std::vector<MetricRow>& Rows() {
 /// Names of inputs and outputs that do not influence the result or belong to the dataset, by the last part of an option's
 /// name.
 bool IsIncidental(const std::string& name) {
-  static const std::array<const char*, 13> kEnds{".dataset", ".kind", ".out",         ".seed",       ".drop_seed",
-                                                 ".file",          ".load",        ".save",       ".map_file",
-                                                 ".overlay_every", ".history_dir", ".state_file", ".resume_after"};
+  static const std::array<const char*, 13> kEnds{
+      ".dataset", ".kind",     ".out",           ".seed",        ".drop_seed",  ".file",        ".load",
+      ".save",    ".map_file", ".overlay_every", ".history_dir", ".state_file", ".resume_after"};
   return std::any_of(kEnds.begin(), kEnds.end(), [&](const char* end) { return name.ends_with(end); });
 }
 

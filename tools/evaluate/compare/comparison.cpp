@@ -145,7 +145,8 @@ std::vector<std::string> DifferingOptions(const std::vector<const RunRecord*>& r
     }
     if (values.size() > 1) differing.push_back(name);
   }
-  std::stable_partition(differing.begin(), differing.end(), [](const std::string& name) { return name == kProcesses; });
+  std::stable_partition(differing.begin(), differing.end(),
+                        [](const std::string& name) { return name == kProcesses; });
   return differing;
 }
 

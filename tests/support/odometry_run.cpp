@@ -46,7 +46,7 @@ void ExpectImu(const Dataset& dataset, int64_t from_ns, int64_t to_ns, vo::Odome
   std::stable_sort(samples.begin(), samples.end(), [](const auto& a, const auto& b) { return a.t_ns < b.t_ns; });
   const auto same = [](const auto& a, const auto& b) { return a.t_ns == b.t_ns; };
   samples.erase(std::unique(samples.begin(), samples.end(), same), samples.end());
-  odometry.ExpectImu(samples, from_ns, to_ns);
+  odometry.ExpectImu(SamplesOfMotion(samples, from_ns - offset_ns, to_ns - offset_ns), from_ns, to_ns);
 }
 
 std::vector<OdometryFrame> RunOdometry(

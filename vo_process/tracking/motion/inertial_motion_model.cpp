@@ -30,7 +30,7 @@ constexpr int kMostContradicting = 5;
 constexpr double kHealthy = 4.0;
 constexpr double kMeanFrames = 20.0;
 // Sigmas up to which the sensor carries a pose.
-constexpr double kFarthest_m = 1.0;
+constexpr double kFarthest_m = 0.5;
 constexpr double kFarthest_rad = 5.0 * kRadPerDeg;
 // Errors of a prediction, however good the sensor is: stamps are off by a part of a millisecond, and landmarks move when
 // the map is corrected.
@@ -53,13 +53,17 @@ constexpr double kStanding_m_s = 0.003;
 // Sigmas of the white noise, of means over a frame, within which samples are those of a standing sensor.
 constexpr double kQuietSigmas = 5.0;
 
+// Share of the published variance of a motion by which odom may have turned: the published one is 10 to 20 times larger,
+// because errors that frames have in common are to be added up over 20 frames (MotionUncertainty).
+constexpr double kMotionAlone = 0.1;
+
 // Rotation by an error of the bias up to which a motion is linear in it, and the number of times that a motion is
 // integrated.
 constexpr double kLinear_rad = 0.01;
 constexpr int kMostPasses = 4;
 
 // Sigma of the orientation of a sensor relative to the camera.
-constexpr double kMounting_rad = 0.1 * kRadPerDeg;
+constexpr double kMounting_rad = 0.2 * kRadPerDeg;
 
 // Time of measured motions after which a contradiction is reported: faults with a name are found in less.
 constexpr double kLeastEvidence_s = 6.0;
@@ -253,7 +257,7 @@ void InertialMotionModel::Observe(const SE3& T_odom_c, const Matrix6d& covarianc
 void InertialMotionModel::Drift(const Matrix6d& motion_covariance) {
   if (!imu_ || !filter_.has_begun() || unmeasured_s_ > 0.0) return;
   const Eigen::Matrix3d R = imu_->T_imu_c.R();
-  filter_.Drift(R * motion_covariance.bottomRightCorner<3, 3>() * R.transpose());
+  filter_.Drift(kMotionAlone * R * motion_covariance.bottomRightCorner<3, 3>() * R.transpose());
   filter_.MeasureFromHere();
 }
 

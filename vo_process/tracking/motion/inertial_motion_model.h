@@ -96,7 +96,7 @@ class InertialMotionModel {
   /// of the last frame; nullopt if the sensor is not used, or if `seen`, the pose by its features, contradicts it.
   std::optional<MotionPrior> PriorFrom(const MeasuredPose& before, const MeasuredPose& seen) const;
 
-  /// Whether the sensor carries the pose of a frame that sees nothing: its prediction is still good to a metre and
+  /// Whether the sensor carries the pose of a frame that sees nothing: its prediction is still good to half a metre and
   /// five degrees (sigmas).
   bool CanCarry() const;
 

@@ -9,13 +9,14 @@
 #include <fmt/format.h>
 
 #include "core/errors/error_text.h"
+#include "core/errors/log.h"
 #include "core/process/choice_argument.h"
 #include "ros2/names.h"
 
 namespace plslam::ros2 {
 namespace {
 
-/// Applies "-r left:=/a" and "-r __ns:=/robot"; others are of nodes that do not exist here.
+/// Applies "-r left:=/a" and "-r __ns:=/robot". Launch files of whole robots pass others, such as /tf:=tf, to all nodes.
 void Remap(const std::string& rule, Ros2Options* options) {
   const size_t sign = rule.find(":=");
   if (sign == std::string::npos) {
@@ -28,8 +29,8 @@ void Remap(const std::string& rule, Ros2Options* options) {
     options->left = to;
   } else if (from == "right" || from == "/right") {
     options->right = to;
-  } else if (from != "__node") {
-    throw std::runtime_error(fmt::format("--remap {}: the names here are left, right, __ns and __node", Shown(rule)));
+  } else {
+    LogInfo("--remap {}: is ignored (the names here are left, right and __ns)", Shown(rule));
   }
 }
 

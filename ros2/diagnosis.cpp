@@ -61,7 +61,8 @@ std::string WhySilent(const Input& input, const Symptoms& symptoms) {
       input.topic);
 }
 
-std::string OfStamps(const Symptoms& symptoms) {
+/// Why no two images are a pair, whatever they show; empty if their stamps may be right.
+std::string WrongStamps(const Symptoms& symptoms) {
   for (const Input* input : {&symptoms.left, &symptoms.right}) {
     if (input->stamp_ns && input->previous_stamp_ns && *input->stamp_ns == *input->previous_stamp_ns) {
       return fmt::format("the stamps of {} are all {} s: its driver must set them", input->topic,
@@ -75,6 +76,11 @@ std::string OfStamps(const Symptoms& symptoms) {
     return fmt::format("the stamps of {} and {} are {:.3f} s apart: they are of two clocks", symptoms.left.topic,
                        symptoms.right.topic, 1e-3 * apart_ms);
   }
+  return "";
+}
+
+std::string Unsynchronised(const Symptoms& symptoms) {
+  if (!symptoms.left.stamp_ns || !symptoms.right.stamp_ns) return "";
   return fmt::format(
       "no image of {} has the stamp of one of {} within {} ms (ros2.max_skew_ms): the cameras are not synchronised",
       symptoms.left.topic, symptoms.right.topic, symptoms.max_skew_ms);
@@ -104,8 +110,9 @@ std::string WhyNoFrames(const Symptoms& symptoms) {
       if (!reason.empty()) return fmt::format("images arrive without CameraInfo: {}; or give --camera FILE", reason);
     }
   }
-  if (symptoms.n_rejected > 0) return "no image could be used: see the log";
-  return OfStamps(symptoms);
+  std::string wrong = WrongStamps(symptoms);
+  if (!wrong.empty()) return wrong;
+  return symptoms.n_rejected > 0 ? "no image could be used: see the log" : Unsynchronised(symptoms);
 }
 
 std::set<std::string> ImageTopics(const std::vector<Publisher>& publishers) {

@@ -40,14 +40,14 @@ struct Symptoms {
   std::vector<Input> infos;
   std::vector<Publisher> publishers;
   bool has_rig = false;
-  int64_t n_rejected = 0;
+  int64_t n_rejected = 0;  ///< messages since the last frame
   double max_skew_ms = 0.0;
 };
 
 /// Returns the reason why there are no frames, in one sentence: the first of these that is true. No publisher of any
 /// topic (another domain, or network); no such topic, with the nearest names; another type; incompatible quality of
 /// service; a publisher that sends nothing, or whose messages do not arrive; no CameraInfo; constant stamps; left and
-/// right stamps of two clocks; unpaired stamps; images that cannot be used.
+/// right stamps of two clocks; images that cannot be used; unpaired stamps.
 std::string WhyNoFrames(const Symptoms& symptoms);
 
 /// Returns the topics of images.

@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "core/bus/transport/transport.h"
+#include "core/config/command_line_error.h"
 #include "core/config/config.h"
 #include "core/errors/error_text.h"
 #include "core/errors/log.h"
@@ -171,7 +172,7 @@ int RunProcess(int argc, char** argv, const ProcessSpec& spec) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return FlushOutput(spec.name, app.exit(error));
-    PrintError(fmt::format("{}: error: {} (--help lists the options)", spec.name, OneLine(error.what())));
+    PrintError(fmt::format("{}: error: {}", spec.name, OneLine(CommandLineError(app, error, argc, argv))));
     return 1;
   }
   SetUpLogging(spec.name);

@@ -247,6 +247,7 @@ void Ros2Node::ReadStates() {
 void Ros2Node::NoteProgress() {
   n_sent_ = frames_.n_sent();
   progress_s_ = bus::NowS();
+  n_rejected_before_ = n_rejected_;
   for (Side& side : sides_) side.n_before = side.input.state.n_messages;
 }
 
@@ -315,7 +316,7 @@ void Ros2Node::ReportLack() {
                     .infos = {},
                     .publishers = participant_.Publishers(),
                     .has_rig = frames_.has_rig(),
-                    .n_rejected = n_rejected_,
+                    .n_rejected = n_rejected_ - n_rejected_before_,
                     .max_skew_ms = options_.max_skew_ms};
   symptoms.left.state.n_messages -= sides_[0].n_before;
   symptoms.right.state.n_messages -= sides_[1].n_before;
@@ -328,13 +329,17 @@ void Ros2Node::ReportLack() {
 
 void Ros2Node::ReportRate() {
   lack_.clear();
-  const ImageRate::Rates rates = rates_[0].Of(bus::NowS());
+  // The worse side, at the rate of the better one: both cameras have one rate.
+  const std::array<ImageRate::Rates, 2> of_side{rates_[0].Of(bus::NowS()), rates_[1].Of(bus::NowS())};
+  const size_t worse = of_side[1].arrived_hz > 0.0 && of_side[1].arrived_hz < of_side[0].arrived_hz ? 1 : 0;
+  const ImageRate::Rates rates{.sent_hz = std::max(of_side[0].sent_hz, of_side[1].sent_hz),
+                               .arrived_hz = of_side[worse].arrived_hz};
   process_.SetCounter("images.rate_hz", rates.arrived_hz);
   process_.SetCounter("images.sent_hz", rates.sent_hz);
   const std::string sentence = LossSentence(rates, pair_bytes_, LargestReceiveBuffer());
   process_.SetReason(sentence);
   if (sentence.empty() || std::exchange(warned_of_loss_, true)) return;
-  process_.Warn("ros2_images_lost", options_.left + ": " + sentence);
+  process_.Warn("ros2_images_lost", (worse == 0 ? options_.left : options_.right) + ": " + sentence);
 }
 
 bus::ProcessSpec Ros2Spec() {

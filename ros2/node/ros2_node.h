@@ -70,9 +70,9 @@ class Ros2Node {
   double held_since_s_ = 0.0;
   robot::FrameSource frames_;
   robot::SkippedMessages skipped_messages_;
-  int64_t n_rejected_ = 0;
-  std::array<ImageRate, 2> rates_;  ///< by side
-  int64_t pair_bytes_ = 0;          ///< largest so far
+  int64_t n_rejected_ = 0, n_rejected_before_ = 0;  ///< and those before the last frame
+  std::array<ImageRate, 2> rates_;                  ///< by side
+  int64_t pair_bytes_ = 0;                          ///< largest so far
   bool warned_of_loss_ = false;
   std::string imu_frame_;  ///< of the inertial sensor; empty before its first message
   std::set<std::string> imu_topics_;

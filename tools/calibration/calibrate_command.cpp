@@ -25,6 +25,7 @@
 #include "tools/calibration/live/live_rig.h"
 #include "tools/calibration/node/live_pictures.h"
 #include "tools/calibration/rig_estimate.h"
+#include "tools/command_line/number_checks.h"
 #include "tools/rectify_check/row_errors.h"
 
 namespace plslam::calibration {
@@ -283,7 +284,7 @@ void AddCalibrateCommand(CLI::App* app, std::function<int()>* command) {
                   "folder with pictures in left and right, paired by their numbers; or a rig file with a source: "
                   "pictures are taken live and stored in a folder beside --out");
   sub->add_option("--seconds", options->seconds, "live: ends after this time [when no view is missing]")
-      ->check(CLI::PositiveNumber);
+      ->check(PositiveNumber());
   sub->add_option(
          "--board", options->board,
          "chess:COLUMNSxROWS:SQUARE (inner corners, metres), charuco:COLUMNSxROWS:SQUARE:MARKER (squares) or "

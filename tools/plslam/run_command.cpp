@@ -17,6 +17,7 @@
 #include "core/process/process_signals.h"
 #include "core/run/result_files.h"
 #include "core/run/run.h"
+#include "tools/command_line/number_checks.h"
 #include "tools/plslam/commands.h"
 #include "tools/plslam/offline_commands.h"
 #include "tools/plslam/run_bus.h"
@@ -201,14 +202,14 @@ void AddOptions(CLI::App* sub, RunOptions* o) {
                   "one option, overrides the file: vo.features.orb.max_points=800 (repeatable)")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
-  sub->add_option("--start", o->start, "first frame")->check(CLI::NonNegativeNumber)->default_str("0");
-  sub->add_option("--stop", o->stop, "frame before which to stop [the end]")->check(CLI::NonNegativeNumber);
-  sub->add_option("--stride", o->stride, "play every n-th frame")->check(CLI::PositiveNumber)->default_str("1");
-  sub->add_option("--loop", o->loop, "number of times to play it")->check(CLI::PositiveNumber)->default_str("1");
+  sub->add_option("--start", o->start, "first frame")->check(WholeNumberFrom(0))->default_str("0");
+  sub->add_option("--stop", o->stop, "frame before which to stop [the end]")->check(WholeNumberFrom(0));
+  sub->add_option("--stride", o->stride, "play every n-th frame")->check(WholeNumberFrom(1))->default_str("1");
+  sub->add_option("--loop", o->loop, "number of times to play it")->check(WholeNumberFrom(1))->default_str("1");
   sub->add_flag("--bounce", o->bounce, "play it forth and back each time");
   sub->add_flag("--skip-bad", o->skip_bad, "skip unreadable frames, and count them");
   sub->add_option("--overlay-every", o->overlay_every, "a picture of the tracked features every N frames; 0: none")
-      ->check(CLI::NonNegativeNumber)
+      ->check(WholeNumberFrom(0))
       ->default_str("0");
   sub->add_option("--serve", o->serve, "show the run live at http://127.0.0.1:PORT/ (this machine only)")
       ->check(CLI::Range(1, 65535))
@@ -223,7 +224,7 @@ void AddOptions(CLI::App* sub, RunOptions* o) {
       ->excludes("--map")
       ->excludes("--save-map");
   sub->add_option("--max-restarts", o->max_restarts, "how often a crashed process is restarted")
-      ->check(CLI::NonNegativeNumber)
+      ->check(WholeNumberFrom(0))
       ->capture_default_str();
   sub->add_flag("--quiet", o->quiet, "no progress and no summary on the terminal, only warnings and errors");
   sub->add_flag("--verbose", o->verbose,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/rectify_check/rectify_check_command.h"
+#include "tools/command_line/number_checks.h"
 
 #include <algorithm>
 #include <memory>
@@ -182,7 +183,7 @@ void AddRectifyCheckCommand(CLI::App* app, std::function<int()>* command) {
       ->type_name("FILE");
   sub->add_option("--mask-right", options->mask_right, "mask of the right camera, likewise")->type_name("FILE");
   sub->add_option("--out", options->out, "picture to write (PNG)")->type_name("FILE")->capture_default_str();
-  sub->add_option("--frame", options->frame, "frame of the picture [the middle one]")->check(CLI::NonNegativeNumber);
+  sub->add_option("--frame", options->frame, "frame of the picture [the middle one]")->check(WholeNumberFrom(0));
   sub->add_option("--frames", options->frames, "number of measured frames, evenly spread")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();

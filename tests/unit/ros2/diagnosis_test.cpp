@@ -37,6 +37,9 @@ TEST(Ros2Diagnosis, EveryCauseHasItsSentence) {
   s.left.previous_stamp_ns = s.left.stamp_ns;
   EXPECT_THAT(WhyNoFrames(s), HasSubstr("the stamps of /left/image_raw are all 1 s: its driver must set them"));
   s.n_rejected = 3;
+  EXPECT_THAT(WhyNoFrames(s), HasSubstr("its driver must set them")) << "equal stamps on both sides are rejected";
+  s.left.previous_stamp_ns.reset();
+  s.right.stamp_ns = s.left.stamp_ns;
   EXPECT_EQ(WhyNoFrames(s), "no image could be used: see the log");
   s.infos[1].state.n_messages = 0;
   EXPECT_THAT(WhyNoFrames(s), HasSubstr("images arrive without CameraInfo: no topic /right/camera_info in the domain "

@@ -16,7 +16,8 @@ namespace {
 constexpr int64_t kStep_ns = 10'000'000;
 constexpr int kHalf = 30;
 constexpr size_t kLags = 2 * kHalf + 1;
-static_assert(kHalf * kStep_ns == static_cast<int64_t>(TurnAlignment::kMostDelay_s * 1e9 + 0.5));
+static_assert(1e-9 * static_cast<double>(kHalf * kStep_ns) > TurnAlignment::kMostDelay_s - 1e-6 &&
+              1e-9 * static_cast<double>(kHalf * kStep_ns) < TurnAlignment::kMostDelay_s + 1e-6);
 // Times that are kept of the integral: this far apart at least, and for this long before a pending turn.
 constexpr int64_t kSpacing_ns = 2'500'000;
 constexpr int64_t kKept_ns = 600'000'000;

@@ -77,7 +77,7 @@ Seen FindBoards(const std::string& folder, const Board& board) {
   if (seen.n_pictures == 0)
     throw DatasetError(folder + ": no picture in left has a picture with the same number in right");
   for (const std::string& fault : {faults.Contradiction(), faults.UnseenEdge()}) {
-    if (!fault.empty()) throw DatasetError(folder + ": " + fault);
+    if (!fault.empty()) throw DatasetError(fmt::format("{}: {}", folder, fault));
   }
   if (seen.pairs.empty()) {
     throw DatasetError(fmt::format("{}: the board {} is not seen in any of {} pictures{}", folder, BoardText(board),

@@ -60,7 +60,7 @@ class ImageSource {
   robot::Inbox inbox_;
   robot::FrameSource frames_;
   robot::SkippedMessages skipped_messages_;
-  // Of the thread of `StockLcm::Handle`.
+  // Used by the thread of `StockLcm::Handle`.
   robot::SkippedMessages skipped_samples_;
   int64_t n_imu_rejected_ = 0;
   std::chrono::steady_clock::time_point list_at_;

@@ -18,13 +18,13 @@ namespace plslam {
 /// DatasetError that names file, line, key, value and bound.
 ImuCalibration ReadImuCalibration(const YamlMap& yaml, const SE3& T_b_left, Notes* notes);
 
-/// What is known of a sensor whose samples come from a recording or from a robot.
+/// Sources of the calibration of a sensor whose samples come from a recording or from a robot.
 struct ImuSources {
   /// File with the key `imu`, or with the keys of one; empty, or missing: none.
   std::string file;
   /// Pose of the sensor in the left camera, by the transforms of the robot.
   std::optional<SE3> T_c_imu;
-  /// The poses of the cameras are those of a camera file, and so refer to a body that somebody has chosen.
+  /// The poses of the cameras are those of a camera file, and so refer to the body of that file.
   bool has_camera_file = false;
 };
 

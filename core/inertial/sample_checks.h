@@ -11,7 +11,7 @@
 
 namespace plslam {
 
-/// What the samples of an inertial sensor show by themselves: their rate, gaps, noise, and values that repeat.
+/// Properties of an inertial sensor that its samples alone show: rate, gaps, noise, and values that repeat.
 class SampleChecks {
  public:
   /// Longest interval between samples that is no gap: `Preintegrate` interpolates it.
@@ -31,7 +31,7 @@ class SampleChecks {
   /// rad/s/sqrt(Hz) and m/s^2/sqrt(Hz).
   double RateNoise() const { return Noise(0); }
   double ForceNoise() const { return Noise(3); }
-  /// The bound at which many samples of a channel end, and the share of the samples there.
+  /// The bound at which many samples of a channel end, and the number of samples there.
   struct Saturation {
     bool of_rate = true;
     int axis = 0;

@@ -121,7 +121,7 @@ class TurnAlignment::Search {
 
   /// Variance of the difference of turns at this scale, relative to that of seen ones.
   double Variance(double scale) const { return sensed_variance_ + scale * scale; }
-  /// What the best explanation leaves, 1 if the variances are right.
+  /// The variance that the best explanation leaves, 1 if the stated ones are right.
   double variance() const { return variance_; }
 
  private:

@@ -182,7 +182,7 @@ void Ros2Node::TakeInfo(robot::Side side, RosCameraInfo info, const std::string&
   UseInfos();
 }
 
-/// Returns whether the first rig waits for /tf_static, which somebody publishes.
+/// Returns whether the first rig waits for /tf_static, if there is a publisher of it.
 bool Ros2Node::AwaitsFrames(bool knows_mounting) const {
   if (knows_mounting || frames_.has_rig() || bus::NowS() - held_since_s_ >= kPatienceForFrames_s) return false;
   const std::vector<Publisher> publishers = participant_.Publishers();

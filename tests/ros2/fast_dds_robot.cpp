@@ -73,7 +73,7 @@ class Robot {
     qos.publish_mode().kind = is_synchronous ? fast::SYNCHRONOUS_PUBLISH_MODE : fast::ASYNCHRONOUS_PUBLISH_MODE;
     return publisher_->create_datawriter(Topic<Type>(name), qos);
   }
-  /// Of a sensor whose samples come in bursts.
+  /// Returns a writer of samples that come in bursts.
   template <class Type>
   fast::DataWriter* FastWriter(const std::string& name) {
     fast::DataWriterQos qos = fast::DATAWRITER_QOS_DEFAULT;

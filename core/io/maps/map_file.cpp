@@ -26,7 +26,7 @@ constexpr FileKind KindOf(uint64_t format) {
 }
 constexpr FileKind kMapFile = KindOf(kWithUps);
 
-/// What only some maps have.
+/// Content that only some maps have.
 struct Extras {
   std::map<KeyframeId, TakenImage> images;
   std::map<KeyframeId, UpDirection> ups;

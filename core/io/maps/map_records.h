@@ -100,7 +100,7 @@ inline std::map<KeyframeId, UpDirection> UpDirectionsOf(const Map& map) {
   return ups;
 }
 
-/// Those from keyframes with these ids, which must exist.
+/// The same of keyframes with these ids, which must exist.
 inline std::map<KeyframeId, UpDirection> UpDirectionsOf(const Map& map, const std::vector<KeyframeId>& ids) {
   std::map<KeyframeId, UpDirection> ups;
   for (const KeyframeId id : ids) {

@@ -23,7 +23,7 @@ using testing::HasSubstr;
 constexpr double kTurn_rad = 2e-4;
 constexpr double kStep_m = 1e-3;
 
-/// What is found out about the sensor of a world, and the comparison of turns.
+/// Findings about the sensor of a world, and the comparison of turns.
 struct Diagnosed {
   std::string harmful;
   std::string harmless;

@@ -52,7 +52,7 @@ class MotionPredictor {
   /// The frame was not measured.
   void Miss(double dt_s);
 
-  /// What is wrong with the inertial sensor; nullptr if there is none.
+  /// Faults of the inertial sensor; nullptr if there is no sensor.
   const SensorDiagnosis* diagnosis() const { return diagnosis_ ? &*diagnosis_ : nullptr; }
   /// Returns one sentence on an inertial sensor that is not used, with the number that shows why; empty for a healthy
   /// one, and before that is certain.

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/datasets/yaml_map.h"
+#include "core/files/notes.h"
 #include "core/geometry/calibration.h"
-#include "core/io/files/notes.h"
 
 namespace plslam::camera {
 

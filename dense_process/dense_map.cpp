@@ -7,8 +7,8 @@
 #include <optional>
 #include <stdexcept>
 
-#include "core/io/files/archive.h"
-#include "core/io/files/sealed_file.h"
+#include "core/files/archive.h"
+#include "core/files/sealed_file.h"
 
 namespace plslam::dense {
 namespace {

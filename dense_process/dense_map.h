@@ -19,7 +19,7 @@
 namespace plslam::dense {
 
 /// Session and frame of a keyframe: a name that stays when the map is rebuilt.
-using KeyframeFrame = std::pair<SessionId, int64_t>;
+using KeyframeFrame = std::pair<SessionId, FrameId>;
 using KeyframePoses = std::map<KeyframeFrame, SE3>;  ///< T_w_kf
 
 /// Returns the poses of the keyframes of the map.
@@ -46,7 +46,7 @@ class DenseMap {
   /// Returns whether the depth of the keyframe was fused, also by a process before this one.
   bool Has(const KeyframeFrame& keyframe) const { return fused_.contains(keyframe); }
 
-  /// Writes a file of surfaces (a sealed file, core/io/files/sealed_file.h) that continues with the map. `lasting`: the
+  /// Writes a file of surfaces (a sealed file, core/files/sealed_file.h) that continues with the map. `lasting`: the
   /// keyframes that the map will have then; submaps whose anchor is not among them are anchored to the nearest one.
   /// Throws std::runtime_error that names the file.
   void Write(const std::string& path, const KeyframePoses& poses, const KeyframePoses& lasting) const;

@@ -13,8 +13,8 @@
 #include <octomap/octomap.h>
 #include <opencv2/core.hpp>
 
-#include "core/io/files/atomic_file.h"
-#include "core/io/files/bytes.h"
+#include "core/files/atomic_file.h"
+#include "core/files/bytes.h"
 #include "core/io/images/png_codec.h"
 #include "core/run/result_files.h"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/io/files/shared_file.h"
+#include "core/files/shared_file.h"
 
 namespace plslam::loop {
 

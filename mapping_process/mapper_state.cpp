@@ -14,8 +14,8 @@
 #include <system_error>
 
 #include "core/errors/error_text.h"
-#include "core/io/files/mapped_file.h"
-#include "core/io/files/sealed_file.h"
+#include "core/files/mapped_file.h"
+#include "core/files/sealed_file.h"
 #include "core/io/maps/map_records.h"
 
 namespace plslam::archive {

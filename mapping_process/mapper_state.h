@@ -46,7 +46,7 @@ MapperState DecodeState(std::span<const uint8_t> bytes);
 MapperState ReadStateFile(const std::string& path);
 
 /// A file with the newest state of a mapper, for programs of this version only: a sequence of sealed records
-/// (core/io/files/sealed_file.h). Features of a keyframe are written once; the map follows, then its changes since the
+/// (core/files/sealed_file.h). Features of a keyframe are written once; the map follows, then its changes since the
 /// previous record. When half of the file is obsolete, a new file replaces it. A growing map thus costs bytes in
 /// proportion to its size, and a loop, which moves all of it, the size of the map without features.
 class StateFile {

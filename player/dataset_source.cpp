@@ -92,7 +92,7 @@ int64_t DatasetSource::Begin(const std::optional<stream::ResumePoint>& behind) {
     const std::optional<int64_t> sent_ns = behind ? std::optional(behind->t_ns) : std::nullopt;
     loader_.emplace(*dataset_, std::move(order), kFramesAhead, sent_ns);
   }
-  return behind ? std::max<int64_t>(0, skipped - behind->frame_id - 1) : 0;
+  return behind ? std::max<int64_t>(0, skipped - behind->frame_id.value - 1) : 0;
 }
 
 std::optional<LoadedFrame> DatasetSource::Next() {

@@ -49,7 +49,7 @@ const SE3* FilmPath::CorrectionOf(const Step& step, const FrameCorrections& corr
   return reached ? &after->second : nullptr;
 }
 
-bool FilmPath::IsLostBetween(int64_t from, int64_t to) const {
+bool FilmPath::IsLostBetween(FrameId from, FrameId to) const {
   const auto lost = lost_frames_.lower_bound(from);
   return lost != lost_frames_.end() && *lost < to;
 }

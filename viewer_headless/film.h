@@ -35,17 +35,17 @@ class FilmPath {
 
  private:
   struct Step {
-    int64_t frame_id = 0;
+    FrameId frame_id = 0;
     SessionId session;
     Eigen::Vector3d p_odom;
     Eigen::Vector3d p_w;  ///< as published
   };
 
   const SE3* CorrectionOf(const Step& step, const FrameCorrections& corrections) const;
-  bool IsLostBetween(int64_t from, int64_t to) const;
+  bool IsLostBetween(FrameId from, FrameId to) const;
 
   std::vector<Step> steps_;
-  std::set<int64_t> lost_frames_;
+  std::set<FrameId> lost_frames_;
 };
 
 /// The film of a run: the camera image with its features, and beside it the map at that time from above, with the path

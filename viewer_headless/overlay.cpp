@@ -119,7 +119,7 @@ constexpr size_t kMaxImageBytes = 64'000'000;
 
 }  // namespace
 
-void OverlayQueue::AddImage(int64_t frame_id, const cv::Mat& image, const cv::Mat& right) {
+void OverlayQueue::AddImage(FrameId frame_id, const cv::Mat& image, const cv::Mat& right) {
   if (!Wants(frame_id) || image.empty()) return;
   Parts& parts = waiting_[frame_id];
   image_bytes_ -= parts.image_bytes();
@@ -130,7 +130,7 @@ void OverlayQueue::AddImage(int64_t frame_id, const cv::Mat& image, const cv::Ma
   Took(frame_id);
 }
 
-void OverlayQueue::AddFeatures(int64_t frame_id, OverlayFeatures features) {
+void OverlayQueue::AddFeatures(FrameId frame_id, OverlayFeatures features) {
   if (!Wants(frame_id)) return;
   waiting_[frame_id].features = std::move(features);
   Took(frame_id);
@@ -143,7 +143,7 @@ void OverlayQueue::AddPose(const FramePose& pose) {
   Took(pose.frame_id);
 }
 
-void OverlayQueue::Took(int64_t frame_id) {
+void OverlayQueue::Took(FrameId frame_id) {
   const Parts& parts = waiting_[frame_id];
   if (parts.pose && parts.features && !parts.image.empty()) complete_.insert(frame_id);
   if (waiting_.size() > kMaxWaiting) Drop(waiting_.begin());

@@ -60,21 +60,21 @@ class OverlayQueue {
   /// `every` N frames; 0: none.
   explicit OverlayQueue(int64_t every) : every_(every) {}
 
-  bool Wants(int64_t frame_id) const { return every_ > 0 && frame_id >= 0 && frame_id % every_ == 0; }
+  bool Wants(FrameId frame_id) const { return every_ > 0 && frame_id >= 0 && frame_id.value % every_ == 0; }
 
   /// Each adds one part of a wanted frame (others are ignored). The oldest incomplete frames are dropped: at most 1024
   /// frames with 64 MB of images wait. The right image is given with the left one if it is needed.
-  void AddImage(int64_t frame_id, const cv::Mat& image, const cv::Mat& right = {});
-  void AddFeatures(int64_t frame_id, OverlayFeatures features);
+  void AddImage(FrameId frame_id, const cv::Mat& image, const cv::Mat& right = {});
+  void AddFeatures(FrameId frame_id, OverlayFeatures features);
   /// Adds the pose of a frame; once for each frame.
   void AddPose(const FramePose& pose);
   /// Removes and returns the oldest complete picture.
   std::optional<Ready> Next();
 
   /// Wanted frames that have a pose, and whose picture has not been taken.
-  const std::set<int64_t>& lacking() const { return lacking_; }
+  const std::set<FrameId>& lacking() const { return lacking_; }
   /// Oldest frame with an image; images of frames before it were sent before this process listened.
-  std::optional<int64_t> first_image() const { return first_image_; }
+  std::optional<FrameId> first_image() const { return first_image_; }
 
  private:
   struct Parts {
@@ -86,14 +86,14 @@ class OverlayQueue {
     size_t image_bytes() const { return image.total() * image.elemSize() + right.total() * right.elemSize(); }
   };
 
-  void Took(int64_t frame_id);
-  void Drop(std::map<int64_t, Parts>::iterator parts);
+  void Took(FrameId frame_id);
+  void Drop(std::map<FrameId, Parts>::iterator parts);
 
   int64_t every_;
-  std::map<int64_t, Parts> waiting_;
-  std::set<int64_t> complete_;
-  std::set<int64_t> lacking_;
-  std::optional<int64_t> first_image_;
+  std::map<FrameId, Parts> waiting_;
+  std::set<FrameId> complete_;
+  std::set<FrameId> lacking_;
+  std::optional<FrameId> first_image_;
   size_t image_bytes_ = 0;
 };
 

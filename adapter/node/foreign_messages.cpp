@@ -14,7 +14,7 @@
 #include "bot_core/ins_t.hpp"
 #include "core/bus/messages/convert.h"
 #include "core/bus/transport/stock_lcm.h"
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 #include "microstrain/ins_t.hpp"
 #include "sensor_msgs/CameraInfo.hpp"
 #include "sensor_msgs/CompressedImage.hpp"

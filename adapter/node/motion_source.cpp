@@ -10,7 +10,7 @@
 #include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
 #include "core/errors/error_text.h"
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 #include "plslam/robot_motion_t.hpp"
 
 namespace plslam::adapter {

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/files/notes.h"
 #include "core/geometry/calibration.h"
-#include "core/io/files/notes.h"
 
 namespace plslam {
 

@@ -15,8 +15,8 @@
 #include "core/datasets/check_rig.h"
 #include "core/datasets/imu_files.h"
 #include "core/datasets/yaml_map.h"
+#include "core/files/dataset_error.h"
 #include "core/geometry/image_mask.h"
-#include "core/io/files/dataset_error.h"
 #include "core/io/images/image_file.h"
 
 namespace plslam {

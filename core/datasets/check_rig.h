@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "core/files/notes.h"
 #include "core/geometry/calibration.h"
-#include "core/io/files/notes.h"
 
 namespace plslam {
 

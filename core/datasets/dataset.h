@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "core/files/dataset_error.h"
+#include "core/files/notes.h"
 #include "core/geometry/calibration.h"
 #include "core/geometry/se3.h"
-#include "core/io/files/dataset_error.h"
-#include "core/io/files/notes.h"
 #include "core/io/images/image_file.h"
 
 namespace plslam {

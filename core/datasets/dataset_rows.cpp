@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <string_view>
 
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 #include "core/io/trajectories/table_header.h"
 
 namespace plslam {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/io/files/notes.h"
-#include "core/io/files/text_rows.h"
+#include "core/files/notes.h"
+#include "core/files/text_rows.h"
 #include "core/io/trajectories/trajectory.h"
 
 namespace plslam {

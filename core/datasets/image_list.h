@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/datasets/dataset.h"
-#include "core/io/files/notes.h"
+#include "core/files/notes.h"
 #include "core/io/images/image_file.h"
 #include "core/io/trajectories/trajectory.h"
 

@@ -12,7 +12,7 @@
 #include "core/datasets/dataset_rows.h"
 #include "core/datasets/image_list.h"
 #include "core/datasets/imu_files.h"
-#include "core/io/files/shared_file.h"
+#include "core/files/shared_file.h"
 
 namespace plslam {
 namespace {

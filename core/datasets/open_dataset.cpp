@@ -23,7 +23,7 @@
 #include "core/datasets/vslamlab_dataset.h"
 #include "core/errors/error_text.h"
 #include "core/errors/standard_streams.h"
-#include "core/io/files/git_lfs.h"
+#include "core/files/git_lfs.h"
 
 namespace plslam {
 namespace {

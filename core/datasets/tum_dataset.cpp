@@ -11,7 +11,7 @@
 #include "core/datasets/camera_file.h"
 #include "core/datasets/dataset_rows.h"
 #include "core/datasets/image_list.h"
-#include "core/io/files/shared_file.h"
+#include "core/files/shared_file.h"
 
 namespace plslam {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 #include "core/io/images/image_file.h"
 
 namespace plslam {

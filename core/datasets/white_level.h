@@ -6,7 +6,7 @@
 #include <functional>
 #include <string>
 
-#include "core/io/files/notes.h"
+#include "core/files/notes.h"
 
 namespace plslam {
 

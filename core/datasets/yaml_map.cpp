@@ -15,7 +15,7 @@
 
 #include "core/datasets/dataset.h"
 #include "core/errors/error_text.h"
-#include "core/io/files/git_lfs.h"
+#include "core/files/git_lfs.h"
 
 namespace plslam {
 namespace {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
+
 #include <Eigen/Core>
 
 namespace plslam {
@@ -11,6 +13,10 @@ struct UpDirection {
   Eigen::Vector3d direction = -Eigen::Vector3d::UnitY();
   /// Sigma of each of its two angles; positive.
   double sigma_rad = 1.0;
+
+  bool IsValid() const {
+    return std::abs(direction.norm() - 1.0) < 1e-6 && sigma_rad > 0.0 && std::isfinite(sigma_rad);
+  }
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {

@@ -66,6 +66,12 @@ struct MapKind {
 /// A map, from its beginning until another one replaces it (`BelongsTo`). A random number, never negative; 0: unknown.
 using MapId = Id<MapKind>;
 
+struct FrameKind {
+  static constexpr int64_t kNone = -1;
+};
+/// A frame of a stream: its number in the dataset, or 0, 1, 2, ... as a camera takes them; may repeat in another stream.
+using FrameId = Id<FrameKind>;
+
 struct KeyframeKind {
   static constexpr int64_t kNone = -1;
 };

@@ -43,7 +43,7 @@ class SampleChecks {
   /// Rms of the norm of the specific force without its noise, m/s^2; 0 without samples.
   double Force_m_s2() const;
 
-  /// The state, for `core/io/files/archive.h`.
+  /// The state, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.n_samples_, self.newest_, self.intervals_s_, self.n_gaps_, self.longest_gap_s_, self.force2_sum_,

@@ -61,7 +61,7 @@ class SensorDiagnosis {
   /// Time of compared motions.
   double time_s() const { return time_s_; }
 
-  /// The state, for `core/io/files/archive.h`.
+  /// The state, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.samples_, self.turns_, self.findings_, self.fit_, self.newest_ns_, self.has_samples_, self.time_s_,

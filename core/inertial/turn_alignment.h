@@ -87,7 +87,7 @@ class TurnAlignment {
   /// density of the rates as they are.
   TurnFit Fit(const std::vector<AxisHypothesis>& axes, double noise_rad_s_sqrt_hz) const;
 
-  /// The state, for `core/io/files/archive.h`.
+  /// The state, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.integral_, self.now_, self.last_rate_rad_s_, self.has_begun_, self.pending_, self.lags_, self.dt2_,

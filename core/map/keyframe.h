@@ -31,7 +31,7 @@ struct Keyframe {
   SourceId source;  ///< publisher; set by the receiver
   KeyframeName name{.session = {}, .number = 0};
   int64_t t_ns = 0;
-  int64_t frame_id = 0;
+  FrameId frame_id = 0;
   /// -1 for the first keyframe of a session; then `T_prevkf_kf` is identity and `covariance` zero.
   int64_t previous_keyframe_id = -1;
   /// `MapUpdate::map_instance` of the map that the session is part of; 0: not known yet. The keyframe belongs to no other
@@ -74,7 +74,7 @@ struct MapKeyframe {
   KeyframeId id = -1;
   KeyframeName name;
   /// Its frame in that session.
-  int64_t frame_id = -1;
+  FrameId frame_id = -1;
   int64_t t_ns = 0;
   /// Pose, and covariance of its right perturbation relative to the first keyframe of the map.
   SE3 T_w_kf;

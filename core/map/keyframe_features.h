@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/features/features.h"
+#include "core/files/mapped_file.h"
 #include "core/ids/ids.h"
-#include "core/io/files/mapped_file.h"
 
 namespace plslam {
 

@@ -82,7 +82,7 @@ struct Relocalisation {
   SourceId source;  ///< publisher; set by the receiver
   /// The request: session, frame and time.
   SessionId session;
-  int64_t frame_id = -1;
+  FrameId frame_id = -1;
   int64_t t_ns = 0;
   bool found = false;
   /// The map in which it was found, the keyframe of the recognised place, and the pose with the covariance of its right

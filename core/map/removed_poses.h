@@ -17,7 +17,7 @@ namespace plslam {
 struct RemovedKeyframe {
   KeyframeId id = -1;
   SessionId session;
-  int64_t frame_id = -1;
+  FrameId frame_id = -1;
   SE3 T_odom_kf;
   SE3 T_w_kf;
 };
@@ -57,7 +57,7 @@ class RemovedPoses {
   struct Removed {
     int64_t version = 0;
     SessionId session;
-    int64_t frame_id = -1;
+    FrameId frame_id = -1;
     SE3 T_odom_kf;
     SE3 T_w_kf;
     SE3 D_kf;

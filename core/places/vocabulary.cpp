@@ -14,7 +14,7 @@
 #include <stdexcept>
 
 #include "core/features/image/vector_kernels.h"
-#include "core/io/files/atomic_file.h"
+#include "core/files/atomic_file.h"
 
 namespace plslam {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "core/datasets/recordings/depth_images.h"
 #include "core/datasets/recordings/pixel_encodings.h"
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 #include "core/io/images/image_file.h"
 
 namespace plslam::robot {

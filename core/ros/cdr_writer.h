@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "core/io/files/bytes.h"
+#include "core/files/bytes.h"
 
 namespace plslam {
 

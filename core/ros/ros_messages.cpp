@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/io/files/bytes.h"
+#include "core/files/bytes.h"
 #include "core/io/maps/map_ply.h"
 #include "core/ros/cdr_writer.h"
 #include "core/ros/ros_topics.h"

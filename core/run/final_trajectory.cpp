@@ -35,11 +35,11 @@ bool LiveAnchors::Has(const FrameRecord& frame) const {
 
 FinalPoses::FinalPoses(const Map& map, const Recorder& recorder) : corrections_(CorrectionsBySession(map)) {
   for (const auto& [frame_id, frame] : recorder.frames()) {
-    if (frame.state == TrackingState::kLost) lost_frames_.insert(frame_id);
+    if (frame.state == TrackingState::kLost) lost_frames_.insert(FrameId(frame_id));
   }
 }
 
-SE3 FinalPoses::operator()(int64_t frame_id, const FrameRecord& frame) const {
+SE3 FinalPoses::operator()(FrameId frame_id, const FrameRecord& frame) const {
   const auto session = corrections_.find(frame.session);
   if (session == corrections_.end()) return frame.T_w_odom * frame.T_odom_c;
   const FrameCorrections& corrections = session->second;
@@ -53,8 +53,8 @@ SE3 FinalPoses::operator()(int64_t frame_id, const FrameRecord& frame) const {
   const SE3 T_after = after->second * frame.T_odom_c;
   const auto lost = lost_frames_.lower_bound(before->first);
   if (lost != lost_frames_.end() && *lost < after->first) return frame_id < *lost ? T_before : T_after;
-  const double share =
-      static_cast<double>(frame_id - before->first) / static_cast<double>(after->first - before->first);
+  const double share = static_cast<double>(frame_id.value - before->first.value) /
+                       static_cast<double>(after->first.value - before->first.value);
   return SE3(T_before.rotation().slerp(share, T_after.rotation()),
              (1.0 - share) * T_before.translation() + share * T_after.translation());
 }

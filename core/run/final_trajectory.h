@@ -26,7 +26,7 @@ class LiveAnchors {
 };
 
 /// T_w_odom by frame.
-using FrameCorrections = std::map<int64_t, SE3>;
+using FrameCorrections = std::map<FrameId, SE3>;
 
 /// The map's corrections of odometry at its keyframes, those included that it remembers although they were removed, by
 /// session: T_w_kf * T_odom_kf^-1.
@@ -41,11 +41,11 @@ class FinalPoses {
   /// blended by the number of frames (translation on the straight line, rotation on the great arc); before the first
   /// and after the last keyframe, and on either side of lost frames, where the motion is unknown, the nearest
   /// correction is used. A session without keyframes in the map keeps its published poses.
-  SE3 operator()(int64_t frame_id, const FrameRecord& frame) const;
+  SE3 operator()(FrameId frame_id, const FrameRecord& frame) const;
 
  private:
   std::map<SessionId, FrameCorrections> corrections_;
-  std::set<int64_t> lost_frames_;
+  std::set<FrameId> lost_frames_;
 };
 
 /// The unconnected parts of a map (`PartsOf`), and the sessions of a run in them. The map must outlive it.

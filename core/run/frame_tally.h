@@ -47,10 +47,10 @@ struct MovingTally {
   int64_t bodies = 0;          ///< distinct bodies
   int64_t frames = 0;          ///< frames with at least one moving body
   double largest_share = 0.0;  ///< largest share of a frame's features on moving bodies
-  int64_t first_frame = -1;
-  int64_t last_frame = -1;
+  FrameId first_frame = -1;
+  FrameId last_frame = -1;
 
-  void Add(int64_t frame_id, int64_t n_moving, int64_t n_features, int64_t n_bodies) {
+  void Add(FrameId frame_id, int64_t n_moving, int64_t n_features, int64_t n_bodies) {
     bodies = std::max(bodies, n_bodies);
     if (n_moving <= 0) return;
     ++frames;
@@ -84,8 +84,8 @@ class SentFrames {
   }
   /// Number of frames sent after `newest_frame`, the newest one that has a pose (ids count from 0; -1: none has). Older
   /// frames without a pose are not counted: they will not be answered.
-  int64_t Behind(int64_t newest_frame) const {
-    return std::max<int64_t>(0, in_all_.value_or(sent_) - newest_frame - 1);
+  int64_t Behind(FrameId newest_frame) const {
+    return std::max<int64_t>(0, in_all_.value_or(sent_) - newest_frame.value - 1);
   }
 
  private:

@@ -132,13 +132,13 @@ void Recorder::StoreStages(const FramePose& pose, FrameRecord& record) {
   }
 }
 
-bool Recorder::AddTruth(int64_t frame_id, const TruthRecord& truth) {
+bool Recorder::AddTruth(FrameId frame_id, const TruthRecord& truth) {
   if (frame_id < 0 || !truth.T_w_l.IsFinite() || truth_.size() >= kMaxFrames) return false;
-  truth_.Set(frame_id, truth);
+  truth_.Set(frame_id.value, truth);
   return true;
 }
 
-bool Recorder::AddBodies(int64_t frame_id, BodiesOfFrame seen) {
+bool Recorder::AddBodies(FrameId frame_id, BodiesOfFrame seen) {
   const std::vector<BodyRecord>& bodies = seen.bodies;
   const bool finite = std::all_of(bodies.begin(), bodies.end(),
                                   [](const BodyRecord& body) { return body.id >= 0 && body.T_c_body.IsFinite(); });

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/files/disk_map.h"
 #include "core/geometry/se3.h"
 #include "core/ids/ids.h"
-#include "core/io/files/disk_map.h"
 #include "core/run/frame_tally.h"
 
 namespace plslam {
@@ -29,7 +29,7 @@ struct FrameCounts {
 
 /// A pose from the tracker as plain values. Frames: c rectified left camera.
 struct FramePose {
-  int64_t frame_id = 0;
+  FrameId frame_id = 0;
   int64_t t_ns = 0;
   SessionId session;
   TrackingState state = TrackingState::kInitialising;
@@ -148,8 +148,8 @@ class Recorder {
 
   /// Returns false if the message is rejected.
   bool AddPose(const FramePose& pose);
-  bool AddTruth(int64_t frame_id, const TruthRecord& truth);
-  bool AddBodies(int64_t frame_id, BodiesOfFrame seen);
+  bool AddTruth(FrameId frame_id, const TruthRecord& truth);
+  bool AddBodies(FrameId frame_id, BodiesOfFrame seen);
   /// The stream has ended after `n_frames` frames; `n_bad` could not be read.
   void SetEnd(int64_t n_frames, int64_t n_bad = 0) {
     n_frames_ = n_frames;
@@ -173,7 +173,7 @@ class Recorder {
   /// One sentence if frames that should be in the file are in memory.
   const std::string& failure() const { return frames_.failure().empty() ? truth_.failure() : frames_.failure(); }
   /// By frame.
-  const std::map<int64_t, BodiesOfFrame>& bodies() const { return bodies_; }
+  const std::map<FrameId, BodiesOfFrame>& bodies() const { return bodies_; }
   const std::vector<std::string>& stage_names() const { return stage_names_; }
   int64_t keyframes() const { return keyframes_; }
   /// Returns the counts of the frames so far. Unanswered frames are counted only if the run `is_over`: before that they
@@ -186,7 +186,7 @@ class Recorder {
 
   Frames frames_;
   Truths truth_;
-  std::map<int64_t, BodiesOfFrame> bodies_;
+  std::map<FrameId, BodiesOfFrame> bodies_;
   std::vector<std::string> stage_names_;
   std::optional<int64_t> n_frames_;
   int64_t keyframes_ = 0;

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/errors/error_text.h"
-#include "core/io/files/text_rows.h"
+#include "core/files/text_rows.h"
 #include "core/run/result_files.h"
 
 namespace plslam {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/io/files/notes.h"
+#include "core/files/notes.h"
 #include "core/io/maps/map_file.h"
 #include "core/io/trajectories/pose_covariance.h"
 #include "core/io/trajectories/trajectory.h"

@@ -14,7 +14,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "core/io/files/atomic_file.h"
+#include "core/files/atomic_file.h"
 #include "core/io/maps/map_ply.h"
 #include "core/run/final_trajectory.h"
 #include "core/run/result_files.h"
@@ -127,7 +127,7 @@ void VisitPosedFrames(const RunPart& run, const std::function<void(const PosedFr
     const bool usable = is_of_part && HasPose(frame) && (!newest_ns || frame.t_ns > *newest_ns);
     if (usable) {
       PosedFrame posed;
-      posed.final = {frame.t_ns, final_poses(frame_id, frame) * T_c_l};
+      posed.final = {frame.t_ns, final_poses(FrameId(frame_id), frame) * T_c_l};
       posed.keyframe = frame.keyframe_id >= 0;
       posed.covariance = {frame.t_ns, Rotate(frame.covariance.Unpack(), R_l_c)};
       if (anchors.Has(frame)) posed.live = {frame.t_ns, frame.T_w_odom * frame.T_odom_c * T_c_l};
@@ -198,7 +198,7 @@ std::vector<std::string> ColumnsOf(const Recorder& recorder) {
   return columns;
 }
 
-FrameTable::Row RowOf(int64_t frame_id, const FrameRecord& frame, size_t n_stages) {
+FrameTable::Row RowOf(FrameId frame_id, const FrameRecord& frame, size_t n_stages) {
   const FrameCounts& n = frame.counts;
   FrameTable::Row row{
       frame.t_ns,
@@ -218,14 +218,14 @@ FrameTable::Row RowOf(int64_t frame_id, const FrameRecord& frame, size_t n_stage
 FrameTable FrameTableOf(const Recorder& recorder) {
   FrameTable table{ColumnsOf(recorder), {}};
   for (const auto& [frame_id, frame] : recorder.frames())
-    table.rows.push_back(RowOf(frame_id, frame, recorder.stage_names().size()));
+    table.rows.push_back(RowOf(FrameId(frame_id), frame, recorder.stage_names().size()));
   return table;
 }
 
 void WritePosesCsv(const Recorder& recorder, const AppendText& append) {
   append(fmt::format("{}\n", fmt::join(ColumnsOf(recorder), ",")));
   for (const auto& [frame_id, frame] : recorder.frames()) {
-    const FrameTable::Row row = RowOf(frame_id, frame, recorder.stage_names().size());
+    const FrameTable::Row row = RowOf(FrameId(frame_id), frame, recorder.stage_names().size());
     append(fmt::format("{}\n", fmt::join(row.values, ",")));
   }
 }
@@ -234,7 +234,7 @@ void WriteBodiesCsv(const Recorder& recorder, const Map& map, const AppendText& 
   append("session,body,frame_id,t_s,x_m,y_m,z_m,qx,qy,qz,qw,n_features\n");
   const FinalPoses final_poses(map, recorder);
   for (const auto& [frame_id, seen] : recorder.bodies()) {
-    const std::optional<FrameRecord> frame = recorder.frames().Find(frame_id);
+    const std::optional<FrameRecord> frame = recorder.frames().Find(frame_id.value);
     if (!frame || !HasPose(*frame) || frame->session != seen.session) continue;
     const SE3 T_w_c = final_poses(frame_id, *frame);
     for (const BodyRecord& body : seen.bodies) {

@@ -35,7 +35,7 @@ Pace ParsePace(const std::string& text) {
 ResumePoint ParseResumePoint(const std::string& text) {
   ResumePoint point;
   const char* end = text.data() + text.size();
-  const auto [at, id_error] = std::from_chars(text.data(), end, point.frame_id);
+  const auto [at, id_error] = std::from_chars(text.data(), end, point.frame_id.value);
   if (id_error == std::errc() && at != end && *at == '@' && point.frame_id >= 0) {
     const auto [last, t_error] = std::from_chars(at + 1, end, point.t_ns);
     if (t_error == std::errc() && last == end) return point;

@@ -18,7 +18,7 @@ Pace ParsePace(const std::string& text);
 
 /// The newest answered frame, after which a restarted player resumes.
 struct ResumePoint {
-  int64_t frame_id = -1;
+  FrameId frame_id = -1;
   int64_t t_ns = 0;
 
   bool operator==(const ResumePoint&) const = default;

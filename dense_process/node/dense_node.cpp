@@ -117,7 +117,7 @@ void DenseNode::OnCamera(const RigCalibration& rig) {
 
 void DenseNode::OnFrame(const bus::FrameSubscriber::Frame& frame) {
   quiet_ticks_ = 0;
-  const int64_t frame_id = frame.images.frame_id;
+  const FrameId frame_id = frame.images.frame_id;
   for (auto& [name, waiting] : waiting_) {
     if (!waiting.images && waiting.keyframe.frame_id == frame_id && waiting.keyframe.t_ns == frame.images.t_ns) {
       waiting.images = frame.images;
@@ -138,14 +138,14 @@ void DenseNode::OnTracks(const tracks_t& message) {
     bodies[line.body].emplace_back(line.p_px[0], line.p_px[1]);
     bodies[line.body].emplace_back(line.q_px[0], line.q_px[1]);
   }
-  bodies_[message.frame_id] = std::move(bodies);
+  bodies_[FrameId(message.frame_id)] = std::move(bodies);
   KeepNewest(bodies_);
 }
 
 void DenseNode::OnMask(const mask_t& message) {
   const std::optional<FrameMask> mask = bus::FromMessage(message);
   if (!mask) return process_.bus().CountRejected();
-  masks_[message.frame_id] = *mask;
+  masks_[FrameId(message.frame_id)] = *mask;
   KeepNewest(masks_);
 }
 
@@ -253,7 +253,7 @@ void DenseNode::FuseAll() {
 }
 
 /// Without the masks of the rig and of the frame, and without moving bodies.
-cv::Mat DenseNode::PixelsInUse(int64_t frame_id, const cv::Size& size) const {
+cv::Mat DenseNode::PixelsInUse(FrameId frame_id, const cv::Size& size) const {
   cv::Mat in_use = camera_->rectifier.left_mask();
   const auto mask = masks_.find(frame_id);
   if (mask != masks_.end() && !mask->second.left.empty()) {

@@ -69,7 +69,7 @@ class DenseNode {
 
   void FuseAll();
   void Fuse(const Waiting& waiting, const KeyframePoses& poses);
-  cv::Mat PixelsInUse(int64_t frame_id, const cv::Size& size) const;
+  cv::Mat PixelsInUse(FrameId frame_id, const cv::Size& size) const;
   DepthImage DepthOf(const Waiting& waiting, const cv::Mat& left) const;
   void DropOldest();
   bool IsOver() const;
@@ -85,9 +85,9 @@ class DenseNode {
   std::optional<DenseMap> map_;
   MapId map_instance_;  ///< of the newest update
   /// Newest images, pixels of moving bodies, and masks of a detector, by frame.
-  std::map<int64_t, StereoImages> frames_;
-  std::map<int64_t, BodyPixels> bodies_;
-  std::map<int64_t, FrameMask> masks_;
+  std::map<FrameId, StereoImages> frames_;
+  std::map<FrameId, BodyPixels> bodies_;
+  std::map<FrameId, FrameMask> masks_;
   std::map<KeyframeFrame, Waiting> waiting_;
   /// Session and number of the newest keyframe.
   std::optional<KeyframeName> newest_;

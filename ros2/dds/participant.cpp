@@ -19,7 +19,7 @@
 #include <fmt/format.h>
 
 #include <ros_types.h>
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 #include "ros2/names.h"
 
 namespace plslam::ros2 {

@@ -19,7 +19,7 @@
 #include "core/datasets/imu_topics.h"
 #include "core/errors/error_text.h"
 #include "core/errors/log.h"
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 #include "core/run/process_names.h"
 #include "plslam/robot_motion_t.hpp"
 #include "ros2/arguments.h"

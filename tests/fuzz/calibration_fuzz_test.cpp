@@ -9,8 +9,8 @@
 
 #include "core/datasets/calibrations/foreign_calibration.h"
 #include "core/datasets/check_rig.h"
+#include "core/files/dataset_error.h"
 #include "core/geometry/rectification.h"
-#include "core/io/files/dataset_error.h"
 #include "tests/fuzz/dataset_mutator.h"
 #include "tests/support/fuzzing.h"
 #include "tests/unit/datasets/dataset_folders.h"

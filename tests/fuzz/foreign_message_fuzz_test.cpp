@@ -7,7 +7,7 @@
 #include "adapter/node/foreign_messages.h"
 #include "bot_core/images_t.hpp"
 #include "core/bus/transport/stock_lcm.h"
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 #include "core/io/images/jpeg_codec.h"
 #include "core/robot/foreign_image.h"
 #include "sensor_msgs/CameraInfo.hpp"

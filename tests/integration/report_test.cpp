@@ -8,7 +8,7 @@
 #include <fstream>
 #include <random>
 
-#include "core/io/files/atomic_file.h"
+#include "core/files/atomic_file.h"
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/http_client.h"

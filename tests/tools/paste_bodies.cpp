@@ -22,8 +22,8 @@
 
 #include "core/datasets/open_dataset.h"
 #include "core/datasets/synthetic/exact_math.h"
+#include "core/files/atomic_file.h"
 #include "core/geometry/rectifier.h"
-#include "core/io/files/atomic_file.h"
 #include "core/io/images/png_codec.h"
 #include "core/io/trajectories/trajectory.h"
 #include "tests/tools/body_motion.h"

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/errors/error_text.h"
-#include "core/io/files/bytes.h"
+#include "core/files/bytes.h"
 #include "core/ros/cdr_writer.h"
 #include "core/ros/ros_definitions.h"
 

@@ -12,10 +12,10 @@
 
 #include "core/datasets/camera_file.h"
 #include "core/datasets/check_rig.h"
+#include "core/files/atomic_file.h"
+#include "core/files/dataset_error.h"
 #include "core/geometry/distortion.h"
 #include "core/geometry/rectification.h"
-#include "core/io/files/atomic_file.h"
-#include "core/io/files/dataset_error.h"
 #include "core/io/images/image_folder.h"
 #include "tools/calibration/board.h"
 #include "tools/calibration/board_faults.h"

@@ -13,9 +13,9 @@
 #include "core/datasets/calibrations/foreign_calibration.h"
 #include "core/datasets/camera_file.h"
 #include "core/datasets/check_rig.h"
+#include "core/files/atomic_file.h"
+#include "core/files/dataset_error.h"
 #include "core/geometry/rectification.h"
-#include "core/io/files/atomic_file.h"
-#include "core/io/files/dataset_error.h"
 
 namespace plslam::calibration {
 namespace {

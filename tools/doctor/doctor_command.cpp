@@ -13,7 +13,7 @@
 #include "core/bus/channels.h"
 #include "core/bus/options.h"
 #include "core/config/config.h"
-#include "core/io/files/mapped_file.h"
+#include "core/files/mapped_file.h"
 #include "core/process/process_arguments.h"
 #include "core/process/process_usage.h"
 #include "plslam_version.h"

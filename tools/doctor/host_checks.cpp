@@ -15,7 +15,7 @@
 #include <fmt/ranges.h>
 #include <time.h>
 
-#include "core/io/files/shared_file.h"
+#include "core/files/shared_file.h"
 #include "core/places/vocabulary.h"
 
 namespace plslam::doctor {

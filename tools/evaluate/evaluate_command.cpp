@@ -11,7 +11,7 @@
 #include <string_view>
 
 #include "core/errors/standard_streams.h"
-#include "core/io/files/atomic_file.h"
+#include "core/files/atomic_file.h"
 #include "core/process/choice_argument.h"
 #include "plslam_version.h"
 #include "tools/command_line/run_command_line.h"

@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "core/io/files/atomic_file.h"
-#include "core/io/files/bytes.h"
+#include "core/files/atomic_file.h"
+#include "core/files/bytes.h"
 
 namespace plslam::exports {
 namespace {

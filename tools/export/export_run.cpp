@@ -15,7 +15,7 @@
 #include "core/bus/logs/log_reader.h"
 #include "core/datasets/log_dataset.h"
 #include "core/datasets/open_dataset.h"
-#include "core/io/files/atomic_file.h"
+#include "core/files/atomic_file.h"
 #include "core/io/images/png_codec.h"
 #include "core/io/maps/map_camera.h"
 #include "core/io/maps/map_ply.h"

@@ -15,7 +15,7 @@
 
 #include <fmt/format.h>
 
-#include "core/io/files/shared_file.h"
+#include "core/files/shared_file.h"
 #include "core/process/argument_vector.h"
 
 namespace plslam::exports {

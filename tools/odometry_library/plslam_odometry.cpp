@@ -16,7 +16,7 @@
 
 #include "core/config/config.h"
 #include "core/datasets/camera_file.h"
-#include "core/io/files/atomic_file.h"
+#include "core/files/atomic_file.h"
 #include "core/io/images/png_codec.h"
 #include "core/io/trajectories/trajectory.h"
 #include "plslam_version.h"

@@ -17,7 +17,7 @@
 #include <CLI/CLI.hpp>
 
 #include "core/errors/standard_streams.h"
-#include "core/io/files/shared_file.h"
+#include "core/files/shared_file.h"
 #include "core/process/argument_vector.h"
 
 namespace plslam::launcher {

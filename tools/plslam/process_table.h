@@ -61,7 +61,7 @@ struct Restart {
   std::string name;
   int number = 1;  ///< so many times it has been started again
   /// Number and time of the newest frame that has a pose; -1: none.
-  std::pair<int64_t, int64_t> newest_frame{-1, 0};
+  std::pair<FrameId, int64_t> newest_frame{-1, 0};
   bool paused = false;  ///< the player was
 };
 

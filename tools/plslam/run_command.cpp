@@ -13,7 +13,7 @@
 #include "core/datasets/camera_file.h"
 #include "core/datasets/open_dataset.h"
 #include "core/errors/error_text.h"
-#include "core/io/files/atomic_file.h"
+#include "core/files/atomic_file.h"
 #include "core/process/process_signals.h"
 #include "core/run/result_files.h"
 #include "core/run/run.h"

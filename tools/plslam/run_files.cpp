@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "core/io/files/atomic_file.h"
+#include "core/files/atomic_file.h"
 #include "core/run/result_files.h"
 #include "tools/evaluate/accuracy.h"
 #include "tools/plslam/process_table.h"

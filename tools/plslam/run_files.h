@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/io/files/folder_lock.h"
+#include "core/files/folder_lock.h"
 #include "core/run/run.h"
 
 namespace plslam::launcher {

@@ -10,7 +10,7 @@
 #include "core/bus/run_loop.h"
 #include "core/errors/error_text.h"
 #include "core/errors/standard_streams.h"
-#include "core/io/files/shared_file.h"
+#include "core/files/shared_file.h"
 #include "core/run/process_names.h"
 #include "tools/plslam/process_table.h"
 #include "tools/plslam/run_checks.h"

@@ -135,7 +135,7 @@ class MapStatistics {
 /// Content of a frame's pose message.
 struct FrameReport {
   SessionId session;
-  int64_t frame_id = 0;
+  FrameId frame_id = 0;
   int64_t t_ns = 0;
   TrackingState state = TrackingState::kInitialising;
   int64_t keyframe_id = -1;
@@ -165,7 +165,7 @@ class RunStatistics {
   /// Sessions of the frames: the first ones of very many.
   const std::set<SessionId>& sessions() const { return sessions_; }
   /// Number and time of the newest frame that has a pose; -1: none.
-  std::pair<int64_t, int64_t> newest_frame() const { return {newest_frame_id_, newest_t_ns_}; }
+  std::pair<FrameId, int64_t> newest_frame() const { return {newest_frame_id_, newest_t_ns_}; }
   /// Session and number there of the newest keyframe; -1: none.
   KeyframeName last_keyframe() const { return last_keyframe_; }
   const std::map<std::string, QuantileSketch>& stage_ms() const { return stage_ms_.by_name(); }
@@ -174,7 +174,7 @@ class RunStatistics {
   FrameTally frames_;
   MovingTally moving_;
   int64_t keyframes_ = 0;
-  int64_t newest_frame_id_ = -1;
+  FrameId newest_frame_id_ = -1;
   int64_t newest_t_ns_ = 0;
   FrameReport last_;
   std::set<SessionId> sessions_;

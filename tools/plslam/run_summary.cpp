@@ -85,8 +85,8 @@ json MovingToJson(const MovingTally& moving) {
   return {{"bodies", moving.bodies},
           {"frames", moving.frames},
           {"largest_percent", Rounded(100.0 * moving.largest_share, 0.1)},
-          {"first_frame", moving.first_frame},
-          {"last_frame", moving.last_frame}};
+          {"first_frame", moving.first_frame.value},
+          {"last_frame", moving.last_frame.value}};
 }
 
 json DataToJson(const RunCounters& counters) {

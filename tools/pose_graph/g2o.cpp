@@ -12,7 +12,7 @@
 #include <Eigen/Cholesky>
 
 #include "core/errors/error_text.h"
-#include "core/io/files/atomic_file.h"
+#include "core/files/atomic_file.h"
 
 namespace plslam::pose_graph {
 namespace {

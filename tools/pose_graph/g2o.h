@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "core/io/files/text_rows.h"
+#include "core/files/text_rows.h"
 #include "core/optim/pose_graph/pose_graph.h"
 
 namespace plslam::pose_graph {

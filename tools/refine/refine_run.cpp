@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 
 #include "core/datasets/camera_file.h"
-#include "core/io/files/atomic_file.h"
+#include "core/files/atomic_file.h"
 #include "core/io/maps/map_camera.h"
 #include "core/io/maps/map_file.h"
 #include "core/io/trajectories/trajectory.h"

@@ -16,7 +16,7 @@ OverlayFeatures ToOverlayFeatures(const tracks_t& message) {
   return features;
 }
 
-ProcessSample ToProcessSample(const status_t& message, double t_s, int64_t frame_id) {
+ProcessSample ToProcessSample(const status_t& message, double t_s, FrameId frame_id) {
   ProcessSample sample{.process = message.process,
                        .state = message.state,
                        .t_s = t_s,

@@ -11,6 +11,6 @@ namespace plslam::viewer {
 /// Conversion of messages to the plain values of this folder.
 OverlayFeatures ToOverlayFeatures(const tracks_t& message);
 /// `t_s` is the time of reception by the listener's clock, when `frame_id` was the newest frame.
-ProcessSample ToProcessSample(const status_t& message, double t_s, int64_t frame_id);
+ProcessSample ToProcessSample(const status_t& message, double t_s, FrameId frame_id);
 
 }  // namespace plslam::viewer

@@ -40,7 +40,7 @@ PictureNode::PictureNode(bus::Bus& bus, const ViewerOptions& options, Sources so
   const int64_t every = Every(options, sources.store);
   if (every == 0) return;
   const auto on_tracks = [this](const tracks_t& m) {
-    if (queue_.Wants(m.frame_id)) queue_.AddFeatures(m.frame_id, ToOverlayFeatures(m));
+    if (queue_.Wants(FrameId(m.frame_id))) queue_.AddFeatures(FrameId(m.frame_id), ToOverlayFeatures(m));
     UseAll();
   };
   bus.Subscribe<tracks_t>(bus::kTracks, on_tracks);
@@ -48,7 +48,7 @@ PictureNode::PictureNode(bus::Bus& bus, const ViewerOptions& options, Sources so
   frames_ = std::make_unique<bus::FrameSubscriber>(
       bus, bus::FrameSubscriber::Mode::kPictures, [this](const auto& frame) { OnFrame(frame); },
       // Called on the receiving thread: must not access mutable state.
-      [every](int64_t frame_id) { return OverlayQueue(every).Wants(frame_id); });
+      [every](FrameId frame_id) { return OverlayQueue(every).Wants(frame_id); });
 }
 
 void PictureNode::StartNewRun(PictureStore* store) {
@@ -97,7 +97,7 @@ void PictureNode::UseAll() {
 }
 
 void PictureNode::Use(const OverlayQueue::Ready& ready) {
-  const int64_t frame_id = ready.pose.frame_id;
+  const FrameId frame_id = ready.pose.frame_id;
   ++n_pictures_;
   newest_ = std::max(newest_, frame_id);
   const bool drawn = film_ || IsOverlay(frame_id);
@@ -117,7 +117,7 @@ void PictureNode::Use(const OverlayQueue::Ready& ready) {
 /// Stores the pictures of a frame that the report needs.
 void PictureNode::Store(const OverlayQueue::Ready& ready) {
   PictureStore* const store = sources_.store;
-  const int64_t frame_id = ready.pose.frame_id;
+  const FrameId frame_id = ready.pose.frame_id;
   const bool keyframe = store != nullptr && ready.pose.keyframe_id >= 0;
   const bool stored = IsStored(frame_id);
   if (!keyframe && !stored) return;
@@ -136,19 +136,19 @@ cv::Mat PictureNode::Draw(const OverlayQueue::Ready& ready) {
                      rectifier.left_mask());
 }
 
-bool PictureNode::IsOverlay(int64_t frame_id) const {
-  return options_.overlay_every > 0 && frame_id % options_.overlay_every == 0;
+bool PictureNode::IsOverlay(FrameId frame_id) const {
+  return options_.overlay_every > 0 && frame_id.value % options_.overlay_every == 0;
 }
 
-bool PictureNode::IsStored(int64_t frame_id) const {
+bool PictureNode::IsStored(FrameId frame_id) const {
   return sources_.store != nullptr && sources_.store->Wants(frame_id);
 }
 
-std::string PictureNode::OverlayFile(int64_t frame_id) const {
+std::string PictureNode::OverlayFile(FrameId frame_id) const {
   return fmt::format("{}/overlays/{:06}.png", options_.out, frame_id);
 }
 
-void PictureNode::WriteOverlay(int64_t frame_id, const cv::Mat& picture) {
+void PictureNode::WriteOverlay(FrameId frame_id, const cv::Mat& picture) {
   WritePng(OverlayFile(frame_id), picture, kOverlayCompression);
 }
 
@@ -158,10 +158,10 @@ bool PictureNode::MayCome() const {
 }
 
 PictureNode::Result PictureNode::Finish(const Recorder& recorder, bool lockstep, bool ended) {
-  const int64_t last = ended ? std::numeric_limits<int64_t>::max() : newest_;
+  const FrameId last = ended ? FrameId(std::numeric_limits<int64_t>::max()) : newest_;
   Result result;
   int64_t lacking = 0, of_report = 0;
-  for (const int64_t frame_id : queue_.lacking()) {
+  for (const FrameId frame_id : queue_.lacking()) {
     if (frame_id > last) break;
     ++lacking;
     const bool stored = IsStored(frame_id);
@@ -180,13 +180,13 @@ PictureNode::Result PictureNode::Finish(const Recorder& recorder, bool lockstep,
 
 std::string PictureNode::Why() const { return problem_.empty() ? kNotHeard : problem_; }
 
-std::string PictureNode::LackOfOverlays(const Recorder& recorder, bool lockstep, int64_t last) const {
+std::string PictureNode::LackOfOverlays(const Recorder& recorder, bool lockstep, FrameId last) const {
   if (options_.overlay_every == 0 || (!lockstep && problem_.empty())) return "";
   int64_t asked = 0, missing = 0;
   for (const auto& [frame_id, frame] : recorder.frames()) {
-    if (frame_id > last || !IsOverlay(frame_id)) continue;
+    if (FrameId(frame_id) > last || !IsOverlay(FrameId(frame_id))) continue;
     ++asked;
-    missing += std::filesystem::exists(OverlayFile(frame_id)) ? 0 : 1;
+    missing += std::filesystem::exists(OverlayFile(FrameId(frame_id))) ? 0 : 1;
   }
   if (missing == 0) return "";
   return fmt::format("{} of {} pictures are missing in {}/overlays: {}", missing, asked, options_.out, Why());

@@ -73,13 +73,13 @@ class PictureNode {
   void Use(const OverlayQueue::Ready& ready);
   void Store(const OverlayQueue::Ready& ready);
   cv::Mat Draw(const OverlayQueue::Ready& ready);
-  void WriteOverlay(int64_t frame_id, const cv::Mat& picture);
-  bool IsOverlay(int64_t frame_id) const;
+  void WriteOverlay(FrameId frame_id, const cv::Mat& picture);
+  bool IsOverlay(FrameId frame_id) const;
   /// Returns whether the report needs it.
-  bool IsStored(int64_t frame_id) const;
-  std::string OverlayFile(int64_t frame_id) const;
+  bool IsStored(FrameId frame_id) const;
+  std::string OverlayFile(FrameId frame_id) const;
   /// Return the reason why some frames have no overlays, or no film; empty if all exist.
-  std::string LackOfOverlays(const Recorder& recorder, bool lockstep, int64_t last) const;
+  std::string LackOfOverlays(const Recorder& recorder, bool lockstep, FrameId last) const;
   std::string LackOfFilm(bool lockstep, int64_t missing);
   std::string Why() const;
 
@@ -91,7 +91,7 @@ class PictureNode {
   std::optional<Camera> camera_;
   std::unique_ptr<Film> film_;
   int64_t n_pictures_ = 0;
-  int64_t newest_ = -1;  ///< frame that has a picture
+  FrameId newest_;  ///< frame that has a picture
   /// The reason why a received picture could not be used or written, for the first such picture.
   std::string problem_;
   /// After the end of the film: the reason why it does not exist, or empty.

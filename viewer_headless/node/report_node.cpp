@@ -9,7 +9,7 @@
 #include "core/bus/run_loop.h"
 #include "core/bus/transport/authenticator.h"
 #include "core/errors/log.h"
-#include "core/io/files/atomic_file.h"
+#include "core/files/atomic_file.h"
 #include "core/process/order.h"
 #include "core/process/process_status.h"
 #include "core/run/lag.h"

@@ -88,13 +88,13 @@ void ViewerNode::Subscribe() {
   bus.Subscribe<command_t>(bus::kCommand, [this](const command_t& m) { OnCommand(m); });
   bus.Subscribe<ground_truth_t>(bus::kGroundTruth, [this](const ground_truth_t& m) {
     const std::optional<SE3> T_w_l = bus::FromMessage(m.T_w_l);
-    if (!T_w_l || !recorder_.AddTruth(m.frame_id, {m.header.t_ns, *T_w_l})) return Reject();
+    if (!T_w_l || !recorder_.AddTruth(FrameId(m.frame_id), {m.header.t_ns, *T_w_l})) return Reject();
     dirty_ = true;
     quiet_ticks_ = 0;
   });
   bus.Subscribe<bodies_t>(bus::kBodies, [this](const bodies_t& m) {
     const std::optional<BodiesOfFrame> seen = ToBodiesOfFrame(m);
-    if (!seen || !recorder_.AddBodies(m.frame_id, *seen)) return Reject();
+    if (!seen || !recorder_.AddBodies(FrameId(m.frame_id), *seen)) return Reject();
     dirty_ = true;
     quiet_ticks_ = 0;
   });

@@ -25,8 +25,8 @@ struct FrameColumns {
   std::vector<float> t_s, entropy_ratio, live, odom, stages_ms;
   std::vector<uint8_t> session, state, keyframe;
 
-  void Add(int64_t frame_id, const FrameRecord& frame, size_t n_stages) {
-    id.push_back(Clamp32(frame_id));
+  void Add(FrameId frame_id, const FrameRecord& frame, size_t n_stages) {
+    id.push_back(Clamp32(frame_id.value));
     points.push_back(frame.counts.points);
     lines.push_back(frame.counts.lines);
     tracked_points.push_back(frame.counts.tracked_points);
@@ -76,7 +76,7 @@ Table FrameTable(const Recorder& recorder, int64_t stride, int64_t first_row) {
     const uint8_t session = sessions.try_emplace(frame.session, static_cast<uint8_t>(sessions.size())).first->second;
     const int64_t at = i++;
     if (at % stride != 0 || at / stride < first_row) continue;
-    columns.Add(frame_id, frame, n_stages);
+    columns.Add(FrameId(frame_id), frame, n_stages);
     columns.t_s.push_back(static_cast<float>(1e-9 * static_cast<double>(frame.t_ns - began_ns)));
     columns.session.push_back(session);
     Append(p_odom, columns.odom);

@@ -11,7 +11,7 @@ constexpr size_t kMaxCorrections = 40;
 
 }  // namespace
 
-void CorrectionLog::Add(const MapUpdate& update, const Map& map, int64_t frame_id) {
+void CorrectionLog::Add(const MapUpdate& update, const Map& map, FrameId frame_id) {
   // A complete map contains all past loops; their corrections were not observed.
   const bool corrected = update.base_version != 0 && !update.loops.empty() && !positions_.empty();
   if (corrected) {
@@ -25,7 +25,7 @@ void CorrectionLog::Add(const MapUpdate& update, const Map& map, int64_t frame_i
   Follow(update);
 }
 
-void CorrectionLog::Compare(const Map& map, int64_t frame_id) {
+void CorrectionLog::Compare(const Map& map, FrameId frame_id) {
   ReportCorrection correction;
   correction.frame_id = frame_id;
   std::vector<int32_t> ids;
@@ -70,9 +70,9 @@ namespace {
 
 constexpr size_t kMaxLoops = 2000;
 
-int64_t FrameOf(const Map& map, KeyframeId keyframe_id) {
+FrameId FrameOf(const Map& map, KeyframeId keyframe_id) {
   const MapKeyframe* keyframe = map.FindKeyframe(keyframe_id);
-  return keyframe == nullptr ? -1 : keyframe->frame_id;
+  return keyframe == nullptr ? FrameId() : keyframe->frame_id;
 }
 
 }  // namespace

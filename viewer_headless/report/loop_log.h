@@ -21,7 +21,7 @@ namespace plslam::viewer {
 class CorrectionLog {
  public:
   /// `map` is the map with `update` in it; `frame_id` the newest frame.
-  void Add(const MapUpdate& update, const Map& map, int64_t frame_id);
+  void Add(const MapUpdate& update, const Map& map, FrameId frame_id);
 
   const std::vector<ReportCorrection>& corrections() const { return corrections_; }
   /// Returns the largest move of the correction that came with this loop edge; 0 if it was not observed.
@@ -29,7 +29,7 @@ class CorrectionLog {
   int64_t dropped() const { return dropped_; }
 
  private:
-  void Compare(const Map& map, int64_t frame_id);
+  void Compare(const Map& map, FrameId frame_id);
   void KeepLargest();
   void Follow(const MapUpdate& update);
 

@@ -61,7 +61,8 @@ namespace {
 /// The frame of the first keyframe that sees it and is still there; -1: none.
 int32_t FirstSeen(const Map& map, const std::vector<Observation>& observations) {
   for (const Observation& observation : observations) {
-    if (const MapKeyframe* keyframe = map.FindKeyframe(observation.keyframe_id())) return Clamp32(keyframe->frame_id);
+    if (const MapKeyframe* keyframe = map.FindKeyframe(observation.keyframe_id()))
+      return Clamp32(keyframe->frame_id.value);
   }
   return -1;
 }
@@ -70,7 +71,8 @@ int32_t FirstSeen(const Map& map, const std::vector<Observation>& observations) 
 uint16_t Life_frames(const Map& map, const std::vector<Observation>& observations, int32_t first) {
   for (auto observation = observations.rbegin(); observation != observations.rend(); ++observation) {
     const MapKeyframe* keyframe = map.FindKeyframe(observation->keyframe_id());
-    if (keyframe != nullptr) return static_cast<uint16_t>(std::clamp<int64_t>(keyframe->frame_id - first, 0, 65535));
+    if (keyframe != nullptr)
+      return static_cast<uint16_t>(std::clamp<int64_t>(keyframe->frame_id.value - first, 0, 65535));
   }
   return 0;
 }
@@ -129,7 +131,7 @@ Table KeyframeTable(const Map& map, const RowOfKeyframe& rows) {
   std::vector<float> p, q, sigma_m;
   for (const auto& [keyframe_id, keyframe] : map.keyframes()) {
     id.push_back(Clamp32(keyframe_id.value));
-    frame.push_back(Clamp32(keyframe.frame_id));
+    frame.push_back(Clamp32(keyframe.frame_id.value));
     const auto row = rows.find(keyframe.parent_id);
     parent.push_back(row == rows.end() ? -1 : row->second);
     Append(keyframe.T_w_kf.translation(), p);

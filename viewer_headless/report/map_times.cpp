@@ -12,12 +12,12 @@ constexpr size_t kMaxStages = 32;
 
 }  // namespace
 
-void MapTimes::Add(const MapUpdate& update, int64_t frame_id) {
+void MapTimes::Add(const MapUpdate& update, FrameId frame_id) {
   // A republished complete map repeats the times of the last update.
   if (update.base_version == 0 && update.version != 1) return;
   if (update.stage_ms.empty() || heard_++ % every_ != 0) return;
   Row row;
-  row.frame = Clamp32(frame_id);
+  row.frame = Clamp32(frame_id.value);
   row.before_px = static_cast<float>(update.adjustment.reprojection_before_px);
   row.after_px = static_cast<float>(update.adjustment.reprojection_after_px);
   for (const auto& [name, ms] : update.stage_ms) {

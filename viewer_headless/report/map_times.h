@@ -14,7 +14,7 @@ namespace plslam::viewer {
 /// dropped.
 class MapTimes {
  public:
-  void Add(const MapUpdate& update, int64_t frame_id);
+  void Add(const MapUpdate& update, FrameId frame_id);
 
   const std::vector<std::string>& stage_names() const { return stage_names_; }
   /// `frame`: newest frame at that time; `stages_ms`, as wide as there are names, NaN for missing ones; `before_px`,

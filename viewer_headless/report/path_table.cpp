@@ -35,7 +35,7 @@ void VisitPath(const Recorder& recorder, const FinalPoses& final_poses, const Ru
   SE3 before;
   for (const auto& [frame_id, frame] : recorder.frames()) {
     PathFrame row;
-    row.T_w_c = final_poses(frame_id, frame);
+    row.T_w_c = final_poses(FrameId(frame_id), frame);
     row.T_w_l = row.T_w_c * T_c_l;
     row.T_w_l_live = frame.T_w_odom * frame.T_odom_c * T_c_l;
     row.has_pose = HasPose(frame);

@@ -30,7 +30,7 @@ void PictureStore::Announce(int64_t n_frames) {
   while (max_pictures_ > 0 && n_frames / stride_ > max_pictures_) stride_ *= 2;
 }
 
-void PictureStore::Add(int64_t frame_id, const cv::Mat& left, const cv::Mat& right, const OverlayFeatures& features,
+void PictureStore::Add(FrameId frame_id, const cv::Mat& left, const cv::Mat& right, const OverlayFeatures& features,
                        int width_px) {
   const cv::Mat small = Shrink(left, kPictureWidth_px);
   const float scale = static_cast<float>(small.cols) / static_cast<float>(width_px);
@@ -43,14 +43,14 @@ void PictureStore::Add(int64_t frame_id, const cv::Mat& left, const cv::Mat& rig
   }
 }
 
-void PictureStore::AddKeyframe(int64_t frame_id, const cv::Mat& image) {
+void PictureStore::AddKeyframe(FrameId frame_id, const cv::Mat& image) {
   keyframes_.insert_or_assign(frame_id, EncodeJpeg(Shrink(image, kKeyframeWidth_px), kQuality));
   if (keyframes_.size() <= kMaxKeyframes) return;
   bool drop = false;
   std::erase_if(keyframes_, [&drop](const auto&) { return std::exchange(drop, !drop); });
 }
 
-std::string PictureStore::Keyframe(int64_t frame_id) const {
+std::string PictureStore::Keyframe(FrameId frame_id) const {
   const auto found = keyframes_.find(frame_id);
   return found == keyframes_.end() ? std::string() : found->second;
 }

@@ -23,22 +23,22 @@ class PictureStore {
 
   /// The stream is going to have so many frames: chooses the stride that will fit.
   void Announce(int64_t n_frames);
-  bool Wants(int64_t frame_id) const { return max_pictures_ > 0 && frame_id >= 0 && frame_id % stride_ == 0; }
+  bool Wants(FrameId frame_id) const { return max_pictures_ > 0 && frame_id >= 0 && frame_id.value % stride_ == 0; }
   int64_t stride() const { return stride_; }
 
   /// Adds rectified images, 8-bit grey, which may be smaller than the `width_px` of the image that has the features;
   /// `right` may be empty.
-  void Add(int64_t frame_id, const cv::Mat& left, const cv::Mat& right, const OverlayFeatures& features,
+  void Add(FrameId frame_id, const cv::Mat& left, const cv::Mat& right, const OverlayFeatures& features,
            int width_px);
-  void AddKeyframe(int64_t frame_id, const cv::Mat& image);
+  void AddKeyframe(FrameId frame_id, const cv::Mat& image);
 
   /// Sets the number of wanted pictures that are missing.
   void SetMissing(int64_t n) { missing_ = n; }
   int64_t missing() const { return missing_; }
 
-  const std::map<int64_t, ReportPicture>& pictures() const { return pictures_; }
+  const std::map<FrameId, ReportPicture>& pictures() const { return pictures_; }
   /// Returns the JPEG of the keyframe at that frame; empty if there is none.
-  std::string Keyframe(int64_t frame_id) const;
+  std::string Keyframe(FrameId frame_id) const;
 
  private:
   static constexpr size_t kMaxKeyframes = 2000;
@@ -46,8 +46,8 @@ class PictureStore {
   int64_t max_pictures_;
   int64_t stride_ = 1;
   int64_t missing_ = 0;
-  std::map<int64_t, ReportPicture> pictures_;
-  std::map<int64_t, std::string> keyframes_;
+  std::map<FrameId, ReportPicture> pictures_;
+  std::map<FrameId, std::string> keyframes_;
 };
 
 }  // namespace plslam::viewer

@@ -48,7 +48,7 @@ void ProcessLog::Add(const ProcessSample& sample) {
 void ProcessLog::Append(const ProcessSample& sample, Series& series) {
   series.t_s.push_back(static_cast<float>(sample.t_s));
   series.uptime_s.push_back(static_cast<float>(sample.uptime_s));
-  series.frame.push_back(Clamp32(sample.frame_id));
+  series.frame.push_back(Clamp32(sample.frame_id.value));
   series.cpu_s.push_back(static_cast<float>(sample.cpu_s));
   series.memory_mb.push_back(static_cast<float>(sample.memory_mb));
   for (const auto& [name, value] : sample.counters) {

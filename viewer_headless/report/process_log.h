@@ -16,7 +16,7 @@ struct ProcessSample {
   std::string process;
   std::string state;
   double t_s = 0.0;       ///< by the listener's clock
-  int64_t frame_id = -1;  ///< newest frame at that time
+  FrameId frame_id = -1;  ///< newest frame at that time
   double cpu_s = 0.0;
   double memory_mb = 0.0;
   std::vector<std::pair<std::string, double>> counters;

@@ -41,7 +41,7 @@ struct RunFacts {
 /// A picture of the run: the rectified left image, reduced, and its tracked features, in pixels of the reduced image
 /// (disparities: of the camera).
 struct ReportPicture {
-  int64_t frame_id = 0;
+  FrameId frame_id = 0;
   int width_px = 0;
   int height_px = 0;
   std::string jpeg;
@@ -53,8 +53,8 @@ struct ReportPicture {
 struct ReportLoop {
   KeyframeId old_keyframe_id = -1;
   KeyframeId keyframe_id = -1;
-  int64_t old_frame_id = -1;
-  int64_t frame_id = -1;
+  FrameId old_frame_id = -1;
+  FrameId frame_id = -1;
   int n_points = 0;
   int n_lines = 0;
   double distance_m = 0.0;  ///< between the two cameras, and their angle
@@ -69,7 +69,7 @@ struct ReportLoop {
 
 /// Keyframes before and after a correction of the map by loops: columns `keyframe`, `before`, `after`.
 struct ReportCorrection {
-  int64_t frame_id = -1;  ///< newest frame at that time
+  FrameId frame_id = -1;  ///< newest frame at that time
   double moved_m = 0.0;   ///< furthest move of a keyframe
   Table table;
 };

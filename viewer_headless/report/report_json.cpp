@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/io/files/bytes.h"
+#include "core/files/bytes.h"
 #include "viewer_headless/report/report_page.h"
 
 namespace plslam::viewer {
@@ -73,8 +73,8 @@ Json ToJson(const RunFacts& f) {
                {"moving",
                 {{"bodies", f.moving.bodies},
                  {"percent", 100.0 * f.moving.largest_share},
-                 {"first_frame", f.moving.first_frame},
-                 {"last_frame", f.moving.last_frame}}},
+                 {"first_frame", f.moving.first_frame.value},
+                 {"last_frame", f.moving.last_frame.value}}},
                {"keyframes", f.keyframes},
                {"points", f.points},
                {"lines", f.lines},
@@ -142,19 +142,16 @@ Json ToJson(const OverlayFeatures& features) {
 }
 
 Json ToJson(const ReportPicture& p) {
-  return {{"frame", p.frame_id},
-          {"width_px", p.width_px},
-          {"height_px", p.height_px},
-          {"jpeg", Base64(p.jpeg)},
-          {"right_jpeg", Base64(p.right_jpeg)},
-          {"features", ToJson(p.features)}};
+  return {{"frame", p.frame_id.value},          {"width_px", p.width_px},
+          {"height_px", p.height_px},           {"jpeg", Base64(p.jpeg)},
+          {"right_jpeg", Base64(p.right_jpeg)}, {"features", ToJson(p.features)}};
 }
 
 Json ToJson(const ReportLoop& l) {
   return {{"old_keyframe", l.old_keyframe_id.value},
           {"keyframe", l.keyframe_id.value},
-          {"old_frame", l.old_frame_id},
-          {"frame", l.frame_id},
+          {"old_frame", l.old_frame_id.value},
+          {"frame", l.frame_id.value},
           {"points", l.n_points},
           {"lines", l.n_lines},
           {"distance_m", l.distance_m},
@@ -168,7 +165,7 @@ Json ToJson(const ReportLoop& l) {
 }
 
 Json ToJson(const ReportCorrection& c) {
-  return {{"frame", c.frame_id}, {"moved_m", c.moved_m}, {"table", ToJson(c.table)}};
+  return {{"frame", c.frame_id.value}, {"moved_m", c.moved_m}, {"table", ToJson(c.table)}};
 }
 
 Json ToJson(const ReportProcess& p) {

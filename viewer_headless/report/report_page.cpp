@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/io/files/shared_file.h"
+#include "core/files/shared_file.h"
 
 namespace plslam::viewer {
 namespace {

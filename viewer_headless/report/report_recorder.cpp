@@ -24,7 +24,7 @@ void ReportRecorder::Begin(const RunHead& head) {
   pictures_.Announce(head.announced_frames);
 }
 
-void ReportRecorder::Add(const MapUpdate& update, const Map& map, int64_t frame_id) {
+void ReportRecorder::Add(const MapUpdate& update, const Map& map, FrameId frame_id) {
   ++n_map_updates_;
   corrections_.Add(update, map, frame_id);
   map_times_.Add(update, frame_id);
@@ -53,7 +53,7 @@ RunFacts ReportRecorder::Facts(const Recorder& recorder, const Map& map) const {
   const int64_t t_ns = recorder.frames().Last().second.t_ns - recorder.frames().First().second.t_ns;
   for (const auto& [frame_id, frame] : recorder.frames()) {
     const FrameCounts& n = frame.counts;
-    facts.moving.Add(frame_id, n.moving, n.points + n.lines, n.bodies);
+    facts.moving.Add(FrameId(frame_id), n.moving, n.points + n.lines, n.bodies);
   }
   facts.duration_s = 1e-9 * static_cast<double>(t_ns);
   return facts;
@@ -111,7 +111,7 @@ ReportData ReportRecorder::Build(const Recorder& recorder, const Map& map, const
   data.frames = FrameTable(recorder, stride, from.rows);
   AddPictures(from.picture, &data);
   const int64_t rows = from.rows + static_cast<int64_t>(Rows(data.frames));
-  const int64_t picture = data.pictures.empty() ? from.picture : data.pictures.back().frame_id;
+  const int64_t picture = data.pictures.empty() ? from.picture : data.pictures.back().frame_id.value;
   data.next = ReportSince{run_, stride, rows, n_map_updates_, picture}.Text();
   AddNotes(recorder, map, stride, &data);
   data.processes = processes_.Processes();

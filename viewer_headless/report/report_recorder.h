@@ -39,7 +39,7 @@ class ReportRecorder {
   void AddWarning(const std::string& code, const std::string& sentence) { warnings_.Add(code, sentence); }
   void Add(const LoopClosure& closure) { loops_.Add(closure); }
   /// Called after `update` was applied to `map`; `frame_id` is the newest frame.
-  void Add(const MapUpdate& update, const Map& map, int64_t frame_id);
+  void Add(const MapUpdate& update, const Map& map, FrameId frame_id);
   /// Marks the run as ended.
   void Finish();
   PictureStore& pictures() { return pictures_; }

@@ -14,7 +14,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "core/io/files/shared_file.h"
+#include "core/files/shared_file.h"
 #include "viewer_headless/video/film_stream.h"
 
 namespace plslam::viewer {

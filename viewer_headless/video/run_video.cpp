@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/io/files/atomic_file.h"
+#include "core/files/atomic_file.h"
 #include "core/io/images/png_codec.h"
 
 namespace plslam::viewer {

@@ -31,7 +31,7 @@ MaskLink::MaskLink(bus::Process& process, const MaskUseOptions& options, std::fu
     const auto mask = bus::FromMessage(message);
     if (!mask) return process.bus().CountRejected();
     wait_.OnSignOfLife(bus::NowS());
-    masks_.emplace_back(FrameName(message.frame_id, message.header.t_ns), *mask);
+    masks_.emplace_back(FrameName(FrameId(message.frame_id), message.header.t_ns), *mask);
     if (masks_.size() > kMaxMasks) masks_.pop_front();
     on_arrival_();
   });

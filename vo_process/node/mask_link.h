@@ -20,7 +20,7 @@ namespace plslam::vo {
 class MaskLink {
  public:
   /// Frame number and time.
-  using FrameName = std::pair<int64_t, int64_t>;
+  using FrameName = std::pair<FrameId, int64_t>;
 
   /// `on_arrival` is called when a mask has arrived, or a wait may be over.
   MaskLink(bus::Process& process, const MaskUseOptions& options, std::function<void()> on_arrival);

@@ -22,9 +22,9 @@ bool RelocalisationClient::IsDue(bool lockstep, double now_s) const {
 void RelocalisationClient::Ask(Keyframe frame, const SE3& T_odom_c, double now_s) {
   publisher_.Publish(frame);
   const bool waits = frame.lockstep;
-  const int64_t frame_id = frame.frame_id;
+  const FrameId frame_id = frame.frame_id;
   request_ = Request{std::move(frame), T_odom_c, now_s};
-  if (waits) wait_.Begin(frame_id, now_s);
+  if (waits) wait_.Begin(frame_id.value, now_s);
 }
 
 std::optional<SE3> RelocalisationClient::Close(const Relocalisation& result, const TrackerSession& session) {

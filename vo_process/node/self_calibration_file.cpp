@@ -17,9 +17,9 @@
 #include "core/bus/messages/convert.h"
 #include "core/bus/transport/wire.h"
 #include "core/errors/log.h"
+#include "core/files/atomic_file.h"
+#include "core/files/sealed_file.h"
 #include "core/geometry/symmetric.h"
-#include "core/io/files/atomic_file.h"
-#include "core/io/files/sealed_file.h"
 #include "plslam/camera_t.hpp"
 
 namespace plslam::vo {

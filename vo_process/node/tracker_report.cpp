@@ -39,7 +39,7 @@ void TrackerReport::CountUnanchored(bool is_unanchored) {
   if (now != counts_[kUnanchoredNow]) Count(kUnanchoredNow, now - counts_[kUnanchoredNow]);
 }
 
-void TrackerReport::CountTooEarly(int64_t frame_id) {
+void TrackerReport::CountTooEarly(FrameId frame_id) {
   Count("frames.bad", 1);
   if (std::exchange(too_early_reported_, true)) return;
   LogWarning("frame {} is up to a second older than the previous frame: such frames are not used", frame_id);

@@ -24,7 +24,7 @@ class TrackerReport {
   /// Counts a frame, which has no known place in the map if `is_unanchored`.
   void CountUnanchored(bool is_unanchored);
   /// Counts a frame whose time stamp is before that of the previous one, and logs the first.
-  void CountTooEarly(int64_t frame_id);
+  void CountTooEarly(FrameId frame_id);
   /// Frames counted so far.
   int64_t frames() { return static_cast<int64_t>(counts_["frames"]); }
   /// Publishes the state if it has changed.

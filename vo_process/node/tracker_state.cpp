@@ -8,7 +8,7 @@
 
 #include "core/bus/transport/wire.h"
 #include "core/errors/log.h"
-#include "core/io/files/sealed_file.h"
+#include "core/files/sealed_file.h"
 #include "core/io/maps/map_file_fields.h"
 
 namespace plslam::archive {

@@ -25,7 +25,7 @@ struct TrackerSession {
   bool lockstep = false;
   /// Time, number and publisher of the newest frame.
   int64_t last_t_ns = 0;
-  int64_t last_frame_id = -1;
+  FrameId last_frame_id = -1;
   int64_t last_source = 0;
   int64_t last_keyframe_id = -1;
   /// Whether the newest frame became a keyframe, and no relocalisation was requested with it.
@@ -55,7 +55,7 @@ struct TrackerSession {
   /// Returns the pose that was published for a frame, if it is one of the newest; nullptr otherwise.
   const pose_t* FindPose(const StereoImages& frame) const {
     const auto found = std::find_if(recent.begin(), recent.end(), [&](const pose_t& pose) {
-      return pose.frame_id == frame.frame_id && pose.header.t_ns == frame.t_ns;
+      return FrameId(pose.frame_id) == frame.frame_id && pose.header.t_ns == frame.t_ns;
     });
     return found == recent.end() ? nullptr : &*found;
   }

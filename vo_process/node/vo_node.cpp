@@ -15,7 +15,7 @@
 #include "core/bus/run_loop.h"
 #include "core/bus/transport/wire.h"
 #include "core/errors/log.h"
-#include "core/io/files/archive.h"
+#include "core/files/archive.h"
 #include "core/run/process_names.h"
 #include "core/run/run_counters.h"
 #include "plslam/header_t.hpp"
@@ -401,7 +401,7 @@ void VoNode::SetHeader(const Frame& frame, header_t& header) const {
 void VoNode::PublishPose(const Frame& frame, const OdometryResult& result, const std::vector<StageTime>& stages) {
   pose_t message = ToPoseMessage(result, odometry_->T_w_odom(), IsAnchored(), stages);
   SetHeader(frame, message.header);
-  message.frame_id = frame.images.frame_id;
+  message.frame_id = frame.images.frame_id.value;
   message.n_skipped_frames = frame.skipped;
   if (IsLocaliseOnly()) {
     message.keyframe_id = -1;
@@ -417,12 +417,12 @@ void VoNode::PublishPose(const Frame& frame, const OdometryResult& result, const
 void VoNode::PublishTracks(const Frame& frame, const OdometryResult& result) {
   tracks_t message = ToTracksMessage(result, process_.bus().largest_message_bytes());
   SetHeader(frame, message.header);
-  message.frame_id = frame.images.frame_id;
+  message.frame_id = frame.images.frame_id.value;
   process_.bus().Publish(frame.lockstep ? bus::kTracks : bus::kTracksLive, message);
   if (result.bodies.empty()) return;
   bodies_t bodies = ToBodiesMessage(result.bodies);
   SetHeader(frame, bodies.header);
-  bodies.frame_id = frame.images.frame_id;
+  bodies.frame_id = frame.images.frame_id.value;
   process_.bus().Publish(bus::kBodies, bodies);
 }
 
@@ -523,7 +523,8 @@ void VoNode::KeepState(const Keyframe& keyframe) {
 bool VoNode::MissesFramesBefore(const Frame& frame) const {
   const bool continues = frame.lockstep && session_.lockstep && odometry_ && frame.images.t_ns > session_.last_t_ns;
   const bool may_go_back = restored_ || frame.source != session_.last_source;
-  return continues && may_go_back && frame.images.frame_id > session_.last_frame_id + 1 && checkpoint_.is_on();
+  return continues && may_go_back && frame.images.frame_id.value > session_.last_frame_id.value + 1 &&
+         checkpoint_.is_on();
 }
 
 void VoNode::RepeatResendRequest() {
@@ -534,7 +535,8 @@ void VoNode::RepeatResendRequest() {
 }
 
 void VoNode::FinishIfDone() {
-  if (announced_frames_ >= 0 && session_.last_frame_id + 1 >= announced_frames_ && !held_keyframe_) report_.Finish();
+  if (announced_frames_ >= 0 && session_.last_frame_id.value + 1 >= announced_frames_ && !held_keyframe_)
+    report_.Finish();
 }
 
 bus::ProcessSpec VoSpec() {

@@ -55,7 +55,7 @@ class RollingShutter {
   /// its own frame, [m/s; rad/s]. Points nearer than the pair can see stay.
   Eigen::Vector3d Moved(const Eigen::Vector3d& uvd, const RowShares& shares, const Vector6d& velocity) const;
 
-  /// The estimated state, for `core/io/files/archive.h`.
+  /// The estimated state, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.readout_s_);

@@ -51,7 +51,7 @@ class KeyframeMaker {
     return log_.LocalMapAround(map, keyframe, max_keyframes);
   }
 
-  /// The state after a keyframe, for `core/io/files/archive.h`.
+  /// The state after a keyframe, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.policy_, self.log_, self.next_id_, self.T_odom_kf_, self.first_unknown_point_, self.first_unknown_line_);

@@ -85,7 +85,7 @@ class Odometry {
   /// Pose of odom in the map, as of the last `Adopt`.
   const SE3& T_w_odom() const { return T_w_odom_; }
 
-  /// The state after a frame that became a keyframe, for `core/io/files/archive.h`. Such a frame was tracked, so there
+  /// The state after a frame that became a keyframe, for `core/files/archive.h`. Such a frame was tracked, so there
   /// is no previous local map, and the measurements since the previous keyframe are contained in it.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {

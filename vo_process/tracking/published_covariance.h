@@ -46,7 +46,7 @@ class PublishedCovariance {
   /// `length_sigma`: relative sigma that lengths have in common.
   void Publish(double length_sigma, const SE3& T_kf_c, OdometryResult& result);
 
-  /// The state between frames, for `core/io/files/archive.h`.
+  /// The state between frames, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.uncertainty_, self.alignment_covariance_, self.covariance_odom_kf_, self.published_kf_c_,

@@ -104,7 +104,7 @@ class Recovery {
   /// Searches the next frame also among the landmarks of the map around a relocalisation result.
   void Relocalise(const TrackerLocalMap& local_map, LocalLandmarks& landmarks);
 
-  /// The state after a frame that was tracked, for `core/io/files/archive.h`: `Tracking`.
+  /// The state after a frame that was tracked, for `core/files/archive.h`: `Tracking`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.tracked_weight_);

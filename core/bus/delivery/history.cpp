@@ -11,7 +11,7 @@
 #include <lcm/eventlog.h>
 
 #include "core/bus/transport/wall_clock.h"
-#include "core/io/files/mapped_file.h"
+#include "core/files/mapped_file.h"
 
 namespace plslam::bus {
 namespace {

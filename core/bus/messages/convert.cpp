@@ -182,8 +182,9 @@ bool FromArray(const double (&up_c)[3], double sigma_rad, std::optional<UpDirect
   const Eigen::Vector3d direction(up_c[0], up_c[1], up_c[2]);
   up.reset();
   if (sigma_rad == 0.0 && direction.isZero(0.0)) return true;
-  const bool is_ok = std::isfinite(sigma_rad) && sigma_rad > 0.0 && std::abs(direction.norm() - 1.0) < 1e-6;
-  if (is_ok) up = UpDirection{direction, sigma_rad};
+  const UpDirection received{direction, sigma_rad};
+  const bool is_ok = received.IsValid();
+  if (is_ok) up = received;
   return is_ok;
 }
 

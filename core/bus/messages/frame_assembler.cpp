@@ -61,12 +61,12 @@ bool FrameAssembler::Fits(const image_strip_t& strip, const Image& image) {
 FrameAssembler::Partial& FrameAssembler::PartialOf(const image_strip_t& strip) {
   const SourceId source(strip.header.source);
   const auto found = std::find_if(partials_.begin(), partials_.end(), [&](const Partial& p) {
-    return p.source == source && p.frame_id == strip.frame_id;
+    return p.source == source && p.frame_id == FrameId(strip.frame_id);
   });
   if (found != partials_.end()) return *found;
   Partial& partial = partials_.emplace_back();
   partial.source = source;
-  partial.frame_id = strip.frame_id;
+  partial.frame_id = FrameId(strip.frame_id);
   partial.t_ns = strip.header.t_ns;
   return partial;
 }
@@ -78,7 +78,7 @@ FrameAssembler::Outcome FrameAssembler::Add(const image_strip_t& strip) {
   Image& image = partial.images[strip.camera == 1 ? 1 : 0];
   const bool known = !image.tiles.empty() || Describe(strip, image);
   if (!known || !Fits(strip, image) || partial.t_ns != strip.header.t_ns) {
-    Forget(SourceId(strip.header.source), strip.frame_id);
+    Forget(SourceId(strip.header.source), FrameId(strip.frame_id));
     return Outcome::kNonsense;
   }
   Tile& tile = image.tiles[static_cast<size_t>(strip.strip)];
@@ -104,7 +104,7 @@ FrameAssembler::Outcome FrameAssembler::Add(const image_strip_t& strip) {
 
 AssembledFrame FrameAssembler::TakeFrame() { return std::move(*std::exchange(complete_, std::nullopt)); }
 
-void FrameAssembler::Forget(SourceId source, int64_t frame_id) {
+void FrameAssembler::Forget(SourceId source, FrameId frame_id) {
   partials_.remove_if([&](const Partial& p) { return p.source == source && p.frame_id <= frame_id; });
 }
 

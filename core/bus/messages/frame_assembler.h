@@ -50,7 +50,7 @@ class FrameAssembler {
   AssembledFrame TakeFrame();
 
   /// Gives up unfinished frames of `source` up to `frame_id`.
-  void Forget(SourceId source, int64_t frame_id);
+  void Forget(SourceId source, FrameId frame_id);
   size_t partial() const { return partials_.size(); }
 
  private:
@@ -70,7 +70,7 @@ class FrameAssembler {
   };
   struct Partial {
     SourceId source;
-    int64_t frame_id = 0;
+    FrameId frame_id = 0;
     int64_t t_ns = 0;
     int64_t left_seq = 0;  // number of the first left strip
     std::array<Image, 2> images;

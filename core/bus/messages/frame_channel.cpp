@@ -68,9 +68,9 @@ int64_t StripBytes(const image_strip_t& empty, int64_t row_bytes, int64_t page_b
 void CheckSize(const StereoImages& frame, const cv::Mat& image) {
   if (image.empty()) throw std::invalid_argument("a frame needs two images");
   if (FrameAssembler::CanHold(image.cols, image.rows, static_cast<int64_t>(image.elemSize()))) return;
-  throw std::runtime_error("frame " + std::to_string(frame.frame_id) + ": an image of " + std::to_string(image.cols) +
-                           " x " + std::to_string(image.rows) + " pixels, " + std::to_string(image.elemSize()) +
-                           " bytes each, is larger than readers accept (" +
+  throw std::runtime_error("frame " + std::to_string(frame.frame_id.value) + ": an image of " +
+                           std::to_string(image.cols) + " x " + std::to_string(image.rows) + " pixels, " +
+                           std::to_string(image.elemSize()) + " bytes each, is larger than readers accept (" +
                            std::to_string(FrameAssembler::kMaxImageBytes) + " bytes, " +
                            std::to_string(FrameAssembler::kMaxSide_px) + " pixels a side)");
 }
@@ -90,7 +90,7 @@ void FramePublisher::PublishImage(const StereoImages& frame, const cv::Mat& imag
   const cv::Mat whole = image.isContinuous() ? image : image.clone();
   image_strip_t strip{};
   strip.header.t_ns = frame.t_ns;
-  strip.frame_id = frame.frame_id;
+  strip.frame_id = frame.frame_id.value;
   strip.camera = camera;
   strip.width_px = whole.cols;
   strip.height_px = whole.rows;
@@ -169,7 +169,7 @@ void FrameSubscriber::Impl::Subscribe(const Channel& channel, Lane& lane) {
 
 void FrameSubscriber::Impl::OnStrip(Lane& lane, ByteView bytes) {
   const int64_t source = ReadHeader(bytes).source;
-  const int64_t frame_id = ReadInt64(bytes.data() + kWireHeaderBytes);
+  const FrameId frame_id(ReadInt64(bytes.data() + kWireHeaderBytes));
   const auto known = lane.completed.find(source);
   // On the ordered channel each strip arrives once: a repeated frame was sent again, for example by a player that has
   // gone back.
@@ -230,7 +230,7 @@ void FrameSubscriber::Impl::OfferNewest(AssembledFrame frame) {
 int FrameSubscriber::Impl::Skipped(const AssembledFrame& last, const AssembledFrame& frame) {
   const int64_t strips = frame.first_seq - last.first_seq;
   if (strips <= 0 || last.n_strips <= 0) return 0;
-  const int64_t ids = std::max<int64_t>(0, frame.images.frame_id - last.images.frame_id - 1);
+  const int64_t ids = std::max<int64_t>(0, frame.images.frame_id.value - last.images.frame_id.value - 1);
   return static_cast<int>(std::min((strips - 1) / last.n_strips, ids));
 }
 
@@ -247,7 +247,7 @@ void FrameSubscriber::Impl::Deliver(AssembledFrame frame, bool lockstep) {
 }
 
 FrameSubscriber::FrameSubscriber(Bus& bus, Mode mode, std::function<void(const Frame&)> handler,
-                                 std::function<bool(int64_t frame_id)> wanted)
+                                 std::function<bool(FrameId frame_id)> wanted)
     : impl_(std::make_shared<Impl>(bus, mode, std::move(handler), std::move(wanted))) {
   impl_->Subscribe(kStereoFrame, impl_->ordered);
   impl_->Subscribe(kStereoFrameLive, impl_->live);

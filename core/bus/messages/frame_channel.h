@@ -68,7 +68,7 @@ class FrameSubscriber {
 
   /// `wanted` is called on the receiving thread: it must be quick, and safe there.
   FrameSubscriber(Bus& bus, Mode mode, std::function<void(const Frame&)> handler,
-                  std::function<bool(int64_t frame_id)> wanted = nullptr);
+                  std::function<bool(FrameId frame_id)> wanted = nullptr);
   ~FrameSubscriber();
 
  private:

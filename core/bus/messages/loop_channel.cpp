@@ -182,7 +182,7 @@ relocalisation_t ToMessage(const Relocalisation& relocalisation) {
   relocalisation_t message{};
   message.header.session = relocalisation.session.value;
   message.header.t_ns = relocalisation.t_ns;
-  message.frame_id = relocalisation.frame_id;
+  message.frame_id = relocalisation.frame_id.value;
   message.found = relocalisation.found ? 1 : 0;
   message.map_source = relocalisation.map_source.value;
   message.map_version = relocalisation.map_version;
@@ -204,7 +204,7 @@ std::optional<Relocalisation> FromMessage(const relocalisation_t& message) {
   Relocalisation relocalisation;
   relocalisation.source = SourceId(message.header.source);
   relocalisation.session = SessionId(message.header.session);
-  relocalisation.frame_id = message.frame_id;
+  relocalisation.frame_id = FrameId(message.frame_id);
   relocalisation.t_ns = message.header.t_ns;
   relocalisation.found = message.found != 0;
   relocalisation.map_source = SourceId(message.map_source);

@@ -96,7 +96,7 @@ map_keyframe_t ToMessage(const MapKeyframe& keyframe) {
   message.id = keyframe.id.value;
   message.session = keyframe.name.session.value;
   message.session_keyframe_id = keyframe.name.number;
-  message.frame_id = keyframe.frame_id;
+  message.frame_id = keyframe.frame_id.value;
   message.t_ns = keyframe.t_ns;
   message.T_w_kf = ToMessage(keyframe.T_w_kf);
   TriangleToArray<6>(keyframe.covariance, message.covariance);
@@ -125,7 +125,7 @@ std::optional<MapKeyframe> FromMessage(const map_keyframe_t& message) {
   if (!values_ok || !ids_ok) return std::nullopt;
   return MapKeyframe{.id = KeyframeId(message.id),
                      .name = {SessionId(message.session), message.session_keyframe_id},
-                     .frame_id = message.frame_id,
+                     .frame_id = FrameId(message.frame_id),
                      .t_ns = message.t_ns,
                      .T_w_kf = *T_w_kf,
                      .covariance = *covariance,

@@ -8,7 +8,7 @@
 
 #include "core/datasets/calibrations/readers.h"
 #include "core/errors/error_text.h"
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 
 namespace plslam {
 namespace {

@@ -7,8 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "core/files/notes.h"
 #include "core/geometry/calibration.h"
-#include "core/io/files/notes.h"
 #include "core/io/images/image_file.h"
 
 namespace plslam {

@@ -12,8 +12,8 @@
 #include "core/datasets/calibrations/other_settings.h"
 #include "core/datasets/calibrations/readers.h"
 #include "core/datasets/check_rig.h"
-#include "core/io/files/dataset_error.h"
-#include "core/io/files/git_lfs.h"
+#include "core/files/dataset_error.h"
+#include "core/files/git_lfs.h"
 
 namespace plslam {
 namespace {

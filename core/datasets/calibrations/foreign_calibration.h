@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/files/notes.h"
 #include "core/geometry/calibration.h"
-#include "core/io/files/notes.h"
 #include "core/io/images/image_file.h"
 
 namespace plslam {

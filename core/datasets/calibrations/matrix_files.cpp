@@ -10,7 +10,7 @@
 #include "core/datasets/calibrations/camera_info.h"
 #include "core/datasets/calibrations/readers.h"
 #include "core/datasets/check_rig.h"
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 
 namespace plslam {
 namespace {

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <string_view>
 
-#include "core/io/files/git_lfs.h"
+#include "core/files/git_lfs.h"
 
 namespace plslam {
 namespace {

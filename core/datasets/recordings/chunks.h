@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 
 namespace plslam {
 

@@ -9,7 +9,7 @@
 
 #include "core/datasets/recordings/message_times.h"
 #include "core/datasets/recordings/recording.h"
-#include "core/io/files/notes.h"
+#include "core/files/notes.h"
 
 namespace plslam {
 

@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 
 #include "core/datasets/image_list.h"
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 #include "core/io/trajectories/trajectory.h"
 
 namespace plslam {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/datasets/recordings/recording.h"
-#include "core/io/files/notes.h"
+#include "core/files/notes.h"
 
 namespace plslam {
 

@@ -7,7 +7,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 
 namespace plslam {
 

@@ -14,7 +14,7 @@
 #include "core/datasets/imu_join.h"
 #include "core/datasets/recordings/ros_messages.h"
 #include "core/errors/error_text.h"
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 
 namespace plslam {
 namespace {

@@ -8,9 +8,9 @@
 #include "core/datasets/imu_topics.h"
 #include "core/datasets/recordings/message_times.h"
 #include "core/datasets/recordings/recording.h"
+#include "core/files/notes.h"
 #include "core/geometry/imu.h"
 #include "core/geometry/se3.h"
-#include "core/io/files/notes.h"
 
 namespace plslam {
 

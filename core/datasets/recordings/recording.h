@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/io/files/notes.h"
+#include "core/files/notes.h"
 
 namespace plslam {
 

@@ -13,10 +13,10 @@
 #include <opencv2/core/mat.hpp>
 
 #include "core/datasets/calibrations/camera_info.h"
+#include "core/files/dataset_error.h"
 #include "core/geometry/imu.h"
 #include "core/geometry/se3.h"
 #include "core/geometry/static_frames.h"
-#include "core/io/files/dataset_error.h"
 #include "core/io/images/image_file.h"
 
 namespace plslam {

@@ -10,7 +10,7 @@
 
 #include "core/datasets/recordings/chunks.h"
 #include "core/datasets/recordings/recording.h"
-#include "core/io/files/notes.h"
+#include "core/files/notes.h"
 
 namespace plslam {
 

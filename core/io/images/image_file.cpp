@@ -16,8 +16,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "core/errors/error_text.h"
-#include "core/io/files/dataset_error.h"
-#include "core/io/files/git_lfs.h"
+#include "core/files/dataset_error.h"
+#include "core/files/git_lfs.h"
 #include "core/io/images/image_header.h"
 #include "core/io/images/jpeg_codec.h"
 #include "core/io/images/png_codec.h"

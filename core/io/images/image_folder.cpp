@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <string_view>
 
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 
 namespace plslam {
 namespace {

@@ -10,7 +10,7 @@
 // Needs size_t and FILE from above.
 #include <jpeglib.h>
 
-#include "core/io/files/bytes.h"
+#include "core/files/bytes.h"
 
 namespace plslam {
 namespace {

@@ -13,8 +13,8 @@
 #include <png.h>
 #include <zlib.h>
 
-#include "core/io/files/atomic_file.h"
-#include "core/io/files/bytes.h"
+#include "core/files/atomic_file.h"
+#include "core/files/bytes.h"
 #include "core/io/images/png_grey.h"
 
 namespace plslam {

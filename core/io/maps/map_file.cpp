@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "core/errors/error_text.h"
-#include "core/io/files/sealed_file.h"
+#include "core/files/sealed_file.h"
 #include "core/io/maps/map_records.h"
 
 namespace plslam {

@@ -89,8 +89,7 @@ void Check(KeyframeId keyframe_id, const FeaturesView& features) {
 void Check(KeyframeId keyframe_id, const UpDirection& up, const Map& map) {
   Demand(map.FindKeyframe(keyframe_id) != nullptr, "there is a vertical for keyframe {}, which does not exist",
          keyframe_id);
-  Demand(std::abs(up.direction.norm() - 1.0) < 1e-6 && up.sigma_rad > 0.0 && std::isfinite(up.sigma_rad),
-         "the vertical of keyframe {} is not a unit vector with a positive sigma", keyframe_id);
+  Demand(up.IsValid(), "the vertical of keyframe {} is not a unit vector with a positive sigma", keyframe_id);
 }
 
 void Check(KeyframeId keyframe_id, const TakenImage& image, const KeyframeFeatures& features) {

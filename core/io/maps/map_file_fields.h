@@ -6,8 +6,8 @@
 #include <type_traits>
 
 #include "core/features/features.h"
+#include "core/files/archive.h"
 #include "core/ids/ids.h"
-#include "core/io/files/archive.h"
 #include "core/io/maps/map_file.h"
 
 // The fields of everything in a map file, in their order there: one list for writing and for reading.

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "core/io/files/bytes.h"
+#include "core/files/bytes.h"
 #include "core/map/vertical.h"
 
 namespace plslam {

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/files/archive.h"
 #include "core/ids/ids.h"
-#include "core/io/files/archive.h"
 #include "core/io/maps/map_file_check.h"
 #include "core/io/maps/map_file_fields.h"
 

@@ -5,8 +5,8 @@
 
 #include <iterator>
 
-#include "core/io/files/atomic_file.h"
-#include "core/io/files/text_rows.h"
+#include "core/files/atomic_file.h"
+#include "core/files/text_rows.h"
 #include "core/io/trajectories/trajectory.h"
 
 namespace plslam {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "core/files/atomic_file.h"
 #include "core/geometry/se3.h"
-#include "core/io/files/atomic_file.h"
 
 namespace plslam {
 

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "core/io/files/notes.h"
+#include "core/files/notes.h"
 #include "core/io/trajectories/trajectory.h"
 
 namespace plslam {

@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 
 #include "core/errors/error_text.h"
-#include "core/io/files/atomic_file.h"
-#include "core/io/files/text_rows.h"
+#include "core/files/atomic_file.h"
+#include "core/files/text_rows.h"
 #include "core/io/trajectories/row_format.h"
 
 namespace plslam {

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "core/config/choices.h"
+#include "core/files/atomic_file.h"
+#include "core/files/notes.h"
 #include "core/geometry/se3.h"
-#include "core/io/files/atomic_file.h"
-#include "core/io/files/notes.h"
 
 namespace plslam {
 

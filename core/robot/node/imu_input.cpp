@@ -12,7 +12,7 @@
 #include "core/bus/run_loop.h"
 #include "core/datasets/imu_files.h"
 #include "core/errors/log.h"
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 
 namespace plslam::robot {
 

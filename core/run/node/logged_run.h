@@ -5,7 +5,7 @@
 
 #include <Eigen/Geometry>
 
-#include "core/io/files/notes.h"
+#include "core/files/notes.h"
 #include "core/map/map.h"
 #include "core/run/recorder.h"
 #include "core/run/run.h"

@@ -13,7 +13,7 @@
 #include "core/bus/run_loop.h"
 #include "core/errors/error_text.h"
 #include "core/errors/log.h"
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 #include "core/process/order.h"
 #include "core/run/process_names.h"
 #include "core/run/run_counters.h"
@@ -65,7 +65,7 @@ FrameSender::FrameSender(bus::Process& process, std::unique_ptr<FrameSource> sou
   process_.bus().Subscribe<command_t>(bus::kCommand, [this](const command_t& command) { OnCommand(command); });
   if (options_.pace.lockstep || !options_.resume_after.empty()) {
     process_.bus().Subscribe<pose_t>(bus::kPose, [this](const pose_t& pose) {
-      turn_.OnPose({pose.frame_id, pose.header.t_ns});
+      turn_.OnPose({FrameId(pose.frame_id), pose.header.t_ns});
     });
     process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& status) {
       if (status.process == process_name::kVo) turn_.OnReader(status.header.source);
@@ -130,7 +130,7 @@ std::optional<ResumePoint> FrameSender::WhereToResume() {
 /// Begins from the first frame, or after the resume point. Returns false if the process ends.
 bool FrameSender::Begin(const std::optional<ResumePoint>& resume) {
   if (resume) {
-    n_sent_ = resume->frame_id + 1;
+    n_sent_ = resume->frame_id.value + 1;
     newest_sent_ = std::max(newest_sent_, resume->frame_id);
     process_.SetCounter("frames.resumed_at", static_cast<double>(n_sent_));
     LogInfo("resuming after frame {}", resume->frame_id);
@@ -172,7 +172,7 @@ bool FrameSender::SendRest() {
       PassOver(*frame);
       continue;
     }
-    frame->images.frame_id = n_sent_;
+    frame->images.frame_id = FrameId(n_sent_);
     const Sent sent = Send(*frame);
     if (sent == Sent::kStopped || (sent == Sent::kGoBack && !Begin(turn_.GoBack()))) return false;
   }
@@ -212,7 +212,7 @@ bool FrameSender::IsRewound() {
 }
 
 /// Waits only with a frame that has not been sent before; nullopt: the frame may be sent now.
-std::optional<FrameSender::Sent> FrameSender::WaitWhilePaused(int64_t frame_id) {
+std::optional<FrameSender::Sent> FrameSender::WaitWhilePaused(FrameId frame_id) {
   if (frame_id <= newest_sent_) return std::nullopt;
   const int64_t began_ns = Now_ns();
   const Turn::Event event = turn_.WaitWhilePaused();
@@ -296,7 +296,7 @@ void FrameSender::PublishTruth(const LoadedFrame& frame) {
   ground_truth_t message;
   message.header = {};
   message.header.t_ns = frame.images.t_ns;
-  message.frame_id = frame.images.frame_id;
+  message.frame_id = frame.images.frame_id.value;
   message.T_w_l = bus::ToMessage(*frame.T_w_l);
   process_.bus().Publish(bus::kGroundTruth, message);
 }

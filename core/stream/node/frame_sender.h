@@ -64,7 +64,7 @@ class FrameSender {
   std::optional<ResumePoint> WhereToResume();
   enum class Sent { kAnswered, kGoBack, kStopped };
   Sent Send(const LoadedFrame& frame);
-  std::optional<Sent> WaitWhilePaused(int64_t frame_id);
+  std::optional<Sent> WaitWhilePaused(FrameId frame_id);
   Sent WaitForPose(const LoadedFrame& frame);
   bool WaitUntilDue(int64_t t_ns);
   void PassOver(const LoadedFrame& frame);
@@ -82,7 +82,7 @@ class FrameSender {
   bus::FramePublisher publisher_;
   Turn turn_;
   int64_t n_sent_ = 0;
-  int64_t newest_sent_ = -1;  ///< number of a frame
+  FrameId newest_sent_;
   int64_t n_bad_ = 0;
   int64_t n_late_ = 0;
   int64_t n_true_ = 0;

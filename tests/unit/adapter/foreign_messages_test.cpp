@@ -13,7 +13,7 @@
 #include "bot_core/images_t.hpp"
 #include "bot_core/ins_t.hpp"
 #include "core/bus/transport/stock_lcm.h"
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 #include "geometry_msgs/Vector3.hpp"
 #include "microstrain/ins_t.hpp"
 #include "nav_msgs/Odometry.hpp"

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/io/files/bytes.h"
+#include "core/files/bytes.h"
 
 namespace plslam::bridge {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/text_file.h"
 #include "tests/unit/calibration/board_pictures.h"

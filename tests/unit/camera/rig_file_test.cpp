@@ -9,7 +9,7 @@
 
 #include "camera/pipeline_text.h"
 #include "core/datasets/camera_file.h"
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/text_file.h"
 

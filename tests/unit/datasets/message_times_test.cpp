@@ -5,7 +5,7 @@
 
 #include <set>
 
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 
 namespace plslam {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "core/files/bytes.h"
 #include "core/geometry/imu.h"
 #include "core/geometry/se3.h"
-#include "core/io/files/bytes.h"
 
 namespace plslam::test {
 

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "core/datasets/open_dataset.h"
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 #include "core/io/images/image_file.h"
 #include "core/io/images/png_codec.h"
 #include "tests/unit/datasets/dataset_folders.h"

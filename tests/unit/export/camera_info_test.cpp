@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/datasets/recordings/ros_messages.h"
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 #include "core/ros/ros_messages.h"
 
 namespace plslam {

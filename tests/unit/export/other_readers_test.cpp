@@ -3,7 +3,7 @@
 
 #include <opencv2/viz.hpp>
 
-#include "core/io/files/atomic_file.h"
+#include "core/files/atomic_file.h"
 #include "core/io/maps/map_ply.h"
 #include "tests/support/shell.h"
 #include "tests/unit/export/small_map.h"

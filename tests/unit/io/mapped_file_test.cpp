@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/io/files/mapped_file.h"
+#include "core/files/mapped_file.h"
 
 #include <cstdlib>
 #include <filesystem>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/io/files/sealed_file.h"
+#include "core/files/sealed_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/io/files/archive.h"
+#include "core/files/archive.h"
 
 namespace plslam {
 namespace {

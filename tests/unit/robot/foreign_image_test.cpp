@@ -6,7 +6,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 #include "core/io/images/image_file.h"
 #include "core/io/images/jpeg_codec.h"
 #include "core/io/images/png_codec.h"

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/bus/run_loop.h"
-#include "core/io/files/dataset_error.h"
+#include "core/files/dataset_error.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/imu_t.hpp"
 #include "plslam/warning_t.hpp"

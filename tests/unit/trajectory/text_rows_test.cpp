@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/io/files/text_rows.h"
+#include "core/files/text_rows.h"
 
 #include <gmock/gmock.h>
 

@@ -7,7 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "core/io/files/bytes.h"
+#include "core/files/bytes.h"
 #include "viewer_headless/report/report_page.h"
 #include "viewer_headless/report/table.h"
 

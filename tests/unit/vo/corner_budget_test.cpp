@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/io/files/archive.h"
+#include "core/files/archive.h"
 
 namespace plslam::vo {
 namespace {

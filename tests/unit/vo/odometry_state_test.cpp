@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/datasets/open_dataset.h"
-#include "core/io/files/archive.h"
+#include "core/files/archive.h"
 #include "tests/support/feature_world.h"
 #include "tests/unit/vo/bent_rig.h"
 #include "vo_process/tracking/odometry.h"

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "core/datasets/open_dataset.h"
-#include "core/io/files/archive.h"
+#include "core/files/archive.h"
 #include "tests/support/odometry_run.h"
 #include "vo_process/stereo/row_field.h"
 

@@ -14,7 +14,7 @@
 #include <string_view>
 
 #include "core/errors/standard_streams.h"
-#include "core/io/files/atomic_file.h"
+#include "core/files/atomic_file.h"
 #include "core/io/trajectories/trajectory.h"
 #include "core/process/choice_argument.h"
 #include "core/run/result_files.h"

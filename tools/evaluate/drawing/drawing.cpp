@@ -18,8 +18,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/io/files/atomic_file.h"
-#include "core/io/files/bytes.h"
+#include "core/files/atomic_file.h"
+#include "core/files/bytes.h"
 #include "core/io/images/png_codec.h"
 
 namespace plslam::evaluate {

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "core/datasets/open_dataset.h"
-#include "core/io/files/shared_file.h"
+#include "core/files/shared_file.h"
 #include "core/io/maps/map_camera.h"
 #include "core/run/result_files.h"
 #include "core/run/run.h"

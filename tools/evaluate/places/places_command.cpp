@@ -9,8 +9,8 @@
 #include <stdexcept>
 
 #include "core/datasets/open_dataset.h"
-#include "core/io/files/atomic_file.h"
-#include "core/io/files/shared_file.h"
+#include "core/files/atomic_file.h"
+#include "core/files/shared_file.h"
 #include "tools/command_line/run_command_line.h"
 #include "tools/evaluate/places/place_report.h"
 #include "tools/train_vocabulary/left_features.h"

@@ -12,7 +12,7 @@
 
 #include "core/datasets/recordings/mcap_format.h"
 #include "core/errors/error_text.h"
-#include "core/io/files/bytes.h"
+#include "core/files/bytes.h"
 
 namespace plslam::exports {
 namespace {

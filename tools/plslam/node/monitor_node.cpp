@@ -29,7 +29,7 @@ constexpr size_t kMaxShownProcesses = 4096;
 FrameReport FromMessage(const pose_t& message) {
   FrameReport report;
   report.session = SessionId(message.header.session);
-  report.frame_id = message.frame_id;
+  report.frame_id = FrameId(message.frame_id);
   report.t_ns = message.header.t_ns;
   report.state = static_cast<TrackingState>(message.state);
   report.keyframe_id = message.keyframe_id;

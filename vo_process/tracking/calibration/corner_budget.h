@@ -20,7 +20,7 @@ class CornerBudget {
   /// Updates the budget after a frame, tracked or lost.
   void Observe(const TrackedFrame& frame);
 
-  /// The state between frames, for `core/io/files/archive.h`.
+  /// The state between frames, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.factor_);

@@ -36,7 +36,7 @@ class DirtyLenses {
   /// Number of points removed from the last pair.
   int n_removed() const { return n_removed_; }
 
-  /// The state between frames, for `core/io/files/archive.h`.
+  /// The state between frames, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.left_, self.right_, self.n_removed_);

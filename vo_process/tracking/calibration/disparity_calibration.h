@@ -80,7 +80,7 @@ class DisparityCalibration {
     check_.Interrupt();
   }
 
-  /// The whole state, for `core/io/files/archive.h`.
+  /// The whole state, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.applied_, self.length_sigma_, self.length_terms_, self.n_measured_, self.state_, self.covariance_,

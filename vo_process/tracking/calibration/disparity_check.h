@@ -59,7 +59,7 @@ class DisparityCheck {
   /// Ends the stretch after a frame that was not tracked.
   void Interrupt() { begin_.clear(); }
 
-  /// The whole state, for `core/io/files/archive.h`.
+  /// The whole state, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.verdict_, self.estimate_, self.by_landmark_, self.by_depth_, self.by_time_, self.all_, self.n_stretches_,

@@ -44,7 +44,7 @@ class LensDirt {
   /// A pixel on the largest spot; call it only if there is dirt.
   Eigen::Vector2d Place_px() const;
 
-  /// The state between frames, for `core/io/files/archive.h`.
+  /// The state between frames, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.reference_, self.reference_frames_, self.spots_);

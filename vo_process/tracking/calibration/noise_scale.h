@@ -26,7 +26,7 @@ class NoiseScale {
   /// Updates the factor from a tracked frame; with too few points or lines it fades to 1.
   void Observe(const Alignment& alignment);
 
-  /// The state between frames, for `core/io/files/archive.h`.
+  /// The state between frames, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.scale_);

@@ -81,7 +81,7 @@ class RowCalibration {
   /// zero or nonzero.
   bool Observe(const StereoFeatures& features, const PairSkew& skew = {});
 
-  /// The state between frames, for `core/io/files/archive.h`.
+  /// The state between frames, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.n_frames_, self.has_learned_, self.used_, self.state_, self.covariance_, self.n_compared_,

@@ -85,7 +85,7 @@ class SelfCalibrator {
   /// Updates the number of corners to detect after a frame, tracked or lost.
   void ObserveCorners(const TrackedFrame& frame) { corner_budget_.Observe(frame); }
 
-  /// The state between frames, for `core/io/files/archive.h`.
+  /// The state between frames, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.noise_scale_, self.disparities_, self.rows_, self.corner_budget_, self.sync_, self.velocity_, self.timing_,

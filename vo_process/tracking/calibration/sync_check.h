@@ -59,7 +59,7 @@ class SyncCheck {
   /// Call after a frame that was not tracked.
   void Interrupt() { seen_.clear(); }
 
-  /// The state between frames, for `core/io/files/archive.h`.
+  /// The state between frames, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.is_late_, self.is_late_by_motion_, self.late_by_motion_s_, self.is_uneven_, self.information_,

@@ -69,7 +69,7 @@ class TimingCheck {
   std::optional<Estimate> EstimateOf(int parameter) const;
   int64_t n_pairs() const { return n_pairs_; }
 
-  /// The state between frames, for `core/io/files/archive.h`.
+  /// The state between frames, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.halves_[0], self.halves_[1], self.n_pairs_, self.dt_s_, self.begin_);

@@ -91,7 +91,7 @@ class LineLandmarks {
   /// kept: frame-to-frame odometry.
   void Initialise(const SE3& T_odom_c, TrackedFrame& frame, TrackId& next_id);
 
-  /// The state between frames, for `core/io/files/archive.h`.
+  /// The state between frames, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.landmarks_);

@@ -75,7 +75,7 @@ struct LocalLandmarks {
     lines.Initialise(T_odom_c, frame, next_line_id);
   }
 
-  /// The state between frames, for `core/io/files/archive.h`.
+  /// The state between frames, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.points, self.lines, self.next_point_id, self.next_line_id);

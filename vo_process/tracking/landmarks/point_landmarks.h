@@ -93,7 +93,7 @@ class PointLandmarks {
   /// kept: frame-to-frame odometry.
   void Initialise(const SE3& T_odom_c, TrackedFrame& frame, TrackId& next_id);
 
-  /// The state between frames, for `core/io/files/archive.h`.
+  /// The state between frames, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.landmarks_);

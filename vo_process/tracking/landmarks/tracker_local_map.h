@@ -42,7 +42,7 @@ class KeyframeLog {
   std::optional<TrackerLocalMap> LocalMapAround(const Map& map, const KeyframeName& keyframe,
                                                 int max_keyframes) const;
 
-  /// The state between frames, for `core/io/files/archive.h`.
+  /// The state between frames, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.entries_);

@@ -112,7 +112,7 @@ class InertialMotionModel {
   /// empty for a healthy one, and before some seconds of measured frames.
   std::string Complaint() const;
 
-  /// The state after a frame, for `core/io/files/archive.h`.
+  /// The state after a frame, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.filter_, self.knows_bias_, self.measured_s_, self.unmeasured_s_, self.innovation_, self.n_contradicting_,

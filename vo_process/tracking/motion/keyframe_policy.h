@@ -57,7 +57,7 @@ class KeyframePolicy {
   /// Restarts after a keyframe.
   void Restart();
 
-  /// The state between frames, for `core/io/files/archive.h`.
+  /// The state between frames, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.frames_, self.first_covariance_, self.first_tracked_);

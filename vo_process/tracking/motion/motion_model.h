@@ -56,7 +56,7 @@ class MotionModel {
   /// not drift away.
   void Slow(double dt_s);
 
-  /// The state between frames, for `core/io/files/archive.h`.
+  /// The state between frames, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.velocity_, self.last_dt_s_, self.motion_covariance_, self.speed_, self.unmeasured_s_, self.left_behind_);

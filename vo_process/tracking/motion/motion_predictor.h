@@ -60,7 +60,7 @@ class MotionPredictor {
   /// Returns one sentence on samples of an inertial sensor that is used: gaps, saturation, another rate.
   std::string ImuSampleFaults() const;
 
-  /// The state after a measured frame, for `core/io/files/archive.h`.
+  /// The state after a measured frame, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.velocity_, self.robot_, self.inertial_, self.T_odom_seen_, self.was_seen_);

@@ -34,7 +34,7 @@ class MotionUncertainty {
   /// Squared changes by adjustment over their expectation, at least 0.05, at most 25.
   double variance_scale() const { return variance_scale_; }
 
-  /// The state between frames, for `core/io/files/archive.h`.
+  /// The state between frames, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.variance_scale_);

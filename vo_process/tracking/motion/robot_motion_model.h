@@ -41,7 +41,7 @@ class RobotMotionModel {
   /// Whether the robot's recent motions agree with the images.
   bool agrees() const { return agrees_; }
 
-  /// The state after a measured frame, for `core/io/files/archive.h`.
+  /// The state after a measured frame, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.agrees_, self.robot_, self.camera_, self.covariance_, self.compared_);

@@ -23,7 +23,7 @@ class StampVelocity {
   /// Last observed mean.
   const Vector6d& last() const { return last_; }
 
-  /// The state between frames, for `core/io/files/archive.h`.
+  /// The state between frames, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.follows_, self.last_);

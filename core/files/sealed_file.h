@@ -14,7 +14,7 @@
 
 #include <sodium.h>
 
-#include "core/io/files/atomic_file.h"
+#include "core/files/atomic_file.h"
 
 namespace plslam {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/io/files/folder_lock.h"
+#include "core/files/folder_lock.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/io/files/text_rows.h"
+#include "core/files/text_rows.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@
 #include <system_error>
 
 #include "core/errors/error_text.h"
-#include "core/io/files/git_lfs.h"
+#include "core/files/git_lfs.h"
 
 namespace plslam {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/io/files/nameless_file.h"
+#include "core/files/nameless_file.h"
 
 #include <fcntl.h>
 #include <unistd.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/io/files/shared_file.h"
+#include "core/files/shared_file.h"
 
 #include <system_error>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/io/files/bytes.h"
+#include "core/files/bytes.h"
 
 #include <sodium.h>
 

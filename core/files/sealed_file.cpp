@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/io/files/sealed_file.h"
+#include "core/files/sealed_file.h"
 
 #include <fmt/format.h>
 

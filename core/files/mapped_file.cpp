@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/io/files/mapped_file.h"
+#include "core/files/mapped_file.h"
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -11,7 +11,7 @@
 #include <stdexcept>
 
 #include "core/errors/error_text.h"
-#include "core/io/files/nameless_file.h"
+#include "core/files/nameless_file.h"
 
 namespace plslam {
 namespace {

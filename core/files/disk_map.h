@@ -13,7 +13,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "core/io/files/nameless_file.h"
+#include "core/files/nameless_file.h"
 
 namespace plslam {
 

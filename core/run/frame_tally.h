@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/run/tracking_state.h"
+#include "core/ids/ids.h"
 
 namespace plslam {
 

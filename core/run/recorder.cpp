@@ -85,7 +85,7 @@ bool Recorder::AddPose(const FramePose& pose) {
   if (!finite || !IsTrackingState(static_cast<int>(pose.state)) || pose.frame_id < 0 ||
       pose.counts.skipped_frames < 0)
     return false;
-  const std::optional<FrameRecord> earlier = frames_.Find(pose.frame_id);
+  const std::optional<FrameRecord> earlier = frames_.Find(pose.frame_id.value);
   if (!earlier && frames_.size() >= kMaxFrames) return false;
   if (earlier) Count(*earlier, -1);
   FrameRecord record{pose.t_ns,
@@ -102,7 +102,7 @@ bool Recorder::AddPose(const FramePose& pose) {
                      {}};
   StoreStages(pose, record);
   Count(record, 1);
-  frames_.Set(pose.frame_id, record);
+  frames_.Set(pose.frame_id.value, record);
   return true;
 }
 

@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "core/ids/ids.h"
+
 namespace plslam::stream {
 
 /// When frames are sent.

@@ -118,14 +118,14 @@ constexpr int kMaxWaiting = 3;
 /// subscriptions of the bus through weak pointers only.
 struct FrameSubscriber::Impl : std::enable_shared_from_this<FrameSubscriber::Impl> {
   Impl(Bus& bus_in, Mode mode_in, std::function<void(const Frame&)> handler_in,
-       std::function<bool(int64_t)> wanted_in)
+       std::function<bool(FrameId)> wanted_in)
       : bus(bus_in), mode(mode_in), handler(std::move(handler_in)), wanted(std::move(wanted_in)) {}
 
   /// One of the two channels.
   struct Lane {
     bool lockstep = false;
     FrameAssembler assembler;
-    std::map<int64_t, int64_t> completed;  // newest whole frame, by publisher
+    std::map<int64_t, FrameId> completed;  // newest whole frame, by publisher
     image_strip_t strip;                   // kept for its memory
   };
 
@@ -141,7 +141,7 @@ struct FrameSubscriber::Impl : std::enable_shared_from_this<FrameSubscriber::Imp
   Bus& bus;
   const Mode mode;
   const std::function<void(const Frame&)> handler;
-  const std::function<bool(int64_t)> wanted;
+  const std::function<bool(FrameId)> wanted;
   Lane ordered{true, {}, {}, {}};
   Lane live{false, {}, {}, {}};
   std::atomic<int> waiting = 0;

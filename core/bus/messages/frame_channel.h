@@ -9,6 +9,7 @@
 #include "core/bus/bus.h"
 #include "core/geometry/calibration.h"
 #include "core/io/images/image_file.h"
+#include "core/ids/ids.h"
 
 namespace plslam::bus {
 

@@ -21,7 +21,7 @@ keyframe_t HeadPage(const Keyframe& keyframe) {
   page.header.session = keyframe.name.session.value;
   page.header.t_ns = keyframe.t_ns;
   page.keyframe_id = keyframe.name.number;
-  page.frame_id = keyframe.frame_id;
+  page.frame_id = keyframe.frame_id.value;
   page.previous_keyframe_id = keyframe.previous_keyframe_id;
   page.map_instance = keyframe.map_instance.value;
   page.T_prevkf_kf = ToMessage(keyframe.T_prevkf_kf);
@@ -62,7 +62,7 @@ std::optional<Keyframe> Head(const keyframe_t& page) {
   keyframe.name.session = SessionId(page.header.session);
   keyframe.t_ns = page.header.t_ns;
   keyframe.name.number = page.keyframe_id;
-  keyframe.frame_id = page.frame_id;
+  keyframe.frame_id = FrameId(page.frame_id);
   keyframe.previous_keyframe_id = page.previous_keyframe_id;
   keyframe.map_instance = MapId(page.map_instance);
   keyframe.T_prevkf_kf = *T_prevkf_kf;

@@ -8,6 +8,8 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "core/ids/ids.h"
+
 namespace plslam {
 
 /// One stereo pair as recorded, not rectified. `right` is 8-bit like `left`, or a 16-bit depth map for RGB-D rigs.

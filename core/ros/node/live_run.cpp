@@ -49,7 +49,7 @@ LiveRun::LiveRun(Bus& bus, LiveMessages messages, std::function<bool()> wants_im
       frames_(
           bus, FrameSubscriber::Mode::kPictures,
           [this](const FrameSubscriber::Frame& frame) { messages_.WriteImage(frame.images.t_ns, frame.images.left); },
-          [wants_images = std::move(wants_images)](int64_t) { return wants_images(); }) {
+          [wants_images = std::move(wants_images)](FrameId) { return wants_images(); }) {
   bus_.Subscribe<pose_t>(kPose, [this](const pose_t& message) { OnPose(message); });
   bus_.Subscribe<status_t>(kStatus, [this](const status_t& message) { OnStatus(message); });
   bus_.Every(std::chrono::milliseconds(1000), [this] { Tick(); });

@@ -148,11 +148,11 @@ Recorder RecorderOf(const LoggedRobot& robot, const bus::LogReader& log) {
   });
   robot.On(bus::kGroundTruth).ForEach<ground_truth_t>(log, [&](const ground_truth_t& message) {
     if (const auto T_w_l = bus::FromMessage(message.T_w_l)) {
-      recorder.AddTruth(message.frame_id, {message.header.t_ns, *T_w_l});
+      recorder.AddTruth(FrameId(message.frame_id), {message.header.t_ns, *T_w_l});
     }
   });
   robot.On(bus::kBodies).ForEach<bodies_t>(log, [&](const bodies_t& message) {
-    if (const auto seen = ToBodiesOfFrame(message)) recorder.AddBodies(message.frame_id, *seen);
+    if (const auto seen = ToBodiesOfFrame(message)) recorder.AddBodies(FrameId(message.frame_id), *seen);
   });
   return recorder;
 }

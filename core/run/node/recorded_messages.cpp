@@ -11,7 +11,7 @@ std::optional<FramePose> ToFramePose(const pose_t& message) {
   const std::optional<Matrix6d> covariance = bus::FromArray(message.covariance);
   const std::optional<Matrix6d> motion_covariance = bus::FromArray(message.motion_covariance);
   if (!T_odom_c || !T_w_odom || !covariance || !motion_covariance) return std::nullopt;
-  FramePose pose{.frame_id = message.frame_id,
+  FramePose pose{.frame_id = FrameId(message.frame_id),
                  .t_ns = message.header.t_ns,
                  .session = SessionId(message.header.session),
                  .state = static_cast<TrackingState>(message.state),

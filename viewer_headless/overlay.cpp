@@ -153,7 +153,7 @@ void OverlayQueue::Took(FrameId frame_id) {
   }
 }
 
-void OverlayQueue::Drop(std::map<int64_t, Parts>::iterator parts) {
+void OverlayQueue::Drop(std::map<FrameId, Parts>::iterator parts) {
   image_bytes_ -= parts->second.image_bytes();
   complete_.erase(parts->first);
   waiting_.erase(parts);

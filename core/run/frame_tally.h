@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/run/tracking_state.h"
 #include "core/ids/ids.h"
+#include "core/run/tracking_state.h"
 
 namespace plslam {
 

@@ -202,9 +202,9 @@ FrameTable::Row RowOf(FrameId frame_id, const FrameRecord& frame, size_t n_stage
   const FrameCounts& n = frame.counts;
   FrameTable::Row row{
       frame.t_ns,
-      {fmt::to_string(frame_id.value), SecondsText(frame.t_ns), TrackingStateName(frame.state), fmt::to_string(n.points),
-       fmt::to_string(n.lines), fmt::to_string(n.tracked_points), fmt::to_string(n.tracked_lines),
-       fmt::to_string(frame.keyframe_id), fmt::format("{:.6g}", frame.entropy_ratio),
+      {fmt::to_string(frame_id.value), SecondsText(frame.t_ns), TrackingStateName(frame.state),
+       fmt::to_string(n.points), fmt::to_string(n.lines), fmt::to_string(n.tracked_points),
+       fmt::to_string(n.tracked_lines), fmt::to_string(frame.keyframe_id), fmt::format("{:.6g}", frame.entropy_ratio),
        fmt::to_string(n.skipped_frames), fmt::to_string(n.moving), fmt::format("{:d}", frame.anchored)}};
   for (size_t i = 0; i < n_stages; ++i) {
     const bool known = i < frame.stages_ms.size() && std::isfinite(frame.stages_ms[i]);

@@ -63,7 +63,7 @@ double VoxelFor(const Keyframe& keyframe) {
 }
 
 template <class Value>
-void KeepNewest(std::map<int64_t, Value>& values) {
+void KeepNewest(std::map<FrameId, Value>& values) {
   while (values.size() > kMostFrames) values.erase(values.begin());
 }
 

@@ -105,7 +105,8 @@ class MadeUpMap {
 
   void AddKeyframe(int i) {
     MapKeyframe keyframe;
-    keyframe.name.number = keyframe.frame_id = i;
+    keyframe.name.number = i;
+    keyframe.frame_id = FrameId(i);
     keyframe.id = KeyframeId(keyframe.name.number);
     keyframe.name.session = 1;
     Vector6d sigma;

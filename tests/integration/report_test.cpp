@@ -208,14 +208,14 @@ class BigRun {
     pose.counts = {900, 120, 400, 60, 0};
     pose.stages_ms = {{"features", 9.0}, {"track", 3.0}};
     recorder_.AddPose(pose);
-    recorder_.AddTruth(id, {pose.t_ns, Pose(id, 0.0)});
+    recorder_.AddTruth(FrameId(id), {pose.t_ns, Pose(id, 0.0)});
   }
 
   static MapKeyframe Keyframe(int64_t id, double drift) {
     MapKeyframe keyframe;
     keyframe.id = KeyframeId(id);
     keyframe.name.number = id;
-    keyframe.frame_id = 5 * id;
+    keyframe.frame_id = FrameId(5 * id);
     keyframe.parent_id = KeyframeId(id - 1);
     keyframe.T_w_kf = Pose(5 * id, drift);
     keyframe.T_odom_kf = Pose(5 * id, 1.0);

@@ -120,7 +120,7 @@ void Run::Frame(const Moment& moment) {
   Keyframe keyframe = vo::ToKeyframe(result, front_end_.camera());
   keyframe.name.session = kSession;
   keyframe.t_ns = moment.t_ns;
-  keyframe.frame_id = static_cast<int64_t>(in_odom_.size()) - 1;
+  keyframe.frame_id = FrameId(in_odom_.size() - 1);
   if (keyframe.name.number > 0 && options_.vo.map.enabled) {
     odometry_.Adopt(mapper_.map(), {kSession, keyframe.name.number - 1});
   }
@@ -135,7 +135,7 @@ void Run::Ask(const StereoFeatures& features, int64_t frame) {
   if (!answer.found) return;
   ++run_.found;
   const MapKeyframe& keyframe = *mapper_.map().FindKeyframe(answer.keyframe_id);
-  const auto truth = TrueRelation(keyframe.frame_id, frame);
+  const auto truth = TrueRelation(keyframe.frame_id.value, frame);
   if (!truth) return;
   const SE3 error = truth->Inverse() * (keyframe.T_w_kf.Inverse() * answer.T_w_c);
   run_.found_elsewhere += error.translation().norm() > 0.5 || error.Log().tail<3>().norm() > 0.1;
@@ -195,9 +195,9 @@ LoopOfRun Run::Describe(const loop::LoopEvidence& evidence) const {
   const MapKeyframe* old = mapper_.map().FindKeyframe(evidence.edge.old_keyframe_id);
   if (keyframe == nullptr || old == nullptr) return loop;
   loop.keyframe = keyframe->name;
-  loop.frame = keyframe->frame_id;
-  loop.old_frame = old->frame_id;
-  const auto truth = TrueRelation(old->frame_id, keyframe->frame_id);
+  loop.frame = keyframe->frame_id.value;
+  loop.old_frame = old->frame_id.value;
+  const auto truth = TrueRelation(old->frame_id.value, keyframe->frame_id.value);
   if (!truth || evidence.verdict == loop::LoopVerdict::kNotFound) return loop;
   const SE3 error = truth->Inverse() * evidence.edge.T_old_kf;
   loop.error_m = error.translation().norm();
@@ -227,7 +227,7 @@ void Run::CountRevisits() {
   bool closed = false;
   for (const auto& [id, keyframe] : map.keyframes()) {
     if (before >= 0) {
-      const auto step = TrueRelation(map.FindKeyframe(before)->frame_id, keyframe.frame_id);
+      const auto step = TrueRelation(map.FindKeyframe(before)->frame_id.value, keyframe.frame_id.value);
       if (step) total_m += step->translation().norm();
     }
     path_m[id] = total_m;
@@ -236,7 +236,7 @@ void Run::CountRevisits() {
     bool shared = false;
     for (const auto& [old_id, at_m] : path_m) {
       if (total_m - at_m < kBehind_m) break;
-      const auto apart = TrueRelation(map.FindKeyframe(old_id)->frame_id, keyframe.frame_id);
+      const auto apart = TrueRelation(map.FindKeyframe(old_id)->frame_id.value, keyframe.frame_id.value);
       if (!apart || apart->translation().norm() > kNear_m || apart->Log().tail<3>().norm() > kNear_rad) continue;
       again = true;
       shared = shared || map.Shared(old_id, id) >= kShared;

@@ -64,11 +64,11 @@ Mapped MakeMap(const Dataset& dataset, const PlaceRecogniser& places, vo::Stereo
 SE3 PlaceInMap(const Dataset& dataset, const Map& map, int frame) {
   const MapKeyframe* nearest = nullptr;
   for (const auto& [id, keyframe] : map.keyframes()) {
-    if (nearest == nullptr || std::abs(keyframe.frame_id - frame) < std::abs(nearest->frame_id - frame)) {
+    if (nearest == nullptr || std::abs(keyframe.frame_id.value - frame) < std::abs(nearest->frame_id.value - frame)) {
       nearest = &keyframe;
     }
   }
-  const SE3 T_w_kf_true = *dataset.GroundTruth(static_cast<int>(nearest->frame_id));
+  const SE3 T_w_kf_true = *dataset.GroundTruth(static_cast<int>(nearest->frame_id.value));
   return nearest->T_w_kf * T_w_kf_true.Inverse() * *dataset.GroundTruth(frame);
 }
 

@@ -46,10 +46,10 @@ SE3 CorrectionAt(int64_t frame, const std::map<int64_t, SE3>& corrections) {
 std::vector<OdometryFrame> CarriedByKeyframes(std::vector<OdometryFrame> in_odom, const Map& map) {
   std::map<int64_t, SE3> corrections;
   for (const auto& [id, keyframe] : map.keyframes()) {
-    corrections[keyframe.frame_id] = keyframe.T_w_kf * keyframe.T_odom_kf.Inverse();
+    corrections[keyframe.frame_id.value] = keyframe.T_w_kf * keyframe.T_odom_kf.Inverse();
   }
   for (const RemovedKeyframe& removed : map.RemovedKeyframes()) {
-    corrections.try_emplace(removed.frame_id, removed.T_w_kf * removed.T_odom_kf.Inverse());
+    corrections.try_emplace(removed.frame_id.value, removed.T_w_kf * removed.T_odom_kf.Inverse());
   }
   if (corrections.empty()) return in_odom;
   for (size_t i = 0; i < in_odom.size(); ++i) {
@@ -92,7 +92,7 @@ SlamRun RunSlam(const Dataset& dataset, const vo::VoOptions& vo, const mapping::
     Keyframe keyframe = vo::ToKeyframe(result, front_end.camera());
     keyframe.name.session = kSession;
     keyframe.t_ns = images.t_ns;
-    keyframe.frame_id = static_cast<int64_t>(in_odom.size()) - 1;
+    keyframe.frame_id = FrameId(in_odom.size() - 1);
     if (keyframe.name.number > 0 && vo.map.enabled)
       odometry.Adopt(mapper.map(), {kSession, keyframe.name.number - 1});
     std::string reason;

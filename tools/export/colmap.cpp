@@ -84,7 +84,7 @@ void AddPoint(const MapPoint& point, const Colour& colour, const std::map<Keyfra
 
 std::map<KeyframeId, std::string> KeyframeImageNames(const Map& map) {
   std::map<KeyframeId, std::string> names;
-  std::set<int64_t> taken;
+  std::set<FrameId> taken;
   for (const auto& [id, keyframe] : map.keyframes()) {
     const bool first = taken.insert(keyframe.frame_id).second;
     names[id] = first ? fmt::format("{:06}.png", keyframe.frame_id)

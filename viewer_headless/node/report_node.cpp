@@ -94,7 +94,7 @@ void ReportNode::OnStatus(const status_t& message) {
   if (!wanted_) return;
   ProcessSample sample = ToProcessSample(message, bus::NowS(), NewestFrame());
   sample.lag_frames = Lag_frames(message);
-  sample.sent_frames = NewestFrame() + 1 + behind_;
+  sample.sent_frames = NewestFrame().value + 1 + behind_;
   report_->Add(sample);
   for (const counter_t& counter : message.counters) report_->Take(message.header.source, counter.name, counter.value);
 }
@@ -126,8 +126,8 @@ void ReportNode::StartNewRun() {
   if (live_) live_->SetFinished(false);
 }
 
-int64_t ReportNode::NewestFrame() const {
-  return sources_.recorder->frames().empty() ? -1 : sources_.recorder->frames().Last().first;
+FrameId ReportNode::NewestFrame() const {
+  return sources_.recorder->frames().empty() ? FrameId() : FrameId(sources_.recorder->frames().Last().first);
 }
 
 std::string ReportNode::Json(const ReportSince& since) const {

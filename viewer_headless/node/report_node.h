@@ -46,7 +46,7 @@ class ReportNode {
   PictureStore* pictures() { return wanted_ ? &report_->pictures() : nullptr; }
 
  private:
-  int64_t NewestFrame() const;
+  FrameId NewestFrame() const;
   /// The lag of a process in frames: for vo_process the frames sent after its newest pose; for mapping_process and
   /// loop_process, whose lag is independent, LagInFrames; -1 for others.
   int64_t Lag_frames(const status_t& message);

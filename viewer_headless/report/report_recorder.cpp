@@ -73,7 +73,7 @@ std::vector<RunWarning> ReportRecorder::Warnings(const RunFacts& facts, const Pa
 }
 
 void ReportRecorder::AddPictures(int64_t after, ReportData* data) const {
-  for (auto at = pictures_.pictures().upper_bound(after); at != pictures_.pictures().end(); ++at) {
+  for (auto at = pictures_.pictures().upper_bound(FrameId(after)); at != pictures_.pictures().end(); ++at) {
     data->pictures.push_back(at->second);
   }
 }

@@ -49,7 +49,7 @@ bool MaskLink::Awaits(const FrameName& frame, bool lockstep, double came_s) {
   if (Find(frame) != masks_.end()) return false;
   const double now_s = bus::NowS();
   if (!lockstep) return now_s - came_s < 1e-3 * options_.live_wait_ms;
-  if (std::exchange(awaited_, frame) != frame) wait_.Begin(frame.first, now_s);
+  if (std::exchange(awaited_, frame) != frame) wait_.Begin(frame.first.value, now_s);
   return wait_.awaited().has_value();
 }
 

@@ -8,8 +8,8 @@
 
 #include "core/bus/bus.h"
 #include "core/geometry/calibration.h"
-#include "core/io/images/image_file.h"
 #include "core/ids/ids.h"
+#include "core/io/images/image_file.h"
 
 namespace plslam::bus {
 

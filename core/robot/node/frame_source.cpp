@@ -163,7 +163,7 @@ void FrameSource::Publish(StereoImages images) {
     process_.SetCounter(kLiveSource, 1.0);
     process_.SetState(process_state::kRunning);
   }
-  images.frame_id = numbers_.Next(images.t_ns);
+  images.frame_id = FrameId(numbers_.Next(images.t_ns));
   listener_.on_frame(images.t_ns);
   imu_.Publish(*rig_, images.t_ns);
   publisher_.Publish(images);

@@ -32,7 +32,7 @@ std::string WithDefaultBuffer(const std::string& url) { return url + "&recv_buf_
 
 StereoImages FrameOf(int64_t id, int width, int height, int right_type = CV_8UC1) {
   StereoImages frame;
-  frame.frame_id = id;
+  frame.frame_id = FrameId(id);
   frame.t_ns = 50'000'000 * id;
   cv::RNG random(static_cast<uint64_t>(id + 1));
   frame.left.create(height, width, CV_8UC1);
@@ -87,7 +87,7 @@ LockstepResult RunLockstep(const std::string& url, int width, int height, double
   FrameSubscriber subscriber(*reader, FrameSubscriber::Mode::kReliable, [&](const FrameSubscriber::Frame& frame) {
     const auto n = handled.value();
     const StereoImages& sent = frames[static_cast<size_t>(n % 4)];
-    const bool right = frame.images.frame_id == n && Equal(frame.images.left, sent.left) &&
+    const bool right = frame.images.frame_id.value == n && Equal(frame.images.left, sent.left) &&
                        Equal(frame.images.right, sent.right) && frame.lockstep && frame.skipped == 0;
     result.wrong += right ? 0 : 1;
     handled.Add();
@@ -184,7 +184,7 @@ TEST(FrameChannel, ResentFramesAreDeliveredInLockstep) {
   std::vector<int64_t> ids;
   RunningBus reader(OptionsFor(url), "reader");
   FrameSubscriber subscriber(*reader, FrameSubscriber::Mode::kReliable, [&](const FrameSubscriber::Frame& frame) {
-    ids.push_back(frame.images.frame_id);
+    ids.push_back(frame.images.frame_id.value);
     skipped += frame.skipped;
     handled.Add();
   });
@@ -216,11 +216,11 @@ TEST(FrameChannel, LiveFramesThatAreLateAreSkippedAndCounted) {
         entered.Add();
         const std::lock_guard lock(gate);
         EXPECT_FALSE(frame.lockstep);
-        ids.push_back(frame.images.frame_id);
+        ids.push_back(frame.images.frame_id.value);
         skipped += frame.skipped;
         handled.Add();
       },
-      [](int64_t) { return true; });
+      [](FrameId) { return true; });
   // Called after the subscriber's handler for each strip, which has then been processed.
   reader->SubscribeBytes(
       kStereoFrameLive, Bus::Reading::kAsItComes, [] { return true; },
@@ -303,10 +303,10 @@ TEST(FrameChannel, PicturesAreReceivedOnlyIfRequested) {
   FrameSubscriber subscriber(
       *reader, FrameSubscriber::Mode::kPictures,
       [&](const FrameSubscriber::Frame& frame) {
-        EXPECT_EQ(frame.images.frame_id % 5, 0);
+        EXPECT_EQ(frame.images.frame_id.value % 5, 0);
         handled.Add();
       },
-      [](int64_t id) { return id % 5 == 0; });
+      [](FrameId id) { return id.value % 5 == 0; });
   reader.Start();
   Bus publisher(OptionsFor(url), "publisher");
   FramePublisher frames(publisher, true);
@@ -327,7 +327,7 @@ TEST(FrameChannel, SlowReaderOfPicturesGetsEveryFrameInLockstep) {
   Waiter handled;
   RunningBus reader(options, "viewer");
   FrameSubscriber subscriber(*reader, FrameSubscriber::Mode::kPictures, [&](const FrameSubscriber::Frame& frame) {
-    EXPECT_EQ(frame.images.frame_id, handled.value());
+    EXPECT_EQ(frame.images.frame_id.value, handled.value());
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     handled.Add();
   });

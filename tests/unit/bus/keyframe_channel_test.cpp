@@ -19,7 +19,7 @@ Keyframe KeyframeOf(int64_t id, int n_points, int n_lines) {
   keyframe.name.session = 5;
   keyframe.t_ns = 1000 + id;
   keyframe.name.number = id;
-  keyframe.frame_id = 3 * id;
+  keyframe.frame_id = FrameId(3 * id);
   keyframe.previous_keyframe_id = id - 1;
   keyframe.covariance = 1e-4 * Matrix6d::Identity();
   if (id % 2 == 1) keyframe.up = UpDirection{Eigen::Vector3d(0.6, -0.8, 0.0), 0.01};

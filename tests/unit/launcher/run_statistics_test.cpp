@@ -17,7 +17,7 @@ namespace {
 
 FrameReport Frame(int64_t id, int state, int64_t keyframe = -1) {
   FrameReport frame;
-  frame.frame_id = id;
+  frame.frame_id = FrameId(id);
   frame.state = static_cast<TrackingState>(state);
   frame.keyframe_id = keyframe;
   return frame;

@@ -19,7 +19,7 @@ Keyframe KeyframeOf(int64_t id, bool lockstep = true) {
   Keyframe keyframe;
   keyframe.name.session = kSession;
   keyframe.name.number = id;
-  keyframe.frame_id = 10 * id;
+  keyframe.frame_id = FrameId(10 * id);
   keyframe.lockstep = lockstep;
   keyframe.previous_keyframe_id = id - 1;
   return keyframe;

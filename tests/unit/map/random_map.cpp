@@ -49,7 +49,7 @@ void RandomMap::AddKeyframe() {
   keyframe.id = next_keyframe_++;
   keyframe.name.session = 7;
   keyframe.name.number = keyframe.id.value;
-  keyframe.frame_id = 5 * keyframe.id.value;
+  keyframe.frame_id = FrameId(5 * keyframe.id.value);
   keyframe.t_ns = 1000 * keyframe.id.value;
   keyframe.T_w_kf = DrawPose();
   keyframe.T_odom_kf = DrawPose();

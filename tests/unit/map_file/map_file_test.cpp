@@ -126,7 +126,8 @@ TEST(MapFile, MapWithoutKeyframesDoesNotReplaceAnother) {
 TEST(MapFile, NearlyUnitQuaternionsKeepTheirBits) {
   StoredMap stored;
   MapKeyframe keyframe;
-  keyframe.name.number = keyframe.frame_id = 0;
+  keyframe.name.number = 0;
+  keyframe.frame_id = FrameId(0);
   keyframe.id = KeyframeId(keyframe.name.number);
   keyframe.T_w_kf = SE3::FromUnit(Eigen::Quaterniond(0.6 + 1e-16, 0.0, -0.8, 1e-17), {0.1, -0.0, 1e-300});
   stored.map.Put(keyframe);

@@ -112,7 +112,8 @@ StoredMap LongStoredMap(int keyframes, int points, int lines) {
   for (int i = 0; i < keyframes; ++i) {
     MapKeyframe keyframe;
     keyframe.id = i;
-    keyframe.name.number = keyframe.frame_id = i;
+    keyframe.name.number = i;
+    keyframe.frame_id = FrameId(i);
     keyframe.parent_id = keyframe.previous_id = i - 1;
     stored.map.Put(keyframe);
     stored.features[i] = RandomFeatures(random, points, lines);

@@ -28,7 +28,8 @@ class Path {
   void Add(double z_m, int scene = 0) {
     MapKeyframe keyframe;
     keyframe.id = n_;
-    keyframe.name.number = keyframe.frame_id = n_;
+    keyframe.name.number = n_;
+    keyframe.frame_id = FrameId(n_);
     keyframe.previous_id = keyframe.parent_id = n_ - 1;
     keyframe.T_w_kf = SE3(Eigen::Quaterniond::Identity(), {0.0, 0.0, z_m});
     if (n_ > 0) keyframe.T_prevkf_kf = map_.FindKeyframe(n_ - 1)->T_w_kf.Inverse() * keyframe.T_w_kf;

@@ -81,9 +81,10 @@ class Tracker {
 
 /// Poses of all frames that were keyframes, in the final map.
 std::vector<SE3> FinalPoses(const Map& map, std::vector<SE3> poses) {
-  for (const auto& [id, keyframe] : map.keyframes()) poses[static_cast<size_t>(keyframe.frame_id)] = keyframe.T_w_kf;
+  for (const auto& [id, keyframe] : map.keyframes())
+    poses[static_cast<size_t>(keyframe.frame_id.value)] = keyframe.T_w_kf;
   for (const RemovedKeyframe& removed : map.RemovedKeyframes()) {
-    poses[static_cast<size_t>(removed.frame_id)] = removed.T_w_kf;
+    poses[static_cast<size_t>(removed.frame_id.value)] = removed.T_w_kf;
   }
   return poses;
 }

@@ -107,7 +107,7 @@ Keyframe MakeKeyframe(const Keyframe* previous, const SE3& T_odom_kf, StereoFeat
   if (previous == nullptr) return keyframe;
   keyframe.name.number = previous->name.number + 1;
   keyframe.previous_keyframe_id = previous->name.number;
-  keyframe.frame_id = previous->frame_id + 5;
+  keyframe.frame_id = FrameId(previous->frame_id.value + 5);
   keyframe.t_ns = previous->t_ns + 250'000'000;
   keyframe.T_prevkf_kf = previous->T_odom_kf.Inverse() * T_odom_kf;
   keyframe.covariance = MotionCovariance({});

@@ -86,7 +86,7 @@ class Reader {
     command_t command{};
     command.target = "player";
     command.verb = "go_back";
-    command.argument = std::to_string(player) + " " + stream::ToText({to, t_ns_.at(to)});
+    command.argument = std::to_string(player) + " " + stream::ToText({FrameId(to), t_ns_.at(to)});
     bus_.Publish(bus::kCommand, command);
   }
   int64_t player() const { return player_; }
@@ -107,12 +107,12 @@ class Reader {
   }
   void OnFrame(const bus::FrameSubscriber::Frame& frame) {
     Keep([&] {
-      frame_ids_.push_back(frame.images.frame_id);
+      frame_ids_.push_back(frame.images.frame_id.value);
       first_pixels_.push_back(frame.images.left.at<uint8_t>(0, 0));
     });
-    t_ns_[frame.images.frame_id] = frame.images.t_ns;
+    t_ns_[frame.images.frame_id.value] = frame.images.t_ns;
     player_ = frame.source;
-    if (frame.images.frame_id == go_back_.first) {
+    if (frame.images.frame_id.value == go_back_.first) {
       AskForFrames(player_, go_back_.second);
       go_back_ = {-1, -1};
       return;
@@ -120,7 +120,7 @@ class Reader {
     if (!answers_) return;
     pose_t pose{};
     pose.header.t_ns = frame.images.t_ns;
-    pose.frame_id = frame.images.frame_id;
+    pose.frame_id = frame.images.frame_id.value;
     bus_.Publish(bus::kPose, pose);
   }
   void SayAlive() {

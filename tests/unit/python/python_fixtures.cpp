@@ -65,7 +65,7 @@ json Values(const MapKeyframe& k) {
   return {{"id", k.id.value},
           {"session", k.name.session.value},
           {"session_keyframe_id", k.name.number},
-          {"frame_id", k.frame_id},
+          {"frame_id", k.frame_id.value},
           {"t_ns", k.t_ns},
           {"T_w_kf", Rows(k.T_w_kf)},
           {"covariance", Rows(k.covariance)},

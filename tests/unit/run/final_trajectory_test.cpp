@@ -29,9 +29,9 @@ Map SomeMap() {
     keyframe.id = i;
     keyframe.name.session = 7;
     keyframe.name.number = i;
-    keyframe.frame_id = kKeyframes[i];
-    keyframe.t_ns = SomePose(keyframe.frame_id).t_ns;
-    keyframe.T_odom_kf = SomePose(keyframe.frame_id).T_odom_c;
+    keyframe.frame_id = FrameId(kKeyframes[i]);
+    keyframe.t_ns = SomePose(keyframe.frame_id.value).t_ns;
+    keyframe.T_odom_kf = SomePose(keyframe.frame_id.value).T_odom_c;
     keyframe.T_w_kf = Correction(i) * keyframe.T_odom_kf;
     keyframe.parent_id = i - 1;
     map.Put(keyframe);
@@ -54,7 +54,7 @@ SE3 Final(const Map& map, int64_t frame_id, SessionId session = 7) {
   const Recorder recorder = SomeRun(30);
   FrameRecord frame = recorder.frames().Find(frame_id).value();
   frame.session = session;
-  return FinalPoses(map, recorder)(frame_id, frame);
+  return FinalPoses(map, recorder)(FrameId(frame_id), frame);
 }
 
 TEST(FinalPoses, KeyframesHaveTheirPoseOfTheMap) {
@@ -109,10 +109,10 @@ TEST(FinalPoses, NoInterpolationAcrossLostFrames) {
   }
   const FinalPoses final_poses(map, recorder);
   for (const int64_t i : {7, 8}) {
-    ExpectSame(final_poses(i, recorder.frames().Find(i).value()), Correction(1) * SomePose(i).T_odom_c);
+    ExpectSame(final_poses(FrameId(i), recorder.frames().Find(i).value()), Correction(1) * SomePose(i).T_odom_c);
   }
   for (const int64_t i : {12, 15}) {
-    ExpectSame(final_poses(i, recorder.frames().Find(i).value()), Correction(2) * SomePose(i).T_odom_c);
+    ExpectSame(final_poses(FrameId(i), recorder.frames().Find(i).value()), Correction(2) * SomePose(i).T_odom_c);
   }
 }
 

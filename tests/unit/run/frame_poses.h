@@ -8,7 +8,7 @@ namespace plslam {
 /// Frame `id` at 10 Hz, `id` metres ahead.
 inline FramePose SomePose(int64_t id, TrackingState state = TrackingState::kTracking) {
   FramePose pose;
-  pose.frame_id = id;
+  pose.frame_id = FrameId(id);
   pose.t_ns = 1'000'000'000 + id * 100'000'000;
   pose.session = 7;
   pose.state = state;

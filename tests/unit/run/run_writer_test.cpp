@@ -183,7 +183,8 @@ TEST(Outputs, UnconnectedSessionsAreKeptApart) {
     pose.keyframe_id = i;
     recorder.AddPose(pose);
     MapKeyframe keyframe;
-    keyframe.name.number = keyframe.frame_id = i;
+    keyframe.name.number = i;
+    keyframe.frame_id = FrameId(i);
     keyframe.id = KeyframeId(keyframe.name.number);
     keyframe.name.session = pose.session;
     keyframe.t_ns = pose.t_ns;

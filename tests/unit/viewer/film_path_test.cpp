@@ -13,7 +13,7 @@ MapKeyframe MovedKeyframe(KeyframeId id, int64_t frame_id, double sideways_m) {
   MapKeyframe keyframe;
   keyframe.id = id;
   keyframe.name.session = 7;
-  keyframe.frame_id = frame_id;
+  keyframe.frame_id = FrameId(frame_id);
   keyframe.T_odom_kf = SomePose(frame_id).T_odom_c;
   keyframe.T_w_kf = SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(sideways_m, 0.0, 0.0)) * keyframe.T_odom_kf;
   return keyframe;

@@ -98,7 +98,7 @@ namespace {
 
 const cv::Mat kImage(4, 4, CV_8UC1, cv::Scalar(0));
 
-FramePose PoseOf(int64_t frame_id) {
+FramePose PoseOf(FrameId frame_id) {
   FramePose pose;
   pose.frame_id = frame_id;
   return pose;

@@ -13,7 +13,7 @@
 namespace plslam::viewer {
 namespace {
 
-FramePose PoseOf(int64_t frame_id) {
+FramePose PoseOf(FrameId frame_id) {
   FramePose pose;
   pose.frame_id = frame_id;
   pose.state = TrackingState::kTracking;
@@ -31,7 +31,7 @@ TEST(PictureNode, SecondStreamAfterMissingPictures) {
   const RigCalibration rig = SomeRig();
   pictures.SetCamera(rig, Rectify(rig));
   // Frames whose images never arrived.
-  for (int64_t frame = 100; frame < 120; ++frame) pictures.AddPose(PoseOf(frame));
+  for (int64_t frame = 100; frame < 120; ++frame) pictures.AddPose(PoseOf(FrameId(frame)));
   pictures.StartNewRun(nullptr);
   pictures.AddPose(PoseOf(0));
   const cv::Mat image(240, 320, CV_8UC1, cv::Scalar(90));
@@ -89,8 +89,8 @@ PictureNode::Result ResultWithoutPictures(const ScratchFolder& folder, bool lock
       bus, {.out = folder.Path(""), .overlay_every = 5, .video = folder.Path("film")}, {&map, nullptr}, [] {}, [] {});
   Recorder recorder;
   for (int64_t frame = 0; frame < 20; ++frame) {
-    recorder.AddPose(PoseOf(frame));
-    pictures.AddPose(PoseOf(frame));
+    recorder.AddPose(PoseOf(FrameId(frame)));
+    pictures.AddPose(PoseOf(FrameId(frame)));
   }
   EXPECT_TRUE(pictures.MayCome());
   return pictures.Finish(recorder, lockstep, ended);

@@ -17,7 +17,7 @@ const Eigen::Quaterniond kNoTurn = Eigen::Quaterniond::Identity();
 MapKeyframe Keyframe(KeyframeId id, double x_m) {
   MapKeyframe keyframe;
   keyframe.id = id;
-  keyframe.frame_id = 10 * id.value;
+  keyframe.frame_id = FrameId(10 * id.value);
   keyframe.T_w_kf = SE3(kNoTurn, {x_m, 0, 0});
   return keyframe;
 }
@@ -187,7 +187,7 @@ TEST(MapTimes, RowsHaveTheStagesOfTheirUpdates) {
   for (int64_t i = 3; i < 20'000; ++i) {
     update.version = i;
     update.base_version = i - 1;
-    times.Add(update, i);
+    times.Add(update, FrameId(i));
   }
   EXPECT_LE(Rows(times.Times()), 4000U);
   EXPECT_EQ(Numbers<int32_t>(times.Times(), "frame").front(), 5);
@@ -199,7 +199,7 @@ TEST(PictureStore, ThinsOutPicturesBeyondTheLimit) {
   OverlayFeatures features;
   features.points.push_back({{512.0F, 60.0F}, 4.0F, 2});
   for (int64_t frame = 0; frame < 40; ++frame) {
-    if (store.Wants(frame)) store.Add(frame, image, frame == 0 ? cv::Mat() : right, features, 1024);
+    if (store.Wants(FrameId(frame))) store.Add(FrameId(frame), image, frame == 0 ? cv::Mat() : right, features, 1024);
   }
   EXPECT_EQ(store.stride(), 8);
   EXPECT_EQ(store.pictures().size(), 5U);
@@ -230,7 +230,7 @@ TEST(PictureStore, AnnouncedStreamsHaveTheirStrideFromTheStart) {
 TEST(PictureStore, KeyframesStayForLoops) {
   PictureStore store(0);
   const cv::Mat image(48, 64, CV_8UC1, cv::Scalar(80));
-  for (int64_t frame = 0; frame < 2500; ++frame) store.AddKeyframe(frame, image);
+  for (int64_t frame = 0; frame < 2500; ++frame) store.AddKeyframe(FrameId(frame), image);
   EXPECT_FALSE(store.Keyframe(0).empty());
   EXPECT_FALSE(store.Keyframe(2499).empty());
   EXPECT_TRUE(store.Keyframe(1).empty()) << "every second one had to go";
@@ -283,7 +283,7 @@ TEST_F(ReportRecorderTest, TruthOfAnotherRunGivesAWarning) {
   for (int64_t id = 0; id < 200; ++id) {
     recorder_.AddPose(SomePose(id));
     const double x_m = id % 2 == 0 ? 0.0 : 5.0;
-    recorder_.AddTruth(id, {SomePose(id).t_ns, SE3(kNoTurn, {x_m, 0.0, 0.0})});
+    recorder_.AddTruth(FrameId(id), {SomePose(id).t_ns, SE3(kNoTurn, {x_m, 0.0, 0.0})});
   }
   const ReportData data = Build("");
   EXPECT_THAT(data.notes,
@@ -303,7 +303,7 @@ TEST_F(ReportRecorderTest, InconsistentCovariancesGiveAWarning) {
     pose.covariance = 1e-8 * static_cast<double>(id) * Matrix6d::Identity();
     recorder_.AddPose(pose);
     const Eigen::Quaterniond q(Eigen::AngleAxisd(id % 2 == 0 ? 0.0 : 0.5, Eigen::Vector3d::UnitY()));
-    recorder_.AddTruth(id, {pose.t_ns, SE3(q, pose.T_odom_c.translation())});
+    recorder_.AddTruth(FrameId(id), {pose.t_ns, SE3(q, pose.T_odom_c.translation())});
   }
   const RunFacts facts = Build("").facts;
   ASSERT_EQ(facts.warnings.size(), 1U);
@@ -354,7 +354,7 @@ TEST_F(ReportRecorderTest, LoopsHaveFramesFiguresAndPictures) {
   const cv::Mat image(48, 64, CV_8UC1, cv::Scalar(80));
   for (int id = 0; id < 4; ++id) {
     owner_.map.Put(Keyframe(id, 1.0 * static_cast<double>(id)));
-    if (id != 3) report_.pictures().AddKeyframe(10 * id, image);
+    if (id != 3) report_.pictures().AddKeyframe(FrameId(10 * id), image);
   }
   report_.Add(owner_.Next(), owner_.map, 30);
   LoopClosure closure;

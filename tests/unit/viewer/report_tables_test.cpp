@@ -72,7 +72,7 @@ TEST(PathTable, ErrorsAreAfterAlignment) {
     pose.T_odom_c = SE3(ExpSO3({0, angle, 0}), {3.0 * std::sin(angle), 0, 3.0 * std::cos(angle)});
     recorder.AddPose(pose);
     const SE3 off(kUnturned, {0, id % 2 == 0 ? 0.01 : -0.01, 0});
-    recorder.AddTruth(id, {pose.t_ns, T_truth_w * off * pose.T_odom_c});
+    recorder.AddTruth(FrameId(id), {pose.t_ns, T_truth_w * off * pose.T_odom_c});
   }
   const PathOfRun path = PathTable(recorder, Map(), kUnturned, 1);
   ASSERT_TRUE(path.ate_m);
@@ -94,7 +94,7 @@ TEST(PathTable, RollOfAStraightPathIsNoError) {
     const double x = 0.05 * std::sin(0.2 * static_cast<double>(id));
     pose.T_odom_c = SE3(kUnturned, {x, 0, static_cast<double>(id)});
     recorder.AddPose(pose);
-    recorder.AddTruth(id, {pose.t_ns, SE3(kUnturned, {0, x, static_cast<double>(id)})});
+    recorder.AddTruth(FrameId(id), {pose.t_ns, SE3(kUnturned, {0, x, static_cast<double>(id)})});
   }
   const PathOfRun path = PathTable(recorder, Map(), kUnturned, 1);
   EXPECT_LT(path.ate_m.value(), 1e-3) << "positions fit after a quarter turn";
@@ -115,7 +115,7 @@ TEST(PathTable, FramesWithoutTruthAndLostOnesHaveNone) {
   for (int64_t id = 0; id < 6; ++id) {
     const FramePose pose = SomePose(id, id == 2 ? TrackingState::kLost : TrackingState::kTracking);
     recorder.AddPose(pose);
-    if (id != 4) recorder.AddTruth(id, {pose.t_ns, pose.T_odom_c});
+    if (id != 4) recorder.AddTruth(FrameId(id), {pose.t_ns, pose.T_odom_c});
   }
   const PathOfRun path = PathTable(recorder, Map(), kUnturned, 1);
   const std::vector<float> error_m = Numbers<float>(path.table, "error_m");
@@ -132,7 +132,7 @@ Map SmallMap(int n_points) {
   for (int id = 0; id < 3; ++id) {
     MapKeyframe keyframe;
     keyframe.id = id;
-    keyframe.frame_id = 10 * id;
+    keyframe.frame_id = FrameId(10 * id);
     keyframe.parent_id = id - 1;
     keyframe.T_w_kf = SE3(kUnturned, {0, 0, 1.0 * static_cast<double>(id)});
     map.Put(keyframe);

@@ -125,7 +125,7 @@ class ViewerFixture : public testing::Test {
 
   void PublishImages(int64_t frame) {
     const cv::Mat image(240, 320, CV_8UC1, cv::Scalar(90));
-    bus::FramePublisher(bus(), true).Publish({frame, Time(frame), image, image});
+    bus::FramePublisher(bus(), true).Publish({FrameId(frame), Time(frame), image, image});
   }
 
   std::string Out(const std::string& name) const { return folder_.Path("out/" + name); }

@@ -71,7 +71,7 @@ class VoNodeTest : public testing::Test {
   /// The next frame of the stream, and its pose.
   pose_t Show(int index, int64_t t_ns, bool covered = false) {
     StereoImages images = dataset_->Read(index);
-    images.frame_id = static_cast<int64_t>(shown_.size());
+    images.frame_id = FrameId(shown_.size());
     images.t_ns = t_ns;
     if (covered) images.left.setTo(0), images.right.setTo(0);
     if (exchanged_) std::swap(images.left, images.right);
@@ -79,7 +79,7 @@ class VoNodeTest : public testing::Test {
     frames_->Publish(images);
     std::unique_lock lock(mutex_);
     const auto limit = plslam::test::Patience(std::chrono::seconds(20));
-    EXPECT_TRUE(changed_.wait_for(lock, limit, [&] { return pose_ && pose_->frame_id == images.frame_id; }));
+    EXPECT_TRUE(changed_.wait_for(lock, limit, [&] { return pose_ && FrameId(pose_->frame_id) == images.frame_id; }));
     return pose_.value_or(pose_t());
   }
   pose_t ShowNext(int index, bool covered = false) {

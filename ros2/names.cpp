@@ -5,6 +5,8 @@
 #include <array>
 #include <cctype>
 
+#include "core/ros/ros_topics.h"
+
 namespace plslam::ros2 {
 namespace {
 
@@ -74,6 +76,13 @@ std::string InNamespace(std::string_view space, std::string_view topic) {
     return topic.starts_with("/") ? std::string(topic) : std::string("/").append(topic);
   }
   return std::string(space).append(space.ends_with("/") ? "" : "/").append(topic);
+}
+
+std::string CameraFrameOf(std::string_view base_frame, std::string_view given) {
+  if (!given.empty()) return std::string(given);
+  const size_t slash = base_frame.rfind('/');
+  const size_t n_prefix = slash == std::string_view::npos ? 0 : slash + 1;
+  return std::string(base_frame.substr(0, n_prefix)).append(kRosCamera);
 }
 
 std::string TopicNameComplaint(std::string_view topic) {

@@ -22,6 +22,15 @@ void LiveMessages::SetRig(const RigCalibration& rig) {
   T_c_l_ = SE3(Rectify(rig).q_l_c.conjugate(), Eigen::Vector3d::Zero());
   T_b_c_ = BodyFromCamera(rig);
   left_ = rig.left;
+  has_static_frame_ = false;
+}
+
+void LiveMessages::WriteStaticFrame(int64_t t_ns, const SE3& T_world_map) {
+  has_static_frame_ = true;
+  if (robot_ && !robot_->writes_camera) return;
+  const RosTransform transform = robot_ ? RosTransform{robot_->body, robot_->camera, T_b_c_ * T_c_l_}
+                                        : RosTransform{kRosWorld, kRosMap, T_world_map};
+  write_(ros_topic::kTfStatic, t_ns, RosTransforms(t_ns, {transform}));
 }
 
 void LiveMessages::AddPose(const robot::CameraPose& pose, int64_t session) {
@@ -32,6 +41,7 @@ void LiveMessages::AddPose(const robot::CameraPose& pose, int64_t session) {
     n_poses_ = 0;
     stride_ = 1;
   }
+  if (!has_static_frame_) WriteStaticFrame(pose.t_ns, LevelFromCamera());
   robot_ ? WriteBodyPose(pose) : WriteCameraPose(pose);
 }
 
@@ -49,6 +59,8 @@ void LiveMessages::WriteCameraPose(const robot::CameraPose& pose) {
   }
   write_(ros_topic::kTf, pose.t_ns, RosTransforms(pose.t_ns, {{kRosMap, kRosCamera, odometry.T_parent_child}}));
   write_(ros_topic::kOdom, pose.t_ns, RosOdometryMessage(odometry));
+  write_(ros_topic::kPose, pose.t_ns,
+         RosPoseWithCovariance(pose.t_ns, kRosMap, odometry.T_parent_child, odometry.covariance));
   AddToPath(pose.t_ns, odometry.T_parent_child);
 }
 
@@ -68,7 +80,11 @@ void LiveMessages::WriteBodyPose(const robot::CameraPose& pose) {
   odometry.velocity_covariance =
       body.velocity ? body.velocity_covariance : Matrix6d(kUnknownVariance * Matrix6d::Identity());
   write_(ros_topic::kOdom, pose.t_ns, RosOdometryMessage(odometry));
-  if (body.anchored) AddToPath(pose.t_ns, body.T_map_b);
+  if (!body.anchored) return;
+  write_(ros_topic::kPose, pose.t_ns,
+         RosPoseWithCovariance(pose.t_ns, robot_->map, body.T_map_b,
+                               robot::AlongParentAxes(body.T_map_odom, body.covariance)));
+  AddToPath(pose.t_ns, body.T_map_b);
 }
 
 void LiveMessages::AddToPath(int64_t t_ns, const SE3& pose) {
@@ -91,13 +107,11 @@ void LiveMessages::WriteImage(int64_t t_ns, const cv::Mat& left) const {
 
 RosView LiveMessages::View() const { return robot_ ? RosView{robot_->map, T_b_c_} : RosView{}; }
 
-void LiveMessages::WriteMap(const Map& map) const {
+void LiveMessages::WriteMap(const Map& map) {
   if (!left_) return;
   const int64_t t = now_ns();
   const RosView view = View();
-  const RosTransform level{kRosWorld, kRosMap, LevelFromMap(map)};
-  const RosTransform of_robot{robot_ ? std::string_view(robot_->body) : "", kRosCamera, T_b_c_ * T_c_l_};
-  write_(ros_topic::kTfStatic, t, RosTransforms(t, {robot_ ? of_robot : level}));
+  WriteStaticFrame(t, LevelFromMap(map));
   write_(ros_topic::kMapPoints, t, RosPoints(t, map, view));
   write_(ros_topic::kMapLines, t, RosLines(t, map, view));
   write_(ros_topic::kLoops, t, RosLoops(t, map, view));

@@ -37,6 +37,7 @@ const dds_topic_descriptor_t& DescriptorOf(std::string_view type) {
       Row{"nav_msgs/msg/Path", &nav_msgs_msg_dds__Path__desc},
       Row{"nav_msgs/msg/OccupancyGrid", &nav_msgs_msg_dds__OccupancyGrid__desc},
       Row{"geometry_msgs/msg/PoseArray", &geometry_msgs_msg_dds__PoseArray__desc},
+      Row{"geometry_msgs/msg/PoseWithCovarianceStamped", &geometry_msgs_msg_dds__PoseWithCovarianceStamped__desc},
       Row{"sensor_msgs/msg/CompressedImage", &sensor_msgs_msg_dds__CompressedImage__desc},
       Row{"sensor_msgs/msg/CameraInfo", &sensor_msgs_msg_dds__CameraInfo__desc},
       Row{"sensor_msgs/msg/PointCloud2", &sensor_msgs_msg_dds__PointCloud2__desc},

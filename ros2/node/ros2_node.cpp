@@ -63,8 +63,10 @@ RobotFrames FramesOf(const Ros2Options& options) {
   return {.map = options.map_frame,
           .odom = options.odom_frame,
           .body = options.base_frame,
+          .camera = CameraFrameOf(options.base_frame, options.camera_frame),
           .writes_map = options.publish_tf == PublishedTf::kAll || options.publish_tf == PublishedTf::kMap,
-          .writes_odom = options.publish_tf == PublishedTf::kAll || options.publish_tf == PublishedTf::kOdom};
+          .writes_odom = options.publish_tf == PublishedTf::kAll || options.publish_tf == PublishedTf::kOdom,
+          .writes_camera = options.publish_tf != PublishedTf::kNone};
 }
 
 const char* ImageTypeOf(const std::string& topic) {

@@ -55,6 +55,12 @@ TEST(Ros2Names, NamespacesAndInvalidNames) {
   EXPECT_THAT(TopicNameComplaint("/le ft"), HasSubstr("another character"));
 }
 
+TEST(Ros2Names, CameraFrameHasTheBodysPrefix) {
+  EXPECT_EQ(CameraFrameOf("base_link", ""), "camera_left");
+  EXPECT_EQ(CameraFrameOf("one/base_link", ""), "one/camera_left");
+  EXPECT_EQ(CameraFrameOf("one/base_link", "eye"), "eye");
+}
+
 Domain DomainWith(const std::map<std::string, std::string>& variables) {
   return DomainOf([&](const char* name) {
     const auto found = variables.find(name);

@@ -41,8 +41,9 @@ class LiveMessages {
   explicit LiveMessages(Write write, std::optional<RobotFrames> robot = {})
       : write_(std::move(write)), robot_(std::move(robot)) {}
 
-  /// Sets the rig of what follows: nothing is written before. Throws std::runtime_error if it has no rectification.
+  /// Sets the rig of what follows: nothing is written before, except for diagnostics. Throws std::runtime_error if it has no rectification.
   void SetRig(const RigCalibration& rig);
+  bool has_rig() const { return left_.has_value(); }
   /// Writes transform, odometry and pose, before the first ones the static frame. A new session begins a new path.
   void AddPose(const robot::CameraPose& pose, int64_t session);
   /// Writes the image as a JPEG, and its calibration. `left` has 8 bits.

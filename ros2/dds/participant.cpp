@@ -27,6 +27,8 @@ namespace {
 
 constexpr int kDepth = 5;
 constexpr uint32_t kTaken = 8;
+/// User data of our writers, by which other processes of plslam know them.
+constexpr std::string_view kOurs = "plslam=1;";
 
 /// The generated descriptor of each type of the table.
 const dds_topic_descriptor_t& DescriptorOf(std::string_view type) {
@@ -78,6 +80,7 @@ Qos WriterQos(RosQos kind) {
   }
   dds_qset_durability(qos.get(), is_latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, is_latched ? 1 : kDepth);
+  dds_qset_userdata(qos.get(), kOurs.data(), kOurs.size());
   if (is_latched) dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, 1, -1, -1, -1);
   return qos;
 }
@@ -136,6 +139,15 @@ SE3 ToPose(const Translation& translation, const geometry_msgs_msg_dds__Quaterni
     throw DatasetError("has an invalid pose");
   }
   return {q, t};
+}
+
+std::string UserDataOf(const dds_qos_t* qos) {
+  void* data = nullptr;
+  size_t n_bytes = 0;
+  dds_qget_userdata(qos, &data, &n_bytes);
+  const std::string text(static_cast<const char*>(data), n_bytes);
+  dds_free(data);
+  return text;
 }
 
 std::string TextOf(const char* text) { return text == nullptr ? "" : text; }
@@ -422,12 +434,8 @@ std::optional<size_t> Participant::GidBytes(const Guid& own) const {
   std::optional<size_t> gid_bytes;
   impl_->ForEachPublication([&](const dds_builtintopic_endpoint_t& endpoint) {
     if (TextOf(endpoint.topic_name) != kNodeInfoTopic || ToGuid(endpoint.participant_key) == own) return;
-    void* data = nullptr;
-    size_t n_bytes = 0;
-    dds_qget_userdata(endpoint.qos, &data, &n_bytes);
-    const std::string text(static_cast<const char*>(data), n_bytes);
-    dds_free(data);
-    gid_bytes = text.find("typehash=") == std::string::npos ? kGidBytesBeforeIron : kGidBytes;
+    const bool names_types = UserDataOf(endpoint.qos).find("typehash=") != std::string::npos;
+    gid_bytes = names_types ? kGidBytes : kGidBytesBeforeIron;
   });
   return gid_bytes;
 }
@@ -446,6 +454,7 @@ std::vector<Publisher> Participant::Publishers() const {
     dds_qget_durability(endpoint.qos, &durability);
     publisher.is_reliable = reliability == DDS_RELIABILITY_RELIABLE;
     publisher.is_latched = durability != DDS_DURABILITY_VOLATILE;
+    publisher.is_ours = UserDataOf(endpoint.qos) == kOurs;
     publishers.push_back(std::move(publisher));
   });
   return publishers;

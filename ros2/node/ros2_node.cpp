@@ -184,12 +184,14 @@ void Ros2Node::TakeInfo(robot::Side side, RosCameraInfo info, const std::string&
   UseInfos();
 }
 
-/// Returns whether the first rig waits for /tf_static, if there is a publisher of it.
+/// Returns whether the first rig waits for /tf_static, if there is a publisher of it: that of another plslam_ros2 knows nothing
+/// of this camera.
 bool Ros2Node::AwaitsFrames(bool knows_mounting) const {
   if (knows_mounting || frames_.has_rig() || bus::NowS() - held_since_s_ >= kPatienceForFrames_s) return false;
   const std::vector<Publisher> publishers = participant_.Publishers();
-  return std::ranges::any_of(publishers,
-                             [](const Publisher& publisher) { return publisher.topic == ros_topic::kTfStatic.name; });
+  return std::ranges::any_of(publishers, [](const Publisher& publisher) {
+    return publisher.topic == ros_topic::kTfStatic.name && !publisher.is_ours;
+  });
 }
 
 /// A rig that changed while it is in use would begin a new session, so /tf_static is awaited for a while.

@@ -6,55 +6,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <memory>
-#include <mutex>
 #include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
 
-#include "core/bus/messages/frame_channel.h"
-#include "core/bus/run_loop.h"
+#include "tests/integration/bus_frames.h"
 #include "tests/integration/ros2_robot.h"
 #include "tests/support/long_tests.h"
-#include "tests/unit/bus/bus_fixture.h"
 
 namespace plslam::test {
 namespace {
 
 using nlohmann::json;
-
-/// Arrival times of complete frames on the bus, by their stamps.
-class Frames {
- public:
-  Frames()
-      : bus_(Options()),
-        frames_(*bus_, bus::FrameSubscriber::Mode::kReliable, [this](const bus::FrameSubscriber::Frame& frame) {
-          const std::scoped_lock lock(mutex_);
-          at_s_.emplace(frame.images.t_ns, bus::NowS());
-        }) {
-    bus_.Start();
-  }
-  ~Frames() { bus_.Join(); }
-
-  std::map<int64_t, double> at_s() const {
-    const std::scoped_lock lock(mutex_);
-    return at_s_;
-  }
-
- private:
-  static bus::BusOptions Options() {
-    bus::BusOptions options;
-    options.url = kBusUrl;
-    return options;
-  }
-
-  mutable std::mutex mutex_;
-  std::map<int64_t, double> at_s_;
-  bus::test::RunningBus bus_;
-  bus::FrameSubscriber frames_;
-};
 
 /// Milliseconds of processor time that a process has used.
 double CpuMs(pid_t pid) {
@@ -78,8 +43,8 @@ class Ros2Delivery : public Ros2 {
 
   /// Sends images of this world at this rate, and reads the frames as vo_process does.
   void Deliver(const std::string& world, int rate_hz, int n_frames, std::vector<std::string> options = {}) {
-    std::unique_ptr<Frames> frames;
-    host_->Do([&] { frames = std::make_unique<Frames>(); });
+    std::unique_ptr<BusFrames> frames;
+    host_->Do([&] { frames = std::make_unique<BusFrames>(kBusUrl); });
     const auto process = StartProcess();
     ASSERT_TRUE(LogHas("waiting for images")) << Log();
     options.insert(options.begin(), {world, std::to_string(rate_hz), std::to_string(n_frames), "synchronous"});

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -17,6 +18,10 @@
 #include "core/datasets/open_dataset.h"
 #include "core/io/images/png_codec.h"
 #include "core/io/trajectories/trajectory.h"
+#include "core/ros/ros_topics.h"
+#include "ros2/names.h"
+#include "tests/integration/by_hand.h"
+#include "tests/integration/rgbd_wall.h"
 #include "tests/integration/ros2_robot.h"
 #include "tests/support/sanitized.h"
 
@@ -29,11 +34,32 @@ using testing::HasSubstr;
 /// The frame of the world whose time a pose has.
 int IndexOf(const json& odom) { return static_cast<int>((odom[0].get<int64_t>() - 1'000'000'000) / 50'000'000); }
 
+/// Each row of the table is a topic with its type and its quality of service, and has messages. The robot has its own
+/// images, and no grid is made here (Ros2Output has one).
+void ExpectTheRowsOfTheTable(const json& topics) {
+  int n_rows = 0;
+  for (const RosTopic& row : RosTopics()) {
+    if (!row.is_live || row.rate == RosRate::kImage || row.name == ros_topic::kGrid.name) continue;
+    const bool is_tf = row.name == ros_topic::kTf.name || row.name == ros_topic::kTfStatic.name;
+    const std::string topic = (is_tf ? "rt" : "rt/plslam") + std::string(row.name);
+    ASSERT_TRUE(topics.contains(topic)) << topic << " in " << topics;
+    EXPECT_EQ(topics[topic]["type"], ros2::DdsTypeName(row.type));
+    EXPECT_EQ(topics[topic]["latched"], row.qos == RosQos::kLatched) << topic;
+    EXPECT_EQ(topics[topic]["reliable"], true) << topic;
+    EXPECT_TRUE(is_tf || topics[topic]["n"].get<int>() > 0) << topic;
+    ++n_rows;
+  }
+  // Others of the process are its node's and its services'.
+  int n_topics = 0;
+  for (const auto& [topic, found] : topics.items()) n_topics += topic.starts_with("rt/") ? 1 : 0;
+  EXPECT_EQ(n_topics, n_rows) << topics;
+}
+
 TEST_F(Ros2, EveryFrameHasAPose) {
   const std::string out = folder_.Path("out");
   const auto run =
       Start(BinaryFolder() / "plslam", {"run", fmt::format("ros2:{}", kTopics), "--out", out}, "run.log");
-  const auto robot = StartRobot({kWorld, "20", "80"});
+  const auto robot = StartRobot({kWorld, "20", "80", "census"});
   Wait(*robot);
   const json heard = Heard();
   const auto late = StartRobot({kWorld, "20", "0"});
@@ -51,6 +77,7 @@ TEST_F(Ros2, EveryFrameHasAPose) {
   EXPECT_EQ(heard["tf"]["odom base_link"], n);
   EXPECT_GT(heard["points"].get<int>(), 500);
   EXPECT_GT(heard["path"].get<int>(), 40);
+  ExpectTheRowsOfTheTable(heard["topics"]);
 
   const Trajectory poses = ReadTrajectory(out + "/trajectory.tum", TrajectoryFormat::kTum);
   ASSERT_EQ(poses.size(), n);
@@ -120,27 +147,6 @@ TEST_F(Ros2, CameraIsWhereTfStaticHasIt) {
     const SE3 T_true = T_b_l * T_first * *world->GroundTruth(IndexOf(odom)) * T_b_l.Inverse();
     EXPECT_LT((Eigen::Vector3d(odom[1], odom[2], odom[3]) - T_true.translation()).norm(), 0.05) << odom;
   }
-}
-
-/// A wall 2 m away, along which the camera moves by 2 cm a frame, as colour and depth.
-std::string WallOfAnRgbdCamera(const ScratchFolder& folder, int n_frames) {
-  const std::filesystem::path wall = folder.Path("wall");
-  for (const char* name : {"rgb", "depth"}) std::filesystem::create_directories(wall / name);
-  std::ofstream(wall / "camera.yaml")
-      << "kind: rgbd\nrate_hz: 20\ndepth_units_per_m: 1000\nleft:\n  resolution_px: [376, 240]\n"
-         "  focal_length_px: [200, 200]\n  principal_point_px: [187.5, 119.5]\n";
-  cv::Mat grains(40, 120, CV_8UC1);
-  std::mt19937 random(5);
-  for (int i = 0; i < grains.rows * grains.cols; ++i) grains.data[i] = static_cast<uint8_t>(random());
-  for (int i = 0; i < n_frames; ++i) {
-    cv::Mat image(240, 376, CV_8UC1);
-    for (int y = 0; y < image.rows; ++y) {
-      for (int x = 0; x < image.cols; ++x) image.at<uint8_t>(y, x) = grains.at<uint8_t>(y / 6, (x + 2 * i) / 6);
-    }
-    WritePng((wall / "rgb" / fmt::format("{:04}.png", i)).string(), image);
-    WritePng((wall / "depth" / fmt::format("{:04}.png", i)).string(), cv::Mat(240, 376, CV_16UC1, cv::Scalar(2000)));
-  }
-  return wall.string();
 }
 
 TEST_F(Ros2, ColourAndDepthAreTracked) {
@@ -215,6 +221,42 @@ TEST_F(Ros2, EitherEndMayRestart) {
       << Log();
   Wait(*robot);
   Stop(*process);
+}
+
+// The tracker's session continues, and the robot hears its poses from the new process.
+TEST_F(Ros2, PosesComeBackAfterAKill) {
+  std::unique_ptr<StatusListener> listener;
+  bus::BusOptions options;
+  options.url = kBusUrl;
+  host_->Do([&] { listener = std::make_unique<StatusListener>(*host_, options); });
+  const auto tracker = Start(BinaryFolder() / "vo_process", {"--url", kBusUrl}, "vo.log");
+  auto process = StartProcess();
+  const auto robot = StartRobot({"synthetic:room?size=376x240&frames=400", "20", "400", "listen_s=1"});
+  const auto has_tracked = [&](double n) {
+    return WholeRun::WaitFor([&] { return listener->Counter("vo", "frames") >= n; });
+  };
+  ASSERT_TRUE(has_tracked(15)) << Log() << Log("vo.log");
+  process->Signal(SIGKILL);
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return process->Poll().has_value(); }));
+  const double before = listener->Counter("vo", "frames");
+  process = StartProcess();
+  ASSERT_TRUE(has_tracked(before + 40)) << Log();
+  robot->Signal(SIGTERM);
+  Wait(*robot);
+  Stop(*process);
+  Stop(*tracker);
+  const json heard = Heard();
+  int64_t last_ns = 0, gap_ns = 0;
+  int n_after = 0;
+  for (const json& odom : heard["odom"]) {
+    const int64_t step_ns = last_ns > 0 ? odom[0].get<int64_t>() - last_ns : 0;
+    n_after = step_ns > gap_ns ? 1 : n_after + 1;
+    gap_ns = std::max(gap_ns, step_ns);
+    last_ns = odom[0].get<int64_t>();
+  }
+  fmt::print("without poses for {:.1f} s\n", 1e-9 * static_cast<double>(gap_ns));
+  EXPECT_GT(static_cast<int>(heard["odom"].size()) - n_after, 10) << heard;
+  EXPECT_GT(n_after, 15) << heard;
 }
 
 TEST_F(Ros2, DomainsAreApart) {
@@ -304,6 +346,9 @@ TEST_F(Ros2, ServicesAreOrders) {
   const json extend = Call({"cyclone_caller", "/plslam/localise_only", "false"});
   EXPECT_EQ(extend["success"], true) << extend;
   EXPECT_EQ(Call({"fast_dds_caller", "call", "/plslam/reset"})["success"], true);
+  const json load = Call({"fast_dds_caller", "call", "/plslam/load"});
+  EXPECT_EQ(load["success"], true) << load;
+  EXPECT_THAT(load["message"].get<std::string>(), HasSubstr(map)) << load;
   // Only a player can pause.
   const json pause = Call({"cyclone_caller", "/plslam/pause", "true"});
   EXPECT_EQ(pause["success"], false) << pause;
@@ -329,25 +374,6 @@ TEST_F(Ros2, NodeIsListedInBothFormsOfRos) {
     EXPECT_GE(node["writers"].size(), 5U) << heard;
     EXPECT_EQ(heard["gid"].get<std::string>().size(), n_digits);
   }
-}
-
-TEST_F(Ros2, RobotsInTwoNamespacesAreApart) {
-  const auto of_robot = [&](const std::string& space, const char* url, const std::string& log) {
-    return Start(BinaryFolder() / "plslam_ros2",
-                 {"--left", space + "/stereo/left/image_raw", "--right", space + "/stereo/right/image_raw",
-                  "--namespace", space + "/plslam", "--url", url},
-                 log);
-  };
-  const auto one = of_robot("/one", "udpm://239.255.76.67:7701?ttl=0", "one.log"),
-             two = of_robot("/two", "udpm://239.255.76.67:7702?ttl=0", "two.log");
-  const auto first = StartRobot({kWorld, "20", "40", "space=/one", "listen_s=1"});
-  const auto second = StartRobot({kWorld, "20", "60", "space=/two", "listen_s=1"});
-  Wait(*first);
-  Wait(*second);
-  Stop(*one);
-  Stop(*two);
-  EXPECT_THAT(Log("one.log"), HasSubstr("ended: 40 frames, 0 unpaired, 0 rejected"));
-  EXPECT_THAT(Log("two.log"), HasSubstr("ended: 60 frames, 0 unpaired, 0 rejected"));
 }
 
 // The robot sends for 12 s.

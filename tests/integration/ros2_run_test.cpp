@@ -7,7 +7,6 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <regex>
@@ -91,44 +90,6 @@ TEST_F(Ros2, EveryFrameHasAPose) {
     const Eigen::Vector3d p = T_true.translation(), p_body(p.z(), -p.x(), -p.y());
     EXPECT_LT((Eigen::Vector3d(odom[1], odom[2], odom[3]) - p_body).norm(), 0.05) << i;
   }
-}
-
-/// Poses of the frames of a run relative to its first one, by the number of the frame; frame 0 is at `begin_ns`.
-std::map<int, SE3> PosesOf(const std::string& run, int64_t begin_ns) {
-  std::map<int, SE3> poses;
-  const Trajectory trajectory = ReadTrajectory(run + "/trajectory.tum", TrajectoryFormat::kTum);
-  for (const auto& pose : trajectory) {
-    poses[static_cast<int>((pose.t_ns - begin_ns) / 50'000'000)] = trajectory.front().T_a_b.Inverse() * pose.T_a_b;
-  }
-  return poses;
-}
-
-// Images and calibration arrive as they were sent. Frames that a busy machine skips change the poses after them.
-TEST_F(Ros2, PosesAreThoseOfTheDatasetItself) {
-  const auto run =
-      Start(BinaryFolder() / "plslam",
-            {"run", fmt::format("ros2:{}", kTopics), "--no-mapping", "--out", folder_.Path("live")}, "run.log");
-  const auto robot = StartRobot({kWorld, "10", "50"});
-  Wait(*robot);
-  run->Signal(SIGINT);
-  Wait(*run);
-  ASSERT_EQ(run->Poll()->code, 0) << Log("run.log");
-  const auto live = PosesOf(folder_.Path("live"), 1'000'000'000);
-  ASSERT_GT(live.size(), 30U);
-  const int first = live.begin()->first;
-  const auto again = Start(BinaryFolder() / "plslam",
-                           {"run", kWorld, "--no-mapping", "--start", std::to_string(first), "--stop", "50", "--out",
-                            folder_.Path("again")},
-                           "again.log");
-  Wait(*again);
-  ASSERT_EQ(again->Poll()->code, 0) << Log("again.log");
-  const auto expected = PosesOf(folder_.Path("again"), 0);
-  int n = 0;
-  while (live.contains(first + n) && expected.contains(first + n)) {
-    EXPECT_LT((live.at(first + n).Inverse() * expected.at(first + n)).Log().norm(), 1e-8) << "frame " << first + n;
-    ++n;
-  }
-  EXPECT_GT(n, 10);
 }
 
 // The body moves to its right where the camera moves forward.

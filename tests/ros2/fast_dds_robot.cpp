@@ -83,7 +83,7 @@ class ImuDriver {
 void SendDamagedMessages(const RigCalibration& rig, const cv::Mat& grey, int n) {
   using namespace sensor_msgs::msg::dds_;
   SendDamaged<Image_PubSubType>("rt/stereo/left/image_raw", ImageOf(grey, 1'000'000), n);
-  SendDamaged<CameraInfo_PubSubType>("rt/stereo/left/camera_info", InfoOf(rig.left, 0.0, 1'000'000), n);
+  SendDamaged<CameraInfo_PubSubType>("rt/stereo/left/camera_info", InfoOf(rig, true, 1'000'000), n);
   SendDamaged<nav_msgs::msg::dds_::Odometry_PubSubType>("rt/wheels", OdometryOf(SE3(), 1'000'000), n);
   SendDamaged<Imu_PubSubType>("rt/imu/data", ImuOf({}, 1'000'000), n);
   tf2_msgs::msg::dds_::TFMessage_ frames;
@@ -299,7 +299,7 @@ class Ears {
     for (int side = 0; side < 2; ++side) {
       if (images[side].writer() == nullptr) continue;
       if (infos[side] != nullptr) {
-        auto info = InfoOf(side == 0 ? rig.left : rig.right, side == 0 ? 0.0 : rig.baseline_m, t_ns[side]);
+        auto info = InfoOf(rig, side == 0, t_ns[side]);
         infos[side]->write(&info);
       }
       cv::Mat pixels = side == 0 ? frame.left : frame.right;

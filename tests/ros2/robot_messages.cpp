@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/geometry/rectification.h"
 #include "core/io/images/jpeg_codec.h"
 #include "core/io/images/png_codec.h"
 
@@ -42,16 +43,25 @@ sensor_msgs::msg::dds_::CompressedImage_ CompressedOf(const cv::Mat& image, cons
   return message;
 }
 
-sensor_msgs::msg::dds_::CameraInfo_ InfoOf(const CameraCalibration& c, double baseline_m, int64_t t_ns) {
+sensor_msgs::msg::dds_::CameraInfo_ InfoOf(const RigCalibration& rig, bool is_left, int64_t t_ns) {
+  const Rectification rectified = Rectify(rig);
+  const Eigen::Matrix3d left = rectified.q_l_c.toRotationMatrix().transpose();
+  const Eigen::Matrix3d right = left * (rig.left.T_b_cam.Inverse() * rig.right.T_b_cam).R();
+  const CameraCalibration& c = is_left ? rig.left : rig.right;
+  const Eigen::Matrix3d& R = is_left ? left : right;
+  const StereoCamera& pair = rectified.camera;
   sensor_msgs::msg::dds_::CameraInfo_ info;
   SetHeader(info.header(), t_ns, "camera");
   info.width(static_cast<uint32_t>(c.width_px));
   info.height(static_cast<uint32_t>(c.height_px));
   info.distortion_model("plumb_bob");
-  info.d({0, 0, 0, 0, 0});
+  std::vector<double> distortion = c.distortion;
+  distortion.resize(5);
+  info.d(distortion);
   info.k({c.fx_px, 0, c.cx_px, 0, c.fy_px, c.cy_px, 0, 0, 1});
-  info.r({1, 0, 0, 0, 1, 0, 0, 0, 1});
-  info.p({c.fx_px, 0, c.cx_px, -c.fx_px * baseline_m, 0, c.fy_px, c.cy_px, 0, 0, 0, 1, 0});
+  info.r({R(0, 0), R(0, 1), R(0, 2), R(1, 0), R(1, 1), R(1, 2), R(2, 0), R(2, 1), R(2, 2)});
+  info.p({pair.f_px, 0, pair.cx_px, is_left ? 0 : -pair.f_px * pair.baseline_m, 0, pair.f_px, pair.cy_px, 0, 0, 0, 1,
+          0});
   return info;
 }
 

@@ -22,7 +22,8 @@ int64_t StampOf(const std_msgs::msg::dds_::Header_& header);
 sensor_msgs::msg::dds_::Image_ ImageOf(const cv::Mat& grey, int64_t t_ns);
 /// The same as a file: "jpeg", "png", or "compressedDepth" (PNG after 12 bytes).
 sensor_msgs::msg::dds_::CompressedImage_ CompressedOf(const cv::Mat& image, const std::string& format, int64_t t_ns);
-sensor_msgs::msg::dds_::CameraInfo_ InfoOf(const CameraCalibration& c, double baseline_m, int64_t t_ns);
+/// A camera of a rig with plumb_bob lenses, and its place in the rectified pair.
+sensor_msgs::msg::dds_::CameraInfo_ InfoOf(const RigCalibration& rig, bool is_left, int64_t t_ns);
 /// The pose of a body whose camera looks along x, relative to that of the first frame; from true poses.
 nav_msgs::msg::dds_::Odometry_ OdometryOf(const SE3& T_first_c, int64_t t_ns);
 sensor_msgs::msg::dds_::Imu_ ImuOf(const ImuSample& sample, int64_t t_ns);

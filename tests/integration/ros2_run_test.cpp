@@ -22,6 +22,7 @@
 #include "tests/integration/by_hand.h"
 #include "tests/integration/rgbd_wall.h"
 #include "tests/integration/ros2_robot.h"
+#include "tests/support/key_file.h"
 #include "tests/support/sanitized.h"
 
 namespace plslam::test {
@@ -319,22 +320,35 @@ TEST_F(Ros2, ServicesAreOrders) {
   EXPECT_EQ(run->Poll()->code, 0) << Log("run.log");
 }
 
-// The other node decides on the form.
+/// Names of the topics, among them those of answers to services, to which a node says that it writes.
+std::vector<std::string> WritersOf(const json& node) {
+  std::vector<std::string> topics = node["writers"].get<std::vector<std::string>>();
+  std::sort(topics.begin(), topics.end());
+  return topics;
+}
+
+// The other node decides on the form. A key of the bus leaves no services: DDS cannot prove who calls.
 TEST_F(Ros2, NodeIsListedInBothFormsOfRos) {
-  for (const auto& [old, n_digits] : {std::pair("1", 48U), std::pair("0", 32U)}) {
-    const auto process = StartProcess({"--namespace", "/robot"});
+  const std::string key = KeyFile(folder_.Path(""), '7');
+  const std::vector<std::string> all{"rr/robot/loadReply",  "rr/robot/localise_onlyReply", "rr/robot/pauseReply",
+                                     "rr/robot/resetReply", "rr/robot/saveReply",          "rt/robot/diagnostics"};
+  for (const bool has_key : {false, true}) {
+    std::vector<std::string> options{"--namespace", "/robot"};
+    if (has_key) options.insert(options.end(), {"--set", "bus.key_file=" + key});
+    const auto process = StartProcess(options);
     ASSERT_TRUE(LogHas("waiting for images")) << Log();
-    const json heard = Call({"fast_dds_caller", "nodes", old});
+    const json heard = Call({"fast_dds_caller", "nodes", has_key ? "0" : "1"});
     Stop(*process);
     ASSERT_EQ(heard["nodes"].size(), 1U) << heard;
     const json& node = heard["nodes"][0];
     EXPECT_EQ(node["name"], "plslam_ros2");
     EXPECT_EQ(node["namespace"], "/robot");
     // Images and CameraInfo of both sides, /tf_static, and five services.
-    EXPECT_EQ(node["readers"].size(), 10U) << heard;
-    EXPECT_GE(node["writers"].size(), 5U) << heard;
-    EXPECT_EQ(heard["gid"].get<std::string>().size(), n_digits);
+    EXPECT_EQ(node["readers"].size(), has_key ? 5U : 10U) << heard;
+    EXPECT_EQ(WritersOf(node), has_key ? std::vector<std::string>{"rt/robot/diagnostics"} : all);
+    EXPECT_EQ(heard["gid"].get<std::string>().size(), has_key ? 32U : 48U);
   }
+  EXPECT_THAT(Log(), HasSubstr("services are not offered: the bus has a key (bus.key_file)"));
 }
 
 // The robot sends for 12 s.

@@ -21,6 +21,15 @@ void Census::on_publisher_discovery(fast::DomainParticipant* participant, rtps::
   found_.push_back(info.info);
 }
 
+std::string Census::TopicOf(const std::string& digits) const {
+  for (const auto& [name, topic] : topics_.items()) {
+    for (const auto& writer : topic["writers"]) {
+      if (digits.rfind(writer.get<std::string>(), 0) == 0) return name;
+    }
+  }
+  return "";
+}
+
 void Census::Listen() {
   std::vector<rtps::WriterProxyData> found;
   {

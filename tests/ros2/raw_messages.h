@@ -98,6 +98,8 @@ class Census : public fast::DomainParticipantListener {
   /// By topic of DDS ("rt/plslam/odom"): its `type`, whether it is `reliable` and `latched`, the number `n` of messages,
   /// and the identities of its `writers`, in hexadecimal digits.
   const nlohmann::json& topics() const { return topics_; }
+  /// The topic of the writer with whose identity these digits begin; empty if it is not known.
+  std::string TopicOf(const std::string& digits) const;
 
  private:
   void on_publisher_discovery(fast::DomainParticipant* participant,

@@ -2,7 +2,6 @@
 #include "ros2/names.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 
 #include "core/ros/ros_topics.h"
@@ -11,7 +10,6 @@ namespace plslam::ros2 {
 namespace {
 
 constexpr std::string_view kTopicPrefix = "rt";
-constexpr auto kCompressed = std::to_array<std::string_view>({"/compressed", "/compressedDepth"});
 constexpr std::string_view kTypeFolder = "dds_::";
 
 std::string Replaced(std::string_view text, std::string_view from, std::string_view to) {
@@ -56,19 +54,6 @@ std::string RosTypeName(std::string_view dds_type) {
   if (folder == std::string_view::npos || !dds_type.ends_with("_")) return std::string(dds_type);
   const std::string_view name = dds_type.substr(folder + kTypeFolder.size());
   return Replaced(dds_type.substr(0, folder), "::", "/").append(name.substr(0, name.size() - 1));
-}
-
-bool IsCompressedTopic(std::string_view topic) {
-  return std::any_of(kCompressed.begin(), kCompressed.end(),
-                     [&](std::string_view end) { return topic.ends_with(end); });
-}
-
-std::string InfoTopicOf(std::string_view image_topic) {
-  std::string topic(image_topic);
-  if (IsCompressedTopic(topic)) topic.resize(topic.rfind('/'));
-  const size_t slash = topic.rfind('/');
-  if (slash != std::string::npos && topic.compare(slash + 1, 5, "image") == 0) topic.resize(slash);
-  return topic + "/camera_info";
 }
 
 std::string InNamespace(std::string_view space, std::string_view topic) {

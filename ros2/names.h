@@ -25,12 +25,6 @@ struct ServiceNames {
 };
 ServiceNames DdsServiceNames(std::string_view service, std::string_view type);
 
-/// Whether a topic has CompressedImage instead of Image: it ends with "/compressed" or "/compressedDepth".
-bool IsCompressedTopic(std::string_view topic);
-
-/// Returns the CameraInfo topic of an image topic: "/a/left/image_raw" has "/a/left/camera_info".
-std::string InfoTopicOf(std::string_view image_topic);
-
 /// The topic as a node in this namespace names it: "odom" in "/robot" is "/robot/odom", and "/odom" stays.
 std::string InNamespace(std::string_view space, std::string_view topic);
 

@@ -14,7 +14,6 @@ namespace {
 
 constexpr int kJpegQuality = 80;
 constexpr size_t kMostPathPoses = 10'000;
-constexpr double kUnknownVariance = 1e6;
 
 }  // namespace
 
@@ -66,20 +65,9 @@ void LiveMessages::WriteCameraPose(const robot::CameraPose& pose) {
 
 void LiveMessages::WriteBodyPose(const robot::CameraPose& pose) {
   const robot::BodyPose body = robot::ToBody(T_b_c_, pose);
-  std::vector<RosTransform> transforms;
-  if (robot_->writes_map && body.anchored) transforms.push_back({robot_->map, robot_->odom, body.T_map_odom});
-  if (robot_->writes_odom) transforms.push_back({robot_->odom, robot_->body, body.T_odom_b});
+  const std::vector<RosTransform> transforms = BodyTransforms(body, *robot_);
   if (!transforms.empty()) write_(ros_topic::kTf, pose.t_ns, RosTransforms(pose.t_ns, transforms));
-  RosOdometry odometry;
-  odometry.t_ns = pose.t_ns;
-  odometry.parent = robot_->odom;
-  odometry.child = robot_->body;
-  odometry.T_parent_child = body.T_odom_b;
-  odometry.covariance = body.covariance;
-  odometry.velocity = body.velocity.value_or(Vector6d::Zero());
-  odometry.velocity_covariance =
-      body.velocity ? body.velocity_covariance : Matrix6d(kUnknownVariance * Matrix6d::Identity());
-  write_(ros_topic::kOdom, pose.t_ns, RosOdometryMessage(odometry));
+  write_(ros_topic::kOdom, pose.t_ns, RosOdometryMessage(BodyOdometry(body, *robot_)));
   if (!body.anchored) return;
   write_(ros_topic::kPose, pose.t_ns,
          RosPoseWithCovariance(pose.t_ns, robot_->map, body.T_map_b,

@@ -14,23 +14,11 @@
 #include "core/map/map.h"
 #include "core/map/occupancy_grid.h"
 #include "core/robot/body_pose.h"
+#include "core/ros/body_messages.h"
 #include "core/ros/ros_messages.h"
 #include "core/ros/ros_topics.h"
 
 namespace plslam {
-
-/// The frames of a robot (REP 105), by the names that it gives them: the map, the odometry and the body, with the axes
-/// of the body (`robot::BodyPose`).
-struct RobotFrames {
-  std::string map = "map";
-  std::string odom = "odom";
-  std::string body = "base_link";
-  std::string camera = kRosCamera;  ///< rectified left camera
-  /// Which transforms are written: map to odom, odom to the body, and, once, the body to the camera.
-  bool writes_map = true;
-  bool writes_odom = true;
-  bool writes_camera = true;
-};
 
 /// Turns what is known of a running system into messages of the table of topics: as the MCAP export has them, in the
 /// frames map (w) and camera_left (l); or in those of a robot.

@@ -20,6 +20,7 @@
 #include "core/errors/error_text.h"
 #include "core/errors/log.h"
 #include "core/io/files/dataset_error.h"
+#include "core/robot/image_topics.h"
 #include "core/run/process_names.h"
 #include "plslam/robot_motion_t.hpp"
 #include "ros2/arguments.h"
@@ -70,7 +71,7 @@ RobotFrames FramesOf(const Ros2Options& options) {
 }
 
 const char* ImageTypeOf(const std::string& topic) {
-  return IsCompressedTopic(topic) ? "sensor_msgs/msg/CompressedImage" : "sensor_msgs/msg/Image";
+  return robot::IsCompressedTopic(topic) ? "sensor_msgs/msg/CompressedImage" : "sensor_msgs/msg/Image";
 }
 
 }  // namespace
@@ -106,13 +107,13 @@ Ros2Node::Ros2Node(bus::Process& process, const Ros2Options& options)
     Side& own = sides_[static_cast<size_t>(side)];
     own.input.topic = topic;
     own.input.type = ImageTypeOf(topic);
-    own.reader = participant_.ReadImages(topic, IsCompressedTopic(topic), [this, side](robot::ForeignImage image) {
-      TakeImage(side, std::move(image));
-    });
+    own.reader =
+        participant_.ReadImages(topic, robot::IsCompressedTopic(topic),
+                                [this, side](robot::ForeignImage image) { TakeImage(side, std::move(image)); });
     // Depths have the camera of the colour image.
     if (!options.camera.empty() || (side == robot::Side::kRight && frames_.is_rgbd())) continue;
     const std::string& given = side == robot::Side::kLeft ? options.left_info : options.right_info;
-    const std::string info = given.empty() ? InfoTopicOf(topic) : given;
+    const std::string info = given.empty() ? robot::InfoTopicOf(topic) : given;
     const size_t reader = participant_.ReadInfos(info, [this, side](RosCameraInfo message, const std::string& frame) {
       TakeInfo(side, std::move(message), frame);
     });
@@ -128,6 +129,8 @@ Ros2Node::Ros2Node(bus::Process& process, const Ros2Options& options)
     motions_ = participant_.ReadOdometry(options.robot_odometry,
                                          [this](int64_t t_ns, const SE3& T_robot_b) { TakeMotion(t_ns, T_robot_b); });
   }
+  const std::string small_buffer = SmallBufferSentence(LargestReceiveBuffer());
+  if (!small_buffer.empty() && !robot::IsCompressedTopic(options.left)) LogWarning("{}", small_buffer);
   if (!OffersOrders(process.bus().options(), domain_)) {
     LogInfo(
         "services are not offered: the bus has a key (bus.key_file), and DDS no proof of it; ROS_LOCALHOST_ONLY=1 "

@@ -6,7 +6,7 @@
 // lies (sizes that do not fit the data), reliable, jpeg, png, compressed_depth, big_endian, wheels (true odometry on
 // /wheels), imu (samples of the dataset on /imu/data; with tf_static its frame is beside the camera), imu_apart (the
 // same on /camera/gyro/sample and /camera/accel/sample), covered (black images for a second), synchronous (a written
-// image has been sent; they are rendered before), listen_s=SECONDS (afterwards), begin_s=SECONDS (stamp of the first
+// image has been sent; they are rendered before), different=N (only N images, again and again), listen_s=SECONDS (afterwards), begin_s=SECONDS (stamp of the first
 // frame; by default that of the dataset and one second), space=/NAME (before all topics but /tf), census (counts the
 // messages of all topics of plslam_ros2), hostile=N (first N damaged messages to each topic that plslam_ros2 reads, of
 // the right types). After SIGTERM it sends nothing more.
@@ -208,19 +208,20 @@ class Ears {
   const int n_frames = std::min(std::atoi(argv[3]), dataset->size());
   const std::set<std::string> options(argv + 4, argv + argc);
   double listen_s = 2.0;
-  int n_hostile = 0;
+  int n_hostile = 0, n_different = n_frames;
   std::string space;
   int64_t begin_ns = 1'000'000'000;
   for (const std::string& option : options) {
     if (option.rfind("listen_s=", 0) == 0) listen_s = std::atof(option.c_str() + 9);
     if (option.rfind("space=", 0) == 0) space = option.substr(6);
     if (option.rfind("hostile=", 0) == 0) n_hostile = std::atoi(option.c_str() + 8);
+    if (option.rfind("different=", 0) == 0) n_different = std::atoi(option.c_str() + 10);
     if (option.rfind("begin_s=", 0) == 0) begin_ns = std::atoll(option.c_str() + 8) * 1'000'000'000;
   }
   const auto has = [&](const char* option) { return options.count(option) > 0; };
 
   std::vector<StereoImages> ready;
-  for (int i = 0; has("synchronous") && i < n_frames; ++i) ready.push_back(dataset->Read(i));
+  for (int i = 0; has("synchronous") && i < std::min(n_frames, n_different); ++i) ready.push_back(dataset->Read(i));
 
   Robot robot;
   robot.is_synchronous = has("synchronous");
@@ -280,7 +281,7 @@ class Ears {
   if (n_hostile > 0) SendDamagedMessages(rig, dataset->Read(0).left, n_hostile);
   double due_s = now_s();
   for (int i = 0; i < n_frames && g_is_ended == 0; ++i) {
-    const StereoImages frame = ready.empty() ? dataset->Read(i) : ready[static_cast<size_t>(i)];
+    const StereoImages frame = ready.empty() ? dataset->Read(i) : ready[static_cast<size_t>(i) % ready.size()];
     int64_t t_ns[2] = {dataset->t_ns(i) + begin_ns, dataset->t_ns(i) + begin_ns};
     if (has("other_clock")) t_ns[1] += 3600'000'000'000;
     if (has("unsynchronised")) t_ns[1] += 20'000'000;

@@ -22,8 +22,10 @@
 #include "tests/integration/by_hand.h"
 #include "tests/integration/rgbd_wall.h"
 #include "tests/integration/ros2_robot.h"
+#include "tests/integration/systemd_unit.h"
 #include "tests/support/key_file.h"
 #include "tests/support/sanitized.h"
+#include "tests/support/shell.h"
 
 namespace plslam::test {
 namespace {
@@ -378,6 +380,31 @@ TEST_F(Ros2, TopicsAreListedWithTheirCommand) {
   EXPECT_THAT(Log("topics.log"), HasSubstr("MB/s, 376 x 240 mono8"));
   EXPECT_THAT(Log("topics.log"), HasSubstr(fmt::format("plslam run ros2:{}\n", kTopics)));
   Wait(*robot);
+}
+
+// As systemd starts it, with the topics in the configuration of the robot.
+TEST_F(Ros2, UnitOfTheExamplesStartsIt) {
+  const std::filesystem::path file = SourceFolder() / "ros2/examples/plslam-ros2@.service";
+  const SystemdFolders folders{folder_.Path("etc"), folder_.Path("state"), folder_.Path("run")};
+  SystemdUnit unit = ReadSystemdUnit(file, "front", folders);
+  std::filesystem::create_directories(folders.etc / "plslam");
+  folder_.Write("etc/plslam/front.yaml",
+                fmt::format("bus:\n  url: {}\nros2:\n  left: /left/image_raw\n  right: /right/image_raw\n", kBusUrl));
+  std::filesystem::create_directories(folders.state / unit.state_directory);
+  ASSERT_EQ(unit.start.words.front(), "/usr/bin/plslam_ros2");
+  unit.start.words.erase(unit.start.words.begin());
+  const auto process = Start(BinaryFolder() / "plslam_ros2", unit.start.words, "ros2.log");
+  EXPECT_TRUE(LogHas("waiting for images")) << Log();
+  Stop(*process);
+  if (!HasProgram("systemd-analyze")) GTEST_SKIP() << "no systemd-analyze here: the unit is not verified";
+  const ShellResult verified =
+      Shell(folder_, fmt::format("cd '{}' && sed 's|/usr/bin/plslam_ros2|{}|' '{}' >plslam-ros2@front.service && "
+                                 "cp '{}' plslam@front.target && SYSTEMD_UNIT_PATH=\"$PWD:\" systemd-analyze verify "
+                                 "--man=no ./plslam-ros2@front.service",
+                                 folder_.Path(""), (BinaryFolder() / "plslam_ros2").string(), file.string(),
+                                 (SourceFolder() / "scripts/systemd/plslam@.target.in").string()));
+  EXPECT_EQ(verified.exit_code, 0) << verified.error;
+  EXPECT_EQ(verified.out + verified.error, "");
 }
 
 }  // namespace

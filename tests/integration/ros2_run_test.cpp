@@ -139,6 +139,7 @@ TEST_F(Ros2, MissingInputIsNamedInFiveSeconds) {
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_TRUE(LogHas("no frames: images arrive without CameraInfo: no topic /stereo/left/camera_info")) << Log();
   EXPECT_LT(std::chrono::steady_clock::now() - begin, Patience(std::chrono::seconds(5)));
+  robot->Signal(SIGTERM);
   Wait(*robot);
   Stop(*process);
 }
@@ -183,6 +184,7 @@ TEST_F(Ros2, EitherEndMayRestart) {
       LogHas("no topic /stereo/left/image_raw in the domain 0; topics of its type are "
              "/stereo/left/image_raw/compressed"))
       << Log();
+  robot->Signal(SIGTERM);
   Wait(*robot);
   Stop(*process);
 }
@@ -301,7 +303,7 @@ TEST_F(Ros2, ServicesAreOrders) {
                          {"run", fmt::format("ros2:{}", kTopics), "--out", folder_.Path("out"), "--set",
                           "ros2.map_file=" + map, "--no-loops"},
                          "run.log");
-  const auto robot = StartRobot({"synthetic:room?size=376x240&frames=140", "20", "140", "listen_s=1"});
+  const auto robot = StartRobot({kWorld, "20", "60", "listen_s=0.5"});
   Wait(*robot);
   EXPECT_EQ(Call({"fast_dds_caller", "call", "/plslam/save"}),
             json({{"success", true}, {"message", fmt::format("the map is saved in {}", map)}}));

@@ -274,7 +274,7 @@ class Ears {
     return matched(images[0].writer()) && matched(images[1].writer()) && matched(infos[0]) &&
            (rgbd || matched(infos[1])) && (!imu || imu->HasReaders());
   };
-  while (now_s() < 10.0 && !are_all_matched()) usleep(20'000);
+  while (now_s() < 10.0 && g_is_ended == 0 && !are_all_matched()) usleep(20'000);
   usleep(1'500'000);  // until they know it, too
   heard["discovery_s"] = now_s();
   const RigCalibration& rig = dataset->rig();

@@ -132,15 +132,16 @@ json NumbersOf(const Pose& position, const geometry_msgs::msg::dds_::Quaternion_
   return {position.x(), position.y(), position.z(), q.x(), q.y(), q.z(), q.w()};
 }
 
-/// What plslam_ros2 publishes in a namespace, and /tf.
+/// What plslam_ros2 publishes in a namespace, and /tf; and /tf_static, unless the robot itself writes it.
 class Ears {
  public:
-  Ears(Robot& robot, const std::string& space) {
+  Ears(Robot& robot, const std::string& space, bool hears_static) {
     odometry_ = robot.Reader<nav_msgs::msg::dds_::Odometry_PubSubType>(space + "/plslam/odom", false);
     poses_ =
         robot.Reader<geometry_msgs::msg::dds_::PoseWithCovarianceStamped_PubSubType>(space + "/plslam/pose", false);
     transforms_ = robot.Reader<tf2_msgs::msg::dds_::TFMessage_PubSubType>("/tf", false);
-    static_transforms_ = robot.Reader<tf2_msgs::msg::dds_::TFMessage_PubSubType>("/tf_static", true);
+    if (hears_static)
+      static_transforms_ = robot.Reader<tf2_msgs::msg::dds_::TFMessage_PubSubType>("/tf_static", true);
     points_ = robot.Reader<sensor_msgs::msg::dds_::PointCloud2_PubSubType>(space + "/plslam/map/points", true);
     path_ = robot.Reader<nav_msgs::msg::dds_::Path_PubSubType>(space + "/plslam/path", true);
   }
@@ -189,6 +190,7 @@ class Ears {
  private:
   template <class Message, class Use>
   static void Take(fast::DataReader* reader, Use use) {
+    if (reader == nullptr) return;
     Message message;
     fast::SampleInfo info;
     while (reader->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK) {
@@ -240,7 +242,7 @@ class Ears {
     images[i].Open(robot, side + "/image_raw", format, has("big_endian"), has("reliable"));
     if (!has("no_info")) infos[i] = WriterOf<Info>(robot, side + "/camera_info", has("big_endian"), true);
   }
-  Ears ears(robot, space);
+  Ears ears(robot, space, !has("tf_static"));
   std::optional<Census> census;
   if (has("census")) census.emplace("/plslam/");
 

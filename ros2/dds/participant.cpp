@@ -12,6 +12,7 @@
 #include <cstring>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -66,6 +67,14 @@ Qos ReaderQos() {
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
   dds_qset_durability(qos.get(), DDS_DURABILITY_VOLATILE);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, kDepth);
+  return qos;
+}
+
+Qos StaticFramesQos() {
+  Qos qos = ReaderQos();
+  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, 0);
+  dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 100);
   return qos;
 }
 
@@ -245,13 +254,19 @@ struct Participant::Impl {
 
   size_t Read(const std::string& topic, const dds_topic_descriptor_t& type, const Qos& qos,
               std::function<void(const void* sample)> take) {
-    const dds_entity_t entity = Checked(dds_create_reader(participant, Topic(topic, type), qos.get(), nullptr),
-                                        fmt::format("{} cannot be read", topic));
-    const dds_entity_t condition =
-        Checked(dds_create_readcondition(entity, DDS_ANY_STATE), fmt::format("{} cannot be read", topic));
-    Checked(dds_waitset_attach(waitset, condition, static_cast<dds_attach_t>(readers.size())), "no wait set");
-    readers.push_back({topic, entity, std::move(take)});
+    readers.push_back({topic, 0, std::move(take)});
+    Open(readers.size() - 1, type, qos);
     return readers.size() - 1;
+  }
+
+  /// Creates the entity of a reader.
+  void Open(size_t number, const dds_topic_descriptor_t& type, const Qos& qos) {
+    Reader& reader = readers[number];
+    reader.entity = Checked(dds_create_reader(participant, Topic(reader.topic, type), qos.get(), nullptr),
+                            fmt::format("{} cannot be read", reader.topic));
+    const dds_entity_t condition = Checked(dds_create_readcondition(reader.entity, DDS_ANY_STATE),
+                                           fmt::format("{} cannot be read", reader.topic));
+    Checked(dds_waitset_attach(waitset, condition, static_cast<dds_attach_t>(number)), "no wait set");
   }
 
   /// Calls `use` for the samples that a take lends; they are given back in any case.
@@ -277,7 +292,8 @@ struct Participant::Impl {
 
   dds_entity_t domain = 0, participant = 0, waitset = 0, publications = 0;
   std::vector<Reader> readers;
-  std::mutex mutex;  ///< of the writers
+  std::optional<size_t> static_frames;  ///< reader of /tf_static
+  std::mutex mutex;                     ///< of the writers
   std::map<std::string, Writer> writers;
 };
 
@@ -311,18 +327,21 @@ size_t Participant::ReadInfos(const std::string& topic,
 
 void Participant::ReadStaticFrames(
     std::function<void(const std::string& parent, const std::string& child, const SE3&)> take) {
-  const Qos qos = ReaderQos();
-  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, 0);
-  dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
-  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 100);
-  impl_->Read("/tf_static", tf2_msgs_msg_dds__TFMessage__desc, qos, [take = std::move(take)](const void* sample) {
+  const auto take_all = [take = std::move(take)](const void* sample) {
     const auto& message = *static_cast<const tf2_msgs_msg_dds__TFMessage_*>(sample);
     for (uint32_t i = 0; i < message.transforms._length; ++i) {
       const auto& transform = message.transforms._buffer[i];
       take(TextOf(transform.header.frame_id), TextOf(transform.child_frame_id),
            ToPose(transform.transform.translation, transform.transform.rotation));
     }
-  });
+  };
+  impl_->static_frames = impl_->Read("/tf_static", tf2_msgs_msg_dds__TFMessage__desc, StaticFramesQos(), take_all);
+}
+
+void Participant::ReadStaticFramesAgain() {
+  if (!impl_->static_frames) return;
+  dds_delete(impl_->readers[*impl_->static_frames].entity);
+  impl_->Open(*impl_->static_frames, tf2_msgs_msg_dds__TFMessage__desc, StaticFramesQos());
 }
 
 size_t Participant::ReadImu(const std::string& topic, std::function<void(const RosImu& message)> take) {

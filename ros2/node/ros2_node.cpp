@@ -203,7 +203,8 @@ void Ros2Node::UseInfos() {
   const std::optional<SE3> T_b_l = static_frames_.Find(options_.base_frame, left_frame_);
   const bool have_names = !left_frame_.empty() && !imu_frame_.empty();
   const std::optional<SE3> T_l_imu = have_names ? static_frames_.Between(left_frame_, imu_frame_) : std::nullopt;
-  if (AwaitsFrames(T_b_l && (T_l_imu || !frames_.imu().needs_mounting()))) return;
+  awaits_frames_ = AwaitsFrames(T_b_l && (T_l_imu || !frames_.imu().needs_mounting()));
+  if (awaits_frames_) return;
   if (T_b_l) frames_.SetMounting(*T_b_l);
   if (T_l_imu && !frames_.has_rig()) frames_.imu().SetMounting(*T_l_imu);
   if (!frames_.has_rig()) {
@@ -228,6 +229,7 @@ void Ros2Node::Write(const RosTopic& row, int64_t t_ns, const std::string& cdr) 
 
 void Ros2Node::Tick() {
   frames_.PublishRig();
+  if (awaits_frames_) participant_.ReadStaticFramesAgain();
   ReportMotions();
   AnnounceNode();
   ReadStates();

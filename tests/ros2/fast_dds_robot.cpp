@@ -132,16 +132,15 @@ json NumbersOf(const Pose& position, const geometry_msgs::msg::dds_::Quaternion_
   return {position.x(), position.y(), position.z(), q.x(), q.y(), q.z(), q.w()};
 }
 
-/// What plslam_ros2 publishes in a namespace, and /tf; and /tf_static, unless the robot itself writes it.
+/// What plslam_ros2 publishes in a namespace, /tf and /tf_static, to which the robot may write itself.
 class Ears {
  public:
-  Ears(Robot& robot, const std::string& space, bool hears_static) {
+  Ears(Robot& robot, const std::string& space) {
     odometry_ = robot.Reader<nav_msgs::msg::dds_::Odometry_PubSubType>(space + "/plslam/odom", false);
     poses_ =
         robot.Reader<geometry_msgs::msg::dds_::PoseWithCovarianceStamped_PubSubType>(space + "/plslam/pose", false);
     transforms_ = robot.Reader<tf2_msgs::msg::dds_::TFMessage_PubSubType>("/tf", false);
-    if (hears_static)
-      static_transforms_ = robot.Reader<tf2_msgs::msg::dds_::TFMessage_PubSubType>("/tf_static", true);
+    static_transforms_ = robot.Reader<tf2_msgs::msg::dds_::TFMessage_PubSubType>("/tf_static", true);
     points_ = robot.Reader<sensor_msgs::msg::dds_::PointCloud2_PubSubType>(space + "/plslam/map/points", true);
     path_ = robot.Reader<nav_msgs::msg::dds_::Path_PubSubType>(space + "/plslam/path", true);
   }
@@ -190,7 +189,6 @@ class Ears {
  private:
   template <class Message, class Use>
   static void Take(fast::DataReader* reader, Use use) {
-    if (reader == nullptr) return;
     Message message;
     fast::SampleInfo info;
     while (reader->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK) {
@@ -242,7 +240,7 @@ class Ears {
     images[i].Open(robot, side + "/image_raw", format, has("big_endian"), has("reliable"));
     if (!has("no_info")) infos[i] = WriterOf<Info>(robot, side + "/camera_info", has("big_endian"), true);
   }
-  Ears ears(robot, space, !has("tf_static"));
+  Ears ears(robot, space);
   std::optional<Census> census;
   if (has("census")) census.emplace("/plslam/");
 

@@ -57,6 +57,9 @@ class Robot {
   fast::Topic* Topic(const std::string& name) {
     fast::TypeSupport type(new Type());
     type.register_type(participant_);
+    // A topic may have a reader and a writer.
+    auto* const known = dynamic_cast<fast::Topic*>(participant_->lookup_topicdescription("rt" + name));
+    if (known != nullptr) return known;
     return participant_->create_topic("rt" + name, type.get_type_name(), fast::TOPIC_QOS_DEFAULT);
   }
   bool is_synchronous = false;

@@ -154,7 +154,7 @@ std::string UserDataOf(const dds_qos_t* qos) {
   void* data = nullptr;
   size_t n_bytes = 0;
   dds_qget_userdata(qos, &data, &n_bytes);
-  const std::string text(static_cast<const char*>(data), n_bytes);
+  std::string text(static_cast<const char*>(data), n_bytes);
   dds_free(data);
   return text;
 }

@@ -110,8 +110,7 @@ TEST_F(Ros2Output, RobotsInTwoNamespacesAreApart) {
   const auto second_robot = Start(BinaryFolder().parent_path() / "tests/fast_dds_robot",
                                   {kWorld, "20", "60", "space=/two", "listen_s=1", "census"}, "second.json");
   PublishUntil({first_robot.get(), second_robot.get()});
-  for (auto* process : {one.get(), two.get(), third.get()}) process->Signal(SIGINT);
-  for (auto* process : {one.get(), two.get(), third.get()}) Stop(*process);
+  StopAll({one.get(), two.get(), third.get()});
   EXPECT_THAT(Log("one.log"), HasSubstr("ended: 40 frames, 0 unpaired, 0 rejected"));
   EXPECT_THAT(Log("two.log"), HasSubstr("ended: 60 frames, 0 unpaired, 0 rejected"));
 

@@ -121,7 +121,7 @@ endfunction()
 
 # Folders of tests that read foreign bytes or run threads. Under a sanitizer they get the label `sanitized`, and the
 # target plslam_sanitized_tests builds no others: scripts/test runs these.
-set(PLSLAM_SANITIZED_FOLDERS fuzz unit/adapter unit/robot unit/bus unit/features unit/lines unit/stereo unit/map_file)
+set(PLSLAM_SANITIZED_FOLDERS fuzz unit/adapter unit/robot unit/ros2 unit/bus unit/features unit/lines unit/stereo unit/map_file)
 add_custom_target(plslam_sanitized_tests)
 
 # Long tests start first, so that no core waits for them at the end.

@@ -42,7 +42,7 @@ void Arguments::AddTo(CLI::App* app) {
   app->add_option("--camera", camera, "rig file (without one: CameraInfo beside the images)");
   AddChoice(app, "--publish-tf", publish_tf, "map to odom and odom to the body: all, map, odom or none");
   app->add_option("--namespace", space, "in front of the topics that are published (/plslam)");
-  app->add_option("--frame", frames, "name of a frame: map=NAME, odom=NAME or base=NAME (repeatable)")
+  app->add_option("--frame", frames, "name of a frame: map=NAME, odom=NAME, base=NAME or camera=NAME (repeatable)")
       ->type_name("FRAME=NAME")
       ->allow_extra_args(false);
   app->add_option("--map-file", map_file, "map file of the services save and load");
@@ -65,12 +65,14 @@ void Arguments::Apply(Ros2Options* options) const {
   for (const std::string& frame : frames) {
     const size_t sign = frame.find('=');
     const std::string name = frame.substr(0, sign);
-    std::string* const known = name == "map"    ? &options->map_frame
-                               : name == "odom" ? &options->odom_frame
-                               : name == "base" ? &options->base_frame
-                                                : nullptr;
+    std::string* const known = name == "map"      ? &options->map_frame
+                               : name == "odom"   ? &options->odom_frame
+                               : name == "base"   ? &options->base_frame
+                               : name == "camera" ? &options->camera_frame
+                                                  : nullptr;
     if (known == nullptr || sign == std::string::npos || sign + 1 == frame.size()) {
-      throw std::runtime_error(fmt::format("--frame {}: is not map=NAME, odom=NAME or base=NAME", Shown(frame)));
+      throw std::runtime_error(
+          fmt::format("--frame {}: is not map=NAME, odom=NAME, base=NAME or camera=NAME", Shown(frame)));
     }
     *known = frame.substr(sign + 1);
   }

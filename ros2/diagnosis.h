@@ -15,6 +15,7 @@ struct Publisher {
   std::string type;   ///< "nav_msgs/msg/Odometry"
   bool is_reliable = false;
   bool is_latched = false;  ///< transient local
+  bool is_ours = false;     ///< of another plslam_ros2
 };
 
 /// State of a reader.

@@ -34,9 +34,11 @@ Domain DomainOf(const std::function<const char*(const char* name)>& environment)
 }
 
 std::string CycloneConfiguration(const Domain& domain, const std::string& user_uri) {
-  // Images need more than the default; the kernel grants what net.core.rmem_max allows.
+  // Images need more than the default; the kernel grants what net.core.rmem_max allows. At the end each writer waits for
+  // readers that have not answered, which may have been killed.
   std::string text =
-      "<CycloneDDS><Domain><Internal><SocketReceiveBufferSize min=\"default\" max=\"16MB\"/></Internal>";
+      "<CycloneDDS><Domain><Internal><SocketReceiveBufferSize min=\"default\" max=\"16MB\"/>"
+      "<WriterLingerDuration>100 ms</WriterLingerDuration></Internal>";
   if (domain.loopback_only) {
     text +=
         "<General><Interfaces><NetworkInterface address=\"127.0.0.1\"/></Interfaces></General><Discovery>"

@@ -63,4 +63,13 @@ std::string LossSentence(const ImageRate::Rates& rates, int64_t pair_bytes, int6
                      buffer_bytes / 1000, needed / 1000, needed);
 }
 
+std::string SmallBufferSentence(int64_t buffer_bytes) {
+  constexpr int64_t kNeeded = kFrames * 2 * 640 * 480;
+  if (buffer_bytes >= kNeeded) return "";
+  return fmt::format(
+      "receive buffer {} kB: a pair of 640 x 480 needs {} kB, and large images are lost with less (sudo sysctl -w "
+      "net.core.rmem_max=16777216)",
+      buffer_bytes / 1000, kNeeded / 1000);
+}
+
 }  // namespace plslam::ros2

@@ -39,4 +39,8 @@ class ImageRate {
 /// images of a frame, `buffer_bytes` what the kernel grants.
 std::string LossSentence(const ImageRate::Rates& rates, int64_t pair_bytes, int64_t buffer_bytes);
 
+/// Returns a sentence if the buffer is too small for pairs of raw images of a small camera, else an empty text: for the
+/// start, when the robot's images are not known yet.
+std::string SmallBufferSentence(int64_t buffer_bytes);
+
 }  // namespace plslam::ros2

@@ -2,14 +2,14 @@
 #include "ros2/names.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
+
+#include "core/ros/ros_topics.h"
 
 namespace plslam::ros2 {
 namespace {
 
 constexpr std::string_view kTopicPrefix = "rt";
-constexpr auto kCompressed = std::to_array<std::string_view>({"/compressed", "/compressedDepth"});
 constexpr std::string_view kTypeFolder = "dds_::";
 
 std::string Replaced(std::string_view text, std::string_view from, std::string_view to) {
@@ -56,24 +56,18 @@ std::string RosTypeName(std::string_view dds_type) {
   return Replaced(dds_type.substr(0, folder), "::", "/").append(name.substr(0, name.size() - 1));
 }
 
-bool IsCompressedTopic(std::string_view topic) {
-  return std::any_of(kCompressed.begin(), kCompressed.end(),
-                     [&](std::string_view end) { return topic.ends_with(end); });
-}
-
-std::string InfoTopicOf(std::string_view image_topic) {
-  std::string topic(image_topic);
-  if (IsCompressedTopic(topic)) topic.resize(topic.rfind('/'));
-  const size_t slash = topic.rfind('/');
-  if (slash != std::string::npos && topic.compare(slash + 1, 5, "image") == 0) topic.resize(slash);
-  return topic + "/camera_info";
-}
-
 std::string InNamespace(std::string_view space, std::string_view topic) {
   if (topic.starts_with("/") || space.empty()) {
     return topic.starts_with("/") ? std::string(topic) : std::string("/").append(topic);
   }
   return std::string(space).append(space.ends_with("/") ? "" : "/").append(topic);
+}
+
+std::string CameraFrameOf(std::string_view base_frame, std::string_view given) {
+  if (!given.empty()) return std::string(given);
+  const size_t slash = base_frame.rfind('/');
+  const size_t n_prefix = slash == std::string_view::npos ? 0 : slash + 1;
+  return std::string(base_frame.substr(0, n_prefix)).append(kRosCamera);
 }
 
 std::string TopicNameComplaint(std::string_view topic) {

@@ -25,14 +25,12 @@ struct ServiceNames {
 };
 ServiceNames DdsServiceNames(std::string_view service, std::string_view type);
 
-/// Whether a topic has CompressedImage instead of Image: it ends with "/compressed" or "/compressedDepth".
-bool IsCompressedTopic(std::string_view topic);
-
-/// Returns the CameraInfo topic of an image topic: "/a/left/image_raw" has "/a/left/camera_info".
-std::string InfoTopicOf(std::string_view image_topic);
-
 /// The topic as a node in this namespace names it: "odom" in "/robot" is "/robot/odom", and "/odom" stays.
 std::string InNamespace(std::string_view space, std::string_view topic);
+
+/// Returns the name of the frame of the rectified left camera: as given; if empty, camera_left with the prefix of the
+/// body's frame ("one/base_link": "one/camera_left"), since all robots of a domain share /tf_static.
+std::string CameraFrameOf(std::string_view base_frame, std::string_view given);
 
 /// Returns the reason why a text is no name of a topic ("has no / at the begin"); empty if it is.
 std::string TopicNameComplaint(std::string_view topic);

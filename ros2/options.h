@@ -29,6 +29,7 @@ struct Ros2Options {
   std::string map_frame = "map";
   std::string odom_frame = "odom";
   std::string base_frame = "base_link";
+  std::string camera_frame;
   std::string map_file;
   std::string robot_odometry;
   std::string imu;
@@ -48,6 +49,8 @@ void VisitFields(Visitor& visit, Ros2Options& o) {
   visit("map_frame", o.map_frame, "frame of the map");
   visit("odom_frame", o.odom_frame, "frame of the odometry");
   visit("base_frame", o.base_frame, "frame of the robot's body");
+  visit("camera_frame", o.camera_frame,
+        "frame of the rectified left camera; empty: camera_left with the prefix of the body's frame");
   visit("map_file", o.map_file,
         "map file of the services save and load, on the machine of mapping_process; empty: none");
   visit("robot_odometry", o.robot_odometry,

@@ -31,7 +31,6 @@ constexpr int kLeftImage = 0;
 constexpr int kRightImage = 1;
 /// In `sensor_msgs.PointField.datatype`.
 constexpr uint8_t kFloat32 = 7;
-constexpr double kUnknownVariance = 1e6;
 /// Tolerance for quaternions that other programs have rounded; and no robot drives farther than the circumference of
 /// the earth.
 constexpr double kUnitTolerance = 1e-2;
@@ -63,7 +62,7 @@ int64_t FromUtime(int64_t utime) {
   return utime * kNsPerUs;
 }
 
-std_msgs::Header ToHeader(int64_t t_ns, const char* frame) {
+std_msgs::Header ToHeader(int64_t t_ns, std::string_view frame) {
   std_msgs::Header header{};
   header.stamp.sec = static_cast<int32_t>(t_ns / kNsPerS);
   header.stamp.nsec = static_cast<int32_t>(t_ns % kNsPerS);
@@ -100,12 +99,12 @@ robot::ForeignImage FromBotImage(bot_core::image_t& image, int64_t utime) {
   return out;
 }
 
-geometry_msgs::TransformStamped ToTransform(int64_t t_ns, const char* parent, const char* child, const SE3& T) {
+geometry_msgs::TransformStamped ToTransform(int64_t t_ns, const RosTransform& transform) {
   geometry_msgs::TransformStamped message{};
-  message.header = ToHeader(t_ns, parent);
-  message.child_frame_id = child;
-  message.transform.translation = ToVector<geometry_msgs::Vector3>(T.translation());
-  message.transform.rotation = ToQuaternion(T.rotation());
+  message.header = ToHeader(t_ns, transform.parent);
+  message.child_frame_id = transform.child;
+  message.transform.translation = ToVector<geometry_msgs::Vector3>(transform.T_parent_child.translation());
+  message.transform.rotation = ToQuaternion(transform.T_parent_child.rotation());
   return message;
 }
 
@@ -243,32 +242,29 @@ bot_core::pose_t ToBotPose(const robot::BodyPose& pose) {
   return message;
 }
 
-nav_msgs::Odometry ToOdometry(const robot::BodyPose& pose) {
+nav_msgs::Odometry ToOdometry(const RosOdometry& odometry) {
   nav_msgs::Odometry message{};
-  message.header = ToHeader(pose.t_ns, kOdomFrame);
-  message.child_frame_id = kBodyFrame;
-  message.pose.pose.position = ToVector<geometry_msgs::Point>(pose.T_odom_b.translation());
-  message.pose.pose.orientation = ToQuaternion(pose.T_odom_b.rotation());
-  bus::ToArray(pose.covariance, message.pose.covariance);
-  const Vector6d velocity = pose.velocity.value_or(Vector6d::Zero());
-  message.twist.twist.linear = ToVector<geometry_msgs::Vector3>(velocity.head<3>());
-  message.twist.twist.angular = ToVector<geometry_msgs::Vector3>(velocity.tail<3>());
-  const Matrix6d unknown = kUnknownVariance * Matrix6d::Identity();
-  bus::ToArray(pose.velocity ? pose.velocity_covariance : unknown, message.twist.covariance);
+  message.header = ToHeader(odometry.t_ns, odometry.parent);
+  message.child_frame_id = odometry.child;
+  message.pose.pose.position = ToVector<geometry_msgs::Point>(odometry.T_parent_child.translation());
+  message.pose.pose.orientation = ToQuaternion(odometry.T_parent_child.rotation());
+  bus::ToArray(odometry.covariance, message.pose.covariance);
+  message.twist.twist.linear = ToVector<geometry_msgs::Vector3>(odometry.velocity.head<3>());
+  message.twist.twist.angular = ToVector<geometry_msgs::Vector3>(odometry.velocity.tail<3>());
+  bus::ToArray(odometry.velocity_covariance, message.twist.covariance);
   return message;
 }
 
-tf2_msgs::TFMessage ToTransforms(const robot::BodyPose& pose) {
+tf2_msgs::TFMessage ToTransforms(int64_t t_ns, const std::vector<RosTransform>& transforms) {
   tf2_msgs::TFMessage message{};
-  if (pose.anchored) message.transforms.push_back(ToTransform(pose.t_ns, kMapFrame, kOdomFrame, pose.T_map_odom));
-  message.transforms.push_back(ToTransform(pose.t_ns, kOdomFrame, kBodyFrame, pose.T_odom_b));
+  for (const RosTransform& transform : transforms) message.transforms.push_back(ToTransform(t_ns, transform));
   message.transforms_length = static_cast<int32_t>(message.transforms.size());
   return message;
 }
 
 sensor_msgs::PointCloud2 ToPointCloud(const SE3& T_b_c, const Map& map, int64_t t_ns) {
   sensor_msgs::PointCloud2 message{};
-  message.header = ToHeader(t_ns, kMapFrame);
+  message.header = ToHeader(t_ns, kRosMap);
   message.point_step = 12;
   for (const char* name : {"x", "y", "z"}) {
     sensor_msgs::PointField& field = message.fields.emplace_back();

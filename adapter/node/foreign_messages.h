@@ -12,6 +12,7 @@
 #include "core/map/map.h"
 #include "core/robot/body_pose.h"
 #include "core/robot/foreign_image.h"
+#include "core/ros/ros_messages.h"
 #include "nav_msgs/Odometry.hpp"
 #include "sensor_msgs/PointCloud2.hpp"
 #include "tf2_msgs/TFMessage.hpp"
@@ -42,17 +43,11 @@ RobotPose RobotPoseFromBytes(MessageBytes bytes);
 /// A sample of an inertial sensor: sensor_msgs.Imu, bot_core.ins_t or microstrain.ins_t.
 ImuSample ImuSampleFromBytes(MessageBytes bytes);
 
-/// Names of frames in messages, those of ROS (REP 105).
-inline constexpr const char* kMapFrame = "map";
-inline constexpr const char* kOdomFrame = "odom";
-inline constexpr const char* kBodyFrame = "base_link";
-
 /// The body in map; velocities in the body's axes. The accelerations are 0.
 bot_core::pose_t ToBotPose(const robot::BodyPose& pose);
-/// The body in odom. An unknown velocity is 0 with variances of 1e6.
-nav_msgs::Odometry ToOdometry(const robot::BodyPose& pose);
-/// map to odom, and odom to base_link.
-tf2_msgs::TFMessage ToTransforms(const robot::BodyPose& pose);
+/// In the types of LCM.
+nav_msgs::Odometry ToOdometry(const RosOdometry& odometry);
+tf2_msgs::TFMessage ToTransforms(int64_t t_ns, const std::vector<RosTransform>& transforms);
 /// The points of a map in the frame map: x, y, z in 32 bits.
 sensor_msgs::PointCloud2 ToPointCloud(const SE3& T_b_c, const Map& map, int64_t t_ns);
 

@@ -14,6 +14,7 @@
 
 #include "core/errors/error_text.h"
 #include "core/errors/log.h"
+#include "core/robot/image_topics.h"
 #include "core/run/process_names.h"
 
 namespace plslam::adapter {
@@ -48,12 +49,8 @@ std::string GivenOr(const std::string& given, const std::string& image_channel) 
 
 std::string InfoChannelOf(const std::string& image_channel) {
   const size_t hash = image_channel.find('#');
-  std::string topic = image_channel.substr(0, hash);
-  constexpr std::string_view kCompressed = "/compressed";
-  if (topic.ends_with(kCompressed)) topic.resize(topic.size() - kCompressed.size());
-  const size_t slash = topic.rfind('/');
-  if (slash != std::string::npos && topic.compare(slash + 1, 5, "image") == 0) topic.resize(slash);
-  return topic + "/camera_info" + (hash == std::string::npos ? "" : "#sensor_msgs.CameraInfo");
+  const std::string topic = robot::InfoTopicOf(std::string_view(image_channel).substr(0, hash));
+  return topic + (hash == std::string::npos ? "" : "#sensor_msgs.CameraInfo");
 }
 
 ImageSource::ImageSource(bus::Process& process, bus::StockLcm& foreign, const AdapterOptions& options,

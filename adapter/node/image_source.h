@@ -69,7 +69,7 @@ class ImageSource {
   int64_t n_rejected_ = 0;
 };
 
-/// Returns the CameraInfo channel of an image channel: "/a/left/image_raw#sensor_msgs.Image" has
+/// Returns the CameraInfo channel of an image channel (`robot::InfoTopicOf`): "/a/left/image_raw#sensor_msgs.Image" has
 /// "/a/left/camera_info#sensor_msgs.CameraInfo", "/left" has "/left/camera_info".
 std::string InfoChannelOf(const std::string& image_channel);
 

@@ -92,8 +92,8 @@ void PoseSink::Send(const pose_t& message) {
   const robot::BodyPose pose = robot::ToBody(*T_b_c, *camera);
   // A bot_core pose has no covariance, so its readers could not distinguish a prediction from an estimate.
   if (state != TrackingState::kLost && pose.anchored) Publish(options_.pose, ToBotPose(pose));
-  Publish(options_.odometry, ToOdometry(pose));
-  Publish(options_.tf, ToTransforms(pose));
+  Publish(options_.odometry, ToOdometry(BodyOdometry(pose, names_)));
+  Publish(options_.tf, ToTransforms(pose.t_ns, BodyTransforms(pose, names_)));
   process_.SetCounter("poses.sent", static_cast<double>(++n_sent_));
 }
 

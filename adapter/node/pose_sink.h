@@ -15,6 +15,7 @@
 #include "core/robot/body_pose.h"
 #include "core/robot/node/inbox.h"
 #include "core/robot/node/pose_steps.h"
+#include "core/ros/body_messages.h"
 
 namespace plslam {
 class pose_t;
@@ -45,6 +46,7 @@ class PoseSink {
   bus::Process& process_;
   bus::StockLcm& foreign_;
   const AdapterOptions options_;
+  const RobotFrames names_;
 
   /// The receiving thread of the bus, which puts poses there, may outlive us.
   const std::shared_ptr<robot::Inbox> inbox_;

@@ -14,7 +14,6 @@ namespace {
 
 constexpr int kJpegQuality = 80;
 constexpr size_t kMostPathPoses = 10'000;
-constexpr double kUnknownVariance = 1e6;
 
 }  // namespace
 
@@ -22,6 +21,15 @@ void LiveMessages::SetRig(const RigCalibration& rig) {
   T_c_l_ = SE3(Rectify(rig).q_l_c.conjugate(), Eigen::Vector3d::Zero());
   T_b_c_ = BodyFromCamera(rig);
   left_ = rig.left;
+  has_static_frame_ = false;
+}
+
+void LiveMessages::WriteStaticFrame(int64_t t_ns, const SE3& T_world_map) {
+  has_static_frame_ = true;
+  if (robot_ && !robot_->writes_camera) return;
+  const RosTransform transform = robot_ ? RosTransform{robot_->body, robot_->camera, T_b_c_ * T_c_l_}
+                                        : RosTransform{kRosWorld, kRosMap, T_world_map};
+  write_(ros_topic::kTfStatic, t_ns, RosTransforms(t_ns, {transform}));
 }
 
 void LiveMessages::AddPose(const robot::CameraPose& pose, int64_t session) {
@@ -32,6 +40,7 @@ void LiveMessages::AddPose(const robot::CameraPose& pose, int64_t session) {
     n_poses_ = 0;
     stride_ = 1;
   }
+  if (!has_static_frame_) WriteStaticFrame(pose.t_ns, LevelFromCamera());
   robot_ ? WriteBodyPose(pose) : WriteCameraPose(pose);
 }
 
@@ -49,26 +58,21 @@ void LiveMessages::WriteCameraPose(const robot::CameraPose& pose) {
   }
   write_(ros_topic::kTf, pose.t_ns, RosTransforms(pose.t_ns, {{kRosMap, kRosCamera, odometry.T_parent_child}}));
   write_(ros_topic::kOdom, pose.t_ns, RosOdometryMessage(odometry));
+  write_(ros_topic::kPose, pose.t_ns,
+         RosPoseWithCovariance(pose.t_ns, kRosMap, odometry.T_parent_child, odometry.covariance));
   AddToPath(pose.t_ns, odometry.T_parent_child);
 }
 
 void LiveMessages::WriteBodyPose(const robot::CameraPose& pose) {
   const robot::BodyPose body = robot::ToBody(T_b_c_, pose);
-  std::vector<RosTransform> transforms;
-  if (robot_->writes_map && body.anchored) transforms.push_back({robot_->map, robot_->odom, body.T_map_odom});
-  if (robot_->writes_odom) transforms.push_back({robot_->odom, robot_->body, body.T_odom_b});
+  const std::vector<RosTransform> transforms = BodyTransforms(body, *robot_);
   if (!transforms.empty()) write_(ros_topic::kTf, pose.t_ns, RosTransforms(pose.t_ns, transforms));
-  RosOdometry odometry;
-  odometry.t_ns = pose.t_ns;
-  odometry.parent = robot_->odom;
-  odometry.child = robot_->body;
-  odometry.T_parent_child = body.T_odom_b;
-  odometry.covariance = body.covariance;
-  odometry.velocity = body.velocity.value_or(Vector6d::Zero());
-  odometry.velocity_covariance =
-      body.velocity ? body.velocity_covariance : Matrix6d(kUnknownVariance * Matrix6d::Identity());
-  write_(ros_topic::kOdom, pose.t_ns, RosOdometryMessage(odometry));
-  if (body.anchored) AddToPath(pose.t_ns, body.T_map_b);
+  write_(ros_topic::kOdom, pose.t_ns, RosOdometryMessage(BodyOdometry(body, *robot_)));
+  if (!body.anchored) return;
+  write_(ros_topic::kPose, pose.t_ns,
+         RosPoseWithCovariance(pose.t_ns, robot_->map, body.T_map_b,
+                               robot::AlongParentAxes(body.T_map_odom, body.covariance)));
+  AddToPath(pose.t_ns, body.T_map_b);
 }
 
 void LiveMessages::AddToPath(int64_t t_ns, const SE3& pose) {
@@ -91,13 +95,11 @@ void LiveMessages::WriteImage(int64_t t_ns, const cv::Mat& left) const {
 
 RosView LiveMessages::View() const { return robot_ ? RosView{robot_->map, T_b_c_} : RosView{}; }
 
-void LiveMessages::WriteMap(const Map& map) const {
+void LiveMessages::WriteMap(const Map& map) {
   if (!left_) return;
   const int64_t t = now_ns();
   const RosView view = View();
-  const RosTransform level{kRosWorld, kRosMap, LevelFromMap(map)};
-  const RosTransform of_robot{robot_ ? std::string_view(robot_->body) : "", kRosCamera, T_b_c_ * T_c_l_};
-  write_(ros_topic::kTfStatic, t, RosTransforms(t, {robot_ ? of_robot : level}));
+  WriteStaticFrame(t, LevelFromMap(map));
   write_(ros_topic::kMapPoints, t, RosPoints(t, map, view));
   write_(ros_topic::kMapLines, t, RosLines(t, map, view));
   write_(ros_topic::kLoops, t, RosLoops(t, map, view));

@@ -132,6 +132,14 @@ std::string RosOdometryMessage(const RosOdometry& odometry) {
   return std::move(cdr).Take();
 }
 
+std::string RosPoseWithCovariance(int64_t t_ns, std::string_view frame, const SE3& pose, const Matrix6d& covariance) {
+  CdrWriter cdr;
+  PutHeader(cdr, t_ns, frame);
+  Put(cdr, pose);
+  Put(cdr, covariance);
+  return std::move(cdr).Take();
+}
+
 std::string RosPath(int64_t t_ns, std::string_view frame, const Trajectory& trajectory) {
   CdrWriter cdr;
   PutHeader(cdr, t_ns, frame);

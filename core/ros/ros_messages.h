@@ -40,6 +40,9 @@ struct RosOdometry {
 /// nav_msgs/msg/Odometry.
 std::string RosOdometryMessage(const RosOdometry& odometry);
 
+/// geometry_msgs/msg/PoseWithCovarianceStamped; the covariance is along the axes of `frame`.
+std::string RosPoseWithCovariance(int64_t t_ns, std::string_view frame, const SE3& pose, const Matrix6d& covariance);
+
 /// The frame in which maps are written: p_frame = T_frame_w p_w.
 struct RosView {
   std::string_view frame = kRosMap;

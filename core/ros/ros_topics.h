@@ -50,6 +50,9 @@ inline constexpr RosTopic kOdom{"/odom",
                                 RosQos::kReliable,
                                 true,
                                 "pose with covariance along the axes of map; velocity in the camera"};
+inline constexpr RosTopic kPose{
+    "/pose", "geometry_msgs/msg/PoseWithCovarianceStamped", kRosMap, RosRate::kFrame, RosQos::kReliable,
+    true,    "pose in map, with covariance along its axes"};
 inline constexpr RosTopic kPath{"/path", "nav_msgs/msg/Path",  kRosMap, RosRate::kMap, RosQos::kLatched,
                                 true,    "poses of all frames"};
 inline constexpr RosTopic kPathLive{"/path_live",

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -27,6 +28,8 @@ namespace {
 
 constexpr int kDepth = 5;
 constexpr uint32_t kTaken = 8;
+/// User data of our writers, by which other processes of plslam know them.
+constexpr std::string_view kOurs = "plslam=1;";
 
 /// The generated descriptor of each type of the table.
 const dds_topic_descriptor_t& DescriptorOf(std::string_view type) {
@@ -37,6 +40,7 @@ const dds_topic_descriptor_t& DescriptorOf(std::string_view type) {
       Row{"nav_msgs/msg/Path", &nav_msgs_msg_dds__Path__desc},
       Row{"nav_msgs/msg/OccupancyGrid", &nav_msgs_msg_dds__OccupancyGrid__desc},
       Row{"geometry_msgs/msg/PoseArray", &geometry_msgs_msg_dds__PoseArray__desc},
+      Row{"geometry_msgs/msg/PoseWithCovarianceStamped", &geometry_msgs_msg_dds__PoseWithCovarianceStamped__desc},
       Row{"sensor_msgs/msg/CompressedImage", &sensor_msgs_msg_dds__CompressedImage__desc},
       Row{"sensor_msgs/msg/CameraInfo", &sensor_msgs_msg_dds__CameraInfo__desc},
       Row{"sensor_msgs/msg/PointCloud2", &sensor_msgs_msg_dds__PointCloud2__desc},
@@ -66,6 +70,14 @@ Qos ReaderQos() {
   return qos;
 }
 
+Qos StaticFramesQos() {
+  Qos qos = ReaderQos();
+  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, 0);
+  dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 100);
+  return qos;
+}
+
 Qos WriterQos(RosQos kind) {
   Qos qos(dds_create_qos());
   const bool is_latched = kind == RosQos::kLatched;
@@ -77,6 +89,7 @@ Qos WriterQos(RosQos kind) {
   }
   dds_qset_durability(qos.get(), is_latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, is_latched ? 1 : kDepth);
+  dds_qset_userdata(qos.get(), kOurs.data(), kOurs.size());
   if (is_latched) dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, 1, -1, -1, -1);
   return qos;
 }
@@ -135,6 +148,15 @@ SE3 ToPose(const Translation& translation, const geometry_msgs_msg_dds__Quaterni
     throw DatasetError("has an invalid pose");
   }
   return {q, t};
+}
+
+std::string UserDataOf(const dds_qos_t* qos) {
+  void* data = nullptr;
+  size_t n_bytes = 0;
+  dds_qget_userdata(qos, &data, &n_bytes);
+  std::string text(static_cast<const char*>(data), n_bytes);
+  dds_free(data);
+  return text;
 }
 
 std::string TextOf(const char* text) { return text == nullptr ? "" : text; }
@@ -232,13 +254,19 @@ struct Participant::Impl {
 
   size_t Read(const std::string& topic, const dds_topic_descriptor_t& type, const Qos& qos,
               std::function<void(const void* sample)> take) {
-    const dds_entity_t entity = Checked(dds_create_reader(participant, Topic(topic, type), qos.get(), nullptr),
-                                        fmt::format("{} cannot be read", topic));
-    const dds_entity_t condition =
-        Checked(dds_create_readcondition(entity, DDS_ANY_STATE), fmt::format("{} cannot be read", topic));
-    Checked(dds_waitset_attach(waitset, condition, static_cast<dds_attach_t>(readers.size())), "no wait set");
-    readers.push_back({topic, entity, std::move(take)});
+    readers.push_back({topic, 0, std::move(take)});
+    Open(readers.size() - 1, type, qos);
     return readers.size() - 1;
+  }
+
+  /// Creates the entity of a reader.
+  void Open(size_t number, const dds_topic_descriptor_t& type, const Qos& qos) {
+    Reader& reader = readers[number];
+    reader.entity = Checked(dds_create_reader(participant, Topic(reader.topic, type), qos.get(), nullptr),
+                            fmt::format("{} cannot be read", reader.topic));
+    const dds_entity_t condition = Checked(dds_create_readcondition(reader.entity, DDS_ANY_STATE),
+                                           fmt::format("{} cannot be read", reader.topic));
+    Checked(dds_waitset_attach(waitset, condition, static_cast<dds_attach_t>(number)), "no wait set");
   }
 
   /// Calls `use` for the samples that a take lends; they are given back in any case.
@@ -264,7 +292,8 @@ struct Participant::Impl {
 
   dds_entity_t domain = 0, participant = 0, waitset = 0, publications = 0;
   std::vector<Reader> readers;
-  std::mutex mutex;  ///< of the writers
+  std::optional<size_t> static_frames;  ///< reader of /tf_static
+  std::mutex mutex;                     ///< of the writers
   std::map<std::string, Writer> writers;
 };
 
@@ -298,18 +327,21 @@ size_t Participant::ReadInfos(const std::string& topic,
 
 void Participant::ReadStaticFrames(
     std::function<void(const std::string& parent, const std::string& child, const SE3&)> take) {
-  const Qos qos = ReaderQos();
-  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, 0);
-  dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
-  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 100);
-  impl_->Read("/tf_static", tf2_msgs_msg_dds__TFMessage__desc, qos, [take = std::move(take)](const void* sample) {
+  const auto take_all = [take = std::move(take)](const void* sample) {
     const auto& message = *static_cast<const tf2_msgs_msg_dds__TFMessage_*>(sample);
     for (uint32_t i = 0; i < message.transforms._length; ++i) {
       const auto& transform = message.transforms._buffer[i];
       take(TextOf(transform.header.frame_id), TextOf(transform.child_frame_id),
            ToPose(transform.transform.translation, transform.transform.rotation));
     }
-  });
+  };
+  impl_->static_frames = impl_->Read("/tf_static", tf2_msgs_msg_dds__TFMessage__desc, StaticFramesQos(), take_all);
+}
+
+void Participant::ReadStaticFramesAgain() {
+  if (!impl_->static_frames) return;
+  dds_delete(impl_->readers[*impl_->static_frames].entity);
+  impl_->Open(*impl_->static_frames, tf2_msgs_msg_dds__TFMessage__desc, StaticFramesQos());
 }
 
 size_t Participant::ReadImu(const std::string& topic, std::function<void(const RosImu& message)> take) {
@@ -421,12 +453,8 @@ std::optional<size_t> Participant::GidBytes(const Guid& own) const {
   std::optional<size_t> gid_bytes;
   impl_->ForEachPublication([&](const dds_builtintopic_endpoint_t& endpoint) {
     if (TextOf(endpoint.topic_name) != kNodeInfoTopic || ToGuid(endpoint.participant_key) == own) return;
-    void* data = nullptr;
-    size_t n_bytes = 0;
-    dds_qget_userdata(endpoint.qos, &data, &n_bytes);
-    const std::string text(static_cast<const char*>(data), n_bytes);
-    dds_free(data);
-    gid_bytes = text.find("typehash=") == std::string::npos ? kGidBytesBeforeIron : kGidBytes;
+    const bool names_types = UserDataOf(endpoint.qos).find("typehash=") != std::string::npos;
+    gid_bytes = names_types ? kGidBytes : kGidBytesBeforeIron;
   });
   return gid_bytes;
 }
@@ -445,6 +473,7 @@ std::vector<Publisher> Participant::Publishers() const {
     dds_qget_durability(endpoint.qos, &durability);
     publisher.is_reliable = reliability == DDS_RELIABILITY_RELIABLE;
     publisher.is_latched = durability != DDS_DURABILITY_VOLATILE;
+    publisher.is_ours = UserDataOf(endpoint.qos) == kOurs;
     publishers.push_back(std::move(publisher));
   });
   return publishers;

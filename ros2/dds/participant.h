@@ -36,6 +36,9 @@ class Participant {
   size_t ReadInfos(const std::string& topic, std::function<void(RosCameraInfo, const std::string& frame)> take);
   /// tf2_msgs/msg/TFMessage of late publishers, too (reliable, transient local): /tf_static.
   void ReadStaticFrames(std::function<void(const std::string& parent, const std::string& child, const SE3&)> take);
+  /// Asks for them again: publishers that discovered this reader before it knew them may not have sent the old ones (Fast
+  /// DDS; it repeats them after three seconds, or not at all if the publisher's process reads them, too).
+  void ReadStaticFramesAgain();
 
   /// Samples of an inertial sensor in sensor_msgs/msg/Imu.
   size_t ReadImu(const std::string& topic, std::function<void(const RosImu& message)> take);

@@ -20,6 +20,7 @@
 #include "core/errors/error_text.h"
 #include "core/errors/log.h"
 #include "core/files/dataset_error.h"
+#include "core/robot/image_topics.h"
 #include "core/run/process_names.h"
 #include "plslam/robot_motion_t.hpp"
 #include "ros2/arguments.h"
@@ -63,12 +64,14 @@ RobotFrames FramesOf(const Ros2Options& options) {
   return {.map = options.map_frame,
           .odom = options.odom_frame,
           .body = options.base_frame,
+          .camera = CameraFrameOf(options.base_frame, options.camera_frame),
           .writes_map = options.publish_tf == PublishedTf::kAll || options.publish_tf == PublishedTf::kMap,
-          .writes_odom = options.publish_tf == PublishedTf::kAll || options.publish_tf == PublishedTf::kOdom};
+          .writes_odom = options.publish_tf == PublishedTf::kAll || options.publish_tf == PublishedTf::kOdom,
+          .writes_camera = options.publish_tf != PublishedTf::kNone};
 }
 
 const char* ImageTypeOf(const std::string& topic) {
-  return IsCompressedTopic(topic) ? "sensor_msgs/msg/CompressedImage" : "sensor_msgs/msg/Image";
+  return robot::IsCompressedTopic(topic) ? "sensor_msgs/msg/CompressedImage" : "sensor_msgs/msg/Image";
 }
 
 }  // namespace
@@ -104,13 +107,13 @@ Ros2Node::Ros2Node(bus::Process& process, const Ros2Options& options)
     Side& own = sides_[static_cast<size_t>(side)];
     own.input.topic = topic;
     own.input.type = ImageTypeOf(topic);
-    own.reader = participant_.ReadImages(topic, IsCompressedTopic(topic), [this, side](robot::ForeignImage image) {
-      TakeImage(side, std::move(image));
-    });
+    own.reader =
+        participant_.ReadImages(topic, robot::IsCompressedTopic(topic),
+                                [this, side](robot::ForeignImage image) { TakeImage(side, std::move(image)); });
     // Depths have the camera of the colour image.
     if (!options.camera.empty() || (side == robot::Side::kRight && frames_.is_rgbd())) continue;
     const std::string& given = side == robot::Side::kLeft ? options.left_info : options.right_info;
-    const std::string info = given.empty() ? InfoTopicOf(topic) : given;
+    const std::string info = given.empty() ? robot::InfoTopicOf(topic) : given;
     const size_t reader = participant_.ReadInfos(info, [this, side](RosCameraInfo message, const std::string& frame) {
       TakeInfo(side, std::move(message), frame);
     });
@@ -126,6 +129,8 @@ Ros2Node::Ros2Node(bus::Process& process, const Ros2Options& options)
     motions_ = participant_.ReadOdometry(options.robot_odometry,
                                          [this](int64_t t_ns, const SE3& T_robot_b) { TakeMotion(t_ns, T_robot_b); });
   }
+  const std::string small_buffer = SmallBufferSentence(LargestReceiveBuffer());
+  if (!small_buffer.empty() && !robot::IsCompressedTopic(options.left)) LogWarning("{}", small_buffer);
   if (!OffersOrders(process.bus().options(), domain_)) {
     LogInfo(
         "services are not offered: the bus has a key (bus.key_file), and DDS no proof of it; ROS_LOCALHOST_ONLY=1 "
@@ -182,12 +187,14 @@ void Ros2Node::TakeInfo(robot::Side side, RosCameraInfo info, const std::string&
   UseInfos();
 }
 
-/// Returns whether the first rig waits for /tf_static, if there is a publisher of it.
+/// Returns whether the first rig waits for /tf_static, if there is a publisher of it: that of another plslam_ros2 knows nothing
+/// of this camera.
 bool Ros2Node::AwaitsFrames(bool knows_mounting) const {
   if (knows_mounting || frames_.has_rig() || bus::NowS() - held_since_s_ >= kPatienceForFrames_s) return false;
   const std::vector<Publisher> publishers = participant_.Publishers();
-  return std::ranges::any_of(publishers,
-                             [](const Publisher& publisher) { return publisher.topic == ros_topic::kTfStatic.name; });
+  return std::ranges::any_of(publishers, [](const Publisher& publisher) {
+    return publisher.topic == ros_topic::kTfStatic.name && !publisher.is_ours;
+  });
 }
 
 /// A rig that changed while it is in use would begin a new session, so /tf_static is awaited for a while.
@@ -196,7 +203,8 @@ void Ros2Node::UseInfos() {
   const std::optional<SE3> T_b_l = static_frames_.Find(options_.base_frame, left_frame_);
   const bool have_names = !left_frame_.empty() && !imu_frame_.empty();
   const std::optional<SE3> T_l_imu = have_names ? static_frames_.Between(left_frame_, imu_frame_) : std::nullopt;
-  if (AwaitsFrames(T_b_l && (T_l_imu || !frames_.imu().needs_mounting()))) return;
+  awaits_frames_ = AwaitsFrames(T_b_l && (T_l_imu || !frames_.imu().needs_mounting()));
+  if (awaits_frames_) return;
   if (T_b_l) frames_.SetMounting(*T_b_l);
   if (T_l_imu && !frames_.has_rig()) frames_.imu().SetMounting(*T_l_imu);
   if (!frames_.has_rig()) {
@@ -221,6 +229,7 @@ void Ros2Node::Write(const RosTopic& row, int64_t t_ns, const std::string& cdr) 
 
 void Ros2Node::Tick() {
   frames_.PublishRig();
+  if (awaits_frames_) participant_.ReadStaticFramesAgain();
   ReportMotions();
   AnnounceNode();
   ReadStates();

@@ -68,6 +68,7 @@ class Ros2Node {
   std::string left_frame_;  ///< of the left images
   std::array<std::optional<RosCameraInfo>, 2> held_infos_;
   double held_since_s_ = 0.0;
+  bool awaits_frames_ = false;  ///< /tf_static
   robot::FrameSource frames_;
   robot::SkippedMessages skipped_messages_;
   int64_t n_rejected_ = 0, n_rejected_before_ = 0;  ///< and those before the last frame

@@ -99,6 +99,7 @@ TEST_F(McapOfARun, IsReadByTheFormatsOwnLibraries) {
   const json topics{{"/tf", Topic("tf2_msgs/msg/TFMessage", 40)},
                     {"/tf_static", Topic("tf2_msgs/msg/TFMessage", 1)},
                     {"/odom", Topic("nav_msgs/msg/Odometry", 40)},
+                    {"/pose", Topic("geometry_msgs/msg/PoseWithCovarianceStamped", 40)},
                     {"/path", Topic("nav_msgs/msg/Path", 1)},
                     {"/path_live", Topic("nav_msgs/msg/Path", 1)},
                     {"/path_truth", Topic("nav_msgs/msg/Path", 1)},
@@ -177,7 +178,7 @@ TEST_F(McapOfARun, ExportOfItsLog) {
   const json read = Check();
   ASSERT_TRUE(read.is_object());
   EXPECT_EQ(read["failures"], json::array());
-  EXPECT_EQ(read["topics"].size(), 13U) << read["topics"];
+  EXPECT_EQ(read["topics"].size(), 14U) << read["topics"];
   EXPECT_GT(read["points"], 50);
   ExpectTheImagesOfTheWorld();
   for (const char* file : {"trajectory.tum", "trajectory_live.tum", "groundtruth.tum", "covariance.txt", "map.ply"}) {

@@ -64,10 +64,14 @@ class Ros2 : public testing::Test {
   static void Wait(launcher::ChildProcess& process) {
     ASSERT_TRUE(WholeRun::WaitFor([&] { return process.Poll().has_value(); }));
   }
-  static void Stop(launcher::ChildProcess& process) {
-    process.Signal(SIGINT);
-    Wait(process);
-    EXPECT_EQ(process.Poll()->code, 0);
+  static void Stop(launcher::ChildProcess& process) { StopAll({&process}); }
+  /// Stops them at the same time; a second SIGINT would kill them.
+  static void StopAll(const std::vector<launcher::ChildProcess*>& processes) {
+    for (auto* process : processes) process->Signal(SIGINT);
+    for (auto* process : processes) {
+      Wait(*process);
+      EXPECT_EQ(process->Poll()->code, 0);
+    }
   }
   std::string Log(const std::string& file = "ros2.log") const { return ReadText(folder_.Path(file)); }
   bool LogHas(const std::string& text) const {

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <regex>
@@ -17,8 +17,15 @@
 #include "core/datasets/open_dataset.h"
 #include "core/io/images/png_codec.h"
 #include "core/io/trajectories/trajectory.h"
+#include "core/ros/ros_topics.h"
+#include "ros2/names.h"
+#include "tests/integration/by_hand.h"
+#include "tests/integration/rgbd_wall.h"
 #include "tests/integration/ros2_robot.h"
+#include "tests/integration/systemd_unit.h"
+#include "tests/support/key_file.h"
 #include "tests/support/sanitized.h"
+#include "tests/support/shell.h"
 
 namespace plslam::test {
 namespace {
@@ -29,11 +36,32 @@ using testing::HasSubstr;
 /// The frame of the world whose time a pose has.
 int IndexOf(const json& odom) { return static_cast<int>((odom[0].get<int64_t>() - 1'000'000'000) / 50'000'000); }
 
+/// Each row of the table is a topic with its type and its quality of service, and has messages. The robot has its own
+/// images, and no grid is made here (Ros2Output has one).
+void ExpectTheRowsOfTheTable(const json& topics) {
+  int n_rows = 0;
+  for (const RosTopic& row : RosTopics()) {
+    if (!row.is_live || row.rate == RosRate::kImage || row.name == ros_topic::kGrid.name) continue;
+    const bool is_tf = row.name == ros_topic::kTf.name || row.name == ros_topic::kTfStatic.name;
+    const std::string topic = (is_tf ? "rt" : "rt/plslam") + std::string(row.name);
+    ASSERT_TRUE(topics.contains(topic)) << topic << " in " << topics;
+    EXPECT_EQ(topics[topic]["type"], ros2::DdsTypeName(row.type));
+    EXPECT_EQ(topics[topic]["latched"], row.qos == RosQos::kLatched) << topic;
+    EXPECT_EQ(topics[topic]["reliable"], true) << topic;
+    EXPECT_TRUE(is_tf || topics[topic]["n"].get<int>() > 0) << topic;
+    ++n_rows;
+  }
+  // Others of the process are its node's and its services'.
+  int n_topics = 0;
+  for (const auto& [topic, found] : topics.items()) n_topics += topic.starts_with("rt/") ? 1 : 0;
+  EXPECT_EQ(n_topics, n_rows) << topics;
+}
+
 TEST_F(Ros2, EveryFrameHasAPose) {
   const std::string out = folder_.Path("out");
   const auto run =
       Start(BinaryFolder() / "plslam", {"run", fmt::format("ros2:{}", kTopics), "--out", out}, "run.log");
-  const auto robot = StartRobot({kWorld, "20", "80"});
+  const auto robot = StartRobot({kWorld, "20", "80", "census"});
   Wait(*robot);
   const json heard = Heard();
   const auto late = StartRobot({kWorld, "20", "0"});
@@ -51,6 +79,7 @@ TEST_F(Ros2, EveryFrameHasAPose) {
   EXPECT_EQ(heard["tf"]["odom base_link"], n);
   EXPECT_GT(heard["points"].get<int>(), 500);
   EXPECT_GT(heard["path"].get<int>(), 40);
+  ExpectTheRowsOfTheTable(heard["topics"]);
 
   const Trajectory poses = ReadTrajectory(out + "/trajectory.tum", TrajectoryFormat::kTum);
   ASSERT_EQ(poses.size(), n);
@@ -64,44 +93,6 @@ TEST_F(Ros2, EveryFrameHasAPose) {
     const Eigen::Vector3d p = T_true.translation(), p_body(p.z(), -p.x(), -p.y());
     EXPECT_LT((Eigen::Vector3d(odom[1], odom[2], odom[3]) - p_body).norm(), 0.05) << i;
   }
-}
-
-/// Poses of the frames of a run relative to its first one, by the number of the frame; frame 0 is at `begin_ns`.
-std::map<int, SE3> PosesOf(const std::string& run, int64_t begin_ns) {
-  std::map<int, SE3> poses;
-  const Trajectory trajectory = ReadTrajectory(run + "/trajectory.tum", TrajectoryFormat::kTum);
-  for (const auto& pose : trajectory) {
-    poses[static_cast<int>((pose.t_ns - begin_ns) / 50'000'000)] = trajectory.front().T_a_b.Inverse() * pose.T_a_b;
-  }
-  return poses;
-}
-
-// Images and calibration arrive as they were sent. Frames that a busy machine skips change the poses after them.
-TEST_F(Ros2, PosesAreThoseOfTheDatasetItself) {
-  const auto run =
-      Start(BinaryFolder() / "plslam",
-            {"run", fmt::format("ros2:{}", kTopics), "--no-mapping", "--out", folder_.Path("live")}, "run.log");
-  const auto robot = StartRobot({kWorld, "10", "50"});
-  Wait(*robot);
-  run->Signal(SIGINT);
-  Wait(*run);
-  ASSERT_EQ(run->Poll()->code, 0) << Log("run.log");
-  const auto live = PosesOf(folder_.Path("live"), 1'000'000'000);
-  ASSERT_GT(live.size(), 30U);
-  const int first = live.begin()->first;
-  const auto again = Start(BinaryFolder() / "plslam",
-                           {"run", kWorld, "--no-mapping", "--start", std::to_string(first), "--stop", "50", "--out",
-                            folder_.Path("again")},
-                           "again.log");
-  Wait(*again);
-  ASSERT_EQ(again->Poll()->code, 0) << Log("again.log");
-  const auto expected = PosesOf(folder_.Path("again"), 0);
-  int n = 0;
-  while (live.contains(first + n) && expected.contains(first + n)) {
-    EXPECT_LT((live.at(first + n).Inverse() * expected.at(first + n)).Log().norm(), 1e-8) << "frame " << first + n;
-    ++n;
-  }
-  EXPECT_GT(n, 10);
 }
 
 // The body moves to its right where the camera moves forward.
@@ -120,27 +111,6 @@ TEST_F(Ros2, CameraIsWhereTfStaticHasIt) {
     const SE3 T_true = T_b_l * T_first * *world->GroundTruth(IndexOf(odom)) * T_b_l.Inverse();
     EXPECT_LT((Eigen::Vector3d(odom[1], odom[2], odom[3]) - T_true.translation()).norm(), 0.05) << odom;
   }
-}
-
-/// A wall 2 m away, along which the camera moves by 2 cm a frame, as colour and depth.
-std::string WallOfAnRgbdCamera(const ScratchFolder& folder, int n_frames) {
-  const std::filesystem::path wall = folder.Path("wall");
-  for (const char* name : {"rgb", "depth"}) std::filesystem::create_directories(wall / name);
-  std::ofstream(wall / "camera.yaml")
-      << "kind: rgbd\nrate_hz: 20\ndepth_units_per_m: 1000\nleft:\n  resolution_px: [376, 240]\n"
-         "  focal_length_px: [200, 200]\n  principal_point_px: [187.5, 119.5]\n";
-  cv::Mat grains(40, 120, CV_8UC1);
-  std::mt19937 random(5);
-  for (int i = 0; i < grains.rows * grains.cols; ++i) grains.data[i] = static_cast<uint8_t>(random());
-  for (int i = 0; i < n_frames; ++i) {
-    cv::Mat image(240, 376, CV_8UC1);
-    for (int y = 0; y < image.rows; ++y) {
-      for (int x = 0; x < image.cols; ++x) image.at<uint8_t>(y, x) = grains.at<uint8_t>(y / 6, (x + 2 * i) / 6);
-    }
-    WritePng((wall / "rgb" / fmt::format("{:04}.png", i)).string(), image);
-    WritePng((wall / "depth" / fmt::format("{:04}.png", i)).string(), cv::Mat(240, 376, CV_16UC1, cv::Scalar(2000)));
-  }
-  return wall.string();
 }
 
 TEST_F(Ros2, ColourAndDepthAreTracked) {
@@ -169,6 +139,7 @@ TEST_F(Ros2, MissingInputIsNamedInFiveSeconds) {
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_TRUE(LogHas("no frames: images arrive without CameraInfo: no topic /stereo/left/camera_info")) << Log();
   EXPECT_LT(std::chrono::steady_clock::now() - begin, Patience(std::chrono::seconds(5)));
+  robot->Signal(SIGTERM);
   Wait(*robot);
   Stop(*process);
 }
@@ -213,8 +184,45 @@ TEST_F(Ros2, EitherEndMayRestart) {
       LogHas("no topic /stereo/left/image_raw in the domain 0; topics of its type are "
              "/stereo/left/image_raw/compressed"))
       << Log();
+  robot->Signal(SIGTERM);
   Wait(*robot);
   Stop(*process);
+}
+
+// The tracker's session continues, and the robot hears its poses from the new process.
+TEST_F(Ros2, PosesComeBackAfterAKill) {
+  std::unique_ptr<StatusListener> listener;
+  bus::BusOptions options;
+  options.url = kBusUrl;
+  host_->Do([&] { listener = std::make_unique<StatusListener>(*host_, options); });
+  const auto tracker = Start(BinaryFolder() / "vo_process", {"--url", kBusUrl}, "vo.log");
+  auto process = StartProcess();
+  const auto robot = StartRobot({"synthetic:room?size=376x240&frames=400", "20", "400", "listen_s=1"});
+  const auto has_tracked = [&](double n) {
+    return WholeRun::WaitFor([&] { return listener->Counter("vo", "frames") >= n; });
+  };
+  ASSERT_TRUE(has_tracked(15)) << Log() << Log("vo.log");
+  process->Signal(SIGKILL);
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return process->Poll().has_value(); }));
+  const double before = listener->Counter("vo", "frames");
+  process = StartProcess();
+  ASSERT_TRUE(has_tracked(before + 40)) << Log();
+  robot->Signal(SIGTERM);
+  Wait(*robot);
+  Stop(*process);
+  Stop(*tracker);
+  const json heard = Heard();
+  int64_t last_ns = 0, gap_ns = 0;
+  int n_after = 0;
+  for (const json& odom : heard["odom"]) {
+    const int64_t step_ns = last_ns > 0 ? odom[0].get<int64_t>() - last_ns : 0;
+    n_after = step_ns > gap_ns ? 1 : n_after + 1;
+    gap_ns = std::max(gap_ns, step_ns);
+    last_ns = odom[0].get<int64_t>();
+  }
+  fmt::print("without poses for {:.1f} s\n", 1e-9 * static_cast<double>(gap_ns));
+  EXPECT_GT(static_cast<int>(heard["odom"].size()) - n_after, 10) << heard;
+  EXPECT_GT(n_after, 15) << heard;
 }
 
 TEST_F(Ros2, DomainsAreApart) {
@@ -266,7 +274,7 @@ class Ros2Imu : public Ros2 {
     if (HasFatalFailure()) return;
     EXPECT_THAT(Log("out/logs/ros2.log"), HasSubstr(topic + " has no noise densities"));
     const json summary = json::parse(ReadText(folder_.Path("out/summary.json")));
-    EXPECT_GT(summary["carried_frames"].get<int>(), 10) << Log("run.log");
+    EXPECT_GT(summary["carried_frames"].get<int>(), 10) << Log("run.log") << Log("out/logs/ros2.log");
     const json heard = Heard();
     const auto world = OpenDataset(kRoom, "");
     const SE3 T_b_l(Eigen::Quaterniond(Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitZ())) *
@@ -295,7 +303,7 @@ TEST_F(Ros2, ServicesAreOrders) {
                          {"run", fmt::format("ros2:{}", kTopics), "--out", folder_.Path("out"), "--set",
                           "ros2.map_file=" + map, "--no-loops"},
                          "run.log");
-  const auto robot = StartRobot({"synthetic:room?size=376x240&frames=140", "20", "140", "listen_s=1"});
+  const auto robot = StartRobot({kWorld, "20", "60", "listen_s=0.5"});
   Wait(*robot);
   EXPECT_EQ(Call({"fast_dds_caller", "call", "/plslam/save"}),
             json({{"success", true}, {"message", fmt::format("the map is saved in {}", map)}}));
@@ -304,6 +312,9 @@ TEST_F(Ros2, ServicesAreOrders) {
   const json extend = Call({"cyclone_caller", "/plslam/localise_only", "false"});
   EXPECT_EQ(extend["success"], true) << extend;
   EXPECT_EQ(Call({"fast_dds_caller", "call", "/plslam/reset"})["success"], true);
+  const json load = Call({"fast_dds_caller", "call", "/plslam/load"});
+  EXPECT_EQ(load["success"], true) << load;
+  EXPECT_THAT(load["message"].get<std::string>(), HasSubstr(map)) << load;
   // Only a player can pause.
   const json pause = Call({"cyclone_caller", "/plslam/pause", "true"});
   EXPECT_EQ(pause["success"], false) << pause;
@@ -313,41 +324,35 @@ TEST_F(Ros2, ServicesAreOrders) {
   EXPECT_EQ(run->Poll()->code, 0) << Log("run.log");
 }
 
-// The other node decides on the form.
+/// Names of the topics, among them those of answers to services, to which a node says that it writes.
+std::vector<std::string> WritersOf(const json& node) {
+  std::vector<std::string> topics = node["writers"].get<std::vector<std::string>>();
+  std::sort(topics.begin(), topics.end());
+  return topics;
+}
+
+// The other node decides on the form. A key of the bus leaves no services: DDS cannot prove who calls.
 TEST_F(Ros2, NodeIsListedInBothFormsOfRos) {
-  for (const auto& [old, n_digits] : {std::pair("1", 48U), std::pair("0", 32U)}) {
-    const auto process = StartProcess({"--namespace", "/robot"});
+  const std::string key = KeyFile(folder_.Path(""), '7');
+  const std::vector<std::string> all{"rr/robot/loadReply",  "rr/robot/localise_onlyReply", "rr/robot/pauseReply",
+                                     "rr/robot/resetReply", "rr/robot/saveReply",          "rt/robot/diagnostics"};
+  for (const bool has_key : {false, true}) {
+    std::vector<std::string> options{"--namespace", "/robot"};
+    if (has_key) options.insert(options.end(), {"--set", "bus.key_file=" + key});
+    const auto process = StartProcess(options);
     ASSERT_TRUE(LogHas("waiting for images")) << Log();
-    const json heard = Call({"fast_dds_caller", "nodes", old});
+    const json heard = Call({"fast_dds_caller", "nodes", has_key ? "0" : "1"});
     Stop(*process);
     ASSERT_EQ(heard["nodes"].size(), 1U) << heard;
     const json& node = heard["nodes"][0];
     EXPECT_EQ(node["name"], "plslam_ros2");
     EXPECT_EQ(node["namespace"], "/robot");
     // Images and CameraInfo of both sides, /tf_static, and five services.
-    EXPECT_EQ(node["readers"].size(), 10U) << heard;
-    EXPECT_GE(node["writers"].size(), 5U) << heard;
-    EXPECT_EQ(heard["gid"].get<std::string>().size(), n_digits);
+    EXPECT_EQ(node["readers"].size(), has_key ? 5U : 10U) << heard;
+    EXPECT_EQ(WritersOf(node), has_key ? std::vector<std::string>{"rt/robot/diagnostics"} : all);
+    EXPECT_EQ(heard["gid"].get<std::string>().size(), has_key ? 32U : 48U);
   }
-}
-
-TEST_F(Ros2, RobotsInTwoNamespacesAreApart) {
-  const auto of_robot = [&](const std::string& space, const char* url, const std::string& log) {
-    return Start(BinaryFolder() / "plslam_ros2",
-                 {"--left", space + "/stereo/left/image_raw", "--right", space + "/stereo/right/image_raw",
-                  "--namespace", space + "/plslam", "--url", url},
-                 log);
-  };
-  const auto one = of_robot("/one", "udpm://239.255.76.67:7701?ttl=0", "one.log"),
-             two = of_robot("/two", "udpm://239.255.76.67:7702?ttl=0", "two.log");
-  const auto first = StartRobot({kWorld, "20", "40", "space=/one", "listen_s=1"});
-  const auto second = StartRobot({kWorld, "20", "60", "space=/two", "listen_s=1"});
-  Wait(*first);
-  Wait(*second);
-  Stop(*one);
-  Stop(*two);
-  EXPECT_THAT(Log("one.log"), HasSubstr("ended: 40 frames, 0 unpaired, 0 rejected"));
-  EXPECT_THAT(Log("two.log"), HasSubstr("ended: 60 frames, 0 unpaired, 0 rejected"));
+  EXPECT_THAT(Log(), HasSubstr("services are not offered: the bus has a key (bus.key_file)"));
 }
 
 // The robot sends for 12 s.
@@ -377,6 +382,31 @@ TEST_F(Ros2, TopicsAreListedWithTheirCommand) {
   EXPECT_THAT(Log("topics.log"), HasSubstr("MB/s, 376 x 240 mono8"));
   EXPECT_THAT(Log("topics.log"), HasSubstr(fmt::format("plslam run ros2:{}\n", kTopics)));
   Wait(*robot);
+}
+
+// As systemd starts it, with the topics in the configuration of the robot.
+TEST_F(Ros2, UnitOfTheExamplesStartsIt) {
+  const std::filesystem::path file = SourceFolder() / "ros2/examples/plslam-ros2@.service";
+  const SystemdFolders folders{folder_.Path("etc"), folder_.Path("state"), folder_.Path("run")};
+  SystemdUnit unit = ReadSystemdUnit(file, "front", folders);
+  std::filesystem::create_directories(folders.etc / "plslam");
+  folder_.Write("etc/plslam/front.yaml",
+                fmt::format("bus:\n  url: {}\nros2:\n  left: /left/image_raw\n  right: /right/image_raw\n", kBusUrl));
+  std::filesystem::create_directories(folders.state / unit.state_directory);
+  ASSERT_EQ(unit.start.words.front(), "/usr/bin/plslam_ros2");
+  unit.start.words.erase(unit.start.words.begin());
+  const auto process = Start(BinaryFolder() / "plslam_ros2", unit.start.words, "ros2.log");
+  EXPECT_TRUE(LogHas("waiting for images")) << Log();
+  Stop(*process);
+  if (!HasProgram("systemd-analyze")) GTEST_SKIP() << "no systemd-analyze here: the unit is not verified";
+  const ShellResult verified =
+      Shell(folder_, fmt::format("cd '{}' && sed 's|/usr/bin/plslam_ros2|{}|' '{}' >plslam-ros2@front.service && "
+                                 "cp '{}' plslam@front.target && SYSTEMD_UNIT_PATH=\"$PWD:\" systemd-analyze verify "
+                                 "--man=no ./plslam-ros2@front.service",
+                                 folder_.Path(""), (BinaryFolder() / "plslam_ros2").string(), file.string(),
+                                 (SourceFolder() / "scripts/systemd/plslam@.target.in").string()));
+  EXPECT_EQ(verified.exit_code, 0) << verified.error;
+  EXPECT_EQ(verified.out + verified.error, "");
 }
 
 }  // namespace

@@ -96,6 +96,11 @@ function compareFrames(topics) {
   comparePoses("/tf", transforms, "trajectory.tum");
   const odometry = topics["/odom"].map(({ t_ns, value }) => [[t_ns, time_ns(value.header.stamp)], value.pose.pose.position, value.pose.pose.orientation]);
   comparePoses("/odom", odometry, "trajectory.tum");
+  const poses = topics["/pose"].map(({ t_ns, value }) => [[t_ns, time_ns(value.header.stamp)], value.pose.pose.position, value.pose.pose.orientation]);
+  comparePoses("/pose", poses, "trajectory.tum");
+  topics["/pose"].forEach(({ value }, i) => {
+    if (String(value.pose.covariance) !== String(topics["/odom"][i].value.pose.covariance)) fail(`/pose[${i}]: another covariance than /odom`);
+  });
   for (const [topic, name] of [["/path", "trajectory.tum"], ["/path_live", "trajectory_live.tum"], ["/path_truth", "groundtruth.tum"]]) {
     if (hasFile(name) !== topic in topics) fail(`${topic} is there, or ${name}, but not both`);
     if (!(topic in topics)) continue;

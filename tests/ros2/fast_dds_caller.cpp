@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // fast_dds_caller call SERVICE [true|false]: calls a service (std_srvs/srv/SetBool with a value, otherwise Trigger) as
 // rmw_fastrtps does, and prints the answer as JSON. fast_dds_caller nodes OLD: introduces itself as a node of ROS 2 (OLD
-// 1: of a release before Iron), and prints what another node says of itself.
+// 1: of a release before Iron), and prints what another node says of itself, with the topics of its writers.
 #include <unistd.h>
 
 #include <cstdio>
@@ -9,7 +9,6 @@
 #include <functional>
 #include <string>
 
-#include <fmt/format.h>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/publisher/DataWriter.hpp>
@@ -21,10 +20,12 @@
 #include <nlohmann/json.hpp>
 
 #include <callerPubSubTypes.h>
+#include "tests/ros2/raw_messages.h"
 
 namespace {
 
 namespace fast = eprosima::fastdds::dds;
+namespace test = plslam::test;
 namespace rtps = eprosima::fastrtps::rtps;
 using nlohmann::json;
 
@@ -111,22 +112,28 @@ json Nodes(const char* user_data) {
   auto* const reader =
       participant->create_subscriber(fast::SUBSCRIBER_QOS_DEFAULT)->create_datareader(topic, reader_qos);
   typename Type::type message;
-  const auto is_heard = [&] {
+  test::Census census("nothing");
+  bool is_heard = false;
+  // A node is announced again when it has another topic.
+  const auto has_topic = [&] {
     fast::SampleInfo info;
-    return reader->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK && info.valid_data;
+    while (reader->take_next_sample(&message, &info) == ReturnCode_t::RETCODE_OK) is_heard |= info.valid_data;
+    census.Listen();
+    for (const auto& node : message.node_entities_info_seq()) {
+      for (const auto& gid : node.writer_gid_seq()) {
+        if (census.TopicOf(test::HexOf(gid.data())).rfind("rt/", 0) == 0) return true;
+      }
+    }
+    return false;
   };
-  if (!WaitFor(is_heard)) return {{"failure", "no node"}};
+  WaitFor(has_topic);
+  if (!is_heard) return {{"failure", "no node"}};
   const auto& nodes = message.node_entities_info_seq();
-  const auto hex = [](const auto& gid) {
-    std::string digits;
-    for (const uint8_t byte : gid.data()) digits += fmt::format("{:02x}", byte);
-    return digits;
-  };
-  json heard{{"gid", hex(message.gid())}, {"nodes", json::array()}};
+  json heard{{"gid", test::HexOf(message.gid().data())}, {"nodes", json::array()}};
   for (const auto& node : nodes) {
     json one{{"name", node.node_name()}, {"namespace", node.node_namespace()}};
-    for (const auto& gid : node.reader_gid_seq()) one["readers"].push_back(hex(gid));
-    for (const auto& gid : node.writer_gid_seq()) one["writers"].push_back(hex(gid));
+    for (const auto& gid : node.reader_gid_seq()) one["readers"].push_back(test::HexOf(gid.data()));
+    for (const auto& gid : node.writer_gid_seq()) one["writers"].push_back(census.TopicOf(test::HexOf(gid.data())));
     heard["nodes"].push_back(one);
   }
   return heard;

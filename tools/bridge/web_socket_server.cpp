@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <libwebsockets.h>
+#include <sys/socket.h>
 
 #include <array>
 #include <atomic>
@@ -27,6 +28,13 @@ std::string HeaderOf(lws* wsi, lws_token_indexes token) {
   std::array<char, 1024> text{};
   const int n = lws_hdr_copy(wsi, text.data(), static_cast<int>(text.size()), token);
   return n <= 0 ? "" : std::string(text.data(), static_cast<size_t>(n));
+}
+
+/// The kernel keeps megabytes for a client that reads slowly, which then sees images that are seconds old: those wait in
+/// its `ClientQueue` instead, where newer ones replace them.
+void BoundSendBuffer(int socket) {
+  constexpr int kBytes = 256 << 10;
+  setsockopt(socket, SOL_SOCKET, SO_SNDBUF, &kBytes, sizeof(kBytes));
 }
 
 int Refuse(lws* wsi, const std::string& sentence) {
@@ -110,6 +118,7 @@ struct WebSocketServer::Impl {
         return Confirm(wsi);
       case LWS_CALLBACK_ESTABLISHED:
         connections[wsi].client = ++n_clients;
+        BoundSendBuffer(lws_get_socket_fd(wsi));
         server.Open(n_clients);
         lws_callback_on_writable(wsi);
         return 0;

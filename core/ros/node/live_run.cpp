@@ -85,6 +85,7 @@ void LiveRun::OnStatus(const status_t& message) {
 
 void LiveRun::Tick() {
   if (std::exchange(has_new_poses_, false)) messages_.WritePath();
+  if (!messages_.has_rig()) return;  // a process that starts in a run may receive the map before the rig
   if (std::exchange(has_new_map_, false)) messages_.WriteMap(map_.follower().map());
   if (std::exchange(has_new_grid_, false)) messages_.WriteGrid(grid_.Whole());
 }

@@ -14,6 +14,7 @@
 #include "bot_core/ins_t.hpp"
 #include "core/bus/transport/stock_lcm.h"
 #include "core/files/dataset_error.h"
+#include "core/ros/body_messages.h"
 #include "geometry_msgs/Vector3.hpp"
 #include "microstrain/ins_t.hpp"
 #include "nav_msgs/Odometry.hpp"
@@ -266,7 +267,8 @@ TEST(ForeignMessages, BotPoseIsTheBodyInTheMap) {
 
 TEST(ForeignMessages, OdometryIsTheBodyInOdom) {
   robot::BodyPose body = TurnedBody();
-  nav_msgs::Odometry odometry = ToOdometry(body);
+  const RobotFrames frames;
+  nav_msgs::Odometry odometry = ToOdometry(BodyOdometry(body, frames));
   EXPECT_EQ(odometry.header.frame_id, "odom");
   EXPECT_EQ(odometry.child_frame_id, "base_link");
   EXPECT_EQ(odometry.header.stamp.sec, 12'000);
@@ -276,13 +278,14 @@ TEST(ForeignMessages, OdometryIsTheBodyInOdom) {
   EXPECT_EQ(odometry.twist.covariance[35], 70.0);
   EXPECT_EQ(odometry.twist.twist.angular.z, 6.0);
   body.velocity.reset();
-  odometry = ToOdometry(body);
+  odometry = ToOdometry(BodyOdometry(body, frames));
   EXPECT_EQ(odometry.twist.twist.linear.x, 0.0);
   EXPECT_EQ(odometry.twist.covariance[0], 1e6);
 }
 
 TEST(ForeignMessages, TransformsGoFromMapOverOdomToTheBody) {
-  const tf2_msgs::TFMessage message = ToTransforms(TurnedBody());
+  const RobotFrames frames;
+  const tf2_msgs::TFMessage message = ToTransforms(12, BodyTransforms(TurnedBody(), frames));
   ASSERT_EQ(message.transforms_length, 2);
   EXPECT_EQ(message.transforms[0].header.frame_id + ">" + message.transforms[0].child_frame_id, "map>odom");
   EXPECT_EQ(message.transforms[1].header.frame_id + ">" + message.transforms[1].child_frame_id, "odom>base_link");

@@ -28,12 +28,13 @@ TEST(Ros2Arguments, LaunchFilesOfRosAreUnderstood) {
               ElementsAre("plslam_ros2", "--camera", "c.yaml", "--remap", "left:=/a", "--frame", "base=body"));
   Arguments arguments;
   arguments.remaps = {"left:=/a/left", "right:=/a/right", "__ns:=/robot", "__node:=slam"};
-  arguments.frames = {"base=body"};
+  arguments.frames = {"base=body", "camera=eye"};
   Ros2Options options;
   arguments.Apply(&options);
   EXPECT_EQ(options.left, "/a/left");
   EXPECT_EQ(options.output_namespace, "/robot");
   EXPECT_EQ(options.base_frame, "body");
+  EXPECT_EQ(options.camera_frame, "eye");
 }
 
 TEST(Ros2Arguments, WrongValuesAreNamed) {

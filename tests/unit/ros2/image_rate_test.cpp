@@ -53,5 +53,13 @@ TEST(Ros2ImageRate, RestartedCameraIsNoLoss) {
   EXPECT_NEAR(rates.arrived_hz, 20.0, 0.1);
 }
 
+TEST(Ros2ImageRate, SmallBufferIsNamedAtTheStart) {
+  EXPECT_EQ(
+      SmallBufferSentence(212'992),
+      "receive buffer 212 kB: a pair of 640 x 480 needs 2457 kB, and large images are lost with less (sudo sysctl -w "
+      "net.core.rmem_max=16777216)");
+  EXPECT_EQ(SmallBufferSentence(2'457'600), "");
+}
+
 }  // namespace
 }  // namespace plslam::ros2

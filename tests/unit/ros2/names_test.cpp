@@ -38,13 +38,6 @@ TEST(Ros2Names, ServiceIsTwoTopics) {
   EXPECT_EQ(names.reply_type, "std_srvs::srv::dds_::Trigger_Response_");
 }
 
-TEST(Ros2Names, CameraInfoBesideTheImages) {
-  EXPECT_EQ(InfoTopicOf("/a/left/image_raw"), "/a/left/camera_info");
-  EXPECT_EQ(InfoTopicOf("/a/left/image_raw/compressed"), "/a/left/camera_info");
-  EXPECT_EQ(InfoTopicOf("/a/depth/image_raw/compressedDepth"), "/a/depth/camera_info");
-  EXPECT_EQ(InfoTopicOf("/left"), "/left/camera_info");
-}
-
 TEST(Ros2Names, NamespacesAndInvalidNames) {
   EXPECT_EQ(InNamespace("/robot", "odom"), "/robot/odom");
   EXPECT_EQ(InNamespace("", "odom"), "/odom");
@@ -53,6 +46,12 @@ TEST(Ros2Names, NamespacesAndInvalidNames) {
   EXPECT_THAT(TopicNameComplaint("left"), HasSubstr("does not begin with /"));
   EXPECT_THAT(TopicNameComplaint("/left/"), HasSubstr("ends with /"));
   EXPECT_THAT(TopicNameComplaint("/le ft"), HasSubstr("another character"));
+}
+
+TEST(Ros2Names, CameraFrameHasTheBodysPrefix) {
+  EXPECT_EQ(CameraFrameOf("base_link", ""), "camera_left");
+  EXPECT_EQ(CameraFrameOf("one/base_link", ""), "one/camera_left");
+  EXPECT_EQ(CameraFrameOf("one/base_link", "eye"), "eye");
 }
 
 Domain DomainWith(const std::map<std::string, std::string>& variables) {

@@ -293,6 +293,8 @@ class Exporter {
     const Matrix6d* motion = Find(run_.motion_covariance, pose.t_ns);
     if (i > 0 && motion != nullptr) SetVelocity(poses_[i - 1], *motion, odometry);
     topics_.Write(ros_topic::kOdom, pose.t_ns, RosOdometryMessage(odometry));
+    topics_.Write(ros_topic::kPose, pose.t_ns,
+                  RosPoseWithCovariance(pose.t_ns, kRosMap, pose.T_a_b, odometry.covariance));
   }
 
   /// Adds the images that were taken during the run.

@@ -36,14 +36,16 @@ const CLI::App& NamedCommand(const CLI::App& app) {
   return named.empty() ? app : NamedCommand(*named.back());
 }
 
-/// Returns a sentence about the first argument that is an option of no such name; empty if there is none.
-std::string UnknownOption(const CLI::App& app) {
+/// Returns a sentence about the first argument that is neither an option of the command nor its value; empty if there is
+/// none.
+std::string UnknownArgument(const CLI::App& app) {
   const CLI::App& command = NamedCommand(app);
   std::vector<std::string> names;
   for (const CLI::Option* option : command.get_options()) {
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
   }
   for (const std::string& argument : app.remaining(true)) {
+    if (!argument.starts_with('-')) return fmt::format("'{}' was not expected (--help lists all)", Shown(argument));
     if (!argument.starts_with("--") || argument.size() == 2) continue;
     const std::string option = argument.substr(0, argument.find('='));
     const std::string nearest = NearestKey(option, names);
@@ -56,7 +58,7 @@ std::string UnknownOption(const CLI::App& app) {
 }  // namespace
 
 std::string CommandLineError(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
-  for (std::string unknown : {UnknownCommand(app, argc, argv), UnknownOption(app)}) {
+  for (std::string unknown : {UnknownCommand(app, argc, argv), UnknownArgument(app)}) {
     if (!unknown.empty()) return unknown;
   }
   return fmt::format("{} (--help lists the options)", error.what());

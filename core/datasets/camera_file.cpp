@@ -159,6 +159,9 @@ CameraCalibration ReadCamera(const YamlMap& yaml, const ImageSize& image_size) {
   camera.height_px = size.height_px;
   if (yaml.Has("model")) camera.model = yaml.Text("model");
   yaml.Require("model", ModelComplaint(camera));
+  if (!yaml.Has("focal_length_px") && !yaml.Has("principal_point_px")) {
+    yaml.Fail("focal_length_px", "is missing, as the whole lens: `plslam calibrate` measures it");
+  }
   const std::vector<double> focal = yaml.Numbers("focal_length_px", 2, 2);
   const std::vector<double> centre = yaml.Numbers("principal_point_px", 2, 2);
   camera.fx_px = focal[0];

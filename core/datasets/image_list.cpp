@@ -244,7 +244,7 @@ std::vector<std::optional<SE3>> FrameTruth(const std::string& path, TrajectoryFo
   const auto n =
       static_cast<size_t>(std::count_if(poses.begin(), poses.end(), [](const auto& p) { return p.has_value(); }));
   if (truth.empty()) {
-    if (file.n_rows == 0 && file.format) list->notes.Warn(name + ": has no poses");
+    if (file.n_rows == 0 && file.format) list->notes.Warn(name + ": has no poses, so accuracy is not measured");
     return {};
   }
   if (2 * n < poses.size()) {

@@ -115,7 +115,8 @@ class ProcessRunner {
     for (const std::string& assignment : arguments_.overrides) {
       const std::string section = assignment.substr(0, assignment.find('.'));
       if (section == kBusSection || section == spec_.name) continue;
-      LogWarning("--set {} has no effect here: it is an option of {}", assignment, section);
+      LogWarning("--set {} has no effect here: {} reads the sections {} and {}", assignment, spec_.name, spec_.name,
+                 kBusSection);
     }
   }
 

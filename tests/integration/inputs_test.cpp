@@ -97,14 +97,18 @@ TEST(MissingInput, OptionOfAnotherProcess) {
   WholeRun run;
   const launcher::ChildProcess player(
       test::BinaryFolder() / "player",
-      {kInputsWorld, "--url", "memq://", "--set", "player.pace=realtime", "--set", "vo.map.local_keyframes=10"},
+      {kInputsWorld, "--url", "memq://", "--set", "player.pace=lockstep", "--set", "vo.map.local_keyframes=10"},
       run.folder() / "player.log");
   const auto log = [&] { return ReadText(run.folder() / "player.log"); };
   EXPECT_TRUE(WholeRun::WaitFor([&] {
-    return log().find("--set vo.map.local_keyframes=10 has no effect here: it is an option of vo") !=
+    return log().find(
+               "--set vo.map.local_keyframes=10 has no effect here: player reads the sections player and bus") !=
            std::string::npos;
   })) << log();
-  EXPECT_EQ(log().find("--set player.pace=realtime has no effect"), std::string::npos);
+  EXPECT_EQ(log().find("--set player.pace=lockstep has no effect"), std::string::npos);
+  EXPECT_TRUE(WholeRun::WaitFor([&] {
+    return log().find("waiting for the pose of frame 0: no vo_process is running on memq://") != std::string::npos;
+  })) << log();
 }
 
 }  // namespace

@@ -59,6 +59,7 @@ TEST(Misuse, SecondRunOnABusIsRefused) {
   EXPECT_EQ(second.Run({"run", kShortRoom, "--url", watcher.url()}), 1);
   EXPECT_THAT(second.Logs(), HasSubstr("is running on this bus: process "));
   EXPECT_THAT(second.Logs(), HasSubstr("--prefix"));
+  EXPECT_FALSE(std::filesystem::exists(second.out())) << "frames of the first run are no result of the second";
   EXPECT_EQ(first.Wait(), 0) << first.Logs();
   EXPECT_EQ(first.Summary()["frames"], 150);
   EXPECT_EQ(first.Summary()["sessions"].size(), 1U);
@@ -142,6 +143,24 @@ TEST(Misuse, MistypedOptionIsNamed) {
   EXPECT_THAT(Plslam(run, {"export", "--fromat", "ply"}).log, HasSubstr("the nearest is '--format'"));
 }
 
+TEST(Misuse, UnexpectedWordIsNamedBeforeMissingOptions) {
+  const WholeRun run;
+  EXPECT_EQ(RunProgram(run, test::BinaryFolder() / "evaluate", {"compre", "a"}).log,
+            "evaluate: error: 'a' was not expected (--help lists all)\n");
+}
+
+TEST(Misuse, RecordingOfAnEmptyBusIsReported) {
+  const WholeRun run;
+  const std::filesystem::path log = run.folder() / "record.log";
+  launcher::ChildProcess record(test::BinaryFolder() / "plslam", {"record", run.log(), "--url", "memq://"}, log);
+  // One second of its own statuses.
+  ASSERT_TRUE(WholeRun::WaitFor(
+      [&] { return std::filesystem::exists(run.log()) && std::filesystem::file_size(run.log()) > 0; }));
+  record.Signal(SIGINT);
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return record.Poll().has_value(); }));
+  EXPECT_THAT(ReadText(log), HasSubstr("warning: there was no frame, pose or map on memq://; give the --url"));
+}
+
 TEST(Misuse, HelpIsACommand) {
   const WholeRun run;
   EXPECT_THAT(Plslam(run, {"help"}).log, HasSubstr("plslam replay"));
@@ -161,6 +180,8 @@ TEST(Misuse, SettingsWithoutEffectAreRefused) {
               HasSubstr("--set mapping.state_every=4: this run starts no mapping_process"));
   EXPECT_THAT(error_of({"--set", "dense.voxel_m=0.1"}), HasSubstr("starts no dense_process"));
   EXPECT_THAT(error_of({"--set", "adapter.left=/left"}), HasSubstr("starts no adapter"));
+  EXPECT_THAT(error_of({"--pace", "fast"}), HasSubstr("pace 'fast' is not one of lockstep, realtime"));
+  EXPECT_THAT(error_of({"--video", "film.avi"}), HasSubstr("--video film.avi: films are MP4 files"));
   EXPECT_THAT(error_of({"--stop", "3", "--set", "player.stop=2"}),
               HasSubstr("--set player.stop=2: the arguments of `plslam run` decide, with player.stop=3"));
 }

@@ -72,7 +72,8 @@ void AddExportCommand(CLI::App* app, std::function<int()>* command) {
                   "map file (.plmap), folder of a run that contains one, or LCM log of a run (plslam run --record)")
       ->required();
   sub->add_option("--out", arguments->request.out, "folder to write to [RUN/export or MAP_export]")->type_name("DIR");
-  sub->add_option("--format", arguments->request.formats, "only these formats (repeatable) [all]")
+  sub->add_option("--format", arguments->request.formats, "only these formats, separated by blanks or commas [all]")
+      ->delimiter(',')
       ->check(CLI::IsMember(FormatNames()));
   sub->add_option("--dataset", arguments->request.dataset,
                   "dataset of the map, for rectified images of the keyframes (COLMAP) and poses of the camera as "

@@ -101,14 +101,13 @@ int GiveOrder(const char* verb, const std::string& argument, const bus::ProcessA
   bus::Bus bus(bus_options, "plslam");
   bus::OrderSender order(bus);
   order.Send(*bus::FindOrder(verb), argument);
-  const std::string what = argument.empty() ? verb : fmt::format("{} {}", verb, argument);
   std::optional<bus::OrderResult> result;
   bool is_waiting = false;
   bus.Every(kTick, [&] {
     result = order.Result();
     const std::string waiting = order.Waiting();
     if (!result && !waiting.empty() && !std::exchange(is_waiting, true)) {
-      PrintError(fmt::format("plslam: {}: {}", what, waiting));
+      PrintError(fmt::format("plslam: {}: {}", verb, waiting));
     }
     if (result) bus.Stop();
   });
@@ -117,7 +116,7 @@ int GiveOrder(const char* verb, const std::string& argument, const bus::ProcessA
     fmt::print("{}\n", result->sentence);
     return 0;
   }
-  PrintError(fmt::format("plslam: error: {}: {}", what, result->sentence));
+  PrintError(fmt::format("plslam: error: {}: {}", verb, result->sentence));
   return 1;
 }
 
@@ -221,6 +220,12 @@ int Record(const RecordOptions& options) {
   }
   forget();
   fmt::print("{} events in {}\n", recorder.events(), options.file);
+  if (!recorder.has_content() && options.common.parent == 0) {
+    PrintError(
+        fmt::format("recorder: warning: there was no frame, pose or map on {}; give the --url of the running "
+                    "processes (without --url, plslam run uses a private bus)",
+                    bus::EffectiveUrl(bus_options.url)));
+  }
   if (recorder.failure().empty()) {
     status.SetState(process_state::kStopping);
     return 0;

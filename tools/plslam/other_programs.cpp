@@ -50,7 +50,14 @@ void AddTopicsCommand(CLI::App* app, Command* command) {
   auto* sub = app->add_subcommand("topics", "lists the topics of a robot that speaks ROS 2, and its stereo cameras");
   sub->add_option("source", *source, "ros2:, the domain of ROS_DOMAIN_ID")
       ->required()
-      ->check(CLI::IsMember({std::string(kRos2Prefix)}));
+      ->type_name("ros2:")
+      ->check([](const std::string& name) {
+        return name == kRos2Prefix ? std::string()
+                                   : fmt::format(
+                                         "{} is not {}, the only source whose topics are listed; of a "
+                                         "recording, `plslam run` finds or names them",
+                                         name, kRos2Prefix);
+      });
   sub->footer(
       "Examples:\n"
       "  plslam topics ros2:\n"

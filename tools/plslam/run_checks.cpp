@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <initializer_list>
@@ -24,6 +25,7 @@
 #include "core/process/process_arguments.h"
 #include "core/run/process_names.h"
 #include "core/run/result_files.h"
+#include "core/stream/pacing.h"
 #include "player/options.h"
 #include "tools/plslam/offline_commands.h"
 #include "tools/plslam/process_table.h"
@@ -72,10 +74,23 @@ void RemoveOldFiles(const path& folder, const char* extension, std::filesystem::
   }
 }
 
+/// Any other name is that of a folder of pictures.
+void CheckVideo(const path& video) {
+  static const std::array<path, 9> kOtherFilms{".avi",  ".mkv", ".mov", ".webm", ".mpg",
+                                               ".mpeg", ".m4v", ".gif", ".ogv"};
+  if (std::ranges::find(kOtherFilms, path(video.extension())) != kOtherFilms.end()) {
+    throw std::runtime_error(
+        fmt::format("--video {}: films are MP4 files: give a name that ends in .mp4, or that of a "
+                    "folder for pictures",
+                    video.string()));
+  }
+  CheckWritable("--video", video);
+}
+
 }  // namespace
 
 void CheckFilesToWrite(const RunOptions& options) {
-  if (!options.video.empty()) CheckWritable("--video", options.video);
+  if (!options.video.empty()) CheckVideo(options.video);
   using File = std::pair<const char*, path>;
   for (const auto& [option, file] : {File("--record", options.record), File("--save-map", options.save_map)}) {
     if (file.empty()) continue;
@@ -111,6 +126,7 @@ void ReadConfiguration(RunOptions* options) {
   take(&options->kind, player.kind);
   if (options->from_ros2) take(&options->pace, stream_pace::kRealtime);
   take(&options->pace, options->from_cameras ? camera.pace : player.pace);
+  stream::ParsePace(options->pace);
   if (options->map_prefix.empty()) return;
   if (options->url.empty()) {
     throw std::runtime_error("bus.map_prefix: robots that share a map share a bus: give its --url or bus.url");

@@ -155,13 +155,13 @@ bool RunSession::HearsSharedMap() const {
   return !shared || monitor_.Hears(process_name::kMapping);
 }
 
-/// The player, which is the last to be started, has opened its dataset: from here on this run is the one in the
-/// folder.
+/// The player has opened its dataset: from here on this run is the one in the folder. Poses on the bus are no sign of
+/// it, since they may be those of another run on the same bus.
 void RunSession::CheckAccepted() {
   const std::string player = monitor_.StateOf(supervisor_.pid(SourceOfFrames(options_)));
   const bool plays =
       player == process_state::kReady || player == process_state::kRunning || player == process_state::kFinished;
-  if (!plays && monitor_.statistics().frames().answered() == 0) return;
+  if (!plays) return;
   accepted_ = true;
   RemoveOldOutputs(options_, files_began_);
 }
@@ -338,12 +338,16 @@ RunSummary RunSession::Summary() const {
   summary.completed = completed_;
   summary.reason = reason_;
   summary.wall_s = wall_s_;
-  summary.frames = monitor_.frames();
-  summary.counters = monitor_.counters();
+  // Without a player of this run, frames and maps on the bus are those of another one.
+  static const RunStatistics kNoFrames{};
+  summary.statistics = accepted_ ? &monitor_.statistics() : &kNoFrames;
+  if (accepted_) {
+    summary.frames = monitor_.frames();
+    summary.counters = monitor_.counters();
+    summary.map = &monitor_.map();
+    summary.loops = &monitor_.loops();
+  }
   summary.warnings = monitor_.warnings();
-  summary.statistics = &monitor_.statistics();
-  summary.map = &monitor_.map();
-  summary.loops = &monitor_.loops();
   summary.messages = monitor_.messages();
   summary.processes = supervisor_.reports();
   const Lag lag = monitor_.LagAt(bus::NowS());

@@ -15,7 +15,9 @@ int main(int argc, char** argv) {
   request.kinds = kinds;
   app.add_option("map", request.map, "map file (.plmap) with its surfaces beside it (.plmap.surfaces)")->required();
   app.add_option("--out", request.out, "folder to write to")->type_name("DIR")->required();
-  app.add_option("--format", request.kinds, "only these files (repeatable) [all]")->check(CLI::IsMember(kinds));
+  app.add_option("--format", request.kinds, "only these files, separated by blanks or commas [all]")
+      ->delimiter(',')
+      ->check(CLI::IsMember(kinds));
   app.add_option("--robot-height", request.robot_height_m,
                  "obstacles of the grid are between 0.1 m and this height above the floor, in m")
       ->check(CLI::Range(0.1, 10.0))

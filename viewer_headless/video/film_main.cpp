@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "core/config/command_line_error.h"
 #include "core/errors/standard_streams.h"
 #include "plslam_version.h"
 #include "viewer_headless/video/film_writer.h"
@@ -21,7 +22,9 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return plslam::FlushOutput("plslam_film", app.exit(e) == 0 ? 0 : 1);
+    if (e.get_exit_code() == 0) return plslam::FlushOutput(app.get_name(), app.exit(e));
+    plslam::PrintError(app.get_name() + ": error: " + plslam::CommandLineError(app, e, argc, argv));
+    return 1;
   }
   // It ends when its input ends: a signal to all of a group lets the viewer finish the film. A file that may not grow
   // is an error like a full disk.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/bus/logs/log_writer.h"
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
@@ -19,6 +21,9 @@ namespace {
 
 /// Limit of the bytes that wait to be written; beyond it publishers block.
 constexpr int64_t kMaxWaitingBytes = 64'000'000;
+
+/// Channels about the bus and its processes, which the recorder itself uses too.
+constexpr std::array kAboutBus = {&kStatus, &kAnnounce, &kRepairRequest};
 
 }  // namespace
 
@@ -77,6 +82,9 @@ LogRecorder::LogRecorder(const BusOptions& options, const std::string& path)
 }
 
 void LogRecorder::Record(std::string_view channel, ByteView data) {
+  const bool is_about_bus =
+      std::ranges::any_of(kAboutBus, [&](const Channel* about) { return channel.ends_with(about->name); });
+  if (!is_about_bus) has_content_ = true;
   if (waiting_bytes_ >= 2 * kMaxWaitingBytes) return;  // a flood on unordered channels
   waiting_bytes_ += static_cast<int64_t>(data.size());
   bus_.Post([this, name = std::string(channel), bytes = std::vector<uint8_t>(data.begin(), data.end()),

@@ -54,6 +54,8 @@ class LogRecorder {
   void Stop();
 
   int64_t events() const { return events_; }
+  /// Returns whether it has recorded a message about more than the bus and its processes: a frame, a pose, an order.
+  bool has_content() const { return has_content_; }
   /// Sentence of the failed write; empty if all were written.
   const std::string& failure() const { return failure_; }
   BusCounters counters() const { return bus_.counters(); }
@@ -69,6 +71,7 @@ class LogRecorder {
   std::function<void(const std::string& sentence)> on_failure_;
   std::atomic<int64_t> waiting_bytes_ = 0;
   std::atomic<int64_t> events_ = 0;
+  std::atomic<bool> has_content_ = false;
   Bus bus_;  // last: its thread uses the others
 };
 

@@ -11,6 +11,7 @@
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/imu_channel.h"
 #include "core/bus/run_loop.h"
+#include "core/bus/transport/transport.h"
 #include "core/errors/error_text.h"
 #include "core/errors/log.h"
 #include "core/io/files/dataset_error.h"
@@ -238,6 +239,15 @@ FrameSender::Sent FrameSender::Send(const LoadedFrame& frame) {
   return options_.pace.lockstep ? WaitForPose(frame) : Sent::kAnswered;
 }
 
+/// "waiting for the pose of frame 0", with the reason if no vo_process has been running since the start.
+std::string FrameSender::Awaited(const LoadedFrame& frame) const {
+  std::string text = fmt::format("waiting for the pose of frame {}", frame.images.frame_id);
+  if (turn_.has_reader()) return text;
+  const bus::BusOptions& options = process_.bus().options();
+  const std::string prefix = options.prefix.empty() ? "" : fmt::format(" with the prefix {}", options.prefix);
+  return fmt::format("{}: no vo_process is running on {}{}", text, bus::EffectiveUrl(options.url), prefix);
+}
+
 FrameSender::Sent FrameSender::WaitForPose(const LoadedFrame& frame) {
   const int ticks_of_doubt = static_cast<int>(process_.bus().options().give_up_s) + kTicksBeyondTheBus;
   int ticks_to_resend = ticks_of_doubt;
@@ -256,9 +266,7 @@ FrameSender::Sent FrameSender::WaitForPose(const LoadedFrame& frame) {
       ticks_to_resend = ticks_of_doubt;
     }
     if (!std::exchange(waiting, true)) {
-      process_.SetState(
-          process_state::kRunning,
-          Joined(fmt::format("waiting for the pose of frame {}", frame.images.frame_id), process_.bus().Problems()));
+      process_.SetState(process_state::kRunning, Joined(Awaited(frame), process_.bus().Problems()));
     }
   }
 }

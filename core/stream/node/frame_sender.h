@@ -65,6 +65,7 @@ class FrameSender {
   enum class Sent { kAnswered, kGoBack, kStopped };
   Sent Send(const LoadedFrame& frame);
   std::optional<Sent> WaitWhilePaused(int64_t frame_id);
+  std::string Awaited(const LoadedFrame& frame) const;
   Sent WaitForPose(const LoadedFrame& frame);
   bool WaitUntilDue(int64_t t_ns);
   void PassOver(const LoadedFrame& frame);

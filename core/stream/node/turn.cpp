@@ -37,6 +37,11 @@ void Turn::OnReader(int64_t source) {
   changed_.notify_all();
 }
 
+bool Turn::has_reader() const {
+  const std::scoped_lock lock(mutex_);
+  return !readers_.empty();
+}
+
 void Turn::OnGoBack(int64_t reader, const ResumePoint& frame) {
   const std::scoped_lock lock(mutex_);
   const auto [asked, first] = asked_.try_emplace(reader, frame);

@@ -32,6 +32,8 @@ class Turn {
   /// Notes that the vo_process with this source is running. A source that was seen before causes no event. The first
   /// one does: frames sent before it listened may have been lost to it.
   void OnReader(int64_t source);
+  /// Returns whether a vo_process has been seen.
+  bool has_reader() const;
   /// Notes that `reader` requests the frames after this one again. A repeated request of the same reader causes no
   /// event.
   void OnGoBack(int64_t reader, const ResumePoint& frame);

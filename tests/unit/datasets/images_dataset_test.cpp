@@ -83,7 +83,7 @@ TEST_F(ImagesDataset, TruthOfFewFramesIsReported) {
                            "frames (0.500000000 s to 0.750000000 s) have one"));
   test::WriteText(folder_ / "groundtruth.txt", "# nothing yet\n");
   EXPECT_THAT(OpenImagesDataset(folder_.string())->Notes().warnings,
-              testing::ElementsAre("groundtruth.txt: has no poses"));
+              testing::ElementsAre("groundtruth.txt: has no poses, so accuracy is not measured"));
   EXPECT_FALSE(OpenImagesDataset(folder_.string())->HasRecordedTruth());
 }
 

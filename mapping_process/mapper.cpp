@@ -219,7 +219,7 @@ bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
   Withdraw(keyframe);
   MapKeyframe entry = Prepare(keyframe);
   Association association = tracker_.Associations(keyframe, map_);
-  Join(keyframe, entry, association);
+  const Matrix6d pose_covariance = Join(keyframe, entry, association);
   if (keyframe.state == kRecovered && entry.previous_id >= 0) {
     const SE3 T_w_predicted = map_.FindKeyframe(entry.previous_id)->T_w_kf * entry.T_prevkf_kf;
     entry.relative_covariance = Widened(entry.relative_covariance, T_w_predicted.Inverse() * entry.T_w_kf);
@@ -227,7 +227,8 @@ bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
   Put(keyframe, entry, association);
   NewLandmarks created = CreateLandmarks(entry.id, keyframe.features, CameraOf(keyframe.features, camera_),
                                          options_.insertion, landmark_ids_, map_);
-  Append(TriangulateLines(entry.id, features_, camera_, options_, landmark_ids_, map_), created.lines);
+  Append(TriangulateLines(entry.id, pose_covariance, features_, camera_, options_, landmark_ids_, map_),
+         created.lines);
   MergeWithNeighbours(entry.id, features_, camera_, options_, map_);
   missed_landmarks_.Compare(entry.id, visits_, CameraOf(keyframe.features, camera_), map_);
   recent_landmarks_.Begin(created, entry.name.session);
@@ -453,7 +454,7 @@ void ForgetGone(const Map& map, std::vector<LandmarkId>& ids) {
 
 }  // namespace
 
-void Mapper::Join(const Keyframe& keyframe, MapKeyframe& entry, Association& association) {
+Matrix6d Mapper::Join(const Keyframe& keyframe, MapKeyframe& entry, Association& association) {
   const bool begins = entry.previous_id < 0 && !map_.keyframes().empty();
   if (begins && association.Weight() < kMinWeight) Recognise(keyframe, entry, association);
   // First with the tracker's associations, then with guided matching around the resulting pose.
@@ -461,15 +462,16 @@ void Mapper::Join(const Keyframe& keyframe, MapKeyframe& entry, Association& ass
   MergeWithMap(keyframe, association, entry);
   const LocalMap local = LocalMapOf(association, entry.previous_id, map_, options_.insertion.local_keyframes);
   SearchByProjection(map_, local, entry.T_w_kf, keyframe.features, camera_, options_.localisation, association);
-  Refine(keyframe, entry, association);
+  return Refine(keyframe, entry, association).value_or(entry.relative_covariance);
 }
 
-bool Mapper::Refine(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const {
-  if (association.Weight() < kMinWeight) return false;
+std::optional<Matrix6d> Mapper::Refine(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const {
+  if (association.Weight() < kMinWeight) return std::nullopt;
   const auto pose =
       RefinePose(map_, keyframe.features, camera_, entry.T_w_kf, options_.localisation.motion, association);
-  if (pose) entry.T_w_kf = pose->T_w_kf;
-  return pose.has_value();
+  if (!pose) return std::nullopt;
+  entry.T_w_kf = pose->T_w_kf;
+  return pose->covariance;
 }
 
 // Refines the predicted pose, or searches everywhere if most landmarks associated by the tracker do not fit it.

@@ -128,8 +128,10 @@ class Mapper {
   StoredMap Stored() const;
   MapKeyframe Prepare(const Keyframe& keyframe) const;
   void Recognise(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const;
-  void Join(const Keyframe& keyframe, MapKeyframe& entry, Association& association);
-  bool Refine(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const;
+  /// Returns the covariance of the pose given the landmarks.
+  Matrix6d Join(const Keyframe& keyframe, MapKeyframe& entry, Association& association);
+  /// Returns that covariance, too; nullopt if the landmarks do not determine the pose.
+  std::optional<Matrix6d> Refine(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const;
   void Place(const Keyframe& keyframe, MapKeyframe& entry, Association& association);
   bool Relocate(const Keyframe& keyframe, const Association& from_tracker, MapKeyframe& entry,
                 Association& association);

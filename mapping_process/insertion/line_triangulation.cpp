@@ -38,8 +38,24 @@ bool Overlap(const Segment3& segment_w, const SegmentView& view, const StereoCam
   return shared >= kMinOverlap * std::min(1.0, *s_q - *s_p);
 }
 
+// Variance of the depth at which a pixel's ray in `first` meets the plane of `second`, by errors of the two poses.
+double DepthVarianceOfPoses(const Eigen::Vector2d& px, double depth_m, const SegmentView& first,
+                            const SegmentView& second, const StereoCamera& camera) {
+  const Eigen::Vector3d ray = Ray(px, first, camera);
+  const Eigen::Vector3d normal = PlaneNormal(second, camera);
+  const Eigen::Vector3d ray_first = first.T_w_kf.R().transpose() * ray;
+  const Eigen::Vector3d normal_first = first.T_w_kf.R().transpose() * normal;
+  const Eigen::Vector3d normal_second = second.T_w_kf.R().transpose() * normal;
+  const Eigen::Vector3d in_second = second.T_w_kf.Inverse() * (first.T_w_kf.translation() + depth_m * ray);
+  Vector6d by_first, by_second;
+  by_first << -normal_first, -depth_m * ray_first.cross(normal_first);
+  by_second << normal_second, in_second.cross(normal_second);
+  const double slope = normal.dot(ray);
+  return (by_first.dot(first.covariance * by_first) + by_second.dot(second.covariance * by_second)) / (slope * slope);
+}
+
 // Covariance of the intersection of a pixel's ray in `first`, at depth `depth_m`, with the plane of `second`: the
-// pixel's error moves it within that plane, the plane's error along the ray.
+// pixel's error moves it within that plane, the errors of the plane and of the poses along the ray.
 Eigen::Matrix3d EndpointCovariance(const Eigen::Vector2d& px, double depth_m, const SegmentView& first,
                                    const SegmentView& second, const StereoCamera& camera) {
   const Eigen::Vector3d ray = Ray(px, first, camera);
@@ -52,7 +68,8 @@ Eigen::Matrix3d EndpointCovariance(const Eigen::Vector2d& px, double depth_m, co
   const double distance_px = std::sqrt(VarianceAcross(second.segment, camera.Project(in_second), second.sigma_px));
   const double per_px = in_second.z() / camera.f_px * (T_second_w.rotation() * normal).head<2>().norm();
   const Eigen::Vector3d by_plane = distance_px * per_px / normal.dot(ray) * ray;
-  return by_pixel * by_pixel.transpose() + by_plane * by_plane.transpose();
+  return by_pixel * by_pixel.transpose() + by_plane * by_plane.transpose() +
+         DepthVarianceOfPoses(px, depth_m, first, second, camera) * ray * ray.transpose();
 }
 
 // Marks the lines of a keyframe without landmark and without stereo depth.
@@ -80,9 +97,10 @@ std::vector<Descriptor> Descriptors(const std::vector<int>& places, std::span<co
   return descriptors;
 }
 
-SegmentView ViewOf(const Observation& observation, const KeyframeFeatures& features, const Map& map) {
+SegmentView ViewOf(const Observation& observation, const Matrix6d& pose_covariance, const KeyframeFeatures& features,
+                   const Map& map) {
   const StereoLine& line = features.at(observation.keyframe_id()).lines[static_cast<size_t>(observation.feature)];
-  return {map.FindKeyframe(observation.keyframe_id())->T_w_kf, line.left.segment, line.sigma_px};
+  return {map.FindKeyframe(observation.keyframe_id())->T_w_kf, pose_covariance, line.left.segment, line.sigma_px};
 }
 
 std::vector<KeyframeId> NeighbourIds(KeyframeId keyframe_id, const Map& map) {
@@ -145,7 +163,8 @@ void AddObservationsOfOthers(LandmarkId line_id, const std::vector<KeyframeId>& 
 }  // namespace
 
 std::optional<TriangulatedLine> TriangulateLine(const SegmentView& first, const SegmentView& second,
-                                                const StereoCamera& camera, double min_angle_rad) {
+                                                const StereoCamera& camera, double min_angle_rad,
+                                                double max_relative_depth_sigma) {
   const Eigen::Vector3d n_first = PlaneNormal(first, camera);
   const Eigen::Vector3d n_second = PlaneNormal(second, camera);
   if (!(n_first.cross(n_second).norm() >= std::sin(min_angle_rad))) return std::nullopt;
@@ -157,7 +176,8 @@ std::optional<TriangulatedLine> TriangulateLine(const SegmentView& first, const 
     if (!(depth_m > camera.MinDepth()) || !std::isfinite(depth_m)) return false;
     end = first.T_w_kf.translation() + depth_m * ray;
     covariance = EndpointCovariance(px, depth_m, first, second, camera);
-    return covariance.allFinite();
+    const Eigen::Vector3d axis = first.T_w_kf.R().col(2);
+    return covariance.allFinite() && std::sqrt(axis.dot(covariance * axis)) <= max_relative_depth_sigma * depth_m;
   };
   if (!place(first.segment.p, line.segment_w.p, line.covariance_p)) return std::nullopt;
   if (!place(first.segment.q, line.segment_w.q, line.covariance_q)) return std::nullopt;
@@ -165,17 +185,18 @@ std::optional<TriangulatedLine> TriangulateLine(const SegmentView& first, const 
   return line;
 }
 
-std::vector<LandmarkId> TriangulateLines(KeyframeId keyframe_id, const KeyframeFeatures& features,
-                                         const StereoCamera& camera, const MappingOptions& options, LandmarkIds& ids,
-                                         Map& map) {
+std::vector<LandmarkId> TriangulateLines(KeyframeId keyframe_id, const Matrix6d& pose_covariance,
+                                         const KeyframeFeatures& features, const StereoCamera& camera,
+                                         const MappingOptions& options, LandmarkIds& ids, Map& map) {
   std::vector<LandmarkId> created;
   const std::vector<KeyframeId> neighbours = NeighbourIds(keyframe_id, map);
   const double min_angle_rad = options.insertion.min_plane_angle_deg * std::numbers::pi / 180.0;
   for (const KeyframeId neighbour_id : neighbours) {
     for (const LikePair& pair :
          FindLikePairs(keyframe_id, neighbour_id, features, options.localisation.line_matching, map)) {
-      const auto triangulated =
-          TriangulateLine(ViewOf(pair.own, features, map), ViewOf(pair.other, features, map), camera, min_angle_rad);
+      const auto triangulated = TriangulateLine(ViewOf(pair.own, pose_covariance, features, map),
+                                                ViewOf(pair.other, pose_covariance, features, map), camera,
+                                                min_angle_rad, options.insertion.max_relative_depth_sigma);
       if (!triangulated) continue;
       const LandmarkId id = ids.next_line++;
       map.Put(MakeLandmark(id, *triangulated, pair.own, features));

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "vo_process/tracking/landmarks/frame_figures.h"
+#include "vo_process/tracking/motion/map_placement.h"
 
 namespace plslam::vo {
 namespace {
@@ -23,7 +24,8 @@ Matrix6d SquareOf(const SE3& difference) {
 
 Odometry::Odometry(const StereoCamera& camera, const VoOptions& options, const RollingShutter& shutter,
                    const std::optional<MountedImu>& imu)
-    : options_(options),
+    : camera_(camera),
+      options_(options),
       aligner_(camera, options),
       motion_(imu),
       calibrator_(camera, options, shutter),
@@ -303,6 +305,9 @@ bool Odometry::Adopt(const Map& map, const KeyframeName& keyframe) {
   auto local_map = keyframes_.LocalMapAround(map, keyframe, options_.map.local_keyframes);
   if (!local_map) return false;
   bodies_.LeaveOut(*local_map);
+  const auto T_w_odom =
+      PlacementInMap(landmarks_, *local_map, T_odom_c_, camera_, options_.motion, options_.tracking.weak_inliers);
+  if (T_w_odom) local_map->T_w_odom = *T_w_odom;
   T_w_odom_ = local_map->T_w_odom;
   is_in_map_ = true;
   covariance_.Learn(map, keyframe.session);

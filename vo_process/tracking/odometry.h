@@ -119,6 +119,7 @@ class Odometry {
   void MakeKeyframe(KeyframeReason reason, OdometryResult& result);
   void CreateLandmarksAgain(TrackedFrame& frame);
 
+  StereoCamera camera_;
   VoOptions options_;
   FrameAligner aligner_;
   MotionPredictor motion_;

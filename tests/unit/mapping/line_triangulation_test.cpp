@@ -17,6 +17,7 @@ using test::FeatureWorld;
 using test::HandmadeMap;
 
 constexpr double kMinAngle_rad = 2.0 * M_PI / 180.0;
+constexpr double kMaxDepthSigma = 0.3;
 const Segment3 kHorizontal{{-0.6, 0.3, 3.0}, {0.6, 0.3, 3.0}};
 
 SE3 Up(double metres) { return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.0, -metres, 0.0)}; }
@@ -24,11 +25,27 @@ SE3 Up(double metres) { return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(
 SegmentView ViewOf(const Segment3& segment_w, const SE3& T_w_kf, double sigma_px = 0.5) {
   const SE3 T_kf_w = T_w_kf.Inverse();
   const StereoCamera camera = FeatureWorld::Camera();
-  return {T_w_kf, {camera.Project(T_kf_w * segment_w.p), camera.Project(T_kf_w * segment_w.q)}, sigma_px};
+  return {T_w_kf,
+          Matrix6d::Zero(),
+          {camera.Project(T_kf_w * segment_w.p), camera.Project(T_kf_w * segment_w.q)},
+          sigma_px};
 }
 
+struct PoseSigma {
+  double m = 0.0;
+  double rad = 0.0;
+
+  Vector6d All() const { return (Vector6d() << m, m, m, rad, rad, rad).finished(); }
+  Matrix6d Covariance() const { return All().cwiseAbs2().asDiagonal(); }
+};
+
 std::optional<TriangulatedLine> Triangulate(const SegmentView& first, const SegmentView& second) {
-  return TriangulateLine(first, second, FeatureWorld::Camera(), kMinAngle_rad);
+  return TriangulateLine(first, second, FeatureWorld::Camera(), kMinAngle_rad, kMaxDepthSigma);
+}
+
+std::optional<TriangulatedLine> Triangulate(SegmentView first, SegmentView second, const PoseSigma& sigma) {
+  first.covariance = second.covariance = sigma.Covariance();
+  return Triangulate(first, second);
 }
 
 TEST(TriangulateLine, SegmentParallelToTheBaselineSeenFromAbove) {
@@ -61,6 +78,17 @@ TEST(TriangulateLine, PlanesThatMeetBehindTheCameraGiveNone) {
   // Diverging rays: the planes meet behind the camera.
   high.segment.p.y() = high.segment.q.y() = low.segment.p.y() - 40.0;
   EXPECT_FALSE(Triangulate(low, high));
+}
+
+// Segments of two lines far away, taken for one, seem to be one line next to the camera.
+TEST(TriangulateLine, ViewsFromOnePositionGiveNone) {
+  const Segment3 phantom{{-0.02, 0.005, 0.06}, {0.02, 0.005, 0.06}};
+  const SegmentView low = ViewOf(phantom, Up(0.0));
+  const SegmentView high = ViewOf(phantom, Up(0.003));
+  EXPECT_TRUE(Triangulate(low, high, {})) << "poses without error";
+  EXPECT_TRUE(Triangulate(low, high, {2e-4, 1e-5}));
+  EXPECT_FALSE(Triangulate(low, high, {1e-3, 1e-4})) << "3 mm apart, give or take 1.4 mm";
+  EXPECT_TRUE(Triangulate(ViewOf(kHorizontal, Up(0.0)), ViewOf(kHorizontal, Up(0.4)), {1e-3, 1e-4}));
 }
 
 TEST(TriangulateLine, ViewsOfOtherPartsGiveNone) {
@@ -98,7 +126,7 @@ double SquaredAcross(const Eigen::Vector3d& error, const Eigen::Vector3d& along,
   return e.dot((across * covariance * across.transpose()).inverse() * e);
 }
 
-Consistency MeasureConsistency(const Segment3& truth, double sigma_px, double up_m) {
+Consistency MeasureConsistency(const Segment3& truth, double sigma_px, double up_m, const PoseSigma& pose) {
   constexpr int kRounds = 4000;
   std::mt19937_64 generator(3);
   std::normal_distribution<double> noise(0.0, sigma_px);
@@ -107,6 +135,10 @@ Consistency MeasureConsistency(const Segment3& truth, double sigma_px, double up
     for (double* value : {&view.segment.p.x(), &view.segment.p.y(), &view.segment.q.x(), &view.segment.q.y()}) {
       *value += noise(generator);
     }
+    Vector6d error = pose.All();
+    for (double& value : error) value *= noise(generator) / sigma_px;
+    view.T_w_kf = T_w_kf * SE3::Exp(error);
+    view.covariance = pose.Covariance();
     return view;
   };
   const Eigen::Vector3d along = (truth.q - truth.p).normalized();
@@ -118,8 +150,10 @@ Consistency MeasureConsistency(const Segment3& truth, double sigma_px, double up
       ADD_FAILURE() << "round " << i;
       return sum;
     }
-    sum.of_p += SquaredAcross(line->segment_w.p - truth.p, along, line->covariance_p) / kRounds;
-    sum.of_q += SquaredAcross(line->segment_w.q - truth.p, along, line->covariance_q) / kRounds;
+    // The error of the first pose moves the line with it, and is no error of the line.
+    const SE3 T_true_seen = Up(0.0) * first.T_w_kf.Inverse();
+    sum.of_p += SquaredAcross(T_true_seen * line->segment_w.p - truth.p, along, line->covariance_p) / kRounds;
+    sum.of_q += SquaredAcross(T_true_seen * line->segment_w.q - truth.p, along, line->covariance_q) / kRounds;
   }
   return sum;
 }
@@ -129,14 +163,18 @@ TEST(TriangulateLine, CovarianceIsHonest) {
     const char* name;
     Segment3 segment_w;
     double up_m;
+    PoseSigma pose{};
   };
   const Case cases[] = {{"frontal", kHorizontal, 0.4},
                         {"small angle", kHorizontal, 0.2},
                         {"seen low at the side", {{0.5, 1.2, 3.0}, {1.7, 1.2, 3.0}}, 0.4},
                         {"one end twice as far", {{-0.8, 0.3, 2.5}, {0.9, 0.3, 5.0}}, 0.4},
-                        {"sloping", {{-0.6, 0.5, 3.0}, {0.6, 0.2, 3.0}}, 0.4}};
+                        {"sloping", {{-0.6, 0.5, 3.0}, {0.6, 0.2, 3.0}}, 0.4},
+                        {"wrong positions", kHorizontal, 0.4, {0.01, 0.0}},
+                        {"wrong directions", kHorizontal, 0.4, {0.0, 0.004}},
+                        {"wrong poses, low at the side", {{0.5, 1.2, 3.0}, {1.7, 1.2, 3.0}}, 0.4, {0.01, 0.003}}};
   for (const Case& c : cases) {
-    const Consistency measured = MeasureConsistency(c.segment_w, 0.4, c.up_m);
+    const Consistency measured = MeasureConsistency(c.segment_w, 0.4, c.up_m, c.pose);
     for (const double value : {measured.of_p, measured.of_q}) {
       EXPECT_GT(value, 1.0) << c.name << ": p " << measured.of_p << ", q " << measured.of_q;
       EXPECT_LT(value, 3.0) << c.name << ": p " << measured.of_p << ", q " << measured.of_q;
@@ -160,7 +198,8 @@ class TriangulateLines : public testing::Test {
     });
   }
   std::vector<LandmarkId> Triangulate() {
-    return plslam::mapping::TriangulateLines(2, m_.features, FeatureWorld::Camera(), MappingOptions(), ids_, m_.map);
+    return plslam::mapping::TriangulateLines(2, Matrix6d::Zero(), m_.features, FeatureWorld::Camera(),
+                                             MappingOptions(), ids_, m_.map);
   }
 
   std::vector<Descriptor> descriptors_;

@@ -31,24 +31,26 @@ class PerfectMap {
   explicit PerfectMap(const FeatureWorld& world, const Eigen::Vector3d& shift_w = Eigen::Vector3d::Zero())
       : world_(world), shift_w_(shift_w) {}
 
-  void Add(SessionId session, int frame, const vo::OdometryResult& result) {
+  /// `error`: of the keyframe's pose, not of its landmarks.
+  void Add(SessionId session, int frame, const vo::OdometryResult& result, const SE3& error = {}) {
     MapKeyframe keyframe;
     keyframe.id = next_id_++;
     keyframe.name.session = session;
     keyframe.name.number = result.keyframe->id;
-    keyframe.T_w_kf = kT_w_world * PoseAt(frame);
+    const SE3 T_w_c = kT_w_world * PoseAt(frame);
+    keyframe.T_w_kf = T_w_c * error;
     keyframe.T_odom_kf = result.T_odom_c;
     map_.Put(keyframe);
     const StereoFeatures truth = See(world_, frame, 0.0);
     const StereoFeatures& features = result.keyframe->content.features;
     for (size_t i = 0; i < features.points.size(); ++i) {
       for (const StereoPoint& exact : truth.points) {
-        if (exact.left.descriptor == features.points[i].left.descriptor) Observationed(keyframe, i, exact);
+        if (exact.left.descriptor == features.points[i].left.descriptor) Observationed(keyframe.id, T_w_c, i, exact);
       }
     }
     for (size_t i = 0; i < features.lines.size(); ++i) {
       for (const StereoLine& exact : truth.lines) {
-        if (exact.left.descriptor == features.lines[i].left.descriptor) Observationed(keyframe, i, exact);
+        if (exact.left.descriptor == features.lines[i].left.descriptor) Observationed(keyframe.id, T_w_c, i, exact);
       }
     }
   }
@@ -56,33 +58,33 @@ class PerfectMap {
   const Map& map() const { return map_; }
 
  private:
-  void Observationed(const MapKeyframe& keyframe, size_t feature, const StereoPoint& exact) {
+  void Observationed(KeyframeId keyframe_id, const SE3& T_w_c, size_t feature, const StereoPoint& exact) {
     const auto [known, is_new] = points_.try_emplace(exact.left.descriptor);
     MapPoint& point = known->second;
     if (is_new) {
       point.id = LandmarkId(points_.size() - 1);
-      point.p_w = shift_w_ + keyframe.T_w_kf * Backproject(exact.left.px, exact.disparity_px);
+      point.p_w = shift_w_ + T_w_c * Backproject(exact.left.px, exact.disparity_px);
       point.covariance = 1e-6 * Eigen::Matrix3d::Identity();
       point.descriptor = exact.left.descriptor;
       point.depth_m = FeatureWorld::Camera().Depth(exact.disparity_px);
     }
-    if (!point.observations.empty() && point.observations.back().keyframe_id() == keyframe.id) return;
-    point.observations.push_back({keyframe.id, static_cast<int32_t>(feature)});
+    if (!point.observations.empty() && point.observations.back().keyframe_id() == keyframe_id) return;
+    point.observations.push_back({keyframe_id, static_cast<int32_t>(feature)});
     map_.Put(point);
   }
-  void Observationed(const MapKeyframe& keyframe, size_t feature, const StereoLine& exact) {
+  void Observationed(KeyframeId keyframe_id, const SE3& T_w_c, size_t feature, const StereoLine& exact) {
     if (!exact.HasDepth()) return;
     const auto [known, is_new] = lines_.try_emplace(exact.left.descriptor);
     MapLine& line = known->second;
     if (is_new) {
       line.id = LandmarkId(lines_.size() - 1);
-      line.segment_w.p = shift_w_ + keyframe.T_w_kf * Backproject(exact.left.segment.p, exact.disparity_p_px);
-      line.segment_w.q = shift_w_ + keyframe.T_w_kf * Backproject(exact.left.segment.q, exact.disparity_q_px);
+      line.segment_w.p = shift_w_ + T_w_c * Backproject(exact.left.segment.p, exact.disparity_p_px);
+      line.segment_w.q = shift_w_ + T_w_c * Backproject(exact.left.segment.q, exact.disparity_q_px);
       line.covariance_p = line.covariance_q = 1e-6 * Eigen::Matrix3d::Identity();
       line.descriptor = exact.left.descriptor;
     }
-    if (!line.observations.empty() && line.observations.back().keyframe_id() == keyframe.id) return;
-    line.observations.push_back({keyframe.id, static_cast<int32_t>(feature)});
+    if (!line.observations.empty() && line.observations.back().keyframe_id() == keyframe_id) return;
+    line.observations.push_back({keyframe_id, static_cast<int32_t>(feature)});
     map_.Put(line);
   }
   static Eigen::Vector3d Backproject(const Eigen::Vector2d& px, double disparity_px) {

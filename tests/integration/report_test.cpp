@@ -175,7 +175,7 @@ class BigRun {
     map_.TakeChanges();
     MapUpdate update = WholeMap(map_);
     update.version = 1;
-    report_.Add(update, map_, kFrames);
+    report_.Add(update, map_, FrameId(kFrames));
     Close();
     report_.Finish();
   }
@@ -199,7 +199,7 @@ class BigRun {
 
   void AddFrame(int64_t id) {
     FramePose pose;
-    pose.frame_id = id;
+    pose.frame_id = FrameId(id);
     pose.t_ns = id * 100'000'000;
     pose.state = TrackingState::kTracking;
     pose.T_odom_c = Pose(id, 1.0);
@@ -263,7 +263,7 @@ class BigRun {
     MapUpdate update = ChangedPart(map_, map_.TakeChanges());
     update.version = 2;
     update.base_version = 1;
-    report_.Add(update, map_, kFrames - 1);
+    report_.Add(update, map_, FrameId(kFrames - 1));
   }
 
   std::mt19937 random_;

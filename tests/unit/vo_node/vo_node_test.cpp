@@ -98,7 +98,7 @@ class VoNodeTest : public testing::Test {
       answer.session = asked_->name.session;
       answer.frame_id = asked_->frame_id;
     }
-    const int index = shown_.at(static_cast<size_t>(answer.frame_id));
+    const int index = shown_.at(static_cast<size_t>(answer.frame_id.value));
     answer.found = true;
     answer.T_w_c = Truth(index);
     answer.covariance = 1e-6 * Matrix6d::Identity();

@@ -29,14 +29,14 @@ PlaceRecogniser LoadPlaces(const VocabularyOptions& files, const PlaceOptions& o
 /// same arrivals give the same results, whatever the order between keyframes, map updates and requests.
 ///
 /// Each keyframe is checked once, on the map right after its insertion, when its features have arrived. After a loop
-/// has been published, nothing is checked until the map answers it (`MapUpdate::answer`). A global bundle adjustment
-/// follows a loop that was accepted if it asks for one (`LoopCloser::Check`) or ends a running one. A request of a lockstep session is answered on a map that is committed up to the
-/// tracker's last keyframe.
+/// has been published, nothing is checked until the map answers it (`MapUpdate::answer`). An accepted loop
+/// starts a global bundle adjustment if `LoopCloser::Check` requested one, or if the loop ended a running one. A request
+/// of a lockstep session is answered on a map that is committed up to the tracker's last keyframe.
 ///
 /// A complete map (after a restart of mapping_process or loop_process) is used when the features of all its keyframes
 /// have arrived, from whichever process; missing ones are waited for during a limited time. Only the newest keyframe
-/// of its session is checked. If a loop ends at that keyframe, and it is not committed, it waits for the global bundle
-/// adjustment that the previous loop_process did not finish.
+/// of its session is checked. If a loop ends at that keyframe, and the keyframe is not committed, LoopService waits for
+/// the global bundle adjustment that the previous loop_process did not finish.
 class LoopService {
  public:
   /// Time to wait for missing features.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <exception>
 #include <iterator>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -43,15 +44,15 @@ const SE3* FilmPath::CorrectionOf(const Step& step, const FrameCorrections& corr
   const auto after = corrections.upper_bound(step.frame_id);
   if (after != corrections.begin()) {
     const auto before = std::prev(after);
-    if (!IsLostBetween(before->first, step.frame_id)) return &before->second;
+    if (NextLost(before->first) >= step.frame_id) return &before->second;
   }
-  const bool reached = after != corrections.end() && !IsLostBetween(step.frame_id, after->first);
+  const bool reached = after != corrections.end() && NextLost(step.frame_id) >= after->first;
   return reached ? &after->second : nullptr;
 }
 
-bool FilmPath::IsLostBetween(FrameId from, FrameId to) const {
+FrameId FilmPath::NextLost(FrameId from) const {
   const auto lost = lost_frames_.lower_bound(from);
-  return lost != lost_frames_.end() && *lost < to;
+  return lost == lost_frames_.end() ? FrameId(std::numeric_limits<int64_t>::max()) : *lost;
 }
 
 namespace {

@@ -42,7 +42,8 @@ class FilmPath {
   };
 
   const SE3* CorrectionOf(const Step& step, const FrameCorrections& corrections) const;
-  bool IsLostBetween(FrameId from, FrameId to) const;
+  /// Returns the first lost frame from this one on; the largest id if there is none.
+  FrameId NextLost(FrameId from) const;
 
   std::vector<Step> steps_;
   std::set<FrameId> lost_frames_;

@@ -63,7 +63,8 @@ using SourceId = Id<SourceKind>;
 struct MapKind {
   static constexpr int64_t kNone = 0;
 };
-/// A map, from its beginning until another one replaces it (`BelongsTo`). A random number, never negative; 0: unknown.
+/// A map, from its beginning until another one replaces it (`BelongsTo`). Never negative; even: begun with its
+/// process, odd: replaced another map by an order; 0: unknown.
 using MapId = Id<MapKind>;
 
 struct FrameKind {

@@ -82,7 +82,7 @@ bool HasEffect(const LoopClosure& closure, const Map& map) {
 
 }  // namespace
 
-std::string WhyNotOfMap(const LoopClosure& closure, const GivenNames& given, const Map& map) {
+std::string WhyNotOfMap(const LoopClosure& closure, const AssignedIds& given, const Map& map) {
   if (closure.map_version > given.version) {
     return fmt::format("it was computed on version {} of the map, which is at {}", closure.map_version,
                        given.version);

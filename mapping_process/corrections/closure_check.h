@@ -10,7 +10,7 @@
 namespace plslam::mapping {
 
 /// Ids that a map has assigned so far, and its version.
-struct GivenNames {
+struct AssignedIds {
   KeyframeId next_keyframe = 0;
   LandmarkIds next_landmark;
   int64_t version = 0;
@@ -20,9 +20,9 @@ struct GivenNames {
 
 /// Returns in one sentence why a correction cannot be applied to this map; empty if it can. Accepts ids of what was
 /// removed since. Rejects ids that were never assigned, invalid poses, a correction none of whose keyframes is left,
-/// and one computed before the last structural correction, which it would undo. Version 0 means another map, and is
-/// not compared.
-std::string WhyNotOfMap(const LoopClosure& closure, const GivenNames& given, const Map& map);
+/// and one computed before the last structural correction, which it would undo. Version 0: computed with another
+/// mapping_process, whose versions cannot be compared.
+std::string WhyNotOfMap(const LoopClosure& closure, const AssignedIds& given, const Map& map);
 
 /// Whether a correction was computed with the ids of this map.
 enum class MapIds {

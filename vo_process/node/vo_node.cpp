@@ -223,7 +223,7 @@ void VoNode::AdoptMap(bool landmarks) {
   if (landmarks) map_->Adopt(*odometry_);
 }
 
-/// Whether T_w_odom is known. In localisation-only mode no keyframe tells.
+/// Whether T_w_odom is known. In localisation-only mode no keyframe of the session shows it.
 bool VoNode::IsAnchored() const {
   const bool is_in_map = !map_ || (IsLocaliseOnly() ? odometry_->is_in_map() : session_.anchor.is_anchored());
   return is_in_map && !(map_ && odometry_->is_unanchored());

@@ -46,7 +46,7 @@ class OrderedWriter {
 
   OrderedWriter(Retention retention, int64_t memory_bytes) : history_(retention, memory_bytes) {}
 
-  /// For how long after its last word messages are kept for a reader.
+  /// Sets how long messages are kept after a reader's last acknowledgement.
   void KeepReadersFor(int64_t ns) { times_.reader_kept_ns = ns; }
 
   /// Number of the next message.
@@ -77,7 +77,7 @@ class OrderedWriter {
   };
   Answer OnRequest(SourceId reader, int64_t delivered, int64_t window, const std::vector<SeqRange>& ranges,
                    int64_t now);
-  /// "I read this channel".
+  /// Registers a reader of this channel.
   void OnHello(SourceId reader, int64_t window, int64_t now);
 
   /// The next time to call `AnnounceDue`.
@@ -85,7 +85,7 @@ class OrderedWriter {
   /// Returns true when an announcement is to be sent now, and schedules the next.
   bool AnnounceDue(int64_t now);
 
-  /// Readers that spoke lately.
+  /// Number of readers heard within `reader_alive_ns`.
   int AliveReaders(int64_t now) const;
   bool AllDelivered(int64_t now) const;
   /// Like `AllDelivered`, but includes readers that have fallen silent, as long as messages are kept for them.

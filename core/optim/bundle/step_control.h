@@ -11,10 +11,10 @@ namespace plslam {
 
 struct LossSum {
   double loss = 0.0;
-  double rows = 0.0;
+  double rows = 0.0;  ///< residual rows of the active observations
 };
 
-/// Callbacks to the observations after a step, as last evaluated.
+/// Callbacks that evaluate the losses and trim outliers, at the residuals of the last step.
 struct ObservationActions {
   std::function<LossSum()> loss;
   /// Loss of weak priors and relative poses at the current state.

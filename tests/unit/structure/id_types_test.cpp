@@ -18,7 +18,6 @@ const std::map<std::string, std::string> kExchangeable = {
     {"loop_process/map_path.h: a, b", "symmetric"},
     {"mapping_process/insertion/observations.h: a, b", "symmetric"},
     {"tools/evaluate/figures/pair_figure.h: a, b", "symmetric"},
-    {"core/run/frame_tally.h: frame_id, n_moving", "an id and a count"},
     {"core/run/frame_tally.h: keyframe_id, sign", "an id and a sign"},
     {"loop_process/loop_verification.h: old_keyframe_id, keyframe_id", "both are keyframes; the older one is first"}};
 

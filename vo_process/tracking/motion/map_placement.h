@@ -10,9 +10,9 @@
 
 namespace plslam::vo {
 
-/// Returns the pose of odom in the map at which the camera at `T_odom_c` sees the landmarks of the map at the pixels at
-/// which it sees the tracker's landmarks that are the same: adopting them then does not move the camera in odom, except
-/// as far as they have moved relative to each other. `local_map.T_w_odom` is where the search begins. Returns nullopt if
+/// Returns T_w_odom such that the landmarks of the map project to the pixels of the tracker's landmarks that are the
+/// same, for the camera at `T_odom_c`: adopting them then leaves T_odom_c unchanged, except as far as they have moved
+/// relative to each other. `local_map.T_w_odom` is where the search begins. Returns nullopt if
 /// fewer than `min_weight` (points + 2 x lines) landmarks in view are the same, or less than half of them agree.
 ///
 /// The newest keyframe of the map is no measure of it: its pose in odom was found among landmarks as they were adopted

@@ -63,8 +63,7 @@ using SourceId = Id<SourceKind>;
 struct MapKind {
   static constexpr int64_t kNone = 0;
 };
-/// A map, from its beginning until another one replaces it (`BelongsTo`). Never negative; even: begun with its
-/// process, odd: replaced another map by an order; 0: unknown.
+/// A map until another one replaces it (`BelongsTo`). Even: begun with its process; odd: by an order; 0: unknown.
 using MapId = Id<MapKind>;
 
 struct FrameKind {

@@ -56,7 +56,7 @@ void Print() {
 int ListTopics() {
   try {
     Print();
-    return 0;
+    return FlushOutput("plslam topics", 0);
   } catch (const std::exception& error) {
     PrintError(fmt::format("plslam: error: {}", error.what()));
     return 1;

@@ -332,8 +332,15 @@ void Ros2Node::ReportLack() {
   for (const Side& info : infos_) symptoms.infos.push_back(info.input);
   const std::string why = WhyNoFrames(symptoms);
   process_.SetReason(why);
-  if (why == std::exchange(lack_, why)) return;
-  process_.Warn("ros2_no_frames", "no frames: " + why);
+  const std::string before = std::exchange(lack_, why);
+  if (why == before) return;
+  const std::string sentence = "no frames: " + why;
+  // Before the first frame the robot may not be running yet; an outage has one warning, however its causes change.
+  if (frames_.n_sent() > 0 && before.empty()) {
+    process_.Warn("ros2_no_frames", sentence);
+  } else {
+    LogWarning("{}", sentence);
+  }
 }
 
 void Ros2Node::ReportRate() {

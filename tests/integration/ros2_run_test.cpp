@@ -32,6 +32,7 @@ namespace {
 
 using nlohmann::json;
 using testing::HasSubstr;
+using testing::Not;
 
 /// The frame of the world whose time a pose has.
 int IndexOf(const json& odom) { return static_cast<int>((odom[0].get<int64_t>() - 1'000'000'000) / 50'000'000); }
@@ -48,7 +49,7 @@ void ExpectTheRowsOfTheTable(const json& topics) {
     EXPECT_EQ(topics[topic]["type"], ros2::DdsTypeName(row.type));
     EXPECT_EQ(topics[topic]["latched"], row.qos == RosQos::kLatched) << topic;
     EXPECT_EQ(topics[topic]["reliable"], true) << topic;
-    EXPECT_TRUE(is_tf || topics[topic]["n"].get<int>() > 0) << topic;
+    EXPECT_TRUE(is_tf || topics[topic]["n"].get<int>() > 0) << topic << " in " << topics;
     ++n_rows;
   }
   // Others of the process are its node's and its services'.
@@ -124,6 +125,8 @@ TEST_F(Ros2, ColourAndDepthAreTracked) {
   run->Signal(SIGINT);
   Wait(*run);
   ASSERT_EQ(run->Poll()->code, 0) << Log("run.log");
+  EXPECT_THAT(ReadText(folder_.Path("out/summary.json")), Not(HasSubstr("ros2_no_frames")))
+      << "a robot that starts later is no fault";
   const json odom = Heard()["odom"];
   ASSERT_GT(odom.size(), 40U) << Heard();
   // The camera looks along x of the body, so that its right is -y.

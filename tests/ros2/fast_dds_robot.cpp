@@ -274,8 +274,15 @@ class Ears {
     return matched(images[0].writer()) && matched(images[1].writer()) && matched(infos[0]) &&
            (rgbd || matched(infos[1])) && (!imu || imu->HasReaders());
   };
-  while (now_s() < 10.0 && g_is_ended == 0 && !are_all_matched()) usleep(20'000);
-  usleep(1'500'000);  // until they know it, too
+  // The census reads topics from the time when it knows them.
+  const auto wait_until = [&](double end_s, const auto& done) {
+    while (now_s() < end_s && g_is_ended == 0 && !done()) {
+      if (census) census->Listen();
+      usleep(20'000);
+    }
+  };
+  wait_until(10.0, are_all_matched);
+  wait_until(now_s() + 1.5, [] { return false; });  // until they know it, too
   heard["discovery_s"] = now_s();
   const RigCalibration& rig = dataset->rig();
   if (n_hostile > 0) SendDamagedMessages(rig, dataset->Read(0).left, n_hostile);

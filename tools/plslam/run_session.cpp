@@ -124,6 +124,7 @@ void RunSession::Tick() {
   const auto now = Clock::now();
   ReportReadiness(now);
   PrintNewWarnings();
+  PrintWaiting();
   supervisor_.Tick(now);
   if (phase_ != Phase::kStopping && !supervisor_.failed().empty()) CheckFailed(now);
   if (!accepted_) CheckAccepted();
@@ -292,6 +293,17 @@ void RunSession::PrintNewWarnings() {
   const std::vector<RunWarning>& warnings = monitor_.warnings();
   for (; printed_warnings_ < warnings.size(); ++printed_warnings_) {
     progress_line_.PrintSentence("warning: " + warnings[printed_warnings_].sentence);
+  }
+}
+
+/// Prints what the camera or robot waits for, as long as there has been no frame.
+void RunSession::PrintWaiting() {
+  const char* const source = SourceOfFrames(options_);
+  const bool waits = phase_ == Phase::kPlaying && monitor_.statistics().frames().answered() == 0;
+  if (!waits || options_.quiet || std::string_view(source) == process_name::kPlayer) return;
+  const std::string reason = monitor_.ReasonOf(supervisor_.pid(source));
+  if (!reason.empty() && reason != std::exchange(awaited_, reason)) {
+    progress_line_.PrintSentence("no frames yet: " + reason);
   }
 }
 

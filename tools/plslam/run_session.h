@@ -74,6 +74,7 @@ class RunSession {
   void ReportRestart(const std::string& name, const std::string& how, int restart);
   void ReportStop(const std::string& what);
   void PrintNewWarnings();
+  void PrintWaiting();
   void BeginStop(const std::string& reason);
   void EndStop();
   void ShowProgress(Clock::time_point now);
@@ -86,6 +87,7 @@ class RunSession {
   Supervisor supervisor_;
   ProgressLine progress_line_;
   size_t printed_warnings_ = 0;
+  std::string awaited_;  ///< printed last by PrintWaiting
   Phase phase_ = Phase::kStarting;
   Clock::time_point began_ = Clock::now();
   Clock::time_point phase_began_;

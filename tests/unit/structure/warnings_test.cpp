@@ -15,7 +15,7 @@ namespace {
 
 /// The first and the last cells of the first table of docs/lab/warnings.md: codes and tests, without quotes.
 std::map<std::string, std::string> TableOfWarnings() {
-  static const std::regex kRow(R"(\| `([a-z_]+)` \|.*\| `([A-Za-z]+\.[A-Za-z]+)` \|)");
+  static const std::regex kRow(R"(\| `([a-z0-9_]+)` \|.*\| `([A-Za-z0-9]+\.[A-Za-z0-9]+)` \|)");
   std::istringstream lines(test::ReadText(test::SourceFolder() / "docs/lab/warnings.md"));
   std::map<std::string, std::string> tests;
   std::smatch match;
@@ -27,7 +27,7 @@ std::map<std::string, std::string> TableOfWarnings() {
 
 /// The codes that processes publish, and those that are derived at the end.
 std::set<std::string> CodesOfTheSource() {
-  static const std::regex kWarn(R"RE(\bWarn\(\s*"([a-z_]+)",)RE");
+  static const std::regex kWarn(R"RE(\bWarn\(\s*"([a-z0-9_]+)",)RE");
   std::set<std::string> codes;
   for (const std::string& code : WarningCodes()) codes.insert(code);
   for (const test::SourceFile& file : test::AllSourceFiles()) {

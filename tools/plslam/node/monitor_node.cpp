@@ -137,6 +137,11 @@ std::string MonitorNode::StateOf(int64_t pid) const {
   return found == processes_.end() ? "" : found->second.state;
 }
 
+std::string MonitorNode::ReasonOf(int64_t pid) const {
+  const auto found = processes_.find({host_, pid});
+  return found == processes_.end() ? "" : found->second.reason;
+}
+
 std::string MonitorNode::FailureOf(int64_t pid) const {
   const auto found = processes_.find({host_, pid});
   return found == processes_.end() || found->second.state != process_state::kFailed ? "" : found->second.reason;

@@ -54,6 +54,8 @@ class MonitorNode {
   const std::map<std::pair<std::string, int64_t>, ProcessStatus>& processes() const { return processes_; }
   /// State of a process of this host; empty if it was not heard.
   std::string StateOf(int64_t pid) const;
+  /// The reason beside the state of a process of this host; empty if there is none.
+  std::string ReasonOf(int64_t pid) const;
   /// The failure that a process of this host has published; empty if none.
   std::string FailureOf(int64_t pid) const;
   /// Frames counted in the status of a process of this host; 0 if it was not heard.

@@ -34,7 +34,8 @@ class MapPaths {
   std::optional<MapPath> From(KeyframeId keyframe_id);
 
   /// Returns the covariance of T_from_to, right perturbation, accumulated along the path: steps of odometry as
-  /// measured, loops by their covariance, other edges of the spanning tree by constants. Zero without a path. Results are cached, because paths share most of their steps.
+  /// measured, loops by their covariance, other edges of the spanning tree by constants. Zero without a path.
+  /// Results are cached, because paths share most of their steps.
   Matrix6d CovarianceFrom(KeyframeId keyframe_id);
 
  private:

@@ -32,7 +32,8 @@ struct PlaceWeights {
 /// "adaptive" adds the 20 points because the similarity of two unrelated images with few features may be large by
 /// chance.
 ///
-/// If both feature types are empty, each weight is one half, but in "adaptive" 0. Throws std::invalid_argument for an unknown merge.
+/// If both feature types are empty, each weight is one half, but in "adaptive" 0. Throws std::invalid_argument
+/// for an unknown merge.
 PlaceWeights WeightsFor(const PlaceDescription& query, const PlaceOptions& options);
 
 /// Returns the weight of each word of a query: 1, but in "adaptive" (1 - n_i / (N + 5))^`idf_exponent`, where n_i =

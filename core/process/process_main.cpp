@@ -123,8 +123,7 @@ class ProcessRunner {
   void ReportReady(Process& process) const {
     const BusOptions& options = process.bus().options();
     process.impl_->terminal.PrintLine(
-        fmt::format("ready on {}{}{}", EffectiveUrl(options.url),
-                    options.prefix.empty() ? "" : fmt::format(" with the prefix {}", options.prefix),
+        fmt::format("ready on {}{}", BusText(options.url, options.prefix),
                     spec_.waits_for.empty() ? "" : fmt::format(", waiting for {}", spec_.waits_for)));
   }
 

@@ -29,7 +29,8 @@ class LiveMessages {
   explicit LiveMessages(Write write, std::optional<RobotFrames> robot = {})
       : write_(std::move(write)), robot_(std::move(robot)) {}
 
-  /// Sets the rig of what follows: nothing is written before, except for diagnostics. Throws std::runtime_error if it has no rectification.
+  /// Sets the rig of what follows: nothing but diagnostics is written before. Throws std::runtime_error if it has no
+  /// rectification.
   void SetRig(const RigCalibration& rig);
   bool has_rig() const { return left_.has_value(); }
   /// Writes transform, odometry and pose, before the first ones the static frame. A new session begins a new path.

@@ -5,7 +5,7 @@
 
 namespace plslam {
 
-/// Names of the files of a run in its folder (docs/viewer.md, those of surfaces in docs/planning.md): the only place that spells them.
+/// Names of the files of a run in its folder (docs/viewer.md, docs/planning.md): the only place that spells them.
 namespace result_file {
 
 /// A trajectory in three formats.

@@ -43,7 +43,7 @@ void CheckHasNoResults(const std::string& folder);
 /// Removes the results of a run from its folder, with its pictures of features.
 void RemoveResults(const std::string& folder);
 
-/// Writes trajectories, covariances, tables and `map.ply` of a run, each whole or not at all, frame by frame: memory does not grow
+/// Writes trajectories, covariances, tables and `map.ply`, each whole or not at all, frame by frame: memory does not grow
 /// with the length of the run. Tries each, and returns a sentence for each that could not be written.
 std::vector<std::string> WriteOutputs(const std::string& folder, const Recorder& recorder, const Map& map,
                                       const Eigen::Quaterniond& q_l_c);

@@ -187,8 +187,8 @@ void Ros2Node::TakeInfo(robot::Side side, RosCameraInfo info, const std::string&
   UseInfos();
 }
 
-/// Returns whether the first rig waits for /tf_static, if there is a publisher of it: that of another plslam_ros2 knows nothing
-/// of this camera.
+/// Returns whether the first rig waits for /tf_static, if there is a publisher of it: that of another plslam_ros2 knows
+/// nothing of this camera.
 bool Ros2Node::AwaitsFrames(bool knows_mounting) const {
   if (knows_mounting || frames_.has_rig() || bus::NowS() - held_since_s_ >= kPatienceForFrames_s) return false;
   const std::vector<Publisher> publishers = participant_.Publishers();

@@ -26,6 +26,7 @@
 #include "plslam/robot_motion_t.hpp"
 #include "plslam/stage_t.hpp"
 #include "sensor_msgs/Image.hpp"
+#include "tests/integration/bus_frames.h"
 #include "tests/integration/by_hand.h"
 #include "tests/integration/lcm_robot.h"
 #include "tests/integration/whole_run.h"
@@ -53,7 +54,7 @@ constexpr double kRate_hz = 20.0;
 /// Arrival times of poses on our own bus, by their stamps, and the robot's counters.
 class OwnPoses {
  public:
-  explicit OwnPoses(const std::string& url) : bus_(Options(url)) {
+  explicit OwnPoses(const std::string& url) : bus_(test::BusFrames::OptionsOf(url)) {
     bus_->SubscribeBytes(
         bus::kPose, bus::Bus::Reading::kAsItComes, [] { return true; },
         [this](bus::ByteView bytes) {
@@ -90,12 +91,6 @@ class OwnPoses {
   }
 
  private:
-  static bus::BusOptions Options(const std::string& url) {
-    bus::BusOptions options;
-    options.url = url;
-    return options;
-  }
-
   mutable std::mutex mutex_;
   std::map<int64_t, double> at_s_;
   std::map<int64_t, SE3> motions_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What plslam_ros2 publishes, as another DDS hears it. The tests are vo_process, and publish its poses.
+// Output of plslam_ros2, as another DDS hears it. The tests are vo_process, and publish its poses.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

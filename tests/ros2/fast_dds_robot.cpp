@@ -6,9 +6,9 @@
 // lies (sizes that do not fit the data), reliable, jpeg, png, compressed_depth, big_endian, wheels (true odometry on
 // /wheels), imu (samples of the dataset on /imu/data; with tf_static its frame is beside the camera), imu_apart (the
 // same on /camera/gyro/sample and /camera/accel/sample), covered (black images for a second), synchronous (a written
-// image has been sent; they are rendered before), different=N (only N images, again and again), listen_s=SECONDS (afterwards), begin_s=SECONDS (stamp of the first
-// frame; by default that of the dataset and one second), space=/NAME (before all topics but /tf), census (counts the
-// messages of all topics of plslam_ros2), hostile=N (first N damaged messages to each topic that plslam_ros2 reads, of
+// image has been sent; they are rendered before), different=N (only N images, again and again), listen_s=SECONDS
+// (afterwards), begin_s=SECONDS (stamp of the first frame; by default that of the dataset and one second), space=/NAME (before all
+// topics but /tf), census (counts the messages of all topics of plslam_ros2), hostile=N (first N damaged messages to each topic that plslam_ros2 reads, of
 // the right types). After SIGTERM it sends nothing more.
 #include <unistd.h>
 
@@ -132,7 +132,7 @@ json NumbersOf(const Pose& position, const geometry_msgs::msg::dds_::Quaternion_
   return {position.x(), position.y(), position.z(), q.x(), q.y(), q.z(), q.w()};
 }
 
-/// What plslam_ros2 publishes in a namespace, /tf and /tf_static, to which the robot may write itself.
+/// Listens to the topics of plslam_ros2 in a namespace, and to /tf and /tf_static, to which the robot may write itself.
 class Ears {
  public:
   Ears(Robot& robot, const std::string& space) {

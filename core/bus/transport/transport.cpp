@@ -102,6 +102,10 @@ std::string EffectiveUrl(const std::string& url) {
   return environment != nullptr && *environment != '\0' ? environment : kDefaultUrl;
 }
 
+std::string BusText(const std::string& url, const std::string& prefix) {
+  return EffectiveUrl(url) + (prefix.empty() ? "" : " with the prefix " + prefix);
+}
+
 std::string WithReceiveBuffer(const std::string& url) {
   const int64_t limit = SystemLimit("rmem_max");
   if (ParseUdpGroup(url).buffer_bytes > 0 || 2 * limit <= SystemLimit("rmem_default")) return url;

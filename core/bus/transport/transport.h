@@ -24,6 +24,9 @@ namespace plslam::bus {
 /// The URL that counts where `url` may be empty: then LCM_DEFAULT_URL, or LCM's default.
 std::string EffectiveUrl(const std::string& url);
 
+/// Names a bus in sentences: "udpm://239.255.76.67:7667?ttl=1 with the prefix team/".
+std::string BusText(const std::string& url, const std::string& prefix);
+
 /// Returns a udpm URL that requests a larger receive buffer, if the system grants one and the user has not specified
 /// any.
 std::string WithReceiveBuffer(const std::string& url);

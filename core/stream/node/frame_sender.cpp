@@ -244,8 +244,7 @@ std::string FrameSender::Awaited(const LoadedFrame& frame) const {
   std::string text = fmt::format("waiting for the pose of frame {}", frame.images.frame_id);
   if (turn_.has_reader()) return text;
   const bus::BusOptions& options = process_.bus().options();
-  const std::string prefix = options.prefix.empty() ? "" : fmt::format(" with the prefix {}", options.prefix);
-  return fmt::format("{}: no vo_process is running on {}{}", text, bus::EffectiveUrl(options.url), prefix);
+  return fmt::format("{}: no vo_process is running on {}", text, bus::BusText(options.url, options.prefix));
 }
 
 FrameSender::Sent FrameSender::WaitForPose(const LoadedFrame& frame) {

@@ -30,7 +30,7 @@
 #include "tests/support/long_tests.h"
 #include "tests/support/sanitized.h"
 #include "tests/support/text_file.h"
-#include "tools/plslam/child_process.h"
+#include "tools/launch/child_process.h"
 
 // Faults at random moments of a run over the results of an earlier one. In all cases the run ends with the complete and
 // correct result, or with a non-zero exit code and a sentence, and the previous map is not lost.

@@ -17,7 +17,7 @@
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/text_file.h"
-#include "tools/plslam/run_bus.h"
+#include "tools/launch/run_bus.h"
 
 namespace plslam::launcher {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/plslam/relay/tcpq_relay.h"
+#include "tools/launch/relay/tcpq_relay.h"
 
 #include <array>
 #include <filesystem>
@@ -16,7 +16,7 @@
 #include "core/bus/transport/transport.h"
 #include "plslam/pose_t.hpp"
 #include "tests/unit/bus/bus_fixture.h"
-#include "tools/plslam/relay/tcpq_client.h"
+#include "tools/launch/relay/tcpq_client.h"
 
 namespace plslam::bus {
 namespace {

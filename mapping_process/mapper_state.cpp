@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
+#include <type_traits>
 
 #include "core/errors/error_text.h"
 #include "core/files/mapped_file.h"
@@ -28,14 +29,17 @@ void Fields(Archive& a, T& f) {
 
 template <class Archive, Is<LoopAnswer> T>
 void Fields(Archive& a, T& answer) {
-  a(answer.keyframe, answer.map_version, answer.accepted);
+  bool has_version = answer.map_version.has_value();
+  MapVersion version = answer.map_version.value_or(MapVersion());
+  a(answer.keyframe, has_version, version, answer.accepted);
+  if constexpr (!std::is_const_v<T>) answer.map_version = has_version ? std::optional(version) : std::nullopt;
 }
 
 /// The scalar fields; keyframes, landmarks and features are written separately.
 template <class Archive, Is<mapping::MapperState> T>
 void Fields(Archive& a, T& state) {
   a(state.stored, state.stored.sessions, state.recent_landmarks, state.missed_landmarks, state.visits, state.tracker,
-    state.figures, state.committed, state.structural_version, state.localise_only, state.map_instance, state.lockstep,
+    state.figures, state.committed, state.structural_version, state.localise_only, state.map_id, state.lockstep,
     state.closures, state.answer);
 }
 
@@ -47,7 +51,7 @@ namespace {
 using Bytes = std::span<const uint8_t>;
 
 constexpr FileKind kStateRecord{
-    {'P', 'L', 'S', 'L', 'M', 'P', 'S', 'T'}, 8, "state of a mapping_process", Checksum::kPoly1305};
+    {'P', 'L', 'S', 'L', 'M', 'P', 'S', 'T'}, 9, "state of a mapping_process", Checksum::kPoly1305};
 
 enum class RecordKind : uint8_t { kFeatures, kMap, kChanges };
 

@@ -85,9 +85,6 @@ MappingNode::MappingNode(bus::Process& process, const MappingOptions& options)
     camera_ = MapCamera(*stored_, options_.map_file);
     AdoptStored(*stored_);
   }
-  // Without a file the process that replaces this one would reject the keyframes of the history.
-  if (!restored_ && !options_.state_file.empty())
-    map_instance_ = BeginningInstance(SourceId(process_.bus().source()));
   worker_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { WorkUntilStopped(); }); });
 }
 
@@ -115,22 +112,30 @@ void MappingNode::OnCamera(const RigCalibration& rig) {
 void MappingNode::OnKeyframe(const Keyframe& keyframe) {
   if (keyframe.source == SourceId(process_.bus().source())) return;  // our own, of a loaded map
   Queue([&] {
-    if (!BelongsTo(keyframe, map_instance_)) {
-      process_.SetCounter("keyframes.other_map", static_cast<double>(++n_other_map_));
-      // Its tracker does not know yet that there is another map.
-      static constexpr size_t kMostSessions = 64;
-      if (refused_sessions_.size() < kMostSessions && refused_sessions_.insert(keyframe.name.session).second) {
-        queue_.AskForWhole();
-      }
+    const double now_ms = bus::NowMs();
+    if (keyframe.map_id.Supersedes(map_id_)) {
+      queue_.AddOfNextMap(keyframe, now_ms);
+    } else if (!keyframe.map_id.Matches(map_id_) || refused_sessions_.contains(keyframe.name.session)) {
+      return Refuse(keyframe.name.session);
+    } else if (!queue_.Add(keyframe, now_ms)) {
       return;
     }
-    const double now_ms = bus::NowMs();
-    if (!queue_.Add(keyframe, now_ms)) return;
     arrived_ms_ = now_ms;
     process_.SetCounter("queue.keyframes", static_cast<double>(queue_.n_keyframes()));
     // Under the lock: after it, this could end the solve of this very keyframe.
     if (!keyframe.lockstep) stop_solve_ = true;
   });
+}
+
+/// Refuses a session of another map, including its first keyframes, which name no map because its tracker had received
+/// none.
+void MappingNode::Refuse(SessionId session) {
+  process_.SetCounter("keyframes.other_map", static_cast<double>(++n_other_map_));
+  static constexpr size_t kMostSessions = 64;
+  if (refused_sessions_.size() >= kMostSessions || !refused_sessions_.insert(session).second) return;
+  queue_.Drop(session);
+  // Its tracker does not know yet that there is another map.
+  queue_.AskForWhole();
 }
 
 void MappingNode::OnClosure(const LoopClosure& closure) {
@@ -194,18 +199,24 @@ void MappingNode::WorkBeforeStop() {
   if (!options_.state_file.empty()) KeepState();
 }
 
+/// Makes it the map of this process, which assigns the ids from now on.
+void MappingNode::Own(Mapper mapper) {
+  mapper_.emplace(std::move(mapper));
+  mapper_->SetNumbering(SourceId(process_.bus().source()));
+}
+
 /// Called when a camera is known.
 void MappingNode::BeginMap() {
   if (restored_) return RestoreState();
   if (!stored_) {
-    mapper_.emplace(*camera_, options_);
-    mapper_->SetInstance(map_instance_);
+    Own(Mapper(*camera_, options_));
+    mapper_->SetMapId(map_id_);
     if (options_.state_file.empty()) return;
     LogInfo("beginning a new map: there is no {}", options_.state_file);
     return KeepState();
   }
-  mapper_.emplace(*camera_, options_, *std::exchange(stored_, std::nullopt));
-  mapper_->SetInstance(map_instance_);
+  Own(Mapper(*camera_, options_, *std::exchange(stored_, std::nullopt)));
+  mapper_->SetMapId(map_id_);
   mapper_->Commit();
   PublishWhole();
   PublishKeyframes();
@@ -217,7 +228,7 @@ void MappingNode::BeginMap() {
 /// Publishes the map before the keyframes: trackers wait for it, and most other processes have the features.
 void MappingNode::RestoreState() {
   answer_ = state_->answer;
-  mapper_.emplace(*camera_, options_, *std::exchange(state_, std::nullopt));
+  Own(Mapper(*camera_, options_, *std::exchange(state_, std::nullopt)));
   if (mapper_->version() > 0) PublishWhole();
   process_.SetState(process_state::kRunning);
   PublishKeyframes();
@@ -233,7 +244,9 @@ void MappingNode::PublishKeyframes(const std::optional<std::set<KeyframeId>>& id
     if (ids && !ids->contains(id)) continue;
     const auto features = mapper_->features().find(id);
     if (features == mapper_->features().end()) continue;
-    publisher.Publish(KeyframeOf(entry, features->second, mapper_->camera(), mapper_->map()));
+    Keyframe keyframe = KeyframeOf(entry, features->second, mapper_->camera(), mapper_->map());
+    keyframe.map_id = mapper_->map_id();
+    publisher.Publish(keyframe);
   }
 }
 
@@ -248,7 +261,6 @@ void MappingNode::LogStoredMap(const std::string& file) {
 /// maximum time. Closures of the previous loop_process have then arrived before a keyframe is checked again.
 void MappingNode::AwaitHistories() {
   std::unique_lock lock(mutex_);
-  if (!restored_ && queue_.n_waiting() == 0) return;
   const double until_ms = bus::NowMs() + kLongestHistory_ms;
   const auto quiet_at_ms = [&] { return std::min(arrived_ms_ + kHistoryQuiet_ms, until_ms); };
   for (double now_ms = bus::NowMs(); !stopping_ && now_ms < quiet_at_ms(); now_ms = bus::NowMs()) {
@@ -293,6 +305,9 @@ void MappingNode::Do(const Work& work) {
       return Execute(work.order);
     case Work::Kind::kKeepState:
       return KeepState();
+    case Work::Kind::kBeginMap:
+      LogInfo("beginning the map that replaced this one before a restart");
+      return Replace({}, mapper_->camera(), work.map_id);
   }
 }
 
@@ -357,7 +372,7 @@ void MappingNode::Correct(const Work& work) {
   const double began_ms = bus::NowMs();
   std::string reason;
   const bool corrects = work.closure.kind != LoopClosure::Kind::kNone;
-  const bool corrected = corrects && mapper_->Correct(OfThisMap(work), &reason);
+  const bool corrected = corrects && mapper_->Correct(InOwnIds(work), &reason);
   bool commits = work.commits;
   if (work.closure.kind == LoopClosure::Kind::kLoop) Answer(work.closure, corrected);
   if (corrects && !corrected) {
@@ -370,13 +385,12 @@ void MappingNode::Correct(const Work& work) {
   if (corrected) MoveOldToFiles();
 }
 
-/// Re-expresses a closure of the map of another mapping_process, whose versions do not apply. A map rebuilt in lockstep
-/// has the same ids; a live one, in which timing decides what is inserted together, has other landmark ids.
-LoopClosure MappingNode::OfThisMap(const Work& work) const {
-  if (work.closure.map_source == SourceId(process_.bus().source())) return InIdsOf(mapper_->map(), work.closure);
-  LoopClosure closure = InIdsOf(mapper_->map(), work.closure, work.lockstep ? MapIds::kPerhapsSame : MapIds::kOthers);
-  closure.map_version = 0;
-  return closure;
+/// Re-expresses a closure that was computed with the ids of another mapping_process. A map rebuilt in lockstep has the
+/// same ids; a live one, in which timing decides what is inserted together, has other landmark ids.
+LoopClosure MappingNode::InOwnIds(const Work& work) const {
+  const std::optional<MapVersion>& version = work.closure.map_version;
+  if (version && version->numbering == SourceId(process_.bus().source())) return work.closure;
+  return InIdsOf(mapper_->map(), work.closure, work.lockstep ? MapIds::kPerhapsSame : MapIds::kOthers);
 }
 
 /// Publishes the answer with the next update, and with each one after it.
@@ -479,15 +493,17 @@ void MappingNode::SetLocaliseOnly(const std::string& argument) {
   if (!options_.state_file.empty()) KeepState();
 }
 
-void MappingNode::Replace(MapperState next, const StereoCamera& camera) {
+/// The map has the id `id`, or the next one.
+void MappingNode::Replace(MapperState next, const StereoCamera& camera, const std::optional<MapId>& id) {
   mapper_->Precede(next);
+  if (id) next.map_id = *id;
   {
     const std::lock_guard lock(mutex_);
-    map_instance_ = next.map_instance;
-    queue_.Reset(NewestBySession(next.stored), next.stored.newest_session);
+    map_id_ = next.map_id;
+    queue_.Reset(map_id_, NewestBySession(next.stored), next.stored.newest_session);
   }
   answer_ = {};
-  mapper_.emplace(camera, options_, std::move(next));
+  Own(Mapper(camera, options_, std::move(next)));
   state_file_.Reset();
   PublishWhole();
   // Listeners keep few features of unknown sessions, so they must receive the map first.
@@ -498,7 +514,11 @@ void MappingNode::Replace(MapperState next, const StereoCamera& camera) {
 
 /// Called before anything arrives: keyframes in the state need not be resent. An unreadable state is ignored.
 void MappingNode::ReadState() {
-  if (options_.state_file.empty() || !std::filesystem::exists(options_.state_file)) return;
+  if (options_.state_file.empty()) return;
+  if (!std::filesystem::exists(options_.state_file)) {
+    map_id_.origin = SourceId(process_.bus().source());
+    return;
+  }
   try {
     state_ = ReadStateFile(options_.state_file);
     // Do not wait for the camera message, which comes once a second: it would be the longest part of a restart.
@@ -514,7 +534,7 @@ void MappingNode::ReadState() {
     return;
   }
   restored_ = true;
-  map_instance_ = state_->map_instance;
+  map_id_ = state_->map_id;
   const std::lock_guard lock(mutex_);
   const StoredMap& stored = state_->stored;
   WorkQueue::Newest newest{{.session = stored.newest_session}, state_->lockstep != 0, state_->committed != 0, {}};

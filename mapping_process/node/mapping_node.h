@@ -38,7 +38,8 @@ namespace plslam::mapping {
 ///
 /// The state is written periodically, before each new session, and at an orderly stop (`state_file`): a process started
 /// later continues exactly from there, takes later messages from the histories of other processes, and so reaches the
-/// same map, in lockstep bit for bit. "reset" or a missing file begins a new map.
+/// same map, in lockstep bit for bit. "reset" or a missing file begins a new map. Without a state, or with an unreadable
+/// one, the map is rebuilt from the histories: the last of those that keyframes in them name.
 ///
 /// A saved map is loaded at the start or by command; its keyframes are published as trackers do, for listeners that
 /// need their features. After another map has replaced the current one ("load", "reset"), trackers begin new sessions,
@@ -58,6 +59,7 @@ class MappingNode {
   void AdoptStored(const StoredMap& stored);
   void OnCamera(const RigCalibration& rig);
   void OnKeyframe(const Keyframe& keyframe);
+  void Refuse(SessionId session);
   void OnClosure(const LoopClosure& closure);
   void OnStatus(const status_t& message);
   void OnCommand(const command_t& message);
@@ -79,10 +81,11 @@ class MappingNode {
   bool InsertOne(const Keyframe& keyframe, std::string* reason);
   void WarnOfMissing(const WorkQueue::Arrived& arrived);
   void Correct(const Work& work);
-  LoopClosure OfThisMap(const Work& work) const;
+  LoopClosure InOwnIds(const Work& work) const;
   void Execute(const bus::Order& order);
   void Save(const std::string& argument);
-  void Replace(MapperState next, const StereoCamera& camera);
+  void Own(Mapper mapper);
+  void Replace(MapperState next, const StereoCamera& camera, const std::optional<MapId>& id = std::nullopt);
   void SetLocaliseOnly(const std::string& argument);
   void KeepState();
   void AddNewest(MapperState& state);
@@ -106,8 +109,8 @@ class MappingNode {
   std::mutex mutex_;
   std::condition_variable changed_;
   WorkQueue queue_;
-  /// `Mapper`'s; keyframes for another map are ignored.
-  MapId map_instance_;
+  /// `Mapper`'s; keyframes of another map are ignored.
+  MapId map_id_;
   /// Camera with which the map begins.
   std::optional<StereoCamera> camera_;
   bool stopping_ = false;

@@ -46,6 +46,14 @@ TEST(KeyframeQueue, SessionFromTwoPublishersIsInOrder) {
   EXPECT_EQ(queue.size(), 0U);
 }
 
+TEST(KeyframeQueue, DroppedSessionDoesNotDelayOthers) {
+  KeyframeQueue queue;
+  for (const SessionId session : {7, 8}) queue.Add(KeyframeOf(session, 0, 1), 0.0);
+  queue.Drop(7);
+  queue.Drop(9);
+  EXPECT_EQ(TakeAll(queue, 1.0), "8.0 ");
+}
+
 TEST(KeyframeQueue, RandomOrderFromSeveralPublishers) {
   std::mt19937 random(1);
   for (int trial = 0; trial < 200; ++trial) {

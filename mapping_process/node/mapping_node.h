@@ -11,6 +11,7 @@
 #include <string>
 #include <thread>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "core/bus/messages/frame_channel.h"
@@ -20,6 +21,9 @@
 #include "core/ids/ids.h"
 #include "core/process/process.h"
 #include "mapping_process/mapper.h"
+#include "mapping_process/node/map_counters.h"
+#include "mapping_process/node/map_membership.h"
+#include "mapping_process/node/map_on_disk.h"
 #include "mapping_process/node/work_queue.h"
 #include "mapping_process/options.h"
 
@@ -57,6 +61,7 @@ class MappingNode {
 
   void ReadState();
   void AdoptStored(const StoredMap& stored);
+  void AdoptState(const MapperState& state);
   void OnCamera(const RigCalibration& rig);
   void OnKeyframe(const Keyframe& keyframe);
   void Refuse(SessionId session);
@@ -72,7 +77,7 @@ class MappingNode {
   std::optional<Work> NextWork();
   void WorkBeforeStop();
   void BeginMap();
-  void RestoreState();
+  void RestoreState(MapperState state);
   void PublishKeyframes(const std::optional<std::set<KeyframeId>>& ids = std::nullopt);
   void LogStoredMap(const std::string& file);
   void AwaitHistories();
@@ -88,29 +93,22 @@ class MappingNode {
   void Replace(MapperState next, const StereoCamera& camera, const std::optional<MapId>& id = std::nullopt);
   void SetLocaliseOnly(const std::string& argument);
   void KeepState();
-  void AddNewest(MapperState& state);
-  void MoveOldToFiles();
   void Answer(const LoopClosure& loop, bool accepted);
   bool IsStateDue();
+  MapId MapIdNow();
+  bool HasRefused();
   void Publish(Stages stage_ms);
   void PublishWhole();
-  void CountMap();
-  void CountFailures();
 
   bus::Process& process_;
   MappingOptions options_;
   bus::MapUpdatePublisher publisher_;
 
-  // On the thread of the bus.
-  std::atomic<int64_t> n_other_map_ = 0;
-  std::set<SessionId> refused_sessions_;  // of keyframes of another map
-
   // Shared with the worker.
   std::mutex mutex_;
   std::condition_variable changed_;
   WorkQueue queue_;
-  /// `Mapper`'s; keyframes of another map are ignored.
-  MapId map_id_;
+  MapMembership membership_;
   /// Camera with which the map begins.
   std::optional<StereoCamera> camera_;
   bool stopping_ = false;
@@ -119,19 +117,12 @@ class MappingNode {
   std::atomic<bool> stop_solve_{false};
 
   // Owned by the worker.
-  std::optional<StoredMap> stored_;
-  std::optional<MapperState> state_;  ///< of a previous process
-  bool restored_ = false;             ///< whether there was one
-  StateFile state_file_;
+  /// An empty map, a saved one, or the state of a previous process; empty after the map has begun with it.
+  std::variant<std::monostate, StoredMap, MapperState> beginning_;
   std::optional<Mapper> mapper_;
   LoopAnswer answer_;
-  int64_t n_ignored_ = 0;
-  int64_t n_missing_ = 0;
-  int64_t n_failed_ = 0;
-  int64_t n_states_ = 0;
-  bool state_failed_ = false;
-  int n_since_files_ = 0;  ///< keyframes since old features were moved to files
-  bool files_failed_ = false;
+  MapCounters counters_;
+  MapOnDisk disk_;
   std::thread worker_;
   bus::CameraSubscriber camera_channel_;
   bus::KeyframeSubscriber keyframes_;

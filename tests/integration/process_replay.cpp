@@ -300,7 +300,7 @@ void ProcessReplay::Stop() {
   LookAtSaid();
   if (!difference_.empty()) return;
   const auto exit = child_->Poll();
-  if (!exit) difference_ = process_.executable + " does not end when it is told to";
+  if (!exit) difference_ = process_.executable + " does not end when it is ordered to";
   if (exit && exit->code != 0)
     difference_ = fmt::format("{} ends with exit code {}", process_.executable, exit->code);
 }

@@ -142,7 +142,7 @@ TEST(MapFollower, GapIsDetectedAndFilledByTheWholeMap) {
   EXPECT_EQ(replica.version()->number, 1);
   EXPECT_EQ(replica.Apply(owner.Whole()), Step::kNext);
   EXPECT_EQ(replica.version()->number, 3);
-  EXPECT_EQ(replica.Apply(owner.Whole()), Step::kKnown) << "asked for by somebody else";
+  EXPECT_EQ(replica.Apply(owner.Whole()), Step::kKnown) << "requested by another reader";
   EXPECT_EQ(replica.Apply(owner.Next(50)), Step::kNext);
   ExpectSame(owner.map(), replica.map());
 }

@@ -76,7 +76,7 @@ TEST_F(WorkQueueTest, RefusedLoopDoesNotBlock) {
   Take(Kind::kInsert);
   queue_.Add(ClosureOf(0, LoopClosure::Kind::kLoop, true));
   EXPECT_FALSE(Take(Kind::kCorrect).commits);
-  EXPECT_TRUE(queue_.Refused()) << "to be told";
+  EXPECT_TRUE(queue_.Refused()) << "the commit is to be published";
   EXPECT_FALSE(queue_.Refused());
   EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.name.number, 1);
   ExpectNothing();
@@ -257,7 +257,7 @@ TEST_F(WorkQueueTest, LockstepLoopFoundOnTwoMapsIsAppliedOnce) {
   queue_.Add(found_on(1, LoopClosure::Kind::kLoop, true));
   EXPECT_FALSE(Take(Kind::kCorrect).commits);
   queue_.Add(found_on(2, LoopClosure::Kind::kLoop, true));
-  EXPECT_TRUE(Take(Kind::kAnswer).accepted) << "whoever has told it adjusts the map";
+  EXPECT_TRUE(Take(Kind::kAnswer).accepted) << "its loop_process adjusts the map";
   ExpectNothing();
   queue_.Add(found_on(2, LoopClosure::Kind::kAdjustment, false));
   EXPECT_TRUE(Take(Kind::kCorrect).commits);

@@ -17,7 +17,7 @@ namespace {
 /// Limit for opening files and decoding their first images.
 constexpr GstClockTime kPrepareLimit = 10 * GST_SECOND;
 /// A failed element reports its reason a little later, on its own thread.
-constexpr GstClockTime kComplaintLimit = GST_SECOND / 2;
+constexpr GstClockTime kFailureLimit = GST_SECOND / 2;
 /// Buffers of each camera; of live cameras, the oldest is dropped when there are more.
 constexpr guint kMostBuffers = 4;
 constexpr size_t kLongestDetails = 120;
@@ -73,7 +73,7 @@ struct CameraPipeline::Impl {
   GstAppSink* Sink(Side side) const { return GST_APP_SINK(sinks[static_cast<size_t>(side)].get()); }
   void FindSink(Side side);
   void ListenTo(Side side);
-  std::string Complaint(GstClockTime patience = 0) const;
+  std::string FailureText(GstClockTime patience = 0) const;
 };
 
 namespace {
@@ -129,7 +129,7 @@ void CameraPipeline::Impl::ListenTo(Side side) {
 }
 
 /// Errors only: the others are dropped before they are kept.
-std::string CameraPipeline::Impl::Complaint(GstClockTime patience) const {
+std::string CameraPipeline::Impl::FailureText(GstClockTime patience) const {
   GstMessage* message = gst_bus_timed_pop_filtered(bus.get(), patience, GST_MESSAGE_ERROR);
   if (message == nullptr) return "";
   std::string text = SentenceOf(message);
@@ -155,7 +155,7 @@ CameraPipeline::CameraPipeline(const std::string& text, Wakeup* wakeup) : impl_(
   };
   gst_bus_set_sync_handler(impl_->bus.get(), keep_errors, wakeup, nullptr);
   const auto fail = [this](const char* otherwise) {
-    const std::string why = impl_->Complaint(kComplaintLimit);
+    const std::string why = impl_->FailureText(kFailureLimit);
     gst_element_set_state(impl_->pipeline.get(), GST_STATE_NULL);
     throw std::runtime_error(why.empty() ? otherwise : why);
   };
@@ -178,7 +178,7 @@ CameraPipeline::~CameraPipeline() {
 
 void CameraPipeline::Play() { gst_element_set_state(impl_->pipeline.get(), GST_STATE_PLAYING); }
 
-std::string CameraPipeline::Failure() { return impl_->Complaint(); }
+std::string CameraPipeline::Failure() { return impl_->FailureText(); }
 
 bool CameraPipeline::ended(Side side) const { return gst_app_sink_is_eos(impl_->Sink(side)) == TRUE; }
 

@@ -11,6 +11,10 @@ namespace {
 
 using Places = IdMap<KeyframeId, int>;
 
+SourceId NumberingOf(const GlobalBundleProblem& problem) {
+  return problem.map_version ? problem.map_version->numbering : SourceId();
+}
+
 // Counts the observations of a landmark by keyframes that take part.
 template <class Landmark>
 int CountObservations(const Landmark& landmark, const Places& poses) {
@@ -80,8 +84,8 @@ GlobalBundleProblem MakeGlobalBundleProblem(const Map& map, const KeyframeFeatur
 }
 
 void AdjustmentProgress::Add(const GlobalBundleProblem& problem, const std::vector<CorrectedPose>& poses) {
-  if (problem.map_source != map_source_) T_before_now_.clear();
-  map_source_ = problem.map_source;
+  if (NumberingOf(problem) != numbering_) T_before_now_.clear();
+  numbering_ = NumberingOf(problem);
   for (size_t i = 0; i < poses.size(); ++i) {
     SE3& T_before_now = T_before_now_[poses[i].keyframe_id];
     T_before_now = T_before_now * (problem.bundle.poses[i].T_w_c.Inverse() * poses[i].T_w_kf);
@@ -89,7 +93,7 @@ void AdjustmentProgress::Add(const GlobalBundleProblem& problem, const std::vect
 }
 
 void AdjustmentProgress::Apply(GlobalBundleProblem& problem) const {
-  if (problem.map_source != map_source_) return;
+  if (NumberingOf(problem) != numbering_) return;
   BundleProblem& bundle = problem.bundle;
   std::vector<SE3> T_new_old(bundle.poses.size());  // displacement in the map frame
   for (size_t i = 0; i < bundle.poses.size(); ++i) {
@@ -123,7 +127,6 @@ LoopClosure AdjustGlobally(const GlobalBundleProblem& problem, const GlobalBundl
   closure.kind = LoopClosure::Kind::kAdjustment;
   closure.keyframe = problem.keyframe;
   closure.t_ns = problem.t_ns;
-  closure.map_source = problem.map_source;
   closure.map_version = problem.map_version;
   const BundleResult result = AdjustBundle(problem.bundle, options.bundle, stop, BundleCovariances::kNone);
   if (!result.ok) {

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,8 +23,7 @@ struct GlobalBundleProblem {
   /// Copied from the loop that it follows.
   KeyframeName keyframe;
   int64_t t_ns = 0;
-  SourceId map_source;
-  int64_t map_version = 0;
+  std::optional<MapVersion> map_version;
   std::vector<NamedKeyframe> keyframes;
   BundleProblem bundle;
 };
@@ -45,7 +45,7 @@ class AdjustmentProgress {
   void Add(const GlobalBundleProblem& problem, const std::vector<CorrectedPose>& poses);
 
  private:
-  SourceId map_source_;
+  SourceId numbering_;
   std::map<KeyframeId, SE3> T_before_now_;
 };
 

@@ -40,7 +40,7 @@ class LoopCloser {
   /// Checks a keyframe for a loop, given the map right after it was inserted and adjusted. Returns kNone, or kLoop with
   /// the edge, the pairs of landmarks to merge and the corrected poses; `more` then requests a global bundle
   /// adjustment, except in a map that agrees with the edge and has removed a third of its keyframes. The caller fills
-  /// in the map's source and version and the times. Returns kNone also for a keyframe that is not in the map or whose
+  /// in the version of the map and the times. Returns kNone also for a keyframe that is not in the map or whose
   /// features are missing.
   LoopClosure Check(const Map& map, const KeyframeName& name);
 

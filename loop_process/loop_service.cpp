@@ -63,7 +63,7 @@ void LoopService::OnSignOfLife(SourceId source) {
 
 LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
   Output output;
-  if (follower_.Apply(update) != MapVersion::Step::kNext) return output;
+  if (follower_.Apply(update) != MapStep::kNext) return output;
   if (follower_.change() == MapFollower::Change::kReplaced) {
     output.ends_adjustment = true;
     requests_.clear();
@@ -77,7 +77,7 @@ LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
     adjusting_.reset();
   }
   const auto has_features = [this](const KeyframeName& keyframe) { return closer_.Contains(keyframe); };
-  if (update.base_version == 0) {
+  if (update.IsWhole()) {
     missing_.Begin(follower_.map(), has_features, now_ms_());
   } else {
     missing_.Follow(follower_.map(), has_features);
@@ -102,9 +102,9 @@ void LoopService::Follow(const MapUpdate& update, Output& output) {
   EndAdjustmentOfCommitted(output);
   FollowAnswer(update.answer, output);
   if (update.newest.number < 0) return;
-  const bool begins = update.base_version == 0 && !checked_.contains(update.newest.session);
+  const bool begins = update.IsWhole() && !checked_.contains(update.newest.session);
   // After a complete map, all keyframes but the newest of this session count as checked, by a previous loop_process.
-  if (update.base_version == 0) {
+  if (update.IsWhole()) {
     const auto& in_map = follower_.newest().in_map();
     checked_.insert(in_map.begin(), in_map.end());
   }
@@ -153,7 +153,6 @@ void LoopService::AddDue(const MapUpdate& update, int64_t checked) {
 void LoopService::Adjust(const LoopClosure& loop, Output& output) {
   closer_.Follow(follower_.map());
   output.adjustment = closer_.MakeGlobalBundle(follower_.map(), loop);
-  output.adjustment->map_source = follower_.source();
   output.adjustment->map_version = follower_.version();
   adjusting_ = HeadOf(loop);
 }
@@ -225,7 +224,6 @@ void LoopService::CheckDueKeyframes(Output& output) {
     due_.erase(next);
     const double began_ms = now_ms_();
     LoopClosure closure = closer_.Check(follower_.map(), keyframe);
-    closure.map_source = follower_.source();
     closure.map_version = follower_.version();
     const double took_ms = now_ms_() - began_ms;
     (closure.kind == LoopClosure::Kind::kLoop ? closure.correct_ms : closure.detect_ms) = took_ms;
@@ -240,7 +238,7 @@ void LoopService::CheckDueKeyframes(Output& output) {
 bool LoopService::IsAnswerable(const Keyframe& frame) {
   // The tracker that sent the request has the map, so its updates are on their way here, too.
   if (!frame.lockstep) return true;
-  return follower_.version() > 0 && WaitsFor() != Wait::kFeatures &&
+  return follower_.version() && WaitsFor() != Wait::kFeatures &&
          follower_.newest().HasCommitted({frame.name.session, frame.previous_keyframe_id});
 }
 
@@ -255,7 +253,6 @@ void LoopService::AnswerDueKeyframes(Output& output) {
     answer.session = frame->name.session;
     answer.frame_id = frame->frame_id;
     answer.t_ns = frame->t_ns;
-    answer.map_source = follower_.source();
     answer.map_version = follower_.version();
     output.answers.push_back(answer);
     frame = requests_.erase(frame);

@@ -70,15 +70,6 @@ void Append(const std::vector<LandmarkId>& more, std::vector<LandmarkId>& ids) {
   ids.insert(ids.end(), more.begin(), more.end());
 }
 
-/// Returns the instance of a map that replaces another one.
-MapId ReplacingInstance(MapId replaced, int64_t version) {
-  // The finaliser of SplitMix64: maps that replace each other in a replay have the same instances again.
-  auto x = static_cast<uint64_t>(replaced.value) + 0x9e3779b97f4a7c15U * static_cast<uint64_t>(version);
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9U;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebU;
-  return MapId(((x ^ (x >> 31)) >> 1) | 1U);
-}
-
 }  // namespace
 
 Mapper::Mapper(const StereoCamera& camera, const MappingOptions& options, StoredMap stored)
@@ -90,7 +81,7 @@ Mapper::Mapper(const StereoCamera& camera, const MappingOptions& options, Stored
       next_keyframe_id_(stored.next_keyframe_id),
       newest_session_(stored.newest_session),
       newest_t_ns_(stored.newest_t_ns),
-      version_(stored.version) {
+      version_{.map = {}, .numbering = {}, .number = stored.version} {
   map_.SetCamera(camera);
   for (const auto& [session, newest] : stored.sessions) {
     sessions_[session] = {newest.keyframe_id, newest.session_keyframe_id};
@@ -108,7 +99,7 @@ Mapper::Mapper(const StereoCamera& camera, const MappingOptions& options, Mapper
   committed_ = state.committed != 0;
   structural_version_ = state.structural_version;
   options_.localise_only = state.localise_only != 0;
-  map_instance_ = state.map_instance;
+  version_.map = state.map_id;
 }
 
 StoredMap Mapper::Store() {
@@ -127,7 +118,7 @@ MapperState Mapper::State() const {
           .committed = committed_ ? uint8_t{1} : uint8_t{0},
           .structural_version = structural_version_,
           .localise_only = options_.localise_only ? uint8_t{1} : uint8_t{0},
-          .map_instance = map_instance_,
+          .map_id = version_.map,
           .lockstep = 0,
           .closures = 0,
           .answer = {}};
@@ -154,8 +145,8 @@ void Mapper::LendState(const std::function<void(MapperState&)>& use) {
 }
 
 void Mapper::Precede(MapperState& next) const {
-  next.stored.version = next.structural_version = version_ + 1;
-  next.map_instance = ReplacingInstance(map_instance_, next.stored.version);
+  next.stored.version = next.structural_version = version_.number + 1;
+  next.map_id = version_.map.Next();
   next.stored.next_keyframe_id = std::max(next.stored.next_keyframe_id, next_keyframe_id_);
   next.stored.next_point_id = std::max(next.stored.next_point_id, landmark_ids_.next_point);
   next.stored.next_line_id = std::max(next.stored.next_line_id, landmark_ids_.next_line);
@@ -175,7 +166,7 @@ StoredMap Mapper::Stored() const {
   }
   stored.newest_session = newest_session_;
   stored.newest_t_ns = newest_t_ns_;
-  stored.version = version_;
+  stored.version = version_.number;
   return stored;
 }
 
@@ -308,7 +299,7 @@ bool Mapper::Correct(const LoopClosure& closure, std::string* reason) {
 }
 
 void Mapper::CloseLoop(const LoopClosure& closure) {
-  structural_version_ = version_ + 1;
+  structural_version_ = version_.number + 1;
   std::vector<LoopSides> sides;
   for (const LoopEdge& edge : EdgesInMap(closure, map_)) {
     map_.Add(edge);
@@ -380,7 +371,7 @@ void Mapper::Forget() {
 
 MapUpdate Mapper::TakeUpdate() {
   MapUpdate update = ChangedPart(map_, map_.TakeChanges());
-  update.base_version = version_++;
+  update.base_version = version_.number++;
   Sign(update);
   return update;
 }
@@ -394,13 +385,13 @@ MapUpdate Mapper::Whole() const {
 void Mapper::Sign(MapUpdate& update) const {
   // The first keyframe determines the camera.
   if (map_.keyframes().empty()) update.camera.reset();
-  update.version = version_;
+  update.version = version_.number;
   const auto newest = sessions_.find(newest_session_);
   update.newest = {newest_session_, newest == sessions_.end() ? -1 : newest->second.session_keyframe_id};
   update.t_ns = newest_t_ns_;
   update.committed = committed_;
   update.localise_only = options_.localise_only;
-  update.map_instance = map_instance_;
+  update.map_id = version_.map;
   update.adjustment = figures_;
 }
 
@@ -530,7 +521,7 @@ void Mapper::MergeWithMap(const Keyframe& keyframe, Association& association, Ma
     poses[id] = T_w_fixed * (T_w_moving.Inverse() * map_.FindKeyframe(id)->T_w_kf);
   }
   MoveKeyframes(poses, features_, camera_, map_);
-  structural_version_ = version_ + 1;
+  structural_version_ = version_.number + 1;
   entry.T_w_kf = T_w_fixed;
   // Drops associations with landmarks that lost their last possible observation by the move.
   ForgetGone<PointType>(map_, association.points);

@@ -72,8 +72,10 @@ class Mapper {
   /// Whether keyframes of the session have been inserted.
   bool HasSession(SessionId session) const { return sessions_.contains(session); }
 
-  /// `MapUpdate::map_instance`, for a map that begins.
-  void SetInstance(MapId map_instance) { map_instance_ = map_instance; }
+  /// Which map it is, if it begins.
+  void SetMapId(const MapId& map) { version_.map = map; }
+  /// The process that assigns the ids from now on.
+  void SetNumbering(SourceId numbering) { version_.numbering = numbering; }
 
   /// Localisation-only mode: `Insert` and `Correct` refuse everything, the map does not change.
   void SetLocaliseOnly(bool localise_only) { options_.localise_only = localise_only; }
@@ -107,7 +109,8 @@ class Mapper {
   }
   const Map& map() const { return map_; }
   const KeyframeFeatures& features() const { return features_; }
-  int64_t version() const { return version_; }
+  int64_t version() const { return version_.number; }
+  const MapId& map_id() const { return version_.map; }
   const AdjustmentFigures& figures() const { return figures_; }
 
   /// Adjustments that failed although there were landmarks to adjust; these did not move.
@@ -160,10 +163,9 @@ class Mapper {
   std::map<SessionId, Session> sessions_;
   SessionId newest_session_;
   int64_t newest_t_ns_ = 0;
-  int64_t version_ = 0;
+  MapVersion version_;
   /// The version in which the map last applied a loop or joined two parts.
   int64_t structural_version_ = 0;
-  MapId map_instance_;
   bool committed_ = false;
   AdjustmentFigures figures_;
   Failures failures_;

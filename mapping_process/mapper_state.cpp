@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
+#include <type_traits>
 
 #include "core/errors/error_text.h"
 #include "core/files/mapped_file.h"
@@ -28,7 +29,10 @@ void Fields(Archive& a, T& f) {
 
 template <class Archive, Is<LoopAnswer> T>
 void Fields(Archive& a, T& answer) {
-  a(answer.keyframe, answer.map_version, answer.accepted);
+  bool has_version = answer.map_version.has_value();
+  MapVersion version = answer.map_version.value_or(MapVersion());
+  a(answer.keyframe, has_version, version, answer.accepted);
+  if constexpr (!std::is_const_v<T>) answer.map_version = has_version ? std::optional(version) : std::nullopt;
 }
 
 /// The scalar fields; keyframes, landmarks and features are written separately.
@@ -36,7 +40,7 @@ template <class Archive, Is<mapping::MapperState> T>
 void Fields(Archive& a, T& state) {
   a(state.stored, state.stored.sessions, state.recent_landmarks, state.missed_landmarks, state.visits,
     state.inertial_links, state.tracker, state.figures, state.committed, state.structural_version,
-    state.localise_only, state.map_instance, state.lockstep, state.closures, state.answer);
+    state.localise_only, state.map_id, state.lockstep, state.closures, state.answer);
 }
 
 }  // namespace plslam::archive

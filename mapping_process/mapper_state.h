@@ -31,7 +31,7 @@ struct MapperState {
   /// Corrections computed before this version are refused (`WhyNotOfMap`).
   int64_t structural_version = 0;
   uint8_t localise_only = 0;  ///< 1: localisation-only mode
-  MapId map_instance;         ///< `MapUpdate::map_instance`
+  MapId map_id;
   /// The newest keyframe, if it is not committed: 1: of a lockstep session; kinds of closures taken about it, as bits.
   uint8_t lockstep = 0;
   uint8_t closures = 0;

@@ -60,12 +60,6 @@ struct SourceKind {
 /// A process that publishes or reads, from its start to its end (`header_t.source`). A random number; 0: none, or all.
 using SourceId = Id<SourceKind>;
 
-struct MapKind {
-  static constexpr int64_t kNone = 0;
-};
-/// A map until another one replaces it (`BelongsTo`). Even: begun with its process; odd: by an order; 0: unknown.
-using MapId = Id<MapKind>;
-
 struct FrameKind {
   static constexpr int64_t kNone = -1;
 };

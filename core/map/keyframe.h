@@ -11,6 +11,7 @@
 #include "core/geometry/stereo_camera.h"
 #include "core/geometry/up_direction.h"
 #include "core/ids/ids.h"
+#include "core/ids/map_version.h"
 #include "core/inertial/inertial_interval.h"
 
 namespace plslam {
@@ -35,9 +36,8 @@ struct Keyframe {
   FrameId frame_id = 0;
   /// -1 for the first keyframe of a session; then `T_prevkf_kf` is identity and `covariance` zero.
   int64_t previous_keyframe_id = -1;
-  /// `MapUpdate::map_instance` of the map that the session is part of; 0: not known yet. The keyframe belongs to no other
-  /// map.
-  MapId map_instance;
+  /// The map that the session is part of.
+  MapId map_id;
   SE3 T_prevkf_kf;
   /// Covariance of T_prevkf_kf, right perturbation in kf.
   Matrix6d covariance = Matrix6d::Zero();

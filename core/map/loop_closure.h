@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/geometry/se3.h"
 #include "core/ids/ids.h"
+#include "core/ids/map_version.h"
 
 namespace plslam {
 
@@ -56,9 +58,8 @@ struct LoopClosure {
   /// The keyframe, and its time.
   KeyframeName keyframe;
   int64_t t_ns = 0;
-  /// Publisher and version of the map on which it was computed.
-  SourceId map_source;
-  int64_t map_version = 0;
+  /// The map on which it was computed.
+  std::optional<MapVersion> map_version;
   /// Whether another message about the same keyframe follows (an adjustment is running).
   bool more = false;
   /// kLoop only; usually one.
@@ -87,8 +88,7 @@ struct Relocalisation {
   bool found = false;
   /// The map in which it was found, the keyframe of the recognised place, and the pose with the covariance of its right
   /// perturbation given the landmarks.
-  SourceId map_source;
-  int64_t map_version = 0;
+  std::optional<MapVersion> map_version;
   KeyframeId keyframe_id = -1;
   SE3 T_w_c;
   Matrix6d covariance = Matrix6d::Zero();

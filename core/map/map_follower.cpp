@@ -31,14 +31,12 @@ bool NewestKeyframes::HasCommitted(const KeyframeName& keyframe) const {
   return keyframe.number < 0 || (found != committed_.end() && found->second >= keyframe.number);
 }
 
-MapVersion::Step MapVersion::Advance(const MapUpdate& update) {
-  const bool same_source = update.source == source_;
-  if (same_source && update.version <= number_) return Step::kKnown;
-  const bool whole = update.base_version == 0;
-  if (!whole && (!same_source || update.base_version != number_)) return Step::kGap;
-  source_ = update.source;
-  number_ = update.version;
-  return Step::kNext;
+MapStep Advance(const MapUpdate& update, std::optional<MapVersion>& known) {
+  const bool same_numbering = known && known->numbering == update.source;
+  if (same_numbering && update.version <= known->number) return MapStep::kKnown;
+  if (!update.IsWhole() && (!same_numbering || update.base_version != known->number)) return MapStep::kGap;
+  known = update.Version();
+  return MapStep::kNext;
 }
 
 void MapFollower::Move(const std::vector<MovedKeyframe>& keyframes) {
@@ -75,19 +73,19 @@ void MapFollower::TakeChanges(const MapUpdate& update) {
   Insert(update, map_);
 }
 
-MapVersion::Step MapFollower::Apply(const MapUpdate& update) {
-  const bool same_source = update.source == version_.source();
-  const MapVersion::Step step = version_.Advance(update);
-  if (step != MapVersion::Step::kNext) return step;
-  const bool same_instance = update.map_instance == map_instance_;
-  const bool same_map = same_instance && (same_source || map_instance_ != 0);
-  change_ = update.map_instance != 0 && !same_instance ? Change::kReplaced
-            : same_source                              ? Change::kContinued
-                                                       : Change::kRenumbered;
-  map_instance_ = update.map_instance;
+MapStep MapFollower::Apply(const MapUpdate& update) {
+  const std::optional<MapVersion> before = version_;
+  const MapStep step = Advance(update, version_);
+  if (step != MapStep::kNext) return step;
+  const bool same_numbering = before && before->numbering == update.source;
+  const bool same_map = before && before->map == update.map_id;
+  change_ = before && !update.map_id.Matches(before->map) ? Change::kReplaced
+            : same_numbering                              ? Change::kContinued
+                                                          : Change::kRenumbered;
   if (change_ != Change::kContinued) newest_ = {};
-  if (update.base_version == 0) {
-    TakeWhole(update, same_map);
+  if (update.IsWhole()) {
+    // Without a known origin the map of another process may be another one.
+    TakeWhole(update, same_map && (same_numbering || update.map_id.origin != SourceId()));
     newest_.AddWhole(update, map_);
   } else {
     TakeChanges(update);

@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "core/ids/ids.h"
+#include "core/ids/map_version.h"
 #include "core/map/map.h"
 #include "core/map/map_update.h"
 
@@ -29,24 +31,16 @@ class NewestKeyframes {
   std::map<SessionId, int64_t> committed_;
 };
 
-/// Publisher and version of a map that follows its updates.
-class MapVersion {
- public:
-  /// kNext: the update applies, and this is now that version. kKnown: it was applied before. kGap: versions are
-  /// missing, request the complete map.
-  enum class Step { kNext, kKnown, kGap };
-
-  /// Accepts an update of another publisher only if it is a complete map.
-  Step Advance(const MapUpdate& update);
-
-  SourceId source() const { return source_; }
-  /// 0: no update was received.
-  int64_t number() const { return number_; }
-
- private:
-  SourceId source_;
-  int64_t number_ = 0;
+/// Relation of an update to a known version of the map.
+enum class MapStep {
+  kNext,   ///< the update applies
+  kKnown,  ///< it was applied before
+  kGap,    ///< versions are missing: request the complete map
 };
+
+/// Replaces `known` (nullopt: no update was received) if the update is the next one. An update of another numbering
+/// is the next one only if it is a complete map.
+MapStep Advance(const MapUpdate& update, std::optional<MapVersion>& known);
 
 /// A copy of a map of another process, kept up to date, and what its updates say about keyframes. `Apply` alone
 /// interprets an update.
@@ -56,20 +50,20 @@ class MapFollower {
   enum class Change {
     kContinued,   ///< the same map
     kRenumbered,  ///< of another mapping_process: ids may mean other keyframes and landmarks
-    kReplaced,    ///< another map (`MapUpdate::map_instance`)
+    kReplaced,    ///< another map (`MapId::Matches`)
   };
 
   /// A complete map replaces this one.
-  MapVersion::Step Apply(const MapUpdate& update);
-  /// `Map::RememberRemoved`, until another map replaces this one (`MapUpdate::map_instance`).
+  MapStep Apply(const MapUpdate& update);
+  /// `Map::RememberRemoved`, until another map replaces this one.
   void RememberRemoved() {
     remembers_removed_ = true;
     map_.RememberRemoved();
   }
 
   const Map& map() const { return map_; }
-  SourceId source() const { return version_.source(); }
-  int64_t version() const { return version_.number(); }
+  /// nullopt: no update was received.
+  const std::optional<MapVersion>& version() const { return version_; }
   Change change() const { return change_; }
   /// Since the last change that was not kContinued.
   const NewestKeyframes& newest() const { return newest_; }
@@ -80,9 +74,8 @@ class MapFollower {
   void Move(const std::vector<MovedKeyframe>& keyframes);
 
   Map map_;
-  MapId map_instance_;
   bool remembers_removed_ = false;
-  MapVersion version_;
+  std::optional<MapVersion> version_;
   Change change_ = Change::kContinued;
   NewestKeyframes newest_;
 };

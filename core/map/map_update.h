@@ -9,6 +9,7 @@
 
 #include "core/geometry/stereo_camera.h"
 #include "core/ids/ids.h"
+#include "core/ids/map_version.h"
 #include "core/map/map.h"
 
 namespace plslam {
@@ -30,31 +31,19 @@ struct AdjustmentFigures {
 /// Decision about a loop of loop_process, identified by keyframe and map version as in its `LoopClosure`.
 struct LoopAnswer {
   KeyframeName keyframe;  ///< without a number: no loop was decided yet
-  int64_t map_version = 0;
+  std::optional<MapVersion> map_version;
   bool accepted = false;
 
   bool operator==(const LoopAnswer&) const = default;
 };
 
-/// Whether it answers that loop.
+/// Whether it answers that loop. A map that was rebuilt in lockstep has the same numbers of versions under another
+/// numbering, and so has a loop that is detected again in it.
 inline bool IsAnswerTo(const LoopAnswer& answer, const LoopClosure& loop) {
-  return answer.keyframe == loop.keyframe && answer.map_version == loop.map_version;
-}
-
-/// Whether a keyframe or session whose tracker knows its map as `member.map_instance` belongs to `map`. An id is drawn
-/// when a map begins: even if it began with its process, odd if it replaced another one by an order. A session without
-/// one has used no landmarks of any map, and belongs to a map that has not replaced another one.
-template <class Member>
-bool BelongsTo(const Member& member, MapId map) {
-  const MapId of_member = member.map_instance;
-  return of_member == map || map == 0 || (of_member == 0 && map.value % 2 == 0);
-}
-
-/// Returns the id of a map that begins with the run `source` of mapping_process: even, and different from `source`, so
-/// that logs distinguish maps from processes.
-inline MapId BeginningInstance(SourceId source) {
-  constexpr int64_t kDiffers = int64_t{1} << 40;
-  return MapId((source.value ^ kDiffers) & ~int64_t{1});
+  if (answer.keyframe != loop.keyframe || answer.map_version.has_value() != loop.map_version.has_value())
+    return false;
+  return !loop.map_version || (answer.map_version->map.Matches(loop.map_version->map) &&
+                               answer.map_version->number == loop.map_version->number);
 }
 
 /// Changes of the map from one version to the next; the content of `map_update_t`. Changed landmarks and keyframes are
@@ -75,8 +64,8 @@ struct MapUpdate {
   LoopAnswer answer;
   /// Localisation-only mode: the map does not change.
   bool localise_only = false;
-  /// Which of all maps this is (`BelongsTo`). Repeated in each update.
-  MapId map_instance;
+  /// Repeated in each update.
+  MapId map_id;
   /// Applied to the map of the base version before all other changes (`Map::Move`).
   std::vector<MovedKeyframe> moved_keyframes;
   std::vector<MapKeyframe> keyframes;
@@ -92,6 +81,9 @@ struct MapUpdate {
   AdjustmentFigures adjustment;
   /// Durations of the stages that led to it, in ms.
   std::vector<std::pair<std::string, double>> stage_ms;
+
+  MapVersion Version() const { return {map_id, source, version}; }
+  bool IsWhole() const { return base_version == 0; }
 };
 
 /// Returns the part of `map` that `changes` lists.

@@ -181,17 +181,16 @@ void DenseNode::DropOldest() {
 
 void DenseNode::OnMap(const MapUpdate& update) {
   quiet_ticks_ = 0;
-  FollowMap(update.map_instance);
+  FollowMap(update.map_id);
   // A correction moves the surfaces.
   if (map_ && map_->n_keyframes() > 0) dirty_ = grid_is_old_ = true;
   FuseAll();
 }
 
-/// Another map replaces the surfaces, too, if an order replaced the old one (odd instances, see `BelongsTo`); a rebuilt map
-/// has the same keyframes.
-void DenseNode::FollowMap(MapId map_instance) {
-  const MapId before = std::exchange(map_instance_, map_instance);
-  if (before == 0 || before == map_instance || map_instance.value % 2 == 0) return;
+/// Another map replaces the surfaces, too; a rebuilt one has the same keyframes.
+void DenseNode::FollowMap(const MapId& map) {
+  const std::optional<MapId> before = std::exchange(map_id_, map);
+  if (!before || map.Matches(*before)) return;
   LogInfo("the map was replaced: its surfaces are dropped");
   map_.reset();
   waiting_.clear();

@@ -61,7 +61,7 @@ class DenseNode {
   void OnMask(const mask_t& message);
   void OnKeyframe(const Keyframe& keyframe);
   void OnMap(const MapUpdate& update);
-  void FollowMap(MapId map_instance);
+  void FollowMap(const MapId& map);
   void OnStatus(const status_t& message);
   void OnStream(const stream_t& message);
   void OnCommand(const command_t& message);
@@ -83,7 +83,7 @@ class DenseNode {
   DenseOptions options_;
   std::optional<Camera> camera_;
   std::optional<DenseMap> map_;
-  MapId map_instance_;  ///< of the newest update
+  std::optional<MapId> map_id_;  ///< of the newest update
   /// Newest images, pixels of moving bodies, and masks of a detector, by frame.
   std::map<FrameId, StereoImages> frames_;
   std::map<FrameId, BodyPixels> bodies_;

@@ -31,6 +31,20 @@ bool IsGiven(AnId id, AnId next) {
   return id >= 0 && id < next;
 }
 
+std::string WrongVersion(const MapVersion& version, const AssignedIds& given) {
+  if (!version.map.Matches(given.version.map)) return "it was computed on another map";
+  if (version.numbering != given.version.numbering) return {};
+  if (version.number > given.version.number) {
+    return fmt::format("it was computed on version {} of the map, which is at {}", version.number,
+                       given.version.number);
+  }
+  if (version.number < given.structural_version) {
+    return fmt::format("it corrects version {} of the map, whose structure changed in version {}", version.number,
+                       given.structural_version);
+  }
+  return {};
+}
+
 std::string WrongPoses(const std::vector<CorrectedPose>& poses, KeyframeId next_keyframe) {
   KeyframeId last = -1;
   for (const CorrectedPose& pose : poses) {
@@ -83,16 +97,10 @@ bool HasEffect(const LoopClosure& closure, const Map& map) {
 }  // namespace
 
 std::string WhyNotOfMap(const LoopClosure& closure, const AssignedIds& given, const Map& map) {
-  if (closure.map_version > given.version) {
-    return fmt::format("it was computed on version {} of the map, which is at {}", closure.map_version,
-                       given.version);
-  }
-  if (closure.map_version > 0 && closure.map_version < given.structural_version) {
-    return fmt::format("it corrects version {} of the map, whose structure changed in version {}",
-                       closure.map_version, given.structural_version);
-  }
+  std::string wrong = closure.map_version ? WrongVersion(*closure.map_version, given) : "";
+  if (!wrong.empty()) return wrong;
   if (closure.kind == LoopClosure::Kind::kLoop && closure.edges.empty()) return "its loop has no edges";
-  std::string wrong = WrongPoses(closure.poses, given.next_keyframe);
+  wrong = WrongPoses(closure.poses, given.next_keyframe);
   if (wrong.empty()) wrong = WrongEdges(closure.edges, given.next_keyframe);
   if (wrong.empty()) wrong = WrongPairs("points", closure.points, given.next_landmark.next_point);
   if (wrong.empty()) wrong = WrongPairs("lines", closure.lines, given.next_landmark.next_line);
@@ -164,7 +172,6 @@ LoopClosure InIdsOf(const Map& map, const LoopClosure& closure, MapIds map_ids) 
             [](const NamedKeyframe& a, const NamedKeyframe& b) { return a.keyframe_id < b.keyframe_id; });
   translated.points.clear();
   translated.lines.clear();
-  translated.map_version = 0;
   return translated;
 }
 

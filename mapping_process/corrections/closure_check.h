@@ -13,15 +13,14 @@ namespace plslam::mapping {
 struct AssignedIds {
   KeyframeId next_keyframe = 0;
   LandmarkIds next_landmark;
-  int64_t version = 0;
+  MapVersion version;
   /// The version in which the map last applied a loop or joined two parts.
   int64_t structural_version = 0;
 };
 
 /// Returns in one sentence why a correction cannot be applied to this map; empty if it can. Accepts ids of what was
 /// removed since. Rejects ids that were never assigned, invalid poses, a correction none of whose keyframes is left,
-/// and one computed before the last structural correction, which it would undo. Version 0: computed with another
-/// mapping_process, whose versions cannot be compared.
+/// one of another map, and one computed before the last structural correction, which it would undo.
 std::string WhyNotOfMap(const LoopClosure& closure, const AssignedIds& given, const Map& map);
 
 /// Whether a correction was computed with the ids of this map.
@@ -36,8 +35,8 @@ enum class MapIds {
 /// culled keyframes, whose ids are not assigned again.
 ///
 /// If a keyframe id differs, or landmark ids do, edges and poses of keyframes that are unnamed or not in the map are
-/// dropped; so are the version and all pairs of landmarks, because landmarks have no names: guided matching by
-/// projection finds these pairs instead.
+/// dropped; so are all pairs of landmarks, because landmarks have no names: guided matching by projection finds these
+/// pairs instead.
 LoopClosure InIdsOf(const Map& map, const LoopClosure& closure, MapIds map_ids = MapIds::kPerhapsSame);
 
 }  // namespace plslam::mapping

@@ -41,6 +41,11 @@ bool KeyframeQueue::Add(const Keyframe& keyframe, double now_ms) {
   return true;
 }
 
+void KeyframeQueue::Drop(SessionId session) {
+  const auto found = sessions_.find(session);
+  if (found != sessions_.end()) found->second.waiting.clear();
+}
+
 bool KeyframeQueue::IsReady(const Session& session, double now_ms) {
   const auto& [number, front] = *session.waiting.begin();
   return number == session.next || now_ms - std::max(front.received_ms, session.taken_ms) >= kPatience_ms;

@@ -47,6 +47,9 @@ class KeyframeQueue {
   /// Returns false for a keyframe that was added before, or with an impossible number (beyond `kLast`).
   bool Add(const Keyframe& keyframe, double now_ms);
 
+  /// Drops the waiting keyframes of a session.
+  void Drop(SessionId session);
+
   /// Returns the next keyframe; nullptr if there is none, or earlier ones are waited for.
   const Keyframe* Next(double now_ms) const;
   /// As `Next`, and removes it.

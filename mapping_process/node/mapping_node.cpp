@@ -68,7 +68,8 @@ MappingNode::MappingNode(bus::Process& process, const MappingOptions& options)
       queue_(options.loops.enabled, process.bus().options().partner_wait_s,
              options.state_file.empty() ? 0 : options.state_every),
       arrived_ms_(bus::NowMs()),
-      state_file_(options.state_file),
+      counters_(process),
+      disk_(process, options.state_file),
       camera_channel_(process.bus(), [this](const RigCalibration& rig) { OnCamera(rig); }),
       keyframes_(process.bus(), [this](const Keyframe& keyframe) { OnKeyframe(keyframe); }) {
   process_.bus().Subscribe<command_t>(bus::kCommand, [this](const command_t& message) { OnCommand(message); });
@@ -80,14 +81,11 @@ MappingNode::MappingNode(bus::Process& process, const MappingOptions& options)
   process_.bus().Every(kTick, [this] { OnTick(); });
   process_.SetConfiguration(ToYaml("mapping", options_));
   ReadState();
-  if (!restored_ && !options_.map_file.empty()) {
-    stored_ = ReadMapFile(options_.map_file);
-    camera_ = MapCamera(*stored_, options_.map_file);
-    AdoptStored(*stored_);
+  if (!std::holds_alternative<MapperState>(beginning_) && !options_.map_file.empty()) {
+    const StoredMap& stored = beginning_.emplace<StoredMap>(ReadMapFile(options_.map_file));
+    camera_ = MapCamera(stored, options_.map_file);
+    AdoptStored(stored);
   }
-  // Without a file the process that replaces this one would reject the keyframes of the history.
-  if (!restored_ && !options_.state_file.empty())
-    map_instance_ = BeginningInstance(SourceId(process_.bus().source()));
   worker_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { WorkUntilStopped(); }); });
 }
 
@@ -115,22 +113,30 @@ void MappingNode::OnCamera(const RigCalibration& rig) {
 void MappingNode::OnKeyframe(const Keyframe& keyframe) {
   if (keyframe.source == SourceId(process_.bus().source())) return;  // our own, of a loaded map
   Queue([&] {
-    if (!BelongsTo(keyframe, map_instance_)) {
-      process_.SetCounter("keyframes.other_map", static_cast<double>(++n_other_map_));
-      // Its tracker does not know yet that there is another map.
-      static constexpr size_t kMostSessions = 64;
-      if (refused_sessions_.size() < kMostSessions && refused_sessions_.insert(keyframe.name.session).second) {
-        queue_.AskForWhole();
-      }
-      return;
-    }
     const double now_ms = bus::NowMs();
-    if (!queue_.Add(keyframe, now_ms)) return;
+    switch (membership_.RelationOf(keyframe)) {
+      case MapMembership::Relation::kOfOtherMap:
+        return Refuse(keyframe.name.session);
+      case MapMembership::Relation::kOfNextMap:
+        queue_.AddOfNextMap(keyframe, now_ms);
+        break;
+      case MapMembership::Relation::kOfThisMap:
+        if (!queue_.Add(keyframe, now_ms)) return;
+    }
     arrived_ms_ = now_ms;
     process_.SetCounter("queue.keyframes", static_cast<double>(queue_.n_keyframes()));
     // Under the lock: after it, this could end the solve of this very keyframe.
     if (!keyframe.lockstep) stop_solve_ = true;
   });
+}
+
+void MappingNode::Refuse(SessionId session) {
+  const bool is_first = membership_.Refuse(session);
+  process_.SetCounter("keyframes.other_map", static_cast<double>(membership_.n_refused()));
+  if (!is_first) return;
+  queue_.Drop(session);
+  // Its tracker does not know yet that there is another map.
+  queue_.AskForWhole();
 }
 
 void MappingNode::OnClosure(const LoopClosure& closure) {
@@ -156,9 +162,9 @@ void MappingNode::OnTick() {
 
 void MappingNode::OnCommand(const command_t& message) {
   const std::optional<bus::Order> order = bus::OrderTo(process_, message);
-  static constexpr std::array kObeyed = {command_verb::kSave, command_verb::kReset, command_verb::kLoad,
-                                         command_verb::kLocalise, command_verb::kSendKeyframes};
-  if (!order || std::find(kObeyed.begin(), kObeyed.end(), order->verb) == kObeyed.end()) return;
+  static constexpr std::array kAccepted = {command_verb::kSave, command_verb::kReset, command_verb::kLoad,
+                                           command_verb::kLocalise, command_verb::kSendKeyframes};
+  if (!order || std::find(kAccepted.begin(), kAccepted.end(), order->verb) == kAccepted.end()) return;
   if (!camera_ && order->verb == command_verb::kSendKeyframes) return;
   // The worker does not run before a camera arrives; the sender of the command should not wait for that.
   if (!camera_) return bus::Answer(process_, *order, "no camera has been received, so there is no map");
@@ -191,38 +197,43 @@ void MappingNode::WorkBeforeStop() {
     stop_solve_ = true;
     Do(*work);
   }
-  if (!options_.state_file.empty()) KeepState();
+  KeepState();
+}
+
+/// Makes it the map of this process, which assigns the ids from now on.
+void MappingNode::Own(Mapper mapper) {
+  mapper_.emplace(std::move(mapper));
+  mapper_->SetNumbering(SourceId(process_.bus().source()));
 }
 
 /// Called when a camera is known.
 void MappingNode::BeginMap() {
-  if (restored_) return RestoreState();
-  if (!stored_) {
-    mapper_.emplace(*camera_, options_);
-    mapper_->SetInstance(map_instance_);
-    if (options_.state_file.empty()) return;
-    LogInfo("beginning a new map: there is no {}", options_.state_file);
+  auto beginning = std::exchange(beginning_, {});
+  if (auto* state = std::get_if<MapperState>(&beginning)) return RestoreState(std::move(*state));
+  auto* stored = std::get_if<StoredMap>(&beginning);
+  Own(stored == nullptr ? Mapper(*camera_, options_) : Mapper(*camera_, options_, std::move(*stored)));
+  mapper_->SetMapId(MapIdNow());
+  if (stored == nullptr) {
+    if (disk_.keeps_state()) LogInfo("beginning a new map: there is no {}", options_.state_file);
     return KeepState();
   }
-  mapper_.emplace(*camera_, options_, *std::exchange(stored_, std::nullopt));
-  mapper_->SetInstance(map_instance_);
   mapper_->Commit();
   PublishWhole();
   PublishKeyframes();
   process_.SetState(process_state::kRunning);
   LogStoredMap(options_.map_file);
-  MoveOldToFiles();
+  disk_.MoveOldFeatures(*mapper_);
 }
 
 /// Publishes the map before the keyframes: trackers wait for it, and most other processes have the features.
-void MappingNode::RestoreState() {
-  answer_ = state_->answer;
-  mapper_.emplace(*camera_, options_, *std::exchange(state_, std::nullopt));
+void MappingNode::RestoreState(MapperState state) {
+  answer_ = state.answer;
+  Own(Mapper(*camera_, options_, std::move(state)));
   if (mapper_->version() > 0) PublishWhole();
   process_.SetState(process_state::kRunning);
   PublishKeyframes();
   LogStoredMap(options_.state_file);
-  MoveOldToFiles();
+  disk_.MoveOldFeatures(*mapper_);
 }
 
 /// Publishes the keyframes of the map, or those with the given ids, as trackers do, for listeners that need their
@@ -233,7 +244,9 @@ void MappingNode::PublishKeyframes(const std::optional<std::set<KeyframeId>>& id
     if (ids && !ids->contains(id)) continue;
     const auto features = mapper_->features().find(id);
     if (features == mapper_->features().end()) continue;
-    publisher.Publish(KeyframeOf(entry, features->second, mapper_->camera(), mapper_->map()));
+    Keyframe keyframe = KeyframeOf(entry, features->second, mapper_->camera(), mapper_->map());
+    keyframe.map_id = mapper_->map_id();
+    publisher.Publish(keyframe);
   }
 }
 
@@ -241,14 +254,13 @@ void MappingNode::LogStoredMap(const std::string& file) {
   if (mapper_->map().keyframes().empty()) return LogInfo("beginning a new map: that in {} is empty", file);
   LogInfo("continuing the map in {}: {} keyframes, {} points, {} lines", file, mapper_->map().keyframes().size(),
           mapper_->map().points().size(), mapper_->map().lines().size());
-  CountMap();
+  counters_.Count(*mapper_);
 }
 
 /// After a restart several publishers resend their history: waits until nothing has arrived for a while, or for a
 /// maximum time. Closures of the previous loop_process have then arrived before a keyframe is checked again.
 void MappingNode::AwaitHistories() {
   std::unique_lock lock(mutex_);
-  if (!restored_ && queue_.n_waiting() == 0) return;
   const double until_ms = bus::NowMs() + kLongestHistory_ms;
   const auto quiet_at_ms = [&] { return std::min(arrived_ms_ + kHistoryQuiet_ms, until_ms); };
   for (double now_ms = bus::NowMs(); !stopping_ && now_ms < quiet_at_ms(); now_ms = bus::NowMs()) {
@@ -286,13 +298,16 @@ void MappingNode::Do(const Work& work) {
     case Work::Kind::kPublishWhole:
       if (mapper_->version() > 0) return PublishWhole();
       // Before the first update there is nothing to publish, unless trackers still belong to an earlier map.
-      if (n_other_map_ == 0) return;
+      if (!HasRefused()) return;
       mapper_->Commit();
       return Publish({});
     case Work::Kind::kOrder:
       return Execute(work.order);
     case Work::Kind::kKeepState:
       return KeepState();
+    case Work::Kind::kBeginMap:
+      LogInfo("beginning the map that replaced this one before a restart");
+      return Replace({}, mapper_->camera(), work.map_id);
   }
 }
 
@@ -309,7 +324,7 @@ void MappingNode::Insert(const std::vector<WorkQueue::Arrived>& batch) {
       continue;
     }
     if (!mapper_->localise_only()) LogWarning("left out: {}", reason);
-    process_.SetCounter("keyframes.ignored", static_cast<double>(++n_ignored_));
+    counters_.CountIgnored();
   }
   if (newest == nullptr) return;
   const double inserted_ms = bus::NowMs();
@@ -325,13 +340,7 @@ void MappingNode::Insert(const std::vector<WorkQueue::Arrived>& batch) {
            {stage_name::kAdjust, adjusted_ms - inserted_ms},
            {"cull", done_ms - adjusted_ms},
            {stage_name::kUpdate, done_ms - batch.front().received_ms}});
-  if ((n_since_files_ += count) >= kFilesEvery) MoveOldToFiles();
-}
-
-void MappingNode::MoveOldToFiles() {
-  n_since_files_ = 0;
-  if (mapper_->MoveOldToFiles() || std::exchange(files_failed_, true)) return;
-  LogWarning("{}", CannotLeaveMemory());
+  disk_.Inserted(count, *mapper_);
 }
 
 /// Re-expresses the keyframe in the camera of the map, which is that of its first keyframe.
@@ -350,14 +359,14 @@ void MappingNode::WarnOfMissing(const WorkQueue::Arrived& arrived) {
   if (arrived.missing == 0) return;
   LogWarning("session {}: {} keyframes before number {} are missing; continuing without them",
              arrived.keyframe.name.session, arrived.missing, arrived.keyframe.name.number);
-  process_.SetCounter("keyframes.missing", static_cast<double>(n_missing_ += arrived.missing));
+  counters_.CountMissing(arrived.missing);
 }
 
 void MappingNode::Correct(const Work& work) {
   const double began_ms = bus::NowMs();
   std::string reason;
   const bool corrects = work.closure.kind != LoopClosure::Kind::kNone;
-  const bool corrected = corrects && mapper_->Correct(OfThisMap(work), &reason);
+  const bool corrected = corrects && mapper_->Correct(InOwnIds(work), &reason);
   bool commits = work.commits;
   if (work.closure.kind == LoopClosure::Kind::kLoop) Answer(work.closure, corrected);
   if (corrects && !corrected) {
@@ -367,16 +376,15 @@ void MappingNode::Correct(const Work& work) {
   }
   if (commits) mapper_->Commit();
   Publish(corrected ? Stages{{"correct", bus::NowMs() - began_ms}} : Stages{});
-  if (corrected) MoveOldToFiles();
+  if (corrected) disk_.MoveOldFeatures(*mapper_);
 }
 
-/// Re-expresses a closure of the map of another mapping_process, whose versions do not apply. A map rebuilt in lockstep
-/// has the same ids; a live one, in which timing decides what is inserted together, has other landmark ids.
-LoopClosure MappingNode::OfThisMap(const Work& work) const {
-  if (work.closure.map_source == SourceId(process_.bus().source())) return InIdsOf(mapper_->map(), work.closure);
-  LoopClosure closure = InIdsOf(mapper_->map(), work.closure, work.lockstep ? MapIds::kPerhapsSame : MapIds::kOthers);
-  closure.map_version = 0;
-  return closure;
+/// Re-expresses a closure that was computed with the ids of another mapping_process. A map rebuilt in lockstep has the
+/// same ids; a live one, in which timing decides what is inserted together, has other landmark ids.
+LoopClosure MappingNode::InOwnIds(const Work& work) const {
+  const std::optional<MapVersion>& version = work.closure.map_version;
+  if (version && version->numbering == SourceId(process_.bus().source())) return work.closure;
+  return InIdsOf(mapper_->map(), work.closure, work.lockstep ? MapIds::kPerhapsSame : MapIds::kOthers);
 }
 
 /// Publishes the answer with the next update, and with each one after it.
@@ -393,36 +401,18 @@ void MappingNode::PublishWhole() {
 /// Writes the state first where it is due: after a crash, listeners must not know more of the map than its owner.
 void MappingNode::Publish(Stages stage_ms) {
   MapUpdate update = mapper_->TakeUpdate();
-  if (!options_.state_file.empty()) {
-    state_file_.Note(update);
-    if (IsStateDue()) KeepState();
-  }
+  disk_.Note(update);
+  if (disk_.keeps_state() && IsStateDue()) KeepState();
   update.answer = answer_;
   update.stage_ms = std::move(stage_ms);
   publisher_.Publish(update);
   if (update.version == 1) process_.SetState(process_state::kRunning);
-  CountMap();
+  counters_.Count(*mapper_);
 }
 
 bool MappingNode::IsStateDue() {
   const std::lock_guard lock(mutex_);
   return queue_.TakeState(bus::NowS());
-}
-
-void MappingNode::CountMap() {
-  process_.SetCounter("map.version", static_cast<double>(mapper_->version()));
-  process_.SetCounter("map.keyframes", static_cast<double>(mapper_->map().keyframes().size()));
-  process_.SetCounter("map.points", static_cast<double>(mapper_->map().points().size()));
-  process_.SetCounter("map.lines", static_cast<double>(mapper_->map().lines().size()));
-  CountFailures();
-  process_.SetCounter("map.loops", static_cast<double>(mapper_->map().loops().size()));
-}
-
-void MappingNode::CountFailures() {
-  const Mapper::Failures& failures = mapper_->failures();
-  if (failures.count == n_failed_) return;
-  if (n_failed_ == 0) LogWarning("a local bundle adjustment failed (later ones are counted only): {}", failures.last);
-  process_.SetCounter("adjustments.failed", static_cast<double>(n_failed_ = failures.count));
 }
 
 /// An order that fails changes nothing.
@@ -444,7 +434,7 @@ void MappingNode::Execute(const bus::Order& order) {
       LogStoredMap(order.argument);
     }
     bus::Answer(process_, order);
-    MoveOldToFiles();
+    disk_.MoveOldFeatures(*mapper_);
   } catch (const std::exception& error) {
     std::string failure = error.what();
     // Set by systemd; a service may write nowhere else.
@@ -476,53 +466,60 @@ void MappingNode::SetLocaliseOnly(const std::string& argument) {
   LogInfo("the map {}", mapper_->localise_only() ? "is fixed" : "can grow");
   Publish({});
   // A process killed later restarts in this mode; the newest keyframe is committed here (`WorkQueue::Take`).
-  if (!options_.state_file.empty()) KeepState();
+  KeepState();
 }
 
-void MappingNode::Replace(MapperState next, const StereoCamera& camera) {
+/// The map has the id `id`, or the next one.
+void MappingNode::Replace(MapperState next, const StereoCamera& camera, const std::optional<MapId>& id) {
   mapper_->Precede(next);
+  if (id) next.map_id = *id;
   {
     const std::lock_guard lock(mutex_);
-    map_instance_ = next.map_instance;
-    queue_.Reset(NewestBySession(next.stored), next.stored.newest_session);
+    membership_.SetMapId(next.map_id);
+    queue_.Reset(next.map_id, NewestBySession(next.stored), next.stored.newest_session);
   }
   answer_ = {};
-  mapper_.emplace(camera, options_, std::move(next));
-  state_file_.Reset();
+  Own(Mapper(camera, options_, std::move(next)));
+  disk_.BeginMap();
   PublishWhole();
   // Listeners keep few features of unknown sessions, so they must receive the map first.
   PublishKeyframes();
-  CountMap();
-  if (!options_.state_file.empty()) KeepState();
+  counters_.Count(*mapper_);
+  KeepState();
 }
 
 /// Called before anything arrives: keyframes in the state need not be resent. An unreadable state is ignored.
 void MappingNode::ReadState() {
-  if (options_.state_file.empty() || !std::filesystem::exists(options_.state_file)) return;
+  if (options_.state_file.empty()) return;
+  if (!std::filesystem::exists(options_.state_file)) {
+    membership_.SetMapId({SourceId(process_.bus().source()), 0});
+    return;
+  }
   try {
-    state_ = ReadStateFile(options_.state_file);
+    MapperState state = ReadStateFile(options_.state_file);
     // Do not wait for the camera message, which comes once a second: it would be the longest part of a restart.
-    camera_ = MapCamera(state_->stored, options_.state_file);
+    camera_ = MapCamera(state.stored, options_.state_file);
+    AdoptState(beginning_.emplace<MapperState>(std::move(state)));
   } catch (const std::exception& error) {
-    state_.reset();
     // It may be of a later version of the program.
     const std::string kept = options_.state_file + ".unreadable";
     std::error_code ignored;
     std::filesystem::rename(options_.state_file, kept, ignored);
     process_.Warn("state",
                   fmt::format("rebuilding the map from the history: {}; the file is kept as {}", error.what(), kept));
-    return;
   }
-  restored_ = true;
-  map_instance_ = state_->map_instance;
+}
+
+void MappingNode::AdoptState(const MapperState& state) {
   const std::lock_guard lock(mutex_);
-  const StoredMap& stored = state_->stored;
-  WorkQueue::Newest newest{{.session = stored.newest_session}, state_->lockstep != 0, state_->committed != 0, {}};
+  membership_.SetMapId(state.map_id);
+  const StoredMap& stored = state.stored;
+  WorkQueue::Newest newest{{.session = stored.newest_session}, state.lockstep != 0, state.committed != 0, {}};
   const auto session = stored.sessions.find(stored.newest_session);
   if (session == stored.sessions.end()) newest.committed = true;
   if (session != stored.sessions.end()) newest.keyframe.number = session->second.session_keyframe_id;
   for (int kind = 0; kind < kClosureKinds; ++kind) {
-    if ((state_->closures >> kind & 1) != 0) newest.taken.insert(static_cast<LoopClosure::Kind>(kind));
+    if ((state.closures >> kind & 1) != 0) newest.taken.insert(static_cast<LoopClosure::Kind>(kind));
   }
   queue_.Restore(NewestBySession(stored), newest, bus::NowS());
 }
@@ -533,28 +530,23 @@ void MappingNode::AdoptStored(const StoredMap& stored) {
   queue_.Restore(NewestBySession(stored), stored.newest_session);
 }
 
-void MappingNode::AddNewest(MapperState& state) {
-  const std::lock_guard lock(mutex_);
-  const WorkQueue::Newest& newest = queue_.newest();
-  state.lockstep = newest.lockstep ? 1 : 0;
-  for (const LoopClosure::Kind kind : newest.taken) state.closures |= 1 << static_cast<int>(kind);
+void MappingNode::KeepState() {
+  const auto newest = [this] {
+    const std::lock_guard lock(mutex_);
+    return queue_.newest();
+  };
+  disk_.KeepState(*mapper_, answer_, newest());
 }
 
-/// If writing fails the process continues, with a higher cost of a crash.
-void MappingNode::KeepState() {
-  try {
-    mapper_->LendState([this](MapperState& state) {
-      state.stored.rig = CameraBytes(mapper_->camera());
-      state.answer = answer_;
-      AddNewest(state);
-      state_file_.Write(state);
-    });
-    process_.SetCounter("state.written", static_cast<double>(++n_states_));
-  } catch (const std::exception& error) {
-    if (!std::exchange(state_failed_, true)) LogWarning("the state for a restart is not written: {}", error.what());
-  }
-  MoveOldToFiles();
-  bus::GiveBackFreedMemory();
+MapId MappingNode::MapIdNow() {
+  const std::lock_guard lock(mutex_);
+  return membership_.map_id();
+}
+
+/// Whether keyframes of another map have arrived.
+bool MappingNode::HasRefused() {
+  const std::lock_guard lock(mutex_);
+  return membership_.n_refused() > 0;
 }
 
 bus::ProcessSpec MappingSpec() {

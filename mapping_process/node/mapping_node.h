@@ -11,6 +11,7 @@
 #include <string>
 #include <thread>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "core/bus/messages/frame_channel.h"
@@ -20,6 +21,9 @@
 #include "core/ids/ids.h"
 #include "core/process/process.h"
 #include "mapping_process/mapper.h"
+#include "mapping_process/node/map_counters.h"
+#include "mapping_process/node/map_membership.h"
+#include "mapping_process/node/map_on_disk.h"
 #include "mapping_process/node/work_queue.h"
 #include "mapping_process/options.h"
 
@@ -38,7 +42,8 @@ namespace plslam::mapping {
 ///
 /// The state is written periodically, before each new session, and at an orderly stop (`state_file`): a process started
 /// later continues exactly from there, takes later messages from the histories of other processes, and so reaches the
-/// same map, in lockstep bit for bit. "reset" or a missing file begins a new map.
+/// same map, in lockstep bit for bit. "reset" or a missing file begins a new map. Without a state, or with an unreadable
+/// one, the map is rebuilt from the histories: the last of those that keyframes in them name.
 ///
 /// A saved map is loaded at the start or by command; its keyframes are published as trackers do, for listeners that
 /// need their features. After another map has replaced the current one ("load", "reset"), trackers begin new sessions,
@@ -56,8 +61,10 @@ class MappingNode {
 
   void ReadState();
   void AdoptStored(const StoredMap& stored);
+  void AdoptState(const MapperState& state);
   void OnCamera(const RigCalibration& rig);
   void OnKeyframe(const Keyframe& keyframe);
+  void Refuse(SessionId session);
   void OnClosure(const LoopClosure& closure);
   void OnStatus(const status_t& message);
   void OnCommand(const command_t& message);
@@ -70,7 +77,7 @@ class MappingNode {
   std::optional<Work> NextWork();
   void WorkBeforeStop();
   void BeginMap();
-  void RestoreState();
+  void RestoreState(MapperState state);
   void PublishKeyframes(const std::optional<std::set<KeyframeId>>& ids = std::nullopt);
   void LogStoredMap(const std::string& file);
   void AwaitHistories();
@@ -79,35 +86,29 @@ class MappingNode {
   bool InsertOne(const Keyframe& keyframe, std::string* reason);
   void WarnOfMissing(const WorkQueue::Arrived& arrived);
   void Correct(const Work& work);
-  LoopClosure OfThisMap(const Work& work) const;
+  LoopClosure InOwnIds(const Work& work) const;
   void Execute(const bus::Order& order);
   void Save(const std::string& argument);
-  void Replace(MapperState next, const StereoCamera& camera);
+  void Own(Mapper mapper);
+  void Replace(MapperState next, const StereoCamera& camera, const std::optional<MapId>& id = std::nullopt);
   void SetLocaliseOnly(const std::string& argument);
   void KeepState();
-  void AddNewest(MapperState& state);
-  void MoveOldToFiles();
   void Answer(const LoopClosure& loop, bool accepted);
   bool IsStateDue();
+  MapId MapIdNow();
+  bool HasRefused();
   void Publish(Stages stage_ms);
   void PublishWhole();
-  void CountMap();
-  void CountFailures();
 
   bus::Process& process_;
   MappingOptions options_;
   bus::MapUpdatePublisher publisher_;
 
-  // On the thread of the bus.
-  std::atomic<int64_t> n_other_map_ = 0;
-  std::set<SessionId> refused_sessions_;  // of keyframes of another map
-
   // Shared with the worker.
   std::mutex mutex_;
   std::condition_variable changed_;
   WorkQueue queue_;
-  /// `Mapper`'s; keyframes for another map are ignored.
-  MapId map_instance_;
+  MapMembership membership_;
   /// Camera with which the map begins.
   std::optional<StereoCamera> camera_;
   bool stopping_ = false;
@@ -116,19 +117,12 @@ class MappingNode {
   std::atomic<bool> stop_solve_{false};
 
   // Owned by the worker.
-  std::optional<StoredMap> stored_;
-  std::optional<MapperState> state_;  ///< of a previous process
-  bool restored_ = false;             ///< whether there was one
-  StateFile state_file_;
+  /// An empty map, a saved one, or the state of a previous process; empty after the map has begun with it.
+  std::variant<std::monostate, StoredMap, MapperState> beginning_;
   std::optional<Mapper> mapper_;
   LoopAnswer answer_;
-  int64_t n_ignored_ = 0;
-  int64_t n_missing_ = 0;
-  int64_t n_failed_ = 0;
-  int64_t n_states_ = 0;
-  bool state_failed_ = false;
-  int n_since_files_ = 0;  ///< keyframes since old features were moved to files
-  bool files_failed_ = false;
+  MapCounters counters_;
+  MapOnDisk disk_;
   std::thread worker_;
   bus::CameraSubscriber camera_channel_;
   bus::KeyframeSubscriber keyframes_;

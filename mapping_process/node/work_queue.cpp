@@ -38,13 +38,27 @@ bool WorkQueue::IsLockstep(double now_s) const {
   return newest_.lockstep || (next != nullptr && next->lockstep);
 }
 
-void WorkQueue::Reset(const std::map<SessionId, int64_t>& newest_by_session, SessionId newest_session) {
+void WorkQueue::AddOfNextMap(const Keyframe& keyframe, double now_ms) {
+  if (!of_next_map_.empty()) {
+    const MapId& next = of_next_map_.front().keyframe.map_id;
+    if (next.Supersedes(keyframe.map_id)) return;
+    if (keyframe.map_id.Supersedes(next)) of_next_map_.clear();
+  }
+  of_next_map_.push_back({keyframe, now_ms, 0});
+}
+
+void WorkQueue::Reset(const MapId& map_id, const std::map<SessionId, int64_t>& newest_by_session,
+                      SessionId newest_session) {
   WorkQueue next(awaits_loops_, wait_.wait_s(), state_every_);
   next.wait_ = wait_;
   next.wait_.End();
   next.orders_ = std::move(orders_);
   next.caught_up_ = true;
   next.Restore(newest_by_session, newest_session);
+  for (Arrived& arrived : of_next_map_) {
+    if (arrived.keyframe.map_id.Matches(map_id)) next.Add(arrived.keyframe, arrived.received_ms);
+    if (arrived.keyframe.map_id.Supersedes(map_id)) next.of_next_map_.push_back(std::move(arrived));
+  }
   *this = std::move(next);
 }
 
@@ -60,7 +74,7 @@ void WorkQueue::Add(const LoopClosure& closure) {
 }
 
 WorkQueue::Answer WorkQueue::AnswerOf(const LoopClosure& closure) {
-  return {closure.keyframe, closure.map_source, closure.map_version, closure.kind};
+  return {closure.keyframe, closure.map_version, closure.kind};
 }
 
 /// Drops the oldest closure whose keyframe has not arrived; it may be resent.
@@ -75,6 +89,11 @@ void WorkQueue::DropOldest() {
 
 std::optional<WorkQueue::Work> WorkQueue::Take(double now_s) {
   Work work;
+  if (!of_next_map_.empty()) {
+    work.kind = Work::Kind::kBeginMap;
+    work.map_id = of_next_map_.front().keyframe.map_id;
+    return work;
+  }
   caught_up_ = caught_up_ || keyframes_.size() == 0;
   const bool saves = !orders_.empty() && orders_.front().verb == command_verb::kSave;
   const bool waits = saves || (!orders_.empty() && orders_.front().verb == command_verb::kLocalise);

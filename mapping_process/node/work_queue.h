@@ -47,6 +47,7 @@ class WorkQueue {
       kPublishWhole,  ///< publish the complete map on request
       kOrder,         ///< carry out `order` of a tool
       kKeepState,     ///< write the state for a restart after a crash
+      kBeginMap,      ///< replace the map by an empty one, `map_id`, and call `Reset`
     };
     Kind kind = Kind::kInsert;
     std::vector<Arrived> keyframes;
@@ -55,6 +56,7 @@ class WorkQueue {
     bool accepted = false;  ///< kAnswer: the map has a loop at that keyframe and awaits its global bundle adjustment
     bool lockstep = false;  ///< kCorrect, kAnswer: the newest keyframe is of a lockstep session
     bus::Order order;
+    MapId map_id;
   };
 
   /// `state_every`: number of keyframes after which the state is written. It is also written after the map was saved,
@@ -89,8 +91,12 @@ class WorkQueue {
   /// earlier keyframes have been inserted (a restarted process first inserts those of the histories); others at once.
   void Add(const bus::Order& order) { orders_.push_back(order); }
 
+  /// Holds a keyframe whose tracker knows of a map that has replaced this one: a previous process carried out the order.
+  void AddOfNextMap(const Keyframe& keyframe, double now_ms);
   /// Another map has replaced this one: keyframes and closures of the old one are dropped.
-  void Reset(const std::map<SessionId, int64_t>& newest_by_session, SessionId newest_session);
+  void Reset(const MapId& map_id, const std::map<SessionId, int64_t>& newest_by_session, SessionId newest_session);
+  /// Drops the waiting keyframes of a session.
+  void Drop(SessionId session) { keyframes_.Drop(session); }
 
   /// loop_process is alive.
   void OnSignOfLife(double now_s) { wait_.OnSignOfLife(now_s); }
@@ -115,8 +121,7 @@ class WorkQueue {
   size_t n_waiting() const { return keyframes_.size() + closures_.size(); }
 
  private:
-  /// Keyframe, publisher and version of the map, and kind of a closure.
-  using Answer = std::tuple<KeyframeName, SourceId, int64_t, LoopClosure::Kind>;
+  using Answer = std::tuple<KeyframeName, std::optional<MapVersion>, LoopClosure::Kind>;
 
   static Answer AnswerOf(const LoopClosure& closure);
   void DropOldest();
@@ -129,6 +134,7 @@ class WorkQueue {
   bool awaits_loops_;
   bus::PartnerWait wait_;
   KeyframeQueue keyframes_;
+  std::vector<Arrived> of_next_map_;
   std::deque<LoopClosure> closures_;
   size_t n_parts_ = 0;  ///< of the closures; see `kMostParts`
   std::deque<bus::Order> orders_;

@@ -227,7 +227,7 @@ void TellUpdate(mapping::Mapper& mapper, MapFollower& replica) {
     received.base_version = update.base_version;
     replica.Apply(received);
   });
-  Row("  update taken over by a reader", apply_ms, replica.version() == mapper.version() ? "" : "REFUSED");
+  Row("  update taken over by a reader", apply_ms, replica.version()->number == mapper.version() ? "" : "REFUSED");
 }
 
 void Measure(int n) {
@@ -258,7 +258,7 @@ void Measure(int n) {
   loop.keyframe.number = n - 1;
   loop.edges = {edge};
   loop.poses = *poses;
-  loop.map_version = mapper.version();
+  loop.map_version = MapVersion{{}, {}, mapper.version()};
   loop.names = loop::NamesIn(mapper.map(), loop);
   Row("pose graph", graph_ms, "");
   std::string reason;
@@ -273,7 +273,7 @@ void Measure(int n) {
       fmt::format("{} points, {} lines", problem->bundle.points.size(), problem->bundle.lines.size()));
   problem->keyframe.session = 1;
   problem->keyframe.number = n - 1;
-  problem->map_version = mapper.version();
+  problem->map_version = MapVersion{{}, {}, mapper.version()};
   LoopClosure adjusted;
   const double adjust_ms = Cpu([&] { adjusted = loop::AdjustGlobally(*problem, {}, nullptr, &reason); });
   Row("global bundle adjustment", adjust_ms, reason);

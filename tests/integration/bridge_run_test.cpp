@@ -22,7 +22,7 @@
 #include "tests/support/data_folder.h"
 #include "tests/support/key_file.h"
 #include "tests/support/shell.h"
-#include "tools/plslam/child_process.h"
+#include "tools/launch/child_process.h"
 
 namespace plslam::test {
 namespace {

@@ -14,7 +14,7 @@
 #include "core/bus/bus.h"
 #include "plslam/status_t.hpp"
 #include "tests/support/network_host.h"
-#include "tools/plslam/child_process.h"
+#include "tools/launch/child_process.h"
 
 namespace plslam::test {
 

@@ -30,7 +30,7 @@
 #include "tests/support/long_tests.h"
 #include "tests/support/sanitized.h"
 #include "tests/support/text_file.h"
-#include "tools/plslam/child_process.h"
+#include "tools/launch/child_process.h"
 
 // Faults at random moments of a run over the results of an earlier one. In all cases the run ends with the complete and
 // correct result, or with a non-zero exit code and a sentence, and the previous map is not lost.
@@ -178,8 +178,8 @@ void StartASecondRun(ChaosRun& run, Wrong* wrong) {
   const auto limit = Clock::now() + test::Patience(kEndLimit);
   while (!(end = second.Poll()) && Clock::now() < limit) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   // The first may have ended just before; then the second is a run like any other.
-  const bool told = end && (end->code == 0 || ReadText(log).find("plslam: error: ") != std::string::npos);
-  Expect(told, "the second run does not end, or without a sentence: " + ReadText(log), wrong);
+  const bool has_reason = end && (end->code == 0 || ReadText(log).find("plslam: error: ") != std::string::npos);
+  Expect(has_reason, "the second run does not end, or without a sentence: " + ReadText(log), wrong);
 }
 
 std::vector<Trouble> AllTroubles() {
@@ -279,7 +279,7 @@ void ExpectNothingHalfWritten(const fs::path& folder, Wrong* wrong) {
   }
 }
 
-void ExpectNobodyLeft(const ChaosRun& run, Wrong* wrong) {
+void ExpectAllEnded(const ChaosRun& run, Wrong* wrong) {
   const auto limit = Clock::now() + test::Patience(std::chrono::seconds(70));
   while (!run.Children().empty() && Clock::now() < limit) std::this_thread::sleep_for(std::chrono::milliseconds(20));
   Expect(run.Children().empty(), "processes are left", wrong);
@@ -311,7 +311,7 @@ void ExpectRightResult(const ChaosRun& run, const World& world, const nlohmann::
 
 void ExpectRightEnd(ChaosRun& run, int code, const Trouble& trouble, const Before& before, const World& world,
                     const Reference& reference, Wrong* wrong) {
-  ExpectNobodyLeft(run, wrong);
+  ExpectAllEnded(run, wrong);
   const bool same_map = ReadText(run.map()) == before.map;
   if (!same_map) Expect(LackOfMap(run.map()).empty(), LackOfMap(run.map()), wrong);
   if (trouble.may_be_silent && code >= 128) return;
@@ -342,8 +342,8 @@ std::string ErrorIn(const std::string& log) {
   return at == std::string::npos ? "" : log.substr(at, log.find('\n', at) - at);
 }
 
-/// Plays one run with one fault; returns the violated promises and describes the fault in `told`.
-Wrong PlayWithTrouble(const World& world, const Reference& reference, int seed, int event, std::string* told) {
+/// Plays one run with one fault; returns the violated promises and describes the fault in `description`.
+Wrong PlayWithTrouble(const World& world, const Reference& reference, int seed, int event, std::string* description) {
   const std::vector<Trouble> troubles = AllTroubles();
   std::seed_seq seeds{seed, event};
   std::mt19937 random(seeds);
@@ -359,9 +359,9 @@ Wrong PlayWithTrouble(const World& world, const Reference& reference, int seed, 
   const std::optional<int> code = run.Wait();
   Expect(code.has_value(), "does not end", &wrong);
   if (code) ExpectRightEnd(run, *code, trouble, before, world, reference, &wrong);
-  *told = fmt::format("{:3} {:36} after {:6.3f} s: exit code {} {}", event, trouble.name, at_s, code.value_or(-1),
-                      ErrorIn(run.Log()));
-  if (!wrong.empty()) *told += fmt::format(": {}\n{}", fmt::join(wrong, "; "), run.Log());
+  *description = fmt::format("{:3} {:36} after {:6.3f} s: exit code {} {}", event, trouble.name, at_s,
+                             code.value_or(-1), ErrorIn(run.Log()));
+  if (!wrong.empty()) *description += fmt::format(": {}\n{}", fmt::join(wrong, "; "), run.Log());
   return wrong;
 }
 
@@ -377,11 +377,11 @@ void PlayAll(const World& world, int events) {
   int failed = 0;
   SideBySide(events, world.side_by_side, [&](int event) {
     if (only >= 0 && event != only) return;
-    std::string told;
-    const Wrong wrong = PlayWithTrouble(world, reference, seed, event, &told);
+    std::string description;
+    const Wrong wrong = PlayWithTrouble(world, reference, seed, event, &description);
     const std::scoped_lock lock(mutex);
     failed += wrong.empty() ? 0 : 1;
-    std::cout << told << std::endl;
+    std::cout << description << std::endl;
   });
   EXPECT_EQ(failed, 0) << "of " << events << " went wrong; they stand above";
 }

@@ -53,11 +53,11 @@ TEST(ExportOfARun, OpensInColmapWithTheMappingError) {
   const auto adjusted = Shell(folder, fmt::format("QT_QPA_PLATFORM=offscreen colmap bundle_adjuster --input_path {} "
                                                   "--output_path {} --BundleAdjustment.max_num_iterations 1",
                                                   folder.Path("to/colmap/sparse"), folder.Path("adjusted")));
-  const std::string told = adjusted.out + adjusted.error;
+  const std::string output = adjusted.out + adjusted.error;
   std::smatch cost;
-  ASSERT_TRUE(std::regex_search(told, cost, std::regex(R"(Initial cost : ([0-9.e+-]+) \[px\])"))) << told;
-  EXPECT_GT(std::stod(cost[1]), 0.01) << told;
-  EXPECT_LT(std::stod(cost[1]), 1.0) << told;
+  ASSERT_TRUE(std::regex_search(output, cost, std::regex(R"(Initial cost : ([0-9.e+-]+) \[px\])"))) << output;
+  EXPECT_GT(std::stod(cost[1]), 0.01) << output;
+  EXPECT_LT(std::stod(cost[1]), 1.0) << output;
 }
 
 TEST(FiguresOfARun, AllFiguresAsPictureAndDrawing) {

@@ -17,7 +17,7 @@
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/text_file.h"
-#include "tools/plslam/run_bus.h"
+#include "tools/launch/run_bus.h"
 
 namespace plslam::launcher {
 namespace {
@@ -256,9 +256,9 @@ TEST(RunFailure, SecondRunIntoTheSameFolderIsRefused) {
     ASSERT_TRUE(WholeRun::WaitFor([&] { return (end = second.Poll()).has_value(); }));
     EXPECT_EQ(end->code, 1) << command[0];
   }
-  const std::string told = "process " + std::to_string(run.process().pid()) + " (";
-  EXPECT_THAT(ReadText(log), HasSubstr("plslam: error: " + run.out().string() + ": " + told));
-  EXPECT_THAT(ReadText(log), HasSubstr("viewer: error: " + run.out().string() + ": " + told));
+  const std::string named = "process " + std::to_string(run.process().pid()) + " (";
+  EXPECT_THAT(ReadText(log), HasSubstr("plslam: error: " + run.out().string() + ": " + named));
+  EXPECT_THAT(ReadText(log), HasSubstr("viewer: error: " + run.out().string() + ": " + named));
   EXPECT_THAT(ReadText(log), HasSubstr("synthetic:room?frames=400&size=376x240 --record")) << "its command line";
   run.process().Signal(SIGINT);
   EXPECT_EQ(run.Wait(60), 0) << run.Logs();
@@ -298,7 +298,7 @@ TEST(RunFailure, ResultsStayUntilTheNextRunIsAccepted) {
   EXPECT_EQ(run.Read("summary.json"), summary);
   ASSERT_EQ(run.Run({"run", world}), 0) << run.Logs();
   EXPECT_FALSE(std::filesystem::exists(run.out() / "overlays/000000.png"));
-  EXPECT_EQ(run.Read("trajectory.kitti"), path) << "written anew";
+  EXPECT_EQ(run.Read("trajectory.kitti"), path) << "written again";
 }
 
 TEST(RunFailure, KilledTrackerIsStartedAgain) {
@@ -328,7 +328,7 @@ TEST(RunFailure, TrackerWhoseStateIsDamagedBeginsANewSession) {
   EXPECT_THAT(run.Logs(), HasSubstr("it was truncated or damaged"));
   EXPECT_EQ(watcher.Get().poses.size(), 2U);
   EXPECT_EQ(run.Summary()["completed"], true);
-  EXPECT_FALSE(std::filesystem::exists(state)) << "whoever ends in order leaves none";
+  EXPECT_FALSE(std::filesystem::exists(state)) << "an orderly exit leaves none";
 }
 
 TEST(RunFailure, KilledMapperBuildsTheSameMapAgain) {

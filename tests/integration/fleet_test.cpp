@@ -12,7 +12,7 @@
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"
 #include "tools/evaluate/trajectory_errors.h"
-#include "tools/plslam/run_bus.h"
+#include "tools/launch/run_bus.h"
 
 namespace plslam::launcher {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "tests/integration/systemd_unit.h"
-#include "tools/plslam/child_process.h"
+#include "tools/launch/child_process.h"
 
 namespace plslam::test {
 

@@ -201,7 +201,7 @@ Result PlayUndisturbed(const Extent& extent) {
   const RunWatcher watcher;
   WholeRun run;
   EXPECT_EQ(run.Run(Arguments(watcher.url(), extent.frames)), 0) << run.Logs();
-  EXPECT_EQ(watcher.Get().poses_said_again, 0) << "nobody has died";
+  EXPECT_EQ(watcher.Get().poses_said_again, 0) << "no process was killed";
   return ResultOf(run);
 }
 

@@ -68,7 +68,7 @@ TEST(FirstDifference, MessageOfAnotherTypeIsReported) {
 
 TEST(Rename, ReplacesIdsInAllMembers) {
   loop_closure_t closure{};
-  closure.header.source = closure.map_source = int64_t{1} << 40;
+  closure.header.source = closure.map_version.numbering = int64_t{1} << 40;
   closure.header.session = 3;
   closure.n_names = 1;
   closure.names.resize(1);
@@ -76,7 +76,7 @@ TEST(Rename, ReplacesIdsInAllMembers) {
   closure.names[0].session_keyframe_id = 4;
   std::vector<uint8_t> bytes = bus::Encoded(closure);
   test::Rename(*FindMessageLayout("loop_closure_t"), {{int64_t{1} << 40, -8}, {3, 9}}, &bytes);
-  closure.header.source = closure.map_source = -8;
+  closure.header.source = closure.map_version.numbering = -8;
   closure.header.session = closure.names[0].session = 9;
   EXPECT_EQ(bytes, bus::Encoded(closure));
 }

@@ -17,7 +17,7 @@
 #include "tests/support/key_file.h"
 #include "tests/support/shell.h"
 #include "tests/support/text_file.h"
-#include "tools/plslam/child_process.h"
+#include "tools/launch/child_process.h"
 
 namespace plslam {
 namespace {

@@ -20,7 +20,7 @@
 #include "tests/support/http_client.h"
 #include "tests/support/key_file.h"
 #include "tests/support/text_file.h"
-#include "tools/plslam/child_process.h"
+#include "tools/launch/child_process.h"
 #include "viewer_headless/live/order_proof.h"
 
 namespace plslam {

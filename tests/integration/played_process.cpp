@@ -88,7 +88,7 @@ void PlayedProcess::AnswerMapRequests() {
   whole.committed = last_update_.committed;
   whole.answer = last_update_.answer;
   whole.adjustment = last_update_.adjustment;
-  whole.map_instance = last_update_.map_instance;
+  whole.map_id = last_update_.map_id;
   map_publisher_.Publish(whole);
 }
 

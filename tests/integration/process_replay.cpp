@@ -176,11 +176,8 @@ void ProcessReplay::AwaitReady() {
 /// Each process has another source than in the log; sessions and maps are named by the process that began them.
 void ProcessReplay::RenameLog() {
   std::map<int64_t, int64_t> names;
-  for (const auto& [name, source] : log_.sources) {
-    const int64_t now = name == process_.name ? status().header.source : played_.at(name)->source();
-    names[source] = now;
-    if (name == "mapping") names[BeginningInstance(SourceId(source)).value] = BeginningInstance(SourceId(now)).value;
-  }
+  for (const auto& [name, source] : log_.sources)
+    names[source] = name == process_.name ? status().header.source : played_.at(name)->source();
   messages_ = log_.messages;
   for (LoggedMessage& message : messages_) {
     const Channel& channel = *message.channel;
@@ -303,7 +300,7 @@ void ProcessReplay::Stop() {
   LookAtSaid();
   if (!difference_.empty()) return;
   const auto exit = child_->Poll();
-  if (!exit) difference_ = process_.executable + " does not end when it is told to";
+  if (!exit) difference_ = process_.executable + " does not end when it is ordered to";
   if (exit && exit->code != 0)
     difference_ = fmt::format("{} ends with exit code {}", process_.executable, exit->code);
 }

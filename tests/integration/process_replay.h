@@ -21,8 +21,8 @@
 #include "plslam/status_t.hpp"
 #include "tests/integration/played_process.h"
 #include "tests/integration/recorded_run.h"
-#include "tools/plslam/child_process.h"
-#include "tools/plslam/run_bus.h"
+#include "tools/launch/child_process.h"
+#include "tools/launch/run_bus.h"
 
 namespace plslam::test {
 

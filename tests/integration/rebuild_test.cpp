@@ -3,16 +3,20 @@
 #include <signal.h>
 
 #include <chrono>
+#include <condition_variable>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <mutex>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/keyframe_channel.h"
+#include "core/bus/messages/map_channel.h"
 #include "core/bus/run_loop.h"
 #include "plslam/camera_t.hpp"
 #include "tests/integration/run_watcher.h"
@@ -57,6 +61,12 @@ class Rebuild : public testing::Test {
     walk_ = test::MakeWalk(world, test::CorridorPath(n, kStep_m), {.with_ids = false});
     tracker_.Every(std::chrono::milliseconds(500),
                    [this] { tracker_.Publish(bus::kCamera, bus::ToMessage(RigOf(FeatureWorld::Camera()))); });
+    map_ = std::make_unique<bus::MapUpdateSubscriber>(tracker_, [this](const MapUpdate& update) {
+      const std::scoped_lock lock(mutex_);
+      if (!maps_.empty() && maps_.back() == update.map_id) return;
+      maps_.push_back(update.map_id);
+      changed_.notify_all();
+    });
     thread_ = std::thread([this] { tracker_.Run(); });
   }
   ~Rebuild() override {
@@ -78,6 +88,49 @@ class Rebuild : public testing::Test {
     }
   }
 
+  /// Returns the `n`-th map whose updates the tracker has received, consecutive updates of one map counted once.
+  MapId AwaitMap(size_t n) {
+    std::unique_lock lock(mutex_);
+    EXPECT_TRUE(changed_.wait_for(lock, test::Patience(std::chrono::seconds(60)), [&] { return maps_.size() >= n; }));
+    return maps_.size() >= n ? maps_[n - 1] : MapId();
+  }
+
+  /// Publishes keyframes 0 to `n` of a session that belongs to `map`. If that is not the reset one, the tracker has
+  /// received no map before the first keyframe.
+  void PublishSession(SessionId session, const MapId& map, int n) {
+    for (int i = 0; i < n; ++i) {
+      Keyframe keyframe = walk_.keyframes[static_cast<size_t>(i)];
+      keyframe.name = {session, i};
+      keyframe.lockstep = true;
+      if (i > 0 || map.n_replaced > 0) keyframe.map_id = map;
+      keyframes_.Publish(keyframe);
+    }
+  }
+
+  /// Sends `plslam reset`, and returns its exit code.
+  int Reset() const {
+    launcher::ChildProcess order(test::BinaryFolder() / "plslam", {"reset", "--url", watcher_.url()},
+                                 run_.folder() / "reset.log");
+    EXPECT_TRUE(WholeRun::WaitFor([&] { return order.Poll().has_value(); }));
+    return order.Poll().value_or(launcher::ChildExit{-1}).code;
+  }
+
+  void Kill(launcher::ChildProcess& process) const {
+    process.Signal(SIGKILL);
+    ASSERT_TRUE(WholeRun::WaitFor([&] { return process.Poll().has_value(); }));
+  }
+
+  /// Waits until the map of this process has `n` keyframes of the session; returns the sessions in it.
+  std::set<SessionId> SessionsAfter(const launcher::ChildProcess& mapper, SessionId session, size_t n) const {
+    EXPECT_TRUE(watcher_.WaitFor([&](const Heard& heard) {
+      const auto mapped = heard.mapped.find(session);
+      return heard.IsMapOf(mapper.pid()) && mapped != heard.mapped.end() && mapped->second.size() >= n;
+    }));
+    std::set<SessionId> sessions;
+    for (const auto& [in_map, numbers] : watcher_.Get().mapped) sessions.insert(in_map);
+    return sessions;
+  }
+
   std::unique_ptr<launcher::ChildProcess> Start(const std::string& program,
                                                 std::vector<std::string> arguments) const {
     arguments.insert(arguments.end(), {"--url", watcher_.url()});
@@ -85,9 +138,9 @@ class Rebuild : public testing::Test {
                                                     run_.folder() / (program + ".log"));
   }
   /// Waits once, and briefly, for a loop_process that has not been started yet.
-  std::unique_ptr<launcher::ChildProcess> StartMapper() const {
+  std::unique_ptr<launcher::ChildProcess> StartMapper(bool keeps_state = true) const {
     return Start("mapping_process", {"--set", "bus.partner_wait_s=2", "--set", "mapping.culling.redundant_share=1.01",
-                                     "--set", "mapping.state_file=" + StateFile()});
+                                     "--set", "mapping.state_file=" + (keeps_state ? StateFile() : "")});
   }
   std::string StateFile() const { return (run_.folder() / "state.plmap").string(); }
 
@@ -110,6 +163,10 @@ class Rebuild : public testing::Test {
   bus::Bus tracker_;
   bus::KeyframePublisher keyframes_;
   test::Walk walk_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<MapId> maps_;
+  std::unique_ptr<bus::MapUpdateSubscriber> map_;
   std::thread thread_;
 };
 
@@ -157,6 +214,51 @@ TEST_F(Rebuild, DamagedStateFallsBackToTheHistory) {
   std::ifstream log(run_.folder() / "mapping_process.log");
   const std::string text{std::istreambuf_iterator<char>(log), {}};
   EXPECT_NE(text.find("rebuilding the map from the history: " + StateFile()), std::string::npos) << text;
+}
+
+constexpr SessionId kBefore = 7;
+constexpr SessionId kAfter = 8;
+constexpr SessionId kLast = 9;
+
+/// A map with a session, which was then reset, and got another session.
+class RebuildAfterReset : public Rebuild {
+ protected:
+  void Play(const launcher::ChildProcess& mapper) {
+    PublishSession(kBefore, {}, 1);
+    PublishSession(kBefore, AwaitMap(1), 5);
+    ASSERT_EQ(SessionsAfter(mapper, kBefore, 5), std::set{kBefore});
+    ASSERT_EQ(Reset(), 0);
+    PublishSession(kAfter, AwaitMap(2), 5);
+    ASSERT_EQ(SessionsAfter(mapper, kAfter, 5), std::set{kAfter});
+  }
+};
+
+TEST_F(RebuildAfterReset, MapWithoutAStateStaysReset) {
+  auto mapper = StartMapper(false);
+  ASSERT_NO_FATAL_FAILURE(Play(*mapper));
+  Kill(*mapper);
+  mapper = StartMapper(false);
+  EXPECT_EQ(SessionsAfter(*mapper, kAfter, 5), std::set{kAfter}) << "keyframes from before the reset";
+}
+
+TEST_F(RebuildAfterReset, DamagedStateLeavesTheMapReset) {
+  auto mapper = StartMapper();
+  ASSERT_NO_FATAL_FAILURE(Play(*mapper));
+  Kill(*mapper);
+  std::ofstream(StateFile()) << "not a map";
+  mapper = StartMapper();
+  EXPECT_EQ(SessionsAfter(*mapper, kAfter, 5), std::set{kAfter}) << "keyframes from before the reset";
+}
+
+TEST_F(RebuildAfterReset, MissingStateBeginsANewMap) {
+  auto mapper = StartMapper();
+  ASSERT_NO_FATAL_FAILURE(Play(*mapper));
+  Kill(*mapper);
+  std::filesystem::remove(StateFile());
+  mapper = StartMapper();
+  // Its map is published because the keyframes of the history belong to other maps.
+  PublishSession(kLast, AwaitMap(3), 5);
+  EXPECT_EQ(SessionsAfter(*mapper, kLast, 5), std::set{kLast}) << "keyframes from before the reset";
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ bool Add(const std::string& channel, const std::vector<uint8_t>& bytes, Recorded
     if (!Decode(bytes, &keyframe)) return false;
     number(keyframe.header);
     Anonymise(&keyframe);
-    keyframe.map_instance = 0;
+    keyframe.map_id = {};
     run->keyframes.push_back(bus::Encoded(keyframe));
   } else if (channel == "MAP_UPDATE") {
     map_update_t page;

@@ -14,7 +14,7 @@
 #include "tests/integration/whole_run.h"
 #include "tests/support/long_tests.h"
 #include "tests/support/network_host.h"
-#include "tools/plslam/child_process.h"
+#include "tools/launch/child_process.h"
 
 namespace plslam::launcher {
 namespace {

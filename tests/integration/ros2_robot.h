@@ -16,7 +16,7 @@
 #include "tests/support/data_folder.h"
 #include "tests/support/network_host.h"
 #include "tests/support/text_file.h"
-#include "tools/plslam/child_process.h"
+#include "tools/launch/child_process.h"
 
 namespace plslam::test {
 

@@ -97,7 +97,7 @@ void RunWatcher::Listen() {
     auto keyframes = KeyframesOf(map_->follower().map());
     Add([&](Heard& heard) {
       heard.mapped = std::move(keyframes);
-      heard.map_source = map_->follower().source();
+      heard.map_source = map_->follower().version()->numbering;
     });
   });
 }

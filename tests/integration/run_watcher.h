@@ -19,7 +19,7 @@
 #include "core/bus/messages/keyframe_channel.h"
 #include "core/bus/messages/map_channel.h"
 #include "plslam/status_t.hpp"
-#include "tools/plslam/run_bus.h"
+#include "tools/launch/run_bus.h"
 
 namespace plslam::test {
 

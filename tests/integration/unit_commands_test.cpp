@@ -27,7 +27,7 @@
 #include "tests/support/long_tests.h"
 #include "tests/support/sanitized.h"
 #include "tests/support/text_file.h"
-#include "tools/plslam/child_process.h"
+#include "tools/launch/child_process.h"
 
 namespace plslam {
 namespace {

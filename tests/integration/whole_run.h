@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/plslam/child_process.h"
+#include "tools/launch/child_process.h"
 
 namespace plslam::test {
 

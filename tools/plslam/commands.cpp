@@ -24,10 +24,10 @@
 #include "core/process/process_signals.h"
 #include "core/process/process_status.h"
 #include "core/run/process_names.h"
+#include "tools/launch/relay/tcpq_relay.h"
 #include "tools/plslam/all_options.h"
 #include "tools/plslam/node/top_node.h"
 #include "tools/plslam/process_table.h"
-#include "tools/plslam/relay/tcpq_relay.h"
 
 namespace plslam::launcher {
 namespace {

@@ -4,9 +4,9 @@
 
 #include "core/process/process_arguments.h"
 #include "tools/command_line/run_command_line.h"
+#include "tools/command_line/version.h"
 #include "tools/plslam/commands.h"
 #include "tools/plslam/offline_commands.h"
-#include "tools/plslam/version.h"
 
 namespace {
 
@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
   HelpIsAnOption(argc, argv);
   if (plslam::launcher::IsOfflineCommand(argc, argv)) return plslam::launcher::RunOfflineCommand(argv);
   CLI::App app("Runs, records and replays stereo visual SLAM with points and lines.", "plslam");
-  app.set_version_flag("--version", plslam::launcher::VersionText());
+  app.set_version_flag("--version", plslam::VersionText());
   app.require_subcommand(1);
   app.footer(
       "Examples:\n"

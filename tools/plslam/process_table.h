@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "tools/launch/supervisor.h"
 #include "tools/plslam/run_options.h"
-#include "tools/plslam/supervisor.h"
 
 namespace plslam::launcher {
 

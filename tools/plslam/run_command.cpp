@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "core/bus/options.h"
+#include "core/config/config.h"
 #include "core/datasets/camera_file.h"
 #include "core/datasets/open_dataset.h"
 #include "core/errors/error_text.h"
@@ -18,13 +20,13 @@
 #include "core/run/result_files.h"
 #include "core/run/run.h"
 #include "tools/command_line/number_checks.h"
+#include "tools/command_line/version.h"
+#include "tools/launch/run_bus.h"
 #include "tools/plslam/commands.h"
 #include "tools/plslam/offline_commands.h"
-#include "tools/plslam/run_bus.h"
 #include "tools/plslam/run_checks.h"
 #include "tools/plslam/run_files.h"
 #include "tools/plslam/run_session.h"
-#include "tools/plslam/version.h"
 
 namespace plslam::launcher {
 namespace {
@@ -123,6 +125,20 @@ int Report(const RunOptions& options, const RunSession& session, OutputFolder* f
   return 1;
 }
 
+/// Returns the options of the own bus, as the other processes will read them.
+bus::BusOptions BusOptionsOf(const RunOptions& options, const std::string& url) {
+  Config config = options.config_file.empty() ? Config() : Config::FromFile(options.config_file);
+  for (const std::string& assignment : options.overrides) config.Override(assignment);
+  bus::BusOptions result;
+  config.Read(kBusSection, result);
+  result.url = url;
+  if (!options.prefix.empty()) result.prefix = options.prefix;
+  if (!options.map_prefix.empty()) result.map_prefix = options.map_prefix;
+  // The configured loss applies to the processes under test.
+  result.drop_fraction = 0.0;
+  return result;
+}
+
 int RunProcesses(RunOptions options, OutputFolder* folder) {
   signal(SIGPIPE, SIG_IGN);
   SessionDoor door;
@@ -131,7 +147,7 @@ int RunProcesses(RunOptions options, OutputFolder* folder) {
   options.own_bus = options.url.empty();
   const RunBus run_bus(options.url);
   options.url = run_bus.url();
-  bus::Bus bus(run_bus.OptionsFor(options), "plslam");
+  bus::Bus bus(BusOptionsOf(options, run_bus.url()), "plslam");
   RunSession session(options, bus);
   door.Open(&session);
   session.Run();

@@ -9,13 +9,13 @@
 #include <string>
 
 #include "core/process/order_sender.h"
+#include "tools/launch/supervisor.h"
 #include "tools/plslam/end_of_run.h"
 #include "tools/plslam/node/history_node.h"
 #include "tools/plslam/node/monitor_node.h"
 #include "tools/plslam/run_console.h"
 #include "tools/plslam/run_options.h"
 #include "tools/plslam/stall_watch.h"
-#include "tools/plslam/supervisor.h"
 
 namespace plslam::launcher {
 

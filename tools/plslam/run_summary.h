@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/run/run_warnings.h"
+#include "tools/launch/supervisor.h"
 #include "tools/plslam/run_statistics.h"
-#include "tools/plslam/supervisor.h"
 
 namespace plslam::launcher {
 

@@ -30,7 +30,7 @@ MapLink::MapLink(bus::Bus& bus, bool localise_only, const TrackerSession& sessio
       wait_(bus.options().partner_wait_s),
       subscriber_(bus, [this](const MapUpdate& update) { OnUpdate(update); }) {}
 
-bool MapLink::IsOfAnotherMap() const { return !BelongsTo(session_, map_instance_); }
+bool MapLink::IsOfAnotherMap() const { return !session_.map_id.Matches(map_id_); }
 
 bool MapLink::IsConnected() const {
   const IdMap<KeyframeId, MapKeyframe>& keyframes = map().keyframes();
@@ -48,7 +48,7 @@ bool MapLink::HasOthers() const {
 }
 
 void MapLink::OnUpdate(const MapUpdate& update) {
-  map_instance_ = update.map_instance;
+  map_id_ = update.map_id;
   // A robot configured for localisation only stays so in a map that grows.
   const bool changes = last_localise_only_ ? *last_localise_only_ != update.localise_only : update.localise_only;
   last_localise_only_ = update.localise_only;

@@ -27,14 +27,14 @@ class MapLink {
 
   const Map& map() const { return subscriber_.follower().map(); }
   /// Whether a map was received; it may have no keyframes.
-  bool has_map() const { return subscriber_.follower().version() != 0; }
+  bool has_map() const { return subscriber_.follower().version().has_value(); }
   /// Localisation-only mode, in which no keyframes are published: as last changed by mapping_process (committed or
   /// not), initially as configured.
   bool localise_only() const { return localise_only_; }
   /// Whether another map has replaced that with which the session began.
   bool IsOfAnotherMap() const;
-  /// `MapUpdate::map_instance` of the last update.
-  MapId map_instance() const { return map_instance_; }
+  /// As of the last update.
+  const MapId& map_id() const { return map_id_; }
   /// Restores the values of a tracker state.
   void Restore(bool localise_only, bool map_is_fixed) {
     localise_only_ = localise_only;
@@ -71,7 +71,7 @@ class MapLink {
   std::function<void()> on_map_;
   bool localise_only_;
   std::optional<bool> last_localise_only_;  ///< `localise_only` of the last update
-  MapId map_instance_;
+  MapId map_id_;
   bus::PartnerWait wait_;
   /// The newest keyframe of the session in the map, which may contain keyframes of other robots.
   int64_t newest_keyframe_id_ = -1;

@@ -24,7 +24,7 @@ void Fields(Archive& a, T& k) {
   UpDirection up = k.up.value_or(UpDirection());
   a(k.name.session, k.t_ns, k.name.number, k.frame_id, k.previous_keyframe_id, k.T_prevkf_kf, k.covariance,
     k.T_odom_kf, knows_up, up, k.inertial, k.state, k.lockstep, k.camera, k.features, k.point_landmark_ids,
-    k.line_landmark_ids, k.point_map_ids, k.line_map_ids, k.withdrawn_points, k.withdrawn_lines, k.map_instance);
+    k.line_landmark_ids, k.point_map_ids, k.line_map_ids, k.withdrawn_points, k.withdrawn_lines, k.map_id);
   if constexpr (!std::is_const_v<T>) k.up = knows_up ? std::optional(up) : std::nullopt;
 }
 
@@ -34,7 +34,7 @@ void Fields(Archive& a, T& s) {
   std::vector<std::vector<uint8_t>> poses;
   for (const pose_t& pose : s.recent) poses.push_back(bus::Encoded(pose));
   a(s.id, s.lockstep, s.last_t_ns, s.last_frame_id, s.last_source, s.last_keyframe_id, s.follows_keyframe, s.anchor,
-    s.map_instance, poses);
+    s.map_id, poses);
   if constexpr (!std::is_const_v<T>) {
     s.recent.clear();
     for (const std::vector<uint8_t>& bytes : poses) {

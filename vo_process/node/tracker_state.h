@@ -31,8 +31,7 @@ struct TrackerSession {
   /// Whether the newest frame became a keyframe, and no relocalisation was requested with it.
   bool follows_keyframe = false;
   SessionAnchor anchor;
-  /// `Keyframe::map_instance`.
-  MapId map_instance;
+  MapId map_id;
   /// Poses of the newest frames, which a player may request again.
   std::deque<pose_t> recent;
 

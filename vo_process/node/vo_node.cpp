@@ -212,7 +212,7 @@ void VoNode::OnMap() {
   const auto awaited = map_->wait().awaited();
   const int64_t oldest = awaited ? *awaited : map_->adopted_keyframe_id() + 1;
   const bool takes_effect = odometry_ && (awaited || !session_.lockstep) && map_->Has(oldest);
-  if (session_.map_instance == 0) session_.map_instance = map_->map_instance();
+  if (session_.map_id == MapId()) session_.map_id = map_->map_id();
   // In lockstep the first keyframe of a map is awaited for its anchor alone.
   if (takes_effect) AdoptMap(oldest > 0 || !session_.lockstep || map_->HasOthers());
   if (awaited && !takes_effect) return;
@@ -259,7 +259,7 @@ void VoNode::NameSession() {
   // A session restored from another tracker is not numbered before our own.
   const bool is_first = session_.last_frame_id < 0;
   session_.Begin(is_first ? session_.id : SessionId(std::max(session_.id.value + 1, process_.bus().source())));
-  if (map_ && map_->map_instance() != 0) session_.map_instance = map_->map_instance();
+  if (map_ && map_->has_map()) session_.map_id = map_->map_id();
   if (map_) map_->BeginSession();
 }
 
@@ -445,7 +445,7 @@ void VoNode::MakeKeyframe(const Frame& frame, const OdometryResult& result, bool
   keyframe.t_ns = frame.images.t_ns;
   keyframe.frame_id = frame.images.frame_id;
   keyframe.lockstep = frame.lockstep;
-  keyframe.map_instance = session_.map_instance;
+  keyframe.map_id = session_.map_id;
   AwaitMap(keyframe.name.number);
   held_keyframe_ = std::move(keyframe);
   if (!map_ || !map_->wait().awaited()) PublishKeyframe();

@@ -6,6 +6,7 @@
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/imu_channel.h"
+#include "core/bus/messages/map_convert.h"
 #include "core/bus/messages/pager.h"
 #include "plslam/imu_interval_t.hpp"
 #include "plslam/imu_sample_t.hpp"
@@ -27,7 +28,7 @@ keyframe_t HeadPage(const Keyframe& keyframe) {
   page.keyframe_id = keyframe.name.number;
   page.frame_id = keyframe.frame_id.value;
   page.previous_keyframe_id = keyframe.previous_keyframe_id;
-  page.map_instance = keyframe.map_instance.value;
+  page.map_id = ToMessage(keyframe.map_id);
   page.T_prevkf_kf = ToMessage(keyframe.T_prevkf_kf);
   ToArray(keyframe.covariance, page.covariance);
   page.T_odom_kf = ToMessage(keyframe.T_odom_kf);
@@ -58,11 +59,12 @@ std::optional<Keyframe> Head(const keyframe_t& page) {
   const auto T_odom_kf = FromMessage(page.T_odom_kf);
   const bool ids_ok = page.keyframe_id >= 0 && page.frame_id >= 0 && page.previous_keyframe_id >= -1 &&
                       page.previous_keyframe_id < page.keyframe_id && page.state >= 0 && page.state <= 4 &&
-                      (page.lockstep == 0 || page.lockstep == 1) && page.map_instance >= 0;
+                      (page.lockstep == 0 || page.lockstep == 1);
+  const auto map_id = FromMessage(page.map_id);
   const auto camera = FromMessage(page.camera);
   Keyframe keyframe;
   const bool up_ok = FromArray(page.up_kf, page.up_sigma_rad, keyframe.up);
-  if (!T_prevkf_kf || !covariance || !T_odom_kf || !up_ok || !camera || !ids_ok) return std::nullopt;
+  if (!T_prevkf_kf || !covariance || !T_odom_kf || !up_ok || !camera || !map_id || !ids_ok) return std::nullopt;
   const auto inertial = FromMessage(page.imu);
   if (!inertial) return std::nullopt;
   keyframe.inertial = *inertial;
@@ -72,7 +74,7 @@ std::optional<Keyframe> Head(const keyframe_t& page) {
   keyframe.name.number = page.keyframe_id;
   keyframe.frame_id = FrameId(page.frame_id);
   keyframe.previous_keyframe_id = page.previous_keyframe_id;
-  keyframe.map_instance = MapId(page.map_instance);
+  keyframe.map_id = *map_id;
   keyframe.T_prevkf_kf = *T_prevkf_kf;
   keyframe.covariance = *covariance;
   keyframe.T_odom_kf = *T_odom_kf;

@@ -26,8 +26,7 @@ loop_closure_t HeadPage(const LoopClosure& closure) {
   page.kind = static_cast<int8_t>(closure.kind);
   page.more = closure.more ? 1 : 0;
   page.session_keyframe_id = closure.keyframe.number;
-  page.map_source = closure.map_source.value;
-  page.map_version = closure.map_version;
+  page.map_version = ToMessage(closure.map_version);
   page.score = closure.score;
   page.detect_ms = closure.detect_ms;
   page.correct_ms = closure.correct_ms;
@@ -37,16 +36,15 @@ loop_closure_t HeadPage(const LoopClosure& closure) {
 std::optional<LoopClosure> Head(const loop_closure_t& page) {
   const bool numbers_ok =
       std::isfinite(page.score) && std::isfinite(page.detect_ms) && std::isfinite(page.correct_ms);
-  const bool ids_ok = page.kind >= 0 && page.kind <= 2 && (page.more == 0 || page.more == 1) &&
-                      page.session_keyframe_id >= 0 && page.map_version >= 0;
-  if (!numbers_ok || !ids_ok) return std::nullopt;
+  const bool ids_ok =
+      page.kind >= 0 && page.kind <= 2 && (page.more == 0 || page.more == 1) && page.session_keyframe_id >= 0;
   LoopClosure closure;
+  const bool version_ok = FromMessage(page.map_version, closure.map_version);
+  if (!numbers_ok || !ids_ok || !version_ok) return std::nullopt;
   closure.source = SourceId(page.header.source);
   closure.kind = static_cast<LoopClosure::Kind>(page.kind);
   closure.keyframe = {SessionId(page.header.session), page.session_keyframe_id};
   closure.t_ns = page.header.t_ns;
-  closure.map_source = SourceId(page.map_source);
-  closure.map_version = page.map_version;
   closure.more = page.more != 0;
   closure.score = page.score;
   closure.detect_ms = page.detect_ms;
@@ -55,8 +53,10 @@ std::optional<LoopClosure> Head(const loop_closure_t& page) {
 }
 
 bool SameHead(const loop_closure_t& page, const LoopClosure& closure) {
+  std::optional<MapVersion> version;
   return KeyframeName{SessionId(page.header.session), page.session_keyframe_id} == closure.keyframe &&
-         page.kind == static_cast<int8_t>(closure.kind) && page.map_version == closure.map_version;
+         page.kind == static_cast<int8_t>(closure.kind) && FromMessage(page.map_version, version) &&
+         version == closure.map_version;
 }
 
 same_landmarks_t ToMessage(const SameLandmarks& same) {
@@ -184,8 +184,7 @@ relocalisation_t ToMessage(const Relocalisation& relocalisation) {
   message.header.t_ns = relocalisation.t_ns;
   message.frame_id = relocalisation.frame_id.value;
   message.found = relocalisation.found ? 1 : 0;
-  message.map_source = relocalisation.map_source.value;
-  message.map_version = relocalisation.map_version;
+  message.map_version = ToMessage(relocalisation.map_version);
   message.keyframe_id = relocalisation.keyframe_id.value;
   message.T_w_c = ToMessage(relocalisation.T_w_c);
   ToArray(relocalisation.covariance, message.covariance);
@@ -197,18 +196,16 @@ relocalisation_t ToMessage(const Relocalisation& relocalisation) {
 std::optional<Relocalisation> FromMessage(const relocalisation_t& message) {
   const auto T_w_c = FromMessage(message.T_w_c);
   const auto covariance = FromArray(message.covariance);
+  Relocalisation relocalisation;
   const bool ok = T_w_c && covariance && message.frame_id >= 0 && (message.found == 0 || message.found == 1) &&
                   message.keyframe_id >= -1 && message.n_points >= 0 && message.n_lines >= 0 &&
-                  message.map_version >= 0;
+                  FromMessage(message.map_version, relocalisation.map_version);
   if (!ok) return std::nullopt;
-  Relocalisation relocalisation;
   relocalisation.source = SourceId(message.header.source);
   relocalisation.session = SessionId(message.header.session);
   relocalisation.frame_id = FrameId(message.frame_id);
   relocalisation.t_ns = message.header.t_ns;
   relocalisation.found = message.found != 0;
-  relocalisation.map_source = SourceId(message.map_source);
-  relocalisation.map_version = message.map_version;
   relocalisation.keyframe_id = KeyframeId(message.keyframe_id);
   relocalisation.T_w_c = *T_w_c;
   relocalisation.covariance = *covariance;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -57,7 +58,7 @@ struct MapUpdateSubscriber::State {
   Bus& bus;
   std::function<void(MapUpdate)> handler;
   MapUpdateAssembler assembler;
-  MapVersion known;
+  std::optional<MapVersion> known;
   /// In the order of their first messages.
   std::vector<SourceId> publishers;
   bool lacking = true;
@@ -73,14 +74,14 @@ bool MapUpdateSubscriber::State::IsOld(SourceId source) {
     if (publishers.size() >= kMaxMapPublishers) publishers.erase(publishers.begin());
     publishers.push_back(source);
   }
-  const auto ours = place(known.source());
+  const auto ours = known ? place(known->numbering) : publishers.end();
   return ours != publishers.end() && place(source) < ours;
 }
 
 void MapUpdateSubscriber::State::OnPage(const map_update_t& page) {
   if (IsOld(SourceId(page.header.source))) return;
   being_served = being_served || page.base_version == 0;
-  const bool is_news = SourceId(page.header.source) != known.source() || page.version > known.number();
+  const bool is_news = !known || SourceId(page.header.source) != known->numbering || page.version > known->number;
   switch (assembler.Add(page)) {
     case PageOutcome::kTaken:
       return;
@@ -95,12 +96,12 @@ void MapUpdateSubscriber::State::OnPage(const map_update_t& page) {
 }
 
 void MapUpdateSubscriber::State::OnUpdate(MapUpdate update) {
-  switch (known.Advance(update)) {
-    case MapVersion::Step::kKnown:
+  switch (Advance(update, known)) {
+    case MapStep::kKnown:
       return;
-    case MapVersion::Step::kGap:
+    case MapStep::kGap:
       return Lack();
-    case MapVersion::Step::kNext:
+    case MapStep::kNext:
       lacking = false;
       handler(std::move(update));
   }
@@ -118,7 +119,7 @@ void MapUpdateSubscriber::State::Ask() {
   map_request_t request{};
   const SourceId newest = publishers.empty() ? SourceId() : publishers.back();
   request.publisher = newest.value;
-  request.version = newest == known.source() ? known.number() : 0;
+  request.version = known && known->numbering == newest ? known->number : 0;
   bus.Publish(kMapRequest, request);
 }
 

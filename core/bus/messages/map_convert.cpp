@@ -11,10 +11,12 @@
 #include "core/bus/messages/convert.h"
 #include "plslam/loop_edge_t.hpp"
 #include "plslam/map_adjustment_t.hpp"
+#include "plslam/map_id_t.hpp"
 #include "plslam/map_keyframe_t.hpp"
 #include "plslam/map_line_t.hpp"
 #include "plslam/map_point_t.hpp"
 #include "plslam/map_totals_t.hpp"
+#include "plslam/map_version_t.hpp"
 #include "plslam/moved_keyframe_t.hpp"
 
 namespace plslam::bus {
@@ -90,6 +92,36 @@ std::optional<std::vector<Observation>> FromMessages(const std::vector<observati
 }
 
 }  // namespace
+
+map_id_t ToMessage(const MapId& map) {
+  map_id_t message{};
+  message.origin = map.origin.value;
+  message.n_replaced = map.n_replaced;
+  return message;
+}
+
+std::optional<MapId> FromMessage(const map_id_t& message) {
+  if (message.n_replaced < 0) return std::nullopt;
+  return MapId{SourceId(message.origin), message.n_replaced};
+}
+
+map_version_t ToMessage(const std::optional<MapVersion>& version) {
+  map_version_t message{};
+  if (!version) return message;
+  message.map = ToMessage(version->map);
+  message.numbering = version->numbering.value;
+  message.number = version->number;
+  return message;
+}
+
+bool FromMessage(const map_version_t& message, std::optional<MapVersion>& version) {
+  const std::optional<MapId> map = FromMessage(message.map);
+  const SourceId numbering(message.numbering);
+  version.reset();
+  if (!map || message.number < 0) return false;
+  if (numbering != SourceId()) version = {*map, numbering, message.number};
+  return true;
+}
 
 map_keyframe_t ToMessage(const MapKeyframe& keyframe) {
   map_keyframe_t message{};

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "core/ids/map_version.h"
 #include "core/map/keyframe.h"
 #include "core/map/landmarks.h"
 #include "core/map/map_update.h"
@@ -10,10 +11,12 @@
 namespace plslam {
 class loop_edge_t;
 class map_adjustment_t;
+class map_id_t;
 class map_keyframe_t;
 class map_line_t;
 class map_point_t;
 class map_totals_t;
+class map_version_t;
 class moved_keyframe_t;
 }  // namespace plslam
 
@@ -22,6 +25,13 @@ namespace plslam::bus {
 // Conversion of the parts of a map to messages and back, checked as in convert.h. Positions and poses keep all their
 // bits, covariances of landmarks are rounded to single precision; a second conversion changes no bit, so that a copy of
 // a map and the map have the same messages, byte for byte.
+
+map_id_t ToMessage(const MapId& map);
+std::optional<MapId> FromMessage(const map_id_t& message);
+
+map_version_t ToMessage(const std::optional<MapVersion>& version);
+/// Returns false if the message is invalid. `version` becomes nullopt if it has none.
+bool FromMessage(const map_version_t& message, std::optional<MapVersion>& version);
 
 map_keyframe_t ToMessage(const MapKeyframe& keyframe);
 std::optional<MapKeyframe> FromMessage(const map_keyframe_t& message);

@@ -34,10 +34,10 @@ map_update_t HeadPage(const MapUpdate& update) {
   page.committed = update.committed ? 1 : 0;
   page.answer.session = update.answer.keyframe.session.value;
   page.answer.session_keyframe_id = update.answer.keyframe.number;
-  page.answer.map_version = update.answer.map_version;
+  page.answer.map_version = ToMessage(update.answer.map_version);
   page.answer.accepted = update.answer.accepted ? 1 : 0;
   page.localise_only = update.localise_only ? 1 : 0;
-  page.map_instance = update.map_instance.value;
+  page.map_id = ToMessage(update.map_id);
   if (update.camera) page.camera = ToMessage(*update.camera);
   page.totals = ToMessage(update.totals);
   page.adjustment = ToMessage(update.adjustment);
@@ -215,23 +215,24 @@ std::optional<MapUpdate> HeadOf(const map_update_t& page) {
   const bool numbers_ok = page.version >= 1 && page.base_version >= 0 && page.base_version < page.version &&
                           page.session_keyframe_id >= -1 && page.stages.size() <= kMaxStages &&
                           (page.committed == 0 || page.committed == 1) && page.answer.session_keyframe_id >= -1 &&
-                          page.answer.map_version >= 0 && (page.answer.accepted == 0 || page.answer.accepted == 1) &&
-                          (page.localise_only == 0 || page.localise_only == 1) && page.map_instance >= 0;
+                          (page.answer.accepted == 0 || page.answer.accepted == 1) &&
+                          (page.localise_only == 0 || page.localise_only == 1);
+  const auto map_id = FromMessage(page.map_id);
+  MapUpdate update;
+  const bool answer_ok = FromMessage(page.answer.map_version, update.answer.map_version);
   const auto camera = FromMessage(page.camera);
   const bool camera_ok = camera || page.camera.f_px == 0.0;
-  if (!totals || !adjustment || !numbers_ok || !camera_ok) return std::nullopt;
-  MapUpdate update;
+  if (!totals || !adjustment || !numbers_ok || !camera_ok || !map_id || !answer_ok) return std::nullopt;
   update.source = SourceId(page.header.source);
   update.version = page.version;
   update.base_version = page.base_version;
   update.newest = {SessionId(page.header.session), page.session_keyframe_id};
   update.t_ns = page.header.t_ns;
   update.committed = page.committed != 0;
-  update.answer = {{SessionId(page.answer.session), page.answer.session_keyframe_id},
-                   page.answer.map_version,
-                   page.answer.accepted != 0};
+  update.answer.keyframe = {SessionId(page.answer.session), page.answer.session_keyframe_id};
+  update.answer.accepted = page.answer.accepted != 0;
   update.localise_only = page.localise_only != 0;
-  update.map_instance = MapId(page.map_instance);
+  update.map_id = *map_id;
   update.camera = camera;
   update.totals = *totals;
   update.adjustment = *adjustment;

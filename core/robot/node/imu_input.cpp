@@ -103,10 +103,10 @@ void ImuInput::Report(int64_t t_ns, bool is_complete) {
   // Sensors may start later than cameras.
   constexpr int64_t kFramesWithoutImu = 20;
   if (n_in_a_row_ < kFramesWithoutImu || std::exchange(has_warned_, true)) return;
-  process_.Warn("imu_missing", Complaint(t_ns));
+  process_.Warn("imu_missing", WarningText(t_ns));
 }
 
-std::string ImuInput::Complaint(int64_t t_ns) const {
+std::string ImuInput::WarningText(int64_t t_ns) const {
   constexpr double kSecond_ns = 1e9;
   const std::optional<int64_t> newest_ns = queue_.newest_ns();
   if (!newest_ns) {

@@ -54,7 +54,7 @@ class ImuInput {
  private:
   void ReadFile();
   void Report(int64_t t_ns, bool is_complete);
-  std::string Complaint(int64_t t_ns) const;
+  std::string WarningText(int64_t t_ns) const;
 
   bus::Process& process_;
   const Settings settings_;

@@ -111,8 +111,7 @@ Map MapOf(const LoggedMessages& updates, const bus::LogReader& log, Notes* notes
   replica.RememberRemoved();
   bool is_last = true;
   updates.ForEach<map_update_t>(log, [&](const map_update_t& page) {
-    is_last = assembler.Add(page) == bus::PageOutcome::kComplete &&
-              replica.Apply(assembler.Take()) != MapVersion::Step::kGap;
+    is_last = assembler.Add(page) == bus::PageOutcome::kComplete && replica.Apply(assembler.Take()) != MapStep::kGap;
   });
   if (!is_last) notes->warnings.emplace_back("changes of the map are missing in the log, and so is its final state");
   return replica.map();

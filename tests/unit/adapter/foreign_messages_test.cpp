@@ -92,7 +92,7 @@ bot_core::images_t BotPair() {
 }
 
 template <class F>
-std::string Complaint(const F& f) {
+std::string ErrorOf(const F& f) {
   try {
     f();
   } catch (const DatasetError& error) {
@@ -112,15 +112,15 @@ TEST(ForeignMessages, LeftAndRightOfABotPairAmongOthers) {
 TEST(ForeignMessages, InvalidBotPairsAreNamed) {
   bot_core::images_t pair = BotPair();
   pair.image_types[2] = 7;
-  EXPECT_THAT(Complaint([&] { PairFromBytes(Encoded(pair)); }), HasSubstr("has no left image"));
+  EXPECT_THAT(ErrorOf([&] { PairFromBytes(Encoded(pair)); }), HasSubstr("has no left image"));
   pair = BotPair();
   pair.utime = -1;
-  EXPECT_THAT(Complaint([&] { PairFromBytes(Encoded(pair)); }), HasSubstr("utime"));
+  EXPECT_THAT(ErrorOf([&] { PairFromBytes(Encoded(pair)); }), HasSubstr("utime"));
   std::vector<uint8_t> bytes = Encoded(BotPair());
   bytes.pop_back();
-  EXPECT_THAT(Complaint([&] { PairFromBytes(bytes); }), HasSubstr("truncated or damaged"));
-  EXPECT_THAT(Complaint([&] { PairFromBytes(Encoded(geometry_msgs::Vector3{})); }), HasSubstr("is not a bot_core"));
-  EXPECT_THAT(Complaint([&] { PairFromBytes({}); }), HasSubstr("is not a bot_core.images_t"));
+  EXPECT_THAT(ErrorOf([&] { PairFromBytes(bytes); }), HasSubstr("truncated or damaged"));
+  EXPECT_THAT(ErrorOf([&] { PairFromBytes(Encoded(geometry_msgs::Vector3{})); }), HasSubstr("is not a bot_core"));
+  EXPECT_THAT(ErrorOf([&] { PairFromBytes({}); }), HasSubstr("is not a bot_core.images_t"));
 }
 
 nav_msgs::Odometry Wheels() {
@@ -142,14 +142,14 @@ TEST(ForeignMessages, OdometryOfARobotIsAPoseOfItsBody) {
 TEST(ForeignMessages, InvalidOdometryIsNamed) {
   nav_msgs::Odometry bad = Wheels();
   bad.pose.pose.orientation = {};
-  EXPECT_THAT(Complaint([&] { RobotPoseFromBytes(Encoded(bad)); }), HasSubstr("has an invalid pose"));
+  EXPECT_THAT(ErrorOf([&] { RobotPoseFromBytes(Encoded(bad)); }), HasSubstr("has an invalid pose"));
   bad = Wheels();
   bad.pose.pose.position.y = std::nan("");
-  EXPECT_THAT(Complaint([&] { RobotPoseFromBytes(Encoded(bad)); }), HasSubstr("has an invalid pose"));
+  EXPECT_THAT(ErrorOf([&] { RobotPoseFromBytes(Encoded(bad)); }), HasSubstr("has an invalid pose"));
   bad = Wheels();
   bad.header.stamp.sec = -1;
-  EXPECT_THAT(Complaint([&] { RobotPoseFromBytes(Encoded(bad)); }), HasSubstr("invalid stamp"));
-  EXPECT_THAT(Complaint([&] { RobotPoseFromBytes(Encoded(BotPair())); }), HasSubstr("is not a nav_msgs.Odometry"));
+  EXPECT_THAT(ErrorOf([&] { RobotPoseFromBytes(Encoded(bad)); }), HasSubstr("invalid stamp"));
+  EXPECT_THAT(ErrorOf([&] { RobotPoseFromBytes(Encoded(BotPair())); }), HasSubstr("is not a nav_msgs.Odometry"));
 }
 
 sensor_msgs::Imu RosImu() {
@@ -178,13 +178,13 @@ TEST(ForeignMessages, SamplesOfEachInertialType) {
 
   sensor_msgs::Imu bad = RosImu();
   bad.linear_acceleration_covariance[0] = -1.0;
-  EXPECT_THAT(Complaint([&] { ImuSampleFromBytes(Encoded(bad)); }), HasSubstr("nothing was measured"));
+  EXPECT_THAT(ErrorOf([&] { ImuSampleFromBytes(Encoded(bad)); }), HasSubstr("nothing was measured"));
   bad = RosImu();
   bad.angular_velocity.x = std::nan("");
-  EXPECT_THAT(Complaint([&] { ImuSampleFromBytes(Encoded(bad)); }), HasSubstr("not finite"));
+  EXPECT_THAT(ErrorOf([&] { ImuSampleFromBytes(Encoded(bad)); }), HasSubstr("not finite"));
   bot.utime = -1;
-  EXPECT_THAT(Complaint([&] { ImuSampleFromBytes(Encoded(bot)); }), HasSubstr("invalid utime"));
-  EXPECT_THAT(Complaint([&] { ImuSampleFromBytes(Encoded(BotPair())); }),
+  EXPECT_THAT(ErrorOf([&] { ImuSampleFromBytes(Encoded(bot)); }), HasSubstr("invalid utime"));
+  EXPECT_THAT(ErrorOf([&] { ImuSampleFromBytes(Encoded(BotPair())); }),
               HasSubstr("is none of sensor_msgs.Imu, bot_core.ins_t and microstrain.ins_t"));
 }
 
@@ -214,10 +214,10 @@ TEST(ForeignMessages, RosImagesByTheirFingerprint) {
   EXPECT_EQ(ImageFromBytes(Encoded(compressed)).encoding, "");
   sensor_msgs::Image bad = RosImage();
   bad.header.stamp.nsec = 1'000'000'000;
-  EXPECT_THAT(Complaint([&] { ImageFromBytes(Encoded(bad)); }), HasSubstr("invalid stamp"));
+  EXPECT_THAT(ErrorOf([&] { ImageFromBytes(Encoded(bad)); }), HasSubstr("invalid stamp"));
   bad = RosImage();
   bad.encoding = "";
-  EXPECT_THAT(Complaint([&] { ImageFromBytes(Encoded(bad)); }), HasSubstr("no encoding"));
+  EXPECT_THAT(ErrorOf([&] { ImageFromBytes(Encoded(bad)); }), HasSubstr("no encoding"));
 }
 
 TEST(ForeignMessages, CameraInfosMakeARig) {

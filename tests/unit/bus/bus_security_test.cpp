@@ -276,7 +276,7 @@ TEST_F(BusSecurity, RequestsCountOnceWithAKey) {
   EXPECT_EQ(received.value(), 50);
 }
 
-TEST_F(BusSecurity, ComplaintsNameTheRejectionInOneLine) {
+TEST_F(BusSecurity, WarningsNameTheRejectionInOneLine) {
   RunningBus reader(Options(KeyFile('a')), "reader");
   reader->Subscribe<pose_t>(kPose, [](const pose_t&) {});
   reader.Start();

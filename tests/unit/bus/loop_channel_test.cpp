@@ -24,8 +24,7 @@ LoopClosure ClosureOf(int64_t keyframe_id, int n_poses) {
   closure.keyframe.session = 5;
   closure.keyframe.number = keyframe_id;
   closure.t_ns = 77 * keyframe_id;
-  closure.map_source = -3;
-  closure.map_version = 12;
+  closure.map_version = {{-4, 2}, -3, 12};
   closure.more = true;
   closure.score = 0.25;
   closure.detect_ms = 1.5;
@@ -44,7 +43,6 @@ void ExpectEqual(const LoopClosure& a, const LoopClosure& b) {
   EXPECT_EQ(a.kind, b.kind);
   EXPECT_EQ(a.keyframe, b.keyframe);
   EXPECT_EQ(a.t_ns, b.t_ns);
-  EXPECT_EQ(a.map_source, b.map_source);
   EXPECT_EQ(a.map_version, b.map_version);
   EXPECT_EQ(a.more, b.more);
   EXPECT_EQ(a.score, b.score);
@@ -126,8 +124,7 @@ TEST(Relocalisation, RoundTripThroughAMessage) {
   there.frame_id = 4;
   there.t_ns = 123;
   there.found = true;
-  there.map_source = 77;
-  there.map_version = 5;
+  there.map_version = {{76, 1}, 77, 5};
   there.keyframe_id = 3;
   there.T_w_c = PoseOf(2);
   there.covariance = 1e-3 * Matrix6d::Identity();

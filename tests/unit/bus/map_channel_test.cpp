@@ -66,8 +66,8 @@ class Listener {
       : bus_(options, "viewer"), subscriber_(*bus_, [this](const MapUpdate& update) {
           const MapFollower& replica = subscriber_.follower();
           EXPECT_EQ(update.totals, replica.map().Totals());
-          source_ = replica.source().value;
-          version_ = replica.version();
+          source_ = replica.version()->numbering.value;
+          version_ = replica.version()->number;
         }) {
     bus_.Start();
   }

@@ -29,7 +29,7 @@ MapUpdate SomeUpdate() {
   update.newest.session = 5;
   update.newest.number = 12;
   update.t_ns = 99;
-  update.answer = {4, 11, 5, true};
+  update.answer = {{4, 11}, MapVersion{{8, 2}, 9, 5}, true};
   update.adjustment = {3, 4, 5, 6, 7, 1.5, 1.25, 0.75, 0.5};
   update.stage_ms = {{"insert", 1.5}, {"adjust", 20.25}};
   return update;
@@ -89,7 +89,7 @@ TEST(MapPages, ReplicaOfThePagesEqualsTheMap) {
     for (int i = 0; i < 20; ++i) {
       const auto update = Assemble(CutIntoPages(owner.Next(40), 3000));
       ASSERT_TRUE(update);
-      ASSERT_EQ(replica.Apply(*update), MapVersion::Step::kNext);
+      ASSERT_EQ(replica.Apply(*update), MapStep::kNext);
       ASSERT_EQ(update->totals, replica.map().Totals()) << "seed " << seed << ", version " << update->version;
       ASSERT_EQ(EncodedMap(replica.map()), EncodedMap(owner.map())) << "seed " << seed;
     }

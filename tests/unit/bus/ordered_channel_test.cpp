@@ -130,7 +130,7 @@ TEST(OrderedWriter, NewReaderSkipsMessagesKeptForSilentReaders) {
   writer.OnRequest(7, 8, 500'000, {}, 7'500 * kMs);
   EXPECT_EQ(writer.join_seq(7'500 * kMs), 9) << "where 7 stands";
   EXPECT_EQ(writer.history().first_seq(), 1) << "kept for 8";
-  EXPECT_EQ(writer.join_seq(40'000 * kMs), 9) << "nobody lives: where the one heard last stood";
+  EXPECT_EQ(writer.join_seq(40'000 * kMs), 9) << "no reader is alive: the position of the last one";
   writer.OnHello(9, 500'000, 40'000 * kMs);
   EXPECT_EQ(writer.join_seq(40'000 * kMs), 9);
 }

@@ -20,7 +20,7 @@ TEST(OrderedReader, DeliversReorderedMessagesInOrder) {
   OrderedReader reader(true, 1'000'000, 0);
   for (const int64_t n : {0, 2, 3, 1}) reader.OnMessage(n, *MessageOf(n), 0);
   EXPECT_EQ(Drain(reader, 0), (Numbers{0, 1, 2, 3}));
-  EXPECT_EQ(reader.lost(), 0) << "it was overtaken, and nobody had to ask for it";
+  EXPECT_EQ(reader.lost(), 0) << "it was overtaken, and was not requested";
   EXPECT_EQ(reader.repaired(), 0);
 }
 
@@ -192,7 +192,7 @@ TEST(OrderedReader, OneWayPollsOnlyToGiveUpAGap) {
     for (const int64_t m : Drain(reader, n * kMs)) numbers.push_back(m);
   }
   EXPECT_EQ(numbers.size(), 299U);
-  EXPECT_EQ(reader.poll_time(), INT64_MAX) << "there is nobody to acknowledge to";
+  EXPECT_EQ(reader.poll_time(), INT64_MAX) << "there is no publisher to acknowledge to";
 }
 
 TEST(OrderedReader, SurvivesALinkOutage) {

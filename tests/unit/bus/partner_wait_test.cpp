@@ -14,7 +14,7 @@ TEST(PartnerWait, GivesUpWithoutSignsOfLife) {
   EXPECT_FALSE(wait.GiveUp(104.9));
   EXPECT_TRUE(wait.GiveUp(105.0));
   EXPECT_EQ(wait.awaited(), std::nullopt);
-  EXPECT_FALSE(wait.GiveUp(110.0)) << "it is told once";
+  EXPECT_FALSE(wait.GiveUp(110.0)) << "it is reported once";
 }
 
 TEST(PartnerWait, SilenceIsReportedOnce) {

@@ -104,8 +104,8 @@ TEST_F(McapDataset, ExistingTopicsAreListed) {
   MakeMcapFile(path(), {.image_type = "PointCloud2"});
   EXPECT_THAT(Error(), AllOf(HasSubstr(path() + ": has nothing to play: it has no ROS images"),
                              HasSubstr("its topics are /cam0/camera_info (sensor_msgs/msg/CameraInfo in cdr), ")));
-  MakeMcapFile(path(), {.image_type = "ImageOfSomebody"});
-  EXPECT_THAT(Error(), HasSubstr("but /cam0/image_raw (sensor_msgs/msg/ImageOfSomebody in cdr)"));
+  MakeMcapFile(path(), {.image_type = "UnknownImage"});
+  EXPECT_THAT(Error(), HasSubstr("but /cam0/image_raw (sensor_msgs/msg/UnknownImage in cdr)"));
 }
 
 TEST_F(McapDataset, MissingCalibrationNamesTheOption) {

@@ -222,7 +222,7 @@ TEST(ImuJoin, RatesWaitForForces) {
   EXPECT_THAT(join.Take(), IsEmpty()) << "its forces are too far apart";
 }
 
-TEST(ImuJoin, ClockThatIsSetBackStartsAnew) {
+TEST(ImuJoin, ClockThatIsSetBackBeginsAgain) {
   constexpr int64_t kLater_ns = 10 * ImuJoin::kLongestDelay_ns;
   ImuJoin join;
   join.AddForce(kLater_ns, Eigen::Vector3d(0.0, 0.0, 1.0));

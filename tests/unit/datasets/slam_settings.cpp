@@ -351,7 +351,7 @@ const char* const kVins = R"(%YAML:1.0
 imu: 1
 num_of_cam: 2
 imu_topic: "/imu0"
-output_path: "/home/somebody/output/"
+output_path: "/home/user/output/"
 cam0_calib: "cam0_pinhole.yaml"
 cam1_calib: "cam1_pinhole.yaml"
 image_width: 672

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "tests/unit/documents/document_commands.h"
-#include "tools/plslam/child_process.h"
-#include "tools/plslam/run_bus.h"
+#include "tools/launch/child_process.h"
+#include "tools/launch/run_bus.h"
 
 namespace plslam::test {
 

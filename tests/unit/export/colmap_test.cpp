@@ -106,12 +106,12 @@ TEST(ColmapPrograms, ModelAnalyzerCountsTheModel) {
   WriteColmapBinary(folder.Path("binary"), SmallModel());
   for (const char* kind : {"text", "binary"}) {
     const auto result = Shell(folder, Colmap("model_analyzer --path " + folder.Path(kind)));
-    const std::string told = result.out + result.error;
-    EXPECT_EQ(result.exit_code, 0) << kind << ": " << told;
-    EXPECT_EQ(NumberAfter(told, "Registered images"), 3) << told;
-    EXPECT_EQ(NumberAfter(told, "Points"), 60) << told;
-    EXPECT_EQ(NumberAfter(told, "Observations"), 180) << told;
-    EXPECT_EQ(NumberAfter(told, "Mean track length"), 3) << told;
+    const std::string output = result.out + result.error;
+    EXPECT_EQ(result.exit_code, 0) << kind << ": " << output;
+    EXPECT_EQ(NumberAfter(output, "Registered images"), 3) << output;
+    EXPECT_EQ(NumberAfter(output, "Points"), 60) << output;
+    EXPECT_EQ(NumberAfter(output, "Observations"), 180) << output;
+    EXPECT_EQ(NumberAfter(output, "Mean track length"), 3) << output;
   }
 }
 
@@ -122,10 +122,10 @@ TEST(ColmapPrograms, ColmapProjectsTheMapOntoTheFeatures) {
   std::filesystem::create_directories(folder.Path("adjusted"));
   const auto result = Shell(folder, Colmap("bundle_adjuster --input_path " + folder.Path("binary") +
                                            " --output_path " + folder.Path("adjusted")));
-  const std::string told = result.out + result.error;
-  const double initial_px = NumberAfter(told, "Initial cost");
-  EXPECT_GE(initial_px, 0.0) << told;
-  EXPECT_LT(initial_px, 1e-6) << told;
+  const std::string output = result.out + result.error;
+  const double initial_px = NumberAfter(output, "Initial cost");
+  EXPECT_GE(initial_px, 0.0) << output;
+  EXPECT_LT(initial_px, 1e-6) << output;
 }
 
 TEST(ColmapPrograms, ColmapConvertsOurBinaryToOurText) {
@@ -182,7 +182,7 @@ TEST(MapCamera, DifferencesShowDifferingDigits) {
 
 TEST(MapCamera, InvalidCameraIsReported) {
   StoredMap stored = test::SmallStoredMap();
-  const auto told = [&] {
+  const auto error = [&] {
     try {
       MapCamera(stored, "a.plmap");
     } catch (const std::runtime_error& e) {
@@ -193,15 +193,15 @@ TEST(MapCamera, InvalidCameraIsReported) {
   const auto set = [&](size_t number, double value) { std::memcpy(stored.rig.data() + 8 * number, &value, 8); };
   set(0, 0.0);
   EXPECT_EQ(
-      told(),
+      error(),
       "a.plmap: its camera is invalid: a focal length of 0 px, a baseline of 0.12 m and images of 640 x 480 px");
   set(0, 400.0);
   set(4, 640.5);
-  EXPECT_THAT(told(), HasSubstr("640.5 x 480 px"));
+  EXPECT_THAT(error(), HasSubstr("640.5 x 480 px"));
   set(3, std::nan(""));
-  EXPECT_THAT(told(), HasSubstr("has a number nan"));
+  EXPECT_THAT(error(), HasSubstr("has a number nan"));
   stored.rig.clear();
-  EXPECT_EQ(told(), "a.plmap: does not contain the camera with which it was made");
+  EXPECT_EQ(error(), "a.plmap: does not contain the camera with which it was made");
 }
 
 }  // namespace

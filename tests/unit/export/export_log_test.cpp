@@ -153,8 +153,8 @@ TEST_F(ExportLog, LastOfSeveralStreamsIsExported) {
   WritePoses("", 6);
   WriteStream("begin", 2);
   WritePoses("", 4);
-  WriteStream("begin", 1);   // said again
-  WriteStream("resume", 3);  // goes on
+  WriteStream("begin", 1);  // said again
+  WriteStream("resume", 3);
   EXPECT_EQ(Read().recorder.frames().size(), 4U);
 }
 

@@ -92,7 +92,7 @@ TEST(ImageMask, PolygonsAddUpEvenOutsideTheImage) {
   }
 }
 
-TEST(ImageMask, ComplaintsNameValueAndBound) {
+TEST(ImageMask, ErrorsNameValueAndBound) {
   CameraCalibration camera = Masked(InUse(50, 40));
   camera.mask = {Rectangle(0, 0, 101, 5)};
   EXPECT_THAT(MaskComplaint(camera), HasSubstr("corner [101, 0] is not within -50 to 100 and -40 to 80 pixels"));

@@ -79,7 +79,7 @@ TEST_F(OrderSenderTest, IsPublishedAgainForARestartedProcess) {
   SayAlive(7, 1001.0);
   SayAlive(8, 0.0);
   EXPECT_TRUE(Eventually([this] { return n_ == 2; }));
-  SayAnswer(source_ + 1, "is somebody else's");
+  SayAnswer(source_ + 1, "is that of another order");
   SayAnswer(source_, "no room");
   ASSERT_TRUE(HasAnswer());
   EXPECT_EQ(*order_.answer(), "no room");

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/process/order_sender.h"
-#include "tools/plslam/run_bus.h"
+#include "tools/launch/run_bus.h"
 
 namespace plslam::launcher {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/plslam/supervisor.h"
+#include "tools/launch/supervisor.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 
 #include "core/process/process_signals.h"
 #include "tests/support/text_file.h"
-#include "tools/plslam/child_process.h"
+#include "tools/launch/child_process.h"
 
 namespace plslam::launcher {
 namespace {
@@ -134,19 +134,19 @@ TEST_F(SupervisorTest, KilledBeforeReadyIsRestartedAndReported) {
   std::filesystem::current_path(folder_);
   for (const Ending ending : {Ending::kRestart, Ending::kMayEnd, Ending::kWritesAtTheEnd}) {
     std::filesystem::remove("starts");
-    std::vector<std::string> told;
+    std::vector<std::string> reported;
     Supervisor::Options options;
     options.bin = options.logs = folder_;
     options.max_restarts = 3;
     options.first_pause = milliseconds(1);
     options.on_restart = [&](const std::string& name, const std::string& how, int restart) {
-      told.push_back(name + " " + how + " " + std::to_string(restart));
+      reported.push_back(name + " " + how + " " + std::to_string(restart));
     };
     Supervisor supervisor(options);
     supervisor.Start("a", "killed", {}, ending);
     ASSERT_TRUE(TickUntil(supervisor, [&] { return supervisor.restarts() == 2 && supervisor.pid("a") > 0; }));
     EXPECT_EQ(supervisor.failure(), "");
-    EXPECT_EQ(told, (std::vector<std::string>{"a was ended by SIGKILL 1", "a was ended by SIGKILL 2"}));
+    EXPECT_EQ(reported, (std::vector<std::string>{"a was ended by SIGKILL 1", "a was ended by SIGKILL 2"}));
     EXPECT_TRUE(Stopped(supervisor));
   }
   std::filesystem::current_path("/");
@@ -315,7 +315,7 @@ TEST_F(SupervisorTest, WriterIsNotRestartedAfterAnError) {
   Supervisor::Options options;
   options.bin = options.logs = folder_;
   std::string word;
-  options.last_word = [&](pid_t pid) { return pid > 0 ? word : "of nobody"; };
+  options.last_word = [&](pid_t pid) { return pid > 0 ? word : "of no process"; };
   Supervisor supervisor(options);
   supervisor.Start("recorder", "full", {}, Ending::kWritesAtTheEnd);
   supervisor.SetReady("recorder", Clock::now());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/plslam/relay/tcpq_relay.h"
+#include "tools/launch/relay/tcpq_relay.h"
 
 #include <array>
 #include <filesystem>
@@ -16,7 +16,7 @@
 #include "core/bus/transport/transport.h"
 #include "plslam/pose_t.hpp"
 #include "tests/unit/bus/bus_fixture.h"
-#include "tools/plslam/relay/tcpq_client.h"
+#include "tools/launch/relay/tcpq_client.h"
 
 namespace plslam::bus {
 namespace {
@@ -135,7 +135,7 @@ TEST(TcpqRelay, StockLoggerRecordsThroughIt) {
 }
 
 /// Publishes 100 MB past `slow`, a client that subscribes to all and does as it likes.
-void ExpectNobodyIsStalledBy(RunningRelay& relay, RawClient& slow) {
+void ExpectNoClientIsStalledBy(RunningRelay& relay, RawClient& slow) {
   slow.SendHello();
   slow.Subscribe(".*");
   Transport reader(relay->url());
@@ -166,7 +166,7 @@ void ExpectNobodyIsStalledBy(RunningRelay& relay, RawClient& slow) {
 TEST(TcpqRelay, SleepingReaderDoesNotStallTheOthersForLong) {
   RunningRelay relay;
   RawClient sleeper(relay->port());
-  ExpectNobodyIsStalledBy(relay, sleeper);
+  ExpectNoClientIsStalledBy(relay, sleeper);
 }
 
 TEST(TcpqRelay, SlowReaderDoesNotStallTheOthersForLong) {
@@ -179,7 +179,7 @@ TEST(TcpqRelay, SlowReaderDoesNotStallTheOthersForLong) {
       slow.Sip(10'000);
     }
   });
-  ExpectNobodyIsStalledBy(relay, slow);
+  ExpectNoClientIsStalledBy(relay, slow);
   stop = true;
   sipping.join();
 }

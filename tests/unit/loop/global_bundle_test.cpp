@@ -69,7 +69,7 @@ TEST(AdjustmentProgress, ContinuesAfterEarlierAdjustments) {
   const auto make = [&](SourceId source) {
     loop::GlobalBundleProblem problem =
         loop::MakeGlobalBundleProblem(Perturbed(mapper.map()), features, FeatureWorld::Camera(), {});
-    problem.map_source = source;
+    problem.map_version = {{}, source, 1};
     return problem;
   };
   loop::AdjustmentProgress progress;

@@ -33,7 +33,7 @@ SE3 Corrected(const LoopClosure& loop, KeyframeId a, KeyframeId b) {
   return T_w_a.Inverse() * T_w_b;
 }
 
-std::string Told(const loop::LoopSearch& search) {
+std::string Describe(const loop::LoopSearch& search) {
   std::string text = "looked at:";
   for (const loop::LoopEvidence& e : search.evidence) {
     text += fmt::format(" {} {} inliers {} cells {} share {} back {} confirming {};", e.edge.old_keyframe_id,
@@ -159,12 +159,12 @@ TEST(LoopCloser, UnanchoredSessionIsJoined) {
   for (Keyframe& keyframe : second.keyframes) keyframe.T_odom_kf = T_own_world * keyframe.T_odom_kf;
   LoopClosure loop;
   size_t shown = 0;
-  std::string told;
+  std::string searches;
   while (loop.kind == Kind::kNone && shown < second.keyframes.size()) {
     loop = closing.Show(second.keyframes[shown++]);
-    told += Told(closing.closer.last_search()) + "\n";
+    searches += Describe(closing.closer.last_search()) + "\n";
   }
-  ASSERT_EQ(loop.kind, Kind::kLoop) << told;
+  ASSERT_EQ(loop.kind, Kind::kLoop) << searches;
   const LoopEdge& edge = loop.edges.front();
   const SE3 T_old_kf = ring.walk.T_w_c.at(edge.old_keyframe_id.value).Inverse() * beside.at(shown - 1);
   EXPECT_LT((T_old_kf.Inverse() * edge.T_old_kf).translation().norm(), 0.03);

@@ -211,7 +211,7 @@ TEST_F(Service, UnfinishedAdjustmentIsDoneAfterARestart) {
   EXPECT_EQ(Checked(output), Ids{}) << "that is not checked again";
   EXPECT_EQ(output.adjustment->keyframe.session, kSession);
   EXPECT_EQ(output.adjustment->keyframe.number, 3);
-  EXPECT_EQ(output.adjustment->map_source, 2);
+  EXPECT_EQ(output.adjustment->map_version->numbering, 2);
   EXPECT_EQ(output.adjustment->keyframes.size(), 4U);
   EXPECT_FALSE(service_.OnUpdate(Update(3, true)).adjustment);
   service_.OnKeyframe(KeyframeOf(4));
@@ -234,7 +234,7 @@ TEST_F(Service, UnfinishedAdjustmentFromRepeatedUpdates) {
   EXPECT_EQ(Checked(output), Ids{});
   ASSERT_TRUE(output.adjustment);
   EXPECT_EQ(output.adjustment->keyframe.number, 1);
-  EXPECT_EQ(output.adjustment->map_version, 4);
+  EXPECT_EQ(output.adjustment->map_version->number, 4);
   EXPECT_TRUE(service_.OnUpdate(Update(1, true)).ends_adjustment) << "the other had come to its end";
   EXPECT_FALSE(service_.OnUpdate(Update(2, false)).ends_adjustment);
 }
@@ -366,7 +366,7 @@ TEST_F(Service, LockstepRequestWaitsForTheCommittedMap) {
   ASSERT_EQ(output.answers.size(), 1U);
   EXPECT_EQ(output.answers[0].frame_id, 17);
   EXPECT_EQ(output.answers[0].session, kSession);
-  EXPECT_EQ(output.answers[0].map_version, 2);
+  EXPECT_EQ(output.answers[0].map_version->number, 2);
   EXPECT_FALSE(output.answers[0].found);
   EXPECT_TRUE(service_.OnUpdate(Update(1, false)).answers.empty()) << "it is answered once";
 }

@@ -102,7 +102,7 @@ TEST_F(PublishedLoop, NotAwaitedAfterTheMapWasReplaced) {
   const StereoCamera camera = FeatureWorld::Camera();
   mapping::MapperState empty;
   empty.stored.version = mapper_.version() + 1;
-  empty.map_instance = MapId(empty.stored.version);
+  empty.map_id.n_replaced = 1;
   mapper_ = mapping::Mapper(camera, mapping::MappingOptions(), std::move(empty));
   MapUpdate reset = mapper_.Whole();
   reset.source = 1;

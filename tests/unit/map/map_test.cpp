@@ -168,7 +168,7 @@ TEST(Map, RemovedKeyframeLeavesNoObservations) {
   for (int i = 0; i < Map::kParent; ++i) map.Put(PointOf(2 + i, {{2, i}, {3, i}}));
   map.TakeChanges();
   map.RemoveKeyframe(1);
-  EXPECT_EQ(map.FindPoint(0), nullptr) << "nobody sees it";
+  EXPECT_EQ(map.FindPoint(0), nullptr) << "no keyframe observes it";
   EXPECT_THAT(map.FindPoint(1)->observations, ElementsAre(Observation{0, 0}));
   EXPECT_EQ(map.FindKeyframe(2)->parent_id, 0) << "no older neighbour: the parent of the parent";
   EXPECT_EQ(map.FindKeyframe(3)->parent_id, 2) << "its best neighbour";

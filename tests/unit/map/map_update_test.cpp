@@ -10,7 +10,7 @@
 namespace plslam {
 namespace {
 
-using Step = MapVersion::Step;
+using Step = MapStep;
 
 template <class Landmark>
 void ExpectSameObservations(const IdMap<LandmarkId, Landmark>& a, const IdMap<LandmarkId, Landmark>& b) {
@@ -139,10 +139,10 @@ TEST(MapFollower, GapIsDetectedAndFilledByTheWholeMap) {
   replica.Apply(owner.Next(50));
   owner.Next(50);
   EXPECT_EQ(replica.Apply(owner.Next(50)), Step::kGap);
-  EXPECT_EQ(replica.version(), 1);
+  EXPECT_EQ(replica.version()->number, 1);
   EXPECT_EQ(replica.Apply(owner.Whole()), Step::kNext);
-  EXPECT_EQ(replica.version(), 3);
-  EXPECT_EQ(replica.Apply(owner.Whole()), Step::kKnown) << "asked for by somebody else";
+  EXPECT_EQ(replica.version()->number, 3);
+  EXPECT_EQ(replica.Apply(owner.Whole()), Step::kKnown) << "requested by another reader";
   EXPECT_EQ(replica.Apply(owner.Next(50)), Step::kNext);
   ExpectSame(owner.map(), replica.map());
 }
@@ -192,7 +192,7 @@ MapUpdate WholeRow(int64_t version, const std::set<KeyframeId>& removed) {
   MapUpdate update = WholeMap(map);
   update.source = 5;
   update.version = version;
-  update.map_instance = 6;
+  update.map_id.origin = 6;
   return update;
 }
 
@@ -203,7 +203,7 @@ TEST(MapFollower, RemembersRemovedKeyframesOnRequest) {
   removal.source = 5;
   removal.base_version = 1;
   removal.version = 2;
-  removal.map_instance = 6;
+  removal.map_id.origin = 6;
   removal.removed_keyframes = {1, 2};
   for (MapFollower* each : {&replica, &forgetful}) {
     each->Apply(WholeRow(1, {}));
@@ -225,7 +225,7 @@ TEST(MapFollower, WholeMapKeepsRememberedKeyframesOfTheSameMap) {
   EXPECT_EQ(replica.map().RemovedKeyframes().size(), 2U);
   EXPECT_EQ(replica.map().keyframes().size(), 2U);
   MapUpdate other = WholeRow(9, {3});
-  other.map_instance = 8;
+  other.map_id.origin = 8;
   EXPECT_EQ(replica.Apply(other), Step::kNext);
   EXPECT_TRUE(replica.map().RemovedKeyframes().empty()) << "they were of another map";
 }
@@ -243,9 +243,9 @@ class RemovedPosesTest : public testing::Test {
   MapUpdate Next() const {
     MapUpdate update;
     update.source = source_;
-    update.map_instance = 6;
-    update.base_version = follower_.version();
-    update.version = follower_.version() + 1;
+    update.map_id.origin = 6;
+    update.base_version = follower_.version()->number;
+    update.version = follower_.version()->number + 1;
     return update;
   }
 
@@ -317,8 +317,8 @@ TEST_F(RemovedPosesTest, ReturningProcessRepeatsCorrectionsExactly) {
   };
   first();
   MapUpdate state = WholeMap(follower_.map());
-  state.map_instance = 6;
-  state.version = follower_.version();
+  state.map_id.origin = 6;
+  state.version = follower_.version()->number;
   rest();
   const SE3 T_w_2 = PoseOf(2), T_w_3 = PoseOf(3);
   state.source = 9;
@@ -336,8 +336,8 @@ TEST_F(RemovedPosesTest, CarrierThatReturnsLeavesThemInPlace) {
   MapUpdate back = Next();
   back.keyframes = {*follower_.map().FindKeyframe(2)};
   Remove(2);
-  back.base_version = follower_.version();
-  back.version = follower_.version() + 1;
+  back.base_version = follower_.version()->number;
+  back.version = follower_.version()->number + 1;
   ASSERT_EQ(follower_.Apply(back), Step::kNext);
   EXPECT_LT((PoseOf(3).translation() - Eigen::Vector3d(3.0, 5.0, 0.0)).norm(), 1e-12);
 }
@@ -354,10 +354,10 @@ TEST(MapFollower, ProcessOfUnknownMapBeginsAnother) {
   MapFollower replica;
   replica.RememberRemoved();
   MapUpdate first = WholeRow(1, {});
-  first.map_instance = 0;
+  first.map_id = {};
   replica.Apply(first);
   MapUpdate second = WholeRow(1, {1, 2});
-  second.map_instance = 0;
+  second.map_id = {};
   second.source = 9;
   EXPECT_EQ(replica.Apply(second), Step::kNext);
   EXPECT_TRUE(replica.map().RemovedKeyframes().empty());

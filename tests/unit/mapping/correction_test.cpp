@@ -196,12 +196,12 @@ TEST_P(Correction, KeyframesCulledSinceAreLeftOut) {
 
 TEST_P(Correction, ReplicaOfTheUpdatesIsEqual) {
   MapFollower replica;
-  ASSERT_EQ(replica.Apply(mapper_.TakeUpdate()), MapVersion::Step::kNext);
+  ASSERT_EQ(replica.Apply(mapper_.TakeUpdate()), MapStep::kNext);
   ASSERT_TRUE(mapper_.Correct(Loop(), &reason_)) << reason_;
-  ASSERT_EQ(replica.Apply(mapper_.TakeUpdate()), MapVersion::Step::kNext);
+  ASSERT_EQ(replica.Apply(mapper_.TakeUpdate()), MapStep::kNext);
   EXPECT_EQ(Encoded(replica.map()), Encoded(mapper_.map()));
   ASSERT_TRUE(mapper_.Correct(test::AdjustByTruth(mapper_.map(), walk_.T_w_c), &reason_)) << reason_;
-  ASSERT_EQ(replica.Apply(mapper_.TakeUpdate()), MapVersion::Step::kNext);
+  ASSERT_EQ(replica.Apply(mapper_.TakeUpdate()), MapStep::kNext);
   EXPECT_EQ(Encoded(replica.map()), Encoded(mapper_.map()));
 }
 
@@ -278,7 +278,14 @@ TEST_P(Correction, InvalidClosureLeavesTheMapUnchanged) {
          c.lines = {{-3, 0}};
        },
        "lines -3 and 0"},
-      {[](LoopClosure& c) { c.map_version = 1'000; }, "version 1000"},
+      {[](LoopClosure& c) {
+         c.map_version = {{}, {}, 1'000};
+       },
+       "version 1000"},
+      {[](LoopClosure& c) {
+         c.map_version = {{{}, 1}, {}, 1};
+       },
+       "another map"},
       {[](LoopClosure& c) {
          c.kind = LoopClosure::Kind::kAdjustment;
          c.poses.clear();
@@ -330,7 +337,7 @@ TEST_P(Correction, CorrectionOfAnOlderMapStructureIsRefused) {
   LoopClosure older = test::AdjustByTruth(mapper_.map(), walk_.T_w_c);
   for (CorrectedPose& pose : older.poses) pose.T_w_kf = KeyframeOf(pose.keyframe_id).T_w_kf;
   LoopClosure loop = Loop();
-  older.map_version = loop.map_version = mapper_.version();
+  older.map_version = loop.map_version = MapVersion{{}, {}, mapper_.version()};
   ASSERT_TRUE(mapper_.Correct(loop, &reason_)) << reason_;
   mapper_.TakeUpdate();
   const auto closed = Encoded(mapper_.map());
@@ -343,7 +350,7 @@ TEST_P(Correction, CorrectionOfAnOlderMapStructureIsRefused) {
   Mapper restored(FeatureWorld::Camera(), WithoutCulling(), DecodeState(EncodeState(mapper_.State())));
   EXPECT_FALSE(restored.Correct(older, &reason_));
   LoopClosure newer = test::AdjustByTruth(mapper_.map(), walk_.T_w_c);
-  newer.map_version = mapper_.version();
+  newer.map_version = MapVersion{{}, {}, mapper_.version()};
   EXPECT_TRUE(mapper_.Correct(newer, &reason_)) << reason_;
 }
 

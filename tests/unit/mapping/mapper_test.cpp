@@ -164,12 +164,12 @@ TEST_P(MapperWalk, AReplicaFedWithAllUpdatesIsTheWholeMap) {
   MapFollower replica;
   for (const Keyframe& keyframe : walk_.keyframes) {
     ASSERT_TRUE(MapOne(keyframe, mapper));
-    ASSERT_EQ(replica.Apply(mapper.TakeUpdate()), MapVersion::Step::kNext);
-    ASSERT_EQ(replica.version(), mapper.version());
+    ASSERT_EQ(replica.Apply(mapper.TakeUpdate()), MapStep::kNext);
+    ASSERT_EQ(replica.version()->number, mapper.version());
     ASSERT_EQ(Encoded(replica.map()), Encoded(mapper.map())) << "keyframe " << keyframe.name.number;
   }
   MapFollower late;
-  ASSERT_EQ(late.Apply(mapper.Whole()), MapVersion::Step::kNext);
+  ASSERT_EQ(late.Apply(mapper.Whole()), MapStep::kNext);
   EXPECT_EQ(Encoded(late.map()), Encoded(replica.map()));
   EXPECT_EQ(mapper.Whole().newest.number, 19);
 }

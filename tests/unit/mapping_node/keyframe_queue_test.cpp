@@ -46,15 +46,23 @@ TEST(KeyframeQueue, SessionFromTwoPublishersIsInOrder) {
   EXPECT_EQ(queue.size(), 0U);
 }
 
+TEST(KeyframeQueue, DroppedSessionDoesNotDelayOthers) {
+  KeyframeQueue queue;
+  for (const SessionId session : {7, 8}) queue.Add(KeyframeOf(session, 0, 1), 0.0);
+  queue.Drop(7);
+  queue.Drop(9);
+  EXPECT_EQ(TakeAll(queue, 1.0), "8.0 ");
+}
+
 TEST(KeyframeQueue, RandomOrderFromSeveralPublishers) {
   std::mt19937 random(1);
   for (int trial = 0; trial < 200; ++trial) {
     // Two sessions, each divided at a keyframe that both publishers have; both parts of each are published twice.
-    std::vector<std::vector<Keyframe>> told;
+    std::vector<std::vector<Keyframe>> published;
     for (const SessionId session : {7, 8}) {
       const int64_t cut = random() % 10;
       for (int source = 1; source <= 4; ++source) {
-        std::vector<Keyframe>& of = told.emplace_back();
+        std::vector<Keyframe>& of = published.emplace_back();
         const int64_t begin = source % 2 == 0 ? 0 : cut;
         const int64_t end = source % 2 == 0 ? cut + 1 : 10;
         for (int64_t id = begin; id < end; ++id)
@@ -68,11 +76,11 @@ TEST(KeyframeQueue, RandomOrderFromSeveralPublishers) {
         ASSERT_EQ(taken->keyframe.name.number, next[static_cast<size_t>(taken->keyframe.name.session.value - 7)]++);
       }
     };
-    while (!told.empty()) {
-      std::vector<Keyframe>& of = told[random() % told.size()];
+    while (!published.empty()) {
+      std::vector<Keyframe>& of = published[random() % published.size()];
       queue.Add(of.front(), 0.0);
       of.erase(of.begin());
-      std::erase_if(told, [](const auto& rest) { return rest.empty(); });
+      std::erase_if(published, [](const auto& rest) { return rest.empty(); });
       if (random() % 3 == 0) take();
       if (testing::Test::HasFatalFailure()) return;
     }

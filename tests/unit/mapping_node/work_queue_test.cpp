@@ -76,7 +76,7 @@ TEST_F(WorkQueueTest, RefusedLoopDoesNotBlock) {
   Take(Kind::kInsert);
   queue_.Add(ClosureOf(0, LoopClosure::Kind::kLoop, true));
   EXPECT_FALSE(Take(Kind::kCorrect).commits);
-  EXPECT_TRUE(queue_.Refused()) << "to be told";
+  EXPECT_TRUE(queue_.Refused()) << "the commit is to be published";
   EXPECT_FALSE(queue_.Refused());
   EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.name.number, 1);
   ExpectNothing();
@@ -221,7 +221,7 @@ TEST_F(WorkQueueTest, NewMapDiscardsTheQueueOfTheOldMap) {
   queue_.Add(KeyframeOf(1, true), 0.0);
   queue_.Add(ClosureOf(1));
   queue_.Add(bus::Order{command_verb::kLocalise, "on"});
-  queue_.Reset({}, 0);
+  queue_.Reset({}, {}, {});
   EXPECT_EQ(Take(Kind::kOrder).order.argument, "on") << "what was ordered behind it stays";
   ExpectNothing();
   EXPECT_EQ(queue_.n_waiting(), 0U);
@@ -249,7 +249,7 @@ TEST_F(WorkQueueTest, RepeatedMessagesAreIgnored) {
 TEST_F(WorkQueueTest, LockstepLoopFoundOnTwoMapsIsAppliedOnce) {
   const auto found_on = [](SourceId source, LoopClosure::Kind kind, bool more) {
     LoopClosure closure = ClosureOf(0, kind, more);
-    closure.map_source = source;
+    closure.map_version = {{}, source, 1};
     return closure;
   };
   queue_.Add(KeyframeOf(0, true), 0.0);
@@ -257,12 +257,41 @@ TEST_F(WorkQueueTest, LockstepLoopFoundOnTwoMapsIsAppliedOnce) {
   queue_.Add(found_on(1, LoopClosure::Kind::kLoop, true));
   EXPECT_FALSE(Take(Kind::kCorrect).commits);
   queue_.Add(found_on(2, LoopClosure::Kind::kLoop, true));
-  EXPECT_TRUE(Take(Kind::kAnswer).accepted) << "whoever has told it adjusts the map";
+  EXPECT_TRUE(Take(Kind::kAnswer).accepted) << "its loop_process adjusts the map";
   ExpectNothing();
   queue_.Add(found_on(2, LoopClosure::Kind::kAdjustment, false));
   EXPECT_TRUE(Take(Kind::kCorrect).commits);
   queue_.Add(found_on(1, LoopClosure::Kind::kAdjustment, false));
   ExpectNothing();
+}
+
+// A mapping_process that was killed after an order, and restarted without its state, receives the keyframes of both maps.
+TEST_F(WorkQueueTest, KeyframesOfTheNextMapBeginIt) {
+  const auto of_map = [](int64_t number, int64_t n_replaced) {
+    Keyframe keyframe = KeyframeOf(number, false);
+    keyframe.map_id.n_replaced = n_replaced;
+    return keyframe;
+  };
+  queue_.Add(KeyframeOf(9, false), 0.0);
+  queue_.AddOfNextMap(of_map(0, 1), 0.0);
+  queue_.AddOfNextMap(of_map(0, 2), 0.0);
+  queue_.AddOfNextMap(of_map(1, 1), 0.0);
+  queue_.AddOfNextMap(of_map(1, 2), 0.0);
+  EXPECT_EQ(Take(Kind::kBeginMap).map_id.n_replaced, 2) << "the newest one";
+  queue_.AddOfNextMap(of_map(2, 2), 0.0);
+  queue_.Reset({{}, 2}, {}, {});
+  const auto work = Take(Kind::kInsert);
+  ASSERT_EQ(work.keyframes.size(), 3U) << "those of the replaced maps are dropped";
+  for (int64_t i = 0; i < 3; ++i) EXPECT_EQ(work.keyframes[static_cast<size_t>(i)].keyframe.name.number, i);
+  ExpectNothing();
+}
+
+TEST_F(WorkQueueTest, KeyframesOfALaterMapAreHeldBeyondReset) {
+  Keyframe keyframe = KeyframeOf(0, false);
+  keyframe.map_id.n_replaced = 3;
+  queue_.AddOfNextMap(keyframe, 0.0);
+  queue_.Reset({{}, 2}, {}, {});
+  EXPECT_EQ(Take(Kind::kBeginMap).map_id.n_replaced, 3);
 }
 
 TEST_F(WorkQueueTest, MissingKeyframesAreCountedAfterATimeout) {

@@ -18,8 +18,8 @@
 #include "plslam/status_t.hpp"
 #include "plslam_version.h"
 #include "tests/support/text_file.h"
-#include "tools/plslam/child_process.h"
-#include "tools/plslam/run_bus.h"
+#include "tools/launch/child_process.h"
+#include "tools/launch/run_bus.h"
 
 namespace plslam::launcher {
 namespace {

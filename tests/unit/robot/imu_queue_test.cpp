@@ -47,7 +47,7 @@ TEST(ImuQueue, LateSamplesAreCounted) {
   EXPECT_EQ(queue.counts().n_late, 3);
 }
 
-TEST(ImuQueue, ClockThatIsSetBackStartsAnew) {
+TEST(ImuQueue, ClockThatIsSetBackBeginsAgain) {
   ImuQueue queue;
   const int64_t later_ns = 10 * ImuQueue::kLongestDelay_ns;
   for (const int64_t t : {later_ns, later_ns + 5}) queue.Add({.t_ns = t});

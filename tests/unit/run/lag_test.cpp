@@ -20,7 +20,7 @@ TEST(LagInFrames, CountsFromTheOldestKeyframeThatWaits) {
   EXPECT_EQ(LagInFrames(0, 20, is_keyframe), 0);
   EXPECT_EQ(LagInFrames(1, 20, is_keyframe), 3);
   EXPECT_EQ(LagInFrames(2, 20, is_keyframe), 8);
-  EXPECT_EQ(LagInFrames(99, 20, is_keyframe), 10) << "those before had come to nobody's queue";
+  EXPECT_EQ(LagInFrames(99, 20, is_keyframe), 10) << "earlier ones were in no queue";
   EXPECT_EQ(LagInFrames(1, 0, is_keyframe), 0);
 }
 

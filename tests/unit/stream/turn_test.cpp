@@ -118,9 +118,9 @@ TEST(Turn, PauseEndsByResumeResendRequestOrStop) {
   turn.OnGoBack(21, {3, 30});
   EXPECT_EQ(turn.WaitWhilePaused(), Event::kGoBack);
   turn.GoBack();
-  std::thread somebody([&turn] { turn.SetPaused(false); });
+  std::thread other([&turn] { turn.SetPaused(false); });
   EXPECT_EQ(turn.WaitWhilePaused(), Event::kPose);
-  somebody.join();
+  other.join();
   EXPECT_TRUE(turn.is_running());
   turn.SetPaused(true);
   EXPECT_FALSE(turn.is_running());

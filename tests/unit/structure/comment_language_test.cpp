@@ -114,6 +114,20 @@ TEST(Language, CommentsAreInTheFieldsWords) {
   }
 }
 
+// Names, and sentences that failed expectations print.
+TEST(Language, TestsAreInTheFieldsWords) {
+  static const std::regex kDialect(
+      R"(\b[Tt]old\b|Told[A-Z]|[Nn]obody|\banew\b|Anew\b|[Ww]hoever|[Ss]omebody|goes on\b)");
+  size_t n = 0;
+  for (const test::SourceFile& file : test::SourceFiles({"tests"})) {
+    if (file.path.ends_with("comment_language_test.cpp")) continue;
+    for (size_t i = 0; i < file.lines.size(); ++i, ++n) {
+      EXPECT_FALSE(std::regex_search(file.lines[i], kDialect)) << file.path << ":" << i + 1 << ": " << file.lines[i];
+    }
+  }
+  ASSERT_GT(n, 10'000U) << "the tests are found";
+}
+
 TEST(Language, SentencesAreRecognised) {
   const test::SourceFile file{
       "a.h",

@@ -235,7 +235,7 @@ TEST(MapTables, TooManyObserversAreLeftOut) {
   EXPECT_THAT(notes, testing::IsEmpty());
   const ReportMap few = MapTables(SmallMap(60), {.observer_bytes = 50}, &notes);
   EXPECT_TRUE(few.observers.only_ids);
-  EXPECT_EQ(few.observers.points.size(), 2 * Rows(few.points)) << "the id of each, and that nobody is told of";
+  EXPECT_EQ(few.observers.points.size(), 2 * Rows(few.points)) << "the id of each, without observers";
   EXPECT_LT(few.observers.points.size(), all.observers.points.size());
   EXPECT_THAT(notes, ElementsAre(testing::HasSubstr("Observations of landmarks are omitted")));
 }

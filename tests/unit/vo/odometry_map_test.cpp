@@ -201,12 +201,12 @@ TEST(OdometryAndMap, MappedPlacesNeedHardlyAnyKeyframes) {
   VoOptions options;
   options.keyframes.known_share = 1.01;
   const std::vector<int> always = KeyframesOfWays(10, options);
-  EXPECT_EQ(known.front(), always.front()) << "what nobody has seen";
+  EXPECT_EQ(known.front(), always.front()) << "no keyframe has observed it";
   EXPECT_GE(always.front(), 4);
   EXPECT_GE(always.back(), 4);
   options = {};
   options.map.localise_only = true;
-  EXPECT_EQ(KeyframesOfWays(10, options), always) << "keyframes are where it looks around anew";
+  EXPECT_EQ(KeyframesOfWays(10, options), always) << "keyframes are where the view is new";
   EXPECT_LE(known.back(), 1) << testing::PrintToString(known) << " of " << testing::PrintToString(always);
 }
 

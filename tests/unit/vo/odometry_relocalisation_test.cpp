@@ -68,7 +68,7 @@ TEST_F(Relocalisation, CameraCarriedWhileCovered) {
   ASSERT_TRUE(found.keyframe);
   EXPECT_LT(ErrorInMap(found, 1), 0.01);
   EXPECT_LT((asked.T_odom_c.Inverse() * found.T_odom_c).translation().norm(), 0.1) << "T_odom_c must not jump";
-  EXPECT_GT(found.keyframe->covariance(0, 0), 10.0) << "where it was carried nobody knows";
+  EXPECT_GT(found.keyframe->covariance(0, 0), 10.0) << "its motion was not observed";
   for (int i = 2; i < 20; ++i) EXPECT_LT(ErrorInMap(Track(See(world_, i, 0.3)), i), 0.02) << i;
 }
 

@@ -227,7 +227,7 @@ TEST(Odometry, SecondImageOfTheSameTimeKeepsTheSpeed) {
   const OdometryResult unseen = odometry.Track(10 * kFrame_ns, {});
   EXPECT_EQ(unseen.state, TrackingState::kLost);
   const Eigen::Vector3d truth = (PathAt(9).Inverse() * PathAt(10)).translation();
-  EXPECT_LT((unseen.T_prev_c.translation() - truth).norm(), 0.3 * truth.norm()) << "it goes on as before";
+  EXPECT_LT((unseen.T_prev_c.translation() - truth).norm(), 0.3 * truth.norm()) << "it moves as before";
 }
 
 TEST(Odometry, KeyframesChainToTheOdometryPose) {

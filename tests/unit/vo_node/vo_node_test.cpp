@@ -257,7 +257,7 @@ TEST_F(VoNodeTest, LocaliseOnlyRestartsInAReplacedMap) {
   EXPECT_EQ(ShowNext(1).header.session, session);
   MapUpdate other = WholeMap(Map());
   other.version = 2;
-  other.map_instance = 3;
+  other.map_id.n_replaced = 1;
   other.localise_only = true;
   PublishUpdate(other);
   int64_t next = session;

@@ -28,9 +28,9 @@
 #include "tools/calibration/board_faults.h"
 #include "tools/calibration/live/coverage_page.h"
 #include "tools/calibration/live/picture_taker.h"
-#include "tools/plslam/child_process.h"
-#include "tools/plslam/run_bus.h"
-#include "tools/plslam/supervisor.h"
+#include "tools/launch/child_process.h"
+#include "tools/launch/run_bus.h"
+#include "tools/launch/supervisor.h"
 
 namespace plslam::calibration {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/plslam/supervisor.h"
+#include "tools/launch/supervisor.h"
 
 #include <fmt/format.h>
 #include <signal.h>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/plslam/version.h"
+#include "tools/command_line/version.h"
 #include "plslam_version.h"
 
-namespace plslam::launcher {
+namespace plslam {
 
 std::string VersionText() {
   const std::string commit = PLSLAM_COMMIT;
   return commit.empty() ? PLSLAM_VERSION : PLSLAM_VERSION " (" + commit + ")";
 }
 
-}  // namespace plslam::launcher
+}  // namespace plslam

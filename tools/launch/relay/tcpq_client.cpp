@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/plslam/relay/tcpq_client.h"
+#include "tools/launch/relay/tcpq_client.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "tools/plslam/relay/tcpq_relay.h"
+#include "tools/launch/relay/tcpq_relay.h"
 
 namespace plslam::bus {
 namespace {
@@ -21,7 +21,7 @@ namespace {
 constexpr uint32_t kServerMagic = 0x287617fa;
 constexpr uint32_t kClientMagic = 0x287617fb;
 constexpr uint32_t kProtocolVersion = 0x0100;
-constexpr uint32_t kMaxChannelBytes = 1024;
+constexpr uint32_t kMaxNameBytes = 1024;
 constexpr size_t kMaxPatterns = 256;
 constexpr size_t kMaxAnswers = 4096;
 
@@ -108,7 +108,7 @@ bool TcpqClient::ParseOne(size_t& at, std::vector<Publication>& published, bool&
   if (left < 8) return true;
   const auto type = static_cast<Type>(Word(at));
   const uint32_t name_bytes = Word(at + 4);
-  if (type < Type::kPublish || type > Type::kUnsubscribe || name_bytes > kMaxChannelBytes) return false;
+  if (type < Type::kPublish || type > Type::kUnsubscribe || name_bytes > kMaxNameBytes) return false;
   if (left < 8 + size_t{name_bytes}) return true;
   const auto name_at = input_.begin() + static_cast<std::ptrdiff_t>(at + 8);
   const std::string name(name_at, name_at + name_bytes);

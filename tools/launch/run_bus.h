@@ -5,9 +5,7 @@
 #include <string>
 #include <thread>
 
-#include "core/bus/options.h"
-#include "tools/plslam/relay/tcpq_relay.h"
-#include "tools/plslam/run_options.h"
+#include "tools/launch/relay/tcpq_relay.h"
 
 namespace plslam::launcher {
 
@@ -57,8 +55,6 @@ class RunBus {
   explicit RunBus(const std::string& url);
 
   const std::string& url() const { return url_; }
-  /// Options of the launcher's own bus, as the other processes will read them.
-  bus::BusOptions OptionsFor(const RunOptions& options) const;
 
  private:
   std::unique_ptr<PrivatePort> port_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/plslam/run_bus.h"
+#include "tools/launch/run_bus.h"
 
 #include <netinet/in.h>
 #include <unistd.h>
@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "core/bus/transport/transport.h"
-#include "core/config/config.h"
 #include "core/errors/log.h"
 
 namespace plslam::launcher {
@@ -51,19 +50,6 @@ RunBus::RunBus(const std::string& url) : url_(url) {
   port_.reset();
   relay_ = std::make_unique<BackgroundRelay>();
   url_ = relay_->url();
-}
-
-bus::BusOptions RunBus::OptionsFor(const RunOptions& options) const {
-  Config config = options.config_file.empty() ? Config() : Config::FromFile(options.config_file);
-  for (const std::string& assignment : options.overrides) config.Override(assignment);
-  bus::BusOptions result;
-  config.Read(kBusSection, result);
-  result.url = url_;
-  if (!options.prefix.empty()) result.prefix = options.prefix;
-  if (!options.map_prefix.empty()) result.map_prefix = options.map_prefix;
-  // The configured loss applies to the processes under test.
-  result.drop_fraction = 0.0;
-  return result;
 }
 
 }  // namespace plslam::launcher

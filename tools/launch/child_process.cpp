@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/plslam/child_process.h"
+#include "tools/launch/child_process.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/plslam/relay/tcpq_relay.h"
+#include "tools/launch/relay/tcpq_relay.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -14,7 +14,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "tools/plslam/relay/tcpq_client.h"
+#include "tools/launch/relay/tcpq_client.h"
 
 namespace plslam::bus {
 namespace {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/plslam/child_process.h"
+#include "tools/launch/child_process.h"
 
 namespace plslam::launcher {
 

@@ -4,8 +4,10 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 #include <set>
 
+#include "core/geometry/hypot.h"
 #include "core/geometry/symmetric.h"
 
 namespace plslam::loop {
@@ -16,6 +18,9 @@ constexpr double kPaperEigenvalue = 0.01;
 constexpr double kPaperMove_m = 0.5;
 constexpr double kPaperTurn_rad = 3.0 * kRadPerDeg;
 constexpr double kPaperInlierShare = 0.5;
+
+// Sigmas by which two verticals may differ: those of real sensors are off by up to four (docs/lab/imu.md).
+constexpr double kMostTilt = 6.0;
 
 double Turn_rad(const SE3& T) { return T.Log().tail<3>().norm(); }
 
@@ -88,6 +93,7 @@ class Verification {
   void AskKeyframesBefore();
   int NeededConfirmations() const;
   bool IsWithinDrift();
+  bool IsUpright() const;
   bool Agree(const SE3& predicted, const SE3& found) const;
   template <class Type>
   std::vector<SameLandmarks> PairUp(const std::vector<LandmarkId>& seen_now,
@@ -221,6 +227,16 @@ bool Verification::IsWithinDrift() {
   return evidence_.drift_chi2 <= gates_.max_drift_chi2;
 }
 
+/// Compares the verticals of both keyframes, if an inertial sensor measured them.
+bool Verification::IsUpright() const {
+  if (!old_.up || !keyframe_.up) return true;
+  const Eigen::Vector3d up_old = evidence_.edge.T_old_kf.rotation() * keyframe_.up->direction;
+  const double angle_rad = std::atan2(up_old.cross(old_.up->direction).norm(), up_old.dot(old_.up->direction));
+  const double loop_rad = std::sqrt(evidence_.edge.covariance.diagonal().tail<3>().maxCoeff());
+  const double sigma_rad = Hypot(Hypot(old_.up->sigma_rad, keyframe_.up->sigma_rad), loop_rad);
+  return angle_rad <= kMostTilt * sigma_rad;
+}
+
 LoopEvidence Verification::Run() {
   evidence_.edge.old_keyframe_id = old_.id;
   evidence_.edge.keyframe_id = keyframe_.id;
@@ -235,6 +251,7 @@ LoopEvidence Verification::Run() {
   if (paper ? !PassesPaperGates() : !HasInliers()) {
     return conclude(paper ? LoopVerdict::kPaperGates : LoopVerdict::kFewInliers);
   }
+  if (!paper && !IsUpright()) return conclude(LoopVerdict::kTilted);
   const bool both_sides = IsSeenFromOldSide();
   if (paper) return conclude(LoopVerdict::kAccepted);
   if (!both_sides) return conclude(LoopVerdict::kOneSided);
@@ -257,6 +274,8 @@ const char* LoopVerdictName(LoopVerdict verdict) {
       return "one-sided";
     case LoopVerdict::kUnconfirmed:
       return "unconfirmed";
+    case LoopVerdict::kTilted:
+      return "tilted";
     case LoopVerdict::kBeyondDrift:
       return "beyond drift";
     case LoopVerdict::kPaperGates:

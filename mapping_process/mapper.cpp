@@ -93,6 +93,7 @@ Mapper::Mapper(const StereoCamera& camera, const MappingOptions& options, Mapper
   recent_landmarks_ = std::move(state.recent_landmarks);
   missed_landmarks_ = std::move(state.missed_landmarks);
   visits_ = std::move(state.visits);
+  inertial_links_ = std::move(state.inertial_links);
   tracker_ = std::move(state.tracker);
   figures_ = state.figures;
   committed_ = state.committed != 0;
@@ -111,6 +112,7 @@ MapperState Mapper::State() const {
           .recent_landmarks = recent_landmarks_,
           .missed_landmarks = missed_landmarks_,
           .visits = visits_,
+          .inertial_links = inertial_links_,
           .tracker = tracker_,
           .figures = figures_,
           .committed = committed_ ? uint8_t{1} : uint8_t{0},
@@ -223,6 +225,7 @@ bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
   MergeWithNeighbours(entry.id, features_, camera_, options_, map_);
   missed_landmarks_.Compare(entry.id, visits_, CameraOf(keyframe.features, camera_), map_);
   recent_landmarks_.Begin(created, entry.name.session);
+  inertial_links_.Add(entry, keyframe.inertial);
   tracker_.Learn(keyframe, map_.LandmarksOf(entry.id));
   sessions_[keyframe.name.session] = {entry.id, keyframe.name.number};
   newest_session_ = keyframe.name.session;
@@ -256,7 +259,8 @@ void Mapper::Put(const Keyframe& keyframe, const MapKeyframe& entry, const Assoc
 void Mapper::Adjust(const std::atomic<bool>* stop) { AdjustAround(sessions_.at(newest_session_).keyframe_id, stop); }
 
 void Mapper::AdjustAround(KeyframeId keyframe_id, const std::atomic<bool>* stop) {
-  const MapBundle window = MakeLocalWindow(keyframe_id, map_, features_, visits_, camera_, options_.window);
+  MapBundle window = MakeLocalWindow(keyframe_id, map_, features_, visits_, camera_, options_.window);
+  inertial_links_.AddTo(window, map_);
   const BundleResult result = Adjusted(window, stop);
   figures_ = ApplyAdjustment(window, result, features_, map_);
   if (result.ok) ExtendAndTrim(window.lines, features_, camera_, map_);
@@ -334,8 +338,10 @@ void Mapper::Cull() {
     return !visits_.IsBefore(*map_.FindKeyframe(id), newest);
   });
   std::reverse(earlier, candidates.end());
-  for (const KeyframeId id : RemoveRedundantKeyframes(candidates, options_.culling, features_, map_))
+  for (const KeyframeId id : RemoveRedundantKeyframes(candidates, options_.culling, features_, map_)) {
     visits_.Remove(id);
+    inertial_links_.Remove(id);
+  }
   if (options_.max_keyframes > 0) Forget();
 }
 
@@ -355,6 +361,7 @@ void Mapper::Forget() {
   for (const KeyframeId id : KeyframesToForget(map_, visits_, max_keyframes - max_keyframes / 50, is_kept)) {
     TakeOut(id, features_, map_);
     visits_.Remove(id);
+    inertial_links_.Remove(id);
     // Republished keyframes are recognised by the number of the newest one, which therefore remains.
     for (auto& [session, last] : sessions_) {
       if (last.keyframe_id == id) last.keyframe_id = -1;

@@ -17,6 +17,7 @@
 #include "core/map/map_update.h"
 #include "core/run/tracking_state.h"
 #include "mapping_process/insertion/culling.h"
+#include "mapping_process/insertion/inertial_links.h"
 #include "mapping_process/insertion/landmark_creation.h"
 #include "mapping_process/insertion/local_window.h"
 #include "mapping_process/insertion/missed_landmarks.h"
@@ -156,6 +157,7 @@ class Mapper {
   RecentLandmarks recent_landmarks_;
   MissedLandmarks missed_landmarks_;
   Visits visits_;
+  InertialLinks inertial_links_;
   LandmarkIds landmark_ids_;
   KeyframeId next_keyframe_id_ = 0;
   std::map<SessionId, Session> sessions_;

@@ -38,9 +38,9 @@ void Fields(Archive& a, T& answer) {
 /// The scalar fields; keyframes, landmarks and features are written separately.
 template <class Archive, Is<mapping::MapperState> T>
 void Fields(Archive& a, T& state) {
-  a(state.stored, state.stored.sessions, state.recent_landmarks, state.missed_landmarks, state.visits, state.tracker,
-    state.figures, state.committed, state.structural_version, state.localise_only, state.map_id, state.lockstep,
-    state.closures, state.answer);
+  a(state.stored, state.stored.sessions, state.recent_landmarks, state.missed_landmarks, state.visits,
+    state.inertial_links, state.tracker, state.figures, state.committed, state.structural_version,
+    state.localise_only, state.map_id, state.lockstep, state.closures, state.answer);
 }
 
 }  // namespace plslam::archive
@@ -51,7 +51,7 @@ namespace {
 using Bytes = std::span<const uint8_t>;
 
 constexpr FileKind kStateRecord{
-    {'P', 'L', 'S', 'L', 'M', 'P', 'S', 'T'}, 9, "state of a mapping_process", Checksum::kPoly1305};
+    {'P', 'L', 'S', 'L', 'M', 'P', 'S', 'T'}, 10, "state of a mapping_process", Checksum::kPoly1305};
 
 enum class RecordKind : uint8_t { kFeatures, kMap, kChanges };
 

@@ -10,6 +10,7 @@
 #include "core/io/maps/map_file.h"
 #include "core/map/map_update.h"
 #include "mapping_process/insertion/culling.h"
+#include "mapping_process/insertion/inertial_links.h"
 #include "mapping_process/insertion/missed_landmarks.h"
 #include "mapping_process/insertion/tracker_landmarks.h"
 
@@ -23,6 +24,7 @@ struct MapperState {
   RecentLandmarks recent_landmarks;
   MissedLandmarks missed_landmarks;
   Visits visits;
+  InertialLinks inertial_links;
   TrackerLandmarks tracker;
   AdjustmentFigures figures;
   uint8_t committed = 0;  ///< 1: the newest keyframe is committed

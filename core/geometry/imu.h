@@ -20,6 +20,11 @@ struct ImuSample {
   Eigen::Vector3d force_m_s2 = Eigen::Vector3d::Zero();
 
   bool operator==(const ImuSample&) const = default;
+
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.t_ns, self.rate_rad_s, self.force_m_s2);
+  }
 };
 
 /// Noise of an inertial sensor: white noise densities and random walks of the biases, for each axis. The defaults are
@@ -30,6 +35,12 @@ struct ImuNoise {
   double gyroscope_walk_rad_s2_sqrt_hz = 1e-4;
   double accelerometer_m_s2_sqrt_hz = 0.01;
   double accelerometer_walk_m_s3_sqrt_hz = 1e-3;
+
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.gyroscope_rad_s_sqrt_hz, self.gyroscope_walk_rad_s2_sqrt_hz, self.accelerometer_m_s2_sqrt_hz,
+      self.accelerometer_walk_m_s3_sqrt_hz);
+  }
 };
 
 /// An inertial sensor that is mounted rigidly beside the cameras.

@@ -13,7 +13,7 @@ namespace {
 using Covariance = InertialFilter::Covariance;
 
 // Indices of the error state.
-constexpr int kP = 0, kR = 3, kV = 6, kBg = 9, kBa = 12, kG = 15;
+constexpr int kP = 0, kR = 3, kV = 6, kBg = InertialFilter::kRateBias, kBa = InertialFilter::kForceBias, kG = 15;
 
 // Prior sigmas: any vehicle; gyroscopes are off by up to 5 deg/s before they are calibrated (EuRoC's by 4.7),
 // accelerometers by 0.015 g; the first mean specific force contains the acceleration.

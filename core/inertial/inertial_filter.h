@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Core>
+#include <cmath>
 #include <optional>
+
+#include <Eigen/Core>
 
 #include "core/geometry/imu.h"
 #include "core/geometry/se3.h"
@@ -40,6 +42,8 @@ struct InertialState {
 class InertialFilter {
  public:
   static constexpr int kSize = 18;
+  static constexpr int kRateBias = 9;
+  static constexpr int kForceBias = 12;
   using Covariance = Eigen::Matrix<double, kSize, kSize>;
 
   explicit InertialFilter(const ImuNoise& noise) : noise_(noise) {}
@@ -72,6 +76,10 @@ class InertialFilter {
   /// The vertical in the frame of the sensor, with the larger sigma of its two angles: errors of gravity, and of the
   /// pose's roll and pitch. nullopt until the magnitude of gravity is known.
   std::optional<UpDirection> Up() const;
+
+  /// Sigma of the components of a bias: root of their mean variance.
+  double RateBiasSigma() const { return std::sqrt(P_.block<3, 3>(kRateBias, kRateBias).trace() / 3.0); }
+  double ForceBiasSigma() const { return std::sqrt(P_.block<3, 3>(kForceBias, kForceBias).trace() / 3.0); }
 
   bool has_begun() const { return has_begun_; }
   const InertialState& state() const { return state_; }

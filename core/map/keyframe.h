@@ -12,6 +12,7 @@
 #include "core/geometry/up_direction.h"
 #include "core/ids/ids.h"
 #include "core/ids/map_version.h"
+#include "core/inertial/inertial_interval.h"
 
 namespace plslam {
 
@@ -43,6 +44,8 @@ struct Keyframe {
   SE3 T_odom_kf;
   /// The vertical from the keyframe, if the session has an inertial sensor that knows it.
   std::optional<UpDirection> up;
+  /// Since the previous keyframe; empty without an inertial sensor that is used.
+  InertialInterval inertial;
   /// Tracking state, as in `pose_t.state`.
   int state = 0;
   /// Whether the stream waits for the map: each keyframe is adjusted to the end before the next (repeatable results).

@@ -125,6 +125,7 @@ Keyframe ToKeyframe(const OdometryResult& result, const StereoCamera& camera) {
   keyframe.covariance = result.keyframe->covariance;
   keyframe.T_odom_kf = result.T_odom_c;
   keyframe.up = result.up;
+  keyframe.inertial = result.keyframe->inertial;
   keyframe.state = static_cast<int>(result.state);
   const KeyframeContent& content = result.keyframe->content;
   keyframe.features = content.features;

@@ -199,6 +199,7 @@ void Odometry::ChooseKeyframe(const Tracked& tracked, const TrackedFrame& frame,
 
 void Odometry::MakeKeyframe(KeyframeReason reason, OdometryResult& result) {
   result.keyframe = keyframes_.Make(reason, T_odom_c_, covariance_.between_keyframes(), landmarks_);
+  result.keyframe->inertial = motion_.TakeInterval();
   covariance_.BeginKeyframe();
 }
 

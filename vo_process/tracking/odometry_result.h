@@ -7,6 +7,7 @@
 
 #include "core/geometry/se3.h"
 #include "core/geometry/up_direction.h"
+#include "core/inertial/inertial_interval.h"
 #include "core/run/tracking_state.h"
 #include "vo_process/tracking/bodies/moving_bodies.h"
 #include "vo_process/tracking/landmarks/keyframe_measurements.h"
@@ -22,6 +23,8 @@ struct KeyframeStep {
   int64_t previous_id = -1;
   SE3 T_prevkf_kf;
   Matrix6d covariance = Matrix6d::Zero();
+  /// As `Keyframe::inertial`.
+  InertialInterval inertial;
   /// Measurements of the frames since the last keyframe, expressed in this one, and their landmarks.
   KeyframeContent content;
   /// Landmarks of earlier keyframes that turned out to be on a moving body.

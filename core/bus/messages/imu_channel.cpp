@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/bus/messages/convert.h"
+#include "plslam/imu_interval_t.hpp"
 #include "plslam/imu_sample_t.hpp"
 #include "plslam/imu_t.hpp"
 #include "plslam/pose3_t.hpp"
@@ -19,20 +20,70 @@ namespace {
 constexpr int64_t kSampleBytes = 7 * 8;
 constexpr size_t kNumbers = 13;
 
-imu_sample_t ToSampleMessage(const ImuSample& sample) {
+void SetAxes(const Eigen::Vector3d& from, double (&to)[3]) {
+  for (int i = 0; i < 3; ++i) to[i] = from[i];
+}
+
+Eigen::Vector3d AxesOf(const double (&from)[3]) { return Eigen::Map<const Eigen::Vector3d>(&from[0]); }
+
+bool IsPositive(double value) { return std::isfinite(value) && value > 0.0; }
+
+}  // namespace
+
+imu_sample_t ToMessage(const ImuSample& sample) {
   imu_sample_t message{};
   message.t_ns = sample.t_ns;
-  for (int i = 0; i < 3; ++i) message.rate_rad_s[i] = sample.rate_rad_s[i];
-  for (int i = 0; i < 3; ++i) message.force_m_s2[i] = sample.force_m_s2[i];
+  SetAxes(sample.rate_rad_s, message.rate_rad_s);
+  SetAxes(sample.force_m_s2, message.force_m_s2);
   return message;
 }
 
-ImuSample FromSampleMessage(const imu_sample_t& message) {
-  return {message.t_ns, Eigen::Map<const Eigen::Vector3d>(&message.rate_rad_s[0]),
-          Eigen::Map<const Eigen::Vector3d>(&message.force_m_s2[0])};
+bool AppendTo(std::vector<ImuSample>& samples, const imu_sample_t& message) {
+  const ImuSample next{message.t_ns, AxesOf(message.rate_rad_s), AxesOf(message.force_m_s2)};
+  const bool is_later = samples.empty() || next.t_ns > samples.back().t_ns;
+  if (!is_later || !next.rate_rad_s.allFinite() || !next.force_m_s2.allFinite()) return false;
+  samples.push_back(next);
+  return true;
 }
 
-}  // namespace
+imu_interval_t ToMessage(const InertialInterval& interval) {
+  imu_interval_t message{};
+  message.from_ns = interval.from_ns;
+  message.to_ns = interval.to_ns;
+  message.T_kf_imu = ToMessage(interval.T_c_imu);
+  message.gyroscope_rad_s_sqrt_hz = interval.noise.gyroscope_rad_s_sqrt_hz;
+  message.gyroscope_walk_rad_s2_sqrt_hz = interval.noise.gyroscope_walk_rad_s2_sqrt_hz;
+  message.accelerometer_m_s2_sqrt_hz = interval.noise.accelerometer_m_s2_sqrt_hz;
+  message.accelerometer_walk_m_s3_sqrt_hz = interval.noise.accelerometer_walk_m_s3_sqrt_hz;
+  SetAxes(interval.bias.rate_rad_s, message.rate_bias_rad_s);
+  SetAxes(interval.bias.force_m_s2, message.force_bias_m_s2);
+  message.rate_bias_sigma_rad_s = interval.rate_bias_sigma_rad_s;
+  message.force_bias_sigma_m_s2 = interval.force_bias_sigma_m_s2;
+  return message;
+}
+
+std::optional<InertialInterval> FromMessage(const imu_interval_t& message) {
+  InertialInterval interval;
+  if (message.from_ns == message.to_ns) return interval;
+  interval.from_ns = message.from_ns;
+  interval.to_ns = message.to_ns;
+  interval.noise = {message.gyroscope_rad_s_sqrt_hz, message.gyroscope_walk_rad_s2_sqrt_hz,
+                    message.accelerometer_m_s2_sqrt_hz, message.accelerometer_walk_m_s3_sqrt_hz};
+  interval.bias = {AxesOf(message.rate_bias_rad_s), AxesOf(message.force_bias_m_s2)};
+  interval.rate_bias_sigma_rad_s = message.rate_bias_sigma_rad_s;
+  interval.force_bias_sigma_m_s2 = message.force_bias_sigma_m_s2;
+  const auto T_kf_imu = FromMessage(message.T_kf_imu);
+  const bool is_in_order =
+      interval.from_ns < interval.to_ns && interval.LengthUntil(interval.to_ns) <= InertialInterval::kLongest_ns;
+  const bool is_finite = interval.bias.rate_rad_s.allFinite() && interval.bias.force_m_s2.allFinite();
+  const auto positive = {message.gyroscope_rad_s_sqrt_hz,    message.gyroscope_walk_rad_s2_sqrt_hz,
+                         message.accelerometer_m_s2_sqrt_hz, message.accelerometer_walk_m_s3_sqrt_hz,
+                         message.rate_bias_sigma_rad_s,      message.force_bias_sigma_m_s2};
+  if (!T_kf_imu || !is_in_order || !is_finite || !std::all_of(positive.begin(), positive.end(), IsPositive))
+    return std::nullopt;
+  interval.T_c_imu = *T_kf_imu;
+  return interval;
+}
 
 imu_t ToMessage(const ImuBatch& batch) {
   imu_t message{};
@@ -40,7 +91,7 @@ imu_t ToMessage(const ImuBatch& batch) {
   message.from_ns = batch.from_ns;
   message.complete = batch.complete ? 1 : 0;
   message.n_samples = static_cast<int32_t>(batch.samples.size());
-  for (const ImuSample& sample : batch.samples) message.samples.push_back(ToSampleMessage(sample));
+  for (const ImuSample& sample : batch.samples) message.samples.push_back(ToMessage(sample));
   return message;
 }
 
@@ -48,10 +99,7 @@ std::optional<ImuBatch> FromMessage(const imu_t& message) {
   ImuBatch batch{message.from_ns, message.header.t_ns, message.complete != 0, {}};
   batch.samples.reserve(message.samples.size());
   for (const imu_sample_t& sample : message.samples) {
-    const ImuSample next = FromSampleMessage(sample);
-    const bool is_later = batch.samples.empty() || next.t_ns > batch.samples.back().t_ns;
-    if (!is_later || !next.rate_rad_s.allFinite() || !next.force_m_s2.allFinite()) return std::nullopt;
-    batch.samples.push_back(next);
+    if (!AppendTo(batch.samples, sample)) return std::nullopt;
   }
   return batch;
 }

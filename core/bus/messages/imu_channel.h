@@ -10,8 +10,11 @@
 
 #include "core/bus/bus.h"
 #include "core/geometry/imu.h"
+#include "core/inertial/inertial_interval.h"
 
 namespace plslam {
+class imu_interval_t;
+class imu_sample_t;
 class imu_t;
 }  // namespace plslam
 
@@ -25,6 +28,16 @@ struct ImuBatch {
   bool complete = true;
   std::vector<ImuSample> samples;
 };
+
+imu_sample_t ToMessage(const ImuSample& sample);
+/// Appends a sample. Returns false if a value is not finite, or the sample not later than the last one.
+bool AppendTo(std::vector<ImuSample>& samples, const imu_sample_t& message);
+
+/// Without the samples.
+imu_interval_t ToMessage(const InertialInterval& interval);
+/// Returns nullopt for an interval that is too long, a pose that is none, and densities or sigmas that are not positive;
+/// an empty interval has no other values.
+std::optional<InertialInterval> FromMessage(const imu_interval_t& message);
 
 /// Header not filled in, except for its time.
 imu_t ToMessage(const ImuBatch& batch);

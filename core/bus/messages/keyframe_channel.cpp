@@ -5,8 +5,11 @@
 #include <utility>
 
 #include "core/bus/messages/convert.h"
+#include "core/bus/messages/imu_channel.h"
 #include "core/bus/messages/map_convert.h"
 #include "core/bus/messages/pager.h"
+#include "plslam/imu_interval_t.hpp"
+#include "plslam/imu_sample_t.hpp"
 #include "plslam/keyframe_t.hpp"
 #include "plslam/rectified_camera_t.hpp"
 
@@ -16,6 +19,7 @@ namespace {
 constexpr int32_t kMaxKeyframePages = 4096;
 constexpr size_t kMaxFeatures = 200'000;
 constexpr size_t kMaxKeyframePublishers = 64;
+constexpr size_t kMaxImuSamples = 100'000;
 
 keyframe_t HeadPage(const Keyframe& keyframe) {
   keyframe_t page{};
@@ -29,6 +33,7 @@ keyframe_t HeadPage(const Keyframe& keyframe) {
   ToArray(keyframe.covariance, page.covariance);
   page.T_odom_kf = ToMessage(keyframe.T_odom_kf);
   ToArray(keyframe.up, page.up_kf, page.up_sigma_rad);
+  page.imu = ToMessage(keyframe.inertial);
   page.state = static_cast<int8_t>(keyframe.state);
   page.lockstep = keyframe.lockstep ? 1 : 0;
   page.camera = ToMessage(keyframe.camera);
@@ -60,6 +65,9 @@ std::optional<Keyframe> Head(const keyframe_t& page) {
   Keyframe keyframe;
   const bool up_ok = FromArray(page.up_kf, page.up_sigma_rad, keyframe.up);
   if (!T_prevkf_kf || !covariance || !T_odom_kf || !up_ok || !camera || !map_id || !ids_ok) return std::nullopt;
+  const auto inertial = FromMessage(page.imu);
+  if (!inertial) return std::nullopt;
+  keyframe.inertial = *inertial;
   keyframe.source = SourceId(page.header.source);
   keyframe.name.session = SessionId(page.header.session);
   keyframe.t_ns = page.header.t_ns;
@@ -91,6 +99,10 @@ bool Append(const keyframe_t& page, Keyframe& keyframe) {
   StereoFeatures& features = keyframe.features;
   if (features.points.size() + page.points.size() > kMaxFeatures) return false;
   if (features.lines.size() + page.lines.size() > kMaxFeatures) return false;
+  if (keyframe.inertial.samples.size() + page.imu_samples.size() > kMaxImuSamples) return false;
+  for (const imu_sample_t& message : page.imu_samples) {
+    if (!AppendTo(keyframe.inertial.samples, message)) return false;
+  }
   for (const point_feature_t& message : page.points) {
     auto point = FromMessage(message);
     if (!point) return false;
@@ -133,6 +145,12 @@ std::vector<keyframe_t> CutIntoPages(const Keyframe& keyframe, int64_t page_byte
     keyframe_t& page = pager.PageFor(line._getEncodedSizeNoHash());
     page.lines.push_back(line);
     ++page.n_lines;
+  }
+  for (const ImuSample& sample : keyframe.inertial.samples) {
+    const imu_sample_t message = ToMessage(sample);
+    keyframe_t& page = pager.PageFor(message._getEncodedSizeNoHash());
+    page.imu_samples.push_back(message);
+    ++page.n_imu_samples;
   }
   for (const Withdrawn& landmark : keyframe.withdrawn_points) {
     const withdrawn_t withdrawn = ToMessage(landmark);

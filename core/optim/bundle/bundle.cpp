@@ -33,6 +33,17 @@ std::string IndexFault(const char* kind, const std::vector<Observation>& observa
   return {};
 }
 
+template <class Motion>
+std::string IndexFault(const char* kind, const std::vector<Motion>& motions, size_t poses) {
+  const auto is_pose = [poses](int i) { return i >= 0 && static_cast<size_t>(i) < poses; };
+  for (const Motion& motion : motions) {
+    if (is_pose(motion.a) && is_pose(motion.b)) continue;
+    return std::string(kind) + " is between poses " + std::to_string(motion.a) + " and " + std::to_string(motion.b) +
+           " of " + std::to_string(poses);
+  }
+  return {};
+}
+
 // Returns why the problem is invalid as a whole; empty if it is valid.
 std::string Fault(const BundleProblem& problem) {
   const StereoCamera& camera = problem.camera;
@@ -44,13 +55,10 @@ std::string Fault(const BundleProblem& problem) {
   for (size_t i = 0; i < problem.poses.size(); ++i) {
     if (!problem.poses[i].T_w_c.IsFinite()) return "pose " + std::to_string(i) + " is not finite";
   }
-  const auto is_pose = [&problem](int i) { return i >= 0 && static_cast<size_t>(i) < problem.poses.size(); };
-  for (const RelativePose& relative : problem.relative_poses) {
-    if (is_pose(relative.a) && is_pose(relative.b)) continue;
-    return "a relative pose is between poses " + std::to_string(relative.a) + " and " + std::to_string(relative.b) +
-           " of " + std::to_string(problem.poses.size());
-  }
-  std::string fault = IndexFault("point", problem.point_observations, problem.poses.size(), problem.points.size());
+  std::string fault = IndexFault("a relative pose", problem.relative_poses, problem.poses.size());
+  if (fault.empty()) fault = IndexFault("an inertial motion", problem.inertial_motions, problem.poses.size());
+  if (fault.empty())
+    fault = IndexFault("point", problem.point_observations, problem.poses.size(), problem.points.size());
   if (!fault.empty()) return fault;
   return IndexFault("line", problem.line_observations, problem.poses.size(), problem.lines.size());
 }
@@ -98,7 +106,8 @@ class Adjustment {
         poses_(MakePoses(problem)),
         points_(problem.points, problem.point_observations, options.huber_delta, poses_, problem.camera),
         lines_(problem.lines, problem.line_observations, options.huber_delta, poses_, problem.camera),
-        relative_poses_(problem.relative_poses, poses_) {}
+        relative_poses_(problem.relative_poses, poses_),
+        inertial_(problem, poses_) {}
 
   BundleResult Run(const std::atomic<bool>* stop, BundleCovariances covariances) {
     BundleResult result = AsGiven(given_);
@@ -137,6 +146,7 @@ class Adjustment {
     points_.HoldPoses();
     lines_.HoldPoses();
     relative_poses_.HoldPoses();
+    inertial_.HoldPoses();
     for (AdjustedPose& pose : poses_) {
       if (!pose.constant) pose.Restore();
     }
@@ -149,7 +159,9 @@ class Adjustment {
       const LossSum lines = lines_.Loss();
       return LossSum{points.loss + lines.loss, points.rows + lines.rows};
     };
-    actions.other_loss = [this] { return points_.PriorLoss() + lines_.PriorLoss() + relative_poses_.Loss(); };
+    actions.other_loss = [this] {
+      return points_.PriorLoss() + lines_.PriorLoss() + relative_poses_.Loss() + inertial_.Loss();
+    };
     actions.trim = [this] {
       points_.Trim(gates_);
       lines_.Trim(gates_);
@@ -160,7 +172,7 @@ class Adjustment {
   bool RunPasses(StepControl& control, BundleResult& result) {
     LandmarkElimination<PointCost> points(points_);
     LandmarkElimination<Line> lines(lines_);
-    SchurSolver solver(poses_, relative_poses_, {&points, &lines}, options_);
+    SchurSolver solver(poses_, relative_poses_, inertial_, {&points, &lines}, options_);
     for (int refinement = 0; refinement <= options_.max_refinements && !result.stopped; ++refinement) {
       const BundlePass pass = solver.Run(control, refinement == 0 && options_.max_refinements > 0);
       result.stopped = pass.stopped;
@@ -222,6 +234,7 @@ class Adjustment {
   ObservationGroup<PointCost> points_;
   ObservationGroup<Line> lines_;
   RelativePoses relative_poses_;
+  InertialChain inertial_;
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "core/geometry/se3.h"
 #include "core/geometry/stereo_camera.h"
 #include "core/geometry/triangulation.h"
+#include "core/inertial/preintegration.h"
 #include "core/optim/bundle/options.h"
 
 namespace plslam {
@@ -58,6 +59,24 @@ struct RelativePose {
   Matrix6d covariance = Matrix6d::Identity();
 };
 
+/// What an inertial sensor sensed from pose a to pose b.
+struct InertialMotion {
+  int a = -1;
+  int b = -1;
+  SE3 T_c_imu;  ///< pose of the sensor in the camera
+  Preintegration sensed;
+  /// Biases as known before the adjustment, and the sigma of each of their components.
+  ImuBias bias;
+  double rate_bias_sigma_rad_s = 0.0;
+  double force_bias_sigma_m_s2 = 0.0;
+};
+
+/// Gravity in the frame of the poses, and its covariance before the adjustment.
+struct GravityPrior {
+  Eigen::Vector3d g_w_m_s2 = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
+};
+
 /// Poses, landmarks and all measurements. Indices refer to the vectors.
 struct BundleProblem {
   StereoCamera camera;
@@ -69,6 +88,10 @@ struct BundleProblem {
   /// Only between poses with observations; those whose covariance is not positive definite are ignored. The covariances
   /// of the result do not include them.
   std::vector<RelativePose> relative_poses;
+  /// Only between poses with observations; those of a sensor in order of time. The covariances of the result do not
+  /// include them.
+  std::vector<InertialMotion> inertial_motions;
+  GravityPrior gravity;
 };
 
 /// Covariances of many poses take longer than their adjustment.

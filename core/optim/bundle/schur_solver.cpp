@@ -12,9 +12,11 @@ constexpr double kFlat = 1e-10;
 }  // namespace
 
 SchurSolver::SchurSolver(std::vector<AdjustedPose>& poses, const RelativePoses& relative,
-                         const std::array<EliminatedLandmarks*, 2>& kinds, const BundleOptions& options)
+                         const InertialChain& inertial, const std::array<EliminatedLandmarks*, 2>& kinds,
+                         const BundleOptions& options)
     : poses_(poses),
       relative_(relative),
+      inertial_(inertial),
       kinds_(kinds),
       options_(options),
       before_(poses.size()),
@@ -58,13 +60,13 @@ BundlePass SchurSolver::Run(StepControl& control, bool trim) {
 
 double SchurSolver::Linearise() {
   system_.SetZero();
-  double loss = relative_.Linearise(system_);
+  double loss = relative_.Linearise(system_) + inertial_.Linearise(system_);
   for (EliminatedLandmarks* kind : kinds_) loss += kind->Linearise(system_);
   return loss;
 }
 
 double SchurSolver::Loss() const {
-  double loss = relative_.Loss();
+  double loss = relative_.Loss() + inertial_.Loss();
   for (const EliminatedLandmarks* kind : kinds_) loss += kind->Loss();
   return loss;
 }

@@ -7,6 +7,7 @@
 
 #include "core/optim/bundle/camera_view.h"
 #include "core/optim/bundle/eliminated_landmarks.h"
+#include "core/optim/bundle/inertial_chain.h"
 #include "core/optim/bundle/relative_poses.h"
 #include "core/optim/bundle/step_control.h"
 #include "core/optim/solver/trust_region.h"
@@ -19,7 +20,7 @@ namespace plslam {
 class SchurSolver {
  public:
   /// All arguments must outlive it.
-  SchurSolver(std::vector<AdjustedPose>& poses, const RelativePoses& relative,
+  SchurSolver(std::vector<AdjustedPose>& poses, const RelativePoses& relative, const InertialChain& inertial,
               const std::array<EliminatedLandmarks*, 2>& kinds, const BundleOptions& options);
 
   /// Takes steps from the current state until `control` ends the pass; leaves the best state found. Trims outliers if
@@ -38,6 +39,7 @@ class SchurSolver {
 
   std::vector<AdjustedPose>& poses_;
   const RelativePoses& relative_;
+  const InertialChain& inertial_;
   std::array<EliminatedLandmarks*, 2> kinds_;
   const BundleOptions& options_;
   std::vector<Vector6d> before_;

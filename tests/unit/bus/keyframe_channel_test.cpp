@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/bus/messages/keyframe_channel.h"
 
+#include <cmath>
+#include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
 
+#include "core/files/archive.h"
 #include "plslam/keyframe_t.hpp"
 #include "tests/unit/bus/bus_fixture.h"
 
@@ -12,6 +15,20 @@ namespace plslam::bus {
 namespace {
 
 using Outcome = PageOutcome;
+
+InertialInterval IntervalOf(int n_samples) {
+  InertialInterval interval;
+  interval.from_ns = -1'000'000'000;
+  interval.to_ns = 1'500'000'000;
+  for (int i = 0; i < n_samples; ++i)
+    interval.samples.push_back({1000 + int64_t{i} * 5'000'000, {0.1 * i, -0.2, 0.3}, {9.8, 0.01 * i, -0.5}});
+  interval.T_c_imu = SE3(ExpSO3({0.1, 0.2, 0.3}), Eigen::Vector3d(0.01, 0.02, 0.03));
+  interval.noise = {1e-3, 2e-5, 3e-3, 4e-4};
+  interval.bias = {{0.01, 0.02, 0.03}, {0.1, 0.2, 0.3}};
+  interval.rate_bias_sigma_rad_s = 1e-3;
+  interval.force_bias_sigma_m_s2 = 2e-2;
+  return interval;
+}
 
 Keyframe KeyframeOf(int64_t id, int n_points, int n_lines) {
   std::mt19937_64 random(static_cast<uint64_t>(id));
@@ -23,6 +40,7 @@ Keyframe KeyframeOf(int64_t id, int n_points, int n_lines) {
   keyframe.previous_keyframe_id = id - 1;
   keyframe.covariance = 1e-4 * Matrix6d::Identity();
   if (id % 2 == 1) keyframe.up = UpDirection{Eigen::Vector3d(0.6, -0.8, 0.0), 0.01};
+  if (id % 2 == 1) keyframe.inertial = IntervalOf(700);
   keyframe.state = 1;
   keyframe.lockstep = id % 2 == 1;
   keyframe.camera = {400.0, 320.5, 240.25, 0.12, 640, 480, -3, 5, 250.5};
@@ -57,6 +75,7 @@ void ExpectEqual(const Keyframe& a, const Keyframe& b) {
   EXPECT_EQ(a.camera, b.camera);
   ASSERT_EQ(a.up.has_value(), b.up.has_value());
   EXPECT_TRUE(!a.up || (a.up->direction == b.up->direction && a.up->sigma_rad == b.up->sigma_rad));
+  EXPECT_EQ(archive::ToBytes(a.inertial), archive::ToBytes(b.inertial));
   EXPECT_EQ(a.point_landmark_ids, b.point_landmark_ids);
   EXPECT_EQ(a.line_landmark_ids, b.line_landmark_ids);
   EXPECT_EQ(a.point_map_ids, b.point_map_ids);
@@ -128,6 +147,14 @@ TEST(KeyframeAssembler, RefusesHostilePages) {
   expect_refused([](keyframe_t& p) { p.up_kf[0] = 0.5; });
   expect_refused([](keyframe_t& p) { p.up_sigma_rad = -1.0; });
   expect_refused([](keyframe_t& p) { p.lockstep = 2; });
+  expect_refused([](keyframe_t& p) { p.imu.to_ns = p.imu.from_ns - 1; });
+  expect_refused([](keyframe_t& p) { p.imu.to_ns = std::numeric_limits<int64_t>::max(); });
+  expect_refused([](keyframe_t& p) { p.imu.T_kf_imu.q_wxyz[0] = 5.0; });
+  expect_refused([](keyframe_t& p) { p.imu.accelerometer_m_s2_sqrt_hz = 0.0; });
+  expect_refused([](keyframe_t& p) { p.imu.force_bias_sigma_m_s2 = -1.0; });
+  expect_refused([](keyframe_t& p) { p.imu.rate_bias_rad_s[1] = std::nan(""); });
+  expect_refused([](keyframe_t& p) { p.imu_samples[1].t_ns = p.imu_samples[0].t_ns; });
+  expect_refused([](keyframe_t& p) { p.imu_samples[0].force_m_s2[2] = std::nan(""); });
   expect_refused([](keyframe_t& p) { p.points[0].u_px = 1e30F; });
   expect_refused([](keyframe_t& p) { p.points[0].map_id = -2; });
   expect_refused([](keyframe_t& p) { p.lines[0].map_id = -2; });

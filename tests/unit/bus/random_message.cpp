@@ -16,6 +16,7 @@
 #include "plslam/ground_truth_t.hpp"
 #include "plslam/header_t.hpp"
 #include "plslam/image_strip_t.hpp"
+#include "plslam/imu_interval_t.hpp"
 #include "plslam/imu_sample_t.hpp"
 #include "plslam/imu_t.hpp"
 #include "plslam/intrinsics_t.hpp"
@@ -78,12 +79,13 @@ std::map<std::string, std::function<DecodedAgain(ByteView)>> TableOf() {
 const auto& Table() {
   static const auto table =
       TableOf<announce_t, bodies_t, body_t, camera_t, command_answer_t, command_t, corrected_pose_t, counter_t,
-              grid_t, ground_truth_t, header_t, image_strip_t, imu_sample_t, imu_t, intrinsics_t, keyframe_name_t,
-              keyframe_t, line_feature_t, loop_answer_t, loop_closure_t, loop_edge_t, map_adjustment_t, map_id_t,
-              map_keyframe_t, map_line_t, map_point_t, map_request_t, map_totals_t, map_update_t, map_version_t,
-              mask_t, moved_keyframe_t, point_feature_t, polygon_t, pose3_t, pose_t, range_t, rectified_camera_t,
-              relocalisation_t, repair_request_t, robot_motion_t, same_landmarks_t, observation_t, stage_t, status_t,
-              stream_t, track_line_t, track_point_t, tracks_t, warning_t, withdrawn_t>();
+              grid_t, ground_truth_t, header_t, image_strip_t, imu_interval_t, imu_sample_t, imu_t, intrinsics_t,
+              keyframe_name_t, keyframe_t, line_feature_t, loop_answer_t, loop_closure_t, loop_edge_t,
+              map_adjustment_t, map_id_t, map_keyframe_t, map_line_t, map_point_t, map_request_t, map_totals_t,
+              map_update_t, map_version_t, mask_t, moved_keyframe_t, point_feature_t, polygon_t, pose3_t, pose_t,
+              range_t, rectified_camera_t, relocalisation_t, repair_request_t, robot_motion_t, same_landmarks_t,
+              observation_t, stage_t, status_t, stream_t, track_line_t, track_point_t, tracks_t, warning_t,
+              withdrawn_t>();
   return table;
 }
 

@@ -92,6 +92,32 @@ TEST(LoopCloser, AgreeingLoopOfThinnedMapAsksNoMore) {
   EXPECT_FALSE(again.more);
 }
 
+/// Gives each keyframe the vertical of a sensor that is tilted by `tilt_rad` in the second half of the walk.
+void MeasureVerticals(Ring& ring, double tilt_rad) {
+  for (size_t i = 0; i < ring.walk.keyframes.size(); ++i) {
+    const double tilt = 2 * i < ring.walk.keyframes.size() ? 0.0 : tilt_rad;
+    const Eigen::Vector3d up_c = ring.walk.T_w_c[i].R().transpose() * -Eigen::Vector3d::UnitY();
+    ring.walk.keyframes[i].up = UpDirection{ExpSO3({0.0, 0.0, tilt}) * up_c, 0.2 * kRadPerDeg};
+  }
+}
+
+TEST(LoopCloser, VerticalsMustAgree) {
+  Ring ring;
+  const size_t loops = CloseLoops(ring).loops.size();
+  ASSERT_GT(loops, 0U);
+  MeasureVerticals(ring, 0.0);
+  EXPECT_EQ(CloseLoops(ring).loops.size(), loops);
+  MeasureVerticals(ring, 8.0 * kRadPerDeg);
+  Closing tilted(PlacesOf(ring.world), {});
+  int n_tilted = 0;
+  for (const Keyframe& keyframe : ring.walk.keyframes) {
+    EXPECT_EQ(tilted.Show(keyframe).kind, Kind::kNone);
+    for (const loop::LoopEvidence& evidence : tilted.closer.last_search().evidence)
+      n_tilted += evidence.verdict == loop::LoopVerdict::kTilted ? 1 : 0;
+  }
+  EXPECT_GT(n_tilted, 0);
+}
+
 TEST(LoopCloser, ArcThatNeverReturnsHasNoLoop) {
   const Ring ring(30);
   const Closing closing = CloseLoops(ring);

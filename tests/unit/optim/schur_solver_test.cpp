@@ -154,7 +154,8 @@ class Scripted final : public EliminatedLandmarks {
     ObservationActions actions{[this] { return LossSum{Bowl(), 1.0}; }, [] { return 0.0; }, [] {}};
     StepControl control(actions, options, &stop);
     EliminatedLandmarks* const nothing = &still_;
-    return SchurSolver(poses, none, {this, nothing}, options).Run(control, false);
+    const InertialChain standing({}, poses);
+    return SchurSolver(poses, none, standing, {this, nothing}, options).Run(control, false);
   }
 
   std::vector<AdjustedPose> poses{AdjustedPose(SE3(), 0)};

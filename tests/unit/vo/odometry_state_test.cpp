@@ -25,7 +25,8 @@ std::vector<uint8_t> Bits(const OdometryResult& result) {
     measured.insert(measured.end(), {point.left.px.x(), point.left.px.y(), point.disparity_px, point.sigma_px});
   }
   return archive::ToBytes(static_cast<int>(result.state), result.T_odom_c, result.covariance, result.T_prev_c,
-                          result.motion_covariance, result.entropy_ratio, landmarks, measured);
+                          result.motion_covariance, result.entropy_ratio, landmarks, measured,
+                          result.keyframe ? result.keyframe->inertial : InertialInterval());
 }
 
 Odometry Restored(const Odometry& odometry, const StereoCamera& camera, const VoOptions& options,

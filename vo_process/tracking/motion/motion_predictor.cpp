@@ -19,7 +19,7 @@ std::string Joined(const SensorDiagnosis& diagnosis, bool harmful) {
 
 }  // namespace
 
-MotionPredictor::MotionPredictor(const std::optional<MountedImu>& imu) : inertial_(imu) {
+MotionPredictor::MotionPredictor(const std::optional<MountedImu>& imu) : inertial_(imu), imu_(imu) {
   if (!imu) return;
   imu_offset_ns_ = imu->calibration.offset_ns();
   diagnosis_.emplace(imu->calibration, imu->T_imu_c);
@@ -32,6 +32,27 @@ void MotionPredictor::ExpectImu(std::span<const ImuSample> samples, int64_t from
   to_ns_ = to_ns - imu_offset_ns_;
   const bool are_measured = diagnosis_->Add(samples, to_ns_);
   inertial_.Expect(are_measured ? samples : samples.first(0), from_ns, to_ns);
+  interval_is_known_ = interval_is_known_ && are_measured && !samples.empty() && interval_.to_ns == from_ns_ &&
+                       interval_.LengthUntil(to_ns_) <= InertialInterval::kLongest_ns;
+  if (interval_is_known_) {
+    interval_.Append(SamplesOfMotion(samples, from_ns_, to_ns_), to_ns_);
+  } else {
+    interval_ = {};
+  }
+}
+
+InertialInterval MotionPredictor::TakeInterval() {
+  InertialInterval taken = std::exchange(interval_, {});
+  if (!imu_) return {};
+  interval_.from_ns = interval_.to_ns = to_ns_;
+  if (!std::exchange(interval_is_known_, to_ns_ != 0) || taken.empty() || !inertial_.IsTrusted()) return {};
+  taken.T_c_imu = imu_->T_imu_c.Inverse();
+  taken.noise = imu_->calibration.noise;
+  const InertialFilter& filter = inertial_.filter();
+  taken.bias = filter.state().bias;
+  taken.rate_bias_sigma_rad_s = filter.RateBiasSigma();
+  taken.force_bias_sigma_m_s2 = filter.ForceBiasSigma();
+  return taken;
 }
 
 void MotionPredictor::ExpectNothing() {

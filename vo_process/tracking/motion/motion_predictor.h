@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 
+#include "core/inertial/inertial_interval.h"
 #include "core/inertial/sensor_diagnosis.h"
 #include "vo_process/tracking/motion/inertial_motion_model.h"
 #include "vo_process/tracking/motion/motion_model.h"
@@ -60,10 +61,15 @@ class MotionPredictor {
   /// Returns one sentence on samples of an inertial sensor that is used: gaps, saturation, another rate.
   std::string ImuSampleFaults() const;
 
+  /// Returns what the inertial sensor sensed since the last call, up to the present frame; empty if it is not used,
+  /// samples are missing, or that is too long ago.
+  InertialInterval TakeInterval();
+
   /// The state after a measured frame, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.velocity_, self.robot_, self.inertial_, self.T_odom_seen_, self.was_seen_);
+    a(self.velocity_, self.robot_, self.inertial_, self.interval_, self.interval_is_known_, self.T_odom_seen_,
+      self.was_seen_);
     if (self.diagnosis_) a(*self.diagnosis_);
   }
 
@@ -71,11 +77,15 @@ class MotionPredictor {
   MotionModel velocity_;
   RobotMotionModel robot_;
   InertialMotionModel inertial_;
+  std::optional<MountedImu> imu_;
   int64_t imu_offset_ns_ = 0;
   std::optional<SensorDiagnosis> diagnosis_;
   /// The interval to the next frame; empty without samples.
   int64_t from_ns_ = 0;
   int64_t to_ns_ = 0;
+  /// Since the last keyframe, as far as all of it is known; else empty, and not continued before the next one.
+  InertialInterval interval_;
+  bool interval_is_known_ = false;
   SE3 T_odom_seen_;  ///< pose of the last frame by the images alone
   bool was_seen_ = false;
 };

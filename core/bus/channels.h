@@ -48,6 +48,8 @@ inline constexpr Channel kCamera{
     "CAMERA", "camera_t", "player", Delivery::kLatest, Retention::kNone, "the complete rig, at 1 Hz", Scope::kToMap};
 inline constexpr Channel kStream{"STREAM",         "stream_t",      "player",
                                  Delivery::kEvery, Retention::kAll, "begin and end of a stream of frames"};
+inline constexpr Channel kRun{
+    "RUN", "run_t", "plslam", Delivery::kEvery, Retention::kAll, "begin and end of a run of `plslam run`"};
 inline constexpr Channel kStereoFrame{"STEREO_FRAME",
                                       "image_strip_t",
                                       "player",

@@ -58,6 +58,12 @@ inline constexpr const char* kResume = "resume";  ///< by a player that continue
 inline constexpr const char* kEnd = "end";
 }  // namespace stream_event
 
+/// Values of `run_t.event`.
+namespace run_event {
+inline constexpr const char* kBegin = "begin";
+inline constexpr const char* kEnd = "end";
+}  // namespace run_event
+
 /// Values of `stream_t.pace`, and of the options `pace`.
 namespace stream_pace {
 inline constexpr const char* kLockstep = "lockstep";

@@ -12,6 +12,7 @@
 #include "core/errors/standard_streams.h"
 #include "core/files/shared_file.h"
 #include "core/run/process_names.h"
+#include "tools/plslam/node/run_publisher.h"
 #include "tools/plslam/process_table.h"
 #include "tools/plslam/run_checks.h"
 
@@ -26,8 +27,8 @@ constexpr seconds kStartLimit{60};
 constexpr seconds kOpenLimit{3600};
 /// For the first status of the mapping_process that several robots share, which publishes one every second.
 constexpr seconds kSharedMapLimit{10};
-/// For the last messages of the launcher itself, after the viewer has everything.
-constexpr milliseconds kDrainLimit{2000};
+/// For the end of the stream of a player that cannot read an image.
+constexpr milliseconds kEndLimit{2000};
 constexpr seconds kRunSaveLimit{60};
 /// For a viewer that has not received all messages yet when the run is interrupted, for example after a restart.
 constexpr seconds kCatchUpLimit{20};
@@ -45,8 +46,7 @@ RunSession::RunSession(const RunOptions& options, bus::Bus& bus)
       keeper_(bus, options.out),
       save_(bus),
       supervisor_(SupervisorOptions()),
-      progress_line_(!options.quiet && !options.json),
-      phase_began_(began_),
+      console_(options),
       lacks_map_(!options.save_map.empty()),
       files_began_(FileTimeNow(options)) {
   bus_.Every(milliseconds(50), [this] { Tick(); });
@@ -64,7 +64,7 @@ Supervisor::Options RunSession::SupervisorOptions() {
   options.last_word = [this](pid_t pid) { return monitor_.FailureOf(pid); };
   options.on_exit = [this](pid_t pid) { keeper_.OnExit(pid); };
   options.on_restart = [this](const std::string& name, const std::string& how, int restart) {
-    ReportRestart(name, how, restart);
+    console_.PrintRestart(name, how, restart);
   };
   return options;
 }
@@ -73,9 +73,9 @@ void RunSession::Run() {
   RemoveStates();
   StartRows(false);
   bus_.Run();
-  PrintNewWarnings();
+  console_.PrintNew(monitor_.warnings());
   RemoveStates();
-  progress_line_.Clear();
+  console_.Clear();
 }
 
 void RunSession::RemoveStates() const {
@@ -92,11 +92,12 @@ void RunSession::Interrupt() {
     if (phase_ == Phase::kStopping) return;
     interrupted_ = true;
     const bool saves = lacks_map_ && HasMap();
-    ReportStop(saves ? fmt::format("stopping, and saving the map as {}", options_.save_map.string()) : "stopping");
+    console_.PrintStop(saves ? fmt::format("stopping, and saving the map as {}", options_.save_map.string())
+                             : "stopping");
     if (phase_ == Phase::kStarting) return BeginStop(lacks_map_ ? LackOfMap() : kInterrupted);
-    if (phase_ != Phase::kPlaying) return;
+    if (phase_ != Phase::kPlaying && phase_ != Phase::kWriting) return;
     supervisor_.Interrupt(SourceOfFrames(options_));
-    EndPlaying(Phase::kDraining, Clock::now());
+    EndPlaying(Phase::kCatchingUp, Clock::now());
   });
 }
 
@@ -123,14 +124,15 @@ void RunSession::StartRows(bool last) {
 void RunSession::Tick() {
   const auto now = Clock::now();
   ReportReadiness(now);
-  PrintNewWarnings();
+  console_.PrintNew(monitor_.warnings());
   PrintWaiting();
   supervisor_.Tick(now);
   if (phase_ != Phase::kStopping && !supervisor_.failed().empty()) CheckFailed(now);
   if (!accepted_) CheckAccepted();
   if (phase_ == Phase::kStarting) CheckStarted(now);
   if (phase_ == Phase::kPlaying) CheckPlayed(now);
-  if (phase_ == Phase::kDraining) CheckDrained(now);
+  if (phase_ == Phase::kWriting) CheckWritten(now);
+  if (phase_ == Phase::kCatchingUp) CheckCaughtUp(now);
   if (phase_ == Phase::kSaving) CheckSaved(now);
   if (phase_ == Phase::kStopping && supervisor_.stopped()) EndStop();
   ShowProgress(now);
@@ -172,7 +174,7 @@ void RunSession::CheckFailed(Clock::time_point now) {
   if (!failed_at_) failed_at_ = now;
   if (!accepted_ || phase_ == Phase::kStarting) return BeginStop("");
   // A player that cannot read an image ends the stream there: earlier frames are handled as always.
-  const bool may_drain = monitor_.stream_ended() || now - *failed_at_ < kDrainLimit;
+  const bool may_drain = monitor_.stream_ended() || now - *failed_at_ < kEndLimit;
   if (supervisor_.failed() == SourceOfFrames(options_) && monitor_.statistics().frames().answered() > 0 && may_drain)
     return;
   if (!lacks_map_ || supervisor_.failed() == process_name::kMapping) return BeginStop("");
@@ -189,6 +191,7 @@ void RunSession::CheckStarted(Clock::time_point now) {
     phase_ = Phase::kPlaying;
     phase_began_ = playing_since_ = now;
     stall_watch_.Begin(now);
+    PublishRunBegin(bus_);
     // The viewer is ready, so the page is served.
     if (options_.serve > 0 && !options_.quiet) PrintError(fmt::format("live: http://127.0.0.1:{}/", options_.serve));
     if (options_.own_bus && !options_.quiet) {
@@ -207,7 +210,21 @@ void RunSession::CheckStarted(Clock::time_point now) {
 }
 
 void RunSession::CheckPlayed(Clock::time_point now) {
-  if (WritersAreDone()) return EndPlaying(Phase::kDraining, now);
+  const MonitorNode::Processes processes{supervisor_.pid(SourceOfFrames(options_)),
+                                         supervisor_.pid(process_name::kVo), !options_.no_mapping};
+  if (end_.Look(monitor_.SignsOfEnd(processes, bus::NowS()), now) != EndOfRun::Wait::kNothing) {
+    return CheckStalled(now);
+  }
+  PublishRunEnd(
+      bus_, {monitor_.published_frames(), monitor_.statistics().frames().answered(), monitor_.committed_keyframe()});
+  phase_ = Phase::kWriting;
+}
+
+void RunSession::CheckWritten(Clock::time_point now) {
+  WritersAreDone() ? EndPlaying(Phase::kSaving, now) : CheckStalled(now);
+}
+
+void RunSession::CheckStalled(Clock::time_point now) {
   const std::string stall =
       stall_watch_.Look(monitor_.Signs(supervisor_.pid(process_name::kViewer), bus::NowS()), now);
   if (!stall.empty()) BeginStop(fmt::format("{}; see {}", stall, (options_.out / "logs").string()));
@@ -235,16 +252,16 @@ bool RunSession::MapperHasMap() const {
          monitor_.StateOf(supervisor_.pid(process_name::kMapping)) == process_state::kRunning;
 }
 
-void RunSession::CheckDrained(Clock::time_point now) {
-  const bool drained = interrupted_ ? ViewerHasCaughtUp() : monitor_.has_all();
-  if (!drained && now - phase_began_ < (interrupted_ ? kCatchUpLimit : kDrainLimit)) return;
-  if (interrupted_ && !drained) {
+void RunSession::CheckCaughtUp(Clock::time_point now) {
+  const bool has_all = ViewerHasCaughtUp();
+  if (!has_all && now - phase_began_ < kCatchUpLimit) return;
+  if (!has_all) {
     interrupted_ = false;  // the results of the run are incomplete
     return BeginStop(fmt::format("interrupted, and the viewer did not receive all poses within {} s; see {}",
                                  kCatchUpLimit.count(), (options_.out / "logs").string()));
   }
   // A keyframe may have arrived since the order.
-  if (interrupted_ && lacks_map_ && !HasMap()) return BeginStop(LackOfMap());
+  if (lacks_map_ && !HasMap()) return BeginStop(LackOfMap());
   phase_ = Phase::kSaving;
   phase_began_ = now;
 }
@@ -265,7 +282,7 @@ void RunSession::CheckSaved(Clock::time_point now) {
   const bool saved = std::exchange(lacks_map_, false);
   // One that has been killed meanwhile writes its files once more.
   if (!interrupted_ && !failed_at_ && !WritersAreDone()) {
-    phase_ = Phase::kPlaying;
+    phase_ = Phase::kWriting;
     return;
   }
   completed_ = !interrupted_ && !failed_at_;
@@ -280,35 +297,13 @@ void RunSession::CheckSaved(Clock::time_point now) {
                                   : "");
 }
 
-/// A warning: also of a run that is to be quiet.
-void RunSession::ReportRestart(const std::string& name, const std::string& how, int restart) {
-  const auto rows = ProcessTable();
-  const auto row = std::ranges::find(rows, name, &ProcessRow::name);
-  progress_line_.PrintSentence(fmt::format("warning: {} {} and is started again ({} of {})", TitleOf(*row), how,
-                                           restart, options_.max_restarts));
-}
-
-/// Warnings of the processes, at once: a run of a robot may take days.
-void RunSession::PrintNewWarnings() {
-  const std::vector<RunWarning>& warnings = monitor_.warnings();
-  for (; printed_warnings_ < warnings.size(); ++printed_warnings_) {
-    progress_line_.PrintSentence("warning: " + warnings[printed_warnings_].sentence);
-  }
-}
-
 /// Prints what the camera or robot waits for, as long as there has been no frame.
 void RunSession::PrintWaiting() {
   const char* const source = SourceOfFrames(options_);
   const bool waits = phase_ == Phase::kPlaying && monitor_.statistics().frames().answered() == 0;
-  if (!waits || options_.quiet || std::string_view(source) == process_name::kPlayer) return;
-  const std::string reason = monitor_.ReasonOf(supervisor_.pid(source));
-  if (!reason.empty() && reason != std::exchange(awaited_, reason)) {
-    progress_line_.PrintSentence("no frames yet: " + reason);
+  if (waits && std::string_view(source) != process_name::kPlayer) {
+    console_.PrintAwaited(monitor_.ReasonOf(supervisor_.pid(source)));
   }
-}
-
-void RunSession::ReportStop(const std::string& what) {
-  if (!options_.quiet) progress_line_.PrintSentence(what + " (Ctrl-C again ends it at once)");
 }
 
 void RunSession::BeginStop(const std::string& reason) {
@@ -332,15 +327,14 @@ void RunSession::EndStop() {
 }
 
 void RunSession::ShowProgress(Clock::time_point now) {
-  if (phase_ != Phase::kPlaying) return;
+  if (phase_ != Phase::kPlaying && phase_ != Phase::kWriting) return;
   const RunStatistics& s = monitor_.statistics();
   const double played_s = std::max(std::chrono::duration<double>(now - playing_since_).count(), 1e-3);
   // Skipped frames are done, too.
   const int64_t frames = s.frames().answered() + s.frames().skipped;
-  progress_line_.Show({frames, monitor_.total_frames(), static_cast<double>(frames) / played_s,
-                       s.last().tracked_points, s.last().tracked_lines, s.keyframes(),
-                       TrackingStateName(s.last().state), monitor_.messages().lost, s.frames().skipped,
-                       supervisor_.restarts(), monitor_.LagAt(bus::NowS()).text});
+  console_.Show({frames, monitor_.total_frames(), static_cast<double>(frames) / played_s, s.last().tracked_points,
+                 s.last().tracked_lines, s.keyframes(), TrackingStateName(s.last().state), monitor_.messages().lost,
+                 s.frames().skipped, supervisor_.restarts(), monitor_.LagAt(bus::NowS()).text});
 }
 
 RunSummary RunSession::Summary() const {

@@ -9,19 +9,20 @@
 #include <string>
 
 #include "core/process/order_sender.h"
+#include "tools/plslam/end_of_run.h"
 #include "tools/plslam/node/history_node.h"
 #include "tools/plslam/node/monitor_node.h"
-#include "tools/plslam/progress_line.h"
+#include "tools/plslam/run_console.h"
 #include "tools/plslam/run_options.h"
 #include "tools/plslam/stall_watch.h"
 #include "tools/plslam/supervisor.h"
 
 namespace plslam::launcher {
 
-/// One run of the whole system: starts the processes of the table, the player when the others are ready, waits until
-/// the viewer has handled the end of the stream, has the map saved if requested, and stops all processes. A process
-/// that fails ends the run early: frames that the player has sent before an unreadable image are handled to the end,
-/// and the map is saved.
+/// One run of the whole system: starts the processes of the table, the player when the others are ready, publishes the
+/// end of the run (RUN), waits until the writers have handled it, has the map saved if requested, and stops all
+/// processes (`Phase`). A process that fails ends the run early: frames that the player has sent before an unreadable
+/// image are handled to the end, and the map is saved.
 class RunSession {
  public:
   /// `options.url` and `options.out` are set.
@@ -48,7 +49,14 @@ class RunSession {
  private:
   using Clock = std::chrono::steady_clock;
   Supervisor::Options SupervisorOptions();
-  enum class Phase { kStarting, kPlaying, kDraining, kSaving, kStopping };
+  enum class Phase {
+    kStarting,    ///< until all processes but the source of frames are ready
+    kPlaying,     ///< until the run is over (`EndOfRun`)
+    kWriting,     ///< until viewer_headless and dense_process have written their files
+    kCatchingUp,  ///< after an interrupt, until the viewer has every answered frame
+    kSaving,      ///< until mapping_process has saved the map, if requested
+    kStopping,    ///< until all processes have exited
+  };
 
   void RemoveStates() const;
   void StartRows(bool last);
@@ -62,7 +70,9 @@ class RunSession {
   void EndPlaying(Phase next, Clock::time_point now);
   void CheckStarted(Clock::time_point now);
   void CheckPlayed(Clock::time_point now);
-  void CheckDrained(Clock::time_point now);
+  void CheckWritten(Clock::time_point now);
+  void CheckStalled(Clock::time_point now);
+  void CheckCaughtUp(Clock::time_point now);
   void CheckSaved(Clock::time_point now);
   bool WritersAreDone() const;
   bool ViewerHasCaughtUp() const;
@@ -71,9 +81,6 @@ class RunSession {
   std::string LackOfMap() const;
   bool MapperHasMap() const;
   bool HasResult() const { return completed_ || (interrupted_ && !lacks_map_); }
-  void ReportRestart(const std::string& name, const std::string& how, int restart);
-  void ReportStop(const std::string& what);
-  void PrintNewWarnings();
   void PrintWaiting();
   void BeginStop(const std::string& reason);
   void EndStop();
@@ -85,13 +92,11 @@ class RunSession {
   HistoryKeeper keeper_;
   bus::OrderSender save_;
   Supervisor supervisor_;
-  ProgressLine progress_line_;
-  size_t printed_warnings_ = 0;
-  std::string awaited_;  ///< printed last by PrintWaiting
+  RunConsole console_;
   Phase phase_ = Phase::kStarting;
-  Clock::time_point began_ = Clock::now();
-  Clock::time_point phase_began_;
+  Clock::time_point phase_began_ = Clock::now();
   Clock::time_point playing_since_;
+  EndOfRun end_;
   StallWatch stall_watch_;
   std::string reason_;
   bool completed_ = false;

@@ -20,9 +20,9 @@ struct SignsOfLife {
 /// Detects a run that does not progress. The caller passes the time.
 ///
 /// While frames are sent there must be poses, unless the player waits for the next frame's time: that is no stall,
-/// however long the gap in the data. After the end of the stream only the viewer has work left. It may wait a minute
-/// for the map, and publishes no status while it writes; a viewer that is silent for longer, or has not finished long
-/// after the last progress, is considered stuck.
+/// however long the gap in the data. After the end of the stream mapper and viewer have work left. The viewer publishes
+/// no status while it writes; one that is silent for longer, or has not finished long after the last progress, is
+/// considered stuck.
 class StallWatch {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;

@@ -2,12 +2,9 @@
 #include "viewer_headless/node/viewer_node.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <chrono>
-#include <cstdio>
 #include <exception>
-#include <filesystem>
 #include <utility>
 
 #include "core/bus/messages/convert.h"
@@ -20,35 +17,22 @@
 #include "core/run/run_counters.h"
 #include "core/run/run_writer.h"
 #include "plslam/ground_truth_t.hpp"
-#include "viewer_headless/captions.h"
 #include "viewer_headless/node/message_values.h"
 
 namespace plslam::viewer {
 namespace {
 
 constexpr std::chrono::milliseconds kTick(250);
-// Ticks after the end of a stream until the run counts as over: after the tracker has finished, and at most, if the
-// tracker is silent: it may wait 15 s for the map.
-constexpr int kQuietTicksAfterFinish = 4;
-constexpr int kQuietTicksAtMost = 80;
-// Ticks since the last message until the map is accepted as it is: a killed mapping_process restarts sooner, and global
-// bundle adjustment takes less.
-constexpr int kQuietTicksForTheMap = 240;
-// Pictures whose messages have to be resent arrive sooner.
-constexpr int kQuietTicksForPictures = 20;
-constexpr size_t kRateTicks = 12;
 
 }  // namespace
 
 ViewerNode::ViewerNode(bus::Process& process, const ViewerOptions& options, Earlier earlier)
     : process_(process),
       options_(options),
-      earlier_(earlier),
-      on_terminal_(!options.quiet && isatty(STDOUT_FILENO) != 0) {
-  PrepareOutputFolder(options_.out);
-  lock_.emplace(options_.out);
-  recorder_ = Recorder(options_.out);
-  if (earlier_ == Earlier::kRefuse) CheckHasNoResults(options_.out);
+      folder_(options.out, earlier),
+      recorder_(options.out),
+      end_(process.has_launcher()),
+      terminal_(options.quiet) {
   if (options_.overlay_every > 0) PrepareOutputFolder(options_.out + "/overlays");
   Subscribe();
 }
@@ -57,7 +41,7 @@ ViewerNode::~ViewerNode() {
   try {
     // A run that ends before any frame was answered does not write over the one before, and leaves no empty
     // trajectories.
-    if (dirty_ && HasPlayed() && !StopsBeforeTheRig()) Write(false);
+    if (HasUnwritten() && HasPlayed() && !StopsBeforeTheRig()) Write(false);
     ShowProgress(true);
   } catch (const std::exception& e) {
     SetFailures({e.what()});
@@ -72,7 +56,7 @@ ViewerNode::~ViewerNode() {
 /// every second of a stream. What the previous viewer wrote stays.
 bool ViewerNode::StopsBeforeTheRig() const {
   static constexpr double kRigAfter_s = 2.0;
-  if (earlier_ != Earlier::kReplace || q_l_c_) return false;
+  if (!folder_.replaces_earlier() || q_l_c_) return false;
   if (!streams_.empty() && bus::NowS() - began_s_ > kRigAfter_s) return false;
   LogWarning("stopped before the rig was received: the earlier results in {} stay", options_.out);
   return true;
@@ -82,6 +66,7 @@ void ViewerNode::Subscribe() {
   bus::Bus& bus = process_.bus();
   camera_.emplace(
       bus, [this](const RigCalibration& rig) { OnCamera(rig); }, [this] { Reject(); });
+  bus.Subscribe<run_t>(bus::kRun, [this](const run_t& m) { OnRun(m); });
   bus.Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
   bus.Subscribe<pose_t>(bus::kPose, [this](const pose_t& m) { OnPose(m); });
   bus.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
@@ -89,14 +74,12 @@ void ViewerNode::Subscribe() {
   bus.Subscribe<ground_truth_t>(bus::kGroundTruth, [this](const ground_truth_t& m) {
     const std::optional<SE3> T_w_l = bus::FromMessage(m.T_w_l);
     if (!T_w_l || !recorder_.AddTruth(FrameId(m.frame_id), {m.header.t_ns, *T_w_l})) return Reject();
-    dirty_ = true;
-    quiet_ticks_ = 0;
+    OnNews();
   });
   bus.Subscribe<bodies_t>(bus::kBodies, [this](const bodies_t& m) {
     const std::optional<BodiesOfFrame> seen = ToBodiesOfFrame(m);
     if (!seen || !recorder_.AddBodies(FrameId(m.frame_id), *seen)) return Reject();
-    dirty_ = true;
-    quiet_ticks_ = 0;
+    OnNews();
   });
   map_ = std::make_unique<bus::MapSubscriber>(bus, [this](const MapUpdate& update) { OnMap(update); });
   map_->RememberRemoved();
@@ -104,11 +87,7 @@ void ViewerNode::Subscribe() {
   report_ =
       std::make_unique<ReportNode>(bus, options_, ReportNode::Sources{&recorder_, &map, [this] { return q_l_c(); }});
   pictures_ = std::make_unique<PictureNode>(
-      bus, options_, PictureNode::Sources{&map, report_->pictures()}, [this] { Reject(); },
-      [this] {
-        dirty_ = true;
-        quiet_ticks_ = 0;
-      });
+      bus, options_, PictureNode::Sources{&map, report_->pictures()}, [this] { Reject(); }, [this] { OnNews(); });
   bus.Every(kTick, [this] { OnTick(); });
 }
 
@@ -118,11 +97,26 @@ void ViewerNode::OnCamera(const RigCalibration& rig) {
     pictures_->SetCamera(rig, rectification);
     report_->SetCamera(rectification.camera);
     q_l_c_ = rectification.q_l_c;
-    RemoveEarlier();
-    dirty_ = dirty_ || written_;
+    folder_.RemoveEarlier();
+    if (HasWritten()) files_ = Files::kOutdated;
     quiet_ticks_ = 0;
   } catch (const std::exception& e) {
     LogWarning("the rig '{}' cannot be used: {}", rig.name, e.what());
+    Reject();
+  }
+}
+
+void ViewerNode::OnNews() {
+  files_ = HasWritten() ? Files::kOutdated : Files::kUnwritten;
+  quiet_ticks_ = 0;
+}
+
+void ViewerNode::OnRun(const run_t& message) {
+  if (message.event == run_event::kBegin) {
+    end_.OnBegin();
+  } else if (message.event == run_event::kEnd) {
+    end_.OnEnd({message.n_poses, {SessionId(message.session), message.session_keyframe_id}});
+  } else {
     Reject();
   }
 }
@@ -132,39 +126,32 @@ void ViewerNode::OnStream(const stream_t& message) {
     recorder_.SetEnd(message.n_frames, message.n_bad);
     quiet_ticks_ = 0;
   } else if (message.event == stream_event::kBegin || message.event == stream_event::kResume) {
-    // The history keeper may republish STREAM messages of a player that has exited, even after another one has resumed.
-    const int64_t stream = message.header.session != 0 ? message.header.session : message.header.source;
-    if (!streams_.insert(stream).second) return;
+    if (!streams_.Add(message)) return;
     // Written files are kept: after "resume" no earlier part of the stream may be available, and after "begin" all
     // files are written again.
-    if (written_ && message.event == stream_event::kResume) return;
-    if (written_) StartNewRun();
-    lockstep_ = message.pace == stream_pace::kLockstep;
-    announced_frames_ = message.n_frames;
+    if (HasWritten() && message.event == stream_event::kResume) return;
+    if (HasWritten()) StartNewRun();
     report_->OnStream(message);
   } else {
     Reject();
   }
 }
 
+/// Earlier results are removed with the first frame and the rig.
 void ViewerNode::BeginRun() {
   process_.SetState(process_state::kRunning);
-  replaces_ = earlier_ == Earlier::kReplace;
-  RemoveEarlier();
-}
-
-/// With the first frame and the rig, because results of an earlier run are kept until there can be others.
-void ViewerNode::RemoveEarlier() {
-  if (q_l_c_ && std::exchange(replaces_, false)) RemoveResults(options_.out);
+  folder_.BeginRun();
+  if (q_l_c_) folder_.RemoveEarlier();
 }
 
 void ViewerNode::StartNewRun() {
   LogInfo("a new stream begins: it replaces the results in {}", options_.out);
-  if (earlier_ == Earlier::kRefuse) earlier_ = Earlier::kReplace;
+  folder_.ReplaceOwn();
   if (!failure_.empty()) failure_before_ = std::exchange(failure_, "");
   recorder_ = Recorder(options_.out);
-  written_ = dirty_ = vo_finished_ = false;
-  history_.clear();
+  files_ = Files::kNone;
+  end_.OnNewStream();
+  terminal_.Restart();
   report_->StartNewRun();
   pictures_->StartNewRun(report_->pictures());
 }
@@ -174,14 +161,12 @@ void ViewerNode::OnPose(const pose_t& message) {
   const size_t frames = recorder_.frames().size();
   if (!pose || !recorder_.AddPose(*pose)) return Reject();
   if (recorder_.frames().size() == 1) BeginRun();
-  dirty_ = true;
-  quiet_ticks_ = 0;
+  OnNews();
   if (recorder_.frames().size() > frames) pictures_->AddPose(*pose);
 }
 
 void ViewerNode::OnStatus(const status_t& message) {
-  if (message.process == process_name::kVo) vo_finished_ = message.state == process_state::kFinished;
-  if (message.process == process_name::kMapping) mapping_heard_ = true;
+  if (message.process == process_name::kMapping) end_.OnMapper();
   if (process_name::SendsFrames(message.process)) {
     recorder_.SetSent(bus::CountOf(message, "frames.sent"), bus::CountOf(message, "frames.bad"));
   }
@@ -189,23 +174,22 @@ void ViewerNode::OnStatus(const status_t& message) {
 }
 
 void ViewerNode::OnMap(const MapUpdate& update) {
-  mapping_heard_ = true;
+  end_.OnMapper();
   report_->OnMap(update);
-  dirty_ = true;
-  quiet_ticks_ = 0;
+  OnNews();
 }
 
 void ViewerNode::OnCommand(const command_t& message) {
   const bool ours = message.target == process_.name() || message.target == "*";
   if (!ours || message.verb != command_verb::kFinish) return;
-  if (dirty_) Write(false);
+  if (HasUnwritten()) Write(false);
   process_.Finish();
 }
 
 void ViewerNode::OnTick() {
   ShowProgress(false);
   // Wait for one quiet tick: the true poses of the last frames may arrive after their estimates.
-  if (dirty_ && ++quiet_ticks_ > 1 && RunIsOver()) {
+  if (HasUnwritten() && ++quiet_ticks_ > 1 && RunIsOver()) {
     Write(true);
     if (failure_.empty()) process_.SetState(process_state::kFinished, "files in " + options_.out);
   }
@@ -214,28 +198,14 @@ void ViewerNode::OnTick() {
 bool ViewerNode::HasPlayed() const { return !recorder_.frames().empty(); }
 
 bool ViewerNode::RunIsOver() const {
-  if (!recorder_.n_frames()) return false;
-  if (!MapIsComplete() && quiet_ticks_ <= kQuietTicksForTheMap) return false;
-  if (!q_l_c_ && quiet_ticks_ <= kQuietTicksAtMost) return false;
-  if (ExpectsPictures() && quiet_ticks_ <= kQuietTicksForPictures) return false;
-  if (recorder_.IsComplete()) return true;
-  return quiet_ticks_ > (vo_finished_ ? kQuietTicksAfterFinish : kQuietTicksAtMost);
+  const RunEnd::Received received{q_l_c_.has_value(), streams_.lockstep() && pictures_->MayCome()};
+  return end_.IsOver(recorder_, map_->follower().newest(), received, quiet_ticks_ * kTick);
 }
-
-/// Returns whether the map has the last keyframe and all updates about it, or no mapping_process was heard.
-bool ViewerNode::MapIsComplete() const {
-  if (!mapping_heard_) return true;
-  const auto last = recorder_.LastKeyframe();
-  return !last || map_->follower().newest().HasCommitted(*last);
-}
-
-bool ViewerNode::ExpectsPictures() const { return lockstep_ && pictures_->MayCome(); }
 
 void ViewerNode::Write(bool ended) {
-  written_ = true;
-  dirty_ = false;
+  files_ = Files::kWritten;
   // Finished first, because the report lists its missing pictures.
-  const PictureNode::Result pictures = pictures_->Finish(recorder_, lockstep_, ended);
+  const PictureNode::Result pictures = pictures_->Finish(recorder_, streams_.lockstep(), ended);
   process_.SetCounter(kPicturesMissing, static_cast<double>(pictures.missing));
   if (!pictures.film_note.empty()) process_.Warn("film_as_pictures", pictures.film_note);
   std::vector<std::string> failures = WriteFiles();
@@ -270,17 +240,7 @@ void ViewerNode::Reject() { process_.SetCounter("viewer.rejected", static_cast<d
 
 Eigen::Quaterniond ViewerNode::q_l_c() const { return q_l_c_.value_or(Eigen::Quaterniond::Identity()); }
 
-double ViewerNode::FramesPerSecond() {
-  history_.emplace_back(bus::NowS(), static_cast<int64_t>(recorder_.frames().size()));
-  if (history_.size() > kRateTicks) history_.pop_front();
-  const double seconds = history_.back().first - history_.front().first;
-  const int64_t frames = history_.back().second - history_.front().second;
-  return seconds > 0.0 ? static_cast<double>(frames) / seconds : 0.0;
-}
-
 void ViewerNode::ShowProgress(bool last) {
-  const bus::BusCounters counters = process_.bus().counters();
-  const double rate = FramesPerSecond();
   // Without a camera no frame can be written: a launcher that stops this process waits until the count is positive.
   process_.SetCounter("frames", q_l_c_ ? static_cast<double>(recorder_.frames().size()) : 0.0);
   process_.SetCounter("keyframes", static_cast<double>(recorder_.keyframes()));
@@ -288,11 +248,8 @@ void ViewerNode::ShowProgress(bool last) {
   if (!recorder_.failure().empty()) {
     process_.Warn("frames_in_memory", recorder_.failure() + "; frames stay in memory, half a kilobyte each");
   }
-  if (!on_terminal_) return;
-  const std::string line = ProgressLine(recorder_, {announced_frames_, rate, counters.lost, counters.repaired});
-  // Overwrite the previous line and clear its rest.
-  std::fputs(fmt::format("\r{}\x1b[K{}", line, last ? "\n" : "").c_str(), stdout);
-  std::fflush(stdout);
+  const bus::BusCounters counters = process_.bus().counters();
+  terminal_.Show(recorder_, {streams_.announced_frames(), 0.0, counters.lost, counters.repaired}, bus::NowS(), last);
 }
 
 }  // namespace plslam::viewer

@@ -73,6 +73,8 @@ void TrackerReport::Finish() {
   SetState(process_state::kFinished);
 }
 
+bool TrackerReport::finished() const { return state_ == process_state::kFinished; }
+
 void TrackerReport::UpdateWarnings() {
   RunFindings findings;
   findings.points_seen = counts_[kPointsSeen];

@@ -45,6 +45,7 @@ class TrackerReport {
   void ReportWarnings();
   /// Publishes the end of the stream with the warnings about all of it.
   void Finish();
+  bool finished() const;
 
  private:
   void UpdateWarnings();

@@ -38,6 +38,7 @@ constexpr std::chrono::milliseconds kWaitTick(200);
 // Least number of features of a relocalisation request.
 constexpr size_t kLeastToAsk = 20;
 constexpr std::chrono::milliseconds kAskPeriod(500);
+constexpr std::chrono::milliseconds kFinishTick(50);
 // Number of frames after which the self-calibration is written, because a robot may be switched off.
 constexpr int64_t kKeepLearnedEvery = 500;
 
@@ -62,6 +63,7 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
   cv::setNumThreads(1);
   process_.bus().Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
   process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
+  process_.bus().Every(kFinishTick, [this] { FinishIfDone(); });
   if (options_.map.enabled) SubscribeToMap();
   WarnOfUnusedInputs(process_, options_);
   process_.SetConfiguration(settings_);
@@ -534,9 +536,12 @@ void VoNode::RepeatResendRequest() {
   ProcessWaiting();
 }
 
+/// Finished means that the readers, too, have every message: `plslam run` ends the run then.
 void VoNode::FinishIfDone() {
-  if (announced_frames_ >= 0 && session_.last_frame_id.value + 1 >= announced_frames_ && !held_keyframe_)
-    report_.Finish();
+  constexpr std::chrono::milliseconds kNow{0};
+  const bool done =
+      announced_frames_ >= 0 && session_.last_frame_id.value + 1 >= announced_frames_ && !held_keyframe_;
+  if (done && !report_.finished() && process_.bus().Flush(kNow)) report_.Finish();
 }
 
 bus::ProcessSpec VoSpec() {

@@ -45,6 +45,7 @@
 #include "plslam/relocalisation_t.hpp"
 #include "plslam/repair_request_t.hpp"
 #include "plslam/robot_motion_t.hpp"
+#include "plslam/run_t.hpp"
 #include "plslam/same_landmarks_t.hpp"
 #include "plslam/stage_t.hpp"
 #include "plslam/status_t.hpp"
@@ -81,8 +82,8 @@ const auto& Table() {
               keyframe_name_t, keyframe_t, line_feature_t, loop_answer_t, loop_closure_t, loop_edge_t,
               map_adjustment_t, map_keyframe_t, map_line_t, map_point_t, map_request_t, map_totals_t, map_update_t,
               mask_t, moved_keyframe_t, point_feature_t, polygon_t, pose3_t, pose_t, range_t, rectified_camera_t,
-              relocalisation_t, repair_request_t, robot_motion_t, same_landmarks_t, observation_t, stage_t, status_t,
-              stream_t, track_line_t, track_point_t, tracks_t, warning_t, withdrawn_t>();
+              relocalisation_t, repair_request_t, robot_motion_t, run_t, same_landmarks_t, observation_t, stage_t,
+              status_t, stream_t, track_line_t, track_point_t, tracks_t, warning_t, withdrawn_t>();
   return table;
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/bus/run_loop.h"
 #include "core/process/process_usage.h"
+#include "plslam/map_update_t.hpp"
 #include "plslam/pose_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
@@ -120,12 +121,40 @@ TEST_F(MonitorNodeTest, FramesWithoutAPoseAreUnanswered) {
   end.n_frames = 9;
   speaker_.Publish(bus::kStream, end);
   EXPECT_TRUE(unanswered(5)) << "the stream tells more exactly than a status of a second ago";
-  EXPECT_FALSE(Ask([](const MonitorNode& m) { return m.has_all(); }));
+  const auto has_all = [](const MonitorNode& m) { return m.SignsOfEnd({1, 2, false}, bus::NowS()).has_all_poses; };
+  EXPECT_FALSE(Ask(has_all));
   pose.frame_id = 8;
   pose.n_skipped_frames = 4;
   speaker_.Publish(bus::kPose, pose);
   EXPECT_TRUE(unanswered(0));
-  EXPECT_TRUE(Ask([](const MonitorNode& m) { return m.has_all(); }));
+  EXPECT_TRUE(Ask(has_all));
+}
+
+TEST_F(MonitorNodeTest, LastPoseIsTheLastOfAll) {
+  stream_t end{};
+  end.event = "end";
+  end.n_frames = 5;
+  speaker_.Publish(bus::kStream, end);
+  pose_t pose{};
+  pose.frame_id = 3;
+  speaker_.Publish(bus::kPose, pose);
+  const auto signs = [&] {
+    return Ask([](const MonitorNode& m) { return m.SignsOfEnd({1, 2, true}, bus::NowS()); });
+  };
+  ASSERT_TRUE(Eventually([&] { return signs().stream_ended && signs().poses == 1; }));
+  EXPECT_FALSE(signs().has_all_poses);
+  pose.frame_id = 4;
+  pose.keyframe_id = 0;
+  speaker_.Publish(bus::kPose, pose);
+  EXPECT_TRUE(Eventually([&] { return signs().has_all_poses; })) << "earlier ones were lost before the tracker";
+  EXPECT_FALSE(signs().has_map) << "there is none yet";
+  EXPECT_EQ(Ask([](const MonitorNode& m) { return m.committed_keyframe(); }), KeyframeName());
+  map_update_t update{};
+  update.version = update.n_pages = 1;
+  update.committed = 1;
+  speaker_.Publish(bus::kMapUpdate, update);
+  EXPECT_TRUE(Eventually([&] { return signs().has_map; }));
+  EXPECT_EQ(Ask([](const MonitorNode& m) { return m.committed_keyframe().number; }), 0);
 }
 
 TEST_F(MonitorNodeTest, ViewerOfAnotherHostIsNoSignOfLife) {

@@ -42,6 +42,45 @@ TEST_F(ViewerDelivery, WaitsForTheCamera) {
   EXPECT_EQ(ReadTrajectory(Out("trajectory.tum")).size(), 12u);
 }
 
+/// A tracker that has finished, and one whose last pose is repaired late.
+TEST_F(ViewerDelivery, WaitsForTheAnnouncedEndAndNotForTicks) {
+  const ViewerNode node(*process_, Options());
+  PublishRun("begin");
+  PublishCamera();
+  for (int64_t frame = 0; frame + 1 < kFrames; ++frame) PublishPose(frame);
+  status_t tracker{};
+  tracker.process = "vo";
+  tracker.state = "finished";
+  bus().Publish(bus::kStatus, tracker);
+  PublishStream("end", kFrames);
+  int ticks = 0;
+  bus().Every(std::chrono::milliseconds(250), [&] {
+    if (++ticks == 10) PublishPose(kFrames - 1);
+    if (ticks == 14) PublishRun("end", kFrames);
+  });
+  bus().Run();
+  EXPECT_GE(ticks, 14);
+  EXPECT_EQ(ReadTrajectory(Out("trajectory.tum")).size(), 12u);
+}
+
+/// A restarted viewer: the end of the run is in the launcher's history, and the map arrives last.
+TEST_F(ViewerDelivery, AnnouncedKeyframeIsAwaited) {
+  const ViewerNode node(*process_, Options());
+  PublishRun("begin");
+  PublishRun("end", kFrames, 2);
+  PublishCamera();
+  for (int64_t frame = 0; frame < kFrames; ++frame) PublishPose(frame);
+  PublishStream("end", kFrames);
+  bus::MapUpdatePublisher mapping(bus(), [] {});
+  int ticks = 0;
+  bus().Every(std::chrono::milliseconds(250), [&] {
+    if (++ticks == 6) mapping.Publish(MapOf(2, 3.0));
+  });
+  bus().Run();
+  EXPECT_GE(ticks, 6);
+  EXPECT_NEAR(ReadTrajectory(Out("trajectory.tum")).at(7).T_a_b.translation().x(), 3.0, 1e-9);
+}
+
 TEST_F(ViewerDelivery, WaitsForPicturesInLockstep) {
   const ViewerNode node(*process_, Options(4));
   PublishCamera();

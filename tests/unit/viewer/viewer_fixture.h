@@ -15,6 +15,7 @@
 #include "core/process/process.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/ground_truth_t.hpp"
+#include "plslam/run_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
 #include "plslam/tracks_t.hpp"
@@ -86,6 +87,14 @@ class ViewerFixture : public testing::Test {
     m.pace = pace;
     m.n_frames = n_frames;
     bus().Publish(bus::kStream, m);
+  }
+
+  void PublishRun(const std::string& event, int64_t n_poses = -1, int64_t keyframe = -1) {
+    run_t m{};
+    m.event = event;
+    m.n_frames = m.n_poses = n_poses;
+    m.session_keyframe_id = keyframe;
+    bus().Publish(bus::kRun, m);
   }
 
   void PublishTracks(int64_t frame) {

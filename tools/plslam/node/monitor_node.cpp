@@ -125,11 +125,36 @@ FrameTally MonitorNode::frames() const {
   return frames;
 }
 
-bool MonitorNode::has_all() const {
-  const bool has_frames = sent_.ended() && frames().unanswered == 0;
-  const KeyframeName keyframe = statistics_.last_keyframe();
-  const bool has_map = map_.version() == 0 || map_.newest().HasCommitted(keyframe);
-  return has_frames && has_map;
+/// Poses arrive in order: with that of the last frame all have arrived.
+bool MonitorNode::HasAllPoses() const {
+  return sent_.ended() && (frames().unanswered == 0 || sent_.Behind(statistics_.newest_frame().first) == 0);
+}
+
+bool MonitorNode::KeyframesWait(double now_s) const {
+  return std::ranges::any_of(processes_, [&](const auto& p) {
+    const ProcessStatus& status = p.second;
+    const bool has_keyframes = status.process == process_name::kMapping || status.process == process_name::kLoop;
+    return has_keyframes && status.queue > 0.0 && now_s - status.heard_s < kGoneAfter_s;
+  });
+}
+
+EndSigns MonitorNode::SignsOfEnd(const Processes& processes, double now_s) const {
+  const std::string state = StateOf(processes.source);
+  EndSigns signs;
+  signs.stream_ended = sent_.ended();
+  signs.source_sends = state == process_state::kReady || state == process_state::kRunning;
+  signs.tracker_finished = StateOf(processes.tracker) == process_state::kFinished;
+  signs.has_all_poses = HasAllPoses();
+  signs.poses = poses_heard_;
+  signs.has_map = !processes.has_mapper || map_.newest().HasCommitted(statistics_.last_keyframe());
+  signs.map_version = map_.version();
+  signs.maps = processes.has_mapper && KeyframesWait(now_s);
+  return signs;
+}
+
+KeyframeName MonitorNode::committed_keyframe() const {
+  const KeyframeName newest = statistics_.last_keyframe();
+  return map_.newest().HasCommitted(newest) ? newest : KeyframeName();
 }
 
 std::string MonitorNode::StateOf(int64_t pid) const {

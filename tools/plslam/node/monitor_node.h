@@ -9,6 +9,7 @@
 
 #include "core/bus/bus.h"
 #include "core/run/published_warnings.h"
+#include "tools/plslam/end_of_run.h"
 #include "tools/plslam/run_statistics.h"
 #include "tools/plslam/run_summary.h"
 #include "tools/plslam/stall_watch.h"
@@ -43,13 +44,24 @@ struct Lag {
 /// they are republished (HistoryKeeper).
 class MonitorNode {
  public:
+  /// Processes of the run that end it, by their ids on this host.
+  struct Processes {
+    int64_t source = -1;  ///< of frames
+    int64_t tracker = -1;
+    bool has_mapper = false;  ///< there is one, on any host
+  };
+
   explicit MonitorNode(bus::Bus& bus);
 
   const RunStatistics& statistics() const { return statistics_; }
   const MapStatistics& map() const { return map_; }
   const LoopStatistics& loops() const { return loops_; }
-  /// Returns whether every sent frame is counted, and the map, if there is one, has the last keyframe committed.
-  bool has_all() const;
+  /// Signs of the end of the run. `now_s`: steady time.
+  EndSigns SignsOfEnd(const Processes& processes, double now_s) const;
+  /// Number of frames that the source has published; -1 before its end.
+  int64_t published_frames() const { return sent_.ended() ? total_frames_ : -1; }
+  /// Newest keyframe of the run, if the map has it committed; number -1 if not, or if there is none.
+  KeyframeName committed_keyframe() const;
   /// By host and process id on it; exited processes stay.
   const std::map<std::pair<std::string, int64_t>, ProcessStatus>& processes() const { return processes_; }
   /// State of a process of this host; empty if it was not heard.
@@ -88,6 +100,8 @@ class MonitorNode {
 
  private:
   void OnStatus(const status_t& message);
+  bool HasAllPoses() const;
+  bool KeyframesWait(double now_s) const;
 
   const std::string host_;
   RunStatistics statistics_;

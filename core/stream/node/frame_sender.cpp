@@ -85,6 +85,15 @@ FrameSender::~FrameSender() {
   sender_.join();
 }
 
+/// Publishes the state if the phase is another one.
+void FrameSender::Enter(Phase phase, const std::string& reason) {
+  if (std::exchange(phase_, phase) == phase) return;
+  const char* const state = phase == Phase::kReady      ? process_state::kReady
+                            : phase == Phase::kFinished ? process_state::kFinished
+                                                        : process_state::kRunning;
+  process_.SetState(state, reason);
+}
+
 void FrameSender::OnCommand(const command_t& command) {
   const std::optional<bus::Order> order = bus::OrderTo(process_, command);
   if (!order) return;
@@ -202,10 +211,8 @@ bool FrameSender::WaitForReaders(bool silent_too) {
 /// Frames may be requested again after the end of the stream, too, as long as the process runs.
 bool FrameSender::IsRewound() {
   if (WaitForReaders()) {
-    process_.SetState(process_state::kFinished,
-                      fmt::format("{} frames sent, {} bad, {} late", n_sent_, n_bad_, n_late_));
+    Enter(Phase::kFinished, fmt::format("{} frames sent, {} bad, {} late", n_sent_, n_bad_, n_late_));
     if (options_.exit && WaitForReaders(true)) process_.Finish();
-    running_ = false;
     while (!turn_.stopped() && !turn_.WaitForRewind(kWaitingTick)) {
     }
   }
@@ -226,7 +233,7 @@ std::optional<FrameSender::Sent> FrameSender::WaitWhilePaused(FrameId frame_id) 
 FrameSender::Sent FrameSender::Send(const LoadedFrame& frame) {
   const bool waits = !options_.pace.lockstep && !source_->is_live();
   if (waits && !WaitUntilDue(frame.images.t_ns)) return Sent::kStopped;
-  if (turn_.paused()) {
+  if (!turn_.is_running()) {
     if (source_->is_live()) return Sent::kAnswered;  // a live frame that is not needed
     if (const std::optional<Sent> sent = WaitWhilePaused(frame.images.frame_id)) return *sent;
   }
@@ -235,7 +242,7 @@ FrameSender::Sent FrameSender::Send(const LoadedFrame& frame) {
   PublishFrame(frame);
   newest_sent_ = std::max(newest_sent_, frame.images.frame_id);
   process_.SetCounter("frames.sent", static_cast<double>(++n_sent_));
-  if (!std::exchange(running_, true)) process_.SetState(process_state::kRunning);
+  Enter(Phase::kSending);
   return options_.pace.lockstep ? WaitForPose(frame) : Sent::kAnswered;
 }
 
@@ -250,12 +257,12 @@ std::string FrameSender::Awaited(const LoadedFrame& frame) const {
 FrameSender::Sent FrameSender::WaitForPose(const LoadedFrame& frame) {
   const int ticks_of_doubt = static_cast<int>(process_.bus().options().give_up_s) + kTicksBeyondTheBus;
   int ticks_to_resend = ticks_of_doubt;
-  for (bool waiting = false;;) {
+  for (;;) {
     const Turn::Event event = turn_.WaitForPose(kWaitingTick);
     if (event == Turn::Event::kStopped) return Sent::kStopped;
     if (event == Turn::Event::kGoBack) return Sent::kGoBack;
     if (event == Turn::Event::kPose) {
-      if (waiting) process_.SetState(process_state::kRunning);
+      Enter(Phase::kSending);
       return Sent::kAnswered;
     }
     if (event == Turn::Event::kNewReader) {
@@ -264,9 +271,7 @@ FrameSender::Sent FrameSender::WaitForPose(const LoadedFrame& frame) {
       PublishFrame(frame);
       ticks_to_resend = ticks_of_doubt;
     }
-    if (!std::exchange(waiting, true)) {
-      process_.SetState(process_state::kRunning, Joined(Awaited(frame), process_.bus().Problems()));
-    }
+    Enter(Phase::kWaiting, Joined(Awaited(frame), process_.bus().Problems()));
   }
 }
 

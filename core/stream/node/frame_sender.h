@@ -52,6 +52,15 @@ class FrameSender {
   ~FrameSender();
 
  private:
+  /// The state of the process, and what ends it.
+  enum class Phase {
+    kReady,     ///< until a frame is sent
+    kSending,   ///< until the readers have everything, or a pose does not arrive within a second
+    kWaiting,   ///< running, with the reason why: until the pose arrives, or other frames are requested
+    kFinished,  ///< until frames are requested again
+  };
+
+  void Enter(Phase phase, const std::string& reason = "");
   void SendAll();
   bool SendRest();
   std::optional<LoadedFrame> NextFrame();
@@ -88,7 +97,7 @@ class FrameSender {
   int64_t n_late_ = 0;
   int64_t n_true_ = 0;
   int64_t n_without_truth_ = 0;
-  bool running_ = false;
+  Phase phase_ = Phase::kReady;
   std::thread sender_;
 };
 

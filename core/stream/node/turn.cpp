@@ -8,15 +8,15 @@ namespace plslam::stream {
 void Turn::Expect(const ResumePoint& frame) {
   const std::scoped_lock lock(mutex_);
   expected_ = frame;
-  has_pose_ = resumed_ && newest_ && newest_->frame_id >= frame.frame_id && newest_->t_ns >= frame.t_ns;
-  new_reader_ = false;
+  const bool has_pose = resumed_ && newest_ && newest_->frame_id >= frame.frame_id && newest_->t_ns >= frame.t_ns;
+  answer_ = has_pose ? Answer::kPose : Answer::kAwaited;
 }
 
 void Turn::OnPose(const ResumePoint& frame) {
   const std::scoped_lock lock(mutex_);
   if (!newest_ || newest_->frame_id < frame.frame_id) newest_ = frame;
   if (!expected_ || expected_->frame_id != frame.frame_id) return;
-  has_pose_ = true;
+  answer_ = Answer::kPose;
   changed_.notify_all();
 }
 
@@ -33,7 +33,7 @@ std::optional<ResumePoint> Turn::newest() const {
 void Turn::OnReader(int64_t source) {
   const std::scoped_lock lock(mutex_);
   if (!readers_.insert(source).second) return;
-  new_reader_ = true;
+  if (answer_ == Answer::kAwaited) answer_ = Answer::kNewReader;
   changed_.notify_all();
 }
 
@@ -53,26 +53,24 @@ void Turn::OnGoBack(int64_t reader, const ResumePoint& frame) {
 
 void Turn::Stop() {
   const std::scoped_lock lock(mutex_);
-  stopped_ = true;
+  course_ = Course::kStopped;
   changed_.notify_all();
 }
 
 Turn::Event Turn::WaitForPose(Clock::duration limit) {
   std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, limit, [this] { return stopped_ || MustRewind() || has_pose_ || new_reader_; });
-  if (stopped_) return Event::kStopped;
+  changed_.wait_for(lock, limit, [this] { return MustEndWait() || answer_ != Answer::kAwaited; });
+  if (course_ == Course::kStopped) return Event::kStopped;
   if (MustRewind()) return Event::kGoBack;
   go_back_.reset();
-  if (has_pose_) return Event::kPose;
-  if (!new_reader_) return Event::kTimeout;
-  new_reader_ = false;
-  return Event::kNewReader;
+  if (answer_ == Answer::kPose) return Event::kPose;
+  return std::exchange(answer_, Answer::kAwaited) == Answer::kNewReader ? Event::kNewReader : Event::kTimeout;
 }
 
 bool Turn::WaitForRewind(Clock::duration limit) {
   std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, limit, [this] { return stopped_ || MustRewind(); });
-  return !stopped_ && MustRewind();
+  changed_.wait_for(lock, limit, [this] { return MustEndWait(); });
+  return course_ != Course::kStopped && MustRewind();
 }
 
 ResumePoint Turn::GoBack() {
@@ -84,31 +82,32 @@ ResumePoint Turn::GoBack() {
 
 void Turn::SetPaused(bool paused) {
   const std::scoped_lock lock(mutex_);
-  paused_ = paused;
+  if (course_ == Course::kStopped) return;
+  course_ = paused ? Course::kPaused : Course::kRunning;
   changed_.notify_all();
 }
 
-bool Turn::paused() const {
+bool Turn::is_running() const {
   const std::scoped_lock lock(mutex_);
-  return paused_;
+  return course_ == Course::kRunning;
 }
 
 Turn::Event Turn::WaitWhilePaused() {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return stopped_ || MustRewind() || !paused_; });
-  if (stopped_) return Event::kStopped;
+  changed_.wait(lock, [this] { return MustEndWait() || course_ == Course::kRunning; });
+  if (course_ == Course::kStopped) return Event::kStopped;
   return MustRewind() ? Event::kGoBack : Event::kPose;
 }
 
 bool Turn::WaitUntil(Clock::time_point time) {
   std::unique_lock lock(mutex_);
-  changed_.wait_until(lock, time, [this] { return stopped_; });
-  return !stopped_;
+  changed_.wait_until(lock, time, [this] { return course_ == Course::kStopped; });
+  return course_ != Course::kStopped;
 }
 
 bool Turn::stopped() const {
   const std::scoped_lock lock(mutex_);
-  return stopped_;
+  return course_ == Course::kStopped;
 }
 
 }  // namespace plslam::stream

@@ -45,8 +45,10 @@ class Turn {
   bool WaitForRewind(Clock::duration limit);
   /// After kGoBack: returns the frame after which to resume. Poses that have arrived for later frames are forgotten.
   ResumePoint GoBack();
+  /// No effect after Stop.
   void SetPaused(bool paused);
-  bool paused() const;
+  /// Returns whether new frames may be sent: the stream is neither paused nor stopped.
+  bool is_running() const;
   /// Returns kPose at once if the stream is not paused, otherwise as soon as it is resumed.
   Event WaitWhilePaused();
   /// Waits until `time`; false if the process ends first.
@@ -54,20 +56,31 @@ class Turn {
   bool stopped() const;
 
  private:
+  enum class Course {
+    kRunning,
+    kPaused,   ///< until SetPaused(false)
+    kStopped,  ///< for good
+  };
+  /// The expected frame.
+  enum class Answer {
+    kAwaited,    ///< until its pose arrives, or a new reader is seen
+    kNewReader,  ///< until that has been reported, or the pose arrives
+    kPose,       ///< until the next frame is expected
+  };
+
   bool MustRewind() const { return go_back_ && expected_ && go_back_->frame_id < expected_->frame_id; }
+  bool MustEndWait() const { return course_ == Course::kStopped || MustRewind(); }
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<ResumePoint> expected_;
   std::optional<ResumePoint> newest_;
   bool resumed_ = false;
-  bool has_pose_ = false;
+  Answer answer_ = Answer::kAwaited;
   std::set<int64_t> readers_;
-  bool new_reader_ = false;
   std::map<int64_t, ResumePoint> asked_;  // by reader, the newest
   std::optional<ResumePoint> go_back_;
-  bool paused_ = false;
-  bool stopped_ = false;
+  Course course_ = Course::kRunning;
 };
 
 }  // namespace plslam::stream

@@ -38,6 +38,17 @@ TEST(Turn, EveryReaderIsNewOnce) {
   EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout) << "said once";
 }
 
+TEST(Turn, PoseWinsOverANewReader) {
+  Turn turn;
+  turn.Expect({0, 0});
+  turn.OnReader(11);
+  turn.OnPose({0, 0});
+  turn.OnReader(12);
+  EXPECT_EQ(turn.WaitForPose(kNow), Event::kPose);
+  turn.Expect({1, 10});
+  EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout) << "this frame is sent after both were seen";
+}
+
 TEST(Turn, EarlierPosesCountOnlyInAResumedStream) {
   Turn turn;
   turn.OnPose({7, 70});
@@ -110,10 +121,13 @@ TEST(Turn, PauseEndsByResumeResendRequestOrStop) {
   std::thread somebody([&turn] { turn.SetPaused(false); });
   EXPECT_EQ(turn.WaitWhilePaused(), Event::kPose);
   somebody.join();
-  EXPECT_FALSE(turn.paused());
+  EXPECT_TRUE(turn.is_running());
   turn.SetPaused(true);
+  EXPECT_FALSE(turn.is_running());
   turn.Stop();
   EXPECT_EQ(turn.WaitWhilePaused(), Event::kStopped);
+  turn.SetPaused(false);
+  EXPECT_FALSE(turn.is_running()) << "an order that arrives too late";
 }
 
 TEST(Turn, StopEndsEveryWait) {

@@ -107,23 +107,19 @@ BusCounters Bus::Impl::counters() const {
   counters.lost_of = counts.lost_of();
   counters.repaired = counts.repaired;
   counters.resent = outboxes.resent();
-  counters.rejected = counts.rejected + nonsense + transport.junk();
+  counters.rejected = counts.rejected + transport.junk();
   counters.unproven = counts.unproven;
   counters.duplicates = counts.duplicates;
-  counters.skipped = counts.skipped + passed_over;
+  counters.skipped = counts.skipped;
   return counters;
 }
 
 std::string Bus::Impl::Problems() const {
   const std::string loss = outboxes.LossText();
-  const std::lock_guard lock(rejections_mutex_);
   return Joined(rejections_.Line(SteadyNow_ns()), loss);
 }
 
-bool Bus::Impl::hears_other_key() const {
-  const std::lock_guard lock(rejections_mutex_);
-  return rejections_.Has(Rejection::kOtherKey, SteadyNow_ns());
-}
+bool Bus::Impl::hears_other_key() const { return rejections_.Has(Rejection::kOtherKey, SteadyNow_ns()); }
 
 Bus::Bus(const BusOptions& options, const std::string& process) : impl_(std::make_unique<Impl>(options, process)) {}
 Bus::~Bus() = default;
@@ -196,8 +192,8 @@ void Bus::SubscribeRest(std::function<void(std::string_view, std::span<const uin
   impl_->SubscribeRest(std::move(take));
 }
 
-void Bus::CountRejected() { ++impl_->nonsense; }
-void Bus::CountSkipped(int64_t n) { impl_->passed_over += n; }
+void Bus::CountRejected() { ++impl_->counts.rejected; }
+void Bus::CountSkipped(int64_t n) { impl_->counts.skipped += n; }
 
 int Bus::ReaderCount(const Channel& channel) const { return impl_->outboxes.ReaderCount(channel); }
 bool Bus::Flush(std::chrono::milliseconds limit) { return impl_->outboxes.Flush(limit, false); }

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <random>
 #include <string>
@@ -49,8 +48,6 @@ struct Bus::Impl {
   Outboxes outboxes;
   ReceiverCounts counts;
   Inboxes inboxes;
-  std::atomic<int64_t> nonsense = 0;  // counted by assemblers, on whatever thread
-  std::atomic<int64_t> passed_over = 0;
 
  private:
   // The following functions run on the receiving thread.
@@ -78,7 +75,6 @@ struct Bus::Impl {
   std::map<std::string, int64_t, std::less<>> control_seq_;
   std::mt19937_64 drop_random_;
   LivePeers peers_;  // with a key
-  mutable std::mutex rejections_mutex_;
   Rejections rejections_;
   std::atomic<int64_t> wake_time_ = 0;
   std::atomic<bool> stopping_ = false;

@@ -75,10 +75,7 @@ void Bus::Impl::OnDatagram(std::string_view wire_name, ByteView bytes) {
 
 void Bus::Impl::Reject(Rejection why, std::string_view wire_name, int64_t now) {
   ++counts.rejected;
-  {
-    const std::lock_guard lock(rejections_mutex_);
-    if (!rejections_.Count(why, wire_name, now)) return;
-  }
+  if (!rejections_.Count(why, wire_name, now)) return;
   const bool is_of_version = why == Rejection::kOtherVersion;
   LogWarning(
       "a message on {} was rejected: it is {}{}; later ones are counted only", wire_name, Rejections::Text(why),
@@ -138,12 +135,7 @@ bool Bus::Impl::IsAlive(std::string_view wire_name, ByteView message, int64_t no
 void Bus::Impl::NoticePrefix(std::string_view wire_name, int64_t now) {
   if (!wire_name.ends_with(kStatus.name) || names.IsNamed(wire_name, kStatus)) return;
   const std::string_view prefix = wire_name.substr(0, wire_name.size() - kStatus.name.size());
-  bool is_new = false;
-  {
-    const std::lock_guard lock(rejections_mutex_);
-    is_new = rejections_.OtherPrefix(prefix, now);
-  }
-  if (is_new) LogInfo("{}", Rejections::PrefixText(prefix));
+  if (rejections_.OtherPrefix(prefix, now)) LogInfo("{}", Rejections::PrefixText(prefix));
 }
 
 void Bus::Impl::OnRepairRequest(std::string_view wire_name, ByteView bytes, int64_t now) {

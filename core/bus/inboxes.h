@@ -28,7 +28,7 @@ struct Subscription {
   std::function<bool()> ready;            ///< kOrderedBytes: whether it can take one now
 };
 
-/// Counters that the receiving thread writes and other threads read.
+/// Counters of messages, which the receiving thread and assemblers on any thread write.
 struct ReceiverCounts {
   std::atomic<int64_t> received{0};
   std::atomic<int64_t> rejected{0};

@@ -51,6 +51,7 @@ std::string Rejections::PrefixText(std::string_view prefix) {
 }
 
 bool Rejections::Count(Rejection why, std::string_view channel, int64_t now) {
+  const std::scoped_lock lock(mutex_);
   Row& row = rows_[static_cast<size_t>(why)];
   row.last = now;
   if (row.channel != channel) row.channel = channel;
@@ -59,6 +60,7 @@ bool Rejections::Count(Rejection why, std::string_view channel, int64_t now) {
 
 bool Rejections::OtherPrefix(std::string_view prefix, int64_t now) {
   const std::string plain = Plain(prefix);
+  const std::scoped_lock lock(mutex_);
   const auto found = prefixes_.find(plain);
   if (found != prefixes_.end()) {
     found->second = now;
@@ -70,17 +72,20 @@ bool Rejections::OtherPrefix(std::string_view prefix, int64_t now) {
   return true;
 }
 
+bool Rejections::IsRecent(const Row& row, int64_t now) { return row.count > 0 && now - row.last <= kShown; }
+
 bool Rejections::Has(Rejection why, int64_t now) const {
-  const Row& row = rows_[static_cast<size_t>(why)];
-  return row.count > 0 && now - row.last <= kShown;
+  const std::scoped_lock lock(mutex_);
+  return IsRecent(rows_[static_cast<size_t>(why)], now);
 }
 
 std::string Rejections::Line(int64_t now) const {
   std::string line;
   const auto add = [&](const std::string& text) { line += (line.empty() ? "messages rejected: " : ", ") + text; };
+  const std::scoped_lock lock(mutex_);
   for (size_t i = 0; i < rows_.size(); ++i) {
     const Row& row = rows_[i];
-    if (!Has(static_cast<Rejection>(i), now)) continue;
+    if (!IsRecent(row, now)) continue;
     add(fmt::format("{} {} ({})", row.count, Text(static_cast<Rejection>(i)), row.channel));
   }
   for (const auto& [prefix, last] : prefixes_) {

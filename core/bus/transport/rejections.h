@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <mutex>
 #include <string>
 #include <string_view>
 
@@ -22,7 +23,7 @@ enum class Rejection {
 };
 
 /// Rejected messages by reason, and foreign traffic: counted, logged once, and shown as one line in the status. Time in
-/// nanoseconds of any steady clock; not thread-safe.
+/// nanoseconds of any steady clock. Safe from any thread.
 class Rejections {
  public:
   /// Returns true for the first of its kind, which is worth a line in the log.
@@ -46,6 +47,9 @@ class Rejections {
     int64_t last = 0;
     std::string channel;
   };
+  static bool IsRecent(const Row& row, int64_t now);
+
+  mutable std::mutex mutex_;  // guards all of the following
   std::array<Row, static_cast<size_t>(Rejection::kNumber)> rows_;
   std::map<std::string, int64_t, std::less<>> prefixes_;  // when heard last
 };

@@ -38,7 +38,7 @@ LoopService::Output LoopService::OnKeyframe(const Keyframe& keyframe) {
   if (keyframe.lockstep) lockstep_[keyframe.name.session] = {keyframe.source, now_ms_()};
   // Republished for a tracker that has exited, or by a restarted mapping_process.
   if (!closer_.AddKeyframe(keyframe)) return output;
-  if (lacking_.erase(keyframe.name) > 0) lacking_since_ms_ = now_ms_();
+  missing_.OnArrival(keyframe.name, now_ms_());
   return OnTick();
 }
 
@@ -76,7 +76,12 @@ LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
     unadjusted_.reset();
     adjusting_.reset();
   }
-  if (update.base_version == 0 || !lacking_.empty()) UpdateMissingFeatures(update.base_version == 0);
+  const auto has_features = [this](const KeyframeName& keyframe) { return closer_.Contains(keyframe); };
+  if (update.base_version == 0) {
+    missing_.Begin(follower_.map(), has_features, now_ms_());
+  } else {
+    missing_.Follow(follower_.map(), has_features);
+  }
   Follow(update, output);
   CheckDueKeyframes(output);
   AnswerDueKeyframes(output);
@@ -170,29 +175,13 @@ bool LoopService::AwaitsAdjustment(const MapUpdate& update) const {
   return keyframe != nullptr && keyframe->name == update.newest;
 }
 
-/// After a complete map: all keyframes whose features are missing. Later: those of them that are still in the map.
-void LoopService::UpdateMissingFeatures(bool whole) {
-  const auto before = std::exchange(lacking_, {});
-  for (const auto& [id, keyframe] : follower_.map().keyframes()) {
-    const bool is_missing = !closer_.Contains(keyframe.name);
-    if (is_missing && (whole || before.contains(keyframe.name))) lacking_.insert(keyframe.name);
-  }
-  if (whole) lacking_since_ms_ = now_ms_();
-}
-
 void LoopService::RequestMissing(Output& output) {
-  const double now_ms = now_ms_();
-  if (lacking_.empty() || now_ms - std::max(lacking_since_ms_, requested_ms_) < kRequestAfter_ms) return;
-  requested_ms_ = now_ms;
-  for (const auto& [id, keyframe] : follower_.map().keyframes()) {
-    if (lacking_.contains(keyframe.name)) output.missing_keyframes.push_back(id);
-  }
+  if (missing_.TakeRequest(now_ms_())) output.missing_keyframes = missing_.Ids(follower_.map());
 }
 
-/// Gives up on features that have not arrived in time.
-bool LoopService::IsComplete() {
-  if (!lacking_.empty() && now_ms_() - lacking_since_ms_ >= kPatience_ms) lacking_.clear();
-  return lacking_.empty();
+LoopService::Wait LoopService::WaitsFor() {
+  if (!missing_.IsOver(now_ms_())) return Wait::kFeatures;
+  return unanswered_ ? Wait::kAnswer : Wait::kNothing;
 }
 
 /// In lockstep the result must not depend on the length of a network failure.
@@ -223,13 +212,13 @@ std::deque<LoopService::Due>::iterator LoopService::NextDue() {
 }
 
 void LoopService::CheckDueKeyframes(Output& output) {
-  if (!IsComplete()) return;
+  if (WaitsFor() == Wait::kFeatures) return;
   if (unadjusted_) {
     Adjust(*unadjusted_, output);
     unadjusted_.reset();
   }
   DropCommitted();
-  while (!unanswered_) {
+  while (WaitsFor() == Wait::kNothing) {
     const auto next = NextDue();
     if (next == due_.end()) return;
     const KeyframeName keyframe = next->keyframe;
@@ -251,7 +240,7 @@ void LoopService::CheckDueKeyframes(Output& output) {
 bool LoopService::IsAnswerable(const Keyframe& frame) {
   // The tracker that sent the request has the map, so its updates are on their way here, too.
   if (!frame.lockstep) return true;
-  return follower_.version() > 0 && IsComplete() &&
+  return follower_.version() > 0 && WaitsFor() != Wait::kFeatures &&
          follower_.newest().HasCommitted({frame.name.session, frame.previous_keyframe_id});
 }
 

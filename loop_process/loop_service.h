@@ -17,6 +17,7 @@
 #include "core/map/map_update.h"
 #include "core/places/place_recogniser.h"
 #include "loop_process/loop_closer.h"
+#include "loop_process/missing_features.h"
 #include "loop_process/options.h"
 
 namespace plslam::loop {
@@ -40,9 +41,8 @@ PlaceRecogniser LoadPlaces(const VocabularyOptions& files, const PlaceOptions& o
 class LoopService {
  public:
   /// Time to wait for missing features.
-  static constexpr double kPatience_ms = 3000.0;
-  /// Without an arrival for this time, missing features are requested: their tracker has exited.
-  static constexpr double kRequestAfter_ms = 1000.0;
+  static constexpr double kPatience_ms = MissingFeatures::kPatience_ms;
+  static constexpr double kRequestAfter_ms = MissingFeatures::kRequestAfter_ms;
   /// The same for a lockstep session, since the last message of the process that publishes its keyframes; equal to the
   /// other processes' wait in lockstep (`bus.partner_wait_s` by default).
   static constexpr double kLockstepPatience_ms = 15000.0;
@@ -79,6 +79,13 @@ class LoopService {
   const MapFollower& follower() const { return follower_; }
 
  private:
+  /// Conditions for which the next check waits.
+  enum class Wait {
+    kNothing,
+    kFeatures,  ///< until all features of a complete map have arrived, or none for `kPatience_ms`
+    kAnswer,    ///< until the map answers the published loop
+  };
+
   /// A keyframe to be checked, and the time since when.
   struct Due {
     KeyframeName keyframe;
@@ -96,8 +103,7 @@ class LoopService {
   void AddDue(const MapUpdate& update, int64_t checked);
   void Adjust(const LoopClosure& loop, Output& output);
   bool AwaitsAdjustment(const MapUpdate& update) const;
-  void UpdateMissingFeatures(bool whole);
-  bool IsComplete();
+  Wait WaitsFor();
   void RequestMissing(Output& output);
   bool HasWaited(const Due& due) const;
   void DropCommitted();
@@ -114,10 +120,7 @@ class LoopService {
   std::map<SessionId, int64_t> checked_;
   std::deque<Due> due_;
   std::map<SessionId, LockstepSession> lockstep_;  // by session
-  /// Keyframes of a complete map whose features are missing, and the time of the last arrival among them.
-  std::set<KeyframeName> lacking_;
-  double lacking_since_ms_ = 0.0;
-  double requested_ms_ = 0.0;  ///< time of the last request for them
+  MissingFeatures missing_;
   /// The loop whose global bundle adjustment the previous loop_process did not finish.
   std::optional<LoopClosure> unadjusted_;
   /// The loop whose adjustment is running.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <string>
 #include <utility>
 
 #include "core/bus/messages/convert.h"
@@ -21,9 +22,6 @@ namespace {
 
 // Period of checks whether a wait is over.
 constexpr std::chrono::milliseconds kTick(200);
-// Queue length above which `Queue` blocks, and the longest it blocks for one arrival, so that statuses still go out.
-constexpr size_t kMostArrivals = 2000;
-constexpr std::chrono::milliseconds kHold(200);
 
 }  // namespace
 
@@ -32,9 +30,11 @@ LoopNode::LoopNode(bus::Process& process, const LoopOptions& options)
       options_(options),
       places_(LoadPlaces(options.vocabularies, options.places)),
       publisher_(process.bus()),
-      keyframes_(process.bus(), [this](const Keyframe& keyframe) { Queue(keyframe); }),
+      report_(process),
+      arrivals_(process),
+      keyframes_(process.bus(), [this](const Keyframe& keyframe) { arrivals_.Add(keyframe); }),
       requests_(
-          process.bus(), [this](const Keyframe& frame) { Queue(RelocalisationRequest{frame}); },
+          process.bus(), [this](const Keyframe& frame) { arrivals_.Add(RelocalisationRequest{frame}); },
           bus::kRelocalisationRequest),
       map_(process.bus(), [this](MapUpdate update) { OnUpdate(std::move(update)); }) {
   process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& message) { OnStatus(message); });
@@ -44,66 +44,28 @@ LoopNode::LoopNode(bus::Process& process, const LoopOptions& options)
 }
 
 LoopNode::~LoopNode() {
-  {
-    const std::lock_guard lock(mutex_);
-    stopping_ = true;
-  }
-  stop_adjustment_ = true;
-  changed_.notify_all();
+  arrivals_.Stop();
+  adjustments_.Stop();
   checker_.join();
   adjuster_.join();
 }
 
 void LoopNode::OnUpdate(MapUpdate update) {
-  if (!has_camera_ && update.camera) {
-    has_camera_ = true;
-    const std::lock_guard lock(mutex_);
-    camera_ = update.camera;
-  }
-  Queue(std::move(update));
+  if (update.camera) arrivals_.Open(*update.camera);
+  arrivals_.Add(std::move(update));
 }
 
 void LoopNode::OnStatus(const status_t& message) {
   // Without a map everything waits.
-  if (has_camera_) Queue(SignOfLife{SourceId(message.header.source)});
-}
-
-/// If the worker is far behind, this blocks the thread of the bus, which then accepts no more: publishers keep their
-/// messages.
-void LoopNode::Queue(Arrival arrival) {
-  {
-    std::unique_lock lock(mutex_);
-    // Do not block before the first map: the worker cannot start without it, and it arrives through this thread.
-    changed_.wait_for(lock, kHold, [this] { return stopping_ || !camera_ || arrivals_.size() < kMostArrivals; });
-    arrivals_.push_back(std::move(arrival));
-    CountWaiting(arrivals_.back(), 1);
-  }
-  changed_.notify_all();
-}
-
-void LoopNode::CountWaiting(const Arrival& arrival, int more) {
-  if (std::holds_alternative<Keyframe>(arrival)) n_waiting_keyframes_ += more;
-  process_.SetCounter("queue.arrivals", static_cast<double>(arrivals_.size()));
-  process_.SetCounter("queue.keyframes", static_cast<double>(n_waiting_keyframes_));
+  if (arrivals_.is_open()) arrivals_.Add(SignOfLife{SourceId(message.header.source)});
 }
 
 void LoopNode::CheckUntilStopped() {
   for (;;) {
-    std::optional<Arrival> arrival;
-    {
-      std::unique_lock lock(mutex_);
-      const bool has_come =
-          changed_.wait_for(lock, kTick, [this] { return stopping_ || (camera_ && !arrivals_.empty()); });
-      if (stopping_) return;
-      if (has_come) {
-        arrival = std::move(arrivals_.front());
-        arrivals_.pop_front();
-        if (arrivals_.size() + 1 >= kMostArrivals) changed_.notify_all();
-        CountWaiting(*arrival, -1);
-        if (!service_) Begin(*camera_);
-      }
-    }
+    const std::optional<Arrival> arrival = arrivals_.Take(kTick);
+    if (arrivals_.stopped()) return;
     if (arrival) {
+      if (!service_) Begin(arrivals_.camera());
       Send(Handle(*arrival));
     } else if (service_) {
       Send(service_->OnTick());
@@ -149,26 +111,17 @@ void LoopNode::MoveOldToFiles() {
 }
 
 /// A running adjustment would undo the loop that is being published, or one that is already in the map.
-void LoopNode::DropAdjustment(bool with_progress) {
-  const std::lock_guard lock(mutex_);
-  forgets_progress_ |= with_progress;
-  adjustment_.reset();
-  stop_adjustment_ = true;
-  ++n_dropped_;
-}
-
 void LoopNode::Send(LoopService::Output output) {
   const auto is_loop = [](const LoopClosure& closure) { return closure.kind == LoopClosure::Kind::kLoop; };
   if (output.ends_adjustment || std::any_of(output.closures.begin(), output.closures.end(), is_loop))
-    DropAdjustment(output.ends_adjustment);
+    adjustments_.Drop(output.ends_adjustment);
   for (const LoopClosure& closure : output.closures) {
     publisher_.Publish(closure);
     Count(closure);
   }
   for (const Relocalisation& answer : output.answers) {
     process_.bus().Publish(bus::kRelocalisation, bus::ToMessage(answer));
-    process_.SetCounter("relocalisation.asked", static_cast<double>(++n_answers_));
-    if (answer.found) process_.SetCounter("relocalisation.found", static_cast<double>(++n_found_));
+    report_.CountAnswer(answer.found);
   }
   if (!output.missing_keyframes.empty()) {
     command_t command{};
@@ -179,12 +132,7 @@ void LoopNode::Send(LoopService::Output output) {
   }
   if (!output.adjustment) return;
   MoveOldToFiles();
-  {
-    const std::lock_guard lock(mutex_);
-    adjustment_ = std::move(output.adjustment);
-    stop_adjustment_ = true;
-  }
-  changed_.notify_all();
+  adjustments_.Put(std::move(*output.adjustment));
 }
 
 void LoopNode::Count(const LoopClosure& closure) {
@@ -192,7 +140,7 @@ void LoopNode::Count(const LoopClosure& closure) {
   process_.SetCounter("loop.keyframes", static_cast<double>(service_->follower().map().keyframes().size()));
   process_.SetCounter("loop.detect_ms", closure.detect_ms);
   if (closure.kind != LoopClosure::Kind::kLoop) return;
-  process_.SetCounter("loops", static_cast<double>(++n_loops_));
+  report_.CountLoop();
   const LoopEdge& edge = closure.edges.front();
   LogInfo("loop: keyframe {} shows the place of keyframe {} ({} points, {} lines)", edge.keyframe_id,
           edge.old_keyframe_id, edge.n_points, edge.n_lines);
@@ -200,44 +148,27 @@ void LoopNode::Count(const LoopClosure& closure) {
 
 void LoopNode::AdjustUntilStopped() {
   AdjustmentProgress progress;
-  for (;;) {
-    std::optional<GlobalBundleProblem> problem;
-    int64_t n_dropped = 0;
-    {
-      std::unique_lock lock(mutex_);
-      changed_.wait(lock, [this] { return stopping_ || adjustment_; });
-      if (stopping_) return;
-      problem = std::exchange(adjustment_, std::nullopt);
-      stop_adjustment_ = false;
-      n_dropped = n_dropped_;
-      if (std::exchange(forgets_progress_, false)) progress = {};
-    }
-    progress.Apply(*problem);
+  while (std::optional<AdjustmentSlot::Job> job = adjustments_.Take()) {
+    if (job->forgets_progress) progress = {};
+    progress.Apply(job->problem);
     const double began_ms = bus::NowMs();
     std::string failure;
-    LoopClosure closure = AdjustGlobally(*problem, options_.adjustment, &stop_adjustment_, &failure);
+    LoopClosure closure = AdjustGlobally(job->problem, options_.adjustment, &adjustments_.interrupts(), &failure);
     closure.correct_ms = bus::NowMs() - began_ms;
-    if (!failure.empty()) CountFailure(failure);
-    {
-      const std::lock_guard lock(mutex_);
-      if (stopping_) return;
-      if (adjustment_ || n_dropped_ != n_dropped) {  // out of date
-        progress.Add(*problem, closure.poses);
-        continue;
-      }
+    if (!failure.empty()) report_.CountFailedAdjustment(failure);
+    const AdjustmentSlot::Outcome outcome = adjustments_.OutcomeOf(*job);
+    if (outcome == AdjustmentSlot::Outcome::kStopped) return;
+    if (outcome == AdjustmentSlot::Outcome::kOutdated) {
+      progress.Add(job->problem, closure.poses);
+      continue;
     }
     progress = {};
     publisher_.Publish(closure);
     closure.poses.clear();
-    Queue(std::move(closure));
-    problem.reset();
+    arrivals_.Add(std::move(closure));
+    job.reset();
     bus::GiveBackFreedMemory();
   }
-}
-
-void LoopNode::CountFailure(const std::string& failure) {
-  process_.SetCounter("adjustments.failed", static_cast<double>(++n_failed_));
-  if (n_failed_ == 1) LogWarning("a global bundle adjustment failed (later ones are counted only): {}", failure);
 }
 
 bus::ProcessSpec LoopSpec() {

@@ -107,7 +107,7 @@ void OrderedReader::Pop(int64_t now) {
   Schedule();
 }
 
-/// Returns the ranges to request, none with an empty list to learn the first number.
+/// Returns the ranges to request; an empty list asks for the first number.
 std::optional<std::vector<SeqRange>> OrderedReader::TakeRanges(int64_t now) {
   if (!two_way_ || !HasGap()) {
     requests_.Rest();

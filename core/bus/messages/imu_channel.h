@@ -35,7 +35,7 @@ bool AppendTo(std::vector<ImuSample>& samples, const imu_sample_t& message);
 
 /// Without the samples.
 imu_interval_t ToMessage(const InertialInterval& interval);
-/// Returns nullopt for an interval that is too long, a pose that is none, and densities or sigmas that are not positive;
+/// Returns nullopt for an interval that is too long, an invalid pose, and densities or sigmas that are not positive;
 /// an empty interval has no other values.
 std::optional<InertialInterval> FromMessage(const imu_interval_t& message);
 

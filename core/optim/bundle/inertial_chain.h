@@ -15,8 +15,8 @@ namespace plslam {
 
 /// The inertial motions of an adjustment: what accelerations say about the positions of successive poses.
 ///
-/// The motion from pose i of the sensor to pose j, over a time t, has two residuals, whitened together (Forster et al. 2017,
-/// §VI), with the rotation R_i, position p and velocity v of each pose, gravity g, and the bias b of the specific force:
+/// The motion from pose i of the sensor to pose j, over a time t, has two residuals (Forster et al. 2017, §VI) with
+/// rotations R, positions p and velocities v, gravity g, and the bias b of the specific force, whitened together:
 ///
 ///   R_i^T (v_j - v_i - g t) - dv(b)        R_i^T (p_j - p_i - v_i t - g t^2 / 2) - dp(b)
 ///

@@ -54,14 +54,15 @@ Outcome Plslam(const WholeRun& run, const std::vector<std::string>& arguments) {
 TEST(Misuse, SecondRunOnABusIsRefused) {
   const RunWatcher watcher;
   WholeRun first, second;
-  first.Start({"run", "synthetic:room?frames=150&size=376x240", "--url", watcher.url(), "--pace", "realtime"});
+  // In lockstep no frame is skipped, however busy the machine is.
+  first.Start({"run", "synthetic:room?frames=300&size=376x240", "--url", watcher.url()});
   ASSERT_TRUE(watcher.WaitForFrame(5)) << first.Logs();
   EXPECT_EQ(second.Run({"run", kShortRoom, "--url", watcher.url()}), 1);
   EXPECT_THAT(second.Logs(), HasSubstr("is running on this bus: process "));
   EXPECT_THAT(second.Logs(), HasSubstr("--prefix"));
   EXPECT_FALSE(std::filesystem::exists(second.out())) << "frames of the first run are no result of the second";
   EXPECT_EQ(first.Wait(), 0) << first.Logs();
-  EXPECT_EQ(first.Summary()["frames"], 150);
+  EXPECT_EQ(first.Summary()["frames"], 300);
   EXPECT_EQ(first.Summary()["sessions"].size(), 1U);
 }
 

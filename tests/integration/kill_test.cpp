@@ -48,7 +48,7 @@ Extent ExtentOfTheRun() { return test::LongTests() ? Extent{50, 1600} : Extent{}
 std::vector<std::string> Arguments(const std::string& url, int frames) {
   // Keyframes are never culled, so that one that is missing has been lost.
   return {"run",
-          fmt::format("synthetic:room?size=376x240&frames={}&loops={}", frames, std::max(1, frames / 200)),
+          fmt::format("synthetic:room?size=376x240&imu=200&frames={}&loops={}", frames, std::max(1, frames / 200)),
           "--url",
           url,
           "--set",

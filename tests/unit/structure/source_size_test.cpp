@@ -17,7 +17,7 @@ constexpr size_t kMaxLines = 600;
 constexpr size_t kMaxMainLines = 60;
 constexpr int kMaxMembers = 20;
 /// Classes that are still to be split.
-const std::set<std::string> kLargeClasses = {"CameraSource", "Ros2Node"};
+const std::set<std::string> kLargeClasses = {"CameraSource"};
 
 /// Returns the number of data members (names that end in '_') of each class in the lines of a header.
 std::map<std::string, int> MembersOfClasses(const std::vector<std::string>& lines) {

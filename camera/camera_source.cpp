@@ -17,12 +17,6 @@ using std::chrono::milliseconds;
 constexpr milliseconds kTick{100};
 constexpr milliseconds kFirstPause{200};
 constexpr milliseconds kLongestPause{2000};
-/// A camera without an image for this time, and for so many periods, counts as stuck. The first image takes longer.
-constexpr milliseconds kSilence{2000};
-constexpr milliseconds kFirstSilence{10000};
-constexpr int64_t kSilentPeriods = 20;
-constexpr std::chrono::seconds kStall{10};
-constexpr int64_t kClockStep_ns = 1'000'000'000;
 constexpr int64_t kUsualPeriod_ns = 50'000'000;
 /// A source that is not live waits when this many pairs are queued.
 constexpr size_t kEnoughWaiting = 2;
@@ -39,7 +33,6 @@ CameraSource::CameraSource(LiveRig live, bool resumes, Listener listener)
       resumes_(resumes),
       pairing_(MakePairing()),
       health_(live_.rig.rate_hz),
-      last_frame_(Clock::now()),
       pause_(kFirstPause) {
   is_live_ = !MayEnd(live_.source.type);
   try {
@@ -56,7 +49,7 @@ Pairing CameraSource::MakePairing() const { return Pairing(Nanoseconds(live_.sou
 
 void CameraSource::Build() {
   playing_ = false;
-  gave_images_ = false;
+  watch_.OnBuild();
   pipeline_ = std::make_unique<CameraPipeline>(text_, &wakeup_);
   is_live_ = pipeline_->is_live();
 }
@@ -73,8 +66,8 @@ int64_t CameraSource::period_ns() const {
 /// Files are played again from their beginning, and skipped up to the resume point: the position of an image in a file
 /// cannot be computed.
 int64_t CameraSource::Begin(const std::optional<stream::ResumePoint>& behind) {
-  behind_t_ns_ = behind ? behind->t_ns : std::numeric_limits<int64_t>::min();
-  last_frame_ = Clock::now();
+  order_.OnBegin(behind ? std::optional(behind->t_ns) : std::nullopt);
+  watch_.OnBegin(Clock::now());
   if (playing_ && !is_live_) {
     pipeline_.reset();
     pairing_ = MakePairing();
@@ -88,7 +81,7 @@ int64_t CameraSource::Begin(const std::optional<stream::ResumePoint>& behind) {
 void CameraSource::Play() {
   pipeline_->Play();
   playing_ = true;
-  built_ = Clock::now();  // opening may have taken long
+  watch_.OnPlay(Clock::now());  // opening may have taken long
 }
 
 void CameraSource::Stop() {
@@ -112,7 +105,7 @@ bool CameraSource::Take(Side side) {
     image = pipeline_->Take(side);
   } catch (const std::runtime_error& error) {
     // A camera may give such an image now and then; one that gives no others falls silent.
-    if (is_live_ && had_frames_) return true;
+    if (is_live_ && order_.has_frames()) return true;
     throw std::runtime_error(Named(error.what()));
   }
   if (!image) {
@@ -120,8 +113,7 @@ bool CameraSource::Take(Side side) {
   }
   CheckSize(side, image->pixels);
   if (is_live_) image->t_ns += utc_ns_;
-  last_images_[static_cast<size_t>(side)] = waits_since_ = Clock::now();
-  gave_images_ = true;
+  watch_.OnImage(side, Clock::now());
   pairing_.Add(side, std::move(*image));
   return true;
 }
@@ -131,23 +123,13 @@ bool CameraSource::IsOver() {
   return is_over(Side::kLeft) || is_over(Side::kRight);
 }
 
-std::string CameraSource::Silence() const {
-  const auto limit = std::max<std::chrono::nanoseconds>(gave_images_ ? kSilence : kFirstSilence,
-                                                        std::chrono::nanoseconds(kSilentPeriods * period_ns()));
-  const auto since = Clock::now() - limit;
-  if (std::max(last_frame_, built_) > since) return "";
-  const bool left = last_images_[0] > since, right = last_images_[1] > since;
-  if (left != right) return fmt::format("the {} camera sends no images", left ? "right" : "left");
-  return left ? "left and right images have no times in common (source.max_skew_ms)" : "the cameras send no images";
-}
-
 void CameraSource::TakeImages() {
   if (!pipeline_) return BuildAgain();
   const bool left = Take(Side::kLeft), right = Take(Side::kRight);
   if (left || right) return;
   std::string failure = pipeline_->Failure();
   if (failure.empty() && is_live_) {
-    failure = IsOver() ? "the stream has ended" : Silence();
+    failure = IsOver() ? "the stream has ended" : watch_.Silence(Clock::now(), std::chrono::nanoseconds(period_ns()));
   }
   if (!failure.empty()) return OnFailure(failure);
   ReportStall();
@@ -156,13 +138,13 @@ void CameraSource::TakeImages() {
 
 /// A stream that is not live may arrive over a network, and its pipeline cannot be rebuilt at the same position.
 void CameraSource::ReportStall() {
-  if (is_live_ || !outage_.empty() || Clock::now() - waits_since_ < kStall) return;
-  outage_ = fmt::format("the stream has sent no images for {} s", kStall.count());
+  if (is_live_ || !outage_.empty() || !watch_.HasStalled(Clock::now())) return;
+  outage_ = fmt::format("the stream has sent no images for {} s", ImageWatch::kStall.count());
   listener_.on_outage(outage_);
 }
 
 void CameraSource::OnFailure(const std::string& why) {
-  if (!is_live_ || (!had_frames_ && !resumes_)) throw std::runtime_error(Named(why));
+  if (!is_live_ || (!order_.has_frames() && !resumes_)) throw std::runtime_error(Named(why));
   outage_ = why;
   pairing_.Clear();
   health_.Interrupt();
@@ -173,7 +155,7 @@ void CameraSource::OnFailure(const std::string& why) {
 /// Tries once to rebuild the pipeline. Whether frames arrive is checked later.
 void CameraSource::BuildAgain() {
   listener_.on_outage(outage_);
-  const std::chrono::duration<double> silent = Clock::now() - last_frame_;
+  const std::chrono::duration<double> silent = watch_.SinceFrame(Clock::now());
   if (silent.count() > live_.source.give_up_s) {
     throw std::runtime_error(
         Named(fmt::format("no frames for {:.0f} s (source.give_up_s = {}): {}; check cables and power of the cameras",
@@ -194,13 +176,13 @@ void CameraSource::BuildAgain() {
 stream::LoadedFrame CameraSource::MakeFrame(CapturedPair pair) {
   health_.Add(pair);
   listener_.on_frame(health_, pairing_);
-  had_frames_ = true;
-  last_frame_ = Clock::now();
+  order_.OnFrame(pair.left.t_ns);
+  watch_.OnFrame(Clock::now());
   if (!outage_.empty()) listener_.on_outage("");
   outage_.clear();
   pause_ = kFirstPause;
   stream::LoadedFrame frame;
-  last_t_ns_ = frame.images.t_ns = pair.left.t_ns;
+  frame.images.t_ns = pair.left.t_ns;
   frame.images.left = std::move(pair.left.pixels);
   frame.images.right = std::move(pair.right.pixels);
   return frame;
@@ -208,10 +190,8 @@ stream::LoadedFrame CameraSource::MakeFrame(CapturedPair pair) {
 
 /// A source without a single frame is an error.
 std::optional<stream::LoadedFrame> CameraSource::End() const {
-  constexpr Clock::time_point kNever{};
-  const bool resumed = behind_t_ns_ != std::numeric_limits<int64_t>::min();
-  if (had_frames_ || resumed) return std::nullopt;
-  if (last_images_[0] == kNever || last_images_[1] == kNever) {
+  if (order_.has_frames() || order_.has_resumed()) return std::nullopt;
+  if (!watch_.HaveBothSent()) {
     throw std::runtime_error(Named("the stream has ended without images of both cameras"));
   }
   throw std::runtime_error(Named(fmt::format(
@@ -219,19 +199,11 @@ std::optional<stream::LoadedFrame> CameraSource::End() const {
       live_.source.max_skew_ms)));
 }
 
-/// Files: images after the frame that was sent last are new. Live frames are new, regardless of the clock of a previous
-/// process; only frames after a clock step back of less than a second are skipped, since the stream continues.
-bool CameraSource::IsNew(int64_t t_ns) const {
-  if (!is_live_) return t_ns > behind_t_ns_;
-  const bool is_later = last_t_ns_ == std::numeric_limits<int64_t>::min() || t_ns > last_t_ns_;
-  return is_later || last_t_ns_ - t_ns >= kClockStep_ns;
-}
-
 std::optional<stream::LoadedFrame> CameraSource::Next() {
-  waits_since_ = Clock::now();
+  watch_.OnRequest(Clock::now());
   while (!stopped_) {
     if (std::optional<CapturedPair> pair = pairing_.Pop()) {
-      if (IsNew(pair->left.t_ns)) return MakeFrame(std::move(*pair));
+      if (order_.IsNew(pair->left.t_ns, is_live_)) return MakeFrame(std::move(*pair));
       continue;
     }
     if (pipeline_ && MayEnd(live_.source.type) && IsOver()) {

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "camera/camera_pipeline.h"
 #include "camera/capture_health.h"
+#include "camera/frame_order.h"
+#include "camera/image_watch.h"
 #include "camera/pairing.h"
 #include "camera/rig_file.h"
 #include "camera/wakeup.h"
@@ -49,21 +49,19 @@ class CameraSource : public stream::FrameSource {
   void Stop() override;
 
  private:
-  using Clock = std::chrono::steady_clock;
+  using Clock = ImageWatch::Clock;
 
   Pairing MakePairing() const;
   void Build();
   void Play();
   void TakeImages();
   void ReportStall();
-  bool IsNew(int64_t t_ns) const;
   bool Take(Side side);
   bool IsOver();
   std::optional<stream::LoadedFrame> End() const;
   void OnFailure(const std::string& why);
   void BuildAgain();
   void CheckSize(Side side, const cv::Mat& pixels) const;
-  std::string Silence() const;
   std::string Named(const std::string& what) const;
   stream::LoadedFrame MakeFrame(CapturedPair pair);
 
@@ -79,14 +77,8 @@ class CameraSource : public stream::FrameSource {
   bool playing_ = false;
   Pairing pairing_;
   CaptureHealth health_;
-  int64_t behind_t_ns_ = std::numeric_limits<int64_t>::min();
-  int64_t last_t_ns_ = std::numeric_limits<int64_t>::min();
-  bool had_frames_ = false;
-  bool gave_images_ = false;  ///< since the pipeline was built
-  Clock::time_point waits_since_;
-  Clock::time_point last_frame_;
-  std::array<Clock::time_point, 2> last_images_;
-  Clock::time_point built_;
+  ImageWatch watch_{Clock::now()};
+  FrameOrder order_;
   std::chrono::milliseconds pause_;
   std::string outage_;  // reason why no frames arrive; empty: they do
 };

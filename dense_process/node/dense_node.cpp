@@ -5,15 +5,12 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <exception>
-#include <filesystem>
 #include <opencv2/core/utility.hpp>
 #include <utility>
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
-#include "core/errors/error_text.h"
 #include "core/errors/log.h"
 #include "core/errors/standard_streams.h"
 #include "core/geometry/image_mask.h"
@@ -32,13 +29,6 @@ namespace plslam::dense {
 namespace {
 
 constexpr std::chrono::milliseconds kTick(250);
-// Ticks without a message after which a run that has ended is complete.
-constexpr int kQuietTicks = 2;
-// Ticks after which the map counts as complete although the last keyframe is not committed: mapping_process has exited.
-constexpr int kQuietTicksForTheMap = 240;
-// A tracker announces the keyframe of a frame before it tracks the next one; live, a few frames later.
-constexpr size_t kMostFrames = 12;
-constexpr size_t kMostWaiting = 24;
 // The median depth of the points of the first keyframe that separates rooms from roads, and the voxels of both.
 constexpr double kIndoors_m = 8.0;
 constexpr double kIndoorVoxel_m = 0.05;
@@ -46,12 +36,6 @@ constexpr double kRoadVoxel_m = 0.2;
 // Below this share of points with the same disparity as in the keyframe the pair does not fit its calibration.
 constexpr double kLeastAgreement = 0.6;
 constexpr int kLeastCompared = 50;
-// The state is written after so many keyframes, and when the map has grown by a quarter: its cost is in proportion to the
-// map.
-constexpr size_t kStateEvery = 10;
-constexpr double kLeastGridInterval_ms = 2000.0;
-// Cosine of the angle of two verticals that are the same for the published grid: 0.3 degrees.
-constexpr double kSameVertical = 1.0 - 1.4e-5;
 
 double VoxelFor(const Keyframe& keyframe) {
   std::vector<double> depths_m;
@@ -62,16 +46,10 @@ double VoxelFor(const Keyframe& keyframe) {
   return Median(depths_m) < kIndoors_m ? kIndoorVoxel_m : kRoadVoxel_m;
 }
 
-template <class Value>
-void KeepNewest(std::map<FrameId, Value>& values) {
-  while (values.size() > kMostFrames) values.erase(values.begin());
-}
-
 }  // namespace
 
 DenseNode::DenseNode(bus::Process& process, const DenseOptions& options)
-    : process_(process), options_(options), grid_(process.bus()) {
-  std::filesystem::create_directories(options_.out);
+    : process_(process), options_(options), disk_(options), grid_(process.bus(), options.robot_height_m) {
   // One thread: the tracker needs the other core.
   cv::setNumThreads(1);
   bus::Bus& bus = process_.bus();
@@ -88,8 +66,7 @@ DenseNode::DenseNode(bus::Process& process, const DenseOptions& options)
   images_.emplace(bus, bus::FrameSubscriber::Mode::kPictures, [this](const auto& frame) { OnFrame(frame); });
   bus.Every(kTick, [this] { OnTick(); });
   process_.SetConfiguration(ToYaml("dense", options_));
-  const bool has_state = !options_.state_file.empty() && std::filesystem::exists(options_.state_file);
-  const std::string& earlier = has_state ? options_.state_file : options_.map_file;
+  const std::string earlier = disk_.Earlier();
   if (earlier.empty()) return;
   map_ = DenseMap::Read(earlier, options_.range_m);
   LogInfo("continuing the surfaces of {} keyframes in {}", map_->n_keyframes(), earlier);
@@ -98,9 +75,9 @@ DenseNode::DenseNode(bus::Process& process, const DenseOptions& options)
 DenseNode::~DenseNode() {
   if (std::uncaught_exceptions() == 0) {
     if (dirty_) Write();
-    KeepState();
+    if (map_) disk_.KeepState(*map_, sparse_->follower().map());
   }
-  const std::string failure = Joined(failure_, save_failure_);
+  const std::string failure = disk_.Failures();
   if (failure.empty()) return;
   PrintError(fmt::format("{}: error: {}", process_.name(), failure));
   process_.Finish(1);
@@ -116,16 +93,8 @@ void DenseNode::OnCamera(const RigCalibration& rig) {
 }
 
 void DenseNode::OnFrame(const bus::FrameSubscriber::Frame& frame) {
-  quiet_ticks_ = 0;
-  const FrameId frame_id = frame.images.frame_id;
-  for (auto& [name, waiting] : waiting_) {
-    if (!waiting.images && waiting.keyframe.frame_id == frame_id && waiting.keyframe.t_ns == frame.images.t_ns) {
-      waiting.images = frame.images;
-      return FuseAll();
-    }
-  }
-  frames_[frame_id] = frame.images;
-  KeepNewest(frames_);
+  end_.OnMessage();
+  if (waiting_.AddImages(frame.images)) FuseAll();
 }
 
 void DenseNode::OnTracks(const tracks_t& message) {
@@ -138,52 +107,31 @@ void DenseNode::OnTracks(const tracks_t& message) {
     bodies[line.body].emplace_back(line.p_px[0], line.p_px[1]);
     bodies[line.body].emplace_back(line.q_px[0], line.q_px[1]);
   }
-  bodies_[FrameId(message.frame_id)] = std::move(bodies);
-  KeepNewest(bodies_);
+  waiting_.AddBodies(FrameId(message.frame_id), std::move(bodies));
 }
 
 void DenseNode::OnMask(const mask_t& message) {
   const std::optional<FrameMask> mask = bus::FromMessage(message);
   if (!mask) return process_.bus().CountRejected();
-  masks_[FrameId(message.frame_id)] = *mask;
-  KeepNewest(masks_);
+  waiting_.AddMask(FrameId(message.frame_id), *mask);
 }
 
 void DenseNode::OnKeyframe(const Keyframe& keyframe) {
-  quiet_ticks_ = 0;
-  newest_ = keyframe.name;
+  end_.OnKeyframe(keyframe.name);
   // The histories resend keyframes that a process before this one has fused.
   if (map_ && map_->Has({keyframe.name.session, keyframe.frame_id})) return;
-  Waiting waiting{keyframe, std::nullopt};
-  const auto frame = frames_.find(keyframe.frame_id);
-  if (frame != frames_.end() && frame->second.t_ns == keyframe.t_ns) {
-    waiting.images = std::move(frame->second);
-    frames_.erase(frame);
-  }
-  waiting_.insert_or_assign({keyframe.name.session, keyframe.frame_id}, std::move(waiting));
-  DropOldest();
+  waiting_.Add(keyframe);
+  const int64_t n_without_images = waiting_.n_without_images(), n_dropped = waiting_.n_dropped();
+  if (n_without_images > 0) process_.SetCounter("keyframes.without_images", static_cast<double>(n_without_images));
+  if (n_dropped > 0) process_.SetCounter("keyframes.dropped", static_cast<double>(n_dropped));
   FuseAll();
 }
 
-/// Keyframes that were made before this process started have no images. In lockstep all others stay: they wait for the
-/// map alone, and the results of a run do not depend on its times.
-void DenseNode::DropOldest() {
-  while (waiting_.size() > kMostWaiting) {
-    auto dropped = std::ranges::find_if(waiting_, [](const auto& w) { return !w.second.images.has_value(); });
-    const bool lacks = dropped != waiting_.end();
-    if (!lacks) dropped = std::ranges::find_if(waiting_, [](const auto& w) { return !w.second.keyframe.lockstep; });
-    if (dropped == waiting_.end()) return;
-    process_.SetCounter(lacks ? "keyframes.without_images" : "keyframes.dropped",
-                        static_cast<double>(++(lacks ? n_without_images_ : n_dropped_)));
-    waiting_.erase(dropped);
-  }
-}
-
 void DenseNode::OnMap(const MapUpdate& update) {
-  quiet_ticks_ = 0;
+  end_.OnMessage();
   FollowMap(update.map_id);
   // A correction moves the surfaces.
-  if (map_ && map_->n_keyframes() > 0) dirty_ = grid_is_old_ = true;
+  if (map_ && map_->n_keyframes() > 0) SurfacesChanged();
   FuseAll();
 }
 
@@ -193,96 +141,64 @@ void DenseNode::FollowMap(const MapId& map) {
   if (!before || map.Matches(*before)) return;
   LogInfo("the map was replaced: its surfaces are dropped");
   map_.reset();
-  waiting_.clear();
+  waiting_.Clear();
 }
 
 void DenseNode::OnStatus(const status_t& message) {
-  if (message.process == process_name::kVo) vo_finished_ = message.state == process_state::kFinished;
+  if (message.process == process_name::kVo) end_.OnTracker(message.state == process_state::kFinished);
 }
 
-void DenseNode::OnStream(const stream_t& message) {
-  ended_ = message.event == stream_event::kEnd;
-  quiet_ticks_ = 0;
-}
+void DenseNode::OnStream(const stream_t& message) { end_.OnStream(message.event == stream_event::kEnd); }
 
 void DenseNode::OnCommand(const command_t& message) {
   const std::optional<bus::Order> order = bus::OrderTo(process_, message);
   if (order && order->verb == command_verb::kFinish) process_.Finish();
   // An order to mapping_process, which answers it.
   if (message.verb != command_verb::kSave || message.target != process_name::kMapping || !map_) return;
-  try {
-    WriteSurfaces(bus::ToSaveRequest(message.argument).file + ".surfaces");
-  } catch (const std::exception& error) {
-    save_failure_ = error.what();
-  }
-}
-
-/// Beside a saved map, or as the state.
-void DenseNode::WriteSurfaces(const std::string& path) {
-  const Map& map = sparse_->follower().map();
-  map_->Write(path, PosesOf(map), LastingPosesOf(map));
-}
-
-/// If writing fails the process continues, with a higher cost of a crash.
-void DenseNode::KeepState() {
-  if (!map_ || options_.state_file.empty() || n_since_state_ == 0) return;
-  n_since_state_ = 0;
-  try {
-    WriteSurfaces(options_.state_file);
-  } catch (const std::exception& error) {
-    if (!std::exchange(state_failed_, true)) LogWarning("the state for a restart is not written: {}", error.what());
-  }
+  disk_.SaveBeside(bus::ToSaveRequest(message.argument).file, *map_, sparse_->follower().map());
 }
 
 /// In lockstep a keyframe is fused as soon as it is committed; live, as soon as the map has it.
 void DenseNode::FuseAll() {
   if (!camera_ || waiting_.empty()) return;
-  const KeyframePoses poses = PosesOf(sparse_->follower().map());
-  for (auto it = waiting_.begin(); it != waiting_.end();) {
-    const Waiting& waiting = it->second;
-    const bool placed =
-        !waiting.keyframe.lockstep || sparse_->follower().newest().HasCommitted(waiting.keyframe.name);
-    if (!waiting.images || !placed || !poses.contains(it->first)) {
-      ++it;
-      continue;
-    }
-    Fuse(waiting, poses);
-    it = waiting_.erase(it);
-  }
+  const MapFollower& sparse = sparse_->follower();
+  const KeyframePoses poses = PosesOf(sparse.map());
+  const auto is_placed = [&](const Keyframe& keyframe) {
+    const bool is_final = !keyframe.lockstep || sparse.newest().HasCommitted(keyframe.name);
+    return is_final && poses.contains({keyframe.name.session, keyframe.frame_id});
+  };
+  for (const ReadyKeyframe& ready : waiting_.Take(is_placed)) Fuse(ready, poses);
 }
 
 /// Without the masks of the rig and of the frame, and without moving bodies.
-cv::Mat DenseNode::PixelsInUse(FrameId frame_id, const cv::Size& size) const {
+cv::Mat DenseNode::PixelsInUse(const ReadyKeyframe& ready, const cv::Size& size) const {
   cv::Mat in_use = camera_->rectifier.left_mask();
-  const auto mask = masks_.find(frame_id);
-  if (mask != masks_.end() && !mask->second.left.empty()) {
+  if (!ready.mask.left.empty()) {
     CameraCalibration left = camera_->rig.left;
-    left.mask = mask->second.left;
+    left.mask = ready.mask.left;
     in_use = camera_->rectifier.LeftMask(DrawMask(left));
   }
-  const auto bodies = bodies_.find(frame_id);
-  return bodies == bodies_.end() ? in_use : MaskBodies(in_use, size, bodies->second);
+  return MaskBodies(in_use, size, ready.bodies);
 }
 
-DepthImage DenseNode::DepthOf(const Waiting& waiting, const cv::Mat& left) const {
+DepthImage DenseNode::DepthOf(const ReadyKeyframe& ready, const cv::Mat& left) const {
   const Rectifier& rectifier = camera_->rectifier;
-  const StereoImages& images = *waiting.images;
-  const cv::Mat in_use = PixelsInUse(waiting.keyframe.frame_id, left.size());
+  const cv::Mat in_use = PixelsInUse(ready, left.size());
   if (camera_->rig.kind == RigCalibration::Kind::kStereo) {
-    return MatchPair(left, rectifier.RectifyRight(images.right), in_use, rectifier.camera(),
-                     waiting.keyframe.features);
+    return MatchPair(left, rectifier.RectifyRight(ready.images.right), in_use, rectifier.camera(),
+                     ready.keyframe.features);
   }
-  DepthImage depth = FromSensor(rectifier.RectifyDepth(images.right), camera_->rig.depth_units_per_m);
+  DepthImage depth = FromSensor(rectifier.RectifyDepth(ready.images.right), camera_->rig.depth_units_per_m);
   if (!in_use.empty()) depth.z_m.setTo(0.0, in_use == 0);
   return depth;
 }
 
-void DenseNode::Fuse(const Waiting& waiting, const KeyframePoses& poses) {
+void DenseNode::Fuse(const ReadyKeyframe& ready, const KeyframePoses& poses) {
   const double began_ms = bus::NowMs();
-  const Keyframe& keyframe = waiting.keyframe;
+  const Keyframe& keyframe = ready.keyframe;
   try {
-    const cv::Mat left = camera_->rectifier.RectifyLeft(waiting.images->left);
-    const DepthImage depth = DepthOf(waiting, left);
+    const cv::Mat left = camera_->rectifier.RectifyLeft(ready.images.left);
+    const DepthImage depth = DepthOf(ready, left);
     const double matched_ms = bus::NowMs();
     if (depth.n_compared >= kLeastCompared && depth.agreement < kLeastAgreement) {
       process_.Warn(
@@ -293,8 +209,8 @@ void DenseNode::Fuse(const Waiting& waiting, const KeyframePoses& poses) {
     }
     if (!map_) map_.emplace(options_.voxel_m > 0.0 ? options_.voxel_m : VoxelFor(keyframe), options_.range_m);
     map_->Add({keyframe.name.session, keyframe.frame_id}, depth, left, camera_->rectifier.camera(), poses);
-    dirty_ = grid_is_old_ = true;
-    if (++n_since_state_ >= std::max<size_t>(kStateEvery, map_->n_keyframes() / 4)) KeepState();
+    SurfacesChanged();
+    disk_.Fused(*map_, sparse_->follower().map());
     process_.SetCounter("depth_ms", matched_ms - began_ms);
     process_.SetCounter("fusion_ms", bus::NowMs() - matched_ms);
     process_.SetCounter("depth.offset_px", depth.offset_px);
@@ -309,42 +225,26 @@ void DenseNode::Fuse(const Waiting& waiting, const KeyframePoses& poses) {
   }
 }
 
-bool DenseNode::IsOver() const {
-  if (!ended_ || quiet_ticks_ <= kQuietTicks) return false;
-  const bool complete = vo_finished_ && newest_ && sparse_->follower().newest().HasCommitted(*newest_);
-  return complete || quiet_ticks_ > kQuietTicksForTheMap;
+void DenseNode::SurfacesChanged() {
+  dirty_ = true;
+  grid_.Outdate();
 }
 
 void DenseNode::OnTick() {
   PublishGrid();
-  ++quiet_ticks_;
-  if ((!dirty_ && finished_) || !IsOver()) return;
+  end_.OnTick();
+  if ((!dirty_ && finished_) || !end_.IsOver(sparse_->follower().newest())) return;
   Write();
   finished_ = true;
-  failure_.empty() ? process_.SetState(process_state::kFinished, "files in " + options_.out)
-                   : process_.SetState(process_state::kFailed, failure_);
+  disk_.failure().empty() ? process_.SetState(process_state::kFinished, "files in " + options_.out)
+                          : process_.SetState(process_state::kFailed, disk_.failure());
 }
 
-/// Live, for robots and viewers, in at most a tenth of the time of this process.
 void DenseNode::PublishGrid() {
-  const double began_ms = bus::NowMs();
-  if (!grid_is_old_ || !map_ || began_ms < next_grid_ms_) return;
-  grid_is_old_ = false;
-  try {
-    const Map& map = sparse_->follower().map();
-    const KeyframePoses poses = PosesOf(map);
-    // Small changes of the vertical would change all cells.
-    const Vertical vertical = VerticalOf(map);
-    if (!grid_vertical_ || vertical.up_w.dot(grid_vertical_->up_w) < kSameVertical) grid_vertical_ = vertical;
-    const Products products =
-        MakeProducts(*map_, poses, *grid_vertical_, PathOf(poses, 0.5 * map_->voxel_m()), options_.robot_height_m);
-    if (products.has_floor) grid_.Publish(ToOccupancyGrid(products));
-  } catch (const std::exception& error) {
-    LogWarning("no grid is published: {}", error.what());
+  const double now_ms = bus::NowMs();
+  if (map_ && grid_.IsDue(now_ms)) {
+    process_.SetCounter("grid_ms", grid_.Publish(*map_, sparse_->follower().map(), now_ms));
   }
-  const double took_ms = bus::NowMs() - began_ms;
-  process_.SetCounter("grid_ms", took_ms);
-  next_grid_ms_ = began_ms + std::max(kLeastGridInterval_ms, 10.0 * took_ms);
 }
 
 void DenseNode::Write() {
@@ -352,8 +252,9 @@ void DenseNode::Write() {
   const Map& map = sparse_->follower().map();
   const size_t n_missing = CountMissing(map);
   if (!map_) {
-    if (n_missing > 0)
-      failure_ = fmt::format("no surfaces: no keyframe of {} was received with its images", n_missing);
+    if (n_missing > 0) {
+      disk_.SetFailure(fmt::format("no surfaces: no keyframe of {} was received with its images", n_missing));
+    }
     return;
   }
   try {
@@ -361,15 +262,14 @@ void DenseNode::Write() {
     const Products products =
         MakeProducts(*map_, poses, VerticalOf(map), PathOf(poses, 0.5 * map_->voxel_m()), options_.robot_height_m);
     for (const auto& [name, kind] : kProductKinds) WriteProducts(options_.out, products, kind);
-    if (products.has_floor) grid_.Publish(ToOccupancyGrid(products));
-    grid_is_old_ = false;
+    grid_.PublishFinal(products);
     WriteFrames(options_.out, products);
     LogInfo("surfaces of {} keyframes: {} triangles; grid of {} x {} cells of {} m", map_->n_keyframes(),
             products.surface.triangles.size(), products.grid.cells.cols, products.grid.cells.rows, map_->voxel_m());
     if (!products.has_floor) {
       process_.Warn("no_floor", "no grid is written: the map has no horizontal surface that could be the floor");
     }
-    failure_.clear();
+    disk_.SetFailure("");
     if (n_missing > 0) {
       process_.Warn(
           "surfaces_missing",
@@ -378,7 +278,7 @@ void DenseNode::Write() {
                       n_missing));
     }
   } catch (const std::exception& error) {
-    failure_ = error.what();
+    disk_.SetFailure(error.what());
   }
 }
 

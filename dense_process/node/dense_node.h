@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "core/bus/messages/frame_channel.h"
-#include "core/bus/messages/grid_channel.h"
 #include "core/bus/messages/keyframe_channel.h"
 #include "core/bus/messages/map_channel.h"
 #include "core/geometry/rectifier.h"
 #include "core/ids/ids.h"
-#include "core/map/vertical.h"
 #include "core/process/process.h"
-#include "dense_process/body_mask.h"
 #include "dense_process/dense_map.h"
+#include "dense_process/depth.h"
+#include "dense_process/node/live_grid.h"
+#include "dense_process/node/surfaces_on_disk.h"
 #include "dense_process/options.h"
+#include "dense_process/stream_end.h"
+#include "dense_process/waiting_keyframes.h"
 
 namespace plslam {
 class command_t;
@@ -49,11 +49,6 @@ class DenseNode {
     RigCalibration rig;
     Rectifier rectifier;
   };
-  /// A keyframe that is not fused yet.
-  struct Waiting {
-    Keyframe keyframe;
-    std::optional<StereoImages> images;
-  };
 
   void OnCamera(const RigCalibration& rig);
   void OnFrame(const bus::FrameSubscriber::Frame& frame);
@@ -68,15 +63,12 @@ class DenseNode {
   void OnTick();
 
   void FuseAll();
-  void Fuse(const Waiting& waiting, const KeyframePoses& poses);
-  cv::Mat PixelsInUse(FrameId frame_id, const cv::Size& size) const;
-  DepthImage DepthOf(const Waiting& waiting, const cv::Mat& left) const;
-  void DropOldest();
-  bool IsOver() const;
-  void Write();
+  void Fuse(const ReadyKeyframe& ready, const KeyframePoses& poses);
+  cv::Mat PixelsInUse(const ReadyKeyframe& ready, const cv::Size& size) const;
+  DepthImage DepthOf(const ReadyKeyframe& ready, const cv::Mat& left) const;
+  void SurfacesChanged();
   void PublishGrid();
-  void WriteSurfaces(const std::string& path);
-  void KeepState();
+  void Write();
   size_t CountMissing(const Map& map) const;
 
   bus::Process& process_;
@@ -84,29 +76,13 @@ class DenseNode {
   std::optional<Camera> camera_;
   std::optional<DenseMap> map_;
   std::optional<MapId> map_id_;  ///< of the newest update
-  /// Newest images, pixels of moving bodies, and masks of a detector, by frame.
-  std::map<FrameId, StereoImages> frames_;
-  std::map<FrameId, BodyPixels> bodies_;
-  std::map<FrameId, FrameMask> masks_;
-  std::map<KeyframeFrame, Waiting> waiting_;
-  /// Session and number of the newest keyframe.
-  std::optional<KeyframeName> newest_;
-  bool vo_finished_ = false;
-  bool ended_ = false;
-  bool dirty_ = false;
+  WaitingKeyframes waiting_;
+  StreamEnd end_;
+  SurfacesOnDisk disk_;
+  LiveGrid grid_;
+  bool dirty_ = false;  ///< the surfaces have changed since the results were written
   bool finished_ = false;
-  /// The grid that was published does not contain all that was fused. The next one is made at this time.
-  bool grid_is_old_ = false;
-  double next_grid_ms_ = 0.0;
-  std::optional<Vertical> grid_vertical_;
-  bus::GridPublisher grid_;
-  int quiet_ticks_ = 0;
-  int64_t n_dropped_ = 0;
-  size_t n_since_state_ = 0;
-  int64_t n_without_images_ = 0;
   int64_t n_bad_ = 0;
-  std::string failure_, save_failure_;  ///< of the files of the run, and of surfaces beside a saved map
-  bool state_failed_ = false;
   std::unique_ptr<bus::MapSubscriber> sparse_;
   // Last, because their handlers use all of the above.
   std::optional<bus::CameraSubscriber> camera_channel_;

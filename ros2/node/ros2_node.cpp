@@ -14,15 +14,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
-#include "core/datasets/imu_topics.h"
 #include "core/errors/error_text.h"
 #include "core/errors/log.h"
-#include "core/files/dataset_error.h"
 #include "core/robot/image_topics.h"
 #include "core/run/process_names.h"
-#include "plslam/robot_motion_t.hpp"
 #include "ros2/arguments.h"
 #include "ros2/names.h"
 
@@ -31,13 +27,6 @@ namespace {
 
 constexpr double kNsPerMs = 1e6;
 constexpr std::chrono::milliseconds kWait{100};
-/// Time after which a missing input is reported: discovery takes two to three seconds.
-constexpr double kPatience_s = 4.0;
-/// Time in which /tf_static is awaited after the first CameraInfo, where it has a publisher: some repeat what late
-/// subscribers lack every three seconds.
-constexpr double kPatienceForFrames_s = 5.0;
-/// Wheels may start later than cameras.
-constexpr int64_t kFramesWithoutMotions = 20;
 
 std::string Environment(const char* name) {
   const char* const value = std::getenv(name);
@@ -94,7 +83,10 @@ Ros2Node::Ros2Node(bus::Process& process, const Ros2Options& options)
                        .camera = options.camera}},
               {.on_rig = [](const RigCalibration&) {},
                .on_frame = [this](int64_t t_ns) { first_t_ns_ = std::min(first_t_ns_.load(), t_ns); }}),
-      progress_s_(bus::NowS()),
+      inputs_(bus::NowS()),
+      held_infos_(options.base_frame),
+      imu_(process, options.imu),
+      odometry_(process, options.robot_odometry),
       run_(process.bus(),
            LiveMessages([this](const RosTopic& row, int64_t t_ns, const std::string& cdr) { Write(row, t_ns, cdr); },
                         FramesOf(options)),
@@ -102,33 +94,14 @@ Ros2Node::Ros2Node(bus::Process& process, const Ros2Options& options)
       services_(process, domain_, options) {
   Ros2Options shown = options;
   process_.SetConfiguration(ToYaml("ros2", shown));
-  for (const robot::Side side : {robot::Side::kLeft, robot::Side::kRight}) {
-    const std::string& topic = side == robot::Side::kLeft ? options.left : options.right;
-    Side& own = sides_[static_cast<size_t>(side)];
-    own.input.topic = topic;
-    own.input.type = ImageTypeOf(topic);
-    own.reader =
-        participant_.ReadImages(topic, robot::IsCompressedTopic(topic),
-                                [this, side](robot::ForeignImage image) { TakeImage(side, std::move(image)); });
-    // Depths have the camera of the colour image.
-    if (!options.camera.empty() || (side == robot::Side::kRight && frames_.is_rgbd())) continue;
-    const std::string& given = side == robot::Side::kLeft ? options.left_info : options.right_info;
-    const std::string info = given.empty() ? robot::InfoTopicOf(topic) : given;
-    const size_t reader = participant_.ReadInfos(info, [this, side](RosCameraInfo message, const std::string& frame) {
-      TakeInfo(side, std::move(message), frame);
-    });
-    infos_.push_back({{info, "sensor_msgs/msg/CameraInfo", {}, {}, {}}, reader});
-  }
+  for (const robot::Side side : {robot::Side::kLeft, robot::Side::kRight}) ReadImages(side);
   if (options.camera.empty()) {
     participant_.ReadStaticFrames([this](const std::string& parent, const std::string& child, const SE3& T) {
-      static_frames_.Add(parent, child, T);
+      held_infos_.AddFrame(parent, child, T);
     });
   }
-  if (!options.imu.empty()) ReadImu();
-  if (!options.robot_odometry.empty()) {
-    motions_ = participant_.ReadOdometry(options.robot_odometry,
-                                         [this](int64_t t_ns, const SE3& T_robot_b) { TakeMotion(t_ns, T_robot_b); });
-  }
+  imu_.ReadFrom(participant_, frames_.imu());
+  odometry_.ReadFrom(participant_);
   const std::string small_buffer = SmallBufferSentence(LargestReceiveBuffer());
   if (!small_buffer.empty() && !robot::IsCompressedTopic(options.left)) LogWarning("{}", small_buffer);
   if (!OffersOrders(process.bus().options(), domain_)) {
@@ -147,6 +120,23 @@ Ros2Node::~Ros2Node() {
   if (process_.has_launcher()) frames_.End();
 }
 
+/// Reads the images of a side, and CameraInfo if there is no camera file.
+void Ros2Node::ReadImages(robot::Side side) {
+  const bool is_left = side == robot::Side::kLeft;
+  const std::string& topic = is_left ? options_.left : options_.right;
+  inputs_.SetImages(
+      side, topic, ImageTypeOf(topic),
+      participant_.ReadImages(topic, robot::IsCompressedTopic(topic),
+                              [this, side](robot::ForeignImage image) { TakeImage(side, std::move(image)); }));
+  // Depths have the camera of the colour image.
+  if (!options_.camera.empty() || (!is_left && frames_.is_rgbd())) return;
+  const std::string& given = is_left ? options_.left_info : options_.right_info;
+  const std::string info = given.empty() ? robot::InfoTopicOf(topic) : given;
+  inputs_.AddInfo(info, participant_.ReadInfos(info, [this, side](RosCameraInfo message, const std::string& frame) {
+    TakeInfo(side, std::move(message), frame);
+  }));
+}
+
 void Ros2Node::Listen() {
   double due_s = bus::NowS();
   while (!stopped_) {
@@ -162,59 +152,51 @@ void Ros2Node::Listen() {
 }
 
 void Ros2Node::Reject(const std::string& topic, const std::string& reason) {
-  if (motions_ && topic == options_.robot_odometry) {
-    process_.SetCounter("motions.rejected", static_cast<double>(++n_motions_rejected_));
-  } else if (imu_topics_.contains(topic)) {
-    process_.SetCounter("imu.rejected", static_cast<double>(++n_imu_rejected_));
+  if (odometry_.Reads(topic)) {
+    odometry_.CountRejected();
+  } else if (imu_.Reads(topic)) {
+    imu_.CountRejected();
   } else {
-    process_.SetCounter("frames.rejected", static_cast<double>(++n_rejected_));
+    process_.SetCounter("frames.rejected", static_cast<double>(inputs_.OnRejected()));
   }
   skipped_messages_.WarnOnce(fmt::format("a message on {} {}", topic, reason));
 }
 
 void Ros2Node::TakeImage(robot::Side side, robot::ForeignImage image) {
-  Input& input = sides_[static_cast<size_t>(side)].input;
-  input.previous_stamp_ns = std::exchange(input.stamp_ns, image.t_ns);
-  pair_bytes_ = std::max(pair_bytes_, 2 * static_cast<int64_t>(image.bytes.size()));
-  rates_[static_cast<size_t>(side)].Add(image.t_ns, bus::NowS());
+  inputs_.OnImage(side, image.t_ns);
+  rates_.Add(side, image.t_ns, image.bytes.size(), bus::NowS());
   frames_.AddImage(side, std::move(image));
 }
 
 void Ros2Node::TakeInfo(robot::Side side, RosCameraInfo info, const std::string& frame) {
-  if (side == robot::Side::kLeft) left_frame_ = frame;
-  if (!held_infos_[0] && !held_infos_[1]) held_since_s_ = bus::NowS();
-  held_infos_[static_cast<size_t>(side)] = std::move(info);
+  held_infos_.Add(side, std::move(info), frame, bus::NowS());
   UseInfos();
 }
 
-/// Returns whether the first rig waits for /tf_static, if there is a publisher of it: that of another plslam_ros2 knows
-/// nothing of this camera.
-bool Ros2Node::AwaitsFrames(bool knows_mounting) const {
-  if (knows_mounting || frames_.has_rig() || bus::NowS() - held_since_s_ >= kPatienceForFrames_s) return false;
+/// Another plslam_ros2 publishes /tf_static, too, but knows nothing of this camera.
+bool Ros2Node::OthersPublishFrames() const {
   const std::vector<Publisher> publishers = participant_.Publishers();
   return std::ranges::any_of(publishers, [](const Publisher& publisher) {
     return publisher.topic == ros_topic::kTfStatic.name && !publisher.is_ours;
   });
 }
 
-/// A rig that changed while it is in use would begin a new session, so /tf_static is awaited for a while.
 void Ros2Node::UseInfos() {
-  if (!held_infos_[0] || (!held_infos_[1] && !frames_.is_rgbd())) return;
-  const std::optional<SE3> T_b_l = static_frames_.Find(options_.base_frame, left_frame_);
-  const bool have_names = !left_frame_.empty() && !imu_frame_.empty();
-  const std::optional<SE3> T_l_imu = have_names ? static_frames_.Between(left_frame_, imu_frame_) : std::nullopt;
-  awaits_frames_ = AwaitsFrames(T_b_l && (T_l_imu || !frames_.imu().needs_mounting()));
-  if (awaits_frames_) return;
-  if (T_b_l) frames_.SetMounting(*T_b_l);
-  if (T_l_imu && !frames_.has_rig()) frames_.imu().SetMounting(*T_l_imu);
+  std::optional<HeldInfos::Ready> ready = held_infos_.Take({.is_rgbd = frames_.is_rgbd(),
+                                                            .is_known = frames_.has_rig(),
+                                                            .imu_frame = imu_.frame(),
+                                                            .needs_imu_pose = frames_.imu().needs_mounting()},
+                                                           bus::NowS(), [this] { return OthersPublishFrames(); });
+  if (!ready) return;
+  if (ready->T_b_l) frames_.SetMounting(*ready->T_b_l);
   if (!frames_.has_rig()) {
-    const std::string where = T_b_l ? "is on the body where /tf_static has it"
-                                    : "looks along x of the body: /tf_static has no transform of it";
-    LogInfo("the camera ({}) {}", Shown(left_frame_), where);
+    if (ready->T_l_imu) frames_.imu().SetMounting(*ready->T_l_imu);
+    const std::string where = ready->T_b_l ? "is on the body where /tf_static has it"
+                                           : "looks along x of the body: /tf_static has no transform of it";
+    LogInfo("the camera ({}) {}", Shown(held_infos_.left_frame()), where);
   }
-  auto infos = std::exchange(held_infos_, {});
-  frames_.AddInfo(robot::Side::kLeft, *std::move(infos[0]));
-  if (infos[1]) frames_.AddInfo(robot::Side::kRight, *std::move(infos[1]));
+  frames_.AddInfo(robot::Side::kLeft, std::move(ready->left));
+  if (ready->right) frames_.AddInfo(robot::Side::kRight, *std::move(ready->right));
 }
 
 void Ros2Node::Write(const RosTopic& row, int64_t t_ns, const std::string& cdr) {
@@ -229,80 +211,20 @@ void Ros2Node::Write(const RosTopic& row, int64_t t_ns, const std::string& cdr) 
 
 void Ros2Node::Tick() {
   frames_.PublishRig();
-  if (awaits_frames_) participant_.ReadStaticFramesAgain();
-  ReportMotions();
+  if (held_infos_.awaits_frames()) participant_.ReadStaticFramesAgain();
+  odometry_.Report(frames_.n_sent());
   AnnounceNode();
   ReadStates();
-  if (frames_.n_sent() > n_sent_) {
-    NoteProgress();
+  if (inputs_.HasProgress(frames_.n_sent(), bus::NowS())) {
     ReportRate();
-  } else if (bus::NowS() - progress_s_ >= kPatience_s) {
+  } else if (inputs_.AreLate(bus::NowS())) {
     ReportLack();
   }
 }
 
 void Ros2Node::ReadStates() {
-  for (Side& side : sides_) side.input.state = participant_.StateOf(side.reader);
-  for (Side& info : infos_) info.input.state = participant_.StateOf(info.reader);
-  // Both cameras have one rate; a side that misses many images does not show it.
-  double sent_hz = 0.0;
-  for (ImageRate& rate : rates_) sent_hz = std::max(sent_hz, rate.Of(bus::NowS()).sent_hz);
-  if (sent_hz > 0.0) {
-    for (ImageRate& rate : rates_) rate.CountMissing(sent_hz);
-  }
-  process_.SetCounter("images.lost", static_cast<double>(rates_[0].n_missing() + rates_[1].n_missing()));
-}
-
-void Ros2Node::NoteProgress() {
-  n_sent_ = frames_.n_sent();
-  progress_s_ = bus::NowS();
-  n_rejected_before_ = n_rejected_;
-  for (Side& side : sides_) side.n_before = side.input.state.n_messages;
-}
-
-void Ros2Node::ReadImu() {
-  const ImuTopics topics = ImuTopicsOf(options_.imu);
-  imu_topics_ = {topics.rates, topics.forces};
-  for (const std::string& topic : imu_topics_) {
-    const bool has_rate = topic == topics.rates, has_force = topic == topics.forces;
-    participant_.ReadImu(
-        topic, [this, has_rate, has_force](const RosImu& message) { TakeImu(message, has_rate, has_force); });
-  }
-}
-
-/// `has_rate` and `has_force` are what the topic is for.
-void Ros2Node::TakeImu(const RosImu& message, bool has_rate, bool has_force) {
-  if ((has_rate && !message.has_rate) || (has_force && !message.has_force)) {
-    throw DatasetError("has a covariance that begins with -1, and so nothing was measured");
-  }
-  if (has_rate && imu_frame_.empty()) imu_frame_ = message.frame;
-  const ImuSample& sample = message.sample;
-  if (has_rate && has_force) {
-    frames_.imu().Add(sample);
-  } else if (has_rate) {
-    frames_.imu().AddRate(sample.t_ns, sample.rate_rad_s);
-  } else {
-    frames_.imu().AddForce(sample.t_ns, sample.force_m_s2);
-  }
-}
-
-void Ros2Node::TakeMotion(int64_t t_ns, const SE3& T_robot_b) {
-  robot_motion_t motion{};
-  motion.header.t_ns = t_ns;
-  motion.T_robot_b = bus::ToMessage(T_robot_b);
-  process_.bus().Publish(bus::kRobotMotion, motion);
-  ++n_motions_;
-}
-
-void Ros2Node::ReportMotions() {
-  if (!motions_) return;
-  process_.SetCounter("motions.sent", static_cast<double>(n_motions_));
-  if (n_motions_ > 0 || frames_.n_sent() < kFramesWithoutMotions || std::exchange(warned_of_motions_, true)) return;
-  process_.Warn(
-      "robot_odometry_missing",
-      fmt::format("no message arrives on {} (ros2.robot_odometry), so frames are tracked without the robot's "
-                  "odometry: `plslam topics ros2:` lists the topics of nav_msgs/msg/Odometry",
-                  Shown(options_.robot_odometry)));
+  inputs_.ReadStates([this](size_t reader) { return participant_.StateOf(reader); });
+  process_.SetCounter("images.lost", static_cast<double>(rates_.CountMissing(bus::NowS())));
 }
 
 void Ros2Node::AnnounceNode() {
@@ -319,20 +241,14 @@ void Ros2Node::AnnounceNode() {
 
 /// States why there have been no frames since the last progress.
 void Ros2Node::ReportLack() {
-  Symptoms symptoms{.domain = domain_.id,
-                    .left = sides_[0].input,
-                    .right = sides_[1].input,
-                    .infos = {},
-                    .publishers = participant_.Publishers(),
-                    .has_rig = frames_.has_rig(),
-                    .n_rejected = n_rejected_ - n_rejected_before_,
-                    .max_skew_ms = options_.max_skew_ms};
-  symptoms.left.state.n_messages -= sides_[0].n_before;
-  symptoms.right.state.n_messages -= sides_[1].n_before;
-  for (const Side& info : infos_) symptoms.infos.push_back(info.input);
+  Symptoms symptoms = inputs_.SinceProgress();
+  symptoms.domain = domain_.id;
+  symptoms.publishers = participant_.Publishers();
+  symptoms.has_rig = frames_.has_rig();
+  symptoms.max_skew_ms = options_.max_skew_ms;
   const std::string why = WhyNoFrames(symptoms);
   process_.SetReason(why);
-  const std::string before = std::exchange(lack_, why);
+  const std::string before = inputs_.SetReason(why);
   if (why == before) return;
   const std::string sentence = "no frames: " + why;
   // Before the first frame the robot may not be running yet; an outage has one warning, however its causes change.
@@ -344,18 +260,14 @@ void Ros2Node::ReportLack() {
 }
 
 void Ros2Node::ReportRate() {
-  lack_.clear();
-  // The worse side, at the rate of the better one: both cameras have one rate.
-  const std::array<ImageRate::Rates, 2> of_side{rates_[0].Of(bus::NowS()), rates_[1].Of(bus::NowS())};
-  const size_t worse = of_side[1].arrived_hz > 0.0 && of_side[1].arrived_hz < of_side[0].arrived_hz ? 1 : 0;
-  const ImageRate::Rates rates{.sent_hz = std::max(of_side[0].sent_hz, of_side[1].sent_hz),
-                               .arrived_hz = of_side[worse].arrived_hz};
-  process_.SetCounter("images.rate_hz", rates.arrived_hz);
-  process_.SetCounter("images.sent_hz", rates.sent_hz);
-  const std::string sentence = LossSentence(rates, pair_bytes_, LargestReceiveBuffer());
+  const PairRates::Worse worse = rates_.OfWorseSide(bus::NowS());
+  process_.SetCounter("images.rate_hz", worse.rates.arrived_hz);
+  process_.SetCounter("images.sent_hz", worse.rates.sent_hz);
+  const std::string sentence = LossSentence(worse.rates, rates_.pair_bytes(), LargestReceiveBuffer());
   process_.SetReason(sentence);
   if (sentence.empty() || std::exchange(warned_of_loss_, true)) return;
-  process_.Warn("ros2_images_lost", (worse == 0 ? options_.left : options_.right) + ": " + sentence);
+  const std::string& topic = worse.side == robot::Side::kLeft ? options_.left : options_.right;
+  process_.Warn("ros2_images_lost", topic + ": " + sentence);
 }
 
 bus::ProcessSpec Ros2Spec() {

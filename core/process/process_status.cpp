@@ -63,6 +63,9 @@ constexpr size_t kReasonBytes = 300;
 /// Further warnings of a process are neither published nor logged.
 constexpr size_t kMaxWarnings = 50;
 constexpr size_t kLongestWarning = 900;
+// Statuses are published every five ticks.
+constexpr std::chrono::milliseconds kTick(200);
+constexpr int kTicks = 5;
 
 }  // namespace
 
@@ -77,8 +80,17 @@ StatusPublisher::StatusPublisher(const std::string& process, const BusOptions& o
   bus_configuration_ = ToYaml(kBusSection, shown);
   const auto limit = static_cast<size_t>(options.max_message_bytes);
   max_configuration_bytes_ = limit > kStatusBytes ? limit - kStatusBytes : 0;
-  bus_.Every(std::chrono::milliseconds(1000), [this] { Publish(); });
+  bus_.Every(kTick, [this] { OnTick(); });
   bus_.Subscribe<status_t>(kStatus, [this](const status_t& m) { OnStatus(m); });
+}
+
+void StatusPublisher::OnTick() {
+  bool again = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    again = std::exchange(has_changed_, false);
+  }
+  if (++ticks_ % kTicks == 0 || again) Publish();
 }
 
 ProcessIdentity StatusPublisher::Identity() const {
@@ -160,6 +172,7 @@ void StatusPublisher::SetState(const std::string& state, const std::string& reas
     if (state_ == state && reason_ == reason) return;
     state_ = state;
     reason_ = reason;
+    has_changed_ = true;
   }
   Publish();
 }

@@ -20,7 +20,8 @@ class status_t;
 
 namespace plslam::bus {
 
-/// Publishes `status_t` at 1 Hz and on each change of state. Safe from any thread.
+/// Publishes `status_t` at 1 Hz and on each change of state, which it repeats after a fifth of a second, because a status
+/// may be lost and the end of a run depends on it. Safe from any thread.
 ///
 /// Watches for other processes of the same name on the same bus (`NamesakeWatch`): calls `on_older` if this process has
 /// to yield to one, and warns of one that should have yielded.
@@ -48,6 +49,7 @@ class StatusPublisher {
   double counter(const std::string& name) const;
 
  private:
+  void OnTick();
   void OnStatus(const status_t& other);
   ProcessIdentity Identity() const;
 
@@ -59,6 +61,7 @@ class StatusPublisher {
   size_t max_configuration_bytes_ = 0;
 
   /// On the thread of the bus.
+  int ticks_ = 0;
   NamesakeWatch namesakes_;
   std::function<void(const std::string& sentence)> on_older_;
 
@@ -69,6 +72,7 @@ class StatusPublisher {
   std::map<std::string, double> counters_;
   std::set<std::pair<std::string, std::string>> warned_;
   std::string newest_warning_;
+  bool has_changed_ = false;  ///< since the last tick
 };
 
 /// Counters of lost messages by channel begin so; the channel's name follows.

@@ -42,7 +42,6 @@ class LoopService {
  public:
   /// Time to wait for missing features.
   static constexpr double kPatience_ms = MissingFeatures::kPatience_ms;
-  static constexpr double kRequestAfter_ms = MissingFeatures::kRequestAfter_ms;
   /// The same for a lockstep session, since the last message of the process that publishes its keyframes; equal to the
   /// other processes' wait in lockstep (`bus.partner_wait_s` by default).
   static constexpr double kLockstepPatience_ms = 15000.0;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/geometry/angle.h"
 #include "core/geometry/hypot.h"
 #include "core/geometry/symmetric.h"
 
@@ -231,7 +232,7 @@ bool Verification::IsWithinDrift() {
 bool Verification::IsUpright() const {
   if (!old_.up || !keyframe_.up) return true;
   const Eigen::Vector3d up_old = evidence_.edge.T_old_kf.rotation() * keyframe_.up->direction;
-  const double angle_rad = std::atan2(up_old.cross(old_.up->direction).norm(), up_old.dot(old_.up->direction));
+  const double angle_rad = AngleBetween(up_old, old_.up->direction);
   const double loop_rad = std::sqrt(evidence_.edge.covariance.diagonal().tail<3>().maxCoeff());
   const double sigma_rad = Hypot(Hypot(old_.up->sigma_rad, keyframe_.up->sigma_rad), loop_rad);
   return angle_rad <= kMostTilt * sigma_rad;

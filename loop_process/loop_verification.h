@@ -55,7 +55,8 @@ struct LoopEvidence {
 /// Default gates: the correction c = Log(T_map^-1 T_measured) passes the chi-square test c^T C^-1 c under the drift
 /// along the path between both; there are enough inliers, spread over the image, and a fair share of the expected
 /// landmarks (a larger one without a path); the verticals that an inertial sensor measured from both keyframes agree;
-/// the old keyframe is found from the landmarks of the new one at the same relative pose; and previous keyframes are found where odometry predicts them, unless there are very many inliers.
+/// the old keyframe is found from the landmarks of the new one at the same relative pose; and previous keyframes are
+/// found where odometry predicts them, unless there are very many inliers.
 LoopEvidence VerifyLoop(const Map& map, const KeyframeMemory& memory, const StereoCamera& camera,
                         const LoopOptions& options, MapPaths& paths, KeyframeId old_keyframe_id,
                         KeyframeId keyframe_id);

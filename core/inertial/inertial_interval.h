@@ -12,7 +12,7 @@
 
 namespace plslam {
 
-/// What an inertial sensor sensed between two keyframes, and what the tracker knew of the sensor at the later one.
+/// Samples of an inertial sensor between two keyframes, and its errors as the tracker knew them at the later one.
 struct InertialInterval {
   /// Longest interval: the error of a position by accelerations grows with the square of the time.
   static constexpr uint64_t kLongest_ns = 3'000'000'000;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/geometry/angle.h"
 #include "core/geometry/hypot.h"
 #include "core/geometry/se3.h"
 
@@ -35,8 +36,6 @@ struct Direction {
   double weight;
 };
 
-double Angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
-
 /// Variance of the direction of a line about each axis across it, in rad^2.
 double Variance(const MapLine& line, const Eigen::Vector3d& d, double length_m) {
   const Eigen::Matrix3d sum = line.covariance_p.matrix() + line.covariance_q.matrix();
@@ -51,7 +50,7 @@ std::vector<Direction> DirectionsNear(const Map& map, const Eigen::Vector3d& abo
     if (!std::isfinite(length_m) || length_m <= 0.0) continue;
     const Eigen::Vector3d d = v / (v.dot(about_w) < 0.0 ? -length_m : length_m);
     const double weight = 1.0 / (kLeastSigma_rad * kLeastSigma_rad + Variance(line, d, length_m));
-    if (std::isfinite(weight) && Angle(d, about_w) < kNear_rad) directions.push_back({d, weight});
+    if (std::isfinite(weight) && AngleBetween(d, about_w) < kNear_rad) directions.push_back({d, weight});
   }
   return directions;
 }
@@ -114,7 +113,7 @@ std::optional<Vertical> VerticalFromLines(const Map& map, const Eigen::Vector3d&
   double all = 0.0, agreeing = 0.0, squares = 0.0;
   for (const Direction& direction : directions) {
     all += direction.weight;
-    const double angle = Angle(direction.d, vertical.up_w);
+    const double angle = AngleBetween(direction.d, vertical.up_w);
     if (angle > kAgreeing_rad) continue;
     agreeing += direction.weight;
     squares += direction.weight * angle * angle;
@@ -143,7 +142,7 @@ std::optional<Vertical> VerticalFromGravity(const Map& map) {
   const auto n = static_cast<double>(directions.size());
   double chi2 = 0.0;
   for (const Direction& direction : directions) {
-    const double angle = Angle(direction.d, vertical.up_w);
+    const double angle = AngleBetween(direction.d, vertical.up_w);
     chi2 += direction.weight * angle * angle;
   }
   vertical.sigma_rad = std::sqrt(n / weights * std::max(1.0, 0.5 * chi2 / n));

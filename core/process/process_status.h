@@ -20,8 +20,8 @@ class status_t;
 
 namespace plslam::bus {
 
-/// Publishes `status_t` at 1 Hz and on each change of state, which it repeats after a fifth of a second, because a status
-/// may be lost and the end of a run depends on it. Safe from any thread.
+/// Publishes `status_t` at 1 Hz and on each change of state, which it repeats after a fifth of a second: a status may be
+/// lost, and the end of a run depends on it. Safe from any thread.
 ///
 /// Watches for other processes of the same name on the same bus (`NamesakeWatch`): calls `on_older` if this process has
 /// to yield to one, and warns of one that should have yielded.

@@ -11,8 +11,8 @@
 
 namespace plslam::mapping {
 
-/// What inertial sensors sensed between successive keyframes of the map, for its newest keyframes: earlier ones are
-/// adjusted no more.
+/// Motions between successive keyframes of the map as inertial sensors sensed them, for its newest keyframes: earlier
+/// ones are adjusted no more.
 class InertialLinks {
  public:
   /// Adds what was sensed between a new keyframe and the previous one of its session. Ignores an empty interval.

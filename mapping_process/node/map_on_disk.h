@@ -12,7 +12,7 @@
 
 namespace plslam::mapping {
 
-/// What mapping_process writes to disk: its state for a restart, if it has a state file, and features of older
+/// Files that mapping_process writes: its state for a restart, if it has a state file, and features of older
 /// keyframes, which leave memory. A failure is reported once, and the process continues, with a higher cost of a crash
 /// or of memory.
 class MapOnDisk {

@@ -6,7 +6,7 @@
 
 namespace plslam::launcher {
 
-/// What the launcher knows about the end of a run.
+/// Signs of the end of a run, as the launcher sees them.
 struct EndSigns {
   bool stream_ended = false;
   bool source_sends = false;      ///< its readers lack frames, or frames are requested again

@@ -36,10 +36,6 @@ bool PixelsOk(std::initializer_list<double> values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::abs(v) <= kMaxPixel; });
 }
 
-bool PositiveFinite(std::initializer_list<double> values) {
-  return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v) && v > 0.0; });
-}
-
 float ToFloat(double value) { return static_cast<float>(value); }
 
 polygon_t ToPolygon(const MaskPolygon& polygon) {
@@ -140,6 +136,10 @@ std::optional<CameraCalibration> FromIntrinsics(const intrinsics_t& message) {
 }
 
 }  // namespace
+
+bool PositiveFinite(std::initializer_list<double> values) {
+  return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v) && v > 0.0; });
+}
 
 pose3_t ToMessage(const SE3& T_a_b) {
   pose3_t message{};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <vector>
 
@@ -29,6 +30,9 @@ inline constexpr int kMaxOctave = 31;
 
 // Conversion of values to messages and back. All content from the wire is checked: non-finite numbers, invalid
 // rotations, impossible sizes and unknown names. Invalid content gives nullopt (false), never a guess.
+
+/// Whether all values are finite and above zero.
+bool PositiveFinite(std::initializer_list<double> values);
 
 /// w >= 0.
 pose3_t ToMessage(const SE3& T_a_b);

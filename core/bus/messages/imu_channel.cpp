@@ -26,8 +26,6 @@ void SetAxes(const Eigen::Vector3d& from, double (&to)[3]) {
 
 Eigen::Vector3d AxesOf(const double (&from)[3]) { return Eigen::Map<const Eigen::Vector3d>(&from[0]); }
 
-bool IsPositive(double value) { return std::isfinite(value) && value > 0.0; }
-
 }  // namespace
 
 imu_sample_t ToMessage(const ImuSample& sample) {
@@ -76,11 +74,10 @@ std::optional<InertialInterval> FromMessage(const imu_interval_t& message) {
   const bool is_in_order =
       interval.from_ns < interval.to_ns && interval.LengthUntil(interval.to_ns) <= InertialInterval::kLongest_ns;
   const bool is_finite = interval.bias.rate_rad_s.allFinite() && interval.bias.force_m_s2.allFinite();
-  const auto positive = {message.gyroscope_rad_s_sqrt_hz,    message.gyroscope_walk_rad_s2_sqrt_hz,
-                         message.accelerometer_m_s2_sqrt_hz, message.accelerometer_walk_m_s3_sqrt_hz,
-                         message.rate_bias_sigma_rad_s,      message.force_bias_sigma_m_s2};
-  if (!T_kf_imu || !is_in_order || !is_finite || !std::all_of(positive.begin(), positive.end(), IsPositive))
-    return std::nullopt;
+  const bool is_positive = PositiveFinite(
+      {message.gyroscope_rad_s_sqrt_hz, message.gyroscope_walk_rad_s2_sqrt_hz, message.accelerometer_m_s2_sqrt_hz,
+       message.accelerometer_walk_m_s3_sqrt_hz, message.rate_bias_sigma_rad_s, message.force_bias_sigma_m_s2});
+  if (!T_kf_imu || !is_in_order || !is_finite || !is_positive) return std::nullopt;
   interval.T_c_imu = *T_kf_imu;
   return interval;
 }

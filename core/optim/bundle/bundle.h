@@ -59,7 +59,7 @@ struct RelativePose {
   Matrix6d covariance = Matrix6d::Identity();
 };
 
-/// What an inertial sensor sensed from pose a to pose b.
+/// Motion from pose a to pose b as an inertial sensor sensed it.
 struct InertialMotion {
   int a = -1;
   int b = -1;

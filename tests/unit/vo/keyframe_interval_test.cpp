@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What an inertial sensor senses between keyframes.
+// Samples of an inertial sensor between keyframes.
 #include <cstdint>
 #include <functional>
 #include <string>

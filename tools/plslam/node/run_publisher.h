@@ -8,7 +8,7 @@
 
 namespace plslam::launcher {
 
-/// What a reader has to receive of a run that is over.
+/// Content of a run that is over: a reader has to receive all of it.
 struct RunContent {
   int64_t n_frames = -1;  ///< that the source has published
   int64_t n_poses = -1;

@@ -20,16 +20,15 @@ std::string Joined(const SensorDiagnosis& diagnosis, bool harmful) {
 }  // namespace
 
 MotionPredictor::MotionPredictor(const std::optional<MountedImu>& imu) : inertial_(imu), imu_(imu) {
-  if (!imu) return;
-  imu_offset_ns_ = imu->calibration.offset_ns();
-  diagnosis_.emplace(imu->calibration, imu->T_imu_c);
+  if (imu) diagnosis_.emplace(imu->calibration, imu->T_imu_c);
 }
 
 void MotionPredictor::ExpectImu(std::span<const ImuSample> samples, int64_t from_ns, int64_t to_ns) {
   from_ns_ = to_ns_ = 0;
   if (!diagnosis_ || from_ns >= to_ns) return inertial_.Expect({}, from_ns, to_ns);
-  from_ns_ = from_ns - imu_offset_ns_;
-  to_ns_ = to_ns - imu_offset_ns_;
+  const int64_t offset_ns = imu_->calibration.offset_ns();
+  from_ns_ = from_ns - offset_ns;
+  to_ns_ = to_ns - offset_ns;
   const bool are_measured = diagnosis_->Add(samples, to_ns_);
   inertial_.Expect(are_measured ? samples : samples.first(0), from_ns, to_ns);
   interval_is_known_ = interval_is_known_ && are_measured && !samples.empty() && interval_.to_ns == from_ns_ &&

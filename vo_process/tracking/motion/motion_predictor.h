@@ -78,7 +78,6 @@ class MotionPredictor {
   RobotMotionModel robot_;
   InertialMotionModel inertial_;
   std::optional<MountedImu> imu_;
-  int64_t imu_offset_ns_ = 0;
   std::optional<SensorDiagnosis> diagnosis_;
   /// The interval to the next frame; empty without samples.
   int64_t from_ns_ = 0;

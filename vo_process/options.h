@@ -67,9 +67,16 @@ constexpr auto ChoicesOf(TrackingReference) {
                     Choice{"previous_frame", TrackingReference::kPreviousFrame}};
 }
 
+/// Features of a frame: all detected again, as in the paper, or followed from the last frame where that suffices.
+enum class FrontEnd { kDescriptors, kSemiDirect };
+constexpr auto ChoicesOf(FrontEnd) {
+  return std::array{Choice{"descriptors", FrontEnd::kDescriptors}, Choice{"semi_direct", FrontEnd::kSemiDirect}};
+}
+
 /// Matching of landmarks with a frame, and conditions of a tracked frame.
 struct TrackingOptions {
   TrackingReference reference = TrackingReference::kLandmarks;
+  FrontEnd front_end = FrontEnd::kDescriptors;
   /// Radius of the search around predictions.
   double search_radius_px = 18.0;
   /// The same if the first search fails.
@@ -175,6 +182,10 @@ template <class Visitor>
 void VisitFields(Visitor& visit, TrackingOptions& o) {
   visit("reference", o.reference,
         "landmarks: positions fused over frames; previous_frame: frame to frame, as in the paper");
+  visit(
+      "front_end", o.front_end,
+      "semi_direct: features are followed by their grey levels where that suffices; descriptors: all are detected in "
+      "each frame, as in the paper");
   visit("min_inliers", o.min_inliers, Bounds{3, 1000}, "inliers (points + 2 x lines) below which a frame is lost");
   visit("weak_inliers", o.weak_inliers, Bounds{3, 1000}, "the same below which tracking is weak and the prior helps");
 }

@@ -304,6 +304,7 @@ void VoNode::Track(const Frame& frame) {
   report_.Count("frames.skipped", frame.skipped);
   if (StateOf(result) == TrackingState::kLost) report_.Count(kFramesLost, 1);
   if (result.carried) report_.Count(kFramesCarried, 1);
+  if (result.is_followed) report_.Count("frames.followed", 1);
   if (result.keyframe) report_.Count("keyframes", 1);
   report_.LookAt(frame.images, result.features, rig_->kind == RigCalibration::Kind::kRgbd);
   report_.ReportVerticalDisparity(odometry_->calibration().rows(), front_end_->camera());

@@ -288,6 +288,22 @@ std::vector<StereoLine> WithoutDepth(std::vector<LineFeature> lines) {
   return out;
 }
 
+void SetDepthFromRight(const LineFeature& right, const cv::Mat& left_image, const cv::Mat& right_image,
+                       const RowField& rows, const StereoOptions& options, const PairDirt& dirt, StereoLine& line) {
+  LineFeature corrected = right;
+  if (!rows.is_zero()) {
+    for (Eigen::Vector2d* px : {&corrected.segment.p, &corrected.segment.q}) px->y() = rows.LeftRow_px(*px);
+  }
+  const RowLine l = MakeRowLine(line.left.segment);
+  const RowLine r = MakeRowLine(corrected.segment);
+  line.disparity_p_px = line.disparity_q_px = -1.0;
+  const StereoGates gates(options);
+  if (!gates.HasAngle(l) || !gates.HasAngle(r) || !gates.Disparity(l, r)) return;
+  if (!Appearance(left_image, right_image, rows, dirt, options.line_min_similarity).Confirms(line.left.segment, r))
+    return;
+  SetDepth(line, corrected, l, r, rows.skew(), options);
+}
+
 void MatchLinesStereo(std::vector<StereoLine>& left, const std::vector<LineFeature>& right, const cv::Mat& left_image,
                       const cv::Mat& right_image, const RowField& rows, const StereoOptions& options,
                       const PairDirt& dirt) {

@@ -44,6 +44,11 @@ void MatchLinesStereo(std::vector<StereoLine>& left, const std::vector<LineFeatu
                       const cv::Mat& right_image, const RowField& rows, const StereoOptions& options,
                       const PairDirt& dirt = {});
 
+/// Sets the depth of a segment from its known counterpart in the right image, as measured there; none if its disparities
+/// would be too uncertain or out of range, or if the images differ along it.
+void SetDepthFromRight(const LineFeature& right, const cv::Mat& left_image, const cv::Mat& right_image,
+                       const RowField& rows, const StereoOptions& options, const PairDirt& dirt, StereoLine& line);
+
 /// The same from a depth map aligned with the left image (16 bits, 0 = unknown): virtual disparities d = b f / Z of
 /// the endpoints, from a robust linear fit of the inverse depths sampled along the segment. Segments with too few known
 /// depths or a discontinuity get no depth; segments parallel to the baseline do get one.

@@ -127,6 +127,14 @@ std::optional<PatchAlignment> FindInRow(StereoPoint& point, RowSearch& search, c
   return found;
 }
 
+/// Sets what an accepted alignment measured.
+void SetDepth(const PatchAlignment& found, StereoPoint& point) {
+  point.disparity_px = found.disparity_px;
+  point.sigma_disparity_px = found.sigma_disparity_px;
+  point.row_offset_px = found.row_offset_px;
+  point.sigma_row_px = found.sigma_row_px;
+}
+
 void MatchPoint(StereoPoint& point, const PointFeature* candidate, RowSearch& search, const PatchAligner& aligner,
                 const StereoOptions& options) {
   const PointFeature& feature = point.left;
@@ -141,11 +149,7 @@ void MatchPoint(StereoPoint& point, const PointFeature* candidate, RowSearch& se
     if (point.is_ambiguous) return;
   }
   if (!found && options.point_direct) found = FindInRow(point, search, aligner, options);
-  if (!found) return;
-  point.disparity_px = found->disparity_px;
-  point.sigma_disparity_px = found->sigma_disparity_px;
-  point.row_offset_px = found->row_offset_px;
-  point.sigma_row_px = found->sigma_row_px;
+  if (found) SetDepth(*found, point);
 }
 
 }  // namespace
@@ -206,6 +210,15 @@ void MatchPointsStereo(std::vector<StereoPoint>& left, const std::vector<PointFe
       MatchPoint(left[i], index >= 0 ? &right[static_cast<size_t>(index)] : nullptr, search, aligner, options);
     }
   }
+}
+
+void AlignWithRight(const PatchAligner& aligner, double expected_px, const StereoOptions& options,
+                    StereoPoint& point) {
+  ForgetPartner(point);
+  point.is_ambiguous = false;
+  point.is_far = false;
+  const auto found = aligner.Align(point.left.px, point.left.scale, expected_px);
+  if (found && Accept(*found, options.point_min_correlation, options, point)) SetDepth(*found, point);
 }
 
 }  // namespace plslam::vo

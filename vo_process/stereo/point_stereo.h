@@ -8,6 +8,7 @@
 #include "core/features/features.h"
 #include "core/features/options.h"
 #include "vo_process/stereo/halved_pair.h"
+#include "vo_process/stereo/patch_aligner.h"
 #include "vo_process/stereo/row_field.h"
 
 namespace plslam::vo {
@@ -46,5 +47,10 @@ std::vector<PointCandidate> FindPointCandidates(const std::vector<StereoPoint>& 
 void MatchPointsStereo(std::vector<StereoPoint>& left, const std::vector<PointFeature>& right,
                        const std::vector<PointCandidate>& candidates, const HalvedPair& pair, const RowField& rows,
                        const StereoOptions& options, std::atomic<size_t>& begun);
+
+/// Sets the disparity of a point whose disparity is expected at `expected_px`, as measured in the images; none if the
+/// patches do not correlate there.
+void AlignWithRight(const PatchAligner& aligner, double expected_px, const StereoOptions& options,
+                    StereoPoint& point);
 
 }  // namespace plslam::vo

@@ -45,6 +45,14 @@ class PairSkew {
     return is_zero_ ? 0.0 : RowOffset_px(left_px, Ray(left_px), disparity_px / camera_.FocalBaseline());
   }
 
+  /// Returns the measured column difference of a point with this disparity in a simultaneous pair.
+  double Measured_px(const Eigen::Vector2d& left_px, double disparity_px) const {
+    if (is_zero_) return disparity_px;
+    const Eigen::Vector3d late = Ray(left_px) + disparity_px / camera_.FocalBaseline() * t_late_c_;
+    if (!(late.z() > 0.0)) return disparity_px;
+    return left_px.x() - (camera_.f_px * late.x() - disparity_px) / late.z() - camera_.cx_px;
+  }
+
   /// Returns the disparity of a simultaneous pair, negative beyond infinity. Returns nullopt if the motion cancels the
   /// baseline, so that the pair has no depth.
   std::optional<double> Disparity_px(const Eigen::Vector2d& left_px, double measured_px) const {
@@ -151,6 +159,12 @@ class RowField {
                                  (place_px.y() + Offset_px(place_px) - camera_.cy_px) / camera_.f_px);
     const Eigen::Vector3d straight = R_straight_turned_ * turned.homogeneous();
     return camera_.f_px * (straight.x() / straight.z() - turned.x());
+  }
+
+  /// Returns the column difference to be measured for a disparity, from rotation and skew.
+  double Measured_px(const Eigen::Vector2d& left_px, double disparity_px) const {
+    const double turned_px = skew_.Measured_px(left_px, disparity_px);
+    return turned_px + Disparity_px(left_px - Eigen::Vector2d(turned_px, 0.0));
   }
 
   /// Whether the field is zero everywhere; it may have a skew.

@@ -71,28 +71,53 @@ void StereoFrontEnd::SetMask(const FrameMask& mask) {
   mask_ = mask;
 }
 
-StereoFeatures StereoFrontEnd::Process(const StereoImages& images, StageTimer& timer, const RowField& rows,
-                                       std::optional<int> max_points) {
-  const bool rgbd = rig_.kind == RigCalibration::Kind::kRgbd;
-  return rgbd ? ProcessRgbd(images, timer, max_points) : ProcessStereo(images, timer, rows, max_points);
+void StereoFrontEnd::Take(const StereoImages& images, StageTimer& timer) {
+  timer.Time("rectify", [&] {
+    const bool rgbd = rig_.kind == RigCalibration::Kind::kRgbd;
+    worker_.RunBoth([&] { pair_.left = HalvedImages(rectifier_.RectifyLeft(images.left)); },
+                    [&] {
+                      if (rgbd) {
+                        pair_.depth = rectifier_.RectifyDepth(images.right);
+                      } else {
+                        pair_.right = HalvedImages(rectifier_.RectifyRight(images.right));
+                      }
+                    });
+  });
 }
 
-StereoFeatures StereoFrontEnd::LookForRows(const StereoImages& images, const PairSkew& skew) {
-  if (rig_.kind == RigCalibration::Kind::kRgbd || options_.features.features == FeatureTypes::kLines) return {};
+StereoFeatures StereoFrontEnd::Detect(StageTimer& timer, const RowField& rows, std::optional<int> max_points) {
+  StereoFeatures features =
+      pair_.HasDepthMap() ? DetectRgbd(timer, max_points) : DetectStereo(timer, rows, max_points);
+  if (!pair_.HasDepthMap() && LeavesOutRight()) ForgetPartnersOutside(right_mask_, features);
+  return features;
+}
+
+StereoFeatures StereoFrontEnd::Follow(StageTimer& timer, const RowField& rows, const SE3& T_odom_previous,
+                                      const SE3& T_odom_now, FeatureTracker& tracker) {
+  return timer.Time("follow", [&] {
+    tracker.Track(pair_, rows, T_odom_previous, T_odom_now, rig_.depth_units_per_m, OnBothThreads());
+    tracker.RemoveIf([&](const StereoPoint& point) { return left_mask_.IsOutside(point.left.px); },
+                     [&](const StereoLine& line) {
+                       return left_mask_.IsOutside(line.left.segment.p) || left_mask_.IsOutside(line.left.segment.q);
+                     });
+    StereoFeatures features = tracker.Features();
+    if (!pair_.HasDepthMap() && LeavesOutRight()) ForgetPartnersOutside(right_mask_, features);
+    return features;
+  });
+}
+
+StereoFeatures StereoFrontEnd::LookForRows(const PairSkew& skew) {
+  if (pair_.HasDepthMap() || options_.features.features == FeatureTypes::kLines) return {};
   StereoOptions options = options_.stereo;
   options.row_sigma_px = std::max(options.row_sigma_px, kUnknownRowSigma_px);
   options.point_row_tolerance_px = std::max(options.point_row_tolerance_px, kUnknownRowTolerance_px);
-  cv::Mat left;
-  cv::Mat right;
+  const cv::Mat& left = pair_.left.front();
+  const cv::Mat& right = pair_.right.front();
   ImageFeatures left_features;
   ImageFeatures right_features;
   worker_.RunBoth(
+      [&] { left_features.points = PointsInside(left_extractor_, left, LeavesOutLeft(), left_mask_, std::nullopt); },
       [&] {
-        left = rectifier_.RectifyLeft(images.left);
-        left_features.points = PointsInside(left_extractor_, left, LeavesOutLeft(), left_mask_, std::nullopt);
-      },
-      [&] {
-        right = rectifier_.RectifyRight(images.right);
         right_features.points = PointsInside(right_extractor_, right, LeavesOutRight(), right_mask_, std::nullopt);
       });
   StereoFeatures features = MatchStereo(std::move(left_features), std::move(right_features), left, right,
@@ -106,10 +131,10 @@ RunBoth StereoFrontEnd::OnBothThreads() {
       [this](const std::function<void()>& here, const std::function<void()>& there) { worker_.RunBoth(here, there); };
 }
 
-void StereoFrontEnd::FindRightCorners(const std::vector<cv::Mat>& right) {
+void StereoFrontEnd::FindRightCorners() {
   right_corners_.clear();
-  if (right.size() < 2 || options_.features.features == FeatureTypes::kLines) return;
-  const cv::Mat& half = right[1];
+  if (pair_.right.size() < 2 || options_.features.features == FeatureTypes::kLines) return;
+  const cv::Mat& half = pair_.right[1];
   const OrbOptions& orb = options_.features.orb;
   const auto corners = right_detector_.Detect(half, orb.fast_threshold, orb.min_fast_threshold, kFastRadius_px);
   for (const Corner& corner : SpreadCorners(corners, kMostRightCorners, half.cols, half.rows)) {
@@ -121,32 +146,28 @@ void StereoFrontEnd::FindRightCorners(const std::vector<cv::Mat>& right) {
 /// Left points take as long as right lines, so these run in parallel; then the matching of points in parallel with
 /// left lines and the matching of lines. The thread that has finished the lines helps with the points. Without points,
 /// lines of both images are detected in parallel.
-StereoFeatures StereoFrontEnd::ProcessStereo(const StereoImages& images, StageTimer& timer, const RowField& rows,
-                                             std::optional<int> max_points) {
-  std::vector<cv::Mat> left;
-  std::vector<cv::Mat> right;
+StereoFeatures StereoFrontEnd::DetectStereo(StageTimer& timer, const RowField& rows, std::optional<int> max_points) {
   ImageFeatures left_features;
   ImageFeatures right_features;
+  const cv::Mat& left = pair_.left.front();
+  const cv::Mat& right = pair_.right.front();
   const bool lines_alone = options_.features.features == FeatureTypes::kLines;
-  const auto find_left_lines = [&] { left_features.lines = LinesInside(left_extractor_, left.front(), left_mask_); };
+  const auto find_left_lines = [&] { left_features.lines = LinesInside(left_extractor_, left, left_mask_); };
   timer.Time("features", [&] {
     worker_.RunBoth(
         [&] {
-          left = HalvedImages(rectifier_.RectifyLeft(images.left));
-          left_features.points = PointsInside(left_extractor_, left.front(), LeavesOutLeft(), left_mask_, max_points);
+          left_features.points = PointsInside(left_extractor_, left, LeavesOutLeft(), left_mask_, max_points);
           if (lines_alone) find_left_lines();
         },
         [&] {
-          right = HalvedImages(rectifier_.RectifyRight(images.right));
-          right_features.lines = LinesInside(right_extractor_, right.front(), right_mask_);
-          FindRightCorners(right);
+          right_features.lines = LinesInside(right_extractor_, right, right_mask_);
+          FindRightCorners();
           if (!NeedsRightPoints(rows, options_.stereo)) return;
-          right_features.points =
-              PointsInside(right_extractor_, right.front(), LeavesOutRight(), right_mask_, max_points);
+          right_features.points = PointsInside(right_extractor_, right, LeavesOutRight(), right_mask_, max_points);
         });
   });
   return timer.Time("stereo", [&] {
-    const HalvedPair pair(left, right);
+    const HalvedPair pair(pair_.left, pair_.right);
     PairMatcher matcher(pair, rows, options_.stereo);
     matcher.SetPoints(std::move(left_features.points), std::move(right_features.points));
     worker_.RunBoth([&] { matcher.MatchPoints(); },
@@ -155,26 +176,20 @@ StereoFeatures StereoFrontEnd::ProcessStereo(const StereoImages& images, StageTi
                       matcher.MatchLines(std::move(left_features.lines), std::move(right_features.lines), dirt_);
                       matcher.MatchPoints();
                     });
-    StereoFeatures features = matcher.Finish();
-    if (LeavesOutRight()) ForgetPartnersOutside(right_mask_, features);
-    return features;
+    return matcher.Finish();
   });
 }
 
-StereoFeatures StereoFrontEnd::ProcessRgbd(const StereoImages& images, StageTimer& timer,
-                                           std::optional<int> max_points) {
-  cv::Mat left;
-  cv::Mat depth;
+StereoFeatures StereoFrontEnd::DetectRgbd(StageTimer& timer, std::optional<int> max_points) {
   ImageFeatures features;
   timer.Time("features", [&] {
-    worker_.RunBoth([&] { left = rectifier_.RectifyLeft(images.left); },
-                    [&] { depth = rectifier_.RectifyDepth(images.right); });
+    const cv::Mat& left = pair_.left.front();
     worker_.RunBoth(
         [&] { features.points = PointsInside(left_extractor_, left, LeavesOutLeft(), left_mask_, max_points); },
         [&] { features.lines = LinesInside(left_extractor_, left, left_mask_); });
   });
   return timer.Time("stereo", [&] {
-    return AttachDepth(std::move(features), depth, rig_.depth_units_per_m, camera(), options_.stereo);
+    return AttachDepth(std::move(features), pair_.depth, rig_.depth_units_per_m, camera(), options_.stereo);
   });
 }
 

@@ -14,6 +14,8 @@
 #include "core/io/images/image_file.h"
 #include "vo_process/options.h"
 #include "vo_process/stereo/dirt_cells.h"
+#include "vo_process/stereo/feature_tracker.h"
+#include "vo_process/stereo/rectified_pair.h"
 #include "vo_process/stereo/rolling_shutter.h"
 #include "vo_process/stereo/row_field.h"
 #include "vo_process/stereo/side_worker.h"
@@ -42,10 +44,24 @@ class StereoFrontEnd {
   /// Sets what is known of dirt on the lenses, for the following pairs.
   void SetDirt(PairDirt dirt) { dirt_ = std::move(dirt); }
 
-  /// Returns features in rectified left pixels; `rows` is the known vertical disparity of the pair, `max_points` the
-  /// number of corners if it differs from the options. Throws std::runtime_error if the images do not fit the rig.
-  StereoFeatures Process(const StereoImages& images, StageTimer& timer, const RowField& rows = {},
-                         std::optional<int> max_points = std::nullopt);
+  /// Rectifies the next pair, for the functions below. Throws std::runtime_error if the images do not fit the rig.
+  void Take(const StereoImages& images, StageTimer& timer);
+  /// The last pair.
+  const RectifiedPair& pair() const { return pair_; }
+
+  /// Detects features in the last pair, in rectified left pixels; `rows` is its known vertical disparity, `max_points` the
+  /// number of corners if it differs from the options.
+  StereoFeatures Detect(StageTimer& timer, const RowField& rows = {}, std::optional<int> max_points = std::nullopt);
+
+  /// Finds the features of an earlier pair in the last one; for the poses see `FeatureTracker::Track`.
+  StereoFeatures Follow(StageTimer& timer, const RowField& rows, const SE3& T_odom_previous, const SE3& T_odom_now,
+                        FeatureTracker& tracker);
+
+  /// `Take` and `Detect`.
+  StereoFeatures Process(const StereoImages& images, StageTimer& timer) {
+    Take(images, timer);
+    return Detect(timer);
+  }
 
   /// Corners of the right image of the last pair in rectified pixels, at half size: coarse, but cheap. None of depth
   /// maps, nor if the options exclude points.
@@ -55,18 +71,17 @@ class StereoFrontEnd {
   const FeatureMask& left_mask() const { return left_mask_; }
   const FeatureMask& right_mask() const { return right_mask_; }
 
-  /// Returns points for estimating a vertical disparity of several pixels: compares corners of both images with a wide
-  /// row tolerance. Their disparities are less accurate for it.
-  StereoFeatures LookForRows(const StereoImages& images, const PairSkew& skew = {});
+  /// Returns points of the last pair for estimating a vertical disparity of several pixels: compares corners of both
+  /// images with a wide row tolerance. Their disparities are less accurate for it.
+  StereoFeatures LookForRows(const PairSkew& skew = {});
 
  private:
   bool LeavesOutLeft() const { return !rig_.left.mask.empty() || !mask_.left.empty(); }
   bool LeavesOutRight() const { return !rig_.right.mask.empty() || !mask_.right.empty(); }
   RunBoth OnBothThreads();
-  void FindRightCorners(const std::vector<cv::Mat>& right);
-  StereoFeatures ProcessStereo(const StereoImages& images, StageTimer& timer, const RowField& rows,
-                               std::optional<int> max_points);
-  StereoFeatures ProcessRgbd(const StereoImages& images, StageTimer& timer, std::optional<int> max_points);
+  void FindRightCorners();
+  StereoFeatures DetectStereo(StageTimer& timer, const RowField& rows, std::optional<int> max_points);
+  StereoFeatures DetectRgbd(StageTimer& timer, std::optional<int> max_points);
 
   RigCalibration rig_;
   VoOptions options_;
@@ -81,6 +96,7 @@ class StereoFrontEnd {
   CornerDetector right_detector_;
   std::vector<Eigen::Vector2d> right_corners_;
   SideWorker worker_;
+  RectifiedPair pair_;
 };
 
 }  // namespace plslam::vo

@@ -52,9 +52,13 @@ void PairMatcher::MatchLines(std::vector<LineFeature> left, std::vector<LineFeat
 }
 
 StereoFeatures PairMatcher::Finish() {
-  RemoveRotationDisparity(rows_, features_);
-  RemoveSkew(rows_.skew(), features_);
+  ToSimultaneous(rows_, features_);
   return std::move(features_);
+}
+
+void ToSimultaneous(const RowField& rows, StereoFeatures& features) {
+  RemoveRotationDisparity(rows, features);
+  RemoveSkew(rows.skew(), features);
 }
 
 StereoFeatures MatchStereo(ImageFeatures left, ImageFeatures right, const cv::Mat& left_image,

@@ -50,6 +50,9 @@ class PairMatcher {
   StereoFeatures features_;
 };
 
+/// Converts disparities as measured to those of a simultaneous pair without residual rotation.
+void ToSimultaneous(const RowField& rows, StereoFeatures& features);
+
 /// Runs all steps for extracted features. `run_both` shares the work between two threads.
 StereoFeatures MatchStereo(ImageFeatures left, ImageFeatures right, const cv::Mat& left_image,
                            const cv::Mat& right_image, const RowField& rows, const StereoOptions& options,

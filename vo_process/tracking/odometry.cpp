@@ -32,7 +32,8 @@ Odometry::Odometry(const StereoCamera& camera, const VoOptions& options, const R
       landmarks_(camera, options),
       bodies_(camera, options, imu),
       recovery_(camera, options),
-      keyframes_(camera, options.keyframes) {}
+      keyframes_(camera, options.keyframes),
+      tracker_(camera, options.stereo) {}
 
 // Seconds since the last frame. Unsigned, because time stamps at both ends of their range would overflow.
 double Odometry::SecondsSince(int64_t t_ns) const {
@@ -42,8 +43,26 @@ double Odometry::SecondsSince(int64_t t_ns) const {
 
 StereoFeatures Odometry::SeePair(StereoFrontEnd& front_end, const StereoImages& images, StageTimer& timer) {
   const double dt_s = SecondsSince(images.t_ns);
-  calibrator_.PredictSkew(initialised_ ? motion_.Predict(dt_s).T_prev_c : SE3(), dt_s);
-  return calibrator_.SeePair(front_end, images, timer);
+  const SE3 T_prev_c = initialised_ ? motion_.Predict(dt_s).T_prev_c : SE3();
+  calibrator_.PredictSkew(T_prev_c, dt_s);
+  front_end.Take(images, timer);
+  if (MayFollow()) {
+    StereoFeatures features = front_end.Follow(timer, calibrator_.rows(), T_odom_c_, T_odom_c_ * T_prev_c, tracker_);
+    if (tracker_.Share() >= FollowPolicy::kMinShare && calibrator_.Accepts(features)) {
+      following_.Follow();
+      return features;
+    }
+  }
+  following_.Detect();
+  StereoFeatures features = calibrator_.SeePair(front_end, timer);
+  if (options_.tracking.front_end == FrontEnd::kSemiDirect) tracker_.Begin(front_end.pair().left, features);
+  return features;
+}
+
+// Bodies move in another way than the camera's motion predicts. Frame to frame, each frame replaces all landmarks.
+bool Odometry::MayFollow() const {
+  return following_.MayFollow() && !tracker_.empty() && !bodies_.IsAnyThere() && !IsFrameToFrame() &&
+         !calibrator_.NeedsDetection();
 }
 
 /// The steps of PL-SLAM §IV: prediction, estimation of the motion from landmarks found by projection (§IV.C), update of
@@ -53,6 +72,7 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
   const double dt_s = SecondsSince(t_ns);
   last_t_ns_ = t_ns;
   TrackedFrame frame = calibrator_.Prepare(std::move(features));
+  frame.is_followed = following_.TakeIsFollowed();
   OdometryResult result;
   if (!initialised_) {
     Initialise(frame, result);
@@ -194,7 +214,9 @@ void Odometry::ChooseKeyframe(const Tracked& tracked, const TrackedFrame& frame,
   const KeyframeDecision decision =
       keyframes_.Decide(frame, T_odom_c_, covariance_.since_keyframe(), !options_.map.localise_only);
   result.entropy_ratio = decision.entropy_ratio;
-  if (decision.reason != KeyframeReason::kNone) MakeKeyframe(decision.reason, result);
+  if (decision.reason == KeyframeReason::kNone) return;
+  if (frame.is_followed) return following_.RequireDetection();
+  MakeKeyframe(decision.reason, result);
 }
 
 void Odometry::MakeKeyframe(KeyframeReason reason, OdometryResult& result) {
@@ -204,7 +226,8 @@ void Odometry::MakeKeyframe(KeyframeReason reason, OdometryResult& result) {
 }
 
 void Odometry::Calibrate(const Tracked& tracked, double dt_s, TrackedFrame& frame, const OdometryResult& result) {
-  calibrator_.LearnNoise(tracked.alignment);
+  // The errors of followed features are those of their detection: they agree with each other, whatever these are.
+  if (!frame.is_followed) calibrator_.LearnNoise(tracked.alignment);
   if (frame.rolling && tracked.is_first_motion) {
     // It shows by how much the landmarks created before it were displaced.
     frame.MoveToStamp(result.T_prev_c.Log() / dt_s);
@@ -216,7 +239,7 @@ void Odometry::Calibrate(const Tracked& tracked, double dt_s, TrackedFrame& fram
     keyframes_.ForgetMeasurements();
     CreateLandmarksAgain(frame);
   }
-  if (calibrator_.LearnDisparities(T_odom_c_, frame)) {
+  if (!frame.is_followed && calibrator_.LearnDisparities(T_odom_c_, frame)) {
     keyframes_.ForgetMeasurements();
     CreateLandmarksAgain(frame);
   }
@@ -288,7 +311,12 @@ OdometryResult Odometry::Completed(TrackedFrame frame, OdometryResult result) {
     result.keyframe->withdrawn_points = bodies_.TakeWithdrawnPoints();
     result.keyframe->withdrawn_lines = bodies_.TakeWithdrawnLines();
   }
-  calibrator_.ObserveCorners(frame);
+  if (!frame.is_followed) {
+    calibrator_.ObserveCorners(frame);
+    tracker_.SetPose(T_odom_c_);
+  }
+  following_.Observe(result.state == TrackingState::kTracking && !result.jumped);
+  result.is_followed = frame.is_followed;
   motion_.ExpectNothing();
   result.T_odom_c = T_odom_c_;
   result.up = motion_.inertial().Up();
@@ -340,6 +368,7 @@ bool Odometry::Relocalise(const Map& map, KeyframeId map_keyframe_id, const SE3&
   auto local_map = LocalMapAt(map, map_keyframe_id, T_w_odom, options_.map.local_keyframes);
   if (!local_map) return false;
   bodies_.LeaveOut(*local_map);
+  following_.RequireDetection();
   recovery_.Relocalise(*local_map, landmarks_);
   return true;
 }

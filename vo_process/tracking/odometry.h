@@ -12,6 +12,7 @@
 #include "vo_process/stereo/stereo_front_end.h"
 #include "vo_process/tracking/bodies/moving_bodies.h"
 #include "vo_process/tracking/calibration/self_calibrator.h"
+#include "vo_process/tracking/follow_policy.h"
 #include "vo_process/tracking/keyframe_maker.h"
 #include "vo_process/tracking/landmarks/local_landmarks.h"
 #include "vo_process/tracking/motion/frame_aligner.h"
@@ -67,7 +68,10 @@ class Odometry {
 
   /// Begins another session: the next tracked frame becomes its first keyframe. Landmarks and their poses in the map
   /// stay.
-  void BeginSession() { keyframes_.BeginSession(); }
+  void BeginSession() {
+    keyframes_.BeginSession();
+    following_.RequireDetection();
+  }
 
   /// In localisation-only mode, keyframes only adopt the local map (`MapUseOptions::localise_only`).
   void SetLocaliseOnly(bool localise_only) { options_.map.localise_only = localise_only; }
@@ -90,13 +94,15 @@ class Odometry {
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.motion_, self.calibrator_, self.landmarks_, self.bodies_, self.recovery_, self.keyframes_,
-      self.covariance_, self.initialised_, self.last_t_ns_, self.T_odom_c_, self.T_w_odom_, self.is_in_map_,
-      self.is_unanchored_);
+      self.covariance_, self.tracker_, self.following_, self.initialised_, self.last_t_ns_, self.T_odom_c_,
+      self.T_w_odom_, self.is_in_map_, self.is_unanchored_);
   }
 
  private:
   double SecondsSince(int64_t t_ns) const;
   bool IsFrameToFrame() const { return options_.tracking.reference == TrackingReference::kPreviousFrame; }
+
+  bool MayFollow() const;
 
   // The steps of `Track`.
   void Initialise(TrackedFrame& frame, OdometryResult& result);
@@ -130,6 +136,8 @@ class Odometry {
   KeyframeMaker keyframes_;
   PublishedCovariance covariance_;
 
+  FeatureTracker tracker_;
+  FollowPolicy following_;
   bool initialised_ = false;
   int64_t last_t_ns_ = 0;
   SE3 T_odom_c_;

@@ -47,6 +47,8 @@ struct OdometryResult {
   bool relocalised = false;
   /// Whether the pose is the inertial sensor's alone, because the frame showed no known landmarks.
   bool carried = false;
+  /// Whether features were only followed, not detected.
+  bool is_followed = false;
   /// Includes errors that frames have in common (`MotionUncertainty`).
   Matrix6d motion_covariance = Matrix6d::Zero();
   /// The vertical by the inertial sensor, if it is used.

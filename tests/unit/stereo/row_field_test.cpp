@@ -34,6 +34,7 @@ TEST(PairSkew, RowAndDepthMatchTheMovedCamera) {
       EXPECT_NEAR(skew.RowOffsetAt_px(px, disparity_px), right.y() - px.y(), 1e-9);
       ASSERT_TRUE(skew.Disparity_px(px, measured_px));
       EXPECT_NEAR(*skew.Disparity_px(px, measured_px), disparity_px, 1e-9);
+      EXPECT_NEAR(skew.Measured_px(px, disparity_px), measured_px, 1e-9);
     }
   }
 }

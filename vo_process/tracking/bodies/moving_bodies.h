@@ -175,6 +175,11 @@ class MovingBodies {
   /// Discards all bodies.
   void Forget();
 
+  /// Whether there are bodies now, seen or not, published or not yet.
+  bool IsAnyThere() const {
+    return std::any_of(bodies_.begin(), bodies_.end(), [](const Body& body) { return body.IsThere(); });
+  }
+
   /// Bodies published in the session so far, and features of the frame on such a body.
   int64_t n_met() const { return n_met_; }
   int CountFeatures(const TrackedFrame& frame) const;

@@ -60,14 +60,18 @@ void SelfCalibrator::PredictSkew(const SE3& T_prev_c, double dt_s) {
   skew_ = sync_.late_s() == 0.0 ? PairSkew() : sync_.SkewOf(T_prev_c, dt_s);
 }
 
-StereoFeatures SelfCalibrator::SeePair(StereoFrontEnd& front_end, const StereoImages& images, StageTimer& timer) {
+bool SelfCalibrator::Accepts(StereoFeatures& followed) {
+  if (LearnRows(followed)) return false;
+  lenses_.RemoveFrom(followed);
+  return true;
+}
+
+StereoFeatures SelfCalibrator::SeePair(StereoFrontEnd& front_end, StageTimer& timer) {
   const bool knew_dirt = lenses_.HasDirt();
   front_end.SetDirt(lenses_.Cells());
   const bool looks = rows_.needs_look();
-  if (looks) timer.Time("rows", [&] { LearnRows(front_end.LookForRows(images, skew_)); });
-  const auto see = [&] {
-    return front_end.Process(images, timer, rows(), corner_budget_.max_points() + lenses_.n_removed());
-  };
+  if (looks) timer.Time("rows", [&] { LearnRows(front_end.LookForRows(skew_)); });
+  const auto see = [&] { return front_end.Detect(timer, rows(), corner_budget_.max_points() + lenses_.n_removed()); };
   StereoFeatures features = see();
   if (!looks && LearnRows(features)) features = see();
   lenses_.Observe(features, front_end.right_corners(), front_end.left_mask(), front_end.right_mask());

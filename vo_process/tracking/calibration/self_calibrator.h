@@ -49,11 +49,17 @@ class SelfCalibrator {
   /// Sets the skew of the next pair, given the predicted motion in the `dt_s` before it.
   void PredictSkew(const SE3& T_prev_c, double dt_s);
 
-  /// Computes the stereo features of the next pair, using and learning its vertical disparity. The first pair is
+  /// Whether the calibration needs the features of the next pair to be detected.
+  bool NeedsDetection() const { return rows_.needs_look(); }
+  /// Learns from features that were followed into a pair, and removes those on dirt. Returns false if they have to be
+  /// detected, because a vertical disparity is first applied.
+  bool Accepts(StereoFeatures& followed);
+
+  /// Detects the stereo features of the pair that `front_end` has taken, using and learning its vertical disparity. The first pair is
   /// processed twice, because it creates landmarks: first for vertical disparities that may be large. So are further
   /// pairs until enough was seen, and a pair that changes whether a vertical disparity is applied, or first shows dirt.
-  /// Throws as `StereoFrontEnd::Process`.
-  StereoFeatures SeePair(StereoFrontEnd& front_end, const StereoImages& images, StageTimer& timer);
+  ///
+  StereoFeatures SeePair(StereoFrontEnd& front_end, StageTimer& timer);
 
   /// Applies what was learned about the measurements: their noise, and the offset of the disparities.
   TrackedFrame Prepare(StereoFeatures features) const;

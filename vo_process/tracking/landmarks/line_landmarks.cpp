@@ -140,7 +140,7 @@ void LineLandmarks::Update(const SE3& T_odom_c, const std::vector<LandmarkMatch>
     landmark.unseen_frames = 0;
     landmark.missed = 0;
   }
-  Age(T_odom_c.Inverse());
+  if (!frame.is_followed) Age(T_odom_c.Inverse());
 }
 
 void LineLandmarks::Fuse(const SE3& T_odom_c, const StereoLine& seen, LineLandmark& landmark) const {

@@ -79,7 +79,7 @@ void PointLandmarks::Update(const SE3& T_odom_c, const std::vector<LandmarkMatch
     landmark.unseen_frames = 0;
     landmark.missed = 0;
   }
-  Age(T_odom_c.Inverse());
+  if (!frame.is_followed) Age(T_odom_c.Inverse());
 }
 
 void PointLandmarks::Fuse(const SE3& T_odom_c, const StereoPoint& seen, PointLandmark& landmark) const {

@@ -55,6 +55,8 @@ struct TrackedFrame {
   }
 
   StereoFeatures features;
+  /// Whether features were only followed, so that missing ones were not looked for.
+  bool is_followed = false;
   /// The features as measured, if their rows are not simultaneous.
   std::optional<RollingFrame> rolling;
   /// Disparities of the points as measured; those of `features` are corrected (`DisparityCalibration`).

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Semi-direct tracking: which frames are followed, and how well.
+#include <gtest/gtest.h>
+
+#include <opencv2/core.hpp>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/datasets/open_dataset.h"
+#include "tests/support/changed_images.h"
+#include "tests/support/odometry_run.h"
+#include "tests/support/worse_images.h"
+#include "vo_process/tracking/follow_policy.h"
+
+namespace plslam::vo {
+namespace {
+
+struct Outcome {
+  std::vector<test::OdometryFrame> frames;
+  std::vector<bool> followed;
+
+  int Followed() const { return static_cast<int>(std::count(followed.begin(), followed.end(), true)); }
+  double Error_m() const { return test::AbsoluteTrajectoryError(frames); }
+};
+
+Outcome RunWith(const Dataset& dataset, FrontEnd front_end) {
+  VoOptions options;
+  options.tracking.front_end = front_end;
+  Outcome run;
+  run.frames = test::RunOdometry(
+      dataset, options, 1, 1 << 30,
+      [&](const StereoImages&, const OdometryResult& result) { run.followed.push_back(result.is_followed); });
+  return run;
+}
+
+Outcome Follow(const std::string& world) { return RunWith(*OpenDataset(world, ""), FrontEnd::kSemiDirect); }
+
+/// Leaves out one of seven frames.
+class DroppedFrames : public test::ChangedImages {
+ public:
+  using ChangedImages::ChangedImages;
+  int size() const override { return dataset_.size() * 6 / 7; }
+  int64_t t_ns(int index) const override { return dataset_.t_ns(Kept(index)); }
+  std::optional<SE3> GroundTruth(int index) const override { return dataset_.GroundTruth(Kept(index)); }
+  StereoImages Read(int index) const override { return dataset_.Read(Kept(index)); }
+
+ private:
+  static int Kept(int index) { return index + index / 6; }
+};
+
+/// Every second pair has half of the brightness: light that flickers.
+class FlickeringLight : public test::ChangedImages {
+ public:
+  using ChangedImages::ChangedImages;
+  StereoImages Read(int index) const override {
+    StereoImages images = dataset_.Read(index);
+    if (index % 2 == 0) return images;
+    images.left = 0.5 * images.left;
+    images.right = 0.5 * images.right;
+    return images;
+  }
+};
+
+TEST(Following, MostFramesOfAWorldAreFollowed) {
+  for (const char* world : {"room", "corridor", "street"}) {
+    const auto dataset = OpenDataset(std::string("synthetic:") + world + "?size=320x240&frames=60", "");
+    const Outcome followed = RunWith(*dataset, FrontEnd::kSemiDirect);
+    const Outcome detected = RunWith(*dataset, FrontEnd::kDescriptors);
+    EXPECT_GT(followed.Followed(), 25) << world;
+    EXPECT_EQ(detected.Followed(), 0) << world;
+    EXPECT_EQ(test::LostFrames(followed.frames), 0) << world;
+    EXPECT_LT(followed.Error_m(), 1.5 * detected.Error_m()) << world;
+  }
+}
+
+TEST(Following, ObeysItsPolicy) {
+  const Outcome run = Follow("synthetic:room?size=320x240&frames=60");
+  int in_a_row = 0;
+  for (size_t i = 0; i < run.frames.size(); ++i) {
+    in_a_row = run.followed[i] ? in_a_row + 1 : 0;
+    EXPECT_LE(in_a_row, FollowPolicy::kMostFollowed) << i;
+    EXPECT_FALSE(run.followed[i] && run.frames[i].keyframe) << i;
+    EXPECT_FALSE(run.followed[i] && i < FollowPolicy::kSureFrames) << i;
+  }
+}
+
+TEST(Following, NothingIsFollowedBesideMovingBodies) {
+  const auto dataset = OpenDataset("synthetic:street?size=640x480&frames=25&bodies=2&body=lead", "");
+  const Outcome run = RunWith(*dataset, FrontEnd::kSemiDirect);
+  EXPECT_EQ(run.Followed(), 0);
+}
+
+TEST(Following, LightMayFlicker) {
+  const auto dataset = OpenDataset("synthetic:room?size=320x240&frames=60", "");
+  const FlickeringLight flickering(*dataset);
+  const Outcome run = RunWith(flickering, FrontEnd::kSemiDirect);
+  EXPECT_GT(run.Followed(), 20);
+  EXPECT_EQ(test::LostFrames(run.frames), 0);
+  EXPECT_LT(run.Error_m(), 1.5 * RunWith(flickering, FrontEnd::kDescriptors).Error_m());
+}
+
+TEST(Following, FramesMayBeMissing) {
+  const auto dataset = OpenDataset("synthetic:room?size=320x240&frames=70", "");
+  const DroppedFrames dropped(*dataset);
+  const Outcome run = RunWith(dropped, FrontEnd::kSemiDirect);
+  EXPECT_GT(run.Followed(), 20);
+  EXPECT_EQ(test::LostFrames(run.frames), 0);
+  EXPECT_LT(run.Error_m(), 1.5 * RunWith(dropped, FrontEnd::kDescriptors).Error_m());
+}
+
+TEST(Following, TheCameraMayTurnOnTheSpot) {
+  const auto dataset = OpenDataset("synthetic:room?size=320x240&frames=60&turning=1", "");
+  const Outcome run = RunWith(*dataset, FrontEnd::kSemiDirect);
+  EXPECT_GT(run.Followed(), 10);
+  EXPECT_EQ(test::LostFrames(run.frames), 0);
+  EXPECT_LT(run.Error_m(), 1.5 * RunWith(*dataset, FrontEnd::kDescriptors).Error_m() + 1e-3);
+}
+
+TEST(Following, DarknessEndsIt) {
+  const auto dataset = OpenDataset("synthetic:room?size=320x240&frames=40", "");
+  const test::WorseImages black(*dataset, {.black_first = 20, .black_count = 3});
+  const Outcome run = RunWith(black, FrontEnd::kSemiDirect);
+  for (size_t i = 20; i < 23 + FollowPolicy::kSureFrames; ++i) EXPECT_FALSE(run.followed[i]) << i;
+  EXPECT_EQ(test::LostFrames(run.frames), 3);
+  EXPECT_GT(run.Followed(), 10);
+}
+
+}  // namespace
+}  // namespace plslam::vo

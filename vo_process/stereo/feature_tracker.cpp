@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vo_process/stereo/feature_tracker.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "core/features/lines/line_sigma.h"
+#include "core/motion/motion_estimator.h"
+#include "vo_process/stereo/depth_points.h"
+#include "vo_process/stereo/halved_pair.h"
+#include "vo_process/stereo/line_stereo.h"
+#include "vo_process/stereo/patch_aligner.h"
+#include "vo_process/stereo/point_stereo.h"
+#include "vo_process/stereo/stereo_matcher.h"
+
+namespace plslam::vo {
+namespace {
+
+constexpr double kMinCorrelation = 0.8;
+constexpr double kMinGain = 0.25;
+constexpr double kMaxGain = 4.0;
+// Factor of the sigma of disparities, whose errors are for the most part those of the first frame.
+constexpr double kRepeatedDisparity = 2.0;
+// Points by which the expected motion is improved.
+constexpr size_t kSeeds = 80;
+// Features that a thread takes at once: some microseconds each.
+constexpr size_t kFeaturesAtATime = 8;
+
+Eigen::Vector3d Measurement(const Eigen::Vector2d& px, double disparity_px) { return {px.x(), px.y(), disparity_px}; }
+
+bool IsGood(const std::optional<TrackedPatch>& found) {
+  return found && found->correlation >= kMinCorrelation && found->gain >= kMinGain && found->gain <= kMaxGain;
+}
+
+}  // namespace
+
+/// Position, disparity and derivative for a surface parallel to the image.
+std::optional<FeatureTracker::ExpectedPoint> FeatureTracker::Expect(const Expected& motion,
+                                                                    const FollowedPoint& point) const {
+  const Eigen::Vector3d p_now =
+      motion.T_now_previous * camera_.Backproject(Measurement(point.seen.left.px, point.disparity_px));
+  if (p_now.z() < camera_.MinDepth()) return std::nullopt;
+  ExpectedPoint expected;
+  expected.patch.px = camera_.Project(p_now);
+  expected.disparity_px = camera_.FocalBaseline() / p_now.z();
+  if (!camera_.InImage(expected.patch.px, 0.0)) return std::nullopt;
+  const SE3 T_now_first = motion.T_now_odom * T_odom_first_;
+  const Eigen::Vector3d p_first = camera_.Backproject(Measurement(point.patch.px, point.first_disparity_px));
+  const Eigen::Vector3d there = T_now_first * p_first;
+  if (there.z() < camera_.MinDepth()) return std::nullopt;
+  const double step_m = p_first.z() / camera_.f_px;
+  for (int axis = 0; axis < 2; ++axis) {
+    const Eigen::Vector3d beside = T_now_first * (p_first + step_m * Eigen::Vector3d::Unit(axis));
+    expected.patch.now_from_then.col(axis) = camera_.Project(beside) - camera_.Project(there);
+  }
+  return expected;
+}
+
+/// The motion as some of the points show it.
+FeatureTracker::Expected FeatureTracker::Improved(const Expected& motion, const std::vector<cv::Mat>& left) const {
+  std::vector<PointCorrespondence> seen;
+  const size_t step = std::max<size_t>(points_.size() / kSeeds, 1);
+  for (size_t i = 0; i < points_.size(); i += step) {
+    const FollowedPoint& point = points_[i];
+    const auto expected = Expect(motion, point);
+    if (!expected) continue;
+    const auto found = TrackPatch(point.patch, left, expected->patch, SearchRange::kWide);
+    if (!IsGood(found)) continue;
+    const Eigen::Vector3d before = Measurement(point.seen.left.px, point.disparity_px);
+    const double sigma_px = point.seen.sigma_px;
+    seen.push_back({camera_.Backproject(before),
+                    camera_.BackprojectCovariance(before, sigma_px, point.seen.sigma_disparity_px),
+                    Measurement(found->px, -1.0), sigma_px});
+  }
+  MotionOptions options;
+  options.max_refinements = 1;
+  const auto estimate = EstimateMotion(seen, {}, camera_, motion.T_now_previous, std::nullopt, options);
+  if (!estimate || 2 * estimate->n_point_inliers < static_cast<int>(seen.size())) return motion;
+  return {estimate->T_cur_ref, estimate->T_cur_ref * motion.T_now_previous.Inverse() * motion.T_now_odom};
+}
+
+void FeatureTracker::TrackPoint(const std::vector<cv::Mat>& left, const Expected& motion,
+                                FollowedPoint& point) const {
+  point.is_found = false;
+  const auto expected = Expect(motion, point);
+  if (!expected) return;
+  auto found = TrackPatch(point.patch, left, expected->patch, SearchRange::kNear);
+  if (!found) found = TrackPatch(point.patch, left, expected->patch, SearchRange::kWide);
+  if (!IsGood(found)) return;
+  point.is_found = true;
+  point.seen.left.px = found->px;
+  point.disparity_px = expected->disparity_px;
+}
+
+/// Without depth if it is not found.
+void FeatureTracker::TrackLine(const RectifiedPair& pair, const RowField& rows, const Expected& motion,
+                               StereoLine& line) const {
+  const Segment2& before = line.left.segment;
+  const Eigen::Vector3d p = motion.T_now_previous * camera_.Backproject(Measurement(before.p, line.disparity_p_px));
+  const Eigen::Vector3d q = motion.T_now_previous * camera_.Backproject(Measurement(before.q, line.disparity_q_px));
+  line.disparity_p_px = line.disparity_q_px = -1.0;
+  if (std::min(p.z(), q.z()) < camera_.MinDepth()) return;
+  const auto level = static_cast<size_t>(line.left.octave);
+  if (level >= pair.left.size()) return;
+  const auto left = LocateSegment(pair.left[level], line.left, {camera_.Project(p), camera_.Project(q)});
+  if (!left) return;
+  line.left = *left;
+  line.sigma_px = EndSigma_px(line.left);
+  if (pair.HasDepthMap()) return;
+  const auto in_right = [&](const Eigen::Vector2d& px, double z_m) {
+    const double measured_px = rows.Measured_px(px, camera_.FocalBaseline() / z_m);
+    return Eigen::Vector2d(px.x() - measured_px, px.y() + rows.MatchOffset_px(px, measured_px));
+  };
+  const Segment2& now = line.left.segment;
+  const auto right = LocateSegment(pair.right[level], line.left, {in_right(now.p, p.z()), in_right(now.q, q.z())});
+  if (right) SetDepthFromRight(*right, pair.left.front(), pair.right.front(), rows, options_, {}, line);
+}
+
+void FeatureTracker::Track(const RectifiedPair& pair, const RowField& rows, const SE3& T_odom_previous,
+                           const SE3& T_odom_now, double depth_units_per_m, const RunBoth& run_both) {
+  const SE3 T_now_odom = T_odom_now.Inverse();
+  const Expected motion = Improved({T_now_odom * T_odom_previous, T_now_odom}, pair.left);
+  const bool has_depth_map = pair.HasDepthMap();
+  std::optional<HalvedPair> both;
+  if (!has_depth_map) both.emplace(pair.left, pair.right);
+  std::optional<PatchAligner> aligner;
+  if (both) aligner.emplace(*both, options_.row_sigma_px, rows, false);
+  std::atomic<size_t> begun = 0;
+  const size_t n = lines_.size() + points_.size();
+  const auto track = [&](size_t i) {
+    if (i < lines_.size()) return TrackLine(pair, rows, motion, lines_[i].seen);
+    FollowedPoint& point = points_[i - lines_.size()];
+    TrackPoint(pair.left, motion, point);
+    if (!point.is_found || has_depth_map) return;
+    AlignWithRight(*aligner, rows.Measured_px(point.seen.left.px, point.disparity_px), options_, point.seen);
+    if (point.seen.HasDepth()) point.seen.sigma_disparity_px *= kRepeatedDisparity;
+  };
+  const auto work = [&] {
+    for (size_t first = begun.fetch_add(kFeaturesAtATime); first < n; first = begun.fetch_add(kFeaturesAtATime)) {
+      for (size_t i = first; i < std::min(first + kFeaturesAtATime, n); ++i) track(i);
+    }
+  };
+  run_both(work, work);
+  std::erase_if(points_, [](const FollowedPoint& point) { return !point.is_found; });
+  StereoFeatures features = Features();
+  if (has_depth_map) {
+    AttachDepthToPoints(features.points, pair.depth, depth_units_per_m, camera_, options_);
+    AttachDepthToLines(features.lines, pair.depth, depth_units_per_m, camera_, options_);
+  } else {
+    ToSimultaneous(rows, features);
+  }
+  for (size_t i = 0; i < points_.size(); ++i) {
+    points_[i].seen = features.points[i];
+    if (features.points[i].HasDepth()) points_[i].disparity_px = features.points[i].disparity_px;
+  }
+  for (size_t i = 0; i < lines_.size(); ++i) lines_[i].seen = features.lines[i];
+  std::erase_if(lines_, [](const FollowedLine& line) { return !line.seen.HasDepth(); });
+}
+
+StereoFeatures FeatureTracker::Features() const {
+  StereoFeatures features;
+  features.points.reserve(points_.size());
+  for (const FollowedPoint& point : points_) features.points.push_back(point.seen);
+  features.lines.reserve(lines_.size());
+  for (const FollowedLine& line : lines_) features.lines.push_back(line.seen);
+  return features;
+}
+
+void FeatureTracker::Begin(const std::vector<cv::Mat>& left, const StereoFeatures& features) {
+  points_.clear();
+  lines_.clear();
+  for (const StereoPoint& point : features.points) {
+    if (!point.HasDepth()) continue;
+    const auto patch = StorePatch(left, point.left.px, point.left.scale);
+    if (patch) points_.push_back({point, point.disparity_px, *patch, point.disparity_px});
+  }
+  for (const StereoLine& line : features.lines) {
+    if (line.HasDepth()) lines_.push_back({line});
+  }
+  n_begun_ = Weight();
+}
+
+double FeatureTracker::Share() const { return n_begun_ > 0.0 ? Weight() / n_begun_ : 0.0; }
+
+}  // namespace plslam::vo

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vo_process/stereo/patch_tracker.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/LU>
+
+#include "core/geometry/symmetric.h"
+#include "vo_process/stereo/patch_aligner.h"
+
+namespace plslam::vo {
+namespace {
+
+constexpr int kCoarseIterations = 4;
+constexpr int kFineIterations = 8;
+constexpr double kCoarseConverged = 0.1;
+constexpr double kFineConverged = 0.02;
+constexpr double kMaxTravel = 2.5;
+constexpr double kMinCoarseCorrelation = 0.7;
+/// Ratio of the energy of gradients to that of noise, at least, in every direction.
+constexpr double kMinSignal = 4.0;
+/// Ratio of the smaller to the larger eigenvalue of the gradients, at least.
+constexpr double kMinFirmness = 0.2;
+/// Deviation of the derivative from that of a shift below which a template is not warped.
+constexpr double kNoWarp = 0.01;
+/// Changes of size beyond which a patch shows too little of what it showed.
+constexpr double kMinZoom = 0.5;
+constexpr double kMaxZoom = 2.0;
+
+constexpr int kRimSide = kSide + 2;  // the patch and one pixel around it
+
+struct Template {
+  Patch pixels;
+  Patch grad_u;
+  Patch grad_v;
+  float energy = 0.0F;
+  Eigen::Matrix2d hessian = Eigen::Matrix2d::Zero();
+  double weaker = 0.0;  // smaller eigenvalue of the hessian
+};
+
+bool Inside(const cv::Mat& image, double u, double v, double reach) {
+  return u >= reach && v >= reach && u <= image.cols - 1 - reach && v <= image.rows - 1 - reach;
+}
+
+constexpr double kMargin = kHalf + 2;
+
+/// Makes the gradients orthogonal to offset and gain of brightness, and builds the normal equations.
+bool Complete(Template& t) {
+  RemoveMean(t.pixels);
+  RemoveMean(t.grad_u);
+  RemoveMean(t.grad_v);
+  t.energy = Dot(t.pixels, t.pixels);
+  if (!(t.energy > kPixels * kMinNoise * kMinNoise)) return false;
+  t.grad_u -= t.pixels * (Dot(t.grad_u, t.pixels) / t.energy);
+  t.grad_v -= t.pixels * (Dot(t.grad_v, t.pixels) / t.energy);
+  const double uv = Dot(t.grad_u, t.grad_v);
+  t.hessian << Dot(t.grad_u, t.grad_u), uv, uv, Dot(t.grad_v, t.grad_v);
+  const double half_trace = 0.5 * t.hessian.trace();
+  const double half_difference = 0.5 * (t.hessian(0, 0) - t.hessian(1, 1));
+  t.weaker = half_trace - std::sqrt(half_difference * half_difference + uv * uv);
+  if (!(t.weaker > kMinFirmness * (t.hessian.trace() - t.weaker))) return false;
+  return t.weaker > 0.25 * kMinNoise * kMinNoise * kPixels * kMinSignal;
+}
+
+/// Template around `center`, which must be `kMargin` from the border.
+std::optional<Template> MakeTemplate(const cv::Mat& image, const Eigen::Vector2i& center) {
+  const PatchGradients read = ReadGradients(image, center);
+  Template t{read.pixels, read.grad_u, read.grad_v};
+  if (!Complete(t)) return std::nullopt;
+  return t;
+}
+
+/// The same with the pixels of the present image, which `then_from_now` takes to the earlier one.
+std::optional<Template> MakeWarpedTemplate(const cv::Mat& image, const Eigen::Vector2i& center,
+                                           const Eigen::Matrix2d& then_from_now) {
+  constexpr int kRimHalf = kHalf + 1;
+  const double reach = kRimHalf * std::max(then_from_now.row(0).lpNorm<1>(), then_from_now.row(1).lpNorm<1>()) + 1.0;
+  if (!Inside(image, center.x(), center.y(), reach)) return std::nullopt;
+  std::array<float, static_cast<size_t>(kRimSide) * kRimSide> rim;
+  const auto step_u = static_cast<float>(then_from_now(0, 0));
+  const auto step_v = static_cast<float>(then_from_now(1, 0));
+  const size_t stride = image.step;
+  for (int y = 0; y < kRimSide; ++y) {
+    const Eigen::Vector2d begin = center.cast<double>() + then_from_now * Eigen::Vector2d(-kRimHalf, y - kRimHalf);
+    const auto u0 = static_cast<float>(begin.x());
+    const auto v0 = static_cast<float>(begin.y());
+    for (int x = 0; x < kRimSide; ++x) {
+      const float u = u0 + step_u * static_cast<float>(x);
+      const float v = v0 + step_v * static_cast<float>(x);
+      const int iu = static_cast<int>(u);
+      const int iv = static_cast<int>(v);
+      const float fu = u - static_cast<float>(iu);
+      const float fv = v - static_cast<float>(iv);
+      const uint8_t* p = image.data + static_cast<size_t>(iv) * stride + iu;
+      const auto a = static_cast<float>(p[0]);
+      const auto c = static_cast<float>(p[stride]);
+      const float top = a + fu * (static_cast<float>(p[1]) - a);
+      const float bottom = c + fu * (static_cast<float>(p[stride + 1]) - c);
+      rim[static_cast<size_t>(y) * kRimSide + x] = top + fv * (bottom - top);
+    }
+  }
+  Template t;
+  t.pixels.setZero();
+  t.grad_u.setZero();
+  t.grad_v.setZero();
+  for (int y = 0; y < kSide; ++y) {
+    const float* row = rim.data() + static_cast<size_t>(y + 1) * kRimSide + 1;
+    for (int x = 0; x < kSide; ++x) {
+      t.pixels(x, y) = row[x];
+      t.grad_u(x, y) = 0.5F * (row[x + 1] - row[x - 1]);
+      t.grad_v(x, y) = 0.5F * (row[x + kRimSide] - row[x - kRimSide]);
+    }
+  }
+  if (!Complete(t)) return std::nullopt;
+  return t;
+}
+
+/// Samples a patch centred at a fractional position, bilinearly. It must be `kMargin` from the border.
+void Sample(const cv::Mat& image, double u, double v, Patch& patch) {
+  const int u0 = static_cast<int>(std::floor(u));
+  const int v0 = static_cast<int>(std::floor(v));
+  const auto fu = static_cast<float>(u - u0);
+  const auto fv = static_cast<float>(v - v0);
+  const auto here = ReadRows<kSide + 1>(image, u0 - kHalf, v0 - kHalf);
+  const auto next = ReadRows<kSide + 1>(image, u0 + 1 - kHalf, v0 - kHalf);
+  const Eigen::Array<float, kRow, kSide + 1> along = here + fu * (next - here);
+  patch = along.leftCols<kSide>() + fv * (along.rightCols<kSide>() - along.leftCols<kSide>());
+  patch.bottomRows<1>().setZero();
+}
+
+struct Found {
+  Eigen::Vector2d center = Eigen::Vector2d::Zero();
+  double noise = 0.0;
+  double gain = 0.0;
+  double correlation = 0.0;
+  bool converged = false;
+};
+
+std::optional<Found> Search(const Template& t, const cv::Mat& image, const Eigen::Vector2d& start, int iterations,
+                            double converged) {
+  const Eigen::Matrix2d inverse = t.hessian.inverse();
+  Found found;
+  found.center = start;
+  Patch now;
+  for (int iteration = 0; iteration < iterations; ++iteration) {
+    if (!Inside(image, found.center.x(), found.center.y(), kMargin)) return std::nullopt;
+    Sample(image, found.center.x(), found.center.y(), now);
+    const float sum = now.sum();
+    const double energy = Dot(now, now) - static_cast<double>(sum) * sum / kPixels;
+    const double cross = Dot(t.pixels, now);
+    if (!(energy > 0.0) || !(cross > 0.0)) return std::nullopt;
+    found.gain = cross / t.energy;
+    const Eigen::Vector2d gradient(Dot(t.grad_u, now), Dot(t.grad_v, now));
+    const Eigen::Vector2d step = inverse * gradient / found.gain;
+    found.center -= step;
+    if (!((found.center - start).cwiseAbs().maxCoeff() <= kMaxTravel)) return std::nullopt;
+    if (step.cwiseAbs().maxCoeff() > converged) continue;
+    found.correlation = cross / std::sqrt(t.energy * energy);
+    const double residual = energy / (found.gain * found.gain) - t.energy;
+    found.noise = std::max(std::sqrt(std::max(residual, 0.0) / (kPixels - 4)), kMinNoise);
+    found.converged = true;
+    return found;
+  }
+  return found;
+}
+
+/// View of a stored level as an image.
+cv::Mat AsImage(const StoredPatch::Pixels& pixels) {
+  // OpenCV has no image of constant pixels; nothing writes to this one.
+  return {StoredPatch::kWidth, StoredPatch::kWidth, CV_8UC1, const_cast<uint8_t*>(pixels.data())};
+}
+
+Eigen::Vector2i Rounded(const Eigen::Vector2d& px) {
+  return {static_cast<int>(std::lround(px.x())), static_cast<int>(std::lround(px.y()))};
+}
+
+const Eigen::Vector2i kCenter(StoredPatch::kReach, StoredPatch::kReach);
+
+/// Searches one level. Returns the position in pixels of that level's image.
+std::optional<Found> SearchLevel(const cv::Mat& then, const cv::Mat& now, const Eigen::Vector2d& start,
+                                 const Eigen::Matrix2d* then_from_now, bool is_finest) {
+  const auto t = then_from_now ? MakeWarpedTemplate(then, kCenter, *then_from_now) : MakeTemplate(then, kCenter);
+  if (!t) return std::nullopt;
+  auto found = Search(*t, now, start, is_finest ? kFineIterations : kCoarseIterations,
+                      is_finest ? kFineConverged : kCoarseConverged);
+  if (!found) return std::nullopt;
+  const double from_noise = 0.25 * found->noise * found->noise * kPixels;
+  if (!(t->weaker > kMinSignal * from_noise)) return std::nullopt;
+  return found;
+}
+
+}  // namespace
+
+std::optional<StoredPatch> StorePatch(const std::vector<cv::Mat>& levels, const Eigen::Vector2d& px, double scale) {
+  StoredPatch patch;
+  patch.px = px;
+  const int n_levels = static_cast<int>(std::min(levels.size(), StoredPatch::kLevels));
+  double size_px = 1.0;
+  for (; patch.finest + 1 < n_levels && scale > size_px * std::numbers::sqrt2; size_px *= 2.0) ++patch.finest;
+  for (int level = patch.finest; level < n_levels; ++level, size_px *= 2.0, ++patch.n_levels) {
+    const cv::Mat& image = levels[static_cast<size_t>(level)];
+    const Eigen::Vector2i center = Rounded(px / size_px);
+    if (!Inside(image, center.x(), center.y(), kMargin)) break;
+    uint8_t* out = patch.images[static_cast<size_t>(patch.n_levels)].data();
+    for (int y = -StoredPatch::kReach; y <= StoredPatch::kReach; ++y) {
+      const uint8_t* row = image.ptr<uint8_t>(std::clamp(center.y() + y, 0, image.rows - 1));
+      for (int x = -StoredPatch::kReach; x <= StoredPatch::kReach; ++x) {
+        *out++ = row[std::clamp(center.x() + x, 0, image.cols - 1)];
+      }
+    }
+  }
+  if (patch.n_levels == 0) return std::nullopt;
+  return patch;
+}
+
+std::optional<TrackedPatch> TrackPatch(const StoredPatch& patch, const std::vector<cv::Mat>& now,
+                                       const PatchExpectation& expected, SearchRange range) {
+  if (!expected.px.allFinite() || !expected.now_from_then.allFinite()) return std::nullopt;
+  const double determinant = expected.now_from_then.determinant();
+  if (!(determinant >= kMinZoom * kMinZoom && determinant <= kMaxZoom * kMaxZoom)) return std::nullopt;
+  const Eigen::Matrix2d then_from_now = expected.now_from_then.inverse();
+  const bool warps = (then_from_now - Eigen::Matrix2d::Identity()).cwiseAbs().maxCoeff() > kNoWarp;
+  Eigen::Vector2d shift = Eigen::Vector2d::Zero();  // found beyond the expected position, in pixels of the image
+  for (int i = range == SearchRange::kNear ? 0 : patch.n_levels - 1; i >= 0; --i) {
+    const auto level = static_cast<size_t>(patch.finest + i);
+    if (level >= now.size()) continue;
+    const double size_px = static_cast<double>(size_t{1} << level);
+    const Eigen::Vector2d then = patch.px / size_px;
+    const Eigen::Vector2d off_center = expected.now_from_then * (then - Rounded(then).cast<double>());
+    const bool is_finest = i == 0;
+    const auto found = SearchLevel(AsImage(patch.images[static_cast<size_t>(i)]), now[level],
+                                   (expected.px + shift) / size_px - off_center,
+                                   warps && is_finest ? &then_from_now : nullptr, is_finest);
+    if (!found || !found->converged) continue;
+    const Eigen::Vector2d px = (found->center + off_center) * size_px;
+    if (is_finest) return TrackedPatch{px, found->correlation, found->gain};
+    if (found->correlation > kMinCoarseCorrelation) shift = px - expected.px;
+  }
+  return std::nullopt;
+}
+
+}  // namespace plslam::vo

@@ -18,6 +18,9 @@ namespace {
 constexpr int kMostKeyframes = 10;
 constexpr double kLargest = 60.0;
 
+// A submap knows a surface if its own is nearer than so many voxels.
+constexpr double kSameSurface = 2.0;
+
 constexpr double kLargestVoxel_m = 1.0;
 constexpr double kUnit = 1e-9;  // rounding of unit quaternions
 
@@ -102,6 +105,38 @@ Volume DenseMap::Merge(const KeyframePoses& poses, const SE3& T_a_w) const {
     merged.Add(submap.volume, T_a_w * anchor->second * submap.T_s_anchor.Inverse());
   }
   return merged;
+}
+
+SurfaceCloud DenseMap::Split(const Surface& surface_w, const KeyframePoses& poses) const {
+  SurfaceCloud cloud;
+  cloud.voxel_m = voxel_m_;
+  std::vector<const Surface::Vertex*> left;
+  for (const Surface::Vertex& vertex : surface_w.vertices) left.push_back(&vertex);
+  const auto add = [](const Surface::Vertex& vertex, SubmapCloud& to) {
+    const SE3 T_anchor_w = to.T_w_anchor.Inverse();
+    to.points.push_back({(T_anchor_w * vertex.p.cast<double>()).cast<float>(),
+                         RoundedNormal((T_anchor_w.R() * vertex.normal.cast<double>()).cast<float>()), vertex.grey});
+  };
+  for (size_t i = 0; i < submaps_.size(); ++i) {
+    const auto anchor = poses.find(submaps_[i].anchor);
+    if (anchor == poses.end()) continue;
+    SubmapCloud& to = cloud.submaps[static_cast<int>(i)];
+    to = {anchor->first.first, anchor->first.second, anchor->second, {}};
+    const Volume::Reader reader(submaps_[i].volume);
+    const SE3 T_s_w = submaps_[i].T_s_anchor * anchor->second.Inverse();
+    std::erase_if(left, [&](const Surface::Vertex* vertex) {
+      const Eigen::Vector3d p = T_s_w * vertex->p.cast<double>() / voxel_m_;
+      const auto voxel = reader.At({static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y())),
+                                    static_cast<int>(std::lround(p.z()))});
+      const bool is_known =
+          voxel && voxel->weight >= kLeastKnown && std::abs(voxel->distance_m) < kSameSurface * voxel_m_;
+      if (is_known) add(*vertex, to);
+      return is_known;
+    });
+  }
+  if (cloud.submaps.empty()) return cloud;
+  for (const Surface::Vertex* vertex : left) add(*vertex, cloud.submaps.rbegin()->second);
+  return cloud;
 }
 
 void DenseMap::Write(const std::string& path, const KeyframePoses& poses, const KeyframePoses& lasting) const {

@@ -13,7 +13,9 @@
 #include "core/geometry/stereo_camera.h"
 #include "core/ids/ids.h"
 #include "core/map/map.h"
+#include "core/map/surface_cloud.h"
 #include "dense_process/depth.h"
+#include "dense_process/surface.h"
 #include "dense_process/volume.h"
 
 namespace plslam::dense {
@@ -57,6 +59,10 @@ class DenseMap {
   /// Returns all submaps in one volume, with the anchors at `poses`, in a frame `a`. Submaps whose anchor is unknown are
   /// left out.
   Volume Merge(const KeyframePoses& poses, const SE3& T_a_w) const;
+
+  /// Returns the vertices of the merged surface in w as points of the submaps that know their places: the first one of
+  /// several, so that later submaps leave it unchanged. A point whose place no submap knows goes to the newest one.
+  SurfaceCloud Split(const Surface& surface_w, const KeyframePoses& poses) const;
 
  private:
   struct Submap {

@@ -93,23 +93,26 @@ TEST(BodyMask, HullOfABodyAndItsMarginAreLeftOut) {
   EXPECT_EQ(in_use.at<uint8_t>(20, 300), 255) << "one feature is no body";
 }
 
-/// A map with two submaps of planes.
-DenseMap TwoPlanes() {
-  DenseMap map(kVoxel_m, 0.0);
+/// Adds what each of these keyframes sees: a plane at 2 m.
+void AddPlanes(const KeyframePoses& poses, DenseMap& map) {
   const StereoCamera camera{
       .f_px = 100.0, .cx_px = 40.0, .cy_px = 30.0, .baseline_m = 0.1, .width_px = 80, .height_px = 60};
   DepthImage depth;
   depth.z_m = cv::Mat(60, 80, CV_32F, cv::Scalar(2.0));
   depth.sigma_m = cv::Mat(60, 80, CV_32F, cv::Scalar(0.01));
   const cv::Mat grey(60, 80, CV_8U, cv::Scalar(90));
-  KeyframePoses poses{
-      {{1, 0}, SE3()}, {{1, 5}, SE3()}, {{2, 0}, SE3(Eigen::Quaterniond::Identity(), {3.0, 0.0, 0.0})}};
   for (const auto& [name, pose] : poses) EXPECT_TRUE(map.Add(name, depth, grey, camera, poses));
-  return map;
 }
 
 KeyframePoses PosesOfPlanes() {
   return {{{1, 0}, SE3()}, {{1, 5}, SE3()}, {{2, 0}, SE3(Eigen::Quaterniond::Identity(), {3.0, 0.0, 0.0})}};
+}
+
+/// A map with two submaps of planes.
+DenseMap TwoPlanes() {
+  DenseMap map(kVoxel_m, 0.0);
+  AddPlanes(PosesOfPlanes(), map);
+  return map;
 }
 
 TEST(SurfacesFile, GivesTheSameMap) {
@@ -125,6 +128,35 @@ TEST(SurfacesFile, GivesTheSameMap) {
   ASSERT_FALSE(one.vertices.empty());
   ASSERT_EQ(one.vertices.size(), two.vertices.size());
   for (size_t i = 0; i < one.vertices.size(); ++i) EXPECT_EQ(one.vertices[i].p, two.vertices[i].p);
+}
+
+TEST(DenseMap, SurfacePointsGoToTheirSubmaps) {
+  KeyframePoses poses = PosesOfPlanes();
+  poses[{2, 5}] = poses[{2, 0}];
+  DenseMap map(kVoxel_m, 0.0);
+  AddPlanes(poses, map);
+  const auto split = [&](const KeyframePoses& at) { return map.Split(ExtractSurface(map.Merge(at, SE3())), at); };
+  const SurfaceCloud cloud = split(poses);
+  ASSERT_EQ(cloud.submaps.size(), 2U);
+  EXPECT_EQ(cloud.n_points(), ExtractSurface(map.Merge(poses, SE3())).vertices.size());
+  for (const auto& [number, submap] : cloud.submaps) {
+    EXPECT_EQ(submap.anchor_session, SessionId(number + 1));
+    EXPECT_GT(submap.points.size(), 300U);
+    for (const SurfacePoint& point : submap.points) {
+      EXPECT_NEAR(point.p.z(), 2.0, 0.02);
+      EXPECT_LT(std::abs(point.p.x()), 1.0) << "seen from its own anchor";
+      EXPECT_EQ(point.grey, 90);
+    }
+  }
+  // A correction moves the anchor, and the points keep their places relative to it.
+  KeyframePoses moved = poses;
+  moved[{2, 0}] = SE3(Eigen::Quaterniond::Identity(), {10.0, 1.0, 0.0});
+  const SurfaceCloud later = split(moved);
+  EXPECT_EQ(later.submaps.at(1).T_w_anchor.translation(), Eigen::Vector3d(10.0, 1.0, 0.0));
+  EXPECT_FALSE(HasOtherSurfaces(cloud.submaps.at(1).points, later.submaps.at(1).points, kVoxel_m, 10));
+  // Without a place in the map a submap has no points.
+  moved.erase({2, 0});
+  EXPECT_FALSE(split(moved).submaps.contains(1));
 }
 
 TEST(SurfacesFile, SubmapOfARemovedKeyframeHasAnotherAnchor) {

@@ -31,6 +31,9 @@ KeyframePoses PosesOf(const Map& map);
 
 /// Surfaces of a map in submaps of a few keyframes, each anchored to its first one. A correction of the map moves the
 /// submaps rigidly with their anchors, at no cost; within a submap the poses at the time of fusion remain.
+///
+/// A blank surface has no depth, but its surroundings bound it from below. Such rays clear obstacles of all submaps when
+/// these are merged: a person who has left the front of a blank wall. They make nothing free that was unknown.
 class DenseMap {
  public:
   /// `range_m`: largest depth in use; 0: where it is known to 2.5 voxels.
@@ -65,11 +68,17 @@ class DenseMap {
   SurfaceCloud Split(const Surface& surface_w, const KeyframePoses& poses) const;
 
  private:
+  /// Rays of a keyframe through blank pixels, which are known to be free up to their ends, in s.
+  struct BoundedView {
+    Eigen::Vector3f eye = Eigen::Vector3f::Zero();
+    std::vector<Eigen::Vector3f> ends;
+  };
   struct Submap {
     KeyframeFrame anchor;
     SE3 T_s_anchor;  ///< s: the frame w of the map at the time of the first keyframe
     int n_keyframes = 0;
     Volume volume;
+    std::vector<BoundedView> views;
   };
 
   bool Continues(const KeyframeFrame& keyframe, const SE3& T_w_kf, const KeyframePoses& poses) const;

@@ -19,7 +19,7 @@ void HeardSurfaces::OnStatus(const status_t& message) {
 bool HeardSurfaces::MayCome() const {
   if (!publisher_) return false;
   const auto lacks = [this](const bus::ReceivedMessages& received, int64_t n_published) {
-    return n_published > (received.source == publisher_->source ? received.n : 0);
+    return n_published > received.From(publisher_->source);
   };
   return !publisher_->has_finished || lacks(grid_.received(), publisher_->n_tiles) ||
          lacks(submaps_.received(), publisher_->n_submaps);

@@ -18,10 +18,14 @@ namespace {
 constexpr int kMostKeyframes = 10;
 constexpr double kLargest = 60.0;
 
-constexpr double kLargestVoxel_m = 1.0;
-constexpr double kUnit = 1e-9;  // rounding of unit quaternions
+// A submap knows a surface if its own is nearer than so many voxels.
+constexpr double kSameSurface = 2.0;
 
-constexpr FileKind kSurfaces{{'P', 'L', 'S', 'L', 'S', 'U', 'R', 'F'}, 1, "surfaces file"};
+constexpr double kLargestVoxel_m = 1.0;
+constexpr float kFarthest_m = 1e6F;  // from the origin of a submap
+constexpr double kUnit = 1e-9;       // rounding of unit quaternions
+
+constexpr FileKind kSurfaces{{'P', 'L', 'S', 'L', 'S', 'U', 'R', 'F'}, 2, "surfaces file"};
 
 /// A submap in a file.
 struct StoredSubmap {
@@ -29,10 +33,11 @@ struct StoredSubmap {
   SE3 T_s_anchor;
   int32_t n_keyframes = 0;
   std::vector<Volume::Block> blocks;
+  std::vector<std::vector<float>> views;  ///< x, y, z of the eye, and of each end
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.anchor, self.T_s_anchor, self.n_keyframes, self.blocks);
+    a(self.anchor, self.T_s_anchor, self.n_keyframes, self.blocks, self.views);
   }
 };
 
@@ -84,11 +89,17 @@ bool DenseMap::Add(const KeyframeFrame& keyframe, const DepthImage& depth, const
   const auto pose = poses.find(keyframe);
   if (pose == poses.end()) return false;
   const SE3& T_w_kf = pose->second;
-  if (!Continues(keyframe, T_w_kf, poses)) submaps_.push_back({keyframe, T_w_kf, 0, Volume(voxel_m_)});
+  if (!Continues(keyframe, T_w_kf, poses)) submaps_.push_back({keyframe, T_w_kf, 0, Volume(voxel_m_), {}});
   Submap& submap = submaps_.back();
   const SE3 T_s_kf = submap.T_s_anchor * poses.at(submap.anchor).Inverse() * T_w_kf;
   const double range_m = range_m_ > 0.0 ? range_m_ : std::numeric_limits<double>::infinity();
   submap.volume.Integrate(T_s_kf.translation(), MakeRays(depth, grey, camera, T_s_kf, voxel_m_, range_m));
+  const std::vector<Eigen::Vector3d> ends = MakeBoundEnds(depth, camera, T_s_kf, voxel_m_, range_m);
+  if (!ends.empty()) {
+    BoundedView& view = submap.views.emplace_back();
+    view.eye = T_s_kf.translation().cast<float>();
+    for (const Eigen::Vector3d& end : ends) view.ends.push_back(end.cast<float>());
+  }
   ++submap.n_keyframes;
   fused_.insert(keyframe);
   return true;
@@ -101,14 +112,60 @@ Volume DenseMap::Merge(const KeyframePoses& poses, const SE3& T_a_w) const {
     if (anchor == poses.end()) continue;
     merged.Add(submap.volume, T_a_w * anchor->second * submap.T_s_anchor.Inverse());
   }
+  for (const Submap& submap : submaps_) {
+    const auto anchor = poses.find(submap.anchor);
+    if (anchor == poses.end()) continue;
+    const SE3 T_a_s = T_a_w * anchor->second * submap.T_s_anchor.Inverse();
+    for (const BoundedView& view : submap.views) {
+      std::vector<Eigen::Vector3d> ends;
+      for (const Eigen::Vector3f& end : view.ends) ends.push_back(T_a_s * end.cast<double>());
+      merged.Clear(T_a_s * view.eye.cast<double>(), ends);
+    }
+  }
   return merged;
+}
+
+SurfaceCloud DenseMap::Split(const Surface& surface_w, const KeyframePoses& poses) const {
+  SurfaceCloud cloud;
+  cloud.voxel_m = voxel_m_;
+  std::vector<const Surface::Vertex*> left;
+  for (const Surface::Vertex& vertex : surface_w.vertices) left.push_back(&vertex);
+  const auto add = [](const Surface::Vertex& vertex, SubmapCloud& to) {
+    const SE3 T_anchor_w = to.T_w_anchor.Inverse();
+    to.points.push_back({(T_anchor_w * vertex.p.cast<double>()).cast<float>(),
+                         RoundedNormal((T_anchor_w.R() * vertex.normal.cast<double>()).cast<float>()), vertex.grey});
+  };
+  for (size_t i = 0; i < submaps_.size(); ++i) {
+    const auto anchor = poses.find(submaps_[i].anchor);
+    if (anchor == poses.end()) continue;
+    SubmapCloud& to = cloud.submaps[static_cast<int>(i)];
+    to = {anchor->first.first, anchor->first.second, anchor->second, {}};
+    const Volume::Reader reader(submaps_[i].volume);
+    const SE3 T_s_w = submaps_[i].T_s_anchor * anchor->second.Inverse();
+    std::erase_if(left, [&](const Surface::Vertex* vertex) {
+      const Eigen::Vector3d p = T_s_w * vertex->p.cast<double>() / voxel_m_;
+      const auto voxel = reader.At({static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y())),
+                                    static_cast<int>(std::lround(p.z()))});
+      const bool is_known =
+          voxel && voxel->weight >= kLeastKnown && std::abs(voxel->distance_m) < kSameSurface * voxel_m_;
+      if (is_known) add(*vertex, to);
+      return is_known;
+    });
+  }
+  if (cloud.submaps.empty()) return cloud;
+  for (const Surface::Vertex* vertex : left) add(*vertex, cloud.submaps.rbegin()->second);
+  return cloud;
 }
 
 void DenseMap::Write(const std::string& path, const KeyframePoses& poses, const KeyframePoses& lasting) const {
   std::vector<StoredSubmap> stored;
   for (const Submap& submap : submaps_) {
     StoredSubmap& to = stored.emplace_back();
-    to = {submap.anchor, submap.T_s_anchor, submap.n_keyframes, submap.volume.Blocks()};
+    to = {submap.anchor, submap.T_s_anchor, submap.n_keyframes, submap.volume.Blocks(), {}};
+    for (const BoundedView& view : submap.views) {
+      std::vector<float>& numbers = to.views.emplace_back(view.eye.begin(), view.eye.end());
+      for (const Eigen::Vector3f& end : view.ends) numbers.insert(numbers.end(), end.begin(), end.end());
+    }
     const auto anchor = poses.find(submap.anchor);
     if (lasting.contains(submap.anchor) || anchor == poses.end()) continue;
     const std::optional<KeyframeFrame> nearest = Nearest(lasting, anchor->second);
@@ -135,8 +192,16 @@ DenseMap DenseMap::Read(const std::string& path, double range_m) {
       const bool is_pose =
           submap.T_s_anchor.IsFinite() && std::abs(submap.T_s_anchor.rotation().norm() - 1.0) < kUnit;
       if (!is_pose) throw std::runtime_error("a submap has no valid pose");
-      map.submaps_.push_back(
-          {submap.anchor, submap.T_s_anchor, submap.n_keyframes, Volume::FromBlocks(voxel_m, submap.blocks)});
+      Submap& read = map.submaps_.emplace_back(Submap{
+          submap.anchor, submap.T_s_anchor, submap.n_keyframes, Volume::FromBlocks(voxel_m, submap.blocks), {}});
+      for (const std::vector<float>& numbers : submap.views) {
+        const bool are_points = numbers.size() >= 3 && numbers.size() % 3 == 0 &&
+                                std::ranges::all_of(numbers, [](float x) { return std::abs(x) < kFarthest_m; });
+        if (!are_points) throw std::runtime_error("a submap has invalid rays");
+        BoundedView& view = read.views.emplace_back();
+        view.eye = Eigen::Vector3f(numbers.data());
+        for (size_t i = 3; i < numbers.size(); i += 3) view.ends.emplace_back(numbers.data() + i);
+      }
     }
     return map;
   });

@@ -13,7 +13,9 @@
 #include "core/geometry/stereo_camera.h"
 #include "core/ids/ids.h"
 #include "core/map/map.h"
+#include "core/map/surface_cloud.h"
 #include "dense_process/depth.h"
+#include "dense_process/surface.h"
 #include "dense_process/volume.h"
 
 namespace plslam::dense {
@@ -29,6 +31,9 @@ KeyframePoses PosesOf(const Map& map);
 
 /// Surfaces of a map in submaps of a few keyframes, each anchored to its first one. A correction of the map moves the
 /// submaps rigidly with their anchors, at no cost; within a submap the poses at the time of fusion remain.
+///
+/// A blank surface has no depth, but its surroundings bound it from below. Such rays clear obstacles of all submaps when
+/// these are merged: a person who has left the front of a blank wall. They make nothing free that was unknown.
 class DenseMap {
  public:
   /// `range_m`: largest depth in use; 0: where it is known to 2.5 voxels.
@@ -58,12 +63,22 @@ class DenseMap {
   /// left out.
   Volume Merge(const KeyframePoses& poses, const SE3& T_a_w) const;
 
+  /// Returns the vertices of the merged surface in w as points of the submaps that know their places: the first one of
+  /// several, so that later submaps leave it unchanged. A point whose place no submap knows goes to the newest one.
+  SurfaceCloud Split(const Surface& surface_w, const KeyframePoses& poses) const;
+
  private:
+  /// Rays of a keyframe through blank pixels, which are known to be free up to their ends, in s.
+  struct BoundedView {
+    Eigen::Vector3f eye = Eigen::Vector3f::Zero();
+    std::vector<Eigen::Vector3f> ends;
+  };
   struct Submap {
     KeyframeFrame anchor;
     SE3 T_s_anchor;  ///< s: the frame w of the map at the time of the first keyframe
     int n_keyframes = 0;
     Volume volume;
+    std::vector<BoundedView> views;
   };
 
   bool Continues(const KeyframeFrame& keyframe, const SE3& T_w_kf, const KeyframePoses& poses) const;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <unordered_map>
+#include <unordered_set>
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
@@ -50,6 +51,11 @@ constexpr float kMostlyKnown = 0.3F;
 constexpr float kUnknownIncidence = 0.7F;
 constexpr float kLeastIncidence = 0.35F;
 constexpr double kSigmasInVoxels = 2.5;
+// Farthest known pixel that bounds a blank one, as a share of the width, and the longest gap of other unknown pixels on
+// the way: matches fail at borders of surfaces, too.
+constexpr double kBoundReach = 1.0 / 6.0;
+constexpr int kBoundGap_px = 8;
+constexpr float kBoundSigmas = 2.5F;
 
 int DisparityRange(const StereoFeatures& features, int width_px) {
   double largest_px = 0.0;
@@ -170,6 +176,55 @@ void Compare(const cv::Mat& disparity, const cv::Mat& sigma_px, const StereoFeat
   depth.sigma_scale = std::max(1.0, kSigmaOfMedian * Median(differences));
 }
 
+/// A walk over pixels in one direction, which carries the depth of the last known one into blank pixels.
+class BoundWalk {
+ public:
+  explicit BoundWalk(int reach_px) : reach_px_(reach_px) {}
+
+  /// Returns the bound at the next pixel; 0: none.
+  float Step(float z_m, float sigma_m, bool is_blank, bool in_use) {
+    if (z_m > 0.0F) {
+      *this = BoundWalk(reach_px_);
+      bound_m_ = z_m - kBoundSigmas * sigma_m;
+      return 0.0F;
+    }
+    gap_px_ = is_blank ? 0 : gap_px_ + 1;
+    if (++distance_px_ > reach_px_ || gap_px_ > kBoundGap_px || !in_use) bound_m_ = 0.0F;
+    return is_blank ? bound_m_ : 0.0F;
+  }
+
+ private:
+  int reach_px_;
+  int distance_px_ = 0;
+  int gap_px_ = 0;
+  float bound_m_ = 0.0F;
+};
+
+/// Lower bounds in blank pixels; `in_use` may be empty.
+cv::Mat LowerBounds(const DepthImage& depth, const cv::Mat& has_texture, const cv::Mat& in_use) {
+  const cv::Size size = depth.z_m.size();
+  cv::Mat least(size, CV_32F, cv::Scalar(std::numeric_limits<float>::max()));
+  const auto reach_px = static_cast<int>(kBoundReach * size.width);
+  const auto visit = [&](BoundWalk& walk, int y, int x) {
+    const float bound =
+        walk.Step(depth.z_m.at<float>(y, x), depth.sigma_m.at<float>(y, x), has_texture.at<uint8_t>(y, x) == 0,
+                  in_use.empty() || in_use.at<uint8_t>(y, x) != 0);
+    float& at = least.at<float>(y, x);
+    at = std::min(at, std::max(bound, 0.0F));
+  };
+  for (int y = 0; y < size.height; ++y) {
+    BoundWalk right(reach_px), left(reach_px);
+    for (int x = 0; x < size.width; ++x) visit(right, y, x);
+    for (int x = size.width - 1; x >= 0; --x) visit(left, y, x);
+  }
+  for (int x = 0; x < size.width; ++x) {
+    BoundWalk down(reach_px), up(reach_px);
+    for (int y = 0; y < size.height; ++y) visit(down, y, x);
+    for (int y = size.height - 1; y >= 0; --y) visit(up, y, x);
+  }
+  return least;
+}
+
 /// Cosine of the angle between each pixel's ray and the normal of its surface, from the gradient of the disparities
 /// 1/z around it: a plane has a linear one, n . p = 1 with n = (a f, b f, c). `kUnknownIncidence` without neighbours.
 cv::Mat IncidenceOf(const cv::Mat& z_m, const StereoCamera& camera) {
@@ -233,7 +288,8 @@ DepthImage MatchPair(const cv::Mat& left, const cv::Mat& right, const cv::Mat& i
   cv::Mat disparity;
   matched.colRange(range_px, matched.cols).convertTo(disparity, CV_32F, 1.0 / kDisparityUnits);
   cv::max(disparity, 0.0, disparity);
-  disparity.setTo(0.0, ~HasTexture(left));
+  const cv::Mat has_texture = HasTexture(left);
+  disparity.setTo(0.0, ~has_texture);
   if (!in_use.empty()) disparity.setTo(0.0, in_use == 0);
   // A pixel whose match is outside the right image was matched with the border.
   for (int y = 0; y < disparity.rows; ++y) {
@@ -258,6 +314,7 @@ DepthImage MatchPair(const cv::Mat& left, const cv::Mat& right, const cv::Mat& i
       depth.sigma_m.at<float>(y, x) = static_cast<float>(depth.sigma_scale * sigma_px.at<float>(y, x) * z / d);
     }
   }
+  depth.at_least_m = LowerBounds(depth, has_texture, in_use);
   return depth;
 }
 
@@ -316,6 +373,23 @@ std::vector<DepthRay> MakeRays(const DepthImage& depth, const cv::Mat& grey, con
                     static_cast<float>(sum.incidence / sum.weight)});
   }
   return rays;
+}
+
+std::vector<Eigen::Vector3d> MakeBoundEnds(const DepthImage& depth, const StereoCamera& camera, const SE3& T_s_c,
+                                           double voxel_m, double range_m) {
+  const double nearest_m = camera.MinDepth();
+  std::vector<Eigen::Vector3d> ends;
+  std::unordered_set<uint64_t> cubes;
+  for (int y = 0; y < depth.at_least_m.rows; ++y) {
+    for (int x = 0; x < depth.at_least_m.cols; ++x) {
+      const double z = std::min<double>(depth.at_least_m.at<float>(y, x), range_m);
+      if (z < nearest_m) continue;
+      const Eigen::Vector3d p_c((x - camera.cx_px) / camera.f_px * z, (y - camera.cy_px) / camera.f_px * z, z);
+      const Eigen::Vector3d p = T_s_c * p_c;
+      if (cubes.insert(KeyOf(p, voxel_m)).second) ends.push_back(p);
+    }
+  }
+  return ends;
 }
 
 }  // namespace plslam::dense

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
 #include "core/features/features.h"
@@ -16,6 +17,9 @@ namespace plslam::dense {
 struct DepthImage {
   cv::Mat z_m;      ///< CV_32FC1; 0: unknown
   cv::Mat sigma_m;  ///< its standard deviation, where it is known
+  /// Lower bounds of the depth where the image is blank: the least depth on all four sides; 0: none. A blank object in front
+  /// of its surroundings would have an edge, whose depth is known.
+  cv::Mat at_least_m;
   /// Comparison with the disparities of the keyframe's points: their number, the share that has depth within 1 px, the median
   /// difference (matched minus measured, already removed from `z_m`), and the ratio of the differences to the standard
   /// deviations from the images alone, by which those were multiplied. From a depth sensor: no points.
@@ -38,5 +42,10 @@ DepthImage FromSensor(const cv::Mat& depth16, double units_per_m);
 /// their first pixel. Depth beyond `range_m`, or with a standard deviation of more than 2.5 voxels, is left out.
 std::vector<DepthRay> MakeRays(const DepthImage& depth, const cv::Mat& grey, const StereoCamera& camera,
                                const SE3& T_s_c, double voxel_m, double range_m);
+
+/// Ends of rays through blank pixels, up to the lower bounds of their depth, in frame s: one for each voxel,
+/// ordered by their first pixel. Empty: no pixel has a bound.
+std::vector<Eigen::Vector3d> MakeBoundEnds(const DepthImage& depth, const StereoCamera& camera, const SE3& T_s_c,
+                                           double voxel_m, double range_m);
 
 }  // namespace plslam::dense

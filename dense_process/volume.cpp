@@ -26,6 +26,12 @@ constexpr float kMostWeight = 100.0F;
 constexpr float kLeastWeight = 1e-3F;
 // A volume that moves by less, in voxels, is not interpolated.
 constexpr double kNegligible = 0.05;
+// Of a ray that clears: as much as two rays to a surface behind, of which near the eye more would pass.
+constexpr float kClearingWeight = 2.0F;
+// Voxels that are farther in front of a surface, in truncations, are left as they are: rays that graze a floor would lower it.
+constexpr float kObstacle = 0.34F;
+// A bound is not as precise as a surface.
+constexpr double kClearingMargin = 1.5 * Volume::kTruncation;
 // Rays near the eye are much denser than voxels: of those that end in other voxels than every fourth, the first half is
 // left out.
 constexpr double kSharedPart = 0.5;
@@ -91,6 +97,26 @@ void Volume::Integrate(const Eigen::Vector3d& eye, std::span<const DepthRay> ray
       // Behind the surface the weight falls to zero: another surface may follow.
       const float w = ray.weight * ray.incidence * (d < 0.0F ? 1.0F + d : 1.0F);
       accessor.modifyValue(ijk, [&](Sums& sums) { AddTo(sums, Sums(w * d, w, w * ray.grey)); });
+    } while (dda.step());
+  }
+}
+
+void Volume::Clear(const Eigen::Vector3d& eye, std::span<const Eigen::Vector3d> ends) {
+  Grid::Accessor accessor = impl_->grid->getAccessor();
+  const Eigen::Vector3d half = Eigen::Vector3d::Constant(0.5);
+  const Eigen::Vector3d from = eye / voxel_m_;
+  for (const Eigen::Vector3d& to_m : ends) {
+    const Eigen::Vector3d to = to_m / voxel_m_;
+    const double end = (to - from).norm() - kClearingMargin;
+    if (!(end > 1.0)) continue;
+    openvdb::math::Ray<double> line(ToVdb(from + half), ToVdb((to - from).normalized()), 0.0, end);
+    openvdb::math::DDA<openvdb::math::Ray<double>> dda(line, 0.0, end);
+    do {
+      Sums sums;
+      if (!accessor.probeValue(dda.voxel(), sums) || sums.y() < kLeastWeight) continue;
+      if (sums.x() > kObstacle * sums.y()) continue;
+      AddTo(sums, Sums(kClearingWeight, kClearingWeight, kClearingWeight * sums.z() / sums.y()));
+      accessor.setValue(dda.voxel(), sums);
     } while (dda.step());
   }
 }

@@ -54,6 +54,10 @@ class Volume {
   /// that sees through a surface of an earlier one removes it, as far as its weights outweigh those before.
   void Integrate(const Eigen::Vector3d& eye, std::span<const DepthRay> rays);
 
+  /// Removes obstacles along rays from the eye to ends up to which nothing is: only voxels with a surface change, and unknown
+  /// ones stay unknown.
+  void Clear(const Eigen::Vector3d& eye, std::span<const Eigen::Vector3d> ends);
+
   /// Adds another volume of the same voxel size, moved rigidly; interpolates between its voxels unless the motion is
   /// negligible.
   void Add(const Volume& other, const SE3& T_this_other);

@@ -7,12 +7,12 @@ namespace plslam::bus {
 
 std::span<const Channel> Channels() {
   static constexpr std::array kRows = {
-      kCamera,         kStream,    kRun,         kStereoFrame,   kStereoFrameLive,
-      kGroundTruth,    kPose,      kTracks,      kTracksLive,    kBodies,
-      kKeyframe,       kMapUpdate, kMapRequest,  kLoopClosure,   kRelocalisationRequest,
-      kRelocalisation, kStatus,    kCommand,     kCommandAnswer, kWarning,
-      kGrid,           kMask,      kRobotMotion, kImu,           kRepairRequest,
-      kAnnounce};
+      kCamera,         kStream,    kRun,        kStereoFrame,   kStereoFrameLive,
+      kGroundTruth,    kPose,      kTracks,     kTracksLive,    kBodies,
+      kKeyframe,       kMapUpdate, kMapRequest, kLoopClosure,   kRelocalisationRequest,
+      kRelocalisation, kStatus,    kCommand,    kCommandAnswer, kWarning,
+      kGrid,           kSubmap,    kMask,       kRobotMotion,   kImu,
+      kRepairRequest,  kAnnounce};
   return kRows;
 }
 

@@ -122,6 +122,9 @@ inline constexpr Channel kCommandAnswer{"COMMAND_ANSWER", "command_answer_t",   
                                         Delivery::kEvery, Retention::kUnacknowledged, "results of commands"};
 inline constexpr Channel kGrid{"GRID",           "grid_t",        "dense",
                                Delivery::kEvery, Retention::kAll, "tiles of the occupancy grid that have changed"};
+inline constexpr Channel kSubmap{"SUBMAP",        "submap_t",
+                                 "dense",         Delivery::kEvery,
+                                 Retention::kAll, "submaps whose surface points have changed, in pages"};
 inline constexpr Channel kMask{"MASK",
                                "mask_t",
                                "detector of yours",

@@ -115,6 +115,11 @@ void LiveMessages::WriteGrid(const OccupancyGrid& grid) const {
   write_(ros_topic::kGrid, now_ns(), RosOccupancyGrid(now_ns(), grid, View()));
 }
 
+void LiveMessages::WriteSurfaces(const SurfaceCloud& cloud) const {
+  if (!left_ || cloud.n_points() == 0) return;
+  write_(ros_topic::kSurfaces, now_ns(), RosSurfaces(now_ns(), cloud.PointsInW(), View()));
+}
+
 void LiveMessages::WritePath() const {
   if (!path_.empty()) write_(ros_topic::kPath, now_ns(), RosPath(now_ns(), View().frame, path_));
 }

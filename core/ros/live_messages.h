@@ -13,6 +13,7 @@
 #include "core/io/trajectories/trajectory.h"
 #include "core/map/map.h"
 #include "core/map/occupancy_grid.h"
+#include "core/map/surface_cloud.h"
 #include "core/robot/body_pose.h"
 #include "core/ros/body_messages.h"
 #include "core/ros/ros_messages.h"
@@ -41,6 +42,8 @@ class LiveMessages {
   void WriteMap(const Map& map);
   /// Writes the occupancy grid, if it has cells.
   void WriteGrid(const OccupancyGrid& grid) const;
+  /// Writes the surface points, if there are any.
+  void WriteSurfaces(const SurfaceCloud& cloud) const;
   /// Writes the path, of 10,000 poses at most: in longer ones every second pose is removed.
   void WritePath() const;
   void WriteDiagnostic(RosDiagnostic diagnostic) const;

@@ -101,11 +101,38 @@ std::string_view RosLensName(std::string_view model) {
   return model == lens_model::kRational ? "rational_polynomial" : model;
 }
 
-void PutField(CdrWriter& cdr, const char* name, uint32_t offset, uint8_t type) {
-  cdr.Put(name);
-  cdr.Put(offset);
-  cdr.Put(type);
+/// Types of sensor_msgs/PointField, both of four bytes.
+enum FieldType : uint8_t { kUint32 = 6, kFloat32 = 7 };
+
+struct CloudField {
+  const char* name;
+  FieldType type;
+};
+
+/// The members of sensor_msgs/PointCloud2 in front of its data, for points in one row.
+void PutCloudHead(CdrWriter& cdr, int64_t t_ns, const RosView& view, const std::vector<CloudField>& fields,
+                  size_t n_points) {
+  constexpr uint32_t kField_bytes = 4;
+  const auto point_bytes = static_cast<uint32_t>(kField_bytes * fields.size());
+  PutHeader(cdr, t_ns, view.frame);
   cdr.Put(uint32_t{1});
+  cdr.Put(static_cast<uint32_t>(n_points));
+  cdr.PutCount(fields.size());
+  uint32_t offset = 0;
+  for (const CloudField& field : fields) {
+    cdr.Put(field.name);
+    cdr.Put(std::exchange(offset, offset + kField_bytes));
+    cdr.Put(static_cast<uint8_t>(field.type));
+    cdr.Put(uint32_t{1});
+  }
+  cdr.Put(false);
+  cdr.Put(point_bytes);
+  cdr.Put(static_cast<uint32_t>(point_bytes * n_points));
+}
+
+/// Bytes of a float that holds no number but a colour: blue, green, red.
+void AppendColour(const Colour& colour, std::string& data) {
+  for (const uint8_t channel : {colour[2], colour[1], colour[0], uint8_t{0}}) AppendLittleEndian(channel, data);
 }
 
 }  // namespace
@@ -187,30 +214,40 @@ std::string RosCameraInfoMessage(int64_t t_ns, const CameraCalibration& camera) 
 }
 
 std::string RosPoints(int64_t t_ns, const Map& map, const RosView& view) {
-  constexpr uint8_t kUint32 = 6, kFloat32 = 7;
-  constexpr uint32_t kPointBytes = 20;
-  const auto n = static_cast<uint32_t>(map.points().size());
   CdrWriter cdr;
-  PutHeader(cdr, t_ns, view.frame);
-  cdr.Put(uint32_t{1});
-  cdr.Put(n);
-  cdr.PutCount(5);
-  PutField(cdr, "x", 0, kFloat32);
-  PutField(cdr, "y", 4, kFloat32);
-  PutField(cdr, "z", 8, kFloat32);
-  PutField(cdr, "rgb", 12, kFloat32);
-  PutField(cdr, "observations", 16, kUint32);
-  cdr.Put(false);
-  cdr.Put(kPointBytes);
-  cdr.Put(kPointBytes * n);
+  PutCloudHead(cdr, t_ns, view,
+               {{"x", kFloat32}, {"y", kFloat32}, {"z", kFloat32}, {"rgb", kFloat32}, {"observations", kUint32}},
+               map.points().size());
   std::string data;
   const HeightColours colour_of(map);
   for (const auto& [id, point] : map.points()) {
     for (const double value : Seen(view, point.p_w)) AppendLittleEndian(static_cast<float>(value), data);
-    // Bytes of a float that holds no number but a colour: blue, green, red.
-    const Colour colour = colour_of(point.p_w);
-    for (const uint8_t channel : {colour[2], colour[1], colour[0], uint8_t{0}}) AppendLittleEndian(channel, data);
+    AppendColour(colour_of(point.p_w), data);
     AppendLittleEndian(static_cast<uint32_t>(point.observations.size()), data);
+  }
+  cdr.PutBytes(data);
+  cdr.Put(true);
+  return std::move(cdr).Take();
+}
+
+std::string RosSurfaces(int64_t t_ns, const std::vector<SurfacePoint>& points_w, const RosView& view) {
+  CdrWriter cdr;
+  PutCloudHead(cdr, t_ns, view,
+               {{"x", kFloat32},
+                {"y", kFloat32},
+                {"z", kFloat32},
+                {"rgb", kFloat32},
+                {"normal_x", kFloat32},
+                {"normal_y", kFloat32},
+                {"normal_z", kFloat32}},
+               points_w.size());
+  std::string data;
+  for (const SurfacePoint& point : points_w) {
+    const Eigen::Vector3d normal = UnitNormal(point).cast<double>();
+    for (const double value : Seen(view, point.p.cast<double>())) AppendLittleEndian(static_cast<float>(value), data);
+    AppendColour({point.grey, point.grey, point.grey}, data);
+    const Eigen::Vector3d turned = view.T_frame_w ? view.T_frame_w->R() * normal : normal;
+    for (const double value : turned) AppendLittleEndian(static_cast<float>(value), data);
   }
   cdr.PutBytes(data);
   cdr.Put(true);

@@ -13,6 +13,7 @@
 #include "core/io/trajectories/trajectory.h"
 #include "core/map/map.h"
 #include "core/map/occupancy_grid.h"
+#include "core/map/surface_cloud.h"
 #include "core/ros/ros_topics.h"
 
 namespace plslam {
@@ -65,6 +66,10 @@ std::string RosPoints(int64_t t_ns, const Map& map, const RosView& view = {});
 std::string RosLines(int64_t t_ns, const Map& map, const RosView& view = {});
 /// The same: from keyframe to keyframe of each loop that was closed.
 std::string RosLoops(int64_t t_ns, const Map& map, const RosView& view = {});
+
+/// sensor_msgs/msg/PointCloud2 of surface points in w: x, y, z, `rgb` (grey), and `normal_x`, `normal_y`, `normal_z`
+/// towards free space.
+std::string RosSurfaces(int64_t t_ns, const std::vector<SurfacePoint>& points_w, const RosView& view = {});
 
 /// nav_msgs/msg/OccupancyGrid: 0 free, 100 occupied, -1 unknown. The origin, at the height of the floor, has the
 /// rotation of the level frame.

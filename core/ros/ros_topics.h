@@ -80,6 +80,13 @@ inline constexpr RosTopic kLoops{
 inline constexpr RosTopic kKeyframes{
     "/keyframes", "geometry_msgs/msg/PoseArray", kRosMap, RosRate::kMap, RosQos::kLatched,
     true,         "poses of keyframes"};
+inline constexpr RosTopic kSurfaces{"/map/surfaces",
+                                    "sensor_msgs/msg/PointCloud2",
+                                    kRosMap,
+                                    RosRate::kMap,
+                                    RosQos::kLatched,
+                                    true,
+                                    "surface points with grey and normals, from dense_process"};
 inline constexpr RosTopic kGrid{"/map/grid",
                                 "nav_msgs/msg/OccupancyGrid",
                                 kRosMap,

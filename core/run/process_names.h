@@ -38,6 +38,12 @@ inline constexpr const char* kFailed = "failed";
 inline constexpr std::array kAll = {kStarting, kReady, kRunning, kFinished, kStopping, kFailed};
 }  // namespace process_state
 
+/// Counters of dense_process: its published messages, so that a reader knows whether more are on their way.
+namespace dense_counter {
+inline constexpr const char* kTiles = "grid.tiles";
+inline constexpr const char* kSubmaps = "submaps.published";
+}  // namespace dense_counter
+
 /// Stages of processes (`stage_t.name`) that reports treat as sums.
 namespace stage_name {
 inline constexpr const char* kTotal = "total";    ///< a frame in vo_process

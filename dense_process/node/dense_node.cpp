@@ -49,7 +49,7 @@ double VoxelFor(const Keyframe& keyframe) {
 }  // namespace
 
 DenseNode::DenseNode(bus::Process& process, const DenseOptions& options)
-    : process_(process), options_(options), disk_(options), grid_(process.bus(), options.robot_height_m) {
+    : process_(process), options_(options), disk_(options), live_(process.bus(), options.robot_height_m) {
   // One thread: the tracker needs the other core.
   cv::setNumThreads(1);
   bus::Bus& bus = process_.bus();
@@ -141,6 +141,7 @@ void DenseNode::FollowMap(const MapId& map) {
   if (!before || map.Matches(*before)) return;
   LogInfo("the map was replaced: its surfaces are dropped");
   map_.reset();
+  live_.Replace();
   waiting_.Clear();
 }
 
@@ -227,11 +228,11 @@ void DenseNode::Fuse(const ReadyKeyframe& ready, const KeyframePoses& poses) {
 
 void DenseNode::SurfacesChanged() {
   dirty_ = true;
-  grid_.Outdate();
+  live_.Outdate();
 }
 
 void DenseNode::OnTick() {
-  PublishGrid();
+  PublishLive();
   end_.OnTick();
   if ((!dirty_ && finished_) || !end_.IsOver(sparse_->follower().newest())) return;
   Write();
@@ -240,11 +241,17 @@ void DenseNode::OnTick() {
                           : process_.SetState(process_state::kFailed, disk_.failure());
 }
 
-void DenseNode::PublishGrid() {
+void DenseNode::PublishLive() {
   const double now_ms = bus::NowMs();
-  if (map_ && grid_.IsDue(now_ms)) {
-    process_.SetCounter("grid_ms", grid_.Publish(*map_, sparse_->follower().map(), now_ms));
+  if (map_ && live_.IsDue(now_ms)) {
+    process_.SetCounter("grid_ms", live_.Publish(*map_, sparse_->follower().map(), now_ms));
+    CountPublished();
   }
+}
+
+void DenseNode::CountPublished() {
+  process_.SetCounter(dense_counter::kTiles, static_cast<double>(live_.n_tiles()));
+  process_.SetCounter(dense_counter::kSubmaps, static_cast<double>(live_.n_submaps()));
 }
 
 void DenseNode::Write() {
@@ -262,7 +269,8 @@ void DenseNode::Write() {
     const Products products =
         MakeProducts(*map_, poses, VerticalOf(map), PathOf(poses, 0.5 * map_->voxel_m()), options_.robot_height_m);
     for (const auto& [name, kind] : kProductKinds) WriteProducts(options_.out, products, kind);
-    grid_.PublishFinal(products);
+    live_.PublishFinal(products, map_->Split(products.surface, poses));
+    CountPublished();
     WriteFrames(options_.out, products);
     LogInfo("surfaces of {} keyframes: {} triangles; grid of {} x {} cells of {} m", map_->n_keyframes(),
             products.surface.triangles.size(), products.grid.cells.cols, products.grid.cells.rows, map_->voxel_m());

@@ -14,7 +14,7 @@
 #include "core/process/process.h"
 #include "dense_process/dense_map.h"
 #include "dense_process/depth.h"
-#include "dense_process/node/live_grid.h"
+#include "dense_process/node/live_products.h"
 #include "dense_process/node/surfaces_on_disk.h"
 #include "dense_process/options.h"
 #include "dense_process/stream_end.h"
@@ -67,7 +67,8 @@ class DenseNode {
   cv::Mat PixelsInUse(const ReadyKeyframe& ready, const cv::Size& size) const;
   DepthImage DepthOf(const ReadyKeyframe& ready, const cv::Mat& left) const;
   void SurfacesChanged();
-  void PublishGrid();
+  void PublishLive();
+  void CountPublished();
   void Write();
   size_t CountMissing(const Map& map) const;
 
@@ -79,7 +80,7 @@ class DenseNode {
   WaitingKeyframes waiting_;
   StreamEnd end_;
   SurfacesOnDisk disk_;
-  LiveGrid grid_;
+  LiveProducts live_;
   bool dirty_ = false;  ///< the surfaces have changed since the results were written
   bool finished_ = false;
   int64_t n_bad_ = 0;

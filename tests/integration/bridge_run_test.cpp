@@ -116,7 +116,8 @@ TEST_F(Bridge, ViewersOfBothProtocolsSeeTheRun) {
   json found = FindingsOf(*viewer, "viewer");
   EXPECT_TRUE(found["failures"].empty()) << found["failures"];
   for (const RosTopic& topic : RosTopics()) {
-    if (!topic.is_live || (topic.name == ros_topic::kGrid.name && !has_dense)) continue;
+    const bool is_dense = topic.name == ros_topic::kGrid.name || topic.name == ros_topic::kSurfaces.name;
+    if (!topic.is_live || (is_dense && !has_dense)) continue;
     ASSERT_TRUE(found["topics"].contains(topic.name)) << topic.name;
     EXPECT_GT(found["topics"][topic.name]["n"].get<int>(), 0) << topic.name;
   }

@@ -16,6 +16,7 @@
 
 #include "core/bus/channels.h"
 #include "core/bus/logs/log_reader.h"
+#include "core/bus/messages/submap_channel.h"
 #include "core/datasets/synthetic/simulator.h"
 #include "core/map/occupancy_grid.h"
 #include "plslam/grid_t.hpp"
@@ -25,6 +26,7 @@
 #include "tests/support/shell.h"
 #include "tests/support/text_file.h"
 #include "tests/unit/dense/seen_world.h"
+#include "tools/export/cloud_file.h"
 #include "tools/export/grid_files.h"
 
 namespace plslam {
@@ -74,7 +76,7 @@ TEST_F(DenseRun, GridOnTheBusIsThatOfTheFiles) {
       scratch, fmt::format("'{}/plslam' export '{}' --format mcap --out '{}'", test::BinaryFolder().string(),
                            run.out().string(), (run.folder() / "mcap").string()));
   EXPECT_EQ(exported.exit_code, 0) << exported.error;
-  EXPECT_THAT(exported.out, HasSubstr(", the grid"));
+  EXPECT_THAT(exported.out, HasSubstr(", the grid, the surfaces"));
   const std::optional<OccupancyGrid> written = exports::ReadGridFiles(run.out().string());
   ASSERT_TRUE(written);
   GridTiles tiles;
@@ -101,6 +103,46 @@ TEST_F(DenseRun, GridOnTheBusIsThatOfTheFiles) {
     }
   }
   EXPECT_EQ(n_other, 0);
+}
+
+/// The surface points on the bus at the end of a recorded run, in w.
+std::vector<SurfacePoint> RecordedCloud(const WholeRun& run) {
+  bus::SubmapAssembler assembler;
+  SurfaceCloud cloud;
+  bus::LogReader log(run.log());
+  while (const auto event = log.Next()) {
+    submap_t page;
+    if (event->channel != bus::kSubmap.name) continue;
+    const auto data = log.Data(event->data_offset, event->data_bytes);
+    EXPECT_TRUE(data && page.decode(data->data(), 0, static_cast<int>(data->size())) >= 0);
+    if (assembler.Add(page) != bus::PageOutcome::kComplete) continue;
+    bus::SubmapMessage message = assembler.Take();
+    SubmapCloud& submap = cloud.submaps[message.number];
+    if (message.only_moved) message.submap.points = std::move(submap.points);
+    submap = std::move(message.submap);
+  }
+  return cloud.PointsInW();
+}
+
+TEST_F(DenseRun, CloudOnTheBusIsThatOfTheFiles) {
+  WholeRun run;
+  ASSERT_EQ(run.Run({"run", kRoom, "--dense", "--record", run.log()}), 0) << run.Logs();
+  std::vector<SurfacePoint> sent = RecordedCloud(run);
+  std::optional<std::vector<SurfacePoint>> written = exports::ReadCloudFile(run.out().string());
+  ASSERT_TRUE(written);
+  ASSERT_EQ(sent.size(), written->size());
+  ASSERT_GT(sent.size(), 3000U);
+  // Submaps have another order than the file.
+  const auto place = [](const SurfacePoint& point) {
+    const Eigen::Vector3i p = (1000.0F * point.p).array().round().cast<int>();
+    return std::tuple(p.x(), p.y(), p.z());
+  };
+  std::ranges::sort(sent, {}, place);
+  std::ranges::sort(*written, {}, place);
+  size_t n_far = 0;
+  for (size_t i = 0; i < sent.size(); ++i) n_far += (sent[i].p - (*written)[i].p).norm() > 0.003F ? 1 : 0;
+  // Rounding to millimetres exchanges some neighbours.
+  EXPECT_LT(n_far, sent.size() / 50);
 }
 
 TEST_F(DenseRun, SameInputTwiceGivesTheSameBits) {

@@ -139,6 +139,14 @@ TEST(Report, ShowsARefinedMap) {
   CheckReport(run, {"refinement"});
 }
 
+TEST(Report, ShowsSurfacesAndGrid) {
+  if (const std::string why = Missing(); !why.empty()) GTEST_SKIP() << why;
+  if (!std::filesystem::exists(test::BinaryFolder() / "dense_process")) GTEST_SKIP() << "built without OpenVDB";
+  WholeRun run;
+  ASSERT_EQ(run.Run({"run", "synthetic:room?frames=160&size=376x240", "--dense"}), 0) << run.Logs();
+  CheckReport(run, {"surfaces"});
+}
+
 TEST(Report, MapsOfTwoRunsTogether) {
   if (const std::string why = Missing(); !why.empty()) GTEST_SKIP() << why;
   WholeRun both, points;

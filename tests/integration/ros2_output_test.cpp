@@ -13,6 +13,7 @@
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/grid_channel.h"
+#include "core/bus/messages/submap_channel.h"
 #include "core/ros/ros_topics.h"
 #include "plslam/pose_t.hpp"
 #include "tests/integration/bus_frames.h"
@@ -28,7 +29,9 @@ using testing::HasSubstr;
 /// quarter.
 class PublishedPoses {
  public:
-  explicit PublishedPoses(const std::string& url) : bus_(BusFrames::OptionsOf(url)), grid_(*bus_) { bus_.Start(); }
+  explicit PublishedPoses(const std::string& url) : bus_(BusFrames::OptionsOf(url)), grid_(*bus_), submaps_(*bus_) {
+    bus_.Start();
+  }
   ~PublishedPoses() { bus_.Join(); }
   PublishedPoses(const PublishedPoses&) = delete;
   PublishedPoses& operator=(const PublishedPoses&) = delete;
@@ -47,12 +50,15 @@ class PublishedPoses {
     pose.T_prev_c = bus::ToMessage(SE3());
     for (int i = 0; i < 6; ++i) pose.covariance[7 * i] = pose.motion_covariance[7 * i] = 1e-4 * (i + 1);
     bus_->Publish(bus::kPose, pose);
-    if (n_ == 1) grid_.Publish({SE3(), 0.0, 0.05, 0, 0, 1, 1, {OccupancyGrid::kFree}});
+    if (n_ > 1) return;
+    grid_.Publish({SE3(), 0.0, 0.05, 0, 0, 1, 1, {OccupancyGrid::kFree}});
+    submaps_.Publish({0.05, {{0, {1, 0, SE3(), std::vector<SurfacePoint>(3)}}}}, bus::SubmapPublisher::Changes::kAll);
   }
 
  private:
   bus::test::RunningBus bus_;
   bus::GridPublisher grid_;
+  bus::SubmapPublisher submaps_;
   int n_ = 0;
 };
 
@@ -136,7 +142,9 @@ TEST_F(Ros2Output, RobotsInTwoNamespacesAreApart) {
   EXPECT_THAT(fixed, testing::UnorderedElementsAre("one/base_link one/camera_left", "body eye"));
   ASSERT_TRUE(heard["topics"].contains("rt/three/plslam/odom")) << heard << Log("three.log");
   EXPECT_GT(heard["topics"]["rt/three/plslam/odom"]["n"].get<int>(), 5) << heard["topics"];
-  EXPECT_GT(heard["topics"]["rt/three/plslam/map/grid"]["n"].get<int>(), 0) << heard["topics"];
+  for (const char* topic : {"rt/three/plslam/map/grid", "rt/three/plslam/map/surfaces"}) {
+    EXPECT_GT(heard["topics"][topic]["n"].get<int>(), 0) << heard["topics"];
+  }
 }
 
 }  // namespace

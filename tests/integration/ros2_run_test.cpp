@@ -38,11 +38,12 @@ using testing::Not;
 int IndexOf(const json& odom) { return static_cast<int>((odom[0].get<int64_t>() - 1'000'000'000) / 50'000'000); }
 
 /// Each row of the table is a topic with its type and its quality of service, and has messages. The robot has its own
-/// images, and no grid is made here (Ros2Output has one).
+/// images, and no surfaces are made here (Ros2Output has some).
 void ExpectTheRowsOfTheTable(const json& topics) {
   int n_rows = 0;
   for (const RosTopic& row : RosTopics()) {
-    if (!row.is_live || row.rate == RosRate::kImage || row.name == ros_topic::kGrid.name) continue;
+    const bool is_dense = row.name == ros_topic::kGrid.name || row.name == ros_topic::kSurfaces.name;
+    if (!row.is_live || row.rate == RosRate::kImage || is_dense) continue;
     const bool is_tf = row.name == ros_topic::kTf.name || row.name == ros_topic::kTfStatic.name;
     const std::string topic = (is_tf ? "rt" : "rt/plslam") + std::string(row.name);
     ASSERT_TRUE(topics.contains(topic)) << topic << " in " << topics;

@@ -44,6 +44,16 @@ test("what did not come has not changed", () => {
   assert.ok(run.take(message({ whole: true })).has("frames"), "another run has none yet");
 });
 
+test("surfaces stay until there are new ones", () => {
+  const run = new Run();
+  const u8 = (width, values) => column(Uint8Array, "u8", width, values);
+  const surfaces = { points: { grey: u8(1, [7, 8]) }, low_w: [0, 0, 0], step_m: 1, spacing_m: 0.05, grid: null };
+  assert.ok(!run.take(message({ whole: true, frames: rows([0], 1, [5]) })).has("surfaces"));
+  assert.ok(run.take(message({ first_row: 1, surfaces })).has("surfaces"));
+  assert.ok(!run.take(message({ first_row: 1, surfaces: null })).has("surfaces"));
+  assert.deepEqual([...run.surfaces.points.grey], [7, 8]);
+});
+
 test("a stage that nobody knew of makes rows wider", () => {
   const run = new Run();
   run.take(message({ whole: true, stage_names: ["a"], frames: rows([0, 1], 1, [5, 6]) }));

@@ -149,8 +149,9 @@ void ExportPoses(TrajectoryFormat format, OngoingExport& e) {
 
 void ExportAsMcap(OngoingExport& e) {
   const McapContent content = ExportMcap(e.run, e.dataset.get(), e.Path("run.mcap"));
-  e.AddFile("run.mcap", fmt::format("{} frames, {} images{}{}", content.frames, content.images,
-                                    content.has_map ? ", the map" : "", content.has_grid ? ", the grid" : ""));
+  e.AddFile("run.mcap", fmt::format("{} frames, {} images{}{}{}", content.frames, content.images,
+                                    content.has_map ? ", the map" : "", content.has_grid ? ", the grid" : "",
+                                    content.has_surfaces ? ", the surfaces" : ""));
   WriteFileAtomically(e.Path("foxglove_layout.json"), FoxgloveLayout());
   e.AddFile("foxglove_layout.json", "layout for Foxglove and Lichtblick: Layouts, Import from file");
 }

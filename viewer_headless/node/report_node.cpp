@@ -49,7 +49,20 @@ ReportNode::ReportNode(bus::Bus& bus, const ViewerOptions& options, Sources sour
   if (!wanted_) return;
   bus.Subscribe<warning_t>(bus::kWarning, [this](const warning_t& m) { report_->AddWarning(m.code, m.sentence); });
   loops_ = std::make_unique<bus::LoopClosureSubscriber>(bus, [this](const LoopClosure& c) { report_->Add(c); });
+  ListenToSurfaces(bus);
   if (options_.serve > 0) Serve(bus);
+}
+
+void ReportNode::ListenToSurfaces(bus::Bus& bus) {
+  surfaces_ = std::make_unique<HeardSurfaces>(bus, [this] {
+    report_->SurfacesChanged();
+    sources_.on_surfaces();
+  });
+  ShowSurfaces();
+}
+
+void ReportNode::ShowSurfaces() {
+  report_->SetSurfaces({&surfaces_->cloud(), [this] { return surfaces_->Grid(); }});
 }
 
 void ReportNode::Serve(bus::Bus& bus) {
@@ -92,6 +105,7 @@ void ReportNode::OnStream(const stream_t& message) {
 
 void ReportNode::OnStatus(const status_t& message) {
   if (!wanted_) return;
+  surfaces_->OnStatus(message);
   ProcessSample sample = ToProcessSample(message, bus::NowS(), NewestFrame());
   sample.lag_frames = Lag_frames(message);
   sample.sent_frames = NewestFrame().value + 1 + behind_;
@@ -122,6 +136,7 @@ void ReportNode::SetCamera(const StereoCamera& camera) {
 void ReportNode::StartNewRun() {
   report_ = std::make_unique<ReportRecorder>(options_.report_pictures, ++run_);
   behind_ = 0;
+  if (surfaces_) ShowSurfaces();
   if (camera_) report_->SetCamera(*camera_);
   if (live_) live_->SetFinished(false);
 }

@@ -12,6 +12,7 @@
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
 #include "viewer_headless/live/live_view.h"
+#include "viewer_headless/node/heard_surfaces.h"
 #include "viewer_headless/options.h"
 #include "viewer_headless/report/report_recorder.h"
 
@@ -26,6 +27,7 @@ class ReportNode {
     const Recorder* recorder = nullptr;
     const Map* map = nullptr;
     std::function<Eigen::Quaterniond()> q_l_c;
+    std::function<void()> on_surfaces;  ///< called after a message of dense_process
   };
 
   /// Throws std::runtime_error if the live page is requested and cannot be served.
@@ -42,6 +44,9 @@ class ReportNode {
   /// Throws std::runtime_error.
   void Write();
 
+  /// Whether a dense_process has not yet published all surfaces of the report.
+  bool SurfacesMayCome() const { return surfaces_ && surfaces_->MayCome(); }
+
   /// Returns nullptr if no report is made.
   PictureStore* pictures() { return wanted_ ? &report_->pictures() : nullptr; }
 
@@ -51,6 +56,8 @@ class ReportNode {
   /// loop_process, whose lag is independent, LagInFrames; -1 for others.
   int64_t Lag_frames(const status_t& message);
   std::string Json(const ReportSince& since) const;
+  void ListenToSurfaces(bus::Bus& bus);
+  void ShowSurfaces();
   void Serve(bus::Bus& bus);
   void CarryOutOrders();
 
@@ -64,6 +71,7 @@ class ReportNode {
   std::optional<StereoCamera> camera_;
   std::unique_ptr<ReportRecorder> report_;
   std::unique_ptr<bus::LoopClosureSubscriber> loops_;
+  std::unique_ptr<HeardSurfaces> surfaces_;
   std::optional<bus::OrderSender> orders_;  ///< of the live page
   bool waits_for_order_ = false;
   std::unique_ptr<LiveView> live_;

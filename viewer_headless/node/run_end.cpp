@@ -30,7 +30,7 @@ bool RunEnd::IsOver(const Recorder& recorder, const NewestKeyframes& map, const 
                     std::chrono::milliseconds silence) const {
   if (!recorder.n_frames() || state_ == State::kAwaited) return false;
   if (silence > kSilence) return true;
-  if (!received.has_rig) return false;
+  if (!received.has_rig || received.surfaces_may_come) return false;
   if (state_ == State::kByHand) {
     return HasAllPoses(recorder) && HasMap(recorder, map) && !received.pictures_may_come;
   }

@@ -33,6 +33,7 @@ class RunEnd {
   struct Received {
     bool has_rig = false;
     bool pictures_may_come = false;
+    bool surfaces_may_come = false;
   };
 
   /// `has_launcher`: this process was started by `plslam run`.

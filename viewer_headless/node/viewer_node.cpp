@@ -84,8 +84,8 @@ void ViewerNode::Subscribe() {
   map_ = std::make_unique<bus::MapSubscriber>(bus, [this](const MapUpdate& update) { OnMap(update); });
   map_->RememberRemoved();
   const Map& map = map_->follower().map();
-  report_ =
-      std::make_unique<ReportNode>(bus, options_, ReportNode::Sources{&recorder_, &map, [this] { return q_l_c(); }});
+  report_ = std::make_unique<ReportNode>(
+      bus, options_, ReportNode::Sources{&recorder_, &map, [this] { return q_l_c(); }, [this] { OnNews(); }});
   pictures_ = std::make_unique<PictureNode>(
       bus, options_, PictureNode::Sources{&map, report_->pictures()}, [this] { Reject(); }, [this] { OnNews(); });
   bus.Every(kTick, [this] { OnTick(); });
@@ -198,7 +198,8 @@ void ViewerNode::OnTick() {
 bool ViewerNode::HasPlayed() const { return !recorder_.frames().empty(); }
 
 bool ViewerNode::RunIsOver() const {
-  const RunEnd::Received received{q_l_c_.has_value(), streams_.lockstep() && pictures_->MayCome()};
+  const RunEnd::Received received{q_l_c_.has_value(), streams_.lockstep() && pictures_->MayCome(),
+                                  report_->SurfacesMayCome()};
   return end_.IsOver(recorder_, map_->follower().newest(), received, quiet_ticks_ * kTick);
 }
 

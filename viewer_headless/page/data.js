@@ -50,6 +50,7 @@ export class Run {
     this.frameWidths = {};
     this.path = null;
     this.map = null;
+    this.surfaces = null;
     this.stageNames = [];
     this.mapStageNames = [];
     this.mapTimes = {};
@@ -86,6 +87,10 @@ export class Run {
     this.processes = json.processes.map((p) => ({ ...p, table: decodeTable(p.table) }));
     this.takePictures(json.pictures);
     if (json.pictures.length) changed.add("pictures");
+    if (json.surfaces) {
+      changed.add("surfaces");
+      this.surfaces = { ...json.surfaces, points: decodeTable(json.surfaces.points) };
+    }
     if (!json.path) return changed;
     changed.add("map");
     this.path = decodeTable(json.path);

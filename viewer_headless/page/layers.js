@@ -12,6 +12,10 @@ const kGroups = [
     { name: "essential", label: "Essential", on: false, swatch: ["thin", "essential"] },
     { name: "loopEdges", label: "Loops", on: true, swatch: ["thin", "loop"] },
   ]],
+  ["Surfaces", [
+    { name: "surface", label: "Surfaces", on: true, swatch: ["dots", "surface"] },
+    { name: "floor", label: "Grid", on: true, swatch: ["grid", "occupied"] },
+  ]],
   ["Path", [
     { name: "path", label: "Estimated", on: true, swatch: ["thick", "path"] },
     { name: "truth", label: "True", on: true, swatch: ["thick", "truth"] },
@@ -78,6 +82,8 @@ export function showAvailable(run) {
     covisibility: !!run.map?.edges.shared?.length,
     essential: !!run.map?.keyframes.id?.length,
     loopEdges: !!run.map?.loop_edges.ab?.length,
+    surface: !!run.surfaces?.points.grey?.length,
+    floor: !!run.surfaces?.grid,
     points2d: run.pictures.length > 0,
     segments2d: run.pictures.length > 0,
   };

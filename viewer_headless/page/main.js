@@ -237,7 +237,7 @@ function update(changed, state) {
   showNotes(run);
   showAvailable(run);
   showProcesses(run);
-  if (changed.has("frames") || changed.has("map")) view?.setRun(run);
+  if (["frames", "map", "surfaces"].some((part) => changed.has(part))) view?.setRun(run);
   if (changed.has("map")) {
     showLoops(run, chooseLoop);
     showCorrections();

@@ -13,6 +13,7 @@ import { Correction } from "./correction.js";
 import { CameraMark } from "./camera_mark.js";
 import { Picker } from "./picker.js";
 import { Selection } from "./selection.js";
+import { FloorGrid, Surfaces } from "./surfaces.js";
 
 // The map has y down and z forward, the scene y up.
 const kUpright = new Quaternion(1, 0, 0, 0);
@@ -43,6 +44,8 @@ export class MapView {
     this.controls.dampingFactor = 0.12;
     this.controls.addEventListener("change", () => this.invalidate());
     this.parts = {
+      surfaces: new Surfaces(this.own),
+      floor: new FloorGrid(this.own, () => this.invalidate()),
       landmarks: new Landmarks(this.own),
       keyframes: new Keyframes(this.own),
       paths: new Paths(this.own),
@@ -66,6 +69,7 @@ export class MapView {
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
+    this.parts.surfaces.setResolution(width, height);
     this.parts.paths.setResolution(width, height);
     this.parts.correction.setResolution(width, height);
     this.parts.others.setResolution(width, height);

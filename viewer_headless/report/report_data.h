@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/geometry/se3.h"
 #include "core/geometry/stereo_camera.h"
 #include "core/ids/ids.h"
 #include "core/map/vertical.h"
@@ -109,6 +110,25 @@ struct ReportMap {
   ReportObservers observers;
 };
 
+/// The occupancy grid as a picture: grey values of map.pgm, its first row the one with the largest y.
+struct ReportGrid {
+  std::string png;
+  double pixel_m = 0.0;
+  int width_px = 0;
+  int height_px = 0;
+  Eigen::Vector3d corner_level = Eigen::Vector3d::Zero();  ///< lower left corner, on the floor, in the level frame
+  SE3 T_w_level;
+};
+
+/// Surface points (`p`, in steps from `low_w`; `normal`, 128 + 127 times the unit length; `grey`), and the grid.
+struct ReportSurfaces {
+  Table points;
+  Eigen::Vector3d low_w = Eigen::Vector3d::Zero();
+  double step_m = 1.0;
+  double spacing_m = 0.0;  ///< distance of neighbouring points
+  std::optional<ReportGrid> grid;
+};
+
 /// A run, or the new data of it, for the page. Rows of `frames` and `path` refer to the same frames, `path` to all of
 /// them: `frames` begins at row `first_row`.
 struct ReportData {
@@ -123,6 +143,7 @@ struct ReportData {
   Table frames;
   std::optional<Table> path;
   std::optional<ReportMap> map;
+  std::optional<ReportSurfaces> surfaces;
   Table map_times;
   std::vector<ReportLoop> loops;
   std::vector<ReportCorrection> corrections;

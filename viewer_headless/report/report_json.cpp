@@ -16,12 +16,12 @@
 namespace plslam::viewer {
 
 std::string ReportSince::Text() const {
-  return fmt::format("{}.{}.{}.{}.{}", run, stride, rows, map_version, picture);
+  return fmt::format("{}.{}.{}.{}.{}.{}", run, stride, rows, map_version, picture, surfaces);
 }
 
 std::optional<ReportSince> ReportSince::Parse(std::string_view text) {
   if (text.empty()) return ReportSince();
-  std::array<int64_t, 5> numbers{};
+  std::array<int64_t, 6> numbers{};
   const char* at = text.data();
   const char* const end = at + text.size();
   for (size_t i = 0; i < numbers.size(); ++i) {
@@ -31,7 +31,7 @@ std::optional<ReportSince> ReportSince::Parse(std::string_view text) {
     at = next;
   }
   if (at != end) return std::nullopt;
-  return ReportSince{numbers[0], numbers[1], numbers[2], numbers[3], numbers[4]};
+  return ReportSince{numbers[0], numbers[1], numbers[2], numbers[3], numbers[4], numbers[5]};
 }
 
 namespace {
@@ -108,6 +108,26 @@ Json ToJson(const ReportMap& map) {
            {{"points", Base64(map.observers.points)},
             {"segments", Base64(map.observers.segments)},
             {"only_ids", map.observers.only_ids}}}};
+}
+
+Json ToJson(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+Json ToJson(const ReportGrid& grid) {
+  const Eigen::Quaterniond& q = grid.T_w_level.rotation();
+  return {{"png", Base64(grid.png)},
+          {"pixel_m", grid.pixel_m},
+          {"width_px", grid.width_px},
+          {"height_px", grid.height_px},
+          {"corner_level", ToJson(grid.corner_level)},
+          {"T_w_level", {{"q_xyzw", {q.x(), q.y(), q.z(), q.w()}}, {"t_m", ToJson(grid.T_w_level.translation())}}}};
+}
+
+Json ToJson(const ReportSurfaces& surfaces) {
+  return {{"points", ToJson(surfaces.points)},
+          {"low_w", ToJson(surfaces.low_w)},
+          {"step_m", surfaces.step_m},
+          {"spacing_m", surfaces.spacing_m},
+          {"grid", surfaces.grid ? ToJson(*surfaces.grid) : Json()}};
 }
 
 uint8_t Age(int age) { return static_cast<uint8_t>(std::clamp(age, 0, 255)); }
@@ -194,6 +214,7 @@ std::string ReportJson(const ReportData& data) {
                {"frames", ToJson(data.frames)},
                {"path", data.path ? ToJson(*data.path) : Json()},
                {"map", data.map ? ToJson(*data.map) : Json()},
+               {"surfaces", data.surfaces ? ToJson(*data.surfaces) : Json()},
                {"map_times", ToJson(data.map_times)},
                {"loops", ToJson(data.loops)},
                {"corrections", ToJson(data.corrections)},

@@ -10,13 +10,14 @@
 
 namespace plslam::viewer {
 
-/// The data that a live page already has, so that only new data are sent. Encoded as text, "3.1.250.17.96".
+/// The data that a live page already has, so that only new data are sent. Encoded as text, "3.1.250.17.96.4".
 struct ReportSince {
   int64_t run = -1;          ///< id of the stream; another one: everything is new
   int64_t stride = 1;        ///< of the frames that it has
   int64_t rows = 0;          ///< rows of frames
   int64_t map_version = -1;  ///< of the map and of the path
   int64_t picture = -1;      ///< frame of the newest picture
+  int64_t surfaces = -1;     ///< version of the surfaces
 
   std::string Text() const;
   /// Empty text means no data yet; nullopt if the text is invalid.

@@ -10,6 +10,7 @@
 #include "core/run/machine.h"
 #include "plslam_version.h"
 #include "viewer_headless/report/map_tables.h"
+#include "viewer_headless/report/surface_tables.h"
 
 namespace plslam::viewer {
 namespace {
@@ -90,6 +91,10 @@ void ReportRecorder::AddNotes(const Recorder& recorder, const Map& map, int64_t 
         fmt::format("{} of {} pictures of frames are missing: their images or features were not received.",
                     pictures_.missing(), pictures_.missing() + static_cast<int64_t>(pictures_.pictures().size())));
   }
+  if (surfaces_.cloud != nullptr && surfaces_.cloud->n_points() > SurfaceLimits().points) {
+    data->notes.push_back(fmt::format("The surfaces are drawn with at most {} of their {} points.",
+                                      SurfaceLimits().points, surfaces_.cloud->n_points()));
+  }
   if (corrections_.dropped() > 0) {
     data->notes.push_back(fmt::format("{} smaller corrections by loops are not shown.", corrections_.dropped()));
   }
@@ -112,7 +117,10 @@ ReportData ReportRecorder::Build(const Recorder& recorder, const Map& map, const
   AddPictures(from.picture, &data);
   const int64_t rows = from.rows + static_cast<int64_t>(Rows(data.frames));
   const int64_t picture = data.pictures.empty() ? from.picture : data.pictures.back().frame_id.value;
-  data.next = ReportSince{run_, stride, rows, n_map_updates_, picture}.Text();
+  data.next = ReportSince{run_, stride, rows, n_map_updates_, picture, n_surface_changes_}.Text();
+  if (n_surface_changes_ > 0 && from.surfaces != n_surface_changes_) {
+    data.surfaces = SurfaceTables(*surfaces_.cloud, surfaces_.grid(), {});
+  }
   AddNotes(recorder, map, stride, &data);
   data.processes = processes_.Processes();
   // Without a map there is no event when the path changes.

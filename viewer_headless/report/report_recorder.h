@@ -2,10 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
 #include "core/map/map_update.h"
+#include "core/map/occupancy_grid.h"
+#include "core/map/surface_cloud.h"
 #include "core/run/published_warnings.h"
 #include "core/run/recorder.h"
 #include "viewer_headless/report/frame_tables.h"
@@ -25,6 +28,12 @@ struct RunHead {
   int64_t announced_frames = -1;
 };
 
+/// The surfaces of a run, which change during it.
+struct SurfaceSource {
+  const SurfaceCloud* cloud = nullptr;  ///< nullptr: none
+  std::function<OccupancyGrid()> grid;
+};
+
 /// Collects the data of a report beside the poses and the map, in bounded memory, during a run.
 class ReportRecorder {
  public:
@@ -33,6 +42,8 @@ class ReportRecorder {
 
   void Begin(const RunHead& head);
   void SetCamera(const StereoCamera& camera) { camera_ = camera; }
+  void SetSurfaces(SurfaceSource surfaces) { surfaces_ = std::move(surfaces); }
+  void SurfacesChanged() { ++n_surface_changes_; }
   void Add(const ProcessSample& sample) { processes_.Add(sample); }
   /// A counter of the status of a process.
   void Take(int64_t source, const std::string& name, double value) { counters_.Take(source, name, value); }
@@ -64,6 +75,8 @@ class ReportRecorder {
   CorrectionLog corrections_;
   LoopLog loops_;
   MapTimes map_times_;
+  SurfaceSource surfaces_;
+  int64_t n_surface_changes_ = 0;
   int64_t run_;
   int64_t n_map_updates_ = 0;
   bool finished_ = false;

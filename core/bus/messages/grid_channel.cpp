@@ -53,11 +53,13 @@ void GridPublisher::Publish(const OccupancyGrid& grid) {
   for (const OccupancyGrid& tile : tiles_.Update(grid)) {
     grid_t message = ToMessage(tile, number_);
     bus_.Publish(kGrid, message);
+    ++n_tiles_;
   }
 }
 
 GridSubscriber::GridSubscriber(Bus& bus, std::function<void()> handler) {
   bus.Subscribe<grid_t>(kGrid, [this, &bus, handler = std::move(handler)](const grid_t& message) {
+    received_.Add(message.header.source);
     const std::optional<OccupancyGrid> tile = FromMessage(message);
     const std::pair<int64_t, int64_t> number{message.header.source, message.grid};
     GridTiles replaced = number == number_ ? std::move(tiles_) : GridTiles();

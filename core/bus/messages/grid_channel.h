@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/bus/bus.h"
+#include "core/bus/messages/received_messages.h"
 #include "core/map/occupancy_grid.h"
 
 namespace plslam::bus {
@@ -17,9 +18,12 @@ class GridPublisher {
 
   /// A grid whose frame or size of cells differ from those before replaces it: all its tiles are sent.
   void Publish(const OccupancyGrid& grid);
+  /// Number of published tiles.
+  int64_t n_tiles() const { return n_tiles_; }
 
  private:
   Bus& bus_;
+  int64_t n_tiles_ = 0;
   int64_t number_ = 0;
   OccupancyGrid frame_;
   GridTiles tiles_;
@@ -35,8 +39,11 @@ class GridSubscriber {
 
   /// The grid as far as its tiles have arrived.
   OccupancyGrid Whole() const { return tiles_.Whole(); }
+  /// The tiles so far.
+  const ReceivedMessages& received() const { return received_; }
 
  private:
+  ReceivedMessages received_;
   std::pair<int64_t, int64_t> number_;  ///< source and number of the grid
   GridTiles tiles_;
 };

@@ -38,6 +38,7 @@ LiveRun::LiveRun(Bus& bus, LiveMessages messages, std::function<bool()> wants_im
       messages_(std::move(messages)),
       map_(bus, [this](const MapUpdate&) { has_new_map_ = true; }),
       grid_(bus, [this] { has_new_grid_ = true; }),
+      surfaces_(bus, [this] { has_new_surfaces_ = true; }),
       camera_(bus,
               [this](const RigCalibration& rig) {
                 try {
@@ -88,6 +89,7 @@ void LiveRun::Tick() {
   if (!messages_.has_rig()) return;  // a process that starts in a run may receive the map before the rig
   if (std::exchange(has_new_map_, false)) messages_.WriteMap(map_.follower().map());
   if (std::exchange(has_new_grid_, false)) messages_.WriteGrid(grid_.Whole());
+  if (std::exchange(has_new_surfaces_, false)) messages_.WriteSurfaces(surfaces_.cloud());
 }
 
 }  // namespace plslam::bus

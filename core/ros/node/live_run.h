@@ -8,6 +8,7 @@
 #include "core/bus/messages/frame_channel.h"
 #include "core/bus/messages/grid_channel.h"
 #include "core/bus/messages/map_channel.h"
+#include "core/bus/messages/submap_channel.h"
 #include "core/robot/node/pose_steps.h"
 #include "core/ros/live_messages.h"
 
@@ -19,7 +20,7 @@ class status_t;
 namespace plslam::bus {
 
 /// Listens to the run on the bus and writes the live topics of the table: poses as they arrive, images if they are
-/// wanted, map, grid and path at most once a second after changes. On the thread of `Bus::Run`.
+/// wanted, map, surfaces, grid and path at most once a second after changes. On the thread of `Bus::Run`.
 class LiveRun {
  public:
   /// `wants_images` is called on the receiving thread of the bus: it must be quick, and safe there.
@@ -36,8 +37,10 @@ class LiveRun {
   bool has_new_poses_ = false;
   bool has_new_map_ = false;
   bool has_new_grid_ = false;
+  bool has_new_surfaces_ = false;
   MapSubscriber map_;
   GridSubscriber grid_;
+  SubmapSubscriber surfaces_;
   CameraSubscriber camera_;
   FrameSubscriber frames_;
 };

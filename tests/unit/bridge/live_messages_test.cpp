@@ -94,6 +94,9 @@ TEST_F(Live, EveryLiveRowIsWritten) {
   messages_.WriteImage(100, cv::Mat(48, 64, CV_8UC1, cv::Scalar(7)));
   messages_.WriteMap(Map());
   messages_.WriteGrid({SE3(), 0.0, 0.05, 0, 0, 1, 1, {OccupancyGrid::kFree}});
+  SurfaceCloud surfaces;
+  surfaces.submaps[0].points.resize(1);
+  messages_.WriteSurfaces(surfaces);
   messages_.WritePath();
   messages_.WriteDiagnostic({.name = "vo", .message = "running", .values = {}});
   for (const RosTopic& topic : RosTopics()) {

@@ -52,6 +52,8 @@
 #include "plslam/stage_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
+#include "plslam/submap_t.hpp"
+#include "plslam/surface_point_t.hpp"
 #include "plslam/track_line_t.hpp"
 #include "plslam/track_point_t.hpp"
 #include "plslam/tracks_t.hpp"
@@ -85,8 +87,8 @@ const auto& Table() {
               map_adjustment_t, map_id_t, map_keyframe_t, map_line_t, map_point_t, map_request_t, map_totals_t,
               map_update_t, map_version_t, mask_t, moved_keyframe_t, point_feature_t, polygon_t, pose3_t, pose_t,
               range_t, rectified_camera_t, relocalisation_t, repair_request_t, robot_motion_t, run_t,
-              same_landmarks_t, observation_t, stage_t, status_t, stream_t, track_line_t, track_point_t, tracks_t,
-              warning_t, withdrawn_t>();
+              same_landmarks_t, observation_t, stage_t, status_t, stream_t, submap_t, surface_point_t, track_line_t,
+              track_point_t, tracks_t, warning_t, withdrawn_t>();
   return table;
 }
 

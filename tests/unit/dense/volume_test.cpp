@@ -83,6 +83,65 @@ TEST(Volume, SmallMotionKeepsTheVoxels) {
   EXPECT_EQ(two.n_voxels(), one.n_voxels());
 }
 
+TEST(Volume, BoundedRaysRemoveObstaclesOnly) {
+  const auto count = [](const Volume& volume) {
+    int n = 0;
+    for (const Surface::Vertex& vertex : ExtractSurface(volume).vertices) n += vertex.p.z() < 1.1F ? 1 : 0;
+    return n;
+  };
+  const auto person = [] {
+    Volume volume(kVoxel_m);
+    for (int i = 0; i < 3; ++i) volume.Integrate(Eigen::Vector3d::Zero(), PlaneRays(1.0, 0.3));
+    return volume;
+  };
+  // Ends beyond the person, and around.
+  const auto ends = [](double z_m) {
+    std::vector<Eigen::Vector3d> points;
+    for (const DepthRay& ray : PlaneRays(z_m)) points.push_back(ray.end);
+    return points;
+  };
+  Volume volume = person();
+  const size_t n_known = volume.n_voxels();
+  ASSERT_GT(count(volume), 50);
+  for (int i = 0; i < 3; ++i) volume.Clear(Eigen::Vector3d::Zero(), ends(2.0));
+  EXPECT_EQ(count(volume), 0);
+  EXPECT_EQ(volume.n_voxels(), n_known) << "unknown space stays unknown";
+  volume = person();
+  const int before = count(volume);
+  for (int i = 0; i < 10; ++i) volume.Clear(Eigen::Vector3d::Zero(), ends(1.1));
+  EXPECT_EQ(count(volume), before) << "a bound just behind it proves nothing";
+}
+
+TEST(DenseMap, LaterBoundsClearEarlierSubmaps) {
+  const StereoCamera camera{
+      .f_px = 100.0, .cx_px = 40.0, .cy_px = 30.0, .baseline_m = 0.1, .width_px = 80, .height_px = 60};
+  const cv::Mat grey(60, 80, CV_8U, cv::Scalar(90));
+  DepthImage person, wall;
+  person.z_m = cv::Mat(60, 80, CV_32F, cv::Scalar(1.0));
+  person.sigma_m = cv::Mat(60, 80, CV_32F, cv::Scalar(0.01));
+  wall.z_m = wall.sigma_m = cv::Mat::zeros(60, 80, CV_32F);
+  wall.at_least_m = cv::Mat(60, 80, CV_32F, cv::Scalar(2.0));
+  KeyframePoses poses;
+  DenseMap map(kVoxel_m, 0.0);
+  const auto add = [&](const KeyframeFrame& name, const DepthImage& depth) {
+    poses[name] = SE3();
+    EXPECT_TRUE(map.Add(name, depth, grey, camera, poses));
+  };
+  for (int64_t i = 0; i < 3; ++i) add({1, FrameId(i)}, person);
+  ASSERT_FALSE(ExtractSurface(map.Merge(poses, SE3())).vertices.empty());
+  for (int64_t i = 0; i < 3; ++i) add({2, FrameId(i)}, wall);
+  EXPECT_EQ(map.n_submaps(), 2U);
+  EXPECT_TRUE(ExtractSurface(map.Merge(poses, SE3())).vertices.empty());
+  // Also after a restart, and after a correction that moves both.
+  const std::string path = testing::TempDir() + "bounds.surfaces";
+  map.Write(path, poses, poses);
+  for (auto& [name, pose] : poses) pose = SE3::Exp((Vector6d() << 0.3, -0.4, 0.2, 0.1, 0.2, -0.3).finished());
+  EXPECT_TRUE(ExtractSurface(DenseMap::Read(path, 0.0).Merge(poses, SE3())).vertices.empty());
+  // Where only the second submap moves away, the person is there again: its proof was about another place.
+  for (int64_t i = 0; i < 3; ++i) poses[{2, FrameId(i)}] = SE3(Eigen::Quaterniond::Identity(), {50.0, 0.0, 0.0});
+  EXPECT_FALSE(ExtractSurface(map.Merge(poses, SE3())).vertices.empty());
+}
+
 TEST(BodyMask, HullOfABodyAndItsMarginAreLeftOut) {
   const BodyPixels bodies{{0, {{100, 100}, {200, 100}, {200, 180}, {100, 180}, {150, 120}, {140, 140}}},
                           {1, {{300, 20}}}};
@@ -93,23 +152,26 @@ TEST(BodyMask, HullOfABodyAndItsMarginAreLeftOut) {
   EXPECT_EQ(in_use.at<uint8_t>(20, 300), 255) << "one feature is no body";
 }
 
-/// A map with two submaps of planes.
-DenseMap TwoPlanes() {
-  DenseMap map(kVoxel_m, 0.0);
+/// Adds what each of these keyframes sees: a plane at 2 m.
+void AddPlanes(const KeyframePoses& poses, DenseMap& map) {
   const StereoCamera camera{
       .f_px = 100.0, .cx_px = 40.0, .cy_px = 30.0, .baseline_m = 0.1, .width_px = 80, .height_px = 60};
   DepthImage depth;
   depth.z_m = cv::Mat(60, 80, CV_32F, cv::Scalar(2.0));
   depth.sigma_m = cv::Mat(60, 80, CV_32F, cv::Scalar(0.01));
   const cv::Mat grey(60, 80, CV_8U, cv::Scalar(90));
-  KeyframePoses poses{
-      {{1, 0}, SE3()}, {{1, 5}, SE3()}, {{2, 0}, SE3(Eigen::Quaterniond::Identity(), {3.0, 0.0, 0.0})}};
   for (const auto& [name, pose] : poses) EXPECT_TRUE(map.Add(name, depth, grey, camera, poses));
-  return map;
 }
 
 KeyframePoses PosesOfPlanes() {
   return {{{1, 0}, SE3()}, {{1, 5}, SE3()}, {{2, 0}, SE3(Eigen::Quaterniond::Identity(), {3.0, 0.0, 0.0})}};
+}
+
+/// A map with two submaps of planes.
+DenseMap TwoPlanes() {
+  DenseMap map(kVoxel_m, 0.0);
+  AddPlanes(PosesOfPlanes(), map);
+  return map;
 }
 
 TEST(SurfacesFile, GivesTheSameMap) {
@@ -125,6 +187,35 @@ TEST(SurfacesFile, GivesTheSameMap) {
   ASSERT_FALSE(one.vertices.empty());
   ASSERT_EQ(one.vertices.size(), two.vertices.size());
   for (size_t i = 0; i < one.vertices.size(); ++i) EXPECT_EQ(one.vertices[i].p, two.vertices[i].p);
+}
+
+TEST(DenseMap, SurfacePointsGoToTheirSubmaps) {
+  KeyframePoses poses = PosesOfPlanes();
+  poses[{2, 5}] = poses[{2, 0}];
+  DenseMap map(kVoxel_m, 0.0);
+  AddPlanes(poses, map);
+  const auto split = [&](const KeyframePoses& at) { return map.Split(ExtractSurface(map.Merge(at, SE3())), at); };
+  const SurfaceCloud cloud = split(poses);
+  ASSERT_EQ(cloud.submaps.size(), 2U);
+  EXPECT_EQ(cloud.n_points(), ExtractSurface(map.Merge(poses, SE3())).vertices.size());
+  for (const auto& [number, submap] : cloud.submaps) {
+    EXPECT_EQ(submap.anchor_session, SessionId(number + 1));
+    EXPECT_GT(submap.points.size(), 300U);
+    for (const SurfacePoint& point : submap.points) {
+      EXPECT_NEAR(point.p.z(), 2.0, 0.02);
+      EXPECT_LT(std::abs(point.p.x()), 1.0) << "seen from its own anchor";
+      EXPECT_EQ(point.grey, 90);
+    }
+  }
+  // A correction moves the anchor, and the points keep their places relative to it.
+  KeyframePoses moved = poses;
+  moved[{2, 0}] = SE3(Eigen::Quaterniond::Identity(), {10.0, 1.0, 0.0});
+  const SurfaceCloud later = split(moved);
+  EXPECT_EQ(later.submaps.at(1).T_w_anchor.translation(), Eigen::Vector3d(10.0, 1.0, 0.0));
+  EXPECT_FALSE(HasOtherSurfaces(cloud.submaps.at(1).points, later.submaps.at(1).points, kVoxel_m, 10));
+  // Without a place in the map a submap has no points.
+  moved.erase({2, 0});
+  EXPECT_FALSE(split(moved).submaps.contains(1));
 }
 
 TEST(SurfacesFile, SubmapOfARemovedKeyframeHasAnotherAnchor) {

@@ -56,7 +56,7 @@ TEST_F(LiveViewTest, GivesThePageAndTheData) {
   EXPECT_THAT(page, HasSubstr("text/html"));
   EXPECT_THAT(page, HasSubstr("nosniff"));
   EXPECT_THAT(Ask(port(), Get("/data.json")), HasSubstr("{\"rows\": 0}"));
-  EXPECT_THAT(Ask(port(), Get("/data.json?since=0.1.42.7.-1")), HasSubstr("{\"rows\": 42}"));
+  EXPECT_THAT(Ask(port(), Get("/data.json?since=0.1.42.7.-1.-1")), HasSubstr("{\"rows\": 42}"));
   EXPECT_THAT(Ask(port(), Get("/", "127.0.0.1:1234")), StartsWith("HTTP/1.1 200"));
   EXPECT_THAT(Ask(port(), Get("/", "[::1]:1234")), StartsWith("HTTP/1.1 200"));
 }

@@ -112,17 +112,17 @@ TEST(ReportPage, TakesTheLastRefinement) {
 }
 
 TEST(ReportSince, TextRoundTrip) {
-  const ReportSince since{3, 2, 250, 17, 96};
-  EXPECT_EQ(since.Text(), "3.2.250.17.96");
+  const ReportSince since{3, 2, 250, 17, 96, 4};
+  EXPECT_EQ(since.Text(), "3.2.250.17.96.4");
   EXPECT_EQ(ReportSince::Parse(since.Text()), since);
   EXPECT_EQ(ReportSince::Parse(""), ReportSince());
   EXPECT_EQ(ReportSince::Parse(ReportSince().Text()), ReportSince());
 }
 
 TEST(ReportSince, NonsenseIsRefused) {
-  for (const char* text :
-       {"1", "1.2.3.4", "1.2.3.4.5.6", "1.2.3.4.", ".1.2.3.4", "a.b.c.d.e", "1.2.3.4.99999999999999999999",
-        "1.2.-9.4.5", "1 .2.3.4.5", "1.2.3.4.5\n", "../../etc/passwd", "0x1.2.3.4.5"}) {
+  for (const char* text : {"1", "1.2.3.4.5", "1.2.3.4.5.6.7", "1.2.3.4.5.", ".1.2.3.4.5", "a.b.c.d.e.f",
+                           "1.2.3.4.5.99999999999999999999", "1.2.-9.4.5.6", "1 .2.3.4.5.6", "1.2.3.4.5.6\n",
+                           "../../etc/passwd", "0x1.2.3.4.5.6"}) {
     EXPECT_FALSE(ReportSince::Parse(text)) << text;
   }
 }

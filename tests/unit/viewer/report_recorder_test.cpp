@@ -341,6 +341,20 @@ TEST_F(ReportRecorderTest, LivePageGetsOnlyNewData) {
   EXPECT_TRUE(Build(third.next).facts.finished);
 }
 
+TEST_F(ReportRecorderTest, SurfacesAreSentIfTheyHaveChanged) {
+  SurfaceCloud cloud{0.05, {{0, {1, 0, SE3(), std::vector<SurfacePoint>(5)}}}};
+  AddFrames(0, 4);
+  report_.SetSurfaces({&cloud, [] { return OccupancyGrid(); }});
+  const ReportData first = Build("");
+  EXPECT_FALSE(first.surfaces) << "a run without dense_process";
+  report_.SurfacesChanged();
+  const ReportData second = Build(first.next);
+  ASSERT_TRUE(second.surfaces);
+  EXPECT_EQ(Rows(second.surfaces->points), 5U);
+  EXPECT_FALSE(Build(second.next).surfaces);
+  EXPECT_TRUE(Build("").surfaces) << "another page";
+}
+
 TEST_F(ReportRecorderTest, AnotherStreamIsSentWhole) {
   AddFrames(0, 4);
   report_ = ReportRecorder(100, 1);

@@ -50,6 +50,20 @@ TEST_F(RunEndTest, UnderALauncherNoSilenceEndsTheWait) {
   }
 }
 
+TEST_F(RunEndTest, SurfacesAreAwaited) {
+  const RunEnd::Received kNoSurfaces{.has_rig = true, .surfaces_may_come = true};
+  for (const bool has_launcher : {true, false}) {
+    RunEnd end(has_launcher);
+    if (has_launcher) end.OnEnd({4, {SessionId(0), 0}});
+    Receive({0, 1, 2, 3});
+    recorder_.SetEnd(4);
+    Commit();
+    EXPECT_FALSE(IsOver(end, kQuiet, kNoSurfaces));
+    EXPECT_TRUE(IsOver(end, kQuiet));
+    EXPECT_TRUE(IsOver(end, hours(1), kNoSurfaces)) << "a dense_process that hangs";
+  }
+}
+
 TEST_F(RunEndTest, AnnouncedPosesAndMapEndIt) {
   RunEnd end(true);
   end.OnEnd({4, {SessionId(0), 0}});

@@ -53,6 +53,7 @@ Json OtherRun(const RunRecord& run, const std::string& name, const SE3& T_base_w
   Json data = Json::parse(viewer::DataOfReport(ReportOf(run)));
   // The page shows neither of other runs, and they are most of the bytes.
   for (const char* list : {"processes", "pictures", "loops", "corrections"}) data.at(list) = Json::array();
+  data["surfaces"] = nullptr;
   if (data.at("path").is_null() || data.at("map").is_null()) throw std::runtime_error("its report has no map");
   const Eigen::Matrix4d T = T_base_w.matrix();
   Json transform = Json::array();

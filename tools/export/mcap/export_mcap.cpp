@@ -29,6 +29,7 @@
 #include "core/ros/ros_messages.h"
 #include "core/ros/ros_topics.h"
 #include "core/run/tracking_state.h"
+#include "tools/export/cloud_file.h"
 #include "tools/export/grid_files.h"
 #include "tools/export/mcap/mcap_writer.h"
 #include "tools/pose_graph/export.h"
@@ -260,6 +261,11 @@ class Exporter {
     if (const auto grid = run_.folder.empty() ? std::nullopt : ReadGridFiles(run_.folder)) {
       content_.has_grid = true;
       At(t, [=, this] { topics_.Write(ros_topic::kGrid, t, RosOccupancyGrid(t, *grid)); });
+    }
+    if (auto cloud = run_.folder.empty() ? std::nullopt : ReadCloudFile(run_.folder)) {
+      content_.has_surfaces = true;
+      At(t,
+         [t, this, points = std::move(*cloud)] { topics_.Write(ros_topic::kSurfaces, t, RosSurfaces(t, points)); });
     }
     if (!run_.map) return;
     content_.has_map = true;

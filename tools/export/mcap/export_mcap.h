@@ -15,6 +15,7 @@ struct McapContent {
   int64_t images = 0;
   bool has_map = false;
   bool has_grid = false;
+  bool has_surfaces = false;
 };
 
 /// Writes a run and its map as messages of ROS 2 (docs/exports.md has the table of topics). Images, as recorded, are

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "dense_process/node/live_grid.h"
+#include "dense_process/node/live_products.h"
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ Map RolledMap(double roll_deg) {
   return map;
 }
 
-class LiveGridTest : public testing::Test {
+class LiveProductsTest : public testing::Test {
  protected:
   static bus::BusOptions Options() {
     bus::BusOptions options;
@@ -32,30 +32,30 @@ class LiveGridTest : public testing::Test {
 
   const DenseMap surfaces_{0.05, 0.0};
   bus::Bus bus_{Options(), "dense"};
-  LiveGrid grid_{bus_, 1.0};
+  LiveProducts live_{bus_, 1.0};
 };
 
-TEST_F(LiveGridTest, IsMadeAgainAfterAWhileIfOld) {
+TEST_F(LiveProductsTest, IsMadeAgainAfterAWhileIfOld) {
   double now_ms = bus::NowMs();
-  EXPECT_FALSE(grid_.IsDue(now_ms)) << "nothing was fused";
-  grid_.Outdate();
-  EXPECT_TRUE(grid_.IsDue(now_ms));
-  const double took_ms = grid_.Publish(surfaces_, RolledMap(0.0), now_ms);
+  EXPECT_FALSE(live_.IsDue(now_ms)) << "nothing was fused";
+  live_.Outdate();
+  EXPECT_TRUE(live_.IsDue(now_ms));
+  const double took_ms = live_.Publish(surfaces_, RolledMap(0.0), now_ms);
   const double pause_ms = std::max(2000.0, 10.0 * took_ms);
-  EXPECT_FALSE(grid_.IsDue(now_ms + 2.0 * pause_ms)) << "nothing has changed";
-  grid_.Outdate();
-  EXPECT_FALSE(grid_.IsDue(now_ms + pause_ms - 1.0));
-  EXPECT_TRUE(grid_.IsDue(now_ms + pause_ms));
-  grid_.PublishFinal(Products{{}, {}, false, 0.0, {}, surfaces_.Merge({}, SE3()), {}, {}});
-  EXPECT_FALSE(grid_.IsDue(now_ms + pause_ms)) << "the grid of the files has all surfaces";
+  EXPECT_FALSE(live_.IsDue(now_ms + 2.0 * pause_ms)) << "nothing has changed";
+  live_.Outdate();
+  EXPECT_FALSE(live_.IsDue(now_ms + pause_ms - 1.0));
+  EXPECT_TRUE(live_.IsDue(now_ms + pause_ms));
+  live_.PublishFinal(Products{{}, {}, false, 0.0, {}, surfaces_.Merge({}, SE3()), {}, {}}, {});
+  EXPECT_FALSE(live_.IsDue(now_ms + pause_ms)) << "the grid of the files has all surfaces";
 }
 
-TEST_F(LiveGridTest, SmallChangesKeepItsVertical) {
+TEST_F(LiveProductsTest, SmallChangesKeepItsVertical) {
   const auto up_after = [this](double roll_deg) {
-    grid_.Publish(surfaces_, RolledMap(roll_deg), bus::NowMs());
-    return grid_.vertical()->up_w;
+    live_.Publish(surfaces_, RolledMap(roll_deg), bus::NowMs());
+    return live_.vertical()->up_w;
   };
-  EXPECT_FALSE(grid_.vertical());
+  EXPECT_FALSE(live_.vertical());
   const Eigen::Vector3d first = up_after(0.0);
   EXPECT_EQ(up_after(0.2), first);
   const Eigen::Vector3d turned = up_after(0.5);

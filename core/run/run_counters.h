@@ -8,6 +8,8 @@
 #include <string_view>
 #include <utility>
 
+#include "core/ids/ids.h"
+
 namespace plslam {
 
 /// Counters of statuses about the quality of a run's data. From vo: points of the left image, those of them with a
@@ -89,13 +91,13 @@ inline constexpr std::array<const char*, 36> kRunCounters{kPointsSeen,       kPo
 class RunCounters {
  public:
   /// `source` names the process.
-  void Take(int64_t source, const std::string& name, double value);
+  void Take(SourceId source, const std::string& name, double value);
   /// Sum over all processes; 0 if none has published the counter.
   double Sum(std::string_view name) const;
   double Largest(std::string_view name) const;
 
  private:
-  std::map<std::pair<std::string, int64_t>, double> values_;
+  std::map<std::pair<std::string, SourceId>, double> values_;
 };
 
 }  // namespace plslam

@@ -33,7 +33,7 @@ inline constexpr const char* kRightLate = "sync.right_late_ms";
 inline constexpr const char* kLeftLate = "sync.left_late_ms";
 inline constexpr const char* kLateFrames = "sync.late_frames";
 /// The largest part of a delay that is compensated, in frame periods; beyond it, frames are at most weak.
-inline constexpr double kMostLateMadeUpFor_frames = 0.3;
+inline constexpr double kLargestCompensatedDelay_frames = 0.3;
 inline constexpr const char* kUnequalReadout = "sync.unequal_readout_ms";
 /// Readout time of the rows that is not stated but found, the longest way of the camera in it, and the readout time
 /// that contradicts the stated one.

@@ -16,7 +16,7 @@ namespace {
 constexpr int64_t kQuestion = -1;
 constexpr int64_t kAnswer = 0;
 
-/// nullptr: no such channel.
+/// Returns nullptr if there is no such channel.
 const Channel* FindChannel(std::string_view name) {
   const auto rows = Channels();
   const auto found = std::find_if(rows.begin(), rows.end(), [&](const Channel& row) { return row.name == name; });

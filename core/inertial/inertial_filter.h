@@ -74,7 +74,7 @@ class InertialFilter {
   void StandStill(double sigma_m_s);
 
   /// The vertical in the frame of the sensor, with the larger sigma of its two angles: errors of gravity, and of the
-  /// pose's roll and pitch. nullopt until the magnitude of gravity is known.
+  /// pose's roll and pitch; nullopt until the magnitude of gravity is known.
   std::optional<UpDirection> Up() const;
 
   /// The biases; the sigma of a component is the root of the mean variance of the three.

@@ -26,7 +26,7 @@ const Channel* FindChannel(std::string_view name) {
 /// Returns `repair_request_t.publisher` of a checked message, which follows the header and the string `channel`.
 SourceId PublisherOf(ByteView request) {
   const uint8_t* p = request.data() + kWireHeaderBytes;
-  return ReadInt64(p + 4 + ReadInt32(p));
+  return SourceId(ReadInt64(p + 4 + ReadInt32(p)));
 }
 
 }  // namespace

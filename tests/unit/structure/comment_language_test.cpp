@@ -143,8 +143,8 @@ TEST(Language, SmallBeginningsAreRecognised) {
       "a.h",
       {"// SPDX", "/// pose of a frame, 0, 1, 2, ... in order. the next", "/// one. a keyframe. It is.",
        "///   solve(it)", "", "/// kNone: `nothing`. nullopt without. std::hypot is. x is",
-       "/// 1. frame_id. symmetric.cpp has. cam0 too.", std::string("int a;  //") + "/< of a frame. the first",
-       std::string("int b;  //") + "/< of a keyframe", "        ///< of a map", "/// a * x + b"}};
+       "/// 1. frame_id. symmetric.cpp has. cam0 too.", std::string("int a;  /") + "//< of a frame. the first",
+       std::string("int b;  /") + "//< of a keyframe", "        ///< of a map", "/// a * x + b"}};
   std::vector<std::string> found;
   for (const Sentence& sentence : SmallBeginnings(file))
     found.push_back(std::to_string(sentence.line) + " " + sentence.text.substr(0, 6));

@@ -19,7 +19,7 @@ struct Order {
   std::string verb;
   std::string argument;
   /// Source and number of the command's message, which the answer repeats.
-  SourceId source;
+  SourceId source{};
   int64_t seq = 0;
 };
 

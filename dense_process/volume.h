@@ -91,7 +91,7 @@ class Volume {
     ~Reader();
     Reader(const Reader&) = delete;
     Reader& operator=(const Reader&) = delete;
-    /// nullopt: unknown.
+    /// Returns nullopt for an unknown voxel.
     std::optional<Voxel> At(const Eigen::Vector3i& index) const;
 
    private:

@@ -56,8 +56,8 @@ void LoopService::OnAdjusted(const LoopClosure& adjustment) {
 }
 
 void LoopService::OnSignOfLife(SourceId source) {
-  for (auto& [session, teller] : lockstep_) {
-    if (teller.source == source) teller.heard_ms = now_ms_();
+  for (auto& [id, session] : lockstep_) {
+    if (session.source == source) session.heard_ms = now_ms_();
   }
 }
 
@@ -186,9 +186,9 @@ LoopService::Wait LoopService::WaitsFor() {
 /// In lockstep the result must not depend on the length of a network failure.
 bool LoopService::HasWaited(const Due& due) const {
   const double now_ms = now_ms_();
-  const auto teller = lockstep_.find(due.keyframe.session);
-  if (teller == lockstep_.end()) return now_ms - due.since_ms >= kPatience_ms;
-  return now_ms - std::max(due.since_ms, teller->second.heard_ms) >= kLockstepPatience_ms;
+  const auto session = lockstep_.find(due.keyframe.session);
+  if (session == lockstep_.end()) return now_ms - due.since_ms >= kPatience_ms;
+  return now_ms - std::max(due.since_ms, session->second.heard_ms) >= kLockstepPatience_ms;
 }
 
 /// In lockstep a committed keyframe has been checked, by a previous loop_process if its updates are resent before its

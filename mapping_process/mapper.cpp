@@ -371,7 +371,7 @@ void Mapper::Forget() {
 
 MapUpdate Mapper::TakeUpdate() {
   MapUpdate update = ChangedPart(map_, map_.TakeChanges());
-  update.base_version = version_.number++;
+  update.Follow(version_.number++);
   Sign(update);
   return update;
 }

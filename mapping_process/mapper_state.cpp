@@ -12,7 +12,6 @@
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
-#include <type_traits>
 
 #include "core/errors/error_text.h"
 #include "core/files/mapped_file.h"
@@ -29,10 +28,7 @@ void Fields(Archive& a, T& f) {
 
 template <class Archive, Is<LoopAnswer> T>
 void Fields(Archive& a, T& answer) {
-  bool has_version = answer.map_version.has_value();
-  MapVersion version = answer.map_version.value_or(MapVersion());
-  a(answer.keyframe, has_version, version, answer.accepted);
-  if constexpr (!std::is_const_v<T>) answer.map_version = has_version ? std::optional(version) : std::nullopt;
+  a(answer.keyframe, answer.map_version, answer.accepted);
 }
 
 /// The scalar fields; keyframes, landmarks and features are written separately.
@@ -51,7 +47,7 @@ namespace {
 using Bytes = std::span<const uint8_t>;
 
 constexpr FileKind kStateRecord{
-    {'P', 'L', 'S', 'L', 'M', 'P', 'S', 'T'}, 10, "state of a mapping_process", Checksum::kPoly1305};
+    {'P', 'L', 'S', 'L', 'M', 'P', 'S', 'T'}, 11, "state of a mapping_process", Checksum::kPoly1305};
 
 enum class RecordKind : uint8_t { kFeatures, kMap, kChanges };
 

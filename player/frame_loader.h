@@ -27,7 +27,7 @@ class FrameLoader {
   FrameLoader(const FrameLoader&) = delete;
   FrameLoader& operator=(const FrameLoader&) = delete;
 
-  /// Waits for the next frame. nullopt after the last one, and after `Stop`. Errors other than DatasetError leave
+  /// Waits for the next frame; nullopt after the last one and after `Stop`. Errors other than DatasetError leave
   /// here.
   std::optional<LoadedFrame> Next();
 

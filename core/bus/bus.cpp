@@ -15,13 +15,13 @@ namespace plslam::bus {
 namespace {
 
 /// Positive and never zero, which means "any" on the wire.
-int64_t RandomSource() {
+SourceId RandomSource() {
   int64_t source = 0;
   while (source == 0) {
     randombytes_buf(&source, sizeof(source));
     source &= INT64_MAX;
   }
-  return source;
+  return SourceId(source);
 }
 
 }  // namespace
@@ -54,7 +54,7 @@ Bus::Impl::Impl(const BusOptions& options_in, std::string process_in)
     bulky.merge(names_of(*channel));
   }
   transport.SetBulky(std::move(bulky));
-  transport.Listen({names_of(kRepairRequest), request_layout_->fingerprint(), source});
+  transport.Listen({names_of(kRepairRequest), request_layout_->fingerprint(), source.value});
   for (const std::string& name : names_of(kAnnounce)) transport.Listen(name);
   transport.ListenToEnding(kStatus.name);
   receiver_ = std::thread([this] { ReceiveLoop(); });
@@ -124,7 +124,7 @@ bool Bus::Impl::hears_other_key() const { return rejections_.Has(Rejection::kOth
 Bus::Bus(const BusOptions& options, const std::string& process) : impl_(std::make_unique<Impl>(options, process)) {}
 Bus::~Bus() = default;
 
-int64_t Bus::source() const { return impl_->source; }
+SourceId Bus::source() const { return impl_->source; }
 const BusOptions& Bus::options() const { return impl_->options; }
 
 std::string Bus::WireName(const Channel& channel) const { return impl_->names.WireName(channel); }

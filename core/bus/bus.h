@@ -16,6 +16,7 @@
 #include "core/bus/channels.h"
 #include "core/bus/options.h"
 #include "core/bus/transport/wire.h"
+#include "core/ids/ids.h"
 
 namespace plslam {
 class header_t;
@@ -54,7 +55,7 @@ class Bus {
   std::string WireName(const Channel& channel) const;
 
   /// Random name of this process start (`header_t.source`).
-  int64_t source() const;
+  SourceId source() const;
 
   /// Fills in `message.header` (all but `t_ns` and `session`, which the caller sets) and sends. T is the generated type
   /// named in `channel.type`.

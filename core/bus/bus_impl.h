@@ -41,7 +41,7 @@ struct Bus::Impl {
   const BusOptions options;
   const std::string process;
   const ChannelNames names;
-  const int64_t source;
+  const SourceId source;
   const Authenticator authenticator;
   Transport transport;
   RunLoop loop;

@@ -16,7 +16,7 @@ namespace {
 constexpr int64_t kQuestion = -1;
 constexpr int64_t kAnswer = 0;
 
-/// nullptr: no such channel.
+/// Returns nullptr if there is no such channel.
 const Channel* FindChannel(std::string_view name) {
   const auto rows = Channels();
   const auto found = std::find_if(rows.begin(), rows.end(), [&](const Channel& row) { return row.name == name; });
@@ -24,9 +24,9 @@ const Channel* FindChannel(std::string_view name) {
 }
 
 /// Returns `repair_request_t.publisher` of a checked message, which follows the header and the string `channel`.
-int64_t PublisherOf(ByteView request) {
+SourceId PublisherOf(ByteView request) {
   const uint8_t* p = request.data() + kWireHeaderBytes;
-  return ReadInt64(p + 4 + ReadInt32(p));
+  return SourceId(ReadInt64(p + 4 + ReadInt32(p)));
 }
 
 }  // namespace
@@ -115,7 +115,7 @@ ByteView Bus::Impl::Checked(std::string_view wire_name, const MessageLayout& lay
 bool Bus::Impl::IsAlive(std::string_view wire_name, ByteView message, int64_t now) {
   const WireHeader header = ReadHeader(message);
   if (!authenticator.has_key() || !transport.two_way() || header.source == source) return true;
-  const SourceId sender(header.source);
+  const SourceId sender = header.source;
   const bool is_request = names.IsNamed(wire_name, kRepairRequest);
   const bool is_announce = names.IsNamed(wire_name, kAnnounce);
   if ((is_request && !peers_.TakeRequest(sender, header.seq, now)) ||
@@ -143,7 +143,7 @@ void Bus::Impl::OnRepairRequest(std::string_view wire_name, ByteView bytes, int6
   if (!decoded) return;
   const repair_request_t& request = *decoded;
   if (request.channel.empty()) {
-    const bool asks_us = request.publisher == source && request.delivered == kQuestion;
+    const bool asks_us = request.publisher == source.value && request.delivered == kQuestion;
     if (asks_us && authenticator.has_key()) SendHello(SourceId(request.header.source), false);
     return;
   }
@@ -154,7 +154,7 @@ void Bus::Impl::OnRepairRequest(std::string_view wire_name, ByteView bytes, int6
     if (due) Announce(*due);
     return;
   }
-  if (request.publisher != source) return;
+  if (request.publisher != source.value) return;
   std::vector<SeqRange> ranges;
   for (const range_t& range : request.ranges) ranges.push_back({range.first, range.last});
   const Outboxes::Answer answer = outboxes.OnRequest(request.channel, SourceId(request.header.source),
@@ -210,7 +210,7 @@ void Bus::Impl::Request(const Channel& channel, SourceId publisher, const Ordere
 template <class T>
 void Bus::Impl::SendControl(const Channel& channel, Scope scope, T message) {
   message.header.schema = kSchemaVersion;
-  message.header.source = source;
+  message.header.source = source.value;
   message.header.seq = control_seq_[std::string(channel.name)]++;
   std::vector<uint8_t> bytes = Encoded(message);
   const std::string wire_name = std::string(names.PrefixOf(scope)).append(channel.name);

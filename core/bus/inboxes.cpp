@@ -101,7 +101,7 @@ void Inboxes::Dispatch(std::string_view wire_name, const WireHeader& header, Byt
 }
 
 void Inboxes::DispatchPaced(Inbox& inbox, const WireHeader& header, ByteView message) {
-  const SourceId publisher(header.source);
+  const SourceId publisher = header.source;
   static constexpr int64_t kAcknowledgedCost = 28'000;
   if (!inbox.unacknowledged.contains(publisher) && inbox.unacknowledged.size() >= kMaxSources) {
     inbox.unacknowledged.clear();
@@ -139,7 +139,7 @@ void Inboxes::PollSource(const Inbox& inbox, SourceId publisher, Source& source,
 }
 
 void Inboxes::DispatchOrdered(Inbox& inbox, const WireHeader& header, ByteView message, int64_t now) {
-  const SourceId publisher(header.source);
+  const SourceId publisher = header.source;
   Source* source = SourceOf(inbox, publisher, now);
   if (source == nullptr) {
     ++counts_.rejected;
@@ -180,7 +180,7 @@ void Inboxes::DispatchLatest(Inbox& inbox, const WireHeader& header, ByteView me
   using Kind = Subscription::Kind;
   const auto wants = [](const auto& s) { return s->kind == Kind::kNewest || s->kind == Kind::kAsItComes; };
   if (std::none_of(inbox.subscriptions.begin(), inbox.subscriptions.end(), wants)) return;
-  const SourceId publisher(header.source);
+  const SourceId publisher = header.source;
   if (!inbox.latest.contains(publisher) && inbox.latest.size() >= kMaxSources) {
     const auto old = Forgettable(inbox.latest, now, [](const Latest& l) { return l.heard; });
     if (old == inbox.latest.end()) {

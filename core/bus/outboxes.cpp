@@ -30,7 +30,7 @@ int64_t SteadyNow_ns() {
 }
 
 Outboxes::Outboxes(const BusOptions& options, const ChannelNames& names, const Authenticator& authenticator,
-                   Transport& transport, int64_t source)
+                   Transport& transport, SourceId source)
     : options_(options),
       names_(names),
       authenticator_(authenticator),
@@ -50,7 +50,7 @@ Outboxes::Outbox& Outboxes::OutboxOf(const Channel& channel) {
   if (channel.scope == Scope::kToMap) outbox->map_name = names_.NameForMap(channel);
   if (channel.delivery == Delivery::kEvery || channel.pace == Pace::kPaced) {
     const std::string path =
-        history_folder_ + "/" + std::string(channel.name) + "-" + std::to_string(source_) + ".lcmlog";
+        history_folder_ + "/" + std::string(channel.name) + "-" + std::to_string(source_.value) + ".lcmlog";
     outbox->log = std::make_unique<HistoryLog>(outbox->wire_name, path, !options_.history_dir.empty());
     outbox->writer = std::make_unique<OrderedWriter>(channel.retention, options_.history_bytes);
     outbox->writer->KeepReadersFor(2 * static_cast<int64_t>(options_.give_up_s * 1e9));
@@ -96,7 +96,7 @@ int64_t Outboxes::acknowledged() const {
 Bytes Outboxes::Sealed(const std::string& wire_name, int64_t seq, header_t& header,
                        const std::function<int()>& encoded_size, const Encode& encode) const {
   header.schema = kSchemaVersion;
-  header.source = source_;
+  header.source = source_.value;
   header.seq = seq;
   const int bytes = encoded_size();
   if (bytes < 0 || static_cast<size_t>(bytes) + authenticator_.overhead() > kMaxMessageBytes) {

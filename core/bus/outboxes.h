@@ -52,7 +52,7 @@ class Outboxes {
 
   /// All references must outlive this object. Throws std::runtime_error if the folder of histories is not usable.
   Outboxes(const BusOptions& options, const ChannelNames& names, const Authenticator& authenticator,
-           Transport& transport, int64_t source);
+           Transport& transport, SourceId source);
 
   /// Fills in the header and sends; safe from any thread; waits for readers as `Bus::Publish` does. Returns the time of
   /// the channel's next announcement, in nanoseconds; nullopt if it has none.
@@ -116,7 +116,7 @@ class Outboxes {
   const ChannelNames& names_;
   const Authenticator& authenticator_;
   Transport& transport_;
-  int64_t source_;
+  SourceId source_;
   std::string history_folder_;
   std::atomic<bool> stopped_{false};
   std::atomic<int64_t> sent_{0};

@@ -30,8 +30,8 @@ struct ImuSources {
 
 /// Returns the calibration of such a sensor beside the cameras of `rig`. The pose is that of the file, or else that of
 /// the transforms; a file without a pose means that the sensor is the body if a camera file has a pose of the left
-/// camera in it (Kalibr). nullopt without any. `notes` receives a remark on a noise that is not stated, for the sensor
-/// `name`. Throws DatasetError.
+/// camera in it (Kalibr). Returns nullopt without any. `notes` receives a remark on a noise that is not stated, for the
+/// sensor `name`. Throws DatasetError.
 std::optional<ImuCalibration> FindImuCalibration(const std::string& name, const RigCalibration& rig,
                                                  const ImuSources& sources, Notes* notes);
 

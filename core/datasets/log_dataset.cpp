@@ -21,6 +21,7 @@
 #include "core/bus/messages/imu_channel.h"
 #include "core/bus/transport/wire.h"
 #include "core/errors/error_text.h"
+#include "core/ids/ids.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/ground_truth_t.hpp"
 #include "plslam/image_strip_t.hpp"
@@ -82,7 +83,7 @@ std::vector<size_t> MostIncreasing(const std::vector<int64_t>& values) {
 }
 
 /// One publisher's frames on one channel.
-using StreamKey = std::tuple<std::string, std::string, int64_t>;  // prefix, channel, source
+using StreamKey = std::tuple<std::string, std::string, SourceId>;  // prefix, channel, source
 struct LogStream {
   std::map<int64_t, LogFrame> frames;
   int64_t n_strips = 0;
@@ -135,7 +136,7 @@ class LogDataset : public Dataset {
   LoggedRobot robot_;
   std::vector<ImuSample> imu_samples_;
   std::string prefix_;
-  int64_t source_ = 0;
+  SourceId source_;
   RigCalibration rig_;
   std::vector<LogFrame> frames_;
   std::map<int64_t, SE3> truth_;  // by frame id
@@ -201,7 +202,7 @@ void LogDataset::ChooseStream(std::map<StreamKey, LogStream>& streams) {
 void LogDataset::ReadRig() {
   std::optional<RigCalibration> first;
   robot_.On(kCamera).ForEach<camera_t>(log_, [&](const camera_t& message) {
-    if (!first && message.header.source == source_) first = FromMessage(message);
+    if (!first && SourceId(message.header.source) == source_) first = FromMessage(message);
   });
   if (first) {
     rig_ = *std::move(first);
@@ -218,7 +219,7 @@ void LogDataset::ReadImuSamples() {
   if (!rig_.imu) return;
   std::map<int64_t, ImuSample> samples;
   robot_.On(kImu).ForEach<imu_t>(log_, [&](const imu_t& message) {
-    const auto batch = message.header.source == source_ ? FromMessage(message) : std::nullopt;
+    const auto batch = SourceId(message.header.source) == source_ ? FromMessage(message) : std::nullopt;
     if (!batch) return;
     for (const ImuSample& sample : batch->samples) samples.emplace(sample.t_ns, sample);
   });
@@ -227,7 +228,7 @@ void LogDataset::ReadImuSamples() {
 
 void LogDataset::ReadGroundTruth() {
   robot_.On(kGroundTruth).ForEach<ground_truth_t>(log_, [&](const ground_truth_t& message) {
-    const auto T_w_l = message.header.source == source_ ? FromMessage(message.T_w_l) : std::nullopt;
+    const auto T_w_l = SourceId(message.header.source) == source_ ? FromMessage(message.T_w_l) : std::nullopt;
     if (T_w_l) truth_.emplace(message.frame_id, *T_w_l);
   });
 }

@@ -73,7 +73,7 @@ namespace {
 
 constexpr size_t kMaxShown = 60;
 
-/// nullopt: none is set.
+/// Returns nullopt if none is set.
 std::optional<uint64_t> Limit(__rlimit_resource resource) {
   rlimit limit{};
   if (getrlimit(resource, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return std::nullopt;

@@ -9,6 +9,7 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -21,7 +22,7 @@
 #include "core/geometry/se3.h"
 
 /// Conversion of values to bytes and back, to the last bit: little endian, one after the other, containers after their
-/// number of elements.
+/// number of elements, an optional value after a byte that is 1 if there is a value and else 0.
 ///
 /// A type lists its fields once, for writing and for reading:
 ///
@@ -95,6 +96,11 @@ class Writer {
   template <class First, class Second>
   void Write(const std::pair<First, Second>& value) {
     (*this)(value.first, value.second);
+  }
+  template <class T>
+  void Write(const std::optional<T>& value) {
+    Write(static_cast<uint8_t>(value.has_value()));
+    if (value) Write(*value);
   }
   template <class T>
   void Write(const std::vector<T>& values) {
@@ -178,6 +184,14 @@ class Reader {
   template <class First, class Second>
   void Read(std::pair<First, Second>& value) {
     (*this)(value.first, value.second);
+  }
+  template <class T>
+  void Read(std::optional<T>& value) {
+    uint8_t has_value = 0;
+    Read(has_value);
+    if (has_value > 1) throw std::runtime_error("the content states neither a value nor the lack of one");
+    value.reset();
+    if (has_value == 1) Read(value.emplace());
   }
   template <class T>
   void Read(std::vector<T>& values);

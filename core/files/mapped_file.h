@@ -20,7 +20,7 @@ class MappedFile {
   /// Throws std::runtime_error, in a sentence without its subject, if it cannot be read.
   static std::shared_ptr<const MappedFile> Open(const std::string& path);
   /// Returns a file without a name in `TemporaryRoot`, which is removed with this object; it contains the parts one
-  /// after the other. nullptr if they cannot be written.
+  /// after the other. Returns nullptr if they cannot be written.
   static std::shared_ptr<const MappedFile> Temporary(const std::vector<std::span<const std::byte>>& parts);
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;

@@ -60,7 +60,7 @@ class Distortion {
   /// Derivative of `Distort`.
   Eigen::Matrix2d Jacobian(const Eigen::Vector2d& xy) const;
 
-  /// Largest undistorted radius, i.e. tangent of the angle from the axis, up to which the model is monotonic.
+  /// Largest undistorted radius (tangent of the angle from the axis) up to which the model is monotonic.
   double max_radius() const { return max_radius_; }
 
   bool IsIdentity() const;

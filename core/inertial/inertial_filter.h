@@ -74,12 +74,14 @@ class InertialFilter {
   void StandStill(double sigma_m_s);
 
   /// The vertical in the frame of the sensor, with the larger sigma of its two angles: errors of gravity, and of the
-  /// pose's roll and pitch. nullopt until the magnitude of gravity is known.
+  /// pose's roll and pitch; nullopt until the magnitude of gravity is known.
   std::optional<UpDirection> Up() const;
 
-  /// Sigma of the components of a bias: root of their mean variance.
-  double RateBiasSigma() const { return std::sqrt(P_.block<3, 3>(kRateBias, kRateBias).trace() / 3.0); }
-  double ForceBiasSigma() const { return std::sqrt(P_.block<3, 3>(kForceBias, kForceBias).trace() / 3.0); }
+  /// The biases; the sigma of a component is the root of the mean variance of the three.
+  ImuBiasEstimate Bias() const {
+    return {state_.bias, std::sqrt(P_.block<3, 3>(kRateBias, kRateBias).trace() / 3.0),
+            std::sqrt(P_.block<3, 3>(kForceBias, kForceBias).trace() / 3.0)};
+  }
 
   bool has_begun() const { return has_begun_; }
   const InertialState& state() const { return state_; }

@@ -25,10 +25,7 @@ struct InertialInterval {
   /// Pose of the sensor in the rectified left camera.
   SE3 T_c_imu;
   ImuNoise noise;
-  /// Biases, and the sigma of each of their components.
-  ImuBias bias;
-  double rate_bias_sigma_rad_s = 0.0;
-  double force_bias_sigma_m_s2 = 0.0;
+  ImuBiasEstimate bias;
 
   bool empty() const { return from_ns == to_ns; }
   /// Time until `end_ns`, which must not be before the begin; unsigned, because stamps may have any value.
@@ -38,13 +35,12 @@ struct InertialInterval {
   /// Appends what was sensed up to a later time. Samples that are not later than the last one are repetitions.
   void Append(std::span<const ImuSample> more, int64_t until_ns);
 
-  /// Returns the motion, integrated with `bias`; nullopt if it is empty, and as `Preintegrate`.
-  std::optional<Preintegration> Motion() const { return Preintegrate(samples, from_ns, to_ns, noise, bias); }
+  /// Returns the motion, integrated with the mean `bias`; nullopt if it is empty, and as `Preintegrate`.
+  std::optional<Preintegration> Motion() const { return Preintegrate(samples, from_ns, to_ns, noise, bias.mean); }
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.from_ns, self.to_ns, self.samples, self.T_c_imu, self.noise, self.bias, self.rate_bias_sigma_rad_s,
-      self.force_bias_sigma_m_s2);
+    a(self.from_ns, self.to_ns, self.samples, self.T_c_imu, self.noise, self.bias);
   }
 };
 

@@ -24,6 +24,19 @@ struct ImuBias {
   }
 };
 
+/// Biases as they are estimated.
+struct ImuBiasEstimate {
+  ImuBias mean;
+  /// Sigma of each component.
+  double rate_sigma_rad_s = 0.0;
+  double force_sigma_m_s2 = 0.0;
+
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.mean, self.rate_sigma_rad_s, self.force_sigma_m_s2);
+  }
+};
+
 /// The motion of an inertial sensor over an interval, integrated from its samples in its own frame at the beginning (i),
 /// without gravity and initial velocity (Forster, Carlone, Dellaert, Scaramuzza, "On-Manifold Preintegration for
 /// Real-Time Visual-Inertial Odometry", T-RO 2017, §V and VI). With gravity g and velocity v in a fixed frame w, over t:

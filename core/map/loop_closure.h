@@ -62,9 +62,9 @@ struct LoopClosure {
   std::optional<MapVersion> map_version;
   /// Whether another message about the same keyframe follows (an adjustment is running).
   bool more = false;
-  /// kLoop only; usually one.
+  /// One edge as a rule; only with `kLoop`.
   std::vector<LoopEdge> edges;
-  /// kLoop only: pairs of landmarks of both sides to fuse.
+  /// Pairs of landmarks of both sides to fuse; only with `kLoop`.
   std::vector<SameLandmarks> points;
   std::vector<SameLandmarks> lines;
   /// Ascending by keyframe; keyframes that are not listed move with their parent in the spanning tree.

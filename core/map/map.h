@@ -114,7 +114,7 @@ class Map {
     std::vector<LandmarkId> lines;
   };
 
-  /// The rectified camera in which the features of all keyframes are expressed. nullopt if unknown.
+  /// The rectified camera in which the features of all keyframes are expressed; nullopt if unknown.
   const std::optional<StereoCamera>& camera() const { return camera_; }
   void SetCamera(const StereoCamera& camera) { camera_ = camera; }
 
@@ -232,7 +232,7 @@ class Map {
   Touched touched_;
   /// Poses of moved keyframes that had not changed otherwise before.
   std::map<KeyframeId, SE3> moved_;
-  /// nullopt: removed keyframes are not remembered.
+  /// Poses of removed keyframes; nullopt: they are not remembered.
   std::optional<RemovedPoses> removed_;
 };
 

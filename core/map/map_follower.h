@@ -62,7 +62,7 @@ class MapFollower {
   }
 
   const Map& map() const { return map_; }
-  /// nullopt: no update was received.
+  /// The version of the map; nullopt before the first update.
   const std::optional<MapVersion>& version() const { return version_; }
   Change change() const { return change_; }
   /// Since the last change that was not kContinued.

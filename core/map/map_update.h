@@ -51,8 +51,8 @@ inline bool IsAnswerTo(const LoopAnswer& answer, const LoopClosure& loop) {
 struct MapUpdate {
   SourceId source;  ///< publisher: the run of mapping_process that owns the map; set by the receiver
   int64_t version = 0;
-  /// The version to which it applies. 0: none, this is the complete map.
-  int64_t base_version = 0;
+  /// The version to which it applies; nullopt: this is the complete map.
+  std::optional<int64_t> base_version;
   /// `Map::camera`.
   std::optional<StereoCamera> camera;
   /// The newest keyframe of vo_process in it, and its time.
@@ -83,12 +83,17 @@ struct MapUpdate {
   std::vector<std::pair<std::string, double>> stage_ms;
 
   MapVersion Version() const { return {map_id, source, version}; }
-  bool IsWhole() const { return base_version == 0; }
+  bool IsWhole() const { return !base_version; }
+  /// Makes it the update after version `number`; the first one, after 0, is the complete map.
+  void Follow(int64_t number) {
+    if (number > 0) base_version = number;
+    version = number + 1;
+  }
 };
 
 /// Returns the part of `map` that `changes` lists.
 MapUpdate ChangedPart(const Map& map, const MapChanges& changes);
-/// Returns the complete map, with base version 0.
+/// Returns the complete map, without a base version.
 MapUpdate WholeMap(const Map& map);
 
 }  // namespace plslam

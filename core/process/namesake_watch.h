@@ -5,11 +5,13 @@
 #include <map>
 #include <string>
 
+#include "core/ids/ids.h"
+
 namespace plslam::bus {
 
 /// A process as its status describes it.
 struct ProcessIdentity {
-  int64_t source = 0;
+  SourceId source;
   std::string host;
   int64_t pid = 0;
   double uptime_s = 0.0;
@@ -43,7 +45,7 @@ class NamesakeWatch {
     kReport,  ///< report it, once: the namesake should have yielded
   };
 
-  explicit NamesakeWatch(int64_t own_source) : own_source_(own_source) {}
+  explicit NamesakeWatch(SourceId own_source) : own_source_(own_source) {}
 
   /// `now_s`: steady time. `own`: this process, now.
   Action OnStatus(const ProcessIdentity& other, const ProcessIdentity& own, double now_s);
@@ -58,8 +60,8 @@ class NamesakeWatch {
     bool is_reported = false;
   };
 
-  int64_t own_source_;
-  std::map<int64_t, Seen> seen_;  // by source
+  SourceId own_source_;
+  std::map<SourceId, Seen> seen_;  // by source
 };
 
 }  // namespace plslam::bus

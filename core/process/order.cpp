@@ -14,7 +14,7 @@ constexpr size_t kLongestFailure = 2000;
 
 std::optional<Order> OrderTo(const Process& process, const command_t& message) {
   if (message.target != process.name() && message.target != "*") return std::nullopt;
-  return Order{message.verb, message.argument, message.header.source, message.header.seq};
+  return Order{message.verb, message.argument, SourceId(message.header.source), message.header.seq};
 }
 
 SaveRequest ToSaveRequest(const std::string& argument) {
@@ -25,7 +25,7 @@ SaveRequest ToSaveRequest(const std::string& argument) {
 
 void Answer(Process& process, const Order& order, const std::string& failure) {
   command_answer_t message{};
-  message.command_source = order.source;
+  message.command_source = order.source.value;
   message.command_seq = order.seq;
   message.process = process.name();
   // It may name an argument as long as a message.

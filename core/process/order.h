@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "core/ids/ids.h"
 #include "core/process/process.h"
 
 namespace plslam {
@@ -18,7 +19,7 @@ struct Order {
   std::string verb;
   std::string argument;
   /// Source and number of the command's message, which the answer repeats.
-  int64_t source = 0;
+  SourceId source{};
   int64_t seq = 0;
 };
 

@@ -88,8 +88,8 @@ void OrderSender::Publish() {
 void OrderSender::OnAnswer(const command_answer_t& message) {
   // Accepts an answer to any command of this order: one that was carried out by a process that has exited since was
   // carried out all the same.
-  const bool ours =
-      message.command_source == bus_.source() && message.command_seq >= first_seq_ && message.command_seq < n_sent_;
+  const bool ours = message.command_source == bus_.source().value && message.command_seq >= first_seq_ &&
+                    message.command_seq < n_sent_;
   if (ours && !answer_) answer_ = message.failure;
 }
 

@@ -48,7 +48,7 @@ class OrderSender {
   void Send(const OrderRow& row, const std::string& argument);
   bool has_sent() const { return row_ != nullptr; }
 
-  /// nullopt: no answer to the order yet; empty: done; else the reason of the failure.
+  /// The answer to the order: nullopt until it arrives, empty after success, else the reason of the failure.
   const std::optional<std::string>& answer() const { return answer_; }
   /// Returns the answer as a sentence, or the reason why there will be none; nullopt: wait and call again. The reasons
   /// are a missing process (after 10 s), a missing key, and no answer within 120 s.

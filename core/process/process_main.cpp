@@ -80,7 +80,7 @@ class ProcessRunner {
     std::shared_ptr<void> node;
     const auto start = [&] {
       node = spec_.make_node(process, config);
-      // plslam gives all its processes the same options.
+      // A launcher gives all its processes the same options.
       if (!process.has_launcher()) ReportOptionsOfOthers();
       if (process.impl_->status.state() == process_state::kStarting) process.SetState(process_state::kReady);
       ReportReady(process);

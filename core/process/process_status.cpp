@@ -105,7 +105,7 @@ void StatusPublisher::OnStatus(const status_t& other) {
   if (!on_older_ || other.process != process_ || other.state == process_state::kStopping ||
       other.state == process_state::kFailed)
     return;
-  const ProcessIdentity namesake{other.header.source, other.host, other.pid, other.uptime_s,
+  const ProcessIdentity namesake{SourceId(other.header.source), other.host, other.pid, other.uptime_s,
                                  CounterOf(other, kStartedUtc)};
   const std::string sentence = NamesakeWatch::Sentence(process_, namesake);
   switch (namesakes_.OnStatus(namesake, Identity(), NowS())) {

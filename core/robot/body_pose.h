@@ -31,7 +31,7 @@ struct BodyPose {
   SE3 T_map_b;
   /// Covariance of [position; rotation about the fixed axes] in odom, as in geometry_msgs/PoseWithCovariance.
   Matrix6d covariance = Matrix6d::Zero();
-  /// [linear; angular] in b, the mean since the previous frame; and its covariance. nullopt if the time step is not
+  /// [linear; angular] in b, the mean since the previous frame; and its covariance; nullopt if the time step is not
   /// known.
   std::optional<Vector6d> velocity;
   Matrix6d velocity_covariance = Matrix6d::Zero();

@@ -27,7 +27,7 @@ struct RobotFrames {
 /// The body in odom. An unknown velocity is 0 with variances of 1e6.
 RosOdometry BodyOdometry(const robot::BodyPose& pose, const RobotFrames& frames);
 RosOdometry BodyOdometry(const robot::BodyPose& pose, RobotFrames&& frames) = delete;
-/// map to odom, if that is known, and odom to the body.
+/// Returns the transforms from map to odom, if that is known, and from odom to the body.
 std::vector<RosTransform> BodyTransforms(const robot::BodyPose& pose, const RobotFrames& frames);
 std::vector<RosTransform> BodyTransforms(const robot::BodyPose& pose, RobotFrames&& frames) = delete;
 

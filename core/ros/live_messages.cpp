@@ -32,7 +32,7 @@ void LiveMessages::WriteStaticFrame(int64_t t_ns, const SE3& T_world_map) {
   write_(ros_topic::kTfStatic, t_ns, RosTransforms(t_ns, {transform}));
 }
 
-void LiveMessages::AddPose(const robot::CameraPose& pose, int64_t session) {
+void LiveMessages::AddPose(const robot::CameraPose& pose, SessionId session) {
   if (!left_) return;
   if (session != session_) {
     session_ = session;

@@ -10,6 +10,7 @@
 
 #include "core/geometry/calibration.h"
 #include "core/geometry/se3.h"
+#include "core/ids/ids.h"
 #include "core/io/trajectories/trajectory.h"
 #include "core/map/map.h"
 #include "core/map/occupancy_grid.h"
@@ -35,7 +36,7 @@ class LiveMessages {
   void SetRig(const RigCalibration& rig);
   bool has_rig() const { return left_.has_value(); }
   /// Writes transform, odometry and pose, before the first ones the static frame. A new session begins a new path.
-  void AddPose(const robot::CameraPose& pose, int64_t session);
+  void AddPose(const robot::CameraPose& pose, SessionId session);
   /// Writes the image as a JPEG, and its calibration. `left` has 8 bits.
   void WriteImage(int64_t t_ns, const cv::Mat& left) const;
   /// Writes points, lines, loops, keyframes and the static frame.
@@ -62,7 +63,7 @@ class LiveMessages {
   std::optional<CameraCalibration> left_;
   SE3 T_c_l_, T_b_c_;
   bool has_static_frame_ = false;  ///< of this rig
-  int64_t session_ = -1;
+  SessionId session_ = -1;
   int64_t n_poses_ = 0;
   int64_t stride_ = 1;  ///< poses of the session for one of the path
   Trajectory path_;

@@ -12,7 +12,7 @@ namespace plslam {
 struct RosService {
   std::string_view name;  ///< in the namespace of the node: "save"
   const char* verb;       ///< as in `command_verb`; of a switch: when it is on
-  /// nullptr: the service is no switch (std_srvs/srv/Trigger), otherwise std_srvs/srv/SetBool
+  /// The verb when a switch (std_srvs/srv/SetBool) is off; nullptr: the service is no switch (std_srvs/srv/Trigger)
   const char* verb_of_off;
   bool has_file = false;    ///< its argument is the map file
   bool has_on_off = false;  ///< its argument is "on" or "off"

@@ -159,4 +159,6 @@ bool Recorder::IsComplete() const {
   return n_frames_ && static_cast<int64_t>(frames_.size()) + tally_.skipped >= *n_frames_;
 }
 
+bool Recorder::HasLastPose() const { return n_frames_ && (IsComplete() || frames_.Find(*n_frames_ - 1)); }
+
 }  // namespace plslam

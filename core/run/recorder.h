@@ -164,6 +164,9 @@ class Recorder {
   std::optional<int64_t> n_frames() const { return n_frames_; }
   /// Returns whether every frame of the ended stream has a pose or was skipped by the tracker.
   bool IsComplete() const;
+  /// Returns whether no pose of the ended stream is to come: poses arrive in order, and frames without one before the
+  /// last were lost before the tracker.
+  bool HasLastPose() const;
 
   /// The newest keyframe.
   std::optional<KeyframeName> LastKeyframe() const;

@@ -27,7 +27,7 @@ inline constexpr const char* kFrameTable = "poses.csv";
 inline constexpr const char* kBodies = "bodies.csv";
 inline constexpr const char* kLandmarks = "map.ply";
 
-// of dense_process
+// The files of dense_process.
 inline constexpr const char* kCloud = "cloud.ply";
 inline constexpr const char* kMesh = "mesh.ply";
 inline constexpr const char* kOccupiedVoxels = "map.bt";

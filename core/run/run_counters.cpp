@@ -13,7 +13,7 @@ constexpr size_t kMaxValues = 4096;
 
 }  // namespace
 
-void RunCounters::Take(int64_t source, const std::string& name, double value) {
+void RunCounters::Take(SourceId source, const std::string& name, double value) {
   if (std::find(kRunCounters.begin(), kRunCounters.end(), name) == kRunCounters.end()) return;
   if (!std::isfinite(value) || value < 0.0) return;
   const std::pair key(name, source);

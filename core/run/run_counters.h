@@ -8,6 +8,8 @@
 #include <string_view>
 #include <utility>
 
+#include "core/ids/ids.h"
+
 namespace plslam {
 
 /// Counters of statuses about the quality of a run's data. From vo: points of the left image, those of them with a
@@ -31,7 +33,7 @@ inline constexpr const char* kRightLate = "sync.right_late_ms";
 inline constexpr const char* kLeftLate = "sync.left_late_ms";
 inline constexpr const char* kLateFrames = "sync.late_frames";
 /// The largest part of a delay that is compensated, in frame periods; beyond it, frames are at most weak.
-inline constexpr double kMostLateMadeUpFor_frames = 0.3;
+inline constexpr double kLargestCompensatedDelay_frames = 0.3;
 inline constexpr const char* kUnequalReadout = "sync.unequal_readout_ms";
 /// Readout time of the rows that is not stated but found, the longest way of the camera in it, and the readout time
 /// that contradicts the stated one.
@@ -89,13 +91,13 @@ inline constexpr std::array<const char*, 36> kRunCounters{kPointsSeen,       kPo
 class RunCounters {
  public:
   /// `source` names the process.
-  void Take(int64_t source, const std::string& name, double value);
+  void Take(SourceId source, const std::string& name, double value);
   /// Sum over all processes; 0 if none has published the counter.
   double Sum(std::string_view name) const;
   double Largest(std::string_view name) const;
 
  private:
-  std::map<std::pair<std::string, int64_t>, double> values_;
+  std::map<std::pair<std::string, SourceId>, double> values_;
 };
 
 }  // namespace plslam

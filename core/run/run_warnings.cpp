@@ -134,7 +134,8 @@ std::string OutOfStepText(const RunFindings& f) {
   const bool right = f.right_late_ms > 0.0;
   const int offset = static_cast<int>(std::lround(right ? -f.late_frames : f.late_frames));
   std::string remedy = "this is compensated, but trigger the cameras together";
-  if (f.late_frames > kMostLateMadeUpFor_frames) remedy = "too much to be compensated: trigger the cameras together";
+  if (f.late_frames > kLargestCompensatedDelay_frames)
+    remedy = "too much to be compensated: trigger the cameras together";
   if (offset != 0 && !IsOfSensors(f)) {
     remedy = fmt::format(
         "pair them again with `--set player.right_offset_frames={}`, or trigger the cameras together", offset);

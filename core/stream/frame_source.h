@@ -45,7 +45,7 @@ class FrameSource {
   /// `Next`, and again whenever older frames are requested again. Returns the number of skipped frames that were never
   /// sent, since they were unreadable.
   virtual int64_t Begin(const std::optional<ResumePoint>& behind) = 0;
-  /// Waits for the next frame. nullopt after the last one, and after `Stop`. Throws if there will be no further frame.
+  /// Waits for the next frame; nullopt after the last one and after `Stop`. Throws if there will be no further frame.
   virtual std::optional<LoadedFrame> Next() = 0;
   /// Ends `Next` permanently.
   virtual void Stop() = 0;

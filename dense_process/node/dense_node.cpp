@@ -21,6 +21,7 @@
 #include "dense_process/products.h"
 #include "plslam/command_t.hpp"
 #include "plslam/mask_t.hpp"
+#include "plslam/run_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
 #include "plslam/tracks_t.hpp"
@@ -28,7 +29,6 @@
 namespace plslam::dense {
 namespace {
 
-constexpr std::chrono::milliseconds kTick(250);
 // The median depth of the points of the first keyframe that separates rooms from roads, and the voxels of both.
 constexpr double kIndoors_m = 8.0;
 constexpr double kIndoorVoxel_m = 0.05;
@@ -53,6 +53,8 @@ DenseNode::DenseNode(bus::Process& process, const DenseOptions& options)
   // One thread: the tracker needs the other core.
   cv::setNumThreads(1);
   bus::Bus& bus = process_.bus();
+  end_.OnMapper();  // surfaces need a map
+  bus.Subscribe<run_t>(bus::kRun, [this](const run_t& m) { end_.OnRun(m); });
   bus.Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
   bus.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
   bus.Subscribe<command_t>(bus::kCommand, [this](const command_t& m) { OnCommand(m); });
@@ -64,7 +66,7 @@ DenseNode::DenseNode(bus::Process& process, const DenseOptions& options)
   camera_channel_.emplace(bus, [this](const RigCalibration& rig) { OnCamera(rig); });
   keyframes_.emplace(bus, [this](const Keyframe& keyframe) { OnKeyframe(keyframe); });
   images_.emplace(bus, bus::FrameSubscriber::Mode::kPictures, [this](const auto& frame) { OnFrame(frame); });
-  bus.Every(kTick, [this] { OnTick(); });
+  bus.Every(RunEnd::kTick, [this] { OnTick(); });
   process_.SetConfiguration(ToYaml("dense", options_));
   const std::string earlier = disk_.Earlier();
   if (earlier.empty()) return;
@@ -86,6 +88,7 @@ DenseNode::~DenseNode() {
 void DenseNode::OnCamera(const RigCalibration& rig) {
   try {
     camera_.emplace(Camera{rig, Rectifier(rig)});
+    received_.has_rig = true;
   } catch (const std::exception& error) {
     LogWarning("the rig '{}' cannot be used: {}", rig.name, error.what());
   }
@@ -117,7 +120,8 @@ void DenseNode::OnMask(const mask_t& message) {
 }
 
 void DenseNode::OnKeyframe(const Keyframe& keyframe) {
-  end_.OnKeyframe(keyframe.name);
+  end_.OnMessage();
+  received_.keyframe = keyframe.name;
   // The histories resend keyframes that a process before this one has fused.
   if (map_ && map_->Has({keyframe.name.session, keyframe.frame_id})) return;
   waiting_.Add(keyframe);
@@ -146,10 +150,15 @@ void DenseNode::FollowMap(const MapId& map) {
 }
 
 void DenseNode::OnStatus(const status_t& message) {
-  if (message.process == process_name::kVo) end_.OnTracker(message.state == process_state::kFinished);
+  // A dense_process that starts late awaits keyframes from the history of a tracker that has finished.
+  if (message.process == process_name::kVo)
+    received_.is_tracked = message.state == process_state::kFinished && received_.keyframe.has_value();
 }
 
-void DenseNode::OnStream(const stream_t& message) { end_.OnStream(message.event == stream_event::kEnd); }
+void DenseNode::OnStream(const stream_t& message) {
+  if (message.event == stream_event::kBegin && finished_) end_.OnNewStream();
+  end_.OnStream(message.event == stream_event::kEnd);
+}
 
 void DenseNode::OnCommand(const command_t& message) {
   const std::optional<bus::Order> order = bus::OrderTo(process_, message);
@@ -234,7 +243,7 @@ void DenseNode::SurfacesChanged() {
 void DenseNode::OnTick() {
   PublishLive();
   end_.OnTick();
-  if ((!dirty_ && finished_) || !end_.IsOver(sparse_->follower().newest())) return;
+  if ((!dirty_ && finished_) || !end_.IsOver(received_, sparse_->follower().newest())) return;
   Write();
   finished_ = true;
   disk_.failure().empty() ? process_.SetState(process_state::kFinished, "files in " + options_.out)

@@ -12,12 +12,12 @@
 #include "core/geometry/rectifier.h"
 #include "core/ids/ids.h"
 #include "core/process/process.h"
+#include "core/run/node/run_end.h"
 #include "dense_process/dense_map.h"
 #include "dense_process/depth.h"
 #include "dense_process/node/live_products.h"
 #include "dense_process/node/surfaces_on_disk.h"
 #include "dense_process/options.h"
-#include "dense_process/stream_end.h"
 #include "dense_process/waiting_keyframes.h"
 
 namespace plslam {
@@ -30,8 +30,8 @@ class tracks_t;
 
 namespace plslam::dense {
 
-/// Fuses the images of keyframes into surfaces, and writes them when the stream has ended and the map has its last
-/// keyframe (state "finished"); again when it is stopped and something has changed since.
+/// Fuses the images of keyframes into surfaces, and writes them when the run is over (`RunEnd`; state "finished"); again
+/// when it is stopped and something has changed since.
 ///
 /// A keyframe waits for its images, its features and its place in the map. In lockstep all are delivered, so results are
 /// repeatable. Live, the oldest waiting keyframes are dropped if too many wait, and counted. No other process waits for
@@ -78,7 +78,8 @@ class DenseNode {
   std::optional<DenseMap> map_;
   std::optional<MapId> map_id_;  ///< of the newest update
   WaitingKeyframes waiting_;
-  StreamEnd end_;
+  RunEnd end_{process_.has_launcher()};
+  RunEnd::Received received_;
   SurfacesOnDisk disk_;
   LiveProducts live_;
   bool dirty_ = false;  ///< the surfaces have changed since the results were written

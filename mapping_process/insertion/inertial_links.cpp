@@ -28,13 +28,13 @@ GravityPrior GravityAlong(const Vertical& vertical) {
 
 void InertialLinks::Add(const MapKeyframe& keyframe, const InertialInterval& interval) {
   if (keyframe.previous_id < 0 || interval.empty()) return;
-  sensors_[keyframe.name.session] = {interval.bias, interval.rate_bias_sigma_rad_s, interval.force_bias_sigma_m_s2};
+  biases_[keyframe.name.session] = interval.bias;
   links_[keyframe.id] = {keyframe.previous_id, keyframe.name.session, interval, std::nullopt};
   if (links_.size() <= kMost) return;
   links_.erase(links_.begin());
-  std::erase_if(sensors_, [this](const auto& sensor) {
+  std::erase_if(biases_, [this](const auto& bias) {
     return std::none_of(links_.begin(), links_.end(),
-                        [&](const auto& link) { return link.second.session == sensor.first; });
+                        [&](const auto& link) { return link.second.session == bias.first; });
   });
 }
 
@@ -59,9 +59,9 @@ void InertialLinks::Remove(KeyframeId keyframe_id) {
 
 const Preintegration* InertialLinks::Sensed(const ImuBias& bias, Link& link) {
   const double length_s = 1e-9 * static_cast<double>(link.interval.LengthUntil(link.interval.to_ns));
-  const bool is_linear = (link.interval.bias.rate_rad_s - bias.rate_rad_s).norm() * length_s < kLinear_rad;
+  const bool is_linear = (link.interval.bias.mean.rate_rad_s - bias.rate_rad_s).norm() * length_s < kLinear_rad;
   if (!is_linear) {
-    link.interval.bias = bias;
+    link.interval.bias.mean = bias;
     link.sensed.reset();
   }
   if (!link.sensed) link.sensed = link.interval.Motion();
@@ -78,11 +78,9 @@ void InertialLinks::AddTo(MapBundle& bundle, const Map& map) {
   for (auto& [id, link] : links_) {
     const auto a = poses.find(link.previous_id), b = poses.find(id);
     if (a == poses.end() || b == poses.end()) continue;
-    const Sensor& sensor = sensors_.at(link.session);
-    if (const Preintegration* sensed = Sensed(sensor.bias, link)) {
-      bundle.problem.inertial_motions.push_back({a->second, b->second, link.interval.T_c_imu, *sensed, sensor.bias,
-                                                 sensor.rate_bias_sigma_rad_s, sensor.force_bias_sigma_m_s2});
-    }
+    const ImuBiasEstimate& bias = biases_.at(link.session);
+    if (const Preintegration* sensed = Sensed(bias.mean, link))
+      bundle.problem.inertial_motions.push_back({a->second, b->second, link.interval.T_c_imu, *sensed, bias});
   }
 }
 

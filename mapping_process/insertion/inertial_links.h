@@ -26,14 +26,14 @@ class InertialLinks {
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.links_, self.sensors_);
+    a(self.links_, self.biases_);
   }
 
  private:
   struct Link {
     KeyframeId previous_id;
     SessionId session;
-    /// `bias` is that of `sensed`.
+    /// The mean of its `bias` is that of `sensed`.
     InertialInterval interval;
     /// The motion, once it is integrated.
     std::optional<Preintegration> sensed;
@@ -43,24 +43,13 @@ class InertialLinks {
       a(self.previous_id, self.session, self.interval);
     }
   };
-  /// A sensor as its session knows it.
-  struct Sensor {
-    ImuBias bias;
-    double rate_bias_sigma_rad_s = 0.0;
-    double force_bias_sigma_m_s2 = 0.0;
-
-    template <class Archive, class Self>
-    static void Fields(Archive& a, Self& self) {
-      a(self.bias, self.rate_bias_sigma_rad_s, self.force_bias_sigma_m_s2);
-    }
-  };
 
   /// Integrates the motion, again if the bias has left the range in which it is linear. Returns nullptr if samples are
   /// missing.
   static const Preintegration* Sensed(const ImuBias& bias, Link& link);
 
-  std::map<KeyframeId, Link> links_;  ///< by the later keyframe
-  std::map<SessionId, Sensor> sensors_;
+  std::map<KeyframeId, Link> links_;             ///< by the later keyframe
+  std::map<SessionId, ImuBiasEstimate> biases_;  ///< the newest of each session's sensor
 };
 
 }  // namespace plslam::mapping

@@ -111,7 +111,7 @@ void MappingNode::OnCamera(const RigCalibration& rig) {
 }
 
 void MappingNode::OnKeyframe(const Keyframe& keyframe) {
-  if (keyframe.source == SourceId(process_.bus().source())) return;  // our own, of a loaded map
+  if (keyframe.source == process_.bus().source()) return;  // our own, of a loaded map
   Queue([&] {
     const double now_ms = bus::NowMs();
     switch (membership_.RelationOf(keyframe)) {
@@ -203,7 +203,7 @@ void MappingNode::WorkBeforeStop() {
 /// Makes it the map of this process, which assigns the ids from now on.
 void MappingNode::Own(Mapper mapper) {
   mapper_.emplace(std::move(mapper));
-  mapper_->SetNumbering(SourceId(process_.bus().source()));
+  mapper_->SetNumbering(process_.bus().source());
 }
 
 /// Called when a camera is known.
@@ -383,7 +383,7 @@ void MappingNode::Correct(const Work& work) {
 /// same ids; a live one, in which timing decides what is inserted together, has other landmark ids.
 LoopClosure MappingNode::InOwnIds(const Work& work) const {
   const std::optional<MapVersion>& version = work.closure.map_version;
-  if (version && version->numbering == SourceId(process_.bus().source())) return work.closure;
+  if (version && version->numbering == process_.bus().source()) return work.closure;
   return InIdsOf(mapper_->map(), work.closure, work.lockstep ? MapIds::kPerhapsSame : MapIds::kOthers);
 }
 
@@ -492,7 +492,7 @@ void MappingNode::Replace(MapperState next, const StereoCamera& camera, const st
 void MappingNode::ReadState() {
   if (options_.state_file.empty()) return;
   if (!std::filesystem::exists(options_.state_file)) {
-    membership_.SetMapId({SourceId(process_.bus().source()), 0});
+    membership_.SetMapId({process_.bus().source(), 0});
     return;
   }
   try {

@@ -59,7 +59,7 @@ class Participant {
   std::vector<Guid> Writers() const;
 
   /// Returns the bytes of an identity in the release of ROS of another node than that of the participant `own`: since
-  /// Iron, endpoints name the hash of their type. nullopt: there is no other node.
+  /// Iron, endpoints name the hash of their type. Returns nullopt if there is no other node.
   std::optional<size_t> GidBytes(const Guid& own) const;
 
   /// Returns all publishers of topics of ROS in the domain but those of this participant.

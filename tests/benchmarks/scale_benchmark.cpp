@@ -242,8 +242,7 @@ void Measure(int n) {
   Row("map encoded", encode_ms, fmt::format("{:.1f} MB", 1e-6 * static_cast<double>(file_bytes)));
   mapping::Mapper mapper(kCamera, {}, std::move(stored));
   MapFollower replica;
-  MapUpdate whole = mapper.Whole();
-  whole.base_version = 0;
+  const MapUpdate whole = mapper.Whole();
   Row("whole map taken over by a reader", Cpu([&] { replica.Apply(whole); }),
       fmt::format("{:.1f} MB", MegabytesOf(bus::CutIntoPages(whole, 60'000))));
   const double resident_MB = ResidentMB();

@@ -92,7 +92,7 @@ void PlayedProcess::AnswerMapRequests() {
   map_publisher_.Publish(whole);
 }
 
-Doubler::Doubler(const std::string& url, std::set<int64_t> sources) : sources_(std::move(sources)), transport_(url) {
+Doubler::Doubler(const std::string& url, std::set<SourceId> sources) : sources_(std::move(sources)), transport_(url) {
   transport_.SetReceiver([this](std::string_view channel, bus::ByteView bytes) { Double(channel, bytes); });
   transport_.ListenToAll();
   thread_ = std::thread([this] {

@@ -44,7 +44,7 @@ class PlayedProcess {
   PlayedProcess(const PlayedProcess&) = delete;
   PlayedProcess& operator=(const PlayedProcess&) = delete;
 
-  int64_t source() const { return bus_.source(); }
+  SourceId source() const { return bus_.source(); }
 
   /// `message` is encoded, of the type of `channel`.
   void Say(const bus::Channel& channel, bus::ByteView message);
@@ -69,7 +69,7 @@ class PlayedProcess {
 class Doubler {
  public:
   /// The processes are named by `Bus::source`.
-  Doubler(const std::string& url, std::set<int64_t> sources);
+  Doubler(const std::string& url, std::set<SourceId> sources);
   ~Doubler();
   Doubler(const Doubler&) = delete;
   Doubler& operator=(const Doubler&) = delete;
@@ -77,9 +77,9 @@ class Doubler {
  private:
   void Double(std::string_view channel, bus::ByteView bytes);
 
-  const std::set<int64_t> sources_;
+  const std::set<SourceId> sources_;
   bus::Transport transport_;
-  std::set<std::tuple<std::string, int64_t, int64_t>> doubled_;  ///< channel, publisher, number
+  std::set<std::tuple<std::string, SourceId, int64_t>> doubled_;  ///< channel, publisher, number
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };

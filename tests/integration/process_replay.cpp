@@ -99,7 +99,7 @@ ProcessReplay::ProcessReplay(const MessageLog& log, const ReplayedProcess& proce
     played_[name] = std::make_unique<PlayedProcess>(options, name);
   }
   if (faults_.doubled) {
-    std::set<int64_t> sources;
+    std::set<SourceId> sources;
     for (const auto& [name, played] : played_) sources.insert(played->source());
     doubler_ = std::make_unique<Doubler>(port_.Url(), std::move(sources));
   }
@@ -177,7 +177,7 @@ void ProcessReplay::AwaitReady() {
 void ProcessReplay::RenameLog() {
   std::map<int64_t, int64_t> names;
   for (const auto& [name, source] : log_.sources)
-    names[source] = name == process_.name ? status().header.source : played_.at(name)->source();
+    names[source] = name == process_.name ? status().header.source : played_.at(name)->source().value;
   messages_ = log_.messages;
   for (LoggedMessage& message : messages_) {
     const Channel& channel = *message.channel;

@@ -53,7 +53,7 @@ struct ReplayedProcess {
 
 inline void PrintTo(const ReplayedProcess& process, std::ostream* out) { *out << process.name; }
 
-/// vo, mapping, loop and viewer.
+/// The processes vo, mapping, loop and viewer.
 const std::vector<ReplayedProcess>& ReplayedProcesses();
 
 /// Faults of a process while a log is played to it.

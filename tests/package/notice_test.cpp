@@ -137,7 +137,7 @@ TEST_F(Notice, NamesTheVersionsOfTheLicenceOfThePage) {
   const std::map<std::string, std::string> names{{"three", "three.js"}, {"uplot", "uPlot"}};
   std::smatch match;
   for (std::string line; std::getline(lines, line);) {
-    // esbuild bundles the page, and leaves none of its own code in it.
+    // The bundler, esbuild, leaves none of its own code in the page.
     if (!std::regex_match(line, match, kPackage) || match[1] == "esbuild") continue;
     ASSERT_TRUE(names.contains(match[1])) << match[1] << " is bundled into the page: name it in NOTICE and here";
     EXPECT_THAT(notice, HasSubstr("\n  " + names.at(match[1]) + " "));

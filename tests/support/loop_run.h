@@ -42,7 +42,7 @@ struct LoopRun {
   std::vector<LoopOfRun> looked_at;
   /// Error of the trajectory before and after the correction and after the adjustment that followed, for each loop.
   std::vector<double> ate_before_m, ate_corrected_m, ate_adjusted_m;
-  /// ms of this thread's work: for each keyframe; for each loop (pose graph and the rest of `Check` in that case), the
+  /// Work of this thread in ms: for each keyframe; for each loop (pose graph and the rest of `Check` in that case), the
   /// mapper's part, and the adjustments.
   std::vector<double> check_ms, loop_ms, correct_ms, adjust_ms;
   /// Corrections that the mapper rejected, with its reasons.

@@ -362,7 +362,7 @@ double FocalInCentre_px(const CameraCalibration& camera) { return camera.fx_px *
 double FocalInCentreSigma_px(const CameraCalibration& camera, const Eigen::MatrixXd& covariance) {
   Eigen::RowVectorXd J = Eigen::RowVectorXd::Zero(covariance.cols());
   J[0] = Distortion(camera).CentreScale();
-  // f / (1 + xi).
+  // The focal length in the centre is f / (1 + xi).
   if (camera.model == lens_model::kDoubleSphere) J[4] = -J[0] * FocalInCentre_px(camera);
   return std::sqrt((J * covariance * J.transpose())(0, 0));
 }

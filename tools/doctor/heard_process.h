@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/ids/ids.h"
 #include "tools/doctor/finding.h"
 
 namespace plslam::doctor {
@@ -28,7 +29,7 @@ struct HeardProcess {
   std::string version;
   std::string state;
   std::string reason;
-  int64_t source = 0;
+  SourceId source;
   int schema = 0;
   Signature signature = Signature::kNone;
   std::map<std::string, double> counters;

@@ -47,7 +47,7 @@ struct ClockOffset {
 };
 
 /// The offset of at most `max_s` at which the absolute error is least, among poses that have an interpolated truth at
-/// all of them; to a tenth of a millisecond. nullopt where fewer than three have, or the least lies at the limit.
+/// all of them; to a tenth of a millisecond; nullopt where fewer than three have, or the least lies at the limit.
 std::optional<ClockOffset> FitClockOffset(const Trajectory& estimate, const Trajectory& truth, Alignment alignment,
                                           int64_t max_gap_ns, double max_s);
 

@@ -121,7 +121,7 @@ Eigen::Vector2d Centre(const StereoCamera& camera) {
   return Eigen::Vector2d(camera.cx_px, camera.cy_px) + kHalfPixel - Begin(camera);
 }
 
-/// qw qx qy qz tx ty tz, zeros without sign.
+/// Returns qw qx qy qz tx ty tz, zeros without sign.
 std::array<double, 7> PoseNumbers(const ColmapImage& image) {
   const Eigen::Quaterniond& q = image.T_c_w.rotation();
   const Eigen::Vector3d& t = image.T_c_w.translation();

@@ -17,7 +17,7 @@ using Command = std::function<int()>;
 void AddRunCommand(CLI::App* app, Command* command);
 void AddReplayCommand(CLI::App* app, Command* command);
 void AddRecordCommand(CLI::App* app, Command* command);
-/// save, load, reset, localise, pause and resume: orders to processes that run.
+/// Adds the orders to processes that run: save, load, reset, localise, pause and resume.
 void AddOrderCommands(CLI::App* app, Command* command);
 void AddTopCommand(CLI::App* app, Command* command);
 void AddRelayCommand(CLI::App* app, Command* command);

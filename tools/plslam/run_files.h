@@ -42,14 +42,14 @@ class OutputFolder {
 /// and by a hash of all of it if the name omits possible differences: two datasets share no folder.
 std::filesystem::path DefaultOut(const std::string& dataset);
 
-/// Compares the trajectory of a run with the truth: errors by name, as in `evaluate`. nullopt without either.
+/// Compares the trajectory of a run with the truth: errors by name, as in `evaluate`. Returns nullopt without either.
 std::optional<nlohmann::json> AccuracyOf(const Run& run, int64_t n_frames);
 
-/// Returns the absolute error of the poses as published, in metres. nullopt without them, without ground truth or
+/// Returns the absolute error of the poses as published, in metres; nullopt without them, without ground truth or
 /// associated poses, or if the error is not finite.
 std::optional<double> LiveError_m(const Run& run);
 
-/// Returns the length of the trajectory, in metres. nullopt without poses, or if the length is not finite.
+/// Returns the length of the trajectory, in metres; nullopt without poses, or if the length is not finite.
 std::optional<double> PathLength_m(const Run& run);
 
 /// Returns JSON for users; bytes that are not UTF-8 (names, sentences of others) are replaced.

@@ -229,8 +229,8 @@ struct HttpServer::Impl {
 
 namespace {
 
-/// Returns a socket that listens at the port (0: any free one) of this host only. libmicrohttpd could create one, too,
-/// but from version 1 on it does not report why that failed.
+/// Returns a socket that listens at the port (0: any free one) of this host only. A socket of libmicrohttpd
+/// would hide, from version 1 on, why that failed.
 int ListenAt(int port) {
   sockaddr_in address{};
   address.sin_family = AF_INET;

@@ -110,7 +110,8 @@ void ReportNode::OnStatus(const status_t& message) {
   sample.lag_frames = Lag_frames(message);
   sample.sent_frames = NewestFrame().value + 1 + behind_;
   report_->Add(sample);
-  for (const counter_t& counter : message.counters) report_->Take(message.header.source, counter.name, counter.value);
+  for (const counter_t& counter : message.counters)
+    report_->Take(SourceId(message.header.source), counter.name, counter.value);
 }
 
 int64_t ReportNode::Lag_frames(const status_t& message) {

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <exception>
 #include <utility>
 
@@ -20,11 +19,7 @@
 #include "viewer_headless/node/message_values.h"
 
 namespace plslam::viewer {
-namespace {
-
-constexpr std::chrono::milliseconds kTick(250);
-
-}  // namespace
+namespace {}  // namespace
 
 ViewerNode::ViewerNode(bus::Process& process, const ViewerOptions& options, Earlier earlier)
     : process_(process),
@@ -66,7 +61,9 @@ void ViewerNode::Subscribe() {
   bus::Bus& bus = process_.bus();
   camera_.emplace(
       bus, [this](const RigCalibration& rig) { OnCamera(rig); }, [this] { Reject(); });
-  bus.Subscribe<run_t>(bus::kRun, [this](const run_t& m) { OnRun(m); });
+  bus.Subscribe<run_t>(bus::kRun, [this](const run_t& m) {
+    if (!end_.OnRun(m)) Reject();
+  });
   bus.Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
   bus.Subscribe<pose_t>(bus::kPose, [this](const pose_t& m) { OnPose(m); });
   bus.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
@@ -88,7 +85,7 @@ void ViewerNode::Subscribe() {
       bus, options_, ReportNode::Sources{&recorder_, &map, [this] { return q_l_c(); }, [this] { OnNews(); }});
   pictures_ = std::make_unique<PictureNode>(
       bus, options_, PictureNode::Sources{&map, report_->pictures()}, [this] { Reject(); }, [this] { OnNews(); });
-  bus.Every(kTick, [this] { OnTick(); });
+  bus.Every(RunEnd::kTick, [this] { OnTick(); });
 }
 
 void ViewerNode::OnCamera(const RigCalibration& rig) {
@@ -99,7 +96,7 @@ void ViewerNode::OnCamera(const RigCalibration& rig) {
     q_l_c_ = rectification.q_l_c;
     folder_.RemoveEarlier();
     if (HasWritten()) files_ = Files::kOutdated;
-    quiet_ticks_ = 0;
+    end_.OnMessage();
   } catch (const std::exception& e) {
     LogWarning("the rig '{}' cannot be used: {}", rig.name, e.what());
     Reject();
@@ -108,23 +105,13 @@ void ViewerNode::OnCamera(const RigCalibration& rig) {
 
 void ViewerNode::OnNews() {
   files_ = HasWritten() ? Files::kOutdated : Files::kUnwritten;
-  quiet_ticks_ = 0;
-}
-
-void ViewerNode::OnRun(const run_t& message) {
-  if (message.event == run_event::kBegin) {
-    end_.OnBegin();
-  } else if (message.event == run_event::kEnd) {
-    end_.OnEnd({message.n_poses, {SessionId(message.session), message.session_keyframe_id}});
-  } else {
-    Reject();
-  }
+  end_.OnMessage();
 }
 
 void ViewerNode::OnStream(const stream_t& message) {
   if (message.event == stream_event::kEnd) {
     recorder_.SetEnd(message.n_frames, message.n_bad);
-    quiet_ticks_ = 0;
+    end_.OnStream(true);
   } else if (message.event == stream_event::kBegin || message.event == stream_event::kResume) {
     if (!streams_.Add(message)) return;
     // Written files are kept: after "resume" no earlier part of the stream may be available, and after "begin" all
@@ -188,8 +175,8 @@ void ViewerNode::OnCommand(const command_t& message) {
 
 void ViewerNode::OnTick() {
   ShowProgress(false);
-  // Wait for one quiet tick: the true poses of the last frames may arrive after their estimates.
-  if (HasUnwritten() && ++quiet_ticks_ > 1 && RunIsOver()) {
+  end_.OnTick();
+  if (HasUnwritten() && RunIsOver()) {
     Write(true);
     if (failure_.empty()) process_.SetState(process_state::kFinished, "files in " + options_.out);
   }
@@ -198,9 +185,11 @@ void ViewerNode::OnTick() {
 bool ViewerNode::HasPlayed() const { return !recorder_.frames().empty(); }
 
 bool ViewerNode::RunIsOver() const {
-  const RunEnd::Received received{q_l_c_.has_value(), streams_.lockstep() && pictures_->MayCome(),
-                                  report_->SurfacesMayCome()};
-  return end_.IsOver(recorder_, map_->follower().newest(), received, quiet_ticks_ * kTick);
+  if (!recorder_.n_frames()) return false;
+  const auto n_poses = static_cast<int64_t>(recorder_.frames().size());
+  const bool is_tracked = recorder_.HasLastPose() && !(streams_.lockstep() && pictures_->MayCome());
+  return end_.IsOver({q_l_c_.has_value(), n_poses, recorder_.LastKeyframe(), is_tracked, report_->SurfacesMayCome()},
+                     map_->follower().newest());
 }
 
 void ViewerNode::Write(bool ended) {

@@ -12,6 +12,7 @@
 #include "core/bus/run_loop.h"
 #include "core/geometry/rectification.h"
 #include "core/process/process.h"
+#include "core/run/node/run_end.h"
 #include "core/run/recorder.h"
 #include "plslam/command_t.hpp"
 #include "plslam/pose_t.hpp"
@@ -21,7 +22,6 @@
 #include "viewer_headless/node/heard_streams.h"
 #include "viewer_headless/node/picture_node.h"
 #include "viewer_headless/node/report_node.h"
-#include "viewer_headless/node/run_end.h"
 #include "viewer_headless/options.h"
 #include "viewer_headless/result_folder.h"
 #include "viewer_headless/terminal_line.h"
@@ -54,7 +54,6 @@ class ViewerNode {
 
   void Subscribe();
   void OnCamera(const RigCalibration& rig);
-  void OnRun(const run_t& message);
   void OnStream(const stream_t& message);
   void OnPose(const pose_t& message);
   void OnStatus(const status_t& message);
@@ -92,7 +91,6 @@ class ViewerNode {
   HeardStreams streams_;
   RunEnd end_;
   Files files_ = Files::kNone;
-  int quiet_ticks_ = 0;  ///< since the last message about the run
   const double began_s_ = bus::NowS();
   /// One sentence about the outputs that could not be delivered, of this stream and of an earlier one. Empty if there
   /// are none.

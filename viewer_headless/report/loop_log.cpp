@@ -13,7 +13,7 @@ constexpr size_t kMaxCorrections = 40;
 
 void CorrectionLog::Add(const MapUpdate& update, const Map& map, FrameId frame_id) {
   // A complete map contains all past loops; their corrections were not observed.
-  const bool corrected = update.base_version != 0 && !update.loops.empty() && !positions_.empty();
+  const bool corrected = !update.IsWhole() && !update.loops.empty() && !positions_.empty();
   if (corrected) {
     Compare(map, frame_id);
     for (const LoopEdge& edge : update.loops) {
@@ -21,7 +21,7 @@ void CorrectionLog::Add(const MapUpdate& update, const Map& map, FrameId frame_i
     }
     KeepLargest();
   }
-  if (update.base_version == 0) positions_.clear();
+  if (update.IsWhole()) positions_.clear();
   Follow(update);
 }
 

@@ -14,7 +14,7 @@ constexpr size_t kMaxStages = 32;
 
 void MapTimes::Add(const MapUpdate& update, FrameId frame_id) {
   // A republished complete map repeats the times of the last update.
-  if (update.base_version == 0 && update.version != 1) return;
+  if (update.IsWhole() && update.version != 1) return;
   if (update.stage_ms.empty() || heard_++ % every_ != 0) return;
   Row row;
   row.frame = Clamp32(frame_id.value);

@@ -9,7 +9,7 @@
 namespace plslam::viewer {
 
 /// Reads the page that shows a report, as bundled by the build: `report_template.html` in `share/plslam` beside the
-/// folder of this program. nullopt if it was built without (docs/viewer.md).
+/// folder of this program. Returns nullopt if it was built without (docs/viewer.md).
 std::optional<std::string> ReadReportTemplate();
 
 /// A page, template or report, from its file.

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "core/ids/ids.h"
 #include "core/map/map_update.h"
 #include "core/map/occupancy_grid.h"
 #include "core/map/surface_cloud.h"
@@ -46,7 +47,7 @@ class ReportRecorder {
   void SurfacesChanged() { ++n_surface_changes_; }
   void Add(const ProcessSample& sample) { processes_.Add(sample); }
   /// A counter of the status of a process.
-  void Take(int64_t source, const std::string& name, double value) { counters_.Take(source, name, value); }
+  void Take(SourceId source, const std::string& name, double value) { counters_.Take(source, name, value); }
   void AddWarning(const std::string& code, const std::string& sentence) { warnings_.Add(code, sentence); }
   void Add(const LoopClosure& closure) { loops_.Add(closure); }
   /// Called after `update` was applied to `map`; `frame_id` is the newest frame.

@@ -22,7 +22,7 @@ bool FrameInputs::Awaits(const Frame& frame, double came_s, const std::optional<
   const int64_t t_ns = frame.images.t_ns;
   if (robot_ && robot_->Awaits(t_ns, frame.lockstep)) return true;
   const bool has_motion = imu_ && imu_offset_ns_ && prev_t_ns && *prev_t_ns < t_ns;
-  if (has_motion && imu_->Awaits(SourceId(frame.source), *prev_t_ns, t_ns, frame.lockstep, came_s)) return true;
+  if (has_motion && imu_->Awaits(frame.source, *prev_t_ns, t_ns, frame.lockstep, came_s)) return true;
   return masks_ && (frame.lockstep || !queue_is_full) &&
          masks_->Awaits({frame.images.frame_id, t_ns}, frame.lockstep, came_s);
 }

@@ -41,7 +41,7 @@ void RelocalisationClient::End() {
 }
 
 /// A new loop_process may replace one that exited with the open request: publishes it again.
-void RelocalisationClient::OnLoopProcess(int64_t source, double now_s) {
+void RelocalisationClient::OnLoopProcess(SourceId source, double now_s) {
   wait_.OnSignOfLife(now_s);
   const bool is_new = loop_sources_.insert(source).second;
   if (is_new && loop_sources_.size() > 1 && request_ && wait_.awaited()) publisher_.Publish(request_->frame);

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/bus/messages/keyframe_channel.h"
+#include "core/ids/ids.h"
 #include "core/map/loop_closure.h"
 #include "core/process/partner_wait.h"
 #include "vo_process/node/tracker_state.h"
@@ -34,7 +35,7 @@ class RelocalisationClient {
   /// `Cancel`, and ends the wait.
   void End();
   /// loop_process is alive; `source` is its process.
-  void OnLoopProcess(int64_t source, double now_s);
+  void OnLoopProcess(SourceId source, double now_s);
 
   bus::PartnerWait& wait() { return wait_; }
   const bus::PartnerWait& wait() const { return wait_; }
@@ -50,7 +51,7 @@ class RelocalisationClient {
   bus::PartnerWait wait_;
   std::optional<Request> request_;
   /// All loop processes heard of so far.
-  std::set<int64_t> loop_sources_;
+  std::set<SourceId> loop_sources_;
 };
 
 }  // namespace plslam::vo

@@ -14,7 +14,7 @@ constexpr double kLongest_s = 15.0;
 
 }  // namespace
 
-void ResendRequest::SetPlayer(int64_t source, const std::string& name) {
+void ResendRequest::SetPlayer(SourceId source, const std::string& name) {
   player_ = source;
   player_name_ = name;
 }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/bus/bus.h"
+#include "core/ids/ids.h"
 #include "core/run/process_names.h"
 #include "vo_process/node/tracker_state.h"
 
@@ -20,8 +21,8 @@ class ResendRequest {
   explicit ResendRequest(bus::Bus& bus) : bus_(bus) {}
 
   /// Sets the player: the process that published the last frame or the last status as a player.
-  void SetPlayer(int64_t source) { player_ = source; }
-  void SetPlayer(int64_t source, const std::string& name);
+  void SetPlayer(SourceId source) { player_ = source; }
+  void SetPlayer(SourceId source, const std::string& name);
 
   bool is_open() const { return opened_s_.has_value(); }
   void Open();
@@ -34,7 +35,7 @@ class ResendRequest {
  private:
   bus::Bus& bus_;
   std::optional<double> opened_s_;  ///< time of `Open`, steady clock
-  int64_t player_ = 0;
+  SourceId player_;
   std::string player_name_ = process_name::kPlayer;  ///< or another process that sends frames
 };
 

@@ -20,12 +20,9 @@ void Fields(Archive& a, T& c) {
 
 template <class Archive, Is<Keyframe> T>
 void Fields(Archive& a, T& k) {
-  bool knows_up = k.up.has_value();
-  UpDirection up = k.up.value_or(UpDirection());
   a(k.name.session, k.t_ns, k.name.number, k.frame_id, k.previous_keyframe_id, k.T_prevkf_kf, k.covariance,
-    k.T_odom_kf, knows_up, up, k.inertial, k.state, k.lockstep, k.camera, k.features, k.point_landmark_ids,
+    k.T_odom_kf, k.up, k.inertial, k.state, k.lockstep, k.camera, k.features, k.point_landmark_ids,
     k.line_landmark_ids, k.point_map_ids, k.line_map_ids, k.withdrawn_points, k.withdrawn_lines, k.map_id);
-  if constexpr (!std::is_const_v<T>) k.up = knows_up ? std::optional(up) : std::nullopt;
 }
 
 /// The poses as encoded messages.

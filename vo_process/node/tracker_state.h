@@ -26,7 +26,7 @@ struct TrackerSession {
   /// Time, number and publisher of the newest frame.
   int64_t last_t_ns = 0;
   FrameId last_frame_id = -1;
-  int64_t last_source = 0;
+  SourceId last_source;
   int64_t last_keyframe_id = -1;
   /// Whether the newest frame became a keyframe, and no relocalisation was requested with it.
   bool follows_keyframe = false;

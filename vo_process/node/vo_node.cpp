@@ -58,7 +58,7 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
           process.bus(), [this](const RigCalibration& rig) { OnCamera(rig); },
           [this] { report_.Count("cameras.rejected", 1); }),
       frames_(process.bus(), bus::FrameSubscriber::Mode::kReliable, [this](const Frame& f) { OnFrame(f); }) {
-  session_.id = SessionId(process.bus().source());
+  session_.id = SessionId(process.bus().source().value);
   // The left and the right image have a thread each; more threads inside OpenCV would slow them down.
   cv::setNumThreads(1);
   process_.bus().Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
@@ -165,9 +165,9 @@ void VoNode::EndWaits() {
 
 void VoNode::OnStatus(const status_t& message) {
   const double now_s = bus::NowS();
-  if (process_name::SendsFrames(message.process)) resend_.SetPlayer(message.header.source, message.process);
+  if (process_name::SendsFrames(message.process)) resend_.SetPlayer(SourceId(message.header.source), message.process);
   if (message.process == process_name::kMapping && map_) map_->wait().OnSignOfLife(now_s);
-  if (message.process == process_name::kLoop) relocalisation_.OnLoopProcess(message.header.source, now_s);
+  if (message.process == process_name::kLoop) relocalisation_.OnLoopProcess(SourceId(message.header.source), now_s);
 }
 
 void VoNode::OnStream(const stream_t& message) {
@@ -258,7 +258,7 @@ void VoNode::BeginSessionHere() {
 void VoNode::NameSession() {
   // A session restored from another tracker is not numbered before our own.
   const bool is_first = session_.last_frame_id < 0;
-  session_.Begin(is_first ? session_.id : SessionId(std::max(session_.id.value + 1, process_.bus().source())));
+  session_.Begin(is_first ? session_.id : SessionId(std::max(session_.id.value + 1, process_.bus().source().value)));
   if (map_ && map_->has_map()) session_.map_id = map_->map_id();
   if (map_) map_->BeginSession();
 }

@@ -73,7 +73,7 @@ std::vector<DepthSample> SampleAlong(const cv::Mat& depth, const Segment2& s, in
   return samples;
 }
 
-/// inverse depth = a + b t.
+/// Inverse depth along the line: a + b t.
 struct DepthLine {
   double a = 0.0;
   double b = 0.0;

@@ -31,7 +31,7 @@ LogHandle OpenLog(const std::string& path, const char* mode) {
 
 }  // namespace
 
-std::string TemporaryFolder(int64_t source) { return TemporaryRoot() + "/plslam-" + std::to_string(source); }
+std::string TemporaryFolder(SourceId source) { return TemporaryRoot() + "/plslam-" + std::to_string(source.value); }
 
 void History::Append(Bytes message) {
   bytes_ += static_cast<int64_t>(message->size());

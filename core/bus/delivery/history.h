@@ -10,11 +10,12 @@
 
 #include "core/bus/channels.h"
 #include "core/bus/transport/wire.h"
+#include "core/ids/ids.h"
 
 namespace plslam::bus {
 
 /// Returns the folder for the history of a process that configures none.
-std::string TemporaryFolder(int64_t source);
+std::string TemporaryFolder(SourceId source);
 
 /// The sent messages of one ordered channel, by number, for repair requests. Memory is bounded: beyond `memory_bytes` a
 /// kUnacknowledged history drops its oldest messages, and a kAll one requests, beyond an eighth of that, that they be

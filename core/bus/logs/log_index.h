@@ -17,6 +17,7 @@
 #include "core/bus/logs/log_reader.h"
 #include "core/bus/messages/convert.h"
 #include "core/bus/transport/wire.h"
+#include "core/ids/ids.h"
 
 namespace plslam::bus {
 
@@ -51,7 +52,7 @@ class LoggedMessages {
   }
 
  private:
-  std::vector<int64_t> sources_;
+  std::vector<SourceId> sources_;
   std::map<std::tuple<size_t, int64_t, int64_t>, LogPlace> places_;  ///< by index of the source, number, and time
 };
 

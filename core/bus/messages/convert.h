@@ -34,7 +34,7 @@ inline constexpr int kMaxOctave = 31;
 /// Whether all values are finite and above zero.
 bool PositiveFinite(std::initializer_list<double> values);
 
-/// w >= 0.
+/// The quaternion has w >= 0.
 pose3_t ToMessage(const SE3& T_a_b);
 /// Unit quaternion (to 1e-6) and finite position. A quaternion that is unit up to rounding keeps all its bits, except
 /// for its sign.

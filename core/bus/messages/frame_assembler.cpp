@@ -94,7 +94,7 @@ FrameAssembler::Outcome FrameAssembler::Add(const image_strip_t& strip) {
   if (whole) {
     complete_ = AssembledFrame{
         {partial.frame_id, partial.t_ns, std::move(partial.images[0].pixels), std::move(partial.images[1].pixels)},
-        partial.source.value,
+        partial.source,
         partial.left_seq,
         static_cast<int64_t>(partial.images[0].tiles.size() + partial.images[1].tiles.size())};
   }

@@ -26,7 +26,7 @@ inline constexpr const char* kDepth = "depth16";  ///< of the right image only
 /// A frame put together from strips.
 struct AssembledFrame {
   StereoImages images;
-  int64_t source = 0;
+  SourceId source;
   int64_t first_seq = 0;  ///< number of its first strip
   int64_t n_strips = 0;   ///< of both images
 };

@@ -125,8 +125,8 @@ struct FrameSubscriber::Impl : std::enable_shared_from_this<FrameSubscriber::Imp
   struct Lane {
     bool lockstep = false;
     FrameAssembler assembler;
-    std::map<int64_t, FrameId> completed;  // newest whole frame, by publisher
-    image_strip_t strip;                   // kept for its memory
+    std::map<SourceId, FrameId> completed;  // newest whole frame, by publisher
+    image_strip_t strip;                    // kept for its memory
   };
 
   void Subscribe(const Channel& channel, Lane& lane);
@@ -147,8 +147,8 @@ struct FrameSubscriber::Impl : std::enable_shared_from_this<FrameSubscriber::Imp
   std::atomic<int> waiting = 0;
 
   std::mutex newest_mutex;
-  std::optional<AssembledFrame> newest;    // live frame that waits for the handler
-  std::map<int64_t, AssembledFrame> last;  // last delivered by publisher, without images (thread of Run)
+  std::optional<AssembledFrame> newest;     // live frame that waits for the handler
+  std::map<SourceId, AssembledFrame> last;  // last delivered by publisher, without images (thread of Run)
 };
 
 void FrameSubscriber::Impl::Subscribe(const Channel& channel, Lane& lane) {
@@ -168,7 +168,7 @@ void FrameSubscriber::Impl::Subscribe(const Channel& channel, Lane& lane) {
 }
 
 void FrameSubscriber::Impl::OnStrip(Lane& lane, ByteView bytes) {
-  const int64_t source = ReadHeader(bytes).source;
+  const SourceId source = ReadHeader(bytes).source;
   const FrameId frame_id(ReadInt64(bytes.data() + kWireHeaderBytes));
   const auto known = lane.completed.find(source);
   // On the ordered channel each strip arrives once: a repeated frame was sent again, for example by a player that has
@@ -194,7 +194,7 @@ void FrameSubscriber::Impl::OnFrame(Lane& lane, AssembledFrame frame) {
   if (lane.completed.size() >= kMaxSources) lane.completed.clear();
   lane.completed[frame.source] = frame.images.frame_id;
   // Older unfinished frames will not be completed: their strips are lost or, in lockstep, given up.
-  lane.assembler.Forget(SourceId(frame.source), frame.images.frame_id);
+  lane.assembler.Forget(frame.source, frame.images.frame_id);
   if (lane.lockstep) return Queue(std::move(frame), true);
   if (mode == Mode::kReliable) return OfferNewest(std::move(frame));
   if (Ready()) Queue(std::move(frame), false);

@@ -57,7 +57,7 @@ class FrameSubscriber {
  public:
   struct Frame {
     StereoImages images;
-    int64_t source = 0;
+    SourceId source;
     bool lockstep = false;
     int skipped = 0;  ///< frames of this publisher since the last one handled that were not
   };

@@ -53,10 +53,10 @@ imu_interval_t ToMessage(const InertialInterval& interval) {
   message.gyroscope_walk_rad_s2_sqrt_hz = interval.noise.gyroscope_walk_rad_s2_sqrt_hz;
   message.accelerometer_m_s2_sqrt_hz = interval.noise.accelerometer_m_s2_sqrt_hz;
   message.accelerometer_walk_m_s3_sqrt_hz = interval.noise.accelerometer_walk_m_s3_sqrt_hz;
-  SetAxes(interval.bias.rate_rad_s, message.rate_bias_rad_s);
-  SetAxes(interval.bias.force_m_s2, message.force_bias_m_s2);
-  message.rate_bias_sigma_rad_s = interval.rate_bias_sigma_rad_s;
-  message.force_bias_sigma_m_s2 = interval.force_bias_sigma_m_s2;
+  SetAxes(interval.bias.mean.rate_rad_s, message.rate_bias_rad_s);
+  SetAxes(interval.bias.mean.force_m_s2, message.force_bias_m_s2);
+  message.rate_bias_sigma_rad_s = interval.bias.rate_sigma_rad_s;
+  message.force_bias_sigma_m_s2 = interval.bias.force_sigma_m_s2;
   return message;
 }
 
@@ -67,13 +67,13 @@ std::optional<InertialInterval> FromMessage(const imu_interval_t& message) {
   interval.to_ns = message.to_ns;
   interval.noise = {message.gyroscope_rad_s_sqrt_hz, message.gyroscope_walk_rad_s2_sqrt_hz,
                     message.accelerometer_m_s2_sqrt_hz, message.accelerometer_walk_m_s3_sqrt_hz};
-  interval.bias = {AxesOf(message.rate_bias_rad_s), AxesOf(message.force_bias_m_s2)};
-  interval.rate_bias_sigma_rad_s = message.rate_bias_sigma_rad_s;
-  interval.force_bias_sigma_m_s2 = message.force_bias_sigma_m_s2;
+  interval.bias = {{AxesOf(message.rate_bias_rad_s), AxesOf(message.force_bias_m_s2)},
+                   message.rate_bias_sigma_rad_s,
+                   message.force_bias_sigma_m_s2};
   const auto T_kf_imu = FromMessage(message.T_kf_imu);
   const bool is_in_order =
       interval.from_ns < interval.to_ns && interval.LengthUntil(interval.to_ns) <= InertialInterval::kLongest_ns;
-  const bool is_finite = interval.bias.rate_rad_s.allFinite() && interval.bias.force_m_s2.allFinite();
+  const bool is_finite = interval.bias.mean.rate_rad_s.allFinite() && interval.bias.mean.force_m_s2.allFinite();
   const bool is_positive = PositiveFinite(
       {message.gyroscope_rad_s_sqrt_hz, message.gyroscope_walk_rad_s2_sqrt_hz, message.accelerometer_m_s2_sqrt_hz,
        message.accelerometer_walk_m_s3_sqrt_hz, message.rate_bias_sigma_rad_s, message.force_bias_sigma_m_s2});

@@ -29,7 +29,7 @@ struct MapUpdatePublisher::State {
 MapUpdatePublisher::MapUpdatePublisher(Bus& bus, std::function<void()> asked)
     : bus_(bus), state_(std::make_shared<State>()) {
   state_->asked = std::move(asked);
-  state_->source = SourceId(bus.source());
+  state_->source = bus.source();
   bus.Subscribe<map_request_t>(kMapRequest, [weak = std::weak_ptr<State>(state_)](const map_request_t& request) {
     const auto state = weak.lock();
     if (state == nullptr || (request.publisher != 0 && SourceId(request.publisher) != state->source)) return;

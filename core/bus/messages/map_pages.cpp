@@ -29,7 +29,7 @@ map_update_t HeadPage(const MapUpdate& update) {
   page.header.session = update.newest.session.value;
   page.header.t_ns = update.t_ns;
   page.version = update.version;
-  page.base_version = update.base_version;
+  page.base_version = update.base_version.value_or(0);
   page.session_keyframe_id = update.newest.number;
   page.committed = update.committed ? 1 : 0;
   page.answer.session = update.answer.keyframe.session.value;
@@ -202,7 +202,7 @@ void CutLandmarks(const char* kind, const std::vector<Landmark>& landmarks, int3
 }
 
 bool SameHead(const map_update_t& page, const MapUpdate& update) {
-  return page.version == update.version && page.base_version == update.base_version &&
+  return page.version == update.version && page.base_version == update.base_version.value_or(0) &&
          SessionId(page.header.session) == update.newest.session &&
          page.session_keyframe_id == update.newest.number && (page.committed != 0) == update.committed;
 }
@@ -225,7 +225,7 @@ std::optional<MapUpdate> HeadOf(const map_update_t& page) {
   if (!totals || !adjustment || !numbers_ok || !camera_ok || !map_id || !answer_ok) return std::nullopt;
   update.source = SourceId(page.header.source);
   update.version = page.version;
-  update.base_version = page.base_version;
+  if (page.base_version > 0) update.base_version = page.base_version;
   update.newest = {SessionId(page.header.session), page.session_keyframe_id};
   update.t_ns = page.header.t_ns;
   update.committed = page.committed != 0;
@@ -249,7 +249,7 @@ std::vector<map_update_t> CutIntoPages(const MapUpdate& update, int64_t page_byt
   AddStages(update, first);
   if (!HeadOf(first)) {
     throw std::invalid_argument(fmt::format("map update: version {} on {}: its header has invalid numbers",
-                                            update.version, update.base_version));
+                                            update.version, update.base_version.value_or(0)));
   }
   UpdatePager pager(std::move(first), head, page_bytes, "the map");
   CutValues("moved keyframe", update.moved_keyframes, &map_update_t::n_moved_keyframes,

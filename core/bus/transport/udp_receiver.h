@@ -75,11 +75,12 @@ class UdpReceiver {
   /// Readable when there is something.
   int fd() const { return fd_; }
 
-  /// A datagram, valid until the next one; `sender` identifies the sending socket. nullopt: there is none.
+  /// A datagram, valid until the next one; `sender` identifies the sending socket.
   struct Datagram {
     uint64_t sender = 0;
     ByteView bytes;
   };
+  /// Returns nullopt if none is there.
   std::optional<Datagram> ReceiveDatagram();
 
   enum class Outcome { kMessage, kPart, kJunk, kNothing };

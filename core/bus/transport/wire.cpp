@@ -104,7 +104,8 @@ int32_t ReadInt32(const uint8_t* p) {
 
 WireHeader ReadHeader(ByteView message) {
   const uint8_t* p = message.data() + 8;
-  return {ReadInt32(p), ReadInt64(p + 4), ReadInt64(p + 12), ReadInt64(p + 20), ReadInt64(p + 28)};
+  return {ReadInt32(p), SourceId(ReadInt64(p + 4)), SessionId(ReadInt64(p + 12)), ReadInt64(p + 20),
+          ReadInt64(p + 28)};
 }
 
 std::optional<size_t> MessageLength(const MessageLayout& layout, ByteView bytes) {

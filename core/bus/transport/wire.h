@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/ids/ids.h"
 #include "lcmtypes/message_layout.h"
 
 namespace plslam::bus {
@@ -42,8 +43,8 @@ inline constexpr int64_t kMaxNumber = int64_t{1} << 62;
 /// `header_t` as encoded at the beginning of every message.
 struct WireHeader {
   int32_t schema = 0;
-  int64_t source = 0;
-  int64_t session = 0;
+  SourceId source;
+  SessionId session;
   int64_t seq = 0;
   int64_t t_ns = 0;
 };

@@ -39,7 +39,7 @@ class Bodies {
 
   /// The boxes come first, and the bonnet last if there is one.
   int size() const { return static_cast<int>(boxes_.size()) + (hood_.empty() ? 0 : 1); }
-  /// Pose of a body: of the centre of the box, or of the camera that carries the bonnet. nullopt while it is absent.
+  /// Pose of a body: of the centre of the box, or of the camera that carries the bonnet; nullopt while it is absent.
   std::optional<SE3> T_w_b(int body, double frame) const;
   /// The quads at a frame (fractional frames exist for motion blur), and the body of each quad.
   struct Surfaces {

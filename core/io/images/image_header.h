@@ -22,7 +22,7 @@ struct ImageHeader {
 };
 
 /// Parses the header of a PNG (ISO/IEC 15948), JPEG (ITU-T T.81, any frame type) or binary PGM ("P5") file, so that the
-/// size is known before a decoder allocates memory. nullopt if the bytes are none of them or end too early.
+/// size is known before a decoder allocates memory. Returns nullopt if the bytes are none of them or end too early.
 std::optional<ImageHeader> ParseImageHeader(std::span<const uint8_t> bytes);
 
 /// Returns whether the file reaches the end mark of its format (PNG: chunk IEND; JPEG: marker EOI; PGM: all pixels).

@@ -18,7 +18,7 @@ namespace {
 // Cameras take ten; every further one costs a pass over the whole image, and a few bytes of the file.
 constexpr int kMaxJpegScans = 500;
 
-/// libjpeg's error manager, with the jump target and its message.
+/// The error manager of libjpeg, with the jump target and its message.
 struct JpegErrors {
   jpeg_error_mgr manager;
   std::jmp_buf way_out;
@@ -51,7 +51,7 @@ void LimitJpegScans(j_common_ptr jpeg) {
   }
 }
 
-/// Returns whether `steps` completed. libjpeg leaves it by longjmp on an error, past stack frames that must have no
+/// Returns whether `steps` completed. An error of libjpeg leaves it by longjmp, past stack frames that must have no
 /// destructors: its own, and those of `steps`.
 template <class Steps>
 bool RunJpegSteps(JpegErrors& errors, const Steps& steps) {
@@ -60,7 +60,7 @@ bool RunJpegSteps(JpegErrors& errors, const Steps& steps) {
   return true;
 }
 
-/// libjpeg's structure for one direction, freed at the end of the scope.
+/// The structure of libjpeg for one direction, freed at the end of the scope.
 template <class Jpeg>
 class JpegHandle {
  public:
@@ -69,7 +69,7 @@ class JpegHandle {
     errors_.manager.error_exit = GiveUpJpeg;
     errors_.manager.output_message = SayNothingOfJpeg;
   }
-  // libjpeg frees nothing for an object that was never created.
+  // The library frees nothing for an object that was never created.
   ~JpegHandle() { jpeg_destroy(reinterpret_cast<j_common_ptr>(&jpeg_)); }
   JpegHandle(const JpegHandle&) = delete;
   JpegHandle& operator=(const JpegHandle&) = delete;
@@ -85,7 +85,7 @@ class JpegHandle {
   Jpeg jpeg_{};
 };
 
-/// libjpeg's destination, into a string.
+/// A destination for libjpeg: a string.
 struct JpegSink {
   jpeg_destination_mgr manager;
   std::string* file;
@@ -186,7 +186,7 @@ std::string EncodeJpeg(const cv::Mat& grey, int quality) {
     jpeg_set_quality(&jpeg, quality, TRUE);
     jpeg_start_compress(&jpeg, TRUE);
     for (int y = 0; y < grey.rows; ++y) {
-      // libjpeg's interface is not const-correct; it does not change the row.
+      // The interface is not const-correct; the library does not change the row.
       JSAMPROW row = const_cast<uint8_t*>(grey.ptr<uint8_t>(y));
       jpeg_write_scanlines(&jpeg, &row, 1);
     }

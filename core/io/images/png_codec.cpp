@@ -30,7 +30,7 @@ using PngReason = std::array<char, 128>;
 
 void PassOverPngWarning(png_structp /*png*/, png_const_charp /*what*/) {}
 
-/// Returns whether `steps` completed. libpng leaves it by longjmp on an error, past stack frames that must have no
+/// Returns whether `steps` completed. An error of libpng leaves it by longjmp, past stack frames that must have no
 /// destructors: its own, and those of `steps`.
 template <class Steps>
 bool RunPngSteps(png_structp png, const Steps& steps) {
@@ -39,7 +39,7 @@ bool RunPngSteps(png_structp png, const Steps& steps) {
   return true;
 }
 
-/// libpng's two structures for one direction, freed at the end of the scope.
+/// The two structures of libpng for one direction, freed at the end of the scope.
 template <auto kCreate, auto kDestroy>
 class PngHandle {
  public:

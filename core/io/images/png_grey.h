@@ -15,7 +15,7 @@ namespace plslam {
 bool TakeFiltersOff(const uint8_t* filtered, cv::Mat& out);
 
 /// Decodes the type of PNG file that datasets consist of, three times as fast as libpng: 8 bits of grey, not
-/// interlaced, without transparency. nullopt for every other file, and for any defect: only libpng decides about those.
+/// interlaced, without transparency. Returns nullopt for all others and for any defect: libpng decides about those.
 std::optional<cv::Mat> DecodeGreyPng(std::span<const uint8_t> file, cv::Size size);
 
 }  // namespace plslam

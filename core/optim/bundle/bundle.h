@@ -65,10 +65,7 @@ struct InertialMotion {
   int b = -1;
   SE3 T_c_imu;  ///< pose of the sensor in the camera
   Preintegration sensed;
-  /// Biases as known before the adjustment, and the sigma of each of their components.
-  ImuBias bias;
-  double rate_bias_sigma_rad_s = 0.0;
-  double force_bias_sigma_m_s2 = 0.0;
+  ImuBiasEstimate bias;  ///< before the adjustment
 };
 
 /// Gravity in the frame of the poses, and its covariance before the adjustment.

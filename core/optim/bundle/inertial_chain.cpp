@@ -25,7 +25,7 @@ Matrix6d CovarianceOf(const InertialMotion& motion) {
   by_rate_bias << jacobians.v_rate, jacobians.p_rate;
   Vector6d others;
   others << Eigen::Vector3d::Constant(kVelocity_m_s), Eigen::Vector3d::Constant(kPosition_m);
-  const double variance = motion.rate_bias_sigma_rad_s * motion.rate_bias_sigma_rad_s;
+  const double variance = motion.bias.rate_sigma_rad_s * motion.bias.rate_sigma_rad_s;
   Matrix6d covariance = kNoiseFactor * kNoiseFactor * motion.sensed.covariance().bottomRightCorner<6, 6>() +
                         variance * by_rate_bias * by_rate_bias.transpose();
   covariance.diagonal() += others.cwiseAbs2();
@@ -59,15 +59,15 @@ InertialChain::InertialChain(const BundleProblem& problem, std::vector<AdjustedP
               &b,
               motion.T_c_imu,
               sensed.dt_s(),
-              sensed.VelocityWith(motion.bias),
-              sensed.PositionWith(motion.bias),
+              sensed.VelocityWith(motion.bias.mean),
+              sensed.PositionWith(motion.bias.mean),
               root.matrixL().solve(Matrix6d::Identity()),
               {},
               {}};
     link.by_bias << sensed.jacobians().v_force, sensed.jacobians().p_force;
     link.by_bias = -link.whitening * link.by_bias;
     const auto chain = biases.find(&a);
-    const double sigma = motion.force_bias_sigma_m_s2;
+    const double sigma = motion.bias.force_sigma_m_s2;
     const int bias = chain != biases.end() ? chain->second : append(1.0 / (sigma * sigma));
     biases[&b] = bias;
     for (const AdjustedPose* pose : {&a, &b}) {

@@ -44,7 +44,7 @@ struct PoseGroup<SE2> {
   static PoseEdgeError<SE2> Error(const SE2& T_a_b, const SE2& a, const SE2& b);
 };
 
-/// e^T information e.
+/// Returns e^T information e, with the error e of the edge.
 template <class Pose>
 double EdgeChi2(const PoseGraphMotion<Pose>& edge, const std::vector<Pose>& T_w_kf) {
   const auto e = PoseGroup<Pose>::Error(edge.T_a_b, T_w_kf[edge.a], T_w_kf[edge.b]).e;

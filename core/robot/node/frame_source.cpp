@@ -172,7 +172,7 @@ void FrameSource::Publish(StereoImages images) {
 
 void FrameSource::PublishStream(const char* event, int64_t n_frames) {
   stream_t stream{};
-  stream.header.session = process_.bus().source();
+  stream.header.session = process_.bus().source().value;
   stream.dataset = settings_.left;
   stream.event = event;
   stream.pace = stream_pace::kRealtime;

@@ -68,7 +68,7 @@ void LiveRun::OnPose(const pose_t& message) {
   if (is_initialising) return;
   messages_.AddPose({message.header.t_ns, *T_w_odom, message.anchored != 0, *T_odom_c, *covariance, *T_prev_c,
                      *motion_covariance, dt_s},
-                    message.header.session);
+                    SessionId(message.header.session));
   has_new_poses_ = true;
 }
 

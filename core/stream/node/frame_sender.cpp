@@ -69,7 +69,7 @@ FrameSender::FrameSender(bus::Process& process, std::unique_ptr<FrameSource> sou
       turn_.OnPose({FrameId(pose.frame_id), pose.header.t_ns});
     });
     process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& status) {
-      if (status.process == process_name::kVo) turn_.OnReader(status.header.source);
+      if (status.process == process_name::kVo) turn_.OnReader(SourceId(status.header.source));
     });
   }
   PublishRig();
@@ -114,9 +114,9 @@ void FrameSender::SetPaused(bool paused) {
 void FrameSender::OnGoBack(const command_t& command) {
   const size_t space = command.argument.find(' ');
   // A command for the previous process with this name has already been obeyed or is sent again.
-  if (command.argument.substr(0, space) != std::to_string(process_.bus().source())) return;
+  if (command.argument.substr(0, space) != std::to_string(process_.bus().source().value)) return;
   try {
-    turn_.OnGoBack(command.header.source, ParseResumePoint(command.argument.substr(space + 1)));
+    turn_.OnGoBack(SourceId(command.header.source), ParseResumePoint(command.argument.substr(space + 1)));
   } catch (const std::exception& error) {
     LogWarning("the command 'go_back' is ignored: {}", error.what());
   }
@@ -316,7 +316,7 @@ void FrameSender::PublishTruth(const LoadedFrame& frame) {
 void FrameSender::PublishStream(const char* event, int64_t n_frames) {
   stream_t message;
   message.header = {};
-  message.header.session = process_.bus().source();
+  message.header.session = process_.bus().source().value;
   message.dataset = source_->name();
   message.event = event;
   message.pace = options_.pace.lockstep ? stream_pace::kLockstep : stream_pace::kRealtime;

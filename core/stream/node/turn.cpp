@@ -30,7 +30,7 @@ std::optional<ResumePoint> Turn::newest() const {
   return newest_;
 }
 
-void Turn::OnReader(int64_t source) {
+void Turn::OnReader(SourceId source) {
   const std::scoped_lock lock(mutex_);
   if (!readers_.insert(source).second) return;
   if (answer_ == Answer::kAwaited) answer_ = Answer::kNewReader;
@@ -42,7 +42,7 @@ bool Turn::has_reader() const {
   return !readers_.empty();
 }
 
-void Turn::OnGoBack(int64_t reader, const ResumePoint& frame) {
+void Turn::OnGoBack(SourceId reader, const ResumePoint& frame) {
   const std::scoped_lock lock(mutex_);
   const auto [asked, first] = asked_.try_emplace(reader, frame);
   if (!first && asked->second == frame) return;

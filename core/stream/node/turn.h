@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 
+#include "core/ids/ids.h"
 #include "core/stream/pacing.h"
 
 namespace plslam::stream {
@@ -31,12 +32,12 @@ class Turn {
   std::optional<ResumePoint> newest() const;
   /// Notes that the vo_process with this source is running. A source that was seen before causes no event. The first
   /// one does: frames sent before it listened may have been lost to it.
-  void OnReader(int64_t source);
+  void OnReader(SourceId source);
   /// Returns whether a vo_process has been seen.
   bool has_reader() const;
   /// Notes that `reader` requests the frames after this one again. A repeated request of the same reader causes no
   /// event.
-  void OnGoBack(int64_t reader, const ResumePoint& frame);
+  void OnGoBack(SourceId reader, const ResumePoint& frame);
   void Stop();
 
   /// Waits for an event of the expected frame.
@@ -77,8 +78,8 @@ class Turn {
   std::optional<ResumePoint> newest_;
   bool resumed_ = false;
   Answer answer_ = Answer::kAwaited;
-  std::set<int64_t> readers_;
-  std::map<int64_t, ResumePoint> asked_;  // by reader, the newest
+  std::set<SourceId> readers_;
+  std::map<SourceId, ResumePoint> asked_;  // by reader, the newest
   std::optional<ResumePoint> go_back_;
   Course course_ = Course::kRunning;
 };

@@ -52,7 +52,7 @@ class Live : public testing::Test {
     ParseTransforms(Bytes(last_.at("/tf_static")), RosEncoding::kCdr, &frames);
     return frames;
   }
-  void Add(int i, int64_t session = 1) {
+  void Add(int i, SessionId session = 1) {
     robot::CameraPose pose;
     pose.t_ns = 100 * (i + 1);
     pose.T_odom_c = SE3(Eigen::Quaterniond::Identity(), {0.1 * i, 0.0, 0.0});

@@ -333,7 +333,7 @@ TEST_F(BusSecurity, FalseRequestsAndAnnouncementsAreHarmless) {
     request.header.source = 1 + static_cast<int64_t>(random() % 1000);
     request.header.seq = i;
     request.channel = i % 3 == 0 ? "POSE" : "NOWHERE";
-    request.publisher = i % 2 == 0 ? publisher.source() : 0;
+    request.publisher = i % 2 == 0 ? publisher.source().value : 0;
     request.delivered = static_cast<int64_t>(random());
     request.window_bytes = static_cast<int32_t>(random());
     range_t range{};

@@ -24,9 +24,7 @@ InertialInterval IntervalOf(int n_samples) {
     interval.samples.push_back({1000 + int64_t{i} * 5'000'000, {0.1 * i, -0.2, 0.3}, {9.8, 0.01 * i, -0.5}});
   interval.T_c_imu = SE3(ExpSO3({0.1, 0.2, 0.3}), Eigen::Vector3d(0.01, 0.02, 0.03));
   interval.noise = {1e-3, 2e-5, 3e-3, 4e-4};
-  interval.bias = {{0.01, 0.02, 0.03}, {0.1, 0.2, 0.3}};
-  interval.rate_bias_sigma_rad_s = 1e-3;
-  interval.force_bias_sigma_m_s2 = 2e-2;
+  interval.bias = {{{0.01, 0.02, 0.03}, {0.1, 0.2, 0.3}}, 1e-3, 2e-2};
   return interval;
 }
 

@@ -66,14 +66,14 @@ class Listener {
       : bus_(options, "viewer"), subscriber_(*bus_, [this](const MapUpdate& update) {
           const MapFollower& replica = subscriber_.follower();
           EXPECT_EQ(update.totals, replica.map().Totals());
-          source_ = replica.version()->numbering.value;
+          source_ = replica.version()->numbering;
           version_ = replica.version()->number;
         }) {
     bus_.Start();
   }
   ~Listener() { bus_.Join(); }
 
-  bool Reaches(int64_t source, int64_t version) {
+  bool Reaches(SourceId source, int64_t version) {
     return test::Eventually([&] { return source_ == source && version_ == version; });
   }
 
@@ -86,7 +86,7 @@ class Listener {
   Bus& bus() { return *bus_; }
 
  private:
-  std::atomic<int64_t> source_ = 0;
+  std::atomic<SourceId> source_;
   std::atomic<int64_t> version_ = 0;
   RunningBus bus_;
   MapSubscriber subscriber_;
@@ -170,14 +170,14 @@ TEST(MapChannel, OnlyTheNamedPublisherWithAMapAnswers) {
   full.Publish(2, 40);
   RunningBus asker(options);
   asker.Start();
-  const auto ask = [&](int64_t publisher, int64_t version) {
+  const auto ask = [&](SourceId publisher, int64_t version) {
     map_request_t request{};
-    request.publisher = publisher;
+    request.publisher = publisher.value;
     request.version = version;
     asker->Publish(kMapRequest, request);
   };
   // The newest request replaces earlier ones: each must have been received before the next.
-  const auto ask_and_wait = [&](int64_t publisher, int64_t version) {
+  const auto ask_and_wait = [&](SourceId publisher, int64_t version) {
     const int64_t before = full.bus().counters().received;
     ask(publisher, version);
     return test::Eventually([&] { return full.bus().counters().received > before; });

@@ -35,8 +35,7 @@ class MapOwner {
   MapUpdate Next(int steps) {
     random_.Steps(steps);
     MapUpdate update = ChangedPart(random_.map(), random_.map().TakeChanges());
-    update.base_version = version_;
-    update.version = ++version_;
+    update.Follow(version_++);
     return update;
   }
 

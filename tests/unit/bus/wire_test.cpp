@@ -154,7 +154,7 @@ TEST(ReadHeader, AgreesWithTheGeneratedClass) {
   const auto bytes = RandomMessage(*FindMessageLayout("announce_t"), random);
   const WireHeader header = ReadHeader(bytes);
   EXPECT_EQ(header.schema, ReadInt32(&bytes[8]));
-  EXPECT_EQ(header.source, ReadInt64(&bytes[12]));
+  EXPECT_EQ(header.source.value, ReadInt64(&bytes[12]));
   EXPECT_EQ(header.t_ns, ReadInt64(&bytes[36]));
   EXPECT_EQ(kWireHeaderBytes, 44U);
 }

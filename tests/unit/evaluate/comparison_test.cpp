@@ -192,7 +192,7 @@ TEST(ComparisonPage, NeedsNothingFromElsewhereAndEscapesNames) {
   EXPECT_THAT(page, HasSubstr("<h2>&lt;b&gt;&amp;&quot;</h2>"));
   EXPECT_THAT(page, HasSubstr("<svg role=\"img\" aria-label=\"ate_m\" "));
   EXPECT_THAT(page, Not(HasSubstr("<?xml")));
-  // cairo 1.18 puts a hyphen in between.
+  // Version 1.18 of cairo puts a hyphen in between.
   EXPECT_THAT(page, AllOf(ContainsRegex("id=\"d0_ate_m_glyph-?0-1\""), ContainsRegex("id=\"d1_ate_m_glyph-?0-1\"")));
   EXPECT_THAT(page, Not(HasSubstr("<script")));
   EXPECT_THAT(page, Not(HasSubstr("src=")));

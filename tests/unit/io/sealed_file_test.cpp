@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -48,11 +49,13 @@ struct Things {
   Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
   bool flag = false;
   std::string text;
+  std::optional<Trace> present;
+  std::optional<std::string> absent;
 
   bool operator==(const Things&) const = default;
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.traces, self.pairs, self.bytes, self.matrix, self.flag, self.text);
+    a(self.traces, self.pairs, self.bytes, self.matrix, self.flag, self.text, self.present, self.absent);
   }
 };
 
@@ -65,6 +68,7 @@ Things SomeThings() {
   things.matrix = Eigen::Matrix3d::Constant(1.0 / 3.0);
   things.flag = true;
   things.text = "two words";
+  things.present = Trace(9, pose);
   return things;
 }
 
@@ -75,6 +79,17 @@ TEST(Archive, ValuesSurviveTheRoundTripBitForBit) {
   archive::FromBytes(bytes, back);
   EXPECT_EQ(back, things);
   EXPECT_EQ(archive::ToBytes(back), bytes);
+}
+
+TEST(Archive, OptionalsReplaceWhatWasThere) {
+  std::optional<int32_t> value = 7;
+  archive::FromBytes(archive::ToBytes(std::optional<int32_t>()), value);
+  EXPECT_EQ(value, std::nullopt);
+  const std::vector<uint8_t> bytes = archive::ToBytes(std::optional<int32_t>(5));
+  EXPECT_EQ(bytes, (std::vector<uint8_t>{1, 5, 0, 0, 0}));
+  archive::FromBytes(bytes, value);
+  EXPECT_EQ(value, 5);
+  EXPECT_THROW(archive::FromBytes(std::vector<uint8_t>{2, 5, 0, 0, 0}, value), std::runtime_error);
 }
 
 TEST(Archive, TruncatedOverlongAndOversizedBytesThrow) {

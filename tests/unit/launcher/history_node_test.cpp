@@ -134,8 +134,8 @@ TEST(HistoryKeeper, RepublishesCameraAndStreamOfExitedPlayer) {
     SayAlive(player, 7);
     stream_t end{};
     end.event = "end";
-    end.header.session = player.source();
-    stream = player.source();
+    end.header.session = player.source().value;
+    stream = player.source().value;
     player.Publish(bus::kStream, end);
     ASSERT_TRUE(Eventually([&] {
       camera_t camera{};

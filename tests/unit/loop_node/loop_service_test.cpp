@@ -41,8 +41,7 @@ class Service : public testing::Test {
     }
     MapUpdate update = ChangedPart(map_, map_.TakeChanges());
     Sign(update, number, committed);
-    update.base_version = version_++;
-    update.version = version_;
+    update.Follow(version_++);
     return update;
   }
   MapUpdate Whole(int64_t number, bool committed, SourceId source) {

@@ -151,7 +151,7 @@ TEST_F(Shell, FishOffersTheSame) {
               testing::AllOf(HasSubstr("map_folder/"), testing::Not(HasSubstr("map.ply"))));
 }
 
-/// zsh completes only in its line editor: one is driven through a terminal, by the Tab key.
+/// Completion in zsh needs its line editor, which the test drives through a terminal, by the Tab key.
 TEST_F(Shell, ZshCompletesTheSame) {
   if (!Has("zsh")) GTEST_SKIP() << "no zsh here";
   SomeProgram program;

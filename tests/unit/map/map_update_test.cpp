@@ -53,8 +53,7 @@ class Owner {
   MapUpdate Next(int steps) {
     random_.Steps(steps);
     MapUpdate update = ChangedPart(random_.map(), random_.map().TakeChanges());
-    update.base_version = version_;
-    update.version = ++version_;
+    update.Follow(version_++);
     update.source = source_;
     return update;
   }
@@ -244,8 +243,7 @@ class RemovedPosesTest : public testing::Test {
     MapUpdate update;
     update.source = source_;
     update.map_id.origin = 6;
-    update.base_version = follower_.version()->number;
-    update.version = follower_.version()->number + 1;
+    update.Follow(follower_.version()->number);
     return update;
   }
 
@@ -336,8 +334,7 @@ TEST_F(RemovedPosesTest, CarrierThatReturnsLeavesThemInPlace) {
   MapUpdate back = Next();
   back.keyframes = {*follower_.map().FindKeyframe(2)};
   Remove(2);
-  back.base_version = follower_.version()->number;
-  back.version = follower_.version()->number + 1;
+  back.Follow(follower_.version()->number);
   ASSERT_EQ(follower_.Apply(back), Step::kNext);
   EXPECT_LT((PoseOf(3).translation() - Eigen::Vector3d(3.0, 5.0, 0.0)).norm(), 1e-12);
 }

@@ -39,7 +39,7 @@ class Moving {
     // Integrated with a bias that is wrong by what is then estimated.
     const ImuBias integrated{kBias.rate_rad_s, kBias.force_m_s2 + Eigen::Vector3d(0.02, -0.01, 0.01)};
     const auto sensed = Preintegrate(samples, samples.front().t_ns, samples.back().t_ns, ImuNoise(), integrated);
-    problem_.inertial_motions.push_back({a, b, kT_c_imu, sensed.value(), integrated, 1e-5, 0.05});
+    problem_.inertial_motions.push_back({a, b, kT_c_imu, sensed.value(), {integrated, 1e-5, 0.05}});
   }
 
   /// The poses of an adjustment, each observed, away from where their parameters start.

@@ -111,7 +111,7 @@ class Reader {
       first_pixels_.push_back(frame.images.left.at<uint8_t>(0, 0));
     });
     t_ns_[frame.images.frame_id.value] = frame.images.t_ns;
-    player_ = frame.source;
+    player_ = frame.source.value;
     if (frame.images.frame_id.value == go_back_.first) {
       AskForFrames(player_, go_back_.second);
       go_back_ = {-1, -1};

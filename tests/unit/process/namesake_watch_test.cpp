@@ -11,7 +11,7 @@ namespace {
 using Action = NamesakeWatch::Action;
 
 ProcessIdentity Identity(int64_t source, double uptime_s, double started_utc_s = 1000.0) {
-  return {source, "robot", source + 100, uptime_s, started_utc_s};
+  return {SourceId(source), "robot", source + 100, uptime_s, started_utc_s};
 }
 
 TEST(NamesakeWatch, StartingProcessYieldsToARunningOne) {

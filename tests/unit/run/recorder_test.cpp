@@ -70,6 +70,17 @@ TEST(Recorder, CompleteIfEachFrameHasAPoseOrWasSkipped) {
   EXPECT_TRUE(recorder.IsComplete());
 }
 
+TEST(Recorder, LastPoseEndsTheWaitForLostOnes) {
+  Recorder recorder;
+  recorder.AddPose(SomePose(0));
+  EXPECT_FALSE(recorder.HasLastPose()) << "the stream still runs";
+  recorder.SetEnd(4);
+  EXPECT_FALSE(recorder.HasLastPose());
+  recorder.AddPose(SomePose(3));
+  EXPECT_FALSE(recorder.IsComplete());
+  EXPECT_TRUE(recorder.HasLastPose()) << "frames 1 and 2 were lost before the tracker";
+}
+
 TEST(Recorder, EmptyStreamIsComplete) {
   Recorder recorder;
   recorder.SetEnd(0);

@@ -41,26 +41,54 @@ void Split(const std::string& comment, const std::string& path, size_t line, std
   }
 }
 
+struct Comment {
+  size_t line = 0;
+  std::string text;
+  bool is_of_lines = true;  ///< false: behind code, where noun phrases begin with a small letter
+};
+
 // Comments of whole lines, consecutive ones joined, and those behind code.
-std::vector<Sentence> Sentences(const test::SourceFile& file) {
-  static const std::regex kWhole(R"(^\s*///?<?\s?(.*)$)");
+std::vector<Comment> Comments(const test::SourceFile& file) {
+  static const std::regex kWhole(R"(^\s*///?(<?)\s?(.*)$)");
   static const std::regex kBehindCode(R"([;{,)]\s+///?<?\s?(.*)$)");
-  std::vector<Sentence> sentences;
-  std::string comment;
-  size_t begin = 0;
-  for (size_t i = 1; i <= file.lines.size(); ++i) {
-    const std::string line = i < file.lines.size() ? file.lines[i] : "";
+  std::vector<Comment> comments;
+  bool continues = false;
+  for (size_t i = 1; i < file.lines.size(); ++i) {
+    const std::string& line = file.lines[i];
     std::smatch match;
     if (std::regex_match(line, match, kWhole)) {
-      if (comment.empty()) begin = i + 1;
-      comment += match[1].str() + " ";
+      if (!continues) comments.push_back({i + 1, "", match.length(1) == 0});
+      comments.back().text += match[2].str() + " ";
+      continues = true;
       continue;
     }
-    Split(comment, file.path, begin, sentences);
-    comment.clear();
-    if (std::regex_search(line, match, kBehindCode)) Split(match[1], file.path, i + 1, sentences);
+    continues = false;
+    if (std::regex_search(line, match, kBehindCode)) comments.push_back({i + 1, match[1], false});
   }
+  return comments;
+}
+
+std::vector<Sentence> Sentences(const test::SourceFile& file) {
+  std::vector<Sentence> sentences;
+  for (const Comment& comment : Comments(file)) Split(comment.text, file.path, comment.line, sentences);
   return sentences;
+}
+
+// Beginnings of comments, and of sentences in them, with a word in small letters. Identifiers have a capital letter, a
+// digit or punctuation, variables a single letter; code in lines of its own is indented.
+std::vector<Sentence> SmallBeginnings(const test::SourceFile& file) {
+  static const std::regex kBegin(R"((?:^|[^.][.?!] {1,2})(?=[a-z]))");
+  static const std::regex kWord(R"(^(?:[a-z]{2,}(?:[ ,;)'-]|:(?!:)|\.(?![a-z])|$)|a [a-z]{2,}))");
+  std::vector<Sentence> found;
+  for (const Comment& comment : Comments(file)) {
+    for (std::sregex_iterator begin(comment.text.begin(), comment.text.end(), kBegin), end; begin != end; ++begin) {
+      const bool is_first = begin->length() == 0;
+      const std::string text = begin->suffix();
+      if ((!is_first || comment.is_of_lines) && std::regex_search(text, kWord))
+        found.push_back({file.path, comment.line, text});
+    }
+  }
+  return found;
 }
 
 struct TestName {
@@ -102,6 +130,25 @@ TEST(Language, SentencesBeginWithTheirSubject) {
   std::string list;
   for (const Sentence& sentence : found) list += sentence.Where() + "\n";
   EXPECT_LE(static_cast<double>(found.size()), kMostWithoutSubject * static_cast<double>(all)) << list;
+}
+
+TEST(Language, SentencesBeginWithACapitalLetter) {
+  for (const test::SourceFile& file : test::AllSourceFiles()) {
+    for (const Sentence& sentence : SmallBeginnings(file)) ADD_FAILURE() << sentence.Where();
+  }
+}
+
+TEST(Language, SmallBeginningsAreRecognised) {
+  const test::SourceFile file{
+      "a.h",
+      {"// SPDX", "/// pose of a frame, 0, 1, 2, ... in order. the next", "/// one. a keyframe. It is.",
+       "///   solve(it)", "", "/// kNone: `nothing`. nullopt without. std::hypot is. x is",
+       "/// 1. frame_id. symmetric.cpp has. cam0 too.", std::string("int a;  /") + "//< of a frame. the first",
+       std::string("int b;  /") + "//< of a keyframe", "        ///< of a map", "/// a * x + b"}};
+  std::vector<std::string> found;
+  for (const Sentence& sentence : SmallBeginnings(file))
+    found.push_back(std::to_string(sentence.line) + " " + sentence.text.substr(0, 6));
+  EXPECT_EQ(found, (std::vector<std::string>{"2 pose o", "2 the ne", "2 a keyf", "6 nullop", "8 the fi"}));
 }
 
 TEST(Language, CommentsAreInTheFieldsWords) {

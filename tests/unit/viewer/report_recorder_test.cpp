@@ -29,8 +29,7 @@ class MapOwner {
 
   MapUpdate Next() {
     MapUpdate update = ChangedPart(map, map.TakeChanges());
-    update.base_version = version_++;
-    update.version = version_;
+    update.Follow(version_++);
     return update;
   }
 

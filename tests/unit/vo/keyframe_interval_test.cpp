@@ -55,7 +55,7 @@ TEST(KeyframeInterval, ReachesFromKeyframeToKeyframe) {
     ++n_known;
     EXPECT_EQ(interval.from_ns, keyframes[k - 1].t_ns);
     EXPECT_EQ(interval.to_ns, keyframes[k].t_ns);
-    EXPECT_GT(interval.force_bias_sigma_m_s2, 0.0);
+    EXPECT_GT(interval.bias.force_sigma_m_s2, 0.0);
     const auto sensed = interval.Motion();
     ASSERT_TRUE(sensed) << k;
     const SE3 before = *dataset->GroundTruth(keyframes[k - 1].frame) * T_c_imu;

@@ -41,7 +41,7 @@ bool OffersOrders(const bus::BusOptions& bus, const BridgeOptions& options) {
 
 BridgeNode::BridgeNode(bus::Process& process, const BridgeOptions& options)
     : process_(process),
-      server_(std::to_string(process.bus().source()), OffersOrders(process.bus().options(), options),
+      server_(std::to_string(process.bus().source().value), OffersOrders(process.bus().options(), options),
               options.map_file,
               {.on_output =
                    [this] {

@@ -64,7 +64,7 @@ class Listener {
     p.version = status.version;
     p.state = status.state;
     p.reason = status.reason;
-    p.source = status.header.source;
+    p.source = SourceId(status.header.source);
     p.schema = status.header.schema;
     p.signature = SignatureOf(wire_name, bytes, length);
     for (const counter_t& counter : status.counters) p.counters[counter.name] = counter.value;

@@ -187,8 +187,9 @@ cairo_status_t AppendTo(void* file, const unsigned char* bytes, unsigned int n) 
   return AppendBytes(*static_cast<std::string*>(file), bytes, n) ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_NO_MEMORY;
 }
 
-/// cairo counts surfaces and images over the whole run of a program: numbered from 1 in the order of the document, they
-/// do not depend on earlier drawings. `prefix` begins them and the glyphs' ids, which cairo counts by document.
+/// Numbers surfaces and images from 1 in the order of the document: cairo counts them over the whole run of a program,
+/// so that they would depend on earlier drawings. `prefix` begins them and the ids of glyphs, which cairo counts by
+/// document.
 std::string WithOwnIds(const std::string& svg, const std::string& prefix) {
   std::string own;
   std::map<std::string, size_t> numbers;

@@ -13,8 +13,8 @@
 namespace plslam::evaluate {
 
 /// Returns two keyframes for a picture: those of the last closed loop; if there is none, one in the middle of the map
-/// and the neighbour farthest from it with 100 shared landmarks (or its best). nullopt: no two keyframes share a
-/// landmark.
+/// and the neighbour farthest from it with 100 shared landmarks (or its best). Returns nullopt if no two keyframes
+/// share a landmark.
 std::optional<std::pair<KeyframeId, KeyframeId>> PairWorthShowing(const Map& map);
 
 /// A keyframe of the figure: its rectified left image and its features.

@@ -91,7 +91,7 @@ bool ReadAll(int file, std::span<uint8_t> bytes, int64_t offset) {
 }  // namespace
 
 struct HistoryKeeper::Store {
-  Store(const std::string& folder_in, int64_t own_in) : folder(folder_in), own(own_in), file(UnnamedFile(folder)) {
+  Store(const std::string& folder_in, SourceId own_in) : folder(folder_in), own(own_in), file(UnnamedFile(folder)) {
     if (file < 0) Fail(std::strerror(errno));
   }
   ~Store() {
@@ -101,20 +101,20 @@ struct HistoryKeeper::Store {
   Store& operator=(const Store&) = delete;
 
   void Keep(size_t channel, std::span<const uint8_t> message);
-  void RemovePublisher(int64_t source);
-  bool RepublishesFor(int64_t source) const;
+  void RemovePublisher(SourceId source);
+  bool RepublishesFor(SourceId source) const;
   void Fail(const std::string& why);
 
   const std::string folder;
-  const int64_t own;  // our own messages are not kept
+  const SourceId own;  // our own messages are not kept
   const int file;
 
   mutable std::mutex mutex;  // guards all of the following
   std::condition_variable changed;
-  std::map<int64_t, std::vector<Entry>> entries;  // by publisher
-  std::set<int64_t> gone;                         // publishers that have exited
-  std::deque<int64_t> due;                        // of these, the ones whose messages are to be republished
-  int64_t end = 0;                                // of the file
+  std::map<SourceId, std::vector<Entry>> entries;  // by publisher
+  std::set<SourceId> gone;                         // publishers that have exited
+  std::deque<SourceId> due;                        // of these, the ones whose messages are to be republished
+  int64_t end = 0;                                 // of the file
   int64_t kept = 0;
   std::string problem;
   bool stopping = false;
@@ -122,7 +122,7 @@ struct HistoryKeeper::Store {
 
 /// On the receiving thread.
 void HistoryKeeper::Store::Keep(size_t channel, std::span<const uint8_t> message) {
-  const int64_t source = bus::ReadHeader(message).source;
+  const SourceId source = bus::ReadHeader(message).source;
   if (source == own) return;
   int64_t offset = 0;
   {
@@ -141,7 +141,7 @@ void HistoryKeeper::Store::Keep(size_t channel, std::span<const uint8_t> message
   changed.notify_all();
 }
 
-void HistoryKeeper::Store::RemovePublisher(int64_t source) {
+void HistoryKeeper::Store::RemovePublisher(SourceId source) {
   const std::scoped_lock lock(mutex);
   gone.insert(source);
   due.push_back(source);
@@ -149,7 +149,7 @@ void HistoryKeeper::Store::RemovePublisher(int64_t source) {
 }
 
 /// Returns whether it has exited, and not all processes stop.
-bool HistoryKeeper::Store::RepublishesFor(int64_t source) const {
+bool HistoryKeeper::Store::RepublishesFor(SourceId source) const {
   const std::scoped_lock lock(mutex);
   return !stopping && gone.contains(source);
 }
@@ -168,10 +168,11 @@ HistoryKeeper::HistoryKeeper(bus::Bus& bus, const std::filesystem::path& folder)
     : bus_(bus), store_(std::make_shared<Store>(folder.string(), bus.source())) {
   bus_.Subscribe<status_t>(bus::kStatus, [this, host = bus::HostName()](const status_t& m) {
     if (m.host != host) return;  // process ids of other hosts are meaningless here
-    if (sources_.size() < kMaxRecordedProcesses || sources_.contains(m.pid)) sources_[m.pid] = m.header.source;
+    if (sources_.size() < kMaxRecordedProcesses || sources_.contains(m.pid))
+      sources_[m.pid] = SourceId(m.header.source);
   });
   bus_.Subscribe<camera_t>(bus::kCamera, [this](const camera_t& m) {
-    if (m.header.source != store_->own) camera_ = std::make_unique<camera_t>(m);
+    if (SourceId(m.header.source) != store_->own) camera_ = std::make_unique<camera_t>(m);
   });
   bus_.Every(kCameraPeriod, [this] { RepublishRig(); });
   for (size_t i = 0; i < kKept.size(); ++i) {
@@ -207,7 +208,7 @@ void HistoryKeeper::OnExit(pid_t pid) {
 }
 
 void HistoryKeeper::RepublishRig() {
-  if (camera_ && store_->RepublishesFor(camera_->header.source)) bus_.Publish(bus::kCamera, *camera_);
+  if (camera_ && store_->RepublishesFor(SourceId(camera_->header.source))) bus_.Publish(bus::kCamera, *camera_);
 }
 
 int64_t HistoryKeeper::kept() const {

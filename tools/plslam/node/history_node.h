@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "core/bus/bus.h"
+#include "core/ids/ids.h"
 
 namespace plslam {
 class camera_t;
@@ -60,8 +61,8 @@ class HistoryKeeper {
   void RepublishRig();
 
   bus::Bus& bus_;
-  std::map<int64_t, int64_t> sources_;  // by process id; on the thread of the bus
-  std::unique_ptr<camera_t> camera_;    // newest of another; on the thread of the bus
+  std::map<int64_t, SourceId> sources_;  // by process id; on the thread of the bus
+  std::unique_ptr<camera_t> camera_;     // newest of another; on the thread of the bus
   std::shared_ptr<Store> store_;
   std::atomic<int64_t> republished_{0};
   std::thread worker_;

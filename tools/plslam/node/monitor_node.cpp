@@ -56,7 +56,7 @@ ProcessStatus FromMessage(const status_t& message) {
 }  // namespace
 
 MonitorNode::MonitorNode(bus::Bus& bus) : host_(bus::HostName()) {
-  const int64_t own = bus.source();
+  const int64_t own = bus.source().value;
   bus.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
   bus.Subscribe<pose_t>(bus::kPose, [this, own](const pose_t& m) {
     if (m.header.source == own) return;
@@ -96,7 +96,7 @@ void MonitorNode::OnStatus(const status_t& message) {
     sent_.OnStatus(bus::CountOf(message, "frames.sent"), bus::CountOf(message, "frames.bad"));
   }
   for (const counter_t& counter : message.counters)
-    counters_.Take(message.header.source, counter.name, counter.value);
+    counters_.Take(SourceId(message.header.source), counter.name, counter.value);
   const std::pair process(message.host, message.pid);
   if (processes_.size() >= kMaxShownProcesses && !processes_.contains(process)) return;
   const ProcessStatus& status = processes_[process] = FromMessage(message);
@@ -139,7 +139,7 @@ bool MonitorNode::KeyframesWait(double now_s) const {
 }
 
 EndSigns MonitorNode::SignsOfEnd(const Processes& processes, double now_s) const {
-  const std::string state = StateOf(processes.source);
+  const std::string state = StateOf(processes.sender);
   EndSigns signs;
   signs.stream_ended = sent_.ended();
   signs.source_sends = state == process_state::kReady || state == process_state::kRunning;

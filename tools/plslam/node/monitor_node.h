@@ -46,7 +46,7 @@ class MonitorNode {
  public:
   /// Processes of the run that end it, by their ids on this host.
   struct Processes {
-    int64_t source = -1;  ///< of frames
+    int64_t sender = -1;  ///< of frames
     int64_t tracker = -1;
     bool has_mapper = false;  ///< there is one, on any host
   };

@@ -59,7 +59,7 @@ class DisparityCalibration {
   };
   Rest RestAt(double u_px) const;
 
-  /// nullopt while none is applied.
+  /// The applied error of lengths; nullopt while none is applied.
   std::optional<LengthError> length_error() const;
 
   /// Relative sigma of lengths due to the unknown rest, at the depths of the last tracked frame.

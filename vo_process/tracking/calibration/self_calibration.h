@@ -20,7 +20,7 @@ struct SelfCalibration {
     Eigen::Vector3d coefficients_px = Eigen::Vector3d::Zero();
     Eigen::Matrix3d covariance_px2 = Eigen::Matrix3d::Zero();
   };
-  /// nullopt if none is in use.
+  /// The calibrations; nullopt if none is in use.
   std::optional<Rows> rows;
   std::optional<Disparities> disparities;
 };

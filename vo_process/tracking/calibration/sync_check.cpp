@@ -83,7 +83,7 @@ void SyncCheck::UseMotion(const TimingCheck::Estimate& by_motion, double dt_s) {
   const bool is_significant =
       is_late_by_motion_ ? frames > kMinLateOfUsed_frames
                          : frames > kMinLateByMotion_frames && by_motion.DiffersFrom(0.0, kMinDeviationsOfMotion);
-  is_late_by_motion_ = is_significant && frames < kMostLateMadeUpFor_frames;
+  is_late_by_motion_ = is_significant && frames < kLargestCompensatedDelay_frames;
   late_by_motion_s_ = by_motion.value;
   if (is_late_by_motion_) interval_s_ = dt_s;
 }

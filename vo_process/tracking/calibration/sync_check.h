@@ -41,7 +41,7 @@ class SyncCheck {
 
   /// Whether the delay is so large that the camera's pose at the time of the right image is uncertain, and with it the
   /// results from such a pair.
-  bool is_far_off() const { return std::abs(late_frames()) > kMostLateMadeUpFor_frames; }
+  bool is_far_off() const { return std::abs(late_frames()) > kLargestCompensatedDelay_frames; }
 
   /// Readout time of the right camera minus that of the left one (rolling shutters with different speeds); 0 until it
   /// is significant.

@@ -40,7 +40,7 @@ struct KeyframeCandidate {
 
 struct KeyframeDecision {
   KeyframeReason reason = KeyframeReason::kNone;
-  /// alpha of PL-SLAM §IV.D: h(kf -> now) / h(kf -> kf + 1), with negative entropies as usual for small covariances;
+  /// The ratio alpha of PL-SLAM §IV.D: h(kf -> now) / h(kf -> kf + 1), with negative entropies if covariances are small;
   /// 1 for the first frame after a keyframe, falling as uncertainty grows. 0 where undefined.
   double entropy_ratio = 0.0;
 };

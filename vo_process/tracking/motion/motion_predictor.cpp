@@ -47,10 +47,7 @@ InertialInterval MotionPredictor::TakeInterval() {
   if (!std::exchange(interval_is_known_, to_ns_ != 0) || taken.empty() || !inertial_.IsTrusted()) return {};
   taken.T_c_imu = imu_->T_imu_c.Inverse();
   taken.noise = imu_->calibration.noise;
-  const InertialFilter& filter = inertial_.filter();
-  taken.bias = filter.state().bias;
-  taken.rate_bias_sigma_rad_s = filter.RateBiasSigma();
-  taken.force_bias_sigma_m_s2 = filter.ForceBiasSigma();
+  taken.bias = inertial_.filter().Bias();
   return taken;
 }
 

@@ -181,6 +181,4 @@ void FeatureTracker::Begin(const std::vector<cv::Mat>& left, const StereoFeature
   n_begun_ = Weight();
 }
 
-double FeatureTracker::Share() const { return n_begun_ > 0.0 ? Weight() / n_begun_ : 0.0; }
-
 }  // namespace plslam::vo

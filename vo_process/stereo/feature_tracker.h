@@ -54,8 +54,10 @@ class FeatureTracker {
   void SetPose(const SE3& T_odom_c) { T_odom_first_ = T_odom_c; }
 
   bool empty() const { return points_.empty() && lines_.empty(); }
-  /// Features found in the last frame, as a share of those in the first; lines count twice.
-  double Share() const;
+  /// Features found in the last frame; lines count twice.
+  double Weight() const { return static_cast<double>(points_.size() + 2 * lines_.size()); }
+  /// The same as a share of those in the first frame.
+  double Share() const { return n_begun_ > 0.0 ? Weight() / n_begun_ : 0.0; }
 
   /// The state between frames, for `core/files/archive.h`.
   template <class Archive, class Self>
@@ -100,7 +102,6 @@ class FeatureTracker {
     double disparity_px = 0.0;
   };
 
-  double Weight() const { return static_cast<double>(points_.size() + 2 * lines_.size()); }
   std::optional<ExpectedPoint> Expect(const Expected& motion, const FollowedPoint& point) const;
   Expected Improved(const Expected& motion, const std::vector<cv::Mat>& left) const;
   void TrackPoint(const std::vector<cv::Mat>& left, const Expected& motion, FollowedPoint& point) const;

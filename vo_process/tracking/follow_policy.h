@@ -16,6 +16,8 @@ class FollowPolicy {
   /// Share of the features that must be found; otherwise they are detected. Near features, which show most of a motion, are
   /// lost first.
   static constexpr double kMinShare = 0.6;
+  /// Number of features that must be found, lines counted twice: few of them make a pose weak, and detection may find more.
+  static constexpr double kMinWeight = 120.0;
   static constexpr int kMostFollowed = 3;
   static constexpr int kSureFrames = 5;
 

@@ -48,7 +48,9 @@ StereoFeatures Odometry::SeePair(StereoFrontEnd& front_end, const StereoImages& 
   front_end.Take(images, timer);
   if (MayFollow()) {
     StereoFeatures features = front_end.Follow(timer, calibrator_.rows(), T_odom_c_, T_odom_c_ * T_prev_c, tracker_);
-    if (tracker_.Share() >= FollowPolicy::kMinShare && calibrator_.Accepts(features)) {
+    const bool suffices =
+        tracker_.Share() >= FollowPolicy::kMinShare && tracker_.Weight() >= FollowPolicy::kMinWeight;
+    if (suffices && calibrator_.Accepts(features)) {
       following_.Follow();
       return features;
     }
@@ -239,7 +241,7 @@ void Odometry::Calibrate(const Tracked& tracked, double dt_s, TrackedFrame& fram
     keyframes_.ForgetMeasurements();
     CreateLandmarksAgain(frame);
   }
-  if (!frame.is_followed && calibrator_.LearnDisparities(T_odom_c_, frame)) {
+  if (calibrator_.LearnDisparities(T_odom_c_, frame)) {
     keyframes_.ForgetMeasurements();
     CreateLandmarksAgain(frame);
   }

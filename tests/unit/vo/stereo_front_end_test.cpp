@@ -139,9 +139,10 @@ TEST(StereoFrontEnd, StagesAreTimedByTheGivenClock) {
   double now = 0.0;
   StageTimer timer([&now] { return now += 1.0; });
   front_end.Process(Uniform(320, 240, 0), timer);
-  ASSERT_EQ(timer.stages().size(), 2U);
-  EXPECT_EQ(timer.stages()[0].name, "features");
-  EXPECT_EQ(timer.stages()[1].name, "stereo");
+  ASSERT_EQ(timer.stages().size(), 3U);
+  EXPECT_EQ(timer.stages()[0].name, "rectify");
+  EXPECT_EQ(timer.stages()[1].name, "features");
+  EXPECT_EQ(timer.stages()[2].name, "stereo");
   EXPECT_DOUBLE_EQ(timer.stages()[0].ms, 1.0);
 }
 

@@ -26,7 +26,7 @@ constexpr float kMostWeight = 100.0F;
 constexpr float kLeastWeight = 1e-3F;
 // A volume that moves by less, in voxels, is not interpolated.
 constexpr double kNegligible = 0.05;
-// Of a ray that clears: as much as two rays to a surface behind, of which near the eye more would pass.
+// Weight of a ray that clears: two rays to a surface behind would have as much, and near the eye more would pass.
 constexpr float kClearingWeight = 2.0F;
 // Voxels that are farther in front of a surface, in truncations, are left as they are: rays that graze a floor would lower it.
 constexpr float kObstacle = 0.34F;

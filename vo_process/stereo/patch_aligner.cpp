@@ -44,25 +44,6 @@ Template MakeTemplate(const cv::Mat& image, const Eigen::Vector2i& center) {
   return t;
 }
 
-/// Samples a patch centred at a fractional position, bilinearly. The patch and one more pixel must be in the image.
-void Sample(const cv::Mat& image, double u, double v, Patch& patch) {
-  const int u0 = static_cast<int>(std::floor(u));
-  const int v0 = static_cast<int>(std::floor(v));
-  const auto fu = static_cast<float>(u - u0);
-  const auto fv = static_cast<float>(v - v0);
-  const auto here = ReadRows<kSide + 1>(image, u0 - kHalf, v0 - kHalf);
-  const auto next = ReadRows<kSide + 1>(image, u0 + 1 - kHalf, v0 - kHalf);
-  const Eigen::Array<float, kRow, kSide + 1> along = here + fu * (next - here);
-  patch = along.leftCols<kSide>() + fv * (along.rightCols<kSide>() - along.leftCols<kSide>());
-  patch.bottomRows<1>().setZero();
-}
-
-bool Inside(const cv::Mat& image, double u, double v) {
-  // One pixel more than the patch: gradients on the left, interpolation and the idle column on the right.
-  constexpr double kMargin = kHalf + 2;
-  return u >= kMargin && v >= kMargin && u <= image.cols - 1 - kMargin && v <= image.rows - 1 - kMargin;
-}
-
 /// Result of comparing the left patch with one right patch.
 struct PairComparison {
   double gain = 0.0;
@@ -101,7 +82,7 @@ std::optional<PatchAlignment> PatchAligner::Align(const Eigen::Vector2d& left_px
   const Eigen::Vector2d left = level.FromImage(left_px);
   const int u = static_cast<int>(std::lround(left.x()));
   const int v = static_cast<int>(std::lround(left.y()));
-  if (!Inside(level.left, u, v)) return std::nullopt;
+  if (!IsInside(level.left, u, v)) return std::nullopt;
   const Template patch = MakeTemplate(level.left, {u, v});
   if (!(patch.energy > kPixels * kMinNoise * kMinNoise) || !(patch.hessian(0, 0) > 0.0)) return std::nullopt;
 
@@ -111,8 +92,8 @@ std::optional<PatchAlignment> PatchAligner::Align(const Eigen::Vector2d& left_px
   Eigen::Vector2d shift(-start, expected_row);
   Patch right;
   for (int iteration = 0; iteration < kMaxAlignIterations; ++iteration) {
-    if (!Inside(level.right, u + shift.x(), v + shift.y())) return std::nullopt;
-    Sample(level.right, u + shift.x(), v + shift.y(), right);
+    if (!IsInside(level.right, u + shift.x(), v + shift.y())) return std::nullopt;
+    SamplePatch(level.right, u + shift.x(), v + shift.y(), right);
     const PairComparison c = Compare(patch, right);
     if (!(c.correlation > 0.0)) return std::nullopt;
     Eigen::Matrix2d hessian = patch.hessian;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -64,6 +65,27 @@ inline PatchGradients ReadGradients(const cv::Mat& image, const Eigen::Vector2i&
   patch.grad_v = 0.5F * (rows.rightCols<kSide>() - rows.leftCols<kSide>());
   for (Patch* p : {&patch.pixels, &patch.grad_u, &patch.grad_v}) p->bottomRows<1>().setZero();
   return patch;
+}
+
+/// Distance of a patch's centre from the border of an image: one pixel more than the patch, for gradients on the left,
+/// interpolation and the idle column on the right.
+inline constexpr double kPatchMargin = kHalf + 2;
+
+inline bool IsInside(const cv::Mat& image, double u, double v, double margin = kPatchMargin) {
+  return u >= margin && v >= margin && u <= image.cols - 1 - margin && v <= image.rows - 1 - margin;
+}
+
+/// Samples a patch centred at a fractional position, bilinearly. It must be inside (`IsInside`).
+inline void SamplePatch(const cv::Mat& image, double u, double v, Patch& patch) {
+  const int u0 = static_cast<int>(std::floor(u));
+  const int v0 = static_cast<int>(std::floor(v));
+  const auto fu = static_cast<float>(u - u0);
+  const auto fv = static_cast<float>(v - v0);
+  const auto here = ReadRows<kSide + 1>(image, u0 - kHalf, v0 - kHalf);
+  const auto next = ReadRows<kSide + 1>(image, u0 + 1 - kHalf, v0 - kHalf);
+  const Eigen::Array<float, kRow, kSide + 1> along = here + fu * (next - here);
+  patch = along.leftCols<kSide>() + fv * (along.rightCols<kSide>() - along.leftCols<kSide>());
+  patch.bottomRows<1>().setZero();
 }
 
 /// Alignment of the patch around a left pixel with the right image.

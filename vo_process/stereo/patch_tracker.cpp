@@ -41,12 +41,6 @@ struct Template {
   double weaker = 0.0;  // smaller eigenvalue of the hessian
 };
 
-bool Inside(const cv::Mat& image, double u, double v, double reach) {
-  return u >= reach && v >= reach && u <= image.cols - 1 - reach && v <= image.rows - 1 - reach;
-}
-
-constexpr double kMargin = kHalf + 2;
-
 /// Makes the gradients orthogonal to offset and gain of brightness, and builds the normal equations.
 bool Complete(Template& t) {
   RemoveMean(t.pixels);
@@ -65,7 +59,7 @@ bool Complete(Template& t) {
   return t.weaker > 0.25 * kMinNoise * kMinNoise * kPixels * kMinSignal;
 }
 
-/// Template around `center`, which must be `kMargin` from the border.
+/// Template around `center`, which must be `kPatchMargin` from the border.
 std::optional<Template> MakeTemplate(const cv::Mat& image, const Eigen::Vector2i& center) {
   const PatchGradients read = ReadGradients(image, center);
   Template t{read.pixels, read.grad_u, read.grad_v};
@@ -78,7 +72,7 @@ std::optional<Template> MakeWarpedTemplate(const cv::Mat& image, const Eigen::Ve
                                            const Eigen::Matrix2d& then_from_now) {
   constexpr int kRimHalf = kHalf + 1;
   const double reach = kRimHalf * std::max(then_from_now.row(0).lpNorm<1>(), then_from_now.row(1).lpNorm<1>()) + 1.0;
-  if (!Inside(image, center.x(), center.y(), reach)) return std::nullopt;
+  if (!IsInside(image, center.x(), center.y(), reach)) return std::nullopt;
   std::array<float, static_cast<size_t>(kRimSide) * kRimSide> rim;
   const auto step_u = static_cast<float>(then_from_now(0, 0));
   const auto step_v = static_cast<float>(then_from_now(1, 0));
@@ -118,19 +112,6 @@ std::optional<Template> MakeWarpedTemplate(const cv::Mat& image, const Eigen::Ve
   return t;
 }
 
-/// Samples a patch centred at a fractional position, bilinearly. It must be `kMargin` from the border.
-void Sample(const cv::Mat& image, double u, double v, Patch& patch) {
-  const int u0 = static_cast<int>(std::floor(u));
-  const int v0 = static_cast<int>(std::floor(v));
-  const auto fu = static_cast<float>(u - u0);
-  const auto fv = static_cast<float>(v - v0);
-  const auto here = ReadRows<kSide + 1>(image, u0 - kHalf, v0 - kHalf);
-  const auto next = ReadRows<kSide + 1>(image, u0 + 1 - kHalf, v0 - kHalf);
-  const Eigen::Array<float, kRow, kSide + 1> along = here + fu * (next - here);
-  patch = along.leftCols<kSide>() + fv * (along.rightCols<kSide>() - along.leftCols<kSide>());
-  patch.bottomRows<1>().setZero();
-}
-
 struct Found {
   Eigen::Vector2d center = Eigen::Vector2d::Zero();
   double noise = 0.0;
@@ -146,8 +127,8 @@ std::optional<Found> Search(const Template& t, const cv::Mat& image, const Eigen
   found.center = start;
   Patch now;
   for (int iteration = 0; iteration < iterations; ++iteration) {
-    if (!Inside(image, found.center.x(), found.center.y(), kMargin)) return std::nullopt;
-    Sample(image, found.center.x(), found.center.y(), now);
+    if (!IsInside(image, found.center.x(), found.center.y())) return std::nullopt;
+    SamplePatch(image, found.center.x(), found.center.y(), now);
     const float sum = now.sum();
     const double energy = Dot(now, now) - static_cast<double>(sum) * sum / kPixels;
     const double cross = Dot(t.pixels, now);
@@ -203,7 +184,7 @@ std::optional<StoredPatch> StorePatch(const std::vector<cv::Mat>& levels, const 
   for (int level = patch.finest; level < n_levels; ++level, size_px *= 2.0, ++patch.n_levels) {
     const cv::Mat& image = levels[static_cast<size_t>(level)];
     const Eigen::Vector2i center = Rounded(px / size_px);
-    if (!Inside(image, center.x(), center.y(), kMargin)) break;
+    if (!IsInside(image, center.x(), center.y())) break;
     uint8_t* out = patch.images[static_cast<size_t>(patch.n_levels)].data();
     for (int y = -StoredPatch::kReach; y <= StoredPatch::kReach; ++y) {
       const uint8_t* row = image.ptr<uint8_t>(std::clamp(center.y() + y, 0, image.rows - 1));

@@ -137,7 +137,7 @@ TEST(DenseMap, LaterBoundsClearEarlierSubmaps) {
   map.Write(path, poses, poses);
   for (auto& [name, pose] : poses) pose = SE3::Exp((Vector6d() << 0.3, -0.4, 0.2, 0.1, 0.2, -0.3).finished());
   EXPECT_TRUE(ExtractSurface(DenseMap::Read(path, 0.0).Merge(poses, SE3())).vertices.empty());
-  // Where only the second submap moves away, the person is there again: its proof was about another place.
+  // The person is there again if only the second submap moves away: its proof was about another place.
   for (int64_t i = 0; i < 3; ++i) poses[{2, FrameId(i)}] = SE3(Eigen::Quaterniond::Identity(), {50.0, 0.0, 0.0});
   EXPECT_FALSE(ExtractSurface(map.Merge(poses, SE3())).vertices.empty());
 }

@@ -76,7 +76,7 @@ constexpr auto ChoicesOf(FrontEnd) {
 /// Matching of landmarks with a frame, and conditions of a tracked frame.
 struct TrackingOptions {
   TrackingReference reference = TrackingReference::kLandmarks;
-  FrontEnd front_end = FrontEnd::kDescriptors;
+  FrontEnd front_end = FrontEnd::kSemiDirect;
   /// Radius of the search around predictions.
   double search_radius_px = 18.0;
   /// The same if the first search fails.

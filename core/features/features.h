@@ -53,6 +53,8 @@ struct StereoPoint {
   /// Standard deviations of u and v, and of the disparity.
   double sigma_px = 1.0;
   double sigma_disparity_px = 1.0;
+  /// Change of the disparity per pixel to the right and downwards, if the surface around the point shows it.
+  Eigen::Vector2d disparity_slope = Eigen::Vector2d::Zero();
   /// Row of the match minus row of the left point, measured in the images, and its standard deviation; negative if it
   /// was not measured.
   double row_offset_px = 0.0;

@@ -111,7 +111,7 @@ TEST(ComparisonOfRuns, FromTheirFoldersToAPage) {
 TEST(PaperTables, PaperAndOwnNumbersAndAbsentSequences) {
   PLSLAM_REQUIRE_PROGRAM("python3");
   const ScratchFolder folder;
-  const auto dataset = OpenDataset("synthetic:room?frames=12&size=376x240", "");
+  const auto dataset = OpenDataset("synthetic:room?frames=30&size=376x240", "");
   std::vector<ChosenFrame> frames;
   for (int i = 0; i < dataset->size(); ++i) frames.push_back({i, false});
   WriteImageFolder(*dataset, frames, folder.Path("root/lt-easy"));

@@ -69,7 +69,9 @@ TEST(RunRefine, RealStreetStaysAsAccurate) {
   ASSERT_EQ(run.Run({"run", folder.string(), "--refine", "fixed"}), 0) << run.Logs();
   const nlohmann::json summary = nlohmann::json::parse(run.Read("refined/summary.json"));
   EXPECT_LE(summary["after"]["ate_m"], 1.01 * summary["before"]["ate_m"].get<double>());
-  EXPECT_NEAR(summary["after"]["length_m"], 48.202, 0.005 * 48.202);
+  const auto before_m = summary["before"]["length_m"].get<double>();
+  EXPECT_GT(before_m, 45.0);
+  EXPECT_NEAR(summary["after"]["length_m"], before_m, 0.005 * before_m);
 }
 
 TEST(RunRefine, RefusesAMapElsewhereBeforeTheRun) {

@@ -55,7 +55,7 @@ namespace {
 
 /// Increase the version with each change of the written data, including the fields of Odometry.
 constexpr FileKind kTrackerState{
-    {'P', 'L', 'S', 'L', 'V', 'O', 'S', 'T'}, 24, "state of a tracker", Checksum::kPoly1305};
+    {'P', 'L', 'S', 'L', 'V', 'O', 'S', 'T'}, 25, "state of a tracker", Checksum::kPoly1305};
 
 /// Number of trackers that may continue one state: the state itself may be what crashes them.
 constexpr int kMaxRestored = 5;
@@ -90,7 +90,7 @@ std::optional<TrackerState> TrackerCheckpoint::Take(const std::string& settings)
 bool TrackerCheckpoint::Keep(const TrackerState& state) {
   if (path_.empty()) return false;
   try {
-    bytes_ = WriteTrackerState(path_, state, bytes_);
+    bytes_ = WriteTrackerState(path_, state, bytes_ + bytes_ / 8);
     odometry_bytes_ = state.odometry.size();
     return true;
   } catch (const std::exception& error) {

@@ -35,7 +35,7 @@ bool IsGood(const std::optional<TrackedPatch>& found) {
 
 }  // namespace
 
-/// Position, disparity and derivative for a surface parallel to the image.
+/// Position, disparity, and derivative for the surface as the first pair showed it.
 std::optional<FeatureTracker::ExpectedPoint> FeatureTracker::Expect(const Expected& motion,
                                                                     const FollowedPoint& point) const {
   const Eigen::Vector3d p_now =
@@ -46,13 +46,14 @@ std::optional<FeatureTracker::ExpectedPoint> FeatureTracker::Expect(const Expect
   expected.disparity_px = camera_.FocalBaseline() / p_now.z();
   if (!camera_.InImage(expected.patch.px, 0.0)) return std::nullopt;
   const SE3 T_now_first = motion.T_now_odom * T_odom_first_;
-  const Eigen::Vector3d p_first = camera_.Backproject(Measurement(point.patch.px, point.first_disparity_px));
-  const Eigen::Vector3d there = T_now_first * p_first;
-  if (there.z() < camera_.MinDepth()) return std::nullopt;
-  const double step_m = p_first.z() / camera_.f_px;
+  const Eigen::Vector3d first = Measurement(point.patch.px, point.first_disparity_px);
+  const auto in_now = [&](const Eigen::Vector3d& seen) {
+    return camera_.Project(T_now_first * camera_.Backproject(seen));
+  };
+  const Eigen::Vector2d there = in_now(first);
   for (int axis = 0; axis < 2; ++axis) {
-    const Eigen::Vector3d beside = T_now_first * (p_first + step_m * Eigen::Vector3d::Unit(axis));
-    expected.patch.now_from_then.col(axis) = camera_.Project(beside) - camera_.Project(there);
+    const Eigen::Vector2d step = Eigen::Vector2d::Unit(axis);
+    expected.patch.now_from_then.col(axis) = in_now(first + Measurement(step, point.first_slope(axis))) - there;
   }
   return expected;
 }
@@ -85,8 +86,7 @@ void FeatureTracker::TrackPoint(const std::vector<cv::Mat>& left, const Expected
   point.is_found = false;
   const auto expected = Expect(motion, point);
   if (!expected) return;
-  auto found = TrackPatch(point.patch, left, expected->patch, SearchRange::kNear);
-  if (!found) found = TrackPatch(point.patch, left, expected->patch, SearchRange::kWide);
+  const auto found = TrackPatch(point.patch, left, expected->patch, SearchRange::kNear);
   if (!IsGood(found)) return;
   point.is_found = true;
   point.seen.left.px = found->px;
@@ -173,7 +173,7 @@ void FeatureTracker::Begin(const std::vector<cv::Mat>& left, const StereoFeature
   for (const StereoPoint& point : features.points) {
     if (!point.HasDepth()) continue;
     const auto patch = StorePatch(left, point.left.px, point.left.scale);
-    if (patch) points_.push_back({point, point.disparity_px, *patch, point.disparity_px});
+    if (patch) points_.push_back({point, point.disparity_px, *patch, point.disparity_px, point.disparity_slope});
   }
   for (const StereoLine& line : features.lines) {
     if (line.HasDepth()) lines_.push_back({line});

@@ -24,8 +24,9 @@ namespace plslam::vo {
 ///
 /// Points and lines of a frame in which they were detected are found in the next frames: predicted from the last frame,
 /// then located in the left image by `TrackPatch` and `LocateSegment`, and in the right image by alignment from the expected
-/// disparity. Patches are those of the first frame, so points do not drift. Features without depth are not followed, and
-/// those that are not found are not looked for again.
+/// disparity. Patches are those of the first frame, so points do not drift; they change as the slope of the surface lets
+/// expect, which the first pair showed. Only corners and lines with depth are followed, and those that are not found are not
+/// looked for again.
 ///
 /// The errors of a point in successive frames are common to all: those of its detection, and of its patch's disparity.
 class FeatureTracker {
@@ -71,6 +72,7 @@ class FeatureTracker {
     double disparity_px = 0.0;  ///< the last that is known
     StoredPatch patch;
     double first_disparity_px = 0.0;
+    Eigen::Vector2d first_slope = Eigen::Vector2d::Zero();  ///< of the disparity, as in `StereoPoint`
     bool is_found = true;
 
     template <class Archive, class Self>
@@ -78,7 +80,8 @@ class FeatureTracker {
       auto& seen = self.seen;
       a(seen.left.px, seen.left.response, seen.left.angle_rad, seen.left.octave, seen.left.descriptor,
         seen.left.scale, seen.disparity_px, seen.sigma_px, seen.sigma_disparity_px, seen.row_offset_px,
-        seen.sigma_row_px, seen.is_ambiguous, seen.is_far, self.disparity_px, self.patch, self.first_disparity_px);
+        seen.sigma_row_px, seen.is_ambiguous, seen.is_far, self.disparity_px, self.patch, self.first_disparity_px,
+        self.first_slope);
     }
   };
   struct FollowedLine {

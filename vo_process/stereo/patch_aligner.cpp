@@ -125,6 +125,7 @@ std::optional<PatchAlignment> PatchAligner::Align(const Eigen::Vector2d& left_px
     }
     if (slanted) {
       found.disparity_px = -slanted->shift_u_px;
+      found.disparity_slope = slanted->disparity_slope;
       found.correlation = slanted->correlation;
       variance = slanted->variance;
     }

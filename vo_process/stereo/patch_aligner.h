@@ -92,6 +92,8 @@ inline void SamplePatch(const cv::Mat& image, double u, double v, Patch& patch) 
 struct PatchAlignment {
   double disparity_px = 0.0;
   double sigma_disparity_px = 0.0;
+  /// Change of the disparity per pixel to the right and downwards; 0 if it was not measured.
+  Eigen::Vector2d disparity_slope = Eigen::Vector2d::Zero();
   /// Row in the right image minus row in the left, measured from the patches alone (0 for perfect rectification), and
   /// its standard deviation.
   double row_offset_px = 0.0;

@@ -120,24 +120,24 @@ struct Found {
   bool converged = false;
 };
 
-std::optional<Found> Search(const Template& t, const cv::Mat& image, const Eigen::Vector2d& start, int iterations,
-                            double converged) {
+Found Search(const Template& t, const cv::Mat& image, const Eigen::Vector2d& start, int iterations,
+             double converged) {
   const Eigen::Matrix2d inverse = t.hessian.inverse();
   Found found;
   found.center = start;
   Patch now;
   for (int iteration = 0; iteration < iterations; ++iteration) {
-    if (!IsInside(image, found.center.x(), found.center.y())) return std::nullopt;
+    if (!IsInside(image, found.center.x(), found.center.y())) return found;
     SamplePatch(image, found.center.x(), found.center.y(), now);
     const float sum = now.sum();
     const double energy = Dot(now, now) - static_cast<double>(sum) * sum / kPixels;
     const double cross = Dot(t.pixels, now);
-    if (!(energy > 0.0) || !(cross > 0.0)) return std::nullopt;
+    if (!(energy > 0.0) || !(cross > 0.0)) return found;
     found.gain = cross / t.energy;
     const Eigen::Vector2d gradient(Dot(t.grad_u, now), Dot(t.grad_v, now));
     const Eigen::Vector2d step = inverse * gradient / found.gain;
     found.center -= step;
-    if (!((found.center - start).cwiseAbs().maxCoeff() <= kMaxTravel)) return std::nullopt;
+    if (!((found.center - start).cwiseAbs().maxCoeff() <= kMaxTravel)) return found;
     if (step.cwiseAbs().maxCoeff() > converged) continue;
     found.correlation = cross / std::sqrt(t.energy * energy);
     const double residual = energy / (found.gain * found.gain) - t.energy;
@@ -161,15 +161,12 @@ Eigen::Vector2i Rounded(const Eigen::Vector2d& px) {
 const Eigen::Vector2i kCenter(StoredPatch::kReach, StoredPatch::kReach);
 
 /// Searches one level. Returns the position in pixels of that level's image.
-std::optional<Found> SearchLevel(const cv::Mat& then, const cv::Mat& now, const Eigen::Vector2d& start,
-                                 const Eigen::Matrix2d* then_from_now, bool is_finest) {
-  const auto t = then_from_now ? MakeWarpedTemplate(then, kCenter, *then_from_now) : MakeTemplate(then, kCenter);
-  if (!t) return std::nullopt;
-  auto found = Search(*t, now, start, is_finest ? kFineIterations : kCoarseIterations,
-                      is_finest ? kFineConverged : kCoarseConverged);
-  if (!found) return std::nullopt;
-  const double from_noise = 0.25 * found->noise * found->noise * kPixels;
-  if (!(t->weaker > kMinSignal * from_noise)) return std::nullopt;
+std::optional<Found> SearchLevel(const Template& t, const cv::Mat& now, const Eigen::Vector2d& start,
+                                 bool is_finest) {
+  const Found found = Search(t, now, start, is_finest ? kFineIterations : kCoarseIterations,
+                             is_finest ? kFineConverged : kCoarseConverged);
+  const double from_noise = 0.25 * found.noise * found.noise * kPixels;
+  if (!found.converged || !(t.weaker > kMinSignal * from_noise)) return std::nullopt;
   return found;
 }
 
@@ -193,7 +190,7 @@ std::optional<StoredPatch> StorePatch(const std::vector<cv::Mat>& levels, const 
       }
     }
   }
-  if (patch.n_levels == 0) return std::nullopt;
+  if (patch.n_levels == 0 || !MakeTemplate(AsImage(patch.images[0]), kCenter)) return std::nullopt;
   return patch;
 }
 
@@ -204,23 +201,33 @@ std::optional<TrackedPatch> TrackPatch(const StoredPatch& patch, const std::vect
   if (!(determinant >= kMinZoom * kMinZoom && determinant <= kMaxZoom * kMaxZoom)) return std::nullopt;
   const Eigen::Matrix2d then_from_now = expected.now_from_then.inverse();
   const bool warps = (then_from_now - Eigen::Matrix2d::Identity()).cwiseAbs().maxCoeff() > kNoWarp;
-  Eigen::Vector2d shift = Eigen::Vector2d::Zero();  // found beyond the expected position, in pixels of the image
-  for (int i = range == SearchRange::kNear ? 0 : patch.n_levels - 1; i >= 0; --i) {
-    const auto level = static_cast<size_t>(patch.finest + i);
-    if (level >= now.size()) continue;
-    const double size_px = static_cast<double>(size_t{1} << level);
+  const auto level_of = [&](int i) { return static_cast<size_t>(patch.finest + i); };
+  const auto search = [&](int i, const Template& t, const Eigen::Vector2d& start_px) -> std::optional<TrackedPatch> {
+    const double size_px = static_cast<double>(size_t{1} << level_of(i));
     const Eigen::Vector2d then = patch.px / size_px;
     const Eigen::Vector2d off_center = expected.now_from_then * (then - Rounded(then).cast<double>());
-    const bool is_finest = i == 0;
-    const auto found = SearchLevel(AsImage(patch.images[static_cast<size_t>(i)]), now[level],
-                                   (expected.px + shift) / size_px - off_center,
-                                   warps && is_finest ? &then_from_now : nullptr, is_finest);
-    if (!found || !found->converged) continue;
-    const Eigen::Vector2d px = (found->center + off_center) * size_px;
-    if (is_finest) return TrackedPatch{px, found->correlation, found->gain};
-    if (found->correlation > kMinCoarseCorrelation) shift = px - expected.px;
+    const auto found = SearchLevel(t, now[level_of(i)], start_px / size_px - off_center, i == 0);
+    if (!found) return std::nullopt;
+    return TrackedPatch{(found->center + off_center) * size_px, found->correlation, found->gain};
+  };
+  if (level_of(0) >= now.size()) return std::nullopt;
+  const cv::Mat finest = AsImage(patch.images[0]);
+  const auto exact = warps ? MakeWarpedTemplate(finest, kCenter, then_from_now) : MakeTemplate(finest, kCenter);
+  if (!exact) return std::nullopt;
+  if (range == SearchRange::kNear) {
+    auto found = search(0, *exact, expected.px);
+    if (found) return found;
   }
-  return std::nullopt;
+  Eigen::Vector2d start_px = expected.px;
+  for (int i = patch.n_levels - 1; i > 0; --i) {
+    if (level_of(i) >= now.size()) continue;
+    const auto coarse = MakeTemplate(AsImage(patch.images[static_cast<size_t>(i)]), kCenter);
+    if (!coarse) continue;
+    const auto found = search(i, *coarse, start_px);
+    if (found && found->correlation > kMinCoarseCorrelation) start_px = found->px;
+  }
+  if (range == SearchRange::kNear && start_px == expected.px) return std::nullopt;
+  return search(0, *exact, start_px);
 }
 
 }  // namespace plslam::vo

@@ -32,11 +32,12 @@ struct StoredPatch {
   }
 };
 
-/// Returns the patch around `px`, detected at a pixel size of `scale`; nullopt at the border of the image.
+/// Returns the patch around `px`, detected at a pixel size of `scale`; nullopt at the border of the image, and if it is no
+/// corner: along an edge, its position would follow errors of the expected derivative.
 std::optional<StoredPatch> StorePatch(const std::vector<cv::Mat>& levels, const Eigen::Vector2d& px, double scale);
 
-/// Images in which a patch is searched: only the finest, if it is expected within 2.5 of its pixels, or coarser ones
-/// first.
+/// Order in which images are searched: the finest first, and coarser ones if the patch is not within 2.5 of its pixels
+/// there, or coarser ones first.
 enum class SearchRange { kNear, kWide };
 
 /// Expected position of a patch, and derivative of its pixels in the present image by those in the first one.
@@ -59,8 +60,7 @@ struct TrackedPatch {
 /// expected derivative, is the template, so the normal equations are built once. In each image the patch moves by at most
 /// 2.5 of its pixels.
 ///
-/// Returns nullopt if the patch leaves an image, is no corner (along an edge it would follow errors of the expected
-/// derivative), or does not converge.
+/// Returns nullopt if the patch leaves an image, is no corner in it, or does not converge.
 std::optional<TrackedPatch> TrackPatch(const StoredPatch& patch, const std::vector<cv::Mat>& now,
                                        const PatchExpectation& expected, SearchRange range);
 

@@ -131,6 +131,7 @@ std::optional<PatchAlignment> FindInRow(StereoPoint& point, RowSearch& search, c
 void SetDepth(const PatchAlignment& found, StereoPoint& point) {
   point.disparity_px = found.disparity_px;
   point.sigma_disparity_px = found.sigma_disparity_px;
+  point.disparity_slope = found.disparity_slope;
   point.row_offset_px = found.row_offset_px;
   point.sigma_row_px = found.sigma_row_px;
 }

@@ -142,7 +142,7 @@ std::optional<SlantedAlignment> RefineSlanted(const HalvedPair::Level& level, co
     if (!sane) return std::nullopt;
     if (std::abs(step(0)) > kPatchConverged || step.tail<2>().cwiseAbs().maxCoeff() * kHalf > 5.0 * kPatchConverged)
       continue;
-    return SlantedAlignment{place.dot(warp), noise * noise * place.dot(solver.solve(place)),
+    return SlantedAlignment{place.dot(warp), -warp.tail<2>(), noise * noise * place.dot(solver.solve(place)),
                             std::sqrt(t.energy / (t.energy + residual))};
   }
   return std::nullopt;

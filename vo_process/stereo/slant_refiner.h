@@ -12,6 +12,8 @@ namespace plslam::vo {
 /// Alignment of a position in a left patch with the right image, in pixels of the level.
 struct SlantedAlignment {
   double shift_u_px = 0.0;
+  /// Change of the disparity per pixel to the right and downwards.
+  Eigen::Vector2d disparity_slope = Eigen::Vector2d::Zero();
   /// Variance of the shift, from the residuals; too small by the noise in the left patch's own gradients.
   double variance = 0.0;
   double correlation = 0.0;

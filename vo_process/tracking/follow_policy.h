@@ -9,8 +9,8 @@ namespace plslam::vo {
 /// Decides whether the features of a frame are followed from the last one (`FeatureTracker`) or detected.
 ///
 /// Features are detected in at least every fourth frame; in each of the first frames and of those after a doubtful one,
-/// because a motion must be known, and other motions must have shown; and in frames that become keyframes, whose content
-/// consists of detected features.
+/// because a motion must be known, other motions must have shown, and an offset of the disparities is found most easily then;
+/// and in frames that become keyframes, whose content consists of detected features.
 class FollowPolicy {
  public:
   /// Share of the features that must be found; otherwise they are detected. Near features, which show most of a motion, are
@@ -19,7 +19,7 @@ class FollowPolicy {
   /// Number of features that must be found, lines counted twice: few of them make a pose weak, and detection may find more.
   static constexpr double kMinWeight = 120.0;
   static constexpr int kMostFollowed = 3;
-  static constexpr int kSureFrames = 5;
+  static constexpr int kSureFrames = 10;
 
   /// Whether the features of the next frame may be followed.
   bool MayFollow() const { return !needs_detection_ && n_sure_ >= kSureFrames && n_followed_ < kMostFollowed; }

@@ -153,6 +153,22 @@ TEST_P(RefineSlantedOn, UnbiasedAndMoreAccurateThanOneShift) {
   EXPECT_LT(3.0 * with.Rms(), without.Rms()) << figures;
 }
 
+TEST_P(RefineSlantedOn, SlopesAreThoseOfTheSurface) {
+  const DisparityPlane& plane = GetParam().plane;
+  const Pair pair(plane, 0.0, 1.5);
+  const Eigen::Vector2d truth(plane.along_row, plane.down);
+  std::vector<double> errors;
+  AlignAll(plane, [&](const Eigen::Vector2d& px, double disparity) -> std::optional<std::pair<double, double>> {
+    const Eigen::Vector2i center = px.array().round().cast<int>();
+    const auto found =
+        RefineSlanted(pair.halved.LevelFor(1.0), center, {0.0, 0.0}, {-disparity, 0.0}, {0.0, kRowInformation});
+    if (found) errors.push_back((found->disparity_slope - truth).norm());
+    return std::nullopt;
+  });
+  ASSERT_GT(errors.size(), 100U);
+  EXPECT_LT(SlantErrors::Rms(errors), 0.06);
+}
+
 INSTANTIATE_TEST_SUITE_P(Surfaces, RefineSlantedOn,
                          testing::Values(SlantedSurface{"Road", {40.0, 0.0, 0.3}},
                                          SlantedSurface{"Ceiling", {40.0, 0.0, -0.25}},

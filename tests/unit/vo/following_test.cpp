@@ -14,6 +14,8 @@
 #include "tests/support/changed_images.h"
 #include "tests/support/odometry_run.h"
 #include "tests/support/worse_images.h"
+#include "vo_process/stereo/feature_tracker.h"
+#include "vo_process/stereo/stereo_front_end.h"
 #include "vo_process/tracking/follow_policy.h"
 
 namespace plslam::vo {
@@ -92,6 +94,40 @@ TEST(Following, NothingIsFollowedBesideMovingBodies) {
   const auto dataset = OpenDataset("synthetic:street?size=640x480&frames=25&bodies=2&body=lead", "");
   const Outcome run = RunWith(*dataset, FrontEnd::kSemiDirect);
   EXPECT_EQ(run.Followed(), 0);
+}
+
+/// Share of the road's points within 8 m that are found 0.6 m farther on; `with_slopes`: the surface is known to be a road.
+double ShareOfRoadFound(bool with_slopes) {
+  const auto dataset = OpenDataset("synthetic:street?size=640x480&frames=3", "");
+  StereoFrontEnd front_end(dataset->rig(), VoOptions());
+  const StereoCamera& camera = front_end.camera();
+  StageTimer timer;
+  front_end.Take(dataset->Read(0), timer);
+  StereoFeatures features = front_end.Detect(timer);
+  features.lines.clear();
+  std::erase_if(features.points, [&](const StereoPoint& point) {
+    if (!point.HasDepth()) return true;
+    const Eigen::Vector3d p = camera.Backproject({point.left.px.x(), point.left.px.y(), point.disparity_px});
+    return p.z() > 8.0 || p.y() < 1.0;
+  });
+  if (!with_slopes) {
+    for (StereoPoint& point : features.points) point.disparity_slope.setZero();
+  }
+  FeatureTracker tracker(camera, StereoOptions());
+  tracker.Begin(front_end.pair().left, features);
+  const SE3 before = *dataset->GroundTruth(0);
+  const SE3 now = *dataset->GroundTruth(2);
+  tracker.SetPose(before);
+  front_end.Take(dataset->Read(2), timer);
+  front_end.Follow(timer, {}, before, now, tracker);
+  return tracker.Share();
+}
+
+TEST(Following, SlopesOfTheRoadAreKnown) {
+  const double with = ShareOfRoadFound(true);
+  const double without = ShareOfRoadFound(false);
+  EXPECT_GT(with, 0.5);
+  EXPECT_LT(without, 0.7 * with);
 }
 
 TEST(Following, LightMayFlicker) {

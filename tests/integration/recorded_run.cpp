@@ -41,6 +41,7 @@ bool Add(const std::string& channel, const std::vector<uint8_t>& bytes, Recorded
     number(pose.header);
     Anonymise(&pose);
     pose.n_stages = 0;
+    pose.age_ms = 0.0;
     pose.stages.clear();
     run->poses.push_back(bus::Encoded(pose));
   } else if (channel == "KEYFRAME") {

@@ -24,6 +24,7 @@ std::vector<uint8_t> Content(pose_t pose) {
   pose.header = {};
   pose.stages.clear();
   pose.n_stages = 0;
+  pose.age_ms = 0.0;
   return bus::Encoded(pose);
 }
 

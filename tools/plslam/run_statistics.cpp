@@ -89,6 +89,7 @@ void RunStatistics::AddFrame(const FrameReport& frame) {
   // A tracker that was started again answers frames again.
   if (frame.frame_id <= newest_frame_id_) return;
   for (const auto& [stage, ms] : frame.stage_ms) stage_ms_.Add(stage, ms);
+  age_ms_.Add(frame.age_ms);
   // At most the number of ids since the previous frame, whatever the message claims.
   const int64_t between = frame.frame_id.value - newest_frame_id_.value - 1;
   frames_.skipped += std::clamp<int64_t>(frame.skipped_frames, 0, between);

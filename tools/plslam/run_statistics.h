@@ -142,6 +142,7 @@ struct FrameReport {
   int tracked_points = 0;
   int tracked_lines = 0;
   int skipped_frames = 0;
+  double age_ms = 0.0;  ///< of the frame when its pose was published
   int features = 0;
   int moving = 0;  ///< features on moving bodies, and bodies of the session so far
   int bodies = 0;
@@ -169,6 +170,8 @@ class RunStatistics {
   /// Session and number there of the newest keyframe; -1: none.
   KeyframeName last_keyframe() const { return last_keyframe_; }
   const std::map<std::string, QuantileSketch>& stage_ms() const { return stage_ms_.by_name(); }
+  /// Ages of the frames when their poses were published.
+  const QuantileSketch& age_ms() const { return age_ms_; }
 
  private:
   FrameTally frames_;
@@ -180,6 +183,7 @@ class RunStatistics {
   std::set<SessionId> sessions_;
   KeyframeName last_keyframe_;
   StageTimes stage_ms_;
+  QuantileSketch age_ms_;
   IdCounter points_;
   IdCounter lines_;
 };

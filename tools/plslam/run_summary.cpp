@@ -133,9 +133,11 @@ std::string SpeedToText(const json& s) {
   const auto wall_s = s["wall_s"].get<double>();
   const json& stages = s["stage_ms"];
   if (!stages.contains(stage_name::kTotal)) return fmt::format("{:.1f} s in total", wall_s);
-  return fmt::format("{:.1f} ms per frame (95 % below {:.1f}), {:.1f} s in total",
-                     stages[stage_name::kTotal]["median"].get<double>(),
-                     stages[stage_name::kTotal]["p95"].get<double>(), wall_s);
+  const json& age = s["pose_age_ms"];
+  return fmt::format(
+      "{:.1f} ms per frame (95 % below {:.1f}), poses {:.1f} ms after their frames (99 % below {:.1f}), {:.1f} s in total",
+      stages[stage_name::kTotal]["median"].get<double>(), stages[stage_name::kTotal]["p95"].get<double>(),
+      age["median"].get<double>(), age["p99"].get<double>(), wall_s);
 }
 
 std::string MapToText(const json& s, bool verbose) {
@@ -319,6 +321,8 @@ json SummaryToJson(const RunSummary& summary) {
           {"path_m", RoundedOrNull(summary.path_m, 1e-3)},
           {"recordings", summary.recordings},
           {"stage_ms", StagesToJson(s)},
+          {"pose_age_ms",
+           {{"median", Rounded(s.age_ms().Quantile(0.5), 1e-4)}, {"p99", Rounded(s.age_ms().Quantile(0.99), 1e-4)}}},
           {"messages",
            {{"lost", summary.messages.lost},
             {"repaired", summary.messages.repaired},

@@ -17,14 +17,13 @@ void FrameInputs::OnCamera(const RigCalibration& rig) {
   if (rig.imu) imu_offset_ns_ = rig.imu->offset_ns();
 }
 
-bool FrameInputs::Awaits(const Frame& frame, double came_s, const std::optional<int64_t>& prev_t_ns,
-                         bool queue_is_full) {
+bool FrameInputs::Awaits(const Frame& frame, const std::optional<int64_t>& prev_t_ns, bool queue_is_full) {
   const int64_t t_ns = frame.images.t_ns;
   if (robot_ && robot_->Awaits(t_ns, frame.lockstep)) return true;
   const bool has_motion = imu_ && imu_offset_ns_ && prev_t_ns && *prev_t_ns < t_ns;
-  if (has_motion && imu_->Awaits(frame.source, *prev_t_ns, t_ns, frame.lockstep, came_s)) return true;
+  if (has_motion && imu_->Awaits(frame.source, *prev_t_ns, t_ns, frame.lockstep, frame.came_s)) return true;
   return masks_ && (frame.lockstep || !queue_is_full) &&
-         masks_->Awaits({frame.images.frame_id, t_ns}, frame.lockstep, came_s);
+         masks_->Awaits({frame.images.frame_id, t_ns}, frame.lockstep, frame.came_s);
 }
 
 void FrameInputs::Use(const Frame& frame, int64_t prev_t_ns, StereoFrontEnd& front_end, Odometry& odometry,

@@ -28,9 +28,9 @@ class FrameInputs {
 
   void OnCamera(const RigCalibration& rig);
 
-  /// Whether a frame that arrived at `came_s` has to wait. `prev_t_ns` is the time of the previous frame of the session,
-  /// if there is one. A frame in real time does not wait for its mask if the queue is full.
-  bool Awaits(const Frame& frame, double came_s, const std::optional<int64_t>& prev_t_ns, bool queue_is_full);
+  /// Whether a frame has to wait. `prev_t_ns` is the time of the previous frame of the session, if there is one. A frame
+  /// in real time does not wait for its mask if the queue is full.
+  bool Awaits(const Frame& frame, const std::optional<int64_t>& prev_t_ns, bool queue_is_full);
 
   /// Gives them to a frame whose wait is over.
   void Use(const Frame& frame, int64_t prev_t_ns, StereoFrontEnd& front_end, Odometry& odometry,

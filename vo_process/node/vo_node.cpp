@@ -110,16 +110,18 @@ void VoNode::OnFrame(const Frame& frame) {
     resend_.End();
     waiting_.clear();
   }
-  const WaitingFrame waiting{frame, bus::NowS()};
-  if (WaitsFor() == Wait::kNothing && waiting_.empty() && !AwaitsOthers(waiting)) return Track(frame);
-  if (frame.lockstep && std::ranges::any_of(waiting_, [&](const auto& other) { return other.Is(frame); })) return;
+  if (WaitsFor() == Wait::kNothing && waiting_.empty() && !AwaitsOthers(frame)) return Track(frame);
+  const auto is_same = [&](const Frame& other) {
+    return frame.source == other.source && frame.images.frame_id == other.images.frame_id;
+  };
+  if (frame.lockstep && std::ranges::any_of(waiting_, is_same)) return;
   if (waiting_.size() == kMaxWaitingFrames) {
     // A player in lockstep sends a frame again until it has the pose, and the oldest one is due first.
     if (frame.lockstep && front_end_) return;
     report_.Count(front_end_ ? "frames.dropped_waiting" : "frames.without_camera", 1);
     waiting_.erase(waiting_.begin());
   }
-  waiting_.push_back(waiting);
+  waiting_.push_back(frame);
 }
 
 bool VoNode::IsRepeated(const Frame& frame) const {
@@ -143,15 +145,15 @@ VoNode::Wait VoNode::WaitsFor() const {
   return resend_.is_open() ? Wait::kOlderFrames : Wait::kNothing;
 }
 
-bool VoNode::AwaitsOthers(const WaitingFrame& waiting) {
+bool VoNode::AwaitsOthers(const Frame& frame) {
   const std::optional<int64_t> prev_t_ns = odometry_ ? std::optional(session_.last_t_ns) : std::nullopt;
-  return inputs_.Awaits(waiting.frame, waiting.came_s, prev_t_ns, waiting_.size() >= kMaxWaitingFrames);
+  return inputs_.Awaits(frame, prev_t_ns, waiting_.size() >= kMaxWaitingFrames);
 }
 
 void VoNode::ProcessWaiting() {
   if (!map_ || !map_->wait().awaited()) PublishKeyframe();
   while (WaitsFor() == Wait::kNothing && !waiting_.empty() && !AwaitsOthers(waiting_.front())) {
-    const Frame frame = std::move(waiting_.front().frame);
+    const Frame frame = std::move(waiting_.front());
     waiting_.erase(waiting_.begin());
     IsRepeated(frame) ? AnswerAgain(frame) : Track(frame);
   }
@@ -406,6 +408,7 @@ void VoNode::PublishPose(const Frame& frame, const OdometryResult& result, const
   SetHeader(frame, message.header);
   message.frame_id = frame.images.frame_id.value;
   message.n_skipped_frames = frame.skipped;
+  message.age_ms = 1e3 * (bus::NowS() - frame.came_s);
   if (IsLocaliseOnly()) {
     message.keyframe_id = -1;
     message.state = static_cast<int8_t>(StateOf(result));

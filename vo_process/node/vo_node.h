@@ -63,15 +63,6 @@ class VoNode {
 
  private:
   using Frame = bus::FrameSubscriber::Frame;
-  struct WaitingFrame {
-    Frame frame;
-    double came_s = 0.0;  ///< arrival, steady clock
-
-    bool Is(const Frame& other) const {
-      return frame.source == other.source && frame.images.frame_id == other.images.frame_id;
-    }
-  };
-
   /// Conditions for which the next frame waits.
   enum class Wait {
     kNothing,
@@ -94,7 +85,7 @@ class VoNode {
   void FollowOrders();
   void OnRelocalisation(const relocalisation_t& message);
   void SubscribeToMap();
-  bool AwaitsOthers(const WaitingFrame& waiting);
+  bool AwaitsOthers(const Frame& frame);
   void GiveUpWaits();
 
   Wait WaitsFor() const;
@@ -139,7 +130,7 @@ class VoNode {
   std::optional<RigCalibration> rig_;
   std::optional<StereoFrontEnd> front_end_;
   std::optional<Odometry> odometry_;
-  std::vector<WaitingFrame> waiting_;
+  std::vector<Frame> waiting_;
   bus::KeyframePublisher keyframes_;
   /// The newest keyframe, in lockstep held until the map of the previous one is adopted.
   std::optional<Keyframe> held_keyframe_;

@@ -29,6 +29,7 @@ struct AssembledFrame {
   SourceId source;
   int64_t first_seq = 0;  ///< number of its first strip
   int64_t n_strips = 0;   ///< of both images
+  double came_s = 0.0;    ///< steady clock, when it was complete
 };
 
 /// Puts strips together, in any order and with repetitions, for any number of publishers. Memory is bounded, whatever

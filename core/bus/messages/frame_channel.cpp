@@ -193,6 +193,7 @@ void FrameSubscriber::Impl::OnFrame(Lane& lane, AssembledFrame frame) {
   static constexpr size_t kMaxSources = 256;
   if (lane.completed.size() >= kMaxSources) lane.completed.clear();
   lane.completed[frame.source] = frame.images.frame_id;
+  frame.came_s = NowS();
   // Older unfinished frames will not be completed: their strips are lost or, in lockstep, given up.
   lane.assembler.Forget(frame.source, frame.images.frame_id);
   if (lane.lockstep) return Queue(std::move(frame), true);
@@ -235,7 +236,7 @@ int FrameSubscriber::Impl::Skipped(const AssembledFrame& last, const AssembledFr
 }
 
 void FrameSubscriber::Impl::Deliver(AssembledFrame frame, bool lockstep) {
-  Frame out{frame.images, frame.source, lockstep, 0};
+  Frame out{frame.images, frame.source, lockstep, 0, frame.came_s};
   const auto previous = last.find(frame.source);
   if (previous != last.end()) out.skipped = Skipped(previous->second, frame);
   if (!lockstep && mode == Mode::kReliable && out.skipped > 0) bus.CountSkipped(out.skipped);

@@ -59,7 +59,8 @@ class FrameSubscriber {
     StereoImages images;
     SourceId source;
     bool lockstep = false;
-    int skipped = 0;  ///< frames of this publisher since the last one handled that were not
+    int skipped = 0;      ///< frames of this publisher since the last one handled that were not
+    double came_s = 0.0;  ///< when it was received completely; steady clock
   };
   enum class Mode {
     kReliable,  ///< for readers that need the newest frame in real time, and determine the publisher's pace

@@ -23,6 +23,7 @@ RunStatistics TwoFrames() {
     frame.state = static_cast<TrackingState>(id);
     frame.keyframe_id = id == 0 ? 0 : -1;
     frame.stage_ms = {{"total", 10.0 + id}};
+    frame.age_ms = 12.0 + id;
     statistics.AddFrame(frame);
   }
   statistics.AddLandmark(0, 3, true);
@@ -51,6 +52,8 @@ TEST(RunSummary, JsonHasTheDocumentedKeys) {
   EXPECT_EQ(result["messages"], (json{{"lost", 3}, {"repaired", 2}, {"rejected", 1}}));
   EXPECT_NEAR(result["stage_ms"]["total"]["median"].get<double>(), 10.0, 0.06);
   EXPECT_NEAR(result["stage_ms"]["total"]["p95"].get<double>(), 11.0, 0.06);
+  EXPECT_NEAR(result["pose_age_ms"]["median"].get<double>(), 12.0, 0.06);
+  EXPECT_NEAR(result["pose_age_ms"]["p99"].get<double>(), 13.0, 0.07);
   EXPECT_EQ(result["processes"]["vo"]["cpu_ms_per_frame"], 250.0);
   EXPECT_EQ(result["processes"]["vo"]["exit_code"], 0);
   EXPECT_EQ(result["configuration"]["vo"]["vo"], (json{{"enabled", true}, {"name", "7"}, {"list", {1, 2.5}}}));
@@ -189,7 +192,7 @@ TEST(RunSummary, FitsInADozenLines) {
   const std::string text = SummaryToText(SummaryToJson(summary));
   EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 10) << text << "and two to tell where to look";
   EXPECT_THAT(text, testing::HasSubstr("  path       12.35 m\n"));
-  EXPECT_THAT(text, testing::HasSubstr("  speed      10.0 ms per frame"));
+  EXPECT_THAT(text, testing::HasSubstr("  speed      10.0 ms per frame (95 % below 11.0), poses 12.0 ms after their frames"));
   EXPECT_THAT(text, testing::HasSubstr("  restarts   vo 1\n"));
   EXPECT_THAT(text, testing::HasSubstr("  messages   1 lost, 2 sent again, 1 rejected\n"));
   EXPECT_THAT(text, testing::Not(testing::HasSubstr("CPU")));

@@ -14,6 +14,7 @@
 
 #include "core/bus/run_loop.h"
 #include "core/bus/transport/transport.h"
+#include "plslam/pose_t.hpp"
 #include "plslam/status_t.hpp"
 #include "tests/unit/bus/bus_fixture.h"
 
@@ -91,6 +92,33 @@ TEST_F(TopNodeTest, RatesAreBetweenStatuses) {
   EXPECT_DOUBLE_EQ(load.processes[0].rate_hz, 20.0);
   EXPECT_DOUBLE_EQ(load.processes[0].cpu_percent, 50.0);
   EXPECT_DOUBLE_EQ(load.processes[0].cpu_ms, 25.0);
+}
+
+TEST_F(TopNodeTest, ShowsTheAgeOfEachRobotsPoses) {
+  ann_.Publish(bus::kStatus, StatusOf("vo", 1.0, 0.5, 10));
+  bob_.Publish(bus::kStatus, StatusOf("vo", 1.0, 0.5, 10));
+  for (const double age_ms : {9.0, 300.0, 11.0}) {
+    pose_t pose{};
+    pose.age_ms = age_ms;
+    ann_.Publish(bus::kPose, pose);
+  }
+  BusLoad load;
+  int64_t poses = 0;
+  EXPECT_TRUE(Eventually([&] {
+    const auto hears = [&](const BusLoad& now) {
+      for (const ChannelLoad& channel : now.channels) poses += channel.name == "ann/POSE" && channel.rate_hz > 0.0;
+      return now.processes.size() == 2;
+    };
+    BusLoad now = node_.Take(bus::NowS());
+    const bool both = hears(now);
+    if (!now.processes.empty() && now.processes[0].age_ms >= 0.0) load = std::move(now);
+    return both && poses > 0;
+  }));
+  ASSERT_FALSE(load.processes.empty());
+  EXPECT_EQ(load.processes[0].robot, "ann/");
+  EXPECT_GE(load.processes[0].age_ms, 9.0);
+  EXPECT_LE(load.processes[0].age_ms, 300.0);
+  if (load.processes.size() == 2) EXPECT_LT(load.processes[1].age_ms, 0.0);  // no pose of bob's
 }
 
 TEST_F(TopNodeTest, CountsTheTrafficOfEachChannel) {

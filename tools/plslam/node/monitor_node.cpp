@@ -36,6 +36,7 @@ FrameReport FromMessage(const pose_t& message) {
   report.tracked_points = message.n_tracked_points;
   report.tracked_lines = message.n_tracked_lines;
   report.skipped_frames = message.n_skipped_frames;
+  report.age_ms = message.age_ms;
   report.features = message.n_points + message.n_lines;
   report.moving = message.n_moving;
   report.bodies = message.n_bodies;

@@ -14,6 +14,7 @@
 #include "core/process/process_status.h"
 #include "lcmtypes/message_layout.h"
 #include "plslam/counter_t.hpp"
+#include "plslam/pose_t.hpp"
 #include "plslam/status_t.hpp"
 
 namespace plslam::launcher {
@@ -62,6 +63,12 @@ std::string LinksToText(const BusLoad& load) {
   return text.empty() ? "" : "\n" + text;
 }
 
+double MedianOf(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
 std::string OrDash(const std::string& text) { return text.empty() ? "-" : Printable(text); }
 
 }  // namespace
@@ -82,11 +89,24 @@ void TopNode::OnMessage(std::string_view wire_name, std::span<const uint8_t> byt
       channel->second.bytes += static_cast<int64_t>(bytes.size());
     }
   }
+  if (wire_name.ends_with(bus::kPose.name)) OnPose(wire_name, bytes);
   if (!wire_name.ends_with(bus::kStatus.name)) return;
   static const MessageLayout* const kLayout = FindMessageLayout(bus::kStatus.type);
   if (!bus::MessageLength(*kLayout, bytes)) return;
   const std::optional<status_t> status = bus::Decoded<status_t>(bytes);
   if (status) OnStatus(std::string(wire_name.substr(0, wire_name.size() - bus::kStatus.name.size())), *status);
+}
+
+void TopNode::OnPose(std::string_view wire_name, std::span<const uint8_t> bytes) {
+  static const MessageLayout* const kLayout = FindMessageLayout(bus::kPose.type);
+  if (!bus::MessageLength(*kLayout, bytes)) return;
+  const std::optional<pose_t> pose = bus::Decoded<pose_t>(bytes);
+  if (!pose || !std::isfinite(pose->age_ms)) return;
+  const std::lock_guard lock(mutex_);
+  const std::string robot(wire_name.substr(0, wire_name.size() - bus::kPose.name.size()));
+  if (ages_ms_.size() >= kMaxRows && !ages_ms_.contains(robot)) return;
+  std::vector<double>& ages = ages_ms_[robot];
+  if (ages.size() < kMaxRows) ages.push_back(pose->age_ms);
 }
 
 void TopNode::OnStatus(const std::string& robot, const status_t& status) {
@@ -141,8 +161,11 @@ BusLoad TopNode::Take(double now_s) {
   std::erase_if(processes_, [&](const auto& row) { return now_s - row.second.heard_s > kGone_s; });
   for (auto& [key, last] : processes_) {
     last.load.heard_s_ago = std::max(0.0, now_s - last.heard_s);
+    const auto ages = last.load.process == bus::kPose.publisher ? ages_ms_.find(last.load.robot) : ages_ms_.end();
+    last.load.age_ms = ages == ages_ms_.end() ? -1.0 : MedianOf(ages->second);
     result.processes.push_back(last.load);
   }
+  ages_ms_.clear();
   for (auto& [name, traffic] : channels_) {
     result.channels.push_back({name, static_cast<double>(traffic.messages) / passed_s,
                                static_cast<double>(traffic.bytes) / kBytesPerKb / passed_s});
@@ -153,12 +176,12 @@ BusLoad TopNode::Take(double now_s) {
 
 std::string ToText(const BusLoad& load) {
   std::string text = fmt::format(
-      "{:<10} {:<9} {:<12} {:>7} {:<9} {:>6} {:>7} {:>6} {:>6} {:>6} {:>6} {:>8} {:>8}  {}\n", "robot", "process",
-      "host", "pid", "state", "heard", "/s", "CPU ms", "CPU %", "MB", "queue", "lost", "repaired", "says");
+      "{:<10} {:<9} {:<12} {:>7} {:<9} {:>6} {:>7} {:>6} {:>6} {:>6} {:>6} {:>6} {:>8} {:>8}  {}\n", "robot", "process",
+      "host", "pid", "state", "heard", "/s", "age ms", "CPU ms", "CPU %", "MB", "queue", "lost", "repaired", "says");
   for (const ProcessLoad& p : load.processes) {
-    text += fmt::format("{:<10} {:<9} {:<12} {:>7} {:<9} {:>6} {:>7} {:>6} {:>6} {:>6.0f} {:>6} {:>8} {:>8}  {}\n",
+    text += fmt::format("{:<10} {:<9} {:<12} {:>7} {:<9} {:>6} {:>7} {:>6} {:>6} {:>6} {:>6.0f} {:>6} {:>8} {:>8}  {}\n",
                         OrDash(p.robot), OrDash(p.process), OrDash(p.host), p.pid, OrDash(p.state),
-                        Figure(p.heard_s_ago, 1), Figure(p.rate_hz, 1), Figure(p.cpu_ms, 1), Figure(p.cpu_percent, 0),
+                        Figure(p.heard_s_ago, 1), Figure(p.rate_hz, 1), Figure(p.age_ms, 1), Figure(p.cpu_ms, 1), Figure(p.cpu_percent, 0),
                         p.memory_mb, p.queue, p.lost, p.repaired, Printable(p.reason));
   }
   text += LinksToText(load);
@@ -181,6 +204,7 @@ std::string ToJson(const BusLoad& load) {
                          {"heard_s_ago", p.heard_s_ago},
                          {"uptime_s", p.uptime_s},
                          {"rate_hz", figure(p.rate_hz)},
+                         {"age_ms", figure(p.age_ms)},
                          {"cpu_ms", figure(p.cpu_ms)},
                          {"cpu_percent", figure(p.cpu_percent)},
                          {"memory_mb", p.memory_mb},

@@ -30,6 +30,7 @@ struct ProcessLoad {
   double heard_s_ago = 0.0;
   double uptime_s = 0.0;
   double rate_hz = -1.0;      ///< of its items: frames, or keyframes
+  double age_ms = -1.0;       ///< of the frames when their poses were published, median
   double cpu_ms = -1.0;       ///< for one item
   double cpu_percent = -1.0;  ///< of one core
   double memory_mb = 0.0;
@@ -83,8 +84,10 @@ class TopNode {
 
   void OnMessage(std::string_view wire_name, std::span<const uint8_t> bytes);
   void OnStatus(const std::string& robot, const status_t& status);
+  void OnPose(std::string_view wire_name, std::span<const uint8_t> bytes);
 
   std::mutex mutex_;
+  std::map<std::string, std::vector<double>> ages_ms_;  ///< by robot, since the last `Take`
   std::map<std::tuple<std::string, std::string, std::string, int64_t>, LastStatus> processes_;
   std::map<std::string, Traffic, std::less<>> channels_;
   double taken_s_ = 0.0;

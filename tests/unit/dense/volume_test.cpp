@@ -218,6 +218,84 @@ TEST(DenseMap, SurfacePointsGoToTheirSubmaps) {
   EXPECT_FALSE(split(moved).submaps.contains(1));
 }
 
+/// Two views of a plane, the second 0.1 m aside, one of another plane, and the newest one, far from all.
+class RemovedKeyframes : public testing::Test {
+ protected:
+  static constexpr StereoCamera kCamera{
+      .f_px = 100.0, .cx_px = 40.0, .cy_px = 30.0, .baseline_m = 0.1, .width_px = 80, .height_px = 60};
+  static SE3 At(double x_m) { return SE3(Eigen::Quaterniond::Identity(), {x_m, 0.0, 0.0}); }
+  static size_t Vertices(const DenseMap& map, const KeyframePoses& poses) {
+    return ExtractSurface(map.Merge(poses, SE3())).vertices.size();
+  }
+  RemovedKeyframes() {
+    for (const auto& [name, pose] : poses_) AddPlanes({{name, pose}}, map_);
+  }
+
+  const KeyframePoses poses_{{{1, 0}, At(0.0)}, {{2, 0}, At(0.1)}, {{3, 0}, At(4.0)}, {{4, 0}, At(9.0)}};
+  DenseMap map_{kVoxel_m, 0.0};
+};
+
+TEST_F(RemovedKeyframes, ForgottenPlaceDisappears) {
+  const size_t all = Vertices(map_, poses_);
+  KeyframePoses lasting = poses_;
+  map_.FollowRemovals(poses_, lasting, kCamera);
+  EXPECT_EQ(Vertices(map_, poses_), all) << "nothing was removed";
+  lasting.erase({3, 0});
+  map_.FollowRemovals(poses_, lasting, kCamera);
+  EXPECT_EQ(map_.n_submaps(), 3U);
+  EXPECT_TRUE(map_.Has({3, 0})) << "it is not fused again";
+  EXPECT_LT(Vertices(map_, poses_), all);
+  for (const Surface::Vertex& vertex : ExtractSurface(map_.Merge(poses_, SE3())).vertices) {
+    EXPECT_TRUE(vertex.p.x() < 2.0F || vertex.p.x() > 7.0F) << vertex.p.x();
+  }
+  // It is not there again when the place is, with the drift since then.
+  KeyframePoses later = lasting;
+  later[{5, 0}] = At(4.0);
+  map_.FollowRemovals(later, later, kCamera);
+  for (const Surface::Vertex& vertex : ExtractSurface(map_.Merge(later, SE3())).vertices) {
+    EXPECT_TRUE(vertex.p.x() < 2.0F || vertex.p.x() > 7.0F) << vertex.p.x();
+  }
+  const std::string path = testing::TempDir() + "forgotten.surfaces";
+  map_.Write(path, poses_, lasting);
+  EXPECT_EQ(DenseMap::Read(path, 0.0).n_submaps(), 3U);
+}
+
+TEST_F(RemovedKeyframes, RedundantSurfaceMovesWithAnother) {
+  KeyframePoses lasting = poses_;
+  lasting.erase({1, 0});
+  map_.FollowRemovals(poses_, lasting, kCamera);
+  EXPECT_EQ(map_.n_submaps(), 3U);
+  // The left border of the image was seen by the removed keyframe only.
+  const auto leftmost = [&](const KeyframePoses& poses) {
+    float x = 0.0F;
+    for (const Surface::Vertex& vertex : ExtractSurface(map_.Merge(poses, SE3())).vertices)
+      x = std::min(x, vertex.p.x());
+    return x;
+  };
+  EXPECT_NEAR(leftmost(lasting), -0.8, 0.06);
+  KeyframePoses moved = lasting;
+  moved[{2, 0}] = At(0.5);
+  EXPECT_NEAR(leftmost(moved), -0.4, 0.06);
+}
+
+TEST_F(RemovedKeyframes, ManyVisitsNeedTheMemoryOfOne) {
+  KeyframePoses known = poses_;
+  for (int64_t visit = 5; visit < 30; ++visit) {
+    const KeyframeFrame keyframe{SessionId(visit), FrameId(0)};
+    known[keyframe] = At(0.05);
+    AddPlanes({{keyframe, At(0.05)}}, map_);
+    map_.FollowRemovals(known, poses_, kCamera);
+  }
+  EXPECT_LE(map_.n_submaps(), 5U);
+}
+
+TEST_F(RemovedKeyframes, PlaceUnknownToTheMapWaits) {
+  KeyframePoses known = poses_;
+  known.erase({3, 0});
+  map_.FollowRemovals(known, known, kCamera);
+  EXPECT_EQ(map_.n_submaps(), 4U) << "a map that is being received";
+}
+
 TEST(SurfacesFile, SubmapOfARemovedKeyframeHasAnotherAnchor) {
   const DenseMap map = TwoPlanes();
   const std::string path = testing::TempDir() + "removed.surfaces";

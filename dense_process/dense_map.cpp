@@ -59,8 +59,8 @@ constexpr double kLeastSeen = 0.5;
 std::vector<Eigen::Vector3d> SampleSurface(const Volume& volume) {
   std::vector<Eigen::Vector3d> all;
   volume.Visit([&](const Volume::Voxel& voxel) {
-    if (voxel.weight >= kLeastKnown && std::abs(voxel.distance_m) < 0.5 * volume.voxel_m())
-      all.push_back(volume.Centre(voxel.index));
+    // Also those that were seen once: other submaps may have seen them, too.
+    if (std::abs(voxel.distance_m) < 0.5 * volume.voxel_m()) all.push_back(volume.Centre(voxel.index));
   });
   std::vector<Eigen::Vector3d> points;
   const size_t step = 1 + all.size() / kSampledPoints;

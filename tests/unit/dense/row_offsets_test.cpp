@@ -16,9 +16,6 @@
 namespace plslam::dense {
 namespace {
 
-constexpr StereoCamera kCamera{
-    .f_px = 450.0, .cx_px = 376.0, .cy_px = 240.0, .baseline_m = 0.11, .width_px = 752, .height_px = 480};
-
 /// Points anywhere in the image whose rows are off by `field(x, y)`, in half image sizes, with noise and outliers.
 template <class Field>
 StereoFeatures Points(int n, const Field& field) {
@@ -37,7 +34,13 @@ StereoFeatures Points(int n, const Field& field) {
   return features;
 }
 
-TEST(RowOffsets, OffsetAndTurnAreMeasured) {
+class RowOffsetsTest : public testing::Test {
+ protected:
+  static constexpr StereoCamera kCamera{
+      .f_px = 450.0, .cx_px = 376.0, .cy_px = 240.0, .baseline_m = 0.11, .width_px = 752, .height_px = 480};
+};
+
+TEST_F(RowOffsetsTest, OffsetAndTurnAreMeasured) {
   const RowOffsets shifted = EstimateRows(Points(400, [](double, double) { return 1.0; }), kCamera);
   EXPECT_NEAR(shifted.size_px, 1.0, 0.05);
   EXPECT_LT(shifted.sigma_px, 0.05);
@@ -47,7 +50,7 @@ TEST(RowOffsets, OffsetAndTurnAreMeasured) {
   EXPECT_NEAR(turned.At(kCamera, 752.0, 240.0), 2.0, 0.2);
 }
 
-TEST(RowOffsets, GoodPairsHaveNone) {
+TEST_F(RowOffsetsTest, GoodPairsHaveNone) {
   EXPECT_TRUE(EstimateRows(Points(400, [](double, double) { return 0.1; }), kCamera).is_zero());
   EXPECT_TRUE(EstimateRows(Points(40, [](double, double) { return 3.0; }), kCamera).is_zero()) << "too few";
   EXPECT_TRUE(EstimateRows({}, kCamera).is_zero());

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -306,6 +307,31 @@ TEST_F(DenseRun, SecondLapDoublesNoWall) {
   EXPECT_LT(dense::test::Quantile(errors, 0.5), 0.02);
   EXPECT_LT(dense::test::Quantile(errors, 0.9), 0.06);
   EXPECT_LT(doubled, 0.01);
+}
+
+/// A street of 50 m, and a map that has forgotten all but its end.
+TEST_F(DenseRun, ForgottenPlacesLeaveNoSurface) {
+  WholeRun run;
+  ASSERT_EQ(
+      run.Run({"run", "synthetic:street?size=376x240&frames=300", "--dense", "--set", "mapping.max_keyframes=4"}), 0)
+      << run.Logs();
+  std::vector<Eigen::Vector3d> keyframes;
+  std::istringstream lines(run.Read("keyframes.tum"));
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    double t = 0.0;
+    Eigen::Vector3d p;
+    if (words >> t >> p.x() >> p.y() >> p.z()) keyframes.push_back(p);
+  }
+  ASSERT_GE(keyframes.size(), 2U);
+  ASSERT_LE(keyframes.size(), 4U);
+  const std::vector<dense::Surface::Vertex> vertices = VerticesOf(run.Read("mesh.ply"), SE3());
+  ASSERT_GT(vertices.size(), 1000U);
+  const auto is_far = [&](const dense::Surface::Vertex& vertex) {
+    return std::ranges::all_of(keyframes,
+                               [&](const Eigen::Vector3d& p) { return (p - vertex.p.cast<double>()).norm() > 20.0; });
+  };
+  EXPECT_EQ(std::ranges::count_if(vertices, is_far), 0);
 }
 
 }  // namespace

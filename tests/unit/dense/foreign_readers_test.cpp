@@ -54,7 +54,7 @@ class ForeignReaders : public testing::Test {
   static double Distance(const cv::Vec3f& a, const Eigen::Vector3f& b) {
     return (Eigen::Vector3f(a[0], a[1], a[2]) - b).norm();
   }
-  /// What VTK has read.
+  /// Compares the vertices that VTK has read.
   void ExpectVertices(const cv::viz::Mesh& mesh) const {
     const Surface& surface = products_.surface;
     ASSERT_EQ(mesh.cloud.total(), surface.vertices.size());
@@ -63,7 +63,7 @@ class ForeignReaders : public testing::Test {
       EXPECT_LT(Distance(mesh.cloud.at<cv::Vec3f>(at), surface.vertices[i].p), 1e-4);
     }
   }
-  /// Triangles as VTK has them: their number of corners, and these.
+  /// Compares its triangles: the number of their corners, and these.
   void ExpectTriangles(const cv::viz::Mesh& mesh) const {
     const Surface& surface = products_.surface;
     // OpenCV adds one element.

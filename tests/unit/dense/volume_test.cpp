@@ -281,7 +281,7 @@ TEST_F(RemovedKeyframes, ForgottenPlaceDisappears) {
   EXPECT_EQ(DenseMap::Read(path, 0.0).n_submaps(), 3U);
 }
 
-TEST_F(RemovedKeyframes, RedundantSurfaceMovesWithAnother) {
+TEST_F(RemovedKeyframes, RedundantOneMovesWithAnother) {
   const float before = Leftmost(map_, poses_);
   KeyframePoses lasting = poses_;
   Erase(1, lasting);

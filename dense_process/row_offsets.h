@@ -15,7 +15,7 @@ inline constexpr double kSigmaOfMedian = 1.4826;
 /// Vertical disparity of a pair whose rectification is not perfect, as the features of a keyframe show it: how much
 /// lower their partners are in the right image. A matcher of rows loses its matches where rows are off by a pixel.
 struct RowOffsets {
-  /// v_right - v_left = terms . coefficients, with terms 1, x, y, x^2, x y, y^2 of the position from the principal
+  /// v_right - v_left = terms * coefficients, with terms 1, x, y, x^2, x y, y^2 of the position from the principal
   /// point in half image sizes, as in self-calibration (vo_process/stereo/row_field.h). Zero: not significant.
   Eigen::Matrix<double, 6, 1> coefficients_px = Eigen::Matrix<double, 6, 1>::Zero();
   /// Root mean square over the features, and its standard deviation.

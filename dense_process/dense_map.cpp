@@ -15,8 +15,11 @@ namespace {
 
 // A submap ends after so many keyframes, or at this distance from its anchor, in voxels: over that length the local map
 // is rigid to a fraction of a voxel.
-constexpr int kMostKeyframes = 10;
+constexpr size_t kMostKeyframes = 10;
 constexpr double kLargest = 60.0;
+
+// Views of a submap that others have joined: the newest are kept.
+constexpr size_t kMostViews = 3 * kMostKeyframes;
 
 // A submap knows a surface if its own is nearer than so many voxels.
 constexpr double kSameSurface = 2.0;
@@ -25,60 +28,73 @@ constexpr double kLargestVoxel_m = 1.0;
 constexpr float kFarthest_m = 1e6F;  // from the origin of a submap
 constexpr double kUnit = 1e-9;       // rounding of unit quaternions
 
-constexpr FileKind kSurfaces{{'P', 'L', 'S', 'L', 'S', 'U', 'R', 'F'}, 2, "surfaces file"};
+constexpr FileKind kSurfaces{{'P', 'L', 'S', 'L', 'S', 'U', 'R', 'F'}, 3, "surfaces file"};
 
 /// A submap in a file.
 struct StoredSubmap {
   KeyframeFrame anchor;
   SE3 T_s_anchor;
-  int32_t n_keyframes = 0;
+  std::vector<KeyframeFrame> keyframes;
   std::vector<Volume::Block> blocks;
   std::vector<std::vector<float>> views;  ///< x, y, z of the eye, and of each end
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.anchor, self.T_s_anchor, self.n_keyframes, self.blocks, self.views);
+    a(self.anchor, self.T_s_anchor, self.keyframes, self.blocks, self.views);
   }
 };
 
-/// The keyframe of `poses` that is nearest to `T_w_kf`.
-std::optional<KeyframeFrame> Nearest(const KeyframePoses& poses, const SE3& T_w_kf) {
-  const auto distance = [&](const auto& other) {
-    return (other.second.translation() - T_w_kf.translation()).squaredNorm();
-  };
-  const auto nearest = std::ranges::min_element(poses, {}, distance);
-  return nearest == poses.end() ? std::nullopt : std::optional(nearest->first);
+/// Distance up to which a keyframe sees surfaces: the farthest at which its depth is in use with this error of a
+/// disparity.
+constexpr double kSigma_px = 0.25;
+double RangeOf(const StereoCamera& camera, double voxel_m) {
+  return std::sqrt(kSigmasInVoxels * voxel_m * camera.FocalBaseline() / kSigma_px);
+}
+
+// Points of a surface that are compared with the views of keyframes, and the share of them that must be seen.
+constexpr size_t kSampledPoints = 500;
+constexpr double kLeastSeen = 0.5;
+
+/// Points of the surface of a volume, at most about `kSampledPoints`, in a fixed order.
+std::vector<Eigen::Vector3d> SampleSurface(const Volume& volume) {
+  std::vector<Eigen::Vector3d> all;
+  volume.Visit([&](const Volume::Voxel& voxel) {
+    // Also those that were seen once: other submaps may have seen them, too.
+    if (std::abs(voxel.distance_m) < 0.5 * volume.voxel_m()) all.push_back(volume.Centre(voxel.index));
+  });
+  std::vector<Eigen::Vector3d> points;
+  const size_t step = 1 + all.size() / kSampledPoints;
+  for (size_t i = 0; i < all.size(); i += step) points.push_back(all[i]);
+  return points;
 }
 
 }  // namespace
 
-KeyframePoses LastingPosesOf(const Map& map) {
-  KeyframePoses poses;
-  for (const auto& [id, keyframe] : map.keyframes())
-    poses[{keyframe.name.session, keyframe.frame_id}] = keyframe.T_w_kf;
-  return poses;
-}
-
-KeyframePoses PosesOf(const Map& map) {
-  KeyframePoses poses = LastingPosesOf(map);
-  for (const RemovedKeyframe& keyframe : map.RemovedKeyframes()) {
-    // The map's own pose stays if a keyframe is in both.
-    poses.try_emplace({keyframe.session, keyframe.frame_id}, keyframe.T_w_kf);
-  }
-  return poses;
+size_t DenseMap::n_submaps() const {
+  return static_cast<size_t>(std::ranges::count_if(submaps_, [](const Submap& s) { return !s.keyframes.empty(); }));
 }
 
 size_t DenseMap::bytes() const {
   size_t bytes = 0;
-  for (const Submap& submap : submaps_) bytes += submap.volume.bytes();
+  for (const Submap& submap : submaps_) {
+    bytes += submap.volume.bytes();
+    for (const BoundedView& view : submap.views) bytes += view.ends.size() * sizeof(view.ends.front());
+  }
   return bytes;
+}
+
+double DenseMap::BytesPerCubicMetre() const {
+  size_t n_voxels = 0;
+  for (const Submap& submap : submaps_) n_voxels += submap.volume.n_voxels();
+  const double space_m3 = static_cast<double>(n_voxels) * voxel_m_ * voxel_m_ * voxel_m_;
+  return n_voxels > 0 ? static_cast<double>(bytes()) / space_m3 : 0.0;
 }
 
 bool DenseMap::Continues(const KeyframeFrame& keyframe, const SE3& T_w_kf, const KeyframePoses& poses) const {
   if (submaps_.empty()) return false;
   const Submap& newest = submaps_.back();
   const auto anchor = poses.find(newest.anchor);
-  if (anchor == poses.end() || newest.anchor.first != keyframe.first || newest.n_keyframes >= kMostKeyframes) {
+  if (anchor == poses.end() || newest.anchor.first != keyframe.first || newest.keyframes.size() >= kMostKeyframes) {
     return false;
   }
   return (T_w_kf.translation() - anchor->second.translation()).norm() < kLargest * voxel_m_;
@@ -89,7 +105,7 @@ bool DenseMap::Add(const KeyframeFrame& keyframe, const DepthImage& depth, const
   const auto pose = poses.find(keyframe);
   if (pose == poses.end()) return false;
   const SE3& T_w_kf = pose->second;
-  if (!Continues(keyframe, T_w_kf, poses)) submaps_.push_back({keyframe, T_w_kf, 0, Volume(voxel_m_), {}});
+  if (!Continues(keyframe, T_w_kf, poses)) submaps_.push_back({keyframe, T_w_kf, {}, Volume(voxel_m_), {}});
   Submap& submap = submaps_.back();
   const SE3 T_s_kf = submap.T_s_anchor * poses.at(submap.anchor).Inverse() * T_w_kf;
   const double range_m = range_m_ > 0.0 ? range_m_ : std::numeric_limits<double>::infinity();
@@ -100,22 +116,78 @@ bool DenseMap::Add(const KeyframeFrame& keyframe, const DepthImage& depth, const
     view.eye = T_s_kf.translation().cast<float>();
     for (const Eigen::Vector3d& end : ends) view.ends.push_back(end.cast<float>());
   }
-  ++submap.n_keyframes;
+  submap.keyframes.push_back(keyframe);
   fused_.insert(keyframe);
   return true;
+}
+
+/// T_w_s; nullopt: the place of the anchor is unknown.
+std::optional<SE3> DenseMap::PoseOf(const Submap& submap, const KeyframePoses& poses) const {
+  const auto anchor = poses.find(submap.anchor);
+  if (anchor == poses.end()) return std::nullopt;
+  return anchor->second * submap.T_s_anchor.Inverse();
+}
+
+/// Moves the content of a submap to another one.
+void DenseMap::Join(Submap& gone, const SE3& T_to_gone, Submap& to) const {
+  to.volume.Add(gone.volume, T_to_gone);
+  for (const BoundedView& view : gone.views) {
+    BoundedView& moved = to.views.emplace_back();
+    moved.eye = (T_to_gone * view.eye.cast<double>()).cast<float>();
+    for (const Eigen::Vector3f& end : view.ends) moved.ends.push_back((T_to_gone * end.cast<double>()).cast<float>());
+  }
+  if (to.views.size() > kMostViews) to.views.erase(to.views.begin(), to.views.end() - kMostViews);
+  Empty(gone);
+}
+
+void DenseMap::Empty(Submap& gone) const {
+  gone.keyframes.clear();
+  gone.volume = Volume(voxel_m_);
+  gone.views.clear();
+}
+
+void DenseMap::FollowRemovals(const KeyframePoses& poses, const KeyframePoses& lasting, const StereoCamera& camera) {
+  std::map<KeyframeFrame, Submap*> submap_of;  // of lasting keyframes
+  std::vector<Submap*> left;                   // submaps without one
+  for (Submap& submap : submaps_) {
+    bool lasts = &submap == &submaps_.back() || submap.keyframes.empty();
+    for (const KeyframeFrame& keyframe : submap.keyframes) {
+      // A keyframe that is neither in the map nor removed will arrive: the map is being rebuilt.
+      if (lasting.contains(keyframe)) submap_of[keyframe] = &submap;
+      if (lasting.contains(keyframe) || !poses.contains(keyframe)) lasts = true;
+    }
+    if (!lasts) left.push_back(&submap);
+  }
+  for (Submap* const submap : left) {
+    const std::optional<SE3> T_w_s = PoseOf(*submap, poses);
+    if (!T_w_s) continue;
+    std::vector<Eigen::Vector3d> surface_w = SampleSurface(submap->volume);
+    for (Eigen::Vector3d& p : surface_w) p = *T_w_s * p;
+    const SeenSurface seen = SeenBy(lasting, camera, RangeOf(camera, voxel_m_), surface_w);
+    if (seen.share < kLeastSeen) {
+      Empty(*submap);
+      continue;
+    }
+    const KeyframeFrame* most = nullptr;
+    for (const auto& [keyframe, n] : seen.n_points) {
+      if (submap_of.contains(keyframe) && (most == nullptr || n > seen.n_points.at(*most))) most = &keyframe;
+    }
+    // The depth of those that see it may not have been received.
+    if (most == nullptr) continue;
+    Submap& to = *submap_of.at(*most);
+    if (const std::optional<SE3> T_w_to = PoseOf(to, poses)) Join(*submap, T_w_to->Inverse() * *T_w_s, to);
+  }
 }
 
 Volume DenseMap::Merge(const KeyframePoses& poses, const SE3& T_a_w) const {
   Volume merged(voxel_m_);
   for (const Submap& submap : submaps_) {
-    const auto anchor = poses.find(submap.anchor);
-    if (anchor == poses.end()) continue;
-    merged.Add(submap.volume, T_a_w * anchor->second * submap.T_s_anchor.Inverse());
+    if (const std::optional<SE3> T_w_s = PoseOf(submap, poses)) merged.Add(submap.volume, T_a_w * *T_w_s);
   }
   for (const Submap& submap : submaps_) {
-    const auto anchor = poses.find(submap.anchor);
-    if (anchor == poses.end()) continue;
-    const SE3 T_a_s = T_a_w * anchor->second * submap.T_s_anchor.Inverse();
+    const std::optional<SE3> T_w_s = PoseOf(submap, poses);
+    if (!T_w_s) continue;
+    const SE3 T_a_s = T_a_w * *T_w_s;
     for (const BoundedView& view : submap.views) {
       std::vector<Eigen::Vector3d> ends;
       for (const Eigen::Vector3f& end : view.ends) ends.push_back(T_a_s * end.cast<double>());
@@ -137,7 +209,7 @@ SurfaceCloud DenseMap::Split(const Surface& surface_w, const KeyframePoses& pose
   };
   for (size_t i = 0; i < submaps_.size(); ++i) {
     const auto anchor = poses.find(submaps_[i].anchor);
-    if (anchor == poses.end()) continue;
+    if (anchor == poses.end() || submaps_[i].keyframes.empty()) continue;
     SubmapCloud& to = cloud.submaps[static_cast<int>(i)];
     to = {anchor->first.first, anchor->first.second, anchor->second, {}};
     const Volume::Reader reader(submaps_[i].volume);
@@ -160,18 +232,23 @@ SurfaceCloud DenseMap::Split(const Surface& surface_w, const KeyframePoses& pose
 void DenseMap::Write(const std::string& path, const KeyframePoses& poses, const KeyframePoses& lasting) const {
   std::vector<StoredSubmap> stored;
   for (const Submap& submap : submaps_) {
+    if (submap.keyframes.empty()) continue;
     StoredSubmap& to = stored.emplace_back();
-    to = {submap.anchor, submap.T_s_anchor, submap.n_keyframes, submap.volume.Blocks(), {}};
+    to = {submap.anchor, submap.T_s_anchor, submap.keyframes, submap.volume.Blocks(), {}};
     for (const BoundedView& view : submap.views) {
       std::vector<float>& numbers = to.views.emplace_back(view.eye.begin(), view.eye.end());
       for (const Eigen::Vector3f& end : view.ends) numbers.insert(numbers.end(), end.begin(), end.end());
     }
     const auto anchor = poses.find(submap.anchor);
-    if (lasting.contains(submap.anchor) || anchor == poses.end()) continue;
-    const std::optional<KeyframeFrame> nearest = Nearest(lasting, anchor->second);
-    if (!nearest) continue;
-    to.anchor = *nearest;
-    to.T_s_anchor = submap.T_s_anchor * anchor->second.Inverse() * lasting.at(*nearest);
+    if (!lasting.contains(submap.anchor) && anchor != poses.end()) {
+      if (const std::optional<KeyframeFrame> nearest = NearestKeyframe(lasting, anchor->second)) {
+        to.anchor = *nearest;
+        to.T_s_anchor = submap.T_s_anchor * anchor->second.Inverse() * lasting.at(*nearest);
+      }
+    }
+    // Removed keyframes are unknown to the map that continues.
+    std::erase_if(to.keyframes, [&](const KeyframeFrame& keyframe) { return !lasting.contains(keyframe); });
+    if (to.keyframes.empty()) to.keyframes.push_back(to.anchor);
   }
   const std::vector<KeyframeFrame> fused(fused_.begin(), fused_.end());
   WriteSealedFile(path, kSurfaces, archive::ToBytes(voxel_m_, fused, stored));
@@ -192,8 +269,8 @@ DenseMap DenseMap::Read(const std::string& path, double range_m) {
       const bool is_pose =
           submap.T_s_anchor.IsFinite() && std::abs(submap.T_s_anchor.rotation().norm() - 1.0) < kUnit;
       if (!is_pose) throw std::runtime_error("a submap has no valid pose");
-      Submap& read = map.submaps_.emplace_back(Submap{
-          submap.anchor, submap.T_s_anchor, submap.n_keyframes, Volume::FromBlocks(voxel_m, submap.blocks), {}});
+      Submap& read = map.submaps_.emplace_back(
+          Submap{submap.anchor, submap.T_s_anchor, submap.keyframes, Volume::FromBlocks(voxel_m, submap.blocks), {}});
       for (const std::vector<float>& numbers : submap.views) {
         const bool are_points = numbers.size() >= 3 && numbers.size() % 3 == 0 &&
                                 std::ranges::all_of(numbers, [](float x) { return std::abs(x) < kFarthest_m; });

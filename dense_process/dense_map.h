@@ -2,51 +2,52 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
+#include <optional>
 #include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
 
 #include "core/geometry/stereo_camera.h"
-#include "core/ids/ids.h"
-#include "core/map/map.h"
 #include "core/map/surface_cloud.h"
 #include "dense_process/depth.h"
+#include "dense_process/keyframe_poses.h"
 #include "dense_process/surface.h"
 #include "dense_process/volume.h"
 
 namespace plslam::dense {
 
-/// Session and frame of a keyframe: a name that stays when the map is rebuilt.
-using KeyframeFrame = std::pair<SessionId, FrameId>;
-using KeyframePoses = std::map<KeyframeFrame, SE3>;  ///< T_w_kf
-
-/// Returns the poses of the keyframes of the map.
-KeyframePoses LastingPosesOf(const Map& map);
-/// The same, and of those that were removed if the map remembers them.
-KeyframePoses PosesOf(const Map& map);
-
 /// Surfaces of a map in submaps of a few keyframes, each anchored to its first one. A correction of the map moves the
 /// submaps rigidly with their anchors, at no cost; within a submap the poses at the time of fusion remain.
 ///
-/// A blank surface has no depth, but its surroundings bound it from below. Such rays clear obstacles of all submaps when
-/// these are merged: a person who has left the front of a blank wall. They make nothing free that was unknown.
+/// A blank surface has no depth, but its surroundings bound it from below. Such rays clear obstacles of all submaps
+/// when these are merged: a person who has left the front of a blank wall. They make nothing free that was unknown.
+///
+/// Surfaces stay as long as keyframes of the map see them. A map removes a keyframe because others show the same: its
+/// surface then moves with one of those. Or it forgets a place: the surface is removed, because the place would be
+/// mapped again elsewhere, with the drift since then.
 class DenseMap {
  public:
   /// `range_m`: largest depth in use; 0: where it is known to 2.5 voxels.
   DenseMap(double voxel_m, double range_m) : voxel_m_(voxel_m), range_m_(range_m) {}
 
   double voxel_m() const { return voxel_m_; }
-  size_t n_submaps() const { return submaps_.size(); }
+  size_t n_submaps() const;
   size_t n_keyframes() const { return fused_.size(); }
   size_t bytes() const;
+  /// Memory for each cubic metre of known space, free or not; 0 without any.
+  double BytesPerCubicMetre() const;
 
   /// Fuses the depth of a keyframe. Returns false if `poses` lacks the keyframe.
   bool Add(const KeyframeFrame& keyframe, const DepthImage& depth, const cv::Mat& grey, const StereoCamera& camera,
            const KeyframePoses& poses);
+
+  /// Follows keyframes that the map has removed; `lasting` are those that it has. A submap none of whose keyframes
+  /// remains joins the one of the keyframe that sees most of its surface, and is removed if all keyframes together see
+  /// less than half of it. The newest submap, which still grows, stays, and so does one with keyframes of unknown
+  /// place: a map that is being rebuilt lacks keyframes that it did not remove.
+  void FollowRemovals(const KeyframePoses& poses, const KeyframePoses& lasting, const StereoCamera& camera);
 
   /// Returns whether the depth of the keyframe was fused, also by a process before this one.
   bool Has(const KeyframeFrame& keyframe) const { return fused_.contains(keyframe); }
@@ -55,12 +56,12 @@ class DenseMap {
   /// keyframes that the map will have then; submaps whose anchor is not among them are anchored to the nearest one.
   /// Throws std::runtime_error that names the file.
   void Write(const std::string& path, const KeyframePoses& poses, const KeyframePoses& lasting) const;
-  /// Reads such a file. Throws std::runtime_error, in one sentence that names the file, if it is damaged, of another type,
-  /// or has impossible values.
+  /// Reads such a file. Throws std::runtime_error, in one sentence that names the file, if it is damaged, of another
+  /// type, or has impossible values.
   static DenseMap Read(const std::string& path, double range_m);
 
-  /// Returns all submaps in one volume, with the anchors at `poses`, in a frame `a`. Submaps whose anchor is unknown are
-  /// left out.
+  /// Returns all submaps in one volume, with the anchors at `poses`, in a frame `a`. Submaps whose anchor is unknown
+  /// are left out.
   Volume Merge(const KeyframePoses& poses, const SE3& T_a_w) const;
 
   /// Returns the vertices of the merged surface in w as points of the submaps that know their places: the first one of
@@ -75,12 +76,15 @@ class DenseMap {
   };
   struct Submap {
     KeyframeFrame anchor;
-    SE3 T_s_anchor;  ///< s: the frame w of the map at the time of the first keyframe
-    int n_keyframes = 0;
+    SE3 T_s_anchor;                        ///< s: the frame w of the map at the time of the first keyframe
+    std::vector<KeyframeFrame> keyframes;  ///< empty: the submap has been removed, or has joined another
     Volume volume;
     std::vector<BoundedView> views;
   };
 
+  std::optional<SE3> PoseOf(const Submap& submap, const KeyframePoses& poses) const;
+  void Join(Submap& gone, const SE3& T_to_gone, Submap& to) const;
+  void Empty(Submap& gone) const;
   bool Continues(const KeyframeFrame& keyframe, const SE3& T_w_kf, const KeyframePoses& poses) const;
 
   double voxel_m_;

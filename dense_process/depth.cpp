@@ -11,6 +11,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "core/geometry/hypot.h"
 #include "core/motion/robust.h"
 
 namespace plslam::dense {
@@ -38,10 +39,11 @@ constexpr float kFloor_px = 0.05F;  // error of the model: surfaces are not plan
 // The matcher's disparity as a prior: variance of the images' noise over that of the prior, for a window.
 constexpr float kPrior = 2.5F;
 constexpr float kLargestStep_px = 0.5F;
-// Fewer compared points tell nothing about the error.
+// Lines with a larger standard deviation of their middle disparity do not show the error of the matcher.
+constexpr double kLineSigma_px = 0.25;
+// Fewer compared features tell nothing about the error.
 constexpr size_t kLeastCompared = 20;
 constexpr double kUnknownScale = 2.0;
-constexpr double kSigmaOfMedian = 1.4826;  // of a normal distribution
 // Noise of a structured-light camera: sigma_z = 0.0028 z^2 (Khoshelham 2012), as in vo_process/stereo/depth_points.h.
 constexpr double kSensorSigma_per_m = 0.0028;
 constexpr float kSensorJump = 0.03F;  // of the depth
@@ -50,7 +52,6 @@ constexpr int kNormalWindow_px = 9;
 constexpr float kMostlyKnown = 0.3F;
 constexpr float kUnknownIncidence = 0.7F;
 constexpr float kLeastIncidence = 0.35F;
-constexpr double kSigmasInVoxels = 2.5;
 // Farthest known pixel that bounds a blank one, as a share of the width, and the longest gap of other unknown pixels on
 // the way: matches fail at borders of surfaces, too.
 constexpr double kBoundReach = 1.0 / 6.0;
@@ -149,31 +150,49 @@ cv::Mat Refine(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity) {
   return sigma;
 }
 
-/// Compares with the keyframe's points, which have smaller errors and include self-calibration.
+/// A matched disparity minus that of a feature, and the standard deviation of the difference.
+struct Difference {
+  double px = 0.0;
+  double sigma_px = 0.0;
+};
+
+/// Compares with the keyframe's points and lines, which have smaller errors and include self-calibration.
 void Compare(const cv::Mat& disparity, const cv::Mat& sigma_px, const StereoFeatures& features, DepthImage& depth) {
-  std::vector<double> differences, sigmas;
+  std::vector<Difference> differences;
+  const auto pixel = [](const Eigen::Vector2d& px) {
+    return cv::Point(static_cast<int>(std::lround(px.x())), static_cast<int>(std::lround(px.y())));
+  };
+  const cv::Rect image({}, disparity.size());
   int n_close = 0;
   for (const StereoPoint& point : features.points) {
-    const cv::Point at(static_cast<int>(std::lround(point.left.px.x())),
-                       static_cast<int>(std::lround(point.left.px.y())));
-    if (!point.HasDepth() || !cv::Rect({}, disparity.size()).contains(at)) continue;
+    const cv::Point at = pixel(point.left.px);
+    if (!point.HasDepth() || !image.contains(at)) continue;
     ++depth.n_compared;
     const float matched_px = disparity.at<float>(at);
     if (matched_px <= 0.0F) continue;
     const double difference = matched_px - point.disparity_px;
     if (std::abs(difference) < 1.0) ++n_close;
-    differences.push_back(difference);
-    sigmas.push_back(sigma_px.at<float>(at));
+    differences.push_back({difference, sigma_px.at<float>(at)});
+  }
+  if (depth.n_compared > 0) depth.agreement = static_cast<double>(n_close) / depth.n_compared;
+  for (const StereoLine& line : features.lines) {
+    const cv::Point at = pixel(0.5 * (line.left.segment.p + line.left.segment.q));
+    if (!line.HasDepth() || !image.contains(at)) continue;
+    const double sigma = 0.5 * Hypot(line.sigma_disparity_p_px, line.sigma_disparity_q_px);
+    const float matched_px = disparity.at<float>(at);
+    if (matched_px <= 0.0F || sigma > kLineSigma_px) continue;
+    ++depth.n_lines_compared;
+    differences.push_back({matched_px - line.MiddleDisparity_px(), Hypot(sigma_px.at<float>(at), sigma)});
   }
   depth.sigma_scale = kUnknownScale;
   if (differences.size() < kLeastCompared) return;
-  depth.agreement = static_cast<double>(n_close) / depth.n_compared;
-  std::vector<double> sorted = differences;
-  depth.offset_px = Median(sorted);
-  for (size_t i = 0; i < differences.size(); ++i) {
-    differences[i] = std::abs(differences[i] - depth.offset_px) / sigmas[i];
-  }
-  depth.sigma_scale = std::max(1.0, kSigmaOfMedian * Median(differences));
+  std::vector<double> values;
+  for (const Difference& difference : differences) values.push_back(difference.px);
+  depth.offset_px = Median(values);
+  values.clear();
+  for (const Difference& difference : differences)
+    values.push_back(std::abs(difference.px - depth.offset_px) / difference.sigma_px);
+  depth.sigma_scale = std::max(1.0, kSigmaOfMedian * Median(values));
 }
 
 /// A walk over pixels in one direction, which carries the depth of the last known one into blank pixels.
@@ -271,8 +290,11 @@ uint64_t KeyOf(const Eigen::Vector3d& p, double voxel_m) {
 
 }  // namespace
 
-DepthImage MatchPair(const cv::Mat& left, const cv::Mat& right, const cv::Mat& in_use, const StereoCamera& camera,
-                     const StereoFeatures& features) {
+DepthImage MatchPair(const cv::Mat& left, const cv::Mat& measured_right, const cv::Mat& in_use,
+                     const StereoCamera& camera, const StereoFeatures& features) {
+  DepthImage depth;
+  depth.rows = EstimateRows(features, camera);
+  const cv::Mat right = StraightenRows(measured_right, depth.rows, camera);
   const int range_px = DisparityRange(features, left.cols);
   constexpr int kArea = kBlock_px * kBlock_px;
   const cv::Ptr<cv::StereoSGBM> matcher = cv::StereoSGBM::create(0, range_px, kBlock_px, 8 * kArea, 32 * kArea, 1, 31,
@@ -300,7 +322,6 @@ DepthImage MatchPair(const cv::Mat& left, const cv::Mat& right, const cv::Mat& i
   }
   RemoveBorders(disparity, kJump_px, 0.0F);
   const cv::Mat sigma_px = Refine(left, right, disparity);
-  DepthImage depth;
   Compare(disparity, sigma_px, features, depth);
   depth.z_m = cv::Mat::zeros(disparity.size(), CV_32F);
   depth.sigma_m = cv::Mat::zeros(disparity.size(), CV_32F);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "core/config/fields.h"
 
@@ -15,6 +16,7 @@ struct DenseOptions {
   double voxel_m = 0.0;
   double range_m = 0.0;
   double robot_height_m = 1.0;
+  std::vector<double> up;
 };
 
 template <class Visitor>
@@ -27,6 +29,10 @@ void VisitFields(Visitor& visit, DenseOptions& o) {
   visit("range_m", o.range_m, Bounds{0.0, 100.0}, "largest depth in use, in m; 0: where it is known to 2.5 voxels");
   visit("robot_height_m", o.robot_height_m, Bounds{0.1, 10.0},
         "obstacles of the grid are between 0.1 m and this height above the floor, in m");
+  visit(
+      "up", o.up,
+      "up of the mounted camera: three numbers in its own frame (x right, y down, z forward), [0, -1, 0] if it looks "
+      "ahead; empty: the map has the vertical by an inertial sensor or by lines");
 }
 
 }  // namespace plslam::dense

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -145,6 +146,22 @@ std::string ToPly(const Surface& surface, bool with_faces) {
   return bytes;
 }
 
+std::string ToObj(const Surface& surface) {
+  std::string text = "# surfaces; metres; v x y z r g b\no surface\n";
+  const auto out = std::back_inserter(text);
+  for (const Surface::Vertex& vertex : surface.vertices) {
+    const double grey = vertex.grey / 255.0;
+    fmt::format_to(out, "v {:.4f} {:.4f} {:.4f} {:.3f} {:.3f} {:.3f}\n", vertex.p.x(), vertex.p.y(), vertex.p.z(),
+                   grey, grey, grey);
+  }
+  for (const Surface::Vertex& vertex : surface.vertices)
+    fmt::format_to(out, "vn {:.3f} {:.3f} {:.3f}\n", vertex.normal.x(), vertex.normal.y(), vertex.normal.z());
+  // Vertices and normals are numbered from 1.
+  for (const auto& [a, b, c] : surface.triangles)
+    fmt::format_to(out, "f {0}//{0} {1}//{1} {2}//{2}\n", a + 1, b + 1, c + 1);
+  return text;
+}
+
 std::string ToPgm(const GroundGrid& grid) {
   std::string bytes = fmt::format("P5\n{} {}\n255\n", grid.cells.cols, grid.cells.rows);
   for (int y = grid.cells.rows - 1; y >= 0; --y) {
@@ -173,6 +190,9 @@ std::vector<std::string> WriteProducts(const std::filesystem::path& folder, cons
       break;
     case ProductKind::kMesh:
       write(result_file::kMesh, ToPly(products.surface, true));
+      break;
+    case ProductKind::kMeshObj:
+      write(result_file::kMeshText, ToObj(products.surface));
       break;
     case ProductKind::kOctoMap: {
       octomap::OcTree tree = ToOctree(products.volume);

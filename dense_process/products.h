@@ -40,6 +40,8 @@ OccupancyGrid ToOccupancyGrid(const Products& products);
 
 /// Binary little-endian PLY: vertices with x, y, z, nx, ny, nz, red, green, blue; with faces, or as a cloud.
 std::string ToPly(const Surface& surface, bool with_faces);
+/// OBJ, as text: "v x y z r g b" with the grey of the vertex as a colour between 0 and 1, normals, and triangles.
+std::string ToObj(const Surface& surface);
 /// PGM as nav2's map_server reads it: row 0 has the largest y.
 std::string ToPgm(const GroundGrid& grid);
 /// Its YAML file; the origin has full precision.
@@ -49,6 +51,7 @@ std::string ToMapYaml(const GroundGrid& grid, const std::string& image);
 enum class ProductKind {
   kCloud,    ///< cloud.ply
   kMesh,     ///< mesh.ply
+  kMeshObj,  ///< mesh.obj: the same for programs that read no PLY; for exports
   kOctoMap,  ///< map.bt, map.ot
   kGrid,     ///< map.pgm, map.yaml, map_distance.png, map_height.png, if there is a floor; path.csv
 };
@@ -56,6 +59,7 @@ enum class ProductKind {
 /// All kinds, by the names that `plslam export --format` has for them.
 inline constexpr std::pair<const char*, ProductKind> kProductKinds[] = {{"cloud", ProductKind::kCloud},
                                                                         {"mesh", ProductKind::kMesh},
+                                                                        {"mesh-obj", ProductKind::kMeshObj},
                                                                         {"octomap", ProductKind::kOctoMap},
                                                                         {"grid", ProductKind::kGrid}};
 

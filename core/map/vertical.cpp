@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <vector>
 
 #include "core/geometry/angle.h"
@@ -97,11 +98,11 @@ Eigen::Vector3d Refine(const std::vector<Direction>& directions, Eigen::Vector3d
 
 }  // namespace
 
-Eigen::Vector3d MeanUpOfCameras(const Map& map) {
+Eigen::Vector3d MeanUpOfCameras(const Map& map, const Eigen::Vector3d& up_c) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const auto& [id, keyframe] : map.keyframes()) sum -= keyframe.T_w_kf.rotation() * Eigen::Vector3d::UnitY();
+  for (const auto& [id, keyframe] : map.keyframes()) sum += keyframe.T_w_kf.rotation() * up_c;
   const double least = 0.1 * static_cast<double>(map.keyframes().size());
-  return sum.norm() > least ? sum.normalized() : -Eigen::Vector3d::UnitY();
+  return sum.norm() > least ? sum.normalized() : up_c;
 }
 
 std::optional<Vertical> VerticalFromLines(const Map& map, const Eigen::Vector3d& about_w) {
@@ -154,6 +155,16 @@ Vertical VerticalOf(const Map& map) {
   if (gravity && gravity->sigma_rad < kKnown_rad) return *gravity;
   const Vertical rough = gravity.value_or(Vertical{MeanUpOfCameras(map)});
   return VerticalFromLines(map, rough.up_w).value_or(rough);
+}
+
+Vertical VerticalOf(const Map& map, const std::vector<double>& up_c) {
+  if (up_c.empty()) return VerticalOf(map);
+  const bool are_three = up_c.size() == 3;
+  const Eigen::Vector3d direction = are_three ? Eigen::Vector3d(up_c[0], up_c[1], up_c[2]) : Eigen::Vector3d::Zero();
+  if (!(direction.norm() > 0.0 && std::isfinite(direction.norm())))
+    throw std::invalid_argument(
+        "needs three numbers that are not all zero: right, down and ahead in the camera's image");
+  return {MeanUpOfCameras(map, direction.normalized()), VerticalSource::kGiven};
 }
 
 Eigen::Quaterniond LevelRotation(const Eigen::Vector3d& up_w) {

@@ -39,6 +39,9 @@ inline constexpr const char* kHeights = "map_height.png";
 inline constexpr const char* kPath = "path.csv";
 inline constexpr const char* kSurfaceFrames = "frames.json";
 
+/// The mesh of exports, as text.
+inline constexpr const char* kMeshText = "mesh.obj";
+
 /// Default name of a saved map, which no later run removes.
 inline constexpr const char* kMap = "map.plmap";
 

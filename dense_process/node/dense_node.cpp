@@ -7,6 +7,7 @@
 #include <chrono>
 #include <exception>
 #include <opencv2/core/utility.hpp>
+#include <stdexcept>
 #include <utility>
 
 #include "core/bus/messages/convert.h"
@@ -36,6 +37,8 @@ constexpr double kRoadVoxel_m = 0.2;
 // Below this share of points with the same disparity as in the keyframe the pair does not fit its calibration.
 constexpr double kLeastAgreement = 0.6;
 constexpr int kLeastCompared = 50;
+// Rows that are off by more, in the mean of a keyframe's points, are reported.
+constexpr double kFarRows_px = 0.75;
 
 double VoxelFor(const Keyframe& keyframe) {
   std::vector<double> depths_m;
@@ -49,7 +52,7 @@ double VoxelFor(const Keyframe& keyframe) {
 }  // namespace
 
 DenseNode::DenseNode(bus::Process& process, const DenseOptions& options)
-    : process_(process), options_(options), disk_(options), live_(process.bus(), options.robot_height_m) {
+    : process_(process), options_(options), disk_(options), live_(process.bus(), options.robot_height_m, options.up) {
   // One thread: the tracker needs the other core.
   cv::setNumThreads(1);
   bus::Bus& bus = process_.bus();
@@ -68,6 +71,7 @@ DenseNode::DenseNode(bus::Process& process, const DenseOptions& options)
   images_.emplace(bus, bus::FrameSubscriber::Mode::kPictures, [this](const auto& frame) { OnFrame(frame); });
   bus.Every(RunEnd::kTick, [this] { OnTick(); });
   process_.SetConfiguration(ToYaml("dense", options_));
+  CheckUp();
   const std::string earlier = disk_.Earlier();
   if (earlier.empty()) return;
   map_ = DenseMap::Read(earlier, options_.range_m);
@@ -83,6 +87,15 @@ DenseNode::~DenseNode() {
   if (failure.empty()) return;
   PrintError(fmt::format("{}: error: {}", process_.name(), failure));
   process_.Finish(1);
+}
+
+/// A wrong option is an error at the start.
+void DenseNode::CheckUp() const {
+  try {
+    VerticalOf(Map(), options_.up);
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(fmt::format("dense.up {}", error.what()));
+  }
 }
 
 void DenseNode::OnCamera(const RigCalibration& rig) {
@@ -177,7 +190,10 @@ void DenseNode::FuseAll() {
     const bool is_final = !keyframe.lockstep || sparse.newest().HasCommitted(keyframe.name);
     return is_final && poses.contains({keyframe.name.session, keyframe.frame_id});
   };
-  for (const ReadyKeyframe& ready : waiting_.Take(is_placed)) Fuse(ready, poses);
+  const std::vector<ReadyKeyframe> ready = waiting_.Take(is_placed);
+  if (ready.empty()) return;
+  if (map_) map_->FollowRemovals(poses, LastingPosesOf(sparse.map()), camera_->rectifier.camera());
+  for (const ReadyKeyframe& keyframe : ready) Fuse(keyframe, poses);
 }
 
 /// Without the masks of the rig and of the frame, and without moving bodies.
@@ -210,6 +226,13 @@ void DenseNode::Fuse(const ReadyKeyframe& ready, const KeyframePoses& poses) {
     const cv::Mat left = camera_->rectifier.RectifyLeft(ready.images.left);
     const DepthImage depth = DepthOf(ready, left);
     const double matched_ms = bus::NowMs();
+    if (depth.rows.size_px > kFarRows_px) {
+      process_.Warn(
+          "rows_off",
+          fmt::format("rows of the right image are off by {:.1f} px (sigma {:.2f} px) in a keyframe: this is "
+                      "corrected for the surfaces, but calibrate the cameras; `plslam rectify-check` measures it",
+                      depth.rows.size_px, depth.rows.sigma_px));
+    }
     if (depth.n_compared >= kLeastCompared && depth.agreement < kLeastAgreement) {
       process_.Warn(
           "dense_disagrees",
@@ -228,6 +251,7 @@ void DenseNode::Fuse(const ReadyKeyframe& ready, const KeyframePoses& poses) {
     process_.SetCounter("keyframes", static_cast<double>(map_->n_keyframes()));
     process_.SetCounter("submaps", static_cast<double>(map_->n_submaps()));
     process_.SetCounter("map_mb", 1e-6 * static_cast<double>(map_->bytes()));
+    process_.SetCounter("map_kb_per_m3", 1e-3 * map_->BytesPerCubicMetre());
     process_.SetState(process_state::kRunning);
   } catch (const std::exception& error) {
     LogWarning("frame {} is not used for surfaces: {}", keyframe.frame_id, error.what());
@@ -275,14 +299,18 @@ void DenseNode::Write() {
   }
   try {
     const KeyframePoses poses = PosesOf(map);
-    const Products products =
-        MakeProducts(*map_, poses, VerticalOf(map), PathOf(poses, 0.5 * map_->voxel_m()), options_.robot_height_m);
-    for (const auto& [name, kind] : kProductKinds) WriteProducts(options_.out, products, kind);
+    const Products products = MakeProducts(*map_, poses, VerticalOf(map, options_.up),
+                                           PathOf(poses, 0.5 * map_->voxel_m()), options_.robot_height_m);
+    for (const auto& [name, kind] : kProductKinds) {
+      if (kind != ProductKind::kMeshObj) WriteProducts(options_.out, products, kind);
+    }
     live_.PublishFinal(products, map_->Split(products.surface, poses));
     CountPublished();
     WriteFrames(options_.out, products);
-    LogInfo("surfaces of {} keyframes: {} triangles; grid of {} x {} cells of {} m", map_->n_keyframes(),
-            products.surface.triangles.size(), products.grid.cells.cols, products.grid.cells.rows, map_->voxel_m());
+    LogInfo(
+        "surfaces of {} keyframes: {} triangles; grid of {} x {} cells of {} m; {:.1f} MB, {:.0f} kB per m3 of space",
+        map_->n_keyframes(), products.surface.triangles.size(), products.grid.cells.cols, products.grid.cells.rows,
+        map_->voxel_m(), 1e-6 * static_cast<double>(map_->bytes()), 1e-3 * map_->BytesPerCubicMetre());
     if (!products.has_floor) {
       process_.Warn("no_floor", "no grid is written: the map has no horizontal surface that could be the floor");
     }

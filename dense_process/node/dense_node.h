@@ -50,6 +50,7 @@ class DenseNode {
     Rectifier rectifier;
   };
 
+  void CheckUp() const;
   void OnCamera(const RigCalibration& rig);
   void OnFrame(const bus::FrameSubscriber::Frame& frame);
   void OnTracks(const tracks_t& message);

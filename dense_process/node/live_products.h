@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "core/bus/messages/grid_channel.h"
 #include "core/bus/messages/submap_channel.h"
@@ -18,8 +20,9 @@ namespace plslam::dense {
 /// within 0.3 degrees: small changes would change all cells.
 class LiveProducts {
  public:
-  /// `robot_height_m`: upper bound of obstacles.
-  LiveProducts(bus::Bus& bus, double robot_height_m) : grid_(bus), submaps_(bus), robot_height_m_(robot_height_m) {}
+  /// `robot_height_m`: upper bound of obstacles; `up_c` as for `VerticalOf`.
+  LiveProducts(bus::Bus& bus, double robot_height_m, std::vector<double> up_c)
+      : grid_(bus), submaps_(bus), robot_height_m_(robot_height_m), up_c_(std::move(up_c)) {}
 
   /// The surfaces have changed since they were published.
   void Outdate() { is_old_ = true; }
@@ -45,6 +48,7 @@ class LiveProducts {
   bus::GridPublisher grid_;
   bus::SubmapPublisher submaps_;
   double robot_height_m_;
+  std::vector<double> up_c_;
   bool is_old_ = false;
   double next_ms_ = 0.0;
   std::optional<Vertical> vertical_;

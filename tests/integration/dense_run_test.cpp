@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -269,18 +270,27 @@ TEST_F(DenseRun, PersonWhoPassesLeavesNoObstacle) {
   EXPECT_LT(Occupied(with), 1.05 * Occupied(without));
 }
 
-/// Every 7th vertex of a binary PLY file as dense_process writes it: 27 bytes each.
-std::vector<Eigen::Vector3d> VerticesOf(const std::string& ply) {
+/// Vertices of a binary PLY file as dense_process writes it, 27 bytes each, in the frame of a world.
+std::vector<dense::Surface::Vertex> VerticesOf(const std::string& ply, const SE3& T_world_w) {
   const std::string count = "element vertex ";
   const size_t n = std::stoul(ply.substr(ply.find(count) + count.size()));
   const size_t begin = ply.find("end_header\n") + 11;
-  std::vector<Eigen::Vector3d> vertices;
-  for (size_t i = 0; i < n; i += 7) {
-    Eigen::Vector3f p;
+  std::vector<dense::Surface::Vertex> vertices;
+  for (size_t i = 0; i < n; ++i) {
+    Eigen::Vector3f p, normal;
     std::memcpy(p.data(), ply.data() + begin + 27 * i, sizeof(p));
-    vertices.push_back(p.cast<double>());
+    std::memcpy(normal.data(), ply.data() + begin + 27 * i + sizeof(p), sizeof(normal));
+    vertices.push_back(
+        {(T_world_w * p.cast<double>()).cast<float>(), (T_world_w.R() * normal.cast<double>()).cast<float>(), 0});
   }
   return vertices;
+}
+
+/// Errors of every 7th vertex.
+std::vector<double> ErrorsOf(const std::vector<dense::Surface::Vertex>& vertices, const synthetic::World& world) {
+  std::vector<Eigen::Vector3d> points;
+  for (size_t i = 0; i < vertices.size(); i += 7) points.push_back(vertices[i].p.cast<double>());
+  return dense::test::DistancesFrom(world, points);
 }
 
 TEST_F(DenseRun, SecondLapDoublesNoWall) {
@@ -288,14 +298,40 @@ TEST_F(DenseRun, SecondLapDoublesNoWall) {
   WholeRun run;
   ASSERT_EQ(run.Run({"run", "synthetic:" + world, "--dense"}), 0) << run.Logs();
   const synthetic::Simulator simulator(synthetic::ParseOptions(world));
-  std::vector<Eigen::Vector3d> vertices = VerticesOf(run.Read("mesh.ply"));
-  for (Eigen::Vector3d& p : vertices) p = simulator.T_w_c(0) * p;
-  const std::vector<double> errors = dense::test::DistancesFrom(simulator.world(), vertices);
+  const std::vector<dense::Surface::Vertex> vertices = VerticesOf(run.Read("mesh.ply"), simulator.T_w_c(0));
+  const std::vector<double> errors = ErrorsOf(vertices, simulator.world());
   ASSERT_GT(errors.size(), 1000U);
-  printf("error: median %.4f, 90 %% %.4f, 99 %% %.4f m\n", dense::test::Quantile(errors, 0.5),
-         dense::test::Quantile(errors, 0.9), dense::test::Quantile(errors, 0.99));
+  const double doubled = dense::test::DoubledShare(simulator.world(), vertices, 0.05);
+  printf("error: median %.4f, 90 %% %.4f, 99 %% %.4f m; doubled %.4f\n", dense::test::Quantile(errors, 0.5),
+         dense::test::Quantile(errors, 0.9), dense::test::Quantile(errors, 0.99), doubled);
   EXPECT_LT(dense::test::Quantile(errors, 0.5), 0.02);
   EXPECT_LT(dense::test::Quantile(errors, 0.9), 0.06);
+  EXPECT_LT(doubled, 0.01);
+}
+
+/// A street of 50 m, and a map that has forgotten all but its end.
+TEST_F(DenseRun, ForgottenPlacesLeaveNoSurface) {
+  WholeRun run;
+  ASSERT_EQ(
+      run.Run({"run", "synthetic:street?size=376x240&frames=300", "--dense", "--set", "mapping.max_keyframes=4"}), 0)
+      << run.Logs();
+  std::vector<Eigen::Vector3d> keyframes;
+  std::istringstream lines(run.Read("keyframes.tum"));
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    double t = 0.0;
+    Eigen::Vector3d p;
+    if (words >> t >> p.x() >> p.y() >> p.z()) keyframes.push_back(p);
+  }
+  ASSERT_GE(keyframes.size(), 2U);
+  ASSERT_LE(keyframes.size(), 4U);
+  const std::vector<dense::Surface::Vertex> vertices = VerticesOf(run.Read("mesh.ply"), SE3());
+  ASSERT_GT(vertices.size(), 1000U);
+  const auto is_far = [&](const dense::Surface::Vertex& vertex) {
+    return std::ranges::all_of(keyframes,
+                               [&](const Eigen::Vector3d& p) { return (p - vertex.p.cast<double>()).norm() > 20.0; });
+  };
+  EXPECT_EQ(std::ranges::count_if(vertices, is_far), 0);
 }
 
 }  // namespace

@@ -177,6 +177,7 @@ const std::vector<Writer>& Writers() {
       {{"mcap", "messages of ROS 2 (Foxglove, Lichtblick, Rerun, ros2 bag), and a layout", false}, ExportAsMcap},
       {{"cloud", "points of the surfaces, PLY (maps saved with --dense)", true, true, true}, nullptr},
       {{"mesh", "the surfaces as triangles, PLY", true, true, true}, nullptr},
+      {{"mesh-obj", "the same mesh as text, OBJ with colours (Blender, MeshLab)", true, true, true}, nullptr},
       {{"octomap", "free and occupied voxels for OctoMap (map.bt, map.ot)", true, true, true}, nullptr},
       {{"grid", "grid of the floor for nav2 (map.pgm, map.yaml), distances, heights and the path", true, true, true},
        nullptr}};

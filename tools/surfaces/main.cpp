@@ -22,6 +22,11 @@ int main(int argc, char** argv) {
                  "obstacles of the grid are between 0.1 m and this height above the floor, in m")
       ->check(CLI::Range(0.1, 10.0))
       ->capture_default_str();
+  app.add_option(
+         "--up", request.up_c,
+         "X Y Z: up of the mounted camera in its own frame (x right, y down, z forward) [the vertical of the map]")
+      ->expected(3)
+      ->type_name("NUMBER");
   return plslam::RunCommandLine(app, argc, argv, [&] {
     for (const std::string& file : plslam::surfaces::WriteSurfaces(request)) fmt::print("{}\n", file);
     return 0;

@@ -23,7 +23,7 @@ std::vector<std::string> WriteSurfaces(const SurfacesRequest& request) {
   const dense::KeyframePoses poses = dense::PosesOf(stored.map);
   const std::vector<Eigen::Vector3d> path = dense::PathOf(poses, 0.5 * surfaces.voxel_m());
   const dense::Products products =
-      dense::MakeProducts(surfaces, poses, VerticalOf(stored.map), path, request.robot_height_m);
+      dense::MakeProducts(surfaces, poses, VerticalOf(stored.map, request.up_c), path, request.robot_height_m);
   std::filesystem::create_directories(request.out);
   dense::WriteFrames(request.out, products);
   std::vector<std::string> names;

@@ -11,6 +11,7 @@ struct SurfacesRequest {
   std::string out;                 ///< folder; it is made
   std::vector<std::string> kinds;  ///< of dense::kProductKinds
   double robot_height_m = 1.0;
+  std::vector<double> up_c;  ///< as for `VerticalOf`
 };
 
 /// Merges the surfaces with the keyframes where the map has them now, writes the files of these kinds and frames.json,

@@ -59,7 +59,7 @@ void GridPublisher::Publish(const OccupancyGrid& grid) {
 
 GridSubscriber::GridSubscriber(Bus& bus, std::function<void()> handler) {
   bus.Subscribe<grid_t>(kGrid, [this, &bus, handler = std::move(handler)](const grid_t& message) {
-    received_.Add(message.header.source);
+    if (!received_.Add(message.header.source)) return;
     const std::optional<OccupancyGrid> tile = FromMessage(message);
     const std::pair<int64_t, int64_t> number{message.header.source, message.grid};
     GridTiles replaced = number == number_ ? std::move(tiles_) : GridTiles();

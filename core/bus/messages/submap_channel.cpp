@@ -133,7 +133,7 @@ void SubmapPublisher::Replace() {
 SubmapSubscriber::SubmapSubscriber(Bus& bus, std::function<void()> handler) {
   subscription_ = SubscribePaged<submap_t, SubmapAssembler, SubmapMessage>(
       bus, kSubmap, [this, &bus, handler = std::move(handler)](const SubmapMessage& message) {
-        received_.Add(message.surfaces.first);
+        if (!received_.Add(message.surfaces.first)) return;
         if (!Take(message)) return bus.CountRejected();
         handler();
       });

@@ -56,7 +56,7 @@ class SubmapPublisher {
   SurfaceCloud published_;
 };
 
-/// Keeps a copy of the surfaces of the process that published last. Pages from the wire are checked; invalid ones are
+/// Keeps a copy of the surfaces of the newest publisher. Pages from the wire are checked; invalid ones are
 /// counted in `BusCounters::rejected`.
 class SubmapSubscriber {
  public:

@@ -76,6 +76,24 @@ TEST_F(GridChannel, CarriesTheChangedTiles) {
   EXPECT_EQ(whole.T_w_level.translation(), turned.T_w_level.translation());
 }
 
+TEST_F(GridChannel, NewestPublisherReplacesTheOther) {
+  test::Waiter arrived;
+  reader_.Subscribe<grid_t>(kGrid, [&](const grid_t&) { arrived.Add(); });
+  GridPublisher killed(sender_);
+  killed.Publish(GridOf(OccupancyGrid::kFree));
+  EXPECT_TRUE(arrived.Reaches(3));
+  test::RunningBus restarted(Options(url_), "dense");
+  restarted.Start();
+  GridPublisher newest(*restarted);
+  newest.Publish(GridOf(OccupancyGrid::kOccupied));
+  EXPECT_TRUE(arrived.Reaches(6));
+  // Its last messages arrive late.
+  killed.Publish(GridOf(OccupancyGrid::kUnknown));
+  EXPECT_TRUE(arrived.Reaches(9));
+  EXPECT_EQ(WholeAfter(6).At(-3, 4), OccupancyGrid::kOccupied);
+  EXPECT_EQ(tiles_.value(), 6) << "they change nothing";
+}
+
 TEST_F(GridChannel, InvalidTilesAreCounted) {
   grid_t tile{};
   tile.T_w_level.q_wxyz[0] = 1.0;

@@ -117,6 +117,22 @@ TEST_F(SubmapChannel, OtherSurfacesReplaceAll) {
   EXPECT_EQ(received.voxel_m, 0.2);
 }
 
+TEST_F(SubmapChannel, NewestPublisherReplacesTheOther) {
+  test::Waiter arrived;
+  reader_.Subscribe<submap_t>(kSubmap, [&](const submap_t&) { arrived.Add(); });
+  publisher_.Publish({0.05, {{0, Line(0.05, 20)}, {1, Line(0.05, 20)}}}, Changes::kSurfaces);
+  EXPECT_TRUE(arrived.Reaches(2));
+  test::RunningBus restarted(Options(url_), "dense");
+  restarted.Start();
+  SubmapPublisher newest(*restarted);
+  newest.Publish({0.05, {{0, Line(0.05, 7)}}}, Changes::kSurfaces);
+  EXPECT_TRUE(arrived.Reaches(3));
+  // The last messages of the killed one arrive late.
+  publisher_.Publish({0.05, {{0, Line(0.07, 30)}, {1, Line(0.05, 20)}}}, Changes::kSurfaces);
+  EXPECT_TRUE(arrived.Reaches(4));
+  EXPECT_EQ(CloudAfter(3).n_points(), 7U);
+}
+
 TEST_F(SubmapChannel, InvalidSubmapsAreCounted) {
   const auto page = [&](const auto& spoil) {
     submap_t message = CutIntoPages({{0, 1}, 0, 0.05, false, Line(0.05, 4)}, sender_.page_bytes()).front();

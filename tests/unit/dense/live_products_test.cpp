@@ -32,7 +32,7 @@ class LiveProductsTest : public testing::Test {
 
   const DenseMap surfaces_{0.05, 0.0};
   bus::Bus bus_{Options(), "dense"};
-  LiveProducts live_{bus_, 1.0};
+  LiveProducts live_{bus_, 1.0, {}};
 };
 
 TEST_F(LiveProductsTest, IsMadeAgainAfterAWhileIfOld) {

@@ -2,7 +2,9 @@
 #include "tests/unit/dense/seen_world.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 #include <tuple>
 
@@ -41,6 +43,43 @@ std::vector<double> DistancesFrom(const synthetic::World& world, const std::vect
   return distances;
 }
 
+double DoubledShare(const synthetic::World& world, const std::vector<Surface::Vertex>& vertices, double gap_m) {
+  constexpr double kPlace_m = 0.1, kSame_m = 0.5, kSameNormal = 0.8;
+  // Signed distances from a quad, by the quad, the place on it, and the side that the surface faces.
+  std::map<std::tuple<size_t, int, int, bool>, std::vector<double>> layers;
+  for (const Surface::Vertex& vertex : vertices) {
+    const Eigen::Vector3d p = vertex.p.cast<double>();
+    double nearest = kSame_m;
+    std::tuple<size_t, int, int, bool> place;
+    double signed_m = 0.0;
+    for (size_t i = 0; i < world.quads().size(); ++i) {
+      const synthetic::Quad& quad = world.quads()[i];
+      const Eigen::Vector3d normal = quad.edge_s.cross(quad.edge_t).normalized();
+      const double facing = normal.dot(vertex.normal.cast<double>());
+      const double distance = Distance(quad, p);
+      if (std::abs(facing) < kSameNormal || distance >= nearest) continue;
+      nearest = distance;
+      signed_m = normal.dot(p - quad.origin);
+      const auto at = [&](const Eigen::Vector3d& edge) {
+        return static_cast<int>(std::floor(edge.normalized().dot(p - quad.origin) / kPlace_m));
+      };
+      place = {i, at(quad.edge_s), at(quad.edge_t), facing > 0.0};
+    }
+    if (nearest < kSame_m) layers[place].push_back(signed_m);
+  }
+  int n_places = 0, n_doubled = 0;
+  for (auto& [place, distances] : layers) {
+    if (distances.size() < 4) continue;
+    ++n_places;
+    std::ranges::sort(distances);
+    // A layer has two vertices at least.
+    bool is_doubled = false;
+    for (size_t i = 2; i + 1 < distances.size(); ++i) is_doubled |= distances[i] - distances[i - 1] > gap_m;
+    n_doubled += is_doubled ? 1 : 0;
+  }
+  return n_places > 0 ? static_cast<double>(n_doubled) / n_places : 1.0;
+}
+
 SeenWorld::SeenWorld(const std::string& options, int step, double voxel_m)
     : simulator_(synthetic::ParseOptions(options)), step_(step), map_(voxel_m, 0.0) {
   vo::StereoFrontEnd front_end(simulator_.rig(), {});
@@ -64,9 +103,14 @@ std::vector<Eigen::Vector3d> SeenWorld::Path() const {
   return path;
 }
 
-std::vector<double> SeenWorld::Errors() const {
+std::vector<double> SeenWorld::Errors(double range_m) const {
   std::vector<Eigen::Vector3d> points;
-  for (size_t i = 0; i < surface_.vertices.size(); i += 5) points.push_back(surface_.vertices[i].p.cast<double>());
+  for (size_t i = 0; i < surface_.vertices.size(); i += 5) {
+    const Eigen::Vector3d p = surface_.vertices[i].p.cast<double>();
+    const bool is_near = std::ranges::any_of(
+        poses_, [&](const auto& keyframe) { return (keyframe.second.translation() - p).norm() < range_m; });
+    if (is_near) points.push_back(p);
+  }
   return DistancesFrom(simulator_.world(), points);
 }
 

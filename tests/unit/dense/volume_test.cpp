@@ -3,10 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "dense_process/body_mask.h"
@@ -216,6 +219,135 @@ TEST(DenseMap, SurfacePointsGoToTheirSubmaps) {
   // Without a place in the map a submap has no points.
   moved.erase({2, 0});
   EXPECT_FALSE(split(moved).submaps.contains(1));
+}
+
+/// Submaps of three views each: of a plane, of the same 0.1 m aside, of another plane, and the newest one, far from all.
+class RemovedKeyframes : public testing::Test {
+ protected:
+  static constexpr StereoCamera kCamera{
+      .f_px = 100.0, .cx_px = 40.0, .cy_px = 30.0, .baseline_m = 0.1, .width_px = 80, .height_px = 60};
+  static SE3 At(double x_m) { return SE3(Eigen::Quaterniond::Identity(), {x_m, 0.0, 0.0}); }
+  static KeyframePoses Views(int64_t session, double x_m) {
+    KeyframePoses views;
+    for (int64_t i = 0; i < 3; ++i) views[{SessionId(session), FrameId(i)}] = At(x_m);
+    return views;
+  }
+  static void Erase(int64_t session, KeyframePoses& poses) {
+    std::erase_if(poses, [session](const auto& view) { return view.first.first == SessionId(session); });
+  }
+  static std::vector<Surface::Vertex> Vertices(const DenseMap& map, const KeyframePoses& poses) {
+    return ExtractSurface(map.Merge(poses, SE3())).vertices;
+  }
+  static float Leftmost(const DenseMap& map, const KeyframePoses& poses) {
+    float x = 0.0F;
+    for (const Surface::Vertex& vertex : Vertices(map, poses)) x = std::min(x, vertex.p.x());
+    return x;
+  }
+  static int NearFour(const DenseMap& map, const KeyframePoses& poses) {
+    int n = 0;
+    for (const Surface::Vertex& vertex : Vertices(map, poses)) n += std::abs(vertex.p.x() - 4.0F) < 1.0F ? 1 : 0;
+    return n;
+  }
+  RemovedKeyframes() {
+    for (const auto& [session, x_m] : {std::pair(1, 0.0), {2, 0.1}, {3, 4.0}, {4, 9.0}}) {
+      KeyframePoses views = Views(session, x_m);
+      AddPlanes(views, map_);
+      poses_.merge(views);
+    }
+  }
+
+  KeyframePoses poses_;
+  DenseMap map_{kVoxel_m, 0.0};
+};
+
+TEST_F(RemovedKeyframes, ForgottenPlaceDisappears) {
+  ASSERT_EQ(map_.n_submaps(), 4U);
+  KeyframePoses lasting = poses_;
+  map_.FollowRemovals(poses_, lasting, kCamera);
+  EXPECT_GT(NearFour(map_, poses_), 100) << "nothing was removed";
+  Erase(3, lasting);
+  map_.FollowRemovals(poses_, lasting, kCamera);
+  EXPECT_EQ(map_.n_submaps(), 3U);
+  EXPECT_EQ(NearFour(map_, poses_), 0);
+  EXPECT_TRUE(map_.Has({3, 0})) << "it is not fused again";
+  EXPECT_LT(Leftmost(map_, poses_), -0.5F) << "the other places stay";
+  // It does not return with the place, which is elsewhere then.
+  KeyframePoses later = lasting;
+  later.merge(Views(5, 4.1));
+  map_.FollowRemovals(later, later, kCamera);
+  EXPECT_EQ(NearFour(map_, later), 0);
+  const std::string path = testing::TempDir() + "forgotten.surfaces";
+  map_.Write(path, poses_, lasting);
+  EXPECT_EQ(DenseMap::Read(path, 0.0).n_submaps(), 3U);
+}
+
+TEST_F(RemovedKeyframes, RedundantOneMovesWithAnother) {
+  const float before = Leftmost(map_, poses_);
+  KeyframePoses lasting = poses_;
+  Erase(1, lasting);
+  ASSERT_GT(Leftmost(map_, lasting), before + 0.05F) << "only the removed keyframes saw the left border";
+  map_.FollowRemovals(poses_, lasting, kCamera);
+  EXPECT_EQ(map_.n_submaps(), 3U);
+  EXPECT_NEAR(Leftmost(map_, lasting), before, 0.02F);
+  KeyframePoses moved = lasting;
+  for (auto& [name, pose] : moved) {
+    if (name.first == SessionId(2)) pose = At(0.5);
+  }
+  EXPECT_NEAR(Leftmost(map_, moved), before + 0.4F, 0.03F);
+}
+
+TEST_F(RemovedKeyframes, ManyVisitsNeedTheMemoryOfOne) {
+  const size_t once = map_.bytes();
+  KeyframePoses known = poses_;
+  for (int64_t visit = 5; visit < 30; ++visit) {
+    KeyframePoses views = Views(visit, 0.05);
+    AddPlanes(views, map_);
+    known.merge(views);
+    map_.FollowRemovals(known, poses_, kCamera);
+  }
+  EXPECT_LE(map_.n_submaps(), 5U);
+  EXPECT_LT(static_cast<double>(map_.bytes()), 1.5 * static_cast<double>(once));
+}
+
+TEST_F(RemovedKeyframes, PlaceUnknownToTheMapWaits) {
+  KeyframePoses known = poses_;
+  Erase(3, known);
+  map_.FollowRemovals(known, known, kCamera);
+  EXPECT_EQ(map_.n_submaps(), 4U) << "a map that is being received";
+}
+
+/// A person in a submap, whose front wall a later submap sees, and a loop that moves both a little apart.
+TEST(DenseMap, CorrectionRestoresNothingCleared) {
+  const StereoCamera camera{
+      .f_px = 100.0, .cx_px = 40.0, .cy_px = 30.0, .baseline_m = 0.1, .width_px = 80, .height_px = 60};
+  const cv::Mat grey(60, 80, CV_8U, cv::Scalar(90));
+  DepthImage wall, person;
+  wall.z_m = cv::Mat(60, 80, CV_32F, cv::Scalar(2.0));
+  wall.sigma_m = cv::Mat(60, 80, CV_32F, cv::Scalar(0.01));
+  person.z_m = wall.z_m.clone();
+  person.sigma_m = wall.sigma_m;
+  person.z_m(cv::Rect(20, 10, 40, 40)).setTo(1.2);
+  DenseMap map(kVoxel_m, 0.0);
+  KeyframePoses poses;
+  const auto add = [&](int64_t session, int64_t frame, const DepthImage& depth) {
+    const KeyframeFrame name{SessionId(session), FrameId(frame)};
+    poses[name] = SE3();
+    EXPECT_TRUE(map.Add(name, depth, grey, camera, poses));
+  };
+  const auto in_front = [&] {
+    int n = 0;
+    for (const Surface::Vertex& vertex : ExtractSurface(map.Merge(poses, SE3())).vertices)
+      n += vertex.p.z() < 1.6F ? 1 : 0;
+    return n;
+  };
+  for (int64_t i = 0; i < 3; ++i) add(1, i, person);
+  EXPECT_GT(in_front(), 20);
+  for (int64_t i = 0; i < 10; ++i) add(2, i, wall);
+  EXPECT_EQ(in_front(), 0);
+  for (auto& [name, pose] : poses) {
+    if (name.first == SessionId(1)) pose = SE3::Exp((Vector6d() << 0.04, 0.03, 0.05, 0.0, 0.03, 0.0).finished());
+  }
+  EXPECT_EQ(in_front(), 0);
 }
 
 TEST(SurfacesFile, SubmapOfARemovedKeyframeHasAnotherAnchor) {

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <random>
+#include <stdexcept>
 
 namespace plslam {
 namespace {
@@ -146,6 +147,27 @@ TEST(Vertical, SigmaOfLinesCoversTheirError) {
     covered += AngleDeg(vertical.up_w, leaning.up_w()) < 3.0 * vertical.sigma_rad / kDeg ? 1 : 0;
   }
   EXPECT_GE(covered, 19);
+}
+
+TEST(Vertical, GivenByTheMounting) {
+  // All cameras look down by 50 degrees; lines that are more horizontal than upright mislead.
+  LeaningMap leaning(ExpSO3({0.2, 0.3, -0.1}), 0.0);
+  const Eigen::Quaterniond down = ExpSO3({-50.0 * kDeg, 0, 0});
+  Map map;
+  for (const auto& [id, keyframe] : leaning.map().keyframes()) {
+    MapKeyframe turned = keyframe;
+    turned.T_w_kf = SE3(keyframe.T_w_kf.rotation() * down, keyframe.T_w_kf.translation());
+    map.Put(turned);
+  }
+  EXPECT_GT(AngleDeg(VerticalOf(map).up_w, leaning.up_w()), 5.0);
+  const Eigen::Vector3d up_c = down.conjugate() * -Eigen::Vector3d::UnitY();
+  const Vertical vertical = VerticalOf(map, {3.0 * up_c.x(), 3.0 * up_c.y(), 3.0 * up_c.z()});
+  EXPECT_EQ(vertical.source, VerticalSource::kGiven);
+  EXPECT_LT(AngleDeg(vertical.up_w, leaning.up_w()), 1e-5);
+  EXPECT_EQ(VerticalOf(map, {}).up_w, VerticalOf(map).up_w);
+  EXPECT_THROW(VerticalOf(map, {0.0, -1.0}), std::invalid_argument);
+  EXPECT_THROW(VerticalOf(map, {0.0, 0.0, 0.0}), std::invalid_argument);
+  EXPECT_THROW(VerticalOf(map, {0.0, std::nan(""), 1.0}), std::invalid_argument);
 }
 
 TEST(Vertical, EmptyMapAndInvalidLines) {

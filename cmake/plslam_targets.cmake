@@ -27,9 +27,9 @@ if(PLSLAM_SANITIZE)
     # Undefined behaviour ends the program, and so fails the test. -Og halves the time to compile, and unit tests run as
     # fast; whole runs do not.
     add_compile_options(-fno-sanitize-recover=undefined)
-    # The address sanitizer also finds null pointers and wrong types in memory, and x86 and ARM support unaligned reads:
-    # without these checks a build takes half as long.
-    add_compile_options(-fno-sanitize=null,alignment,object-size,vptr,nonnull-attribute,returns-nonnull-attribute)
+    # The address sanitizer also finds null pointers, wrong types in memory and what is accessed through a pointer that has
+    # overflowed, and x86 and ARM support unaligned reads: without these checks a build takes 40 % of the time.
+    add_compile_options(-fno-sanitize=null,alignment,object-size,vptr,nonnull-attribute,returns-nonnull-attribute,pointer-overflow)
     set(PLSLAM_SANITIZED_OPTIMISATION "-Og" CACHE STRING "Optimisation under the address and undefined behaviour sanitizers")
     set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "${PLSLAM_SANITIZED_OPTIMISATION} -g1")
   endif()

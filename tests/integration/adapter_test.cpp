@@ -203,7 +203,7 @@ class Adapter : public testing::Test {
 constexpr int kFrames = 200;
 const std::string kWorld = fmt::format("synthetic:room?size=376x240&frames={}&rate=20", kFrames);
 
-/// As accurate as with the player, although the adapter is killed on the way; all on one bus.
+/// As with the player in real time, although the adapter is killed on the way; all on one bus.
 TEST_F(Adapter, RobotWithImagePairsIsLocalisedAcrossAKill) {
   Start(kWorld, RobotImages::kBotGrey, true, true);
   ASSERT_NO_FATAL_FAILURE(WaitForTheFirstPose());
@@ -215,7 +215,7 @@ TEST_F(Adapter, RobotWithImagePairsIsLocalisedAcrossAKill) {
   ASSERT_TRUE(WholeRun::WaitFor([&] { return robot_->maps().size() > 2; })) << run_->Logs();
 
   WholeRun played;
-  ASSERT_EQ(played.Run({"run", kWorld, "--no-loops"}), 0) << played.Logs();
+  ASSERT_EQ(played.Run({"run", kWorld, "--pace", "realtime", "--no-loops"}), 0) << played.Logs();
   const double expected_m = played.Summary()["accuracy_live_ate_m"].get<double>();
   // Frames sent without an adapter have no poses, nor have those that a busy machine drops.
   constexpr size_t kLeast = kFrames / 2;

@@ -74,13 +74,13 @@ TEST(Misuse, LogReplayedBesideARunIsReported) {
   if (!test::HasProgram("lcm-logplayer")) GTEST_SKIP() << "no lcm-logplayer";
   WholeRun recorded, live;
   ASSERT_EQ(recorded.Run(
-                {"run", "synthetic:room?frames=80&size=376x240", "--pace", "realtime", "--record", recorded.log()}),
+                {"run", "synthetic:room?frames=160&size=376x240", "--pace", "realtime", "--record", recorded.log()}),
             0)
       << recorded.Logs();
   const RunWatcher watcher;
   live.Start(
-      {"run", "synthetic:room?frames=160&size=376x240", "--url", watcher.url(), "--pace", "realtime", "--strict"});
-  ASSERT_TRUE(watcher.WaitForFrame(20)) << live.Logs();
+      {"run", "synthetic:room?frames=240&size=376x240", "--url", watcher.url(), "--pace", "realtime", "--strict"});
+  ASSERT_TRUE(watcher.WaitForFrame(40)) << live.Logs();
   // Without what announces messages that are missing from the mixture: readers would wait for them for a minute.
   const Outcome player =
       RunProgram(live, "/usr/bin/lcm-logplayer",

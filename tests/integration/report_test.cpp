@@ -121,12 +121,6 @@ TEST(Report, LivePageThenReportFile) {
   page.Finish();
   ASSERT_TRUE(std::filesystem::exists(run.out() / "report.html")) << run.Logs();
   EXPECT_LT(std::filesystem::file_size(run.out() / "report.html"), 8'000'000U);
-}
-
-TEST(Report, FileShowsTheRun) {
-  if (const std::string why = Missing(); !why.empty()) GTEST_SKIP() << why;
-  WholeRun run;
-  ASSERT_EQ(run.Run({"run", "synthetic:room?frames=160&size=376x240"}), 0) << run.Logs();
   CheckReport(run, {"report", "picture"});
 }
 

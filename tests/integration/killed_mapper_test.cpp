@@ -56,7 +56,6 @@ MappedRun Play(const std::string& state_every, const std::vector<Kill>& kills) {
   const nlohmann::json summary = run.Summary();
   EXPECT_EQ(summary["tracked_frames"], 300);
   EXPECT_GE(summary["loops"], 1);
-  EXPECT_LT(summary["accuracy"]["ate_m"], 0.02);
   for (const char* process : {"vo", "mapping", "loop"}) {
     EXPECT_EQ(summary["processes"][process]["restarts"], std::ranges::count(kills, process, &Kill::name)) << process;
   }

@@ -16,16 +16,15 @@
 namespace plslam::test {
 namespace {
 
-constexpr int kLap_s = 15;
+constexpr size_t kLap = 300;  // frames at 20 Hz
 
-/// Errors of laps of a world with so many frames a second.
-std::vector<double> Errors(const std::vector<OdometryFrame>& frames, int rate_hz) {
+std::vector<double> Errors(const std::vector<OdometryFrame>& frames, size_t lap = kLap) {
   std::vector<SE3> estimated, truth;
   for (const OdometryFrame& frame : frames) {
     estimated.push_back(frame.T_odom_l);
     truth.push_back(frame.T_w_l.value());
   }
-  return ErrorsOfLaps(estimated, truth, static_cast<size_t>(kLap_s * rate_hz));
+  return ErrorsOfLaps(estimated, truth, lap);
 }
 
 /// A line for each lap, and the frames that published a new body.
@@ -45,19 +44,17 @@ struct LapsCase {
 
 class Laps : public testing::TestWithParam<LapsCase> {};
 
-// Without a limit the map would have 112 keyframes. Everyday tests run ten laps of the second case, at half the rate.
+// Without a limit the map would have 112 keyframes. Everyday tests run ten laps of the second case.
 TEST_P(Laps, LastLapIsAsAccurateAsTheSecond) {
   const LapsCase& test = GetParam();
   if (test.max_keyframes != 80 || test.laps != 100) PLSLAM_REQUIRE_LONG_TESTS();
   const int laps = LongTests() ? test.laps : 10;
-  const int rate_hz = LongTests() ? 20 : 10;
-  const auto dataset =
-      OpenDataset(fmt::format("synthetic:room?size={}&loops={}&rate={}", test.size, laps, rate_hz), "");
+  const auto dataset = OpenDataset(fmt::format("synthetic:room?size={}&loops={}", test.size, laps), "");
   LoopRunOptions options;
   options.mapping.max_keyframes = test.max_keyframes;
   const LoopRun run = RunLoops(*dataset, loop::LoadPlaces({}, {}), options);
-  const std::vector<double> live_m = Errors(run.slam.live, rate_hz);
-  const std::vector<double> final_m = Errors(run.slam.final, rate_hz);
+  const std::vector<double> live_m = Errors(run.slam.live);
+  const std::vector<double> final_m = Errors(run.slam.final);
   std::cout << laps << " laps, " << run.slam.keyframes << " keyframes: live error of the second lap " << live_m[1]
             << " m, of the last ones " << MeanOfLast(live_m, 5) << " m, in the final map " << MeanOfLast(final_m, 5)
             << " m; ATE " << AbsoluteTrajectoryError(run.slam.live) << " and "
@@ -72,12 +69,12 @@ TEST_P(Laps, LastLapIsAsAccurateAsTheSecond) {
 
 // Three in ten posters, books and boxes are others, or elsewhere, from the third lap on.
 TEST(ChangedRoom, RemainsWhereItWas) {
-  constexpr int kLaps = 5, kRate_hz = 10;
+  constexpr int kLaps = 5;
   const auto dataset =
-      OpenDataset(fmt::format("synthetic:room?size=376x240&rate={}&loops={}&changed_after=2", kRate_hz, kLaps), "");
+      OpenDataset(fmt::format("synthetic:room?size=376x240&rate=10&loops={}&changed_after=2", kLaps), "");
   const LoopRun run = RunLoops(*dataset, loop::LoadPlaces({}, {}), {});
-  const std::vector<double> live_m = Errors(run.slam.live, kRate_hz);
-  const std::vector<double> final_m = Errors(run.slam.final, kRate_hz);
+  const std::vector<double> live_m = Errors(run.slam.live, kLap / 2);
+  const std::vector<double> final_m = Errors(run.slam.final, kLap / 2);
   PrintLaps(run.slam.live, live_m, final_m);
   EXPECT_EQ(LostFrames(run.slam.live), 0);
   EXPECT_EQ(run.slam.n_bodies, 0);

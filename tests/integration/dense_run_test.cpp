@@ -8,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -50,9 +51,36 @@ class DenseRun : public testing::Test {
   }
 };
 
-TEST_F(DenseRun, SurfacesAndGridAreWritten) {
-  WholeRun run;
-  ASSERT_EQ(run.Run({"run", kRoom, "--dense", "--strict"}), 0) << run.Logs();
+/// Two runs of the room for all tests here: one recorded and saved, the other with surfaces alone.
+class SharedDenseRun : public DenseRun {
+ protected:
+  static const WholeRun& Recorded() {
+    if (recorded_ == nullptr) {
+      recorded_ = std::make_unique<WholeRun>();
+      Run(*recorded_, {"run", kRoom, "--dense", "--strict", "--record", recorded_->log(), "--save-map",
+                       (recorded_->out() / "room.plmap").string()});
+    }
+    return *recorded_;
+  }
+  static const WholeRun& Alone() {
+    if (alone_ == nullptr) Run(*(alone_ = std::make_unique<WholeRun>()), {"run", kRoom, "--dense"});
+    return *alone_;
+  }
+  static void TearDownTestSuite() {
+    recorded_.reset();
+    alone_.reset();
+  }
+
+ private:
+  static void Run(WholeRun& run, const std::vector<std::string>& arguments) {
+    EXPECT_EQ(run.Run(arguments), 0) << run.Logs();
+  }
+
+  static inline std::unique_ptr<WholeRun> recorded_, alone_;
+};
+
+TEST_F(SharedDenseRun, SurfacesAndGridAreWritten) {
+  const WholeRun& run = Recorded();
   const std::string cloud = run.Read("cloud.ply");
   EXPECT_THAT(cloud.substr(0, 400), HasSubstr("element vertex"));
   EXPECT_GT(cloud.size(), 27U * 3000U);
@@ -69,13 +97,12 @@ TEST_F(DenseRun, SurfacesAndGridAreWritten) {
   EXPECT_TRUE(summary["warnings"].empty()) << summary["warnings"].dump();
 }
 
-TEST_F(DenseRun, GridOnTheBusIsThatOfTheFiles) {
-  WholeRun run;
-  ASSERT_EQ(run.Run({"run", kRoom, "--dense", "--record", run.log()}), 0) << run.Logs();
+TEST_F(SharedDenseRun, GridOnTheBusIsThatOfTheFiles) {
+  const WholeRun& run = Recorded();
   const ScratchFolder scratch;
-  const test::ShellResult exported = test::Shell(
-      scratch, fmt::format("'{}/plslam' export '{}' --format mcap --out '{}'", test::BinaryFolder().string(),
-                           run.out().string(), (run.folder() / "mcap").string()));
+  const test::ShellResult exported =
+      test::Shell(scratch, fmt::format("'{}/plslam' export '{}' --format mcap --out '{}'",
+                                       test::BinaryFolder().string(), run.out().string(), scratch.Path("mcap")));
   EXPECT_EQ(exported.exit_code, 0) << exported.error;
   EXPECT_THAT(exported.out, HasSubstr(", the grid, the surfaces"));
   const std::optional<OccupancyGrid> written = exports::ReadGridFiles(run.out().string());
@@ -125,9 +152,8 @@ std::vector<SurfacePoint> RecordedCloud(const WholeRun& run) {
   return cloud.PointsInW();
 }
 
-TEST_F(DenseRun, CloudOnTheBusIsThatOfTheFiles) {
-  WholeRun run;
-  ASSERT_EQ(run.Run({"run", kRoom, "--dense", "--record", run.log()}), 0) << run.Logs();
+TEST_F(SharedDenseRun, CloudOnTheBusIsThatOfTheFiles) {
+  const WholeRun& run = Recorded();
   std::vector<SurfacePoint> sent = RecordedCloud(run);
   std::optional<std::vector<SurfacePoint>> written = exports::ReadCloudFile(run.out().string());
   ASSERT_TRUE(written);
@@ -146,18 +172,17 @@ TEST_F(DenseRun, CloudOnTheBusIsThatOfTheFiles) {
   EXPECT_LT(n_far, sent.size() / 50);
 }
 
-TEST_F(DenseRun, SameInputTwiceGivesTheSameBits) {
-  WholeRun one, two;
-  ASSERT_EQ(one.Run({"run", kRoom, "--dense"}), 0) << one.Logs();
-  ASSERT_EQ(two.Run({"run", kRoom, "--dense"}), 0) << two.Logs();
+TEST_F(SharedDenseRun, SameInputTwiceGivesTheSameBits) {
+  const WholeRun &one = Recorded(), &two = Alone();
+  EXPECT_NE(one.Read("mesh.ply"), "");
   for (const char* file : {"mesh.ply", "map.bt", "map.pgm", "frames.json"})
     EXPECT_EQ(one.Read(file), two.Read(file)) << file;
   EXPECT_EQ(one.Read("trajectory.tum"), two.Read("trajectory.tum"));
 }
 
-TEST_F(DenseRun, TrajectoryIsThatOfARunWithoutSurfaces) {
-  WholeRun with, without;
-  ASSERT_EQ(with.Run({"run", kRoom, "--dense"}), 0) << with.Logs();
+TEST_F(SharedDenseRun, TrajectoryIsThatOfARunWithoutSurfaces) {
+  const WholeRun& with = Recorded();
+  WholeRun without;
   ASSERT_EQ(without.Run({"run", kRoom}), 0) << without.Logs();
   EXPECT_EQ(with.Read("trajectory.tum"), without.Read("trajectory.tum"));
   EXPECT_FALSE(std::filesystem::exists(without.out() / "cloud.ply"));
@@ -176,11 +201,13 @@ TEST_F(DenseRun, SavedMapContinuesWithItsSurfaces) {
   EXPECT_GT(Occupied(run), occupied) << "the first part is there, too";
 }
 
-TEST_F(DenseRun, SavedSurfacesAreExported) {
-  WholeRun run;
-  const std::string map = (run.out() / "room.plmap").string(), out = (run.folder() / "export").string();
-  ASSERT_EQ(run.Run({"run", kRoom, "--dense", "--save-map", map}), 0) << run.Logs();
+TEST_F(SharedDenseRun, SavedSurfacesAreExported) {
+  const WholeRun& run = Recorded();
   const ScratchFolder scratch;
+  const std::string map = scratch.Path("room.plmap"), out = scratch.Path("export");
+  for (const char* part : {"", ".surfaces"}) {
+    std::filesystem::copy_file((run.out() / "room.plmap").string() + part, map + part);
+  }
   const auto exported = [&](const std::string& formats) {
     return test::Shell(scratch, fmt::format("'{}/plslam' export '{}' --out '{}' --format {}",
                                             test::BinaryFolder().string(), map, out, formats));

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -31,8 +32,9 @@ bool HasFrames(const WholeRun& run) {
   return std::filesystem::exists(run.log()) && std::filesystem::file_size(run.log()) > 3'000'000;
 }
 
-std::vector<std::string> LongRun(const WholeRun& run) {
-  return {"run", "synthetic:room?frames=400&size=376x240", "--record", run.log()};
+/// Long enough to be interrupted, in lockstep also on a fast machine.
+std::vector<std::string> LongRun(const WholeRun& run, int n_frames = 400) {
+  return {"run", fmt::format("synthetic:room?frames={}&size=376x240", n_frames), "--record", run.log()};
 }
 
 /// The same, with its map saved as `map`.
@@ -266,7 +268,7 @@ TEST(RunFailure, SecondRunIntoTheSameFolderIsRefused) {
 
 TEST(RunFailure, KilledRecorderContinuesInAnotherFile) {
   WholeRun run;
-  run.Start(LongRun(run));
+  run.Start(LongRun(run, 200));
   ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
   const auto recorded = std::filesystem::file_size(run.log());
   const pid_t recorder = run.PidOf("plslam");
@@ -303,7 +305,7 @@ TEST(RunFailure, ResultsStayUntilTheNextRunIsAccepted) {
 
 TEST(RunFailure, KilledTrackerIsStartedAgain) {
   WholeRun run;
-  run.Start(LongRun(run));
+  run.Start(LongRun(run, 120));
   ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
   const pid_t tracker = run.PidOf("vo_process");
   ASSERT_GT(tracker, 0);
@@ -312,7 +314,7 @@ TEST(RunFailure, KilledTrackerIsStartedAgain) {
   const nlohmann::json summary = run.Summary();
   EXPECT_EQ(summary["completed"], true);
   EXPECT_EQ(summary["processes"]["vo"]["restarts"], 1);
-  EXPECT_EQ(summary["frames"], 400) << summary.dump(1);
+  EXPECT_EQ(summary["frames"], 120) << summary.dump(1);
 }
 
 TEST(RunFailure, TrackerWhoseStateIsDamagedBeginsANewSession) {
@@ -331,42 +333,16 @@ TEST(RunFailure, TrackerWhoseStateIsDamagedBeginsANewSession) {
   EXPECT_FALSE(std::filesystem::exists(state)) << "an orderly exit leaves none";
 }
 
-TEST(RunFailure, KilledMapperBuildsTheSameMapAgain) {
-  const std::string world = "synthetic:room?frames=200&size=376x240";
-  WholeRun undisturbed, run;
-  ASSERT_EQ(undisturbed.Run({"run", world, "--record", undisturbed.log()}), 0) << undisturbed.Logs();
-  run.Start({"run", world, "--record", run.log()});
-  const auto half_way = [&] {
-    return std::filesystem::exists(run.log()) && std::filesystem::file_size(run.log()) > 18'000'000;
-  };
-  ASSERT_TRUE(WholeRun::WaitFor(half_way)) << run.Logs();
-  const pid_t mapper = run.PidOf("mapping_process");
-  ASSERT_GT(mapper, 0);
-  ASSERT_EQ(kill(mapper, SIGKILL), 0);
-  ASSERT_EQ(run.Wait(), 0) << run.Logs();
-  const nlohmann::json summary = run.Summary();
-  EXPECT_EQ(summary["completed"], true);
-  EXPECT_EQ(summary["tracked_frames"], 200) << summary.dump(1);
-  EXPECT_EQ(summary["processes"]["mapping"]["restarts"], 1);
-  EXPECT_EQ(summary["processes"]["vo"]["restarts"], 0);
-  const auto expected = test::ReadRecordedRun(undisturbed.log()), log = test::ReadRecordedRun(run.log());
-  EXPECT_GE(expected.map_totals.keyframes, 5);
-  EXPECT_EQ(log.map_totals.keyframes, expected.map_totals.keyframes);
-  EXPECT_TRUE(log.map_bytes == expected.map_bytes) << "lockstep: the map does not depend on the crash";
-  EXPECT_EQ(run.Read("trajectory.tum"), undisturbed.Read("trajectory.tum"));
-  EXPECT_TRUE(run.Read("map.ply") == undisturbed.Read("map.ply"));
-}
-
 TEST(RunFailure, KilledViewerIsRestartedWithWholeTrajectory) {
   WholeRun run;
-  run.Start(LongRun(run));
+  run.Start(LongRun(run, 120));
   ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
   const pid_t viewer = run.PidOf("viewer_headless");
   ASSERT_GT(viewer, 0);
   ASSERT_EQ(kill(viewer, SIGKILL), 0);
   ASSERT_EQ(run.Wait(), 0) << run.Logs();
   const std::string path = run.Read("trajectory.tum");
-  EXPECT_EQ(std::count(path.begin(), path.end(), '\n'), 400);
+  EXPECT_EQ(std::count(path.begin(), path.end(), '\n'), 120);
 }
 
 TEST(RunFailure, ViewerKilledAtTheEndReportsLostPictures) {

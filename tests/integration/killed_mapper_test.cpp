@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -29,6 +31,7 @@ Kill LoopAt(int64_t frame) { return {frame, "loop", "loop_process"}; }
 struct MappedRun {
   std::string trajectory;
   std::string keyframes;
+  std::string points;  ///< map.ply
   std::vector<uint8_t> map;
 };
 
@@ -50,13 +53,19 @@ MappedRun Play(const std::string& state_every, const std::vector<Kill>& kills) {
   }
   EXPECT_EQ(run.Wait(), 0) << run.Logs();
   EXPECT_EQ(run.Summary()["completed"], true);
-  EXPECT_GE(run.Summary()["loops"], 1);
-  return {run.Read("trajectory.tum"), run.Read("keyframes.tum"), test::BytesWithoutName(map)};
+  const nlohmann::json summary = run.Summary();
+  EXPECT_EQ(summary["tracked_frames"], 300);
+  EXPECT_GE(summary["loops"], 1);
+  for (const char* process : {"vo", "mapping", "loop"}) {
+    EXPECT_EQ(summary["processes"][process]["restarts"], std::ranges::count(kills, process, &Kill::name)) << process;
+  }
+  return {run.Read("trajectory.tum"), run.Read("keyframes.tum"), run.Read("map.ply"), test::BytesWithoutName(map)};
 }
 
 void ExpectSame(const MappedRun& a, const MappedRun& b) {
   EXPECT_TRUE(a.trajectory == b.trajectory);
   EXPECT_TRUE(a.keyframes == b.keyframes);
+  EXPECT_TRUE(a.points == b.points);
   EXPECT_TRUE(a.map == b.map);
 }
 

@@ -100,7 +100,7 @@ class Recording {
   int n_replays_ = 0;
 };
 
-/// By process. One test with all faults, since CTest runs each test by itself, and each records its run.
+/// By process, all with one recording.
 class ProcessReplayTest : public testing::TestWithParam<ReplayedProcess> {
  protected:
   static Recording& Lap() {

@@ -159,21 +159,6 @@ TEST(Run, MaskedPartHasNoFeaturesInRunAndReplay) {
   EXPECT_EQ(unmasked.Run({"run", kWorld, "--map", map}), 0) << unmasked.Logs();
 }
 
-TEST(Run, SameInputTwiceGivesTheSameBits) {
-  WholeRun first, second;
-  ASSERT_EQ(first.Run({"run", kWorld, "--record", first.log()}), 0) << first.Logs();
-  ASSERT_EQ(second.Run({"run", kWorld, "--record", second.log()}), 0) << second.Logs();
-  const RecordedRun a = ReadRecordedRun(first.log()), b = ReadRecordedRun(second.log());
-  ASSERT_EQ(a.poses.size(), static_cast<size_t>(kFrames));
-  EXPECT_EQ(a.poses, b.poses);
-  EXPECT_EQ(a.keyframes, b.keyframes);
-  EXPECT_EQ(first.Read("trajectory.tum"), second.Read("trajectory.tum"));
-  EXPECT_EQ(first.Read("trajectory_live.tum"), second.Read("trajectory_live.tum"));
-  EXPECT_EQ(first.Read("keyframes.tum"), second.Read("keyframes.tum"));
-  EXPECT_TRUE(first.Read("map.ply") == second.Read("map.ply"));
-  EXPECT_TRUE(a.map_bytes == b.map_bytes);
-}
-
 TEST(Run, ReplayOfTheRecordedLogGivesTheSameBits) {
   WholeRun live, replay;
   ASSERT_EQ(live.Run({"run", kWorld, "--record", live.log()}), 0) << live.Logs();

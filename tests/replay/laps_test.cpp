@@ -16,15 +16,16 @@
 namespace plslam::test {
 namespace {
 
-constexpr size_t kLap = 300;  // frames at 20 Hz
+constexpr int kLap_s = 15;
 
-std::vector<double> Errors(const std::vector<OdometryFrame>& frames, size_t lap = kLap) {
+/// Errors of laps of a world with so many frames a second.
+std::vector<double> Errors(const std::vector<OdometryFrame>& frames, int rate_hz) {
   std::vector<SE3> estimated, truth;
   for (const OdometryFrame& frame : frames) {
     estimated.push_back(frame.T_odom_l);
     truth.push_back(frame.T_w_l.value());
   }
-  return ErrorsOfLaps(estimated, truth, lap);
+  return ErrorsOfLaps(estimated, truth, static_cast<size_t>(kLap_s * rate_hz));
 }
 
 /// A line for each lap, and the frames that published a new body.
@@ -44,17 +45,19 @@ struct LapsCase {
 
 class Laps : public testing::TestWithParam<LapsCase> {};
 
-// Without a limit the map would have 112 keyframes. Everyday tests run ten laps of the second case.
+// Without a limit the map would have 112 keyframes. Everyday tests run ten laps of the second case, at half the rate.
 TEST_P(Laps, LastLapIsAsAccurateAsTheSecond) {
   const LapsCase& test = GetParam();
   if (test.max_keyframes != 80 || test.laps != 100) PLSLAM_REQUIRE_LONG_TESTS();
   const int laps = LongTests() ? test.laps : 10;
-  const auto dataset = OpenDataset(fmt::format("synthetic:room?size={}&loops={}", test.size, laps), "");
+  const int rate_hz = LongTests() ? 20 : 10;
+  const auto dataset =
+      OpenDataset(fmt::format("synthetic:room?size={}&loops={}&rate={}", test.size, laps, rate_hz), "");
   LoopRunOptions options;
   options.mapping.max_keyframes = test.max_keyframes;
   const LoopRun run = RunLoops(*dataset, loop::LoadPlaces({}, {}), options);
-  const std::vector<double> live_m = Errors(run.slam.live);
-  const std::vector<double> final_m = Errors(run.slam.final);
+  const std::vector<double> live_m = Errors(run.slam.live, rate_hz);
+  const std::vector<double> final_m = Errors(run.slam.final, rate_hz);
   std::cout << laps << " laps, " << run.slam.keyframes << " keyframes: live error of the second lap " << live_m[1]
             << " m, of the last ones " << MeanOfLast(live_m, 5) << " m, in the final map " << MeanOfLast(final_m, 5)
             << " m; ATE " << AbsoluteTrajectoryError(run.slam.live) << " and "
@@ -69,12 +72,12 @@ TEST_P(Laps, LastLapIsAsAccurateAsTheSecond) {
 
 // Three in ten posters, books and boxes are others, or elsewhere, from the third lap on.
 TEST(ChangedRoom, RemainsWhereItWas) {
-  constexpr int kLaps = 5;
+  constexpr int kLaps = 5, kRate_hz = 10;
   const auto dataset =
-      OpenDataset(fmt::format("synthetic:room?size=376x240&rate=10&loops={}&changed_after=2", kLaps), "");
+      OpenDataset(fmt::format("synthetic:room?size=376x240&rate={}&loops={}&changed_after=2", kRate_hz, kLaps), "");
   const LoopRun run = RunLoops(*dataset, loop::LoadPlaces({}, {}), {});
-  const std::vector<double> live_m = Errors(run.slam.live, kLap / 2);
-  const std::vector<double> final_m = Errors(run.slam.final, kLap / 2);
+  const std::vector<double> live_m = Errors(run.slam.live, kRate_hz);
+  const std::vector<double> final_m = Errors(run.slam.final, kRate_hz);
   PrintLaps(run.slam.live, live_m, final_m);
   EXPECT_EQ(LostFrames(run.slam.live), 0);
   EXPECT_EQ(run.slam.n_bodies, 0);

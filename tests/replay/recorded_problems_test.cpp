@@ -136,7 +136,7 @@ TEST_P(RecordedMaps, EndInTheSameOptimum) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Rooms, RecordedMaps,
-                         testing::Values(std::pair("Laps", "synthetic:room?size=376x240&loops=2"),
+                         testing::Values(std::pair("Laps", "synthetic:room?size=376x240&loops=2&speed=2"),
                                          std::pair("Flight", "euroc_V1_01_sparse")),
                          [](const auto& instance) { return std::string(instance.param.first); });
 

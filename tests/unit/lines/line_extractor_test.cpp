@@ -20,20 +20,24 @@ bool Same(const std::vector<LineFeature>& a, const std::vector<LineFeature>& b) 
   return true;
 }
 
-cv::Mat ManyBars() {
-  std::vector<test::Bar> bars;
-  for (int i = 0; i < 12; ++i) {
-    for (int j = 0; j < 5; ++j) {
-      const Eigen::Vector2d middle(30.0 + 32 * i, 30.0 + 45 * j);
-      const Eigen::Vector2d half(16.0 * std::cos(0.7 * i + j), 16.0 * std::sin(0.7 * i + j));
-      bars.push_back({{middle - half, middle + half}, 7, 150.0 + 5 * j});
+/// Rendered once: under a sanitizer that takes seconds.
+const cv::Mat& ManyBars() {
+  static const cv::Mat image = [] {
+    std::vector<test::Bar> bars;
+    for (int i = 0; i < 12; ++i) {
+      for (int j = 0; j < 5; ++j) {
+        const Eigen::Vector2d middle(30.0 + 32 * i, 30.0 + 45 * j);
+        const Eigen::Vector2d half(16.0 * std::cos(0.7 * i + j), 16.0 * std::sin(0.7 * i + j));
+        bars.push_back({{middle - half, middle + half}, 7, 150.0 + 5 * j});
+      }
     }
-  }
-  return test::RenderBars({420, 250}, 80, bars);
+    return test::RenderBars({420, 250}, 80, bars);
+  }();
+  return image;
 }
 
 TEST(LineExtractor, EqualImagesGiveEqualLines) {
-  const cv::Mat image = ManyBars();
+  const cv::Mat& image = ManyBars();
   for (const auto& [name, detector] : ChoicesOf(Segments())) {
     LineOptions options;
     options.detector = detector;

@@ -93,11 +93,37 @@ TEST(InertialMotion, StandingCameraDoesNotDriftInTheDark) {
   EXPECT_LT(error.chi2, kExpectedChi2);
 }
 
+/// Frames, and the first sentence about a sensor that is not used.
+struct Sensed {
+  std::vector<OdometryFrame> frames;
+  std::string contradiction;
+  std::string samples;
+};
+
+Sensed RunWith(const std::string& world, const std::string& fault, int frames) {
+  const auto dataset = OpenDataset("synthetic:" + world + "&imu=200&size=320x240&frames=" + std::to_string(frames) +
+                                       (fault.empty() ? "" : "&imu_fault=" + fault),
+                                   "");
+  Sensed sensed{test::RunOdometry(*dataset, VoOptions()), "", ""};
+  for (const OdometryFrame& frame : sensed.frames) {
+    if (sensed.contradiction.empty()) sensed.contradiction = frame.imu_contradiction;
+    if (sensed.samples.empty()) sensed.samples = frame.imu_sample_faults;
+  }
+  return sensed;
+}
+
+/// Runs a world whose sensor has no fault: there is no sentence about it.
+std::vector<OdometryFrame> RunWithHealthySensor(const std::string& world) {
+  const Sensed sensed = RunWith(world, "", 120);
+  EXPECT_EQ(sensed.contradiction + sensed.samples, "") << world;
+  EXPECT_TRUE(sensed.frames.back().uses_imu) << world;
+  return sensed.frames;
+}
+
 TEST(InertialMotion, VerticalIsKnownAfterTwoSeconds) {
   constexpr size_t kTwoSeconds = 40, kFiveSeconds = 100;
   for (const std::string world : {"room?seed=1", "street?speed=10", "room?standing=1"}) {
-    const auto dataset = OpenDataset("synthetic:" + world + "&imu=200&size=320x240&frames=120", "");
-    const std::vector<OdometryFrame> frames = test::RunOdometry(*dataset, VoOptions());
+    const std::vector<OdometryFrame> frames = RunWithHealthySensor(world);
     for (size_t i = kTwoSeconds; i < frames.size(); ++i) {
       ASSERT_TRUE(frames[i].up) << world << ", frame " << i;
       const SE3 T_w_c = *frames[i].T_w_l * frames[i].T_l_c;
@@ -115,17 +141,14 @@ TEST(InertialMotion, VerticalIsKnownAfterTwoSeconds) {
   EXPECT_FALSE(test::RunOdometry(*dataset, options).back().up);
 }
 
-double Error(const std::string& world, bool with_sensor) {
-  VoOptions options;
-  options.imu.enabled = with_sensor;
-  const auto dataset = OpenDataset("synthetic:" + world + "&imu=200&size=320x240&frames=120", "");
-  return test::AbsoluteTrajectoryError(test::RunOdometry(*dataset, options));
-}
-
 // The measured ratios are 0.6 to 0.85; docs/lab/imu.md has them for more worlds.
 TEST(InertialMotion, GyroscopeMakesPathsMoreAccurate) {
+  VoOptions without;
+  without.imu.enabled = false;
   for (const std::string world : {"whitewall?seed=1", "room?turning=40"}) {
-    const double without_m = Error(world, false), with_m = Error(world, true);
+    const auto dataset = OpenDataset("synthetic:" + world + "&imu=200&size=320x240&frames=120", "");
+    const double without_m = test::AbsoluteTrajectoryError(test::RunOdometry(*dataset, without));
+    const double with_m = test::AbsoluteTrajectoryError(RunWithHealthySensor(world));
     EXPECT_LT(with_m, 0.95 * without_m) << world << ", without " << without_m;
   }
 }
@@ -188,25 +211,6 @@ TEST(InertialMotion, LongMotionsFindALargeBias) {
   EXPECT_LT(std::acos(std::min(1.0, truth.dot(inertial.Up()->direction))), kRadPerDeg);
 }
 
-/// Frames, and the first sentence about a sensor that is not used.
-struct Sensed {
-  std::vector<OdometryFrame> frames;
-  std::string contradiction;
-  std::string samples;
-};
-
-Sensed RunWith(const std::string& world, const std::string& fault, int frames) {
-  const auto dataset = OpenDataset("synthetic:" + world + "&imu=200&size=320x240&frames=" + std::to_string(frames) +
-                                       (fault.empty() ? "" : "&imu_fault=" + fault),
-                                   "");
-  Sensed sensed{test::RunOdometry(*dataset, VoOptions()), "", ""};
-  for (const OdometryFrame& frame : sensed.frames) {
-    if (sensed.contradiction.empty()) sensed.contradiction = frame.imu_contradiction;
-    if (sensed.samples.empty()) sensed.samples = frame.imu_sample_faults;
-  }
-  return sensed;
-}
-
 // A sensor in degrees a second contradicts the images, and changes nothing.
 TEST(InertialMotion, SensorThatContradictsTheImagesIsNotUsed) {
   const auto dataset = OpenDataset("synthetic:room?imu=200&size=320x240&frames=80", "");
@@ -229,14 +233,6 @@ TEST(InertialMotion, LateSamplesAreNotUsed) {
   const Sensed sensed = RunWith("whitewall?seed=1", "offset", 80);
   EXPECT_THAT(sensed.contradiction, testing::HasSubstr("ms late: time_offset_s: -0.0"));
   for (size_t i = 30; i < sensed.frames.size(); ++i) EXPECT_FALSE(sensed.frames[i].uses_imu) << i;
-}
-
-TEST(InertialMotion, HealthySensorHasNoSentence) {
-  for (const std::string world : {"street?speed=10", "room?standing=1", "room?turning=40"}) {
-    const Sensed sensed = RunWith(world, "", 100);
-    EXPECT_EQ(sensed.contradiction + sensed.samples, "") << world;
-    EXPECT_TRUE(sensed.frames.back().uses_imu) << world;
-  }
 }
 
 TEST(InertialMotion, StuckSensorIsMissingAtOnce) {

@@ -35,8 +35,9 @@ const std::set<std::string_view> kOfTheRun = {"CAMERA",       "STREAM", "STEREO_
                                               "POSE",         "TRACKS", "KEYFRAME",       "MAP_UPDATE",
                                               "LOOP_CLOSURE", "STATUS", "RELOCALISATION", "RELOCALISATION_REQUEST"};
 /// Fields that differ between two runs of the same data.
-const std::set<std::string> kNotCompared = {"header_t.source", "header_t.seq", "stage_t.ms", "pose_t.age_ms",
-                                            "loop_closure_t.detect_ms", "loop_closure_t.correct_ms"};
+const std::set<std::string> kNotCompared = {
+    "header_t.source",          "header_t.seq", "stage_t.ms", "pose_t.age_ms", "loop_closure_t.detect_ms",
+    "loop_closure_t.correct_ms"};
 
 const Channel* FindChannel(std::string_view name) {
   const auto channels = bus::Channels();

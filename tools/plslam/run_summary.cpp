@@ -135,7 +135,8 @@ std::string SpeedToText(const json& s) {
   if (!stages.contains(stage_name::kTotal)) return fmt::format("{:.1f} s in total", wall_s);
   const json& age = s["pose_age_ms"];
   return fmt::format(
-      "{:.1f} ms per frame (95 % below {:.1f}), poses {:.1f} ms after their frames (99 % below {:.1f}), {:.1f} s in total",
+      "{:.1f} ms per frame (95 % below {:.1f}), poses {:.1f} ms after their frames (99 % below {:.1f}), {:.1f} s in "
+      "total",
       stages[stage_name::kTotal]["median"].get<double>(), stages[stage_name::kTotal]["p95"].get<double>(),
       age["median"].get<double>(), age["p99"].get<double>(), wall_s);
 }

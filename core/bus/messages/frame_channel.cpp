@@ -11,6 +11,7 @@
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/frame_assembler.h"
+#include "core/bus/run_loop.h"
 #include "core/bus/transport/wire.h"
 #include "core/errors/log.h"
 #include "plslam/camera_t.hpp"

@@ -192,7 +192,8 @@ TEST(RunSummary, FitsInADozenLines) {
   const std::string text = SummaryToText(SummaryToJson(summary));
   EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 10) << text << "and two to tell where to look";
   EXPECT_THAT(text, testing::HasSubstr("  path       12.35 m\n"));
-  EXPECT_THAT(text, testing::HasSubstr("  speed      10.0 ms per frame (95 % below 11.0), poses 12.0 ms after their frames"));
+  EXPECT_THAT(
+      text, testing::HasSubstr("  speed      10.0 ms per frame (95 % below 11.0), poses 12.0 ms after their frames"));
   EXPECT_THAT(text, testing::HasSubstr("  restarts   vo 1\n"));
   EXPECT_THAT(text, testing::HasSubstr("  messages   1 lost, 2 sent again, 1 rejected\n"));
   EXPECT_THAT(text, testing::Not(testing::HasSubstr("CPU")));

@@ -175,14 +175,16 @@ BusLoad TopNode::Take(double now_s) {
 }
 
 std::string ToText(const BusLoad& load) {
-  std::string text = fmt::format(
-      "{:<10} {:<9} {:<12} {:>7} {:<9} {:>6} {:>7} {:>6} {:>6} {:>6} {:>6} {:>6} {:>8} {:>8}  {}\n", "robot", "process",
-      "host", "pid", "state", "heard", "/s", "age ms", "CPU ms", "CPU %", "MB", "queue", "lost", "repaired", "says");
+  std::string text =
+      fmt::format("{:<10} {:<9} {:<12} {:>7} {:<9} {:>6} {:>7} {:>6} {:>6} {:>6} {:>6} {:>6} {:>8} {:>8}  {}\n",
+                  "robot", "process", "host", "pid", "state", "heard", "/s", "age ms", "CPU ms", "CPU %", "MB",
+                  "queue", "lost", "repaired", "says");
   for (const ProcessLoad& p : load.processes) {
-    text += fmt::format("{:<10} {:<9} {:<12} {:>7} {:<9} {:>6} {:>7} {:>6} {:>6} {:>6} {:>6.0f} {:>6} {:>8} {:>8}  {}\n",
-                        OrDash(p.robot), OrDash(p.process), OrDash(p.host), p.pid, OrDash(p.state),
-                        Figure(p.heard_s_ago, 1), Figure(p.rate_hz, 1), Figure(p.age_ms, 1), Figure(p.cpu_ms, 1), Figure(p.cpu_percent, 0),
-                        p.memory_mb, p.queue, p.lost, p.repaired, Printable(p.reason));
+    text +=
+        fmt::format("{:<10} {:<9} {:<12} {:>7} {:<9} {:>6} {:>7} {:>6} {:>6} {:>6} {:>6.0f} {:>6} {:>8} {:>8}  {}\n",
+                    OrDash(p.robot), OrDash(p.process), OrDash(p.host), p.pid, OrDash(p.state),
+                    Figure(p.heard_s_ago, 1), Figure(p.rate_hz, 1), Figure(p.age_ms, 1), Figure(p.cpu_ms, 1),
+                    Figure(p.cpu_percent, 0), p.memory_mb, p.queue, p.lost, p.repaired, Printable(p.reason));
   }
   text += LinksToText(load);
   text += fmt::format("\n{:<32} {:>9} {:>10}\n", "channel", "Hz", "kB/s");

@@ -66,7 +66,7 @@ void ExpectSame(const MappedRun& a, const MappedRun& b) {
   EXPECT_TRUE(a.trajectory == b.trajectory);
   EXPECT_TRUE(a.keyframes == b.keyframes);
   EXPECT_TRUE(a.points == b.points);
-  EXPECT_TRUE(a.map == b.map);
+  EXPECT_EQ(test::DifferenceOf(a.map, b.map), "");
 }
 
 TEST(KilledMapper, RestartGivesTheSameBits) {

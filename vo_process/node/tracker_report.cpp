@@ -50,9 +50,9 @@ void TrackerReport::SetState(const std::string& state) {
   process_.SetState(state, warnings_);
 }
 
-void TrackerReport::LookAt(const StereoImages& images, const StereoFeatures& features, bool is_rgbd) {
+void TrackerReport::LookAt(const StereoImages& images, const StereoFeatures& features, bool preselected) {
   if (IsNearlyBlack(images.left)) Count(kFramesDark, 1);
-  if (is_rgbd) return;
+  if (preselected) return;
   // Only points: many lines are nearly parallel to the baseline and have no depth.
   const auto matched =
       std::count_if(features.points.begin(), features.points.end(), [](const auto& p) { return p.HasDepth(); });

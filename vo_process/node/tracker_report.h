@@ -32,8 +32,9 @@ class TrackerReport {
 
   /// A new camera: its vertical disparity is reported again.
   void OnCamera() { vertical_disparity_reported_ = false; }
-  /// Counts signs of bad images and of a bad calibration.
-  void LookAt(const StereoImages& images, const StereoFeatures& features, bool is_rgbd);
+  /// Counts signs of bad images, and of a bad calibration unless the features are `preselected`: those of depth maps, and
+  /// those that were followed because they had a depth, do not show how well images match.
+  void LookAt(const StereoImages& images, const StereoFeatures& features, bool preselected);
   /// Reports the vertical disparity once for each camera.
   void ReportVerticalDisparity(const RowField& rows, const StereoCamera& camera);
   /// Sets counters of the time offset, the disparity offset and the readout of the cameras, as estimated so far.

@@ -308,7 +308,7 @@ void VoNode::Track(const Frame& frame) {
   if (result.carried) report_.Count(kFramesCarried, 1);
   if (result.is_followed) report_.Count("frames.followed", 1);
   if (result.keyframe) report_.Count("keyframes", 1);
-  report_.LookAt(frame.images, result.features, rig_->kind == RigCalibration::Kind::kRgbd);
+  report_.LookAt(frame.images, result.features, result.is_followed || rig_->kind == RigCalibration::Kind::kRgbd);
   report_.ReportVerticalDisparity(odometry_->calibration().rows(), front_end_->camera());
   report_.ReportCameraErrors(odometry_->calibration());
   report_.ReportImu(odometry_->motion());

@@ -89,51 +89,63 @@ void FeatureTracker::TrackPoint(const std::vector<cv::Mat>& left, const Expected
   const auto found = TrackPatch(point.patch, left, expected->patch, SearchRange::kNear);
   if (!IsGood(found)) return;
   point.is_found = true;
+  ForgetPartner(point.seen);
   point.seen.left.px = found->px;
   point.disparity_px = expected->disparity_px;
 }
 
-/// Without depth if it is not found.
-void FeatureTracker::TrackLine(const RectifiedPair& pair, const RowField& rows, const Expected& motion,
+/// Returns whether the line is found in the left image; without depth, until it is measured.
+bool FeatureTracker::TrackLine(const RectifiedPair& pair, const Known& known, const Expected& motion,
                                StereoLine& line) const {
   const Segment2& before = line.left.segment;
   const Eigen::Vector3d p = motion.T_now_previous * camera_.Backproject(Measurement(before.p, line.disparity_p_px));
   const Eigen::Vector3d q = motion.T_now_previous * camera_.Backproject(Measurement(before.q, line.disparity_q_px));
   line.disparity_p_px = line.disparity_q_px = -1.0;
-  if (std::min(p.z(), q.z()) < camera_.MinDepth()) return;
+  if (std::min(p.z(), q.z()) < camera_.MinDepth()) return false;
   const auto level = static_cast<size_t>(line.left.octave);
-  if (level >= pair.left.size()) return;
-  const auto left = LocateSegment(pair.left[level], line.left, {camera_.Project(p), camera_.Project(q)});
-  if (!left) return;
+  if (level >= pair.left.size()) return false;
+  const Segment2 expected{camera_.Project(p), camera_.Project(q)};
+  const auto left = LocateSegment(pair.left[level], line.left, expected);
+  if (!left) return false;
   line.left = *left;
   line.sigma_px = EndSigma_px(line.left);
-  if (pair.HasDepthMap()) return;
-  const auto in_right = [&](const Eigen::Vector2d& px, double z_m) {
-    const double measured_px = rows.Measured_px(px, camera_.FocalBaseline() / z_m);
-    return Eigen::Vector2d(px.x() - measured_px, px.y() + rows.MatchOffset_px(px, measured_px));
+  if (pair.HasDepthMap()) return true;
+  // Ends of what is seen may be elsewhere than expected: depths along the segment are linear in the image as inverses.
+  const auto in_right = [&](const Eigen::Vector2d& px) {
+    const Eigen::Vector2d along = expected.q - expected.p;
+    const double at = (px - expected.p).dot(along) / along.squaredNorm();
+    const double disparity_px = camera_.FocalBaseline() * ((1.0 - at) / p.z() + at / q.z());
+    const double measured_px = known.rows.Measured_px(px, disparity_px);
+    return Eigen::Vector2d(px.x() - measured_px, px.y() + known.rows.MatchOffset_px(px, measured_px));
   };
   const Segment2& now = line.left.segment;
-  const auto right = LocateSegment(pair.right[level], line.left, {in_right(now.p, p.z()), in_right(now.q, q.z())});
-  if (right) SetDepthFromRight(*right, pair.left.front(), pair.right.front(), rows, options_, {}, line);
+  const auto right = LocateSegment(pair.right[level], line.left, {in_right(now.p), in_right(now.q)});
+  if (right) {
+    SetDepthFromRight(*right, pair.left.front(), pair.right.front(), known.rows, options_, known.dirt, line);
+  }
+  return true;
 }
 
-void FeatureTracker::Track(const RectifiedPair& pair, const RowField& rows, const SE3& T_odom_previous,
-                           const SE3& T_odom_now, double depth_units_per_m, const RunBoth& run_both) {
-  const SE3 T_now_odom = T_odom_now.Inverse();
-  const Expected motion = Improved({T_now_odom * T_odom_previous, T_now_odom}, pair.left);
+void FeatureTracker::Track(const RectifiedPair& pair, const Known& known, const RunBoth& run_both) {
+  const SE3 T_now_odom = known.T_odom_now.Inverse();
+  const Expected motion = Improved({T_now_odom * known.T_odom_previous, T_now_odom}, pair.left);
   const bool has_depth_map = pair.HasDepthMap();
   std::optional<HalvedPair> both;
   if (!has_depth_map) both.emplace(pair.left, pair.right);
   std::optional<PatchAligner> aligner;
-  if (both) aligner.emplace(*both, options_.row_sigma_px, rows, false);
+  if (both) aligner.emplace(*both, options_.row_sigma_px, known.rows);
   std::atomic<size_t> begun = 0;
   const size_t n = lines_.size() + points_.size();
   const auto track = [&](size_t i) {
-    if (i < lines_.size()) return TrackLine(pair, rows, motion, lines_[i].seen);
+    if (i < lines_.size()) {
+      lines_[i].is_found = TrackLine(pair, known, motion, lines_[i].seen);
+      return;
+    }
     FollowedPoint& point = points_[i - lines_.size()];
     TrackPoint(pair.left, motion, point);
     if (!point.is_found || has_depth_map) return;
-    AlignWithRight(*aligner, rows.Measured_px(point.seen.left.px, point.disparity_px), options_, point.seen);
+    const double expected_px = known.rows.Measured_px(point.seen.left.px, point.disparity_px);
+    AlignWithRight(*aligner, expected_px, options_, point.seen);
     if (point.seen.HasDepth()) point.seen.sigma_disparity_px *= kRepeatedDisparity;
   };
   const auto work = [&] {
@@ -143,12 +155,13 @@ void FeatureTracker::Track(const RectifiedPair& pair, const RowField& rows, cons
   };
   run_both(work, work);
   std::erase_if(points_, [](const FollowedPoint& point) { return !point.is_found; });
+  std::erase_if(lines_, [](const FollowedLine& line) { return !line.is_found; });
   StereoFeatures features = Features();
   if (has_depth_map) {
-    AttachDepthToPoints(features.points, pair.depth, depth_units_per_m, camera_, options_);
-    AttachDepthToLines(features.lines, pair.depth, depth_units_per_m, camera_, options_);
+    AttachDepthToPoints(features.points, pair.depth, known.depth_units_per_m, camera_, options_);
+    AttachDepthToLines(features.lines, pair.depth, known.depth_units_per_m, camera_, options_);
   } else {
-    ToSimultaneous(rows, features);
+    ToSimultaneous(known.rows, features);
   }
   for (size_t i = 0; i < points_.size(); ++i) {
     points_[i].seen = features.points[i];

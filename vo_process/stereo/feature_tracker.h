@@ -12,6 +12,7 @@
 #include "core/features/options.h"
 #include "core/geometry/se3.h"
 #include "core/geometry/stereo_camera.h"
+#include "vo_process/stereo/dirt_cells.h"
 #include "vo_process/stereo/patch_tracker.h"
 #include "vo_process/stereo/rectified_pair.h"
 #include "vo_process/stereo/row_field.h"
@@ -23,8 +24,8 @@ namespace plslam::vo {
 /// tracking: Forster et al. 2017; PL-SLAM §IX).
 ///
 /// Points and lines of a frame in which they were detected are found in the next frames: predicted from the last frame,
-/// then located in the left image by `TrackPatch` and `LocateSegment`, and in the right image by alignment from the expected
-/// disparity. Patches are those of the first frame, so points do not drift; they change as the slope of the surface lets
+/// then located in the left image by `TrackPatch` and `LocateSegment`; in the right image points by alignment from the
+/// expected disparity, lines as in the left one. Patches are those of the first frame, so points do not drift; they change as the slope of the surface lets
 /// expect, which the first pair showed. Only corners and lines with depth are followed, and those that are not found are not
 /// looked for again.
 ///
@@ -33,10 +34,16 @@ class FeatureTracker {
  public:
   FeatureTracker(const StereoCamera& camera, const StereoOptions& options) : camera_(camera), options_(options) {}
 
-  /// Finds the features in the next frame. The camera was at `T_odom_previous` in the last one, and is expected at
-  /// `T_odom_now`. `depth_units_per_m` is that of the depth map, if the pair has one.
-  void Track(const RectifiedPair& pair, const RowField& rows, const SE3& T_odom_previous, const SE3& T_odom_now,
-             double depth_units_per_m, const RunBoth& run_both);
+  /// What is known of the next frame. The camera was at `T_odom_previous` in the last one, and is expected at `T_odom_now`.
+  struct Known {
+    RowField rows;
+    PairDirt dirt;
+    SE3 T_odom_previous;
+    SE3 T_odom_now;
+    double depth_units_per_m = 0.0;  ///< of the depth map, if the pair has one
+  };
+  /// Finds the features in the next frame.
+  void Track(const RectifiedPair& pair, const Known& known, const RunBoth& run_both);
 
   /// The features in the last frame.
   StereoFeatures Features() const;
@@ -86,6 +93,7 @@ class FeatureTracker {
   };
   struct FollowedLine {
     StereoLine seen;  ///< in the last frame
+    bool is_found = true;
 
     template <class Archive, class Self>
     static void Fields(Archive& a, Self& self) {
@@ -108,7 +116,7 @@ class FeatureTracker {
   std::optional<ExpectedPoint> Expect(const Expected& motion, const FollowedPoint& point) const;
   Expected Improved(const Expected& motion, const std::vector<cv::Mat>& left) const;
   void TrackPoint(const std::vector<cv::Mat>& left, const Expected& motion, FollowedPoint& point) const;
-  void TrackLine(const RectifiedPair& pair, const RowField& rows, const Expected& motion, StereoLine& line) const;
+  bool TrackLine(const RectifiedPair& pair, const Known& known, const Expected& motion, StereoLine& line) const;
 
   StereoCamera camera_;
   StereoOptions options_;

@@ -120,7 +120,7 @@ std::optional<PatchAlignment> PatchAligner::Align(const Eigen::Vector2d& left_px
     double variance = c.noise * c.noise * hessian(1, 1) / determinant;
     const Eigen::Vector2d off_center = left - Eigen::Vector2d(u, v);
     std::optional<SlantedAlignment> slanted;
-    if (with_slants_ && found.disparity_px * size_px >= kMinSlantDisparity_px) {
+    if (found.disparity_px * size_px >= kMinSlantDisparity_px) {
       slanted = RefineSlanted(level, {u, v}, off_center, shift, {expected_row, row_information});
     }
     if (slanted) {

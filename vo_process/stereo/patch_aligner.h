@@ -112,9 +112,9 @@ struct PatchAlignment {
 /// the residuals and the inverse Hessian. Patches of coarse features are taken from halved images.
 class PatchAligner {
  public:
-  /// `pair` must outlive the aligner. Without slants (`RefineSlanted`), near points are less accurate.
-  PatchAligner(const HalvedPair& pair, double sigma_row_px, const RowField& rows = {}, bool with_slants = true)
-      : pair_(&pair), sigma_row_px_(sigma_row_px), rows_(rows), with_slants_(with_slants) {}
+  /// `pair` must outlive the aligner.
+  PatchAligner(const HalvedPair& pair, double sigma_row_px, const RowField& rows = {})
+      : pair_(&pair), sigma_row_px_(sigma_row_px), rows_(rows) {}
 
   /// Aligns the patch at `left_px`, detected at a pixel size of `scale`, starting from `disparity_px`. Returns nullopt
   /// if the patch leaves an image, has no gradient along the row, does not converge, or moves more than 2.5 of its
@@ -125,7 +125,6 @@ class PatchAligner {
   const HalvedPair* pair_;
   double sigma_row_px_;
   RowField rows_;
-  bool with_slants_;
 };
 
 }  // namespace plslam::vo

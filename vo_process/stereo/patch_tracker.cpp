@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include <Eigen/LU>
 
@@ -148,17 +149,25 @@ Found Search(const Template& t, const cv::Mat& image, const Eigen::Vector2d& sta
   return found;
 }
 
-/// View of a stored level as an image.
-cv::Mat AsImage(const StoredPatch::Pixels& pixels) {
+/// View of stored pixels as an image.
+cv::Mat AsImage(std::span<const uint8_t> pixels, int reach) {
   // OpenCV has no image of constant pixels; nothing writes to this one.
-  return {StoredPatch::kWidth, StoredPatch::kWidth, CV_8UC1, const_cast<uint8_t*>(pixels.data())};
+  return {2 * reach + 1, 2 * reach + 1, CV_8UC1, const_cast<uint8_t*>(pixels.data())};
+}
+
+/// Copies the pixels around one of an image, repeating those at its border.
+void CopyAround(const cv::Mat& image, const Eigen::Vector2i& center, int reach, uint8_t* out) {
+  for (int y = -reach; y <= reach; ++y) {
+    const uint8_t* row = image.ptr<uint8_t>(std::clamp(center.y() + y, 0, image.rows - 1));
+    for (int x = -reach; x <= reach; ++x) *out++ = row[std::clamp(center.x() + x, 0, image.cols - 1)];
+  }
 }
 
 Eigen::Vector2i Rounded(const Eigen::Vector2d& px) {
   return {static_cast<int>(std::lround(px.x())), static_cast<int>(std::lround(px.y()))};
 }
 
-const Eigen::Vector2i kCenter(StoredPatch::kReach, StoredPatch::kReach);
+Eigen::Vector2i CenterOf(const cv::Mat& image) { return {image.cols / 2, image.rows / 2}; }
 
 /// Searches one level. Returns the position in pixels of that level's image.
 std::optional<Found> SearchLevel(const Template& t, const cv::Mat& now, const Eigen::Vector2d& start,
@@ -175,22 +184,24 @@ std::optional<Found> SearchLevel(const Template& t, const cv::Mat& now, const Ei
 std::optional<StoredPatch> StorePatch(const std::vector<cv::Mat>& levels, const Eigen::Vector2d& px, double scale) {
   StoredPatch patch;
   patch.px = px;
-  const int n_levels = static_cast<int>(std::min(levels.size(), StoredPatch::kLevels));
+  const int n_levels = std::min(static_cast<int>(levels.size()), StoredPatch::kLevels);
   double size_px = 1.0;
-  for (; patch.finest + 1 < n_levels && scale > size_px * std::numbers::sqrt2; size_px *= 2.0) ++patch.finest;
-  for (int level = patch.finest; level < n_levels; ++level, size_px *= 2.0, ++patch.n_levels) {
+  for (; patch.finest_level + 1 < n_levels && scale > size_px * std::numbers::sqrt2; size_px *= 2.0)
+    ++patch.finest_level;
+  for (int level = patch.finest_level; level < n_levels; ++level, size_px *= 2.0, ++patch.n_levels) {
     const cv::Mat& image = levels[static_cast<size_t>(level)];
     const Eigen::Vector2i center = Rounded(px / size_px);
     if (!IsInside(image, center.x(), center.y())) break;
-    uint8_t* out = patch.images[static_cast<size_t>(patch.n_levels)].data();
-    for (int y = -StoredPatch::kReach; y <= StoredPatch::kReach; ++y) {
-      const uint8_t* row = image.ptr<uint8_t>(std::clamp(center.y() + y, 0, image.rows - 1));
-      for (int x = -StoredPatch::kReach; x <= StoredPatch::kReach; ++x) {
-        *out++ = row[std::clamp(center.x() + x, 0, image.cols - 1)];
-      }
+    if (patch.n_levels == 0) {
+      CopyAround(image, center, StoredPatch::kFinestReach, patch.finest.data());
+    } else {
+      CopyAround(image, center, StoredPatch::kCoarseReach,
+                 patch.coarse[static_cast<size_t>(patch.n_levels - 1)].data());
     }
   }
-  if (patch.n_levels == 0 || !MakeTemplate(AsImage(patch.images[0]), kCenter)) return std::nullopt;
+  if (patch.n_levels == 0) return std::nullopt;
+  const cv::Mat finest = AsImage(patch.finest, StoredPatch::kFinestReach);
+  if (!MakeTemplate(finest, CenterOf(finest))) return std::nullopt;
   return patch;
 }
 
@@ -201,7 +212,7 @@ std::optional<TrackedPatch> TrackPatch(const StoredPatch& patch, const std::vect
   if (!(determinant >= kMinZoom * kMinZoom && determinant <= kMaxZoom * kMaxZoom)) return std::nullopt;
   const Eigen::Matrix2d then_from_now = expected.now_from_then.inverse();
   const bool warps = (then_from_now - Eigen::Matrix2d::Identity()).cwiseAbs().maxCoeff() > kNoWarp;
-  const auto level_of = [&](int i) { return static_cast<size_t>(patch.finest + i); };
+  const auto level_of = [&](int i) { return static_cast<size_t>(patch.finest_level + i); };
   const auto search = [&](int i, const Template& t, const Eigen::Vector2d& start_px) -> std::optional<TrackedPatch> {
     const double size_px = static_cast<double>(size_t{1} << level_of(i));
     const Eigen::Vector2d then = patch.px / size_px;
@@ -211,8 +222,9 @@ std::optional<TrackedPatch> TrackPatch(const StoredPatch& patch, const std::vect
     return TrackedPatch{(found->center + off_center) * size_px, found->correlation, found->gain};
   };
   if (level_of(0) >= now.size()) return std::nullopt;
-  const cv::Mat finest = AsImage(patch.images[0]);
-  const auto exact = warps ? MakeWarpedTemplate(finest, kCenter, then_from_now) : MakeTemplate(finest, kCenter);
+  const cv::Mat finest = AsImage(patch.finest, StoredPatch::kFinestReach);
+  const Eigen::Vector2i center = CenterOf(finest);
+  const auto exact = warps ? MakeWarpedTemplate(finest, center, then_from_now) : MakeTemplate(finest, center);
   if (!exact) return std::nullopt;
   if (range == SearchRange::kNear) {
     auto found = search(0, *exact, expected.px);
@@ -221,7 +233,8 @@ std::optional<TrackedPatch> TrackPatch(const StoredPatch& patch, const std::vect
   Eigen::Vector2d start_px = expected.px;
   for (int i = patch.n_levels - 1; i > 0; --i) {
     if (level_of(i) >= now.size()) continue;
-    const auto coarse = MakeTemplate(AsImage(patch.images[static_cast<size_t>(i)]), kCenter);
+    const cv::Mat stored = AsImage(patch.coarse[static_cast<size_t>(i - 1)], StoredPatch::kCoarseReach);
+    const auto coarse = MakeTemplate(stored, CenterOf(stored));
     if (!coarse) continue;
     const auto found = search(i, *coarse, start_px);
     if (found && found->correlation > kMinCoarseCorrelation) start_px = found->px;

@@ -12,23 +12,25 @@
 
 namespace plslam::vo {
 
-/// Grey levels around a point, in the `HalvedImages` of the image in which it was first seen: 17x17 pixels of the level
-/// whose pixels are nearest in size to those of its octave, and of the coarser ones.
+/// Grey levels around a point, in the `HalvedImages` of the image in which it was first seen: of the level whose pixels are
+/// nearest in size to those of its octave, enough for a patch that is stretched by half, and of up to two coarser ones.
 struct StoredPatch {
-  static constexpr int kReach = 8;
-  static constexpr int kWidth = 2 * kReach + 1;
-  static constexpr size_t kLevels = 3;
-  using Pixels = std::array<uint8_t, static_cast<size_t>(kWidth) * kWidth>;
+  static constexpr int kFinestReach = 10;
+  static constexpr int kCoarseReach = 7;
+  static constexpr int kLevels = 3;
+  template <int Reach>
+  using Square = std::array<uint8_t, static_cast<size_t>(2 * Reach + 1) * (2 * Reach + 1)>;
 
   Eigen::Vector2d px = Eigen::Vector2d::Zero();
-  int32_t finest = 0;  ///< level of the first image
+  int32_t finest_level = 0;  ///< of the first image
   int32_t n_levels = 0;
-  std::array<Pixels, kLevels> images{};
+  Square<kFinestReach> finest{};
+  std::array<Square<kCoarseReach>, kLevels - 1> coarse{};
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.px, self.finest, self.n_levels);
-    for (auto& image : self.images) a(image);
+    a(self.px, self.finest_level, self.n_levels, self.finest);
+    for (auto& square : self.coarse) a(square);
   }
 };
 

@@ -117,6 +117,7 @@ std::optional<LineFeature> LocateSegment(const cv::Mat& image, const LineFeature
   double limit = kFirstLimit_px;
   int n = 0;
   double strength = 0.0;
+  double first_major = 0.0, last_major = 0.0;
   for (int round = 0; round < 3; ++round) {
     Fit next;
     double squares = 0.0, weights = 0.0;
@@ -129,6 +130,8 @@ std::optional<LineFeature> LocateSegment(const cv::Mat& image, const LineFeature
       squares += at.strength * r * r;
       weights += at.strength;
       strength += at.strength;
+      if (n == 0) first_major = at.major;
+      last_major = at.major;
       ++n;
     }
     if (n < kMinPositions || !next.Solve()) return std::nullopt;
@@ -144,10 +147,10 @@ std::optional<LineFeature> LocateSegment(const cv::Mat& image, const LineFeature
     return std::nullopt;
   found.response = static_cast<float>(contrast);
   for (Eigen::Vector2d* end_px : {&found.segment.p, &found.segment.q}) {
-    const Eigen::Vector2d at = end_px == &found.segment.p ? p : q;
+    const double at = end_px == &found.segment.p ? p[axis] : q[axis];
     Eigen::Vector2d on_line;
-    on_line[axis] = at[axis];
-    on_line[other] = fit.a + fit.b * at[axis];
+    on_line[axis] = std::clamp(at, first_major - 0.5, last_major + 0.5);
+    on_line[other] = fit.a + fit.b * on_line[axis];
     *end_px = on_line * size_px;
   }
   return found;

@@ -17,8 +17,8 @@ namespace plslam::vo {
 /// straight line is fitted to these positions without outliers. So the errors of successive frames are as independent as
 /// those of detected segments.
 ///
-/// Returns the segment between the feet of the expected ends, with its contrast as response; nullopt if fewer than 60 % of
-/// the positions are on the line, or if the contrast differs from that of `line` by more than a factor of two.
+/// Returns the part of the segment that is seen, with its contrast as response; nullopt if fewer than 60 % of the positions
+/// are on the line, or if the contrast differs from that of `line` by more than a factor of two.
 /// `image` is that of the segment's octave; the expected segment is in pixels of the full image.
 std::optional<LineFeature> LocateSegment(const cv::Mat& image, const LineFeature& line, const Segment2& expected);
 

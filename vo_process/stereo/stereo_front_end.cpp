@@ -95,15 +95,24 @@ StereoFeatures StereoFrontEnd::Detect(StageTimer& timer, const RowField& rows, s
 StereoFeatures StereoFrontEnd::Follow(StageTimer& timer, const RowField& rows, const SE3& T_odom_previous,
                                       const SE3& T_odom_now, FeatureTracker& tracker) {
   return timer.Time("follow", [&] {
-    tracker.Track(pair_, rows, T_odom_previous, T_odom_now, rig_.depth_units_per_m, OnBothThreads());
+    tracker.Track(pair_, {rows, dirt_, T_odom_previous, T_odom_now, rig_.depth_units_per_m}, OnBothThreads());
     tracker.RemoveIf([&](const StereoPoint& point) { return left_mask_.IsOutside(point.left.px); },
-                     [&](const StereoLine& line) {
-                       return left_mask_.IsOutside(line.left.segment.p) || left_mask_.IsOutside(line.left.segment.q);
-                     });
+                     [&](const StereoLine& line) { return IsMasked(line); });
     StereoFeatures features = tracker.Features();
     if (!pair_.HasDepthMap() && LeavesOutRight()) ForgetPartnersOutside(right_mask_, features);
     return features;
   });
+}
+
+/// Whether a mask hides an end or the middle, as of detected segments, in the left image or of the partner in the right one.
+bool StereoFrontEnd::IsMasked(const StereoLine& line) const {
+  const auto is_outside = [](const FeatureMask& mask, const Eigen::Vector2d& p, const Eigen::Vector2d& q) {
+    return mask.IsOutside(p) || mask.IsOutside(q) || mask.IsOutside(0.5 * (p + q));
+  };
+  const Segment2& left = line.left.segment;
+  if (is_outside(left_mask_, left.p, left.q)) return true;
+  return !pair_.HasDepthMap() && is_outside(right_mask_, left.p - Eigen::Vector2d(line.disparity_p_px, 0.0),
+                                            left.q - Eigen::Vector2d(line.disparity_q_px, 0.0));
 }
 
 StereoFeatures StereoFrontEnd::LookForRows(const PairSkew& skew) {

@@ -78,6 +78,7 @@ class StereoFrontEnd {
  private:
   bool LeavesOutLeft() const { return !rig_.left.mask.empty() || !mask_.left.empty(); }
   bool LeavesOutRight() const { return !rig_.right.mask.empty() || !mask_.right.empty(); }
+  bool IsMasked(const StereoLine& line) const;
   RunBoth OnBothThreads();
   void FindRightCorners();
   StereoFeatures DetectStereo(StageTimer& timer, const RowField& rows, std::optional<int> max_points);

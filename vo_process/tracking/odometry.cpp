@@ -47,6 +47,7 @@ StereoFeatures Odometry::SeePair(StereoFrontEnd& front_end, const StereoImages& 
   calibrator_.PredictSkew(T_prev_c, dt_s);
   front_end.Take(images, timer);
   if (MayFollow()) {
+    front_end.SetDirt(calibrator_.lenses().Cells());
     StereoFeatures features = front_end.Follow(timer, calibrator_.rows(), T_odom_c_, T_odom_c_ * T_prev_c, tracker_);
     const bool suffices =
         tracker_.Share() >= FollowPolicy::kMinShare && tracker_.Weight() >= FollowPolicy::kMinWeight;

@@ -12,6 +12,7 @@
 
 #include "core/datasets/open_dataset.h"
 #include "tests/support/changed_images.h"
+#include "tests/support/data_folder.h"
 #include "tests/support/odometry_run.h"
 #include "tests/support/worse_images.h"
 #include "vo_process/stereo/feature_tracker.h"
@@ -128,6 +129,40 @@ TEST(Following, SlopesOfTheRoadAreKnown) {
   const double without = ShareOfRoadFound(false);
   EXPECT_GT(with, 0.5);
   EXPECT_LT(without, 0.7 * with);
+}
+
+// Features of a depth camera are followed into an image without depth, and into a black one.
+TEST(Following, DepthIsThatOfThePresentImage) {
+  PLSLAM_REQUIRE_DATA(folder, "tum_fr1_xyz");
+  const auto dataset = OpenDataset(folder.string(), "");
+  StereoFrontEnd front_end(dataset->rig(), VoOptions());
+  StageTimer timer;
+  front_end.Take(dataset->Read(0), timer);
+  const StereoFeatures features = front_end.Detect(timer);
+  const auto follow = [&](const StereoImages& images) {
+    FeatureTracker tracker(front_end.camera(), StereoOptions());
+    front_end.Take(dataset->Read(0), timer);
+    tracker.Begin(front_end.pair().left, features);
+    front_end.Take(images, timer);
+    return front_end.Follow(timer, {}, SE3(), SE3(), tracker);
+  };
+  const auto with_depth = [](const StereoFeatures& seen) {
+    return std::ranges::count_if(seen.points, [](const StereoPoint& point) { return point.HasDepth(); });
+  };
+  StereoImages images = dataset->Read(0);
+  const StereoFeatures same = follow(images);
+  EXPECT_GT(with_depth(same), 50);
+  EXPECT_GT(same.lines.size(), 3U);
+  images.right.setTo(0);
+  const StereoFeatures without = follow(images);
+  EXPECT_GT(without.points.size(), 50U);
+  EXPECT_EQ(with_depth(without), 0);
+  EXPECT_TRUE(without.lines.empty());
+  images = dataset->Read(0);
+  images.left.setTo(0);
+  const StereoFeatures black = follow(images);
+  EXPECT_TRUE(black.points.empty());
+  EXPECT_TRUE(black.lines.empty());
 }
 
 TEST(Following, LightMayFlicker) {

@@ -72,13 +72,13 @@ void DirtyLenses::Observe(const StereoFeatures& features, const std::vector<Eige
   left_.Observe(LeftCorners(features, right_, right_mask));
 }
 
-void DirtyLenses::RemoveFrom(StereoFeatures& features) {
-  n_removed_ = static_cast<int>(
-      std::erase_if(features.points, [this](const StereoPoint& point) { return left_.IsOnDirt(point.left.px); }));
+int DirtyLenses::Remove(StereoFeatures& features) const {
+  const auto n_removed =
+      std::erase_if(features.points, [this](const StereoPoint& point) { return left_.IsOnDirt(point.left.px); });
   std::erase_if(features.lines, [this](const StereoLine& line) {
     return left_.IsOnDirt(line.left.segment.p) && left_.IsOnDirt(line.left.segment.q);
   });
-  if (!right_.HasDirt()) return;
+  if (!right_.HasDirt()) return static_cast<int>(n_removed);
   for (StereoPoint& point : features.points) {
     if (point.HasDepth() && right_.IsOnDirt(PartnerOf(point))) ForgetPartner(point);
   }
@@ -88,6 +88,7 @@ void DirtyLenses::RemoveFrom(StereoFeatures& features) {
     const Eigen::Vector2d q = line.left.segment.q - Eigen::Vector2d(line.disparity_q_px, 0.0);
     if (right_.IsOnDirt(p) && right_.IsOnDirt(q)) line.disparity_p_px = line.disparity_q_px = -1.0;
   }
+  return static_cast<int>(n_removed);
 }
 
 }  // namespace plslam::vo

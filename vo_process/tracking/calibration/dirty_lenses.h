@@ -31,9 +31,11 @@ class DirtyLenses {
 
   /// Removes points on the left lens's dirt, and segments with both ends there; and depths from partners on the right
   /// lens's dirt.
-  void RemoveFrom(StereoFeatures& features);
+  void RemoveFrom(StereoFeatures& detected) { n_removed_ = Remove(detected); }
+  /// The same of features that were followed.
+  void RemoveFromFollowed(StereoFeatures& followed) const { Remove(followed); }
 
-  /// Number of points removed from the last pair.
+  /// Number of points removed from the last pair with detection: so many more have to be detected.
   int n_removed() const { return n_removed_; }
 
   /// The state between frames, for `core/files/archive.h`.
@@ -43,6 +45,8 @@ class DirtyLenses {
   }
 
  private:
+  int Remove(StereoFeatures& features) const;
+
   LensDirt left_;
   LensDirt right_;
   int n_removed_ = 0;

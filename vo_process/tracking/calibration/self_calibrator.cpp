@@ -62,7 +62,7 @@ void SelfCalibrator::PredictSkew(const SE3& T_prev_c, double dt_s) {
 
 bool SelfCalibrator::Accepts(StereoFeatures& followed) {
   if (LearnRows(followed)) return false;
-  lenses_.RemoveFrom(followed);
+  lenses_.RemoveFromFollowed(followed);
   return true;
 }
 

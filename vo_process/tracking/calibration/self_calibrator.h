@@ -58,10 +58,10 @@ class SelfCalibrator {
   /// detected, because a vertical disparity is first applied.
   bool Accepts(StereoFeatures& followed);
 
-  /// Detects the stereo features of the pair that `front_end` has taken, using and learning its vertical disparity. The first pair is
-  /// processed twice, because it creates landmarks: first for vertical disparities that may be large. So are further
-  /// pairs until enough was seen, and a pair that changes whether a vertical disparity is applied, or first shows dirt.
-  ///
+  /// Detects the stereo features of the pair that `front_end` has taken, using and learning its vertical disparity. The
+  /// first pair is processed twice, because it creates landmarks: first for vertical disparities that may be large. So
+  /// are further pairs until enough was seen, and a pair that changes whether a vertical disparity is applied, or first
+  /// shows dirt.
   StereoFeatures SeePair(StereoFrontEnd& front_end, StageTimer& timer);
 
   /// Applies what was learned about the measurements: their noise, and the offset of the disparities.

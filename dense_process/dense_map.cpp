@@ -28,19 +28,20 @@ constexpr double kLargestVoxel_m = 1.0;
 constexpr float kFarthest_m = 1e6F;  // from the origin of a submap
 constexpr double kUnit = 1e-9;       // rounding of unit quaternions
 
-constexpr FileKind kSurfaces{{'P', 'L', 'S', 'L', 'S', 'U', 'R', 'F'}, 3, "surfaces file"};
+constexpr FileKind kSurfaces{{'P', 'L', 'S', 'L', 'S', 'U', 'R', 'F'}, 4, "surfaces file"};
 
 /// A submap in a file.
 struct StoredSubmap {
   KeyframeFrame anchor;
   SE3 T_s_anchor;
   std::vector<KeyframeFrame> keyframes;
-  std::vector<Volume::Block> blocks;
+  std::vector<Volume::Block> blocks;  ///< of the newest submap; `packed`: of the others
+  PackedVolume packed;
   std::vector<std::vector<float>> views;  ///< x, y, z of the eye, and of each end
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.anchor, self.T_s_anchor, self.keyframes, self.blocks, self.views);
+    a(self.anchor, self.T_s_anchor, self.keyframes, self.blocks, self.packed, self.views);
   }
 };
 
@@ -70,6 +71,19 @@ std::vector<Eigen::Vector3d> SampleSurface(const Volume& volume) {
 
 }  // namespace
 
+/// The voxels of a submap, unpacked for as long as they are read.
+class DenseMap::Voxels {
+ public:
+  Voxels(const Submap& submap, double voxel_m) : growing_(submap.growing ? &*submap.growing : nullptr) {
+    if (growing_ == nullptr) unpacked_.emplace(submap.packed.Unpack(voxel_m));
+  }
+  const Volume& operator*() const { return growing_ != nullptr ? *growing_ : *unpacked_; }
+
+ private:
+  const Volume* growing_;
+  std::optional<Volume> unpacked_;
+};
+
 size_t DenseMap::n_submaps() const {
   return static_cast<size_t>(std::ranges::count_if(submaps_, [](const Submap& s) { return !s.keyframes.empty(); }));
 }
@@ -77,15 +91,16 @@ size_t DenseMap::n_submaps() const {
 size_t DenseMap::bytes() const {
   size_t bytes = 0;
   for (const Submap& submap : submaps_) {
-    bytes += submap.volume.bytes();
-    for (const BoundedView& view : submap.views) bytes += view.ends.size() * sizeof(view.ends.front());
+    bytes += submap.packed.bytes() + (submap.growing ? submap.growing->bytes() : 0);
+    for (const BoundedView& view : submap.views) bytes += view.ends.capacity() * sizeof(view.ends.front());
   }
   return bytes;
 }
 
 double DenseMap::BytesPerCubicMetre() const {
   size_t n_voxels = 0;
-  for (const Submap& submap : submaps_) n_voxels += submap.volume.n_voxels();
+  for (const Submap& submap : submaps_)
+    n_voxels += submap.packed.n_voxels() + (submap.growing ? submap.growing->n_voxels() : 0);
   const double space_m3 = static_cast<double>(n_voxels) * voxel_m_ * voxel_m_ * voxel_m_;
   return n_voxels > 0 ? static_cast<double>(bytes()) / space_m3 : 0.0;
 }
@@ -105,15 +120,22 @@ bool DenseMap::Add(const KeyframeFrame& keyframe, const DepthImage& depth, const
   const auto pose = poses.find(keyframe);
   if (pose == poses.end()) return false;
   const SE3& T_w_kf = pose->second;
-  if (!Continues(keyframe, T_w_kf, poses)) submaps_.push_back({keyframe, T_w_kf, {}, Volume(voxel_m_), {}});
+  if (!Continues(keyframe, T_w_kf, poses)) {
+    if (!submaps_.empty()) {
+      submaps_.back().packed = PackedVolume(*submaps_.back().growing);
+      submaps_.back().growing.reset();
+    }
+    submaps_.push_back({keyframe, T_w_kf, {}, Volume(voxel_m_), {}, {}});
+  }
   Submap& submap = submaps_.back();
   const SE3 T_s_kf = submap.T_s_anchor * poses.at(submap.anchor).Inverse() * T_w_kf;
   const double range_m = range_m_ > 0.0 ? range_m_ : std::numeric_limits<double>::infinity();
-  submap.volume.Integrate(T_s_kf.translation(), MakeRays(depth, grey, camera, T_s_kf, voxel_m_, range_m));
+  submap.growing->Integrate(T_s_kf.translation(), MakeRays(depth, grey, camera, T_s_kf, voxel_m_, range_m));
   const std::vector<Eigen::Vector3d> ends = MakeBoundEnds(depth, camera, T_s_kf, voxel_m_, range_m);
   if (!ends.empty()) {
     BoundedView& view = submap.views.emplace_back();
     view.eye = T_s_kf.translation().cast<float>();
+    view.ends.reserve(ends.size());
     for (const Eigen::Vector3d& end : ends) view.ends.push_back(end.cast<float>());
   }
   submap.keyframes.push_back(keyframe);
@@ -130,9 +152,17 @@ std::optional<SE3> DenseMap::PoseOf(const Submap& submap, const KeyframePoses& p
 
 /// Moves the content of a submap to another one.
 void DenseMap::Join(Submap& gone, const SE3& T_to_gone, Submap& to) const {
-  to.volume.Add(gone.volume, T_to_gone);
+  const Voxels moving(gone, voxel_m_);
+  if (to.growing) {
+    to.growing->Add(*moving, T_to_gone);
+  } else {
+    Volume joined = to.packed.Unpack(voxel_m_);
+    joined.Add(*moving, T_to_gone);
+    to.packed = PackedVolume(joined);
+  }
   for (const BoundedView& view : gone.views) {
     BoundedView& moved = to.views.emplace_back();
+    moved.ends.reserve(view.ends.size());
     moved.eye = (T_to_gone * view.eye.cast<double>()).cast<float>();
     for (const Eigen::Vector3f& end : view.ends) moved.ends.push_back((T_to_gone * end.cast<double>()).cast<float>());
   }
@@ -140,9 +170,9 @@ void DenseMap::Join(Submap& gone, const SE3& T_to_gone, Submap& to) const {
   Empty(gone);
 }
 
-void DenseMap::Empty(Submap& gone) const {
+void DenseMap::Empty(Submap& gone) {
   gone.keyframes.clear();
-  gone.volume = Volume(voxel_m_);
+  gone.packed = {};
   gone.views.clear();
 }
 
@@ -161,7 +191,7 @@ void DenseMap::FollowRemovals(const KeyframePoses& poses, const KeyframePoses& l
   for (Submap* const submap : left) {
     const std::optional<SE3> T_w_s = PoseOf(*submap, poses);
     if (!T_w_s) continue;
-    std::vector<Eigen::Vector3d> surface_w = SampleSurface(submap->volume);
+    std::vector<Eigen::Vector3d> surface_w = SampleSurface(*Voxels(*submap, voxel_m_));
     for (Eigen::Vector3d& p : surface_w) p = *T_w_s * p;
     const SeenSurface seen = SeenBy(lasting, camera, RangeOf(camera, voxel_m_), surface_w);
     if (seen.share < kLeastSeen) {
@@ -182,7 +212,7 @@ void DenseMap::FollowRemovals(const KeyframePoses& poses, const KeyframePoses& l
 Volume DenseMap::Merge(const KeyframePoses& poses, const SE3& T_a_w) const {
   Volume merged(voxel_m_);
   for (const Submap& submap : submaps_) {
-    if (const std::optional<SE3> T_w_s = PoseOf(submap, poses)) merged.Add(submap.volume, T_a_w * *T_w_s);
+    if (const std::optional<SE3> T_w_s = PoseOf(submap, poses)) merged.Add(*Voxels(submap, voxel_m_), T_a_w * *T_w_s);
   }
   for (const Submap& submap : submaps_) {
     const std::optional<SE3> T_w_s = PoseOf(submap, poses);
@@ -212,7 +242,8 @@ SurfaceCloud DenseMap::Split(const Surface& surface_w, const KeyframePoses& pose
     if (anchor == poses.end() || submaps_[i].keyframes.empty()) continue;
     SubmapCloud& to = cloud.submaps[static_cast<int>(i)];
     to = {anchor->first.first, anchor->first.second, anchor->second, {}};
-    const Volume::Reader reader(submaps_[i].volume);
+    const Voxels voxels(submaps_[i], voxel_m_);
+    const Volume::Reader reader(*voxels);
     const SE3 T_s_w = submaps_[i].T_s_anchor * anchor->second.Inverse();
     std::erase_if(left, [&](const Surface::Vertex* vertex) {
       const Eigen::Vector3d p = T_s_w * vertex->p.cast<double>() / voxel_m_;
@@ -234,7 +265,8 @@ void DenseMap::Write(const std::string& path, const KeyframePoses& poses, const 
   for (const Submap& submap : submaps_) {
     if (submap.keyframes.empty()) continue;
     StoredSubmap& to = stored.emplace_back();
-    to = {submap.anchor, submap.T_s_anchor, submap.keyframes, submap.volume.Blocks(), {}};
+    to = {submap.anchor, submap.T_s_anchor, submap.keyframes, {}, submap.packed, {}};
+    if (submap.growing) to.blocks = submap.growing->Blocks();
     for (const BoundedView& view : submap.views) {
       std::vector<float>& numbers = to.views.emplace_back(view.eye.begin(), view.eye.end());
       for (const Eigen::Vector3f& end : view.ends) numbers.insert(numbers.end(), end.begin(), end.end());
@@ -270,7 +302,9 @@ DenseMap DenseMap::Read(const std::string& path, double range_m) {
           submap.T_s_anchor.IsFinite() && std::abs(submap.T_s_anchor.rotation().norm() - 1.0) < kUnit;
       if (!is_pose) throw std::runtime_error("a submap has no valid pose");
       Submap& read = map.submaps_.emplace_back(
-          Submap{submap.anchor, submap.T_s_anchor, submap.keyframes, Volume::FromBlocks(voxel_m, submap.blocks), {}});
+          Submap{submap.anchor, submap.T_s_anchor, submap.keyframes, {}, submap.packed, {}});
+      submap.packed.Unpack(voxel_m);  // throws for impossible values
+      if (&submap == &stored.back()) read.growing = Volume::FromBlocks(voxel_m, submap.blocks);
       for (const std::vector<float>& numbers : submap.views) {
         const bool are_points = numbers.size() >= 3 && numbers.size() % 3 == 0 &&
                                 std::ranges::all_of(numbers, [](float x) { return std::abs(x) < kFarthest_m; });

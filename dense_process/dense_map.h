@@ -13,13 +13,15 @@
 #include "core/map/surface_cloud.h"
 #include "dense_process/depth.h"
 #include "dense_process/keyframe_poses.h"
+#include "dense_process/packed_volume.h"
 #include "dense_process/surface.h"
 #include "dense_process/volume.h"
 
 namespace plslam::dense {
 
 /// Surfaces of a map in submaps of a few keyframes, each anchored to its first one. A correction of the map moves the
-/// submaps rigidly with their anchors, at no cost; within a submap the poses at the time of fusion remain.
+/// submaps rigidly with their anchors, at no cost; within a submap the poses at the time of fusion remain. All but the newest
+/// are packed.
 ///
 /// A blank surface has no depth, but its surroundings bound it from below. Such rays clear obstacles of all submaps
 /// when these are merged: a person who has left the front of a blank wall. They make nothing free that was unknown.
@@ -78,13 +80,15 @@ class DenseMap {
     KeyframeFrame anchor;
     SE3 T_s_anchor;                        ///< s: the frame w of the map at the time of the first keyframe
     std::vector<KeyframeFrame> keyframes;  ///< empty: the submap has been removed, or has joined another
-    Volume volume;
+    std::optional<Volume> growing;         ///< the voxels of the newest submap
+    PackedVolume packed;                   ///< those of all others, which are only read
     std::vector<BoundedView> views;
   };
 
+  class Voxels;
   std::optional<SE3> PoseOf(const Submap& submap, const KeyframePoses& poses) const;
   void Join(Submap& gone, const SE3& T_to_gone, Submap& to) const;
-  void Empty(Submap& gone) const;
+  static void Empty(Submap& gone);
   bool Continues(const KeyframeFrame& keyframe, const SE3& T_w_kf, const KeyframePoses& poses) const;
 
   double voxel_m_;

@@ -15,8 +15,12 @@
 namespace plslam::dense {
 namespace {
 
-using Grid = openvdb::Vec3fGrid;
 using Sums = openvdb::Vec3f;  ///< of a voxel: weight * distance (in truncations), weight, weight * grey
+/// Nodes of 1024 and 64 voxels: those of OpenVDB's default, of 4096 and 128, take megabytes on each side of the origin.
+template <class Value>
+using GridOf = openvdb::Grid<typename openvdb::tree::Tree4<Value, 4, 3, 3>::Type>;
+using Grid = GridOf<Sums>;
+using MaskGrid = GridOf<openvdb::ValueMask>;
 using openvdb::Coord;
 using openvdb::Vec3d;
 
@@ -141,9 +145,9 @@ void Volume::Add(const Volume& other, const SE3& T_this_other) {
     return;
   }
   // The target voxels: those within one voxel of a moved one.
-  openvdb::MaskGrid targets;
+  MaskGrid targets;
   {
-    openvdb::MaskGrid::Accessor mask = targets.getAccessor();
+    MaskGrid::Accessor mask = targets.getAccessor();
     for (auto voxel = other.impl_->grid->cbeginValueOn(); voxel; ++voxel) {
       const Eigen::Vector3d p = (T_in_voxels * FromVdb(voxel.getCoord())).array().floor();
       const Coord base = Nearest(p);

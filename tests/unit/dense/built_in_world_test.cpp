@@ -32,14 +32,16 @@ struct World {
   double median_m;
   double most_m;  ///< bound on the error of nine tenths
   double completeness;
+  double most_mb;  ///< bound on memory: for 100 m2 of floor, or 1 km of street
+  double size;     ///< in these units
 };
 
 // The walls of the corridor are blank: they remain unknown.
 class BuiltInWorld : public testing::TestWithParam<World> {};
 INSTANTIATE_TEST_SUITE_P(Worlds, BuiltInWorld,
-                         testing::Values(World{"room", 10, 0.05, 0.015, 0.05, 0.85},
-                                         World{"corridor?frames=300", 10, 0.05, 0.015, 0.05, 0.45},
-                                         World{"street?frames=200", 4, 0.2, 0.06, 0.2, 0.95}));
+                         testing::Values(World{"room", 10, 0.05, 0.015, 0.05, 0.85, 60.0, 0.48},
+                                         World{"corridor?frames=300", 10, 0.05, 0.015, 0.05, 0.45, 60.0, 0.24},
+                                         World{"street?frames=200", 4, 0.2, 0.06, 0.2, 0.95, 300.0, 0.06}));
 
 TEST_P(BuiltInWorld, SurfacesAreWhereTheyAre) {
   const World& world = GetParam();
@@ -56,6 +58,10 @@ TEST_P(BuiltInWorld, SurfacesAreWhereTheyAre) {
   const double doubled = test::DoubledShare(seen.simulator().world(), seen.surface().vertices, world.voxel_m);
   printf("doubled: %.4f\n", doubled);
   EXPECT_LT(doubled, 0.01);
+  const double mb = 1e-6 * static_cast<double>(seen.map().bytes()) / world.size;
+  printf("memory: %.1f MB for %s, %.1f kB per m3\n", mb, world.most_mb > 100.0 ? "1 km" : "100 m2",
+         1e-3 * seen.map().BytesPerCubicMetre());
+  EXPECT_LT(mb, world.most_mb);
   EXPECT_GT(Quantile(seen.normalised(), 0.68), 0.5) << "standard deviations are too large";
   EXPECT_LT(Quantile(seen.normalised(), 0.68), 1.5) << "standard deviations are too small";
 }

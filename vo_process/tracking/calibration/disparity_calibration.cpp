@@ -15,6 +15,10 @@
 namespace plslam::vo {
 namespace {
 
+// Errors of lengths that are worth more detected features.
+constexpr double kMostAppliedRest = 0.005;
+constexpr double kMostSuspected = 0.02;
+
 // Sigma of the disparity implied by parallax below which a point is compared.
 constexpr double kMaxImpliedSigma_px = 0.7;
 // Comparisons of one frame share the errors of its pose: they count as at most this number of independent ones.
@@ -78,6 +82,15 @@ DisparityCalibration::Rest DisparityCalibration::RestAt(double u_px) const {
 std::optional<DisparityCalibration::LengthError> DisparityCalibration::length_error() const {
   if (!applied_) return std::nullopt;
   return LengthError{-length_terms_.dot(state_.head<3>()), EstimateSigma_px(length_terms_)};
+}
+
+bool DisparityCalibration::IsSignificant() const {
+  return SquaredMahalanobis<3>(state_.head<3>(), covariance_.topLeftCorner<3, 3>()) > options_.min_chi_square;
+}
+
+bool DisparityCalibration::NeedsMeasurements() const {
+  if (!options_.enabled) return false;
+  return applied_ ? length_sigma_ > kMostAppliedRest : length_sigma_ > kMostSuspected && IsSignificant();
 }
 
 void DisparityCalibration::Correct(StereoFeatures& features) const {
@@ -146,10 +159,7 @@ bool DisparityCalibration::Observe(const SE3& T_odom_c, const TrackedFrame& fram
   }
   observations_ = std::move(now);
   Learn(measurements);
-  const Eigen::Vector3d offset = state_.head<3>();
-  const Eigen::Matrix3d covariance = covariance_.topLeftCorner<3, 3>();
-  const bool significant = SquaredMahalanobis<3>(offset, covariance) > options_.min_chi_square;
-  const bool applied = significant && check_.Confirms(offset, covariance);
+  const bool applied = IsSignificant() && check_.Confirms(state_.head<3>(), covariance_.topLeftCorner<3, 3>());
   const bool changed = std::exchange(applied_, applied) != applied;
   MeasureLengths(frame, raw_disparities_px);
   return changed;

@@ -49,6 +49,10 @@ class DisparityCalibration {
 
   bool is_applied() const { return applied_; }
 
+  /// Whether more independent measurements would decide what matters: lengths depend by more than half a percent on what
+  /// is unknown of an applied offset, or by more than two on a significant one that is not confirmed yet.
+  bool NeedsMeasurements() const;
+
   /// Applied offset of a disparity measured at column `u_px`; 0 while none is applied.
   double Offset_px(double u_px) const;
 
@@ -109,6 +113,7 @@ class DisparityCalibration {
     double variance_px2 = 1.0;
   };
 
+  bool IsSignificant() const;
   bool Compare(const Observation& before, const SE3& T_now_before, const Eigen::Vector2d& px_now,
                Measurement& measurement) const;
   void Learn(const std::vector<Measurement>& measurements);

@@ -49,11 +49,9 @@ class SelfCalibrator {
   /// Sets the skew of the next pair, given the predicted motion in the `dt_s` before it.
   void PredictSkew(const SE3& T_prev_c, double dt_s);
 
-  /// Whether the calibration needs the features of the next pair to be detected: vertical disparities may be large, or
-  /// lengths depend on an offset of the disparities that is not well known yet. Followed features show it less well.
-  bool NeedsDetection() const {
-    return rows_.needs_look() || (disparities_.is_applied() && disparities_.LengthSigma() > kMostLengthSigma);
-  }
+  /// Whether the calibration needs the features of the next pair to be detected: vertical disparities may be large, or an
+  /// offset of the disparities matters that is not well known yet. Followed features show it less well.
+  bool NeedsDetection() const { return rows_.needs_look() || disparities_.NeedsMeasurements(); }
   /// Learns from features that were followed into a pair, and removes those on dirt. Returns false if they have to be
   /// detected, because a vertical disparity is first applied.
   bool Accepts(StereoFeatures& followed);
@@ -102,9 +100,6 @@ class SelfCalibrator {
   }
 
  private:
-  /// Relative sigma of lengths up to which an applied offset of the disparities is well known.
-  static constexpr double kMostLengthSigma = 0.005;
-
   bool LearnRows(const StereoFeatures& features);
   bool UseFoundReadout(const Vector6d& velocity, TrackedFrame& frame);
 

@@ -14,9 +14,6 @@ constexpr int kMantissaBits = 4;
 constexpr int kDropped = 23 - kMantissaBits;
 constexpr uint32_t kSmallest = (127U - 9U) << kMantissaBits;
 
-// A voxel with less is not known to a volume.
-constexpr float kLeastWeight = 1e-3F;
-
 constexpr int16_t kFree = 32767;  // a truncation
 constexpr float kDistances = kFree;
 
@@ -44,7 +41,7 @@ PackedVolume::PackedVolume(const Volume& volume) {
       if (!IsSet(block.known, position)) continue;
       const float distance = block.sums[next], weight = block.sums[next + 1], grey = block.sums[next + 2];
       next += 3;
-      if (weight < kLeastWeight) continue;
+      if (weight < Volume::kLeastWeight) continue;
       is_empty = false;
       Set(packed.known, position);
       values_.push_back(PackWeight(weight));

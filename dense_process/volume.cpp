@@ -26,8 +26,6 @@ using openvdb::Vec3d;
 
 // Bound on the weight of a voxel, so that a changed place is seen after as many images.
 constexpr float kMostWeight = 100.0F;
-// A sum of weights below this is rounding.
-constexpr float kLeastWeight = 1e-3F;
 // A volume that moves by less, in voxels, is not interpolated.
 constexpr double kNegligible = 0.05;
 // Weight of a ray that clears: two rays to a surface behind would have as much, and near the eye more would pass.

@@ -34,6 +34,8 @@ class Volume {
  public:
   /// Truncation of distances, in voxels.
   static constexpr double kTruncation = 3.0;
+  /// Weight below which a voxel is unknown: the rounding of sums.
+  static constexpr float kLeastWeight = 1e-3F;
 
   struct Voxel {
     Eigen::Vector3i index;

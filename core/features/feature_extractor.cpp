@@ -31,13 +31,14 @@ bool FeatureMask::IsOutside(const Eigen::Vector2d& px) const {
   return u < 0 || v < 0 || u >= inside_.cols || v >= inside_.rows || inside_.at<uchar>(v, u) == 0;
 }
 
+bool FeatureMask::IsOutside(const Segment2& segment) const {
+  return IsOutside(segment.p) || IsOutside(segment.q) || IsOutside(0.5 * (segment.p + segment.q));
+}
+
 void FeatureMask::RemoveOutside(ImageFeatures& features) const {
   if (inside_.empty()) return;
   std::erase_if(features.points, [this](const PointFeature& point) { return IsOutside(point.px); });
-  std::erase_if(features.lines, [this](const LineFeature& line) {
-    const Eigen::Vector2d middle = 0.5 * (line.segment.p + line.segment.q);
-    return IsOutside(line.segment.p) || IsOutside(line.segment.q) || IsOutside(middle);
-  });
+  std::erase_if(features.lines, [this](const LineFeature& line) { return IsOutside(line.segment); });
 }
 
 struct FeatureExtractor::Impl {

@@ -26,6 +26,8 @@ class FeatureMask {
   void RemoveOutside(ImageFeatures& features) const;
 
   bool IsOutside(const Eigen::Vector2d& px) const;
+  /// Whether an end or the middle is.
+  bool IsOutside(const Segment2& segment) const;
 
   /// CV_8UC1, 0 outside the region; empty if the whole image is inside.
   const cv::Mat& inside() const { return inside_; }

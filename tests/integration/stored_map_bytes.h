@@ -13,8 +13,8 @@ namespace plslam::test {
 /// send again. Fails the test if it has several sessions; throws std::runtime_error if the file is no map.
 std::vector<uint8_t> BytesWithoutName(const std::filesystem::path& file);
 
-/// Describes in which parts two maps with other bytes differ: the next ids of both, and the number of differing keyframes,
-/// points and lines; empty if they are equal.
+/// Describes in which parts two maps with other bytes differ: the next ids of both, and the number of differing
+/// keyframes, points and lines; empty if they are equal.
 std::string DifferenceOf(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b);
 
 }  // namespace plslam::test

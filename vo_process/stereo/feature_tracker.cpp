@@ -81,20 +81,20 @@ FeatureTracker::Expected FeatureTracker::Improved(const Expected& motion, const 
   return {estimate->T_cur_ref, estimate->T_cur_ref * motion.T_now_previous.Inverse() * motion.T_now_odom};
 }
 
-void FeatureTracker::TrackPoint(const std::vector<cv::Mat>& left, const Expected& motion,
+/// Returns whether the point is found in the left image; without depth, until it is measured.
+bool FeatureTracker::TrackPoint(const std::vector<cv::Mat>& left, const Expected& motion,
                                 FollowedPoint& point) const {
-  point.is_found = false;
   const auto expected = Expect(motion, point);
-  if (!expected) return;
+  if (!expected) return false;
   const auto found = TrackPatch(point.patch, left, expected->patch, SearchRange::kNear);
-  if (!IsGood(found)) return;
-  point.is_found = true;
+  if (!IsGood(found)) return false;
   ForgetPartner(point.seen);
   point.seen.left.px = found->px;
   point.disparity_px = expected->disparity_px;
+  return true;
 }
 
-/// Returns whether the line is found in the left image; without depth, until it is measured.
+/// The same for a line.
 bool FeatureTracker::TrackLine(const RectifiedPair& pair, const Known& known, const Expected& motion,
                                StereoLine& line) const {
   const Segment2& before = line.left.segment;
@@ -142,7 +142,7 @@ void FeatureTracker::Track(const RectifiedPair& pair, const Known& known, const 
       return;
     }
     FollowedPoint& point = points_[i - lines_.size()];
-    TrackPoint(pair.left, motion, point);
+    point.is_found = TrackPoint(pair.left, motion, point);
     if (!point.is_found || has_depth_map) return;
     const double expected_px = known.rows.Measured_px(point.seen.left.px, point.disparity_px);
     AlignWithRight(*aligner, expected_px, options_, point.seen);

@@ -25,16 +25,16 @@ namespace plslam::vo {
 ///
 /// Points and lines of a frame in which they were detected are found in the next frames: predicted from the last frame,
 /// then located in the left image by `TrackPatch` and `LocateSegment`; in the right image points by alignment from the
-/// expected disparity, lines as in the left one. Patches are those of the first frame, so points do not drift; they change as the slope of the surface lets
-/// expect, which the first pair showed. Only corners and lines with depth are followed, and those that are not found are not
-/// looked for again.
+/// expected disparity, lines as in the left one. Patches are those of the first frame, so points do not drift; they
+/// change as the slope of the surface, which the first pair showed, lets expect. Only corners and lines with depth are
+/// followed, and those that are not found are not looked for again.
 ///
 /// The errors of a point in successive frames are common to all: those of its detection, and of its patch's disparity.
 class FeatureTracker {
  public:
   FeatureTracker(const StereoCamera& camera, const StereoOptions& options) : camera_(camera), options_(options) {}
 
-  /// What is known of the next frame. The camera was at `T_odom_previous` in the last one, and is expected at `T_odom_now`.
+  /// Knowledge of the next frame: the camera was at `T_odom_previous` in the last one, and is expected at `T_odom_now`.
   struct Known {
     RowField rows;
     PairDirt dirt;
@@ -115,7 +115,7 @@ class FeatureTracker {
 
   std::optional<ExpectedPoint> Expect(const Expected& motion, const FollowedPoint& point) const;
   Expected Improved(const Expected& motion, const std::vector<cv::Mat>& left) const;
-  void TrackPoint(const std::vector<cv::Mat>& left, const Expected& motion, FollowedPoint& point) const;
+  bool TrackPoint(const std::vector<cv::Mat>& left, const Expected& motion, FollowedPoint& point) const;
   bool TrackLine(const RectifiedPair& pair, const Known& known, const Expected& motion, StereoLine& line) const;
 
   StereoCamera camera_;

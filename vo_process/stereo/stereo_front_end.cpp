@@ -104,15 +104,12 @@ StereoFeatures StereoFrontEnd::Follow(StageTimer& timer, const RowField& rows, c
   });
 }
 
-/// Whether a mask hides an end or the middle, as of detected segments, in the left image or of the partner in the right one.
+/// Whether a mask hides the line in the left image, or its partner in the right one.
 bool StereoFrontEnd::IsMasked(const StereoLine& line) const {
-  const auto is_outside = [](const FeatureMask& mask, const Eigen::Vector2d& p, const Eigen::Vector2d& q) {
-    return mask.IsOutside(p) || mask.IsOutside(q) || mask.IsOutside(0.5 * (p + q));
-  };
   const Segment2& left = line.left.segment;
-  if (is_outside(left_mask_, left.p, left.q)) return true;
-  return !pair_.HasDepthMap() && is_outside(right_mask_, left.p - Eigen::Vector2d(line.disparity_p_px, 0.0),
-                                            left.q - Eigen::Vector2d(line.disparity_q_px, 0.0));
+  const Eigen::Vector2d p = left.p - Eigen::Vector2d(line.disparity_p_px, 0.0);
+  const Eigen::Vector2d q = left.q - Eigen::Vector2d(line.disparity_q_px, 0.0);
+  return left_mask_.IsOutside(left) || (!pair_.HasDepthMap() && right_mask_.IsOutside(Segment2{p, q}));
 }
 
 StereoFeatures StereoFrontEnd::LookForRows(const PairSkew& skew) {

@@ -9,8 +9,8 @@ namespace plslam::vo {
 /// Decides whether the features of a frame are followed from the last one (`FeatureTracker`) or detected.
 ///
 /// Features are detected in at least every fourth frame; in each of the first frames and of those after a doubtful one,
-/// because a motion must be known, other motions must have shown, and an offset of the disparities is found most easily then;
-/// and in frames that become keyframes, whose content consists of detected features.
+/// because a motion must be known, other motions must have shown, and an offset of the disparities is found most easily
+/// then; and in frames that become keyframes.
 class FollowPolicy {
  public:
   /// Share of the features that must be found; otherwise they are detected. Near features, which show most of a motion, are

@@ -29,7 +29,8 @@ class GridPublisher {
   GridTiles tiles_;
 };
 
-/// Keeps a copy of the grid of the newest publisher. Tiles from the wire are checked; invalid ones are counted in `BusCounters::rejected`.
+/// Keeps a copy of the grid of the newest publisher. Tiles from the wire are checked; invalid ones are counted in
+/// `BusCounters::rejected`.
 class GridSubscriber {
  public:
   /// `handler` is called after each tile, on the thread of `Bus::Run`.

@@ -22,6 +22,23 @@ namespace {
 
 constexpr double kVoxel_m = 0.05;
 
+constexpr StereoCamera kSmallCamera{
+    .f_px = 100.0, .cx_px = 40.0, .cy_px = 30.0, .baseline_m = 0.1, .width_px = 80, .height_px = 60};
+
+/// Depth of a plane parallel to the image.
+DepthImage Flat(double z_m) {
+  DepthImage depth;
+  depth.z_m = cv::Mat(kSmallCamera.height_px, kSmallCamera.width_px, CV_32F, cv::Scalar(z_m));
+  depth.sigma_m = cv::Mat(kSmallCamera.height_px, kSmallCamera.width_px, CV_32F, cv::Scalar(0.01));
+  return depth;
+}
+
+/// Adds a keyframe with this depth; its pose is among `poses`.
+void AddKeyframe(const KeyframeFrame& name, const DepthImage& depth, const KeyframePoses& poses, DenseMap& map) {
+  const cv::Mat grey(kSmallCamera.height_px, kSmallCamera.width_px, CV_8U, cv::Scalar(90));
+  EXPECT_TRUE(map.Add(name, depth, grey, kSmallCamera, poses));
+}
+
 /// Rays from `eye` to the plane z = `z_m`, one a voxel.
 std::vector<DepthRay> PlaneRays(double z_m, double half_m = 1.0) {
   std::vector<DepthRay> rays;
@@ -116,19 +133,15 @@ TEST(Volume, BoundedRaysRemoveObstaclesOnly) {
 }
 
 TEST(DenseMap, LaterBoundsClearEarlierSubmaps) {
-  const StereoCamera camera{
-      .f_px = 100.0, .cx_px = 40.0, .cy_px = 30.0, .baseline_m = 0.1, .width_px = 80, .height_px = 60};
-  const cv::Mat grey(60, 80, CV_8U, cv::Scalar(90));
-  DepthImage person, wall;
-  person.z_m = cv::Mat(60, 80, CV_32F, cv::Scalar(1.0));
-  person.sigma_m = cv::Mat(60, 80, CV_32F, cv::Scalar(0.01));
+  const DepthImage person = Flat(1.0);
+  DepthImage wall;
   wall.z_m = wall.sigma_m = cv::Mat::zeros(60, 80, CV_32F);
   wall.at_least_m = cv::Mat(60, 80, CV_32F, cv::Scalar(2.0));
   KeyframePoses poses;
   DenseMap map(kVoxel_m, 0.0);
   const auto add = [&](const KeyframeFrame& name, const DepthImage& depth) {
     poses[name] = SE3();
-    EXPECT_TRUE(map.Add(name, depth, grey, camera, poses));
+    AddKeyframe(name, depth, poses, map);
   };
   for (int64_t i = 0; i < 3; ++i) add({1, FrameId(i)}, person);
   ASSERT_FALSE(ExtractSurface(map.Merge(poses, SE3())).vertices.empty());
@@ -157,13 +170,7 @@ TEST(BodyMask, HullOfABodyAndItsMarginAreLeftOut) {
 
 /// Adds what each of these keyframes sees: a plane at 2 m.
 void AddPlanes(const KeyframePoses& poses, DenseMap& map) {
-  const StereoCamera camera{
-      .f_px = 100.0, .cx_px = 40.0, .cy_px = 30.0, .baseline_m = 0.1, .width_px = 80, .height_px = 60};
-  DepthImage depth;
-  depth.z_m = cv::Mat(60, 80, CV_32F, cv::Scalar(2.0));
-  depth.sigma_m = cv::Mat(60, 80, CV_32F, cv::Scalar(0.01));
-  const cv::Mat grey(60, 80, CV_8U, cv::Scalar(90));
-  for (const auto& [name, pose] : poses) EXPECT_TRUE(map.Add(name, depth, grey, camera, poses));
+  for (const auto& [name, pose] : poses) AddKeyframe(name, Flat(2.0), poses, map);
 }
 
 KeyframePoses PosesOfPlanes() {
@@ -224,8 +231,6 @@ TEST(DenseMap, SurfacePointsGoToTheirSubmaps) {
 /// Submaps of three views each: of a plane, of the same 0.1 m aside, of another plane, and the newest one, far from all.
 class RemovedKeyframes : public testing::Test {
  protected:
-  static constexpr StereoCamera kCamera{
-      .f_px = 100.0, .cx_px = 40.0, .cy_px = 30.0, .baseline_m = 0.1, .width_px = 80, .height_px = 60};
   static SE3 At(double x_m) { return SE3(Eigen::Quaterniond::Identity(), {x_m, 0.0, 0.0}); }
   static KeyframePoses Views(int64_t session, double x_m) {
     KeyframePoses views;
@@ -263,10 +268,10 @@ class RemovedKeyframes : public testing::Test {
 TEST_F(RemovedKeyframes, ForgottenPlaceDisappears) {
   ASSERT_EQ(map_.n_submaps(), 4U);
   KeyframePoses lasting = poses_;
-  map_.FollowRemovals(poses_, lasting, kCamera);
+  map_.FollowRemovals(poses_, lasting, kSmallCamera);
   EXPECT_GT(NearFour(map_, poses_), 100) << "nothing was removed";
   Erase(3, lasting);
-  map_.FollowRemovals(poses_, lasting, kCamera);
+  map_.FollowRemovals(poses_, lasting, kSmallCamera);
   EXPECT_EQ(map_.n_submaps(), 3U);
   EXPECT_EQ(NearFour(map_, poses_), 0);
   EXPECT_TRUE(map_.Has({3, 0})) << "it is not fused again";
@@ -274,7 +279,7 @@ TEST_F(RemovedKeyframes, ForgottenPlaceDisappears) {
   // It does not return with the place, which is elsewhere then.
   KeyframePoses later = lasting;
   later.merge(Views(5, 4.1));
-  map_.FollowRemovals(later, later, kCamera);
+  map_.FollowRemovals(later, later, kSmallCamera);
   EXPECT_EQ(NearFour(map_, later), 0);
   const std::string path = testing::TempDir() + "forgotten.surfaces";
   map_.Write(path, poses_, lasting);
@@ -286,7 +291,7 @@ TEST_F(RemovedKeyframes, RedundantOneMovesWithAnother) {
   KeyframePoses lasting = poses_;
   Erase(1, lasting);
   ASSERT_GT(Leftmost(map_, lasting), before + 0.05F) << "only the removed keyframes saw the left border";
-  map_.FollowRemovals(poses_, lasting, kCamera);
+  map_.FollowRemovals(poses_, lasting, kSmallCamera);
   EXPECT_EQ(map_.n_submaps(), 3U);
   EXPECT_NEAR(Leftmost(map_, lasting), before, 0.02F);
   KeyframePoses moved = lasting;
@@ -303,7 +308,7 @@ TEST_F(RemovedKeyframes, ManyVisitsNeedTheMemoryOfOne) {
     KeyframePoses views = Views(visit, 0.05);
     AddPlanes(views, map_);
     known.merge(views);
-    map_.FollowRemovals(known, poses_, kCamera);
+    map_.FollowRemovals(known, poses_, kSmallCamera);
   }
   EXPECT_LE(map_.n_submaps(), 5U);
   EXPECT_LT(static_cast<double>(map_.bytes()), 1.5 * static_cast<double>(once));
@@ -312,27 +317,21 @@ TEST_F(RemovedKeyframes, ManyVisitsNeedTheMemoryOfOne) {
 TEST_F(RemovedKeyframes, PlaceUnknownToTheMapWaits) {
   KeyframePoses known = poses_;
   Erase(3, known);
-  map_.FollowRemovals(known, known, kCamera);
+  map_.FollowRemovals(known, known, kSmallCamera);
   EXPECT_EQ(map_.n_submaps(), 4U) << "a map that is being received";
 }
 
 /// A person in a submap, whose front wall a later submap sees, and a loop that moves both a little apart.
 TEST(DenseMap, CorrectionRestoresNothingCleared) {
-  const StereoCamera camera{
-      .f_px = 100.0, .cx_px = 40.0, .cy_px = 30.0, .baseline_m = 0.1, .width_px = 80, .height_px = 60};
-  const cv::Mat grey(60, 80, CV_8U, cv::Scalar(90));
-  DepthImage wall, person;
-  wall.z_m = cv::Mat(60, 80, CV_32F, cv::Scalar(2.0));
-  wall.sigma_m = cv::Mat(60, 80, CV_32F, cv::Scalar(0.01));
-  person.z_m = wall.z_m.clone();
-  person.sigma_m = wall.sigma_m;
+  const DepthImage wall = Flat(2.0);
+  DepthImage person = Flat(2.0);
   person.z_m(cv::Rect(20, 10, 40, 40)).setTo(1.2);
   DenseMap map(kVoxel_m, 0.0);
   KeyframePoses poses;
   const auto add = [&](int64_t session, int64_t frame, const DepthImage& depth) {
     const KeyframeFrame name{SessionId(session), FrameId(frame)};
     poses[name] = SE3();
-    EXPECT_TRUE(map.Add(name, depth, grey, camera, poses));
+    AddKeyframe(name, depth, poses, map);
   };
   const auto in_front = [&] {
     int n = 0;

@@ -63,12 +63,6 @@ std::string LinksToText(const BusLoad& load) {
   return text.empty() ? "" : "\n" + text;
 }
 
-double MedianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
 std::string OrDash(const std::string& text) { return text.empty() ? "-" : Printable(text); }
 
 }  // namespace
@@ -105,8 +99,7 @@ void TopNode::OnPose(std::string_view wire_name, std::span<const uint8_t> bytes)
   const std::lock_guard lock(mutex_);
   const std::string robot(wire_name.substr(0, wire_name.size() - bus::kPose.name.size()));
   if (ages_ms_.size() >= kMaxRows && !ages_ms_.contains(robot)) return;
-  std::vector<double>& ages = ages_ms_[robot];
-  if (ages.size() < kMaxRows) ages.push_back(pose->age_ms);
+  ages_ms_[robot].Add(pose->age_ms);
 }
 
 void TopNode::OnStatus(const std::string& robot, const status_t& status) {
@@ -162,7 +155,7 @@ BusLoad TopNode::Take(double now_s) {
   for (auto& [key, last] : processes_) {
     last.load.heard_s_ago = std::max(0.0, now_s - last.heard_s);
     const auto ages = last.load.process == bus::kPose.publisher ? ages_ms_.find(last.load.robot) : ages_ms_.end();
-    last.load.age_ms = ages == ages_ms_.end() ? -1.0 : MedianOf(ages->second);
+    last.load.age_ms = ages == ages_ms_.end() ? -1.0 : ages->second.Quantile(0.5);
     result.processes.push_back(last.load);
   }
   ages_ms_.clear();

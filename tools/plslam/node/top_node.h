@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/bus/bus.h"
+#include "tools/plslam/run_statistics.h"
 
 namespace plslam {
 class status_t;
@@ -87,7 +88,7 @@ class TopNode {
   void OnPose(std::string_view wire_name, std::span<const uint8_t> bytes);
 
   std::mutex mutex_;
-  std::map<std::string, std::vector<double>> ages_ms_;  ///< by robot, since the last `Take`
+  std::map<std::string, QuantileSketch> ages_ms_;  ///< by robot, since the last `Take`
   std::map<std::tuple<std::string, std::string, std::string, int64_t>, LastStatus> processes_;
   std::map<std::string, Traffic, std::less<>> channels_;
   double taken_s_ = 0.0;

@@ -225,7 +225,7 @@ bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
   MergeWithNeighbours(entry.id, features_, camera_, options_, map_);
   missed_landmarks_.Compare(entry.id, visits_, CameraOf(keyframe.features, camera_), map_);
   recent_landmarks_.Begin(created, entry.name.session);
-  inertial_links_.Add(entry, keyframe.inertial);
+  inertial_links_.Add(entry, keyframe.inertial, map_);
   tracker_.Learn(keyframe, map_.LandmarksOf(entry.id));
   sessions_[keyframe.name.session] = {entry.id, keyframe.name.number};
   newest_session_ = keyframe.name.session;

@@ -2,6 +2,7 @@
 #include "mapping_process/insertion/inertial_links.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <utility>
 
 #include "core/inertial/inertial_filter.h"
@@ -26,8 +27,13 @@ GravityPrior GravityAlong(const Vertical& vertical) {
 
 }  // namespace
 
-void InertialLinks::Add(const MapKeyframe& keyframe, const InertialInterval& interval) {
+void InertialLinks::Add(const MapKeyframe& keyframe, const InertialInterval& interval, const Map& map) {
   if (keyframe.previous_id < 0 || interval.empty()) return;
+  const MapKeyframe* previous = map.FindKeyframe(keyframe.previous_id);
+  if (previous == nullptr) return;
+  // Unsigned, because stamps may have any value.
+  const uint64_t apart_ns = static_cast<uint64_t>(keyframe.t_ns) - static_cast<uint64_t>(previous->t_ns);
+  if (apart_ns != interval.LengthUntil(interval.to_ns)) return;
   biases_[keyframe.name.session] = interval.bias;
   links_[keyframe.id] = {keyframe.previous_id, keyframe.name.session, interval, std::nullopt};
   if (links_.size() <= kMost) return;

@@ -15,8 +15,9 @@ namespace plslam::mapping {
 /// ones are adjusted no more.
 class InertialLinks {
  public:
-  /// Adds what was sensed between a new keyframe and the previous one of its session. Ignores an empty interval.
-  void Add(const MapKeyframe& keyframe, const InertialInterval& interval);
+  /// Adds what was sensed between a new keyframe and the previous one of its session, which `map` has. Ignores an
+  /// interval that does not begin there: it is empty, or a keyframe in between did not arrive.
+  void Add(const MapKeyframe& keyframe, const InertialInterval& interval, const Map& map);
   /// The keyframe is not in the map any more: its two links become one.
   void Remove(KeyframeId keyframe_id);
 

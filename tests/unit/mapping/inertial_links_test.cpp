@@ -25,14 +25,24 @@ class Session {
       keyframe.id = i;
       keyframe.name = {SessionId(7), i};
       keyframe.previous_id = KeyframeId(int64_t{i} - 1);
+      keyframe.t_ns = std::llround(1e9 * step_s * i);
       keyframe.T_w_kf = motion_.Pose(step_s * i);
       keyframe.up = UpDirection{keyframe.T_w_kf.R().transpose() * Eigen::Vector3d::UnitZ(), 0.004};
       map_.Put(keyframe);
-      links_.Add(keyframe, Sensed(step_s * (i - 1), step_s * i));
+      links_.Add(keyframe, Sensed(step_s * (i - 1), step_s * i), map_);
     }
   }
 
   InertialLinks& links() { return links_; }
+  /// A keyframe at the end of this interval, after that of this number.
+  void Add(int id, int previous_id, const InertialInterval& interval) {
+    MapKeyframe keyframe;
+    keyframe.id = id;
+    keyframe.name = {SessionId(7), id};
+    keyframe.previous_id = previous_id;
+    keyframe.t_ns = interval.to_ns;
+    links_.Add(keyframe, interval, map_);
+  }
 
   /// The motions between these keyframes, as an adjustment gets them.
   std::vector<InertialMotion> Motions(const std::vector<KeyframeId>& keyframes) {
@@ -109,12 +119,19 @@ TEST(InertialLinks, NoneFromMissingSamples) {
   Session session(3);
   InertialInterval cut = session.Sensed(2 * kStep_s, 3 * kStep_s);
   cut.samples.resize(cut.samples.size() / 2);
-  MapKeyframe keyframe;
-  keyframe.id = 3;
-  keyframe.name = {SessionId(7), 3};
-  keyframe.previous_id = 2;
-  session.links().Add(keyframe, cut);
+  session.Add(3, 2, cut);
   EXPECT_EQ(session.Motions({0, 1, 2, 3}).size(), 2U);
+}
+
+// The message of keyframe 3 was lost: that of 4 has what was sensed since 3.
+TEST(InertialLinks, NoneAcrossAMissingKeyframe) {
+  Session session(5);
+  session.links().Remove(4);
+  session.links().Remove(3);
+  session.Add(4, 2, session.Sensed(3 * kStep_s, 4 * kStep_s));
+  EXPECT_TRUE(session.Motions({2, 4}).empty());
+  session.Add(4, 2, session.Sensed(2 * kStep_s, 4 * kStep_s));
+  EXPECT_EQ(session.Motions({2, 4}).size(), 1U);
 }
 
 // A process that continues from the state of another one gives the same bits, whatever was integrated before.
@@ -124,11 +141,7 @@ TEST(InertialLinks, StoredOnesGiveTheSameBits) {
   // A bias that moves out of the linear range: what was integrated is integrated again.
   InertialInterval biased = session.Sensed(4 * kStep_s, 5 * kStep_s);
   biased.bias.mean.rate_rad_s = {0.1, 0.0, 0.0};
-  MapKeyframe keyframe;
-  keyframe.id = 5;
-  keyframe.name = {SessionId(7), 5};
-  keyframe.previous_id = 4;
-  session.links().Add(keyframe, biased);
+  session.Add(5, 4, biased);
   const auto expected = session.Motions({0, 1, 2, 3, 4});
   const std::vector<uint8_t> bytes = archive::ToBytesOf(0, session.links());
   Session other(0);

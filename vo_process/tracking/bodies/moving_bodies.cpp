@@ -84,7 +84,8 @@ MovingBodies::MovingBodies(const StereoCamera& camera, const VoOptions& options,
       matches_(kMaxBodies),
       T_b_prev_(kMaxBodies),
       covariances_(kMaxBodies, Matrix6d::Zero()),
-      agreements_(kMaxBodies) {}
+      agreements_(kMaxBodies),
+      equal_agreements_(kMaxBodies) {}
 
 void MovingBodies::Forget() {
   for (Body& body : bodies_) body.id = -1;
@@ -97,7 +98,7 @@ bool MovingBodies::AnyIsThere() const {
 Separation MovingBodies::Separate(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s,
                                   const DisparityCalibration& calibration, const InertialMotionModel& inertial,
                                   LocalLandmarks& world, TrackedFrame& frame, Alignment& found) {
-  Claims claims = Follow(dt_s, inertial, frame, found.matches);
+  Claims claims = Follow(dt_s, inertial, frame, found);
   Separation result;
   SE3 T_world_prev = T_odom_prev;
   if (const auto confirmed = CompareWithSensor(inertial, found)) {
@@ -129,7 +130,7 @@ Separation MovingBodies::Separate(const SE3& T_odom_prev, const MotionPrediction
 void MovingBodies::SeparateKnown(double dt_s, const InertialMotionModel& inertial, LocalLandmarks& world,
                                  TrackedFrame& frame, Alignment& found) {
   if (!AnyIsThere()) return;
-  Follow(dt_s, inertial, frame, found.matches);
+  Follow(dt_s, inertial, frame, found);
   const FeaturePlaces places = AllPlaces(found.matches, frame);
   AssignToBodies(world, frame, places, found);
   NameFeatures(places, found.matches, frame);
@@ -141,9 +142,9 @@ void MovingBodies::FollowWhileLost(int n_lost, double dt_s, const InertialMotion
   if (!AnyIsThere()) return;
   const auto may_be_world = [](const Body& body) { return body.IsThere() && body.doubtful_frames > 0; };
   if (n_lost > kMaxUnseenFrames || std::any_of(bodies_.begin(), bodies_.end(), may_be_world)) return Forget();
-  const FrameMatches none;
+  const Alignment none;
   Follow(dt_s, inertial, frame, none);
-  NameFeatures(AllPlaces(none, frame), none, frame);
+  NameFeatures(AllPlaces(none.matches, frame), none.matches, frame);
   CreateLandmarksOnBodies(world, frame);
 }
 
@@ -161,12 +162,13 @@ void MovingBodies::CreateLandmarksOnBodies(LocalLandmarks& world, TrackedFrame& 
 }
 
 MovingBodies::Claims MovingBodies::Follow(double dt_s, const InertialMotionModel& inertial, const TrackedFrame& frame,
-                                          const FrameMatches& of_world) {
-  Claims claims{FlagsOf(of_world.points, &LandmarkMatch::feature, frame.features.points.size()),
-                FlagsOf(of_world.lines, &LandmarkMatch::feature, frame.features.lines.size())};
+                                          const Alignment& of_world) {
+  Claims claims{FlagsOf(of_world.matches.points, &LandmarkMatch::feature, frame.features.points.size()),
+                FlagsOf(of_world.matches.lines, &LandmarkMatch::feature, frame.features.lines.size())};
   for (size_t k = 0; k < kMaxBodies; ++k) {
     matches_[k] = {};
     agreements_[k].reset();
+    equal_agreements_[k].reset();
     T_b_prev_[k] = bodies_[k].T_b_c;
   }
   for (size_t k = 0; k < kMaxBodies; ++k) {
@@ -183,6 +185,7 @@ MovingBodies::Claims MovingBodies::Follow(double dt_s, const InertialMotionModel
       matches_[k] = rest.InWhole(found->matches);
       covariances_[k] = found->covariance;
       agreements_[k] = body.as_world.AgreementWith(body.T_b_c, covariances_[k]);
+      equal_agreements_[k] = body.as_world.AgreementWith(body.T_b_c, covariances_[k] + of_world.covariance);
       body.as_world.Observe(body.T_b_c, covariances_[k], true, false);
       if (++body.found_frames == kMetFrames) {
         ++n_met_;

@@ -216,7 +216,7 @@ class MovingBodies {
   bool AnyIsThere() const;
   /// Follows known bodies among the features that are not matched with the world.
   Claims Follow(double dt_s, const InertialMotionModel& inertial, const TrackedFrame& frame,
-                const FrameMatches& of_world);
+                const Alignment& of_world);
   /// Compares the poses by the world and by each body with the inertial sensor. Returns the body that is the world.
   std::optional<size_t> CompareWithSensor(const InertialMotionModel& inertial, const Alignment& found);
   ConfirmedWorld Exchange(size_t k, const SE3& T_odom_prev, double dt_s, const InertialMotionModel& inertial,
@@ -260,6 +260,8 @@ class MovingBodies {
   /// Agreement of the inertial sensor with the pose of the current frame, before the sensor's model observed it, by
   /// slot.
   std::vector<std::optional<InertialFilter::Agreement>> agreements_;
+  /// The same, as if the pose and the world's were equally accurate: with the sum of their covariances.
+  std::vector<std::optional<InertialFilter::Agreement>> equal_agreements_;
   bool is_first_pair_ = true;
   int64_t next_body_id_ = 0;
   int64_t n_met_ = 0;

@@ -23,6 +23,8 @@ constexpr double kDecisive = 30.0;
 constexpr double kMostOfOneFrame = 15.0;
 // Squared innovation (6 degrees of freedom) up to which the sensor confirms a motion.
 constexpr double kConfirmed = 30.0;
+// Ratio of squared innovations at which a motion clearly fits worse.
+constexpr double kClearlyWorse = 2.0;
 
 }  // namespace
 
@@ -71,10 +73,19 @@ std::optional<size_t> MovingBodies::CompareWithSensor(const InertialMotionModel&
     Body& body = bodies_[k];
     if (!body.IsThere() || body.unseen_frames > 0) continue;
     const auto& of_body = agreements_[k];
-    // A sensor that contradicts the world's poses is compared no longer, unless it has confirmed the body's for as long
-    // as it takes to trust it.
-    if (!of_body || found.weak || (!of_world && !body.as_world.IsTrusted())) continue;
-    const double difference = of_world ? of_world->surprise - of_body->surprise : kMostOfOneFrame;
+    if (!of_body || found.weak) continue;
+    double difference = 0.0;
+    if (of_world) {
+      difference = of_world->surprise - of_body->surprise;
+    } else {
+      // A sensor that contradicts the world's poses is compared no longer, unless it has confirmed the body's for as long
+      // as it takes to trust it. Errors of the sensor itself contradict both, and an inaccurate pose hides them: the
+      // poses count as equally accurate, and the world's has to fit clearly worse.
+      const auto equal_world =
+          inertial.ContradictedAgreementWith(found.T_odom_c, found.covariance + covariances_[k]);
+      if (!equal_world || !equal_agreements_[k] || !body.as_world.IsTrusted()) continue;
+      difference = equal_world->innovation / kClearlyWorse - equal_agreements_[k]->innovation;
+    }
     body.evidence = std::max(-kDecisive, body.evidence + std::clamp(difference, -kMostOfOneFrame, kMostOfOneFrame));
     if (body.evidence <= -kDecisive) body.doubtful_frames = 0;
     const bool is_confirmed =

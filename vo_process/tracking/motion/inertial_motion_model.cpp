@@ -117,6 +117,7 @@ void InertialMotionModel::ExpectAs(const InertialMotionModel& other) {
   motion_ = other.motion_;
   interval_ = other.interval_;
   mean_force_m_s2_ = other.mean_force_m_s2_;
+  is_faulty_ = other.is_faulty_;
 }
 
 void InertialMotionModel::Start(const SE3& T_odom_c) {
@@ -147,7 +148,13 @@ Matrix6d InertialMotionModel::MeasuredCovariance(const Matrix6d& covariance) con
 
 std::optional<InertialFilter::Agreement> InertialMotionModel::AgreementWith(const SE3& T_odom_c,
                                                                             const Matrix6d& covariance) const {
-  if (!imu_ || !motion_ || is_faulty_ || innovation_ >= kHealthy) return std::nullopt;
+  if (innovation_ >= kHealthy) return std::nullopt;
+  return ContradictedAgreementWith(T_odom_c, covariance);
+}
+
+std::optional<InertialFilter::Agreement> InertialMotionModel::ContradictedAgreementWith(
+    const SE3& T_odom_c, const Matrix6d& covariance) const {
+  if (!imu_ || !motion_ || is_faulty_) return std::nullopt;
   const bool is_first = !filter_.has_begun();
   if (is_first && !was_observed_) return std::nullopt;
   const InertialFilter next = Propagated(is_first ? For(T_odom_observed_ * imu_->T_imu_c).filter_ : filter_);

@@ -57,7 +57,7 @@ class InertialMotionModel {
 
   /// Sets the samples since the last frame, which was at `from_ns`, to the next one (both on the clock of the images).
   void Expect(std::span<const ImuSample> samples, int64_t from_ns, int64_t to_ns);
-  /// Sets those of another model of this sensor.
+  /// Sets those of another model of this sensor, which is as faulty.
   void ExpectAs(const InertialMotionModel& other);
 
   /// The first frame is at this pose.
@@ -70,6 +70,9 @@ class InertialMotionModel {
   /// Agreement of the next frame's pose, measured with this covariance, with the sensor; nullopt without samples, and
   /// while the sensor contradicts the images.
   std::optional<InertialFilter::Agreement> AgreementWith(const SE3& T_odom_c, const Matrix6d& covariance) const;
+  /// The same while the sensor contradicts the images; nullopt if it is known to be faulty.
+  std::optional<InertialFilter::Agreement> ContradictedAgreementWith(const SE3& T_odom_c,
+                                                                     const Matrix6d& covariance) const;
 
   /// Returns the prediction for that frame; `own` if the sensor is not used.
   MotionPrediction Predict(const MotionPrediction& own) const;

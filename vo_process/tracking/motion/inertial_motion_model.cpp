@@ -154,7 +154,7 @@ std::optional<InertialFilter::Agreement> InertialMotionModel::AgreementWith(cons
 
 std::optional<InertialFilter::Agreement> InertialMotionModel::ContradictedAgreementWith(
     const SE3& T_odom_c, const Matrix6d& covariance) const {
-  if (!imu_ || !motion_ || is_faulty_) return std::nullopt;
+  if (!imu_ || !motion_ || is_faulty_ || is_outdated_) return std::nullopt;
   const bool is_first = !filter_.has_begun();
   if (is_first && !was_observed_) return std::nullopt;
   const InertialFilter next = Propagated(is_first ? For(T_odom_observed_ * imu_->T_imu_c).filter_ : filter_);
@@ -162,7 +162,7 @@ std::optional<InertialFilter::Agreement> InertialMotionModel::ContradictedAgreem
 }
 
 bool InertialMotionModel::IsTrusted() const {
-  return filter_.has_begun() && !is_faulty_ && measured_s_ >= kFirstUse_s && innovation_ < kHealthy &&
+  return filter_.has_begun() && !is_outdated_ && !is_faulty_ && measured_s_ >= kFirstUse_s && innovation_ < kHealthy &&
          evidence_.force_m_s >= kWeakGravity_m_s2 * evidence_.time_s;
 }
 
@@ -223,6 +223,7 @@ void InertialMotionModel::Begin(const SE3& T_odom_imu, const Matrix6d& covarianc
   filter_.Begin(T_odom_imu, covariance, mean_force_m_s2_, knows_bias_);
   measured_s_ = unmeasured_s_ = standing_s_ = 0.0;
   n_contradicting_ = 0;
+  is_outdated_ = false;
 }
 
 void InertialMotionModel::Observe(const SE3& T_odom_c, const Matrix6d& covariance, bool is_sure, bool jumped) {
@@ -237,6 +238,7 @@ void InertialMotionModel::Observe(const SE3& T_odom_c, const Matrix6d& covarianc
     if (filter_.has_begun()) Begin(T_odom_imu, measured);
     return;
   }
+  if (is_outdated_) return Begin(T_odom_imu, measured);
   if (!filter_.has_begun()) {
     if (!follows) return Begin(T_odom_imu, measured);
     Begin(T_odom_previous, measured);
@@ -331,11 +333,9 @@ std::string InertialMotionModel::Complaint() const {
 void InertialMotionModel::Miss() {
   was_observed_ = false;
   if (!imu_ || !filter_.has_begun()) return;
-  if (!motion_) {
-    // Nothing is known of the motion: the next measured frame begins again.
-    measured_s_ = standing_s_ = 0.0;
-    return;
-  }
+  // Nothing is known of the motion: the next measured frame begins again.
+  is_outdated_ = is_outdated_ || !motion_;
+  if (is_outdated_) return;
   filter_.Propagate(*motion_);
   unmeasured_s_ += motion_->dt_s();
   if (!IsQuiet()) standing_s_ = 0.0;

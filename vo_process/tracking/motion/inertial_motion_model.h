@@ -120,7 +120,7 @@ class InertialMotionModel {
   static void Fields(Archive& a, Self& self) {
     a(self.filter_, self.knows_bias_, self.measured_s_, self.unmeasured_s_, self.innovation_, self.n_contradicting_,
       self.evidence_, self.was_observed_, self.T_odom_observed_, self.mean_force_m_s2_, self.standing_s_,
-      self.standing_force_m_s2_, self.is_faulty_);
+      self.standing_force_m_s2_, self.is_faulty_, self.is_outdated_);
   }
 
  private:
@@ -157,6 +157,7 @@ class InertialMotionModel {
   double standing_s_ = 0.0;
   Eigen::Vector3d standing_force_m_s2_ = Eigen::Vector3d::Zero();
   bool is_faulty_ = false;
+  bool is_outdated_ = false;   ///< whether the filter lacks a motion: it begins again at the next measured frame
   bool was_observed_ = false;  ///< whether the last frame was measured
   SE3 T_odom_observed_;        ///< pose of the sensor in it
 };

@@ -100,13 +100,19 @@ std::optional<MountedImu> MountedImuOf(const RigCalibration& rig) {
 
 void InertialMotionModel::Expect(std::span<const ImuSample> samples, int64_t from_ns, int64_t to_ns) {
   motion_.reset();
-  if (!imu_) return;
+  is_not_later_ = from_ns >= to_ns;
+  if (!imu_ || is_not_later_) return;
   const int64_t offset_ns = imu_->calibration.offset_ns();
   interval_ = {{samples.begin(), samples.end()}, from_ns - offset_ns, to_ns - offset_ns};
   Integrate(filter_.state().bias);
   if (!motion_) return;
   mean_force_m_s2_.setZero();
   for (const ImuSample& sample : samples) mean_force_m_s2_ += sample.force_m_s2 / static_cast<double>(samples.size());
+}
+
+void InertialMotionModel::ExpectNothing() {
+  motion_.reset();
+  is_not_later_ = false;
 }
 
 void InertialMotionModel::Integrate(const ImuBias& bias) {
@@ -118,6 +124,7 @@ void InertialMotionModel::ExpectAs(const InertialMotionModel& other) {
   interval_ = other.interval_;
   mean_force_m_s2_ = other.mean_force_m_s2_;
   is_faulty_ = other.is_faulty_;
+  is_not_later_ = other.is_not_later_;
 }
 
 void InertialMotionModel::Start(const SE3& T_odom_c) {
@@ -227,7 +234,7 @@ void InertialMotionModel::Begin(const SE3& T_odom_imu, const Matrix6d& covarianc
 }
 
 void InertialMotionModel::Observe(const SE3& T_odom_c, const Matrix6d& covariance, bool is_sure, bool jumped) {
-  if (!imu_) return;
+  if (!imu_ || is_not_later_) return;
   if (!is_sure) return Miss();
   const SE3 T_odom_imu = T_odom_c * imu_->T_imu_c.Inverse();
   const SE3 T_odom_previous = std::exchange(T_odom_observed_, T_odom_imu);
@@ -264,7 +271,7 @@ void InertialMotionModel::Observe(const SE3& T_odom_c, const Matrix6d& covarianc
 }
 
 void InertialMotionModel::Drift(const Matrix6d& motion_covariance) {
-  if (!imu_ || !filter_.has_begun() || unmeasured_s_ > 0.0) return;
+  if (!imu_ || is_not_later_ || !filter_.has_begun() || unmeasured_s_ > 0.0) return;
   const Eigen::Matrix3d R = imu_->T_imu_c.R();
   filter_.Drift(kMotionAlone * R * motion_covariance.bottomRightCorner<3, 3>() * R.transpose());
   filter_.MeasureFromHere();
@@ -331,6 +338,7 @@ std::string InertialMotionModel::Complaint() const {
 }
 
 void InertialMotionModel::Miss() {
+  if (is_not_later_) return;
   was_observed_ = false;
   if (!imu_ || !filter_.has_begun()) return;
   // Nothing is known of the motion: the next measured frame begins again.

@@ -55,8 +55,11 @@ class InertialMotionModel {
 
   bool has_sensor() const { return imu_.has_value(); }
 
-  /// Sets the samples since the last frame, which was at `from_ns`, to the next one (both on the clock of the images).
+  /// Sets the samples since the last frame, which was at `from_ns`, to the next one (both on the clock of the images). A
+  /// frame that is not later says nothing of motions.
   void Expect(std::span<const ImuSample> samples, int64_t from_ns, int64_t to_ns);
+  /// The time of the next frame is not known.
+  void ExpectNothing();
   /// Sets those of another model of this sensor, which is as faulty.
   void ExpectAs(const InertialMotionModel& other);
 
@@ -157,6 +160,7 @@ class InertialMotionModel {
   double standing_s_ = 0.0;
   Eigen::Vector3d standing_force_m_s2_ = Eigen::Vector3d::Zero();
   bool is_faulty_ = false;
+  bool is_not_later_ = false;  ///< whether the next frame is at the time of the last one, or before
   bool is_outdated_ = false;   ///< whether the filter lacks a motion: it begins again at the next measured frame
   bool was_observed_ = false;  ///< whether the last frame was measured
   SE3 T_odom_observed_;        ///< pose of the sensor in it

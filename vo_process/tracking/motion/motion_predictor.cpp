@@ -53,7 +53,8 @@ InertialInterval MotionPredictor::TakeInterval() {
 
 void MotionPredictor::ExpectNothing() {
   ExpectRobot(std::nullopt);
-  ExpectImu({}, 0, 0);
+  inertial_.ExpectNothing();
+  from_ns_ = to_ns_ = 0;
 }
 
 void MotionPredictor::StartInertial(const SE3& T_odom_c) {

@@ -14,6 +14,8 @@ constexpr size_t kFewestIntervals = 15;
 constexpr size_t kScatterSamples = 5;
 constexpr double kScatterVariance = 70.0;
 constexpr int64_t kFewestScatters = 50;
+// Time over which forces are averaged: longer than a period of most vibrations, and short against turns.
+constexpr double kForceBlock_s = 0.25;
 // Equal values in a row that a working sensor does not deliver.
 constexpr int kStuckSamples = 10;
 constexpr double kStuck_s = 0.1;
@@ -36,9 +38,9 @@ void SampleChecks::Add(const ImuSample& sample) {
                                                                    static_cast<uint64_t>(newest_.back().t_ns));
   if (n_samples_ == 0) mean_ = most_ = least_ = value.values;
   ++n_samples_;
-  force2_sum_ += sample.force_m_s2.squaredNorm();
   mean_ += (value.values - mean_) / static_cast<double>(n_samples_);
   if (!newest_.empty()) {
+    AddForce(sample.force_m_s2, dt_s);
     CountInterval(dt_s);
     CountRuns(value, dt_s);
   }
@@ -46,6 +48,17 @@ void SampleChecks::Add(const ImuSample& sample) {
   newest_.push_back(value);
   if (newest_.size() > kScatterSamples) newest_.pop_front();
   AddScatter();
+}
+
+void SampleChecks::AddForce(const Eigen::Vector3d& force_m_s2, double dt_s) {
+  if (dt_s > kLongestInterval_s) return;
+  block_force_ += dt_s * force_m_s2;
+  block_s_ += dt_s;
+  if (block_s_ < kForceBlock_s) return;
+  ++n_blocks_;
+  force_m_s2_ += (block_force_.norm() / block_s_ - force_m_s2_) / static_cast<double>(n_blocks_);
+  block_force_.setZero();
+  block_s_ = 0.0;
 }
 
 void SampleChecks::CountInterval(double dt_s) {
@@ -98,13 +111,6 @@ void SampleChecks::AddScatter() {
 double SampleChecks::NoiseOfSample(int channel) const {
   if (n_scatter_ == 0) return 0.0;
   return std::sqrt(scatter2_[channel] / (kScatterVariance * static_cast<double>(n_scatter_)));
-}
-
-double SampleChecks::Force_m_s2() const {
-  if (n_samples_ == 0) return 0.0;
-  double noise2 = 0.0;
-  for (int i = 3; i < kChannels; ++i) noise2 += NoiseOfSample(i) * NoiseOfSample(i);
-  return std::sqrt(std::max(0.0, force2_sum_ / static_cast<double>(n_samples_) - noise2));
 }
 
 double SampleChecks::Noise(int first) const {

@@ -40,13 +40,14 @@ class SampleChecks {
   };
   /// The channel with most such samples; none has `n_samples` 0.
   Saturation MostSaturated() const;
-  /// Rms of the norm of the specific force without its noise, m/s^2; 0 without samples.
-  double Force_m_s2() const;
+  /// Mean norm of the specific force, whose vibrations are averaged over a quarter of a second, m/s^2; 0 before that.
+  double Force_m_s2() const { return force_m_s2_; }
 
   /// The state, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.n_samples_, self.newest_, self.intervals_s_, self.n_gaps_, self.longest_gap_s_, self.force2_sum_,
+    a(self.n_samples_, self.newest_, self.intervals_s_, self.n_gaps_, self.longest_gap_s_, self.block_force_, self.block_s_, self.n_blocks_,
+      self.force_m_s2_,
       self.n_scatter_, self.scatter2_, self.mean_, self.run_, self.run_s_, self.most_, self.least_, self.n_most_,
       self.n_least_);
   }
@@ -64,6 +65,7 @@ class SampleChecks {
     }
   };
 
+  void AddForce(const Eigen::Vector3d& force_m_s2, double dt_s);
   void CountInterval(double dt_s);
   void CountRuns(const Value& sample, double dt_s);
   void AddScatter();
@@ -76,7 +78,11 @@ class SampleChecks {
   std::deque<double> intervals_s_;
   int n_gaps_ = 0;
   double longest_gap_s_ = 0.0;
-  double force2_sum_ = 0.0;
+  /// Integral of the force over the present block, and its time; the mean norm of the means of earlier ones.
+  Eigen::Vector3d block_force_ = Eigen::Vector3d::Zero();
+  double block_s_ = 0.0;
+  int64_t n_blocks_ = 0;
+  double force_m_s2_ = 0.0;
   int64_t n_scatter_ = 0;
   Channels scatter2_ = Channels::Zero();  ///< sums of squares of fourth differences
   Channels mean_ = Channels::Zero();

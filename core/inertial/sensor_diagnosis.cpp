@@ -150,7 +150,8 @@ void SensorDiagnosis::Diagnose() {
 
 void SensorDiagnosis::CheckForces() {
   const double force_m_s2 = samples_.Force_m_s2();
-  if (force_m_s2 > kLeastForce_m_s2 && force_m_s2 < kMostForce_m_s2) return;
+  const bool is_known = force_m_s2 > 0.0;
+  if (!is_known || (force_m_s2 > kLeastForce_m_s2 && force_m_s2 < kMostForce_m_s2)) return;
   const bool in_g = force_m_s2 > kLeastForce_m_s2 / kGravity_m_s2 && force_m_s2 < kMostForce_m_s2 / kGravity_m_s2;
   Report(SensorFinding::Fault::kForceUnit, true,
          fmt::format("its mean specific force is {:.2f} m/s^2 instead of 9.8{}", force_m_s2,

@@ -258,12 +258,14 @@ void InertialMotionModel::Observe(const SE3& T_odom_c, const Matrix6d& covarianc
   const double innovation = Propagated(filter_).AgreementWith(T_odom_imu, measured).innovation;
   if (innovation > kGate) {
     filter_.Propagate(*motion_);
-    if (jumped || ++n_contradicting_ >= kMostContradicting) Begin(T_odom_imu, measured);
+    // A jump is not a fault of the sensor.
+    if (jumped) return Begin(T_odom_imu, measured);
+    if (++n_contradicting_ >= kMostContradicting) Begin(T_odom_imu, measured);
     innovation_ += (kGate / 6.0 - innovation_) / kMeanFrames;
     return;
   }
   n_contradicting_ = 0;
-  innovation_ += (innovation / 6.0 - innovation_) / kMeanFrames;
+  if (!jumped) innovation_ += (innovation / 6.0 - innovation_) / kMeanFrames;
   Measure(T_odom_imu, measured);
   measured_s_ += motion_->dt_s();
   knows_bias_ = knows_bias_ || measured_s_ >= kFirstUse_s;

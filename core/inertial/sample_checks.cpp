@@ -13,9 +13,10 @@ constexpr size_t kFewestIntervals = 15;
 // Samples of the fourth difference, and its variance for white noise of variance 1: 1 + 16 + 36 + 16 + 1.
 constexpr size_t kScatterSamples = 5;
 constexpr double kScatterVariance = 70.0;
-constexpr int64_t kFewestScatters = 50;
+constexpr double kFewestScatters = 50.0;
 // Time over which forces are averaged: longer than a period of most vibrations, and short against turns.
 constexpr double kForceBlock_s = 0.25;
+constexpr double kForceBlocks = SampleChecks::kMemory_s / kForceBlock_s;
 // Equal values in a row that a working sensor does not deliver.
 constexpr int kStuckSamples = 10;
 constexpr double kStuck_s = 0.1;
@@ -36,9 +37,12 @@ void SampleChecks::Add(const ImuSample& sample) {
   const double dt_s = newest_.empty() ? 0.0
                                       : 1e-9 * static_cast<double>(static_cast<uint64_t>(sample.t_ns) -
                                                                    static_cast<uint64_t>(newest_.back().t_ns));
-  if (n_samples_ == 0) mean_ = most_ = least_ = value.values;
-  ++n_samples_;
-  mean_ += (value.values - mean_) / static_cast<double>(n_samples_);
+  if (weight_ == 0.0) mean_ = most_ = least_ = value.values;
+  const double kept = 1.0 / (1.0 + dt_s / kMemory_s);
+  weight_ = kept * weight_ + 1.0;
+  mean_ += (value.values - mean_) / weight_;
+  most_weight_ *= kept;
+  least_weight_ *= kept;
   if (!newest_.empty()) {
     AddForce(sample.force_m_s2, dt_s);
     CountInterval(dt_s);
@@ -47,7 +51,7 @@ void SampleChecks::Add(const ImuSample& sample) {
   if (dt_s > kLongestInterval_s) newest_.clear();
   newest_.push_back(value);
   if (newest_.size() > kScatterSamples) newest_.pop_front();
-  AddScatter();
+  AddScatter(kept);
 }
 
 void SampleChecks::AddForce(const Eigen::Vector3d& force_m_s2, double dt_s) {
@@ -56,7 +60,7 @@ void SampleChecks::AddForce(const Eigen::Vector3d& force_m_s2, double dt_s) {
   block_s_ += dt_s;
   if (block_s_ < kForceBlock_s) return;
   ++n_blocks_;
-  force_m_s2_ += (block_force_.norm() / block_s_ - force_m_s2_) / static_cast<double>(n_blocks_);
+  force_m_s2_ += (block_force_.norm() / block_s_ - force_m_s2_) / std::min(static_cast<double>(n_blocks_), kForceBlocks);
   block_force_.setZero();
   block_s_ = 0.0;
 }
@@ -84,18 +88,30 @@ void SampleChecks::CountRuns(const Value& sample, double dt_s) {
     const bool repeats = value == newest_.back().values[i];
     run_[i] = repeats ? std::min(run_[i] + 1, 1 << 20) : 0;
     run_s_[i] = repeats ? run_s_[i] + dt_s : 0.0;
-    if (value > most_[i]) n_most_[i] = 0;
-    if (value < least_[i]) n_least_[i] = 0;
+    if (value > most_[i]) {
+      n_most_[i] = 0;
+      most_weight_[i] = 0.0;
+    }
+    if (value < least_[i]) {
+      n_least_[i] = 0;
+      least_weight_[i] = 0.0;
+    }
     most_[i] = std::max(most_[i], value);
     least_[i] = std::min(least_[i], value);
     if (run_[i] + 1 < kSaturatedRun) continue;
-    if (value == most_[i]) ++n_most_[i];
-    if (value == least_[i]) ++n_least_[i];
+    if (value == most_[i]) {
+      ++n_most_[i];
+      ++most_weight_[i];
+    }
+    if (value == least_[i]) {
+      ++n_least_[i];
+      ++least_weight_[i];
+    }
   }
 }
 
 /// Signals that are smooth over five samples cancel.
-void SampleChecks::AddScatter() {
+void SampleChecks::AddScatter(double kept) {
   if (newest_.size() < kScatterSamples) return;
   const double first_s = 1e-9 * static_cast<double>(newest_[1].t_ns - newest_[0].t_ns);
   for (size_t i = 2; i < kScatterSamples; ++i) {
@@ -104,13 +120,13 @@ void SampleChecks::AddScatter() {
   }
   const Channels difference = newest_[0].values - 4.0 * newest_[1].values + 6.0 * newest_[2].values -
                               4.0 * newest_[3].values + newest_[4].values;
-  scatter2_ += difference.cwiseAbs2();
-  ++n_scatter_;
+  scatter2_ = kept * scatter2_ + difference.cwiseAbs2();
+  n_scatter_ = kept * n_scatter_ + 1.0;
 }
 
 double SampleChecks::NoiseOfSample(int channel) const {
-  if (n_scatter_ == 0) return 0.0;
-  return std::sqrt(scatter2_[channel] / (kScatterVariance * static_cast<double>(n_scatter_)));
+  if (n_scatter_ == 0.0) return 0.0;
+  return std::sqrt(scatter2_[channel] / (kScatterVariance * n_scatter_));
 }
 
 double SampleChecks::Noise(int first) const {
@@ -127,21 +143,35 @@ double SampleChecks::Stuck_s(int first) const {
   return run >= kStuckSamples && time_s >= kStuck_s ? time_s : 0.0;
 }
 
-SampleChecks::Saturation SampleChecks::MostSaturated() const {
-  Saturation saturation;
-  if (n_scatter_ < kFewestScatters) return saturation;
-  const auto consider = [&](int channel, double bound, int n) {
-    if (n < std::max(kFewestSaturated, saturation.n_samples + 1)) return;
+/// Visits the ends of ranges that many samples have reached.
+template <class Visitor>
+void SampleChecks::ForEachSaturation(const Visitor& visit) const {
+  if (n_scatter_ < kFewestScatters) return;
+  const auto consider = [&](int channel, double bound, int n, double weight) {
+    if (n < kFewestSaturated) return;
     const double least =
         std::max(kOutsideNoise * NoiseOfSample(channel), channel < 3 ? kOutside_rad_s : kOutside_m_s2);
-    if (std::abs(bound - mean_[channel]) < least) return;
-    saturation = {channel < 3, channel % 3, bound, n};
+    if (std::abs(bound - mean_[channel]) >= least)
+      visit(Saturation{channel < 3, channel % 3, bound, n, weight / weight_});
   };
   for (int i = 0; i < kChannels; ++i) {
-    consider(i, most_[i], n_most_[i]);
-    consider(i, least_[i], n_least_[i]);
+    consider(i, most_[i], n_most_[i], most_weight_[i]);
+    consider(i, least_[i], n_least_[i], least_weight_[i]);
   }
-  return saturation;
+}
+
+SampleChecks::Saturation SampleChecks::MostSaturated() const {
+  Saturation most;
+  ForEachSaturation([&most](const Saturation& other) {
+    if (most.n_samples == 0 || other.share > most.share) most = other;
+  });
+  return most;
+}
+
+int SampleChecks::n_saturated() const {
+  int n = 0;
+  ForEachSaturation([&n](const Saturation& saturation) { n += saturation.n_samples; });
+  return n;
 }
 
 }  // namespace plslam

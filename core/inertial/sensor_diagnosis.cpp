@@ -45,6 +45,8 @@ constexpr double kMostForce_m_s2 = 14.0;
 constexpr double kNoiseRatio = 20.0;
 constexpr double kTurnNoiseRatio = 8.0;
 constexpr double kRateRatio = 1.5;
+// Share of saturated samples above which the motions in between are doubtful, too. Their frames are left out anyhow.
+constexpr double kSaturatedShare = 0.02;
 // Degrees in a radian.
 constexpr double kDegrees = 1.0 / kRadPerDeg;
 
@@ -98,7 +100,7 @@ SensorDiagnosis::SensorDiagnosis(const ImuCalibration& stated, const SE3& T_imu_
 }
 
 bool SensorDiagnosis::Add(std::span<const ImuSample> samples, int64_t frame_ns) {
-  const int n_before = samples_.MostSaturated().n_samples;
+  const int n_before = samples_.n_saturated();
   for (const ImuSample& sample : samples) {
     if (!has_samples_ || sample.t_ns > newest_ns_) {
       samples_.Add(sample);
@@ -108,7 +110,7 @@ bool SensorDiagnosis::Add(std::span<const ImuSample> samples, int64_t frame_ns) 
     }
     if (sample.t_ns >= frame_ns) break;
   }
-  const bool is_saturated = n_before > 0 && samples_.MostSaturated().n_samples > n_before;
+  const bool is_saturated = n_before > 0 && samples_.n_saturated() > n_before;
   return !is_saturated && !(moves_ && IsStuck());
 }
 
@@ -236,7 +238,7 @@ void SensorDiagnosis::CheckSamples() {
   }
   const SampleChecks::Saturation saturation = samples_.MostSaturated();
   if (!is_stuck && saturation.n_samples > 0) {
-    Report(SensorFinding::Fault::kSaturation, true,
+    Report(SensorFinding::Fault::kSaturation, saturation.share > kSaturatedShare,
            fmt::format("{} samples end at {:.3g} {} about {}: the range of the {} is too small", saturation.n_samples,
                        saturation.bound, saturation.of_rate ? "rad/s" : "m/s^2", "xyz"[saturation.axis],
                        saturation.of_rate ? "gyroscope" : "accelerometer"));

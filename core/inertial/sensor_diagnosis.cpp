@@ -45,6 +45,8 @@ constexpr double kMostForce_m_s2 = 14.0;
 constexpr double kNoiseRatio = 20.0;
 constexpr double kTurnNoiseRatio = 8.0;
 constexpr double kRateRatio = 1.5;
+// Time for which a harmful fault has to be absent to end.
+constexpr double kAbsent_s = 5.0;
 // Share of saturated samples above which the motions in between are doubtful, too. Their frames are left out anyhow.
 constexpr double kSaturatedShare = 0.02;
 // Degrees in a radian.
@@ -146,14 +148,48 @@ void SensorDiagnosis::Diagnose() {
   CheckForces();
   CheckTurns();
   CheckSamples();
+  HoldHarmful(time_s_ - std::exchange(diagnosed_s_, time_s_));
   const auto same = [](const SensorFinding& a, const SensorFinding& b) { return a.fault == b.fault; };
   if (!std::equal(before.begin(), before.end(), findings_.begin(), findings_.end(), same)) same_s_ = 0.0;
+}
+
+bool SensorDiagnosis::IsHeld(SensorFinding::Fault fault) const {
+  return std::any_of(held_.begin(), held_.end(), [&](const Held& held) { return held.finding.fault == fault; });
+}
+
+/// Adds the harmful faults that were found before and have not been absent for long. Turns that are too small show
+/// nothing of theirs.
+void SensorDiagnosis::HoldHarmful(double dt_s) {
+  using Fault = SensorFinding::Fault;
+  for (const SensorFinding& finding : findings_) {
+    if (!finding.is_harmful) continue;
+    std::erase_if(held_, [&](const Held& held) { return held.finding.fault == finding.fault; });
+    held_.push_back({finding, -dt_s});
+  }
+  for (Held& held : held_) {
+    const Fault fault = held.finding.fault;
+    const bool is_of_turns = fault == Fault::kRateUnit || fault == Fault::kAxes || fault == Fault::kTimeOffset;
+    if (!is_of_turns || fit_.excitation >= kLeastExcitation) held.absent_s += dt_s;
+  }
+  std::erase_if(held_, [](const Held& held) { return held.absent_s >= kAbsent_s; });
+  for (const Held& held : held_) {
+    const auto is_same = [&](const SensorFinding& f) { return f.fault == held.finding.fault; };
+    const auto found = std::find_if(findings_.begin(), findings_.end(), is_same);
+    if (found != findings_.end() && found->is_harmful) continue;
+    std::erase_if(findings_, is_same);
+    findings_.push_back(held.finding);
+  }
+  std::stable_sort(findings_.begin(), findings_.end(),
+                   [](const SensorFinding& a, const SensorFinding& b) { return a.fault < b.fault; });
 }
 
 void SensorDiagnosis::CheckForces() {
   const double force_m_s2 = samples_.Force_m_s2();
   const bool is_known = force_m_s2 > 0.0;
-  if (!is_known || (force_m_s2 > kLeastForce_m_s2 && force_m_s2 < kMostForce_m_s2)) return;
+  const double below_m_s2 = Bound(SensorFinding::Fault::kForceUnit, kGravity_m_s2 - kLeastForce_m_s2);
+  const double above_m_s2 = Bound(SensorFinding::Fault::kForceUnit, kMostForce_m_s2 - kGravity_m_s2);
+  const bool is_gravity = force_m_s2 > kGravity_m_s2 - below_m_s2 && force_m_s2 < kGravity_m_s2 + above_m_s2;
+  if (!is_known || is_gravity) return;
   const bool in_g = force_m_s2 > kLeastForce_m_s2 / kGravity_m_s2 && force_m_s2 < kMostForce_m_s2 / kGravity_m_s2;
   Report(SensorFinding::Fault::kForceUnit, true,
          fmt::format("its mean specific force is {:.2f} m/s^2 instead of 9.8{}", force_m_s2,
@@ -164,17 +200,19 @@ void SensorDiagnosis::CheckTurns() {
   if (fit_.evidence < kSureEvidence || fit_.excitation < kLeastExcitation) return;
   // The rates of a saturated gyroscope are too small.
   const bool is_saturated = fit_.scale < 1.0 && samples_.MostSaturated().n_samples > 0;
-  if (!is_saturated && (fit_.scale > kScale || fit_.scale < 1.0 / kScale)) {
+  const double scale = 1.0 + Bound(SensorFinding::Fault::kRateUnit, kScale - 1.0);
+  if (!is_saturated && (fit_.scale > scale || fit_.scale < 1.0 / scale)) {
     const bool in_degrees = std::abs(fit_.scale / kDegrees - 1.0) < 0.2;
     Report(SensorFinding::Fault::kRateUnit, true,
            fmt::format("the gyroscope turns {:.3g} times as fast as the images: {}", fit_.scale,
                        in_degrees ? "degrees instead of rad/s?" : "another unit?"));
   }
-  const bool is_turned = fit_.matrix.determinant() < 0.0 || AngleOf(fit_.matrix) > kMounted_rad;
+  const bool is_turned = fit_.matrix.determinant() < 0.0 || AngleOf(fit_.matrix) > Bound(SensorFinding::Fault::kAxes, kMounted_rad);
   if (is_turned) Report(SensorFinding::Fault::kAxes, true, AxesText());
   // A constant rate shows no delay.
   if (fit_.variation > kLeastExcitation &&
-      std::abs(fit_.delay_s) > std::max(kDelay_s, kDelaySigmas * fit_.delay_sigma_s)) {
+      std::abs(fit_.delay_s) >
+          Bound(SensorFinding::Fault::kTimeOffset, std::max(kDelay_s, kDelaySigmas * fit_.delay_sigma_s))) {
     Report(SensorFinding::Fault::kTimeOffset, true,
            fmt::format("its stamps are {:.1f} +- {:.1f} ms {}: time_offset_s: {:.4f}?", 1e3 * std::abs(fit_.delay_s),
                        1e3 * fit_.delay_sigma_s, fit_.delay_s > 0.0 ? "late" : "early",
@@ -230,7 +268,10 @@ void SensorDiagnosis::CheckSamples() {
   const ImuNoise& noise = stated_.noise;
   const double stated = std::max(noise.gyroscope_rad_s_sqrt_hz, 1e-9);
   const double rates = samples_.RateNoise() / stated, turns = fit_.residual_rad_sqrt_s / stated;
-  if (rates > kNoiseRatio && turns > kTurnNoiseRatio && findings_.empty()) {
+  const auto is_not_noise = [](const Held& held) { return held.finding.fault != SensorFinding::Fault::kNoise; };
+  const bool is_alone = findings_.empty() && std::none_of(held_.begin(), held_.end(), is_not_noise);
+  if (is_alone && rates > Bound(SensorFinding::Fault::kNoise, kNoiseRatio) &&
+      turns > Bound(SensorFinding::Fault::kNoise, kTurnNoiseRatio)) {
     Report(SensorFinding::Fault::kNoise, true,
            fmt::format("the noise of its rates is {:.0f} times the stated one: gyroscope_noise_density: {:.2g} and "
                        "accelerometer_noise_density: {:.2g}?",
@@ -238,7 +279,7 @@ void SensorDiagnosis::CheckSamples() {
   }
   const SampleChecks::Saturation saturation = samples_.MostSaturated();
   if (!is_stuck && saturation.n_samples > 0) {
-    Report(SensorFinding::Fault::kSaturation, saturation.share > kSaturatedShare,
+    Report(SensorFinding::Fault::kSaturation, saturation.share > Bound(SensorFinding::Fault::kSaturation, kSaturatedShare),
            fmt::format("{} samples end at {:.3g} {} about {}: the range of the {} is too small", saturation.n_samples,
                        saturation.bound, saturation.of_rate ? "rad/s" : "m/s^2", "xyz"[saturation.axis],
                        saturation.of_rate ? "gyroscope" : "accelerometer"));

@@ -35,9 +35,13 @@ struct SensorFinding {
 ///
 /// Units, mounting and time offset follow from the turns (`TurnAlignment`), among hypotheses that drivers and
 /// calibrations produce: signed permutations of the axes, extrinsics the wrong way round, and any rotation. The mean
-/// specific force gives its unit; `SampleChecks` the rest. The state is bounded, and depends on the input alone.
+/// specific force gives its unit; `SampleChecks` the rest. A harmful fault that was found ends when it has been below
+/// `kEnds` of its bounds for five seconds, so that one near a bound does not come and go. The state is bounded, and
+/// depends on the input alone.
 class SensorDiagnosis {
  public:
+  static constexpr double kEnds = 0.6;
+
   /// `T_imu_c` is the pose of the camera in the sensor as stated.
   SensorDiagnosis(const ImuCalibration& stated, const SE3& T_imu_c);
 
@@ -65,11 +69,26 @@ class SensorDiagnosis {
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.samples_, self.turns_, self.findings_, self.fit_, self.newest_ns_, self.has_samples_, self.time_s_,
-      self.n_pairs_, self.moves_, self.same_s_);
+      self.n_pairs_, self.moves_, self.same_s_, self.held_, self.diagnosed_s_);
   }
 
  private:
+  /// A harmful fault that was found, and the time for which it has not been found again.
+  struct Held {
+    SensorFinding finding;
+    double absent_s = 0.0;
+
+    template <class Archive, class Self>
+    static void Fields(Archive& a, Self& self) {
+      a(self.finding, self.absent_s);
+    }
+  };
+
   void Diagnose();
+  void HoldHarmful(double dt_s);
+  bool IsHeld(SensorFinding::Fault fault) const;
+  /// Returns the bound on a value of a fault.
+  double Bound(SensorFinding::Fault fault, double bound) const { return IsHeld(fault) ? kEnds * bound : bound; }
   void CheckForces();
   void CheckTurns();
   void CheckSamples();
@@ -91,6 +110,8 @@ class SensorDiagnosis {
   bool has_samples_ = false;
   double time_s_ = 0.0;
   int n_pairs_ = 0;
+  std::vector<Held> held_;
+  double diagnosed_s_ = 0.0;  ///< `time_s_` at the last diagnosis
   double same_s_ = 0.0;  ///< time since other faults were found
   bool moves_ = false;   ///< whether the last measured motion was not that of a standing camera
 };

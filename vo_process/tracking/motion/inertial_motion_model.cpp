@@ -29,6 +29,9 @@ constexpr int kMostContradicting = 5;
 // Bound on the mean normalised innovation over its expectation, and the number of frames of that mean.
 constexpr double kHealthy = 4.0;
 constexpr double kMeanFrames = 20.0;
+// Bound below which, for how long, it ends a contradiction.
+constexpr double kAgreeing = 0.6 * kHealthy;
+constexpr double kAgreeing_s = 5.0;
 // Sigmas up to which the sensor carries a pose.
 constexpr double kFarthest_m = 0.5;
 constexpr double kFarthest_rad = 5.0 * kRadPerDeg;
@@ -139,6 +142,7 @@ InertialMotionModel InertialMotionModel::For(const SE3& T_frame_prev) const {
   other.Start(T_frame_prev);
   other.Begin(other.T_odom_observed_, MeasuredCovariance(Matrix6d::Zero()));
   other.innovation_ = 1.0;
+  other.is_contradicting_ = false;
   return other;
 }
 
@@ -155,7 +159,7 @@ Matrix6d InertialMotionModel::MeasuredCovariance(const Matrix6d& covariance) con
 
 std::optional<InertialFilter::Agreement> InertialMotionModel::AgreementWith(const SE3& T_odom_c,
                                                                             const Matrix6d& covariance) const {
-  if (innovation_ >= kHealthy) return std::nullopt;
+  if (is_contradicting_) return std::nullopt;
   return ContradictedAgreementWith(T_odom_c, covariance);
 }
 
@@ -169,7 +173,7 @@ std::optional<InertialFilter::Agreement> InertialMotionModel::ContradictedAgreem
 }
 
 bool InertialMotionModel::IsTrusted() const {
-  return filter_.has_begun() && !is_outdated_ && !is_faulty_ && measured_s_ >= kFirstUse_s && innovation_ < kHealthy &&
+  return filter_.has_begun() && !is_outdated_ && !is_faulty_ && measured_s_ >= kFirstUse_s && !is_contradicting_ &&
          evidence_.force_m_s >= kWeakGravity_m_s2 * evidence_.time_s;
 }
 
@@ -261,15 +265,20 @@ void InertialMotionModel::Observe(const SE3& T_odom_c, const Matrix6d& covarianc
     // A jump is not a fault of the sensor.
     if (jumped) return Begin(T_odom_imu, measured);
     if (++n_contradicting_ >= kMostContradicting) Begin(T_odom_imu, measured);
-    innovation_ += (kGate / 6.0 - innovation_) / kMeanFrames;
-    return;
+    return Judge(kGate / 6.0);
   }
   n_contradicting_ = 0;
-  if (!jumped) innovation_ += (innovation / 6.0 - innovation_) / kMeanFrames;
+  if (!jumped) Judge(innovation / 6.0);
   Measure(T_odom_imu, measured);
   measured_s_ += motion_->dt_s();
   knows_bias_ = knows_bias_ || measured_s_ >= kFirstUse_s;
   unmeasured_s_ = 0.0;
+}
+
+void InertialMotionModel::Judge(double normalised_innovation) {
+  innovation_ += (normalised_innovation - innovation_) / kMeanFrames;
+  agreeing_s_ = innovation_ < kAgreeing ? agreeing_s_ + motion_->dt_s() : 0.0;
+  is_contradicting_ = innovation_ >= kHealthy || (is_contradicting_ && agreeing_s_ < kAgreeing_s);
 }
 
 void InertialMotionModel::Drift(const Matrix6d& motion_covariance) {
@@ -324,7 +333,7 @@ void InertialMotionModel::AddEvidence(const SE3& T_previmu_imu) {
 
 std::string InertialMotionModel::Complaint() const {
   if (!imu_ || evidence_.time_s < kLeastEvidence_s) return {};
-  if (innovation_ < kHealthy) return {};
+  if (!is_contradicting_) return {};
   const std::string sentence = fmt::format(
       "the inertial sensor contradicts the images, so it is not used: its normalised innovation is {:.1f} (1 is "
       "healthy)",

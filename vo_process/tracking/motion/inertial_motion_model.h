@@ -44,7 +44,8 @@ struct ImuEvidence {
 ///
 /// `InertialFilter` estimates velocity, gravity and biases from the measured poses. It is used as soon as a second of
 /// measured frames has determined them, and not while measured poses contradict it: of the last frames' normalised
-/// innovations (6 for a consistent sensor) the mean must be below a bound.
+/// innovations (6 for a consistent sensor) the mean must be below a bound. A contradiction ends when the mean has been
+/// well below it for some seconds.
 ///
 /// A sensor that has been seen standing is assumed to stand in the dark as long as its samples are those of a standing
 /// one: within the white noise of the angular rate that is its bias, and of the specific force while it was seen.
@@ -123,7 +124,8 @@ class InertialMotionModel {
   static void Fields(Archive& a, Self& self) {
     a(self.filter_, self.knows_bias_, self.measured_s_, self.unmeasured_s_, self.innovation_, self.n_contradicting_,
       self.evidence_, self.was_observed_, self.T_odom_observed_, self.mean_force_m_s2_, self.standing_s_,
-      self.standing_force_m_s2_, self.is_faulty_, self.is_outdated_);
+      self.standing_force_m_s2_, self.is_faulty_, self.is_outdated_,
+      self.is_contradicting_, self.agreeing_s_);
   }
 
  private:
@@ -133,6 +135,7 @@ class InertialMotionModel {
   void AddEvidence(const SE3& T_previmu_imu);
   void LearnStanding(const SE3& T_previmu_imu);
   bool IsQuiet() const;
+  void Judge(double normalised_innovation);
   /// Returns a state of the filter after the motion to the next frame, which must be known.
   InertialFilter Propagated(InertialFilter filter) const;
   Matrix6d MeasuredCovariance(const Matrix6d& covariance) const;
@@ -154,6 +157,8 @@ class InertialMotionModel {
   double measured_s_ = 0.0;    ///< time of measured motions since the filter began
   double unmeasured_s_ = 0.0;  ///< time since the last measured frame
   double innovation_ = 1.0;
+  bool is_contradicting_ = false;
+  double agreeing_s_ = 0.0;  ///< time for which the mean innovation has been well below its bound
   int n_contradicting_ = 0;  ///< successive measured poses that contradict the filter
   ImuEvidence evidence_;
   /// Time for which the sensor has been seen standing, and the mean specific force in it.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/hypot.h"
+
 namespace plslam {
 namespace {
 
@@ -11,10 +13,76 @@ namespace {
 constexpr double kLongestGap_s = 0.15;
 // Longest interval over which the outermost sample holds.
 constexpr double kLongestHold_s = 0.02;
+// Longest interval between samples that linear interpolation describes: that of a sensor of 100 Hz, with its jitter.
+constexpr double kDense_s = 0.015;
+// Share of the change over an interval that the mean of the interval is off by, if the value at one end holds, and if
+// those at both ends are interpolated.
+constexpr double kHeld = 0.5;
+constexpr double kInterpolated = 0.25;
 
 /// Unsigned: stamps may have any value. `later_ns` must not be earlier.
 double SecondsBetween(int64_t earlier_ns, int64_t later_ns) {
   return 1e-9 * static_cast<double>(static_cast<uint64_t>(later_ns) - static_cast<uint64_t>(earlier_ns));
+}
+
+/// Mean squares of the changes of rate and force a second between samples, without what their noise contributes; each
+/// axis.
+struct Changes {
+  double rate2 = 0.0;
+  double force2 = 0.0;
+};
+
+Changes ChangesOf(std::span<const ImuSample> samples, const ImuNoise& noise) {
+  Vector6d sum2 = Vector6d::Zero();
+  double inverse_s = 0.0, squares_s2 = 0.0;
+  for (size_t i = 1; i < samples.size(); ++i) {
+    if (samples[i].t_ns <= samples[i - 1].t_ns) continue;
+    const double dt_s = SecondsBetween(samples[i - 1].t_ns, samples[i].t_ns);
+    Vector6d change;
+    change << samples[i].rate_rad_s - samples[i - 1].rate_rad_s, samples[i].force_m_s2 - samples[i - 1].force_m_s2;
+    sum2 += change.cwiseAbs2();
+    inverse_s += 1.0 / dt_s;
+    squares_s2 += dt_s * dt_s;
+  }
+  if (squares_s2 == 0.0) return {};
+  // A sample is a mean over its interval: its variance is the square of the density over that.
+  const auto mean2 = [&](int first, double density) {
+    const double noise2 = 2.0 * density * density * inverse_s;
+    return std::max(0.0, sum2.segment<3>(first).sum() / 3.0 - noise2) / squares_s2;
+  };
+  return {mean2(0, noise.gyroscope_rad_s_sqrt_hz), mean2(3, noise.accelerometer_m_s2_sqrt_hz)};
+}
+
+/// Sum of the squares by which integrals over the steps of a motion are off for each square of a change a second, s^4.
+double Unsensed(std::span<const ImuSample> samples, int64_t from_ns, int64_t to_ns) {
+  double unsensed_s4 = 0.0;
+  const auto add = [&](double share, double apart_s, double step_s) {
+    unsensed_s4 += share * share * apart_s * apart_s * step_s * step_s;
+  };
+  const int64_t first_ns = samples.front().t_ns, last_ns = samples.back().t_ns;
+  if (first_ns > from_ns) add(kHeld, SecondsBetween(from_ns, first_ns), SecondsBetween(from_ns, first_ns));
+  if (last_ns < to_ns) add(kHeld, SecondsBetween(last_ns, to_ns), SecondsBetween(last_ns, to_ns));
+  for (size_t i = 1; i < samples.size(); ++i) {
+    const int64_t a_ns = samples[i - 1].t_ns, b_ns = samples[i].t_ns;
+    const int64_t begin_ns = std::max(a_ns, from_ns), end_ns = std::min(b_ns, to_ns);
+    if (begin_ns >= end_ns) continue;
+    const double apart_s = SecondsBetween(a_ns, b_ns);
+    if (apart_s > kDense_s) add(kInterpolated, apart_s, SecondsBetween(begin_ns, end_ns));
+  }
+  return unsensed_s4;
+}
+
+/// The noise of a motion in which samples are missing: rates and forces have changed there as fast as between the others.
+/// The variance of that counts as white noise over the whole motion.
+ImuNoise NoiseOfMotion(std::span<const ImuSample> samples, int64_t from_ns, int64_t to_ns, const ImuNoise& noise) {
+  const double unsensed_s4 = Unsensed(samples, from_ns, to_ns);
+  if (unsensed_s4 == 0.0) return noise;
+  const Changes changes = ChangesOf(samples, noise);
+  const double unsensed_s3 = unsensed_s4 / SecondsBetween(from_ns, to_ns);
+  ImuNoise with = noise;
+  with.gyroscope_rad_s_sqrt_hz = Hypot(noise.gyroscope_rad_s_sqrt_hz, std::sqrt(changes.rate2 * unsensed_s3));
+  with.accelerometer_m_s2_sqrt_hz = Hypot(noise.accelerometer_m_s2_sqrt_hz, std::sqrt(changes.force2 * unsensed_s3));
+  return with;
 }
 
 ImuSample Between(const ImuSample& a, const ImuSample& b, int64_t t_ns) {
@@ -97,7 +165,7 @@ std::optional<Preintegration> Preintegrate(std::span<const ImuSample> samples, i
   if (first.t_ns > from_ns && SecondsBetween(from_ns, first.t_ns) > kLongestHold_s) return std::nullopt;
   if (last.t_ns < to_ns && SecondsBetween(last.t_ns, to_ns) > kLongestHold_s) return std::nullopt;
   if (last.t_ns <= from_ns || first.t_ns >= to_ns) return std::nullopt;
-  Preintegration motion(noise, bias);
+  Preintegration motion(NoiseOfMotion(SamplesOfMotion(samples, from_ns, to_ns), from_ns, to_ns, noise), bias);
   const auto append = [&motion](const ImuSample& a, const ImuSample& b) {
     if (b.t_ns <= a.t_ns) return;
     motion.Append(0.5 * (a.rate_rad_s + b.rate_rad_s), 0.5 * (a.force_m_s2 + b.force_m_s2),

@@ -90,7 +90,7 @@ class Preintegration {
 
 /// Integrates samples, whose times increase, from one time to another (all on the sensor's clock), interpolated at both
 /// ends. Returns nullopt if the samples do not reach the ends (up to 20 ms, over which the outermost sample holds), have
-/// a gap of more than 0.15 s in between, or if `to_ns` is not later than `from_ns`.
+/// a gap of more than 0.15 s in between, or if `to_ns` is not later than `from_ns`. Missing samples add to the noise.
 std::optional<Preintegration> Preintegrate(std::span<const ImuSample> samples, int64_t from_ns, int64_t to_ns,
                                            const ImuNoise& noise, const ImuBias& bias);
 

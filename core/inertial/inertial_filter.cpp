@@ -97,6 +97,21 @@ void InertialFilter::Begin(const SE3& T_odom_imu, const Matrix6d& covariance, co
   MeasureFromHere();
 }
 
+void InertialFilter::ContinueAt(const SE3& T_odom_imu, const Matrix6d& covariance, double unknown_s) {
+  state_.T_odom_imu = T_odom_imu;
+  state_.velocity_m_s.setZero();
+  P_.topRows<kRateBias>().setZero();
+  P_.leftCols<kRateBias>().setZero();
+  P_.topLeftCorner<6, 6>() = Rotated(covariance);
+  SetBlock(P_, kV, kAnySpeed_m_s);
+  const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
+  P_.block<3, 3>(kBg, kBg) += Square(noise_.gyroscope_walk_rad_s2_sqrt_hz) * unknown_s * I;
+  P_.block<3, 3>(kBa, kBa) += Square(noise_.accelerometer_walk_m_s3_sqrt_hz) * unknown_s * I;
+  MeasureFromHere();
+}
+
+double InertialFilter::VelocitySigma() const { return std::sqrt(P_.diagonal().segment<3>(kV).maxCoeff()); }
+
 /// Covariance of [position in odom; rotation] from that of a right perturbation of the pose.
 Matrix6d InertialFilter::Rotated(const Matrix6d& covariance) const {
   Matrix6d A = Matrix6d::Identity();

@@ -52,6 +52,12 @@ class InertialFilter {
   /// around it, a first guess of the vertical. The biases of an earlier interval are kept if `keeps_bias`.
   void Begin(const SE3& T_odom_imu, const Matrix6d& covariance, const Eigen::Vector3d& force_m_s2, bool keeps_bias);
 
+  /// Continues at a measured pose after motions that are not known, which took this long: gravity and biases are still
+  /// known.
+  void ContinueAt(const SE3& T_odom_imu, const Matrix6d& covariance, double unknown_s);
+  /// Largest sigma of a component of the velocity, m/s.
+  double VelocitySigma() const;
+
   /// Moves the state over the interval of a motion, which must have been integrated with about the bias of the state.
   void Propagate(const Preintegration& motion);
 

@@ -55,9 +55,7 @@ std::vector<ImuSample> ImuQueue::Take(int64_t from_ns, int64_t to_ns) {
   const std::span<const ImuSample> motion = SamplesOfMotion(samples_, from_ns, to_ns);
   std::vector<ImuSample> taken(motion.begin(), motion.end());
   taken_ns_ = to_ns;
-  // The next motion begins at `to_ns`.
-  const std::span<const ImuSample> next = SamplesOfMotion(samples_, to_ns, to_ns);
-  const auto n_past = next.empty() ? 0 : next.data() - samples_.data();
+  const auto n_past = motion.empty() ? 0 : motion.data() - samples_.data();
   samples_.erase(samples_.begin(), samples_.begin() + n_past);
   return taken;
 }

@@ -32,8 +32,8 @@ class ImuQueue {
 
   /// Returns whether a sample at or after this time has arrived, so that the motion before it is complete.
   bool Covers(int64_t t_ns) const;
-  /// Returns the samples of a motion that have arrived (`SamplesOfMotion`), and drops those that later motions do not
-  /// need.
+  /// Returns the samples of a motion that have arrived (`SamplesOfMotion`), and drops those before it: motions that are
+  /// taken later begin no earlier, but may contain it, when its samples have arrived.
   std::vector<ImuSample> Take(int64_t from_ns, int64_t to_ns);
 
   Counts counts() const;

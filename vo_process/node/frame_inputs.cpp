@@ -40,7 +40,8 @@ void FrameInputs::Use(const Frame& frame, int64_t prev_t_ns, StereoFrontEnd& fro
     odometry.ExpectRobot(motion);
   }
   if (imu_ && imu_offset_ns_) {
-    const std::vector<ImuSample> samples = imu_->Take(prev_t_ns, t_ns, *imu_offset_ns_);
+    const int64_t needed_ns = odometry.motion().inertial().NeededFrom(prev_t_ns);
+    const std::vector<ImuSample> samples = imu_->Take(needed_ns, t_ns, *imu_offset_ns_);
     odometry.ExpectImu(samples, prev_t_ns, t_ns);
   }
 }

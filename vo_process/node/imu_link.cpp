@@ -66,10 +66,10 @@ bool ImuLink::Awaits(SourceId source, int64_t prev_t_ns, int64_t t_ns, bool lock
   return wait_.awaited().has_value();
 }
 
-std::vector<ImuSample> ImuLink::Take(int64_t prev_t_ns, int64_t t_ns, int64_t offset_ns) {
+std::vector<ImuSample> ImuLink::Take(int64_t from_ns, int64_t t_ns, int64_t offset_ns) {
   wait_.End();
   const auto after = [&](int64_t frame_ns) { return samples_.upper_bound(frame_ns - offset_ns); };
-  auto begin = after(prev_t_ns);
+  auto begin = after(from_ns);
   if (begin != samples_.begin()) --begin;
   samples_.erase(samples_.begin(), begin);
   auto end = samples_.lower_bound(t_ns - offset_ns);

@@ -27,9 +27,9 @@ class ImuLink {
   /// Whether the frame at this time of the stream of `source`, which arrived at `came_s` of the steady clock, has to
   /// wait for the samples since `prev_t_ns`.
   bool Awaits(SourceId source, int64_t prev_t_ns, int64_t t_ns, bool lockstep, double came_s);
-  /// Returns the samples received, in order of increasing time, for a frame whose wait is over, and drops those that
-  /// later frames do not need. `offset_ns` is the time offset of the sensor.
-  std::vector<ImuSample> Take(int64_t prev_t_ns, int64_t t_ns, int64_t offset_ns);
+  /// Returns the samples received since `from_ns`, in order of increasing time, for a frame whose wait is over, and drops
+  /// those before: later frames do not need them. `offset_ns` is the time offset of the sensor.
+  std::vector<ImuSample> Take(int64_t from_ns, int64_t t_ns, int64_t offset_ns);
 
  private:
   void OnBatch(SourceId source, const bus::ImuBatch& batch);

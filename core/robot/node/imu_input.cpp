@@ -15,6 +15,12 @@
 #include "core/files/dataset_error.h"
 
 namespace plslam::robot {
+namespace {
+
+// Longest time after which late samples are still sent: trackers wait no longer for them.
+constexpr int64_t kLongestOpen_ns = 1'000'000'000;
+
+}  // namespace
 
 ImuInput::ImuInput(bus::Process& process, Settings settings) : process_(process), settings_(std::move(settings)) {
   if (!settings_.calibration.empty()) ReadFile();
@@ -87,8 +93,16 @@ void ImuInput::Publish(const RigCalibration& rig, int64_t t_ns) {
   if (!rig.imu) return;
   const int64_t offset_ns = rig.imu->offset_ns();
   const bool has_end = queue_.Covers(t_ns - offset_ns);
-  const std::vector<ImuSample> samples = queue_.Take(from_ns - offset_ns, t_ns - offset_ns);
-  bus::PublishImu(process_.bus(), from_ns, t_ns, samples);
+  if (from_ns == t_ns) open_t_ns_.clear();
+  while (!open_t_ns_.empty() && t_ns - open_t_ns_.front() > kLongestOpen_ns) open_t_ns_.pop_front();
+  const int64_t begin_ns = open_t_ns_.empty() ? from_ns : open_t_ns_.front();
+  const std::vector<ImuSample> samples = queue_.Take(begin_ns - offset_ns, t_ns - offset_ns);
+  bus::PublishImu(process_.bus(), begin_ns, t_ns, samples);
+  open_t_ns_.push_back(t_ns);
+  const auto is_sent = [&](int64_t frame_ns) {
+    return !samples.empty() && samples.back().t_ns >= frame_ns - offset_ns;
+  };
+  while (open_t_ns_.size() > 1 && is_sent(open_t_ns_[1])) open_t_ns_.pop_front();
   Report(t_ns, has_end && (samples.size() > 1 || from_ns == t_ns));
 }
 

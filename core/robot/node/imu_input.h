@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <string>
 
@@ -48,7 +49,9 @@ class ImuInput {
 
   /// Whether the frame at this time has to wait for samples. A sensor that is silent delays no frame.
   bool Awaits(const RigCalibration& rig, int64_t t_ns) const;
-  /// Publishes the samples between the previous frame and the one at this time, if the rig has the sensor.
+  /// Publishes the samples between the previous frame and the one at this time, if the rig has the sensor. Where some
+  /// came too late for their frames, the motion begins at the last frame with all samples up to it, at most a second
+  /// before.
   void Publish(const RigCalibration& rig, int64_t t_ns);
 
  private:
@@ -65,6 +68,8 @@ class ImuInput {
   std::optional<std::optional<ImuCalibration>> calibration_;  ///< of the rigs; not set before the first one
   SE3 T_b_l_;                                                 ///< pose of the left camera to which it refers
   std::optional<int64_t> sent_t_ns_;                          ///< time of the previous frame
+  /// Times of sent frames: the last one with all samples up to it, and those since then.
+  std::deque<int64_t> open_t_ns_;
   int64_t n_incomplete_ = 0;                                  ///< frames without all of their samples
   int64_t n_in_a_row_ = 0;                                    ///< of these, since the last complete one
   bool has_warned_ = false;

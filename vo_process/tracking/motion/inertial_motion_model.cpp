@@ -17,6 +17,9 @@ namespace {
 
 // Time of measured frames after which velocity, gravity and biases are used.
 constexpr double kFirstUse_s = 1.0;
+// Longest time for which the filter waits for samples, and the sigma up to which a velocity is known after it.
+constexpr uint64_t kLongestBehind_ns = 1'000'000'000;
+constexpr double kKnownVelocity_m_s = 0.1;
 // Errors of measured poses that their covariance lacks, because they are the same in successive frames (landmarks,
 // calibration): a filter that takes them for white noise would believe its velocity too much.
 constexpr double kCommonVariance = 4.0;
@@ -101,21 +104,41 @@ std::optional<MountedImu> MountedImuOf(const RigCalibration& rig) {
   return MountedImu{rig.imu->T_b_imu.Inverse() * rig.left.T_b_cam * T_l_c, *rig.imu};
 }
 
-void InertialMotionModel::Expect(std::span<const ImuSample> samples, int64_t from_ns, int64_t to_ns) {
+void InertialMotionModel::Expect(std::span<const ImuSample> samples, int64_t from_ns, int64_t to_ns,
+                                 bool are_measured) {
   motion_.reset();
   is_not_later_ = from_ns >= to_ns;
   if (!imu_ || is_not_later_) return;
   const int64_t offset_ns = imu_->calibration.offset_ns();
-  interval_ = {{samples.begin(), samples.end()}, from_ns - offset_ns, to_ns - offset_ns};
+  const std::span<const ImuSample> needed =
+      SamplesOfMotion(samples, NeededFrom(from_ns) - offset_ns, to_ns - offset_ns);
+  interval_ = {{needed.begin(), needed.end()}, from_ns - offset_ns, to_ns - offset_ns, are_measured};
+  if (is_behind_) {
+    CatchUp();
+  } else {
+    filter_ns_ = interval_.from_ns;
+    misses_samples_ = false;
+  }
+  if (!are_measured) return;
   Integrate(filter_.state().bias);
   if (!motion_) return;
   mean_force_m_s2_.setZero();
-  for (const ImuSample& sample : samples) mean_force_m_s2_ += sample.force_m_s2 / static_cast<double>(samples.size());
+  const std::span<const ImuSample> own = SamplesOfMotion(interval_.samples, interval_.from_ns, interval_.to_ns);
+  for (const ImuSample& sample : own) mean_force_m_s2_ += sample.force_m_s2 / static_cast<double>(own.size());
+}
+
+int64_t InertialMotionModel::NeededFrom(int64_t from_ns) const {
+  if (!imu_ || !is_behind_ || misses_samples_) return from_ns;
+  const int64_t filter_ns = filter_ns_ + imu_->calibration.offset_ns();
+  const bool is_recent = filter_ns < from_ns && static_cast<uint64_t>(from_ns) - static_cast<uint64_t>(filter_ns) <=
+                                                    kLongestBehind_ns;
+  return is_recent ? filter_ns : from_ns;
 }
 
 void InertialMotionModel::ExpectNothing() {
   motion_.reset();
   is_not_later_ = false;
+  interval_ = {};
 }
 
 void InertialMotionModel::Integrate(const ImuBias& bias) {
@@ -123,11 +146,47 @@ void InertialMotionModel::Integrate(const ImuBias& bias) {
 }
 
 void InertialMotionModel::ExpectAs(const InertialMotionModel& other) {
-  motion_ = other.motion_;
   interval_ = other.interval_;
-  mean_force_m_s2_ = other.mean_force_m_s2_;
   is_faulty_ = other.is_faulty_;
   is_not_later_ = other.is_not_later_;
+  motion_.reset();
+  if (imu_ && is_behind_ && !is_not_later_) CatchUp();
+  motion_ = other.motion_;
+  mean_force_m_s2_ = other.mean_force_m_s2_;
+}
+
+/// Brings the filter to the last frame, if samples since its time have arrived, or if they are lost, because those of the
+/// next motion have.
+void InertialMotionModel::CatchUp() {
+  const Interval next = interval_;
+  const int64_t offset_ns = imu_->calibration.offset_ns();
+  if (NeededFrom(next.from_ns + offset_ns) < next.from_ns + offset_ns) {
+    interval_.from_ns = filter_ns_;
+    interval_.to_ns = next.from_ns;
+    Integrate(filter_.state().bias);
+  }
+  if (motion_) {
+    is_behind_ = false;
+    if (was_observed_) {
+      Take(T_odom_observed_, covariance_observed_, false);
+    } else {
+      filter_.Propagate(*motion_);
+      unmeasured_s_ += motion_->dt_s();
+    }
+    filter_ns_ = next.from_ns;
+  } else if (was_observed_ && next.is_measured &&
+             Preintegrate(next.samples, next.from_ns, next.to_ns, imu_->calibration.noise, filter_.state().bias)) {
+    ContinueAt(T_odom_observed_, covariance_observed_, next.from_ns);
+  }
+  motion_.reset();
+  interval_ = next;
+}
+
+/// The motion to a frame is not known.
+void InertialMotionModel::FallBehind() {
+  is_behind_ = true;
+  misses_samples_ = misses_samples_ || !interval_.is_measured;
+  standing_s_ = 0.0;
 }
 
 void InertialMotionModel::Start(const SE3& T_odom_c) {
@@ -165,7 +224,7 @@ std::optional<InertialFilter::Agreement> InertialMotionModel::AgreementWith(cons
 
 std::optional<InertialFilter::Agreement> InertialMotionModel::ContradictedAgreementWith(
     const SE3& T_odom_c, const Matrix6d& covariance) const {
-  if (!imu_ || !motion_ || is_faulty_ || is_outdated_) return std::nullopt;
+  if (!imu_ || !motion_ || is_faulty_ || is_behind_) return std::nullopt;
   const bool is_first = !filter_.has_begun();
   if (is_first && !was_observed_) return std::nullopt;
   const InertialFilter next = Propagated(is_first ? For(T_odom_observed_ * imu_->T_imu_c).filter_ : filter_);
@@ -173,7 +232,11 @@ std::optional<InertialFilter::Agreement> InertialMotionModel::ContradictedAgreem
 }
 
 bool InertialMotionModel::IsTrusted() const {
-  return filter_.has_begun() && !is_outdated_ && !is_faulty_ && measured_s_ >= kFirstUse_s && !is_contradicting_ &&
+  return IsHealthy() && !is_behind_ && (known_s_ >= kFirstUse_s || filter_.VelocitySigma() < kKnownVelocity_m_s);
+}
+
+bool InertialMotionModel::IsHealthy() const {
+  return filter_.has_begun() && !is_faulty_ && measured_s_ >= kFirstUse_s && !is_contradicting_ &&
          evidence_.force_m_s >= kWeakGravity_m_s2 * evidence_.time_s;
 }
 
@@ -224,17 +287,30 @@ bool InertialMotionModel::CanCarry() const {
 }
 
 std::optional<UpDirection> InertialMotionModel::Up() const {
-  if (!IsTrusted()) return std::nullopt;
-  const auto up = filter_.Up();
+  if (!IsHealthy() || (is_behind_ && !was_observed_)) return std::nullopt;
+  InertialFilter filter = filter_;
+  // Gravity in odom, seen from the last frame.
+  if (is_behind_) filter.ContinueAt(T_odom_observed_, covariance_observed_, 0.0);
+  const auto up = filter.Up();
   if (!up) return std::nullopt;
   return UpDirection{imu_->T_imu_c.R().transpose() * up->direction, Hypot(up->sigma_rad, kMounting_rad)};
 }
 
 void InertialMotionModel::Begin(const SE3& T_odom_imu, const Matrix6d& covariance) {
   filter_.Begin(T_odom_imu, covariance, mean_force_m_s2_, knows_bias_);
-  measured_s_ = unmeasured_s_ = standing_s_ = 0.0;
+  measured_s_ = known_s_ = unmeasured_s_ = standing_s_ = 0.0;
   n_contradicting_ = 0;
-  is_outdated_ = false;
+  is_behind_ = misses_samples_ = false;
+}
+
+/// Motions up to this time (clock of the sensor) are lost.
+void InertialMotionModel::ContinueAt(const SE3& T_odom_imu, const Matrix6d& covariance, int64_t t_ns) {
+  const uint64_t unknown_ns = t_ns > filter_ns_ ? static_cast<uint64_t>(t_ns) - static_cast<uint64_t>(filter_ns_) : 0;
+  filter_.ContinueAt(T_odom_imu, covariance, 1e-9 * static_cast<double>(unknown_ns));
+  known_s_ = unmeasured_s_ = standing_s_ = 0.0;
+  n_contradicting_ = 0;
+  is_behind_ = misses_samples_ = false;
+  filter_ns_ = t_ns;
 }
 
 void InertialMotionModel::Observe(const SE3& T_odom_c, const Matrix6d& covariance, bool is_sure, bool jumped) {
@@ -243,34 +319,40 @@ void InertialMotionModel::Observe(const SE3& T_odom_c, const Matrix6d& covarianc
   const SE3 T_odom_imu = T_odom_c * imu_->T_imu_c.Inverse();
   const SE3 T_odom_previous = std::exchange(T_odom_observed_, T_odom_imu);
   const bool follows = std::exchange(was_observed_, true);
-  const Matrix6d measured = MeasuredCovariance(covariance);
+  covariance_observed_ = MeasuredCovariance(covariance);
   if (!motion_) {
     // The samples of the motion are missing, or this is the first frame; the mean force is that of an earlier motion.
-    if (filter_.has_begun()) Begin(T_odom_imu, measured);
-    return;
+    if (!filter_.has_begun()) return;
+    return jumped ? Begin(T_odom_imu, covariance_observed_) : FallBehind();
   }
-  if (is_outdated_) return Begin(T_odom_imu, measured);
+  if (is_behind_) return ContinueAt(T_odom_imu, covariance_observed_, interval_.to_ns);
   if (!filter_.has_begun()) {
-    if (!follows) return Begin(T_odom_imu, measured);
-    Begin(T_odom_previous, measured);
+    if (!follows) return Begin(T_odom_imu, covariance_observed_);
+    Begin(T_odom_previous, covariance_observed_);
   }
   if (follows && !jumped) {
     AddEvidence(T_odom_previous.Inverse() * T_odom_imu);
     LearnStanding(T_odom_previous.Inverse() * T_odom_imu);
   }
+  Take(T_odom_imu, covariance_observed_, jumped);
+}
+
+/// Moves the filter to a measured pose of the sensor, and takes it unless it contradicts the motion.
+void InertialMotionModel::Take(const SE3& T_odom_imu, const Matrix6d& covariance, bool jumped) {
   unmeasured_s_ += motion_->dt_s();
-  const double innovation = Propagated(filter_).AgreementWith(T_odom_imu, measured).innovation;
+  const double innovation = Propagated(filter_).AgreementWith(T_odom_imu, covariance).innovation;
   if (innovation > kGate) {
     filter_.Propagate(*motion_);
     // A jump is not a fault of the sensor.
-    if (jumped) return Begin(T_odom_imu, measured);
-    if (++n_contradicting_ >= kMostContradicting) Begin(T_odom_imu, measured);
+    if (jumped) return Begin(T_odom_imu, covariance);
+    if (++n_contradicting_ >= kMostContradicting) Begin(T_odom_imu, covariance);
     return Judge(kGate / 6.0);
   }
   n_contradicting_ = 0;
   if (!jumped) Judge(innovation / 6.0);
-  Measure(T_odom_imu, measured);
+  Measure(T_odom_imu, covariance);
   measured_s_ += motion_->dt_s();
+  known_s_ += motion_->dt_s();
   knows_bias_ = knows_bias_ || measured_s_ >= kFirstUse_s;
   unmeasured_s_ = 0.0;
 }
@@ -352,9 +434,7 @@ void InertialMotionModel::Miss() {
   if (is_not_later_) return;
   was_observed_ = false;
   if (!imu_ || !filter_.has_begun()) return;
-  // Nothing is known of the motion: the next measured frame begins again.
-  is_outdated_ = is_outdated_ || !motion_;
-  if (is_outdated_) return;
+  if (!motion_ || is_behind_) return FallBehind();
   filter_.Propagate(*motion_);
   unmeasured_s_ += motion_->dt_s();
   if (!IsQuiet()) standing_s_ = 0.0;

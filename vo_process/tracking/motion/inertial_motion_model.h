@@ -47,6 +47,11 @@ struct ImuEvidence {
 /// innovations (6 for a consistent sensor) the mean must be below a bound. A contradiction ends when the mean has been
 /// well below it for some seconds.
 ///
+/// A frame whose samples have not arrived is left out, and so are those after it until they have: the filter then takes the
+/// whole motion with the last measured pose. Samples that are lost, because later ones are there, or that are older than a
+/// second, leave the velocity unknown until some poses have shown it; gravity and biases are kept. Only a contradiction
+/// and a jump make the filter begin again.
+///
 /// A sensor that has been seen standing is assumed to stand in the dark as long as its samples are those of a standing
 /// one: within the white noise of the angular rate that is its bias, and of the specific force while it was seen.
 class InertialMotionModel {
@@ -56,9 +61,12 @@ class InertialMotionModel {
 
   bool has_sensor() const { return imu_.has_value(); }
 
-  /// Sets the samples since the last frame, which was at `from_ns`, to the next one (both on the clock of the images). A
-  /// frame that is not later says nothing of motions.
-  void Expect(std::span<const ImuSample> samples, int64_t from_ns, int64_t to_ns);
+  /// Sets the samples since the last frame, which was at `from_ns`, to the next one (both on the clock of the images), and
+  /// those before it since `NeededFrom`. A frame that is not later says nothing of motions. `are_measured`: the samples
+  /// are neither stuck nor saturated.
+  void Expect(std::span<const ImuSample> samples, int64_t from_ns, int64_t to_ns, bool are_measured = true);
+  /// Returns the time from which samples are of use, on the clock of the images, of a next motion from `from_ns` on.
+  int64_t NeededFrom(int64_t from_ns) const;
   /// The time of the next frame is not known.
   void ExpectNothing();
   /// Sets those of another model of this sensor, which is as faulty.
@@ -112,7 +120,9 @@ class InertialMotionModel {
 
   /// Mean normalised innovation of the last frames over its expectation: 1 for a consistent sensor.
   double normalised_innovation() const { return innovation_; }
-  /// Returns whether the sensor has agreed with measured poses for long enough to predict motions.
+  /// Returns whether the sensor has agreed with measured poses for long enough to know gravity and biases.
+  bool IsHealthy() const;
+  /// Returns whether it also knows the velocity, to predict motions.
   bool IsTrusted() const;
   const InertialFilter& filter() const { return filter_; }
   /// Returns one sentence on a sensor that contradicts the images without a known fault, with the number that shows it;
@@ -124,12 +134,17 @@ class InertialMotionModel {
   static void Fields(Archive& a, Self& self) {
     a(self.filter_, self.knows_bias_, self.measured_s_, self.unmeasured_s_, self.innovation_, self.n_contradicting_,
       self.evidence_, self.was_observed_, self.T_odom_observed_, self.mean_force_m_s2_, self.standing_s_,
-      self.standing_force_m_s2_, self.is_faulty_, self.is_outdated_,
+      self.standing_force_m_s2_, self.is_faulty_, self.is_behind_,
+      self.misses_samples_, self.filter_ns_, self.known_s_, self.covariance_observed_,
       self.is_contradicting_, self.agreeing_s_);
   }
 
  private:
   void Begin(const SE3& T_odom_imu, const Matrix6d& covariance);
+  void ContinueAt(const SE3& T_odom_imu, const Matrix6d& covariance, int64_t t_ns);
+  void CatchUp();
+  void FallBehind();
+  void Take(const SE3& T_odom_imu, const Matrix6d& covariance, bool jumped);
   void Integrate(const ImuBias& bias);
   void Measure(const SE3& T_odom_imu, const Matrix6d& covariance);
   void AddEvidence(const SE3& T_previmu_imu);
@@ -151,6 +166,7 @@ class InertialMotionModel {
     std::vector<ImuSample> samples;
     int64_t from_ns = 0;  ///< on the clock of the sensor
     int64_t to_ns = 0;
+    bool is_measured = false;
   } interval_;
   Eigen::Vector3d mean_force_m_s2_ = Eigen::Vector3d::Zero();
   bool knows_bias_ = false;
@@ -166,9 +182,14 @@ class InertialMotionModel {
   Eigen::Vector3d standing_force_m_s2_ = Eigen::Vector3d::Zero();
   bool is_faulty_ = false;
   bool is_not_later_ = false;  ///< whether the next frame is at the time of the last one, or before
-  bool is_outdated_ = false;   ///< whether the filter lacks a motion: it begins again at the next measured frame
+  /// Whether the filter lacks the motions since `filter_ns_` (clock of the sensor), and their samples are lost.
+  bool is_behind_ = false;
+  bool misses_samples_ = false;
+  int64_t filter_ns_ = 0;
+  double known_s_ = 0.0;       ///< time of measured motions since the velocity was unknown
   bool was_observed_ = false;  ///< whether the last frame was measured
   SE3 T_odom_observed_;        ///< pose of the sensor in it
+  Matrix6d covariance_observed_ = Matrix6d::Zero();
 };
 
 }  // namespace plslam::vo

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vo_process/tracking/motion/motion_predictor.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -30,11 +31,13 @@ void MotionPredictor::ExpectImu(std::span<const ImuSample> samples, int64_t from
   from_ns_ = from_ns - offset_ns;
   to_ns_ = to_ns - offset_ns;
   const bool are_measured = diagnosis_->Add(samples, to_ns_);
-  inertial_.Expect(are_measured ? samples : samples.first(0), from_ns, to_ns);
-  interval_is_known_ = interval_is_known_ && are_measured && !samples.empty() && interval_.to_ns == from_ns_ &&
+  inertial_.Expect(samples, from_ns, to_ns, are_measured);
+  interval_is_known_ = interval_is_known_ && are_measured && interval_.to_ns == from_ns_ &&
                        interval_.LengthUntil(to_ns_) <= InertialInterval::kLongest_ns;
   if (interval_is_known_) {
-    interval_.Append(SamplesOfMotion(samples, from_ns_, to_ns_), to_ns_);
+    // Samples of earlier frames may be late.
+    const int64_t newest_ns = interval_.samples.empty() ? from_ns_ : interval_.samples.back().t_ns;
+    interval_.Append(SamplesOfMotion(samples, std::min(from_ns_, newest_ns), to_ns_), to_ns_);
   } else {
     interval_ = {};
   }
@@ -44,11 +47,11 @@ InertialInterval MotionPredictor::TakeInterval() {
   InertialInterval taken = std::exchange(interval_, {});
   if (!imu_) return {};
   interval_.from_ns = interval_.to_ns = to_ns_;
-  if (!std::exchange(interval_is_known_, to_ns_ != 0) || taken.empty() || !inertial_.IsTrusted()) return {};
+  if (!std::exchange(interval_is_known_, to_ns_ != 0) || taken.empty() || !inertial_.IsHealthy()) return {};
   taken.T_c_imu = imu_->T_imu_c.Inverse();
   taken.noise = imu_->calibration.noise;
   taken.bias = inertial_.filter().Bias();
-  return taken;
+  return taken.Motion() ? taken : InertialInterval();
 }
 
 void MotionPredictor::ExpectNothing() {

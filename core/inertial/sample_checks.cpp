@@ -60,7 +60,8 @@ void SampleChecks::AddForce(const Eigen::Vector3d& force_m_s2, double dt_s) {
   block_s_ += dt_s;
   if (block_s_ < kForceBlock_s) return;
   ++n_blocks_;
-  force_m_s2_ += (block_force_.norm() / block_s_ - force_m_s2_) / std::min(static_cast<double>(n_blocks_), kForceBlocks);
+  force_m_s2_ +=
+      (block_force_.norm() / block_s_ - force_m_s2_) / std::min(static_cast<double>(n_blocks_), kForceBlocks);
   block_force_.setZero();
   block_s_ = 0.0;
 }
@@ -152,7 +153,7 @@ void SampleChecks::ForEachSaturation(const Visitor& visit) const {
     const double least =
         std::max(kOutsideNoise * NoiseOfSample(channel), channel < 3 ? kOutside_rad_s : kOutside_m_s2);
     if (std::abs(bound - mean_[channel]) >= least)
-      visit(Saturation{channel < 3, channel % 3, bound, n, weight / weight_});
+      visit(Saturation{channel < 3, channel % 3, bound, n, weight / std::max(weight_, kMemory_s * Rate_hz())});
   };
   for (int i = 0; i < kChannels; ++i) {
     consider(i, most_[i], n_most_[i], most_weight_[i]);

@@ -33,7 +33,7 @@ class SampleChecks {
   /// rad/s/sqrt(Hz) and m/s^2/sqrt(Hz).
   double RateNoise() const { return Noise(0); }
   double ForceNoise() const { return Noise(3); }
-  /// The bound at which many samples of a channel end, the number of samples there, and their share of the last ones.
+  /// The bound at which many samples of a channel end, the number of samples there, and their share of ten seconds.
   struct Saturation {
     bool of_rate = true;
     int axis = 0;
@@ -51,10 +51,9 @@ class SampleChecks {
   /// The state, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.newest_, self.intervals_s_, self.n_gaps_, self.longest_gap_s_, self.weight_, self.block_force_, self.block_s_, self.n_blocks_,
-      self.force_m_s2_,
-      self.n_scatter_, self.scatter2_, self.mean_, self.run_, self.run_s_, self.most_, self.least_, self.n_most_,
-      self.n_least_, self.most_weight_, self.least_weight_);
+    a(self.newest_, self.intervals_s_, self.n_gaps_, self.longest_gap_s_, self.weight_, self.block_force_,
+      self.block_s_, self.n_blocks_, self.force_m_s2_, self.n_scatter_, self.scatter2_, self.mean_, self.run_,
+      self.run_s_, self.most_, self.least_, self.n_most_, self.n_least_, self.most_weight_, self.least_weight_);
   }
 
  private:

@@ -166,10 +166,14 @@ void SensorDiagnosis::HoldHarmful(double dt_s) {
     std::erase_if(held_, [&](const Held& held) { return held.finding.fault == finding.fault; });
     held_.push_back({finding, -dt_s});
   }
-  for (Held& held : held_) {
+  const auto is_of_turns = [](const Held& held) {
     const Fault fault = held.finding.fault;
-    const bool is_of_turns = fault == Fault::kRateUnit || fault == Fault::kAxes || fault == Fault::kTimeOffset;
-    if (!is_of_turns || fit_.excitation >= kLeastExcitation) held.absent_s += dt_s;
+    return fault == Fault::kRateUnit || fault == Fault::kAxes || fault == Fault::kTimeOffset;
+  };
+  // Noise explains turns that do not agree better than what they showed before.
+  if (IsHeld(Fault::kNoise)) std::erase_if(held_, is_of_turns);
+  for (Held& held : held_) {
+    if (!is_of_turns(held) || fit_.excitation >= kLeastExcitation) held.absent_s += dt_s;
   }
   std::erase_if(held_, [](const Held& held) { return held.absent_s >= kAbsent_s; });
   for (const Held& held : held_) {
@@ -207,7 +211,8 @@ void SensorDiagnosis::CheckTurns() {
            fmt::format("the gyroscope turns {:.3g} times as fast as the images: {}", fit_.scale,
                        in_degrees ? "degrees instead of rad/s?" : "another unit?"));
   }
-  const bool is_turned = fit_.matrix.determinant() < 0.0 || AngleOf(fit_.matrix) > Bound(SensorFinding::Fault::kAxes, kMounted_rad);
+  const bool is_turned =
+      fit_.matrix.determinant() < 0.0 || AngleOf(fit_.matrix) > Bound(SensorFinding::Fault::kAxes, kMounted_rad);
   if (is_turned) Report(SensorFinding::Fault::kAxes, true, AxesText());
   // A constant rate shows no delay.
   if (fit_.variation > kLeastExcitation &&
@@ -268,9 +273,7 @@ void SensorDiagnosis::CheckSamples() {
   const ImuNoise& noise = stated_.noise;
   const double stated = std::max(noise.gyroscope_rad_s_sqrt_hz, 1e-9);
   const double rates = samples_.RateNoise() / stated, turns = fit_.residual_rad_sqrt_s / stated;
-  const auto is_not_noise = [](const Held& held) { return held.finding.fault != SensorFinding::Fault::kNoise; };
-  const bool is_alone = findings_.empty() && std::none_of(held_.begin(), held_.end(), is_not_noise);
-  if (is_alone && rates > Bound(SensorFinding::Fault::kNoise, kNoiseRatio) &&
+  if (findings_.empty() && rates > Bound(SensorFinding::Fault::kNoise, kNoiseRatio) &&
       turns > Bound(SensorFinding::Fault::kNoise, kTurnNoiseRatio)) {
     Report(SensorFinding::Fault::kNoise, true,
            fmt::format("the noise of its rates is {:.0f} times the stated one: gyroscope_noise_density: {:.2g} and "
@@ -279,7 +282,8 @@ void SensorDiagnosis::CheckSamples() {
   }
   const SampleChecks::Saturation saturation = samples_.MostSaturated();
   if (!is_stuck && saturation.n_samples > 0) {
-    Report(SensorFinding::Fault::kSaturation, saturation.share > Bound(SensorFinding::Fault::kSaturation, kSaturatedShare),
+    Report(SensorFinding::Fault::kSaturation,
+           saturation.share > Bound(SensorFinding::Fault::kSaturation, kSaturatedShare),
            fmt::format("{} samples end at {:.3g} {} about {}: the range of the {} is too small", saturation.n_samples,
                        saturation.bound, saturation.of_rate ? "rad/s" : "m/s^2", "xyz"[saturation.axis],
                        saturation.of_rate ? "gyroscope" : "accelerometer"));

@@ -112,8 +112,8 @@ class SensorDiagnosis {
   int n_pairs_ = 0;
   std::vector<Held> held_;
   double diagnosed_s_ = 0.0;  ///< `time_s_` at the last diagnosis
-  double same_s_ = 0.0;  ///< time since other faults were found
-  bool moves_ = false;   ///< whether the last measured motion was not that of a standing camera
+  double same_s_ = 0.0;       ///< time since other faults were found
+  bool moves_ = false;        ///< whether the last measured motion was not that of a standing camera
 };
 
 }  // namespace plslam

@@ -20,10 +20,14 @@ static_assert(1e-9 * static_cast<double>(kHalf * kStep_ns) > TurnAlignment::kMos
               1e-9 * static_cast<double>(kHalf * kStep_ns) < TurnAlignment::kMostDelay_s + 1e-6);
 // Times that are kept of the integral: this far apart at least, and for this long before a pending turn.
 constexpr int64_t kSpacing_ns = 2'500'000;
-constexpr int64_t kKept_ns = 600'000'000;
-constexpr size_t kMostKept = 1024;
+constexpr int64_t kKept_ns = 1'500'000'000;
+constexpr size_t kMostKept = 2048;
 constexpr size_t kMostPending = 256;
-constexpr int64_t kLongestTurn_ns = 250'000'000;
+constexpr int64_t kLongestTurn_ns = 1'000'000'000;
+// Interval above which turns are not small: a rotation differs from the integral of its rates by the order of the square
+// of its angle, of which this share counts as sigma.
+constexpr int64_t kSmallTurn_ns = 250'000'000;
+constexpr double kNotCommuting = 0.1;
 // Interval between samples above which the rates in between are unknown.
 constexpr int64_t kLongestInterval_ns = 110'000'000;
 // Sigma of the bias before anything is known of it.
@@ -185,6 +189,10 @@ void TurnAlignment::Add(const SeenTurn& turn) {
       turn.to_ns - turn.from_ns > kLongestTurn_ns || !(turn.variance_rad2 > 0.0))
     return;
   pending_.push_back(turn);
+  if (turn.to_ns - turn.from_ns > kSmallTurn_ns) {
+    const double sigma_rad = kNotCommuting * turn.turn_rad.squaredNorm();
+    pending_.back().variance_rad2 += sigma_rad * sigma_rad;
+  }
   if (pending_.size() > kMostPending) pending_.pop_front();
 }
 

@@ -80,7 +80,8 @@ class TurnAlignment {
 
   /// Takes the next sample; those that are not later than one before are ignored.
   void Add(const ImuSample& sample);
-  /// Takes the next seen turn. Intervals longer than a quarter of a second are ignored.
+  /// Takes the next seen turn. Intervals longer than a second are ignored: the integral of the rates is a rotation for
+  /// small angles only.
   void Add(const SeenTurn& turn);
 
   /// Returns the most likely explanation; `axes` must contain the identity first. `noise_rad_s_sqrt_hz` is the white noise

@@ -18,7 +18,7 @@ namespace plslam::robot {
 namespace {
 
 // Longest time after which late samples are still sent: trackers wait no longer for them.
-constexpr int64_t kLongestOpen_ns = 1'000'000'000;
+constexpr uint64_t kLongestOpen_ns = 1'000'000'000;
 
 }  // namespace
 
@@ -94,7 +94,10 @@ void ImuInput::Publish(const RigCalibration& rig, int64_t t_ns) {
   const int64_t offset_ns = rig.imu->offset_ns();
   const bool has_end = queue_.Covers(t_ns - offset_ns);
   if (from_ns == t_ns) open_t_ns_.clear();
-  while (!open_t_ns_.empty() && t_ns - open_t_ns_.front() > kLongestOpen_ns) open_t_ns_.pop_front();
+  const auto is_over = [&](int64_t frame_ns) {
+    return static_cast<uint64_t>(t_ns) - static_cast<uint64_t>(frame_ns) > kLongestOpen_ns;
+  };
+  while (!open_t_ns_.empty() && is_over(open_t_ns_.front())) open_t_ns_.pop_front();
   const int64_t begin_ns = open_t_ns_.empty() ? from_ns : open_t_ns_.front();
   const std::vector<ImuSample> samples = queue_.Take(begin_ns - offset_ns, t_ns - offset_ns);
   bus::PublishImu(process_.bus(), begin_ns, t_ns, samples);

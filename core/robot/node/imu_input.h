@@ -70,8 +70,8 @@ class ImuInput {
   std::optional<int64_t> sent_t_ns_;                          ///< time of the previous frame
   /// Times of sent frames: the last one with all samples up to it, and those since then.
   std::deque<int64_t> open_t_ns_;
-  int64_t n_incomplete_ = 0;                                  ///< frames without all of their samples
-  int64_t n_in_a_row_ = 0;                                    ///< of these, since the last complete one
+  int64_t n_incomplete_ = 0;  ///< frames without all of their samples
+  int64_t n_in_a_row_ = 0;    ///< of these, since the last complete one
   bool has_warned_ = false;
 };
 

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <random>
 #include <vector>
 
@@ -112,6 +114,47 @@ TEST(Preintegration, CovarianceIsThatOfRandomDraws) {
     drawn += error * error.transpose() / kDraws;
   }
   for (int i = 0; i < 9; ++i) EXPECT_NEAR(drawn(i, i) / mean.covariance()(i, i), 1.0, 0.1) << i;
+}
+
+/// Squared and normalised error of what is integrated from these samples, with 9 degrees of freedom.
+double NormalisedError(const std::vector<ImuSample>& samples, const Preintegration& truth, int64_t from_ns,
+                       int64_t to_ns, const ImuNoise& noise) {
+  const Preintegration sum = Preintegrate(samples, from_ns, to_ns, noise, {}).value();
+  Eigen::Matrix<double, 9, 1> error;
+  error << RotationBetween(truth.dR(), sum.dR()), sum.dv_m_s() - truth.dv_m_s(), sum.dp_m() - truth.dp_m();
+  return error.cwiseAbs2().cwiseQuotient(sum.covariance().diagonal()).sum();
+}
+
+// A sensor without noise to speak of, so that the error is that of what was not sensed. Its motion changes quickly.
+TEST(Preintegration, CovarianceContainsWhatWasNotSensed) {
+  const ImuNoise noise{1e-5, 1e-6, 1e-4, 1e-5};
+  std::vector<ImuSample> all;
+  for (int i = 0; i <= 400; ++i) {
+    const double t = i / 200.0;
+    all.push_back({i * 5'000'000,
+                   {0.8 * std::sin(9.0 * t), 0.6 * std::cos(11.0 * t), 0.5 * std::sin(7.0 * t + 1.0)},
+                   {2.0 * std::cos(8.0 * t), 3.0 * std::sin(10.0 * t), 9.81 + 2.0 * std::sin(9.0 * t)}});
+  }
+  double held = 0.0, gap = 0.0;
+  constexpr int kDraws = 30;
+  for (int i = 0; i < kDraws; ++i) {
+    const int64_t from_ns = i * 50'000'000, to_ns = from_ns + 200'000'000;
+    const Preintegration truth = Preintegrate(all, from_ns, to_ns, noise, {}).value();
+    EXPECT_LT(truth.covariance()(0, 0), 1e-10) << "nothing is added where all samples are there";
+    std::vector<ImuSample> cut = all;
+    std::erase_if(cut, [&](const ImuSample& s) { return s.t_ns > to_ns - 20'000'000 && s.t_ns < to_ns + 1; });
+    std::vector<ImuSample> until(
+        cut.begin(), std::find_if(cut.begin(), cut.end(), [&](const ImuSample& s) { return s.t_ns > to_ns; }));
+    held += NormalisedError(until, truth, from_ns, to_ns, noise) / kDraws;
+    std::vector<ImuSample> without = all;
+    std::erase_if(
+        without, [&](const ImuSample& s) { return s.t_ns > from_ns + 50'000'000 && s.t_ns < from_ns + 150'000'000; });
+    gap += NormalisedError(without, truth, from_ns, to_ns, noise) / kDraws;
+  }
+  EXPECT_LT(held, 27.0) << "three times the expected 9";
+  EXPECT_LT(gap, 27.0);
+  EXPECT_GT(held, 0.5);
+  EXPECT_GT(gap, 0.5);
 }
 
 TEST(Preintegration, MissingSamplesAreReported) {

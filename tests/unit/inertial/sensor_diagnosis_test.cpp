@@ -28,6 +28,7 @@ struct Diagnosed {
   std::string harmful;
   std::string harmless;
   TurnFit fit;
+  int n_changes = 0;  ///< between a sensor that is used and one that is not
 };
 
 Diagnosed Diagnose(const std::string& world, int frames = 200) {
@@ -43,15 +44,17 @@ Diagnosed Diagnose(const std::string& world, int frames = 200) {
   };
   Vector6d sigma;
   sigma << Eigen::Vector3d::Constant(kStep_m), Eigen::Vector3d::Constant(kTurn_rad);
+  Diagnosed result;
   for (int i = 1; i < simulator.size(); ++i) {
+    const bool was_harmful = diagnosis.IsHarmful();
     diagnosis.Add(simulator.imu_samples(), simulator.t_ns(i));
     Vector6d error;
     error.head<3>() = noise(kStep_m);
     error.tail<3>() = noise(kTurn_rad);
     const SE3 T_prev_c = simulator.T_w_c(i - 1).Inverse() * simulator.T_w_c(i) * SE3::Exp(error);
     diagnosis.Add(simulator.t_ns(i - 1), simulator.t_ns(i), T_prev_c, sigma.cwiseAbs2().asDiagonal());
+    result.n_changes += diagnosis.IsHarmful() != was_harmful ? 1 : 0;
   }
-  Diagnosed result;
   result.fit = diagnosis.fit();
   for (const SensorFinding& finding : diagnosis.findings()) {
     (finding.is_harmful ? result.harmful : result.harmless) += finding.text + "|";
@@ -117,7 +120,7 @@ TEST(SensorDiagnosis, TimeOffsetIsEstimatedWithItsSigma) {
 
 TEST(SensorDiagnosis, FaultySamplesAreNamed) {
   ExpectHarmful("stuck", "its samples have been the same for 5.8 s while the images move: it is stuck");
-  EXPECT_THAT(Diagnose("room?imu=200&turning=40&imu_fault=noisy").harmful, HasSubstr("106 times the stated one"));
+  EXPECT_THAT(Diagnose("room?imu=200&turning=40&imu_fault=noisy").harmful, HasSubstr("105 times the stated one"));
   ExpectHarmful("saturated", "about z: the range of the gyroscope is too small");
   ExpectHarmful("noisy", "times the stated one: gyroscope_noise_density: 0.018");
   for (const std::string& world : Worlds()) {
@@ -128,6 +131,63 @@ TEST(SensorDiagnosis, FaultySamplesAreNamed) {
     EXPECT_THAT(Diagnose(world + "&imu_fault=rate&imu_fault_size=2").harmless, HasSubstr("instead of the stated 100"))
         << world;
   }
+}
+
+// 8 ms is the bound.
+TEST(SensorDiagnosis, DelayNearTheBoundDoesNotComeAndGo) {
+  for (const double ms : {7.8, 8.3}) {
+    for (const std::string& world : Worlds()) {
+      const Diagnosed diagnosed = Diagnose(world + "&imu_fault=offset&imu_fault_size=" + std::to_string(ms), 400);
+      EXPECT_LE(diagnosed.n_changes, 2) << world << ", " << ms << " ms";
+    }
+  }
+}
+
+TEST(SensorDiagnosis, FaultsAtTwoFramesASecondAreNamed) {
+  const std::string world = "room?imu=200&rate=2";
+  EXPECT_EQ(Diagnose(world, 60).harmful, "");
+  EXPECT_THAT(Diagnose(world + "&imu_fault=degrees", 60).harmful, HasSubstr("degrees instead of rad/s?"));
+  EXPECT_THAT(Diagnose(world + "&imu_fault=inverted", 60).harmful, HasSubstr("about (x, y, -z)"));
+  EXPECT_THAT(Diagnose(world + "&imu_fault=offset&imu_fault_size=100", 60).harmful,
+              HasSubstr("late: time_offset_s: -"));
+}
+
+// A sensor on an engine: 10 m/s^2 rms at 8 Hz, so that the rms of the force is 14 m/s^2.
+TEST(SensorDiagnosis, VibrationIsNoOtherUnit) {
+  const Simulator simulator(ParseOptions("room?imu=200&size=32x32&frames=100"));
+  const ImuCalibration& stated = *simulator.rig().imu;
+  std::vector<ImuSample> samples = simulator.imu_samples();
+  for (ImuSample& sample : samples) {
+    sample.force_m_s2.z() += 15.0 * std::sin(16.0 * M_PI * 1e-9 * static_cast<double>(sample.t_ns));
+  }
+  SensorDiagnosis diagnosis(stated, stated.T_b_imu.Inverse());
+  for (int i = 1; i < simulator.size(); ++i) {
+    diagnosis.Add(samples, simulator.t_ns(i));
+    diagnosis.Add(simulator.t_ns(i - 1), simulator.t_ns(i), simulator.T_w_c(i - 1).Inverse() * simulator.T_w_c(i),
+                  1e-8 * Matrix6d::Identity());
+    for (const SensorFinding& finding : diagnosis.findings()) {
+      EXPECT_NE(finding.fault, SensorFinding::Fault::kForceUnit) << finding.text;
+    }
+  }
+}
+
+// Kerbs and landings: a few saturated samples are no reason to do without the sensor from then on.
+TEST(SensorDiagnosis, FewSaturatedSamplesDoNoHarm) {
+  const Simulator simulator(ParseOptions("room?imu=200&size=32x32&frames=300"));
+  const ImuCalibration& stated = *simulator.rig().imu;
+  std::vector<ImuSample> samples = simulator.imu_samples();
+  for (size_t i = 1000; i < 1030; ++i) samples[i].force_m_s2.z() = 39.0;
+  SensorDiagnosis diagnosis(stated, stated.T_b_imu.Inverse());
+  int n_left_out = 0;
+  for (int i = 1; i < simulator.size(); ++i) {
+    n_left_out += diagnosis.Add(samples, simulator.t_ns(i)) ? 0 : 1;
+    diagnosis.Add(simulator.t_ns(i - 1), simulator.t_ns(i), simulator.T_w_c(i - 1).Inverse() * simulator.T_w_c(i),
+                  1e-8 * Matrix6d::Identity());
+    EXPECT_FALSE(diagnosis.IsHarmful()) << "frame " << i << ": " << diagnosis.findings().front().text;
+  }
+  EXPECT_GE(n_left_out, 1);
+  ASSERT_EQ(diagnosis.findings().size(), 1U) << "it is said";
+  EXPECT_THAT(diagnosis.findings().front().text, HasSubstr("the range of the accelerometer is too small"));
 }
 
 TEST(SensorDiagnosis, HostileSamplesDoNoHarm) {

@@ -155,7 +155,13 @@ TEST_F(FrameSourceImu, WaitIsShortAndLateSamplesFollow) {
   ASSERT_TRUE(Eventually([&] { return Imu().size() == 3; }));
   EXPECT_EQ(Imu()[1].n_samples, 3) << "what there is";
   EXPECT_EQ(Imu()[1].complete, 1);
-  EXPECT_EQ(Imu()[2].n_samples, 11);
+  EXPECT_EQ(Imu()[2].from_ns, kFrame_ns) << "the last frame with all samples up to it";
+  EXPECT_EQ(Imu()[2].n_samples, 21);
+  AddSamples(3 * kFrame_ns + kSample_ns, 4 * kFrame_ns);
+  AddPair(4 * kFrame_ns);
+  ASSERT_TRUE(Eventually([&] { return Imu().size() == 4; }));
+  EXPECT_EQ(Imu()[3].from_ns, 3 * kFrame_ns) << "they are sent once";
+  EXPECT_EQ(Imu()[3].n_samples, 11);
 }
 
 TEST_F(FrameSourceImu, SilentSensorDelaysNothingAndIsReported) {

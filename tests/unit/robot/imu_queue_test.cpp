@@ -47,6 +47,15 @@ TEST(ImuQueue, LateSamplesAreCounted) {
   EXPECT_EQ(queue.counts().n_late, 3);
 }
 
+TEST(ImuQueue, LaterMotionContainsLateSamples) {
+  ImuQueue queue;
+  for (const int64_t t : {0, 5}) queue.Add({.t_ns = t});
+  EXPECT_THAT(Times(queue.Take(0, 20)), ElementsAre(0, 5));
+  for (const int64_t t : {10, 15, 20, 25}) queue.Add({.t_ns = t});
+  EXPECT_THAT(Times(queue.Take(0, 25)), ElementsAre(0, 5, 10, 15, 20, 25));
+  EXPECT_THAT(Times(queue.Take(25, 25)), ElementsAre(25));
+}
+
 TEST(ImuQueue, ClockThatIsSetBackBeginsAgain) {
   ImuQueue queue;
   const int64_t later_ns = 10 * ImuQueue::kLongestDelay_ns;

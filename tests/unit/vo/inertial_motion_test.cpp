@@ -241,5 +241,30 @@ TEST(InertialMotion, StuckSensorIsMissingAtOnce) {
   for (size_t i = 44; i < sensed.frames.size(); ++i) EXPECT_FALSE(sensed.frames[i].uses_imu) << i;
 }
 
+// A gap of 0.3 s every three seconds.
+TEST(InertialMotion, GapsLeaveTheVertical) {
+  const Sensed sensed = RunWith("room?seed=1", "gaps", 160);
+  EXPECT_EQ(sensed.contradiction, "");
+  int n_used = 0;
+  for (size_t i = 40; i < sensed.frames.size(); ++i) {
+    EXPECT_TRUE(sensed.frames[i].up) << i;
+    n_used += sensed.frames[i].uses_imu ? 1 : 0;
+  }
+  EXPECT_GE(n_used, 90) << "of 120, of which 12 to 14 are in gaps";
+}
+
+// A lead car agrees with any sensor, the world not with a faulty one. With late samples the car became the world (8.5 m).
+TEST(InertialMotion, FaultySensorMakesNoBodyTheWorld) {
+  constexpr int kFrames = 80;
+  const auto error_m = [](const std::string& sensor) {
+    const auto dataset = OpenDataset("synthetic:street?body=lead&frames=" + std::to_string(kFrames) + sensor, "");
+    return test::AbsoluteTrajectoryError(test::RunOdometry(*dataset, VoOptions()));
+  };
+  const double without_m = error_m("");
+  for (const std::string fault : {"saturated", "offset"}) {
+    EXPECT_LT(error_m("&imu=200&imu_fault=" + fault), 2.0 * without_m) << fault;
+  }
+}
+
 }  // namespace
 }  // namespace plslam::vo

@@ -32,7 +32,9 @@ std::vector<SensedKeyframe> KeyframesOf(const Dataset& dataset, const std::funct
   for (int i = 0; i < dataset.size(); ++i) {
     StageTimer timer(Zero);
     const StereoImages images = dataset.Read(i);
-    if (are_sent(i)) odometry.ExpectImu(dataset.ImuSamples(), last_t_ns, images.t_ns);
+    const int64_t offset_ns = dataset.rig().imu ? dataset.rig().imu->offset_ns() : 0;
+    const auto samples = SamplesOfMotion(dataset.ImuSamples(), last_t_ns - offset_ns, images.t_ns - offset_ns);
+    odometry.ExpectImu(are_sent(i) ? samples : samples.first(0), last_t_ns, images.t_ns);
     last_t_ns = images.t_ns;
     const OdometryResult result = odometry.Track(images.t_ns, odometry.SeePair(front_end, images, timer));
     if (result.keyframe) keyframes.push_back({i, images.t_ns, result.keyframe->inertial});

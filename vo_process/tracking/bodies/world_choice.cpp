@@ -81,8 +81,7 @@ std::optional<size_t> MovingBodies::CompareWithSensor(const InertialMotionModel&
       // A sensor that contradicts the world's poses is compared no longer, unless it has confirmed the body's for as long
       // as it takes to trust it. Errors of the sensor itself contradict both, and an inaccurate pose hides them: the
       // poses count as equally accurate, and the world's has to fit clearly worse.
-      const auto equal_world =
-          inertial.ContradictedAgreementWith(found.T_odom_c, found.covariance + covariances_[k]);
+      const auto equal_world = inertial.ContradictedAgreementWith(found.T_odom_c, found.covariance + covariances_[k]);
       if (!equal_world || !equal_agreements_[k] || !body.as_world.IsTrusted()) continue;
       difference = equal_world->innovation / kClearlyWorse - equal_agreements_[k]->innovation;
     }

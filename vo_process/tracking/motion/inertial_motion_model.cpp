@@ -130,8 +130,8 @@ void InertialMotionModel::Expect(std::span<const ImuSample> samples, int64_t fro
 int64_t InertialMotionModel::NeededFrom(int64_t from_ns) const {
   if (!imu_ || !is_behind_ || misses_samples_) return from_ns;
   const int64_t filter_ns = filter_ns_ + imu_->calibration.offset_ns();
-  const bool is_recent = filter_ns < from_ns && static_cast<uint64_t>(from_ns) - static_cast<uint64_t>(filter_ns) <=
-                                                    kLongestBehind_ns;
+  const bool is_recent =
+      filter_ns < from_ns && static_cast<uint64_t>(from_ns) - static_cast<uint64_t>(filter_ns) <= kLongestBehind_ns;
   return is_recent ? filter_ns : from_ns;
 }
 

@@ -134,9 +134,8 @@ class InertialMotionModel {
   static void Fields(Archive& a, Self& self) {
     a(self.filter_, self.knows_bias_, self.measured_s_, self.unmeasured_s_, self.innovation_, self.n_contradicting_,
       self.evidence_, self.was_observed_, self.T_odom_observed_, self.mean_force_m_s2_, self.standing_s_,
-      self.standing_force_m_s2_, self.is_faulty_, self.is_behind_,
-      self.misses_samples_, self.filter_ns_, self.known_s_, self.covariance_observed_,
-      self.is_contradicting_, self.agreeing_s_);
+      self.standing_force_m_s2_, self.is_faulty_, self.is_behind_, self.misses_samples_, self.filter_ns_,
+      self.known_s_, self.covariance_observed_, self.is_contradicting_, self.agreeing_s_);
   }
 
  private:

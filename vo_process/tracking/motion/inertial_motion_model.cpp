@@ -113,11 +113,11 @@ void InertialMotionModel::Expect(std::span<const ImuSample> samples, int64_t fro
   const std::span<const ImuSample> needed =
       SamplesOfMotion(samples, NeededFrom(from_ns) - offset_ns, to_ns - offset_ns);
   interval_ = {{needed.begin(), needed.end()}, from_ns - offset_ns, to_ns - offset_ns, are_measured};
-  if (is_behind_) {
+  if (reach_.is_behind) {
     CatchUp();
   } else {
-    filter_ns_ = interval_.from_ns;
-    misses_samples_ = false;
+    reach_.t_ns = interval_.from_ns;
+    reach_.misses_samples = false;
   }
   if (!are_measured) return;
   Integrate(filter_.state().bias);
@@ -128,8 +128,8 @@ void InertialMotionModel::Expect(std::span<const ImuSample> samples, int64_t fro
 }
 
 int64_t InertialMotionModel::NeededFrom(int64_t from_ns) const {
-  if (!imu_ || !is_behind_ || misses_samples_) return from_ns;
-  const int64_t filter_ns = filter_ns_ + imu_->calibration.offset_ns();
+  if (!imu_ || !reach_.is_behind || reach_.misses_samples) return from_ns;
+  const int64_t filter_ns = reach_.t_ns + imu_->calibration.offset_ns();
   const bool is_recent =
       filter_ns < from_ns && static_cast<uint64_t>(from_ns) - static_cast<uint64_t>(filter_ns) <= kLongestBehind_ns;
   return is_recent ? filter_ns : from_ns;
@@ -150,7 +150,7 @@ void InertialMotionModel::ExpectAs(const InertialMotionModel& other) {
   is_faulty_ = other.is_faulty_;
   is_not_later_ = other.is_not_later_;
   motion_.reset();
-  if (imu_ && is_behind_ && !is_not_later_) CatchUp();
+  if (imu_ && reach_.is_behind && !is_not_later_) CatchUp();
   motion_ = other.motion_;
   mean_force_m_s2_ = other.mean_force_m_s2_;
 }
@@ -161,19 +161,19 @@ void InertialMotionModel::CatchUp() {
   const Interval next = interval_;
   const int64_t offset_ns = imu_->calibration.offset_ns();
   if (NeededFrom(next.from_ns + offset_ns) < next.from_ns + offset_ns) {
-    interval_.from_ns = filter_ns_;
+    interval_.from_ns = reach_.t_ns;
     interval_.to_ns = next.from_ns;
     Integrate(filter_.state().bias);
   }
   if (motion_) {
-    is_behind_ = false;
+    reach_.is_behind = false;
     if (was_observed_) {
       Take(T_odom_observed_, covariance_observed_, false);
     } else {
       filter_.Propagate(*motion_);
       unmeasured_s_ += motion_->dt_s();
     }
-    filter_ns_ = next.from_ns;
+    reach_.t_ns = next.from_ns;
   } else if (was_observed_ && next.is_measured &&
              Preintegrate(next.samples, next.from_ns, next.to_ns, imu_->calibration.noise, filter_.state().bias)) {
     ContinueAt(T_odom_observed_, covariance_observed_, next.from_ns);
@@ -184,8 +184,8 @@ void InertialMotionModel::CatchUp() {
 
 /// The motion to a frame is not known.
 void InertialMotionModel::FallBehind() {
-  is_behind_ = true;
-  misses_samples_ = misses_samples_ || !interval_.is_measured;
+  reach_.is_behind = true;
+  reach_.misses_samples = reach_.misses_samples || !interval_.is_measured;
   standing_s_ = 0.0;
 }
 
@@ -224,7 +224,7 @@ std::optional<InertialFilter::Agreement> InertialMotionModel::AgreementWith(cons
 
 std::optional<InertialFilter::Agreement> InertialMotionModel::ContradictedAgreementWith(
     const SE3& T_odom_c, const Matrix6d& covariance) const {
-  if (!imu_ || !motion_ || is_faulty_ || is_behind_) return std::nullopt;
+  if (!imu_ || !motion_ || is_faulty_ || reach_.is_behind) return std::nullopt;
   const bool is_first = !filter_.has_begun();
   if (is_first && !was_observed_) return std::nullopt;
   const InertialFilter next = Propagated(is_first ? For(T_odom_observed_ * imu_->T_imu_c).filter_ : filter_);
@@ -232,7 +232,8 @@ std::optional<InertialFilter::Agreement> InertialMotionModel::ContradictedAgreem
 }
 
 bool InertialMotionModel::IsTrusted() const {
-  return IsHealthy() && !is_behind_ && (known_s_ >= kFirstUse_s || filter_.VelocitySigma() < kKnownVelocity_m_s);
+  return IsHealthy() && !reach_.is_behind &&
+         (reach_.known_s >= kFirstUse_s || filter_.VelocitySigma() < kKnownVelocity_m_s);
 }
 
 bool InertialMotionModel::IsHealthy() const {
@@ -287,10 +288,10 @@ bool InertialMotionModel::CanCarry() const {
 }
 
 std::optional<UpDirection> InertialMotionModel::Up() const {
-  if (!IsHealthy() || (is_behind_ && !was_observed_)) return std::nullopt;
+  if (!IsHealthy() || (reach_.is_behind && !was_observed_)) return std::nullopt;
   InertialFilter filter = filter_;
   // Gravity in odom, seen from the last frame.
-  if (is_behind_) filter.ContinueAt(T_odom_observed_, covariance_observed_, 0.0);
+  if (reach_.is_behind) filter.ContinueAt(T_odom_observed_, covariance_observed_, 0.0);
   const auto up = filter.Up();
   if (!up) return std::nullopt;
   return UpDirection{imu_->T_imu_c.R().transpose() * up->direction, Hypot(up->sigma_rad, kMounting_rad)};
@@ -298,19 +299,20 @@ std::optional<UpDirection> InertialMotionModel::Up() const {
 
 void InertialMotionModel::Begin(const SE3& T_odom_imu, const Matrix6d& covariance) {
   filter_.Begin(T_odom_imu, covariance, mean_force_m_s2_, knows_bias_);
-  measured_s_ = known_s_ = unmeasured_s_ = standing_s_ = 0.0;
+  measured_s_ = reach_.known_s = unmeasured_s_ = standing_s_ = 0.0;
   n_contradicting_ = 0;
-  is_behind_ = misses_samples_ = false;
+  reach_.is_behind = reach_.misses_samples = false;
 }
 
 /// Motions up to this time (clock of the sensor) are lost.
 void InertialMotionModel::ContinueAt(const SE3& T_odom_imu, const Matrix6d& covariance, int64_t t_ns) {
-  const uint64_t unknown_ns = t_ns > filter_ns_ ? static_cast<uint64_t>(t_ns) - static_cast<uint64_t>(filter_ns_) : 0;
+  const uint64_t unknown_ns =
+      t_ns > reach_.t_ns ? static_cast<uint64_t>(t_ns) - static_cast<uint64_t>(reach_.t_ns) : 0;
   filter_.ContinueAt(T_odom_imu, covariance, 1e-9 * static_cast<double>(unknown_ns));
-  known_s_ = unmeasured_s_ = standing_s_ = 0.0;
+  reach_.known_s = unmeasured_s_ = standing_s_ = 0.0;
   n_contradicting_ = 0;
-  is_behind_ = misses_samples_ = false;
-  filter_ns_ = t_ns;
+  reach_.is_behind = reach_.misses_samples = false;
+  reach_.t_ns = t_ns;
 }
 
 void InertialMotionModel::Observe(const SE3& T_odom_c, const Matrix6d& covariance, bool is_sure, bool jumped) {
@@ -325,7 +327,7 @@ void InertialMotionModel::Observe(const SE3& T_odom_c, const Matrix6d& covarianc
     if (!filter_.has_begun()) return;
     return jumped ? Begin(T_odom_imu, covariance_observed_) : FallBehind();
   }
-  if (is_behind_) return ContinueAt(T_odom_imu, covariance_observed_, interval_.to_ns);
+  if (reach_.is_behind) return ContinueAt(T_odom_imu, covariance_observed_, interval_.to_ns);
   if (!filter_.has_begun()) {
     if (!follows) return Begin(T_odom_imu, covariance_observed_);
     Begin(T_odom_previous, covariance_observed_);
@@ -352,7 +354,7 @@ void InertialMotionModel::Take(const SE3& T_odom_imu, const Matrix6d& covariance
   if (!jumped) Judge(innovation / 6.0);
   Measure(T_odom_imu, covariance);
   measured_s_ += motion_->dt_s();
-  known_s_ += motion_->dt_s();
+  reach_.known_s += motion_->dt_s();
   knows_bias_ = knows_bias_ || measured_s_ >= kFirstUse_s;
   unmeasured_s_ = 0.0;
 }
@@ -434,7 +436,7 @@ void InertialMotionModel::Miss() {
   if (is_not_later_) return;
   was_observed_ = false;
   if (!imu_ || !filter_.has_begun()) return;
-  if (!motion_ || is_behind_) return FallBehind();
+  if (!motion_ || reach_.is_behind) return FallBehind();
   filter_.Propagate(*motion_);
   unmeasured_s_ += motion_->dt_s();
   if (!IsQuiet()) standing_s_ = 0.0;

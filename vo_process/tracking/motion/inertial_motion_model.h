@@ -134,8 +134,8 @@ class InertialMotionModel {
   static void Fields(Archive& a, Self& self) {
     a(self.filter_, self.knows_bias_, self.measured_s_, self.unmeasured_s_, self.innovation_, self.n_contradicting_,
       self.evidence_, self.was_observed_, self.T_odom_observed_, self.mean_force_m_s2_, self.standing_s_,
-      self.standing_force_m_s2_, self.is_faulty_, self.is_behind_, self.misses_samples_, self.filter_ns_,
-      self.known_s_, self.covariance_observed_, self.is_contradicting_, self.agreeing_s_);
+      self.standing_force_m_s2_, self.is_faulty_, self.reach_, self.covariance_observed_, self.is_contradicting_,
+      self.agreeing_s_);
   }
 
  private:
@@ -181,11 +181,19 @@ class InertialMotionModel {
   Eigen::Vector3d standing_force_m_s2_ = Eigen::Vector3d::Zero();
   bool is_faulty_ = false;
   bool is_not_later_ = false;  ///< whether the next frame is at the time of the last one, or before
-  /// Whether the filter lacks the motions since `filter_ns_` (clock of the sensor), and their samples are lost.
-  bool is_behind_ = false;
-  bool misses_samples_ = false;
-  int64_t filter_ns_ = 0;
-  double known_s_ = 0.0;       ///< time of measured motions since the velocity was unknown
+  /// How far the filter has come.
+  struct Reach {
+    /// Whether it lacks the motions since `t_ns` (clock of the sensor), and their samples are lost.
+    bool is_behind = false;
+    bool misses_samples = false;
+    int64_t t_ns = 0;
+    double known_s = 0.0;  ///< time of measured motions since the velocity was unknown
+
+    template <class Archive, class Self>
+    static void Fields(Archive& a, Self& self) {
+      a(self.is_behind, self.misses_samples, self.t_ns, self.known_s);
+    }
+  } reach_;
   bool was_observed_ = false;  ///< whether the last frame was measured
   SE3 T_odom_observed_;        ///< pose of the sensor in it
   Matrix6d covariance_observed_ = Matrix6d::Zero();

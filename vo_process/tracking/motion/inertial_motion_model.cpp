@@ -218,7 +218,8 @@ Matrix6d InertialMotionModel::MeasuredCovariance(const Matrix6d& covariance) con
 
 std::optional<InertialFilter::Agreement> InertialMotionModel::AgreementWith(const SE3& T_odom_c,
                                                                             const Matrix6d& covariance) const {
-  if (is_contradicting_) return std::nullopt;
+  const bool lost_velocity = reach_.known_s < measured_s_ && !KnowsVelocity();
+  if (is_contradicting_ || lost_velocity) return std::nullopt;
   return ContradictedAgreementWith(T_odom_c, covariance);
 }
 
@@ -231,10 +232,11 @@ std::optional<InertialFilter::Agreement> InertialMotionModel::ContradictedAgreem
   return next.AgreementWith(T_odom_c * imu_->T_imu_c.Inverse(), MeasuredCovariance(covariance));
 }
 
-bool InertialMotionModel::IsTrusted() const {
-  return IsHealthy() && !reach_.is_behind &&
-         (reach_.known_s >= kFirstUse_s || filter_.VelocitySigma() < kKnownVelocity_m_s);
+bool InertialMotionModel::KnowsVelocity() const {
+  return reach_.known_s >= kFirstUse_s || filter_.VelocitySigma() < kKnownVelocity_m_s;
 }
+
+bool InertialMotionModel::IsTrusted() const { return IsHealthy() && !reach_.is_behind && KnowsVelocity(); }
 
 bool InertialMotionModel::IsHealthy() const {
   return filter_.has_begun() && !is_faulty_ && measured_s_ >= kFirstUse_s && !is_contradicting_ &&

@@ -79,8 +79,8 @@ class InertialMotionModel {
   /// camera may move: `T_frame_prev` is the pose of the last frame in it.
   InertialMotionModel For(const SE3& T_frame_prev) const;
 
-  /// Agreement of the next frame's pose, measured with this covariance, with the sensor; nullopt without samples, and
-  /// while the sensor contradicts the images.
+  /// Agreement of the next frame's pose, measured with this covariance, with the sensor; nullopt without samples, after
+  /// a gap until the velocity is known again, and while the sensor contradicts the images.
   std::optional<InertialFilter::Agreement> AgreementWith(const SE3& T_odom_c, const Matrix6d& covariance) const;
   /// The same while the sensor contradicts the images; nullopt if it is known to be faulty.
   std::optional<InertialFilter::Agreement> ContradictedAgreementWith(const SE3& T_odom_c,
@@ -149,6 +149,7 @@ class InertialMotionModel {
   void AddEvidence(const SE3& T_previmu_imu);
   void LearnStanding(const SE3& T_previmu_imu);
   bool IsQuiet() const;
+  bool KnowsVelocity() const;
   void Judge(double normalised_innovation);
   /// Returns a state of the filter after the motion to the next frame, which must be known.
   InertialFilter Propagated(InertialFilter filter) const;

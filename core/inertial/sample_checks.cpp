@@ -153,7 +153,7 @@ void SampleChecks::ForEachSaturation(const Visitor& visit) const {
     const double least =
         std::max(kOutsideNoise * NoiseOfSample(channel), channel < 3 ? kOutside_rad_s : kOutside_m_s2);
     if (std::abs(bound - mean_[channel]) >= least)
-      visit(Saturation{channel < 3, channel % 3, bound, n, weight / std::max(weight_, kMemory_s * Rate_hz())});
+      visit(Saturation{channel < 3, channel % 3, bound, n, weight / weight_});
   };
   for (int i = 0; i < kChannels; ++i) {
     consider(i, most_[i], n_most_[i], most_weight_[i]);

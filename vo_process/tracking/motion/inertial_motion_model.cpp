@@ -306,8 +306,9 @@ void InertialMotionModel::Begin(const SE3& T_odom_imu, const Matrix6d& covarianc
   reach_.is_behind = reach_.misses_samples = false;
 }
 
-/// Motions up to this time (clock of the sensor) are lost.
+/// Motions up to this time (clock of the sensor) are lost. What the filter does not know yet is not kept.
 void InertialMotionModel::ContinueAt(const SE3& T_odom_imu, const Matrix6d& covariance, int64_t t_ns) {
+  if (measured_s_ < kFirstUse_s) return Begin(T_odom_imu, covariance);
   const uint64_t unknown_ns =
       t_ns > reach_.t_ns ? static_cast<uint64_t>(t_ns) - static_cast<uint64_t>(reach_.t_ns) : 0;
   filter_.ContinueAt(T_odom_imu, covariance, 1e-9 * static_cast<double>(unknown_ns));

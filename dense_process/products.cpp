@@ -96,6 +96,14 @@ std::vector<Eigen::Vector3d> PathOf(const KeyframePoses& poses, double voxel_m) 
   return path;
 }
 
+Vertical VerticalWithSurfaces(const DenseMap& surfaces, const KeyframePoses& poses, const Vertical& of_map) {
+  if (of_map.source != VerticalSource::kCameras) return of_map;
+  std::vector<Eigen::Vector3d> normals;
+  for (const Surface::Vertex& vertex : ExtractSurface(surfaces.Merge(poses, SE3())).vertices)
+    normals.push_back(vertex.normal.cast<double>());
+  return VerticalFromNormals(normals, of_map.up_w).value_or(of_map);
+}
+
 Products MakeProducts(const DenseMap& map, const KeyframePoses& poses, const Vertical& vertical,
                       const std::vector<Eigen::Vector3d>& path_w, double robot_height_m) {
   const SE3 T_level_w = LevelFrame(vertical);
@@ -106,7 +114,9 @@ Products MakeProducts(const DenseMap& map, const KeyframePoses& poses, const Ver
   Move(T_volume_level.Inverse(), products.surface);
   const Floor floor(products.surface, map.voxel_m());
   for (const Eigen::Vector3d& p : path_w) products.path.push_back(T_level_w * p);
-  products.has_floor = floor.found();
+  const auto n_above = std::ranges::count_if(
+      products.path, [&](const Eigen::Vector3d& p) { return p.z() > floor.HeightAt(p.x(), p.y()); });
+  products.has_floor = floor.found() && 2 * n_above >= static_cast<std::ptrdiff_t>(products.path.size());
   products.floor_m = floor.HeightAt(0.0, 0.0);
   if (products.has_floor) {
     try {

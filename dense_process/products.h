@@ -36,7 +36,10 @@ std::vector<Eigen::Vector3d> PathOf(const KeyframePoses& poses, double voxel_m);
 
 inline constexpr double kNearKeyframes = 20.0;
 
-/// `path_w`: positions of the camera in w.
+/// Returns the vertical of the map, or that of the surfaces if the map has only a guess.
+Vertical VerticalWithSurfaces(const DenseMap& surfaces, const KeyframePoses& poses, const Vertical& of_map);
+
+/// `path_w`: positions of the camera in w. A horizontal surface above most of them is no floor.
 Products MakeProducts(const DenseMap& map, const KeyframePoses& poses, const Vertical& vertical,
                       const std::vector<Eigen::Vector3d>& path_w, double robot_height_m);
 

@@ -353,8 +353,9 @@ void DenseNode::Write() {
   try {
     FollowRemovals();
     const KeyframePoses poses = PosesOf(map);
-    const Products products = MakeProducts(*map_, poses, VerticalOf(map, options_.up), PathOf(poses, map_->voxel_m()),
-                                           options_.robot_height_m);
+    const Vertical vertical = VerticalWithSurfaces(*map_, poses, VerticalOf(map, options_.up));
+    const Products products =
+        MakeProducts(*map_, poses, vertical, PathOf(poses, map_->voxel_m()), options_.robot_height_m);
     for (const auto& [name, kind] : kProductKinds) {
       if (kind != ProductKind::kMeshObj) WriteProducts(options_.out, products, kind);
     }
@@ -367,6 +368,12 @@ void DenseNode::Write() {
         map_->voxel_m(), 1e-6 * static_cast<double>(map_->bytes()), 1e-3 * map_->BytesPerCubicMetre());
     if (!products.has_floor) {
       process_.Warn("no_floor", "no grid is written: the map has no horizontal surface that could be the floor");
+    }
+    if (products.has_floor && vertical.source == VerticalSource::kCameras) {
+      process_.Warn(
+          "vertical_guessed",
+          "the vertical of the grid is the mean of the cameras' up, a guess: neither lines nor surfaces nor an "
+          "inertial sensor show one; state how the camera is mounted (dense.up, up in the camera's own frame)");
     }
     disk_.SetFailure(products.no_grid);
     if (const size_t n_unplaced = map_->CountUnplaced(poses); n_unplaced > 0) {

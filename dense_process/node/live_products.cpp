@@ -20,7 +20,7 @@ double LiveProducts::Publish(const DenseMap& surfaces, const Map& map, double be
   is_old_ = false;
   try {
     const KeyframePoses poses = PosesOf(map);
-    const Vertical vertical = VerticalOf(map, up_c_);
+    const Vertical vertical = VerticalWithSurfaces(surfaces, poses, VerticalOf(map, up_c_));
     if (!vertical_ || vertical.up_w.dot(vertical_->up_w) < kSameVertical) vertical_ = vertical;
     const Products products =
         MakeProducts(surfaces, poses, *vertical_, PathOf(poses, surfaces.voxel_m()), robot_height_m_);

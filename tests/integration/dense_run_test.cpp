@@ -232,6 +232,17 @@ TEST_F(SharedDenseRun, SavedSurfacesAreExported) {
   EXPECT_EQ(std::ranges::count(damaged.error, '\n'), 1) << damaged.error;
 }
 
+TEST_F(DenseRun, GuessedVerticalIsReported) {
+  WholeRun run;
+  // Without lines, and in voxels so large that few surface elements show a direction.
+  ASSERT_EQ(run.Run({"run", "synthetic:corridor?size=376x240&frames=300", "--stop", "60", "--features", "points",
+                     "--dense", "--set", "dense.voxel_m=0.4"}),
+            0)
+      << run.Logs();
+  EXPECT_THAT(run.Summary()["warnings"].dump(), HasSubstr("vertical_guessed"));
+  EXPECT_THAT(run.Read("frames.json"), HasSubstr("\"up_from\": \"cameras\""));
+}
+
 // mapping_process refuses to replace the map of another place.
 TEST_F(DenseRun, RefusedSaveLeavesTheSurfacesThere) {
   WholeRun run;

@@ -28,8 +28,9 @@ std::vector<std::string> WriteSurfaces(const SurfacesRequest& request) {
         request.map, request.map));
   }
   const std::vector<double>& up_c = request.up_c.empty() ? surfaces.robot().up_c : request.up_c;
+  const Vertical vertical = dense::VerticalWithSurfaces(surfaces, poses, VerticalOf(stored.map, up_c));
   const dense::Products products =
-      dense::MakeProducts(surfaces, poses, VerticalOf(stored.map, up_c), dense::PathOf(poses, surfaces.voxel_m()),
+      dense::MakeProducts(surfaces, poses, vertical, dense::PathOf(poses, surfaces.voxel_m()),
                           request.robot_height_m.value_or(surfaces.robot().height_m));
   std::filesystem::create_directories(request.out);
   dense::WriteFrames(request.out, products);

@@ -58,6 +58,24 @@ TEST(GroundGrid, ObstaclesFitUnderTheRobotsHeight) {
   }
 }
 
+TEST(Products, SurfaceAboveTheCameraIsNoFloor) {
+  const StereoCamera camera{.f_px = 60.0, .cx_px = 40.0, .cy_px = 30.0, .baseline_m = 0.1, .width_px = 80, .height_px = 60};
+  const cv::Mat grey(camera.height_px, camera.width_px, CV_8U, cv::Scalar(90));
+  DepthImage depth;
+  depth.z_m = cv::Mat(camera.height_px, camera.width_px, CV_32F, cv::Scalar(2.0));
+  depth.sigma_m = cv::Mat(camera.height_px, camera.width_px, CV_32F, cv::Scalar(0.01));
+  const KeyframePoses poses = At({0.0, 0.01, 0.02, 0.03, 0.04});
+  DenseMap map(0.05, 0.0);
+  for (const auto& [name, pose] : poses) ASSERT_TRUE(map.Add(name, depth, grey, camera, poses));
+  // A plane ahead: the floor of a camera that looks down, the ceiling of one that looks up.
+  const auto with_up = [&](const Eigen::Vector3d& up_w) {
+    return MakeProducts(map, poses, {up_w, VerticalSource::kGiven}, PathOf(poses, 0.05), 1.0);
+  };
+  EXPECT_TRUE(with_up(-Eigen::Vector3d::UnitZ()).has_floor);
+  EXPECT_NEAR(with_up(-Eigen::Vector3d::UnitZ()).floor_m, -2.0, 0.05);
+  EXPECT_FALSE(with_up(Eigen::Vector3d::UnitZ()).has_floor);
+}
+
 TEST(GroundGrid, TooManyCellsAreNamed) {
   Volume volume(0.01);
   const std::vector<DepthRay> ray{{{0.0, 1.0, 0.0}, 1.0F, 100.0F, 1.0F}};

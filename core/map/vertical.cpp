@@ -17,13 +17,19 @@ namespace {
 constexpr double kNear_rad = 45.0 * kRadPerDeg;
 /// Lower bound on the sigma of a line's direction: buildings and maps are no more accurate.
 constexpr double kLeastSigma_rad = 1.0 * kRadPerDeg;
-/// Reach of a vote, and of the weights of the final mean.
-constexpr double kWide_rad = 4.0 * kRadPerDeg;
-constexpr double kNarrow_rad = 2.0 * kRadPerDeg;
-constexpr double kAgreeing_rad = 3.0 * kRadPerDeg;
+/// Reach of a vote, and of the weights of the final mean; angle within which a direction agrees with that mean, and the
+/// least number that do.
+struct Agreement {
+  double wide_rad;
+  double narrow_rad;
+  double agreeing_rad;
+  int64_t least;
+};
+constexpr Agreement kOfLines{4.0 * kRadPerDeg, 2.0 * kRadPerDeg, 3.0 * kRadPerDeg, 8};
+constexpr Agreement kOfNormals{8.0 * kRadPerDeg, 5.0 * kRadPerDeg, 8.0 * kRadPerDeg, 200};
 constexpr int kMeans = 10;
 constexpr size_t kMaxCandidates = 300;
-constexpr int64_t kLeastLines = 8;
+constexpr size_t kMaxNormals = 3000;
 constexpr double kLeastShare = 0.2;
 /// Segments that an edge of the scene has in the map, about.
 constexpr double kLinesOfAnEdge = 4.0;
@@ -62,20 +68,20 @@ double TukeyWeight(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double re
   return rest > 0.0 ? rest * rest : 0.0;
 }
 
-double Votes(const std::vector<Direction>& directions, const Eigen::Vector3d& up) {
+double Votes(const std::vector<Direction>& directions, const Eigen::Vector3d& up, double reach_rad) {
   double votes = 0.0;
   for (const Direction& direction : directions) {
-    votes += direction.weight * TukeyWeight(direction.d, up, kWide_rad);
+    votes += direction.weight * TukeyWeight(direction.d, up, reach_rad);
   }
   return votes;
 }
 
-Eigen::Vector3d MostVoted(const std::vector<Direction>& directions) {
+Eigen::Vector3d MostVoted(const std::vector<Direction>& directions, double reach_rad) {
   const size_t step = (directions.size() + kMaxCandidates - 1) / kMaxCandidates;
   Eigen::Vector3d best = directions.front().d;
   double most = -1.0;
   for (size_t i = 0; i < directions.size(); i += step) {
-    const double votes = Votes(directions, directions[i].d);
+    const double votes = Votes(directions, directions[i].d, reach_rad);
     if (votes <= most) continue;
     most = votes;
     best = directions[i].d;
@@ -83,9 +89,9 @@ Eigen::Vector3d MostVoted(const std::vector<Direction>& directions) {
   return best;
 }
 
-Eigen::Vector3d Refine(const std::vector<Direction>& directions, Eigen::Vector3d up) {
+Eigen::Vector3d Refine(const std::vector<Direction>& directions, Eigen::Vector3d up, const Agreement& agreement) {
   for (int i = 0; i < kMeans; ++i) {
-    const double reach = i < kMeans / 2 ? kWide_rad : kNarrow_rad;
+    const double reach = i < kMeans / 2 ? agreement.wide_rad : agreement.narrow_rad;
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (const Direction& direction : directions) {
       sum += direction.weight * TukeyWeight(direction.d, up, reach) * direction.d;
@@ -94,6 +100,31 @@ Eigen::Vector3d Refine(const std::vector<Direction>& directions, Eigen::Vector3d
     if (sum.norm() > 0.0) up = sum.normalized();
   }
   return up;
+}
+
+/// The direction on which most of them agree.
+struct Common {
+  Eigen::Vector3d up;
+  int64_t n = 0;               ///< that agree
+  double variance_rad2 = 0.0;  ///< weighted mean square of their angles to it
+};
+
+std::optional<Common> CommonDirection(const std::vector<Direction>& directions, const Agreement& agreement) {
+  if (directions.empty()) return std::nullopt;
+  Common common;
+  common.up = Refine(directions, MostVoted(directions, agreement.wide_rad), agreement);
+  double all = 0.0, agreeing = 0.0, squares = 0.0;
+  for (const Direction& direction : directions) {
+    all += direction.weight;
+    const double angle = AngleBetween(direction.d, common.up);
+    if (angle > agreement.agreeing_rad) continue;
+    agreeing += direction.weight;
+    squares += direction.weight * angle * angle;
+    ++common.n;
+  }
+  if (common.n < agreement.least || agreeing < kLeastShare * all) return std::nullopt;
+  common.variance_rad2 = squares / agreeing;
+  return common;
 }
 
 }  // namespace
@@ -106,25 +137,24 @@ Eigen::Vector3d MeanUpOfCameras(const Map& map, const Eigen::Vector3d& up_c) {
 }
 
 std::optional<Vertical> VerticalFromLines(const Map& map, const Eigen::Vector3d& about_w) {
-  const std::vector<Direction> directions = DirectionsNear(map, about_w);
-  if (directions.empty()) return std::nullopt;
-  Vertical vertical;
-  vertical.up_w = Refine(directions, MostVoted(directions));
-  vertical.source = VerticalSource::kLines;
-  double all = 0.0, agreeing = 0.0, squares = 0.0;
-  for (const Direction& direction : directions) {
-    all += direction.weight;
-    const double angle = AngleBetween(direction.d, vertical.up_w);
-    if (angle > kAgreeing_rad) continue;
-    agreeing += direction.weight;
-    squares += direction.weight * angle * angle;
-    ++vertical.n;
-  }
-  if (vertical.n < kLeastLines || agreeing < kLeastShare * all) return std::nullopt;
+  const std::optional<Common> common = CommonDirection(DirectionsNear(map, about_w), kOfLines);
+  if (!common) return std::nullopt;
   // Half the mean square, for each of two angles; a line's neighbours on the same edge have the same error.
-  const auto n = static_cast<double>(vertical.n) / kLinesOfAnEdge;
-  vertical.sigma_rad = Hypot(std::sqrt(0.5 * squares / agreeing / n), kBuilding_rad);
-  return vertical;
+  const auto n = static_cast<double>(common->n) / kLinesOfAnEdge;
+  const double sigma_rad = Hypot(std::sqrt(0.5 * common->variance_rad2 / n), kBuilding_rad);
+  return Vertical{common->up, VerticalSource::kLines, sigma_rad, common->n};
+}
+
+std::optional<Vertical> VerticalFromNormals(std::span<const Eigen::Vector3d> normals_w,
+                                            const Eigen::Vector3d& about_w) {
+  std::vector<Direction> directions;
+  const size_t step = (normals_w.size() + kMaxNormals - 1) / kMaxNormals;
+  for (size_t i = 0; i < normals_w.size(); i += step) {
+    if (AngleBetween(normals_w[i], about_w) < kNear_rad) directions.push_back({normals_w[i], 1.0});
+  }
+  const std::optional<Common> common = CommonDirection(directions, kOfNormals);
+  if (!common) return std::nullopt;
+  return Vertical{common->up, VerticalSource::kSurfaces, 0.0, common->n};
 }
 
 std::optional<Vertical> VerticalFromGravity(const Map& map) {

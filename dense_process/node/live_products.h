@@ -33,7 +33,10 @@ class LiveProducts {
   /// Publishes grid and cloud of the files.
   void PublishFinal(const Products& products, const SurfaceCloud& cloud);
   /// Another map has replaced that of the surfaces.
-  void Replace() { submaps_.Replace(); }
+  void Replace() {
+    grid_.Clear();
+    submaps_.Replace();
+  }
 
   /// Numbers of published tiles of the grid, and of published submaps.
   int64_t n_tiles() const { return grid_.n_tiles(); }

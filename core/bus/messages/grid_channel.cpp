@@ -57,6 +57,13 @@ void GridPublisher::Publish(const OccupancyGrid& grid) {
   }
 }
 
+void GridPublisher::Clear() {
+  if (tiles_.empty()) return;
+  OccupancyGrid none = frame_;
+  none.n_columns = none.n_rows = 0;
+  Publish(none);
+}
+
 GridSubscriber::GridSubscriber(Bus& bus, std::function<void()> handler) {
   bus.Subscribe<grid_t>(kGrid, [this, &bus, handler = std::move(handler)](const grid_t& message) {
     if (!received_.Add(message.header.source)) return;

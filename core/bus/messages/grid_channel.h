@@ -18,6 +18,8 @@ class GridPublisher {
 
   /// A grid whose frame or size of cells differ from those before replaces it: all its tiles are sent.
   void Publish(const OccupancyGrid& grid);
+  /// All cells become unknown: the map was replaced.
+  void Clear();
   /// Number of published tiles.
   int64_t n_tiles() const { return n_tiles_; }
 

@@ -49,8 +49,8 @@ class ImuInput {
 
   /// Whether the frame at this time has to wait for samples. A sensor that is silent delays no frame.
   bool Awaits(const RigCalibration& rig, int64_t t_ns) const;
-  /// Publishes the samples between the previous frame and the one at this time, if the rig has the sensor. Where some
-  /// came too late for their frames, the motion begins at the last frame with all samples up to it, at most a second
+  /// Publishes the samples between the previous frame and the one at this time, if the rig has the sensor. After samples
+  /// that came too late for their frames, the motion begins at the last frame with all samples up to it, at most a second
   /// before.
   void Publish(const RigCalibration& rig, int64_t t_ns);
 

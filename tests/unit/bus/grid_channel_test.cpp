@@ -76,6 +76,20 @@ TEST_F(GridChannel, CarriesTheChangedTiles) {
   EXPECT_EQ(whole.T_w_level.translation(), turned.T_w_level.translation());
 }
 
+// Planners must not keep obstacles of a map that was reset.
+TEST_F(GridChannel, ReplacedMapHasNoCells) {
+  GridPublisher publisher(sender_);
+  publisher.Clear();
+  publisher.Publish(GridOf(OccupancyGrid::kOccupied));
+  EXPECT_EQ(WholeAfter(3).At(-3, 4), OccupancyGrid::kOccupied);
+  publisher.Clear();
+  const OccupancyGrid whole = WholeAfter(6);
+  EXPECT_EQ(whole.At(-3, 4), OccupancyGrid::kUnknown);
+  EXPECT_EQ(whole.At(196, 5), OccupancyGrid::kUnknown);
+  publisher.Publish(GridOf(OccupancyGrid::kFree));
+  EXPECT_EQ(WholeAfter(9).At(-3, 4), OccupancyGrid::kFree);
+}
+
 TEST_F(GridChannel, NewestPublisherReplacesTheOther) {
   test::Waiter arrived;
   reader_.Subscribe<grid_t>(kGrid, [&](const grid_t&) { arrived.Add(); });

@@ -140,6 +140,12 @@ TEST_F(RoomProducts, DrivenPathIsFree) {
     const Eigen::Vector2i cell = products_->grid.CellAt(p.x(), p.y());
     EXPECT_EQ(products_->grid.cells.at<uint8_t>(cell.y(), cell.x()), OccupancyGrid::kFree);
   }
+  // Not only because they are set: the surfaces have no obstacle there.
+  const GroundGrid seen = MakeProducts(seen_->map(), seen_->poses(), products_->vertical, {}, kRobot_m).grid;
+  for (const Eigen::Vector3d& p : products_->path) {
+    const Eigen::Vector2i cell = seen.CellAt(p.x(), p.y());
+    EXPECT_NE(seen.cells.at<uint8_t>(cell.y(), cell.x()), OccupancyGrid::kOccupied) << p.transpose();
+  }
 }
 
 TEST_F(RoomProducts, FloorIsLevel) {

@@ -90,6 +90,31 @@ TEST(Vertical, TiltedMapIsRecoveredFromItsLines) {
   }
 }
 
+// A camera that looks down at a table by 30 degrees.
+TEST(Vertical, IsThatOfHorizontalSurfaces) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> scatter(0.0, 5.0 * kDeg);
+  const Eigen::Vector3d about(0, -1, 0);
+  const Eigen::Quaterniond q_w_level = ExpSO3({-30.0 * kDeg, 0, 0});
+  std::vector<Eigen::Vector3d> normals;
+  const auto add = [&](const Eigen::Vector3d& normal_level, int n) {
+    for (int i = 0; i < n; ++i)
+      normals.push_back(q_w_level * ExpSO3({scatter(random), scatter(random), scatter(random)}) * normal_level);
+  };
+  add({0, -1, 0}, 1500);
+  add({0, 0, -1}, 2000);                                 // monitors
+  add(Eigen::Vector3d(0.4, -1, 0.2).normalized(), 300);  // clutter
+  const auto vertical = VerticalFromNormals(normals, about);
+  ASSERT_TRUE(vertical);
+  EXPECT_EQ(vertical->source, VerticalSource::kSurfaces);
+  EXPECT_LT(AngleDeg(vertical->up_w, q_w_level * Eigen::Vector3d(0, -1, 0)), 1.0);
+  EXPECT_FALSE(VerticalFromNormals(std::span(normals).first(100), about)) << "too few";
+  std::vector<Eigen::Vector3d> hedge;
+  for (int i = 0; i < 5000; ++i)
+    hedge.push_back(Eigen::Vector3d(scatter(random), scatter(random), scatter(random)).normalized());
+  EXPECT_FALSE(VerticalFromNormals(hedge, about)) << "all directions";
+}
+
 TEST(Vertical, WithoutLinesFromTheCameras) {
   const LeaningMap leaning(ExpSO3({0.3, 0, 0}), 0.0);
   EXPECT_FALSE(VerticalFromLines(leaning.map(), leaning.up_w()));

@@ -33,7 +33,7 @@ class Fed {
   int size() const { return dataset_->size(); }
   int64_t t_ns(int frame) const { return dataset_->t_ns(frame); }
   SE3 Pose(int frame) const { return dataset_->GroundTruth(0)->Inverse() * *dataset_->GroundTruth(frame); }
-  /// What has arrived a sample's period after a frame.
+  /// Expects a frame with the samples that have arrived a period of them after it.
   void Expect(int frame) {
     std::vector<ImuSample> arrived;
     for (const ImuSample& sample : dataset_->ImuSamples()) {

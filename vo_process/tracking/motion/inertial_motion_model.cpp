@@ -306,7 +306,7 @@ void InertialMotionModel::Begin(const SE3& T_odom_imu, const Matrix6d& covarianc
   reach_.is_behind = reach_.misses_samples = false;
 }
 
-/// Motions up to this time (clock of the sensor) are lost. What the filter does not know yet is not kept.
+/// Motions up to this time (clock of the sensor) are lost. A filter that knows little yet begins again.
 void InertialMotionModel::ContinueAt(const SE3& T_odom_imu, const Matrix6d& covariance, int64_t t_ns) {
   if (measured_s_ < kFirstUse_s) return Begin(T_odom_imu, covariance);
   const uint64_t unknown_ns =

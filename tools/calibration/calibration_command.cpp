@@ -63,8 +63,8 @@ void PrintImu(const CalibrationOptions& o, const RigCalibration& rig) {
   for (const std::string& warning : notes.warnings) fmt::print("warning: {}\n", warning);
   for (const std::string& remark : notes.remarks) fmt::print("note: {}\n", remark);
   const Eigen::Vector3d p = (rig.left.T_b_cam.Inverse() * rig.imu->T_b_imu).translation();
-  fmt::print("inertial sensor at {:.4f}, {:.4f}, {:.4f} m in the left camera, time offset {} s, noise {}\n", p.x(), p.y(),
-             p.z(), rig.imu->time_offset_s,
+  fmt::print("inertial sensor at {:.4f}, {:.4f}, {:.4f} m in the left camera, time offset {} s, noise {}\n", p.x(),
+             p.y(), p.z(), rig.imu->time_offset_s,
              parts.noise ? "as stated" : "that of a sensor without a data sheet, since none is stated");
 }
 

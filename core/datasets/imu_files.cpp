@@ -106,6 +106,7 @@ void CheckUnitOfTime(const std::string& path, const std::vector<ImuSample>& samp
   // Number of samples between two frames, whose usual distance in time is known.
   constexpr double kPerFrame = 10.0;
   std::vector<int64_t> times_ns;
+  times_ns.reserve(samples.size());
   for (const ImuSample& sample : samples) times_ns.push_back(sample.t_ns);
   const int64_t step_ns = MedianStep_ns(times_ns);
   if (samples.size() < 3 || (step_ns >= kMinStep_ns && step_ns <= kMaxStep_ns)) return;

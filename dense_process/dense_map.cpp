@@ -28,22 +28,7 @@ constexpr double kLargestVoxel_m = 1.0;
 constexpr float kFarthest_m = 1e6F;  // from the origin of a submap
 constexpr double kUnit = 1e-9;       // rounding of unit quaternions
 
-constexpr FileKind kSurfaces{{'P', 'L', 'S', 'L', 'S', 'U', 'R', 'F'}, 4, "surfaces file"};
-
-/// A submap in a file.
-struct StoredSubmap {
-  KeyframeFrame anchor;
-  SE3 T_s_anchor;
-  std::vector<KeyframeFrame> keyframes;
-  std::vector<Volume::Block> blocks;  ///< of the newest submap; `packed`: of the others
-  PackedVolume packed;
-  std::vector<std::vector<float>> views;  ///< x, y, z of the eye, and of each end
-
-  template <class Archive, class Self>
-  static void Fields(Archive& a, Self& self) {
-    a(self.anchor, self.T_s_anchor, self.keyframes, self.blocks, self.packed, self.views);
-  }
-};
+constexpr FileKind kSurfaces{{'P', 'L', 'S', 'L', 'S', 'U', 'R', 'F'}, 5, "surfaces file"};
 
 /// Distance up to which a keyframe sees surfaces: the farthest at which its depth is in use with this error of a
 /// disparity.
@@ -71,6 +56,19 @@ std::vector<Eigen::Vector3d> SampleSurface(const Volume& volume) {
 
 }  // namespace
 
+/// A submap in a file.
+struct DenseMap::StoredSubmap {
+  std::vector<Member> members;
+  std::vector<Volume::Block> blocks;  ///< of the newest submap; `packed`: of the others
+  PackedVolume packed;
+  std::vector<std::vector<float>> views;  ///< x, y, z of the eye, and of each end
+
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.members, self.blocks, self.packed, self.views);
+  }
+};
+
 /// The voxels of a submap, unpacked for as long as they are read.
 class DenseMap::Voxels {
  public:
@@ -85,7 +83,7 @@ class DenseMap::Voxels {
 };
 
 size_t DenseMap::n_submaps() const {
-  return static_cast<size_t>(std::ranges::count_if(submaps_, [](const Submap& s) { return !s.keyframes.empty(); }));
+  return static_cast<size_t>(std::ranges::count_if(submaps_, [](const Submap& s) { return !s.members.empty(); }));
 }
 
 size_t DenseMap::bytes() const {
@@ -108,10 +106,10 @@ double DenseMap::BytesPerCubicMetre() const {
 bool DenseMap::Continues(const KeyframeFrame& keyframe, const SE3& T_w_kf, const KeyframePoses& poses) const {
   if (submaps_.empty()) return false;
   const Submap& newest = submaps_.back();
-  const auto anchor = poses.find(newest.anchor);
-  if (anchor == poses.end() || newest.anchor.first != keyframe.first || newest.keyframes.size() >= kMostKeyframes) {
-    return false;
-  }
+  if (newest.members.empty() || newest.members.size() >= kMostKeyframes) return false;
+  const KeyframeFrame& first = newest.members.front().keyframe;
+  const auto anchor = poses.find(first);
+  if (anchor == poses.end() || first.first != keyframe.first) return false;
   return (T_w_kf.translation() - anchor->second.translation()).norm() < kLargest * voxel_m_;
 }
 
@@ -125,10 +123,11 @@ bool DenseMap::Add(const KeyframeFrame& keyframe, const DepthImage& depth, const
       submaps_.back().packed = PackedVolume(*submaps_.back().growing);
       submaps_.back().growing.reset();
     }
-    submaps_.push_back({keyframe, T_w_kf, {}, Volume(voxel_m_), {}, {}});
+    submaps_.push_back({{}, Volume(voxel_m_), {}, {}});
   }
   Submap& submap = submaps_.back();
-  const SE3 T_s_kf = submap.T_s_anchor * poses.at(submap.anchor).Inverse() * T_w_kf;
+  const Member* const first = submap.members.empty() ? nullptr : &submap.members.front();
+  const SE3 T_s_kf = first == nullptr ? T_w_kf : first->T_s_kf * poses.at(first->keyframe).Inverse() * T_w_kf;
   const double range_m = range_m_ > 0.0 ? range_m_ : std::numeric_limits<double>::infinity();
   submap.growing->Integrate(T_s_kf.translation(), MakeRays(depth, grey, camera, T_s_kf, voxel_m_, range_m));
   const std::vector<Eigen::Vector3d> ends = MakeBoundEnds(depth, camera, T_s_kf, voxel_m_, range_m);
@@ -138,16 +137,28 @@ bool DenseMap::Add(const KeyframeFrame& keyframe, const DepthImage& depth, const
     view.ends.reserve(ends.size());
     for (const Eigen::Vector3d& end : ends) view.ends.push_back(end.cast<float>());
   }
-  submap.keyframes.push_back(keyframe);
+  submap.members.push_back({keyframe, T_s_kf});
   fused_.insert(keyframe);
   return true;
 }
 
-/// T_w_s; nullopt: the place of the anchor is unknown.
-std::optional<SE3> DenseMap::PoseOf(const Submap& submap, const KeyframePoses& poses) const {
-  const auto anchor = poses.find(submap.anchor);
-  if (anchor == poses.end()) return std::nullopt;
-  return anchor->second * submap.T_s_anchor.Inverse();
+/// The first keyframe whose place is known; nullptr: none.
+const DenseMap::Member* DenseMap::AnchorOf(const Submap& submap, const KeyframePoses& poses) {
+  const auto found =
+      std::ranges::find_if(submap.members, [&](const Member& member) { return poses.contains(member.keyframe); });
+  return found == submap.members.end() ? nullptr : &*found;
+}
+
+/// T_w_s; nullopt: the submap has no place.
+std::optional<SE3> DenseMap::PoseOf(const Submap& submap, const KeyframePoses& poses) {
+  const Member* const anchor = AnchorOf(submap, poses);
+  if (anchor == nullptr) return std::nullopt;
+  return poses.at(anchor->keyframe) * anchor->T_s_kf.Inverse();
+}
+
+size_t DenseMap::CountUnplaced(const KeyframePoses& poses) const {
+  return static_cast<size_t>(std::ranges::count_if(
+      submaps_, [&](const Submap& submap) { return !submap.members.empty() && AnchorOf(submap, poses) == nullptr; }));
 }
 
 /// Moves the content of a submap to another one.
@@ -171,7 +182,7 @@ void DenseMap::Join(Submap& gone, const SE3& T_to_gone, Submap& to) const {
 }
 
 void DenseMap::Empty(Submap& gone) {
-  gone.keyframes.clear();
+  gone.members.clear();
   gone.packed = {};
   gone.views.clear();
 }
@@ -180,8 +191,8 @@ void DenseMap::FollowRemovals(const KeyframePoses& poses, const KeyframePoses& l
   std::map<KeyframeFrame, Submap*> submap_of;  // of lasting keyframes
   std::vector<Submap*> left;                   // submaps without one
   for (Submap& submap : submaps_) {
-    bool lasts = &submap == &submaps_.back() || submap.keyframes.empty();
-    for (const KeyframeFrame& keyframe : submap.keyframes) {
+    bool lasts = &submap == &submaps_.back() || submap.members.empty();
+    for (const auto& [keyframe, T_s_kf] : submap.members) {
       // A keyframe that is neither in the map nor removed will arrive: the map is being rebuilt.
       if (lasting.contains(keyframe)) submap_of[keyframe] = &submap;
       if (lasting.contains(keyframe) || !poses.contains(keyframe)) lasts = true;
@@ -232,77 +243,80 @@ SurfaceCloud DenseMap::Split(const Surface& surface_w, const KeyframePoses& pose
   cloud.voxel_m = voxel_m_;
   std::vector<const Surface::Vertex*> left;
   for (const Surface::Vertex& vertex : surface_w.vertices) left.push_back(&vertex);
-  const auto add = [](const Surface::Vertex& vertex, SubmapCloud& to) {
-    const SE3 T_anchor_w = to.T_w_anchor.Inverse();
+  const auto add = [](const Surface::Vertex& vertex, const SE3& T_anchor_w, SubmapCloud& to) {
     to.points.push_back({(T_anchor_w * vertex.p.cast<double>()).cast<float>(),
                          RoundedNormal((T_anchor_w.R() * vertex.normal.cast<double>()).cast<float>()), vertex.grey});
   };
   for (size_t i = 0; i < submaps_.size(); ++i) {
-    const auto anchor = poses.find(submaps_[i].anchor);
-    if (anchor == poses.end() || submaps_[i].keyframes.empty()) continue;
+    const Member* const anchor = AnchorOf(submaps_[i], poses);
+    if (anchor == nullptr) continue;
+    const SE3& T_w_anchor = poses.at(anchor->keyframe);
+    const SE3 T_anchor_w = T_w_anchor.Inverse();
     SubmapCloud& to = cloud.submaps[static_cast<int>(i)];
-    to = {anchor->first.first, anchor->first.second, anchor->second, {}};
+    to = {anchor->keyframe.first, anchor->keyframe.second, T_w_anchor, {}};
     const Voxels voxels(submaps_[i], voxel_m_);
     const Volume::Reader reader(*voxels);
-    const SE3 T_s_w = submaps_[i].T_s_anchor * anchor->second.Inverse();
+    const SE3 T_s_w = anchor->T_s_kf * T_anchor_w;
     std::erase_if(left, [&](const Surface::Vertex* vertex) {
       const Eigen::Vector3d p = T_s_w * vertex->p.cast<double>() / voxel_m_;
       const auto voxel = reader.At({static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y())),
                                     static_cast<int>(std::lround(p.z()))});
       const bool is_known =
           voxel && voxel->weight >= kLeastKnown && std::abs(voxel->distance_m) < kSameSurface * voxel_m_;
-      if (is_known) add(*vertex, to);
+      if (is_known) add(*vertex, T_anchor_w, to);
       return is_known;
     });
   }
   if (cloud.submaps.empty()) return cloud;
-  for (const Surface::Vertex* vertex : left) add(*vertex, cloud.submaps.rbegin()->second);
+  SubmapCloud& newest = cloud.submaps.rbegin()->second;
+  for (const Surface::Vertex* vertex : left) add(*vertex, newest.T_w_anchor.Inverse(), newest);
   return cloud;
 }
 
 void DenseMap::Write(const std::string& path, const KeyframePoses& poses, const KeyframePoses& lasting) const {
   std::vector<StoredSubmap> stored;
   for (const Submap& submap : submaps_) {
-    if (submap.keyframes.empty()) continue;
+    if (submap.members.empty()) continue;
     StoredSubmap& to = stored.emplace_back();
-    to = {submap.anchor, submap.T_s_anchor, submap.keyframes, {}, submap.packed, {}};
+    to = {submap.members, {}, submap.packed, {}};
     if (submap.growing) to.blocks = submap.growing->Blocks();
     for (const BoundedView& view : submap.views) {
       std::vector<float>& numbers = to.views.emplace_back(view.eye.begin(), view.eye.end());
       for (const Eigen::Vector3f& end : view.ends) numbers.insert(numbers.end(), end.begin(), end.end());
     }
-    const auto anchor = poses.find(submap.anchor);
-    if (!lasting.contains(submap.anchor) && anchor != poses.end()) {
-      if (const std::optional<KeyframeFrame> nearest = NearestKeyframe(lasting, anchor->second)) {
-        to.anchor = *nearest;
-        to.T_s_anchor = submap.T_s_anchor * anchor->second.Inverse() * lasting.at(*nearest);
-      }
-    }
     // Removed keyframes are unknown to the map that continues.
-    std::erase_if(to.keyframes, [&](const KeyframeFrame& keyframe) { return !lasting.contains(keyframe); });
-    if (to.keyframes.empty()) to.keyframes.push_back(to.anchor);
+    std::erase_if(to.members, [&](const Member& member) {
+      return poses.contains(member.keyframe) && !lasting.contains(member.keyframe);
+    });
+    if (!to.members.empty()) continue;
+    const SE3 T_w_s = *PoseOf(submap, poses);
+    const std::optional<KeyframeFrame> nearest = NearestKeyframe(lasting, T_w_s * submap.members.front().T_s_kf);
+    if (nearest) to.members.push_back({*nearest, T_w_s.Inverse() * lasting.at(*nearest)});
   }
+  std::erase_if(stored, [](const StoredSubmap& submap) { return submap.members.empty(); });
   const std::vector<KeyframeFrame> fused(fused_.begin(), fused_.end());
-  WriteSealedFile(path, kSurfaces, archive::ToBytes(voxel_m_, fused, stored));
+  WriteSealedFile(path, kSurfaces, archive::ToBytes(voxel_m_, robot_, fused, stored));
 }
 
 DenseMap DenseMap::Read(const std::string& path, double range_m) {
   const std::vector<uint8_t> bytes = ReadSealedFile(path, kSurfaces);
   return NamingFile(path, [&] {
     double voxel_m = 0.0;
+    Robot robot;
     std::vector<KeyframeFrame> fused;
     std::vector<StoredSubmap> stored;
-    archive::FromBytes(bytes, voxel_m, fused, stored);
+    archive::FromBytes(bytes, voxel_m, robot, fused, stored);
     if (!(voxel_m > 0.0 && voxel_m <= kLargestVoxel_m))
       throw std::runtime_error("the size of its voxels is impossible");
     DenseMap map(voxel_m, range_m);
+    map.SetRobot(std::move(robot));
     map.fused_.insert(fused.begin(), fused.end());
     for (const StoredSubmap& submap : stored) {
-      const bool is_pose =
-          submap.T_s_anchor.IsFinite() && std::abs(submap.T_s_anchor.rotation().norm() - 1.0) < kUnit;
-      if (!is_pose) throw std::runtime_error("a submap has no valid pose");
-      Submap& read = map.submaps_.emplace_back(
-          Submap{submap.anchor, submap.T_s_anchor, submap.keyframes, {}, submap.packed, {}});
+      const bool are_poses = !submap.members.empty() && std::ranges::all_of(submap.members, [](const Member& member) {
+        return member.T_s_kf.IsFinite() && std::abs(member.T_s_kf.rotation().norm() - 1.0) < kUnit;
+      });
+      if (!are_poses) throw std::runtime_error("a submap has no valid pose");
+      Submap& read = map.submaps_.emplace_back(Submap{submap.members, {}, submap.packed, {}});
       submap.packed.Unpack(voxel_m);  // throws for impossible values
       if (&submap == &stored.back()) read.growing = Volume::FromBlocks(voxel_m, submap.blocks);
       for (const std::vector<float>& numbers : submap.views) {

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -19,8 +21,19 @@
 
 namespace plslam::dense {
 
-/// Surfaces of a map in submaps of a few keyframes, each anchored to its first one. A correction of the map moves the
-/// submaps rigidly with their anchors, at no cost; within a submap the poses at the time of fusion remain. All but the newest
+/// The robot for which grids are made, in the file of surfaces for exports.
+struct Robot {
+  double height_m = 1.0;
+  std::vector<double> up_c;  ///< as for `VerticalOf`
+
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.height_m, self.up_c);
+  }
+};
+
+/// Surfaces of a map in submaps of a few keyframes, each anchored to the first one that the map knows. A correction of
+/// the map moves the submaps rigidly with their anchors, at no cost; within a submap the poses at the time of fusion remain. All but the newest
 /// are packed.
 ///
 /// A blank surface has no depth, but its surroundings bound it from below. Such rays clear obstacles of all submaps
@@ -35,6 +48,8 @@ class DenseMap {
   DenseMap(double voxel_m, double range_m) : voxel_m_(voxel_m), range_m_(range_m) {}
 
   double voxel_m() const { return voxel_m_; }
+  const Robot& robot() const { return robot_; }
+  void SetRobot(Robot robot) { robot_ = std::move(robot); }
   size_t n_submaps() const;
   size_t n_keyframes() const { return fused_.size(); }
   size_t bytes() const;
@@ -54,16 +69,25 @@ class DenseMap {
   /// Returns whether the depth of the keyframe was fused, also by a process before this one.
   bool Has(const KeyframeFrame& keyframe) const { return fused_.contains(keyframe); }
 
+  /// The same of any keyframe of a session.
+  bool HasSession(SessionId session) const {
+    const auto first = fused_.lower_bound({session, FrameId(std::numeric_limits<int64_t>::min())});
+    return first != fused_.end() && first->first == session;
+  }
+
   /// Writes a file of surfaces (a sealed file, core/files/sealed_file.h) that continues with the map. `lasting`: the
-  /// keyframes that the map will have then; submaps whose anchor is not among them are anchored to the nearest one.
+  /// keyframes that the map will have then; submaps without any of them are anchored to the nearest one.
   /// Throws std::runtime_error that names the file.
   void Write(const std::string& path, const KeyframePoses& poses, const KeyframePoses& lasting) const;
   /// Reads such a file. Throws std::runtime_error, in one sentence that names the file, if it is damaged, of another
   /// type, or has impossible values.
   static DenseMap Read(const std::string& path, double range_m);
 
-  /// Returns all submaps in one volume, with the anchors at `poses`, in a frame `a`. Submaps whose anchor is unknown
-  /// are left out.
+  /// Number of submaps without a place: the map has none of their keyframes.
+  size_t CountUnplaced(const KeyframePoses& poses) const;
+
+  /// Returns all submaps in one volume, with the anchors at `poses`, in a frame `a`. Submaps without a place are left
+  /// out.
   Volume Merge(const KeyframePoses& poses, const SE3& T_a_w) const;
 
   /// Returns the vertices of the merged surface in w as points of the submaps that know their places: the first one of
@@ -76,23 +100,33 @@ class DenseMap {
     Eigen::Vector3f eye = Eigen::Vector3f::Zero();
     std::vector<Eigen::Vector3f> ends;
   };
+  struct Member {
+    KeyframeFrame keyframe;
+    SE3 T_s_kf;  ///< s: the frame w of the map at the time of the submap's first keyframe
+
+    template <class Archive, class Self>
+    static void Fields(Archive& a, Self& self) {
+      a(self.keyframe, self.T_s_kf);
+    }
+  };
   struct Submap {
-    KeyframeFrame anchor;
-    SE3 T_s_anchor;                        ///< s: the frame w of the map at the time of the first keyframe
-    std::vector<KeyframeFrame> keyframes;  ///< empty: the submap has been removed, or has joined another
-    std::optional<Volume> growing;         ///< the voxels of the newest submap
-    PackedVolume packed;                   ///< those of all others, which are only read
+    std::vector<Member> members;    ///< empty: the submap has been removed, or has joined another
+    std::optional<Volume> growing;  ///< the voxels of the newest submap
+    PackedVolume packed;            ///< those of all others, which are only read
     std::vector<BoundedView> views;
   };
+  struct StoredSubmap;
 
   class Voxels;
-  std::optional<SE3> PoseOf(const Submap& submap, const KeyframePoses& poses) const;
+  static const Member* AnchorOf(const Submap& submap, const KeyframePoses& poses);
+  static std::optional<SE3> PoseOf(const Submap& submap, const KeyframePoses& poses);
   void Join(Submap& gone, const SE3& T_to_gone, Submap& to) const;
   static void Empty(Submap& gone);
   bool Continues(const KeyframeFrame& keyframe, const SE3& T_w_kf, const KeyframePoses& poses) const;
 
   double voxel_m_;
   double range_m_;
+  Robot robot_;
   std::vector<Submap> submaps_;
   std::set<KeyframeFrame> fused_;
 };

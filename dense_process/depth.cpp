@@ -108,7 +108,7 @@ void RemoveBorders(cv::Mat& values, float jump, float jump_share) {
 /// Improves disparities (0: unknown) by least squares along the row: Lucas and Kanade's step in each window, with the
 /// right image warped by the current disparities, and without the windows' mean difference. The matcher interpolates
 /// costs of whole pixels, whose error is several times as large. Returns the standard deviations, from the residuals in
-/// each window.
+/// each window. Sums are of the known pixels of a window.
 cv::Mat Refine(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity) {
   const cv::Size window(kRefinement_px, kRefinement_px);
   cv::Mat left32, right32;
@@ -122,12 +122,14 @@ cv::Mat Refine(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity) {
     for (int x = 0; x < disparity.cols; ++x) x_right[x] = static_cast<float>(x) - d[x];
   }
   const cv::Mat unknown = disparity <= 0.0F;
-  cv::Mat warped, gradient, mean_gradient, mean_difference, square, product, residual;
+  cv::Mat warped, gradient, mean_gradient, mean_difference, square, product, residual, known;
   cv::remap(right32, warped, column, row, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
   cv::Sobel(left32 + warped, gradient, CV_32F, 1, 0, 1, 0.25);
   cv::Mat difference = left32 - warped;
   gradient.setTo(0.0, unknown);
   difference.setTo(0.0, unknown);
+  cv::Mat(disparity > 0.0F).convertTo(known, CV_32F, 1.0 / 255.0);
+  cv::blur(known, known, window);
   cv::blur(gradient, mean_gradient, window);
   cv::blur(difference, mean_difference, window);
   cv::blur(gradient.mul(gradient), square, window);
@@ -140,9 +142,11 @@ cv::Mat Refine(const cv::Mat& left, const cv::Mat& right, cv::Mat& disparity) {
       if (d[x] <= 0.0F) continue;
       const float g = mean_gradient.at<float>(y, x);
       const float e = mean_difference.at<float>(y, x);
-      const float information = square.at<float>(y, x) - g * g + kPrior;
-      const float step = (product.at<float>(y, x) - g * e) / information;
-      const float variance = std::max(residual.at<float>(y, x) - e * e - step * step * information, 0.1F);
+      const float share = known.at<float>(y, x);
+      const float information = square.at<float>(y, x) - g * g / share + kPrior;
+      const float step = (product.at<float>(y, x) - g * e / share) / information;
+      const float squares = residual.at<float>(y, x) - e * e / share - step * step * information;
+      const float variance = std::max(squares / share, 0.1F);
       d[x] = std::max(0.01F, d[x] - std::clamp(step, -kLargestStep_px, kLargestStep_px));
       sigma.at<float>(y, x) = std::sqrt(kFloor_px * kFloor_px + variance / (kIndependent * information));
     }
@@ -156,8 +160,10 @@ struct Difference {
   double sigma_px = 0.0;
 };
 
-/// Compares with the keyframe's points and lines, which have smaller errors and include self-calibration.
-void Compare(const cv::Mat& disparity, const cv::Mat& sigma_px, const StereoFeatures& features, DepthImage& depth) {
+/// Compares with the keyframe's points and lines, which have smaller errors and include self-calibration. Only pixels in
+/// use have a disparity.
+void Compare(const cv::Mat& disparity, const cv::Mat& sigma_px, const cv::Mat& in_use, const StereoFeatures& features,
+             DepthImage& depth) {
   std::vector<Difference> differences;
   const auto pixel = [](const Eigen::Vector2d& px) {
     return cv::Point(static_cast<int>(std::lround(px.x())), static_cast<int>(std::lround(px.y())));
@@ -167,6 +173,7 @@ void Compare(const cv::Mat& disparity, const cv::Mat& sigma_px, const StereoFeat
   for (const StereoPoint& point : features.points) {
     const cv::Point at = pixel(point.left.px);
     if (!point.HasDepth() || !image.contains(at)) continue;
+    if (!in_use.empty() && in_use.at<uint8_t>(at) == 0) continue;
     ++depth.n_compared;
     const float matched_px = disparity.at<float>(at);
     if (matched_px <= 0.0F) continue;
@@ -187,6 +194,7 @@ void Compare(const cv::Mat& disparity, const cv::Mat& sigma_px, const StereoFeat
   depth.sigma_scale = kUnknownScale;
   if (differences.size() < kLeastCompared) return;
   std::vector<double> values;
+  values.reserve(differences.size());
   for (const Difference& difference : differences) values.push_back(difference.px);
   depth.offset_px = Median(values);
   values.clear();
@@ -236,49 +244,59 @@ cv::Mat LowerBounds(const DepthImage& depth, const cv::Mat& has_texture, const c
     for (int x = 0; x < size.width; ++x) visit(right, y, x);
     for (int x = size.width - 1; x >= 0; --x) visit(left, y, x);
   }
-  for (int x = 0; x < size.width; ++x) {
-    BoundWalk down(reach_px), up(reach_px);
-    for (int y = 0; y < size.height; ++y) visit(down, y, x);
-    for (int y = size.height - 1; y >= 0; --y) visit(up, y, x);
+  // All columns together, in the order of the memory.
+  std::vector<BoundWalk> down(static_cast<size_t>(size.width), BoundWalk(reach_px));
+  std::vector<BoundWalk> up = down;
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) visit(down[static_cast<size_t>(x)], y, x);
+  }
+  for (int y = size.height - 1; y >= 0; --y) {
+    for (int x = 0; x < size.width; ++x) visit(up[static_cast<size_t>(x)], y, x);
   }
   return least;
 }
 
-/// Cosine of the angle between each pixel's ray and the normal of its surface, from the gradient of the disparities
-/// 1/z around it: a plane has a linear one, n . p = 1 with n = (a f, b f, c). `kUnknownIncidence` without neighbours.
-cv::Mat IncidenceOf(const cv::Mat& z_m, const StereoCamera& camera) {
-  cv::Mat inverse(z_m.size(), CV_32F), known(z_m.size(), CV_32F);
-  for (int y = 0; y < z_m.rows; ++y) {
-    for (int x = 0; x < z_m.cols; ++x) {
-      const float z = z_m.at<float>(y, x);
-      inverse.at<float>(y, x) = z > 0.0F ? 1.0F / z : 0.0F;
-      known.at<float>(y, x) = z > 0.0F ? 1.0F : 0.0F;
+/// Cosine of the angle between a pixel's ray and the normal of its surface, from the gradient of the disparities 1/z
+/// around it: a plane has a linear one, n . p = 1 with n = (a f, b f, c).
+class Incidence {
+ public:
+  Incidence(const cv::Mat& z_m, const StereoCamera& camera)
+      : camera_(camera), z_m_(z_m), inverse_(z_m.size(), CV_32F), known_(z_m.size(), CV_32F) {
+    for (int y = 0; y < z_m.rows; ++y) {
+      for (int x = 0; x < z_m.cols; ++x) {
+        const float z = z_m.at<float>(y, x);
+        inverse_.at<float>(y, x) = z > 0.0F ? 1.0F / z : 0.0F;
+        known_.at<float>(y, x) = z > 0.0F ? 1.0F : 0.0F;
+      }
     }
+    const cv::Size window(kNormalWindow_px, kNormalWindow_px);
+    cv::blur(inverse_, inverse_, window);
+    cv::blur(known_, known_, window);
   }
-  const cv::Size window(kNormalWindow_px, kNormalWindow_px);
-  cv::blur(inverse, inverse, window);
-  cv::blur(known, known, window);
-  cv::Mat incidence(z_m.size(), CV_32F, cv::Scalar(kUnknownIncidence));
-  const auto is_known = [&](int y, int x) { return known.at<float>(y, x) > kMostlyKnown; };
-  const auto mean = [&](int y, int x) { return inverse.at<float>(y, x) / known.at<float>(y, x); };
-  constexpr int kStep = kNormalWindow_px / 2 + 1;
-  for (int y = kStep; y < z_m.rows - kStep; ++y) {
-    for (int x = kStep; x < z_m.cols - kStep; ++x) {
-      const double z = z_m.at<float>(y, x);
-      const bool all = z > 0.0 && is_known(y, x - kStep) && is_known(y, x + kStep) && is_known(y - kStep, x) &&
-                       is_known(y + kStep, x);
-      if (!all) continue;
-      const double a = (mean(y, x + kStep) - mean(y, x - kStep)) / (2.0 * kStep);
-      const double b = (mean(y + kStep, x) - mean(y - kStep, x)) / (2.0 * kStep);
-      const double u = x - camera.cx_px, v = y - camera.cy_px;
-      const Eigen::Vector3d normal(a * camera.f_px, b * camera.f_px, 1.0 / z - a * u - b * v);
-      const double length = z * std::sqrt(1.0 + (u * u + v * v) / (camera.f_px * camera.f_px));
-      incidence.at<float>(y, x) =
-          std::clamp(static_cast<float>(1.0 / (normal.norm() * length)), kLeastIncidence, 1.0F);
-    }
+
+  /// At a pixel with a depth; `kUnknownIncidence` without neighbours.
+  float At(int y, int x) const {
+    constexpr int kStep = kNormalWindow_px / 2 + 1;
+    if (y < kStep || x < kStep || y >= z_m_.rows - kStep || x >= z_m_.cols - kStep) return kUnknownIncidence;
+    const bool all = IsKnown(y, x - kStep) && IsKnown(y, x + kStep) && IsKnown(y - kStep, x) && IsKnown(y + kStep, x);
+    if (!all) return kUnknownIncidence;
+    const double z = z_m_.at<float>(y, x);
+    const double a = (Mean(y, x + kStep) - Mean(y, x - kStep)) / (2.0 * kStep);
+    const double b = (Mean(y + kStep, x) - Mean(y - kStep, x)) / (2.0 * kStep);
+    const double u = x - camera_.cx_px, v = y - camera_.cy_px;
+    const Eigen::Vector3d normal(a * camera_.f_px, b * camera_.f_px, 1.0 / z - a * u - b * v);
+    const double length = z * std::sqrt(1.0 + (u * u + v * v) / (camera_.f_px * camera_.f_px));
+    return std::clamp(static_cast<float>(1.0 / (normal.norm() * length)), kLeastIncidence, 1.0F);
   }
-  return incidence;
-}
+
+ private:
+  bool IsKnown(int y, int x) const { return known_.at<float>(y, x) > kMostlyKnown; }
+  float Mean(int y, int x) const { return inverse_.at<float>(y, x) / known_.at<float>(y, x); }
+
+  const StereoCamera& camera_;
+  const cv::Mat& z_m_;
+  cv::Mat inverse_, known_;  // means of a window: of 1/z, and of the known share
+};
 
 uint64_t KeyOf(const Eigen::Vector3d& p, double voxel_m) {
   uint64_t key = 0;
@@ -322,7 +340,7 @@ DepthImage MatchPair(const cv::Mat& left, const cv::Mat& measured_right, const c
   }
   RemoveBorders(disparity, kJump_px, 0.0F);
   const cv::Mat sigma_px = Refine(left, right, disparity);
-  Compare(disparity, sigma_px, features, depth);
+  Compare(disparity, sigma_px, in_use, features, depth);
   depth.z_m = cv::Mat::zeros(disparity.size(), CV_32F);
   depth.sigma_m = cv::Mat::zeros(disparity.size(), CV_32F);
   for (int y = 0; y < disparity.rows; ++y) {
@@ -357,7 +375,7 @@ std::vector<DepthRay> MakeRays(const DepthImage& depth, const cv::Mat& grey, con
     double incidence = 0.0;
     float most = 0.0F;
   };
-  const cv::Mat incidence = IncidenceOf(depth.z_m, camera);
+  const Incidence incidence(depth.z_m, camera);
   std::vector<Sum> sums;
   std::unordered_map<uint64_t, size_t> index_of;
   const Eigen::Matrix3d R_s_c = T_s_c.R();
@@ -383,7 +401,7 @@ std::vector<DepthRay> MakeRays(const DepthImage& depth, const cv::Mat& grey, con
       sum.p += weight * p;
       sum.weight += weight;
       sum.grey += weight * grey.at<uint8_t>(y, x);
-      sum.incidence += weight * incidence.at<float>(y, x);
+      sum.incidence += weight * incidence.At(y, x);
       sum.most = std::max(sum.most, static_cast<float>(weight));
     }
   }

@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
+#include <stdexcept>
 #include <vector>
 
+#include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
 namespace plslam::dense {
@@ -19,11 +20,11 @@ constexpr double kLeastFree_m = 0.15;    // of observed free space in a column w
 constexpr double kSmallest_m2 = 0.025;   // ten cells of 5 cm
 
 struct Column {
-  std::optional<double> floor_m;
-  int n_occupied = 0;
-  int n_free = 0;
-  bool has_floor = false;
+  float floor_m = std::numeric_limits<float>::quiet_NaN();
   float top_m = 0.0F;
+  uint16_t n_occupied = 0;
+  uint16_t n_free = 0;
+  bool has_floor = false;
 };
 
 /// Obstacles of fewer cells are ignored.
@@ -45,6 +46,19 @@ void RemoveSmall(cv::Mat& cells, const cv::Mat& free, double cell_m) {
 Content ContentOf(const Volume::Voxel& voxel, double voxel_m) {
   if (voxel.weight < kLeastKnown || voxel.distance_m < -voxel_m) return Content::kUnknown;
   return voxel.distance_m < 0.5 * voxel_m ? Content::kOccupied : Content::kFree;
+}
+
+double LargestVoxelFor(double robot_height_m) {
+  // From the floor's roughness on, whole voxels that make up the height of an obstacle.
+  const auto fits = [&](double voxel_m) {
+    const double lowest_m = std::max(kLowestObstacle_m, kLowestInVoxels * voxel_m);
+    return lowest_m + std::ceil(kLeastHeight_m / voxel_m - 1e-9) * voxel_m <= robot_height_m + 1e-9;
+  };
+  double largest_m = 0.0;
+  for (int i = 1; i <= 100; ++i) {
+    if (fits(0.01 * i)) largest_m = 0.01 * i;
+  }
+  return largest_m;
 }
 
 Eigen::Vector2i GroundGrid::CellAt(double x_m, double y_m) const {
@@ -72,6 +86,11 @@ GroundGrid MakeGrid(const Volume& volume, const Floor& floor, double robot_heigh
   if (low.x() > high.x()) return grid;
   const int width = high.x() - low.x() + 1;
   const int height = high.y() - low.y() + 1;
+  if (int64_t{width} * height > kMostCells) {
+    throw std::runtime_error(
+        fmt::format("no grid: {} x {} cells of {} m are more than {} million; choose larger ones (dense.voxel_m)",
+                    width, height, v, kMostCells / 1'000'000));
+  }
   grid.origin_m = v * low.cast<double>();
   std::vector<Column> columns(static_cast<size_t>(width) * static_cast<size_t>(height));
   const auto column_at = [&](const Eigen::Vector2i& cell) -> Column& {
@@ -83,8 +102,8 @@ GroundGrid MakeGrid(const Volume& volume, const Floor& floor, double robot_heigh
     if (content == Content::kUnknown) return;
     const Eigen::Vector3d p = volume.Centre(voxel.index) + Eigen::Vector3d::Constant(0.5 * v);
     Column& column = column_at(voxel.index.head<2>());
-    if (!column.floor_m) column.floor_m = floor.HeightAt(p.x(), p.y());
-    const double above_m = p.z() - *column.floor_m;
+    if (std::isnan(column.floor_m)) column.floor_m = static_cast<float>(floor.HeightAt(p.x(), p.y()));
+    const double above_m = p.z() - column.floor_m;
     if (std::abs(above_m) < lowest_m) {
       column.has_floor = column.has_floor || content == Content::kOccupied;
     } else if (above_m > 0.0 && above_m <= robot_height_m) {

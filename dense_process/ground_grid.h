@@ -35,9 +35,16 @@ struct GroundGrid {
 /// Makes the grid of a volume whose voxel (i, j, k) has its centre at voxel_m * (i + 0.5, j + 0.5, k + 0.5) of the level
 /// frame. A cell is occupied with obstacles of at least 0.1 m of height between 0.1 m (or 1.5 voxels) above the floor
 /// and `robot_height_m`, and free if its floor, or enough of the space above, was observed free. Obstacles of less than
-/// 25 cm^2 of ground are ignored. Cells of `path` (positions of the camera in the level frame) are free: the robot was
-/// there.
+/// 250 cm^2 of ground (ten cells of 5 cm) are ignored. Cells of `path` (positions of the camera in the level frame) are
+/// free: the robot was there.
+///
+/// Throws std::runtime_error, in one sentence with the remedy, if the space has more than `kMostCells` cells.
 GroundGrid MakeGrid(const Volume& volume, const Floor& floor, double robot_height_m,
                     std::span<const Eigen::Vector3d> path);
+
+inline constexpr int64_t kMostCells = 100'000'000;
+
+/// Largest voxels at which an obstacle of 0.1 m fits between the floor and a robot of this height; 0: there are none.
+double LargestVoxelFor(double robot_height_m);
 
 }  // namespace plslam::dense

@@ -27,7 +27,7 @@ void VisitFields(Visitor& visit, DenseOptions& o) {
         "file with the surfaces so far, for a restart: continued if it exists; empty: none");
   visit("voxel_m", o.voxel_m, Bounds{0.0, 1.0}, "edge of a voxel and of a cell, in m; 0: 0.05 indoors, 0.2 on roads");
   visit("range_m", o.range_m, Bounds{0.0, 100.0}, "largest depth in use, in m; 0: where it is known to 2.5 voxels");
-  visit("robot_height_m", o.robot_height_m, Bounds{0.1, 10.0},
+  visit("robot_height_m", o.robot_height_m, Bounds{0.2, 10.0},
         "obstacles of the grid are between 0.1 m and this height above the floor, in m");
   visit(
       "up", o.up,

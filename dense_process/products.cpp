@@ -79,14 +79,15 @@ std::string FramesJson(const Products& products) {
 
 }  // namespace
 
-std::vector<Eigen::Vector3d> PathOf(const KeyframePoses& poses, double step_m) {
+std::vector<Eigen::Vector3d> PathOf(const KeyframePoses& poses, double voxel_m) {
   std::vector<Eigen::Vector3d> path;
   const KeyframePoses::value_type* previous = nullptr;
   for (const auto& keyframe : poses) {
     const Eigen::Vector3d& to = keyframe.second.translation();
-    if (previous != nullptr && previous->first.first == keyframe.first.first) {
-      const Eigen::Vector3d from = previous->second.translation();
-      const int n = static_cast<int>(std::ceil((to - from).norm() / step_m));
+    const bool continues = previous != nullptr && previous->first.first == keyframe.first.first;
+    const Eigen::Vector3d from = continues ? previous->second.translation() : to;
+    if ((to - from).norm() < kNearKeyframes * voxel_m) {
+      const int n = static_cast<int>(std::ceil((to - from).norm() / (0.5 * voxel_m)));
       for (int i = 1; i < n; ++i) path.push_back(from + (to - from) * i / n);
     }
     path.push_back(to);
@@ -100,14 +101,20 @@ Products MakeProducts(const DenseMap& map, const KeyframePoses& poses, const Ver
   const SE3 T_level_w = LevelFrame(vertical);
   // Centres of voxels at odd halves, so that a cell of the grid and of OctoMap is a column of voxels.
   const SE3 T_volume_level(Eigen::Quaterniond::Identity(), Eigen::Vector3d::Constant(-0.5 * map.voxel_m()));
-  Products products{T_level_w, vertical, false, 0.0, {}, map.Merge(poses, T_volume_level * T_level_w), {}, {}};
+  Products products{T_level_w, vertical, false, 0.0, {}, map.Merge(poses, T_volume_level * T_level_w), {}, {}, {}};
   products.surface = ExtractSurface(products.volume);
   Move(T_volume_level.Inverse(), products.surface);
   const Floor floor(products.surface, map.voxel_m());
   for (const Eigen::Vector3d& p : path_w) products.path.push_back(T_level_w * p);
   products.has_floor = floor.found();
   products.floor_m = floor.HeightAt(0.0, 0.0);
-  if (products.has_floor) products.grid = MakeGrid(products.volume, floor, robot_height_m, products.path);
+  if (products.has_floor) {
+    try {
+      products.grid = MakeGrid(products.volume, floor, robot_height_m, products.path);
+    } catch (const std::runtime_error& error) {
+      products.no_grid = error.what();
+    }
+  }
   Move(T_level_w.Inverse(), products.surface);
   return products;
 }
@@ -204,7 +211,7 @@ std::vector<std::string> WriteProducts(const std::filesystem::path& folder, cons
       break;
     }
     case ProductKind::kGrid:
-      if (products.has_floor) {
+      if (products.has_floor && products.no_grid.empty()) {
         write(result_file::kGrid, ToPgm(products.grid));
         write(result_file::kGridMetadata, ToMapYaml(products.grid, result_file::kGrid));
         write(result_file::kDistances, EncodePng(TopDown(InMillimetres(products.grid.distance_m))));

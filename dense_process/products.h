@@ -24,12 +24,17 @@ struct Products {
   double floor_m = 0.0;  ///< height of the floor below the first camera, in the level frame
   Surface surface;       ///< in w, the frame of trajectory.tum
   Volume volume;         ///< of the level frame, its voxels centred at voxel_m * (i + 0.5)
-  GroundGrid grid;
+  GroundGrid grid;       ///< empty without a floor
+  std::string no_grid;   ///< why there is none although there is a floor, in one sentence; empty: there is one
   std::vector<Eigen::Vector3d> path;  ///< positions of the camera in the level frame
 };
 
-/// Returns the positions of the keyframes in w in their order, with points every `step_m` between those of one session.
-std::vector<Eigen::Vector3d> PathOf(const KeyframePoses& poses, double step_m);
+/// Returns the positions of the keyframes in w in their order, with points every half voxel between neighbours of one
+/// session that are nearer than `kNearKeyframes` voxels. Over longer gaps, of lost tracking or of a map that has removed
+/// keyframes, the way between them is unknown.
+std::vector<Eigen::Vector3d> PathOf(const KeyframePoses& poses, double voxel_m);
+
+inline constexpr double kNearKeyframes = 20.0;
 
 /// `path_w`: positions of the camera in w.
 Products MakeProducts(const DenseMap& map, const KeyframePoses& poses, const Vertical& vertical,

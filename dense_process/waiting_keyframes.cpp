@@ -5,80 +5,79 @@
 #include <utility>
 
 namespace plslam::dense {
-namespace {
 
-template <class Value>
-void KeepNewest(std::map<FrameId, Value>& values) {
-  while (values.size() > WaitingKeyframes::kMostFrames) values.erase(values.begin());
+/// The frame with this name, in place of the oldest one if it is new.
+WaitingKeyframes::Frame& WaitingKeyframes::FrameOf(const FrameName& name) {
+  const auto found = std::ranges::find(frames_, name, &Frame::name);
+  if (found != frames_.end()) return *found;
+  if (frames_.size() >= kMostFrames) frames_.pop_front();
+  Frame& frame = frames_.emplace_back();
+  frame.name = name;
+  return frame;
 }
 
-/// Returns the value of a frame, which stays: a keyframe of another session may have the same frame.
-template <class Value>
-Value Find(const std::map<FrameId, Value>& values, FrameId frame_id) {
-  const auto found = values.find(frame_id);
-  return found == values.end() ? Value() : found->second;
+/// Sets what was received of a frame, also in keyframes that wait: those of several sessions may have the same frame.
+/// Returns whether there are any.
+template <class Set>
+bool WaitingKeyframes::ForEach(const FrameName& name, const Set& set) {
+  set(FrameOf(name));
+  bool waits = false;
+  for (auto& [keyframe_name, waiting] : keyframes_) {
+    if (waiting.frame.name != name) continue;
+    set(waiting.frame);
+    waits = true;
+  }
+  return waits;
 }
-
-}  // namespace
 
 bool WaitingKeyframes::AddImages(const StereoImages& images) {
-  for (auto& [name, waiting] : keyframes_) {
-    const Keyframe& keyframe = waiting.keyframe;
-    if (!waiting.images && keyframe.frame_id == images.frame_id && keyframe.t_ns == images.t_ns) {
-      waiting.images = images;
-      return true;
-    }
-  }
-  frames_[images.frame_id] = images;
-  KeepNewest(frames_);
-  return false;
+  return ForEach({images.frame_id, images.t_ns}, [&](Frame& frame) { frame.images = images; });
 }
 
-void WaitingKeyframes::AddBodies(FrameId frame_id, BodyPixels bodies) {
-  bodies_[frame_id] = std::move(bodies);
-  KeepNewest(bodies_);
+bool WaitingKeyframes::AddBodies(const FrameName& name, const BodyPixels& bodies) {
+  return ForEach(name, [&](Frame& frame) { frame.bodies = bodies; });
 }
 
-void WaitingKeyframes::AddMask(FrameId frame_id, const FrameMask& mask) {
-  masks_[frame_id] = mask;
-  KeepNewest(masks_);
+void WaitingKeyframes::AddMask(const FrameName& name, const FrameMask& mask) {
+  ForEach(name, [&](Frame& frame) { frame.mask = mask; });
 }
 
 void WaitingKeyframes::Add(const Keyframe& keyframe) {
-  Waiting waiting{keyframe, std::nullopt};
-  const auto frame = frames_.find(keyframe.frame_id);
-  if (frame != frames_.end() && frame->second.t_ns == keyframe.t_ns) {
-    waiting.images = std::move(frame->second);
-    frames_.erase(frame);
-  }
+  Waiting waiting{keyframe, {{keyframe.frame_id, keyframe.t_ns}, {}, {}, {}}};
+  const auto found = std::ranges::find(frames_, waiting.frame.name, &Frame::name);
+  if (found != frames_.end()) waiting.frame = *found;
   keyframes_.insert_or_assign({keyframe.name.session, keyframe.frame_id}, std::move(waiting));
   DropOldest();
 }
 
-/// Keyframes that were made before this process started have no images. In lockstep all others stay: they wait for the
+/// Images of keyframes that were made before this process started are not sent again. In lockstep all others stay: they wait for the
 /// map alone, and the results of a run do not depend on its times.
 void WaitingKeyframes::DropOldest() {
   while (keyframes_.size() > kMostWaiting) {
-    auto dropped = std::ranges::find_if(keyframes_, [](const auto& w) { return !w.second.images.has_value(); });
+    auto dropped = std::ranges::find_if(keyframes_, [](const auto& w) { return !w.second.frame.IsComplete(); });
     const bool lacks = dropped != keyframes_.end();
     if (!lacks) dropped = std::ranges::find_if(keyframes_, [](const auto& w) { return !w.second.keyframe.lockstep; });
     if (dropped == keyframes_.end()) return;
-    ++(lacks ? n_without_images_ : n_dropped_);
+    ++(lacks ? n_incomplete_ : n_dropped_);
     keyframes_.erase(dropped);
   }
+}
+
+bool WaitingKeyframes::HasComplete() const {
+  return std::ranges::any_of(keyframes_, [](const auto& waiting) { return waiting.second.frame.IsComplete(); });
 }
 
 std::vector<ReadyKeyframe> WaitingKeyframes::Take(const std::function<bool(const Keyframe&)>& is_placed) {
   std::vector<ReadyKeyframe> ready;
   for (auto it = keyframes_.begin(); it != keyframes_.end();) {
     Waiting& waiting = it->second;
-    if (!waiting.images || !is_placed(waiting.keyframe)) {
+    Frame& frame = waiting.frame;
+    if (!frame.IsComplete() || !is_placed(waiting.keyframe)) {
       ++it;
       continue;
     }
-    const FrameId frame_id = waiting.keyframe.frame_id;
     ready.push_back(
-        {std::move(waiting.keyframe), *std::move(waiting.images), Find(masks_, frame_id), Find(bodies_, frame_id)});
+        {std::move(waiting.keyframe), *std::move(frame.images), std::move(frame.mask), *std::move(frame.bodies)});
     it = keyframes_.erase(it);
   }
   return ready;

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <optional>
@@ -17,6 +18,13 @@
 
 namespace plslam::dense {
 
+/// A frame of a stream: its number, and its time, because another stream has the same numbers.
+struct FrameName {
+  FrameId id;
+  int64_t t_ns = 0;
+  bool operator==(const FrameName&) const = default;
+};
+
 /// A keyframe that can be fused, and what was received of its frame.
 struct ReadyKeyframe {
   Keyframe keyframe;
@@ -25,47 +33,59 @@ struct ReadyKeyframe {
   BodyPixels bodies;  ///< of moving bodies; empty: none
 };
 
-/// Keyframes that wait for their images and for their place in the map, and the newest frames, which wait for their
-/// keyframe. If too many keyframes wait, the oldest are dropped and counted: first those without images, then live
-/// ones.
+/// Keyframes that wait for their images, for what the tracker found in them (a moving body must not become a wall), and
+/// for their place in the map; and the frames received last, which wait for their keyframe. If too many keyframes wait,
+/// the oldest are dropped and counted: first incomplete ones, then live ones.
 class WaitingKeyframes {
  public:
   /// Frames that are kept. A tracker announces the keyframe of a frame before it tracks the next one; live, a few
   /// frames later.
-  static constexpr size_t kMostFrames = 12;
+  static constexpr size_t kMostFrames = 24;
   static constexpr size_t kMostWaiting = 24;
 
-  /// Returns whether a keyframe has waited for these images.
+  /// Return whether a keyframe of this frame waits.
   bool AddImages(const StereoImages& images);
-  void AddBodies(FrameId frame_id, BodyPixels bodies);
-  void AddMask(FrameId frame_id, const FrameMask& mask);
+  bool AddBodies(const FrameName& frame, const BodyPixels& bodies);
+  void AddMask(const FrameName& frame, const FrameMask& mask);
   /// Replaces a keyframe of the same session and frame.
   void Add(const Keyframe& keyframe);
 
-  /// Takes the keyframes that have images and satisfy `is_placed`, by session and frame.
+  /// Whether images and bodies of a keyframe have been received.
+  bool HasComplete() const;
+  /// Takes these keyframes if they satisfy `is_placed`, by session and frame.
   std::vector<ReadyKeyframe> Take(const std::function<bool(const Keyframe&)>& is_placed);
   /// Drops all keyframes, which are not counted; frames stay.
   void Clear() { keyframes_.clear(); }
 
   bool empty() const { return keyframes_.empty(); }
   size_t size() const { return keyframes_.size(); }
-  /// Dropped keyframes without images, and with images.
-  int64_t n_without_images() const { return n_without_images_; }
+  /// Dropped keyframes that were not complete, and others.
+  int64_t n_incomplete() const { return n_incomplete_; }
   int64_t n_dropped() const { return n_dropped_; }
 
  private:
+  /// What was received of a frame.
+  struct Frame {
+    FrameName name;
+    std::optional<StereoImages> images;
+    FrameMask mask;
+    std::optional<BodyPixels> bodies;  ///< empty: there are none
+
+    bool IsComplete() const { return images && bodies; }
+  };
   struct Waiting {
     Keyframe keyframe;
-    std::optional<StereoImages> images;
+    Frame frame;
   };
 
+  Frame& FrameOf(const FrameName& name);
+  template <class Set>
+  bool ForEach(const FrameName& name, const Set& set);
   void DropOldest();
 
   std::map<KeyframeFrame, Waiting> keyframes_;
-  std::map<FrameId, StereoImages> frames_;
-  std::map<FrameId, BodyPixels> bodies_;
-  std::map<FrameId, FrameMask> masks_;
-  int64_t n_without_images_ = 0;
+  std::deque<Frame> frames_;  ///< in the order of their first message
+  int64_t n_incomplete_ = 0;
   int64_t n_dropped_ = 0;
 };
 

@@ -166,9 +166,9 @@ void Bus::PublishEncoded(const Channel& channel, const char* type, header_t& hea
 
 void Bus::SubscribeDecoded(const Channel& channel, const char* type, bool best_effort, Deliver deliver) {
   using Kind = Subscription::Kind;
-  const Kind kind = channel.delivery == Delivery::kLatest ? Kind::kNewest
-                    : best_effort                         ? Kind::kAsItComes
-                                                          : Kind::kOrdered;
+  const Kind kind = best_effort                             ? Kind::kAsItComes
+                    : channel.delivery == Delivery::kLatest ? Kind::kNewest
+                                                            : Kind::kOrdered;
   impl_->Subscribe(channel, type, std::make_shared<Subscription>(Subscription{kind, std::move(deliver), nullptr}));
 }
 

@@ -67,7 +67,8 @@ class Bus {
   template <class T>
   void Subscribe(const Channel& channel, std::function<void(const T&)> handler);
 
-  /// Subscribes to an ordered channel without repairs and acknowledgements: messages may be missing (pictures).
+  /// Subscribes to an ordered channel without repairs and acknowledgements: messages may be missing (pictures). Of a
+  /// kLatest channel, messages that wait for the handler are not replaced by newer ones.
   template <class T>
   void SubscribeBestEffort(const Channel& channel, std::function<void(const T&)> handler);
 

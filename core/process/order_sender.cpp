@@ -71,6 +71,7 @@ void OrderSender::Send(const OrderRow& row, const std::string& argument) {
   pid_ = 0;
   needs_key_ = false;
   answer_.reset();
+  others_.clear();
   first_seq_ = n_sent_;
   Publish();
 }
@@ -90,7 +91,10 @@ void OrderSender::OnAnswer(const command_answer_t& message) {
   // carried out all the same.
   const bool ours = message.command_source == bus_.source().value && message.command_seq >= first_seq_ &&
                     message.command_seq < n_sent_;
-  if (ours && !answer_) answer_ = message.failure;
+  if (!ours) return;
+  const bool is_for_it = std::ranges::find(row_->processes, message.process) != row_->processes.end();
+  if (!is_for_it) others_.insert(message.process);
+  if (is_for_it && !answer_) answer_ = message.failure;
 }
 
 std::optional<OrderResult> OrderSender::Result() const {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,6 +51,8 @@ class OrderSender {
 
   /// The answer to the order: nullopt until it arrives, empty after success, else the reason of the failure.
   const std::optional<std::string>& answer() const { return answer_; }
+  /// Whether a process that acts on the order after the one that it is for has answered, too.
+  bool HasAnswered(const std::string& process) const { return others_.contains(process); }
   /// Returns the answer as a sentence, or the reason why there will be none; nullopt: wait and call again. The reasons
   /// are a missing process (after 10 s), a missing key, and no answer within 120 s.
   std::optional<OrderResult> Result() const;
@@ -71,6 +74,7 @@ class OrderSender {
   int64_t n_sent_ = 0;      ///< commands, of all orders
   int64_t first_seq_ = 0;   ///< number of the first command of this order
   std::optional<std::string> answer_;
+  std::set<std::string> others_;  ///< other processes that have answered
 };
 
 }  // namespace plslam::bus

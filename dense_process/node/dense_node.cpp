@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
+#include <filesystem>
 #include <opencv2/core/utility.hpp>
 #include <stdexcept>
 #include <utility>
@@ -20,6 +21,7 @@
 #include "core/process/order.h"
 #include "core/run/process_names.h"
 #include "dense_process/products.h"
+#include "plslam/command_answer_t.hpp"
 #include "plslam/command_t.hpp"
 #include "plslam/mask_t.hpp"
 #include "plslam/run_t.hpp"
@@ -40,15 +42,6 @@ constexpr int kLeastCompared = 50;
 // Rows that are off by more, in the mean of a keyframe's points, are reported.
 constexpr double kFarRows_px = 0.75;
 
-double VoxelFor(const Keyframe& keyframe) {
-  std::vector<double> depths_m;
-  for (const StereoPoint& point : keyframe.features.points) {
-    if (point.HasDepth()) depths_m.push_back(keyframe.camera.Depth(point.disparity_px));
-  }
-  if (depths_m.empty()) return kIndoorVoxel_m;
-  return Median(depths_m) < kIndoors_m ? kIndoorVoxel_m : kRoadVoxel_m;
-}
-
 }  // namespace
 
 DenseNode::DenseNode(bus::Process& process, const DenseOptions& options)
@@ -61,20 +54,23 @@ DenseNode::DenseNode(bus::Process& process, const DenseOptions& options)
   bus.Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
   bus.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
   bus.Subscribe<command_t>(bus::kCommand, [this](const command_t& m) { OnCommand(m); });
+  bus.Subscribe<command_answer_t>(bus::kCommandAnswer, [this](const command_answer_t& m) { OnCommandAnswer(m); });
   bus.Subscribe<tracks_t>(bus::kTracks, [this](const tracks_t& m) { OnTracks(m); });
-  bus.Subscribe<tracks_t>(bus::kTracksLive, [this](const tracks_t& m) { OnTracks(m); });
+  bus.SubscribeBestEffort<tracks_t>(bus::kTracksLive, [this](const tracks_t& m) { OnTracks(m); });
   bus.Subscribe<mask_t>(bus::kMask, [this](const mask_t& m) { OnMask(m); });
   sparse_ = std::make_unique<bus::MapSubscriber>(bus, [this](const MapUpdate& update) { OnMap(update); });
   sparse_->RememberRemoved();
   camera_channel_.emplace(bus, [this](const RigCalibration& rig) { OnCamera(rig); });
   keyframes_.emplace(bus, [this](const Keyframe& keyframe) { OnKeyframe(keyframe); });
-  images_.emplace(bus, bus::FrameSubscriber::Mode::kPictures, [this](const auto& frame) { OnFrame(frame); });
+  images_.emplace(
+      bus, bus::FrameSubscriber::Mode::kPictures, [this](const auto& frame) { OnFrame(frame); }, nullptr,
+      static_cast<int>(WaitingKeyframes::kMostFrames));
   bus.Every(RunEnd::kTick, [this] { OnTick(); });
   process_.SetConfiguration(ToYaml("dense", options_));
-  CheckUp();
+  CheckOptions();
   const std::string earlier = disk_.Earlier();
   if (earlier.empty()) return;
-  map_ = DenseMap::Read(earlier, options_.range_m);
+  BeginMap(DenseMap::Read(earlier, options_.range_m));
   LogInfo("continuing the surfaces of {} keyframes in {}", map_->n_keyframes(), earlier);
 }
 
@@ -90,7 +86,14 @@ DenseNode::~DenseNode() {
 }
 
 /// A wrong option is an error at the start.
-void DenseNode::CheckUp() const {
+void DenseNode::CheckOptions() const {
+  if (options_.voxel_m > LargestVoxelFor(options_.robot_height_m)) {
+    throw std::runtime_error(
+        fmt::format("dense.voxel_m is {}: between the floor and dense.robot_height_m ({}) no obstacle of 0.1 m fits "
+                    "in voxels above {}; "
+                    "choose a smaller one",
+                    options_.voxel_m, options_.robot_height_m, LargestVoxelFor(options_.robot_height_m)));
+  }
   try {
     VerticalOf(Map(), options_.up);
   } catch (const std::invalid_argument& error) {
@@ -123,13 +126,13 @@ void DenseNode::OnTracks(const tracks_t& message) {
     bodies[line.body].emplace_back(line.p_px[0], line.p_px[1]);
     bodies[line.body].emplace_back(line.q_px[0], line.q_px[1]);
   }
-  waiting_.AddBodies(FrameId(message.frame_id), std::move(bodies));
+  if (waiting_.AddBodies({FrameId(message.frame_id), message.header.t_ns}, bodies)) FuseAll();
 }
 
 void DenseNode::OnMask(const mask_t& message) {
   const std::optional<FrameMask> mask = bus::FromMessage(message);
   if (!mask) return process_.bus().CountRejected();
-  waiting_.AddMask(FrameId(message.frame_id), *mask);
+  waiting_.AddMask({FrameId(message.frame_id), message.header.t_ns}, *mask);
 }
 
 void DenseNode::OnKeyframe(const Keyframe& keyframe) {
@@ -138,8 +141,8 @@ void DenseNode::OnKeyframe(const Keyframe& keyframe) {
   // The histories resend keyframes that a process before this one has fused.
   if (map_ && map_->Has({keyframe.name.session, keyframe.frame_id})) return;
   waiting_.Add(keyframe);
-  const int64_t n_without_images = waiting_.n_without_images(), n_dropped = waiting_.n_dropped();
-  if (n_without_images > 0) process_.SetCounter("keyframes.without_images", static_cast<double>(n_without_images));
+  const int64_t n_incomplete = waiting_.n_incomplete(), n_dropped = waiting_.n_dropped();
+  if (n_incomplete > 0) process_.SetCounter("keyframes.incomplete", static_cast<double>(n_incomplete));
   if (n_dropped > 0) process_.SetCounter("keyframes.dropped", static_cast<double>(n_dropped));
   FuseAll();
 }
@@ -160,6 +163,26 @@ void DenseNode::FollowMap(const MapId& map) {
   map_.reset();
   live_.Replace();
   waiting_.Clear();
+  const std::string surfaces = std::exchange(loaded_file_, "") + ".surfaces";
+  if (!std::filesystem::exists(surfaces)) return;
+  try {
+    BeginMap(DenseMap::Read(surfaces, options_.range_m));
+    LogInfo("the surfaces of {} keyframes in {} are loaded", map_->n_keyframes(), surfaces);
+  } catch (const std::exception& error) {
+    LogWarning("the map has no surfaces: {}", error.what());
+  }
+}
+
+/// Surfaces of a file keep the size of their voxels.
+void DenseNode::BeginMap(DenseMap map) {
+  if (options_.voxel_m > 0.0 && options_.voxel_m != map.voxel_m()) {
+    throw std::runtime_error(fmt::format(
+        "dense.voxel_m is {}, but the surfaces that are to be continued have voxels of {} m: leave it out, or "
+        "begin a new map",
+        options_.voxel_m, map.voxel_m()));
+  }
+  map_ = std::move(map);
+  map_->SetRobot({options_.robot_height_m, options_.up});
 }
 
 void DenseNode::OnStatus(const status_t& message) {
@@ -176,14 +199,28 @@ void DenseNode::OnStream(const stream_t& message) {
 void DenseNode::OnCommand(const command_t& message) {
   const std::optional<bus::Order> order = bus::OrderTo(process_, message);
   if (order && order->verb == command_verb::kFinish) process_.Finish();
-  // An order to mapping_process, which answers it.
-  if (message.verb != command_verb::kSave || message.target != process_name::kMapping || !map_) return;
-  disk_.SaveBeside(bus::ToSaveRequest(message.argument).file, *map_, sparse_->follower().map());
+  // Orders to mapping_process, which may refuse them.
+  if (message.target != process_name::kMapping) return;
+  if (message.verb == command_verb::kLoad) loaded_file_ = message.argument;
+  if (message.verb == command_verb::kReset) loaded_file_.clear();
+  if (message.verb != command_verb::kSave) return;
+  const SourceId sender(message.header.source);
+  saves_[{sender, message.header.seq}] = {message.verb, message.argument, sender, message.header.seq};
+}
+
+/// A map that was saved gets its surfaces beside it: those of an earlier map in that file must not remain.
+void DenseNode::OnCommandAnswer(const command_answer_t& message) {
+  if (message.process != process_name::kMapping) return;
+  const auto saved = saves_.extract({SourceId(message.command_source), message.command_seq});
+  if (saved.empty() || !message.failure.empty()) return;
+  const std::string file = bus::ToSaveRequest(saved.mapped().argument).file;
+  if (map_) FollowRemovals();
+  bus::Answer(process_, saved.mapped(), disk_.SaveBeside(file, map_ ? &*map_ : nullptr, sparse_->follower().map()));
 }
 
 /// In lockstep a keyframe is fused as soon as it is committed; live, as soon as the map has it.
 void DenseNode::FuseAll() {
-  if (!camera_ || waiting_.empty()) return;
+  if (!camera_ || !waiting_.HasComplete()) return;
   const MapFollower& sparse = sparse_->follower();
   const KeyframePoses poses = PosesOf(sparse.map());
   const auto is_placed = [&](const Keyframe& keyframe) {
@@ -192,7 +229,7 @@ void DenseNode::FuseAll() {
   };
   const std::vector<ReadyKeyframe> ready = waiting_.Take(is_placed);
   if (ready.empty()) return;
-  if (map_) map_->FollowRemovals(poses, LastingPosesOf(sparse.map()), camera_->rectifier.camera());
+  if (map_) FollowRemovals();
   for (const ReadyKeyframe& keyframe : ready) Fuse(keyframe, poses);
 }
 
@@ -240,7 +277,7 @@ void DenseNode::Fuse(const ReadyKeyframe& ready, const KeyframePoses& poses) {
                       "errors; check the calibration with `plslam rectify-check`",
                       100.0 * depth.agreement));
     }
-    if (!map_) map_.emplace(options_.voxel_m > 0.0 ? options_.voxel_m : VoxelFor(keyframe), options_.range_m);
+    if (!map_) BeginMap(DenseMap(VoxelFor(keyframe), options_.range_m));
     map_->Add({keyframe.name.session, keyframe.frame_id}, depth, left, camera_->rectifier.camera(), poses);
     SurfacesChanged();
     disk_.Fused(*map_, sparse_->follower().map());
@@ -257,6 +294,22 @@ void DenseNode::Fuse(const ReadyKeyframe& ready, const KeyframePoses& poses) {
     LogWarning("frame {} is not used for surfaces: {}", keyframe.frame_id, error.what());
     process_.SetCounter("keyframes.bad", static_cast<double>(++n_bad_));
   }
+}
+
+/// The edge of a voxel for the scene of the first keyframe, unless it is given.
+double DenseNode::VoxelFor(const Keyframe& keyframe) const {
+  if (options_.voxel_m > 0.0) return options_.voxel_m;
+  std::vector<double> depths_m;
+  for (const StereoPoint& point : keyframe.features.points) {
+    if (point.HasDepth()) depths_m.push_back(keyframe.camera.Depth(point.disparity_px));
+  }
+  const bool is_road = !depths_m.empty() && Median(depths_m) >= kIndoors_m;
+  return std::min(is_road ? kRoadVoxel_m : kIndoorVoxel_m, LargestVoxelFor(options_.robot_height_m));
+}
+
+void DenseNode::FollowRemovals() {
+  const Map& map = sparse_->follower().map();
+  if (camera_) map_->FollowRemovals(PosesOf(map), LastingPosesOf(map), camera_->rectifier.camera());
 }
 
 void DenseNode::SurfacesChanged() {
@@ -298,9 +351,10 @@ void DenseNode::Write() {
     return;
   }
   try {
+    FollowRemovals();
     const KeyframePoses poses = PosesOf(map);
-    const Products products = MakeProducts(*map_, poses, VerticalOf(map, options_.up),
-                                           PathOf(poses, 0.5 * map_->voxel_m()), options_.robot_height_m);
+    const Products products = MakeProducts(*map_, poses, VerticalOf(map, options_.up), PathOf(poses, map_->voxel_m()),
+                                           options_.robot_height_m);
     for (const auto& [name, kind] : kProductKinds) {
       if (kind != ProductKind::kMeshObj) WriteProducts(options_.out, products, kind);
     }
@@ -314,7 +368,13 @@ void DenseNode::Write() {
     if (!products.has_floor) {
       process_.Warn("no_floor", "no grid is written: the map has no horizontal surface that could be the floor");
     }
-    disk_.SetFailure("");
+    disk_.SetFailure(products.no_grid);
+    if (const size_t n_unplaced = map_->CountUnplaced(poses); n_unplaced > 0) {
+      process_.Warn("surfaces_unplaced",
+                    fmt::format("{} of {} submaps are not in the files: the map has none of their keyframes (it is "
+                                "another map, or was saved before them)",
+                                n_unplaced, map_->n_submaps()));
+    }
     if (n_missing > 0) {
       process_.Warn(
           "surfaces_missing",
@@ -328,9 +388,11 @@ void DenseNode::Write() {
 }
 
 /// Images are not resent to a process that starts late, or replaces one that was killed; live, the oldest are dropped.
+/// Sessions without any surfaces were mapped without this process, or by another robot.
 size_t DenseNode::CountMissing(const Map& map) const {
-  return static_cast<size_t>(std::ranges::count_if(
-      LastingPosesOf(map), [this](const auto& keyframe) { return !map_ || !map_->Has(keyframe.first); }));
+  return static_cast<size_t>(std::ranges::count_if(LastingPosesOf(map), [this](const auto& keyframe) {
+    return !map_ || (map_->HasSession(keyframe.first.first) && !map_->Has(keyframe.first));
+  }));
 }
 
 bus::ProcessSpec DenseSpec() {

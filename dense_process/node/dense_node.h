@@ -3,14 +3,18 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "core/bus/messages/frame_channel.h"
 #include "core/bus/messages/keyframe_channel.h"
 #include "core/bus/messages/map_channel.h"
 #include "core/geometry/rectifier.h"
 #include "core/ids/ids.h"
+#include "core/process/order.h"
 #include "core/process/process.h"
 #include "core/run/node/run_end.h"
 #include "dense_process/dense_map.h"
@@ -21,6 +25,7 @@
 #include "dense_process/waiting_keyframes.h"
 
 namespace plslam {
+class command_answer_t;
 class command_t;
 class mask_t;
 class status_t;
@@ -34,8 +39,8 @@ namespace plslam::dense {
 /// when it is stopped and something has changed since.
 ///
 /// A keyframe waits for its images, its features and its place in the map. In lockstep all are delivered, so results are
-/// repeatable. Live, the oldest waiting keyframes are dropped if too many wait, and counted. No other process waits for
-/// this one.
+/// repeatable, and the player waits if this process is three frames behind. Live, no other process waits for it: the
+/// oldest waiting keyframes are dropped if too many wait, and counted.
 class DenseNode {
  public:
   DenseNode(bus::Process& process, const DenseOptions& options);
@@ -50,7 +55,8 @@ class DenseNode {
     Rectifier rectifier;
   };
 
-  void CheckUp() const;
+  void CheckOptions() const;
+  double VoxelFor(const Keyframe& keyframe) const;
   void OnCamera(const RigCalibration& rig);
   void OnFrame(const bus::FrameSubscriber::Frame& frame);
   void OnTracks(const tracks_t& message);
@@ -61,12 +67,15 @@ class DenseNode {
   void OnStatus(const status_t& message);
   void OnStream(const stream_t& message);
   void OnCommand(const command_t& message);
+  void OnCommandAnswer(const command_answer_t& message);
+  void BeginMap(DenseMap map);
   void OnTick();
 
   void FuseAll();
   void Fuse(const ReadyKeyframe& ready, const KeyframePoses& poses);
   cv::Mat PixelsInUse(const ReadyKeyframe& ready, const cv::Size& size) const;
   DepthImage DepthOf(const ReadyKeyframe& ready, const cv::Mat& left) const;
+  void FollowRemovals();
   void SurfacesChanged();
   void PublishLive();
   void CountPublished();
@@ -78,6 +87,9 @@ class DenseNode {
   std::optional<Camera> camera_;
   std::optional<DenseMap> map_;
   std::optional<MapId> map_id_;  ///< of the newest update
+  /// Orders to mapping_process to save the map, and the file of the newest order to load one.
+  std::map<std::pair<SourceId, int64_t>, bus::Order> saves_;
+  std::string loaded_file_;
   WaitingKeyframes waiting_;
   RunEnd end_{process_.has_launcher()};
   RunEnd::Received received_;

@@ -23,7 +23,7 @@ double LiveProducts::Publish(const DenseMap& surfaces, const Map& map, double be
     const Vertical vertical = VerticalOf(map, up_c_);
     if (!vertical_ || vertical.up_w.dot(vertical_->up_w) < kSameVertical) vertical_ = vertical;
     const Products products =
-        MakeProducts(surfaces, poses, *vertical_, PathOf(poses, 0.5 * surfaces.voxel_m()), robot_height_m_);
+        MakeProducts(surfaces, poses, *vertical_, PathOf(poses, surfaces.voxel_m()), robot_height_m_);
     SendGrid(products);
     submaps_.Publish(surfaces.Split(products.surface, poses), bus::SubmapPublisher::Changes::kSurfaces);
   } catch (const std::exception& error) {
@@ -41,7 +41,7 @@ void LiveProducts::PublishFinal(const Products& products, const SurfaceCloud& cl
 }
 
 void LiveProducts::SendGrid(const Products& products) {
-  if (products.has_floor) grid_.Publish(ToOccupancyGrid(products));
+  if (products.has_floor && products.no_grid.empty()) grid_.Publish(ToOccupancyGrid(products));
 }
 
 }  // namespace plslam::dense

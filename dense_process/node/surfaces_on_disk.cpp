@@ -46,11 +46,18 @@ void SurfacesOnDisk::KeepState(const DenseMap& surfaces, const Map& map) {
   }
 }
 
-void SurfacesOnDisk::SaveBeside(const std::string& map_file, const DenseMap& surfaces, const Map& map) {
+std::string SurfacesOnDisk::SaveBeside(const std::string& map_file, const DenseMap* surfaces, const Map& map) {
+  const std::string file = map_file + ".surfaces";
   try {
-    WriteSurfaces(map_file + ".surfaces", surfaces, map);
+    if (surfaces == nullptr) {
+      std::filesystem::remove(file);
+    } else {
+      WriteSurfaces(file, *surfaces, map);
+    }
+    return "";
   } catch (const std::exception& error) {
     save_failure_ = error.what();
+    return save_failure_;
   }
 }
 

@@ -26,8 +26,9 @@ class SurfacesOnDisk {
   void Fused(const DenseMap& surfaces, const Map& map);
   /// Writes the state, if there is a file for it and a keyframe was fused since the last one.
   void KeepState(const DenseMap& surfaces, const Map& map);
-  /// Writes the surfaces beside a saved map.
-  void SaveBeside(const std::string& map_file, const DenseMap& surfaces, const Map& map);
+  /// Writes the surfaces beside a saved map; nullptr: it has none, and those of an earlier map there are removed. Returns
+  /// why that failed; empty: it did not.
+  std::string SaveBeside(const std::string& map_file, const DenseMap* surfaces, const Map& map);
 
   /// Sets why the results of the run are not written; empty: they are.
   void SetFailure(const std::string& why) { failure_ = why; }

@@ -177,8 +177,9 @@ void MappingNode::WorkUntilStopped() {
     changed_.wait(lock, [this] { return stopping_ || camera_; });
     if (stopping_) return;
   }
+  const bool may_replace_another = MayReplaceAnother();
   BeginMap();
-  AwaitHistories();
+  if (may_replace_another) AwaitHistories();
   while (const std::optional<Work> work = NextWork()) Do(*work);
   WorkBeforeStop();
 }
@@ -255,6 +256,12 @@ void MappingNode::LogStoredMap(const std::string& file) {
   LogInfo("continuing the map in {}: {} keyframes, {} points, {} lines", file, mapper_->map().keyframes().size(),
           mapper_->map().points().size(), mapper_->map().lines().size());
   counters_.Count(*mapper_);
+}
+
+/// Whether there may have been a mapping_process of this run before. It has written its state when it began its map.
+bool MappingNode::MayReplaceAnother() const {
+  return !disk_.keeps_state() || std::filesystem::exists(options_.state_file) ||
+         std::filesystem::exists(UnreadableState());
 }
 
 /// After a restart several publishers resend their history: waits until nothing has arrived for a while, or for a
@@ -502,7 +509,7 @@ void MappingNode::ReadState() {
     AdoptState(beginning_.emplace<MapperState>(std::move(state)));
   } catch (const std::exception& error) {
     // It may be of a later version of the program.
-    const std::string kept = options_.state_file + ".unreadable";
+    const std::string kept = UnreadableState();
     std::error_code ignored;
     std::filesystem::rename(options_.state_file, kept, ignored);
     process_.Warn("state",

@@ -80,6 +80,9 @@ class MappingNode {
   void RestoreState(MapperState state);
   void PublishKeyframes(const std::optional<std::set<KeyframeId>>& ids = std::nullopt);
   void LogStoredMap(const std::string& file);
+  bool MayReplaceAnother() const;
+  /// A state file that this version cannot read is kept under this name.
+  std::string UnreadableState() const { return options_.state_file + ".unreadable"; }
   void AwaitHistories();
   void Do(const Work& work);
   void Insert(const std::vector<WorkQueue::Arrived>& batch);

@@ -199,6 +199,9 @@ TEST_F(DenseRun, SavedMapContinuesWithItsSurfaces) {
       << run.Logs();
   EXPECT_THAT(run.Logs(), HasSubstr("continuing the surfaces of"));
   EXPECT_GT(Occupied(run), occupied) << "the first part is there, too";
+  EXPECT_EQ(run.Run({"run", room, "--stop", "20", "--dense", "--map", map, "--set", "dense.voxel_m=0.1"}), 1);
+  EXPECT_THAT(run.Logs(),
+              HasSubstr("dense.voxel_m is 0.1, but the surfaces that are to be continued have voxels of 0.05"));
 }
 
 TEST_F(SharedDenseRun, SavedSurfacesAreExported) {
@@ -227,6 +230,25 @@ TEST_F(SharedDenseRun, SavedSurfacesAreExported) {
   EXPECT_EQ(damaged.exit_code, 1);
   EXPECT_THAT(damaged.error, HasSubstr("room.plmap.surfaces"));
   EXPECT_EQ(std::ranges::count(damaged.error, '\n'), 1) << damaged.error;
+}
+
+// mapping_process refuses to replace the map of another place.
+TEST_F(DenseRun, RefusedSaveLeavesTheSurfacesThere) {
+  WholeRun run;
+  const std::string map = (run.folder() / "room.plmap").string();
+  ASSERT_EQ(run.Run({"run", kRoom, "--stop", "60", "--dense", "--save-map", map}), 0) << run.Logs();
+  const std::string surfaces = ReadText(map + ".surfaces");
+  const std::string other = "synthetic:corridor?size=376x240&frames=60";
+  EXPECT_EQ(run.Run({"run", other, "--dense", "--save-map", map}), 1) << run.Logs();
+  EXPECT_EQ(ReadText(map + ".surfaces"), surfaces);
+  // Without dense_process nothing is known of surfaces; these do not fit the map that replaces it.
+  ASSERT_EQ(run.Run({"run", other, "--save-map", map, "--force"}), 0) << run.Logs();
+  const ScratchFolder scratch;
+  const test::ShellResult exported =
+      test::Shell(scratch, fmt::format("'{}/plslam' export '{}' --out '{}' --format cloud",
+                                       test::BinaryFolder().string(), map, scratch.Path("export")));
+  EXPECT_EQ(exported.exit_code, 1);
+  EXPECT_THAT(exported.error, HasSubstr("are the surfaces of another map"));
 }
 
 TEST_F(DenseRun, UnsavedSurfacesAreAnError) {

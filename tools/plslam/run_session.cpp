@@ -266,17 +266,24 @@ void RunSession::CheckCaughtUp(Clock::time_point now) {
   phase_began_ = now;
 }
 
+/// Whether the map is saved, and the surfaces beside it.
+bool RunSession::IsSaved() const {
+  return save_.answer() == "" && (!options_.dense || failed_at_ || save_.HasAnswered(process_name::kDense));
+}
+
 void RunSession::CheckSaved(Clock::time_point now) {
-  if (lacks_map_ && save_.answer() != "") {
+  if (lacks_map_ && !IsSaved()) {
     if (MapperHasMap() && !save_.has_sent()) {
       save_.Send(*bus::FindOrder(command_verb::kSave), (options_.force ? command_verb::kForce : "") +
                                                            std::filesystem::absolute(options_.save_map).string());
     }
     const std::string interrupted = interrupted_ ? kInterrupted : "";
-    if (save_.answer()) return BeginStop(Joined(interrupted, "the map could not be saved: " + *save_.answer()));
+    if (save_.answer() && *save_.answer() != "")
+      return BeginStop(Joined(interrupted, "the map could not be saved: " + *save_.answer()));
     if (now - phase_began_ < kRunSaveLimit) return;
     return BeginStop(Joined(
-        interrupted, fmt::format("the map could not be saved as {} within {} s; see {}", options_.save_map.string(),
+        interrupted, fmt::format("{} could not be saved as {} within {} s; see {}",
+                                 save_.answer() ? "the surfaces of the map" : "the map", options_.save_map.string(),
                                  kRunSaveLimit.count(), (options_.out / "logs").string())));
   }
   const bool saved = std::exchange(lacks_map_, false);

@@ -73,6 +73,7 @@ class RunSession {
   void CheckWritten(Clock::time_point now);
   void CheckStalled(Clock::time_point now);
   void CheckCaughtUp(Clock::time_point now);
+  bool IsSaved() const;
   void CheckSaved(Clock::time_point now);
   bool WritersAreDone() const;
   bool ViewerHasCaughtUp() const;

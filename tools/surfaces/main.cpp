@@ -20,11 +20,11 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember(kinds));
   app.add_option("--robot-height", request.robot_height_m,
                  "obstacles of the grid are between 0.1 m and this height above the floor, in m")
-      ->check(CLI::Range(0.1, 10.0))
-      ->capture_default_str();
-  app.add_option(
-         "--up", request.up_c,
-         "X Y Z: up of the mounted camera in its own frame (x right, y down, z forward) [the vertical of the map]")
+      ->check(CLI::Range(0.2, 10.0))
+      ->default_str("that of the run");
+  app.add_option("--up", request.up_c,
+                 "X Y Z: up of the mounted camera in its own frame (x right, y down, z forward) [that of the run, or "
+                 "the vertical of the map]")
       ->expected(3)
       ->type_name("NUMBER");
   return plslam::RunCommandLine(app, argc, argv, [&] {

@@ -24,6 +24,7 @@ constexpr double kMaxGain = 4.0;
 constexpr double kRepeatedDisparity = 2.0;
 // Points by which the expected motion is improved.
 constexpr size_t kSeeds = 80;
+constexpr size_t kShiftSeeds = 40;
 // Features that a thread takes at once: some microseconds each.
 constexpr size_t kFeaturesAtATime = 8;
 
@@ -58,14 +59,25 @@ std::optional<FeatureTracker::ExpectedPoint> FeatureTracker::Expect(const Expect
   return expected;
 }
 
-/// The motion as some of the points show it.
+/// The motion as some of the points show it. If these are not near their expected places, the camera turns in another
+/// way: then the shift of the image is searched first.
 FeatureTracker::Expected FeatureTracker::Improved(const Expected& motion, const std::vector<cv::Mat>& left) const {
+  if (const auto improved = ImprovedFrom(motion, left)) return *improved;
+  const auto turned = Turned(motion, left);
+  return turned ? ImprovedFrom(*turned, left).value_or(motion) : motion;
+}
+
+/// Returns nullopt if most of the points are not found, or do not agree.
+std::optional<FeatureTracker::Expected> FeatureTracker::ImprovedFrom(const Expected& motion,
+                                                                     const std::vector<cv::Mat>& left) const {
   std::vector<PointCorrespondence> seen;
+  size_t n_expected = 0;
   const size_t step = std::max<size_t>(points_.size() / kSeeds, 1);
   for (size_t i = 0; i < points_.size(); i += step) {
     const FollowedPoint& point = points_[i];
     const auto expected = Expect(motion, point);
     if (!expected) continue;
+    ++n_expected;
     const auto found = TrackPatch(point.patch, left, expected->patch, SearchRange::kWide);
     if (!IsGood(found)) continue;
     const Eigen::Vector3d before = Measurement(point.seen.left.px, point.disparity_px);
@@ -74,11 +86,28 @@ FeatureTracker::Expected FeatureTracker::Improved(const Expected& motion, const 
                     camera_.BackprojectCovariance(before, sigma_px, point.seen.sigma_disparity_px),
                     Measurement(found->px, -1.0), sigma_px});
   }
+  if (2 * seen.size() < n_expected) return std::nullopt;
   MotionOptions options;
   options.max_refinements = 1;
   const auto estimate = EstimateMotion(seen, {}, camera_, motion.T_now_previous, std::nullopt, options);
-  if (!estimate || 2 * estimate->n_point_inliers < static_cast<int>(seen.size())) return motion;
-  return {estimate->T_cur_ref, estimate->T_cur_ref * motion.T_now_previous.Inverse() * motion.T_now_odom};
+  if (!estimate || 2 * estimate->n_point_inliers < static_cast<int>(seen.size())) return std::nullopt;
+  return Expected{estimate->T_cur_ref, estimate->T_cur_ref * motion.T_now_previous.Inverse() * motion.T_now_odom};
+}
+
+/// The motion with the rotation that moves the image as its points show; nullopt if they show none.
+std::optional<FeatureTracker::Expected> FeatureTracker::Turned(const Expected& motion,
+                                                               const std::vector<cv::Mat>& left) const {
+  std::vector<ExpectedPatch> patches;
+  const size_t step = std::max<size_t>(points_.size() / kShiftSeeds, 1);
+  for (size_t i = 0; i < points_.size(); i += step) {
+    if (const auto expected = Expect(motion, points_[i])) patches.push_back({&points_[i].patch, expected->patch.px});
+  }
+  const auto shift_px = CommonShift(patches, left);
+  if (!shift_px) return std::nullopt;
+  Vector6d turn = Vector6d::Zero();
+  turn.tail<3>() << -shift_px->y() / camera_.f_px, shift_px->x() / camera_.f_px, 0.0;
+  const SE3 T_turned_now = SE3::Exp(turn);
+  return Expected{T_turned_now * motion.T_now_previous, T_turned_now * motion.T_now_odom};
 }
 
 /// Returns whether the point is found in the left image; without depth, until it is measured.

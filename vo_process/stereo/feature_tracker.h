@@ -115,6 +115,8 @@ class FeatureTracker {
 
   std::optional<ExpectedPoint> Expect(const Expected& motion, const FollowedPoint& point) const;
   Expected Improved(const Expected& motion, const std::vector<cv::Mat>& left) const;
+  std::optional<Expected> ImprovedFrom(const Expected& motion, const std::vector<cv::Mat>& left) const;
+  std::optional<Expected> Turned(const Expected& motion, const std::vector<cv::Mat>& left) const;
   bool TrackPoint(const std::vector<cv::Mat>& left, const Expected& motion, FollowedPoint& point) const;
   bool TrackLine(const RectifiedPair& pair, const Known& known, const Expected& motion, StereoLine& line) const;
 

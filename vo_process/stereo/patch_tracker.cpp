@@ -31,6 +31,11 @@ constexpr double kNoWarp = 0.01;
 constexpr double kMinZoom = 0.5;
 constexpr double kMaxZoom = 2.0;
 
+/// Patches that show a common shift, at least, and their mean correlation.
+constexpr int kLeastShifted = 10;
+constexpr int kShiftHalf = 3;
+constexpr double kMinCommonCorrelation = 0.5;
+
 constexpr int kRimSide = kSide + 2;  // the patch and one pixel around it
 
 struct Template {
@@ -179,6 +184,35 @@ std::optional<Found> SearchLevel(const Template& t, const cv::Mat& now, const Ei
   return found;
 }
 
+/// The pixels around a patch at a level; empty if it has none there.
+cv::Mat PixelsAt(const StoredPatch& patch, int level) {
+  const int i = level - patch.finest_level;
+  if (i < 0 || i >= patch.n_levels) return {};
+  return i == 0 ? AsImage(patch.finest, StoredPatch::kFinestReach)
+                : AsImage(patch.coarse[static_cast<size_t>(i - 1)], StoredPatch::kCoarseReach);
+}
+
+/// Normalised correlation of two squares of `2 * kShiftHalf + 1` pixels, exact up to the last division.
+double Correlation(const cv::Mat& a, const Eigen::Vector2i& at_a, const cv::Mat& b, const Eigen::Vector2i& at_b) {
+  int32_t sum_a = 0, sum_b = 0, aa = 0, bb = 0, ab = 0;
+  for (int y = -kShiftHalf; y <= kShiftHalf; ++y) {
+    const uint8_t* row_a = a.ptr<uint8_t>(at_a.y() + y) + at_a.x() - kShiftHalf;
+    const uint8_t* row_b = b.ptr<uint8_t>(at_b.y() + y) + at_b.x() - kShiftHalf;
+    for (int x = 0; x <= 2 * kShiftHalf; ++x) {
+      const int32_t pa = row_a[x], pb = row_b[x];
+      sum_a += pa;
+      sum_b += pb;
+      aa += pa * pa;
+      bb += pb * pb;
+      ab += pa * pb;
+    }
+  }
+  const double n = (2 * kShiftHalf + 1) * (2 * kShiftHalf + 1), mean_a = sum_a / n, mean_b = sum_b / n;
+  const double energy_a = aa - sum_a * mean_a, energy_b = bb - sum_b * mean_b;
+  const double least = n * kMinNoise * kMinNoise;
+  return energy_a > least && energy_b > least ? (ab - sum_a * mean_b) / std::sqrt(energy_a * energy_b) : 0.0;
+}
+
 }  // namespace
 
 std::optional<StoredPatch> StorePatch(const std::vector<cv::Mat>& levels, const Eigen::Vector2d& px, double scale) {
@@ -241,6 +275,35 @@ std::optional<TrackedPatch> TrackPatch(const StoredPatch& patch, const std::vect
   }
   if (range == SearchRange::kNear && start_px == expected.px) return std::nullopt;
   return search(0, *exact, start_px);
+}
+
+std::optional<Eigen::Vector2d> CommonShift(std::span<const ExpectedPatch> patches, const std::vector<cv::Mat>& now) {
+  constexpr int kLevel = StoredPatch::kLevels - 1;
+  constexpr int kShifts = 2 * kMostShift + 1;
+  if (static_cast<int>(now.size()) <= kLevel) return std::nullopt;
+  const cv::Mat& image = now[kLevel];
+  constexpr double kSize_px = 1 << kLevel;
+  std::vector<double> sums(static_cast<size_t>(kShifts) * kShifts, 0.0);
+  int n = 0;
+  for (const ExpectedPatch& expected : patches) {
+    const cv::Mat stored = PixelsAt(*expected.patch, kLevel);
+    if (stored.empty()) continue;
+    const Eigen::Vector2d then = expected.patch->px / kSize_px;
+    const Eigen::Vector2i at = Rounded(expected.px / kSize_px - (then - Rounded(then).cast<double>()));
+    if (!IsInside(image, at.x(), at.y(), kMostShift + kShiftHalf + 1)) continue;
+    ++n;
+    double* sum = sums.data();
+    for (int y = -kMostShift; y <= kMostShift; ++y) {
+      for (int x = -kMostShift; x <= kMostShift; ++x) {
+        *sum++ += Correlation(stored, CenterOf(stored), image, at + Eigen::Vector2i(x, y));
+      }
+    }
+  }
+  if (n < kLeastShifted) return std::nullopt;
+  const auto best = std::max_element(sums.begin(), sums.end());
+  if (*best < kMinCommonCorrelation * n) return std::nullopt;
+  const auto index = static_cast<int>(best - sums.begin());
+  return kSize_px * Eigen::Vector2d(index % kShifts - kMostShift, index / kShifts - kMostShift);
 }
 
 }  // namespace plslam::vo

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -65,5 +66,18 @@ struct TrackedPatch {
 /// Returns nullopt if the patch leaves an image, is no corner in it, or does not converge.
 std::optional<TrackedPatch> TrackPatch(const StoredPatch& patch, const std::vector<cv::Mat>& now,
                                        const PatchExpectation& expected, SearchRange range);
+
+/// A patch and where it is expected.
+struct ExpectedPatch {
+  const StoredPatch* patch = nullptr;
+  Eigen::Vector2d px = Eigen::Vector2d::Zero();
+};
+
+/// Returns how far from their expected positions the patches are together, in pixels: the shift with the best mean
+/// correlation of their coarsest pixels, among all of up to `kMostShift` of these. The image moves like that when the camera
+/// turns (Klein and Murray 2008). Returns nullopt if the patches do not agree.
+std::optional<Eigen::Vector2d> CommonShift(std::span<const ExpectedPatch> patches, const std::vector<cv::Mat>& now);
+
+inline constexpr int kMostShift = 8;
 
 }  // namespace plslam::vo

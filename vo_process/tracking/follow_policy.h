@@ -22,7 +22,14 @@ class FollowPolicy {
   static constexpr int kSureFrames = 10;
 
   /// Whether the features of the next frame may be followed.
-  bool MayFollow() const { return !needs_detection_ && n_sure_ >= kSureFrames && n_followed_ < kMostFollowed; }
+  bool MayFollow() const {
+    return !needs_detection_ && n_sure_ >= kSureFrames && n_followed_ < kMostFollowed && expected_share_ >= kMinShare;
+  }
+  /// The share of the features that was found in the present frame. As many are expected to be lost in the next one.
+  void ObserveShare(double share) {
+    expected_share_ = share * std::min(share / share_, 1.0);
+    share_ = share;
+  }
   /// The features of the next frame must be detected.
   void RequireDetection() { needs_detection_ = true; }
 
@@ -33,6 +40,7 @@ class FollowPolicy {
   }
   void Detect() {
     n_followed_ = 0;
+    share_ = expected_share_ = 1.0;
     is_followed_ = false;
     needs_detection_ = false;
   }
@@ -45,12 +53,14 @@ class FollowPolicy {
   /// The state between frames, for `core/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.n_followed_, self.n_sure_, self.needs_detection_);
+    a(self.n_followed_, self.n_sure_, self.share_, self.expected_share_, self.needs_detection_);
   }
 
  private:
-  int n_followed_ = 0;  ///< since the last frame with detection
-  int n_sure_ = 0;      ///< successive frames without doubt
+  int n_followed_ = 0;           ///< since the last frame with detection
+  int n_sure_ = 0;               ///< successive frames without doubt
+  double share_ = 1.0;           ///< of the features detected last that were found in the last frame
+  double expected_share_ = 1.0;  ///< the same in the next frame
   bool needs_detection_ = false;
   bool is_followed_ = false;
 };

@@ -49,6 +49,7 @@ StereoFeatures Odometry::SeePair(StereoFrontEnd& front_end, const StereoImages& 
   if (MayFollow()) {
     front_end.SetDirt(calibrator_.lenses().Cells());
     StereoFeatures features = front_end.Follow(timer, calibrator_.rows(), T_odom_c_, T_odom_c_ * T_prev_c, tracker_);
+    following_.ObserveShare(tracker_.Share());
     const bool suffices =
         tracker_.Share() >= FollowPolicy::kMinShare && tracker_.Weight() >= FollowPolicy::kMinWeight;
     if (suffices && calibrator_.Accepts(features)) {

@@ -108,19 +108,16 @@ void FramePublisher::PublishImage(const StereoImages& frame, const cv::Mat& imag
   }
 }
 
-namespace {
-
-/// Complete frames that may wait for the handler; then lockstep publishers wait, and pictures are skipped.
-constexpr int kMaxWaiting = 3;
-
-}  // namespace
-
 /// Strips arrive on the receiving thread; frames go to the handler on the thread of Run. Kept alive by the
 /// subscriptions of the bus through weak pointers only.
 struct FrameSubscriber::Impl : std::enable_shared_from_this<FrameSubscriber::Impl> {
   Impl(Bus& bus_in, Mode mode_in, std::function<void(const Frame&)> handler_in,
-       std::function<bool(FrameId)> wanted_in)
-      : bus(bus_in), mode(mode_in), handler(std::move(handler_in)), wanted(std::move(wanted_in)) {}
+       std::function<bool(FrameId)> wanted_in, int most_in_real_time_in)
+      : bus(bus_in),
+        mode(mode_in),
+        handler(std::move(handler_in)),
+        wanted(std::move(wanted_in)),
+        most_in_real_time(most_in_real_time_in) {}
 
   /// One of the two channels.
   struct Lane {
@@ -131,7 +128,7 @@ struct FrameSubscriber::Impl : std::enable_shared_from_this<FrameSubscriber::Imp
   };
 
   void Subscribe(const Channel& channel, Lane& lane);
-  bool Ready() const { return waiting < kMaxWaiting; }
+  bool Ready() const { return waiting < kMostWaiting; }
   void OnStrip(Lane& lane, ByteView bytes);
   void OnFrame(Lane& lane, AssembledFrame frame);
   void Queue(AssembledFrame frame, bool lockstep);
@@ -143,6 +140,7 @@ struct FrameSubscriber::Impl : std::enable_shared_from_this<FrameSubscriber::Imp
   const Mode mode;
   const std::function<void(const Frame&)> handler;
   const std::function<bool(FrameId)> wanted;
+  const int most_in_real_time;
   Lane ordered{true, {}, {}, {}};
   Lane live{false, {}, {}, {}};
   std::atomic<int> waiting = 0;
@@ -199,7 +197,7 @@ void FrameSubscriber::Impl::OnFrame(Lane& lane, AssembledFrame frame) {
   lane.assembler.Forget(frame.source, frame.images.frame_id);
   if (lane.lockstep) return Queue(std::move(frame), true);
   if (mode == Mode::kReliable) return OfferNewest(std::move(frame));
-  if (Ready()) Queue(std::move(frame), false);
+  if (waiting < most_in_real_time) Queue(std::move(frame), false);
 }
 
 void FrameSubscriber::Impl::Queue(AssembledFrame frame, bool lockstep) {
@@ -249,8 +247,8 @@ void FrameSubscriber::Impl::Deliver(AssembledFrame frame, bool lockstep) {
 }
 
 FrameSubscriber::FrameSubscriber(Bus& bus, Mode mode, std::function<void(const Frame&)> handler,
-                                 std::function<bool(FrameId frame_id)> wanted)
-    : impl_(std::make_shared<Impl>(bus, mode, std::move(handler), std::move(wanted))) {
+                                 std::function<bool(FrameId frame_id)> wanted, int most_in_real_time)
+    : impl_(std::make_shared<Impl>(bus, mode, std::move(handler), std::move(wanted), most_in_real_time)) {
   impl_->Subscribe(kStereoFrame, impl_->ordered);
   impl_->Subscribe(kStereoFrameLive, impl_->live);
 }

@@ -68,9 +68,13 @@ class FrameSubscriber {
     kPictures,  ///< in real time receives complete frames as available; `wanted` selects frame ids
   };
 
+  /// Complete frames that may wait for the handler: lockstep publishers wait for it. In real time kPictures omits further
+  /// frames, unless it is given another number.
+  static constexpr int kMostWaiting = 3;
+
   /// `wanted` is called on the receiving thread: it must be quick, and safe there.
   FrameSubscriber(Bus& bus, Mode mode, std::function<void(const Frame&)> handler,
-                  std::function<bool(FrameId frame_id)> wanted = nullptr);
+                  std::function<bool(FrameId frame_id)> wanted = nullptr, int most_in_real_time = kMostWaiting);
   ~FrameSubscriber();
 
  private:

@@ -46,7 +46,7 @@ TEST_F(LiveProductsTest, IsMadeAgainAfterAWhileIfOld) {
   live_.Outdate();
   EXPECT_FALSE(live_.IsDue(now_ms + pause_ms - 1.0));
   EXPECT_TRUE(live_.IsDue(now_ms + pause_ms));
-  live_.PublishFinal(Products{{}, {}, false, 0.0, {}, surfaces_.Merge({}, SE3()), {}, {}}, {});
+  live_.PublishFinal(Products{{}, {}, false, 0.0, {}, surfaces_.Merge({}, SE3()), {}, {}, {}}, {});
   EXPECT_FALSE(live_.IsDue(now_ms + pause_ms)) << "the grid of the files has all surfaces";
 }
 

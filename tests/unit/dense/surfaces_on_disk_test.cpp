@@ -64,7 +64,7 @@ TEST_F(SurfacesOnDiskTest, FailuresOfResultsAreKept) {
   EXPECT_EQ(disk.Failures(), "") << "a state that is not written is no error";
   disk.SetFailure("the disk is full");
   EXPECT_EQ(disk.Failures(), "the disk is full");
-  disk.SaveBeside(nowhere + "room.plmap", surfaces_, map_);
+  EXPECT_NE(disk.SaveBeside(nowhere + "room.plmap", &surfaces_, map_), "");
   EXPECT_EQ(disk.failure(), "the disk is full");
   EXPECT_THAT(disk.Failures(), HasSubstr("the disk is full; "));
   EXPECT_THAT(disk.Failures(), HasSubstr("room.plmap.surfaces"));
@@ -74,7 +74,7 @@ TEST_F(SurfacesOnDiskTest, FailuresOfResultsAreKept) {
 
 TEST_F(SurfacesOnDiskTest, SavedSurfacesStandBesideTheMap) {
   SurfacesOnDisk disk(Options(""));
-  disk.SaveBeside(folder_.Path("room.plmap"), surfaces_, map_);
+  EXPECT_EQ(disk.SaveBeside(folder_.Path("room.plmap"), &surfaces_, map_), "");
   EXPECT_TRUE(std::filesystem::exists(folder_.Path("room.plmap.surfaces")));
   EXPECT_EQ(disk.Failures(), "");
 }

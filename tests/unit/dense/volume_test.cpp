@@ -223,8 +223,16 @@ TEST(DenseMap, SurfacePointsGoToTheirSubmaps) {
   const SurfaceCloud later = split(moved);
   EXPECT_EQ(later.submaps.at(1).T_w_anchor.translation(), Eigen::Vector3d(10.0, 1.0, 0.0));
   EXPECT_FALSE(HasOtherSurfaces(cloud.submaps.at(1).points, later.submaps.at(1).points, kVoxel_m, 10));
-  // Without a place in the map a submap has no points.
+  // A submap whose first keyframe is unknown is anchored to the next one.
+  const SurfaceCloud whole = split(poses);
+  moved = poses;
   moved.erase({2, 0});
+  EXPECT_EQ(split(moved).submaps.at(1).anchor_frame_id, FrameId(5));
+  EXPECT_EQ(split(moved).n_points(), whole.n_points());
+  EXPECT_EQ(map.CountUnplaced(moved), 0U);
+  // Without a place in the map a submap has no points.
+  moved.erase({2, 5});
+  EXPECT_EQ(map.CountUnplaced(moved), 1U);
   EXPECT_FALSE(split(moved).submaps.contains(1));
 }
 

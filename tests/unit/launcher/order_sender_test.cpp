@@ -44,11 +44,12 @@ class OrderSenderTest : public testing::Test {
     status.uptime_s = uptime_s;
     process_->Publish(bus::kStatus, status);
   }
-  void SayAnswer(int64_t source, const std::string& failure) {
+  void SayAnswer(int64_t source, const std::string& failure, const std::string& process = process_name::kMapping) {
     command_answer_t answer{};
     answer.command_source = source;
     answer.command_seq = seq_;
     answer.failure = failure;
+    answer.process = process;
     process_->Publish(bus::kCommandAnswer, answer);
   }
   bool HasAnswer() {
@@ -94,6 +95,18 @@ TEST_F(OrderSenderTest, SentenceNamesTheFile) {
   EXPECT_EQ(order_.Result()->sentence, "the map is saved in house.plmap");
   EXPECT_TRUE(order_.Result()->done);
   EXPECT_EQ(n_, 1);
+}
+
+// dense_process saves the surfaces after mapping_process has saved the map.
+TEST_F(OrderSenderTest, OthersThatActOnItAreKnown) {
+  SayAlive(7, 1000.0);
+  tool_->Post([this] { order_.Send(*bus::FindOrder(command_verb::kSave), "house.plmap"); });
+  EXPECT_TRUE(Eventually([this] { return n_ >= 1; }));
+  SayAnswer(source_, "no room for the surfaces", process_name::kDense);
+  SayAnswer(source_, "");
+  ASSERT_TRUE(HasAnswer());
+  EXPECT_EQ(*order_.answer(), "");
+  EXPECT_TRUE(order_.HasAnswered(process_name::kDense));
 }
 
 TEST_F(OrderSenderTest, LateAnswerIsNotOfTheNextOrder) {

@@ -131,6 +131,23 @@ TEST(Following, SlopesOfTheRoadAreKnown) {
   EXPECT_LT(without, 0.7 * with);
 }
 
+// A robot that starts to turn, or hits a kerb: 30 pixels away from where the features are expected.
+TEST(Following, UnexpectedTurnsAreFound) {
+  const auto dataset = OpenDataset("synthetic:room?size=640x480&frames=2", "");
+  StereoFrontEnd front_end(dataset->rig(), VoOptions());
+  StageTimer timer;
+  front_end.Take(dataset->Read(0), timer);
+  FeatureTracker tracker(front_end.camera(), StereoOptions());
+  tracker.Begin(front_end.pair().left, front_end.Detect(timer));
+  const SE3 before = *dataset->GroundTruth(0);
+  tracker.SetPose(before);
+  Vector6d turn = Vector6d::Zero();
+  turn.tail<3>() = 30.0 / front_end.camera().f_px * Eigen::Vector3d(-0.6, 0.8, 0.1);
+  front_end.Take(dataset->Read(1), timer);
+  front_end.Follow(timer, {}, before, *dataset->GroundTruth(1) * SE3::Exp(turn), tracker);
+  EXPECT_GT(tracker.Share(), 0.7);
+}
+
 // Features of a depth camera are followed into an image without depth, and into a black one.
 TEST(Following, DepthIsThatOfThePresentImage) {
   PLSLAM_REQUIRE_DATA(folder, "tum_fr1_xyz");

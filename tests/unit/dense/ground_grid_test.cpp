@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "dense_process/ground_grid.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+#include <stdexcept>
+
+#include "dense_process/products.h"
+
+namespace plslam::dense {
+namespace {
+
+constexpr double kCell_m = 0.1;
+
+/// Keyframes of one session at these places on the x axis.
+KeyframePoses At(const std::vector<double>& x_m) {
+  KeyframePoses poses;
+  for (size_t i = 0; i < x_m.size(); ++i) {
+    poses[{SessionId(1), FrameId(static_cast<int64_t>(i))}] = SE3(Eigen::Quaterniond::Identity(), {x_m[i], 0.0, 0.0});
+  }
+  return poses;
+}
+
+bool HasPointNear(const std::vector<Eigen::Vector3d>& path, double x_m) {
+  return std::ranges::any_of(path, [&](const Eigen::Vector3d& p) { return std::abs(p.x() - x_m) < 0.6 * kCell_m; });
+}
+
+TEST(PathOf, IsClosedBetweenNeighbours) {
+  const std::vector<Eigen::Vector3d> path = PathOf(At({0.0, 1.0, 2.0}), kCell_m);
+  for (double x = 0.0; x <= 2.0; x += kCell_m) EXPECT_TRUE(HasPointNear(path, x)) << x;
+}
+
+// Tracking was lost there, or the map has removed the keyframes: a wall may be in between.
+TEST(PathOf, GapIsNotCrossed) {
+  const std::vector<Eigen::Vector3d> path = PathOf(At({0.0, 5.0, 5.5}), kCell_m);
+  EXPECT_TRUE(HasPointNear(path, 5.2));
+  for (double x = 0.2; x <= 4.8; x += kCell_m) EXPECT_FALSE(HasPointNear(path, x)) << x;
+}
+
+TEST(GroundGrid, ObstaclesFitUnderTheRobotsHeight) {
+  EXPECT_DOUBLE_EQ(LargestVoxelFor(0.15), 0.0);
+  for (const double height_m : {0.2, 0.35, 0.5, 1.0}) {
+    const double voxel_m = LargestVoxelFor(height_m);
+    ASSERT_GT(voxel_m, 0.0);
+    // A box as high as the robot on the floor z = 0, seen from above.
+    Volume volume(voxel_m);
+    for (int i = 0; i < 10; ++i) {
+      std::vector<DepthRay> rays;
+      for (double x = 0.0; x < 1.0; x += 0.5 * voxel_m) {
+        for (double z = 0.0; z <= height_m; z += 0.5 * voxel_m) rays.push_back({{x, 2.0, z}, 1.0F, 100.0F, 1.0F});
+      }
+      volume.Integrate({0.5, 0.0, height_m + 0.2}, rays);
+    }
+    const GroundGrid grid = MakeGrid(volume, Floor(Surface(), voxel_m), height_m, {});
+    EXPECT_GT(cv::countNonZero(grid.cells == OccupancyGrid::kOccupied), 0) << height_m;
+  }
+}
+
+TEST(GroundGrid, TooManyCellsAreNamed) {
+  Volume volume(0.01);
+  const std::vector<DepthRay> ray{{{0.0, 1.0, 0.0}, 1.0F, 100.0F, 1.0F}};
+  volume.Integrate({0.0, 0.0, 0.0}, ray);
+  const std::vector<Eigen::Vector3d> path{{0.0, 0.0, 0.0}, {1000.0, 1000.0, 0.0}};
+  EXPECT_THROW(MakeGrid(volume, Floor(Surface(), 0.01), 1.0, path), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace plslam::dense

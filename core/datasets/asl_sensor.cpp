@@ -143,9 +143,15 @@ SE3 PoseInChain(const YamlMap& camera, bool has_imu, const std::optional<SE3>& T
   return T_b_before ? *T_b_before * camera.Transform("T_cn_cnm1").Inverse() : camera.Transform("T_cam_imu");
 }
 
-}  // namespace
+/// The cameras of a chain, and the two that are used.
+struct Camchain {
+  std::vector<NamedCamera> cameras;
+  CameraPair pair;
+  bool has_imu = false;
+  YamlMap left;
+};
 
-std::pair<CameraCalibration, CameraCalibration> ReadCamchain(const std::string& path, Notes* notes) {
+Camchain ReadChain(const std::string& path, Notes* notes) {
   constexpr int kMaxCameras = 16;
   constexpr double kSameReadout = 0.01;
   const YamlMap yaml = YamlMap::FromFile(path);
@@ -173,12 +179,30 @@ std::pair<CameraCalibration, CameraCalibration> ReadCamchain(const std::string& 
   const CameraPair pair = ChoosePair(cameras, path);
   const double left_ms = cameras[pair.left].camera.readout_ms, right_ms = cameras[pair.right].camera.readout_ms;
   if (std::abs(left_ms - right_ms) > kSameReadout * left_ms) {
-    yaml.Map(cameras[pair.right].name)
-        .Fail("line_delay", fmt::format("is {} ms for all rows, but {} ms in {}: give both cameras the same shutter",
-                                        right_ms, left_ms, cameras[pair.left].name));
+    maps[pair.right].second.Fail(
+        "line_delay", fmt::format("is {} ms for all rows, but {} ms in {}: give both cameras the same shutter",
+                                  right_ms, left_ms, cameras[pair.left].name));
   }
   if (!pair.note.empty()) notes->Remark(pair.note);
-  return {cameras[pair.left].camera, cameras[pair.right].camera};
+  const YamlMap left = maps[pair.left].second;
+  return {std::move(cameras), pair, has_imu, left};
+}
+
+}  // namespace
+
+std::pair<CameraCalibration, CameraCalibration> ReadCamchain(const std::string& path, Notes* notes) {
+  const Camchain chain = ReadChain(path, notes);
+  return {chain.cameras[chain.pair.left].camera, chain.cameras[chain.pair.right].camera};
+}
+
+ImuParts ReadCamchainImu(const std::string& path) {
+  Notes of_cameras;
+  const Camchain chain = ReadChain(path, &of_cameras);
+  if (!chain.has_imu) return {};
+  ImuParts parts =
+      ReadImuKeys(chain.left, {.noise = {"", "", "", ""}, .time = "timeshift_cam_imu", .time_offset_s = -1.0});
+  parts.T_b_imu = SE3();
+  return parts;
 }
 
 }  // namespace plslam

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/datasets/imu_parts.h"
 #include "core/files/notes.h"
 #include "core/geometry/calibration.h"
 
@@ -19,5 +20,10 @@ CameraCalibration ReadAslCamera(const std::string& path);
 /// distortion_coeffs, and the rest as above. The camera model `ds` (double sphere) is read too. ChoosePair selects two
 /// of several cameras, and `notes` names them. Throws DatasetError.
 std::pair<CameraCalibration, CameraCalibration> ReadCamchain(const std::string& path, Notes* notes);
+
+/// Reads what a `camchain.yaml` states about the IMU: its pose, since it is the body, and its time offset by
+/// `timeshift_cam_imu` of the left camera (t_imu = t_cam + shift,
+/// https://github.com/ethz-asl/kalibr/wiki/yaml-formats). Throws DatasetError.
+ImuParts ReadCamchainImu(const std::string& path);
 
 }  // namespace plslam

@@ -231,37 +231,20 @@ RigCalibration ReadForeign(const std::vector<std::string>& paths, const ImageSiz
   return calibration.rig;
 }
 
-std::optional<double> ReadUnit(const YamlMap& yaml) {
-  if (!yaml.Has("unit")) return std::nullopt;
-  const std::optional<double> metres = MetresOf(yaml.Text("unit"));
-  if (!metres) yaml.Fail("unit", fmt::format("= '{}' is not one of m, cm, mm", yaml.Text("unit")));
-  return metres;
-}
-
-std::optional<ImuCalibration> ReadImu(const YamlMap& yaml, const RigCalibration& rig, Notes* notes) {
-  if (!yaml.Has("imu")) return std::nullopt;
-  const YamlMap imu = yaml.Map("imu");
-  imu.AllowOnly({"T_b_imu", "T_c_imu", "gyroscope_noise_density", "gyroscope_random_walk",
-                 "accelerometer_noise_density", "accelerometer_random_walk", "time_offset_s", "rate_hz"});
-  return ReadImuCalibration(imu, rig.left.T_b_cam, notes);
+/// Reads `imu`, beside the sensor of the files that this one names.
+std::optional<ImuCalibration> ReadImu(const YamlMap& yaml, const RigCalibration& rig) {
+  if (!yaml.Has("imu")) return rig.imu;
+  Notes of_use;  // they concern who has samples
+  return CompleteImu(ReadImuFile(yaml.path(), OtherKeys::kRefused, &of_use), rig.left.T_b_cam);
 }
 
 /// `from: FILE` or `from: [LEFT, RIGHT]`: files of another program beside this one.
 RigCalibration ReadFrom(const YamlMap& yaml, const ImageSize& image_size, Notes* notes) {
   yaml.AllowOnly({"from", "unit", "name", "rate_hz", "source", "imu"});
-  std::vector<std::string> paths;
-  for (const std::string& name : yaml.Texts("from")) {
-    const fs::path file(name);
-    const bool climbs = std::any_of(file.begin(), file.end(), [](const auto& part) { return part == ".."; });
-    if (file.empty() || file.is_absolute() || climbs) {
-      yaml.Fail("from", fmt::format("= '{}' is empty or leaves the folder of the file", name));
-    }
-    paths.push_back((fs::path(yaml.path()).parent_path() / file).string());
-  }
-  RigCalibration rig = ReadForeign(paths, image_size, ReadUnit(yaml), notes);
+  RigCalibration rig = ReadForeign(FilesNamedBy(yaml), image_size, UnitNamedBy(yaml), notes);
   if (yaml.Has("name")) rig.name = yaml.Text("name");
   rig.rate_hz = ReadRate_hz(yaml, rig.rate_hz);
-  rig.imu = ReadImu(yaml, rig, notes);
+  rig.imu = ReadImu(yaml, rig);
   return rig;
 }
 
@@ -280,6 +263,26 @@ std::string CameraText(const CameraCalibration& camera) {
 }
 
 }  // namespace
+
+std::vector<std::string> FilesNamedBy(const YamlMap& yaml) {
+  std::vector<std::string> paths;
+  for (const std::string& name : yaml.Texts("from")) {
+    const fs::path file(name);
+    const bool climbs = std::any_of(file.begin(), file.end(), [](const auto& part) { return part == ".."; });
+    if (file.empty() || file.is_absolute() || climbs) {
+      yaml.Fail("from", fmt::format("= '{}' is empty or leaves the folder of the file", name));
+    }
+    paths.push_back((fs::path(yaml.path()).parent_path() / file).string());
+  }
+  return paths;
+}
+
+std::optional<double> UnitNamedBy(const YamlMap& yaml) {
+  if (!yaml.Has("unit")) return std::nullopt;
+  const std::optional<double> metres = MetresOf(yaml.Text("unit"));
+  if (!metres) yaml.Fail("unit", fmt::format("= '{}' is not one of m, cm, mm", yaml.Text("unit")));
+  return metres;
+}
 
 bool NamesSource(const std::string& path) {
   const std::string extension = fs::path(path).extension().string();
@@ -352,7 +355,7 @@ RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_si
   rig.name = yaml.Has("name") ? yaml.Text("name") : "images";
   rig.rate_hz = ReadRate_hz(yaml, 0.0);
   CheckReadout(yaml, rig);
-  rig.imu = ReadImu(yaml, rig, notes);
+  rig.imu = ReadImu(yaml, rig);
   return rig;
 }
 

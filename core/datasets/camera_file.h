@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,10 @@ double ReadRate_hz(const YamlMap& yaml, double fallback);
 /// files beside it, with the `unit` of their lengths. `notes`, if given, receives warnings and remarks. Throws
 /// DatasetError.
 RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_size, Notes* notes = nullptr);
+
+/// Returns the files that a camera file names by `from`, and the metres of its `unit`. Throw DatasetError.
+std::vector<std::string> FilesNamedBy(const YamlMap& yaml);
+std::optional<double> UnitNamedBy(const YamlMap& yaml);
 
 /// Returns whether `path` is a camera file whose `source` names the source of live images; readers of datasets ignore
 /// that key. False also if it cannot be read.

@@ -66,10 +66,15 @@ std::vector<std::optional<SE3>> GroundTruth(const fs::path& mav, const SE3& T_b_
   return {};
 }
 
+/// The files of Kalibr that TUM-VI has instead of `sensor.yaml`.
+fs::path KalibrFile(const fs::path& mav, const char* name) {
+  return NamesOfFolder(mav).front().parent_path() / "dso" / name;
+}
+
 /// Returns the calibration files of the two cameras; the same file twice if it has both.
 std::array<std::string, 2> CalibrationPaths(const fs::path& mav) {
   const fs::path left = mav / "cam0" / "sensor.yaml", right = mav / "cam1" / "sensor.yaml";
-  const fs::path both = NamesOfFolder(mav).front().parent_path() / "dso" / "camchain.yaml";
+  const fs::path both = KalibrFile(mav, "camchain.yaml");
   if (!fs::exists(left) && !fs::exists(right) && fs::exists(both)) return {both.string(), both.string()};
   return {left.string(), right.string()};
 }
@@ -109,7 +114,11 @@ std::unique_ptr<Dataset> OpenEurocDataset(const std::string& folder) {
   }
   list.image_size = LearnImageSize(list.entries);
   list.ground_truth = GroundTruth(mav, list.rig.left.T_b_cam, &list);
-  AddImu((mav / "imu0" / "data.csv").string(), (mav / "imu0" / "sensor.yaml").string(), &list);
+  const std::string imu = (mav / "imu0" / "sensor.yaml").string();
+  ImuSources sources{.files = {imu}, .has_camera_file = true, .other = OtherKeys::kIgnored};
+  if (calibrations[0] == calibrations[1]) sources.files.push_back(calibrations[0]);
+  if (!fs::exists(imu)) sources.files.push_back(KalibrFile(mav, "imu_config.yaml").string());
+  AddImu((mav / "imu0" / "data.csv").string(), imu, sources, &list);
   return MakeImageListDataset(std::move(list), calibrations[1]);
 }
 

@@ -14,7 +14,7 @@ namespace plslam {
 /// in Notes. True poses of the body from `state_groundtruth_estimate0/data.csv` (8 or 17 columns) or else, in TUM-VI
 /// (Schubert et al., IROS 2018), from `mocap0/data.csv` (8), interpolated and moved to the left camera; none outside
 /// their span or in gaps longer than 0.15 s. Body: the IMU. Without both `sensor.yaml`, `dso/camchain.yaml` beside mav0
-/// is used.
+/// is used, and without that of `imu0`, `dso/imu_config.yaml`, as TUM-VI is published.
 std::unique_ptr<Dataset> OpenEurocDataset(const std::string& folder);
 
 /// Returns whether there is a cam0/data.csv in the folder or in its mav0.

@@ -108,7 +108,8 @@ std::unique_ptr<Dataset> OpenImagesDataset(const std::string& folder) {
   const std::vector<int64_t> times_ns = Times(folder, camera_path, list.entries.size(), list.rig.rate_hz);
   for (size_t i = 0; i < times_ns.size(); ++i) list.entries[i].t_ns = times_ns[i];
   list.ground_truth = GroundTruth(folder, &list);
-  AddImu((fs::path(folder) / "imu.csv").string(), (fs::path(folder) / "imu.yaml").string(), &list);
+  const std::string own = (fs::path(folder) / "imu.yaml").string();
+  AddImu((fs::path(folder) / "imu.csv").string(), own, {.files = {camera_path, own}, .has_camera_file = true}, &list);
   return MakeImageListDataset(std::move(list), camera_path);
 }
 

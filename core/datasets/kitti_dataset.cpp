@@ -144,7 +144,8 @@ std::unique_ptr<Dataset> OpenKittiDataset(const std::string& folder) {
   }
   list.rig.name = "kitti";
   list.ground_truth = ReadPoses(PosesPath(folder), times_ns.size(), list.rig.left.T_b_cam, &list.notes);
-  AddImu((fs::path(folder) / "imu.csv").string(), (fs::path(folder) / "imu.yaml").string(), &list);
+  const std::string own = (fs::path(folder) / "imu.yaml").string();
+  AddImu((fs::path(folder) / "imu.csv").string(), own, {.files = {own}}, &list);
   return MakeImageListDataset(std::move(list), calibration_path);
 }
 

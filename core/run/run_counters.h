@@ -3,7 +3,9 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -15,10 +17,11 @@ namespace plslam {
 /// Counters of statuses about the quality of a run's data. From vo: points of the left image, those of them with a
 /// match in the right image, nearly black frames, the vertical disparity in a corner in pixels, the change of lengths
 /// by an offset of the disparities with its sigma, the delay of the right images after the left ones, or of the left
-/// ones after the right ones, the same in frames, and the difference of the two cameras' readout times. From the player,
-/// if the dataset has a ground truth: frames with a true pose, and without. From the viewer: frames without the picture
-/// for report, film or overlays. From live cameras: pairs of images, the median time between left and right, missing
-/// frames, images without a partner, pairs that are mostly white or mostly black, and the number of interruptions.
+/// ones after the right ones, the same in frames, and the difference of the two cameras' readout times. From the
+/// player, if the dataset has a ground truth: frames with a true pose, and without. From the viewer: frames without the
+/// picture for report, film or overlays. From live cameras: pairs of images, the median time between left and right,
+/// missing frames, images without a partner, pairs that are mostly white or mostly black, and the number of
+/// interruptions.
 inline constexpr const char* kPointsSeen = "points.seen";
 inline constexpr const char* kPointsMatched = "points.matched";
 inline constexpr const char* kPointsAmbiguous = "points.ambiguous";
@@ -68,7 +71,20 @@ inline constexpr const char* kUnanchoredNow = "frames.unanchored_now";
 /// From vo: frames that were lost, and whose pose the inertial sensor carried.
 inline constexpr const char* kFramesLost = "frames.lost";
 inline constexpr const char* kFramesCarried = "frames.carried";
-inline constexpr std::array<const char*, 36> kRunCounters{kPointsSeen,       kPointsMatched,
+/// From vo, with an inertial sensor: frames in which it was used, and its newest estimates: the mean normalised
+/// innovation of measured poses (1: consistent), the delay of its stamps beyond the stated offset (0 if none is
+/// significant), and its biases, each with its sigma. Unlike others these may be negative.
+inline constexpr const char* kImuUsed = "imu.used";
+inline constexpr const char* kImuInnovation = "imu.innovation";
+inline constexpr const char* kImuDelay = "imu.delay_ms";
+inline constexpr const char* kImuDelaySigma = "imu.delay_sigma_ms";
+inline constexpr std::array<const char*, 3> kImuRateBias{"imu.rate_bias_x_rad_s", "imu.rate_bias_y_rad_s",
+                                                         "imu.rate_bias_z_rad_s"};
+inline constexpr const char* kImuRateBiasSigma = "imu.rate_bias_sigma_rad_s";
+inline constexpr std::array<const char*, 3> kImuForceBias{"imu.force_bias_x_m_s2", "imu.force_bias_y_m_s2",
+                                                          "imu.force_bias_z_m_s2"};
+inline constexpr const char* kImuForceBiasSigma = "imu.force_bias_sigma_m_s2";
+inline constexpr std::array<const char*, 37> kRunCounters{kPointsSeen,       kPointsMatched,
                                                           kFramesDark,       kCornerRows,
                                                           kLengthError,      kTruthFrames,
                                                           kTruthMissing,     kPicturesMissing,
@@ -85,9 +101,11 @@ inline constexpr std::array<const char*, 36> kRunCounters{kPointsSeen,       kPo
                                                           kOtherReadout,     kLensDirt,
                                                           kLensDirtColumn,   kLensDirtRow,
                                                           kRightLensDirt,    kRightLensDirtColumn,
-                                                          kRightLensDirtRow, kFramesCarried};
+                                                          kRightLensDirtRow, kFramesCarried,
+                                                          kImuUsed};
 
-/// The newest values of these counters by process, including exited processes; other counters are ignored.
+/// The newest values of these counters and of those of an inertial sensor, by process, including exited processes;
+/// other counters are ignored.
 class RunCounters {
  public:
   /// `source` names the process.
@@ -95,9 +113,28 @@ class RunCounters {
   /// Sum over all processes; 0 if none has published the counter.
   double Sum(std::string_view name) const;
   double Largest(std::string_view name) const;
+  /// The value that came last of all processes; nullopt if none has published the counter.
+  std::optional<double> Newest(std::string_view name) const;
 
  private:
   std::map<std::pair<std::string, SourceId>, double> values_;
+  std::map<std::string, double, std::less<>> newest_;
 };
+
+/// The inertial sensor of a run, as its tracker estimated it last.
+struct ImuFigures {
+  int64_t used_frames = 0;
+  double innovation = 1.0;
+  /// Delay of its stamps beyond the stated offset; nullopt if none is significant.
+  struct Delay {
+    double ms = 0.0, sigma_ms = 0.0;
+  };
+  std::optional<Delay> delay;
+  std::array<double, 3> rate_bias_rad_s{}, force_bias_m_s2{};
+  double rate_bias_sigma_rad_s = 0.0, force_bias_sigma_m_s2 = 0.0;
+};
+
+/// Returns nullopt for runs without a sensor.
+std::optional<ImuFigures> ImuFiguresOf(const RunCounters& counters);
 
 }  // namespace plslam

@@ -279,6 +279,8 @@ class Ros2Imu : public Ros2 {
     EXPECT_THAT(Log("out/logs/ros2.log"), HasSubstr(topic + " has no noise densities"));
     const json summary = json::parse(ReadText(folder_.Path("out/summary.json")));
     EXPECT_GT(summary["carried_frames"].get<int>(), 10) << Log("run.log") << Log("out/logs/ros2.log");
+    EXPECT_GT(summary["imu"]["used_frames"].get<int>(), 40) << summary["imu"];
+    EXPECT_LT(summary["imu"]["innovation"].get<double>(), 4.0) << summary["imu"];
     const json heard = Heard();
     const auto world = OpenDataset(kRoom, "");
     const SE3 T_b_l(Eigen::Quaterniond(Eigen::AngleAxisd(0.5 * M_PI, Eigen::Vector3d::UnitZ())) *

@@ -55,6 +55,19 @@ ForeignCalibration ReadWithUnit(const CalibrationOptions& o) {
   return calibration;
 }
 
+/// Prints where the inertial sensor is, and what of it is assumed.
+void PrintImu(const CalibrationOptions& o, const RigCalibration& rig) {
+  if (!rig.imu) return;
+  Notes notes;
+  const ImuParts parts = ReadForeignImu(o.files, MetresOf(o.unit), &notes);
+  for (const std::string& warning : notes.warnings) fmt::print("warning: {}\n", warning);
+  for (const std::string& remark : notes.remarks) fmt::print("note: {}\n", remark);
+  const Eigen::Vector3d p = (rig.left.T_b_cam.Inverse() * rig.imu->T_b_imu).translation();
+  fmt::print("inertial sensor at {:.4f}, {:.4f}, {:.4f} m in the left camera, time offset {} s, noise {}\n", p.x(),
+             p.y(), p.z(), rig.imu->time_offset_s,
+             parts.noise ? "as stated" : "that of a sensor without a data sheet, since none is stated");
+}
+
 int Convert(const CalibrationOptions& o) {
   ForeignCalibration calibration = ReadWithUnit(o);
   WarnOfOtherScale(o.files.front(), calibration.rig, &calibration.notes);
@@ -71,6 +84,7 @@ int Convert(const CalibrationOptions& o) {
                rig.left.model, rig.right.model, rig.left.width_px, rig.left.height_px, rig.baseline_m,
                rectification.camera.f_px);
   }
+  PrintImu(o, rig);
   if (!o.out.empty()) WriteFileAtomically(o.out, CameraFileText(rig));
   return 0;
 }

@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "core/process/process_signals.h"
 #include "core/run/process_names.h"
+#include "core/run/run_counters.h"
 #include "tools/plslam/yaml_to_json.h"
 
 namespace plslam::launcher {
@@ -99,6 +101,20 @@ json DataToJson(const RunCounters& counters) {
           {"length_sigma_percent", Rounded(counters.Largest(kLengthSigma), 1e-2)}};
 }
 
+/// Null without an inertial sensor.
+json ImuToJson(const RunCounters& counters) {
+  const std::optional<ImuFigures> imu = ImuFiguresOf(counters);
+  if (!imu) return nullptr;
+  return {{"used_frames", imu->used_frames},
+          {"innovation", Rounded(imu->innovation, 1e-3)},
+          {"delay_ms", imu->delay ? json(Rounded(imu->delay->ms, 1e-3)) : json(nullptr)},
+          {"delay_sigma_ms", imu->delay ? json(Rounded(imu->delay->sigma_ms, 1e-3)) : json(nullptr)},
+          {"rate_bias_rad_s", imu->rate_bias_rad_s},
+          {"rate_bias_sigma_rad_s", imu->rate_bias_sigma_rad_s},
+          {"force_bias_m_s2", imu->force_bias_m_s2},
+          {"force_bias_sigma_m_s2", imu->force_bias_sigma_m_s2}};
+}
+
 /// "1 loop", "2 loops".
 std::string Counted(int64_t n, const char* name) { return fmt::format("{} {}{}", n, name, n == 1 ? "" : "s"); }
 
@@ -127,6 +143,13 @@ std::string MovingToText(const json& moving) {
   return fmt::format("{}, up to {:.1f} % of the features, frames {} to {}",
                      Counted(moving["bodies"].get<int64_t>(), "object"), moving["largest_percent"].get<double>(),
                      moving["first_frame"].get<int64_t>(), moving["last_frame"].get<int64_t>());
+}
+
+/// "used in 95 of 100 frames, normalised innovation 1.02".
+std::string ImuToText(const json& s) {
+  const json& imu = s["imu"];
+  return fmt::format("used in {} of {} frames, normalised innovation {:.2f}", imu["used_frames"].get<int64_t>(),
+                     s["frames"].get<int64_t>(), imu["innovation"].get<double>());
 }
 
 std::string SpeedToText(const json& s) {
@@ -311,6 +334,7 @@ json SummaryToJson(const RunSummary& summary) {
           {"all_frames", frames.all()},
           {"tracked_percent", frames.tracked_percent() ? json(*frames.tracked_percent()) : json(nullptr)},
           {"data", DataToJson(summary.counters)},
+          {"imu", ImuToJson(summary.counters)},
           {"moving_objects", MovingToJson(s.moving())},
           {"keyframes", s.keyframes()},
           {"landmarks", LandmarksToJson(summary)},
@@ -339,6 +363,7 @@ std::string SummaryToText(const json& s, bool verbose) {
   text += Line("frames", FramesToText(s));
   text += Line("accuracy", AccuracyToText(s, verbose));
   if (s["path_m"].is_number()) text += Line("path", NumberText(s["path_m"], 2) + " m");
+  if (s["imu"].is_object()) text += Line("imu", ImuToText(s));
   const json& moving = s["moving_objects"];
   if (moving["frames"] > 0) text += Line("moving", MovingToText(moving));
   text += Line("speed", SpeedToText(s));

@@ -107,8 +107,19 @@ function upright(run) {
   return `${source}; heights are measured along it from the first camera.`;
 }
 
+/** Returns a sentence about the inertial sensor as [text], empty for runs without one. */
+function sensor(run) {
+  const imu = run.facts.imu;
+  if (!imu) return [];
+  const bias = (values, sigma) => `[${values.map((v) => v.toPrecision(2)).join(", ")}] ± ${(3 * sigma).toPrecision(2)}`;
+  const delay = imu.delay_ms === null ? "" : `, stamps late by ${imu.delay_ms.toFixed(1)} ± ${(3 * imu.delay_sigma_ms).toFixed(1)} ms`;
+  return [`The inertial sensor was used in ${count(imu.used_frames)} of ${count(run.facts.frames)} frames (normalised innovation ` +
+    `${imu.innovation.toFixed(2)}, 1 is consistent; biases with three sigmas ${bias(imu.rate_bias_rad_s, imu.rate_bias_sigma_rad_s)} rad/s ` +
+    `and ${bias(imu.force_bias_m_s2, imu.force_bias_sigma_m_s2)} m/s²${delay}).`];
+}
+
 export function showNotes(run) {
   const lead = "Positions are in the map's frame (x right, y down, z forward at the start). The true path is aligned with the " +
     "estimated one by a rigid motion.";
-  byId("notes").textContent = [lead, upright(run), ...run.notes].join(" ");
+  byId("notes").textContent = [lead, upright(run), ...sensor(run), ...run.notes].join(" ");
 }

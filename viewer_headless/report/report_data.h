@@ -10,6 +10,7 @@
 #include "core/geometry/stereo_camera.h"
 #include "core/ids/ids.h"
 #include "core/map/vertical.h"
+#include "core/run/run_counters.h"
 #include "core/run/run_warnings.h"
 #include "viewer_headless/overlay.h"
 #include "viewer_headless/report/table.h"
@@ -35,6 +36,7 @@ struct RunFacts {
   /// Root mean square of the errors of position after rigid alignment, of the final and of the published path.
   std::optional<double> ate_m;
   std::optional<double> live_ate_m;
+  std::optional<ImuFigures> imu;
   /// Warnings about the run so far; empty in a partial update without the path.
   std::vector<RunWarning> warnings;
 };

@@ -55,6 +55,17 @@ Json OrNull(const std::optional<T>& value) {
 template <class Row>
 Json ToJson(const std::vector<Row>& rows);
 
+Json ToJson(const ImuFigures& imu) {
+  return {{"used_frames", imu.used_frames},
+          {"innovation", imu.innovation},
+          {"delay_ms", imu.delay ? Json(imu.delay->ms) : Json()},
+          {"delay_sigma_ms", imu.delay ? Json(imu.delay->sigma_ms) : Json()},
+          {"rate_bias_rad_s", imu.rate_bias_rad_s},
+          {"rate_bias_sigma_rad_s", imu.rate_bias_sigma_rad_s},
+          {"force_bias_m_s2", imu.force_bias_m_s2},
+          {"force_bias_sigma_m_s2", imu.force_bias_sigma_m_s2}};
+}
+
 Json ToJson(const RunFacts& f) {
   Json json = {{"dataset", f.dataset},
                {"pace", f.pace},
@@ -84,6 +95,7 @@ Json ToJson(const RunFacts& f) {
                {"ate_m", OrNull(f.ate_m)},
                {"live_ate_m", OrNull(f.live_ate_m)},
                {"warnings", ToJson(f.warnings)},
+               {"imu", f.imu ? ToJson(*f.imu) : Json()},
                {"camera", nullptr}};
   if (f.camera) {
     json["camera"] = {{"width_px", f.camera->width_px}, {"height_px", f.camera->height_px},

@@ -50,6 +50,7 @@ RunFacts ReportRecorder::Facts(const Recorder& recorder, const Map& map) const {
   facts.points = totals.points;
   facts.lines = totals.lines;
   facts.loops = loops_.closed();
+  facts.imu = ImuFiguresOf(counters_);
   if (recorder.frames().empty()) return facts;
   const int64_t t_ns = recorder.frames().Last().second.t_ns - recorder.frames().First().second.t_ns;
   for (const auto& [frame_id, frame] : recorder.frames()) {

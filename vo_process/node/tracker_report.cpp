@@ -153,7 +153,26 @@ void TrackerReport::ReportCameraErrors(const SelfCalibrator& calibration) {
   tell(kLengthSigma, 100.0 * lengths.sigma);
 }
 
+void TrackerReport::SetImuFigures(const MotionPredictor& motion) {
+  const InertialMotionModel& inertial = motion.inertial();
+  if (motion.diagnosis() == nullptr || !inertial.filter().has_begun()) return;
+  if (inertial.IsTrusted()) Count(kImuUsed, 1);
+  process_.SetCounter(kImuInnovation, inertial.normalised_innovation());
+  const TurnFit& fit = motion.diagnosis()->fit();
+  process_.SetCounter(kImuDelay, 1e3 * fit.delay_s);
+  process_.SetCounter(kImuDelaySigma, 1e3 * fit.delay_sigma_s);
+  const ImuBiasEstimate bias = inertial.filter().Bias();
+  for (size_t i = 0; i < kImuRateBias.size(); ++i) {
+    const auto axis = static_cast<Eigen::Index>(i);
+    process_.SetCounter(kImuRateBias[i], bias.mean.rate_rad_s[axis]);
+    process_.SetCounter(kImuForceBias[i], bias.mean.force_m_s2[axis]);
+  }
+  process_.SetCounter(kImuRateBiasSigma, bias.rate_sigma_rad_s);
+  process_.SetCounter(kImuForceBiasSigma, bias.force_sigma_m_s2);
+}
+
 void TrackerReport::ReportImu(const MotionPredictor& motion) {
+  SetImuFigures(motion);
   const std::string contradiction = motion.ImuContradiction();
   if (!contradiction.empty() && !std::exchange(imu_reported_, true)) process_.Warn("imu_contradicts", contradiction);
   const std::string faults = motion.ImuSampleFaults();

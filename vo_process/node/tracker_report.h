@@ -32,15 +32,16 @@ class TrackerReport {
 
   /// A new camera: its vertical disparity is reported again.
   void OnCamera() { vertical_disparity_reported_ = false; }
-  /// Counts signs of bad images, and of a bad calibration unless the features are `preselected`: those of depth maps, and
-  /// those that were followed because they had a depth, do not show how well images match.
+  /// Counts signs of bad images, and of a bad calibration unless the features are `preselected`: those of depth maps,
+  /// and those that were followed because they had a depth, do not show how well images match.
   void LookAt(const StereoImages& images, const StereoFeatures& features, bool preselected);
   /// Reports the vertical disparity once for each camera.
   void ReportVerticalDisparity(const RowField& rows, const StereoCamera& camera);
   /// Sets counters of the time offset, the disparity offset and the readout of the cameras, as estimated so far.
   /// Synchronised and well-calibrated cameras have no such counters.
   void ReportCameraErrors(const SelfCalibrator& calibration);
-  /// Publishes a warning once if the inertial sensor contradicts the images, and once if its samples are faulty.
+  /// Sets the counters of the inertial sensor, and publishes a warning once if it contradicts the images, and once if
+  /// its samples are faulty.
   void ReportImu(const MotionPredictor& motion);
   /// Publishes warnings with the state, every so many frames.
   void ReportWarnings();
@@ -50,6 +51,7 @@ class TrackerReport {
 
  private:
   void UpdateWarnings();
+  void SetImuFigures(const MotionPredictor& motion);
 
   bus::Process& process_;
   std::map<std::string, double> counts_;

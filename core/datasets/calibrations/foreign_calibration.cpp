@@ -12,6 +12,7 @@
 #include "core/datasets/calibrations/other_settings.h"
 #include "core/datasets/calibrations/readers.h"
 #include "core/datasets/check_rig.h"
+#include "core/datasets/imu_files.h"
 #include "core/files/dataset_error.h"
 #include "core/files/git_lfs.h"
 
@@ -26,6 +27,7 @@ struct Format {
   bool (*looks_like)(const YamlMap& file);
   ForeignCalibration (*read)(const std::vector<YamlMap>& files, const ImageSize& size);
   size_t max_files;
+  ImuParts (*read_imu)(const YamlMap& file, Notes* notes) = nullptr;  ///< of the first file; nullptr: has no sensor
 };
 
 /// The first entry of a list of maps has that key.
@@ -38,25 +40,29 @@ constexpr std::array<Format, 13> kFormats = {
     {{"PL-SLAM", [](const YamlMap& f) { return f.Has("cam0.Kl") || f.Has("cam0.cam_fx"); },
       [](const std::vector<YamlMap>& files, const ImageSize&) { return ReadPlSlam(files.front()); }, 1},
      {"AirSLAM", [](const YamlMap& f) { return f.Has("cam0.T_type") || (f.Has("LEFT.K") && !f.Has("Camera.fx")); },
-      [](const std::vector<YamlMap>& files, const ImageSize& size) { return ReadAirSlam(files.front(), size); }, 1},
+      [](const std::vector<YamlMap>& files, const ImageSize& size) { return ReadAirSlam(files.front(), size); }, 1,
+      ReadAirSlamImu},
      {"Kalibr camchain", [](const YamlMap& f) { return f.Has("cam0"); },
-      [](const std::vector<YamlMap>& files, const ImageSize&) { return ReadKalibr(files.front()); }, 1},
+      [](const std::vector<YamlMap>& files, const ImageSize&) { return ReadKalibr(files.front()); }, 1,
+      ReadKalibrImu},
      {"VINS-Fusion", [](const YamlMap& f) { return f.Has("cam0_calib"); },
-      [](const std::vector<YamlMap>& files, const ImageSize&) { return ReadVins(files.front()); }, 1},
+      [](const std::vector<YamlMap>& files, const ImageSize&) { return ReadVins(files.front()); }, 1, ReadVinsImu},
      {"stella_vslam", [](const YamlMap& f) { return f.Has("Camera.setup"); },
       [](const std::vector<YamlMap>& files, const ImageSize& size) { return ReadStella(files.front(), size); }, 1},
      {"ORB-SLAM", [](const YamlMap& f) { return f.Has("Camera.fx") || f.Has("Camera1.fx"); },
-      [](const std::vector<YamlMap>& files, const ImageSize& size) { return ReadOrbSlam(files.front(), size); }, 1},
+      [](const std::vector<YamlMap>& files, const ImageSize& size) { return ReadOrbSlam(files.front(), size); }, 1,
+      ReadOrbSlamImu},
      {"Kimera", [](const YamlMap& f) { return f.Has("T_BS") && f.Has("intrinsics"); },
-      [](const std::vector<YamlMap>& files, const ImageSize&) { return ReadAslPair(files); }, 2},
+      [](const std::vector<YamlMap>& files, const ImageSize&) { return ReadAslPair(files); }, 2, ReadKimeraImu},
      {"ROS camera_info", LooksLikeRos, ReadRos, 2},
      {"OpenCV stereo", LooksLikeOpenCv, ReadOpenCv, 2},
      {"Basalt", [](const YamlMap& f) { return f.Has("value0.T_imu_cam"); },
-      [](const std::vector<YamlMap>& files, const ImageSize&) { return ReadBasalt(files.front()); }, 1},
+      [](const std::vector<YamlMap>& files, const ImageSize&) { return ReadBasalt(files.front()); }, 1,
+      ReadBasaltImu},
      {"OKVIS", [](const YamlMap& f) { return FirstHas(f, "cameras", "T_SC") && !FirstHas(f, "cameras", "cam_name"); },
-      [](const std::vector<YamlMap>& files, const ImageSize&) { return ReadOkvis(files.front()); }, 1},
+      [](const std::vector<YamlMap>& files, const ImageSize&) { return ReadOkvis(files.front()); }, 1, ReadOkvisImu},
      {"SVO", [](const YamlMap& f) { return FirstHas(f, "cameras", "camera"); },
-      [](const std::vector<YamlMap>& files, const ImageSize&) { return ReadSvo(files.front()); }, 1},
+      [](const std::vector<YamlMap>& files, const ImageSize&) { return ReadSvo(files.front()); }, 1, ReadSvoImu},
      {"DepthAI", [](const YamlMap& f) { return f.Has("cameraData"); },
       [](const std::vector<YamlMap>& files, const ImageSize&) { return ReadDepthAi(files.front()); }, 1}}};
 constexpr const char* kZed = "ZED";
@@ -108,6 +114,18 @@ ForeignCalibration ReadYaml(const std::vector<std::string>& paths, const ImageSi
     return result;
   } catch (const DatasetError& error) {
     throw DatasetError(fmt::format("{} (read as {})", error.what(), format->name));
+  }
+}
+
+/// The sensor of a file that is read for its cameras: mistakes in its description do not concern them.
+std::optional<ImuCalibration> ImuOrNone(const std::vector<std::string>& paths, const SE3& T_b_left,
+                                        std::optional<double> metres_per_unit, Notes* notes) {
+  try {
+    Notes of_use;  // they concern who has samples
+    return CompleteImu(ReadForeignImu(paths, metres_per_unit, &of_use), T_b_left);
+  } catch (const DatasetError& error) {
+    notes->Warn(fmt::format("the inertial sensor is not used: {}", error.what()));
+    return std::nullopt;
   }
 }
 
@@ -184,7 +202,20 @@ ForeignCalibration ReadForeignCalibration(const std::vector<std::string>& paths,
   }
   const std::string complaint = RigComplaint(rig);
   if (!complaint.empty()) throw DatasetError(fmt::format("{} ({}): {}", paths.front(), result.format, complaint));
+  rig.imu = ImuOrNone(paths, rig.left.T_b_cam, metres_per_unit, &result.notes);
   return result;
+}
+
+ImuParts ReadForeignImu(const std::vector<std::string>& paths, std::optional<double> metres_per_unit, Notes* notes) {
+  if (paths.empty() || IsZed(paths.front())) return {};
+  const YamlMap file = YamlMap::FromFile(paths.front());
+  const Format* format = FormatOf(file);
+  if (format == nullptr || format->read_imu == nullptr) return {};
+  ImuParts parts = format->read_imu(file, notes);
+  if (metres_per_unit && parts.T_c_imu) {
+    parts.T_c_imu = SE3(parts.T_c_imu->rotation(), *metres_per_unit * parts.T_c_imu->translation());
+  }
+  return parts;
 }
 
 namespace {

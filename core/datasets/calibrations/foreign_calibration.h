@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/datasets/imu_parts.h"
 #include "core/files/notes.h"
 #include "core/geometry/calibration.h"
 #include "core/io/images/image_file.h"
@@ -14,6 +15,7 @@ namespace plslam {
 
 /// The calibration of a stereo rig as another program wrote it.
 struct ForeignCalibration {
+  /// With the inertial sensor that the file describes, if any.
   RigCalibration rig;
   /// For example "Kalibr camchain".
   std::string format;
@@ -42,6 +44,10 @@ std::optional<double> MetresOf(std::string_view unit);
 /// file has an IMU. Throws DatasetError that names file, line, key, value and remedy.
 ForeignCalibration ReadForeignCalibration(const std::vector<std::string>& paths, const ImageSize& image_size,
                                           std::optional<double> metres_per_unit = std::nullopt);
+
+/// Reads what such files, or files beside them that belong to them, state about an inertial sensor; nothing for formats
+/// without one. `notes` receives what is not used. Throws DatasetError.
+ImuParts ReadForeignImu(const std::vector<std::string>& paths, std::optional<double> metres_per_unit, Notes* notes);
 
 /// Returns WhyNoCalibration of the first file in `folder` that has such a reason; empty if none has.
 std::string UnreadCalibration(const std::string& folder);

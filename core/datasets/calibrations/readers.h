@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/datasets/calibrations/foreign_calibration.h"
+#include "core/datasets/imu_parts.h"
 #include "core/datasets/yaml_map.h"
 
 namespace plslam {
@@ -37,6 +38,34 @@ ForeignCalibration ReadZed(const std::string& path, const ImageSize& image_size)
 
 bool LooksLikeOpenCv(const YamlMap& file);
 bool LooksLikeRos(const YamlMap& file);
+
+// Inertial sensors, beside the cameras of the same formats (imu_settings.cpp). `notes` receives what is not used.
+
+/// `T_cam_imu` or `T_imu_cam` of a camchain makes the sensor the body, and the time offset is that of the left camera
+/// (`timeshift_cam_imu`: t_imu = t_cam + shift, https://github.com/ethz-asl/kalibr/wiki/yaml-formats; OpenVINS has the
+/// same). Noise and rate are in the file that Kalibr and OpenVINS write beside it: the same name with `imu` for
+/// `camchain-imucam` or `imu_chain` for `imucam_chain`, or else `imu.yaml`.
+ImuParts ReadKalibrImu(const YamlMap& file, Notes* notes);
+/// `IMU.T_b_c1` (before version 1.0: `Tbc`) transforms points from the left camera to the sensor. Densities are per
+/// root of Hz: rad/s^0.5, m/s^1.5 and so on in the files that ORB_SLAM3 ships in Examples/Stereo-Inertial.
+ImuParts ReadOrbSlamImu(const YamlMap& file, Notes* notes);
+/// The body of `body_T_cam0` is the sensor. `td` is added to the time of an image for that of the sensor (comment in
+/// config/euroc/euroc_stereo_imu_config.yaml of VINS-Fusion). Its noises are per sample, not per root of Hz, of a rate
+/// that the file does not state (vins_estimator/src/factor/integration_base.h), and so not used.
+ImuParts ReadVinsImu(const YamlMap& file, Notes* notes);
+/// `T_imu_cam` makes the sensor the body. Noises are those of continuous time, and `cam_time_offset_ns` is added to the
+/// time of an image (basalt-headers, include/basalt/calibration/calibration.hpp; basalt, src/vi_estimator).
+ImuParts ReadBasaltImu(const YamlMap& file, Notes* notes);
+/// OKVIS and OKVIS2: the S of `T_SC` is the sensor. Densities are per root of Hz; the delay of images is subtracted
+/// from their time (comments in config/euroc.yaml of okvis2).
+ImuParts ReadOkvisImu(const YamlMap& file, Notes* notes);
+/// The body of `T_B_C` is the sensor. `delay_imu_cam` is subtracted from the time of an image; densities are per root
+/// of Hz (rpg_svo_pro_open, svo_common/include/svo/common/imu_calibration.h, svo/src/imu_handler.cpp).
+ImuParts ReadSvoImu(const YamlMap& file, Notes* notes);
+/// The body of `T` is the sensor if `use_imu` is 1. Keys of the noise are Kalibr's (configs/camera of AirSLAM).
+ImuParts ReadAirSlamImu(const YamlMap& file, Notes* notes);
+/// Reads `ImuParams.yaml` beside the files of the cameras (params/Euroc of Kimera-VIO).
+ImuParts ReadKimeraImu(const YamlMap& file, Notes* notes);
 
 // Helpers that several readers share.
 

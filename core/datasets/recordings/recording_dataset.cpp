@@ -366,17 +366,17 @@ class RecordingDataset : public Dataset {
     const std::filesystem::path file(file_);
     const std::string beside =
         ((std::filesystem::is_directory(file) ? file : file.parent_path()) / "imu.yaml").string();
-    ImuSources sources{rig_.imu ? options_.at("camera") : beside, std::nullopt, options_.contains("camera")};
+    const bool has_camera_file = options_.contains("camera");
+    ImuSources sources{.files = {beside}, .has_camera_file = has_camera_file};
+    if (has_camera_file) sources.files.insert(sources.files.begin(), options_.at("camera"));
     const std::string left_frame = FrameOfLeftImages();
     sources.T_c_imu = RecordedTransform(*reader_, left_frame, frame);
-    plslam::Notes of_camera_file;  // known since that was read
-    std::optional<ImuCalibration> imu =
-        FindImuCalibration(topics.rates, rig_, sources, rig_.imu ? &of_camera_file : &notes_);
+    std::optional<ImuCalibration> imu = FindImuCalibration(topics.rates, rig_, sources, &notes_);
     if (!imu) {
       WarnOfUnusedImu(topics.rates,
                       fmt::format("its pose is not known, since /tf_static does not connect its frame '{}' with '{}' "
                                   "of the left images: write T_c_imu (docs/imu.md) to {}",
-                                  Shown(frame), Shown(left_frame), sources.file));
+                                  Shown(frame), Shown(left_frame), beside));
     }
     return imu;
   }
@@ -417,14 +417,9 @@ class RecordingDataset : public Dataset {
 
   /// Fails if no sample is of the time of the images. Sets an unknown rate.
   void CheckTimesOfImu() {
-    const int64_t first_ns = imu_samples_.front().t_ns + rig_.imu->offset_ns();
-    const int64_t last_ns = imu_samples_.back().t_ns + rig_.imu->offset_ns();
-    const int64_t begin_ns = t_ns(0), end_ns = t_ns(size() - 1);
-    if (last_ns < begin_ns || first_ns > end_ns) {
-      throw DatasetError(fmt::format("its samples are of {} s to {} s, but the images of {} s to {} s",
-                                     SecondsText(first_ns), SecondsText(last_ns), SecondsText(begin_ns),
-                                     SecondsText(end_ns)));
-    }
+    const std::string complaint = OtherTimesComplaint(imu_samples_, *rig_.imu, t_ns(0), t_ns(size() - 1));
+    if (!complaint.empty()) throw DatasetError(complaint);
+    const int64_t first_ns = imu_samples_.front().t_ns, last_ns = imu_samples_.back().t_ns;
     const auto n_steps = static_cast<double>(imu_samples_.size() - 1);
     if (rig_.imu->rate_hz == 0.0 && last_ns > first_ns) {
       rig_.imu->rate_hz = 1e9 * n_steps / static_cast<double>(last_ns - first_ns);

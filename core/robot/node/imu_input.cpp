@@ -33,7 +33,7 @@ void ImuInput::ReadFile() {
     throw DatasetError(fmt::format("{}_calibration = {}: there is no such file", settings_.option, file));
   }
   Notes notes;
-  file_has_pose_ = FindImuCalibration(settings_.name, {}, {file, std::nullopt, false}, &notes).has_value();
+  file_has_pose_ = FindImuCalibration(settings_.name, {}, {.files = {file}}, &notes).has_value();
 }
 
 void ImuInput::Add(const ImuSample& sample) {
@@ -53,7 +53,6 @@ void ImuInput::AddForce(int64_t t_ns, const Eigen::Vector3d& force_m_s2) {
 
 /// Rigs of CameraInfo come with every image: the file is read again only if the left camera has moved.
 void ImuInput::AddTo(RigCalibration& rig) {
-  const bool is_in_camera_file = rig.imu.has_value();
   rig.imu.reset();
   if (settings_.name.empty()) return;
   if (calibration_ && T_b_l_.matrix() == rig.left.T_b_cam.matrix()) {
@@ -61,18 +60,14 @@ void ImuInput::AddTo(RigCalibration& rig) {
     return;
   }
   const bool is_first = !calibration_;
-  const bool has_own_file = !settings_.calibration.empty();
-  const std::string file = has_own_file ? settings_.calibration : is_in_camera_file ? settings_.camera : "";
   Notes notes;
-  rig.imu = FindImuCalibration(settings_.name, rig, {file, T_c_imu_, !settings_.camera.empty()}, &notes);
+  rig.imu = FindImuCalibration(
+      settings_.name, rig, {{settings_.calibration, settings_.camera}, T_c_imu_, !settings_.camera.empty()}, &notes);
   calibration_ = rig.imu;
   T_b_l_ = rig.left.T_b_cam;
   if (!is_first) return;
-  // Remarks on a camera file are known since that was read.
-  const bool is_known = !has_own_file && is_in_camera_file;
-  for (const std::string& remark : notes.remarks) {
-    if (!is_known) LogInfo("{}", remark);
-  }
+  for (const std::string& warning : notes.warnings) LogWarning("{}", warning);
+  for (const std::string& remark : notes.remarks) LogInfo("{}", remark);
   if (rig.imu) return;
   process_.Warn("imu_uncalibrated",
                 fmt::format("{}: the inertial sensor is not used, because its pose is not known: write T_c_imu "

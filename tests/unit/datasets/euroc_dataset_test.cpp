@@ -220,6 +220,30 @@ TEST_F(EurocDataset, CamchainBesideTheFolderReplacesSensorFiles) {
   EXPECT_THAT(OpenError(), HasSubstr(At("cam0/sensor.yaml")));
 }
 
+TEST_F(EurocDataset, SensorOfTumViIsInKalibrsFiles) {
+  for (const char* camera : {"cam0", "cam1"}) fs::remove(mav_ / camera / "sensor.yaml");
+  const std::string right = "  T_cn_cnm1: [[1, 0, 0, -0.1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]";
+  test::WriteText(folder_ / "dso" / "camchain.yaml", Camchain(right));
+  fs::create_directories(mav_ / "imu0");
+  test::WriteText(mav_ / "imu0" / "data.csv",
+                  "1403636584763555584,0.1,0.2,0.3,1,2,9.8\n1403636584768555584,0.1,0.2,0.3,1,2,9.8\n");
+  const std::string noise =
+      "gyroscope_noise_density: 0.00016\ngyroscope_random_walk: 0.000022\n"
+      "accelerometer_noise_density: 0.0028\naccelerometer_random_walk: 0.00086\n";
+  test::WriteText(folder_ / "dso" / "imu_config.yaml", noise + "rostopic: /imu0\nupdate_rate: 200.0\nelse: 1\n");
+  const auto dataset = OpenEurocDataset(folder_.string());
+  ASSERT_TRUE(dataset->rig().imu);
+  EXPECT_TRUE(dataset->rig().imu->T_b_imu.matrix().isIdentity()) << "the body of the chain";
+  EXPECT_EQ(dataset->rig().imu->rate_hz, 200.0);
+  EXPECT_EQ(dataset->rig().imu->noise.accelerometer_m_s2_sqrt_hz, 0.0028);
+  EXPECT_EQ(dataset->ImuSamples().size(), 2U);
+  EXPECT_TRUE(dataset->Notes().empty());
+  test::ReplaceText(folder_ / "dso" / "camchain.yaml", "cam0:\n", "cam0:\n  timeshift_cam_imu: 0.003\n");
+  const auto shifted = OpenEurocDataset(folder_.string());
+  ASSERT_TRUE(shifted->rig().imu);
+  EXPECT_EQ(shifted->rig().imu->time_offset_s, -0.003);
+}
+
 TEST_F(EurocDataset, HeadersWithoutAMarkAndByteOrderMarks) {
   for (const fs::path& list : {mav_ / "cam0" / "data.csv", mav_ / "cam1" / "data.csv", truth_}) {
     test::ReplaceText(list, "#timestamp", "\xEF\xBB\xBFtimestamp");

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "core/datasets/imu_files.h"
 #include "core/datasets/imu_join.h"
 #include "core/datasets/imu_topics.h"
 #include "core/datasets/open_dataset.h"
@@ -54,20 +55,18 @@ class RecordedImu : public test::RecordingFileTest {
 };
 
 TEST_F(RecordedImu, SamplesOfTheFolderItWasMadeOf) {
-  const fs::path folder = Beside("MH_01_easy");
-  test::MakeEurocFolder(folder);
   std::string csv = "#timestamp [ns],w_x,w_y,w_z,a_x,a_y,a_z\n";
   for (const ImuSample& s : Samples()) {
     csv += fmt::format("{},{},{},{},{},{},{}\n", s.t_ns, s.rate_rad_s.x(), s.rate_rad_s.y(), s.rate_rad_s.z(),
                        s.force_m_s2.x(), s.force_m_s2.y(), s.force_m_s2.z());
   }
-  fs::create_directories(folder / "mav0/imu0");
-  test::WriteText(folder / "mav0/imu0/data.csv", csv);
-  test::WriteText(folder / "mav0/imu0/sensor.yaml", kFullImuYaml);
-  const auto original = OpenDataset(folder.string(), "");
-  ASSERT_EQ(original->ImuSamples(), Samples());
+  const fs::path original = Beside("original.csv");
+  test::WriteText(original, csv);
+  Notes notes;
+  const std::vector<ImuSample> samples = ReadImuSamples(original.string(), &notes);
+  ASSERT_EQ(samples, Samples());
 
-  const RecordingOptions options{.imus = {{"/imu0", original->ImuSamples()}}, .T_camera_imu = kImuPose};
+  const RecordingOptions options{.imus = {{"/imu0", samples}}, .T_camera_imu = kImuPose};
   for (const char* compression : {"", "lz4", "zstd"}) {
     RecordingOptions chunks = options;
     chunks.compression = compression;

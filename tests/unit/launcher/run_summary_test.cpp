@@ -59,6 +59,26 @@ TEST(RunSummary, JsonHasTheDocumentedKeys) {
   EXPECT_EQ(result["configuration"]["vo"]["vo"], (json{{"enabled", true}, {"name", "7"}, {"list", {1, 2.5}}}));
 }
 
+TEST(RunSummary, FiguresOfTheInertialSensor) {
+  const RunStatistics statistics = TwoFrames();
+  RunSummary summary;
+  summary.statistics = &statistics;
+  summary.frames = statistics.frames();
+  EXPECT_TRUE(SummaryToJson(summary)["imu"].is_null());
+  EXPECT_THAT(SummaryToText(SummaryToJson(summary), false), testing::Not(testing::HasSubstr("innovation")));
+  summary.counters.Take(1, kImuUsed, 1.0);
+  summary.counters.Take(1, kImuInnovation, 1.02);
+  summary.counters.Take(1, kImuDelay, -8.5);
+  summary.counters.Take(1, kImuDelaySigma, 0.25);
+  summary.counters.Take(1, kImuRateBias[0], -0.001);
+  const json result = SummaryToJson(summary);
+  EXPECT_EQ(result["imu"]["used_frames"], 1);
+  EXPECT_NEAR(result["imu"]["innovation"].get<double>(), 1.02, 1e-9);
+  EXPECT_NEAR(result["imu"]["delay_ms"].get<double>(), -8.5, 1e-9);
+  EXPECT_EQ(result["imu"]["rate_bias_rad_s"], (json{-0.001, 0.0, 0.0}));
+  EXPECT_THAT(SummaryToText(result, false), testing::HasSubstr("used in 1 of 2 frames, normalised innovation 1.02"));
+}
+
 MapStatistics TwoVersions() {
   MapUpdate head;
   head.source = 5;

@@ -253,6 +253,32 @@ TEST(RunCounters, CoverAllProcesses) {
   EXPECT_EQ(counters.Sum("points.seen"), 25.0);
   EXPECT_EQ(counters.Sum("queue.frames"), 0.0);
   EXPECT_EQ(counters.Largest("rows.corner_px"), 4.0);
+  EXPECT_FALSE(counters.Newest("rows.corner_px"));
+}
+
+TEST(RunCounters, NewestEstimatesOfTheInertialSensor) {
+  RunCounters counters;
+  EXPECT_FALSE(ImuFiguresOf(counters));
+  counters.Take(1, kImuUsed, 40.0);
+  counters.Take(1, kImuInnovation, 7.0);
+  counters.Take(1, kImuForceBias[2], 0.4);
+  counters.Take(2, kImuUsed, 2.0);
+  counters.Take(2, kImuInnovation, 1.25);
+  counters.Take(2, kImuRateBias[1], -0.5);
+  counters.Take(2, kImuForceBias[2], -0.25);
+  counters.Take(2, kImuForceBiasSigma, 0.125);
+  counters.Take(2, kImuForceBiasSigma, std::numeric_limits<double>::quiet_NaN());
+  const std::optional<ImuFigures> figures = ImuFiguresOf(counters);
+  ASSERT_TRUE(figures);
+  EXPECT_EQ(figures->used_frames, 42) << "of both trackers";
+  EXPECT_EQ(figures->innovation, 1.25);
+  EXPECT_THAT(figures->rate_bias_rad_s, ElementsAre(0.0, -0.5, 0.0));
+  EXPECT_THAT(figures->force_bias_m_s2, ElementsAre(0.0, 0.0, -0.25));
+  EXPECT_EQ(figures->force_bias_sigma_m_s2, 0.125);
+  EXPECT_FALSE(figures->delay) << "none is significant";
+  counters.Take(2, kImuDelay, -8.0);
+  counters.Take(2, kImuDelaySigma, 0.5);
+  EXPECT_EQ(ImuFiguresOf(counters)->delay->ms, -8.0);
 }
 
 }  // namespace

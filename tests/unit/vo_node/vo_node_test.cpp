@@ -4,17 +4,22 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <condition_variable>
 #include <functional>
 #include <map>
 #include <mutex>
 #include <thread>
+#include <vector>
 
 #include "core/bus/messages/convert.h"
+#include "core/bus/messages/imu_channel.h"
 #include "core/bus/messages/loop_channel.h"
 #include "core/datasets/open_dataset.h"
 #include "core/geometry/body_frame.h"
 #include "core/process/process_status.h"
+#include "core/run/run_counters.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/mask_t.hpp"
 #include "plslam/robot_motion_t.hpp"
@@ -32,7 +37,10 @@ constexpr int8_t kLost = static_cast<int8_t>(TrackingState::kLost);
 
 class VoNodeTest : public testing::Test {
  protected:
-  VoNodeTest() {
+  VoNodeTest() : VoNodeTest("") {}
+  /// With more options of the world.
+  explicit VoNodeTest(const std::string& more)
+      : dataset_(OpenDataset("synthetic:room?size=376x240&speed=2&frames=75" + more, "")) {
     bus_options_.url = bus::test::PrivateUrl();
     others_ = std::make_unique<RunningBus>(bus_options_, "others");
   }
@@ -146,6 +154,15 @@ class VoNodeTest : public testing::Test {
     }
     return (bus::FromMessage(pose.T_odom_c)->translation() - Truth(39).translation()).norm();
   }
+  /// Publishes the samples of the inertial sensor between a frame and the one before.
+  void SayImu(int index) {
+    const int64_t shift_ns = kFrame_ns - dataset_->t_ns(0);
+    const int64_t from_ns = dataset_->t_ns(std::max(index - 1, 0)), t_ns = dataset_->t_ns(index);
+    const auto motion = SamplesOfMotion(dataset_->ImuSamples(), from_ns, t_ns);
+    std::vector<ImuSample> samples(motion.begin(), motion.end());
+    for (ImuSample& sample : samples) sample.t_ns += shift_ns;
+    bus::PublishImu(**others_, from_ns + shift_ns, t_ns + shift_ns, samples);
+  }
   bool HasPose(int64_t frame_id, std::chrono::milliseconds limit) {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, limit, [&] { return pose_ && pose_->frame_id == frame_id; });
@@ -171,7 +188,7 @@ class VoNodeTest : public testing::Test {
     return loop;
   }
 
-  const std::unique_ptr<Dataset> dataset_ = OpenDataset("synthetic:room?size=376x240&speed=2&frames=75", "");
+  const std::unique_ptr<Dataset> dataset_;
   std::vector<int> shown_;
   SE3 T_robot_b_;
   /// Left and right images are exchanged.
@@ -340,6 +357,31 @@ TEST_F(VoNodeTest, ALiveFrameDoesNotWaitForTheRobot) {
   Start(WithRobot(), false);
   for (int i = 0; i < 3; ++i) EXPECT_GT(ShowNext(i).n_points, 200);
   EXPECT_TRUE(Says([](const status_t& s) { return bus::CounterOf(s, "robot_motions.missing") >= 3.0; }));
+}
+
+class VoNodeImuTest : public VoNodeTest {
+ protected:
+  VoNodeImuTest() : VoNodeTest("&imu=200") {}
+};
+
+TEST_F(VoNodeImuTest, FiguresOfTheSensorAreInTheStatus) {
+  VoOptions options;
+  options.map.enabled = false;
+  Start(options, true);
+  for (int i = 0; i < 45; ++i) {
+    SayImu(i);
+    ShowNext(i);
+  }
+  EXPECT_TRUE(Says([](const status_t& s) { return bus::CounterOf(s, kImuUsed) >= 15.0; })) << "after a second";
+  EXPECT_TRUE(Says([](const status_t& s) {
+    const double innovation = bus::CounterOf(s, kImuInnovation);
+    return innovation > 0.0 && innovation < 4.0;
+  }));
+  EXPECT_TRUE(Says([](const status_t& s) {
+    const double rate = bus::CounterOf(s, kImuRateBiasSigma), force = bus::CounterOf(s, kImuForceBiasSigma);
+    return rate > 0.0 && rate < 0.02 && force > 0.0 && force < 1.0 &&
+           std::abs(bus::CounterOf(s, kImuForceBias[2])) < 1.0 && bus::CounterOf(s, kImuRateBias[0]) != 0.0;
+  }));
 }
 
 TEST_F(VoNodeTest, RestartedLoopProcessGetsTheRequestAgain) {

@@ -59,7 +59,8 @@ TEST(GroundGrid, ObstaclesFitUnderTheRobotsHeight) {
 }
 
 TEST(Products, SurfaceAboveTheCameraIsNoFloor) {
-  const StereoCamera camera{.f_px = 60.0, .cx_px = 40.0, .cy_px = 30.0, .baseline_m = 0.1, .width_px = 80, .height_px = 60};
+  const StereoCamera camera{
+      .f_px = 60.0, .cx_px = 40.0, .cy_px = 30.0, .baseline_m = 0.1, .width_px = 80, .height_px = 60};
   const cv::Mat grey(camera.height_px, camera.width_px, CV_8U, cv::Scalar(90));
   DepthImage depth;
   depth.z_m = cv::Mat(camera.height_px, camera.width_px, CV_32F, cv::Scalar(2.0));

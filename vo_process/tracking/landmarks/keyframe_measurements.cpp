@@ -87,7 +87,9 @@ std::optional<double> DisparityOn(const Eigen::Vector2d& left_px, const Segment2
 }  // namespace
 
 void KeyframeMeasurements::Add(const SE3& T_odom_c, const TrackedFrame& frame) {
+  const int before = frames_.empty() ? 0 : frames_.back().detection;
   Frame& added = frames_.emplace_back();
+  added.detection = frame.is_followed ? before : before + 1;
   added.T_c_odom = T_odom_c.Inverse();
   for (size_t i = 0; i < frame.point_tracks.size(); ++i) {
     const TrackId id = frame.point_tracks[i].landmark_id;
@@ -116,7 +118,7 @@ IdIndex<TrackId, KeyframeMeasurements::Seen<Feature>> KeyframeMeasurements::Coll
   seen.reserve(n);
   for (const Frame& frame : frames_) {
     for (const Named<Feature>& named : frame.*of) {
-      seen.push_back({named.landmark_id, {&frame.T_c_odom, &named.feature}});
+      seen.push_back({named.landmark_id, {&frame.T_c_odom, &named.feature, frame.detection}});
     }
   }
   return IdIndex(std::move(seen));
@@ -152,10 +154,13 @@ bool KeyframeMeasurements::Improve(const PointLandmark& landmark, Observations<S
   const auto here = project(frames_.back().T_c_odom);
   if (!here) return false;
   Mean u, v, d;
+  // The errors of a point that is followed are those of its detection.
+  int n_detections = 0, last_detection = -1;
   for (const auto& [id, observation] : seen) {
     const auto expected = project(*observation.T_c_odom);
     if (!expected) continue;
     const StereoPoint& measured = *observation.feature;
+    n_detections += observation.detection != std::exchange(last_detection, observation.detection) ? 1 : 0;
     u.Add(measured.left.px.x() - expected->x(), measured.sigma_px * measured.sigma_px);
     v.Add(measured.left.px.y() - expected->y(), measured.sigma_px * measured.sigma_px);
     if (measured.HasDepth()) {
@@ -166,10 +171,10 @@ bool KeyframeMeasurements::Improve(const PointLandmark& landmark, Observations<S
   const Eigen::Vector2d px = here->head<2>() + Eigen::Vector2d(u.value(), v.value());
   if (!camera_.InImage(px, 0.0)) return false;
   feature.left.px = px;
-  feature.sigma_px *= ShrinkFactor(u.n());
+  feature.sigma_px *= ShrinkFactor(n_detections);
   if (!feature.HasDepth()) return true;
   feature.disparity_px = d.n() > 0 ? here->z() + d.value() : -1.0;
-  feature.sigma_disparity_px *= ShrinkFactor(std::max(1, d.n()));
+  feature.sigma_disparity_px *= ShrinkFactor(std::clamp(d.n(), 1, n_detections));
   return true;
 }
 

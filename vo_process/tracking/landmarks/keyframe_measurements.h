@@ -26,7 +26,8 @@ struct KeyframeContent {
 ///
 /// A keyframe's measurement of a landmark becomes the mean over these frames: the landmark's projection into the
 /// keyframe plus the weighted mean of measured minus projected position in each frame. Errors of single frames average
-/// out; those common to all frames (`kCommonShare` of the variance) remain. Measurements of different keyframes share
+/// out; those common to all frames (`kCommonShare` of the variance) remain, and so does that of the detection of a point
+/// that was followed through several frames. Measurements of different keyframes share
 /// no frame, so adjustment may treat them as independent. Landmarks that were not detected in the keyframe, but in
 /// earlier frames, are added as features, because a detector repeats a corner in only two of three frames.
 class KeyframeMeasurements {
@@ -50,6 +51,7 @@ class KeyframeMeasurements {
   };
   struct Frame {
     SE3 T_c_odom;
+    int detection = 0;  ///< number of the frame in which its points were detected
     std::vector<Named<StereoPoint>> points;
     std::vector<Named<StereoLine>> lines;
   };
@@ -58,6 +60,7 @@ class KeyframeMeasurements {
   struct Seen {
     const SE3* T_c_odom = nullptr;
     const Feature* feature = nullptr;
+    int detection = 0;
   };
   template <class Feature>
   using Observations = std::span<const std::pair<TrackId, Seen<Feature>>>;

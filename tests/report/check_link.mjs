@@ -126,8 +126,9 @@ async function checkNonsense() {
   for (const hash of ["#frame=x&eye=1,2&target=&pick=points:-&layers=,x&colour=y&least=z",
     "#frame=1e999&eye=1e200,0,0&target=0,0,0&colour=toString&picture=constructor&layers=toString&pick=constructor:1"]) {
     const now = await goTo(hash);
-    check.that(now.frame === usual.frame && far(now.eye, usual.eye) === 0 && now.colour === "height" && now.picture === "left",
-      `nonsense changes nothing: ${hash}, ${JSON.stringify(now)}`);
+    // The controls compute the eye again from its direction: its last bit may change.
+    check.that(now.frame === usual.frame && far(now.eye, usual.eye) < 1e-9 && now.colour === "height" && now.picture === "left",
+      `nonsense changes nothing: ${hash}, ${JSON.stringify(now)}, before ${JSON.stringify(usual)}`);
   }
   await goTo("#least=1e9");
   check.that((await browser.run("return document.getElementById('life').max")) === most, "nor does it stretch the slider of lives");

@@ -27,6 +27,9 @@ struct Column {
   bool has_floor = false;
 };
 
+/// Height above the floor from which on there are obstacles.
+double LowestObstacle_m(double voxel_m) { return std::max(kLowestObstacle_m, kLowestInVoxels * voxel_m); }
+
 /// Obstacles of fewer cells are ignored.
 void RemoveSmall(cv::Mat& cells, const cv::Mat& free, double cell_m) {
   const int least = static_cast<int>(std::ceil(kSmallest_m2 / (cell_m * cell_m) - 1e-6));
@@ -51,8 +54,7 @@ Content ContentOf(const Volume::Voxel& voxel, double voxel_m) {
 double LargestVoxelFor(double robot_height_m) {
   // From the floor's roughness on, whole voxels that make up the height of an obstacle.
   const auto fits = [&](double voxel_m) {
-    const double lowest_m = std::max(kLowestObstacle_m, kLowestInVoxels * voxel_m);
-    return lowest_m + std::ceil(kLeastHeight_m / voxel_m - 1e-9) * voxel_m <= robot_height_m + 1e-9;
+    return LowestObstacle_m(voxel_m) + std::ceil(kLeastHeight_m / voxel_m - 1e-9) * voxel_m <= robot_height_m + 1e-9;
   };
   double largest_m = 0.0;
   for (int i = 1; i <= 100; ++i) {
@@ -69,7 +71,7 @@ Eigen::Vector2i GroundGrid::CellAt(double x_m, double y_m) const {
 GroundGrid MakeGrid(const Volume& volume, const Floor& floor, double robot_height_m,
                     std::span<const Eigen::Vector3d> path) {
   const double v = volume.voxel_m();
-  const double lowest_m = std::max(kLowestObstacle_m, kLowestInVoxels * v);
+  const double lowest_m = LowestObstacle_m(v);
   Eigen::Vector2i low = Eigen::Vector2i::Constant(std::numeric_limits<int>::max());
   Eigen::Vector2i high = Eigen::Vector2i::Constant(std::numeric_limits<int>::min());
   const auto include = [&](const Eigen::Vector2i& cell) {

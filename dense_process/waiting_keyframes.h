@@ -64,7 +64,7 @@ class WaitingKeyframes {
   int64_t n_dropped() const { return n_dropped_; }
 
  private:
-  /// What was received of a frame.
+  /// The received parts of a frame.
   struct Frame {
     FrameName name;
     std::optional<StereoImages> images;

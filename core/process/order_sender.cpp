@@ -57,8 +57,13 @@ OrderSender::OrderSender(Bus& bus) : bus_(bus) {
   bus_.Subscribe<status_t>(kStatus, [this](const status_t& m) { OnStatus(m); });
 }
 
+/// Whether the order is for this process.
+bool OrderSender::IsFor(const std::string& process) const {
+  return std::ranges::find(row_->processes, process) != row_->processes.end();
+}
+
 void OrderSender::OnStatus(const status_t& message) {
-  if (row_ == nullptr || std::ranges::find(row_->processes, message.process) == row_->processes.end()) return;
+  if (row_ == nullptr || !IsFor(message.process)) return;
   if (bus_.options().key_file.empty() && HasKey(message.configuration)) needs_key_ = true;
   if (message.pid == pid_) return;
   pid_ = message.pid;
@@ -92,9 +97,11 @@ void OrderSender::OnAnswer(const command_answer_t& message) {
   const bool ours = message.command_source == bus_.source().value && message.command_seq >= first_seq_ &&
                     message.command_seq < n_sent_;
   if (!ours) return;
-  const bool is_for_it = std::ranges::find(row_->processes, message.process) != row_->processes.end();
-  if (!is_for_it) others_.insert(message.process);
-  if (is_for_it && !answer_) answer_ = message.failure;
+  if (!IsFor(message.process)) {
+    others_.insert(message.process);
+  } else if (!answer_) {
+    answer_ = message.failure;
+  }
 }
 
 std::optional<OrderResult> OrderSender::Result() const {

@@ -62,6 +62,7 @@ class OrderSender {
  private:
   void OnStatus(const status_t& message);
   void OnAnswer(const command_answer_t& message);
+  bool IsFor(const std::string& process) const;
   void Publish();
   std::string WhyMute(double passed_s) const;
 

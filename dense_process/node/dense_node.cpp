@@ -214,7 +214,7 @@ void DenseNode::OnCommandAnswer(const command_answer_t& message) {
   const auto saved = saves_.extract({SourceId(message.command_source), message.command_seq});
   if (saved.empty() || !message.failure.empty()) return;
   const std::string file = bus::ToSaveRequest(saved.mapped().argument).file;
-  if (map_) FollowRemovals();
+  if (map_) FollowRemovals(PosesOf(sparse_->follower().map()));
   bus::Answer(process_, saved.mapped(), disk_.SaveBeside(file, map_ ? &*map_ : nullptr, sparse_->follower().map()));
 }
 
@@ -229,7 +229,7 @@ void DenseNode::FuseAll() {
   };
   const std::vector<ReadyKeyframe> ready = waiting_.Take(is_placed);
   if (ready.empty()) return;
-  if (map_) FollowRemovals();
+  if (map_) FollowRemovals(poses);
   for (const ReadyKeyframe& keyframe : ready) Fuse(keyframe, poses);
 }
 
@@ -307,9 +307,8 @@ double DenseNode::VoxelFor(const Keyframe& keyframe) const {
   return std::min(is_road ? kRoadVoxel_m : kIndoorVoxel_m, LargestVoxelFor(options_.robot_height_m));
 }
 
-void DenseNode::FollowRemovals() {
-  const Map& map = sparse_->follower().map();
-  if (camera_) map_->FollowRemovals(PosesOf(map), LastingPosesOf(map), camera_->rectifier.camera());
+void DenseNode::FollowRemovals(const KeyframePoses& poses) {
+  if (camera_) map_->FollowRemovals(poses, LastingPosesOf(sparse_->follower().map()), camera_->rectifier.camera());
 }
 
 void DenseNode::SurfacesChanged() {
@@ -351,8 +350,8 @@ void DenseNode::Write() {
     return;
   }
   try {
-    FollowRemovals();
     const KeyframePoses poses = PosesOf(map);
+    FollowRemovals(poses);
     const Vertical vertical = VerticalWithSurfaces(*map_, poses, VerticalOf(map, options_.up));
     const Products products =
         MakeProducts(*map_, poses, vertical, PathOf(poses, map_->voxel_m()), options_.robot_height_m);

@@ -75,7 +75,7 @@ class DenseNode {
   void Fuse(const ReadyKeyframe& ready, const KeyframePoses& poses);
   cv::Mat PixelsInUse(const ReadyKeyframe& ready, const cv::Size& size) const;
   DepthImage DepthOf(const ReadyKeyframe& ready, const cv::Mat& left) const;
-  void FollowRemovals();
+  void FollowRemovals(const KeyframePoses& poses);
   void SurfacesChanged();
   void PublishLive();
   void CountPublished();

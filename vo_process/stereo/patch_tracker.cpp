@@ -160,6 +160,14 @@ cv::Mat AsImage(std::span<const uint8_t> pixels, int reach) {
   return {2 * reach + 1, 2 * reach + 1, CV_8UC1, const_cast<uint8_t*>(pixels.data())};
 }
 
+/// The pixels around a patch at a level; empty if it has none there.
+cv::Mat PixelsAt(const StoredPatch& patch, int level) {
+  const int i = level - patch.finest_level;
+  if (i < 0 || i >= patch.n_levels) return {};
+  return i == 0 ? AsImage(patch.finest, StoredPatch::kFinestReach)
+                : AsImage(patch.coarse[static_cast<size_t>(i - 1)], StoredPatch::kCoarseReach);
+}
+
 /// Copies the pixels around one of an image, repeating those at its border.
 void CopyAround(const cv::Mat& image, const Eigen::Vector2i& center, int reach, uint8_t* out) {
   for (int y = -reach; y <= reach; ++y) {
@@ -182,14 +190,6 @@ std::optional<Found> SearchLevel(const Template& t, const cv::Mat& now, const Ei
   const double from_noise = 0.25 * found.noise * found.noise * kPixels;
   if (!found.converged || !(t.weaker > kMinSignal * from_noise)) return std::nullopt;
   return found;
-}
-
-/// The pixels around a patch at a level; empty if it has none there.
-cv::Mat PixelsAt(const StoredPatch& patch, int level) {
-  const int i = level - patch.finest_level;
-  if (i < 0 || i >= patch.n_levels) return {};
-  return i == 0 ? AsImage(patch.finest, StoredPatch::kFinestReach)
-                : AsImage(patch.coarse[static_cast<size_t>(i - 1)], StoredPatch::kCoarseReach);
 }
 
 /// Normalised correlation of two squares of `2 * kShiftHalf + 1` pixels, exact up to the last division.
@@ -256,7 +256,7 @@ std::optional<TrackedPatch> TrackPatch(const StoredPatch& patch, const std::vect
     return TrackedPatch{(found->center + off_center) * size_px, found->correlation, found->gain};
   };
   if (level_of(0) >= now.size()) return std::nullopt;
-  const cv::Mat finest = AsImage(patch.finest, StoredPatch::kFinestReach);
+  const cv::Mat finest = PixelsAt(patch, patch.finest_level);
   const Eigen::Vector2i center = CenterOf(finest);
   const auto exact = warps ? MakeWarpedTemplate(finest, center, then_from_now) : MakeTemplate(finest, center);
   if (!exact) return std::nullopt;
@@ -267,7 +267,7 @@ std::optional<TrackedPatch> TrackPatch(const StoredPatch& patch, const std::vect
   Eigen::Vector2d start_px = expected.px;
   for (int i = patch.n_levels - 1; i > 0; --i) {
     if (level_of(i) >= now.size()) continue;
-    const cv::Mat stored = AsImage(patch.coarse[static_cast<size_t>(i - 1)], StoredPatch::kCoarseReach);
+    const cv::Mat stored = PixelsAt(patch, patch.finest_level + i);
     const auto coarse = MakeTemplate(stored, CenterOf(stored));
     if (!coarse) continue;
     const auto found = search(i, *coarse, start_px);

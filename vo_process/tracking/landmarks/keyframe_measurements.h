@@ -27,9 +27,9 @@ struct KeyframeContent {
 /// A keyframe's measurement of a landmark becomes the mean over these frames: the landmark's projection into the
 /// keyframe plus the weighted mean of measured minus projected position in each frame. Errors of single frames average
 /// out; those common to all frames (`kCommonShare` of the variance) remain, and so does that of the detection of a point
-/// that was followed through several frames. Measurements of different keyframes share
-/// no frame, so adjustment may treat them as independent. Landmarks that were not detected in the keyframe, but in
-/// earlier frames, are added as features, because a detector repeats a corner in only two of three frames.
+/// that was followed through several frames. Measurements of different keyframes share no frame, so adjustment may treat
+/// them as independent. Landmarks that were not detected in the keyframe, but in earlier frames, are added as features,
+/// because a detector repeats a corner in only two of three frames.
 class KeyframeMeasurements {
  public:
   /// Number of latest frames kept when the camera stands: a mean over more is no better, and their number is unbounded.

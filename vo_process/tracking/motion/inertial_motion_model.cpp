@@ -351,10 +351,10 @@ void InertialMotionModel::Take(const SE3& T_odom_imu, const Matrix6d& covariance
     // A jump is not a fault of the sensor.
     if (jumped) return Begin(T_odom_imu, covariance);
     if (++n_contradicting_ >= kMostContradicting) Begin(T_odom_imu, covariance);
-    return Judge(kGate / 6.0);
+    return AddInnovation(kGate / 6.0);
   }
   n_contradicting_ = 0;
-  if (!jumped) Judge(innovation / 6.0);
+  if (!jumped) AddInnovation(innovation / 6.0);
   Measure(T_odom_imu, covariance);
   measured_s_ += motion_->dt_s();
   reach_.known_s += motion_->dt_s();
@@ -362,7 +362,7 @@ void InertialMotionModel::Take(const SE3& T_odom_imu, const Matrix6d& covariance
   unmeasured_s_ = 0.0;
 }
 
-void InertialMotionModel::Judge(double normalised_innovation) {
+void InertialMotionModel::AddInnovation(double normalised_innovation) {
   innovation_ += (normalised_innovation - innovation_) / kMeanFrames;
   agreeing_s_ = innovation_ < kAgreeing ? agreeing_s_ + motion_->dt_s() : 0.0;
   is_contradicting_ = innovation_ >= kHealthy || (is_contradicting_ && agreeing_s_ < kAgreeing_s);

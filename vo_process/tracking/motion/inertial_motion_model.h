@@ -150,7 +150,7 @@ class InertialMotionModel {
   void LearnStanding(const SE3& T_previmu_imu);
   bool IsQuiet() const;
   bool KnowsVelocity() const;
-  void Judge(double normalised_innovation);
+  void AddInnovation(double normalised_innovation);
   /// Returns a state of the filter after the motion to the next frame, which must be known.
   InertialFilter Propagated(InertialFilter filter) const;
   Matrix6d MeasuredCovariance(const Matrix6d& covariance) const;

@@ -46,14 +46,12 @@ bool RobotMotionLink::Awaits(int64_t t_ns, bool lockstep) {
   return wait_.awaited().has_value();
 }
 
-std::optional<RobotMotion> RobotMotionLink::Take(int64_t prev_t_ns, int64_t t_ns) {
+std::optional<RobotMotion> RobotMotionLink::Take(int64_t measured_t_ns, int64_t prev_t_ns, int64_t t_ns) {
   wait_.End();
-  const std::optional<SE3> T_prevb_b = path_.Motion(prev_t_ns, t_ns);
-  if (!T_prevb_b) {
-    if (++n_missing_ == kReportAfter) process_.Warn("robot_motion_missing", kNoMotion);
-    return std::nullopt;
-  }
-  return RobotMotion{*T_prevb_b, T_b_c_};
+  if (const auto T_fromb_b = path_.Motion(measured_t_ns, t_ns)) return RobotMotion{*T_fromb_b, false, T_b_c_};
+  if (const auto T_fromb_b = path_.Motion(prev_t_ns, t_ns)) return RobotMotion{*T_fromb_b, true, T_b_c_};
+  if (++n_missing_ == kReportAfter) process_.Warn("robot_motion_missing", kNoMotion);
+  return std::nullopt;
 }
 
 }  // namespace plslam::vo

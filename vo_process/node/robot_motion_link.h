@@ -23,8 +23,9 @@ class RobotMotionLink {
   void OnCamera(const RigCalibration& rig);
   /// Whether the frame at this time has to wait.
   bool Awaits(int64_t t_ns, bool lockstep);
-  /// Returns the motion from the previous frame to one whose wait is over; nullopt if it is unknown.
-  std::optional<RobotMotion> Take(int64_t prev_t_ns, int64_t t_ns);
+  /// Returns the motion from the last measured frame, or else from the previous one, to a frame whose wait is over;
+  /// nullopt if both are unknown.
+  std::optional<RobotMotion> Take(int64_t measured_t_ns, int64_t prev_t_ns, int64_t t_ns);
 
  private:
   bus::Process& process_;

@@ -282,7 +282,7 @@ void Odometry::Predict(const MotionPrediction& prediction, double dt_s, Odometry
   result.T_prev_c = prediction.T_prev_c;
   result.motion_covariance = prediction.covariance;
   T_odom_c_ = T_odom_c_ * prediction.T_prev_c;
-  motion_.Miss(dt_s);
+  motion_.Miss(prediction.T_prev_c, dt_s);
   calibrator_.Interrupt();
 }
 

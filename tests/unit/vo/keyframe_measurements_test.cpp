@@ -169,6 +169,62 @@ TEST(KeyframeMeasurements, AddsFeaturesMissedInTheKeyframe) {
   EXPECT_LT((seen.left.segment.p - p).norm(), 1e-9) << "directed and cut as the landmark is";
 }
 
+/// As `See`, followed from the previous frame.
+TrackedFrame Follow(const Scene& scene, const SE3& T_odom_c, double off_px) {
+  TrackedFrame frame = See(scene, T_odom_c);
+  frame.is_followed = true;
+  for (StereoPoint& point : frame.features.points) point.left.px.x() += off_px;
+  return frame;
+}
+
+TEST(KeyframeMeasurements, DetectionsCountOnceEach) {
+  const Scene scene = MakeScene();
+  const LocalLandmarks landmarks = LandmarksOf(scene);
+  KeyframeMeasurements measurements(kCamera);
+  TrackedFrame off = Follow(scene, TrueAt(1), 1.0);
+  off.is_followed = false;
+  measurements.Add(TrueAt(1), off);
+  for (int k = 2; k <= 4; ++k) measurements.Add(TrueAt(k), Follow(scene, TrueAt(k), 1.0));
+  const TrackedFrame last = See(scene, TrueAt(5));
+  measurements.Add(TrueAt(5), last);
+  const KeyframeContent content = measurements.Take(landmarks, ContentOf(last));
+  for (size_t i = 0; i < scene.points.size(); ++i) {
+    EXPECT_NEAR(PointError(content.features.points[i], scene.points[i], TrueAt(5)).x(), 0.5, 1e-9);
+    EXPECT_NEAR(content.features.points[i].sigma_px, kSigma_px * Shrink(2), 1e-12);
+  }
+}
+
+TEST(KeyframeMeasurements, ErrorsOfTheLastKeyframeAreLeftOut) {
+  const Scene scene = MakeScene();
+  const LocalLandmarks landmarks = LandmarksOf(scene);
+  KeyframeMeasurements measurements(kCamera);
+  const TrackedFrame keyframe = See(scene, TrueAt(1));
+  measurements.Add(TrueAt(1), keyframe);
+  measurements.Take(landmarks, ContentOf(keyframe));
+  for (int k = 2; k <= 3; ++k) measurements.Add(TrueAt(k), Follow(scene, TrueAt(k), 1.0));
+  const TrackedFrame last = See(scene, TrueAt(4));
+  measurements.Add(TrueAt(4), last);
+  const KeyframeContent content = measurements.Take(landmarks, ContentOf(last));
+  for (size_t i = 0; i < scene.points.size(); ++i) {
+    EXPECT_LT(PointError(content.features.points[i], scene.points[i], TrueAt(4)).norm(), 1e-9);
+    EXPECT_NEAR(content.features.points[i].sigma_px, kSigma_px, 1e-12);
+  }
+}
+
+// Its position would be that of its only detection, moved by odometry.
+TEST(KeyframeMeasurements, OneFollowedDetectionIsNotAdded) {
+  const Scene scene = MakeScene();
+  const LocalLandmarks landmarks = LandmarksOf(scene);
+  KeyframeMeasurements measurements(kCamera);
+  measurements.Add(TrueAt(1), See(scene, TrueAt(1)));
+  for (int k = 2; k <= 4; ++k) measurements.Add(TrueAt(k), Follow(scene, TrueAt(k), 0.0));
+  const TrackedFrame last = See(scene, TrueAt(5), {.missed_points = {3}, .missed_lines = {2}});
+  measurements.Add(TrueAt(5), last);
+  const KeyframeContent content = measurements.Take(landmarks, ContentOf(last));
+  EXPECT_EQ(content.features.points.size(), scene.points.size() - 1);
+  EXPECT_EQ(content.features.lines.size(), scene.lines.size() - 1);
+}
+
 // Disparities of an added line are measured, not the landmark's, even if only one frame had them.
 TEST(KeyframeMeasurements, AddedLineHasItsMeasuredDisparity) {
   const Scene scene = MakeScene();

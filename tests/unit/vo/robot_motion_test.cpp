@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -12,6 +13,7 @@
 #include "tests/support/feature_world.h"
 #include "tests/unit/vo/feature_path.h"
 #include "vo_process/tracking/motion/robot_motion_model.h"
+#include "vo_process/tracking/motion/robot_path.h"
 #include "vo_process/tracking/odometry.h"
 
 namespace plslam::vo {
@@ -37,7 +39,7 @@ SE3 Step(int frame) { return At(frame - 1).Inverse() * At(frame); }
 /// Returns wheel odometry that measures `scale` times the true motion.
 RobotMotion Wheels(int frame, double scale) {
   const SE3 T_b_c = BodyFromMast();
-  return {SE3::Exp(scale * (T_b_c * Step(frame) * T_b_c.Inverse()).Log()), T_b_c};
+  return {SE3::Exp(scale * (T_b_c * Step(frame) * T_b_c.Inverse()).Log()), true, T_b_c};
 }
 
 double SquaredError(const SE3& estimate, const SE3& truth, const Matrix6d& covariance) {
@@ -96,7 +98,7 @@ TEST(RobotMotionModel, NotUsedAfterTheWheelsHaveSlipped) {
 TEST(RobotMotionModel, NotUsedIfTheCameraContradictsIt) {
   RobotMotionModel model = Believed();
   RobotMotion motion = Wheels(21, 1.0);
-  motion.T_prevb_b = motion.T_prevb_b * SE3(Eigen::Quaterniond::Identity(), {1.0, 0.0, 0.0});
+  motion.T_fromb_b = motion.T_fromb_b * SE3(Eigen::Quaterniond::Identity(), {1.0, 0.0, 0.0});
   model.Expect(motion);
   MotionModel own;
   own.Observe(Step(20), kFrame_s, Matrix6d::Zero());
@@ -114,11 +116,27 @@ TEST(RobotMotionModel, ErrorsOfFramesAddUpWithThePath) {
     ASSERT_TRUE(prediction.by_robot);
     covariance = ComposeCovariance(covariance, prediction.T_prev_c, prediction.covariance);
     robot = robot * prediction.T_prev_c;
-    model.Miss(kFrame_s);
+    model.Miss(prediction.T_prev_c, kFrame_s);
   }
   const SE3 truth = At(20).Inverse() * At(60);
   EXPECT_LT(SquaredError(robot, truth, covariance), 6.0);
   EXPECT_GT(SquaredError(robot, truth, covariance), 0.1) << "too little confidence";
+}
+
+TEST(RobotMotionModel, CountsFromTheLastMeasuredFrame) {
+  RobotMotionModel model = Believed();
+  constexpr int64_t kAt20_ns = 20 * kFrame_ns;
+  EXPECT_EQ(model.MeasuredAt(kAt20_ns), kAt20_ns);
+  // Two frames are taken to have stood still.
+  model.Expect(std::nullopt);
+  model.Miss(SE3(), kFrame_s);
+  model.Miss(SE3(), kFrame_s);
+  EXPECT_EQ(model.MeasuredAt(kAt20_ns + 2 * kFrame_ns), kAt20_ns);
+  const SE3 T_b_c = BodyFromMast(), T_seen_c = At(20).Inverse() * At(23);
+  model.Expect(RobotMotion{T_b_c * T_seen_c * T_b_c.Inverse(), false, T_b_c});
+  EXPECT_LT((model.Predict({}, kFrame_s).T_prev_c.Inverse() * T_seen_c).Log().norm(), 1e-12);
+  model.Observe(T_seen_c, Matrix6d::Zero(), kFrame_s, true);
+  EXPECT_EQ(model.MeasuredAt(23 * kFrame_ns), 23 * kFrame_ns);
 }
 
 struct Drive {
@@ -150,6 +168,43 @@ Drive DriveWith(const std::function<bool(int)>& is_dark, const std::function<std
 }
 
 bool Never(int) { return false; }
+
+/// Wheels whose poses arrive five frames at a time from the 60th frame on.
+class LateWheels {
+ public:
+  void ExpectIn(Odometry& odometry, int frame) {
+    const SE3 T_b_c = BodyFromMast();
+    for (; (frame < 60 || frame % 5 == 4) && next_ <= frame; ++next_) {
+      path_.Add(next_ * kFrame_ns, T_b_c * At(next_) * T_b_c.Inverse());
+    }
+    const int64_t prev_t_ns = (frame - 1) * kFrame_ns;
+    const int64_t from_ns = odometry.motion().robot().MeasuredAt(prev_t_ns);
+    const auto motion = path_.Motion(from_ns, frame * kFrame_ns);
+    odometry.ExpectRobot(motion ? std::optional(RobotMotion{*motion, false, T_b_c}) : std::nullopt);
+  }
+
+ private:
+  RobotPath path_;
+  int next_ = 0;
+};
+
+TEST(RobotMotionPrediction, LatePosesCorrectWhatWasPredicted) {
+  const FeatureWorld world({300, 60}, 9);
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  LateWheels wheels;
+  constexpr int kFrames = 80;
+  double end_m = 0.0, end_chi2 = 0.0;
+  for (int i = 0; i < kFrames; ++i) {
+    wheels.ExpectIn(odometry, i);
+    const OdometryResult result =
+        odometry.Track(i * kFrame_ns, i >= 60 ? StereoFeatures() : world.Observe(At(i), 0.3, i));
+    const SE3 truth = At(0).Inverse() * At(i);
+    end_m = (result.T_odom_c.translation() - truth.translation()).norm();
+    if (i > 0) end_chi2 = SquaredError(result.T_odom_c, truth, result.covariance);
+  }
+  EXPECT_LT(end_m, 0.02);
+  EXPECT_LT(end_chi2, 12.6);
+}
 
 // The last second of a curve in the dark.
 TEST(RobotMotionPrediction, CarriesACoveredCameraThroughACurve) {

@@ -18,6 +18,24 @@ constexpr int kMinObservations = 2;
 // Least sine of the angle of right lines to the rows for which the intersection with a row gives a disparity.
 constexpr double kMinTilt = 0.1;
 
+// Number of the last keyframe's image, whose features are followed in the frames after it, among detections.
+constexpr int kOfLastKeyframe = 0;
+
+/// Returns the number of detections since the last keyframe in which a landmark was found; `seen` is in the order of the frames.
+template <class Observations>
+int NumDetections(const Observations& seen) {
+  int n = 0, last = kOfLastKeyframe;
+  for (const auto& [id, observation] : seen) n += observation.detection != std::exchange(last, observation.detection);
+  return n;
+}
+
+/// Returns the number of observations of the same detection as the i-th.
+template <class Observations>
+int NumAlike(const Observations& seen, size_t i) {
+  return static_cast<int>(std::ranges::count_if(
+      seen, [&](const auto& other) { return other.second.detection == seen[i].second.detection; }));
+}
+
 double ShrinkFactor(int n) { return std::sqrt(kCommonShare + (1.0 - kCommonShare) / n); }
 
 /// Weighted mean of a scalar.
@@ -137,6 +155,8 @@ void KeyframeMeasurements::ImproveAll(const std::vector<Landmark>& landmarks,
       Improve(landmark, seen, features[found.back().second]);
       continue;
     }
+    // A feature of one detection, moved to the keyframe's pose, would confirm that pose and its own first position.
+    if (NumDetections(seen) < kMinObservations) continue;
     Feature feature = *seen.back().second.feature;
     if (!Expect(landmark, feature) || !Improve(landmark, seen, feature)) continue;
     features.push_back(feature);
@@ -154,17 +174,21 @@ bool KeyframeMeasurements::Improve(const PointLandmark& landmark, Observations<S
   const auto here = project(frames_.back().T_c_odom);
   if (!here) return false;
   Mean u, v, d;
-  // The errors of a point that is followed are those of its detection.
-  int n_detections = 0, last_detection = -1;
-  for (const auto& [id, observation] : seen) {
+  const int n_detections = std::max(1, NumDetections(seen));
+  for (size_t i = 0; i < seen.size(); ++i) {
+    const auto& [id, observation] = seen[i];
+    // The error of the last keyframe's image is in that keyframe.
+    if (observation.detection == kOfLastKeyframe && seen.back().second.detection != kOfLastKeyframe) continue;
     const auto expected = project(*observation.T_c_odom);
     if (!expected) continue;
     const StereoPoint& measured = *observation.feature;
-    n_detections += observation.detection != std::exchange(last_detection, observation.detection) ? 1 : 0;
-    u.Add(measured.left.px.x() - expected->x(), measured.sigma_px * measured.sigma_px);
-    v.Add(measured.left.px.y() - expected->y(), measured.sigma_px * measured.sigma_px);
+    // The errors of a point that is followed are those of its detection, which counts once.
+    const double n_alike = NumAlike(seen, i);
+    u.Add(measured.left.px.x() - expected->x(), n_alike * measured.sigma_px * measured.sigma_px);
+    v.Add(measured.left.px.y() - expected->y(), n_alike * measured.sigma_px * measured.sigma_px);
     if (measured.HasDepth()) {
-      d.Add(measured.disparity_px - expected->z(), measured.sigma_disparity_px * measured.sigma_disparity_px);
+      d.Add(measured.disparity_px - expected->z(),
+            n_alike * measured.sigma_disparity_px * measured.sigma_disparity_px);
     }
   }
   if (u.n() < kMinObservations) return false;

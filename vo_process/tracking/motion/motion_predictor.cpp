@@ -81,9 +81,9 @@ void MotionPredictor::ReplaceInertial(const InertialMotionModel& inertial) {
   was_seen_ = false;
 }
 
-void MotionPredictor::Miss(double dt_s) {
+void MotionPredictor::Miss(const SE3& T_prev_c, double dt_s) {
   velocity_.Slow(dt_s);
-  robot_.Miss(dt_s);
+  robot_.Miss(T_prev_c, dt_s);
   inertial_.Miss();
   was_seen_ = false;
 }

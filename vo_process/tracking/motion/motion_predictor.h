@@ -50,8 +50,8 @@ class MotionPredictor {
   void DriftInertial(const Matrix6d& motion_covariance) { inertial_.Drift(motion_covariance); }
   /// The frame was measured in the frame of another body, which is the world; `inertial` is that body's model.
   void ReplaceInertial(const InertialMotionModel& inertial);
-  /// The frame was not measured.
-  void Miss(double dt_s);
+  /// The frame was not measured, and taken to have moved by T_prev_c.
+  void Miss(const SE3& T_prev_c, double dt_s);
 
   /// Faults of the inertial sensor; nullptr if there is no sensor.
   const SensorDiagnosis* diagnosis() const { return diagnosis_ ? &*diagnosis_ : nullptr; }

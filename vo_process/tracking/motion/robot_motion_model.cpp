@@ -2,6 +2,7 @@
 #include "vo_process/tracking/motion/robot_motion_model.h"
 
 #include <Eigen/Cholesky>
+#include <cmath>
 
 #include "core/geometry/symmetric.h"
 
@@ -35,9 +36,20 @@ bool AreAlike(const SE3& a, const SE3& b, const Matrix6d& covariance) {
 RobotMotionModel::Extent RobotMotionModel::After(Extent extent, double dt_s) const {
   extent.time_s += dt_s;
   if (!motion_) return extent;
-  extent.way_m += motion_->T_prevb_b.translation().norm();
-  extent.turn_rad += motion_->T_prevb_b.Log().tail<3>().norm();
+  const SE3 T_prevb_b = motion_->T_b_c * FromPrevious() * motion_->T_b_c.Inverse();
+  extent.way_m += T_prevb_b.translation().norm();
+  extent.turn_rad += T_prevb_b.Log().tail<3>().norm();
   return extent;
+}
+
+SE3 RobotMotionModel::FromPrevious() const {
+  return motion_->is_from_previous ? motion_->OfCamera() : T_seen_prev_.Inverse() * motion_->OfCamera();
+}
+
+int64_t RobotMotionModel::MeasuredAt(int64_t prev_t_ns) const {
+  // Unsigned: time stamps may have any value.
+  return static_cast<int64_t>(static_cast<uint64_t>(prev_t_ns) -
+                              static_cast<uint64_t>(std::llround(1e9 * unseen_.time_s)));
 }
 
 /// Covariance of the camera's motion; the body rotates about its own origin. Zero for no time.
@@ -51,7 +63,7 @@ Matrix6d RobotMotionModel::Covariance(const Extent& extent) const {
 MotionPrediction RobotMotionModel::Predict(const MotionPrediction& own, double dt_s) const {
   if (!motion_ || !agrees_) return own;
   MotionPrediction prediction = own;
-  prediction.T_prev_c = motion_->OfCamera();
+  prediction.T_prev_c = FromPrevious();
   prediction.covariance = Covariance(After(unseen_, dt_s)) - Covariance(unseen_);
   prediction.by_robot = true;
   const bool is_possible =
@@ -60,19 +72,24 @@ MotionPrediction RobotMotionModel::Predict(const MotionPrediction& own, double d
 }
 
 void RobotMotionModel::Observe(const SE3& T_prev_c, const Matrix6d& covariance, double dt_s, bool is_sure) {
+  if (!motion_ || !is_sure) {
+    BeginToCompare();
+  } else {
+    robot_ = robot_ * FromPrevious();
+    camera_ = camera_ * T_prev_c;
+    covariance_ = ComposeCovariance(covariance_, T_prev_c, covariance);
+    compared_ = After(compared_, dt_s);
+  }
   unseen_ = {};
-  if (!motion_ || !is_sure) return BeginToCompare();
-  robot_ = robot_ * motion_->OfCamera();
-  camera_ = camera_ * T_prev_c;
-  covariance_ = ComposeCovariance(covariance_, T_prev_c, covariance);
-  compared_ = After(compared_, dt_s);
+  T_seen_prev_ = SE3();
   if (compared_.time_s < kComparison_s) return;
   agrees_ = AreAlike(robot_, camera_, Covariance(compared_) + covariance_);
   BeginToCompare();
 }
 
-void RobotMotionModel::Miss(double dt_s) {
+void RobotMotionModel::Miss(const SE3& T_prev_c, double dt_s) {
   unseen_ = After(unseen_, dt_s);
+  T_seen_prev_ = T_seen_prev_ * T_prev_c;
   BeginToCompare();
 }
 

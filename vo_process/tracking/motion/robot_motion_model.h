@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "core/geometry/se3.h"
@@ -8,13 +9,15 @@
 
 namespace plslam::vo {
 
-/// Motion of the robot's body between two frames, measured by its wheels or gyro.
+/// Motion of the robot's body up to a frame, measured by its wheels or gyro.
 struct RobotMotion {
-  SE3 T_prevb_b;
+  /// From the last measured frame, or, if the robot's poses do not reach back so far, from the previous one.
+  SE3 T_fromb_b;
+  bool is_from_previous = false;
   /// Pose of the rectified left camera in the body frame.
   SE3 T_b_c;
 
-  SE3 OfCamera() const { return T_b_c.Inverse() * T_prevb_b * T_b_c; }
+  SE3 OfCamera() const { return T_b_c.Inverse() * T_fromb_b * T_b_c; }
 };
 
 /// Predicts by the robot's own odometry instead of `MotionModel`. It only predicts: it guides the search, supports a
@@ -24,6 +27,9 @@ struct RobotMotion {
 /// odometry agreed with half a second of reliable measurements of the images, and if the camera can have moved like
 /// that since the last frame. Its covariance comes from the constants here, not from the robot. Errors of wheels are
 /// the same from frame to frame, so sigmas grow with the distance, not with its square root.
+///
+/// Poses of a robot arrive a little late, and live frames do not wait for them. What was extrapolated, or predicted
+/// without the robot, is corrected at the next frame: its motion counts from the last measured frame.
 class RobotMotionModel {
  public:
   /// Sets the robot's motion to the next frame; nullopt if there is none.
@@ -35,8 +41,12 @@ class RobotMotionModel {
   /// The frame was measured: T_prev_c, with the covariance of its right perturbation. `is_sure`: by its features alone.
   void Observe(const SE3& T_prev_c, const Matrix6d& covariance, double dt_s, bool is_sure);
 
-  /// The frame was not measured.
-  void Miss(double dt_s);
+  /// The frame was not measured, and taken to have moved by T_prev_c.
+  void Miss(const SE3& T_prev_c, double dt_s);
+
+  /// Returns the time of the last measured frame, from which the motion to the next one counts. `prev_t_ns`: time of the
+  /// last frame.
+  int64_t MeasuredAt(int64_t prev_t_ns) const;
 
   /// Whether the robot's recent motions agree with the images.
   bool agrees() const { return agrees_; }
@@ -60,6 +70,8 @@ class RobotMotionModel {
     }
   };
 
+  /// Returns the motion of the camera since the last frame.
+  SE3 FromPrevious() const;
   Extent After(Extent extent, double dt_s) const;
   Matrix6d Covariance(const Extent& extent) const;
   void BeginToCompare();
@@ -71,8 +83,9 @@ class RobotMotionModel {
   SE3 camera_;
   Matrix6d covariance_ = Matrix6d::Zero();
   Extent compared_;
-  /// Motion since the last measured frame.
+  /// Motion since the last measured frame, and the pose to which it led.
   Extent unseen_;
+  SE3 T_seen_prev_;
 };
 
 }  // namespace plslam::vo

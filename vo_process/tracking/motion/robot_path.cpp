@@ -14,8 +14,8 @@ constexpr double kAnotherRun_s = 1.0;
 // Longest interval between interpolated poses: slow wheels send 10 a second, and some are lost.
 constexpr double kLongestGap_s = 0.3;
 // Longest extrapolation beyond the newest pose: live frames do not wait for the robot, whose poses arrive a little
-// late. At 10 m/s^2 that costs 12 mm.
-constexpr double kFarthestAhead_s = 0.05;
+// late, and slow wheels send 10 a second. At 2 m/s^2 that costs 10 mm until the next pose has arrived.
+constexpr double kFarthestAhead_s = 0.101;
 // Shortest interval from which the motion is extrapolated; over a shorter one, jitter of time stamps would be
 // amplified.
 constexpr double kLeastSpan_s = 0.02;

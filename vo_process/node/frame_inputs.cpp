@@ -35,7 +35,7 @@ void FrameInputs::Use(const Frame& frame, int64_t prev_t_ns, StereoFrontEnd& fro
     front_end.SetMask(mask.value_or(FrameMask()));
   }
   if (robot_) {
-    const std::optional<RobotMotion> motion = 
+    const std::optional<RobotMotion> motion =
         robot_->Take(odometry.motion().robot().MeasuredAt(prev_t_ns), prev_t_ns, t_ns);
     if (!motion) report.Count("robot_motions.missing", 1);
     odometry.ExpectRobot(motion);

@@ -14,7 +14,7 @@ namespace {
 
 // Period of checks of waits.
 constexpr std::chrono::milliseconds kRobotTick(100);
-// Frames without a pose of the robot after which that is reported.
+// Frames in a row without a pose of the robot after which that is reported.
 constexpr int kReportAfter = 20;
 constexpr const char* kNoMotion =
     "poses of the robot do not arrive (vo.robot_motion.enabled, channel ROBOT_MOTION), so frames are tracked without "
@@ -48,8 +48,12 @@ bool RobotMotionLink::Awaits(int64_t t_ns, bool lockstep) {
 
 std::optional<RobotMotion> RobotMotionLink::Take(int64_t measured_t_ns, int64_t prev_t_ns, int64_t t_ns) {
   wait_.End();
-  if (const auto T_fromb_b = path_.Motion(measured_t_ns, t_ns)) return RobotMotion{*T_fromb_b, false, T_b_c_};
-  if (const auto T_fromb_b = path_.Motion(prev_t_ns, t_ns)) return RobotMotion{*T_fromb_b, true, T_b_c_};
+  for (const int64_t from_ns : {measured_t_ns, prev_t_ns}) {
+    const std::optional<SE3> T_fromb_b = path_.Motion(from_ns, t_ns);
+    if (!T_fromb_b) continue;
+    n_missing_ = 0;
+    return RobotMotion{*T_fromb_b, from_ns != measured_t_ns, T_b_c_};
+  }
   if (++n_missing_ == kReportAfter) process_.Warn("robot_motion_missing", kNoMotion);
   return std::nullopt;
 }

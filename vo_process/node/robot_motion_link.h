@@ -34,7 +34,7 @@ class RobotMotionLink {
   SE3 T_b_c_;
   bus::PartnerWait wait_;
   std::optional<int64_t> awaited_t_ns_;
-  int n_missing_ = 0;  ///< motions between frames that no pose of the robot covers
+  int n_missing_ = 0;  ///< frames in a row up to which no pose of the robot covers the motion
 };
 
 }  // namespace plslam::vo

@@ -48,6 +48,10 @@ TEST(RobotPath, ExtrapolatesBrieflyBeyondTheNewestPose) {
   EXPECT_FALSE(path.Reaches(kBegin_ns + 980 * kMs + 1));
   EXPECT_LT(Off(Motion(path, 950, 1000), 950, 1000), 1e-3);
   EXPECT_FALSE(Motion(path, 950, 1100));
+  RobotPath slow;
+  for (int i = 0; i < 10; ++i) slow.Add(kBegin_ns + 100 * kMs * i, PathAt(2.5 * i));
+  EXPECT_LT(Off(Motion(slow, 950, 1040), 950, 1040), 3e-3) << "10 a second, one late";
+  EXPECT_FALSE(Motion(slow, 950, 1060));
   RobotPath one;
   one.Add(kBegin_ns, SE3());
   EXPECT_FALSE(Motion(one, 0, 10)) << "one pose tells no motion";

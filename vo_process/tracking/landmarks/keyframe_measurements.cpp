@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 #include "core/features/matching/segment_projection.h"
@@ -34,6 +35,13 @@ template <class Observations>
 int NumAlike(const Observations& seen, size_t i) {
   return static_cast<int>(std::ranges::count_if(
       seen, [&](const auto& other) { return other.second.detection == seen[i].second.detection; }));
+}
+
+/// Whether a landmark that the keyframe's image does not show may be added to it. A point of one detection, moved to the
+/// keyframe's pose, would confirm that pose and its own first position; followed lines are located in each frame.
+template <class Feature, class Observations>
+bool MayBeAdded(const Observations& seen) {
+  return std::is_same_v<Feature, StereoLine> || NumDetections(seen) >= kMinObservations;
 }
 
 double ShrinkFactor(int n) { return std::sqrt(kCommonShare + (1.0 - kCommonShare) / n); }
@@ -155,8 +163,7 @@ void KeyframeMeasurements::ImproveAll(const std::vector<Landmark>& landmarks,
       Improve(landmark, seen, features[found.back().second]);
       continue;
     }
-    // A feature of one detection, moved to the keyframe's pose, would confirm that pose and its own first position.
-    if (NumDetections(seen) < kMinObservations) continue;
+    if (!MayBeAdded<Feature>(seen)) continue;
     Feature feature = *seen.back().second.feature;
     if (!Expect(landmark, feature) || !Improve(landmark, seen, feature)) continue;
     features.push_back(feature);

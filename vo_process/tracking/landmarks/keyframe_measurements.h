@@ -26,9 +26,10 @@ struct KeyframeContent {
 ///
 /// A keyframe's measurement of a landmark becomes the mean over these frames: the landmark's projection into the
 /// keyframe plus the weighted mean of measured minus projected position in each frame. Errors of single frames average
-/// out; those common to all frames (`kCommonShare` of the variance) remain, and so does that of the detection of a point
-/// that was followed through several frames. Measurements of different keyframes share no frame, so adjustment may treat
-/// them as independent. Landmarks that were not detected in the keyframe, but in earlier frames, are added as features,
+/// out; those common to all frames (`kCommonShare` of the variance) remain. A point that is followed repeats the error of
+/// its detection, so each detection counts once, and that of the last keyframe's image only where there is no later one.
+/// Then measurements of different keyframes have no error in common, and adjustment may treat them as independent.
+/// Landmarks that were not detected in the keyframe, but in earlier frames (points: in two), are added as features,
 /// because a detector repeats a corner in only two of three frames.
 class KeyframeMeasurements {
  public:

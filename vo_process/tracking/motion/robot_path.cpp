@@ -14,8 +14,11 @@ constexpr double kAnotherRun_s = 1.0;
 // Longest interval between interpolated poses: slow wheels send 10 a second, and some are lost.
 constexpr double kLongestGap_s = 0.3;
 // Longest extrapolation beyond the newest pose: live frames do not wait for the robot, whose poses arrive a little
-// late, and slow wheels send 10 a second. At 2 m/s^2 that costs 10 mm until the next pose has arrived.
-constexpr double kFarthestAhead_s = 0.101;
+// late. Slow wheels are extrapolated for an interval and a half; at 2 m/s^2 and 10 Hz that costs 22 mm until the next
+// pose has arrived.
+constexpr double kLeastAhead_s = 0.06;
+constexpr double kMostAhead_s = 0.2;
+constexpr double kIntervalsAhead = 1.5;
 // Shortest interval from which the motion is extrapolated; over a shorter one, jitter of time stamps would be
 // amplified.
 constexpr double kLeastSpan_s = 0.02;
@@ -69,7 +72,10 @@ std::optional<SE3> RobotPath::At(int64_t t_ns) const {
   if (after == poses_.begin()) return std::nullopt;
   auto before = std::prev(after);
   if (after == poses_.end()) {
-    if (SecondsBetween(before->t_ns, t_ns) > kFarthestAhead_s) return std::nullopt;
+    if (before == poses_.begin()) return std::nullopt;
+    const double interval_s = SecondsBetween(std::prev(before)->t_ns, before->t_ns);
+    const double most_s = std::clamp(kIntervalsAhead * interval_s, kLeastAhead_s, kMostAhead_s);
+    if (SecondsBetween(before->t_ns, t_ns) > most_s) return std::nullopt;
     after = before;
     do {
       if (before == poses_.begin()) return std::nullopt;

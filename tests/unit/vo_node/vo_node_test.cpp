@@ -247,6 +247,20 @@ TEST_F(VoNodeTest, SmallClockStepLosesOnlyOneFrame) {
   EXPECT_NE(Show(7, kBegin_ns - 2'000'000'000).header.session, session) << "that is another stream";
 }
 
+TEST_F(VoNodeTest, RigOfAnIdlePlayerIsNotUsed) {
+  VoOptions options;
+  options.map.enabled = false;
+  bus::Bus idle(bus_options_, "player");
+  RigCalibration other = dataset_->rig();
+  other.left.fx_px = other.right.fx_px = 1.1 * other.left.fx_px;
+  Start(options, false);
+  const int64_t session = ShowNext(0).header.session;
+  for (int i = 1; i < 20; ++i) {
+    idle.Publish(bus::kCamera, bus::ToMessage(other));
+    EXPECT_EQ(ShowNext(i).header.session, session);
+  }
+}
+
 TEST_F(VoNodeTest, ExchangedImagesAreReportedInTheStatus) {
   VoOptions options;
   options.map.enabled = false;

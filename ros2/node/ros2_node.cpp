@@ -156,7 +156,7 @@ void Ros2Node::Reject(const std::string& topic, const std::string& reason) {
     odometry_.CountRejected();
   } else if (imu_.Reads(topic)) {
     imu_.CountRejected();
-  } else {
+  } else if (topic != ros_topic::kTfStatic.name) {
     process_.SetCounter("frames.rejected", static_cast<double>(inputs_.OnRejected()));
   }
   skipped_messages_.WarnOnce(fmt::format("a message on {} {}", topic, reason));
@@ -181,6 +181,18 @@ bool Ros2Node::OthersPublishFrames() const {
   });
 }
 
+/// Logs where the camera is, at first and when /tf_static has it later.
+void Ros2Node::LogMounting(bool is_mounted) {
+  if (frames_.has_rig() && (is_mounted_ || !is_mounted)) return;
+  is_mounted_ = is_mounted;
+  const std::string frame = Shown(held_infos_.left_frame());
+  if (is_mounted) return LogInfo("the camera ({}) is on the body where /tf_static has it", frame);
+  const std::string sentence =
+      fmt::format("the camera ({}) looks along x of the body: /tf_static has no transform of it from {}", frame,
+                  Shown(options_.base_frame));
+  OthersPublishFrames() ? LogWarning("{}", sentence) : LogInfo("{}", sentence);
+}
+
 void Ros2Node::UseInfos() {
   std::optional<HeldInfos::Ready> ready = held_infos_.Take({.is_rgbd = frames_.is_rgbd(),
                                                             .is_known = frames_.has_rig(),
@@ -189,12 +201,8 @@ void Ros2Node::UseInfos() {
                                                            bus::NowS(), [this] { return OthersPublishFrames(); });
   if (!ready) return;
   if (ready->T_b_l) frames_.SetMounting(*ready->T_b_l);
-  if (!frames_.has_rig()) {
-    if (ready->T_l_imu) frames_.imu().SetMounting(*ready->T_l_imu);
-    const std::string where = ready->T_b_l ? "is on the body where /tf_static has it"
-                                           : "looks along x of the body: /tf_static has no transform of it";
-    LogInfo("the camera ({}) {}", Shown(held_infos_.left_frame()), where);
-  }
+  if (ready->T_l_imu) frames_.imu().SetMounting(*ready->T_l_imu);
+  LogMounting(ready->T_b_l.has_value());
   frames_.AddInfo(robot::Side::kLeft, std::move(ready->left));
   if (ready->right) frames_.AddInfo(robot::Side::kRight, *std::move(ready->right));
 }

@@ -39,6 +39,7 @@ class Ros2Node {
   void TakeImage(robot::Side side, robot::ForeignImage image);
   void TakeInfo(robot::Side side, RosCameraInfo info, const std::string& frame);
   void UseInfos();
+  void LogMounting(bool is_mounted);
   bool OthersPublishFrames() const;
   void Reject(const std::string& topic, const std::string& reason);
   void Write(const RosTopic& row, int64_t t_ns, const std::string& cdr);
@@ -56,6 +57,7 @@ class Ros2Node {
   ImuReader imu_;
   RobotOdometry odometry_;
   PairRates rates_;
+  bool is_mounted_ = false;  ///< the camera is on the body where /tf_static has it
   bool warned_of_loss_ = false;
   robot::SkippedMessages skipped_messages_;
   std::atomic<int64_t> first_t_ns_ = INT64_MAX;  ///< of the frames that were sent

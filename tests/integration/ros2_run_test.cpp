@@ -101,6 +101,7 @@ TEST_F(Ros2, EveryFrameHasAPose) {
 TEST_F(Ros2, CameraIsWhereTfStaticHasIt) {
   RunWithRobot({}, {"synthetic:room?size=376x240&frames=140", "20", "140", "tf_static", "listen_s=1"});
   if (HasFatalFailure()) return;
+  EXPECT_THAT(Log("out/logs/ros2.log"), HasSubstr("a message on /tf_static has an invalid transform of tool"));
   const json heard = Heard();
   ASSERT_GT(heard["odom"].size(), 20U) << heard;
   const auto world = OpenDataset("synthetic:room?size=376x240&frames=140", "");

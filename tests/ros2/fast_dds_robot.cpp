@@ -282,7 +282,16 @@ class Ears {
     }
   };
   wait_until(10.0, are_all_matched);
-  wait_until(now_s() + 1.5, [] { return false; });  // until they know it, too
+  const auto write_info = [&](size_t side, int64_t t_ns) {
+    if (infos[side] == nullptr) return;
+    auto info = InfoOf(dataset->rig(), side == 0, t_ns);
+    infos[side]->write(&info);
+  };
+  // Until they know it, too, and no longer wait for /tf_static, which they do for two seconds of CameraInfo.
+  for (const double end_s = now_s() + (infos[0] == nullptr ? 1.5 : 2.5); now_s() < end_s && g_is_ended == 0;) {
+    for (const size_t side : {0, 1}) write_info(side, begin_ns);
+    wait_until(now_s() + 0.05, [] { return false; });
+  }
   heard["discovery_s"] = now_s();
   const RigCalibration& rig = dataset->rig();
   if (n_hostile > 0) SendDamagedMessages(rig, dataset->Read(0).left, n_hostile);
@@ -306,10 +315,7 @@ class Ears {
     }
     for (int side = 0; side < 2; ++side) {
       if (images[side].writer() == nullptr) continue;
-      if (infos[side] != nullptr) {
-        auto info = InfoOf(rig, side == 0, t_ns[side]);
-        infos[side]->write(&info);
-      }
+      write_info(static_cast<size_t>(side), t_ns[side]);
       cv::Mat pixels = side == 0 ? frame.left : frame.right;
       if (has("covered") && i >= kCoveredFrom && i < kCoveredTo)
         pixels = cv::Mat::zeros(pixels.size(), pixels.type());

@@ -144,7 +144,7 @@ class RecordingDataset : public Dataset {
   }
 
   /// Whether the right images are depth maps.
-  bool is_rgbd() const { return NamesDepth(right_.topic); }
+  bool is_rgbd() const { return NamesDepth(left_.topic, right_.topic); }
 
   cv::Mat ReadDepths(const RecordedMessage& message) const {
     try {

@@ -105,18 +105,21 @@ std::string Imu(bool is_ros1, const TinyImuTopic& topic, const ImuSample& sample
   return message.bytes();
 }
 
-/// The camera is at the origin of the frame "mast". Names of frames of ROS 1 begin with a slash, as in old bags.
+/// The camera is at the origin of the frame "mast". The first transform is that of a tool without a rotation. Names of
+/// frames of ROS 1 begin with a slash, as in old bags.
 std::string StaticTransforms(bool is_ros1, const SE3& T_camera_imu) {
   RosBytes message(is_ros1);
   const std::string slash = is_ros1 ? "/" : "";
-  message.Number(uint32_t{2});
-  for (const auto& [child, T] : {std::pair("camera", SE3()), std::pair("imu", T_camera_imu)}) {
+  message.Number(uint32_t{3});
+  const auto add = [&](const std::string& child, const Eigen::Vector3d& t, const Eigen::Vector4d& q_xyzw) {
     AddHeader(is_ros1, 0, slash + "mast", message);
     message.Text(slash + child);
-    for (const double x : T.translation()) message.Number(x);
-    const Eigen::Quaterniond& q = T.rotation();
-    for (const double x : {q.x(), q.y(), q.z(), q.w()}) message.Number(x);
-  }
+    for (const double x : t) message.Number(x);
+    for (const double x : q_xyzw) message.Number(x);
+  };
+  add("tool", {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0, 0.0});
+  add("camera", {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0, 1.0});
+  add("imu", T_camera_imu.translation(), T_camera_imu.rotation().coeffs());
   return message.bytes();
 }
 

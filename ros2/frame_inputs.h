@@ -40,6 +40,7 @@ class FrameInputs {
   Symptoms SinceProgress() const;
   /// Records why there are no frames, and returns the reason before; empty: none since the last progress.
   std::string SetReason(const std::string& why);
+  bool has_reason() const { return !reason_.empty(); }
 
  private:
   struct Reader {

@@ -27,6 +27,8 @@ namespace {
 
 constexpr double kNsPerMs = 1e6;
 constexpr std::chrono::milliseconds kWait{100};
+/// Reports in a row of lost images after which there is a warning: rates of two sides may change one after the other.
+constexpr int kLossyReports = 3;
 
 std::string Environment(const char* name) {
   const char* const value = std::getenv(name);
@@ -223,7 +225,9 @@ void Ros2Node::Tick() {
   odometry_.Report(frames_.n_sent());
   AnnounceNode();
   ReadStates();
+  const bool was_late = inputs_.has_reason();
   if (inputs_.HasProgress(frames_.n_sent(), bus::NowS())) {
+    if (was_late) LogInfo("frames arrive");
     ReportRate();
   } else if (inputs_.AreLate(bus::NowS())) {
     ReportLack();
@@ -260,11 +264,9 @@ void Ros2Node::ReportLack() {
   if (why == before) return;
   const std::string sentence = "no frames: " + why;
   // Before the first frame the robot may not be running yet; an outage has one warning, however its causes change.
-  if (frames_.n_sent() > 0 && before.empty()) {
-    process_.Warn("ros2_no_frames", sentence);
-  } else {
-    LogWarning("{}", sentence);
-  }
+  const bool is_outage = frames_.n_sent() > 0 && before.empty();
+  if (is_outage) process_.SetCounter("frames.outages", static_cast<double>(++n_outages_));
+  if (!is_outage || !process_.Warn("ros2_no_frames", sentence)) LogWarning("{}", sentence);
 }
 
 void Ros2Node::ReportRate() {
@@ -273,7 +275,8 @@ void Ros2Node::ReportRate() {
   process_.SetCounter("images.sent_hz", worse.rates.sent_hz);
   const std::string sentence = LossSentence(worse.rates, rates_.pair_bytes(), LargestReceiveBuffer());
   process_.SetReason(sentence);
-  if (sentence.empty() || std::exchange(warned_of_loss_, true)) return;
+  n_lossy_reports_ = sentence.empty() ? 0 : n_lossy_reports_ + 1;
+  if (n_lossy_reports_ < kLossyReports || std::exchange(warned_of_loss_, true)) return;
   const std::string& topic = worse.side == robot::Side::kLeft ? options_.left : options_.right;
   process_.Warn("ros2_images_lost", topic + ": " + sentence);
 }

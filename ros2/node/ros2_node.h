@@ -59,6 +59,8 @@ class Ros2Node {
   PairRates rates_;
   bool is_mounted_ = false;  ///< the camera is on the body where /tf_static has it
   bool warned_of_loss_ = false;
+  int n_lossy_reports_ = 0;  ///< in a row
+  int64_t n_outages_ = 0;
   robot::SkippedMessages skipped_messages_;
   std::atomic<int64_t> first_t_ns_ = INT64_MAX;  ///< of the frames that were sent
   bus::LiveRun run_;

@@ -333,6 +333,21 @@ TEST_F(VoNodeTest, LiveFrameWaitsBrieflyForItsMask) {
   EXPECT_TRUE(Says([](const status_t& status) { return bus::CounterOf(status, "masks.missing") >= 3.0; }));
 }
 
+TEST_F(VoNodeTest, SingleMissingMasksAreNotReported) {
+  VoOptions options;
+  options.map.enabled = false;
+  options.masks.enabled = true;
+  Start(options, false);
+  for (int i = 0; i < 50; ++i) {
+    if (i % 2 == 0) SayMask(i, {});
+    ShowNext(i);
+  }
+  EXPECT_TRUE(Says([](const status_t& s) {
+    return bus::CounterOf(s, "frames") >= 50.0 && bus::CounterOf(s, "masks.missing") >= 25.0 &&
+           s.reason.find("masks do not arrive") == std::string::npos;
+  }));
+}
+
 VoOptions WithRobot() {
   VoOptions options;
   options.map.enabled = false;

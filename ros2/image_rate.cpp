@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -12,12 +13,18 @@ namespace {
 constexpr double kWindow_s = 5.0;
 constexpr double kGap_s = 2.0;
 constexpr size_t kLeast = 10;
-/// Long steps in a row, before short ones, that may be gaps; more of them are steps of another rate.
-constexpr size_t kMostGaps = 3;
+/// Long steps in a row that may be those of another rate; fewer are not decided yet, and those of losses differ.
+constexpr size_t kLeastOfOneRate = 8;
 constexpr size_t kMostNew = 2000;
 constexpr double kLeastShare = 0.9;
 /// Room for so many frames: earlier ones are handled while the next one arrives.
 constexpr int64_t kFrames = 4;
+
+bool AreOfOneRate(std::span<const int64_t> steps_ns) {
+  if (steps_ns.size() < kLeastOfOneRate) return false;
+  const auto [least, most] = std::ranges::minmax(steps_ns);
+  return most <= least + least / 2;
+}
 
 }  // namespace
 
@@ -43,27 +50,28 @@ ImageRate::Rates ImageRate::Of(double now_s) {
   if (*tenth <= 0) return {};
   // Steps without a gap: those that are not much longer than the shortest ones.
   const auto is_whole = [limit_ns = *tenth + *tenth / 2](int64_t step_ns) { return step_ns <= limit_ns; };
-  const auto first = std::ranges::find_if(steps, is_whole);
-  const auto end = std::find_if(steps.rbegin(), steps.rend(), is_whole).base();
-  const auto n_before = static_cast<size_t>(first - steps.begin()),
-             n_until = static_cast<size_t>(end - steps.begin());
-  const int64_t begin_ns = arrivals_[n_before].first, end_ns = arrivals_[n_until].first;
-  if (1e-9 * static_cast<double>(arrivals_.back().first - end_ns) > kGap_s) {
-    // The camera has another rate.
+  const auto n_before = static_cast<size_t>(std::ranges::find_if(steps, is_whole) - steps.begin());
+  const auto n_until =
+      static_cast<size_t>(std::find_if(steps.rbegin(), steps.rend(), is_whole).base() - steps.begin());
+  const std::span<const int64_t> all(steps), before = all.first(n_before), after = all.subspan(n_until);
+  if (AreOfOneRate(after)) {
     arrivals_.erase(arrivals_.begin(), arrivals_.begin() + static_cast<std::ptrdiff_t>(n_until));
     return Of(now_s);
   }
+  const size_t begin = AreOfOneRate(before) ? n_before : 0;
+  const size_t end = after.size() < kLeastOfOneRate ? n_until : steps.size();
+  const int64_t begin_ns = arrivals_[begin].first, end_ns = arrivals_[end].first;
   if (end_ns <= begin_ns) return {};
   double sum_ns = 0.0;
   int n_whole = 0;
-  for (auto step = first; step != end; ++step) {
-    if (!is_whole(*step)) continue;
-    sum_ns += static_cast<double>(*step);
+  for (const int64_t step_ns : all.subspan(begin, end - begin)) {
+    if (!is_whole(step_ns)) continue;
+    sum_ns += static_cast<double>(step_ns);
     ++n_whole;
   }
   return {.sent_hz = 1e9 * n_whole / sum_ns,
-          .arrived_hz = 1e9 * static_cast<double>(end - first) / static_cast<double>(end_ns - begin_ns),
-          .from_ns = n_before > kMostGaps ? begin_ns : INT64_MIN,
+          .arrived_hz = 1e9 * static_cast<double>(end - begin) / static_cast<double>(end_ns - begin_ns),
+          .from_ns = begin > 0 ? begin_ns : INT64_MIN,
           .to_ns = end_ns};
 }
 

@@ -12,8 +12,8 @@ namespace plslam::ros2 {
 /// Compares the number of images that arrive with the one that their stamps promise: large messages over UDP are lost
 /// whole if one of their parts does not fit into the receive buffer.
 ///
-/// A long step is a gap if shorter ones follow within two seconds. If none do, the camera takes fewer images, as with a
-/// longer exposure in the dark; long steps before all short ones are of such a time, too.
+/// A long step is a gap, unless it is one of eight equal ones in a row, before or after the short ones: then the camera
+/// takes fewer images, as with a longer exposure in the dark.
 class ImageRate {
  public:
   /// An image with this stamp arrived at `now_s`.

@@ -18,9 +18,10 @@ PairRates::Worse PairRates::OfWorseSide(double now_s) {
                     .arrived_hz = right_is_worse ? right.arrived_hz : left.arrived_hz}};
 }
 
-int64_t PairRates::CountMissing(double now_s) {
+int64_t PairRates::CountMissing(double now_s, bool is_last) {
   const ImageRate::Rates left = rates_[0].Of(now_s), right = rates_[1].Of(now_s);
-  const ImageRate::Rates& better = right.sent_hz > left.sent_hz ? right : left;
+  ImageRate::Rates better = right.sent_hz > left.sent_hz ? right : left;
+  if (is_last) better.to_ns = INT64_MAX;
   if (better.sent_hz > 0.0) {
     for (ImageRate& rate : rates_) rate.CountMissing(better);
   }

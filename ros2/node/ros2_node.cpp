@@ -28,7 +28,7 @@ namespace {
 constexpr double kNsPerMs = 1e6;
 constexpr std::chrono::milliseconds kWait{100};
 /// Reports in a row of lost images after which there is a warning: rates of two sides may change one after the other.
-constexpr int kLossyReports = 3;
+constexpr int kLossyReports = 2;
 
 std::string Environment(const char* name) {
   const char* const value = std::getenv(name);
@@ -117,7 +117,7 @@ Ros2Node::Ros2Node(bus::Process& process, const Ros2Options& options)
 Ros2Node::~Ros2Node() {
   stopped_ = true;
   listener_.join();
-  ReadStates();
+  ReadStates(true);
   // A run ends with its source; a service that is restarted continues its stream.
   if (process_.has_launcher()) frames_.End();
 }
@@ -234,9 +234,9 @@ void Ros2Node::Tick() {
   }
 }
 
-void Ros2Node::ReadStates() {
+void Ros2Node::ReadStates(bool is_last) {
   inputs_.ReadStates([this](size_t reader) { return participant_.StateOf(reader); });
-  process_.SetCounter("images.lost", static_cast<double>(rates_.CountMissing(bus::NowS())));
+  process_.SetCounter("images.lost", static_cast<double>(rates_.CountMissing(bus::NowS(), is_last)));
 }
 
 void Ros2Node::AnnounceNode() {
@@ -274,9 +274,10 @@ void Ros2Node::ReportRate() {
   process_.SetCounter("images.rate_hz", worse.rates.arrived_hz);
   process_.SetCounter("images.sent_hz", worse.rates.sent_hz);
   const std::string sentence = LossSentence(worse.rates, rates_.pair_bytes(), LargestReceiveBuffer());
-  process_.SetReason(sentence);
   n_lossy_reports_ = sentence.empty() ? 0 : n_lossy_reports_ + 1;
-  if (n_lossy_reports_ < kLossyReports || std::exchange(warned_of_loss_, true)) return;
+  const bool is_lossy = n_lossy_reports_ >= kLossyReports;
+  process_.SetReason(is_lossy ? sentence : "");
+  if (!is_lossy || std::exchange(warned_of_loss_, true)) return;
   const std::string& topic = worse.side == robot::Side::kLeft ? options_.left : options_.right;
   process_.Warn("ros2_images_lost", topic + ": " + sentence);
 }

@@ -35,7 +35,7 @@ class Ros2Node {
   void ReadImages(robot::Side side);
   void Listen();
   void Tick();
-  void ReadStates();
+  void ReadStates(bool is_last = false);
   void TakeImage(robot::Side side, robot::ForeignImage image);
   void TakeInfo(robot::Side side, RosCameraInfo info, const std::string& frame);
   void UseInfos();

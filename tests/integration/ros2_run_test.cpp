@@ -151,10 +151,11 @@ TEST_F(Ros2, MissingInputIsNamedInFiveSeconds) {
 
 TEST_F(Ros2, WrongDataAreCountedAndTheRestIsUsed) {
   const auto process = StartProcess({"--set", "ros2.robot_odometry=/wheels"});
-  const auto robot = StartRobot({kWorld, "20", "60", "lies", "reliable", "wheels", "listen_s=1"});
+  const auto robot = StartRobot({kWorld, "20", "60", "lies", "reliable", "wheels", "listen_s=2"});
   Wait(*robot);
   Stop(*process);
   EXPECT_THAT(Log(), HasSubstr("a message on /wheels has an invalid pose"));
+  EXPECT_THAT(Log(), HasSubstr("no message can be used of /wheels (ros2.robot_odometry)"));
   EXPECT_THAT(Log(), HasSubstr("a message on /stereo/right/image_raw has 376 x 4000000000 pixels"));
   EXPECT_THAT(Log(), HasSubstr("ended: 20 frames, 0 unpaired, 40 rejected"));
 }

@@ -302,6 +302,16 @@ class Ros2Imu : public Ros2 {
 
 TEST_F(Ros2Imu, CarriesThroughDarkness) { ExpectCarriedFrames("/imu/data", "imu"); }
 
+TEST_F(Ros2Imu, PoseThatArrivesLaterIsUsed) {
+  RunWithRobot({"--set", "ros2.imu=/imu/data"},
+               {"synthetic:room?size=376x240&frames=100&imu=200", "20", "100", "imu", "late_tf_static"});
+  if (HasFatalFailure()) return;
+  const std::string log = Log("out/logs/ros2.log");
+  EXPECT_THAT(log, HasSubstr("the camera (camera) looks along x of the body: /tf_static has no transform of it"));
+  EXPECT_THAT(log, HasSubstr("the camera (camera) is on the body where /tf_static has it"));
+  EXPECT_THAT(log, HasSubstr("/imu/data: the pose of the inertial sensor is known: it is used"));
+}
+
 TEST_F(Ros2Imu, RatesAndForcesApart) { ExpectCarriedFrames("/camera/gyro/sample", "imu_apart"); }
 
 // By clients of both middlewares of ROS, which have no code in common with the process but DDS itself.

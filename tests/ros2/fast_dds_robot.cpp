@@ -3,7 +3,7 @@
 // DDS. After a subscriber is found, it publishes the stereo images of a dataset on /stereo/left/image_raw and right,
 // with CameraInfo (with colour and depth: on /camera); it hears what plslam_ros2 publishes, and prints what it heard as
 // JSON. Options: no_info, no_right, other_clock, constant, unsynchronised, tf_static (a camera that looks to the left),
-// lies (sizes that do not fit the data), reliable, jpeg, png, compressed_depth, big_endian, wheels (true odometry on
+// late_tf_static (the same, from frame 20 on), lies (sizes that do not fit the data, and odometry that is not finite), reliable, jpeg, png, compressed_depth, big_endian, wheels (true odometry on
 // /wheels), imu (samples of the dataset on /imu/data; with tf_static its frame is beside the camera), imu_apart (the
 // same on /camera/gyro/sample and /camera/accel/sample), covered (black images for a second), synchronous (a written
 // image has been sent; they are rendered before), different=N (only N images, again and again), listen_s=SECONDS
@@ -246,10 +246,11 @@ class Ears {
 
   auto* const wheels =
       has("wheels") ? robot.Writer<nav_msgs::msg::dds_::Odometry_PubSubType>("/wheels", true) : nullptr;
-  if (has("tf_static")) {
+  const auto write_mounting = [&] {
     auto mounting = MountingOf(dataset->rig());
     robot.LatchedWriter<tf2_msgs::msg::dds_::TFMessage_PubSubType>("/tf_static")->write(&mounting);
-  }
+  };
+  if (has("tf_static")) write_mounting();
   std::unique_ptr<ImuDriver> imu;
   if (has("imu") || has("imu_apart")) {
     imu = std::make_unique<ImuDriver>(robot, dataset->ImuSamples(), has("imu_apart"));
@@ -307,6 +308,7 @@ class Ears {
       usleep(500);
     }
     due_s += 1.0 / rate_hz;
+    if (has("late_tf_static") && i == 20) write_mounting();
     if (imu) imu->PublishUntil(dataset->t_ns(i), begin_ns);
     if (wheels != nullptr) {
       auto wheel_odometry = OdometryOf(dataset->GroundTruth(0)->Inverse() * *dataset->GroundTruth(i), t_ns[0]);

@@ -240,8 +240,8 @@ class LogOfSeveral : public testing::Test {
       for (int i = publisher.first; i <= publisher.last; ++i) {
         ground_truth_t truth = TruthOf(i);
         StereoImages images = FrameOf(i);
-        truth.frame_id = i - publisher.first;
-        images.frame_id = truth.frame_id;
+        images.frame_id = i - publisher.first;
+        truth.frame_id = images.frame_id.value;
         bus.Publish(kGroundTruth, truth);
         frames.Publish(images);
       }

@@ -56,7 +56,9 @@ TEST(StampPairing, LostImageDoesNotShiftLaterPairs) {
   for (int64_t i = 0; i < 100; ++i) {
     const int64_t t_ns = i * kFrame_ns;
     const bool is_lost = i == 1 || i == 40;
-    if (!is_lost) EXPECT_EQ(pairing.Add(Side::kLeft, t_ns), kNone) << i;
+    if (!is_lost) {
+      EXPECT_EQ(pairing.Add(Side::kLeft, t_ns), kNone) << i;
+    }
     const auto pair = is_lost ? kNone : std::pair(t_ns, t_ns + kSkew_ns);
     EXPECT_EQ(pairing.Add(Side::kRight, t_ns + kSkew_ns), pair) << i;
   }

@@ -10,8 +10,14 @@ namespace {
 
 /// Waiting images of one camera while the other one delivers none.
 constexpr size_t kMostWaiting = 32;
+/// A single short step, as of a transfer that was held up, delays pairs for so many images.
+constexpr size_t kMostSteps = 100;
 
 }  // namespace
+
+int64_t Pairing::Camera::ShortestStep_ns() const {
+  return steps_ns.empty() ? 0 : *std::ranges::min_element(steps_ns);
+}
 
 void Pairing::Drop(Camera* camera) {
   camera->images.pop_front();
@@ -25,8 +31,8 @@ void Pairing::Add(Side side, CapturedImage image) {
     return;
   }
   if (camera.newest_t_ns != std::numeric_limits<int64_t>::min()) {
-    const int64_t step_ns = image.t_ns - camera.newest_t_ns;
-    camera.shortest_step_ns = camera.shortest_step_ns == 0 ? step_ns : std::min(camera.shortest_step_ns, step_ns);
+    camera.steps_ns.push_back(image.t_ns - camera.newest_t_ns);
+    if (camera.steps_ns.size() > kMostSteps) camera.steps_ns.pop_front();
   }
   camera.newest_t_ns = image.t_ns;
   camera.images.push_back(std::move(image));
@@ -51,7 +57,7 @@ Pairing::Decision Pairing::Decide(const Camera& earlier, const Camera& later) co
     return std::abs(earlier.images[1].t_ns - t_ns) < skew_ns ? Decision::kDropEarlier : Decision::kPair;
   }
   // The next image of the earlier camera would have to arrive within this time to be nearer.
-  const bool is_nearest = skew_ns == 0 || (is_live_ && 2 * skew_ns <= earlier.shortest_step_ns);
+  const bool is_nearest = skew_ns == 0 || (is_live_ && 2 * skew_ns <= earlier.ShortestStep_ns());
   return is_nearest || earlier.ended ? Decision::kPair : Decision::kUnknown;
 }
 

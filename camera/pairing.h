@@ -29,7 +29,7 @@ struct CapturedPair {
 ///
 /// A pair is returned as soon as no later image can be nearer, which is known from the next image of the camera with
 /// the earlier image: so the result depends on the order in each camera only, not on the interleaving of the two. In
-/// live mode it is returned at once if that camera has never taken two images within so short a time.
+/// live mode it is returned at once if that camera has not taken two images within so short a time lately.
 class Pairing {
  public:
   explicit Pairing(int64_t max_skew_ns, bool is_live = false) : max_skew_ns_(max_skew_ns), is_live_(is_live) {}
@@ -51,7 +51,10 @@ class Pairing {
     std::deque<CapturedImage> images;
     bool ended = false;
     int64_t newest_t_ns = std::numeric_limits<int64_t>::min();
-    int64_t shortest_step_ns = 0;  // 0: not known
+    std::deque<int64_t> steps_ns;  // the newest ones
+
+    /// 0: not known.
+    int64_t ShortestStep_ns() const;
     int64_t dropped = 0;
   };
 

@@ -27,9 +27,7 @@ void FrameInputs::ReadStates(const std::function<ReaderState(size_t reader)>& st
 }
 
 bool FrameInputs::HasProgress(int64_t n_sent, double now_s) {
-  if (n_sent <= n_sent_) return false;
-  n_sent_ = n_sent;
-  progress_s_ = now_s;
+  if (!progress_.HasProgress(n_sent, now_s)) return false;
   n_rejected_before_ = n_rejected_;
   for (Reader& side : sides_) side.n_before = side.input.state.n_messages;
   reason_.clear();

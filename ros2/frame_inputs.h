@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/robot/frame_progress.h"
 #include "core/robot/stamp_pairing.h"
 #include "ros2/diagnosis.h"
 
@@ -17,10 +18,7 @@ namespace plslam::ros2 {
 /// that are missing.
 class FrameInputs {
  public:
-  /// Time without frames after which the reason is reported: discovery takes two to three seconds.
-  static constexpr double kPatience_s = 4.0;
-
-  explicit FrameInputs(double now_s) : progress_s_(now_s) {}
+  explicit FrameInputs(double now_s) : progress_(now_s) {}
 
   /// `reader`: its number in the participant.
   void SetImages(robot::Side side, const std::string& topic, const std::string& type, size_t reader);
@@ -35,11 +33,12 @@ class FrameInputs {
   /// Returns whether frames were sent since the last call; then messages are counted from here on, and no reason is
   /// known. `n_sent`: frames since the start.
   bool HasProgress(int64_t n_sent, double now_s);
-  bool AreLate(double now_s) const { return now_s - progress_s_ >= kPatience_s; }
+  bool AreLate(double now_s) const { return progress_.IsLate(now_s); }
   /// Returns topics, states and rejected messages, as they are since the last progress.
   Symptoms SinceProgress() const;
   /// Records why there are no frames, and returns the reason before; empty: none since the last progress.
   std::string SetReason(const std::string& why);
+  bool has_reason() const { return !reason_.empty(); }
 
  private:
   struct Reader {
@@ -52,8 +51,7 @@ class FrameInputs {
   std::vector<Reader> infos_;
   int64_t n_rejected_ = 0;
   int64_t n_rejected_before_ = 0;  ///< at the last progress
-  int64_t n_sent_ = 0;             ///< frames at the last progress
-  double progress_s_;              ///< when that was
+  robot::FrameProgress progress_;
   std::string reason_;
 };
 

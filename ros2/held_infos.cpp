@@ -16,7 +16,8 @@ std::optional<HeldInfos::Ready> HeldInfos::Take(const Rig& rig, double now_s,
   const bool have_names = !left_frame_.empty() && !rig.imu_frame.empty();
   const std::optional<SE3> T_l_imu = have_names ? frames_.Between(left_frame_, rig.imu_frame) : std::nullopt;
   const bool knows_poses = T_b_l && (T_l_imu || !rig.needs_imu_pose);
-  awaits_frames_ = !knows_poses && !rig.is_known && now_s - since_s_ < kPatience_s && has_publisher();
+  const auto patience_s = [&] { return has_publisher() ? kPatience_s : kDiscovery_s; };
+  awaits_frames_ = !knows_poses && !rig.is_known && now_s - since_s_ < patience_s();
   if (awaits_frames_) return std::nullopt;
   auto infos = std::exchange(infos_, {});
   return Ready{*std::move(infos[0]), std::move(infos[1]), T_b_l, T_l_imu};

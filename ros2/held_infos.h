@@ -16,13 +16,15 @@ namespace plslam::ros2 {
 
 /// The newest CameraInfo of each side until it is used, and where the cameras are by /tf_static.
 ///
-/// A rig that changed while it is in use would begin a new session, so the first one waits for /tf_static for a while,
-/// where it has a publisher.
+/// A rig that changed while it is in use would begin a new session, so the first one waits for /tf_static for a while:
+/// longer where it has a publisher, which other processes of the robot may become after the camera.
 class HeldInfos {
  public:
   /// Time in which /tf_static is awaited after the first CameraInfo: some publishers repeat what late subscribers lack
   /// every three seconds.
   static constexpr double kPatience_s = 5.0;
+  /// The same without a publisher of /tf_static: time in which one is discovered.
+  static constexpr double kDiscovery_s = 2.0;
 
   /// The state of the rig in use.
   struct Rig {

@@ -18,11 +18,12 @@ PairRates::Worse PairRates::OfWorseSide(double now_s) {
                     .arrived_hz = right_is_worse ? right.arrived_hz : left.arrived_hz}};
 }
 
-int64_t PairRates::CountMissing(double now_s) {
-  double sent_hz = 0.0;
-  for (ImageRate& rate : rates_) sent_hz = std::max(sent_hz, rate.Of(now_s).sent_hz);
-  if (sent_hz > 0.0) {
-    for (ImageRate& rate : rates_) rate.CountMissing(sent_hz);
+int64_t PairRates::CountMissing(double now_s, bool is_last) {
+  const ImageRate::Rates left = rates_[0].Of(now_s), right = rates_[1].Of(now_s);
+  ImageRate::Rates better = right.sent_hz > left.sent_hz ? right : left;
+  if (is_last) better.to_ns = INT64_MAX;
+  if (better.sent_hz > 0.0) {
+    for (ImageRate& rate : rates_) rate.CountMissing(better);
   }
   return rates_[0].n_missing() + rates_[1].n_missing();
 }

@@ -22,7 +22,8 @@ class PairRates {
   Worse OfWorseSide(double now_s);
 
   /// Counts the images that are missing, at the rate of the better side, and returns those of both since the start.
-  int64_t CountMissing(double now_s);
+  /// `is_last`: also the newest steps, of which a lower rate may be the reason.
+  int64_t CountMissing(double now_s, bool is_last = false);
   /// Size of the images of a frame: the largest so far.
   int64_t pair_bytes() const { return pair_bytes_; }
 

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/bus/run_loop.h"
 #include "core/errors/error_text.h"
 #include "core/errors/log.h"
 #include "core/robot/image_topics.h"
@@ -71,7 +72,8 @@ ImageSource::ImageSource(bus::Process& process, bus::StockLcm& foreign, const Ad
                        .option = "adapter.imu",
                        .calibration = options.imu_calibration,
                        .camera = options.camera}},
-              std::move(listener)) {
+              std::move(listener)),
+      progress_(bus::NowS()) {
   Subscribe(foreign);
 }
 
@@ -83,7 +85,7 @@ void ImageSource::Subscribe(bus::StockLcm& foreign) {
   if (!options_.imu.empty()) foreign.Subscribe(options_.imu, [this](MessageBytes bytes) { OnImu(bytes); });
   if (!options_.images.empty()) {
     listen(options_.images, [this](MessageBytes bytes) {
-      ++n_messages_[0];
+      ++received_.n_messages[0];
       const auto [left, right] = PairFromBytes(bytes);
       frames_.AddPair(left, right);
     });
@@ -118,13 +120,13 @@ void ImageSource::Handle(const robot::Inbox::Message& message) {
   try {
     channel.take(message.bytes);
   } catch (const DatasetError& error) {
-    process_.SetCounter("frames.rejected", static_cast<double>(++n_rejected_));
+    process_.SetCounter("frames.rejected", static_cast<double>(++received_.n_rejected));
     skipped_messages_.WarnOnce(fmt::format("a message on {} {}", Shown(channel.name), error.what()));
   }
 }
 
 void ImageSource::OnImage(robot::Side side, MessageBytes bytes) {
-  ++n_messages_[static_cast<size_t>(side)];
+  ++received_.n_messages[static_cast<size_t>(side)];
   frames_.AddImage(side, ImageFromBytes(bytes));
 }
 
@@ -141,19 +143,41 @@ void ImageSource::OnImu(MessageBytes bytes) {
 void ImageSource::Tick() {
   frames_.PublishRig();
   process_.SetCounter("frames.dropped", static_cast<double>(inbox_.dropped()));
-  ListImageChannels();
-  if (n_sent() == 0) process_.SetReason(WhatIsMissing());
+  if (n_sent() == 0) ListImageChannels();
+  ReportLack();
 }
 
-/// Channels of images on which nothing has arrived.
+/// An outage has one warning, however its causes change.
+void ImageSource::ReportLack() {
+  const double now_s = bus::NowS();
+  if (progress_.HasProgress(n_sent(), now_s)) {
+    received_before_ = received_;
+    process_.SetReason("");
+    if (std::exchange(is_out_, false)) LogInfo("frames arrive again");
+  } else if (n_sent() == 0) {
+    process_.SetReason(WhatIsMissing());
+  } else if (progress_.IsLate(now_s)) {
+    const std::string why = WhatIsMissing();
+    process_.SetReason(why);
+    if (std::exchange(is_out_, true)) return;
+    process_.SetCounter("frames.outages", static_cast<double>(++n_outages_));
+    const std::string sentence = "no frames: " + why;
+    if (!process_.Warn("adapter_no_frames", sentence)) LogWarning("{}", sentence);
+  }
+}
+
+/// Channels of images on which nothing has arrived since the last progress.
 std::vector<std::string> ImageSource::SilentChannels() const {
+  const auto is_silent = [this](size_t side) {
+    return received_.n_messages[side] == received_before_.n_messages[side];
+  };
   std::vector<std::string> silent;
   if (!options_.images.empty()) {
-    if (n_messages_[0] == 0) silent.push_back(Shown(options_.images));
+    if (is_silent(0)) silent.push_back(Shown(options_.images));
     return silent;
   }
-  if (n_messages_[static_cast<size_t>(robot::Side::kLeft)] == 0) silent.push_back(Shown(options_.left));
-  if (n_messages_[static_cast<size_t>(robot::Side::kRight)] == 0) silent.push_back(Shown(options_.right));
+  if (is_silent(static_cast<size_t>(robot::Side::kLeft))) silent.push_back(Shown(options_.left));
+  if (is_silent(static_cast<size_t>(robot::Side::kRight))) silent.push_back(Shown(options_.right));
   return silent;
 }
 
@@ -169,15 +193,16 @@ void ImageSource::ListImageChannels() {
 std::string ImageSource::WhatIsMissing() const {
   const std::vector<std::string> silent = SilentChannels();
   if (!silent.empty()) {
-    return Joined(fmt::format("waiting for images on {}", fmt::join(silent, " and ")),
-                  Shown(image_channels_.value_or("")));
+    const std::string waits = fmt::format("waiting for images on {}", fmt::join(silent, " and "));
+    return n_sent() > 0 ? waits : Joined(waits, Shown(image_channels_.value_or("")));
   }
   if (!frames_.has_rig()) {
     return fmt::format("waiting for sensor_msgs.CameraInfo on {} and {} (or give a file with --camera)", left_info_,
                        right_info_);
   }
-  return n_rejected_ > 0 ? "no image could be used: see the log"
-                         : "no left image has nearly the same stamp as a right one";
+  return received_.n_rejected > received_before_.n_rejected
+             ? "no image could be used: see the log"
+             : "no left image has nearly the same stamp as a right one";
 }
 
 }  // namespace plslam::adapter

@@ -13,6 +13,7 @@
 #include "adapter/options.h"
 #include "core/bus/transport/stock_lcm.h"
 #include "core/process/process.h"
+#include "core/robot/frame_progress.h"
 #include "core/robot/node/frame_source.h"
 #include "core/robot/node/inbox.h"
 #include "core/robot/node/skipped_messages.h"
@@ -23,7 +24,8 @@ namespace plslam::adapter {
 /// live stream, together with the rig, from a file or from the robot's own messages.
 ///
 /// An invalid foreign message is counted (`frames.rejected`, `frames.unpaired`) and ignored, and so is one that has
-/// waited too long because others arrived (`frames.dropped`). The thread of `StockLcm::Handle` only receives, and adds
+/// waited too long because others arrived (`frames.dropped`). Four seconds without frames, after there were some, are an
+/// outage: counted (`frames.outages`), and reported by the warning `adapter_no_frames`. The thread of `StockLcm::Handle` only receives, and adds
 /// samples of an inertial sensor (`imu.rejected`: invalid ones); `Work` runs on a separate one.
 class ImageSource {
  public:
@@ -51,6 +53,7 @@ class ImageSource {
   std::vector<std::string> SilentChannels() const;
   void ListImageChannels();
   std::string WhatIsMissing() const;
+  void ReportLack();
 
   bus::Process& process_;
   const AdapterOptions options_;
@@ -65,8 +68,16 @@ class ImageSource {
   int64_t n_imu_rejected_ = 0;
   std::chrono::steady_clock::time_point list_at_;
   std::optional<std::string> image_channels_;  ///< what was found instead of the expected ones
-  std::array<int64_t, 2> n_messages_{};        ///< by side; of pairs the first
-  int64_t n_rejected_ = 0;
+  /// Images by side, of pairs the first, and rejected messages.
+  struct Received {
+    std::array<int64_t, 2> n_messages{};
+    int64_t n_rejected = 0;
+  };
+  Received received_;
+  Received received_before_;  ///< at the last progress
+  robot::FrameProgress progress_;
+  bool is_out_ = false;  ///< no frames, after there were some
+  int64_t n_outages_ = 0;
 };
 
 /// Returns the CameraInfo channel of an image channel (`robot::InfoTopicOf`): "/a/left/image_raw#sensor_msgs.Image" has

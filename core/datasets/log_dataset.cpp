@@ -41,6 +41,7 @@ struct LogStrip {
 };
 
 struct LogFrame {
+  SourceId source;
   int64_t id = 0;
   int64_t t_ns = 0;
   std::vector<LogStrip> strips;
@@ -87,17 +88,35 @@ using StreamKey = std::tuple<std::string, std::string, SourceId>;  // prefix, ch
 struct LogStream {
   std::map<int64_t, LogFrame> frames;
   int64_t n_strips = 0;
+  int64_t begin = 0, end = 0;  ///< places of its first and last strip in the log
+
+  bool Overlaps(const LogStream& other) const { return begin < other.end && other.begin < end; }
+  int64_t CountWhole() const {
+    return std::ranges::count_if(frames, [](const auto& frame) { return frame.second.Whole(); });
+  }
+};
+using LogStreams = std::map<StreamKey, LogStream>;
+
+/// The rig that a publisher sent first.
+struct LogRig {
+  RigCalibration rig;
+  std::vector<uint8_t> bytes;  ///< `RigBytes`
+  bool has_changed = false;    ///< a later one differs
 };
 
 class LogDataset : public Dataset {
  public:
   LogDataset(const std::string& path, const std::optional<std::string>& prefix) : path_(path), log_(path) {
-    std::map<StreamKey, LogStream> streams;
+    LogStreams streams;
     std::map<std::string, LoggedRobot> robots = Index(streams);
     if (prefix) std::erase_if(streams, [&](const auto& stream) { return std::get<0>(stream.first) != *prefix; });
-    ChooseStream(streams);
-    robot_ = std::move(robots[prefix_]);
-    ReadRig();
+    const auto longest = LongestStream(streams);
+    const auto& [prefix_of_longest, channel, source] = longest->first;
+    NoteOtherRobots(streams, prefix_of_longest);
+    robot_ = std::move(robots[prefix_of_longest]);
+    const std::map<SourceId, LogRig> rigs = ReadRigs();
+    UseRig(rigs, source);
+    JoinStreams(streams, longest, rigs);
     ReadImuSamples();
     ReadGroundTruth();
     DropFramesWithHoles();
@@ -111,7 +130,8 @@ class LogDataset : public Dataset {
   int64_t t_ns(int index) const override { return frames_.at(static_cast<size_t>(index)).t_ns; }
   StereoImages Read(int index) const override;
   std::optional<SE3> GroundTruth(int index) const override {
-    const auto found = truth_.find(frames_.at(static_cast<size_t>(index)).id);
+    const LogFrame& frame = frames_.at(static_cast<size_t>(index));
+    const auto found = truth_.find({frame.source, frame.id});
     return found == truth_.end() ? std::nullopt : std::optional(found->second);
   }
   const std::vector<ImuSample>& ImuSamples() const override { return imu_samples_; }
@@ -120,11 +140,14 @@ class LogDataset : public Dataset {
  private:
   [[noreturn]] void Fail(const std::string& why) const { throw DatasetError(path_ + ": " + why); }
 
-  std::map<std::string, LoggedRobot> Index(std::map<StreamKey, LogStream>& streams);
+  std::map<std::string, LoggedRobot> Index(LogStreams& streams);
   void IndexStrip(const LogReader::Event& event, LogStream& stream) const;
   std::string WhyNoFrames() const;
-  void ChooseStream(std::map<StreamKey, LogStream>& streams);
-  void ReadRig();
+  LogStreams::iterator LongestStream(LogStreams& streams) const;
+  void NoteOtherRobots(const LogStreams& streams, const std::string& prefix);
+  std::map<SourceId, LogRig> ReadRigs() const;
+  void UseRig(const std::map<SourceId, LogRig>& rigs, SourceId source);
+  void JoinStreams(LogStreams& streams, LogStreams::iterator longest, const std::map<SourceId, LogRig>& rigs);
   void ReadImuSamples();
   void ReadGroundTruth();
   void DropFramesWithHoles();
@@ -135,17 +158,17 @@ class LogDataset : public Dataset {
   LogReader log_;
   LoggedRobot robot_;
   std::vector<ImuSample> imu_samples_;
-  std::string prefix_;
-  SourceId source_;
+  std::set<SourceId> sources_;
   RigCalibration rig_;
   std::vector<LogFrame> frames_;
-  std::map<int64_t, SE3> truth_;  // by frame id
+  std::map<std::pair<SourceId, int64_t>, SE3> truth_;  // by publisher and frame id
   plslam::Notes notes_;
 };
 
 void LogDataset::IndexStrip(const LogReader::Event& event, LogStream& stream) const {
   const int64_t id = ReadInt64(event.head.data() + kWireHeaderBytes);
   LogFrame& frame = stream.frames[id];
+  frame.source = ReadHeader(event.head).source;
   frame.id = id;
   if (frame.strips.empty()) frame.t_ns = ReadHeader(event.head).t_ns;
   const uint8_t* rest = event.head.data() + kWireHeaderBytes + 8;
@@ -153,10 +176,11 @@ void LogDataset::IndexStrip(const LogReader::Event& event, LogStream& stream) co
                           static_cast<int8_t>(rest[0]),
                           ReadInt32(rest + 1),
                           ReadInt32(rest + 5)});
-  ++stream.n_strips;
+  if (stream.n_strips++ == 0) stream.begin = event.data_offset;
+  stream.end = event.data_offset;
 }
 
-std::map<std::string, LoggedRobot> LogDataset::Index(std::map<StreamKey, LogStream>& streams) {
+std::map<std::string, LoggedRobot> LogDataset::Index(LogStreams& streams) {
   const std::vector<IndexedChannel> channels{{kCamera, camera_t::getHash()},
                                              {kGroundTruth, ground_truth_t::getHash()},
                                              {kImu, imu_t::getHash()},
@@ -189,23 +213,46 @@ std::string LogDataset::WhyNoFrames() const {
   return fmt::format("is not an LCM log: it begins with '{}'{}", Shown(start), hint);
 }
 
-void LogDataset::ChooseStream(std::map<StreamKey, LogStream>& streams) {
-  const auto most = std::max_element(streams.begin(), streams.end(), [](const auto& a, const auto& b) {
+LogStreams::iterator LogDataset::LongestStream(LogStreams& streams) const {
+  const auto longest = std::max_element(streams.begin(), streams.end(), [](const auto& a, const auto& b) {
     return a.second.n_strips < b.second.n_strips;
   });
-  if (most == streams.end()) Fail(WhyNoFrames());
-  prefix_ = std::get<0>(most->first);
-  source_ = std::get<2>(most->first);
-  for (auto& [id, frame] : most->second.frames) frames_.push_back(std::move(frame));
+  if (longest == streams.end()) Fail(WhyNoFrames());
+  return longest;
 }
 
-void LogDataset::ReadRig() {
-  std::optional<RigCalibration> first;
+void LogDataset::NoteOtherRobots(const LogStreams& streams, const std::string& prefix) {
+  std::map<std::string, int64_t> n_frames;
+  for (const auto& [key, stream] : streams) n_frames[std::get<0>(key)] += stream.CountWhole();
+  n_frames.erase(prefix);
+  for (const auto& [other, n] : n_frames) {
+    if (n == 0) continue;
+    notes_.Remark(fmt::format(
+        "{} frames of the prefix '{}' are not played: `lcm-logplayer` plays them to processes with that --prefix", n,
+        Shown(other)));
+  }
+}
+
+std::map<SourceId, LogRig> LogDataset::ReadRigs() const {
+  std::map<SourceId, LogRig> rigs;
   robot_.On(kCamera).ForEach<camera_t>(log_, [&](const camera_t& message) {
-    if (!first && SourceId(message.header.source) == source_) first = FromMessage(message);
+    std::optional<RigCalibration> rig = FromMessage(message);
+    if (!rig) return;
+    std::vector<uint8_t> bytes = RigBytes(message);
+    const auto [first, is_first] = rigs.try_emplace(SourceId(message.header.source));
+    if (is_first) {
+      first->second = {*std::move(rig), std::move(bytes)};
+    } else {
+      first->second.has_changed |= bytes != first->second.bytes;
+    }
   });
-  if (first) {
-    rig_ = *std::move(first);
+  return rigs;
+}
+
+void LogDataset::UseRig(const std::map<SourceId, LogRig>& rigs, SourceId source) {
+  const auto found = rigs.find(source);
+  if (found != rigs.end()) {
+    rig_ = found->second.rig;
   } else if (robot_.of_other_versions.contains(kCamera.name)) {
     Fail(
         "its rig (channel CAMERA) is from another version of plslam: play the log with the version that recorded it");
@@ -214,12 +261,53 @@ void LogDataset::ReadRig() {
   }
 }
 
+/// A publisher that was restarted continues the stream: its frames follow in the log, and have the same rig.
+void LogDataset::JoinStreams(LogStreams& streams, LogStreams::iterator longest,
+                             const std::map<SourceId, LogRig>& rigs) {
+  const LogRig& rig = rigs.at(std::get<2>(longest->first));
+  std::vector<LogStreams::iterator> robot;
+  for (auto stream = streams.begin(); stream != streams.end(); ++stream) {
+    if (std::get<0>(stream->first) == std::get<0>(longest->first)) robot.push_back(stream);
+  }
+  std::ranges::sort(robot, {}, [](const auto& stream) { return stream->second.begin; });
+  bool has_changed = false;
+  int64_t end = -1, n_at_once = 0, n_of_other_rigs = 0;
+  for (const auto& stream : robot) {
+    const SourceId publisher = std::get<2>(stream->first);
+    const LogStream& content = stream->second;
+    const auto own = rigs.find(publisher);
+    if (own == rigs.end() || own->second.bytes != rig.bytes) {
+      n_of_other_rigs += content.CountWhole();
+    } else if (stream != longest && (content.begin < end || content.Overlaps(longest->second))) {
+      n_at_once += content.CountWhole();
+    } else {
+      end = content.end;
+      has_changed |= own->second.has_changed;
+      sources_.insert(publisher);
+      for (auto& [id, frame] : stream->second.frames) frames_.push_back(std::move(frame));
+    }
+  }
+  if (sources_.size() > 1) {
+    notes_.Remark(fmt::format("frames of {} publishers, which followed one another, are played as one stream",
+                              sources_.size()));
+  }
+  const auto warn = [this](const std::string& what) {
+    notes_.Warn(what + ": `lcm-logplayer` plays the whole log to running processes");
+  };
+  if (has_changed) warn("the rig changes in the log, and all frames are played with the first one");
+  if (n_at_once > 0) warn(fmt::format("{} frames of another publisher at the same time are not played", n_at_once));
+  if (n_of_other_rigs > 0) {
+    warn(fmt::format("{} frames of another publisher with another rig are not played", n_of_other_rigs));
+  }
+}
+
 /// The batches of successive frames overlap, and those of frames that were sent again are repeated.
 void LogDataset::ReadImuSamples() {
   if (!rig_.imu) return;
   std::map<int64_t, ImuSample> samples;
   robot_.On(kImu).ForEach<imu_t>(log_, [&](const imu_t& message) {
-    const auto batch = SourceId(message.header.source) == source_ ? FromMessage(message) : std::nullopt;
+    const bool is_played = sources_.contains(SourceId(message.header.source));
+    const auto batch = is_played ? FromMessage(message) : std::nullopt;
     if (!batch) return;
     for (const ImuSample& sample : batch->samples) samples.emplace(sample.t_ns, sample);
   });
@@ -228,8 +316,9 @@ void LogDataset::ReadImuSamples() {
 
 void LogDataset::ReadGroundTruth() {
   robot_.On(kGroundTruth).ForEach<ground_truth_t>(log_, [&](const ground_truth_t& message) {
-    const auto T_w_l = SourceId(message.header.source) == source_ ? FromMessage(message.T_w_l) : std::nullopt;
-    if (T_w_l) truth_.emplace(message.frame_id, *T_w_l);
+    const SourceId source(message.header.source);
+    const auto T_w_l = sources_.contains(source) ? FromMessage(message.T_w_l) : std::nullopt;
+    if (T_w_l) truth_.emplace(std::pair(source, message.frame_id), *T_w_l);
   });
 }
 

@@ -28,7 +28,9 @@ void Process::SetState(const std::string& state, const std::string& reason) {
 
 void Process::SetReason(const std::string& reason) { impl_->status.SetReason(reason); }
 
-void Process::Warn(const std::string& code, const std::string& sentence) { impl_->status.Warn(code, sentence); }
+bool Process::Warn(const std::string& code, const std::string& sentence) {
+  return impl_->status.Warn(code, sentence);
+}
 
 void Process::SetConfiguration(const std::string& yaml) { impl_->status.SetConfiguration(yaml); }
 

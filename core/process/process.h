@@ -38,7 +38,8 @@ class Process {
   void SetReason(const std::string& reason);
   /// Reports once what can make results wrong or incomplete: in the log, in the status and, as `warning_t`, to summaries
   /// and reports of runs. `code` is for programs ("masks_missing"), `sentence` for users: finding, meaning and remedy.
-  void Warn(const std::string& code, const std::string& sentence);
+  /// Returns false if it has been reported before.
+  bool Warn(const std::string& code, const std::string& sentence);
   /// Sets the effective configuration of the node's own sections; that of the bus is prepended. A configuration that
   /// does not fit into a message is truncated at a line end, and its last line says so.
   void SetConfiguration(const std::string& yaml);

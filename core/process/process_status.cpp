@@ -60,8 +60,8 @@ double Counted(double value) {
 /// Maximum size of a status without its configuration, with room for two dozen counters and a reason.
 constexpr size_t kStatusBytes = 900;
 constexpr size_t kReasonBytes = 300;
-/// Further warnings of a process are neither published nor logged.
-constexpr size_t kMaxWarnings = 50;
+/// Sentences with numbers differ each time: further ones are neither published nor logged.
+constexpr size_t kMostOfOneCode = 10;
 constexpr size_t kLongestWarning = 900;
 // Statuses are published every five ticks.
 constexpr std::chrono::milliseconds kTick(200);
@@ -123,10 +123,11 @@ void StatusPublisher::OnStatus(const status_t& other) {
   }
 }
 
-void StatusPublisher::Warn(const std::string& code, const std::string& sentence) {
+bool StatusPublisher::Warn(const std::string& code, const std::string& sentence) {
   {
     const std::scoped_lock lock(mutex_);
-    if (warned_.size() == kMaxWarnings || !warned_.emplace(code, sentence).second) return;
+    std::set<std::string>& sentences = warned_[code];
+    if (sentences.size() == kMostOfOneCode || !sentences.insert(sentence).second) return false;
     newest_warning_ = sentence;
   }
   LogWarning("{}", sentence);
@@ -135,6 +136,7 @@ void StatusPublisher::Warn(const std::string& code, const std::string& sentence)
   message.code = code;
   message.sentence = sentence.substr(0, kLongestWarning);
   bus_.Publish(kWarning, std::move(message));
+  return true;
 }
 
 void StatusPublisher::Publish() {

@@ -40,9 +40,9 @@ class StatusPublisher {
   /// Sets the reason beside the state, which does not change.
   void SetReason(const std::string& reason);
   std::string state() const;
-  /// Logs a warning, publishes it as `warning_t`, and appends it to the reason of the status. The same warning is
-  /// published once.
-  void Warn(const std::string& code, const std::string& sentence);
+  /// Logs a warning, publishes it as `warning_t`, and appends it to the reason of the status. Returns false, and does
+  /// nothing, if it was published before, or if there were ten other sentences with this code.
+  bool Warn(const std::string& code, const std::string& sentence);
   void SetConfiguration(const std::string& yaml);
   void SetCounter(const std::string& name, double value);
   /// Returns 0 if there is none of this name.
@@ -70,7 +70,7 @@ class StatusPublisher {
   std::string reason_;
   std::string configuration_;
   std::map<std::string, double> counters_;
-  std::set<std::pair<std::string, std::string>> warned_;
+  std::map<std::string, std::set<std::string>> warned_;  ///< sentences by code
   std::string newest_warning_;
   bool has_changed_ = false;  ///< since the last tick
 };

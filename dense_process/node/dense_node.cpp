@@ -113,6 +113,7 @@ void DenseNode::OnCamera(const RigCalibration& rig) {
 
 void DenseNode::OnFrame(const bus::FrameSubscriber::Frame& frame) {
   end_.OnMessage();
+  camera_channel_->Follow(frame.source);
   if (waiting_.AddImages(frame.images)) FuseAll();
 }
 
@@ -220,7 +221,7 @@ void DenseNode::OnCommandAnswer(const command_answer_t& message) {
 
 /// In lockstep a keyframe is fused as soon as it is committed; live, as soon as the map has it.
 void DenseNode::FuseAll() {
-  if (!camera_ || !waiting_.HasComplete()) return;
+  if (!camera_ || camera_channel_->awaits_rig() || !waiting_.HasComplete()) return;
   const MapFollower& sparse = sparse_->follower();
   const KeyframePoses poses = PosesOf(sparse.map());
   const auto is_placed = [&](const Keyframe& keyframe) {
@@ -317,6 +318,7 @@ void DenseNode::SurfacesChanged() {
 }
 
 void DenseNode::OnTick() {
+  FuseAll();  // keyframes may have waited for the camera of their images
   PublishLive();
   end_.OnTick();
   if ((!dirty_ && finished_) || !end_.IsOver(received_, sparse_->follower().newest())) return;

@@ -20,6 +20,7 @@
 #include <fmt/format.h>
 
 #include <ros_types.h>
+#include "core/errors/error_text.h"
 #include "core/files/dataset_error.h"
 #include "ros2/names.h"
 
@@ -329,11 +330,18 @@ void Participant::ReadStaticFrames(
     std::function<void(const std::string& parent, const std::string& child, const SE3&)> take) {
   const auto take_all = [take = std::move(take)](const void* sample) {
     const auto& message = *static_cast<const tf2_msgs_msg_dds__TFMessage_*>(sample);
+    std::string complaint;
     for (uint32_t i = 0; i < message.transforms._length; ++i) {
       const auto& transform = message.transforms._buffer[i];
-      take(TextOf(transform.header.frame_id), TextOf(transform.child_frame_id),
-           ToPose(transform.transform.translation, transform.transform.rotation));
+      const std::string child = TextOf(transform.child_frame_id);
+      try {
+        take(TextOf(transform.header.frame_id), child,
+             ToPose(transform.transform.translation, transform.transform.rotation));
+      } catch (const DatasetError&) {
+        complaint = fmt::format("has an invalid transform of {}", Shown(child));
+      }
     }
+    if (!complaint.empty()) throw DatasetError(complaint);
   };
   impl_->static_frames = impl_->Read("/tf_static", tf2_msgs_msg_dds__TFMessage__desc, StaticFramesQos(), take_all);
 }

@@ -37,11 +37,13 @@ void RobotOdometry::Report(int64_t n_frames) {
   if (topic_.empty()) return;
   process_.SetCounter("motions.sent", static_cast<double>(n_sent_));
   if (n_sent_ > 0 || n_frames < kFramesWithoutMotions || std::exchange(has_warned_, true)) return;
-  process_.Warn(
-      "robot_odometry_missing",
-      fmt::format("no message arrives on {} (ros2.robot_odometry), so frames are tracked without the robot's "
-                  "odometry: `plslam topics ros2:` lists the topics of nav_msgs/msg/Odometry",
-                  Shown(topic_)));
+  const bool is_silent = n_rejected_ == 0;
+  process_.Warn("robot_odometry_missing",
+                fmt::format("no message {} {} (ros2.robot_odometry), so frames are tracked without the robot's "
+                            "odometry: {}",
+                            is_silent ? "arrives on" : "can be used of", Shown(topic_),
+                            is_silent ? "`plslam topics ros2:` lists the topics of nav_msgs/msg/Odometry"
+                                      : "the log has the reason"));
 }
 
 }  // namespace plslam::ros2

@@ -27,6 +27,8 @@ namespace {
 
 constexpr double kNsPerMs = 1e6;
 constexpr std::chrono::milliseconds kWait{100};
+/// Reports in a row of lost images after which there is a warning: rates of two sides may change one after the other.
+constexpr int kLossyReports = 2;
 
 std::string Environment(const char* name) {
   const char* const value = std::getenv(name);
@@ -115,7 +117,7 @@ Ros2Node::Ros2Node(bus::Process& process, const Ros2Options& options)
 Ros2Node::~Ros2Node() {
   stopped_ = true;
   listener_.join();
-  ReadStates();
+  ReadStates(true);
   // A run ends with its source; a service that is restarted continues its stream.
   if (process_.has_launcher()) frames_.End();
 }
@@ -156,7 +158,7 @@ void Ros2Node::Reject(const std::string& topic, const std::string& reason) {
     odometry_.CountRejected();
   } else if (imu_.Reads(topic)) {
     imu_.CountRejected();
-  } else {
+  } else if (topic != ros_topic::kTfStatic.name) {
     process_.SetCounter("frames.rejected", static_cast<double>(inputs_.OnRejected()));
   }
   skipped_messages_.WarnOnce(fmt::format("a message on {} {}", topic, reason));
@@ -181,6 +183,18 @@ bool Ros2Node::OthersPublishFrames() const {
   });
 }
 
+/// Logs where the camera is, at first and when /tf_static has it later.
+void Ros2Node::LogMounting(bool is_mounted) {
+  if (frames_.has_rig() && (is_mounted_ || !is_mounted)) return;
+  is_mounted_ = is_mounted;
+  const std::string frame = Shown(held_infos_.left_frame());
+  if (is_mounted) return LogInfo("the camera ({}) is on the body where /tf_static has it", frame);
+  const std::string sentence =
+      fmt::format("the camera ({}) looks along x of the body: /tf_static has no transform of it from {}", frame,
+                  Shown(options_.base_frame));
+  OthersPublishFrames() ? LogWarning("{}", sentence) : LogInfo("{}", sentence);
+}
+
 void Ros2Node::UseInfos() {
   std::optional<HeldInfos::Ready> ready = held_infos_.Take({.is_rgbd = frames_.is_rgbd(),
                                                             .is_known = frames_.has_rig(),
@@ -189,12 +203,8 @@ void Ros2Node::UseInfos() {
                                                            bus::NowS(), [this] { return OthersPublishFrames(); });
   if (!ready) return;
   if (ready->T_b_l) frames_.SetMounting(*ready->T_b_l);
-  if (!frames_.has_rig()) {
-    if (ready->T_l_imu) frames_.imu().SetMounting(*ready->T_l_imu);
-    const std::string where = ready->T_b_l ? "is on the body where /tf_static has it"
-                                           : "looks along x of the body: /tf_static has no transform of it";
-    LogInfo("the camera ({}) {}", Shown(held_infos_.left_frame()), where);
-  }
+  if (ready->T_l_imu) frames_.imu().SetMounting(*ready->T_l_imu);
+  LogMounting(ready->T_b_l.has_value());
   frames_.AddInfo(robot::Side::kLeft, std::move(ready->left));
   if (ready->right) frames_.AddInfo(robot::Side::kRight, *std::move(ready->right));
 }
@@ -215,16 +225,18 @@ void Ros2Node::Tick() {
   odometry_.Report(frames_.n_sent());
   AnnounceNode();
   ReadStates();
+  const bool was_late = inputs_.has_reason();
   if (inputs_.HasProgress(frames_.n_sent(), bus::NowS())) {
+    if (was_late) LogInfo("frames arrive");
     ReportRate();
   } else if (inputs_.AreLate(bus::NowS())) {
     ReportLack();
   }
 }
 
-void Ros2Node::ReadStates() {
+void Ros2Node::ReadStates(bool is_last) {
   inputs_.ReadStates([this](size_t reader) { return participant_.StateOf(reader); });
-  process_.SetCounter("images.lost", static_cast<double>(rates_.CountMissing(bus::NowS())));
+  process_.SetCounter("images.lost", static_cast<double>(rates_.CountMissing(bus::NowS(), is_last)));
 }
 
 void Ros2Node::AnnounceNode() {
@@ -252,11 +264,9 @@ void Ros2Node::ReportLack() {
   if (why == before) return;
   const std::string sentence = "no frames: " + why;
   // Before the first frame the robot may not be running yet; an outage has one warning, however its causes change.
-  if (frames_.n_sent() > 0 && before.empty()) {
-    process_.Warn("ros2_no_frames", sentence);
-  } else {
-    LogWarning("{}", sentence);
-  }
+  const bool is_outage = frames_.n_sent() > 0 && before.empty();
+  if (is_outage) process_.SetCounter("frames.outages", static_cast<double>(++n_outages_));
+  if (!is_outage || !process_.Warn("ros2_no_frames", sentence)) LogWarning("{}", sentence);
 }
 
 void Ros2Node::ReportRate() {
@@ -264,8 +274,10 @@ void Ros2Node::ReportRate() {
   process_.SetCounter("images.rate_hz", worse.rates.arrived_hz);
   process_.SetCounter("images.sent_hz", worse.rates.sent_hz);
   const std::string sentence = LossSentence(worse.rates, rates_.pair_bytes(), LargestReceiveBuffer());
-  process_.SetReason(sentence);
-  if (sentence.empty() || std::exchange(warned_of_loss_, true)) return;
+  n_lossy_reports_ = sentence.empty() ? 0 : n_lossy_reports_ + 1;
+  const bool is_lossy = n_lossy_reports_ >= kLossyReports;
+  process_.SetReason(is_lossy ? sentence : "");
+  if (!is_lossy || std::exchange(warned_of_loss_, true)) return;
   const std::string& topic = worse.side == robot::Side::kLeft ? options_.left : options_.right;
   process_.Warn("ros2_images_lost", topic + ": " + sentence);
 }

@@ -35,10 +35,11 @@ class Ros2Node {
   void ReadImages(robot::Side side);
   void Listen();
   void Tick();
-  void ReadStates();
+  void ReadStates(bool is_last = false);
   void TakeImage(robot::Side side, robot::ForeignImage image);
   void TakeInfo(robot::Side side, RosCameraInfo info, const std::string& frame);
   void UseInfos();
+  void LogMounting(bool is_mounted);
   bool OthersPublishFrames() const;
   void Reject(const std::string& topic, const std::string& reason);
   void Write(const RosTopic& row, int64_t t_ns, const std::string& cdr);
@@ -56,7 +57,10 @@ class Ros2Node {
   ImuReader imu_;
   RobotOdometry odometry_;
   PairRates rates_;
+  bool is_mounted_ = false;  ///< the camera is on the body where /tf_static has it
   bool warned_of_loss_ = false;
+  int n_lossy_reports_ = 0;  ///< in a row
+  int64_t n_outages_ = 0;
   robot::SkippedMessages skipped_messages_;
   std::atomic<int64_t> first_t_ns_ = INT64_MAX;  ///< of the frames that were sent
   bus::LiveRun run_;

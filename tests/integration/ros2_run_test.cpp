@@ -101,6 +101,7 @@ TEST_F(Ros2, EveryFrameHasAPose) {
 TEST_F(Ros2, CameraIsWhereTfStaticHasIt) {
   RunWithRobot({}, {"synthetic:room?size=376x240&frames=140", "20", "140", "tf_static", "listen_s=1"});
   if (HasFatalFailure()) return;
+  EXPECT_THAT(Log("out/logs/ros2.log"), HasSubstr("a message on /tf_static has an invalid transform of tool"));
   const json heard = Heard();
   ASSERT_GT(heard["odom"].size(), 20U) << heard;
   const auto world = OpenDataset("synthetic:room?size=376x240&frames=140", "");
@@ -150,10 +151,11 @@ TEST_F(Ros2, MissingInputIsNamedInFiveSeconds) {
 
 TEST_F(Ros2, WrongDataAreCountedAndTheRestIsUsed) {
   const auto process = StartProcess({"--set", "ros2.robot_odometry=/wheels"});
-  const auto robot = StartRobot({kWorld, "20", "60", "lies", "reliable", "wheels", "listen_s=1"});
+  const auto robot = StartRobot({kWorld, "20", "60", "lies", "reliable", "wheels", "listen_s=2"});
   Wait(*robot);
   Stop(*process);
   EXPECT_THAT(Log(), HasSubstr("a message on /wheels has an invalid pose"));
+  EXPECT_THAT(Log(), HasSubstr("no message can be used of /wheels (ros2.robot_odometry)"));
   EXPECT_THAT(Log(), HasSubstr("a message on /stereo/right/image_raw has 376 x 4000000000 pixels"));
   EXPECT_THAT(Log(), HasSubstr("ended: 20 frames, 0 unpaired, 40 rejected"));
 }
@@ -299,6 +301,16 @@ class Ros2Imu : public Ros2 {
 };
 
 TEST_F(Ros2Imu, CarriesThroughDarkness) { ExpectCarriedFrames("/imu/data", "imu"); }
+
+TEST_F(Ros2Imu, PoseThatArrivesLaterIsUsed) {
+  RunWithRobot({"--set", "ros2.imu=/imu/data"},
+               {"synthetic:room?size=376x240&frames=100&imu=200", "20", "100", "imu", "late_tf_static"});
+  if (HasFatalFailure()) return;
+  const std::string log = Log("out/logs/ros2.log");
+  EXPECT_THAT(log, HasSubstr("the camera (camera) looks along x of the body: /tf_static has no transform of it"));
+  EXPECT_THAT(log, HasSubstr("the camera (camera) is on the body where /tf_static has it"));
+  EXPECT_THAT(log, HasSubstr("/imu/data: the pose of the inertial sensor is known: it is used"));
+}
 
 TEST_F(Ros2Imu, RatesAndForcesApart) { ExpectCarriedFrames("/camera/gyro/sample", "imu_apart"); }
 

@@ -3,7 +3,7 @@
 // DDS. After a subscriber is found, it publishes the stereo images of a dataset on /stereo/left/image_raw and right,
 // with CameraInfo (with colour and depth: on /camera); it hears what plslam_ros2 publishes, and prints what it heard as
 // JSON. Options: no_info, no_right, other_clock, constant, unsynchronised, tf_static (a camera that looks to the left),
-// lies (sizes that do not fit the data), reliable, jpeg, png, compressed_depth, big_endian, wheels (true odometry on
+// late_tf_static (the same, from frame 20 on), lies (sizes that do not fit the data, and odometry that is not finite), reliable, jpeg, png, compressed_depth, big_endian, wheels (true odometry on
 // /wheels), imu (samples of the dataset on /imu/data; with tf_static its frame is beside the camera), imu_apart (the
 // same on /camera/gyro/sample and /camera/accel/sample), covered (black images for a second), synchronous (a written
 // image has been sent; they are rendered before), different=N (only N images, again and again), listen_s=SECONDS
@@ -246,10 +246,11 @@ class Ears {
 
   auto* const wheels =
       has("wheels") ? robot.Writer<nav_msgs::msg::dds_::Odometry_PubSubType>("/wheels", true) : nullptr;
-  if (has("tf_static")) {
+  const auto write_mounting = [&] {
     auto mounting = MountingOf(dataset->rig());
     robot.LatchedWriter<tf2_msgs::msg::dds_::TFMessage_PubSubType>("/tf_static")->write(&mounting);
-  }
+  };
+  if (has("tf_static")) write_mounting();
   std::unique_ptr<ImuDriver> imu;
   if (has("imu") || has("imu_apart")) {
     imu = std::make_unique<ImuDriver>(robot, dataset->ImuSamples(), has("imu_apart"));
@@ -282,7 +283,16 @@ class Ears {
     }
   };
   wait_until(10.0, are_all_matched);
-  wait_until(now_s() + 1.5, [] { return false; });  // until they know it, too
+  const auto write_info = [&](size_t side, int64_t t_ns) {
+    if (infos[side] == nullptr) return;
+    auto info = InfoOf(dataset->rig(), side == 0, t_ns);
+    infos[side]->write(&info);
+  };
+  // Until they know it, too, and no longer wait for /tf_static, which they do for two seconds of CameraInfo.
+  for (const double end_s = now_s() + (infos[0] == nullptr ? 1.5 : 2.5); now_s() < end_s && g_is_ended == 0;) {
+    for (const size_t side : {0, 1}) write_info(side, begin_ns);
+    wait_until(now_s() + 0.05, [] { return false; });
+  }
   heard["discovery_s"] = now_s();
   const RigCalibration& rig = dataset->rig();
   if (n_hostile > 0) SendDamagedMessages(rig, dataset->Read(0).left, n_hostile);
@@ -298,18 +308,16 @@ class Ears {
       usleep(500);
     }
     due_s += 1.0 / rate_hz;
+    if (has("late_tf_static") && i == 20) write_mounting();
     if (imu) imu->PublishUntil(dataset->t_ns(i), begin_ns);
     if (wheels != nullptr) {
       auto wheel_odometry = OdometryOf(dataset->GroundTruth(0)->Inverse() * *dataset->GroundTruth(i), t_ns[0]);
-      if (has("lies") && i % 10 == 0) wheel_odometry.pose().pose().position().x(NAN);
+      if (has("lies")) wheel_odometry.pose().pose().position().x(NAN);
       wheels->write(&wheel_odometry);
     }
     for (int side = 0; side < 2; ++side) {
       if (images[side].writer() == nullptr) continue;
-      if (infos[side] != nullptr) {
-        auto info = InfoOf(rig, side == 0, t_ns[side]);
-        infos[side]->write(&info);
-      }
+      write_info(static_cast<size_t>(side), t_ns[side]);
       cv::Mat pixels = side == 0 ? frame.left : frame.right;
       if (has("covered") && i >= kCoveredFrom && i < kCoveredTo)
         pixels = cv::Mat::zeros(pixels.size(), pixels.type());

@@ -125,6 +125,12 @@ tf2_msgs::msg::dds_::TFMessage_ MountingOf(const RigCalibration& rig) {
   optical.transform().rotation().y(0.5);
   optical.transform().rotation().z(-0.5);
   optical.transform().rotation().w(0.5);
+  // A tool whose place is not known, before the others.
+  message.transforms().emplace(message.transforms().begin());
+  auto& tool = message.transforms().front();
+  SetHeader(tool.header(), 0, "base_link");
+  tool.child_frame_id("tool");
+  tool.transform().rotation().w(0.0);
   return message;
 }
 

@@ -28,7 +28,7 @@ sensor_msgs::msg::dds_::CameraInfo_ InfoOf(const RigCalibration& rig, bool is_le
 nav_msgs::msg::dds_::Odometry_ OdometryOf(const SE3& T_first_c, int64_t t_ns);
 sensor_msgs::msg::dds_::Imu_ ImuOf(const ImuSample& sample, int64_t t_ns);
 /// /tf_static of a robot: the left camera is 0.3 m in front of the body's origin and 0.2 m above it, and looks to the
-/// left.
+/// left. The first transform, of another frame, has no rotation and is invalid.
 tf2_msgs::msg::dds_::TFMessage_ MountingOf(const RigCalibration& rig);
 
 }  // namespace plslam::test

@@ -114,6 +114,7 @@ void ViewerNode::OnStream(const stream_t& message) {
     end_.OnStream(true);
   } else if (message.event == stream_event::kBegin || message.event == stream_event::kResume) {
     if (!streams_.Add(message)) return;
+    camera_->Follow(SourceId(message.header.session));
     // Written files are kept: after "resume" no earlier part of the stream may be available, and after "begin" all
     // files are written again.
     if (HasWritten() && message.event == stream_event::kResume) return;

@@ -14,7 +14,7 @@ namespace {
 // Number of masks kept for frames to come, and the period of checks of waits.
 constexpr size_t kMaxMasks = 64;
 constexpr std::chrono::milliseconds kTick(5);
-// Frames without a mask after which that is reported: a detector may start later than the cameras.
+// Frames in a row without a mask after which that is reported: a detector may start later than the cameras.
 constexpr int kReportAfter = 20;
 constexpr const char* kNoMasks =
     "masks do not arrive (vo.masks.enabled, channel MASK), so frames are tracked without them: does the detector run "
@@ -57,9 +57,10 @@ std::optional<FrameMask> MaskLink::Take(const FrameName& frame) {
   wait_.End();
   const auto mask = Find(frame);
   if (mask == masks_.end()) {
-    if (++n_missing_ == kReportAfter) process_.Warn("masks_missing", kNoMasks);
+    if (++n_in_a_row_ == kReportAfter) process_.Warn("masks_missing", kNoMasks);
     return std::nullopt;
   }
+  n_in_a_row_ = 0;
   FrameMask found = std::move(mask->second);
   masks_.erase(mask);
   return found;

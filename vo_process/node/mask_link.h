@@ -40,7 +40,7 @@ class MaskLink {
   std::deque<std::pair<FrameName, FrameMask>> masks_;
   bus::PartnerWait wait_;
   FrameName awaited_{-1, 0};
-  int n_missing_ = 0;  ///< frames without a mask
+  int n_in_a_row_ = 0;  ///< frames without a mask since the last one with it
 };
 
 }  // namespace plslam::vo

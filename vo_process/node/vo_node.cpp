@@ -63,7 +63,8 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
   cv::setNumThreads(1);
   process_.bus().Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
   process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
-  process_.bus().Every(kFinishTick, [this] { FinishIfDone(); });
+  // Frames may have waited for the camera of their publisher, which is the one in use.
+  process_.bus().Every(kFinishTick, [this] { ProcessWaiting(); });
   if (options_.map.enabled) SubscribeToMap();
   WarnOfUnusedInputs(process_, options_);
   process_.SetConfiguration(settings_);
@@ -101,6 +102,7 @@ void VoNode::OnCamera(const RigCalibration& rig) {
 }
 
 void VoNode::OnFrame(const Frame& frame) {
+  camera_.Follow(frame.source);
   if (IsRepeated(frame)) return AnswerAgain(frame);
   resend_.SetPlayer(frame.source);
   if (MissesFramesBefore(frame)) {
@@ -117,8 +119,9 @@ void VoNode::OnFrame(const Frame& frame) {
   if (frame.lockstep && std::ranges::any_of(waiting_, is_same)) return;
   if (waiting_.size() == kMaxWaitingFrames) {
     // A player in lockstep sends a frame again until it has the pose, and the oldest one is due first.
-    if (frame.lockstep && front_end_) return;
-    report_.Count(front_end_ ? "frames.dropped_waiting" : "frames.without_camera", 1);
+    const bool has_camera = WaitsFor() != Wait::kCamera;
+    if (frame.lockstep && has_camera) return;
+    report_.Count(has_camera ? "frames.dropped_waiting" : "frames.without_camera", 1);
     waiting_.erase(waiting_.begin());
   }
   waiting_.push_back(frame);
@@ -138,7 +141,7 @@ void VoNode::AnswerAgain(const Frame& frame) {
 }
 
 VoNode::Wait VoNode::WaitsFor() const {
-  if (!front_end_) return Wait::kCamera;
+  if (!front_end_ || camera_.awaits_rig()) return Wait::kCamera;
   if (IsLocaliseOnly() && map_ && !map_->has_map()) return Wait::kFirstMap;
   if (map_ && map_->wait().awaited()) return Wait::kMap;
   if (relocalisation_.wait().awaited()) return Wait::kRelocalisation;
@@ -486,7 +489,7 @@ void VoNode::Restore() {
 }
 
 void VoNode::Restore(const TrackerState& state) {
-  camera_.Restore(state.camera);
+  camera_.Restore(state.camera, state.session.last_source);
   if (!front_end_) return;
   odometry_.emplace(front_end_->camera(), options_, front_end_->shutter(), MountedImuOf(*rig_));
   archive::FromBytes(state.odometry, *odometry_);

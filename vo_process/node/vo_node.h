@@ -66,7 +66,7 @@ class VoNode {
   /// Conditions for which the next frame waits.
   enum class Wait {
     kNothing,
-    kCamera,          ///< until a usable camera is received
+    kCamera,          ///< until a usable camera of the publisher of the frames is received
     kFirstMap,        ///< localisation only: until a map is received
     kMap,             ///< lockstep: until the map has the keyframe before the newest, or mapping_process is gone
     kRelocalisation,  ///< lockstep: until the open request has its result, or loop_process is gone

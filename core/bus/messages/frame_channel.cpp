@@ -22,32 +22,62 @@ namespace plslam::bus {
 struct CameraSubscriber::State {
   Handler handler;
   std::function<void()> on_rejected;
-  std::vector<uint8_t> bytes;
+  std::vector<uint8_t> bytes;                     // of the camera in use
+  std::map<SourceId, std::vector<uint8_t>> rigs;  // newest, by publisher
+  std::optional<SourceId> followed;               // publisher of the frames
+  double followed_since_s = 0.0;
 
-  void Take(const camera_t& message) {
-    std::vector<uint8_t> heard = RigBytes(message);
+  bool HasRigOfFrames() const { return !followed || rigs.contains(*followed); }
+
+  void Take(SourceId publisher, const camera_t& message) {
+    static constexpr size_t kMaxSources = 256;
+    if (rigs.size() >= kMaxSources) std::erase_if(rigs, [this](const auto& rig) { return rig.first != followed; });
+    const std::vector<uint8_t>& heard = rigs[publisher] = RigBytes(message);
+    if (!followed || publisher == *followed || !rigs.contains(*followed)) Use(heard);
+  }
+
+  void Follow(SourceId publisher) {
+    if (followed == publisher) return;
+    followed = publisher;
+    followed_since_s = NowS();
+    const auto known = rigs.find(publisher);
+    if (known != rigs.end()) Use(known->second);
+  }
+
+  void Use(const std::vector<uint8_t>& heard) {
     if (heard == bytes) return;
-    bytes = std::move(heard);
-    const std::optional<RigCalibration> rig = FromMessage(message);
+    bytes = heard;
+    const auto message = Decoded<camera_t>(bytes);
+    const std::optional<RigCalibration> rig = message ? FromMessage(*message) : std::nullopt;
     if (rig) return handler(*rig);
-    LogError("the camera '{}' has invalid values: it is not used", message.rig_name);
+    LogError("the camera '{}' has invalid values: it is not used", message ? message->rig_name : "");
     if (on_rejected) on_rejected();
   }
 };
 
 CameraSubscriber::CameraSubscriber(Bus& bus, Handler handler, std::function<void()> on_rejected)
-    : state_(std::make_shared<State>(State{std::move(handler), std::move(on_rejected), {}})) {
+    : state_(std::make_shared<State>()) {
+  state_->handler = std::move(handler);
+  state_->on_rejected = std::move(on_rejected);
   bus.Subscribe<camera_t>(kCamera, [weak = std::weak_ptr<State>(state_)](const camera_t& message) {
-    if (const auto state = weak.lock()) state->Take(message);
+    if (const auto state = weak.lock()) state->Take(SourceId(message.header.source), message);
   });
+}
+
+void CameraSubscriber::Follow(SourceId publisher) { state_->Follow(publisher); }
+
+bool CameraSubscriber::awaits_rig() const {
+  // A lost rig is repeated after a second.
+  constexpr double kPatience_s = 2.0;
+  return !state_->HasRigOfFrames() && NowS() - state_->followed_since_s < kPatience_s;
 }
 
 const std::vector<uint8_t>& CameraSubscriber::bytes() const { return state_->bytes; }
 
-void CameraSubscriber::Restore(const std::vector<uint8_t>& bytes) {
+void CameraSubscriber::Restore(const std::vector<uint8_t>& bytes, SourceId publisher) {
   const auto message = Decoded<camera_t>(bytes);
   if (!message) throw std::runtime_error("its camera is damaged");
-  state_->Take(*message);
+  state_->Take(publisher, *message);
 }
 
 namespace {

@@ -15,20 +15,27 @@ namespace plslam::bus {
 
 /// Receives the camera in use, on the thread of `Bus::Run`.
 ///
-/// A player repeats its camera every second; `handler` receives a rig only if it differs from the previous one. A
-/// camera with invalid values is rejected with one line in the log, and `on_rejected` is called; the previous camera
-/// stays in use.
+/// Several publishers may repeat their cameras every second: one that sends frames, and idle ones. The camera in use is
+/// that of the publisher of the frames (`Follow`), or the newest one while that publisher has sent none. `handler`
+/// receives a rig only if it differs from the previous one. A camera with invalid values is rejected with one line in
+/// the log, and `on_rejected` is called; the previous camera stays in use.
 class CameraSubscriber {
  public:
   using Handler = std::function<void(const RigCalibration& rig)>;
 
   CameraSubscriber(Bus& bus, Handler handler, std::function<void()> on_rejected = nullptr);
 
-  /// Returns the last received camera, for `Restore` in a process that replaces this one; empty before the first
-  /// camera.
+  /// Sets the publisher of the frames, whose camera is used from here on: `handler` may be called. To be called with
+  /// each frame, or the begin of a stream.
+  void Follow(SourceId publisher);
+  /// Whether frames should wait: their publisher has sent no camera, but may within two seconds after its first frame.
+  bool awaits_rig() const;
+
+  /// Returns the camera in use, for `Restore` in a process that replaces this one; empty before the first camera.
   const std::vector<uint8_t>& bytes() const;
-  /// Hands on a camera that a previous process has stored. Throws std::runtime_error if the bytes are damaged.
-  void Restore(const std::vector<uint8_t>& bytes);
+  /// Hands on a camera of `publisher` that a previous process has stored. Throws std::runtime_error if the bytes are
+  /// damaged.
+  void Restore(const std::vector<uint8_t>& bytes, SourceId publisher);
 
  private:
   struct State;

@@ -19,6 +19,8 @@ struct RosCameraInfo {
   struct Roi {
     int x_px = 0, y_px = 0;
     int width_px = 0, height_px = 0;  ///< 0: the whole sensor
+
+    bool operator==(const Roi&) const = default;
   };
   int width_px = 0, height_px = 0;
   std::string model;
@@ -27,6 +29,8 @@ struct RosCameraInfo {
   Eigen::Matrix<double, 3, 4> P = Eigen::Matrix<double, 3, 4>::Zero();
   int binning_x = 1, binning_y = 1;  ///< 0 is 1
   Roi roi;
+
+  bool operator==(const RosCameraInfo&) const = default;
 };
 
 /// Returns whether the name of an image topic says that its images are rectified: a part of the path is "rect" or

@@ -144,7 +144,7 @@ class RecordingDataset : public Dataset {
   }
 
   /// Whether the right images are depth maps.
-  bool is_rgbd() const { return NamesDepth(right_.topic); }
+  bool is_rgbd() const { return NamesDepth(left_.topic, right_.topic); }
 
   cv::Mat ReadDepths(const RecordedMessage& message) const {
     try {
@@ -264,8 +264,31 @@ class RecordingDataset : public Dataset {
     }
   }
 
+  /// Returns the first calibrated one of these messages: a driver may send zeros before it has read its calibration.
+  RosCameraInfo FirstInfo(const RecordedChannel& channel, const std::vector<RecordedMessage>& messages) {
+    const auto read = [&](const RecordedMessage& m) {
+      return ParseCameraInfo(reader_->Read(m), EncodingOf(channel));
+    };
+    const auto is_calibrated = [](const RosCameraInfo& info) { return !info.K.isZero(0.0) || !info.P.isZero(0.0); };
+    RosCameraInfo info = read(messages.front());
+    std::optional<RosCameraInfo> last;
+    try {
+      last = read(messages.back());
+    } catch (const std::runtime_error&) {  // the end of a recording may be damaged
+    }
+    if (!last || !is_calibrated(*last)) return info;
+    for (size_t i = 1; i < messages.size() && !is_calibrated(info); ++i) info = read(messages[i]);
+    if (info != *last) {
+      notes_.Warn(
+          fmt::format("{} changes, and all frames are played with the first one: where another one is right, "
+                      "name a camera file (docs/datasets.md), FILE?camera=camera.yaml",
+                      channel.topic));
+    }
+    return info;
+  }
+
   /// Returns the camera info of the nearest namespace: "/a/left/image_raw" has "/a/left/camera_info".
-  RosCameraInfo CameraInfoOf(const std::string& image_topic) const {
+  RosCameraInfo CameraInfoOf(const std::string& image_topic) {
     std::string space = image_topic;
     for (size_t slash = space.rfind('/'); slash != std::string::npos; slash = space.rfind('/')) {
       space.resize(slash);
@@ -275,7 +298,7 @@ class RecordingDataset : public Dataset {
       const RecordedChannel* const channel = Find(space + "/camera_info", fits);
       if (channel == nullptr) continue;
       const std::vector<RecordedMessage> messages = reader_->Messages(channel->topic);
-      if (!messages.empty()) return ParseCameraInfo(reader_->Read(messages.front()), EncodingOf(*channel));
+      if (!messages.empty()) return FirstInfo(*channel, messages);
     }
     throw DatasetError(fmt::format("has no camera_info for {}", image_topic));
   }

@@ -164,16 +164,19 @@ RosImu ParseImu(std::span<const uint8_t> message, RosEncoding encoding) {
 
 void ParseTransforms(std::span<const uint8_t> message, RosEncoding encoding, StaticFrames* frames) {
   RosReader reader(message, encoding);
+  std::string complaint;
   for (auto n = reader.Get<uint32_t>(); n > 0; --n) {
     const std::string parent = FrameName(reader.ReadHeader().frame);
     const std::string child = FrameName(reader.Text());
     const Eigen::Vector3d t = GetVector(reader);
     const Eigen::Quaterniond q = GetQuaternion(reader);
     if (!t.allFinite() || !(std::abs(q.norm() - 1.0) < kUnitTolerance)) {
-      throw DatasetError(fmt::format("has an invalid transform of {}", Shown(child)));
+      complaint = fmt::format("has an invalid transform of {}", Shown(child));
+    } else {
+      frames->Add(parent, child, SE3(q, t));
     }
-    frames->Add(parent, child, SE3(q, t));
   }
+  if (!complaint.empty()) throw DatasetError(complaint);
 }
 
 std::string FrameOf(std::span<const uint8_t> message, RosEncoding encoding) {

@@ -129,7 +129,8 @@ struct RosImu {
 /// Throws DatasetError also for numbers that are not finite.
 RosImu ParseImu(std::span<const uint8_t> message, RosEncoding encoding);
 
-/// Adds the transforms of a TFMessage. Names of frames have no slash at their begin, as in ROS 2.
+/// Adds the transforms of a TFMessage, the valid ones also if it throws DatasetError for another one. Names of frames
+/// have no slash at their begin, as in ROS 2.
 void ParseTransforms(std::span<const uint8_t> message, RosEncoding encoding, StaticFrames* frames);
 
 /// Returns the frame of the header of a message.

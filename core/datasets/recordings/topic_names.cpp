@@ -8,9 +8,16 @@ namespace {
 
 constexpr std::string_view kDepthPart = "depth";
 
+/// Returns how often a name, or its part from `at` on, contains "depth".
+int CountDepth(std::string_view name, size_t at = 0) {
+  int n = 0;
+  for (at = name.find(kDepthPart, at); at != name.npos; at = name.find(kDepthPart, at + kDepthPart.size())) ++n;
+  return n;
+}
+
 }  // namespace
 
-bool NamesDepth(std::string_view topic) { return topic.find(kDepthPart) != std::string_view::npos; }
+bool NamesDepth(std::string_view left, std::string_view right) { return CountDepth(right) > CountDepth(left); }
 
 std::vector<std::pair<std::string, std::string>> StereoTopics(const std::set<std::string>& images) {
   static constexpr auto kSides = std::to_array<std::pair<std::string_view, std::string_view>>(
@@ -19,7 +26,8 @@ std::vector<std::pair<std::string, std::string>> StereoTopics(const std::set<std
   for (const std::string& topic : images) {
     for (const auto& [left, right] : kSides) {
       const size_t at = topic.find(left);
-      if (at == std::string::npos || NamesDepth(topic)) continue;
+      // Depths of both sides ("left/depth") are no pair of images; the name of the camera before them has no meaning.
+      if (at == std::string::npos || CountDepth(topic, topic.rfind('/', at) + 1) > 0) continue;
       std::string partner = topic;
       partner.replace(at, left.size(), right);
       if (images.contains(partner)) pairs.emplace_back(topic, partner);
@@ -31,16 +39,17 @@ std::vector<std::pair<std::string, std::string>> StereoTopics(const std::set<std
 std::vector<std::pair<std::string, std::string>> RgbdTopics(const std::set<std::string>& images) {
   std::vector<std::pair<std::string, std::string>> pairs;
   for (const std::string& topic : images) {
-    const size_t at = topic.find(kDepthPart);
-    if (at == std::string::npos) continue;
-    const std::string space = topic.substr(0, topic.rfind('/', at) + 1);
     const bool is_compressed = topic.ends_with("compressedDepth");
     std::string colour;
-    for (const char* name : {"color/", "rgb/"}) {
-      const std::string begin = space + name;
-      for (auto other = images.lower_bound(begin); other != images.end() && other->starts_with(begin); ++other) {
-        const bool same_transport = other->ends_with("/compressed") == is_compressed;
-        if (colour.empty() && same_transport && !NamesDepth(*other)) colour = *other;
+    // A part before may be the name of the camera ("/depth_camera/depth").
+    for (size_t at = topic.find(kDepthPart); at != topic.npos; at = topic.find(kDepthPart, at + kDepthPart.size())) {
+      const std::string space = topic.substr(0, topic.rfind('/', at) + 1);
+      for (const char* name : {"color/", "rgb/"}) {
+        const std::string begin = space + name;
+        for (auto other = images.lower_bound(begin); other != images.end() && other->starts_with(begin); ++other) {
+          const bool same_transport = other->ends_with("/compressed") == is_compressed;
+          if (colour.empty() && same_transport && CountDepth(*other, begin.size()) == 0) colour = *other;
+        }
       }
     }
     if (!colour.empty()) pairs.emplace_back(colour, topic);

@@ -9,9 +9,10 @@
 
 namespace plslam {
 
-/// Returns whether the name of an image topic says that its images are depth maps: it contains "depth", as those of all
-/// drivers do ("aligned_depth_to_color", "depth_registered").
-bool NamesDepth(std::string_view topic);
+/// Returns whether the right images of a pair of topics are depth maps by their name: it contains "depth", as those of
+/// all drivers do ("aligned_depth_to_color", "depth_registered"), more often than that of the left ones. A name that both
+/// share, as of the camera ("/depthai/left", "/depthai/right"), has no meaning.
+bool NamesDepth(std::string_view left, std::string_view right);
 
 /// Returns the pairs of image topics that look like a stereo camera (names that differ by left and right, cam0 and
 /// cam1, infra1 and infra2, or image_0 and image_1), in the order of their names.

@@ -59,7 +59,7 @@ FrameSource::FrameSource(bus::Process& process, Settings settings, Listener list
   UseRig(std::move(rig));
 }
 
-bool FrameSource::is_rgbd() const { return NamesDepth(settings_.right); }
+bool FrameSource::is_rgbd() const { return NamesDepth(settings_.left, settings_.right); }
 
 void FrameSource::AddImage(Side side, ForeignImage image) {
   const auto pair = pairing_.Add(side, std::move(image));

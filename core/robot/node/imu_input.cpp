@@ -60,11 +60,13 @@ void ImuInput::AddTo(RigCalibration& rig) {
     return;
   }
   const bool is_first = !calibration_;
+  const bool was_unused = calibration_ && !*calibration_;
   Notes notes;
   rig.imu = FindImuCalibration(
       settings_.name, rig, {{settings_.calibration, settings_.camera}, T_c_imu_, !settings_.camera.empty()}, &notes);
   calibration_ = rig.imu;
   T_b_l_ = rig.left.T_b_cam;
+  if (was_unused && rig.imu) LogInfo("{}: the pose of the inertial sensor is known: it is used", settings_.name);
   if (!is_first) return;
   for (const std::string& warning : notes.warnings) LogWarning("{}", warning);
   for (const std::string& remark : notes.remarks) LogInfo("{}", remark);

@@ -41,10 +41,10 @@ class ImuInput {
 
   /// Whether there is a sensor without a pose in its file, so that `SetMounting` is needed.
   bool needs_mounting() const { return !settings_.name.empty() && !file_has_pose_; }
-  /// Sets the pose of the sensor in the left camera by the robot's transforms, before the first rig. A pose in the file
-  /// takes precedence.
+  /// Sets the pose of the sensor in the left camera by the robot's transforms. A pose in the file takes precedence.
+  /// After the first rig it takes effect when the left camera moves on the body.
   void SetMounting(const SE3& T_c_imu) { T_c_imu_ = T_c_imu; }
-  /// Sets the sensor of a rig. That of the first rig is that of later ones.
+  /// Sets the sensor of a rig. That of the first rig is that of later ones, as long as the left camera does not move.
   void AddTo(RigCalibration& rig);
 
   /// Whether the frame at this time has to wait for samples. A sensor that is silent delays no frame.

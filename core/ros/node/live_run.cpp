@@ -17,6 +17,7 @@
 #include "plslam/pose_t.hpp"
 #include "plslam/stage_t.hpp"
 #include "plslam/status_t.hpp"
+#include "plslam/stream_t.hpp"
 
 namespace plslam::bus {
 namespace {
@@ -53,6 +54,9 @@ LiveRun::LiveRun(Bus& bus, LiveMessages messages, std::function<bool()> wants_im
           [wants_images = std::move(wants_images)](FrameId) { return wants_images(); }) {
   bus_.Subscribe<pose_t>(kPose, [this](const pose_t& message) { OnPose(message); });
   bus_.Subscribe<status_t>(kStatus, [this](const status_t& message) { OnStatus(message); });
+  bus_.Subscribe<stream_t>(kStream, [this](const stream_t& message) {
+    if (message.event != stream_event::kEnd) camera_.Follow(SourceId(message.header.session));
+  });
   bus_.Every(std::chrono::milliseconds(1000), [this] { Tick(); });
 }
 

@@ -415,10 +415,39 @@ TEST(CameraChannel, RestoresStoredCameraBytes) {
   CameraSubscriber subscriber(bus, [&](const RigCalibration& rig) { focal_px = rig.left.fx_px; });
   EXPECT_TRUE(subscriber.bytes().empty());
   const std::vector<uint8_t> kept = RigBytes(ToMessage(RigOf(400.0)));
-  subscriber.Restore(kept);
+  subscriber.Restore(kept, 7);
   EXPECT_EQ(focal_px, 400.0);
   EXPECT_EQ(subscriber.bytes(), kept);
-  EXPECT_THROW(subscriber.Restore({kept.begin(), kept.end() - 9}), std::runtime_error);
+  EXPECT_THROW(subscriber.Restore({kept.begin(), kept.end() - 9}, 7), std::runtime_error);
+}
+
+TEST(CameraChannel, RigIsThatOfTheFramesPublisher) {
+  BusOptions options;
+  options.url = "memq://";
+  Bus bus(options, "vo");
+  std::vector<double> focal_px;
+  CameraSubscriber subscriber(bus, [&](const RigCalibration& rig) { focal_px.push_back(rig.left.fx_px); });
+  const SourceId idle(1), camera(2), silent(3);
+  const auto hear = [&](SourceId publisher, double f_px) {
+    subscriber.Restore(RigBytes(ToMessage(RigOf(f_px))), publisher);
+  };
+  hear(idle, 400.0);
+  EXPECT_FALSE(subscriber.awaits_rig()) << "no frames yet";
+  subscriber.Follow(camera);
+  EXPECT_TRUE(subscriber.awaits_rig());
+  hear(camera, 500.0);
+  EXPECT_FALSE(subscriber.awaits_rig());
+  hear(idle, 400.0);
+  hear(camera, 500.0);
+  EXPECT_EQ(focal_px, (std::vector<double>{400.0, 500.0}));
+  hear(idle, 410.0);
+  subscriber.Follow(idle);
+  EXPECT_FALSE(subscriber.awaits_rig());
+  EXPECT_EQ(focal_px, (std::vector<double>{400.0, 500.0, 410.0}));
+  // The rig of a publisher that sends none is that of another.
+  subscriber.Follow(silent);
+  hear(camera, 510.0);
+  EXPECT_EQ(focal_px, (std::vector<double>{400.0, 500.0, 410.0, 510.0}));
 }
 
 }  // namespace

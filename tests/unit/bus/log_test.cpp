@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <random>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -212,6 +215,92 @@ TEST(LogDataset, LiveChannelWithPrefixAndSmallMessages) {
     PublishStream(player, false);
   }
   ExpectTheStream(*OpenLogDataset(log));
+}
+
+/// A log of publishers, one after the other; each has a part of the stream, numbered from 0.
+class LogOfSeveral : public testing::Test {
+ protected:
+  struct Publisher {
+    int first = 0, last = 0;
+    std::string prefix{};
+    double fx_px = 200.0;
+  };
+  std::unique_ptr<Dataset> Open(const std::vector<Publisher>& publishers) {
+    std::vector<std::string> parts;
+    for (const Publisher& publisher : publishers) {
+      parts.push_back(folder_ / fmt::format("part{}", parts.size()));
+      BusOptions options;
+      options.url = "file://" + parts.back() + "?mode=w";
+      options.prefix = publisher.prefix;
+      Bus bus(options, "player");
+      RigCalibration rig = SmallRig();
+      rig.left.fx_px = publisher.fx_px;
+      bus.Publish(kCamera, ToMessage(rig));
+      FramePublisher frames(bus, false);
+      for (int i = publisher.first; i <= publisher.last; ++i) {
+        ground_truth_t truth = TruthOf(i);
+        StereoImages images = FrameOf(i);
+        images.frame_id = i - publisher.first;
+        truth.frame_id = images.frame_id.value;
+        bus.Publish(kGroundTruth, truth);
+        frames.Publish(images);
+      }
+    }
+    std::vector<RawEvent> events;
+    for (const std::string& part : parts) std::ranges::copy(ReadAll(part), std::back_inserter(events));
+    if (at_once_) std::ranges::stable_sort(events, {}, [](const RawEvent& e) { return ReadHeader(e.data).seq; });
+    WriteAll(folder_ / "log", events);
+    return OpenLogDataset(folder_ / "log");
+  }
+
+  TemporaryFolder folder_;
+  bool at_once_ = false;
+};
+
+TEST_F(LogOfSeveral, RestartedPublisherContinuesTheStream) {
+  const auto dataset = Open({{0, 2}, {3, 7}});
+  ExpectTheStream(*dataset);
+  EXPECT_TRUE(dataset->Notes().warnings.empty());
+  EXPECT_THAT(dataset->Notes().remarks,
+              testing::ElementsAre("frames of 2 publishers, which followed one another, are played as one stream"));
+}
+
+TEST_F(LogOfSeveral, FramesThatAreLeftOutAreNoted) {
+  const auto other_rig = Open({{0, 2, "", 210.0}, {3, 7}, {1, 1, "b/"}});
+  EXPECT_EQ(other_rig->size(), 5);
+  EXPECT_EQ(other_rig->rig().left.fx_px, 200.0);
+  EXPECT_THAT(other_rig->Notes().warnings,
+              testing::ElementsAre("3 frames of another publisher with another rig are not played: `lcm-logplayer` "
+                                   "plays the whole log to running processes"));
+  EXPECT_THAT(other_rig->Notes().remarks,
+              testing::ElementsAre("1 frames of the prefix 'b/' are not played: `lcm-logplayer` plays them to "
+                                   "processes with that --prefix"));
+  at_once_ = true;
+  const auto at_once = Open({{0, 2}, {3, 7}});
+  EXPECT_EQ(at_once->size(), 5);
+  EXPECT_THAT(
+      at_once->Notes().warnings,
+      testing::ElementsAre(testing::HasSubstr("3 frames of another publisher at the same time are not played")));
+}
+
+TEST_F(RecordedLog, RigThatChangesIsReported) {
+  std::vector<RawEvent> events = ReadAll(Record(Options()));
+  RigCalibration other = SmallRig();
+  other.left.fx_px = 210.0;
+  for (size_t i = events.size(); i-- > 0;) {
+    if (events[i].channel != kCamera.name) continue;
+    camera_t changed = ToMessage(other);
+    changed.header.source = Decoded<camera_t>(events[i].data)->header.source;
+    changed.header.seq = 1000;
+    events.push_back({std::string(kCamera.name), Encoded(changed)});
+    break;
+  }
+  WriteAll(folder_ / "zoomed", events);
+  const auto dataset = OpenLogDataset(folder_ / "zoomed");
+  ExpectTheStream(*dataset);
+  EXPECT_THAT(dataset->Notes().warnings,
+              testing::ElementsAre(
+                  testing::HasSubstr("the rig changes in the log, and all frames are played with the first")));
 }
 
 TEST_F(RecordedLog, ToleratesRepeatedAndReorderedStrips) {

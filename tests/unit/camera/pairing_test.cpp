@@ -88,6 +88,21 @@ TEST(Pairing, LiveFirstPairWaitsUntilTheRateIsKnown) {
   EXPECT_THAT(Sure(&pairing), ElementsAre(Pair(50, 53)));
 }
 
+TEST(Pairing, LiveShortStepDelaysPairsForAWhileOnly) {
+  Pairing pairing(5 * kMs, true);
+  int64_t t_ms = 0;
+  int n_delayed = 0;
+  for (int i = 0; i < 300; ++i) {
+    t_ms += i == 50 ? 5 : 50;
+    Add(&pairing, Side::kLeft, {t_ms});
+    Add(&pairing, Side::kRight, {t_ms + 3});
+    const Pairs pairs = Sure(&pairing);
+    n_delayed += pairs.empty() || pairs.back().first != t_ms;
+  }
+  EXPECT_GE(n_delayed, 1) << "the short step";
+  EXPECT_LE(n_delayed, 101);
+}
+
 TEST(Pairing, EndOfACameraReleasesItsLastPair) {
   Pairing pairing(5 * kMs);
   Add(&pairing, Side::kLeft, {0});

@@ -206,10 +206,24 @@ TEST_F(RecordedCameraInfo, DistortionOfRectifiedTopics) {
 }
 
 TEST_F(RecordedCameraInfo, CamerasThatAreNotCalibrated) {
-  EXPECT_THAT(ErrorOf([&] { Open({.is_calibrated = false}); }),
+  EXPECT_THAT(ErrorOf([&] { Open({.info_factor = [](int) { return 0.0; }}); }),
               HasSubstr("P of the left camera_info is all 0, so that the camera is not calibrated"));
   EXPECT_THAT(ErrorOf([&] { Open({.p_right = 5.0}); }),
               HasSubstr("P[3] of camera_info is 0 on the left and 5 on the"));
+}
+
+TEST_F(RecordedCameraInfo, ZerosBeforeTheCalibrationAreSkipped) {
+  const auto late = Open({.info_factor = [](int frame) { return frame == 0 ? 0.0 : 1.0; }});
+  EXPECT_EQ(late->rig().left.fx_px, 40.0);
+  EXPECT_TRUE(late->Notes().empty());
+}
+
+TEST_F(RecordedCameraInfo, CalibrationThatChanges) {
+  const auto zoomed = Open({.info_factor = [](int frame) { return frame == 0 ? 1.0 : 1.1; }});
+  EXPECT_EQ(zoomed->rig().left.fx_px, 40.0);
+  EXPECT_THAT(zoomed->Notes().warnings,
+              ElementsAre(HasSubstr("/cam0/camera_info changes, and all frames are played with the first one"),
+                          HasSubstr("/cam1/camera_info changes")));
 }
 
 TEST(DepthFactor, DepthsThatAreTooLarge) {

@@ -121,6 +121,20 @@ TEST(DepthImages, TopicsOfCamerasAreFound) {
   EXPECT_TRUE(StereoTopics({"/left/depth/image", "/right/depth/image"}).empty());
 }
 
+TEST(DepthImages, NameOfTheCameraHasNoMeaning) {
+  EXPECT_FALSE(NamesDepth("/depthai/left/image_raw", "/depthai/right/image_raw"));
+  EXPECT_FALSE(NamesDepth("/depthai_left/image", "/depthai_right/image"));
+  EXPECT_FALSE(NamesDepth("/pairs", ""));
+  EXPECT_TRUE(NamesDepth("/camera/default/image", "/camera/depth/image"));
+  EXPECT_TRUE(NamesDepth("/depth_camera/color/image_raw", "/depth_camera/depth/image_raw"));
+  const std::set<std::string> images{"/depth_camera/color/image_raw", "/depth_camera/depth/image_raw",
+                                     "/depth_camera/infra1/image_rect_raw", "/depth_camera/infra2/image_rect_raw"};
+  EXPECT_THAT(StereoTopics(images),
+              ElementsAre(Pair("/depth_camera/infra1/image_rect_raw", "/depth_camera/infra2/image_rect_raw")));
+  EXPECT_THAT(RgbdTopics(images),
+              ElementsAre(Pair("/depth_camera/color/image_raw", "/depth_camera/depth/image_raw")));
+}
+
 class RgbdRecording : public test::RecordingFileTest {
  protected:
   RgbdRecording() : RecordingFileTest("a.mcap") {}

@@ -68,12 +68,12 @@ std::string Image(bool is_ros1, int64_t t_ns, int frame, int camera, const std::
   return message.bytes();
 }
 
-std::string CameraInfo(bool is_ros1, int64_t t_ns, double p1, double p3, const RecordingOptions& o) {
+std::string CameraInfo(bool is_ros1, int64_t t_ns, int frame, double p1, double p3, const RecordingOptions& o) {
   RosBytes message = Message(is_ros1, t_ns);
   message.Number(o.info_scale * kTinyHeight_px).Number(o.info_scale * kTinyWidth_px);
   message.Text("plumb_bob").Number(static_cast<uint32_t>(o.distortion.size()));
   for (const double d : o.distortion) message.Number(d);
-  const double s = o.info_scale, on = o.is_calibrated ? 1.0 : 0.0;
+  const double s = o.info_scale, on = o.info_factor ? o.info_factor(frame) : 1.0;
   for (const double k : {40 * s, 0.0, 24 * s, 0.0, 40 * s, 16 * s, 0.0, 0.0, 1.0}) message.Number(on * k);
   for (const double r : {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}) message.Number(r);
   for (const double p : {40 * s, p1, 24 * s, p3 * s, 0.0, 40 * s, 16 * s, 0.0, 0.0, 0.0, 1.0, 0.0}) {
@@ -105,18 +105,21 @@ std::string Imu(bool is_ros1, const TinyImuTopic& topic, const ImuSample& sample
   return message.bytes();
 }
 
-/// The camera is at the origin of the frame "mast". Names of frames of ROS 1 begin with a slash, as in old bags.
+/// The camera is at the origin of the frame "mast". The first transform is that of a tool without a rotation. Names of
+/// frames of ROS 1 begin with a slash, as in old bags.
 std::string StaticTransforms(bool is_ros1, const SE3& T_camera_imu) {
   RosBytes message(is_ros1);
   const std::string slash = is_ros1 ? "/" : "";
-  message.Number(uint32_t{2});
-  for (const auto& [child, T] : {std::pair("camera", SE3()), std::pair("imu", T_camera_imu)}) {
+  message.Number(uint32_t{3});
+  const auto add = [&](const std::string& child, const Eigen::Vector3d& t, const Eigen::Vector4d& q_xyzw) {
     AddHeader(is_ros1, 0, slash + "mast", message);
     message.Text(slash + child);
-    for (const double x : T.translation()) message.Number(x);
-    const Eigen::Quaterniond& q = T.rotation();
-    for (const double x : {q.x(), q.y(), q.z(), q.w()}) message.Number(x);
-  }
+    for (const double x : t) message.Number(x);
+    for (const double x : q_xyzw) message.Number(x);
+  };
+  add("tool", {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0, 0.0});
+  add("camera", {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0, 1.0});
+  add("imu", T_camera_imu.translation(), T_camera_imu.rotation().coeffs());
   return message.bytes();
 }
 
@@ -152,7 +155,7 @@ std::vector<std::vector<TinyMessage>> TinyChunks(const RecordingOptions& o, bool
         bytes = Pose(is_ros1, stamp_ns, frame);
       } else {
         const bool is_right = channel == kRightInfo;
-        bytes = CameraInfo(is_ros1, stamp_ns, is_right ? o.skew_right : 0.0, is_right ? o.p_right : 0.0, o);
+        bytes = CameraInfo(is_ros1, stamp_ns, frame, is_right ? o.skew_right : 0.0, is_right ? o.p_right : 0.0, o);
       }
       all.push_back({channel, o.log_time ? o.log_time(channel, frame, t_ns) : t_ns, std::move(bytes)});
     }

@@ -42,7 +42,7 @@ struct RecordingOptions {
   uint32_t info_scale = 1;  ///< camera_info is of a sensor so many times as wide and high
   uint32_t binning = 0;
   std::vector<double> distortion{-0.28, 0.07, 0.0002, 1.8e-5, 0.0};
-  bool is_calibrated = true;  ///< otherwise K and P are 0
+  std::function<double(int frame)> info_factor{};  ///< of K and P; 1 without
   std::vector<TinyImuTopic> imus{};
   /// Pose of the frame "imu" in the frame "camera", over a frame between them on /tf_static; none without.
   std::optional<SE3> T_camera_imu{};

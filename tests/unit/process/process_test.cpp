@@ -300,6 +300,19 @@ TEST_F(ProcessTest, BadUrlIsOneLine) {
   EXPECT_THAT(Log(), HasSubstr("nonsense://x"));
 }
 
+TEST(StatusPublisher, WarningsOfOneCodeHideNoOthers) {
+  bus::BusOptions options;
+  options.url = "memq://";
+  bus::Bus bus(options, "ros2");
+  bus::StatusPublisher status("ros2", options, bus);
+  int n_reported = 0;
+  for (int i = 0; i < 100; ++i) n_reported += status.Warn("no_frames", fmt::format("since {} s", i)) ? 1 : 0;
+  EXPECT_EQ(n_reported, 10);
+  EXPECT_TRUE(status.Warn("imu_missing", "no samples"));
+  EXPECT_FALSE(status.Warn("imu_missing", "no samples"));
+  EXPECT_TRUE(status.Warn("imu_missing", "older samples"));
+}
+
 TEST(CountOf, InvalidNumbersCountAsZero) {
   status_t status;
   for (const double value : {7.9, -3.0, 1e300, std::nan(""), std::numeric_limits<double>::infinity()}) {

@@ -50,6 +50,31 @@ TEST(StampPairing, NearestWithinTheSkew) {
   EXPECT_EQ(pairing.Add(Side::kRight, 151), kNone);
 }
 
+TEST(StampPairing, LostImageDoesNotShiftLaterPairs) {
+  constexpr int64_t kFrame_ns = 16'700'000, kSkew_ns = 2'000'000;
+  Pairing pairing(20'000'000);
+  for (int64_t i = 0; i < 100; ++i) {
+    const int64_t t_ns = i * kFrame_ns;
+    const bool is_lost = i == 1 || i == 40;
+    if (!is_lost) {
+      EXPECT_EQ(pairing.Add(Side::kLeft, t_ns), kNone) << i;
+    }
+    const auto pair = is_lost ? kNone : std::pair(t_ns, t_ns + kSkew_ns);
+    EXPECT_EQ(pairing.Add(Side::kRight, t_ns + kSkew_ns), pair) << i;
+  }
+  EXPECT_EQ(pairing.unpaired(), 2);
+}
+
+TEST(StampPairing, OneShortStepIsNoPeriod) {
+  Pairing pairing(5'000'000);
+  int64_t t_ns = 0;
+  for (int64_t i = 0; i < 100; ++i) {
+    t_ns += i == 50 ? 5'000'000 : 50'000'000;
+    EXPECT_EQ(pairing.Add(Side::kLeft, t_ns), kNone) << i;
+    EXPECT_EQ(pairing.Add(Side::kRight, t_ns + 3'000'000), std::pair(t_ns, t_ns + 3'000'000)) << i;
+  }
+}
+
 TEST(StampPairing, LostImagesAreCountedWithoutDelay) {
   Pairing pairing(0);
   for (int64_t t = 0; t < 1000; ++t) {

@@ -30,7 +30,7 @@ class FrameInputsTest : public testing::Test {
 };
 
 TEST_F(FrameInputsTest, FramesAreLateAfterAWhile) {
-  const double late_s = kStart_s + FrameInputs::kPatience_s;
+  const double late_s = kStart_s + robot::FrameProgress::kPatience_s;
   EXPECT_FALSE(inputs_.HasProgress(0, kStart_s + 1.0));
   EXPECT_FALSE(inputs_.AreLate(late_s - 0.1));
   EXPECT_TRUE(inputs_.AreLate(late_s));

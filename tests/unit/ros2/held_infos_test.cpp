@@ -32,25 +32,41 @@ class HeldInfosTest : public testing::Test {
 };
 
 TEST_F(HeldInfosTest, BothSidesAreNeeded) {
-  EXPECT_FALSE(Take(10.0, false));
+  EXPECT_FALSE(Take(20.0, false));
   infos_.Add(Side::kRight, InfoOf(641), "right", 10.0);
-  EXPECT_FALSE(Take(10.0, false));
+  EXPECT_FALSE(Take(20.0, false));
   infos_.Add(Side::kLeft, InfoOf(640), "left", 10.1);
-  const auto ready = Take(10.1, false);
+  const auto ready = Take(20.1, false);
   ASSERT_TRUE(ready);
   EXPECT_EQ(ready->left.width_px, 640);
   EXPECT_EQ(ready->right.value().width_px, 641);
   EXPECT_FALSE(ready->T_b_l);
   EXPECT_EQ(infos_.left_frame(), "left");
-  EXPECT_FALSE(Take(10.2, false)) << "they were taken";
+  EXPECT_FALSE(Take(20.2, false)) << "they were taken";
 }
 
 TEST_F(HeldInfosTest, DepthsHaveNone) {
   rig_.is_rgbd = true;
   infos_.Add(Side::kLeft, InfoOf(640), "left", 10.0);
-  const auto ready = Take(10.0, false);
+  const auto ready = Take(20.0, false);
   ASSERT_TRUE(ready);
   EXPECT_FALSE(ready->right);
+}
+
+TEST_F(HeldInfosTest, PublisherOfFramesMayComeAfterTheCamera) {
+  AddBoth();
+  EXPECT_FALSE(Take(10.1, false));
+  EXPECT_TRUE(infos_.awaits_frames());
+  EXPECT_FALSE(Take(9.9 + HeldInfos::kDiscovery_s, false));
+  EXPECT_FALSE(Take(10.1 + HeldInfos::kDiscovery_s)) << "it is there: its message may be under way";
+  infos_.AddFrame("base_link", "left", kForward);
+  EXPECT_TRUE(Take(10.2 + HeldInfos::kDiscovery_s).value().T_b_l);
+}
+
+TEST_F(HeldInfosTest, WithoutAPublisherTheWaitIsShort) {
+  AddBoth();
+  EXPECT_FALSE(Take(10.1, false));
+  EXPECT_TRUE(Take(10.0 + HeldInfos::kDiscovery_s, false));
 }
 
 TEST_F(HeldInfosTest, FirstRigWaitsForStaticFrames) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
 namespace plslam::ros2 {
@@ -34,7 +35,7 @@ TEST(Ros2ImageRate, MissingImagesAreCounted) {
   for (int i = 0; i < 200; ++i) {
     const int64_t jitter_ns = (i * 37 % 11) * 1'000'000;
     if (!missing.contains(i)) rate.Add(50'000'000LL * i + jitter_ns, 0.05 * i);
-    if (i % 20 == 19) rate.CountMissing(rate.Of(0.05 * i).sent_hz);
+    if (i % 20 == 19) rate.CountMissing(rate.Of(0.05 * i));
   }
   EXPECT_EQ(rate.n_missing(), 7);
 }
@@ -43,6 +44,27 @@ TEST(Ros2ImageRate, JitterIsNoLoss) {
   const ImageRate::Rates rates = RatesWithEvery({0, 1, 2, 3, 4});
   EXPECT_EQ(LossSentence(rates, 1, 0), "") << rates.arrived_hz << " of " << rates.sent_hz;
   EXPECT_EQ(LossSentence({}, 1, 0), "");
+}
+
+// With a longer exposure in the dark: from 30 to 15 Hz and back, twice.
+TEST(Ros2ImageRate, CameraOfAnotherRateIsNoLoss) {
+  constexpr int64_t kStep_ns = 33'333'333;
+  ImageRate rate;
+  int64_t n_bright = 0, n_dark = 0;
+  for (int i = 0; i < 1200; ++i) {
+    const bool is_dark = i % 600 > 300;
+    const double now_s = 1e-9 * static_cast<double>(kStep_ns * i);
+    if (!is_dark || i % 2 == 0) rate.Add(kStep_ns * i, now_s);
+    if (i % 30 != 29) continue;
+    const ImageRate::Rates rates = rate.Of(now_s);
+    rate.CountMissing(rates);
+    EXPECT_EQ(LossSentence(rates, 1, 0), "") << i << ": " << rates.arrived_hz << " of " << rates.sent_hz;
+    n_bright += std::abs(rates.sent_hz - 30.0) < 1.0;
+    n_dark += std::abs(rates.sent_hz - 15.0) < 1.0;
+  }
+  EXPECT_EQ(rate.n_missing(), 0);
+  EXPECT_GE(n_bright, 16);
+  EXPECT_GE(n_dark, 12);
 }
 
 TEST(Ros2ImageRate, RestartedCameraIsNoLoss) {

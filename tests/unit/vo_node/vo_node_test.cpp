@@ -247,6 +247,20 @@ TEST_F(VoNodeTest, SmallClockStepLosesOnlyOneFrame) {
   EXPECT_NE(Show(7, kBegin_ns - 2'000'000'000).header.session, session) << "that is another stream";
 }
 
+TEST_F(VoNodeTest, RigOfAnIdlePlayerIsNotUsed) {
+  VoOptions options;
+  options.map.enabled = false;
+  bus::Bus idle(bus_options_, "player");
+  RigCalibration other = dataset_->rig();
+  other.left.fx_px = other.right.fx_px = 1.1 * other.left.fx_px;
+  Start(options, false);
+  const int64_t session = ShowNext(0).header.session;
+  for (int i = 1; i < 20; ++i) {
+    idle.Publish(bus::kCamera, bus::ToMessage(other));
+    EXPECT_EQ(ShowNext(i).header.session, session);
+  }
+}
+
 TEST_F(VoNodeTest, ExchangedImagesAreReportedInTheStatus) {
   VoOptions options;
   options.map.enabled = false;
@@ -317,6 +331,21 @@ TEST_F(VoNodeTest, LiveFrameWaitsBrieflyForItsMask) {
   Start(options, false);
   for (int i = 0; i < 3; ++i) EXPECT_GT(ShowNext(i).n_points, 200);
   EXPECT_TRUE(Says([](const status_t& status) { return bus::CounterOf(status, "masks.missing") >= 3.0; }));
+}
+
+TEST_F(VoNodeTest, SingleMissingMasksAreNotReported) {
+  VoOptions options;
+  options.map.enabled = false;
+  options.masks.enabled = true;
+  Start(options, false);
+  for (int i = 0; i < 50; ++i) {
+    if (i % 2 == 0) SayMask(i, {});
+    ShowNext(i);
+  }
+  EXPECT_TRUE(Says([](const status_t& s) {
+    return bus::CounterOf(s, "frames") >= 50.0 && bus::CounterOf(s, "masks.missing") >= 25.0 &&
+           s.reason.find("masks do not arrive") == std::string::npos;
+  }));
 }
 
 VoOptions WithRobot() {

@@ -83,6 +83,8 @@ LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
     missing_.Follow(follower_.map(), has_features);
   }
   Follow(update, output);
+  // Not only before a check: without one, the features of keyframes that left the map would never be dropped.
+  closer_.Follow(follower_.map());
   CheckDueKeyframes(output);
   AnswerDueKeyframes(output);
   return output;

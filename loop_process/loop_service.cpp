@@ -76,6 +76,8 @@ LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
     unadjusted_.reset();
     adjusting_.reset();
   }
+  // Not only before a check: without one, the features of keyframes that left the map would never be dropped.
+  closer_.Follow(follower_.map(), follower_.change() == MapFollower::Change::kContinued);
   const auto has_features = [this](const KeyframeName& keyframe) { return closer_.Contains(keyframe); };
   if (update.IsWhole()) {
     missing_.Begin(follower_.map(), has_features, now_ms_());
@@ -83,8 +85,6 @@ LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
     missing_.Follow(follower_.map(), has_features);
   }
   Follow(update, output);
-  // Not only before a check: without one, the features of keyframes that left the map would never be dropped.
-  closer_.Follow(follower_.map());
   CheckDueKeyframes(output);
   AnswerDueKeyframes(output);
   return output;

@@ -292,9 +292,7 @@ bool Mapper::Correct(const LoopClosure& closure, std::string* reason) {
     figures_ = ApplyAdjustment(window, Adjusted(window, nullptr), features_, map_);
   }
   // Covariances composed along odometry would not include the information of the loop.
-  const auto has_ends = [this](const LoopEdge& loop) { return map_.FindKeyframe(loop.keyframe_id) != nullptr; };
-  const auto newest = std::find_if(map_.loops().rbegin(), map_.loops().rend(), has_ends);
-  if (newest != map_.loops().rend()) map_.SetCovariances(CovariancesAround(newest->keyframe_id, map_));
+  if (!map_.loops().empty()) map_.SetCovariances(CovariancesAround(map_.loops().back().keyframe_id, map_));
   return true;
 }
 

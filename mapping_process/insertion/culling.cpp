@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "mapping_process/corrections/loop_edges.h"
+
 namespace plslam::mapping {
 namespace {
 
@@ -30,7 +32,7 @@ void CountRedundant(KeyframeId keyframe_id, int min_others, const Map& map, Shar
   }
 }
 
-// Removing it would remove the loop, perhaps the only connection between the two places.
+// Passed on to its neighbour, the loop would be less certain.
 bool IsEndOfLoop(KeyframeId id, const Map& map) {
   return std::any_of(map.loops().begin(), map.loops().end(),
                      [id](const LoopEdge& loop) { return loop.old_keyframe_id == id || loop.keyframe_id == id; });
@@ -81,8 +83,10 @@ void RecentLandmarks::Cull(const CullingOptions& options, Map& map) {
 }
 
 void TakeOut(KeyframeId keyframe_id, KeyframeFeatures& features, Map& map) {
+  const PassedOnLoops loops = LoopsPassedOn(keyframe_id, map);
   BridgeOver(keyframe_id, map);
   map.RemoveKeyframe(keyframe_id);
+  AddNeeded(loops, map);
   features.erase(keyframe_id);
 }
 

@@ -40,7 +40,8 @@ class RecentLandmarks {
   std::map<SessionId, Session> sessions_;
 };
 
-/// Removes a keyframe and its features, and connects its successor in the session with its predecessor.
+/// Removes a keyframe and its features, connects its successor in the session with its predecessor, and passes on its
+/// loops (`LoopsPassedOn`).
 void TakeOut(KeyframeId keyframe_id, KeyframeFeatures& features, Map& map);
 
 /// Removes redundant keyframes among `candidates` and returns their ids. A keyframe is redundant if a share of

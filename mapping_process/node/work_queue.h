@@ -38,8 +38,8 @@ class WorkQueue {
   /// (5,000 keyframes with 200 loops, resent after a restart, are 4 million.)
   static constexpr size_t kMostParts = 5'000'000;
 
-  /// Loops and adjustments that are recognised when they are resent. Earlier ones are of a map before later loops, which
-  /// refuses them. Other closures change nothing when they are resent.
+  /// Number of loops and adjustments that are recognised when they are resent, the newest ones: the map refuses those
+  /// computed before later loops. Other closures change nothing when they are resent.
   static constexpr size_t kMostTaken = 1000;
 
   struct Work {

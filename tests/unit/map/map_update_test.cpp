@@ -43,6 +43,10 @@ void ExpectSame(const Map& a, const Map& b) {
     ASSERT_EQ(line.segment_w.q, b.FindLine(id)->segment_w.q) << id;
     ASSERT_EQ(line.covariance_p, b.FindLine(id)->covariance_p) << id;
   }
+  for (size_t i = 0; i < a.loops().size(); ++i) {
+    ASSERT_EQ(a.loops()[i].old_keyframe_id, b.loops()[i].old_keyframe_id) << i;
+    ASSERT_EQ(a.loops()[i].T_old_kf.matrix(), b.loops()[i].T_old_kf.matrix()) << i;
+  }
 }
 
 /// The owner's side: versions one after another.

@@ -103,8 +103,13 @@ Mapper::Mapper(const StereoCamera& camera, const MappingOptions& options, Mapper
 }
 
 StoredMap Mapper::Store() {
-  AcceptRecentLandmarks();
+  recent_landmarks_ = {};
   return Stored();
+}
+
+void Mapper::LendStored(const std::function<void(StoredMap&)>& use) {
+  LendState([&use](MapperState& state) { use(state.stored); });
+  recent_landmarks_ = {};
 }
 
 MapperState Mapper::State() const {
@@ -322,7 +327,7 @@ bool Mapper::IsAmongNewest(const MapKeyframe& keyframe) const {
 }
 
 void Mapper::Cull() {
-  recent_landmarks_.Cull(options_.culling, map_);
+  recent_landmarks_.Cull(options_.culling, visits_, map_);
   std::vector<KeyframeId> candidates;
   for (const Map::Neighbour& neighbour :
        map_.Neighbours(KeyframeId(next_keyframe_id_.value - 1), options_.window.min_shared)) {

@@ -70,16 +70,18 @@ void RecentLandmarks::Begin(const NewLandmarks& landmarks, SessionId session) {
   of.by_keyframe[++of.begun] = landmarks;
 }
 
-void RecentLandmarks::Cull(const CullingOptions& options, Map& map) {
+void RecentLandmarks::Cull(const CullingOptions& options, const Visits& visits, Map& map) {
   for (auto& [id, session] : sessions_) {
     auto& by_keyframe = session.by_keyframe;
-    while (!by_keyframe.empty() && by_keyframe.begin()->first + options.recent_keyframes <= session.begun) {
+    const int64_t recent = visits.Has(id) ? options.recent_keyframes : 0;
+    while (!by_keyframe.empty() && by_keyframe.begin()->first + recent <= session.begun) {
       const NewLandmarks due = std::exchange(by_keyframe.begin()->second, {});
       by_keyframe.erase(by_keyframe.begin());
       CheckFeatureType<PointType>(due.points, options.min_observations, map);
       CheckFeatureType<LineType>(due.lines, options.min_observations, map);
     }
   }
+  std::erase_if(sessions_, [&visits](const auto& session) { return !visits.Has(session.first); });
 }
 
 void TakeOut(KeyframeId keyframe_id, KeyframeFeatures& features, Map& map) {

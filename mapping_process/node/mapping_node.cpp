@@ -454,10 +454,9 @@ void MappingNode::Execute(const bus::Order& order) {
 void MappingNode::Save(const std::string& argument) {
   const bus::SaveRequest request = bus::ToSaveRequest(argument);
   if (!request.forced) CheckIsOlderState(request.file, *mapper_);
-  mapper_->AcceptRecentLandmarks();
-  mapper_->LendState([&](MapperState& state) {
-    state.stored.rig = CameraBytes(mapper_->camera());
-    WriteMapFile(request.file, state.stored);
+  mapper_->LendStored([&](StoredMap& stored) {
+    stored.rig = CameraBytes(mapper_->camera());
+    WriteMapFile(request.file, stored);
   });
   LogInfo("the map is saved in {}", request.file);
 }

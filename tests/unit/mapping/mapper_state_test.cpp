@@ -196,6 +196,15 @@ TEST(MapperState, LentStateIsReturnedAfterAnException) {
   EXPECT_EQ(EncodeState(mapper.State()), whole);
 }
 
+TEST(MapperState, FailedSaveChangesNothing) {
+  Mapper mapper = Restored(TheStream().mapper);
+  const Bytes whole = EncodeState(mapper.State());
+  EXPECT_THROW(mapper.LendStored([](StoredMap&) { throw std::runtime_error("disk full"); }), std::runtime_error);
+  EXPECT_EQ(EncodeState(mapper.State()), whole);
+  mapper.LendStored([](StoredMap&) {});
+  EXPECT_NE(EncodeState(mapper.State()), whole) << "landmarks that are saved are not culled";
+}
+
 TEST_F(StateFileTest, RoundTrip) {
   EXPECT_EQ(EncodeState(ReadStateFile(path_)), EncodeState(TheStream().mapper.State()));
 }

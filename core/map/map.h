@@ -147,6 +147,10 @@ class Map {
   }
   /// Returns the remembered keyframes, ascending by id.
   std::vector<RemovedKeyframe> RemovedKeyframes() const;
+  /// Remembers these removed keyframes no longer.
+  void ForgetRemoved(const std::set<KeyframeId>& ids) {
+    if (removed_) removed_->Forget(ids);
+  }
   /// The following changes of remembered keyframes belong to this version.
   void BeginVersion(int64_t version);
   /// Ignores a loop with a keyframe that is not in the map.

@@ -306,6 +306,21 @@ TEST_F(RemovedPosesTest, CorrectionMovesThemThroughRemovedCarriers) {
   EXPECT_LT((expected.Inverse() * PoseOf(3)).Log().norm(), 1e-12);
 }
 
+TEST_F(RemovedPosesTest, ForgottenCarriersLeaveThemInPlace) {
+  CorrectAll(AtX(0.0, 5.0));
+  Remove(3);
+  CorrectAll(AtX(10.0));
+  Remove(2);
+  CorrectAll(AtX(0.0, 0.5));
+  Remove(1);
+  follower_.ForgetRemoved({1, 2});
+  EXPECT_EQ(follower_.map().RemovedKeyframes().size(), 1U);
+  EXPECT_LT((AtX(13.0, 5.5).Inverse() * PoseOf(3)).Log().norm(), 1e-12);
+  const SE3 turn(Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitZ()).toRotationMatrix(), {0.0, 1.0, 0.0});
+  CorrectAll(turn);
+  EXPECT_LT(((turn * AtX(13.0, 5.5)).Inverse() * PoseOf(3)).Log().norm(), 1e-12);
+}
+
 TEST_F(RemovedPosesTest, ReturningProcessRepeatsCorrectionsExactly) {
   const auto first = [this] {
     Remove(3);

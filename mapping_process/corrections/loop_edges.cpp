@@ -63,14 +63,14 @@ struct Heir {
 };
 
 std::optional<Heir> HeirInSession(const MapKeyframe& removed, const Map& map) {
-  std::optional<Heir> heir;
-  if (map.FindKeyframe(removed.previous_id) != nullptr) heir = {removed.previous_id, removed.relative_covariance};
+  const bool has_previous = map.FindKeyframe(removed.previous_id) != nullptr;
+  const Heir previous{removed.previous_id, removed.relative_covariance};
   for (const auto& [id, next] : map.keyframes()) {
     if (next.previous_id != removed.id) continue;
-    const Matrix6d covariance = InverseCovariance(next.T_prevkf_kf, next.relative_covariance);
-    if (!heir || covariance.trace() < heir->covariance.trace()) heir = {id, covariance};
+    if (has_previous && previous.covariance.trace() <= next.relative_covariance.trace()) return previous;
+    return Heir{id, InverseCovariance(next.T_prevkf_kf, next.relative_covariance)};
   }
-  return heir;
+  return has_previous ? std::optional(previous) : std::nullopt;
 }
 
 Heir HeirElsewhere(const MapKeyframe& removed, const LoopEdge& first, const Map& map) {

@@ -306,13 +306,13 @@ TEST_F(StateFileTest, RecordsLoopsOfForgottenKeyframes) {
     for (const LoopEdge& loop : map.loops()) {
       EXPECT_NE(map.FindKeyframe(loop.old_keyframe_id), nullptr) << i;
       EXPECT_NE(map.FindKeyframe(loop.keyframe_id), nullptr) << i;
-      ends.insert(loop.old_keyframe_id);
+      ends.insert({loop.old_keyframe_id, loop.keyframe_id});
     }
     if (i % 2 == 0) continue;
     file.Write(mapper.State());
     ASSERT_EQ(EncodeState(ReadStateFile(path_)), EncodeState(mapper.State())) << i;
   }
-  EXPECT_GT(ends.size(), 1U) << "it has moved";
+  EXPECT_GT(ends.size(), 2U) << "it has moved";
 }
 
 TEST_F(StateFileTest, RecordsForgettingCamerasAndLocaliseOnly) {

@@ -76,7 +76,7 @@ LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
     unadjusted_.reset();
     adjusting_.reset();
   }
-  // Not only before a check: without one, the features of keyframes that left the map would never be dropped.
+  // A check may never come, and features of keyframes that have left the map must not accumulate.
   closer_.Follow(follower_.map(), follower_.change() == MapFollower::Change::kContinued);
   const auto has_features = [this](const KeyframeName& keyframe) { return closer_.Contains(keyframe); };
   if (update.IsWhole()) {

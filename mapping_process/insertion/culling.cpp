@@ -32,7 +32,7 @@ void CountRedundant(KeyframeId keyframe_id, int min_others, const Map& map, Shar
   }
 }
 
-// Passed on to its neighbour, the loop would be less certain.
+// The loop would be less certain between other keyframes.
 bool IsEndOfLoop(KeyframeId id, const Map& map) {
   return std::any_of(map.loops().begin(), map.loops().end(),
                      [id](const LoopEdge& loop) { return loop.old_keyframe_id == id || loop.keyframe_id == id; });

@@ -142,6 +142,14 @@ bool DenseMap::Add(const KeyframeFrame& keyframe, const DepthImage& depth, const
   return true;
 }
 
+std::set<KeyframeFrame> DenseMap::Members() const {
+  std::set<KeyframeFrame> members;
+  for (const Submap& submap : submaps_) {
+    for (const Member& member : submap.members) members.insert(member.keyframe);
+  }
+  return members;
+}
+
 /// The first keyframe whose place is known; nullptr: none.
 const DenseMap::Member* DenseMap::AnchorOf(const Submap& submap, const KeyframePoses& poses) {
   const auto found =

@@ -75,6 +75,9 @@ class DenseMap {
     return first != fused_.end() && first->first == session;
   }
 
+  /// The keyframes of the submaps.
+  std::set<KeyframeFrame> Members() const;
+
   /// Writes a file of surfaces (a sealed file, core/files/sealed_file.h) that continues with the map. `lasting`: the
   /// keyframes that the map will have then; submaps without any of them are anchored to the nearest one.
   /// Throws std::runtime_error that names the file.

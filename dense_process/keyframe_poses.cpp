@@ -22,6 +22,18 @@ KeyframePoses PosesOf(const Map& map) {
   return poses;
 }
 
+std::set<KeyframeId> RemovedToForget(const std::vector<RemovedKeyframe>& removed, size_t most,
+                                     const std::set<KeyframeFrame>& needed) {
+  std::set<KeyframeId> ids;
+  if (removed.size() <= most) return ids;
+  const size_t n = removed.size() - most + most / 10;
+  for (const RemovedKeyframe& keyframe : removed) {
+    if (ids.size() == n) break;
+    if (!needed.contains({keyframe.session, keyframe.frame_id})) ids.insert(keyframe.id);
+  }
+  return ids;
+}
+
 std::optional<KeyframeFrame> NearestKeyframe(const KeyframePoses& poses, const SE3& T_w_kf) {
   const auto distance = [&](const auto& other) {
     return (other.second.translation() - T_w_kf.translation()).squaredNorm();

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -23,6 +26,11 @@ using KeyframePoses = std::map<KeyframeFrame, SE3>;  ///< T_w_kf
 KeyframePoses LastingPosesOf(const Map& map);
 /// The same, and of those that were removed if the map remembers them.
 KeyframePoses PosesOf(const Map& map);
+
+/// Returns the removed keyframes to forget if there are more than `most` of them: the oldest that are not `needed`, so
+/// that nine tenths of `most` remain. `removed` ascends by id.
+std::set<KeyframeId> RemovedToForget(const std::vector<RemovedKeyframe>& removed, size_t most,
+                                     const std::set<KeyframeFrame>& needed);
 
 /// Returns the keyframe nearest to `T_w_kf`; nullopt: there is none.
 std::optional<KeyframeFrame> NearestKeyframe(const KeyframePoses& poses, const SE3& T_w_kf);

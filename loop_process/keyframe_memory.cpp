@@ -77,7 +77,14 @@ void KeyframeMemory::Leave(KeyframeId id, const KeyframeName& name) {
   point_nodes_.erase(id);
 }
 
-void KeyframeMemory::Follow(const Map& map) {
+void KeyframeMemory::DropIfEnded(SessionId session) {
+  if (std::ranges::any_of(names_, [session](const auto& name) { return name.second.session == session; })) return;
+  taken_.erase(session);
+  std::erase_if(waiting_, [session](const auto& waiting) { return waiting.first.session == session; });
+  std::erase_if(known_, [session](const KeyframeName& name) { return name.session == session; });
+}
+
+void KeyframeMemory::Follow(const Map& map, bool continues) {
   // Both ascend by id. A new map may give the same id to another keyframe.
   std::vector<std::pair<KeyframeId, KeyframeName>> gone;
   auto known = names_.begin();
@@ -108,6 +115,11 @@ void KeyframeMemory::Follow(const Map& map) {
     if (for_good) known_.erase(waiting.first);
     return for_good;
   });
+  if (continues) {
+    std::set<SessionId> left;
+    for (const auto& [id, name] : gone) left.insert(name.session);
+    for (const SessionId session : left) DropIfEnded(session);
+  }
   has_map_ = has_map_ || !map.keyframes().empty();
   if (!has_map_) return;
   std::set<SessionId> sessions;

@@ -44,7 +44,10 @@ class KeyframeMemory {
   /// Adds keyframes that entered the map, and removes those that left it. Features of other keyframes wait while the
   /// map may still insert them, which is until a later keyframe of their session is in it; see also `kMostUntaken`.
   /// All of them wait until there is a map.
-  void Follow(const Map& map);
+  ///
+  /// `continues`: it is the same map as before, so a session whose last keyframe left it has ended, and its features are
+  /// dropped. (A map that is being rebuilt inserts keyframes again.)
+  void Follow(const Map& map, bool continues = false);
 
   /// Moves features of keyframes that are not among the newest to a file (`plslam::MoveOldToFiles`).
   bool MoveOldToFiles() { return plslam::MoveOldToFiles(features_); }
@@ -59,6 +62,7 @@ class KeyframeMemory {
   void Enter(KeyframeId id, const KeyframeName& name, KeptFeatures features);
   void Leave(KeyframeId id, const KeyframeName& name);
   void DropUntaken(SessionId session);
+  void DropIfEnded(SessionId session);
 
   PlaceRecogniser places_;
   std::set<KeyframeName> known_;  // keyframes whose features are stored, waiting or not

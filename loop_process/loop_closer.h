@@ -32,8 +32,8 @@ class LoopCloser {
   bool Contains(const KeyframeName& keyframe) const { return memory_.Contains(keyframe); }
 
   /// Updates the index of places to the keyframes of the map. `Check` calls it; call it for a map that was loaded, or
-  /// before `Relocalise` on a map without loops to check.
-  void Follow(const Map& map) { memory_.Follow(map); }
+  /// before `Relocalise` on a map without loops to check. `continues` as in `KeyframeMemory`.
+  void Follow(const Map& map, bool continues = false) { memory_.Follow(map, continues); }
 
   bool MoveOldToFiles() { return memory_.MoveOldToFiles(); }
 

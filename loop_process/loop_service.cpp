@@ -76,6 +76,8 @@ LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
     unadjusted_.reset();
     adjusting_.reset();
   }
+  // A check may never come, and features of keyframes that have left the map must not accumulate.
+  closer_.Follow(follower_.map(), follower_.change() == MapFollower::Change::kContinued);
   const auto has_features = [this](const KeyframeName& keyframe) { return closer_.Contains(keyframe); };
   if (update.IsWhole()) {
     missing_.Begin(follower_.map(), has_features, now_ms_());

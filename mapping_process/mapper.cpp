@@ -103,8 +103,13 @@ Mapper::Mapper(const StereoCamera& camera, const MappingOptions& options, Mapper
 }
 
 StoredMap Mapper::Store() {
-  AcceptRecentLandmarks();
+  recent_landmarks_ = {};
   return Stored();
+}
+
+void Mapper::LendStored(const std::function<void(StoredMap&)>& use) {
+  LendState([&use](MapperState& state) { use(state.stored); });
+  recent_landmarks_ = {};
 }
 
 MapperState Mapper::State() const {
@@ -292,9 +297,7 @@ bool Mapper::Correct(const LoopClosure& closure, std::string* reason) {
     figures_ = ApplyAdjustment(window, Adjusted(window, nullptr), features_, map_);
   }
   // Covariances composed along odometry would not include the information of the loop.
-  const auto has_ends = [this](const LoopEdge& loop) { return map_.FindKeyframe(loop.keyframe_id) != nullptr; };
-  const auto newest = std::find_if(map_.loops().rbegin(), map_.loops().rend(), has_ends);
-  if (newest != map_.loops().rend()) map_.SetCovariances(CovariancesAround(newest->keyframe_id, map_));
+  if (!map_.loops().empty()) map_.SetCovariances(CovariancesAround(map_.loops().back().keyframe_id, map_));
   return true;
 }
 
@@ -324,7 +327,7 @@ bool Mapper::IsAmongNewest(const MapKeyframe& keyframe) const {
 }
 
 void Mapper::Cull() {
-  recent_landmarks_.Cull(options_.culling, map_);
+  recent_landmarks_.Cull(options_.culling, visits_, map_);
   std::vector<KeyframeId> candidates;
   for (const Map::Neighbour& neighbour :
        map_.Neighbours(KeyframeId(next_keyframe_id_.value - 1), options_.window.min_shared)) {

@@ -92,7 +92,8 @@ class Mapper {
   /// Returns everything needed to continue with new sessions, except `rig`. Ends recent-landmark culling here, too, so
   /// that this mapper and one that continues the stored map treat new sessions alike.
   StoredMap Store();
-  void AcceptRecentLandmarks() { recent_landmarks_ = {}; }
+  /// As `Store`, without a copy of the map: `use` borrows it. If it throws, nothing has changed.
+  void LendStored(const std::function<void(StoredMap&)>& use);
   /// Returns the state as of the last update, except `stored.rig`, for a mapper that continues after a crash.
   MapperState State() const;
   /// As `State`, without a copy of the map: `use` borrows it, and may throw.

@@ -122,9 +122,9 @@ auto IdsOf(const std::vector<Value>& values) {
   return ids;
 }
 
-template <class AnId>
-void AppendTo(std::vector<AnId>& ids, const std::vector<AnId>& more) {
-  ids.insert(ids.end(), more.begin(), more.end());
+template <class Value>
+void AppendTo(std::vector<Value>& values, const std::vector<Value>& more) {
+  values.insert(values.end(), more.begin(), more.end());
 }
 
 void ReadFeatures(archive::Reader& read, MapperState& state) {
@@ -214,6 +214,7 @@ void StateFile::Note(const MapUpdate& update) {
   AppendTo(keyframes_, IdsOf(update.keyframes));
   AppendTo(points_, IdsOf(update.points));
   AppendTo(lines_, IdsOf(update.lines));
+  AppendTo(loops_, update.loops);
   AppendTo(keyframes_, update.removed_keyframes);
   AppendTo(points_, update.removed_points);
   AppendTo(lines_, update.removed_lines);
@@ -224,6 +225,7 @@ void StateFile::ForgetNotes() {
   keyframes_.clear();
   points_.clear();
   lines_.clear();
+  loops_.clear();
 }
 
 void StateFile::Reset() {
@@ -248,7 +250,6 @@ void StateFile::Write(const MapperState& state) {
   }
   is_whole_ = true;
   ForgetNotes();
-  n_loops_ = state.stored.map.loops().size();
   if (!state.stored.features.empty()) newest_features_ = state.stored.features.rbegin()->first;
 }
 
@@ -283,8 +284,7 @@ void StateFile::Append(const MapperState& state) {
     map_file::WriteValues(write, map.keyframes(), keyframes_);
     map_file::WriteValues(write, map.points(), points_);
     map_file::WriteValues(write, map.lines(), lines_);
-    write(std::vector<LoopEdge>(map.loops().begin() + static_cast<std::ptrdiff_t>(n_loops_), map.loops().end()));
-    write(map_file::UpDirectionsOf(map, keyframes_));
+    write(loops_, map_file::UpDirectionsOf(map, keyframes_));
     WriteRecord(std::move(write), sink);
   }
   if (std::fflush(file.get()) != 0) fail();

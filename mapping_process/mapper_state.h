@@ -76,7 +76,8 @@ class StateFile {
   /// Changed ids, possibly repeated, including removed ones.
   std::vector<KeyframeId> keyframes_;
   std::vector<LandmarkId> points_, lines_;
-  size_t n_loops_ = 0;               ///< in the file
+  /// Added loops, including those removed since.
+  std::vector<LoopEdge> loops_;
   KeyframeId newest_features_ = -1;  ///< newest keyframe with features in the file
   uint64_t length_ = 0;              ///< of the file, in bytes
   uint64_t map_length_ = 0;          ///< of the last complete map without features, in bytes

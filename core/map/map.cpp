@@ -222,6 +222,9 @@ void Map::RemoveKeyframe(KeyframeId id) {
   }
   DropObservationsOf(id, Points());
   DropObservationsOf(id, Lines());
+  const auto ends_here = [id](const LoopEdge& loop) { return loop.old_keyframe_id == id || loop.keyframe_id == id; };
+  std::erase_if(loops_, ends_here);
+  std::erase_if(touched_.loops, ends_here);
   children_[parent_id].erase(id);
   children_.erase(id);
   shared_.erase(id);
@@ -261,7 +264,12 @@ void Map::BeginVersion(int64_t version) {
   if (removed_) removed_->BeginVersion(version);
 }
 
-void Map::Add(const LoopEdge& loop) { loops_.push_back(loop); }
+void Map::Add(const LoopEdge& loop) {
+  if (!keyframes_.contains(loop.old_keyframe_id) || !keyframes_.contains(loop.keyframe_id)) return;
+  const auto place = std::ranges::upper_bound(loops_, loop.keyframe_id, {}, &LoopEdge::keyframe_id);
+  loops_.insert(place, loop);
+  touched_.loops.push_back(loop);
+}
 
 void Map::Clear() { *this = Map(); }
 
@@ -404,7 +412,7 @@ MapChanges Map::TakeChanges() {
   CollectChanges(std::move(touched_.keyframes), keyframes_, changes.keyframes, changes.removed_keyframes);
   CollectChanges(std::move(touched_.points), points_, changes.points, changes.removed_points);
   CollectChanges(std::move(touched_.lines), lines_, changes.lines, changes.removed_lines);
-  changes.loops.assign(loops_.begin() + static_cast<std::ptrdiff_t>(n_reported_loops_), loops_.end());
+  changes.loops = std::move(touched_.loops);
   ForgetChanges();
   return changes;
 }
@@ -414,7 +422,7 @@ void Map::ForgetChanges() {
   touched_.keyframes.clear();
   touched_.points.clear();
   touched_.lines.clear();
-  n_reported_loops_ = loops_.size();
+  touched_.loops.clear();
 }
 
 }  // namespace plslam

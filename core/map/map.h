@@ -126,7 +126,7 @@ class Map {
   const MapPoint* FindPoint(LandmarkId id) const;
   const MapLine* FindLine(LandmarkId id) const;
   MapTotals Totals() const;
-  /// Closed loops in that order. They are kept when one of their keyframes is removed.
+  /// Closed loops, ascending by `keyframe_id`, the later of two at the same one last. Their keyframes are in the map.
   const std::vector<LoopEdge>& loops() const { return loops_; }
 
   /// Insert, or replace the element with the same id. If a feature is an observation of another landmark, that landmark
@@ -134,7 +134,7 @@ class Map {
   void Put(const MapKeyframe& keyframe);
   void Put(const MapPoint& point);
   void Put(const MapLine& line);
-  /// Removes a keyframe and its observations, and landmarks that lose their last observation. Its children in the
+  /// Removes a keyframe, its observations and loops, and landmarks that lose their last observation. Its children in the
   /// spanning tree move to their best neighbour (`kParent`), or to its parent if they have none.
   void RemoveKeyframe(KeyframeId id);
   void RemovePoint(LandmarkId id);
@@ -147,8 +147,13 @@ class Map {
   }
   /// Returns the remembered keyframes, ascending by id.
   std::vector<RemovedKeyframe> RemovedKeyframes() const;
+  /// Remembers these removed keyframes no longer.
+  void ForgetRemoved(const std::set<KeyframeId>& ids) {
+    if (removed_) removed_->Forget(ids);
+  }
   /// The following changes of remembered keyframes belong to this version.
   void BeginVersion(int64_t version);
+  /// Ignores a loop with a keyframe that is not in the map.
   void Add(const LoopEdge& loop);
   void Clear();
   /// Replaces this map by `next`, the same map in the state of `version`, and keeps the remembered keyframes. A keyframe
@@ -193,6 +198,7 @@ class Map {
   struct Touched {
     std::vector<KeyframeId> keyframes;
     std::vector<LandmarkId> points, lines;
+    std::vector<LoopEdge> loops;  ///< added, and not removed since
   };
   /// Working data of `Move`: displacements of the moved keyframes, and those keyframes whose landmarks must be listed
   /// individually, because they had changed before.
@@ -228,7 +234,6 @@ class Map {
   int64_t n_point_observations_ = 0;
   int64_t n_line_observations_ = 0;
   std::vector<LoopEdge> loops_;
-  size_t n_reported_loops_ = 0;
   Touched touched_;
   /// Poses of moved keyframes that had not changed otherwise before.
   std::map<KeyframeId, SE3> moved_;

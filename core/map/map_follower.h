@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "core/ids/ids.h"
@@ -60,6 +61,9 @@ class MapFollower {
     remembers_removed_ = true;
     map_.RememberRemoved();
   }
+
+  /// `Map::ForgetRemoved`.
+  void ForgetRemoved(const std::set<KeyframeId>& ids) { map_.ForgetRemoved(ids); }
 
   const Map& map() const { return map_; }
   /// The version of the map; nullopt before the first update.

@@ -74,7 +74,8 @@ struct MapUpdate {
   std::vector<LandmarkId> removed_points;
   std::vector<MapLine> lines;
   std::vector<LandmarkId> removed_lines;
-  /// Loops closed since the base version.
+  /// Loops closed since the base version, and those that a removed keyframe has passed on to another one. The loops of
+  /// removed keyframes are removed with them.
   std::vector<LoopEdge> loops;
   /// Totals of the resulting map.
   MapTotals totals;

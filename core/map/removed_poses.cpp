@@ -40,6 +40,19 @@ void RemovedPoses::Forget(KeyframeId id) {
   removed_.erase(returned);
 }
 
+void RemovedPoses::Forget(const std::set<KeyframeId>& ids) {
+  for (auto& [id, removed] : removed_) {
+    if (ids.contains(id)) continue;
+    while (ids.contains(removed.carrier_id)) {
+      const auto carrier = removed_.find(removed.carrier_id);
+      if (carrier == removed_.end()) break;
+      removed.D_carrier = removed.D_carrier * (carrier->second.D_kf.Inverse() * carrier->second.D_carrier);
+      removed.carrier_id = carrier->second.carrier_id;
+    }
+  }
+  std::erase_if(removed_, [&ids](const auto& entry) { return ids.contains(entry.first); });
+}
+
 void RemovedPoses::ReturnTo(int64_t version, const IdMap<KeyframeId, MapKeyframe>& keyframes) {
   for (const auto& [id, removed] : removed_) {
     if (removed.version > version) D_[id] = removed.D_kf;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <set>
 #include <vector>
 
 #include "core/geometry/se3.h"
@@ -43,6 +44,8 @@ class RemovedPoses {
   void Add(const MapKeyframe& keyframe, KeyframeId carrier_id);
   /// The keyframe is in the map again.
   void Forget(KeyframeId id);
+  /// Forgets removed keyframes. Those that they carry stay in place, and move with the next carrier.
+  void Forget(const std::set<KeyframeId>& ids);
   /// Undoes what has happened since that version, when the map had `keyframes`: a mapping process that was killed
   /// continues from an older state, and repeats the rest. Corrections of more than `kKept` versions ago cannot be undone.
   void ReturnTo(int64_t version, const IdMap<KeyframeId, MapKeyframe>& keyframes);

@@ -41,6 +41,8 @@ constexpr double kLeastAgreement = 0.6;
 constexpr int kLeastCompared = 50;
 // Rows that are off by more, in the mean of a keyframe's points, are reported.
 constexpr double kFarRows_px = 0.75;
+// Removed keyframes that are remembered for the driven path and for submaps: some 3 MB.
+constexpr size_t kMostRemoved = 10'000;
 
 }  // namespace
 
@@ -309,7 +311,12 @@ double DenseNode::VoxelFor(const Keyframe& keyframe) const {
 }
 
 void DenseNode::FollowRemovals(const KeyframePoses& poses) {
-  if (camera_) map_->FollowRemovals(poses, LastingPosesOf(sparse_->follower().map()), camera_->rectifier.camera());
+  if (!camera_) return;
+  const Map& map = sparse_->follower().map();
+  const KeyframePoses lasting = LastingPosesOf(map);
+  map_->FollowRemovals(poses, lasting, camera_->rectifier.camera());
+  if (poses.size() <= lasting.size() + kMostRemoved) return;
+  sparse_->ForgetRemoved(RemovedToForget(map.RemovedKeyframes(), kMostRemoved, map_->Members()));
 }
 
 void DenseNode::SurfacesChanged() {

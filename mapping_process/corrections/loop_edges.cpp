@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <iterator>
 #include <optional>
 #include <utility>
+
+#include "core/map/map_graph.h"
 
 namespace plslam::mapping {
 namespace {
@@ -46,7 +49,73 @@ std::optional<LoopEdge> FromKeyframeOfMap(LoopEdge edge, const LoopClosure& clos
   return edge;
 }
 
+LoopEdge OlderFirst(const LoopEdge& edge) { return edge.old_keyframe_id < edge.keyframe_id ? edge : Reversed(edge); }
+
+bool EndsAt(const LoopEdge& edge, KeyframeId id) { return edge.old_keyframe_id == id || edge.keyframe_id == id; }
+
+/// Returns the edge with its newer end at this keyframe.
+LoopEdge EndingAt(KeyframeId id, const LoopEdge& edge) { return edge.keyframe_id == id ? edge : Reversed(edge); }
+
+/// The keyframe that takes the place of a removed one in its loops.
+struct Heir {
+  KeyframeId keyframe_id = -1;
+  Matrix6d covariance = Matrix6d::Zero();  ///< of the removed keyframe's pose relative to it
+};
+
+std::optional<Heir> HeirInSession(const MapKeyframe& removed, const Map& map) {
+  const bool has_previous = map.FindKeyframe(removed.previous_id) != nullptr;
+  const Heir previous{removed.previous_id, removed.relative_covariance};
+  for (const auto& [id, next] : map.keyframes()) {
+    if (next.previous_id != removed.id) continue;
+    if (has_previous && previous.covariance.trace() <= next.relative_covariance.trace()) return previous;
+    return Heir{id, InverseCovariance(next.T_prevkf_kf, next.relative_covariance)};
+  }
+  return has_previous ? std::optional(previous) : std::nullopt;
+}
+
+Heir HeirElsewhere(const MapKeyframe& removed, const LoopEdge& first, const Map& map) {
+  if (map.FindKeyframe(removed.parent_id) != nullptr) return {.keyframe_id = removed.parent_id};
+  const LoopEdge edge = EndingAt(removed.id, first);
+  return {edge.old_keyframe_id, edge.covariance};
+}
+
 }  // namespace
+
+PassedOnLoops LoopsPassedOn(KeyframeId removed_id, const Map& map) {
+  PassedOnLoops passed_on;
+  std::vector<LoopEdge> loops;
+  std::ranges::copy_if(map.loops(), std::back_inserter(loops),
+                       [removed_id](const LoopEdge& loop) { return EndsAt(loop, removed_id); });
+  if (loops.empty()) return passed_on;
+  const MapKeyframe& removed = *map.FindKeyframe(removed_id);
+  const std::optional<Heir> in_session = HeirInSession(removed, map);
+  passed_on.ends_session = !in_session;
+  const Heir heir = in_session ? *in_session : HeirElsewhere(removed, loops.front(), map);
+  const SE3 T_removed_heir = removed.T_w_kf.Inverse() * map.FindKeyframe(heir.keyframe_id)->T_w_kf;
+  const Matrix6d covariance = InverseCovariance(T_removed_heir.Inverse(), heir.covariance);
+  for (const LoopEdge& loop : loops) {
+    LoopEdge edge = EndingAt(removed_id, loop);
+    if (edge.old_keyframe_id == heir.keyframe_id) continue;
+    edge.keyframe_id = heir.keyframe_id;
+    edge.covariance = ComposeCovariance(edge.covariance, T_removed_heir, covariance);
+    edge.T_old_kf = edge.T_old_kf * T_removed_heir;
+    passed_on.edges.push_back(OlderFirst(edge));
+  }
+  return passed_on;
+}
+
+void AddNeeded(const PassedOnLoops& loops, Map& map) {
+  for (const LoopEdge& edge : loops.edges) {
+    const bool has_loop = std::ranges::any_of(map.loops(), [&edge](const LoopEdge& other) {
+      return EndsAt(other, edge.old_keyframe_id) && EndsAt(other, edge.keyframe_id);
+    });
+    if (has_loop || map.Shared(edge.old_keyframe_id, edge.keyframe_id) >= Map::kEssential) continue;
+    if (loops.ends_session &&
+        MapGraph(map).Component(edge.old_keyframe_id, MapGraph::Edges::kKnown).contains(edge.keyframe_id))
+      continue;
+    map.Add(edge);
+  }
+}
 
 LoopEdge Reversed(const LoopEdge& edge) {
   LoopEdge reversed = edge;
@@ -64,7 +133,7 @@ std::vector<LoopEdge> EdgesInMap(const LoopClosure& closure, const Map& map) {
       edge = FromKeyframeOfMap(Reversed(*edge), closure, map);
     }
     if (!edge || edge->keyframe_id == edge->old_keyframe_id) continue;
-    edges.push_back(edge->old_keyframe_id < edge->keyframe_id ? *edge : Reversed(*edge));
+    edges.push_back(OlderFirst(*edge));
   }
   return edges;
 }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "mapping_process/corrections/loop_edges.h"
+
 namespace plslam::mapping {
 namespace {
 
@@ -30,7 +32,7 @@ void CountRedundant(KeyframeId keyframe_id, int min_others, const Map& map, Shar
   }
 }
 
-// Removing it would remove the loop, perhaps the only connection between the two places.
+// The loop would be less certain between other keyframes.
 bool IsEndOfLoop(KeyframeId id, const Map& map) {
   return std::any_of(map.loops().begin(), map.loops().end(),
                      [id](const LoopEdge& loop) { return loop.old_keyframe_id == id || loop.keyframe_id == id; });
@@ -68,21 +70,25 @@ void RecentLandmarks::Begin(const NewLandmarks& landmarks, SessionId session) {
   of.by_keyframe[++of.begun] = landmarks;
 }
 
-void RecentLandmarks::Cull(const CullingOptions& options, Map& map) {
+void RecentLandmarks::Cull(const CullingOptions& options, const Visits& visits, Map& map) {
   for (auto& [id, session] : sessions_) {
     auto& by_keyframe = session.by_keyframe;
-    while (!by_keyframe.empty() && by_keyframe.begin()->first + options.recent_keyframes <= session.begun) {
+    const int64_t recent = visits.Has(id) ? options.recent_keyframes : 0;
+    while (!by_keyframe.empty() && by_keyframe.begin()->first + recent <= session.begun) {
       const NewLandmarks due = std::exchange(by_keyframe.begin()->second, {});
       by_keyframe.erase(by_keyframe.begin());
       CheckFeatureType<PointType>(due.points, options.min_observations, map);
       CheckFeatureType<LineType>(due.lines, options.min_observations, map);
     }
   }
+  std::erase_if(sessions_, [&visits](const auto& session) { return !visits.Has(session.first); });
 }
 
 void TakeOut(KeyframeId keyframe_id, KeyframeFeatures& features, Map& map) {
+  const PassedOnLoops loops = LoopsPassedOn(keyframe_id, map);
   BridgeOver(keyframe_id, map);
   map.RemoveKeyframe(keyframe_id);
+  AddNeeded(loops, map);
   features.erase(keyframe_id);
 }
 

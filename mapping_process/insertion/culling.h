@@ -8,6 +8,7 @@
 #include "core/ids/ids.h"
 #include "core/map/landmark_types.h"
 #include "mapping_process/insertion/landmark_creation.h"
+#include "mapping_process/insertion/visits.h"
 #include "mapping_process/options.h"
 
 namespace plslam::mapping {
@@ -19,8 +20,9 @@ class RecentLandmarks {
   /// Adds landmarks created with the next keyframe of the session.
   void Begin(const NewLandmarks& landmarks, SessionId session);
 
-  /// Finishes the checks that are due: removes landmarks seen by too few keyframes.
-  void Cull(const CullingOptions& options, Map& map);
+  /// Finishes the checks that are due: removes landmarks seen by too few keyframes. All checks of a session that `visits`
+  /// has forgotten are due, because it has ended.
+  void Cull(const CullingOptions& options, const Visits& visits, Map& map);
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
@@ -40,7 +42,8 @@ class RecentLandmarks {
   std::map<SessionId, Session> sessions_;
 };
 
-/// Removes a keyframe and its features, and connects its successor in the session with its predecessor.
+/// Removes a keyframe and its features, connects its successor in the session with its predecessor, and passes on its
+/// loops (`LoopsPassedOn`).
 void TakeOut(KeyframeId keyframe_id, KeyframeFeatures& features, Map& map);
 
 /// Removes redundant keyframes among `candidates` and returns their ids. A keyframe is redundant if a share of

@@ -35,6 +35,9 @@ class Visits {
   /// The keyframe is not in the map any more.
   void Remove(KeyframeId keyframe_id);
 
+  /// Whether the session may still continue.
+  bool Has(SessionId session) const { return sessions_.contains(session); }
+
   Moment MomentOf(const MapKeyframe& keyframe) const;
   /// Returns whether `earlier`, at this distance from `keyframe`, belongs to an earlier visit.
   bool IsBefore(const Moment& earlier, double distance_m, const MapKeyframe& keyframe) const;

@@ -71,13 +71,10 @@ MappingNode::MappingNode(bus::Process& process, const MappingOptions& options)
       counters_(process),
       disk_(process, options.state_file),
       camera_channel_(process.bus(), [this](const RigCalibration& rig) { OnCamera(rig); }),
-      keyframes_(process.bus(), [this](const Keyframe& keyframe) { OnKeyframe(keyframe); }) {
+      keyframes_(process.bus(), [this](const Keyframe& keyframe) { OnKeyframe(keyframe); }),
+      closures_(process.bus(), [this](const LoopClosure& closure) { OnClosure(closure); }) {
   process_.bus().Subscribe<command_t>(bus::kCommand, [this](const command_t& message) { OnCommand(message); });
-  if (options_.loops.enabled) {
-    closures_ = std::make_unique<bus::LoopClosureSubscriber>(
-        process.bus(), [this](const LoopClosure& closure) { OnClosure(closure); });
-    process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& message) { OnStatus(message); });
-  }
+  process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& message) { OnStatus(message); });
   process_.bus().Every(kTick, [this] { OnTick(); });
   process_.SetConfiguration(ToYaml("mapping", options_));
   ReadState();
@@ -457,10 +454,9 @@ void MappingNode::Execute(const bus::Order& order) {
 void MappingNode::Save(const std::string& argument) {
   const bus::SaveRequest request = bus::ToSaveRequest(argument);
   if (!request.forced) CheckIsOlderState(request.file, *mapper_);
-  mapper_->AcceptRecentLandmarks();
-  mapper_->LendState([&](MapperState& state) {
-    state.stored.rig = CameraBytes(mapper_->camera());
-    WriteMapFile(request.file, state.stored);
+  mapper_->LendStored([&](StoredMap& stored) {
+    stored.rig = CameraBytes(mapper_->camera());
+    WriteMapFile(request.file, stored);
   });
   LogInfo("the map is saved in {}", request.file);
 }

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
-#include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -129,7 +128,7 @@ class MappingNode {
   std::thread worker_;
   bus::CameraSubscriber camera_channel_;
   bus::KeyframeSubscriber keyframes_;
-  std::unique_ptr<bus::LoopClosureSubscriber> closures_;
+  bus::LoopClosureSubscriber closures_;
 };
 
 bus::ProcessSpec MappingSpec();

@@ -63,7 +63,8 @@ void WorkQueue::Reset(const MapId& map_id, const std::map<SessionId, int64_t>& n
 }
 
 void WorkQueue::Add(const LoopClosure& closure) {
-  if (!awaits_loops_) return;
+  // loop_process checks no keyframe until the map has answered its loop.
+  if (!awaits_loops_ && closure.kind != LoopClosure::Kind::kLoop) return;
   const auto restored = restored_.find(closure.keyframe.session);
   if (restored != restored_.end() && closure.keyframe.number <= restored->second) return;
   // Resent for a loop_process that has exited: one keyframe may have several closures, each of another map version.
@@ -75,6 +76,18 @@ void WorkQueue::Add(const LoopClosure& closure) {
 
 WorkQueue::Answer WorkQueue::AnswerOf(const LoopClosure& closure) {
   return {closure.keyframe, closure.map_version, closure.kind};
+}
+
+/// Forgets a closure that changes nothing if it is resent, and the oldest of the others.
+void WorkQueue::ForgetTaken(const LoopClosure& closure) {
+  if (closure.kind == LoopClosure::Kind::kNone) {
+    answers_.erase(AnswerOf(closure));
+    return;
+  }
+  taken_.push_back(AnswerOf(closure));
+  if (taken_.size() <= kMostTaken) return;
+  answers_.erase(taken_.front());
+  taken_.pop_front();
 }
 
 /// Drops the oldest closure whose keyframe has not arrived; it may be resent.
@@ -179,6 +192,11 @@ std::optional<WorkQueue::Work> WorkQueue::TakeClosure(double now_s) {
     work.closure = std::move(*found);
     work.lockstep = newest_.lockstep;
     closures_.erase(found);
+    ForgetTaken(work.closure);
+    if (!awaits_loops_) {
+      work.kind = Work::Kind::kAnswer;
+      return work;
+    }
     const bool commits = IsAboutNewest(work.closure) && !newest_.committed && !work.closure.more;
     // In lockstep there is one closure of each kind about a keyframe until it is committed. More arrive if loop_process
     // was restarted, or checked the keyframe again for a restarted mapping_process.

@@ -38,12 +38,16 @@ class WorkQueue {
   /// (5,000 keyframes with 200 loops, resent after a restart, are 4 million.)
   static constexpr size_t kMostParts = 5'000'000;
 
+  /// Number of loops and adjustments that are recognised when they are resent, the newest ones: the map refuses those
+  /// computed before later loops. Other closures change nothing when they are resent.
+  static constexpr size_t kMostTaken = 1000;
+
   struct Work {
     enum class Kind {
-      kInsert,        ///< insert `keyframes`, and adjust the map
-      kCorrect,       ///< apply `closure`; afterwards commit if `commits`
-      kCommit,        ///< commit the newest keyframe without loop_process
-      kAnswer,        ///< answer the loop of `closure`, which was resent: the map does not change
+      kInsert,   ///< insert `keyframes`, and adjust the map
+      kCorrect,  ///< apply `closure`; afterwards commit if `commits`
+      kCommit,   ///< commit the newest keyframe without loop_process
+      kAnswer,   ///< answer the loop of `closure`, which was resent or is not to be applied: the map does not change
       kPublishWhole,  ///< publish the complete map on request
       kOrder,         ///< carry out `order` of a tool
       kKeepState,     ///< write the state for a restart after a crash
@@ -62,6 +66,7 @@ class WorkQueue {
   /// `state_every`: number of keyframes after which the state is written. It is also written after the map was saved,
   /// before a new session, and before another publisher continues a session. 0: never.
   /// `awaits_loops`: lockstep keyframes wait for the answer of loop_process, or for `partner_wait_s` without any.
+  /// Otherwise loops are refused, and other closures ignored.
   WorkQueue(bool awaits_loops, double partner_wait_s, int state_every = 0)
       : awaits_loops_(awaits_loops), wait_(partner_wait_s), state_every_(state_every) {}
 
@@ -119,11 +124,14 @@ class WorkQueue {
   size_t n_keyframes() const { return keyframes_.size(); }
   /// Number of waiting keyframes and closures.
   size_t n_waiting() const { return keyframes_.size() + closures_.size(); }
+  /// Number of closures, waiting or taken, that are recognised when they are resent.
+  size_t n_recognised() const { return answers_.size(); }
 
  private:
   using Answer = std::tuple<KeyframeName, std::optional<MapVersion>, LoopClosure::Kind>;
 
   static Answer AnswerOf(const LoopClosure& closure);
+  void ForgetTaken(const LoopClosure& closure);
   void DropOldest();
   bool IsInserted(const LoopClosure& closure) const;
   bool IsAboutNewest(const LoopClosure& closure) const;
@@ -148,7 +156,10 @@ class WorkQueue {
   std::map<SessionId, int64_t> restored_;
   /// Publisher of the newest keyframe of each session, since then.
   std::map<SessionId, SourceId> publishers_;
+  /// Waiting closures, and those in `taken_`.
   std::set<Answer> answers_;
+  /// Newest loops and adjustments that were taken, up to `kMostTaken`, in that order.
+  std::deque<Answer> taken_;
   int state_every_;
   int inserted_since_state_ = 0;
   bool saved_since_state_ = false;

@@ -12,8 +12,10 @@ constexpr size_t kMaxCorrections = 40;
 }  // namespace
 
 void CorrectionLog::Add(const MapUpdate& update, const Map& map, FrameId frame_id) {
-  // A complete map contains all past loops; their corrections were not observed.
-  const bool corrected = !update.IsWhole() && !update.loops.empty() && !positions_.empty();
+  // A complete map contains all past loops; their corrections were not observed. A removed keyframe passes on its loops
+  // without any.
+  const bool corrected =
+      !update.IsWhole() && !update.loops.empty() && update.removed_keyframes.empty() && !positions_.empty();
   if (corrected) {
     Compare(map, frame_id);
     for (const LoopEdge& edge : update.loops) {

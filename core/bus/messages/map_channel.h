@@ -51,6 +51,8 @@ class MapSubscriber {
   const MapFollower& follower() const { return *follower_; }
   /// `MapFollower::RememberRemoved`.
   void RememberRemoved() { follower_->RememberRemoved(); }
+  /// `Map::ForgetRemoved`.
+  void ForgetRemoved(const std::set<KeyframeId>& ids) { follower_->ForgetRemoved(ids); }
 
  private:
   std::shared_ptr<MapFollower> follower_ = std::make_shared<MapFollower>();

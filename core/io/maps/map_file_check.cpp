@@ -152,10 +152,6 @@ void CheckWhole(const StoredMap& stored) {
            "session {} ends with keyframe {}, which is not in the map or not of this session", session,
            newest.keyframe_id);
   }
-  for (const LoopEdge& loop : map.loops()) {
-    Demand(std::max(loop.old_keyframe_id, loop.keyframe_id) < stored.next_keyframe_id,
-           "a loop joins keyframe {} to {}, which never existed", loop.old_keyframe_id, loop.keyframe_id);
-  }
 }
 
 }  // namespace plslam::map_file

@@ -273,6 +273,25 @@ class RemovedKeyframes : public testing::Test {
   DenseMap map_{kVoxel_m, 0.0};
 };
 
+// A bounded map removes a keyframe for each that it inserts.
+TEST_F(RemovedKeyframes, OldestWithoutASubmapAreForgotten) {
+  std::vector<RemovedKeyframe> removed;
+  for (int i = 0; i < 30; ++i) {
+    RemovedKeyframe keyframe;
+    keyframe.id = i;
+    keyframe.session = i < 2 ? 1 : 9;
+    keyframe.frame_id = i;
+    removed.push_back(keyframe);
+  }
+  ASSERT_TRUE(map_.Members().contains({1, 0}));
+  EXPECT_TRUE(RemovedToForget(removed, 30, map_.Members()).empty());
+  const std::set<KeyframeId> forgotten = RemovedToForget(removed, 20, map_.Members());
+  EXPECT_EQ(forgotten.size(), 12U) << "18 are left";
+  EXPECT_FALSE(forgotten.contains(0)) << "its submap is placed by it";
+  EXPECT_TRUE(forgotten.contains(2));
+  EXPECT_FALSE(forgotten.contains(29));
+}
+
 TEST_F(RemovedKeyframes, ForgottenPlaceDisappears) {
   ASSERT_EQ(map_.n_submaps(), 4U);
   KeyframePoses lasting = poses_;

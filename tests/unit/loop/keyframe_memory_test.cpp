@@ -122,6 +122,34 @@ TEST(KeyframeMemory, MappedSessionIsKeptForARestartedMap) {
   EXPECT_EQ(PointsOf(memory, 1), 1U);
 }
 
+// A bounded map forgets sessions of earlier days, each from its first keyframe to its last.
+TEST(KeyframeMemory, EndedSessionsAreDropped) {
+  loop::KeyframeMemory memory(SmallPlaces());
+  Map map;
+  for (int i = 0; i < 3; ++i) {
+    map.Put(InMap(i, 1, i));
+    memory.Add(Named(1, i));
+  }
+  map.Put(InMap(3, 2, 0));
+  memory.Add(Named(2, 0));
+  memory.Add(Named(2, 1));
+  memory.Follow(map, true);
+  for (const int id : {0, 2}) {
+    map.RemoveKeyframe(id);
+    memory.Follow(map, true);
+  }
+  EXPECT_TRUE(memory.Contains({1, 2})) << "an older state of the map may have it";
+  map.RemoveKeyframe(1);
+  memory.Follow(map, true);
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE(memory.Contains({1, i})) << i;
+  EXPECT_TRUE(memory.Contains({2, 0}));
+  EXPECT_TRUE(memory.Contains({2, 1}));
+  memory.Add(Named(1, 2));
+  map.Put(InMap(2, 1, 2));
+  memory.Follow(map);
+  EXPECT_EQ(PointsOf(memory, 2), 3U) << "it is back in the map, and published again";
+}
+
 TEST(KeyframeMemory, RestartedMapUsesKeyframesUnderOtherIds) {
   loop::KeyframeMemory memory(SmallPlaces());
   Map map;

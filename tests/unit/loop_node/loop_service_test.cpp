@@ -195,6 +195,22 @@ TEST_F(Service, KeyframeRestoredByAnOlderMapIsUsedAgain) {
   EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(1))), Ids{3});
 }
 
+// mapping_process applies no loops, so each keyframe is committed before it can be checked.
+TEST_F(Service, FeaturesAreDroppedWithoutChecks) {
+  for (int id = 0; id < 3; ++id) {
+    service_.OnKeyframe(KeyframeOf(id));
+    EXPECT_EQ(Checked(service_.OnUpdate(Update(id, true))), Ids{});
+  }
+  const Map older = map_;
+  map_.RemoveKeyframe(1);
+  service_.OnKeyframe(KeyframeOf(3));
+  EXPECT_EQ(Checked(service_.OnUpdate(Update(3, true))), Ids{});
+  map_ = older;
+  service_.OnUpdate(Whole(2, true, 2));
+  now_ms_ += MissingFeatures::kRequestAfter_ms;
+  EXPECT_EQ(service_.OnTick().missing_keyframes, std::vector<KeyframeId>{1});
+}
+
 // The previous loop_process closed a loop and exited during global bundle adjustment.
 TEST_F(Service, UnfinishedAdjustmentIsDoneAfterARestart) {
   Update(3, false);

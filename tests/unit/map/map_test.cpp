@@ -195,6 +195,34 @@ TEST(Map, ChangesReportTheFinalState) {
   EXPECT_THAT(changes.removed_points, ElementsAre(2));
 }
 
+TEST(Map, LoopsAreRemovedWithTheirKeyframes) {
+  const auto loop = [](int old_id, int id) {
+    LoopEdge edge;
+    edge.old_keyframe_id = old_id;
+    edge.keyframe_id = id;
+    return edge;
+  };
+  const auto newer_ends = [](const std::vector<LoopEdge>& loops) {
+    std::vector<KeyframeId> ids;
+    for (const LoopEdge& edge : loops) ids.push_back(edge.keyframe_id);
+    return ids;
+  };
+  Map map = Chain();
+  map.Put(KeyframeOf(3, 2));
+  map.Add(loop(0, 3));
+  map.Add(loop(0, 77));
+  map.TakeChanges();
+  map.Add(loop(1, 3));
+  map.Add(loop(0, 2));
+  EXPECT_THAT(newer_ends(map.loops()), ElementsAre(2, 3, 3)) << "also those that an older keyframe has taken over";
+  map.RemoveKeyframe(1);
+  EXPECT_THAT(newer_ends(map.loops()), ElementsAre(2, 3));
+  EXPECT_THAT(newer_ends(map.TakeChanges().loops), ElementsAre(2));
+  map.RemoveKeyframe(3);
+  EXPECT_THAT(newer_ends(map.loops()), ElementsAre(2));
+  EXPECT_TRUE(map.TakeChanges().loops.empty());
+}
+
 TEST(Map, AFalseLandmarkIsNoParent) {
   Map map = Chain();
   map.Put(KeyframeOf(3, 2));

@@ -43,6 +43,10 @@ void ExpectSame(const Map& a, const Map& b) {
     ASSERT_EQ(line.segment_w.q, b.FindLine(id)->segment_w.q) << id;
     ASSERT_EQ(line.covariance_p, b.FindLine(id)->covariance_p) << id;
   }
+  for (size_t i = 0; i < a.loops().size(); ++i) {
+    ASSERT_EQ(a.loops()[i].old_keyframe_id, b.loops()[i].old_keyframe_id) << i;
+    ASSERT_EQ(a.loops()[i].T_old_kf.matrix(), b.loops()[i].T_old_kf.matrix()) << i;
+  }
 }
 
 /// The owner's side: versions one after another.
@@ -300,6 +304,21 @@ TEST_F(RemovedPosesTest, CorrectionMovesThemThroughRemovedCarriers) {
   CorrectAll(turn);
   const SE3 expected = turn * AtX(13.0, 5.0);
   EXPECT_LT((expected.Inverse() * PoseOf(3)).Log().norm(), 1e-12);
+}
+
+TEST_F(RemovedPosesTest, ForgottenCarriersLeaveThemInPlace) {
+  CorrectAll(AtX(0.0, 5.0));
+  Remove(3);
+  CorrectAll(AtX(10.0));
+  Remove(2);
+  CorrectAll(AtX(0.0, 0.5));
+  Remove(1);
+  follower_.ForgetRemoved({1, 2});
+  EXPECT_EQ(follower_.map().RemovedKeyframes().size(), 1U);
+  EXPECT_LT((AtX(13.0, 5.5).Inverse() * PoseOf(3)).Log().norm(), 1e-12);
+  const SE3 turn(Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitZ()).toRotationMatrix(), {0.0, 1.0, 0.0});
+  CorrectAll(turn);
+  EXPECT_LT(((turn * AtX(13.0, 5.5)).Inverse() * PoseOf(3)).Log().norm(), 1e-12);
 }
 
 TEST_F(RemovedPosesTest, ReturningProcessRepeatsCorrectionsExactly) {

@@ -3,7 +3,6 @@
 
 #include <sodium.h>
 
-#include <algorithm>
 #include <cstring>
 #include <random>
 
@@ -54,10 +53,6 @@ AnId After(const IdMap<AnId, Value>& values) {
 
 void SetRest(StoredMap& stored, std::mt19937_64& random) {
   stored.next_keyframe_id = KeyframeId(After(stored.map.keyframes()).value + static_cast<int64_t>(random() % 3));
-  for (const LoopEdge& loop : stored.map.loops()) {
-    stored.next_keyframe_id = std::max({stored.next_keyframe_id, KeyframeId(loop.old_keyframe_id.value + 1),
-                                        KeyframeId(loop.keyframe_id.value + 1)});
-  }
   stored.next_point_id = After(stored.map.points());
   stored.next_line_id = LandmarkId(After(stored.map.lines()).value + 5);
   stored.version = static_cast<int64_t>(random() % 1000);

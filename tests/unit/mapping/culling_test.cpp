@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/files/archive.h"
 #include "tests/unit/localisation/handmade_map.h"
 #include "tests/unit/mapping/mapping_world.h"
 
@@ -29,12 +30,20 @@ class Culling : public testing::Test {
  protected:
   Culling() {
     for (int i = 0; i < 8; ++i) m_.AddKeyframe(Pose(i));
+    for (const int id : {0, 1}) Begin(SessionId(kSession.value + id), id);
+  }
+  void Begin(SessionId session, KeyframeId first_id) {
+    MapKeyframe first;
+    first.id = first_id;
+    first.name.session = session;
+    visits_.Add(first);
   }
 
   const std::vector<Descriptor> descriptors_ = SomeDescriptors(200);
   // 3 keyframes of trial, 3 observations; share 0.9 of landmarks that 3 others see.
   const CullingOptions options_{3, 3, 0.9, 3};
   HandmadeMap m_;
+  Visits visits_;
 };
 
 TEST_F(Culling, RecentLandmarksWithFewObservationsAreCulled) {
@@ -45,11 +54,11 @@ TEST_F(Culling, RecentLandmarksWithFewObservationsAreCulled) {
   RecentLandmarks trial;
   trial.Begin({{0, 1}, {0}}, kSession);
   for (int i = 0; i < 2; ++i) trial.Begin({}, kSession);
-  trial.Cull(options_, m_.map);
+  trial.Cull(options_, visits_, m_.map);
   EXPECT_EQ(m_.map.points().size(), 2U) << "two keyframes after: still on trial";
   EXPECT_EQ(m_.map.lines().size(), 1U);
   trial.Begin({}, kSession);
-  trial.Cull(options_, m_.map);
+  trial.Cull(options_, visits_, m_.map);
   EXPECT_EQ(m_.map.FindPoint(0), nullptr);
   EXPECT_NE(m_.map.FindPoint(1), nullptr);
   EXPECT_TRUE(m_.map.lines().empty());
@@ -60,10 +69,10 @@ TEST_F(Culling, OldLandmarksAreNotCulledAgain) {
   RecentLandmarks trial;
   trial.Begin({{0}, {}}, kSession);
   for (int i = 0; i < 3; ++i) trial.Begin({}, kSession);
-  trial.Cull(options_, m_.map);
+  trial.Cull(options_, visits_, m_.map);
   m_.map.RemoveKeyframe(3);
   for (int i = 0; i < 20; ++i) trial.Begin({}, kSession);
-  trial.Cull(options_, m_.map);
+  trial.Cull(options_, visits_, m_.map);
   EXPECT_NE(m_.map.FindPoint(0), nullptr);
 }
 
@@ -73,7 +82,7 @@ TEST_F(Culling, RemovedRecentLandmarksAreHarmless) {
   trial.Begin({{0, 1}, {5}}, kSession);
   m_.map.RemovePoint(0);
   for (int i = 0; i < 3; ++i) trial.Begin({}, kSession);
-  trial.Cull(options_, m_.map);
+  trial.Cull(options_, visits_, m_.map);
   EXPECT_TRUE(m_.map.points().empty());
 }
 
@@ -82,11 +91,27 @@ TEST_F(Culling, OtherSessionsDoNotAgeRecentLandmarks) {
   RecentLandmarks trial;
   trial.Begin({{0}, {}}, kSession);
   for (int i = 0; i < 20; ++i) trial.Begin({}, SessionId(kSession.value + 1));
-  trial.Cull(options_, m_.map);
+  trial.Cull(options_, visits_, m_.map);
   EXPECT_NE(m_.map.FindPoint(0), nullptr);
   for (int i = 0; i < 3; ++i) trial.Begin({}, kSession);
-  trial.Cull(options_, m_.map);
+  trial.Cull(options_, visits_, m_.map);
   EXPECT_EQ(m_.map.FindPoint(0), nullptr);
+}
+
+TEST_F(Culling, RecentLandmarksOfAnEndedSession) {
+  m_.Tie({1, 2}, 1, 0, descriptors_);
+  m_.Tie({1, 2, 3}, 1, 1, descriptors_);
+  RecentLandmarks trial;
+  trial.Begin({{0, 1}, {}}, kSession);
+  trial.Cull(options_, visits_, m_.map);
+  EXPECT_EQ(m_.map.points().size(), 2U);
+  const std::vector<uint8_t> none = archive::ToBytes(RecentLandmarks());
+  EXPECT_NE(archive::ToBytes(trial), none);
+  for (int i = 0; i < static_cast<int>(kRunningSessions); ++i) Begin(SessionId(100 + i), 10 + i);
+  trial.Cull(options_, visits_, m_.map);
+  EXPECT_EQ(m_.map.FindPoint(0), nullptr);
+  EXPECT_NE(m_.map.FindPoint(1), nullptr);
+  EXPECT_EQ(archive::ToBytes(trial), none) << "nothing is remembered of it";
 }
 
 TEST_F(Culling, RedundantKeyframeIsCulled) {

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -195,6 +196,15 @@ TEST(MapperState, LentStateIsReturnedAfterAnException) {
   EXPECT_EQ(EncodeState(mapper.State()), whole);
 }
 
+TEST(MapperState, FailedSaveChangesNothing) {
+  Mapper mapper = Restored(TheStream().mapper);
+  const Bytes whole = EncodeState(mapper.State());
+  EXPECT_THROW(mapper.LendStored([](StoredMap&) { throw std::runtime_error("disk full"); }), std::runtime_error);
+  EXPECT_EQ(EncodeState(mapper.State()), whole);
+  mapper.LendStored([](StoredMap&) {});
+  EXPECT_NE(EncodeState(mapper.State()), whole) << "landmarks that are saved are not culled";
+}
+
 TEST_F(StateFileTest, RoundTrip) {
   EXPECT_EQ(EncodeState(ReadStateFile(path_)), EncodeState(TheStream().mapper.State()));
 }
@@ -270,6 +280,39 @@ TEST_F(StateFileTest, TruncatedOrDamagedFileHasAnEarlierState) {
     }
   }
   EXPECT_GT(n_older, 3U);
+}
+
+/// A loop between the oldest and the newest keyframe of the map, which it does not move.
+LoopClosure LoopOver(const Map& map) {
+  const MapKeyframe& oldest = map.keyframes().begin()->second;
+  const MapKeyframe& newest = map.keyframes().rbegin()->second;
+  LoopClosure closure;
+  closure.kind = LoopClosure::Kind::kLoop;
+  closure.edges.push_back(
+      {oldest.id, newest.id, oldest.T_w_kf.Inverse() * newest.T_w_kf, 1e-4 * Matrix6d::Identity(), 30, 5});
+  return closure;
+}
+
+TEST_F(StateFileTest, RecordsLoopsOfForgottenKeyframes) {
+  MappingOptions options;
+  options.max_keyframes = 12;
+  Mapper mapper(FeatureWorld::Camera(), options);
+  StateFile file(path_);
+  std::set<KeyframeId> ends;
+  for (size_t i = 0; i < 30; ++i) {
+    file.Note(Tell(TheStream().words[2 * i], mapper));
+    const Map& map = mapper.map();
+    if (i == 11) file.Note(Tell({std::nullopt, LoopOver(map)}, mapper));
+    for (const LoopEdge& loop : map.loops()) {
+      EXPECT_NE(map.FindKeyframe(loop.old_keyframe_id), nullptr) << i;
+      EXPECT_NE(map.FindKeyframe(loop.keyframe_id), nullptr) << i;
+      ends.insert({loop.old_keyframe_id, loop.keyframe_id});
+    }
+    if (i % 2 == 0) continue;
+    file.Write(mapper.State());
+    ASSERT_EQ(EncodeState(ReadStateFile(path_)), EncodeState(mapper.State())) << i;
+  }
+  EXPECT_GT(ends.size(), 2U) << "it has moved";
 }
 
 TEST_F(StateFileTest, RecordsForgettingCamerasAndLocaliseOnly) {

@@ -120,13 +120,28 @@ TEST_F(WorkQueueTest, LockstepContinuesWithoutALoopProcess) {
 }
 
 TEST_F(WorkQueueTest, DisabledLoopsAreNotAwaited) {
-  WorkQueue queue(false, 5.0);
-  queue.Add(KeyframeOf(0, true), 0.0);
-  queue.Add(ClosureOf(0, LoopClosure::Kind::kLoop));
-  ASSERT_EQ(queue.Take(now_s_)->kind, Kind::kInsert);
-  queue.Inserted(KeyframeOf(0, true), 1, now_s_);
-  ASSERT_EQ(queue.Take(now_s_)->kind, Kind::kCommit);
-  EXPECT_FALSE(queue.Take(now_s_));
+  queue_ = WorkQueue(false, 5.0);
+  queue_.Add(KeyframeOf(0, true), 0.0);
+  queue_.Add(ClosureOf(0));
+  Take(Kind::kInsert);
+  Take(Kind::kCommit);
+  ExpectNothing();
+}
+
+// loop_process, which runs for relocalisation, awaits an answer to its loop before it checks the next keyframe.
+TEST_F(WorkQueueTest, DisabledLoopsAreRefused) {
+  for (const bool lockstep : {true, false}) {
+    queue_ = WorkQueue(false, 5.0);
+    queue_.Add(KeyframeOf(0, lockstep), 0.0);
+    queue_.Add(ClosureOf(0, LoopClosure::Kind::kLoop));
+    Take(Kind::kInsert);
+    const WorkQueue::Work work = Take(Kind::kAnswer);
+    EXPECT_EQ(work.closure.keyframe.number, 0);
+    EXPECT_FALSE(work.accepted);
+    Take(Kind::kCommit);
+    queue_.Add(ClosureOf(0, LoopClosure::Kind::kAdjustment));
+    ExpectNothing();
+  }
 }
 
 TEST_F(WorkQueueTest, LiveKeyframesAreInsertedTogetherAndNeverWait) {
@@ -311,6 +326,26 @@ TEST_F(WorkQueueTest, RepeatedLiveLoopIsAppliedOnce) {
   queue_.Add(ClosureOf(0, LoopClosure::Kind::kLoop));
   queue_.Add(ClosureOf(0, LoopClosure::Kind::kLoop));
   Take(Kind::kCorrect);
+  ExpectNothing();
+}
+
+// Each keyframe has a closure, for as long as the process runs.
+TEST_F(WorkQueueTest, TakenClosuresAreForgotten) {
+  constexpr auto kMany = static_cast<int64_t>(WorkQueue::kMostTaken) + 100;
+  for (int64_t id = 0; id < kMany; ++id) {
+    queue_.Add(KeyframeOf(id, false), 0.0);
+    Take(Kind::kInsert);
+    queue_.Add(ClosureOf(id));
+    Take(Kind::kCorrect);
+  }
+  EXPECT_EQ(queue_.n_recognised(), 0U);
+  for (int64_t id = 0; id < kMany; ++id) {
+    queue_.Add(ClosureOf(id, LoopClosure::Kind::kLoop));
+    Take(Kind::kCorrect);
+  }
+  EXPECT_EQ(queue_.n_recognised(), WorkQueue::kMostTaken);
+  queue_.Add(ClosureOf(kMany - 1));
+  queue_.Add(ClosureOf(kMany - 1, LoopClosure::Kind::kLoop));
   ExpectNothing();
 }
 

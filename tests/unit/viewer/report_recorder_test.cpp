@@ -60,6 +60,18 @@ TEST(CorrectionLog, KeepsPosesOfKeyframesBeforeALoop) {
   EXPECT_FLOAT_EQ(Numbers<float>(correction.table, "after").at(9), 2.5F);
 }
 
+TEST(CorrectionLog, PassedOnLoopIsNoCorrection) {
+  MapOwner owner;
+  CorrectionLog log;
+  for (int id = 0; id < 3; ++id) owner.map.Put(Keyframe(id, 1.0 * static_cast<double>(id)));
+  log.Add(owner.Next(), owner.map, 20);
+  owner.map.RemoveKeyframe(1);
+  owner.map.Put(Keyframe(3, 3.0));
+  owner.map.Add(LoopEdge{.old_keyframe_id = 0, .keyframe_id = 2, .T_old_kf = SE3()});
+  log.Add(owner.Next(), owner.map, 30);
+  EXPECT_TRUE(log.corrections().empty());
+}
+
 TEST(CorrectionLog, LateWholeMapIsNoCorrection) {
   MapOwner owner;
   owner.map.Put(Keyframe(0, 0.0));

@@ -288,8 +288,8 @@ class Ears {
     auto info = InfoOf(dataset->rig(), side == 0, t_ns);
     infos[side]->write(&info);
   };
-  // Until they know it, too, and no longer wait for /tf_static, which they do for two seconds of CameraInfo.
-  for (const double end_s = now_s() + (infos[0] == nullptr ? 1.5 : 2.5); now_s() < end_s && g_is_ended == 0;) {
+  // Until they know it, too, and no longer wait for /tf_static, which they do for two seconds after CameraInfo.
+  for (const double end_s = now_s() + (infos[0] == nullptr ? 1.5 : 3.7); now_s() < end_s && g_is_ended == 0;) {
     for (const size_t side : {0, 1}) write_info(side, begin_ns);
     wait_until(now_s() + 0.05, [] { return false; });
   }

@@ -28,9 +28,9 @@ class ImageRate {
   /// Both rates are 0 if fewer than 10 images arrived within the last five seconds.
   Rates Of(double now_s);
 
-  /// Counts the images that are missing between those that have arrived, by the gaps of their stamps at this rate; steps
-  /// after its time are counted later. DDS does not count what best-effort readers miss. Gaps of more than two seconds do
-  /// not count: the camera may have been off.
+  /// Counts the images that are missing between those that have arrived, by the gaps of their stamps at this rate;
+  /// steps after its time are counted later. DDS does not count what best-effort readers miss. Gaps of more than two
+  /// seconds do not count: the camera may have been off.
   void CountMissing(const Rates& rates);
   int64_t n_missing() const { return n_missing_; }
 

@@ -24,9 +24,10 @@ namespace plslam::adapter {
 /// live stream, together with the rig, from a file or from the robot's own messages.
 ///
 /// An invalid foreign message is counted (`frames.rejected`, `frames.unpaired`) and ignored, and so is one that has
-/// waited too long because others arrived (`frames.dropped`). Four seconds without frames, after there were some, are an
-/// outage: counted (`frames.outages`), and reported by the warning `adapter_no_frames`. The thread of `StockLcm::Handle` only receives, and adds
-/// samples of an inertial sensor (`imu.rejected`: invalid ones); `Work` runs on a separate one.
+/// waited too long because others arrived (`frames.dropped`). Four seconds without frames, after there were some, are
+/// an outage: counted (`frames.outages`), and reported by the warning `adapter_no_frames`. The thread of
+/// `StockLcm::Handle` only receives, and adds samples of an inertial sensor (`imu.rejected`: invalid ones); `Work` runs
+/// on a separate one.
 class ImageSource {
  public:
   /// Throws where the file of the rig cannot be used.

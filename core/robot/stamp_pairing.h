@@ -19,8 +19,8 @@ enum class Side { kLeft = 0, kRight = 1 };
 /// one, may delay messages for so long. An image whose partner has not arrived when a later pair is complete, after
 /// that time, or when too many wait, stays unpaired and is counted.
 ///
-/// Stamps of a pair differ by `max_skew_ns` at most, and by no more than half of the period of the images (the median of
-/// the last steps of a side, the smaller one of the two): beyond that, another image of the partner's side is nearer,
+/// Stamps of a pair differ by `max_skew_ns` at most, and by no more than half of the period of the images (the median
+/// of the last steps of a side, the smaller one of the two): beyond that, another image of the partner's side is nearer,
 /// and one lost image would shift all later pairs by one.
 template <class Image>
 class StampPairing {

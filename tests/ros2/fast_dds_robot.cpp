@@ -3,7 +3,8 @@
 // DDS. After a subscriber is found, it publishes the stereo images of a dataset on /stereo/left/image_raw and right,
 // with CameraInfo (with colour and depth: on /camera); it hears what plslam_ros2 publishes, and prints what it heard as
 // JSON. Options: no_info, no_right, other_clock, constant, unsynchronised, tf_static (a camera that looks to the left),
-// late_tf_static (the same, from frame 20 on), lies (sizes that do not fit the data, and odometry that is not finite), reliable, jpeg, png, compressed_depth, big_endian, wheels (true odometry on
+// late_tf_static (the same, from frame 20 on), lies (sizes that do not fit the data, and odometry that is not finite),
+// reliable, jpeg, png, compressed_depth, big_endian, wheels (true odometry on
 // /wheels), imu (samples of the dataset on /imu/data; with tf_static its frame is beside the camera), imu_apart (the
 // same on /camera/gyro/sample and /camera/accel/sample), covered (black images for a second), synchronous (a written
 // image has been sent; they are rendered before), different=N (only N images, again and again), listen_s=SECONDS

@@ -10,8 +10,8 @@
 namespace plslam {
 
 /// Returns whether the right images of a pair of topics are depth maps by their name: it contains "depth", as those of
-/// all drivers do ("aligned_depth_to_color", "depth_registered"), more often than that of the left ones. A name that both
-/// share, as of the camera ("/depthai/left", "/depthai/right"), has no meaning.
+/// all drivers do ("aligned_depth_to_color", "depth_registered"), more often than that of the left ones. A name that
+/// both share, as of the camera ("/depthai/left", "/depthai/right"), has no meaning.
 bool NamesDepth(std::string_view left, std::string_view right);
 
 /// Returns the pairs of image topics that look like a stereo camera (names that differ by left and right, cam0 and

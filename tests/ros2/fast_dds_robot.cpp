@@ -304,9 +304,10 @@ class Ears {
     if (has("other_clock")) t_ns[1] += 3600'000'000'000;
     if (has("unsynchronised")) t_ns[1] += 20'000'000;
     if (has("constant")) t_ns[0] = t_ns[1] = 7'000'000'000;
+    listen();  // also where rendering takes longer than a period
     while (now_s() < due_s) {
-      listen();
       usleep(500);
+      listen();
     }
     due_s += 1.0 / rate_hz;
     if (has("late_tf_static") && i == 20) write_mounting();

@@ -18,13 +18,13 @@
 #include "core/optim/pose_graph/map_pose_graph.h"
 #include "mapping_process/corrections/closure_check.h"
 #include "mapping_process/corrections/correction.h"
-#include "mapping_process/corrections/loop_edges.h"
 #include "mapping_process/corrections/loop_fusion.h"
 #include "mapping_process/insertion/duplicates.h"
 #include "mapping_process/insertion/forgetting.h"
 #include "mapping_process/insertion/line_extent.h"
 #include "mapping_process/insertion/line_triangulation.h"
 #include "mapping_process/insertion/local_window.h"
+#include "mapping_process/insertion/loop_edges.h"
 #include "mapping_process/insertion/observations.h"
 
 namespace plslam::mapping {

@@ -65,7 +65,7 @@ class StampPairing {
       steps_ns_.push_back(t_ns - *before_ns);
       if (steps_ns_.size() > kMost) steps_ns_.pop_front();
     }
-    /// nullopt before the second image.
+    /// Returns nullopt before the second image.
     std::optional<int64_t> Median_ns() const {
       if (steps_ns_.empty()) return std::nullopt;
       std::vector<int64_t> sorted(steps_ns_.begin(), steps_ns_.end());

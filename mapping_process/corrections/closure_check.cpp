@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "core/geometry/symmetric.h"
-#include "mapping_process/corrections/loop_edges.h"
+#include "mapping_process/insertion/loop_edges.h"
 
 namespace plslam::mapping {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "mapping_process/corrections/loop_edges.h"
+#include "mapping_process/insertion/loop_edges.h"
 
 namespace plslam::mapping {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mapping_process/corrections/loop_edges.h"
+#include "mapping_process/insertion/loop_edges.h"
 
 #include <algorithm>
 #include <tuple>

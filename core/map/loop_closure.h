@@ -42,6 +42,8 @@ struct LoopEdge {
   Matrix6d covariance = Matrix6d::Zero();
   int32_t n_points = 0;  ///< inliers of each feature type
   int32_t n_lines = 0;
+
+  bool EndsAt(KeyframeId id) const { return old_keyframe_id == id || keyframe_id == id; }
 };
 
 /// Result of loop_process for a keyframe; the content of `loop_closure_t`. Each keyframe that enters the map gets one,

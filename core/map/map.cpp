@@ -222,7 +222,7 @@ void Map::RemoveKeyframe(KeyframeId id) {
   }
   DropObservationsOf(id, Points());
   DropObservationsOf(id, Lines());
-  const auto ends_here = [id](const LoopEdge& loop) { return loop.old_keyframe_id == id || loop.keyframe_id == id; };
+  const auto ends_here = [id](const LoopEdge& loop) { return loop.EndsAt(id); };
   std::erase_if(loops_, ends_here);
   std::erase_if(touched_.loops, ends_here);
   children_[parent_id].erase(id);

@@ -48,6 +48,13 @@ bool IsKnownStep(const MapKeyframe& keyframe) {
   return (variances.head<3>() <= most_m * most_m).all() && (variances.tail<3>() <= kUnknown_rad * kUnknown_rad).all();
 }
 
+const MapKeyframe* NextInSession(KeyframeId id, const Map& map) {
+  for (const auto& [next_id, keyframe] : map.keyframes()) {
+    if (keyframe.previous_id == id) return &keyframe;
+  }
+  return nullptr;
+}
+
 bool IsKnownParent(const MapKeyframe& keyframe, const Map& map) {
   return IsKnownStep(keyframe) || map.Shared(keyframe.parent_id, keyframe.id) >= Map::kParent;
 }

@@ -29,6 +29,9 @@ struct MapEdge {
 /// the covariance is then ten metres and a radian, or as large as the possible motion meanwhile.
 bool IsKnownStep(const MapKeyframe& keyframe);
 
+/// Returns the next keyframe of a session after this one; nullptr if there is none. Linear in the number of keyframes.
+const MapKeyframe* NextInSession(KeyframeId id, const Map& map);
+
 /// Whether the pose of a keyframe relative to its parent is known. It is not if the parent is merely the previous
 /// keyframe, for lack of another, and the step from there is unknown.
 bool IsKnownParent(const MapKeyframe& keyframe, const Map& map);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/map/map_graph.h"
 #include "mapping_process/insertion/loop_edges.h"
 
 namespace plslam::mapping {
@@ -34,8 +35,7 @@ void CountRedundant(KeyframeId keyframe_id, int min_others, const Map& map, Shar
 
 // The loop would be less certain between other keyframes.
 bool IsEndOfLoop(KeyframeId id, const Map& map) {
-  return std::any_of(map.loops().begin(), map.loops().end(),
-                     [id](const LoopEdge& loop) { return loop.old_keyframe_id == id || loop.keyframe_id == id; });
+  return std::ranges::any_of(map.loops(), [id](const LoopEdge& loop) { return loop.EndsAt(id); });
 }
 
 bool IsRedundant(const MapKeyframe& keyframe, const CullingOptions& options, const Map& map) {
@@ -49,18 +49,17 @@ bool IsRedundant(const MapKeyframe& keyframe, const CullingOptions& options, con
 
 // Connects the successor of a removed keyframe with its predecessor.
 void BridgeOver(KeyframeId id, Map& map) {
+  const MapKeyframe* const found = NextInSession(id, map);
+  if (found == nullptr) return;
   const MapKeyframe gone = *map.FindKeyframe(id);
-  for (const auto& [next_id, keyframe] : map.keyframes()) {
-    if (keyframe.previous_id != id) continue;
-    MapKeyframe next = keyframe;
-    next.previous_id = gone.previous_id;
-    const bool begins = gone.previous_id < 0;
-    next.relative_covariance =
-        begins ? Matrix6d(Matrix6d::Zero())
-               : ComposeCovariance(gone.relative_covariance, next.T_prevkf_kf, next.relative_covariance);
-    next.T_prevkf_kf = begins ? SE3() : gone.T_prevkf_kf * next.T_prevkf_kf;
-    return map.Put(next);
-  }
+  MapKeyframe next = *found;
+  next.previous_id = gone.previous_id;
+  const bool begins = gone.previous_id < 0;
+  next.relative_covariance =
+      begins ? Matrix6d(Matrix6d::Zero())
+             : ComposeCovariance(gone.relative_covariance, next.T_prevkf_kf, next.relative_covariance);
+  next.T_prevkf_kf = begins ? SE3() : gone.T_prevkf_kf * next.T_prevkf_kf;
+  map.Put(next);
 }
 
 }  // namespace

@@ -51,8 +51,6 @@ std::optional<LoopEdge> FromKeyframeOfMap(LoopEdge edge, const LoopClosure& clos
 
 LoopEdge OlderFirst(const LoopEdge& edge) { return edge.old_keyframe_id < edge.keyframe_id ? edge : Reversed(edge); }
 
-bool EndsAt(const LoopEdge& edge, KeyframeId id) { return edge.old_keyframe_id == id || edge.keyframe_id == id; }
-
 /// Returns the edge with its newer end at this keyframe.
 LoopEdge EndingAt(KeyframeId id, const LoopEdge& edge) { return edge.keyframe_id == id ? edge : Reversed(edge); }
 
@@ -65,12 +63,10 @@ struct Heir {
 std::optional<Heir> HeirInSession(const MapKeyframe& removed, const Map& map) {
   const bool has_previous = map.FindKeyframe(removed.previous_id) != nullptr;
   const Heir previous{removed.previous_id, removed.relative_covariance};
-  for (const auto& [id, next] : map.keyframes()) {
-    if (next.previous_id != removed.id) continue;
-    if (has_previous && previous.covariance.trace() <= next.relative_covariance.trace()) return previous;
-    return Heir{id, InverseCovariance(next.T_prevkf_kf, next.relative_covariance)};
-  }
-  return has_previous ? std::optional(previous) : std::nullopt;
+  const MapKeyframe* const next = NextInSession(removed.id, map);
+  if (next == nullptr) return has_previous ? std::optional(previous) : std::nullopt;
+  if (has_previous && previous.covariance.trace() <= next->relative_covariance.trace()) return previous;
+  return Heir{next->id, InverseCovariance(next->T_prevkf_kf, next->relative_covariance)};
 }
 
 Heir HeirElsewhere(const MapKeyframe& removed, const LoopEdge& first, const Map& map) {
@@ -85,7 +81,7 @@ PassedOnLoops LoopsPassedOn(KeyframeId removed_id, const Map& map) {
   PassedOnLoops passed_on;
   std::vector<LoopEdge> loops;
   std::ranges::copy_if(map.loops(), std::back_inserter(loops),
-                       [removed_id](const LoopEdge& loop) { return EndsAt(loop, removed_id); });
+                       [removed_id](const LoopEdge& loop) { return loop.EndsAt(removed_id); });
   if (loops.empty()) return passed_on;
   const MapKeyframe& removed = *map.FindKeyframe(removed_id);
   const std::optional<Heir> in_session = HeirInSession(removed, map);
@@ -107,7 +103,7 @@ PassedOnLoops LoopsPassedOn(KeyframeId removed_id, const Map& map) {
 void AddNeeded(const PassedOnLoops& loops, Map& map) {
   for (const LoopEdge& edge : loops.edges) {
     const bool has_loop = std::ranges::any_of(map.loops(), [&edge](const LoopEdge& other) {
-      return EndsAt(other, edge.old_keyframe_id) && EndsAt(other, edge.keyframe_id);
+      return other.EndsAt(edge.old_keyframe_id) && other.EndsAt(edge.keyframe_id);
     });
     if (has_loop || map.Shared(edge.old_keyframe_id, edge.keyframe_id) >= Map::kEssential) continue;
     if (loops.ends_session &&

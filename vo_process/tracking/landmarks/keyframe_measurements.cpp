@@ -33,8 +33,9 @@ int NumDetections(const Observations& seen) {
 /// Returns the number of observations of the same detection as the i-th.
 template <class Observations>
 int NumAlike(const Observations& seen, size_t i) {
-  return static_cast<int>(std::ranges::count_if(
-      seen, [&](const auto& other) { return other.second.detection == seen[i].second.detection; }));
+  const auto is_earlier = [](const auto& a, const auto& b) { return a.second.detection < b.second.detection; };
+  const auto [first, end] = std::equal_range(seen.begin(), seen.end(), seen[i], is_earlier);
+  return static_cast<int>(end - first);
 }
 
 /// Whether a landmark that the keyframe's image does not show may be added to it. A point of one detection, moved to the

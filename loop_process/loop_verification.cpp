@@ -25,7 +25,7 @@ constexpr double kMostTilt = 6.0;
 
 double Turn_rad(const SE3& T) { return T.Log().tail<3>().norm(); }
 
-double LargestEigenvalue(const Matrix6d& covariance) { return EigenvaluesOf(covariance).maxCoeff(); }
+double LargestEigenvalue(const Matrix6d& covariance) { return EigenOf<6>(covariance).values(5); }
 
 Matrix6d Isotropic(double sigma_m, double sigma_rad) {
   Matrix6d covariance = Matrix6d::Zero();

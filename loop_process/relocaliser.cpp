@@ -24,7 +24,7 @@ bool IsGood(const FoundPlace& place, const LoopOptions& options) {
   return place.inliers >= options.relocalisation.min_inliers &&
          place.landmarks.Share() >= options.relocalisation.min_inlier_share &&
          place.cells >= options.verification.min_cells &&
-         EigenvaluesOf(place.pose.covariance).maxCoeff() <= options.verification.max_eigenvalue;
+         EigenOf<6>(place.pose.covariance).values(5) <= options.verification.max_eigenvalue;
 }
 
 int32_t CountShown(const std::vector<LandmarkId>& ids) {

@@ -48,8 +48,4 @@ template std::optional<SquareMatrix<6>> CholeskyFactor<6>(const SquareMatrix<6>&
 template SymmetricEigen<3> EigenOf<3>(const SquareMatrix<3>&);
 template SymmetricEigen<6> EigenOf<6>(const SquareMatrix<6>&);
 
-Vector6d EigenvaluesOf(const Matrix6d& A) {
-  return Eigen::SelfAdjointEigenSolver<Matrix6d>(A, Eigen::EigenvaluesOnly).eigenvalues();
-}
-
 }  // namespace plslam

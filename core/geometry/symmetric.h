@@ -44,7 +44,5 @@ struct SymmetricEigen {
 };
 template <int N>
 SymmetricEigen<N> EigenOf(const SquareMatrix<N>& A);
-/// The eigenvalues alone, in increasing order.
-Vector6d EigenvaluesOf(const Matrix6d& A);
 
 }  // namespace plslam

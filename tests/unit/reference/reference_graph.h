@@ -6,27 +6,16 @@
 #include <ceres/ceres.h>
 
 #include "core/optim/pose_graph/pose_graph.h"
-#include "core/optim/reference/motion_functor.h"
 
 namespace plslam::test {
 
 /// A pose graph as a Ceres problem: the first pose is constant, and poses start where they are given.
 class ReferenceSpaceGraph {
  public:
-  ReferenceSpaceGraph(const PoseGraph<SE3>& graph, const std::vector<SE3>& T_w_kf)
-      : start_(T_w_kf), x_(T_w_kf.size(), Vector6d::Zero()) {
-    for (const auto& edge : graph.edges) {
-      const auto a = static_cast<size_t>(edge.a), b = static_cast<size_t>(edge.b);
-      using Edge = reference::EdgeFunctor;
-      auto* functor = new Edge(edge.T_a_b, edge.information, T_w_kf[a], T_w_kf[b]);
-      problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<Edge, 6, 6, 6>(functor), nullptr, x_[a].data(),
-                                x_[b].data());
-    }
-    problem_.SetParameterBlockConstant(x_[0].data());
-  }
+  ReferenceSpaceGraph(const PoseGraph<SE3>& graph, const std::vector<SE3>& T_w_kf);
 
   ceres::Problem& problem() { return problem_; }
-  SE3 T_w_kf(size_t i) const { return reference::MovedPose(start_[i], x_[i].data()); }
+  SE3 T_w_kf(size_t i) const;
 
  private:
   std::vector<SE3> start_;
@@ -37,17 +26,7 @@ class ReferenceSpaceGraph {
 /// The same in the plane.
 class ReferencePlanarGraph {
  public:
-  ReferencePlanarGraph(const PoseGraph<SE2>& graph, const std::vector<SE2>& T_w_kf) {
-    for (const SE2& T : T_w_kf) x_.emplace_back(T.translation().x(), T.translation().y(), T.angle());
-    for (const auto& edge : graph.edges) {
-      const auto a = static_cast<size_t>(edge.a), b = static_cast<size_t>(edge.b);
-      using Edge = reference::PlanarEdgeFunctor;
-      auto* functor = new Edge(edge.T_a_b.angle(), edge.T_a_b.translation(), edge.information);
-      problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<Edge, 3, 3, 3>(functor), nullptr, x_[a].data(),
-                                x_[b].data());
-    }
-    problem_.SetParameterBlockConstant(x_[0].data());
-  }
+  ReferencePlanarGraph(const PoseGraph<SE2>& graph, const std::vector<SE2>& T_w_kf);
 
   ceres::Problem& problem() { return problem_; }
   SE2 T_w_kf(size_t i) const { return SE2(x_[i].z(), x_[i].head<2>()); }

@@ -43,8 +43,9 @@ class HeardSurfacesTest : public testing::Test {
 };
 
 TEST_F(HeardSurfacesTest, LastMessagesAreAwaited) {
-  HeardSurfaces heard(*reader_, [this] { news_.Add(); });
+  // Before those of `heard`, whose news say that the message has arrived.
   reader_->Subscribe<submap_t>(bus::kSubmap, [this](const submap_t& m) { source_ = m.header.source; });
+  HeardSurfaces heard(*reader_, [this] { news_.Add(); });
   EXPECT_FALSE(heard.MayCome()) << "there is no dense_process";
   reader_.Start();
   sender_.Start();

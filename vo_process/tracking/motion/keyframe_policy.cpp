@@ -25,7 +25,7 @@ std::optional<double> MotionEntropy(const Matrix6d& covariance) {
   if (!(diagonal.minCoeff() > 0.0)) return std::nullopt;
   const Vector6d scale = diagonal.cwiseSqrt().cwiseInverse();
   const Matrix6d correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
-  const Vector6d eigenvalues = EigenvaluesOf(correlation);
+  const Vector6d eigenvalues = EigenOf<6>(correlation).values;
   if (!(eigenvalues.minCoeff() > 1e-14)) return std::nullopt;
   const double log_determinant = eigenvalues.array().log().sum() + diagonal.array().log().sum();
   return 3.0 * (1.0 + std::log(2.0 * std::numbers::pi)) + 0.5 * log_determinant;

@@ -28,7 +28,7 @@ constexpr double kLargestVoxel_m = 1.0;
 constexpr float kFarthest_m = 1e6F;  // from the origin of a submap
 constexpr double kUnit = 1e-9;       // rounding of unit quaternions
 
-constexpr FileKind kSurfaces{{'P', 'L', 'S', 'L', 'S', 'U', 'R', 'F'}, 5, "surfaces file"};
+constexpr FileKind kSurfaces{{'P', 'L', 'S', 'L', 'S', 'U', 'R', 'F'}, 6, "surfaces file"};
 
 /// Distance up to which a keyframe sees surfaces: the farthest at which its depth is in use with this error of a
 /// disparity.
@@ -62,10 +62,11 @@ struct DenseMap::StoredSubmap {
   std::vector<Volume::Block> blocks;  ///< of the newest submap; `packed`: of the others
   PackedVolume packed;
   std::vector<std::vector<float>> views;  ///< x, y, z of the eye, and of each end
+  std::vector<uint64_t> submap_of_view;   ///< number of each view's submap
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.members, self.blocks, self.packed, self.views);
+    a(self.members, self.blocks, self.packed, self.views, self.submap_of_view);
   }
 };
 
@@ -133,6 +134,7 @@ bool DenseMap::Add(const KeyframeFrame& keyframe, const DepthImage& depth, const
   const std::vector<Eigen::Vector3d> ends = MakeBoundEnds(depth, camera, T_s_kf, voxel_m_, range_m);
   if (!ends.empty()) {
     BoundedView& view = submap.views.emplace_back();
+    view.submap = submaps_.size() - 1;
     view.eye = T_s_kf.translation().cast<float>();
     view.ends.reserve(ends.size());
     for (const Eigen::Vector3d& end : ends) view.ends.push_back(end.cast<float>());
@@ -181,10 +183,12 @@ void DenseMap::Join(Submap& gone, const SE3& T_to_gone, Submap& to) const {
   }
   for (const BoundedView& view : gone.views) {
     BoundedView& moved = to.views.emplace_back();
+    moved.submap = view.submap;
     moved.ends.reserve(view.ends.size());
     moved.eye = (T_to_gone * view.eye.cast<double>()).cast<float>();
     for (const Eigen::Vector3f& end : view.ends) moved.ends.push_back((T_to_gone * end.cast<double>()).cast<float>());
   }
+  std::ranges::stable_sort(to.views, {}, &BoundedView::submap);
   if (to.views.size() > kMostViews) to.views.erase(to.views.begin(), to.views.end() - kMostViews);
   Empty(gone);
 }
@@ -229,18 +233,24 @@ void DenseMap::FollowRemovals(const KeyframePoses& poses, const KeyframePoses& l
 }
 
 Volume DenseMap::Merge(const KeyframePoses& poses, const SE3& T_a_w) const {
-  Volume merged(voxel_m_);
+  std::vector<std::optional<SE3>> T_a_submap;
+  std::vector<std::vector<std::pair<const BoundedView*, SE3>>> views_of(submaps_.size());
   for (const Submap& submap : submaps_) {
-    if (const std::optional<SE3> T_w_s = PoseOf(submap, poses)) merged.Add(*Voxels(submap, voxel_m_), T_a_w * *T_w_s);
+    std::optional<SE3> T_a_s = PoseOf(submap, poses);
+    if (T_a_s) {
+      *T_a_s = T_a_w * *T_a_s;
+      for (const BoundedView& view : submap.views) views_of[view.submap].emplace_back(&view, *T_a_s);
+    }
+    T_a_submap.push_back(T_a_s);
   }
-  for (const Submap& submap : submaps_) {
-    const std::optional<SE3> T_w_s = PoseOf(submap, poses);
-    if (!T_w_s) continue;
-    const SE3 T_a_s = T_a_w * *T_w_s;
-    for (const BoundedView& view : submap.views) {
+  // In the order of time: a bound proves nothing about later obstacles.
+  Volume merged(voxel_m_);
+  for (size_t i = 0; i < submaps_.size(); ++i) {
+    if (T_a_submap[i]) merged.Add(*Voxels(submaps_[i], voxel_m_), *T_a_submap[i]);
+    for (const auto& [view, T_a_s] : views_of[i]) {
       std::vector<Eigen::Vector3d> ends;
-      for (const Eigen::Vector3f& end : view.ends) ends.push_back(T_a_s * end.cast<double>());
-      merged.Clear(T_a_s * view.eye.cast<double>(), ends);
+      for (const Eigen::Vector3f& end : view->ends) ends.push_back(T_a_s * end.cast<double>());
+      merged.Clear(T_a_s * view->eye.cast<double>(), ends);
     }
   }
   return merged;
@@ -284,11 +294,12 @@ SurfaceCloud DenseMap::Split(const Surface& surface_w, const KeyframePoses& pose
 void DenseMap::Write(const std::string& path, const KeyframePoses& poses, const KeyframePoses& lasting) const {
   std::vector<StoredSubmap> stored;
   for (const Submap& submap : submaps_) {
-    if (submap.members.empty()) continue;
     StoredSubmap& to = stored.emplace_back();
-    to = {submap.members, {}, submap.packed, {}};
+    if (submap.members.empty()) continue;
+    to = {submap.members, {}, submap.packed, {}, {}};
     if (submap.growing) to.blocks = submap.growing->Blocks();
     for (const BoundedView& view : submap.views) {
+      to.submap_of_view.push_back(view.submap);
       std::vector<float>& numbers = to.views.emplace_back(view.eye.begin(), view.eye.end());
       for (const Eigen::Vector3f& end : view.ends) numbers.insert(numbers.end(), end.begin(), end.end());
     }
@@ -299,9 +310,12 @@ void DenseMap::Write(const std::string& path, const KeyframePoses& poses, const 
     if (!to.members.empty()) continue;
     const SE3 T_w_s = *PoseOf(submap, poses);
     const std::optional<KeyframeFrame> nearest = NearestKeyframe(lasting, T_w_s * submap.members.front().T_s_kf);
-    if (nearest) to.members.push_back({*nearest, T_w_s.Inverse() * lasting.at(*nearest)});
+    if (nearest) {
+      to.members.push_back({*nearest, T_w_s.Inverse() * lasting.at(*nearest)});
+    } else {
+      to = {};
+    }
   }
-  std::erase_if(stored, [](const StoredSubmap& submap) { return submap.members.empty(); });
   const std::vector<KeyframeFrame> fused(fused_.begin(), fused_.end());
   WriteSealedFile(path, kSurfaces, archive::ToBytes(voxel_m_, robot_, fused, stored));
 }
@@ -320,18 +334,22 @@ DenseMap DenseMap::Read(const std::string& path, double range_m) {
     map.SetRobot(std::move(robot));
     map.fused_.insert(fused.begin(), fused.end());
     for (const StoredSubmap& submap : stored) {
-      const bool are_poses = !submap.members.empty() && std::ranges::all_of(submap.members, [](const Member& member) {
+      const bool are_poses = std::ranges::all_of(submap.members, [](const Member& member) {
         return member.T_s_kf.IsFinite() && std::abs(member.T_s_kf.rotation().norm() - 1.0) < kUnit;
       });
       if (!are_poses) throw std::runtime_error("a submap has no valid pose");
       Submap& read = map.submaps_.emplace_back(Submap{submap.members, {}, submap.packed, {}});
       submap.packed.Unpack(voxel_m);  // throws for impossible values
       if (&submap == &stored.back()) read.growing = Volume::FromBlocks(voxel_m, submap.blocks);
-      for (const std::vector<float>& numbers : submap.views) {
+      if (submap.submap_of_view.size() != submap.views.size()) throw std::runtime_error("views have no submaps");
+      for (size_t k = 0; k < submap.views.size(); ++k) {
+        const std::vector<float>& numbers = submap.views[k];
         const bool are_points = numbers.size() >= 3 && numbers.size() % 3 == 0 &&
                                 std::ranges::all_of(numbers, [](float x) { return std::abs(x) < kFarthest_m; });
-        if (!are_points) throw std::runtime_error("a submap has invalid rays");
+        if (!are_points || submap.submap_of_view[k] >= stored.size())
+          throw std::runtime_error("a submap has invalid rays");
         BoundedView& view = read.views.emplace_back();
+        view.submap = submap.submap_of_view[k];
         view.eye = Eigen::Vector3f(numbers.data());
         for (size_t i = 3; i < numbers.size(); i += 3) view.ends.emplace_back(numbers.data() + i);
       }

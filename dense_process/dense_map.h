@@ -36,8 +36,9 @@ struct Robot {
 /// the map moves the submaps rigidly with their anchors, at no cost; within a submap the poses at the time of fusion remain. All but the newest
 /// are packed.
 ///
-/// A blank surface has no depth, but its surroundings bound it from below. Such rays clear obstacles of all submaps
-/// when these are merged: a person who has left the front of a blank wall. They make nothing free that was unknown.
+/// A blank surface has no depth, but its surroundings bound it from below. Such rays clear obstacles of their own and of
+/// earlier submaps when these are merged: a person who has left the front of a blank wall. They make nothing free that was
+/// unknown.
 ///
 /// Surfaces stay as long as keyframes of the map see them. A map removes a keyframe because others show the same: its
 /// surface then moves with one of those. Or it forgets a place: the surface is removed, because the place would be
@@ -100,6 +101,7 @@ class DenseMap {
  private:
   /// Rays of a keyframe through blank pixels, which are known to be free up to their ends, in s.
   struct BoundedView {
+    size_t submap = 0;  ///< number of the submap of that time, which may have joined another since
     Eigen::Vector3f eye = Eigen::Vector3f::Zero();
     std::vector<Eigen::Vector3f> ends;
   };

@@ -17,7 +17,9 @@ constexpr double kLowestObstacle_m = 0.1;
 constexpr double kLowestInVoxels = 1.5;  // the floor itself is that rough
 constexpr double kLeastHeight_m = 0.1;   // of an obstacle
 constexpr double kLeastFree_m = 0.15;    // of observed free space in a column without a floor
-constexpr double kSmallest_m2 = 0.025;   // ten cells of 5 cm
+// A column without a floor has a drop from so many heights of the lowest obstacle below the floor around it.
+constexpr double kDrop = 2.0;
+constexpr double kSmallest_m2 = 0.025;  // ten cells of 5 cm
 
 struct Column {
   float floor_m = std::numeric_limits<float>::quiet_NaN();
@@ -25,6 +27,14 @@ struct Column {
   uint16_t n_occupied = 0;
   uint16_t n_free = 0;
   bool has_floor = false;
+  bool has_ground_below = false;
+  uint16_t n_free_below = 0;
+
+  bool IsDrop() const { return !has_floor && has_ground_below; }
+  bool IsFree(double voxel_m) const {
+    const auto is_enough = [voxel_m](int n) { return n * voxel_m >= kLeastFree_m - 1e-9; };
+    return has_floor || (is_enough(n_free) && !is_enough(n_free_below) && !has_ground_below);
+  }
 };
 
 /// Height above the floor from which on there are obstacles.
@@ -111,6 +121,9 @@ GroundGrid MakeGrid(const Volume& volume, const Floor& floor, double robot_heigh
     } else if (above_m > 0.0 && above_m <= robot_height_m) {
       ++(content == Content::kOccupied ? column.n_occupied : column.n_free);
       if (content == Content::kOccupied) column.top_m = std::max(column.top_m, static_cast<float>(above_m + 0.5 * v));
+    } else if (above_m < -kDrop * lowest_m) {
+      if (content == Content::kOccupied) column.has_ground_below = true;
+      if (content == Content::kFree) ++column.n_free_below;
     }
   });
   grid.cells = cv::Mat(height, width, CV_8UC1, cv::Scalar(OccupancyGrid::kUnknown));
@@ -119,9 +132,9 @@ GroundGrid MakeGrid(const Volume& volume, const Floor& floor, double robot_heigh
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const Column& column = columns[static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)];
-      const bool is_free = column.has_floor || column.n_free * v >= kLeastFree_m - 1e-9;
+      const bool is_free = column.IsFree(v);
       free.at<uint8_t>(y, x) = is_free ? 255 : 0;
-      if (column.n_occupied * v >= kLeastHeight_m - 1e-9) {
+      if (column.IsDrop() || column.n_occupied * v >= kLeastHeight_m - 1e-9) {
         grid.cells.at<uint8_t>(y, x) = OccupancyGrid::kOccupied;
       } else if (is_free) {
         grid.cells.at<uint8_t>(y, x) = OccupancyGrid::kFree;
@@ -130,7 +143,8 @@ GroundGrid MakeGrid(const Volume& volume, const Floor& floor, double robot_heigh
   }
   for (const Eigen::Vector3d& p : path) {
     const Eigen::Vector2i cell = cell_of(p) - low;
-    grid.cells.at<uint8_t>(cell.y(), cell.x()) = OccupancyGrid::kFree;
+    uint8_t& content = grid.cells.at<uint8_t>(cell.y(), cell.x());
+    if (content == OccupancyGrid::kUnknown) content = OccupancyGrid::kFree;
   }
   RemoveSmall(grid.cells, free, v);
   for (int y = 0; y < height; ++y) {

@@ -34,9 +34,10 @@ struct GroundGrid {
 
 /// Makes the grid of a volume whose voxel (i, j, k) has its centre at voxel_m * (i + 0.5, j + 0.5, k + 0.5) of the level
 /// frame. A cell is occupied with obstacles of at least 0.1 m of height between 0.1 m (or 1.5 voxels) above the floor
-/// and `robot_height_m`, and free if its floor, or enough of the space above, was observed free. Obstacles of less than
-/// 250 cm^2 of ground (ten cells of 5 cm) are ignored. Cells of `path` (positions of the camera in the level frame) are
-/// free: the robot was there.
+/// and `robot_height_m`, or without a floor but with ground from 0.2 m (or 3 voxels) below it on: stairs, the edge of a
+/// platform. It is free if its floor was observed, or enough of the space above, and no free space below. Obstacles of less
+/// than 250 cm^2 of ground (ten cells of 5 cm) are ignored. Other cells of `path` (positions of the camera in the level
+/// frame) are free: the camera was there.
 ///
 /// Throws std::runtime_error, in one sentence with the remedy, if the space has more than `kMostCells` cells.
 GroundGrid MakeGrid(const Volume& volume, const Floor& floor, double robot_height_m,

@@ -41,6 +41,9 @@ cv::Mat TopDown(const cv::Mat& image) {
   return flipped;
 }
 
+// Keys of OctoMap have 16 bits.
+constexpr double kOctoMapKeys = 32768.0;
+
 octomap::OcTree ToOctree(const Volume& volume) {
   octomap::OcTree tree(volume.voxel_m());
   volume.Visit([&](const Volume::Voxel& voxel) {
@@ -49,7 +52,12 @@ octomap::OcTree ToOctree(const Volume& volume) {
     const Eigen::Vector3d p = volume.Centre(voxel.index) + Eigen::Vector3d::Constant(0.5 * volume.voxel_m());
     const float log_odds =
         content == Content::kOccupied ? tree.getClampingThresMaxLog() : tree.getClampingThresMinLog();
-    tree.setNodeValue(p.x(), p.y(), p.z(), log_odds, true);
+    if (tree.setNodeValue(p.x(), p.y(), p.z(), log_odds, true) == nullptr) {
+      throw std::runtime_error(fmt::format(
+          "no OctoMap: with voxels of {} m it reaches {:.0f} m from the first keyframe, and the surfaces go "
+          "farther; choose larger ones (dense.voxel_m)",
+          volume.voxel_m(), kOctoMapKeys * volume.voxel_m()));
+    }
   });
   tree.updateInnerOccupancy();
   return tree;

@@ -166,7 +166,9 @@ void DenseNode::FollowMap(const MapId& map) {
   map_.reset();
   live_.Replace();
   waiting_.Clear();
-  const std::string surfaces = std::exchange(loaded_file_, "") + ".surfaces";
+  const std::optional<bus::Order> load = std::exchange(load_, std::nullopt);
+  if (!load) return;
+  const std::string surfaces = load->argument + ".surfaces";
   if (!std::filesystem::exists(surfaces)) return;
   try {
     BeginMap(DenseMap::Read(surfaces, options_.range_m));
@@ -204,17 +206,21 @@ void DenseNode::OnCommand(const command_t& message) {
   if (order && order->verb == command_verb::kFinish) process_.Finish();
   // Orders to mapping_process, which may refuse them.
   if (message.target != process_name::kMapping) return;
-  if (message.verb == command_verb::kLoad) loaded_file_ = message.argument;
-  if (message.verb == command_verb::kReset) loaded_file_.clear();
-  if (message.verb != command_verb::kSave) return;
   const SourceId sender(message.header.source);
+  if (message.verb == command_verb::kLoad)
+    load_ = bus::Order{message.verb, message.argument, sender, message.header.seq};
+  if (message.verb == command_verb::kReset) load_.reset();
+  if (message.verb != command_verb::kSave) return;
   saves_[{sender, message.header.seq}] = {message.verb, message.argument, sender, message.header.seq};
 }
 
 /// A map that was saved gets its surfaces beside it: those of an earlier map in that file must not remain.
 void DenseNode::OnCommandAnswer(const command_answer_t& message) {
   if (message.process != process_name::kMapping) return;
-  const auto saved = saves_.extract({SourceId(message.command_source), message.command_seq});
+  const SourceId sender(message.command_source);
+  const bool is_load = load_ && load_->source == sender && load_->seq == message.command_seq;
+  if (is_load && !message.failure.empty()) load_.reset();
+  const auto saved = saves_.extract({sender, message.command_seq});
   if (saved.empty() || !message.failure.empty()) return;
   const std::string file = bus::ToSaveRequest(saved.mapped().argument).file;
   if (map_) FollowRemovals(PosesOf(sparse_->follower().map()));
@@ -364,8 +370,14 @@ void DenseNode::Write() {
     const Vertical vertical = VerticalWithSurfaces(*map_, poses, VerticalOf(map, options_.up));
     const Products products =
         MakeProducts(*map_, poses, vertical, PathOf(poses, map_->voxel_m()), options_.robot_height_m);
+    std::string failure = products.no_grid;
     for (const auto& [name, kind] : kProductKinds) {
-      if (kind != ProductKind::kMeshObj) WriteProducts(options_.out, products, kind);
+      if (kind == ProductKind::kMeshObj) continue;
+      try {
+        WriteProducts(options_.out, products, kind);
+      } catch (const std::exception& error) {
+        if (failure.empty()) failure = error.what();
+      }
     }
     live_.PublishFinal(products, map_->Split(products.surface, poses));
     CountPublished();
@@ -383,7 +395,7 @@ void DenseNode::Write() {
           "the vertical of the grid is the mean of the cameras' up, a guess: neither lines nor surfaces nor an "
           "inertial sensor show one; state how the camera is mounted (dense.up, up in the camera's own frame)");
     }
-    disk_.SetFailure(products.no_grid);
+    disk_.SetFailure(failure);
     if (const size_t n_unplaced = map_->CountUnplaced(poses); n_unplaced > 0) {
       process_.Warn("surfaces_unplaced",
                     fmt::format("{} of {} submaps are not in the files: the map has none of their keyframes (it is "

@@ -87,9 +87,9 @@ class DenseNode {
   std::optional<Camera> camera_;
   std::optional<DenseMap> map_;
   std::optional<MapId> map_id_;  ///< of the newest update
-  /// Orders to mapping_process to save the map, and the file of the newest order to load one.
+  /// Orders to mapping_process to save the map, and the newest one to load another, until the map is replaced.
   std::map<std::pair<SourceId, int64_t>, bus::Order> saves_;
-  std::string loaded_file_;
+  std::optional<bus::Order> load_;
   WaitingKeyframes waiting_;
   RunEnd end_{process_.has_launcher()};
   RunEnd::Received received_;

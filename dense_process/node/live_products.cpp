@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <utility>
 
 #include "core/bus/run_loop.h"
 #include "core/errors/log.h"
@@ -41,6 +42,9 @@ void LiveProducts::PublishFinal(const Products& products, const SurfaceCloud& cl
 }
 
 void LiveProducts::SendGrid(const Products& products) {
+  if (!products.no_grid.empty() && !std::exchange(has_no_grid_, true)) {
+    LogWarning("the grid on the bus is that of before: {}", products.no_grid);
+  }
   if (products.has_floor && products.no_grid.empty()) grid_.Publish(ToOccupancyGrid(products));
 }
 

@@ -53,6 +53,7 @@ class LiveProducts {
   double robot_height_m_;
   std::vector<double> up_c_;
   bool is_old_ = false;
+  bool has_no_grid_ = false;  ///< once it was too large, which is logged once
   double next_ms_ = 0.0;
   std::optional<Vertical> vertical_;
 };

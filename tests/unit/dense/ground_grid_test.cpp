@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "dense_process/products.h"
 
@@ -56,6 +58,59 @@ TEST(GroundGrid, ObstaclesFitUnderTheRobotsHeight) {
     const GroundGrid grid = MakeGrid(volume, Floor(Surface(), voxel_m), height_m, {});
     EXPECT_GT(cv::countNonZero(grid.cells == OccupancyGrid::kOccupied), 0) << height_m;
   }
+}
+
+/// The ground below x = 0 to 2 m, y = 0 to 1 m, seen from above; `height_m` is that of the ground at x.
+template <class Height>
+Volume SeenFromAbove(const Height& height_m) {
+  Volume volume(kCell_m / 2.0);
+  for (int i = 0; i < 10; ++i) {
+    std::vector<DepthRay> rays;
+    for (double x = 0.0; x < 2.0; x += 0.25 * kCell_m) {
+      for (double y = 0.0; y < 1.0; y += 0.25 * kCell_m) rays.push_back({{x, y, height_m(x)}, 1.0F, 100.0F, 1.0F});
+    }
+    volume.Integrate({1.0, 0.5, 1.5}, rays);
+  }
+  return volume;
+}
+
+uint8_t CellAt(const GroundGrid& grid, double x_m, double y_m) {
+  const Eigen::Vector2i cell = grid.CellAt(x_m, y_m);
+  return grid.cells.at<uint8_t>(cell.y(), cell.x());
+}
+
+TEST(GroundGrid, StairsDownAreNoFreeSpace) {
+  const Volume stairs = SeenFromAbove([](double x) { return x < 1.0 ? 0.0 : -0.5; });
+  const GroundGrid grid = MakeGrid(stairs, Floor(Surface(), stairs.voxel_m()), 1.0, {});
+  for (const double y : {0.3, 0.5, 0.7}) {
+    EXPECT_EQ(CellAt(grid, 0.5, y), OccupancyGrid::kFree) << y;
+    EXPECT_EQ(CellAt(grid, 1.4, y), OccupancyGrid::kOccupied) << y;
+  }
+}
+
+TEST(GroundGrid, ObstaclesOnThePathRemain) {
+  Volume box = SeenFromAbove([](double) { return 0.0; });
+  for (int i = 0; i < 10; ++i) {
+    std::vector<DepthRay> rays;
+    for (double x = 0.8; x < 1.2; x += 0.25 * kCell_m) {
+      for (double z = 0.1; z < 0.5; z += 0.25 * kCell_m) rays.push_back({{x, 0.5, z}, 1.0F, 100.0F, 1.0F});
+    }
+    box.Integrate({1.0, -1.0, 0.4}, rays);
+  }
+  std::vector<Eigen::Vector3d> path;
+  for (double x = 0.0; x < 4.0; x += 0.05) path.emplace_back(x, 0.5, 0.6);
+  const GroundGrid grid = MakeGrid(box, Floor(Surface(), box.voxel_m()), 1.0, path);
+  EXPECT_EQ(CellAt(grid, 1.0, 0.5), OccupancyGrid::kOccupied);
+  EXPECT_EQ(CellAt(grid, 0.4, 0.5), OccupancyGrid::kFree);
+  EXPECT_EQ(CellAt(grid, 3.0, 0.5), OccupancyGrid::kFree) << "not seen, but the camera was there";
+}
+
+TEST(Products, OctoMapThatEndsIsNamed) {
+  Volume volume(0.05);
+  const std::vector<DepthRay> ray{{{2000.0, 1.0, 0.0}, 1.0F, 100.0F, 1.0F}};
+  for (int i = 0; i < 10; ++i) volume.Integrate({2000.0, 0.0, 0.0}, ray);
+  const Products products{SE3(), {}, false, 0.0, {}, std::move(volume), {}, {}, {}};
+  EXPECT_THROW(WriteProducts(testing::TempDir(), products, ProductKind::kOctoMap), std::runtime_error);
 }
 
 TEST(Products, SurfaceAboveTheCameraIsNoFloor) {

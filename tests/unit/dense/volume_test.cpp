@@ -158,6 +158,33 @@ TEST(DenseMap, LaterBoundsClearEarlierSubmaps) {
   EXPECT_FALSE(ExtractSurface(map.Merge(poses, SE3())).vertices.empty());
 }
 
+// A box that is put before a wall after the wall was seen.
+TEST(DenseMap, BoundsLeaveLaterObstacles) {
+  DepthImage wall;
+  wall.z_m = wall.sigma_m = cv::Mat::zeros(60, 80, CV_32F);
+  wall.at_least_m = cv::Mat(60, 80, CV_32F, cv::Scalar(2.0));
+  KeyframePoses poses;
+  DenseMap map(kVoxel_m, 0.0);
+  const auto add = [&](const KeyframeFrame& name, const DepthImage& depth) {
+    poses[name] = SE3();
+    AddKeyframe(name, depth, poses, map);
+  };
+  for (int64_t i = 0; i < 3; ++i) add({1, FrameId(i)}, wall);
+  for (int64_t i = 0; i < 3; ++i) add({2, FrameId(i)}, Flat(1.0));
+  const size_t n = ExtractSurface(map.Merge(poses, SE3())).vertices.size();
+  EXPECT_GT(n, 0U);
+  // Also when the map has removed the keyframes of the wall, and after a restart.
+  KeyframePoses lasting = poses;
+  for (int64_t i = 0; i < 3; ++i) lasting.erase({1, FrameId(i)});
+  add({3, FrameId(0)}, Flat(1.0));
+  lasting[{3, FrameId(0)}] = SE3();
+  map.FollowRemovals(poses, lasting, kSmallCamera);
+  EXPECT_GE(ExtractSurface(map.Merge(poses, SE3())).vertices.size(), n);
+  const std::string path = testing::TempDir() + "later.surfaces";
+  map.Write(path, poses, lasting);
+  EXPECT_GE(ExtractSurface(DenseMap::Read(path, 0.0).Merge(lasting, SE3())).vertices.size(), n);
+}
+
 TEST(BodyMask, HullOfABodyAndItsMarginAreLeftOut) {
   const BodyPixels bodies{{0, {{100, 100}, {200, 100}, {200, 180}, {100, 180}, {150, 120}, {140, 140}}},
                           {1, {{300, 20}}}};

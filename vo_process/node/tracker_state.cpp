@@ -55,7 +55,7 @@ namespace {
 
 /// Increase the version with each change of the written data, including the fields of Odometry.
 constexpr FileKind kTrackerState{
-    {'P', 'L', 'S', 'L', 'V', 'O', 'S', 'T'}, 29, "state of a tracker", Checksum::kPoly1305};
+    {'P', 'L', 'S', 'L', 'V', 'O', 'S', 'T'}, 28, "state of a tracker", Checksum::kPoly1305};
 
 /// Number of trackers that may continue one state: the state itself may be what crashes them.
 constexpr int kMaxRestored = 5;

@@ -125,13 +125,10 @@ bool FeatureTracker::TrackPoint(const std::vector<cv::Mat>& left, const Expected
 
 /// The same for a line.
 bool FeatureTracker::TrackLine(const RectifiedPair& pair, const Known& known, const Expected& motion,
-                               FollowedLine& followed) const {
-  StereoLine& line = followed.seen;
+                               StereoLine& line) const {
   const Segment2& before = line.left.segment;
-  const auto now = [&](const Eigen::Vector2d& px, double disparity_px) -> Eigen::Vector3d {
-    return motion.T_now_previous * camera_.Backproject(Measurement(px, disparity_px));
-  };
-  const Eigen::Vector3d p = now(before.p, followed.disparities_px[0]), q = now(before.q, followed.disparities_px[1]);
+  const Eigen::Vector3d p = motion.T_now_previous * camera_.Backproject(Measurement(before.p, line.disparity_p_px));
+  const Eigen::Vector3d q = motion.T_now_previous * camera_.Backproject(Measurement(before.q, line.disparity_q_px));
   line.disparity_p_px = line.disparity_q_px = -1.0;
   if (std::min(p.z(), q.z()) < camera_.MinDepth()) return false;
   const auto level = static_cast<size_t>(line.left.octave);
@@ -141,22 +138,17 @@ bool FeatureTracker::TrackLine(const RectifiedPair& pair, const Known& known, co
   if (!left) return false;
   line.left = *left;
   line.sigma_px = EndSigma_px(line.left);
-  // Ends of what is seen may be elsewhere than expected: disparities are linear along the segment.
-  const auto expected_px = [&](const Eigen::Vector2d& px) {
+  if (pair.HasDepthMap()) return true;
+  // Ends of what is seen may be elsewhere than expected: depths along the segment are linear in the image as inverses.
+  const auto in_right = [&](const Eigen::Vector2d& px) {
     const Eigen::Vector2d along = expected.q - expected.p;
     const double at = (px - expected.p).dot(along) / along.squaredNorm();
-    return camera_.FocalBaseline() * ((1.0 - at) / p.z() + at / q.z());
-  };
-  const Segment2& segment = line.left.segment;
-  followed.disparities_px = {expected_px(segment.p), expected_px(segment.q)};
-  if (pair.HasDepthMap()) return true;
-  const auto in_right = [&](const Eigen::Vector2d& px, double disparity_px) {
+    const double disparity_px = camera_.FocalBaseline() * ((1.0 - at) / p.z() + at / q.z());
     const double measured_px = known.rows.Measured_px(px, disparity_px);
     return Eigen::Vector2d(px.x() - measured_px, px.y() + known.rows.MatchOffset_px(px, measured_px));
   };
-  const auto right = LocateSegment(
-      pair.right[level], line.left,
-      {in_right(segment.p, followed.disparities_px[0]), in_right(segment.q, followed.disparities_px[1])});
+  const Segment2& now = line.left.segment;
+  const auto right = LocateSegment(pair.right[level], line.left, {in_right(now.p), in_right(now.q)});
   if (right) {
     SetDepthFromRight(*right, pair.left.front(), pair.right.front(), known.rows, options_, known.dirt, line);
   }
@@ -175,7 +167,7 @@ void FeatureTracker::Track(const RectifiedPair& pair, const Known& known, const 
   const size_t n = lines_.size() + points_.size();
   const auto track = [&](size_t i) {
     if (i < lines_.size()) {
-      lines_[i].is_found = TrackLine(pair, known, motion, lines_[i]);
+      lines_[i].is_found = TrackLine(pair, known, motion, lines_[i].seen);
       return;
     }
     FollowedPoint& point = points_[i - lines_.size()];
@@ -204,10 +196,8 @@ void FeatureTracker::Track(const RectifiedPair& pair, const Known& known, const 
     points_[i].seen = features.points[i];
     if (features.points[i].HasDepth()) points_[i].disparity_px = features.points[i].disparity_px;
   }
-  for (size_t i = 0; i < lines_.size(); ++i) {
-    const StereoLine& seen = lines_[i].seen = features.lines[i];
-    if (seen.HasDepth()) lines_[i].disparities_px = {seen.disparity_p_px, seen.disparity_q_px};
-  }
+  for (size_t i = 0; i < lines_.size(); ++i) lines_[i].seen = features.lines[i];
+  std::erase_if(lines_, [](const FollowedLine& line) { return !line.seen.HasDepth(); });
 }
 
 StereoFeatures FeatureTracker::Features() const {
@@ -228,7 +218,7 @@ void FeatureTracker::Begin(const std::vector<cv::Mat>& left, const StereoFeature
     if (patch) points_.push_back({point, point.disparity_px, *patch, point.disparity_px, point.disparity_slope});
   }
   for (const StereoLine& line : features.lines) {
-    if (line.HasDepth()) lines_.push_back({line, {line.disparity_p_px, line.disparity_q_px}});
+    if (line.HasDepth()) lines_.push_back({line});
   }
   n_begun_ = Weight();
 }

@@ -92,16 +92,15 @@ class FeatureTracker {
     }
   };
   struct FollowedLine {
-    StereoLine seen;                 ///< in the last frame
-    Eigen::Vector2d disparities_px;  ///< the last that are known, of its ends
+    StereoLine seen;  ///< in the last frame
     bool is_found = true;
 
     template <class Archive, class Self>
     static void Fields(Archive& a, Self& self) {
       auto& seen = self.seen;
       a(seen.left.segment.p, seen.left.segment.q, seen.left.response, seen.left.octave, seen.left.descriptor,
-        seen.disparity_p_px, seen.disparity_q_px, seen.sigma_px, seen.sigma_disparity_p_px, seen.sigma_disparity_q_px,
-        self.disparities_px);
+        seen.disparity_p_px, seen.disparity_q_px, seen.sigma_px, seen.sigma_disparity_p_px,
+        seen.sigma_disparity_q_px);
     }
   };
   /// Expected motion of the camera, and its expected pose.
@@ -119,7 +118,7 @@ class FeatureTracker {
   std::optional<Expected> ImprovedFrom(const Expected& motion, const std::vector<cv::Mat>& left) const;
   std::optional<Expected> Turned(const Expected& motion, const std::vector<cv::Mat>& left) const;
   bool TrackPoint(const std::vector<cv::Mat>& left, const Expected& motion, FollowedPoint& point) const;
-  bool TrackLine(const RectifiedPair& pair, const Known& known, const Expected& motion, FollowedLine& followed) const;
+  bool TrackLine(const RectifiedPair& pair, const Known& known, const Expected& motion, StereoLine& line) const;
 
   StereoCamera camera_;
   StereoOptions options_;

@@ -240,15 +240,17 @@ void Odometry::Calibrate(const Tracked& tracked, double dt_s, TrackedFrame& fram
   if (result.state == TrackingState::kRecovered) {
     calibrator_.InterruptTiming();
   } else if (calibrator_.LearnTiming(T_odom_c_, result.T_prev_c, dt_s, frame)) {
-    RestartFrom(frame);
+    keyframes_.ForgetMeasurements();
+    CreateLandmarksAgain(frame);
   }
-  if (calibrator_.LearnDisparities(T_odom_c_, frame)) RestartFrom(frame);
-  if (calibrator_.LearnDelay(result.T_prev_c, dt_s, frame)) RestartFrom(frame);
+  if (calibrator_.LearnDisparities(T_odom_c_, frame)) {
+    keyframes_.ForgetMeasurements();
+    CreateLandmarksAgain(frame);
+  }
+  if (calibrator_.LearnDelay(result.T_prev_c, dt_s, frame)) CreateLandmarksAgain(frame);
 }
 
-/// All measurements and landmarks so far are displaced: both begin again with the corrected frame.
-void Odometry::RestartFrom(TrackedFrame& frame) {
-  keyframes_.ForgetMeasurements();
+void Odometry::CreateLandmarksAgain(TrackedFrame& frame) {
   bodies_.Forget();
   landmarks_.Initialise(T_odom_c_, frame);
 }

@@ -123,7 +123,7 @@ class Odometry {
                      const OdometryResult& result);
   void Predict(const MotionPrediction& prediction, double dt_s, OdometryResult& result);
   void MakeKeyframe(KeyframeReason reason, OdometryResult& result);
-  void RestartFrom(TrackedFrame& frame);
+  void CreateLandmarksAgain(TrackedFrame& frame);
 
   StereoCamera camera_;
   VoOptions options_;

@@ -196,29 +196,6 @@ TEST(TimingCheck, UnknownReadoutIsFoundAndApplied) {
   for (const test::OdometryFrame& frame : global) EXPECT_EQ(frame.readout_s, 0.0);
 }
 
-// The offset of a file is discarded together with its correction of the frame from which landmarks are then created.
-TEST(TimingCheck, FoundReadoutLeavesNoOldOffset) {
-  const auto dataset = OpenDataset("synthetic:room?size=640x480&frames=60&readout_ms=25", "");
-  StereoFrontEnd front_end(dataset->rig(), VoOptions());
-  Odometry odometry(front_end.camera(), VoOptions(), front_end.shutter());
-  SelfCalibration learned;
-  learned.disparities = {Eigen::Vector3d(-0.5, 0.0, 0.0), 1e-4 * Eigen::Matrix3d::Identity()};
-  odometry.Begin(learned);
-  StageTimer timer;
-  int first = 0;
-  double error_m = 0.0;
-  for (int i = 0; i < dataset->size() && (first == 0 || i <= first + 1); ++i) {
-    const StereoImages images = dataset->Read(i);
-    const OdometryResult result = odometry.Track(images.t_ns, odometry.SeePair(front_end, images, timer));
-    if (first == 0 && odometry.calibration().found_readout_s() > 0.0) first = i;
-    if (i == 0) continue;
-    const SE3 T_prev_l = dataset->GroundTruth(i - 1)->Inverse() * *dataset->GroundTruth(i);
-    error_m = (result.T_prev_c.translation() - T_prev_l.translation()).norm();
-  }
-  ASSERT_GT(first, 0);
-  EXPECT_LT(error_m, 0.003) << "after frame " << first;
-}
-
 TEST(TimingCheck, DelayIsFoundInPoorTexture) {
   const auto late = RunOf("whitewall?size=640x480&frames=80&right_late_ms=4");
   EXPECT_NEAR(late[60].late_s, 0.004, 0.0004);

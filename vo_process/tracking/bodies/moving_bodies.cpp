@@ -113,10 +113,10 @@ Separation MovingBodies::Separate(const SE3& T_odom_prev, const MotionPrediction
   }
   if (!AnyIsThere()) return result;
   const FeaturePlaces places = AllPlaces(found.matches, frame);
-  const MotionPrior prior{(T_odom_prev * prediction.T_prev_c).Inverse(), prediction.covariance};
-  AssignToBodies(world, frame, places, prior, found);
+  AssignToBodies(world, frame, places, found);
   // The remaining features of the world may not determine its motion: the predicted motion then takes part.
   if (!result.confirmed && !found.weak && found.matches.Weight() < kMinWeight) {
+    const MotionPrior prior{(T_odom_prev * prediction.T_prev_c).Inverse(), prediction.covariance};
     if (auto held = aligner_.Estimate(world, frame, found.matches, found.T_odom_c, prior)) found = std::move(*held);
     found.weak = true;
   }
@@ -132,7 +132,7 @@ void MovingBodies::SeparateKnown(double dt_s, const InertialMotionModel& inertia
   if (!AnyIsThere()) return;
   Follow(dt_s, inertial, frame, found);
   const FeaturePlaces places = AllPlaces(found.matches, frame);
-  AssignToBodies(world, frame, places, std::nullopt, found);
+  AssignToBodies(world, frame, places, found);
   NameFeatures(places, found.matches, frame);
   CreateLandmarksOnBodies(world, frame);
 }
@@ -458,9 +458,9 @@ FeaturePlaces MovingBodies::AllPlaces(const FrameMatches& of_world, const Tracke
 }
 
 // Features surrounded by a body belong to it even if they agree with the world's motion: edges that a body slides
-// along. A weak pose needed the predicted motion, and does so with fewer features.
+// along.
 void MovingBodies::AssignToBodies(const LocalLandmarks& world, const TrackedFrame& frame, const FeaturePlaces& places,
-                                  const std::optional<MotionPrior>& prior, Alignment& found) const {
+                                  Alignment& found) const {
   FrameMatches left;
   for (const LandmarkMatch& match : found.matches.points) {
     const StereoPoint& point = frame.features.points[match.feature];
@@ -471,7 +471,7 @@ void MovingBodies::AssignToBodies(const LocalLandmarks& world, const TrackedFram
   }
   if (left.Weight() == found.matches.Weight()) return;
   const bool weak = found.weak;
-  auto again = aligner_.Estimate(world, frame, left, found.T_odom_c, weak ? prior : std::nullopt);
+  auto again = aligner_.Estimate(world, frame, left, found.T_odom_c, std::nullopt);
   if (!again) return;
   found = std::move(*again);
   found.weak = weak;

@@ -240,7 +240,7 @@ class MovingBodies {
                const MotionPrediction& prediction, const InertialMotionModel& inertial, const TrackedFrame& frame,
                bool& guessed) const;
   void AssignToBodies(const LocalLandmarks& world, const TrackedFrame& frame, const FeaturePlaces& places,
-                      const std::optional<MotionPrior>& prior, Alignment& found) const;
+                      Alignment& found) const;
   void NameFeatures(const FeaturePlaces& places, const FrameMatches& of_world, TrackedFrame& frame) const;
   void CreateLandmarksOnBodies(LocalLandmarks& world, TrackedFrame& frame);
   void ReleaseStandingBodies(const SE3& T_odom_prev, const SE3& T_odom_c, LocalLandmarks& world, TrackedFrame& frame);

@@ -133,18 +133,11 @@ bool SelfCalibrator::UseFoundReadout(const Vector6d& velocity, TrackedFrame& fra
   const bool delay_is_pending = sync_.late_s() == 0.0 && delay->DiffersFrom(0.0, kPendingDelaySigmas);
   if (timing_.n_pairs() < kMinReadoutPairs || delay_is_pending) return false;
   if (!(found->value > kMinReadout_s) || !found->DiffersFrom(0.0, kMinReadoutSigmas)) return false;
-  DiscardDisparities(frame);
   shutter_.SetReadout(found->value);
   MoveToStamp(velocity, frame);
   timing_.Interrupt();
-  return true;
-}
-
-/// The frame's disparities are then as measured, like those of the next frames.
-void SelfCalibrator::DiscardDisparities(TrackedFrame& frame) {
-  CorrectDisparities(frame.features,
-                     [&](const Eigen::Vector2d& left_px, double) { return -disparities_.Offset_px(left_px.x()); });
   disparities_ = DisparityCalibration(camera_, options_.disparity_calibration);
+  return true;
 }
 
 bool SelfCalibrator::LearnDisparities(const SE3& T_odom_c, TrackedFrame& frame) {
@@ -161,7 +154,7 @@ bool SelfCalibrator::LearnDisparities(const SE3& T_odom_c, TrackedFrame& frame) 
 bool SelfCalibrator::LearnDelay(const SE3& T_prev_c, double dt_s, TrackedFrame& frame) {
   if (!sync_.Observe(frame, dt_s, timing_.EstimateOf(TimingCheck::kLate))) return false;
   rows_ = RowCalibration(camera_, options_.row_calibration);
-  DiscardDisparities(frame);
+  disparities_ = DisparityCalibration(camera_, options_.disparity_calibration);
   RemoveSkew(sync_.SkewOf(T_prev_c, dt_s), frame.features);
   return true;
 }

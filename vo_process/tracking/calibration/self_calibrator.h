@@ -102,7 +102,6 @@ class SelfCalibrator {
  private:
   bool LearnRows(const StereoFeatures& features);
   bool UseFoundReadout(const Vector6d& velocity, TrackedFrame& frame);
-  void DiscardDisparities(TrackedFrame& frame);
 
   StereoCamera camera_;
   VoOptions options_;

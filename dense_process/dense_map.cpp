@@ -61,12 +61,20 @@ struct DenseMap::StoredSubmap {
   std::vector<Member> members;
   std::vector<Volume::Block> blocks;  ///< of the newest submap; `packed`: of the others
   PackedVolume packed;
-  std::vector<std::vector<float>> views;  ///< x, y, z of the eye, and of each end
-  std::vector<uint64_t> submap_of_view;   ///< number of each view's submap
+  struct View {
+    uint64_t submap = 0;
+    std::vector<float> numbers;  ///< x, y, z of the eye, and of each end
+
+    template <class Archive, class Self>
+    static void Fields(Archive& a, Self& self) {
+      a(self.submap, self.numbers);
+    }
+  };
+  std::vector<View> views;
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.members, self.blocks, self.packed, self.views, self.submap_of_view);
+    a(self.members, self.blocks, self.packed, self.views);
   }
 };
 
@@ -296,11 +304,11 @@ void DenseMap::Write(const std::string& path, const KeyframePoses& poses, const 
   for (const Submap& submap : submaps_) {
     StoredSubmap& to = stored.emplace_back();
     if (submap.members.empty()) continue;
-    to = {submap.members, {}, submap.packed, {}, {}};
+    to = {submap.members, {}, submap.packed, {}};
     if (submap.growing) to.blocks = submap.growing->Blocks();
     for (const BoundedView& view : submap.views) {
-      to.submap_of_view.push_back(view.submap);
-      std::vector<float>& numbers = to.views.emplace_back(view.eye.begin(), view.eye.end());
+      std::vector<float>& numbers = to.views.emplace_back(StoredSubmap::View{view.submap, {}}).numbers;
+      numbers.assign(view.eye.begin(), view.eye.end());
       for (const Eigen::Vector3f& end : view.ends) numbers.insert(numbers.end(), end.begin(), end.end());
     }
     // Removed keyframes are unknown to the map that continues.
@@ -341,15 +349,12 @@ DenseMap DenseMap::Read(const std::string& path, double range_m) {
       Submap& read = map.submaps_.emplace_back(Submap{submap.members, {}, submap.packed, {}});
       submap.packed.Unpack(voxel_m);  // throws for impossible values
       if (&submap == &stored.back()) read.growing = Volume::FromBlocks(voxel_m, submap.blocks);
-      if (submap.submap_of_view.size() != submap.views.size()) throw std::runtime_error("views have no submaps");
-      for (size_t k = 0; k < submap.views.size(); ++k) {
-        const std::vector<float>& numbers = submap.views[k];
+      for (const auto& [submap_of_view, numbers] : submap.views) {
         const bool are_points = numbers.size() >= 3 && numbers.size() % 3 == 0 &&
                                 std::ranges::all_of(numbers, [](float x) { return std::abs(x) < kFarthest_m; });
-        if (!are_points || submap.submap_of_view[k] >= stored.size())
-          throw std::runtime_error("a submap has invalid rays");
+        if (!are_points || submap_of_view >= stored.size()) throw std::runtime_error("a submap has invalid rays");
         BoundedView& view = read.views.emplace_back();
-        view.submap = submap.submap_of_view[k];
+        view.submap = submap_of_view;
         view.eye = Eigen::Vector3f(numbers.data());
         for (size_t i = 3; i < numbers.size(); i += 3) view.ends.emplace_back(numbers.data() + i);
       }

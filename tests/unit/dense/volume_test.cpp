@@ -132,20 +132,29 @@ TEST(Volume, BoundedRaysRemoveObstaclesOnly) {
   EXPECT_EQ(count(volume), before) << "a bound just behind it proves nothing";
 }
 
-TEST(DenseMap, LaterBoundsClearEarlierSubmaps) {
-  const DepthImage person = Flat(1.0);
+/// No depth, but a lower bound of 2 m.
+DepthImage BlankWall() {
   DepthImage wall;
   wall.z_m = wall.sigma_m = cv::Mat::zeros(60, 80, CV_32F);
   wall.at_least_m = cv::Mat(60, 80, CV_32F, cv::Scalar(2.0));
+  return wall;
+}
+
+/// Adds the first three keyframes of a session, at the origin, with the same depth.
+void AddThree(SessionId session, const DepthImage& depth, KeyframePoses& poses, DenseMap& map) {
+  for (int64_t i = 0; i < 3; ++i) {
+    poses[{session, FrameId(i)}] = SE3();
+    AddKeyframe({session, FrameId(i)}, depth, poses, map);
+  }
+}
+
+TEST(DenseMap, LaterBoundsClearEarlierSubmaps) {
+  const DepthImage person = Flat(1.0);
   KeyframePoses poses;
   DenseMap map(kVoxel_m, 0.0);
-  const auto add = [&](const KeyframeFrame& name, const DepthImage& depth) {
-    poses[name] = SE3();
-    AddKeyframe(name, depth, poses, map);
-  };
-  for (int64_t i = 0; i < 3; ++i) add({1, FrameId(i)}, person);
+  AddThree(SessionId(1), person, poses, map);
   ASSERT_FALSE(ExtractSurface(map.Merge(poses, SE3())).vertices.empty());
-  for (int64_t i = 0; i < 3; ++i) add({2, FrameId(i)}, wall);
+  AddThree(SessionId(2), BlankWall(), poses, map);
   EXPECT_EQ(map.n_submaps(), 2U);
   EXPECT_TRUE(ExtractSurface(map.Merge(poses, SE3())).vertices.empty());
   // Also after a restart, and after a correction that moves both.
@@ -160,24 +169,17 @@ TEST(DenseMap, LaterBoundsClearEarlierSubmaps) {
 
 // A box that is put before a wall after the wall was seen.
 TEST(DenseMap, BoundsLeaveLaterObstacles) {
-  DepthImage wall;
-  wall.z_m = wall.sigma_m = cv::Mat::zeros(60, 80, CV_32F);
-  wall.at_least_m = cv::Mat(60, 80, CV_32F, cv::Scalar(2.0));
   KeyframePoses poses;
   DenseMap map(kVoxel_m, 0.0);
-  const auto add = [&](const KeyframeFrame& name, const DepthImage& depth) {
-    poses[name] = SE3();
-    AddKeyframe(name, depth, poses, map);
-  };
-  for (int64_t i = 0; i < 3; ++i) add({1, FrameId(i)}, wall);
-  for (int64_t i = 0; i < 3; ++i) add({2, FrameId(i)}, Flat(1.0));
+  AddThree(SessionId(1), BlankWall(), poses, map);
+  AddThree(SessionId(2), Flat(1.0), poses, map);
   const size_t n = ExtractSurface(map.Merge(poses, SE3())).vertices.size();
   EXPECT_GT(n, 0U);
   // Also when the map has removed the keyframes of the wall, and after a restart.
   KeyframePoses lasting = poses;
   for (int64_t i = 0; i < 3; ++i) lasting.erase({1, FrameId(i)});
-  add({3, FrameId(0)}, Flat(1.0));
-  lasting[{3, FrameId(0)}] = SE3();
+  poses[{3, FrameId(0)}] = lasting[{3, FrameId(0)}] = SE3();
+  AddKeyframe({3, FrameId(0)}, Flat(1.0), poses, map);
   map.FollowRemovals(poses, lasting, kSmallCamera);
   EXPECT_GE(ExtractSurface(map.Merge(poses, SE3())).vertices.size(), n);
   const std::string path = testing::TempDir() + "later.surfaces";
